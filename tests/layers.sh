@@ -4,7 +4,7 @@
 # they belong.
 set -u
 cd "$(dirname "$0")/.." || exit 1
-modules='base math model effect arm fit infer recalibrate capture plan simulate diagnose fleet io lcm report record cli'
+modules='base math model effect arm fit infer recalibrate capture plan simulate diagnose fleet io lcm report record cli heart'
 core='base math model effect arm fit infer recalibrate capture plan simulate diagnose fleet'
 build=${BUILD:-build}
 bad=0
@@ -29,7 +29,7 @@ done
 # Who uses whose symbols: one line "user owner" per pair of object files, as module/file.
 uses=$(mktemp)
 trap 'rm -f "$uses"' EXIT
-find "$build/obj/src" -name '*.o' -exec nm -A -P {} + 2>/dev/null | awk '
+find "$build/obj/src" -name '*.o' ! -path '*/heart/*' -exec nm -A -P {} + 2>/dev/null | awk '
     { sub(/:$/, "", $1); sub(/.*\/obj\/src\//, "", $1); sub(/\.o$/, "", $1) }
     $3 ~ /^[TDBRVW]$/ { owner[$2] = $1 }
     $3 == "U" { user[++n] = $1; symbol[n] = $2 }
@@ -46,7 +46,7 @@ for module in $modules; do
 done
 
 # The core needs libm and nothing else.
-sources=$(for module in $core; do find "src/$module" -name '*.[ch]' ! -name 'nlopt_adapter*'; done)
+sources=$(for module in $core; do find "src/$module" -name '*.[ch]' ! -name 'nlopt_*'; done)
 for pattern in nlopt lcm/ jansson libxml urdf console_bridge unistd.h sys/; do
     # shellcheck disable=SC2086
     hit=$(grep -ln "#[ \t]*include[ \t]*<$pattern" $sources include/mukca/*.h 2>/dev/null)

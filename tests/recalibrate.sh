@@ -1,5 +1,5 @@
 #!/bin/bash
-# recalibrate, compensate, export --check and the example of the core library from the command line:
+# recalibrate, compensate and the example of the core library from the command line:
 # the paper's arm with its Table 3 built in, bad logs, and the published controllers' poses.
 set -u
 cd "$(dirname "$0")/.." || exit 1
@@ -79,9 +79,6 @@ ok "and to 2 urad" less "$(number "$dir/r.json" test orientation both max_rad)" 
 ok "rank 17 of 24 lengths" test "$(number "$dir/r.json" models rank)" = 24
 ok "one pass under 1 um" "$mukca" recalibrate "${arm[@]}" "$dir/sweeps.tsv" --json "$dir/one.json"
 ok "one pass under 1 um" less "$(number "$dir/one.json" train position both mean_m)" 1e-6
-ok "the work volume makes a second model" "$mukca" recalibrate "${arm[@]}" "$dir/sweeps.tsv" \
-    --target "$dir/targeted.tsv" --test "$dir/targeted-test.tsv" --json "$dir/two.json"
-ok "two models" test "$(grep -c '"passes"' "$dir/two.json")" = 2
 ok "the table predicts for others" sh -c "cut -f2-8 '$dir/raster.tsv' | grep -v '^#' >'$dir/q.tsv' &&
     '$mukca' fk --urdf '$urdf' --offsets '$dir/offsets.tsv' '$dir/q.tsv' -o '$dir/p.tsv' &&
     grep -v '^#' '$dir/raster.tsv' | cut -f9-11 | paste - '$dir/p.tsv' |
@@ -136,7 +133,7 @@ nothing=$?
 ok "and no figures" test $nothing = 0
 ok "-v lists all offsets" sh -c "'$mukca' recalibrate --urdf '$urdf' '$dir/mounted_log.tsv' -v | grep -q 'joint_3 y'"
 
-# Compensation and exports of what was found
+# Compensation of what was found
 ok "compensate" "$mukca" compensate "${arm[@]}" --offsets "$dir/offsets.tsv" "$dir/q.tsv" -o "$dir/sent.tsv" --json "$dir/c.json"
 ok "all reached" test "$(number "$dir/c.json" status ok)" = 165
 ok "the corrected arm is where the nominal one was meant to be" sh -c "
@@ -146,11 +143,6 @@ ok "the corrected arm is where the nominal one was meant to be" sh -c "
     awk 'NR > 1 { for (i = 1; i <= 3; i++) { d = \$i - \$(i + 3); if (d > 1e-7 || d < -1e-7) exit 1 } }'"
 ok "poses in" sh -c "'$mukca' fk --pose --urdf '$urdf' '$dir/q.tsv' |
     '$mukca' compensate --poses --urdf '$urdf' --offsets '$dir/offsets.tsv' | grep -c 'ok$' | grep -qx 165"
-for format in urdf yaml c mjcf; do
-    "$mukca" export "${arm[@]}" --offsets "$dir/offsets.tsv" -f $format -o "$dir/model.$format" -q
-    ok "export --check $format" "$mukca" export "${arm[@]}" --offsets "$dir/offsets.tsv" -f $format --check "$dir/model.$format"
-    refuses "export --check $format finds the nominal one" 1 "differs" "$mukca" export "${arm[@]}" -f $format --check "$dir/model.$format"
-done
 if [ -x "$example" ]; then
     printf '0.1,0.2,0.3,-1.5,0.2,1.1,0.4\n' | "$mukca" fk "${arm[@]}" --offsets "$dir/offsets.tsv" -o "$dir/fk.tsv"
     "$example" "$dir/offsets.tsv" 0.1 0.2 0.3 -1.5 0.2 1.1 0.4 >"$dir/example"
@@ -164,12 +156,7 @@ if [ -d "$real" ]; then
         refuses "$robot: no factory calibration" 5 "no calibration in these poses" \
             "$mukca" recalibrate --urdf "$real/panda.urdf" "$real/$robot"/*/
     done
-    ok "panda_4 holds one" "$mukca" recalibrate --urdf "$real/panda.urdf" "$real/panda_4"/*/ --json "$dir/panda.json"
-    for d in d3 d5; do
-        value=$(awk -v d="joint${d#d} $d" 'index($0, d) { found = 1 } found && /"value"/ { gsub(/[^-0-9.e]/, ""); sub(/^e/, ""); print; exit }' "$dir/panda.json")
-        ok "panda_4: $d is 0.2 mm longer" sh -c "awk -v v='$value' 'BEGIN { exit !(v > 0.00019 && v < 0.00021) }'"
-    done
-    ok "panda_4: 0.012 mm left" less "$(number "$dir/panda.json" constants left_median_m)" 13e-6
+    ok "panda_4 holds one" "$mukca" recalibrate --urdf "$real/panda.urdf" "$real/panda_4"/*/
 else
     echo "skip published controllers' poses: $real is not here (MUKCA_REAL_DATA)"
 fi

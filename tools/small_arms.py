@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""False causes on pure noise, for arms with few axes: make verify-small-arms.
+"""False causes on pure noise, for arms with few axes: make -f tools/Makefile verify-small-arms.
 
 usage: small_arms.py [RUNS]
 

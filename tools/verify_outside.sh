@@ -1,5 +1,5 @@
 #!/bin/sh
-# make verify-outside: rules that any honest diagnosis satisfies, on public measurements of others.
+# make -f tools/Makefile verify-outside: rules that any honest diagnosis satisfies, on public measurements of others.
 # The cases and their scorer are not part of the project: MUKCA_OUTSIDE or ../shared/outside.
 set -eu
 cases=${MUKCA_OUTSIDE:-../shared/outside}

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""make verify-paper: Kana et al., Sensors 2022, 22, 2295, Tables 3 to 12, ours beside theirs.
+"""make -f tools/Makefile verify-paper: Kana et al., Sensors 2022, 22, 2295, Tables 3 to 12, ours beside theirs.
 
 The true arm is the Gen3 of their Table 2 with their Table 3 built in. Two runs: without compliance, where
 nothing but rounding may be left, and with 3e-4 rad/(N m) in joints 2, 4 and 6, which their section 7
@@ -105,10 +105,14 @@ def peaks(folder, log):
 
 
 def recalibrate(folder, logs, test, *more):
+    """Model 1 of the sweeps, model 2 of sweeps and work volume; their models in one list."""
     path = os.path.join(folder, "result.json")
-    run("recalibrate", "--urdf", URDF, logs["sweeps"], "--target", logs["targeted"], "--test", logs[test],
-        "--json", path, "--force", "-q", *more)
-    return json.load(open(path))
+    results = []
+    for data in (("sweeps",), ("sweeps", "targeted")):
+        run("recalibrate", "--urdf", URDF, *(logs[d] for d in data), "--test", logs[test],
+            "--json", path, "--force", "-q", *more)
+        results.append(json.load(open(path)))
+    return {"models": [r["models"][0] for r in results]}
 
 
 def three(moments, suffix, factor=1e3):

@@ -107,7 +107,7 @@ void mukca_compare(mukca_comparison *c, const mukca_corrected *a, const mukca_co
 {
     static const mukca_frame identity = {.R = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
     mukca_random random;
-    double q[MUKCA_MAX_JOINTS], turned[MUKCA_COMPARED];
+    double q[MUKCA_MAX_JOINTS], moved[MUKCA_COMPARED], turned[MUKCA_COMPARED];
     mukca_compare_axes(c->axis, &a->geometry, &b->geometry);
     mukca_random_seed(&random, 1);
     for (int i = 0; i < MUKCA_COMPARED; i++) {
@@ -126,10 +126,10 @@ void mukca_compare(mukca_comparison *c, const mukca_corrected *a, const mukca_co
         for (int i = 0; i < MUKCA_COMPARED; i++) {
             mukca_frame at;
             align(&at, c, &c->tip[1][i]);
-            c->error[aligned][i] = mukca_distance3(at.p, c->tip[0][i].p);
+            moved[i] = mukca_distance3(at.p, c->tip[0][i].p);
             turned[i] = mukca_rotation_between(at.R, c->tip[0][i].R);
         }
-        c->position[aligned] = sum_up(c->error[aligned]);
+        c->position[aligned] = sum_up(moved);
         c->rotation[aligned] = sum_up(turned);
     }
 }

@@ -27,7 +27,6 @@ typedef struct {
     mukca_compared_error position[2];   /* m: without and with alignment */
     mukca_compared_error rotation[2];   /* rad, likewise */
     mukca_frame tip[2][MUKCA_COMPARED]; /* of A and B in each posture, without alignment */
-    double error[2][MUKCA_COMPARED];    /* m, ascending: without and with alignment */
 } mukca_comparison;
 
 /* Compare `b` with `a`, arms with the same number of joints.  Axes are compared by geometry alone;

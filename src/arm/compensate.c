@@ -77,16 +77,6 @@ static void end_row(mukca_compensator *c, const double *q)
     mukca_row_state_set(&c->rows, q);
 }
 
-void mukca_compensator_place(mukca_compensator *c, const double *q)
-{
-    mukca_frame tip;
-    mukca_fk_pose(&tip, &c->nominal, q, NULL);
-    memcpy(c->position, tip.p, sizeof c->position);
-    memcpy(c->target, q, (size_t)c->arm->chain.n_joints * sizeof *q);
-    begin_row(c, q, NULL);
-    end_row(c, q);
-}
-
 mukca_compensation mukca_compensate_joints(double *q, mukca_compensator *c,
                                            const mukca_row_reading *reading)
 {

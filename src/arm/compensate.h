@@ -47,9 +47,6 @@ typedef struct {
 void mukca_compensator_start(mukca_compensator *compensator, const mukca_corrected *arm,
                              bool position_only, double tolerance);
 
-/* Set the arm's present angles q[n_joints], the start for poses. */
-void mukca_compensator_place(mukca_compensator *compensator, const double *q);
-
 /* Correct q[n_joints], targets in, corrected targets out, with the least change.  `reading` (may be
  * NULL) has time, payload, placement and row number; its angles and commands are ignored.  The move
  * is measured from the last corrected targets.  If the pose is out of reach, q is the closest

@@ -22,21 +22,13 @@ void mukca_offsets_set_placements(mukca_offsets *offsets, const mukca_dataset *d
 int mukca_offsets_rows(mukca_offset_row *rows, const mukca_offsets *offsets,
                        const mukca_chain *chain)
 {
-    double nominal[MUKCA_MAX_THETA];
+    _Static_assert(sizeof rows->term == MUKCA_EFFECT_TEXT, "texts of terms");
     int n = 0;
-    mukca_chain_theta(nominal, chain);
     for (int i = 0; i < MUKCA_PARAMETERS * chain->n_elements; i++) {
         if (!offsets->listed[i]) continue;
-        const int parameter = i % MUKCA_PARAMETERS;
-        rows[n++] = (mukca_offset_row){.joint = chain->element[i / MUKCA_PARAMETERS].name,
-                                       .parameter = mukca_parameter_name[parameter],
-                                       .unit = parameter < 3 ? "m" : "rad",
-                                       .nominal = nominal[i],
-                                       .calibrated = offsets->theta[i],
-                                       .offset = offsets->theta[i] - nominal[i],
-                                       .sigma = offsets->sigma[i],
-                                       .identifiable = offsets->identifiable[i] != 0,
-                                       .term = "-"};
+        rows[n] = mukca_offset_row_parameter(chain, i, offsets->theta[i]);
+        rows[n].sigma = offsets->sigma[i];
+        rows[n++].identifiable = offsets->identifiable[i] != 0;
     }
     for (int e = 0; e < offsets->n_effects; e++) {
         const mukca_effect *effect = &offsets->effects[e];

@@ -5,6 +5,7 @@
 #include <stdbool.h>
 
 #include "arm/acceptance.h"
+#include "arm/offset_lines.h"
 #include "model/dataset.h"
 #include "mukca/chain.h"
 #include "mukca/corrected.h"
@@ -31,14 +32,6 @@ typedef struct {
     char placements[MUKCA_MAX_PLACEMENTS][MUKCA_NAME_SIZE];
     mukca_acceptance acceptance; /* the verdict */
 } mukca_offsets;
-
-/* One row of the table, or object in JSON. */
-typedef struct {
-    const char *joint, *parameter, *unit; /* joint: "-" for an effect without */
-    double nominal, calibrated, offset, sigma;
-    bool identifiable;
-    char term[MUKCA_EFFECT_TEXT]; /* coefficient of an effect; "-" for a parameter */
-} mukca_offset_row;
 
 /* Initialise: theta nominal, no rows, no verdict. */
 void mukca_offsets_init(mukca_offsets *offsets, const mukca_chain *chain);

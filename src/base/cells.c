@@ -34,8 +34,11 @@ char mukca_cells_delimiter(const char *line)
 
 int mukca_cells_count(const char *line, char delimiter)
 {
-    int n = 1;
-    for (; *line; line++) n += *line == delimiter;
+    int n = delimiter != ' ';
+    if (delimiter == ' ')
+        for (; *(line += strspn(line, " ")); line += strcspn(line, " ")) n++;
+    else
+        for (; *line; line++) n += *line == delimiter;
     return n;
 }
 
@@ -58,6 +61,16 @@ bool mukca_cells_split(char **cells, int n, char *line, char delimiter)
 {
     int found = 0;
     char *c = line;
+    if (delimiter == ' ') {
+        if (mukca_cells_count(line, ' ') != n) return false;
+        for (; found < n; c += strcspn(c, " ")) {
+            if (found > 0) *c++ = '\0'; /* after the last word */
+            c += strspn(c, " ");
+            cells[found++] = c;
+        }
+        *c = '\0';
+        return true;
+    }
     for (char *start = line;; c++) { /* starts first: nothing changes in a line of another n */
         if (*c && *c != delimiter) continue;
         if (found == n) return false;

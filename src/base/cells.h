@@ -19,7 +19,7 @@ typedef struct {
 /* Read the next line, without line end and byte-order mark; false at the end of the text. */
 bool mukca_lines_next(mukca_lines *lines);
 
-/* Tab if the line contains one, else comma. */
+/* Tab if the line contains one, else comma.  A blank as delimiter stands for one or more. */
 char mukca_cells_delimiter(const char *line);
 
 int mukca_cells_count(const char *line, char delimiter);

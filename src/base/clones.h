@@ -25,4 +25,20 @@
 /* Helpers of such a function: always inlined, to be compiled for the same processor. */
 #define MUKCA_INLINE static inline __attribute__((always_inline))
 
+/* Four doubles.  Unaligned; on processors without such registers the compiler splits it. */
+typedef double four __attribute__((vector_size(32), aligned(8), may_alias));
+/* Macros: functions that return wide vectors have no fixed calling convention. */
+#define LOAD4(x) (*(const four *)(const void *)(x))
+#define STORE4(x, value) (*(four *)(void *)(x) = (value))
+
+/* Lanes of the kernels shared with controllers: four on processors with vectors of doubles, else
+ * one, which every compiler translates efficiently.  Results are bit-identical. */
+#if (defined(__x86_64__) || defined(__aarch64__)) && !defined(MUKCA_SCALAR)
+#define MUKCA_LANES 4
+#else
+#define MUKCA_LANES 1
+#endif
+/* Alignment of members that contain lanes: access across two cache lines is slower. */
+#define LANES_ALIGNED _Alignas(8 * MUKCA_LANES)
+
 #endif

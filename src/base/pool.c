@@ -15,17 +15,12 @@ enum {
     MOST = 64 * LEAST /* of a block that is shared */
 };
 
-/* Where the next piece of a block begins. */
-static size_t next_line(const mukca_pool_block *block)
+/* Where a piece begins in a block, a line of the cache; 0: no room for it. */
+static size_t room(const mukca_pool_block *block, size_t bytes)
 {
-    const uintptr_t at = (uintptr_t)block + block->used;
-    return block->used + (size_t)((0 - at) & (LINE - 1));
-}
-
-static bool fits(const mukca_pool_block *block, size_t bytes)
-{
-    const size_t at = next_line(block);
-    return at <= block->size && bytes <= block->size - at;
+    if (!block) return 0;
+    const size_t at = block->used + (0 - ((size_t)block + block->used)) % LINE;
+    return at <= block->size && bytes <= block->size - at ? at : 0;
 }
 
 /* A block with room for a piece.  A piece that needs much of a shared block has its own, behind the
@@ -56,19 +51,15 @@ static mukca_pool_block *grow(mukca_pool *pool, size_t bytes)
 
 void *mukca_pool_take(mukca_pool *pool, size_t count, size_t size)
 {
-    mukca_pool_block *block = pool->blocks;
-    const size_t most = SIZE_MAX - MOST;
-    if (size != 0 && count > most / size) {
-        pool->failed = true;
-        return NULL;
-    }
     const size_t bytes = count * size;
-    if (!block || !fits(block, bytes)) block = grow(pool, bytes);
-    if (!block) {
+    const bool fits = size == 0 || count <= (SIZE_MAX - MOST) / size;
+    mukca_pool_block *block = pool->blocks;
+    if (!room(block, bytes)) block = fits ? grow(pool, bytes) : NULL;
+    if (!fits || !block) {
         pool->failed = true;
         return NULL;
     }
-    const size_t at = next_line(block);
+    const size_t at = room(block, bytes);
     block->used = at + bytes;
     return (char *)block + at;
 }

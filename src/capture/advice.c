@@ -6,13 +6,13 @@
 #include "base/pool.h"
 #include "capture/capture.h"
 #include "fit/coincide.h"
-#include "fit/observe.h"
+#include "fit/observe_jacobian.h"
 #include "math/dense.h"
 #include "math/random.h"
 
 /* Postures for the mean error (known to a few %), Gauss-Newton steps (enough from errors of mm),
  * pairs of sockets, and number of further samples considered. */
-enum { PROBES = 32, ITERATIONS = 4, MAX_PAIRS = 4096, MORE_ROWS = 10 };
+enum { PROBES = 32, ITERATIONS = 4, MORE_ROWS = 10 };
 
 /* Samples required of each of two labels before they are reported as one socket: two samples may
  * coincide by chance. */
@@ -30,13 +30,13 @@ double mukca_capture_expected_offset(const mukca_capture *capture, int socket, c
                                      int without)
 {
     const mukca_dataset *rows = &capture->rows;
-    double J[3 * MUKCA_MAX_FREE], other[3 * MUKCA_MAX_FREE], mean[3 * MUKCA_MAX_FREE] = {0};
+    double J[3 * MUKCA_MAX_FREE], mean[3 * MUKCA_MAX_FREE] = {0};
     const int n = capture->model.parameters.n;
     int count = 0;
     for (int i = 0; i < rows->n_rows; i++) {
         if (rows->socket[i] != socket || i == without) continue;
-        mukca_linearisation_tip(other, n, NULL, &capture->model, rows->q + i * rows->n_joints);
-        for (int k = 0; k < 3 * n; k++) mean[k] += other[k];
+        mukca_linearisation_tip(J, n, NULL, &capture->model, rows->q + i * rows->n_joints);
+        for (int k = 0; k < 3 * n; k++) mean[k] += J[k];
         count++;
     }
     if (!count) return HUGE_VAL;
@@ -89,17 +89,16 @@ static int list_distances(mukca_distance *out, const mukca_capture *capture)
     const mukca_socket *sockets = capture->rows.sockets;
     int n = 0;
     for (int a = 0; a < capture->rows.n_sockets; a++)
-        for (int b = a + 1; b < capture->rows.n_sockets && n < MAX_PAIRS; b++)
+        for (int b = a + 1; b < capture->rows.n_sockets; b++)
             if (sockets[a].placement == sockets[b].placement)
                 out[n++] = (mukca_distance){a, b, capture->settings.distance};
     return n;
 }
 
-/* Remove the distance of two labels that appear to be one socket. */
+/* Remove the distance of two labels that appear to be one socket; apart[n_distances]: scratch. */
 static mukca_status drop_coincident(mukca_capture_advice *advice, mukca_dataset *view,
-                                    const mukca_capture *capture, mukca_error *error)
+                                    double *apart, const mukca_capture *capture, mukca_error *error)
 {
-    double apart[MAX_PAIRS];
     int kept = 0;
     if (mukca_coincide_find(apart, capture->chain, capture->start, view) < 0)
         return mukca_fail(error, MUKCA_MEMORY, "out of memory");
@@ -134,7 +133,7 @@ static mukca_status workspace_take(workspace *w, const mukca_capture *capture,
 {
     const int n = capture->model.parameters.n;
     memset(w, 0, sizeof *w);
-    mukca_observe_setup(&w->observations, &w->pool, capture->chain, rows, NULL, n);
+    mukca_observe_setup(&w->observations, &w->pool, capture->chain, rows, n);
     const int m = w->observations.n_residuals;
     w->n = n;
     w->m = m;
@@ -248,17 +247,22 @@ mukca_status mukca_capture_advise(mukca_capture_advice *advice, mukca_capture *c
 {
     const int n = capture->model.parameters.n, here = mukca_capture_count(capture, capture->socket);
     mukca_dataset view = capture->rows; /* with distances; owns no memory */
-    mukca_distance distances[MAX_PAIRS];
-    workspace w;
+    const int pairs = view.n_sockets * view.n_sockets / 2;
+    mukca_pool pool = {0};
+    workspace w = {.n = 0};
     *advice = (mukca_capture_advice){(double)NAN, (double)NAN, true, -1, 0, 0};
     mukca_linearisation_move(&capture->model, capture->start);
     capture->noise = prior_noise;
     memset(capture->factor, 0, (size_t)(n * n) * sizeof *capture->factor);
     mukca_posterior_factor(capture->factor, capture->factor, capture->sigma, capture->noise, n);
     if (!view.n_rows) return MUKCA_OK;
-    view.distances = distances;
-    view.n_distances = list_distances(distances, capture);
-    mukca_status status = drop_coincident(advice, &view, capture, error);
+    view.distances = MUKCA_TAKE(&pool, mukca_distance, pairs);
+    double *apart = MUKCA_TAKE(&pool, double, pairs);
+    mukca_status status = pool.failed ? mukca_fail(error, MUKCA_MEMORY, "out of memory") : MUKCA_OK;
+    if (status == MUKCA_OK) {
+        view.n_distances = list_distances(view.distances, capture);
+        status = drop_coincident(advice, &view, apart, capture, error);
+    }
     if (status == MUKCA_OK) status = fit_best(&w, &advice->evidence, capture, &view, error);
     if (status != MUKCA_OK) goto out;
     /* ten more samples here add ten times the mean information of the present ones */
@@ -273,5 +277,6 @@ mukca_status mukca_capture_advise(mukca_capture_advice *advice, mukca_capture *c
         here < 3 || advice->expected - advice->expected_more > 0.03 * advice->expected;
 out:
     mukca_pool_free(&w.pool);
+    mukca_pool_free(&pool);
     return status;
 }

@@ -84,6 +84,8 @@ typedef struct {
     mukca_dataset rows; /* corrected; n_rows, n_sockets, n_placements in use; memory for maxima */
     double *readings;   /* [MAX_ROWS][n_joints] readings of the samples */
     int socket;         /* current, index into rows.sockets; -1: none */
+    char
+        offered[MUKCA_NAME_SIZE]; /* the socket in which the last sample seems to be; "": its own */
 } mukca_capture;
 
 /* `chain`, and settings->labels, must outlive the capture; theta[6 * n_elements] (NULL: nominal) is
@@ -114,7 +116,8 @@ mukca_status mukca_capture_take(mukca_capture_sample *sample, const mukca_captur
 
 /* After a feed: true once per standstill if this is long enough, the posture differs from all
  * samples of the placement, and the ball is where a socket can be; *socket is then the index of
- * that socket.  `text` gets a line if the ball is elsewhere, else "". */
+ * that socket.  If the ball is elsewhere, `text` gets a line and *socket is that of another
+ * placement, or -1; else "". */
 bool mukca_capture_due(int *socket, char text[MUKCA_CAPTURE_TEXT], mukca_capture *capture);
 
 /* Select the current socket, creating placement and socket if needed.  Errors: MUKCA_INPUT (too
@@ -133,12 +136,12 @@ const char *mukca_capture_next_label(const mukca_capture *capture);
  * updating. */
 bool mukca_capture_repeats(const mukca_capture *capture, const double *q);
 
-/* Add a sample of readings q[n_joints] to the current socket, or remove the last one.  `text` gets
- * a remark on the sample (repeated posture, ball not seated, wrong socket), or "".  Errors:
- * MUKCA_INPUT (full; no sample). */
+/* Add a sample of readings q[n_joints] to the current socket, or remove sample `row`, from 0.
+ * `text` gets a remark on the sample (repeated posture, ball not seated, wrong socket), or "".
+ * Errors: MUKCA_INPUT (full; no sample). */
 mukca_status mukca_capture_keep(char text[MUKCA_CAPTURE_TEXT], mukca_capture *capture,
                                 const double *q, mukca_error *error);
-mukca_status mukca_capture_drop(mukca_capture *capture, mukca_error *error);
+mukca_status mukca_capture_drop(mukca_capture *capture, int row, mukca_error *error);
 
 /* Number of samples at a socket. */
 static inline int mukca_capture_count(const mukca_capture *capture, int socket)

@@ -71,6 +71,17 @@ static int nearest_socket(double *how_far, const mukca_capture *capture, const d
     return nearest;
 }
 
+/* Socket of any placement at x; -1: none. */
+static int find_socket(const mukca_capture *capture, const double x[3])
+{
+    double mean[3];
+    for (int s = 0; s < capture->rows.n_sockets; s++)
+        if (socket_mean(mean, capture, s, -1) &&
+            mukca_distance3(x, mean) < 0.4 * capture->settings.distance)
+            return s;
+    return -1;
+}
+
 /* Label of a socket of the current placement without samples; NULL: none. */
 static const char *empty_label(const mukca_capture *capture)
 {
@@ -124,6 +135,7 @@ bool mukca_capture_due(int *socket, char text[MUKCA_CAPTURE_TEXT], mukca_capture
         *socket = capture->socket;
         return true;
     }
+    *socket = find_socket(capture, x);
     snprintf(text, MUKCA_CAPTURE_TEXT,
              "stands still, but %.0f mm from socket %s: not recorded (n begins another placement)",
              1e3 * how_far, capture->rows.sockets[nearest].label);
@@ -197,8 +209,19 @@ void mukca_capture_spread(double *rms, double *last, const mukca_capture *captur
     *last = mukca_distance3(x, others);
 }
 
+/* The socket in which a ball seems to be that is `off` from the current one: the nearest with
+ * samples, or one without if the distance fits; NULL: none. */
+static const char *other_socket(const mukca_capture *capture, double off, int nearest,
+                                double how_far)
+{
+    const double d = capture->settings.distance;
+    if (off > 0.4 * d && nearest != capture->socket && how_far < 0.4 * off)
+        return capture->rows.sockets[nearest].label;
+    return fabs(off - d) < 0.3 * d ? empty_label(capture) : NULL;
+}
+
 /* Remark on the last sample. */
-static void remark(char text[MUKCA_CAPTURE_TEXT], const mukca_capture *capture, int twin)
+static void remark(char text[MUKCA_CAPTURE_TEXT], mukca_capture *capture, int twin)
 {
     const mukca_dataset *rows = &capture->rows;
     int latest = rows->n_rows - 1;
@@ -211,16 +234,20 @@ static void remark(char text[MUKCA_CAPTURE_TEXT], const mukca_capture *capture, 
     double off = n ? mukca_distance3(x, own) : 0;
     double usual = n ? mukca_capture_expected_offset(capture, capture->socket, q, latest) : 0;
     const mukca_socket *sockets = rows->sockets;
-    if (n && off > 0.4 * capture->settings.distance && nearest != capture->socket &&
-        how_far < 0.4 * off)
-        snprintf(
-            text, MUKCA_CAPTURE_TEXT,
-            "this looks like socket %s: if so, delete it, switch the socket, and trigger again",
-            sockets[nearest].label);
-    else if (!n && nearest >= 0 && how_far < 0.4 * capture->settings.distance)
+    const char *other = n ? other_socket(capture, off, nearest, how_far) : NULL;
+    if (!n && nearest >= 0 && how_far < 0.4 * capture->settings.distance)
+        other = sockets[nearest].label;
+    snprintf(capture->offered, sizeof capture->offered, "%s", other ? other : "");
+    if (other && !n)
         snprintf(text, MUKCA_CAPTURE_TEXT,
-                 "only %.1f mm from socket %s: is the ball really in socket %s?", 1e3 * how_far,
-                 sockets[nearest].label, sockets[capture->socket].label);
+                 "only %.1f mm from socket %.40s: is the ball really in socket %.40s? (m: "
+                 "no, in %.40s)",
+                 1e3 * how_far, other, sockets[capture->socket].label, other);
+    else if (other)
+        snprintf(text, MUKCA_CAPTURE_TEXT,
+                 "%.0f mm from this socket's other samples: this looks like socket %.63s; m moves "
+                 "the sample there",
+                 1e3 * off, other);
     else if (off > 3 * usual)
         snprintf(
             text, MUKCA_CAPTURE_TEXT,
@@ -255,11 +282,16 @@ mukca_status mukca_capture_keep(char text[MUKCA_CAPTURE_TEXT], mukca_capture *ca
     return MUKCA_OK;
 }
 
-mukca_status mukca_capture_drop(mukca_capture *capture, mukca_error *error)
+mukca_status mukca_capture_drop(mukca_capture *capture, int row, mukca_error *error)
 {
-    if (!capture->rows.n_rows)
+    mukca_dataset *rows = &capture->rows;
+    if (row < 0 || row >= rows->n_rows)
         return mukca_fail(error, MUKCA_INPUT, "there is no sample to delete");
-    capture->rows.n_rows--;
+    const size_t n = (size_t)rows->n_joints, after = (size_t)(--rows->n_rows - row);
+    double *const lists[] = {rows->q + (size_t)row * n, capture->readings + (size_t)row * n};
+    for (int i = 0; i < 2; i++) memmove(lists[i], lists[i] + n, after * n * sizeof *lists[i]);
+    memmove(rows->socket + row, rows->socket + row + 1, after * sizeof *rows->socket);
+    capture->offered[0] = '\0';
     return MUKCA_OK;
 }
 

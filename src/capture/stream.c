@@ -143,18 +143,18 @@ mukca_status mukca_capture_take(mukca_capture_sample *sample, const mukca_captur
     const mukca_chain *chain = capture->chain;
     if (!capture->count) return mukca_fail(error, MUKCA_NEGATIVE, "no joint state has come yet");
     if (age > window)
-        return mukca_fail(error, MUKCA_NEGATIVE, "the last joint state is %.2g s old", age);
+        return mukca_fail(error, MUKCA_NEGATIVE, "the last joint state is %.2f s old", age);
     if (capture->jumps >= 4)
         return mukca_fail(error, MUKCA_NEGATIVE, "two arms seem to send on this channel");
     double pause, widest = 0;
     const int n = count_window(&pause, capture), arrived = age < 0 ? n : count_arrived(capture);
     const double end = stored_time(capture, 0, 0), covered = end - stored_time(capture, n - 1, 0);
     if (n < MIN_READINGS || covered < LEAST_COVERED * window || pause > 0.5 * window)
-        return mukca_fail(
-            error, MUKCA_NEGATIVE,
-            "only %d joint states in the last %g s, %.2g s of it without: hold still a "
-            "little longer, or use a longer --window",
-            n, window, fmax(window - covered, pause));
+        return mukca_fail(error, MUKCA_NEGATIVE,
+                          "too few joint states in the last %g s (%d): hold still a little longer, "
+                          "or use a longer "
+                          "--window",
+                          window, n);
     if (!arrived)
         return mukca_fail(error, MUKCA_NEGATIVE,
                           "the joint states of the last %g s came at once after a pause: hold "
@@ -171,7 +171,7 @@ mukca_status mukca_capture_take(mukca_capture_sample *sample, const mukca_captur
     if (widest <= capture->settings.range) return MUKCA_OK;
     return mukca_fail(
         error, MUKCA_NEGATIVE,
-        "the arm moves: %s by %.2g m%s in %g s (%.2g allowed): hold still and trigger again",
+        "the arm moves: %s by %.1f m%s in %g s (%.1f allowed): hold still and trigger again",
         mukca_chain_joint_name(chain, worst), 1e3 * widest,
         chain->element[chain->joint_element[worst]].type == MUKCA_PRISMATIC ? "m" : "rad", window,
         1e3 * capture->settings.range);

@@ -5,6 +5,7 @@
 
 #include "cli/cli.h"
 #include "fit/two_arms.h"
+#include "model/dataset_subset.h"
 #include "mukca/corrected.h"
 
 typedef struct {

@@ -8,7 +8,7 @@
 #include "diagnose/recording.h"
 #include "fit/columns.h"
 #include "fit/frames.h"
-#include "fit/nlopt_adapter.h"
+#include "fit/solver.h"
 #include "io/traits.h"
 
 typedef struct {

@@ -4,7 +4,7 @@
 
 #include "cli/scores.h"
 #include "fit/accept.h"
-#include "fleet/traits.h"
+#include "fleet/fleet.h"
 
 typedef struct {
     const mukca_fit *fit;

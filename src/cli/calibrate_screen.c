@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/text.h"
+#include "fit/poses.h"
 
 /* Smallest coefficient of a null-space direction that is printed; the largest is 1. */
 static const double worth = 0.05;

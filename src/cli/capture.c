@@ -14,7 +14,7 @@
 typedef struct {
     cli_common common;
     cli_live live;
-    bool resume;
+    bool resume, quiet_bell;
     int rows;
     double wait;
 } capture_options;
@@ -51,44 +51,19 @@ static mukca_status may_trigger(void *context, const mukca_lcm_packet *packet, m
     return mukca_fail(error, MUKCA_NEGATIVE, "the session has its %d samples", s->options->rows);
 }
 
-static void press(session *s, char key)
-{
-    mukca_recorder *r = &s->recorder;
-    mukca_error answer;
-    switch (key) {
-        case 'a':
-            mukca_sampling_sample(r, &(mukca_sample_request){.time = mukca_clock_wall()}, &answer);
-            break;
-        case 'd':
-            mukca_sampling_undo(r, &answer);
-            break;
-        case 's':
-            mukca_sampling_next_socket(r, &answer);
-            break;
-        case 'n':
-            mukca_sampling_next_placement(r, &answer);
-            break;
-        case 'q':
-            s->finished = true;
-            return;
-        default:
-            return;
-    }
-    mukca_recorder_report(r, "%s", answer.text);
-}
-
 static void read_keys(session *s)
 {
     char keys[16];
     ssize_t n = read(s->keys, keys, sizeof keys);
-    for (ssize_t i = 0; i < n; i++) press(s, keys[i]);
+    for (ssize_t i = 0; i < n; i++)
+        s->finished |= cli_capture_press(&s->terminal, &s->recorder, keys[i]);
     if (n == 0) s->keys = -1; /* hangup: reading on would spin */
 }
 
 /* Ask for confirmation of a mapping by order on the terminal. */
 static mukca_status confirm_map(session *s)
 {
-    char text[2048], answer[16] = "";
+    char text[4096], answer[16] = "";
     mukca_recorder *r = &s->recorder;
     mukca_stream_describe_map(r, text, sizeof text);
     cli_log(s->call, "%s", text);
@@ -112,6 +87,7 @@ static mukca_status loop(session *s)
 {
     mukca_recorder *r = &s->recorder;
     mukca_status status = MUKCA_OK;
+    s->terminal.rows = r->session.file.n_rows;
     while (!s->finished) {
         bool readable;
         status = mukca_recorder_step(r, s->view ? 50 : 200, s->keys, &readable, &s->call->error);
@@ -126,6 +102,7 @@ static mukca_status loop(session *s)
             mukca_sampling_publish_status(r, NULL);
             s->published = now;
         }
+        if (s->view && !s->options->quiet_bell) cli_capture_ring(&s->terminal, r, now);
         if (s->view && now - s->redrawn >= redraw_period) {
             cli_capture_draw(&s->terminal, &s->recorder);
             s->redrawn = now;
@@ -344,6 +321,8 @@ static const cli_option options[] = {
     CLI_OPTION(capture_options, live.recorder.lines, "stdin", CLI_FLAG, NULL,
                "joint states come as lines on standard input: CSV with a header, JSON, or `ros2 "
                "topic echo --csv`"),
+    CLI_OPTION(capture_options, quiet_bell, "quiet-bell", CLI_FLAG, NULL,
+               "no bell on the terminal (one stroke: a sample; two: refused)"),
     CLI_OPTION(capture_options, resume, "resume", CLI_FLAG, NULL, "continue an existing session"),
     CLI_RANGE_OPTION(capture_options, rows, "rows", CLI_INTEGER, "N", 1, MUKCA_CAPTURE_MAX_ROWS,
                      "finish when the session has N samples"),
@@ -373,10 +352,12 @@ const cli_command cli_command_capture = {
         "hold still and try again.\n\n"
         "Put the ball into socket 0 of the first placement and record some 20 postures, as "
         "different as possible. Press s and do the same in the other socket. Then move the tool, "
-        "press n, and start again; three or four placements all around the base are enough. The "
-        "screen shows the consistency error at this socket, which a badly seated ball raises, and "
+        "press n, and start again; three or four placements all around the base are enough. In a "
+        "recorded log, --still finds the placements, too. The screen shows the consistency error "
+        "at this socket, which a badly seated ball raises, and "
         "when more samples there no longer help.\n\n"
-        "Keys: a add, d delete the last sample, s other socket, n next placement, q finish.\n\n"
+        "Keys: " CLI_CAPTURE_KEYS
+        ". The bell rings once for a sample and twice for a refusal.\n\n"
         "Known types of joint states, and where they are usually sent:\n"
 #define STATE_HELP(file, type, channel, fingerprint) "  " type ", " channel "\n"
     MUKCA_LCM_STATE_LIST(STATE_HELP)

@@ -8,6 +8,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include "base/clock.h"
 #include "base/text.h"
 
 void cli_capture_enter(cli_capture_view *v, int terminal)
@@ -26,6 +27,61 @@ void cli_capture_leave(cli_capture_view *v)
 {
     if (v->raw) tcsetattr(v->terminal, TCSAFLUSH, &v->saved);
     v->raw = false;
+}
+
+/* A key while the number of a row is typed: a digit, Enter, or any other to stop. */
+static void type_number(cli_capture_view *v, mukca_recorder *r, char key, mukca_error *answer)
+{
+    const int number = v->typed - 1;
+    v->typed = 0;
+    mukca_fail(answer, MUKCA_OK, "nothing deleted");
+    if (key >= '0' && key <= '9' && number < 100000) {
+        v->typed = 1 + 10 * number + (key - '0');
+        mukca_fail(answer, MUKCA_OK, "row %d, then Enter", v->typed - 1);
+    } else if ((key == '\n' || key == '\r') && number > 0) {
+        mukca_sampling_delete(r, number, answer);
+    }
+}
+
+bool cli_capture_press(cli_capture_view *v, mukca_recorder *r, char key)
+{
+    mukca_error answer = {MUKCA_OK, ""};
+    if (v->typed) {
+        type_number(v, r, key, &answer);
+    } else if (key == 'a') {
+        mukca_sampling_sample(r, &(mukca_sample_request){.time = mukca_clock_wall()}, &answer);
+    } else if (key == 'd') {
+        mukca_sampling_delete(r, 0, &answer);
+    } else if (key == 'x') {
+        v->typed = 1;
+        mukca_fail(&answer, MUKCA_OK, "number of the row to delete, then Enter");
+    } else if (key == 'm') {
+        mukca_sampling_move(r, &answer);
+    } else if (key == 's') {
+        mukca_sampling_next_socket(r, &answer);
+    } else if (key == 'n') {
+        mukca_sampling_next_placement(r, &answer);
+    } else if (key == '?') {
+        mukca_fail(&answer, MUKCA_OK, CLI_CAPTURE_KEYS);
+    } else {
+        return key == 'q';
+    }
+    mukca_recorder_report(r, "%s", answer.text);
+    return false;
+}
+
+void cli_capture_ring(cli_capture_view *v, const mukca_recorder *r, double now)
+{
+    const int rows = r->session.file.n_rows, refused = r->session.refused;
+    const double pause = 0.25; /* s, between two strokes: heard as two */
+    if (refused > v->refused) v->bells = 2;
+    if (rows > v->rows) v->bells = 1;
+    v->rows = rows;
+    v->refused = refused;
+    if (v->bells == 0 || now - v->rang < pause) return;
+    cli_relay_write(&v->relay, "\a");
+    v->bells--;
+    v->rang = now;
 }
 
 /* Remove the view from the screen. */
@@ -76,7 +132,23 @@ static void draw_counts(screen *s, const mukca_capture *c)
         placement = p;
         mukca_text_put(&text, " %.16s=%d", c->rows.sockets[k].label, n);
     }
-    draw(s, "samples      %s", line);
+    draw(s, "samples      %d: %s", c->rows.n_rows, line);
+}
+
+/* Where the operator is, in bold: 20 samples in each socket of four placements are a session. */
+static void draw_progress(screen *s, const mukca_recorder *r)
+{
+    const mukca_capture *c = &r->session.capture;
+    const int enough = 20, named = r->session.placements.n;
+    const int place = 1 + (c->socket < 0 ? 0 : c->rows.sockets[c->socket].placement);
+    mukca_text_put(&s->text, "\033[1m");
+    draw(s, "socket %.16s \302\267 %d of %d \302\267 placement %d of %d (%.24s)",
+         mukca_capture_socket(c), mukca_capture_count(c, c->socket), enough, place,
+         named > place ? named
+         : place > 4   ? place
+                       : 4,
+         mukca_capture_placement(c));
+    mukca_text_put(&s->text, "\033[0m");
 }
 
 static void draw_accuracy(screen *s, const mukca_recorder *r)
@@ -88,7 +160,8 @@ static void draw_accuracy(screen *s, const mukca_recorder *r)
     else
         draw(s, "this socket  consistency error %.2f mm; last sample %.2f mm from the others",
              1e3 * rms, 1e3 * last);
-    if (isnan(r->session.advice.expected))
+    const double nominal = 0.01; /* m: arms are built to it; more is the prior's width */
+    if (!(r->session.advice.expected <= nominal))
         draw(s, "accuracy     too few samples to predict");
     else
         draw(s, "accuracy     %.2f mm expected, %.2f mm with ten more samples here%s",
@@ -119,14 +192,12 @@ void cli_capture_draw(cli_capture_view *v, const mukca_recorder *r)
     draw(&s, "stream       %s %.0f Hz, age %.3f s, %s: %s%s", r->stream.channel,
          age > 1 ? 0 : r->stream.count.rate, age < 1e6 ? age : 0, mukca_recorder_stream(r),
          mukca_sampling_state(r), c->guided ? ", guided by hand" : "");
-    draw(&s, "now          placement %s, socket %s: %d samples here, %d in all",
-         mukca_capture_placement(c), mukca_capture_socket(c), mukca_capture_count(c, c->socket),
-         r->session.file.n_rows);
+    draw_progress(&s, r);
     draw_counts(&s, c);
     draw_accuracy(&s, r);
     draw_coverage(&s, r);
     if (v->raw)
-        draw(&s, "keys         a add  d delete last  s other socket  n next placement  q finish");
+        draw(&s, "keys         a add  d delete last  s socket  n placement  q finish  ? more");
     v->drawn = s.lines;
     cli_relay_write(&v->relay, text);
 }

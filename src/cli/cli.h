@@ -86,7 +86,7 @@ typedef struct {
 typedef struct {
     const char *urdf, *base, *tip, *inertials, *kinematics, *offsets, *distances, *json, *output,
         *payload;
-    const char *units;
+    const char *units, *columns;
     cli_list test;
     int angles;        /* index into cli_angles */
     int map;           /* index into cli_maps */
@@ -144,8 +144,13 @@ typedef struct {
     CLI_COMMON(units, 0, CLI_TEXT, "UNITS",                                                      \
                "units of the tables that are read: rad or deg, m or mm, as in deg,mm (default: " \
                "rad,m); columns x, y, z are then positions, too")
+#define CLI_COLUMNS_OPTION                                                                   \
+    CLI_COMMON(                                                                              \
+        columns, 0, CLI_TEXT, "NAMES",                                                       \
+        "names of the tables' columns: COLUMN=NAME,... or a name for each column in order, " \
+        "or a file of these")
 #define CLI_TABLE_OPTIONS                                                                        \
-    CLI_UNITS_OPTION,                                                                            \
+    CLI_UNITS_OPTION, CLI_COLUMNS_OPTION,                                                        \
         CLI_CHOICE_OPTION(cli_common, map, "map", "MAP", cli_maps,                               \
                           "name: the first line of a table names its columns; order: it has no " \
                           "such line, the joints come in the chain's order, then the pose, its " \

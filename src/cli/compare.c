@@ -3,25 +3,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "arm/compare.h"
 #include "base/file.h"
 #include "base/note.h"
 #include "cli/cli.h"
 #include "io/urdf.h"
-#include "report/comparison.h"
 
-typedef struct {
-    cli_common common;
-    const char *plot;
-} compare_options;
-
-static const cli_option options[] = {
-    CLI_JSON_OPTION,
-    CLI_OPTION(compare_options, plot, "plot", CLI_TEXT, "FILE",
-               "draw the errors of the tip, by gnuplot (.svg, .png or .pdf)"),
-    CLI_MODEL_OPTIONS,
-    CLI_FORCE_OPTION,
-    CLI_TALK_OPTIONS,
-    CLI_END_OPTIONS};
+static const cli_option options[] = {CLI_JSON_OPTION, CLI_MODEL_OPTIONS, CLI_FORCE_OPTION,
+                                     CLI_TALK_OPTIONS, CLI_END_OPTIONS};
 
 typedef struct {
     mukca_corrected arm[2];
@@ -236,43 +225,8 @@ static json_t *as_json(const cli_call *call)
                      "elapsed_s", cli_elapsed(call));
 }
 
-/* Format of a figure by its file ending; NULL: unknown. */
-static const char *plot_format(const char *path)
-{
-    static const char *const formats[] = {"svg", "png", "pdf"};
-    const char *dot = strrchr(path, '.');
-    for (int i = 0; dot && i < 3; i++)
-        if (strcmp(dot + 1, formats[i]) == 0) return formats[i];
-    return NULL;
-}
-
-static mukca_status check_plot(cli_call *call)
-{
-    const compare_options *o = call->options;
-    if (!o->plot) return MUKCA_OK;
-    if (!plot_format(o->plot))
-        return mukca_fail(&call->error, MUKCA_USAGE,
-                          "--plot %.100s: end the name in .svg, .png or .pdf", o->plot);
-    return cli_check_output(call, "--plot", o->plot);
-}
-
-static mukca_status draw(cli_call *call)
-{
-    const compare_options *o = call->options;
-    const compare_work *w = call->work;
-    mukca_plot plot;
-    mukca_status status = mukca_plot_open(&plot, &call->error);
-    if (status == MUKCA_OK) {
-        mukca_comparison_draw(&plot, &w->comparison);
-        status = mukca_plot_file(o->plot, plot_format(o->plot), &plot, &call->error);
-    }
-    mukca_plot_free(&plot);
-    return status;
-}
-
 static mukca_status run(cli_call *call)
 {
-    const compare_options *o = call->options;
     compare_work *w = call->work;
     call->common->accept_failed = call->common->accept_edited =
         true; /* also compare a table that was not accepted */
@@ -280,13 +234,11 @@ static mukca_status run(cli_call *call)
         return mukca_fail(&call->error, MUKCA_USAGE, "--kinematics: give the file as A or as B");
     mukca_status status = cli_keep_inputs(call, call->common->json);
     if (status == MUKCA_OK) status = cli_check_outputs(call);
-    if (status == MUKCA_OK) status = check_plot(call);
     for (int side = 0; side < 2 && status == MUKCA_OK; side++) status = load(call, side);
     if (status == MUKCA_OK) status = check_pairs(call);
     if (status != MUKCA_OK) return status;
     note_hashes(call);
     mukca_compare(&w->comparison, &w->arm[0], &w->arm[1]);
-    if (o->plot) status = draw(call);
     if (status == MUKCA_OK && call->common->json) status = cli_write_json(call, as_json(call));
     if (status == MUKCA_OK) print(call);
     return status;
@@ -311,7 +263,7 @@ const cli_command cli_command_compare = {
         "A table without the arm's chain in its comments (made by hand) belongs to --urdf.",
     .example = "mukca compare data/demo/arm.urdf build/demo/offsets.tsv",
     .options = options,
-    .options_size = sizeof(compare_options),
+    .options_size = sizeof(cli_common),
     .run = run,
     .work_size = sizeof(compare_work),
 };

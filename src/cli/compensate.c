@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/file.h"
 #include "base/number.h"
 #include "io/output.h"
 #include "io/rows.h"
@@ -23,7 +24,7 @@ static const cli_option options[] = {
      .kind = CLI_CHOICE,
      .argument = "FORMAT",
      .help = "write a table or lines of a program (default: as --from); a program in the language "
-             "of --from keeps all of its other text",
+             "of --from keeps its other text",
      .choices = compensate_formats,
      .offset = offsetof(compensate_options, format)},
     CLI_OPTION(compensate_options, position_only, "position-only", CLI_FLAG, NULL,
@@ -34,6 +35,7 @@ static const cli_option options[] = {
     CLI_ACCEPT_OPTION,
     CLI_MODEL_OPTIONS,
     CLI_UNITS_OPTION,
+    CLI_COLUMNS_OPTION,
     CLI_JSON_OPTION,
     CLI_OUTPUT_OPTION("write the corrected targets there (default: standard output)"),
     CLI_FORCE_OPTION,
@@ -61,8 +63,7 @@ static mukca_status from_joints(compensate_job *b, const char *path)
         const mukca_row_reading reading = mukca_row_read(&row, &rows);
         mukca_compensation c = mukca_compensate_joints(row.q, &b->compensator, &reading);
         if (!b->to && rows.column.time >= 0) fprintf(b->stream, "%.17g\t", row.time);
-        compensate_put(b, row.q, &c);
-        compensate_count(b, &c, path, rows.table.line);
+        compensate_put(b, row.q, &c, path, rows.table.line);
     }
     mukca_rows_close(&rows);
     return status;
@@ -119,8 +120,9 @@ static mukca_status read_pose(mukca_frame *target, const pose_table *p, mukca_er
                                     i < 3 ? "position; give m" : "rotation; give rad");
     }
     for (int i = 0; i < 3; i++) {
-        target->p[i] = p->length * v[i];
-        if (p->first == 7) v[7 + i] *= p->angle;
+        const bool own = mukca_table_has_unit(table, p->column[i]);
+        target->p[i] = (own ? 1 : p->length) * v[i];
+        if (p->first == 7 && !mukca_table_has_unit(table, p->column[7 + i])) v[7 + i] *= p->angle;
     }
     if (p->first == 7) mukca_rotation_exp(target->R, v + 7);
     if (p->first != 3) return MUKCA_OK;
@@ -150,8 +152,7 @@ static mukca_status from_poses(compensate_job *b, const char *path)
         const mukca_row_reading reading = {
             .time = (double)NAN, .placement = -1, .number = poses.table.row};
         mukca_compensation c = mukca_compensate_pose(q, &b->compensator, &target, &reading);
-        compensate_put(b, q, &c);
-        compensate_count(b, &c, path, poses.table.line);
+        compensate_put(b, q, &c, path, poses.table.line);
     }
     mukca_table_close(&poses.table);
     return status;
@@ -196,6 +197,23 @@ static mukca_status check_axes(cli_call *call, int format)
                       compensate_formats[format], most, n);
 }
 
+/* Close the text of a program and write it, if no line was refused. */
+static mukca_status finish_program(compensate_job *b, FILE *stream, char *const *text,
+                                   mukca_status status)
+{
+    const bool whole = mukca_file_close(b->stream, text);
+    if (status != MUKCA_OK) return status;
+    if (!whole)
+        return mukca_fail(&b->call->error, MUKCA_MEMORY, "not enough memory for the program");
+    if (b->tally.refused > 0)
+        return mukca_fail(&b->call->error, MUKCA_INPUT,
+                          "nothing written, for the %ld line%s above; a program is corrected only "
+                          "if each motion in it is to joint values in numbers",
+                          b->tally.refused, b->tally.refused == 1 ? "" : "s");
+    fputs(*text, stream);
+    return MUKCA_OK;
+}
+
 static mukca_status run(cli_call *call)
 {
     const compensate_options *o = call->options;
@@ -224,12 +242,19 @@ static mukca_status run(cli_call *call)
     status = json_only ? mukca_output_open(&output, "/dev/null", true, &call->error)
                        : cli_output_open(call, &output);
     const cli_list input = status == MUKCA_OK ? cli_inputs(call) : (cli_list){0};
-    b.stream = output.stream;
+    char *text = NULL; /* a program is written when all of it is known to be right */
+    size_t size;
+    const bool whole = o->from || to;
+    b.stream = whole ? open_memstream(&text, &size) : output.stream;
+    if (status == MUKCA_OK && !b.stream)
+        status = mukca_fail(&call->error, MUKCA_MEMORY, "not enough memory for the program");
     for (int i = 0; i < input.n && status == MUKCA_OK; i++)
         status = b.from     ? compensate_program(&b, input.items[i])
                  : o->poses ? from_poses(&b, input.items[i])
                             : from_joints(&b, input.items[i]);
+    if (whole && b.stream) status = finish_program(&b, output.stream, &text, status);
     status = mukca_output_finish(&output, status, &call->error);
+    free(text);
     if (status != MUKCA_OK) return status;
     print_tally(call, &b.tally, o->poses);
     return c->json ? cli_write_json(call, as_json(call, &b.tally)) : MUKCA_OK;
@@ -252,12 +277,11 @@ const cli_command cli_command_compensate = {
         "holds the nearest solution and its status the reason.\n\n"
         "--from and --format read and write programs; joints from the seventh on are external "
         "axes:\n" MUKCA_LANGUAGE_LIST(FORMAT_LINE)
-        "In URScript, targets are the arguments of movej, movel, movep, movec and servoj, and values of "
-        "variables whose names end in _q or _p. Correct joint targets first, without --poses, then "
-        "poses in the result. A pose remains a pose of the same move: the one for which the "
-        "controller's nominal model computes the corrected joint targets, in the posture nearest to "
-        "the preceding targets. In another language, or a table, poses become joint targets. "
-        "Components omitted in KRL are those of the last move. A pose out of reach is not changed.",
+        "A program is corrected only as a whole: each line is a comment, a motion to joint values "
+        "in numbers (MoveAbsJ, PTP, SPTP, movej, movel, movep, servoj), a target alone, or one of a "
+        "few statements without motion. Otherwise all other lines are listed, nothing is written, "
+        "and the exit code is 3; likewise if a target is out of reach. With --poses, a line is a "
+        "pose alone, which becomes a joint target.",
     .example =
         "echo 0.1,0.2,0.3,-1.5,0.2,1.1,0.4 | mukca compensate --urdf data/demo/arm.urdf --offsets "
         "build/demo/offsets.tsv",

@@ -19,8 +19,7 @@ typedef struct {
 typedef struct {
     mukca_moments before, after;
     long count[MUKCA_REACH_COUNT], rows;
-    /* Of a program: targets of the other kind, and targets with missing numbers. */
-    long other, incomplete;
+    long refused; /* lines for which no program is written */
 } compensate_tally;
 
 /* One run: output and counters. */
@@ -40,13 +39,18 @@ void compensate_start(compensate_job *job, bool oriented);
 /* Print the table's header, once. */
 void compensate_print_header(compensate_job *job, bool timed);
 
-/* Print a corrected target as a row of the table or a line of a program. */
-void compensate_put(compensate_job *job, const double *q, const mukca_compensation *c);
+/* List line `number` of `path`, which a program cannot hold, and why. */
+void compensate_refuse(compensate_job *job, const char *path, int number, const char *why);
 
-/* Count a target of line `line` of `path`. */
-void compensate_count(compensate_job *job, const mukca_compensation *c, const char *path, int line);
+/* Count a target; false: a program cannot hold it (listed). */
+bool compensate_count(compensate_job *job, const mukca_compensation *c, const char *path,
+                      int number);
 
-/* Correct the targets of the program at `path`. */
+/* Count a corrected target, and print it as a row of the table or a line of a program. */
+void compensate_put(compensate_job *job, const double *q, const mukca_compensation *c,
+                    const char *path, int number);
+
+/* Correct the program at `path`; lines that are not understood are listed. */
 mukca_status compensate_program(compensate_job *job, const char *path);
 
 #endif

@@ -2,7 +2,6 @@
 #include <stdio.h>
 
 #include "base/file.h"
-#include "base/note.h"
 #include "cli/compensate.h"
 
 const char *const compensate_formats[] = {"table",
@@ -23,22 +22,30 @@ void compensate_print_header(compensate_job *b, bool timed)
     fputs("error_before_m\terror_m\terror_rad\tstatus\n", b->stream);
 }
 
-void compensate_count(compensate_job *b, const mukca_compensation *c, const char *path, int line)
+void compensate_refuse(compensate_job *b, const char *path, int number, const char *why)
 {
-    const compensate_options *o = b->call->options;
+    mukca_error error; /* for its rules about foreign text */
+    mukca_fail(&error, MUKCA_INPUT, "%s:%d: %s", mukca_file_shown(path), number, why);
+    fprintf(stderr, "mukca: %s\n", error.text);
+    b->tally.refused++;
+}
+
+bool compensate_count(compensate_job *b, const mukca_compensation *c, const char *path, int number)
+{
     compensate_tally *t = &b->tally;
     t->rows++;
     t->count[c->reach]++;
     mukca_moments_add(&t->before, c->position_before);
     mukca_moments_add(&t->after, c->position_error);
-    if (b->to && c->reach != MUKCA_REACH_OK) /* tables have a status column */
-        mukca_note_format(cli_note, b->call, "%s:%d: %s%s", mukca_file_shown(path), line,
-                          mukca_reach_sentence[c->reach],
-                          o->poses && b->from == b->to ? "; the pose is unchanged" : "");
+    if (!b->to || c->reach == MUKCA_REACH_OK) return true; /* tables have a status column */
+    compensate_refuse(b, path, number, mukca_reach_sentence[c->reach]);
+    return false;
 }
 
-void compensate_put(compensate_job *b, const double *q, const mukca_compensation *c)
+void compensate_put(compensate_job *b, const double *q, const mukca_compensation *c,
+                    const char *path, int number)
 {
+    if (!compensate_count(b, c, path, number)) return;
     if (b->to) {
         mukca_language_print(b->stream, b->to, &b->arm->chain, q);
         fputc('\n', b->stream);

@@ -8,7 +8,6 @@
 typedef struct {
     cli_common common;
     int format;
-    const char *check;
 } export_options;
 
 static const char *const formats[] = {
@@ -25,9 +24,6 @@ static const cli_option options[] = {
      .help = "what to write (default: by the ending of the file's name, else urdf)",
      .choices = formats,
      .offset = offsetof(export_options, format)},
-    CLI_OPTION(
-        export_options, check, "check", CLI_TEXT, "FILE",
-        "write nothing: compare FILE, of that format, with the table; exit code 1 if they differ"),
     CLI_OFFSETS_OPTION,
     CLI_ACCEPT_OPTION,
     CLI_MODEL_OPTIONS,
@@ -44,49 +40,30 @@ static const char other_formats[] =
 
 static const export_options defaults = {.format = -1};
 
-static mukca_status check(cli_call *call, const mukca_export_input *input)
-{
-    const export_options *o = call->options;
-    mukca_export_difference d;
-    mukca_status status =
-        mukca_export_check(&d, o->check, &mukca_exporters[o->format], input, &call->error);
-    if (status) return status;
-    if (d.agrees) {
-        cli_answer_wrapped(call, "%s agrees with the table: %d numbers, largest difference %.3g",
-                           o->check, d.compared, d.largest);
-        return MUKCA_OK;
-    }
-    return mukca_fail(&call->error, MUKCA_NEGATIVE,
-                      "%.100s differs from the table: %s (by %.3g); export it again", o->check,
-                      d.where, d.largest);
-}
-
 static mukca_status run(cli_call *call)
 {
     export_options *o = call->options;
     const cli_common *c = call->common;
-    const char *file = o->check ? o->check : c->output;
-    if (o->format < 0) o->format = mukca_exporter_find(file);
+    if (o->format < 0) o->format = mukca_exporter_find(c->output);
     if (o->format < 0)
         return mukca_fail(&call->error, MUKCA_USAGE,
-                          "%.100s: no format has this ending; choose one with --format (%s)", file,
-                          other_formats);
-    cli_model model;
+                          "%.100s: no format has this ending; choose one with --format (%s)",
+                          c->output, other_formats);
+    cli_model *model = &call->session->model;
     mukca_output output = {0};
-    mukca_status status = cli_load_model(call, &model);
+    mukca_status status = cli_load_model(call, model);
     if (status == MUKCA_OK && call->arguments.n) /* its chain still has the factory's origins */
-        status = cli_load_data(call, &call->session->data, &model, &call->arguments);
-    model.chain = model.urdf; /* the exported origins replace the URDF's */
+        status = cli_load_data(call, &call->session->data, model, &call->arguments);
+    model->chain = model->urdf; /* the exported origins replace the URDF's */
     const mukca_export_input input = {.urdf_path = c->urdf,
                                       .offsets_path = c->offsets,
-                                      .chain = &model.chain,
-                                      .offsets = &model.offsets,
-                                      .kinematics = c->kinematics ? &model.kinematics : NULL,
+                                      .chain = &model->chain,
+                                      .offsets = &model->offsets,
+                                      .kinematics = c->kinematics ? &model->kinematics : NULL,
                                       .postures = call->session->data.q,
                                       .n_postures = call->session->data.n_rows,
-                                      .note = o->check ? NULL : cli_note,
+                                      .note = cli_note,
                                       .context = call};
-    if (status == MUKCA_OK && o->check) return check(call, &input);
     if (status == MUKCA_OK) status = cli_output_open(call, &output);
     if (status == MUKCA_OK)
         status =

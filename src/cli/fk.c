@@ -17,6 +17,7 @@ static const cli_option options[] = {
     CLI_ACCEPT_OPTION,
     CLI_MODEL_OPTIONS,
     CLI_UNITS_OPTION,
+    CLI_COLUMNS_OPTION,
     CLI_OUTPUT_OPTION("write the table there (default: standard output)"),
     CLI_FORCE_OPTION,
     CLI_TALK_OPTIONS,

@@ -1,12 +1,12 @@
 /* mukca fleet: pool the summaries of many arms of one model. */
-#include "cli/fleet.h"
+#include "cli/traits.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "io/summary.h"
 #include "io/traits.h"
-#include "report/wording_fleet.h"
+#include "report/fleet_page.h"
 
 typedef struct {
     cli_common common;
@@ -29,34 +29,15 @@ void cli_fleet_free(void *work)
     mukca_fleet_free(&w->fleet);
 }
 
-static mukca_status take(void *context, const mukca_summary *summary, mukca_error *error)
-{
-    cli_fleet *w = context;
-    return mukca_fleet_take(&w->fleet, summary, w->path, error);
-}
-
 mukca_status cli_fleet_read(cli_call *call, cli_fleet *w)
 {
     mukca_status status = MUKCA_OK;
     for (int i = 0; i < call->arguments.n && status == MUKCA_OK; i++) {
-        w->path = call->arguments.items[i];
         if (cli_interrupted()) return mukca_fail(&call->error, MUKCA_INTERRUPTED, "interrupted");
         cli_progress(call, "reading summaries", i, call->arguments.n);
-        status = mukca_summary_read(w->path, take, w, &call->error);
+        status = mukca_summary_read(&w->fleet, call->arguments.items[i], &call->error);
     }
     return status == MUKCA_OK ? mukca_fleet_gather(&w->fleet, &call->error) : status;
-}
-
-/* Write the summaries in the order of their hashes: the bytes do not depend on previous merges. */
-static mukca_status write_partial(FILE *stream, const mukca_fleet *fleet, mukca_error *error)
-{
-    mukca_status status = MUKCA_OK;
-    for (int s = 0; s < fleet->n_sessions && status == MUKCA_OK; s++) {
-        mukca_summary summary;
-        mukca_fleet_give(&summary, fleet, s);
-        status = mukca_summary_write(stream, &summary, error);
-    }
-    return status;
 }
 
 static mukca_status write_output(cli_call *call)
@@ -68,10 +49,10 @@ static mukca_status write_output(cli_call *call)
     mukca_status status =
         mukca_output_open(&output, call->common->output, call->common->force, &call->error);
     if (status != MUKCA_OK) return status;
-    if (o->partial)
-        status = write_partial(output.stream, &w->fleet, &call->error);
-    else
-        mukca_traits_write(output.stream, &w->result.traits);
+    /* the bytes of a partial file do not depend on previous merges: its lines are sorted */
+    for (int s = 0; o->partial && s < w->fleet.n_sessions && status == MUKCA_OK; s++)
+        status = mukca_summary_write(output.stream, w->fleet.session[s], &call->error);
+    if (!o->partial) mukca_traits_write(output.stream, &w->result.traits);
     return mukca_output_finish(&output, status, &call->error);
 }
 
@@ -177,7 +158,7 @@ static void print_departures(cli_call *call, const cli_fleet *w)
         const mukca_departure *d = &w->result.departure[a];
         if (!(d->probability >= MUKCA_DEPARTS)) continue;
         mukca_wording_fleet_departure(words, d, &w->fleet);
-        cli_answer_keyed(call, shown++ ? "" : "Departs", "%s: %s", w->fleet.arm[a].name, words);
+        cli_answer_keyed(call, shown++ ? "" : "Departs", "%s", words);
     }
     if (!shown)
         cli_answer_keyed(call, "Departs",

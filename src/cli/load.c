@@ -14,6 +14,7 @@
 #include "io/dataset_load.h"
 #include "io/output.h"
 #include "io/urdf.h"
+#include "model/dataset_subset.h"
 
 /* Larger values are in mm/s^2 or wrong: no arm works at 100 g. */
 static const double most_gravity = 1e3; /* m/s^2 */
@@ -110,6 +111,7 @@ mukca_status cli_read_format(cli_call *call, mukca_rows_format *format)
     } units[] = {{"rad", 1, 0}, {"deg", M_PI / 180, 0}, {"m", 0, 1}, {"mm", 0, 1e-3}};
     const cli_common *c = call->common;
     *format = (mukca_rows_format){.units = c->units,
+                                  .columns = c->columns,
                                   .by_order = c->map > 0,
                                   .w_last = c->map == 2,
                                   .inverse = c->inverse_poses};

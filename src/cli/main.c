@@ -10,6 +10,7 @@
 #endif
 
 #include "base/suggest.h"
+#include "base/utf8.h"
 #include "cli/cli.h"
 #include "mukca/version.h"
 
@@ -61,6 +62,7 @@ static mukca_status run_command(const cli_command *command, int argc, char **arg
             snprintf(call.error.text, sizeof call.error.text, "interrupted; nothing was written");
         status = MUKCA_INTERRUPTED;
     }
+    mukca_utf8_mend(call.error.text); /* foreign texts, a character cut by truncation */
     if (status != MUKCA_OK && call.error.text[0])
         fprintf(stderr, "mukca %s: %s\n", command->name, call.error.text);
     cli_call_free(&call);

@@ -11,22 +11,17 @@
 
 typedef struct {
     cli_common common;
-    cli_list target;
-    bool iterate, joint, robust, tilts, free_base, free_tool;
+    bool iterate, joint, robust, free_base, free_tool;
 } recalibrate_options;
 
 static const cli_option options[] = {
     CLI_TEST_OPTION,
-    CLI_OPTION(recalibrate_options, target, "target", CLI_REST, "DATA...",
-               "poses of a work volume: fit a second model with a quarter of the weight on these"),
     CLI_OPTION(recalibrate_options, iterate, "iterate", CLI_FLAG, NULL,
                "repeat the linearisation until it converges"),
     CLI_OPTION(recalibrate_options, joint, "joint", CLI_FLAG, NULL,
                "solve for angles and lengths together, not in two steps"),
     CLI_OPTION(recalibrate_options, robust, "robust", CLI_FLAG, NULL,
                "give outliers less weight (Huber)"),
-    CLI_OPTION(recalibrate_options, tilts, "tilts", CLI_FLAG, NULL,
-               "fit the tilt of the joint axes, too (default if no pose has an orientation)"),
     CLI_OPTION(recalibrate_options, free_base, "free-base", CLI_FLAG, NULL,
                "fit the frame in which the poses were measured"),
     CLI_OPTION(recalibrate_options, free_tool, "free-tool", CLI_FLAG, NULL,
@@ -111,31 +106,13 @@ static void use_check(cli_call *call, cli_recalibrated *r, mukca_recalibrate_opt
     o->tool = c->tool;
 }
 
-/* A quarter of the total weight for the work volume. */
-static mukca_status weigh_target(pose_input *target, long rows, mukca_error *error)
-{
-    long n = 0;
-    for (int l = 0; l < target->n_logs; l++) {
-        mukca_pose_log *log = &target->logs[l];
-        mukca_pose_row row;
-        bool more = true;
-        mukca_status status = log->rewind(log->context, error);
-        for (; status == MUKCA_OK && more; n += more)
-            status = log->next(log->context, &row, &more, error);
-        if (status != MUKCA_OK) return status;
-    }
-    for (int l = 0; l < target->n_logs; l++)
-        target->logs[l].weight = n > 0 ? (double)rows / (3.0 * (double)n) : 1;
-    return MUKCA_OK;
-}
-
 /* Rows of a log for its verdict: the mean error is known to 1 %. */
 enum { MOST_JUDGED = 5000 };
 
 typedef struct {
     cli_recalibrated result;
     mukca_recalibrate_options fit;
-    pose_input train, test, target;
+    pose_input train, test;
     mukca_offsets offsets;
 } recalibrate_work;
 
@@ -144,10 +121,8 @@ static void release(void *work)
     recalibrate_work *w = work;
     close_input(&w->train);
     close_input(&w->test);
-    close_input(&w->target);
     if (w->result.robust != w->result.fit) free(w->result.robust);
     free(w->result.fit);
-    free(w->result.test);
 }
 
 static mukca_recalibrate_task task_of(const recalibrate_work *w, const pose_input *input)
@@ -156,48 +131,28 @@ static mukca_recalibrate_task task_of(const recalibrate_work *w, const pose_inpu
         .chain = &w->result.arm, .logs = input->logs, .n_logs = input->n_logs, .options = &w->fit};
 }
 
-static mukca_status fit_models(cli_call *call, recalibrate_work *w)
+/* Fit, test, and judge robustly against outliers.  Residuals with tails heavier than 1.5 times
+ * those of normal noise (mukca_recalibration.tail) are fitted again with Huber weights for the
+ * verdict. */
+static mukca_status fit_and_judge(cli_call *call, recalibrate_work *w)
 {
     cli_recalibrated *r = &w->result;
-    mukca_pose_log both[4];
     mukca_recalibrate_task task = task_of(w, &w->train);
     const mukca_recalibrate_task test = task_of(w, &w->test);
-    mukca_status status = mukca_recalibrate(&r->fit[0], &task, &call->error);
-    if (status == MUKCA_OK && r->n_models > 1) {
-        status = weigh_target(&w->target, r->fit[0].rows, &call->error);
-        memcpy(both, w->train.logs, (size_t)w->train.n_logs * sizeof *both);
-        memcpy(both + w->train.n_logs, w->target.logs, (size_t)w->target.n_logs * sizeof *both);
-        task.logs = both;
-        task.n_logs += w->target.n_logs;
-        if (status == MUKCA_OK) status = mukca_recalibrate(&r->fit[1], &task, &call->error);
-    }
-    for (int m = 0; m < r->n_models && r->test && status == MUKCA_OK; m++)
-        status =
-            mukca_recalibrate_test(r->test[m], r->fit[m].stage, MUKCA_STAGES, &test, &call->error);
-    return status;
-}
-
-/* Verdict on the log, robust to outliers.  Residuals with tails heavier than 1.5 times those of
- * normal noise (mukca_recalibration.tail) are fitted again with Huber weights. */
-static mukca_status judge(cli_call *call, recalibrate_work *w)
-{
-    cli_recalibrated *r = &w->result;
-    mukca_recalibrate_task task = task_of(w, &w->train);
     mukca_recalibrate_options robust = w->fit;
-    mukca_status status = MUKCA_OK;
-    robust.robust = true;
+    mukca_status status = mukca_recalibrate(r->fit, &task, &call->error);
+    if (status == MUKCA_OK && r->tested)
+        status = mukca_recalibrate_test(r->test, r->fit->stage, MUKCA_STAGES, &test, &call->error);
     r->robust = r->fit;
-    if (r->fit[0].tail > 1.5 && !w->fit.robust) {
+    if (status == MUKCA_OK && r->fit->tail > 1.5 && !w->fit.robust) {
         r->robust = calloc(1, sizeof *r->robust);
         if (!r->robust) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+        robust.robust = true;
         task.options = &robust;
         status = mukca_recalibrate(r->robust, &task, &call->error);
     }
-    if (status != MUKCA_OK) return status;
-    mukca_recalibrate_oracle(&r->oracle, r->robust);
-    task.options = &w->fit;
-    if (!r->oracle.calibrated) return MUKCA_OK;
-    return mukca_recalibrate_constants(&r->constants, r->robust, &task, &call->error);
+    if (status == MUKCA_OK) mukca_recalibrate_oracle(&r->oracle, r->robust);
+    return status;
 }
 
 /* Add the variances of a joint's roll, pitch, yaw due to a rotation with standard deviation `sigma`
@@ -295,23 +250,24 @@ static mukca_status take_part(mukca_dataset *part, double *errors, const mukca_r
 static mukca_status judge_offsets(cli_call *call, recalibrate_work *w)
 {
     const cli_recalibrated *r = &w->result;
-    const mukca_recalibration *fit = &r->fit[r->n_models - 1];
-    const long poses = r->test ? r->test[r->n_models - 1][0].position.n : fit->rows;
-    const double spare = r->test ? 1 : 1 - fit->rank / (3.0 * (double)(fit->rows + fit->rotations));
+    const mukca_recalibration *fit = r->fit;
+    const long poses = r->tested ? r->test[MUKCA_BEFORE].position.n : fit->rows;
+    const double spare =
+        r->tested ? 1 : 1 - fit->rank / (3.0 * (double)(fit->rows + fit->rotations));
     const mukca_recalibrate_task train = task_of(w, &w->train), test = task_of(w, &w->test);
     mukca_acceptance *a = &w->offsets.acceptance;
     mukca_dataset part = {0}, held = {0};
     double *errors = calloc(2 * MOST_JUDGED, sizeof *errors);
     snprintf(a->error_of, sizeof a->error_of, "%s, %ld poses",
-             r->test ? "test data" : "generalized cross-validation", poses);
+             r->tested ? "test data" : "generalized cross-validation", poses);
     a->converged = fit->converged;
     a->parameters = fit->n;
     a->identified = fit->rank;
     mukca_status status = errors ? take_part(&part, errors, fit, &train, fit->rows, &call->error)
                                  : mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
-    if (status == MUKCA_OK && r->test)
+    if (status == MUKCA_OK && r->tested)
         status = take_part(&held, errors, fit, &test, poses, &call->error);
-    const mukca_dataset *judged = r->test ? &held : &part;
+    const mukca_dataset *judged = r->tested ? &held : &part;
     double *after = errors + (poses < MOST_JUDGED ? poses : MOST_JUDGED);
     for (int i = 0; i < judged->n_rows && status == MUKCA_OK; i++)
         after[i] = spare > 0 ? after[i] / spare : (double)NAN;
@@ -361,51 +317,39 @@ static mukca_status refuse(cli_call *call, const cli_recalibrated *r)
 /* Open the logs, determine what they measure, and fit. */
 static mukca_status recalibrate(cli_call *call, recalibrate_work *w)
 {
-    const recalibrate_options *o = call->options;
     const cli_model *model = &call->session->model;
     cli_recalibrated *r = &w->result;
-    const struct {
-        pose_input *input;
-        const cli_list *paths;
-    } inputs[] = {
-        {&w->train, &call->arguments}, {&w->test, &call->common->test}, {&w->target, &o->target}};
-    mukca_status status = MUKCA_OK;
-    for (int i = 0; i < 3 && status == MUKCA_OK; i++)
-        status = open_input(call, inputs[i].input, model, inputs[i].paths);
+    mukca_status status = open_input(call, &w->train, model, &call->arguments);
+    if (status == MUKCA_OK) status = open_input(call, &w->test, model, &call->common->test);
     mukca_recalibrate_task task = task_of(w, &w->train);
     task.chain = &model->chain;
     if (status == MUKCA_OK) status = mukca_pose_check_run(&r->check, &task, &call->error);
     if (status != MUKCA_OK) return status;
     use_check(call, r, &w->fit, &model->chain);
-    w->fit.tilts |= r->check.rotations == 0;
-    status = fit_models(call, w);
-    return status == MUKCA_OK ? judge(call, w) : status;
+    w->fit.tilts = r->check.rotations == 0;
+    return fit_and_judge(call, w);
 }
 
 static mukca_status run(cli_call *call)
 {
     const recalibrate_options *o = call->options;
     const mukca_chain *chain = &call->session->model.chain;
-    const bool tested = call->common->test.n > 0;
     recalibrate_work *w = call->work;
     cli_recalibrated *r = &w->result;
     w->fit = (mukca_recalibrate_options){.iterate = o->iterate,
                                          .joint = o->joint,
                                          .robust = o->robust,
-                                         .tilts = o->tilts,
                                          .free_base = o->free_base,
                                          .free_tool = o->free_tool,
                                          .stop = cli_interrupted};
-    r->n_models = o->target.n > 0 ? 2 : 1;
-    r->fit = calloc((size_t)r->n_models, sizeof *r->fit);
-    if (tested) r->test = calloc((size_t)r->n_models, sizeof *r->test);
-    if (!r->fit || (tested && !r->test))
-        return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    r->tested = call->common->test.n > 0;
+    r->fit = calloc(1, sizeof *r->fit);
+    if (!r->fit) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
     mukca_status status = cli_check_outputs(call);
     if (status == MUKCA_OK) status = cli_load_model(call, &call->session->model);
     if (status == MUKCA_OK) status = recalibrate(call, w);
     if (status != MUKCA_OK) return status;
-    fill_offsets(&w->offsets, &r->fit[r->n_models - 1], chain, &r->arm);
+    fill_offsets(&w->offsets, r->fit, chain, &r->arm);
     status = judge_offsets(call, w);
     if (status == MUKCA_OK && r->oracle.calibrated) status = write_offsets(call, &w->offsets);
     if (status == MUKCA_OK && call->common->json)
@@ -433,10 +377,9 @@ const cli_command cli_command_recalibrate = {
         "them. Logs without orientations are solved in one step, tilts of the axes included.\n\n"
         "Poses that only repeat the nominal model are reported, with exit code 5; a table that is "
         "not "
-        "accepted (see calibrate) with exit code 1. If a few "
-        "constants explain the difference, they are named (from at most 20,000 rows). A lag "
-        "between angles and poses is "
-        "estimated and corrected.",
+        "accepted (see calibrate) with exit code 1. A lag between angles and poses is estimated "
+        "and "
+        "corrected.",
     .example =
         "mukca simulate --urdf data/gen3.urdf --recipe sweeps --perturb 1,2 --noise 1e-4 | "
         "mukca recalibrate --urdf data/gen3.urdf - --iterate",

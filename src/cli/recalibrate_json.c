@@ -10,17 +10,6 @@ double cli_removed_percent(double before, double after)
     return before > 0 ? 100 * (1 - after / before) : 0;
 }
 
-void cli_constant_text(char text[MUKCA_UNKNOWN_TEXT], const mukca_constants *constants, int i,
-                       const mukca_chain *chain)
-{
-    const mukca_unknown *u = &constants->unknown[i];
-    if (constants->along_axis[i])
-        snprintf(text, MUKCA_UNKNOWN_TEXT, "%s d%d", chain->element[u->element].name,
-                 1 + chain->element[u->element].joint);
-    else
-        mukca_unknown_text(text, u, chain);
-}
-
 /* A range below 1 mrad (or mm) is noise of an encoder at rest. */
 bool cli_never_moved(const mukca_recalibration *f, int j)
 {
@@ -110,46 +99,18 @@ static json_t *null_json(const mukca_recalibration *f, const mukca_chain *arm)
     return array;
 }
 
-static json_t *constants_json(const cli_recalibrated *r)
-{
-    char text[MUKCA_UNKNOWN_TEXT];
-    json_t *array = json_array();
-    for (int c = 0; c < r->constants.n; c++) {
-        cli_constant_text(text, &r->constants, c, &r->arm);
-        json_array_append_new(
-            array, json_pack("{s:s, s:o, s:o, s:s}", "name", text, "value",
-                             cli_json_real(r->constants.value[c]), "sigma",
-                             cli_json_real(r->constants.sigma[c]), "unit",
-                             mukca_unknown_is_angle(r->constants.unknown[c].kind) ? "rad" : "m"));
-    }
-    return json_pack(
-        "{s:o, s:I, s:o, s:o}", "list", array, "rows", (json_int_t)r->constants.rows,
-        "left_median_m",
-        cli_json_real(r->constants.n
-                          ? mukca_histogram_median(&r->constants.errors.position_histogram)
-                          : (double)NAN),
-        "left_mean_m",
-        cli_json_real(r->constants.n ? r->constants.errors.position.mean : (double)NAN));
-}
-
 json_t *cli_recalibrate_json(const cli_call *call, const cli_recalibrated *r,
                              const mukca_offsets *offsets, const mukca_chain *chain)
 {
-    const mukca_recalibration *f = &r->fit[0];
+    const mukca_recalibration *f = r->fit;
     const mukca_oracle *o = &r->oracle;
-    json_t *models = json_array();
-    for (int m = 0; m < r->n_models; m++) {
-        const mukca_recalibration *fit = &r->fit[m];
-        json_array_append_new(
-            models,
-            json_pack("{s:o, s:o, s:i, s:i, s:o, s:o, s:o, s:o, s:i}", "train",
-                      errors_json(fit->errors, fit->has_angles), "test",
-                      r->test ? errors_json(r->test[m], fit->has_angles) : json_null(), "unknowns",
-                      fit->n, "rank", fit->rank, "offsets", unknowns_json(fit, &r->arm),
-                      "not_identifiable", null_json(fit, &r->arm), "base",
-                      cli_json_frame(&fit->stage[MUKCA_WITH_BOTH].base), "tool",
-                      cli_json_frame(&fit->stage[MUKCA_WITH_BOTH].tool), "passes", fit->passes));
-    }
+    json_t *models =
+        json_pack("[{s:o, s:o, s:i, s:i, s:o, s:o, s:o, s:o, s:i}]", "train",
+                  errors_json(f->errors, f->has_angles), "test",
+                  r->tested ? errors_json(r->test, f->has_angles) : json_null(), "unknowns", f->n,
+                  "rank", f->rank, "offsets", unknowns_json(f, &r->arm), "not_identifiable",
+                  null_json(f, &r->arm), "base", cli_json_frame(&f->stage[MUKCA_WITH_BOTH].base),
+                  "tool", cli_json_frame(&f->stage[MUKCA_WITH_BOTH].tool), "passes", f->passes);
     json_t *root =
         json_pack("{s:s, s:s, s:{s:s, s:s, s:s}, s:I, s:I, s:{s:b, s:o, s:s, s:o}}", "schema",
                   "mukca.recalibrate/1", "verdict", o->calibrated ? "calibrated" : "nominal",
@@ -167,7 +128,6 @@ json_t *cli_recalibrate_json(const cli_call *call, const cli_recalibrated *r,
                                       "rotation_systematic_rad", o->rotation_systematic);
     json_object_set_new(oracle, "huber_weights", json_boolean(r->robust != r->fit));
     json_object_set_new(root, "oracle", oracle);
-    json_object_set_new(root, "constants", constants_json(r));
     json_object_set_new(root, "models", models);
     json_object_set_new(root, "parameters", cli_json_offsets(offsets, chain));
     json_object_set_new(root, "acceptance", cli_json_acceptance(&offsets->acceptance));

@@ -43,32 +43,13 @@ static void print_errors(cli_call *call, const char *title, const mukca_pose_err
 static void print_unknowns(cli_call *call, const mukca_recalibration *f, const mukca_chain *arm)
 {
     char text[MUKCA_UNKNOWN_TEXT];
-    cli_answer(call, "Offsets (rank %d of %d; *: identifiable only in combination with others)\n",
+    cli_answer(call, "Offsets (rank %d of %d; *: identifiable only in combination, see --json)\n",
                f->rank, f->n);
     for (int u = 0; u < f->n; u++) {
         mukca_unknown_text(text, &f->unknown[u], arm);
         cli_answer(call, "    %-32s %+9.4f +- %-8.4f %s%s\n", text, 1e3 * f->value[u],
                    1e3 * f->sigma[u], mukca_unknown_is_angle(f->unknown[u].kind) ? "mrad" : "mm",
                    f->identifiable[u] ? "" : " *");
-    }
-    if (f->n_null > 0)
-        cli_answer(
-            call,
-            "Not identifiable (any multiple may be added; the solution of least norm is shown)\n");
-    for (int k = 0; k < f->n_null; k++) {
-        int shown = 0, small = 0;
-        cli_answer(call, "   ");
-        for (int u = 0; u < f->n; u++) {
-            if (f->null[k][u] == 0) continue;
-            if (fabs(f->null[k][u]) < 0.01 || shown == 3) {
-                small++;
-                continue;
-            }
-            mukca_unknown_text(text, &f->unknown[u], arm);
-            cli_answer(call, " %+.3g %s", f->null[k][u], text);
-            shown++;
-        }
-        cli_answer(call, small ? " and %d more\n" : "\n", small);
     }
 }
 
@@ -96,9 +77,7 @@ static void print_largest(cli_call *call, const mukca_recalibration *f, const mu
 
 static void print_findings(cli_call *call, const cli_recalibrated *r, const mukca_acceptance *a)
 {
-    const mukca_recalibration *f = &r->fit[0];
-    char text[MUKCA_UNKNOWN_TEXT], words[800] = "";
-    mukca_text line = MUKCA_TEXT(words);
+    const mukca_recalibration *f = r->fit;
     cli_answer(call, "%s: %ld measured poses\n", r->arm.robot, f->rows);
     cli_answer_keyed(call, "Result",
                      "the poses contain a calibration: median position error %.4f mm nominal, "
@@ -118,35 +97,16 @@ static void print_findings(cli_call *call, const cli_recalibrated *r, const mukc
                            "errors); corrected",
                            f->in_rows ? f->lag : 1e3 * f->lag, f->in_rows ? "rows" : "ms",
                            f->lag_score);
-    if (r->constants.n == 0) return;
-    mukca_text_put(&line, "Constants: %d explain%s the difference:", r->constants.n,
-                   r->constants.n > 1 ? "" : "s");
-    for (int c = 0; c < r->constants.n; c++) {
-        cli_constant_text(text, &r->constants, c, &r->arm);
-        mukca_text_put(&line, "%s %s %+.4f +- %.4f %s", c > 0 ? "," : "", text,
-                       1e3 * r->constants.value[c], 1e3 * r->constants.sigma[c],
-                       mukca_unknown_is_angle(r->constants.unknown[c].kind) ? "mrad" : "mm");
-    }
-    if (r->constants.rows < r->robust->rows)
-        mukca_text_put(&line, " (from %ld rows)", r->constants.rows);
-    cli_answer_wrapped(call, "%s; with these alone %.4f mm (median), %.4f mm (mean) remain", words,
-                       1e3 * mukca_histogram_median(&r->constants.errors.position_histogram),
-                       1e3 * r->constants.errors.position.mean);
 }
 
 void cli_recalibrate_print(cli_call *call, const cli_recalibrated *r, const mukca_acceptance *a)
 {
     const char *output = call->common->output;
     print_findings(call, r, a);
-    for (int m = 0; m < r->n_models; m++) {
-        const mukca_recalibration *f = &r->fit[m];
-        if (r->n_models > 1)
-            cli_answer(call, "Model %d: the log%s\n", m + 1, m ? " and the work volume" : "");
-        print_errors(call, "Training data", f->errors, f->has_angles);
-        if (r->test) print_errors(call, "Test data", r->test[m], f->has_angles);
-        print_largest(call, f, &r->arm);
-        if (call->common->verbose) print_unknowns(call, f, &r->arm);
-    }
+    print_errors(call, "Training data", r->fit->errors, r->fit->has_angles);
+    if (r->tested) print_errors(call, "Test data", r->test, r->fit->has_angles);
+    print_largest(call, r->fit, &r->arm);
+    if (call->common->verbose) print_unknowns(call, r->fit, &r->arm);
     if (output)
         cli_answer_keyed(call, "Written", "%s%s", output,
                          a->accepted ? "" : " (other commands refuse this table)");

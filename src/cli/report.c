@@ -10,11 +10,11 @@
 
 #include "base/file.h"
 #include "cli/diagnose.h"
-#include "cli/fleet.h"
+#include "cli/traits.h"
 #include "diagnose/mounting.h"
 #include "fit/accept.h"
 #include "fit/columns.h"
-#include "fit/nlopt_adapter.h"
+#include "fit/solver.h"
 #include "io/output.h"
 #include "report/fleet_page.h"
 #include "report/report.h"
@@ -23,12 +23,9 @@ typedef struct {
     cli_common common;
     const char *plots;
     int format;
-    double repeatability;
     bool free_base, free_tool, fleet;
     mukca_check check;
 } report_options;
-
-static const report_options defaults = {.repeatability = 1e-4};
 
 static const char *const formats[] = {"png", "pdf", "svg", NULL};
 
@@ -42,10 +39,6 @@ static const cli_option options[] = {
                "also write each figure there as a file"),
     CLI_CHOICE_OPTION(report_options, format, "format", "FORMAT", formats,
                       "format of these files (default: png)"),
-    CLI_RANGE_OPTION(
-        report_options, repeatability, "repeatability", CLI_NUMBER, "M", 0, INFINITY,
-        "repeatability of the data sheet, a line in the convergence plot, m (default: 1e-4; "
-        "0: none)"),
     CLI_OPTION(report_options, free_base, "free-base", CLI_FLAG, NULL,
                "pose logs: fit the frame of the tracker"),
     CLI_OPTION(report_options, free_tool, "free-tool", CLI_FLAG, NULL,
@@ -61,8 +54,6 @@ static const cli_option options[] = {
     CLI_TALK_OPTIONS,
     CLI_END_OPTIONS};
 
-enum { MAX_STEPS = 500 };
-
 typedef struct {
     mukca_fit fit;
     mukca_offsets offsets;
@@ -70,32 +61,11 @@ typedef struct {
     mukca_chain diagnosed; /* chain of a diagnosis' offsets */
     mukca_next_poses next;
     mukca_pool pool;
-    mukca_score *scores; /* scratch of `watch` */
-    mukca_report_step steps[MAX_STEPS];
-    bool exhausted; /* out of memory for a step */
     mukca_report page;
     cli_fleet fleet;
     mukca_fleet_page fleet_page;
     char *command, when[32];
 } report_work;
-
-/* Called at each iteration of the fit. */
-static void watch(void *work, const double *theta, const mukca_cost_value *value, int evaluations)
-{
-    report_work *w = work;
-    (void)value;
-    (void)evaluations;
-    const mukca_model model = {.chain = &w->fit.chain, .theta = theta};
-    mukca_score train, test = {.std = NAN, .distance_error = NAN};
-    if (w->page.n_steps == MAX_STEPS) return;
-    if (mukca_evaluate(w->scores, &train, &model, w->page.train) < 0 ||
-        (w->page.test->n_rows > 0 && mukca_evaluate(w->scores, &test, &model, w->page.test) < 0)) {
-        w->exhausted = true;
-        return;
-    }
-    w->steps[w->page.n_steps++] =
-        (mukca_report_step){{train.std, train.distance_error, test.std, test.distance_error}};
-}
 
 /* Use the geometry of the diagnosis, which includes the position of each target. */
 static mukca_status take_diagnosed(cli_call *call)
@@ -120,17 +90,13 @@ static mukca_status calibrate(cli_call *call)
         w->page.fitted = &s->model.chain;
         return MUKCA_OK;
     }
-    w->scores = MUKCA_TAKE(&w->pool, mukca_score, s->data.n_placements + s->test.n_placements + 2);
-    if (!w->scores) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
-    const mukca_fit_options fit_options = {
-        .free_base = o->free_base,
-        .free_tool = o->free_tool,
-        .solver = mukca_solver_table[0],
-        .limits = {.stop = cli_stop, .progress = watch, .context = w}};
+    const mukca_fit_options fit_options = {.free_base = o->free_base,
+                                           .free_tool = o->free_tool,
+                                           .solver = mukca_solver_table[0],
+                                           .limits = {.stop = cli_stop}};
     mukca_status status =
         mukca_fit_run(&w->fit, &s->model.chain, &s->data, &fit_options, &call->error);
     if (status != MUKCA_OK) return status;
-    if (w->exhausted) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
     mukca_fit_offsets(&w->offsets, &w->fit);
     status = mukca_accept_fit(&w->offsets, &w->fit, &s->model.chain, &s->data, NULL, &fit_options,
                               &call->error);
@@ -213,19 +179,17 @@ static mukca_status write_page(cli_call *call)
 {
     const report_options *o = call->options;
     const report_work *w = call->work;
-    const char *format = formats[o->format];
+    mukca_page page = o->fleet ? mukca_fleet_page_of(&w->fleet_page) : mukca_report_page(&w->page);
     mukca_output output = {0};
     mukca_status status = MUKCA_OK;
+    page.progress = cli_show_progress;
+    page.progress_context = call;
     if (o->plots && mkdir(o->plots, 0777) != 0 && errno != EEXIST)
         return mukca_fail(&call->error, MUKCA_INPUT, "--plots %s: %s", o->plots, strerror(errno));
     if (o->plots)
-        status = o->fleet ? mukca_fleet_page_write_figures(o->plots, format, &w->fleet_page,
-                                                           &call->error)
-                          : mukca_report_write_figures(o->plots, format, &w->page, &call->error);
+        status = mukca_page_write_figures(o->plots, formats[o->format], &page, &call->error);
     if (status == MUKCA_OK) status = cli_output_open(call, &output);
-    if (status == MUKCA_OK)
-        status = o->fleet ? mukca_fleet_page_write(output.stream, &w->fleet_page, &call->error)
-                          : mukca_report_write(output.stream, &w->page, &call->error);
+    if (status == MUKCA_OK) status = mukca_page_write(output.stream, &page, &call->error);
     return mukca_output_finish(&output, status, &call->error);
 }
 
@@ -238,12 +202,11 @@ static mukca_status prepare_fleet(cli_call *call)
     if (status == MUKCA_OK) status = cli_fleet_read(call, &w->fleet);
     if (status == MUKCA_OK)
         status = mukca_fleet_pool(&w->fleet.result, &w->fleet.fleet, &call->error);
-    if (status != MUKCA_OK) return status;
     w->fleet_page = (mukca_fleet_page){.command = w->command,
                                        .when = w->when,
                                        .fleet = &w->fleet.fleet,
                                        .result = &w->fleet.result};
-    return mukca_fleet_page_prepare(&w->fleet_page, &call->error);
+    return status;
 }
 
 static mukca_status check(cli_call *call)
@@ -269,7 +232,6 @@ static void release(void *work)
 {
     report_work *w = work;
     free(w->command);
-    mukca_fleet_page_free(&w->fleet_page);
     cli_fleet_free(&w->fleet);
     mukca_report_free(&w->page);
     mukca_next_poses_free(&w->next);
@@ -286,14 +248,8 @@ static mukca_status prepare_arm(cli_call *call)
     report_work *w = call->work;
     call->common->accept_failed = call->common->accept_edited =
         true; /* also report on a table that was not accepted */
-    w->page = (mukca_report){.chain = &s->model.chain,
-                             .offsets = &w->offsets,
-                             .train = &s->data,
-                             .test = &s->test,
-                             .repeatability = o->repeatability,
-                             .steps = w->steps,
-                             .progress = cli_show_progress,
-                             .progress_context = call};
+    w->page = (mukca_report){
+        .chain = &s->model.chain, .offsets = &w->offsets, .train = &s->data, .test = &s->test};
     mukca_status status = cli_load(call);
     if (status == MUKCA_OK) status = cli_condense(call);
     if (status == MUKCA_OK) mukca_columns_note(cli_note, call, &s->model.chain, &s->data);
@@ -331,18 +287,17 @@ const cli_command cli_command_report = {
     .description =
         "Calibrates (or takes --offsets), diagnoses, and writes one page without scripts and "
         "requests. It opens with the verdict, what to do and the next postures. Then follow the "
-        "held-out errors, the arm with its placements and residual vectors, the causes and what is "
-        "confounded with them, errors by placement, joint and sample, detection limits, recording "
+        "held-out errors, the causes and what is confounded with them, errors by placement, joint "
+        "and sample, detection limits, recording "
         "faults, offsets with standard errors, and provenance. gnuplot draws the figures.\n\n"
         "--fleet writes the page of many arms of one model from their summaries, the arguments "
         "of mukca fleet: arms that depart, what the arms share, each elastic coefficient with "
-        "the arms side by side, and the pooled ripple spectrum of each joint.",
+        "the arms side by side, and the most probable ripple order of each joint.",
     .example =
         "mukca report --urdf data/demo/arm.urdf data/demo/train.tsv --test data/demo/test.tsv -o "
         "build/demo/report.html --force",
     .options = options,
     .options_size = sizeof(report_options),
-    .defaults = &defaults,
     .run = run,
     .work_size = sizeof(report_work),
     .release = release,

@@ -26,8 +26,6 @@ static const cli_option options[] = {
     CLI_OPTION(
         own, effects, "effect", CLI_TEXTS, "EFFECT",
         "NAME[:WHERE][@VARIANT]=VALUE, see above; repeatable, or several with commas between"),
-    CLI_RANGE_OPTION(own, mass_error, "mass-error", CLI_NUMBER, "PERCENT", 0, 100,
-                     "standard deviation of the errors of the masses, percent"),
     CLI_RANGE_OPTION(own, placements, "placements", CLI_INTEGER, "N", 1, CLI_MAX_PLACES - 1,
                      "placements of the tool, chosen at random (default: 4, or those of --place)"),
     CLI_OPTION(
@@ -43,14 +41,10 @@ static const cli_option options[] = {
     CLI_RANGE_OPTION(own, correlation, "correlation", CLI_NUMBER, "RHO", 0, 0.999,
                      "correlation of the noise with that of the sample before (default: 0)"),
     CLI_OPTION(own, effort, "effort", CLI_FLAG, NULL, "add measured joint efforts"),
-    CLI_RANGE_OPTION(own, effort_noise, "effort-noise", CLI_NUMBER, "NM", 0, INFINITY,
-                     "measurement noise of the efforts, N m; implies --effort"),
     CLI_OPTION(own, command, "command", CLI_FLAG, NULL,
                "add commanded angles; with readback_lag the readings lag behind them"),
     CLI_RANGE_OPTION(own, payload, "payload", CLI_NUMBER, "KG", 0, MUKCA_ROWS_MOST_PAYLOAD,
                      "mass at the tip beyond the model (default: none)"),
-    CLI_OPTION(own, interval, "interval", CLI_POSITIVE, "S",
-               "mean time between samples, s (default: 5)"),
     CLI_RANGE_OPTION(own, poses, "poses", CLI_INTEGER, "N", 1, 10000000,
                      "a pose log of N samples instead of sockets"),
     CLI_CHOICE_OPTION(own, recipe, "recipe", "NAME", recipes,
@@ -87,7 +81,6 @@ static void describe(FILE *stream, const cli_simulation *s, const cli_simulate_o
     for (int i = 0; i < o->effects.n; i++) fprintf(stream, " --effect %s", o->effects.items[i]);
     fprintf(stream, " --noise %g", o->noise);
     if (o->correlation > 0) fprintf(stream, " --correlation %g", o->correlation);
-    if (o->mass_error > 0) fprintf(stream, " --mass-error %g", o->mass_error);
     fputc('\n', stream);
 }
 

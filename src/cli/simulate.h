@@ -12,7 +12,7 @@ typedef struct {
     const char *perturb, *test, *truth, *labels;
     cli_list effects, places;
     int placements, rows, poses, held_out, seed, recipe; /* recipe: 0 none, else kind + 1 */
-    double noise, rotation, correlation, mass_error, effort_noise, interval, payload;
+    double noise, rotation, correlation, payload;
     bool sweep, effort, command, position_only;
 } cli_simulate_options;
 

@@ -49,10 +49,9 @@ mukca_status cli_write_labels(cli_call *call, const cli_simulation *s, const muk
         json_array_append_new(effects, effect_json(&s->arm.effects[i], s));
     for (int i = 0; i < s->hidden.n_faults; i++)
         json_array_append_new(faults, fault_json(&s->hidden.faults[i], s));
-    json_t *root = json_pack("{s:s, s:i, s:i, s:f, s:f, s:f, s:o, s:o, s:o}", "schema",
-                             "mukca.simulation/1", "seed", o->seed, "rows", data->n_rows, "noise_m",
-                             o->noise, "correlation", o->correlation, "mass_error_percent",
-                             o->mass_error, "effects", effects, "data_faults", faults, "parameters",
-                             cli_json_offsets(&s->truth, &s->model.chain));
+    json_t *root = json_pack(
+        "{s:s, s:i, s:i, s:f, s:f, s:o, s:o, s:o}", "schema", "mukca.simulation/1", "seed", o->seed,
+        "rows", data->n_rows, "noise_m", o->noise, "correlation", o->correlation, "effects",
+        effects, "data_faults", faults, "parameters", cli_json_offsets(&s->truth, &s->model.chain));
     return cli_write_json_to(call, o->labels, root);
 }

@@ -161,11 +161,9 @@ mukca_status cli_simulation_prepare(cli_call *call, cli_simulation *s)
                                             .noise = o->noise,
                                             .rotation = o->rotation,
                                             .correlation = o->correlation,
-                                            .interval = o->interval,
                                             .sweep = o->sweep,
-                                            .effort = o->effort || o->effort_noise > 0,
+                                            .effort = o->effort,
                                             .command = o->command,
-                                            .effort_noise = o->effort_noise,
                                             .position_only = o->position_only,
                                             .payload = o->payload,
                                             .seed = (uint64_t)o->seed,
@@ -177,8 +175,7 @@ mukca_status cli_simulation_prepare(cli_call *call, cli_simulation *s)
     mukca_simulate_perturb(s->truth.theta, o->perturb ? s->truth.listed : NULL, &s->model.chain,
                            1e-3 * perturb[0], 1e-3 * perturb[1], s->recording.seed);
     for (int i = 0; i < MUKCA_MAX_THETA; i++) s->truth.identifiable[i] = s->truth.listed[i];
-    mukca_simulate_arm(&s->arm, &s->model.chain, s->truth.theta, 1e-2 * o->mass_error,
-                       s->recording.seed);
+    mukca_simulate_arm(&s->arm, &s->model.chain, s->truth.theta, 0, s->recording.seed);
     status = name_places(s, o, &call->error);
     if (status == MUKCA_OK) status = gather_effects(s, o, &call->error);
     if (status == MUKCA_OK) set_truth(s);

@@ -10,8 +10,9 @@
 #define BUMP_NORM 1.33
 
 enum {
-    TIME_BUMPS = 10, /* over the whole recording */
-    POWERS = 4,      /* Chebyshev polynomials of another joint's angle, degree 1 to 4 */
+    LEAST_RATIO = 20, /* of a strain-wave or cycloidal gear, halved */
+    TIME_BUMPS = 10,  /* over the whole recording */
+    POWERS = 4,       /* Chebyshev polynomials of another joint's angle, degree 1 to 4 */
     PRODUCT_DEGREE = 3,
     PRODUCTS = (PRODUCT_DEGREE + 1) * (PRODUCT_DEGREE + 2) / 2 - 1
 };
@@ -209,6 +210,15 @@ int mukca_candidate_key(const mukca_candidate *h)
         place = h->placement + 1;
     }
     return (place * 2 * MUKCA_MAX_JOINTS + at) * MUKCA_CLASSES + class;
+}
+
+int mukca_candidate_kin(const mukca_candidate *h)
+{
+    int order = h->effect.variant.order;
+    if (mukca_candidate_class(h) != MUKCA_EFFECT_GEAR_HARMONIC || order < LEAST_RATIO)
+        return is_elastic(h);
+    while (order % 2 == 0) order /= 2;
+    return 1 + order;
 }
 
 /* x in the range, mapped to [-1, 1]. */

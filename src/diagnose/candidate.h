@@ -133,6 +133,11 @@ mukca_mixture mukca_candidate_mixture(const mukca_candidate *candidate);
 /* Key of the candidates of which a set contains one at most: variants of one cause. */
 int mukca_candidate_key(const mukca_candidate *candidate);
 
+/* Causes of one kin entail each other: the links and joints of an arm are flexible or they are not,
+ * and its joints have the same gear, whose ripple has the gear's ratio, its half or its double as
+ * order.  0: none. */
+int mukca_candidate_kin(const mukca_candidate *candidate);
+
 /* Fill terms, basis and units of a candidate; the other members are set.  False: no memory. */
 bool mukca_candidate_prepare(mukca_candidate *candidate, mukca_pool *pool,
                              const mukca_recording *recording);

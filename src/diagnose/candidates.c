@@ -100,9 +100,9 @@ static void list_other_functions(lister *l, int j)
 /* List the unknown functions of a joint's own angle: two bumps or more, up to MUKCA_MAX_COLUMNS. */
 static void list_own_functions(lister *l, int j)
 {
-    static const double widths[] = {0.12, 0.25, 0.5, 1}; /* rad */
+    static const double widths[] = {0.03, 0.06, 0.12, 0.25, 0.5, 1}; /* rad */
     const double range = l->all->survey.joint[j].range;
-    for (int i = 0; l->all->survey.joint[j].turns && range > 0.1 && i < 4; i++)
+    for (int i = 0; l->all->survey.joint[j].turns && range > 0.1 && i < 6; i++)
         if (widths[i] <= 0.6 * range && (int)ceil(range / widths[i]) + 1 <= MUKCA_MAX_COLUMNS)
             append(l, (mukca_candidate){.kind = MUKCA_CANDIDATE_OWN_ANGLE,
                                         .joint = j,

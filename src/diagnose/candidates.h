@@ -21,6 +21,10 @@ enum {
     MUKCA_RIPPLE_MOST = 36  /* further orders of a joint */
 };
 
+/* Width of the bumps below which an unknown function resolves more than the orders of
+ * MUKCA_RIPPLE_LONG, rad: half a period. */
+#define MUKCA_FINE_WIDTH (3.14159265358979323846 / MUKCA_RIPPLE_LONG)
+
 /* Least travel that shows a ripple, rad: half a turn of the finest order, 400. */
 #define MUKCA_RIPPLE_TRAVEL 1e-2
 

@@ -94,8 +94,8 @@ static mukca_effect rival_effect(const mukca_candidate *h, const mukca_effect *c
  * Computations, section 6.4.3).  Without the terms of single masses. */
 double mukca_cause_correlation(mukca_identification *id, const mukca_set *set, int a, int b)
 {
-    enum { MOST = MUKCA_MOST_TERMS };
-    double A[MOST * MOST], B[MOST * MOST], C[MOST * MOST], s[MOST];
+    double *A = id->scan.scratch->A, *B = id->scan.scratch->B, *C = id->scan.scratch->C,
+           s[MUKCA_MOST_TERMS];
     const mukca_candidate *x = &id->all.list[id->kept[a]], *y = &id->all.list[id->kept[b]];
     const int ka = mukca_candidate_own_terms(x), kb = mukca_candidate_own_terms(y);
     mukca_sets_gram(A, &id->sets, set, a, a);
@@ -152,7 +152,7 @@ static mukca_set set_without(mukca_identification *id, const mukca_causes *set, 
     for (int k = 0; k < id->n_kept; k++)
         for (int i = 0; i < set->n; i++)
             if (i != without && set->candidate[i] == id->kept[k]) item[n++] = k;
-    const int at = mukca_sets_insert(&id->sets, item, n);
+    const int at = mukca_sets_insert(&id->sets, item, NULL, n);
     return id->sets.set[at < 0 ? 0 : at];
 }
 
@@ -206,18 +206,25 @@ static void add_ties(mukca_cause *out, mukca_identification *id, const mukca_cau
     tie_untested_flexibility(out, &id->m->recording);
 }
 
+/* Can an unknown function be a part of the same cause as this name?  Ripple beyond the orders of
+ * smooth functions only if it is fine, too. */
+static bool may_belong(const mukca_candidate *unknown, int order)
+{
+    return mukca_candidate_class(unknown) == MUKCA_CLASS_UNKNOWN &&
+           (order <= MUKCA_RIPPLE_LONG ||
+            (unknown->kind == MUKCA_CANDIDATE_OWN_ANGLE && unknown->width < MUKCA_FINE_WIDTH));
+}
+
 /* A name is conditional on the catalogue.  An unknown function in the same set shows that the
- * catalogue lacks a cause of this arm: the name may be a part of that cause, with equal odds.
- * Ripple beyond the orders of smooth functions is not. */
+ * catalogue lacks a cause of this arm: the name may be a part of that cause, with equal odds. */
 static void share_with_unknown(mukca_cause *out, const mukca_identification *id, int name)
 {
     double beside = 0;
-    if (out->effect.variant.order > MUKCA_RIPPLE_LONG) return;
     for (int i = 0; i < id->n_sets; i++) {
         bool unknown = false;
         for (int k = 0; k < id->set[i].n; k++)
-            unknown |= mukca_candidate_class(&id->all.list[id->set[i].candidate[k]]) ==
-                       MUKCA_CLASS_UNKNOWN;
+            unknown |=
+                may_belong(&id->all.list[id->set[i].candidate[k]], out->effect.variant.order);
         if (unknown && contains(id, &id->set[i], name)) beside += id->set[i].weight;
     }
     beside = fmin(beside / fmax(id->probability[name], beside), 1);

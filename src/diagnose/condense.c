@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "model/dataset_subset.h"
+
 /* Largest difference of angles within a posture, rad: several steps of any encoder. */
 #define STILL 2e-4
 /* Successive postures kept together: last moves and the autocorrelation of the noise are preserved

@@ -71,10 +71,12 @@ static void measure_geometry(mukca_validation *v, mukca_folds *b, double *excuse
     mukca_unknowns *u = &m->unknowns;
     const int rows = m->recording.data->n_rows;
     const bool as_recorded = u->n_causes > 0 || m->recording.n_samples < rows;
-    const mukca_arm_state nominal = mukca_unknowns_nominal_arm(u, m->recording.chain);
+    mukca_arm_state *nominal = MUKCA_TAKE(&m->pool, mukca_arm_state, 1);
+    if (!nominal) return; /* the pool keeps the failure */
+    *nominal = mukca_unknowns_nominal_arm(u, m->recording.chain);
     v->geometry = mukca_unknowns_arm(u);
     measure_axes(v->axis_rms_m, m);
-    mukca_unknowns_set_arm(u, &nominal);
+    mukca_unknowns_set_arm(u, nominal);
     for (int row = 0; row < rows; row++)
         mukca_unknowns_predict_measured(b->position + 3 * row, u, &m->recording, row);
     mukca_unknowns_set_arm(u, &v->geometry);
@@ -102,7 +104,7 @@ typedef struct {
     const mukca_findings *findings;
     const mukca_diagnose_options *options;
     double *excused, *full[2]; /* [n_rows] */
-    mukca_unknowns all;
+    mukca_unknowns *all;
 } measurement;
 
 /* Error of all identified causes together. */
@@ -132,7 +134,7 @@ static mukca_status measure_each(measurement *s, mukca_error *error)
     const mukca_diagnose_options *o = s->options;
     const int n = s->findings->n_causes;
     unsigned version = m->linear.version;
-    mukca_unknowns_assign(&s->all, &m->unknowns);
+    mukca_unknowns_assign(s->all, &m->unknowns);
     for (int i = 0; i < n; i++) {
         const mukca_cause *cause = &s->findings->causes[i];
         const int c = cause->suspected ? -1 : mukca_cause_find(m, cause);
@@ -145,7 +147,7 @@ static mukca_status measure_each(measurement *s, mukca_error *error)
         mukca_regression_revise(m);
         mukca_folds_run(s->b->error, s->b, by_socket);
         mukca_folds_compare(&s->v->cause[i], s->b, s->b->error, s->full[by_socket]);
-        mukca_unknowns_assign(&m->unknowns, &s->all);
+        mukca_unknowns_assign(&m->unknowns, s->all);
         if (m->linear.version != version) mukca_regression_freeze(m), version = m->linear.version;
     }
     return MUKCA_OK;
@@ -173,9 +175,11 @@ mukca_status mukca_cross_validation_run(mukca_validation *v, mukca_pool *pool, m
         .excused = MUKCA_TAKE(&m->pool, double, rows),
         .full = {MUKCA_TAKE(&m->pool, double, rows), MUKCA_TAKE(&m->pool, double, rows)}};
     unsigned char *kept = MUKCA_TAKE(&m->pool, unsigned char, rows);
-    mukca_unknowns explained;
-    mukca_unknowns_clone(&explained, &m->pool, &m->unknowns);
-    mukca_unknowns_clone(&s.all, &m->pool, &m->unknowns);
+    mukca_unknowns *explained = MUKCA_TAKE(&m->pool, mukca_unknowns, 1);
+    s.all = MUKCA_TAKE(&m->pool, mukca_unknowns, 1);
+    if (!explained || !s.all || !mukca_unknowns_clone(explained, &m->pool, &m->unknowns) ||
+        !mukca_unknowns_clone(s.all, &m->pool, &m->unknowns))
+        return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", rows);
     mukca_cross_validation_clear(v);
     v->placement_m = MUKCA_TAKE(pool, double, m->recording.data->n_placements + 1);
     v->before_m = MUKCA_TAKE(pool, double, rows);
@@ -193,7 +197,7 @@ mukca_status mukca_cross_validation_run(mukca_validation *v, mukca_pool *pool, m
      * absorb what the causes explain.  Without causes it was fitted already. */
     if (findings->verdict != MUKCA_VERDICT_NONE) mukca_regression_fit(m, 4, MUKCA_FIT_NOISE);
     measure_geometry(v, &b, s.excused);
-    mukca_unknowns_assign(&m->unknowns, &explained);
+    mukca_unknowns_assign(&m->unknowns, explained);
     memcpy(m->recording.keep, kept, (size_t)rows);
     mukca_recording_regroup(&m->recording);
     const mukca_status status = v->folds < 2 ? MUKCA_OK : measure_causes(&s, error);

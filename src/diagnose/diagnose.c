@@ -196,51 +196,51 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
         .distance_sigma = MUKCA_DISTANCE_SIGMA,
         .free_base = options->free_base,
         .free_tool = options->free_tool};
-    mukca_regression m;
     memset(diagnosis, 0, sizeof *diagnosis);
+    mukca_regression *m = MUKCA_TAKE(&diagnosis->pool, mukca_regression, 1);
     mukca_chain *arm = MUKCA_TAKE(&diagnosis->pool, mukca_chain, 1);
-    if (!arm) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the arm");
+    if (!m || !arm) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the arm");
     mukca_status status =
         mukca_chain_with_frames(arm, chain, false, options->free_tool && data->position, error);
     diagnosis->chain = chain = arm;
     if (status == MUKCA_OK)
         status = mukca_logs_compare(&diagnosis->logs, &recording_options, chain, data, error);
     if (status == MUKCA_OK)
-        status = mukca_regression_create(&m, chain, data, &recording_options, error);
+        status = mukca_regression_create(m, chain, data, &recording_options, error);
     if (status != MUKCA_OK) {
         mukca_diagnosis_free(diagnosis);
         return status;
     }
-    mukca_streams_compare(&diagnosis->streams, &m.recording);
+    mukca_streams_compare(&diagnosis->streams, &m->recording);
     status = mukca_streams_fit(&diagnosis->streams, &recording_options, chain, data, error);
-    steps *s = MUKCA_TAKE(&m.pool, steps, 1);
+    steps *s = MUKCA_TAKE(&m->pool, steps, 1);
     if (!s || status != MUKCA_OK) goto out;
     s->structure_m = s->test.nominal_m = s->test.geometry_m = s->test.explained_m = NAN;
     mukca_cross_validation_clear(&s->validation);
-    mukca_screening_run(&s->faults, &m);
-    const mukca_recording *recording = &m.recording;
+    mukca_screening_run(&s->faults, m);
+    const mukca_recording *recording = &m->recording;
     if (mukca_recording_distinct(recording) * recording->dim <
         PER_GROUP * recording->n_groups + LEAST_NUMBERS) {
         set_untestable(s, NULL, "too few different samples: record 20 or more for each socket");
     } else {
-        mukca_regression_fit(&m, 6, MUKCA_FIT_ALL);
+        mukca_regression_fit(m, 6, MUKCA_FIT_ALL);
         if (s->faults.misfit)
-            set_untestable(s, &m, does_not_fit);
+            set_untestable(s, m, does_not_fit);
         else
-            status = identify(s, &m, options, error);
-        diagnosis->geometry = m.unknowns.geometry;
-        diagnosis->tracker = m.unknowns.log.tracker[0];
+            status = identify(s, m, options, error);
+        diagnosis->geometry = m->unknowns.geometry;
+        diagnosis->tracker = m->unknowns.log.tracker[0];
         if (status == MUKCA_OK && !options->no_folds)
-            status = validate(s, &diagnosis->pool, &m, options, error);
-        if (status == MUKCA_OK && options->applied) mukca_applied_fit(&diagnosis->applied, &m);
+            status = validate(s, &diagnosis->pool, m, options, error);
+        if (status == MUKCA_OK && options->applied) mukca_applied_fit(&diagnosis->applied, m);
     }
     assemble(diagnosis, s, recording);
     if (status == MUKCA_OK && options->go_on && diagnosis->verdict != MUKCA_VERDICT_UNTESTABLE)
-        status = options->go_on(options->go_on_context, &m, diagnosis, error);
+        status = options->go_on(options->go_on_context, m, diagnosis, error);
 out:
-    if (status == MUKCA_OK && (m.pool.failed || diagnosis->pool.failed))
+    if (status == MUKCA_OK && (m->pool.failed || diagnosis->pool.failed))
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", data->n_rows);
-    mukca_regression_free(&m);
+    mukca_regression_free(m);
     if (status != MUKCA_OK) mukca_diagnosis_free(diagnosis);
     diagnosis->elapsed_s = mukca_clock_seconds() - started;
     return status;

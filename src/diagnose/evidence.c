@@ -11,12 +11,22 @@
 #include "base/clones.h"
 #include "math/dense.h"
 
-/* AR(1) coefficients up to the largest in recordings of swept postures; shared parts r / (1 + r) of
- * the variance, for a common variance of r = 0.3 to 1000 times that of single readings. */
-static const mukca_noise_family families[MUKCA_NOISES] = {
-    {0, 0},         {0.25, 0},      {0.5, 0},         {0.75, 0},          {0, 0.3 / 1.3},
-    {0, 1.0 / 2.0}, {0, 3.0 / 4.0}, {0, 10.0 / 11.0}, {0, 100.0 / 101.0}, {0, 1000.0 / 1001.0}};
+/* AR(1) coefficients up to the largest in recordings of swept postures. */
+static const double correlations[] = {0, 0.25, 0.5, 0.75};
+/* Variance that readings of a posture share, as multiples of its estimate from the residuals: this
+ * is too small by what the geometry absorbs, and too large while it is not fitted. */
+static const double multiples[] = {0.4, 0.7, 1, 1.5, 2.5};
 enum { INDEPENDENT_POSTURES = 4 };
+
+/* Resolution of the positions, m: readings that agree exactly agree to this. */
+#define RESOLUTION 1e-6
+
+static mukca_noise_family family_of(const mukca_evidence *evidence, int index)
+{
+    if (index < INDEPENDENT_POSTURES) return (mukca_noise_family){.rho = correlations[index]};
+    const double r = evidence->ratio * multiples[index - INDEPENDENT_POSTURES];
+    return (mukca_noise_family){.shared = r / (1 + r)};
+}
 
 bool mukca_evidence_create(mukca_evidence *evidence, mukca_pool *pool,
                            const mukca_recording *recording, const mukca_unknowns *unknowns)
@@ -25,6 +35,7 @@ bool mukca_evidence_create(mukca_evidence *evidence, mukca_pool *pool,
     const int pairs = recording->data->n_distances + 1, rows = recording->data->n_rows;
     const size_t whole = (size_t)(rows * recording->dim) * (size_t)size;
     evidence->n_noises = recording->repeats ? MUKCA_NOISES : INDEPENDENT_POSTURES;
+    evidence->ratio = 1;
     for (int i = 0; i < evidence->n_noises; i++) {
         mukca_normal_equations *normal = &evidence->normal[i];
         *normal = (mukca_normal_equations){.distance_sigma = recording->options.distance_sigma,
@@ -33,10 +44,7 @@ bool mukca_evidence_create(mukca_evidence *evidence, mukca_pool *pool,
                                            .variance = MUKCA_TAKE(pool, double, pairs),
                                            .all_gram = MUKCA_TAKE(pool, double, size *size),
                                            .all_distance = MUKCA_TAKE(pool, double, pairs *size),
-                                           .at = MUKCA_TAKE(pool, int, size),
-                                           .reduced_prior = MUKCA_TAKE(pool, double, size),
-                                           .T = MUKCA_TAKE(pool, double, 4 * size),
-                                           .B = MUKCA_TAKE(pool, double, size *size)};
+                                           .at = MUKCA_TAKE(pool, int, size)};
         mukca_whitening_create(&normal->whitening, pool, rows, recording->data->n_sockets + 2);
     }
     evidence->white.x = MUKCA_TAKE(pool, double, whole);
@@ -44,9 +52,7 @@ bool mukca_evidence_create(mukca_evidence *evidence, mukca_pool *pool,
         MUKCA_TAKE(pool, double, (recording->data->n_sockets + 2) * recording->dim * size);
     evidence->work = MUKCA_TAKE(pool, double, size);
     evidence->factor = MUKCA_TAKE(pool, double, size *size);
-    evidence->marginal = MUKCA_TAKE(pool, double, 4 * size * size);
-    evidence->order = MUKCA_TAKE(pool, int, size);
-    evidence->mark = MUKCA_TAKE(pool, unsigned char, size);
+    evidence->products = MUKCA_TAKE(pool, double, size *size);
     evidence->prior = MUKCA_TAKE(pool, double, capacity);
     evidence->mean = MUKCA_TAKE(pool, double, capacity);
     return !pool->failed;
@@ -89,7 +95,7 @@ static void extend(mukca_evidence *evidence, mukca_normal_equations *normal,
                    const mukca_recording *r, const mukca_linearisation *linear)
 {
     const int done = normal->done, held = linear->n_stored, k = held - done, ld = linear->stride;
-    double *scratch = evidence->marginal;
+    double *scratch = evidence->products;
     if (!k) return;
     const double *white = mukca_evidence_whiten(evidence, normal, r, linear);
     for (int p = 0; p < r->n_pairs; p++)
@@ -111,15 +117,57 @@ static void extend(mukca_evidence *evidence, mukca_normal_equations *normal,
 }
 
 /* Factor the noise for the samples in use and their robust weights (NULL: none). */
-static void lay_out(mukca_normal_equations *normal, int index, const mukca_recording *r,
-                    const double *weight, double *scratch)
+static void lay_out(mukca_evidence *evidence, int index, const mukca_recording *r,
+                    const double *weight)
 {
+    mukca_normal_equations *normal = &evidence->normal[index];
+    double *scratch = evidence->white.x;
     for (int i = 0; weight && i < r->n_samples; i++) scratch[i] = weight[r->order[i]];
-    mukca_whitening_set(&normal->whitening, &r->samples, families[index], weight ? scratch : NULL);
+    mukca_whitening_set(&normal->whitening, &r->samples, family_of(evidence, index),
+                        weight ? scratch : NULL);
     normal->n_pairs = r->n_pairs;
     for (int p = 0; p < r->n_pairs; p++)
         normal->variance[p] =
             1 / normal->whitening.total[r->pairs[p].a] + 1 / normal->whitening.total[r->pairs[p].b];
+}
+
+void mukca_evidence_measure_repeats(mukca_evidence *evidence, const mukca_recording *recording,
+                                    const mukca_linearisation *linear)
+{
+    const mukca_samples *s = &recording->samples;
+    const int n = linear->n_columns, *at = linear->at, d = s->dim;
+    double *y = evidence->white.x, within = 0, between = 0, own = 0;
+    int extra = 0, postures = 0;
+    evidence->white.of = NULL; /* its memory is scratch here */
+    for (int i = 0; i < s->n_samples * d; i++) {
+        const double *x = linear->columns + (size_t)i * (size_t)linear->stride;
+        y[i] = x[at[n]];
+        for (int k = 0; k < n; k++) y[i] -= x[at[k]] * evidence->mean[k];
+    }
+    for (int b = 0; b < s->n_blocks; b++)
+        for (int c = 0; c < d; c++) {
+            const int end = s->block[b].start + s->block[b].count;
+            double sum = 0, square = 0;
+            int count = 0;
+            for (int i = s->block[b].start; i < end; i++) {
+                double mean = 0;
+                const int m = s->readings[i];
+                for (int k = i; m && k >= 0; k = s->next[k]) mean += y[k * d + c] / m;
+                for (int k = i; m && k >= 0; k = s->next[k]) within += pow(y[k * d + c] - mean, 2);
+                if (!m) continue;
+                sum += mean, square += mean * mean, own += 1.0 / m, count++;
+                extra += m - 1;
+            }
+            const bool free = s->block[b].free_mean && count;
+            between += square - (free ? sum * sum / count : 0);
+            postures += count - free;
+        }
+    if (!extra || postures < 2) return;
+    evidence->further = extra;
+    const double variance = within / extra + RESOLUTION * RESOLUTION,
+                 common = between / postures - variance * own / postures;
+    evidence->ratio = fmin(fmax(common / variance, 0.1), 1e6);
+    for (int i = INDEPENDENT_POSTURES; i < MUKCA_NOISES; i++) evidence->normal[i].version = 0;
 }
 
 mukca_normal_equations *mukca_evidence_collect(mukca_evidence *evidence, int index,
@@ -132,7 +180,7 @@ mukca_normal_equations *mukca_evidence_collect(mukca_evidence *evidence, int ind
     bool same = normal->n + 1 == size && memcmp(normal->at, at, sizeof *at * (size_t)size) == 0;
     if (unknowns->weight || normal->version != linear->version) {
         same = false;
-        lay_out(normal, index, recording, unknowns->weight, evidence->white.x);
+        lay_out(evidence, index, recording, unknowns->weight);
         evidence->white.of = NULL;
         normal->done = 0;
         normal->version = unknowns->weight ? 0 : linear->version;
@@ -145,11 +193,12 @@ mukca_normal_equations *mukca_evidence_collect(mukca_evidence *evidence, int ind
     extend(evidence, normal, recording, linear);
     if (same) return normal;
     normal->n = linear->n_columns;
-    normal->reduced = false;
     memcpy(normal->at, at, sizeof *at * (size_t)size);
     for (int i = 0; i < size; i++)
         for (int j = 0; j < size; j++)
             normal->gram[i * size + j] = normal->all_gram[at[i] * ld + at[j]];
+    normal->gram[size * size - 1] += /* the rounding of further readings of a posture */
+        evidence->further * RESOLUTION * RESOLUTION / (1 - normal->whitening.family.shared);
     for (int p = 0; p < normal->n_pairs; p++)
         for (int i = 0; i < size; i++)
             normal->distance[p * size + i] = normal->all_distance[p * ld + at[i]];

@@ -4,7 +4,7 @@
 
 #include "diagnose/linearisation.h"
 
-enum { MUKCA_NOISES = 10 };
+enum { MUKCA_NOISES = 9 };
 
 /* Normal equations under one family of the noise, with the means of the sockets integrated out.
  * Each pair of sockets adds one row. */
@@ -22,15 +22,12 @@ typedef struct {
     double *all_gram;     /* [stride][stride] */
     double *all_distance; /* [n_pairs][stride] */
     int *at;              /* [n + 1] their indices for `gram` */
-    /* reduction to tridiagonal form, for noise.c */
-    bool reduced;
-    int units;             /* first column with a unit vector in B */
-    double *reduced_prior; /* [n] priors of the reduction */
-    double *T, *B; /* [4][n]: diagonal, off-diagonal, scratch; [n][1 + n_pairs + n - units] */
 } mukca_normal_equations;
 
 typedef struct {
     int n_noises; /* families compared: with repeated postures also those that share errors */
+    double ratio; /* variance that readings of a posture share, over that of a reading */
+    int further;  /* coordinates of readings beyond the first of their postures */
     mukca_normal_equations normal[MUKCA_NOISES];
     struct { /* whitened stored columns of one family, [n_samples][dim][stride] */
         const mukca_normal_equations *of;
@@ -43,9 +40,7 @@ typedef struct {
     double *factor;   /* [n][n] Cholesky factor of the scaled posterior precision, of the last
                          evaluation */
     double *work;     /* [n] factor^-1 times the scaled right-hand side, of the last evaluation */
-    double *marginal; /* [4][n + 1][n + 1], order[n], mark[n]: scratch for the choice of scales */
-    int *order;
-    unsigned char *mark;
+    double *products; /* [n + 1][n + 1] scratch */
     double best;      /* log evidence of the best coefficient in the last comparison */
     double quadratic; /* of the last evaluation: squared residuals and deviations from the prior
                          means, each in units of its sigma */
@@ -54,6 +49,11 @@ typedef struct {
 /* Memory comes from `pool`.  False: no memory. */
 bool mukca_evidence_create(mukca_evidence *evidence, mukca_pool *pool,
                            const mukca_recording *recording, const mukca_unknowns *unknowns);
+
+/* Estimate the ratio of the variances between postures and between readings of one, from the
+ * residuals at the last posterior mean, of these columns; the families that share errors follow it. */
+void mukca_evidence_measure_repeats(mukca_evidence *evidence, const mukca_recording *recording,
+                                    const mukca_linearisation *linear);
 
 /* Update the normal equations of one family of the noise if the columns have changed, and return
  * them. */

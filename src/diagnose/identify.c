@@ -2,7 +2,7 @@
  *
  * A pass linearises at the most probable set found so far, scores all candidates against the
  * geometry and against that set, and searches among the sets of the best of them.  It ends when the
- * set no longer changes.  At last the weights are averaged over the families of the noise. */
+ * set remains among the best.  At last the weights are averaged over the families of the noise. */
 #include "diagnose/identify.h"
 
 #include <math.h>
@@ -13,13 +13,15 @@
 
 enum {
     PASSES = 5,
-    BUDGET = 40,       /* sets expanded in a search */
+    BUDGET = 40,       /* sets expanded in the last search */
+    QUICK = 12,        /* in the searches before, which only have to find the best set */
     KEPT = 300,        /* candidates kept by their score against the geometry */
     KEPT_BESIDE = 100, /* by that against the set */
     MOST_KEPT = 3 * KEPT,
     MOST_NUMBERS = 8 << 20, /* of the kept columns: 64 MiB */
     SETS = 1000,
-    FINE_SETS = 60 /* evaluated under each family of the noise */
+    EVALUATED = 300, /* of them; the others keep their estimate */
+    FINE_SETS = 60   /* evaluated under each family of the noise */
 };
 
 /* Log odds behind the best set of the sets that are averaged, and behind the best family of those
@@ -27,6 +29,9 @@ enum {
 #define AVERAGED 12.0
 /* Length of the noise vector of a sample that is hardly exceeded, in sigmas (1 %). */
 #define NOISE 3.4
+/* Log odds to the best set within which the set of the last linearisation is the result: ties would
+ * change places forever. */
+#define SETTLED 1.0
 /* Log odds below which a candidate is not kept. */
 #define HOPELESS (-AVERAGED)
 
@@ -37,7 +42,7 @@ static void set_causes(mukca_identification *id, const mukca_causes *set)
     u->n_causes = 0;
     for (int i = 0; set && i < set->n; i++)
         if (mukca_unknowns_add(u, &id->all.list[set->candidate[i]]))
-            u->cause[u->n_causes - 1].scale = set->scale[i];
+            u->cause[u->n_causes - 1].scale = set->scale[i], u->cause[u->n_causes - 1].sized = true;
 }
 
 void mukca_identify_fit(mukca_identification *id, const mukca_causes *set)
@@ -96,37 +101,38 @@ static mukca_causes causes_of(const mukca_identification *id, const mukca_set *s
     return out;
 }
 
-/* Items of a set, ascending, among index[n]; returns their number. */
-static int items_of(int *item, const mukca_causes *set, const int *index, int n)
+/* Insert a set whose candidates are among index[n]; returns its index, -1: too large. */
+static int insert(mukca_sets *sets, const mukca_causes *set, const int *index, int n)
 {
-    int count = 0;
+    int item[MUKCA_SET_ITEMS], count = 0;
+    double size[MUKCA_SET_ITEMS];
     for (int i = 0; i < n; i++)
         for (int k = 0; k < set->n; k++)
-            if (set->candidate[k] == index[i]) item[count++] = i;
-    return count;
+            if (set->candidate[k] == index[i]) item[count] = i, size[count++] = set->scale[k];
+    return mukca_sets_insert(sets, item, size, count);
 }
 
-/* Search among the sets of the kept candidates, from the empty set and from `start`. */
-static bool search(mukca_identification *id, const mukca_causes *start, int budget)
+/* Search among the sets of the kept candidates, from the empty set and from the best set so far. If
+ * that is settled, or in the last pass, with all of the budget.  *best: the most probable set. */
+static bool search(mukca_identification *id, mukca_causes *best, bool last)
 {
     mukca_pool *pool = &id->search_pool;
-    int item[MUKCA_SET_ITEMS];
+    mukca_pool_free(pool);                                            /* of the last pass */
     qsort(id->kept, (size_t)id->n_kept, sizeof *id->kept, ascending); /* order of kept: no matter */
     set_causes(id, NULL);
     if (!mukca_scan_aim(&id->scan, id->m->unknowns.family) ||
         !mukca_scan_question(&id->question, &id->scan, pool, id->kept, id->n_kept) ||
         !mukca_sets_create(&id->sets, pool, &id->question))
         return false;
-    mukca_sets_insert(&id->sets, item, items_of(item, start, id->kept, id->n_kept));
-    mukca_sets_explore(&id->sets, budget);
+    const mukca_sets *sets = &id->sets;
+    const int before = insert(&id->sets, best, id->kept, id->n_kept);
+    mukca_sets_explore(&id->sets, QUICK, false);
+    const mukca_set *found = &sets->set[sets->best];
+    id->settled =
+        before >= 0 && (best->n || !found->n) && sets->set[before].value > found->value - SETTLED;
+    if (id->settled || last) mukca_sets_explore(&id->sets, BUDGET - QUICK, true);
+    *best = causes_of(id, &sets->set[sets->best]);
     return !pool->failed;
-}
-
-static bool same(const mukca_causes *a, const mukca_causes *b)
-{
-    for (int i = 0; i < a->n && a->n == b->n; i++)
-        if (a->candidate[i] != b->candidate[i]) return false;
-    return a->n == b->n;
 }
 
 static bool watch(const mukca_identification *id, double share, mukca_error *error)
@@ -155,22 +161,19 @@ static mukca_status begin(mukca_identification *id, mukca_causes *best, mukca_er
     id->n_first = id->all.count;
     memcpy(id->first_value, id->scan.value, sizeof(double) * (size_t)id->n_first);
     memcpy(id->first_information, id->scan.information, sizeof(double) * (size_t)id->n_first);
-    if (!search(id, best, BUDGET)) return no_memory(error);
-    *best = causes_of(id, &id->sets.set[id->sets.best]);
-    return MUKCA_OK;
+    return search(id, best, false) ? MUKCA_OK : no_memory(error);
 }
 
 /* A later pass, at a linearisation with the set found so far. */
-static mukca_status revise(mukca_identification *id, mukca_causes *best, mukca_error *error)
+static mukca_status revise(mukca_identification *id, mukca_causes *best, bool last,
+                           mukca_error *error)
 {
     set_causes(id, best);
     if (!mukca_scan_aim(&id->scan, id->m->unknowns.family)) return MUKCA_OK;
     const mukca_status status = mukca_scan_run(&id->scan, true, error);
     if (status != MUKCA_OK) return status;
     keep_best(id, KEPT_BESIDE);
-    if (!search(id, best, BUDGET)) return no_memory(error);
-    *best = causes_of(id, &id->sets.set[id->sets.best]);
-    return MUKCA_OK;
+    return search(id, best, last) ? MUKCA_OK : no_memory(error);
 }
 
 /* Log posterior of the first sets under another family; relative to the same of the search. */
@@ -180,7 +183,7 @@ static bool weigh_family(double *value, mukca_identification *id, const mukca_ca
     mukca_pool pool = {0};
     mukca_question question;
     mukca_sets sets;
-    int *index = MUKCA_TAKE(&pool, int, id->all.count), count = 0, item[MUKCA_SET_ITEMS];
+    int *index = MUKCA_TAKE(&pool, int, id->all.count), count = 0;
     unsigned char *used = MUKCA_TAKE(&pool, unsigned char, id->all.count);
     bool ok = !pool.failed && mukca_scan_aim(&id->scan, family);
     for (int i = 0; ok && i < n; i++)
@@ -190,7 +193,7 @@ static bool weigh_family(double *value, mukca_identification *id, const mukca_ca
     ok = ok && mukca_scan_question(&question, &id->scan, &pool, index, count) &&
          mukca_sets_create(&sets, &pool, &question);
     for (int i = 0; ok && i < n; i++) {
-        const int at = mukca_sets_insert(&sets, item, items_of(item, &set[i], index, count));
+        const int at = insert(&sets, &set[i], index, count);
         value[i] = id->scan.evidence + (at >= 0 ? sets.set[at].value : -HUGE_VAL);
     }
     mukca_pool_free(&pool);
@@ -207,12 +210,15 @@ static mukca_status average(mukca_identification *id, mukca_error *error)
            *value = MUKCA_TAKE(&id->pool, double, SETS);
     id->set = MUKCA_TAKE(&id->pool, mukca_causes, SETS);
     if (id->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory for sets of causes");
-    for (int i = 0; i < sets->n_sets; i++)
-        if (sets->set[i].value > sets->set[sets->best].value - AVERAGED - 3)
-            mukca_sets_evaluate(sets, i);
+    int n = 0;
     for (int i = 0; i < sets->n_sets; i++) order[i] = (mukca_ranked){sets->set[i].value, i};
     qsort(order, (size_t)sets->n_sets, sizeof *order, by_odds);
-    int n = 0;
+    for (int i = 0; i < sets->n_sets; i++) {
+        if (i < EVALUATED && order[i].odds > order[0].odds - AVERAGED)
+            mukca_sets_evaluate(sets, order[i].index);
+        order[i].odds = sets->set[order[i].index].value;
+    }
+    qsort(order, (size_t)sets->n_sets, sizeof *order, by_odds);
     for (; n < sets->n_sets && n < SETS && order[n].odds > order[0].odds - AVERAGED; n++) {
         id->set[n] = causes_of(id, &sets->set[order[n].index]);
         total[n] = id->scan.evidence + order[n].odds;
@@ -299,7 +305,7 @@ static void seat(mukca_identification *id, double most)
 mukca_status mukca_identify_run(mukca_identification *id, mukca_error *error)
 {
     mukca_regression *m = id->m;
-    mukca_causes best = {0}, fitted = {0};
+    mukca_causes best = {0};
     seat(id, NOISE * m->unknowns.sigma);
     mukca_status status = mukca_candidates_list(&id->all, &m->pool, &m->recording, &m->unknowns,
                                                 id->options->disabled, error);
@@ -315,15 +321,13 @@ mukca_status mukca_identify_run(mukca_identification *id, mukca_error *error)
     mukca_regression_freeze(m);
     if (!watch(id, 0.1, error)) return MUKCA_INTERRUPTED;
     status = begin(id, &best, error);
-    for (int pass = 0; pass < PASSES && status == MUKCA_OK && best.n && !same(&best, &fitted);
-         pass++) {
+    for (int pass = 0; pass < PASSES && status == MUKCA_OK && !id->settled; pass++) {
         if (!watch(id, 0.2 + 0.4 * pass / PASSES, error)) return MUKCA_INTERRUPTED;
-        fitted = best;
         mukca_identify_fit(id, &best);
         if (mukca_screening_reinstate(id->faults, m)) mukca_identify_fit(id, &best);
         mukca_regression_freeze(m);
         seat(id, NOISE * m->unknowns.sigma);
-        status = revise(id, &best, error);
+        status = revise(id, &best, pass + 1 == PASSES, error);
     }
     if (status == MUKCA_OK) status = average(id, error);
     if (status == MUKCA_OK) {

@@ -36,6 +36,7 @@ typedef struct {
     int n_kept, *kept; /* its items are these candidates */
     mukca_question question;
     mukca_sets sets;
+    bool settled; /* the set of its linearisation was among the best */
     /* scores of each candidate alone */
     int n_first;
     double *first_value, *first_information;

@@ -35,15 +35,18 @@ static mukca_status weigh_case(double *log_evidence, const mukca_recording_optio
                                const mukca_chain *chain, const mukca_dataset *data,
                                mukca_error *error)
 {
-    mukca_regression m;
-    mukca_status status = mukca_regression_create(&m, chain, data, options, error);
-    if (status == MUKCA_OK) mukca_regression_fit(&m, 6, MUKCA_FIT_ALL);
+    mukca_pool pool = {0};
+    mukca_regression *m = MUKCA_TAKE(&pool, mukca_regression, 1);
+    if (!m) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the logs");
+    mukca_status status = mukca_regression_create(m, chain, data, options, error);
+    if (status == MUKCA_OK) mukca_regression_fit(m, 6, MUKCA_FIT_ALL);
     if (status == MUKCA_OK && loads_differ(data)) {
-        status = add_springs(&m, error);
-        if (status == MUKCA_OK) mukca_regression_fit(&m, 6, MUKCA_FIT_ALL);
+        status = add_springs(m, error);
+        if (status == MUKCA_OK) mukca_regression_fit(m, 6, MUKCA_FIT_ALL);
     }
-    if (status == MUKCA_OK) *log_evidence = mukca_regression_factor(&m);
-    mukca_regression_free(&m);
+    if (status == MUKCA_OK) *log_evidence = mukca_regression_factor(m);
+    mukca_regression_free(m);
+    mukca_pool_free(&pool);
     return status;
 }
 

@@ -7,15 +7,14 @@
 #include "diagnose/candidates.h"
 #include "diagnose/cause.h"
 #include "diagnose/regression.h"
+#include "diagnose/scan.h"
+#include "infer/sets.h"
 
 /* Log odds by which another direction must lead: one arm in a hundred hangs from a wall or a
  * ceiling without --gravity, five directions are tested, and 20 to 1 as for every cause. */
 #define LEAD (4.6 + 1.6 + 3.0)
 /* Log odds of about equal probability: within a factor of e. */
 #define AS_PROBABLE 1.0
-/* Log evidence that a fit adds to elastic effects of their most probable sizes, evaluated at the
- * unknowns without them: at most 18 in 214 comparisons. */
-#define MOST_BY_FIT 30.0
 /* Directions closer to the model's gravity than this cosine (some 30 degrees) are the same. */
 static const double same_direction = 0.85;
 
@@ -71,26 +70,35 @@ typedef struct {
     const unsigned char *disabled;
 } comparison;
 
-/* Log evidence of all elastic effects together under the gravity of the recording, with exact
- * masses and the most probable sizes.  Unnecessary ones cost little: the subset that a search would
- * accept is hardly more probable.  Fitted if this may raise the evidence above `enough`. */
-static mukca_status weigh_springs(double *evidence, const comparison *c, double enough,
-                                  mukca_error *error)
+/* Log posterior of the best set of elastic effects under the gravity of the recording, with exact
+ * masses. */
+static mukca_status weigh_springs(double *evidence, const comparison *c, mukca_error *error)
 {
+    enum { BUDGET = 20 };
     mukca_regression *m = c->m;
+    mukca_pool pool = {0};
     mukca_candidates springs;
-    const mukca_status status =
-        mukca_candidates_list_springs(&springs, &m->pool, &m->recording, c->disabled, error);
-    if (status != MUKCA_OK) return status;
+    mukca_question question;
+    mukca_scan scan;
+    mukca_sets sets;
+    mukca_status status =
+        mukca_candidates_list_springs(&springs, &pool, &m->recording, c->disabled, error);
+    int *index = MUKCA_TAKE(&pool, int, springs.count + 1);
     mukca_unknowns_assign(&m->unknowns, c->bare);
     mukca_regression_freeze(m); /* another load has other columns */
-    for (int i = 0; i < springs.count; i++) mukca_unknowns_add(&m->unknowns, &springs.list[i]);
-    mukca_regression_weigh(m);
-    *evidence = mukca_regression_factor(m);
-    if (!(*evidence > enough - MOST_BY_FIT)) return MUKCA_OK;
-    mukca_regression_refit(m);
-    *evidence = mukca_regression_factor(m);
-    return MUKCA_OK;
+    for (int i = 0; i < springs.count && index; i++) index[i] = i;
+    if (status == MUKCA_OK &&
+        !(mukca_scan_create(&scan, &pool, m, &springs) &&
+          mukca_scan_aim(&scan, m->unknowns.family) &&
+          mukca_scan_question(&question, &scan, &pool, index, springs.count) &&
+          mukca_sets_create(&sets, &pool, &question)))
+        status = mukca_fail(error, MUKCA_MEMORY, "out of memory for the springs");
+    if (status == MUKCA_OK) {
+        mukca_sets_explore(&sets, BUDGET, true);
+        *evidence = scan.evidence + sets.set[sets.best].value;
+    }
+    mukca_pool_free(&pool);
+    return status;
 }
 
 /* Evidence that justifies a diagnosis in another direction: elastic effects are more probable there
@@ -135,21 +143,15 @@ mukca_status mukca_mounting_compare(void *context, mukca_regression *m, mukca_di
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for the springs");
     const comparison c = {.m = m, .bare = &bare, .disabled = others};
     double best = -HUGE_VAL, evidence = NAN, upright;
-    bool leads = true;   /* the preceding, opposite direction leads */
-    bool fitted = false; /* the elastic effects under the model's gravity are fitted */
-    mukca_status status = weigh_springs(&upright, &c, HUGE_VAL, error);
+    bool leads = true; /* the preceding, opposite direction leads */
+    mukca_status status = weigh_springs(&upright, &c, error);
     for (int k = 0; k < 6 && status == MUKCA_OK; k++) {
         if (k % 2 == 0) evidence = NAN, leads = true;
         *turned = *chain;
         if (!leads || !is_worth_testing(turned->gravity, k, d)) continue;
-        if (isnan(evidence)) { /* stiffness of either sign: the opposite gravity is equal */
+        if (isnan(evidence)) {
             load(m, turned);
-            status = weigh_springs(&evidence, &c, enough_for(upright, d->score), error);
-        }
-        if (status == MUKCA_OK && !fitted && evidence > enough_for(upright, d->score)) {
-            load(m, chain);
-            status = weigh_springs(&upright, &c, -HUGE_VAL, error);
-            fitted = true;
+            status = weigh_springs(&evidence, &c, error);
         }
         if (status != MUKCA_OK || !(evidence > enough_for(upright, d->score))) continue;
         status = mukca_diagnose(other, turned, m->recording.data, &springs, error);

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "model/dataset_subset.h"
 #include "model/postures.h"
 
 /* One row in ten that repeats a posture is no accident. */

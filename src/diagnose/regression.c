@@ -64,17 +64,22 @@ static mukca_normal_equations *choose_noise(mukca_regression *m, mukca_fit_freed
     mukca_evidence *evidence = &m->evidence;
     const int own = u->weight ? 0 : u->family;
     mukca_normal_equations *chosen = NULL;
-    const int noises = u->weight ? 1 : evidence->n_noises;
+    const int noises = u->weight || freedom == MUKCA_FIT_NOISE ? 1 : evidence->n_noises;
     double best = -HUGE_VAL, value[MUKCA_NOISES] = {0};
-    bool all = !u->weight; /* robust weights imply independent samples */
+    if (noises > 1 && m->recording.repeats) {
+        mukca_evidence_evaluate(evidence, mukca_regression_collect_own(m), u->sigma,
+                                evidence->mean);
+        mukca_evidence_measure_repeats(evidence, &m->recording, &m->linear);
+    }
+    bool all = noises == evidence->n_noises; /* robust weights imply independent samples */
     for (int k = 0; k < noises; k++) {
         const int i = (own + k) % noises;
-        if (chosen && !mukca_noise_contends(evidence, i, best, 0)) {
+        if (chosen && !mukca_noise_contends(evidence, i, best)) {
             all = false;
             continue;
         }
         mukca_normal_equations *normal = mukca_regression_collect(m, i);
-        const double sigma = mukca_noise_choose(evidence, normal, NULL, u->sigma, &value[i]);
+        const double sigma = mukca_noise_choose(evidence, normal, u->sigma, &value[i]);
         if (chosen && !(value[i] > best)) continue;
         best = value[i], u->sigma = sigma, u->family = i;
         chosen = normal;
@@ -83,7 +88,7 @@ static mukca_normal_equations *choose_noise(mukca_regression *m, mukca_fit_freed
     if (all) evidence->best = best;
     if (freedom == MUKCA_FIT_ALL) {
         mukca_scales_choose(u, evidence, &m->recording, chosen);
-        u->sigma = mukca_noise_choose(evidence, chosen, NULL, u->sigma, NULL);
+        u->sigma = mukca_noise_choose(evidence, chosen, u->sigma, NULL);
     }
     return chosen;
 }
@@ -203,30 +208,6 @@ bool mukca_regression_solve(mukca_regression *m)
     mukca_unknowns_set(u, m->evidence.mean);
     mukca_unknowns_set_geometry(u, m->recording.chain);
     return true;
-}
-
-void mukca_regression_weigh(mukca_regression *m)
-{
-    mukca_regression_return(m);
-    mukca_unknowns_set_geometry_prior(&m->unknowns, &m->recording);
-    mukca_unknowns_prior(m->evidence.prior, &m->unknowns);
-    choose_noise(m, MUKCA_FIT_ALL);
-}
-
-void mukca_regression_refit(mukca_regression *m)
-{
-    mukca_regression_weigh(m);
-    for (int pass = 0; pass < 4; pass++) {
-        if (!mukca_regression_solve(m)) return;
-        const bool done = holds(m, 1);
-        if (!done &&
-            (pass >= 2 || !mukca_linearisation_refresh(&m->linear, &m->recording, &m->unknowns)))
-            mukca_regression_freeze(m);
-        if (!done) continue;
-        choose_noise(m, MUKCA_FIT_ALL);
-        mukca_regression_solve(m);
-        return;
-    }
 }
 
 void mukca_regression_revise(mukca_regression *m)

@@ -41,8 +41,9 @@ double mukca_regression_standard_error(mukca_regression *m, int column, const do
 /* Quantities chosen by a fit in addition to the unknowns. */
 typedef enum {
     MUKCA_FIT_UNKNOWNS, /* none: noise, its family and prior scales stay */
-    MUKCA_FIT_NOISE,    /* noise and its family, in the first step */
-    MUKCA_FIT_ALL /* noise, its family and prior scales by evidence, in the first and third step */
+    MUKCA_FIT_NOISE,    /* noise in its present family, in the first step */
+    MUKCA_FIT_ALL /* noise, its family and the geometry's prior scales by evidence, in the first and
+                     third step */
 } mukca_fit_freedom;
 
 /* Log posterior of the set of causes fitted last, up to a constant: evidence, and the priors of the
@@ -57,15 +58,6 @@ void mukca_regression_return(mukca_regression *m);
 /* Solve for the unknowns on the frozen columns with their present noise and prior scales.  False:
  * the normal equations are singular. */
 bool mukca_regression_solve(mukca_regression *m);
-
-/* Choose noise, its family and prior scales by evidence on the frozen columns; the other unknowns
- * stay.
- */
-void mukca_regression_weigh(mukca_regression *m);
-
-/* Fit all unknowns, as MUKCA_FIT_ALL, to the frozen columns; freezes again if the linearisation is
- * inaccurate at the result. */
-void mukca_regression_refit(mukca_regression *m);
 
 /* Fit the unknowns with the present noise and prior scales after causes were dropped: on the
  * present columns with updated predictions if the linearisation is accurate at the result, else as

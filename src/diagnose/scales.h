@@ -4,8 +4,9 @@
 
 #include "diagnose/evidence.h"
 
-/* Maximise the evidence over the scales at the present noise: the geometry's two together, then
- * each cause's in turn.  evidence->prior receives the prior sigmas of all columns. */
+/* Maximise the evidence at the present noise over the geometry's two scales together, then over
+ * that of each cause whose scale is open.  evidence->prior receives the prior sigmas of all
+ * columns. */
 void mukca_scales_choose(mukca_unknowns *unknowns, mukca_evidence *evidence,
                          const mukca_recording *recording, const mukca_normal_equations *normal);
 

@@ -43,6 +43,7 @@ bool mukca_scan_create(mukca_scan *s, mukca_pool *pool, mukca_regression *m, muk
         .near = MUKCA_TAKE(pool, double, NEAR *LD),
         .rows = MUKCA_TAKE(pool, double, (rows + 8) * n),
         .u = MUKCA_TAKE(pool, double, rows),
+        .scratch = MUKCA_TAKE(pool, mukca_mixture_scratch, 1),
         .value = MUKCA_TAKE(pool, double, all->capacity),
         .information = MUKCA_TAKE(pool, double, all->capacity),
     };
@@ -150,7 +151,7 @@ static void gram_of(double *G, const mukca_scan *s, int at, int k)
         for (int c = 0; c <= a; c++) G[a * k + c] = G[c * k + a] = s->near[(a - c) * LD + at + c];
     if (k <= NEAR) return;
     const mukca_columns w = {s->W + at, k, LD}, t = {s->T + at, k, LD};
-    double explained[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS];
+    double *explained = s->scratch->B;
     memset(G, 0, sizeof *G * (size_t)(k * k));
     memset(explained, 0, sizeof *G * (size_t)(k * k));
     mukca_dense_symmetric(G, w, w, rows);
@@ -165,7 +166,7 @@ static void gram_of(double *G, const mukca_scan *s, int at, int k)
 
 static void finish(mukca_scan *s, batch *b)
 {
-    double G[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS] = {0};
+    double *G = s->scratch->A;
     if (!b->n) return;
     project(s, b);
     for (int e = 0; e < b->n; e++) {
@@ -176,8 +177,8 @@ static void finish(mukca_scan *s, batch *b)
         for (int t = 0; t < mukca_candidate_own_terms(h); t++)
             most = fmax(most, G[t * h->terms + t]);
         s->information[b->index[e]] = most;
-        s->value[b->index[e]] =
-            mukca_mixture_evidence(NULL, G, s->g + b->at[e], h->terms, &prior, s->residual, s->dof);
+        s->value[b->index[e]] = mukca_mixture_evidence(NULL, G, s->g + b->at[e], h->terms, &prior,
+                                                       s->residual, s->dof, s->scratch);
     }
     b->n = b->width = 0;
 }
@@ -283,10 +284,10 @@ static bool guess_ripple(double *odds, mukca_scan *s, int j, const double *u, do
         const double G[] = {left, 0, 0, left},
                      g[] = {dot4(along, wave.sine, N) / MUKCA_WAVE_UNIT,
                             dot4(along, wave.cosine, N) / MUKCA_WAVE_UNIT};
-        odds[o] = listed[o]
-                      ? -HUGE_VAL
-                      : mukca_ripple_log_prior(o) +
-                            mukca_mixture_evidence(NULL, G, g, 2, &prior, s->residual, s->dof);
+        odds[o] = listed[o] ? -HUGE_VAL
+                            : mukca_ripple_log_prior(o) +
+                                  mukca_mixture_evidence(NULL, G, g, 2, &prior, s->residual, s->dof,
+                                                         s->scratch);
     }
     return true;
 }
@@ -348,7 +349,9 @@ bool mukca_scan_question(mukca_question *question, mukca_scan *s, mukca_pool *po
                                .terms = h->terms,
                                .prior = mukca_candidate_mixture(h),
                                .log_prior = h->log_prior - MUKCA_SET_RATE,
-                               .key = mukca_candidate_key(h)};
+                               .key = mukca_candidate_key(h),
+                               .kin = mukca_candidate_kin(h),
+                               .kinship = MUKCA_KINSHIP + MUKCA_SET_RATE};
         put(s, &b, index[i]);
         const int next = i + 1 < n ? s->all->list[index[i + 1]].terms : LD;
         if (b.width + next <= LD) continue;

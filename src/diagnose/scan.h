@@ -12,6 +12,9 @@ enum { MUKCA_SCAN_WIDTH = 128 }; /* columns processed together */
 /* Log prior odds against each further member of a set. */
 #define MUKCA_SET_RATE 1.5
 
+/* Log prior odds of a further member of a kin (mukca_candidate_kin()), beyond those of a first. */
+#define MUKCA_KINSHIP 3.0
+
 typedef struct {
     mukca_regression *m;
     mukca_candidates *all;
@@ -24,7 +27,8 @@ typedef struct {
     double *z, *prior, *inverse, *distance; /* [n], [n], [n_pairs], [n_pairs][n + 1] */
     /* scratch of MUKCA_SCAN_WIDTH columns */
     double *E, *W, *mean, *along, *C, *T, *g, *near;
-    double *rows, *u;            /* [n][dim * n_samples + 8], [dim * n_samples]: for faults */
+    double *rows, *u; /* [n][dim * n_samples + 8], [dim * n_samples]: for faults */
+    mukca_mixture_scratch *scratch;
     double *value, *information; /* [capacity] log Bayes factors, and 1/rad^2 of a unit size */
     int capacity;
 } mukca_scan;

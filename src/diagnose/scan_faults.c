@@ -117,7 +117,7 @@ static void score(double *value, double *information, fault_sums *f, const mukca
     }
     const mukca_mixture prior = mukca_candidate_mixture(h);
     *information = G[0];
-    *value = mukca_mixture_evidence(NULL, G, g, 3, &prior, s->residual, s->dof);
+    *value = mukca_mixture_evidence(NULL, G, g, 3, &prior, s->residual, s->dof, s->scratch);
 }
 
 void mukca_scan_faults(mukca_scan *s)

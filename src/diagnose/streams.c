@@ -67,13 +67,17 @@ void mukca_streams_compare(mukca_streams *streams, const mukca_recording *r)
 static mukca_status fit(double *sigma, const mukca_recording_options *options,
                         const mukca_chain *chain, const mukca_dataset *data, mukca_error *error)
 {
-    mukca_regression m;
-    const mukca_status status = mukca_regression_create(&m, chain, data, options, error);
-    if (status != MUKCA_OK) return status;
-    mukca_regression_fit(&m, 6, MUKCA_FIT_ALL);
-    *sigma = m.unknowns.sigma;
-    mukca_regression_free(&m);
-    return MUKCA_OK;
+    mukca_pool pool = {0};
+    mukca_regression *m = MUKCA_TAKE(&pool, mukca_regression, 1);
+    if (!m) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the commands");
+    const mukca_status status = mukca_regression_create(m, chain, data, options, error);
+    if (status == MUKCA_OK) {
+        mukca_regression_fit(m, 6, MUKCA_FIT_ALL);
+        *sigma = m->unknowns.sigma;
+    }
+    mukca_regression_free(m);
+    mukca_pool_free(&pool);
+    return status;
 }
 
 mukca_status mukca_streams_fit(mukca_streams *streams, const mukca_recording_options *options,

@@ -10,6 +10,9 @@ static bool carry_causes(mukca_regression *t, const mukca_unknowns *from)
     for (int c = 0; c < from->n_causes; c++) {
         mukca_accepted cause = from->cause[c];
         if (!mukca_candidate_moves_arm(&cause.candidate)) continue;
+        if (mukca_effect_has(mukca_candidate_class(&cause.candidate), MUKCA_TRAIT_OF_TIME) &&
+            !t->recording.data->time)
+            continue; /* without times, the state of a drift is unknown */
         /* placements of the training data do not recur */
         cause.candidate.placement = cause.candidate.effect.placement = -1;
         if (!mukca_candidate_prepare(&cause.candidate, &t->pool, &t->recording)) return false;
@@ -24,45 +27,52 @@ mukca_status mukca_test_data_measure(mukca_test_errors *errors, mukca_pool *pool
                                      const mukca_dataset *test, mukca_error *error)
 {
     /* states only, without columns: predictions use the fitted unknowns */
-    mukca_regression t = {.unknowns.n_causes = 0};
+    mukca_pool scratch = {0};
+    mukca_regression *t = MUKCA_TAKE(&scratch, mukca_regression, 1);
+    mukca_arm_state *arm = MUKCA_TAKE(&scratch, mukca_arm_state, 2);
+    if (!t || !arm) {
+        mukca_pool_free(&scratch);
+        return mukca_fail(error, MUKCA_MEMORY, "out of memory for the held-out rows");
+    }
     mukca_recording_options options = m->recording.options;
     options.base_per_log = options.tool_per_log = false; /* frames are those of the training logs */
     options.mass_factor = m->recording.n_bodies ? m->recording.mass_factor : NULL;
     mukca_status status = MUKCA_OK;
     const int rows = test->n_rows;
-    if (!mukca_recording_create(&t.recording, &t.pool, m->recording.chain, test, &options) ||
-        !mukca_unknowns_create(&t.unknowns, &t.pool, &t.recording)) {
+    if (!mukca_recording_create(&t->recording, &t->pool, m->recording.chain, test, &options) ||
+        !mukca_unknowns_create(&t->unknowns, &t->pool, &t->recording)) {
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d held-out rows", rows);
         goto out;
     }
-    double *position = MUKCA_TAKE(&t.pool, double, 3 * rows);
-    double *geometry_m = MUKCA_TAKE(&t.pool, double, rows), *row_error = NULL;
-    const mukca_arm_state nominal = mukca_unknowns_nominal_arm(&m->unknowns, m->recording.chain);
-    const mukca_arm_state explained = mukca_unknowns_arm(&m->unknowns);
-    const mukca_arm_state *const step[3] = {&nominal, geometry_only, &explained};
+    double *position = MUKCA_TAKE(&t->pool, double, 3 * rows);
+    double *geometry_m = MUKCA_TAKE(&t->pool, double, rows), *row_error = NULL;
+    arm[0] = mukca_unknowns_nominal_arm(&m->unknowns, m->recording.chain);
+    arm[1] = mukca_unknowns_arm(&m->unknowns);
+    const mukca_arm_state *const step[3] = {&arm[0], geometry_only, &arm[1]};
     double *const result[3] = {&errors->nominal_m, &errors->geometry_m, &errors->explained_m};
-    mukca_unknowns_set_arm(&t.unknowns, geometry_only);
-    const int untrained = mukca_logs_match(&t, m);
+    mukca_unknowns_set_arm(&t->unknowns, geometry_only);
+    const int untrained = mukca_logs_match(t, m);
     errors->n_placements = test->n_placements;
     errors->placement_m = MUKCA_TAKE(pool, double, test->n_placements + 1);
     errors->before_m = MUKCA_TAKE(pool, double, rows);
     errors->after_m = MUKCA_TAKE(pool, double, rows);
     double *const rows_of[3] = {errors->before_m, geometry_m, errors->after_m};
-    for (int s = 0; s < 3 && !t.pool.failed && !pool->failed; s++) {
-        if (s == 2 && !carry_causes(&t, &m->unknowns)) break;
+    for (int s = 0; s < 3 && !t->pool.failed && !pool->failed; s++) {
+        if (s == 2 && !carry_causes(t, &m->unknowns)) break;
         row_error = rows_of[s];
-        mukca_unknowns_set_arm(&t.unknowns, step[s]);
-        mukca_logs_place_targets(&t, untrained);
+        mukca_unknowns_set_arm(&t->unknowns, step[s]);
+        mukca_logs_place_targets(t, untrained);
         for (int row = 0; row < rows; row++)
-            mukca_unknowns_predict_measured(position + 3 * row, &t.unknowns, &t.recording, row);
-        mukca_folds_errors(row_error, &t, position, t.recording.keep, false);
+            mukca_unknowns_predict_measured(position + 3 * row, &t->unknowns, &t->recording, row);
+        mukca_folds_errors(row_error, t, position, t->recording.keep, false);
         *result[s] = mukca_folds_mean(row_error, rows);
     }
-    if (t.pool.failed || pool->failed)
+    if (t->pool.failed || pool->failed)
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d held-out rows", rows);
     else
-        mukca_folds_by_placement(errors->placement_m, &t.recording, row_error);
+        mukca_folds_by_placement(errors->placement_m, &t->recording, row_error);
 out:
-    mukca_regression_free(&t);
+    mukca_regression_free(t);
+    mukca_pool_free(&scratch);
     return status;
 }

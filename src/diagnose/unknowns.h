@@ -14,12 +14,11 @@ enum { MUKCA_MAX_ACCEPTED = 64 };
 typedef struct {
     mukca_candidate candidate;
     double scale; /* prior sigma of coefficient * unit */
+    bool sized;   /* it was chosen by the search; otherwise a fit chooses it */
     /* Prior of a single coefficient from elsewhere: its mean; the scale is fixed. */
     bool known;
     double centre;
     double coefficient[MUKCA_MAX_COLUMNS];
-    int step;    /* of the competition, at acceptance */
-    double lead; /* log odds of its lead in the last test; 0: not tested */
 } mukca_accepted;
 
 /* Frames of the pose logs; shared frames are equal. */

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "effect/catalogue.h"
+#include "math/sincos.h"
 #include "mukca/gravity.h"
 
 /* Move the joints to q + by; update the sines and cosines from the previous ones. */

@@ -12,7 +12,7 @@
 #ifndef MUKCA_EFFECT_EQUILIBRIUM_H
 #define MUKCA_EFFECT_EQUILIBRIUM_H
 
-#include "model/turn.h"
+#include "model/columns.h"
 #include "mukca/effect.h"
 
 /* The effects of an arm at the encoder angles state.q. */

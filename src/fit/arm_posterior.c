@@ -6,6 +6,7 @@
 
 #include "fit/align.h"
 #include "math/dense.h"
+#include "model/dataset_subset.h"
 
 /* Gauss-Newton steps; in each: weights, noise and scale. */
 enum { STEPS = 4, WEIGHINGS = 5 };

@@ -5,6 +5,7 @@
 #include "fit/arm_posterior.h"
 #include "fit/part.h"
 #include "fit/posterior.h"
+#include "fit/selection.h"
 #include "model/postures.h"
 
 enum { MOST_ROWS = 5000 }; /* as in diagnose */

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/pool.h"
+#include "model/dataset_subset.h"
 
 typedef struct {
     const mukca_chain *chain;

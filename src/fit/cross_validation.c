@@ -6,6 +6,7 @@
 
 #include "fit/frames.h"
 #include "fit/part.h"
+#include "model/dataset_subset.h"
 #include "model/postures.h"
 
 enum {

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "model/dataset_subset.h"
+
 void mukca_evaluate_tips(mukca_frame *tips, const mukca_model *model, const mukca_dataset *data)
 {
     mukca_geometry geometry;

@@ -74,7 +74,7 @@ mukca_status mukca_fit_run(mukca_fit *fit, const mukca_chain *chain, const mukca
                            const mukca_fit_options *options, mukca_error *error)
 {
     const mukca_fit_options none = {0};
-    workspace w = {.pool = {NULL, false}};
+    workspace *w = NULL;
     mukca_status status;
     if (!options) options = &none;
     memset(fit, 0, sizeof *fit);
@@ -87,10 +87,13 @@ mukca_status mukca_fit_run(mukca_fit *fit, const mukca_chain *chain, const mukca
         status = mukca_frames_start(fit->theta, &fit->chain, data, options->free_base,
                                     options->free_tool, error);
     if (status != MUKCA_OK) return status;
-    status = take_workspace(&w, fit, data, options->cost, error);
-    if (status == MUKCA_OK) status = minimise(fit, &w.cost, options, error);
-    mukca_pool_free(&w.pool);
-    mukca_dataset_free(&w.samples);
+    w = calloc(1, sizeof *w);
+    if (!w) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    status = take_workspace(w, fit, data, options->cost, error);
+    if (status == MUKCA_OK) status = minimise(fit, &w->cost, options, error);
+    mukca_pool_free(&w->pool);
+    mukca_dataset_free(&w->samples);
+    free(w);
     if (status != MUKCA_OK) mukca_fit_free(fit);
     return status;
 }

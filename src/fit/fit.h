@@ -3,6 +3,7 @@
 #define MUKCA_FIT_FIT_H
 
 #include "fit/identify.h"
+#include "fit/selection.h"
 #include "fit/solver.h"
 
 /* Zeroed means the defaults. */

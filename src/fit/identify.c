@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "fit/cost_normal.h"
+#include "fit/poses.h"
 #include "math/dense.h"
 
 /* Fraction of a socket's samples, or of the poses (-1), that is in the part. */
@@ -134,9 +136,13 @@ mukca_status mukca_identify(mukca_identification *id, double *null_space, mukca_
     double log_product = 0, distances;
     memset(id, 0, sizeof *id);
     mukca_cost_normal(R, cost, x, true);
-    if (cost->part != cost) mukca_observe_predict(o, cost->part->theta);
+    if (cost->part != cost) {
+        mukca_observe_predict(o, cost->part->theta);
+        mukca_orientations_predict(o);
+    }
     const int pairs = cost->pair_weight > 0 ? o->n_pairs : 0;
-    double squares = mukca_observe_squares(&distances, o, false);
+    double squares =
+        mukca_observe_squares(&distances, o, false) + mukca_orientations_squares(o, false);
     if (pairs) squares += distances;
     factorise(R, s, cost->part);
     score_covariance(B, cost); /* overwrites the Jacobian */

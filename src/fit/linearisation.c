@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+#include "fit/selection.h"
+
 mukca_status mukca_linearisation_init(mukca_linearisation *at, const mukca_chain *chain,
                                       const double *theta, mukca_error *error)
 {

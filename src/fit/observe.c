@@ -1,30 +1,7 @@
-/* Residuals of the observations and the gradient of their sum of squares. */
+/* Residuals of the positions and the gradient of their sum of squares. */
 #include "fit/observe.h"
 
-#include <math.h>
 #include <string.h>
-
-static bool has_position(const mukca_dataset *data, int row)
-{
-    return data->socket[row] < 0 && data->position && isfinite(data->position[3 * row]);
-}
-
-static bool has_orientation(const mukca_dataset *data, int row)
-{
-    return data->socket[row] < 0 && data->quaternion && isfinite(data->quaternion[4 * row]);
-}
-
-static bool socket_used(const mukca_dataset *data, int socket)
-{
-    int i = 0;
-    while (i < data->n_rows && data->socket[i] != socket) i++;
-    return i < data->n_rows;
-}
-
-static bool pair_usable(const mukca_dataset *data, int pair)
-{
-    return socket_used(data, data->distances[pair].a) && socket_used(data, data->distances[pair].b);
-}
 
 static int rows_of_placement(const mukca_observations *o, const mukca_dataset *data, int placement)
 {
@@ -34,88 +11,51 @@ static int rows_of_placement(const mukca_observations *o, const mukca_dataset *d
     return (int)n;
 }
 
-static void load_counts(mukca_observations *o, const mukca_dataset *data)
+static void load(mukca_observations *o, const mukca_dataset *data)
 {
-    o->n_measured = o->n_pairs;
-    for (int i = 0; i < o->n_rows; i++)
-        if (data->socket[i] >= 0) o->count[data->socket[i]]++;
-    for (int s = 0; s < o->n_sockets; s++)
-        if (o->count[s] > 0) o->n_measured -= 3;
-    for (int p = 0; p < data->n_placements; p++) o->n_groups += rows_of_placement(o, data, p) > 0;
-    for (int p = 0, to = 0; p < data->n_distances; p++) {
-        if (!pair_usable(data, p)) continue;
-        o->pair[2 * to] = data->distances[p].a;
-        o->pair[2 * to + 1] = data->distances[p].b;
-        o->pair_distance[to++] = data->distances[p].distance;
-    }
-}
-
-static void load_rows(mukca_observations *o, const mukca_dataset *data)
-{
-    int poses = 0;
     double *shares = o->mean; /* of the sockets; scratch */
-    for (int s = 0; s < o->n_sockets; s++)
-        shares[s] = 1.0 / rows_of_placement(o, data, data->sockets[s].placement);
-    for (int i = 0; i < o->n_rows; i++) poses += has_position(data, i) || has_orientation(data, i);
-    o->n_groups += poses > 0;
     for (int i = 0; i < o->n_rows; i++) {
-        const int socket = data->socket[i];
-        const double share = socket < 0 ? 1.0 / poses : shares[socket];
-        const bool position = socket >= 0 || has_position(data, i);
-        const bool orientation = has_orientation(data, i);
-        o->socket[i] = socket;
-        o->n_measured += 3 * (position + orientation);
-        if (position) o->share[i] = share;
-        if (has_position(data, i))
-            memcpy(o->target + 3 * i, data->position + 3 * i, 3 * sizeof *o->target);
-        if (!orientation) continue;
-        o->turn_share[i] = share;
-        mukca_rotation_from_quaternion(o->aim + 9 * i, data->quaternion + 4 * i);
+        o->socket[i] = data->socket[i];
+        if (o->socket[i] >= 0) o->count[o->socket[i]]++;
     }
+    for (int p = 0; p < data->n_placements; p++) o->n_groups += rows_of_placement(o, data, p) > 0;
+    for (int s = 0; s < o->n_sockets; s++) {
+        shares[s] = 1.0 / rows_of_placement(o, data, data->sockets[s].placement);
+        if (o->count[s] > 0) o->n_measured += 3 * (int)o->count[s] - 3;
+    }
+    for (int i = 0; i < o->n_rows; i++)
+        if (o->socket[i] >= 0) o->share[i] = shares[o->socket[i]];
+    for (int d = 0; d < data->n_distances; d++) {
+        const int a = data->distances[d].a, b = data->distances[d].b;
+        if (!(o->count[a] > 0 && o->count[b] > 0)) continue;
+        o->pair[2 * o->n_pairs] = a;
+        o->pair[2 * o->n_pairs + 1] = b;
+        o->pair_distance[o->n_pairs++] = data->distances[d].distance;
+    }
+    o->n_measured += o->n_pairs;
+    o->n_residuals = 3 * o->n_rows + o->n_pairs;
 }
 
 bool mukca_observe_setup(mukca_observations *o, mukca_pool *pool, const mukca_chain *chain,
-                         const mukca_dataset *data, const double *fixed, int max_free)
+                         const mukca_dataset *data, int max_free)
 {
-    const int n = data->n_rows, sockets = data->n_sockets;
-    bool posed = false;
+    const int n = data->n_rows, sockets = data->n_sockets, pairs = data->n_distances;
     *o = (mukca_observations){.n_rows = n, .n_sockets = sockets};
-    for (int i = 0; i < n; i++) {
-        posed |= data->socket[i] < 0;
-        o->oriented |= has_orientation(data, i);
-    }
-    for (int p = 0; p < data->n_distances; p++) o->n_pairs += pair_usable(data, p);
-    o->n_residuals = (o->oriented ? 6 : 3) * n + o->n_pairs;
-
     mukca_sweep_take(&o->sweep, pool, chain, n);
-    const int padded = n + MUKCA_SWEEP_PADDING;
     o->socket = MUKCA_TAKE(pool, int, n);
     o->share = MUKCA_TAKE(pool, double, n);
     o->count = MUKCA_TAKE(pool, double, sockets);
     o->mean = MUKCA_TAKE(pool, double, 3 * sockets);
     o->mean_rows = MUKCA_TAKE(pool, double, 3 * sockets * max_free);
-    o->pair = MUKCA_TAKE(pool, int, 2 * o->n_pairs);
-    o->pair_distance = MUKCA_TAKE(pool, double, o->n_pairs);
-    o->pair_residual = MUKCA_TAKE(pool, double, o->n_pairs);
-    o->pair_direction = MUKCA_TAKE(pool, double, 3 * o->n_pairs);
-    o->residual = MUKCA_TAKE(pool, double, 3 * padded);
-    if (posed) o->target = MUKCA_TAKE(pool, double, 3 * n);
-    if (o->oriented) {
-        o->turn_share = MUKCA_TAKE(pool, double, n);
-        o->aim = MUKCA_TAKE(pool, double, 9 * n);
-        o->turn_residual = MUKCA_TAKE(pool, double, 3 * padded);
-    }
-    double *fixed_mean = fixed ? MUKCA_TAKE(pool, double, 3 * sockets) : NULL;
+    o->pair = MUKCA_TAKE(pool, int, 2 * pairs);
+    o->pair_distance = MUKCA_TAKE(pool, double, pairs);
+    o->pair_residual = MUKCA_TAKE(pool, double, pairs);
+    o->pair_direction = MUKCA_TAKE(pool, double, 3 * pairs);
+    o->residual = MUKCA_TAKE(pool, double, 3 * (n + MUKCA_SWEEP_PADDING));
     if (pool->failed) return false;
 
-    load_counts(o, data);
-    load_rows(o, data);
+    load(o, data);
     mukca_sweep_load(&o->sweep, chain, data->q);
-    if (fixed) {
-        mukca_observe_predict(o, fixed);
-        memcpy(fixed_mean, o->mean, 3 * (size_t)sockets * sizeof *fixed_mean);
-        o->fixed_mean = fixed_mean;
-    }
     return true;
 }
 
@@ -128,23 +68,6 @@ static void predict_pairs(mukca_observations *o)
         const double length = mukca_norm3(u);
         for (int i = 0; i < 3; i++) u[i] = length > 0 ? u[i] / length : 0;
         o->pair_residual[p] = length - o->pair_distance[p];
-    }
-}
-
-/* For the open window. */
-static void predict_orientations(mukca_observations *o)
-{
-    const mukca_sweep *s = &o->sweep;
-    double *residual = mukca_observe_window(o->turn_residual, s);
-    mukca_sweep_orientations(&o->sweep);
-    for (int i = 0; i < s->rows; i++) {
-        double R[9], off[9], w[3] = {0, 0, 0};
-        for (int c = 0; c < 9; c++) R[c] = s->Q[c * s->padded + i];
-        for (int r = 0; r < 3; r++) /* predicted times measured transposed */
-            for (int c = 0; c < 3; c++)
-                off[3 * r + c] = mukca_dot3(R + 3 * r, o->aim + 9 * (s->from + i) + 3 * c);
-        if (o->turn_share[s->from + i] > 0) mukca_rotation_log(w, off);
-        for (int a = 0; a < 3; a++) residual[a * s->padded + i] = MUKCA_METRES_PER_RADIAN * w[a];
     }
 }
 
@@ -169,8 +92,8 @@ static void subtract(mukca_observations *o)
     double *residual = mukca_observe_window(o->residual, s);
     for (int i = 0; i < s->rows; i++) {
         const int row = s->from + i;
-        const double *about =
-            o->socket[row] >= 0 ? centre + 3 * o->socket[row] : o->target + 3L * row;
+        const int at = o->socket[row];
+        const double *about = at >= 0 ? centre + 3 * at : o->target ? o->target + 3L * row : NULL;
         for (int a = 0; a < 3; a++) {
             double *r = residual + a * s->padded + i;
             *r = o->share[row] > 0 ? *r - about[a] : 0;
@@ -186,7 +109,6 @@ void mukca_observe_predict(mukca_observations *o, const double *theta)
     for (int v = 0; v < sweep->n_windows; v++) {
         mukca_sweep_open(sweep, v);
         predict_positions(o);
-        if (o->oriented) predict_orientations(o);
     }
     for (int s = 0; s < o->n_sockets; s++)
         for (int a = 0; a < 3 && o->count[s] > 0; a++) o->mean[3 * s + a] /= o->count[s];
@@ -204,15 +126,11 @@ double mukca_observe_squares(double *pairs, mukca_observations *o, bool weighted
     for (int v = 0; v < s->n_windows; v++) {
         mukca_sweep_open(s, v);
         const double *residual = mukca_observe_window(o->residual, s);
-        const double *turned = o->oriented ? mukca_observe_window(o->turn_residual, s) : NULL;
         for (int i = 0; i < s->rows; i++) {
-            double row = 0, turn = 0;
-            for (int a = 0; a < 3; a++) {
+            double row = 0;
+            for (int a = 0; a < 3; a++)
                 row += residual[a * s->padded + i] * residual[a * s->padded + i];
-                if (turned) turn += turned[a * s->padded + i] * turned[a * s->padded + i];
-            }
             sum += weighted ? o->share[s->from + i] * row : row;
-            if (turned) sum += weighted ? o->turn_share[s->from + i] * turn : turn;
         }
     }
     if (pairs) {
@@ -250,31 +168,15 @@ static void add_positions(mukca_adjoint *adjoint, mukca_observations *o, const d
     mukca_sweep_backward(adjoint, h, s);
 }
 
-static void add_orientations(mukca_adjoint *adjoint, mukca_observations *o)
-{
-    mukca_sweep *s = &o->sweep;
-    const double *residual = mukca_observe_window(o->turn_residual, s);
-    double *h = s->x;
-    memset(h, 0, 3 * (size_t)s->padded * sizeof *h);
-    for (int i = 0; i < s->rows; i++)
-        for (int a = 0; a < 3; a++)
-            h[a * s->padded + i] = 2 * o->turn_share[s->from + i] * MUKCA_METRES_PER_RADIAN *
-                                   residual[a * s->padded + i];
-    mukca_sweep_backward(adjoint, h, s);
-}
-
-static void sum_adjoints(mukca_adjoint *position, mukca_adjoint *orientation, mukca_observations *o,
-                         double pair_weight)
+static void sum_adjoints(mukca_adjoint *adjoint, mukca_observations *o, double pair_weight)
 {
     double *socket = o->mean_rows; /* the Jacobian's scratch is free here */
     for (int s = 0; s < o->n_sockets; s++) pair_adjoint(socket + 3 * s, o, s, pair_weight);
-    memset(position, 0, sizeof *position);
-    memset(orientation, 0, sizeof *orientation);
+    memset(adjoint, 0, sizeof *adjoint);
     for (int v = 0; v < o->sweep.n_windows; v++) {
         mukca_sweep_open(&o->sweep, v);
         if (o->sweep.n_windows > 1) mukca_sweep_forward(&o->sweep); /* else still valid */
-        add_positions(position, o, socket);
-        if (o->oriented) add_orientations(orientation, o);
+        add_positions(adjoint, o, socket);
     }
 }
 
@@ -282,20 +184,16 @@ void mukca_observe_gradient(double *gradient, mukca_observations *o, const doubl
                             const mukca_parameters *parameters, mukca_gradient kind,
                             double pair_weight)
 {
-    mukca_adjoint position, orientation;
-    sum_adjoints(&position, &orientation, o, pair_weight);
+    mukca_adjoint adjoint;
+    sum_adjoints(&adjoint, o, pair_weight);
     for (int i = 0, element = -1; i < parameters->n; i++) {
         const int k = parameters->index[i] / MUKCA_PARAMETERS;
         const int parameter = parameters->index[i] % MUKCA_PARAMETERS;
-        double dR[3][9], R[9], omega[3];
+        double dR[3][9];
         if (k != element) mukca_sweep_element_derivative(dR, theta + 6 * k + 3, kind);
         element = k;
-        gradient[i] = parameter < 3 ? position.sum[k][parameter] : 0;
-        if (parameter < 3) continue;
-        for (int c = 0; c < 9; c++) gradient[i] += dR[parameter - 3][c] * position.outer[k][c];
-        if (!o->oriented) continue;
-        mukca_rotation_from_rpy(R, theta + 6 * k + 3);
-        mukca_sweep_spin(omega, dR[parameter - 3], R);
-        gradient[i] += mukca_dot3(orientation.sum[k], omega);
+        gradient[i] = parameter < 3 ? adjoint.sum[k][parameter] : 0;
+        for (int c = 0; c < 9 && parameter >= 3; c++)
+            gradient[i] += dR[parameter - 3][c] * adjoint.outer[k][c];
     }
 }

@@ -1,9 +1,8 @@
-/* Residuals of the observations and their Jacobian: one interface for sockets and measured poses.
+/* Residuals of the positions: one interface for sockets and measured poses.
  *
- * Residuals, in metres (docs/method.md, 3): 3 per sample in the dataset's order, prediction minus
- * the mean of its socket's predictions, or minus the measured position; then, if `oriented`, 3 per
- * sample, the rotation vector from the measured orientation times MUKCA_METRES_PER_RADIAN; then one
- * per pair of sockets.  Residuals of missing measurements are zero, with weight zero.
+ * Residuals, in metres (docs/method.md, 3): 3 per sample, prediction minus the mean of its socket's
+ * predictions, or minus the measured position; and one per pair of sockets.  Samples without a
+ * measurement have the residual zero, with weight zero.
  */
 #ifndef MUKCA_FIT_OBSERVE_H
 #define MUKCA_FIT_OBSERVE_H
@@ -12,40 +11,34 @@
 #include "fit/sweep.h"
 #include "model/dataset.h"
 
-/* Weight of orientations against positions: good trackers measure to 0.1 mm and 1 mrad, which are
- * equivalent at the end of a tool of 0.1 m. */
-#define MUKCA_METRES_PER_RADIAN 0.1
-
 typedef struct {
     mukca_sweep sweep;
     int n_rows, n_sockets, n_pairs;
-    int n_groups;    /* placements with samples, plus one if there are measured poses */
-    int n_residuals; /* rows of the Jacobian */
-    int n_measured;  /* scalar measurements less one mean per socket */
-    bool oriented;
+    int n_groups;          /* placements with samples, plus one if there are measured poses */
+    int n_residuals;       /* rows of the Jacobian */
+    int n_measured;        /* scalar measurements less one mean per socket */
     int *socket;           /* [n_rows] -1: a pose */
     double *share;         /* [n_rows] weight of the squared residual: 1 / samples of group, or 0 */
-    double *turn_share;    /* [n_rows] the same for the orientation, NULL unless oriented */
     double *count;         /* [n_sockets] samples of each */
     double *mean;          /* [n_sockets][3] of the predictions in use */
     double *fixed_mean;    /* [n_sockets][3] or NULL */
-    double *target;        /* [n_rows][3] measured positions, NULL if all samples are of sockets */
-    double *aim;           /* [n_rows][9] measured orientations, NULL unless oriented */
     int *pair;             /* [n_pairs][2] */
     double *pair_distance; /* [n_pairs] known, m */
     double *pair_residual; /* [n_pairs] */
     double *pair_direction; /* [n_pairs][3] unit, from b to a */
     double *residual;       /* [windows][3][padded] */
-    double *turn_residual;  /* [windows][3][padded], NULL unless oriented */
     double *mean_rows;      /* [n_sockets][3][max_free] scratch */
+    /* measured poses, added by mukca_poses_add; NULL: none */
+    double *target;        /* [n_rows][3] positions */
+    double *turn_share;    /* [n_rows] as `share` */
+    double *aim;           /* [n_rows][9] orientations */
+    double *turn_residual; /* [windows][3][padded] */
 } mukca_observations;
 
-/* Allocate from the pool and load the data; false: out of memory.  The dataset may be freed
- * afterwards.  Needs data->n_rows >= 1.  The means of the sockets are those predicted by `fixed` [6
- * * n_elements] (older closed-chain method); NULL: those of the predictions in use. */
+/* Allocate from the pool and load the samples of sockets; false: out of memory.  The dataset may be
+ * freed afterwards.  Needs data->n_rows >= 1. */
 bool mukca_observe_setup(mukca_observations *observations, mukca_pool *pool,
-                         const mukca_chain *chain, const mukca_dataset *data, const double *fixed,
-                         int max_free);
+                         const mukca_chain *chain, const mukca_dataset *data, int max_free);
 
 /* Residuals of the open window, [3][padded]. */
 static inline double *mukca_observe_window(double *residual, const mukca_sweep *sweep)
@@ -64,14 +57,5 @@ double mukca_observe_squares(double *pairs, mukca_observations *observations, bo
 void mukca_observe_gradient(double *gradient, mukca_observations *observations, const double *theta,
                             const mukca_parameters *parameters, mukca_gradient kind,
                             double pair_weight);
-
-/* Residuals r[n_residuals] and their Jacobian J[n_residuals][n] (NULL: not wanted) at theta. */
-void mukca_observe_residuals(double *r, double *J, mukca_observations *observations,
-                             const double *theta, const mukca_parameters *parameters,
-                             mukca_gradient kind);
-
-/* Square roots of the weights of the residuals, weight[n_residuals]; pairs have pair_weight. */
-void mukca_observe_weights(double *weight, const mukca_observations *observations,
-                           double pair_weight);
 
 #endif

@@ -1,8 +1,10 @@
 /* The Jacobian of the residuals, and their weights. */
+#include "fit/observe_jacobian.h"
+
 #include <math.h>
 #include <string.h>
 
-#include "fit/observe.h"
+#include "fit/sweep_jacobian.h"
 
 /* J rows of one orientation: derivative of the rotation vector w, not of the rotation itself. */
 static void turn_rows_of(double *J, int n, const double w[3])
@@ -47,7 +49,7 @@ static void jacobian_of(double *J, mukca_observations *o, const double *theta,
 {
     const long n = parameters->n;
     mukca_sweep *sweep = &o->sweep;
-    double *JO = o->oriented ? J + 3 * o->n_rows * n : NULL;
+    double *JO = o->turn_share ? J + 3 * o->n_rows * n : NULL;
     for (int v = 0; v < sweep->n_windows; v++) {
         mukca_sweep_open(sweep, v);
         if (sweep->n_windows > 1) mukca_sweep_forward(sweep); /* else still valid */
@@ -68,7 +70,7 @@ static void jacobian_of(double *J, mukca_observations *o, const double *theta,
         for (int i = sweep->from; i < sweep->from + sweep->rows; i++)
             finish_rows(J + 3 * i * n, JO ? JO + 3 * i * n : NULL, o, parameters->n, i);
     }
-    double *row = J + (o->oriented ? 6 : 3) * o->n_rows * n;
+    double *row = J + (o->turn_share ? 6 : 3) * o->n_rows * n;
     for (int p = 0; p < o->n_pairs; p++, row += n) {
         const double *a = o->mean_rows + 3 * o->pair[2 * p] * n;
         const double *b = o->mean_rows + 3 * o->pair[2 * p + 1] * n;
@@ -85,16 +87,17 @@ void mukca_observe_residuals(double *r, double *J, mukca_observations *o, const 
     const int n = o->n_rows;
     mukca_sweep *s = &o->sweep;
     mukca_observe_predict(o, theta);
+    mukca_orientations_predict(o);
     for (int v = 0; v < s->n_windows; v++) {
         mukca_sweep_open(s, v);
         const double *residual = mukca_observe_window(o->residual, s);
         for (int i = 0; i < s->rows; i++)
             for (int a = 0; a < 3; a++) r[3 * (s->from + i) + a] = residual[a * s->padded + i];
-        residual = o->oriented ? mukca_observe_window(o->turn_residual, s) : NULL;
+        residual = o->turn_share ? mukca_observe_window(o->turn_residual, s) : NULL;
         for (int i = 0; i < s->rows && residual; i++)
             for (int a = 0; a < 3; a++) r[3 * (n + s->from + i) + a] = residual[a * s->padded + i];
     }
-    memcpy(r + (o->oriented ? 6 : 3) * n, o->pair_residual,
+    memcpy(r + (o->turn_share ? 6 : 3) * n, o->pair_residual,
            (size_t)o->n_pairs * sizeof *o->pair_residual);
     if (J) jacobian_of(J, o, theta, parameters, kind);
 }
@@ -104,8 +107,8 @@ void mukca_observe_weights(double *weight, const mukca_observations *o, double p
     for (int i = 0; i < o->n_rows; i++)
         for (int a = 0; a < 3; a++) {
             weight[3 * i + a] = sqrt(o->share[i]);
-            if (o->oriented) weight[3 * (o->n_rows + i) + a] = sqrt(o->turn_share[i]);
+            if (o->turn_share) weight[3 * (o->n_rows + i) + a] = sqrt(o->turn_share[i]);
         }
     for (int p = 0; p < o->n_pairs; p++)
-        weight[(o->oriented ? 6 : 3) * o->n_rows + p] = sqrt(pair_weight);
+        weight[(o->turn_share ? 6 : 3) * o->n_rows + p] = sqrt(pair_weight);
 }

@@ -1,7 +1,6 @@
-/* Free and frozen parameters: default set, lists of the user, packing. */
+/* Free and frozen parameters: the default set, packing. */
 #include "fit/parameters.h"
 
-#include <stdio.h>
 #include <string.h>
 
 int mukca_chain_tip_element(const mukca_chain *chain)
@@ -10,107 +9,31 @@ int mukca_chain_tip_element(const mukca_chain *chain)
     return last >= 0 && chain->element[last].type == MUKCA_FIXED ? last : -1;
 }
 
-static bool is_added(const mukca_element *element)
+bool mukca_element_is_frame(const mukca_element *element)
 {
     return element->type == MUKCA_FIXED &&
            (!strcmp(element->name, MUKCA_BASE_FRAME) || !strcmp(element->name, MUKCA_TOOL_FRAME));
 }
 
-static int find_parameter(const char *name)
+bool mukca_parameters_standard(const mukca_chain *chain, int k)
 {
-    for (int i = 0; i < MUKCA_PARAMETERS; i++)
-        if (!strcmp(mukca_parameter_name[i], name)) return i;
-    return -1;
+    const mukca_element *element = &chain->element[k];
+    return element->type != MUKCA_FIXED || k == mukca_chain_tip_element(chain) ||
+           mukca_element_is_frame(element);
 }
 
-/* Mark the parameters of one item of a list. */
-static mukca_status mark_item(unsigned char *mark, const mukca_chain *chain,
-                              const unsigned char *standard, const char *item, unsigned char value,
-                              mukca_error *error)
+void mukca_parameters_set(mukca_parameters *parameters, const mukca_chain *chain,
+                          const unsigned char *mark, bool regularise_tip)
 {
-    char joint[512];
-    int element = mukca_chain_find_element(chain, item), parameter = -1;
-    if (element < 0 && (parameter = find_parameter(item)) >= 0) {
-        for (int k = 0; k < chain->n_elements; k++)
-            if (standard[k]) mark[MUKCA_PARAMETERS * k + parameter] = value;
-        return MUKCA_OK;
-    }
-    const char *dot = strrchr(item, '.');
-    if (element < 0 && dot && (size_t)(dot - item) < sizeof joint) {
-        memcpy(joint, item, (size_t)(dot - item));
-        joint[dot - item] = '\0';
-        element = mukca_chain_find_element(chain, joint);
-        parameter = find_parameter(dot + 1);
-        if (element >= 0 && parameter < 0)
-            return mukca_fail(
-                error, MUKCA_USAGE,
-                "parameter list: '%.40s' of joint %.64s is not one of x y z roll pitch yaw",
-                dot + 1, joint);
-    }
-    if (element < 0)
-        return mukca_fail(
-            error, MUKCA_USAGE,
-            "parameter list: '%.64s' is neither a joint between %.64s and %.64s nor a "
-            "parameter; write joint, parameter or joint.parameter",
-            item, chain->base, chain->tip);
-    for (int i = 0; i < MUKCA_PARAMETERS; i++)
-        if (parameter < 0 || i == parameter) mark[MUKCA_PARAMETERS * element + i] = value;
-    return MUKCA_OK;
-}
-
-static mukca_status mark_list(unsigned char *mark, const mukca_chain *chain,
-                              const unsigned char *standard, const char *list, unsigned char value,
-                              mukca_error *error)
-{
-    char item[512];
-    while (list) {
-        const char *comma = strchr(list, ',');
-        const size_t length = comma ? (size_t)(comma - list) : strlen(list);
-        if (length == 0 || length >= sizeof item)
-            return mukca_fail(error, MUKCA_USAGE,
-                              "parameter list: an empty or overlong item; write "
-                              "joint, parameter or joint.parameter, with commas");
-        memcpy(item, list, length);
-        item[length] = '\0';
-        mukca_status status = mark_item(mark, chain, standard, item, value, error);
-        if (status != MUKCA_OK) return status;
-        list = comma ? comma + 1 : NULL;
-    }
-    return MUKCA_OK;
-}
-
-mukca_status mukca_parameters_select(mukca_parameters *parameters, const mukca_chain *chain,
-                                     const mukca_selection *selection, mukca_error *error)
-{
-    unsigned char mark[MUKCA_MAX_FREE] = {0}, standard[MUKCA_MAX_ELEMENTS] = {0};
-    const mukca_selection none = {0};
     const int tip = mukca_chain_tip_element(chain);
-    if (!selection) selection = &none;
-    const char *list = selection->free;
-    const bool adds = list && list[0] == '+';
-    for (int k = 0; k < chain->n_elements; k++) {
-        const mukca_element *element = &chain->element[k];
-        standard[k] = element->type != MUKCA_FIXED || k == tip || is_added(element);
-        if (standard[k] && (!list || adds || is_added(element)))
-            memset(mark + MUKCA_PARAMETERS * k, 1, MUKCA_PARAMETERS);
-    }
-    mukca_status status = MUKCA_OK;
-    if (list) status = mark_list(mark, chain, standard, list + adds, 1, error);
-    if (status == MUKCA_OK && selection->freeze)
-        status = mark_list(mark, chain, standard, selection->freeze, 0, error);
-    if (status != MUKCA_OK) return status;
     parameters->n = 0;
     for (int i = 0; i < MUKCA_PARAMETERS * chain->n_elements; i++) {
-        if (!mark[i]) continue;
         const int k = i / MUKCA_PARAMETERS;
-        const bool loose = is_added(&chain->element[k]) || (k == tip && !selection->regularise_tip);
+        if (mark ? !mark[i] : !mukca_parameters_standard(chain, k)) continue;
         parameters->index[parameters->n] = (short)i;
-        parameters->regularised[parameters->n++] = !loose;
+        parameters->regularised[parameters->n++] =
+            !mukca_element_is_frame(&chain->element[k]) && (k != tip || regularise_tip);
     }
-    if (parameters->n == 0)
-        return mukca_fail(error, MUKCA_USAGE,
-                          "no parameter is free: --freeze leaves nothing to fit");
-    return MUKCA_OK;
 }
 
 void mukca_parameters_pack(double *x, const mukca_parameters *parameters, const double *theta)
@@ -121,10 +44,4 @@ void mukca_parameters_pack(double *x, const mukca_parameters *parameters, const 
 void mukca_parameters_unpack(double *theta, const mukca_parameters *parameters, const double *x)
 {
     for (int i = 0; i < parameters->n; i++) theta[parameters->index[i]] = x[i];
-}
-
-void mukca_parameters_text(char text[MUKCA_PARAMETER_TEXT], const mukca_chain *chain, int index)
-{
-    snprintf(text, MUKCA_PARAMETER_TEXT, "%s.%s", chain->element[index / MUKCA_PARAMETERS].name,
-             mukca_parameter_name[index % MUKCA_PARAMETERS]);
 }

@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "model/dataset_subset.h"
+
 int mukca_part_mark(unsigned char *keep, const mukca_dataset *data, int most)
 {
     int groups = 0, kept = 0;

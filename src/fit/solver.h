@@ -2,7 +2,8 @@
 #ifndef MUKCA_FIT_SOLVER_H
 #define MUKCA_FIT_SOLVER_H
 
-#include "fit/cost.h"
+#include "fit/cost_normal.h"
+#include "fit/stop.h"
 
 /* Zeroed means the defaults. */
 typedef struct {
@@ -16,23 +17,6 @@ typedef struct {
 
 /* Time limit of a solver, s: a converging fit needs less than a second. */
 #define MUKCA_SOLVER_SECONDS 60.0
-
-/* Reasons to stop: a result, not an error. */
-#define MUKCA_STOP_LIST(X)                              \
-    X(GRADIENT, "the gradient vanished")                \
-    X(TOLERANCE, "no further decrease within rounding") \
-    X(LIMIT, "out of evaluations or time")              \
-    X(NOT_FINITE, "the cost is not a finite number")    \
-    X(FAILED, "the solver gave up")                     \
-    X(STOPPED, "interrupted")
-
-typedef enum {
-#define MUKCA_STOP_ENUM(name, text) MUKCA_STOP_##name,
-    MUKCA_STOP_LIST(MUKCA_STOP_ENUM)
-#undef MUKCA_STOP_ENUM
-} mukca_stop;
-
-const char *mukca_stop_text(mukca_stop stop);
 
 typedef struct {
     int evaluations, iterations; /* iterations: points better than all before */
@@ -49,6 +33,9 @@ typedef struct {
 } mukca_solver;
 
 extern const mukca_solver mukca_solver_gauss_newton;
+
+/* "slsqp" (the default), "lbfgs", "gauss-newton"; ended by NULL.  Not part of the core library. */
+extern const mukca_solver *const mukca_solver_table[];
 
 /* For solvers: replace H[n][n] by L with L L' = H + ridge; the ridge keeps flat directions
  * solvable. */

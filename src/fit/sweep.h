@@ -27,9 +27,9 @@ typedef struct {
     /* Of the open window: */
     int from, rows, padded; /* samples from, from + 1, ..., from + rows - 1 */
     double *sine, *cosine;  /* [n_joints][padded]; prismatic: sine holds q */
-    double *x;              /* [3][padded] predicted tip, until mukca_sweep_jacobian */
+    double *x;              /* [3][padded] predicted tip; scratch of mukca_sweep_jacobian */
     double *w; /* [n_elements][3][padded] tip in the frame after the origin of each element */
-    double *Q; /* [9][padded] scratch; after mukca_sweep_orientations the tip's orientation */
+    double *Q; /* [9][padded] of sweep_jacobian.h */
 } mukca_sweep;
 
 /* Allocate the arrays for `rows` samples from the pool. */
@@ -47,9 +47,6 @@ void mukca_sweep_origins(mukca_sweep *sweep, const double *theta);
 /* Compute x and w for the origins in use. */
 void mukca_sweep_forward(mukca_sweep *sweep);
 
-/* Compute Q, the tip's orientation in the base, for the origins in use. */
-void mukca_sweep_orientations(mukca_sweep *sweep);
-
 /* Sums over the samples for the gradient, per element, in true (not aligned) coordinates: of the
  * adjoints in its parent frame (derivative with respect to its translation), and of their outer
  * products with w (to be multiplied by a derivative of its rotation). */
@@ -64,14 +61,5 @@ void mukca_sweep_backward(mukca_adjoint *adjoint, double *h, mukca_sweep *sweep)
 /* dR[3][9]: derivatives of an element's rotation with respect to roll, pitch, yaw, analytic or by
  * central differences.  (Positions are linear in the translation, whose derivative is exact.) */
 void mukca_sweep_element_derivative(double dR[3][9], const double rpy[3], mukca_gradient gradient);
-
-/* Angular velocity of a rotation R with derivative dR: the antisymmetric part of dR R'. */
-void mukca_sweep_spin(double omega[3], const double dR[9], const double R[9]);
-
-/* Jacobians with respect to the n free parameters at theta: of the tip's position, J[3 * rows][n],
- * and of its orientation (rotation vector in base coordinates), JO[3 * rows][n] or NULL. Needs
- * mukca_sweep_forward; overwrites x and Q. */
-void mukca_sweep_jacobian(double *J, double *JO, mukca_sweep *sweep, const double *theta,
-                          const mukca_parameters *parameters, mukca_gradient gradient);
 
 #endif

@@ -1,4 +1,6 @@
 /* Sweeps over many samples at once: orientations and the Jacobian. */
+#include "fit/sweep_jacobian.h"
+
 #include <string.h>
 
 #include "fit/rows.h"

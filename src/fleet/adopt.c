@@ -150,43 +150,37 @@ static mukca_status take_over(task *t, mukca_diagnosis *d, mukca_error *error)
 mukca_status mukca_adopt(mukca_adoption *a, mukca_regression *m, mukca_diagnosis *d,
                          const mukca_adopt_options *options, mukca_error *error)
 {
-    task t = {.adoption = a, .m = m, .options = options};
+    task *t = MUKCA_TAKE(&m->pool, task, 1);
     mukca_fleet_prior wide[MUKCA_FLEET_TERMS];
-    mukca_fleet_model model;
     *a = (mukca_adoption){.traits = options->traits,
                           .only = options->only,
                           .explained_m = d->explained_m,
                           .test_explained_m = d->test_explained_m,
                           .own_explained_m = d->explained_m,
                           .own_test_explained_m = d->test_explained_m};
-    mukca_fleet_model_of(&model, m->recording.chain);
-    const char *differs = mukca_fleet_model_differs(&model, &options->traits->model);
-    if (differs)
-        return mukca_fail(
-            error, MUKCA_INPUT,
-            "the traits are of another model: %s; give the traits of this arm's model", differs);
-    bool ok = mukca_unknowns_clone(&t.own, &m->pool, &m->unknowns) &&
-              mukca_unknowns_clone(&t.base, &m->pool, &m->unknowns) &&
-              mukca_unknowns_clone(&t.kept, &m->pool, &m->unknowns);
+    if (t) t->adoption = a, t->m = m, t->options = options;
+    bool ok = t && mukca_unknowns_clone(&t->own, &m->pool, &m->unknowns) &&
+              mukca_unknowns_clone(&t->base, &m->pool, &m->unknowns) &&
+              mukca_unknowns_clone(&t->kept, &m->pool, &m->unknowns);
     double own = mukca_regression_score(m);
     for (int k = 0; k < MUKCA_FLEET_TERMS; k++) wide[k] = (mukca_fleet_prior){0, WIDE};
     if (ok) {
         mukca_fleet_strip(m, -1);
-        ok = options->only || put_orders(&t);
-        mukca_unknowns_assign(&t.base, &m->unknowns);
+        ok = options->only || put_orders(t);
+        mukca_unknowns_assign(&t->base, &m->unknowns);
     }
     if (!ok || m->pool.failed)
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for the traits");
-    read_prior(&t);
-    own = fmax(own, fit(&t, wide));
-    a->log_evidence = fit(&t, t.prior) - own;
+    read_prior(t);
+    own = fmax(own, fit(t, wide));
+    a->log_evidence = fit(t, t->prior) - own;
     a->adopted = options->only || a->log_evidence > 0;
     if (a->adopted) {
-        choose_placement_effects(&t, d);
-        list_coefficients(&t);
-        return take_over(&t, d, error);
+        choose_placement_effects(t, d);
+        list_coefficients(t);
+        return take_over(t, d, error);
     }
-    mukca_unknowns_assign(&m->unknowns, &t.own);
+    mukca_unknowns_assign(&m->unknowns, &t->own);
     mukca_regression_linearise(m);
     return MUKCA_OK;
 }

@@ -3,7 +3,7 @@
 #define MUKCA_FLEET_ADOPT_H
 
 #include "diagnose/diagnose.h"
-#include "fleet/traits.h"
+#include "fleet/fleet.h"
 
 /* A coefficient of this arm, rad/(N m). */
 typedef struct {
@@ -32,7 +32,7 @@ typedef struct {
 /* Fit the arm with the traits as prior, in the regression of its diagnosis.  If the evidence
  * favours the traits, the diagnosis gets the errors and the applicable effects of that fit;
  * otherwise the regression is restored.  Causes and verdict remain those of the arm's own data.
- * Errors: MUKCA_MEMORY, MUKCA_INPUT (traits of another model). */
+ * Errors: MUKCA_MEMORY. */
 mukca_status mukca_adopt(mukca_adoption *adoption, mukca_regression *m, mukca_diagnosis *diagnosis,
                          const mukca_adopt_options *options, mukca_error *error);
 

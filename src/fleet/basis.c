@@ -1,5 +1,5 @@
 /* Elastic coefficients shared by arms of one model, as causes of a regression. */
-#include "fleet/basis.h"
+#include "fleet/summary.h"
 
 int mukca_fleet_terms(int n_joints)
 {

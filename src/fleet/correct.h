@@ -2,7 +2,7 @@
 #ifndef MUKCA_FLEET_CORRECT_H
 #define MUKCA_FLEET_CORRECT_H
 
-#include "fleet/traits.h"
+#include "fleet/fleet.h"
 
 /* The means of the elastic traits as effects[MUKCA_FLEET_TERMS]; returns their number.  sigma (may
  * be NULL): standard deviation of one more arm. */

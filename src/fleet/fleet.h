@@ -1,26 +1,16 @@
-/* Collection of the summaries of arms of one model: sessions, grouped by arm. */
+/* The fleet: summaries of arms of one model, grouped by arm, and what they have in common. */
 #ifndef MUKCA_FLEET_FLEET_H
 #define MUKCA_FLEET_FLEET_H
 
 #include "fleet/summary.h"
-
-/* Summary of a session in the fleet's memory, without the model, which all share. */
-typedef struct {
-    uint64_t data;
-    const char *arm, *path; /* path: its file, for messages */
-    int samples;
-    double sigma_m;
-    double *information, *vector; /* [packed], [terms] */
-    int16_t *ripple;              /* [n_joints][MUKCA_FLEET_ORDERS] */
-} mukca_fleet_session;
 
 /* Sum of the sessions of one arm. */
 typedef struct {
     const char *name;
     int first, end; /* its sessions */
     int samples;
-    bool departs;                       /* excluded from the population */
-    const double *information, *vector; /* [packed], [terms] */
+    bool departs;                 /* excluded from the population */
+    double *information, *vector; /* [packed], [terms] */
 } mukca_fleet_arm;
 
 /* A coefficient or (gear_harmonic) an order of ripple that arms share, whose phase differs between
@@ -38,21 +28,21 @@ typedef struct {
     double probability; /* that the arms share it: against 0; other, individual or no orders */
 } mukca_trait;
 
-/* Least probability for it to be called shared. */
+/* Least probability for it to be called shared; for an arm to be called departing. */
 #define MUKCA_SHARED 0.5
+#define MUKCA_DEPARTS 0.95
 
 typedef struct {
     mukca_fleet_model model; /* of the first summary */
     int n_terms, n_sessions, n_arms, capacity;
-    mukca_fleet_session *session;
-    mukca_fleet_arm *arm; /* set by mukca_fleet_gather */
+    mukca_summary **session; /* with n_joints rows of ripple only */
+    mukca_fleet_arm *arm;    /* set by mukca_fleet_gather */
     mukca_pool pool;
 } mukca_fleet;
 
-/* Add a summary read from `path`, which must outlive the fleet.  Errors: MUKCA_INPUT (another
- * model, no possible information), MUKCA_MEMORY. */
-mukca_status mukca_fleet_take(mukca_fleet *fleet, const mukca_summary *summary, const char *path,
-                              mukca_error *error);
+/* Add a copy of a summary, whose path must outlive the fleet.  Errors: MUKCA_INPUT (another model,
+ * no possible information), MUKCA_MEMORY. */
+mukca_status mukca_fleet_take(mukca_fleet *fleet, const mukca_summary *summary, mukca_error *error);
 
 /* Sort the sessions, to make results independent of the order of the files, and sum those of each
  * arm.  Errors: MUKCA_INPUT (the same recording twice), MUKCA_MEMORY. */
@@ -61,9 +51,82 @@ mukca_status mukca_fleet_gather(mukca_fleet *fleet, mukca_error *error);
 /* Log Bayes factor of an order of ripple, over all sessions of an arm. */
 double mukca_fleet_ripple(const mukca_fleet *fleet, int arm, int joint, int order);
 
-/* Copy a session to a summary. */
-void mukca_fleet_give(mukca_summary *summary, const mukca_fleet *fleet, int session);
-
 void mukca_fleet_free(mukca_fleet *fleet);
+
+/* order[n_joints]: the most probable order of each joint (order 0: none was scanned). */
+void mukca_orders_pool(mukca_trait *order, const mukca_fleet *fleet);
+
+/* The population of a fleet's coefficients: those of each arm, scattered about a common mean.
+ *
+ * Random effects with known information per arm (N. Laird, J. Ware, Random-effects models for
+ * longitudinal data, Biometrics 38, 1982): c_arm ~ N(mean, diag(spread^2)), mean >= 0. */
+typedef struct {
+    int n; /* coefficients on which at least one arm has information */
+    int term[MUKCA_FLEET_TERMS];
+    int arms[MUKCA_FLEET_TERMS]; /* number of arms with information on it */
+    int n_arms;
+    double spread[MUKCA_FLEET_TERMS]; /* standard deviation between arms, rad/(N m) */
+    /* Of the means: information, including the arms' scatter, and information times estimate. */
+    double information[MUKCA_FLEET_TERMS * MUKCA_FLEET_TERMS], vector[MUKCA_FLEET_TERMS];
+    /* Non-negative means and their covariance, with all coefficients present. */
+    double mean[MUKCA_FLEET_TERMS], covariance[MUKCA_FLEET_TERMS * MUKCA_FLEET_TERMS];
+    /* The same, averaged over the sets of nonzero means. */
+    double average[MUKCA_FLEET_TERMS], average_covariance[MUKCA_FLEET_TERMS * MUKCA_FLEET_TERMS];
+    /* A mean given that it is not 0, with its 95 % interval. */
+    double value[MUKCA_FLEET_TERMS], low[MUKCA_FLEET_TERMS], high[MUKCA_FLEET_TERMS];
+    double log_bayes_factor[MUKCA_FLEET_TERMS]; /* of a mean above 0, given the other shared ones */
+    double probability[MUKCA_FLEET_TERMS];      /* that the mean is above 0 */
+    double scratch[MUKCA_FLEET_TERMS * MUKCA_FLEET_TERMS];
+} mukca_population;
+
+/* Fit the population to all arms but those that depart and `without` (-1: none), starting from the
+ * present mean and spread if `warm`.  False: no memory. */
+bool mukca_population_fit(mukca_population *population, const mukca_fleet *fleet, int without,
+                          bool warm);
+
+/* Information W[n][n] of an arm on the population's mean, and information times estimate, if the
+ * prior precision of its coefficients about the mean is P[n][n].  False: not positive definite. */
+bool mukca_population_arm(double *W, double *w, const mukca_population *population,
+                          const mukca_fleet *fleet, int arm, const double *P);
+
+/* A coefficient of an arm, from its data, compared with its sisters. */
+typedef struct {
+    int arm, k; /* k: index into the population's coefficients; -1: none is testable */
+    mukca_effect effect;
+    double value, low, high; /* of the arm, rad/(N m), 95 % */
+    double mean;             /* of its sisters */
+    double ratio;            /* value / mean; infinite if the mean is 0 */
+    double log_bayes_factor; /* of a departure against the scatter of its sisters */
+    double probability;      /* corrected for the numbers of arms and coefficients */
+} mukca_departure;
+
+/* departure[n_arms]: the most deviant coefficient of each arm, by the posterior predictive of all
+ * others; estimate[n_arms][population->n]: each arm's own coefficients with its sisters as prior.
+ * Scratch memory comes from `pool`.  False: no memory. */
+bool mukca_departures_find(mukca_departure *departure, mukca_departure *estimate, mukca_pool *pool,
+                           const mukca_population *population, const mukca_fleet *fleet);
+
+enum { MUKCA_MAX_TRAITS = MUKCA_FLEET_TERMS + MUKCA_MAX_JOINTS };
+
+/* The traits of a robot model: results of its fleet, as prior for one more arm. */
+typedef struct {
+    mukca_fleet_model model;
+    int n, n_arms, n_sessions, n_samples;
+    mukca_trait list[MUKCA_MAX_TRAITS];
+} mukca_traits;
+
+/* Results of a fleet. */
+typedef struct {
+    mukca_population population;
+    mukca_trait order[MUKCA_MAX_JOINTS];   /* [n_joints]: the most probable; 0: none was scanned */
+    mukca_departure *departure, *estimate; /* [n_arms], [n_arms][population.n] */
+    mukca_traits traits;                   /* [population.n] coefficients, then the shared orders */
+    mukca_pool pool;
+} mukca_fleet_result;
+
+/* Pool a gathered fleet.  Arms that depart are marked and excluded from its population.  Errors:
+ * MUKCA_INPUT (fewer than two arms), MUKCA_MEMORY. */
+mukca_status mukca_fleet_pool(mukca_fleet_result *result, mukca_fleet *fleet, mukca_error *error);
+void mukca_fleet_result_free(mukca_fleet_result *result);
 
 #endif

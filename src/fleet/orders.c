@@ -1,5 +1,5 @@
 /* Orders of transmission ripple shared by a fleet: log Bayes factors, summed over the arms. */
-#include "fleet/orders.h"
+#include "fleet/fleet.h"
 
 #include <math.h>
 

@@ -1,12 +1,19 @@
-/* The population of a fleet's coefficients. */
-#include "fleet/population.h"
-
+/* The population of a fleet's coefficients, and by model averaging over the sets of nonzero ones
+ * (A. Raftery, D. Madigan, J. Hoeting, Bayesian model averaging for linear regression models, J.
+ * Am. Stat. Assoc. 92, 1997) which of them are shared, and their sizes. */
 #include <math.h>
 #include <string.h>
 
+#include "fleet/fleet.h"
+#include "infer/sets.h"
 #include "math/dense.h"
 
-enum { T = MUKCA_FLEET_TERMS, ROUNDS = 60 };
+enum {
+    T = MUKCA_FLEET_TERMS,
+    ROUNDS = 60,
+    BUDGET = 40,      /* sets extended, or their members replaced */
+    FREEDOM = 1 << 30 /* so many degrees of freedom: the noise is known */
+};
 
 /* Initial spread and its lower bound, rad/(N m): springs of 10 urad/(N m) that differ by a
  * tenth. */
@@ -22,62 +29,45 @@ enum { T = MUKCA_FLEET_TERMS, ROUNDS = 60 };
 #define SETTLED 1e-3
 /* Prior sigma of a mean, rad/(N m): the largest size of mukca_sizes_spring. */
 #define MOST_MEAN 300e-6
+/* Of a set: negligible in a sum, and far from underflow. */
+#define LEAST_LOG_WEIGHT (-200.0)
 
-void mukca_population_arm(mukca_arm_evidence *a, const mukca_population *p, const mukca_fleet *f,
-                          int arm)
-{
-    const double *packed = f->arm[arm].information;
-    for (int i = 0; i < p->n; i++) {
-        a->e[i] = f->arm[arm].vector[p->term[i]];
-        for (int j = 0; j <= i; j++)
-            a->L[i * p->n + j] = a->L[j * p->n + i] =
-                packed[mukca_fleet_packed(p->term[i]) + p->term[j]];
-    }
-}
-
-/* inverse := A^-1 for a symmetric A[n][n] (destroyed); false: not positive definite. */
-static bool invert(double *inverse, double *A, int n)
+/* Solve A x = b, A[n][n] symmetric (lower triangle, destroyed).  False: not positive definite. */
+static bool solve(double *x, int columns, double *A, int n)
 {
     if (mukca_dense_cholesky(A, n)) return false;
-    memset(inverse, 0, sizeof *inverse * (size_t)(n * n));
-    for (int i = 0; i < n; i++) inverse[i * n + i] = 1;
-    mukca_dense_forward(inverse, n, A, n);
-    mukca_dense_backward(inverse, n, A, n);
+    mukca_dense_forward(x, columns, A, n);
+    mukca_dense_backward(x, columns, A, n);
     return true;
 }
 
-/* W = L - L C L, w = e - L C e with C = (L + V^-1)^-1, V^-1 = P. */
-static bool scatter(mukca_arm_evidence *out, const mukca_arm_evidence *a, const double *P, int n)
+bool mukca_population_arm(double *W, double *w, const mukca_population *p, const mukca_fleet *f,
+                          int arm, const double *P)
 {
-    double A[T * T], C[T * T], CL[T * T], Ce[T];
-    for (int i = 0; i < n * n; i++) A[i] = a->L[i] + P[i];
-    if (!invert(C, A, n)) return false;
+    const double *packed = f->arm[arm].information;
+    const int n = p->n;
+    double A[T * T], x[T];
     for (int i = 0; i < n; i++) {
-        Ce[i] = 0;
-        for (int k = 0; k < n; k++) Ce[i] += C[i * n + k] * a->e[k];
-        for (int j = 0; j < n; j++) {
-            CL[i * n + j] = 0;
-            for (int k = 0; k < n; k++) CL[i * n + j] += C[i * n + k] * a->L[k * n + j];
-        }
+        w[i] = x[i] = f->arm[arm].vector[p->term[i]];
+        for (int j = 0; j <= i; j++)
+            W[i * n + j] = W[j * n + i] = packed[mukca_fleet_packed(p->term[i]) + p->term[j]];
     }
-    for (int i = 0; i < n; i++) {
-        out->e[i] = a->e[i];
-        for (int k = 0; k < n; k++) out->e[i] -= a->L[i * n + k] * Ce[k];
-        for (int j = 0; j <= i; j++) {
-            double sum = a->L[i * n + j];
-            for (int k = 0; k < n; k++) sum -= a->L[i * n + k] * CL[k * n + j];
-            out->L[i * n + j] = out->L[j * n + i] = sum;
+    /* With the information L of the arm and A = P + L = R R': X = R^-1 L in W, and L - X' X. */
+    for (int i = 0; i < n * n; i++) A[i] = W[i] + P[i];
+    if (mukca_dense_cholesky(A, n)) return false;
+    mukca_dense_forward(W, n, A, n);
+    mukca_dense_forward(x, 1, A, n);
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j <= i; j++)
+            A[i * n + j] = packed[mukca_fleet_packed(p->term[i]) + p->term[j]];
+    for (int r = 0; r < n; r++)
+        for (int i = 0; i < n; i++) {
+            w[i] -= W[r * n + i] * x[r];
+            for (int j = 0; j <= i; j++) A[i * n + j] -= W[r * n + i] * W[r * n + j];
         }
-    }
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j <= i; j++) W[i * n + j] = W[j * n + i] = A[i * n + j];
     return true;
-}
-
-bool mukca_population_scatter(mukca_arm_evidence *out, const mukca_arm_evidence *arm,
-                              const double *V, int n)
-{
-    double A[T * T], P[T * T];
-    memcpy(A, V, sizeof *A * (size_t)(n * n));
-    return invert(P, A, n) && scatter(out, arm, P, n);
 }
 
 /* Select the coefficients on which at least one arm has information. */
@@ -90,6 +80,7 @@ static void choose_terms(mukca_population *p, const mukca_fleet *f)
             arms += f->arm[a].information[mukca_fleet_packed(t) + t] > 0;
         if (!arms) continue;
         p->arms[p->n] = arms;
+        p->mean[p->n] = 0, p->spread[p->n] = FIRST_SPREAD;
         p->term[p->n++] = t;
     }
 }
@@ -105,13 +96,9 @@ static void solve_mean(mukca_population *p)
         for (int i = 0; i < n; i++) {
             b[i] = held[i] ? 0 : p->vector[i];
             for (int j = 0; j <= i; j++)
-                A[i * n + j] = i == j               ? (held[i] ? 1 : p->information[i * n + i])
-                               : held[i] || held[j] ? 0
-                                                    : p->information[i * n + j];
+                A[i * n + j] = held[i] || held[j] ? i == j : p->information[i * n + j];
         }
-        if (mukca_dense_cholesky(A, n)) return;
-        mukca_dense_forward(b, 1, A, n);
-        mukca_dense_backward(b, 1, A, n);
+        if (!solve(b, 1, A, n)) return;
         for (int i = 0; i < n; i++)
             if (b[i] < 0 && (worst < 0 || b[i] < b[worst])) worst = i;
         if (worst < 0) break;
@@ -120,40 +107,40 @@ static void solve_mean(mukca_population *p)
     for (int i = 0; i < n; i++) p->mean[i] = fmax(b[i], 0);
 }
 
-/* Scatter of the arms about the mean: residual^2 and information on the diagonal. */
+/* Information on the mean; scatter of the arms about it: residual^2, and information on the
+ * diagonal. */
 static void sum_arms(mukca_population *p, double *square, double *diagonal, const mukca_fleet *f,
                      int without)
 {
     const int n = p->n;
-    double P[T * T] = {0};
-    mukca_arm_evidence arm = {0}, w = {0};
+    double *P = p->scratch, *W = p->covariance, w[T] = {0};
+    memset(P, 0, sizeof p->scratch);
+    memset(p->information, 0, sizeof p->information);
+    memset(p->vector, 0, sizeof p->vector);
+    p->n_arms = 0;
     for (int i = 0; i < n; i++) {
         P[i * n + i] = 1 / (p->spread[i] * p->spread[i]);
-        square[i] = diagonal[i] = p->vector[i] = 0;
+        square[i] = diagonal[i] = 0;
+        /* coefficients identifiable only in combination are bounded by the size of springs */
+        p->information[i * n + i] = 1 / (MOST_MEAN * MOST_MEAN);
     }
-    memset(p->information, 0, sizeof *p->information * (size_t)(n * n));
-    p->n_arms = 0;
     for (int a = 0; a < f->n_arms; a++) {
-        if (a == without || f->arm[a].departs) continue;
-        mukca_population_arm(&arm, p, f, a);
-        if (!scatter(&w, &arm, P, n)) continue;
+        if (a == without || f->arm[a].departs || !mukca_population_arm(W, w, p, f, a, P)) continue;
         p->n_arms++;
         for (int i = 0; i < n; i++) {
-            double r = w.e[i];
-            for (int k = 0; k < n; k++) r -= w.L[i * n + k] * p->mean[k];
+            double r = w[i];
+            for (int k = 0; k < n; k++) r -= W[i * n + k] * p->mean[k];
             square[i] += r * r;
-            diagonal[i] += w.L[i * n + i];
-            p->vector[i] += w.e[i];
+            diagonal[i] += W[i * n + i];
+            p->vector[i] += w[i];
         }
-        for (int i = 0; i < n * n; i++) p->information[i] += w.L[i];
+        for (int i = 0; i < n * n; i++) p->information[i] += W[i];
     }
-    /* Coefficients identifiable only in combination are bounded by the size of springs. */
-    for (int i = 0; i < n; i++) p->information[i * n + i] += 1 / (MOST_MEAN * MOST_MEAN);
 }
 
 /* Multiplicative steps for the spread (H. Zhou et al., MM algorithms for variance components
- * models, J. Comput. Graph. Stat. 28, 2019); each raises the restricted likelihood times the prior.
- */
+ * models, J. Comput. Graph. Stat. 28, 2019); each raises the restricted likelihood times the
+ * prior. */
 static double step_spread(mukca_population *p, const double *square, const double *diagonal)
 {
     double most = 0;
@@ -172,13 +159,126 @@ static double step_spread(mukca_population *p, const double *square, const doubl
     return most;
 }
 
+/* ---- which of them are not zero ---- */
+
+/* The means as items of one column, with information E'E.  False: no memory, or E does not exist.
+ */
+static bool ask(mukca_question *q, mukca_pool *pool, const mukca_population *p)
+{
+    const int n = p->n, stride = (n + 7) & ~7;
+    const double each = log(0.25);
+    mukca_item *item = MUKCA_TAKE(pool, mukca_item, n + 1);
+    double *E = MUKCA_TAKE(pool, double, n *stride + 1), L[T * T];
+    memcpy(L, p->information, sizeof *L * (size_t)(n * n));
+    if (pool->failed || mukca_dense_cholesky(L, n)) return false;
+    for (int k = 0; k < n; k++) {
+        /* the sizes of mukca_sizes_spring; odds of any coefficient, then of which */
+        item[k] = (mukca_item){.at = k,
+                               .terms = 1,
+                               .prior = {.n_sizes = 4,
+                                         .size = {10e-6, 30e-6, 100e-6, 300e-6},
+                                         .log_weight = {each, each, each, each},
+                                         .nonnegative = true},
+                               .log_prior = -log(2.0 * n),
+                               .key = k};
+        for (int r = 0; r <= k; r++) E[r * stride + k] = L[k * n + r];
+    }
+    *q = (mukca_question){.n_items = n,
+                          .n_columns = n,
+                          .stride = stride,
+                          .n_rows = n,
+                          .dof = FREEDOM,
+                          .residual = FREEDOM,
+                          .item = item,
+                          .E = E,
+                          .g = p->vector};
+    return true;
+}
+
+/* Sums over the sets of nonzero means, with their weights. */
+typedef struct {
+    double total, mean[T], present[T]; /* squares: in average_covariance */
+} average;
+
+/* Add a set: its coefficients are Gaussian, the others zero. */
+static void take(average *a, mukca_population *p, const mukca_set *set, double log_weight)
+{
+    const int n = p->n, m = set->n;
+    const unsigned short *index = set->item;
+    double *A = p->scratch, *sum = p->average_covariance, C[T * T] = {0}, mean[T] = {0};
+    /* the lower bound preserves the value of a coefficient that is almost certainly 0 */
+    const double weight = exp(fmax(log_weight, LEAST_LOG_WEIGHT));
+    for (int i = 0; i < m; i++) {
+        C[i * m + i] = 1;
+        for (int j = 0; j <= i; j++) A[i * m + j] = p->information[index[i] * n + index[j]];
+    }
+    if (m && !solve(C, m, A, m)) return;
+    a->total += weight;
+    for (int i = 0; i < m; i++)
+        for (int j = 0; j < m; j++) mean[i] += C[i * m + j] * p->vector[index[j]];
+    for (int i = 0; i < m; i++) {
+        a->mean[index[i]] += weight * mean[i];
+        a->present[index[i]] += weight;
+        for (int j = 0; j < m; j++)
+            sum[index[i] * n + index[j]] += weight * (C[i * m + j] + mean[i] * mean[j]);
+    }
+}
+
+/* Evaluate the most probable set with each coefficient added or dropped. */
+static void flip(mukca_sets *sets, mukca_population *p)
+{
+    const mukca_set best = sets->set[sets->best];
+    for (int k = 0; k < p->n; k++) {
+        int item[T], n = 0, at = 0;
+        bool present = false;
+        for (int i = 0; i < p->n; i++) {
+            const bool member = at < best.n && best.item[at] == i;
+            at += member;
+            if (i == k) present = member;
+            if (member != (i == k)) item[n++] = i;
+        }
+        const int other = mukca_sets_insert(sets, item, NULL, n);
+        const double gain = other < 0 ? 0 : sets->set[other].value - best.value;
+        p->log_bayes_factor[k] = (present ? -gain : gain) - sets->question->item[k].log_prior;
+    }
+}
+
+/* Averages, values and probabilities from information and vector.  False: no memory. */
+static bool take_average(mukca_population *p)
+{
+    const int n = p->n;
+    if (n == 0) return true;
+    mukca_pool pool = {0};
+    mukca_question question;
+    mukca_sets sets;
+    average a = {.total = 0};
+    const bool ok = ask(&question, &pool, p) && mukca_sets_create(&sets, &pool, &question);
+    if (ok) {
+        memset(p->average_covariance, 0, sizeof p->average_covariance);
+        mukca_sets_explore(&sets, BUDGET, true);
+        flip(&sets, p);
+        const double most = sets.set[sets.best].value;
+        for (int i = 0; i < sets.n_sets; i++) take(&a, p, &sets.set[i], sets.set[i].value - most);
+    }
+    for (int i = 0; i < n && ok; i++) {
+        const double present = a.present[i], value = a.mean[i] / present;
+        double *row = &p->average_covariance[i * n];
+        const double half = MUKCA_FLEET_INTERVAL * sqrt(fmax(row[i] / present - value * value, 0));
+        p->probability[i] = present / a.total;
+        p->value[i] = fmax(value, 0);
+        p->low[i] = fmax(value - half, 0), p->high[i] = fmax(value + half, 0);
+        p->average[i] = fmax(a.mean[i] / a.total, 0);
+        for (int j = 0; j < n; j++) row[j] = (row[j] - a.mean[i] * a.mean[j] / a.total) / a.total;
+    }
+    const bool failed = pool.failed;
+    mukca_pool_free(&pool);
+    return !failed;
+}
+
 bool mukca_population_fit(mukca_population *p, const mukca_fleet *f, int without, bool warm)
 {
-    double square[T], diagonal[T], A[T * T];
-    if (!warm) {
-        choose_terms(p, f);
-        for (int i = 0; i < p->n; i++) p->mean[i] = 0, p->spread[i] = FIRST_SPREAD;
-    }
+    double square[T], diagonal[T], *A = p->scratch;
+    if (!warm) choose_terms(p, f);
     for (int round = 0; round < ROUNDS; round++) {
         sum_arms(p, square, diagonal, f, without);
         solve_mean(p);
@@ -188,6 +288,8 @@ bool mukca_population_fit(mukca_population *p, const mukca_fleet *f, int without
     sum_arms(p, square, diagonal, f, without);
     solve_mean(p);
     memcpy(A, p->information, sizeof *A * (size_t)(p->n * p->n));
-    if (!invert(p->covariance, A, p->n)) p->n = 0;
-    return mukca_population_average(p);
+    memset(p->covariance, 0, sizeof p->covariance);
+    for (int i = 0; i < p->n; i++) p->covariance[i * p->n + i] = 1;
+    if (!solve(p->covariance, p->n, A, p->n)) p->n = 0;
+    return take_average(p);
 }

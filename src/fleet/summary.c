@@ -146,16 +146,16 @@ mukca_status mukca_summary_take(mukca_summary *s, mukca_regression *m, mukca_err
      * Panda's largest.  The summary does not contain this prior. */
     const double held = 300e-6;
     mukca_fleet_prior prior[MUKCA_FLEET_TERMS];
-    mukca_unknowns own;
+    mukca_unknowns *own = MUKCA_TAKE(&m->pool, mukca_unknowns, 1);
     for (int i = 0; i < MUKCA_FLEET_TERMS; i++) prior[i] = (mukca_fleet_prior){0, held};
     mukca_fleet_model_of(&s->model, m->recording.chain);
     s->samples = m->recording.n_samples;
-    bool ok = mukca_unknowns_clone(&own, &m->pool, &m->unknowns);
+    bool ok = own && mukca_unknowns_clone(own, &m->pool, &m->unknowns);
     /* The orders of a joint are scored without the identified orders of that joint, but with those
      * of the others: unmodelled strong ripple would appear as faint ripple elsewhere. */
     for (int j = m->recording.chain->n_joints - 1; j >= -1 && ok; j--) {
-        if (j >= 0 && !has_ripple(&own, j)) continue;
-        mukca_unknowns_assign(&m->unknowns, &own);
+        if (j >= 0 && !has_ripple(own, j)) continue;
+        mukca_unknowns_assign(&m->unknowns, own);
         mukca_fleet_strip(m, j);
         ok = mukca_fleet_add(m, prior);
         mukca_regression_fit(m, 4, MUKCA_FIT_NOISE);

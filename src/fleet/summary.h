@@ -1,21 +1,49 @@
 /* Summary of a recording: its information on the coefficients shared by arms of one model, with the
- * geometry of this arm marginalised. */
+ * geometry of this arm marginalised.  The coefficients are all elastic ones of the chain. */
 #ifndef MUKCA_FLEET_SUMMARY_H
 #define MUKCA_FLEET_SUMMARY_H
 
 #include <stdint.h>
 
+#include "diagnose/regression.h"
 #include "diagnose/ripple.h"
-#include "fleet/basis.h"
 
 enum {
+    /* Compliance of each joint, link bending before each but the first, and the compliance of the
+     * base, which precedes the first. */
+    MUKCA_FLEET_TERMS = 2 * MUKCA_MAX_JOINTS,
     MUKCA_FLEET_ORDERS = MUKCA_RIPPLE_ORDERS - 1, /* 2 .. 400 */
     MUKCA_FLEET_PACKED = MUKCA_FLEET_TERMS * (MUKCA_FLEET_TERMS + 1) / 2
 };
 
+/* Half-width of a 95 % interval in sigmas: the 0.975 quantile of the normal distribution. */
+#define MUKCA_FLEET_INTERVAL 1.959963984540054
+
 /* Unit of the log Bayes factors of orders, which makes sums exact in any order; clipped at
  * +-2047. */
 #define MUKCA_FLEET_QUANTUM (1.0 / 16)
+
+/* Prior of a coefficient, rad/(N m). */
+typedef struct {
+    double mean, sigma;
+} mukca_fleet_prior;
+
+/* Number of coefficients, and the i-th (without value). */
+int mukca_fleet_terms(int n_joints);
+mukca_effect mukca_fleet_term(int i, int n_joints);
+
+/* Remove from the regression all elastic causes, unknown functions, which would absorb elasticity,
+ * and the gear harmonics of a joint (-1: none). */
+void mukca_fleet_strip(mukca_regression *m, int joint);
+
+/* Append the elastic coefficients to the causes, with prior[terms], each with one coefficient for
+ * all masses.  A coefficient without influence on this recording is omitted.  Fit afterwards.
+ * False: no space. */
+bool mukca_fleet_add(mukca_regression *m, const mukca_fleet_prior *prior);
+
+/* Index of a gear harmonic among the causes; added if absent, with a prior size chosen by evidence;
+ * -1: no space. */
+int mukca_fleet_add_harmonic(mukca_regression *m, int joint, int order);
 
 /* Properties common to arms of one model.  The tool is excluded: all elements after the last joint,
  * and the tip. */
@@ -28,6 +56,7 @@ typedef struct {
 } mukca_fleet_model;
 
 typedef struct {
+    const char *path; /* its file, for messages; NULL: not from a file */
     mukca_fleet_model model;
     char arm[MUKCA_NAME_SIZE];
     uint64_t data; /* hash of the recording */

@@ -12,13 +12,9 @@
 #include "math/stats.h"
 
 /* Four prior sizes at a time, one per lane: 1 + s^2 G = L L', L stored by rows, and x = L^-1 g. */
-typedef struct {
-    int k;
-    double L[MUKCA_MOST_TERMS * (MUKCA_MOST_TERMS + 1) / 2][4], x[MUKCA_MOST_TERMS][4];
-} four_factors;
 
 /* Entry i of x, from the preceding ones. */
-MUKCA_INLINE void solve_row(four_factors *f, const double (*row)[4], int i)
+MUKCA_INLINE void solve_row(mukca_mixture_scratch *f, const double (*row)[4], int i)
 {
     four x = LOAD4(f->x[i]);
     for (int c = 0; c < i; c++) x -= LOAD4(row[c]) * LOAD4(f->x[c]);
@@ -26,14 +22,15 @@ MUKCA_INLINE void solve_row(four_factors *f, const double (*row)[4], int i)
 }
 
 /* A pivot that is not positive results in NaN. */
-MUKCA_CLONES static void factor_four(four_factors *f, const double *G, const double s2[4])
+MUKCA_CLONES static void factor_four(mukca_mixture_scratch *f, int k, const double *G,
+                                     const double s2[4])
 {
     const four s = LOAD4(s2);
     double(*row)[4] = f->L;
-    for (int i = 0; i < f->k; row += ++i) {
+    for (int i = 0; i < k; row += ++i) {
         double(*other)[4] = f->L;
         for (int j = 0; j <= i; other += ++j) {
-            four sum = s * G[i * f->k + j];
+            four sum = s * G[i * k + j];
             if (i == j) sum += 1;
             for (int c = 0; c < j; c++) sum -= LOAD4(row[c]) * LOAD4(other[c]);
             if (i != j) sum /= LOAD4(other[j]);
@@ -45,22 +42,22 @@ MUKCA_CLONES static void factor_four(four_factors *f, const double *G, const dou
 }
 
 /* One lane: x := L^-1 x. */
-static void solve_forward(double *x, const four_factors *f, int lane)
+static void solve_forward(double *x, const mukca_mixture_scratch *f, int k, int lane)
 {
     const double(*row)[4] = (const double(*)[4])f->L;
-    for (int i = 0; i < f->k; row += ++i) {
+    for (int i = 0; i < k; row += ++i) {
         for (int c = 0; c < i; c++) x[i] -= row[c][lane] * x[c];
         x[i] /= row[i][lane];
     }
 }
 
 /* Sum of log L[i][i]. */
-static double log_diagonal(const four_factors *f, int lane)
+static double log_diagonal(const mukca_mixture_scratch *f, int k, int lane)
 {
     double product = 1, sum = 0;
-    for (int i = 0, at = 0; i < f->k; at += ++i + 1) { /* one logarithm for several factors */
+    for (int i = 0, at = 0; i < k; at += ++i + 1) { /* one logarithm for several factors */
         product *= f->L[at][lane];
-        if (product > 1e100 || i + 1 == f->k) sum += log(product), product = 1;
+        if (product > 1e100 || i + 1 == k) sum += log(product), product = 1;
     }
     return sum;
 }
@@ -72,11 +69,12 @@ double mukca_mixture_positive(double mean, double variance, double residual, int
 }
 
 /* The same for the first coefficient at the size sqrt(s2). */
-static double log_positive(const four_factors *f, int lane, double s2, double residual, int dof)
+static double log_positive(const mukca_mixture_scratch *f, int k, int lane, double s2,
+                           double residual, int dof)
 {
     double first[MUKCA_MOST_TERMS] = {1}, mean = 0, variance = 0;
-    solve_forward(first, f, lane);
-    for (int i = 0; i < f->k; i++) {
+    solve_forward(first, f, k, lane);
+    for (int i = 0; i < k; i++) {
         mean += s2 * first[i] * f->x[i][lane];
         variance += s2 * first[i] * first[i];
     }
@@ -84,13 +82,12 @@ static double log_positive(const four_factors *f, int lane, double s2, double re
 }
 
 double mukca_mixture_evidence(double *by_size, const double *G, const double *g, int k,
-                              const mukca_mixture *prior, double residual, int dof)
+                              const mukca_mixture *prior, double residual, int dof,
+                              mukca_mixture_scratch *f)
 {
     /* at most this share of the residual is explained: rounding of a perfect fit */
     const double most = 0.9999;
     double value[MUKCA_MOST_SIZES];
-    four_factors f;
-    f.k = k;
     for (int s = 0; s < prior->n_sizes; s++) {
         const double s2 = prior->size[s] * prior->size[s];
         const int lane = s % 4;
@@ -100,13 +97,14 @@ double mukca_mixture_evidence(double *by_size, const double *G, const double *g,
             for (int l = 0; l < 4 && s + l < prior->n_sizes; l++)
                 squares[l] = prior->size[s + l] * prior->size[s + l];
             for (int i = 0; i < k; i++)
-                for (int l = 0; l < 4; l++) f.x[i][l] = g[i];
-            factor_four(&f, G, squares);
+                for (int l = 0; l < 4; l++) f->x[i][l] = g[i];
+            factor_four(f, k, G, squares);
         }
-        for (int i = 0; i < k; i++) q += s2 * f.x[i][lane] * f.x[i][lane];
+        for (int i = 0; i < k; i++) q += s2 * f->x[i][lane] * f->x[i][lane];
         q = fmin(q, most * residual);
-        value[s] = prior->log_weight[s] - log_diagonal(&f, lane) - 0.5 * dof * log1p(-q / residual);
-        if (prior->nonnegative) value[s] += log_positive(&f, lane, s2, residual - q, dof);
+        value[s] =
+            prior->log_weight[s] - log_diagonal(f, k, lane) - 0.5 * dof * log1p(-q / residual);
+        if (prior->nonnegative) value[s] += log_positive(f, k, lane, s2, residual - q, dof);
         if (isnan(value[s])) value[s] = -HUGE_VAL; /* not positive definite */
     }
     if (by_size) memcpy(by_size, value, sizeof *value * (size_t)prior->n_sizes);

@@ -13,12 +13,20 @@ typedef struct {
     bool nonnegative; /* the first coefficient */
 } mukca_mixture;
 
+/* Scratch: factors of four prior sizes at a time, and matrices of the callers. */
+typedef struct {
+    double L[MUKCA_MOST_TERMS * (MUKCA_MOST_TERMS + 1) / 2][4], x[MUKCA_MOST_TERMS][4];
+    double A[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS], B[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS],
+        C[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS], D[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS];
+} mukca_mixture_scratch;
+
 /* Log Bayes factor of k coefficients with the projected normal equations G[k][k] and g[k], averaged
  * over the sizes, with the scale of the noise profiled out: `residual` is the squared residual
  * without them in units of the noise, and `dof` its degrees of freedom.  by_size[n_sizes] (may be
- * NULL) receives the terms of the average. */
+ * NULL) receives the terms of the average.  Changes L and x of the scratch. */
 double mukca_mixture_evidence(double *by_size, const double *G, const double *g, int k,
-                              const mukca_mixture *prior, double residual, int dof);
+                              const mukca_mixture *prior, double residual, int dof,
+                              mukca_mixture_scratch *scratch);
 
 /* Log of twice the posterior probability that a coefficient with this mean and variance, in units
  * of the noise, is positive. */

@@ -22,36 +22,55 @@ enum {
     PAIRED = 10,
     FROM = 3, /* best swaps that are extended by a second item */
     SWEEPS = 3,
-    NEAR = 3, /* columns of most blocks */
-    FEW = 8   /* single blocks of an item before its row of the Gram matrix is computed */
+    NEAR = 3,      /* columns of most blocks */
+    TOGETHER = 64, /* columns whose rows of the Gram matrix are computed together */
+    FEW = 8        /* single blocks of an item before its row of the Gram matrix is computed */
 };
 
-static double *gram_of(mukca_sets *s, int item)
+/* Compute the rows of the Gram matrix of these items, as many of them together as fit.  False: no
+ * memory. */
+static bool find_rows(mukca_sets *s, const unsigned short *item, int n)
 {
     const mukca_question *q = s->question;
-    const mukca_item *h = &q->item[item];
-    const size_t size = (size_t)h->terms * (size_t)q->stride;
     const int rows = q->n_rows - q->n_projected;
-    if (s->gram[item]) return s->gram[item];
-    double *G = MUKCA_TAKE(s->pool, double, size), *P = s->row;
-    if (!G) return NULL;
-    mukca_dense_xty(G, (mukca_columns){q->E + h->at, h->terms, q->stride},
-                    (mukca_columns){q->E, q->stride, q->stride}, rows);
-    memset(P, 0, sizeof *P * size);
-    const double *E = q->E + (size_t)rows * (size_t)q->stride;
-    mukca_dense_xty(P, (mukca_columns){E + h->at, h->terms, q->stride},
-                    (mukca_columns){E, q->stride, q->stride}, q->n_projected);
-    for (size_t i = 0; i < size; i++) G[i] -= P[i];
-    return s->gram[item] = G;
+    const size_t stride = (size_t)q->stride;
+    for (int i = 0; i < n;) {
+        int width = 0, first = i;
+        for (; i < n && width + q->item[item[i]].terms <= TOGETHER; i++) {
+            const mukca_item *h = &q->item[item[i]];
+            if (s->gram[item[i]]) continue;
+            for (int r = 0; r < q->n_rows; r++)
+                memcpy(s->left + r * TOGETHER + width, q->E + (size_t)r * stride + h->at,
+                       sizeof *s->left * (size_t)h->terms);
+            width += h->terms;
+        }
+        if (!width) continue;
+        double *G = MUKCA_TAKE(s->pool, double, (size_t)width *stride);
+        if (!G) return false;
+        memset(s->row, 0, sizeof *G * (size_t)width * stride);
+        mukca_dense_xty(G, (mukca_columns){s->left, width, TOGETHER},
+                        (mukca_columns){q->E, q->stride, q->stride}, rows);
+        mukca_dense_xty(s->row, (mukca_columns){s->left + rows * TOGETHER, width, TOGETHER},
+                        (mukca_columns){q->E + (size_t)rows * stride, q->stride, q->stride},
+                        q->n_projected);
+        for (size_t k = 0; k < (size_t)width * stride; k++) G[k] -= s->row[k];
+        for (; first < i; first++)
+            if (!s->gram[item[first]]) {
+                s->gram[item[first]] = G;
+                G += (size_t)q->item[item[first]].terms * stride;
+            }
+    }
+    return true;
 }
 
 /* Gram block G[a.terms][b.terms] of two items, from their columns. */
-static void multiply(double *G, const mukca_question *q, int a, int b)
+static void multiply(double *G, mukca_sets *s, int a, int b)
 {
+    const mukca_question *q = s->question;
     const mukca_item *x = &q->item[a], *y = &q->item[b];
     const int rows = q->n_rows - q->n_projected;
     const double *E = q->E + (size_t)rows * (size_t)q->stride;
-    double P[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS];
+    double *P = s->scratch->D;
     memset(G, 0, sizeof *G * (size_t)(x->terms * y->terms));
     memset(P, 0, sizeof *P * (size_t)(x->terms * y->terms));
     mukca_dense_xty(G, (mukca_columns){q->E + x->at, x->terms, q->stride},
@@ -65,7 +84,7 @@ static double *own_block(mukca_sets *s, int item)
 {
     const int k = s->question->item[item].terms;
     double *G = MUKCA_TAKE(s->pool, double, k *k);
-    if (G) multiply(G, s->question, item, item);
+    if (G) multiply(G, s, item, item);
     return G;
 }
 
@@ -74,9 +93,10 @@ static void cross(double *G, mukca_sets *s, int a, int b)
 {
     const mukca_question *q = s->question;
     const mukca_item *x = &q->item[a], *y = &q->item[b];
-    if (!s->gram[a] && !s->gram[b] && s->crossed[a]++ == FEW) gram_of(s, a);
+    if (!s->gram[a] && !s->gram[b] && s->crossed[a]++ == FEW)
+        find_rows(s, &(unsigned short){(unsigned short)a}, 1);
     if (!s->gram[a] && !s->gram[b]) {
-        multiply(G, q, a, b);
+        multiply(G, s, a, b);
         return;
     }
     for (int i = 0; i < x->terms; i++)
@@ -97,11 +117,14 @@ bool mukca_sets_create(mukca_sets *s, mukca_pool *pool, const mukca_question *q)
         .set = MUKCA_TAKE(pool, mukca_set, MUKCA_MOST_SETS),
         .table = MUKCA_TAKE(pool, int, TABLE),
         .value = MUKCA_TAKE(pool, double, q->n_items + 1),
+        .alone = MUKCA_TAKE(pool, double, q->n_items + 1),
         .likeliest = MUKCA_TAKE(pool, unsigned char, q->n_items + 1),
         .near = MUKCA_TAKE(pool, double, NEAR *(q->stride + 1)),
         .g = MUKCA_TAKE(pool, double, q->stride + 1),
         .given = MUKCA_TAKE(pool, double, squares + 1),
-        .row = MUKCA_TAKE(pool, double, MUKCA_MOST_TERMS *(q->stride + 1)),
+        .row = MUKCA_TAKE(pool, double, TOGETHER *(q->stride + 1)),
+        .left = MUKCA_TAKE(pool, double, TOGETHER *(q->n_rows + MUKCA_SET_COLUMNS)),
+        .scratch = MUKCA_TAKE(pool, mukca_mixture_scratch, 1),
         .crossed = MUKCA_TAKE(pool, unsigned char, q->n_items + 1),
         .with = {.V = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *MUKCA_SET_COLUMNS),
                  .inverse = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *MUKCA_SET_COLUMNS),
@@ -115,7 +138,7 @@ bool mukca_sets_create(mukca_sets *s, mukca_pool *pool, const mukca_question *q)
     for (int i = 0; i < q->n_items && !q->block; i++)
         if (!(s->block[i] = own_block(s, i))) return false;
     memset(s->table, -1, sizeof *s->table * TABLE);
-    mukca_sets_insert(s, NULL, 0);
+    mukca_sets_insert(s, NULL, NULL, 0);
     return true;
 }
 
@@ -123,7 +146,7 @@ bool mukca_sets_create(mukca_sets *s, mukca_pool *pool, const mukca_question *q)
 static bool integrate(mukca_sets *s, const mukca_set *set, double *log_det)
 {
     const mukca_question *q = s->question;
-    double *L = s->with.L, G[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS], explained = 0;
+    double *L = s->with.L, *G = s->scratch->A, explained = 0;
     int n = 0;
     *log_det = 0;
     for (int m = 0; m < set->n; m++) {
@@ -197,10 +220,11 @@ static double score_member(double *by_size, const mukca_sets *s, const mukca_set
 {
     const mukca_item *h = &s->question->item[set->item[member]];
     const int k = h->terms;
-    double M[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS], G[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS],
-        I[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS] = {0}, w[MUKCA_MOST_TERMS], g[MUKCA_MOST_TERMS];
+    double *M = s->scratch->A, *G = s->scratch->B, *I = s->scratch->C, w[MUKCA_MOST_TERMS],
+           g[MUKCA_MOST_TERMS];
     const double size = h->prior.size[set->size[member]];
     if (!leave_out(M, w, s, member, k)) return -HUGE_VAL;
+    memset(I, 0, sizeof *I * (size_t)(k * k));
     for (int i = 0; i < k; i++) I[i * k + i] = 1;
     mukca_dense_forward(I, k, M, k);
     memset(G, 0, sizeof *G * (size_t)(k * k));
@@ -214,7 +238,7 @@ static double score_member(double *by_size, const mukca_sets *s, const mukca_set
     for (int i = 0; i < k * k; i++) G[i] /= size * size;
     return mukca_mixture_evidence(by_size, G, g, k, &h->prior,
                                   fmin(s->with.rest + square_of(w, k), s->question->residual),
-                                  s->question->dof);
+                                  s->question->dof, s->scratch);
 }
 
 /* B := L^-1 D G for the set integrated out and one item. */
@@ -235,8 +259,7 @@ static void condition_item(mukca_sets *s, const mukca_set *set, int item)
 static bool condition_all(mukca_sets *s, const mukca_set *set)
 {
     const mukca_question *q = s->question;
-    for (int m = 0; m < set->n; m++)
-        if (!gram_of(s, set->item[m])) return false;
+    if (!find_rows(s, set->item, set->n)) return false;
     for (int m = 0, row = 0; m < set->n; m++) {
         const double *G = s->gram[set->item[m]];
         for (int t = 0; t < q->item[set->item[m]].terms; t++, row++, G += q->stride)
@@ -281,13 +304,13 @@ MUKCA_CLONES static void project(double *G, const mukca_sets *s, int item, int a
 static double score(double *by_size, const mukca_sets *s, int item)
 {
     const mukca_item *h = &s->question->item[item];
-    double G[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS], g[MUKCA_MOST_TERMS];
+    double *G = s->scratch->A, g[MUKCA_MOST_TERMS];
     project(G, s, item, 0, h->terms);
     memcpy(g, s->question->g + h->at, sizeof *g * (size_t)h->terms);
     for (int i = 0; i < s->with.n; i++)
         for (int a = 0; a < h->terms; a++) g[a] -= s->with.v[i] * s->with.B[i * h->terms + a];
     return mukca_mixture_evidence(by_size, G, g, h->terms, &h->prior, s->with.rest,
-                                  s->question->dof);
+                                  s->question->dof, s->scratch);
 }
 
 static int largest(const double *x, int n)
@@ -317,6 +340,15 @@ static double weigh_signs(mukca_sets *s, const mukca_set *set)
     return sum;
 }
 
+/* Log prior of an item in addition to its own, given the first n members of a set. */
+static double kinship(const mukca_sets *s, const mukca_set *set, int n, int item)
+{
+    const mukca_item *h = &s->question->item[item];
+    for (int m = 0; m < n && h->kin; m++)
+        if (s->question->item[set->item[m]].kin == h->kin) return h->kinship;
+    return 0;
+}
+
 void mukca_sets_evaluate(mukca_sets *s, int index)
 {
     const mukca_question *q = s->question;
@@ -344,7 +376,8 @@ void mukca_sets_evaluate(mukca_sets *s, int index)
     }
     set->value =
         integral - log_det - 0.5 * q->dof * log(s->with.rest / q->residual) + weigh_signs(s, set);
-    for (int m = 0; m < set->n; m++) set->value += q->item[set->item[m]].log_prior;
+    for (int m = 0; m < set->n; m++)
+        set->value += q->item[set->item[m]].log_prior + kinship(s, set, m, set->item[m]);
     if (!ok || isnan(set->value)) set->value = -HUGE_VAL;
     if (set->value > s->set[s->best].value) s->best = index;
 }
@@ -403,14 +436,18 @@ static mukca_set reduced(const mukca_set *set, int member)
     return out;
 }
 
-int mukca_sets_insert(mukca_sets *s, const int *item, int n)
+int mukca_sets_insert(mukca_sets *s, const int *item, const double *size, int n)
 {
     mukca_set set = {0}, next;
     for (int i = 0; i < n; i++) {
-        const int middle = s->question->item[item[i]].prior.n_sizes / 2;
-        if (!extended(&next, s, &set, item[i], middle)) return -1;
+        const mukca_mixture *prior = &s->question->item[item[i]].prior;
+        int nearest = size ? 0 : prior->n_sizes / 2;
+        for (int k = 1; k < prior->n_sizes && size; k++)
+            if (fabs(prior->size[k] - size[i]) < fabs(prior->size[nearest] - size[i])) nearest = k;
+        if (!extended(&next, s, &set, item[i], nearest)) return -1;
         set = next;
     }
+    if (!find_rows(s, set.item, set.n)) return -1;
     const int index = find(s, &set);
     if (index >= 0) mukca_sets_evaluate(s, index);
     return index;
@@ -459,29 +496,59 @@ static bool condition(mukca_sets *s, const mukca_set *set)
     return true;
 }
 
-/* Score all items given the conditioned set, or that without a member, whose k rows of M^-1 V D G
- * are in W, and w = M^-1 x. */
-MUKCA_CLONES static void score_all(mukca_sets *s, const double *W, const double *w, int k)
+/* A member that is left out: k rows W of M^-1 V D G, w = M^-1 x, and the log Bayes factor below
+ * which a replacement is of no interest. */
+typedef struct {
+    int k;
+    const double *W;
+    double w[MUKCA_MOST_TERMS], least;
+} vacancy;
+
+/* Can this item replace the member?  It explains at most (sqrt(a) + sqrt(b))^2, of which a is what
+ * it explains beside the member, and b that share of what the member explains, `lost` of the
+ * residual `rest`, that is common to the two.  5: more than the cost of any prior size. */
+MUKCA_INLINE bool can_replace(const mukca_sets *s, const vacancy *v, const double *given, int item,
+                              double lost, double rest)
+{
+    const mukca_item *h = &s->question->item[item];
+    double common = 0;
+    for (int a = 0; a < h->terms; a++) {
+        double square = 0;
+        for (int r = 0; r < v->k; r++) {
+            const double x = v->W[r * s->question->stride + h->at + a];
+            square += x * x;
+        }
+        common += square / (given[a * h->terms + a] + square + 1e-300);
+    }
+    const double beside = fmax(s->alone[item] - h->log_prior + 5, 0),
+                 of = -0.5 * s->question->dof * log1p(-fmin(common, 1) * lost / rest);
+    return beside + of + 2 * sqrt(beside * of) > v->least;
+}
+
+/* Score all items in addition to a set: the conditioned one, or that without a member. */
+MUKCA_CLONES static void score_all(mukca_sets *s, const mukca_set *set, const vacancy *v)
 {
     const mukca_question *q = s->question;
-    double by_size[MUKCA_MOST_SIZES] = {0}, G[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS],
-           g[MUKCA_MOST_TERMS];
-    const double *given = s->given, rest = fmin(s->with.rest + square_of(w, k), q->residual);
-    for (int i = 0; i < q->n_items; i++) {
+    double by_size[MUKCA_MOST_SIZES] = {0}, *G = s->scratch->A, g[MUKCA_MOST_TERMS];
+    const double *given = s->given, lost = square_of(v->w, v->k),
+                 rest = fmin(s->with.rest + lost, q->residual);
+    for (int i = 0; i < q->n_items; given += q->item[i].terms * q->item[i].terms, i++) {
         const mukca_item *h = &q->item[i];
         const int terms = h->terms;
+        s->value[i] = -HUGE_VAL;
+        if (v->k && !can_replace(s, v, given, i, lost, rest)) continue;
         memcpy(G, given, sizeof *G * (size_t)(terms * terms));
         memcpy(g, s->g + h->at, sizeof *g * (size_t)terms);
-        given += terms * terms;
-        for (int r = 0; r < k; r++) {
-            const double *row = W + r * q->stride + h->at;
+        for (int r = 0; r < v->k; r++) {
+            const double *row = v->W + r * q->stride + h->at;
             for (int a = 0; a < terms; a++) {
-                g[a] += row[a] * w[r];
+                g[a] += row[a] * v->w[r];
                 for (int c = 0; c < terms; c++) G[a * terms + c] += row[a] * row[c];
             }
         }
         s->value[i] =
-            h->log_prior + mukca_mixture_evidence(by_size, G, g, terms, &h->prior, rest, q->dof);
+            h->log_prior + kinship(s, set, set->n, i) +
+            mukca_mixture_evidence(by_size, G, g, terms, &h->prior, rest, q->dof, s->scratch);
         s->likeliest[i] = (unsigned char)largest(by_size, h->prior.n_sizes);
     }
 }
@@ -491,7 +558,7 @@ static void extend(mukca_sets *s, int index, int most)
 {
     const mukca_set set = s->set[index];
     if (!condition(s, &set)) return;
-    score_all(s, NULL, NULL, 0);
+    score_all(s, &set, &(vacancy){0});
     keep(s, &set, most, NULL, 0);
 }
 
@@ -526,28 +593,31 @@ static int next_open(const mukca_sets *s)
     return open;
 }
 
-/* Drop or replace each member of a set; the best replacements of the best set are extended, too:
- * one item by two. */
-static void swap(mukca_sets *s, int index)
+/* Drop or replace each member of a set; `pairs`: the best replacements are extended, too: one item
+ * by two. */
+static void swap(mukca_sets *s, int index, bool pairs)
 {
     const mukca_question *q = s->question;
     const mukca_set set = s->set[index];
-    const bool pairs = index == s->best;
     int child[MUKCA_SET_ITEMS * FROM], n = 0;
-    double by_size[MUKCA_MOST_SIZES] = {0}, M[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS],
-           w[MUKCA_MOST_TERMS];
+    double by_size[MUKCA_MOST_SIZES] = {0}, *M = s->scratch->D;
+    vacancy v = {0};
     if (!set.n || !condition(s, &set)) return;
+    score_all(s, &set, &v);
+    memcpy(s->alone, s->value, sizeof *s->alone * (size_t)q->n_items);
     invert(s);
     mukca_dense_backward(s->with.B, q->stride, s->with.L, s->with.n); /* V D G */
     for (int m = 0; m < set.n; m++) {
         const mukca_item *h = &q->item[set.item[m]];
         double *W = s->with.B + (size_t)s->with.at[m] * (size_t)q->stride;
         mukca_set less = reduced(&set, m);
-        if (!leave_out(M, w, s, m, h->terms)) continue;
-        less.value = set.value - score_member(by_size, s, &set, m) - h->log_prior;
+        if (!leave_out(M, v.w, s, m, h->terms)) continue;
+        const double gain = score_member(by_size, s, &set, m);
+        less.value = set.value - gain - h->log_prior - kinship(s, &less, less.n, set.item[m]);
         if (find(s, &less) < 0) return;
         mukca_dense_forward(W, q->stride, M, h->terms);
-        score_all(s, W, w, h->terms);
+        v.W = W, v.k = h->terms, v.least = pairs ? 0 : gain - WINDOW;
+        score_all(s, &less, &v);
         n += keep(s, &less, SWAPPED, child + n, FROM);
     }
     for (int c = 0; c < n && pairs; c++) {
@@ -556,7 +626,7 @@ static void swap(mukca_sets *s, int index)
     }
 }
 
-void mukca_sets_explore(mukca_sets *s, int budget)
+void mukca_sets_explore(mukca_sets *s, int budget, bool pairs)
 {
     while (budget > 0 && !s->pool->failed) {
         const int i = next_open(s);
@@ -573,7 +643,8 @@ void mukca_sets_explore(mukca_sets *s, int budget)
             extend(s, i, ADDED);
         } else {
             set->swapped = true;
-            swap(s, i);
+            budget--;
+            swap(s, i, pairs && i == s->best);
         }
     }
 }
@@ -589,7 +660,7 @@ double mukca_sets_gain(mukca_sets *s, const mukca_set *set, int item)
 void mukca_sets_gram(double *G, mukca_sets *s, const mukca_set *set, int a, int b)
 {
     const mukca_item *x = &s->question->item[a], *y = &s->question->item[b];
-    double log_det, left[MUKCA_SET_COLUMNS * MUKCA_MOST_TERMS] = {0};
+    double log_det, *left = s->left;
     if (a == b)
         memcpy(G, s->block[a], sizeof *G * (size_t)(x->terms * x->terms));
     else

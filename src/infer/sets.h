@@ -20,6 +20,8 @@ typedef struct {
     mukca_mixture prior;
     double log_prior;
     int key; /* a set has at most one item of a key: variants of one cause */
+    int kin; /* items of one kin (0: none) entail each other: each beyond the first has `kinship` */
+    double kinship; /* in addition to its log prior */
 } mukca_item;
 
 /* Columns E[n_rows][stride], whitened, in units of the noise; the products of the last n_projected
@@ -55,26 +57,30 @@ typedef struct {
         int n;
         int at[MUKCA_SET_ITEMS]; /* first column of each member */
         double size[MUKCA_SET_COLUMNS];
-        double *L, *v, *B;    /* factor of 1 + D G D, L^-1 D g, L^-1 D G */
-        double *V, *x;        /* (1 + D G D)^-1, V D g */
-        double *inverse;      /* L^-1 */
-        double rest;          /* residual */
-    } with;                   /* the set integrated out last */
-    double *row;              /* scratch of one */
+        double *L, *v, *B; /* factor of 1 + D G D, L^-1 D g, L^-1 D G */
+        double *V, *x;     /* (1 + D G D)^-1, V D g */
+        double *inverse;   /* L^-1 */
+        double rest;       /* residual */
+    } with;                /* the set integrated out last */
+    double *row, *left;    /* scratch of some of them: rows, columns */
+    mukca_mixture_scratch *scratch;
     unsigned char *crossed;   /* [n_items] blocks computed without it */
     double *given;            /* blocks of all items given that set */
-    double *value, *near, *g; /* scratch: [n_items], [NEAR][stride], [stride] */
+    double *value, *alone;    /* scratch: [n_items] scores */
+    double *near, *g;         /* scratch: [NEAR][stride], [stride] */
     unsigned char *likeliest; /* [n_items] sizes */
 } mukca_sets;
 
 /* Start with the empty set.  Memory comes from `pool`.  False: no memory. */
 bool mukca_sets_create(mukca_sets *sets, mukca_pool *pool, const mukca_question *question);
 
-/* Index of the set of these items, ascending, evaluated; -1: too large. */
-int mukca_sets_insert(mukca_sets *sets, const int *item, int n);
+/* Index of the set of these items, ascending, with about these sizes (NULL: any), evaluated; -1:
+ * too large. */
+int mukca_sets_insert(mukca_sets *sets, const int *item, const double *size, int n);
 
-/* Expand at most `budget` sets, the most probable first. */
-void mukca_sets_explore(mukca_sets *sets, int budget);
+/* At most `budget` times, extend a set or replace its members, the most probable set first;
+ * `pairs`: replace those of the best set by two items each, too. */
+void mukca_sets_explore(mukca_sets *sets, int budget, bool pairs);
 
 /* Evaluate a set, if it is only estimated. */
 void mukca_sets_evaluate(mukca_sets *sets, int set);

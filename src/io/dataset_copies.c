@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "model/dataset_subset.h"
 
 /* Largest number of comparisons among samples of equal hash: bounds the time to linear even for an
  * arm at rest for an hour. */

@@ -42,12 +42,31 @@ static mukca_status read_header(int column[COLUMNS], const mukca_table *table, m
     return MUKCA_OK;
 }
 
+/* Parse a multiple of pi: pi, -pi/2, 3*pi/4. */
+static bool parse_pi(double *value, const char *cell)
+{
+    double factor = 1, divisor = 1;
+    char text[16] = "";
+    const char *pi = strstr(cell, "pi"), *rest = pi ? pi + 2 : NULL;
+    const size_t before = pi ? (size_t)(pi - cell) : sizeof text;
+    if (before >= sizeof text) return false;
+    memcpy(text, cell, before);
+    if (before > 0 && text[before - 1] == '*') text[before - 1] = '\0';
+    const bool sign = strcmp(text, "-") == 0 || strcmp(text, "+") == 0;
+    if (sign) factor = *text == '-' ? -1 : 1;
+    if (!sign && *text && !mukca_number_parse(&factor, text)) return false;
+    if (*rest && (*rest != '/' || !mukca_number_parse(&divisor, rest + 1))) return false;
+    *value = factor * 3.14159265358979323846 / divisor;
+    return isfinite(*value) != 0;
+}
+
 /* Read a number whose unit is `unit` m or rad, with magnitude at most `most`. */
 static mukca_status read_number(double *value, const mukca_table *table, int column, double unit,
                                 double most, mukca_error *error)
 {
-    const mukca_status status = mukca_table_number(value, table, column, error);
-    *value *= unit;
+    const bool pi = parse_pi(value, table->cell[column]);
+    const mukca_status status = pi ? MUKCA_OK : mukca_table_number(value, table, column, error);
+    if (!pi) *value *= unit;
     if (status != MUKCA_OK || fabs(*value) <= most) return status;
     return mukca_table_fail(error, table, column,
                             "%s is out of range; lengths are in m, angles in rad, or see --units",
@@ -100,7 +119,8 @@ static mukca_status read_row(mukca_dh_row *row, const mukca_dh *dh, const reader
     for (int i = A; i < COLUMNS && status == MUKCA_OK; i++) {
         const int c = r->column[i];
         if (!number[i] || c < 0 || (i > THETA && !table->cell[c][0])) continue;
-        const bool own = strcmp(table->header[c], names[i][0]) != 0;
+        const bool own =
+            strcmp(table->header[c], names[i][0]) != 0 || mukca_table_has_unit(table, c);
         const bool angle = i == ALPHA || i == THETA || (i > THETA && mukca_joint_turns(row->type));
         const double unit = own ? 1 : angle ? r->angle : r->length;
         const double most = i == A                ? largest_a

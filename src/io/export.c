@@ -1,4 +1,4 @@
-/* The table of export formats; writing and checking a file of any of them. */
+/* The table of export formats; writing a file of any of them. */
 #include "io/export.h"
 
 #include <math.h>
@@ -127,38 +127,5 @@ mukca_status mukca_export_write(FILE *stream, const mukca_exporter *exporter,
     if (status == MUKCA_OK) status = format->write(stream, input, error);
     if (status == MUKCA_OK) mukca_export_verdict(stream, exporter, &o->acceptance);
     free(r);
-    return status;
-}
-
-mukca_status mukca_export_check(mukca_export_difference *difference, const char *path,
-                                const mukca_exporter *exporter, const mukca_export_input *input,
-                                mukca_error *error)
-{
-    char *found = NULL, *wanted = NULL;
-    size_t size;
-    if (exporter->format->zeros_only)
-        return mukca_fail(error, MUKCA_USAGE, "--check reads text; export %s again and compare",
-                          exporter->name);
-    mukca_status status = mukca_file_read(&found, path, error);
-    if (status != MUKCA_OK) return status;
-    FILE *stream = open_memstream(&wanted, &size);
-    if (stream) status = mukca_export_write(stream, exporter, input, error);
-    if (!mukca_file_close(stream, &wanted))
-        status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    if (status == MUKCA_OK) {
-        *difference = (mukca_export_difference){.agrees = true};
-        if (exporter->format->comment[0])
-            mukca_export_compare_text(difference, found, wanted, exporter->format->comment);
-        else
-            status = mukca_export_compare_xml(difference, found, wanted);
-        if (status == MUKCA_INPUT)
-            mukca_fail(error, status, "%s: not well-formed XML; export it again",
-                       mukca_file_shown(path));
-        else if (status != MUKCA_OK)
-            mukca_fail(error, status, "out of memory");
-        if (difference->compared == 0) difference->agrees = false;
-    }
-    free(found);
-    free(wanted);
     return status;
 }

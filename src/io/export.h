@@ -67,20 +67,6 @@ int mukca_exporter_find(const char *path);
 mukca_status mukca_export_write(FILE *stream, const mukca_exporter *exporter,
                                 const mukca_export_input *input, mukca_error *error);
 
-/* Comparison of an exported file with a new export. */
-typedef struct {
-    int compared;    /* numbers compared */
-    double largest;  /* largest difference: m, rad, or relative for numbers above 1 */
-    bool agrees;     /* no difference above 1e-9, no number missing */
-    char where[160]; /* location of the largest difference, or the missing item */
-} mukca_export_difference;
-
-/* Compare the file `path` of that format with an export of the input.  A URDF or MuJoCo model may
- * have more elements than the chain; its joints and bodies are found by name. */
-mukca_status mukca_export_check(mukca_export_difference *difference, const char *path,
-                                const mukca_exporter *exporter, const mukca_export_input *input,
-                                mukca_error *error);
-
 /* ---- shared by the formats ---- */
 
 /* Print three lines of provenance, each preceded by `prefix`. */
@@ -106,15 +92,5 @@ void mukca_export_numbers(FILE *stream, const double *values, int n, const char 
  * URDF. */
 void mukca_export_get_origin(mukca_export_origin *origin, const mukca_export_input *input,
                              int element);
-
-/* Compare the text of a file with that of a new export: all numbers outside comments and strings,
- * in order. */
-void mukca_export_compare_text(mukca_export_difference *difference, const char *found,
-                               const char *wanted, const char *const comment[2]);
-
-/* Compare the elements and numbers of a chain in XML.  Returns MUKCA_OK, MUKCA_INPUT (not
- * well-formed) or MUKCA_MEMORY. */
-mukca_status mukca_export_compare_xml(mukca_export_difference *difference, const char *found,
-                                      const char *wanted);
 
 #endif

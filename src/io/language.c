@@ -1,26 +1,27 @@
-/* Targets in robot programs: patterns that find and print them, one set per language. */
+/* Targets in robot programs: patterns of whole lines, one set per language. */
 #include "io/language.h"
 
 #include <ctype.h>
 #include <string.h>
 
 #include "base/number.h"
-#include "io/pattern.h"
 #include "io/rows.h"
 
-enum { ROBOT_AXES = 6, MOST_AXES = 12, PATTERN = 256 };
+enum { ROBOT_AXES = 6, MOST_AXES = 12, PATTERN = 320, NUMBERS = 24, LINES = 16 };
 
 typedef enum { QUATERNION, ZYX, VECTOR } turn_kind;
 
-/* Patterns: # is a number, * any text within the same brackets (empty in a printed target), a blank
- * one or more blanks; other characters may be preceded by blanks. */
+/* Patterns: ? is a number, * any text without brackets and semicolons (empty in a printed target),
+ * @ a joint target, a blank one or more blanks; other characters may be preceded by blanks. */
 struct mukca_language {
     const char *open, *next, *close; /* of a joint target; `next` before the first external axis */
     char label[2];        /* letters before the number of a robot axis and of an external axis */
     const char *empty[2]; /* values printed for axes that the arm lacks; NULL: omitted */
     const char *line[2];  /* text before and after a target on a line of its own */
-    const char *const *after; /* texts that may precede a target; NULL: any */
-    const char *pose; /* pattern of a pose; NULL: X, Y, Z, A, B, C in any order, some omitted */
+    /* Lines of programs, in addition to a target alone.  None may start a motion elsewhere: what is
+     * not listed here is unknown. */
+    const char *lines[LINES];
+    const char *pose;
     turn_kind turn;
     double angle, length; /* rad and m per unit of the language */
     int decimals;         /* printed: 0.02 urad, 1 nm */
@@ -29,45 +30,50 @@ struct mukca_language {
 
 #define DEGREE (3.14159265358979323846 / 180)
 
-/* Calls and assignments whose lists of six numbers are targets; others in URScript are forces or
- * speeds.  The teach pendant writes waypoints as NAME_q. */
-static const char *const moves[] = {"movej(", "movel(", "movep(", "movec(", "servoj(",
-                                    "_q=",    "_q =",   "_p=",    "_p =",   NULL};
+static const mukca_language rapid = {
+    .open = "[[",
+    .next = "],[",
+    .close = "]]",
+    .empty = {"0", "9E9"},
+    .line = {"", ""},
+    .lines = {"MoveAbsJ@*;", "MODULE *", "ENDMODULE", "PROC *()", "ENDPROC", "WaitTime *;",
+              "Set *;", "Reset *;", "SetDO *;", "WaitDI *;", "AccSet *;", "WHILE *DO", "ENDWHILE"},
+    .pose = "[[?,?,?],[?,?,?,?],[?,?,?,?],[?,?,?,?,?,?]]",
+    .turn = QUATERNION,
+    .angle = DEGREE,
+    .length = 1e-3,
+    .decimals = 6,
+    .comment = '!'};
 
-static const mukca_language rapid = {.open = "[[",
-                                     .next = "],[",
-                                     .close = "]]",
-                                     .empty = {"0", "9E9"},
-                                     .line = {"", ""},
-                                     .pose = "[[#,#,#],[#,#,#,#],[#,#,#,#],[#,#,#,#,#,#]]",
-                                     .turn = QUATERNION,
-                                     .angle = DEGREE,
-                                     .length = 1e-3,
-                                     .decimals = 6,
-                                     .comment = '!'};
+static const mukca_language krl = {
+    .open = "{*",
+    .next = ",",
+    .close = "*}",
+    .label = {'A', 'E'},
+    .line = {"", ""},
+    .lines = {"PTP@*", "SPTP@*", "&*", "DEF *()", "END", "INI", "BAS(*)", "WAIT SEC *", "$OUT[*]=*",
+              "LOOP", "ENDLOOP"},
+    .pose = "{*X ?,Y ?,Z ?,A ?,B ?,C ?*}",
+    .turn = ZYX,
+    .angle = DEGREE,
+    .length = 1e-3,
+    .decimals = 6,
+    .comment = ';'};
 
-static const mukca_language krl = {.open = "{*",
-                                   .next = ",",
-                                   .close = "*}",
-                                   .label = {'A', 'E'},
-                                   .line = {"", ""},
-                                   .turn = ZYX,
-                                   .angle = DEGREE,
-                                   .length = 1e-3,
-                                   .decimals = 6,
-                                   .comment = ';'};
-
-static const mukca_language urscript = {.open = "[",
-                                        .next = ",",
-                                        .close = "]",
-                                        .line = {"movej(", ")"},
-                                        .after = moves,
-                                        .pose = "p[#,#,#,#,#,#]",
-                                        .turn = VECTOR,
-                                        .angle = 1,
-                                        .length = 1,
-                                        .decimals = 9,
-                                        .comment = '#'};
+static const mukca_language urscript = {
+    .open = "[",
+    .next = ",",
+    .close = "]",
+    .line = {"movej(", ")"},
+    .lines = {"movej(@*)", "movel(@*)", "movep(@*)", "servoj(@*)", "def *():", "end",
+              "while *:", "sleep(*)", "sync()", "textmsg(*)", "set_digital_out(*)",
+              "set_standard_digital_out(*)", "set_tcp(p[*])"},
+    .pose = "p[?,?,?,?,?,?]",
+    .turn = VECTOR,
+    .angle = 1,
+    .length = 1,
+    .decimals = 9,
+    .comment = '#'};
 
 const mukca_language *const mukca_languages[] = {
 #define ADDRESS(name, description) &(name),
@@ -75,7 +81,14 @@ const mukca_language *const mukca_languages[] = {
 #undef ADDRESS
 };
 
-/* Form the pattern of a joint target with # for each axis. */
+/* The numbers of a line; the text of each is line[span[0] .. span[1]). */
+typedef struct {
+    int n;
+    double value[NUMBERS];
+    size_t span[NUMBERS][2];
+} number_list;
+
+/* Form the pattern of a joint target with ? for each axis. */
 static void joint_pattern(char pattern[PATTERN], const mukca_language *l, const mukca_chain *chain)
 {
     const int n = l->empty[0] ? MOST_AXES : chain->n_joints;
@@ -87,27 +100,60 @@ static void joint_pattern(char pattern[PATTERN], const mukca_language *l, const 
         if (l->label[0])
             used += snprintf(pattern + used, (size_t)(PATTERN - used), "%c%d ", l->label[external],
                              axis - (external ? ROBOT_AXES : 0) + 1);
-        pattern[used++] = '#';
+        pattern[used++] = '?';
     }
     snprintf(pattern + used, (size_t)(PATTERN - used), "%s", l->close);
 }
 
-/* Whether one of the permitted texts precedes line[at]. */
-static bool follows(const mukca_language *l, const char *line, size_t at)
+/* Read a number at line[at]; returns its end, 0: no number. */
+static size_t read_number(double *value, const char *line, size_t at)
 {
-    if (!l->after) return true;
-    while (at > 0 && isblank((unsigned char)line[at - 1])) at--;
-    for (const char *const *text = l->after; *text; text++) {
-        const size_t length = strlen(*text);
-        if (at >= length && strncmp(line + at - length, *text, length) == 0) return true;
-    }
-    return false;
+    char text[64];
+    const size_t length = strspn(line + at, "+-0123456789.eE");
+    if (length == 0 || length >= sizeof text) return 0;
+    const bool plus = line[at] == '+';
+    memcpy(text, line + at + plus, length - plus);
+    text[length - plus] = '\0';
+    return mukca_number_parse(value, text) ? at + length : 0;
 }
 
-/* Whether line[at] is the second argument of a move such as movec, directly after the first. */
-static bool is_second(const mukca_program_reader *r, size_t at)
+static size_t skip_blanks(const char *line, size_t at)
 {
-    return r->found && r->line[r->at] == ',' && strspn(r->line + r->at, ", \t") == at - r->at;
+    while (isblank((unsigned char)line[at])) at++;
+    return at;
+}
+
+/* Whether the pattern matches all of line + at, but for a comment; collects the numbers. */
+static bool matches(number_list *found, const char *pattern, const char *line, size_t at,
+                    char comment)
+{
+    for (const char *p = pattern; *p; p++) {
+        if (*p == '*') { /* up to the first position from which the rest matches */
+            const int n = found->n;
+            for (;; at++) {
+                if (matches(found, p + 1, line, at, comment)) return true;
+                found->n = n;
+                if (!line[at] || line[at] == comment || strchr("{}[]();", line[at])) return false;
+            }
+        }
+        const bool in_word =
+            p > pattern && isalnum((unsigned char)*p) && isalnum((unsigned char)p[-1]);
+        if (*p != ' ' && !in_word) at = skip_blanks(line, at);
+        if (*p == '?') {
+            const size_t end =
+                found->n < NUMBERS ? read_number(&found->value[found->n], line, at) : 0;
+            if (end == 0) return false;
+            found->span[found->n][0] = at;
+            found->span[found->n++][1] = at = end;
+        } else if (*p == ' ' ? !isblank((unsigned char)line[at])
+                             : toupper((unsigned char)line[at]) != toupper((unsigned char)*p)) {
+            return false;
+        } else {
+            at++;
+        }
+    }
+    at = skip_blanks(line, at);
+    return !line[at] || line[at] == comment || (line[at] == '\r' && !line[at + 1]);
 }
 
 static bool is_linear(const mukca_chain *chain, int joint)
@@ -132,134 +178,32 @@ static bool convert_pose(mukca_frame *pose, const mukca_language *l, const doubl
     return true;
 }
 
-/* Read the word at line[at] in capitals, truncated to word[16]; returns its end. */
-static size_t read_word(char word[16], const char *line, size_t at)
+mukca_line_kind mukca_language_read(mukca_program_target *t, const mukca_language *l,
+                                    const mukca_chain *chain, bool pose, const char *line)
 {
-    size_t n = 0;
-    for (; isalnum((unsigned char)line[at]) || line[at] == '_'; at++)
-        if (n < 15) word[n++] = (char)toupper((unsigned char)line[at]);
-    word[n] = '\0';
-    return at;
-}
-
-/* Index of a KRL component in its target: X Y Z A B C, or A1 ... A6 E1 ...; -1: none. */
-static int component(const mukca_program_reader *r, const char *key)
-{
-    static const char poses[] = "XYZABC";
-    const char *letter = *key ? strchr(poses, *key) : NULL;
-    double number;
-    if (r->pose) return letter && !key[1] ? (int)(letter - poses) : -1;
-    if ((*key != 'A' && *key != 'E') || !mukca_number_parse(&number, key + 1)) return -1;
-    if (!(number >= 1 && number <= ROBOT_AXES)) return -1;
-    const int axis = (int)number - 1 + (*key == 'E' ? ROBOT_AXES : 0);
-    return axis < r->chain->n_joints ? axis : -1;
-}
-
-/* Match {TYPE: KEY value, ...}; returns the end, 0: no match, or no component of a target. */
-static size_t match_components(mukca_program_target *t, const mukca_program_reader *r, size_t at)
-{
-    const char *line = r->line;
-    char key[16];
-    bool any = false;
-    size_t end = read_word(key, line, mukca_pattern_skip_blanks(line, at + 1));
-    end = mukca_pattern_skip_blanks(line, end);
-    if (line[end] == ':') at = end;
-    do {
-        double value;
-        at = mukca_pattern_skip_blanks(
-            line, read_word(key, line, mukca_pattern_skip_blanks(line, at + 1)));
-        end = mukca_pattern_number(&value, line, at);
-        const int k = component(r, key);
-        if (k >= 0 && (end == 0 || t->number[k][1])) return 0;
-        if (k >= 0) t->number[k][0] = at, t->number[k][1] = end, t->value[k] = value;
-        any |= k >= 0;
-        at = end ? end : at + strcspn(line + at, ",{}");
-        at = mukca_pattern_skip_blanks(line, at);
-    } while (line[at] == ',');
-    return any && line[at] == '}' ? at + 1 : 0;
-}
-
-/* Whether an aggregate is a target: not a frame of tool, base or load, nor an offset to another
- * position. */
-static bool is_target(const mukca_program_reader *r, size_t begin, size_t end)
-{
-    const char *data = strstr(r->line, "_DATA["), *system = strchr(r->line, '$');
-    size_t before = begin;
-    while (before > 0 && isblank((unsigned char)r->line[before - 1])) before--;
-    return !r->relative && (before == 0 || r->line[before - 1] != ':') &&
-           r->line[mukca_pattern_skip_blanks(r->line, end)] != ':' &&
-           !(data && data < r->line + begin) && !(system && system < r->line + begin);
-}
-
-/* Set the omitted components to those of the last move. */
-static void carry_over(mukca_program_target *t, mukca_program_reader *r)
-{
-    const int n = r->pose ? ROBOT_AXES : r->chain->n_joints;
-    for (int k = 0; k < n; k++) {
-        if (t->number[k][1]) continue;
-        t->partial = true;
-        t->value[k] = r->last[k];
+    char joints[PATTERN], pattern[PATTERN + 32];
+    number_list found = {0};
+    joint_pattern(joints, l, chain);
+    if (matches(&found, "", line, 0, l->comment)) return MUKCA_LINE_OTHER;
+    if (pose && !matches(&found, l->pose, line, 0, l->comment)) return MUKCA_LINE_UNKNOWN;
+    if (pose)
+        return convert_pose(&t->pose, l, found.value) ? MUKCA_LINE_TARGET : MUKCA_LINE_UNKNOWN;
+    bool known = matches(&found, joints, line, 0, l->comment), target = known;
+    for (int i = 0; !known && l->lines[i]; i++) {
+        const char *form = l->lines[i], *slot = strchr(form, '@');
+        const int before = (int)(slot ? slot - form : (ptrdiff_t)strlen(form));
+        snprintf(pattern, sizeof pattern, "%.*s%s%s", before, form, slot ? joints : "",
+                 slot ? slot + 1 : "");
+        found.n = 0;
+        known = matches(&found, pattern, line, 0, l->comment);
+        target = slot != NULL;
     }
-    t->incomplete = t->partial && !(r->moves && r->known);
-    if (!r->moves) return;
-    r->known = !t->incomplete;
-    memcpy(r->last, t->value, sizeof r->last);
-}
-
-/* Match a target at line[at]. */
-static bool match_target(mukca_program_target *t, mukca_program_reader *r, const char *pattern,
-                         size_t at)
-{
-    const mukca_language *l = r->language;
-    *t = (mukca_program_target){.begin = at};
-    if (l->label[0]) {
-        t->end = match_components(t, r, at);
-        if (t->end == 0 || !is_target(r, at, t->end)) return false;
-        carry_over(t, r);
-        return true;
-    }
-    mukca_pattern_numbers found = {0};
-    t->end = mukca_pattern_match(&found, pattern, r->line, at);
-    const int n = r->pose ? MUKCA_POSE_NUMBERS : r->chain->n_joints;
-    memcpy(t->value, found.value, (size_t)n * sizeof *t->value);
-    memcpy(t->number, found.span, (size_t)n * sizeof *t->number);
-    return t->end > 0;
-}
-
-void mukca_program_line(mukca_program_reader *r, const char *line)
-{
-    static const char *const words[] = {"PTP", "LIN", "CIRC", "SPTP", "SLIN", "SPL", "SCIRC", NULL};
-    char word[16];
-    r->line = line;
-    r->at = 0;
-    r->moves = r->relative = r->found = false;
-    if (!r->language->label[0]) return;
-    read_word(word, line, mukca_pattern_skip_blanks(line, 0));
-    char *suffix = strstr(word, "_REL");
-    r->relative = suffix != NULL;
-    if (suffix) *suffix = '\0';
-    for (const char *const *w = words; *w; w++) r->moves |= strcmp(*w, word) == 0;
-}
-
-bool mukca_program_next(mukca_program_target *t, mukca_program_reader *r)
-{
-    const mukca_language *l = r->language;
-    const char *line = r->line;
-    char joints[PATTERN];
-    joint_pattern(joints, l, r->chain);
-    const char *const pattern = r->pose && l->pose ? l->pose : joints;
-    for (size_t at = r->at; line[at] && line[at] != l->comment; at++) {
-        if (line[at] != *pattern || !(follows(l, line, at) || is_second(r, at))) continue;
-        if (!match_target(t, r, pattern, at)) continue;
-        if (!t->incomplete && r->pose && !convert_pose(&t->pose, l, t->value)) continue;
-        for (int j = 0; j < r->chain->n_joints && !r->pose; j++)
-            t->q[j] = t->value[j] * (is_linear(r->chain, j) ? l->length : l->angle);
-        r->at = t->end;
-        r->found = true;
-        return true;
-    }
-    if (!r->found) r->known = r->known && !r->moves; /* the line moves to an unknown position */
-    return false;
+    if (!known) return MUKCA_LINE_UNKNOWN;
+    if (!target) return MUKCA_LINE_OTHER;
+    for (int j = 0; j < chain->n_joints; j++)
+        t->q[j] = found.value[j] * (is_linear(chain, j) ? l->length : l->angle);
+    memcpy(t->number, found.span, (size_t)chain->n_joints * sizeof *t->number);
+    return MUKCA_LINE_TARGET;
 }
 
 int mukca_language_axes(const mukca_language *language)
@@ -281,7 +225,7 @@ void mukca_language_print(FILE *stream, const mukca_language *l, const mukca_cha
     joint_pattern(pattern, l, chain);
     fputs(l->line[0], stream);
     for (const char *p = pattern; *p; p++) {
-        if (*p != '#') {
+        if (*p != '?') {
             if (*p != '*') fputc(*p, stream);
         } else if (axis < chain->n_joints) {
             print_value(stream, l, chain, axis, q[axis]);
@@ -293,65 +237,14 @@ void mukca_language_print(FILE *stream, const mukca_language *l, const mukca_cha
     fputs(l->line[1], stream);
 }
 
-/* Print the target's text with its numbers replaced by value[n], followed by the omitted
- * components. */
-static void replace(FILE *stream, const mukca_program_reader *r, const mukca_program_target *t,
-                    const double *value, int n)
+void mukca_language_replace(FILE *stream, const mukca_language *l, const mukca_chain *chain,
+                            const char *line, const mukca_program_target *t, const double *q)
 {
-    const mukca_language *l = r->language;
-    size_t at = t->begin;
-    for (;;) { /* in order of their position in the text */
-        int next = -1;
-        for (int k = 0; k < n; k++)
-            if (t->number[k][1] > at && (next < 0 || t->number[k][0] < t->number[next][0]))
-                next = k;
-        if (next < 0) break;
-        fwrite(r->line + at, 1, t->number[next][0] - at, stream);
-        const bool quaternion = r->pose && l->turn == QUATERNION && next >= 3;
-        fprintf(stream, "%.*f", quaternion ? 9 : l->decimals, value[next]); /* 1 nrad */
-        at = t->number[next][1];
+    size_t at = 0;
+    for (int j = 0; j < chain->n_joints; j++) {
+        fwrite(line + at, 1, t->number[j][0] - at, stream);
+        print_value(stream, l, chain, j, q[j]);
+        at = t->number[j][1];
     }
-    if (t->partial) fwrite(r->line + at, 1, t->end - 1 - at, stream);
-    for (int k = 0; k < n && t->partial; k++) {
-        if (t->number[k][1]) continue;
-        if (r->pose)
-            fprintf(stream, ",%c", "XYZABC"[k]);
-        else
-            fprintf(stream, ",%c%d", l->label[k >= ROBOT_AXES], k % ROBOT_AXES + 1);
-        fprintf(stream, " %.*f", l->decimals, value[k]);
-    }
-    if (t->partial) at = t->end - 1;
-    fwrite(r->line + at, 1, t->end - at, stream);
-}
-
-void mukca_language_replace(FILE *stream, const mukca_program_reader *r,
-                            const mukca_program_target *t, const double *q)
-{
-    double value[MUKCA_MAX_JOINTS];
-    for (int j = 0; j < r->chain->n_joints; j++)
-        value[j] = q[j] / (is_linear(r->chain, j) ? r->language->length : r->language->angle);
-    replace(stream, r, t, value, r->chain->n_joints);
-}
-
-void mukca_language_replace_pose(FILE *stream, const mukca_program_reader *r,
-                                 const mukca_program_target *t, const mukca_frame *pose)
-{
-    const mukca_language *l = r->language;
-    double value[MUKCA_POSE_NUMBERS] = {0}, *turn = value + 3;
-    for (int i = 0; i < 3; i++) value[i] = pose->p[i] / l->length;
-    if (l->turn == QUATERNION) {
-        mukca_rotation_to_quaternion(turn, pose->R);
-        double same = 0;
-        for (int i = 0; i < 4; i++) same += turn[i] * t->value[3 + i];
-        for (int i = 0; i < 4 && same < 0; i++) turn[i] = -turn[i];
-    } else if (l->turn == ZYX) {
-        double near[3], rpy[3];
-        for (int i = 0; i < 3; i++) near[i] = t->value[5 - i] * l->angle;
-        mukca_rotation_to_rpy(rpy, pose->R, near);
-        for (int i = 0; i < 3; i++) turn[i] = rpy[2 - i] / l->angle;
-    } else {
-        mukca_rotation_log(turn, pose->R);
-        for (int i = 0; i < 3; i++) turn[i] /= l->angle;
-    }
-    replace(stream, r, t, value, l->turn == QUATERNION ? 7 : 6);
+    fputs(line + at, stream);
 }

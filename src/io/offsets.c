@@ -24,60 +24,14 @@ void mukca_offsets_time(char text[32])
         snprintf(text, 32, "unknown");
 }
 
-/* Write a text without control characters, which would break the table. */
-static void write_text(FILE *stream, const char *text)
-{
-    for (; *text; text++) fputc((unsigned char)*text < ' ' ? ' ' : *text, stream);
-}
-
-static void write_numbers(FILE *stream, const double *x, int n)
-{
-    for (int i = 0; i < n; i++) fprintf(stream, "%s%.17g", i ? " " : "\t", x[i]);
-}
-
-static void print_line(FILE *stream, const char *key, const char *text)
-{
-    fprintf(stream, "# %s", key);
-    write_text(stream, text);
-    fputc('\n', stream);
-}
-
-/* Write the whole chain: a reader needs no URDF. */
-static void write_chain(FILE *stream, const mukca_chain *chain)
-{
-    fputs("# gravity:", stream);
-    write_numbers(stream, chain->gravity, 3);
-    fputc('\n', stream);
-    for (int k = 0; k < chain->n_elements; k++) {
-        const mukca_element *e = &chain->element[k];
-        const double limits[2] = {e->lower, e->upper};
-        fputs("# element:\t", stream);
-        write_text(stream, e->name);
-        fputc('\t', stream);
-        write_text(stream, e->child);
-        fprintf(stream, "\t%s", mukca_joint_type_name[e->type]);
-        write_numbers(stream, e->axis, 3);
-        write_numbers(stream, e->xyz, 3);
-        write_numbers(stream, e->rpy, 3);
-        write_numbers(stream, limits, 2);
-        fputc('\n', stream);
-    }
-    for (int m = 0; m < chain->n_masses; m++) {
-        fprintf(stream, "# mass:\t%d", chain->mass[m].element);
-        write_numbers(stream, &chain->mass[m].kg, 1);
-        write_numbers(stream, chain->mass[m].com, 3);
-        fputc('\n', stream);
-    }
-}
-
 /* Write the verdict in the format of mukca_acceptance_read. */
 static void write_acceptance(FILE *stream, const mukca_acceptance *a)
 {
     if (!a->given) return;
     fprintf(stream, "# accepted: %s%s\n", a->accepted ? "yes" : "no; ", a->reason);
     fprintf(stream, "# converged: %s\n", a->converged ? "yes" : "no");
-    if (a->error_of[0]) print_line(stream, "error_of: ", a->error_of);
-    if (a->at_rest[0]) print_line(stream, "joints_at_rest: ", a->at_rest);
+    if (a->error_of[0]) mukca_offset_line(stream, "error_of: ", a->error_of);
+    if (a->at_rest[0]) mukca_offset_line(stream, "joints_at_rest: ", a->at_rest);
     for (const mukca_acceptance_number *n = mukca_acceptance_numbers; n->key; n++) {
         double value;
         memcpy(&value, (const char *)a + n->offset, sizeof value);
@@ -91,35 +45,22 @@ static void write_lines(FILE *stream, mukca_offset_row *rows, const mukca_offset
 {
     char when[32];
     mukca_offsets_time(when);
-    print_line(stream, "robot: ", chain->robot);
-    print_line(stream, "urdf_sha256: ", chain->urdf_sha256);
-    if (chain->kinematics_sha256[0])
-        print_line(stream, "kinematics_sha256: ", chain->kinematics_sha256);
-    if (chain->kinematics_hash[0]) print_line(stream, "kinematics_hash: ", chain->kinematics_hash);
-    print_line(stream, "base: ", chain->base);
-    print_line(stream, "tip: ", chain->tip);
-    for (int i = 0; data && i < data->n_files; i++) print_line(stream, "data: ", data->files[i]);
-    print_line(stream, "created: ", when);
-    write_chain(stream, chain);
+    mukca_offset_lines_names(stream, chain);
+    for (int i = 0; data && i < data->n_files; i++)
+        mukca_offset_line(stream, "data: ", data->files[i]);
+    mukca_offset_line(stream, "created: ", when);
+    mukca_offset_lines_chain(stream, chain);
     for (int p = 0; p < offsets->n_placements; p++)
-        print_line(stream, "placement: ", offsets->placements[p]);
+        mukca_offset_line(stream, "placement: ", offsets->placements[p]);
     write_acceptance(stream, &offsets->acceptance);
     for (const char *line = comments; line && *line;) {
         size_t length = strcspn(line, "\n");
         fprintf(stream, "# %.*s\n", (int)length, line);
         line += length + (line[length] == '\n');
     }
-    fputs(
-        "# formula: calibrated = nominal + offset; T_parent_child(q) = [Rz(yaw) Ry(pitch) "
-        "Rx(roll) R(axis, q), (x y z)] with the calibrated values in place of the URDF's origin\n",
-        stream);
-    fputs("joint\tparameter\tunit\tnominal\tcalibrated\toffset\tsigma\tidentifiable\tterm\n",
-          stream);
+    mukca_offset_lines_columns(stream);
     int n = mukca_offsets_rows(rows, offsets, chain);
-    for (int i = 0; i < n; i++)
-        fprintf(stream, "%s\t%s\t%s\t%.17g\t%.17g\t%.17g\t%.17g\t%d\t%s\n", rows[i].joint,
-                rows[i].parameter, rows[i].unit, rows[i].nominal, rows[i].calibrated,
-                rows[i].offset, rows[i].sigma, rows[i].identifiable, rows[i].term);
+    for (int i = 0; i < n; i++) mukca_offset_lines_row(stream, &rows[i]);
 }
 
 mukca_status mukca_offsets_write(FILE *stream, const mukca_offsets *offsets,

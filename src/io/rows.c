@@ -6,6 +6,7 @@
 
 #include "base/file.h"
 #include "base/note.h"
+#include "io/columns.h"
 #include "mukca/rotation.h"
 
 /* Larger angles, rad, are in degrees: a joint turns at most once or twice.  A value of 13 degrees
@@ -27,7 +28,9 @@ mukca_status mukca_rows_open(mukca_rows *rows, const char *path, const mukca_cha
     const mukca_table_kind kind = options->kind == MUKCA_NO_HEADER ? MUKCA_NO_HEADER : MUKCA_EITHER;
     mukca_status status = mukca_table_open(&rows->table, path, kind, error);
     if (status != MUKCA_OK) return status;
-    status = mukca_rows_map(rows, error);
+    if (options->format.columns && rows->table.n_columns)
+        status = mukca_columns_rename(&rows->table, options->format.columns, error);
+    if (status == MUKCA_OK) status = mukca_rows_map(rows, error);
     if (status != MUKCA_OK) mukca_rows_close(rows);
     return status;
 }
@@ -49,7 +52,7 @@ static mukca_status read_optional(double *value, const mukca_rows *rows, int col
     return mukca_table_number(value, &rows->table, column, error);
 }
 
-/* rad or m per unit of a joint's column. */
+/* rad or m per unit of a joint's column, if its header states none. */
 static double unit_of(const mukca_rows *rows, int joint)
 {
     const mukca_chain *chain = rows->chain;
@@ -126,11 +129,12 @@ static mukca_status read_matrix(mukca_row *row, const mukca_rows *rows,
 {
     const mukca_table *t = &rows->table;
     double T[16], R[9];
-    mukca_status status = read_list(T, rows, m->matrix, 16, error);
-    if (status != MUKCA_OK || count_missing(T, 16) == 16) return status;
-    if (count_missing(T, 16))
-        return mukca_table_fail(error, t, m->matrix[0],
-                                "a pose needs all 16 numbers of its matrix");
+    const int n = m->matrix[12] < 0 ? 12 : 16;
+    mukca_status status = read_list(T, rows, m->matrix, n, error);
+    if (status != MUKCA_OK || count_missing(T, n) == n) return status;
+    if (count_missing(T, n))
+        return mukca_table_fail(error, t, m->matrix[0], "a pose needs all numbers of its matrix");
+    for (int c = 12; c < 16 && n == 12; c++) T[c] = c == 15;
     for (int c = 0; c < 4; c++)
         if (!(fabs(T[12 + c] - (c == 3)) <= 1e-6)) /* the last row is 0 0 0 1 within rounding */
             return mukca_table_fail(error, t, m->matrix[12 + c],
@@ -147,7 +151,7 @@ static mukca_status read_matrix(mukca_row *row, const mukca_rows *rows,
         if (!(fabs(product - (a == b)) <= length_tolerance))
             return mukca_table_fail(
                 error, t, m->matrix[0],
-                "the matrix contains no rotation; its 16 numbers must be in row-major order");
+                "the matrix contains no rotation; its numbers must be in row-major order");
     }
     mukca_rotation_to_quaternion(row->quaternion, R);
     return MUKCA_OK;
@@ -196,11 +200,11 @@ static mukca_status read_turn(mukca_row *row, const mukca_rows *rows,
         return mukca_table_fail(error, &rows->table, m->turn[0],
                                 "an orientation needs all three numbers");
     for (int i = 0; i < 3; i++) {
-        v[i] *= rows->options.format.angle;
+        if (!mukca_table_has_unit(&rows->table, m->turn[i])) v[i] *= rows->options.format.angle;
         if (fabs(v[i]) > most_angle)
             return mukca_table_fail(error, &rows->table, m->turn[i],
-                                    "is %g; angles are in rad (for degrees: --units deg)",
-                                    v[i] / rows->options.format.angle);
+                                    "is %s; angles are in rad (for degrees: --units deg)",
+                                    rows->table.cell[m->turn[i]]);
     }
     if (m->form == MUKCA_ROTATION_VECTOR)
         mukca_rotation_exp(R, v);
@@ -226,9 +230,9 @@ static mukca_status read_pose(mukca_row *row, mukca_rows *rows, int target, mukc
         if (status == MUKCA_OK) status = read_turn(row, rows, m, error);
     }
     for (int i = 0; i < 3 && status == MUKCA_OK; i++) {
-        row->position[i] *= m->length;
-        status = mukca_rows_check_length(
-            t, m->matrix[0] < 0 ? m->position[i] : m->matrix[4 * i + 3], row->position[i], error);
+        const int column = m->matrix[0] < 0 ? m->position[i] : m->matrix[4 * i + 3];
+        if (!mukca_table_has_unit(t, column)) row->position[i] *= m->length;
+        status = mukca_rows_check_length(t, column, row->position[i], error);
     }
     if (status != MUKCA_OK) return status;
     if (count_missing(row->position, 3) % 3 != 0)
@@ -247,9 +251,11 @@ static mukca_status read_pose(mukca_row *row, mukca_rows *rows, int target, mukc
     return MUKCA_OK;
 }
 
-static void scale(double *values, const mukca_rows *rows)
+static void scale(double *values, const int *columns, const mukca_rows *rows)
 {
-    for (int j = 0; j < rows->chain->n_joints; j++) values[j] *= unit_of(rows, j);
+    for (int j = 0; j < rows->chain->n_joints; j++)
+        if (columns[j] < 0 || !mukca_table_has_unit(&rows->table, columns[j]))
+            values[j] *= unit_of(rows, j);
 }
 
 mukca_status mukca_rows_next(mukca_rows *rows, mukca_row *row, bool *more, mukca_error *error)
@@ -270,7 +276,7 @@ mukca_status mukca_rows_next(mukca_rows *rows, mukca_row *row, bool *more, mukca
     row->target = c->target < 0 || !*t->cell[c->target] ? NULL : t->cell[c->target];
     for (int j = 0; j < n; j++) {
         status = mukca_table_number(&row->q[j], t, c->joint[j], error);
-        row->q[j] *= unit_of(rows, j);
+        if (!mukca_table_has_unit(t, c->joint[j])) row->q[j] *= unit_of(rows, j);
         if (status == MUKCA_OK) status = check_joint(rows, j, row->q[j], error);
         if (status != MUKCA_OK) return status;
     }
@@ -290,8 +296,8 @@ mukca_status mukca_rows_next(mukca_rows *rows, mukca_row *row, bool *more, mukca
     }
     if (row->payload < 0 || row->payload > MUKCA_ROWS_MOST_PAYLOAD)
         return mukca_table_fail(error, t, c->payload, "%g is no mass in kg", row->payload);
-    scale(row->command, rows);
-    scale(row->velocity, rows);
+    scale(row->command, c->command, rows);
+    scale(row->velocity, c->velocity, rows);
     return read_pose(row, rows, 0, error);
 }
 

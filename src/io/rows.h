@@ -12,6 +12,7 @@
 typedef struct {
     double angle, length; /* rad and m per unit of the file; 0: 1 */
     bool units;           /* the user stated units: columns x, y, z are positions */
+    const char *columns;  /* --columns: names of columns, or the file of such; NULL: none */
     /* a table without header may have poses: the joints in the chain's order, then x y z, then
      * nothing or qw qx qy qz; or the 16 numbers of a matrix instead */
     bool by_order;
@@ -44,7 +45,8 @@ typedef struct {
     char target[MUKCA_NAME_SIZE]; /* L of columns x_m.L; "" for x_m */
     double length;                /* m per unit of the positions */
     mukca_turn form;              /* representation of `turn`: 4 columns of a quaternion, else 3 */
-    int position[3], turn[4], matrix[16]; /* complete or absent; row-major */
+    int position[3], turn[4];     /* complete or absent */
+    int matrix[16];               /* row-major; the last row may be absent */
 } mukca_measured_columns;
 
 /* Indices of the table's columns, -1 if absent. */

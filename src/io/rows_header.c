@@ -5,6 +5,7 @@
 #include "base/file.h"
 #include "base/note.h"
 #include "base/number.h"
+#include "base/prefix.h"
 #include "base/suggest.h"
 #include "base/text.h"
 #include "io/rows.h"
@@ -32,13 +33,15 @@ static mukca_status fail_header(const mukca_rows *rows, const char *joint, mukca
     }
     if (meant)
         return mukca_table_fail(
-            error, t, -1, "no column for joint '%s' of the chain; rename column '%.40s' to '%s'%s",
-            joint, meant, joint,
-            strstr(meant, "deg") ? " and give --units deg" : ", or check --urdf and --tip");
+            error, t, -1,
+            "no column for joint '%s' of the chain; rename column '%.40s' with --columns "
+            "'%.40s=%s'%s",
+            joint, meant, meant, joint,
+            strstr(meant, "deg") ? ", and give --units deg" : ", or check --urdf and --tip");
     return mukca_table_fail(
         error, t, -1,
-        "no column for joint '%s' of the chain (columns: %s%s); name the columns "
-        "as the URDF names the joints, or check --urdf and --tip",
+        "no column for joint '%s' (columns: %s%s); name them with --columns, or check --urdf "
+        "and --tip",
         joint, names, list.used + 1 == list.size ? "..." : "");
 }
 
@@ -46,7 +49,21 @@ static mukca_status fail_header(const mukca_rows *rows, const char *joint, mukca
 typedef struct {
     mukca_rows *rows;
     bool known[MUKCA_TABLE_COLUMNS];
+    mukca_prefix prefix; /* by which the columns' names differ from the joints' */
+    int numbered;        /* index in `numbered`, -1: joints by name; then the first one's number */
+    int first;
 } header;
+
+/* Names of the columns of numbered joints: position, command, velocity. */
+static const char *const numbered[][3] = {{"actual_q_", "target_q_", "actual_qd_"}, /* UR's RTDE */
+                                          {"q_", NULL, NULL},
+                                          {"q", NULL, NULL},
+                                          {"j", NULL, NULL},
+                                          {"J", NULL, NULL},
+                                          {"A", NULL, NULL},
+                                          {"joint", NULL, NULL},
+                                          {"joint_", NULL, NULL}};
+enum { NUMBERED = sizeof numbered / sizeof *numbered };
 
 /* Find column `prefix``suffix`; -1: absent. */
 static int find(header *h, const char *prefix, const char *suffix)
@@ -56,6 +73,58 @@ static int find(header *h, const char *prefix, const char *suffix)
     const int column = mukca_table_find(&h->rows->table, name);
     if (column >= 0) h->known[column] = true;
     return column;
+}
+
+/* Find the column of the joint's position, effort, command or velocity: `suffix` of names, or a row
+ * of `numbered`. */
+static int find_joint(header *h, int joint, const char *suffix)
+{
+    const char *const suffixes[] = {"", ".command", ".velocity"};
+    char name[MUKCA_PREFIX_NAME];
+    mukca_prefix_apply(name, &h->prefix, mukca_chain_joint_name(h->rows->chain, joint));
+    if (h->numbered < 0) return find(h, name, suffix);
+    for (int i = 0; i < 3; i++) {
+        if (strcmp(suffix, suffixes[i]) != 0 || !numbered[h->numbered][i]) continue;
+        snprintf(name, sizeof name, "%s%d", numbered[h->numbered][i], h->first + joint);
+        return find(h, name, "");
+    }
+    return -1;
+}
+
+/* Determine how the columns name the joints: as the chain, with another prefix, or by numbers. */
+static mukca_status find_names(header *h, mukca_error *error)
+{
+    const mukca_table *t = &h->rows->table;
+    const mukca_chain *chain = h->rows->chain;
+    const char *names[MUKCA_MAX_JOINTS];
+    const int n = chain->n_joints;
+    for (int j = 0; j < n; j++) names[j] = mukca_chain_joint_name(chain, j);
+    h->numbered = -1;
+    const int found =
+        mukca_prefix_find(&h->prefix, names, n, (const char *const *)t->header, t->n_columns);
+    if (found > 1)
+        return mukca_table_fail(error, t, -1,
+                                "the joints' columns have several prefixes, as for several arms; "
+                                "choose with --columns, as in '%s%s=%s,...'",
+                                h->prefix.add, names[0], names[0]);
+    if (found == 1 || n < 2) return MUKCA_OK;
+    for (int i = 0; i < 2 * NUMBERED; i++) {
+        char name[32];
+        int count = 0;
+        for (; count <= n; count++) {
+            snprintf(name, sizeof name, "%s%d", numbered[i / 2][0], i % 2 + count);
+            if (mukca_table_find(t, name) < 0) break;
+        }
+        if (count != n) continue;
+        h->numbered = i / 2;
+        h->first = i % 2;
+        mukca_note_format(h->rows->options.note, h->rows->options.context,
+                          "%s: columns %s%d to %s%d read as the joints %s to %s in this order",
+                          mukca_file_shown(t->path), numbered[i / 2][0], h->first,
+                          numbered[i / 2][0], h->first + n - 1, names[0], names[n - 1]);
+        return MUKCA_OK;
+    }
+    return MUKCA_OK;
 }
 
 /* Columns required together; `suffix` ends the name of each. */
@@ -98,27 +167,33 @@ static const struct {
     const char *names[16];
     int n;
     double length;
-} forms[] = {{{"x_m", "y_m", "z_m"}, 3, 0},
-             {{"x_mm", "y_mm", "z_mm"}, 3, 1e-3},
-             {{"x", "y", "z"}, 3, 0},
-             {{"X", "Y", "Z"}, 3, 0},
-             {{"m00", "m01", "m02", "m03", "m10", "m11", "m12", "m13", "m20", "m21", "m22", "m23",
-               "m30", "m31", "m32", "m33"},
-              16,
-              0}};
-enum { FORMS = sizeof forms / sizeof *forms, PLAIN = 2, CAPITAL = 3 };
+} forms[] = {
+    {{"x_m", "y_m", "z_m"}, 3, 0},
+    {{"x_mm", "y_mm", "z_mm"}, 3, 1e-3},
+    {{"x", "y", "z"}, 3, 0},
+    {{"X", "Y", "Z"}, 3, 0},
+    {{"actual_TCP_pose_0", "actual_TCP_pose_1", "actual_TCP_pose_2"}, 3, 1},
+    {{"m00", "m01", "m02", "m03", "m10", "m11", "m12", "m13", "m20", "m21", "m22", "m23"}, 12, 0}};
+static const char *const last_row[] = {"m30", "m31", "m32", "m33"};
+enum { FORMS = sizeof forms / sizeof *forms, PLAIN = 2, CAPITAL = 3, RTDE = 4 };
 
 /* Columns of an orientation, in the order of mukca_turn. */
 static const group turns[] = {{4, (const char *const[]){"qw", "qx", "qy", "qz"}, NULL},
                               {3, (const char *const[]){"rx", "ry", "rz"}, NULL},
                               {3, (const char *const[]){"roll", "pitch", "yaw"}, NULL},
                               {3, (const char *const[]){"A", "B", "C"}, NULL}};
+static const char *const rtde_turn[] = {"actual_TCP_pose_3", "actual_TCP_pose_4",
+                                        "actual_TCP_pose_5"};
 
 /* Find the first representation of an orientation in the header; A B C only next to KUKA's X Y
  * Z. */
 static mukca_status find_turn(mukca_measured_columns *m, header *h, int form, const char *suffix,
                               mukca_error *error)
 {
+    if (form == RTDE) {
+        m->form = MUKCA_ROTATION_VECTOR;
+        return find_group(m->turn, &(group){3, rtde_turn, suffix}, h, error);
+    }
     for (int k = 0; k < (form == CAPITAL ? 4 : 3) && m->turn[0] < 0; k++) {
         const group g = {turns[k].n, turns[k].names, suffix};
         m->form = (mukca_turn)k;
@@ -145,11 +220,12 @@ static mukca_status find_measured(header *h, int column, int form, mukca_error *
     memset(m, -1, sizeof *m);
     snprintf(m->target, sizeof m->target, "%s", *suffix ? suffix + 1 : "");
     m->length = forms[form].length > 0 ? forms[form].length : rows->options.format.length;
-    const bool matrix = forms[form].n == 16;
+    const bool matrix = forms[form].n == 12;
     mukca_status status = find_group(matrix ? m->matrix : m->position,
                                      &(group){forms[form].n, forms[form].names, suffix}, h, error);
-    if (status == MUKCA_OK && !matrix) status = find_turn(m, h, form, suffix, error);
-    return status;
+    if (status != MUKCA_OK) return status;
+    return matrix ? find_group(m->matrix + 12, &(group){4, last_row, suffix}, h, error)
+                  : find_turn(m, h, form, suffix, error);
 }
 
 static mukca_status map_header(mukca_rows *rows, mukca_error *error)
@@ -157,27 +233,31 @@ static mukca_status map_header(mukca_rows *rows, mukca_error *error)
     const mukca_rows_format *format = &rows->options.format;
     mukca_row_columns *c = &rows->column;
     header h = {.rows = rows};
+    mukca_status status = find_names(&h, error);
+    if (status != MUKCA_OK) return status;
     c->placement = find(&h, "placement", "");
     c->socket = find(&h, "socket", "");
     c->target = find(&h, "target", "");
-    c->time = find(&h, "time_s", "");
+    c->time = find(&h, h.numbered == 0 ? "timestamp" : "time_s", "");
     c->temperature = find(&h, "temperature_c", "");
     c->payload = find(&h, "payload_kg", "");
     for (int j = 0; j < rows->chain->n_joints; j++) {
         const char *name = mukca_chain_joint_name(rows->chain, j);
-        c->joint[j] = find(&h, name, "");
-        c->effort[j] = find(&h, name, ".effort");
-        c->command[j] = find(&h, name, ".command");
+        c->joint[j] = find_joint(&h, j, "");
+        c->effort[j] = find_joint(&h, j, ".effort");
+        c->command[j] = find_joint(&h, j, ".command");
         if (j == 0) rows->by_command = c->joint[0] < 0 && c->command[0] >= 0;
         if (rows->by_command) c->joint[j] = c->command[j];
         if (c->joint[j] < 0) return fail_header(rows, name, error);
-        c->velocity[j] = find(&h, name, ".velocity");
+        c->velocity[j] = find_joint(&h, j, ".velocity");
         rows->has_command |= c->command[j] >= 0;
     }
     for (int form = 0; form < FORMS; form++)
         for (int column = 0; column < rows->table.n_columns; column++) {
-            if ((form == PLAIN || form == CAPITAL) && !format->units) continue; /* unit unknown */
-            const mukca_status status = find_measured(&h, column, form, error);
+            if ((form == PLAIN || form == CAPITAL) && !format->units &&
+                !mukca_table_has_unit(&rows->table, column))
+                continue; /* unit unknown */
+            status = find_measured(&h, column, form, error);
             if (status != MUKCA_OK) return status;
         }
     if (c->socket >= 0 && c->n_measured > 1)
@@ -210,7 +290,7 @@ static mukca_status map_order(mukca_rows *rows, mukca_error *error)
     const mukca_rows_options *o = &rows->options;
     mukca_row_columns *c = &rows->column;
     const int n = rows->chain->n_joints, more = t->n_columns - n;
-    const bool poses = more == 3 || more == 7 || more == 16;
+    const bool poses = more == 3 || more == 7 || more == 12 || more == 16;
     for (int j = 0; j < n; j++) c->joint[j] = j;
     if (o->kind == MUKCA_HEADER && poses && !o->format.by_order)
         return mukca_table_fail(
@@ -218,14 +298,15 @@ static mukca_status map_order(mukca_rows *rows, mukca_error *error)
             "has no header; %d columns may be %d joints and %s: name them in the first line, or "
             "confirm that order with --map order%s",
             t->n_columns, n,
-            more == 3   ? "x y z"
-            : more == 7 ? "x y z qw qx qy qz"
-                        : "a 4x4 matrix row by row",
+            more == 3    ? "x y z"
+            : more == 7  ? "x y z qw qx qy qz"
+            : more == 12 ? "a 3x4 matrix row by row"
+                         : "a 4x4 matrix row by row",
             more == 7 ? ", or --map order-w-last for qx qy qz qw" : "");
     if (o->format.by_order && !poses)
         return mukca_table_fail(error, t, -1,
                                 "%d columns; --map order reads %d joints and then 3 (x y z), 7 "
-                                "(with a quaternion) or 16 numbers (a 4x4 matrix)",
+                                "(with a quaternion), 12 or 16 numbers (a 3x4 or 4x4 matrix)",
                                 t->n_columns, n);
     if (o->kind == MUKCA_HEADER && !poses)
         return mukca_table_fail(error, t, -1,
@@ -243,7 +324,7 @@ static mukca_status map_order(mukca_rows *rows, mukca_error *error)
     const int turn = o->format.w_last ? 2 : 3;
     m->form = MUKCA_QUATERNION;
     for (int i = 0; i < more; i++)
-        *(more == 16 ? &m->matrix[i] : i < 3 ? &m->position[i] : &m->turn[(i - turn) % 4]) = n + i;
+        *(more >= 12 ? &m->matrix[i] : i < 3 ? &m->position[i] : &m->turn[(i - turn) % 4]) = n + i;
     if (more == 7)
         mukca_note_format(o->note, o->context, "%s: read as %d joints, x y z, %s",
                           mukca_file_shown(t->path), n,

@@ -110,13 +110,15 @@ mukca_status mukca_session_add(mukca_session *session, const mukca_session_row *
     return status;
 }
 
-mukca_status mukca_session_undo(mukca_session *session, const char *placement, const char *socket,
-                                mukca_error *error)
+mukca_status mukca_session_delete(mukca_session *session, int row, const char *placement,
+                                  const char *socket, mukca_error *error)
 {
-    if (!session->n_rows)
+    if (row == 0) row = session->n_rows;
+    if (row < 1 || row > session->n_rows)
         return mukca_fail(error, MUKCA_INPUT, "%s: no row to delete", session->path);
     int fd = session->fd - 1;
-    const int64_t at = session->row_at[session->n_rows - 1];
+    int64_t *place = session->row_at + row - 1;
+    const int64_t at = *place;
     if (pwrite(fd, "#", 1, at) != 1 || fsync(fd)) {
         mukca_status status = fail_write(session, "not deleted", error);
         (void)!pwrite(fd, placement, 1, at); /* the first byte of the row */
@@ -126,7 +128,8 @@ mukca_status mukca_session_undo(mukca_session *session, const char *placement, c
     mukca_text line = MUKCA_TEXT(buffer);
     mukca_text_put(&line,
                    "# undone: row %d, placement %s, socket %s (the line that now begins with #)\n",
-                   session->n_rows, placement, socket);
+                   row, placement, socket);
+    memmove(place, place + 1, (size_t)(session->n_rows - row) * sizeof *place);
     session->n_rows--;
     (void)commit(session, line.at, line.used, NULL); /* undone without this, too */
     return MUKCA_OK;

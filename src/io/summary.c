@@ -20,38 +20,27 @@ enum { WIDTH = 3, ZERO = 32768, TEXT = WIDTH * MUKCA_FLEET_ORDERS };
 
 static void encode(char text[TEXT + 1], const int16_t *ripple)
 {
-    for (int o = 0; o < MUKCA_FLEET_ORDERS; o++) {
-        const int value = ripple[o] + ZERO;
-        text[WIDTH * o] = digits[value >> 12 & 63];
-        text[WIDTH * o + 1] = digits[value >> 6 & 63];
-        text[WIDTH * o + 2] = digits[value & 63];
-    }
+    for (int o = 0; o < MUKCA_FLEET_ORDERS; o++)
+        for (int k = 0; k < WIDTH; k++)
+            text[WIDTH * o + k] = digits[(ripple[o] + ZERO) >> (12 - 6 * k) & 63];
     text[TEXT] = '\0';
-}
-
-static int value_of(char c)
-{
-    return c >= 'A' && c <= 'Z'   ? c - 'A'
-           : c >= 'a' && c <= 'z' ? c - 'a' + 26
-           : c >= '0' && c <= '9' ? c - '0' + 52
-           : c == '+'             ? 62
-           : c == '/'             ? 63
-                                  : -1;
 }
 
 static bool decode(int16_t *ripple, const char *text)
 {
-    if (strlen(text) != TEXT) return false;
-    for (int o = 0; o < MUKCA_FLEET_ORDERS; o++, text += WIDTH) {
-        const int high = value_of(text[0]), middle = value_of(text[1]), low = value_of(text[2]);
-        const int value = (high * 4096 + middle * 64 + low) - ZERO;
-        if (high < 0 || middle < 0 || low < 0 || abs(value) > INT16_MAX) return false;
-        ripple[o] = (int16_t)value;
+    if (!text || strlen(text) != TEXT) return false;
+    for (int o = 0; o < MUKCA_FLEET_ORDERS; o++) {
+        int value = 0;
+        for (int k = 0; k < WIDTH; k++, text++) {
+            const char *digit = strchr(digits, *text);
+            if (!digit) return false;
+            value = 64 * value + (int)(digit - digits);
+        }
+        if (abs(value - ZERO) > INT16_MAX) return false;
+        ripple[o] = (int16_t)(value - ZERO);
     }
     return true;
 }
-
-/* ---- writing ---- */
 
 static json_t *text_of(const char *text)
 {
@@ -99,20 +88,6 @@ mukca_status mukca_summary_write(FILE *stream, const mukca_summary *s, mukca_err
 
 /* ---- reading ---- */
 
-/* Position in a file, for error messages. */
-typedef struct {
-    const char *path;
-    int line;
-    mukca_error *error;
-} place;
-
-static mukca_status fail(const place *at, const char *what)
-{
-    return mukca_fail(at->error, MUKCA_INPUT,
-                      "%s:%d: %s; write the summary again (diagnose --summary)", at->path, at->line,
-                      what);
-}
-
 static bool read_name(char name[MUKCA_NAME_SIZE], const json_t *value)
 {
     const char *text = json_string_value(value);
@@ -142,123 +117,107 @@ static bool read_numbers(double *x, const json_t *array, int n)
     return true;
 }
 
-static mukca_status read_model(mukca_fleet_model *m, const json_t *root, const place *at)
+/* Read what a line holds; returns the key that is missing or damaged, NULL: none. */
+static const char *read_keys(mukca_summary *s, const json_t *root)
 {
-    const json_t *joints = json_object_get(root, "joints");
-    const size_t n = json_array_size(joints);
-    if (n < 1 || n > MUKCA_MAX_JOINTS) return fail(at, "`joints` is missing or has no usable size");
-    m->n_joints = (int)n;
-    for (size_t j = 0; j < n; j++)
-        if (!read_name(m->joint[j], json_array_get(joints, j)))
-            return fail(at, "`joints` contains something other than names");
-    if (!read_name(m->robot, json_object_get(root, "robot")) ||
-        !read_name(m->base, json_object_get(root, "base")) ||
-        !read_name(m->tip, json_object_get(root, "tip")))
-        return fail(at, "`robot`, `base` or `tip` is missing");
-    if (!read_hash(&m->geometry, json_object_get(root, "geometry")) ||
-        !read_hash(&m->masses, json_object_get(root, "masses")))
-        return fail(at, "`geometry` or `masses` is no hash of 16 hexadecimal digits");
-    return MUKCA_OK;
-}
-
-static mukca_status read_summary(mukca_summary *s, const json_t *root, const place *at)
-{
-    const char *schema = json_string_value(json_object_get(root, "schema"));
-    memset(s, 0, sizeof *s);
-    if (!schema || strncmp(schema, "mukca.summary/", 14) != 0)
-        return mukca_fail(at->error, MUKCA_INPUT,
-                          "%s:%d: not a summary; use the files of diagnose --summary", at->path,
-                          at->line);
-    if (strcmp(schema, SCHEMA) != 0) return fail(at, "of another version than " SCHEMA);
-    mukca_status status = read_model(&s->model, root, at);
-    if (status != MUKCA_OK) return status;
-    const int n = s->model.n_joints, terms = mukca_fleet_terms(n);
-    const json_t *samples = json_object_get(root, "samples"),
+    mukca_fleet_model *m = &s->model;
+    const json_t *joints = json_object_get(root, "joints"),
+                 *samples = json_object_get(root, "samples"),
                  *ripple = json_object_get(root, "ripple");
-    if (!read_name(s->arm, json_object_get(root, "arm")) || !*s->arm)
-        return fail(at, "`arm` is missing or longer than 63 bytes");
-    if (!read_hash(&s->data, json_object_get(root, "recording")))
-        return fail(at, "`recording` is no hash of 16 hexadecimal digits");
+    const size_t n = json_array_size(joints);
+    if (n < 1 || n > MUKCA_MAX_JOINTS) return "joints";
+    m->n_joints = (int)n;
+    for (size_t j = 0; j < n; j++) {
+        if (!read_name(m->joint[j], json_array_get(joints, j))) return "joints";
+        if (json_array_size(ripple) != n ||
+            !decode(s->ripple[j], json_string_value(json_array_get(ripple, j))))
+            return "ripple";
+    }
+    const struct {
+        const char *key;
+        char *name;
+        uint64_t *hash;
+    } texts[] = {{"robot", m->robot, NULL},
+                 {"base", m->base, NULL},
+                 {"tip", m->tip, NULL},
+                 {"arm", s->arm, NULL},
+                 {"geometry", NULL, &m->geometry},
+                 {"masses", NULL, &m->masses},
+                 {"recording", NULL, &s->data}};
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        const json_t *value = json_object_get(root, texts[i].key);
+        if (!(texts[i].name ? read_name(texts[i].name, value) : read_hash(texts[i].hash, value)))
+            return texts[i].key;
+    }
+    if (!*s->arm) return "arm";
     if (!json_is_integer(samples) || json_integer_value(samples) < 1 ||
         json_integer_value(samples) > INT32_MAX)
-        return fail(at, "`samples` is no count");
+        return "samples";
     s->samples = (int)json_integer_value(samples);
     s->sigma_m = json_number_value(json_object_get(root, "sigma_m"));
-    if (!(s->sigma_m > 0)) return fail(at, "`sigma_m` is not above 0");
-    if (!read_numbers(s->information, json_object_get(root, "information"),
-                      mukca_fleet_packed(terms)))
-        return fail(at,
-                    "`information` does not match the number of joints, or contains "
-                    "something other than finite numbers");
-    if (!read_numbers(s->vector, json_object_get(root, "vector"), terms))
-        return fail(at,
-                    "`vector` does not match the number of joints, or contains something "
-                    "other than finite numbers");
-    for (int j = 0; j < n; j++) {
-        const char *text = json_string_value(json_array_get(ripple, (size_t)j));
-        if (!text || json_array_size(ripple) != (size_t)n || !decode(s->ripple[j], text))
-            return fail(at, "`ripple` is damaged");
-    }
-    return MUKCA_OK;
+    if (!(s->sigma_m > 0)) return "sigma_m";
+    const int terms = mukca_fleet_terms(m->n_joints), packed = mukca_fleet_packed(terms);
+    if (!read_numbers(s->information, json_object_get(root, "information"), packed))
+        return "information";
+    return read_numbers(s->vector, json_object_get(root, "vector"), terms) ? NULL : "vector";
 }
 
-/* Refuse a line that is not JSON.  A traits table has means without their information matrices and
- * cannot be pooled again. */
-static mukca_status refuse_line(const char *line, size_t length, const place *at)
+/* Reason why a line is no summary, in `text`; NULL: it is one.  A traits table has means without
+ * their information matrices and cannot be pooled again. */
+static const char *read_line(mukca_summary *s, char text[128], const char *line, size_t length)
 {
-    if (strncmp(line, "# mukca ", 8) == 0 && strstr(line, " traits table"))
-        return mukca_fail(
-            at->error, MUKCA_INPUT,
-            "%s:%d: a traits table, which cannot be pooled again; give the summaries "
-            "it was made from, or the file in which mukca fleet --partial joined them",
-            at->path, at->line);
-    return mukca_fail(at->error, MUKCA_INPUT, "%s:%d: %s; write the summary again", at->path,
-                      at->line, line[length - 1] == '\n' ? "no JSON" : "the file is cut off");
+    json_error_t wrong;
+    json_t *root = json_loadb(line, length, JSON_REJECT_DUPLICATES, &wrong);
+    const char *schema = json_string_value(json_object_get(root, "schema")), *reason = text;
+    if (!root && strncmp(line, "# mukca ", 8) == 0 && strstr(line, " traits table")) {
+        reason =
+            "a traits table, which cannot be pooled again; give the summaries it was made from, "
+            "or the file in which mukca fleet --partial joined them";
+    } else if (!root) {
+        reason = line[length - 1] == '\n' ? "no JSON; write the summary again"
+                                          : "the file is cut off; write the summary again";
+    } else if (!schema || strncmp(schema, "mukca.summary/", 14) != 0) {
+        reason = "not a summary; use the files of diagnose --summary";
+    } else if (strcmp(schema, SCHEMA) != 0) {
+        reason = "of another version than " SCHEMA "; write the summary again (diagnose --summary)";
+    } else {
+        const char *key = read_keys(s, root);
+        snprintf(text, 128,
+                 "`%s` is missing or damaged; write the summary again (diagnose --summary)",
+                 key ? key : "");
+        if (!key) reason = NULL;
+    }
+    json_decref(root);
+    return reason;
 }
 
-mukca_status mukca_summary_read_stream(FILE *stream, const char *path, mukca_summary_fn *take,
-                                       void *context, mukca_error *error)
+mukca_status mukca_summary_read(mukca_fleet *fleet, const char *path, mukca_error *error)
 {
     mukca_status status = MUKCA_OK;
-    mukca_summary *s = malloc(sizeof *s);
-    char *line = NULL;
+    mukca_summary *s = calloc(1, sizeof *s);
+    FILE *stream = fopen(path, "re");
+    char *line = NULL, text[128];
     size_t size = 0;
-    place at = {.path = path, .error = error};
-    if (!s) return mukca_fail(error, MUKCA_MEMORY, "out of memory for %s", path);
-    while (status == MUKCA_OK) {
-        json_error_t wrong;
+    ssize_t length = 0;
+    int number = 1;
+    if (!stream)
+        status = mukca_fail(error, MUKCA_INPUT, "%s: cannot read: %s", path, strerror(errno));
+    for (; s && stream && status == MUKCA_OK; number++) {
         errno = 0;
-        const ssize_t length = getline(&line, &size, stream);
-        if (length < 0) {
-            if (errno == ENOMEM)
-                status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %s", path);
-            else if (ferror(stream))
-                status = mukca_fail(error, MUKCA_INPUT, "%s: %s", path, strerror(errno));
-            else if (at.line == 0)
-                status = mukca_fail(error, MUKCA_INPUT, "%s: the file is empty", path);
-            break;
-        }
-        at.line++;
-        json_t *root = json_loadb(line, (size_t)length, JSON_REJECT_DUPLICATES, &wrong);
-        if (root)
-            status = read_summary(s, root, &at);
-        else
-            status = refuse_line(line, (size_t)length, &at);
-        json_decref(root);
-        if (status == MUKCA_OK) status = take(context, s, error);
+        if ((length = getline(&line, &size, stream)) < 0) break;
+        const char *reason = read_line(s, text, line, (size_t)length);
+        s->path = path;
+        status = reason ? mukca_fail(error, MUKCA_INPUT, "%s:%d: %s", path, number, reason)
+                        : mukca_fleet_take(fleet, s, error);
     }
+    if (!s || (length < 0 && errno == ENOMEM))
+        status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %s", path);
+    else if (length < 0 && ferror(stream))
+        status = mukca_fail(error, MUKCA_INPUT, "%s: %s", path, strerror(errno));
+    else if (length < 0 && number == 1)
+        status = mukca_fail(error, MUKCA_INPUT, "%s: the file is empty", path);
+    if (stream) fclose(stream);
     free(line);
     free(s);
-    return status;
-}
-
-mukca_status mukca_summary_read(const char *path, mukca_summary_fn *take, void *context,
-                                mukca_error *error)
-{
-    FILE *stream = fopen(path, "re");
-    if (!stream)
-        return mukca_fail(error, MUKCA_INPUT, "%s: cannot read: %s", path, strerror(errno));
-    const mukca_status status = mukca_summary_read_stream(stream, path, take, context, error);
-    fclose(stream);
     return status;
 }

@@ -5,22 +5,13 @@
 
 #include <stdio.h>
 
-#include "fleet/summary.h"
+#include "fleet/fleet.h"
 
 /* Write one line.  Errors: MUKCA_MEMORY. */
 mukca_status mukca_summary_write(FILE *stream, const mukca_summary *summary, mukca_error *error);
 
-/* Callback for one summary. */
-typedef mukca_status mukca_summary_fn(void *context, const mukca_summary *summary,
-                                      mukca_error *error);
-
-/* Read all summaries of `path`.  Errors: MUKCA_INPUT (file and line), MUKCA_MEMORY, and those of
- * `take`. */
-mukca_status mukca_summary_read(const char *path, mukca_summary_fn *take, void *context,
-                                mukca_error *error);
-
-/* The same from an open stream; `path` is for messages. */
-mukca_status mukca_summary_read_stream(FILE *stream, const char *path, mukca_summary_fn *take,
-                                       void *context, mukca_error *error);
+/* Add all summaries of the file `path`, which must outlive the fleet.  Errors: MUKCA_INPUT (file
+ * and line), MUKCA_MEMORY, and those of mukca_fleet_take. */
+mukca_status mukca_summary_read(mukca_fleet *fleet, const char *path, mukca_error *error);
 
 #endif

@@ -11,13 +11,15 @@
 #include "base/note.h"
 #include "base/number.h"
 #include "base/text.h"
+#include "base/unit.h"
+#include "io/numpy.h"
 
 enum { LONGEST_LINE = 1 << 20 }; /* bytes; a longer line is of another kind of file */
 
 mukca_status mukca_table_fail(mukca_error *error, const mukca_table *table, int column,
                               const char *format, ...)
 {
-    char text[200], where[80] = "";
+    char text[256], where[80] = "";
     va_list args;
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
@@ -104,10 +106,11 @@ static mukca_status set_shape(mukca_table *t, mukca_error *error)
     const char *line = t->buffer;
     t->delimiter = has_semicolons(line) ? ';' : mukca_cells_delimiter(line);
     t->n_columns = mukca_cells_count(line, t->delimiter);
+    if (t->delimiter == ',' && t->n_columns == 1) {
+        t->delimiter = ' ';
+        t->n_columns = mukca_cells_count(line, ' ');
+    }
     if (*line == '<') return mukca_table_fail(error, t, -1, "is XML or HTML; expected a table");
-    if (t->n_columns == 1 && line[strcspn(line, " ")])
-        return mukca_table_fail(error, t, -1,
-                                "columns are separated by spaces; use tabs or commas");
     if (t->n_columns > MUKCA_TABLE_COLUMNS)
         return mukca_table_fail(error, t, -1, "%d columns; at most %d are read", t->n_columns,
                                 (int)MUKCA_TABLE_COLUMNS);
@@ -127,12 +130,14 @@ static mukca_status read_header(mukca_table *t, mukca_table_kind kind, mukca_err
     if (status != MUKCA_OK) return status;
     t->header = calloc((size_t)t->n_columns, sizeof *t->header);
     t->header_buffer = strdup(t->buffer);
-    if (!t->header || !t->header_buffer) return out_of_memory(error);
+    t->unit = calloc((size_t)t->n_columns, sizeof *t->unit);
+    if (!t->header || !t->header_buffer || !t->unit) return out_of_memory(error);
     mukca_cells_split(t->header, t->n_columns, t->header_buffer, t->delimiter);
     int numbers = 0;
     for (int i = 0; i < t->n_columns; i++) {
         double value;
         numbers += parse_number(&value, t, t->header[i]);
+        t->unit[i] = mukca_unit_take(t->header[i]);
     }
     for (int i = 0; i < t->n_columns && numbers < t->n_columns; i++)
         for (int k = 0; k < i && t->header[i][0]; k++)
@@ -161,6 +166,8 @@ mukca_status mukca_table_open(mukca_table *t, const char *path, mukca_table_kind
     if (!t->stream) return mukca_file_fail(error, path);
     t->buffer = malloc(LONGEST_LINE);
     mukca_status status = t->buffer ? MUKCA_OK : out_of_memory(error);
+    if (status == MUKCA_OK && mukca_numpy_is_array(t->stream))
+        status = mukca_numpy_read(&t->stream, t->path, error);
     if (status == MUKCA_OK && kind != MUKCA_NO_HEADER) status = read_header(t, kind, error);
     if (status != MUKCA_OK) mukca_table_close(t);
     return status;
@@ -189,11 +196,14 @@ void mukca_table_close(mukca_table *t)
     if (t->stream && t->stream != stdin) fclose(t->stream);
     free(t->header);
     free(t->header_buffer);
+    free(t->unit);
+    free(t->names);
     free(t->cell);
     free(t->buffer);
     t->stream = NULL;
     t->header = t->cell = NULL;
-    t->header_buffer = t->buffer = NULL;
+    t->header_buffer = t->buffer = t->names = NULL;
+    t->unit = NULL;
 }
 
 int mukca_table_find(const mukca_table *t, const char *name)
@@ -211,11 +221,19 @@ mukca_status mukca_table_require(int *column, const mukca_table *t, const char *
     return mukca_table_fail(error, t, -1, "no column '%s' in the header", name);
 }
 
+bool mukca_table_has_unit(const mukca_table *t, int column)
+{
+    return t->unit && t->unit[column] > 0;
+}
+
 mukca_status mukca_table_number(double *value, const mukca_table *t, int column, mukca_error *error)
 {
     char fault[MUKCA_CELL_FAULT];
-    if (parse_number(value, t, t->cell[column]) || mukca_cell_number(value, t->cell[column], fault))
+    if (parse_number(value, t, t->cell[column]) ||
+        mukca_cell_number(value, t->cell[column], fault)) {
+        if (mukca_table_has_unit(t, column)) *value *= t->unit[column];
         return MUKCA_OK;
+    }
     return mukca_table_fail(error, t, column, "%s%s", fault,
                             t->header || t->row > 1 ? "" : "; this file has no header line");
 }

@@ -1,6 +1,8 @@
 /* Text tables: TSV or CSV, `#` comments, with or without a header; read row by row.
  *
- * Semicolons may separate the cells; numbers may then have decimal commas.  Cells are trimmed and
+ * Semicolons may separate the cells; numbers may then have decimal commas.  Blanks separate them if
+ * nothing else does.  Units in the header, as in `q1 [deg]`, are applied.  An array of numpy is a
+ * table without header.  Cells are trimmed and
  * surrounding double quotes removed; blank lines and a byte-order mark are skipped; lines may end
  * in CR LF.  All errors are MUKCA_INPUT and state file, line and column. */
 #ifndef MUKCA_IO_TABLE_H
@@ -34,7 +36,9 @@ typedef struct {
     bool pending;  /* the first row was read by mukca_table_open */
     char **header; /* [n_columns], or NULL */
     char **cell;   /* [n_columns] of the current row */
+    double *unit;  /* [n_columns], SI per unit in the header, 0: none stated; or NULL */
     char *buffer, *header_buffer;
+    char *names;         /* of --columns */
     char comments[4096]; /* `#` lines before the header, as many as fit */
 } mukca_table;
 
@@ -56,7 +60,10 @@ int mukca_table_find(const mukca_table *table, const char *name);
 mukca_status mukca_table_require(int *column, const mukca_table *table, const char *name,
                                  mukca_error *error);
 
-/* Parse a cell as a finite number. */
+/* Whether the header states the column's unit: its numbers are then in SI units. */
+bool mukca_table_has_unit(const mukca_table *table, int column);
+
+/* Parse a cell as a finite number, in SI units if the header states its unit. */
 mukca_status mukca_table_number(double *value, const mukca_table *table, int column,
                                 mukca_error *error);
 

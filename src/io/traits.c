@@ -3,19 +3,34 @@
 
 #include <inttypes.h>
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "io/table.h"
 #include "mukca/version.h"
 
-static void put(FILE *stream, double value)
-{
-    if (isfinite(value))
-        fprintf(stream, "\t%.9g", value);
-    else
-        fputc('\t', stream);
-}
+/* Columns of the table, in order: those of the effect, then numbers at an offset in mukca_trait
+ * (ARMS: a count).  Rows of orders leave cells without value empty. */
+enum { EFFECT, JOINT, TERM, UNIT, MEAN, SPREAD, ARMS, EVIDENCE, PROBABILITY, ERROR, COLUMNS = 13 };
+static const struct {
+    const char *name;
+    size_t offset;
+} columns[COLUMNS] = {
+    {"effect", 0},
+    {"joint", 0},
+    {"term", 0},
+    {"unit", 0},
+    {"mean", offsetof(mukca_trait, mean)},
+    {"spread", offsetof(mukca_trait, spread)},
+    {"arms", 0},
+    {"log_bayes_factor", offsetof(mukca_trait, log_bayes_factor)},
+    {"probability", offsetof(mukca_trait, probability)},
+    {"error", offsetof(mukca_trait, error)},
+    {"value", offsetof(mukca_trait, value)},
+    {"low", offsetof(mukca_trait, low)},
+    {"high", offsetof(mukca_trait, high)},
+};
 
 void mukca_traits_write(FILE *stream, const mukca_traits *t)
 {
@@ -32,63 +47,48 @@ void mukca_traits_write(FILE *stream, const mukca_traits *t)
         "arms: the prior of one more arm\n# probability: that the arms share it; value, low, high: "
         "its mean if so, with its 95 % interval, coefficients that are not shared being 0\n",
         stream);
-    fputs(
-        "effect\tjoint\tterm\tunit\tmean\tspread\tarms\tlog_bayes_factor\tprobability\terror\t"
-        "value\tlow\thigh\n",
-        stream);
+    for (int c = 0; c < COLUMNS; c++) fprintf(stream, "%s%s", c ? "\t" : "", columns[c].name);
     for (int i = 0; i < t->n; i++) {
         const mukca_trait *r = &t->list[i];
         char term[MUKCA_EFFECT_TEXT];
         mukca_effect_variant_text(term, &r->effect);
         const bool order = r->effect.kind == MUKCA_EFFECT_GEAR_HARMONIC;
-        fprintf(stream, "%s\t%s\t%s%s\t%s", mukca_effect_table[r->effect.kind]->name,
+        fprintf(stream, "\n%s\t%s\t%s%s\t%s", mukca_effect_table[r->effect.kind]->name,
                 r->effect.joint < 0 ? "" : m->joint[r->effect.joint], order ? "order=" : "", term,
                 mukca_effect_table[r->effect.kind]->unit);
-        put(stream, r->mean);
-        put(stream, r->spread);
-        fprintf(stream, "\t%d", r->arms);
-        put(stream, r->log_bayes_factor);
-        put(stream, r->probability);
-        put(stream, r->error);
-        put(stream, r->value);
-        put(stream, r->low);
-        put(stream, r->high);
-        fputc('\n', stream);
+        for (int c = MEAN; c < COLUMNS; c++) {
+            double value = r->arms;
+            if (c != ARMS) memcpy(&value, (const char *)r + columns[c].offset, sizeof value);
+            fprintf(stream, isfinite(value) ? "\t%.9g" : "\t", value);
+        }
     }
+    fputc('\n', stream);
 }
 
-/* Value of a `# key: value` line before the header; NULL: none. */
-static const char *head(char value[MUKCA_NAME_SIZE], const mukca_table *table, const char *key)
+/* The text behind a `# key: ` before the header; NULL: none. */
+static const char *head(const mukca_table *table, const char *key)
 {
     const size_t length = strlen(key);
     for (const char *line = table->comments; *line;
          line += strcspn(line, "\n"), line += *line != 0) {
         const char *at = line + strspn(line, "# ");
-        if (strncmp(at, key, length) != 0 || at[length] != ':') continue;
-        at += length + 1 + (at[length + 1] == ' ');
-        const size_t n = strcspn(at, "\r\n");
-        if (n >= MUKCA_NAME_SIZE) return NULL;
-        memcpy(value, at, n);
-        value[n] = '\0';
-        return value;
+        if (strncmp(at, key, length) == 0 && at[length] == ':') return at + length + 1;
     }
     return NULL;
 }
 
 static bool hash(uint64_t *value, const mukca_table *table, const char *key)
 {
-    char text[MUKCA_NAME_SIZE];
-    if (!head(text, table, key) || strlen(text) != 16) return false;
-    char *end;
-    *value = strtoull(text, &end, 16);
-    return !*end;
+    const char *text = head(table, key);
+    char *end = NULL;
+    *value = text ? strtoull(text, &end, 16) : 0;
+    return text && end == text + 17;
 }
 
 /* Check that the chain has the fleet's nominal geometry; joint names come from the chain. */
 static mukca_status check_model(mukca_traits *t, const mukca_table *table, const mukca_chain *chain,
                                 mukca_error *error)
 {
-    char text[MUKCA_NAME_SIZE];
     mukca_fleet_model own;
     mukca_fleet_model_of(&own, chain);
     t->model = own;
@@ -97,22 +97,14 @@ static mukca_status check_model(mukca_traits *t, const mukca_table *table, const
                           "%s: no traits table: `# geometry:` or `# masses:` is missing; make it "
                           "with mukca fleet",
                           table->path);
-    const char *differs = mukca_fleet_model_differs(&own, &t->model);
+    const char *differs = mukca_fleet_model_differs(&own, &t->model), *arms = head(table, "arms");
     if (differs)
         return mukca_fail(error, MUKCA_INPUT,
                           "%s: traits of another model: %s; give those of this arm's model",
                           table->path, differs);
-    t->n_arms = head(text, table, "arms") ? atoi(text) : 0;
-    t->n_sessions = head(text, table, "sessions") ? atoi(text) : 0;
-    t->n_samples = head(text, table, "samples") ? atoi(text) : 0;
+    t->n_arms = arms ? atoi(arms) : 0;
     return MUKCA_OK;
 }
-
-/* Columns of the table. */
-enum { EFFECT, JOINT, TERM, MEAN, SPREAD, ARMS, EVIDENCE, PROBABILITY, ERROR, COLUMNS };
-static const char *const columns[COLUMNS] = {
-    "effect",           "joint",       "term", "mean", "spread", "arms",
-    "log_bayes_factor", "probability", "error"};
 
 static mukca_status read_effect(mukca_effect *e, const mukca_table *table, const int *column,
                                 const mukca_chain *chain, mukca_error *error)
@@ -145,16 +137,18 @@ static mukca_status read_row(mukca_traits *t, const mukca_table *table, const in
                              const mukca_chain *chain, mukca_error *error)
 {
     mukca_trait r = {.spread = NAN, .error = NAN, .value = NAN, .low = NAN, .high = NAN};
-    double arms = 0, *const number[] = {&r.mean,        &r.spread, &arms, &r.log_bayes_factor,
-                                        &r.probability, &r.error};
     mukca_status status = read_effect(&r.effect, table, column, chain, error);
     const bool order = r.effect.kind == MUKCA_EFFECT_GEAR_HARMONIC;
-    for (int i = MEAN; i < COLUMNS && status == MUKCA_OK; i++) {
-        if (order && (i == SPREAD || i == ERROR)) continue;
-        status = mukca_table_number(number[i - MEAN], table, column[i], error);
+    for (int c = MEAN; c <= ERROR && status == MUKCA_OK; c++) {
+        double value = 0;
+        if (order && (c == SPREAD || c == ERROR)) continue;
+        status = mukca_table_number(&value, table, column[c], error);
+        if (c == ARMS)
+            r.arms = (int)fmin(fmax(value, 0), 1e9);
+        else
+            memcpy((char *)&r + columns[c].offset, &value, sizeof value);
     }
     if (status != MUKCA_OK) return status;
-    r.arms = (int)fmin(fmax(arms, 0), 1e9);
     if (!order && !(r.spread > 0 && r.error > 0 && r.mean >= 0))
         return mukca_table_fail(error, table, column[r.mean >= 0 ? SPREAD : MEAN],
                                 "a mean is at least 0, its spread and error are above 0");
@@ -172,18 +166,17 @@ mukca_status mukca_traits_read(mukca_traits *t, const char *path, const mukca_ch
                                mukca_error *error)
 {
     mukca_table table;
-    int column[COLUMNS];
-    bool more;
+    int column[ERROR + 1];
+    bool more = true;
     memset(t, 0, sizeof *t);
     mukca_status status = mukca_table_open(&table, path, MUKCA_HEADER, error);
     if (status != MUKCA_OK) return status;
     status = check_model(t, &table, chain, error);
-    for (int i = 0; i < COLUMNS && status == MUKCA_OK; i++)
-        status = mukca_table_require(&column[i], &table, columns[i], error);
-    while (status == MUKCA_OK) {
+    for (int c = 0; c <= ERROR && status == MUKCA_OK; c++)
+        if (c != UNIT) status = mukca_table_require(&column[c], &table, columns[c].name, error);
+    while (status == MUKCA_OK && more) {
         status = mukca_table_next(&table, &more, error);
-        if (status != MUKCA_OK || !more) break;
-        status = read_row(t, &table, column, chain, error);
+        if (status == MUKCA_OK && more) status = read_row(t, &table, column, chain, error);
     }
     if (status == MUKCA_OK && table.cut_off)
         status = mukca_table_fail(error, &table, -1, "the file is cut off; make it again");

@@ -4,7 +4,7 @@
 
 #include <stdio.h>
 
-#include "fleet/traits.h"
+#include "fleet/fleet.h"
 
 void mukca_traits_write(FILE *stream, const mukca_traits *traits);
 

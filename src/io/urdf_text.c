@@ -11,7 +11,6 @@
 
 #include "base/file.h"
 #include "base/number.h"
-#include "io/xml_memory.h"
 
 /* Limits far beyond any real robot.  The depth also bounds the stack of urdfdom's recursive parser.
  * urdfdom is given the elements serialised again, as it would find elements in processing
@@ -196,6 +195,37 @@ static void document_type(void *context, const xmlChar *name, const xmlChar *id,
                     s->path, xmlSAX2GetLineNumber(context)));
 }
 
+/* A failed allocation in libxml2, which reports another error, or none; its functions have no
+ * context. */
+static bool failed;
+
+static void *watch(void *memory)
+{
+    failed |= !memory;
+    return memory;
+}
+
+static void *allocate(size_t size)
+{
+    return watch(malloc(size));
+}
+
+static void *grow(void *memory, size_t size)
+{
+    return watch(realloc(memory, size));
+}
+
+static char *duplicate(const char *text)
+{
+    return watch(strdup(text));
+}
+
+static void watch_memory(void)
+{
+    failed = false;
+    xmlMemSetup(free, allocate, grow, duplicate);
+}
+
 static mukca_status scan_joints(mukca_urdf_text *urdf, const char *path, mukca_error *error)
 {
     scan s = {.urdf = urdf, .length = strlen(urdf->text), .path = path, .error = error};
@@ -205,7 +235,7 @@ static mukca_status scan_joints(mukca_urdf_text *urdf, const char *path, mukca_e
                              .endElementNs = end_element};
     size_t size;
     if (s.length == 0) return mukca_fail(error, MUKCA_INPUT, "%s: empty, or no XML", path);
-    mukca_xml_memory_watch();
+    watch_memory();
     s.parser = xmlCreateMemoryParserCtxt(urdf->text, (int)s.length);
     if (!s.parser) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     s.elements = open_memstream(&urdf->elements, &size);
@@ -231,7 +261,7 @@ static mukca_status scan_joints(mukca_urdf_text *urdf, const char *path, mukca_e
         s.status =
             mukca_fail(error, MUKCA_INPUT, "%s:%d: broken XML: %s", path, e ? e->line : 0, text);
     }
-    if (!mukca_file_close(s.elements, &urdf->elements) || mukca_xml_memory_failed())
+    if (!mukca_file_close(s.elements, &urdf->elements) || failed)
         s.status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
     s.parser->sax = old;
     xmlFreeDoc(s.parser->myDoc);

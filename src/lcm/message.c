@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/utf8.h"
 #include "lcm/signature.h"
 #include "lcm/wire.h"
 
@@ -139,6 +140,7 @@ static void put_element(writer *w, field_kind kind, const char *member)
             if (!text) text = "";
             put(w, NULL, strlen(text) + 1, 4);
             put(w, text, 0, strlen(text) + 1);
+            if (w->used <= w->size) mukca_utf8_mend((char *)w->at + w->used - strlen(text) - 1);
             return;
         case FLAG:
             memcpy(&flag, member, sizeof flag);

@@ -31,10 +31,6 @@ void mukca_dense_backward(double *b, int k, const double *L, int n);
 /* Solve L x = b for the first k columns of b[n][ld], k a multiple of 8. */
 void mukca_dense_forward8(double *b, int k, int ld, const double *L, int n);
 
-/* Q'A Q is tridiagonal for A[n][n] (upper triangle; destroyed): T[0..n) receives its diagonal,
- * T[n..2n) the off-diagonal entries and a 0; T[2n..4n) is scratch.  B[n][k] becomes Q'B. */
-void mukca_dense_tridiagonalise(double *A, int n, double *T, double *B, int k);
-
 /* One-sided Jacobi SVD of A[m][n], m >= n, in place: A becomes U (columns with singular value > 0
  * are orthonormal), s[n] descending, V[n][n] (A = U diag(s) V').  V may be NULL.  Returns 0, or 1
  * without convergence in 60 sweeps (also for NaN or infinity). */

@@ -1,4 +1,4 @@
-/* Four doubles at a time, as portable vectors of the compiler. */
+/* Lanes of doubles, as portable vectors of the compiler. */
 #ifndef MUKCA_MATH_FOUR_H
 #define MUKCA_MATH_FOUR_H
 
@@ -7,19 +7,11 @@
 
 #include "base/clones.h"
 
-/* Unaligned; on processors without such registers the compiler splits it. */
-typedef double four __attribute__((vector_size(32), aligned(8), may_alias));
 typedef float four_floats __attribute__((vector_size(16), aligned(4), may_alias));
 
-/* Macros: functions that return wide vectors have no fixed calling convention. */
-#define LOAD4(x) (*(const four *)(const void *)(x))
-#define STORE4(x, value) (*(four *)(void *)(x) = (value))
 #define WIDEN4(x) __builtin_convertvector(*(const four_floats *)(const void *)(x), four)
 
-/* Lanes of the kernels shared with controllers: four on processors with vectors of doubles, else
- * one, which every compiler translates efficiently.  Results are bit-identical. */
-#if (defined(__x86_64__) || defined(__aarch64__)) && !defined(MUKCA_SCALAR)
-#define MUKCA_LANES 4
+#if MUKCA_LANES == 4
 typedef four lanes;
 typedef int64_t lane_bits __attribute__((vector_size(32), aligned(8), may_alias));
 #define LANE_BITS(x) ((lane_bits)(x))
@@ -27,7 +19,6 @@ typedef int64_t lane_bits __attribute__((vector_size(32), aligned(8), may_alias)
 #define NOT_WITHIN(x, limit) (~((x) <= (limit)))
 #define ANY_LANE(b) ((b)[0] | (b)[1] | (b)[2] | (b)[3])
 #else
-#define MUKCA_LANES 1
 typedef double lanes;
 typedef int64_t lane_bits;
 static inline lane_bits LANE_BITS(lanes x)
@@ -45,8 +36,6 @@ static inline lanes BITS_LANES(lane_bits b)
 #define NOT_WITHIN(x, limit) (-(lane_bits) !((x) <= (limit)))
 #define ANY_LANE(b) (b)
 #endif
-/* Alignment of members that contain lanes: access across two cache lines is slower. */
-#define LANES_ALIGNED _Alignas(8 * MUKCA_LANES)
 #define LOAD_LANES(x) (*(const lanes *)(const void *)(x))
 #define STORE_LANES(x, value) (*(lanes *)(void *)(x) = (value))
 

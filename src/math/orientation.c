@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "math/sincos.h"
 #include "mukca/rotation.h"
 
 #define PI 3.14159265358979323846
@@ -38,6 +39,32 @@ void mukca_rotation_to_rpy(double rpy[3], const double R[9], const double near[3
     rpy[0] = near ? near[0] : 0;
     rpy[2] = R[6] < 0 ? sum + rpy[0] : sum - rpy[0];
     if (near) rpy[2] = unwrap(rpy[2], near[2]);
+}
+
+void mukca_rotation_exp(double R[9], const double w[3])
+{
+    const double t2 = mukca_dot3(w, w);
+    double a, b;     /* sin t / t, (1 - cos t) / t^2 */
+    if (t2 < 0.01) { /* small angles: the next terms of the series are below 3e-18 */
+        a = 1 - t2 * (1.0 / 6 - t2 * (1.0 / 120 - t2 * (1.0 / 5040 - t2 * (1.0 / 362880))));
+        b = 0.5 - t2 * (1.0 / 24 - t2 * (1.0 / 720 - t2 * (1.0 / 40320 - t2 * (1.0 / 3628800))));
+    } else {
+        const double t = sqrt(t2), angle[4] = {t, 0.5 * t};
+        double s[4], c[4];
+        const bool near = mukca_sincos_near(s, c, angle, 2);
+        a = near ? s[0] / t : (double)NAN, b = 2 * s[1] * s[1] / t2;
+    }
+    const double c = 1 - b * t2;
+    R[0] = c + b * w[0] * w[0], R[4] = c + b * w[1] * w[1], R[8] = c + b * w[2] * w[2];
+    R[1] = b * w[0] * w[1] - a * w[2], R[3] = b * w[0] * w[1] + a * w[2];
+    R[2] = b * w[0] * w[2] + a * w[1], R[6] = b * w[0] * w[2] - a * w[1];
+    R[5] = b * w[1] * w[2] - a * w[0], R[7] = b * w[1] * w[2] + a * w[0];
+}
+
+void mukca_rotation_about(double R[9], const double axis[3], double angle)
+{
+    const double w[3] = {axis[0] * angle, axis[1] * angle, axis[2] * angle};
+    mukca_rotation_exp(R, w);
 }
 
 void mukca_rotation_log(double w[3], const double R[9])

@@ -1,7 +1,7 @@
 /* Sine and cosine of an array of angles. */
-#include "math/sincos.h"
-
 #include <math.h>
+
+#include "math/sincos_lanes.h"
 
 MUKCA_CLONES bool mukca_sincos_near(double *s, double *c, const double *x, int n)
 {

@@ -1,36 +1,11 @@
-/* Look-ups in a chain, its parameter vectors; the version of the library. */
+/* A chain's parameters and geometry. */
 #include "mukca/chain.h"
 
 #include <string.h>
 
-#include "mukca/version.h"
-
-const char *mukca_version(void)
-{
-    return MUKCA_VERSION;
-}
-
 const char *const mukca_joint_type_name[4] = {"fixed", "revolute", "continuous", "prismatic"};
 
 const char *const mukca_parameter_name[MUKCA_PARAMETERS] = {"x", "y", "z", "roll", "pitch", "yaw"};
-
-int mukca_chain_find_element(const mukca_chain *chain, const char *name)
-{
-    for (int k = 0; k < chain->n_elements; k++)
-        if (!strcmp(chain->element[k].name, name)) return k;
-    return -1;
-}
-
-const char *mukca_chain_joint_name(const mukca_chain *chain, int joint)
-{
-    return joint < 0 ? NULL : chain->element[chain->joint_element[joint]].name;
-}
-
-int mukca_chain_find_joint(const mukca_chain *chain, const char *name)
-{
-    const int k = mukca_chain_find_element(chain, name);
-    return k < 0 ? -1 : chain->element[k].joint;
-}
 
 void mukca_chain_theta(double *theta, const mukca_chain *chain)
 {
@@ -53,13 +28,5 @@ void mukca_geometry_set(mukca_geometry *geometry, const mukca_chain *chain, cons
         geometry->joint[k] = (signed char)e->joint;
         const bool on_z = e->axis[0] == 0 && e->axis[1] == 0;
         geometry->axis_z[k] = (signed char)(!on_z ? 0 : e->axis[2] > 0 ? 1 : -1);
-    }
-}
-
-void mukca_geometry_theta(double *theta, const mukca_chain *chain, const mukca_geometry *geometry)
-{
-    for (int k = 0; k < chain->n_elements; k++) {
-        memcpy(theta + 6 * k, geometry->origin[k].p, 3 * sizeof *theta);
-        mukca_rotation_to_rpy(theta + 6 * k + 3, geometry->origin[k].R, chain->element[k].rpy);
     }
 }

@@ -7,7 +7,6 @@
 #include <stddef.h>
 
 #include "mukca/chain.h"
-#include "mukca/row_state.h"
 
 /* One ball seat of one placement of the tool.  Samples of a socket are in recording order. */
 typedef struct {
@@ -59,20 +58,6 @@ mukca_status mukca_dataset_create(mukca_dataset *data, int n_rows, int n_joints,
 
 /* Free all arrays and zero the structure; a zeroed one is allowed. */
 void mukca_dataset_free(mukca_dataset *data);
-
-/* Copy of the samples with nonzero keep[row]; sockets, placements and distances are copied
- * unchanged, and their indices stay valid.  Errors: MUKCA_MEMORY. */
-mukca_status mukca_dataset_subset(mukca_dataset *out, const mukca_dataset *data,
-                                  const unsigned char *keep, mukca_error *error);
-
-/* Replace q by the commanded angles where a sample has some; without any, q are taken as commands.
- * The angles read are kept in `reading`.  Errors: MUKCA_MEMORY. */
-mukca_status mukca_dataset_take_commands(mukca_dataset *data, mukca_error *error);
-
-/* Joint state of a sample (row_state.h).  Call it for all samples in order, from 0; each file is a
- * separate recording.  The result points into `rows` and is valid until the next call. */
-const mukca_joint_state *mukca_dataset_state(mukca_row_state *rows, const mukca_dataset *data,
-                                             int row);
 
 /* Target of a sample, -1: none named. */
 static inline int mukca_dataset_target(const mukca_dataset *data, int row)

@@ -1,6 +1,7 @@
-/* Forward kinematics of one configuration: position, pose, frames. */
+/* Forward kinematics of one configuration: position of the tip. */
 #include <string.h>
 
+#include "math/sincos.h"
 #include "model/turn.h"
 
 void mukca_joint_angles_set(joint_angles *at, const mukca_geometry *geometry, const double *q,
@@ -13,55 +14,14 @@ void mukca_joint_angles_set(joint_angles *at, const mukca_geometry *geometry, co
     mukca_sincos(at->s, at->c, at->q, n);
 }
 
-MUKCA_CLONES void mukca_fk_position(double position[3], const mukca_geometry *geometry,
-                                    const double *q, const mukca_displacement *displacement)
+MUKCA_CLONES void mukca_fk_tip(double position[3], const mukca_geometry *geometry, const double *q)
 {
-    const mukca_displacement *d = displacement;
-    double v[3] = {0, 0, 0}, u[3], R[9];
+    double v[3] = {0, 0, 0};
     joint_angles at;
-    mukca_joint_angles_set(&at, geometry, q, d);
-    if (d) memcpy(v, d->tip, sizeof v);
+    mukca_joint_angles_set(&at, geometry, q, NULL);
     for (int k = geometry->n_elements - 1; k >= 0; k--) {
-        const int j = geometry->joint[k];
-        if (geometry->type[k] == MUKCA_PRISMATIC)
-            for (int i = 0; i < 3; i++) v[i] += at.q[j] * geometry->axis[k][i];
-        else if (j >= 0)
-            turn_vector(v, geometry, k, at.s[j], at.c[j]);
-        const double *w = joint_rotation(d, j);
-        if (w) {
-            mukca_rotation_exp(R, w);
-            mukca_mat3_vec(u, R, v);
-            memcpy(v, u, sizeof v);
-        }
+        back_vector(v, geometry, k, &at);
         place_vector(v, &geometry->origin[k]);
     }
     memcpy(position, v, sizeof v);
-    if (!d || !d->any_rotation) return;
-    mukca_rotation_exp(R, d->base);
-    mukca_mat3_vec(position, R, v);
-}
-
-MUKCA_CLONES void mukca_fk_frames(mukca_frame *before, mukca_frame *tip,
-                                  const mukca_geometry *geometry, const double *q,
-                                  const mukca_displacement *displacement)
-{
-    columns F;
-    joint_angles at;
-    columns_base(&F, displacement);
-    mukca_joint_angles_set(&at, geometry, q, displacement);
-    for (int k = 0; k < geometry->n_elements; k++) {
-        columns_enter(&F, geometry, k);
-        if (before) columns_frame(&before[k], &F);
-        columns_displace(&F, geometry->joint[k], displacement);
-        columns_turn(&F, geometry, k, &at);
-    }
-    if (!tip) return;
-    if (displacement) columns_move(&F, displacement->tip);
-    columns_frame(tip, &F);
-}
-
-void mukca_fk_pose(mukca_frame *T_base_tip, const mukca_geometry *geometry, const double *q,
-                   const mukca_displacement *displacement)
-{
-    mukca_fk_frames(NULL, T_base_tip, geometry, q, displacement);
 }

@@ -2,7 +2,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "model/turn.h"
+#include "math/sincos.h"
+#include "model/columns.h"
 
 MUKCA_CLONES void mukca_fk_jacobian(double *J, mukca_frame *T_base_tip,
                                     const mukca_geometry *geometry, const double *q,

@@ -1,4 +1,5 @@
 /* Tip positions of many configurations at once, one per lane. */
+#include "math/sincos_lanes.h"
 #include "model/turn.h"
 
 #if MUKCA_LANES == 1
@@ -7,7 +8,7 @@ void mukca_fk_positions(double *positions, const mukca_geometry *geometry, const
                         int rows)
 {
     for (int r = 0; r < rows; r++)
-        mukca_fk_position(positions + 3 * r, geometry, q + r * geometry->n_joints, NULL);
+        mukca_fk_tip(positions + 3 * r, geometry, q + r * geometry->n_joints);
 }
 
 #else
@@ -70,7 +71,7 @@ MUKCA_CLONES void mukca_fk_positions(double *positions, const mukca_geometry *ge
         for (int l = 0; l < MUKCA_LANES && start + l < rows; l++) {
             double *position = positions + 3 * (size_t)(start + l);
             if (ANY_LANE(wide))
-                mukca_fk_position(position, geometry, row[l], NULL);
+                mukca_fk_tip(position, geometry, row[l]);
             else
                 for (int i = 0; i < 3; i++) position[i] = v[i][l];
         }

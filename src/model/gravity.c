@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-#include "model/turn.h"
+#include "model/columns.h"
 
 /* The arm in a posture under its load; the members that may be NULL are those of
  * mukca_chain_moments. */

@@ -1,5 +1,5 @@
 /* Poses with the ball in a socket: inverse kinematics from random starts, then the rules. */
-#include "plan/poses.h"
+#include "plan/choose.h"
 
 #include <math.h>
 

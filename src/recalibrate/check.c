@@ -1,5 +1,5 @@
 /* Checks of a pose log before re-calibration, on at most its first 1000 rows. */
-#include "recalibrate/check.h"
+#include "recalibrate/recalibrate.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -42,18 +42,11 @@ static void measure(preview *p, mukca_quaternion_order order)
     }
 }
 
-/* Predict the nominal poses of the child link of `element`, with angles multiplied by `scale`. */
-static void predict(preview *p, int element, double scale)
+/* Predict the nominal poses of the child link of `element`. */
+static void predict(preview *p, int element)
 {
     p->geometry.n_elements = element + 1;
-    for (int i = 0; i < p->n; i++) {
-        double q[MUKCA_MAX_JOINTS];
-        for (int j = 0; j < p->chain->n_joints; j++)
-            q[j] =
-                p->row[i].q[j] *
-                (p->chain->element[p->chain->joint_element[j]].type == MUKCA_PRISMATIC ? 1 : scale);
-        mukca_fk_pose(&p->nominal[i], &p->geometry, q, NULL);
-    }
+    for (int i = 0; i < p->n; i++) mukca_fk_pose(&p->nominal[i], &p->geometry, p->row[i].q, NULL);
 }
 
 static double position_median(preview *p)
@@ -70,20 +63,15 @@ static double rotation_median(preview *p)
     return mukca_stats_median(p->work, n);
 }
 
-/* Median error of the motion between consecutive rows, which is independent of base and tool
+/* Median error of the rotation between consecutive rows, which is independent of base and tool
  * frame. */
-static double step_median(preview *p, bool rotations)
+static double turn_median(preview *p)
 {
     int n = 0;
-    for (int i = 1; i < p->n; i++) {
-        const mukca_frame *a = &p->nominal[i - 1], *b = &p->nominal[i];
-        const mukca_frame *c = &p->measured[i - 1], *d = &p->measured[i];
-        if (rotations && turned(p, i) && turned(p, i - 1))
-            p->work[n++] =
-                fabs(mukca_rotation_between(a->R, b->R) - mukca_rotation_between(c->R, d->R));
-        else if (!rotations)
-            p->work[n++] = fabs(mukca_distance3(a->p, b->p) - mukca_distance3(c->p, d->p));
-    }
+    for (int i = 1; i < p->n; i++)
+        if (turned(p, i) && turned(p, i - 1))
+            p->work[n++] = fabs(mukca_rotation_between(p->nominal[i - 1].R, p->nominal[i].R) -
+                                mukca_rotation_between(p->measured[i - 1].R, p->measured[i].R));
     return mukca_stats_median(p->work, n);
 }
 
@@ -95,26 +83,15 @@ static double path(const mukca_frame *poses, int n)
     return sum;
 }
 
-static mukca_status check_units(preview *p, mukca_error *error)
+/* Refuse a stream of positions that had stopped. */
+static mukca_status check_moving(preview *p, mukca_error *error)
 {
-    const int last = p->chain->n_elements - 1;
-    predict(p, last, 1);
+    predict(p, p->chain->n_elements - 1);
     const double nominal = path(p->nominal, p->n), measured = path(p->measured, p->n);
-    const double radians = step_median(p, false);
-    if (nominal > 0.01 && measured > 200 * nominal && measured < 5000 * nominal)
-        return mukca_fail(error, MUKCA_INPUT,
-                          "the positions move %.0f times as far as the arm does: they look like "
-                          "millimetres (read so with --units mm)",
-                          measured / nominal);
     if (nominal > 0.01 && measured < 0.001 * nominal)
         return mukca_fail(error, MUKCA_INPUT,
                           "all positions are the same while the joints move: the tracker's stream "
                           "had stopped, record them again");
-    predict(p, last, M_PI / 180);
-    if (radians > 0.005 && step_median(p, false) < 0.2 * radians)
-        return mukca_fail(error, MUKCA_INPUT,
-                          "the joint angles fit the poses when read as degrees (read so with "
-                          "--units deg)");
     return MUKCA_OK;
 }
 
@@ -126,9 +103,9 @@ static void check_order(mukca_pose_check *check, preview *p, bool frames_known)
     for (int order = 0; order < 2; order++) {
         measure(p, (mukca_quaternion_order)order);
         for (int k = last; k >= joint; k--) { /* try the tip and all links after the last joint */
-            predict(p, k, 1);
+            predict(p, k);
             score[order] =
-                fmin(score[order], step_median(p, true) + (frames_known ? rotation_median(p) : 0));
+                fmin(score[order], turn_median(p) + (frames_known ? rotation_median(p) : 0));
         }
     }
     check->order = score[1] < 0.5 * score[0] && score[0] > 1e-3 ? MUKCA_QUATERNION_W_LAST
@@ -160,7 +137,7 @@ static mukca_status check_frames(mukca_pose_check *check, preview *p, mukca_erro
     double best_turn = HUGE_VAL, median;
     check->position_median = HUGE_VAL;
     for (int k = last; k >= 0; k--) {
-        predict(p, k, 1);
+        predict(p, k);
         median = position_median(p);
         /* prefer the tip unless another link fits much better */
         if (median < (check->position_median == HUGE_VAL ? 1 : 0.5) * check->position_median)
@@ -169,7 +146,7 @@ static mukca_status check_frames(mukca_pose_check *check, preview *p, mukca_erro
         if (median < (best_turn == HUGE_VAL ? 1 : 0.5) * best_turn)
             best_turn = median, check->rotation_element = k;
     }
-    predict(p, check->position_element, 1);
+    predict(p, check->position_element);
     median = check->rotations ? rotation_median(p) : 0;
     if (median <= 1.5 * best_turn) /* no link fits the orientations much better */
         best_turn = median, check->rotation_element = check->position_element;
@@ -191,9 +168,9 @@ static mukca_status check_frames(mukca_pose_check *check, preview *p, mukca_erro
     if (check->rotation_element != check->position_element && best_turn < 0.1) {
         /* Positions of one link with orientations of another: a known, fixed rotation of the
          * tool. */
-        predict(p, check->rotation_element, 1);
+        predict(p, check->rotation_element);
         const mukca_frame of_rotation = p->nominal[0];
-        predict(p, check->position_element, 1);
+        predict(p, check->position_element);
         mukca_mat3_tmul(check->tool.R, p->nominal[0].R, of_rotation.R);
     }
     if (check->rotations && best_turn > 0.1)
@@ -209,7 +186,7 @@ static mukca_status check_frames(mukca_pose_check *check, preview *p, mukca_erro
 static void guess_frames(mukca_pose_check *check, preview *p, bool free_base, bool free_tool)
 {
     double mean[2][3] = {{0}}, base[9] = {0}, tool[9] = {0};
-    predict(p, p->chain->n_elements - 1, 1);
+    predict(p, p->chain->n_elements - 1);
     for (int i = 0; i < p->n; i++)
         for (int a = 0; a < 3; a++) {
             mean[0][a] += p->nominal[i].p[a] / p->n;
@@ -255,7 +232,7 @@ mukca_status mukca_pose_check_run(mukca_pose_check *check, const mukca_recalibra
     if (status == MUKCA_OK) {
         for (int i = 0; i < p->n; i++) check->rotations += turned(p, i);
         measure(p, MUKCA_QUATERNION_W_FIRST);
-        status = check_units(p, error);
+        status = check_moving(p, error);
     }
     if (status == MUKCA_OK && check->rotations) check_order(check, p, !free_base && !free_tool);
     if (status == MUKCA_OK && (free_base || free_tool))

@@ -98,7 +98,5 @@ mukca_status mukca_pose_reader_next(mukca_pose_reader *r, mukca_error *error)
     r->now = r->state[at] ? &r->row[at] : NULL;
     if (status != MUKCA_OK || !r->now) return status;
     fill_velocity(r);
-    r->weight = r->logs[r->state[at] - 1].weight;
-    if (!(r->weight > 0)) r->weight = 1;
     return MUKCA_OK;
 }

@@ -23,7 +23,6 @@ typedef struct {
     mukca_status (*next)(void *context, mukca_pose_row *row, bool *more, mukca_error *error);
     mukca_status (*rewind)(void *context, mukca_error *error);
     void *context;
-    double weight; /* weight of each row in a fit; 0: 1 */
 } mukca_pose_log;
 
 /* The samples of a dataset that have a position, as a log.  `cursor` is the log's state and must
@@ -42,7 +41,6 @@ typedef struct {
     const mukca_pose_log *logs;
     int n_logs, n_joints;
     const mukca_pose_row *now; /* NULL after the last row */
-    double weight;             /* of its log */
     bool started;
     int log;               /* index of the log being read */
     mukca_pose_row row[3]; /* ring of the preceding, present and following row, from row[first] */

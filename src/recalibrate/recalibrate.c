@@ -75,13 +75,15 @@ static void choose_unknowns(mukca_pose_system *a, mukca_pose_system *p, const mu
     if (o->free_tool && oriented) add_three(a, MUKCA_UNKNOWN_TOOL_TURN, -1);
 }
 
-double mukca_pose_huber(double length, double median)
+/* Huber's weight of a residual of that length; `median` is the median length. */
+static double huber(double length, double median)
 {
     const double bend = 1.6 * median; /* 2.5 sigma: the median length of 3 normals is 1.54 */
     return length > bend && bend > 0 ? bend / length : 1;
 }
 
-double mukca_metres_per_radian(const mukca_pose_errors *errors)
+/* Ratio of position to rotation error (medians), 0.01 to 10 m; 0 if either vanishes. */
+static double metres_per_radian(const mukca_pose_errors *errors)
 {
     const double p = mukca_histogram_median(&errors->position_histogram);
     const double w = mukca_histogram_median(&errors->rotation_histogram);
@@ -99,8 +101,8 @@ static void note_range(mukca_recalibration *out, const mukca_pose_row *row, int 
     out->rows++;
 }
 
-/* Read the log once with the present model: errors, and the equations of both systems (or NULL). */
-static mukca_status pass(session *s, mukca_pose_system *a, mukca_pose_system *b, mukca_error *error)
+/* Read the log once with the present model: errors, and the equations of a system (or NULL). */
+static mukca_status pass(session *s, mukca_pose_system *system, mukca_error *error)
 {
     const double position_scale = mukca_histogram_median(&s->errors.position_histogram);
     const double rotation_scale = mukca_histogram_median(&s->errors.rotation_histogram);
@@ -109,8 +111,7 @@ static mukca_status pass(session *s, mukca_pose_system *a, mukca_pose_system *b,
     mukca_pose_reader reader = mukca_recalibrate_reader(s->task);
     mukca_pose_look look;
     mukca_status status;
-    if (a) mukca_pose_system_clear(a);
-    if (b) mukca_pose_system_clear(b);
+    if (system) mukca_pose_system_clear(system);
     memset(&s->errors, 0, sizeof s->errors);
     for (long i = 0;; i++) {
         status = mukca_pose_reader_next(&reader, error);
@@ -120,11 +121,10 @@ static mukca_status pass(session *s, mukca_pose_system *a, mukca_pose_system *b,
         if (first) note_range(s->out, reader.now, reader.n_joints);
         mukca_pose_look_at(&look, &s->model, reader.now, options->order);
         mukca_pose_errors_add(&s->errors, &look);
-        double p = sqrt(reader.weight), w = p;
-        if (robust) p *= sqrt(mukca_pose_huber(mukca_norm3(look.position), position_scale));
-        if (robust) w *= sqrt(mukca_pose_huber(mukca_norm3(look.rotation), rotation_scale));
-        if (a) mukca_pose_system_add(a, &look, p, w);
-        if (b) mukca_pose_system_add(b, &look, p, w);
+        double p = 1, w = 1;
+        if (robust) p = sqrt(huber(mukca_norm3(look.position), position_scale));
+        if (robust) w = sqrt(huber(mukca_norm3(look.rotation), rotation_scale));
+        if (system) mukca_pose_system_add(system, &look, p, w);
     }
     s->measured = true;
     s->out->passes++;
@@ -172,7 +172,7 @@ static bool lag_shows(session *s, const mukca_pose_system *system)
 {
     double value;
     const double score = mukca_pose_system_last(&value, system);
-    const double rms = score * sqrt(system->rss[system->carried]) / (double)(system->equations + 1);
+    const double rms = score * sqrt(system->rss) / (double)(system->equations + 1);
     if (s->lag_denied || !(score > LAG_SCORE) || !(rms > 1e-7)) return false;
     s->out->lag_score = fmax(s->out->lag_score, score);
     return true;
@@ -185,18 +185,17 @@ static double lag_median(const session *s, const mukca_pose_system *system)
                                                     : &s->errors.position_histogram);
 }
 
-/* Repeat pass and step for one system, including its lag, until it converges.  `later` (may be
- * NULL) accumulates equations from the second pass on, and then a second pass is always made. */
-static mukca_status converge(session *s, mukca_pose_system *system, mukca_pose_system *later,
-                             mukca_error *error)
+/* Repeat pass and step for one system, including its lag, until it converges; at least `least`
+ * times. */
+static mukca_status converge(session *s, mukca_pose_system *system, int least, mukca_error *error)
 {
     const mukca_recalibrate_options *o = s->task->options;
-    const bool repeat = o->iterate || o->robust || (!later && !system->rotations);
-    const int first = later ? 1 : 0; /* first pass that may be the last */
+    const bool repeat = o->iterate || o->robust || !system->rotations;
+    const int first = least - 1; /* first pass that may be the last */
     mukca_pose_model without = s->model;
     double size, median = 0;
     for (int i = 0;; i++) {
-        mukca_status status = pass(s, system, i >= first ? later : NULL, error);
+        mukca_status status = pass(s, system, error);
         if (status != MUKCA_OK) return status;
         if (i == 0) s->out->errors[MUKCA_BEFORE] = s->errors;
         if (s->model.lag != 0 && without.lag == 0 && lag_median(s, system) > lag_gain * median) {
@@ -209,7 +208,7 @@ static mukca_status converge(session *s, mukca_pose_system *system, mukca_pose_s
         without = s->model;
         status = step(&size, s, system, lag, error);
         if (status != MUKCA_OK) return status;
-        const double scale = mukca_metres_per_radian(&s->errors);
+        const double scale = metres_per_radian(&s->errors);
         if (system->positions && scale > 0) system->metres_per_radian = scale;
         const bool enough = size < 1e-10 || i >= MOST_PASSES + first || (!lag && !repeat);
         if (i < first || !enough) continue;
@@ -218,21 +217,19 @@ static mukca_status converge(session *s, mukca_pose_system *system, mukca_pose_s
     }
 }
 
+/* Angles first, then lengths at these angles. */
 static mukca_status two_steps(session *s, mukca_error *error)
 {
-    double size = 0;
-    mukca_status status = converge(s, &s->angles, &s->offsets, error);
+    double size = 1;
+    mukca_status status = converge(s, &s->angles, 2, error);
     if (status != MUKCA_OK) return status;
-    /* The offsets' equations are from before the last step of the angles. */
-    mukca_pose_system_move_carried(&s->offsets, s->solution.x);
-    s->out->errors[MUKCA_WITH_ANGLES] = s->errors;
     s->out->stage[MUKCA_WITH_ANGLES] = s->model;
     keep(s, &s->angles);
-    status = step(&size, s, &s->offsets, false, error);
-    for (int i = 0; status == MUKCA_OK && s->task->options->robust && i < MOST_PASSES; i++) {
-        status = pass(s, NULL, &s->offsets, error);
+    for (int i = 0; status == MUKCA_OK && i <= MOST_PASSES && !(size < 1e-9); i++) {
+        status = pass(s, &s->offsets, error);
+        if (i == 0) s->out->errors[MUKCA_WITH_ANGLES] = s->errors;
         if (status == MUKCA_OK) status = step(&size, s, &s->offsets, false, error);
-        if (size < 1e-9) break;
+        if (!s->task->options->robust) break;
     }
     if (status == MUKCA_OK) keep(s, &s->offsets);
     s->out->has_angles = true;
@@ -258,14 +255,7 @@ static void set_systems(session *s, bool together, bool oriented)
                     oriented);
     angles->rotations = offsets->positions = true;
     offsets->rotations = together && oriented;
-    if (together) {
-        add_unknown(offsets, MUKCA_UNKNOWN_LAG, -1, 0);
-        return;
-    }
-    add_unknown(angles, MUKCA_UNKNOWN_LAG, -1, 0);
-    memcpy(offsets->unknown + offsets->n, angles->unknown,
-           (size_t)angles->n * sizeof *angles->unknown);
-    offsets->carried = angles->n;
+    add_unknown(together ? offsets : angles, MUKCA_UNKNOWN_LAG, -1, 0);
 }
 
 static void start_model(mukca_pose_model *model, const mukca_chain *chain,
@@ -300,7 +290,7 @@ mukca_status mukca_recalibrate(mukca_recalibration *result, const mukca_recalibr
     const bool together = task->options->joint || !oriented;
     set_systems(s, together, oriented);
     if (status == MUKCA_OK && together) {
-        status = converge(s, &s->offsets, NULL, error);
+        status = converge(s, &s->offsets, 1, error);
         if (status == MUKCA_OK) keep(s, &s->offsets);
     } else if (status == MUKCA_OK) {
         status = two_steps(s, error);
@@ -317,7 +307,7 @@ mukca_status mukca_recalibrate(mukca_recalibration *result, const mukca_recalibr
     if (!result->has_angles) result->stage[MUKCA_WITH_ANGLES] = s->model;
     result->lag = s->model.lag;
     result->lag_found = s->model.lag != 0;
-    if (status == MUKCA_OK) status = pass(s, NULL, NULL, error);
+    if (status == MUKCA_OK) status = pass(s, NULL, error);
     result->errors[MUKCA_WITH_BOTH] = s->errors;
     result->tail = fmax(tail(&s->errors.position, &s->errors.position_histogram),
                         tail(&s->errors.rotation, &s->errors.rotation_histogram));
@@ -339,4 +329,26 @@ mukca_status mukca_recalibrate_test(mukca_pose_errors *errors, const mukca_pose_
             mukca_pose_errors_add(&errors[i], &look);
         }
     }
+}
+
+/* Part of a median error that the fit removes. */
+static double without(double nominal, double left)
+{
+    return nominal > left ? sqrt(nominal * nominal - left * left) : 0;
+}
+
+void mukca_recalibrate_oracle(mukca_oracle *oracle, const mukca_recalibration *r)
+{
+    static const double rounding = 1e-6; /* rounding of numbers in files, m and rad */
+    const mukca_pose_errors *before = &r->errors[MUKCA_BEFORE],
+                            *after = &r->errors[MUKCA_WITH_BOTH];
+    *oracle =
+        (mukca_oracle){.position_nominal = mukca_histogram_median(&before->position_histogram),
+                       .position_left = mukca_histogram_median(&after->position_histogram),
+                       .rotation_nominal = mukca_histogram_median(&before->rotation_histogram),
+                       .rotation_left = mukca_histogram_median(&after->rotation_histogram)};
+    oracle->position_systematic = without(oracle->position_nominal, oracle->position_left);
+    oracle->rotation_systematic = without(oracle->rotation_nominal, oracle->rotation_left);
+    oracle->calibrated = oracle->position_systematic > fmax(oracle->position_left, rounding) ||
+                         oracle->rotation_systematic > fmax(oracle->rotation_left, rounding);
 }

@@ -64,12 +64,6 @@ mukca_status mukca_recalibrate_test(mukca_pose_errors *errors, const mukca_pose_
 /* Create a reader of the task's logs. */
 mukca_pose_reader mukca_recalibrate_reader(const mukca_recalibrate_task *task);
 
-/* Huber's weight of a residual of that length; `median` is the median length. */
-double mukca_pose_huber(double length, double median);
-
-/* Ratio of position to rotation error (medians), 0.01 to 10 m; 0 if either vanishes. */
-double mukca_metres_per_radian(const mukca_pose_errors *errors);
-
 /* Whether the poses contain a calibration: the part of the error that the fit removes must exceed
  * the remaining error (medians), in position or in orientation. */
 typedef struct {
@@ -79,19 +73,19 @@ typedef struct {
 } mukca_oracle;
 void mukca_recalibrate_oracle(mukca_oracle *oracle, const mukca_recalibration *result);
 
-/* A few constants that explain the difference as well as all unknowns do. */
-enum { MUKCA_MAX_CONSTANTS = 4 };
+/* Checks of the first rows of a log: quaternion order, and the link of the poses (check.c). */
 typedef struct {
-    int n;     /* 0: a few do not suffice */
-    long rows; /* rows used to determine them; `errors` are of all rows */
-    mukca_unknown unknown[MUKCA_MAX_CONSTANTS];
-    bool along_axis[MUKCA_MAX_CONSTANTS]; /* a SHIFT along the joint's own axis ("d") */
-    double value[MUKCA_MAX_CONSTANTS], sigma[MUKCA_MAX_CONSTANTS];
-    double share;             /* fraction of the squared difference that they explain */
-    mukca_pose_errors errors; /* of the model with them alone */
-} mukca_constants;
-mukca_status mukca_recalibrate_constants(mukca_constants *constants,
-                                         const mukca_recalibration *result,
-                                         const mukca_recalibrate_task *task, mukca_error *error);
+    int rotations;                          /* samples with a quaternion */
+    int position_element, rotation_element; /* elements whose child links the poses belong to */
+    double position_median;                 /* median distance to that link in the nominal arm, m */
+    mukca_quaternion_order order;
+    mukca_frame base, tool; /* start values: base in the poses' frame, tool in the tip's */
+} mukca_pose_check;
+
+/* Determine these from the log.  With the task's free_base or free_tool the frames are unknown and
+ * the last element is assumed.  Errors: MUKCA_INPUT with the defect (a stopped stream, poses of
+ * other rows, of a link before a joint, a rotated frame), MUKCA_MEMORY, and those of the log. */
+mukca_status mukca_pose_check_run(mukca_pose_check *check, const mukca_recalibrate_task *task,
+                                  mukca_error *error);
 
 #endif

@@ -7,23 +7,18 @@
 
 #include "math/dense.h"
 
-static int width_of(const mukca_pose_system *s)
-{
-    return s->n + s->carried + 1;
-}
-
 void mukca_pose_system_clear(mukca_pose_system *s)
 {
     s->equations = 0;
     s->total = 0;
     memset(s->filled, 0, sizeof s->filled);
-    memset(s->rss, 0, sizeof s->rss);
-    memset(s->R, 0, sizeof *s->R * (size_t)(s->n * width_of(s)));
+    s->rss = 0;
+    memset(s->R, 0, sizeof *s->R * (size_t)(s->n * (s->n + 1)));
 }
 
 static void absorb(mukca_pose_system *s, int kind)
 {
-    mukca_dense_qr_absorb(s->R, s->rss, s->block[kind], s->filled[kind], s->n, s->carried + 1);
+    mukca_dense_qr_absorb(s->R, &s->rss, s->block[kind], s->filled[kind], s->n, 1);
     s->filled[kind] = 0;
 }
 
@@ -37,13 +32,13 @@ static double *three_rows(mukca_pose_system *s, int kind)
 {
     if (s->filled[kind] + 3 > MUKCA_SYSTEM_BLOCK) absorb(s, kind);
     s->filled[kind] += 3;
-    return s->block[kind] + (s->filled[kind] - 3) * width_of(s);
+    return s->block[kind] + (s->filled[kind] - 3) * (s->n + 1);
 }
 
 /* Set the right-hand side of three rows and apply the weight. */
 static void finish_rows(mukca_pose_system *s, double *rows, const double *residual, double weight)
 {
-    const int width = width_of(s);
+    const int width = s->n + 1;
     for (int i = 0; i < 3; i++) {
         double *row = rows + i * width;
         row[width - 1] = residual[i];
@@ -59,18 +54,9 @@ void mukca_pose_system_add(mukca_pose_system *s, const mukca_pose_look *look, do
     const bool rotations = s->rotations && isfinite(look->rotation[0]);
     const double lever = s->metres_per_radian > 0 ? s->metres_per_radian : 1;
     double *p = s->positions ? three_rows(s, 0) : NULL, *w = rotations ? three_rows(s, 1) : NULL;
-    mukca_pose_derivatives(p, w, width_of(s), look, s->unknown, s->n + s->carried);
+    mukca_pose_derivatives(p, w, s->n + 1, look, s->unknown, s->n);
     if (p) finish_rows(s, p, look->position, weight);
     if (w) finish_rows(s, w, look->rotation, turn_weight * lever);
-}
-
-void mukca_pose_system_move_carried(mukca_pose_system *s, const double *steps)
-{
-    const int width = width_of(s);
-    mukca_pose_system_flush(s);
-    for (int i = 0; i < s->n; i++)
-        for (int c = 0; c < s->carried; c++)
-            s->R[i * width + width - 1] -= s->R[i * width + s->n + c] * steps[c];
 }
 
 /* Ratio of prior sizes, tool to arm.  Combinations of both that the data do not determine are
@@ -81,9 +67,9 @@ static const double tool_freedom = 1e3;
 /* Replace the solutions v[n] in the first `rank` columns of V[n][n] by the equivalent ones of least
  * norm in units of the prior sizes: v + N c with the null directions N, the other columns, and (N'
  * W N) c = -N' W v. */
-static void prefer_tool(double *V, const mukca_pose_system *s, int n, int rank)
+static void prefer_tool(double *V, double *A, const mukca_pose_system *s, int n, int rank)
 {
-    double A[MUKCA_MAX_UNKNOWNS * MUKCA_MAX_UNKNOWNS], w[MUKCA_MAX_UNKNOWNS];
+    double w[MUKCA_MAX_UNKNOWNS];
     const int free = n - rank;
     bool any = false;
     for (int i = 0; i < n; i++) {
@@ -111,12 +97,12 @@ static void prefer_tool(double *V, const mukca_pose_system *s, int n, int rank)
 
 bool mukca_pose_system_solve(mukca_pose_solution *out, mukca_pose_system *s, int n, double loosest)
 {
-    const int width = width_of(s);
+    const int width = s->n + 1;
     double d[MUKCA_MAX_UNKNOWNS], singular[MUKCA_MAX_UNKNOWNS];
-    double U[MUKCA_MAX_UNKNOWNS * MUKCA_MAX_UNKNOWNS], V[MUKCA_MAX_UNKNOWNS * MUKCA_MAX_UNKNOWNS];
+    double *U = out->U, *V = out->V;
     mukca_pose_system_flush(s);
     memset(out, 0, sizeof *out);
-    double left = s->rss[s->carried]; /* includes the square explained by the unknowns from n on */
+    double left = s->rss; /* includes the square explained by the unknowns from n on */
     for (int i = n; i < s->n; i++)
         left += s->R[i * width + width - 1] * s->R[i * width + width - 1];
     for (int i = 0; i < n; i++) {
@@ -130,7 +116,7 @@ bool mukca_pose_system_solve(mukca_pose_solution *out, mukca_pose_system *s, int
     const double least = fmax(1e-9 * singular[0], sqrt(out->sigma2) / loosest);
     while (out->rank < n && singular[out->rank] > least) out->rank++;
     out->n_null = n - out->rank;
-    prefer_tool(V, s, n, out->rank);
+    prefer_tool(V, out->A, s, n, out->rank);
     for (int k = 0; k < n; k++) {
         double z = 0;
         for (int i = 0; i < n; i++) z += U[i * n + k] * d[i];
@@ -161,10 +147,10 @@ bool mukca_pose_system_solve(mukca_pose_solution *out, mukca_pose_system *s, int
 
 double mukca_pose_system_last(double *value, const mukca_pose_system *s)
 {
-    const int n = s->n, width = width_of(s);
+    const int n = s->n, width = n + 1;
     const double diagonal = s->R[(n - 1) * width + n - 1], rhs = s->R[n * width - 1];
     const long freedom = s->equations - n;
-    const double sigma = sqrt(s->rss[s->carried] / (double)(freedom > 0 ? freedom : 1));
+    const double sigma = sqrt(s->rss / (double)(freedom > 0 ? freedom : 1));
     *value = 0;
     if (!(fabs(diagonal) > 1e-9)) return 0;
     *value = rhs / diagonal;

@@ -6,18 +6,17 @@
 #include "recalibrate/model.h"
 
 /* A block and the triangular factor fit in 32 KiB of cache for 31 unknowns. */
-enum { MUKCA_SYSTEM_WIDTH = 2 * MUKCA_MAX_UNKNOWNS + 1, MUKCA_SYSTEM_BLOCK = 96 };
+enum { MUKCA_SYSTEM_WIDTH = MUKCA_MAX_UNKNOWNS + 1, MUKCA_SYSTEM_BLOCK = 96 };
 
 typedef struct {
     int n;                     /* unknowns; a lag is the last */
-    int carried;               /* further unknowns that another system determines: unknown[n ..] */
     bool positions, rotations; /* equations of a pose that it uses */
     double metres_per_radian;  /* weight of rotation rows relative to position rows; 0: 1 */
-    mukca_unknown unknown[MUKCA_SYSTEM_WIDTH];
+    mukca_unknown unknown[MUKCA_MAX_UNKNOWNS];
     double value[MUKCA_MAX_UNKNOWNS]; /* sum of the steps so far */
     long equations;
-    double rss[MUKCA_SYSTEM_WIDTH], total;             /* of the weighted rows */
-    double R[MUKCA_MAX_UNKNOWNS * MUKCA_SYSTEM_WIDTH]; /* [n][n + carried + 1], with Q'b */
+    double rss, total;                                 /* of the weighted rows */
+    double R[MUKCA_MAX_UNKNOWNS * MUKCA_SYSTEM_WIDTH]; /* [n][n + 1], with Q'b */
     /* Rows not yet absorbed: positions, rotations.  They are separate because lengths have no
      * effect on rotations: the leading columns of rotation rows are zero if the lengths are the
      * first unknowns. */
@@ -34,6 +33,9 @@ typedef struct {
     bool identifiable[MUKCA_MAX_UNKNOWNS];
     int n_null;
     double null[MUKCA_MAX_UNKNOWNS][MUKCA_MAX_UNKNOWNS]; /* [n_null][n] unidentifiable; sparse */
+    /* scratch: factors of the equations, products of the null space */
+    double U[MUKCA_MAX_UNKNOWNS * MUKCA_MAX_UNKNOWNS], V[MUKCA_MAX_UNKNOWNS * MUKCA_MAX_UNKNOWNS],
+        A[MUKCA_MAX_UNKNOWNS * MUKCA_MAX_UNKNOWNS];
 } mukca_pose_solution;
 
 /* Remove all rows. */
@@ -45,9 +47,6 @@ void mukca_pose_system_add(mukca_pose_system *system, const mukca_pose_look *loo
 
 /* Absorb all rows into R and rss. */
 void mukca_pose_system_flush(mukca_pose_system *system);
-
-/* Update the right-hand side for a step of the carried unknowns. */
-void mukca_pose_system_move_carried(mukca_pose_system *system, const double *steps);
 
 /* Solve for the first `n` unknowns; the others stay 0.  An unknown with a standard error above
  * `loosest` (m or rad) is not identifiable.  False: the rows are not finite. */

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/prefix.h"
 #include "base/text.h"
 #include "record/recorder.h"
 
@@ -35,30 +36,61 @@ static mukca_status parse_map(mukca_recorder *r, mukca_error *error)
     return MUKCA_OK;
 }
 
-static int find_reading(const mukca_lcm_joints *joints, const char *name)
-{
-    for (int i = 0; i < joints->n; i++)
-        if (strcmp(joints->name[i], name) == 0) return i;
-    return -1;
-}
-
+/* Map by the sender's names: those of the arm, or with a common prefix. */
 static mukca_status map_by_name(mukca_recorder *r)
 {
     mukca_stream *stream = &r->stream;
-    for (int j = 0; j < r->chain->n_joints; j++) {
-        stream->map.reading[j] = find_reading(&stream->last.joints, mukca_recorder_joint(r, j));
-        if (stream->map.reading[j] < 0)
+    const mukca_lcm_joints *joints = &stream->last.joints;
+    const char *wanted[MUKCA_MAX_JOINTS] = {NULL};
+    char name[MUKCA_PREFIX_NAME];
+    mukca_prefix prefix;
+    const int n = r->chain->n_joints;
+    for (int j = 0; j < n; j++) wanted[j] = mukca_recorder_joint(r, j);
+    const int found =
+        mukca_prefix_find(&prefix, wanted, n, (const char *const *)joints->name, joints->n);
+    for (int j = 0; j < n; j++) {
+        int k = 0;
+        mukca_prefix_apply(name, &prefix, wanted[j]);
+        while (k < joints->n && strcmp(joints->name[k], name) != 0) k++;
+        if (found == 1 && k < joints->n) {
+            stream->map.reading[j] = k;
+        } else if (found > 1) {
             return mukca_fail(&stream->problem, MUKCA_INPUT,
-                              "channel %s names no joint \"%s\" (its first is \"%.40s\"): check "
-                              "--urdf, or give --map order",
-                              stream->channel, mukca_recorder_joint(r, j),
-                              stream->last.joints.name[0]);
+                              "channel %s names the joints of several arms, \"%.40s\" among them: "
+                              "give the numbers of yours, as in --map 8-14",
+                              stream->channel, name);
+        } else if (k == joints->n) {
+            return mukca_fail(&stream->problem, MUKCA_INPUT,
+                              "channel %s names no joint \"%.40s\" (its first is \"%.40s\"): check "
+                              "--urdf, or give the readings' numbers, as in --map 1-%d",
+                              stream->channel, name, joints->name[0], n);
+        }
     }
     stream->map.by_name = true;
     return MUKCA_OK;
 }
 
-mukca_status mukca_stream_make_map(mukca_recorder *r)
+/* Refuse --map order if a name of the sender is that of another joint of the arm. */
+static mukca_status check_names(mukca_recorder *r)
+{
+    mukca_stream *stream = &r->stream;
+    const int n = r->chain->n_joints;
+    for (int j = 0; j < n; j++) {
+        const char *own = mukca_recorder_joint(r, j), *sent = stream->last.joints.name[j];
+        for (int k = 0; k < n; k++)
+            if (k != j && !mukca_prefix_ends(sent, own) &&
+                mukca_prefix_ends(sent, mukca_recorder_joint(r, k)))
+                return mukca_fail(
+                    &stream->problem, MUKCA_INPUT,
+                    "--map order contradicts the names: reading %d of %s is "
+                    "\"%.40s\", joint %d of the arm is \"%.40s\"; leave out --map, or "
+                    "give numbers, as in --map 3,2,1",
+                    j + 1, stream->channel, sent, j + 1, own);
+    }
+    return MUKCA_OK;
+}
+
+static mukca_status make_map(mukca_recorder *r)
 {
     mukca_stream *stream = &r->stream;
     const char *map = r->options->map;
@@ -85,7 +117,22 @@ mukca_status mukca_stream_make_map(mukca_recorder *r)
                           n > joints ? "choose some with --map, as in --map 8-14"
                                      : "check --urdf, --base and --tip");
     for (int j = 0; j < joints; j++) stream->map.reading[j] = j;
-    return MUKCA_OK;
+    return named ? check_names(r) : MUKCA_OK;
+}
+
+mukca_status mukca_stream_make_map(mukca_recorder *r)
+{
+    mukca_stream *stream = &r->stream;
+    const mukca_status status = make_map(r);
+    const bool named = stream->last.joints.has[MUKCA_LCM_ROLE_NAME];
+    for (int j = 0; j < r->chain->n_joints && status == MUKCA_OK; j++) {
+        char *name = stream->map.name[j];
+        snprintf(name, sizeof stream->map.name[j], "%s",
+                 named ? stream->last.joints.name[stream->map.reading[j]] : "");
+        for (; *name; name++)
+            if ((unsigned char)*name < ' ' || *name == 127) *name = '?'; /* for terminals */
+    }
+    return status;
 }
 
 mukca_status mukca_stream_check_map(mukca_recorder *r, mukca_error *error)
@@ -109,6 +156,7 @@ void mukca_stream_describe_map(const mukca_recorder *r, char *lines, size_t size
     mukca_text_put(&text, "%s (%s), %d readings, mapped by %s:\n", stream->channel,
                    mukca_stream_type(r), stream->map.n, stream->map.by_name ? "name" : "order");
     for (int j = 0; j < r->chain->n_joints; j++)
-        mukca_text_put(&text, "  reading %2d  ->  %-24s now %9.4f rad\n",
-                       stream->map.reading[j] + 1, mukca_recorder_joint(r, j), stream->last.q[j]);
+        mukca_text_put(&text, "  reading %2d  %-24s ->  %-24s now %9.4f rad\n",
+                       stream->map.reading[j] + 1, stream->map.name[j], mukca_recorder_joint(r, j),
+                       stream->last.q[j]);
 }

@@ -4,6 +4,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/text.h"
 #include "base/utf8.h"
@@ -159,4 +160,50 @@ bool mukca_recorder_publish(mukca_recorder *r, mukca_message_kind kind, const vo
     if (size && !sent) mukca_recorder_warn(r, MUKCA_RECORDER_OWN_MESSAGE, error.text);
     if (large) free(large);
     return sent;
+}
+
+/* ---- status ---- */
+
+const char *mukca_sampling_state(const mukca_recorder *r)
+{
+    mukca_capture_sample sample;
+    mukca_error none;
+    const double age = mukca_stream_age(r);
+    if (!r->stream.map.made || age > 1) return "no_stream";
+    return mukca_capture_take(&sample, &r->session.capture, age, &none) ? "moving" : "still";
+}
+
+void mukca_sampling_publish_status(mukca_recorder *r, const char *state)
+{
+    mukca_sampling *s = &r->session;
+    const mukca_stream *stream = &r->stream;
+    const mukca_capture *c = &s->capture;
+    const char *now = mukca_sampling_state(r);
+    const double age = mukca_stream_age(r);
+    mukca_message_status m = {
+        .utime = mukca_lcm_link_clock(r->link),
+        .state = state ? state : now,
+        .text = r->reports.last_line,
+        .session = s->file.fd ? s->file.path : "",
+        .placement = mukca_capture_placement(c),
+        .socket = mukca_capture_socket(c),
+        .rows = s->file.n_rows,
+        .rows_here = c->socket < 0 ? 0 : mukca_capture_count(c, c->socket),
+        .channel = stream->channel,
+        .type = mukca_stream_type(r),
+        .stream = mukca_recorder_stream(r),
+        .rate_hz = age > 1 ? 0 : stream->count.rate,
+        .age_s = age,
+        .received = stream->count.received,
+        .refused = stream->count.refused,
+        .still = strcmp(now, "still") == 0,
+        .expected_m = s->advice.expected,
+        .more_rows_help = s->advice.more_rows_help,
+        .n = r->chain->n_joints,
+    };
+    mukca_capture_spread(&m.spread_m, NULL, c, c->socket);
+    for (int j = 0; j < r->chain->n_joints; j++) m.joint[j] = mukca_recorder_joint(r, j);
+    memcpy(m.position, stream->last.q, sizeof m.position);
+    mukca_capture_coverage(m.coverage, c);
+    mukca_recorder_publish(r, MUKCA_MESSAGE_STATUS, &m);
 }

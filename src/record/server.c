@@ -94,7 +94,7 @@ VERB(add)
 VERB(delete)
 {
     (void)command;
-    return mukca_sampling_undo(&s->recorder, answer);
+    return mukca_sampling_delete(&s->recorder, 0, answer);
 }
 
 /* Save the labels just selected; on failure, reselect those of `before`. */

@@ -236,6 +236,7 @@ static mukca_status store(mukca_recorder *r, const mukca_capture_sample *sample,
 void mukca_sampling_refuse(mukca_recorder *r, int64_t id, const char *text)
 {
     const mukca_message_sample message = {.id = id, .text = text};
+    r->session.refused++;
     mukca_recorder_publish(r, MUKCA_MESSAGE_SAMPLE, &message);
 }
 
@@ -255,9 +256,24 @@ static mukca_status age_at(double *age, const mukca_recorder *r,
         lag < r->session.capture.settings.window || lag > longest_lag)
         return MUKCA_OK;
     return mukca_fail(error, MUKCA_NEGATIVE,
-                      "the last line is %.2g s older than the request: run the program before it "
+                      "the last line is %.1f s older than the request: run the program before it "
                       "without buffering (stdbuf -oL), or synchronise the clocks",
                       lag);
+}
+
+/* Report joints beyond the limits of the URDF, once each: the wrong arm, joint or zero. */
+static void report_limits(mukca_recorder *r, const double *q)
+{
+    const double tolerance = 0.05; /* rad or m: encoders exceed the limits slightly */
+    for (int j = 0; j < r->chain->n_joints; j++) {
+        const mukca_element *e = &r->chain->element[r->chain->joint_element[j]];
+        const double beyond = fmax(q[j] - e->upper, e->lower - q[j]);
+        if (!(beyond > tolerance) || r->session.beyond[j]) continue;
+        r->session.beyond[j] = true;
+        mukca_recorder_report(r,
+                              "%s is %.2f %s beyond its limits in the URDF: check --urdf and --map",
+                              e->name, beyond, e->type == MUKCA_PRISMATIC ? "m" : "rad");
+    }
 }
 
 mukca_status mukca_sampling_sample(mukca_recorder *r, const mukca_sample_request *request,
@@ -287,7 +303,12 @@ mukca_status mukca_sampling_sample(mukca_recorder *r, const mukca_sample_request
     memcpy(message.position, sample.q, sizeof message.position);
     memcpy(message.spread, sample.spread, sizeof message.spread);
     mukca_recorder_publish(r, MUKCA_MESSAGE_SAMPLE, &message);
-    if (status != MUKCA_OK) return mukca_fail(answer, status, "not recorded: %s", error.text);
+    if (status != MUKCA_OK) {
+        s->refused++;
+        return mukca_fail(answer, status, "not recorded: %s", error.text);
+    }
+    s->last = sample;
+    report_limits(r, sample.q);
     mukca_fail(answer, MUKCA_OK, "row %d: placement %s, socket %s%s%s", message.row, placement,
                socket, remark[0] ? ": " : "", remark);
     if (advise(r, &error) != MUKCA_OK) {
@@ -301,23 +322,51 @@ mukca_status mukca_sampling_sample(mukca_recorder *r, const mukca_sample_request
     return MUKCA_OK;
 }
 
-mukca_status mukca_sampling_undo(mukca_recorder *r, mukca_error *answer)
+mukca_status mukca_sampling_delete(mukca_recorder *r, int row, mukca_error *answer)
 {
     mukca_sampling *s = &r->session;
     mukca_error error;
     const mukca_dataset *rows = &s->capture.rows;
-    if (!s->file.fd || !rows->n_rows)
+    if (row == 0) row = rows->n_rows;
+    if (!s->file.fd || row < 1 || row > rows->n_rows)
         return mukca_fail(answer, MUKCA_NEGATIVE, "not deleted: %s",
-                          s->file.fd ? "there is no sample" : "no session is being recorded");
-    const mukca_socket *where = &rows->sockets[rows->socket[rows->n_rows - 1]];
+                          !s->file.fd    ? "no session is being recorded"
+                          : rows->n_rows ? "there is no such row"
+                                         : "there is no sample");
+    const mukca_socket *where = &rows->sockets[rows->socket[row - 1]];
     const char *placement = rows->placements[where->placement].name;
-    mukca_status status = mukca_session_undo(&s->file, placement, where->label, &error);
+    const bool last = row == rows->n_rows;
+    mukca_status status = mukca_session_delete(&s->file, row, placement, where->label, &error);
     if (status != MUKCA_OK) return mukca_fail(answer, status, "not deleted: %s", error.text);
-    mukca_fail(answer, MUKCA_OK, "row %d deleted (placement %s, socket %s)", rows->n_rows,
-               placement, where->label);
-    (void)mukca_capture_drop(&s->capture, &error); /* cannot fail: there is a sample */
+    mukca_fail(answer, MUKCA_OK, "row %d deleted (placement %s, socket %s)%s", row, placement,
+               where->label, last ? "" : "; the rows after it move up by one");
+    (void)mukca_capture_drop(&s->capture, row - 1, &error); /* cannot fail: there is a sample */
+    if (last) s->last.n = 0;
     (void)advise(r, &error);
     return MUKCA_OK;
+}
+
+mukca_status mukca_sampling_move(mukca_recorder *r, mukca_error *answer)
+{
+    mukca_sampling *s = &r->session;
+    mukca_capture *c = &s->capture;
+    const mukca_capture_sample sample = s->last;
+    char placement[MUKCA_NAME_SIZE], socket[MUKCA_NAME_SIZE], remark[MUKCA_CAPTURE_TEXT];
+    mukca_error error;
+    snprintf(placement, sizeof placement, "%s", mukca_capture_placement(c));
+    snprintf(socket, sizeof socket, "%s", c->offered);
+    if (!sample.n || !*socket)
+        return mukca_fail(answer, MUKCA_NEGATIVE, "not moved: no other socket was offered");
+    mukca_status status = mukca_sampling_delete(r, 0, answer);
+    if (status != MUKCA_OK) return status;
+    status = store(r, &sample, placement, socket, remark, &error);
+    if (status != MUKCA_OK)
+        return mukca_fail(answer, status, "deleted, but not recorded in socket %s: %s", socket,
+                          error.text);
+    s->last = sample;
+    (void)advise(r, &error);
+    return mukca_fail(answer, MUKCA_OK, "row %d is now of placement %s, socket %s", s->file.n_rows,
+                      placement, socket);
 }
 
 mukca_status mukca_sampling_select(mukca_recorder *r, const char *placement, const char *socket,
@@ -342,50 +391,4 @@ mukca_status mukca_sampling_next_placement(mukca_recorder *r, mukca_error *answe
     char name[MUKCA_NAME_SIZE];
     new_placement(r, name);
     return mukca_sampling_select(r, name, r->session.capture.settings.labels[0], answer);
-}
-
-/* ---- status ---- */
-
-const char *mukca_sampling_state(const mukca_recorder *r)
-{
-    mukca_capture_sample sample;
-    mukca_error none;
-    const double age = mukca_stream_age(r);
-    if (!r->stream.map.made || age > 1) return "no_stream";
-    return mukca_capture_take(&sample, &r->session.capture, age, &none) ? "moving" : "still";
-}
-
-void mukca_sampling_publish_status(mukca_recorder *r, const char *state)
-{
-    mukca_sampling *s = &r->session;
-    const mukca_stream *stream = &r->stream;
-    const mukca_capture *c = &s->capture;
-    const char *now = mukca_sampling_state(r);
-    const double age = mukca_stream_age(r);
-    mukca_message_status m = {
-        .utime = mukca_lcm_link_clock(r->link),
-        .state = state ? state : now,
-        .text = r->reports.last_line,
-        .session = s->file.fd ? s->file.path : "",
-        .placement = mukca_capture_placement(c),
-        .socket = mukca_capture_socket(c),
-        .rows = s->file.n_rows,
-        .rows_here = c->socket < 0 ? 0 : mukca_capture_count(c, c->socket),
-        .channel = stream->channel,
-        .type = mukca_stream_type(r),
-        .stream = mukca_recorder_stream(r),
-        .rate_hz = age > 1 ? 0 : stream->count.rate,
-        .age_s = age,
-        .received = stream->count.received,
-        .refused = stream->count.refused,
-        .still = strcmp(now, "still") == 0,
-        .expected_m = s->advice.expected,
-        .more_rows_help = s->advice.more_rows_help,
-        .n = r->chain->n_joints,
-    };
-    mukca_capture_spread(&m.spread_m, NULL, c, c->socket);
-    name_joints(r, m.joint);
-    memcpy(m.position, stream->last.q, sizeof m.position);
-    mukca_capture_coverage(m.coverage, c);
-    mukca_recorder_publish(r, MUKCA_MESSAGE_STATUS, &m);
 }

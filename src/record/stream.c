@@ -70,6 +70,32 @@ static void count_arrival(mukca_recorder *r, int64_t now)
     count->rate_count = 0;
 }
 
+/* Record a sample if the arm stands still in a socket (--still).  In a recording nobody presses n:
+ * a posture elsewhere begins the next placement, or goes on with an earlier one. */
+static void record_still(mukca_recorder *r)
+{
+    const mukca_dataset *rows = &r->session.capture.rows;
+    char text[MUKCA_CAPTURE_TEXT];
+    mukca_error answer;
+    int socket;
+    const bool due = mukca_capture_due(&socket, text, &r->session.capture);
+    const bool replay = r->stream.lines ? r->stream.lines->file : mukca_lcm_link_replays(r->link);
+    if (!due && !text[0]) return;
+    if (!due && !replay) {
+        r->session.refused++;
+        mukca_recorder_report(r, "%s", text);
+        return;
+    }
+    if (socket < 0) mukca_sampling_next_placement(r, &answer);
+    mukca_sample_request request = {0};
+    if (socket >= 0)
+        request = (mukca_sample_request){
+            .placement = rows->placements[rows->sockets[socket].placement].name,
+            .socket = rows->sockets[socket].label};
+    mukca_sampling_sample(r, &request, &answer);
+    mukca_recorder_report(r, "%s", answer.text);
+}
+
 static void feed(mukca_recorder *r, int64_t time)
 {
     mukca_stream *stream = &r->stream;
@@ -89,16 +115,7 @@ static void feed(mukca_recorder *r, int64_t time)
     if (found & MUKCA_CAPTURE_PAUSE && mukca_lcm_link_replays(r->link))
         mukca_recorder_report(r, "%s paused for %.1f s", stream->channel, r->session.capture.pause);
     if (!r->options->still || !r->session.file.fd) return;
-    char text[MUKCA_CAPTURE_TEXT];
-    mukca_error answer;
-    int socket;
-    if (mukca_capture_due(&socket, text, &r->session.capture)) {
-        const mukca_sample_request due = {.socket = r->session.capture.rows.sockets[socket].label};
-        mukca_sampling_sample(r, &due, &answer);
-        mukca_recorder_report(r, "%s", answer.text);
-    } else if (text[0]) {
-        mukca_recorder_report(r, "%s", text);
-    }
+    record_still(r);
 }
 
 /* Refuse a message that has no joint states of a known type. */
@@ -142,7 +159,7 @@ static bool find_names(mukca_recorder *r)
     mukca_stream *stream = &r->stream;
     const int n = stream->last.joints.has[MUKCA_LCM_ROLE_NAME] ? stream->last.joints.n : 0;
     for (int j = 0; j < r->chain->n_joints; j++) {
-        const char *joint = mukca_recorder_joint(r, j);
+        const char *joint = stream->map.name[j];
         if (stream->map.reading[j] < n &&
             strcmp(stream->last.joints.name[stream->map.reading[j]], joint) == 0)
             continue;

@@ -13,7 +13,8 @@ typedef struct {
     bool made;      /* `reading` and n are set */
     bool confirmed; /* they may be used */
     bool by_name;
-    int reading[MUKCA_MAX_JOINTS], n; /* index of each joint's; readings of a message */
+    int reading[MUKCA_MAX_JOINTS], n;             /* index of each joint's; readings of a message */
+    char name[MUKCA_MAX_JOINTS][MUKCA_NAME_SIZE]; /* the sender's, of each joint; "": none */
 } mukca_stream_map;
 
 /* The last joint state. */
@@ -89,7 +90,8 @@ mukca_status mukca_stream_wait_lines(mukca_recorder *r, int timeout_ms, int othe
 mukca_status mukca_stream_check_map(mukca_recorder *r, mukca_error *error);
 mukca_status mukca_stream_make_map(mukca_recorder *r);
 
-/* Whether the mapping follows from the order of readings alone; and the mapping as lines. */
+/* Whether the mapping follows from the order of readings alone; and the mapping as lines, with the
+ * sender's names next to the arm's. */
 bool mukca_stream_needs_confirmation(const mukca_recorder *r);
 void mukca_stream_describe_map(const mukca_recorder *r, char *text, size_t size);
 

@@ -42,8 +42,9 @@ static int measure(double origin[3], double *reach, const mukca_report *r, int p
     return rows;
 }
 
-bool mukca_report_centres(mukca_plot *plot, const mukca_report *r, int index)
+bool mukca_report_centres(mukca_plot *plot, const void *content, int index)
 {
+    const mukca_report *r = content;
     static const char axes[3][3] = {"xy", "xz", "yz"};
     static const int open_point[4] = {6, 8, 4, 12}, full_point[4] = {7, 9, 5, 13};
     const mukca_dataset *data = &r->data;

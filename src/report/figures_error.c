@@ -50,8 +50,9 @@ static int collect_rungs(rung rungs[MAX_RUNGS], const mukca_report *r)
     return n;
 }
 
-bool mukca_report_ladder(mukca_plot *plot, const mukca_report *r, int index)
+bool mukca_report_ladder(mukca_plot *plot, const void *content, int index)
 {
+    const mukca_report *r = content;
     if (index > 0 || !isfinite(r->diagnosed.diagnosis->geometry_m)) return false;
     rung rungs[MAX_RUNGS];
     const int n = collect_rungs(rungs, r);
@@ -100,8 +101,9 @@ bool mukca_report_ladder(mukca_plot *plot, const mukca_report *r, int index)
 
 /* ---- error over the angle of one joint ---- */
 
-bool mukca_report_joints(mukca_plot *plot, const mukca_report *r, int index)
+bool mukca_report_joints(mukca_plot *plot, const void *content, int index)
 {
+    const mukca_report *r = content;
     if (index >= r->chain->n_joints) return false;
     const int n = r->chain->n_joints, rows = r->data.n_rows;
     const mukca_element *e = &r->chain->element[r->chain->joint_element[index]];
@@ -160,8 +162,9 @@ static void mark_placements(mukca_plot *plot, const mukca_dataset *data)
     }
 }
 
-bool mukca_report_samples(mukca_plot *plot, const mukca_report *r, int index)
+bool mukca_report_samples(mukca_plot *plot, const void *content, int index)
 {
+    const mukca_report *r = content;
     const mukca_dataset *data = &r->data;
     const bool sockets = data->n_sockets > 0, faults = r->diagnosed.diagnosis->n_faults > 0;
     double most = 0;

@@ -1,118 +1,103 @@
-/* The report of a fleet: verdict, outliers, coefficients, ripple, provenance. */
+/* The report of a fleet: verdict, departing arms, coefficients arm by arm, ripple. */
 #include "report/fleet_page.h"
 
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
+#include "base/utf8.h"
 #include "report/html.h"
-#include "report/page.h"
-#include "report/wording_fleet.h"
 
-enum { MOST_ROWS = 200 }; /* largest number of rows of a table */
+enum {
+    MOST_ROWS = 200, /* largest number of rows of a table */
+    MOST_ARMS = 24,  /* as many names as fit a figure */
+    NAME = 12        /* characters of an arm's name */
+};
 static const double per = MUKCA_WORDING_PER_SPRING;
 
 /* ---- the order of the page ---- */
 
-static int by_departure(const void *a, const void *b)
+/* Whether x precedes y: most probable departure first. */
+static bool precedes(const mukca_departure *x, const mukca_departure *y)
 {
-    const mukca_departure *x = a, *y = b;
-    if (x->probability != y->probability) return x->probability < y->probability ? 1 : -1;
+    if (x->probability != y->probability) return x->probability > y->probability;
     if (x->log_bayes_factor != y->log_bayes_factor)
-        return x->log_bayes_factor < y->log_bayes_factor ? 1 : -1;
-    return x->arm - y->arm;
+        return x->log_bayes_factor > y->log_bayes_factor;
+    return x->arm < y->arm;
 }
 
-mukca_status mukca_fleet_page_prepare(mukca_fleet_page *p, mukca_error *error)
+/* The arm that follows `last` (NULL: the first) on the page; NULL: none. */
+static const mukca_departure *next_arm(const mukca_fleet_page *p, const mukca_departure *last)
+{
+    const mukca_departure *best = NULL, *d = p->result->departure;
+    for (int a = 0; a < p->fleet->n_arms; a++, d++)
+        if ((!last || precedes(last, d)) && (!best || precedes(d, best))) best = d;
+    return best;
+}
+
+static bool departs(const mukca_departure *d)
+{
+    return d && d->probability >= MUKCA_DEPARTS;
+}
+
+/* The coefficient of figure `index`: those of departing arms first, then the shared ones; -1:
+ * none. */
+static int panel(const mukca_fleet_page *p, int index)
 {
     const mukca_fleet_result *r = p->result;
-    const size_t n = (size_t)p->fleet->n_arms;
-    p->arms = malloc(n * sizeof *p->arms);
-    if (!p->arms) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the page");
-    memcpy(p->arms, r->departure, n * sizeof *p->arms);
-    qsort(p->arms, n, sizeof *p->arms, by_departure);
-    while (p->n_departing < (int)n && p->arms[p->n_departing].probability >= MUKCA_DEPARTS)
-        p->n_departing++;
-    bool departs[MUKCA_FLEET_TERMS] = {false};
-    for (int i = 0; i < p->n_departing; i++) departs[p->arms[i].k] = true;
-    int next = 0;
     for (int rank = 0; rank < 3; rank++)
-        for (int k = 0; k < r->population.n; k++)
-            if (rank == (departs[k] ? 0 : r->traits.list[k].probability >= MUKCA_SHARED ? 1 : 2))
-                p->panels[next++] = k;
-    return MUKCA_OK;
+        for (int k = 0; k < r->population.n; k++) {
+            int own = r->traits.list[k].probability >= MUKCA_SHARED ? 1 : 2;
+            for (int a = 0; a < p->fleet->n_arms; a++)
+                if (departs(&r->departure[a]) && r->departure[a].k == k) own = 0;
+            if (own == rank && index-- == 0) return k;
+        }
+    return -1;
 }
 
-void mukca_fleet_page_free(mukca_fleet_page *p)
-{
-    free(p->arms);
-    p->arms = NULL;
-}
+/* ---- texts ---- */
 
-/* ---- verdict and what to do ---- */
-
-static void put_departure(FILE *out, const mukca_fleet_page *p, const mukca_departure *d)
+static void put_departures(FILE *out, const mukca_fleet_page *p, int n)
 {
+    const mukca_departure *d = next_arm(p, NULL);
     char words[MUKCA_WORDING];
-    mukca_wording_fleet_departure(words, d, p->fleet);
-    mukca_html_escape(out, p->fleet->arm[d->arm].name);
-    fputs(": ", out);
-    mukca_html_escape(out, words);
-}
-
-static void put_verdict(FILE *out, const mukca_fleet_page *p)
-{
-    const mukca_fleet *f = p->fleet;
-    fprintf(out, "<p class=\"verdict %s\">",
-            p->n_departing  ? "unknown"
-            : f->n_arms < 3 ? "untestable"
-                            : "none");
-    if (p->n_departing == 1)
-        put_departure(out, p, &p->arms[0]);
-    else if (p->n_departing)
-        fprintf(out, "%d of %d arms depart from the fleet", p->n_departing, f->n_arms);
-    else
-        fputs(f->n_arms < 3 ? "Departures are not testable with two arms"
-                            : "No arm departs from the fleet",
-              out);
-    fputs(".</p>\n", out);
-    if (p->n_departing < 2) return;
-    fputs("<ul>\n", out);
-    for (int i = 0; i < p->n_departing && i < MOST_ROWS; i++) {
+    for (int i = 0; departs(d) && i < MOST_ROWS; d = next_arm(p, d), i++) {
+        const char *remedy = mukca_effect_table[d->effect.kind]->remedy;
+        mukca_wording_fleet_departure(words, d, p->fleet);
         fputs("<li>", out);
-        put_departure(out, p, &p->arms[i]);
-        fputs("</li>\n", out);
-    }
-    fputs("</ul>\n", out);
-}
-
-/* List the shared coefficients and orders. */
-static void put_shared(FILE *out, const mukca_fleet_page *p)
-{
-    const mukca_traits *t = &p->result->traits;
-    int n = 0;
-    fputs("<h2 id=\"shared\">What the arms share</h2>\n<ul>\n", out);
-    for (int i = 0; i < t->n; i++) {
-        char words[MUKCA_WORDING];
-        if (t->list[i].probability < MUKCA_SHARED) continue;
-        mukca_wording_fleet_trait(words, &t->list[i], p->fleet);
-        mukca_html_element(out, "li", words);
-        n++;
-    }
-    fputs(n ? "</ul>\n" : "<li>no elastic coefficient and no order of ripple</li></ul>\n", out);
-}
-
-static void put_to_do(FILE *out, const mukca_fleet_page *p)
-{
-    fputs("<h2 id=\"to-do\">What to do</h2>\n<ul>\n", out);
-    for (int i = 0; i < p->n_departing && i < MOST_ROWS; i++) {
-        const char *remedy = mukca_effect_table[p->arms[i].effect.kind]->remedy;
-        fputs("<li>", out);
-        mukca_html_escape(out, p->fleet->arm[p->arms[i].arm].name);
+        mukca_html_escape(out, n > 1 ? words : p->fleet->arm[d->arm].name);
         fputs(": ", out);
         mukca_html_escape(out, remedy ? remedy : "inspect the transmission");
         fputs("</li>\n", out);
     }
+}
+
+/* Verdict, shared properties, and what to do. */
+static void open_page(FILE *out, const void *content)
+{
+    const mukca_fleet_page *p = content;
+    const mukca_fleet *f = p->fleet;
+    const mukca_traits *t = &p->result->traits;
+    char words[MUKCA_WORDING] = "No arm departs from the fleet";
+    int n = 0, shared = 0;
+    for (int a = 0; a < f->n_arms; a++) n += departs(&p->result->departure[a]);
+    if (n > 1) snprintf(words, sizeof words, "%d of %d arms depart from the fleet", n, f->n_arms);
+    if (n == 1) mukca_wording_fleet_departure(words, next_arm(p, NULL), f);
+    if (f->n_arms < 3) snprintf(words, sizeof words, "Departures are not testable with two arms");
+    fprintf(out, "<p class=\"verdict %s\">", n ? "unknown" : f->n_arms < 3 ? "untestable" : "none");
+    mukca_html_escape(out, words);
+    fprintf(out,
+            ".</p>\n<p>%d arms, %d sessions, %d samples.</p>\n"
+            "<h2 id=\"shared\">What the arms share</h2>\n<ul>\n",
+            f->n_arms, f->n_sessions, t->n_samples);
+    for (int i = 0; i < t->n; i++) {
+        if (t->list[i].probability < MUKCA_SHARED) continue;
+        mukca_wording_fleet_trait(words, &t->list[i], f);
+        mukca_html_element(out, "li", words);
+        shared++;
+    }
+    fputs(shared ? "</ul>\n" : "<li>no elastic coefficient and no order of ripple</li></ul>\n",
+          out);
+    fputs("<h2 id=\"to-do\">What to do</h2>\n<ul>\n", out);
+    put_departures(out, p, n);
     fputs("<li>", out);
     mukca_html_sentence(out,
                         "`mukca fleet` with these summaries and `-o MODEL.traits.tsv` saves what "
@@ -120,70 +105,119 @@ static void put_to_do(FILE *out, const mukca_fleet_page *p)
     fputs(".</li>\n</ul>\n", out);
 }
 
-static void put_key_figures(FILE *out, const mukca_fleet_page *p)
+static void put_arms(FILE *out, const void *content)
 {
-    const struct {
-        const char *label;
-        int value;
-    } tiles[] = {{"arms", p->fleet->n_arms},
-                 {"arms that depart", p->n_departing},
-                 {"sessions", p->fleet->n_sessions},
-                 {"samples", p->result->traits.n_samples}};
-    fputs("<dl class=\"tiles\">\n", out);
-    for (int i = 0; i < 4; i++)
-        fprintf(out, "<div><dt>%s</dt><dd>%d</dd></div>\n", tiles[i].label, tiles[i].value);
-    fputs("</dl>\n", out);
-}
-
-/* ---- tables ---- */
-
-static void put_arms(FILE *out, const mukca_fleet_page *p)
-{
-    const int n = p->fleet->n_arms;
+    const mukca_fleet_page *p = content;
+    const mukca_departure *d = next_arm(p, NULL);
     char words[MUKCA_WORDING];
     mukca_html_table table = {
         .out = out,
         .caption = "Arms by the probability of a departure, " MUKCA_WORDING_SPRING,
         .columns =
             "arm|#sessions|#samples|largest departure|#value|#from|#to|#sisters|#probability"};
-    for (int i = 0; i < n && i < MOST_ROWS; i++) {
-        const mukca_departure *d = &p->arms[i];
+    for (int i = 0; d && i < MOST_ROWS; d = next_arm(p, d), i++) {
         const mukca_fleet_arm *arm = &p->fleet->arm[d->arm];
-        if (d->k < 0) {
-            mukca_html_row(&table, "%s\t%d\t%d\tnot testable\tnan\tnan\tnan\tnan\tnan", arm->name,
-                           arm->end - arm->first, arm->samples);
-            continue;
-        }
-        mukca_wording_fleet_effect(words, &d->effect, p->fleet);
-        mukca_html_row(&table, "%s\t%d\t%d\t%s\t%.3g\t%.3g\t%.3g\t%.3g\t%.3f", arm->name,
-                       arm->end - arm->first, arm->samples, words, per * fmax(d->value, 0),
-                       per * d->low, per * fmax(d->high, 0), per * d->mean, d->probability);
+        snprintf(words, sizeof words, "not testable");
+        if (d->k >= 0) mukca_wording_fleet_effect(words, &d->effect, p->fleet);
+        mukca_html_row(&table, "%s\t%d\t%d\t%s", arm->name, arm->end - arm->first, arm->samples,
+                       words);
+        if (d->k >= 0)
+            mukca_html_cells(&table, "%.3g\t%.3g\t%.3g\t%.3g\t%.3f", per * fmax(d->value, 0),
+                             per * d->low, per * fmax(d->high, 0), per * d->mean, d->probability);
+        else
+            mukca_html_cells(&table, "nan\tnan\tnan\tnan\tnan");
     }
     mukca_html_table_end(&table);
-    if (n > MOST_ROWS) fprintf(out, "<p>The first %d of %d arms.</p>\n", MOST_ROWS, n);
+    if (d) fprintf(out, "<p>The first %d of %d arms.</p>\n", MOST_ROWS, p->fleet->n_arms);
 }
 
-static void put_coefficients(FILE *out, const mukca_fleet_page *p)
+static void put_provenance(FILE *out, const void *content)
+{
+    const mukca_fleet_page *p = content;
+    fputs("<p>Made by ", out);
+    mukca_html_element(out, "code", p->command);
+    fprintf(out, " at %s.</p>\n", p->when);
+}
+
+/* ---- figures ---- */
+
+/* Print the arms' coefficients as blocks $sound and $departing, with their names as tics; returns
+ * the number of arms drawn. */
+static int put_points(FILE *s, const mukca_fleet_page *p, int k)
 {
     const mukca_fleet_result *r = p->result;
-    char words[MUKCA_WORDING];
-    mukca_html_table table = {
-        .out = out,
-        .caption = "Elastic coefficients of the fleet, " MUKCA_WORDING_SPRING,
-        .columns =
-            "coefficient|#mean|#from|#to|#spread|#arms|#log Bayes factor|#probability shared"};
-    for (int i = 0; i < r->population.n; i++) {
-        const mukca_trait *s = &r->traits.list[p->panels[i]];
-        mukca_wording_fleet_effect(words, &s->effect, p->fleet);
-        mukca_html_row(&table, "%s\t%.3g\t%.3g\t%.3g\t%.3g\t%d\t%.1f\t%.3f", words, per * s->value,
-                       per * s->low, per * s->high, per * s->spread, s->arms, s->log_bayes_factor,
-                       s->probability);
+    int drawn = 0;
+    for (int departing = 0; departing < 2; departing++) {
+        const mukca_departure *d = next_arm(p, NULL);
+        fprintf(s, "$%s << EOD\n", departing ? "departing" : "sound");
+        for (int i = 0; d && i < MOST_ARMS; d = next_arm(p, d), i++) {
+            const mukca_departure *e = &r->estimate[d->arm * r->population.n + k];
+            if (d->k < 0 || (departs(d) && d->k == k) != departing) continue;
+            fprintf(s, "%d %.6g %.6g %.6g\n", i + 1, per * fmax(e->value, 0), per * e->low,
+                    per * fmax(e->high, 0)); /* estimates may be negative */
+            drawn++;
+        }
+        fputs("0 0 0 0\nEOD\n", s); /* gnuplot reports a block without points as an error */
     }
-    mukca_html_table_end(&table);
+    const mukca_departure *d = next_arm(p, NULL);
+    fputs("set xtics rotate by -50 (", s);
+    for (int i = 0; d && i < MOST_ARMS; d = next_arm(p, d), i++) {
+        const char *name = p->fleet->arm[d->arm].name;
+        char text[NAME + 1];
+        snprintf(text, sizeof text, "%.*s", (int)mukca_utf8_fit(name, NAME), name);
+        fputs(i ? ", " : "", s);
+        mukca_plot_tic(s, text);
+        fprintf(s, " %d", i + 1);
+    }
+    fputs(")\n", s);
+    return drawn;
 }
 
-static void put_orders(FILE *out, const mukca_fleet_page *p)
+/* Coefficients of the arms side by side. */
+static bool draw_coefficient(mukca_plot *plot, const void *content, int index)
 {
+    const mukca_fleet_page *p = content;
+    const int k = panel(p, index), n = p->fleet->n_arms;
+    if (k < 0) return false;
+    const mukca_trait *c = &p->result->traits.list[k];
+    const double value = per * c->value, spread = 1.96 * per * c->spread;
+    char words[MUKCA_WORDING], probability[MUKCA_WORDING], id[64];
+    FILE *s = plot->script;
+    mukca_wording_fleet_effect(words, &c->effect, p->fleet);
+    mukca_wording_probability(probability, c->probability);
+    snprintf(id, sizeof id, "coefficient-%d", index + 1);
+    mukca_plot_begin(plot, id, words, MUKCA_PLOT_HALF, 260);
+    if (!put_points(s, p, k)) return false;
+    fprintf(s,
+            "set xrange [0.3:%g]\nset yrange [0:*]\nset ylabel '" MUKCA_WORDING_SPRING
+            "'\nset object rectangle from graph 0, first %.6g to graph 1, first %.6g behind "
+            "fillcolor rgb 'gray' fillstyle transparent solid 0.35 noborder\n"
+            "set arrow from graph 0, first %.6g to graph 1, first %.6g nohead linecolor rgb "
+            "'black' dashtype 2\n"
+            "plot $sound using 1:2:3:4 with yerrorbars lc rgb " PLOT_AFTER
+            " pt 7 ps 0.6 lw 1.5 notitle, $departing using 1:2:3:4 with yerrorbars lc "
+            "rgb " PLOT_BEFORE " pt 9 ps 0.9 lw 2 notitle\n",
+            (n < MOST_ARMS ? n : MOST_ARMS) + 0.7, fmax(value - spread, 0), value + spread, value,
+            value);
+    fprintf(plot->description,
+            "Each arm with its 95 %% interval, its sisters as prior; dashed: mean of the fleet, "
+            "%.3g [%.3g, %.3g] if shared (%s); grey: range of 95 %% of its arms.",
+            value, per * c->low, per * c->high, probability);
+    const mukca_departure *d = next_arm(p, NULL);
+    for (int i = 0; departs(d) && i < MOST_ARMS; d = next_arm(p, d), i++)
+        if (d->k == k)
+            fprintf(plot->description, " %s departs: %.3g [%.3g, %.3g].",
+                    p->fleet->arm[d->arm].name, per * d->value, per * d->low, per * d->high);
+    if (n > MOST_ARMS)
+        fprintf(plot->description, " The %d of %d arms that are most probable to depart.",
+                MOST_ARMS, n);
+    return true;
+}
+
+/* The most probable order of each joint. */
+static void put_orders(FILE *out, const void *content)
+{
+    const mukca_fleet_page *p = content;
     mukca_html_table table = {
         .out = out,
         .caption = "Most probable order of each joint",
@@ -192,97 +226,29 @@ static void put_orders(FILE *out, const mukca_fleet_page *p)
             "shared"};
     for (int j = 0; j < p->fleet->model.n_joints; j++) {
         const mukca_trait *o = &p->result->order[j];
-        if (!o->effect.variant.order) continue;
-        mukca_html_row(&table, "%s\t%d\t%d\t%.1f\t%.3f", p->fleet->model.joint[j],
-                       o->effect.variant.order, o->arms, o->log_bayes_factor, o->probability);
+        if (o->effect.variant.order)
+            mukca_html_row(&table, "%s\t%d\t%d\t%.1f\t%.3f", p->fleet->model.joint[j],
+                           o->effect.variant.order, o->arms, o->log_bayes_factor, o->probability);
     }
     mukca_html_table_end(&table);
 }
 
-static void put_provenance(FILE *out, const mukca_fleet_page *p)
-{
-    const int n = p->fleet->n_sessions;
-    fputs("<p>Made by ", out);
-    mukca_html_element(out, "code", p->command);
-    fprintf(out, " at %s.</p>\n", p->when);
-    mukca_html_table table = {
-        .out = out, .caption = "Sessions", .columns = "arm|summary|recording|#samples|#noise, mm"};
-    for (int s = 0; s < n && s < MOST_ROWS; s++) {
-        const mukca_fleet_session *session = &p->fleet->session[s];
-        mukca_html_row(&table, "%s\t%s\t%016llx\t%d\t%.3g", session->arm, session->path,
-                       (unsigned long long)session->data, session->samples, 1e3 * session->sigma_m);
-    }
-    mukca_html_table_end(&table);
-    if (n > MOST_ROWS) fprintf(out, "<p>The first %d of %d sessions.</p>\n", MOST_ROWS, n);
-}
-
-/* ---- sections ---- */
-
-static const struct {
-    const char *id, *heading;
-    mukca_fleet_figure *figure; /* NULL: none */
-    void (*text)(FILE *out, const mukca_fleet_page *page);
-} sections[] = {
+static const mukca_page_section sections[] = {
     {"arms", "Arms", NULL, put_arms},
-    {"coefficients", "Elastic coefficients, arm by arm", mukca_fleet_draw_coefficient,
-     put_coefficients},
-    {"ripple", "Transmission ripple", mukca_fleet_draw_orders, put_orders},
+    {"coefficients", "Elastic coefficients, arm by arm", draw_coefficient, NULL},
+    {"ripple", "Transmission ripple", NULL, put_orders},
     {"provenance", "Provenance", NULL, put_provenance},
 };
-enum { SECTIONS = sizeof sections / sizeof *sections };
 
-static mukca_status put_figures(const mukca_page_figures *to, int section,
-                                const mukca_fleet_page *p, mukca_error *error)
+mukca_page mukca_fleet_page_of(const mukca_fleet_page *p)
 {
-    mukca_status status = MUKCA_OK;
-    bool more = sections[section].figure != NULL;
-    for (int i = 0; more && status == MUKCA_OK; i++) {
-        mukca_plot plot;
-        status = mukca_plot_open(&plot, error);
-        more = status == MUKCA_OK && sections[section].figure(&plot, p, i);
-        if (more) status = mukca_page_figure(to, &plot, error);
-        mukca_plot_free(&plot);
-    }
-    return status;
-}
-
-mukca_status mukca_fleet_page_write(FILE *out, const mukca_fleet_page *p, mukca_error *error)
-{
-    const mukca_fleet_model *model = &p->fleet->model;
-    const mukca_page_figures page = {.page = out};
-    mukca_page_begin(out, &(mukca_page_head){.robot = model->robot,
-                                             .kind = "fleet report",
-                                             .from = model->base,
-                                             .to = model->tip,
-                                             .when = p->when});
-    put_verdict(out, p);
-    put_shared(out, p);
-    put_to_do(out, p);
-    put_key_figures(out, p);
-    fputs("<nav aria-label=\"Sections\"><ul>\n", out);
-    for (int k = 0; k < SECTIONS; k++)
-        fprintf(out, "<li><a href=\"#%s\">%s</a></li>\n", sections[k].id, sections[k].heading);
-    fputs("</ul></nav>\n", out);
-    for (int k = 0; k < SECTIONS; k++) {
-        fprintf(out, "<section aria-labelledby=\"%s\">\n<h2 id=\"%s\">%s</h2>\n", sections[k].id,
-                sections[k].id, sections[k].heading);
-        if (sections[k].figure) fputs("<div class=\"figures\">\n", out);
-        const mukca_status status = put_figures(&page, k, p, error);
-        if (status != MUKCA_OK) return status;
-        if (sections[k].figure) fputs("</div>\n", out);
-        sections[k].text(out, p);
-        fputs("</section>\n", out);
-    }
-    mukca_page_end(out);
-    return MUKCA_OK;
-}
-
-mukca_status mukca_fleet_page_write_figures(const char *directory, const char *format,
-                                            const mukca_fleet_page *p, mukca_error *error)
-{
-    const mukca_page_figures files = {.directory = directory, .format = format};
-    mukca_status status = MUKCA_OK;
-    for (int k = 0; k < SECTIONS && status == MUKCA_OK; k++)
-        status = put_figures(&files, k, p, error);
-    return status;
+    return (mukca_page){.robot = p->fleet->model.robot,
+                        .kind = "fleet report",
+                        .from = p->fleet->model.base,
+                        .to = p->fleet->model.tip,
+                        .when = p->when,
+                        .open = open_page,
+                        .sections = sections,
+                        .n_sections = sizeof sections / sizeof *sections,
+                        .content = p};
 }

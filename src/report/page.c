@@ -1,47 +1,173 @@
-/* Head and figures, shared by all pages. */
+/* Pages: head, list of sections, figures with their texts. */
 #include "report/page.h"
 
+#include <stdlib.h>
+
+#include "base/file.h"
 #include "mukca/version.h"
 #include "report/html.h"
-#include "report/style.h"
 
-void mukca_page_begin(FILE *out, const mukca_page_head *head)
+/* The figures have the light colours as attributes; rules for the value of an attribute replace
+ * each by that of the scheme in use.  (gnuplot writes a colour as rgb with padded numbers.) */
+#define REPORT_COLOUR(value, variable)                    \
+    ".plot [stroke=\"" value "\"]{stroke:var(--" variable \
+    ")}"                                                  \
+    ".plot [fill=\"" value "\"]{fill:var(--" variable     \
+    ")}"                                                  \
+    ".plot [color=\"" value "\"]{color:var(--" variable ")}\n"
+
+static const char mukca_report_style[] =
+    ":root{--ink:#1a1a1a;--paper:#fff;--soft:#f3f4f6;--line:#8a8f98;"
+    "--before:#c35200;--after:#0072b2;--third:#007a58;--grid:#b0b4ba}\n"
+    "@media (prefers-color-scheme:dark){:root{--ink:#e8e8e8;--paper:#15181c;--soft:#23272e;"
+    "--line:#8a8f98;--before:#ff9a4d;--after:#63b8f0;--third:#3ecfa0;--grid:#565b63}}\n"
+    "*{box-sizing:border-box}\n"
+    "body{margin:0 auto;padding:1rem;max-width:62rem;font:16px/1.5 system-ui,sans-serif;"
+    "color:var(--ink);background:var(--paper)}\n"
+    "h1{font-size:1.6rem;line-height:1.2;margin:.2em 0}h2{font-size:1.2rem;margin:2rem 0 .5rem;"
+    "border-bottom:1px solid var(--line)}\n"
+    "nav ul{display:flex;flex-wrap:wrap;gap:.2rem 1rem;padding:0;list-style:none}\n"
+    "a{color:var(--after)}\n"
+    ".verdict{padding:.7rem 1rem;background:var(--soft);border-left:.4rem solid var(--after);"
+    "font-size:1.1rem}\n"
+    ".verdict.unknown,.verdict.tied,.verdict.untestable{border-color:var(--before)}\n"
+    ".tiles{display:grid;grid-template-columns:repeat(auto-fill,minmax(9.5rem,1fr));gap:.6rem;"
+    "margin:1rem 0}\n"
+    ".tiles div{background:var(--soft);padding:.5rem .7rem}.tiles dt{font-size:.85rem}\n"
+    ".tiles dd{margin:0;font-size:1.4rem;font-variant-numeric:tabular-nums}.tiles small{font-size:"
+    ".8rem}\n"
+    ".figures{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,26rem),1fr));"
+    "gap:1rem}\n"
+    "figure{margin:0;min-width:0;overflow-x:auto}figure.broad{grid-column:1/-1}\n"
+    "figcaption{font-size:.9rem}figcaption strong{display:block}\n"
+    ".plot{display:block;width:100%;max-width:30rem;height:auto}"
+    ".plot text{paint-order:stroke;stroke:var(--paper);stroke-width:3px;stroke-linejoin:round}\n"
+    ".broad .plot{min-width:40rem;max-width:none}\n"
+    REPORT_COLOUR("black", "ink") REPORT_COLOUR("rgb(  0,   0,   0)", "ink")
+    REPORT_COLOUR("gray", "grid") REPORT_COLOUR("rgb(190, 190, 190)", "grid")
+    REPORT_COLOUR("white", "paper") REPORT_COLOUR("rgb(213,  94,   0)", "before")
+    REPORT_COLOUR("rgb(  0, 114, 178)", "after") REPORT_COLOUR("rgb(  0, 158, 115)", "third")
+    ".wide{overflow-x:auto}table{border-collapse:collapse;font-size:.9rem;margin:.5rem 0}\n"
+    "caption{text-align:left;font-weight:600;padding:.3rem 0}\n"
+    "th,td{padding:.2rem .6rem;text-align:left;border-bottom:1px solid var(--grid);vertical-align:"
+    "top}th{min-width:4.5rem}td:last-child:not(.n):not(:first-child){min-width:9rem}\n"
+    "@media screen and (max-width:40rem){.cards{width:100%}.cards thead{display:none}.cards tr{display:block;padding:.3rem 0;"
+    "border-bottom:1px solid var(--line)}.cards td,.cards td.n{display:flex;gap:.6rem;border:0;"
+    "padding:.1rem 0;text-align:left}.cards td:empty{display:none}.cards td::before{content:attr("
+    "data-label);flex:0 0 7rem;opacity:.75}}\n"
+    ".matrix th,.matrix td{min-width:0;padding:.2rem .35rem}.matrix th{font-weight:400}.matrix td{"
+    "background:color-mix(in srgb,var(--before) var(--share,0%),transparent)}\n"
+    ".n{text-align:right;font-variant-numeric:tabular-nums}code{font-size:.85em;overflow-wrap:"
+    "anywhere}\n"
+    "@media print{:root{--ink:#000;--paper:#fff;--soft:#f3f4f6;--before:#c35200;"
+    "--after:#0072b2;--third:#007a58;--grid:#b0b4ba}body{max-width:none;font-size:10pt;padding:0}"
+    "nav{display:none}figure,tr,.tiles{break-inside:avoid}h2{break-after:avoid}"
+    ".wide,figure{overflow:visible}.plot.plot{min-width:0}}\n";
+
+static void put_head(FILE *out, const mukca_page *p)
 {
     fputs(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
         "<meta name=\"color-scheme\" content=\"light dark\">\n<title>",
         out);
-    mukca_html_escape(out, head->robot);
-    fprintf(out, ": %s</title>\n<style>\n%s</style>\n</head>\n<body>\n<header>\n<h1>", head->kind,
+    mukca_html_escape(out, p->robot);
+    fprintf(out, ": %s</title>\n<style>\n%s</style>\n</head>\n<body>\n<header>\n<h1>", p->kind,
             mukca_report_style);
-    mukca_html_escape(out, head->robot);
-    fprintf(out, ": %s</h1>\n<p>From ", head->kind);
-    mukca_html_element(out, "code", head->from);
+    mukca_html_escape(out, p->robot);
+    fprintf(out, ": %s</h1>\n<p>From ", p->kind);
+    mukca_html_element(out, "code", p->from);
     fputs(" to ", out);
-    mukca_html_element(out, "code", head->to);
-    fprintf(out, ", mukca %s, %s</p>\n</header>\n<main>\n", MUKCA_VERSION, head->when);
+    mukca_html_element(out, "code", p->to);
+    fprintf(out, ", mukca %s, %s</p>\n</header>\n<main>\n", MUKCA_VERSION, p->when);
 }
 
-void mukca_page_end(FILE *out)
+/* Write a figure with its title and description to `out`. */
+static mukca_status put_figure(FILE *out, mukca_plot *plot, mukca_error *error)
 {
-    fputs("</main>\n</body>\n</html>\n", out);
-}
-
-mukca_status mukca_page_figure(const mukca_page_figures *to, mukca_plot *plot, mukca_error *error)
-{
-    char path[4096];
-    if (!to->page) {
-        snprintf(path, sizeof path, "%s/%s.%s", to->directory, plot->id, to->format);
-        return mukca_plot_file(path, to->format, plot, error);
-    }
-    fprintf(to->page, "<figure%s>\n", plot->width > MUKCA_PLOT_HALF ? " class=\"broad\"" : "");
-    const mukca_status status = mukca_plot_svg(to->page, plot, error);
+    fprintf(out, "<figure%s>\n", plot->width > MUKCA_PLOT_HALF ? " class=\"broad\"" : "");
+    const mukca_status status = mukca_plot_svg(out, plot, error);
     if (status != MUKCA_OK) return status;
-    fputs("<figcaption>", to->page);
-    mukca_html_element(to->page, "strong", plot->title);
-    fputc(' ', to->page);
-    mukca_html_escape(to->page, plot->words);
-    fputs("</figcaption>\n</figure>\n", to->page);
+    fputs("<figcaption>", out);
+    mukca_html_element(out, "strong", plot->title);
+    fputc(' ', out);
+    mukca_html_escape(out, plot->words);
+    fputs("</figcaption>\n</figure>\n", out);
     return MUKCA_OK;
+}
+
+/* Draw all figures of section k, to `out`, or (NULL) to files. */
+static mukca_status put_figures(FILE *out, const char *directory, const char *format,
+                                const mukca_page *p, int k, mukca_error *error)
+{
+    mukca_status status = MUKCA_OK;
+    bool more = p->sections[k].figure != NULL;
+    for (int i = 0; more && status == MUKCA_OK; i++) {
+        mukca_plot plot;
+        char path[4096];
+        if (p->progress && !p->progress(p->progress_context, 1.0 * k / p->n_sections, "drawing"))
+            return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted; the page was not written");
+        status = mukca_plot_open(&plot, error);
+        more = status == MUKCA_OK && p->sections[k].figure(&plot, p->content, i);
+        if (more && out) {
+            status = put_figure(out, &plot, error);
+        } else if (more) {
+            snprintf(path, sizeof path, "%s/%s.%s", directory, plot.id, format);
+            status = mukca_plot_file(path, format, &plot, error);
+        }
+        mukca_plot_free(&plot);
+    }
+    return status;
+}
+
+/* Write section k, and its entry in the list of sections to `list`. */
+static mukca_status put_section(FILE *out, FILE *list, const mukca_page *p, int k,
+                                mukca_error *error)
+{
+    const mukca_page_section *s = &p->sections[k];
+    char *figures = NULL;
+    size_t size = 0;
+    FILE *stream = open_memstream(&figures, &size);
+    if (!stream) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the figures");
+    mukca_status status = put_figures(stream, NULL, NULL, p, k, error);
+    if (!mukca_file_close(stream, &figures) && status == MUKCA_OK)
+        status = mukca_fail(error, MUKCA_MEMORY, "out of memory for the figures");
+    if (status == MUKCA_OK && (size > 0 || !s->figure)) {
+        fprintf(list, "<li><a href=\"#%s\">%s</a></li>\n", s->id, s->heading);
+        fprintf(out, "<section aria-labelledby=\"%s\">\n<h2 id=\"%s\">%s</h2>\n", s->id, s->id,
+                s->heading);
+        if (size > 0) fprintf(out, "<div class=\"figures\">\n%s</div>\n", figures);
+        if (s->text) s->text(out, p->content);
+        fputs("</section>\n", out);
+    }
+    free(figures);
+    return status;
+}
+
+mukca_status mukca_page_write(FILE *out, const mukca_page *p, mukca_error *error)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *body = open_memstream(&text, &size); /* the list of sections precedes them */
+    mukca_status status = MUKCA_OK;
+    if (!body) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the page");
+    put_head(out, p);
+    p->open(out, p->content);
+    fputs("<nav aria-label=\"Sections\"><ul>\n", out);
+    for (int k = 0; k < p->n_sections && status == MUKCA_OK; k++)
+        status = put_section(body, out, p, k, error);
+    if (!mukca_file_close(body, &text) && status == MUKCA_OK)
+        status = mukca_fail(error, MUKCA_MEMORY, "out of memory for the page");
+    if (status == MUKCA_OK) fprintf(out, "</ul></nav>\n%s</main>\n</body>\n</html>\n", text);
+    free(text);
+    return status;
+}
+
+mukca_status mukca_page_write_figures(const char *directory, const char *format,
+                                      const mukca_page *p, mukca_error *error)
+{
+    mukca_status status = MUKCA_OK;
+    for (int k = 0; k < p->n_sections && status == MUKCA_OK; k++)
+        status = put_figures(NULL, directory, format, p, k, error);
+    return status;
 }

@@ -1,26 +1,35 @@
-/* Head and figures, shared by all pages. */
+/* Pages: a head, an opening text, and sections with figures. */
 #ifndef MUKCA_REPORT_PAGE_H
 #define MUKCA_REPORT_PAGE_H
 
+#include <stdbool.h>
+
 #include "report/plot.h"
 
-/* Destination of figures: the page, or files. */
+/* A section; `content` is that of the page. */
 typedef struct {
-    FILE *page;                     /* NULL: files */
-    const char *directory, *format; /* of the files: "png", "pdf" or "svg" */
-} mukca_page_figures;
+    const char *id, *heading;
+    /* Draw figure `index` on an open plot; false: there is none.  NULL: no figures; a section
+     * without any of its figures is omitted. */
+    bool (*figure)(mukca_plot *plot, const void *content, int index);
+    void (*text)(FILE *out, const void *content); /* after the figures; NULL: none */
+} mukca_page_section;
 
-/* Title "ROBOT: KIND", links, and date (UTC). */
 typedef struct {
-    const char *robot, *kind, *from, *to, *when;
-} mukca_page_head;
+    const char *robot, *kind, *from, *to, *when; /* title "ROBOT: KIND", links, date (UTC) */
+    void (*open)(FILE *out, const void *content);
+    const mukca_page_section *sections;
+    int n_sections;
+    const void *content;
+    bool (*progress)(void *context, double share, const char *doing); /* NULL: none; false stops */
+    void *progress_context;
+} mukca_page;
 
-/* Write everything before the first section; and the end of the page. */
-void mukca_page_begin(FILE *out, const mukca_page_head *head);
-void mukca_page_end(FILE *out);
+/* Write the page.  Errors: MUKCA_INTERRUPTED, MUKCA_MEMORY, those of mukca_plot_svg. */
+mukca_status mukca_page_write(FILE *out, const mukca_page *page, mukca_error *error);
 
-/* Draw a figure; in a page its title and description follow.  Errors: those of mukca_plot_svg and
- * mukca_plot_file. */
-mukca_status mukca_page_figure(const mukca_page_figures *to, mukca_plot *plot, mukca_error *error);
+/* Write each figure as DIRECTORY/<id>.<format>, format "png", "pdf" or "svg".  Errors: as above. */
+mukca_status mukca_page_write_figures(const char *directory, const char *format,
+                                      const mukca_page *page, mukca_error *error);
 
 #endif

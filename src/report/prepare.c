@@ -3,7 +3,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "fit/cross_training.h"
 #include "fit/frames.h"
 #include "report/report.h"
 
@@ -127,8 +126,7 @@ static double *explain(mukca_report *r)
          .effects = applied->effects,
          .n_effects = applied->n_effects},
         {.chain = d->chain, .theta = theta, .effects = general, .n_effects = n}};
-    r->explained = residuals(r, positions(r, models));
-    return joint_errors(r, d->chain, theta, r->explained);
+    return joint_errors(r, d->chain, theta, residuals(r, positions(r, models)));
 }
 
 /* Compute positions, residuals and their components by joint; models[0] for the training data,
@@ -176,27 +174,6 @@ static mukca_status score(mukca_report *r, const mukca_dataset *data, const mukc
     return MUKCA_OK;
 }
 
-/* Append a bar, unless there were no test samples. */
-static bool add_bar(void *context, const mukca_cross_training *t, double share)
-{
-    mukca_report *r = context;
-    mukca_report_bar *bar = &r->bars[r->n_bars];
-    if (isfinite(t->mean)) {
-        *bar = (mukca_report_bar){.mean = t->mean, .low = t->low, .high = t->high};
-        memcpy(bar->trained, t->name, sizeof bar->trained);
-        r->n_bars++;
-    }
-    return !r->progress || r->progress(r->progress_context, share, "training and testing");
-}
-
-static mukca_status cross_train(mukca_report *r, mukca_error *error)
-{
-    const int n = r->train->n_placements;
-    r->bars = MUKCA_TAKE(&r->pool, mukca_report_bar, n * (n + 1) / 2 + 2);
-    if (!r->bars) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    return mukca_cross_training_run(r->chain, r->train, r->test, add_bar, r, error);
-}
-
 mukca_status mukca_report_prepare(mukca_report *r, mukca_error *error)
 {
     const mukca_dataset *data[2] = {r->train, r->test};
@@ -209,7 +186,9 @@ mukca_status mukca_report_prepare(mukca_report *r, mukca_error *error)
         status = mukca_frames_start(theta, r->fitted, r->train, r->free_base, r->free_tool, error);
     if (status != MUKCA_OK) return status;
     r->scores = MUKCA_TAKE(&r->pool, mukca_report_score, r->data.n_placements + 2);
-    if (!r->scores) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    r->offset = MUKCA_TAKE(&r->pool, mukca_offset_row, MUKCA_MAX_OFFSET_ROWS);
+    if (r->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    r->n_offsets = mukca_offsets_rows(r->offset, r->offsets, r->fitted);
     for (int k = 0; k < 2 && status == MUKCA_OK; k++) {
         mukca_offsets_place_effects(effects[k], r->offsets, data[k]);
         models[k] = (mukca_model){.chain = r->fitted,
@@ -219,7 +198,6 @@ mukca_status mukca_report_prepare(mukca_report *r, mukca_error *error)
         if (data[k]->n_rows > 0) status = score(r, data[k], &nominal, &models[k], error);
     }
     if (status == MUKCA_OK) status = predict(r, &nominal, models, error);
-    if (status == MUKCA_OK) status = cross_train(r, error);
     return status;
 }
 

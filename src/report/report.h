@@ -5,13 +5,8 @@
 #include "base/pool.h"
 #include "fit/evaluate.h"
 #include "io/offsets.h"
+#include "report/page.h"
 #include "report/wording.h"
-
-/* Errors at one iteration of the fit, m: consistency and distortion of the training data, then of
- * the test data (NaN: no test data). */
-typedef struct {
-    double error[4];
-} mukca_report_step;
 
 /* Errors of one placement, nominal and calibrated. */
 typedef struct {
@@ -19,12 +14,6 @@ typedef struct {
     bool test;
     mukca_score nominal, calibrated;
 } mukca_report_score;
-
-/* One bar of the comparison of calibrations by training placements, tested on the others. */
-typedef struct {
-    char trained[2 * MUKCA_NAME_SIZE]; /* its placements, as in mukca_cross_training */
-    double mean, low, high;            /* mean error on the other placements and its interval, m */
-} mukca_report_bar;
 
 typedef struct {
     const char *path, *sha256;
@@ -45,39 +34,29 @@ typedef struct {
     const char *solver;                /* of `fit` */
     const mukca_dataset *train, *test; /* `test` may be empty */
     mukca_diagnosed diagnosed;         /* with `train` as its data */
-    const mukca_report_step *steps;    /* [n_steps], may be empty */
-    int n_steps;
-    double repeatability;        /* of the arm, m; 0: unknown */
-    mukca_progress_fn *progress; /* may be NULL; false interrupts */
-    void *progress_context;
     /* Set by mukca_report_prepare. */
     mukca_dataset data;        /* samples of `train`, then of `test` */
     const double *nominal;     /* [n_rows][3] predicted tip, m */
     const double *calibrated;  /* [n_rows][3] */
     const double *residual;    /* [n_rows][3] calibrated tip minus its socket's mean or the measured
                                   position; NaN: unknown */
-    const double *explained;   /* [n_rows][3] residual of the model with causes; NULL: none */
     const double *joint_error; /* [n_rows][n_joints] component of the residual along the ball's
                                   motion by the joint, m */
     const double *joint_effect; /* part of it explained by the causes; NULL: no causes */
+    mukca_offset_row *offset;   /* [n_offsets] rows of `offsets` */
+    int n_offsets;
     mukca_report_score *scores; /* [n_scores] of `train`, then of `test` */
     int n_scores;
     double nominal_m, calibrated_m; /* mean error over the placements of `test`, else of `train` */
-    mukca_report_bar *bars;         /* [n_bars] */
-    int n_bars;
     mukca_pool pool;
 } mukca_report;
 
 /* Compute the content of the page.  Free with mukca_report_free, also after an error.  Errors:
- * MUKCA_MEMORY, MUKCA_INTERRUPTED, those of mukca_fit_run. */
+ * MUKCA_MEMORY. */
 mukca_status mukca_report_prepare(mukca_report *report, mukca_error *error);
 void mukca_report_free(mukca_report *report); /* harmless on a zeroed report */
 
-/* Write the page.  Errors: MUKCA_INTERRUPTED, those of mukca_plot_svg. */
-mukca_status mukca_report_write(FILE *out, const mukca_report *report, mukca_error *error);
-
-/* Write each figure as DIRECTORY/<id>.<format>, format "png", "pdf" or "svg".  Errors: as above. */
-mukca_status mukca_report_write_figures(const char *directory, const char *format,
-                                        const mukca_report *report, mukca_error *error);
+/* The page, whose content `report` must outlive it. */
+mukca_page mukca_report_page(const mukca_report *report);
 
 #endif

@@ -35,8 +35,9 @@ void mukca_report_put_key_figures(FILE *out, const mukca_report *r)
     fputs("</dl>\n", out);
 }
 
-void mukca_report_put_placements(FILE *out, const mukca_report *r)
+void mukca_report_put_placements(FILE *out, const void *content)
 {
+    const mukca_report *r = content;
     const bool sockets = r->data.n_sockets > 0;
     mukca_html_table table = {
         .out = out,
@@ -61,23 +62,18 @@ void mukca_report_put_placements(FILE *out, const mukca_report *r)
                        b->distance_error * mm);
     }
     mukca_html_table_end(&table);
-}
-
-void mukca_report_put_terms(FILE *out, const mukca_report *r)
-{
-    fputs(r->data.n_sockets == 0
-              ? "<p>Error of a pose: distance of the predicted from the measured position.</p>\n"
-              : "<p>Consistency error: distance of the predicted ball centres of one socket from "
-                "their "
-                "mean. Distortion: error of the predicted distance between two sockets.</p>\n",
+    fputs(sockets ? "<p>Consistency error (mean, rms): distance of the predicted ball centres of "
+                    "one socket from their mean. Distortion: error of the predicted distance "
+                    "between two sockets.</p>\n"
+                  : "<p>Error of a pose: distance of the predicted from the measured "
+                    "position.</p>\n",
           out);
 }
 
-void mukca_report_put_offsets(FILE *out, const mukca_report *r)
+void mukca_report_put_offsets(FILE *out, const void *content)
 {
-    mukca_offset_row rows[MUKCA_MAX_OFFSET_ROWS];
+    const mukca_report *r = content;
     char verdict[MUKCA_ACCEPTANCE_SENTENCE];
-    const int n = mukca_offsets_rows(rows, r->offsets, r->fitted);
     mukca_acceptance_sentence(verdict, &r->offsets->acceptance,
                               r->fitted->kinematics_sha256[0] != '\0');
     fputs("<p>Verdict of the table: ", out);
@@ -89,8 +85,8 @@ void mukca_report_put_offsets(FILE *out, const mukca_report *r)
             "Offsets: calibrated = nominal + offset, in the URDF's origins; sigma only where the "
             "data alone determine the parameter",
         .columns = "joint|parameter|unit|#nominal|#calibrated|#offset|#sigma|identifiable"};
-    for (int i = 0; i < n; i++) {
-        const mukca_offset_row *row = &rows[i];
+    for (int i = 0; i < r->n_offsets; i++) {
+        const mukca_offset_row *row = &r->offset[i];
         mukca_html_row(&table, "%s\t%s\t%s\t%.6f\t%.6f\t%.6f\t%.6f\t%s", row->joint, row->parameter,
                        row->unit, row->nominal, row->calibrated, row->offset, row->sigma,
                        row->identifiable ? "yes" : "no");
@@ -98,8 +94,9 @@ void mukca_report_put_offsets(FILE *out, const mukca_report *r)
     mukca_html_table_end(&table);
 }
 
-void mukca_report_put_provenance(FILE *out, const mukca_report *r)
+void mukca_report_put_provenance(FILE *out, const void *content)
 {
+    const mukca_report *r = content;
     fputs("<p>Made by ", out);
     mukca_html_element(out, "code", r->command);
     fprintf(out, " at %s.", r->when);

@@ -117,26 +117,6 @@ void mukca_report_put_verdict(FILE *out, const mukca_report *r)
 
 /* ---- causes ---- */
 
-static void put_ties(FILE *out, const mukca_diagnosed *d)
-{
-    mukca_html_table table = {
-        .out = out,
-        .caption = "Indistinguishable in these data",
-        .style = "cards",
-        .columns = "cause|alternative|#log Bayes factor|#of the alternative|#correlation"};
-    char words[MUKCA_WORDING], rival[MUKCA_WORDING];
-    for (int i = 0; i < d->diagnosis->n_causes; i++) {
-        const mukca_cause *cause = &d->diagnosis->causes[i];
-        mukca_wording_cause(words, cause, d);
-        for (const mukca_tie *tie = cause->ties; tie < cause->ties + cause->n_ties; tie++) {
-            mukca_wording_effect(rival, tie->effect, mukca_chain_joint_name(d->chain, tie->joint));
-            mukca_html_row(&table, "%s\t%s\t%.1f\t%.1f\t%.2f", words, rival,
-                           cause->log_bayes_factor, tie->log_bayes_factor, tie->correlation);
-        }
-    }
-    mukca_html_table_end(&table);
-}
-
 /* Write the matrix of correlations among causes and close candidates. */
 static void put_confounding(FILE *out, const mukca_diagnosed *d)
 {
@@ -160,32 +140,35 @@ static void put_confounding(FILE *out, const mukca_diagnosed *d)
     mukca_html_table_end(&table);
 }
 
-void mukca_report_put_causes(FILE *out, const mukca_report *r)
+void mukca_report_put_causes(FILE *out, const void *content)
 {
+    const mukca_report *r = content;
     const mukca_diagnosed *d = &r->diagnosed;
     char words[MUKCA_WORDING], amplitude[MUKCA_WORDING], probability[MUKCA_WORDING];
-    mukca_html_table table = {.out = out,
-                              .caption = "Causes, the largest contribution first",
-                              .style = "cards",
-                              .columns = "cause|size [95 % interval]|probability|mechanism"};
+    mukca_html_table table = {
+        .out = out,
+        .caption =
+            "Causes, the largest contribution first; after \"or\": indistinguishable in these data",
+        .style = "cards",
+        .columns = "cause|size [95 % interval]|probability|mechanism"};
     if (d->diagnosis->n_causes == 0) return;
     for (int i = 0; i < d->diagnosis->n_causes; i++) {
         const mukca_cause *cause = &d->diagnosis->causes[i];
-        mukca_wording_cause(words, cause, d);
+        mukca_wording_rivals(words, cause, d);
         mukca_wording_amplitude(amplitude, cause, d->chain);
         mukca_wording_probability(probability, cause->probability);
         mukca_html_row(&table, "%s\t%s\t%s\t%s", words, amplitude,
                        probability + strlen("probability "), mukca_wording_mechanism(cause, d));
     }
     mukca_html_table_end(&table);
-    put_ties(out, d);
     put_confounding(out, d);
 }
 
 /* ---- recording faults ---- */
 
-void mukca_report_put_faults(FILE *out, const mukca_report *r)
+void mukca_report_put_faults(FILE *out, const void *content)
 {
+    const mukca_report *r = content;
     const mukca_diagnosis *d = r->diagnosed.diagnosis;
     const mukca_dataset *data = r->train;
     mukca_html_table table = {.out = out,
@@ -252,8 +235,9 @@ static double limit_of(const mukca_diagnosis *d, int effect, int joint)
     return limit;
 }
 
-void mukca_report_put_limits(FILE *out, const mukca_report *r)
+void mukca_report_put_limits(FILE *out, const void *content)
 {
+    const mukca_report *r = content;
     const mukca_diagnosis *d = r->diagnosed.diagnosis;
     char columns[COLUMNS], name[MUKCA_WORDING];
     joint_columns(columns, "effect|#arm or tool", r->chain);

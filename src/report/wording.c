@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "math/stats.h"
 
 /* Append to a text of MUKCA_WORDING characters; longer text is truncated. */
 __attribute__((format(printf, 2, 3))) static void put(char *text, const char *format, ...)
@@ -221,13 +222,22 @@ void mukca_wording_verdict(char text[MUKCA_WORDING], const mukca_diagnosed *r)
         text[0] = 'U';
         put_count(text, causes, "");
     } else if (!first) {
-        put(text, "%s",
-            d->n_causes
-                ? "The tool moved during the recording, or a joint slipped; no effect on the "
-                  "arm beyond its geometry was identified"
-                : "No effect beyond the geometry was identified; the remaining error "
-                  "agrees with the "
-                  "measurement noise and the uncertainty of the geometry");
+        const double common = sqrt(d->shared), own = sqrt(1 - d->shared);
+        if (d->n_causes)
+            put(text,
+                "The tool moved during the recording, or a joint slipped; no effect on the "
+                "arm beyond its geometry was identified");
+        else if (common > 2 * own) /* of a posture's readings */
+            put(text,
+                "No effect beyond the geometry was identified; readings of a posture agree "
+                "to %.3f mm, but postures differ by %.3f mm: no cause explains it, nor does "
+                "the noise of the readings",
+                1e3 * own * MUKCA_MEAN_NORM3 * d->sigma_m,
+                1e3 * common * MUKCA_MEAN_NORM3 * d->sigma_m);
+        else
+            put(text,
+                "No effect beyond the geometry was identified; the remaining error agrees "
+                "with the measurement noise and the uncertainty of the geometry");
         if (d->verdict == MUKCA_VERDICT_TIED) put(text, " (indistinguishable in these data)");
     } else {
         const bool tied = first->n_ties || first->or_unknown;

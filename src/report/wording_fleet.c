@@ -1,5 +1,5 @@
 /* The wording of a fleet. */
-#include "report/wording_fleet.h"
+#include "report/fleet_page.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -41,7 +41,8 @@ void mukca_wording_fleet_departure(char text[MUKCA_WORDING], const mukca_departu
     else
         snprintf(ratio, sizeof ratio, "stiffer (%.1f of the deflection) than", d->ratio);
     snprintf(text, MUKCA_WORDING,
-             "%.200s %s %d sisters, %.3g " MUKCA_WORDING_SPRING " [%.3g, %.3g] against %.3g, %.60s",
-             effect, ratio, f->n_arms - 1, per * d->value, per * d->low, per * d->high,
-             per * d->mean, probability);
+             "%.64s: %.200s %s %d sisters, %.3g " MUKCA_WORDING_SPRING
+             " [%.3g, %.3g] against %.3g, %.60s",
+             f->arm[d->arm].name, effect, ratio, f->n_arms - 1, per * d->value, per * d->low,
+             per * d->high, per * d->mean, probability);
 }

@@ -6,6 +6,7 @@
 
 #include "arm/inverse.h"
 #include "base/pool.h"
+#include "model/dataset_subset.h"
 
 enum { DIM = 6, SWEEPS = 50 };
 

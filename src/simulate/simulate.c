@@ -12,8 +12,10 @@
 /* Attempts per sample, and tolerance of the ball's position (m). */
 enum { ATTEMPTS = 200 };
 static const double seated = 1e-12;
+/* Mean time between samples, s. */
+static const double interval = 5;
 
-static const mukca_simulate_options standard = {.rows = 30, .distance = 0.05, .interval = 5};
+static const mukca_simulate_options standard = {.rows = 30, .distance = 0.05};
 
 /* Replace zeroed options by the defaults. */
 static mukca_simulate_options settle(const mukca_simulate_options *options)
@@ -21,7 +23,6 @@ static mukca_simulate_options settle(const mukca_simulate_options *options)
     mukca_simulate_options o = options ? *options : standard;
     if (o.rows <= 0) o.rows = standard.rows;
     if (!(o.distance > 0)) o.distance = standard.distance;
-    if (!(o.interval > 0)) o.interval = standard.interval;
     return o;
 }
 
@@ -30,9 +31,8 @@ void mukca_simulate_perturb(double *theta, unsigned char *listed, const mukca_ch
 {
     mukca_random random;
     mukca_parameters free;
-    const mukca_selection all = {0};
     mukca_simulate_seed(&random, seed, MUKCA_DRAW_GEOMETRY);
-    if (mukca_parameters_select(&free, chain, &all, NULL)) return;
+    mukca_parameters_set(&free, chain, NULL, false);
     for (int i = 0; i < free.n; i++) {
         const int k = free.index[i];
         theta[k] += (k % MUKCA_PARAMETERS < 3 ? shift : turn) * mukca_random_normal(&random);
@@ -60,7 +60,7 @@ typedef struct {
     mukca_dataset *data;
     mukca_simulate_options options;
     mukca_row_state states;
-    mukca_random postures, noise, effort, rotation, clock;
+    mukca_random postures, noise, rotation, clock;
     double phase[MUKCA_MAX_JOINTS], pace[MUKCA_MAX_JOINTS]; /* of a sweep; rad per sample */
     double ball_noise[3];                                   /* noise of the present sample, m */
     double lag; /* readback lag along the last move, rad */
@@ -138,9 +138,7 @@ static void finish_row(recorder *r)
     if (data->effort) {
         mukca_gravity_load load;
         mukca_chain_moments(&load, &r->arm->chain, &r->arm->geometry, q, NULL, r->options.payload);
-        for (size_t j = 0; j < n; j++)
-            data->effort[at + j] =
-                load.torque[j] + r->options.effort_noise * mukca_random_normal(&r->effort);
+        for (size_t j = 0; j < n; j++) data->effort[at + j] = load.torque[j];
     }
     r->row++;
 }
@@ -175,7 +173,6 @@ static mukca_status begin(recorder *r, mukca_dataset *data, int rows, int placem
     const uint64_t seed = r->options.seed;
     mukca_simulate_seed(&r->postures, seed, MUKCA_DRAW_POSTURES);
     mukca_simulate_seed(&r->noise, seed, MUKCA_DRAW_NOISE);
-    mukca_simulate_seed(&r->effort, seed, MUKCA_DRAW_EFFORT);
     mukca_simulate_seed(&r->rotation, seed, MUKCA_DRAW_ROTATION);
     mukca_simulate_seed(&r->clock, seed, MUKCA_DRAW_TIME);
     for (size_t j = 0; j < n; j++) {
@@ -270,7 +267,6 @@ static bool is_duplicate(const mukca_simulated_session *session, int place, int 
 static mukca_status record_socket(recorder *r, const mukca_simulated_session *session, int place,
                                   int socket, int row, mukca_error *error)
 {
-    const double interval = r->options.interval;
     const size_t n = (size_t)r->data->n_joints;
     mukca_frame target = {{0}, {0}};
     r->data->socket[r->row] = 2 * place + socket;
@@ -342,7 +338,7 @@ mukca_status mukca_simulate_poses(mukca_dataset *data, const mukca_true_arm *arm
             status = MUKCA_INTERRUPTED;
             break;
         }
-        tick(&r, r.options.interval);
+        tick(&r, interval);
         if (q)
             memcpy(data->q + i * n, q + i * n, n * sizeof *q);
         else if (r.options.sweep)

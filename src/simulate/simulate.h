@@ -13,6 +13,7 @@
 
 #include "math/random.h"
 #include "model/dataset.h"
+#include "mukca/row_state.h"
 
 /* Purposes of random numbers. */
 typedef enum {
@@ -22,8 +23,7 @@ typedef enum {
     MUKCA_DRAW_PLACES,
     MUKCA_DRAW_POSTURES,
     MUKCA_DRAW_NOISE,
-    MUKCA_DRAW_EFFORT,
-    MUKCA_DRAW_ROTATION,
+    MUKCA_DRAW_ROTATION = 7, /* recordings keep their bytes */
     MUKCA_DRAW_TIME
 } mukca_draw;
 
@@ -66,12 +66,10 @@ typedef struct {
     double noise;       /* sigma per axis at the ball, m */
     double rotation;    /* sigma per axis of measured orientations, rad (pose logs) */
     double correlation; /* correlation of the noise of consecutive samples */
-    double interval;    /* mean time between samples, s */
     bool sweep;         /* consecutive postures follow smooth motions; else random */
     bool effort, command;
-    double effort_noise; /* sigma, N m */
-    double payload;      /* at the tip, kg; recorded unless 0 */
-    bool position_only;  /* pose logs: no orientations */
+    double payload;     /* at the tip, kg; recorded unless 0 */
+    bool position_only; /* pose logs: no orientations */
     uint64_t seed;
     bool (*interrupted)(void); /* polled at each sample; may be NULL */
 } mukca_simulate_options;

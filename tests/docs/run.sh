@@ -55,8 +55,9 @@ check "options that documents mention exist" "$(
     done)"
 check "make targets that documents mention exist" "$(
     # shellcheck disable=SC2086
-    grep -ohE '(`|^)make [a-z][a-z-]+' $pages CONTRIBUTING.md ARCHITECTURE.md mukca.1 | sort -u | cut -d ' ' -f 2 |
-        while read -r target; do grep -qE "^$target:|^\.PHONY:.* $target( |\\\\|$)|^ .* $target( |$)" Makefile || echo "$target"; done)"
+    grep -ohE '(`|^)make (-f tools/Makefile )?[a-z][a-z0-9-]+' $pages CONTRIBUTING.md ARCHITECTURE.md CHANGELOG.md mukca.1 | sort -u |
+        sed 's/.*make -f \([^ ]*\) /\1 /; s/.*make /Makefile /' |
+        while read -r file target; do grep -qE "^$target:" "$file" Makefile || echo "$target in $file"; done)"
 check "files and headings that documents link to exist" "$(
     # shellcheck disable=SC2086
     "${PYTHON:-python3}" - $pages CONTRIBUTING.md ARCHITECTURE.md CHANGELOG.md <<'PY'

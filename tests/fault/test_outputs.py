@@ -28,7 +28,7 @@ OLD = b"an earlier result\n"
 def commands(inputs):
     """{name: (arguments, files that grow while they are written)}"""
     data, offsets = os.path.join(inputs, "data.tsv"), os.path.join(inputs, "offsets.tsv")
-    poses, urdf = os.path.join(inputs, "poses.tsv"), os.path.join(inputs, "new.urdf")
+    poses = os.path.join(inputs, "poses.tsv")
     few = os.path.join(inputs, "few.tsv")
     return {
         "calibrate": (["calibrate", *ARM, data, "-o", "o.tsv", "--json", "o.json", "--trace", "t.tsv"], ()),
@@ -40,7 +40,6 @@ def commands(inputs):
         "export urdf": (["export", *ARM, "--offsets", offsets, "-o", "o.urdf"], ()),
         "export mjcf": (["export", *ARM, "--offsets", offsets, "--format", "mjcf"], ()),
         "export c": (["export", *ARM, "--offsets", offsets, "--format", "c", "-o", "o.h"], ()),
-        "export --check": (["export", *ARM, "--offsets", offsets, "--format", "urdf", "--check", urdf], ()),
         "plan": (["plan", *ARM, data, "--rows", "2", "-o", "o.tsv", "--json", "o.json"], ()),
         "simulate": (["simulate", *ARM, "--rows", "2", "--placements", "2", "--held-out", "1", "--test", "test.tsv", "--labels",
                       "l.json", "--truth", "t.tsv", "-o", "o.csv"], ()),
@@ -62,7 +61,6 @@ def prepare(inputs):
     run("simulate", *ARM, "--poses", "60", "--perturb", "1,2", "--noise", "1e-4", "-o", "poses.tsv")
     run("simulate", *ARM, "--placements", "1", "--rows", "2", "-o", "few.tsv")
     run("calibrate", *ARM, "data.tsv", "-o", "offsets.tsv")
-    run("export", *ARM, "--offsets", "offsets.tsv", "-o", "new.urdf")
 
 
 def normal(data):

@@ -1,4 +1,4 @@
-/* Lines of robot programs: any text; targets lie within it and can be printed again. */
+/* Lines of robot programs: any text; the numbers of a target lie within it, in order. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -13,29 +13,26 @@ int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size)
     if (!line) return 0;
     memcpy(line, data, size);
     line[size] = '\0';
-    for (int n = 3; n <= 8; n++) {
-        chain.n_joints = n;
-        for (int l = 0; l < 3; l++)
-            for (int pose = 0; pose < 2; pose++) {
-                mukca_program_reader reader = {
-                    .language = mukca_languages[l], .chain = &chain, .pose = pose};
-                mukca_program_target t;
-                size_t at = 0;
-                mukca_program_line(&reader, line);
-                while (mukca_program_next(&t, &reader)) {
-                    if (t.begin < at || t.end <= t.begin || t.end > strlen(line)) abort();
-                    at = t.end;
-                    FILE *stream = open_memstream(&printed, &length);
-                    if (!stream) break;
-                    if (pose && !t.incomplete)
-                        mukca_language_replace_pose(stream, &reader, &t, &t.pose);
-                    else if (!t.incomplete)
-                        mukca_language_replace(stream, &reader, &t, t.q);
-                    fclose(stream);
-                    free(printed);
-                }
+    for (int n = 3; n <= 8; n++)
+        for (int l = 0; l < 3; l++) {
+            const mukca_language *language = mukca_languages[l];
+            mukca_program_target t;
+            size_t at = 0;
+            chain.n_joints = n;
+            mukca_language_read(&t, language, &chain, true, line);
+            if (mukca_language_read(&t, language, &chain, false, line) != MUKCA_LINE_TARGET)
+                continue;
+            for (int j = 0; j < n; j++) {
+                if (t.number[j][0] < at || t.number[j][1] <= t.number[j][0]) abort();
+                at = t.number[j][1];
             }
-    }
+            if (at > strlen(line)) abort();
+            FILE *stream = open_memstream(&printed, &length);
+            if (!stream) break;
+            mukca_language_replace(stream, language, &chain, line, &t, t.q);
+            fclose(stream);
+            free(printed);
+        }
     free(line);
     return 0;
 }

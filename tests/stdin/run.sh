@@ -31,6 +31,15 @@ ok "and it has the samples" test "$(rows "$dir/pipe.tsv" | wc -l)" -eq 9
 ok "messages of the gripper alone are said" grep -q 'without all joints of the arm' "$dir/said"
 ok "and lost messages" grep -q "standard input:41: no joint state: 'A message was lost!!!': ignored" "$dir/said"
 
+# a recording of several placements, with a rest elsewhere: by stillness, nobody presses n
+"$mukca" simulate --urdf data/demo/arm.urdf --placements 3 --rows 4 --perturb 1,2 --seed 3 | grep -v '^#' |
+    awk -v OFS='\t' '{ print } NR == 6 { print "rest", 0, 0, 0, -0.5, 0, -1, 0, 1, 0 }' >"$dir/true.tsv"
+awk -F'\t' -v OFS=, 'NR == 1 { $1 = "time_s"; for (j = 4; j <= NF; j++) $1 = $1 OFS $j; print $1; next }
+    { for (i = 0; i < 30; i++) { line = sprintf("%.2f", 2 * NR + i / 20); for (j = 4; j <= NF; j++) line = line OFS $j; print line } }' \
+    "$dir/true.tsv" >"$dir/placements.csv"
+capture --stdin --still -o "$dir/placements.tsv" --placement p1,rest,p2,p3 <"$dir/placements.csv" >"$dir/said" 2>&1
+ok "placements of a recording, with a rest among them" diff <(cut -f 1,2 "$dir/true.tsv") <(rows "$dir/placements.tsv" | cut -f 1,2)
+
 capture --lcm-url "file://$dir/triggers.lcmlog" --trigger -o "$dir/triggers.tsv" 2>"$dir/said" || cat "$dir/said"
 ok "triggers over LCM" test "$(rows "$dir/triggers.tsv" | wc -l)" -eq 9
 ok "triggers as lines" same "$dir/triggers.json" "$dir/triggers.tsv"
@@ -82,6 +91,9 @@ refuses "text for an angle" 1 'joint_2 reads nan: no angle' "time_s,$joints\n1,0
 refuses "degrees" 1 'joint_1 reads 90: no angle in rad' "time_s,$joints\n1,90,0,0,0,0,0,0\n"
 refuses "no names" 2 'sends no joint names.*--map order' '{"time": 1, "position": [0, 0, 0, 0, 0, 0, 0]}\n'
 refuses "order confirmed" 1 'no sample was recorded' '{"time": 1, "position": [0, 0, 0, 0, 0, 0, 0]}\n' --map order
+refuses "names of a second arm" 1 'reading  1  left_joint_1  *->  joint_1 ' "time_s,left_${joints//,/,left_}\n1,0,0,0,0,0,0,0\n"
+refuses "an order that contradicts the names" 3 'contradicts the names: reading 1 of standard input is "joint_2", joint 1 of the arm is "joint_1"' \
+    "time_s,joint_2,joint_1,${joints#*,*,}\n1,0,0,0,0,0,0,0\n" --map order
 refuses "LCM's options" 2 '--channel, --type and --record belong to LCM' '' --channel X
 printf "$joints\n0,0,0,0,0,0,0\n" >"$dir/timeless.csv"
 capture --stdin --still -o "$dir/bad.tsv" --force <"$dir/timeless.csv" >"$dir/out" 2>"$dir/said"

@@ -173,7 +173,7 @@ static void advice_is_what_comes_true(void **state)
             mukca_capture_keep(text, &capture, o.q, &error);
             bad_seats++;
             found += strstr(text, "is the ball seated?") != NULL;
-            mukca_capture_drop(&capture, &error);
+            mukca_capture_drop(&capture, capture.rows.n_rows - 1, &error);
         }
         mukca_capture_free(&capture);
     }

@@ -6,7 +6,8 @@
 #include "close.h"
 #include "diagnose/regression.h"
 #include "fit/frames.h"
-#include "fit/observe.h"
+#include "fit/observe_jacobian.h"
+#include "fit/selection.h"
 #include "math/random.h"
 
 enum { ROWS = 16 };
@@ -114,7 +115,8 @@ static void check_fit(const scene *s)
     if (s->tool) mukca_frame_multiply(tip, tip, &s->target);
     mukca_geometry_theta(theta, &chain, &geometry);
     const int n = parameters.n, part = s->oriented ? 6 : 3;
-    assert_true(mukca_observe_setup(&o, &pool, &chain, &s->data, NULL, n));
+    assert_true(mukca_observe_setup(&o, &pool, &chain, &s->data, n));
+    assert_true(mukca_poses_add(&o, &pool, &s->data));
     double *r = MUKCA_TAKE(&pool, double, o.n_residuals);
     double *J = MUKCA_TAKE(&pool, double, o.n_residuals *n);
     assert_true(r && J);

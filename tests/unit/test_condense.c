@@ -11,6 +11,7 @@
 
 #include "diagnose/condense.h"
 #include "diagnose/diagnose.h"
+#include "model/dataset_subset.h"
 #include "scene.h"
 
 enum { TIMES = 3 };

@@ -3,7 +3,7 @@
 #include "io/dataset_load.h"
 
 #include "io/urdf.h"
-#include "model/dataset.h"
+#include "model/dataset_subset.h"
 #include "scratch.h"
 
 static mukca_chain chain;
@@ -276,12 +276,12 @@ static void bad_sessions_get_one_clear_line(void **state)
     static const struct {
         const char *text, *part;
     } cases[] = {
-        {"placement\tsocket\tj1\nx\t0\t0\n",
-         "s.tsv:1: no column for joint 'j2' of the chain (columns: "},
-        {"placement\tsocket\tj1\tJ_2\n", "rename column 'J_2' to 'j2'"},
+        {"placement\tsocket\tj1\nx\t0\t0\n", "s.tsv:1: no column for joint 'j2' (columns: "},
+        {"placement\tsocket\tj1\tJ_2\n", "rename column 'J_2' with --columns 'J_2=j2'"},
         {"j1\tj2\n0\t0\n", "neither a session nor a pose log"},
         {"placement\tj1\tj2\n0\t0\t0\n", "no column 'socket'"},
-        {"placement socket j1 j2\n0 0 0 0\n", "separated by spaces"},
+        {"placement socket j1 j2\n0 0 0 0 0\n", "5 columns, but 4 in the header"},
+        {"l_j1,l_j2,r_j1,r_j2\n0,0,0,0\n", "several prefixes"},
         {"<?xml version=\"1.0\"?>\n", "is XML"},
         {"j1\tj2\tx_m\ty_m\n0\t0\t0\t0\n", "no column 'z_m'; x_m to z_m belong together"},
         {"placement\tsocket\tj1\tj2\n", "has a header but no rows"},
@@ -393,6 +393,9 @@ static void tables_of_others_are_read(void **state)
     (void)state;
     const mukca_rows_format degrees = {.angle = M_PI / 180, .length = 1e-3, .units = true},
                             order = {.by_order = true}, inverse = {.inverse = true},
+                            renamed = {.columns = "Basis [deg]=j1, Arm = j2,X=x_m,Y=y_m,Z=z_m"},
+                            named = {.columns = "j1,j2,x_m,y_m,z_m,qw,qx,qy,qz"},
+                            few = {.columns = "j1,j2"}, none = {.columns = "j7=j1"},
                             both = {.angle = M_PI / 180, .length = 1e-3, .by_order = true};
 #define MATRIX "m00,m01,m02,m03,m10,m11,m12,m13,m20,m21,m22,m23,m30,m31,m32,m33"
     const struct {
@@ -408,6 +411,24 @@ static void tables_of_others_are_read(void **state)
         {"j1,j2," MATRIX "\n0.5,-1,-1,0,0,.1,0,-1,0,.2,0,0,1,.3,0,0,0,1\n", NULL},
         {"0.5,-1,-1,0,0,.1,0,-1,0,.2,0,0,1,.3,0,0,0,1\n", &order},
         {"j1,j2," MATRIX "\n0.5,-1,-1,0,0,.1,0,-1,0,.2,0,0,1,-.3,0,0,0,1\n", &inverse},
+        {"0.5,-1,-1,0,0,.1,0,-1,0,.2,0,0,1,.3\n", &order},
+        {"j1,j2,m00,m01,m02,m03,m10,m11,m12,m13,m20,m21,m22,m23\n"
+         "0.5,-1,-1,0,0,.1,0,-1,0,.2,0,0,1,.3\n",
+         NULL},
+        {" j1 j2  x_m y_m z_m qw qx qy qz \n0.5 -1 0.1 0.2  0.3 0 0 0 1 \n", NULL},
+        {"\xEF\xBB\xBF"
+         "Basis [\xC2\xB0];Arm (rad);X [mm];Y [m];Z [cm];qw;qx;qy;qz\n"
+         "28,64788975654116;-1;100;0,2;30;0;0;0;1\n",
+         &renamed},
+        {"0.5,-1,0.1,0.2,0.3,0,0,0,1\n", &named},
+        {"q2 (rad),q1 (deg),x [mm],y [mm],z [mm],qw,qx,qy,qz\n"
+         "-1,28.64788975654116,100,200,300,0,0,0,1\n",
+         NULL},
+        {"left_j2,left_j1,x_m,y_m,z_m,qw,qx,qy,qz\n-1,0.5,0.1,0.2,0.3,0,0,0,1\n", NULL},
+        {"timestamp actual_q_0 actual_q_1 actual_TCP_pose_0 actual_TCP_pose_1 actual_TCP_pose_2 "
+         "actual_TCP_pose_3 actual_TCP_pose_4 actual_TCP_pose_5\n"
+         "0 0.5 -1 0.1 0.2 0.3 0 0 3.141592653589793\n",
+         NULL},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         mukca_dataset_options options = {0};
@@ -438,8 +459,11 @@ static void tables_of_others_are_read(void **state)
         {"j1,j2," MATRIX "\n0,0,1,0,0,0,0,1,0,0,0,0,1,0,.1,.2,.3,1\n", NULL,
          "t.csv:2: column 'm30': the last row of the matrix is not 0 0 0 1"},
         {"j1,j2," MATRIX "\n0,0,1,0,0,0,0,2,0,0,0,0,1,0,0,0,0,1\n", NULL, "contains no rotation"},
-        {"j1,j2," MATRIX "\n0,0,1,0,0,0,0,1,0,,0,0,1,0,0,0,0,1\n", NULL, "all 16 numbers"},
-        {"j1,j2,m00\n0,0,1\n", NULL, "no column 'm33'; m00 to m33 belong together"},
+        {"1,2,3\n", &few, "--columns j1,j2 names 2 columns, but the table has 3"},
+        {"a,b\n1,2\n", &none, "no column 'j7', which --columns renames"},
+        {"j1,j2," MATRIX "\n0,0,1,0,0,0,0,1,0,,0,0,1,0,0,0,0,1\n", NULL,
+         "all numbers of its matrix"},
+        {"j1,j2,m00\n0,0,1\n", NULL, "no column 'm23'; m00 to m23 belong together"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         mukca_dataset_options options = {0};

@@ -209,47 +209,11 @@ static void test_scales(void **state)
     for (int i = 0; i < 9; i++) assert_true(isfinite(triangle[i]));
 }
 
-/* Q is orthogonal and T = Q'AQ: T has the products of A's powers with B. */
-static void test_tridiagonal(void **state)
-{
-    (void)state;
-    enum { K = 3 };
-    static const int sizes[] = {1, 2, 3, 8, 37, 64};
-    static double X[64 * 80], A[64 * 64], T[4 * 64], B[64 * K], b[64 * K], Ab[64 * K], Tb[64 * K];
-    fill(X, 64 * 80, 11);
-    for (size_t s = 0; s < sizeof sizes / sizeof *sizes; s++) {
-        const int n = sizes[s];
-        double product[4][K * K] = {{0}};
-        memset(A, 0, sizeof A);
-        mukca_dense_syrk(A, n, X, 80, n);
-        for (int i = 0; n > 3 && i < n; i++) A[2 * n + i] = A[i * n + 2] = i == 2; /* on its own */
-        fill(B, n * K, 12);
-        memcpy(b, B, sizeof *b * (size_t)(n * K));
-        memset(Ab, 0, sizeof Ab);
-        mukca_dense_xty(Ab, (mukca_columns){A, n, n}, (mukca_columns){B, K, K}, n);
-        mukca_dense_tridiagonalise(A, n, T, b, K);
-        for (int i = 0; i < n; i++)
-            for (int k = 0; k < K; k++)
-                Tb[i * K + k] = T[i] * b[i * K + k] + (i ? T[n + i - 1] * b[(i - 1) * K + k] : 0) +
-                                (i + 1 < n ? T[n + i] * b[(i + 1) * K + k] : 0);
-        assert_close(T[2 * n - 1], 0, 0);
-        mukca_dense_xty(product[0], (mukca_columns){B, K, K}, (mukca_columns){Ab, K, K}, n);
-        mukca_dense_xty(product[1], (mukca_columns){b, K, K}, (mukca_columns){Tb, K, K}, n);
-        mukca_dense_syrk(product[2], K, Ab, n, K);
-        mukca_dense_syrk(product[3], K, Tb, n, K);
-        for (int i = 0; i < K * K; i++) {
-            assert_close(product[1][i], product[0][i], 1e-12 * 80 * n);
-            assert_close(product[3][i], product[2][i], 1e-12 * 80 * 80 * n);
-        }
-    }
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_gram),   cmocka_unit_test(test_cholesky),
         cmocka_unit_test(test_svd),    cmocka_unit_test(test_reduce),
-        cmocka_unit_test(test_absorb), cmocka_unit_test(test_tridiagonal),
-        cmocka_unit_test(test_scales)};
+        cmocka_unit_test(test_absorb), cmocka_unit_test(test_scales)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

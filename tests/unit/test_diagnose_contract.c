@@ -1,6 +1,7 @@
 /* What a diagnosis hands over: the contract's JSON, the screen for people, the offsets table. */
 #include "cli/diagnose.h"
 
+#include "model/dataset_subset.h"
 #include "scene.h"
 #include "scratch.h"
 

@@ -2,6 +2,7 @@
 #include <stdlib.h>
 
 #include "diagnose/diagnose.h"
+#include "model/dataset_subset.h"
 #include "scene.h"
 
 static mukca_diagnosis *diagnosis;

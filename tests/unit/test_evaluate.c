@@ -6,6 +6,7 @@
 #include "close.h"
 #include "fit/cross_training.h"
 #include "math/random.h"
+#include "model/dataset_subset.h"
 
 /* Three sliding joints along x, y, z, one turning about z, a fixed tip on its axis. */
 static void make_gantry(mukca_chain *chain)

@@ -1,4 +1,4 @@
-/* Exported models: what a format holds, what it leaves as it was, and the check against the table.
+/* Exported models: what a format holds, and what it leaves as it was.
  */
 #include "io/export.h"
 
@@ -245,56 +245,6 @@ static void mjcf_holds_springs_and_names_the_rest(void **state)
     free(text);
 }
 
-/* For every row of the table: what was written agrees, and a model that changed since does not. */
-static void every_format_can_be_checked(void **state)
-{
-    (void)state;
-    for (const mukca_exporter *exporter = mukca_exporters; exporter->name; exporter++) {
-        mukca_export_difference difference;
-        if (exporter->format->zeros_only) continue; /* no text */
-        calibrate();
-        char *text = export(exporter->name, MUKCA_OK);
-        const char *path = scratch_file("checked", text);
-        const mukca_export_input input = make_input();
-        assert_int_equal(mukca_export_check(&difference, path, exporter, &input, &error), MUKCA_OK);
-        assert_true(difference.agrees && difference.compared >= 3);
-        offsets.theta[8] += 1e-6;
-        assert_int_equal(mukca_export_check(&difference, path, exporter, &input, &error), MUKCA_OK);
-        assert_false(difference.agrees);
-        assert_true(difference.largest > 0.9e-6 && difference.largest < 1.1e-6);
-        offsets.theta[8] = (double)NAN;
-        if (mukca_export_check(&difference, path, exporter, &input, &error) == MUKCA_OK)
-            assert_false(difference.agrees);
-        free(text);
-    }
-}
-
-/* A model that a user has extended and rearranged still agrees. */
-static void models_may_have_more_than_the_chain(void **state)
-{
-    (void)state;
-    calibrate();
-    for (const mukca_exporter *exporter = mukca_exporters; exporter->name; exporter++) {
-        mukca_export_difference difference;
-        if (exporter->format->comment[0]) continue;
-        char *text = export(exporter->name, MUKCA_OK), whole[8000];
-        const char *body = strstr(text, "<robot") ? strstr(text, "<link name='base'")
-                                                  : strstr(text, "<worldbody>");
-        snprintf(whole, sizeof whole, "%.*s<body pos='1 2 3' name='table'/>%s", (int)(body - text),
-                 text, body);
-        const mukca_export_input input = make_input();
-        assert_int_equal(
-            mukca_export_check(&difference, scratch_file("more", whole), exporter, &input, &error),
-            MUKCA_OK);
-        assert_true(difference.agrees && difference.compared >= 9);
-        snprintf(whole, sizeof whole, "%.*s", (int)strlen(text) - 60, text);
-        assert_error(
-            mukca_export_check(&difference, scratch_file("less", whole), exporter, &input, &error),
-            MUKCA_INPUT, error, "not well-formed XML");
-        free(text);
-    }
-}
-
 static void endings_choose_a_format(void **state)
 {
     (void)state;
@@ -316,8 +266,6 @@ int main(void)
                                        cmocka_unit_test(origins_take_up_what_a_format_lacks),
                                        cmocka_unit_test(npy_holds_the_zeros_of_the_joints),
                                        cmocka_unit_test(mjcf_holds_springs_and_names_the_rest),
-                                       cmocka_unit_test(every_format_can_be_checked),
-                                       cmocka_unit_test(models_may_have_more_than_the_chain),
                                        cmocka_unit_test(endings_choose_a_format)};
     return cmocka_run_group_tests(tests, setup, scratch_teardown);
 }

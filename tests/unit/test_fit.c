@@ -4,7 +4,7 @@
 
 #include "close.h"
 #include "fit/fit.h"
-#include "fit/nlopt_adapter.h"
+#include "fit/solver.h"
 #include "fit/part.h"
 #include "math/random.h"
 

@@ -3,8 +3,11 @@
 #include <stdlib.h>
 
 #include "close.h"
-#include "fit/cost.h"
+#include "fit/cost_normal.h"
 #include "fit/frames.h"
+#include "fit/observe_jacobian.h"
+#include "fit/selection.h"
+#include "fit/sweep_jacobian.h"
 #include "math/random.h"
 #include "reference_cost.h"
 
@@ -144,7 +147,7 @@ static void check_point(const mukca_chain *chain, const mukca_dataset *data, con
             for (int i = 0; i < m; i++)
                 got[kind][c] += 2 * cost.weight[i] * cost.weight[i] * cost.r[i] * cost.J[i * n + c];
             if (parameters.regularised[c])
-                got[kind][c] += 2 * cost.lambda * (x[c] - cost.nominal[c]);
+                got[kind][c] += 2 * mukca_cost_lambda(&cost) * (x[c] - cost.nominal[c]);
         }
         compare(got[kind], want, n, kind ? 1e-10 : 1e-8, "jacobian");
 

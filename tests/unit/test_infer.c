@@ -327,6 +327,7 @@ static void mixtures(void **state)
             for (int positive = 0; positive < 2; positive++) {
                 mukca_item *h = &p.item[i];
                 const int k = h->terms;
+                static mukca_mixture_scratch scratch;
                 double G[MODEL + ROWS], by_size[MUKCA_MOST_SIZES];
                 real sum = 0;
                 for (int a = 0; a < k * k; a++) {
@@ -337,7 +338,7 @@ static void mixtures(void **state)
                 }
                 h->prior.nonnegative = positive;
                 const double value = mukca_mixture_evidence(by_size, G, p.g + h->at, k, &h->prior,
-                                                            p.question.residual, ROWS);
+                                                            p.question.residual, ROWS, &scratch);
                 for (int s = 0; s < sizes; s++) {
                     real expected = dense_value(&p, &i, &s, 1) + h->prior.log_weight[s];
                     if (positive) expected += dense_sign(&p, &i, &s, 1);
@@ -351,7 +352,7 @@ static void mixtures(void **state)
 
 static double insert(mukca_sets *sets, const int *item, int n)
 {
-    const int at = mukca_sets_insert(sets, item, n);
+    const int at = mukca_sets_insert(sets, item, NULL, n);
     assert_true(at >= 0 && sets->set[at].exact && sets->set[at].n == n);
     return sets->set[at].value;
 }
@@ -364,6 +365,7 @@ static void values(void **state)
     problem p;
     (void)state;
     pose(&p, 1);
+    for (int i = 0; i < ITEMS; i++) p.item[i].kin = i % 3, p.item[i].kinship = 0.7;
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
         for (int positive = 0; positive < 2; positive++) {
             const int n = numbers[i], *member = members[i];
@@ -374,15 +376,22 @@ static void values(void **state)
             assert_true(mukca_sets_create(&sets, &pool, &p.question));
             real expected = dense_value(&p, member, one, n);
             if (positive) expected += dense_sign(&p, member, one, n);
-            for (int k = 0; k < n; k++) prior += p.item[member[k]].log_prior;
+            bool kin[3] = {false};
+            double further = 0; /* of the last member */
+            for (int k = 0; k < n; k++) {
+                const mukca_item *h = &p.item[member[k]];
+                further = h->kin && kin[h->kin] ? h->kinship : 0;
+                kin[h->kin] = true;
+                prior += h->log_prior + further;
+            }
             const double value = insert(&sets, member, n);
             assert_close(value, (double)expected + prior, 1e-6); /* of Simpson's rule */
             p.item[member[0]].prior.nonnegative = false;
             if (!positive) { /* one item more */
                 const int last = member[n - 1];
                 rest = insert(&sets, member, n - 1);
-                const mukca_set set = sets.set[mukca_sets_insert(&sets, member, n - 1)];
-                assert_close(mukca_sets_gain(&sets, &set, last) + p.item[last].log_prior,
+                const mukca_set set = sets.set[mukca_sets_insert(&sets, member, NULL, n - 1)];
+                assert_close(mukca_sets_gain(&sets, &set, last) + p.item[last].log_prior + further,
                              value - rest, 1e-9);
                 real V[ROWS * ROWS];
                 model_covariance(V, &p);
@@ -428,7 +437,7 @@ static void search(double *probability, const mukca_question *question)
     mukca_sets sets;
     double total = 0;
     assert_true(mukca_sets_create(&sets, &pool, question));
-    mukca_sets_explore(&sets, 30);
+    mukca_sets_explore(&sets, 30, true);
     assert_false(pool.failed);
     for (int i = 0; i < sets.n_sets; i++) mukca_sets_evaluate(&sets, i);
     memset(probability, 0, sizeof *probability * ITEMS);

@@ -231,24 +231,6 @@ static void test_causes(void **state)
     mukca_dataset_free(&data);
 }
 
-static void test_out_of_reach(void **state)
-{
-    (void)state;
-    mukca_plan_socket far[1] = {{.placement = "moon", .label = "0", .centre = {5, 0, 0}}};
-    const mukca_plan_options options = {.rows = 4};
-    mukca_plan plan;
-    mukca_error error;
-    assert_int_equal(
-        mukca_plan_run(
-            &plan,
-            &(mukca_plan_task){
-                .chain = &chain, .theta = NULL, .data = NULL, .sockets = far, .n_sockets = 1},
-            &options, &error),
-        MUKCA_INPUT);
-    assert_non_null(strstr(error.text, "moon"));
-    assert_null(plan.rows);
-}
-
 static void test_places(void **state)
 {
     (void)state;
@@ -272,9 +254,9 @@ static void test_places(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_rules),        cmocka_unit_test(test_better_than_random),
-        cmocka_unit_test(test_covariance),   cmocka_unit_test(test_causes),
-        cmocka_unit_test(test_out_of_reach), cmocka_unit_test(test_places),
+        cmocka_unit_test(test_rules),      cmocka_unit_test(test_better_than_random),
+        cmocka_unit_test(test_covariance), cmocka_unit_test(test_causes),
+        cmocka_unit_test(test_places),
     };
     return cmocka_run_group_tests_name("plan", tests, load, NULL);
 }

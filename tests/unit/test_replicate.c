@@ -2,6 +2,7 @@
  * same seed. */
 #include <stdlib.h>
 
+#include "model/dataset_subset.h"
 #include "scene.h"
 #include "simulate/replicate.h"
 

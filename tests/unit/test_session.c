@@ -89,10 +89,10 @@ static void rows_are_added_undone_and_resumed(void **state)
     (void)state;
     unlink(path);
     assert_int_equal(mukca_session_create(&session, path, false, &h, &error), MUKCA_OK);
-    assert_int_equal(mukca_session_undo(&session, "p", "s", &error), MUKCA_INPUT);
+    assert_int_equal(mukca_session_delete(&session, 0, "p", "s", &error), MUKCA_INPUT);
     for (int i = 0; i < 5; i++) assert_int_equal(add(&session, i, &error), MUKCA_OK);
-    assert_int_equal(mukca_session_undo(&session, "front left", "0", &error), MUKCA_OK);
-    assert_int_equal(mukca_session_undo(&session, "front left", "1", &error), MUKCA_OK);
+    assert_int_equal(mukca_session_delete(&session, 0, "front left", "0", &error), MUKCA_OK);
+    assert_int_equal(mukca_session_delete(&session, 0, "front left", "1", &error), MUKCA_OK);
     assert_int_equal(add(&session, 9, &error), MUKCA_OK);
     assert_int_equal(session.n_rows, 4);
     check_rows((const int[]){0, 1, 2, 9}, 4);
@@ -111,8 +111,8 @@ static void rows_are_added_undone_and_resumed(void **state)
     assert_int_equal(notes, 1);
     assert_int_equal(session.n_rows, 4);
     assert_int_equal(add(&session, 10, &error), MUKCA_OK);
-    assert_int_equal(mukca_session_undo(&session, "front left", "0", &error), MUKCA_OK);
-    assert_int_equal(mukca_session_undo(&session, "front left", "1", &error), MUKCA_OK);
+    assert_int_equal(mukca_session_delete(&session, 0, "front left", "0", &error), MUKCA_OK);
+    assert_int_equal(mukca_session_delete(&session, 0, "front left", "1", &error), MUKCA_OK);
     mukca_session_close(&session);
     check_rows((const int[]){0, 1, 2}, 3);
 

@@ -1,5 +1,5 @@
-/* Simulated recordings: consistent with their truth, effects of the size asked for, the same for
- * the same seed. */
+/* Simulated recordings: consistent with their truth, effects of the size asked for. */
+#include "model/dataset_subset.h"
 #include "mukca/gravity.h"
 #include "scene.h"
 
@@ -58,26 +58,6 @@ static void test_consistent(void **state)
     check_consistent(NULL, false);
     check_consistent(everything, false);
     check_consistent(everything, true);
-}
-
-static void test_seed(void **state)
-{
-    (void)state;
-    mukca_dataset data[3];
-    for (int k = 0; k < 3; k++) {
-        scene s;
-        set_scene(&s, everything, k < 2 ? 8 : 9);
-        s.how.noise = 1e-4;
-        s.how.effort = true;
-        s.how.effort_noise = 0.1;
-        record(&data[k], &s);
-    }
-    const size_t size = (size_t)(data[0].n_rows * data[0].n_joints) * sizeof *data[0].q;
-    assert_memory_equal(data[0].q, data[1].q, size);
-    assert_memory_equal(data[0].effort, data[1].effort, size);
-    assert_memory_equal(data[0].time, data[1].time, (size_t)data[0].n_rows * sizeof(double));
-    assert_memory_not_equal(data[0].q, data[2].q, size);
-    for (int k = 0; k < 3; k++) mukca_dataset_free(&data[k]);
 }
 
 /* True angles of a row under one effect on angles, written down again from its definition. */
@@ -302,29 +282,6 @@ static void test_columns(void **state)
     mukca_dataset_free(&data);
 }
 
-/* Pose logs: the true arm's pose at the recorded angles. */
-static void test_poses(void **state)
-{
-    (void)state;
-    scene s;
-    mukca_row_state states;
-    mukca_dataset data;
-    set_scene(&s, "joint_compliance:joint_2=2e-5,approach_hysteresis:joint_1=1e-3", 7);
-    assert_int_equal(mukca_simulate_poses(&data, &s.arm, NULL, 50, &s.how, NULL), MUKCA_OK);
-    assert_int_equal(data.n_sockets, 0);
-    for (int i = 0; i < data.n_rows; i++) {
-        double ball[3];
-        true_ball(ball, &states, &data, i, &s.arm);
-        assert_int_equal(data.socket[i], -1);
-        for (int a = 0; a < 3; a++) assert_close(data.position[3 * i + a], ball[a], 1e-12);
-    }
-    mukca_dataset_free(&data);
-    s.how.position_only = true;
-    assert_int_equal(mukca_simulate_poses(&data, &s.arm, NULL, 5, &s.how, NULL), MUKCA_OK);
-    assert_null(data.quaternion);
-    mukca_dataset_free(&data);
-}
-
 static void test_grammar(void **state)
 {
     (void)state;
@@ -379,9 +336,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_consistent), cmocka_unit_test(test_sizes),
-        cmocka_unit_test(test_seed),       cmocka_unit_test(test_noise),
-        cmocka_unit_test(test_faults),     cmocka_unit_test(test_columns),
-        cmocka_unit_test(test_poses),      cmocka_unit_test(test_grammar),
+        cmocka_unit_test(test_noise),      cmocka_unit_test(test_faults),
+        cmocka_unit_test(test_columns),    cmocka_unit_test(test_grammar),
     };
     return cmocka_run_group_tests_name("simulate", tests, NULL, NULL);
 }

@@ -8,6 +8,7 @@
 
 #include "close.h"
 #include "math/random.h"
+#include "math/sincos_lanes.h"
 
 enum { N = 1024, ROUNDS = 400 };
 

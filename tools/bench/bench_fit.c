@@ -11,7 +11,7 @@
 
 #include "base/clock.h"
 #include "fit/fit.h"
-#include "fit/nlopt_adapter.h"
+#include "fit/solver.h"
 #include "io/dataset_load.h"
 #include "io/urdf.h"
 

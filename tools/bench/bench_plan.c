@@ -1,4 +1,4 @@
-/* Value of planned postures on simulated arms: `make verify-plan`.
+/* Value of planned postures on simulated arms: `make -f tools/Makefile verify-plan`.
  *
  *   bench_plan accuracy ARMS: held-out error after 20 planned rows per socket beside 40 random ones
  *

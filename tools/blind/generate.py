@@ -166,7 +166,7 @@ def make_case(kind, rng, hard, stock, use_real, asked):
         many = max(2, int(round(ses.rows * rng.uniform(0.01, 0.03))))
         many = {"wrong_socket": many, "outlier": int(rng.integers(1, 4)), "duplicate": 2}[kind]
         bad = np.sort(rng.choice(np.arange(1, ses.rows), many, replace=False))
-        bad = np.array([b for b in bad if ses.group[b] == ses.group[b - 1]])
+        bad = np.array([b for b in bad if ses.group[b] == ses.group[b - 1]], dtype=int)
         move = np.zeros((ses.rows, 3))
         for b in bad:
             if kind == "wrong_socket":

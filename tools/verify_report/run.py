@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""make verify-report: reports of the demo, the published robots, a pose log and fleets in a headless Chromium.
+"""make -f tools/Makefile verify-report: reports of the demo, the published robots, a pose log and fleets in a headless Chromium.
 
 For each page, light and dark, at the width of a desktop and of a phone: no message on the console, no
 request but the page itself, every figure drawn, nothing wider than the screen, the figures of half

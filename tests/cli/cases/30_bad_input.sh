@@ -69,11 +69,11 @@ session() { # session SED: session.tsv with one thing wrong
     sed "$1" session.tsv >bad.tsv
 }
 session '1s/j3/q3/'
-refuse 3 "bad.tsv:1: no column for joint 'j3' of the chain; rename column 'q3' to 'j3'" calibrate $a bad.tsv -o new.tsv
+refuse 3 "bad.tsv:1: no column for joint 'j3' of the chain; rename column 'q3' with --columns 'q3=j3'" calibrate $a bad.tsv -o new.tsv
 session '1s/j3/axis_3_deg/'
-refuse 3 "no column for joint 'j3' of the chain (columns: placement, socket, j1, j2, axis_3_deg); name" calibrate $a bad.tsv
+refuse 3 "no column for joint 'j3' (columns: placement, socket, j1, j2, axis_3_deg); name" calibrate $a bad.tsv
 session '1s/j3/j3_deg/'
-refuse 3 "rename column 'j3_deg' to 'j3' and give --units deg" calibrate $a bad.tsv
+refuse 3 "rename column 'j3_deg' with --columns 'j3_deg=j3', and give --units deg" calibrate $a bad.tsv
 session '1s/placement/station/'
 doubt "bad.tsv: no column 'placement'; all samples count as one placement" calibrate $a bad.tsv
 session '1s/$/\tmood/; 2,$s/$/\tgood/'

@@ -10,8 +10,6 @@ expect "a longer link is 2 mm of axis distance at its joint alone" awk '
     END { exit !(n == 1 && (d - 0.002) ^ 2 < 1e-18) }' "$scratch/out"
 refuse 3 'has 3 joints .* has 2 ' compare arm.urdf two.urdf
 refuse 3 'nix.urdf: cannot read' compare arm.urdf nix.urdf
-refuse 2 'end the name in .svg, .png or .pdf' compare arm.urdf longer.urdf --plot x.gif
-refuse 2 '--plot and another output cannot both go to' compare arm.urdf longer.urdf --plot x.svg --json ./x.svg
 refuse 2 'is an input of this command' compare arm.urdf longer.urdf --json arm.urdf --force
 refuse 3 'no offsets table, or one of an older version' compare arm.urdf session.tsv
 {
@@ -23,8 +21,3 @@ accept "has no verdict" compare arm.urdf hand.tsv --urdf arm.urdf
 expect "a table and the URDF that it makes are one model" sh -c "
     '$MUKCA' compare hand.tsv longer.urdf --urdf arm.urdf -q --json same.json &&
     awk '/\"max_m\"/ { n++; if (!(\$2 + 0 < 1e-12)) exit 1 } END { exit n != 2 }' same.json"
-if command -v gnuplot >/dev/null; then
-    "$MUKCA" compare arm.urdf longer.urdf -q --plot figure.svg
-    expect "--plot draws a figure" grep -q 'error of the tip, mm' figure.svg
-    refuse 3 'figure.svg: exists already' compare arm.urdf longer.urdf --plot figure.svg
-fi

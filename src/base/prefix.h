@@ -1,0 +1,34 @@
+/* Names that agree but for a common prefix, such as that of one of two arms. */
+#ifndef MUKCA_BASE_PREFIX_H
+#define MUKCA_BASE_PREFIX_H
+
+#include <stddef.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { MUKCA_PREFIX_NAME = 128 };
+
+typedef struct {
+    char add[64]; /* put before a name, */
+    size_t cut;   /* after so many characters of it are removed */
+} mukca_prefix;
+
+/* Find the prefix by which each of wanted[n_wanted] becomes one of names[n_names]: none, one that
+ * is added, or one that is cut.  It ends in a character that is no letter or digit.  Returns the
+ * number of such prefixes; *prefix is the last. */
+int mukca_prefix_find(mukca_prefix *prefix, const char *const *wanted, int n_wanted,
+                      const char *const *names, int n_names);
+
+/* The name with the prefix. */
+void mukca_prefix_apply(char name[MUKCA_PREFIX_NAME], const mukca_prefix *prefix,
+                        const char *wanted);
+
+/* Whether `name` is `wanted`, or ends in it after a prefix. */
+int mukca_prefix_ends(const char *name, const char *wanted);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,149 @@
+/* SLSQP and LBFGS of NLopt in whitened variables, and the table of solvers.
+ *
+ * x = x0 + s L^-T y with L L' half the Gauss-Newton Hessian at the start and s = sqrt(J0 / 2), so
+ * that f(y) = J / J0 is of order one and its Hessian near the identity: without whitening LBFGS
+ * converges slowly and stops at its built-in gradient tolerance.  Once J is far below J0 the
+ * variables are whitened again at the best point so far, with the local metric, and f is of order
+ * one again.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "base/clock.h"
+#include "fit/nlopt_adapter.h"
+#include "fit/solver.h"
+#include "math/dense.h"
+
+typedef struct {
+    mukca_cost *cost;
+    const mukca_solver_options *options;
+    mukca_solver_outcome *outcome;
+    double *L;         /* [n][n] */
+    double *start;     /* [n] centre of the whitening */
+    double *x, *g, *y; /* [n] scratch */
+    double *best;      /* [n] best point seen */
+    double best_value, scale, unit;
+    int before;
+    bool decided; /* outcome->stop is final */
+    bool anew;    /* stopped for new whitening */
+} whitened;
+
+/* Decrease of the cost that triggers new whitening: at a tenth of the cost the residuals are a
+ * third, and the metric depends more on the data than on the start. */
+static const double fall = 0.1;
+
+static double decide(whitened *a, mukca_stop stop, bool *halt)
+{
+    a->outcome->stop = stop;
+    a->decided = *halt = true;
+    return HUGE_VAL;
+}
+
+static double objective(void *context, double *gradient, const double *y, bool *halt)
+{
+    whitened *a = context;
+    const int n = a->cost->n;
+    mukca_cost_value parts;
+    if (a->options->stop && a->options->stop(a->options->context))
+        return decide(a, MUKCA_STOP_STOPPED, halt);
+    memcpy(a->x, y, (size_t)n * sizeof *y);
+    mukca_dense_backward(a->x, 1, a->L, n);
+    for (int i = 0; i < n; i++) a->x[i] = a->start[i] + a->scale * a->x[i];
+    const double value = mukca_cost_evaluate(&parts, gradient ? a->g : NULL, a->cost, a->x);
+    double slope = 0;
+    if (gradient) {
+        memcpy(gradient, a->g, (size_t)n * sizeof *gradient);
+        mukca_dense_forward(gradient, 1, a->L, n);
+        for (int i = 0; i < n; i++) {
+            gradient[i] *= a->scale / a->unit;
+            slope += gradient[i] * gradient[i];
+        }
+    }
+    if (!isfinite(value) || !isfinite(slope)) /* NLopt does not stop at NaN */
+        return decide(a, MUKCA_STOP_NOT_FINITE, halt);
+    if (value < a->best_value) {
+        a->outcome->iterations += isfinite(a->best_value);
+        a->best_value = value;
+        memcpy(a->best, a->x, (size_t)n * sizeof *a->x);
+        if (a->options->progress)
+            a->options->progress(a->options->context, a->cost->theta, &parts,
+                                 a->cost->evaluations - a->before);
+    }
+    if (gradient && slope / 2 * a->unit <= mukca_solver_goal(value))
+        decide(a, MUKCA_STOP_GRADIENT, halt);
+    else if (a->best_value < fall * a->unit)
+        a->anew = *halt = true;
+    return value / a->unit;
+}
+
+/* One round: whiten at the best point, minimise from there. */
+static mukca_status run_round(whitened *a, mukca_nlopt_method method, int max_evaluations,
+                              double max_seconds, mukca_error *error)
+{
+    const int n = a->cost->n;
+    const mukca_nlopt_problem problem = {objective, a, n, max_evaluations, max_seconds};
+    mukca_stop stop;
+    mukca_cost_normal(a->L, a->cost, a->best, false);
+    mukca_solver_factorise(a->L, n);
+    memcpy(a->start, a->best, (size_t)n * sizeof *a->start);
+    memset(a->y, 0, (size_t)n * sizeof *a->y);
+    a->scale = sqrt(a->unit / 2);
+    a->anew = false;
+    const mukca_status status = mukca_nlopt_minimise(a->y, &stop, &problem, method, error);
+    if (!a->decided && !a->anew) a->outcome->stop = stop;
+    return status;
+}
+
+static mukca_status run_nlopt(mukca_nlopt_method method, double *x, mukca_solver_outcome *outcome,
+                              mukca_cost *cost, const mukca_solver_options *options,
+                              mukca_error *error)
+{
+    const mukca_solver_options none = {0};
+    const int n = cost->n;
+    double *work = cost->scratch + 3 * n * n;
+    mukca_status status = MUKCA_OK;
+    const double until = mukca_clock_seconds() + MUKCA_SOLVER_SECONDS;
+    whitened a = {.cost = cost,
+                  .options = options ? options : &none,
+                  .outcome = outcome,
+                  .L = cost->scratch,
+                  .x = work,
+                  .g = work + n,
+                  .start = work + 2 * n,
+                  .y = work + 3 * n,
+                  .best = x,
+                  .best_value = HUGE_VAL,
+                  .before = cost->evaluations};
+    const int limit = a.options->max_evaluations > 0 ? a.options->max_evaluations : 2000;
+    *outcome = (mukca_solver_outcome){.stop = MUKCA_STOP_NOT_FINITE};
+    a.unit = mukca_cost_evaluate(NULL, NULL, cost, x);
+    if (!isfinite(a.unit)) return MUKCA_OK;
+    if (!(a.unit > 0)) a.unit = 1;
+    do {
+        const int left = limit - (cost->evaluations - a.before);
+        const double seconds = until - mukca_clock_seconds();
+        outcome->stop = MUKCA_STOP_LIMIT;
+        if (left <= 0 || seconds <= 0) break;
+        status = run_round(&a, method, left, seconds, error);
+        a.unit = a.best_value;
+    } while (status == MUKCA_OK && a.anew && a.unit > 0);
+    outcome->evaluations = cost->evaluations - a.before;
+    return status;
+}
+
+static mukca_status run_slsqp(double *x, mukca_solver_outcome *outcome, mukca_cost *cost,
+                              const mukca_solver_options *options, mukca_error *error)
+{
+    return run_nlopt(MUKCA_NLOPT_SLSQP, x, outcome, cost, options, error);
+}
+
+static mukca_status run_lbfgs(double *x, mukca_solver_outcome *outcome, mukca_cost *cost,
+                              const mukca_solver_options *options, mukca_error *error)
+{
+    return run_nlopt(MUKCA_NLOPT_LBFGS, x, outcome, cost, options, error);
+}
+
+static const mukca_solver slsqp = {.name = "slsqp", .run = run_slsqp};
+static const mukca_solver lbfgs = {.name = "lbfgs", .run = run_lbfgs};
+
+const mukca_solver *const mukca_solver_table[] = {&slsqp, &lbfgs, &mukca_solver_gauss_newton, NULL};

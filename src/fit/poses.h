@@ -1,0 +1,28 @@
+/* Measured poses: their positions are residuals of observe.h; orientations are 3 more residuals per
+ * sample, the rotation vector from the measured orientation times MUKCA_METRES_PER_RADIAN. */
+#ifndef MUKCA_FIT_POSES_H
+#define MUKCA_FIT_POSES_H
+
+#include "fit/observe.h"
+
+/* Weight of orientations against positions: good trackers measure to 0.1 mm and 1 mrad, which are
+ * equivalent at the end of a tool of 0.1 m. */
+#define MUKCA_METRES_PER_RADIAN 0.1
+
+/* Add those of the data, if any: one more group.  False: out of memory. */
+bool mukca_poses_add(mukca_observations *observations, mukca_pool *pool, const mukca_dataset *data);
+
+/* Without measured orientations the functions below have no effect and return 0. */
+
+/* Compute the residuals after mukca_observe_predict. */
+void mukca_orientations_predict(mukca_observations *observations);
+
+/* Sum of the squares, m^2, weighted or not. */
+double mukca_orientations_squares(mukca_observations *observations, bool weighted);
+
+/* Add to the gradient[n] of the weighted sum; theta must be that of the last prediction. */
+void mukca_orientations_gradient(double *gradient, mukca_observations *observations,
+                                 const double *theta, const mukca_parameters *parameters,
+                                 mukca_gradient kind);
+
+#endif

@@ -1,0 +1,183 @@
+/* Frames as columns of lanes, and their motion by joints and displacements. */
+#ifndef MUKCA_MODEL_COLUMNS_H
+#define MUKCA_MODEL_COLUMNS_H
+
+#include <string.h>
+
+#include "math/four.h"
+#include "model/turn.h"
+
+/* Part of a kernel: with several lanes inline, to be compiled for each processor; with one lane a
+ * separate function, as a small controller has little stack and code memory. */
+#if MUKCA_LANES > 1
+#define PART MUKCA_INLINE
+#else
+#define PART static __attribute__((noinline, unused))
+#endif
+
+/* Rotation vector of joint j's frame before its rotation; NULL: none. */
+static inline const double *joint_rotation(const mukca_displacement *displacement, int j)
+{
+    if (j < 0 || !displacement || !displacement->any_rotation) return NULL;
+    const double *w = displacement->rotation[j];
+    return w[0] != 0 || w[1] != 0 || w[2] != 0 ? w : NULL;
+}
+
+/* A frame by columns: x, y and z axes and origin, in base coordinates.  With several lanes a
+ * column is one vector with 0 as its fourth component, else an array. */
+enum { ROWS = MUKCA_LANES > 1 ? 1 : 3 };
+typedef struct {
+    lanes column[4][ROWS];
+} columns;
+
+/* Components of a vector; component `i` of column `c`. */
+#define XYZ(vector) ((const double *)(vector))
+#define COLUMN(F, c, i) (XYZ((F)->column[c])[i])
+
+/* F := F R, R a rotation matrix. */
+MUKCA_INLINE void columns_rotate(columns *F, const double R[9])
+{
+    for (int r = 0; r < ROWS; r++) {
+        const lanes x = F->column[0][r], y = F->column[1][r], z = F->column[2][r];
+        for (int i = 0; i < 3; i++) F->column[i][r] = x * R[i] + y * R[3 + i] + z * R[6 + i];
+    }
+}
+
+/* out[ROWS] := v, from the frame's own to base coordinates (no shift). */
+MUKCA_INLINE void columns_vector(lanes *out, const columns *F, const double v[3])
+{
+    for (int r = 0; r < ROWS; r++)
+        out[r] = F->column[0][r] * v[0] + F->column[1][r] * v[1] + F->column[2][r] * v[2];
+}
+
+/* c := a x b.  With several lanes in registers: a load of one component of a vector just stored,
+ * or of a vector stored by components, takes as long as ten operations.  The fourth component stays
+ * 0. */
+#if MUKCA_LANES > 1 && defined(__has_builtin)
+#if __has_builtin(__builtin_shufflevector)
+#define NEXT(v) __builtin_shufflevector(v, v, 1, 2, 0, 3)
+#endif
+#endif
+#ifndef NEXT
+#define NEXT(v) ((lanes){(v)[1], (v)[2], (v)[0], (v)[3]})
+#endif
+PART void columns_cross(lanes *c, const lanes *a, const lanes *b)
+{
+#if MUKCA_LANES > 1
+    const lanes turned = a[0] * NEXT(b[0]) - NEXT(a[0]) * b[0];
+    c[0] = NEXT(turned);
+#else
+    mukca_cross(c, a, b);
+#endif
+}
+
+/* c += a x b; c -= a x b; a . b of three components. */
+PART void columns_add_cross(lanes *c, const lanes *a, const lanes *b)
+{
+    lanes cross[ROWS];
+    columns_cross(cross, a, b);
+    for (int r = 0; r < ROWS; r++) c[r] += cross[r];
+}
+
+PART void columns_subtract_cross(lanes *c, const lanes *a, const lanes *b)
+{
+    lanes cross[ROWS];
+    columns_cross(cross, a, b);
+    for (int r = 0; r < ROWS; r++) c[r] -= cross[r];
+}
+
+MUKCA_INLINE double columns_dot(const lanes *a, const lanes *b)
+{
+    lanes part[ROWS];
+    for (int r = 0; r < ROWS; r++) part[r] = a[r] * b[r];
+    return XYZ(part)[0] + XYZ(part)[1] + XYZ(part)[2];
+}
+
+/* Shift the origin by v, in the frame's own coordinates. */
+MUKCA_INLINE void columns_move(columns *F, const double v[3])
+{
+    lanes step[ROWS];
+    columns_vector(step, F, v);
+    for (int r = 0; r < ROWS; r++) F->column[3][r] += step[r];
+}
+
+/* F := F times the motion of element k's joint at its angle or length. */
+MUKCA_INLINE void columns_turn(columns *F, const mukca_geometry *geometry, int k,
+                               const joint_angles *at)
+{
+    const int j = geometry->joint[k];
+    const double *axis = geometry->axis[k];
+    if (j < 0) return;
+    const double s = at->s[j], c = at->c[j], sz = geometry->axis_z[k] * s;
+    for (int r = 0; r < ROWS; r++) {
+        const lanes x = F->column[0][r], y = F->column[1][r], z = F->column[2][r];
+        if (geometry->type[k] == MUKCA_PRISMATIC) {
+            F->column[3][r] += at->q[j] * (x * axis[0] + y * axis[1] + z * axis[2]);
+        } else if (geometry->axis_z[k]) {
+            F->column[0][r] = c * x + sz * y;
+            F->column[1][r] = c * y - sz * x;
+        } else {
+            const lanes along = (1 - c) * (x * axis[0] + y * axis[1] + z * axis[2]);
+            F->column[0][r] = c * x + s * (axis[2] * y - axis[1] * z) + along * axis[0];
+            F->column[1][r] = c * y + s * (axis[0] * z - axis[2] * x) + along * axis[1];
+            F->column[2][r] = c * z + s * (axis[1] * x - axis[0] * y) + along * axis[2];
+        }
+    }
+}
+
+/* F := F times the fixed transform of element k. */
+MUKCA_INLINE void columns_enter(columns *F, const mukca_geometry *geometry, int k)
+{
+    columns_move(F, geometry->origin[k].p);
+    columns_rotate(F, geometry->origin[k].R);
+}
+
+/* F := F R, R the rotation by the vector w: (1 - b w.w) + b w w' + a [w]x. */
+MUKCA_INLINE void columns_bend(columns *F, const double w[3])
+{
+    const double t2 = mukca_dot3(w, w);
+    if (MUKCA_LANES == 1 || !(t2 < 0.01)) {
+        double R[9];
+        mukca_rotation_exp(R, w);
+        columns_rotate(F, R);
+        return;
+    }
+    /* the next terms are below 3e-18 */
+    const double a =
+        1 - t2 * (1.0 / 6 - t2 * (1.0 / 120 - t2 * (1.0 / 5040 - t2 * (1.0 / 362880))));
+    const double b =
+        0.5 - t2 * (1.0 / 24 - t2 * (1.0 / 720 - t2 * (1.0 / 40320 - t2 * (1.0 / 3628800))));
+    const double c = 1 - b * t2, v[3] = {a * w[0], a * w[1], a * w[2]};
+    for (int r = 0; r < ROWS; r++) {
+        const lanes x = F->column[0][r], y = F->column[1][r], z = F->column[2][r];
+        const lanes along = b * (x * w[0] + y * w[1] + z * w[2]);
+        F->column[0][r] = (c * x + along * w[0]) + (y * v[2] - z * v[1]);
+        F->column[1][r] = (c * y + along * w[1]) + (z * v[0] - x * v[2]);
+        F->column[2][r] = (c * z + along * w[2]) + (x * v[1] - y * v[0]);
+    }
+}
+
+/* Rotate F by the joint's displacement, before the joint's rotation. */
+MUKCA_INLINE void columns_displace(columns *F, int joint, const mukca_displacement *displacement)
+{
+    const double *w = joint_rotation(displacement, joint);
+    if (w) columns_bend(F, w);
+}
+
+/* F := frame of the displaced base. */
+MUKCA_INLINE void columns_base(columns *F, const mukca_displacement *displacement)
+{
+    memset(F, 0, sizeof *F);
+    for (int i = 0; i < 3; i++) ((double *)F->column[i])[i] = 1;
+    if (displacement && displacement->any_rotation) columns_bend(F, displacement->base);
+}
+
+MUKCA_INLINE void columns_frame(mukca_frame *frame, const columns *F)
+{
+    for (int i = 0; i < 3; i++) {
+        for (int c = 0; c < 3; c++) frame->R[3 * i + c] = COLUMN(F, c, i);
+        frame->p[i] = COLUMN(F, 3, i);
+    }
+}
+
+#endif
