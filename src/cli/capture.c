@@ -354,8 +354,8 @@ const cli_command cli_command_capture = {
         "different as possible. Press s and do the same in the other socket. Then move the tool, "
         "press n, and start again; three or four placements all around the base are enough. In a "
         "recorded log, --still finds the placements, too. The screen shows the consistency error "
-        "at this socket, which a badly seated ball raises, and "
-        "when more samples there no longer help.\n\n"
+        "at this socket, which a badly seated ball raises, and when more samples there no longer "
+        "help.\n\n"
         "Keys: " CLI_CAPTURE_KEYS
         ". The bell rings once for a sample and twice for a refusal.\n\n"
         "Known types of joint states, and where they are usually sent:\n"

@@ -7,6 +7,7 @@
 
 #include "base/file.h"
 #include "base/number.h"
+#include "io/columns.h"
 #include "io/output.h"
 #include "io/rows.h"
 
@@ -87,6 +88,8 @@ static mukca_status open_poses(pose_table *p, const char *path, cli_call *call)
     mukca_rows_format format;
     mukca_status status = cli_read_format(call, &format);
     if (status == MUKCA_OK) status = mukca_table_open(t, path, MUKCA_HEADER, &call->error);
+    if (status == MUKCA_OK && format.columns)
+        status = mukca_columns_rename(t, format.columns, &call->error);
     if (status != MUKCA_OK) return status;
     const bool plain = format.units && mukca_table_find(t, "x") >= 0; /* else x_m: metres */
     p->length = plain && format.length > 0 ? format.length : 1;

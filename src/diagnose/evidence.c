@@ -13,9 +13,12 @@
 
 /* AR(1) coefficients up to the largest in recordings of swept postures. */
 static const double correlations[] = {0, 0.25, 0.5, 0.75};
-/* Variance that readings of a posture share, as multiples of its estimate from the residuals: this
- * is too small by what the geometry absorbs, and too large while it is not fitted. */
-static const double multiples[] = {0.4, 0.7, 1, 1.5, 2.5};
+/* Variance that readings of a posture share, as a multiple of its estimate from the residuals: this
+ * is too small by what the geometry absorbs, and too large while it is not fitted; and the
+ * correlation of successive postures. */
+static const double shared[][2] = {{0.4, 0},    {0.7, 0},    {1, 0},     {1.5, 0},
+                                   {2.5, 0},    {0.7, 0.25}, {0.7, 0.5}, {0.7, 0.75},
+                                   {1.5, 0.25}, {1.5, 0.5},  {1.5, 0.75}};
 enum { INDEPENDENT_POSTURES = 4 };
 
 /* Resolution of the positions, m: readings that agree exactly agree to this. */
@@ -24,8 +27,8 @@ enum { INDEPENDENT_POSTURES = 4 };
 static mukca_noise_family family_of(const mukca_evidence *evidence, int index)
 {
     if (index < INDEPENDENT_POSTURES) return (mukca_noise_family){.rho = correlations[index]};
-    const double r = evidence->ratio * multiples[index - INDEPENDENT_POSTURES];
-    return (mukca_noise_family){.shared = r / (1 + r)};
+    const double *with = shared[index - INDEPENDENT_POSTURES], r = evidence->ratio * with[0];
+    return (mukca_noise_family){.rho = with[1], .shared = r / (1 + r)};
 }
 
 bool mukca_evidence_create(mukca_evidence *evidence, mukca_pool *pool,

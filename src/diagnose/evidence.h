@@ -4,7 +4,7 @@
 
 #include "diagnose/linearisation.h"
 
-enum { MUKCA_NOISES = 9 };
+enum { MUKCA_NOISES = 15 };
 
 /* Normal equations under one family of the noise, with the means of the sockets integrated out.
  * Each pair of sockets adds one row. */
@@ -51,7 +51,8 @@ bool mukca_evidence_create(mukca_evidence *evidence, mukca_pool *pool,
                            const mukca_recording *recording, const mukca_unknowns *unknowns);
 
 /* Estimate the ratio of the variances between postures and between readings of one, from the
- * residuals at the last posterior mean, of these columns; the families that share errors follow it. */
+ * residuals at the last posterior mean, of these columns; the families that share errors follow it.
+ */
 void mukca_evidence_measure_repeats(mukca_evidence *evidence, const mukca_recording *recording,
                                     const mukca_linearisation *linear);
 

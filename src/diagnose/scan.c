@@ -14,6 +14,10 @@
 #include "math/dense.h"
 #include "math/four.h"
 
+/* Log prior odds of a further member of a kin beyond those of a first: one flexible part in 30 is
+ * as measurable as the first one. */
+#define KINSHIP 3.0
+
 enum {
     LD = MUKCA_SCAN_WIDTH,
     NEAR = 3 /* columns of most blocks */
@@ -351,7 +355,7 @@ bool mukca_scan_question(mukca_question *question, mukca_scan *s, mukca_pool *po
                                .log_prior = h->log_prior - MUKCA_SET_RATE,
                                .key = mukca_candidate_key(h),
                                .kin = mukca_candidate_kin(h),
-                               .kinship = MUKCA_KINSHIP + MUKCA_SET_RATE};
+                               .kinship = KINSHIP};
         put(s, &b, index[i]);
         const int next = i + 1 < n ? s->all->list[index[i + 1]].terms : LD;
         if (b.width + next <= LD) continue;

@@ -12,9 +12,6 @@ enum { MUKCA_SCAN_WIDTH = 128 }; /* columns processed together */
 /* Log prior odds against each further member of a set. */
 #define MUKCA_SET_RATE 1.5
 
-/* Log prior odds of a further member of a kin (mukca_candidate_kin()), beyond those of a first. */
-#define MUKCA_KINSHIP 3.0
-
 typedef struct {
     mukca_regression *m;
     mukca_candidates *all;

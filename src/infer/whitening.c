@@ -23,10 +23,52 @@ static double common_factor(double shared, int m)
     return m > 0 && shared > 0 ? (1 - sqrt((1 - shared) / (1 - shared + shared * m))) / m : 0;
 }
 
+enum { CHUNK = 64 }; /* columns at a time */
+
+/* Readings of postures whose normalised sums z are white: replace each z by (z - rho z') / sqrt(1 -
+ * rho^2) with that of the preceding posture of the block. */
+MUKCA_INLINE void correlate_postures(double *x, size_t step, int count, double rho,
+                                     const mukca_samples *s, const mukca_block *block)
+{
+    const double a = 1 / sqrt(1 - rho * rho);
+    double before[CHUNK] = {0};
+    for (int i = block->start; i < block->start + block->count; i++) {
+        if (!s->readings[i]) continue;
+        const double root = sqrt(s->readings[i]), own = i == block->start ? 1 : a;
+        double z[CHUNK] = {0};
+        for (int k = i; k >= 0; k = s->next[k])
+            for (int j = 0; j < count; j++) z[j] += x[(size_t)k * step + (size_t)j] / root;
+        for (int k = i; k >= 0; k = s->next[k])
+            for (int j = 0; j < count; j++)
+                x[(size_t)k * step + (size_t)j] +=
+                    ((own - 1) * z[j] - (i == block->start ? 0 : a * rho * before[j])) / root;
+        for (int j = 0; j < count; j++) before[j] = z[j];
+    }
+}
+
+/* The transpose of that. */
+MUKCA_INLINE void correlate_back(double *x, size_t step, int count, double rho,
+                                 const mukca_samples *s, const mukca_block *block)
+{
+    const double a = 1 / sqrt(1 - rho * rho);
+    double after[CHUNK] = {0};
+    for (int i = block->start + block->count - 1; i >= block->start; i--) {
+        if (!s->readings[i]) continue;
+        const double root = sqrt(s->readings[i]), own = i == block->start ? 1 : a;
+        double z[CHUNK] = {0};
+        for (int k = i; k >= 0; k = s->next[k])
+            for (int j = 0; j < count; j++) z[j] += x[(size_t)k * step + (size_t)j] / root;
+        for (int k = i; k >= 0; k = s->next[k])
+            for (int j = 0; j < count; j++)
+                x[(size_t)k * step + (size_t)j] += ((own - 1) * z[j] - a * rho * after[j]) / root;
+        for (int j = 0; j < count; j++) after[j] = z[j];
+    }
+}
+
 void mukca_whitening_set(mukca_whitening *w, const mukca_samples *s, mukca_noise_family family,
                          const double *weight)
 {
-    const double rho = family.rho, shared = family.shared,
+    const double shared = family.shared, rho = shared > 0 ? 0 : family.rho,
                  scale = 1 / sqrt((1 - rho * rho) * (1 - shared));
     w->family = family;
     w->log_det = 0;
@@ -35,10 +77,12 @@ void mukca_whitening_set(mukca_whitening *w, const mukca_samples *s, mukca_noise
         const mukca_block *block = &s->block[b];
         const int end = block->start + block->count;
         double total = 0;
+        int postures = 0;
         for (int i = block->start; i < end; i++) {
             const double by = weight ? weight[i] : 1;
             const bool first = i == block->start;
             const int m = s->readings[i];
+            postures += m > 0;
             w->own[i] = by * (first && rho != 0 ? 1 : scale);
             w->before[i] = first ? 0 : by * rho * scale;
             w->common[i] = common_factor(shared, m);
@@ -50,18 +94,18 @@ void mukca_whitening_set(mukca_whitening *w, const mukca_samples *s, mukca_noise
         for (int i = block->start; i < end; i++)
             for (int k = i; k >= 0 && w->common[i] > 0; k = s->next[k])
                 w->one[k] -= w->common[i] * s->readings[i] * w->own[k];
+        if (shared > 0 && family.rho > 0) correlate_postures(w->one, 1, 1, family.rho, s, block);
         for (int i = block->start; i < end; i++) total += w->one[i] * w->one[i];
         w->total[b] = total;
         if (!block->count) continue;
-        w->log_det -= 0.5 * s->dim * (block->count - 1) * log(1 - rho * rho);
+        w->log_det -= 0.5 * s->dim * (shared > 0 ? postures - 1 : block->count - 1) *
+                      log(1 - family.rho * family.rho);
         w->dof += s->dim * block->count;
         if (!block->free_mean) continue;
         w->dof -= s->dim;
         w->log_det -= 0.5 * s->dim * log(total);
     }
 }
-
-enum { CHUNK = 64 }; /* columns at a time */
 
 /* Subtract the common part of the postures of a block. */
 MUKCA_INLINE void subtract_common(double *white, size_t step, int count, const mukca_whitening *w,
@@ -111,6 +155,8 @@ MUKCA_CLONES void mukca_whitening_apply(const mukca_whitened *x, const mukca_whi
                 const int count = x->n - start < CHUNK ? x->n - start : CHUNK;
                 const size_t at = (size_t)c * ld + (size_t)start;
                 if (w->family.shared > 0) subtract_common(x->white + at, step, count, w, s, block);
+                if (w->family.shared > 0 && w->family.rho > 0)
+                    correlate_postures(x->white + at, step, count, w->family.rho, s, block);
                 if (block->free_mean)
                     centre(x->white + at, x->mean ? x->mean + (size_t)b * step + at : NULL, step,
                            count, w, block, b);
@@ -135,8 +181,11 @@ MUKCA_CLONES void mukca_whitening_transpose(double *out, const double *x, int n,
             }
         /* the factor of readings of one posture is symmetric */
         for (int c = 0; c < s->dim && w->family.shared > 0; c++)
-            for (int start = 0; start < n; start += CHUNK)
-                subtract_common(out + c * ld + start, step, n - start < CHUNK ? n - start : CHUNK,
-                                w, s, block);
+            for (int start = 0; start < n; start += CHUNK) {
+                const int count = n - start < CHUNK ? n - start : CHUNK;
+                if (w->family.rho > 0)
+                    correlate_back(out + c * ld + start, step, count, w->family.rho, s, block);
+                subtract_common(out + c * ld + start, step, count, w, s, block);
+            }
     }
 }

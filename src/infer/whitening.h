@@ -3,7 +3,7 @@
  * A block of samples has the covariance sigma^2 V for each coordinate, and may have a free mean.  V
  * has unit diagonal and belongs to one of two families.  AR(1): successive samples correlate by
  * rho^distance.  Shared: samples of one posture have a common error of the variance `shared`, and
- * own errors of the variance 1 - shared. */
+ * own errors of the variance 1 - shared; means of successive postures correlate by rho^distance. */
 #ifndef MUKCA_INFER_WHITENING_H
 #define MUKCA_INFER_WHITENING_H
 
@@ -12,7 +12,7 @@
 #include "base/pool.h"
 
 typedef struct {
-    double rho, shared; /* one of them is 0 */
+    double rho, shared;
 } mukca_noise_family;
 
 typedef struct {

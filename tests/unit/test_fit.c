@@ -4,8 +4,8 @@
 
 #include "close.h"
 #include "fit/fit.h"
-#include "fit/solver.h"
 #include "fit/part.h"
+#include "fit/solver.h"
 #include "math/random.h"
 
 enum { JOINTS = 6 };

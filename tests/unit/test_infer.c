@@ -76,6 +76,15 @@ static void lay_out(layout *l)
     l->samples = (mukca_samples){SAMPLES, BLOCKS, DIM, l->block, l->next, l->readings};
 }
 
+/* Of the mean of a posture's readings. */
+static real variance_of_mean(const layout *l, int b, int posture, real shared)
+{
+    int m = 0;
+    for (int i = l->block[b].start; i < l->block[b].start + l->block[b].count; i++)
+        m += l->posture[i] == posture;
+    return shared + (1 - shared) / m;
+}
+
 /* Inverse covariance of a block [count][count], and 1'V^-1 1; returns log |V|. */
 static real dense_block(real *inverse, real *total, const layout *l, int b,
                         mukca_noise_family family, const double *weight)
@@ -87,7 +96,11 @@ static real dense_block(real *inverse, real *total, const layout *l, int b,
         for (int k = 0; k < n; k++) {
             const int a = block->start + i, c = block->start + k;
             real v = a == c ? 1 : l->posture[a] == l->posture[c] ? (real)family.shared : 0;
-            if (family.rho != 0) v = powl(family.rho, abs(a - c));
+            if (family.shared == 0 && family.rho != 0) v = powl(family.rho, abs(a - c));
+            if (family.shared > 0 && l->posture[a] != l->posture[c])
+                v = powl(family.rho, abs(l->posture[a] - l->posture[c])) *
+                    sqrtl(variance_of_mean(l, b, l->posture[a], family.shared) *
+                          variance_of_mean(l, b, l->posture[c], family.shared));
             V[i * n + k] = v / (weight ? (real)weight[a] * weight[c] : 1);
         }
     const real log_det = factor(V, n);
@@ -159,8 +172,8 @@ static void check_family(mukca_noise_family family, const double *weight)
 
 static void whitening(void **state)
 {
-    static const mukca_noise_family families[] = {{0, 0},   {0.25, 0}, {0.75, 0},
-                                                  {0, 0.5}, {0, 0.75}, {0, 0.999}};
+    static const mukca_noise_family families[] = {{0, 0},    {0.25, 0},  {0.75, 0},   {0, 0.5},
+                                                  {0, 0.75}, {0, 0.999}, {0.5, 0.75}, {0.75, 0.3}};
     double weight[SAMPLES];
     uint64_t seed = 9;
     (void)state;
