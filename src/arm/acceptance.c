@@ -55,6 +55,8 @@ void mukca_acceptance_read(mukca_acceptance *a, const char *line)
     if (text) a->converged = strcmp(text, "yes") == 0;
     text = value_of(line, "error_of");
     if (text) mukca_print(a->error_of, sizeof a->error_of, "%.63s", text);
+    text = value_of(line, "joints_at_rest");
+    if (text) mukca_print(a->at_rest, sizeof a->at_rest, "%.95s", text);
     for (int i = 0; mukca_acceptance_numbers[i].key; i++) {
         text = value_of(line, mukca_acceptance_numbers[i].key);
         if (text && !mukca_number_parse(number(a, i), text)) *number(a, i) = NAN;

@@ -10,19 +10,24 @@
 #include <stddef.h>
 
 /* Numbers of the verdict: member, key in the table and in JSON.  NaN: unknown, omitted. */
-#define MUKCA_ACCEPTANCE_LIST(X)                                                                \
-    X(noise_m)            /* measurement noise per axis */                                      \
-    X(parameters)         /* free parameters */                                                 \
-    X(identified)         /* combinations that the data identify */                             \
-    X(determined)         /* combinations that the data determine better than regularisation */ \
-    X(error_nominal_m)    /* mean error of the nominal model */                                 \
-    X(error_m)            /* mean error of this model on the same samples, `error_of` */        \
-    X(tip_change_m)       /* largest displacement of the tip in the workspace */                \
-    X(tip_change_sigma)   /* its ratio to the prior standard deviation */                       \
-    X(largest_offset_m)   /* largest change of a length parameter */                            \
+#define MUKCA_ACCEPTANCE_LIST(X)                                                              \
+    X(noise_m)             /* measurement noise per axis */                                   \
+    X(parameters)          /* free parameters */                                              \
+    X(identified)          /* combinations that the data identify */                          \
+    X(postures)            /* different ones among the samples */                             \
+    X(error_here_m)        /* expected error of the tip in the joint ranges of the samples */ \
+    X(error_before_here_m) /* that of the model which the table replaces */                   \
+    X(error_workspace_m)   /* the same within the joint limits */                             \
+    X(error_before_m)                                                                         \
+    X(error_nominal_m)    /* mean error of the replaced model on held-out samples */          \
+    X(error_m)            /* of this model on the same samples, `error_of` */                 \
+    X(error_sigma_m)      /* standard error of their difference */                            \
+    X(tip_change_m)       /* largest displacement of the tip in the workspace */              \
+    X(tip_change_sigma)   /* its ratio to the prior standard deviation */                     \
+    X(largest_offset_m)   /* largest change of a length parameter */                          \
     X(largest_offset_rad) /* of an angle parameter; without frames of measurement */
 
-enum { MUKCA_ACCEPTANCE_TEXT = 160, MUKCA_ACCEPTANCE_SENTENCE = 256 };
+enum { MUKCA_ACCEPTANCE_TEXT = 256, MUKCA_ACCEPTANCE_SENTENCE = 640 };
 
 typedef struct {
     bool given; /* false: there is no verdict */
@@ -30,6 +35,7 @@ typedef struct {
     bool intact;                        /* the table that was read matches its digest */
     char reason[MUKCA_ACCEPTANCE_TEXT]; /* reason of the refusal and remedy; empty if accepted */
     char error_of[64];                  /* samples of the error: "cross-validation, 3 folds" */
+    char at_rest[96];                   /* joints that did not move: "joint_6, joint_7" */
 #define MUKCA_ACCEPTANCE_MEMBER(key) double key;
     MUKCA_ACCEPTANCE_LIST(MUKCA_ACCEPTANCE_MEMBER)
 #undef MUKCA_ACCEPTANCE_MEMBER
@@ -45,17 +51,17 @@ extern const mukca_acceptance_number mukca_acceptance_numbers[];
 /* Initialise without verdict, numbers NaN. */
 void mukca_acceptance_init(mukca_acceptance *acceptance);
 
-/* Accept or refuse by `converged` and the numbers; `stop` (may be NULL) is the solver's reason for
- * stopping; `others_m` the mean error of the training samples if error_m is that of test data, else
- * NaN.  NaN numbers are not judged, except error_m, which is required. */
-void mukca_acceptance_judge(mukca_acceptance *acceptance, const char *stop, double others_m);
-
 /* Refuse the table for this reason (a printf format); sets `given`, clears `accepted`. */
 void mukca_acceptance_refuse(mukca_acceptance *acceptance, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
-/* The verdict as a sentence without a full stop; `factory`: the fit started from a factory file
- * instead of the URDF's origins. */
+/* The basis of the verdict: "; 180 different postures; expected error of the tip ..."; empty if
+ * unknown. */
+void mukca_acceptance_basis(char text[MUKCA_ACCEPTANCE_SENTENCE], const mukca_acceptance *a,
+                            bool factory);
+
+/* The verdict with its basis, as a sentence without a full stop; `factory`: the fit started from a
+ * factory file instead of the URDF's origins. */
 void mukca_acceptance_sentence(char text[MUKCA_ACCEPTANCE_SENTENCE],
                                const mukca_acceptance *acceptance, bool factory);
 

@@ -13,8 +13,7 @@ enum {
  * including joint zeros, and the position of the ball on the tool, which is not measured. */
 static const double length_sigma = 8e-3, angle_sigma = 20e-3, ball_sigma = 20e-3;
 
-/* Whether an element is a frame of the measurement. */
-static bool is_frame(const mukca_tip_change_task *task, int element)
+bool mukca_tip_change_is_frame(const mukca_tip_change_task *task, int element)
 {
     return (task->base_frame && element == 0) ||
            (task->tool_frame && element == task->chain->n_elements - 1);
@@ -23,7 +22,7 @@ static bool is_frame(const mukca_tip_change_task *task, int element)
 static double prior_sigma(const mukca_tip_change_task *task, int i)
 {
     const int element = i / MUKCA_PARAMETERS;
-    if (is_frame(task, element) || !task->to->listed[i]) return 0;
+    if (mukca_tip_change_is_frame(task, element) || !task->to->listed[i]) return 0;
     if (i % MUKCA_PARAMETERS >= 3) return angle_sigma;
     return element == task->chain->n_elements - 1 && task->chain->element[element].joint < 0
                ? ball_sigma
@@ -37,7 +36,7 @@ static void set_theta_before(double *theta, const mukca_tip_change_task *task)
     mukca_chain_theta(theta, task->chain);
     for (int i = 0; i < n; i++) {
         if (task->from) theta[i] = task->from->theta[i];
-        if (is_frame(task, i / MUKCA_PARAMETERS)) theta[i] = task->to->theta[i];
+        if (mukca_tip_change_is_frame(task, i / MUKCA_PARAMETERS)) theta[i] = task->to->theta[i];
     }
 }
 
@@ -119,7 +118,7 @@ void mukca_tip_change_judge(mukca_offsets *to, const mukca_tip_change_task *task
     a->largest_offset_m = a->largest_offset_rad = 0;
     for (int i = 0; i < MUKCA_PARAMETERS * task->chain->n_elements; i++) {
         double *largest = i % MUKCA_PARAMETERS < 3 ? &a->largest_offset_m : &a->largest_offset_rad;
-        if (is_frame(task, i / MUKCA_PARAMETERS)) continue;
+        if (mukca_tip_change_is_frame(task, i / MUKCA_PARAMETERS)) continue;
         *largest = fmax(*largest, fabs(to->theta[i] - nominal[i]));
     }
 }

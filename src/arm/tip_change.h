@@ -5,6 +5,10 @@
 #include "arm/offsets.h"
 #include "math/random.h"
 
+/* Largest ratio of the tip's displacement to its prior standard deviation.  A normal prior exceeds
+ * 5 in one of 1.7 million arms: an error of URDF, labels or units is more probable. */
+#define MUKCA_MOST_TIP_SIGMA 5.0
+
 typedef struct {
     const mukca_chain *chain;
     const mukca_offsets *from; /* NULL: the nominal model */
@@ -12,7 +16,11 @@ typedef struct {
     const mukca_dataset *data; /* adds its postures; may be NULL */
     bool base_frame; /* the first element is a tracker's frame, the last one an unknown target: */
     bool tool_frame; /* they are not part of the arm, and their offsets are ignored */
+    bool free_base;  /* poses are in an unknown frame, for which the chain has no element */
 } mukca_tip_change_task;
+
+/* Whether an element is a frame of the measurement. */
+bool mukca_tip_change_is_frame(const mukca_tip_change_task *task, int element);
 
 /* Largest displacement of the tip, m, over the postures of the data and a fixed random sample
  * within the joint limits; *sigma (may be NULL) is its largest ratio to the prior standard

@@ -170,15 +170,10 @@ out:
 
 static mukca_status judge(cli_call *call, const calibrate_result *r)
 {
-    const cli_session *s = call->session;
     const mukca_fit_options fitted = fit_options(call->options);
-    const mukca_score test[2] = {r->test_scores.nominal_mean, r->test_scores.calibrated_mean};
-    const mukca_accept_task task = {.chain = &s->model.chain,
-                                    .data = r->train,
-                                    .options = &fitted,
-                                    .test = r->test_scores.n > 0 ? test : NULL};
     mukca_fit_offsets(r->offsets, r->fit);
-    return mukca_fit_accept(r->offsets, r->fit, &task, &call->error);
+    return mukca_accept_fit(r->offsets, r->fit, &call->session->model.chain, r->train, r->test,
+                            &fitted, &call->error);
 }
 
 static mukca_status write_results(cli_call *call, const calibrate_result *r)
@@ -290,11 +285,12 @@ const cli_command cli_command_calibrate = {
         "calibrated - nominal in the units of the URDF's origin, the standard error from the data "
         "alone, and whether the data identify it.\n\n"
         "The table carries a verdict: it is accepted if the fit converged, the data fit the arm, "
-        "the "
-        "error on held-out samples (--test, else cross-validation) is below that of the nominal "
-        "model, test data do not contradict the training data, and the change of the tip is "
-        "plausible. The other commands refuse a table that is "
-        "not accepted.\n\n"
+        "and the calibrated arm is better than the nominal one by more than its own uncertainty: "
+        "on "
+        "held-out samples (--test, else cross-validation; readings of one posture count once), and "
+        "at the tip, whose expected error is predicted from the samples. Test data must not "
+        "contradict the training data, and the change of the tip must be plausible. The other "
+        "commands refuse a table that is not accepted.\n\n"
         "--traits corrects the recorded angles for the mean elasticity of the arm's fleet before "
         "the fit and adds it to the table, or half of it, or nothing, whichever fits the data "
         "best.\n\n"

@@ -124,10 +124,6 @@ static void print_warnings(cli_call *call, const calibrate_result *r)
                 "to come from the controller, not from a tracker, and cannot calibrate it",
                 1e3 * poses->mae);
     }
-    if (r->test_scores.n > 0 &&
-        r->test_scores.calibrated_mean.mae > r->test_scores.nominal_mean.mae)
-        cli_answer_wrapped(
-            call, "warning: on the test data the calibrated model is worse than the nominal model");
 }
 
 static void print_next(cli_call *call, const calibrate_result *r)

@@ -12,7 +12,7 @@
 
 #include "cli/diagnose.h"
 #include "diagnose/cause.h"
-#include "diagnose/postures.h"
+#include "model/postures.h"
 #include "simulate/replicate.h"
 
 enum { MOST_PROCESSES = 64, POLL_MS = 100 };

@@ -3,8 +3,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "arm/tip_change.h"
 #include "cli/diagnose.h"
+#include "fit/accept.h"
 #include "fit/frames.h"
 
 /* A parameter counts as identifiable if the data at least halve its prior uncertainty. */
@@ -34,8 +34,8 @@ static void fill_tracker(mukca_offsets *o, const mukca_applied *a)
     }
 }
 
-static void judge(mukca_offsets *o, const mukca_chain *chain, const mukca_diagnosed *r,
-                  const cli_frames *frames)
+static mukca_status judge(mukca_offsets *o, const mukca_chain *chain, const mukca_diagnosed *r,
+                          const cli_frames *frames, mukca_error *error)
 {
     const mukca_diagnosis *d = r->diagnosis;
     mukca_acceptance *a = &o->acceptance;
@@ -46,22 +46,24 @@ static void judge(mukca_offsets *o, const mukca_chain *chain, const mukca_diagno
         a->parameters += o->listed[i];
         a->identified += o->identifiable[i];
     }
-    if (r->test) {
+    if (r->test)
         snprintf(a->error_of, sizeof a->error_of, "test data, %d samples", r->test->n_rows);
-        a->error_nominal_m = d->test_nominal_m;
-        a->error_m = d->test_explained_m;
-    } else {
+    else
         snprintf(a->error_of, sizeof a->error_of, "cross-validation, %d folds", d->folds);
-        a->error_nominal_m = d->nominal_m;
-        a->error_m = d->explained_m;
-    }
-    mukca_tip_change_judge(o, &(mukca_tip_change_task){.chain = chain,
-                                                       .to = o,
-                                                       .data = r->data,
-                                                       .base_frame = frames->base,
-                                                       .tool_frame = frames->tool});
-    mukca_acceptance_judge(a, NULL, r->test ? d->explained_m : (double)NAN);
-    if (d->verdict == MUKCA_VERDICT_UNTESTABLE) mukca_acceptance_refuse(a, "%s", d->why);
+    return mukca_accept(o,
+                        &(mukca_accept_task){.change = {.chain = chain,
+                                                        .to = o,
+                                                        .data = r->data,
+                                                        .base_frame = frames->base,
+                                                        .tool_frame = frames->tool},
+                                             .held = !d->after_m ? NULL
+                                                     : r->test   ? r->test
+                                                                 : r->data,
+                                             .before = d->before_m,
+                                             .after = d->after_m,
+                                             .misfit = d->why,
+                                             .training_m = r->test ? d->explained_m : (double)NAN},
+                        error);
 }
 
 mukca_status cli_diagnosis_offsets(mukca_offsets *o, mukca_chain *chain, int *left_out,
@@ -89,6 +91,5 @@ mukca_status cli_diagnosis_offsets(mukca_offsets *o, mukca_chain *chain, int *le
         o->effects[o->n_effects] = a->effects[e];
         memcpy(o->effect_sigma[o->n_effects++], a->effect_sigma[e], sizeof a->effect_sigma[e]);
     }
-    judge(o, chain, r, frames);
-    return MUKCA_OK;
+    return judge(o, chain, r, frames, error);
 }

@@ -89,8 +89,16 @@ json_t *cli_json_offsets(const mukca_offsets *offsets, const mukca_chain *chain)
 json_t *cli_json_acceptance(const mukca_acceptance *a)
 {
     if (!a) return json_null();
-    json_t *object = json_pack("{s:b, s:s, s:s, s:b}", "accepted", (int)a->accepted, "reason",
-                               a->reason, "error_of", a->error_of, "converged", (int)a->converged);
+    json_t *rest = json_array();
+    for (const char *at = a->at_rest; *at;) { /* "joint_6, joint_7" */
+        const size_t length = strcspn(at, ",");
+        json_array_append_new(rest, json_stringn(at, length));
+        at += length;
+        at += strspn(at, ", ");
+    }
+    json_t *object =
+        json_pack("{s:b, s:s, s:s, s:b, s:o}", "accepted", (int)a->accepted, "why", a->reason,
+                  "error_of", a->error_of, "converged", (int)a->converged, "joints_at_rest", rest);
     for (const mukca_acceptance_number *n = mukca_acceptance_numbers; n->key; n++) {
         double value;
         memcpy(&value, (const char *)a + n->offset, sizeof value);

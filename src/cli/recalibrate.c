@@ -6,7 +6,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "arm/tip_change.h"
+#include "fit/accept.h"
 #include "io/pose_stream.h"
 
 typedef struct {
@@ -106,6 +106,9 @@ static void use_check(cli_call *call, cli_recalibrated *r, mukca_recalibrate_opt
     o->tool = c->tool;
 }
 
+/* Rows of a log for its verdict: the mean error is known to 1 %. */
+enum { MOST_JUDGED = 5000 };
+
 typedef struct {
     cli_recalibrated result;
     mukca_recalibrate_options fit;
@@ -201,25 +204,88 @@ static void fill_offsets(mukca_offsets *out, const mukca_recalibration *fit,
     }
 }
 
-/* Error on test data or, without these, its prediction from the log by generalised cross-validation
- * (Golub, Heath, Wahba 1979): the residual over 1 - unknowns / equations. */
-static void judge_offsets(mukca_offsets *o, const cli_recalibrated *r, const mukca_chain *chain)
+/* Part of a log as samples in the arm's base: fitted tip plus residual; errors[2][n_rows] of the
+ * nominal and the fitted model. */
+static mukca_status take_part(mukca_dataset *part, double *errors, const mukca_recalibration *fit,
+                              const mukca_recalibrate_task *task, long rows, mukca_error *error)
 {
+    const mukca_chain *arm = task->chain;
+    const mukca_pose_model *model = &fit->stage[MUKCA_WITH_BOTH];
+    const int most = rows < MOST_JUDGED ? (int)rows : MOST_JUDGED;
+    const long every = (rows + MOST_JUDGED - 1) / MOST_JUDGED;
+    mukca_pose_reader reader = mukca_recalibrate_reader(task);
+    mukca_status status = mukca_dataset_create(part, most, arm->n_joints, 0, 0, error);
+    if (status != MUKCA_OK) return status;
+    part->position = calloc(3 * (size_t)most + 1, sizeof *part->position);
+    part->files = calloc(1, sizeof *part->files);
+    if (!part->position || !part->files) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    part->n_files = 1;
+    part->n_targets = arm->element[arm->n_elements - 1].joint >= 0; /* its place is unknown */
+    part->n_rows = 0;
+    for (long i = 0; status == MUKCA_OK && part->n_rows < most; i++) {
+        mukca_pose_look look[2];
+        double *q = part->q + part->n_rows * arm->n_joints, *at = part->position + 3 * part->n_rows;
+        status = mukca_pose_reader_next(&reader, error);
+        if (status != MUKCA_OK || !reader.now) break;
+        if (i % every != 0) continue;
+        for (int j = 0; j < arm->n_joints; j++)
+            q[j] = reader.now->q[j] + model->zero[j] + model->lag * reader.now->velocity[j];
+        mukca_fk_position(at, &model->geometry, q, NULL);
+        for (int j = 0; j < arm->n_joints; j++) q[j] -= model->zero[j];
+        for (int k = 0; k < 2; k++) {
+            mukca_pose_look_at(&look[k], &fit->stage[k ? MUKCA_WITH_BOTH : MUKCA_BEFORE],
+                               reader.now, task->options->order);
+            errors[k * most + part->n_rows] = mukca_norm3(look[k].position);
+        }
+        double local[3];
+        mukca_mat3_tvec(local, model->base.R, look[1].position);
+        for (int k = 0; k < 3; k++) at[k] += local[k];
+        part->n_rows++;
+    }
+    return status;
+}
+
+/* Judge by the errors on test data or, without these, their prediction from the log by generalised
+ * cross-validation (Golub, Heath, Wahba 1979): the residual over 1 - unknowns / equations. */
+static mukca_status judge_offsets(cli_call *call, recalibrate_work *w)
+{
+    const cli_recalibrated *r = &w->result;
     const mukca_recalibration *fit = r->fit;
-    const mukca_pose_errors *errors = r->tested ? r->test : fit->errors;
-    mukca_acceptance *a = &o->acceptance;
-    const double equations = 3.0 * (double)(fit->rows + fit->rotations);
-    const double spare = r->tested ? 1 : 1 - fit->rank / equations;
+    const long poses = r->tested ? r->test[MUKCA_BEFORE].position.n : fit->rows;
+    const double spare =
+        r->tested ? 1 : 1 - fit->rank / (3.0 * (double)(fit->rows + fit->rotations));
+    const mukca_recalibrate_task train = task_of(w, &w->train), test = task_of(w, &w->test);
+    mukca_acceptance *a = &w->offsets.acceptance;
+    mukca_dataset part = {0}, held = {0};
+    double *errors = calloc(2 * MOST_JUDGED, sizeof *errors);
     snprintf(a->error_of, sizeof a->error_of, "%s, %ld poses",
-             r->tested ? "test data" : "generalized cross-validation",
-             errors[MUKCA_BEFORE].position.n);
+             r->tested ? "test data" : "generalized cross-validation", poses);
     a->converged = fit->converged;
     a->parameters = fit->n;
     a->identified = fit->rank;
-    a->error_nominal_m = errors[MUKCA_BEFORE].position.mean;
-    a->error_m = spare > 0 ? errors[MUKCA_WITH_BOTH].position.mean / spare : (double)NAN;
-    mukca_tip_change_judge(o, &(mukca_tip_change_task){.chain = chain, .to = o});
-    mukca_acceptance_judge(a, NULL, (double)NAN);
+    mukca_status status = errors ? take_part(&part, errors, fit, &train, fit->rows, &call->error)
+                                 : mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    if (status == MUKCA_OK && r->tested)
+        status = take_part(&held, errors, fit, &test, poses, &call->error);
+    const mukca_dataset *judged = r->tested ? &held : &part;
+    double *after = errors + (poses < MOST_JUDGED ? poses : MOST_JUDGED);
+    for (int i = 0; i < judged->n_rows && status == MUKCA_OK; i++)
+        after[i] = spare > 0 ? after[i] / spare : (double)NAN;
+    if (status == MUKCA_OK)
+        status = mukca_accept(&w->offsets,
+                              &(mukca_accept_task){.change = {.chain = &r->arm,
+                                                              .to = &w->offsets,
+                                                              .data = &part,
+                                                              .free_base = w->fit.free_base},
+                                                   .held = judged,
+                                                   .before = errors,
+                                                   .after = after,
+                                                   .training_m = NAN},
+                              &call->error);
+    mukca_dataset_free(&part);
+    mukca_dataset_free(&held);
+    free(errors);
+    return status;
 }
 
 static mukca_status write_offsets(cli_call *call, const mukca_offsets *offsets)
@@ -284,8 +350,8 @@ static mukca_status run(cli_call *call)
     if (status == MUKCA_OK) status = recalibrate(call, w);
     if (status != MUKCA_OK) return status;
     fill_offsets(&w->offsets, r->fit, chain, &r->arm);
-    judge_offsets(&w->offsets, r, chain);
-    if (r->oracle.calibrated) status = write_offsets(call, &w->offsets);
+    status = judge_offsets(call, w);
+    if (status == MUKCA_OK && r->oracle.calibrated) status = write_offsets(call, &w->offsets);
     if (status == MUKCA_OK && call->common->json)
         status = cli_write_json(call, cli_recalibrate_json(call, r, &w->offsets, chain));
     if (status == MUKCA_OK && !r->oracle.calibrated) return refuse(call, r);

@@ -98,9 +98,8 @@ static mukca_status calibrate(cli_call *call)
         mukca_fit_run(&w->fit, &s->model.chain, &s->data, &fit_options, &call->error);
     if (status != MUKCA_OK) return status;
     mukca_fit_offsets(&w->offsets, &w->fit);
-    const mukca_accept_task task = {
-        .chain = &s->model.chain, .data = &s->data, .options = &fit_options};
-    status = mukca_fit_accept(&w->offsets, &w->fit, &task, &call->error);
+    status = mukca_accept_fit(&w->offsets, &w->fit, &s->model.chain, &s->data, NULL, &fit_options,
+                              &call->error);
     if (status != MUKCA_OK) return status;
     w->page.fit = &w->fit;
     w->page.fitted = &w->fit.chain;

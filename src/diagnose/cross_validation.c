@@ -80,6 +80,7 @@ static void measure_geometry(mukca_validation *v, mukca_folds *b, double *excuse
     for (int row = 0; row < rows; row++)
         mukca_unknowns_predict_measured(b->position + 3 * row, u, &m->recording, row);
     mukca_unknowns_set_arm(u, &v->geometry);
+    mukca_folds_errors(v->before_m, m, b->position, m->recording.keep, true);
     mukca_folds_errors(b->error, m, b->position, b->all, false);
     v->nominal_m = mukca_folds_mean(b->error, rows);
     if (v->folds < 2) return;
@@ -117,6 +118,7 @@ static void measure_explained(measurement *s)
     if (by_socket) mukca_folds_run(s->full[1], b, true);
     mukca_folds_run(s->full[0], b, false);
     v->explained_m = mukca_folds_mean(s->full[0], b->m->recording.data->n_rows);
+    memcpy(v->after_m, s->full[0], sizeof *v->after_m * (size_t)b->m->recording.data->n_rows);
     if (b->freedom > 0) {
         v->surprise = sqrt(fmax(b->surprise, 0) / b->freedom);
         v->surprise_sigmas = (b->surprise - b->freedom) / sqrt(2.0 * b->freedom);
@@ -180,8 +182,11 @@ mukca_status mukca_cross_validation_run(mukca_validation *v, mukca_pool *pool, m
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", rows);
     mukca_cross_validation_clear(v);
     v->placement_m = MUKCA_TAKE(pool, double, m->recording.data->n_placements + 1);
+    v->before_m = MUKCA_TAKE(pool, double, rows);
+    v->after_m = MUKCA_TAKE(pool, double, rows);
     if (m->pool.failed || pool->failed)
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", rows);
+    for (int row = 0; row < rows; row++) v->after_m[row] = NAN;
     v->folds = mukca_folds_assign(b.fold, m, false);
     v->noise_shrink_percent = noise_gain(m->recording.data->n_placements);
     memcpy(kept, m->recording.keep, (size_t)rows);

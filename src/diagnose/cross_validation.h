@@ -14,7 +14,8 @@ typedef struct {
     double noise_shrink_percent; /* expected gain of the catalogue's best candidate on pure noise */
     double axis_rms_m[3]; /* remaining error of the fitted geometry, by base axis; not held out */
     double *placement_m;  /* [n_placements] of explained_m, NULL: none */
-    mukca_arm_state geometry; /* fitted without causes */
+    double *before_m, *after_m; /* [n_rows] errors without faulty samples, nominal and explained */
+    mukca_arm_state geometry;   /* fitted without causes */
 } mukca_validation;
 
 /* Set all results to not measured. */

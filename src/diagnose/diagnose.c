@@ -173,6 +173,8 @@ static void assemble(mukca_diagnosis *d, const steps *s, const mukca_recording *
     d->test_explained_m = s->test.explained_m;
     d->test_placement_mae_m = s->test.placement_m;
     d->n_test_placements = s->test.n_placements;
+    d->before_m = s->test.before_m ? s->test.before_m : v->before_m;
+    d->after_m = s->test.before_m ? s->test.after_m : v->after_m;
     d->confounding = s->confounding;
     d->score = s->score;
     d->efforts_correlation = recording->efforts_correlation;

@@ -195,6 +195,9 @@ typedef struct {
     /* test data (--test), m; NaN: none */
     double test_nominal_m, test_geometry_m, test_explained_m;
     double *test_placement_mae_m; /* [n_test_placements] of test_explained_m, in the pool */
+    /* Errors of the test data's rows, else of the held-out rows, m: nominal, and of the result;
+     * NaN: faulty.  In the pool; NULL: none. */
+    double *before_m, *after_m;
     int n_test_placements;
     double sigma_m, rho;
     double shared; /* share of the variance that the readings of a posture have in common */

@@ -4,8 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "diagnose/postures.h"
 #include "model/dataset_subset.h"
+#include "model/postures.h"
 
 /* One row in ten that repeats a posture is no accident. */
 #define FEW_REPEATS 0.1

@@ -45,7 +45,7 @@ mukca_status mukca_test_data_measure(mukca_test_errors *errors, mukca_pool *pool
         goto out;
     }
     double *position = MUKCA_TAKE(&t->pool, double, 3 * rows);
-    double *row_error = MUKCA_TAKE(&t->pool, double, rows);
+    double *geometry_m = MUKCA_TAKE(&t->pool, double, rows), *row_error = NULL;
     arm[0] = mukca_unknowns_nominal_arm(&m->unknowns, m->recording.chain);
     arm[1] = mukca_unknowns_arm(&m->unknowns);
     const mukca_arm_state *const step[3] = {&arm[0], geometry_only, &arm[1]};
@@ -54,8 +54,12 @@ mukca_status mukca_test_data_measure(mukca_test_errors *errors, mukca_pool *pool
     const int untrained = mukca_logs_match(t, m);
     errors->n_placements = test->n_placements;
     errors->placement_m = MUKCA_TAKE(pool, double, test->n_placements + 1);
+    errors->before_m = MUKCA_TAKE(pool, double, rows);
+    errors->after_m = MUKCA_TAKE(pool, double, rows);
+    double *const rows_of[3] = {errors->before_m, geometry_m, errors->after_m};
     for (int s = 0; s < 3 && !t->pool.failed && !pool->failed; s++) {
         if (s == 2 && !carry_causes(t, &m->unknowns)) break;
+        row_error = rows_of[s];
         mukca_unknowns_set_arm(&t->unknowns, step[s]);
         mukca_logs_place_targets(t, untrained);
         for (int row = 0; row < rows; row++)

@@ -1,12 +1,138 @@
-/* The verdict of a calibration, for its offsets table. */
+/* Acceptance of an offsets table, by prediction. */
 #include "fit/accept.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
-#include "arm/tip_change.h"
+#include "fit/difference.h"
+#include "fit/frames.h"
+#include "fit/tip_error.h"
 #include "math/stats.h"
+
+/* Measurement noise above this, m, means that the samples are of another arm: five times that of
+ * the worst published arm.  So do several postures that any arm misses (tip_error.h). */
+static const double foreign_noise = 10e-3;
+enum { SEVERAL = 3, LEAST_POSTURES = 3 };
+
+/* Test data contradict the others if their error is this multiple of that of the others, and more
+ * than this part of the nominal model's.  Extrapolation from one placement to another reaches a
+ * factor of 10, but then removes most of the error. */
+static const double contradiction = 10, left = 0.5;
+
+/* Least probability of an improvement at the tip; the interval of a held-out difference, in
+ * standard errors. */
+static const double sure = 0.95, interval = 2;
+
+/* Whether the table changes the arm; one of a hand-eye calibration may have frames only, which must
+ * not be worse than their start values. */
+static bool changes_arm(const mukca_offsets *table, const mukca_tip_change_task *task)
+{
+    bool any = table->n_effects > 0;
+    for (int i = 0; i < MUKCA_PARAMETERS * task->chain->n_elements; i++)
+        any |= table->listed[i] && !mukca_tip_change_is_frame(task, i / MUKCA_PARAMETERS);
+    return any;
+}
+
+static bool judge_samples(mukca_acceptance *a, const mukca_accept_task *task,
+                          const mukca_tip_error *tip, bool changes)
+{
+    const double nominal_m = a->error_nominal_m, difference = a->error_m - nominal_m,
+                 margin = interval * a->error_sigma_m;
+    if (task->misfit)
+        mukca_acceptance_refuse(a, "%s", task->misfit);
+    else if (a->noise_m >= foreign_noise)
+        mukca_acceptance_refuse(a,
+                                "the samples do not fit this arm (by %.3g mm); check the URDF, the "
+                                "tip, the columns, the socket labels and the distances",
+                                1e3 * a->noise_m);
+    else if (tip->gross >= SEVERAL)
+        mukca_acceptance_refuse(a,
+                                "%d postures do not fit this arm by more than 100 mm; check the "
+                                "labels of placements and sockets, the URDF and the columns",
+                                tip->gross);
+    else if (!a->converged)
+        mukca_acceptance_refuse(a, "NOT CONVERGED (%s); check the data with mukca diagnose",
+                                task->stop ? task->stop : "out of iterations");
+    else if (!isfinite(a->error_m))
+        mukca_acceptance_refuse(a, "no held-out error is known; record more samples");
+    else if (a->error_m > contradiction * task->training_m && a->error_m > left * nominal_m)
+        mukca_acceptance_refuse(a,
+                                "test error %.4g mm, training error %.4g mm: the data contradict "
+                                "each other; check for another arm, tool or tip",
+                                1e3 * a->error_m, 1e3 * task->training_m);
+    else if (tip->postures < LEAST_POSTURES)
+        mukca_acceptance_refuse(a, "the samples are of %d different %s; record others",
+                                tip->postures, tip->postures > 1 ? "postures" : "posture");
+    else if (!(difference < (changes ? -margin : margin)))
+        mukca_acceptance_refuse(a,
+                                "held-out error %.4g mm, no better than the nominal model with "
+                                "%.4g mm (standard error of the difference %.2g mm); record more "
+                                "samples",
+                                1e3 * a->error_m, 1e3 * nominal_m, 1e3 * a->error_sigma_m);
+    else
+        return true;
+    return false;
+}
+
+static void judge_tip(mukca_acceptance *a, const mukca_tip_error *tip)
+{
+    const double *p = tip->probability;
+    if (!(p[MUKCA_HERE] >= sure && a->error_here_m < a->error_before_here_m))
+        mukca_acceptance_refuse(a,
+                                "expected error of the tip %.3g mm, nominal %.3g mm, from %.0f "
+                                "different postures: no sure improvement; record more of them, and "
+                                "look for faulty samples with mukca diagnose",
+                                1e3 * a->error_here_m, 1e3 * a->error_before_here_m, a->postures);
+    else if (!(p[MUKCA_ELSEWHERE] >= (a->at_rest[0] ? sure : 1 - sure)))
+        mukca_acceptance_refuse(
+            a,
+            "expected error of the tip %.3g mm within the joint limits, nominal "
+            "%.3g mm%s%s%s; record postures over wider joint ranges",
+            1e3 * a->error_workspace_m, 1e3 * a->error_before_m, a->at_rest[0] ? " (" : "",
+            a->at_rest, a->at_rest[0] ? " did not move: is the encoder stuck?)" : "");
+    else if (!(a->tip_change_sigma <= MUKCA_MOST_TIP_SIGMA))
+        mukca_acceptance_refuse(a,
+                                "moves the tip by %.4g mm, %.1f standard deviations of its prior; "
+                                "check the URDF and the samples",
+                                1e3 * a->tip_change_m, a->tip_change_sigma);
+}
+
+static void list_at_rest(mukca_acceptance *a, const mukca_tip_error *tip, const mukca_chain *chain)
+{
+    size_t used = 0;
+    for (int j = 0; j < chain->n_joints && used < sizeof a->at_rest; j++)
+        if (tip->at_rest[j])
+            used += (size_t)snprintf(a->at_rest + used, sizeof a->at_rest - used, "%s%s",
+                                     used ? ", " : "", mukca_chain_joint_name(chain, j));
+}
+
+mukca_status mukca_accept(mukca_offsets *table, const mukca_accept_task *task, mukca_error *error)
+{
+    mukca_acceptance *a = &table->acceptance;
+    mukca_tip_error tip;
+    mukca_difference held = {.before_m = NAN, .after_m = NAN};
+    mukca_tip_change_judge(table, &task->change);
+    mukca_status status = mukca_tip_error_expect(&tip, &task->change, error);
+    if (status == MUKCA_OK && task->held)
+        status = mukca_difference_find(&held, task->before, task->after, task->held, error);
+    if (status != MUKCA_OK) return status;
+    a->given = a->accepted = true;
+    a->reason[0] = a->at_rest[0] = '\0';
+    a->error_nominal_m = held.postures ? held.before_m : (double)NAN;
+    a->error_m = held.postures ? held.after_m : (double)NAN;
+    a->error_sigma_m = held.sigma_m;
+    a->postures = tip.postures;
+    a->error_here_m = tip.after_m[MUKCA_HERE];
+    a->error_before_here_m = tip.before_m[MUKCA_HERE];
+    a->error_workspace_m = tip.after_m[MUKCA_ELSEWHERE];
+    a->error_before_m = tip.before_m[MUKCA_ELSEWHERE];
+    list_at_rest(a, &tip, task->change.chain);
+    const bool changes = changes_arm(table, &task->change);
+    if (judge_samples(a, task, &tip, changes) && changes) judge_tip(a, &tip);
+    return MUKCA_OK;
+}
 
 void mukca_fit_offsets(mukca_offsets *offsets, const mukca_fit *fit)
 {
@@ -20,42 +146,65 @@ void mukca_fit_offsets(mukca_offsets *offsets, const mukca_fit *fit)
     }
 }
 
-mukca_status mukca_fit_accept(mukca_offsets *offsets, const mukca_fit *fit,
-                              const mukca_accept_task *task, mukca_error *error)
+/* Errors of the test data, as mukca_fit_cross_validate gives those of held-out samples; the data of
+ * `r` are those of the caller. */
+static mukca_status predict_test(mukca_cross_validation *r, const mukca_fit *fit,
+                                 const mukca_dataset *data, const mukca_dataset *test,
+                                 const mukca_fit_options *options, mukca_error *error)
 {
-    const mukca_dataset *data = task->data;
-    mukca_fit_options options = *task->options;
-    const mukca_score *test = task->test;
+    double start[MUKCA_MAX_THETA];
+    const mukca_model nominal = {.chain = &fit->chain, .theta = start},
+                      fitted = {.chain = &fit->chain, .theta = fit->theta};
+    const size_t room = (size_t)test->n_rows + 1;
+    *r = (mukca_cross_validation){.before = malloc(room * sizeof *r->before),
+                                  .after = malloc(room * sizeof *r->after)};
+    mukca_status status =
+        mukca_frames_start(start, &fit->chain, data, options->free_base, options->free_tool, error);
+    if (status == MUKCA_OK &&
+        (!r->before || !r->after || !mukca_evaluate_rows(r->before, &nominal, test) ||
+         !mukca_evaluate_rows(r->after, &fitted, test)))
+        status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    if (status != MUKCA_OK) mukca_cross_validation_free(r);
+    return status;
+}
+
+mukca_status mukca_accept_fit(mukca_offsets *offsets, const mukca_fit *fit,
+                              const mukca_chain *chain, const mukca_dataset *data,
+                              const mukca_dataset *test, const mukca_fit_options *options,
+                              mukca_error *error)
+{
+    mukca_fit_options inner = *options;
     mukca_acceptance *a = &offsets->acceptance;
-    mukca_cross_validation cv;
-    if (test) {
-        snprintf(a->error_of, sizeof a->error_of, "test data, %d samples", test[1].rows);
-        a->error_nominal_m = test[0].mae;
-        a->error_m = test[1].mae;
-    } else {
-        options.start = fit->theta;
-        mukca_status status = mukca_fit_cross_validate(&cv, task->chain, data, &options, error);
-        if (status != MUKCA_OK) return status;
-        const int used =
-            snprintf(a->error_of, sizeof a->error_of, "cross-validation, %d %s", cv.folds,
-                     cv.placements ? "folds of placements" : "folds of consecutive samples");
-        if (cv.samples > 0)
-            snprintf(a->error_of + used, sizeof a->error_of - (size_t)used, ", %d samples",
-                     cv.samples);
-        a->error_nominal_m = cv.nominal;
-        a->error_m = cv.mean;
-    }
+    mukca_cross_validation r;
+    const bool tested = test && test->n_rows > 0;
+    inner.start = fit->theta;
+    mukca_status status = tested ? predict_test(&r, fit, data, test, options, error)
+                                 : mukca_fit_cross_validate(&r, chain, data, &inner, error);
+    if (status != MUKCA_OK) return status;
     a->converged = fit->converged;
     a->noise_m = fit->identification.noise;
     a->parameters = fit->parameters.n;
     a->identified = fit->identification.rank;
-    a->determined = fit->identification.determined;
-    mukca_tip_change_judge(offsets, &(mukca_tip_change_task){.chain = &fit->chain,
-                                                             .to = offsets,
-                                                             .data = data,
-                                                             .base_frame = options.free_base,
-                                                             .tool_frame = options.free_tool});
-    mukca_acceptance_judge(a, mukca_stop_text(fit->outcome.stop),
-                           test ? MUKCA_MEAN_NORM3 * a->noise_m : (double)NAN);
-    return MUKCA_OK;
+    const int used =
+        tested ? snprintf(a->error_of, sizeof a->error_of, "test data, %d samples", test->n_rows)
+               : snprintf(a->error_of, sizeof a->error_of, "cross-validation, %d %s", r.folds,
+                          r.placements ? "folds of placements" : "folds of consecutive samples");
+    if (!tested && r.data.n_rows < data->n_rows)
+        snprintf(a->error_of + used, sizeof a->error_of - (size_t)used, ", %d samples",
+                 r.data.n_rows);
+    status = mukca_accept(
+        offsets,
+        &(mukca_accept_task){.change = {.chain = &fit->chain,
+                                        .to = offsets,
+                                        .data = data,
+                                        .base_frame = options->free_base,
+                                        .tool_frame = options->free_tool},
+                             .held = tested ? test : &r.data,
+                             .before = r.before,
+                             .after = r.after,
+                             .stop = mukca_stop_text(fit->outcome.stop),
+                             .training_m = tested ? MUKCA_MEAN_NORM3 * a->noise_m : (double)NAN},
+        error);
+    mukca_cross_validation_free(&r);
+    return status;
 }

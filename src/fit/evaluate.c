@@ -22,20 +22,6 @@ void mukca_evaluate_tips(mukca_frame *tips, const mukca_model *model, const mukc
     }
 }
 
-/* Means of the sockets: mean[n_sockets][3], count[n_sockets]. */
-static void socket_means(double (*mean)[3], int *count, const mukca_frame *tips,
-                         const mukca_dataset *data)
-{
-    for (int i = 0; i < data->n_rows; i++) {
-        const int s = data->socket[i];
-        if (s < 0) continue;
-        count[s]++;
-        for (int a = 0; a < 3; a++) mean[s][a] += tips[i].p[a];
-    }
-    for (int s = 0; s < data->n_sockets; s++)
-        for (int a = 0; a < 3 && count[s] > 0; a++) mean[s][a] /= count[s];
-}
-
 bool mukca_evaluate_place(mukca_frame *tips, const mukca_dataset *data)
 {
     if (data->n_targets == 0 || !data->position) return true;
@@ -62,10 +48,25 @@ bool mukca_evaluate_place(mukca_frame *tips, const mukca_dataset *data)
     return true;
 }
 
+/* Means of the sockets: mean[n_sockets][3], count[n_sockets]. */
+static void socket_means(double (*mean)[3], int *count, const mukca_frame *tips,
+                         const mukca_dataset *data)
+{
+    for (int i = 0; i < data->n_rows; i++) {
+        const int s = data->socket[i];
+        if (s < 0) continue;
+        count[s]++;
+        for (int a = 0; a < 3; a++) mean[s][a] += tips[i].p[a];
+    }
+    for (int s = 0; s < data->n_sockets; s++)
+        for (int a = 0; a < 3 && count[s] > 0; a++) mean[s][a] /= count[s];
+}
+
 /* Score of the samples of one placement, of all poses, or of one log; `rows` stays 0 without
  * samples. */
 static mukca_score score_part(mukca_score score, double (*mean)[3], const int *count,
-                              const mukca_frame *tips, const mukca_dataset *data)
+                              const double *error, const mukca_frame *tips,
+                              const mukca_dataset *data)
 {
     const int placement = score.placement;
     score.distance_error = score.rotation_error = NAN;
@@ -76,9 +77,6 @@ static mukca_score score_part(mukca_score score, double (*mean)[3], const int *c
         if (score.file >= 0 &&
             (data->file[i] != score.file || mukca_dataset_target(data, i) != score.target))
             continue;
-        const double *about = placement >= 0   ? mean[data->socket[i]]
-                              : data->position ? data->position + 3 * i
-                                               : NULL;
         const bool oriented =
             placement < 0 && data->quaternion && isfinite(data->quaternion[4 * i]);
         if (oriented) {
@@ -87,11 +85,8 @@ static mukca_score score_part(mukca_score score, double (*mean)[3], const int *c
             angles += mukca_rotation_between(tips[i].R, R);
             turns++;
         }
-        if (about && isfinite(about[0])) {
-            const double off = mukca_distance3(tips[i].p, about);
-            sum += off, squares += off * off, rows++;
-        }
-        score.rows += oriented || (about && isfinite(about[0]));
+        if (isfinite(error[i])) sum += error[i], squares += error[i] * error[i], rows++;
+        score.rows += oriented || isfinite(error[i]);
     }
     for (int p = 0; p < data->n_distances; p++) {
         const mukca_distance *d = &data->distances[p];
@@ -131,18 +126,56 @@ static mukca_score mean_score(const mukca_score *scores, int n)
     return mean;
 }
 
+/* Of one model on one dataset. */
+typedef struct {
+    mukca_frame *tips; /* [n_rows] */
+    double (*mean)[3]; /* [n_sockets] */
+    int *count;        /* [n_sockets] */
+} evaluation;
+
+static void evaluation_free(evaluation *e)
+{
+    free(e->tips);
+    free(e->mean);
+    free(e->count);
+}
+
+/* Tips, means of the sockets and error[n_rows]; false: out of memory. */
+static bool evaluate_rows(evaluation *e, double *error, const mukca_model *model,
+                          const mukca_dataset *data)
+{
+    const size_t sockets = (size_t)data->n_sockets + 1;
+    e->tips = malloc(((size_t)data->n_rows + 1) * sizeof *e->tips);
+    e->mean = calloc(sockets, sizeof *e->mean);
+    e->count = calloc(sockets, sizeof *e->count);
+    if (!e->tips || !e->mean || !e->count) return false;
+    mukca_evaluate_tips(e->tips, model, data);
+    if (!mukca_evaluate_place(e->tips, data)) return false;
+    socket_means(e->mean, e->count, e->tips, data);
+    for (int i = 0; i < data->n_rows; i++) {
+        const double *about = data->socket[i] >= 0 ? e->mean[data->socket[i]]
+                              : data->position     ? data->position + 3 * (size_t)i
+                                                   : NULL;
+        error[i] = about ? mukca_distance3(e->tips[i].p, about) : (double)NAN;
+    }
+    return true;
+}
+
+bool mukca_evaluate_rows(double *error, const mukca_model *model, const mukca_dataset *data)
+{
+    evaluation e = {0};
+    const bool ok = evaluate_rows(&e, error, model, data);
+    evaluation_free(&e);
+    return ok;
+}
+
 int mukca_evaluate(mukca_score *scores, mukca_score *mean, const mukca_model *model,
                    const mukca_dataset *data)
 {
     int n = -1;
-    const size_t rows = (size_t)data->n_rows + 1, sockets = (size_t)data->n_sockets + 1;
-    mukca_frame *tips = malloc(rows * sizeof *tips);
-    double(*means)[3] = calloc(sockets, sizeof *means);
-    int *count = calloc(sockets, sizeof *count);
-    if (!tips || !means || !count) goto out;
-    mukca_evaluate_tips(tips, model, data);
-    if (!mukca_evaluate_place(tips, data)) goto out;
-    socket_means(means, count, tips, data);
+    evaluation e = {0};
+    double *error = malloc(((size_t)data->n_rows + 1) * sizeof *error);
+    if (!error || !evaluate_rows(&e, error, model, data)) goto out;
     n = 0;
     for (int p = 0; p <= data->n_placements; p++) {
         const bool poses = p == data->n_placements, logs = poses && model->by_log;
@@ -150,14 +183,13 @@ int mukca_evaluate(mukca_score *scores, mukca_score *mean, const mukca_model *mo
             for (int t = -1; t < (logs ? data->n_targets : 0); t++) {
                 scores[n] =
                     score_part((mukca_score){.placement = poses ? -1 : p, .file = f, .target = t},
-                               means, count, tips, data);
+                               e.mean, e.count, error, e.tips, data);
                 n += scores[n].rows > 0;
             }
     }
     if (mean) *mean = mean_score(scores, n);
 out:
-    free(tips);
-    free(means);
-    free(count);
+    evaluation_free(&e);
+    free(error);
     return n;
 }

@@ -32,6 +32,10 @@ void mukca_evaluate_tips(mukca_frame *tips, const mukca_model *model, const mukc
  * measured positions.  False: out of memory. */
 bool mukca_evaluate_place(mukca_frame *tips, const mukca_dataset *data);
 
+/* error[n_rows], m: distance of each sample from its socket's mean, or from the measured position;
+ * NaN: none.  False: out of memory. */
+bool mukca_evaluate_rows(double *error, const mukca_model *model, const mukca_dataset *data);
+
 /* Maximum number of scores of a dataset. */
 static inline size_t mukca_evaluate_room(const mukca_dataset *data)
 {

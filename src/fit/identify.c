@@ -153,9 +153,6 @@ mukca_status mukca_identify(mukca_identification *id, double *null_space, mukca_
         return mukca_fail(error, MUKCA_INPUT, "the model's derivatives are not finite numbers");
     while (id->rank < n && s[id->rank] > MUKCA_RANK_TOLERANCE * s[0])
         log_product += log(s[id->rank++]);
-    while (id->determined < id->rank &&
-           s[id->determined] * s[id->determined] > mukca_cost_lambda(cost))
-        id->determined++;
     id->observability = id->rank > 0 ? exp(log_product / id->rank) : 0;
     const int spare = o->n_measured - o->n_pairs + pairs - id->rank;
     id->noise = spare > 0 ? sqrt(squares / spare) : HUGE_VAL;

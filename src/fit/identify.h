@@ -10,7 +10,6 @@
 
 typedef struct {
     int rank;
-    int determined;       /* directions in which the data outweigh the regularisation */
     double noise;         /* standard deviation of a sample's coordinate, m; from the residuals */
     double observability; /* (s_1 ... s_rank)^(1/rank) of the weighted Jacobian (index O1 of Borm
                              and Menq over the observable directions): m per m or rad */

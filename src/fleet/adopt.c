@@ -90,15 +90,18 @@ static void list_coefficients(task *t)
     }
 }
 
-/* Held-out error of the present fit and, in `placement` (NULL: not wanted), of each placement. */
-static double held_out(task *t, double *placement)
+/* Held-out error of the present fit and, in `d` (NULL: not wanted), those of placements and rows.
+ */
+static double held_out(task *t, mukca_diagnosis *d)
 {
     mukca_folds b = {.m = t->m};
     mukca_folds_create(&b);
     if (t->m->pool.failed) return NAN;
     mukca_folds_run(b.error, &b, false);
-    if (placement) mukca_folds_by_placement(placement, &t->m->recording, b.error);
-    return mukca_folds_mean(b.error, t->m->recording.data->n_rows);
+    const int rows = t->m->recording.data->n_rows;
+    if (d) mukca_folds_by_placement(d->placement_mae_m, &t->m->recording, b.error);
+    if (d && !t->options->test) memcpy(d->after_m, b.error, sizeof *b.error * (size_t)rows);
+    return mukca_folds_mean(b.error, rows);
 }
 
 /* Effects of single placements do not transfer to other placements: keep them only if they reduce
@@ -128,13 +131,14 @@ static mukca_status take_over(task *t, mukca_diagnosis *d, mukca_error *error)
     mukca_status status = MUKCA_OK;
     d->geometry = m->unknowns.geometry;
     if (t->options->folds && d->folds > 1)
-        t->adoption->explained_m = d->explained_m = held_out(t, d->placement_mae_m);
+        t->adoption->explained_m = d->explained_m = held_out(t, d);
     if (t->options->test) {
         mukca_test_errors errors;
         const mukca_arm_state arm = mukca_unknowns_arm(&m->unknowns);
         status = mukca_test_data_measure(&errors, &d->pool, m, &arm, t->options->test, error);
         t->adoption->test_explained_m = d->test_explained_m = errors.explained_m;
         d->test_placement_mae_m = errors.placement_m;
+        d->after_m = errors.after_m;
     }
     if (t->options->applied) {
         memset(&d->applied, 0, sizeof d->applied);

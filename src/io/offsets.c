@@ -31,6 +31,7 @@ static void write_acceptance(FILE *stream, const mukca_acceptance *a)
     fprintf(stream, "# accepted: %s%s\n", a->accepted ? "yes" : "no; ", a->reason);
     fprintf(stream, "# converged: %s\n", a->converged ? "yes" : "no");
     if (a->error_of[0]) mukca_offset_line(stream, "error_of: ", a->error_of);
+    if (a->at_rest[0]) mukca_offset_line(stream, "joints_at_rest: ", a->at_rest);
     for (const mukca_acceptance_number *n = mukca_acceptance_numbers; n->key; n++) {
         double value;
         memcpy(&value, (const char *)a + n->offset, sizeof value);

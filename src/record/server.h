@@ -5,6 +5,7 @@
 
 #include <sys/types.h>
 
+#include "fit/difference.h"
 #include "io/offsets.h"
 #include "mukca/row_state.h"
 #include "record/recorder.h"
@@ -162,15 +163,10 @@ mukca_status mukca_server_load_model(mukca_server *s, mukca_error *error);
  * MUKCA_INPUT. */
 mukca_status mukca_server_keep_result(mukca_server *s, mukca_error *error);
 
-/* Consistency error of s->candidate minus that of the table in use, m, on the same samples. */
-typedef struct {
-    double mean, sigma; /* over the postures, and its standard error */
-    int postures;       /* 0: the session cannot be read any more */
-} mukca_server_difference;
-
-/* Compare on the session of `table` (its file name).  Errors: MUKCA_MEMORY. */
-mukca_status mukca_server_compare(mukca_server_difference *difference, mukca_server *s,
-                                  const char *table, mukca_error *error);
+/* Errors of s->candidate minus those of the table in use on the session of `table` (its file name);
+ * no postures: the session cannot be read any more, or has one only.  Errors: MUKCA_MEMORY. */
+mukca_status mukca_server_compare(mukca_difference *difference, mukca_server *s, const char *table,
+                                  mukca_error *error);
 
 /* Put the last result into use, if it is of `session` (NULL: any).  Conditions: acceptance, size,
  * error on the same samples and change relative to the table in use.  `error` has the reply.

@@ -151,8 +151,11 @@ void mukca_server_send_answer(mukca_server *s, const mukca_server_answer *answer
 static void add_verdict(char line[MUKCA_RECORDER_LINE], const mukca_acceptance *a)
 {
     const size_t used = strlen(line);
+    char basis[MUKCA_ACCEPTANCE_SENTENCE];
+    mukca_acceptance_basis(basis, a, false);
     snprintf(line + used, MUKCA_RECORDER_LINE - used,
-             a->accepted ? "; accepted, for `use`%s" : "; not accepted: %s", a->reason);
+             a->accepted ? "; accepted, for `use`%s" : "; not accepted: %s",
+             a->accepted ? basis : a->reason);
 }
 
 static void report(mukca_server *s, mukca_status code)

@@ -25,7 +25,8 @@ static mukca_status check_stream(const mukca_server *s, const char *model, const
                       model, stream, now);
 }
 
-/* Parse a table and judge its size again, as its lines may have been edited. */
+/* Parse a table.  Its digest shows that its lines, the verdict among them, are those written; a
+ * forged one must not move the tip by more than any calibration does. */
 static mukca_status read_accepted(mukca_offsets *offsets, const mukca_server *s, const char *name,
                                   const char *text, mukca_error *error)
 {
@@ -36,9 +37,10 @@ static mukca_status read_accepted(mukca_offsets *offsets, const mukca_server *s,
     if (!a->given || !a->intact)
         return mukca_fail(error, MUKCA_INPUT, "%s has no %s: calibrate again, then use the result",
                           name, a->given ? "digest" : "verdict");
-    mukca_tip_change_judge(offsets,
-                           &(mukca_tip_change_task){.chain = s->recorder.chain, .to = offsets});
-    mukca_acceptance_judge(a, NULL, (double)NAN);
+    double sigma;
+    mukca_tip_change(&sigma, &(mukca_tip_change_task){.chain = s->recorder.chain, .to = offsets});
+    if (!(sigma <= MUKCA_MOST_TIP_SIGMA))
+        mukca_acceptance_refuse(a, "moves the tip by %.1f standard deviations of its prior", sigma);
     if (a->accepted) return MUKCA_OK;
     return mukca_fail(error, MUKCA_INPUT, "%.60s did not pass: %.150s", name, a->reason);
 }
@@ -79,17 +81,18 @@ mukca_status mukca_server_keep_result(mukca_server *s, mukca_error *error)
  * better on its own. */
 static mukca_status check_change(mukca_server *s, mukca_error *error)
 {
-    mukca_server_difference new, old;
+    mukca_difference new, old;
     const double most = s->options->most_change;
     if (!s->pose.ready) return MUKCA_OK;
     mukca_status status = mukca_server_compare(&new, s, s->state.candidate, error);
     if (status == MUKCA_OK) status = mukca_server_compare(&old, s, s->state.model, error);
     if (status != MUKCA_OK) return status;
-    const double difference = 2 * new.mean + old.mean, sigma = hypot(2 * new.sigma, old.sigma);
+    const double difference = 2 * new.mean_m + old.mean_m,
+                 sigma = hypot(2 * new.sigma_m, old.sigma_m);
     const double change = mukca_tip_change(
         NULL, &(mukca_tip_change_task){
                   .chain = s->recorder.chain, .from = &s->pose.offsets, .to = &s->candidate});
-    const bool worse = new.mean < -2 * new.sigma &&old.postures &&old.mean <= 2 * old.sigma;
+    const bool worse = new.mean_m < -2 * new.sigma_m &&old.postures &&old.mean_m <= 2 * old.sigma_m;
     if (!(change <= most) && !worse)
         return mukca_fail(error, MUKCA_NEGATIVE,
                           "%s: moves the tip by %.1f mm against the table in use, at most %.1f mm "
@@ -100,8 +103,8 @@ static mukca_status check_change(mukca_server *s, mukca_error *error)
                       "%s: error %+.3f mm (standard error %.3f mm) against the table in use on its "
                       "own session, %+.3f mm (%.3f mm) on that of the table in use; record more "
                       "samples",
-                      s->state.candidate, 1e3 * new.mean, 1e3 * new.sigma, 1e3 * old.mean,
-                      1e3 * old.sigma);
+                      s->state.candidate, 1e3 * new.mean_m, 1e3 * new.sigma_m, 1e3 * old.mean_m,
+                      1e3 * old.sigma_m);
 }
 
 static mukca_status write_in_use(const mukca_server *s, const char *text, mukca_error *error)
@@ -139,8 +142,8 @@ mukca_status mukca_server_use(mukca_server *s, const char *session, mukca_error 
     snprintf(state->model_stream, sizeof state->model_stream, "%s", state->candidate_stream);
     status = mukca_server_load_model(s, error);
     if (status == MUKCA_OK) status = mukca_server_save_state(s, error);
-    if (status == MUKCA_OK)
-        mukca_fail(error, MUKCA_OK, "in use: %s, held-out error %.3f mm", state->model,
-                   1e3 * s->pose.offsets.acceptance.error_m);
+    char basis[MUKCA_ACCEPTANCE_SENTENCE];
+    mukca_acceptance_basis(basis, &s->pose.offsets.acceptance, false);
+    if (status == MUKCA_OK) mukca_fail(error, MUKCA_OK, "in use: %.60s%s", state->model, basis);
     return status;
 }

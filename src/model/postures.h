@@ -1,6 +1,6 @@
 /* Postures: rows of a recording with the same joint angles, wherever they stand in it. */
-#ifndef MUKCA_DIAGNOSE_POSTURES_H
-#define MUKCA_DIAGNOSE_POSTURES_H
+#ifndef MUKCA_MODEL_POSTURES_H
+#define MUKCA_MODEL_POSTURES_H
 
 #include "base/pool.h"
 #include "model/dataset.h"

@@ -1,5 +1,5 @@
 /* Postures: rows of a recording with the same joint angles. */
-#include "diagnose/postures.h"
+#include "model/postures.h"
 
 #include <math.h>
 #include <stdlib.h>

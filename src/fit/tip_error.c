@@ -1,0 +1,139 @@
+/* Expected error of the tip, from the posterior of geometry and effects. */
+#include "fit/tip_error.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "effect/catalogue.h"
+#include "fit/arm_posterior.h"
+#include "math/dense.h"
+
+/* Postures; arms from the posterior: a probability of 95 % is known to 1.5 %. */
+enum { PROBES = 64, DRAWS = 200 };
+
+/* Tip of a model in posture q, without its nuisance. */
+static void predict(double tip[3], const mukca_chain *chain, const mukca_offsets *model,
+                    const double *theta, const double *q)
+{
+    const mukca_joint_state state = {.q = q, .placement = -1};
+    mukca_geometry geometry;
+    mukca_displacement d;
+    const int n = model ? model->n_effects : 0;
+    mukca_geometry_set(&geometry, chain, theta);
+    if (n) mukca_effects_displacement(&d, model->effects, n, chain, &geometry, q, &state);
+    mukca_fk_position(tip, &geometry, q, n ? &d : NULL);
+}
+
+/* Remove the columns first..end - 1 of X[rows][w] from those after them. */
+static void project(double *X, int rows, int w, int first, int end)
+{
+    for (int b = first; b < end; b++) {
+        double square = 0;
+        for (int i = 0; i < rows; i++) square += X[i * w + b] * X[i * w + b];
+        for (int c = b + 1; c < w && square > 1e-9 * rows; c++) {
+            double dot = 0;
+            for (int i = 0; i < rows; i++) dot += X[i * w + b] * X[i * w + c];
+            for (int i = 0; i < rows; i++) X[i * w + c] -= dot / square * X[i * w + b];
+        }
+    }
+}
+
+/* Mean errors of both models over arms from the posterior, and how often the table's is smaller. */
+static void sample(double *before, double *after, double *probability, const mukca_arm_posterior *p,
+                   const double *X, mukca_random *random)
+{
+    double z[MUKCA_MAX_THETA + MUKCA_MAX_EFFECTS * MUKCA_MAX_TERMS];
+    const int n = p->n, w = p->width + 2;
+    for (int k = 0; k < DRAWS; k++) {
+        double sum[2] = {0, 0};
+        for (int i = 0; i < n; i++) z[i] = mukca_random_normal(random);
+        mukca_dense_backward(z, 1, p->L, n);
+        for (int i = 0; i < PROBES; i++) {
+            double square[2] = {0, 0};
+            for (int a = 0; a < 3; a++) {
+                const double *x = X + (3 * i + a) * w;
+                double e = 0;
+                for (int c = 0; c < n; c++) e += x[MUKCA_NUISANCE + c] * z[c];
+                for (int m = 0; m < 2; m++) square[m] += pow(x[p->width + m] - e, 2);
+            }
+            for (int m = 0; m < 2; m++) sum[m] += sqrt(square[m]) / PROBES;
+        }
+        if (before) *before += sum[0] / DRAWS;
+        if (after) *after += sum[1] / DRAWS;
+        if (probability) *probability += (sum[1] < sum[0]) / (double)DRAWS;
+    }
+}
+
+/* Mean errors in random postures within the limits of `range`, over arms from the posterior. */
+static bool draw(mukca_tip_error *out, mukca_arm_posterior *p, const mukca_chain *range, int where)
+{
+    const mukca_tip_change_task *task = p->task;
+    const int w = p->width + 2, rows = 3 * PROBES;
+    double *X = MUKCA_TAKE(&p->pool, double, rows *w);
+    double *row = MUKCA_TAKE(&p->pool, double, 3 * p->width), q[MUKCA_MAX_JOINTS], tip[2][3];
+    const int skip = task->base_frame ? MUKCA_PARAMETERS : 0, scale = p->poses ? MUKCA_NUISANCE : 6;
+    const double *before = task->from ? task->from->theta + skip : p->nominal;
+    const mukca_joint_state state = {.q = q, .placement = -1};
+    mukca_geometry geometry;
+    mukca_random random;
+    if (p->pool.failed) return false;
+    mukca_random_seed(&random, 1);
+    mukca_geometry_set(&geometry, &p->chain, p->theta);
+    for (int i = 0; i < PROBES; i++) {
+        mukca_posture_draw(q, range, &random);
+        memset(row, 0, 3 * (size_t)p->width * sizeof *row);
+        mukca_arm_posterior_add(row, p, &geometry, p->theta, &state, true);
+        predict(tip[0], &p->chain, task->from, before, q);
+        predict(tip[1], &p->chain, task->to, p->to, q);
+        for (int a = 0; a < 3; a++) {
+            double *to = X + (3 * i + a) * w;
+            memcpy(to, row + a * p->width, (size_t)p->width * sizeof *to);
+            if (!p->poses) to[scale] = to[p->width - 1];
+            for (int k = 0; k < 2; k++) to[p->width + k] = tip[k][a] - to[p->width - 1];
+        }
+    }
+    project(X, rows, w, 0, scale);
+    sample(out->before_m + where, out->after_m + where, NULL, p, X, &random);
+    project(X, rows, w, scale, MUKCA_NUISANCE);
+    sample(NULL, NULL, out->probability + where, p, X, &random);
+    return true;
+}
+
+/* The chain with the joint ranges of the samples as limits; marks the joints at rest. */
+static void find_ranges(mukca_tip_error *out, mukca_chain *here, const mukca_dataset *data)
+{
+    for (int j = 0; j < here->n_joints; j++) {
+        mukca_element *e = &here->element[here->joint_element[j]];
+        e->lower = HUGE_VAL, e->upper = -HUGE_VAL;
+        for (int row = 0; row < data->n_rows; row++) {
+            e->lower = fmin(e->lower, data->q[row * data->n_joints + j]);
+            e->upper = fmax(e->upper, data->q[row * data->n_joints + j]);
+        }
+        out->at_rest[j] = !(e->upper - e->lower >= MUKCA_LEAST_RANGE);
+    }
+}
+
+mukca_status mukca_tip_error_expect(mukca_tip_error *out, const mukca_tip_change_task *task,
+                                    mukca_error *error)
+{
+    mukca_arm_posterior *p = calloc(1, sizeof *p);
+    *out = (mukca_tip_error){0};
+    if (!p) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    mukca_status status = mukca_arm_posterior_create(p, task, error);
+    if (status == MUKCA_OK) status = mukca_arm_posterior_fit(p, error);
+    mukca_chain *here = MUKCA_TAKE(&p->pool, mukca_chain, 1);
+    if (status == MUKCA_OK && here) {
+        *here = p->chain;
+        find_ranges(out, here, &p->data);
+        out->postures = p->postures;
+        out->noise_m = p->noise;
+        out->gross = p->gross;
+    }
+    if (status == MUKCA_OK &&
+        (!here || !draw(out, p, here, MUKCA_HERE) || !draw(out, p, &p->chain, MUKCA_ELSEWHERE)))
+        status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    mukca_arm_posterior_free(p);
+    free(p);
+    return status;
+}

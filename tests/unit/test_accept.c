@@ -1,0 +1,174 @@
+/* Acceptance by prediction: what a recording determines about the tip decides, repeated postures
+ * count once, and the error that is announced is that of the true arm. */
+#include "fit/accept.h"
+#include "fit/difference.h"
+#include "fit/tip_error.h"
+#include "scene.h"
+
+static scene arm;
+static mukca_dataset data;
+static mukca_fit fit;
+static mukca_offsets table;
+static mukca_error error;
+
+static int set_up(void **state)
+{
+    (void)state;
+    set_scene(&arm, NULL, 5);
+    arm.how.noise = 1e-4;
+    record(&data, &arm);
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    mukca_dataset_free(&data);
+    return 0;
+}
+
+/* Calibrate and judge. */
+static const mukca_acceptance *calibrate(void)
+{
+    const mukca_fit_options options = {0};
+    assert_int_equal(mukca_fit_run(&fit, &arm.chain, &data, &options, &error), MUKCA_OK);
+    mukca_fit_offsets(&table, &fit);
+    assert_int_equal(mukca_accept_fit(&table, &fit, &arm.chain, &data, NULL, &options, &error),
+                     MUKCA_OK);
+    mukca_fit_free(&fit);
+    return &table.acceptance;
+}
+
+static void refused_for(const char *reason)
+{
+    const mukca_acceptance *a = calibrate();
+    if (a->accepted || !strstr(a->reason, reason))
+        fail_msg("%s: %s", a->accepted ? "accepted" : a->reason, reason);
+}
+
+/* Mean distance of the true tip from that of theta (NULL: nominal), moved rigidly, in postures of
+ * the data. */
+static double true_error(const double *theta)
+{
+    mukca_geometry geometry;
+    double sum = 0, centre[2][3] = {{0}};
+    enum { N = 200 };
+    static double p[2][N][3];
+    double C[9] = {0}, R[9], at[3];
+    mukca_geometry_set(&geometry, &arm.chain, theta);
+    for (int i = 0; i < N; i++) {
+        const double *q = data.q + i * data.n_joints;
+        mukca_fk_position(p[0][i], &geometry, q, NULL);
+        mukca_fk_position(p[1][i], &arm.arm.geometry, q, NULL);
+        for (int k = 0; k < 6; k++) centre[k / 3][k % 3] += p[k / 3][i][k % 3] / N;
+    }
+    for (int i = 0; i < N; i++)
+        for (int k = 0; k < 9; k++)
+            C[k] += (p[0][i][k / 3] - centre[0][k / 3]) * (p[1][i][k % 3] - centre[1][k % 3]);
+    mukca_rotation_nearest(R, C);
+    for (int i = 0; i < N; i++) {
+        double from[3], to[3];
+        for (int a = 0; a < 3; a++) from[a] = p[0][i][a] - centre[0][a];
+        for (int a = 0; a < 3; a++) to[a] = p[1][i][a] - centre[1][a];
+        mukca_mat3_vec(at, R, from);
+        sum += mukca_distance3(at, to) / N;
+    }
+    return sum;
+}
+
+static void the_announced_error_is_the_true_one(void **state)
+{
+    (void)state;
+    const mukca_acceptance *a = calibrate();
+    if (!a->accepted) fail_msg("%s", a->reason);
+    const double after = true_error(table.theta), before = true_error(NULL);
+    assert_true(a->postures == data.n_rows);
+    assert_string_equal(a->at_rest, "");
+    /* the distances of the tool are exact here: the scale of the arm is better than announced */
+    assert_true(after < a->error_here_m && a->error_here_m < 10 * after);
+    assert_true(before < 2 * a->error_before_here_m && a->error_before_here_m < 2 * before);
+    assert_true(a->error_workspace_m < a->error_before_m);
+}
+
+/* The first reading of each socket again and again, with the noise of encoders. */
+static void one_posture_a_socket_is_refused(void **state)
+{
+    (void)state;
+    mukca_random random;
+    mukca_random_seed(&random, 1);
+    const int n = data.n_joints;
+    for (int i = 0, first = 0; i < data.n_rows; i++) {
+        if (data.socket[i] != data.socket[first]) first = i;
+        for (int j = 0; j < n; j++)
+            data.q[i * n + j] = data.q[first * n + j] + 1e-5 * mukca_random_normal(&random);
+    }
+    refused_for("");
+    assert_true(table.acceptance.postures == 2 * PLACES);
+}
+
+/* Each sample three times: nothing becomes surer. */
+static void repeated_postures_count_once(void **state)
+{
+    (void)state;
+    mukca_tip_error once, thrice;
+    mukca_offsets_init(&table, &arm.chain);
+    const mukca_tip_change_task task = {.chain = &arm.chain, .to = &table, .data = &data};
+    assert_int_equal(mukca_tip_error_expect(&once, &task, &error), MUKCA_OK);
+    mukca_dataset all;
+    const size_t n = (size_t)data.n_joints;
+    assert_int_equal(mukca_dataset_create(&all, 3 * data.n_rows, data.n_joints, data.n_sockets,
+                                          data.n_placements, &error),
+                     MUKCA_OK);
+    for (int i = 0; i < all.n_rows; i++) {
+        memcpy(all.q + (size_t)i * n, data.q + (size_t)(i / 3) * n, n * sizeof *all.q);
+        all.socket[i] = data.socket[i / 3];
+    }
+    memcpy(all.sockets, data.sockets, (size_t)data.n_sockets * sizeof *data.sockets);
+    all.distances = calloc((size_t)data.n_distances, sizeof *all.distances);
+    assert_non_null(all.distances);
+    all.n_distances = data.n_distances;
+    memcpy(all.distances, data.distances, (size_t)data.n_distances * sizeof *data.distances);
+    const mukca_tip_change_task again = {.chain = &arm.chain, .to = &table, .data = &all};
+    assert_int_equal(mukca_tip_error_expect(&thrice, &again, &error), MUKCA_OK);
+    assert_int_equal(thrice.postures, once.postures);
+    assert_close(thrice.after_m[0], once.after_m[0], 1e-9);
+    double before[3] = {3e-3, 3e-3, 5e-3}, after[3] = {1e-3, 1e-3, 1e-3};
+    mukca_difference d;
+    all.n_rows = 3; /* one posture; then two of them */
+    assert_int_equal(mukca_difference_find(&d, before, after, &all, &error), MUKCA_OK);
+    assert_int_equal(d.postures, 1);
+    assert_true(isinf(d.sigma_m));
+    memcpy(all.q + 2 * n, data.q + n, n * sizeof *all.q);
+    assert_int_equal(mukca_difference_find(&d, before, after, &all, &error), MUKCA_OK);
+    assert_int_equal(d.postures, 2);
+    assert_close(d.mean_m, -3e-3, 1e-15);
+    assert_close(d.sigma_m, 1e-3, 1e-15);
+    mukca_dataset_free(&all);
+}
+
+static void a_stuck_encoder_is_refused(void **state)
+{
+    (void)state;
+    for (int i = 0; i < data.n_rows; i++) data.q[i * data.n_joints + 3] = data.q[3];
+    refused_for("");
+    assert_string_equal(table.acceptance.at_rest, mukca_chain_joint_name(&arm.chain, 3));
+}
+
+/* Three samples of another placement: hundreds of mm. */
+static void gross_errors_are_no_outliers(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 3; i++) data.socket[20 + i] = data.n_sockets - 1;
+    refused_for("do not fit this arm");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(the_announced_error_is_the_true_one, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(one_posture_a_socket_is_refused, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(repeated_postures_count_once, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_stuck_encoder_is_refused, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(gross_errors_are_no_outliers, set_up, tear_down)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
