@@ -120,6 +120,15 @@ static void list_faults_at(lister *l, int g, int i)
                          .placement = group->placement,
                          .fault = {.group = g, .first = rows[i], .last = rows[i]}};
     append(l, h);
+    /* A badly seated ball, or a bad target, spoils all readings of a posture. */
+    const mukca_samples *samples = &l->recording->samples;
+    int reading = group->start + i;
+    if (samples->readings[reading] > 1) {
+        while (samples->next[reading] == reading + 1) reading++;
+        h.fault.last = l->recording->order[reading];
+        if (samples->next[reading] < 0) append(l, h);
+        h.fault.last = rows[i];
+    }
     /* A few samples at either end: a move there and a badly seated ball are indistinguishable. */
     for (int n = 1; n < LONGEST_BURST && i + n <= last; n++)
         if (i == 0 || i + n == last) {
