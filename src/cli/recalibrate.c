@@ -258,13 +258,13 @@ static mukca_status judge_offsets(cli_call *call, recalibrate_work *w)
     mukca_acceptance *a = &w->offsets.acceptance;
     mukca_dataset part = {0}, held = {0};
     double *errors = calloc(2 * MOST_JUDGED, sizeof *errors);
+    if (!errors) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
     snprintf(a->error_of, sizeof a->error_of, "%s, %ld poses",
              r->tested ? "test data" : "generalized cross-validation", poses);
     a->converged = fit->converged;
     a->parameters = fit->n;
     a->identified = fit->rank;
-    mukca_status status = errors ? take_part(&part, errors, fit, &train, fit->rows, &call->error)
-                                 : mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    mukca_status status = take_part(&part, errors, fit, &train, fit->rows, &call->error);
     if (status == MUKCA_OK && r->tested)
         status = take_part(&held, errors, fit, &test, poses, &call->error);
     const mukca_dataset *judged = r->tested ? &held : &part;

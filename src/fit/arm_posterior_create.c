@@ -73,11 +73,11 @@ static mukca_status set_up(mukca_arm_posterior *p, mukca_error *error)
     p->group_weight = MUKCA_TAKE(&p->pool, double, p->n_groups + 1);
     for (int i = 0; i < p->n_list; i++) p->list[i].x = MUKCA_TAKE(&p->pool, double, 3 * p->width);
     if (p->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    static const double prior[] = {MUKCA_PRIOR_LENGTH, MUKCA_PRIOR_ANGLE};
     for (int i = 0; i < p->n_geometry; i++) {
         const int at = p->parameters.index[i];
-        p->sigma[i] = at / MUKCA_PARAMETERS == tip ? MUKCA_PRIOR_TOOL
-                      : at % MUKCA_PARAMETERS < 3  ? MUKCA_PRIOR_LENGTH
-                                                   : MUKCA_PRIOR_ANGLE;
+        p->sigma[i] =
+            at / MUKCA_PARAMETERS == tip ? MUKCA_PRIOR_TOOL : prior[at % MUKCA_PARAMETERS >= 3];
     }
     for (int c = p->n_geometry; c < p->n; c++) { /* nearly flat: the evidence named the effect */
         double *value = mukca_arm_posterior_coefficient(p, c - p->n_geometry);

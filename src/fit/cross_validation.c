@@ -79,8 +79,12 @@ static mukca_status predict_fold(mukca_cross_validation *r, const int *fold, int
     unsigned char *keep = malloc((size_t)rows + 1);
     double *errors = malloc(2 * ((size_t)rows + 1) * sizeof *errors);
     mukca_dataset part[2] = {{0}};
-    mukca_status status =
-        keep && errors ? MUKCA_OK : mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    mukca_status status = MUKCA_OK;
+    if (!keep || !errors) {
+        free(keep);
+        free(errors);
+        return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    }
     for (int held = 0; held < 2 && status == MUKCA_OK; held++) {
         for (int i = 0; i < rows; i++) keep[i] = (fold[i] == f) == held;
         status = mukca_dataset_subset(&part[held], &r->data, keep, error);

@@ -96,7 +96,7 @@ static void subtract(mukca_observations *o)
         const double *about = at >= 0 ? centre + 3 * at : o->target ? o->target + 3L * row : NULL;
         for (int a = 0; a < 3; a++) {
             double *r = residual + a * s->padded + i;
-            *r = o->share[row] > 0 ? *r - about[a] : 0;
+            *r = about && o->share[row] > 0 ? *r - about[a] : 0;
         }
     }
 }

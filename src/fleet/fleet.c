@@ -27,7 +27,7 @@ static bool grow(mukca_fleet *f)
     if (f->n_sessions < f->capacity) return true;
     f->capacity = f->capacity ? 2 * f->capacity : 64;
     mukca_summary **bigger = MUKCA_TAKE(&f->pool, mukca_summary *, f->capacity);
-    if (bigger && f->n_sessions) memcpy(bigger, f->session, sizeof *bigger * (size_t)f->n_sessions);
+    for (int i = 0; bigger && i < f->n_sessions; i++) bigger[i] = f->session[i];
     f->session = bigger;
     return bigger != NULL;
 }
@@ -92,7 +92,7 @@ static bool sum(mukca_fleet_arm *arm, mukca_fleet *f, int first)
 mukca_status mukca_fleet_gather(mukca_fleet *f, mukca_error *error)
 {
     const size_t n = (size_t)f->n_sessions;
-    qsort(f->session, n, sizeof *f->session, by_data);
+    qsort(f->session, n, sizeof(void *), by_data);
     for (int i = 1; i < f->n_sessions; i++) {
         const mukca_summary *s = f->session[i], *before = f->session[i - 1];
         if (s->data == before->data)
@@ -100,7 +100,7 @@ mukca_status mukca_fleet_gather(mukca_fleet *f, mukca_error *error)
                               "%s: the same recording as %s (arms '%s' and '%s'); give it once",
                               s->path, before->path, s->arm, before->arm);
     }
-    qsort(f->session, n, sizeof *f->session, by_arm);
+    qsort(f->session, n, sizeof(void *), by_arm);
     f->n_arms = 0;
     f->arm = MUKCA_TAKE(&f->pool, mukca_fleet_arm, n + 1);
     for (int s = 0; s < f->n_sessions && f->arm; s = f->arm[f->n_arms++].end)

@@ -277,7 +277,7 @@ static bool take_average(mukca_population *p)
 
 bool mukca_population_fit(mukca_population *p, const mukca_fleet *f, int without, bool warm)
 {
-    double square[T], diagonal[T], *A = p->scratch;
+    double square[T] = {0}, diagonal[T] = {0}, *A = p->scratch;
     if (!warm) choose_terms(p, f);
     for (int round = 0; round < ROUNDS; round++) {
         sum_arms(p, square, diagonal, f, without);

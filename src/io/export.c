@@ -66,7 +66,7 @@ static int keep_held(mukca_offsets *kept, const mukca_export_input *input,
     int needs = 0;
     kept->n_effects = 0;
     for (const mukca_effect *effect = o->effects; effect < o->effects + o->n_effects; effect++) {
-        if (exporter->format->holds(effect)) {
+        if (exporter->format->holds && exporter->format->holds(effect)) {
             kept->effects[kept->n_effects++] = *effect;
             continue;
         }
