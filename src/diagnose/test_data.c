@@ -4,18 +4,36 @@
 #include "diagnose/folds.h"
 #include "diagnose/logs.h"
 
-/* Copy the causes that act on the arm, with their basis at the states of the test rows. */
-static bool carry_causes(mukca_regression *t, const mukca_unknowns *from)
+/* Where the state that a cause depends on is unknown, the mean of the training is expected. */
+static void take_mean(mukca_candidate *cause, int n_rows, const mukca_candidate *trained, int n)
 {
+    const int terms = cause->terms * cause->width_of_term;
+    for (int k = 0; k < terms; k++) {
+        double sum = 0;
+        for (int row = 0; row < n; row++) sum += (double)trained->basis[(long)row * terms + k];
+        for (int row = 0; row < n_rows; row++)
+            cause->basis[(long)row * terms + k] = (float)(sum / n);
+    }
+}
+
+/* Copy the causes that act on the arm, with their basis at the states of the test rows. */
+static bool carry_causes(mukca_regression *t, const mukca_regression *m)
+{
+    const mukca_unknowns *from = &m->unknowns;
+    const mukca_dataset *test = t->recording.data;
     for (int c = 0; c < from->n_causes; c++) {
         mukca_accepted cause = from->cause[c];
         if (!mukca_candidate_moves_arm(&cause.candidate)) continue;
-        if (mukca_effect_has(mukca_candidate_class(&cause.candidate), MUKCA_TRAIT_OF_TIME) &&
-            !t->recording.data->time)
-            continue; /* without times, the state of a drift is unknown */
-        /* placements of the training data do not recur */
+        /* placements of the training data do not recur, and a drift needs times */
+        const bool unknown =
+            cause.candidate.placement >= 0 ||
+            (!test->time &&
+             mukca_effect_has(mukca_candidate_class(&cause.candidate), MUKCA_TRAIT_OF_TIME));
         cause.candidate.placement = cause.candidate.effect.placement = -1;
         if (!mukca_candidate_prepare(&cause.candidate, &t->pool, &t->recording)) return false;
+        if (unknown)
+            take_mean(&cause.candidate, test->n_rows, &from->cause[c].candidate,
+                      m->recording.data->n_rows);
         t->unknowns.cause[t->unknowns.n_causes++] = cause;
     }
     return true;
@@ -58,7 +76,7 @@ mukca_status mukca_test_data_measure(mukca_test_errors *errors, mukca_pool *pool
     errors->after_m = MUKCA_TAKE(pool, double, rows);
     double *const rows_of[3] = {errors->before_m, geometry_m, errors->after_m};
     for (int s = 0; s < 3 && !t->pool.failed && !pool->failed; s++) {
-        if (s == 2 && !carry_causes(t, &m->unknowns)) break;
+        if (s == 2 && !carry_causes(t, m)) break;
         row_error = rows_of[s];
         mukca_unknowns_set_arm(&t->unknowns, step[s]);
         mukca_logs_place_targets(t, untrained);
