@@ -130,10 +130,15 @@ double mukca_candidate_fault_share(const mukca_candidate *h, const mukca_recordi
     return last > first ? (double)(row - first) / (last - first) : 0;
 }
 
+static bool is_distance(const mukca_candidate *h)
+{
+    return h->kind == MUKCA_CANDIDATE_DISTANCE || h->kind == MUKCA_CANDIDATE_UNLISTED_DISTANCE;
+}
+
 bool mukca_candidate_changes_pair(const mukca_candidate *h, const mukca_recording *recording,
                                   int pair)
 {
-    return h->kind == MUKCA_CANDIDATE_DISTANCE &&
+    return is_distance(h) &&
            (h->placement < 0 ||
             recording->groups[recording->pairs[pair].a].placement == h->placement);
 }
@@ -429,8 +434,7 @@ bool mukca_candidate_prepare(mukca_candidate *h, mukca_pool *pool, const mukca_r
     static const double metres[3] = {1, 1, 1};
     h->unit = metres;
     set_shape(h, recording);
-    if (mukca_candidate_is_fault(h) || h->kind == MUKCA_CANDIDATE_DISTANCE ||
-        h->kind == MUKCA_CANDIDATE_UNLISTED_TILT)
+    if (mukca_candidate_is_fault(h) || is_distance(h) || h->kind == MUKCA_CANDIDATE_UNLISTED_TILT)
         return true;
     double *unit = MUKCA_TAKE(pool, double, h->terms);
     /* three spare entries: it is read four at a time */

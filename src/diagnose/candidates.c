@@ -235,6 +235,9 @@ static void list_unlisted(lister *l)
                                         .joint = n - 1,
                                         .placement = -1,
                                         .simple = {.other = axis, .turns = in_tool}});
+    for (int p = 0; r->n_pairs && p < r->data->n_placements; p++)
+        append(l, (mukca_candidate){
+                      .kind = MUKCA_CANDIDATE_UNLISTED_DISTANCE, .joint = -1, .placement = p});
     for (int slot = 0; slot < u->n_slots; slot++) {
         const int joint = r->chain->element[u->slot_element[slot]].joint;
         mukca_candidate h = {.kind = MUKCA_CANDIDATE_UNLISTED_FRAME,
@@ -273,7 +276,7 @@ static bool is_between(const mukca_candidate *h, const mukca_recording *r)
 /* Prior odds: equal per class, then per joint, then per variant; a quarter of tool motions creep,
  * another quarter happens between two sockets,
  * half of the outliers are bursts, half of the unknown functions have another argument than the
- * joint's own angle alone.  Unlisted causes are a class of their own, all equal. */
+ * joint's own angle alone.  Unlisted causes are a class of their own, equal per kind. */
 static void set_priors(mukca_candidates *all, const mukca_recording *r)
 {
     int variants[MUKCA_CLASSES][MUKCA_MAX_JOINTS + 1] = {{0}}, crossed[MUKCA_MAX_JOINTS + 1] = {0};
@@ -321,10 +324,10 @@ static void set_priors(mukca_candidates *all, const mukca_recording *r)
         }
         h->log_prior = log(share / all->classes);
     }
-    for (int i = all->first_unlisted; i < all->count; i++) {
-        mukca_candidate *h = &all->list[i];
-        h->log_prior = -log((double)all->classes * (all->count - all->first_unlisted));
-    }
+    int listed = 0;
+    for (int i = all->first_unlisted; i < all->count; i++) listed += !kinds[all->list[i].kind]++;
+    for (int i = all->first_unlisted; i < all->count; i++)
+        all->list[i].log_prior = -log((double)all->classes * listed * kinds[all->list[i].kind]);
 }
 
 /* If commands are fitted and readings are recorded, too, their difference measures a sag directly:

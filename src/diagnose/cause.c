@@ -180,9 +180,9 @@ static void add_ties(mukca_cause *out, mukca_identification *id, const mukca_cau
             const int of = id->name[set->candidate[k]];
             if (contains(id, best, of)) continue;
             if (mukca_candidate_class(h) != MUKCA_CLASS_UNKNOWN)
-                id->instead[of] += set->weight;
+                id->instead[of] += set->again;
             else if (!counted)
-                unknown += set->weight, counted = true;
+                unknown += set->again, counted = true;
         }
     }
     out->or_unknown = unknown > MUKCA_DOUBT;
@@ -274,7 +274,8 @@ void mukca_cause_describe(mukca_cause *out, mukca_identification *id, const mukc
         .effect = fitted_effect(recording, cause),
         .socket = -1,
         .log_bayes_factor = own < 0 ? -HUGE_VAL : mukca_sets_gain(&id->sets, &rest, own),
-        .probability = fmin(id->probability[name], 1), /* rounding */
+        /* sure is what every other recording of this arm would say, too */
+        .probability = fmin(fmin(id->probability[name], id->again[name]), 1),
         .held_out = MUKCA_SHRINK_NONE};
     add_ties(out, id, best, member, &rest, own);
     share_with_unknown(out, id, name);

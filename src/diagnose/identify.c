@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "diagnose/resample.h"
 #include "math/stats.h"
 
 enum {
@@ -130,7 +131,10 @@ static bool search(mukca_identification *id, mukca_causes *best, bool last)
     const mukca_set *found = &sets->set[sets->best];
     id->settled =
         before >= 0 && (best->n || !found->n) && sets->set[before].value > found->value - SETTLED;
-    if (id->settled || last) mukca_sets_explore(&id->sets, BUDGET - QUICK, true);
+    if (id->settled || last) {
+        mukca_sets_rebuild(&id->sets);
+        mukca_sets_explore(&id->sets, BUDGET - QUICK, true);
+    }
     *best = causes_of(id, &sets->set[sets->best]);
     return !pool->failed;
 }
@@ -200,6 +204,32 @@ static bool weigh_family(double *value, mukca_identification *id, const mukca_ca
     return ok;
 }
 
+/* Weights of the n first sets, with log posteriors total[], averaged over resamplings of the data:
+ * what another recording would say, too (Huggins and Miller, Bayesian Analysis 18, 2023). */
+static bool bag(mukca_identification *id, const mukca_ranked *order, const double *total, int n)
+{
+    mukca_pool pool = {0};
+    mukca_sets *sets = &id->sets;
+    const int stride = id->question.stride;
+    double *mean = MUKCA_TAKE(&pool, double, stride + 1),
+           *change = MUKCA_TAKE(&pool, double, n *MUKCA_DRAWS),
+           *value = MUKCA_TAKE(&pool, double, n), moved[MUKCA_DRAWS] = {0};
+    bool ok = !pool.failed && mukca_scan_aim(&id->scan, id->m->unknowns.family);
+    if (ok) mukca_sets_mean(mean, sets, &sets->set[order[0].index]);
+    const double *delta = ok ? mukca_resample(&pool, &id->scan, &id->question, mean) : NULL;
+    for (int k = 0; k < stride && delta; k++)
+        for (int b = 0; b < MUKCA_DRAWS; b++) moved[b] += 2 * mean[k] * delta[k * MUKCA_DRAWS + b];
+    for (int i = 0; i < n && delta; i++)
+        mukca_sets_move(&change[i * MUKCA_DRAWS], sets, &sets->set[order[i].index], delta, moved);
+    for (int b = 0; b < MUKCA_DRAWS && delta; b++) {
+        for (int i = 0; i < n; i++) value[i] = total[i] + change[i * MUKCA_DRAWS + b];
+        const double sum = mukca_stats_log_sum_exp(value, n);
+        for (int i = 0; i < n; i++) id->set[i].again += exp(value[i] - sum) / MUKCA_DRAWS;
+    }
+    mukca_pool_free(&pool);
+    return delta;
+}
+
 /* Average the posterior of the sets of the last search over the families of the noise. */
 static mukca_status average(mukca_identification *id, mukca_error *error)
 {
@@ -239,7 +269,7 @@ static mukca_status average(mukca_identification *id, mukca_error *error)
     }
     const double sum = mukca_stats_log_sum_exp(total, n);
     for (int i = 0; i < n; i++) id->set[i].weight = exp(total[i] - sum);
-    return MUKCA_OK;
+    return bag(id, order, total, n) ? MUKCA_OK : no_memory(error);
 }
 
 /* Would a report call both the same? */
@@ -262,6 +292,7 @@ static void find_names(mukca_identification *id)
     id->name = MUKCA_TAKE(&id->pool, int, id->all.count);
     id->of_name = MUKCA_TAKE(&id->pool, int, id->all.count);
     id->probability = MUKCA_TAKE(&id->pool, double, id->all.count);
+    id->again = MUKCA_TAKE(&id->pool, double, id->all.count);
     id->instead = MUKCA_TAKE(&id->pool, double, id->all.count);
     if (id->pool.failed) return;
     for (int j = 0; j < id->m->recording.chain->n_joints; j++) {
@@ -280,7 +311,7 @@ static void find_names(mukca_identification *id)
                 if (n == id->n_names) id->of_name[id->n_names++] = set->candidate[k], in[n] = 0;
                 *name = n;
             }
-            if (!in[*name]) id->probability[*name] += set->weight;
+            if (!in[*name]) id->probability[*name] += set->weight, id->again[*name] += set->again;
             in[*name] = 1;
         }
     }

@@ -12,6 +12,7 @@ typedef struct {
     int candidate[MUKCA_SET_ITEMS]; /* of the list */
     double scale[MUKCA_SET_ITEMS];  /* most probable prior sizes */
     double weight;                  /* posterior probability */
+    double again;                   /* its average over resamplings of the data */
 } mukca_causes;
 
 typedef struct {
@@ -30,7 +31,7 @@ typedef struct {
     /* names: what a report calls the same, one effect at one joint or socket; orders of ripple that
      * a joint's travel cannot tell apart are the same */
     int n_names, *name, *of_name; /* [all.capacity] name of a candidate, -1: in no set; its first */
-    double *probability;          /* [n_names] weight of all sets that contain it */
+    double *probability, *again;  /* [n_names] weights of all sets that contain it */
     double *instead;              /* [n_names] scratch */
     /* the last search, under the most probable family of the noise */
     int n_kept, *kept; /* its items are these candidates */

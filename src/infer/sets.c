@@ -649,6 +649,38 @@ void mukca_sets_explore(mukca_sets *s, int budget, bool pairs)
     }
 }
 
+/* Find the best set with others of its kin in place of a member and its kin: the best ones of other
+ * keys, one by one, then any items. */
+static void rebuild(mukca_sets *s, mukca_set set, int member)
+{
+    const mukca_item *all = s->question->item, *out = &all[set.item[member]];
+    for (int m = set.n - 1; m >= 0; m--)
+        if (all[set.item[m]].kin == out->kin) set = reduced(&set, m);
+    for (bool any = false; condition(s, &set);) {
+        mukca_set next;
+        score_all(s, &set, &(vacancy){0});
+        for (int i = 0; i < s->question->n_items; i++)
+            if (all[i].key == out->key || !(any || all[i].kin == out->kin)) s->value[i] = -HUGE_VAL;
+        const int best = largest(s->value, s->question->n_items);
+        if (!(s->value[best] > 0) || !extended(&next, s, &set, best, s->likeliest[best])) {
+            if (any) return;
+            any = true;
+            continue;
+        }
+        const int at = find(s, &next);
+        if (at < 0) return;
+        mukca_sets_evaluate(s, at);
+        set = s->set[at];
+    }
+}
+
+void mukca_sets_rebuild(mukca_sets *s)
+{
+    const mukca_set set = s->set[s->best];
+    for (int m = 0; m < set.n; m++)
+        if (s->question->item[set.item[m]].kin) rebuild(s, set, m);
+}
+
 double mukca_sets_gain(mukca_sets *s, const mukca_set *set, int item)
 {
     double log_det;
@@ -673,4 +705,39 @@ void mukca_sets_gram(double *G, mukca_sets *s, const mukca_set *set, int a, int 
         for (int i = 0; i < x->terms; i++)
             for (int k = 0; k < y->terms; k++)
                 G[i * y->terms + k] -= left[r * x->terms + i] * s->with.B[r * y->terms + k];
+}
+
+void mukca_sets_mean(double *mean, mukca_sets *s, const mukca_set *set)
+{
+    double log_det;
+    memset(mean, 0, sizeof *mean * (size_t)s->question->stride);
+    if (!integrate(s, set, &log_det)) return;
+    mukca_dense_backward(s->with.v, 1, s->with.L, s->with.n);
+    for (int m = 0, row = 0; m < set->n; m++)
+        for (int t = 0; t < s->question->item[set->item[m]].terms; t++, row++)
+            mean[s->question->item[set->item[m]].at + t] = s->with.size[row] * s->with.v[row];
+}
+
+void mukca_sets_move(double *change, mukca_sets *s, const mukca_set *set, const double *delta,
+                     const double *moved)
+{
+    const mukca_question *q = s->question;
+    double log_det, *v = s->with.V; /* [columns][MUKCA_DRAWS] */
+    memset(change, 0, sizeof *change * MUKCA_DRAWS);
+    if (!integrate(s, set, &log_det)) return;
+    for (int m = 0, row = 0; m < set->n; m++) {
+        const mukca_item *h = &q->item[set->item[m]];
+        for (int t = 0; t < h->terms; t++, row++)
+            for (int b = 0; b < MUKCA_DRAWS; b++)
+                v[row * MUKCA_DRAWS + b] =
+                    s->with.size[row] * (q->g[h->at + t] + delta[(h->at + t) * MUKCA_DRAWS + b]);
+    }
+    mukca_dense_forward8(v, MUKCA_DRAWS, MUKCA_DRAWS, s->with.L, s->with.n);
+    for (int i = 0; i < s->with.n; i++)
+        for (int b = 0; b < MUKCA_DRAWS; b++)
+            change[b] += v[i * MUKCA_DRAWS + b] * v[i * MUKCA_DRAWS + b];
+    for (int b = 0; b < MUKCA_DRAWS; b++) {
+        const double rest = fmax(q->residual + moved[b] - change[b], 1e-3 * q->residual);
+        change[b] = -0.5 * q->dof * log(rest / s->with.rest);
+    }
 }

@@ -12,7 +12,8 @@
 enum {
     MUKCA_SET_ITEMS = 24,    /* in a set */
     MUKCA_SET_COLUMNS = 160, /* of them together */
-    MUKCA_MOST_SETS = 16384
+    MUKCA_MOST_SETS = 16384,
+    MUKCA_DRAWS = 64 /* resamplings of the data */
 };
 
 typedef struct {
@@ -91,5 +92,17 @@ double mukca_sets_gain(mukca_sets *sets, const mukca_set *set, int item);
 
 /* Projected Gram block G[a.terms][b.terms] of two items given a set. */
 void mukca_sets_gram(double *G, mukca_sets *sets, const mukca_set *set, int a, int b);
+
+/* Find sets that explain by other items of a kin what the best set explains by some of them: no
+ * single replacement leads there. */
+void mukca_sets_rebuild(mukca_sets *sets);
+
+/* Posterior mean of the items' coefficients in a set: mean[stride]. */
+void mukca_sets_mean(double *mean, mukca_sets *sets, const mukca_set *set);
+
+/* Change of a set's log posterior where the products g change by delta[stride][MUKCA_DRAWS] and the
+ * squared residual by moved[MUKCA_DRAWS], at the set's sizes. */
+void mukca_sets_move(double *change, mukca_sets *sets, const mukca_set *set, const double *delta,
+                     const double *moved);
 
 #endif
