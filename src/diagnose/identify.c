@@ -204,9 +204,11 @@ static bool weigh_family(double *value, mukca_identification *id, const mukca_ca
     return ok;
 }
 
-/* Weights of the n first sets, with log posteriors total[], averaged over resamplings of the data:
- * what another recording would say, too (Huggins and Miller, Bayesian Analysis 18, 2023). */
-static bool bag(mukca_identification *id, const mukca_ranked *order, const double *total, int n)
+/* Weights of the n first sets, with log posteriors total[], averaged over resamplings of the data
+ * (Huggins and Miller, Reproducible model selection using bagged posteriors, Bayesian Analysis 18,
+ * 2023). */
+static bool average_again(mukca_identification *id, const mukca_ranked *order, const double *total,
+                          int n)
 {
     mukca_pool pool = {0};
     mukca_sets *sets = &id->sets;
@@ -269,7 +271,7 @@ static mukca_status average(mukca_identification *id, mukca_error *error)
     }
     const double sum = mukca_stats_log_sum_exp(total, n);
     for (int i = 0; i < n; i++) id->set[i].weight = exp(total[i] - sum);
-    return bag(id, order, total, n) ? MUKCA_OK : no_memory(error);
+    return average_again(id, order, total, n) ? MUKCA_OK : no_memory(error);
 }
 
 /* Would a report call both the same? */

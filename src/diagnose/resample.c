@@ -1,8 +1,8 @@
-/* Resampling of the recording for a bagged posterior.
+/* Resampling of the recording: what another recording of this arm would say.
  *
- * The products of columns with residuals are sums over postures.  Each draw multiplies the terms of
- * a posture by 1 + 1 or 1 - 1, the weights of the multiplier bootstrap; to first order this is a
- * fit to postures drawn anew (Kline and Santos, Journal of Econometric Methods 1, 2012). */
+ * The products of columns with residuals are sums over postures.  Each draw adds the terms of a
+ * posture or subtracts them: to first order a fit to postures drawn anew (Kline and Santos, Journal
+ * of Econometric Methods 1, 2012).  Two recordings differ by the noise of both. */
 #include "diagnose/resample.h"
 
 #include <math.h>
@@ -10,6 +10,8 @@
 
 #include "base/hash.h"
 #include "math/dense.h"
+
+#define NOISE_OF_BOTH 1.41421356237309504880 /* sqrt(2) */
 
 enum { CHUNK = 256 }; /* rows processed together */
 
@@ -58,12 +60,13 @@ double *mukca_resample(mukca_pool *pool, const mukca_scan *s, const mukca_questi
         for (int i = 0; i < count; i++) {
             const double *x = s->white + (size_t)(first + i) * (size_t)ld,
                          *e = question->E + (size_t)(first + i) * (size_t)stride;
-            double rest = root * x[at[n]];
+            double rest = root * x[at[n]]; /* of the row, in units of the noise */
             for (int t = 0; t < n; t++) {
                 X[i * n + t] = root * s->prior[t] * x[at[t]];
                 rest -= X[i * n + t] * geometry[t];
             }
             for (int k = 0; k < stride; k++) rest -= e[k] * mean[k];
+            rest *= NOISE_OF_BOTH;
             for (int b = 0; b < MUKCA_DRAWS; b++)
                 U[i * MUKCA_DRAWS + b] = bits[(first + i) / dim] >> b & 1 ? rest : -rest;
         }

@@ -1,4 +1,4 @@
-/* Resampling of the recording for a bagged posterior. */
+/* Resampling of the recording: what another recording of this arm would say. */
 #ifndef MUKCA_DIAGNOSE_RESAMPLE_H
 #define MUKCA_DIAGNOSE_RESAMPLE_H
 

@@ -722,7 +722,7 @@ void mukca_sets_move(double *change, mukca_sets *s, const mukca_set *set, const 
                      const double *moved)
 {
     const mukca_question *q = s->question;
-    double log_det, *v = s->with.V; /* [columns][MUKCA_DRAWS] */
+    double log_det, mean = 0, *v = s->with.V; /* [columns][MUKCA_DRAWS] */
     memset(change, 0, sizeof *change * MUKCA_DRAWS);
     if (!integrate(s, set, &log_det)) return;
     for (int m = 0, row = 0; m < set->n; m++) {
@@ -739,5 +739,7 @@ void mukca_sets_move(double *change, mukca_sets *s, const mukca_set *set, const 
     for (int b = 0; b < MUKCA_DRAWS; b++) {
         const double rest = fmax(q->residual + moved[b] - change[b], 1e-3 * q->residual);
         change[b] = -0.5 * q->dof * log(rest / s->with.rest);
+        mean += change[b] / MUKCA_DRAWS;
     }
+    for (int b = 0; b < MUKCA_DRAWS; b++) change[b] -= mean;
 }

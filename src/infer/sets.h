@@ -101,7 +101,8 @@ void mukca_sets_rebuild(mukca_sets *sets);
 void mukca_sets_mean(double *mean, mukca_sets *sets, const mukca_set *set);
 
 /* Change of a set's log posterior where the products g change by delta[stride][MUKCA_DRAWS] and the
- * squared residual by moved[MUKCA_DRAWS], at the set's sizes. */
+ * squared residual by moved[MUKCA_DRAWS], at the set's sizes.  About its mean: what noise adds to
+ * the square of an effect in these data, it adds once more in each draw. */
 void mukca_sets_move(double *change, mukca_sets *sets, const mukca_set *set, const double *delta,
                      const double *moved);
 

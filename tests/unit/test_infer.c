@@ -443,6 +443,41 @@ static void averages(void **state)
     mukca_pool_free(&pool);
 }
 
+/* Data that change: the same as an evaluation of the changed data. */
+static void moves(void **state)
+{
+    static const int members[] = {1, 4, 6};
+    problem p, other;
+    mukca_pool pool = {0};
+    mukca_sets sets;
+    uint64_t seed = 9;
+    static double delta[WIDTH][MUKCA_DRAWS];
+    double moved[MUKCA_DRAWS], expected[MUKCA_DRAWS], change[MUKCA_DRAWS], sum = 0;
+    (void)state;
+    pose(&p, 1);
+    assert_true(mukca_sets_create(&sets, &pool, &p.question));
+    const double value = insert(&sets, members, 3);
+    for (int b = 0; b < MUKCA_DRAWS; b++) {
+        mukca_pool again = {0};
+        mukca_sets changed;
+        other = p;
+        for (int r = 0; r < ROWS; r++) other.y[r] += 0.5 * draw(&seed);
+        project(&other);
+        for (int k = 0; k < WIDTH; k++) delta[k][b] = other.g[k] - p.g[k];
+        moved[b] = other.question.residual - p.question.residual;
+        assert_true(mukca_sets_create(&changed, &again, &other.question));
+        expected[b] = insert(&changed, members, 3) - value -
+                      0.5 * ROWS * log(other.question.residual / p.question.residual);
+        sum += expected[b];
+        mukca_pool_free(&again);
+    }
+    const int at = mukca_sets_insert(&sets, members, NULL, 3);
+    mukca_sets_move(change, &sets, &sets.set[at], delta[0], moved);
+    for (int b = 0; b < MUKCA_DRAWS; b++)
+        assert_close(change[b], expected[b] - sum / MUKCA_DRAWS, 1e-9 * ROWS); /* rounding */
+    mukca_pool_free(&pool);
+}
+
 /* Probability of each item, as the share of the sets with it. */
 static void search(double *probability, const mukca_question *question)
 {
@@ -450,6 +485,8 @@ static void search(double *probability, const mukca_question *question)
     mukca_sets sets;
     double total = 0;
     assert_true(mukca_sets_create(&sets, &pool, question));
+    mukca_sets_explore(&sets, 10, false);
+    mukca_sets_rebuild(&sets);
     mukca_sets_explore(&sets, 30, true);
     assert_false(pool.failed);
     for (int i = 0; i < sets.n_sets; i++) mukca_sets_evaluate(&sets, i);
@@ -517,10 +554,37 @@ static void duplicates(void **state)
     assert_close(probability[8], 0.5, 1e-3);
 }
 
+/* y = u + v: explained by u and v, or by u + v + w and w, though no replacement of a single item
+ * leads from one to the other. */
+static void kin(void **state)
+{
+    static const int of[] = {0, 1, 3, 5};
+    double probability[ITEMS];
+    uint64_t seed = 5;
+    problem p;
+    (void)state;
+    pose(&p, 5);
+    for (int i = 0; i < 4; i++) p.item[of[i]].kin = 1, p.item[of[i]].log_prior = -4;
+    for (int r = 0; r < ROWS; r++) {
+        const double u = draw(&seed), v = draw(&seed), w = draw(&seed);
+        p.y[r] = 2 * (u + v) + 0.3 * draw(&seed);
+        p.E[p.item[0].at][r] = u;
+        p.E[p.item[1].at][r] = v;
+        p.E[p.item[3].at][r] = u + v + w;
+        p.E[p.item[5].at][r] = w;
+    }
+    project(&p);
+    search(probability, &p.question);
+    for (int i = 0; i < 4; i++) assert_true(probability[of[i]] > 0.02);
+    assert_close(probability[0] + probability[3], 1, 0.05);
+    assert_close(probability[0], probability[1], 0.05);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(whitening), cmocka_unit_test(mixtures),
                                        cmocka_unit_test(values),    cmocka_unit_test(averages),
-                                       cmocka_unit_test(searches),  cmocka_unit_test(duplicates)};
+                                       cmocka_unit_test(searches),  cmocka_unit_test(duplicates),
+                                       cmocka_unit_test(moves),     cmocka_unit_test(kin)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
