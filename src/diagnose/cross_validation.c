@@ -133,7 +133,6 @@ static mukca_status measure_each(measurement *s, mukca_error *error)
     mukca_regression *m = s->b->m;
     const mukca_diagnose_options *o = s->options;
     const int n = s->findings->n_causes;
-    unsigned version = m->linear.version;
     mukca_unknowns_assign(s->all, &m->unknowns);
     for (int i = 0; i < n; i++) {
         const mukca_cause *cause = &s->findings->causes[i];
@@ -144,11 +143,10 @@ static mukca_status measure_each(measurement *s, mukca_error *error)
             !o->progress(o->progress_context, 0.7 + 0.2 * i / n, "measuring on held-out samples"))
             return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
         mukca_unknowns_drop(&m->unknowns, c);
-        mukca_regression_revise(m);
+        mukca_regression_fit(m, 3, MUKCA_FIT_UNKNOWNS);
         mukca_folds_run(s->b->error, s->b, by_socket);
         mukca_folds_compare(&s->v->cause[i], s->b, s->b->error, s->full[by_socket]);
         mukca_unknowns_assign(&m->unknowns, s->all);
-        if (m->linear.version != version) mukca_regression_freeze(m), version = m->linear.version;
     }
     return MUKCA_OK;
 }

@@ -46,8 +46,7 @@ bool mukca_evidence_create(mukca_evidence *evidence, mukca_pool *pool,
                                            .distance = MUKCA_TAKE(pool, double, pairs *size),
                                            .variance = MUKCA_TAKE(pool, double, pairs),
                                            .all_gram = MUKCA_TAKE(pool, double, size *size),
-                                           .all_distance = MUKCA_TAKE(pool, double, pairs *size),
-                                           .at = MUKCA_TAKE(pool, int, size)};
+                                           .all_distance = MUKCA_TAKE(pool, double, pairs *size)};
         mukca_whitening_create(&normal->whitening, pool, rows, recording->data->n_sockets + 2);
     }
     evidence->white.x = MUKCA_TAKE(pool, double, whole);
@@ -55,7 +54,6 @@ bool mukca_evidence_create(mukca_evidence *evidence, mukca_pool *pool,
         MUKCA_TAKE(pool, double, (recording->data->n_sockets + 2) * recording->dim * size);
     evidence->work = MUKCA_TAKE(pool, double, size);
     evidence->factor = MUKCA_TAKE(pool, double, size *size);
-    evidence->products = MUKCA_TAKE(pool, double, size *size);
     evidence->prior = MUKCA_TAKE(pool, double, capacity);
     evidence->mean = MUKCA_TAKE(pool, double, capacity);
     return !pool->failed;
@@ -75,48 +73,30 @@ void mukca_evidence_along(double *along, const double *mean, int n, int ld,
 const double *mukca_evidence_whiten(mukca_evidence *evidence, const mukca_normal_equations *normal,
                                     const mukca_recording *r, const mukca_linearisation *linear)
 {
-    if (evidence->white.of != normal || evidence->white.version != normal->version ||
-        !normal->version || evidence->white.stride != linear->stride)
-        evidence->white.done = 0;
-    const int done = evidence->white.done, n = linear->n_stored - done;
+    if (evidence->white.of == normal && evidence->white.version == normal->version &&
+        normal->version)
+        return evidence->white.x;
     evidence->white.of = normal;
     evidence->white.version = normal->version;
-    evidence->white.stride = linear->stride;
-    evidence->white.done = linear->n_stored;
-    if (n > 0)
-        mukca_whitening_apply(&(mukca_whitened){.n = n,
-                                                .ld = linear->stride,
-                                                .x = linear->columns + done,
-                                                .white = evidence->white.x + done,
-                                                .mean = evidence->white.mean + done},
-                              &normal->whitening, &r->samples);
+    mukca_whitening_apply(&(mukca_whitened){.n = linear->stride,
+                                            .ld = linear->stride,
+                                            .x = linear->columns,
+                                            .white = evidence->white.x,
+                                            .mean = evidence->white.mean},
+                          &normal->whitening, &r->samples);
     return evidence->white.x;
 }
 
-/* Compute the missing products of the stored columns. */
-static void extend(mukca_evidence *evidence, mukca_normal_equations *normal,
-                   const mukca_recording *r, const mukca_linearisation *linear)
+/* Products of all stored columns. */
+static void multiply(mukca_evidence *evidence, mukca_normal_equations *normal,
+                     const mukca_recording *r, const mukca_linearisation *linear)
 {
-    const int done = normal->done, held = linear->n_stored, k = held - done, ld = linear->stride;
-    double *scratch = evidence->products;
-    if (!k) return;
+    const int n = linear->stride;
     const double *white = mukca_evidence_whiten(evidence, normal, r, linear);
-    for (int p = 0; p < r->n_pairs; p++)
-        memcpy(normal->all_distance + p * ld + done, linear->pair_columns + p * ld + done,
-               sizeof(double) * (size_t)k);
-    mukca_evidence_along(normal->all_distance + done, evidence->white.mean + done, k, ld, r,
-                         linear);
-    const mukca_columns x = {white + done, k, ld}, all = {white, held, ld};
-    memset(scratch, 0, sizeof *scratch * (size_t)(k * held));
-    if (done)
-        mukca_dense_xty(scratch, x, all, r->n_samples * r->dim);
-    else
-        mukca_dense_symmetric(scratch, x, all, r->n_samples * r->dim);
-    for (int i = 0; i < k; i++)
-        for (int j = 0; j < held; j++)
-            normal->all_gram[(done + i) * ld + j] = normal->all_gram[j * ld + done + i] =
-                scratch[i * held + j];
-    normal->done = held;
+    memcpy(normal->all_distance, linear->pair_columns, sizeof(double) * (size_t)(r->n_pairs * n));
+    mukca_evidence_along(normal->all_distance, evidence->white.mean, n, n, r, linear);
+    memset(normal->all_gram, 0, sizeof(double) * (size_t)(n * n));
+    mukca_dense_syrk(normal->all_gram, n, white, r->n_samples * r->dim, n);
 }
 
 /* Factor the noise for the samples in use and their robust weights (NULL: none). */
@@ -138,14 +118,14 @@ void mukca_evidence_measure_repeats(mukca_evidence *evidence, const mukca_record
                                     const mukca_linearisation *linear)
 {
     const mukca_samples *s = &recording->samples;
-    const int n = linear->n_columns, *at = linear->at, d = s->dim;
+    const int n = linear->n_columns, d = s->dim;
     double *y = evidence->white.x, within = 0, between = 0, own = 0;
     int extra = 0, postures = 0;
     evidence->white.of = NULL; /* its memory is scratch here */
     for (int i = 0; i < s->n_samples * d; i++) {
         const double *x = linear->columns + (size_t)i * (size_t)linear->stride;
-        y[i] = x[at[n]];
-        for (int k = 0; k < n; k++) y[i] -= x[at[k]] * evidence->mean[k];
+        y[i] = x[linear->y];
+        for (int k = 0; k < n; k++) y[i] -= x[k] * evidence->mean[k];
     }
     for (int b = 0; b < s->n_blocks; b++)
         for (int c = 0; c < d; c++) {
@@ -179,32 +159,25 @@ mukca_normal_equations *mukca_evidence_collect(mukca_evidence *evidence, int ind
                                                const mukca_linearisation *linear)
 {
     mukca_normal_equations *normal = &evidence->normal[index];
-    const int size = linear->n_columns + 1, ld = linear->stride, *at = linear->at;
-    bool same = normal->n + 1 == size && memcmp(normal->at, at, sizeof *at * (size_t)size) == 0;
-    if (unknowns->weight || normal->version != linear->version) {
-        same = false;
+    const int n = linear->n_columns, size = n + 1, ld = linear->stride;
+    const bool stale = unknowns->weight || normal->version != linear->version;
+    if (!stale && normal->n == n) return normal;
+    if (stale) {
         lay_out(evidence, index, recording, unknowns->weight);
         evidence->white.of = NULL;
-        normal->done = 0;
         normal->version = unknowns->weight ? 0 : linear->version;
-    } else if (normal->stride != ld) {
-        const mukca_strides strides = {.columns = normal->done, .old = normal->stride, .new = ld};
-        mukca_linearisation_spread(normal->all_gram, normal->done, &strides);
-        mukca_linearisation_spread(normal->all_distance, recording->n_pairs, &strides);
+        multiply(evidence, normal, recording, linear);
     }
-    normal->stride = ld;
-    extend(evidence, normal, recording, linear);
-    if (same) return normal;
-    normal->n = linear->n_columns;
-    memcpy(normal->at, at, sizeof *at * (size_t)size);
+    normal->n = n;
     for (int i = 0; i < size; i++)
         for (int j = 0; j < size; j++)
-            normal->gram[i * size + j] = normal->all_gram[at[i] * ld + at[j]];
+            normal->gram[i * size + j] =
+                normal->all_gram[(i < n ? i : linear->y) * ld + (j < n ? j : linear->y)];
     normal->gram[size * size - 1] += /* the rounding of further readings of a posture */
         evidence->further * RESOLUTION * RESOLUTION / (1 - normal->whitening.family.shared);
     for (int p = 0; p < normal->n_pairs; p++)
         for (int i = 0; i < size; i++)
-            normal->distance[p * size + i] = normal->all_distance[p * ld + at[i]];
+            normal->distance[p * size + i] = normal->all_distance[p * ld + (i < n ? i : linear->y)];
     return normal;
 }
 

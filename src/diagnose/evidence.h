@@ -17,11 +17,8 @@ typedef struct {
     double *gram;          /* [n + 1][n + 1] of the columns in use, and y */
     double *distance;      /* [n_pairs][n + 1] */
     double *variance;      /* [n_pairs] of a distance row, in units of sigma^2 */
-    /* of all stored columns of the linearisation */
-    int done, stride;     /* columns computed so far, and their stride */
-    double *all_gram;     /* [stride][stride] */
-    double *all_distance; /* [n_pairs][stride] */
-    int *at;              /* [n + 1] their indices for `gram` */
+    double *all_gram;      /* [stride][stride] of all stored columns of the linearisation */
+    double *all_distance;  /* [n_pairs][stride] */
 } mukca_normal_equations;
 
 typedef struct {
@@ -32,7 +29,6 @@ typedef struct {
     struct { /* whitened stored columns of one family, [n_samples][dim][stride] */
         const mukca_normal_equations *of;
         unsigned version; /* of the linearisation */
-        int done, stride;
         double *x, *mean; /* mean[n_blocks][dim][stride] */
     } white;
     double *prior;    /* [capacity] prior sigmas of the next evaluations */
@@ -40,7 +36,6 @@ typedef struct {
     double *factor;   /* [n][n] Cholesky factor of the scaled posterior precision, of the last
                          evaluation */
     double *work;     /* [n] factor^-1 times the scaled right-hand side, of the last evaluation */
-    double *products; /* [n + 1][n + 1] scratch */
     double best;      /* log evidence of the best coefficient in the last comparison */
     double quadratic; /* of the last evaluation: squared residuals and deviations from the prior
                          means, each in units of its sigma */

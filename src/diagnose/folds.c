@@ -129,8 +129,7 @@ static void add_fold(mukca_folds *b, const mukca_normal_equations *normal, int f
     const double *X = mukca_evidence_whiten(&b->m->evidence, normal, r, linear);
     for (int i = 0, count; i < n; i += count ? count : 1) { /* runs of samples of the fold */
         for (count = 0; i + count < n && b->fold[r->order[i + count]] == f;) count++;
-        mukca_dense_syrk(b->gram, linear->n_stored, X + (size_t)i * step, count * d,
-                         linear->stride);
+        mukca_dense_syrk(b->gram, linear->stride, X + (size_t)i * step, count * d, linear->stride);
     }
 }
 
@@ -139,12 +138,13 @@ static void add_fold(mukca_folds *b, const mukca_normal_equations *normal, int f
 static int subtract_fold(mukca_folds *b, mukca_normal_equations *normal, int f)
 {
     const mukca_recording *r = &b->m->recording;
-    const int size = normal->n + 1, d = r->dim, held = b->m->linear.n_stored, *at = b->m->linear.at;
+    const int n = normal->n, size = n + 1, d = r->dim, ld = b->m->linear.stride, y = b->m->linear.y;
     int freedom = 0;
-    memset(b->gram, 0, sizeof *b->gram * (size_t)(held * held));
+    memset(b->gram, 0, sizeof *b->gram * (size_t)(ld * ld));
     add_fold(b, normal, f);
     for (int i = 0; i < size; i++)
-        for (int j = 0; j < size; j++) normal->gram[i * size + j] -= b->gram[at[i] * held + at[j]];
+        for (int j = 0; j < size; j++)
+            normal->gram[i * size + j] -= b->gram[(i < n ? i : y) * ld + (j < n ? j : y)];
     for (int p = 0; p < r->n_pairs; p++) {
         const int a = r->order[r->groups[r->pairs[p].a].start];
         const int c = r->order[r->groups[r->pairs[p].b].start];

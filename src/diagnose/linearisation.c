@@ -6,8 +6,6 @@
 
 #include "math/dense.h"
 
-enum { ROOM = 16 }; /* spare columns for a few other causes */
-
 bool mukca_linearisation_create(mukca_linearisation *linear, mukca_pool *pool,
                                 const mukca_recording *recording, const mukca_unknowns *unknowns)
 {
@@ -15,10 +13,8 @@ bool mukca_linearisation_create(mukca_linearisation *linear, mukca_pool *pool,
               d = recording->dim, size = mukca_unknowns_capacity(unknowns) + 1;
     const int pairs = recording->data->n_distances + 1, groups = recording->data->n_sockets + 2;
     *linear = (mukca_linearisation){
-        .at = MUKCA_TAKE(pool, int, size),
-        .cause = MUKCA_TAKE(pool, mukca_candidate, MUKCA_MOST_STORED),
-        .reference = MUKCA_TAKE(pool, double, size),
-        .change = MUKCA_TAKE(pool, double, size),
+        .cause = MUKCA_TAKE(pool, mukca_candidate, MUKCA_MAX_ACCEPTED),
+        .explained = MUKCA_TAKE(pool, double, size),
         .tip = MUKCA_TAKE(pool, double, 3 * rows),
         .tip_frame = MUKCA_TAKE(pool, double, 9 * rows),
         .seated = MUKCA_TAKE(pool, double, rows *n_joints),
@@ -220,20 +216,15 @@ static void fill_sample(mukca_linearisation *linear, const mukca_recording *reco
 static void fill_y(mukca_linearisation *linear, const mukca_recording *recording,
                    const mukca_unknowns *u)
 {
-    const int d = recording->dim, ld = linear->stride, n = linear->n_columns, *at = linear->at;
-    double *explained = linear->change;
-    memset(linear->reference, 0, sizeof *linear->reference * (size_t)ld);
-    for (int k = 0; k < u->n_geometry; k++) explained[k] = linear->reference[at[k]] = u->theta[k];
+    const int d = recording->dim, ld = linear->stride, n = linear->n_columns;
+    double *explained = linear->explained;
+    memcpy(explained, u->theta, sizeof *explained * (size_t)u->n_geometry);
     for (int c = 0, k = u->n_geometry; c < u->n_causes; c++)
-        for (int t = 0; t < u->cause[c].candidate.terms; t++, k++) {
-            linear->reference[at[k]] = u->cause[c].coefficient[t];
+        for (int t = 0; t < u->cause[c].candidate.terms; t++, k++)
             /* A socket's fault moves the socket, not the arm: `tip` does not include it. */
             explained[k] = mukca_candidate_moves_arm(&u->cause[c].candidate)
                                ? u->cause[c].coefficient[t] - u->cause[c].centre
                                : 0;
-        }
-    linear->log = u->log;
-    linear->target = u->target;
     for (int i = 0; i < recording->n_samples; i++) {
         double y[6] = {0}, *X = linear->columns + (size_t)i * (size_t)d * (size_t)ld;
         if (recording->data->socket[recording->order[i]] < 0)
@@ -242,33 +233,12 @@ static void fill_y(mukca_linearisation *linear, const mukca_recording *recording
             for (int c = 0; c < 3; c++) y[c] = -linear->tip[3 * i + c];
         for (int c = 0; c < d; c++) {
             double sum = y[c];
-            for (int k = 0; k < n; k++) sum += X[c * ld + at[k]] * explained[k];
-            X[c * ld + at[n]] = sum;
+            for (int k = 0; k < n; k++) sum += X[c * ld + k] * explained[k];
+            X[c * ld + n] = sum;
         }
     }
     for (int p = 0; p < recording->n_pairs; p++)
-        linear->pair_columns[p * ld + at[n]] = recording->pairs[p].distance;
-}
-
-void mukca_linearisation_spread(double *x, int rows, const mukca_strides *s)
-{
-    for (int i = rows - 1; i > 0; i--) /* last row first: rows move backwards in memory */
-        memmove(x + (size_t)i * (size_t)s->new, x + (size_t)i * (size_t)s->old,
-                sizeof *x * (size_t)s->columns);
-}
-
-/* Reserve space for so many more columns after the stored ones; extend the stride if necessary. */
-static bool reserve(mukca_linearisation *linear, const mukca_recording *recording, int columns)
-{
-    const int old = linear->stride, stored = linear->n_stored;
-    if (stored + columns <= old) return true;
-    if (stored + columns > linear->most) return false;
-    linear->stride =
-        stored + columns + ROOM < linear->most ? stored + columns + ROOM : linear->most;
-    const mukca_strides strides = {.columns = stored, .old = old, .new = linear->stride};
-    mukca_linearisation_spread(linear->columns, recording->n_samples * recording->dim, &strides);
-    mukca_linearisation_spread(linear->pair_columns, recording->n_pairs, &strides);
-    return true;
+        linear->pair_columns[p * ld + n] = recording->pairs[p].distance;
 }
 
 /* Store the columns of a cause from column `at` on. */
@@ -276,7 +246,6 @@ static void store_cause(mukca_linearisation *linear, const mukca_recording *reco
                         const mukca_candidate *h, int at)
 {
     const int ld = linear->stride;
-    linear->at_cause[linear->n_causes] = at;
     linear->cause[linear->n_causes++] = *h;
     mukca_linearisation_columns(linear->columns + at, ld, linear, recording, h);
     for (int p = 0; p < recording->n_pairs; p++)
@@ -286,16 +255,13 @@ static void store_cause(mukca_linearisation *linear, const mukca_recording *reco
 }
 
 void mukca_linearisation_update(mukca_linearisation *linear, const mukca_recording *recording,
-                                mukca_unknowns *u, bool spare)
+                                mukca_unknowns *u)
 {
     const int n = mukca_unknowns_column(u, u->n_causes), n_joints = recording->chain->n_joints;
-    linear->n_columns = n;
-    linear->n_stored = n + 1;
-    linear->most = spare ? mukca_unknowns_capacity(u) + 1 : n + 1;
-    linear->stride = n + 1 + ROOM < linear->most ? n + 1 + ROOM : linear->most;
+    linear->n_columns = linear->y = n;
+    linear->stride = n + 1;
     linear->n_causes = 0;
     linear->version++;
-    for (int i = 0; i <= n; i++) linear->at[i] = i;
     mukca_unknowns_set_geometry(u, recording->chain);
     predict(linear, recording, u);
     find_directions(linear, recording);
@@ -328,86 +294,12 @@ void mukca_linearisation_update(mukca_linearisation *linear, const mukca_recordi
     fill_y(linear, recording, u);
 }
 
-bool mukca_linearisation_select(mukca_linearisation *linear, const mukca_recording *recording,
-                                const mukca_unknowns *u)
+bool mukca_linearisation_select(mukca_linearisation *linear, const mukca_unknowns *u)
 {
-    int y = linear->at[linear->n_columns], n = u->n_geometry;
-    for (int c = 0; c < u->n_causes; c++) {
-        const mukca_candidate *h = &u->cause[c].candidate;
-        int k = 0;
-        while (k < linear->n_causes && !mukca_candidate_same(&linear->cause[k], h)) k++;
-        if (k == linear->n_causes) {
-            if (k == MUKCA_MOST_STORED || !reserve(linear, recording, h->terms)) return false;
-            store_cause(linear, recording, h, linear->n_stored);
-            linear->n_stored += h->terms;
-        }
-        for (int t = 0; t < h->terms; t++) linear->at[n++] = linear->at_cause[k] + t;
-    }
-    linear->n_columns = n;
-    linear->at[n] = y;
+    for (int c = 0; c < u->n_causes; c++)
+        if (u->n_causes != linear->n_causes ||
+            !mukca_candidate_same(&linear->cause[c], &u->cause[c].candidate))
+            return false;
+    linear->n_columns = u->n_causes ? linear->y : u->n_geometry;
     return true;
-}
-
-bool mukca_linearisation_refresh(mukca_linearisation *linear, const mukca_recording *recording,
-                                 mukca_unknowns *u)
-{
-    if (!reserve(linear, recording, 1)) return false;
-    mukca_unknowns_fold_frames(u);
-    mukca_unknowns_set_geometry(u, recording->chain);
-    predict(linear, recording, u);
-    linear->at[linear->n_columns] = linear->n_stored++;
-    fill_y(linear, recording, u);
-    return true;
-}
-
-/* Change of the unknowns in use from `column` on since the reference. */
-static void set_change(const mukca_linearisation *linear, const double *now, int column, int count)
-{
-    for (int t = 0; t < count; t++) {
-        const int at = linear->at[column + t];
-        linear->change[at] = now[t] - linear->reference[at];
-    }
-}
-
-double mukca_linearisation_error(const mukca_linearisation *linear, const mukca_recording *r,
-                                 const mukca_unknowns *u)
-{
-    enum { MOST = 300 }; /* samples that suffice for a mean square */
-    const int every = r->n_samples / MOST + 1, d = r->dim;
-    double square = 0, sum[3] = {0}, *change = linear->change;
-    int count = 0, of_group = 0, g = 0;
-    memset(change, 0, sizeof *change * (size_t)linear->n_stored);
-    for (int c = 0; c < linear->n_causes; c++) /* causes no longer in use */
-        for (int t = 0; mukca_candidate_moves_arm(&linear->cause[c]) && t < linear->cause[c].terms;
-             t++)
-            change[linear->at_cause[c] + t] = -linear->reference[linear->at_cause[c] + t];
-    set_change(linear, u->theta, 0, u->first_tracker); /* a tracker does not move the tip */
-    set_change(linear, u->theta + u->first_target, u->first_target,
-               u->n_geometry - u->first_target);
-    for (int c = 0, column = u->n_geometry; c < u->n_causes; c++) {
-        const mukca_candidate *h = &u->cause[c].candidate;
-        if (mukca_candidate_moves_arm(h))
-            set_change(linear, u->cause[c].coefficient, column, h->terms);
-        column += h->terms;
-    }
-    for (int i = 0; i < r->n_samples; i += every, count++) {
-        double p[3];
-        mukca_unknowns_predict(p, u, r, r->order[i]);
-        if (i >= r->groups[g].start + r->groups[g].count) {
-            while (i >= r->groups[g].start + r->groups[g].count) g++;
-            square -= of_group ? mukca_dot3(sum, sum) / of_group : 0;
-            of_group = 0;
-            memset(sum, 0, sizeof sum);
-        }
-        of_group += r->groups[g].socket >= 0;
-        for (int c = 0; c < 3; c++) {
-            const double *x = linear->columns + (size_t)(i * d + c) * (size_t)linear->stride;
-            double error = linear->tip[3 * i + c] - p[c];
-            for (int k = 0; k < linear->n_stored; k++) error += x[k] * change[k];
-            square += error * error;
-            sum[c] += error;
-        }
-    }
-    square -= of_group ? mukca_dot3(sum, sum) / of_group : 0;
-    return sqrt(fmax(square, 0) / count);
 }

@@ -8,20 +8,13 @@
 
 #include "diagnose/unknowns.h"
 
-enum { MUKCA_MOST_STORED = 64 }; /* causes with stored columns */
-
 typedef struct {
-    int n_columns;        /* in use, without y */
-    int *at;              /* [n_columns + 1] indices of these and y among the stored columns */
-    int stride, n_stored; /* row length of the stored columns; their number, with y */
-    int most;             /* largest possible stride */
-    int n_causes, at_cause[MUKCA_MOST_STORED]; /* causes with stored columns; first columns */
-    mukca_candidate *cause;                    /* [MUKCA_MOST_STORED] */
-    unsigned version;  /* number of updates: identifies all that is computed from the columns */
-    double *reference; /* [stride] unknowns at which y was computed, with the frames below */
-    mukca_log_frames log;
-    mukca_frame target;
-    double *change;       /* [stride] scratch: present unknowns minus the reference */
+    int n_columns;          /* in use: the first ones, of the geometry or of all */
+    int y, stride;          /* index of y, behind all stored columns; their number with it */
+    int n_causes;           /* with stored columns */
+    mukca_candidate *cause; /* [MUKCA_MAX_ACCEPTED] */
+    unsigned version;     /* number of updates: identifies all that is computed from the columns */
+    double *explained;    /* [stride] scratch: contribution of the present unknowns */
     double *tip;          /* [n_samples][3] predicted position */
     double *tip_frame;    /* [n_samples][9] orientation of the tip */
     double *seated;       /* [n_samples][n_joints] angles at which the columns are computed, and */
@@ -40,32 +33,13 @@ typedef struct {
 bool mukca_linearisation_create(mukca_linearisation *linear, mukca_pool *pool,
                                 const mukca_recording *recording, const mukca_unknowns *unknowns);
 
-/* Linearise at the present unknowns, and set their geometry.  `spare`: reserve columns for further
- * causes. */
+/* Linearise at the present unknowns, and set their geometry. */
 void mukca_linearisation_update(mukca_linearisation *linear, const mukca_recording *recording,
-                                mukca_unknowns *unknowns, bool spare);
+                                mukca_unknowns *unknowns);
 
-/* Select the columns of the present causes without a new linearisation; columns of new causes are
- * appended.  False: no room for them. */
-bool mukca_linearisation_select(mukca_linearisation *linear, const mukca_recording *recording,
-                                const mukca_unknowns *unknowns);
-
-/* Rows whose stride grows; the memory suffices. */
-typedef struct {
-    int columns, old, new;
-} mukca_strides;
-
-/* Move the rows of x[rows][old stride] to the new stride. */
-void mukca_linearisation_spread(double *x, int rows, const mukca_strides *strides);
-
-/* Compute y at the present unknowns; the columns stay.  False: no room for another column. */
-bool mukca_linearisation_refresh(mukca_linearisation *linear, const mukca_recording *recording,
-                                 mukca_unknowns *unknowns);
-
-/* Difference between predictions at these unknowns and linear ones, about the mean of each socket,
- * m rms. */
-double mukca_linearisation_error(const mukca_linearisation *linear,
-                                 const mukca_recording *recording, const mukca_unknowns *unknowns);
+/* Select the columns of the present causes without a new linearisation.  False: they are neither
+ * none nor those of the linearisation. */
+bool mukca_linearisation_select(mukca_linearisation *linear, const mukca_unknowns *unknowns);
 
 /* Smallest change of the angles seated[n] that moves the predicted tip by r (overwritten), to first
  * order. */

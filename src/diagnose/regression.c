@@ -29,7 +29,7 @@ void mukca_regression_free(mukca_regression *m)
 
 void mukca_regression_linearise(mukca_regression *m)
 {
-    mukca_linearisation_update(&m->linear, &m->recording, &m->unknowns, false);
+    mukca_linearisation_update(&m->linear, &m->recording, &m->unknowns);
 }
 
 mukca_normal_equations *mukca_regression_collect(mukca_regression *m, int index)
@@ -175,51 +175,13 @@ void mukca_regression_fit(mukca_regression *m, int iterations, mukca_fit_freedom
     mukca_regression_linearise(m);
 }
 
-/* Is the linearisation accurate?  Its errors over all samples change the log evidence by at most
- * `most`. */
-static bool holds(const mukca_regression *m, double most)
-{
-    const double error = mukca_linearisation_error(&m->linear, &m->recording, &m->unknowns),
-                 sigma = m->unknowns.sigma;
-    return m->recording.n_samples * error * error < 2 * most * sigma * sigma;
-}
-
 void mukca_regression_freeze(mukca_regression *m)
 {
     mukca_unknowns_fold_frames(&m->unknowns);
-    mukca_linearisation_update(&m->linear, &m->recording, &m->unknowns, true);
+    mukca_linearisation_update(&m->linear, &m->recording, &m->unknowns);
 }
 
 void mukca_regression_return(mukca_regression *m)
 {
-    if (!mukca_linearisation_select(&m->linear, &m->recording, &m->unknowns))
-        mukca_regression_freeze(m);
-}
-
-bool mukca_regression_solve(mukca_regression *m)
-{
-    mukca_unknowns *u = &m->unknowns;
-    mukca_regression_return(m);
-    const mukca_normal_equations *normal = mukca_regression_collect_own(m);
-    mukca_unknowns_prior(m->evidence.prior, u);
-    if (!isfinite(mukca_evidence_evaluate(&m->evidence, normal, u->sigma, m->evidence.mean)))
-        return false;
-    u->log = m->linear.log, u->target = m->linear.target;
-    mukca_unknowns_set(u, m->evidence.mean);
-    mukca_unknowns_set_geometry(u, m->recording.chain);
-    return true;
-}
-
-void mukca_regression_revise(mukca_regression *m)
-{
-    /* A thousandth of a decisive change: invisible in the printed digits of held-out errors. */
-    const double little = 0.001;
-    /* Close to the solution, updated predictions suffice to converge. */
-    for (int pass = 0; mukca_regression_solve(m); pass++) {
-        if (holds(m, little)) return;
-        if (pass == 3 || !holds(m, 1) ||
-            !mukca_linearisation_refresh(&m->linear, &m->recording, &m->unknowns))
-            break;
-    }
-    mukca_regression_fit(m, 4, MUKCA_FIT_UNKNOWNS);
+    if (!mukca_linearisation_select(&m->linear, &m->unknowns)) mukca_regression_freeze(m);
 }

@@ -50,19 +50,10 @@ typedef enum {
  * causes and of their sizes. */
 double mukca_regression_score(mukca_regression *m);
 
-/* Freeze: linearise at the present unknowns for a search, which fits other sets of causes to the
- * same columns.  Return: to that linearisation, with unknowns that were fitted to it before. */
+/* Freeze: linearise at the present unknowns, for a search.  Return: to that linearisation with its
+ * causes or with none. */
 void mukca_regression_freeze(mukca_regression *m);
 void mukca_regression_return(mukca_regression *m);
-
-/* Solve for the unknowns on the frozen columns with their present noise and prior scales.  False:
- * the normal equations are singular. */
-bool mukca_regression_solve(mukca_regression *m);
-
-/* Fit the unknowns with the present noise and prior scales after causes were dropped: on the
- * present columns with updated predictions if the linearisation is accurate at the result, else as
- * MUKCA_FIT_UNKNOWNS. */
-void mukca_regression_revise(mukca_regression *m);
 
 /* One Gauss-Newton step from the present linearisation, followed by a linearisation. */
 void mukca_regression_step(mukca_regression *m, mukca_fit_freedom freedom);

@@ -40,7 +40,7 @@ double *mukca_resample(mukca_pool *pool, const mukca_scan *s, const mukca_questi
     const mukca_recording *r = &s->m->recording;
     const mukca_linearisation *linear = &s->m->linear;
     const int n = s->n, stride = question->stride, dim = r->dim, rows = r->n_samples * dim,
-              ld = linear->stride, *at = linear->at, projected = question->n_rows - n;
+              ld = linear->stride, projected = question->n_rows - n;
     const double *T = question->E + (size_t)projected * (size_t)stride, root = sqrt(s->precision);
     uint64_t *bits = MUKCA_TAKE(pool, uint64_t, r->n_samples);
     double *delta = MUKCA_TAKE(pool, double, (stride + 1) * (int)MUKCA_DRAWS),
@@ -60,9 +60,9 @@ double *mukca_resample(mukca_pool *pool, const mukca_scan *s, const mukca_questi
         for (int i = 0; i < count; i++) {
             const double *x = s->white + (size_t)(first + i) * (size_t)ld,
                          *e = question->E + (size_t)(first + i) * (size_t)stride;
-            double rest = root * x[at[n]]; /* of the row, in units of the noise */
+            double rest = root * x[linear->y]; /* of the row, in units of the noise */
             for (int t = 0; t < n; t++) {
-                X[i * n + t] = root * s->prior[t] * x[at[t]];
+                X[i * n + t] = root * s->prior[t] * x[t];
                 rest -= X[i * n + t] * geometry[t];
             }
             for (int k = 0; k < stride; k++) rest -= e[k] * mean[k];

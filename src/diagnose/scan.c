@@ -118,7 +118,7 @@ static void project(mukca_scan *s, const batch *b)
 {
     const mukca_recording *r = &s->m->recording;
     const mukca_linearisation *linear = &s->m->linear;
-    const int width = (b->width + 7) & ~7, n = s->n, *at = linear->at, ld = linear->stride;
+    const int width = (b->width + 7) & ~7, n = s->n, ld = linear->stride;
     memset(s->along, 0, sizeof *s->along * (size_t)(r->n_pairs * LD));
     mukca_whitening_apply(
         &(mukca_whitened){.n = b->width, .ld = LD, .x = s->E, .white = s->W, .mean = s->mean},
@@ -128,12 +128,12 @@ static void project(mukca_scan *s, const batch *b)
         for (int p = 0; p < r->n_pairs; p++)
             if (mukca_candidate_changes_pair(&s->all->list[b->index[e]], r, p))
                 s->along[p * LD + b->at[e]] = -1;
-    memset(s->C, 0, sizeof *s->C * (size_t)(linear->n_stored * width));
-    mukca_dense_xty(s->C, (mukca_columns){s->white, linear->n_stored, ld},
-                    (mukca_columns){s->W, width, LD}, r->n_samples * r->dim);
+    memset(s->C, 0, sizeof *s->C * (size_t)(ld * width));
+    mukca_dense_xty(s->C, (mukca_columns){s->white, ld, ld}, (mukca_columns){s->W, width, LD},
+                    r->n_samples * r->dim);
     for (int t = 0; t <= n; t++) {
         double *out = t < n ? s->T + t * LD : s->g;
-        const double *C = s->C + at[t] * width, by = t < n ? s->prior[t] : 1;
+        const double *C = s->C + (t < n ? t : linear->y) * width, by = t < n ? s->prior[t] : 1;
         for (int k = 0; k < width; k++) out[k] = by * s->precision * C[k];
         for (int p = 0; p < r->n_pairs; p++) {
             const double w = by * s->inverse[p] * s->distance[p * (n + 1) + t];
@@ -221,15 +221,15 @@ void mukca_scan_residual(double *u, mukca_scan *s)
     const mukca_recording *r = &s->m->recording;
     const mukca_linearisation *linear = &s->m->linear;
     const mukca_whitening *w = &s->normal->whitening;
-    const int n = s->n, d = r->dim, ld = linear->stride, *at = linear->at;
+    const int n = s->n, d = r->dim, ld = linear->stride;
     double *mean = s->T, *white = s->W; /* scratch */
     memcpy(mean, s->z, sizeof *mean * (size_t)n);
     mukca_dense_backward(mean, 1, s->m->evidence.factor, n);
     for (int t = 0; t < n; t++) mean[t] *= s->prior[t];
     for (int i = 0; i < r->n_samples * d; i++) {
         const double *x = s->white + (size_t)i * (size_t)ld;
-        white[i] = x[at[n]];
-        for (int t = 0; t < n; t++) white[i] -= x[at[t]] * mean[t];
+        white[i] = x[linear->y];
+        for (int t = 0; t < n; t++) white[i] -= x[t] * mean[t];
         white[i] *= s->precision;
     }
     for (int p = 0; p < r->n_pairs; p++) {

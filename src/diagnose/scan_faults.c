@@ -25,14 +25,14 @@ static void fill(fault_sums *f)
     const mukca_recording *r = &s->m->recording;
     const mukca_linearisation *linear = &s->m->linear;
     const mukca_group *group = &r->groups[f->group];
-    const int n = s->n, d = r->dim, count = group->count, ld = f->ld, *at = linear->at;
+    const int n = s->n, d = r->dim, count = group->count, ld = f->ld;
     double *x = s->E, *turned = s->W; /* scratch */
     for (int t = 0; t < n; t++) {
         double *Z = f->Z + (size_t)t * (size_t)ld;
         memset(Z, 0, sizeof *Z * (size_t)ld);
         for (int i = 0; i < count * d; i++) {
             const size_t row = (size_t)group->start * (size_t)d + (size_t)i;
-            x[row] = s->precision * s->white[row * (size_t)linear->stride + (size_t)at[t]];
+            x[row] = s->precision * s->white[row * (size_t)linear->stride + (size_t)t];
         }
         for (int p = 0; p < r->n_pairs; p++) {
             const double sign = (r->pairs[p].a == f->group) - (r->pairs[p].b == f->group),
