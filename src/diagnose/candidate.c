@@ -130,15 +130,10 @@ double mukca_candidate_fault_share(const mukca_candidate *h, const mukca_recordi
     return last > first ? (double)(row - first) / (last - first) : 0;
 }
 
-static bool is_distance(const mukca_candidate *h)
-{
-    return h->kind == MUKCA_CANDIDATE_DISTANCE || h->kind == MUKCA_CANDIDATE_UNLISTED_DISTANCE;
-}
-
 bool mukca_candidate_changes_pair(const mukca_candidate *h, const mukca_recording *recording,
                                   int pair)
 {
-    return is_distance(h) &&
+    return h->kind == MUKCA_CANDIDATE_DISTANCE &&
            (h->placement < 0 ||
             recording->groups[recording->pairs[pair].a].placement == h->placement);
 }
@@ -221,7 +216,7 @@ int mukca_candidate_kin(const mukca_candidate *h)
 {
     int order = h->effect.variant.order;
     if (mukca_candidate_class(h) != MUKCA_EFFECT_GEAR_HARMONIC || order < LEAST_RATIO)
-        return is_elastic(h);
+        return is_elastic(h) && !(mukca_effect_table[h->effect.kind]->needs & MUKCA_NEEDS_COMMANDS);
     while (order % 2 == 0) order /= 2;
     return 1 + order;
 }
@@ -434,7 +429,8 @@ bool mukca_candidate_prepare(mukca_candidate *h, mukca_pool *pool, const mukca_r
     static const double metres[3] = {1, 1, 1};
     h->unit = metres;
     set_shape(h, recording);
-    if (mukca_candidate_is_fault(h) || is_distance(h) || h->kind == MUKCA_CANDIDATE_UNLISTED_TILT)
+    if (mukca_candidate_is_fault(h) || h->kind == MUKCA_CANDIDATE_DISTANCE ||
+        h->kind == MUKCA_CANDIDATE_UNLISTED_TILT)
         return true;
     double *unit = MUKCA_TAKE(pool, double, h->terms);
     /* three spare entries: it is read four at a time */

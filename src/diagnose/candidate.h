@@ -29,10 +29,9 @@ typedef enum {
     MUKCA_CANDIDATE_SLIP,          /* unknown: the joint slips once, before a sample */
     MUKCA_CANDIDATE_STRETCH,       /* unknown: a link's length changes with time */
     /* Unlisted: simple causes outside the catalogue, without a name */
-    MUKCA_CANDIDATE_UNLISTED_ANGLE,    /* joint error, a function of an argument */
-    MUKCA_CANDIDATE_UNLISTED_FRAME,    /* shift or rotation of a frame by it */
-    MUKCA_CANDIDATE_UNLISTED_TILT,     /* the ball shifts with the tilt of the tool */
-    MUKCA_CANDIDATE_UNLISTED_DISTANCE, /* the sockets of a placement are apart by another length */
+    MUKCA_CANDIDATE_UNLISTED_ANGLE, /* joint error, a function of an argument */
+    MUKCA_CANDIDATE_UNLISTED_FRAME, /* shift or rotation of a frame by it */
+    MUKCA_CANDIDATE_UNLISTED_TILT,  /* the ball shifts with the tilt of the tool */
     MUKCA_CANDIDATE_KINDS
 } mukca_candidate_kind;
 
@@ -120,7 +119,7 @@ mukca_effect_site mukca_candidate_site(const mukca_candidate *candidate);
 double mukca_candidate_fault_share(const mukca_candidate *candidate,
                                    const mukca_recording *recording, int row);
 
-/* Does a candidate for distances change the distance of that pair of sockets? */
+/* Does a DISTANCE candidate change the distance of that pair of sockets? */
 bool mukca_candidate_changes_pair(const mukca_candidate *candidate,
                                   const mukca_recording *recording, int pair);
 

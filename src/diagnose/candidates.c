@@ -235,9 +235,6 @@ static void list_unlisted(lister *l)
                                         .joint = n - 1,
                                         .placement = -1,
                                         .simple = {.other = axis, .turns = in_tool}});
-    for (int p = 0; r->n_pairs && p < r->data->n_placements; p++)
-        append(l, (mukca_candidate){
-                      .kind = MUKCA_CANDIDATE_UNLISTED_DISTANCE, .joint = -1, .placement = p});
     for (int slot = 0; slot < u->n_slots; slot++) {
         const int joint = r->chain->element[u->slot_element[slot]].joint;
         mukca_candidate h = {.kind = MUKCA_CANDIDATE_UNLISTED_FRAME,

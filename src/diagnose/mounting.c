@@ -52,40 +52,24 @@ static bool is_worth_testing(double gravity[3], int k, const mukca_diagnosis *gi
     return true;
 }
 
-/* Is a diagnosis under another gravity worth reporting?  It leads; or it explains an unknown
- * function by elastic causes: under the opposite gravity this function is as probable, but as a
- * spring it would need negative stiffness. */
-static bool is_notable(const mukca_diagnosis *other, const mukca_diagnosis *given)
-{
-    if (other->n_causes && is_elastic(&other->causes[0]) && other->score > given->score + LEAD)
-        return true;
-    return given->verdict == MUKCA_VERDICT_UNKNOWN && all_elastic(other) &&
-           other->score > given->score - AS_PROBABLE;
-}
-
-/* Data common to all directions of gravity. */
-typedef struct {
-    mukca_regression *m;
-    const mukca_unknowns *bare; /* without causes */
-    const unsigned char *disabled;
-} comparison;
-
-/* Log posterior of the best set of elastic effects under the gravity of the recording, with exact
- * masses. */
-static mukca_status weigh_springs(double *evidence, const comparison *c, mukca_error *error)
+/* Log posterior of the best set of elastic effects, beside the faults of the recording, under its
+ * gravity. */
+static mukca_status weigh_springs(double *value, mukca_regression *m, const mukca_unknowns *faults,
+                                  const unsigned char *disabled, mukca_error *error)
 {
     enum { BUDGET = 20 };
-    mukca_regression *m = c->m;
     mukca_pool pool = {0};
     mukca_candidates springs;
     mukca_question question;
     mukca_scan scan;
     mukca_sets sets;
+    mukca_recording_load(&m->recording);
     mukca_status status =
-        mukca_candidates_list_springs(&springs, &pool, &m->recording, c->disabled, error);
+        mukca_candidates_list_springs(&springs, &pool, &m->recording, disabled, error);
     int *index = MUKCA_TAKE(&pool, int, springs.count + 1);
-    mukca_unknowns_assign(&m->unknowns, c->bare);
+    mukca_unknowns_assign(&m->unknowns, faults);
     mukca_regression_freeze(m); /* another load has other columns */
+    const double prior = mukca_regression_score(m) - mukca_regression_factor(m);
     for (int i = 0; i < springs.count && index; i++) index[i] = i;
     if (status == MUKCA_OK &&
         !(mukca_scan_create(&scan, &pool, m, &springs) &&
@@ -95,24 +79,10 @@ static mukca_status weigh_springs(double *evidence, const comparison *c, mukca_e
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory for the springs");
     if (status == MUKCA_OK) {
         mukca_sets_explore(&sets, BUDGET, true);
-        *evidence = scan.evidence + sets.set[sets.best].value;
+        *value = scan.evidence + sets.set[sets.best].value + prior;
     }
     mukca_pool_free(&pool);
     return status;
-}
-
-/* Evidence that justifies a diagnosis in another direction: elastic effects are more probable there
- * than under the model's gravity (`upright`), by half of the evidence beyond that; or more probable
- * than all causes found. */
-static double enough_for(double upright, double score)
-{
-    return fmin(fmax(upright + LEAD, 0.5 * (upright + score)), score - AS_PROBABLE);
-}
-
-static void load(mukca_regression *m, const mukca_chain *chain)
-{
-    m->recording.chain = chain;
-    mukca_recording_load(&m->recording);
 }
 
 mukca_status mukca_mounting_compare(void *context, mukca_regression *m, mukca_diagnosis *d,
@@ -120,46 +90,27 @@ mukca_status mukca_mounting_compare(void *context, mukca_regression *m, mukca_di
 {
     const mukca_diagnose_options *options = context;
     const mukca_chain *chain = m->recording.chain;
-    unsigned char others[MUKCA_EFFECT_COUNT];
-    const mukca_diagnose_options springs = {.disabled = others,
-                                            .free_base = options->free_base,
-                                            .free_tool = options->free_tool,
-                                            .mass_spread = options->mass_spread,
-                                            .no_folds = true,
-                                            .progress = options->progress,
-                                            .progress_context = options->progress_context};
     if (d->verdict == MUKCA_VERDICT_NONE || !chain->n_masses || all_elastic(d))
         return MUKCA_OK; /* nothing to explain, no torques, or no doubt */
-    for (int e = 0; e < MUKCA_EFFECT_COUNT; e++)
-        others[e] = (options->disabled && options->disabled[e]) ||
-                    (!mukca_effect_has(e, MUKCA_TRAIT_ELASTIC) &&
-                     mukca_effect_table[e]->site != MUKCA_SITE_SOCKET);
     mukca_chain *turned = MUKCA_TAKE(&m->pool, mukca_chain, 1);
-    mukca_diagnosis *other = MUKCA_TAKE(&m->pool, mukca_diagnosis, 1);
-    mukca_unknowns bare;
-    m->unknowns.n_causes = 0;
-    m->recording.options.mass_spread = 0;
-    if (!mukca_unknowns_clone(&bare, &m->pool, &m->unknowns) || m->pool.failed)
+    mukca_unknowns faults;
+    for (int c = m->unknowns.n_causes - 1; c >= 0; c--)
+        if (!mukca_candidate_is_fault(&m->unknowns.cause[c].candidate))
+            mukca_unknowns_drop(&m->unknowns, c);
+    if (!mukca_unknowns_clone(&faults, &m->pool, &m->unknowns) || m->pool.failed)
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for the springs");
-    const comparison c = {.m = m, .bare = &bare, .disabled = others};
-    double best = -HUGE_VAL, evidence = NAN, upright;
-    bool leads = true; /* the preceding, opposite direction leads */
-    mukca_status status = weigh_springs(&upright, &c, error);
+    /* where nothing is named, what explains as much is worth reporting */
+    const double least = d->score + (d->verdict == MUKCA_VERDICT_UNKNOWN ? -AS_PROBABLE : LEAD);
+    double best = -HUGE_VAL, upright, value;
+    mukca_status status = weigh_springs(&upright, m, &faults, options->disabled, error);
+    m->recording.chain = turned;
     for (int k = 0; k < 6 && status == MUKCA_OK; k++) {
-        if (k % 2 == 0) evidence = NAN, leads = true;
         *turned = *chain;
-        if (!leads || !is_worth_testing(turned->gravity, k, d)) continue;
-        if (isnan(evidence)) {
-            load(m, turned);
-            status = weigh_springs(&evidence, &c, error);
-        }
-        if (status != MUKCA_OK || !(evidence > enough_for(upright, d->score))) continue;
-        status = mukca_diagnose(other, turned, m->recording.data, &springs, error);
-        if (status != MUKCA_OK) break;
-        if (other->score > best && is_notable(other, d))
-            best = other->score, memcpy(d->gravity, turned->gravity, sizeof d->gravity);
-        leads = other->score > d->score - AS_PROBABLE;
-        mukca_diagnosis_free(other);
+        if (!is_worth_testing(turned->gravity, k, d)) continue;
+        status = weigh_springs(&value, m, &faults, options->disabled, error);
+        if (status != MUKCA_OK || !(value > fmax(fmax(best, upright + LEAD), least))) continue;
+        best = value;
+        memcpy(d->gravity, turned->gravity, sizeof d->gravity);
     }
     if (best > d->score + LEAD) {
         for (int i = 0; i < d->n_causes; i++)

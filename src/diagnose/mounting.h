@@ -4,13 +4,12 @@
 
 #include "diagnose/diagnose.h"
 
-/* If elastic causes under the model's gravity do not explain a recording, diagnose it with gravity
- * along the other axes of the base frame.  If elastic causes under one of them have far higher
- * evidence, the diagnosis receives this gravity, and its causes become uncertain: an effect outside
- * the catalogue explains the data as well.  Costs a few fits of the geometry with all elastic
- * effects, and a diagnosis without cross-validation for each direction with sufficient evidence.  A
- * mukca_continue_fn with the mukca_diagnose_options as context; must be the last one, since the
- * elastic effects remain in the regression.  Errors: as of mukca_diagnose. */
+/* If elastic causes under the model's gravity do not explain a recording, weigh them with gravity
+ * along the other axes of the base frame.  If they are far more probable there than all causes
+ * found here, the diagnosis receives this gravity, and its causes become uncertain: an effect
+ * outside the catalogue explains the data as well.  A mukca_continue_fn with the
+ * mukca_diagnose_options as context; must be the last one, since the regression is left under that
+ * gravity.  Errors: MUKCA_MEMORY. */
 mukca_status mukca_mounting_compare(void *options, struct mukca_regression *regression,
                                     mukca_diagnosis *diagnosis, mukca_error *error);
 

@@ -196,9 +196,9 @@ void mukca_verdict_reach(mukca_findings *findings, mukca_faults *faults, mukca_i
         findings->causes[likeliest(findings)].suspected = false, listed++, sure = false;
     find_where(findings, id, unknown);
     list_sets(findings, id);
-    findings->verdict = !any                 ? MUKCA_VERDICT_NONE
-                        : unknown && !on_arm ? MUKCA_VERDICT_UNKNOWN
-                        : listed && sure     ? MUKCA_VERDICT_NAMED
-                                             : MUKCA_VERDICT_TIED;
+    findings->verdict = !any || !(listed || unknown) ? MUKCA_VERDICT_NONE
+                        : unknown && !on_arm         ? MUKCA_VERDICT_UNKNOWN
+                        : listed && sure             ? MUKCA_VERDICT_NAMED
+                                                     : MUKCA_VERDICT_TIED;
     findings->unexplained = unknown && listed;
 }

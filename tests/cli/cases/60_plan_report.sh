@@ -11,7 +11,8 @@ refuse 2 "settle needs the DATA" plan --urdf "$demo/arm.urdf" --settle
 refuse 2 "2 to 4 causes, not 1" plan --urdf "$demo/arm.urdf" "$demo/train.tsv" --separate joint_scale:joint_2=1e-3
 refuse 2 "can separate recording faults" plan --urdf "$demo/arm.urdf" "$demo/train.tsv" --separate outlier:front/0@3=1e-3
 refuse 3 "placement far: no pose was found" plan --urdf "$demo/arm.urdf" --place far=3,0,0
-refuse 1 "no indistinguishable causes" plan --urdf "$demo/arm.urdf" "$demo/train.tsv" --settle
+"$MUKCA" simulate -q --urdf "$demo/arm.urdf" --seed 5 --noise 1e-4 --perturb 1,2 --effect gear_harmonic:joint_4@100=5e-4 -o sure.tsv
+refuse 1 "no indistinguishable causes" plan --urdf "$demo/arm.urdf" sure.tsv --settle
 answer "^12 postures in 2 sockets; 0 samples recorded" \
     plan --urdf "$demo/arm.urdf" --place front=0.45,0,0.05 --rows 12 -o plan.tsv
 expect "a plan tells its unit" grep -q '^# .*joints in rad' plan.tsv
