@@ -9,7 +9,7 @@
 #include "cli/capture_view.h"
 #include "cli/live.h"
 #include "io/output.h"
-#include "lcm/state.h"
+#include "lcm/type.h"
 
 typedef struct {
     cli_common common;

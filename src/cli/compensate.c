@@ -7,9 +7,9 @@
 
 #include "base/file.h"
 #include "base/number.h"
-#include "io/columns.h"
 #include "io/output.h"
 #include "io/rows.h"
+#include "io/table.h"
 
 static const compensate_options defaults = {.format = -1};
 

@@ -1,11 +1,11 @@
 /* Names of the columns of tables from other programs. */
-#include "io/columns.h"
+#include "io/table.h"
 
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/cells.h"
 #include "base/file.h"
-#include "base/unit.h"
 
 /* The next entry of a list, trimmed; NULL at its end. */
 static char *next_entry(char **list)

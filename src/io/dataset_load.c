@@ -1,5 +1,5 @@
 /* Datasets from files: detection of the kind of each path, reading, final checks. */
-#include "io/dataset_load.h"
+#include "io/dataset.h"
 
 #include <dirent.h>
 #include <limits.h>
@@ -13,7 +13,6 @@
 #include "base/note.h"
 #include "base/utf8.h"
 #include "io/dataset_build.h"
-#include "io/dataset_copies.h"
 
 /* Bounds: published folders have two holes; a mean needs two samples, a distance two sockets; the
  * upper limits detect tables of another kind. */

@@ -1,5 +1,5 @@
 /* Link masses from a table. */
-#include "io/inertials.h"
+#include "io/urdf.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -6,7 +6,7 @@
 
 #include "base/file.h"
 #include "base/note.h"
-#include "io/columns.h"
+#include "io/table.h"
 #include "mukca/rotation.h"
 
 /* Larger angles, rad, are in degrees: a joint turns at most once or twice.  A value of 13 degrees

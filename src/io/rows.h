@@ -1,12 +1,31 @@
 /* Recorded rows, one at a time: the columns of sessions and pose logs mapped to a chain.
  *
- * For readers that process rows one by one; dataset_load.h reads whole datasets. */
+ * For readers that process rows one by one; dataset.h reads whole datasets. */
 #ifndef MUKCA_IO_ROWS_H
 #define MUKCA_IO_ROWS_H
 
-#include "io/quaternion_check.h"
 #include "io/table.h"
+#include "mukca/chain.h"
 #include "mukca/row_state.h"
+
+/* ---- order of quaternions (quaternion_check.c) ---- */
+
+/* Start zeroed. */
+typedef struct {
+    mukca_geometry geometry;
+    int n;                /* number of orientations so far */
+    double last[3][9];    /* last orientation: predicted, in the file's order, in the other order */
+    double turn[2][3][3]; /* last two rotations between orientations, likewise */
+    double error[2];      /* sums over pairs of turns, rad^2 */
+    int pairs;
+} mukca_quaternion_check;
+
+/* Add an orientation as read (w first; `w_last`: it was last in the file; `inverse`: of the fixed
+ * frame in the target's) at joint angles q.  True if the orientations so far agree with the nominal
+ * arm in the other order and disagree in the file's order. */
+bool mukca_quaternion_check_wrong(mukca_quaternion_check *order, const mukca_chain *chain,
+                                  const double *q, const double quaternion[4], bool w_last,
+                                  bool inverse);
 
 /* Format of tables from other programs; zeroed: mukca's own. */
 typedef struct {

@@ -18,7 +18,7 @@
 #include "base/note.h"
 #include "base/text.h"
 #include "base/utf8.h"
-#include "io/dataset_write.h"
+#include "io/dataset.h"
 #include "io/output.h"
 
 enum { LINE_SIZE = 8192, MAX_SESSION = 1 << 27 };

@@ -11,7 +11,6 @@
 #include "base/note.h"
 #include "base/number.h"
 #include "base/text.h"
-#include "base/unit.h"
 #include "io/numpy.h"
 
 enum { LONGEST_LINE = 1 << 20 }; /* bytes; a longer line is of another kind of file */

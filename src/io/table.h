@@ -84,6 +84,12 @@ typedef mukca_status mukca_table_row_fn(void *context, const mukca_table *table,
 mukca_status mukca_table_read(const char *path, const char *const *names, int n,
                               mukca_table_row_fn *read, void *context, mukca_error *error);
 
+/* ---- names of columns (columns.c) ---- */
+
+/* Rename the columns of an open table by the text or file `columns`: `COLUMN=NAME,...`, or a name
+ * for each column in order; a line end separates like a comma. */
+mukca_status mukca_columns_rename(mukca_table *table, const char *columns, mukca_error *error);
+
 #ifdef __cplusplus
 }
 #endif

@@ -1,5 +1,5 @@
 /* Traits of an arm model as a table: provenance in `#` lines, one row per coefficient or order. */
-#include "io/traits.h"
+#include "io/summary.h"
 
 #include <inttypes.h>
 #include <math.h>

@@ -22,7 +22,6 @@
 #include "base/number.h"
 #include "base/suggest.h"
 #include "base/utf8.h"
-#include "io/inertials.h"
 #include "io/urdf.h"
 #include "io/urdf_text.h"
 

@@ -10,7 +10,6 @@
 
 #include "base/clock.h"
 #include "base/text.h"
-#include "lcm/state.h"
 #include "lcm/type.h"
 
 static const double listen_s = 1, /* our choice: silence before listening to all channels */

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "io/dataset_load.h"
+#include "io/dataset.h"
 #include "record/recorder.h"
 
 /* ---- labels ---- */

@@ -1,7 +1,7 @@
 /* Tables in all three kinds: read to the end or to an error of one line. */
 #include <string.h>
 
-#include "io/columns.h"
+#include "io/table.h"
 #include "memory_file.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)

@@ -1,6 +1,5 @@
 /* Datasets: folders, sessions and pose logs, in any mixture, and what is wrong with them. */
-#include "io/dataset_copies.h"
-#include "io/dataset_load.h"
+#include "io/dataset.h"
 
 #include "io/urdf.h"
 #include "model/dataset_subset.h"

@@ -4,7 +4,6 @@
 
 #include "close.h"
 #include "lcm/message.h"
-#include "lcm/state.h"
 #include "lcm/type.h"
 #include "math/random.h"
 
