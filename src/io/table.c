@@ -15,65 +15,70 @@
 
 enum { LONGEST_LINE = 1 << 20 }; /* bytes; a longer line is of another kind of file */
 
-mukca_status mukca_table_fail(mukca_error *error, const mukca_table *table, int column,
-                              const char *format, ...)
+void mukca_table_fail(mukca_table *t, int column, const char *format, ...)
 {
     char text[256], where[80] = "";
     va_list args;
+    if (t->status != MUKCA_OK) return;
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
-    if (column >= 0 && table->header)
-        snprintf(where, sizeof where, " column '%.40s':", table->header[column]);
+    if (column >= 0 && t->header)
+        snprintf(where, sizeof where, " column '%.40s':", t->header[column]);
     else if (column >= 0)
         snprintf(where, sizeof where, " column %d:", column + 1);
-    return mukca_fail(error, MUKCA_INPUT, "%s:%d:%s %s", mukca_file_shown(table->path), table->line,
-                      where, text);
+    t->status = mukca_fail(t->error, MUKCA_INPUT, "%s:%d:%s %s", mukca_file_shown(t->path), t->line,
+                           where, text);
 }
 
-static mukca_status out_of_memory(mukca_error *error)
+void mukca_table_stop(mukca_table *t, mukca_status status)
 {
-    return mukca_fail(error, MUKCA_MEMORY, "out of memory while reading a table");
+    if (t->status == MUKCA_OK) t->status = status;
 }
 
-/* Read one line without its end into table->buffer; *more is false at the end of the file. */
-static mukca_status read_line(mukca_table *t, bool *more, mukca_error *error)
+/* The memory, unless it is NULL: a failure. */
+static void *check(mukca_table *t, void *memory)
+{
+    if (!memory && t->status == MUKCA_OK)
+        t->status = mukca_fail(t->error, MUKCA_MEMORY, "out of memory while reading a table");
+    return memory;
+}
+
+/* Read one line without its end into table->buffer; false at the end of the file. */
+static bool read_line(mukca_table *t)
 {
     char *line = t->buffer;
-    *more = false;
-    if (!line) return MUKCA_OK; /* no file is open */
+    if (!line || t->status != MUKCA_OK) return false;
     errno = 0;
-    *more = fgets(line, LONGEST_LINE, t->stream) != NULL;
-    if (ferror(t->stream)) return mukca_file_fail(error, t->path);
-    if (!*more) return MUKCA_OK;
+    const bool more = fgets(line, LONGEST_LINE, t->stream) != NULL;
+    if (ferror(t->stream)) mukca_table_stop(t, mukca_file_fail(t->error, t->path));
+    if (!more) return false;
     size_t length = strlen(line);
     t->line++;
     t->cut_off = feof(t->stream) != 0;
     if (length == LONGEST_LINE - 1 && line[length - 1] != '\n')
-        return mukca_table_fail(error, t, -1, "the line is longer than 1 MiB; this is no table");
-    if (length == 0 || (!t->cut_off && line[length - 1] != '\n'))
-        return mukca_table_fail(error, t, -1, "contains a zero byte; this is not a text file");
+        mukca_table_fail(t, -1, "the line is longer than 1 MiB; this is no table");
+    else if (length == 0 || (!t->cut_off && line[length - 1] != '\n'))
+        mukca_table_fail(t, -1, "contains a zero byte; this is not a text file");
     while (length && (line[length - 1] == '\n' || line[length - 1] == '\r')) line[--length] = '\0';
     if (strchr(line, '\r'))
-        return mukca_table_fail(error, t, -1,
-                                "lines end in carriage returns; save it with line feeds");
+        mukca_table_fail(t, -1, "lines end in carriage returns; save it with line feeds");
     if (t->line == 1 && strncmp(line, "\xEF\xBB\xBF", 3) == 0) memmove(line, line + 3, length - 2);
-    return MUKCA_OK;
+    return t->status == MUKCA_OK;
 }
 
-/* The next line that is neither blank nor a comment. */
-static mukca_status read_content(mukca_table *t, bool *more, mukca_error *error)
+/* Read the next line that is neither blank nor a comment; false at the end of the file. */
+static bool read_content(mukca_table *t)
 {
-    for (;;) {
-        const mukca_status status = read_line(t, more, error);
-        if (status != MUKCA_OK || !*more) return status;
+    while (read_line(t)) {
         const char *text = t->buffer + strspn(t->buffer, " \t\r");
-        if (*text && *text != '#') return MUKCA_OK;
+        if (*text && *text != '#') return true;
         mukca_text comments = {
             .at = t->comments, .size = sizeof t->comments, .used = strlen(t->comments)};
         if (*text && !t->cell && comments.used + strlen(t->buffer) + 2 <= comments.size)
             mukca_text_put(&comments, "%s\n", t->buffer);
     }
+    return false;
 }
 
 /* Whether semicolons separate the cells: no tabs, and at most one comma per cell, a decimal one. */
@@ -100,7 +105,7 @@ static bool parse_number(double *value, const mukca_table *t, const char *cell)
 }
 
 /* Determine delimiter and width from the first content line. */
-static mukca_status set_shape(mukca_table *t, mukca_error *error)
+static void set_shape(mukca_table *t)
 {
     const char *line = t->buffer;
     t->delimiter = has_semicolons(line) ? ';' : mukca_cells_delimiter(line);
@@ -109,28 +114,28 @@ static mukca_status set_shape(mukca_table *t, mukca_error *error)
         t->delimiter = ' ';
         t->n_columns = mukca_cells_count(line, ' ');
     }
-    if (*line == '<') return mukca_table_fail(error, t, -1, "is XML or HTML; expected a table");
+    if (*line == '<') mukca_table_fail(t, -1, "is XML or HTML; expected a table");
     if (t->n_columns > MUKCA_TABLE_COLUMNS)
-        return mukca_table_fail(error, t, -1, "%d columns; at most %d are read", t->n_columns,
-                                (int)MUKCA_TABLE_COLUMNS);
-    t->cell = calloc((size_t)t->n_columns, sizeof *t->cell);
-    return t->cell ? MUKCA_OK : out_of_memory(error);
+        mukca_table_fail(t, -1, "%d columns; at most %d are read", t->n_columns,
+                         (int)MUKCA_TABLE_COLUMNS);
+    if (t->status == MUKCA_OK) t->cell = check(t, calloc((size_t)t->n_columns, sizeof *t->cell));
 }
 
-static mukca_status read_header(mukca_table *t, mukca_table_kind kind, mukca_error *error)
+static void read_header(mukca_table *t, mukca_table_kind kind)
 {
-    bool more;
-    mukca_status status = read_content(t, &more, error);
-    if (status != MUKCA_OK) return status;
-    if (!more)
-        return mukca_fail(error, MUKCA_INPUT, "%s: is empty; expected a header and rows",
-                          mukca_file_shown(t->path));
-    status = set_shape(t, error);
-    if (status != MUKCA_OK) return status;
-    t->header = calloc((size_t)t->n_columns, sizeof *t->header);
-    t->header_buffer = strdup(t->buffer);
-    t->unit = calloc((size_t)t->n_columns, sizeof *t->unit);
-    if (!t->header || !t->header_buffer || !t->unit) return out_of_memory(error);
+    if (!read_content(t)) {
+        if (t->status == MUKCA_OK)
+            t->status =
+                mukca_fail(t->error, MUKCA_INPUT, "%s: is empty; expected a header and rows",
+                           mukca_file_shown(t->path));
+        return;
+    }
+    set_shape(t);
+    if (t->status != MUKCA_OK) return;
+    t->header = check(t, calloc((size_t)t->n_columns, sizeof *t->header));
+    t->header_buffer = check(t, strdup(t->buffer));
+    t->unit = check(t, calloc((size_t)t->n_columns, sizeof *t->unit));
+    if (t->status != MUKCA_OK) return;
     mukca_cells_split(t->header, t->n_columns, t->header_buffer, t->delimiter);
     int numbers = 0;
     for (int i = 0; i < t->n_columns; i++) {
@@ -141,57 +146,55 @@ static mukca_status read_header(mukca_table *t, mukca_table_kind kind, mukca_err
     for (int i = 0; i < t->n_columns && numbers < t->n_columns; i++)
         for (int k = 0; k < i && t->header[i][0]; k++)
             if (strcmp(t->header[i], t->header[k]) == 0)
-                return mukca_table_fail(error, t, -1, "two columns are called '%.40s'; rename one",
-                                        t->header[i]);
-    if (numbers < t->n_columns) return MUKCA_OK;
+                mukca_table_fail(t, -1, "two columns are called '%.40s'; rename one", t->header[i]);
+    if (numbers < t->n_columns) return;
     if (kind == MUKCA_HEADER)
-        return mukca_table_fail(error, t, -1,
-                                "starts with numbers; the first line must name the columns");
+        mukca_table_fail(t, -1, "starts with numbers; the first line must name the columns");
     free(t->header);
     t->header = NULL;
     t->pending = true;
-    return MUKCA_OK;
 }
 
 mukca_status mukca_table_open(mukca_table *t, const char *path, mukca_table_kind kind,
                               mukca_error *error)
 {
     memset(t, 0, sizeof *t);
-    if (strlen(path) >= sizeof t->path)
-        return mukca_fail(error, MUKCA_INPUT, "%.60s...: the file name is too long", path);
+    t->error = error;
     bool standard = strcmp(path, "-") == 0;
-    snprintf(t->path, sizeof t->path, "%s", standard ? "standard input" : path);
-    t->stream = standard ? stdin : fopen(path, "r");
-    if (!t->stream) return mukca_file_fail(error, path);
-    t->buffer = malloc(LONGEST_LINE);
-    mukca_status status = t->buffer ? MUKCA_OK : out_of_memory(error);
-    if (status == MUKCA_OK && mukca_numpy_is_array(t->stream))
-        status = mukca_numpy_read(&t->stream, t->path, error);
-    if (status == MUKCA_OK && kind != MUKCA_NO_HEADER) status = read_header(t, kind, error);
-    if (status != MUKCA_OK) mukca_table_close(t);
-    return status;
+    if (strlen(path) < sizeof t->path) {
+        snprintf(t->path, sizeof t->path, "%s", standard ? "standard input" : path);
+        t->stream = standard ? stdin : fopen(path, "r");
+        t->status = t->stream ? MUKCA_OK : mukca_file_fail(error, path);
+    } else {
+        t->status = mukca_fail(error, MUKCA_INPUT, "%.60s...: the file name is too long", path);
+    }
+    if (t->status == MUKCA_OK) t->buffer = check(t, malloc(LONGEST_LINE));
+    if (t->status == MUKCA_OK && mukca_numpy_is_array(t->stream))
+        t->status = mukca_numpy_read(&t->stream, t->path, error);
+    if (t->status == MUKCA_OK && kind != MUKCA_NO_HEADER) read_header(t, kind);
+    return t->status;
 }
 
-mukca_status mukca_table_next(mukca_table *t, bool *more, mukca_error *error)
+bool mukca_table_next(mukca_table *t)
 {
-    mukca_status status = MUKCA_OK;
-    *more = true;
-    if (!t->pending) status = read_content(t, more, error);
+    const bool more = (t->pending && t->status == MUKCA_OK) || read_content(t);
     t->pending = false;
-    if (status != MUKCA_OK || !*more) return status;
-    if (!t->cell) status = set_shape(t, error);
-    if (status != MUKCA_OK || !t->cell) return status;
-    if (!mukca_cells_split(t->cell, t->n_columns, t->buffer, t->delimiter))
-        return mukca_table_fail(error, t, -1, "%d columns, but %d %s%s",
-                                mukca_cells_count(t->buffer, t->delimiter), t->n_columns,
-                                t->header ? "in the header" : "in the first row",
-                                t->cut_off ? "; the last line is cut off" : "");
-    t->row++;
-    return MUKCA_OK;
+    if (!more) return false;
+    if (!t->cell) set_shape(t);
+    if (t->status != MUKCA_OK) return false;
+    if (mukca_cells_split(t->cell, t->n_columns, t->buffer, t->delimiter))
+        t->row++;
+    else
+        mukca_table_fail(t, -1, "%d columns, but %d %s%s",
+                         mukca_cells_count(t->buffer, t->delimiter), t->n_columns,
+                         t->header ? "in the header" : "in the first row",
+                         t->cut_off ? "; the last line is cut off" : "");
+    return t->status == MUKCA_OK;
 }
 
-void mukca_table_close(mukca_table *t)
+mukca_status mukca_table_close(mukca_table *t)
 {
+    const mukca_status status = t->status;
     if (t->stream && t->stream != stdin) fclose(t->stream);
     free(t->header);
     free(t->header_buffer);
@@ -199,10 +202,8 @@ void mukca_table_close(mukca_table *t)
     free(t->names);
     free(t->cell);
     free(t->buffer);
-    t->stream = NULL;
-    t->header = t->cell = NULL;
-    t->header_buffer = t->buffer = t->names = NULL;
-    t->unit = NULL;
+    *t = (mukca_table){.status = status, .line = t->line, .row = t->row};
+    return status;
 }
 
 int mukca_table_find(const mukca_table *t, const char *name)
@@ -212,12 +213,11 @@ int mukca_table_find(const mukca_table *t, const char *name)
     return -1;
 }
 
-mukca_status mukca_table_require(int *column, const mukca_table *t, const char *name,
-                                 mukca_error *error)
+int mukca_table_require(mukca_table *t, const char *name)
 {
-    *column = mukca_table_find(t, name);
-    if (*column >= 0) return MUKCA_OK;
-    return mukca_table_fail(error, t, -1, "no column '%s' in the header", name);
+    const int column = mukca_table_find(t, name);
+    if (column < 0) mukca_table_fail(t, -1, "no column '%s' in the header", name);
+    return column;
 }
 
 bool mukca_table_has_unit(const mukca_table *t, int column)
@@ -225,16 +225,17 @@ bool mukca_table_has_unit(const mukca_table *t, int column)
     return t->unit && t->unit[column] > 0;
 }
 
-mukca_status mukca_table_number(double *value, const mukca_table *t, int column, mukca_error *error)
+double mukca_table_number(mukca_table *t, int column)
 {
     char fault[MUKCA_CELL_FAULT];
-    if (parse_number(value, t, t->cell[column]) ||
-        mukca_cell_number(value, t->cell[column], fault)) {
-        if (mukca_table_has_unit(t, column)) *value *= t->unit[column];
-        return MUKCA_OK;
-    }
-    return mukca_table_fail(error, t, column, "%s%s", fault,
-                            t->header || t->row > 1 ? "" : "; this file has no header line");
+    double value;
+    if (t->status != MUKCA_OK) return 0;
+    if (parse_number(&value, t, t->cell[column]) ||
+        mukca_cell_number(&value, t->cell[column], fault))
+        return mukca_table_has_unit(t, column) ? value * t->unit[column] : value;
+    mukca_table_fail(t, column, "%s%s", fault,
+                     t->header || t->row > 1 ? "" : "; this file has no header line");
+    return 0;
 }
 
 void mukca_table_note_unknown(const mukca_table *table, const bool *known, mukca_note_fn *note,
@@ -264,17 +265,8 @@ mukca_status mukca_table_read(const char *path, const char *const *names, int n,
 {
     mukca_table table;
     int column[MUKCA_TABLE_NAMED] = {0};
-    bool more = true;
-    mukca_status status =
-        mukca_table_open(&table, path, names ? MUKCA_HEADER : MUKCA_NO_HEADER, error);
-    if (status != MUKCA_OK) return status;
-    for (int i = 0; names && i < n && status == MUKCA_OK; i++)
-        status = mukca_table_require(&column[i], &table, names[i], error);
-    while (status == MUKCA_OK) {
-        status = mukca_table_next(&table, &more, error);
-        if (status != MUKCA_OK || !more) break;
-        status = read(context, &table, column, error);
-    }
-    mukca_table_close(&table);
-    return status;
+    mukca_table_open(&table, path, names ? MUKCA_HEADER : MUKCA_NO_HEADER, error);
+    for (int i = 0; names && i < n; i++) column[i] = mukca_table_require(&table, names[i]);
+    while (mukca_table_next(&table)) read(context, &table, column);
+    return mukca_table_close(&table);
 }

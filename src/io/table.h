@@ -4,7 +4,10 @@
  * nothing else does.  Units in the header, as in `q1 [deg]`, are applied.  An array of numpy is a
  * table without header.  Cells are trimmed and
  * surrounding double quotes removed; blank lines and a byte-order mark are skipped; lines may end
- * in CR LF.  All errors are MUKCA_INPUT and state file, line and column. */
+ * in CR LF.
+ *
+ * The first failure is kept: MUKCA_INPUT with file, line and column, or MUKCA_MEMORY.  After it
+ * there are no more rows, and mukca_table_close returns it. */
 #ifndef MUKCA_IO_TABLE_H
 #define MUKCA_IO_TABLE_H
 
@@ -27,6 +30,8 @@ typedef enum { MUKCA_HEADER, MUKCA_NO_HEADER, MUKCA_EITHER } mukca_table_kind;
 
 typedef struct {
     char path[512];
+    mukca_status status; /* of the first failure, with its message in */
+    mukca_error *error;
     FILE *stream;
     int line;      /* of the current row, from 1 */
     int row;       /* data rows read so far */
@@ -47,37 +52,37 @@ typedef struct {
 mukca_status mukca_table_open(mukca_table *table, const char *path, mukca_table_kind kind,
                               mukca_error *error);
 
-/* Read one row into table->cell; *more is false at the end of the file.  Rows must have equal
+/* Read one row into table->cell; false: the end of the file, or a failure.  Rows must have equal
  * width. */
-mukca_status mukca_table_next(mukca_table *table, bool *more, mukca_error *error);
+bool mukca_table_next(mukca_table *table);
 
-void mukca_table_close(mukca_table *table); /* harmless on a zeroed table */
+/* Returns the first failure, MUKCA_OK: none.  Harmless on a zeroed table. */
+mukca_status mukca_table_close(mukca_table *table);
 
 /* Index of a column by its name, -1: none. */
 int mukca_table_find(const mukca_table *table, const char *name);
 
 /* The same for a required column. */
-mukca_status mukca_table_require(int *column, const mukca_table *table, const char *name,
-                                 mukca_error *error);
+int mukca_table_require(mukca_table *table, const char *name);
 
 /* Whether the header states the column's unit: its numbers are then in SI units. */
 bool mukca_table_has_unit(const mukca_table *table, int column);
 
-/* Parse a cell as a finite number, in SI units if the header states its unit. */
-mukca_status mukca_table_number(double *value, const mukca_table *table, int column,
-                                mukca_error *error);
+/* Parse a cell as a finite number, in SI units if the header states its unit; 0 after a failure. */
+double mukca_table_number(mukca_table *table, int column);
 
-/* Fail with "file:line: column 'name': ..." and status MUKCA_INPUT; column -1: none. */
-mukca_status mukca_table_fail(mukca_error *error, const mukca_table *table, int column,
-                              const char *format, ...) __attribute__((format(printf, 4, 5)));
+/* Fail with "file:line: column 'name': ..." and status MUKCA_INPUT; column -1: none.  And with
+ * another status, whose message is in table->error already (MUKCA_OK: no failure). */
+void mukca_table_fail(mukca_table *table, int column, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+void mukca_table_stop(mukca_table *table, mukca_status status);
 
 /* Note the columns with known[i] false as ignored. */
 void mukca_table_note_unknown(const mukca_table *table, const bool *known, mukca_note_fn *note,
                               void *context);
 
 /* Callback for one row; column[i] is the index of the i-th required column. */
-typedef mukca_status mukca_table_row_fn(void *context, const mukca_table *table, const int *column,
-                                        mukca_error *error);
+typedef void mukca_table_row_fn(void *context, mukca_table *table, const int *column);
 
 /* Read the whole table `path`.  Its header must have the columns names[n] (at most
  * MUKCA_TABLE_NAMED; names NULL: a table without header). */
@@ -88,7 +93,7 @@ mukca_status mukca_table_read(const char *path, const char *const *names, int n,
 
 /* Rename the columns of an open table by the text or file `columns`: `COLUMN=NAME,...`, or a name
  * for each column in order; a line end separates like a comma. */
-mukca_status mukca_columns_rename(mukca_table *table, const char *columns, mukca_error *error);
+void mukca_columns_rename(mukca_table *table, const char *columns);
 
 #ifdef __cplusplus
 }

@@ -48,22 +48,14 @@ static void check_rows(const int *expected, int n)
 {
     mukca_table table;
     mukca_error error;
-    bool more;
-    if (mukca_table_open(&table, path, MUKCA_HEADER, &error)) fail_msg("%s", error.text);
-    int column = mukca_table_find(&table, "A1"), count = 0;
+    mukca_table_open(&table, path, MUKCA_HEADER, &error);
+    int column = mukca_table_require(&table, "A1"), count = 0;
     assert_int_equal(column, 3);
     assert_int_equal(table.n_columns, 3 + 9);
-    for (;;) {
-        double value;
-        if (mukca_table_next(&table, &more, &error)) fail_msg("%s", error.text);
-        if (!more) break;
-        assert_true(count < n);
-        assert_int_equal(mukca_table_number(&value, &table, column, &error), MUKCA_OK);
-        assert_true(value == expected[count] / 3.);
-        count++;
-    }
+    for (; mukca_table_next(&table); count++)
+        assert_true(count < n && mukca_table_number(&table, column) == expected[count] / 3.);
+    if (mukca_table_close(&table)) fail_msg("%s", error.text);
     assert_int_equal(count, n);
-    mukca_table_close(&table);
 }
 
 static void append_text(const char *text)
