@@ -162,30 +162,6 @@ static void copies_are_used_once(void **state)
     assert_int_equal(data.n_rows, 12);
 }
 
-/* Of a test set only what was not trained on is left. */
-static void training_rows_are_not_for_testing(void **state)
-{
-    (void)state;
-    mukca_dataset test;
-    const char *train[] = {folder("t", "0,0\n1,1\n", "0,1\n1,0\n")};
-    const char *both[] = {folder("u", "5,5\n6,6\n", "5,6\n6,5\n"),
-                          folder("v", "0,0\n1,1\n", "0,1\n1,0\n")};
-    assert_int_equal(load(both, 2, NULL), MUKCA_OK);
-    test = data;
-    memset(&data, 0, sizeof data);
-    assert_int_equal(load(train, 1, NULL), MUKCA_OK);
-    assert_int_equal(mukca_dataset_drop_copies(&test, &data, note, NULL, &error), MUKCA_OK);
-    assert_int_equal(test.n_rows, 4);
-    assert_int_equal(test.n_placements, 1);
-    assert_int_equal(test.n_sockets, 2);
-    assert_int_equal(test.n_distances, 1);
-    assert_string_equal(test.placements[0].name, "u");
-    assert_non_null(strstr(notes, "v/hole_0.csv: 2 of 2 rows repeat rows of "));
-    assert_int_equal(mukca_dataset_drop_copies(&data, &test, note, NULL, &error), MUKCA_OK);
-    assert_int_equal(data.n_rows, 4);
-    mukca_dataset_free(&test);
-}
-
 static void a_session_without_placements_is_one(void **state)
 {
     (void)state;
@@ -237,38 +213,6 @@ static void distances_are_as_told(void **state)
     }
 }
 
-static void bad_folders_get_one_clear_line(void **state)
-{
-    (void)state;
-    static const struct {
-        const char *hole_0, *hole_1, *part;
-    } cases[] = {
-        {"0,0\n1,1\n", NULL, "no hole_1.csv"},
-        {"0,0\n1,1\n", "", "socket '1': 0 rows; at least 2 are needed"},
-        {"0,0\n", "0,0\n1,1\n", "socket '0': 1 row; at least 2"},
-        {"0,0\n1\n", "0,0\n1,1\n", "hole_0.csv:2: 1 columns, but 2"},
-        {"0,0,0\n1,1,1\n", "0,0\n1,1\n", "3 columns, but the chain has 2 joints"},
-        {"0,0\n1,x\n", "0,0\n1,1\n", "hole_0.csv:2: column 2: 'x' is not a finite number"},
-        {"0,nan\n1,1\n", "0,0\n1,1\n", "hole_0.csv:1: column 2: 'nan'"},
-        {"0,inf\n1,1\n", "0,0\n1,1\n", "'inf'"},
-        {"0;0\n1;x\n", "0,0\n1,1\n", "hole_0.csv:2: column 2: 'x' is not a finite number"},
-        {"0,0\n45,90\n", "0,0\n1,1\n",
-         "hole_0.csv:2: column 1: joint 'j1' is 45, more than two turns"},
-        {"j1,j2\n1,1\n", "0,0\n1,1\n", "hole_0.csv:1: column 1: 'j1' is not"},
-    };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        char name[16];
-        snprintf(name, sizeof name, "bad%zu", i);
-        assert_error(load_one(folder(name, cases[i].hole_0, cases[i].hole_1), NULL), MUKCA_INPUT,
-                     error, cases[i].part);
-    }
-    scratch_file("none/notes.txt", "");
-    char none[128];
-    snprintf(none, sizeof none, "%s/none", scratch_folder);
-    assert_error(load_one(none, NULL), MUKCA_INPUT, error, "no hole_0.csv");
-    assert_error(load_one("/nowhere", NULL), MUKCA_INPUT, error, "No such file");
-}
-
 static void bad_sessions_get_one_clear_line(void **state)
 {
     (void)state;
@@ -279,22 +223,14 @@ static void bad_sessions_get_one_clear_line(void **state)
         {"placement\tsocket\tj1\tJ_2\n", "rename column 'J_2' with --columns 'J_2=j2'"},
         {"j1\tj2\n0\t0\n", "neither a session nor a pose log"},
         {"placement\tj1\tj2\n0\t0\t0\n", "no column 'socket'"},
-        {"placement socket j1 j2\n0 0 0 0 0\n", "5 columns, but 4 in the header"},
         {"l_j1,l_j2,r_j1,r_j2\n0,0,0,0\n", "several prefixes"},
         {"<?xml version=\"1.0\"?>\n", "is XML"},
         {"j1\tj2\tx_m\ty_m\n0\t0\t0\t0\n", "no column 'z_m'; x_m to z_m belong together"},
-        {"placement\tsocket\tj1\tj2\n", "has a header but no rows"},
-        {"placement\tsocket\tj1\tj2\np\t0\t0\t0\np\t0\t1\t1\n",
-         "'p': only one socket; at least two"},
-        {"placement\tsocket\tj1\tj2\np\t0\t0\t0\np\t0\t0\t0\np\t1\t0\t0\n", "socket '1': 1 row"},
-        {"placement\tsocket\tj1\tj2\np\t0\t0\t\n", "s.tsv:2: column 'j2': is empty"},
         {"placement\tsocket\tj1\tj2\np\t\t0\t0\n", "column 'socket': is empty"},
-        {"placement\tsocket\tj1\tj2\np\t0\t0,5\t0\n", "decimal comma"},
         {"j1\tj2\tx_m\ty_m\tz_m\n0\t0\t300\t0\t10\n", "is 300; positions are in m"},
         {"j1\tj2\tx_m\ty_m\tz_m\n0\t0\t1\t\t0\n", "a position needs x_m, y_m and z_m"},
         {"j1\tj2\tx_m\ty_m\tz_m\tqw\tqx\tqy\tqz\n0\t0\t1\t0\t0\t1\t1\t0\t0\n",
          "quaternion's length is not 1"},
-        {"j1\tj2\tx_m\ty_m\tz_m\n0\t0\t1\t0\t0\n0\t0\t1", "the last line is cut off"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
         assert_error(load_one(scratch_file("s.tsv", cases[i].text), NULL), MUKCA_INPUT, error,
@@ -647,10 +583,8 @@ int main(void)
     const struct CMUnitTest tests[] = {cmocka_unit_test(folders_and_sessions_mix),
                                        cmocka_unit_test(equal_names_stay_apart),
                                        cmocka_unit_test(copies_are_used_once),
-                                       cmocka_unit_test(training_rows_are_not_for_testing),
                                        cmocka_unit_test(a_session_without_placements_is_one),
                                        cmocka_unit_test(distances_are_as_told),
-                                       cmocka_unit_test(bad_folders_get_one_clear_line),
                                        cmocka_unit_test(bad_sessions_get_one_clear_line),
                                        cmocka_unit_test(unfinished_placements_are_set_aside),
                                        cmocka_unit_test(folders_of_placements_are_read),

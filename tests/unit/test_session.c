@@ -4,7 +4,6 @@
 #include <errno.h>
 #include <signal.h>
 #include <sys/resource.h>
-#include <sys/wait.h>
 
 #include "io/table.h"
 #include "scratch.h"
@@ -200,48 +199,6 @@ static void full_disk_refuses_the_row_only(void **state)
     check_rows((const int[]){1, 3}, 2);
 }
 
-/* Killed at a random moment a hundred times: what was acknowledged is there. */
-static void killed_sessions_keep_acknowledged_rows(void **state)
-{
-    mukca_session session;
-    mukca_session_head h = head("raw");
-    mukca_error error = {0};
-    int rows = 0;
-    (void)state;
-    unlink(path);
-    for (int kill_at = 0; kill_at < 100; kill_at++) {
-        int acknowledge[2];
-        assert_int_equal(pipe(acknowledge), 0);
-        pid_t child = fork();
-        assert_true(child >= 0);
-        if (child == 0) {
-            if (mukca_session_resume(&session, path, &h, NULL, NULL, &error)) _exit(1);
-            for (int i = session.n_rows;; i++) {
-                if (add(&session, i, &error)) _exit(2);
-                if (write(acknowledge[1], &session.n_rows, sizeof session.n_rows) < 0) _exit(3);
-            }
-        }
-        close(acknowledge[1]);
-        int acknowledged = 0, status;
-        usleep((useconds_t)(1000 + 37 * kill_at));
-        kill(child, SIGKILL);
-        waitpid(child, &status, 0);
-        assert_true(WIFSIGNALED(status));
-        while (read(acknowledge[0], &acknowledged, sizeof acknowledged) > 0) continue;
-        close(acknowledge[0]);
-        assert_int_equal(mukca_session_resume(&session, path, &h, NULL, NULL, &error), MUKCA_OK);
-        assert_true(session.n_rows >= acknowledged && session.n_rows >= rows);
-        rows = session.n_rows;
-        mukca_session_close(&session);
-    }
-    assert_true(rows > 0);
-    int *expected = malloc((size_t)rows * sizeof *expected);
-    assert_non_null(expected);
-    for (int i = 0; i < rows; i++) expected[i] = i;
-    check_rows(expected, rows);
-    free(expected);
-}
-
 static void labels(void **state)
 {
     static const char *const good[] = {"0", "front left", "h\303\266he"};
@@ -260,7 +217,6 @@ int main(void)
         cmocka_unit_test(rows_are_added_undone_and_resumed),
         cmocka_unit_test(any_beginning_can_be_resumed),
         cmocka_unit_test(full_disk_refuses_the_row_only),
-        cmocka_unit_test(killed_sessions_keep_acknowledged_rows),
         cmocka_unit_test(labels),
     };
     return cmocka_run_group_tests(tests, setup, scratch_teardown);

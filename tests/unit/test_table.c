@@ -97,53 +97,6 @@ static void semicolons_may_have_decimal_commas(void **state)
     }
 }
 
-static void bad_tables_name_their_place(void **state)
-{
-    (void)state;
-    static const struct {
-        const char *text, *part;
-    } cases[] = {
-        {"", "t: is empty"},
-        {"# only\n", "t: is empty"},
-        {"1\t2\n", "t:1: starts with numbers"},
-        {"a\tb\na\n", "t:2: 1 columns, but 2 in the header"},
-        {"a\tb\n1\t2\n1\t2\t3\n", "t:3: 3 columns, but 2 in the header"},
-        {"a\tb\n1\t2\n1", "the last line is cut off"},
-        {"a\ta\n", "two columns are called 'a'"},
-    };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        const char *path = scratch_file("t", cases[i].text);
-        assert_error(read_all(path, MUKCA_HEADER), MUKCA_INPUT, error, cases[i].part);
-    }
-    assert_error(read_all("/nowhere/t", MUKCA_HEADER), MUKCA_INPUT, error, "No such file");
-    assert_error(read_all(scratch_folder, MUKCA_HEADER), MUKCA_INPUT, error, "directory");
-    assert_error(read_all(scratch_bytes("t", "a\tb\n1\0\t2\n", 9), MUKCA_HEADER), MUKCA_INPUT,
-                 error, "t:2: contains a zero byte");
-    assert_error(read_all(scratch_bytes("t", "\0\n", 2), MUKCA_HEADER), MUKCA_INPUT, error,
-                 "zero byte");
-    assert_error(read_all("/dev/zero", MUKCA_HEADER), MUKCA_INPUT, error, "/dev/zero:1:");
-}
-
-static void bad_cells_name_their_column(void **state)
-{
-    (void)state;
-    static const struct {
-        const char *cell, *part;
-    } cases[] = {{"", "t:2: column 'b': is empty"},
-                 {"x", "'x' is not a finite number"},
-                 {"nan", "'nan' is not a finite number"},
-                 {"inf", "'inf' is not a finite number"},
-                 {"1e999", "not a finite number"},
-                 {"0x1", "not a finite number"},
-                 {"1,5", "has a decimal comma; write a point"}};
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        char text[64];
-        snprintf(text, sizeof text, "a\tb\n1\t%s\n", cases[i].cell);
-        const char *path = scratch_file("t", text);
-        assert_error(read_all(path, MUKCA_HEADER), MUKCA_INPUT, error, cases[i].part);
-    }
-}
-
 static void long_lines_are_read_whole(void **state)
 {
     (void)state;
@@ -171,8 +124,6 @@ int main(void)
     const struct CMUnitTest tests[] = {cmocka_unit_test(dialects_are_read_alike),
                                        cmocka_unit_test(tables_may_lack_a_header),
                                        cmocka_unit_test(semicolons_may_have_decimal_commas),
-                                       cmocka_unit_test(bad_tables_name_their_place),
-                                       cmocka_unit_test(bad_cells_name_their_column),
                                        cmocka_unit_test(long_lines_are_read_whole)};
     return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
 }
