@@ -62,9 +62,8 @@ static mukca_status parse(const char *line)
     return cli_parse(&call, &help, n, words);
 }
 
-static void good_lines_are_understood(void **state)
+TEST(good_lines_are_understood)
 {
-    (void)state;
     assert_int_equal(parse("a --flag -t hello --number=-1.5 -i12 --colour blue b -e x --each=y"),
                      MUKCA_OK);
     const test_options *o = call.options;
@@ -119,9 +118,8 @@ static void good_lines_are_understood(void **state)
     cli_call_free(&call);
 }
 
-static void bad_lines_get_one_clear_line(void **state)
+TEST(bad_lines_get_one_clear_line)
 {
-    (void)state;
     static const struct {
         const char *line, *part;
     } cases[] = {
@@ -162,9 +160,8 @@ static void bad_lines_get_one_clear_line(void **state)
     }
 }
 
-static void tables_of_options_are_consistent(void **state)
+TEST(tables_of_options_are_consistent)
 {
-    (void)state;
     for (const cli_command *const *c = cli_commands; *c; c++) {
         assert_true((*c)->summary[strlen((*c)->summary) - 1] != '.');
         assert_ptr_equal(cli_find_command((*c)->name), *c);
@@ -181,9 +178,8 @@ static void tables_of_options_are_consistent(void **state)
     }
 }
 
-static void json_has_no_nan(void **state)
+TEST(json_has_no_nan)
 {
-    (void)state;
     const double values[] = {1 / 3., (double)NAN, HUGE_VAL, -HUGE_VAL, 0};
     json_t *root = json_pack("{s:o, s:o, s:o}", "v", cli_json_reals(values, 5), "t",
                              cli_json_text("a"), "n", cli_json_text(NULL));
@@ -194,10 +190,4 @@ static void json_has_no_nan(void **state)
     json_decref(root);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(good_lines_are_understood), cmocka_unit_test(bad_lines_get_one_clear_line),
-        cmocka_unit_test(tables_of_options_are_consistent), cmocka_unit_test(json_has_no_nan)};
-    return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
-}
+TEST_MAIN(scratch_setup, scratch_teardown)

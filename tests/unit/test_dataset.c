@@ -76,9 +76,8 @@ static int teardown(void **state)
     return scratch_teardown(state);
 }
 
-static void folders_and_sessions_mix(void **state)
+TEST(folders_and_sessions_mix)
 {
-    (void)state;
     const char *paths[] = {
         folder("front", "0.1,0.2\n0.3,0.4\n0.5,0.6\n", "-1,2\n1,-2\n"),
         scratch_file("s.tsv",
@@ -119,9 +118,8 @@ static void folders_and_sessions_mix(void **state)
     assert_int_equal(mukca_dataset_placement(&data, 9), -1);
 }
 
-static void equal_names_stay_apart(void **state)
+TEST(equal_names_stay_apart)
 {
-    (void)state;
 #define FOUR(x) \
     "placement\tsocket\tj1\tj2\np\t0\t0\t" x "\np\t1\t0\t" x "\np\t0\t1\t" x "\np\t1\t1\t" x "\n"
     const char *paths[] = {folder("p", "0,0\n1,1\n", "0,0\n1,1\n"),
@@ -139,9 +137,8 @@ static void equal_names_stay_apart(void **state)
 }
 
 /* A copy has another name, columns that lack, and rows of its own; times tell readings apart. */
-static void copies_are_used_once(void **state)
+TEST(copies_are_used_once)
 {
-    (void)state;
     const char *first =
         "placement\tsocket\tj1\tj2\ttime_s\np\t0\t0\t0\t1\np\t0\t0\t0\t2\n"
         "p\t1\t1\t0\t3\np\t1\t1\t1\t4\np\t1\t1\t1\t4\n";
@@ -162,9 +159,8 @@ static void copies_are_used_once(void **state)
     assert_int_equal(data.n_rows, 12);
 }
 
-static void a_session_without_placements_is_one(void **state)
+TEST(a_session_without_placements_is_one)
 {
-    (void)state;
     assert_int_equal(load_one(scratch_file("lab.tsv",
                                            "socket\tj1\tj2\na\t0\t0\nb\t1\t1\na\t0\t0\n"
                                            "b\t1\t1\n"),
@@ -181,9 +177,8 @@ static const char *three_sockets(void)
                         "p\ta\t0\t0\np\tb\t1\t0\np\tc\t0\t1\n");
 }
 
-static void distances_are_as_told(void **state)
+TEST(distances_are_as_told)
 {
-    (void)state;
     mukca_dataset_options options = {.distance = 0.08};
     assert_int_equal(load_one(three_sockets(), &options), MUKCA_OK);
     assert_int_equal(data.n_distances, 3);
@@ -213,9 +208,8 @@ static void distances_are_as_told(void **state)
     }
 }
 
-static void bad_sessions_get_one_clear_line(void **state)
+TEST(bad_sessions_get_one_clear_line)
 {
-    (void)state;
     static const struct {
         const char *text, *part;
     } cases[] = {
@@ -243,9 +237,8 @@ static void bad_sessions_get_one_clear_line(void **state)
 }
 
 /* Placement b has one socket, socket 2 of a one row: what is whole is used. */
-static void unfinished_placements_are_set_aside(void **state)
+TEST(unfinished_placements_are_set_aside)
 {
-    (void)state;
     const char *path =
         scratch_file("s.tsv",
                      "placement\tsocket\tj1\tj2\na\t0\t0\t0\na\t0\t1\t0\na\t1\t0\t1\na\t1\t1\t1\n"
@@ -261,9 +254,8 @@ static void unfinished_placements_are_set_aside(void **state)
     assert_non_null(strstr(notes, "placement 'b': only one socket"));
 }
 
-static void folders_of_placements_are_read(void **state)
+TEST(folders_of_placements_are_read)
 {
-    (void)state;
     scratch_file("lab/notes.txt", "table 3\n");
     folder("lab/high", "0,0\n1,1\n", "0,1\n1,0\n");
     folder("lab/back", "0,2\n1,2\n", "0,-1\n1,-2\n");
@@ -279,9 +271,8 @@ static void folders_of_placements_are_read(void **state)
 }
 
 /* One orientation (scipy's, turns of 40, -25 and 110 degrees about z, y, x) in all forms. */
-static void orientations_are_read(void **state)
+TEST(orientations_are_read)
 {
-    (void)state;
     const mukca_rows_format degrees = {.angle = M_PI / 180, .length = 1e-3, .units = true};
     static const double q[4] = {0.465570306171480, 0.793964931227341, 0.156867611669477,
                                 0.358129209087548};
@@ -323,9 +314,8 @@ static void orientations_are_read(void **state)
 }
 
 /* One posture in the ways that people write it; the pose is that of the first text. */
-static void tables_of_others_are_read(void **state)
+TEST(tables_of_others_are_read)
 {
-    (void)state;
     const mukca_rows_format degrees = {.angle = M_PI / 180, .length = 1e-3, .units = true},
                             order = {.by_order = true}, inverse = {.inverse = true},
                             renamed = {.columns = "Basis [deg]=j1, Arm = j2,X=x_m,Y=y_m,Z=z_m"},
@@ -411,9 +401,8 @@ static void tables_of_others_are_read(void **state)
     }
 }
 
-static void doubtful_data_are_read_with_a_note(void **state)
+TEST(doubtful_data_are_read_with_a_note)
 {
-    (void)state;
     const char *path =
         scratch_file("odd.tsv",
                      "# stream: corrected\nplacement\tsocket\tj1\tj2\tcolour\tj9\tj1.spread\n"
@@ -446,9 +435,8 @@ static size_t print_pose(char *text, const double q[2], const double lever[3])
 }
 
 /* A file of poses beside empty files of angles: the arrays of the rows do not exist yet. */
-static void poses_without_rows_are_counted(void **state)
+TEST(poses_without_rows_are_counted)
 {
-    (void)state;
     const char *path = folder("no_rows", "", "");
     scratch_file("no_rows/hole_0_pose.csv", "0,0,0,1,0,0,0\n");
     const mukca_dataset_options partial = {.partial = true};
@@ -458,9 +446,8 @@ static void poses_without_rows_are_counted(void **state)
 }
 
 /* Poses are measured 30 mm beside the tip; the operator's rows lie close to each other. */
-static void poses_are_paired_with_their_rows(void **state)
+TEST(poses_are_paired_with_their_rows)
 {
-    (void)state;
     enum { N = 12 };
     static const double lever[3] = {0.01, -0.02, 0.02};
     char rows[2000] = "", poses[8000] = "", shorter[8000] = "";
@@ -502,9 +489,8 @@ static void poses_are_paired_with_their_rows(void **state)
     assert_error(load_one(path, NULL), MUKCA_INPUT, error, "is 300; positions are in m");
 }
 
-static void subsets_keep_what_belongs_to_their_rows(void **state)
+TEST(subsets_keep_what_belongs_to_their_rows)
 {
-    (void)state;
     const char *path =
         scratch_file("sub.tsv",
                      "placement\tsocket\ttime_s\tj1\tj2\tj1.command\tj2.command\tx_m\ty_m\tz_m\n"
@@ -539,9 +525,8 @@ static void subsets_keep_what_belongs_to_their_rows(void **state)
 /* The published data as they lie on disk: three files hold poses of rows that were thrown away. The
  * controller's point is a fixed one beside the ball, so the lever must come out the same in all, to
  * the 2 mm that the arm moved between the two readings; a wrong partner is centimetres off. */
-static void published_poses_are_paired(void **state)
+TEST(published_poses_are_paired)
 {
-    (void)state;
     static const char *const placements[] = {"panda_2/back_right", "panda_2/high",
                                              "panda_2/mid_left", "panda_3/frontleft"};
     const char *real = getenv("MUKCA_REAL_DATA");
@@ -578,22 +563,4 @@ static void published_poses_are_paired(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(folders_and_sessions_mix),
-                                       cmocka_unit_test(equal_names_stay_apart),
-                                       cmocka_unit_test(copies_are_used_once),
-                                       cmocka_unit_test(a_session_without_placements_is_one),
-                                       cmocka_unit_test(distances_are_as_told),
-                                       cmocka_unit_test(bad_sessions_get_one_clear_line),
-                                       cmocka_unit_test(unfinished_placements_are_set_aside),
-                                       cmocka_unit_test(folders_of_placements_are_read),
-                                       cmocka_unit_test(orientations_are_read),
-                                       cmocka_unit_test(tables_of_others_are_read),
-                                       cmocka_unit_test(doubtful_data_are_read_with_a_note),
-                                       cmocka_unit_test(poses_without_rows_are_counted),
-                                       cmocka_unit_test(poses_are_paired_with_their_rows),
-                                       cmocka_unit_test(published_poses_are_paired),
-                                       cmocka_unit_test(subsets_keep_what_belongs_to_their_rows)};
-    return cmocka_run_group_tests(tests, setup, teardown);
-}
+TEST_MAIN(setup, teardown)

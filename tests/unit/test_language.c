@@ -27,9 +27,8 @@ static bool find(mukca_program_target *t, int language, bool pose, const char *l
            MUKCA_LINE_TARGET;
 }
 
-static void print_as_the_languages_have_it(void **state)
+TEST(print_as_the_languages_have_it)
 {
-    (void)state;
     static const double q[6] = {0, M_PI / 2, -M_PI / 4, 0.1, 0.2, 0.3};
     static const char *const wanted[3] = {
         "[[0.000000,90.000000,-45.000000,5.729578,11.459156,17.188734],[9E9,9E9,9E9,9E9,9E9,9E9]]",
@@ -45,9 +44,8 @@ static void print_as_the_languages_have_it(void **state)
 }
 
 /* A linear axis is in millimetres where angles are in degrees. */
-static void lengths_are_in_millimetres(void **state)
+TEST(lengths_are_in_millimetres)
 {
-    (void)state;
     static const double q[3] = {0.25, M_PI, 0};
     mukca_program_target t;
     gen3_chain(&chain);
@@ -62,9 +60,8 @@ static void lengths_are_in_millimetres(void **state)
 
 /* What could move the arm elsewhere is unknown; the rest moves it to a target in numbers, or not.
  */
-static void lines_are_understood_or_unknown(void **state)
+TEST(lines_are_understood_or_unknown)
 {
-    (void)state;
     static const struct {
         int language;
         mukca_line_kind kind;
@@ -107,12 +104,4 @@ static void lines_are_understood_or_unknown(void **state)
     assert_close(t.q[5], 6, 0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(print_as_the_languages_have_it),
-        cmocka_unit_test(lengths_are_in_millimetres),
-        cmocka_unit_test(lines_are_understood_or_unknown),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

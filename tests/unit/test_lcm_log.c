@@ -42,9 +42,8 @@ static void write_log(int n)
     mukca_lcm_log_close(&log);
 }
 
-static void liblcm_reads_what_we_write(void **state)
+TEST(liblcm_reads_what_we_write)
 {
-    (void)state;
     write_log(50);
     lcm_eventlog_t *log = lcm_eventlog_create(path, "r");
     assert_non_null(log);
@@ -61,9 +60,8 @@ static void liblcm_reads_what_we_write(void **state)
     lcm_eventlog_destroy(log);
 }
 
-static void we_read_what_liblcm_writes(void **state)
+TEST(we_read_what_liblcm_writes)
 {
-    (void)state;
     char channel[] = "PANDA_STATUS", data[] = "hello";
     lcm_eventlog_t *out = lcm_eventlog_create(path, "w");
     assert_non_null(out);
@@ -94,9 +92,8 @@ static void we_read_what_liblcm_writes(void **state)
 
 /* Overwrite 12 bytes anywhere, a false beginning among them: few of the small events nearby are
  * lost, and reading goes on behind them. */
-static void damage_is_skipped(void **state)
+TEST(damage_is_skipped)
 {
-    (void)state;
     for (int at = 0; at < 3000; at += 7) {
         write_log(50);
         FILE *file = fopen(path, "r+b");
@@ -128,9 +125,8 @@ static void hear(void *context, const mukca_lcm_packet *packet)
     h->last = packet->time;
 }
 
-static void links_replay_logs(void **state)
+TEST(links_replay_logs)
 {
-    (void)state;
     char url[100];
     mukca_lcm_link *link;
     mukca_error error = {0};
@@ -169,9 +165,8 @@ static void count_note(void *context, const char *text)
 }
 
 /* A record that cannot be written any more is given up with one note; the stream goes on. */
-static void full_disk_ends_the_record_only(void **state)
+TEST(full_disk_ends_the_record_only)
 {
-    (void)state;
     mukca_lcm_link *link;
     mukca_error error = {0};
     heard h = {0};
@@ -194,14 +189,4 @@ static void full_disk_ends_the_record_only(void **state)
     mukca_lcm_link_close(link);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(liblcm_reads_what_we_write),
-        cmocka_unit_test(we_read_what_liblcm_writes),
-        cmocka_unit_test(damage_is_skipped),
-        cmocka_unit_test(links_replay_logs),
-        cmocka_unit_test(full_disk_ends_the_record_only),
-    };
-    return cmocka_run_group_tests(tests, setup, teardown);
-}
+TEST_MAIN(setup, teardown)

@@ -114,11 +114,10 @@ static int serve(long *used)
     return poses;
 }
 
-static void poses_cost_no_allocation(void **state)
+TEST(poses_cost_no_allocation)
 {
     static const char *const folders[] = {"results", "sessions"};
     long few, many;
-    (void)state;
     assert_non_null(mkdtemp(folder));
     for (int i = 0; i < 2; i++) {
         char path[128];
@@ -141,8 +140,4 @@ static void poses_cost_no_allocation(void **state)
     rmdir(folder);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(poses_cost_no_allocation)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -31,9 +31,8 @@ static void check_content(const char *path, const char *wanted)
     free(text);
 }
 
-static void files_appear_when_they_are_whole(void **state)
+TEST(files_appear_when_they_are_whole)
 {
-    (void)state;
     const char *path = in_folder("out");
     assert_int_equal(mukca_output_check(path, false, &error), MUKCA_OK);
     assert_int_equal(count_files(), 0);
@@ -73,9 +72,8 @@ static void files_appear_when_they_are_whole(void **state)
     unlink(path);
 }
 
-static void links_stay_links(void **state)
+TEST(links_stay_links)
 {
-    (void)state;
     char real[128];
     snprintf(real, sizeof real, "%s", scratch_file("real", "old"));
     const char *link = in_folder("link");
@@ -91,11 +89,4 @@ static void links_stay_links(void **state)
     unlink(real);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(files_appear_when_they_are_whole),
-        cmocka_unit_test(links_stay_links),
-    };
-    return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
-}
+TEST_MAIN(scratch_setup, scratch_teardown)

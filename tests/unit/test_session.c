@@ -71,13 +71,12 @@ static void count_note(void *context, const char *text)
     ++*(int *)context;
 }
 
-static void rows_are_added_undone_and_resumed(void **state)
+TEST(rows_are_added_undone_and_resumed)
 {
     mukca_session session, second;
     mukca_session_head h = head("raw"), corrected = head("corrected"), columns = head("raw");
     mukca_error error = {0};
     int notes = 0;
-    (void)state;
     unlink(path);
     assert_int_equal(mukca_session_create(&session, path, false, &h, &error), MUKCA_OK);
     assert_int_equal(mukca_session_delete(&session, 0, "p", "s", &error), MUKCA_INPUT);
@@ -125,13 +124,12 @@ static void rows_are_added_undone_and_resumed(void **state)
 }
 
 /* A power cut may leave any beginning of the file. */
-static void any_beginning_can_be_resumed(void **state)
+TEST(any_beginning_can_be_resumed)
 {
     static char whole[8192], cut[8192];
     mukca_session session;
     mukca_session_head h = head("raw");
     mukca_error error = {0};
-    (void)state;
     assert_int_equal(mukca_session_create(&session, path, true, &h, &error), MUKCA_OK);
     int64_t after[4] = {session.length};
     for (int i = 0; i < 3; i++) {
@@ -173,13 +171,12 @@ static void any_beginning_can_be_resumed(void **state)
 }
 
 /* Disk full in mid-session: the row is refused, the others stay, and later ones go on. */
-static void full_disk_refuses_the_row_only(void **state)
+TEST(full_disk_refuses_the_row_only)
 {
     mukca_session session;
     mukca_session_head h = head("raw");
     mukca_error error = {0};
     struct rlimit old, small;
-    (void)state;
     assert_int_equal(mukca_session_create(&session, path, true, &h, &error), MUKCA_OK);
     assert_int_equal(add(&session, 1, &error), MUKCA_OK);
     getrlimit(RLIMIT_FSIZE, &old);
@@ -199,25 +196,15 @@ static void full_disk_refuses_the_row_only(void **state)
     check_rows((const int[]){1, 3}, 2);
 }
 
-static void labels(void **state)
+TEST(labels)
 {
     static const char *const good[] = {"0", "front left", "h\303\266he"};
     static const char *const bad[] = {"",   "#1", "a\tb",  "a\nb", "a,b",
                                       " a", "a ", "\"a\"", "\303", "a\377b"};
-    (void)state;
     for (size_t i = 0; i < sizeof good / sizeof *good; i++)
         assert_true(mukca_session_label_ok(good[i]));
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
         assert_false(mukca_session_label_ok(bad[i]));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(rows_are_added_undone_and_resumed),
-        cmocka_unit_test(any_beginning_can_be_resumed),
-        cmocka_unit_test(full_disk_refuses_the_row_only),
-        cmocka_unit_test(labels),
-    };
-    return cmocka_run_group_tests(tests, setup, scratch_teardown);
-}
+TEST_MAIN(setup, scratch_teardown)

@@ -15,9 +15,8 @@ static mukca_status read_all(const char *path, mukca_table_kind kind)
     return mukca_table_close(&table);
 }
 
-static void dialects_are_read_alike(void **state)
+TEST(dialects_are_read_alike)
 {
-    (void)state;
     static const char *const texts[] = {
         "a\tb c\n1\t2\n\n3\t4\n",
         "# one\n#two\na\tb c\n1\t2\n# three\n3\t4",
@@ -44,9 +43,8 @@ static void dialects_are_read_alike(void **state)
     }
 }
 
-static void tables_may_lack_a_header(void **state)
+TEST(tables_may_lack_a_header)
 {
-    (void)state;
     const char *path = scratch_file("t.csv", "1.5,2\n3,4\n");
     for (int i = 0; i < 2; i++) {
         assert_int_equal(mukca_table_open(&table, path, i ? MUKCA_EITHER : MUKCA_NO_HEADER, &error),
@@ -66,9 +64,8 @@ static void tables_may_lack_a_header(void **state)
 }
 
 /* As spreadsheets of half of Europe write them. */
-static void semicolons_may_have_decimal_commas(void **state)
+TEST(semicolons_may_have_decimal_commas)
 {
-    (void)state;
     static const char *const texts[] = {"a;b\n1,5;-2e-3\n", "1,5;-0,002\n", "1.5;\"-0,002\"\n"};
     double v[2];
     for (int i = 0; i < 3; i++) {
@@ -97,9 +94,8 @@ static void semicolons_may_have_decimal_commas(void **state)
     }
 }
 
-static void long_lines_are_read_whole(void **state)
+TEST(long_lines_are_read_whole)
 {
-    (void)state;
     enum { N = 3000 };
     char *text = malloc(N * 16 + 2);
     size_t length = 0;
@@ -119,11 +115,4 @@ static void long_lines_are_read_whole(void **state)
     free(text);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(dialects_are_read_alike),
-                                       cmocka_unit_test(tables_may_lack_a_header),
-                                       cmocka_unit_test(semicolons_may_have_decimal_commas),
-                                       cmocka_unit_test(long_lines_are_read_whole)};
-    return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
-}
+TEST_MAIN(scratch_setup, scratch_teardown)

@@ -43,9 +43,8 @@ static const char arm[] =
     JOINT("m", "prismatic", "grip", "finger", "<mimic joint='p'/><origin xyz='0.25 0 0'/>" LIMIT)
     "</robot>\n";
 
-static void a_chain_is_read_exactly(void **state)
+TEST(a_chain_is_read_exactly)
 {
-    (void)state;
     assert_int_equal(load(arm, NULL), MUKCA_OK);
     assert_string_equal(chain.robot, "arm");
     assert_string_equal(chain.base, "base");
@@ -73,9 +72,8 @@ static void a_chain_is_read_exactly(void **state)
     assert_int_equal(mukca_chain_find_joint(&chain, "c"), 2);
 }
 
-static void side_branches_are_folded_onto_the_chain(void **state)
+TEST(side_branches_are_folded_onto_the_chain)
 {
-    (void)state;
     assert_int_equal(load(arm, NULL), MUKCA_OK);
     assert_int_equal(chain.n_masses, 2); /* the base's own does not move */
     assert_int_equal(chain.mass[0].element, 0);
@@ -100,9 +98,8 @@ static void side_branches_are_folded_onto_the_chain(void **state)
     assert_int_equal(chain.mass[2].element, 3);
 }
 
-static void any_two_links_make_a_chain(void **state)
+TEST(any_two_links_make_a_chain)
 {
-    (void)state;
     mukca_urdf_options options = {.base = "l1", .tip = "l3"};
     assert_int_equal(load(arm, &options), MUKCA_OK);
     assert_int_equal(chain.n_elements, 2);
@@ -121,9 +118,8 @@ static void any_two_links_make_a_chain(void **state)
     assert_string_equal(chain.tip, "grip");
 }
 
-static void sha256_is_the_files(void **state)
+TEST(sha256_is_the_files)
 {
-    (void)state;
     /* sha256sum of this very text */
     assert_int_equal(load("<robot name='x'><link name='a'/><link name='b'/>"
                           "<joint name='j' type='continuous'><parent link='a'/><child link='b'/>"
@@ -139,9 +135,8 @@ static void sha256_is_the_files(void **state)
 #define AB JOINT("j", "revolute", "a", "b", LIMIT)
 #define BC JOINT("k", "fixed", "b", "c", "")
 
-static void traps_get_one_clear_line(void **state)
+TEST(traps_get_one_clear_line)
 {
-    (void)state;
     static const struct {
         const char *text, *part;
     } cases[] = {
@@ -173,9 +168,8 @@ static void traps_get_one_clear_line(void **state)
         assert_error(load(cases[i].text, NULL), MUKCA_INPUT, error, cases[i].part);
 }
 
-static void bad_masses_get_one_clear_line(void **state)
+TEST(bad_masses_get_one_clear_line)
 {
-    (void)state;
     static const struct {
         const char *rows, *part;
     } inertials[] = {
@@ -194,18 +188,16 @@ static void bad_masses_get_one_clear_line(void **state)
     assert_error(load(arm, &lacking), MUKCA_INPUT, error, "no column 'mass_kg'");
 }
 
-static void zero_bytes_are_refused(void **state)
+TEST(zero_bytes_are_refused)
 {
-    (void)state;
     assert_error(
         mukca_urdf_load(&chain, scratch_bytes("r.urdf", "<robot\0>", 8), NULL, NULL, NULL, &error),
         MUKCA_INPUT, error, "zero byte");
 }
 
 /* urdfdom's parser finds elements in what XML says is none: it must see elements only. */
-static void urdfdom_sees_elements_only(void **state)
+TEST(urdfdom_sees_elements_only)
 {
-    (void)state;
     enum { DEPTH = 50000 };
     char *text = malloc(DEPTH * 3 + sizeof arm + 400);
     const char *rest = strstr(arm, "<robot");
@@ -229,15 +221,4 @@ static void urdfdom_sees_elements_only(void **state)
     free(text);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(a_chain_is_read_exactly),
-                                       cmocka_unit_test(side_branches_are_folded_onto_the_chain),
-                                       cmocka_unit_test(any_two_links_make_a_chain),
-                                       cmocka_unit_test(sha256_is_the_files),
-                                       cmocka_unit_test(traps_get_one_clear_line),
-                                       cmocka_unit_test(bad_masses_get_one_clear_line),
-                                       cmocka_unit_test(zero_bytes_are_refused),
-                                       cmocka_unit_test(urdfdom_sees_elements_only)};
-    return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
-}
+TEST_MAIN(scratch_setup, scratch_teardown)
