@@ -4,10 +4,6 @@
 
 #include <stddef.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum { MUKCA_PREFIX_NAME = 128 };
 
 typedef struct {
@@ -28,7 +24,4 @@ void mukca_prefix_apply(char name[MUKCA_PREFIX_NAME], const mukca_prefix *prefix
 /* Whether `name` is `wanted`, or ends in it after a prefix. */
 int mukca_prefix_ends(const char *name, const char *wanted);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

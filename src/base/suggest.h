@@ -2,10 +2,6 @@
 #ifndef MUKCA_BASE_SUGGEST_H
 #define MUKCA_BASE_SUGGEST_H
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Edits (insert, delete, replace, swap neighbours) from `a` to `b`, ignoring case; capped at 99. */
 int mukca_suggest_distance(const char *a, const char *b);
 
@@ -18,7 +14,4 @@ enum { MUKCA_SUGGEST_TEXT = 128 };
 const char *mukca_suggest_text(char text[MUKCA_SUGGEST_TEXT], const char *meant,
                                const char *otherwise);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

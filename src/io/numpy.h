@@ -7,10 +7,6 @@
 
 #include "mukca/status.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Whether the stream starts with an array; nothing is consumed. */
 bool mukca_numpy_is_array(FILE *stream);
 
@@ -18,7 +14,4 @@ bool mukca_numpy_is_array(FILE *stream);
  * become columns.  `path` is for messages. */
 mukca_status mukca_numpy_read(FILE **stream, const char *path, mukca_error *error);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -17,10 +17,6 @@
 
 #include "mukca/status.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum {
     MUKCA_TABLE_COLUMNS = 4096, /* largest width; a session of 16 joints has about 90 */
     MUKCA_TABLE_NAMED = 8       /* columns that mukca_table_read can require */
@@ -95,7 +91,4 @@ mukca_status mukca_table_read(const char *path, const char *const *names, int n,
  * for each column in order; a line end separates like a comma. */
 void mukca_columns_rename(mukca_table *table, const char *columns);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -6,10 +6,6 @@
 
 #include "mukca/chain.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 typedef struct {
     const char *base;      /* link; NULL: the URDF's root */
     const char *tip;       /* link; NULL: ball_link, else ball, else the only leaf */
@@ -50,7 +46,4 @@ mukca_status mukca_inertials_read(mukca_inertial **list, int *n, const char *pat
 /* Print the chain's links and joints; a chain has no masses or shapes to print. */
 void mukca_urdf_write(FILE *stream, const mukca_chain *chain);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+extern "C" {
 #include "base/file.h"
 #include "base/note.h"
 #include "base/number.h"
@@ -24,6 +25,7 @@
 #include "base/utf8.h"
 #include "io/urdf.h"
 #include "io/urdf_text.h"
+}
 
 namespace
 {
