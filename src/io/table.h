@@ -12,7 +12,6 @@
 #define MUKCA_IO_TABLE_H
 
 #include <stdbool.h>
-#include <stddef.h>
 #include <stdio.h>
 
 #include "mukca/status.h"
