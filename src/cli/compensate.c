@@ -96,12 +96,8 @@ static void open_poses(pose_table *p, const char *path, cli_call *call)
     for (int i = 0; i < POSE_PLACES; i++)
         if (i < 3 || (i >= p->first && i < p->end))
             p->column[i] = mukca_table_require(t, pose_names[plain][i]);
-    if (t->status != MUKCA_OK) return;
-    bool known[MUKCA_TABLE_COLUMNS] = {false};
-    for (int c = 0; c < t->n_columns; c++)
-        for (int i = 0; i < POSE_PLACES; i++)
-            known[c] |= strcmp(t->header[c], pose_names[plain][i]) == 0;
-    mukca_table_note_unknown(t, known, cli_note, call);
+    for (int i = 0; i < POSE_PLACES; i++) mukca_table_use(t, pose_names[plain][i]);
+    if (t->status == MUKCA_OK) mukca_table_note_unknown(t, cli_note, call);
 }
 
 /* False: the end, or a failure. */

@@ -2,7 +2,6 @@
 #include "io/dataset.h"
 
 #include <dirent.h>
-#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -75,10 +74,10 @@ static mukca_status read_placement(mukca_dataset_builder *b, const char *folder,
 {
     char name[MUKCA_NAME_SIZE], qualified[MUKCA_NAME_SIZE], path[1100], label[16];
     int holes;
-    char whole[PATH_MAX];
-    const char *named = realpath(folder, whole) ? whole : folder; /* resolves the name of `.` */
-    last_parts(name, named, 1);
-    last_parts(qualified, named, 2);
+    char *whole = realpath(folder, NULL); /* resolves the name of `.` */
+    last_parts(name, whole ? whole : folder, 1);
+    last_parts(qualified, whole ? whole : folder, 2);
+    free(whole);
     mukca_status status = count_holes(&holes, b, folder, least);
     if (status != MUKCA_OK) return status;
     status = mukca_build_placement(b, name, qualified);

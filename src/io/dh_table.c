@@ -23,22 +23,18 @@ static const double largest_a = 50;
 
 static void read_header(int column[COLUMNS], mukca_table *table)
 {
-    for (int c = 0; c < table->n_columns; c++) {
-        bool known = false;
-        for (int i = 0; i < COLUMNS; i++)
-            for (int n = 0; n < 2 && names[i][n]; n++)
-                known = known || strcmp(table->header[c], names[i][n]) == 0;
-        if (!known)
+    for (int i = 0; i < COLUMNS; i++) {
+        column[i] = mukca_table_use(table, names[i][0]);
+        if (column[i] < 0 && names[i][1]) column[i] = mukca_table_use(table, names[i][1]);
+    }
+    for (int c = 0; c < table->n_columns; c++)
+        if (!table->used[c])
             mukca_table_fail(table, c,
                              "unknown column; a table has joint, a, alpha, d, theta, and may have "
                              "type, lower and upper, in m and rad");
-    }
-    for (int i = 0; i < COLUMNS; i++) {
-        column[i] = mukca_table_find(table, names[i][0]);
-        if (column[i] < 0 && names[i][1]) column[i] = mukca_table_find(table, names[i][1]);
-        if (i <= THETA && column[i] < 0)
+    for (int i = 0; i <= THETA; i++)
+        if (column[i] < 0)
             mukca_table_fail(table, -1, "the header has no column '%s'", names[i][0]);
-    }
 }
 
 /* Parse a multiple of pi: pi, -pi/2, 3*pi/4. */

@@ -44,10 +44,9 @@ static void fail_header(mukca_rows *rows, const char *joint)
         joint, names, list.used + 1 == list.size ? "..." : "");
 }
 
-/* Columns of the header, with those in use marked; the others are noted. */
+/* Columns of the header, and how they are named. */
 typedef struct {
     mukca_rows *rows;
-    bool known[MUKCA_TABLE_COLUMNS];
     mukca_prefix prefix; /* by which the columns' names differ from the joints' */
     int numbered;        /* index in `numbered`, -1: joints by name; then the first one's number */
     int first;
@@ -69,9 +68,7 @@ static int find(header *h, const char *prefix, const char *suffix)
 {
     char name[2 * MUKCA_NAME_SIZE];
     snprintf(name, sizeof name, "%s%s", prefix, suffix);
-    const int column = mukca_table_find(&h->rows->table, name);
-    if (column >= 0) h->known[column] = true;
-    return column;
+    return mukca_table_use(&h->rows->table, name);
 }
 
 /* Find the column of the joint's position, effort, command or velocity: `suffix` of names, or a row
@@ -154,9 +151,9 @@ static void note_unknown_columns(header *h)
     const mukca_table *t = &h->rows->table;
     for (int c = 0; c < t->n_columns; c++) {
         const char *dot = strrchr(t->header[c], '.');
-        h->known[c] |= dot && strcmp(dot, ".spread") == 0; /* from mukca capture */
+        t->used[c] |= dot && strcmp(dot, ".spread") == 0; /* from mukca capture */
     }
-    mukca_table_note_unknown(t, h->known, h->rows->options.note, h->rows->options.context);
+    mukca_table_note_unknown(t, h->rows->options.note, h->rows->options.context);
 }
 
 /* Column names of a measured pose; `length`: m per unit, 0: by --units. */
@@ -205,7 +202,7 @@ static void find_measured(header *h, int column, int form)
     const char *name = rows->table.header[column], *first = forms[form].names[0];
     const char *suffix = name + strlen(first);
     if (strncmp(name, first, strlen(first)) != 0 || (*suffix && *suffix != '.') ||
-        h->known[column] || strlen(suffix) > sizeof c->measured->target)
+        rows->table.used[column] || strlen(suffix) > sizeof c->measured->target)
         return;
     if (c->n_measured == MUKCA_ROWS_TARGETS) {
         mukca_table_fail(&rows->table, column, "more than %d targets in a line",

@@ -3,6 +3,7 @@
 
 #include <errno.h>
 #include <stdarg.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,9 +12,9 @@
 #include "base/note.h"
 #include "base/number.h"
 #include "base/text.h"
-#include "io/numpy.h"
 
-enum { LONGEST_LINE = 1 << 20 }; /* bytes; a longer line is of another kind of file */
+/* Bytes: a longer line is of another kind of file; a header has some ten lines of comments. */
+enum { LONGEST_LINE = 1 << 20, COMMENTS = 4096 };
 
 void mukca_table_fail(mukca_table *t, int column, const char *format, ...)
 {
@@ -73,8 +74,7 @@ static bool read_content(mukca_table *t)
     while (read_line(t)) {
         const char *text = t->buffer + strspn(t->buffer, " \t\r");
         if (*text && *text != '#') return true;
-        mukca_text comments = {
-            .at = t->comments, .size = sizeof t->comments, .used = strlen(t->comments)};
+        mukca_text comments = {.at = t->comments, .size = COMMENTS, .used = strlen(t->comments)};
         if (*text && !t->cell && comments.used + strlen(t->buffer) + 2 <= comments.size)
             mukca_text_put(&comments, "%s\n", t->buffer);
     }
@@ -135,6 +135,7 @@ static void read_header(mukca_table *t, mukca_table_kind kind)
     t->header = check(t, calloc((size_t)t->n_columns, sizeof *t->header));
     t->header_buffer = check(t, strdup(t->buffer));
     t->unit = check(t, calloc((size_t)t->n_columns, sizeof *t->unit));
+    t->used = check(t, calloc((size_t)t->n_columns, sizeof *t->used));
     if (t->status != MUKCA_OK) return;
     mukca_cells_split(t->header, t->n_columns, t->header_buffer, t->delimiter);
     int numbers = 0;
@@ -155,6 +156,94 @@ static void read_header(mukca_table *t, mukca_table_kind kind)
     t->pending = true;
 }
 
+/* ---- arrays of numpy ---- */
+
+/* Whether the stream starts with an array of numpy; nothing is consumed. */
+static bool is_array(FILE *stream)
+{
+    const int first = getc(stream);
+    if (first != EOF) ungetc(first, stream);
+    return first == 0x93;
+}
+
+typedef struct {
+    int size; /* bytes of a number: 4 or 8 */
+    long rows, columns;
+} array_shape;
+
+/* Parse the header of an array, such as {'descr': '<f8', 'fortran_order': False, 'shape': (9, 6)}.
+ */
+static bool read_shape(array_shape *a, FILE *stream)
+{
+    unsigned char start[12];
+    char text[1024];
+    if (fread(start, 1, 10, stream) != 10 || memcmp(start, "\x93NUMPY", 6) != 0) return false;
+    size_t length = start[8] + 256u * start[9];
+    if (start[6] > 1 && (fread(start + 10, 1, 2, stream) != 2 || start[10] || start[11]))
+        return false;
+    if (length >= sizeof text || fread(text, 1, length, stream) != length) return false;
+    text[length] = '\0';
+    const char *shape = strstr(text, "'shape': (");
+    a->size = strstr(text, "'descr': '<f8'") ? 8 : strstr(text, "'descr': '<f4'") ? 4 : 0;
+    if (!shape || !a->size || !strstr(text, "'fortran_order': False")) return false;
+    char *end;
+    a->rows = strtol(shape + strlen("'shape': ("), &end, 10);
+    a->columns = 1;
+    for (const char *at = end; *at == ','; at = end) {
+        const long n = strtol(at + 1, &end, 10);
+        if (end == at + 1) break; /* (9,) */
+        if (n < 1 || n > MUKCA_TABLE_COLUMNS) return false;
+        a->columns *= n;
+        if (a->columns > MUKCA_TABLE_COLUMNS) return false;
+    }
+    return a->rows >= 0;
+}
+
+static bool read_number(double *value, int size, FILE *stream)
+{
+    unsigned char bytes[8];
+    uint64_t bits = 0;
+    if (fread(bytes, 1, (size_t)size, stream) != (size_t)size) return false;
+    for (int i = size; i-- > 0;) bits = bits << 8 | bytes[i];
+    const uint32_t few = (uint32_t)bits;
+    float single;
+    if (size == 8) memcpy(value, &bits, sizeof *value);
+    if (size == 4) memcpy(&single, &few, sizeof single), *value = (double)single;
+    return true;
+}
+
+/* Replace *stream, such an array, by the same numbers as CSV; further dimensions than the first
+ * become columns. */
+static mukca_status read_array(FILE **stream, const char *path, mukca_error *error)
+{
+    array_shape a;
+    if (!read_shape(&a, *stream))
+        return mukca_fail(error, MUKCA_INPUT,
+                          "%s: an array of numpy of another kind; save one of numbers: "
+                          "numpy.save(FILE, numpy.ascontiguousarray(a, float))",
+                          mukca_file_shown(path));
+    FILE *text = tmpfile();
+    if (!text) return mukca_file_fail(error, path);
+    bool whole = true;
+    for (long i = 0; i < a.rows && whole && !ferror(text); i++)
+        for (long c = 0; c < a.columns && whole; c++) {
+            double value = 0;
+            whole = read_number(&value, a.size, *stream);
+            fprintf(text, "%.17g%c", value, c + 1 < a.columns ? ',' : '\n');
+        }
+    if (!whole || fflush(text) || fseek(text, 0, SEEK_SET)) {
+        fclose(text);
+        return whole ? mukca_file_fail(error, path)
+                     : mukca_fail(error, MUKCA_INPUT, "%s: the array is cut off",
+                                  mukca_file_shown(path));
+    }
+    if (*stream != stdin) fclose(*stream);
+    *stream = text;
+    return MUKCA_OK;
+}
+
+/* ---- */
+
 mukca_status mukca_table_open(mukca_table *t, const char *path, mukca_table_kind kind,
                               mukca_error *error)
 {
@@ -169,8 +258,9 @@ mukca_status mukca_table_open(mukca_table *t, const char *path, mukca_table_kind
         t->status = mukca_fail(error, MUKCA_INPUT, "%.60s...: the file name is too long", path);
     }
     if (t->status == MUKCA_OK) t->buffer = check(t, malloc(LONGEST_LINE));
-    if (t->status == MUKCA_OK && mukca_numpy_is_array(t->stream))
-        t->status = mukca_numpy_read(&t->stream, t->path, error);
+    if (t->status == MUKCA_OK) t->comments = check(t, calloc(COMMENTS, 1));
+    if (t->status == MUKCA_OK && is_array(t->stream))
+        t->status = read_array(&t->stream, t->path, error);
     if (t->status == MUKCA_OK && kind != MUKCA_NO_HEADER) read_header(t, kind);
     return t->status;
 }
@@ -199,7 +289,9 @@ mukca_status mukca_table_close(mukca_table *t)
     free(t->header);
     free(t->header_buffer);
     free(t->unit);
+    free(t->used);
     free(t->names);
+    free(t->comments);
     free(t->cell);
     free(t->buffer);
     *t = (mukca_table){.status = status, .line = t->line, .row = t->row};
@@ -213,9 +305,16 @@ int mukca_table_find(const mukca_table *t, const char *name)
     return -1;
 }
 
-int mukca_table_require(mukca_table *t, const char *name)
+int mukca_table_use(mukca_table *t, const char *name)
 {
     const int column = mukca_table_find(t, name);
+    if (column >= 0) t->used[column] = true;
+    return column;
+}
+
+int mukca_table_require(mukca_table *t, const char *name)
+{
+    const int column = mukca_table_use(t, name);
     if (column < 0) mukca_table_fail(t, -1, "no column '%s' in the header", name);
     return column;
 }
@@ -238,15 +337,14 @@ double mukca_table_number(mukca_table *t, int column)
     return 0;
 }
 
-void mukca_table_note_unknown(const mukca_table *table, const bool *known, mukca_note_fn *note,
-                              void *context)
+void mukca_table_note_unknown(const mukca_table *table, mukca_note_fn *note, void *context)
 {
     char names[120] = "";
     mukca_text list = MUKCA_TEXT(names);
     int unknown = 0;
     bool whole = true;
     for (int c = 0; c < table->n_columns; c++) {
-        if (known[c]) continue;
+        if (table->used[c]) continue;
         const bool fits = list.used + strlen(table->header[c]) + 8 < list.size;
         if (fits)
             mukca_text_put(&list, "%s%s", unknown ? ", " : "", table->header[c]);

@@ -37,9 +37,10 @@ typedef struct {
     char **header; /* [n_columns], or NULL */
     char **cell;   /* [n_columns] of the current row */
     double *unit;  /* [n_columns], SI per unit in the header, 0: none stated; or NULL */
+    bool *used;    /* [n_columns], columns asked for by mukca_table_use; or NULL */
     char *buffer, *header_buffer;
-    char *names;         /* of --columns */
-    char comments[4096]; /* `#` lines before the header, as many as fit */
+    char *names;    /* of --columns */
+    char *comments; /* `#` lines before the header, as many as fit */
 } mukca_table;
 
 /* Open `path` (`-` is standard input) and read the header.  Kind EITHER: there is no header if the
@@ -57,7 +58,8 @@ mukca_status mukca_table_close(mukca_table *table);
 /* Index of a column by its name, -1: none. */
 int mukca_table_find(const mukca_table *table, const char *name);
 
-/* The same for a required column. */
+/* The same for a column that is going to be read, and for a required one. */
+int mukca_table_use(mukca_table *table, const char *name);
 int mukca_table_require(mukca_table *table, const char *name);
 
 /* Whether the header states the column's unit: its numbers are then in SI units. */
@@ -72,9 +74,8 @@ void mukca_table_fail(mukca_table *table, int column, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 void mukca_table_stop(mukca_table *table, mukca_status status);
 
-/* Note the columns with known[i] false as ignored. */
-void mukca_table_note_unknown(const mukca_table *table, const bool *known, mukca_note_fn *note,
-                              void *context);
+/* Note the columns that are not used as ignored. */
+void mukca_table_note_unknown(const mukca_table *table, mukca_note_fn *note, void *context);
 
 /* Callback for one row; column[i] is the index of the i-th required column. */
 typedef void mukca_table_row_fn(void *context, mukca_table *table, const int *column);
