@@ -54,8 +54,6 @@ typedef struct {
             "names of the placements in order, commas between (default: placement_1 and so on)"),  \
         CLI_OPTION(type, live.recorder.sockets, "sockets", CLI_TEXT, "LIST",                       \
                    "labels of the sockets, commas between (default: 0,1)"),                        \
-        CLI_OPTION(type, live.recorder.log, "record", CLI_TEXT, "LOG",                             \
-                   "also write the raw LCM stream to this log"),                                   \
         CLI_OPTION(                                                                                \
             type, live.recorder.traits, "traits", CLI_TEXT, "FILE",                                \
             "traits of the model's fleet (mukca fleet -o): correct the angles for its mean "       \
@@ -78,7 +76,6 @@ static inline void cli_live_complete(cli_live *live, const cli_common *common)
     live->recorder.types = live->types.items;
     live->recorder.n_types = live->types.n;
     live->recorder.distance = common->distance;
-    live->recorder.force = common->force;
 }
 
 /* ---- standard error of a live recording (relay.c) ----

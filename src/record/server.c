@@ -278,7 +278,7 @@ mukca_status mukca_server_open(mukca_server *s, const mukca_server_options *opti
         mukca_recorder_report(&s->recorder, "no table is in use: %s", problem.text);
     if (mukca_lcm_link_replays(s->recorder.link))
         status = mukca_recorder_connect(&s->recorder, -1, error);
-    return status ? status : mukca_recorder_start_log(&s->recorder, error);
+    return status;
 }
 
 /* Report a change of the stream's problem; `last` is the preceding report. */
