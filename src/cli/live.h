@@ -14,16 +14,20 @@ typedef struct {
     cli_list types; /* .lcm files */
 } cli_live;
 
+/* Rows of an option table: senders of the `network`, a member of the options struct `type`. */
+#define CLI_NETWORK_OPTIONS(type, network)                                           \
+    CLI_OPTION(type, network.interface, "interface", CLI_TEXT, "ADDRESS",            \
+               "receive from other machines, too, on the interface of this address " \
+               "(default: from this machine only)"),                                 \
+        CLI_OPTION(type, network.from, "from", CLI_TEXT, "LIST",                     \
+                   "receive from these addresses only, commas between")
+
 /* Rows of an option table; `type` is the options struct. */
 #define CLI_LIVE_OPTIONS(type)                                                                     \
     CLI_OPTION(                                                                                    \
         type, live.recorder.network.url, "lcm-url", CLI_TEXT, "URL",                               \
         "LCM network, or file://LOG to replay a log (default: LCM_DEFAULT_URL, else LCM's own)"),  \
-        CLI_OPTION(type, live.recorder.network.interface, "interface", CLI_TEXT, "ADDRESS",        \
-                   "receive from other machines, too, on the interface of this address "           \
-                   "(default: from this machine only)"),                                           \
-        CLI_OPTION(type, live.recorder.network.from, "from", CLI_TEXT, "LIST",                     \
-                   "receive from these addresses only, commas between"),                           \
+        CLI_NETWORK_OPTIONS(type, live.recorder.network),                                          \
         CLI_OPTION(type, live.recorder.key, "key", CLI_TEXT, "FILE",                               \
                    "obey only triggers and commands signed with the key in this file "             \
                    "(mukca-formats(5))"),                                                          \
