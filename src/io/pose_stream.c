@@ -64,14 +64,6 @@ static mukca_status parse(mukca_pose_stream *s, mukca_pose_row *row, bool *more,
     return MUKCA_OK;
 }
 
-/* Doubles per stored row: angles and velocities, position, quaternion, time, file. */
-enum { POSE = 3 + 4 + 2, KEPT = 2 * MUKCA_MAX_JOINTS + POSE };
-
-static size_t bytes_kept(const mukca_pose_stream *s)
-{
-    return (size_t)(2 * s->chain->n_joints + POSE) * sizeof(double);
-}
-
 static void stop_keeping(mukca_pose_stream *s)
 {
     if (s->kept) fclose(s->kept);
@@ -82,37 +74,20 @@ static void stop_keeping(mukca_pose_stream *s)
 
 static void keep(mukca_pose_stream *s, const mukca_pose_row *row)
 {
-    double x[KEPT];
-    const int n = s->chain->n_joints;
-    const size_t bytes = bytes_kept(s);
     if (!s->kept && (s->kept = tmpfile())) setvbuf(s->kept, s->buffer, _IOFBF, sizeof s->buffer);
-    memcpy(x, row->q, (size_t)n * sizeof *x);
-    memcpy(x + n, row->velocity, (size_t)n * sizeof *x);
-    memcpy(x + 2 * n, row->position, sizeof row->position);
-    memcpy(x + 2 * n + 3, row->quaternion, sizeof row->quaternion);
-    x[2 * n + 7] = row->time;
-    x[2 * n + 8] = row->file;
     s->next = ++s->n_kept;
-    if (!s->kept || (double)s->n_kept * (double)bytes > MUKCA_POSE_STREAM_KEPT ||
-        fwrite(x, bytes, 1, s->kept) != 1)
+    if (!s->kept || (double)s->n_kept * sizeof *row > MUKCA_POSE_STREAM_KEPT ||
+        fwrite(row, sizeof *row, 1, s->kept) != 1)
         stop_keeping(s);
 }
 
 static mukca_status fetch(mukca_pose_stream *s, mukca_pose_row *row, mukca_error *error)
 {
-    double x[KEPT];
-    const int n = s->chain->n_joints;
-    if (fread(x, bytes_kept(s), 1, s->kept) != 1) return mukca_file_fail(error, "temporary file");
-    memcpy(row->q, x, (size_t)n * sizeof *x);
-    memcpy(row->velocity, x + n, (size_t)n * sizeof *x);
-    memcpy(row->position, x + 2 * n, sizeof row->position);
-    memcpy(row->quaternion, x + 2 * n + 3, sizeof row->quaternion);
-    row->time = x[2 * n + 7];
-    row->file = (int)x[2 * n + 8];
     /* a stream changes from reading to writing only after a seek */
-    if (++s->next == s->n_kept && fseek(s->kept, 0, SEEK_END) != 0)
-        return mukca_file_fail(error, "temporary file");
-    return MUKCA_OK;
+    if (fread(row, sizeof *row, 1, s->kept) == 1 &&
+        (++s->next < s->n_kept || fseek(s->kept, 0, SEEK_END) == 0))
+        return MUKCA_OK;
+    return mukca_file_fail(error, "temporary file");
 }
 
 static mukca_status next(void *context, mukca_pose_row *row, bool *more, mukca_error *error)
