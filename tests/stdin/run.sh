@@ -2,10 +2,6 @@
 # `capture --stdin`: joint states as lines become the session that LCM gives; bad lines get one clear line.
 set -u
 cd "$(dirname "$0")/../.." || exit 1
-mukca=${MUKCA:-build/mukca}
-dir=$(mktemp -d) || exit 1
-trap 'rm -rf "$dir"' EXIT
-failed=0
 recorded=data/demo/joint_states.csv
 
 # shellcheck source=tests/ok.bash
