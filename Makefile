@@ -47,7 +47,7 @@ RT       := $(BUILD)/libmukca_rt.a
 # ---- flags ---------------------------------------------------------------------------------------
 WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wdouble-promotion -Wvla -Wundef \
             -Wcast-qual -Wwrite-strings -Wformat=2 $(if $(WERROR),-Werror)
-OPTIMISE := -O3 -g -ffp-contract=off -fno-math-errno -ffunction-sections -fdata-sections
+OPTIMISE := -O3 -g -ffp-contract=off -fno-math-errno -ffunction-sections -fdata-sections -fstack-usage
 DEFINES  := -D_DEFAULT_SOURCE -D_XOPEN_SOURCE=700
 # `make HARDENING=` disables these flags; so does a compiler that lacks one of them.
 HARDENING ?= -fstack-protector-strong -fstack-clash-protection -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2

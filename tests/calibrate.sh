@@ -3,11 +3,6 @@
 # awk: three turning joints, links of 0.401, 0.3 and 0.199 m where the URDF says 0.4, 0.3 and 0.2.
 set -u
 cd "$(dirname "$0")/.." || exit 1
-mukca=${MUKCA:-build/mukca}
-dir=$(mktemp -d) || exit 1
-trap 'rm -rf "$dir"' EXIT
-export SOURCE_DATE_EPOCH=1700000000
-failed=0
 
 # shellcheck source=tests/ok.bash
 . tests/ok.bash

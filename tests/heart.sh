@@ -4,10 +4,6 @@
 set -u
 cd "$(dirname "$0")/.." || exit 1
 build=${BUILD:-build}
-mukca=${MUKCA:-build/mukca}
-dir=$(mktemp -d) || exit 1
-trap 'rm -rf "$dir"' EXIT
-failed=0
 # shellcheck source=tests/ok.bash
 . tests/ok.bash
 

@@ -3,11 +3,6 @@
 # frame and a target of its own; the same in other row orders, and each half.
 set -u
 cd "$(dirname "$0")/.." || exit 1
-mukca=${MUKCA:-build/mukca}
-dir=$(mktemp -d) || exit 1
-trap 'rm -rf "$dir"' EXIT
-export SOURCE_DATE_EPOCH=1700000000
-failed=0
 effect=joint_compliance:joint_2=7.2e-5
 
 # shellcheck source=tests/ok.bash

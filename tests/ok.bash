@@ -1,5 +1,10 @@
-# One line for each command that is tested; sourced, with `dir` a folder and `failed` 0.
-# shellcheck shell=bash disable=SC2034,SC2154
+# Sourced in the root of the project: the program, a scratch folder, one line for each command that is tested.
+# shellcheck shell=bash disable=SC2034
+mukca=${MUKCA:-$PWD/build/mukca}
+dir=$(mktemp -d) || exit 1
+trap 'rm -rf "$dir"' EXIT
+export SOURCE_DATE_EPOCH=1700000000
+failed=0
 ok() { # NAME COMMAND...
     local name=$1
     shift

@@ -2,10 +2,6 @@
 # Pose logs in the forms that people have: several targets, several logs, a tracker somewhere; and what is said of them.
 set -u
 cd "$(dirname "$0")/.." || exit 1
-mukca=${MUKCA:-build/mukca}
-dir=$(mktemp -d) || exit 1
-trap 'rm -rf "$dir"' EXIT
-failed=0
 
 # shellcheck source=tests/ok.bash
 . tests/ok.bash

@@ -3,15 +3,10 @@
 # the paper's arm with its Table 3 built in, bad logs, and the published controllers' poses.
 set -u
 cd "$(dirname "$0")/.." || exit 1
-mukca=${MUKCA:-$PWD/build/mukca}
 example=${BUILD:-$PWD/build}/examples/example_controller
 urdf=$PWD/data/gen3.urdf
 real=${MUKCA_REAL_DATA:-$PWD/../shared/real}
 tracker=${MUKCA_TRACKER_DATA:-$PWD/../shared/tracker}
-dir=$(mktemp -d) || exit 1
-trap 'rm -rf "$dir"' EXIT
-export SOURCE_DATE_EPOCH=1700000000
-failed=0
 
 # shellcheck source=tests/ok.bash
 . tests/ok.bash

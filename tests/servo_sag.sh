@@ -3,10 +3,6 @@
 # kept out of the geometry with them.
 set -u
 cd "$(dirname "$0")/.." || exit 1
-mukca=${MUKCA:-build/mukca}
-dir=$(mktemp -d) || exit 1
-trap 'rm -rf "$dir"' EXIT
-failed=0
 
 # shellcheck source=tests/ok.bash
 . tests/ok.bash

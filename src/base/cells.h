@@ -31,4 +31,10 @@ bool mukca_cells_split(char **cells, int n, char *line, char delimiter);
 /* Parse a cell as a finite number; false: reason in fault[MUKCA_CELL_FAULT]. */
 bool mukca_cell_number(double *value, const char *cell, char *fault);
 
+/* ---- units in the names of columns ---- */
+
+/* Remove a unit at the end of a column's name, such as ` [deg]` or ` (mm)`; returns SI units per
+ * unit, 0: none. */
+double mukca_unit_take(char *name);
+
 #endif

@@ -7,10 +7,6 @@
 
 #include "mukca/status.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Read the file (`-`: standard input) into *text, NUL-terminated; the caller frees it.  On failure
  * *text is NULL.  Errors: MUKCA_INPUT (not readable, a folder, larger than 32 MiB, contains a NUL
  * byte), MUKCA_MEMORY. */
@@ -29,7 +25,4 @@ const char *mukca_file_shown(const char *path);
 /* Error "PATH: cannot read: reason" from errno; status MUKCA_INPUT or MUKCA_MEMORY. */
 mukca_status mukca_file_fail(mukca_error *error, const char *path);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

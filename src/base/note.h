@@ -4,16 +4,8 @@
 
 #include "mukca/status.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Call `note` (may be NULL) with a printf-formatted line, truncated to 255 characters. */
 void mukca_note_format(mukca_note_fn *note, void *context, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
-
-#ifdef __cplusplus
-}
-#endif
 
 #endif

@@ -1,5 +1,5 @@
 /* Units in the names of columns. */
-#include "base/unit.h"
+#include "base/cells.h"
 
 #include <stddef.h>
 #include <string.h>

@@ -5,10 +5,6 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Bytes of the longest prefix of `text` of complete UTF-8 characters, at most `most`. */
 size_t mukca_utf8_fit(const char *text, size_t most);
 
@@ -17,7 +13,4 @@ bool mukca_utf8_valid(const char *text);
 /* Replace each byte that is not part of a valid character by '?'. */
 void mukca_utf8_mend(char *text);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -9,7 +9,7 @@
 #include "fit/columns.h"
 #include "fit/frames.h"
 #include "fit/solver.h"
-#include "io/traits.h"
+#include "io/summary.h"
 
 typedef struct {
     cli_common common;

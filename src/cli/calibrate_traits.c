@@ -6,7 +6,7 @@
 
 #include "cli/calibrate.h"
 #include "fleet/correct.h"
-#include "io/traits.h"
+#include "io/summary.h"
 
 /* Least log Bayes factor for the use of the traits: odds of 3 to 1; less is "not worth more than a
  * bare mention" (R. Kass, A. Raftery, Bayes factors, J. Am. Stat. Assoc. 90, 1995). */

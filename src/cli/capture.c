@@ -9,7 +9,7 @@
 #include "cli/capture_view.h"
 #include "cli/live.h"
 #include "io/output.h"
-#include "lcm/state.h"
+#include "lcm/type.h"
 
 typedef struct {
     cli_common common;
@@ -228,13 +228,13 @@ static mukca_status check_usage(const session *s)
         return mukca_fail(error, MUKCA_INPUT,
                           "%s exists; --resume continues it, --force overwrites it", c->output);
     const char *url = o->live.recorder.network.url;
-    const char *files[] = {c->output, c->json, o->live.recorder.log,
+    const char *files[] = {c->output, c->json,
                            url && strncmp(url, "file://", 7) == 0 ? url + 7 : NULL};
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < 3; i++)
         for (int k = 0; k < i; k++)
             if (mukca_output_same(files[i], files[k]))
                 return mukca_fail(error, MUKCA_USAGE,
-                                  "session, --json and logs cannot be the same file: %.100s",
+                                  "session, --json and log cannot be the same file: %.100s",
                                   files[i]);
     if (c->json) return mukca_output_check(c->json, c->force, error);
     return MUKCA_OK;
@@ -260,7 +260,7 @@ static mukca_status prepare(session *s)
     if (status == MUKCA_OK) status = confirm_map(s);
     if (status == MUKCA_OK)
         status = mukca_sampling_begin(r, c->output, o->resume, c->force, &call->error);
-    return status ? status : mukca_recorder_start_log(r, &call->error);
+    return status;
 }
 
 /* Keys are read from standard input, or from the terminal if standard input delivers joint

@@ -4,7 +4,7 @@
 
 #include <termios.h>
 
-#include "cli/relay.h"
+#include "cli/live.h"
 #include "record/recorder.h"
 
 /* Zeroed: terminal unchanged. */

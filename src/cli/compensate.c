@@ -7,9 +7,9 @@
 
 #include "base/file.h"
 #include "base/number.h"
-#include "io/columns.h"
 #include "io/output.h"
 #include "io/rows.h"
+#include "io/table.h"
 
 static const compensate_options defaults = {.format = -1};
 
@@ -55,19 +55,14 @@ static mukca_status from_joints(compensate_job *b, const char *path)
     if (status != MUKCA_OK) return status;
     compensate_start(b, true);
     compensate_print_header(b, rows.column.time >= 0);
-    while (!ferror(b->stream)) {
-        bool more;
-        status = mukca_rows_next(&rows, &row, &more, &call->error);
-        if (status != MUKCA_OK || !more) break;
-        if (cli_interrupted()) status = MUKCA_INTERRUPTED;
-        if (status != MUKCA_OK) break;
+    while (!ferror(b->stream) && !cli_interrupted() && mukca_rows_next(&rows, &row)) {
         const mukca_row_reading reading = mukca_row_read(&row, &rows);
         mukca_compensation c = mukca_compensate_joints(row.q, &b->compensator, &reading);
         if (!b->to && rows.column.time >= 0) fprintf(b->stream, "%.17g\t", row.time);
         compensate_put(b, row.q, &c, path, rows.table.line);
     }
-    mukca_rows_close(&rows);
-    return status;
+    status = mukca_rows_close(&rows);
+    return status == MUKCA_OK && cli_interrupted() ? MUKCA_INTERRUPTED : status;
 }
 
 /* The columns of a table of poses: the position, and one form of the orientation. */
@@ -82,15 +77,15 @@ typedef struct {
     double length, angle; /* units of the position and of a rotation vector: m, rad */
 } pose_table;
 
-static mukca_status open_poses(pose_table *p, const char *path, cli_call *call)
+static void open_poses(pose_table *p, const char *path, cli_call *call)
 {
     mukca_table *t = &p->table;
     mukca_rows_format format;
-    mukca_status status = cli_read_format(call, &format);
-    if (status == MUKCA_OK) status = mukca_table_open(t, path, MUKCA_HEADER, &call->error);
-    if (status == MUKCA_OK && format.columns)
-        status = mukca_columns_rename(t, format.columns, &call->error);
-    if (status != MUKCA_OK) return status;
+    const mukca_status status = cli_read_format(call, &format);
+    if (status == MUKCA_OK) mukca_table_open(t, path, MUKCA_HEADER, &call->error);
+    mukca_table_stop(t, status);
+    if (t->status == MUKCA_OK && format.columns) mukca_columns_rename(t, format.columns);
+    if (t->status != MUKCA_OK) return;
     const bool plain = format.units && mukca_table_find(t, "x") >= 0; /* else x_m: metres */
     p->length = plain && format.length > 0 ? format.length : 1;
     p->angle = format.angle > 0 ? format.angle : 1;
@@ -98,29 +93,25 @@ static mukca_status open_poses(pose_table *p, const char *path, cli_call *call)
         p->first = 3, p->end = 7;
     else if (mukca_table_find(t, "rx") >= 0)
         p->first = 7, p->end = 10;
-    for (int i = 0; i < POSE_PLACES && status == MUKCA_OK; i++)
+    for (int i = 0; i < POSE_PLACES; i++)
         if (i < 3 || (i >= p->first && i < p->end))
-            status = mukca_table_require(&p->column[i], t, pose_names[plain][i], &call->error);
-    if (status != MUKCA_OK) return status;
-    bool known[MUKCA_TABLE_COLUMNS] = {false};
-    for (int c = 0; c < t->n_columns; c++)
-        for (int i = 0; i < POSE_PLACES; i++)
-            known[c] |= strcmp(t->header[c], pose_names[plain][i]) == 0;
-    mukca_table_note_unknown(t, known, cli_note, call);
-    return MUKCA_OK;
+            p->column[i] = mukca_table_require(t, pose_names[plain][i]);
+    for (int i = 0; i < POSE_PLACES; i++) mukca_table_use(t, pose_names[plain][i]);
+    if (t->status == MUKCA_OK) mukca_table_note_unknown(t, cli_note, call);
 }
 
-static mukca_status read_pose(mukca_frame *target, const pose_table *p, mukca_error *error)
+/* False: the end, or a failure. */
+static bool read_pose(mukca_frame *target, pose_table *p)
 {
-    const mukca_table *table = &p->table;
+    mukca_table *table = &p->table;
     double v[POSE_PLACES];
+    if (!mukca_table_next(table)) return false;
     for (int i = 0; i < POSE_PLACES; i++) {
         if (i >= 3 && (i < p->first || i >= p->end)) continue;
-        mukca_status status = mukca_table_number(&v[i], table, p->column[i], error);
-        if (status != MUKCA_OK) return status;
+        v[i] = mukca_table_number(table, p->column[i]);
         if (fabs(v[i]) > MUKCA_NUMBER_LARGEST)
-            return mukca_table_fail(error, table, p->column[i], "%g is no %s", v[i],
-                                    i < 3 ? "position; give m" : "rotation; give rad");
+            mukca_table_fail(table, p->column[i], "%g is no %s", v[i],
+                             i < 3 ? "position; give m" : "rotation; give rad");
     }
     for (int i = 0; i < 3; i++) {
         const bool own = mukca_table_has_unit(table, p->column[i]);
@@ -128,37 +119,30 @@ static mukca_status read_pose(mukca_frame *target, const pose_table *p, mukca_er
         if (p->first == 7 && !mukca_table_has_unit(table, p->column[7 + i])) v[7 + i] *= p->angle;
     }
     if (p->first == 7) mukca_rotation_exp(target->R, v + 7);
-    if (p->first != 3) return MUKCA_OK;
-    if (!mukca_rows_normalise(v + 3))
-        return mukca_table_fail(error, table, p->column[3],
-                                "the quaternion's length is not 1 (order: qw qx qy qz)");
-    mukca_rotation_from_quaternion(target->R, v + 3);
-    return MUKCA_OK;
+    if (p->first == 3 && mukca_rows_normalise(v + 3))
+        mukca_rotation_from_quaternion(target->R, v + 3);
+    else if (p->first == 3)
+        mukca_table_fail(table, p->column[3],
+                         "the quaternion's length is not 1 (order: qw qx qy qz)");
+    return table->status == MUKCA_OK;
 }
 
 static mukca_status from_poses(compensate_job *b, const char *path)
 {
-    cli_call *call = b->call;
     pose_table poses = {0};
+    mukca_frame target;
     double q[MUKCA_MAX_JOINTS] = {0};
-    mukca_status status = open_poses(&poses, path, call);
-    if (status == MUKCA_OK) compensate_print_header(b, false);
+    open_poses(&poses, path, b->call);
+    if (poses.table.status == MUKCA_OK) compensate_print_header(b, false);
     compensate_start(b, poses.first != 0);
-    while (status == MUKCA_OK && !ferror(b->stream)) {
-        bool more;
-        mukca_frame target;
-        status = mukca_table_next(&poses.table, &more, &call->error);
-        if (status != MUKCA_OK || !more) break;
-        if (cli_interrupted()) status = MUKCA_INTERRUPTED;
-        if (status == MUKCA_OK) status = read_pose(&target, &poses, &call->error);
-        if (status != MUKCA_OK) break;
+    while (!ferror(b->stream) && !cli_interrupted() && read_pose(&target, &poses)) {
         const mukca_row_reading reading = {
             .time = (double)NAN, .placement = -1, .number = poses.table.row};
         mukca_compensation c = mukca_compensate_pose(q, &b->compensator, &target, &reading);
         compensate_put(b, q, &c, path, poses.table.line);
     }
-    mukca_table_close(&poses.table);
-    return status;
+    const mukca_status status = mukca_table_close(&poses.table);
+    return status == MUKCA_OK && cli_interrupted() ? MUKCA_INTERRUPTED : status;
 }
 
 static void print_tally(cli_call *call, const compensate_tally *t, bool poses)

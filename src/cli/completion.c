@@ -55,56 +55,12 @@ static bool print_bash(void)
     return true;
 }
 
-/* Print text with its `special` characters escaped by a backslash. */
-static void print_escaped(const char *text, const char *special)
-{
-    for (; *text; text++) {
-        if (*text == '\'') {
-            fputs("'\\''", stdout);
-            continue;
-        }
-        if (strchr(special, *text)) putchar('\\');
-        putchar(*text);
-    }
-}
-
-static void print_zsh_option(const cli_option *o)
-{
-    const char *repeat = o->kind == CLI_TEXTS || o->kind == CLI_REST ? "*" : "";
-    printf("        '%s--%s[", repeat, o->name);
-    print_escaped(o->help, "[]");
-    putchar(']');
-    if (o->kind == CLI_CHOICE) {
-        printf(":%s:(", o->argument);
-        for (int i = 0; o->choices[i]; i++) printf("%s%s", i ? " " : "", o->choices[i]);
-        putchar(')');
-    } else if (o->kind != CLI_FLAG) {
-        bool file = strcmp(o->argument, "FILE") == 0 || strncmp(o->argument, "DATA", 4) == 0;
-        printf(":%s:%s", o->argument, file ? "_files" : " ");
-    }
-    puts("' \\");
-}
-
+/* zsh runs the script of bash; the file is its function for mukca, on the first use. */
 static bool print_zsh(void)
 {
-    puts(
-        "#compdef mukca\n_mukca() {\n    local -a commands=(\n        'help:options and example of "
-        "a command'");
-    for (const cli_command *const *c = cli_commands; *c; c++) {
-        printf("        '%s:", (*c)->name);
-        print_escaped((*c)->summary, ":");
-        puts("'");
-    }
-    puts(
-        "    )\n    if (( CURRENT == 2 )); then\n        _describe command commands\n"
-        "        return\n    fi\n    local command=$words[2]\n    shift words; (( CURRENT-- ))\n"
-        "    case $command in\n    help) _describe command commands ;;");
-    for (const cli_command *const *c = cli_commands; *c; c++) {
-        printf("    %s) _arguments \\\n", (*c)->name);
-        for (const cli_option *o = (*c)->options; o->name; o++) print_zsh_option(o);
-        puts("        '*:file:_files' ;;");
-    }
-    puts("    esac\n}\n_mukca \"$@\"");
+    puts("#compdef mukca\nautoload -U +X bashcompinit && bashcompinit");
+    print_bash();
+    puts("_bash_complete -o default -F _mukca");
     return true;
 }
 

@@ -5,7 +5,6 @@
 #include "diagnose/mounting.h"
 #include "fit/columns.h"
 #include "io/summary.h"
-#include "io/traits.h"
 
 #include <math.h>
 #include <string.h>

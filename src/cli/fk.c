@@ -61,20 +61,15 @@ static mukca_status convert(cli_call *call, FILE *stream, const cli_model *model
     mukca_row_state_start(&states, model->chain.n_joints);
     if (first) cli_print_verdict(call, stream);
     if (first) fputs(o->pose ? "x_m\ty_m\tz_m\tqw\tqx\tqy\tqz\n" : "x_m\ty_m\tz_m\n", stream);
-    while (!ferror(stream)) {
-        bool more;
+    while (!ferror(stream) && !cli_interrupted() && mukca_rows_next(&rows, &row)) {
         mukca_displacement displacement;
         mukca_frame T;
-        status = mukca_rows_next(&rows, &row, &more, &call->error);
-        if (status != MUKCA_OK || !more) break;
-        if (cli_interrupted()) status = MUKCA_INTERRUPTED;
-        if (status != MUKCA_OK) break;
         if (model->offsets.n_effects) displace(&displacement, &states, model, &rows, &row);
         mukca_fk_pose(&T, &model->geometry, row.q, model->offsets.n_effects ? &displacement : NULL);
         print_row(stream, o->pose, &T);
     }
-    mukca_rows_close(&rows);
-    return status;
+    status = mukca_rows_close(&rows);
+    return status == MUKCA_OK && cli_interrupted() ? MUKCA_INTERRUPTED : status;
 }
 
 static mukca_status run(cli_call *call)

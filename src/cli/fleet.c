@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "io/summary.h"
-#include "io/traits.h"
 #include "report/fleet_page.h"
 
 typedef struct {

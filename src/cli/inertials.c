@@ -1,5 +1,5 @@
 /* Search for a file of link masses that matches an arm without masses in its URDF. */
-#include "io/inertials.h"
+#include "io/urdf.h"
 
 #include <dirent.h>
 #include <limits.h>

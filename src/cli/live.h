@@ -1,6 +1,9 @@
-/* Options of live recording, shared by capture and serve. */
+/* Live recording, shared by capture and serve: options, standard error. */
 #ifndef MUKCA_CLI_LIVE_H
 #define MUKCA_CLI_LIVE_H
+
+#include <pthread.h>
+#include <stdbool.h>
 
 #include "cli/cli.h"
 #include "record/recorder.h"
@@ -11,16 +14,20 @@ typedef struct {
     cli_list types; /* .lcm files */
 } cli_live;
 
+/* Rows of an option table: senders of the `network`, a member of the options struct `type`. */
+#define CLI_NETWORK_OPTIONS(type, network)                                           \
+    CLI_OPTION(type, network.interface, "interface", CLI_TEXT, "ADDRESS",            \
+               "receive from other machines, too, on the interface of this address " \
+               "(default: from this machine only)"),                                 \
+        CLI_OPTION(type, network.from, "from", CLI_TEXT, "LIST",                     \
+                   "receive from these addresses only, commas between")
+
 /* Rows of an option table; `type` is the options struct. */
 #define CLI_LIVE_OPTIONS(type)                                                                     \
     CLI_OPTION(                                                                                    \
         type, live.recorder.network.url, "lcm-url", CLI_TEXT, "URL",                               \
         "LCM network, or file://LOG to replay a log (default: LCM_DEFAULT_URL, else LCM's own)"),  \
-        CLI_OPTION(type, live.recorder.network.interface, "interface", CLI_TEXT, "ADDRESS",        \
-                   "receive from other machines, too, on the interface of this address "           \
-                   "(default: from this machine only)"),                                           \
-        CLI_OPTION(type, live.recorder.network.from, "from", CLI_TEXT, "LIST",                     \
-                   "receive from these addresses only, commas between"),                           \
+        CLI_NETWORK_OPTIONS(type, live.recorder.network),                                          \
         CLI_OPTION(type, live.recorder.key, "key", CLI_TEXT, "FILE",                               \
                    "obey only triggers and commands signed with the key in this file "             \
                    "(mukca-formats(5))"),                                                          \
@@ -51,8 +58,6 @@ typedef struct {
             "names of the placements in order, commas between (default: placement_1 and so on)"),  \
         CLI_OPTION(type, live.recorder.sockets, "sockets", CLI_TEXT, "LIST",                       \
                    "labels of the sockets, commas between (default: 0,1)"),                        \
-        CLI_OPTION(type, live.recorder.log, "record", CLI_TEXT, "LOG",                             \
-                   "also write the raw LCM stream to this log"),                                   \
         CLI_OPTION(                                                                                \
             type, live.recorder.traits, "traits", CLI_TEXT, "FILE",                                \
             "traits of the model's fleet (mukca fleet -o): correct the angles for its mean "       \
@@ -75,7 +80,28 @@ static inline void cli_live_complete(cli_live *live, const cli_common *common)
     live->recorder.types = live->types.items;
     live->recorder.n_types = live->types.n;
     live->recorder.distance = common->distance;
-    live->recorder.force = common->force;
 }
+
+/* ---- standard error of a live recording (relay.c) ----
+ *
+ * A thread writes it, so that a stopped terminal (Ctrl-S) or a
+ * slow reader does not stop the recording.  Zeroed: texts are written directly. */
+typedef struct {
+    int ends[2]; /* pipe to the thread */
+    bool running;
+    pthread_t thread;
+    long lost; /* texts that did not fit the pipe */
+} cli_relay;
+
+/* Start the thread; and write what is left, and end it.  Harmless if it does not run. */
+void cli_relay_open(cli_relay *relay);
+void cli_relay_close(cli_relay *relay);
+
+/* Write a text of at most PIPE_BUF bytes, whole or not at all; the next one then begins with the
+ * number of texts lost. */
+void cli_relay_write(cli_relay *relay, const char *text);
+
+/* Whether all texts have been taken by the thread. */
+bool cli_relay_idle(const cli_relay *relay);
 
 #endif

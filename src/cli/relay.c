@@ -1,5 +1,5 @@
 /* A thread that copies a pipe to standard error. */
-#include "cli/relay.h"
+#include "cli/live.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -6,10 +6,7 @@
 #include <unistd.h>
 
 #include "base/suggest.h"
-#include "cli/cli.h"
-#include "io/output.h"
-#include "lcm/link.h"
-#include "lcm/message.h"
+#include "cli/live.h"
 #include "lcm/signature.h"
 #include "record/server.h"
 
@@ -178,12 +175,7 @@ static void release(void *work)
 static const cli_option options[] = {
     CLI_OPTION(send_options, network.url, "lcm-url", CLI_TEXT, "URL",
                "LCM network (default: LCM_DEFAULT_URL, else LCM's own)"),
-    CLI_OPTION(
-        send_options, network.interface, "interface", CLI_TEXT, "ADDRESS",
-        "receive from other machines, too, on the interface of this address (default: from this "
-        "machine only)"),
-    CLI_OPTION(send_options, network.from, "from", CLI_TEXT, "LIST",
-               "receive from these addresses only, commas between"),
+    CLI_NETWORK_OPTIONS(send_options, network),
     CLI_OPTION(send_options, key, "key", CLI_TEXT, "FILE",
                "sign the command with the key in this file, as serve --key requires"),
     CLI_OPTION(send_options, prefix, "prefix", CLI_TEXT, "NAME",

@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "cli/live.h"
-#include "cli/relay.h"
 #include "record/server.h"
 
 typedef struct {

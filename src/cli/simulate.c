@@ -5,7 +5,7 @@
 #include <stdlib.h>
 
 #include "base/file.h"
-#include "io/dataset_write.h"
+#include "io/dataset.h"
 #include "io/output.h"
 #include "mukca/version.h"
 #include "simulate/recipe.h"

@@ -6,7 +6,7 @@
 #include "cli/cli.h"
 #include "io/dh_table.h"
 #include "io/output.h"
-#include "io/urdf_write.h"
+#include "io/urdf.h"
 
 typedef struct {
     cli_common common;

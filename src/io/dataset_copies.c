@@ -1,5 +1,5 @@
 /* Detection and removal of duplicate samples. */
-#include "io/dataset_copies.h"
+#include "io/dataset.h"
 
 #include <math.h>
 #include <stdint.h>

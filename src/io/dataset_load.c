@@ -1,8 +1,7 @@
 /* Datasets from files: detection of the kind of each path, reading, final checks. */
-#include "io/dataset_load.h"
+#include "io/dataset.h"
 
 #include <dirent.h>
-#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,7 +12,6 @@
 #include "base/note.h"
 #include "base/utf8.h"
 #include "io/dataset_build.h"
-#include "io/dataset_copies.h"
 
 /* Bounds: published folders have two holes; a mean needs two samples, a distance two sockets; the
  * upper limits detect tables of another kind. */
@@ -44,14 +42,10 @@ static mukca_status read_hole(mukca_dataset_builder *b, const char *path, int so
         .kind = MUKCA_NO_HEADER, .format = b->format, .note = b->note, .context = b->context};
     mukca_status status = mukca_rows_open(&rows, path, b->chain, &plain, b->error);
     if (status != MUKCA_OK) return status;
-    status = mukca_build_file(b, path);
-    for (bool more = true; status == MUKCA_OK;) {
-        status = mukca_rows_next(&rows, &row, &more, b->error);
-        if (status != MUKCA_OK || !more) break;
-        status = mukca_build_row(b, &row, socket, rows.table.row);
-    }
-    mukca_rows_close(&rows);
-    return status;
+    mukca_table_stop(&rows.table, mukca_build_file(b, path));
+    while (mukca_rows_next(&rows, &row))
+        mukca_table_stop(&rows.table, mukca_build_row(b, &row, socket, rows.table.row));
+    return mukca_rows_close(&rows);
 }
 
 /* Count the sockets of a folder: files hole_0.csv, hole_1.csv and so on without gaps. */
@@ -80,10 +74,10 @@ static mukca_status read_placement(mukca_dataset_builder *b, const char *folder,
 {
     char name[MUKCA_NAME_SIZE], qualified[MUKCA_NAME_SIZE], path[1100], label[16];
     int holes;
-    char whole[PATH_MAX];
-    const char *named = realpath(folder, whole) ? whole : folder; /* resolves the name of `.` */
-    last_parts(name, named, 1);
-    last_parts(qualified, named, 2);
+    char *whole = realpath(folder, NULL); /* resolves the name of `.` */
+    last_parts(name, whole ? whole : folder, 1);
+    last_parts(qualified, whole ? whole : folder, 2);
+    free(whole);
     mukca_status status = count_holes(&holes, b, folder, least);
     if (status != MUKCA_OK) return status;
     status = mukca_build_placement(b, name, qualified);
@@ -141,16 +135,14 @@ typedef struct {
 } session;
 
 /* Check that a name in a cell has 1 to 63 bytes. */
-static mukca_status check_name(const mukca_dataset_builder *b, const session *s, const char *name,
-                               int column)
+static void check_name(session *s, const char *name, int column)
 {
-    if (!*name) return mukca_table_fail(b->error, &s->rows.table, column, "is empty");
+    mukca_table *t = &s->rows.table;
+    if (!*name) mukca_table_fail(t, column, "is empty");
     if (!mukca_utf8_valid(name))
-        return mukca_table_fail(b->error, &s->rows.table, column,
-                                "is not UTF-8; save the file as UTF-8");
-    if (strlen(name) < MUKCA_NAME_SIZE) return MUKCA_OK;
-    return mukca_table_fail(b->error, &s->rows.table, column,
-                            "'%.20s...' is longer than 63 characters", name);
+        mukca_table_fail(t, column, "is not UTF-8; save the file as UTF-8");
+    if (strlen(name) >= MUKCA_NAME_SIZE)
+        mukca_table_fail(t, column, "'%.20s...' is longer than 63 characters", name);
 }
 
 static mukca_status find_placement(int *placement, mukca_dataset_builder *b, session *s,
@@ -173,92 +165,81 @@ static mukca_status find_placement(int *placement, mukca_dataset_builder *b, ses
     return mukca_build_placement(b, name, qualified);
 }
 
-/* Find or add the row's socket among those of this file. */
-static mukca_status find_socket(int *socket, mukca_dataset_builder *b, session *s,
-                                const mukca_row *row)
+/* Index of the row's socket among those of this file, which may be new. */
+static int find_socket(mukca_dataset_builder *b, session *s, const mukca_row *row)
 {
     const mukca_dataset *d = b->data;
+    mukca_table *t = &s->rows.table;
     const char *name = row->placement ? row->placement : s->stem;
     int placement = 0;
-    mukca_status status = check_name(b, s, name, s->rows.column.placement);
-    if (status == MUKCA_OK) status = check_name(b, s, row->socket, s->rows.column.socket);
-    if (status == MUKCA_OK) status = find_placement(&placement, b, s, name);
-    if (status != MUKCA_OK) return status;
+    check_name(s, name, s->rows.column.placement);
+    check_name(s, row->socket, s->rows.column.socket);
+    if (t->status == MUKCA_OK) mukca_table_stop(t, find_placement(&placement, b, s, name));
+    if (t->status != MUKCA_OK) return -1;
     for (int k = s->first_socket; k < d->n_sockets; k++)
-        if (d->sockets[k].placement == placement && strcmp(d->sockets[k].label, row->socket) == 0) {
-            *socket = k;
-            return MUKCA_OK;
-        }
+        if (d->sockets[k].placement == placement && strcmp(d->sockets[k].label, row->socket) == 0)
+            return k;
     if (d->n_sockets == MOST_SOCKETS)
-        return mukca_table_fail(b->error, &s->rows.table, s->rows.column.socket,
-                                "there are more than %d sockets", (int)MOST_SOCKETS);
-    *socket = d->n_sockets;
-    return mukca_build_socket(b, placement, row->socket);
+        mukca_table_fail(t, s->rows.column.socket, "there are more than %d sockets",
+                         (int)MOST_SOCKETS);
+    else
+        mukca_table_stop(t, mukca_build_socket(b, placement, row->socket));
+    return d->n_sockets - 1;
 }
 
-static mukca_status check_columns(const mukca_dataset_builder *b, const mukca_rows *rows)
+static void check_columns(mukca_rows *rows)
 {
     const mukca_row_columns *c = &rows->column;
     if (c->socket >= 0 && c->placement < 0)
         mukca_note_format(rows->options.note, rows->options.context,
                           "%s: no column 'placement'; all samples count as one placement",
                           mukca_file_shown(rows->table.path));
-    if (c->socket >= 0 || (c->n_measured > 0 && c->placement < 0)) return MUKCA_OK;
+    if (c->socket >= 0 || (c->n_measured > 0 && c->placement < 0)) return;
     if (c->placement >= 0)
-        return mukca_table_fail(b->error, &rows->table, -1,
-                                "no column 'socket'; add the label of each row's socket");
-    return mukca_rows_fail_measured(rows,
-                                    "neither a session nor a pose log; the header needs "
-                                    "columns socket, or x_m, y_m, z_m",
-                                    b->error);
+        mukca_table_fail(&rows->table, -1,
+                         "no column 'socket'; add the label of each row's socket");
+    mukca_rows_fail_measured(rows,
+                             "neither a session nor a pose log; the header needs columns socket, "
+                             "or x_m, y_m, z_m");
 }
 
 /* Limit the number of targets to that of the diagnosis. */
-static mukca_status check_targets(const mukca_dataset_builder *b, const session *s,
-                                  const char *name)
+static void check_targets(const mukca_dataset *d, session *s, const char *name)
 {
-    const mukca_dataset *d = b->data;
     int t = 0;
+    check_name(s, name, s->rows.column.target);
     while (t < d->n_targets && strcmp(d->targets[t], name) != 0) t++;
-    if (t < MUKCA_ROWS_TARGETS) return MUKCA_OK;
-    return mukca_table_fail(b->error, &s->rows.table, s->rows.column.target, "more than %d targets",
-                            (int)MUKCA_ROWS_TARGETS);
+    if (t >= MUKCA_ROWS_TARGETS)
+        mukca_table_fail(&s->rows.table, s->rows.column.target, "more than %d targets",
+                         (int)MUKCA_ROWS_TARGETS);
 }
 
-static mukca_status read_rows(mukca_dataset_builder *b, session *s)
+static void read_rows(mukca_dataset_builder *b, session *s)
 {
     mukca_row row;
-    bool more;
     int measured = 0, unmeasured = 0; /* one per row and target */
-    const mukca_table *t = &s->rows.table;
+    mukca_table *t = &s->rows.table;
     const char *shown = mukca_file_shown(t->path);
-    for (;;) {
-        int socket = -1;
-        mukca_status status = mukca_rows_next(&s->rows, &row, &more, b->error);
-        if (status != MUKCA_OK) return status;
-        if (!more) break;
+    while (mukca_rows_next(&s->rows, &row)) {
         if (!row.socket && isnan(row.position[0])) { /* the tracker lost the target */
             unmeasured++;
             continue;
         }
-        if (row.target) status = check_name(b, s, row.target, s->rows.column.target);
-        if (status == MUKCA_OK && row.target && !row.socket)
-            status = check_targets(b, s, row.target);
         if (row.socket) row.target = NULL; /* the target is the ball */
-        if (status == MUKCA_OK && row.socket) status = find_socket(&socket, b, s, &row);
-        if (status == MUKCA_OK) status = mukca_build_row(b, &row, socket, t->row);
-        if (status != MUKCA_OK) return status;
+        if (row.target) check_targets(b->data, s, row.target);
+        const int socket = row.socket ? find_socket(b, s, &row) : -1;
+        if (t->status == MUKCA_OK) mukca_table_stop(t, mukca_build_row(b, &row, socket, t->row));
         measured++;
     }
-    if (t->row == 0)
-        return mukca_fail(b->error, MUKCA_INPUT, "%s: has a header but no rows", shown);
+    if (t->status != MUKCA_OK) return;
     if (measured == 0)
-        return mukca_fail(b->error, MUKCA_INPUT, "%s: no row has a measured position", shown);
-    if (unmeasured)
+        mukca_table_stop(t, mukca_fail(b->error, MUKCA_INPUT, "%s: %s", shown,
+                                       t->row == 0 ? "has a header but no rows"
+                                                   : "no row has a measured position"));
+    else if (unmeasured)
         mukca_note_format(b->note, b->context, "%s: %d of %d %s ignored: no measured position",
                           shown, unmeasured, measured + unmeasured,
                           s->rows.column.n_measured > 1 ? "measurements" : "rows");
-    return MUKCA_OK;
 }
 
 static mukca_status read_table(mukca_dataset_builder *b, const char *path)
@@ -272,12 +253,11 @@ static mukca_status read_table(mukca_dataset_builder *b, const char *path)
     char *dot = strrchr(s.stem, '.');
     if (dot && dot != s.stem) *dot = '\0';
     b->data->by_command |= s.rows.by_command;
-    status = check_columns(b, &s.rows);
-    if (status == MUKCA_OK) status = mukca_build_file(b, path);
-    if (status == MUKCA_OK) status = read_rows(b, &s);
-    mukca_rows_close(&s.rows);
+    check_columns(&s.rows);
+    mukca_table_stop(&s.rows.table, mukca_build_file(b, path));
+    read_rows(b, &s);
     free(s.written);
-    return status;
+    return mukca_rows_close(&s.rows);
 }
 
 /* Name of the file of the socket's first sample. */

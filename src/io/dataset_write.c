@@ -1,5 +1,5 @@
 /* Writing a dataset as a session file or a pose log. */
-#include "io/dataset_write.h"
+#include "io/dataset.h"
 
 #include <string.h>
 

@@ -21,25 +21,20 @@ static const double largest_angle = 9.5;
  * nearly parallel axes can meet their common normal anywhere. */
 static const double largest_a = 50;
 
-static mukca_status read_header(int column[COLUMNS], const mukca_table *table, mukca_error *error)
+static void read_header(int column[COLUMNS], mukca_table *table)
 {
-    for (int c = 0; c < table->n_columns; c++) {
-        bool known = false;
-        for (int i = 0; i < COLUMNS; i++)
-            for (int n = 0; n < 2 && names[i][n]; n++)
-                known = known || strcmp(table->header[c], names[i][n]) == 0;
-        if (!known)
-            return mukca_table_fail(error, table, c,
-                                    "unknown column; a table has joint, a, alpha, d, theta, and "
-                                    "may have type, lower and upper, in m and rad");
-    }
     for (int i = 0; i < COLUMNS; i++) {
-        column[i] = mukca_table_find(table, names[i][0]);
-        if (column[i] < 0 && names[i][1]) column[i] = mukca_table_find(table, names[i][1]);
-        if (i <= THETA && column[i] < 0)
-            return mukca_table_fail(error, table, -1, "the header has no column '%s'", names[i][0]);
+        column[i] = mukca_table_use(table, names[i][0]);
+        if (column[i] < 0 && names[i][1]) column[i] = mukca_table_use(table, names[i][1]);
     }
-    return MUKCA_OK;
+    for (int c = 0; c < table->n_columns; c++)
+        if (!table->used[c])
+            mukca_table_fail(table, c,
+                             "unknown column; a table has joint, a, alpha, d, theta, and may have "
+                             "type, lower and upper, in m and rad");
+    for (int i = 0; i <= THETA; i++)
+        if (column[i] < 0)
+            mukca_table_fail(table, -1, "the header has no column '%s'", names[i][0]);
 }
 
 /* Parse a multiple of pi: pi, -pi/2, 3*pi/4. */
@@ -61,62 +56,56 @@ static bool parse_pi(double *value, const char *cell)
 }
 
 /* Read a number whose unit is `unit` m or rad, with magnitude at most `most`. */
-static mukca_status read_number(double *value, const mukca_table *table, int column, double unit,
-                                double most, mukca_error *error)
+static double read_number(mukca_table *table, int column, double unit, double most)
 {
-    const bool pi = parse_pi(value, table->cell[column]);
-    const mukca_status status = pi ? MUKCA_OK : mukca_table_number(value, table, column, error);
-    if (!pi) *value *= unit;
-    if (status != MUKCA_OK || fabs(*value) <= most) return status;
-    return mukca_table_fail(error, table, column,
-                            "%s is out of range; lengths are in m, angles in rad, or see --units",
-                            table->cell[column]);
+    double value;
+    if (!parse_pi(&value, table->cell[column])) value = unit * mukca_table_number(table, column);
+    if (!(fabs(value) <= most))
+        mukca_table_fail(table, column,
+                         "%s is out of range; lengths are in m, angles in rad, or see --units",
+                         table->cell[column]);
+    return value;
 }
 
-static mukca_status read_name(mukca_dh_row *row, const mukca_dh *dh, const mukca_table *table,
-                              int column, mukca_error *error)
+static void read_name(mukca_dh_row *row, const mukca_dh *dh, mukca_table *table, int column)
 {
     const char *name = table->cell[column];
     if (!*name || strlen(name) >= MUKCA_NAME_SIZE)
-        return mukca_table_fail(error, table, column, "the name of a joint has 1 to 63 characters");
+        mukca_table_fail(table, column, "the name of a joint has 1 to 63 characters");
+    else
+        memcpy(row->name, name, strlen(name) + 1);
     for (int k = 0; k < dh->n_rows; k++)
         if (strcmp(dh->row[k].name, name) == 0)
-            return mukca_table_fail(error, table, column, "joint '%s' has a row already", name);
-    memcpy(row->name, name, strlen(name) + 1);
-    return MUKCA_OK;
+            mukca_table_fail(table, column, "joint '%s' has a row already", name);
 }
 
-static mukca_status read_type(mukca_dh_row *row, const mukca_table *table, int column,
-                              mukca_error *error)
+static mukca_joint_type read_type(mukca_table *table, int column)
 {
-    if (column < 0 || !table->cell[column][0]) return MUKCA_OK;
+    if (column < 0 || !table->cell[column][0]) return MUKCA_REVOLUTE;
     for (int type = MUKCA_FIXED; type <= MUKCA_PRISMATIC; type++)
-        if (strcmp(table->cell[column], mukca_joint_type_name[type]) == 0) {
-            row->type = (mukca_joint_type)type;
-            return MUKCA_OK;
-        }
-    return mukca_table_fail(error, table, column,
-                            "unknown type; use revolute, continuous, prismatic or fixed");
+        if (strcmp(table->cell[column], mukca_joint_type_name[type]) == 0)
+            return (mukca_joint_type)type;
+    mukca_table_fail(table, column, "unknown type; use revolute, continuous, prismatic or fixed");
+    return MUKCA_REVOLUTE;
 }
 
 /* Context of a row. */
 typedef struct {
-    const mukca_table *table;
+    mukca_table *table;
     int column[COLUMNS];
     double angle, length; /* rad and m per unit of columns without a unit in their name */
 } reader;
 
-static mukca_status read_row(mukca_dh_row *row, const mukca_dh *dh, const reader *r,
-                             mukca_error *error)
+static void read_row(mukca_dh_row *row, const mukca_dh *dh, const reader *r)
 {
-    const mukca_table *table = r->table;
+    mukca_table *table = r->table;
     double *const number[COLUMNS] = {
         [A] = &row->a,         [ALPHA] = &row->alpha, [D] = &row->d,
         [THETA] = &row->theta, [LOWER] = &row->lower, [UPPER] = &row->upper};
-    *row = (mukca_dh_row){.type = MUKCA_REVOLUTE, .lower = -HUGE_VAL, .upper = HUGE_VAL};
-    mukca_status status = read_name(row, dh, table, r->column[JOINT], error);
-    if (status == MUKCA_OK) status = read_type(row, table, r->column[TYPE], error);
-    for (int i = A; i < COLUMNS && status == MUKCA_OK; i++) {
+    *row = (mukca_dh_row){.lower = -HUGE_VAL, .upper = HUGE_VAL};
+    read_name(row, dh, table, r->column[JOINT]);
+    row->type = read_type(table, r->column[TYPE]);
+    for (int i = A; i < COLUMNS; i++) {
         const int c = r->column[i];
         if (!number[i] || c < 0 || (i > THETA && !table->cell[c][0])) continue;
         const bool own =
@@ -126,10 +115,10 @@ static mukca_status read_row(mukca_dh_row *row, const mukca_dh *dh, const reader
         const double most = i == A                ? largest_a
                             : angle && i <= THETA ? largest_angle
                                                   : MUKCA_NUMBER_LARGEST;
-        status = read_number(number[i], table, c, unit, most, error);
+        *number[i] = read_number(table, c, unit, most);
     }
-    if (status != MUKCA_OK || row->lower < row->upper) return status;
-    return mukca_table_fail(error, table, r->column[UPPER], "is not above the lower limit");
+    if (!(row->lower < row->upper))
+        mukca_table_fail(table, r->column[UPPER], "is not above the lower limit");
 }
 
 static bool read_convention(mukca_dh *dh, const mukca_table *table)
@@ -148,29 +137,25 @@ mukca_status mukca_dh_read(mukca_dh *dh, bool *stated, const char *path,
     reader r = {.table = &table,
                 .angle = format && format->angle > 0 ? format->angle : 1,
                 .length = format && format->length > 0 ? format->length : 1};
+    const int most = sizeof dh->row / sizeof *dh->row;
     int moving = 0;
     *dh = (mukca_dh){0};
-    mukca_status status = mukca_table_open(&table, path, MUKCA_HEADER, error);
-    if (status == MUKCA_OK) status = read_header(r.column, &table, error);
-    if (status == MUKCA_OK) *stated = read_convention(dh, &table);
-    for (bool more = true; status == MUKCA_OK;) {
-        const int most = sizeof dh->row / sizeof *dh->row;
-        status = mukca_table_next(&table, &more, error);
-        if (status != MUKCA_OK || !more) break;
+    mukca_table_open(&table, path, MUKCA_HEADER, error);
+    if (table.status == MUKCA_OK) read_header(r.column, &table);
+    *stated = table.status == MUKCA_OK && read_convention(dh, &table);
+    while (mukca_table_next(&table)) {
+        if (dh->n_rows == most) {
+            mukca_table_fail(&table, -1, "more than %d rows", most);
+            break;
+        }
         mukca_dh_row *row = &dh->row[dh->n_rows];
-        if (dh->n_rows == most)
-            status = mukca_table_fail(error, &table, -1, "more than %d rows", most);
-        else
-            status = read_row(row, dh, &r, error);
-        if (status != MUKCA_OK) break;
-        moving += row->type != MUKCA_FIXED;
+        read_row(row, dh, &r);
         dh->n_rows++;
+        moving += row->type != MUKCA_FIXED;
         if (moving > MUKCA_MAX_JOINTS)
-            status = mukca_table_fail(error, &table, -1, "more than %d joints that move",
-                                      MUKCA_MAX_JOINTS);
+            mukca_table_fail(&table, -1, "more than %d joints that move", MUKCA_MAX_JOINTS);
     }
-    if (status == MUKCA_OK && moving == 0)
-        status = mukca_fail(error, MUKCA_INPUT, "%s: no joint moves", mukca_file_shown(path));
-    mukca_table_close(&table);
-    return status;
+    const mukca_status status = mukca_table_close(&table);
+    if (status != MUKCA_OK || moving > 0) return status;
+    return mukca_fail(error, MUKCA_INPUT, "%s: no joint moves", mukca_file_shown(path));
 }

@@ -46,39 +46,32 @@ static int find_label(const mukca_dataset *d, int placement, const char *label)
 }
 
 /* Apply one row of --distances to all placements with both sockets. */
-static mukca_status set_distance(void *context, const mukca_table *t, const int *column,
-                                 mukca_error *error)
+static void set_distance(void *context, mukca_table *t, const int *column)
 {
     mukca_dataset_builder *b = context;
     const mukca_dataset *d = b->data;
-    double distance;
-    mukca_status status = mukca_table_number(&distance, t, column[2], error);
-    if (status != MUKCA_OK) return status;
-    if (!(distance > 0))
-        return mukca_table_fail(error, t, column[2], "%g is not above 0", distance);
-    if (distance > most_distance)
-        return mukca_table_fail(error, t, column[2], "is %g; distances are in m", distance);
+    const double distance = mukca_table_number(t, column[2]);
     const char *label[2] = {t->cell[column[0]], t->cell[column[1]]};
+    if (!(distance > 0)) mukca_table_fail(t, column[2], "%g is not above 0", distance);
+    if (distance > most_distance)
+        mukca_table_fail(t, column[2], "is %g; distances are in m", distance);
     if (strcmp(label[0], label[1]) == 0)
-        return mukca_table_fail(error, t, column[1], "is the same socket as socket_a");
+        mukca_table_fail(t, column[1], "is the same socket as socket_a");
     bool used = false;
-    for (int p = 0; p < d->n_placements; p++) {
+    for (int p = 0; p < d->n_placements && t->status == MUKCA_OK; p++) {
         int a = find_label(d, p, label[0]), c = find_label(d, p, label[1]);
         if (a < 0 || c < 0) continue;
         const int low = a < c ? a : c, high = a < c ? c : a;
         for (int k = 0; k < d->n_distances; k++)
             if (d->distances[k].a == low && d->distances[k].b == high)
-                return mukca_table_fail(error, t, -1,
-                                        "this pair of sockets has a distance already");
-        status = mukca_build_distance(b, low, high, distance);
-        if (status != MUKCA_OK) return status;
+                mukca_table_fail(t, -1, "this pair of sockets has a distance already");
+        mukca_table_stop(t, mukca_build_distance(b, low, high, distance));
         used = true;
     }
-    if (!used)
+    if (!used && t->status == MUKCA_OK)
         mukca_note_format(b->note, b->context,
                           "%s:%d: no placement has sockets '%.40s' and '%.40s'",
                           mukca_file_shown(t->path), t->line, label[0], label[1]);
-    return MUKCA_OK;
 }
 
 mukca_status mukca_distances_read(mukca_dataset_builder *b, const char *path)

@@ -1,5 +1,5 @@
 /* Link masses from a table. */
-#include "io/inertials.h"
+#include "io/urdf.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -13,34 +13,32 @@ typedef struct {
     int n;
 } list;
 
-static mukca_status read_row(void *context, const mukca_table *table, const int *column,
-                             mukca_error *error)
+static void read_row(void *context, mukca_table *table, const int *column)
 {
     list *l = context;
     const char *link = table->cell[column[0]];
-    double value[4];
+    mukca_inertial row = {.link = ""};
+    double *const value[4] = {&row.kg, &row.com[0], &row.com[1], &row.com[2]};
     if (!*link || strlen(link) >= MUKCA_NAME_SIZE)
-        return mukca_table_fail(error, table, column[0],
-                                "the name of a link has 1 to 63 characters");
+        mukca_table_fail(table, column[0], "the name of a link has 1 to 63 characters");
     for (int i = 0; i < l->n; i++)
         if (strcmp(l->rows[i].link, link) == 0)
-            return mukca_table_fail(error, table, column[0], "link '%s' has a row already", link);
+            mukca_table_fail(table, column[0], "link '%s' has a row already", link);
     for (int i = 0; i < 4; i++) {
-        mukca_status status = mukca_table_number(&value[i], table, column[1 + i], error);
-        if (status != MUKCA_OK) return status;
-        if (fabs(value[i]) > MUKCA_NUMBER_LARGEST)
-            return mukca_table_fail(error, table, column[1 + i],
-                                    "%g is larger than any arm's; masses are in kg, lengths in m",
-                                    value[i]);
+        *value[i] = mukca_table_number(table, column[1 + i]);
+        if (fabs(*value[i]) > MUKCA_NUMBER_LARGEST)
+            mukca_table_fail(table, column[1 + i],
+                             "%g is larger than any arm's; masses are in kg, lengths in m",
+                             *value[i]);
     }
-    if (value[0] < 0) return mukca_table_fail(error, table, column[1], "a mass cannot be negative");
+    if (row.kg < 0) mukca_table_fail(table, column[1], "a mass cannot be negative");
+    if (table->status != MUKCA_OK) return;
+    memcpy(row.link, link, strlen(link) + 1);
     mukca_inertial *grown = realloc(l->rows, (size_t)(l->n + 1) * sizeof *grown);
-    if (!grown) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    if (!grown) mukca_table_stop(table, mukca_fail(table->error, MUKCA_MEMORY, "out of memory"));
+    if (!grown) return;
     l->rows = grown;
-    mukca_inertial *row = &grown[l->n++];
-    *row = (mukca_inertial){.kg = value[0], .com = {value[1], value[2], value[3]}};
-    memcpy(row->link, link, strlen(link) + 1);
-    return MUKCA_OK;
+    grown[l->n++] = row;
 }
 
 bool mukca_inertials_names(const char *link, const char *name)
@@ -59,16 +57,12 @@ typedef struct {
     bool other;
 } fit;
 
-static mukca_status compare_row(void *context, const mukca_table *table, const int *column,
-                                mukca_error *error)
+static void compare_row(void *context, mukca_table *table, const int *column)
 {
     fit *f = context;
     double origin[3];
-    if (!*table->cell[column[1]]) return MUKCA_OK; /* not carried by a joint */
-    for (int i = 0; i < 3; i++) {
-        mukca_status status = mukca_table_number(&origin[i], table, column[1 + i], error);
-        if (status != MUKCA_OK) return status;
-    }
+    if (!*table->cell[column[1]]) return; /* not carried by a joint */
+    for (int i = 0; i < 3; i++) origin[i] = mukca_table_number(table, column[1 + i]);
     bool there = false;
     for (int k = 0; k < f->chain->n_elements; k++) {
         const mukca_element *e = &f->chain->element[k];
@@ -77,14 +71,14 @@ static mukca_status compare_row(void *context, const mukca_table *table, const i
     }
     f->found += there;
     f->other |= !there;
-    return MUKCA_OK;
 }
 
 bool mukca_inertials_fit(const mukca_chain *chain, const char *path)
 {
     static const char *const names[] = {"link", "origin_x_m", "origin_y_m", "origin_z_m"};
     fit f = {.chain = chain};
-    const mukca_status status = mukca_table_read(path, names, 4, compare_row, &f, NULL);
+    mukca_error none; /* a file of another kind does not fit */
+    const mukca_status status = mukca_table_read(path, names, 4, compare_row, &f, &none);
     return status == MUKCA_OK && f.found > 0 && !f.other;
 }
 

@@ -12,7 +12,7 @@
 #include "model/chain_hash.h"
 
 /* A robot's file has some 60 lines; a larger one is of another kind. */
-enum { LARGEST_FILE = 1 << 20, DEEPEST = 4 };
+enum { LARGEST_FILE = 1 << 20 };
 
 /* Differences from the URDF beyond the manufacturing tolerance of any arm: m, rad. */
 static const double most_shift = 0.02, most_turn = 0.1;
@@ -22,149 +22,133 @@ const mukca_kinematics_layout mukca_kinematics_layouts[3] = {
     {.name = "Franka", .inner = "kinematic"},
     {.name = "UFACTORY", .root = "kinematics"}};
 
-/* State of the reader: keys from the outermost mapping to the innermost. */
 typedef struct {
     mukca_kinematics *to;
     const char *name; /* file name for messages */
+    yaml_document_t document;
+    mukca_status status; /* of the first failure */
     mukca_error *error;
-    char key[DEEPEST][MUKCA_NAME_SIZE];
-    int line[DEEPEST]; /* of each key */
-    int depth;         /* open mappings */
-    bool value_next;   /* the next scalar is the value of key[depth - 1] */
-    unsigned found;    /* bit mask of the numbers read of the last entry */
 } reader;
 
-static mukca_status fail(const reader *r, int line, const char *what, const char *which)
+static void fail(reader *r, const yaml_node_t *at, const char *what, const char *which)
 {
-    return mukca_fail(r->error, MUKCA_INPUT, "%s:%d: %s%.40s%s", r->name, line, what, which,
-                      *which ? "'" : "");
+    if (r->status != MUKCA_OK) return;
+    r->status = mukca_fail(r->error, MUKCA_INPUT, "%s:%d: %s%.40s%s", r->name,
+                           (int)at->start_mark.line + 1, what, which, *which ? "'" : "");
 }
 
-/* Check that the last entry has all six numbers. */
-static mukca_status close_entry(const reader *r)
+static yaml_node_t *node(reader *r, int index)
 {
-    if (r->to->n == 0) return MUKCA_OK;
-    const mukca_kinematics_entry *last = &r->to->entry[r->to->n - 1];
-    for (int p = 0; p < MUKCA_PARAMETERS; p++)
-        if (!(r->found & 1u << p))
-            return mukca_fail(r->error, MUKCA_INPUT, "%s:%d: '%.40s' has no %s", r->name,
-                              last->line, last->name, mukca_parameter_name[p]);
-    return MUKCA_OK;
+    return yaml_document_get_node(&r->document, index);
 }
 
-static mukca_status open_entry(reader *r, int level)
+/* The text of a name or a number, else "" after a failure. */
+static const char *text_of(reader *r, const yaml_node_t *n)
+{
+    const char *text = (const char *)n->data.scalar.value;
+    if (n->type != YAML_SCALAR_NODE)
+        fail(r, n, "expected NAME: NUMBER, not a list or an alias", "");
+    else if (strcmp((const char *)n->tag, YAML_DEFAULT_SCALAR_TAG) != 0)
+        fail(r, n, "tags are not read: '", (const char *)n->tag);
+    else if (strlen(text) != n->data.scalar.length)
+        fail(r, n, "contains a zero byte", "");
+    else if (strlen(text) >= MUKCA_NAME_SIZE)
+        fail(r, n, "a text longer than 63 characters", "");
+    else
+        return text;
+    return "";
+}
+
+/* Read the numbers of an entry; `found`: bit mask of those read. */
+static void read_numbers(reader *r, unsigned *found, double *value, const yaml_node_t *key,
+                         const yaml_node_t *map, bool inner)
+{
+    static const char expected[] = "expected x, y, z, roll, pitch, yaw of a joint, not '";
+    if (map->type != YAML_MAPPING_NODE) {
+        fail(r, map, expected, text_of(r, key));
+        return;
+    }
+    for (yaml_node_pair_t *i = map->data.mapping.pairs.start; i < map->data.mapping.pairs.top;
+         i++) {
+        const yaml_node_t *name = node(r, i->key), *number = node(r, i->value);
+        const char *field = text_of(r, name);
+        if (!inner && strcmp(field, "kinematic") == 0) {
+            read_numbers(r, found, value, name, number, true);
+            continue;
+        }
+        int p = 0;
+        while (p < MUKCA_PARAMETERS && strcmp(mukca_parameter_name[p], field) != 0) p++;
+        if (p == MUKCA_PARAMETERS) fail(r, name, expected, field);
+        const char *text = text_of(r, number);
+        if (r->status != MUKCA_OK) return;
+        if (*found & 1u << p) fail(r, name, "a second value of '", field);
+        *found |= 1u << p;
+        if (!mukca_number_parse(&value[p], text))
+            fail(r, number, "no number: '", text);
+        else if (fabs(value[p]) > (p < 3 ? MUKCA_NUMBER_LARGEST : 10))
+            fail(r, number, "out of range (lengths are in m, angles in rad): '", text);
+    }
+}
+
+static void read_entry(reader *r, const yaml_node_t *key, const yaml_node_t *map)
 {
     mukca_kinematics *k = r->to;
-    mukca_status status = close_entry(r);
-    if (status != MUKCA_OK) return status;
+    const char *name = text_of(r, key);
+    unsigned found = 0;
     for (int i = 0; i < k->n; i++)
-        if (strcmp(k->entry[i].name, r->key[level]) == 0)
-            return fail(r, r->line[level], "a second entry '", r->key[level]);
-    if (k->n == MUKCA_MAX_ELEMENTS) return fail(r, r->line[level], "too many entries", "");
+        if (strcmp(k->entry[i].name, name) == 0) fail(r, key, "a second entry '", name);
+    if (k->n == MUKCA_MAX_ELEMENTS) fail(r, key, "too many entries", "");
+    if (r->status != MUKCA_OK) return;
     mukca_kinematics_entry *e = &k->entry[k->n++];
-    memcpy(e->name, r->key[level], sizeof e->name);
-    e->line = r->line[level];
-    r->found = 0;
-    return MUKCA_OK;
+    memcpy(e->name, name, strlen(name) + 1);
+    e->line = (int)key->start_mark.line + 1;
+    read_numbers(r, &found, e->value, key, map, false);
+    for (int p = 0; p < MUKCA_PARAMETERS && r->status == MUKCA_OK; p++)
+        if (!(found & 1u << p))
+            r->status = mukca_fail(r->error, MUKCA_INPUT, "%s:%d: '%.40s' has no %s", r->name,
+                                   e->line, e->name, mukca_parameter_name[p]);
 }
 
-/* Process KEY: text, below r->key[0 .. depth - 1]. */
-static mukca_status read_value(reader *r, const char *text, int line)
+/* Read the entries below the root, or below its only key `kinematics`. */
+static void read_entries(reader *r, const yaml_node_t *map, bool root)
 {
-    mukca_kinematics *k = r->to;
-    const bool rooted = strcmp(r->key[0], "kinematics") == 0;
-    const int entry = rooted ? 1 : 0, field = r->depth - 1;
-    if (rooted && field == 1 && strcmp(r->key[1], "hash") == 0) {
-        if (strlen(text) >= sizeof k->hash) return fail(r, line, "the hash is too long", "");
-        memcpy(k->hash, text, strlen(text) + 1);
-        return MUKCA_OK;
+    if (map->type != YAML_MAPPING_NODE) {
+        fail(r, map, "expected `kinematics:` or names of joints", "");
+        return;
     }
-    const bool inner = field == entry + 2 && strcmp(r->key[field - 1], "kinematic") == 0;
-    if (!inner && field != entry + 1)
-        return fail(r, line, "expected x, y, z, roll, pitch, yaw of a joint, not '", r->key[field]);
-    int p = 0;
-    while (p < MUKCA_PARAMETERS && strcmp(mukca_parameter_name[p], r->key[field]) != 0) p++;
-    if (p == MUKCA_PARAMETERS)
-        return fail(r, line, "expected x, y, z, roll, pitch, yaw of a joint, not '", r->key[field]);
-    if (k->n == 0 || k->entry[k->n - 1].line != r->line[entry]) {
-        const mukca_status status = open_entry(r, entry);
-        if (status != MUKCA_OK) return status;
-    }
-    if (r->found & 1u << p) return fail(r, line, "a second value of '", r->key[field]);
-    double *value = &k->entry[k->n - 1].value[p];
-    if (!mukca_number_parse(value, text)) return fail(r, line, "no number: '", text);
-    if (fabs(*value) > (p < 3 ? MUKCA_NUMBER_LARGEST : 10))
-        return fail(r, line, "out of range (lengths are in m, angles in rad): '", text);
-    r->found |= 1u << p;
-    return MUKCA_OK;
-}
-
-static mukca_status read_scalar(reader *r, const yaml_event_t *event)
-{
-    const int line = (int)event->start_mark.line + 1;
-    const char *text = (const char *)event->data.scalar.value;
-    const size_t length = event->data.scalar.length;
-    const char *tag = (const char *)event->data.scalar.tag;
-    if (r->depth == 0) return fail(r, line, "expected `kinematics:` or names of joints", "");
-    if (strlen(text) != length) return fail(r, line, "contains a zero byte", "");
-    if (tag) return fail(r, line, "tags are not read: '", tag);
-    if (r->value_next) {
-        r->value_next = false;
-        return read_value(r, text, line);
-    }
-    if (length >= MUKCA_NAME_SIZE) return fail(r, line, "a name longer than 63 characters", "");
-    memcpy(r->key[r->depth - 1], text, length + 1);
-    r->line[r->depth - 1] = line;
-    r->value_next = true;
-    return MUKCA_OK;
-}
-
-static mukca_status read_event(reader *r, const yaml_event_t *event)
-{
-    const int line = (int)event->start_mark.line + 1;
-    switch ((int)event->type) {
-        case YAML_MAPPING_START_EVENT:
-            if (r->depth > 0 && !r->value_next) return fail(r, line, "expected a name", "");
-            if (r->depth == DEEPEST) return fail(r, line, "nested more than 4 deep", "");
-            r->depth++;
-            r->value_next = false;
-            return MUKCA_OK;
-        case YAML_MAPPING_END_EVENT:
-            r->depth--;
-            return MUKCA_OK;
-        case YAML_SCALAR_EVENT:
-            return read_scalar(r, event);
-        case YAML_SEQUENCE_START_EVENT:
-        case YAML_ALIAS_EVENT:
-            return fail(r, line, "expected NAME: NUMBER, not a list or an alias", "");
-        default:
-            return MUKCA_OK;
+    for (yaml_node_pair_t *i = map->data.mapping.pairs.start;
+         i < map->data.mapping.pairs.top && r->status == MUKCA_OK; i++) {
+        const yaml_node_t *key = node(r, i->key), *value = node(r, i->value);
+        const char *name = text_of(r, key);
+        if (root && strcmp(name, "kinematics") == 0 && value->type == YAML_MAPPING_NODE)
+            read_entries(r, value, false);
+        else if (!root && strcmp(name, "hash") == 0)
+            snprintf(r->to->hash, sizeof r->to->hash, "%s", text_of(r, value));
+        else
+            read_entry(r, key, value);
     }
 }
 
-static mukca_status parse(reader *r, const char *text, size_t size)
+static void parse(reader *r, const char *text, size_t size)
 {
     yaml_parser_t parser;
-    mukca_status status = MUKCA_OK;
-    if (!yaml_parser_initialize(&parser))
-        return mukca_fail(r->error, MUKCA_MEMORY, "out of memory");
+    if (!yaml_parser_initialize(&parser)) {
+        r->status = mukca_fail(r->error, MUKCA_MEMORY, "out of memory");
+        return;
+    }
     yaml_parser_set_input_string(&parser, (const unsigned char *)text, size);
-    for (bool more = true; more && status == MUKCA_OK;) {
-        yaml_event_t event;
-        if (!yaml_parser_parse(&parser, &event)) {
-            const int line = (int)parser.problem_mark.line + 1;
-            status = parser.error == YAML_MEMORY_ERROR
-                         ? mukca_fail(r->error, MUKCA_MEMORY, "out of memory")
-                         : mukca_fail(r->error, MUKCA_INPUT, "%s:%d: broken YAML: %.80s", r->name,
-                                      line, parser.problem ? parser.problem : "no reason given");
-            break;
-        }
-        more = event.type != YAML_STREAM_END_EVENT;
-        status = read_event(r, &event);
-        yaml_event_delete(&event);
+    if (yaml_parser_load(&parser, &r->document)) {
+        const yaml_node_t *root = yaml_document_get_root_node(&r->document);
+        if (root) read_entries(r, root, true);
+        yaml_document_delete(&r->document);
+    } else if (parser.error == YAML_MEMORY_ERROR) {
+        r->status = mukca_fail(r->error, MUKCA_MEMORY, "out of memory");
+    } else {
+        r->status = mukca_fail(r->error, MUKCA_INPUT, "%s:%d: broken YAML: %.80s", r->name,
+                               (int)parser.problem_mark.line + 1,
+                               parser.problem ? parser.problem : "no reason given");
     }
     yaml_parser_delete(&parser);
-    return status;
 }
 
 /* Link names indicate Universal Robots' layout, an inner mapping Franka's. */
@@ -185,16 +169,16 @@ mukca_status mukca_kinematics_read(mukca_kinematics *kinematics, const char *pat
     if (status != MUKCA_OK) return status;
     const size_t size = strlen(text);
     if (size > LARGEST_FILE)
-        status = mukca_fail(error, MUKCA_INPUT, "%s: is larger than a file of origins", r.name);
-    if (status == MUKCA_OK) status = parse(&r, text, size);
-    if (status == MUKCA_OK) status = close_entry(&r);
-    if (status == MUKCA_OK && kinematics->n == 0)
-        status = mukca_fail(error, MUKCA_INPUT, "%s: no joint; expected x, y, z, roll, pitch, yaw",
-                            r.name);
+        r.status = mukca_fail(error, MUKCA_INPUT, "%s: is larger than a file of origins", r.name);
+    else
+        parse(&r, text, size);
+    if (r.status == MUKCA_OK && kinematics->n == 0)
+        r.status = mukca_fail(error, MUKCA_INPUT,
+                              "%s: no joint; expected x, y, z, roll, pitch, yaw", r.name);
     SHA256Data((const uint8_t *)text, size, kinematics->sha256);
     kinematics->layout = find_layout(kinematics, strstr(text, "kinematic:") != NULL);
     free(text);
-    return status;
+    return r.status;
 }
 
 /* Whether `text` equals NAME + `behind`, or ends in _NAME + `behind`. */

@@ -19,29 +19,29 @@ typedef struct {
     double length; /* m per unit of the positions */
 } list;
 
-static mukca_status read_row(void *context, const mukca_table *t, const int *column,
-                             mukca_error *error)
+static void read_row(void *context, mukca_table *t, const int *column)
 {
     list *l = context;
     (void)column;
-    if (t->n_columns != POSE)
-        return mukca_table_fail(error, t, -1, "%d columns, but a pose has 7: x,y,z,qw,qx,qy,qz",
-                                t->n_columns);
+    if (t->n_columns != POSE) {
+        mukca_table_fail(t, -1, "%d columns, but a pose has 7: x,y,z,qw,qx,qy,qz", t->n_columns);
+        return;
+    }
     if (l->n == l->capacity) {
-        l->capacity = l->capacity ? 2 * l->capacity : 64;
-        void *grown = realloc(l->poses, (size_t)l->capacity * sizeof *l->poses);
-        if (!grown) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+        const int capacity = l->capacity ? 2 * l->capacity : 64;
+        void *grown = realloc(l->poses, (size_t)capacity * sizeof *l->poses);
+        if (!grown) mukca_table_stop(t, mukca_fail(t->error, MUKCA_MEMORY, "out of memory"));
+        if (!grown) return;
+        l->capacity = capacity;
         l->poses = grown;
     }
     double *pose = l->poses[l->n++];
     for (int i = 0; i < POSE; i++) {
-        mukca_status status = mukca_table_number(&pose[i], t, i, error);
-        if (i < 3) pose[i] *= l->length;
-        if (status == MUKCA_OK && i < 3) status = mukca_rows_check_length(t, i, pose[i], error);
-        if (status != MUKCA_OK) return status;
+        pose[i] = mukca_table_number(t, i) * (i < 3 ? l->length : 1);
+        if (i < 3) mukca_rows_check_length(t, i, pose[i]);
     }
-    if (mukca_rows_normalise(pose + 3)) return MUKCA_OK;
-    return mukca_table_fail(error, t, 3, "the quaternion's length is not 1 (order: qw,qx,qy,qz)");
+    if (!mukca_rows_normalise(pose + 3))
+        mukca_table_fail(t, 3, "the quaternion's length is not 1 (order: qw,qx,qy,qz)");
 }
 
 /* Tips of the nominal model and measured poses to be paired: each of the `few` with one of the

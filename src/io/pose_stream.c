@@ -6,59 +6,55 @@
 
 #include "base/file.h"
 
-static mukca_status open_file(mukca_pose_stream *s, mukca_error *error)
+static bool open_file(mukca_pose_stream *s, mukca_error *error)
 {
     const mukca_rows_options options = {.kind = MUKCA_HEADER,
                                         .format = s->format,
                                         .any_order = true, /* mukca_pose_check detects the order */
                                         .note = s->noted ? NULL : s->note,
                                         .context = s->context};
-    const mukca_status status =
-        mukca_rows_open(&s->rows, s->paths[s->at], s->chain, &options, error);
-    if (status != MUKCA_OK) return status;
-    s->open = true;
-    if (s->rows.column.n_measured > 0) return MUKCA_OK;
-    return mukca_rows_fail_measured(&s->rows,
-                                    "no columns x_m, y_m, z_m; a pose log needs measured "
-                                    "positions",
-                                    error);
+    s->open = mukca_rows_open(&s->rows, s->paths[s->at], s->chain, &options, error) == MUKCA_OK;
+    if (s->open && s->rows.column.n_measured == 0)
+        mukca_rows_fail_measured(&s->rows,
+                                 "no columns x_m, y_m, z_m; a pose log needs measured positions");
+    return s->open;
 }
 
 /* Check that all rows measure one target. */
-static mukca_status check_target(mukca_pose_stream *s, const mukca_row *row, mukca_error *error)
+static void check_target(mukca_pose_stream *s, const mukca_row *row)
 {
     const char *name = row->target ? row->target : "";
+    const int column = s->rows.column.target;
     if (strlen(name) >= sizeof s->target)
-        return mukca_table_fail(error, &s->rows.table, s->rows.column.target,
-                                "'%.20s...' is longer than 63 characters", name);
+        mukca_table_fail(&s->rows.table, column, "'%.20s...' is longer than 63 characters", name);
     if (!s->named) snprintf(s->target, sizeof s->target, "%s", name);
     s->named = true;
-    if (strcmp(s->target, name) == 0) return MUKCA_OK;
-    return mukca_table_fail(error, &s->rows.table, s->rows.column.target,
-                            "a second target, '%.40s': mukca diagnose -o fits several", name);
+    if (strcmp(s->target, name) != 0)
+        mukca_table_fail(&s->rows.table, column,
+                         "a second target, '%.40s': mukca diagnose -o fits several", name);
 }
 
 /* Parse the next row; *more is false at the end of the last file. */
 static mukca_status parse(mukca_pose_stream *s, mukca_pose_row *row, bool *more, mukca_error *error)
 {
-    mukca_row read;
-    bool found = false;
-    do {
-        mukca_status status = MUKCA_OK;
+    mukca_row read = {.position = {(double)NAN}};
+    mukca_status status = MUKCA_OK;
+    while (status == MUKCA_OK && !isfinite(read.position[0])) {
         *more = s->at < s->n_paths;
         s->noted |= !*more;
         if (!*more) return MUKCA_OK;
-        if (!s->open) status = open_file(s, error);
-        if (status == MUKCA_OK) status = mukca_rows_next(&s->rows, &read, &found, error);
-        if (status != MUKCA_OK) return status;
-        if (found && isfinite(read.position[0])) status = check_target(s, &read, error);
-        if (status != MUKCA_OK) return status;
-        if (!found) {
-            mukca_rows_close(&s->rows);
+        if (!s->open && !open_file(s, error)) return error->status;
+        if (mukca_rows_next(&s->rows, &read)) {
+            if (isfinite(read.position[0])) check_target(s, &read);
+            status = s->rows.table.status;
+        } else {
+            status = mukca_rows_close(&s->rows);
             s->open = false;
             s->at++;
+            read.position[0] = (double)NAN;
         }
-    } while (!found || !isfinite(read.position[0]));
+    }
+    if (status != MUKCA_OK) return status;
     memcpy(row->q, read.q, sizeof row->q);
     memcpy(row->velocity, read.velocity, sizeof row->velocity);
     memcpy(row->position, read.position, sizeof row->position);
@@ -66,14 +62,6 @@ static mukca_status parse(mukca_pose_stream *s, mukca_pose_row *row, bool *more,
     row->time = read.time;
     row->file = s->at;
     return MUKCA_OK;
-}
-
-/* Doubles per stored row: angles and velocities, position, quaternion, time, file. */
-enum { POSE = 3 + 4 + 2, KEPT = 2 * MUKCA_MAX_JOINTS + POSE };
-
-static size_t bytes_kept(const mukca_pose_stream *s)
-{
-    return (size_t)(2 * s->chain->n_joints + POSE) * sizeof(double);
 }
 
 static void stop_keeping(mukca_pose_stream *s)
@@ -86,37 +74,20 @@ static void stop_keeping(mukca_pose_stream *s)
 
 static void keep(mukca_pose_stream *s, const mukca_pose_row *row)
 {
-    double x[KEPT];
-    const int n = s->chain->n_joints;
-    const size_t bytes = bytes_kept(s);
     if (!s->kept && (s->kept = tmpfile())) setvbuf(s->kept, s->buffer, _IOFBF, sizeof s->buffer);
-    memcpy(x, row->q, (size_t)n * sizeof *x);
-    memcpy(x + n, row->velocity, (size_t)n * sizeof *x);
-    memcpy(x + 2 * n, row->position, sizeof row->position);
-    memcpy(x + 2 * n + 3, row->quaternion, sizeof row->quaternion);
-    x[2 * n + 7] = row->time;
-    x[2 * n + 8] = row->file;
     s->next = ++s->n_kept;
-    if (!s->kept || (double)s->n_kept * (double)bytes > MUKCA_POSE_STREAM_KEPT ||
-        fwrite(x, bytes, 1, s->kept) != 1)
+    if (!s->kept || (double)s->n_kept * sizeof *row > MUKCA_POSE_STREAM_KEPT ||
+        fwrite(row, sizeof *row, 1, s->kept) != 1)
         stop_keeping(s);
 }
 
 static mukca_status fetch(mukca_pose_stream *s, mukca_pose_row *row, mukca_error *error)
 {
-    double x[KEPT];
-    const int n = s->chain->n_joints;
-    if (fread(x, bytes_kept(s), 1, s->kept) != 1) return mukca_file_fail(error, "temporary file");
-    memcpy(row->q, x, (size_t)n * sizeof *x);
-    memcpy(row->velocity, x + n, (size_t)n * sizeof *x);
-    memcpy(row->position, x + 2 * n, sizeof row->position);
-    memcpy(row->quaternion, x + 2 * n + 3, sizeof row->quaternion);
-    row->time = x[2 * n + 7];
-    row->file = (int)x[2 * n + 8];
     /* a stream changes from reading to writing only after a seek */
-    if (++s->next == s->n_kept && fseek(s->kept, 0, SEEK_END) != 0)
-        return mukca_file_fail(error, "temporary file");
-    return MUKCA_OK;
+    if (fread(row, sizeof *row, 1, s->kept) == 1 &&
+        (++s->next < s->n_kept || fseek(s->kept, 0, SEEK_END) == 0))
+        return MUKCA_OK;
+    return mukca_file_fail(error, "temporary file");
 }
 
 static mukca_status next(void *context, mukca_pose_row *row, bool *more, mukca_error *error)

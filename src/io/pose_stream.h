@@ -8,8 +8,8 @@
 #include "io/rows.h"
 #include "recalibrate/pose_log.h"
 
-/* Largest size of the temporary file, bytes.  A longer log (5 million rows of seven joints), or any
- * log if no temporary file can be written, is parsed again in each pass. */
+/* Largest size of the temporary file, bytes.  A longer log (3 million rows), or any log if no
+ * temporary file can be written, is parsed again in each pass. */
 #define MUKCA_POSE_STREAM_KEPT 1e9
 
 typedef struct {

@@ -5,7 +5,7 @@
  * of the frames.  A cyclic shift of a quaternion's four numbers is an inversion between two fixed
  * rotations.  It preserves angles, and inner products of two rotations with a common row, but not
  * others.  Inverse poses behave alike. */
-#include "io/quaternion_check.h"
+#include "io/rows.h"
 
 #include <math.h>
 #include <string.h>

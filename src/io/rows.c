@@ -6,7 +6,7 @@
 
 #include "base/file.h"
 #include "base/note.h"
-#include "io/columns.h"
+#include "io/table.h"
 #include "mukca/rotation.h"
 
 /* Larger angles, rad, are in degrees: a joint turns at most once or twice.  A value of 13 degrees
@@ -25,31 +25,26 @@ mukca_status mukca_rows_open(mukca_rows *rows, const char *path, const mukca_cha
     *rows = (mukca_rows){.chain = chain, .options = *options};
     if (!(rows->options.format.angle > 0)) rows->options.format.angle = 1;
     if (!(rows->options.format.length > 0)) rows->options.format.length = 1;
-    const mukca_table_kind kind = options->kind == MUKCA_NO_HEADER ? MUKCA_NO_HEADER : MUKCA_EITHER;
-    mukca_status status = mukca_table_open(&rows->table, path, kind, error);
-    if (status != MUKCA_OK) return status;
-    if (options->format.columns && rows->table.n_columns)
-        status = mukca_columns_rename(&rows->table, options->format.columns, error);
-    if (status == MUKCA_OK) status = mukca_rows_map(rows, error);
-    if (status != MUKCA_OK) mukca_rows_close(rows);
-    return status;
+    mukca_table *t = &rows->table;
+    mukca_table_open(t, path, options->kind == MUKCA_NO_HEADER ? MUKCA_NO_HEADER : MUKCA_EITHER,
+                     error);
+    if (t->status == MUKCA_OK && options->format.columns && t->n_columns)
+        mukca_columns_rename(t, options->format.columns);
+    if (t->status == MUKCA_OK) mukca_rows_map(rows);
+    return t->status == MUKCA_OK ? MUKCA_OK : mukca_rows_close(rows);
 }
 
-void mukca_rows_close(mukca_rows *rows)
+mukca_status mukca_rows_close(mukca_rows *rows)
 {
-    mukca_table_close(&rows->table);
+    return mukca_table_close(&rows->table);
 }
 
-/* Read an optional number: NaN for a missing column, an empty cell or `nan`. */
-static mukca_status read_optional(double *value, const mukca_rows *rows, int column,
-                                  mukca_error *error)
+/* An optional number: NaN for a missing column, an empty cell or `nan`. */
+static double read_optional(mukca_rows *rows, int column)
 {
-    *value = (double)NAN;
-    if (column < 0) return MUKCA_OK;
-    const char *text = rows->table.cell[column];
-    if (!*text) return MUKCA_OK;
-    if (*text > '9' && (strcmp(text, "nan") == 0 || strcmp(text, "NaN") == 0)) return MUKCA_OK;
-    return mukca_table_number(value, &rows->table, column, error);
+    const char *text = column < 0 ? "" : rows->table.cell[column];
+    if (!*text || strcmp(text, "nan") == 0 || strcmp(text, "NaN") == 0) return (double)NAN;
+    return mukca_table_number(&rows->table, column);
 }
 
 /* rad or m per unit of a joint's column, if its header states none. */
@@ -61,38 +56,35 @@ static double unit_of(const mukca_rows *rows, int joint)
                                                                                : f->angle;
 }
 
-static mukca_status check_joint(mukca_rows *rows, int j, double q, mukca_error *error)
+static void check_joint(mukca_rows *rows, int j, double q)
 {
     const mukca_element *e = &rows->chain->element[rows->chain->joint_element[j]];
     const bool linear = e->type == MUKCA_PRISMATIC;
     const double unit = unit_of(rows, j);
     if (!linear && fabs(q) > most_angle)
-        return mukca_table_fail(error, &rows->table, rows->column.joint[j], "joint '%s' is %g%s",
-                                e->name, q / unit,
-                                unit < 1 ? " degrees, more than two turns"
-                                         : ", more than two turns; angles are in rad (for degrees: "
-                                           "--units deg)");
+        mukca_table_fail(&rows->table, rows->column.joint[j], "joint '%s' is %g%s", e->name,
+                         q / unit,
+                         unit < 1 ? " degrees, more than two turns"
+                                  : ", more than two turns; angles are in rad (for degrees: "
+                                    "--units deg)");
     if (linear && fabs(q) > most_prismatic)
-        return mukca_table_fail(error, &rows->table, rows->column.joint[j],
-                                "joint '%s' is %g; lengths are in m (for millimetres: --units mm)",
-                                e->name, q / unit);
+        mukca_table_fail(&rows->table, rows->column.joint[j],
+                         "joint '%s' is %g; lengths are in m (for millimetres: --units mm)",
+                         e->name, q / unit);
     const double beyond = q > e->upper ? q - e->upper : q < e->lower ? e->lower - q : 0;
-    if (beyond > limit_tolerance && !rows->warned[j]) {
-        mukca_note_format(rows->options.note, rows->options.context,
-                          "%s:%d: joint '%s' is %.3g %s beyond its limits",
-                          mukca_file_shown(rows->table.path), rows->table.line, e->name, beyond,
-                          linear ? "m" : "rad");
-        rows->warned[j] = true;
-    }
-    return MUKCA_OK;
+    if (!(beyond > limit_tolerance) || rows->warned[j] || rows->table.status != MUKCA_OK) return;
+    mukca_note_format(rows->options.note, rows->options.context,
+                      "%s:%d: joint '%s' is %.3g %s beyond its limits",
+                      mukca_file_shown(rows->table.path), rows->table.line, e->name, beyond,
+                      linear ? "m" : "rad");
+    rows->warned[j] = true;
 }
 
-mukca_status mukca_rows_check_length(const mukca_table *table, int column, double metres,
-                                     mukca_error *error)
+void mukca_rows_check_length(mukca_table *table, int column, double metres)
 {
-    if (!(fabs(metres) > most_length)) return MUKCA_OK;
-    return mukca_table_fail(error, table, column,
-                            "is %g; positions are in m (for millimetres: --units mm)", metres);
+    if (fabs(metres) > most_length)
+        mukca_table_fail(table, column, "is %g; positions are in m (for millimetres: --units mm)",
+                         metres);
 }
 
 bool mukca_rows_normalise(double quaternion[4])
@@ -105,41 +97,30 @@ bool mukca_rows_normalise(double quaternion[4])
     return true;
 }
 
-/* Read optional numbers of several columns. */
-static mukca_status read_list(double *values, const mukca_rows *rows, const int *columns, int n,
-                              mukca_error *error)
-{
-    for (int i = 0; i < n; i++) {
-        const mukca_status status = read_optional(&values[i], rows, columns[i], error);
-        if (status != MUKCA_OK) return status;
-    }
-    return MUKCA_OK;
-}
-
-static int count_missing(const double *values, int n)
+/* Read optional numbers of several columns; returns how many are missing. */
+static int read_list(double *values, mukca_rows *rows, const int *columns, int n)
 {
     int missing = 0;
-    for (int i = 0; i < n; i++) missing += isnan(values[i]) != 0;
+    for (int i = 0; i < n; i++) {
+        values[i] = read_optional(rows, columns[i]);
+        missing += isnan(values[i]) != 0;
+    }
     return missing;
 }
 
-/* Read the pose of a 4x4 matrix; NaN if the target was not visible. */
-static mukca_status read_matrix(mukca_row *row, const mukca_rows *rows,
-                                const mukca_measured_columns *m, mukca_error *error)
+/* Read the pose of a 4x4 matrix; unchanged if the target was not visible. */
+static void read_matrix(mukca_row *row, mukca_rows *rows, const mukca_measured_columns *m)
 {
-    const mukca_table *t = &rows->table;
-    double T[16], R[9];
-    const int n = m->matrix[12] < 0 ? 12 : 16;
-    mukca_status status = read_list(T, rows, m->matrix, n, error);
-    if (status != MUKCA_OK || count_missing(T, n) == n) return status;
-    if (count_missing(T, n))
-        return mukca_table_fail(error, t, m->matrix[0], "a pose needs all numbers of its matrix");
-    for (int c = 12; c < 16 && n == 12; c++) T[c] = c == 15;
+    mukca_table *t = &rows->table;
+    double T[16] = {[15] = 1}, R[9];
+    const int n = m->matrix[12] < 0 ? 12 : 16, missing = read_list(T, rows, m->matrix, n);
+    if (missing == n) return;
+    if (missing) mukca_table_fail(t, m->matrix[0], "a pose needs all numbers of its matrix");
     for (int c = 0; c < 4; c++)
         if (!(fabs(T[12 + c] - (c == 3)) <= 1e-6)) /* the last row is 0 0 0 1 within rounding */
-            return mukca_table_fail(error, t, m->matrix[12 + c],
-                                    "the last row of the matrix is not 0 0 0 1; the 16 numbers "
-                                    "must be in row-major order");
+            mukca_table_fail(t, m->matrix[12 + c],
+                             "the last row of the matrix is not 0 0 0 1; the 16 numbers must be in "
+                             "row-major order");
     for (int i = 0; i < 3; i++) {
         row->position[i] = T[4 * i + 3];
         for (int k = 0; k < 3; k++) R[3 * i + k] = T[4 * i + k];
@@ -149,12 +130,11 @@ static mukca_status read_matrix(mukca_row *row, const mukca_rows *rows,
         const double product =
             R[3 * a] * R[3 * b] + R[3 * a + 1] * R[3 * b + 1] + R[3 * a + 2] * R[3 * b + 2];
         if (!(fabs(product - (a == b)) <= length_tolerance))
-            return mukca_table_fail(
-                error, t, m->matrix[0],
+            mukca_table_fail(
+                t, m->matrix[0],
                 "the matrix contains no rotation; its numbers must be in row-major order");
     }
     mukca_rotation_to_quaternion(row->quaternion, R);
-    return MUKCA_OK;
 }
 
 /* Replace the pose of the measuring frame in the target's frame by its inverse. */
@@ -167,88 +147,81 @@ static void invert_pose(mukca_row *row)
 }
 
 /* Check the quaternion's order against the arm's kinematics. */
-static mukca_status check_order(mukca_rows *rows, const mukca_row *row, int column,
-                                mukca_error *error)
+static void check_order(mukca_rows *rows, const mukca_row *row, int column)
 {
     const mukca_rows_format *f = &rows->options.format;
-    if (!mukca_quaternion_check_wrong(&rows->quaternions, rows->chain, row->q, row->quaternion,
-                                      f->w_last, f->inverse))
-        return MUKCA_OK;
-    return mukca_table_fail(
-        error, &rows->table, column,
-        "the orientations agree with the arm only as %s or inverse: %s, or %s --inverse-poses",
-        f->w_last ? "qw qx qy qz" : "qx qy qz qw",
-        !f->by_order ? "correct the columns' names"
-        : f->w_last  ? "give --map order"
-                     : "give --map order-w-last",
-        f->inverse ? "omit" : "give");
+    if (mukca_quaternion_check_wrong(&rows->quaternions, rows->chain, row->q, row->quaternion,
+                                     f->w_last, f->inverse))
+        mukca_table_fail(
+            &rows->table, column,
+            "the orientations agree with the arm only as %s or inverse: %s, or %s --inverse-poses",
+            f->w_last ? "qw qx qy qz" : "qx qy qz qw",
+            !f->by_order ? "correct the columns' names"
+            : f->w_last  ? "give --map order"
+                         : "give --map order-w-last",
+            f->inverse ? "omit" : "give");
 }
 
-/* Read the orientation of the columns `turn`; NaN if the target was not visible. */
-static mukca_status read_turn(mukca_row *row, const mukca_rows *rows,
-                              const mukca_measured_columns *m, mukca_error *error)
+/* Read the orientation of the columns `turn`; unchanged if the target was not visible. */
+static void read_turn(mukca_row *row, mukca_rows *rows, const mukca_measured_columns *m)
 {
     double v[4], R[9];
     const int n = m->form == MUKCA_QUATERNION ? 4 : 3;
-    mukca_status status = read_list(v, rows, m->turn, n, error);
-    if (status != MUKCA_OK || count_missing(v, n) == n) return status;
+    const int missing = read_list(v, rows, m->turn, n);
+    if (missing == n) return;
     if (n == 4) {
         memcpy(row->quaternion, v, sizeof v);
-        return MUKCA_OK;
+        return;
     }
-    if (count_missing(v, 3))
-        return mukca_table_fail(error, &rows->table, m->turn[0],
-                                "an orientation needs all three numbers");
+    if (missing)
+        mukca_table_fail(&rows->table, m->turn[0], "an orientation needs all three numbers");
     for (int i = 0; i < 3; i++) {
         if (!mukca_table_has_unit(&rows->table, m->turn[i])) v[i] *= rows->options.format.angle;
         if (fabs(v[i]) > most_angle)
-            return mukca_table_fail(error, &rows->table, m->turn[i],
-                                    "is %s; angles are in rad (for degrees: --units deg)",
-                                    rows->table.cell[m->turn[i]]);
+            mukca_table_fail(&rows->table, m->turn[i],
+                             "is %s; angles are in rad (for degrees: --units deg)",
+                             rows->table.cell[m->turn[i]]);
     }
     if (m->form == MUKCA_ROTATION_VECTOR)
         mukca_rotation_exp(R, v);
     else
         mukca_rotation_from_rpy(R, m->form == MUKCA_ABC ? (double[]){v[2], v[1], v[0]} : v);
     mukca_rotation_to_quaternion(row->quaternion, R);
-    return MUKCA_OK;
 }
 
-static mukca_status read_pose(mukca_row *row, mukca_rows *rows, int target, mukca_error *error)
+static void read_pose(mukca_row *row, mukca_rows *rows, int target)
 {
     const mukca_measured_columns *m = &rows->column.measured[target];
-    const mukca_table *t = &rows->table;
-    mukca_status status = MUKCA_OK;
+    mukca_table *t = &rows->table;
+    int missing = 0;
     for (int i = 0; i < 7; i++)
         *(i < 3 ? &row->position[i] : &row->quaternion[i - 3]) = (double)NAN;
-    if (target >= rows->column.n_measured) return MUKCA_OK;
+    if (target >= rows->column.n_measured) return;
     if (m->target[0]) row->target = m->target;
     if (m->matrix[0] >= 0) {
-        status = read_matrix(row, rows, m, error);
+        read_matrix(row, rows, m);
     } else {
-        status = read_list(row->position, rows, m->position, 3, error);
-        if (status == MUKCA_OK) status = read_turn(row, rows, m, error);
+        missing = read_list(row->position, rows, m->position, 3);
+        read_turn(row, rows, m);
     }
-    for (int i = 0; i < 3 && status == MUKCA_OK; i++) {
+    for (int i = 0; i < 3; i++) {
         const int column = m->matrix[0] < 0 ? m->position[i] : m->matrix[4 * i + 3];
         if (!mukca_table_has_unit(t, column)) row->position[i] *= m->length;
-        status = mukca_rows_check_length(t, column, row->position[i], error);
+        mukca_rows_check_length(t, column, row->position[i]);
     }
-    if (status != MUKCA_OK) return status;
-    if (count_missing(row->position, 3) % 3 != 0)
-        return mukca_table_fail(error, t, -1, "a position needs x_m, y_m and z_m");
-    const bool turned = count_missing(row->quaternion, 4) < 4;
+    if (missing % 3 != 0) mukca_table_fail(t, -1, "a position needs x_m, y_m and z_m");
+    bool turned = false;
+    for (int i = 0; i < 4; i++) turned |= !isnan(row->quaternion[i]);
     if (turned && !mukca_rows_normalise(row->quaternion))
-        return mukca_table_fail(error, t, m->turn[0],
-                                "the quaternion's length is not 1 (order: qw qx qy qz)");
+        mukca_table_fail(t, m->turn[0], "the quaternion's length is not 1 (order: qw qx qy qz)");
     if (turned && target == 0 && m->matrix[0] < 0 && m->form == MUKCA_QUATERNION &&
-        !rows->options.any_order)
-        status = check_order(rows, row, m->turn[0], error);
-    if (status != MUKCA_OK) return status;
-    if (!rows->options.format.inverse || isnan(row->position[0])) return MUKCA_OK;
-    if (!turned) return mukca_table_fail(error, t, -1, "--inverse-poses needs orientations");
-    invert_pose(row);
-    return MUKCA_OK;
+        !rows->options.any_order && t->status == MUKCA_OK)
+        check_order(rows, row, m->turn[0]);
+    if (!rows->options.format.inverse || isnan(row->position[0])) return;
+    if (turned)
+        invert_pose(row);
+    else
+        mukca_table_fail(t, -1, "--inverse-poses needs orientations");
 }
 
 static void scale(double *values, const int *columns, const mukca_rows *rows)
@@ -258,47 +231,39 @@ static void scale(double *values, const int *columns, const mukca_rows *rows)
             values[j] *= unit_of(rows, j);
 }
 
-mukca_status mukca_rows_next(mukca_rows *rows, mukca_row *row, bool *more, mukca_error *error)
+bool mukca_rows_next(mukca_rows *rows, mukca_row *row)
 {
-    const mukca_table *t = &rows->table;
+    mukca_table *t = &rows->table;
     const mukca_row_columns *c = &rows->column;
     const int n = rows->chain->n_joints;
-    *more = true;
-    if (rows->measured > 0 && rows->measured < c->n_measured) /* the next target of this line */
-        return read_pose(row, rows, rows->measured++, error);
+    if (rows->measured > 0 && rows->measured < c->n_measured) { /* the next target of this line */
+        read_pose(row, rows, rows->measured++);
+        return t->status == MUKCA_OK;
+    }
     rows->measured = 1;
-    mukca_status status = mukca_table_next(&rows->table, more, error);
-    if (status != MUKCA_OK || !*more) return status;
-    if (c->joint[0] < 0) status = mukca_rows_map(rows, error);
-    if (status != MUKCA_OK) return status;
+    if (!mukca_table_next(t)) return false;
+    if (c->joint[0] < 0) mukca_rows_map(rows);
+    if (t->status != MUKCA_OK) return false;
     row->placement = c->placement < 0 ? NULL : t->cell[c->placement];
     row->socket = c->socket < 0 ? NULL : t->cell[c->socket];
     row->target = c->target < 0 || !*t->cell[c->target] ? NULL : t->cell[c->target];
     for (int j = 0; j < n; j++) {
-        status = mukca_table_number(&row->q[j], t, c->joint[j], error);
+        row->q[j] = mukca_table_number(t, c->joint[j]);
         if (!mukca_table_has_unit(t, c->joint[j])) row->q[j] *= unit_of(rows, j);
-        if (status == MUKCA_OK) status = check_joint(rows, j, row->q[j], error);
-        if (status != MUKCA_OK) return status;
+        check_joint(rows, j, row->q[j]);
     }
-    const struct {
-        double *values;
-        const int *columns;
-        int n;
-    } optional[] = {{row->effort, c->effort, n},
-                    {row->command, c->command, n},
-                    {row->velocity, c->velocity, n},
-                    {&row->time, &c->time, 1},
-                    {&row->temperature, &c->temperature, 1},
-                    {&row->payload, &c->payload, 1}};
-    for (size_t i = 0; i < sizeof optional / sizeof *optional; i++) {
-        status = read_list(optional[i].values, rows, optional[i].columns, optional[i].n, error);
-        if (status != MUKCA_OK) return status;
-    }
+    read_list(row->effort, rows, c->effort, n);
+    read_list(row->command, rows, c->command, n);
+    read_list(row->velocity, rows, c->velocity, n);
+    row->time = read_optional(rows, c->time);
+    row->temperature = read_optional(rows, c->temperature);
+    row->payload = read_optional(rows, c->payload);
     if (row->payload < 0 || row->payload > MUKCA_ROWS_MOST_PAYLOAD)
-        return mukca_table_fail(error, t, c->payload, "%g is no mass in kg", row->payload);
+        mukca_table_fail(t, c->payload, "%g is no mass in kg", row->payload);
     scale(row->command, c->command, rows);
     scale(row->velocity, c->velocity, rows);
-    return read_pose(row, rows, 0, error);
+    read_pose(row, rows, 0);
+    return t->status == MUKCA_OK;
 }
 
 mukca_row_reading mukca_row_read(const mukca_row *row, const mukca_rows *rows)

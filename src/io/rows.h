@@ -1,12 +1,31 @@
 /* Recorded rows, one at a time: the columns of sessions and pose logs mapped to a chain.
  *
- * For readers that process rows one by one; dataset_load.h reads whole datasets. */
+ * For readers that process rows one by one; dataset.h reads whole datasets. */
 #ifndef MUKCA_IO_ROWS_H
 #define MUKCA_IO_ROWS_H
 
-#include "io/quaternion_check.h"
 #include "io/table.h"
+#include "mukca/chain.h"
 #include "mukca/row_state.h"
+
+/* ---- order of quaternions (quaternion_check.c) ---- */
+
+/* Start zeroed. */
+typedef struct {
+    mukca_geometry geometry;
+    int n;                /* number of orientations so far */
+    double last[3][9];    /* last orientation: predicted, in the file's order, in the other order */
+    double turn[2][3][3]; /* last two rotations between orientations, likewise */
+    double error[2];      /* sums over pairs of turns, rad^2 */
+    int pairs;
+} mukca_quaternion_check;
+
+/* Add an orientation as read (w first; `w_last`: it was last in the file; `inverse`: of the fixed
+ * frame in the target's) at joint angles q.  True if the orientations so far agree with the nominal
+ * arm in the other order and disagree in the file's order. */
+bool mukca_quaternion_check_wrong(mukca_quaternion_check *order, const mukca_chain *chain,
+                                  const double *q, const double quaternion[4], bool w_last,
+                                  bool inverse);
 
 /* Format of tables from other programs; zeroed: mukca's own. */
 typedef struct {
@@ -84,29 +103,28 @@ typedef struct {
 mukca_status mukca_rows_open(mukca_rows *rows, const char *path, const mukca_chain *chain,
                              const mukca_rows_options *options, mukca_error *error);
 
-/* Read and check one row.  Errors: not a number, angles that appear to be degrees, positions that
- * appear to be millimetres, quaternions not of length 1.  A line with several targets yields a row
- * for each.  *more is false at the end. */
-mukca_status mukca_rows_next(mukca_rows *rows, mukca_row *row, bool *more, mukca_error *error);
+/* Read and check one row; false: the end, or a failure: not a number, angles that appear to be
+ * degrees, positions that appear to be millimetres, quaternions not of length 1.  A line with
+ * several targets yields a row for each. */
+bool mukca_rows_next(mukca_rows *rows, mukca_row *row);
 
 /* Convert the row for mukca_row_state_next, without placement.  The result points into `row`. */
 mukca_row_reading mukca_row_read(const mukca_row *row, const mukca_rows *rows);
 
-void mukca_rows_close(mukca_rows *rows); /* harmless on zeroed rows */
+/* Returns the first failure; harmless on zeroed rows. */
+mukca_status mukca_rows_close(mukca_rows *rows);
 
 /* Map the columns by the header or by their order (part of mukca_rows_open). */
-mukca_status mukca_rows_map(mukca_rows *rows, mukca_error *error);
+void mukca_rows_map(mukca_rows *rows);
 
 /* Fail for lack of measured positions: the message names those without a unit, else `otherwise`. */
-mukca_status mukca_rows_fail_measured(const mukca_rows *rows, const char *otherwise,
-                                      mukca_error *error);
+void mukca_rows_fail_measured(mukca_rows *rows, const char *otherwise);
 
 /* Largest payload, kg: the strongest arms carry 2.3 t. */
 #define MUKCA_ROWS_MOST_PAYLOAD 5e3
 
 /* Refuse a measured length that appears to be in millimetres. */
-mukca_status mukca_rows_check_length(const mukca_table *table, int column, double metres,
-                                     mukca_error *error);
+void mukca_rows_check_length(mukca_table *table, int column, double metres);
 
 /* Normalise a measured quaternion; false if its length deviates from 1 by more than 1 %. */
 bool mukca_rows_normalise(double quaternion[4]);

@@ -1,18 +1,16 @@
 /* Columns of recorded rows: their meaning by name or by order. */
-#include <math.h>
 #include <string.h>
 
 #include "base/file.h"
 #include "base/note.h"
 #include "base/number.h"
-#include "base/prefix.h"
 #include "base/suggest.h"
 #include "base/text.h"
 #include "io/rows.h"
 
-static mukca_status fail_header(const mukca_rows *rows, const char *joint, mukca_error *error)
+static void fail_header(mukca_rows *rows, const char *joint)
 {
-    const mukca_table *t = &rows->table;
+    mukca_table *t = &rows->table;
     const char *meant = NULL;
     char names[64] = "";
     mukca_text list = MUKCA_TEXT(names);
@@ -20,8 +18,8 @@ static mukca_status fail_header(const mukca_rows *rows, const char *joint, mukca
     for (int c = 0; c < t->n_columns; c++) {
         double value;
         if (mukca_number_parse(&value, t->header[c]))
-            return mukca_table_fail(
-                error, t, -1,
+            mukca_table_fail(
+                t, -1,
                 "no column for joint '%s'; the first line must be a header of names: those of the "
                 "joints, and placement and socket, or x_m y_m z_m",
                 joint);
@@ -32,23 +30,22 @@ static mukca_status fail_header(const mukca_rows *rows, const char *joint, mukca
         mukca_text_put(&list, "%s%s", c ? ", " : "", t->header[c]);
     }
     if (meant)
-        return mukca_table_fail(
-            error, t, -1,
+        mukca_table_fail(
+            t, -1,
             "no column for joint '%s' of the chain; rename column '%.40s' with --columns "
             "'%.40s=%s'%s",
             joint, meant, meant, joint,
             strstr(meant, "deg") ? ", and give --units deg" : ", or check --urdf and --tip");
-    return mukca_table_fail(
-        error, t, -1,
+    mukca_table_fail(
+        t, -1,
         "no column for joint '%s' (columns: %s%s); name them with --columns, or check --urdf "
         "and --tip",
         joint, names, list.used + 1 == list.size ? "..." : "");
 }
 
-/* Columns of the header, with those in use marked; the others are noted. */
+/* Columns of the header, and how they are named. */
 typedef struct {
     mukca_rows *rows;
-    bool known[MUKCA_TABLE_COLUMNS];
     mukca_prefix prefix; /* by which the columns' names differ from the joints' */
     int numbered;        /* index in `numbered`, -1: joints by name; then the first one's number */
     int first;
@@ -70,9 +67,7 @@ static int find(header *h, const char *prefix, const char *suffix)
 {
     char name[2 * MUKCA_NAME_SIZE];
     snprintf(name, sizeof name, "%s%s", prefix, suffix);
-    const int column = mukca_table_find(&h->rows->table, name);
-    if (column >= 0) h->known[column] = true;
-    return column;
+    return mukca_table_use(&h->rows->table, name);
 }
 
 /* Find the column of the joint's position, effort, command or velocity: `suffix` of names, or a row
@@ -92,9 +87,9 @@ static int find_joint(header *h, int joint, const char *suffix)
 }
 
 /* Determine how the columns name the joints: as the chain, with another prefix, or by numbers. */
-static mukca_status find_names(header *h, mukca_error *error)
+static void find_names(header *h)
 {
-    const mukca_table *t = &h->rows->table;
+    mukca_table *t = &h->rows->table;
     const mukca_chain *chain = h->rows->chain;
     const char *names[MUKCA_MAX_JOINTS];
     const int n = chain->n_joints;
@@ -103,11 +98,11 @@ static mukca_status find_names(header *h, mukca_error *error)
     const int found =
         mukca_prefix_find(&h->prefix, names, n, (const char *const *)t->header, t->n_columns);
     if (found > 1)
-        return mukca_table_fail(error, t, -1,
-                                "the joints' columns have several prefixes, as for several arms; "
-                                "choose with --columns, as in '%s%s=%s,...'",
-                                h->prefix.add, names[0], names[0]);
-    if (found == 1 || n < 2) return MUKCA_OK;
+        mukca_table_fail(t, -1,
+                         "the joints' columns have several prefixes, as for several arms; choose "
+                         "with --columns, as in '%s%s=%s,...'",
+                         h->prefix.add, names[0], names[0]);
+    if (found > 0 || n < 2) return;
     for (int i = 0; i < 2 * NUMBERED; i++) {
         char name[32];
         int count = 0;
@@ -122,9 +117,8 @@ static mukca_status find_names(header *h, mukca_error *error)
                           "%s: columns %s%d to %s%d read as the joints %s to %s in this order",
                           mukca_file_shown(t->path), numbered[i / 2][0], h->first,
                           numbered[i / 2][0], h->first + n - 1, names[0], names[n - 1]);
-        return MUKCA_OK;
+        return;
     }
-    return MUKCA_OK;
 }
 
 /* Columns required together; `suffix` ends the name of each. */
@@ -135,7 +129,7 @@ typedef struct {
 } group;
 
 /* Find all columns of a group or none; an incomplete group is an error. */
-static mukca_status find_group(int *columns, const group *g, header *h, mukca_error *error)
+static void find_group(int *columns, const group *g, header *h)
 {
     const char *const *names = g->names;
     const int n = g->n;
@@ -146,10 +140,9 @@ static mukca_status find_group(int *columns, const group *g, header *h, mukca_er
         found += columns[i] >= 0;
         if (columns[i] < 0) absent = names[i];
     }
-    if (found == 0 || found == n) return MUKCA_OK;
-    return mukca_table_fail(error, &h->rows->table, -1,
-                            "no column '%s%s'; %s to %s belong together", absent, g->suffix,
-                            names[0], names[n - 1]);
+    if (found > 0 && found < n)
+        mukca_table_fail(&h->rows->table, -1, "no column '%s%s'; %s to %s belong together", absent,
+                         g->suffix, names[0], names[n - 1]);
 }
 
 static void note_unknown_columns(header *h)
@@ -157,9 +150,9 @@ static void note_unknown_columns(header *h)
     const mukca_table *t = &h->rows->table;
     for (int c = 0; c < t->n_columns; c++) {
         const char *dot = strrchr(t->header[c], '.');
-        h->known[c] |= dot && strcmp(dot, ".spread") == 0; /* from mukca capture */
+        t->used[c] |= dot && strcmp(dot, ".spread") == 0; /* from mukca capture */
     }
-    mukca_table_note_unknown(t, h->known, h->rows->options.note, h->rows->options.context);
+    mukca_table_note_unknown(t, h->rows->options.note, h->rows->options.context);
 }
 
 /* Column names of a measured pose; `length`: m per unit, 0: by --units. */
@@ -187,54 +180,53 @@ static const char *const rtde_turn[] = {"actual_TCP_pose_3", "actual_TCP_pose_4"
 
 /* Find the first representation of an orientation in the header; A B C only next to KUKA's X Y
  * Z. */
-static mukca_status find_turn(mukca_measured_columns *m, header *h, int form, const char *suffix,
-                              mukca_error *error)
+static void find_turn(mukca_measured_columns *m, header *h, int form, const char *suffix)
 {
     if (form == RTDE) {
         m->form = MUKCA_ROTATION_VECTOR;
-        return find_group(m->turn, &(group){3, rtde_turn, suffix}, h, error);
+        find_group(m->turn, &(group){3, rtde_turn, suffix}, h);
+        return;
     }
     for (int k = 0; k < (form == CAPITAL ? 4 : 3) && m->turn[0] < 0; k++) {
-        const group g = {turns[k].n, turns[k].names, suffix};
         m->form = (mukca_turn)k;
-        const mukca_status status = find_group(m->turn, &g, h, error);
-        if (status != MUKCA_OK) return status;
+        find_group(m->turn, &(group){turns[k].n, turns[k].names, suffix}, h);
     }
-    return MUKCA_OK;
 }
 
 /* Find the columns of the target whose first one is `column`, if it has that form. */
-static mukca_status find_measured(header *h, int column, int form, mukca_error *error)
+static void find_measured(header *h, int column, int form)
 {
     mukca_rows *rows = h->rows;
     mukca_row_columns *c = &rows->column;
     const char *name = rows->table.header[column], *first = forms[form].names[0];
     const char *suffix = name + strlen(first);
     if (strncmp(name, first, strlen(first)) != 0 || (*suffix && *suffix != '.') ||
-        h->known[column] || strlen(suffix) > sizeof c->measured->target)
-        return MUKCA_OK;
-    if (c->n_measured == MUKCA_ROWS_TARGETS)
-        return mukca_table_fail(error, &rows->table, column, "more than %d targets in a line",
-                                (int)MUKCA_ROWS_TARGETS);
+        rows->table.used[column] || strlen(suffix) > sizeof c->measured->target)
+        return;
+    if (c->n_measured == MUKCA_ROWS_TARGETS) {
+        mukca_table_fail(&rows->table, column, "more than %d targets in a line",
+                         (int)MUKCA_ROWS_TARGETS);
+        return;
+    }
     mukca_measured_columns *m = &c->measured[c->n_measured++];
     memset(m, -1, sizeof *m);
     snprintf(m->target, sizeof m->target, "%s", *suffix ? suffix + 1 : "");
     m->length = forms[form].length > 0 ? forms[form].length : rows->options.format.length;
     const bool matrix = forms[form].n == 12;
-    mukca_status status = find_group(matrix ? m->matrix : m->position,
-                                     &(group){forms[form].n, forms[form].names, suffix}, h, error);
-    if (status != MUKCA_OK) return status;
-    return matrix ? find_group(m->matrix + 12, &(group){4, last_row, suffix}, h, error)
-                  : find_turn(m, h, form, suffix, error);
+    find_group(matrix ? m->matrix : m->position, &(group){forms[form].n, forms[form].names, suffix},
+               h);
+    if (matrix)
+        find_group(m->matrix + 12, &(group){4, last_row, suffix}, h);
+    else
+        find_turn(m, h, form, suffix);
 }
 
-static mukca_status map_header(mukca_rows *rows, mukca_error *error)
+static void map_header(mukca_rows *rows)
 {
     const mukca_rows_format *format = &rows->options.format;
     mukca_row_columns *c = &rows->column;
     header h = {.rows = rows};
-    mukca_status status = find_names(&h, error);
-    if (status != MUKCA_OK) return status;
+    find_names(&h);
     c->placement = find(&h, "placement", "");
     c->socket = find(&h, "socket", "");
     c->target = find(&h, "target", "");
@@ -248,7 +240,7 @@ static mukca_status map_header(mukca_rows *rows, mukca_error *error)
         c->command[j] = find_joint(&h, j, ".command");
         if (j == 0) rows->by_command = c->joint[0] < 0 && c->command[0] >= 0;
         if (rows->by_command) c->joint[j] = c->command[j];
-        if (c->joint[j] < 0) return fail_header(rows, name, error);
+        if (c->joint[j] < 0) fail_header(rows, name);
         c->velocity[j] = find_joint(&h, j, ".velocity");
         rows->has_command |= c->command[j] >= 0;
     }
@@ -257,11 +249,11 @@ static mukca_status map_header(mukca_rows *rows, mukca_error *error)
             if ((form == PLAIN || form == CAPITAL) && !format->units &&
                 !mukca_table_has_unit(&rows->table, column))
                 continue; /* unit unknown */
-            status = find_measured(&h, column, form, error);
-            if (status != MUKCA_OK) return status;
+            find_measured(&h, column, form);
         }
     if (c->socket >= 0 && c->n_measured > 1)
         c->n_measured = 1; /* a sample of a socket occupies one row */
+    if (rows->table.status != MUKCA_OK) return;
     note_unknown_columns(&h);
     /* angles corrected by the driver before publication (mukca capture --stream corrected) */
     if (strstr(rows->table.comments, "# stream: corrected\n"))
@@ -269,32 +261,30 @@ static mukca_status map_header(mukca_rows *rows, mukca_error *error)
                           "%s: the driver has corrected these angles already; offsets found here "
                           "add to its own",
                           mukca_file_shown(rows->table.path));
-    return MUKCA_OK;
 }
 
-mukca_status mukca_rows_fail_measured(const mukca_rows *rows, const char *otherwise,
-                                      mukca_error *error)
+void mukca_rows_fail_measured(mukca_rows *rows, const char *otherwise)
 {
-    return mukca_table_fail(
-        error, &rows->table, -1, "%s",
-        mukca_table_find(&rows->table, "x") < 0 && mukca_table_find(&rows->table, "X") < 0
-            ? otherwise
-            : "columns x, y, z without a unit; give --units, as in rad,m or "
-              "deg,mm, or call them x_m, y_m, z_m");
+    mukca_table *t = &rows->table;
+    mukca_table_fail(t, -1, "%s",
+                     mukca_table_find(t, "x") < 0 && mukca_table_find(t, "X") < 0
+                         ? otherwise
+                         : "columns x, y, z without a unit; give --units, as in rad,m or deg,mm, "
+                           "or call them x_m, y_m, z_m");
 }
 
 /* Map a table without header: the joints, then the pose in the order implied by its width. */
-static mukca_status map_order(mukca_rows *rows, mukca_error *error)
+static void map_order(mukca_rows *rows)
 {
-    const mukca_table *t = &rows->table;
+    mukca_table *t = &rows->table;
     const mukca_rows_options *o = &rows->options;
     mukca_row_columns *c = &rows->column;
     const int n = rows->chain->n_joints, more = t->n_columns - n;
     const bool poses = more == 3 || more == 7 || more == 12 || more == 16;
     for (int j = 0; j < n; j++) c->joint[j] = j;
     if (o->kind == MUKCA_HEADER && poses && !o->format.by_order)
-        return mukca_table_fail(
-            error, t, -1,
+        mukca_table_fail(
+            t, -1,
             "has no header; %d columns may be %d joints and %s: name them in the first line, or "
             "confirm that order with --map order%s",
             t->n_columns, n,
@@ -304,19 +294,18 @@ static mukca_status map_order(mukca_rows *rows, mukca_error *error)
                          : "a 4x4 matrix row by row",
             more == 7 ? ", or --map order-w-last for qx qy qz qw" : "");
     if (o->format.by_order && !poses)
-        return mukca_table_fail(error, t, -1,
-                                "%d columns; --map order reads %d joints and then 3 (x y z), 7 "
-                                "(with a quaternion), 12 or 16 numbers (a 3x4 or 4x4 matrix)",
-                                t->n_columns, n);
+        mukca_table_fail(t, -1,
+                         "%d columns; --map order reads %d joints and then 3 (x y z), 7 "
+                         "(with a quaternion), 12 or 16 numbers (a 3x4 or 4x4 matrix)",
+                         t->n_columns, n);
     if (o->kind == MUKCA_HEADER && !poses)
-        return mukca_table_fail(error, t, -1,
-                                "starts with numbers; the first line must name the columns (or "
-                                "give the folder of hole_0.csv and hole_1.csv)");
+        mukca_table_fail(t, -1,
+                         "starts with numbers; the first line must name the columns (or "
+                         "give the folder of hole_0.csv and hole_1.csv)");
     if (more != 0 && !(poses && o->format.by_order))
-        return mukca_table_fail(error, t, -1,
-                                "%d columns, but the chain has %d joints; check --urdf and --tip",
-                                t->n_columns, n);
-    if (more == 0) return MUKCA_OK;
+        mukca_table_fail(t, -1, "%d columns, but the chain has %d joints; check --urdf and --tip",
+                         t->n_columns, n);
+    if (more == 0 || t->status != MUKCA_OK) return;
     mukca_measured_columns *m = &c->measured[c->n_measured++];
     m->target[0] = '\0';
     m->length = o->format.length;
@@ -330,13 +319,14 @@ static mukca_status map_order(mukca_rows *rows, mukca_error *error)
                           mukca_file_shown(t->path), n,
                           o->format.w_last ? "qx qy qz qw (w first: --map order)"
                                            : "qw qx qy qz (w last: --map order-w-last)");
-    return MUKCA_OK;
 }
 
-mukca_status mukca_rows_map(mukca_rows *rows, mukca_error *error)
+void mukca_rows_map(mukca_rows *rows)
 {
     memset(&rows->column, -1, sizeof rows->column);
     rows->column.n_measured = 0;
-    if (rows->table.header) return map_header(rows, error);
-    return rows->table.n_columns ? map_order(rows, error) : MUKCA_OK; /* else at the first row */
+    if (rows->table.header)
+        map_header(rows);
+    else if (rows->table.n_columns) /* else at the first row */
+        map_order(rows);
 }

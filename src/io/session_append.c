@@ -18,7 +18,7 @@
 #include "base/note.h"
 #include "base/text.h"
 #include "base/utf8.h"
-#include "io/dataset_write.h"
+#include "io/dataset.h"
 #include "io/output.h"
 
 enum { LINE_SIZE = 8192, MAX_SESSION = 1 << 27 };
@@ -50,7 +50,7 @@ bool mukca_session_label_ok(const char *label)
 /* Truncate the file after the acknowledged rows. */
 static bool cut(mukca_session *session)
 {
-    if (session->uncut && ftruncate(session->fd - 1, session->length)) return false;
+    if (session->uncut && ftruncate(session->fd, session->length)) return false;
     session->uncut = false;
     return true;
 }
@@ -59,7 +59,7 @@ static bool cut(mukca_session *session)
 static mukca_status commit(mukca_session *session, const char *text, size_t length,
                            mukca_error *error)
 {
-    int fd = session->fd - 1;
+    int fd = session->fd;
     size_t done = 0;
     if (!cut(session)) return fail_write(session, "not recorded", error);
     session->uncut = true;
@@ -116,7 +116,7 @@ mukca_status mukca_session_delete(mukca_session *session, int row, const char *p
     if (row == 0) row = session->n_rows;
     if (row < 1 || row > session->n_rows)
         return mukca_fail(error, MUKCA_INPUT, "%s: no row to delete", session->path);
-    int fd = session->fd - 1;
+    int fd = session->fd;
     int64_t *place = session->row_at + row - 1;
     const int64_t at = *place;
     if (pwrite(fd, "#", 1, at) != 1 || fsync(fd)) {
@@ -216,7 +216,8 @@ static mukca_status open_file(mukca_session *session, mukca_error *error)
     struct stat st;
     int fd = open(session->path, O_RDWR | O_CLOEXEC);
     if (fd < 0) return fail(session, "cannot be written", error);
-    session->fd = fd + 1;
+    session->fd = fd;
+    session->open = true;
     if (fstat(fd, &st) || !S_ISREG(st.st_mode))
         return mukca_fail(error, MUKCA_INPUT, "%s: not a regular file", session->path);
     if (!mukca_output_lock(fd))
@@ -230,8 +231,8 @@ static mukca_status begin(mukca_session *session, const mukca_session_head *head
                           mukca_error *error)
 {
     mukca_status status = write_header(session, head, error);
-    if (session->fd) close(session->fd - 1);
-    session->fd = 0;
+    if (session->open) close(session->fd);
+    session->open = false;
     return status ? status : open_file(session, error);
 }
 
@@ -317,7 +318,7 @@ static mukca_status load(found_file *found, mukca_session *session, const mukca_
     char *text = malloc((size_t)length + 1);
     if (!text) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     mukca_status status = MUKCA_OK;
-    if (pread(session->fd - 1, text, (size_t)length, 0) != length) {
+    if (pread(session->fd, text, (size_t)length, 0) != length) {
         status = fail(session, "cannot be read", error);
         goto out;
     }
@@ -346,7 +347,7 @@ mukca_status mukca_session_resume(mukca_session *session, const char *path,
         status = found.ours ? begin(session, head, error)
                             : mukca_fail(error, MUKCA_INPUT, "%s: no header of a session", path);
     else if (status == MUKCA_OK && found.rest) {
-        if (ftruncate(session->fd - 1, session->length))
+        if (ftruncate(session->fd, session->length))
             status = fail(session, "cannot be mended", error);
         else
             mukca_note_format(note, note_context, "%s: %lld bytes of an unfinished row removed",
@@ -358,7 +359,7 @@ mukca_status mukca_session_resume(mukca_session *session, const char *path,
 
 void mukca_session_close(mukca_session *session)
 {
-    if (session->fd) close(session->fd - 1);
+    if (session->open) close(session->fd);
     free(session->row_at);
     memset(session, 0, sizeof *session);
 }

@@ -26,7 +26,8 @@ typedef struct {
 
 /* Zeroed: closed. */
 typedef struct {
-    int fd; /* descriptor + 1; 0: closed */
+    bool open;
+    int fd; /* if open */
     char path[1024];
     char separator;
     int n_joints;

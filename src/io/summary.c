@@ -9,7 +9,6 @@
 #include <string.h>
 
 #include "base/utf8.h"
-#include "mukca/version.h"
 
 #define SCHEMA "mukca.summary/1"
 

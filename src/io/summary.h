@@ -14,4 +14,13 @@ mukca_status mukca_summary_write(FILE *stream, const mukca_summary *summary, muk
  * and line), MUKCA_MEMORY, and those of mukca_fleet_take. */
 mukca_status mukca_summary_read(mukca_fleet *fleet, const char *path, mukca_error *error);
 
+/* ---- traits of an arm model as a table (TSV) ---- */
+
+void mukca_traits_write(FILE *stream, const mukca_traits *traits);
+
+/* Read a traits table for a chain.  Errors: MUKCA_INPUT (file, line, column; another model),
+ * MUKCA_MEMORY. */
+mukca_status mukca_traits_read(mukca_traits *traits, const char *path, const mukca_chain *chain,
+                               mukca_error *error);
+
 #endif

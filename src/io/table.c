@@ -3,6 +3,7 @@
 
 #include <errno.h>
 #include <stdarg.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,70 +12,73 @@
 #include "base/note.h"
 #include "base/number.h"
 #include "base/text.h"
-#include "base/unit.h"
-#include "io/numpy.h"
 
-enum { LONGEST_LINE = 1 << 20 }; /* bytes; a longer line is of another kind of file */
+/* Bytes: a longer line is of another kind of file; a header has some ten lines of comments. */
+enum { LONGEST_LINE = 1 << 20, COMMENTS = 4096 };
 
-mukca_status mukca_table_fail(mukca_error *error, const mukca_table *table, int column,
-                              const char *format, ...)
+void mukca_table_fail(mukca_table *t, int column, const char *format, ...)
 {
     char text[256], where[80] = "";
     va_list args;
+    if (t->status != MUKCA_OK) return;
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
-    if (column >= 0 && table->header)
-        snprintf(where, sizeof where, " column '%.40s':", table->header[column]);
+    if (column >= 0 && t->header)
+        snprintf(where, sizeof where, " column '%.40s':", t->header[column]);
     else if (column >= 0)
         snprintf(where, sizeof where, " column %d:", column + 1);
-    return mukca_fail(error, MUKCA_INPUT, "%s:%d:%s %s", mukca_file_shown(table->path), table->line,
-                      where, text);
+    t->status = mukca_fail(t->error, MUKCA_INPUT, "%s:%d:%s %s", mukca_file_shown(t->path), t->line,
+                           where, text);
 }
 
-static mukca_status out_of_memory(mukca_error *error)
+void mukca_table_stop(mukca_table *t, mukca_status status)
 {
-    return mukca_fail(error, MUKCA_MEMORY, "out of memory while reading a table");
+    if (t->status == MUKCA_OK) t->status = status;
 }
 
-/* Read one line without its end into table->buffer; *more is false at the end of the file. */
-static mukca_status read_line(mukca_table *t, bool *more, mukca_error *error)
+/* The memory, unless it is NULL: a failure. */
+static void *check(mukca_table *t, void *memory)
+{
+    if (!memory && t->status == MUKCA_OK)
+        t->status = mukca_fail(t->error, MUKCA_MEMORY, "out of memory while reading a table");
+    return memory;
+}
+
+/* Read one line without its end into table->buffer; false at the end of the file. */
+static bool read_line(mukca_table *t)
 {
     char *line = t->buffer;
-    *more = false;
-    if (!line) return MUKCA_OK; /* no file is open */
+    if (!line || t->status != MUKCA_OK) return false;
     errno = 0;
-    *more = fgets(line, LONGEST_LINE, t->stream) != NULL;
-    if (ferror(t->stream)) return mukca_file_fail(error, t->path);
-    if (!*more) return MUKCA_OK;
+    const bool more = fgets(line, LONGEST_LINE, t->stream) != NULL;
+    if (ferror(t->stream)) mukca_table_stop(t, mukca_file_fail(t->error, t->path));
+    if (!more) return false;
     size_t length = strlen(line);
     t->line++;
     t->cut_off = feof(t->stream) != 0;
     if (length == LONGEST_LINE - 1 && line[length - 1] != '\n')
-        return mukca_table_fail(error, t, -1, "the line is longer than 1 MiB; this is no table");
-    if (length == 0 || (!t->cut_off && line[length - 1] != '\n'))
-        return mukca_table_fail(error, t, -1, "contains a zero byte; this is not a text file");
+        mukca_table_fail(t, -1, "the line is longer than 1 MiB; this is no table");
+    else if (length == 0 || (!t->cut_off && line[length - 1] != '\n'))
+        mukca_table_fail(t, -1, "contains a zero byte; this is not a text file");
     while (length && (line[length - 1] == '\n' || line[length - 1] == '\r')) line[--length] = '\0';
     if (strchr(line, '\r'))
-        return mukca_table_fail(error, t, -1,
-                                "lines end in carriage returns; save it with line feeds");
+        mukca_table_fail(t, -1, "lines end in carriage returns; save it with line feeds");
     if (t->line == 1 && strncmp(line, "\xEF\xBB\xBF", 3) == 0) memmove(line, line + 3, length - 2);
-    return MUKCA_OK;
+    return t->status == MUKCA_OK;
 }
 
-/* The next line that is neither blank nor a comment. */
-static mukca_status read_content(mukca_table *t, bool *more, mukca_error *error)
+/* Read the next line that is neither blank nor a comment; false at the end of the file. */
+static bool read_content(mukca_table *t)
 {
-    for (;;) {
-        const mukca_status status = read_line(t, more, error);
-        if (status != MUKCA_OK || !*more) return status;
+    while (read_line(t)) {
         const char *text = t->buffer + strspn(t->buffer, " \t\r");
-        if (*text && *text != '#') return MUKCA_OK;
-        mukca_text comments = {
-            .at = t->comments, .size = sizeof t->comments, .used = strlen(t->comments)};
+        if (*text && *text != '#') return true;
+        mukca_text comments = {.at = t->comments, .size = COMMENTS, .used = strlen(t->comments)};
         if (*text && !t->cell && comments.used + strlen(t->buffer) + 2 <= comments.size)
             mukca_text_put(&comments, "%s\n", t->buffer);
     }
+    return false;
 }
 
 /* Whether semicolons separate the cells: no tabs, and at most one comma per cell, a decimal one. */
@@ -101,7 +105,7 @@ static bool parse_number(double *value, const mukca_table *t, const char *cell)
 }
 
 /* Determine delimiter and width from the first content line. */
-static mukca_status set_shape(mukca_table *t, mukca_error *error)
+static void set_shape(mukca_table *t)
 {
     const char *line = t->buffer;
     t->delimiter = has_semicolons(line) ? ';' : mukca_cells_delimiter(line);
@@ -110,28 +114,29 @@ static mukca_status set_shape(mukca_table *t, mukca_error *error)
         t->delimiter = ' ';
         t->n_columns = mukca_cells_count(line, ' ');
     }
-    if (*line == '<') return mukca_table_fail(error, t, -1, "is XML or HTML; expected a table");
+    if (*line == '<') mukca_table_fail(t, -1, "is XML or HTML; expected a table");
     if (t->n_columns > MUKCA_TABLE_COLUMNS)
-        return mukca_table_fail(error, t, -1, "%d columns; at most %d are read", t->n_columns,
-                                (int)MUKCA_TABLE_COLUMNS);
-    t->cell = calloc((size_t)t->n_columns, sizeof *t->cell);
-    return t->cell ? MUKCA_OK : out_of_memory(error);
+        mukca_table_fail(t, -1, "%d columns; at most %d are read", t->n_columns,
+                         (int)MUKCA_TABLE_COLUMNS);
+    if (t->status == MUKCA_OK) t->cell = check(t, calloc((size_t)t->n_columns, sizeof *t->cell));
 }
 
-static mukca_status read_header(mukca_table *t, mukca_table_kind kind, mukca_error *error)
+static void read_header(mukca_table *t, mukca_table_kind kind)
 {
-    bool more;
-    mukca_status status = read_content(t, &more, error);
-    if (status != MUKCA_OK) return status;
-    if (!more)
-        return mukca_fail(error, MUKCA_INPUT, "%s: is empty; expected a header and rows",
-                          mukca_file_shown(t->path));
-    status = set_shape(t, error);
-    if (status != MUKCA_OK) return status;
-    t->header = calloc((size_t)t->n_columns, sizeof *t->header);
-    t->header_buffer = strdup(t->buffer);
-    t->unit = calloc((size_t)t->n_columns, sizeof *t->unit);
-    if (!t->header || !t->header_buffer || !t->unit) return out_of_memory(error);
+    if (!read_content(t)) {
+        if (t->status == MUKCA_OK)
+            t->status =
+                mukca_fail(t->error, MUKCA_INPUT, "%s: is empty; expected a header and rows",
+                           mukca_file_shown(t->path));
+        return;
+    }
+    set_shape(t);
+    if (t->status != MUKCA_OK) return;
+    t->header = check(t, calloc((size_t)t->n_columns, sizeof *t->header));
+    t->header_buffer = check(t, strdup(t->buffer));
+    t->unit = check(t, calloc((size_t)t->n_columns, sizeof *t->unit));
+    t->used = check(t, calloc((size_t)t->n_columns, sizeof *t->used));
+    if (t->status != MUKCA_OK) return;
     mukca_cells_split(t->header, t->n_columns, t->header_buffer, t->delimiter);
     int numbers = 0;
     for (int i = 0; i < t->n_columns; i++) {
@@ -142,68 +147,155 @@ static mukca_status read_header(mukca_table *t, mukca_table_kind kind, mukca_err
     for (int i = 0; i < t->n_columns && numbers < t->n_columns; i++)
         for (int k = 0; k < i && t->header[i][0]; k++)
             if (strcmp(t->header[i], t->header[k]) == 0)
-                return mukca_table_fail(error, t, -1, "two columns are called '%.40s'; rename one",
-                                        t->header[i]);
-    if (numbers < t->n_columns) return MUKCA_OK;
+                mukca_table_fail(t, -1, "two columns are called '%.40s'; rename one", t->header[i]);
+    if (numbers < t->n_columns) return;
     if (kind == MUKCA_HEADER)
-        return mukca_table_fail(error, t, -1,
-                                "starts with numbers; the first line must name the columns");
+        mukca_table_fail(t, -1, "starts with numbers; the first line must name the columns");
     free(t->header);
     t->header = NULL;
     t->pending = true;
+}
+
+/* ---- arrays of numpy ---- */
+
+/* Whether the stream starts with an array of numpy; nothing is consumed. */
+static bool is_array(FILE *stream)
+{
+    const int first = getc(stream);
+    if (first != EOF) ungetc(first, stream);
+    return first == 0x93;
+}
+
+typedef struct {
+    int size; /* bytes of a number: 4 or 8 */
+    long rows, columns;
+} array_shape;
+
+/* Parse the header of an array, such as {'descr': '<f8', 'fortran_order': False, 'shape': (9, 6)}.
+ */
+static bool read_shape(array_shape *a, FILE *stream)
+{
+    unsigned char start[12];
+    char text[1024];
+    if (fread(start, 1, 10, stream) != 10 || memcmp(start, "\x93NUMPY", 6) != 0) return false;
+    size_t length = start[8] + 256u * start[9];
+    if (start[6] > 1 && (fread(start + 10, 1, 2, stream) != 2 || start[10] || start[11]))
+        return false;
+    if (length >= sizeof text || fread(text, 1, length, stream) != length) return false;
+    text[length] = '\0';
+    const char *shape = strstr(text, "'shape': (");
+    a->size = strstr(text, "'descr': '<f8'") ? 8 : strstr(text, "'descr': '<f4'") ? 4 : 0;
+    if (!shape || !a->size || !strstr(text, "'fortran_order': False")) return false;
+    char *end;
+    a->rows = strtol(shape + strlen("'shape': ("), &end, 10);
+    a->columns = 1;
+    for (const char *at = end; *at == ','; at = end) {
+        const long n = strtol(at + 1, &end, 10);
+        if (end == at + 1) break; /* (9,) */
+        if (n < 1 || n > MUKCA_TABLE_COLUMNS) return false;
+        a->columns *= n;
+        if (a->columns > MUKCA_TABLE_COLUMNS) return false;
+    }
+    return a->rows >= 0;
+}
+
+static bool read_number(double *value, int size, FILE *stream)
+{
+    unsigned char bytes[8];
+    uint64_t bits = 0;
+    if (fread(bytes, 1, (size_t)size, stream) != (size_t)size) return false;
+    for (int i = size; i-- > 0;) bits = bits << 8 | bytes[i];
+    const uint32_t few = (uint32_t)bits;
+    float single;
+    if (size == 8) memcpy(value, &bits, sizeof *value);
+    if (size == 4) memcpy(&single, &few, sizeof single), *value = (double)single;
+    return true;
+}
+
+/* Replace *stream, such an array, by the same numbers as CSV; further dimensions than the first
+ * become columns. */
+static mukca_status read_array(FILE **stream, const char *path, mukca_error *error)
+{
+    array_shape a;
+    if (!read_shape(&a, *stream))
+        return mukca_fail(error, MUKCA_INPUT,
+                          "%s: an array of numpy of another kind; save one of numbers: "
+                          "numpy.save(FILE, numpy.ascontiguousarray(a, float))",
+                          mukca_file_shown(path));
+    FILE *text = tmpfile();
+    if (!text) return mukca_file_fail(error, path);
+    bool whole = true;
+    for (long i = 0; i < a.rows && whole && !ferror(text); i++)
+        for (long c = 0; c < a.columns && whole; c++) {
+            double value = 0;
+            whole = read_number(&value, a.size, *stream);
+            fprintf(text, "%.17g%c", value, c + 1 < a.columns ? ',' : '\n');
+        }
+    if (!whole || fflush(text) || fseek(text, 0, SEEK_SET)) {
+        fclose(text);
+        return whole ? mukca_file_fail(error, path)
+                     : mukca_fail(error, MUKCA_INPUT, "%s: the array is cut off",
+                                  mukca_file_shown(path));
+    }
+    if (*stream != stdin) fclose(*stream);
+    *stream = text;
     return MUKCA_OK;
 }
+
+/* ---- */
 
 mukca_status mukca_table_open(mukca_table *t, const char *path, mukca_table_kind kind,
                               mukca_error *error)
 {
     memset(t, 0, sizeof *t);
-    if (strlen(path) >= sizeof t->path)
-        return mukca_fail(error, MUKCA_INPUT, "%.60s...: the file name is too long", path);
+    t->error = error;
     bool standard = strcmp(path, "-") == 0;
-    snprintf(t->path, sizeof t->path, "%s", standard ? "standard input" : path);
-    t->stream = standard ? stdin : fopen(path, "r");
-    if (!t->stream) return mukca_file_fail(error, path);
-    t->buffer = malloc(LONGEST_LINE);
-    mukca_status status = t->buffer ? MUKCA_OK : out_of_memory(error);
-    if (status == MUKCA_OK && mukca_numpy_is_array(t->stream))
-        status = mukca_numpy_read(&t->stream, t->path, error);
-    if (status == MUKCA_OK && kind != MUKCA_NO_HEADER) status = read_header(t, kind, error);
-    if (status != MUKCA_OK) mukca_table_close(t);
-    return status;
+    if (strlen(path) < sizeof t->path) {
+        snprintf(t->path, sizeof t->path, "%s", standard ? "standard input" : path);
+        t->stream = standard ? stdin : fopen(path, "r");
+        t->status = t->stream ? MUKCA_OK : mukca_file_fail(error, path);
+    } else {
+        t->status = mukca_fail(error, MUKCA_INPUT, "%.60s...: the file name is too long", path);
+    }
+    if (t->status == MUKCA_OK) t->buffer = check(t, malloc(LONGEST_LINE));
+    if (t->status == MUKCA_OK) t->comments = check(t, calloc(COMMENTS, 1));
+    if (t->status == MUKCA_OK && is_array(t->stream))
+        t->status = read_array(&t->stream, t->path, error);
+    if (t->status == MUKCA_OK && kind != MUKCA_NO_HEADER) read_header(t, kind);
+    return t->status;
 }
 
-mukca_status mukca_table_next(mukca_table *t, bool *more, mukca_error *error)
+bool mukca_table_next(mukca_table *t)
 {
-    mukca_status status = MUKCA_OK;
-    *more = true;
-    if (!t->pending) status = read_content(t, more, error);
+    const bool more = (t->pending && t->status == MUKCA_OK) || read_content(t);
     t->pending = false;
-    if (status != MUKCA_OK || !*more) return status;
-    if (!t->cell) status = set_shape(t, error);
-    if (status != MUKCA_OK || !t->cell) return status;
-    if (!mukca_cells_split(t->cell, t->n_columns, t->buffer, t->delimiter))
-        return mukca_table_fail(error, t, -1, "%d columns, but %d %s%s",
-                                mukca_cells_count(t->buffer, t->delimiter), t->n_columns,
-                                t->header ? "in the header" : "in the first row",
-                                t->cut_off ? "; the last line is cut off" : "");
-    t->row++;
-    return MUKCA_OK;
+    if (!more) return false;
+    if (!t->cell) set_shape(t);
+    if (t->status != MUKCA_OK) return false;
+    if (mukca_cells_split(t->cell, t->n_columns, t->buffer, t->delimiter))
+        t->row++;
+    else
+        mukca_table_fail(t, -1, "%d columns, but %d %s%s",
+                         mukca_cells_count(t->buffer, t->delimiter), t->n_columns,
+                         t->header ? "in the header" : "in the first row",
+                         t->cut_off ? "; the last line is cut off" : "");
+    return t->status == MUKCA_OK;
 }
 
-void mukca_table_close(mukca_table *t)
+mukca_status mukca_table_close(mukca_table *t)
 {
+    const mukca_status status = t->status;
     if (t->stream && t->stream != stdin) fclose(t->stream);
     free(t->header);
     free(t->header_buffer);
     free(t->unit);
+    free(t->used);
     free(t->names);
+    free(t->comments);
     free(t->cell);
     free(t->buffer);
-    t->stream = NULL;
-    t->header = t->cell = NULL;
-    t->header_buffer = t->buffer = t->names = NULL;
-    t->unit = NULL;
+    *t = (mukca_table){.status = status, .line = t->line, .row = t->row};
+    return status;
 }
 
 int mukca_table_find(const mukca_table *t, const char *name)
@@ -213,12 +305,18 @@ int mukca_table_find(const mukca_table *t, const char *name)
     return -1;
 }
 
-mukca_status mukca_table_require(int *column, const mukca_table *t, const char *name,
-                                 mukca_error *error)
+int mukca_table_use(mukca_table *t, const char *name)
 {
-    *column = mukca_table_find(t, name);
-    if (*column >= 0) return MUKCA_OK;
-    return mukca_table_fail(error, t, -1, "no column '%s' in the header", name);
+    const int column = mukca_table_find(t, name);
+    if (column >= 0) t->used[column] = true;
+    return column;
+}
+
+int mukca_table_require(mukca_table *t, const char *name)
+{
+    const int column = mukca_table_use(t, name);
+    if (column < 0) mukca_table_fail(t, -1, "no column '%s' in the header", name);
+    return column;
 }
 
 bool mukca_table_has_unit(const mukca_table *t, int column)
@@ -226,27 +324,27 @@ bool mukca_table_has_unit(const mukca_table *t, int column)
     return t->unit && t->unit[column] > 0;
 }
 
-mukca_status mukca_table_number(double *value, const mukca_table *t, int column, mukca_error *error)
+double mukca_table_number(mukca_table *t, int column)
 {
     char fault[MUKCA_CELL_FAULT];
-    if (parse_number(value, t, t->cell[column]) ||
-        mukca_cell_number(value, t->cell[column], fault)) {
-        if (mukca_table_has_unit(t, column)) *value *= t->unit[column];
-        return MUKCA_OK;
-    }
-    return mukca_table_fail(error, t, column, "%s%s", fault,
-                            t->header || t->row > 1 ? "" : "; this file has no header line");
+    double value;
+    if (t->status != MUKCA_OK) return 0;
+    if (parse_number(&value, t, t->cell[column]) ||
+        mukca_cell_number(&value, t->cell[column], fault))
+        return mukca_table_has_unit(t, column) ? value * t->unit[column] : value;
+    mukca_table_fail(t, column, "%s%s", fault,
+                     t->header || t->row > 1 ? "" : "; this file has no header line");
+    return 0;
 }
 
-void mukca_table_note_unknown(const mukca_table *table, const bool *known, mukca_note_fn *note,
-                              void *context)
+void mukca_table_note_unknown(const mukca_table *table, mukca_note_fn *note, void *context)
 {
     char names[120] = "";
     mukca_text list = MUKCA_TEXT(names);
     int unknown = 0;
     bool whole = true;
     for (int c = 0; c < table->n_columns; c++) {
-        if (known[c]) continue;
+        if (table->used[c]) continue;
         const bool fits = list.used + strlen(table->header[c]) + 8 < list.size;
         if (fits)
             mukca_text_put(&list, "%s%s", unknown ? ", " : "", table->header[c]);
@@ -265,17 +363,8 @@ mukca_status mukca_table_read(const char *path, const char *const *names, int n,
 {
     mukca_table table;
     int column[MUKCA_TABLE_NAMED] = {0};
-    bool more = true;
-    mukca_status status =
-        mukca_table_open(&table, path, names ? MUKCA_HEADER : MUKCA_NO_HEADER, error);
-    if (status != MUKCA_OK) return status;
-    for (int i = 0; names && i < n && status == MUKCA_OK; i++)
-        status = mukca_table_require(&column[i], &table, names[i], error);
-    while (status == MUKCA_OK) {
-        status = mukca_table_next(&table, &more, error);
-        if (status != MUKCA_OK || !more) break;
-        status = read(context, &table, column, error);
-    }
-    mukca_table_close(&table);
-    return status;
+    mukca_table_open(&table, path, names ? MUKCA_HEADER : MUKCA_NO_HEADER, error);
+    for (int i = 0; names && i < n; i++) column[i] = mukca_table_require(&table, names[i]);
+    while (mukca_table_next(&table)) read(context, &table, column);
+    return mukca_table_close(&table);
 }

@@ -2,21 +2,18 @@
  *
  * Semicolons may separate the cells; numbers may then have decimal commas.  Blanks separate them if
  * nothing else does.  Units in the header, as in `q1 [deg]`, are applied.  An array of numpy is a
- * table without header.  Cells are trimmed and
- * surrounding double quotes removed; blank lines and a byte-order mark are skipped; lines may end
- * in CR LF.  All errors are MUKCA_INPUT and state file, line and column. */
+ * table without header.  Cells are trimmed and surrounding double quotes removed; blank lines and a
+ * byte-order mark are skipped; lines may end in CR LF.
+ *
+ * The first failure is kept: MUKCA_INPUT with file, line and column, or MUKCA_MEMORY.  After it
+ * there are no more rows, and mukca_table_close returns it. */
 #ifndef MUKCA_IO_TABLE_H
 #define MUKCA_IO_TABLE_H
 
 #include <stdbool.h>
-#include <stddef.h>
 #include <stdio.h>
 
 #include "mukca/status.h"
-
-#ifdef __cplusplus
-extern "C" {
-#endif
 
 enum {
     MUKCA_TABLE_COLUMNS = 4096, /* largest width; a session of 16 joints has about 90 */
@@ -27,6 +24,8 @@ typedef enum { MUKCA_HEADER, MUKCA_NO_HEADER, MUKCA_EITHER } mukca_table_kind;
 
 typedef struct {
     char path[512];
+    mukca_status status; /* of the first failure, with its message in */
+    mukca_error *error;
     FILE *stream;
     int line;      /* of the current row, from 1 */
     int row;       /* data rows read so far */
@@ -37,9 +36,10 @@ typedef struct {
     char **header; /* [n_columns], or NULL */
     char **cell;   /* [n_columns] of the current row */
     double *unit;  /* [n_columns], SI per unit in the header, 0: none stated; or NULL */
+    bool *used;    /* [n_columns], columns asked for by mukca_table_use; or NULL */
     char *buffer, *header_buffer;
-    char *names;         /* of --columns */
-    char comments[4096]; /* `#` lines before the header, as many as fit */
+    char *names;    /* of --columns */
+    char *comments; /* `#` lines before the header, as many as fit */
 } mukca_table;
 
 /* Open `path` (`-` is standard input) and read the header.  Kind EITHER: there is no header if the
@@ -47,44 +47,47 @@ typedef struct {
 mukca_status mukca_table_open(mukca_table *table, const char *path, mukca_table_kind kind,
                               mukca_error *error);
 
-/* Read one row into table->cell; *more is false at the end of the file.  Rows must have equal
+/* Read one row into table->cell; false: the end of the file, or a failure.  Rows must have equal
  * width. */
-mukca_status mukca_table_next(mukca_table *table, bool *more, mukca_error *error);
+bool mukca_table_next(mukca_table *table);
 
-void mukca_table_close(mukca_table *table); /* harmless on a zeroed table */
+/* Returns the first failure, MUKCA_OK: none.  Harmless on a zeroed table. */
+mukca_status mukca_table_close(mukca_table *table);
 
 /* Index of a column by its name, -1: none. */
 int mukca_table_find(const mukca_table *table, const char *name);
 
-/* The same for a required column. */
-mukca_status mukca_table_require(int *column, const mukca_table *table, const char *name,
-                                 mukca_error *error);
+/* The same for a column that is going to be read, and for a required one. */
+int mukca_table_use(mukca_table *table, const char *name);
+int mukca_table_require(mukca_table *table, const char *name);
 
 /* Whether the header states the column's unit: its numbers are then in SI units. */
 bool mukca_table_has_unit(const mukca_table *table, int column);
 
-/* Parse a cell as a finite number, in SI units if the header states its unit. */
-mukca_status mukca_table_number(double *value, const mukca_table *table, int column,
-                                mukca_error *error);
+/* Parse a cell as a finite number, in SI units if the header states its unit; 0 after a failure. */
+double mukca_table_number(mukca_table *table, int column);
 
-/* Fail with "file:line: column 'name': ..." and status MUKCA_INPUT; column -1: none. */
-mukca_status mukca_table_fail(mukca_error *error, const mukca_table *table, int column,
-                              const char *format, ...) __attribute__((format(printf, 4, 5)));
+/* Fail with "file:line: column 'name': ..." and status MUKCA_INPUT; column -1: none.  And with
+ * another status, whose message is in table->error already (MUKCA_OK: no failure). */
+void mukca_table_fail(mukca_table *table, int column, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+void mukca_table_stop(mukca_table *table, mukca_status status);
 
-/* Note the columns with known[i] false as ignored. */
-void mukca_table_note_unknown(const mukca_table *table, const bool *known, mukca_note_fn *note,
-                              void *context);
+/* Note the columns that are not used as ignored. */
+void mukca_table_note_unknown(const mukca_table *table, mukca_note_fn *note, void *context);
 
 /* Callback for one row; column[i] is the index of the i-th required column. */
-typedef mukca_status mukca_table_row_fn(void *context, const mukca_table *table, const int *column,
-                                        mukca_error *error);
+typedef void mukca_table_row_fn(void *context, mukca_table *table, const int *column);
 
 /* Read the whole table `path`.  Its header must have the columns names[n] (at most
  * MUKCA_TABLE_NAMED; names NULL: a table without header). */
 mukca_status mukca_table_read(const char *path, const char *const *names, int n,
                               mukca_table_row_fn *read, void *context, mukca_error *error);
 
-#ifdef __cplusplus
-}
-#endif
+/* ---- names of columns (columns.c) ---- */
+
+/* Rename the columns of an open table by the text or file `columns`: `COLUMN=NAME,...`, or a name
+ * for each column in order; a line end separates like a comma. */
+void mukca_columns_rename(mukca_table *table, const char *columns);
+
 #endif

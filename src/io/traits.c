@@ -1,5 +1,5 @@
 /* Traits of an arm model as a table: provenance in `#` lines, one row per coefficient or order. */
-#include "io/traits.h"
+#include "io/summary.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -86,80 +86,82 @@ static bool hash(uint64_t *value, const mukca_table *table, const char *key)
 }
 
 /* Check that the chain has the fleet's nominal geometry; joint names come from the chain. */
-static mukca_status check_model(mukca_traits *t, const mukca_table *table, const mukca_chain *chain,
-                                mukca_error *error)
+static void check_model(mukca_traits *t, mukca_table *table, const mukca_chain *chain)
 {
     mukca_fleet_model own;
     mukca_fleet_model_of(&own, chain);
     t->model = own;
-    if (!hash(&t->model.geometry, table, "geometry") || !hash(&t->model.masses, table, "masses"))
-        return mukca_fail(error, MUKCA_INPUT,
-                          "%s: no traits table: `# geometry:` or `# masses:` is missing; make it "
-                          "with mukca fleet",
-                          table->path);
+    const bool model =
+        hash(&t->model.geometry, table, "geometry") && hash(&t->model.masses, table, "masses");
     const char *differs = mukca_fleet_model_differs(&own, &t->model), *arms = head(table, "arms");
-    if (differs)
-        return mukca_fail(error, MUKCA_INPUT,
-                          "%s: traits of another model: %s; give those of this arm's model",
-                          table->path, differs);
+    if (!model)
+        mukca_table_stop(
+            table, mukca_fail(table->error, MUKCA_INPUT,
+                              "%s: no traits table: `# geometry:` or `# masses:` is missing; make "
+                              "it with mukca fleet",
+                              table->path));
+    else if (differs)
+        mukca_table_stop(table, mukca_fail(table->error, MUKCA_INPUT,
+                                           "%s: traits of another model: %s; give those of this "
+                                           "arm's model",
+                                           table->path, differs));
     t->n_arms = arms ? atoi(arms) : 0;
-    return MUKCA_OK;
 }
 
-static mukca_status read_effect(mukca_effect *e, const mukca_table *table, const int *column,
-                                const mukca_chain *chain, mukca_error *error)
+static mukca_effect read_effect(mukca_table *table, const int *column, const mukca_chain *chain)
 {
     const char *joint = table->cell[column[JOINT]], *term = table->cell[column[TERM]];
     const int kind = mukca_effect_find(table->cell[column[EFFECT]]);
     const bool order = kind == MUKCA_EFFECT_GEAR_HARMONIC;
+    mukca_effect e = {.kind = (mukca_effect_kind)kind, .joint = -1, .placement = -1};
     if (!order && (kind < 0 || !mukca_effect_has(kind, MUKCA_TRAIT_ELASTIC) ||
-                   kind == MUKCA_EFFECT_SERVO_SAG))
-        return mukca_table_fail(error, table, column[EFFECT],
-                                "'%s' is no trait; joint_compliance, link_bending, base_compliance "
-                                "and gear_harmonic are",
-                                table->cell[column[EFFECT]]);
-    *e = (mukca_effect){.kind = (mukca_effect_kind)kind, .joint = -1, .placement = -1};
-    if (mukca_effect_has_joint(kind)) {
-        e->joint = mukca_chain_find_joint(chain, joint);
-        if (e->joint < 0)
-            return mukca_table_fail(error, table, column[JOINT], "'%s' is no joint of the arm",
-                                    joint);
+                   kind == MUKCA_EFFECT_SERVO_SAG)) {
+        mukca_table_fail(table, column[EFFECT],
+                         "'%s' is no trait; joint_compliance, link_bending, base_compliance and "
+                         "gear_harmonic are",
+                         table->cell[column[EFFECT]]);
+        return e;
     }
-    if (order &&
-        (strncmp(term, "order=", 6) != 0 || mukca_effect_set_variant(e, term + 6, chain->n_joints)))
-        return mukca_table_fail(error, table, column[TERM], "'%s' is not order=N, N from 2 to 400",
-                                term);
-    e->terms = mukca_effect_terms(e);
-    return MUKCA_OK;
+    if (mukca_effect_has_joint(kind)) {
+        e.joint = mukca_chain_find_joint(chain, joint);
+        if (e.joint < 0)
+            mukca_table_fail(table, column[JOINT], "'%s' is no joint of the arm", joint);
+    }
+    if (order && (strncmp(term, "order=", 6) != 0 ||
+                  mukca_effect_set_variant(&e, term + 6, chain->n_joints)))
+        mukca_table_fail(table, column[TERM], "'%s' is not order=N, N from 2 to 400", term);
+    e.terms = mukca_effect_terms(&e);
+    return e;
 }
 
-static mukca_status read_row(mukca_traits *t, const mukca_table *table, const int *column,
-                             const mukca_chain *chain, mukca_error *error)
+static void read_row(mukca_traits *t, mukca_table *table, const int *column,
+                     const mukca_chain *chain)
 {
-    mukca_trait r = {.spread = NAN, .error = NAN, .value = NAN, .low = NAN, .high = NAN};
-    mukca_status status = read_effect(&r.effect, table, column, chain, error);
+    mukca_trait r = {.effect = read_effect(table, column, chain),
+                     .spread = NAN,
+                     .error = NAN,
+                     .value = NAN,
+                     .low = NAN,
+                     .high = NAN};
     const bool order = r.effect.kind == MUKCA_EFFECT_GEAR_HARMONIC;
-    for (int c = MEAN; c <= ERROR && status == MUKCA_OK; c++) {
-        double value = 0;
+    for (int c = MEAN; c <= ERROR; c++) {
         if (order && (c == SPREAD || c == ERROR)) continue;
-        status = mukca_table_number(&value, table, column[c], error);
+        const double value = mukca_table_number(table, column[c]);
         if (c == ARMS)
             r.arms = (int)fmin(fmax(value, 0), 1e9);
         else
             memcpy((char *)&r + columns[c].offset, &value, sizeof value);
     }
-    if (status != MUKCA_OK) return status;
     if (!order && !(r.spread > 0 && r.error > 0 && r.mean >= 0))
-        return mukca_table_fail(error, table, column[r.mean >= 0 ? SPREAD : MEAN],
-                                "a mean is at least 0, its spread and error are above 0");
+        mukca_table_fail(table, column[r.mean >= 0 ? SPREAD : MEAN],
+                         "a mean is at least 0, its spread and error are above 0");
     if (!(r.probability >= 0 && r.probability <= 1))
-        return mukca_table_fail(error, table, column[PROBABILITY], "not between 0 and 1");
+        mukca_table_fail(table, column[PROBABILITY], "not between 0 and 1");
     for (int i = 0; i < t->n; i++)
         if (mukca_effect_same(&t->list[i].effect, &r.effect))
-            return mukca_table_fail(error, table, column[EFFECT], "the same trait twice");
-    if (t->n == MUKCA_MAX_TRAITS) return mukca_table_fail(error, table, -1, "too many traits");
-    t->list[t->n++] = r;
-    return MUKCA_OK;
+            mukca_table_fail(table, column[EFFECT], "the same trait twice");
+    if (t->n == MUKCA_MAX_TRAITS) mukca_table_fail(table, -1, "too many traits");
+    if (table->status == MUKCA_OK) t->list[t->n++] = r;
 }
 
 mukca_status mukca_traits_read(mukca_traits *t, const char *path, const mukca_chain *chain,
@@ -167,19 +169,12 @@ mukca_status mukca_traits_read(mukca_traits *t, const char *path, const mukca_ch
 {
     mukca_table table;
     int column[ERROR + 1];
-    bool more = true;
     memset(t, 0, sizeof *t);
-    mukca_status status = mukca_table_open(&table, path, MUKCA_HEADER, error);
-    if (status != MUKCA_OK) return status;
-    status = check_model(t, &table, chain, error);
-    for (int c = 0; c <= ERROR && status == MUKCA_OK; c++)
-        if (c != UNIT) status = mukca_table_require(&column[c], &table, columns[c].name, error);
-    while (status == MUKCA_OK && more) {
-        status = mukca_table_next(&table, &more, error);
-        if (status == MUKCA_OK && more) status = read_row(t, &table, column, chain, error);
-    }
-    if (status == MUKCA_OK && table.cut_off)
-        status = mukca_table_fail(error, &table, -1, "the file is cut off; make it again");
-    mukca_table_close(&table);
-    return status;
+    mukca_table_open(&table, path, MUKCA_HEADER, error);
+    if (table.status == MUKCA_OK) check_model(t, &table, chain);
+    for (int c = 0; c <= ERROR; c++)
+        if (c != UNIT) column[c] = mukca_table_require(&table, columns[c].name);
+    while (mukca_table_next(&table)) read_row(t, &table, column, chain);
+    if (table.cut_off) mukca_table_fail(&table, -1, "the file is cut off; make it again");
+    return mukca_table_close(&table);
 }

@@ -1,12 +1,10 @@
-/* The arm's chain from a URDF. */
+/* The arm's chain from a URDF and link masses; and as a URDF. */
 #ifndef MUKCA_IO_URDF_H
 #define MUKCA_IO_URDF_H
 
-#include "mukca/chain.h"
+#include <stdio.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+#include "mukca/chain.h"
 
 typedef struct {
     const char *base;      /* link; NULL: the URDF's root */
@@ -22,7 +20,30 @@ mukca_status mukca_urdf_load(mukca_chain *chain, const char *path,
                              const mukca_urdf_options *options, mukca_note_fn *note, void *context,
                              mukca_error *error);
 
-#ifdef __cplusplus
-}
-#endif
+/* ---- link masses (inertials.c): link, mass_kg, com_x_m, com_y_m, com_z_m ---- */
+
+typedef struct {
+    char link[MUKCA_NAME_SIZE];
+    double kg;
+    double com[3]; /* m, in the link's frame */
+} mukca_inertial;
+
+/* Whether `link` has that name, with or without a prefix ("left_panda_link1" is a "link1"). */
+bool mukca_inertials_names(const char *link, const char *name);
+
+/* Whether the file belongs to an arm of this geometry: each row with origin_x_m, origin_y_m,
+ * origin_z_m must name a link of the chain whose joint has that origin.  False for a file without
+ * these columns or an unreadable one. */
+bool mukca_inertials_fit(const mukca_chain *chain, const char *path);
+
+/* Read the table into a new list of *n links; free *list with free.  Errors: MUKCA_INPUT (a
+ * negative or implausible mass, a duplicate link), MUKCA_MEMORY. */
+mukca_status mukca_inertials_read(mukca_inertial **list, int *n, const char *path,
+                                  mukca_error *error);
+
+/* ---- a chain as a URDF (urdf_write.c) ---- */
+
+/* Print the chain's links and joints; a chain has no masses or shapes to print. */
+void mukca_urdf_write(FILE *stream, const mukca_chain *chain);
+
 #endif

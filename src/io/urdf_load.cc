@@ -17,14 +17,15 @@
 #include <string>
 #include <vector>
 
+extern "C" {
 #include "base/file.h"
 #include "base/note.h"
 #include "base/number.h"
 #include "base/suggest.h"
 #include "base/utf8.h"
-#include "io/inertials.h"
 #include "io/urdf.h"
 #include "io/urdf_text.h"
+}
 
 namespace
 {

@@ -7,10 +7,6 @@
 
 #include "mukca/chain.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* One <joint> of the robot.  Offsets count bytes from the start of the text. */
 typedef struct {
     char name[MUKCA_NAME_SIZE]; /* truncated to 63 characters */
@@ -39,7 +35,4 @@ void mukca_urdf_text_free(mukca_urdf_text *urdf); /* harmless on zeroed text */
 /* The joint of that name; NULL: none. */
 const mukca_urdf_joint *mukca_urdf_text_joint(const mukca_urdf_text *urdf, const char *name);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -1,5 +1,5 @@
 /* A chain as a URDF. */
-#include "io/urdf_write.h"
+#include "io/urdf.h"
 
 #include "io/export.h"
 

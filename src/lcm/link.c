@@ -27,11 +27,6 @@ struct mukca_lcm_link {
     void *context;
     mukca_lcm_log log; /* replayed */
     int64_t clock;     /* time of the last event delivered, us */
-    mukca_lcm_log record;
-    int64_t flushed;    /* us, last flush of the record */
-    mukca_error failed; /* why the record was closed */
-    mukca_note_fn *note;
-    void *note_context;
 };
 
 int64_t mukca_lcm_link_clock(const mukca_lcm_link *link)
@@ -54,39 +49,6 @@ int64_t mukca_lcm_link_dropped(mukca_lcm_link *link, char reason[128])
     return link->multicast ? mukca_lcm_multicast_dropped(link->multicast, reason) : 0;
 }
 
-/* ---- record ---- */
-
-mukca_status mukca_lcm_link_record(mukca_lcm_link *link, const char *path, bool force,
-                                   mukca_note_fn *note, void *note_context, mukca_error *error)
-{
-    link->note = note;
-    link->note_context = note_context;
-    return mukca_lcm_log_create(&link->record, path, force, error);
-}
-
-static void record(mukca_lcm_link *link, const mukca_lcm_packet *packet)
-{
-    if (!link->record.file) return;
-    mukca_error *error = &link->failed;
-    mukca_status status = mukca_lcm_log_write(&link->record, packet->channel, packet->time,
-                                              packet->data, packet->size, error);
-    if (!status && (packet->time - link->flushed > 500000 || packet->time < link->flushed)) {
-        status = mukca_lcm_log_flush(&link->record, error);
-        link->flushed = packet->time;
-    }
-    if (status) {
-        mukca_lcm_log_close(&link->record);
-        if (link->note) link->note(link->note_context, error->text);
-    }
-}
-
-mukca_status mukca_lcm_link_finish_record(mukca_lcm_link *link, mukca_error *error)
-{
-    if (link->record.file) return mukca_lcm_log_finish(&link->record, error);
-    if (link->failed.status) *error = link->failed;
-    return link->failed.status;
-}
-
 static bool is_named(const mukca_lcm_link *link, const char *channel)
 {
     for (int i = 0; i < link->n_channels; i++)
@@ -94,12 +56,11 @@ static bool is_named(const mukca_lcm_link *link, const char *channel)
     return false;
 }
 
-/* Deliver a message that is subscribed; named channels are recorded. */
+/* Deliver a message that is subscribed. */
 static void deliver(mukca_lcm_link *link, const mukca_lcm_packet *packet)
 {
-    const bool named = is_named(link, packet->channel);
-    if (named) record(link, packet);
-    if (named || link->listens_to_all) link->receive(link->context, packet);
+    if (link->listens_to_all || is_named(link, packet->channel))
+        link->receive(link->context, packet);
 }
 
 /* ---- open and close ---- */
@@ -213,7 +174,6 @@ void mukca_lcm_link_close(mukca_lcm_link *link)
     mukca_lcm_multicast_close(link->multicast);
     if (link->lcm) lcm_destroy(link->lcm);
     mukca_lcm_log_close(&link->log);
-    mukca_lcm_log_close(&link->record);
     free(link);
 }
 
@@ -291,9 +251,6 @@ mukca_status mukca_lcm_link_wait(mukca_lcm_link *link, int timeout_ms, int other
 mukca_status mukca_lcm_link_publish(mukca_lcm_link *link, const char *channel, const void *data,
                                     size_t size, mukca_error *error)
 {
-    const mukca_lcm_packet packet = {
-        .channel = channel, .data = data, .size = size, .time = mukca_lcm_link_clock(link)};
-    record(link, &packet);
     if (link->lcm && lcm_publish(link->lcm, channel, data, (unsigned)size))
         return mukca_fail(error, MUKCA_TRANSPORT, "LCM cannot send on %s", channel);
     return MUKCA_OK;

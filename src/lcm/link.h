@@ -38,17 +38,9 @@ void mukca_lcm_link_unlisten_all(mukca_lcm_link *link);
 mukca_status mukca_lcm_link_wait(mukca_lcm_link *link, int timeout_ms, int other, bool *readable,
                                  mukca_error *error);
 
-/* Send a message; during a replay it is only recorded.  Errors: MUKCA_TRANSPORT. */
+/* Send a message; not during a replay.  Errors: MUKCA_TRANSPORT. */
 mukca_status mukca_lcm_link_publish(mukca_lcm_link *link, const char *channel, const void *data,
                                     size_t size, mukca_error *error);
-
-/* Record the messages of named channels and those published from now on to an event log.  A later
- * failure is reported once by `note` and ends the record. */
-mukca_status mukca_lcm_link_record(mukca_lcm_link *link, const char *path, bool force,
-                                   mukca_note_fn *note, void *note_context, mukca_error *error);
-
-/* Close the record, if there is one.  Errors: MUKCA_MEMORY (incomplete, now or earlier). */
-mukca_status mukca_lcm_link_finish_record(mukca_lcm_link *link, mukca_error *error);
 
 /* Whether a log is replayed; and the time in us since 1970, in a replay that of the log. */
 bool mukca_lcm_link_replays(const mukca_lcm_link *link);

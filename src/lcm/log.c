@@ -3,10 +3,8 @@
 #include "lcm/log.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "io/output.h"
 #include "lcm/wire.h"
@@ -29,19 +27,6 @@ mukca_status mukca_lcm_log_open(mukca_lcm_log *log, const char *path, mukca_erro
                           reason ? strerror(reason) : "cannot be read");
     }
     return MUKCA_OK;
-}
-
-mukca_status mukca_lcm_log_create(mukca_lcm_log *log, const char *path, bool force,
-                                  mukca_error *error)
-{
-    *log = (mukca_lcm_log){.path = path};
-    int fd = open(path, O_WRONLY | O_CREAT | O_CLOEXEC | (force ? O_TRUNC : O_EXCL), 0666);
-    if (fd >= 0) log->file = fdopen(fd, "wb");
-    if (log->file) return MUKCA_OK;
-    int reason = errno;
-    if (fd >= 0) close(fd);
-    return mukca_fail(error, mukca_output_status(reason), "LCM log %s: %s%s", path,
-                      strerror(reason), reason == EEXIST ? " (--force overwrites)" : "");
 }
 
 bool mukca_lcm_log_read(mukca_lcm_log *log, mukca_lcm_event *event)
@@ -91,43 +76,6 @@ bool mukca_lcm_log_read(mukca_lcm_log *log, mukca_lcm_event *event)
                fread(log->data, 1, n_data, log->file) == n_data;
     }
     return false;
-}
-
-static mukca_status write_error(const mukca_lcm_log *log, mukca_error *error)
-{
-    return mukca_fail(error, MUKCA_MEMORY, "LCM log %s: %s: recording of the raw stream ends here",
-                      log->path, strerror(errno));
-}
-
-mukca_status mukca_lcm_log_write(mukca_lcm_log *log, const char *channel, int64_t time,
-                                 const void *data, size_t size, mukca_error *error)
-{
-    unsigned char head[HEADER];
-    size_t n_channel = strlen(channel);
-    memcpy(head, sync_word, 4);
-    mukca_lcm_wire_put(head + 4, (uint64_t)log->number++, 8);
-    mukca_lcm_wire_put(head + 12, (uint64_t)time, 8);
-    mukca_lcm_wire_put(head + 20, n_channel, 4);
-    mukca_lcm_wire_put(head + 24, size, 4);
-    if (fwrite(head, 1, sizeof head, log->file) != sizeof head ||
-        fwrite(channel, 1, n_channel, log->file) != n_channel ||
-        fwrite(data, 1, size, log->file) != size)
-        return write_error(log, error);
-    return MUKCA_OK;
-}
-
-mukca_status mukca_lcm_log_flush(mukca_lcm_log *log, mukca_error *error)
-{
-    return fflush(log->file) ? write_error(log, error) : MUKCA_OK;
-}
-
-mukca_status mukca_lcm_log_finish(mukca_lcm_log *log, mukca_error *error)
-{
-    mukca_status status = mukca_lcm_log_flush(log, error);
-    if (status == MUKCA_OK && fsync(fileno(log->file)) && errno != EINVAL) /* pipes have no fsync */
-        status = write_error(log, error);
-    mukca_lcm_log_close(log);
-    return status;
 }
 
 void mukca_lcm_log_close(mukca_lcm_log *log)

@@ -19,7 +19,6 @@
 #include <unistd.h>
 
 #include "base/clock.h"
-#include "lcm/queue.h"
 
 enum { DATAGRAM = 65536 /* bytes: exceeds UDP's maximum */, MAX_LOCAL = 64 };
 

@@ -1,5 +1,5 @@
 /* One list per sender; messages are numbered, so that all lists together are one queue. */
-#include "lcm/queue.h"
+#include "lcm/multicast.h"
 
 #include <stdlib.h>
 #include <string.h>

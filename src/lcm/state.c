@@ -1,5 +1,4 @@
 /* The table of built-in types of joint states. */
-#include "lcm/state.h"
 
 #include <string.h>
 

@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "lcm/wire.h"
 
 #define PRIMITIVE_NAME(name, text, size) text,
 #define PRIMITIVE_SIZE(name, text, size) size,

@@ -2,7 +2,6 @@
 #ifndef MUKCA_LCM_WIRE_H
 #define MUKCA_LCM_WIRE_H
 
-#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 

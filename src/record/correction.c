@@ -3,7 +3,7 @@
 #include "record/correction.h"
 
 #include "fleet/correct.h"
-#include "io/traits.h"
+#include "io/summary.h"
 
 _Static_assert(MUKCA_FLEET_TERMS == 2 * MUKCA_MAX_JOINTS, "room for all elastic coefficients");
 

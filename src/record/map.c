@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/prefix.h"
+#include "base/suggest.h"
 #include "base/text.h"
 #include "record/recorder.h"
 

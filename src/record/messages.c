@@ -184,7 +184,7 @@ void mukca_sampling_publish_status(mukca_recorder *r, const char *state)
         .utime = mukca_lcm_link_clock(r->link),
         .state = state ? state : now,
         .text = r->reports.last_line,
-        .session = s->file.fd ? s->file.path : "",
+        .session = s->file.open ? s->file.path : "",
         .placement = mukca_capture_placement(c),
         .socket = mukca_capture_socket(c),
         .rows = s->file.n_rows,

@@ -10,7 +10,6 @@
 
 #include "base/clock.h"
 #include "base/text.h"
-#include "lcm/state.h"
 #include "lcm/type.h"
 
 static const double listen_s = 1, /* our choice: silence before listening to all channels */
@@ -137,9 +136,9 @@ static mukca_status read_types(mukca_recorder *r, mukca_error *error)
 static mukca_status open_lines(mukca_recorder *r, mukca_error *error)
 {
     const mukca_recorder_options *o = r->options;
-    if (o->channel || o->n_types || o->log)
+    if (o->channel || o->n_types)
         return mukca_fail(error, MUKCA_USAGE,
-                          "--stdin reads lines: --channel, --type and --record belong to LCM");
+                          "--stdin reads lines: --channel and --type belong to LCM");
     r->stream.lines = malloc(sizeof *r->stream.lines);
     if (!r->stream.lines) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     mukca_joint_lines_open(r->stream.lines, STDIN_FILENO);
@@ -280,17 +279,9 @@ mukca_status mukca_recorder_step(mukca_recorder *r, int timeout_ms, int other, b
     return MUKCA_OK;
 }
 
-mukca_status mukca_recorder_finish(mukca_recorder *r, mukca_error *error)
+mukca_status mukca_recorder_finish(const mukca_recorder *r, mukca_error *error)
 {
-    mukca_status status = mukca_lcm_link_finish_record(r->link, error);
-    if (!r->session.unwritten) return status;
+    if (!r->session.unwritten) return MUKCA_OK;
     return mukca_fail(error, MUKCA_MEMORY, "not all was written (%d failures); the first: %s",
                       r->session.unwritten, r->session.first_unwritten.text);
-}
-
-mukca_status mukca_recorder_start_log(mukca_recorder *r, mukca_error *error)
-{
-    if (!r->options->log) return MUKCA_OK;
-    return mukca_lcm_link_record(r->link, r->options->log, r->options->force, mukca_recorder_note,
-                                 r, error);
 }

@@ -16,7 +16,7 @@ enum { MUKCA_RECORDER_LINE = 448 };
  * recorder. */
 typedef struct {
     mukca_lcm_network network;
-    const char *channel, *prefix, *position, *names, *map, *placements, *sockets, *log;
+    const char *channel, *prefix, *position, *names, *map, *placements, *sockets;
     const char *key;          /* key file for signed requests; NULL: signatures are not required */
     const char *traits;       /* traits file; its mean elasticity corrects the angles in checks of
                                  samples; NULL: none */
@@ -28,7 +28,6 @@ typedef struct {
     double distance;              /* between the sockets, m; 0: 0.05 */
     bool triggers;                /* record on messages of PREFIX_TRIGGER */
     bool lines;                   /* read joint states as lines from standard input */
-    bool force;                   /* overwrite an existing log */
 } mukca_recorder_options;
 
 /* "raw", "corrected", NULL; and that of the options. */
@@ -94,11 +93,8 @@ void mukca_recorder_close(mukca_recorder *r);
  * MUKCA_INPUT, MUKCA_INTERRUPTED. */
 mukca_status mukca_recorder_connect(mukca_recorder *r, double wait, mukca_error *error);
 
-/* Start the raw log if the options name one.  Errors: MUKCA_INPUT. */
-mukca_status mukca_recorder_start_log(mukca_recorder *r, mukca_error *error);
-
-/* Close the raw log.  Errors: MUKCA_MEMORY (the log is incomplete, or a failure was counted). */
-mukca_status mukca_recorder_finish(mukca_recorder *r, mukca_error *error);
+/* Whether all samples and answers were written.  Errors: MUKCA_MEMORY (the first failure). */
+mukca_status mukca_recorder_finish(const mukca_recorder *r, mukca_error *error);
 
 /* Process arrived messages and detect silence.  As mukca_lcm_link_wait. */
 mukca_status mukca_recorder_step(mukca_recorder *r, int timeout_ms, int other, bool *readable,

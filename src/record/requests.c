@@ -1,6 +1,5 @@
 /* Requests over LCM.  Messages of a log have no sender and are not limited. */
 #include <math.h>
-#include <string.h>
 
 #include "record/recorder.h"
 

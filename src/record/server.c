@@ -25,7 +25,7 @@ static void keep_place(mukca_server *s)
 {
     mukca_server_state *state = &s->state;
     const mukca_recorder *r = &s->recorder;
-    if (!r->session.file.fd) return;
+    if (!r->session.file.open) return;
     snprintf(state->placement, sizeof state->placement, "%s",
              mukca_capture_placement(&r->session.capture));
     snprintf(state->socket, sizeof state->socket, "%s", mukca_capture_socket(&r->session.capture));
@@ -134,7 +134,7 @@ VERB(finish)
 {
     (void)command;
     mukca_session *session = &s->recorder.session.file;
-    if (!session->fd) return mukca_fail(answer, MUKCA_NEGATIVE, "no session is being recorded");
+    if (!session->open) return mukca_fail(answer, MUKCA_NEGATIVE, "no session is being recorded");
     s->state.finished[0] = '1';
     mukca_status status = mukca_server_save_state(s, answer);
     if (status == MUKCA_OK) {
@@ -278,7 +278,7 @@ mukca_status mukca_server_open(mukca_server *s, const mukca_server_options *opti
         mukca_recorder_report(&s->recorder, "no table is in use: %s", problem.text);
     if (mukca_lcm_link_replays(s->recorder.link))
         status = mukca_recorder_connect(&s->recorder, -1, error);
-    return status ? status : mukca_recorder_start_log(&s->recorder, error);
+    return status;
 }
 
 /* Report a change of the stream's problem; `last` is the preceding report. */
@@ -332,6 +332,6 @@ mukca_status mukca_server_run(mukca_server *s, mukca_error *error)
 void mukca_server_close(mukca_server *s)
 {
     mukca_recorder_close(&s->recorder);
-    if (s->lock) close(s->lock - 1);
-    s->lock = 0;
+    if (s->locked) close(s->lock);
+    s->locked = false;
 }

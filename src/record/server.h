@@ -90,7 +90,8 @@ typedef struct {
     mukca_recorder_hooks hooks; /* of the caller */
     mukca_server_state state, saved;
     bool session_begun;
-    int lock; /* descriptor + 1; 0: none */
+    bool locked;
+    int lock; /* descriptor, if locked */
     mukca_server_budget new_sessions;
     mukca_server_controller controller;
     mukca_server_job job;
@@ -112,7 +113,7 @@ mukca_status mukca_server_open(mukca_server *s, const mukca_server_options *opti
 mukca_status mukca_server_run(mukca_server *s, mukca_error *error);
 void mukca_server_close(mukca_server *s);
 
-/* ---- parts (server_folder.c, server_state.c, server_use.c, server_pose.c, server_job.c) ---- */
+/* ---- parts (server_folder.c, server_use.c, server_pose.c, server_job.c) ---- */
 
 /* Folders of --state: separate, so that session names cannot collide with other files. */
 #define MUKCA_SERVER_SESSIONS "sessions"

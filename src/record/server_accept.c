@@ -60,7 +60,7 @@ mukca_status mukca_server_control(mukca_server *s, const mukca_lcm_packet *packe
     const uint32_t address = (uint32_t)(packet->sender >> 16); /* ports differ by client */
     const double silence = 1e-6 * (double)(packet->time - c->heard);
     if (!packet->sender) return MUKCA_OK;
-    if (s->recorder.session.file.fd && c->heard && c->address != address && silence >= 0 &&
+    if (s->recorder.session.file.open && c->heard && c->address != address && silence >= 0 &&
         silence < longest_silence)
         return mukca_fail(
             error, MUKCA_NEGATIVE,

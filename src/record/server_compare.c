@@ -6,7 +6,7 @@
 #include "diagnose/condense.h"
 #include "fit/difference.h"
 #include "fit/evaluate.h"
-#include "io/dataset_load.h"
+#include "io/dataset.h"
 #include "record/server.h"
 
 /* error[n_rows]; false: out of memory. */

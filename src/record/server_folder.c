@@ -1,4 +1,4 @@
-/* The server's folder: lock, separate folders for sessions and results, removal of temporary files.
+/* The server's folder, its state on disk, and notifications of the service manager.
  *
  *   DIR/state.tsv      state that survives a restart
  *   DIR/in_use.tsv     offsets table of the poses
@@ -7,16 +7,172 @@
  *   DIR/results/       NAME.offsets.tsv and other results of jobs
  *
  * Session names come from the network and must not collide with other files. */
+#include <ctype.h>
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/un.h>
 #include <unistd.h>
 
+#include "base/file.h"
+#include "base/utf8.h"
 #include "io/output.h"
 #include "record/server.h"
+
+void mukca_server_path(char path[MUKCA_SERVER_PATH], const mukca_server *s, const char *folder,
+                       const char *name, const char *ending)
+{
+    snprintf(path, MUKCA_SERVER_PATH, "%.700s/%s/%.255s%s", s->options->folder, folder, name,
+             ending);
+}
+
+bool mukca_server_name_ok(const char *name)
+{
+    size_t n = strlen(name);
+    if (n < 1 || n > 40 || name[0] == '.' || name[0] == '-') return false;
+    for (const char *c = name; *c; c++)
+        if (!isalnum((unsigned char)*c) && !strchr("_-.", *c)) return false;
+    return true;
+}
+
+/* Whether a value is a valid file name of a result. */
+static bool is_result(const char *value)
+{
+    char session[MUKCA_NAME_SIZE] = "";
+    const char *const endings[] = {".offsets.tsv", ".effects.tsv"};
+    for (int i = 0; i < 2; i++) {
+        const size_t n = strlen(value), length = strlen(endings[i]);
+        if (n <= length || n - length >= sizeof session || strcmp(value + n - length, endings[i]))
+            continue;
+        memcpy(session, value, n - length);
+        return mukca_server_name_ok(session);
+    }
+    return false;
+}
+
+static bool is_stream(const char *value)
+{
+    for (int i = 0; mukca_recorder_streams[i]; i++)
+        if (strcmp(value, mukca_recorder_streams[i]) == 0) return true;
+    return false;
+}
+
+static bool is_count(const char *value)
+{
+    return strlen(value) < 10 && !value[strspn(value, "0123456789")];
+}
+
+static bool is_mark(const char *value)
+{
+    return strcmp(value, "1") == 0;
+}
+
+/* The fields and the check of their values; empty is always allowed.  Labels are checked again when
+ * they are selected. */
+#define FIELD(name, ok)                                                                        \
+    {                                                                                          \
+#name, offsetof(mukca_server_state, name), sizeof(((mukca_server_state *)0)->name), ok \
+    }
+static const struct {
+    const char *key;
+    size_t offset, size;
+    bool (*ok)(const char *value);
+} fields[] = {FIELD(session, mukca_server_name_ok),
+              FIELD(placement, mukca_utf8_valid),
+              FIELD(socket, mukca_utf8_valid),
+              FIELD(rows, is_count),
+              FIELD(finished, is_mark),
+              FIELD(model, is_result),
+              FIELD(model_stream, is_stream),
+              FIELD(candidate, is_result),
+              FIELD(candidate_stream, is_stream)};
+enum { FIELDS = sizeof fields / sizeof fields[0] };
+
+static void state_path(char path[MUKCA_SERVER_PATH], const mukca_server *s)
+{
+    snprintf(path, MUKCA_SERVER_PATH, "%.800s/state.tsv", s->options->folder);
+}
+
+/* Set a field; keys of a later version are ignored. */
+static bool set_field(mukca_server_state *state, const char *key, const char *value)
+{
+    for (int i = 0; i < FIELDS; i++) {
+        if (strcmp(key, fields[i].key) != 0) continue;
+        if (*value && (strlen(value) >= fields[i].size || !fields[i].ok(value))) return false;
+        char *field = (char *)state + fields[i].offset;
+        memset(field, 0, fields[i].size); /* states are compared bytewise */
+        snprintf(field, fields[i].size, "%s", value);
+    }
+    return true;
+}
+
+mukca_status mukca_server_load_state(mukca_server *s, mukca_error *error)
+{
+    char path[MUKCA_SERVER_PATH], line[512];
+    bool whole = true;
+    memset(&s->state, 0, sizeof s->state);
+    state_path(path, s);
+    FILE *file = fopen(path, "r");
+    if (!file && errno != ENOENT) return mukca_file_fail(error, path);
+    for (int n = 1; whole && file && fgets(line, sizeof line, file); n++) {
+        char *value = strchr(line, '\t');
+        line[strcspn(line, "\n")] = '\0';
+        if (!value) continue;
+        *value++ = '\0';
+        whole = set_field(&s->state, line, value);
+        if (!whole)
+            mukca_fail(error, MUKCA_INPUT, "%s:%d: %.20s is damaged; correct or remove the line",
+                       mukca_file_shown(path), n, line);
+    }
+    if (file && !mukca_file_close(file, NULL)) return mukca_file_fail(error, path);
+    if (!whole) return MUKCA_INPUT;
+    s->saved = s->state;
+    return MUKCA_OK;
+}
+
+mukca_status mukca_server_save_state(mukca_server *s, mukca_error *error)
+{
+    char path[MUKCA_SERVER_PATH];
+    mukca_output output;
+    if (memcmp(&s->state, &s->saved, sizeof s->state) == 0) return MUKCA_OK;
+    state_path(path, s);
+    mukca_status status = mukca_output_open(&output, path, true, error);
+    if (status != MUKCA_OK) return status;
+    for (int i = 0; i < FIELDS; i++)
+        fprintf(output.stream, "%s\t%s\n", fields[i].key,
+                (const char *)&s->state + fields[i].offset);
+    status = mukca_output_close(&output, error);
+    if (status == MUKCA_OK)
+        s->saved = s->state;
+    else
+        memset(&s->saved, 0xff, sizeof s->saved); /* content unknown: write it again */
+    return status;
+}
+
+/* Send one datagram of the protocol of sd_notify(3). */
+void mukca_server_notify(const char *text)
+{
+    const char *name = getenv("NOTIFY_SOCKET");
+    struct sockaddr_un address = {.sun_family = AF_UNIX};
+    if (!name || (name[0] != '/' && name[0] != '@') || strlen(name) >= sizeof address.sun_path)
+        return;
+    memcpy(address.sun_path, name, strlen(name) + 1);
+    if (name[0] == '@') address.sun_path[0] = '\0';
+    int fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    if (fd < 0) return;
+    socklen_t size = (socklen_t)(offsetof(struct sockaddr_un, sun_path) + strlen(name));
+    if (sendto(fd, text, strlen(text), MSG_NOSIGNAL, (const struct sockaddr *)&address, size) < 0) {
+        /* no manager is listening */
+    }
+    close(fd);
+}
+
+/* ---- the folder ---- */
 
 static mukca_status fail(const char *path, mukca_error *error)
 {
@@ -42,7 +198,8 @@ static mukca_status lock(mukca_server *s, mukca_error *error)
     snprintf(path, sizeof path, "%.800s/lock", s->options->folder);
     int fd = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
     if (fd < 0) return fail(path, error);
-    s->lock = fd + 1;
+    s->lock = fd;
+    s->locked = true;
     if (!mukca_output_lock(fd)) {
         ssize_t n = pread(fd, holder, sizeof holder - 1, 0);
         long process = n > 0 ? strtol(holder, NULL, 10) : 0;

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "io/dataset_load.h"
+#include "io/dataset.h"
 #include "record/recorder.h"
 
 /* ---- labels ---- */
@@ -187,7 +187,7 @@ static mukca_status complete_labels(const mukca_recorder *r, const char **placem
     const mukca_sampling *s = &r->session;
     if (!*placement || !**placement) *placement = mukca_capture_placement(&s->capture);
     if (!*socket || !**socket) *socket = mukca_capture_socket(&s->capture);
-    if (!s->file.fd) return no_session(r, error);
+    if (!s->file.open) return no_session(r, error);
     if (mukca_session_label_ok(*placement) && mukca_session_label_ok(*socket)) return MUKCA_OK;
     return mukca_fail(error, MUKCA_NEGATIVE,
                       "\"%.40s\" or \"%.40s\" cannot be a name (1 to 63 characters of UTF-8, no "
@@ -328,9 +328,9 @@ mukca_status mukca_sampling_delete(mukca_recorder *r, int row, mukca_error *answ
     mukca_error error;
     const mukca_dataset *rows = &s->capture.rows;
     if (row == 0) row = rows->n_rows;
-    if (!s->file.fd || row < 1 || row > rows->n_rows)
+    if (!s->file.open || row < 1 || row > rows->n_rows)
         return mukca_fail(answer, MUKCA_NEGATIVE, "not deleted: %s",
-                          !s->file.fd    ? "no session is being recorded"
+                          !s->file.open  ? "no session is being recorded"
                           : rows->n_rows ? "there is no such row"
                                          : "there is no sample");
     const mukca_socket *where = &rows->sockets[rows->socket[row - 1]];

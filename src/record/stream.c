@@ -114,7 +114,7 @@ static void feed(mukca_recorder *r, int64_t time)
                             "the sender's clock went back (restarted?): going on with it");
     if (found & MUKCA_CAPTURE_PAUSE && mukca_lcm_link_replays(r->link))
         mukca_recorder_report(r, "%s paused for %.1f s", stream->channel, r->session.capture.pause);
-    if (!r->options->still || !r->session.file.fd) return;
+    if (!r->options->still || !r->session.file.open) return;
     record_still(r);
 }
 

@@ -2,8 +2,8 @@
 #include <string.h>
 
 #include "dataset_check.h"
-#include "io/dataset_load.h"
-#include "io/inertials.h"
+#include "io/dataset.h"
+#include "io/urdf.h"
 #include "memory_file.h"
 #include "two_joints.h"
 

@@ -2,7 +2,7 @@
 #include <string.h>
 
 #include "io/dh_table.h"
-#include "io/urdf_write.h"
+#include "io/urdf.h"
 #include "memory_file.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)

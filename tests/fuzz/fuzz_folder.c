@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "dataset_check.h"
-#include "io/dataset_load.h"
+#include "io/dataset.h"
 #include "memory_folder.h"
 #include "two_joints.h"
 

@@ -3,7 +3,6 @@
 #include <string.h>
 
 #include "lcm/message.h"
-#include "lcm/state.h"
 #include "lcm/type.h"
 #include "lcm/wire.h"
 #include "memory_file.h"

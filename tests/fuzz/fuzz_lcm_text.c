@@ -1,7 +1,6 @@
 /* Descriptions of LCM types: all or nothing, and an error that names its place. */
 #include <string.h>
 
-#include "lcm/state.h"
 #include "lcm/type.h"
 #include "memory_file.h"
 

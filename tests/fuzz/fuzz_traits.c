@@ -1,7 +1,7 @@
 /* Traits tables: read to the end or to an error of one line; what was read can be written. */
 #include <string.h>
 
-#include "io/traits.h"
+#include "io/summary.h"
 #include "memory_file.h"
 #include "two_joints.h"
 

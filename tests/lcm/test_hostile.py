@@ -158,7 +158,7 @@ def two_arms():
 
 
 def disk_full():
-    """The disk fills in mid-session, and is emptied again.  The raw stream alone would take 20 s."""
+    """The disk fills in mid-session, and is emptied again."""
     disk = fresh("disk")
     if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=1m", "tmpfs", disk],
                       capture_output=True).returncode:
@@ -169,7 +169,7 @@ def disk_full():
         s.end("disk (elsewhere)")
         s.path, s.rows = os.path.join(disk, "s.tsv"), []
         s.p = spawn("capture", "--urdf", URDF, "-o", s.path, "--channel", CHANNEL, "--map", "order",
-                    "--trigger", "--window", "0.05", "--record", os.path.join(disk, "log"))
+                    "--trigger", "--window", "0.05")
         s.client.wait_stream()
         check("disk: a row before", s.take())
         with open(os.path.join(disk, "ballast"), "wb", 0) as f:
@@ -189,7 +189,6 @@ def disk_full():
                 if refused == 2:
                     break
         check("disk: a full disk refuses the row and says so", refused == 2, s.p.said[-3:])
-        check("disk: the record ends with one line", s.said("raw stream ends here") == 1, s.p.said)
         os.remove(os.path.join(disk, "ballast"))
         check("disk: a row after there is room", s.take(), s.p.said[-3:])
         s.end("disk")

@@ -211,24 +211,26 @@ def its_manager(client, state):
 def replays(client, arm):
     """A log with joint states, triggers and commands gives the same results again."""
     state, again = fresh("serve_live"), fresh("serve_again")
-    log, log2 = os.path.join(state, "raw.lcmlog"), os.path.join(again, "raw.lcmlog")
-    p = serve(state, "--record", log)
+    log = os.path.join(state, "raw.lcmlog")
+    logger = subprocess.Popen(["lcm-logger", "-q", "-f", log], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    client.wait(lambda: False, 1)
+    p = serve(state)
     client.wait_stream()
     client.command("start", "s")
     check("replay: rows", len(take(client, arm, ROWS)) == len(ROWS))
-    live = client.command("calibrate")
+    client.command("calibrate")
     stop(p)
-    p = serve(again, "--lcm-url", "file://" + log, "--record", log2)
+    client.wait(lambda: False, 0.3)
+    logger.send_signal(signal.SIGINT)
+    logger.wait(10)
+    p = serve(again, "--lcm-url", "file://" + log)
     p.wait(60)
     p.reader.join()
     check("replay: ends with the log", p.returncode == 0, p.said)
-    check("replay: the same session", open(os.path.join(state, "sessions", "s.tsv")).read() ==
-          open(os.path.join(again, "sessions", "s.tsv")).read())
-    import lcm
-    results = [mukca.result.decode(e.data) for e in lcm.EventLog(log2) if e.channel == "MUKCA_RESULT"]
-    good = [r for r in results if r.verb == "calibrate"]
-    check("replay: the same result is in the new record",
-          len(good) == 1 and good[0].n == live.n and good[0].calibrated == live.calibrated, len(good))
+    for name in ("sessions/s.tsv", "results/s.offsets.tsv"):
+        texts = [[line for line in open(os.path.join(folder, name)) if not line.startswith("# ")]
+                 for folder in (state, again)]
+        check("replay: the same " + name, texts[0] == texts[1] and len(texts[0]) > len(ROWS), name)
 
 
 def main():

@@ -2,10 +2,6 @@
 # `capture --stdin`: joint states as lines become the session that LCM gives; bad lines get one clear line.
 set -u
 cd "$(dirname "$0")/../.." || exit 1
-mukca=${MUKCA:-build/mukca}
-dir=$(mktemp -d) || exit 1
-trap 'rm -rf "$dir"' EXIT
-failed=0
 recorded=data/demo/joint_states.csv
 
 # shellcheck source=tests/ok.bash
@@ -94,7 +90,7 @@ refuses "order confirmed" 1 'no sample was recorded' '{"time": 1, "position": [0
 refuses "names of a second arm" 1 'reading  1  left_joint_1  *->  joint_1 ' "time_s,left_${joints//,/,left_}\n1,0,0,0,0,0,0,0\n"
 refuses "an order that contradicts the names" 3 'contradicts the names: reading 1 of standard input is "joint_2", joint 1 of the arm is "joint_1"' \
     "time_s,joint_2,joint_1,${joints#*,*,}\n1,0,0,0,0,0,0,0\n" --map order
-refuses "LCM's options" 2 '--channel, --type and --record belong to LCM' '' --channel X
+refuses "LCM's options" 2 '--channel and --type belong to LCM' '' --channel X
 printf "$joints\n0,0,0,0,0,0,0\n" >"$dir/timeless.csv"
 capture --stdin --still -o "$dir/bad.tsv" --force <"$dir/timeless.csv" >"$dir/out" 2>"$dir/said"
 ok "a file without time stamps" grep -q 'standard input:2: no time stamp; a recorded stream needs one' "$dir/said"

@@ -1,4 +1,4 @@
-/* Closeness in tests: written so that NaN fails. */
+/* Tests, and closeness in them. */
 #ifndef MUKCA_TESTS_CLOSE_H
 #define MUKCA_TESTS_CLOSE_H
 
@@ -11,6 +11,29 @@
 
 #include <cmocka.h>
 
+/* TEST(what_it_shows) { ... }; TEST_MAIN(setup, teardown) runs those of the file in their order. */
+#define TEST(name)                                                           \
+    static void name(void **state);                                          \
+    __attribute__((constructor)) static void name##_is_a_test(void)          \
+    {                                                                        \
+        test_list[test_count++] = (struct CMUnitTest)cmocka_unit_test(name); \
+    }                                                                        \
+    static void name(void **state __attribute__((unused)))
+#define TEST_MAIN(setup, teardown)        \
+    int main(void)                        \
+    {                                     \
+        return test_run(setup, teardown); \
+    }
+
+static struct CMUnitTest test_list[64];
+static size_t test_count;
+
+static inline int test_run(CMFixtureFunction setup, CMFixtureFunction teardown)
+{
+    return _cmocka_run_group_tests("tests", test_list, test_count, setup, teardown);
+}
+
+/* Written so that NaN fails. */
 #define assert_close(a, b, tolerance)                                                         \
     do {                                                                                      \
         double close_a = (a), close_b = (b), close_t = (tolerance);                           \

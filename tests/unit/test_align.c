@@ -54,9 +54,8 @@ static void assert_frame(const mukca_frame *a, const mukca_frame *b, double tole
 
 /* Exact data: the weak prior on the reach of the target is left, (5 mm / 0.3 m)^2 / 40 of 0.15 m.
  */
-static void test_any_turn(void **state)
+TEST(test_any_turn)
 {
-    (void)state;
     static const double axes[3][3] = {{1, 0, 0}, {0, 0.6, 0.8}, {0.6, -0.64, 0.48}};
     for (int a = 0; a < 3; a++)
         for (int degrees = 0; degrees <= 180; degrees += 45) {
@@ -72,9 +71,8 @@ static void test_any_turn(void **state)
 }
 
 /* Positions alone give the tracker and the target's place. */
-static void test_positions(void **state)
+TEST(test_positions)
 {
-    (void)state;
     poses p;
     mukca_alignment found;
     measure(&p, (const double[3]){0, 0, 1}, 2.0);
@@ -86,9 +84,8 @@ static void test_positions(void **state)
 }
 
 /* Three wild rows of forty and a nominal arm that is off by millimetres: frames within as much. */
-static void test_robust(void **state)
+TEST(test_robust)
 {
-    (void)state;
     poses p;
     mukca_alignment found;
     measure(&p, (const double[3]){1, 0, 0}, 2.0);
@@ -103,9 +100,8 @@ static void test_robust(void **state)
 }
 
 /* Nothing to align: identity. */
-static void test_nothing(void **state)
+TEST(test_nothing)
 {
-    (void)state;
     poses p;
     mukca_alignment found;
     const mukca_frame identity = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
@@ -119,13 +115,4 @@ static void test_nothing(void **state)
     assert_true(isnan(found.median_m));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_any_turn),
-        cmocka_unit_test(test_positions),
-        cmocka_unit_test(test_robust),
-        cmocka_unit_test(test_nothing),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -43,9 +43,8 @@ static void random_chain(mukca_chain *chain, int n)
     chain->n_elements = chain->n_masses = n + 2;
 }
 
-static void rotations(void **state)
+TEST(rotations)
 {
-    (void)state;
     const double angle[] = {0, 1e-12, 1e-5, 0.0099, 0.0101, 0.3, PI / 2, 3, PI - 1e-9, PI};
     for (size_t i = 0; i < sizeof angle / sizeof *angle; i++)
         for (int trial = 0; trial < 20; trial++) {
@@ -88,9 +87,8 @@ static void rotations(void **state)
     }
 }
 
-static void kinematics(void **state)
+TEST(kinematics)
 {
-    (void)state;
     mukca_chain chain;
     mukca_geometry geometry;
     random_chain(&chain, 7);
@@ -177,9 +175,8 @@ static double energy(const mukca_chain *chain, const mukca_geometry *geometry, c
     return sum;
 }
 
-static void moments(void **state)
+TEST(moments)
 {
-    (void)state;
     mukca_chain chain;
     mukca_geometry geometry;
     random_chain(&chain, 7);
@@ -216,9 +213,8 @@ static void moments(void **state)
     }
 }
 
-static void effect_terms(void **state)
+TEST(effect_terms)
 {
-    (void)state;
     enum { JOINTS = 3 };
     const char *const variant[MUKCA_EFFECT_COUNT][4] = {
         [MUKCA_EFFECT_BACKLASH] = {"300mNm", "1000", "3000mNm", "0.1"},
@@ -250,9 +246,8 @@ static void effect_terms(void **state)
 }
 
 /* Terms of axis_wobble as tables of version 1.0 and before spell them. */
-static void old_terms(void **state)
+TEST(old_terms)
 {
-    (void)state;
     const struct {
         const char *old, *now;
         int term;
@@ -278,9 +273,8 @@ static void old_terms(void **state)
 }
 
 /* Each effect says all of itself, its candidates are distinct, and their texts read back. */
-static void catalogue(void **state)
+TEST(catalogue)
 {
-    (void)state;
     mukca_effect_survey survey = {.n_joints = 3,
                                   .n_placements = 2,
                                   .moments = true,
@@ -316,9 +310,8 @@ static void catalogue(void **state)
     }
 }
 
-static void version(void **state)
+TEST(version)
 {
-    (void)state;
     char text[32];
     snprintf(text, sizeof text, "%d.%d.%d", MUKCA_VERSION_MAJOR, MUKCA_VERSION_MINOR,
              MUKCA_VERSION_PATCH);
@@ -326,11 +319,4 @@ static void version(void **state)
     assert_string_equal(text, mukca_version());
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(rotations), cmocka_unit_test(kinematics),
-                                       cmocka_unit_test(moments),   cmocka_unit_test(effect_terms),
-                                       cmocka_unit_test(old_terms), cmocka_unit_test(catalogue),
-                                       cmocka_unit_test(version)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -43,9 +43,8 @@ static void change_gauge(mukca_corrected *arm)
     move(&arm->geometry.origin[7], tool_turn, tool_shift, false);
 }
 
-static void gauge_is_no_difference(void **state)
+TEST(gauge_is_no_difference)
 {
-    (void)state;
     mukca_corrected a, b;
     make_arm(&a);
     make_arm(&b);
@@ -65,7 +64,7 @@ static void gauge_is_no_difference(void **state)
 }
 
 /* One change of a joint at a time, seen in any gauge. */
-static void differences_are_those_built_in(void **state)
+TEST(differences_are_those_built_in)
 {
     static const struct {
         int element;
@@ -78,7 +77,6 @@ static void differences_are_those_built_in(void **state)
         {4, {0, 0, 0}, {7e-4, 0, 0}, 4, 0, 7e-4, 0, 0},          /* shift of axis 5 ... */
         {0, {3e-3, 0, 1e-3}, {2e-3, 0, 1e-3}, 0, 0, 0, NAN, NAN} /* the base is gauge */
     };
-    (void)state;
     for (size_t i = 0; i < sizeof changes / sizeof *changes; i++) {
         mukca_corrected a, b;
         make_arm(&a);
@@ -104,9 +102,8 @@ static void differences_are_those_built_in(void **state)
 }
 
 /* Between parallel axes nothing shows a shift along them; none is invented. */
-static void parallel_axes(void **state)
+TEST(parallel_axes)
 {
-    (void)state;
     mukca_corrected a, b;
     make_arm(&a);
     static const double straight[3] = {0, 0, 0};
@@ -122,9 +119,8 @@ static void parallel_axes(void **state)
 }
 
 /* The alignment is the best: no small move of base or tool makes the squares less. */
-static void alignment_is_least_squares(void **state)
+TEST(alignment_is_least_squares)
 {
-    (void)state;
     mukca_corrected a, b;
     make_arm(&a);
     make_arm(&b);
@@ -154,10 +150,4 @@ static void alignment_is_least_squares(void **state)
     assert_true(comparison.position[1].p95 <= comparison.position[1].max);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(gauge_is_no_difference), cmocka_unit_test(differences_are_those_built_in),
-        cmocka_unit_test(parallel_axes), cmocka_unit_test(alignment_is_least_squares)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -72,9 +72,8 @@ static double distance(const double a[3], const double b[3])
     return sqrt(mukca_dot3(d, d));
 }
 
-static void random_targets_are_reached(void **state)
+TEST(random_targets_are_reached)
 {
-    (void)state;
     mukca_compensator c;
     mukca_random random;
     mukca_random_seed(&random, 21);
@@ -107,9 +106,8 @@ static void random_targets_are_reached(void **state)
 }
 
 /* Along a smooth path the corrections are smooth, also through the joints' zeros. */
-static void paths_are_continuous(void **state)
+TEST(paths_are_continuous)
 {
-    (void)state;
     mukca_compensator c;
     mukca_corrected smooth = arm;
     smooth.n_effects = 2;
@@ -130,9 +128,8 @@ static void paths_are_continuous(void **state)
     assert_true(worst < 2e-3);
 }
 
-static void limits_and_reach_are_told(void **state)
+TEST(limits_and_reach_are_told)
 {
-    (void)state;
     mukca_compensator c;
     /* Stretched out upwards, with a true arm that is shorter. */
     mukca_corrected shorter = arm;
@@ -155,9 +152,8 @@ static void limits_and_reach_are_told(void **state)
     assert_int_equal(found.reach, MUKCA_REACH_LIMIT);
 }
 
-static void poses_become_joints(void **state)
+TEST(poses_become_joints)
 {
-    (void)state;
     mukca_compensator c;
     mukca_random random;
     mukca_random_seed(&random, 22);
@@ -189,10 +185,4 @@ static void poses_become_joints(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(random_targets_are_reached), cmocka_unit_test(paths_are_continuous),
-        cmocka_unit_test(limits_and_reach_are_told), cmocka_unit_test(poses_become_joints)};
-    return cmocka_run_group_tests(tests, setup, NULL);
-}
+TEST_MAIN(setup, NULL)

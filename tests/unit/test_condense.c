@@ -54,9 +54,8 @@ static int set_up(void **state)
 }
 
 /* Of too many rows, those of a posture are averaged. */
-static void postures_are_averaged(void **state)
+TEST(postures_are_averaged)
 {
-    (void)state;
     mukca_dataset data, longer;
     mukca_condensed how;
     mukca_error error;
@@ -79,9 +78,8 @@ static void postures_are_averaged(void **state)
 }
 
 /* Readings that repeat a posture add nothing: the same causes, with about the same interval. */
-static void readings_share_noise(void **state)
+TEST(readings_share_noise)
 {
-    (void)state;
     mukca_dataset data, longer;
     mukca_error error;
     mukca_diagnosis d[2];
@@ -104,9 +102,8 @@ static void readings_share_noise(void **state)
 }
 
 /* What is left of too many postures is blocks of successive ones. */
-static void blocks_are_spread(void **state)
+TEST(blocks_are_spread)
 {
-    (void)state;
     mukca_dataset data;
     mukca_condensed how;
     mukca_error error;
@@ -123,10 +120,4 @@ static void blocks_are_spread(void **state)
     mukca_dataset_free(&data);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(postures_are_averaged),
-                                       cmocka_unit_test(readings_share_noise),
-                                       cmocka_unit_test(blocks_are_spread)};
-    return cmocka_run_group_tests(tests, set_up, NULL);
-}
+TEST_MAIN(set_up, NULL)

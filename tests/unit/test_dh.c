@@ -41,9 +41,8 @@ static void check_rows(const mukca_dh *dh, const double (*wanted)[4], int n)
 
 /* The origins of Universal Robots' UR5e description against the table that they publish
  * (a, alpha, d, theta; "DH parameters for calculations of kinematics and dynamics"). */
-static void finds_table_of_ur5e(void **state)
+TEST(finds_table_of_ur5e)
 {
-    (void)state;
     double origin[6][6] = {{0, 0, 0.1625, 0, 0, 0},     {0, 0, 0, half, 0, 0},
                            {-0.425, 0, 0, 0, 0, 0},     {-0.3922, 0, 0.1333, 0, 0, 0},
                            {0, -0.0997, 0, half, 0, 0}, {0, 0.0996, 0, half, pi, pi}};
@@ -58,9 +57,8 @@ static void finds_table_of_ur5e(void **state)
 }
 
 /* The origins of Franka's description against the modified table of their documentation. */
-static void finds_table_of_panda(void **state)
+TEST(finds_table_of_panda)
 {
-    (void)state;
     double origin[8][6] = {{0, 0, 0.333, 0, 0, 0},           {0, 0, 0, -half, 0, 0},
                            {0, -0.316, 0, half, 0, 0},       {0.0825, 0, 0, half, 0, 0},
                            {-0.0825, 0.384, 0, -half, 0, 0}, {0, 0, 0, half, 0, 0},
@@ -95,9 +93,8 @@ static void tip_of(double p[3], const mukca_dh *dh, const double *q)
 }
 
 /* Axes in any direction, parallel and meeting ones, prismatic joints, fixed elements between. */
-static void random_arms_go_there_and_back(void **state)
+TEST(random_arms_go_there_and_back)
 {
-    (void)state;
     mukca_random random;
     mukca_random_seed(&random, 5);
     for (int arm = 0; arm < 200; arm++) {
@@ -133,10 +130,4 @@ static void random_arms_go_there_and_back(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(finds_table_of_ur5e),
-                                       cmocka_unit_test(finds_table_of_panda),
-                                       cmocka_unit_test(random_arms_go_there_and_back)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

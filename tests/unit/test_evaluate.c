@@ -38,9 +38,8 @@ static void make_data(mukca_dataset *data, const double (*q)[4], const int *sock
     memcpy(data->socket, socket, (size_t)rows * sizeof *socket);
 }
 
-static void test_by_hand(void **state)
+TEST(test_by_hand)
 {
-    (void)state;
     static const double q[9][4] = {{0, 0, 0, 1},       {0.02, 0, 0, 2},      {0.01, 0.06, 0, 0},
                                    {0.01, 0.06, 0, 1}, {0.3, 0.4, 0, 0},     {0.3, 0.4, 0.006, 0},
                                    {0.3, 0.5, 0, 0},   {0.1, 0.2, 0.3, 0.5}, {0.1, 0.2, 0.3, 0.5}};
@@ -113,9 +112,8 @@ static bool keep_training(void *context, const mukca_cross_training *result, dou
 }
 
 /* What was not trained on has no part in the fit, and all of it is scored. */
-static void test_trained(void **state)
+TEST(test_trained)
 {
-    (void)state;
     mukca_chain chain;
     mukca_dataset data, parts[2], none = {0};
     mukca_random random;
@@ -171,9 +169,4 @@ static void test_trained(void **state)
     mukca_dataset_free(&data);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_by_hand),
-                                       cmocka_unit_test(test_trained)};
-    return cmocka_run_group_tests_name("evaluate", tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

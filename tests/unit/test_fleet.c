@@ -59,9 +59,8 @@ static void pool(mukca_fleet_result *r, mukca_fleet *f)
     if (mukca_fleet_pool(r, f, &error)) fail_msg("%s", error.text);
 }
 
-static void test_shared_is_found(void **state)
+TEST(test_shared_is_found)
 {
-    (void)state;
     int inside = 0;
     for (uint64_t seed = 1; seed <= 20; seed++) {
         mukca_fleet f;
@@ -83,9 +82,8 @@ static void test_shared_is_found(void **state)
 
 /* Two coefficients that the data hardly distinguish, one of which is 0: the interval of the other
  * rests on that, and holds the truth. */
-static void test_interval_is_not_too_wide(void **state)
+TEST(test_interval_is_not_too_wide)
 {
-    (void)state;
     enum { FLEETS = 100, TWIN = SOFT + JOINTS };
     int inside = 0, named = 0;
     double width = 0, dense = 0;
@@ -131,9 +129,8 @@ static void test_interval_is_not_too_wide(void **state)
     assert_true(width < 0.6 * dense);
 }
 
-static void test_null_fleet(void **state)
+TEST(test_null_fleet)
 {
-    (void)state;
     for (uint64_t seed = 1; seed <= 30; seed++) {
         mukca_fleet f;
         mukca_fleet_result r;
@@ -146,9 +143,8 @@ static void test_null_fleet(void **state)
     }
 }
 
-static void test_broken_arm(void **state)
+TEST(test_broken_arm)
 {
-    (void)state;
     for (uint64_t seed = 1; seed <= 10; seed++) {
         mukca_fleet f;
         mukca_fleet_result r;
@@ -177,9 +173,8 @@ static void set_order(mukca_fleet *f, int joint, int order, int arms, double evi
             (int16_t)((s < arms ? evidence : -2) / MUKCA_FLEET_QUANTUM);
 }
 
-static void test_orders(void **state)
+TEST(test_orders)
 {
-    (void)state;
     mukca_fleet f;
     mukca_trait order[MUKCA_MAX_JOINTS];
     make_fleet(&f, 0, 0, 1);
@@ -204,9 +199,8 @@ static void test_orders(void **state)
 }
 
 /* Two sessions of one arm are that arm's data; the order of reading changes no bit. */
-static void test_sessions_add_up(void **state)
+TEST(test_sessions_add_up)
 {
-    (void)state;
     static mukca_summary s[6];
     mukca_random random;
     mukca_fleet_result r[2];
@@ -236,9 +230,8 @@ static void refuse(mukca_fleet *f, const mukca_summary *s, const char *what)
     assert_non_null(strstr(error.text, what));
 }
 
-static void test_what_cannot_be_pooled(void **state)
+TEST(test_what_cannot_be_pooled)
 {
-    (void)state;
     static mukca_summary a, b;
     mukca_random random;
     mukca_fleet f = {0};
@@ -256,9 +249,8 @@ static void test_what_cannot_be_pooled(void **state)
     mukca_fleet_free(&f);
 }
 
-static void test_file(void **state)
+TEST(test_file)
 {
-    (void)state;
     static mukca_summary a;
     mukca_random random;
     mukca_fleet f = {0};
@@ -279,17 +271,4 @@ static void test_file(void **state)
     mukca_fleet_free(&f);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_shared_is_found),
-        cmocka_unit_test(test_interval_is_not_too_wide),
-        cmocka_unit_test(test_null_fleet),
-        cmocka_unit_test(test_broken_arm),
-        cmocka_unit_test(test_orders),
-        cmocka_unit_test(test_sessions_add_up),
-        cmocka_unit_test(test_what_cannot_be_pooled),
-        cmocka_unit_test(test_file),
-    };
-    return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
-}
+TEST_MAIN(scratch_setup, scratch_teardown)

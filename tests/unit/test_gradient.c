@@ -175,9 +175,8 @@ static void off_nominal(double *theta, const mukca_chain *chain, mukca_random *r
     for (int i = 0; i < 6 * chain->n_elements; i++) theta[i] += 0.02 * mukca_random_normal(random);
 }
 
-static void test_options(void **state)
+TEST(test_options)
 {
-    (void)state;
     static const mukca_cost_options options[] = {{0},
                                                  {.lambda = -1},
                                                  {.lambda = 0.3},
@@ -199,9 +198,8 @@ static void test_options(void **state)
     }
 }
 
-static void test_masks(void **state)
+TEST(test_masks)
 {
-    (void)state;
     static const mukca_selection masks[] = {{.regularise_tip = true},
                                             {.free = "joint_3"},
                                             {.free = "joint_4.pitch"},
@@ -223,9 +221,8 @@ static void test_masks(void **state)
     mukca_dataset_free(&data);
 }
 
-static void test_angles(void **state)
+TEST(test_angles)
 {
-    (void)state;
     static const double special[4] = {0, 1e-12, M_PI - 1e-9, -M_PI_2};
     mukca_random random;
     mukca_random_seed(&random, 3);
@@ -247,9 +244,8 @@ static void test_angles(void **state)
     }
 }
 
-static void test_poses_and_frames(void **state)
+TEST(test_poses_and_frames)
 {
-    (void)state;
     mukca_random random;
     mukca_random_seed(&random, 4);
     for (int trial = 0; trial < 4; trial += STEP) {
@@ -293,10 +289,9 @@ static const double *tip_jacobian(mukca_pool *pool, const mukca_chain *chain, co
 }
 
 /* Many samples are swept in windows: the same bits as a few alone. */
-static void test_windows(void **state)
+TEST(test_windows)
 {
     enum { MANY = 2 * MUKCA_SWEEP_WINDOW + 77, FEW = 50 };
-    (void)state;
     mukca_random random;
     mukca_chain chain;
     mukca_pool pool = {0};
@@ -319,10 +314,4 @@ static void test_windows(void **state)
     mukca_pool_free(&pool);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_options), cmocka_unit_test(test_masks), cmocka_unit_test(test_angles),
-        cmocka_unit_test(test_poses_and_frames), cmocka_unit_test(test_windows)};
-    return cmocka_run_group_tests_name("gradient", tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -18,9 +18,8 @@ static void make_arm(mukca_chain *chain, mukca_geometry *geometry)
     mukca_geometry_set(geometry, chain, NULL);
 }
 
-static void test_positions_and_poses(void **state)
+TEST(test_positions_and_poses)
 {
-    (void)state;
     mukca_chain chain;
     mukca_geometry geometry;
     mukca_random random;
@@ -53,9 +52,8 @@ static void test_positions_and_poses(void **state)
     assert_in_range(poses, 90, 100);
 }
 
-static void test_out_of_reach(void **state)
+TEST(test_out_of_reach)
 {
-    (void)state;
     mukca_chain chain;
     mukca_geometry geometry;
     make_arm(&chain, &geometry);
@@ -67,9 +65,8 @@ static void test_out_of_reach(void **state)
     assert_true(r.position_error > 2.0 && r.position_error < 2.2);
 }
 
-static void test_posture(void **state)
+TEST(test_posture)
 {
-    (void)state;
     mukca_chain chain;
     mukca_geometry geometry;
     make_arm(&chain, &geometry);
@@ -101,9 +98,8 @@ static void sag(mukca_displacement *displacement, const double *q, void *context
     displacement->q[1] += *(double *)context * sin(q[1]);
 }
 
-static void test_effects(void **state)
+TEST(test_effects)
 {
-    (void)state;
     mukca_chain chain;
     mukca_geometry geometry;
     make_arm(&chain, &geometry);
@@ -117,13 +113,4 @@ static void test_effects(void **state)
     for (int k = 0; k < 3; k++) assert_false(!(fabs(position[k] - target.p[k]) <= 2e-9));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_positions_and_poses),
-        cmocka_unit_test(test_out_of_reach),
-        cmocka_unit_test(test_posture),
-        cmocka_unit_test(test_effects),
-    };
-    return cmocka_run_group_tests_name("inverse", tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -27,25 +27,8 @@ static bool find(mukca_program_target *t, int language, bool pose, const char *l
            MUKCA_LINE_TARGET;
 }
 
-static void printed_targets_are_found(void **state)
+TEST(print_as_the_languages_have_it)
 {
-    (void)state;
-    static const double q[7] = {0.1, -1.2, 3.1, 1e-7, -0.5, 2, -3.14159265358979};
-    for (int joints = 3; joints <= 7; joints++)
-        for (int l = 0; l < 3; l++) {
-            gen3_chain(&chain);
-            chain.n_joints = joints;
-            char *text = print(l, q);
-            mukca_program_target t;
-            assert_true(find(&t, l, false, text));
-            for (int j = 0; j < joints; j++) assert_close(t.q[j], q[j], 1.1e-8);
-            free(text);
-        }
-}
-
-static void print_as_the_languages_have_it(void **state)
-{
-    (void)state;
     static const double q[6] = {0, M_PI / 2, -M_PI / 4, 0.1, 0.2, 0.3};
     static const char *const wanted[3] = {
         "[[0.000000,90.000000,-45.000000,5.729578,11.459156,17.188734],[9E9,9E9,9E9,9E9,9E9,9E9]]",
@@ -61,9 +44,8 @@ static void print_as_the_languages_have_it(void **state)
 }
 
 /* A linear axis is in millimetres where angles are in degrees. */
-static void lengths_are_in_millimetres(void **state)
+TEST(lengths_are_in_millimetres)
 {
-    (void)state;
     static const double q[3] = {0.25, M_PI, 0};
     mukca_program_target t;
     gen3_chain(&chain);
@@ -78,9 +60,8 @@ static void lengths_are_in_millimetres(void **state)
 
 /* What could move the arm elsewhere is unknown; the rest moves it to a target in numbers, or not.
  */
-static void lines_are_understood_or_unknown(void **state)
+TEST(lines_are_understood_or_unknown)
 {
-    (void)state;
     static const struct {
         int language;
         mukca_line_kind kind;
@@ -123,57 +104,4 @@ static void lines_are_understood_or_unknown(void **state)
     assert_close(t.q[5], 6, 0);
 }
 
-/* The same pose in the three languages: 90 degrees about z, then 90 about the new x. */
-static void poses(void **state)
-{
-    (void)state;
-    static const char *const lines[3] = {
-        "[[100,-200,300],[0.5,0.5,0.5,0.5],[0,-1,0,1],[9E9,9E9,9E9,9E9,9E9,9E9]]",
-        "{FRAME: X 100, Y -200, Z 300, A 90, B 0, C 90}",
-        "p[0.1,-0.2,0.3,1.2091995761561452,1.2091995761561452,1.2091995761561452]"};
-    static const double R[9] = {0, 0, 1, 1, 0, 0, 0, 1, 0};
-    mukca_program_target t;
-    gen3_chain(&chain);
-    for (int l = 0; l < 3; l++) {
-        assert_true(find(&t, l, true, lines[l]));
-        assert_close(t.pose.p[0], 0.1, 1e-15);
-        assert_close(t.pose.p[1], -0.2, 1e-15);
-        assert_close(t.pose.p[2], 0.3, 1e-15);
-        for (int i = 0; i < 9; i++) assert_close(t.pose.R[i], R[i], 1e-12);
-    }
-    assert_false(
-        find(&t, RAPID, true, "[[1,2,3],[0.5,0.5,0.5,0.9],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]]"));
-}
-
-/* Axes that the arm lacks, and blanks, stay. */
-static void replacing_keeps_the_rest(void **state)
-{
-    (void)state;
-    static const double q[6] = {0};
-    char *text = NULL;
-    size_t size;
-    mukca_program_target t;
-    gen3_chain(&chain);
-    chain.n_joints = 6;
-    const char *line = "PTP {E6AXIS: A1 1, A2 2,A3 3,A4 4,A5 5,A6 6, E1 1500.5} C_PTP";
-    assert_true(find(&t, KRL, false, line));
-    FILE *stream = open_memstream(&text, &size);
-    assert_non_null(stream);
-    mukca_language_replace(stream, mukca_languages[KRL], &chain, line, &t, q);
-    assert_int_equal(fclose(stream), 0);
-    assert_string_equal(text,
-                        "PTP {E6AXIS: A1 0.000000, A2 0.000000,A3 0.000000,A4 0.000000,"
-                        "A5 0.000000,A6 0.000000, E1 1500.5} C_PTP");
-    free(text);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(printed_targets_are_found),
-                                       cmocka_unit_test(print_as_the_languages_have_it),
-                                       cmocka_unit_test(lengths_are_in_millimetres),
-                                       cmocka_unit_test(lines_are_understood_or_unknown),
-                                       cmocka_unit_test(poses),
-                                       cmocka_unit_test(replacing_keeps_the_rest)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -61,9 +61,8 @@ static void random_angles(double *q, mukca_random *random)
     for (int j = 0; j < 7; j++) q[j] = 4 * mukca_random_uniform(random) - 2;
 }
 
-static void equals_the_program(void **state)
+TEST(equals_the_program)
 {
-    (void)state;
     mukca_random random;
     mukca_random_seed(&random, 12);
     assert_int_equal(model.chain.n_joints, 7);
@@ -86,9 +85,8 @@ static void equals_the_program(void **state)
 }
 
 /* Against differences of poses; the harmonic of order 240 turns the derivative by 5 %. */
-static void jacobian_is_the_derivative(void **state)
+TEST(jacobian_is_the_derivative)
 {
-    (void)state;
     const double h = 1e-6;
     mukca_random random;
     mukca_random_seed(&random, 13);
@@ -150,9 +148,8 @@ static void add_every_effect(mukca_corrected *arm)
 
 /* Newton's method against the plain fixed point: each load at the displaced posture, until nothing
  * changes.  Soft arms, turning and sliding joints, a payload, a base that stands askew. */
-static void rest_is_the_fixed_point(void **state)
+TEST(rest_is_the_fixed_point)
 {
-    (void)state;
     static mukca_corrected arm;
     mukca_random random;
     mukca_random_seed(&random, 16);
@@ -197,9 +194,8 @@ static void rest_is_the_fixed_point(void **state)
 
 /* The Jacobian in closed form against differences of fourth order, of turning and sliding joints,
  * of an upright base and one that stands askew, with moments computed and given. */
-static void jacobian_is_exact(void **state)
+TEST(jacobian_is_exact)
 {
-    (void)state;
     const double h = 4e-4, weight[4] = {1, -8, 8, -1}, at[4] = {-2, -1, 1, 2};
     static mukca_corrected arm;
     mukca_random random;
@@ -267,9 +263,8 @@ static double torque_at(const double *q, int j, double h)
 
 /* A steep backlash, from one end to the other within 0.1 N m, has another slope after each step to
  * the rest.  The Jacobian by the slope at rest, of torques' differences of fourth order. */
-static void steep_backlash_has_its_slope_at_rest(void **state)
+TEST(steep_backlash_has_its_slope_at_rest)
 {
-    (void)state;
     const double scale = 0.02, h = 1e-3;
     static mukca_corrected arm;
     mukca_random random;
@@ -316,9 +311,8 @@ static void steep_backlash_has_its_slope_at_rest(void **state)
     assert_true(found > 10);
 }
 
-static void bad_tables_are_refused(void **state)
+TEST(bad_tables_are_refused)
 {
-    (void)state;
     static mukca_corrected other;
     static char broken[1 << 17];
     static const char *const spoil[][2] = {
@@ -351,9 +345,8 @@ static void bad_tables_are_refused(void **state)
     }
 }
 
-static void columns_may_stand_in_any_order(void **state)
+TEST(columns_may_stand_in_any_order)
 {
-    (void)state;
     static mukca_corrected other;
     static char reversed[1 << 17];
     size_t to = 0;
@@ -376,9 +369,8 @@ static void columns_may_stand_in_any_order(void **state)
     assert_memory_equal(&other, &model, offsetof(mukca_corrected, judged));
 }
 
-static void a_million_calls_allocate_nothing(void **state)
+TEST(a_million_calls_allocate_nothing)
 {
-    (void)state;
     double q[7], p[3], J[42], sum = 0;
     mukca_frame T;
     static mukca_corrected bare;
@@ -402,15 +394,4 @@ static void a_million_calls_allocate_nothing(void **state)
     assert_int_equal(calls, 2);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(equals_the_program),
-                                       cmocka_unit_test(jacobian_is_the_derivative),
-                                       cmocka_unit_test(rest_is_the_fixed_point),
-                                       cmocka_unit_test(jacobian_is_exact),
-                                       cmocka_unit_test(steep_backlash_has_its_slope_at_rest),
-                                       cmocka_unit_test(bad_tables_are_refused),
-                                       cmocka_unit_test(columns_may_stand_in_any_order),
-                                       cmocka_unit_test(a_million_calls_allocate_nothing)};
-    return cmocka_run_group_tests(tests, setup, NULL);
-}
+TEST_MAIN(setup, NULL)

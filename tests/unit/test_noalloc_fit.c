@@ -11,9 +11,8 @@
 #include "math/random.h"
 #include "noalloc.h"
 
-static void test_nothing_allocated(void **state)
+TEST(test_nothing_allocated)
 {
-    (void)state;
     enum { ROWS = 60 };
     mukca_chain chain;
     mukca_dataset data;
@@ -60,8 +59,4 @@ static void test_nothing_allocated(void **state)
     mukca_dataset_free(&data);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_nothing_allocated)};
-    return cmocka_run_group_tests_name("noalloc_fit", tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -19,9 +19,8 @@ static void check_same(const char *text)
     }
 }
 
-static void numbers_are_the_c_librarys(void **state)
+TEST(numbers_are_the_c_librarys)
 {
-    (void)state;
     static const char *const texts[] = {"0",
                                         "-0",
                                         "+1",
@@ -59,9 +58,8 @@ static void numbers_are_the_c_librarys(void **state)
 }
 
 /* The middle between two doubles, in all of its digits, and a hair above it. */
-static void ties_are_rounded_to_even(void **state)
+TEST(ties_are_rounded_to_even)
 {
-    (void)state;
     mukca_random random;
     mukca_random_seed(&random, 8);
     for (int i = 0; i < 2000; i++) {
@@ -78,9 +76,8 @@ static void ties_are_rounded_to_even(void **state)
     }
 }
 
-static void printing_without_stdio_agrees(void **state)
+TEST(printing_without_stdio_agrees)
 {
-    (void)state;
     char ours[96], theirs[96];
     mukca_random random;
     mukca_random_seed(&random, 9);
@@ -100,9 +97,8 @@ static void printing_without_stdio_agrees(void **state)
     assert_string_equal(ours, "-2147");
 }
 
-static void other_texts_are_no_numbers(void **state)
+TEST(other_texts_are_no_numbers)
 {
-    (void)state;
     static const char *const texts[] = {"",   " 1",  "1 ",    "0x10",   "nan",   "inf", "-inf",
                                         "1e", "1e+", "1,5",   "--1",    "1.2.3", "e5",  ".",
                                         "-",  "1f",  "1e999", "-1e999", "1_000", "１"};
@@ -115,9 +111,8 @@ static void other_texts_are_no_numbers(void **state)
     }
 }
 
-static void lists_have_exactly_n(void **state)
+TEST(lists_have_exactly_n)
 {
-    (void)state;
     double v[3];
     assert_true(mukca_number_parse_list(v, 3, " 1\t-2.5\n 3e1 "));
     assert_true(v[0] == 1 && v[1] == -2.5 && v[2] == 30);
@@ -127,9 +122,8 @@ static void lists_have_exactly_n(void **state)
     assert_false(mukca_number_parse_list(v, 3, ""));
 }
 
-static void numbers_are_written_short_and_read_back(void **state)
+TEST(numbers_are_written_short_and_read_back)
 {
-    (void)state;
     static const struct {
         double value;
         const char *text;
@@ -154,9 +148,8 @@ static void numbers_are_written_short_and_read_back(void **state)
     }
 }
 
-static void near_names_are_suggested(void **state)
+TEST(near_names_are_suggested)
 {
-    (void)state;
     assert_int_equal(mukca_suggest_distance("", ""), 0);
     assert_int_equal(mukca_suggest_distance("kitten", "sitting"), 3);
     assert_int_equal(mukca_suggest_distance("clibrate", "calibrate"), 1);
@@ -170,14 +163,4 @@ static void near_names_are_suggested(void **state)
     assert_false(mukca_suggest_better(&best, "x", "calibrate"));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(numbers_are_the_c_librarys),
-                                       cmocka_unit_test(ties_are_rounded_to_even),
-                                       cmocka_unit_test(printing_without_stdio_agrees),
-                                       cmocka_unit_test(other_texts_are_no_numbers),
-                                       cmocka_unit_test(lists_have_exactly_n),
-                                       cmocka_unit_test(numbers_are_written_short_and_read_back),
-                                       cmocka_unit_test(near_names_are_suggested)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

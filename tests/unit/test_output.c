@@ -31,9 +31,8 @@ static void check_content(const char *path, const char *wanted)
     free(text);
 }
 
-static void files_appear_when_they_are_whole(void **state)
+TEST(files_appear_when_they_are_whole)
 {
-    (void)state;
     const char *path = in_folder("out");
     assert_int_equal(mukca_output_check(path, false, &error), MUKCA_OK);
     assert_int_equal(count_files(), 0);
@@ -73,9 +72,8 @@ static void files_appear_when_they_are_whole(void **state)
     unlink(path);
 }
 
-static void links_stay_links(void **state)
+TEST(links_stay_links)
 {
-    (void)state;
     char real[128];
     snprintf(real, sizeof real, "%s", scratch_file("real", "old"));
     const char *link = in_folder("link");
@@ -91,34 +89,4 @@ static void links_stay_links(void **state)
     unlink(real);
 }
 
-static void failures_are_told_in_one_line(void **state)
-{
-    (void)state;
-    assert_int_equal(mukca_output_open(&output, "/dev/full", false, &error), MUKCA_OK);
-    fputs("x", output.stream);
-    assert_error(mukca_output_close(&output, &error), MUKCA_MEMORY, error,
-                 "/dev/full: cannot write: No space left");
-    for (int i = 0; i < 2; i++) { /* found by the buffer's own flush, too */
-        assert_int_equal(mukca_output_open(&output, "/dev/full", true, &error), MUKCA_OK);
-        for (int k = 0; k < 100000; k++) fputs("xxxxxxxx", output.stream);
-        assert_error(mukca_output_close(&output, &error), MUKCA_MEMORY, error, "No space left");
-    }
-    assert_error(mukca_output_check("/nowhere/x", false, &error), MUKCA_INPUT, error,
-                 "/nowhere/x: cannot write: No such file");
-    assert_error(mukca_output_check(scratch_folder, true, &error), MUKCA_INPUT, error,
-                 "is a folder");
-    char name[1200];
-    memset(name, 'x', sizeof name - 1);
-    name[sizeof name - 1] = '\0';
-    assert_error(mukca_output_check(name, true, &error), MUKCA_INPUT, error, "too long");
-    assert_int_equal(mukca_output_check("-", false, &error), MUKCA_OK);
-    assert_int_equal(mukca_output_check("/dev/null", false, &error), MUKCA_OK);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(files_appear_when_they_are_whole),
-                                       cmocka_unit_test(links_stay_links),
-                                       cmocka_unit_test(failures_are_told_in_one_line)};
-    return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
-}
+TEST_MAIN(scratch_setup, scratch_teardown)

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "close.h"
-#include "lcm/queue.h"
+#include "lcm/multicast.h"
 #include "lcm/wire.h"
 
 enum { LARGE = 200000, PAYLOAD = 65487 /* liblcm's, of one fragment */, MAX_DATAGRAM = 65535 };
@@ -88,9 +88,8 @@ static bool take(mukca_lcm_packet *packet, mukca_lcm_reassembly *r, const datagr
     return mukca_lcm_packet_take(packet, r, &in);
 }
 
-static void small_messages(void **state)
+TEST(small_messages)
 {
-    (void)state;
     mukca_lcm_reassembly r = {.bytes = 0};
     mukca_lcm_packet p;
     assert_true(take(&p, &r, small_datagram("ARM", 4, 500), 7, 42));
@@ -104,9 +103,8 @@ static void small_messages(void **state)
     mukca_lcm_packet_clear(&r);
 }
 
-static void bad_headers_are_counted(void **state)
+TEST(bad_headers_are_counted)
 {
-    (void)state;
     mukca_lcm_reassembly r = {.bytes = 0};
     mukca_lcm_packet p;
     char name[100];
@@ -130,9 +128,8 @@ static void bad_headers_are_counted(void **state)
     assert_int_equal(r.bytes, 0);
 }
 
-static void fragments_in_any_order(void **state)
+TEST(fragments_in_any_order)
 {
-    (void)state;
     static const unsigned orders[][4] = {{0, 1, 2, 3}, {3, 2, 1, 0}, {2, 0, 3, 1}};
     mukca_lcm_reassembly r = {.bytes = 0};
     mukca_lcm_packet p;
@@ -153,9 +150,8 @@ static void fragments_in_any_order(void **state)
 
 /* Messages of two senders with the same sequence number stay apart; a lost fragment costs its
  * message, after a second. */
-static void senders_and_losses(void **state)
+TEST(senders_and_losses)
 {
-    (void)state;
     mukca_lcm_reassembly r = {.bytes = 0};
     mukca_lcm_packet p;
     for (unsigned i = 0; i < 3; i++) {
@@ -174,9 +170,8 @@ static void senders_and_losses(void **state)
     mukca_lcm_packet_clear(&r);
 }
 
-static void wrapped_and_overlapping_sizes(void **state)
+TEST(wrapped_and_overlapping_sizes)
 {
-    (void)state;
     static const fragment bad[] = {
         {.size = 100, .offset = 0xffffffe0, .number = 0, .n = 2, .bytes = 64}, /* wraps 32 bits */
         {.size = 100, .offset = 37, .number = 1, .n = 2, .bytes = 64},
@@ -212,9 +207,8 @@ static void wrapped_and_overlapping_sizes(void **state)
 }
 
 /* Beginnings of large messages from one sender and from many. */
-static void partial_messages_are_bounded(void **state)
+TEST(partial_messages_are_bounded)
 {
-    (void)state;
     mukca_lcm_reassembly r = {.bytes = 0};
     mukca_lcm_packet p;
     assert_false(take(&p, &r, cut(1, 0), 7, 0)); /* of a well-behaved sender */
@@ -244,9 +238,8 @@ static uint32_t chance(void)
     return (uint32_t)(x >> 16);
 }
 
-static void a_million_mutations(void **state)
+TEST(a_million_mutations)
 {
-    (void)state;
     mukca_lcm_reassembly r = {.bytes = 0};
     mukca_lcm_packet p;
     size_t before = 0, sum = 0;
@@ -276,9 +269,8 @@ static void a_million_mutations(void **state)
     assert_true(mallinfo2().uordblks <= before + 100000);
 }
 
-static void the_queue_keeps_order_and_bounds(void **state)
+TEST(the_queue_keeps_order_and_bounds)
 {
-    (void)state;
     mukca_lcm_queue *q = calloc(1, sizeof *q);
     mukca_lcm_queued *e;
     assert_non_null(q);
@@ -331,16 +323,6 @@ static void the_queue_keeps_order_and_bounds(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(small_messages),
-        cmocka_unit_test(bad_headers_are_counted),
-        cmocka_unit_test(fragments_in_any_order),
-        cmocka_unit_test(senders_and_losses),
-        cmocka_unit_test(wrapped_and_overlapping_sizes),
-        cmocka_unit_test(partial_messages_are_bounded),
-        cmocka_unit_test(a_million_mutations),
-        cmocka_unit_test(the_queue_keeps_order_and_bounds),
-    };
     fill();
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return test_run(NULL, NULL);
 }

@@ -95,9 +95,8 @@ static double consistency(const mukca_chain *chain, const double *theta, const m
     return sum / data->n_rows;
 }
 
-static void test_without_noise(void **state)
+TEST(test_without_noise)
 {
-    (void)state;
     mukca_chain chain;
     mukca_random random;
     make_arm(&chain);
@@ -130,9 +129,8 @@ static const char identifiable[] =
     "j2.x,j2.roll,j3.x,j3.z,j3.roll,j3.yaw,j4.x,j4.z,j4.roll,j4.yaw,j5.x,j5.z,j5.roll,j5.yaw,"
     "j6.x,j6.z,j6.roll,j6.yaw,j7.x,j7.z,j7.roll,j7.yaw,j8.x,j8.y,j8.z";
 
-static void test_standard_errors(void **state)
+TEST(test_standard_errors)
 {
-    (void)state;
     enum { SEEDS = 200 };
     const double sigma = 1e-4;
     mukca_chain chain;
@@ -177,9 +175,4 @@ static void test_standard_errors(void **state)
         assert_close(squares[i], 1, 0.4); /* 4 sigma of chi2(200)/200 */
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_without_noise),
-                                       cmocka_unit_test(test_standard_errors)};
-    return cmocka_run_group_tests_name("recovery", tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -57,9 +57,8 @@ static double (*balls(const study *t, mukca_dataset *out, uint64_t seed))[3]
 
 /* Without noise the ball stays in its socket, and the sockets have their distance; the angles are
  * those recorded but for the noise. */
-static void test_seats(void **state)
+TEST(test_seats)
 {
-    (void)state;
     study t;
     mukca_dataset out;
     begin(&t, "joint_compliance:joint_2=2e-5,zero_jump:joint_3/left=1e-3,socket_distance=1e-3", 1);
@@ -81,9 +80,8 @@ static void test_seats(void **state)
 }
 
 /* A moved socket is displaced from its row on. */
-static void test_motion(void **state)
+TEST(test_motion)
 {
-    (void)state;
     study t;
     mukca_dataset out;
     begin(&t, NULL, 1);
@@ -129,18 +127,16 @@ static void check_noise(double correlation, double shared, double wanted)
     end(&t);
 }
 
-static void test_noise(void **state)
+TEST(test_noise)
 {
-    (void)state;
     check_noise(0, 0, 0);
     check_noise(0.6, 0, 0.6);
     check_noise(0, 0.8, 0.8);
 }
 
 /* Poses of a tracker; the same seed gives the same replicate. */
-static void test_poses(void **state)
+TEST(test_poses)
 {
-    (void)state;
     study t = {0};
     mukca_dataset out, again;
     mukca_error error = {0};
@@ -168,9 +164,4 @@ static void test_poses(void **state)
     end(&t);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_seats), cmocka_unit_test(test_motion),
-                                       cmocka_unit_test(test_noise), cmocka_unit_test(test_poses)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

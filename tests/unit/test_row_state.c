@@ -12,9 +12,8 @@ static const mukca_joint_state *next(mukca_row_state *rows, int number, double t
     return mukca_row_state_next(rows, &reading);
 }
 
-static void times_continue(void **state)
+TEST(times_continue)
 {
-    (void)state;
     mukca_row_state rows;
     mukca_row_state_start(&rows, 2);
     assert_close(next(&rows, 1, NAN, 0)->time, 0, 0);
@@ -30,9 +29,8 @@ static void times_continue(void **state)
     assert_close(next(&rows, 2, 1e9 + 7, 0)->time, 7, 0);
 }
 
-static void moves_are_from_the_last_row(void **state)
+TEST(moves_are_from_the_last_row)
 {
-    (void)state;
     mukca_row_state rows;
     const double tried[2] = {0.7, 0}, sent[2] = {0.75, -0.5};
     mukca_row_state_start(&rows, 2);
@@ -46,9 +44,8 @@ static void moves_are_from_the_last_row(void **state)
     assert_close(next(&rows, 3, NAN, 1)->move[0], 0.25, 0);
 }
 
-static void a_missing_command_shows_no_lag(void **state)
+TEST(a_missing_command_shows_no_lag)
 {
-    (void)state;
     mukca_row_state rows;
     const double q[2] = {1, 2}, command[2] = {NAN, 2.5};
     const mukca_effect lag = {.kind = MUKCA_EFFECT_READBACK_LAG, .variant.to_command = true};
@@ -63,9 +60,8 @@ static void a_missing_command_shows_no_lag(void **state)
 }
 
 /* The move does not depend on how often the states come, and is kept while the arm stands. */
-static void streams_keep_their_direction(void **state)
+TEST(streams_keep_their_direction)
 {
-    (void)state;
     for (int steps = 10; steps <= 10000; steps *= 10) {
         mukca_row_state rows;
         mukca_row_state_stream(&rows, 2);
@@ -78,11 +74,4 @@ static void streams_keep_their_direction(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(times_continue),
-                                       cmocka_unit_test(moves_are_from_the_last_row),
-                                       cmocka_unit_test(a_missing_command_shows_no_lag),
-                                       cmocka_unit_test(streams_keep_their_direction)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

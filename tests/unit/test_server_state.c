@@ -15,9 +15,8 @@ static mukca_status load(const char *text)
     return mukca_server_load_state(&server, &error);
 }
 
-static void what_is_saved_is_read(void **state)
+TEST(what_is_saved_is_read)
 {
-    (void)state;
     assert_int_equal(load("session\ta\nplacement\th\303\266he\nsocket\t0\nrows\t12\nfinished\t1\n"
                           "model\ta.offsets.tsv\nmodel_stream\traw\nlater\tx\n"
                           "candidate\tb.c.effects.tsv\ncandidate_stream\tcorrected\n"),
@@ -31,9 +30,8 @@ static void what_is_saved_is_read(void **state)
     assert_memory_equal(&server.state, &read, sizeof read);
 }
 
-static void a_damaged_line_is_named(void **state)
+TEST(a_damaged_line_is_named)
 {
-    (void)state;
     static const char *const lines[] = {
         "session\t../a",
         "session\t.a",
@@ -59,20 +57,11 @@ static void a_damaged_line_is_named(void **state)
 }
 
 /* The bytes behind a text's end do not count as a change. */
-static void the_last_of_two_lines_counts(void **state)
+TEST(the_last_of_two_lines_counts)
 {
-    (void)state;
     assert_int_equal(load("session\tlonger\nsession\ta\n"), MUKCA_OK);
     const mukca_server_state expected = {.session = "a"};
     assert_memory_equal(&server.state, &expected, sizeof expected);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_is_saved_is_read),
-        cmocka_unit_test(a_damaged_line_is_named),
-        cmocka_unit_test(the_last_of_two_lines_counts),
-    };
-    return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
-}
+TEST_MAIN(scratch_setup, scratch_teardown)

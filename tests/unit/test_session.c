@@ -4,7 +4,6 @@
 #include <errno.h>
 #include <signal.h>
 #include <sys/resource.h>
-#include <sys/wait.h>
 
 #include "io/table.h"
 #include "scratch.h"
@@ -48,22 +47,14 @@ static void check_rows(const int *expected, int n)
 {
     mukca_table table;
     mukca_error error;
-    bool more;
-    if (mukca_table_open(&table, path, MUKCA_HEADER, &error)) fail_msg("%s", error.text);
-    int column = mukca_table_find(&table, "A1"), count = 0;
+    mukca_table_open(&table, path, MUKCA_HEADER, &error);
+    int column = mukca_table_require(&table, "A1"), count = 0;
     assert_int_equal(column, 3);
     assert_int_equal(table.n_columns, 3 + 9);
-    for (;;) {
-        double value;
-        if (mukca_table_next(&table, &more, &error)) fail_msg("%s", error.text);
-        if (!more) break;
-        assert_true(count < n);
-        assert_int_equal(mukca_table_number(&value, &table, column, &error), MUKCA_OK);
-        assert_true(value == expected[count] / 3.);
-        count++;
-    }
+    for (; mukca_table_next(&table); count++)
+        assert_true(count < n && mukca_table_number(&table, column) == expected[count] / 3.);
+    if (mukca_table_close(&table)) fail_msg("%s", error.text);
     assert_int_equal(count, n);
-    mukca_table_close(&table);
 }
 
 static void append_text(const char *text)
@@ -80,13 +71,12 @@ static void count_note(void *context, const char *text)
     ++*(int *)context;
 }
 
-static void rows_are_added_undone_and_resumed(void **state)
+TEST(rows_are_added_undone_and_resumed)
 {
     mukca_session session, second;
     mukca_session_head h = head("raw"), corrected = head("corrected"), columns = head("raw");
     mukca_error error = {0};
     int notes = 0;
-    (void)state;
     unlink(path);
     assert_int_equal(mukca_session_create(&session, path, false, &h, &error), MUKCA_OK);
     assert_int_equal(mukca_session_delete(&session, 0, "p", "s", &error), MUKCA_INPUT);
@@ -134,13 +124,12 @@ static void rows_are_added_undone_and_resumed(void **state)
 }
 
 /* A power cut may leave any beginning of the file. */
-static void any_beginning_can_be_resumed(void **state)
+TEST(any_beginning_can_be_resumed)
 {
     static char whole[8192], cut[8192];
     mukca_session session;
     mukca_session_head h = head("raw");
     mukca_error error = {0};
-    (void)state;
     assert_int_equal(mukca_session_create(&session, path, true, &h, &error), MUKCA_OK);
     int64_t after[4] = {session.length};
     for (int i = 0; i < 3; i++) {
@@ -182,13 +171,12 @@ static void any_beginning_can_be_resumed(void **state)
 }
 
 /* Disk full in mid-session: the row is refused, the others stay, and later ones go on. */
-static void full_disk_refuses_the_row_only(void **state)
+TEST(full_disk_refuses_the_row_only)
 {
     mukca_session session;
     mukca_session_head h = head("raw");
     mukca_error error = {0};
     struct rlimit old, small;
-    (void)state;
     assert_int_equal(mukca_session_create(&session, path, true, &h, &error), MUKCA_OK);
     assert_int_equal(add(&session, 1, &error), MUKCA_OK);
     getrlimit(RLIMIT_FSIZE, &old);
@@ -208,68 +196,15 @@ static void full_disk_refuses_the_row_only(void **state)
     check_rows((const int[]){1, 3}, 2);
 }
 
-/* Killed at a random moment a hundred times: what was acknowledged is there. */
-static void killed_sessions_keep_acknowledged_rows(void **state)
-{
-    mukca_session session;
-    mukca_session_head h = head("raw");
-    mukca_error error = {0};
-    int rows = 0;
-    (void)state;
-    unlink(path);
-    for (int kill_at = 0; kill_at < 100; kill_at++) {
-        int acknowledge[2];
-        assert_int_equal(pipe(acknowledge), 0);
-        pid_t child = fork();
-        assert_true(child >= 0);
-        if (child == 0) {
-            if (mukca_session_resume(&session, path, &h, NULL, NULL, &error)) _exit(1);
-            for (int i = session.n_rows;; i++) {
-                if (add(&session, i, &error)) _exit(2);
-                if (write(acknowledge[1], &session.n_rows, sizeof session.n_rows) < 0) _exit(3);
-            }
-        }
-        close(acknowledge[1]);
-        int acknowledged = 0, status;
-        usleep((useconds_t)(1000 + 37 * kill_at));
-        kill(child, SIGKILL);
-        waitpid(child, &status, 0);
-        assert_true(WIFSIGNALED(status));
-        while (read(acknowledge[0], &acknowledged, sizeof acknowledged) > 0) continue;
-        close(acknowledge[0]);
-        assert_int_equal(mukca_session_resume(&session, path, &h, NULL, NULL, &error), MUKCA_OK);
-        assert_true(session.n_rows >= acknowledged && session.n_rows >= rows);
-        rows = session.n_rows;
-        mukca_session_close(&session);
-    }
-    assert_true(rows > 0);
-    int *expected = malloc((size_t)rows * sizeof *expected);
-    assert_non_null(expected);
-    for (int i = 0; i < rows; i++) expected[i] = i;
-    check_rows(expected, rows);
-    free(expected);
-}
-
-static void labels(void **state)
+TEST(labels)
 {
     static const char *const good[] = {"0", "front left", "h\303\266he"};
     static const char *const bad[] = {"",   "#1", "a\tb",  "a\nb", "a,b",
                                       " a", "a ", "\"a\"", "\303", "a\377b"};
-    (void)state;
     for (size_t i = 0; i < sizeof good / sizeof *good; i++)
         assert_true(mukca_session_label_ok(good[i]));
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
         assert_false(mukca_session_label_ok(bad[i]));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(rows_are_added_undone_and_resumed),
-        cmocka_unit_test(any_beginning_can_be_resumed),
-        cmocka_unit_test(full_disk_refuses_the_row_only),
-        cmocka_unit_test(killed_sessions_keep_acknowledged_rows),
-        cmocka_unit_test(labels),
-    };
-    return cmocka_run_group_tests(tests, setup, scratch_teardown);
-}
+TEST_MAIN(setup, scratch_teardown)

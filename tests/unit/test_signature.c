@@ -15,9 +15,8 @@ static mukca_status read_key(mukca_lcm_key *key, const char *text, size_t n)
 
 /* printf 'A\0Test' | openssl dgst -sha256 -mac HMAC -macopt hexkey:aaaa...: a key longer than a
  * block and a shorter one, as in RFC 4231. */
-static void it_is_hmac_sha256(void **state)
+TEST(it_is_hmac_sha256)
 {
-    (void)state;
     static const unsigned char expected[2][8] = {{0x20, 0xfe, 0xed, 0x64, 0x17, 0x1d, 0x35, 0x22},
                                                  {0xe4, 0x1f, 0x02, 0x49, 0xbc, 0xfd, 0xbd, 0x3a}};
     char text[131];
@@ -33,9 +32,8 @@ static void it_is_hmac_sha256(void **state)
     }
 }
 
-static void another_byte_channel_or_key_is_refused(void **state)
+TEST(another_byte_channel_or_key_is_refused)
 {
-    (void)state;
     mukca_lcm_key key, other;
     unsigned char data[40 + MUKCA_LCM_SIGNATURE] = "forty bytes of a message";
     assert_int_equal(read_key(&key, "0123456789abcdef\n", 17), MUKCA_OK);
@@ -57,9 +55,8 @@ static void another_byte_channel_or_key_is_refused(void **state)
         assert_false(mukca_lcm_signature_check(&key, &packet));
 }
 
-static void a_signed_request_is_read_without_a_key(void **state)
+TEST(a_signed_request_is_read_without_a_key)
 {
-    (void)state;
     unsigned char data[200];
     mukca_message_trigger trigger = {.utime = 1, .id = 2, .placement = "p", .socket = "0"};
     mukca_message_sample sample = {.id = 3};
@@ -75,9 +72,8 @@ static void a_signed_request_is_read_without_a_key(void **state)
         MUKCA_INPUT);
 }
 
-static void bad_keys_get_one_clear_line(void **state)
+TEST(bad_keys_get_one_clear_line)
 {
-    (void)state;
     mukca_lcm_key key;
     assert_error(read_key(&key, "fifteen letters \n", 17), MUKCA_INPUT, error, "at least 16");
     assert_error(read_key(&key, "sixteen\0 letters", 16), MUKCA_INPUT, error, "zero byte");
@@ -88,11 +84,4 @@ static void bad_keys_get_one_clear_line(void **state)
                  "/nowhere/key");
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(it_is_hmac_sha256),
-                                       cmocka_unit_test(another_byte_channel_or_key_is_refused),
-                                       cmocka_unit_test(a_signed_request_is_read_without_a_key),
-                                       cmocka_unit_test(bad_keys_get_one_clear_line)};
-    return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);
-}
+TEST_MAIN(scratch_setup, scratch_teardown)

@@ -79,9 +79,8 @@ static double angle(mukca_random *random, int kind)
     }
 }
 
-static void within_one_ulp(void **state)
+TEST(within_one_ulp)
 {
-    (void)state;
     static double x[N], s[N], c[N];
     double most = 0;
     mukca_random random;
@@ -101,9 +100,8 @@ static void within_one_ulp(void **state)
     print_message("%d angles, at most %.3f ulp\n", N * ROUNDS, most);
 }
 
-static void edges_as_the_c_library(void **state)
+TEST(edges_as_the_c_library)
 {
-    (void)state;
     const double x[] = {0.0,        -0.0,        0x1p-1074, -0x1p-1074, 0x1.8p-1030,
                         -0x1p-1022, 0x1p-600,    0x1p-28,   -0x1p-28,   INFINITY,
                         -INFINITY,  (double)NAN, 0x1.8p20,  -1e22,      0x1p1023};
@@ -119,9 +117,8 @@ static void edges_as_the_c_library(void **state)
     }
 }
 
-static void one_lane_gives_the_same_bits(void **state)
+TEST(one_lane_gives_the_same_bits)
 {
-    (void)state;
     mukca_random random;
     mukca_random_seed(&random, 11);
     for (int trial = 0; trial < 20000; trial++) {
@@ -143,9 +140,8 @@ static void one_lane_gives_the_same_bits(void **state)
     }
 }
 
-static void place_and_number_do_not_matter(void **state)
+TEST(place_and_number_do_not_matter)
 {
-    (void)state;
     enum { MOST = 19 };
     mukca_random random;
     mukca_random_seed(&random, 5);
@@ -163,11 +159,4 @@ static void place_and_number_do_not_matter(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(within_one_ulp),
-                                       cmocka_unit_test(edges_as_the_c_library),
-                                       cmocka_unit_test(one_lane_gives_the_same_bits),
-                                       cmocka_unit_test(place_and_number_do_not_matter)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

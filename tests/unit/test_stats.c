@@ -5,9 +5,8 @@
 #include "math/random.h"
 #include "math/stats.h"
 
-static void test_quantiles(void **state)
+TEST(test_quantiles)
 {
-    (void)state;
     double x[] = {2, 4, 4, 4, 5, 5, 7, 9};
     assert_close(mukca_stats_median(x, 8), 4.5, 0);
     assert_close(mukca_stats_median(x, 0), 0, 0);
@@ -18,9 +17,8 @@ static void test_quantiles(void **state)
     assert_true(isnan(mukca_stats_median(bad, 3)));
 }
 
-static void test_tails(void **state)
+TEST(test_tails)
 {
-    (void)state;
     double x[] = {-1000, -1000}, y[] = {1000, 0, -HUGE_VAL};
     assert_close(mukca_stats_log_sum_exp(x, 2), -1000 + log(2), 1e-12);
     assert_close(mukca_stats_log_sum_exp(y, 3), 1000, 1e-12);
@@ -48,9 +46,8 @@ static double slope(void *context, double x)
     return x;
 }
 
-static void test_minimize(void **state)
+TEST(test_minimize)
 {
-    (void)state;
     int calls = 0;
     double value;
     assert_close(mukca_stats_minimize(&value, quartic, &calls, -4, 9, 1e-7), 0.3, 1e-7);
@@ -59,9 +56,8 @@ static void test_minimize(void **state)
     assert_close(mukca_stats_minimize(NULL, slope, NULL, 1, 2, 1e-6), 1, 2e-6); /* at the edge */
 }
 
-static void test_random(void **state)
+TEST(test_random)
 {
-    (void)state;
     mukca_random random = {.state = {1, 2, 3, 4}}; /* reference output of xoshiro256plusplus.c */
     assert_true(mukca_random_bits(&random) == 41943041u);
     assert_true(mukca_random_bits(&random) == 58720359u);
@@ -89,17 +85,9 @@ static void test_random(void **state)
     for (int b = 0; b < 3; b++) assert_close(bins[b], N / 3.0, 5 * sqrt(N * 2.0 / 9));
 }
 
-static void test_nan_fails(void **state)
+TEST(test_nan_fails)
 {
-    (void)state;
     assert_false(fabs(NAN - 1) <= 1e9); /* what assert_close rests on */
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_quantiles), cmocka_unit_test(test_tails),
-        cmocka_unit_test(test_minimize), cmocka_unit_test(test_random),
-        cmocka_unit_test(test_nan_fails)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -26,9 +26,8 @@ static void make(mukca_shared_socket *s, double noise, double stated, mukca_rand
     }
 }
 
-static void exact_sockets_give_the_pose(void **state)
+TEST(exact_sockets_give_the_pose)
 {
-    (void)state;
     mukca_shared_socket s[SOCKETS];
     mukca_two_arms t;
     mukca_random random;
@@ -42,9 +41,8 @@ static void exact_sockets_give_the_pose(void **state)
 }
 
 /* 2000 runs of six numbers: 95 % within 4 standard errors of a share (they are correlated). */
-static void intervals_hold(void **state)
+TEST(intervals_hold)
 {
-    (void)state;
     static const double stated[2] = {1e-4, 1e-5}; /* noise as stated; understated tenfold */
     for (int k = 0; k < 2; k++) {
         mukca_random random;
@@ -69,9 +67,8 @@ static void intervals_hold(void **state)
     }
 }
 
-static void sockets_that_do_not_suffice(void **state)
+TEST(sockets_that_do_not_suffice)
 {
-    (void)state;
     mukca_shared_socket s[SOCKETS];
     mukca_two_arms t;
     mukca_error error;
@@ -86,10 +83,4 @@ static void sockets_that_do_not_suffice(void **state)
     assert_non_null(strstr(error.text, "one line"));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(exact_sockets_give_the_pose),
-                                       cmocka_unit_test(intervals_hold),
-                                       cmocka_unit_test(sockets_that_do_not_suffice)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

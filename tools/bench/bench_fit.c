@@ -12,7 +12,7 @@
 #include "base/clock.h"
 #include "fit/fit.h"
 #include "fit/solver.h"
-#include "io/dataset_load.h"
+#include "io/dataset.h"
 #include "io/urdf.h"
 
 enum { MAX_REPEATS = 1000 };

@@ -11,7 +11,6 @@
 #include <time.h>
 
 #include "lcm/message.h"
-#include "lcm/state.h"
 #include "lcm/type.h"
 #include "math/stats.h"
 

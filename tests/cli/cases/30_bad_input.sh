@@ -78,6 +78,8 @@ session '1s/placement/station/'
 doubt "bad.tsv: no column 'placement'; all samples count as one placement" calibrate $a bad.tsv
 session '1s/$/\tmood/; 2,$s/$/\tgood/'
 doubt 'bad.tsv: 1 unknown column ignored: mood' calibrate $a bad.tsv
+session '1s/j3/j2/'
+refuse 3 "bad.tsv:1: two columns are called 'j2'; rename one" calibrate $a bad.tsv
 session '4s/\t[^\t]*$/\tfive/'
 refuse 3 "bad.tsv:4: column 'j3': 'five' is not a finite number" calibrate $a bad.tsv -o new.tsv
 session '4s/\t[^\t]*$/\tnan/'

@@ -1,5 +1,4 @@
 # Simulated recordings.
-golden help_simulate help simulate
 cp "$root/data/demo/arm.urdf" arm.urdf
 simulate() { "$MUKCA" simulate --urdf arm.urdf "$@"; }
 run simulate --urdf arm.urdf --placements 2 --rows 5 --seed 1 --perturb 1,2 --noise 1e-4 \

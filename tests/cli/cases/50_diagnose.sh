@@ -1,5 +1,4 @@
 # The diagnosis: its answers, its table, and what it says to bad input.
-golden help_diagnose help diagnose
 cp "$root/data/demo/arm.urdf" arm.urdf
 simulate() { "$MUKCA" simulate --urdf arm.urdf --noise 1e-4 --perturb 1,2 --rows 20 "$@"; }
 simulate --seed 5 --placements 3 --effect joint_compliance:joint_2=4e-5 -o good.tsv --held-out 1 --test test.tsv

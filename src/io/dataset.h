@@ -1,0 +1,56 @@
+/* Datasets as files: folders of hole_N.csv, session files, pose logs, in any combination. */
+#ifndef MUKCA_IO_DATASET_H
+#define MUKCA_IO_DATASET_H
+
+#include <stdio.h>
+
+#include "base/note.h"
+#include "io/rows.h"
+#include "model/dataset.h"
+
+typedef struct {
+    double distance;       /* between any two sockets of a placement, m; 0: 0.05 */
+    const char *distances; /* table of distances by socket labels, replaces `distance`; or NULL */
+    const double *payload; /* [n_paths] for samples whose file has no payload, kg; or NULL */
+    mukca_rows_format format; /* of the tables */
+    bool partial;        /* an unfinished session: sockets may be missing or have few samples */
+    mukca_note_fn *note; /* may be NULL */
+    void *context;
+} mukca_dataset_options;
+
+/* Read the files and folders (of a placement, or of such folders) paths[n_paths] in order into a
+ * new dataset (free it with mukca_dataset_free).  Duplicate samples are removed (dataset_copies.c).
+ * Sockets with fewer than 2 samples and placements with fewer than 2 sockets are dropped with a
+ * note.  `options` may be NULL.  Errors: MUKCA_INPUT (file, line, column), MUKCA_MEMORY. */
+mukca_status mukca_dataset_load(mukca_dataset *data, const mukca_chain *chain,
+                                const char *const *paths, int n_paths,
+                                const mukca_dataset_options *options, mukca_error *error);
+
+/* ---- duplicate samples (dataset_copies.c) ---- */
+
+/* A file given twice, its copy, rows pasted again: remove the samples of `data` that repeat a
+ * sample of `of`, or if `of` is NULL an earlier sample of `data`; then sockets and placements
+ * without samples.  One note per file.  Samples are duplicates if all joint angles and the label
+ * are equal and all values that both have (time, measured pose, effort and so on) agree; names of
+ * files and placements are not compared.  With `of` NULL, a socket that would keep one sample keeps
+ * all.  Returns MUKCA_OK or MUKCA_MEMORY. */
+mukca_status mukca_dataset_drop_copies(mukca_dataset *data, const mukca_dataset *of,
+                                       mukca_note_fn *note, void *context, mukca_error *error);
+
+/* Keep the samples with keep[i] != 0, and the sockets and placements that have some.  Errors:
+ * MUKCA_MEMORY. */
+mukca_status mukca_dataset_keep(mukca_dataset *data, const unsigned char *keep, mukca_error *error);
+
+/* ---- as a session file or a pose log (dataset_write.c) ---- */
+
+/* Separator of a new file: a comma if its name ends in .csv, else a tab. */
+char mukca_dataset_separator(const char *path);
+
+/* Write all samples in order under a header.  The dataset must have times; if it has sockets, every
+ * sample must have one.  Other optional columns are written if present and must then be complete.
+ * Angles and positions get 12 decimals.  `comments` (may be NULL): complete lines, each written as
+ * a `#` line.  The caller checks the stream. */
+void mukca_dataset_write(FILE *stream, const mukca_dataset *data, const mukca_chain *chain,
+                         char separator, const char *comments);
+
+#endif
