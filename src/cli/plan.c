@@ -15,8 +15,6 @@ static const cli_option options[] = {
                "a placement of the tool: middle of the sockets, which lie on its x axis, m and "
                "rad; 1 cm is "
                "accurate enough"),
-    CLI_RANGE_OPTION(cli_plan_options, suggest, "suggest", CLI_INTEGER, "N", 1, CLI_PLAN_MAX_PLACES,
-                     "propose N placements of the tool instead, each with --rows N samples"),
     CLI_OPTION(cli_plan_options, settle, "settle", CLI_FLAG, NULL,
                "diagnose DATA and separate its first indistinguishable causes"),
     CLI_OPTION(
@@ -59,11 +57,9 @@ static mukca_status check(cli_call *call)
     if (o->settle && call->arguments.n == 0)
         return mukca_fail(e, MUKCA_USAGE,
                           "--settle needs the DATA of the indistinguishable causes");
-    if (call->arguments.n == 0 && o->places.n == 0 && o->suggest == 0)
-        return mukca_fail(
-            e, MUKCA_USAGE,
-            "where is the tool? give recorded DATA, --place NAME=X,Y,Z, or --suggest N for "
-            "proposals");
+    if (call->arguments.n == 0 && o->places.n == 0)
+        return mukca_fail(e, MUKCA_USAGE,
+                          "where is the tool? give recorded DATA, or --place NAME=X,Y,Z");
     return MUKCA_OK;
 }
 
@@ -148,7 +144,6 @@ static mukca_status gather_causes(cli_plan *r)
 static mukca_status plan(cli_plan *r)
 {
     const cli_plan_options *o = r->call->options;
-    const double distance = r->call->common->distance;
     const double *theta = r->model->offsets.theta;
     double fitted[MUKCA_MAX_THETA];
     r->options = (mukca_plan_options){.rows = o->rows,
@@ -178,11 +173,7 @@ static mukca_status plan(cli_plan *r)
                                   .theta = theta,
                                   .data = r->data->n_rows > 0 ? r->data : NULL,
                                   .sockets = r->sockets,
-                                  .n_sockets = r->n_sockets,
-                                  .distance = distance};
-    if (o->suggest > 0)
-        return mukca_plan_places(r->places, &r->n_places, o->suggest, &task, &r->options,
-                                 &r->call->error);
+                                  .n_sockets = r->n_sockets};
     status = mukca_plan_run(&r->plan, &task, &r->options, &r->call->error);
     r->unloaded = r->plan.evidence_after;
     if (status == MUKCA_OK && r->options.n_effects > 0)

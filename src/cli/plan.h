@@ -5,13 +5,11 @@
 #include "cli/simulate.h"
 #include "diagnose/next_poses.h"
 
-enum { CLI_PLAN_MAX_PLACES = MUKCA_PLAN_MAX_SOCKETS / 2 }; /* each has two sockets */
-
 typedef struct {
     cli_common common;
     cli_list separate, places;
     bool settle;
-    int rows, suggest, seed;
+    int rows, seed;
     double noise, tilt, clearance;
 } cli_plan_options;
 
@@ -28,11 +26,9 @@ typedef struct {
     mukca_plan plan;
     double payload;  /* kg, for the proposed postures; 0: none */
     double unloaded; /* evidence from equally many postures without payload */
-    int n_places;
-    mukca_plan_place places[CLI_PLAN_MAX_PLACES];
 } cli_plan;
 
-/* Write the postures or the proposed placements as a table to -o or standard output. */
+/* Write the postures as a table to -o or standard output. */
 mukca_status cli_plan_write(cli_plan *plan);
 
 json_t *cli_plan_json(const cli_plan *plan);

@@ -14,32 +14,20 @@ mukca_status cli_plan_write(cli_plan *r)
     mukca_status status = cli_output_open(r->call, &output);
     if (status != MUKCA_OK) return status;
     FILE *out = output.stream;
-    if (r->n_places > 0) {
-        fputs("place\tx_m\ty_m\tz_m\tyaw_rad\texpected_error_m\tlog_bayes_factor\n", out);
-        for (int i = 0; i < r->n_places; i++) {
-            const mukca_plan_place *at = &r->places[i];
-            fprintf(out, "%d\t%.3f\t%.3f\t%.3f\t%.3f\t%.3g\t", i + 1, at->centre[0], at->centre[1],
-                    at->centre[2], at->yaw, at->expected);
-            if (isfinite(at->evidence)) fprintf(out, "%.3g", at->evidence);
-            fputc('\n', out);
-        }
-    } else {
-        fprintf(out,
-                "# postures proposed by mukca plan for %s, joints in rad; guide the arm there and\n"
-                "# record the angles with the ball seated in its socket\n",
-                chain->robot);
-        fputs("placement\tsocket", out);
-        for (int j = 0; j < chain->n_joints; j++)
-            fprintf(out, "\t%s", mukca_chain_joint_name(chain, j));
-        fputs(r->payload > 0 ? "\tpayload_kg\n" : "\n", out);
-        for (int i = 0; i < r->plan.n_rows; i++) {
-            const mukca_plan_row *row = &r->plan.rows[i];
-            fprintf(out, "%s\t%s", r->sockets[row->socket].placement,
-                    r->sockets[row->socket].label);
-            for (int j = 0; j < chain->n_joints; j++) fprintf(out, "\t%.6f", row->q[j]);
-            if (r->payload > 0) fprintf(out, "\t%g", r->payload);
-            fputc('\n', out);
-        }
+    fprintf(out,
+            "# postures proposed by mukca plan for %s, joints in rad; guide the arm there and\n"
+            "# record the angles with the ball seated in its socket\n",
+            chain->robot);
+    fputs("placement\tsocket", out);
+    for (int j = 0; j < chain->n_joints; j++)
+        fprintf(out, "\t%s", mukca_chain_joint_name(chain, j));
+    fputs(r->payload > 0 ? "\tpayload_kg\n" : "\n", out);
+    for (int i = 0; i < r->plan.n_rows; i++) {
+        const mukca_plan_row *row = &r->plan.rows[i];
+        fprintf(out, "%s\t%s", r->sockets[row->socket].placement, r->sockets[row->socket].label);
+        for (int j = 0; j < chain->n_joints; j++) fprintf(out, "\t%.6f", row->q[j]);
+        if (r->payload > 0) fprintf(out, "\t%g", r->payload);
+        fputc('\n', out);
     }
     return mukca_output_close(&output, &r->call->error);
 }
@@ -47,7 +35,7 @@ mukca_status cli_plan_write(cli_plan *r)
 json_t *cli_plan_json(const cli_plan *r)
 {
     const mukca_chain *chain = &r->model->chain;
-    json_t *rows = json_array(), *places = json_array();
+    json_t *rows = json_array();
     for (int i = 0; i < r->plan.n_rows; i++) {
         const mukca_plan_row *row = &r->plan.rows[i];
         json_t *joints = json_object();
@@ -57,20 +45,14 @@ json_t *cli_plan_json(const cli_plan *r)
             rows, json_pack("{s:s, s:s, s:o}", "placement", r->sockets[row->socket].placement,
                             "socket", r->sockets[row->socket].label, "joints", joints));
     }
-    for (int i = 0; i < r->n_places; i++)
-        json_array_append_new(
-            places,
-            json_pack("{s:o, s:f, s:f, s:o}", "centre_m", cli_json_reals(r->places[i].centre, 3),
-                      "yaw_rad", r->places[i].yaw, "expected_error_m", r->places[i].expected,
-                      "log_bayes_factor", cli_json_real(r->places[i].evidence)));
     const mukca_plan *p = &r->plan;
-    return json_pack(
-        "{s:s, s:i, s:o, s:o, s:o, s:o, s:i, s:f, s:f}", "schema", "mukca.plan/1", "recorded_rows",
-        p->n_recorded, "poses", rows, "places", places, "expected_error_m",
-        cli_json_numbers("before", p->expected_before, "after", p->expected_after),
-        "log_bayes_factor",
-        cli_json_numbers("before", p->evidence_before, "after", p->evidence_after), "rows_to_name",
-        p->rows_to_name, "payload_kg", r->payload, "elapsed_s", cli_elapsed(r->call));
+    return json_pack("{s:s, s:i, s:o, s:o, s:o, s:i, s:f, s:f}", "schema", "mukca.plan/1",
+                     "recorded_rows", p->n_recorded, "poses", rows, "expected_error_m",
+                     cli_json_numbers("before", p->expected_before, "after", p->expected_after),
+                     "log_bayes_factor",
+                     cli_json_numbers("before", p->evidence_before, "after", p->evidence_after),
+                     "rows_to_name", p->rows_to_name, "payload_kg", r->payload, "elapsed_s",
+                     cli_elapsed(r->call));
 }
 
 static void name_cause(char name[96], const mukca_effect *effect, const mukca_chain *chain)
@@ -84,21 +66,6 @@ void cli_plan_print(cli_plan *r)
 {
     const cli_plan_options *o = r->call->options;
     const mukca_plan *p = &r->plan;
-    if (r->n_places > 0) {
-        cli_answer(r->call, "Placements of the tool, best first (each given the earlier ones):\n");
-        for (int i = 0; i < r->n_places; i++) {
-            const mukca_plan_place *at = &r->places[i];
-            cli_answer(r->call, "  %d. %.2f %.2f %.2f m, yaw %.2f rad; %d samples there: ", i + 1,
-                       at->centre[0], at->centre[1], at->centre[2], at->yaw, o->rows);
-            if (r->causes.n_effects > 0)
-                cli_answer(r->call, "expected log Bayes factor %.1f\n", at->evidence);
-            else
-                cli_answer(r->call, "expected error %.3f mm\n", at->expected * 1e3);
-        }
-        cli_answer_keyed(r->call, "Next",
-                         "put the tool there and plan postures with --place NAME=X,Y,Z,0,0,YAW");
-        return;
-    }
     cli_answer(r->call, "%d postures in %d sockets; %d samples recorded\n", p->n_rows, r->n_sockets,
                p->n_recorded);
     if (r->causes.n_effects > 0) {
@@ -117,12 +84,12 @@ void cli_plan_print(cli_plan *r)
         if (p->evidence_after < MUKCA_PLAN_NAME && p->rows_to_name > 0)
             cli_answer_wrapped(r->call,
                                "Not enough: some --rows %d are needed, or another placement "
-                               "(--suggest 1)",
+                               "(--place)",
                                p->rows_to_name);
         else if (p->evidence_after < MUKCA_PLAN_NAME)
             cli_answer_wrapped(r->call,
                                "Not enough, and more samples here do not decide: try another "
-                               "placement (--suggest 1)");
+                               "placement (--place)");
     } else {
         cli_answer(r->call, "Expected error of the ball elsewhere: %.3f mm before, %.3f mm after\n",
                    p->expected_before * 1e3, p->expected_after * 1e3);

@@ -74,9 +74,8 @@ typedef struct {
     const mukca_chain *chain;
     const double *theta;              /* [6 * n_elements] of the model in use; NULL: nominal */
     const mukca_dataset *data;        /* samples recorded so far; NULL: none */
-    const mukca_plan_socket *sockets; /* [n_sockets]; ignored by mukca_plan_places */
+    const mukca_plan_socket *sockets; /* [n_sockets] */
     int n_sockets;
-    double distance; /* between the two sockets of a placement, m */
 } mukca_plan_task;
 
 /* Propose samples at the sockets.  Free with mukca_plan_free.  Errors: MUKCA_USAGE, MUKCA_INPUT (no
@@ -91,20 +90,5 @@ void mukca_plan_free(mukca_plan *plan);
  * payload *payload is 0 and *plan is unchanged.  Errors: as mukca_plan_run. */
 mukca_status mukca_plan_payload(double *payload, mukca_plan *plan, const mukca_plan_task *task,
                                 const mukca_plan_options *options, mukca_error *error);
-
-/* A placement and the expected result of recording there. */
-typedef struct {
-    double centre[3],
-        yaw; /* midpoint of the two sockets, m; direction from the first to the second, rad */
-    double expected,
-        evidence; /* as expected_after and evidence_after, with options->rows samples */
-} mukca_plan_place;
-
-/* The `n_places` most informative placements of a grid around the arm, by expected accuracy or
- * (with effects) by evidence; each is chosen given the earlier ones.  *n_found is their number.
- * Errors: as mukca_plan_run. */
-mukca_status mukca_plan_places(mukca_plan_place *places, int *n_found, int n_places,
-                               const mukca_plan_task *task, const mukca_plan_options *options,
-                               mukca_error *error);
 
 #endif
