@@ -344,6 +344,9 @@ mukca_status cli_load_model(cli_call *call, cli_model *model);
  * its geometry. */
 void cli_suggest_inertials(cli_call *call, const mukca_chain *chain);
 
+/* Check that a traits table (NULL: none) is of the model.  Errors: as mukca_traits_read. */
+mukca_status cli_check_traits(cli_call *call, const char *path, const mukca_chain *chain);
+
 /* A comment line in an output if the table of --offsets was not accepted. */
 void cli_print_verdict(const cli_call *call, FILE *stream);
 
