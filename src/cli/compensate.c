@@ -46,27 +46,27 @@ static const cli_option options[] = {
 static mukca_status from_joints(compensate_job *b, const char *path)
 {
     cli_call *call = b->call;
-    mukca_rows rows;
+    mukca_rows *rows = &b->rows;
     mukca_row row;
     mukca_rows_options header = {.kind = MUKCA_EITHER, .note = cli_note, .context = call};
     mukca_status status = cli_read_format(call, &header.format);
     if (status == MUKCA_OK)
-        status = mukca_rows_open(&rows, path, &b->arm->chain, &header, &call->error);
+        status = mukca_rows_open(rows, path, &b->arm.chain, &header, &call->error);
     if (status != MUKCA_OK) return status;
     compensate_start(b, true);
-    compensate_print_header(b, rows.column.time >= 0);
+    compensate_print_header(b, rows->column.time >= 0);
     while (!ferror(b->stream)) {
         bool more;
-        status = mukca_rows_next(&rows, &row, &more, &call->error);
+        status = mukca_rows_next(rows, &row, &more, &call->error);
         if (status != MUKCA_OK || !more) break;
         if (cli_interrupted()) status = MUKCA_INTERRUPTED;
         if (status != MUKCA_OK) break;
-        const mukca_row_reading reading = mukca_row_read(&row, &rows);
+        const mukca_row_reading reading = mukca_row_read(&row, rows);
         mukca_compensation c = mukca_compensate_joints(row.q, &b->compensator, &reading);
-        if (!b->to && rows.column.time >= 0) fprintf(b->stream, "%.17g\t", row.time);
-        compensate_put(b, row.q, &c, path, rows.table.line);
+        if (!b->to && rows->column.time >= 0) fprintf(b->stream, "%.17g\t", row.time);
+        compensate_put(b, row.q, &c, path, rows->table.line);
     }
-    mukca_rows_close(&rows);
+    mukca_rows_close(rows);
     return status;
 }
 
@@ -222,20 +222,19 @@ static mukca_status run(cli_call *call)
     const compensate_options *o = call->options;
     const cli_common *c = call->common;
     const cli_model *model = &call->session->model;
-    mukca_corrected *arm = call->work;
+    compensate_job *b = call->work;
     mukca_output output = {0};
     const int to = o->format < 0 ? o->from : o->format;
-    compensate_job b = {.call = call,
-                        .arm = arm,
-                        .from = o->from ? mukca_languages[o->from - 1] : NULL,
-                        .to = to ? mukca_languages[to - 1] : NULL};
+    b->call = call;
+    b->from = o->from ? mukca_languages[o->from - 1] : NULL;
+    b->to = to ? mukca_languages[to - 1] : NULL;
     mukca_status status = cli_check_outputs(call);
     if (status == MUKCA_OK) status = cli_load_model(call, &call->session->model);
     if (status != MUKCA_OK) return status;
-    arm->chain = model->chain;
-    arm->geometry = model->geometry;
-    arm->n_effects = model->offsets.n_effects;
-    memcpy(arm->effects, model->offsets.effects, sizeof arm->effects);
+    b->arm.chain = model->chain;
+    b->arm.geometry = model->geometry;
+    b->arm.n_effects = model->offsets.n_effects;
+    memcpy(b->arm.effects, model->offsets.effects, sizeof b->arm.effects);
     status = check_axes(call, o->from);
     if (status == MUKCA_OK) status = check_axes(call, to);
     if (status != MUKCA_OK) return status;
@@ -248,19 +247,19 @@ static mukca_status run(cli_call *call)
     char *text = NULL; /* a program is written when all of it is known to be right */
     size_t size;
     const bool whole = o->from || to;
-    b.stream = whole ? open_memstream(&text, &size) : output.stream;
-    if (status == MUKCA_OK && !b.stream)
+    b->stream = whole ? open_memstream(&text, &size) : output.stream;
+    if (status == MUKCA_OK && !b->stream)
         status = mukca_fail(&call->error, MUKCA_MEMORY, "not enough memory for the program");
     for (int i = 0; i < input.n && status == MUKCA_OK; i++)
-        status = b.from     ? compensate_program(&b, input.items[i])
-                 : o->poses ? from_poses(&b, input.items[i])
-                            : from_joints(&b, input.items[i]);
-    if (whole && b.stream) status = finish_program(&b, output.stream, &text, status);
+        status = b->from    ? compensate_program(b, input.items[i])
+                 : o->poses ? from_poses(b, input.items[i])
+                            : from_joints(b, input.items[i]);
+    if (whole && b->stream) status = finish_program(b, output.stream, &text, status);
     status = mukca_output_finish(&output, status, &call->error);
     free(text);
     if (status != MUKCA_OK) return status;
-    print_tally(call, &b.tally, o->poses);
-    return c->json ? cli_write_json(call, as_json(call, &b.tally)) : MUKCA_OK;
+    print_tally(call, &b->tally, o->poses);
+    return c->json ? cli_write_json(call, as_json(call, &b->tally)) : MUKCA_OK;
 }
 
 #define FORMAT_LINE(name, description) "  " #name ": " description "\n"
@@ -292,5 +291,5 @@ const cli_command cli_command_compensate = {
     .options_size = sizeof(compensate_options),
     .defaults = &defaults,
     .run = run,
-    .work_size = sizeof(mukca_corrected),
+    .work_size = sizeof(compensate_job),
 };

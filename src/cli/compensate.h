@@ -5,6 +5,7 @@
 #include "arm/compensate.h"
 #include "cli/cli.h"
 #include "io/language.h"
+#include "io/rows.h"
 #include "recalibrate/errors.h"
 
 extern const char *const compensate_formats[]; /* table, then the languages; terminated by NULL */
@@ -26,10 +27,11 @@ typedef struct {
 typedef struct {
     cli_call *call;
     FILE *stream;
-    const mukca_corrected *arm;
+    mukca_corrected arm;
     const mukca_language *from, *to; /* NULL: tables */
     mukca_compensator compensator;
     compensate_tally tally;
+    mukca_rows rows;
     bool headed; /* the table's header has been written */
 } compensate_job;
 

@@ -12,7 +12,7 @@ const char *const compensate_formats[] = {"table",
 
 void compensate_print_header(compensate_job *b, bool timed)
 {
-    const mukca_chain *chain = &b->arm->chain;
+    const mukca_chain *chain = &b->arm.chain;
     if (b->to || b->headed) return;
     b->headed = true;
     cli_print_verdict(b->call, b->stream);
@@ -47,11 +47,11 @@ void compensate_put(compensate_job *b, const double *q, const mukca_compensation
 {
     if (!compensate_count(b, c, path, number)) return;
     if (b->to) {
-        mukca_language_print(b->stream, b->to, &b->arm->chain, q);
+        mukca_language_print(b->stream, b->to, &b->arm.chain, q);
         fputc('\n', b->stream);
         return;
     }
-    for (int j = 0; j < b->arm->chain.n_joints; j++) fprintf(b->stream, "%.17g\t", q[j]);
+    for (int j = 0; j < b->arm.chain.n_joints; j++) fprintf(b->stream, "%.17g\t", q[j]);
     fprintf(b->stream, "%.9g\t%.9g\t%.9g\t%s\n", c->position_before, c->position_error,
             c->rotation_error, mukca_reach_text[c->reach]);
 }
@@ -59,5 +59,5 @@ void compensate_put(compensate_job *b, const double *q, const mukca_compensation
 void compensate_start(compensate_job *b, bool oriented)
 {
     const compensate_options *o = b->call->options;
-    mukca_compensator_start(&b->compensator, b->arm, o->position_only || !oriented, o->tolerance);
+    mukca_compensator_start(&b->compensator, &b->arm, o->position_only || !oriented, o->tolerance);
 }

@@ -9,7 +9,7 @@
 static mukca_status correct_line(compensate_job *b, const char *line, const char *path, int number)
 {
     const compensate_options *o = b->call->options;
-    const mukca_chain *chain = &b->arm->chain;
+    const mukca_chain *chain = &b->arm.chain;
     const bool in_place = b->from == b->to && !o->poses;
     const mukca_row_reading reading = {
         .time = (double)NAN, .placement = -1, .number = (int)b->tally.rows + 1};

@@ -50,13 +50,13 @@ static mukca_status convert(cli_call *call, FILE *stream, const cli_model *model
                             bool first)
 {
     const fk_options *o = call->options;
-    mukca_rows rows;
+    mukca_rows *rows = call->work;
     mukca_row row;
     mukca_row_state states;
     mukca_rows_options header = {.kind = MUKCA_EITHER};
     mukca_status status = cli_read_format(call, &header.format);
     if (status == MUKCA_OK)
-        status = mukca_rows_open(&rows, path, &model->chain, &header, &call->error);
+        status = mukca_rows_open(rows, path, &model->chain, &header, &call->error);
     if (status != MUKCA_OK) return status;
     mukca_row_state_start(&states, model->chain.n_joints);
     if (first) cli_print_verdict(call, stream);
@@ -65,15 +65,15 @@ static mukca_status convert(cli_call *call, FILE *stream, const cli_model *model
         bool more;
         mukca_displacement displacement;
         mukca_frame T;
-        status = mukca_rows_next(&rows, &row, &more, &call->error);
+        status = mukca_rows_next(rows, &row, &more, &call->error);
         if (status != MUKCA_OK || !more) break;
         if (cli_interrupted()) status = MUKCA_INTERRUPTED;
         if (status != MUKCA_OK) break;
-        if (model->offsets.n_effects) displace(&displacement, &states, model, &rows, &row);
+        if (model->offsets.n_effects) displace(&displacement, &states, model, rows, &row);
         mukca_fk_pose(&T, &model->geometry, row.q, model->offsets.n_effects ? &displacement : NULL);
         print_row(stream, o->pose, &T);
     }
-    mukca_rows_close(&rows);
+    mukca_rows_close(rows);
     return status;
 }
 
@@ -104,4 +104,5 @@ const cli_command cli_command_fk = {
     .options = options,
     .options_size = sizeof(fk_options),
     .run = run,
+    .work_size = sizeof(mukca_rows),
 };
