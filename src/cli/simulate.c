@@ -58,9 +58,6 @@ static const cli_option options[] = {
     CLI_OPTION(own, test, "test", CLI_TEXT, "FILE", "write the held-out data there"),
     CLI_OPTION(own, seed, "seed", CLI_INTEGER, "N", "seed of all random numbers (default: 0)"),
     CLI_OPTION(own, truth, "truth", CLI_TEXT, "FILE", "write the true arm as an offsets table"),
-    CLI_OPTION(
-        own, labels, "labels", CLI_TEXT, "FILE",
-        "write the true effects and faults as JSON; the recording's comments then omit them"),
     CLI_DISTANCE_OPTION,
     CLI_COMMON(offsets, 0, CLI_TEXT, "FILE", "the true arm, effects included, before --perturb"),
     CLI_MODEL_OPTIONS,
@@ -69,13 +66,12 @@ static const cli_option options[] = {
     CLI_TALK_OPTIONS,
     CLI_END_OPTIONS};
 
-/* Write the origin of the recording; with --labels without the hidden errors. */
+/* Write the origin of the recording. */
 static void describe(FILE *stream, const cli_simulation *s, const cli_simulate_options *o)
 {
     fprintf(stream, "mukca %s\nrobot: %s\nstream: raw\nbase: %s\ntip: %s\n",
             s->n_places ? "session" : "pose log", s->model.chain.robot, s->model.chain.base,
             s->model.chain.tip);
-    if (o->labels) return;
     fprintf(stream, "simulated by mukca " MUKCA_VERSION ": --seed %d", o->seed);
     if (o->perturb) fprintf(stream, " --perturb %s", o->perturb);
     for (int i = 0; i < o->effects.n; i++) fprintf(stream, " --effect %s", o->effects.items[i]);
@@ -162,7 +158,6 @@ static mukca_status run(cli_call *call)
     if (status == MUKCA_OK)
         status = cli_write_offsets(call, o->truth, &s->truth, &s->model.chain, NULL,
                                    "the true arm of a simulation");
-    if (status == MUKCA_OK && o->labels) status = cli_write_labels(call, s, data);
     return status;
 }
 

@@ -9,7 +9,7 @@ enum { CLI_MAX_PLACES = MUKCA_MAX_PLACEMENTS };
 
 typedef struct {
     cli_common common;
-    const char *perturb, *test, *truth, *labels;
+    const char *perturb, *test, *truth;
     cli_list effects, places;
     int placements, rows, poses, held_out, seed, recipe; /* recipe: 0 none, else kind + 1 */
     double noise, rotation, correlation, payload;
@@ -32,9 +32,5 @@ mukca_status cli_simulation_prepare(cli_call *call, cli_simulation *simulation);
 
 /* One --place NAME[=X,Y,Z[,ROLL,PITCH,YAW]], of simulate and plan.  Errors: MUKCA_USAGE. */
 mukca_status cli_read_place(mukca_place *place, const char *text, mukca_error *error);
-
-/* Write --labels: the hidden truth of the recording. */
-mukca_status cli_write_labels(cli_call *call, const cli_simulation *simulation,
-                              const mukca_dataset *data);
 
 #endif

@@ -142,8 +142,8 @@ mukca_status cli_simulation_prepare(cli_call *call, cli_simulation *s)
     if (status == MUKCA_OK && o->perturb && read_list(perturb, 2, o->perturb) != 2)
         status = mukca_fail(&call->error, MUKCA_USAGE,
                             "--perturb %.40s: must be MM,MRAD, two numbers", o->perturb);
-    const char *const files[] = {call->common->output, o->test, o->truth, o->labels};
-    for (int i = 0; i < 4 && status == MUKCA_OK; i++) {
+    const char *const files[] = {call->common->output, o->test, o->truth};
+    for (int i = 0; i < 3 && status == MUKCA_OK; i++) {
         if (!files[i]) continue;
         for (int k = 0; k < i && status == MUKCA_OK; k++)
             if (mukca_output_same(files[i], files[k]))

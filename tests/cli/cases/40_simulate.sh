@@ -18,16 +18,6 @@ expect "evaluate reads the recording and its truth" "$MUKCA" evaluate --urdf arm
 run evaluate --urdf arm.urdf session.tsv --max-mae 1e-3
 expect "without the truth they are apart" test $code -eq 1
 
-# a sealed recording betrays nothing: the same rows, and the head of a clean one
-simulate --seed 4 --rows 5 --effect joint_scale:joint_2=1e-3 --labels labels.json -o sealed.tsv
-simulate --seed 4 --rows 5 --effect joint_scale:joint_2=1e-3 -o open.tsv
-expect "the head of a sealed recording names neither effect nor seed" sh -c \
-    "! grep -e scale -e seed sealed.tsv && grep -q 'effect joint_scale' open.tsv"
-grep -v '^#' sealed.tsv >sealed.rows
-grep -v '^#' open.tsv >open.rows
-expect "its rows are the same" cmp sealed.rows open.rows
-expect "its labels name the effect" grep -q '"effect": "joint_scale"' labels.json
-
 # pose logs
 simulate --poses 20 --perturb 0.3,1 --truth poses_truth.tsv --command --effort -o poses.tsv
 expect "a pose log has as many rows as asked" test "$(grep -vc '^#' poses.tsv)" -eq 21
