@@ -2,6 +2,7 @@
 #include "cli/compensate.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -161,16 +162,22 @@ static mukca_status from_poses(compensate_job *b, const char *path)
     return status;
 }
 
+/* Mean over the rows, m. */
+static double mean(const compensate_tally *t, const compensate_errors *errors)
+{
+    return t->rows ? errors->sum / (double)t->rows : 0;
+}
+
 static void print_tally(cli_call *call, const compensate_tally *t, bool poses)
 {
     if (t->rows == 0) return;
     if (poses)
         cli_answer(call, "%ld row%s: error %.6f mm (mean), %.6f mm (max)\n", t->rows,
-                   t->rows == 1 ? "" : "s", 1e3 * t->after.mean, 1e3 * t->after.max);
+                   t->rows == 1 ? "" : "s", 1e3 * mean(t, &t->after), 1e3 * t->after.max);
     else
         cli_answer(call, "%ld row%s: error %.4f mm (mean), %.4f mm (max) -> %.4f mm, %.4f mm\n",
-                   t->rows, t->rows == 1 ? "" : "s", 1e3 * t->before.mean, 1e3 * t->before.max,
-                   1e3 * t->after.mean, 1e3 * t->after.max);
+                   t->rows, t->rows == 1 ? "" : "s", 1e3 * mean(t, &t->before), 1e3 * t->before.max,
+                   1e3 * mean(t, &t->after), 1e3 * t->after.max);
     for (int r = 1; r < MUKCA_REACH_COUNT; r++)
         if (t->count[r] > 0)
             cli_answer(call, "%ld row%s '%s': %s\n", t->count[r], t->count[r] == 1 ? "" : "s",
@@ -184,9 +191,9 @@ static json_t *as_json(const cli_call *call, const compensate_tally *t)
         json_object_set_new(counts, mukca_reach_text[r], json_integer((json_int_t)t->count[r]));
     return json_pack("{s:s, s:I, s:o, s:o, s:o, s:f}", "schema", "mukca.compensate/1", "rows",
                      (json_int_t)t->rows, "before",
-                     cli_json_numbers("mean_m", t->before.mean, "max_m", t->before.max), "after",
-                     cli_json_numbers("mean_m", t->after.mean, "max_m", t->after.max), "status",
-                     counts, "elapsed_s", cli_elapsed(call));
+                     cli_json_numbers("mean_m", mean(t, &t->before), "max_m", t->before.max),
+                     "after", cli_json_numbers("mean_m", mean(t, &t->after), "max_m", t->after.max),
+                     "status", counts, "elapsed_s", cli_elapsed(call));
 }
 
 /* Check that targets of the language have an axis for each joint. */
@@ -293,3 +300,70 @@ const cli_command cli_command_compensate = {
     .run = run,
     .work_size = sizeof(compensate_job),
 };
+
+/* ---- output of corrected targets as rows of a table or lines of a program, and their counters
+ * ---- */
+
+const char *const compensate_formats[] = {"table",
+#define FORMAT_NAME(name, description) #name,
+                                          MUKCA_LANGUAGE_LIST(FORMAT_NAME)
+#undef FORMAT_NAME
+                                              NULL};
+
+void compensate_print_header(compensate_job *b, bool timed)
+{
+    const mukca_chain *chain = &b->arm.chain;
+    if (b->to || b->headed) return;
+    b->headed = true;
+    cli_print_verdict(b->call, b->stream);
+    if (timed) fputs("time_s\t", b->stream);
+    for (int j = 0; j < chain->n_joints; j++)
+        fprintf(b->stream, "%s\t", mukca_chain_joint_name(chain, j));
+    fputs("error_before_m\terror_m\terror_rad\tstatus\n", b->stream);
+}
+
+void compensate_refuse(compensate_job *b, const char *path, int number, const char *why)
+{
+    mukca_error error; /* for its rules about foreign text */
+    mukca_fail(&error, MUKCA_INPUT, "%s:%d: %s", mukca_file_shown(path), number, why);
+    fprintf(stderr, "mukca: %s\n", error.text);
+    b->tally.refused++;
+}
+
+static void add(compensate_errors *errors, double x)
+{
+    errors->sum += x;
+    if (!(x <= errors->max)) errors->max = x;
+}
+
+bool compensate_count(compensate_job *b, const mukca_compensation *c, const char *path, int number)
+{
+    compensate_tally *t = &b->tally;
+    t->rows++;
+    t->count[c->reach]++;
+    add(&t->before, c->position_before);
+    add(&t->after, c->position_error);
+    if (!b->to || c->reach == MUKCA_REACH_OK) return true; /* tables have a status column */
+    compensate_refuse(b, path, number, mukca_reach_sentence[c->reach]);
+    return false;
+}
+
+void compensate_put(compensate_job *b, const double *q, const mukca_compensation *c,
+                    const char *path, int number)
+{
+    if (!compensate_count(b, c, path, number)) return;
+    if (b->to) {
+        mukca_language_print(b->stream, b->to, &b->arm.chain, q);
+        fputc('\n', b->stream);
+        return;
+    }
+    for (int j = 0; j < b->arm.chain.n_joints; j++) fprintf(b->stream, "%.17g\t", q[j]);
+    fprintf(b->stream, "%.9g\t%.9g\t%.9g\t%s\n", c->position_before, c->position_error,
+            c->rotation_error, mukca_reach_text[c->reach]);
+}
+
+void compensate_start(compensate_job *b, bool oriented)
+{
+    const compensate_options *o = b->call->options;
+    mukca_compensator_start(&b->compensator, &b->arm, o->position_only || !oriented, o->tolerance);
+}

@@ -6,7 +6,6 @@
 #include "cli/cli.h"
 #include "io/language.h"
 #include "io/rows.h"
-#include "recalibrate/errors.h"
 
 extern const char *const compensate_formats[]; /* table, then the languages; terminated by NULL */
 
@@ -17,8 +16,13 @@ typedef struct {
     double tolerance;
 } compensate_options;
 
+/* Errors of the tip, m. */
 typedef struct {
-    mukca_moments before, after;
+    double sum, max;
+} compensate_errors;
+
+typedef struct {
+    compensate_errors before, after;
     long count[MUKCA_REACH_COUNT], rows;
     long refused; /* lines for which no program is written */
 } compensate_tally;

@@ -3,7 +3,25 @@
 #define MUKCA_CLI_SIMULATE_H
 
 #include "cli/cli.h"
-#include "cli/simulate_spec.h"
+#include "simulate/simulate.h"
+
+/* ---- syntax of `mukca simulate --effect`: effects of the catalogue and recording faults ---- */
+
+enum { CLI_MAX_SIMULATED_FAULTS = 64 };
+
+/* Names that a specification may refer to, and its results. */
+typedef struct {
+    const mukca_chain *chain;
+    const mukca_place *places;
+    int n_places, rows; /* per socket */
+    mukca_random random;
+    int n_effects, n_faults;
+    mukca_effect effects[MUKCA_MAX_EFFECTS];
+    mukca_simulated_fault faults[CLI_MAX_SIMULATED_FAULTS];
+} cli_simulated;
+
+/* Parse `text` and append its effects and faults.  Errors: MUKCA_USAGE. */
+mukca_status cli_simulated_parse(cli_simulated *simulated, const char *text, mukca_error *error);
 
 enum { CLI_MAX_PLACES = MUKCA_MAX_PLACEMENTS };
 

@@ -1,5 +1,5 @@
 /* Parser of `mukca simulate --effect`, driven by the table of effects. */
-#include "cli/simulate_spec.h"
+#include "cli/simulate.h"
 
 #include <math.h>
 #include <string.h>

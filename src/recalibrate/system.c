@@ -1,5 +1,5 @@
 /* Least squares for re-calibration, row by row. */
-#include "recalibrate/system.h"
+#include "recalibrate/recalibrate.h"
 
 #include <float.h>
 #include <math.h>

@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-#include "cli/simulate_spec.h"
+#include "cli/simulate.h"
 #include "close.h"
 #include "io/urdf.h"
 

@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "close.h"
-#include "effect/survey.h"
+#include "effect/catalogue.h"
 #include "mukca/chain.h"
 #include "mukca/effect.h"
 #include "mukca/gravity.h"
