@@ -301,8 +301,7 @@ const cli_command cli_command_compensate = {
     .work_size = sizeof(compensate_job),
 };
 
-/* ---- output of corrected targets as rows of a table or lines of a program, and their counters
- * ---- */
+/* ---- output, and counters ---- */
 
 const char *const compensate_formats[] = {"table",
 #define FORMAT_NAME(name, description) #name,

@@ -5,7 +5,13 @@
 #include "cli/cli.h"
 #include "simulate/simulate.h"
 
-/* ---- syntax of `mukca simulate --effect`: effects of the catalogue and recording faults ---- */
+/* Syntax of `mukca simulate --effect`: effects of the catalogue and recording faults.
+ *
+ *     NAME[:WHERE][@VARIANT][=VALUE[,VALUE...]][,NAME...]
+ *
+ * WHERE is a joint, PLACEMENT, JOINT/PLACEMENT or PLACEMENT/SOCKET, depending on the effect; VALUE
+ * is in the catalogue's SI unit.  For an effect with several coefficients, a single VALUE is their
+ * magnitude, and the seed determines phase or direction. */
 
 enum { CLI_MAX_SIMULATED_FAULTS = 64 };
 

@@ -85,8 +85,8 @@ const mukca_effect_ops mukca_base_compliance_effect = {
     .candidate = base_candidate,
 };
 
-/* ---- servo sag: a position controller without integral action balances gravity torque by an error
- * of ---- */
+/* Servo sag: a position controller without integral action balances gravity torque by an error of
+ * the angle.  For arms recorded by command: readings do not contain it. */
 
 /* rad/(N m): the reciprocal of the position gain.  Industrial drives have integral action and are
  * accurate to the encoder's resolution; users of cheap arms report 30 mrad at a few N m. */

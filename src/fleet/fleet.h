@@ -7,8 +7,10 @@
 #include "diagnose/regression.h"
 #include "diagnose/ripple.h"
 
-/* ---- summary of a recording: its information on the coefficients shared by arms of one model,
- * with the ---- */
+/* ---- summary of a recording ----
+ *
+ * Its information on the coefficients shared by arms of one model, with the geometry of this arm
+ * marginalised.  The coefficients are all elastic ones of the chain. */
 
 enum {
     /* Compliance of each joint, link bending before each but the first, and the compliance of the
@@ -88,6 +90,8 @@ mukca_status mukca_summary_take(mukca_summary *summary, mukca_regression *m, muk
 
 /* Hash of a recording: its angles, sockets and measured positions. */
 uint64_t mukca_summary_hash(const mukca_dataset *data);
+
+/* ---- the fleet ---- */
 
 /* Sum of the sessions of one arm. */
 typedef struct {

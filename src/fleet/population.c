@@ -295,8 +295,7 @@ bool mukca_population_fit(mukca_population *p, const mukca_fleet *f, int without
     return take_average(p);
 }
 
-/* ---- orders of transmission ripple shared by a fleet: log Bayes factors, summed over the arms
- * ---- */
+/* ---- orders of transmission ripple: log Bayes factors, summed over the arms ---- */
 
 /* Share of arms that do not show the order of their gear.  The gears of a model determine its
  * orders: an individual order is a fault. */

@@ -201,8 +201,7 @@ void mukca_pose_derivatives(double *position, double *rotation, int stride,
     }
 }
 
-/* ---- running mean and standard deviation (Welford's algorithm), and a logarithmic histogram for
- * ---- */
+/* ---- statistics: Welford's algorithm, and a logarithmic histogram for medians ---- */
 
 void mukca_moments_add(mukca_moments *m, double x)
 {

@@ -9,8 +9,7 @@
 #include "mukca/chain.h"
 #include "recalibrate/pose_log.h"
 
-/* ---- unknowns of re-calibration (the arm's constants, the frames of its poses, a time lag);
- * residual ---- */
+/* ---- unknowns: the arm's constants, the frames of its poses, a time lag (model.c) ---- */
 
 /* kind, name, one letter per axis, whether it is an angle */
 #define MUKCA_UNKNOWN_LIST(X)                                                                      \
@@ -117,8 +116,9 @@ double mukca_moments_std(const mukca_moments *moments);
 /* Median within 1 %; 0 for an empty histogram. */
 double mukca_histogram_median(const mukca_histogram *histogram);
 
-/* ---- a linear least-squares problem built row by row: block QR, then a minimum-norm solution and
- * the ---- */
+/* ---- a linear least-squares problem built row by row (system.c) ----
+ *
+ * Block QR, then a minimum-norm solution and the combinations that the rows do not determine. */
 
 /* A block and the triangular factor fit in 32 KiB of cache for 31 unknowns. */
 enum { MUKCA_SYSTEM_WIDTH = MUKCA_MAX_UNKNOWNS + 1, MUKCA_SYSTEM_BLOCK = 96 };
