@@ -3,22 +3,16 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/file.h"
 #include "io/dataset_write.h"
 #include "io/output.h"
 #include "mukca/version.h"
-#include "simulate/recipe.h"
 
 typedef cli_simulate_options own;
 
 static const own defaults = {.rows = 30};
-
-static const char *const recipes[] = {"none",
-#define RECIPE_NAME(kind, name, rows, sentence) name,
-                                      MUKCA_RECIPE_LIST(RECIPE_NAME)
-#undef RECIPE_NAME
-                                          NULL};
 
 static const cli_option options[] = {
     CLI_OPTION(own, perturb, "perturb", CLI_TEXT, "MM,MRAD",
@@ -47,8 +41,8 @@ static const cli_option options[] = {
                      "mass at the tip beyond the model (default: none)"),
     CLI_RANGE_OPTION(own, poses, "poses", CLI_INTEGER, "N", 1, 10000000,
                      "a pose log of N samples instead of sockets"),
-    CLI_CHOICE_OPTION(own, recipe, "recipe", "NAME", recipes,
-                      "a pose log at the joint angles of a known experiment (default: none)"),
+    CLI_OPTION(own, at, "at", CLI_TEXT, "FILE",
+               "a pose log at the joint angles of this table, row by row"),
     CLI_OPTION(own, position_only, "position-only", CLI_FLAG, NULL,
                "pose log without orientations"),
     CLI_RANGE_OPTION(own, rotation, "rotation-noise", CLI_NUMBER, "RAD", 0, 1,
@@ -101,17 +95,35 @@ static mukca_status write_data(cli_call *call, const char *path, const mukca_dat
     return mukca_output_finish(&output, status, &call->error);
 }
 
-/* Record a pose log at the angles of the recipe. */
-static mukca_status record_recipe(cli_call *call, mukca_dataset *data, const cli_simulation *s)
+/* Record a pose log at the angles of the table --at. */
+static mukca_status record_at(cli_call *call, mukca_dataset *data, const cli_simulation *s)
 {
-    const mukca_recipe_kind kind =
-        (mukca_recipe_kind)(((const cli_simulate_options *)call->options)->recipe - 1);
-    const int rows = mukca_recipe_table[kind].rows;
-    double *q = calloc((size_t)rows * (size_t)s->model.chain.n_joints, sizeof *q);
-    mukca_status status = q ? mukca_recipe_rows(q, kind, &s->model.chain, &call->error)
-                            : mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    const cli_simulate_options *o = call->options;
+    const size_t n = (size_t)s->model.chain.n_joints;
+    const mukca_rows_options header = {.kind = MUKCA_EITHER};
+    mukca_rows *rows = malloc(sizeof *rows);
+    double *q = NULL;
+    size_t count = 0, room = 0;
+    mukca_status status = rows
+                              ? mukca_rows_open(rows, o->at, &s->model.chain, &header, &call->error)
+                              : mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    for (bool more = status == MUKCA_OK; more;) {
+        mukca_row row;
+        status = mukca_rows_next(rows, &row, &more, &call->error);
+        more = more && status == MUKCA_OK;
+        if (more && count == room) {
+            room = 2 * room + 1024;
+            double *larger = realloc(q, room * n * sizeof *q);
+            if (!larger) status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+            more = larger != NULL;
+            if (larger) q = larger;
+        }
+        if (more) memcpy(q + count++ * n, row.q, n * sizeof *q);
+        if (!more) mukca_rows_close(rows);
+    }
     if (status == MUKCA_OK)
-        status = mukca_simulate_poses(data, &s->arm, q, rows, &s->recording, &call->error);
+        status = mukca_simulate_poses(data, &s->arm, q, (int)count, &s->recording, &call->error);
+    free(rows);
     free(q);
     return status;
 }
@@ -123,7 +135,7 @@ static mukca_status record(cli_call *call, mukca_dataset *data, const cli_simula
     const cli_simulate_options *o = call->options;
     mukca_simulate_options recording = s->recording;
     if (held_out) recording.seed ^= 0x686f6c646f757421u; /* different postures and noise */
-    if (o->recipe) return record_recipe(call, data, s);
+    if (o->at) return record_at(call, data, s);
     if (o->poses)
         return mukca_simulate_poses(data, &s->arm, NULL, held_out ? o->held_out : o->poses,
                                     &recording, &call->error);
@@ -169,7 +181,7 @@ const cli_command cli_command_simulate = {
     .description =
         "Simulates the arm of --urdf with other origins (--perturb, or --offsets as the truth), "
         "effects of the catalogue, recording faults and noise. Its ball sits in two sockets at "
-        "several placements, or (--poses, --recipe) a tracker or a controller measures the poses "
+        "several placements, or (--poses, --at) a tracker or a controller measures the poses "
         "of its tip. The same seed gives the same bytes.\n\n"
         "An EFFECT is NAME[:WHERE][@VARIANT]=VALUE in the unit of `mukca help effects`:\n"
         "  joint_compliance:JOINT=1e-5         link_bending, joint_scale ... alike\n"

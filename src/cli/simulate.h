@@ -33,9 +33,9 @@ enum { CLI_MAX_PLACES = MUKCA_MAX_PLACEMENTS };
 
 typedef struct {
     cli_common common;
-    const char *perturb, *test, *truth;
+    const char *perturb, *test, *truth, *at;
     cli_list effects, places;
-    int placements, rows, poses, held_out, seed, recipe; /* recipe: 0 none, else kind + 1 */
+    int placements, rows, poses, held_out, seed;
     double noise, rotation, correlation, payload;
     bool sweep, effort, command, position_only;
 } cli_simulate_options;

@@ -8,22 +8,21 @@
 /* True for a pose log instead of sockets. */
 static bool is_log(const cli_simulate_options *o)
 {
-    return o->poses || o->recipe;
+    return o->poses || o->at;
 }
 
 static mukca_status check(const cli_simulate_options *o, mukca_error *error)
 {
     if ((o->held_out > 0) != (o->test != NULL))
         return mukca_fail(error, MUKCA_USAGE, "--held-out N and --test FILE go together");
-    if (o->recipe && (o->poses || o->held_out || o->sweep))
+    if (o->at && (o->poses || o->held_out || o->sweep))
         return mukca_fail(error, MUKCA_USAGE,
-                          "--recipe sets the postures; omit --poses, --sweep and --held-out");
+                          "--at sets the postures; omit --poses, --sweep and --held-out");
     if (is_log(o) && (o->places.n || o->placements))
         return mukca_fail(error, MUKCA_USAGE, "a pose log has no placements");
     if (!is_log(o) && (o->position_only || o->rotation > 0))
-        return mukca_fail(
-            error, MUKCA_USAGE,
-            "--position-only and --rotation-noise are for pose logs (--poses, --recipe)");
+        return mukca_fail(error, MUKCA_USAGE,
+                          "--position-only and --rotation-noise are for pose logs (--poses, --at)");
     if (o->common.distance > 1)
         return mukca_fail(error, MUKCA_USAGE, "--distance %g looks like millimetres; give m",
                           o->common.distance);

@@ -26,8 +26,10 @@ grep -v '^#' poses.tsv | tail -n +2 | cut -f 23-25 >told
 expect "its positions are those of fk with the truth" sh -c \
     'paste seen told | awk "{ for (i = 1; i < 4; i++) { d = \$i - \$(i + 3); if (d * d > 1e-22) exit 1 } n++ }
      END { exit n != 20 }"'
-run simulate --urdf "$root/data/gen3.urdf" --recipe sweeps
-expect "recipes are recorded" test "$(grep -vc '^#' "$scratch/out")" -eq 1941
+grep -v '^#' poses.tsv | cut -f 2-8 >angles.tsv
+run simulate --urdf arm.urdf --offsets poses_truth.tsv --at angles.tsv
+expect "its angles with the same arm give the same poses" sh -c "grep -v '^#' '$scratch/out' | cut -f 9-11 | tail -n +2 |
+    paste - told | awk '{ for (i = 1; i < 4; i++) if ((\$i - \$(i + 3)) ^ 2 > 1e-22) exit 1 } END { exit NR != 20 }'"
 
 refuse 2 "no effect is called 'zzz'; .mukca help effects. lists them" simulate --urdf arm.urdf --effect zzz:joint_1=1
 refuse 2 "did you mean joint_scale?" simulate --urdf arm.urdf --effect joint_scales:joint_1=1
@@ -43,6 +45,6 @@ refuse 2 "go together" simulate --urdf arm.urdf --held-out 2
 refuse 2 "two placements have the name 'a'" simulate --urdf arm.urdf --place a --place a
 refuse 2 "needs NAME=X,Y,Z" simulate --urdf arm.urdf --place a=1,2
 refuse 2 "two outputs cannot both go to x.tsv" simulate --urdf arm.urdf -o x.tsv --truth x.tsv
-refuse 2 "omit --poses" simulate --urdf arm.urdf --recipe sweeps --poses 9
+refuse 2 "omit --poses" simulate --urdf arm.urdf --at angles.tsv --poses 9
 refuse 3 "does not reach socket 0" simulate --urdf arm.urdf --place far=9,0,0
 refuse 3 "session.tsv" simulate --urdf arm.urdf -o session.tsv
