@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "cli/calibrate.h"
-#include "fleet/adopt.h"
+#include "fleet/fleet.h"
 #include "io/traits.h"
 
 /* Least log Bayes factor for the use of the traits: odds of 3 to 1; less is "not worth more than a

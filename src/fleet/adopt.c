@@ -1,5 +1,5 @@
 /* One more arm with the traits of its model as prior. */
-#include "fleet/adopt.h"
+#include "fleet/fleet.h"
 
 #include <math.h>
 #include <string.h>

@@ -203,7 +203,7 @@ void mukca_pose_derivatives(double *position, double *rotation, int stride,
 
 /* ---- statistics: Welford's algorithm, and a logarithmic histogram for medians ---- */
 
-void mukca_moments_add(mukca_moments *m, double x)
+static void moments_add(mukca_moments *m, double x)
 {
     m->n++;
     if (!(x <= m->max)) m->max = x;
@@ -247,14 +247,13 @@ double mukca_histogram_median(const mukca_histogram *histogram)
 void mukca_pose_errors_add(mukca_pose_errors *errors, const mukca_pose_look *look)
 {
     const double length = mukca_norm3(look->position);
-    mukca_moments_add(&errors->position, length);
+    moments_add(&errors->position, length);
     histogram_add(&errors->position_histogram, length);
-    for (int i = 0; i < 3; i++)
-        mukca_moments_add(&errors->position_axis[i], fabs(look->position[i]));
+    for (int i = 0; i < 3; i++) moments_add(&errors->position_axis[i], fabs(look->position[i]));
     if (!isfinite(look->rotation[0])) return;
     const double angle = mukca_norm3(look->rotation);
-    mukca_moments_add(&errors->rotation, angle);
+    moments_add(&errors->rotation, angle);
     histogram_add(&errors->rotation_histogram, angle);
     for (int i = 0; i < 3; i++)
-        mukca_moments_add(&errors->rotation_axis[i], fabs(look->rotation_error[i]));
+        moments_add(&errors->rotation_axis[i], fabs(look->rotation_error[i]));
 }

@@ -108,8 +108,6 @@ typedef struct {
 
 void mukca_pose_errors_add(mukca_pose_errors *errors, const mukca_pose_look *look);
 
-void mukca_moments_add(mukca_moments *moments, double x);
-
 /* Standard deviation, 1 / (n - 1); 0 for n < 2. */
 double mukca_moments_std(const mukca_moments *moments);
 
@@ -159,9 +157,6 @@ void mukca_pose_system_clear(mukca_pose_system *system);
 /* Add the rows of one pose, both sides multiplied by `weight` (position) and `turn_weight`. */
 void mukca_pose_system_add(mukca_pose_system *system, const mukca_pose_look *look, double weight,
                            double turn_weight);
-
-/* Absorb all rows into R and rss. */
-void mukca_pose_system_flush(mukca_pose_system *system);
 
 /* Solve for the first `n` unknowns; the others stay 0.  An unknown with a standard error above
  * `loosest` (m or rad) is not identifiable.  False: the rows are not finite. */

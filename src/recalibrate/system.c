@@ -22,11 +22,6 @@ static void absorb(mukca_pose_system *s, int kind)
     s->filled[kind] = 0;
 }
 
-void mukca_pose_system_flush(mukca_pose_system *s)
-{
-    for (int kind = 0; kind < 2; kind++) absorb(s, kind);
-}
-
 /* Allocate three more rows of positions (0) or rotations (1). */
 static double *three_rows(mukca_pose_system *s, int kind)
 {
@@ -100,7 +95,7 @@ bool mukca_pose_system_solve(mukca_pose_solution *out, mukca_pose_system *s, int
     const int width = s->n + 1;
     double d[MUKCA_MAX_UNKNOWNS], singular[MUKCA_MAX_UNKNOWNS];
     double *U = out->U, *V = out->V;
-    mukca_pose_system_flush(s);
+    for (int kind = 0; kind < 2; kind++) absorb(s, kind);
     memset(out, 0, sizeof *out);
     double left = s->rss; /* includes the square explained by the unknowns from n on */
     for (int i = n; i < s->n; i++)
