@@ -349,7 +349,7 @@ static void the_table_says_what_was_diagnosed(void **state)
     check_table("zero_jump:joint_3/left=1.5e-3", false, 0);
     check_table("ball_shift:right=1e-3", false, 0);
     check_table("readback_lag=2e-3", false, 0);
-    check_table("axis_wobble:joint_2@12=1.5e-3", false, 0);
+    check_table("axis_wobble:joint_2@turning2=1.5e-3", false, 0);
 }
 
 int main(void)
