@@ -5,6 +5,9 @@
 
 #include "capture/capture.h"
 
+/* Distance of a sample by standstill from all others in some joint, rad or m. */
+static const double least_difference = 0.02;
+
 bool mukca_capture_repeats(const mukca_capture *capture, const double *q)
 {
     const size_t n = (size_t)capture->rows.n_joints, rows = (size_t)capture->rows.n_rows;
@@ -123,7 +126,7 @@ bool mukca_capture_due(int *socket, char text[MUKCA_CAPTURE_TEXT], mukca_capture
     if (capture->taken || sample.time - capture->still_since < dwell) return false;
     capture->taken = true;
     double x[3], how_far;
-    if (find_posture(capture, sample.q, s->difference) >= 0) return false;
+    if (find_posture(capture, sample.q, least_difference) >= 0) return false;
     mukca_fk_position(x, &capture->model.geometry, sample.q, NULL);
     int nearest = nearest_socket(&how_far, capture, x, -1);
     const char *label = nearest < 0 || how_far < 0.5 * s->distance ? NULL : empty_label(capture);
@@ -269,7 +272,7 @@ mukca_status mukca_capture_keep(char text[MUKCA_CAPTURE_TEXT], mukca_capture *ca
         return mukca_fail(error, MUKCA_INPUT, "no placement and socket has been chosen");
     if (rows->n_rows == MUKCA_CAPTURE_MAX_ROWS)
         return mukca_fail(error, MUKCA_INPUT, "the session is full: begin another one");
-    const int twin = find_posture(capture, q, 0.25 * capture->settings.difference);
+    const int twin = find_posture(capture, q, 0.25 * least_difference);
     memcpy(rows->q + rows->n_rows * rows->n_joints, q, (size_t)rows->n_joints * sizeof *q);
     rows->socket[rows->n_rows++] = capture->socket;
     capture->taken = true;

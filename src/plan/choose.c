@@ -20,7 +20,7 @@ static bool is_new(const mukca_planner *p, const double *q)
     const int n = p->state.at.chain->n_joints;
     const mukca_dataset *data = p->task->data;
     for (int r = 0; data && r < data->n_rows; r++)
-        if (!mukca_plan_differs(q, data->q + r * n, n, p->rules.separation)) return false;
+        if (!mukca_plan_differs(q, data->q + r * n, n)) return false;
     return true;
 }
 
@@ -36,8 +36,7 @@ int mukca_plan_draw_candidates(mukca_planner *p, int room, int k)
         if (!mukca_plan_draw_pose(pose->q, p->task->sockets[k].centre, &p->rules, &p->random))
             continue;
         bool fresh = is_new(p, pose->q);
-        for (int i = 0; i < found && fresh; i++)
-            fresh = mukca_plan_differs(pose->q, poses[i].q, n, p->rules.separation);
+        for (int i = 0; i < found && fresh; i++) fresh = mukca_plan_differs(pose->q, poses[i].q, n);
         if (!fresh) continue;
         if (!pose->H) pose->H = MUKCA_TAKE(&s->pool, double, 3 * s->n);
         if (!pose->H) break;
@@ -46,7 +45,6 @@ int mukca_plan_draw_candidates(mukca_planner *p, int room, int k)
         mukca_plan_design(pose->H, s, pose->q, p->task->sockets[k].place, NULL);
         found++;
     }
-    p->tried += draws;
     p->n_poses += found;
     return found;
 }
@@ -118,7 +116,7 @@ static bool too_near(const mukca_planner *p, const mukca_plan_pose *pose, int ex
     for (int i = 0; i < p->n_chosen; i++) {
         const mukca_plan_pose *other = &p->poses[p->chosen[i]];
         if (i != except && other->socket == pose->socket &&
-            !mukca_plan_differs(other->q, pose->q, n, p->rules.separation))
+            !mukca_plan_differs(other->q, pose->q, n))
             return true;
     }
     return false;

@@ -14,7 +14,7 @@
 typedef struct {
     const mukca_chain *chain;
     const mukca_geometry *geometry;
-    double tilt, clearance, separation, margin;
+    double tilt, clearance;
 } mukca_plan_rules;
 
 /* The rules of `options`; a default is widened to include all recorded samples.  `data` may be
@@ -37,8 +37,8 @@ bool mukca_plan_draw_anywhere(double *q, double centre[3], const mukca_plan_rule
 bool mukca_plan_draw_near(double *q, double spread, const double centre[3],
                           const mukca_plan_rules *rules, mukca_random *random);
 
-/* Whether two postures differ by at least `separation` in some joint. */
-bool mukca_plan_differs(const double *a, const double *b, int n_joints, double separation);
+/* Whether two postures differ by at least 0.2 rad or m in some joint. */
+bool mukca_plan_differs(const double *a, const double *b, int n_joints);
 
 /* ---- information of samples (state.c) ---- */
 
@@ -125,7 +125,7 @@ typedef struct {
     mukca_plan_rules rules;
     const mukca_plan_task *task;
     int recorded[MUKCA_PLAN_MAX_SOCKETS]; /* samples of each socket */
-    int n_recorded, n_poses, n_chosen, tried;
+    int n_recorded, n_poses, n_chosen;
     mukca_plan_pose *poses; /* [n_poses] candidates, socket by socket */
     int *chosen;            /* [n_chosen] indices of candidates */
     double *spare;          /* scratch for the design H of one pose */

@@ -118,8 +118,6 @@ mukca_status mukca_plan_run(mukca_plan *plan, const mukca_plan_task *task,
         status = mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
         goto out;
     }
-    plan->tried = p.tried;
-    plan->reached = p.n_poses;
     plan->n_rows = p.n_chosen;
     for (int i = 0; i < plan->n_rows; i++) {
         const mukca_plan_pose *pose = &p.poses[p.chosen[i]];

@@ -70,7 +70,7 @@ static void test_rules(void **state)
         }
         for (int k = 0; k < i; k++)
             assert_true(plan.rows[k].socket != plan.rows[i].socket ||
-                        mukca_plan_differs(plan.rows[k].q, q, 7, 0.2));
+                        mukca_plan_differs(plan.rows[k].q, q, 7));
     }
     assert_int_equal(count[0], 10);
     /* the same seed, the same plan */
