@@ -31,28 +31,8 @@ mukca_status cli_simulated_parse(cli_simulated *simulated, const char *text, muk
 
 enum { CLI_MAX_PLACES = MUKCA_MAX_PLACEMENTS };
 
-typedef struct {
-    cli_common common;
-    const char *perturb, *test, *truth, *at;
-    cli_list effects, places;
-    int placements, rows, poses, held_out, seed;
-    double noise, rotation, correlation, payload;
-    bool sweep, effort, command, position_only;
-} cli_simulate_options;
-
-/* One simulation: the true arm and its recording. */
-typedef struct {
-    cli_model model;     /* from the user */
-    mukca_offsets truth; /* the true arm */
-    mukca_true_arm arm;
-    cli_simulated hidden; /* effects and faults */
-    int n_places;         /* of the session; the held-out ones follow */
-    mukca_place places[CLI_MAX_PLACES];
-    mukca_simulate_options recording;
-} cli_simulation;
-
-/* Fill a zeroed simulation from the options of the call.  Errors: MUKCA_USAGE, MUKCA_INPUT. */
-mukca_status cli_simulation_prepare(cli_call *call, cli_simulation *simulation);
+/* Read comma-separated numbers.  Returns how many, -1: an invalid one, or more than `most`. */
+int cli_read_list(double *values, int most, const char *text);
 
 /* One --place NAME[=X,Y,Z[,ROLL,PITCH,YAW]], of simulate and plan.  Errors: MUKCA_USAGE. */
 mukca_status cli_read_place(mukca_place *place, const char *text, mukca_error *error);

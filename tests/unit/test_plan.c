@@ -30,14 +30,15 @@ static const mukca_plan_socket two_sockets[2] = {
     {.placement = "front", .label = "0", .centre = {0.45, -0.025, 0.05}},
     {.placement = "front", .label = "1", .centre = {0.45, 0.025, 0.05}}};
 
+static mukca_error refusal; /* of the last proposal */
+
 static mukca_status propose(mukca_plan *plan, const mukca_dataset *data,
                             const mukca_plan_socket *sockets, int n_sockets,
                             const mukca_plan_options *options)
 {
-    mukca_error error;
     const mukca_plan_task task = {
         .chain = &chain, .data = data, .sockets = sockets, .n_sockets = n_sockets};
-    return mukca_plan_run(plan, &task, options, &error);
+    return mukca_plan_run(plan, &task, options, &refusal);
 }
 
 static void test_rules(void **state)
@@ -176,7 +177,6 @@ static void test_causes(void **state)
     mukca_plan_socket sockets[2];
     mukca_dataset data;
     mukca_plan plan;
-    mukca_error error;
     mukca_effect effects[2] = {{.kind = MUKCA_EFFECT_JOINT_COMPLIANCE,
                                 .joint = 3,
                                 .placement = -1,
@@ -190,38 +190,20 @@ static void test_causes(void **state)
     const mukca_plan_options options = {.rows = 10, .effects = effects, .n_effects = 2};
     record(&data, 12, 1);
     mukca_plan_sockets(sockets, 2, &nominal, &data);
-    assert_int_equal(
-        mukca_plan_run(
-            &plan,
-            &(mukca_plan_task){
-                .chain = &chain, .theta = NULL, .data = &data, .sockets = sockets, .n_sockets = 2},
-            &options, &error),
-        MUKCA_OK);
+    assert_int_equal(propose(&plan, &data, sockets, 2, &options), MUKCA_OK);
     assert_true(plan.evidence_after > 2 * plan.evidence_before);
     mukca_plan_free(&plan);
     /* what cannot be settled by poses, or has no size, is refused with a reason */
     effects[1].coefficient[0] = 0;
-    assert_int_equal(
-        mukca_plan_run(
-            &plan,
-            &(mukca_plan_task){
-                .chain = &chain, .theta = NULL, .data = &data, .sockets = sockets, .n_sockets = 2},
-            &options, &error),
-        MUKCA_USAGE);
-    assert_non_null(strstr(error.text, "link_bending needs a size"));
+    assert_int_equal(propose(&plan, &data, sockets, 2, &options), MUKCA_USAGE);
+    assert_non_null(strstr(refusal.text, "link_bending needs a size"));
     effects[1] = (mukca_effect){.kind = MUKCA_EFFECT_TOOL_MOTION,
                                 .joint = -1,
                                 .placement = -1,
                                 .terms = 3,
                                 .coefficient = {1e-3}};
-    assert_int_equal(
-        mukca_plan_run(
-            &plan,
-            &(mukca_plan_task){
-                .chain = &chain, .theta = NULL, .data = &data, .sockets = sockets, .n_sockets = 2},
-            &options, &error),
-        MUKCA_USAGE);
-    assert_non_null(strstr(error.text, "record again"));
+    assert_int_equal(propose(&plan, &data, sockets, 2, &options), MUKCA_USAGE);
+    assert_non_null(strstr(refusal.text, "record again"));
     mukca_dataset_free(&data);
 }
 
