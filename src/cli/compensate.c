@@ -12,14 +12,14 @@
 #include "io/output.h"
 #include "io/rows.h"
 
-static const compensate_options defaults = {.format = -1};
+static const cli_compensate_options defaults = {.format = -1};
 
 static const cli_option options[] = {
     CLI_OPTION(
-        compensate_options, poses, "poses", CLI_FLAG, NULL,
+        cli_compensate_options, poses, "poses", CLI_FLAG, NULL,
         "rows are poses (x_m y_m z_m, optionally qw qx qy qz or the rotation vector rx ry rz), not "
         "joint targets"),
-    CLI_CHOICE_OPTION(compensate_options, from, "from", "FORMAT", compensate_formats,
+    CLI_CHOICE_OPTION(cli_compensate_options, from, "from", "FORMAT", cli_compensate_formats,
                       "read the targets from tables (default) or from programs in this language"),
     {.name = "format",
      .letter = 'f',
@@ -27,11 +27,11 @@ static const cli_option options[] = {
      .argument = "FORMAT",
      .help = "write a table or lines of a program (default: as --from); a program in the language "
              "of --from keeps its other text",
-     .choices = compensate_formats,
-     .offset = offsetof(compensate_options, format)},
-    CLI_OPTION(compensate_options, position_only, "position-only", CLI_FLAG, NULL,
+     .choices = cli_compensate_formats,
+     .offset = offsetof(cli_compensate_options, format)},
+    CLI_OPTION(cli_compensate_options, position_only, "position-only", CLI_FLAG, NULL,
                "ignore the orientation (always with fewer than six joints)"),
-    CLI_OPTION(compensate_options, tolerance, "tolerance", CLI_POSITIVE, "M",
+    CLI_OPTION(cli_compensate_options, tolerance, "tolerance", CLI_POSITIVE, "M",
                "error at which a target counts as reached, m and rad (default: 1e-8)"),
     CLI_OFFSETS_OPTION,
     CLI_ACCEPT_OPTION,
@@ -44,7 +44,7 @@ static const cli_option options[] = {
     CLI_TALK_OPTIONS,
     CLI_END_OPTIONS};
 
-static mukca_status from_joints(compensate_job *b, const char *path)
+static mukca_status from_joints(cli_compensate_job *b, const char *path)
 {
     cli_call *call = b->call;
     mukca_rows *rows = &b->rows;
@@ -54,8 +54,8 @@ static mukca_status from_joints(compensate_job *b, const char *path)
     if (status == MUKCA_OK)
         status = mukca_rows_open(rows, path, &b->arm.chain, &header, &call->error);
     if (status != MUKCA_OK) return status;
-    compensate_start(b, true);
-    compensate_print_header(b, rows->column.time >= 0);
+    cli_compensate_start(b, true);
+    cli_compensate_print_header(b, rows->column.time >= 0);
     while (!ferror(b->stream)) {
         bool more;
         status = mukca_rows_next(rows, &row, &more, &call->error);
@@ -65,7 +65,7 @@ static mukca_status from_joints(compensate_job *b, const char *path)
         const mukca_row_reading reading = mukca_row_read(&row, rows);
         mukca_compensation c = mukca_compensate_joints(row.q, &b->compensator, &reading);
         if (!b->to && rows->column.time >= 0) fprintf(b->stream, "%.17g\t", row.time);
-        compensate_put(b, row.q, &c, path, rows->table.line);
+        cli_compensate_put(b, row.q, &c, path, rows->table.line);
     }
     mukca_rows_close(rows);
     return status;
@@ -137,14 +137,14 @@ static mukca_status read_pose(mukca_frame *target, const pose_table *p, mukca_er
     return MUKCA_OK;
 }
 
-static mukca_status from_poses(compensate_job *b, const char *path)
+static mukca_status from_poses(cli_compensate_job *b, const char *path)
 {
     cli_call *call = b->call;
     pose_table poses = {0};
     double q[MUKCA_MAX_JOINTS] = {0};
     mukca_status status = open_poses(&poses, path, call);
-    if (status == MUKCA_OK) compensate_print_header(b, false);
-    compensate_start(b, poses.first != 0);
+    if (status == MUKCA_OK) cli_compensate_print_header(b, false);
+    cli_compensate_start(b, poses.first != 0);
     while (status == MUKCA_OK && !ferror(b->stream)) {
         bool more;
         mukca_frame target;
@@ -156,19 +156,19 @@ static mukca_status from_poses(compensate_job *b, const char *path)
         const mukca_row_reading reading = {
             .time = (double)NAN, .placement = -1, .number = poses.table.row};
         mukca_compensation c = mukca_compensate_pose(q, &b->compensator, &target, &reading);
-        compensate_put(b, q, &c, path, poses.table.line);
+        cli_compensate_put(b, q, &c, path, poses.table.line);
     }
     mukca_table_close(&poses.table);
     return status;
 }
 
 /* Mean over the rows, m. */
-static double mean(const compensate_tally *t, const compensate_errors *errors)
+static double mean(const cli_compensate_tally *t, const cli_compensate_errors *errors)
 {
     return t->rows ? errors->sum / (double)t->rows : 0;
 }
 
-static void print_tally(cli_call *call, const compensate_tally *t, bool poses)
+static void print_tally(cli_call *call, const cli_compensate_tally *t, bool poses)
 {
     if (t->rows == 0) return;
     if (poses)
@@ -184,7 +184,7 @@ static void print_tally(cli_call *call, const compensate_tally *t, bool poses)
                        mukca_reach_text[r], mukca_reach_sentence[r]);
 }
 
-static json_t *as_json(const cli_call *call, const compensate_tally *t)
+static json_t *as_json(const cli_call *call, const cli_compensate_tally *t)
 {
     json_t *counts = json_object();
     for (int r = 0; r < MUKCA_REACH_COUNT; r++)
@@ -204,11 +204,11 @@ static mukca_status check_axes(cli_call *call, int format)
     if (n <= most) return MUKCA_OK;
     return mukca_fail(&call->error, MUKCA_INPUT,
                       "a target in %s has at most %d axes, and the chain has %d; check --tip",
-                      compensate_formats[format], most, n);
+                      cli_compensate_formats[format], most, n);
 }
 
 /* Close the text of a program and write it, if no line was refused. */
-static mukca_status finish_program(compensate_job *b, FILE *stream, char *const *text,
+static mukca_status finish_program(cli_compensate_job *b, FILE *stream, char *const *text,
                                    mukca_status status)
 {
     const bool whole = mukca_file_close(b->stream, text);
@@ -226,10 +226,10 @@ static mukca_status finish_program(compensate_job *b, FILE *stream, char *const 
 
 static mukca_status run(cli_call *call)
 {
-    const compensate_options *o = call->options;
+    const cli_compensate_options *o = call->options;
     const cli_common *c = call->common;
     const cli_model *model = &call->session->model;
-    compensate_job *b = call->work;
+    cli_compensate_job *b = call->work;
     mukca_output output = {0};
     const int to = o->format < 0 ? o->from : o->format;
     b->call = call;
@@ -258,7 +258,7 @@ static mukca_status run(cli_call *call)
     if (status == MUKCA_OK && !b->stream)
         status = mukca_fail(&call->error, MUKCA_MEMORY, "not enough memory for the program");
     for (int i = 0; i < input.n && status == MUKCA_OK; i++)
-        status = b->from    ? compensate_program(b, input.items[i])
+        status = b->from    ? cli_compensate_program(b, input.items[i])
                  : o->poses ? from_poses(b, input.items[i])
                             : from_joints(b, input.items[i]);
     if (whole && b->stream) status = finish_program(b, output.stream, &text, status);
@@ -295,21 +295,21 @@ const cli_command cli_command_compensate = {
         "echo 0.1,0.2,0.3,-1.5,0.2,1.1,0.4 | mukca compensate --urdf data/demo/arm.urdf --offsets "
         "build/demo/offsets.tsv",
     .options = options,
-    .options_size = sizeof(compensate_options),
+    .options_size = sizeof(cli_compensate_options),
     .defaults = &defaults,
     .run = run,
-    .work_size = sizeof(compensate_job),
+    .work_size = sizeof(cli_compensate_job),
 };
 
 /* ---- output, and counters ---- */
 
-const char *const compensate_formats[] = {"table",
+const char *const cli_compensate_formats[] = {"table",
 #define FORMAT_NAME(name, description) #name,
-                                          MUKCA_LANGUAGE_LIST(FORMAT_NAME)
+                                              MUKCA_LANGUAGE_LIST(FORMAT_NAME)
 #undef FORMAT_NAME
-                                              NULL};
+                                                  NULL};
 
-void compensate_print_header(compensate_job *b, bool timed)
+void cli_compensate_print_header(cli_compensate_job *b, bool timed)
 {
     const mukca_chain *chain = &b->arm.chain;
     if (b->to || b->headed) return;
@@ -321,7 +321,7 @@ void compensate_print_header(compensate_job *b, bool timed)
     fputs("error_before_m\terror_m\terror_rad\tstatus\n", b->stream);
 }
 
-void compensate_refuse(compensate_job *b, const char *path, int number, const char *why)
+void cli_compensate_refuse(cli_compensate_job *b, const char *path, int number, const char *why)
 {
     mukca_error error; /* for its rules about foreign text */
     mukca_fail(&error, MUKCA_INPUT, "%s:%d: %s", mukca_file_shown(path), number, why);
@@ -329,28 +329,29 @@ void compensate_refuse(compensate_job *b, const char *path, int number, const ch
     b->tally.refused++;
 }
 
-static void add(compensate_errors *errors, double x)
+static void add(cli_compensate_errors *errors, double x)
 {
     errors->sum += x;
     if (!(x <= errors->max)) errors->max = x;
 }
 
-bool compensate_count(compensate_job *b, const mukca_compensation *c, const char *path, int number)
+bool cli_compensate_count(cli_compensate_job *b, const mukca_compensation *c, const char *path,
+                          int number)
 {
-    compensate_tally *t = &b->tally;
+    cli_compensate_tally *t = &b->tally;
     t->rows++;
     t->count[c->reach]++;
     add(&t->before, c->position_before);
     add(&t->after, c->position_error);
     if (!b->to || c->reach == MUKCA_REACH_OK) return true; /* tables have a status column */
-    compensate_refuse(b, path, number, mukca_reach_sentence[c->reach]);
+    cli_compensate_refuse(b, path, number, mukca_reach_sentence[c->reach]);
     return false;
 }
 
-void compensate_put(compensate_job *b, const double *q, const mukca_compensation *c,
-                    const char *path, int number)
+void cli_compensate_put(cli_compensate_job *b, const double *q, const mukca_compensation *c,
+                        const char *path, int number)
 {
-    if (!compensate_count(b, c, path, number)) return;
+    if (!cli_compensate_count(b, c, path, number)) return;
     if (b->to) {
         mukca_language_print(b->stream, b->to, &b->arm.chain, q);
         fputc('\n', b->stream);
@@ -361,8 +362,8 @@ void compensate_put(compensate_job *b, const double *q, const mukca_compensation
             c->rotation_error, mukca_reach_text[c->reach]);
 }
 
-void compensate_start(compensate_job *b, bool oriented)
+void cli_compensate_start(cli_compensate_job *b, bool oriented)
 {
-    const compensate_options *o = b->call->options;
+    const cli_compensate_options *o = b->call->options;
     mukca_compensator_start(&b->compensator, &b->arm, o->position_only || !oriented, o->tolerance);
 }

@@ -6,9 +6,10 @@
 #include "base/file.h"
 #include "cli/compensate.h"
 
-static mukca_status correct_line(compensate_job *b, const char *line, const char *path, int number)
+static mukca_status correct_line(cli_compensate_job *b, const char *line, const char *path,
+                                 int number)
 {
-    const compensate_options *o = b->call->options;
+    const cli_compensate_options *o = b->call->options;
     const mukca_chain *chain = &b->arm.chain;
     const bool in_place = b->from == b->to && !o->poses;
     const mukca_row_reading reading = {
@@ -20,7 +21,7 @@ static mukca_status correct_line(compensate_job *b, const char *line, const char
     if (kind == MUKCA_LINE_UNKNOWN) {
         const char *words = line + strspn(line, " \t");
         snprintf(text, sizeof text, "not understood: %.*s", (int)strcspn(words, "\r"), words);
-        compensate_refuse(b, path, number, text);
+        cli_compensate_refuse(b, path, number, text);
     }
     if (kind == MUKCA_LINE_OTHER && in_place) fputs(line, b->stream);
     if (kind != MUKCA_LINE_TARGET) return MUKCA_OK;
@@ -35,23 +36,23 @@ static mukca_status correct_line(compensate_job *b, const char *line, const char
                                      ? mukca_compensate_pose(q, &b->compensator, &t.pose, &reading)
                                      : mukca_compensate_joints(q, &b->compensator, &reading);
     if (!in_place)
-        compensate_put(b, q, &c, path, number);
-    else if (compensate_count(b, &c, path, number))
+        cli_compensate_put(b, q, &c, path, number);
+    else if (cli_compensate_count(b, &c, path, number))
         mukca_language_replace(b->stream, b->from, chain, line, &t, q);
     return MUKCA_OK;
 }
 
-mukca_status compensate_program(compensate_job *b, const char *path)
+mukca_status cli_compensate_program(cli_compensate_job *b, const char *path)
 {
     cli_call *call = b->call;
-    const compensate_options *o = call->options;
+    const cli_compensate_options *o = call->options;
     const long before = b->tally.rows;
     char *text;
     int number = 0;
     mukca_status status = mukca_file_read(&text, path, &call->error);
     if (status != MUKCA_OK) return status;
-    compensate_start(b, true);
-    compensate_print_header(b, false);
+    cli_compensate_start(b, true);
+    cli_compensate_print_header(b, false);
     for (char *line = text; status == MUKCA_OK && *line && !ferror(b->stream);) {
         char *end = line + strcspn(line, "\n");
         const bool ended = *end == '\n';
@@ -65,5 +66,5 @@ mukca_status compensate_program(compensate_job *b, const char *path)
     if (b->tally.rows > before || b->tally.refused > 0) return MUKCA_OK;
     return mukca_fail(&call->error, MUKCA_INPUT,
                       "%s: no target in %s; check --from, --tip and --poses",
-                      mukca_file_shown(path), compensate_formats[o->from]);
+                      mukca_file_shown(path), cli_compensate_formats[o->from]);
 }
