@@ -400,10 +400,9 @@ mukca_status cli_keep_inputs(cli_call *call, const char *path);
  * --json and -o, no input, writable. */
 mukca_status cli_check_output(cli_call *call, const char *option, const char *path);
 
-/* Write `root` (reference stolen) to --json, if given, or to `path`.  Errors: MUKCA_INPUT,
- * MUKCA_MEMORY (also if `root` is incomplete after a failed allocation). */
+/* Write `root` (reference stolen) to --json, if given.  Errors: MUKCA_INPUT, MUKCA_MEMORY (also if
+ * `root` is incomplete after a failed allocation). */
 mukca_status cli_write_json(cli_call *call, json_t *root);
-mukca_status cli_write_json_to(cli_call *call, const char *path, json_t *root);
 
 /* Monitor jansson's allocations, from before its first use; true if one has failed. */
 void cli_json_watch(void);

@@ -214,7 +214,7 @@ static mukca_status prepare(cli_call *call, simulation *s)
     mukca_simulate_perturb(s->truth.theta, o->perturb ? s->truth.listed : NULL, &s->model.chain,
                            1e-3 * perturb[0], 1e-3 * perturb[1], s->recording.seed);
     for (int i = 0; i < MUKCA_MAX_THETA; i++) s->truth.identifiable[i] = s->truth.listed[i];
-    mukca_simulate_arm(&s->arm, &s->model.chain, s->truth.theta, 0, s->recording.seed);
+    mukca_simulate_arm(&s->arm, &s->model.chain, s->truth.theta);
     status = name_places(s, o, &call->error);
     if (status == MUKCA_OK) status = gather_effects(s, o, &call->error);
     if (status == MUKCA_OK) set_truth(s);

@@ -18,12 +18,11 @@
 /* Purposes of random numbers. */
 typedef enum {
     MUKCA_DRAW_GEOMETRY,
-    MUKCA_DRAW_MASSES,
-    MUKCA_DRAW_EFFECTS,
+    MUKCA_DRAW_EFFECTS = 2, /* recordings keep their bytes */
     MUKCA_DRAW_PLACES,
     MUKCA_DRAW_POSTURES,
     MUKCA_DRAW_NOISE,
-    MUKCA_DRAW_ROTATION = 7, /* recordings keep their bytes */
+    MUKCA_DRAW_ROTATION = 7,
     MUKCA_DRAW_TIME
 } mukca_draw;
 
@@ -79,10 +78,8 @@ typedef struct {
 void mukca_simulate_perturb(double *theta, unsigned char *listed, const mukca_chain *chain,
                             double shift, double turn, uint64_t seed);
 
-/* Initialise the arm with those origins and normal errors of its masses, relative size
- * `mass_error`; without effects. */
-void mukca_simulate_arm(mukca_true_arm *arm, const mukca_chain *chain, const double *theta,
-                        double mass_error, uint64_t seed);
+/* Initialise the arm with those origins; without effects. */
+void mukca_simulate_arm(mukca_true_arm *arm, const mukca_chain *chain, const double *theta);
 
 /* Find poses for the undetermined placements: both sockets reachable in many postures of the
  * nominal arm, above the base if possible, far from the other placements.  Errors: MUKCA_INPUT

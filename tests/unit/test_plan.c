@@ -92,7 +92,7 @@ static void record(mukca_dataset *data, int rows, uint64_t seed)
         .name = "front", .placed = true, .pose = {{0, -1, 0, 1, 0, 0, 0, 0, 1}, {0.45, 0, 0.05}}};
     const mukca_simulate_options how = {.rows = rows, .noise = 1e-4, .seed = seed};
     mukca_chain_theta(theta, &chain);
-    mukca_simulate_arm(&arm, &chain, theta, 0, seed);
+    mukca_simulate_arm(&arm, &chain, theta);
     assert_int_equal(
         mukca_simulate_sockets(data,
                                &(mukca_simulated_session){

@@ -165,7 +165,7 @@ static void accuracy(int arms)
         mukca_random_seed(&random, seed);
         mukca_chain_theta(theta, &chain);
         mukca_simulate_perturb(theta, NULL, &chain, 2e-3, 3e-3, seed);
-        mukca_simulate_arm(&arm, &chain, theta, 0, seed);
+        mukca_simulate_arm(&arm, &chain, theta);
         for (int p = 0; p < PLACES; p++) snprintf(places[p].name, sizeof places[p].name, "p%d", p);
         mukca_simulate_options recording = {.rows = RANDOM_ROWS, .noise = noise, .seed = seed};
         if (mukca_simulate_places(places, PLACES, &chain, apart, seed, &error) ||
@@ -348,7 +348,7 @@ static void ties(int wanted, bool sweep)
         mukca_random_seed(&random, seed);
         mukca_chain_theta(theta, &chain);
         mukca_simulate_perturb(theta, NULL, &chain, 2e-3, 3e-3, seed);
-        mukca_simulate_arm(&arm, &chain, theta, 0, seed);
+        mukca_simulate_arm(&arm, &chain, theta);
         arm.effects[0] = draw_effect(&chain, &random);
         arm.n_effects = 1;
         const int n_places = 2 + mukca_random_below(&random, 3);
