@@ -137,7 +137,7 @@ demo: all ## calibrate, diagnose and report the demo arm of data/ into build/dem
 
 check: programs ## build and run every test
 	@$(TEST_ENVIRONMENT) tests/run $(TESTS) $(sort $(wildcard tests/*.sh tests/*/run.sh))
-programs: $(PROGRAM) $(TESTS) $(EXAMPLES) $(RT) $(BUILD)/heart
+programs: $(PROGRAM) $(TESTS) $(EXAMPLES) $(RT) $(BUILD)/heart $(BUILD)/bench/bench_recipes
 
 tidy: ## clang-tidy, cppcheck and gcc -fanalyzer; a finding is an error
 	@tools/tidy $(BUILD) $(C_FLAGS) $(LIB_CFLAGS)

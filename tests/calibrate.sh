@@ -95,7 +95,10 @@ ok evaluate_above exits 1 "${evaluate[@]}" -q "$dir/side.tsv" --max-mae 1e-5
 
 matrix() {
     "${evaluate[@]}" "$dir/all.tsv" --matrix -q >"$dir/matrix.tsv" || return 1
-    [ "$(wc -l <"$dir/matrix.tsv")" = 8 ] && grep -q '^front+side	2' "$dir/matrix.tsv" && grep -q '^all	3' "$dir/matrix.tsv"
+    [ "$(wc -l <"$dir/matrix.tsv")" = 8 ] && grep -q '^front+side	2' "$dir/matrix.tsv" && grep -q '^all	3' "$dir/matrix.tsv" || return 1
+    "${calibrate[@]}" "$dir/front.tsv" -o "$dir/trained.tsv" -q && # the row of `front` is what that table scores elsewhere
+        "${evaluate[@]}" "$dir/all.tsv" --offsets "$dir/trained.tsv" -q | awk -F'\t' 'NR == FNR { if ($1 == "front") own = $3; next }
+            FNR > 1 && $2 != "front" { sum += $5; n++ } END { exit !(n == 2 && (sum / n / own - 1) ^ 2 < 1e-12) }' "$dir/matrix.tsv" -
 }
 ok evaluate_matrix matrix
 

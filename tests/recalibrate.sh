@@ -64,8 +64,9 @@ BEGIN {
 }' >"$dir/truth.tsv"
 
 arm=(--urdf "$urdf")
-for recipe in sweeps raster targeted targeted-test; do
-    ok "simulate $recipe" "$mukca" simulate "${arm[@]}" --offsets "$dir/truth.tsv" --recipe $recipe -o "$dir/$recipe.tsv" -q
+for recipe in sweeps raster; do
+    "${BUILD:-$PWD/build}/bench/bench_recipes" "$urdf" $recipe >"$dir/$recipe.angles"
+    ok "simulate $recipe" "$mukca" simulate "${arm[@]}" --offsets "$dir/truth.tsv" --at "$dir/$recipe.angles" -o "$dir/$recipe.tsv" -q
 done
 ok "recalibrate, iterated" "$mukca" recalibrate "${arm[@]}" "$dir/sweeps.tsv" --test "$dir/raster.tsv" --iterate \
     --json "$dir/r.json" -o "$dir/offsets.tsv"
@@ -100,7 +101,7 @@ refuses "w last is told, and read" 0 "x y z w" "$mukca" recalibrate "${arm[@]}" 
 refuses "flipped signs do no harm" 0 "both  *0.000  *0.000" "$mukca" recalibrate "${arm[@]}" "$dir/sign.tsv"
 awk 'BEGIN { FS = OFS = "\t" } NR == 1 || $4 == 0' "$dir/plain.tsv" >"$dir/still.tsv"
 refuses "a joint that never moved" 0 "'joint_3' never moved" "$mukca" recalibrate "${arm[@]}" "$dir/still.tsv"
-"$mukca" simulate "${arm[@]}" --recipe sweeps --noise 1e-5 --rotation-noise 1e-5 -o "$dir/nominal.tsv" -q
+"$mukca" simulate "${arm[@]}" --at "$dir/sweeps.angles" --noise 1e-5 --rotation-noise 1e-5 -o "$dir/nominal.tsv" -q
 refuses "poses that repeat the nominal model" 5 "no calibration in these poses" "$mukca" recalibrate "${arm[@]}" \
     "$dir/nominal.tsv" -o "$dir/none.tsv"
 ok "nothing written then" test ! -e "$dir/none.tsv"
@@ -112,7 +113,7 @@ ok "nothing written then" test ! -e "$dir/none.tsv"
     printf 'tool_joint\tz\tm\t-0.0615\t-0.12326\t-0.06176\t0\t1\t-\n'
     printf 'joint_1\tx\tm\t0\t0.002\t0.002\t0\t1\t-\n'
 } >"$dir/mounted.tsv"
-"$mukca" simulate "${arm[@]}" --offsets "$dir/mounted.tsv" --recipe sweeps -o "$dir/mounted_log.tsv" -q
+"$mukca" simulate "${arm[@]}" --offsets "$dir/mounted.tsv" --at "$dir/sweeps.angles" -o "$dir/mounted_log.tsv" -q
 ok "a mounted tool" "$mukca" recalibrate "${arm[@]}" "$dir/mounted_log.tsv" --iterate -o "$dir/found.tsv"
 cat "$dir/out" "$dir/err" >"$dir/said"
 ok "one story: what was found, what was written" sh -c "

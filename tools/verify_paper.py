@@ -16,6 +16,7 @@ import tempfile
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
 MUKCA = os.environ.get("MUKCA", os.path.join(ROOT, "build", "mukca"))
 URDF = os.path.join(ROOT, "data", "gen3.urdf")
+RECIPES = os.path.join(os.environ.get("BUILD", os.path.join(ROOT, "build")), "bench", "bench_recipes")
 JOINTS = [f"joint_{i}" for i in range(1, 8)] + ["tool_joint"]
 TURN = [1, 0.5, -0.5, 0.5, -0.5, 0.5, -0.5, 1]  # times pi about x
 P = [(0, 0, .1564), (0, .0054, -.1284), (0, -.2104, -.0064), (0, .0064, -.2104), (0, -.2084, -.0064),
@@ -81,7 +82,10 @@ def record(folder, name, truth, *more):
     logs = {}
     for recipe in ("sweeps", "raster", "targeted", "targeted-test"):
         logs[recipe] = os.path.join(folder, f"{name}_{recipe}.tsv")
-        run("simulate", "--urdf", URDF, "--offsets", truth, "--recipe", recipe, "-o", logs[recipe], "-q", *more)
+        angles = os.path.join(folder, f"{recipe}.tsv")
+        with open(angles, "w") as f:
+            subprocess.run([RECIPES, URDF, recipe], stdout=f, check=True)
+        run("simulate", "--urdf", URDF, "--offsets", truth, "--at", angles, "-o", logs[recipe], "-q", *more)
     return logs
 
 

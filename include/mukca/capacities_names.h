@@ -21,8 +21,6 @@
 #define mukca_fk_parameter_jacobian MUKCA_SIZED(mukca_fk_parameter_jacobian)
 #define mukca_chain_masses MUKCA_SIZED(mukca_chain_masses)
 #define mukca_chain_moments MUKCA_SIZED(mukca_chain_moments)
-#define mukca_chain_moments_displaced MUKCA_SIZED(mukca_chain_moments_displaced)
-#define mukca_effect_apply MUKCA_SIZED(mukca_effect_apply)
 #define mukca_effects_displacement MUKCA_SIZED(mukca_effects_displacement)
 #define mukca_effect_describe MUKCA_SIZED(mukca_effect_describe)
 #define mukca_effect_unit MUKCA_SIZED(mukca_effect_unit)

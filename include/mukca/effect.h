@@ -173,10 +173,6 @@ void mukca_effect_basis(double basis[MUKCA_MAX_TERMS][3], const mukca_effect *ef
 void mukca_effect_direction(double *direction, int n_joints, const mukca_effect *effect,
                             const mukca_joint_state *state);
 
-/* Add the displacement by `effect` at `state`.  No allocation, no locks. */
-void mukca_effect_apply(mukca_displacement *displacement, const mukca_effect *effect,
-                        const mukca_chain *chain, const mukca_joint_state *state);
-
 /* Displacement by `n` effects at configuration q, with the gravity moments of the arm in static
  * equilibrium (a fixed point, to 1e-12 rad).  `state` supplies move, time, placement, command,
  * payload_kg (may be NULL: all zero). */

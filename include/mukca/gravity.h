@@ -27,11 +27,6 @@ void mukca_chain_moments(mukca_gravity_load *load, const mukca_chain *chain,
                          const mukca_geometry *geometry, const double *q, const double *mass_scale,
                          double payload_kg);
 
-/* The same for the displaced arm. */
-void mukca_chain_moments_displaced(mukca_gravity_load *load, const mukca_chain *chain,
-                                   const mukca_geometry *geometry, const double *q,
-                                   const mukca_displacement *displacement, double payload_kg);
-
 #ifdef __cplusplus
 }
 #endif

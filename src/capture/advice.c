@@ -18,10 +18,6 @@ enum { PROBES = 32, ITERATIONS = 4, MORE_ROWS = 10 };
  * coincide by chance. */
 enum { LEAST_TWINS = 3 };
 
-/* Least log Bayes factor for samples to override the expected elasticity: odds of 3 to 1; less is
- * "not worth more than a bare mention" (R. Kass, A. Raftery, J. Am. Stat. Assoc. 90, 1995). */
-#define LEAST_EVIDENCE 1.1
-
 /* Prior of the noise, m (repeatability of a printed socket: 0.1 to 0.2 mm), and its weight in
  * measurements. */
 static const double prior_noise = 1.5e-4, prior_weight = 10;
@@ -121,7 +117,6 @@ static mukca_status drop_coincident(mukca_capture_advice *advice, mukca_dataset 
 typedef struct {
     mukca_observations observations;
     int n, m;
-    double freedom;           /* measurements less the effective number of parameters */
     double *J, *r;            /* [max(m, 3 PROBES)][n], [m] */
     double *gram, *part;      /* [n][n] */
     double *x, *start, *step; /* [n] */
@@ -157,14 +152,13 @@ static void update_noise(mukca_capture *capture, workspace *w)
     mukca_dense_forward(w->part, n, capture->factor, n);
     mukca_dense_backward(w->part, n, capture->factor, n);
     for (int i = 0; i < n; i++) taken += w->part[i * n + i] / (capture->noise * capture->noise);
-    w->freedom = fmax(w->observations.n_measured - taken, 0);
+    const double freedom = fmax(w->observations.n_measured - taken, 0);
     capture->noise =
-        sqrt((prior_weight * prior_noise * prior_noise + squares) / (prior_weight + w->freedom));
+        sqrt((prior_weight * prior_noise * prior_noise + squares) / (prior_weight + freedom));
 }
 
-/* Gauss-Newton on the posterior: updates the model, its factor and the noise.  Returns the log
- * evidence up to a constant common to all shares of the elasticity. */
-static double fit(mukca_capture *capture, workspace *w)
+/* Gauss-Newton on the posterior: updates the model, its factor and the noise. */
+static void fit(mukca_capture *capture, workspace *w)
 {
     const mukca_parameters *p = &capture->model.parameters;
     const int n = w->n;
@@ -190,56 +184,6 @@ static double fit(mukca_capture *capture, workspace *w)
     }
     mukca_parameters_unpack(theta, p, w->x);
     mukca_linearisation_move(&capture->model, theta);
-    double evidence = -(prior_weight + w->freedom) * log(capture->noise);
-    for (int i = 0; i < n; i++) {
-        const double z = (w->x[i] - w->start[i]) / capture->sigma[i];
-        evidence -= 0.5 * z * z;
-    }
-    return evidence;
-}
-
-void mukca_capture_correct(double *angles, const mukca_capture *capture, const double *q)
-{
-    memcpy(angles, q, (size_t)capture->chain->n_joints * sizeof *q);
-    if (capture->settings.correct)
-        capture->settings.correct(capture->settings.context, capture->share, angles);
-}
-
-/* Fit with a share of the expected elasticity. */
-static mukca_status fit_share(workspace *w, double *evidence, mukca_capture *capture,
-                              const mukca_dataset *view, mukca_error *error)
-{
-    const mukca_dataset *rows = &capture->rows;
-    for (int i = 0; i < rows->n_rows && capture->settings.correct; i++) {
-        const int at = i * rows->n_joints;
-        mukca_capture_correct(rows->q + at, capture, capture->readings + at);
-    }
-    mukca_status status = workspace_take(w, capture, view, error);
-    mukca_linearisation_move(&capture->model, capture->start);
-    capture->noise = prior_noise;
-    if (status == MUKCA_OK) *evidence = fit(capture, w);
-    return status;
-}
-
-/* Fit with all of the expected elasticity, or with half or none of it on the evidence of the
- * samples. */
-static mukca_status fit_best(workspace *w, double *evidence, mukca_capture *capture,
-                             const mukca_dataset *view, mukca_error *error)
-{
-    static const double shares[] = {1, 0.5, 0};
-    double here, all = 0, share = 1;
-    for (int k = 0; k < 3 && capture->settings.correct; k++) {
-        capture->share = shares[k];
-        const mukca_status status = fit_share(w, &here, capture, view, error);
-        mukca_pool_free(&w->pool);
-        if (status != MUKCA_OK) return status;
-        if (k == 0) all = here;
-        if (here - all <= fmax(*evidence, LEAST_EVIDENCE)) continue;
-        *evidence = here - all;
-        share = shares[k];
-    }
-    capture->share = share;
-    return fit_share(w, &here, capture, view, error);
 }
 
 mukca_status mukca_capture_advise(mukca_capture_advice *advice, mukca_capture *capture,
@@ -250,7 +194,7 @@ mukca_status mukca_capture_advise(mukca_capture_advice *advice, mukca_capture *c
     const int pairs = view.n_sockets * view.n_sockets / 2;
     mukca_pool pool = {0};
     workspace w = {.n = 0};
-    *advice = (mukca_capture_advice){(double)NAN, (double)NAN, true, -1, 0, 0};
+    *advice = (mukca_capture_advice){(double)NAN, (double)NAN, true, -1, 0};
     mukca_linearisation_move(&capture->model, capture->start);
     capture->noise = prior_noise;
     memset(capture->factor, 0, (size_t)(n * n) * sizeof *capture->factor);
@@ -263,8 +207,9 @@ mukca_status mukca_capture_advise(mukca_capture_advice *advice, mukca_capture *c
         view.n_distances = list_distances(view.distances, capture);
         status = drop_coincident(advice, &view, apart, capture, error);
     }
-    if (status == MUKCA_OK) status = fit_best(&w, &advice->evidence, capture, &view, error);
+    if (status == MUKCA_OK) status = workspace_take(&w, capture, &view, error);
     if (status != MUKCA_OK) goto out;
+    fit(capture, &w);
     /* ten more samples here add ten times the mean information of the present ones */
     memset(w.part, 0, (size_t)(n * n) * sizeof *w.part);
     for (int i = 0; i < view.n_rows && here; i++)

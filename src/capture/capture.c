@@ -20,7 +20,6 @@ mukca_status mukca_capture_init(mukca_capture *capture, const mukca_chain *chain
     s->window = or_default(s->window, 0.2);
     s->range = or_default(s->range, 1e-3);
     s->dwell = or_default(s->dwell, 1);
-    s->difference = or_default(s->difference, 0.02);
     s->distance = or_default(s->distance, 0.05);
     if (s->n_labels == 0) {
         s->n_labels = 2;
@@ -35,12 +34,10 @@ mukca_status mukca_capture_init(mukca_capture *capture, const mukca_chain *chain
     capture->factor = calloc(n_free * n_free, sizeof *capture->factor);
     size_t n = (size_t)chain->n_joints;
     capture->time = calloc(2 * MUKCA_CAPTURE_RING, sizeof *capture->time);
-    capture->readings = calloc(MUKCA_CAPTURE_MAX_ROWS * n, sizeof *capture->readings);
     capture->values = calloc(MUKCA_CAPTURE_RING * 3 * n, sizeof *capture->values);
     status = mukca_dataset_create(&capture->rows, MUKCA_CAPTURE_MAX_ROWS, chain->n_joints,
                                   MUKCA_CAPTURE_MAX_SOCKETS, MUKCA_CAPTURE_MAX_PLACEMENTS, error);
-    if (status == MUKCA_OK &&
-        (!capture->time || !capture->values || !capture->factor || !capture->readings))
+    if (status == MUKCA_OK && (!capture->time || !capture->values || !capture->factor))
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
     mukca_capture_clear(capture);
     mukca_capture_advice none;
@@ -54,7 +51,6 @@ void mukca_capture_free(mukca_capture *capture)
     free(capture->time);
     free(capture->values);
     free(capture->factor);
-    free(capture->readings);
     mukca_dataset_free(&capture->rows);
     memset(capture, 0, sizeof *capture);
 }
@@ -63,7 +59,6 @@ void mukca_capture_clear(mukca_capture *capture)
 {
     capture->rows.n_rows = capture->rows.n_sockets = capture->rows.n_placements = 0;
     capture->socket = -1;
-    capture->share = 1;
     capture->count = 0;
     capture->jumps = 0;
     capture->has_last = capture->guided = capture->was_guided = false;

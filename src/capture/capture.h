@@ -20,17 +20,12 @@ enum {
 
 /* Zeroed means the defaults. */
 typedef struct {
-    double window;     /* s, standstill averaged to a sample; 0: 0.2 */
-    double range;      /* rad or m, motion of a joint allowed in it; 0: 0.001 */
-    double dwell;      /* s, standstill that triggers a sample; 0: 1 */
-    double difference; /* rad or m, distance of such a sample from all others; 0: 0.02 */
-    double distance;   /* m, between the sockets; 0: 0.05 */
-    int n_labels;      /* sockets of a placement; 0: "0" and "1" */
+    double window;   /* s, standstill averaged to a sample; 0: 0.2 */
+    double range;    /* rad or m, motion of a joint allowed in it; 0: 0.001 */
+    double dwell;    /* s, standstill that triggers a sample; 0: 1 */
+    double distance; /* m, between the sockets; 0: 0.05 */
+    int n_labels;    /* sockets of a placement; 0: "0" and "1" */
     const char *const *labels;
-    /* Convert q[n_joints] from readings to angles of a rigid arm by this share of the expected
-     * elasticity; applied to all samples.  NULL: the readings are used. */
-    void (*correct)(void *context, double share, double *q);
-    void *context;
 } mukca_capture_settings;
 
 /* One joint state. */
@@ -67,7 +62,6 @@ typedef struct {
     double sigma[MUKCA_MAX_FREE]; /* [n] prior, n = model.parameters.n */
     double noise;                 /* measurement noise of one coordinate, m */
     double *factor;               /* [n][n] from mukca_posterior_factor */
-    double share;                 /* share of the expected elasticity, by evidence: 1, 0.5, 0 */
     /* Stream. */
     int head, count; /* ring buffer: next index to write, number stored */
     double *time;    /* [RING][2] by the sender's clock, arrival */
@@ -81,8 +75,7 @@ typedef struct {
     double still_since, checked;
     double anchor[MUKCA_MAX_JOINTS];
     /* Samples. */
-    mukca_dataset rows; /* corrected; n_rows, n_sockets, n_placements in use; memory for maxima */
-    double *readings;   /* [MAX_ROWS][n_joints] readings of the samples */
+    mukca_dataset rows; /* n_rows, n_sockets, n_placements in use; memory for maxima */
     int socket;         /* current, index into rows.sockets; -1: none */
     char
         offered[MUKCA_NAME_SIZE]; /* the socket in which the last sample seems to be; "": its own */
@@ -95,9 +88,6 @@ mukca_status mukca_capture_init(mukca_capture *capture, const mukca_chain *chain
                                 const double *theta, const mukca_capture_settings *settings,
                                 mukca_error *error);
 void mukca_capture_free(mukca_capture *capture);
-
-/* Angles[n_joints] of a rigid arm from readings q[n_joints]. */
-void mukca_capture_correct(double *angles, const mukca_capture *capture, const double *q);
 
 /* Clear all samples, placements and readings. */
 void mukca_capture_clear(mukca_capture *capture);
@@ -168,12 +158,10 @@ typedef struct {
     bool more_rows_help;  /* those ten would reduce it by more than 3 % */
     int twin;             /* other label of the same socket; -1: none */
     double apart;         /* m, distance between the centres of the two */
-    double evidence;      /* log Bayes factor of capture->share against the full elasticity */
 } mukca_capture_advice;
 
-/* Fit the model to the samples: Gaussian prior about the initial model, noise from the residuals,
- * share of the expected elasticity by evidence.  Without samples: the initial model.  Errors:
- * MUKCA_MEMORY. */
+/* Fit the model to the samples: Gaussian prior about the initial model, noise from the residuals.
+ * Without samples: the initial model.  Errors: MUKCA_MEMORY. */
 mukca_status mukca_capture_advise(mukca_capture_advice *advice, mukca_capture *capture,
                                   mukca_error *error);
 

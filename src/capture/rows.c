@@ -5,10 +5,13 @@
 
 #include "capture/capture.h"
 
+/* Distance of a sample by standstill from all others in some joint, rad or m. */
+static const double least_difference = 0.02;
+
 bool mukca_capture_repeats(const mukca_capture *capture, const double *q)
 {
     const size_t n = (size_t)capture->rows.n_joints, rows = (size_t)capture->rows.n_rows;
-    return rows && memcmp(q, capture->readings + (rows - 1) * n, n * sizeof *q) == 0;
+    return rows && memcmp(q, capture->rows.q + (rows - 1) * n, n * sizeof *q) == 0;
 }
 
 /* Largest difference of any joint. */
@@ -122,10 +125,9 @@ bool mukca_capture_due(int *socket, char text[MUKCA_CAPTURE_TEXT], mukca_capture
     double dwell = capture->was_guided && !capture->guided ? s->window : s->dwell;
     if (capture->taken || sample.time - capture->still_since < dwell) return false;
     capture->taken = true;
-    double x[3], how_far, q[MUKCA_MAX_JOINTS];
-    mukca_capture_correct(q, capture, sample.q);
-    if (find_posture(capture, q, s->difference) >= 0) return false;
-    mukca_fk_position(x, &capture->model.geometry, q, NULL);
+    double x[3], how_far;
+    if (find_posture(capture, sample.q, least_difference) >= 0) return false;
+    mukca_fk_position(x, &capture->model.geometry, sample.q, NULL);
     int nearest = nearest_socket(&how_far, capture, x, -1);
     const char *label = nearest < 0 || how_far < 0.5 * s->distance ? NULL : empty_label(capture);
     *socket = nearest < 0 ? capture->socket : nearest;
@@ -270,12 +272,8 @@ mukca_status mukca_capture_keep(char text[MUKCA_CAPTURE_TEXT], mukca_capture *ca
         return mukca_fail(error, MUKCA_INPUT, "no placement and socket has been chosen");
     if (rows->n_rows == MUKCA_CAPTURE_MAX_ROWS)
         return mukca_fail(error, MUKCA_INPUT, "the session is full: begin another one");
-    double angles[MUKCA_MAX_JOINTS];
-    mukca_capture_correct(angles, capture, q);
-    int twin = find_posture(capture, angles, 0.25 * capture->settings.difference);
-    const size_t at = (size_t)rows->n_rows * (size_t)rows->n_joints;
-    memcpy(rows->q + at, angles, (size_t)rows->n_joints * sizeof *angles);
-    memcpy(capture->readings + at, q, (size_t)rows->n_joints * sizeof *q);
+    const int twin = find_posture(capture, q, 0.25 * least_difference);
+    memcpy(rows->q + rows->n_rows * rows->n_joints, q, (size_t)rows->n_joints * sizeof *q);
     rows->socket[rows->n_rows++] = capture->socket;
     capture->taken = true;
     remark(text, capture, twin);
@@ -288,8 +286,8 @@ mukca_status mukca_capture_drop(mukca_capture *capture, int row, mukca_error *er
     if (row < 0 || row >= rows->n_rows)
         return mukca_fail(error, MUKCA_INPUT, "there is no sample to delete");
     const size_t n = (size_t)rows->n_joints, after = (size_t)(--rows->n_rows - row);
-    double *const lists[] = {rows->q + (size_t)row * n, capture->readings + (size_t)row * n};
-    for (int i = 0; i < 2; i++) memmove(lists[i], lists[i] + n, after * n * sizeof *lists[i]);
+    double *q = rows->q + (size_t)row * n;
+    memmove(q, q + n, after * n * sizeof *q);
     memmove(rows->socket + row, rows->socket + row + 1, after * sizeof *rows->socket);
     capture->offered[0] = '\0';
     return MUKCA_OK;

@@ -5,8 +5,7 @@
 #include <string.h>
 
 #include "cli/calibrate.h"
-#include "fleet/correct.h"
-#include "io/summary.h"
+#include "fleet/fleet.h"
 
 /* Least log Bayes factor for the use of the traits: odds of 3 to 1; less is "not worth more than a
  * bare mention" (R. Kass, A. Raftery, Bayes factors, J. Am. Stat. Assoc. 90, 1995). */
@@ -49,13 +48,6 @@ static void correct(const recorded *r, const mukca_chain *chain, const mukca_tra
     }
 }
 
-static void exchange(mukca_fit *a, mukca_fit *b)
-{
-    const mukca_fit kept = *a;
-    *a = *b;
-    *b = kept;
-}
-
 /* Log Bayes factor between two fits with equal numbers of unknowns, from the residual variances. */
 static double log_evidence(const mukca_fit *fit, const mukca_fit *other)
 {
@@ -72,27 +64,32 @@ mukca_status calibrate_use_traits(cli_call *call, calibrate_result *r, mukca_fit
     cli_session *s = call->session;
     const mukca_chain *chain = &s->model.chain;
     recorded as;
-    mukca_fit with = {0}, best = {0};
-    mukca_status status = keep(&as, s) ? MUKCA_OK : MUKCA_MEMORY;
+    mukca_fit *with = calloc(1, sizeof *with), *best = calloc(1, sizeof *best);
+    mukca_status status = keep(&as, s) && with && best ? MUKCA_OK : MUKCA_MEMORY;
     r->traits = traits;
     if (status != MUKCA_OK) mukca_fail(&call->error, status, "out of memory");
     for (size_t k = 0; k < sizeof shares / sizeof *shares && status == MUKCA_OK; k++) {
         correct(&as, chain, traits, shares[k]);
-        status = mukca_fit_run(&with, chain, &s->data, options, &call->error);
+        status = mukca_fit_run(with, chain, &s->data, options, &call->error);
         if (status != MUKCA_OK) break;
-        const double evidence = log_evidence(&with, fit);
+        const double evidence = log_evidence(with, fit);
         if (k == 0 || evidence > r->traits_evidence) {
+            mukca_fit *const better = with;
             r->traits_evidence = evidence;
-            r->traits_share = with.converged && evidence > LEAST_EVIDENCE ? shares[k] : 0;
-            exchange(&with, &best);
+            r->traits_share = with->converged && evidence > LEAST_EVIDENCE ? shares[k] : 0;
+            with = best, best = better;
         }
-        mukca_fit_free(&with);
+        mukca_fit_free(with);
     }
-    if (status == MUKCA_OK) {
-        correct(&as, chain, traits, r->traits_share);
-        if (r->traits_share > 0) exchange(fit, &best);
+    if (status == MUKCA_OK) correct(&as, chain, traits, r->traits_share);
+    if (status == MUKCA_OK && r->traits_share > 0) {
+        mukca_fit_free(fit);
+        *fit = *best;
+    } else if (best) {
+        mukca_fit_free(best);
     }
-    mukca_fit_free(&best);
+    free(with);
+    free(best);
     free(as.angles[0]);
     free(as.angles[1]);
     return status;

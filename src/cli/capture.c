@@ -253,6 +253,7 @@ static mukca_status prepare(session *s)
     cli_live_complete(&o->live, c);
     mukca_status status = check_usage(s);
     if (status == MUKCA_OK) status = cli_load_model(call, model);
+    if (status == MUKCA_OK) status = cli_check_traits(call, o->live.traits, &model->chain);
     if (status == MUKCA_OK)
         status = mukca_recorder_open(r, &o->live.recorder, &model->chain, model->offsets.theta,
                                      &hooks, &call->error);

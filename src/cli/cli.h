@@ -344,6 +344,9 @@ mukca_status cli_load_model(cli_call *call, cli_model *model);
  * its geometry. */
 void cli_suggest_inertials(cli_call *call, const mukca_chain *chain);
 
+/* Check that a traits table (NULL: none) is of the model.  Errors: as mukca_traits_read. */
+mukca_status cli_check_traits(cli_call *call, const char *path, const mukca_chain *chain);
+
 /* A comment line in an output if the table of --offsets was not accepted. */
 void cli_print_verdict(const cli_call *call, FILE *stream);
 
@@ -397,10 +400,9 @@ mukca_status cli_keep_inputs(cli_call *call, const char *path);
  * --json and -o, no input, writable. */
 mukca_status cli_check_output(cli_call *call, const char *option, const char *path);
 
-/* Write `root` (reference stolen) to --json, if given, or to `path`.  Errors: MUKCA_INPUT,
- * MUKCA_MEMORY (also if `root` is incomplete after a failed allocation). */
+/* Write `root` (reference stolen) to --json, if given.  Errors: MUKCA_INPUT, MUKCA_MEMORY (also if
+ * `root` is incomplete after a failed allocation). */
 mukca_status cli_write_json(cli_call *call, json_t *root);
-mukca_status cli_write_json_to(cli_call *call, const char *path, json_t *root);
 
 /* Monitor jansson's allocations, from before its first use; true if one has failed. */
 void cli_json_watch(void);

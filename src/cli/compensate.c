@@ -2,6 +2,7 @@
 #include "cli/compensate.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,14 +12,14 @@
 #include "io/rows.h"
 #include "io/table.h"
 
-static const compensate_options defaults = {.format = -1};
+static const cli_compensate_options defaults = {.format = -1};
 
 static const cli_option options[] = {
     CLI_OPTION(
-        compensate_options, poses, "poses", CLI_FLAG, NULL,
+        cli_compensate_options, poses, "poses", CLI_FLAG, NULL,
         "rows are poses (x_m y_m z_m, optionally qw qx qy qz or the rotation vector rx ry rz), not "
         "joint targets"),
-    CLI_CHOICE_OPTION(compensate_options, from, "from", "FORMAT", compensate_formats,
+    CLI_CHOICE_OPTION(cli_compensate_options, from, "from", "FORMAT", cli_compensate_formats,
                       "read the targets from tables (default) or from programs in this language"),
     {.name = "format",
      .letter = 'f',
@@ -26,11 +27,11 @@ static const cli_option options[] = {
      .argument = "FORMAT",
      .help = "write a table or lines of a program (default: as --from); a program in the language "
              "of --from keeps its other text",
-     .choices = compensate_formats,
-     .offset = offsetof(compensate_options, format)},
-    CLI_OPTION(compensate_options, position_only, "position-only", CLI_FLAG, NULL,
+     .choices = cli_compensate_formats,
+     .offset = offsetof(cli_compensate_options, format)},
+    CLI_OPTION(cli_compensate_options, position_only, "position-only", CLI_FLAG, NULL,
                "ignore the orientation (always with fewer than six joints)"),
-    CLI_OPTION(compensate_options, tolerance, "tolerance", CLI_POSITIVE, "M",
+    CLI_OPTION(cli_compensate_options, tolerance, "tolerance", CLI_POSITIVE, "M",
                "error at which a target counts as reached, m and rad (default: 1e-8)"),
     CLI_OFFSETS_OPTION,
     CLI_ACCEPT_OPTION,
@@ -43,25 +44,25 @@ static const cli_option options[] = {
     CLI_TALK_OPTIONS,
     CLI_END_OPTIONS};
 
-static mukca_status from_joints(compensate_job *b, const char *path)
+static mukca_status from_joints(cli_compensate_job *b, const char *path)
 {
     cli_call *call = b->call;
-    mukca_rows rows;
+    mukca_rows *rows = &b->rows;
     mukca_row row;
     mukca_rows_options header = {.kind = MUKCA_EITHER, .note = cli_note, .context = call};
     mukca_status status = cli_read_format(call, &header.format);
     if (status == MUKCA_OK)
-        status = mukca_rows_open(&rows, path, &b->arm->chain, &header, &call->error);
+        status = mukca_rows_open(rows, path, &b->arm.chain, &header, &call->error);
     if (status != MUKCA_OK) return status;
-    compensate_start(b, true);
-    compensate_print_header(b, rows.column.time >= 0);
-    while (!ferror(b->stream) && !cli_interrupted() && mukca_rows_next(&rows, &row)) {
-        const mukca_row_reading reading = mukca_row_read(&row, &rows);
+    cli_compensate_start(b, true);
+    cli_compensate_print_header(b, rows->column.time >= 0);
+    while (!ferror(b->stream) && !cli_interrupted() && mukca_rows_next(rows, &row)) {
+        const mukca_row_reading reading = mukca_row_read(&row, rows);
         mukca_compensation c = mukca_compensate_joints(row.q, &b->compensator, &reading);
-        if (!b->to && rows.column.time >= 0) fprintf(b->stream, "%.17g\t", row.time);
-        compensate_put(b, row.q, &c, path, rows.table.line);
+        if (!b->to && rows->column.time >= 0) fprintf(b->stream, "%.17g\t", row.time);
+        cli_compensate_put(b, row.q, &c, path, rows->table.line);
     }
-    status = mukca_rows_close(&rows);
+    status = mukca_rows_close(rows);
     return status == MUKCA_OK && cli_interrupted() ? MUKCA_INTERRUPTED : status;
 }
 
@@ -127,50 +128,56 @@ static bool read_pose(mukca_frame *target, pose_table *p)
     return table->status == MUKCA_OK;
 }
 
-static mukca_status from_poses(compensate_job *b, const char *path)
+static mukca_status from_poses(cli_compensate_job *b, const char *path)
 {
     pose_table poses = {0};
     mukca_frame target;
     double q[MUKCA_MAX_JOINTS] = {0};
     open_poses(&poses, path, b->call);
-    if (poses.table.status == MUKCA_OK) compensate_print_header(b, false);
-    compensate_start(b, poses.first != 0);
+    if (poses.table.status == MUKCA_OK) cli_compensate_print_header(b, false);
+    cli_compensate_start(b, poses.first != 0);
     while (!ferror(b->stream) && !cli_interrupted() && read_pose(&target, &poses)) {
         const mukca_row_reading reading = {
             .time = (double)NAN, .placement = -1, .number = poses.table.row};
         mukca_compensation c = mukca_compensate_pose(q, &b->compensator, &target, &reading);
-        compensate_put(b, q, &c, path, poses.table.line);
+        cli_compensate_put(b, q, &c, path, poses.table.line);
     }
     const mukca_status status = mukca_table_close(&poses.table);
     return status == MUKCA_OK && cli_interrupted() ? MUKCA_INTERRUPTED : status;
 }
 
-static void print_tally(cli_call *call, const compensate_tally *t, bool poses)
+/* Mean over the rows, m. */
+static double mean(const cli_compensate_tally *t, const cli_compensate_errors *errors)
+{
+    return t->rows ? errors->sum / (double)t->rows : 0;
+}
+
+static void print_tally(cli_call *call, const cli_compensate_tally *t, bool poses)
 {
     if (t->rows == 0) return;
     if (poses)
         cli_answer(call, "%ld row%s: error %.6f mm (mean), %.6f mm (max)\n", t->rows,
-                   t->rows == 1 ? "" : "s", 1e3 * t->after.mean, 1e3 * t->after.max);
+                   t->rows == 1 ? "" : "s", 1e3 * mean(t, &t->after), 1e3 * t->after.max);
     else
         cli_answer(call, "%ld row%s: error %.4f mm (mean), %.4f mm (max) -> %.4f mm, %.4f mm\n",
-                   t->rows, t->rows == 1 ? "" : "s", 1e3 * t->before.mean, 1e3 * t->before.max,
-                   1e3 * t->after.mean, 1e3 * t->after.max);
+                   t->rows, t->rows == 1 ? "" : "s", 1e3 * mean(t, &t->before), 1e3 * t->before.max,
+                   1e3 * mean(t, &t->after), 1e3 * t->after.max);
     for (int r = 1; r < MUKCA_REACH_COUNT; r++)
         if (t->count[r] > 0)
             cli_answer(call, "%ld row%s '%s': %s\n", t->count[r], t->count[r] == 1 ? "" : "s",
                        mukca_reach_text[r], mukca_reach_sentence[r]);
 }
 
-static json_t *as_json(const cli_call *call, const compensate_tally *t)
+static json_t *as_json(const cli_call *call, const cli_compensate_tally *t)
 {
     json_t *counts = json_object();
     for (int r = 0; r < MUKCA_REACH_COUNT; r++)
         json_object_set_new(counts, mukca_reach_text[r], json_integer((json_int_t)t->count[r]));
     return json_pack("{s:s, s:I, s:o, s:o, s:o, s:f}", "schema", "mukca.compensate/1", "rows",
                      (json_int_t)t->rows, "before",
-                     cli_json_numbers("mean_m", t->before.mean, "max_m", t->before.max), "after",
-                     cli_json_numbers("mean_m", t->after.mean, "max_m", t->after.max), "status",
-                     counts, "elapsed_s", cli_elapsed(call));
+                     cli_json_numbers("mean_m", mean(t, &t->before), "max_m", t->before.max),
+                     "after", cli_json_numbers("mean_m", mean(t, &t->after), "max_m", t->after.max),
+                     "status", counts, "elapsed_s", cli_elapsed(call));
 }
 
 /* Check that targets of the language have an axis for each joint. */
@@ -181,11 +188,11 @@ static mukca_status check_axes(cli_call *call, int format)
     if (n <= most) return MUKCA_OK;
     return mukca_fail(&call->error, MUKCA_INPUT,
                       "a target in %s has at most %d axes, and the chain has %d; check --tip",
-                      compensate_formats[format], most, n);
+                      cli_compensate_formats[format], most, n);
 }
 
 /* Close the text of a program and write it, if no line was refused. */
-static mukca_status finish_program(compensate_job *b, FILE *stream, char *const *text,
+static mukca_status finish_program(cli_compensate_job *b, FILE *stream, char *const *text,
                                    mukca_status status)
 {
     const bool whole = mukca_file_close(b->stream, text);
@@ -203,23 +210,22 @@ static mukca_status finish_program(compensate_job *b, FILE *stream, char *const 
 
 static mukca_status run(cli_call *call)
 {
-    const compensate_options *o = call->options;
+    const cli_compensate_options *o = call->options;
     const cli_common *c = call->common;
     const cli_model *model = &call->session->model;
-    mukca_corrected *arm = call->work;
+    cli_compensate_job *b = call->work;
     mukca_output output = {0};
     const int to = o->format < 0 ? o->from : o->format;
-    compensate_job b = {.call = call,
-                        .arm = arm,
-                        .from = o->from ? mukca_languages[o->from - 1] : NULL,
-                        .to = to ? mukca_languages[to - 1] : NULL};
+    b->call = call;
+    b->from = o->from ? mukca_languages[o->from - 1] : NULL;
+    b->to = to ? mukca_languages[to - 1] : NULL;
     mukca_status status = cli_check_outputs(call);
     if (status == MUKCA_OK) status = cli_load_model(call, &call->session->model);
     if (status != MUKCA_OK) return status;
-    arm->chain = model->chain;
-    arm->geometry = model->geometry;
-    arm->n_effects = model->offsets.n_effects;
-    memcpy(arm->effects, model->offsets.effects, sizeof arm->effects);
+    b->arm.chain = model->chain;
+    b->arm.geometry = model->geometry;
+    b->arm.n_effects = model->offsets.n_effects;
+    memcpy(b->arm.effects, model->offsets.effects, sizeof b->arm.effects);
     status = check_axes(call, o->from);
     if (status == MUKCA_OK) status = check_axes(call, to);
     if (status != MUKCA_OK) return status;
@@ -232,19 +238,19 @@ static mukca_status run(cli_call *call)
     char *text = NULL; /* a program is written when all of it is known to be right */
     size_t size;
     const bool whole = o->from || to;
-    b.stream = whole ? open_memstream(&text, &size) : output.stream;
-    if (status == MUKCA_OK && !b.stream)
+    b->stream = whole ? open_memstream(&text, &size) : output.stream;
+    if (status == MUKCA_OK && !b->stream)
         status = mukca_fail(&call->error, MUKCA_MEMORY, "not enough memory for the program");
     for (int i = 0; i < input.n && status == MUKCA_OK; i++)
-        status = b.from     ? compensate_program(&b, input.items[i])
-                 : o->poses ? from_poses(&b, input.items[i])
-                            : from_joints(&b, input.items[i]);
-    if (whole && b.stream) status = finish_program(&b, output.stream, &text, status);
+        status = b->from    ? cli_compensate_program(b, input.items[i])
+                 : o->poses ? from_poses(b, input.items[i])
+                            : from_joints(b, input.items[i]);
+    if (whole && b->stream) status = finish_program(b, output.stream, &text, status);
     status = mukca_output_finish(&output, status, &call->error);
     free(text);
     if (status != MUKCA_OK) return status;
-    print_tally(call, &b.tally, o->poses);
-    return c->json ? cli_write_json(call, as_json(call, &b.tally)) : MUKCA_OK;
+    print_tally(call, &b->tally, o->poses);
+    return c->json ? cli_write_json(call, as_json(call, &b->tally)) : MUKCA_OK;
 }
 
 #define FORMAT_LINE(name, description) "  " #name ": " description "\n"
@@ -273,8 +279,8 @@ const cli_command cli_command_compensate = {
         "echo 0.1,0.2,0.3,-1.5,0.2,1.1,0.4 | mukca compensate --urdf data/demo/arm.urdf --offsets "
         "build/demo/offsets.tsv",
     .options = options,
-    .options_size = sizeof(compensate_options),
+    .options_size = sizeof(cli_compensate_options),
     .defaults = &defaults,
     .run = run,
-    .work_size = sizeof(mukca_corrected),
+    .work_size = sizeof(cli_compensate_job),
 };

@@ -13,7 +13,7 @@
 #include "cli/diagnose.h"
 #include "diagnose/cause.h"
 #include "model/postures.h"
-#include "simulate/replicate.h"
+#include "simulate/simulate.h"
 
 enum { MOST_PROCESSES = 64, POLL_MS = 100 };
 

@@ -50,25 +50,25 @@ static mukca_status convert(cli_call *call, FILE *stream, const cli_model *model
                             bool first)
 {
     const fk_options *o = call->options;
-    mukca_rows rows;
+    mukca_rows *rows = call->work;
     mukca_row row;
     mukca_row_state states;
     mukca_rows_options header = {.kind = MUKCA_EITHER};
     mukca_status status = cli_read_format(call, &header.format);
     if (status == MUKCA_OK)
-        status = mukca_rows_open(&rows, path, &model->chain, &header, &call->error);
+        status = mukca_rows_open(rows, path, &model->chain, &header, &call->error);
     if (status != MUKCA_OK) return status;
     mukca_row_state_start(&states, model->chain.n_joints);
     if (first) cli_print_verdict(call, stream);
     if (first) fputs(o->pose ? "x_m\ty_m\tz_m\tqw\tqx\tqy\tqz\n" : "x_m\ty_m\tz_m\n", stream);
-    while (!ferror(stream) && !cli_interrupted() && mukca_rows_next(&rows, &row)) {
+    while (!ferror(stream) && !cli_interrupted() && mukca_rows_next(rows, &row)) {
         mukca_displacement displacement;
         mukca_frame T;
-        if (model->offsets.n_effects) displace(&displacement, &states, model, &rows, &row);
+        if (model->offsets.n_effects) displace(&displacement, &states, model, rows, &row);
         mukca_fk_pose(&T, &model->geometry, row.q, model->offsets.n_effects ? &displacement : NULL);
         print_row(stream, o->pose, &T);
     }
-    status = mukca_rows_close(&rows);
+    status = mukca_rows_close(rows);
     return status == MUKCA_OK && cli_interrupted() ? MUKCA_INTERRUPTED : status;
 }
 
@@ -99,4 +99,5 @@ const cli_command cli_command_fk = {
     .options = options,
     .options_size = sizeof(fk_options),
     .run = run,
+    .work_size = sizeof(mukca_rows),
 };

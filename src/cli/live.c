@@ -19,7 +19,7 @@ void cli_live_arguments(cli_live_words *words, const cli_common *c, const cli_li
         {"--gravity", tilted ? words->gravity : NULL},
         {"--distance", c->distance != CLI_USUAL_DISTANCE ? words->distance : NULL},
         {"--distances", c->distances},
-        {"--traits", live->recorder.traits}};
+        {"--traits", live->traits}};
     int n = 0;
     for (size_t i = 0; i < sizeof options / sizeof options[0]; i++)
         for (int k = 0; k < 2 && options[i][1]; k++) words->word[n++] = options[i][k];

@@ -11,7 +11,8 @@
 /* Member `live` of the options of both commands. */
 typedef struct {
     mukca_recorder_options recorder;
-    cli_list types; /* .lcm files */
+    cli_list types;     /* .lcm files */
+    const char *traits; /* for the commands that use the session */
 } cli_live;
 
 /* Rows of an option table: senders of the `network`, a member of the options struct `type`. */
@@ -58,10 +59,8 @@ typedef struct {
             "names of the placements in order, commas between (default: placement_1 and so on)"),  \
         CLI_OPTION(type, live.recorder.sockets, "sockets", CLI_TEXT, "LIST",                       \
                    "labels of the sockets, commas between (default: 0,1)"),                        \
-        CLI_OPTION(                                                                                \
-            type, live.recorder.traits, "traits", CLI_TEXT, "FILE",                                \
-            "traits of the model's fleet (mukca fleet -o): correct the angles for its mean "       \
-            "elasticity before samples are judged; they are recorded as read"),                    \
+        CLI_OPTION(type, live.traits, "traits", CLI_TEXT, "FILE",                                  \
+                   "traits of the model's fleet (mukca fleet -o), for calibrate and diagnose"),    \
         CLI_OPTION(type, live.recorder.prefix, "prefix", CLI_TEXT, "NAME",                         \
                    "prefix of mukca's own channels, as in NAME_TRIGGER (default: MUKCA)")
 

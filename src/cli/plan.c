@@ -3,35 +3,58 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cli/plan.h"
+#include "cli/simulate.h"
+#include "diagnose/next_poses.h"
+#include "io/output.h"
 
-static const cli_plan_options defaults = {
+typedef struct {
+    cli_common common;
+    cli_list separate, places;
+    bool settle;
+    int rows, seed;
+    double noise, tilt, clearance;
+} plan_options;
+
+typedef struct {
+    cli_call *call;
+    cli_model *model;          /* of the call's session */
+    const mukca_dataset *data; /* likewise */
+    int n_sockets;
+    mukca_plan_socket sockets[MUKCA_PLAN_MAX_SOCKETS];
+    mukca_place known[CLI_MAX_PLACES]; /* placements that causes may name */
+    cli_simulated causes;
+    mukca_diagnosis diagnosis;
+    mukca_plan_options options;
+    mukca_plan plan;
+    double payload;  /* kg, for the proposed postures; 0: none */
+    double unloaded; /* evidence from equally many postures without payload */
+} plan_work;
+
+static const plan_options defaults = {
     .rows = 20, .noise = 1e-4, .tilt = (double)NAN, .clearance = (double)NAN};
 
 static const cli_option options[] = {
-    CLI_RANGE_OPTION(cli_plan_options, rows, "rows", CLI_INTEGER, "N", 1, 1000,
+    CLI_RANGE_OPTION(plan_options, rows, "rows", CLI_INTEGER, "N", 1, 1000,
                      "postures to propose, all sockets together (default: 20)"),
-    CLI_OPTION(cli_plan_options, places, "place", CLI_TEXTS, "NAME=X,Y,Z[,ROLL,PITCH,YAW]",
+    CLI_OPTION(plan_options, places, "place", CLI_TEXTS, "NAME=X,Y,Z[,ROLL,PITCH,YAW]",
                "a placement of the tool: middle of the sockets, which lie on its x axis, m and "
                "rad; 1 cm is "
                "accurate enough"),
-    CLI_RANGE_OPTION(cli_plan_options, suggest, "suggest", CLI_INTEGER, "N", 1, CLI_PLAN_MAX_PLACES,
-                     "propose N placements of the tool instead, each with --rows N samples"),
-    CLI_OPTION(cli_plan_options, settle, "settle", CLI_FLAG, NULL,
+    CLI_OPTION(plan_options, settle, "settle", CLI_FLAG, NULL,
                "diagnose DATA and separate its first indistinguishable causes"),
     CLI_OPTION(
-        cli_plan_options, separate, "separate", CLI_TEXTS, "EFFECT",
+        plan_options, separate, "separate", CLI_TEXTS, "EFFECT",
         "causes to separate, as in simulate --effect: NAME[:WHERE][@VARIANT]=VALUE; two or more, "
         "with commas or repeated"),
-    CLI_RANGE_OPTION(cli_plan_options, noise, "noise", CLI_POSITIVE, "M", 0, 0.1,
+    CLI_RANGE_OPTION(plan_options, noise, "noise", CLI_POSITIVE, "M", 0, 0.1,
                      "measurement noise of the ball per axis, m (default: 1e-4)"),
     CLI_RANGE_OPTION(
-        cli_plan_options, tilt, "tilt", CLI_POSITIVE, "DEG", 0, 180,
+        plan_options, tilt, "tilt", CLI_POSITIVE, "DEG", 0, 180,
         "largest tilt of the tool from straight down (default: 60, or that of DATA; 180: any)"),
     CLI_OPTION(
-        cli_plan_options, clearance, "clearance", CLI_NUMBER, "M",
+        plan_options, clearance, "clearance", CLI_NUMBER, "M",
         "least height of the joints above the base, m (default: 0.05, or less if DATA show it)"),
-    CLI_OPTION(cli_plan_options, seed, "seed", CLI_INTEGER, "N",
+    CLI_OPTION(plan_options, seed, "seed", CLI_INTEGER, "N",
                "seed of the random candidates (default: 0)"),
     CLI_OFFSETS_OPTION,
     CLI_ACCEPT_OPTION,
@@ -52,25 +75,23 @@ static void progress(void *context, double share)
 
 static mukca_status check(cli_call *call)
 {
-    const cli_plan_options *o = call->options;
+    const plan_options *o = call->options;
     mukca_error *e = &call->error;
     if (o->settle && o->separate.n > 0)
         return mukca_fail(e, MUKCA_USAGE, "--settle and --separate exclude each other");
     if (o->settle && call->arguments.n == 0)
         return mukca_fail(e, MUKCA_USAGE,
                           "--settle needs the DATA of the indistinguishable causes");
-    if (call->arguments.n == 0 && o->places.n == 0 && o->suggest == 0)
-        return mukca_fail(
-            e, MUKCA_USAGE,
-            "where is the tool? give recorded DATA, --place NAME=X,Y,Z, or --suggest N for "
-            "proposals");
+    if (call->arguments.n == 0 && o->places.n == 0)
+        return mukca_fail(e, MUKCA_USAGE,
+                          "where is the tool? give recorded DATA, or --place NAME=X,Y,Z");
     return MUKCA_OK;
 }
 
 /* Sockets of the data, then two for each --place. */
-static mukca_status gather_sockets(cli_plan *r)
+static mukca_status gather_sockets(plan_work *r)
 {
-    const cli_plan_options *o = r->call->options;
+    const plan_options *o = r->call->options;
     mukca_error *error = &r->call->error;
     const double distance = r->call->common->distance;
     int n = 0, place = 0;
@@ -109,9 +130,9 @@ static mukca_status gather_sockets(cli_plan *r)
 }
 
 /* The causes of --separate, or the first tie of a diagnosis, into r->causes. */
-static mukca_status gather_causes(cli_plan *r)
+static mukca_status gather_causes(plan_work *r)
 {
-    const cli_plan_options *o = r->call->options;
+    const plan_options *o = r->call->options;
     cli_simulated *c = &r->causes;
     mukca_error *error = &r->call->error;
     mukca_status status = MUKCA_OK;
@@ -145,10 +166,9 @@ static mukca_status gather_causes(cli_plan *r)
     return MUKCA_OK;
 }
 
-static mukca_status plan(cli_plan *r)
+static mukca_status plan(plan_work *r)
 {
-    const cli_plan_options *o = r->call->options;
-    const double distance = r->call->common->distance;
+    const plan_options *o = r->call->options;
     const double *theta = r->model->offsets.theta;
     double fitted[MUKCA_MAX_THETA];
     r->options = (mukca_plan_options){.rows = o->rows,
@@ -178,11 +198,7 @@ static mukca_status plan(cli_plan *r)
                                   .theta = theta,
                                   .data = r->data->n_rows > 0 ? r->data : NULL,
                                   .sockets = r->sockets,
-                                  .n_sockets = r->n_sockets,
-                                  .distance = distance};
-    if (o->suggest > 0)
-        return mukca_plan_places(r->places, &r->n_places, o->suggest, &task, &r->options,
-                                 &r->call->error);
+                                  .n_sockets = r->n_sockets};
     status = mukca_plan_run(&r->plan, &task, &r->options, &r->call->error);
     r->unloaded = r->plan.evidence_after;
     if (status == MUKCA_OK && r->options.n_effects > 0)
@@ -190,16 +206,118 @@ static mukca_status plan(cli_plan *r)
     return status;
 }
 
+/* ---- output ---- */
+
+/* The postures as rows of a session file, to be recorded. */
+static mukca_status write_rows(plan_work *r)
+{
+    const cli_common *c = r->call->common;
+    const mukca_chain *chain = &r->model->chain;
+    mukca_output output = {0};
+    if (c->json && !c->output) return MUKCA_OK;
+    mukca_status status = cli_output_open(r->call, &output);
+    if (status != MUKCA_OK) return status;
+    FILE *out = output.stream;
+    fprintf(out,
+            "# postures proposed by mukca plan for %s, joints in rad; guide the arm there and\n"
+            "# record the angles with the ball seated in its socket\n",
+            chain->robot);
+    fputs("placement\tsocket", out);
+    for (int j = 0; j < chain->n_joints; j++)
+        fprintf(out, "\t%s", mukca_chain_joint_name(chain, j));
+    fputs(r->payload > 0 ? "\tpayload_kg\n" : "\n", out);
+    for (int i = 0; i < r->plan.n_rows; i++) {
+        const mukca_plan_row *row = &r->plan.rows[i];
+        fprintf(out, "%s\t%s", r->sockets[row->socket].placement, r->sockets[row->socket].label);
+        for (int j = 0; j < chain->n_joints; j++) fprintf(out, "\t%.6f", row->q[j]);
+        if (r->payload > 0) fprintf(out, "\t%g", r->payload);
+        fputc('\n', out);
+    }
+    return mukca_output_close(&output, &r->call->error);
+}
+
+static json_t *as_json(const plan_work *r)
+{
+    const mukca_chain *chain = &r->model->chain;
+    json_t *rows = json_array();
+    for (int i = 0; i < r->plan.n_rows; i++) {
+        const mukca_plan_row *row = &r->plan.rows[i];
+        json_t *joints = json_object();
+        for (int j = 0; j < chain->n_joints; j++)
+            json_object_set_new(joints, mukca_chain_joint_name(chain, j), json_real(row->q[j]));
+        json_array_append_new(
+            rows, json_pack("{s:s, s:s, s:o}", "placement", r->sockets[row->socket].placement,
+                            "socket", r->sockets[row->socket].label, "joints", joints));
+    }
+    const mukca_plan *p = &r->plan;
+    return json_pack("{s:s, s:i, s:o, s:o, s:o, s:i, s:f, s:f}", "schema", "mukca.plan/1",
+                     "recorded_rows", p->n_recorded, "poses", rows, "expected_error_m",
+                     cli_json_numbers("before", p->expected_before, "after", p->expected_after),
+                     "log_bayes_factor",
+                     cli_json_numbers("before", p->evidence_before, "after", p->evidence_after),
+                     "rows_to_name", p->rows_to_name, "payload_kg", r->payload, "elapsed_s",
+                     cli_elapsed(r->call));
+}
+
+static void name_cause(char name[96], const mukca_effect *effect, const mukca_chain *chain)
+{
+    snprintf(name, 96, "%s%s%s", mukca_effect_table[effect->kind]->name,
+             effect->joint < 0 ? "" : " of ",
+             effect->joint < 0 ? "" : mukca_chain_joint_name(chain, effect->joint));
+}
+
+static void print(plan_work *r)
+{
+    const plan_options *o = r->call->options;
+    const mukca_plan *p = &r->plan;
+    cli_answer(r->call, "%d postures in %d sockets; %d samples recorded\n", p->n_rows, r->n_sockets,
+               p->n_recorded);
+    if (r->causes.n_effects > 0) {
+        char a[96], b[96];
+        name_cause(a, &r->causes.effects[0], &r->model->chain);
+        name_cause(b, &r->causes.effects[1], &r->model->chain);
+        cli_answer_wrapped(r->call,
+                           "Separating %s from %s: expected log Bayes factor %.1f before, %.1f "
+                           "after (%g decides)",
+                           a, b, p->evidence_before, p->evidence_after, MUKCA_PLAN_NAME);
+        if (r->payload > 0)
+            cli_answer_wrapped(r->call,
+                               "These postures are for a payload of %g kg at the tip; as many "
+                               "without it reach %.1f",
+                               r->payload, r->unloaded);
+        if (p->evidence_after < MUKCA_PLAN_NAME && p->rows_to_name > 0)
+            cli_answer_wrapped(r->call,
+                               "Not enough: some --rows %d are needed, or another placement "
+                               "(--place)",
+                               p->rows_to_name);
+        else if (p->evidence_after < MUKCA_PLAN_NAME)
+            cli_answer_wrapped(r->call,
+                               "Not enough, and more samples here do not decide: try another "
+                               "placement (--place)");
+    } else {
+        cli_answer(r->call, "Expected error of the ball elsewhere: %.3f mm before, %.3f mm after\n",
+                   p->expected_before * 1e3, p->expected_after * 1e3);
+    }
+    if (p->n_rows < o->rows)
+        cli_answer_wrapped(r->call,
+                           "Fewer than the requested %d: the sockets allow no more different "
+                           "postures",
+                           o->rows);
+    cli_answer_keyed(r->call, "Next",
+                     "check each posture for collisions (only joint limits, tilt and height are "
+                     "checked here), guide the arm there, and record it with the ball seated");
+}
+
 static void release(void *work)
 {
-    cli_plan *r = work;
+    plan_work *r = work;
     mukca_plan_free(&r->plan);
     mukca_diagnosis_free(&r->diagnosis);
 }
 
 static mukca_status run(cli_call *call)
 {
-    cli_plan *r = call->work;
+    plan_work *r = call->work;
     r->call = call;
     r->model = &call->session->model;
     r->data = &call->session->data;
@@ -207,9 +325,9 @@ static mukca_status run(cli_call *call)
     if (status == MUKCA_OK) status = cli_load(call);
     if (status == MUKCA_OK) status = cli_condense(call);
     if (status == MUKCA_OK) status = plan(r);
-    if (status == MUKCA_OK) status = cli_plan_write(r);
-    if (status == MUKCA_OK && call->common->json) status = cli_write_json(call, cli_plan_json(r));
-    if (status == MUKCA_OK) cli_plan_print(r);
+    if (status == MUKCA_OK) status = write_rows(r);
+    if (status == MUKCA_OK && call->common->json) status = cli_write_json(call, as_json(r));
+    if (status == MUKCA_OK) print(r);
     return status;
 }
 
@@ -232,9 +350,9 @@ const cli_command cli_command_plan = {
         "mukca plan --urdf data/demo/arm.urdf --place front=0.45,0,0.05,0,0,1.57 --rows 40 -o "
         "build/demo/plan.tsv --force",
     .options = options,
-    .options_size = sizeof(cli_plan_options),
+    .options_size = sizeof(plan_options),
     .defaults = &defaults,
     .run = run,
-    .work_size = sizeof(cli_plan),
+    .work_size = sizeof(plan_work),
     .release = release,
 };

@@ -381,7 +381,7 @@ const cli_command cli_command_recalibrate = {
         "and "
         "corrected.",
     .example =
-        "mukca simulate --urdf data/gen3.urdf --recipe sweeps --perturb 1,2 --noise 1e-4 | "
+        "mukca simulate --urdf data/gen3.urdf --poses 1000 --perturb 1,2 --noise 1e-4 | "
         "mukca recalibrate --urdf data/gen3.urdf - --iterate",
     .options = options,
     .options_size = sizeof(recalibrate_options),

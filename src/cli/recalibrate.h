@@ -22,10 +22,4 @@ void cli_recalibrate_print(cli_call *call, const cli_recalibrated *r,
 json_t *cli_recalibrate_json(const cli_call *call, const cli_recalibrated *r,
                              const mukca_offsets *offsets, const mukca_chain *chain);
 
-/* Decrease from `before` to `after`, percent; 0 if `before` is 0. */
-double cli_removed_percent(double before, double after);
-
-/* True if joint j never moves in the log. */
-bool cli_never_moved(const mukca_recalibration *fit, int j);
-
 #endif

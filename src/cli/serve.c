@@ -67,6 +67,7 @@ static mukca_status run(cli_call *call)
     cli_live_arguments(&words, call->common, &o->live);
     memcpy(options.arguments, words.word, sizeof words.word);
     mukca_status status = cli_load_model(call, model);
+    if (status == MUKCA_OK) status = cli_check_traits(call, o->live.traits, &model->chain);
     if (status == MUKCA_OK)
         status = mukca_server_open(s, &options, &model->chain, model->offsets.theta, &hooks,
                                    &call->error);

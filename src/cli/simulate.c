@@ -3,22 +3,34 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/file.h"
 #include "io/dataset.h"
 #include "io/output.h"
 #include "mukca/version.h"
-#include "simulate/recipe.h"
 
-typedef cli_simulate_options own;
+typedef struct {
+    cli_common common;
+    const char *perturb, *test, *truth, *at;
+    cli_list effects, places;
+    int placements, rows, poses, held_out, seed;
+    double noise, rotation, correlation, payload;
+    bool sweep, effort, command, position_only;
+} own;
+
+/* One simulation: the true arm and its recording. */
+typedef struct {
+    cli_model model;     /* from the user */
+    mukca_offsets truth; /* the true arm */
+    mukca_true_arm arm;
+    cli_simulated hidden; /* effects and faults */
+    int n_places;         /* of the session; the held-out ones follow */
+    mukca_place places[CLI_MAX_PLACES];
+    mukca_simulate_options recording;
+} simulation;
 
 static const own defaults = {.rows = 30};
-
-static const char *const recipes[] = {"none",
-#define RECIPE_NAME(kind, name, rows, sentence) name,
-                                      MUKCA_RECIPE_LIST(RECIPE_NAME)
-#undef RECIPE_NAME
-                                          NULL};
 
 static const cli_option options[] = {
     CLI_OPTION(own, perturb, "perturb", CLI_TEXT, "MM,MRAD",
@@ -47,8 +59,8 @@ static const cli_option options[] = {
                      "mass at the tip beyond the model (default: none)"),
     CLI_RANGE_OPTION(own, poses, "poses", CLI_INTEGER, "N", 1, 10000000,
                      "a pose log of N samples instead of sockets"),
-    CLI_CHOICE_OPTION(own, recipe, "recipe", "NAME", recipes,
-                      "a pose log at the joint angles of a known experiment (default: none)"),
+    CLI_OPTION(own, at, "at", CLI_TEXT, "FILE",
+               "a pose log at the joint angles of this table, row by row"),
     CLI_OPTION(own, position_only, "position-only", CLI_FLAG, NULL,
                "pose log without orientations"),
     CLI_RANGE_OPTION(own, rotation, "rotation-noise", CLI_NUMBER, "RAD", 0, 1,
@@ -58,9 +70,6 @@ static const cli_option options[] = {
     CLI_OPTION(own, test, "test", CLI_TEXT, "FILE", "write the held-out data there"),
     CLI_OPTION(own, seed, "seed", CLI_INTEGER, "N", "seed of all random numbers (default: 0)"),
     CLI_OPTION(own, truth, "truth", CLI_TEXT, "FILE", "write the true arm as an offsets table"),
-    CLI_OPTION(
-        own, labels, "labels", CLI_TEXT, "FILE",
-        "write the true effects and faults as JSON; the recording's comments then omit them"),
     CLI_DISTANCE_OPTION,
     CLI_COMMON(offsets, 0, CLI_TEXT, "FILE", "the true arm, effects included, before --perturb"),
     CLI_MODEL_OPTIONS,
@@ -69,13 +78,157 @@ static const cli_option options[] = {
     CLI_TALK_OPTIONS,
     CLI_END_OPTIONS};
 
-/* Write the origin of the recording; with --labels without the hidden errors. */
-static void describe(FILE *stream, const cli_simulation *s, const cli_simulate_options *o)
+/* ---- true arm and recording from the options ---- */
+
+/* True for a pose log instead of sockets. */
+static bool is_log(const own *o)
+{
+    return o->poses || o->at;
+}
+
+static mukca_status check(const own *o, mukca_error *error)
+{
+    if ((o->held_out > 0) != (o->test != NULL))
+        return mukca_fail(error, MUKCA_USAGE, "--held-out N and --test FILE go together");
+    if (o->at && (o->poses || o->held_out || o->sweep))
+        return mukca_fail(error, MUKCA_USAGE,
+                          "--at sets the postures; omit --poses, --sweep and --held-out");
+    if (is_log(o) && (o->places.n || o->placements))
+        return mukca_fail(error, MUKCA_USAGE, "a pose log has no placements");
+    if (!is_log(o) && (o->position_only || o->rotation > 0))
+        return mukca_fail(error, MUKCA_USAGE,
+                          "--position-only and --rotation-noise are for pose logs (--poses, --at)");
+    if (o->common.distance > 1)
+        return mukca_fail(error, MUKCA_USAGE, "--distance %g looks like millimetres; give m",
+                          o->common.distance);
+    return MUKCA_OK;
+}
+
+/* All placements: those of the session, then the held-out ones. */
+static mukca_status name_places(simulation *s, const own *o, mukca_error *error)
+{
+    const int held_out = is_log(o) ? 0 : o->held_out;
+    const int n = is_log(o) ? 0 : o->placements ? o->placements : o->places.n ? o->places.n : 4;
+    if (n < o->places.n || n >= CLI_MAX_PLACES || held_out > CLI_MAX_PLACES - n)
+        return mukca_fail(error, MUKCA_USAGE,
+                          "--placements %d: must be at most %d with --held-out, and not below the "
+                          "number of --place",
+                          n, CLI_MAX_PLACES);
+    s->n_places = n;
+    for (int i = 0; i < n + held_out; i++) {
+        mukca_place *p = &s->places[i];
+        mukca_status status = MUKCA_OK;
+        if (i < o->places.n)
+            status = cli_read_place(p, o->places.items[i], error);
+        else
+            snprintf(p->name, sizeof p->name, i < n ? "p%d" : "held_out_%d",
+                     i < n ? i + 1 : i - n + 1);
+        for (int k = 0; k < i && status == MUKCA_OK; k++)
+            if (strcmp(s->places[k].name, p->name) == 0)
+                status =
+                    mukca_fail(error, MUKCA_USAGE, "two placements have the name '%s'", p->name);
+        if (status) return status;
+    }
+    return mukca_simulate_places(s->places, n + held_out, &s->model.chain, s->recording.distance,
+                                 s->recording.seed, error);
+}
+
+/* Gather the effects of --offsets, then those of --effect. */
+static mukca_status gather_effects(simulation *s, const own *o, mukca_error *error)
+{
+    cli_simulated *hidden = &s->hidden;
+    const mukca_offsets *given = &s->model.offsets;
+    hidden->chain = &s->model.chain;
+    hidden->places = s->places;
+    hidden->n_places = s->n_places;
+    hidden->rows = o->rows;
+    mukca_simulate_seed(&hidden->random, s->recording.seed, MUKCA_DRAW_EFFECTS);
+    for (int e = 0; e < given->n_effects; e++) {
+        mukca_effect effect = given->effects[e];
+        const char *name = effect.placement >= 0 ? given->placements[effect.placement] : NULL;
+        effect.placement = -1;
+        for (int p = 0; p < s->n_places && name; p++)
+            if (strcmp(s->places[p].name, name) == 0) effect.placement = p;
+        if (!name || effect.placement >= 0) hidden->effects[hidden->n_effects++] = effect;
+    }
+    for (int i = 0; i < o->effects.n; i++) {
+        mukca_status status = cli_simulated_parse(hidden, o->effects.items[i], error);
+        if (status) return status;
+    }
+    memcpy(s->arm.effects, hidden->effects, sizeof hidden->effects);
+    s->arm.n_effects = hidden->n_effects;
+    return MUKCA_OK;
+}
+
+/* The true arm as an offsets table, without recording faults. */
+static void set_truth(simulation *s)
+{
+    for (int p = 0; p < s->n_places; p++)
+        memcpy(s->truth.placements[p], s->places[p].name, MUKCA_NAME_SIZE);
+    s->truth.n_placements = s->n_places;
+    s->truth.n_effects = 0;
+    for (int e = 0; e < s->arm.n_effects; e++)
+        if (!mukca_effect_has((int)s->arm.effects[e].kind, MUKCA_TRAIT_RECORDING_FAULT))
+            s->truth.effects[s->truth.n_effects++] = s->arm.effects[e];
+}
+
+/* Fill a zeroed simulation from the options of the call. */
+static mukca_status prepare(cli_call *call, simulation *s)
+{
+    const own *o = call->options;
+    double perturb[2] = {0, 0};
+    mukca_status status = check(o, &call->error);
+    if (status == MUKCA_OK && o->perturb && cli_read_list(perturb, 2, o->perturb) != 2)
+        status = mukca_fail(&call->error, MUKCA_USAGE,
+                            "--perturb %.40s: must be MM,MRAD, two numbers", o->perturb);
+    const char *const files[] = {call->common->output, o->test, o->truth};
+    for (int i = 0; i < 3 && status == MUKCA_OK; i++) {
+        if (!files[i]) continue;
+        for (int k = 0; k < i && status == MUKCA_OK; k++)
+            if (mukca_output_same(files[i], files[k]))
+                status = mukca_fail(&call->error, MUKCA_USAGE, "two outputs cannot both go to %s",
+                                    files[i]);
+        if (status == MUKCA_OK) status = cli_keep_inputs(call, files[i]);
+        if (status == MUKCA_OK)
+            status = mukca_output_check(files[i], call->common->force, &call->error);
+    }
+    call->common->accept_failed = call->common->accept_edited = true; /* the true arm may be any */
+    if (status == MUKCA_OK) status = cli_load_model(call, &s->model);
+    if (status) return status;
+    s->recording = (mukca_simulate_options){.rows = o->rows,
+                                            .distance = call->common->distance,
+                                            .noise = o->noise,
+                                            .rotation = o->rotation,
+                                            .correlation = o->correlation,
+                                            .sweep = o->sweep,
+                                            .effort = o->effort,
+                                            .command = o->command,
+                                            .position_only = o->position_only,
+                                            .payload = o->payload,
+                                            .seed = (uint64_t)o->seed,
+                                            .interrupted = cli_interrupted};
+    if (s->recording.effort && !s->model.chain.n_masses)
+        return mukca_fail(&call->error, MUKCA_USAGE,
+                          "--effort needs link masses; give --inertials FILE");
+    s->truth = s->model.offsets;
+    mukca_simulate_perturb(s->truth.theta, o->perturb ? s->truth.listed : NULL, &s->model.chain,
+                           1e-3 * perturb[0], 1e-3 * perturb[1], s->recording.seed);
+    for (int i = 0; i < MUKCA_MAX_THETA; i++) s->truth.identifiable[i] = s->truth.listed[i];
+    mukca_simulate_arm(&s->arm, &s->model.chain, s->truth.theta);
+    status = name_places(s, o, &call->error);
+    if (status == MUKCA_OK) status = gather_effects(s, o, &call->error);
+    if (status == MUKCA_OK) set_truth(s);
+    return status;
+}
+
+/* ---- recording ---- */
+
+/* Write the origin of the recording. */
+static void describe(FILE *stream, const simulation *s, const own *o)
 {
     fprintf(stream, "mukca %s\nrobot: %s\nstream: raw\nbase: %s\ntip: %s\n",
             s->n_places ? "session" : "pose log", s->model.chain.robot, s->model.chain.base,
             s->model.chain.tip);
-    if (o->labels) return;
     fprintf(stream, "simulated by mukca " MUKCA_VERSION ": --seed %d", o->seed);
     if (o->perturb) fprintf(stream, " --perturb %s", o->perturb);
     for (int i = 0; i < o->effects.n; i++) fprintf(stream, " --effect %s", o->effects.items[i]);
@@ -86,7 +239,7 @@ static void describe(FILE *stream, const cli_simulation *s, const cli_simulate_o
 
 /* Write one recording. */
 static mukca_status write_data(cli_call *call, const char *path, const mukca_dataset *data,
-                               const cli_simulation *s)
+                               const simulation *s)
 {
     mukca_output output = {0};
     char *comments = NULL;
@@ -105,29 +258,48 @@ static mukca_status write_data(cli_call *call, const char *path, const mukca_dat
     return mukca_output_finish(&output, status, &call->error);
 }
 
-/* Record a pose log at the angles of the recipe. */
-static mukca_status record_recipe(cli_call *call, mukca_dataset *data, const cli_simulation *s)
+/* Record a pose log at the angles of the table --at. */
+static mukca_status record_at(cli_call *call, mukca_dataset *data, const simulation *s)
 {
-    const mukca_recipe_kind kind =
-        (mukca_recipe_kind)(((const cli_simulate_options *)call->options)->recipe - 1);
-    const int rows = mukca_recipe_table[kind].rows;
-    double *q = calloc((size_t)rows * (size_t)s->model.chain.n_joints, sizeof *q);
-    mukca_status status = q ? mukca_recipe_rows(q, kind, &s->model.chain, &call->error)
-                            : mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    const own *o = call->options;
+    const size_t n = (size_t)s->model.chain.n_joints;
+    const mukca_rows_options header = {.kind = MUKCA_EITHER};
+    mukca_rows *rows = malloc(sizeof *rows);
+    double *q = NULL;
+    size_t count = 0, room = 0;
+    mukca_status status = rows
+                              ? mukca_rows_open(rows, o->at, &s->model.chain, &header, &call->error)
+                              : mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    mukca_row row;
+    if (status == MUKCA_OK) {
+        while (status == MUKCA_OK && mukca_rows_next(rows, &row)) {
+            if (count == room) {
+                room = 2 * room + 1024;
+                double *larger = realloc(q, room * n * sizeof *q);
+                if (larger)
+                    q = larger;
+                else
+                    status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+            }
+            if (status == MUKCA_OK) memcpy(q + count++ * n, row.q, n * sizeof *q);
+        }
+        const mukca_status read = mukca_rows_close(rows);
+        if (status == MUKCA_OK) status = read;
+    }
     if (status == MUKCA_OK)
-        status = mukca_simulate_poses(data, &s->arm, q, rows, &s->recording, &call->error);
+        status = mukca_simulate_poses(data, &s->arm, q, (int)count, &s->recording, &call->error);
+    free(rows);
     free(q);
     return status;
 }
 
 /* Record the session or, with `held_out`, the held-out data. */
-static mukca_status record(cli_call *call, mukca_dataset *data, const cli_simulation *s,
-                           bool held_out)
+static mukca_status record(cli_call *call, mukca_dataset *data, const simulation *s, bool held_out)
 {
-    const cli_simulate_options *o = call->options;
+    const own *o = call->options;
     mukca_simulate_options recording = s->recording;
     if (held_out) recording.seed ^= 0x686f6c646f757421u; /* different postures and noise */
-    if (o->recipe) return record_recipe(call, data, s);
+    if (o->at) return record_at(call, data, s);
     if (o->poses)
         return mukca_simulate_poses(data, &s->arm, NULL, held_out ? o->held_out : o->poses,
                                     &recording, &call->error);
@@ -149,10 +321,10 @@ static mukca_status record(cli_call *call, mukca_dataset *data, const cli_simula
 
 static mukca_status run(cli_call *call)
 {
-    const cli_simulate_options *o = call->options;
-    cli_simulation *s = call->work;
+    const own *o = call->options;
+    simulation *s = call->work;
     mukca_dataset *data = &call->session->data, *test = &call->session->test;
-    mukca_status status = cli_simulation_prepare(call, s);
+    mukca_status status = prepare(call, s);
     s->truth.acceptance.given = s->truth.acceptance.accepted = s->truth.acceptance.converged = true;
     if (status == MUKCA_OK) status = record(call, data, s, false);
     if (status == MUKCA_OK && o->test) status = record(call, test, s, true);
@@ -162,7 +334,6 @@ static mukca_status run(cli_call *call)
     if (status == MUKCA_OK)
         status = cli_write_offsets(call, o->truth, &s->truth, &s->model.chain, NULL,
                                    "the true arm of a simulation");
-    if (status == MUKCA_OK && o->labels) status = cli_write_labels(call, s, data);
     return status;
 }
 
@@ -174,7 +345,7 @@ const cli_command cli_command_simulate = {
     .description =
         "Simulates the arm of --urdf with other origins (--perturb, or --offsets as the truth), "
         "effects of the catalogue, recording faults and noise. Its ball sits in two sockets at "
-        "several placements, or (--poses, --recipe) a tracker or a controller measures the poses "
+        "several placements, or (--poses, --at) a tracker or a controller measures the poses "
         "of its tip. The same seed gives the same bytes.\n\n"
         "An EFFECT is NAME[:WHERE][@VARIANT]=VALUE in the unit of `mukca help effects`:\n"
         "  joint_compliance:JOINT=1e-5         link_bending, joint_scale ... alike\n"
@@ -193,8 +364,8 @@ const cli_command cli_command_simulate = {
         "mukca simulate --urdf data/demo/arm.urdf --placements 2 --rows 5 --seed 1 "
         "--perturb 1,2 --noise 1e-4 --effect gear_harmonic:joint_4@160=5e-4",
     .options = options,
-    .options_size = sizeof(cli_simulate_options),
+    .options_size = sizeof(own),
     .defaults = &defaults,
     .run = run,
-    .work_size = sizeof(cli_simulation),
+    .work_size = sizeof(simulation),
 };

@@ -3,38 +3,38 @@
 #define MUKCA_CLI_SIMULATE_H
 
 #include "cli/cli.h"
-#include "cli/simulate_spec.h"
+#include "simulate/simulate.h"
+
+/* Syntax of `mukca simulate --effect`: effects of the catalogue and recording faults.
+ *
+ *     NAME[:WHERE][@VARIANT][=VALUE[,VALUE...]][,NAME...]
+ *
+ * WHERE is a joint, PLACEMENT, JOINT/PLACEMENT or PLACEMENT/SOCKET, depending on the effect; VALUE
+ * is in the catalogue's SI unit.  For an effect with several coefficients, a single VALUE is their
+ * magnitude, and the seed determines phase or direction. */
+
+enum { CLI_MAX_SIMULATED_FAULTS = 64 };
+
+/* Names that a specification may refer to, and its results. */
+typedef struct {
+    const mukca_chain *chain;
+    const mukca_place *places;
+    int n_places, rows; /* per socket */
+    mukca_random random;
+    int n_effects, n_faults;
+    mukca_effect effects[MUKCA_MAX_EFFECTS];
+    mukca_simulated_fault faults[CLI_MAX_SIMULATED_FAULTS];
+} cli_simulated;
+
+/* Parse `text` and append its effects and faults.  Errors: MUKCA_USAGE. */
+mukca_status cli_simulated_parse(cli_simulated *simulated, const char *text, mukca_error *error);
 
 enum { CLI_MAX_PLACES = MUKCA_MAX_PLACEMENTS };
 
-typedef struct {
-    cli_common common;
-    const char *perturb, *test, *truth, *labels;
-    cli_list effects, places;
-    int placements, rows, poses, held_out, seed, recipe; /* recipe: 0 none, else kind + 1 */
-    double noise, rotation, correlation, payload;
-    bool sweep, effort, command, position_only;
-} cli_simulate_options;
-
-/* One simulation: the true arm and its recording. */
-typedef struct {
-    cli_model model;     /* from the user */
-    mukca_offsets truth; /* the true arm */
-    mukca_true_arm arm;
-    cli_simulated hidden; /* effects and faults */
-    int n_places;         /* of the session; the held-out ones follow */
-    mukca_place places[CLI_MAX_PLACES];
-    mukca_simulate_options recording;
-} cli_simulation;
-
-/* Fill a zeroed simulation from the options of the call.  Errors: MUKCA_USAGE, MUKCA_INPUT. */
-mukca_status cli_simulation_prepare(cli_call *call, cli_simulation *simulation);
+/* Read comma-separated numbers.  Returns how many, -1: an invalid one, or more than `most`. */
+int cli_read_list(double *values, int most, const char *text);
 
 /* One --place NAME[=X,Y,Z[,ROLL,PITCH,YAW]], of simulate and plan.  Errors: MUKCA_USAGE. */
 mukca_status cli_read_place(mukca_place *place, const char *text, mukca_error *error);
-
-/* Write --labels: the hidden truth of the recording. */
-mukca_status cli_write_labels(cli_call *call, const cli_simulation *simulation,
-                              const mukca_dataset *data);
 
 #endif

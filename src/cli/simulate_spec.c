@@ -1,5 +1,5 @@
 /* Parser of `mukca simulate --effect`, driven by the table of effects. */
-#include "cli/simulate_spec.h"
+#include "cli/simulate.h"
 
 #include <math.h>
 #include <string.h>
@@ -246,4 +246,39 @@ mukca_status cli_simulated_parse(cli_simulated *s, const char *text, mukca_error
                              : cli_fail_effect(error, "--effect", p.name);
     } while (status == MUKCA_OK && *text);
     return status;
+}
+
+/* ---- lists of numbers, placements ---- */
+
+int cli_read_list(double *values, int most, const char *text)
+{
+    char number[64];
+    int n = 0;
+    for (;; text++) {
+        const size_t length = strcspn(text, ",");
+        if (n == most || length >= sizeof number) return -1;
+        memcpy(number, text, length);
+        number[length] = '\0';
+        if (!mukca_number_parse(&values[n++], number)) return -1;
+        text += length;
+        if (!*text) return n;
+    }
+}
+
+mukca_status cli_read_place(mukca_place *place, const char *text, mukca_error *error)
+{
+    double v[6] = {0};
+    const size_t length = strcspn(text, "=");
+    if (length == 0 || length >= sizeof place->name || strcspn(text, "\t,#/ ") < length)
+        return mukca_fail(error, MUKCA_USAGE, "--place %.80s: begins with no usable name", text);
+    memcpy(place->name, text, length);
+    if (!text[length]) return MUKCA_OK;
+    const int n = cli_read_list(v, 6, text + length + 1);
+    if (n != 3 && n != 6)
+        return mukca_fail(error, MUKCA_USAGE,
+                          "--place %.80s: needs NAME=X,Y,Z or NAME=X,Y,Z,ROLL,PITCH,YAW", text);
+    memcpy(place->pose.p, v, sizeof place->pose.p);
+    mukca_rotation_from_rpy(place->pose.R, v + 3);
+    place->placed = true;
+    return MUKCA_OK;
 }

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "base/text.h"
+#include "io/summary.h"
 #include "report/wording.h"
 
 /* Name of the folder that contains `path`. */
@@ -38,6 +39,12 @@ mukca_status cli_arm_label(cli_call *call, char label[MUKCA_NAME_SIZE], const ch
                               "the data do not lie in one folder that could name the arm; give "
                               "--arm NAME");
     return MUKCA_OK;
+}
+
+mukca_status cli_check_traits(cli_call *call, const char *path, const mukca_chain *chain)
+{
+    mukca_traits traits;
+    return path ? mukca_traits_read(&traits, path, chain, &call->error) : MUKCA_OK;
 }
 
 /* ---- screen ---- */

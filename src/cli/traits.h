@@ -3,7 +3,7 @@
 #define MUKCA_CLI_TRAITS_H
 
 #include "cli/cli.h"
-#include "fleet/adopt.h"
+#include "fleet/fleet.h"
 
 /* --traits FILE. */
 #define CLI_TRAITS_OPTION(type, member)                  \

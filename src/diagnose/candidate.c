@@ -74,11 +74,6 @@ bool mukca_candidate_moves_arm(const mukca_candidate *h)
            h->kind != MUKCA_CANDIDATE_UNLISTED_FRAME;
 }
 
-bool mukca_candidate_turns_joint(const mukca_candidate *h)
-{
-    return mukca_candidate_moves_arm(h) && mukca_candidate_site(h) == MUKCA_SITE_ANGLE;
-}
-
 int mukca_candidate_own_terms(const mukca_candidate *h)
 {
     return h->kind == MUKCA_CANDIDATE_EFFECT ? mukca_effect_terms(&h->effect) : h->terms;

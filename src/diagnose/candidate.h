@@ -97,9 +97,6 @@ bool mukca_candidate_is_unlisted(const mukca_candidate *candidate);
 /* Does it displace the arm's joints or tip?  Faults, distances and stretched links do not. */
 bool mukca_candidate_moves_arm(const mukca_candidate *candidate);
 
-/* Does it displace the angle of one joint? */
-bool mukca_candidate_turns_joint(const mukca_candidate *candidate);
-
 /* Is it fitted with one factor per mass: first a term of all masses, then one term for each? */
 bool mukca_candidate_by_mass(const mukca_candidate *candidate);
 

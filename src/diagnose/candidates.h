@@ -3,7 +3,7 @@
 #define MUKCA_DIAGNOSE_CANDIDATES_H
 
 #include "diagnose/unknowns.h"
-#include "effect/survey.h"
+#include "effect/catalogue.h"
 
 typedef struct {
     mukca_candidate *list;

@@ -33,21 +33,6 @@ static void add_direction(mukca_displacement *displacement, const mukca_effect *
         displacement->q[i] += effect->coefficient[0] * direction[i];
 }
 
-void mukca_effect_apply(mukca_displacement *displacement, const mukca_effect *effect,
-                        const mukca_chain *chain, const mukca_joint_state *state)
-{
-    double basis[MUKCA_MAX_TERMS][3];
-    if (mukca_effect_catalogue[effect->kind]->direction) {
-        add_direction(displacement, effect, chain, state);
-        return;
-    }
-    const double *axis =
-        effect->joint < 0 ? NULL : chain->element[chain->joint_element[effect->joint]].axis;
-    mukca_effect_basis(basis, effect, axis, state);
-    add_basis(displacement, mukca_effect_table[effect->kind]->site, effect,
-              (const double(*)[3])basis);
-}
-
 /* Derivatives of one effect by the joint angles, from its basis. */
 static inline void add_slopes(mukca_effect_slopes *slopes, const mukca_effect_ops *ops,
                               int n_joints, const mukca_basis_input *in, const double basis[][3])

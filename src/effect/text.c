@@ -65,8 +65,6 @@ int mukca_effect_term_parse(mukca_effect *effect, const char *text, int n_joints
     char word[MUKCA_EFFECT_TEXT];
     effect->placement = -1;
     effect->variant = (mukca_effect_variant){0};
-    const int old = ops->read_old_term ? ops->read_old_term(effect, text) : -1;
-    if (old >= 0) return old;
     const bool placed = mukca_effect_has((int)effect->kind, MUKCA_TRAIT_PER_PLACEMENT);
     if (placed) {
         text = take_word(word, text, "placement");

@@ -64,42 +64,22 @@ static const char *const *term_names(const mukca_effect_variant *variant)
     return variant->frame == MUKCA_WOBBLE_CONE ? cone : waves;
 }
 
-static bool is_variant(const mukca_effect_variant *wanted)
-{
-    for (int i = 0; i < VARIANTS; i++)
-        if (variants[i].frame == wanted->frame && variants[i].order == wanted->order) return true;
-    return false;
-}
-
-/* Variant numbers of older versions: the order; 10 + order in the turning frame; 100 + order of a
- * cone. */
-static bool from_number(mukca_effect_variant *variant, int number)
-{
-    variant->frame = number > 50   ? MUKCA_WOBBLE_CONE
-                     : number > 10 ? MUKCA_WOBBLE_TURNING
-                                   : MUKCA_WOBBLE_FIXED;
-    variant->order = number - (number > 50 ? 100 : number > 10 ? 10 : 0);
-    return is_variant(variant);
-}
-
-static bool read_wobble(mukca_effect_variant *variant, const char *text)
-{
-    int number;
-    if (mukca_effect_read_integer(&number, text, 1, 110)) return from_number(variant, number);
-    for (int f = 0; f < 3; f++) {
-        const size_t length = strlen(frame_name[f]);
-        if (strncmp(text, frame_name[f], length) != 0) continue;
-        text += length + (text[length] == '+');
-        variant->frame = (mukca_wobble_frame)f;
-        return mukca_effect_read_integer(&variant->order, text, -2, 3) && is_variant(variant);
-    }
-    return false;
-}
-
 static void write_wobble(char *text, size_t size, const mukca_effect_variant *variant)
 {
     mukca_print(text, size, variant->frame == MUKCA_WOBBLE_CONE ? "%s%+d" : "%s%d",
                 frame_name[variant->frame], variant->order);
+}
+
+static bool read_wobble(mukca_effect_variant *variant, const char *text)
+{
+    char name[MUKCA_EFFECT_TEXT];
+    for (int i = 0; i < VARIANTS; i++) {
+        write_wobble(name, sizeof name, &variants[i]);
+        if (strcmp(text, name) != 0) continue;
+        *variant = variants[i];
+        return true;
+    }
+    return false;
 }
 
 static bool complete_wobble(mukca_effect *effect, int n_joints)
@@ -116,26 +96,6 @@ static const mukca_variant_ops motion = {
     .write = write_wobble,
     .complete = complete_wobble,
 };
-
-/* Older form: "variant=12 term=2". */
-static int read_old_term(mukca_effect *effect, const char *text)
-{
-    char word[8];
-    int number, term;
-    const char *second = strchr(text, ' ');
-    if (strncmp(text, "variant=", 8) != 0 || !second || strncmp(second, " term=", 6) != 0)
-        return -1;
-    const size_t length = (size_t)(second - text) - 8;
-    if (length >= sizeof word) return -1;
-    memcpy(word, text + 8, length);
-    word[length] = '\0';
-    if (!mukca_effect_read_integer(&number, word, 1, 110) ||
-        !mukca_effect_read_integer(&term, second + 6, 0, 3) ||
-        !from_number(&effect->variant, number))
-        return -1;
-    effect->terms = effect->variant.frame == MUKCA_WOBBLE_CONE ? 2 : 4;
-    return term < effect->terms ? term : -1;
-}
 
 static bool wobble_candidate(mukca_effect *effect, const mukca_effect_survey *survey, int i)
 {
@@ -158,6 +118,5 @@ const mukca_effect_ops mukca_axis_wobble_effect = {
     .by_angle = wobble_by_angle,
     .variant = &motion,
     .variant_terms = term_names,
-    .read_old_term = read_old_term,
     .candidate = wobble_candidate,
 };

@@ -43,15 +43,13 @@ static mukca_status fit_marked(int *n, int *n_test, const run *r, mukca_error *e
 static void add(mukca_cross_training *result, int *count, double mae)
 {
     result->mean = ++*count > 1 ? result->mean + (mae - result->mean) / *count : mae;
-    result->low = fmin(result->low, mae); /* NaN at first */
-    result->high = fmax(result->high, mae);
 }
 
 /* Train on placements a and b (which may be the same), or on `all`. */
 static mukca_status train_on(run *r, int a, int b, bool all, mukca_error *error)
 {
     const int n = r->data->n_placements;
-    mukca_cross_training result = {.scores = r->scores, .mean = NAN, .low = NAN, .high = NAN};
+    mukca_cross_training result = {.scores = r->scores, .mean = NAN};
     int count = 0, n_test;
     memset(r->train, all, (size_t)n);
     r->train[a] = r->train[b] = 1;

@@ -10,7 +10,7 @@ typedef struct {
     int placements;                 /* number of these placements */
     int n;
     const mukca_score *scores; /* [n] all placements with samples */
-    double mean, low, high;    /* MAE over the other placements and the test data, m; NaN: none */
+    double mean;               /* MAE over the other placements and the test data, m; NaN: none */
 } mukca_cross_training;
 
 /* Called after each fit; `share`: completed part of all fits.  Return false to interrupt. */

@@ -1,8 +1,7 @@
 /* Gaussian prior of the geometry and its posterior given samples.
  *
- * Information form: L L' = J'J / noise^2 + diag(1 / sigma^2).  Planning maintains the inverse, a
- * covariance with single samples added and removed (plan/state.c), from the same prior.  The
- * diagnosis chooses its priors by the evidence (diagnose/evidence.c).
+ * Information form: L L' = J'J / noise^2 + diag(1 / sigma^2), for the advice while recording and
+ * for planning.  The diagnosis chooses its priors by the evidence (diagnose/evidence.c).
  */
 #ifndef MUKCA_FIT_POSTERIOR_H
 #define MUKCA_FIT_POSTERIOR_H

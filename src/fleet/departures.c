@@ -76,8 +76,11 @@ static void estimate(mukca_departure *d, const comparison *c, int k, double s2)
     d->ratio = d->mean > 0 ? d->value / d->mean : (double)INFINITY;
 }
 
-bool mukca_departures_find(mukca_departure *departure, mukca_departure *estimates, mukca_pool *pool,
-                           const mukca_population *all, const mukca_fleet *f)
+/* departure[n_arms]: the most deviant coefficient of each arm, by the posterior predictive of all
+ * others; estimates[n_arms][all->n]: each arm's own coefficients with its sisters as prior.  False:
+ * no memory. */
+static bool find_departures(mukca_departure *departure, mukca_departure *estimates,
+                            mukca_pool *pool, const mukca_population *all, const mukca_fleet *f)
 {
     const int n = all->n;
     mukca_population *sisters = MUKCA_TAKE(pool, mukca_population, 1);
@@ -159,7 +162,7 @@ mukca_status mukca_fleet_pool(mukca_fleet_result *r, mukca_fleet *f, mukca_error
             r->estimate = MUKCA_TAKE(&r->pool, mukca_departure, arms * (n + 1));
         }
         ok = ok && !r->pool.failed &&
-             mukca_departures_find(r->departure, r->estimate, &r->pool, &r->population, f);
+             find_departures(r->departure, r->estimate, &r->pool, &r->population, f);
         any = false; /* a broken arm has no information on its sisters: pool again without it */
         for (int a = 0; a < f->n_arms && ok && round == 0; a++)
             any |= f->arm[a].departs = r->departure[a].probability >= MUKCA_DEPARTS;

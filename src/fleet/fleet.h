@@ -2,7 +2,97 @@
 #ifndef MUKCA_FLEET_FLEET_H
 #define MUKCA_FLEET_FLEET_H
 
-#include "fleet/summary.h"
+#include <stdint.h>
+
+#include "diagnose/diagnose.h"
+#include "diagnose/regression.h"
+#include "diagnose/ripple.h"
+
+/* ---- summary of a recording ----
+ *
+ * Its information on the coefficients shared by arms of one model, with the geometry of this arm
+ * marginalised.  The coefficients are all elastic ones of the chain. */
+
+enum {
+    /* Compliance of each joint, link bending before each but the first, and the compliance of the
+     * base, which precedes the first. */
+    MUKCA_FLEET_TERMS = 2 * MUKCA_MAX_JOINTS,
+    MUKCA_FLEET_ORDERS = MUKCA_RIPPLE_ORDERS - 1, /* 2 .. 400 */
+    MUKCA_FLEET_PACKED = MUKCA_FLEET_TERMS * (MUKCA_FLEET_TERMS + 1) / 2
+};
+
+/* Half-width of a 95 % interval in sigmas: the 0.975 quantile of the normal distribution. */
+#define MUKCA_FLEET_INTERVAL 1.959963984540054
+
+/* Unit of the log Bayes factors of orders, which makes sums exact in any order; clipped at
+ * +-2047. */
+#define MUKCA_FLEET_QUANTUM (1.0 / 16)
+
+/* Prior of a coefficient, rad/(N m). */
+typedef struct {
+    double mean, sigma;
+} mukca_fleet_prior;
+
+/* Number of coefficients, and the i-th (without value). */
+int mukca_fleet_terms(int n_joints);
+mukca_effect mukca_fleet_term(int i, int n_joints);
+
+/* Remove from the regression all elastic causes, unknown functions, which would absorb elasticity,
+ * and the gear harmonics of a joint (-1: none). */
+void mukca_fleet_strip(mukca_regression *m, int joint);
+
+/* Append the elastic coefficients to the causes, with prior[terms], each with one coefficient for
+ * all masses.  A coefficient without influence on this recording is omitted.  Fit afterwards.
+ * False: no space. */
+bool mukca_fleet_add(mukca_regression *m, const mukca_fleet_prior *prior);
+
+/* Index of a gear harmonic among the causes; added if absent, with a prior size chosen by evidence;
+ * -1: no space. */
+int mukca_fleet_add_harmonic(mukca_regression *m, int joint, int order);
+
+/* Properties common to arms of one model.  The tool is excluded: all elements after the last joint,
+ * and the tip. */
+typedef struct {
+    char robot[MUKCA_NAME_SIZE], base[MUKCA_NAME_SIZE], tip[MUKCA_NAME_SIZE];
+    int n_joints;
+    char joint[MUKCA_MAX_JOINTS][MUKCA_NAME_SIZE];
+    uint64_t geometry; /* hash of the nominal origins and axes, to a micrometre and a microradian */
+    uint64_t masses;   /* hash of the link masses and their positions, to a gram and a micrometre */
+} mukca_fleet_model;
+
+typedef struct {
+    const char *path; /* its file, for messages; NULL: not from a file */
+    mukca_fleet_model model;
+    char arm[MUKCA_NAME_SIZE];
+    uint64_t data; /* hash of the recording */
+    int samples;
+    double sigma_m; /* noise */
+    /* Of the coefficients: information, lower triangle by rows, (N m/rad)^2; information times
+     * estimate. */
+    double information[MUKCA_FLEET_PACKED], vector[MUKCA_FLEET_TERMS];
+    int16_t ripple[MUKCA_MAX_JOINTS][MUKCA_FLEET_ORDERS]; /* log Bayes factors, in quanta */
+} mukca_summary;
+
+static inline int mukca_fleet_packed(int n_terms)
+{
+    return n_terms * (n_terms + 1) / 2;
+}
+
+/* Properties of an arm that must agree within a fleet. */
+void mukca_fleet_model_of(mukca_fleet_model *model, const mukca_chain *chain);
+
+/* Reason why summaries of the two models cannot be pooled; NULL: they can. */
+const char *mukca_fleet_model_differs(const mukca_fleet_model *a, const mukca_fleet_model *b);
+
+/* Summary of a recording from the regression of its diagnosis.  The regression keeps recording
+ * faults and causes that are not elastic, and gets the elastic coefficients.  The caller sets arm
+ * and data.  Errors: MUKCA_MEMORY, MUKCA_UNIDENTIFIABLE (no fit). */
+mukca_status mukca_summary_take(mukca_summary *summary, mukca_regression *m, mukca_error *error);
+
+/* Hash of a recording: its angles, sockets and measured positions. */
+uint64_t mukca_summary_hash(const mukca_dataset *data);
+
+/* ---- the fleet ---- */
 
 /* Sum of the sessions of one arm. */
 typedef struct {
@@ -100,12 +190,6 @@ typedef struct {
     double probability;      /* corrected for the numbers of arms and coefficients */
 } mukca_departure;
 
-/* departure[n_arms]: the most deviant coefficient of each arm, by the posterior predictive of all
- * others; estimate[n_arms][population->n]: each arm's own coefficients with its sisters as prior.
- * Scratch memory comes from `pool`.  False: no memory. */
-bool mukca_departures_find(mukca_departure *departure, mukca_departure *estimate, mukca_pool *pool,
-                           const mukca_population *population, const mukca_fleet *fleet);
-
 enum { MUKCA_MAX_TRAITS = MUKCA_FLEET_TERMS + MUKCA_MAX_JOINTS };
 
 /* The traits of a robot model: results of its fleet, as prior for one more arm. */
@@ -128,5 +212,49 @@ typedef struct {
  * MUKCA_INPUT (fewer than two arms), MUKCA_MEMORY. */
 mukca_status mukca_fleet_pool(mukca_fleet_result *result, mukca_fleet *fleet, mukca_error *error);
 void mukca_fleet_result_free(mukca_fleet_result *result);
+
+/* ---- one more arm with the traits of its model as prior ---- */
+
+/* ---- correction of a recording for the traits of its model ---- */
+
+/* The means of the elastic traits as effects[MUKCA_FLEET_TERMS]; returns their number.  sigma (may
+ * be NULL): standard deviation of one more arm. */
+int mukca_traits_effects(mukca_effect *effects, double *sigma, const mukca_traits *traits);
+
+/* Change the recorded angles minimally to displace the nominal tip as the effects do, to first
+ * order. */
+void mukca_traits_correct(mukca_dataset *data, const mukca_chain *chain,
+                          const mukca_effect *effects, int n);
+
+/* A coefficient of this arm, rad/(N m). */
+typedef struct {
+    const mukca_trait *trait;
+    double value, low, high; /* with the fleet as prior; 95 % */
+    double own;              /* share of its information from this arm's data, 0 .. 1 */
+} mukca_inherited;
+
+typedef struct {
+    const mukca_traits *traits;
+    bool only;           /* only the traits' means, no elasticity fitted to this arm */
+    bool adopted;        /* the traits' prior is in use; else the arm's own fit is better */
+    double log_evidence; /* of the traits against the better of the fits without them */
+    /* held-out errors with and without the traits, m; NaN: not measured */
+    double explained_m, test_explained_m, own_explained_m, own_test_explained_m;
+    int n;
+    mukca_inherited list[MUKCA_MAX_TRAITS];
+} mukca_adoption;
+
+typedef struct {
+    const mukca_traits *traits;
+    const mukca_dataset *test; /* held-out data, or NULL */
+    bool only, folds, applied;
+} mukca_adopt_options;
+
+/* Fit the arm with the traits as prior, in the regression of its diagnosis.  If the evidence
+ * favours the traits, the diagnosis gets the errors and the applicable effects of that fit;
+ * otherwise the regression is restored.  Causes and verdict remain those of the arm's own data.
+ * Errors: MUKCA_MEMORY. */
+mukca_status mukca_adopt(mukca_adoption *adoption, mukca_regression *m, mukca_diagnosis *diagnosis,
+                         const mukca_adopt_options *options, mukca_error *error);
 
 #endif

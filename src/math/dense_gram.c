@@ -171,7 +171,7 @@ MUKCA_INLINE void forward8(double *b, int ld, const double *L, int ldl, int n)
     }
 }
 
-enum { WIDEST = 512 }; /* most columns to the left of a block of rows: 32 kB */
+enum { WIDEST = 200 }; /* most columns to the left of a block of rows: 13 kB of stack */
 
 /* Columns [0, i) of the factor's rows i to i + 7, by forward substitution with the rows as
  * right-hand sides, and their subtraction from the next eight columns. */

@@ -3,30 +3,7 @@
 
 #include <string.h>
 
-#include "model/columns.h"
-
-/* The arm in a posture under its load; the members that may be NULL are those of
- * mukca_chain_moments. */
-typedef struct {
-    const mukca_chain *chain;
-    const mukca_geometry *geometry;
-    const double *q;
-    const mukca_displacement *displacement;
-    const double *mass_scale;
-    double payload_kg;
-} posture;
-
-/* Rotation of the origin of element k with its displacement; R[9] is storage for the displaced
- * one. */
-static const double *turn_origin(double R[9], const posture *p, int k)
-{
-    const double *w = joint_rotation(p->displacement, p->geometry->joint[k]);
-    double turn[9];
-    if (!w) return p->geometry->origin[k].R;
-    mukca_rotation_exp(turn, w);
-    mukca_mat3_mul(R, p->geometry->origin[k].R, turn);
-    return R;
-}
+#include "model/turn.h"
 
 void mukca_chain_masses(double *kg, double (*first)[3], const mukca_chain *chain,
                         const double *mass_scale, double payload_kg)
@@ -45,28 +22,22 @@ void mukca_chain_masses(double *kg, double (*first)[3], const mukca_chain *chain
     if (n > 0) kg[n - 1] += payload_kg;
 }
 
-static void find_moments(mukca_gravity_load *load, const posture *at)
+void mukca_chain_moments(mukca_gravity_load *load, const mukca_chain *chain,
+                         const mukca_geometry *geometry, const double *q, const double *mass_scale,
+                         double payload_kg)
 {
-    const mukca_chain *chain = at->chain;
-    const mukca_geometry *geometry = at->geometry;
-    const bool tilted = at->displacement && at->displacement->any_rotation;
     const int n = chain->n_elements;
-    double R[9], tilt[9]; /* tilt: of the base */
     joint_angles angles;
     double gravity[MUKCA_MAX_ELEMENTS][3];
     double kg[MUKCA_MAX_ELEMENTS], first[MUKCA_MAX_ELEMENTS][3]; /* in the child frames */
     double g[3] = {chain->gravity[0], chain->gravity[1], chain->gravity[2]};
 
-    mukca_chain_masses(kg, first, chain, at->mass_scale, at->payload_kg);
-    mukca_joint_angles_set(&angles, geometry, at->q, at->displacement);
-    if (tilted) {
-        mukca_rotation_exp(tilt, at->displacement->base);
-        mukca_mat3_tvec(g, tilt, chain->gravity);
-    }
+    mukca_chain_masses(kg, first, chain, mass_scale, payload_kg);
+    mukca_joint_angles_set(&angles, geometry, q, NULL);
     /* Gravity in each joint frame, from base to tip. */
     for (int k = 0; k < n; k++) {
         const int j = geometry->joint[k];
-        mukca_mat3_tvec(gravity[k], turn_origin(R, at, k), g);
+        mukca_mat3_tvec(gravity[k], geometry->origin[k].R, g);
         memcpy(g, gravity[k], sizeof g);
         if (mukca_joint_turns(geometry->type[k]))
             turn_vector(g, geometry, k, -angles.s[j], angles.c[j]);
@@ -89,36 +60,8 @@ static void find_moments(mukca_gravity_load *load, const posture *at)
             load->torque[j] =
                 slides ? -total * mukca_dot3(axis, gravity[k]) : mukca_dot3(axis, load->moment[j]);
         }
-        mukca_mat3_vec(in_parent, turn_origin(R, at, k), in_joint);
+        mukca_mat3_vec(in_parent, geometry->origin[k].R, in_joint);
         for (int i = 0; i < 3; i++) carried[i] = in_parent[i] + total * p[i];
     }
-    if (tilted) {
-        const double level[3] = {carried[0], carried[1], carried[2]};
-        mukca_mat3_vec(carried, tilt, level);
-    }
     mukca_cross(load->base, chain->gravity, carried);
-}
-
-void mukca_chain_moments(mukca_gravity_load *load, const mukca_chain *chain,
-                         const mukca_geometry *geometry, const double *q, const double *mass_scale,
-                         double payload_kg)
-{
-    const posture at = {.chain = chain,
-                        .geometry = geometry,
-                        .q = q,
-                        .mass_scale = mass_scale,
-                        .payload_kg = payload_kg};
-    find_moments(load, &at);
-}
-
-void mukca_chain_moments_displaced(mukca_gravity_load *load, const mukca_chain *chain,
-                                   const mukca_geometry *geometry, const double *q,
-                                   const mukca_displacement *displacement, double payload_kg)
-{
-    const posture at = {.chain = chain,
-                        .geometry = geometry,
-                        .q = q,
-                        .displacement = displacement,
-                        .payload_kg = payload_kg};
-    find_moments(load, &at);
 }

@@ -18,8 +18,9 @@ bool mukca_plan_stopped(const mukca_planner *p)
 static bool is_new(const mukca_planner *p, const double *q)
 {
     const int n = p->state.at.chain->n_joints;
-    for (int r = 0; p->data && r < p->data->n_rows; r++)
-        if (!mukca_plan_differs(q, p->data->q + r * n, n, p->rules.separation)) return false;
+    const mukca_dataset *data = p->task->data;
+    for (int r = 0; data && r < data->n_rows; r++)
+        if (!mukca_plan_differs(q, data->q + r * n, n)) return false;
     return true;
 }
 
@@ -32,20 +33,18 @@ int mukca_plan_draw_candidates(mukca_planner *p, int room, int k)
     while (found < room && draws < DRAWS * room && (found > 0 || draws < 10 * DRAWS)) {
         mukca_plan_pose *pose = &poses[found];
         draws++;
-        if (!mukca_plan_draw_pose(pose->q, p->sockets[k].centre, &p->rules, &p->random)) continue;
+        if (!mukca_plan_draw_pose(pose->q, p->task->sockets[k].centre, &p->rules, &p->random))
+            continue;
         bool fresh = is_new(p, pose->q);
-        for (int i = 0; i < found && fresh; i++)
-            fresh = mukca_plan_differs(pose->q, poses[i].q, n, p->rules.separation);
+        for (int i = 0; i < found && fresh; i++) fresh = mukca_plan_differs(pose->q, poses[i].q, n);
         if (!fresh) continue;
-        if (!pose->H) pose->H = MUKCA_TAKE(&s->pool, double, 3 * s->n_known);
+        if (!pose->H) pose->H = MUKCA_TAKE(&s->pool, double, 3 * s->n);
         if (!pose->H) break;
         pose->socket = k;
         pose->used = false;
-        pose->bound = HUGE_VAL;
-        mukca_plan_design(pose->H, s, pose->q, p->sockets[k].place, NULL);
+        mukca_plan_design(pose->H, s, pose->q, p->task->sockets[k].place, NULL);
         found++;
     }
-    p->tried += draws;
     p->n_poses += found;
     return found;
 }
@@ -53,57 +52,56 @@ int mukca_plan_draw_candidates(mukca_planner *p, int room, int k)
 /* ---- recorded samples ---- */
 
 /* Index in the plan of the socket of sample `row`; -1 for a socket outside the plan. */
-static int socket_of_row(const mukca_planner *p, int row)
+static int socket_of_row(const mukca_plan_task *task, int row)
 {
-    const int k = p->data->socket[row];
+    const int k = task->data->socket[row];
     if (k < 0) return -1;
-    const mukca_socket *is = &p->data->sockets[k];
-    for (int i = 0; i < p->n_sockets; i++)
-        if (strcmp(p->sockets[i].label, is->label) == 0 &&
-            strcmp(p->sockets[i].placement, p->data->placements[is->placement].name) == 0)
+    const mukca_socket *is = &task->data->sockets[k];
+    for (int i = 0; i < task->n_sockets; i++)
+        if (strcmp(task->sockets[i].label, is->label) == 0 &&
+            strcmp(task->sockets[i].placement, task->data->placements[is->placement].name) == 0)
             return i;
     return -1;
 }
 
-/* Update the covariance by the recorded samples and by the distances between the plan's sockets. */
 static void add_recorded(mukca_planner *p)
 {
+    const mukca_dataset *data = p->task->data;
     const double *before = NULL;
-    for (int r = 0; p->data && r < p->data->n_rows; r++) {
-        const double *q = p->data->q + r * p->state.at.chain->n_joints;
-        const int k = socket_of_row(p, r);
+    for (int r = 0; data && r < data->n_rows; r++) {
+        const double *q = data->q + r * data->n_joints;
+        const int k = socket_of_row(p->task, r);
         if (k < 0) continue;
-        const double kg = p->data->payload ? p->data->payload[r] : 0;
+        const double kg = data->payload ? data->payload[r] : 0;
         p->state.payload = isfinite(kg) ? kg : 0;
-        mukca_plan_design(p->spare, &p->state, q, p->sockets[k].place, before);
+        mukca_plan_design(p->spare, &p->state, q, p->task->sockets[k].place, before);
         mukca_plan_state_row(&p->state, p->spare, k, 1);
         before = q;
         p->recorded[k]++;
         p->n_recorded++;
     }
     p->state.payload = p->state.options->payload;
-    for (int a = 0; a < p->n_sockets; a++)
-        for (int b = a + 1; b < p->n_sockets; b++)
-            if (p->sockets[a].place == p->sockets[b].place)
-                mukca_plan_state_distance(&p->state, a, b, p->sockets[a].centre,
-                                          p->sockets[b].centre);
+    mukca_plan_state_refresh(&p->state);
 }
 
-mukca_status mukca_planner_create(mukca_planner *p, const mukca_planner_room *room,
+mukca_status mukca_planner_create(mukca_planner *p, int candidates, int rows,
                                   const mukca_plan_task *task, const mukca_plan_options *options,
                                   mukca_error *error)
 {
     mukca_plan_state *s = &p->state;
-    mukca_status status = mukca_plan_state_create(s, task, room->sockets, options, error);
+    memset(p, 0, sizeof *p);
+    mukca_status status = mukca_plan_state_create(s, task, options, error);
     if (status != MUKCA_OK) return status;
-    p->data = task->data;
-    p->poses = MUKCA_TAKE(&s->pool, mukca_plan_pose, room->candidates);
-    p->spare = MUKCA_TAKE(&s->pool, double, 3 * s->n_known);
-    p->chosen = MUKCA_TAKE(&s->pool, int, room->rows + room->sockets);
-    mukca_plan_rules_set(&p->rules, s->at.chain, &s->at.geometry, options, p->data);
+    p->task = task;
+    p->poses = MUKCA_TAKE(&s->pool, mukca_plan_pose, candidates);
+    p->spare = MUKCA_TAKE(&s->pool, double, 3 * s->n);
+    p->chosen = MUKCA_TAKE(&s->pool, int, rows + task->n_sockets);
+    mukca_plan_rules_set(&p->rules, s->at.chain, &s->at.geometry, options, task->data);
     if (!options->poses_only || s->n_effects == 0)
         mukca_plan_look_elsewhere(s, &p->rules, options->seed);
     if (s->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory while planning");
+    for (int e = 0; e < s->n_effects; e++)
+        p->ordered |= (mukca_effect_table[s->effect[e].kind]->needs & MUKCA_NEEDS_ORDER) != 0;
     add_recorded(p);
     mukca_random_seed(&p->random, options->seed);
     return MUKCA_OK;
@@ -118,7 +116,7 @@ static bool too_near(const mukca_planner *p, const mukca_plan_pose *pose, int ex
     for (int i = 0; i < p->n_chosen; i++) {
         const mukca_plan_pose *other = &p->poses[p->chosen[i]];
         if (i != except && other->socket == pose->socket &&
-            !mukca_plan_differs(other->q, pose->q, n, p->rules.separation))
+            !mukca_plan_differs(other->q, pose->q, n))
             return true;
     }
     return false;
@@ -127,45 +125,26 @@ static bool too_near(const mukca_planner *p, const mukca_plan_pose *pose, int ex
 static double renew(mukca_planner *p, mukca_plan_pose *pose, const double *before)
 {
     if (p->ordered)
-        mukca_plan_design(pose->H, &p->state, pose->q, p->sockets[pose->socket].place, before);
+        mukca_plan_design(pose->H, &p->state, pose->q, p->task->sockets[pose->socket].place,
+                          before);
     return mukca_plan_gain(&p->state, pose->H, pose->socket);
 }
 
 /* The unused candidate with the largest gain, of one socket, or (socket -1) of all with fewer than
- * `room` choices; -1: none.  For geometry the gain never grows as samples are added: an earlier
- * gain is an upper bound.  For causes it is none. */
+ * `room` choices; -1: none. */
 static int best_pose(mukca_planner *p, int socket, const int *count, int room, const double *before)
 {
-    const bool bounds = p->state.n_effects == 0 && socket < 0;
     int best = -1;
     double most = -HUGE_VAL;
     mukca_plan_state_refresh(&p->state);
-    for (;;) {
-        int next = -1;
-        for (int i = 0; i < p->n_poses; i++) {
-            mukca_plan_pose *pose = &p->poses[i];
-            if (pose->used ||
-                (socket >= 0 ? pose->socket != socket : count && count[pose->socket] >= room))
-                continue;
-            if (!bounds) {
-                const double gain = renew(p, pose, before);
-                if (gain > most) {
-                    most = gain;
-                    best = i;
-                }
-            } else if (pose->bound > most && (next < 0 || pose->bound > p->poses[next].bound)) {
-                next = i;
-            }
-        }
-        if (!bounds || next < 0) return best;
-        p->poses[next].bound = renew(p, &p->poses[next], before);
-        if (p->poses[next].bound > most) {
-            most = p->poses[next].bound;
-            best = next;
-        } else if (next == best) {
-            return best;
-        }
+    for (int i = 0; i < p->n_poses; i++) {
+        mukca_plan_pose *pose = &p->poses[i];
+        if (pose->used || (socket >= 0 ? pose->socket != socket : count[pose->socket] >= room))
+            continue;
+        const double gain = renew(p, pose, before);
+        if (gain > most) most = gain, best = i;
     }
+    return best;
 }
 
 /* The candidate of a socket closest to their mean: the first sample of a socket only determines its
@@ -206,7 +185,7 @@ static void shift(mukca_planner *p, int i, double spread, double *most)
 {
     mukca_plan_state *s = &p->state;
     mukca_plan_pose *pose = &p->poses[p->chosen[i]], trial = *pose;
-    const mukca_plan_socket *socket = &p->sockets[pose->socket];
+    const mukca_plan_socket *socket = &p->task->sockets[pose->socket];
     trial.H = p->spare;
     if (!mukca_plan_draw_near(trial.q, spread, socket->centre, &p->rules, &p->random) ||
         too_near(p, &trial, i) || !is_new(p, trial.q))
@@ -220,16 +199,37 @@ static void shift(mukca_planner *p, int i, double spread, double *most)
     }
 }
 
+/* Exchange chosen poses for poses of larger gain. */
+static void exchange(mukca_planner *p)
+{
+    static const double spread = 0.4; /* rad */
+    for (int pass = 0; pass < EXCHANGES; pass++) {
+        if (p->state.n_effects == 0) mukca_plan_state_weigh(&p->state);
+        for (int i = 0; i < p->n_chosen && !mukca_plan_stopped(p); i++) {
+            mukca_plan_pose *pose = &p->poses[p->chosen[i]];
+            mukca_plan_state_row(&p->state, pose->H, pose->socket, -1);
+            pose->used = false;
+            const int best = best_pose(p, pose->socket, NULL, 0, NULL);
+            if (best >= 0 && !too_near(p, &p->poses[best], i)) p->chosen[i] = best;
+            pose = &p->poses[p->chosen[i]];
+            pose->used = true;
+            double most = mukca_plan_gain(&p->state, pose->H, pose->socket);
+            for (int t = 0; t < SHIFTS; t++) shift(p, i, spread / (1 + pass), &most);
+            mukca_plan_state_row(&p->state, pose->H, pose->socket, 1);
+        }
+    }
+}
+
 void mukca_plan_choose(mukca_planner *p, int rows)
 {
     int count[MUKCA_PLAN_MAX_SOCKETS] = {0}, fresh = 0;
     const mukca_plan_options *o = p->state.options;
     p->n_chosen = 0;
-    for (int k = 0; k < p->n_sockets; k++) fresh += p->recorded[k] == 0;
+    for (int k = 0; k < p->task->n_sockets; k++) fresh += p->recorded[k] == 0;
     /* A new session distributes its samples evenly over the sockets; a continued one adds samples
      * where the gain is largest. */
-    const int room = fresh > 0 && fresh == p->n_sockets ? (rows + fresh - 1) / fresh : rows;
-    for (int k = 0; k < p->n_sockets && p->n_chosen < rows; k++) {
+    const int room = fresh > 0 && fresh == p->task->n_sockets ? (rows + fresh - 1) / fresh : rows;
+    for (int k = 0; k < p->task->n_sockets && p->n_chosen < rows; k++) {
         const int first = p->recorded[k] == 0 ? middle_pose(p, k) : -1;
         if (first >= 0) add_choice(p, first, count);
     }
@@ -245,24 +245,6 @@ void mukca_plan_choose(mukca_planner *p, int rows)
         add_choice(p, best, count);
         if (o->progress) o->progress(o->context, 0.3 + 0.5 * p->n_chosen / rows);
     }
-}
-
-void mukca_plan_exchange(mukca_planner *p)
-{
-    static const double spread = 0.4; /* rad */
-    for (int pass = 0; pass < EXCHANGES && !p->ordered; pass++) {
-        if (p->state.n_effects == 0) mukca_plan_state_weigh(&p->state);
-        for (int i = 0; i < p->n_chosen && !mukca_plan_stopped(p); i++) {
-            mukca_plan_pose *pose = &p->poses[p->chosen[i]];
-            mukca_plan_state_row(&p->state, pose->H, pose->socket, -1);
-            pose->used = false;
-            const int best = best_pose(p, pose->socket, NULL, 0, NULL);
-            if (best >= 0 && !too_near(p, &p->poses[best], i)) p->chosen[i] = best;
-            pose = &p->poses[p->chosen[i]];
-            pose->used = true;
-            double most = mukca_plan_gain(&p->state, pose->H, pose->socket);
-            for (int t = 0; t < SHIFTS; t++) shift(p, i, spread / (1 + pass), &most);
-            mukca_plan_state_row(&p->state, pose->H, pose->socket, 1);
-        }
-    }
+    if (!p->ordered) exchange(p);
+    mukca_plan_state_refresh(&p->state);
 }

@@ -1,9 +1,11 @@
-/* Candidates and the choice among them, shared by mukca_plan_run and mukca_plan_places. */
+/* Information of samples on geometry and causes, candidates, and the choice among them. */
 #ifndef MUKCA_PLAN_CHOOSE_H
 #define MUKCA_PLAN_CHOOSE_H
 
+#include "base/pool.h"
+#include "fit/posterior.h"
 #include "math/random.h"
-#include "plan/state.h"
+#include "plan/plan.h"
 
 /* ---- random postures with the ball in a socket, within the limits of arm and tool (poses.c) ----
  */
@@ -12,7 +14,7 @@
 typedef struct {
     const mukca_chain *chain;
     const mukca_geometry *geometry;
-    double tilt, clearance, separation, margin;
+    double tilt, clearance;
 } mukca_plan_rules;
 
 /* The rules of `options`; a default is widened to include all recorded samples.  `data` may be
@@ -35,18 +37,95 @@ bool mukca_plan_draw_anywhere(double *q, double centre[3], const mukca_plan_rule
 bool mukca_plan_draw_near(double *q, double spread, const double centre[3],
                           const mukca_plan_rules *rules, mukca_random *random);
 
-/* Whether two postures differ by at least `separation` in some joint. */
-bool mukca_plan_differs(const double *a, const double *b, int n_joints, double separation);
+/* Whether two postures differ by at least 0.2 rad or m in some joint. */
+bool mukca_plan_differs(const double *a, const double *b, int n_joints);
 
-/* ---- candidates and the choice among them ---- */
+/* ---- information of samples (state.c) ---- */
+
+/* A pose in a socket with its design H[3][n]: derivatives of the ball's position by geometry and
+ * causes, m per m, rad or unit of the cause. */
+typedef struct {
+    int socket;
+    bool used;
+    double q[MUKCA_MAX_JOINTS];
+    double *H;
+} mukca_plan_pose;
+
+/* The posterior of fit/posterior.h, with columns for the causes; the mean of each socket is
+ * eliminated.  Sums of the samples make adding and removing one cheap. */
+typedef struct {
+    mukca_linearisation at;
+    const mukca_plan_options *options;
+    const mukca_plan_socket *sockets;
+    double noise;   /* m */
+    double payload; /* of the next samples to be designed, kg */
+    int n_geometry, n_effects, n_terms, n_sockets;
+    mukca_effect effect[MUKCA_PLAN_MAX_EFFECTS];
+    int first_term[MUKCA_PLAN_MAX_EFFECTS + 1]; /* of each effect in the columns of the causes */
+    int n;                                      /* unknowns: n_geometry + n_terms */
+    double *sigma;                              /* [n] prior standard deviations */
+    double *gram;                               /* [n][n] sum of H'H over all samples */
+    double *sum;       /* [n_sockets][3][n] sum of H over the samples of a socket */
+    int *count;        /* [n_sockets] their number */
+    double *L;         /* [n][n] factor of the information */
+    double *C;         /* [n_terms][n_terms] covariance of the causes */
+    double *elsewhere; /* [n_elsewhere][3][n] derivatives of the ball's position at the evaluation
+                          postures, less the mean of their point */
+    int n_elsewhere;
+    double *W;        /* [n][n] sum of J'J over them, each divided by its rms error */
+    bool accuracy;    /* gains are computed with W instead of the determinant */
+    double *work, *G; /* scratch: [n][n], [n][3] */
+    mukca_pool pool;
+} mukca_plan_state;
+
+/* Initialise with the prior, no samples; task->sockets are those of the state.  Errors:
+ * MUKCA_MEMORY, MUKCA_USAGE. */
+mukca_status mukca_plan_state_create(mukca_plan_state *s, const mukca_plan_task *task,
+                                     const mukca_plan_options *options, mukca_error *error);
+
+/* Design H of posture q; `before` is the preceding posture, may be NULL. */
+void mukca_plan_design(double *H, mukca_plan_state *s, const double *q, int place,
+                       const double *before);
+
+/* Add a sample at `socket` (sign 1) or remove it (sign -1).  Call mukca_plan_state_refresh before
+ * the next gain. */
+void mukca_plan_state_row(mukca_plan_state *s, const double *H, int socket, int sign);
+
+/* Factorise the information of prior, samples and known distances. */
+void mukca_plan_state_refresh(mukca_plan_state *s);
+
+/* Information gain of a sample: the decrease of the log determinant of the covariance of the
+ * geometry, or of each cause; after mukca_plan_state_weigh, of the weighted error at the evaluation
+ * points. */
+double mukca_plan_gain(mukca_plan_state *s, const double *H, int socket);
+
+/* Fill state->elsewhere: positions all over the reachable workspace, and poses at each that meet
+ * the rules. */
+void mukca_plan_look_elsewhere(mukca_plan_state *state, const mukca_plan_rules *rules,
+                               uint64_t seed);
+
+/* Expected mean error of the ball at the evaluation points, m. */
+double mukca_plan_expected(const mukca_plan_state *s);
+
+/* Select that mean error as the criterion of gains.  Each posture is weighted by the inverse of its
+ * present error: the sum of squares then decreases as the sum of errors does. */
+void mukca_plan_state_weigh(mukca_plan_state *s);
+
+/* Strength of the weakest cause: the square of its size over its standard error, which grows with
+ * the number of samples; NaN without causes. */
+double mukca_plan_strength(const mukca_plan_state *s);
+
+/* Expected log Bayes factor of a cause of this strength. */
+double mukca_plan_evidence(double strength);
+
+/* ---- candidates and the choice among them (choose.c) ---- */
 
 typedef struct {
     mukca_plan_state state;
     mukca_plan_rules rules;
-    const mukca_dataset *data;
-    mukca_plan_socket sockets[MUKCA_PLAN_MAX_SOCKETS];
+    const mukca_plan_task *task;
     int recorded[MUKCA_PLAN_MAX_SOCKETS]; /* samples of each socket */
-    int n_sockets, n_recorded, n_poses, n_chosen, tried;
+    int n_recorded, n_poses, n_chosen;
     mukca_plan_pose *poses; /* [n_poses] candidates, socket by socket */
     int *chosen;            /* [n_chosen] indices of candidates */
     double *spare;          /* scratch for the design H of one pose */
@@ -54,32 +133,19 @@ typedef struct {
     mukca_random random;
 } mukca_planner;
 
-/* Capacity of a planner: sockets, candidates, choices. */
-typedef struct {
-    int sockets, candidates, rows;
-} mukca_planner_room;
-
-/* Initialise a planner, zeroed except for its n_sockets sockets, and update its state by the
- * recorded samples.  Free its state with mukca_plan_state_free, also after errors: MUKCA_MEMORY,
- * MUKCA_USAGE. */
-mukca_status mukca_planner_create(mukca_planner *planner, const mukca_planner_room *room,
+/* Initialise a planner for so many candidates and choices, and update its state by the recorded
+ * samples.  Free its state's pool, also after errors: MUKCA_MEMORY, MUKCA_USAGE. */
+mukca_status mukca_planner_create(mukca_planner *planner, int candidates, int rows,
                                   const mukca_plan_task *task, const mukca_plan_options *options,
                                   mukca_error *error);
 
 bool mukca_plan_stopped(const mukca_planner *planner);
 
-/* Fill state->elsewhere: positions all over the reachable workspace, and poses at each that meet
- * the rules. */
-void mukca_plan_look_elsewhere(mukca_plan_state *state, const mukca_plan_rules *rules,
-                               uint64_t seed);
-
 /* Append up to `room` candidates for socket k; returns their number. */
 int mukca_plan_draw_candidates(mukca_planner *planner, int room, int k);
 
-/* Choose up to `rows` candidates, one at a time. */
+/* Choose up to `rows` candidates, one at a time; then exchange them for poses of larger gain: other
+ * candidates, and random poses nearby. */
 void mukca_plan_choose(mukca_planner *planner, int rows);
-
-/* Exchange chosen poses for poses of larger gain: other candidates, and random poses nearby. */
-void mukca_plan_exchange(mukca_planner *planner);
 
 #endif

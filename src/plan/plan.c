@@ -74,11 +74,11 @@ static int rows_to_name(double before, double after, int rows)
 static mukca_status find_candidates(mukca_planner *p, int per_socket, mukca_error *error)
 {
     const mukca_plan_options *o = p->state.options;
-    for (int k = 0; k < p->n_sockets && !mukca_plan_stopped(p); k++) {
+    for (int k = 0; k < p->task->n_sockets && !mukca_plan_stopped(p); k++) {
         const int found = mukca_plan_draw_candidates(p, per_socket, k);
-        if (o->progress) o->progress(o->context, 0.3 * (k + 1) / p->n_sockets);
+        if (o->progress) o->progress(o->context, 0.3 * (k + 1) / p->task->n_sockets);
         if (found > 0 || p->recorded[k] > 0) continue;
-        const mukca_plan_socket *socket = &p->sockets[k];
+        const mukca_plan_socket *socket = &p->task->sockets[k];
         return mukca_fail(error, MUKCA_INPUT,
                           "placement %s: no pose was found that reaches socket %s at "
                           "%.3f %.3f %.3f m; move it, or allow more --tilt",
@@ -93,20 +93,15 @@ static mukca_status find_candidates(mukca_planner *p, int per_socket, mukca_erro
 mukca_status mukca_plan_run(mukca_plan *plan, const mukca_plan_task *task,
                             const mukca_plan_options *options, mukca_error *error)
 {
-    mukca_planner p = {.n_sockets = task->n_sockets};
+    mukca_planner p;
     mukca_plan_state *s = &p.state;
     const int rows = options->rows > 0 ? options->rows : DEFAULT_ROWS;
     const int candidates = options->candidates > 0 ? options->candidates : DEFAULT_CANDIDATES;
-    const mukca_planner_room room = {
-        .sockets = p.n_sockets, .candidates = p.n_sockets * candidates, .rows = rows};
     memset(plan, 0, sizeof *plan);
-    mukca_status status = check(task->chain, p.n_sockets, options, error);
+    mukca_status status = check(task->chain, task->n_sockets, options, error);
     if (status != MUKCA_OK) return status;
-    memcpy(p.sockets, task->sockets, (size_t)p.n_sockets * sizeof *p.sockets);
-    status = mukca_planner_create(&p, &room, task, options, error);
+    status = mukca_planner_create(&p, task->n_sockets * candidates, rows, task, options, error);
     if (status != MUKCA_OK) goto out;
-    for (int e = 0; e < s->n_effects; e++)
-        p.ordered |= (mukca_effect_table[s->effect[e].kind]->needs & MUKCA_NEEDS_ORDER) != 0;
     const double weak = mukca_plan_strength(s);
     *plan = (mukca_plan){.n_recorded = p.n_recorded,
                          .rows = calloc((size_t)rows, sizeof *plan->rows),
@@ -119,13 +114,10 @@ mukca_status mukca_plan_run(mukca_plan *plan, const mukca_plan_task *task,
     status = find_candidates(&p, candidates, error);
     if (status != MUKCA_OK) goto out;
     mukca_plan_choose(&p, rows);
-    mukca_plan_exchange(&p);
     if (mukca_plan_stopped(&p)) {
         status = mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
         goto out;
     }
-    plan->tried = p.tried;
-    plan->reached = p.n_poses;
     plan->n_rows = p.n_chosen;
     for (int i = 0; i < plan->n_rows; i++) {
         const mukca_plan_pose *pose = &p.poses[p.chosen[i]];
@@ -138,7 +130,7 @@ mukca_status mukca_plan_run(mukca_plan *plan, const mukca_plan_task *task,
     plan->evidence_after = mukca_plan_evidence(strong);
     plan->rows_to_name = rows_to_name(weak, strong, plan->n_rows);
 out:
-    mukca_plan_state_free(s);
+    mukca_pool_free(&s->pool);
     if (status != MUKCA_OK) mukca_plan_free(plan);
     return status;
 }
@@ -175,4 +167,27 @@ void mukca_plan_free(mukca_plan *plan)
 {
     free(plan->rows);
     memset(plan, 0, sizeof *plan);
+}
+
+int mukca_plan_sockets(mukca_plan_socket *sockets, int room, const mukca_geometry *geometry,
+                       const mukca_dataset *data)
+{
+    int n = 0;
+    for (int k = 0; k < data->n_sockets && n < room; k++) {
+        double sum[3] = {0}, position[3];
+        int rows = 0;
+        for (int r = 0; r < data->n_rows; r++) {
+            if (data->socket[r] != k) continue;
+            mukca_fk_position(position, geometry, data->q + r * data->n_joints, NULL);
+            for (int i = 0; i < 3; i++) sum[i] += position[i];
+            rows++;
+        }
+        if (rows == 0) continue;
+        mukca_plan_socket *s = &sockets[n++];
+        s->place = data->sockets[k].placement;
+        memcpy(s->label, data->sockets[k].label, sizeof s->label);
+        memcpy(s->placement, data->placements[s->place].name, sizeof s->placement);
+        for (int i = 0; i < 3; i++) s->centre[i] = sum[i] / rows;
+    }
+    return n;
 }

@@ -34,11 +34,9 @@ typedef struct {
     double noise; /* standard deviation of one coordinate of a sample, m; 0: 1e-4 */
     double tilt;  /* largest tilt of the tool from straight down, rad; 0: pi / 3, or the largest in
                      the data; > pi: any */
-    double clearance;  /* least height of the joints above the base's plane (or a lower socket), m;
-                          0: 0.05, or the least in the data; NaN: any */
-    double separation; /* least difference from other postures in some joint, rad; 0: 0.2 */
-    double margin;     /* distance from the joint limits, rad or m; 0: 0.02 */
-    double payload;    /* of the proposed postures: kg at the tip that the model does not include */
+    double clearance; /* least height of the joints above the base's plane (or a lower socket), m;
+                         0: 0.05, or the least in the data; NaN: any */
+    double payload;   /* of the proposed postures: kg at the tip that the model does not include */
     const mukca_effect *effects; /* causes to distinguish; NULL: plan for accuracy */
     int n_effects;               /* at least 2 unless 0 */
     bool poses_only;             /* for causes: omit the expected errors (they are 0) */
@@ -60,9 +58,8 @@ typedef struct {
                                                to the uncertainty of the geometry, m */
     double evidence_before, evidence_after; /* expected log Bayes factor of the weaker cause if that
                                                cause is the true one; NaN for accuracy */
-    int rows_to_name;   /* estimated number of such samples until the evidence reaches
-                           MUKCA_PLAN_NAME; 0: more than 1000, or planned for accuracy */
-    int tried, reached; /* candidate poses drawn, and those of them that reach a socket */
+    int rows_to_name; /* estimated number of such samples until the evidence reaches
+                         MUKCA_PLAN_NAME; 0: more than 1000, or planned for accuracy */
 } mukca_plan;
 
 /* Sockets of a dataset, with the centres that `geometry` predicts.  Returns their number. */
@@ -74,9 +71,8 @@ typedef struct {
     const mukca_chain *chain;
     const double *theta;              /* [6 * n_elements] of the model in use; NULL: nominal */
     const mukca_dataset *data;        /* samples recorded so far; NULL: none */
-    const mukca_plan_socket *sockets; /* [n_sockets]; ignored by mukca_plan_places */
+    const mukca_plan_socket *sockets; /* [n_sockets] */
     int n_sockets;
-    double distance; /* between the two sockets of a placement, m */
 } mukca_plan_task;
 
 /* Propose samples at the sockets.  Free with mukca_plan_free.  Errors: MUKCA_USAGE, MUKCA_INPUT (no
@@ -91,20 +87,5 @@ void mukca_plan_free(mukca_plan *plan);
  * payload *payload is 0 and *plan is unchanged.  Errors: as mukca_plan_run. */
 mukca_status mukca_plan_payload(double *payload, mukca_plan *plan, const mukca_plan_task *task,
                                 const mukca_plan_options *options, mukca_error *error);
-
-/* A placement and the expected result of recording there. */
-typedef struct {
-    double centre[3],
-        yaw; /* midpoint of the two sockets, m; direction from the first to the second, rad */
-    double expected,
-        evidence; /* as expected_after and evidence_after, with options->rows samples */
-} mukca_plan_place;
-
-/* The `n_places` most informative placements of a grid around the arm, by expected accuracy or
- * (with effects) by evidence; each is chosen given the earlier ones.  *n_found is their number.
- * Errors: as mukca_plan_run. */
-mukca_status mukca_plan_places(mukca_plan_place *places, int *n_found, int n_places,
-                               const mukca_plan_task *task, const mukca_plan_options *options,
-                               mukca_error *error);
 
 #endif

@@ -5,6 +5,9 @@
 
 #include "arm/inverse.h"
 
+/* Distance of the postures of a session in some joint, and from the mechanical stops; rad or m. */
+static const double separation = 0.2, margin = 0.02;
+
 /* A pose relative to gravity.  lean: angle of the ball's stem (from the last joint to the tip),
  * rad, 0 without a stem.  clear: height of the lowest joint, m, above the base's plane or above the
  * ball if that is lower; the first two joints are not counted, as the base fixes their height. */
@@ -39,14 +42,11 @@ void mukca_plan_rules_set(mukca_plan_rules *rules, const mukca_chain *chain,
                           const mukca_dataset *data)
 {
     /* Sources of the defaults: a printed socket holds the ball up to a lean of some 60 degrees; 5
-     * cm keep a joint's housing off the table; 0.2 rad make the postures of a session differ; 0.02
-     * rad keep clear of the mechanical stops. */
+     * cm keep a joint's housing off the table. */
     *rules = (mukca_plan_rules){.chain = chain,
                                 .geometry = geometry,
                                 .tilt = o->tilt > 0 ? o->tilt : M_PI / 3,
-                                .clearance = o->clearance != 0 ? o->clearance : 0.05,
-                                .separation = o->separation > 0 ? o->separation : 0.2,
-                                .margin = o->margin > 0 ? o->margin : 0.02};
+                                .clearance = o->clearance != 0 ? o->clearance : 0.05};
     for (int r = 0; data && r < data->n_rows; r++) {
         const attitude s = attitude_of(data->q + r * data->n_joints, rules);
         if (!(o->tilt > 0)) rules->tilt = fmax(rules->tilt, s.lean);
@@ -54,7 +54,7 @@ void mukca_plan_rules_set(mukca_plan_rules *rules, const mukca_chain *chain,
     }
 }
 
-bool mukca_plan_differs(const double *a, const double *b, int n_joints, double separation)
+bool mukca_plan_differs(const double *a, const double *b, int n_joints)
 {
     for (int j = 0; j < n_joints; j++)
         if (fabs(a[j] - b[j]) >= separation) return true;
@@ -77,7 +77,7 @@ static bool seat(double *q, const double centre[3], const mukca_plan_rules *rule
         return false;
     for (int j = 0; j < chain->n_joints; j++) {
         const mukca_element *e = &chain->element[chain->joint_element[j]];
-        if (q[j] < e->lower + rules->margin || q[j] > e->upper - rules->margin) return false;
+        if (q[j] < e->lower + margin || q[j] > e->upper - margin) return false;
     }
     return allowed(q, rules);
 }

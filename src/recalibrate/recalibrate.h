@@ -6,8 +6,166 @@
 #ifndef MUKCA_RECALIBRATE_RECALIBRATE_H
 #define MUKCA_RECALIBRATE_RECALIBRATE_H
 
-#include "recalibrate/errors.h"
-#include "recalibrate/system.h"
+#include "mukca/chain.h"
+#include "recalibrate/pose_log.h"
+
+/* ---- unknowns: the arm's constants, the frames of its poses, a time lag (model.c) ---- */
+
+/* kind, name, one letter per axis, whether it is an angle */
+#define MUKCA_UNKNOWN_LIST(X)                                                                      \
+    X(ZERO, "zero", "", true)              /* added to the encoder angle of a revolute joint */    \
+    X(SHIFT, "", "xyz", false)             /* of an element's origin in its parent frame */        \
+    X(TILT, "tilt", "12", true)            /* of a revolute joint's axis about a transverse one */ \
+    X(BASE_SHIFT, "base", "xyz", false)    /* of the arm's base in the poses' frame */             \
+    X(BASE_TURN, "base turn", "xyz", true) /* the same, about the axes of the poses' frame */      \
+    X(TOOL_SHIFT, "tool", "xyz", false)    /* of the measured point in the last link */            \
+    X(TOOL_TURN, "tool turn", "xyz", true) /* rotation of the measured frame about its own axes */ \
+    X(LAG, "lag", "", false)               /* s (or samples): delay of the recorded angles */
+
+typedef enum {
+#define MUKCA_UNKNOWN_ENUM(kind, name, axes, angle) MUKCA_UNKNOWN_##kind,
+    MUKCA_UNKNOWN_LIST(MUKCA_UNKNOWN_ENUM)
+#undef MUKCA_UNKNOWN_ENUM
+} mukca_unknown_kind;
+
+typedef struct {
+    mukca_unknown_kind kind;
+    int element; /* -1: none */
+    int axis;    /* 0, 1 or 2; of a tilt 0 or 1 */
+    bool tool;   /* of the tool, which has no nominal value */
+} mukca_unknown;
+
+enum { MUKCA_MAX_UNKNOWNS = MUKCA_MAX_JOINTS * 6 + 3 + 12 + 1, MUKCA_UNKNOWN_TEXT = 64 + 16 };
+
+/* "joint zero", "joint x", "base turn z", ... */
+void mukca_unknown_text(char text[MUKCA_UNKNOWN_TEXT], const mukca_unknown *unknown,
+                        const mukca_chain *chain);
+
+/* Whether it is an angle (rad) rather than a length (m). */
+bool mukca_unknown_is_angle(mukca_unknown_kind kind);
+
+/* Predicted pose = base * arm(q + zero + lag * velocity) * tool. */
+typedef struct {
+    mukca_geometry geometry;
+    double zero[MUKCA_MAX_JOINTS];
+    mukca_frame base, tool;
+    double lag;
+} mukca_pose_model;
+
+void mukca_pose_model_set(mukca_pose_model *model, const mukca_chain *chain);
+
+/* Add `by` to the value of `unknown`. */
+void mukca_pose_model_add(mukca_pose_model *model, const mukca_unknown *unknown, double by);
+
+/* theta[6 * n_elements] with joint zeros expressed as origins; base, tool and lag are ignored. */
+void mukca_pose_model_theta(double *theta, const mukca_pose_model *model, const mukca_chain *chain);
+
+/* Frames of one pose, for residual and derivatives. */
+typedef struct {
+    const mukca_pose_model *model; /* of the caller, as is the row */
+    const mukca_pose_row *row;
+    mukca_frame before[MUKCA_MAX_ELEMENTS]; /* pose of each element before its joint's rotation */
+    mukca_frame flange, tip;                /* last element, without and with the tool */
+    double position[3];                     /* measured minus predicted, m; NaN: not measured */
+    double rotation[3];                     /* log of predicted' measured, rad; NaN: not measured */
+    double rotation_error[3];               /* vector of predicted' measured - I */
+} mukca_pose_look;
+
+/* Quaternion order of the log. */
+typedef enum { MUKCA_QUATERNION_W_FIRST, MUKCA_QUATERNION_W_LAST } mukca_quaternion_order;
+
+/* The measured orientation; false: none. */
+bool mukca_pose_measured(double R[9], const mukca_pose_row *row, mukca_quaternion_order order);
+
+void mukca_pose_look_at(mukca_pose_look *look, const mukca_pose_model *model,
+                        const mukca_pose_row *row, mukca_quaternion_order order);
+
+/* Derivatives of the predicted position (3 rows, m) and rotation (3 rows, about the tip's own axes)
+ * by each unknown; the rows are `stride` doubles apart.  Either may be NULL. */
+void mukca_pose_derivatives(double *position, double *rotation, int stride,
+                            const mukca_pose_look *look, const mukca_unknown *unknowns, int n);
+
+/* ---- statistics of pose errors, accumulated row by row in constant memory ---- */
+
+typedef struct {
+    long n;
+    double max, mean, m2; /* m2: sum of squares about the mean */
+} mukca_moments;
+
+enum { MUKCA_HISTOGRAM_BINS = 70 * 32 };
+
+/* Counts on a logarithmic scale, 32 bins per power of two from 2^-60. */
+typedef struct {
+    double total;
+    unsigned count[MUKCA_HISTOGRAM_BINS];
+} mukca_histogram;
+
+typedef struct {
+    mukca_moments position, rotation;                 /* length, m; angle, rad */
+    mukca_moments position_axis[3], rotation_axis[3]; /* absolute; rotation: vector of R'R~ - I */
+    mukca_histogram position_histogram, rotation_histogram;
+} mukca_pose_errors;
+
+void mukca_pose_errors_add(mukca_pose_errors *errors, const mukca_pose_look *look);
+
+/* Standard deviation, 1 / (n - 1); 0 for n < 2. */
+double mukca_moments_std(const mukca_moments *moments);
+
+/* Median within 1 %; 0 for an empty histogram. */
+double mukca_histogram_median(const mukca_histogram *histogram);
+
+/* ---- a linear least-squares problem built row by row (system.c) ----
+ *
+ * Block QR, then a minimum-norm solution and the combinations that the rows do not determine. */
+
+/* A block and the triangular factor fit in 32 KiB of cache for 31 unknowns. */
+enum { MUKCA_SYSTEM_WIDTH = MUKCA_MAX_UNKNOWNS + 1, MUKCA_SYSTEM_BLOCK = 96 };
+
+typedef struct {
+    int n;                     /* unknowns; a lag is the last */
+    bool positions, rotations; /* equations of a pose that it uses */
+    double metres_per_radian;  /* weight of rotation rows relative to position rows; 0: 1 */
+    mukca_unknown unknown[MUKCA_MAX_UNKNOWNS];
+    double value[MUKCA_MAX_UNKNOWNS]; /* sum of the steps so far */
+    long equations;
+    double rss, total;                                 /* of the weighted rows */
+    double R[MUKCA_MAX_UNKNOWNS * MUKCA_SYSTEM_WIDTH]; /* [n][n + 1], with Q'b */
+    /* Rows not yet absorbed: positions, rotations.  They are separate because lengths have no
+     * effect on rotations: the leading columns of rotation rows are zero if the lengths are the
+     * first unknowns. */
+    double block[2][MUKCA_SYSTEM_BLOCK * MUKCA_SYSTEM_WIDTH];
+    int filled[2];
+} mukca_pose_system;
+
+typedef struct {
+    int rank;
+    double sigma2;                /* residual variance of a weighted row */
+    double x[MUKCA_MAX_UNKNOWNS]; /* step of minimum norm, first in the arm's unknowns, then in the
+                                     tool's */
+    double sigma[MUKCA_MAX_UNKNOWNS]; /* standard error within the identifiable subspace */
+    bool identifiable[MUKCA_MAX_UNKNOWNS];
+    int n_null;
+    double null[MUKCA_MAX_UNKNOWNS][MUKCA_MAX_UNKNOWNS]; /* [n_null][n] unidentifiable; sparse */
+    /* scratch: factors of the equations, products of the null space */
+    double U[MUKCA_MAX_UNKNOWNS * MUKCA_MAX_UNKNOWNS], V[MUKCA_MAX_UNKNOWNS * MUKCA_MAX_UNKNOWNS],
+        A[MUKCA_MAX_UNKNOWNS * MUKCA_MAX_UNKNOWNS];
+} mukca_pose_solution;
+
+/* Remove all rows. */
+void mukca_pose_system_clear(mukca_pose_system *system);
+
+/* Add the rows of one pose, both sides multiplied by `weight` (position) and `turn_weight`. */
+void mukca_pose_system_add(mukca_pose_system *system, const mukca_pose_look *look, double weight,
+                           double turn_weight);
+
+/* Solve for the first `n` unknowns; the others stay 0.  An unknown with a standard error above
+ * `loosest` (m or rad) is not identifiable.  False: the rows are not finite. */
+bool mukca_pose_system_solve(mukca_pose_solution *solution, mukca_pose_system *system, int n,
+                             double loosest);
+
+/* Value of the last unknown, and its distance from 0 in standard errors (returned); call after
+ * solve. */
+double mukca_pose_system_last(double *value, const mukca_pose_system *system);
 
 typedef struct {
     bool iterate;   /* repeat the linearisation until convergence */

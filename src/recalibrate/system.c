@@ -1,5 +1,5 @@
 /* Least squares for re-calibration, row by row. */
-#include "recalibrate/system.h"
+#include "recalibrate/recalibrate.h"
 
 #include <float.h>
 #include <math.h>
@@ -20,11 +20,6 @@ static void absorb(mukca_pose_system *s, int kind)
 {
     mukca_dense_qr_absorb(s->R, &s->rss, s->block[kind], s->filled[kind], s->n, 1);
     s->filled[kind] = 0;
-}
-
-void mukca_pose_system_flush(mukca_pose_system *s)
-{
-    for (int kind = 0; kind < 2; kind++) absorb(s, kind);
 }
 
 /* Allocate three more rows of positions (0) or rotations (1). */
@@ -100,7 +95,7 @@ bool mukca_pose_system_solve(mukca_pose_solution *out, mukca_pose_system *s, int
     const int width = s->n + 1;
     double d[MUKCA_MAX_UNKNOWNS], singular[MUKCA_MAX_UNKNOWNS];
     double *U = out->U, *V = out->V;
-    mukca_pose_system_flush(s);
+    for (int kind = 0; kind < 2; kind++) absorb(s, kind);
     memset(out, 0, sizeof *out);
     double left = s->rss; /* includes the square explained by the unknowns from n on */
     for (int i = n; i < s->n; i++)

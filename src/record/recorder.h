@@ -18,8 +18,6 @@ typedef struct {
     mukca_lcm_network network;
     const char *channel, *prefix, *position, *names, *map, *placements, *sockets;
     const char *key;          /* key file for signed requests; NULL: signatures are not required */
-    const char *traits;       /* traits file; its mean elasticity corrects the angles in checks of
-                                 samples; NULL: none */
     const char *const *types; /* [n_types] .lcm files */
     int n_types;
     int stream; /* index into mukca_recorder_streams */

@@ -32,21 +32,6 @@ static mukca_status split_labels(mukca_labels *labels, const char *list, const c
     return MUKCA_OK;
 }
 
-static mukca_status read_traits(mukca_recorder *r, mukca_error *error)
-{
-    if (!r->options->traits) return MUKCA_OK;
-    mukca_correction *c = &r->session.correction;
-    mukca_status status = mukca_correction_read(c, r->options->traits, r->chain, error);
-    if (status != MUKCA_OK) return status;
-    mukca_recorder_report(
-        r,
-        c->n_effects ? "samples are judged with the mean elasticity of %d arms (coefficients: %d) "
-                       "and recorded as read"
-                     : "the traits of %d arms contain no elastic coefficient",
-        c->n_arms, c->n_effects);
-    return MUKCA_OK;
-}
-
 mukca_status mukca_sampling_prepare(mukca_recorder *r, const double *theta, mukca_error *error)
 {
     const mukca_recorder_options *o = r->options;
@@ -55,17 +40,13 @@ mukca_status mukca_sampling_prepare(mukca_recorder *r, const double *theta, mukc
     if (status == MUKCA_OK) status = split_labels(&s->sockets, o->sockets, "--sockets", error);
     if (!status && s->sockets.n == 1)
         status = mukca_fail(error, MUKCA_USAGE, "--sockets: a tool has two or more");
-    if (status == MUKCA_OK) status = read_traits(r, error);
     if (status != MUKCA_OK) return status;
-    mukca_capture_settings settings = {
-        .window = o->window,
-        .range = o->motion,
-        .dwell = o->dwell,
-        .distance = o->distance,
-        .n_labels = s->sockets.n,
-        .labels = s->sockets.name,
-        .correct = s->correction.n_effects ? mukca_correction_apply : NULL,
-        .context = &s->correction};
+    mukca_capture_settings settings = {.window = o->window,
+                                       .range = o->motion,
+                                       .dwell = o->dwell,
+                                       .distance = o->distance,
+                                       .n_labels = s->sockets.n,
+                                       .labels = s->sockets.name};
     return mukca_capture_init(&s->capture, r->chain, theta, &settings, error);
 }
 
@@ -88,26 +69,6 @@ static void new_placement(const mukca_recorder *r, char name[MUKCA_NAME_SIZE])
     int k = 0;
     do snprintf(name, MUKCA_NAME_SIZE, "placement_%d", ++k);
     while (placement_used(r, name));
-}
-
-/* Fit the model to the samples so far.  Reports when the samples become inconsistent with the
- * traits, or consistent again. */
-static mukca_status advise(mukca_recorder *r, mukca_error *error)
-{
-    mukca_sampling *s = &r->session;
-    const double before = s->capture.share;
-    mukca_status status = mukca_capture_advise(&s->advice, &s->capture, error);
-    const double share = s->capture.share;
-    if (status == MUKCA_OK && share != before)
-        mukca_recorder_report(
-            r,
-            share == 1  ? "the samples agree with the traits of %d arms again"
-            : share > 0 ? "the samples support half of the elasticity that the traits of %d arms "
-                          "expect (log Bayes factor %.1f): it is halved"
-                        : "the samples contradict the traits of %d arms (log Bayes factor %.1f): "
-                          "they are judged without",
-            s->correction.n_arms, s->advice.evidence);
-    return status;
 }
 
 /* ---- the file ---- */
@@ -157,7 +118,7 @@ mukca_status mukca_sampling_begin(mukca_recorder *r, const char *path, bool resu
         status =
             mukca_capture_select(&s->capture, name, mukca_capture_next_label(&s->capture), error);
     }
-    if (status == MUKCA_OK) status = advise(r, error);
+    if (status == MUKCA_OK) status = mukca_capture_advise(&s->advice, &s->capture, error);
     if (status) mukca_session_close(&s->file);
     return status;
 }
@@ -311,7 +272,7 @@ mukca_status mukca_sampling_sample(mukca_recorder *r, const mukca_sample_request
     report_limits(r, sample.q);
     mukca_fail(answer, MUKCA_OK, "row %d: placement %s, socket %s%s%s", message.row, placement,
                socket, remark[0] ? ": " : "", remark);
-    if (advise(r, &error) != MUKCA_OK) {
+    if (mukca_capture_advise(&s->advice, &s->capture, &error) != MUKCA_OK) {
         mukca_recorder_report(r, "%s", error.text); /* the sample is on disk nevertheless */
         mukca_sampling_count_unwritten(r, &error);
     }
@@ -342,7 +303,7 @@ mukca_status mukca_sampling_delete(mukca_recorder *r, int row, mukca_error *answ
                where->label, last ? "" : "; the rows after it move up by one");
     (void)mukca_capture_drop(&s->capture, row - 1, &error); /* cannot fail: there is a sample */
     if (last) s->last.n = 0;
-    (void)advise(r, &error);
+    (void)mukca_capture_advise(&s->advice, &s->capture, &error);
     return MUKCA_OK;
 }
 
@@ -364,7 +325,7 @@ mukca_status mukca_sampling_move(mukca_recorder *r, mukca_error *answer)
         return mukca_fail(answer, status, "deleted, but not recorded in socket %s: %s", socket,
                           error.text);
     s->last = sample;
-    (void)advise(r, &error);
+    (void)mukca_capture_advise(&s->advice, &s->capture, &error);
     return mukca_fail(answer, MUKCA_OK, "row %d is now of placement %s, socket %s", s->file.n_rows,
                       placement, socket);
 }

@@ -4,7 +4,6 @@
 
 #include "capture/capture.h"
 #include "io/session_append.h"
-#include "record/correction.h"
 
 enum { MUKCA_LABELS = 32 };
 
@@ -17,8 +16,7 @@ typedef struct {
 
 typedef struct {
     mukca_capture capture;
-    mukca_correction correction; /* from the traits */
-    mukca_session file;          /* closed: nothing is recorded */
+    mukca_session file; /* closed: nothing is recorded */
     mukca_capture_advice advice;
     mukca_labels placements, sockets;
     int refused;                   /* samples */

@@ -1,5 +1,5 @@
 /* Replicates of a recording. */
-#include "simulate/replicate.h"
+#include "simulate/simulate.h"
 
 #include <math.h>
 #include <string.h>

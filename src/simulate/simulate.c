@@ -40,16 +40,11 @@ void mukca_simulate_perturb(double *theta, unsigned char *listed, const mukca_ch
     }
 }
 
-void mukca_simulate_arm(mukca_true_arm *arm, const mukca_chain *chain, const double *theta,
-                        double mass_error, uint64_t seed)
+void mukca_simulate_arm(mukca_true_arm *arm, const mukca_chain *chain, const double *theta)
 {
-    mukca_random random;
-    mukca_simulate_seed(&random, seed, MUKCA_DRAW_MASSES);
     arm->chain = *chain;
     arm->n_effects = 0;
     mukca_geometry_set(&arm->geometry, chain, theta);
-    for (int i = 0; i < chain->n_masses; i++)
-        arm->chain.mass[i].kg *= fmax(0, 1 + mass_error * mukca_random_normal(&random));
 }
 
 /* ---- one sample ---- */

@@ -164,9 +164,9 @@ a="--urdf data/demo/arm.urdf" d="data/demo/train.tsv --test data/demo/test.tsv"
     mukca diagnose $a $d --json diagnose.json
     mukca fleet build/demo/arm_1.json build/demo/arm_2.json --json fleet.json
     mukca diagnose $a $d --traits build/demo/heron7.traits.tsv --json traits.json
-    mukca recalibrate --urdf data/gen3.urdf build/guide/sweeps.tsv --json recalibrate.json
+    mukca recalibrate --urdf data/gen3.urdf build/guide/poses.tsv --json recalibrate.json
     mukca plan $a data/demo/train.tsv --rows 2 --json plan.json -o plan.tsv
-    mukca simulate $a --effort --command --labels labels.json --seed 1 --rows 3 -o simulate.tsv
+    mukca simulate $a --effort --command --seed 1 --rows 3 -o simulate.tsv
     grep -v '^#' data/demo/test.tsv | mukca compensate $a --offsets build/guide/arm.tsv --json compensate.json -o compensate.tsv
 } >json.out 2>&1
 check "every JSON key is in mukca-formats.5" "$("${PYTHON:-python3}" - *.json <<'PY'

@@ -1,7 +1,7 @@
 /* Specifications of simulated effects: read or refused in one line, within the tables. */
 #include <string.h>
 
-#include "cli/simulate_spec.h"
+#include "cli/simulate.h"
 #include "memory_file.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)

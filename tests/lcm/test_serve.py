@@ -105,7 +105,6 @@ def its_fleet(client, state):
         check("serve --kinematics: calibrate has it", "\n# kinematics_sha256: " in f.read(), say_code(answer))
     used = answer and answer.json and json.loads(answer.json)["traits"]
     check("serve --traits: calibrate has them", used and used["arms"] == 7, say_code(answer))
-    check("and it says so", any("mean elasticity of 7 arms" in line for line in p.said), p.said)
     stop(p)
     with open(traits, "a") as f:
         f.write("backlash\tjoint_4\t\t5e-5\t1e-5\t7\t9\t0.99\t1e-6\n")

@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-#include "cli/simulate_spec.h"
+#include "cli/simulate.h"
 #include "close.h"
 #include "io/urdf.h"
 
@@ -30,7 +30,7 @@ static inline void set_scene(scene *s, const char *text, uint64_t seed)
     s->how = (mukca_simulate_options){.rows = 30, .distance = 0.05, .seed = seed};
     mukca_chain_theta(theta, &s->chain);
     mukca_simulate_perturb(theta, NULL, &s->chain, 1e-3, 2e-3, seed);
-    mukca_simulate_arm(&s->arm, &s->chain, theta, 0, seed);
+    mukca_simulate_arm(&s->arm, &s->chain, theta);
     for (int p = 0; p < PLACES; p++)
         snprintf(s->places[p].name, sizeof s->places[p].name, "%s", names[p]);
     assert_int_equal(mukca_simulate_places(s->places, PLACES, &s->chain, 0.05, seed, &error),

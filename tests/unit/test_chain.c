@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "close.h"
-#include "effect/survey.h"
+#include "effect/catalogue.h"
 #include "mukca/chain.h"
 #include "mukca/effect.h"
 #include "mukca/gravity.h"
@@ -220,7 +220,7 @@ TEST(effect_terms)
         [MUKCA_EFFECT_BACKLASH] = {"300mNm", "1000", "3000mNm", "0.1"},
         [MUKCA_EFFECT_JOINT_COUPLING] = {"-1", "+1", "1", "-1"},
         [MUKCA_EFFECT_GEAR_HARMONIC] = {"2", "240", "400", "7"},
-        [MUKCA_EFFECT_AXIS_WOBBLE] = {"fixed1", "turning2", "cone-2", "103"},
+        [MUKCA_EFFECT_AXIS_WOBBLE] = {"fixed1", "turning2", "cone-2", "cone+3"},
         [MUKCA_EFFECT_JOINT_DRIFT] = {"0", "300s", "1000", "3000s"},
         [MUKCA_EFFECT_READBACK_LAG] = {"move", "command", "move", NULL}};
     for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++) {
@@ -245,27 +245,10 @@ TEST(effect_terms)
     assert_int_equal(mukca_effect_find("no_such_effect"), -1);
 }
 
-/* Terms of axis_wobble as tables of version 1.0 and before spell them. */
-TEST(old_terms)
+TEST(wrong_terms)
 {
-    const struct {
-        const char *old, *now;
-        int term;
-    } same[] = {{"variant=1 term=0", "motion=fixed1 sin u", 0},
-                {"variant=2 term=3", "motion=fixed2 cos v", 3},
-                {"variant=12 term=2", "motion=turning2 sin v", 2},
-                {"variant=98 term=1", "motion=cone-2 v", 1},
-                {"variant=103 term=0", "motion=cone+3 u", 0}};
-    for (size_t i = 0; i < sizeof same / sizeof *same; i++) {
-        char text[MUKCA_EFFECT_TEXT];
-        mukca_effect e = {.kind = MUKCA_EFFECT_AXIS_WOBBLE};
-        assert_int_equal(mukca_effect_term_parse(&e, same[i].old, 1), same[i].term);
-        mukca_effect_term_text(text, &e, same[i].term);
-        assert_string_equal(text, same[i].now);
-    }
-    const char *const wrong[] = {"variant=3 term=0",    "variant=100 term=0", "variant=98 term=2",
-                                 "variant=1 term=0 x",  "motion=cone+1 u",    "motion=fixed3 sin u",
-                                 "motion=fixed1 sin w", "fixed1 sin u",       "-"};
+    const char *const wrong[] = {"motion=cone+1 u", "motion=fixed3 sin u", "motion=fixed1 sin w",
+                                 "motion=12 sin u", "fixed1 sin u",        "-"};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         mukca_effect e = {.kind = MUKCA_EFFECT_AXIS_WOBBLE};
         assert_int_equal(mukca_effect_term_parse(&e, wrong[i], 1), -1);

@@ -268,15 +268,10 @@ static void check_table(const char *effects, bool effort, double mass_error)
     set_scene(&s, effects, 6);
     s.how.noise = 1e-4;
     s.how.effort = effort;
-    if (mass_error > 0) {
-        double theta[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS];
-        const mukca_true_arm arm = s.arm;
-        mukca_chain_theta(theta, &s.chain);
-        mukca_simulate_perturb(theta, NULL, &s.chain, 1e-3, 2e-3, 6);
-        mukca_simulate_arm(&s.arm, &s.chain, theta, mass_error, 6);
-        memcpy(s.arm.effects, arm.effects, sizeof arm.effects);
-        s.arm.n_effects = arm.n_effects;
-    }
+    mukca_random random;
+    mukca_random_seed(&random, 6);
+    for (int i = 0; i < s.chain.n_masses; i++)
+        s.arm.chain.mass[i].kg *= 1 + mass_error * mukca_random_normal(&random);
     record(&data, &s);
     diagnose(&s, &data, NULL);
     const mukca_diagnosed result = {.diagnosis = diagnosis, .chain = &s.chain, .data = &data};
@@ -349,7 +344,7 @@ static void the_table_says_what_was_diagnosed(void **state)
     check_table("zero_jump:joint_3/left=1.5e-3", false, 0);
     check_table("ball_shift:right=1e-3", false, 0);
     check_table("readback_lag=2e-3", false, 0);
-    check_table("axis_wobble:joint_2@12=1.5e-3", false, 0);
+    check_table("axis_wobble:joint_2@turning2=1.5e-3", false, 0);
 }
 
 int main(void)

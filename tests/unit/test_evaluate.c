@@ -4,9 +4,7 @@
 #include <string.h>
 
 #include "close.h"
-#include "fit/cross_training.h"
-#include "math/random.h"
-#include "model/dataset_subset.h"
+#include "fit/evaluate.h"
 
 /* Three sliding joints along x, y, z, one turning about z, a fixed tip on its axis. */
 static void make_gantry(mukca_chain *chain)
@@ -91,81 +89,6 @@ TEST(test_by_hand)
     model.n_effects = 1;
     assert_int_equal(mukca_evaluate(scores, NULL, &model, &data), 3);
     assert_close(scores[0].mae, 0.0055, 1e-15);
-    mukca_dataset_free(&data);
-}
-
-enum { FITS = 6 };
-
-typedef struct {
-    mukca_cross_training result[FITS];
-    mukca_score scores[FITS][4];
-    int n, stop;
-} trainings;
-
-static bool keep_training(void *context, const mukca_cross_training *result, double share)
-{
-    trainings *t = context;
-    assert_true(t->n < FITS && share > 0 && share <= 1);
-    t->result[t->n] = *result;
-    memcpy(t->scores[t->n++], result->scores, (size_t)result->n * sizeof *result->scores);
-    return t->n != t->stop;
-}
-
-/* What was not trained on has no part in the fit, and all of it is scored. */
-TEST(test_trained)
-{
-    mukca_chain chain;
-    mukca_dataset data, parts[2], none = {0};
-    mukca_random random;
-    mukca_error error;
-    mukca_fit fit;
-    double q[40][4];
-    int socket[40];
-    unsigned char keep[2][40];
-    mukca_score again[4];
-    trainings found = {.n = 0};
-    make_gantry(&chain);
-    mukca_random_seed(&random, 41);
-    for (int i = 0; i < 40; i++) {
-        socket[i] = i % 4;
-        keep[0][i] = socket[i] < 2, keep[1][i] = socket[i] >= 2;
-        for (int j = 0; j < 4; j++)
-            q[i][j] = 0.3 * socket[i] + (j < 3 ? 1e-3 : 1) * mukca_random_normal(&random);
-    }
-    make_data(&data, (const double(*)[4])q, socket, 40);
-    data.n_placements = 2; /* the empty one in the middle goes */
-    data.sockets[2].placement = data.sockets[3].placement = 1;
-    snprintf(data.placements[0].name, sizeof data.placements[0].name, "a");
-    snprintf(data.placements[1].name, sizeof data.placements[1].name, "b");
-    for (int k = 0; k < 2; k++)
-        assert_int_equal(mukca_dataset_subset(&parts[k], &data, keep[k], NULL), MUKCA_OK);
-    assert_int_equal(
-        mukca_cross_training_run(&chain, &data, &parts[0], keep_training, &found, NULL), MUKCA_OK);
-    assert_int_equal(found.n, 3);
-    assert_string_equal(found.result[0].name, "a");
-    assert_string_equal(found.result[1].name, "b");
-    assert_string_equal(found.result[2].name, "all");
-    assert_int_equal(found.result[2].placements, 2);
-    for (int k = 0; k < 2; k++) {
-        assert_int_equal(mukca_fit_run(&fit, &chain, &parts[k], NULL, NULL), MUKCA_OK);
-        const mukca_model model = {.chain = &chain, .theta = fit.theta};
-        assert_int_equal(mukca_evaluate(again, NULL, &model, &data), 2);
-        for (int i = 0; i < 2; i++) assert_close(found.scores[k][i].mae, again[i].mae, 1e-15);
-        const double other = again[1 - k].mae, test = again[0].mae; /* the test data are a's */
-        assert_close(found.result[k].mean, (other + test) / 2, 1e-15);
-        assert_close(found.result[k].low, fmin(other, test), 1e-15);
-        assert_close(found.result[k].high, fmax(other, test), 1e-15);
-        mukca_fit_free(&fit);
-    }
-    found = (trainings){.stop = 2};
-    assert_int_equal(mukca_cross_training_run(&chain, &data, &none, keep_training, &found, &error),
-                     MUKCA_INTERRUPTED);
-    assert_int_equal(found.n, 2);
-    found = (trainings){.n = 0};
-    assert_int_equal(mukca_cross_training_run(&chain, &data, &none, keep_training, &found, NULL),
-                     MUKCA_OK);
-    assert_true(isnan(found.result[2].mean)); /* nothing left to test on */
-    for (int k = 0; k < 2; k++) mukca_dataset_free(&parts[k]);
     mukca_dataset_free(&data);
 }
 

@@ -8,7 +8,7 @@
 #include "math/random.h"
 #include "recalibrate/recalibrate.h"
 #include "scratch.h"
-#include "simulate/recipe.h"
+#include "simulate/simulate.h"
 
 enum { MAX_ROWS = 2000 };
 
@@ -55,14 +55,25 @@ static void build_truth(double scale)
     for (int j = 0; j < 7; j++) zeros[j] = scale * gen3_dq[j];
 }
 
-static void record(memory_log *log, mukca_recipe_kind kind)
+enum { SWEEPS, RASTER }; /* one joint after the other, the others at 0; random postures */
+
+static void record(memory_log *log, int kind)
 {
     static double q[MAX_ROWS * 7];
-    mukca_error error;
+    mukca_random random;
     mukca_geometry geometry;
     mukca_geometry_set(&geometry, &truth, NULL);
-    assert_int_equal(mukca_recipe_rows(q, kind, &nominal, &error), MUKCA_OK);
-    log->n = mukca_recipe_table[kind].rows;
+    mukca_random_seed(&random, 1);
+    memset(q, 0, sizeof q);
+    log->n = kind == SWEEPS ? 7 * 277 : 165;
+    for (int i = 0; i < log->n; i++) {
+        const int j = i / 277, at = i % 277; /* from 0 to the upper end, then to the lower end */
+        const double reach = j % 2 ? M_PI / 2 : M_PI, x = 3.0 * at / 277;
+        if (kind == SWEEPS)
+            q[7 * i + j] = reach * (x < 1 ? x : 2 - x);
+        else
+            mukca_simulate_posture(q + 7 * i, &nominal, &random);
+    }
     for (int i = 0; i < log->n; i++) {
         mukca_pose_row *row = &log->row[i];
         double moved[7];
@@ -114,8 +125,8 @@ static void test_paper(void **state)
     (void)state;
     mukca_error error;
     build_truth(1);
-    record(&train, MUKCA_RECIPE_SWEEPS);
-    record(&test, MUKCA_RECIPE_RASTER);
+    record(&train, SWEEPS);
+    record(&test, RASTER);
     assert_int_equal(run(NULL, &error), MUKCA_OK);
     /* The paper: 9.1 +- 2.7 mm, at most 19.4 */
     assert_close(result.errors[MUKCA_BEFORE].position.mean, 9.1e-3, 0.5e-3);
@@ -151,8 +162,8 @@ static void test_joint_solution(void **state)
     mukca_error error;
     const mukca_recalibrate_options options = {.iterate = true, .joint = true};
     build_truth(1);
-    record(&train, MUKCA_RECIPE_SWEEPS);
-    record(&test, MUKCA_RECIPE_RASTER);
+    record(&train, SWEEPS);
+    record(&test, RASTER);
     assert_int_equal(run(&options, &error), MUKCA_OK);
     assert_close(errors[MUKCA_WITH_BOTH].position.max, 0, 2e-9);
     assert_close(errors[MUKCA_WITH_BOTH].rotation.max, 0, 2e-9);
@@ -186,7 +197,7 @@ static void test_noise(void **state)
     mukca_error error;
     mukca_oracle oracle;
     build_truth(1);
-    record(&train, MUKCA_RECIPE_SWEEPS);
+    record(&train, SWEEPS);
     add_noise(&train, 1e-4, 2e-4, 3);
     test.n = 0;
     const mukca_recalibrate_options options = {.iterate = true};
@@ -211,7 +222,7 @@ static void test_noise(void **state)
     assert_true(plain > 2e-4);
 
     build_truth(0); /* poses that only repeat the nominal model */
-    record(&train, MUKCA_RECIPE_SWEEPS);
+    record(&train, SWEEPS);
     add_noise(&train, 1e-4, 2e-4, 4);
     assert_int_equal(run(NULL, &error), MUKCA_OK);
     mukca_recalibrate_oracle(&oracle, &result);
@@ -276,7 +287,7 @@ static void test_frames(void **state)
     mukca_frame base, tool = {{0}, {0, 0, 0}}, T, M;
     const double w[3] = {0.2, -0.4, 2.0}, v[3] = {0.1, 0.2, 0.3};
     build_truth(1);
-    record(&train, MUKCA_RECIPE_RASTER);
+    record(&train, RASTER);
     test.n = 0;
     mukca_rotation_exp(base.R, w);
     mukca_rotation_exp(tool.R, v);
@@ -303,7 +314,7 @@ static void test_frames(void **state)
     assert_close(result.errors[MUKCA_WITH_BOTH].rotation.max, 0, 1e-8);
 
     /* Positions of the tip, orientations of a link before it. */
-    record(&train, MUKCA_RECIPE_RASTER);
+    record(&train, RASTER);
     for (int i = 0; i < train.n; i++) {
         const double half_turn[9] = {1, 0, 0, 0, -1, 0, 0, 0, -1}; /* the tip's fixed turn */
         mukca_rotation_from_quaternion(T.R, train.row[i].quaternion);
@@ -327,14 +338,14 @@ static void test_bad_input(void **state)
     mukca_pose_log log = as_log(&train);
     build_truth(1);
     test.n = 0;
-    record(&train, MUKCA_RECIPE_RASTER);
+    record(&train, RASTER);
     for (int i = 0; i < train.n; i++)
         memcpy(train.row[i].position,
                (i * 2 < train.n ? &train.row[train.n - 1 - i] : &train.row[i])->position,
                sizeof train.row[i].position);
     train.n /= 2;
     assert_int_equal(check_log(&check, &log, false, &error), MUKCA_INPUT);
-    record(&train, MUKCA_RECIPE_RASTER);
+    record(&train, RASTER);
     train.row[9].q[2] = (double)NAN;
     assert_int_equal(run(NULL, &error), MUKCA_INPUT);
 }
@@ -372,7 +383,7 @@ static void test_text_once(void **state)
     static char text[MAX_ROWS * 160];
     (void)state;
     build_truth(1);
-    record(&train, MUKCA_RECIPE_SWEEPS);
+    record(&train, SWEEPS);
     size_t used = 0;
     for (int j = 0; j < 7; j++)
         used +=

@@ -4,7 +4,7 @@
 
 #include "model/dataset_subset.h"
 #include "scene.h"
-#include "simulate/replicate.h"
+#include "simulate/simulate.h"
 
 typedef struct {
     scene s;

@@ -19,7 +19,8 @@ static const char everything[] =
     "joint_compliance:joint_2=2e-5,link_bending:joint_3=1e-5,base_compliance=5e-6,"
     "backlash:joint_4@300=1e-3,approach_hysteresis:joint_1=1e-3,joint_scale:joint_2=1e-3,"
     "joint_coupling:joint_5@-1=1e-3,encoder_eccentricity:joint_3=1e-3,"
-    "gear_harmonic:joint_4@240=5e-4,axis_wobble:joint_2@12=1e-3,axis_wobble:joint_3@103=1e-3,"
+    "gear_harmonic:joint_4@240=5e-4,axis_wobble:joint_2@turning2=1e-3,axis_wobble:joint_3@cone+3="
+    "1e-3,"
     "joint_drift:joint_1@300=1e-3,joint_drift:joint_6=2e-3,readback_lag=1e-3,"
     "zero_jump:joint_3/left=1e-3,ball_shift:high=1e-3,socket_distance=1e-3";
 
@@ -257,13 +258,7 @@ static void test_columns(void **state)
     scene s;
     mukca_dataset data;
     set_scene(&s, "readback_lag=1e-3", 6);
-    double theta[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS], heavier = 0;
-    mukca_chain_theta(theta, &s.chain);
-    s.arm.n_effects = 0;
-    mukca_simulate_arm(&s.arm, &s.chain, theta, 0.1, 6);
-    for (int k = 0; k < s.chain.n_masses; k++)
-        heavier += fabs(s.arm.chain.mass[k].kg / s.chain.mass[k].kg - 1) / s.chain.n_masses;
-    assert_true(heavier > 0.02 && heavier < 0.2);
+    for (int k = 0; k < s.chain.n_masses; k++) s.arm.chain.mass[k].kg *= 1.1;
     s.arm.effects[0] = s.hidden.effects[0];
     s.arm.n_effects = 1;
     s.how.effort = s.how.command = true;

@@ -25,7 +25,7 @@ static void test_diagnosed(void **state)
         {"joint_coupling:joint_4@+1=1.5e-3", MUKCA_EFFECT_JOINT_COUPLING, 3, -1, 1.5e-3},
         {"encoder_eccentricity:joint_3=1.5e-3", MUKCA_EFFECT_ENCODER_ECCENTRICITY, 2, -1, 1.5e-3},
         {"gear_harmonic:joint_4@160=1e-3", MUKCA_EFFECT_GEAR_HARMONIC, 3, -1, 1e-3},
-        {"axis_wobble:joint_2@12=1.5e-3", MUKCA_EFFECT_AXIS_WOBBLE, 1, -1, 1.5e-3},
+        {"axis_wobble:joint_2@turning2=1.5e-3", MUKCA_EFFECT_AXIS_WOBBLE, 1, -1, 1.5e-3},
         {"joint_drift:joint_2@300=2e-3", MUKCA_EFFECT_JOINT_DRIFT, 1, -1, 2e-3},
         {"readback_lag=2e-3", MUKCA_EFFECT_READBACK_LAG, -1, -1, 2e-3},
         {"tool_motion:left/1@14=1.2e-3", MUKCA_EFFECT_TOOL_MOTION, -1, 1, 1.2e-3},

@@ -66,34 +66,22 @@ static void sockets_of(mukca_plan_socket sockets[2], const mukca_place *place, i
     }
 }
 
-/* Append the rows of a plan, as recorded by the true arm, to those of `base`; sockets by label.
- * With `added`, the plan's last placement is new. */
+/* Append the rows of a plan, as recorded by the true arm, to those of `base`; sockets by label. */
 static void extend(mukca_dataset *out, const mukca_dataset *base, const mukca_plan *plan,
                    const mukca_plan_socket *sockets, mukca_true_arm *arm, const mukca_place *places,
-                   bool keep, bool added, mukca_random *random)
+                   bool keep, mukca_random *random)
 {
     mukca_error error;
-    const int n = base->n_joints, old = keep ? base->n_rows : 0, more = added ? 1 : 0;
-    if (mukca_dataset_create(out, old + plan->n_rows, n, base->n_sockets + 2 * more,
-                             base->n_placements + more, &error))
+    const int n = base->n_joints, old = keep ? base->n_rows : 0;
+    if (mukca_dataset_create(out, old + plan->n_rows, n, base->n_sockets, base->n_placements,
+                             &error))
         fail(error.text);
     memcpy(out->sockets, base->sockets, (size_t)base->n_sockets * sizeof *out->sockets);
     memcpy(out->placements, base->placements, (size_t)base->n_placements * sizeof *out->placements);
-    out->distances = calloc((size_t)(base->n_distances + more), sizeof *out->distances);
+    out->distances = calloc((size_t)base->n_distances, sizeof *out->distances);
     if (!out->distances) fail("out of memory");
     memcpy(out->distances, base->distances, (size_t)base->n_distances * sizeof *out->distances);
-    out->n_distances = base->n_distances + more;
-    if (added) {
-        mukca_socket *s = &out->sockets[base->n_sockets];
-        snprintf(out->placements[base->n_placements].name, MUKCA_NAME_SIZE, "%s",
-                 places[base->n_placements].name);
-        for (int k = 0; k < 2; k++) {
-            s[k].placement = base->n_placements;
-            snprintf(s[k].label, sizeof s[k].label, "%d", k);
-        }
-        out->distances[base->n_distances] =
-            (mukca_distance){base->n_sockets, base->n_sockets + 1, apart};
-    }
+    out->n_distances = base->n_distances;
     /* rows grouped by socket, as in a session */
     int row = 0;
     for (int k = 0; k < out->n_sockets; k++) {
@@ -150,37 +138,34 @@ static void follow(mukca_dataset *data, mukca_true_arm *arm, mukca_place *place,
                                           .n_sockets = 2},
                        &options, &error))
         fail(error.text);
-    extend(data, like, &plan, sockets, arm, place, false, false, random);
+    extend(data, like, &plan, sockets, arm, place, false, random);
     mukca_plan_free(&plan);
 }
 
 static void accuracy(int arms)
 {
-    enum { RANDOM, SWEEP, SAME_PLACE, OWN_PLACE, WAYS };
+    enum { RANDOM, SWEEP, SAME_PLACE, WAYS };
     double sums[WAYS] = {0};
     int wins[WAYS] = {0};
     printf(
         "# Held-out error on %d other places, mm (rows per socket in brackets; noise %.2g mm per "
         "axis)\n"
-        "arm\trobot\trandom[%d]\tsweep[%d]\tplanned, same place[%d]\tplanned, suggested "
-        "place[%d]\n",
-        PLACES - 1, noise * 1e3, RANDOM_ROWS, RANDOM_ROWS, PLANNED_ROWS, PLANNED_ROWS);
+        "arm\trobot\trandom[%d]\tsweep[%d]\tplanned[%d]\n",
+        PLACES - 1, noise * 1e3, RANDOM_ROWS, RANDOM_ROWS, PLANNED_ROWS);
     for (int a = 0; a < arms; a++) {
         static mukca_chain chain;
         static mukca_true_arm arm;
         const uint64_t seed = 1000 + (uint64_t)a;
         double theta[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS], errors[WAYS];
-        mukca_place places[PLACES] = {{.placed = false}}, own = {.name = "p0", .placed = true};
+        mukca_place places[PLACES] = {{.placed = false}};
         mukca_dataset sets[WAYS], test;
-        mukca_plan_place suggested;
         mukca_error error;
         mukca_random random;
-        int found;
         if (mukca_urdf_load(&chain, urdfs[a % 2], NULL, NULL, NULL, &error)) fail(error.text);
         mukca_random_seed(&random, seed);
         mukca_chain_theta(theta, &chain);
         mukca_simulate_perturb(theta, NULL, &chain, 2e-3, 3e-3, seed);
-        mukca_simulate_arm(&arm, &chain, theta, 0, seed);
+        mukca_simulate_arm(&arm, &chain, theta);
         for (int p = 0; p < PLACES; p++) snprintf(places[p].name, sizeof places[p].name, "p%d", p);
         mukca_simulate_options recording = {.rows = RANDOM_ROWS, .noise = noise, .seed = seed};
         if (mukca_simulate_places(places, PLACES, &chain, apart, seed, &error) ||
@@ -207,15 +192,6 @@ static void accuracy(int arms)
                                    &error))
             fail(error.text);
         follow(&sets[SAME_PLACE], &arm, &places[0], 2 * PLANNED_ROWS, &sets[RANDOM], &random);
-        const mukca_plan_options anywhere = {.rows = 2 * PLANNED_ROWS, .noise = noise};
-        if (mukca_plan_places(
-                &suggested, &found, 1,
-                &(mukca_plan_task){.chain = &chain, .theta = NULL, .data = NULL, .distance = apart},
-                &anywhere, &error))
-            fail(error.text);
-        memcpy(own.pose.p, suggested.centre, sizeof own.pose.p);
-        mukca_rotation_from_rpy(own.pose.R, (double[3]){0, 0, suggested.yaw});
-        follow(&sets[OWN_PLACE], &arm, &own, 2 * PLANNED_ROWS, &sets[RANDOM], &random);
         printf("%d\t%s", a + 1, chain.robot);
         for (int w = 0; w < WAYS; w++) {
             errors[w] = held_out(&chain, &sets[w], &test);
@@ -263,43 +239,10 @@ static bool same(const mukca_effect *a, const mukca_effect *b)
 
 /* Outcomes of tied cases with further rows. */
 typedef struct {
-    int right, tied, other, promised, promised_right, moved;
+    int right, tied, other, promised, promised_right;
 } outcome;
 
-enum { HERE, ADVISED, RANDOM_TEN, TIE_WAYS };
-
-/* Plan with the best additional placement beside the n sockets, if it is more informative. */
-static bool plan_elsewhere(mukca_plan *plan, mukca_plan_socket *sockets, int n,
-                           const mukca_true_arm *arm, const double *theta,
-                           const mukca_dataset *data, mukca_place *place,
-                           const mukca_plan_options *options)
-{
-    mukca_plan_place best;
-    mukca_error error;
-    int found = 0;
-    if (mukca_plan_places(
-            &best, &found, 1,
-            &(mukca_plan_task){
-                .chain = &arm->chain, .theta = theta, .data = data, .distance = apart},
-            options, &error) ||
-        found < 1 || !(best.evidence > plan->evidence_after))
-        return false;
-    snprintf(place->name, sizeof place->name, "other");
-    place->placed = true;
-    memcpy(place->pose.p, best.centre, sizeof place->pose.p);
-    mukca_rotation_from_rpy(place->pose.R, (double[3]){0, 0, best.yaw});
-    sockets_of(sockets + n, place, data->n_placements);
-    mukca_plan_free(plan);
-    if (mukca_plan_run(plan,
-                       &(mukca_plan_task){.chain = &arm->chain,
-                                          .theta = theta,
-                                          .data = data,
-                                          .sockets = sockets,
-                                          .n_sockets = n + 2},
-                       options, &error))
-        fail(error.text);
-    return true;
-}
+enum { PLANNED_TEN, RANDOM_TEN, TIE_WAYS };
 
 /* Replace the rows of the plan by random ones. */
 static void shuffle(mukca_plan *plan, const mukca_plan_socket *sockets, int n,
@@ -345,7 +288,6 @@ static const char *settle(outcome *sum, int way, const mukca_diagnosis *before,
     mukca_dataset more;
     mukca_error error;
     mukca_random random;
-    bool added = false;
     mukca_random_seed(&random, seed + 31);
     mukca_next_poses_tie(rivals, before);
     mukca_geometry_theta(theta, &arm->chain, &before->geometry);
@@ -360,11 +302,8 @@ static const char *settle(outcome *sum, int way, const mukca_diagnosis *before,
                                           .n_sockets = n},
                        &options, &error))
         fail(error.text);
-    if (way == ADVISED && plan.evidence_after < MUKCA_PLAN_NAME)
-        added = plan_elsewhere(&plan, sockets, n, arm, theta, data, &places[data->n_placements],
-                               &options);
     if (way == RANDOM_TEN) shuffle(&plan, sockets, n, arm, places, data->n_placements, seed);
-    extend(&more, data, &plan, sockets, arm, places, true, added, &random);
+    extend(&more, data, &plan, sockets, arm, places, true, &random);
     if (mukca_diagnose(&after, &arm->chain, &more, &quick, &error)) fail(error.text);
     const bool right = after.verdict == MUKCA_VERDICT_NAMED && after.n_causes == 1 &&
                        same(&after.causes[0].effect, &arm->effects[0]);
@@ -375,7 +314,6 @@ static const char *settle(outcome *sum, int way, const mukca_diagnosis *before,
     sum->other += after.verdict != MUKCA_VERDICT_TIED && !right;
     sum->promised += promised;
     sum->promised_right += promised && right;
-    sum->moved += added;
     mukca_plan_free(&plan);
     mukca_dataset_free(&more);
     mukca_diagnosis_free(&after);
@@ -388,7 +326,6 @@ static void print_outcome(const char *what, const outcome *o, int n)
            100.0 * o->right / n, o->tied, o->other);
     if (o->promised > 0)
         printf("; %d of the %d where the plan promised it", o->promised_right, o->promised);
-    if (o->moved > 0) printf("; %d in another place", o->moved);
     printf("\n");
 }
 
@@ -400,7 +337,7 @@ static void ties(int wanted, bool sweep)
     static mukca_diagnosis before;
     outcome sums[TIE_WAYS] = {{0}};
     int found = 0, within = 0, tried = 0;
-    printf("case\trobot\ttruth\tjoint\trows\tten_planned_here\tten_as_advised\tten_random\n");
+    printf("case\trobot\ttruth\tjoint\trows\tten_planned\tten_random\n");
     for (uint64_t seed = 1; found < wanted && seed < 100000; seed++) {
         double theta[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS];
         mukca_place places[5] = {{.placed = false}};
@@ -411,7 +348,7 @@ static void ties(int wanted, bool sweep)
         mukca_random_seed(&random, seed);
         mukca_chain_theta(theta, &chain);
         mukca_simulate_perturb(theta, NULL, &chain, 2e-3, 3e-3, seed);
-        mukca_simulate_arm(&arm, &chain, theta, 0, seed);
+        mukca_simulate_arm(&arm, &chain, theta);
         arm.effects[0] = draw_effect(&chain, &random);
         arm.n_effects = 1;
         const int n_places = 2 + mukca_random_below(&random, 3);
@@ -444,9 +381,9 @@ static void ties(int wanted, bool sweep)
             within += listed;
             for (int way = 0; way < TIE_WAYS; way++)
                 verdict[way] = settle(&sums[way], way, &before, &data, &arm, places, seed);
-            printf("%d\t%s\t%s\t%d\t%d\t%s\t%s\t%s\n", found, chain.robot,
+            printf("%d\t%s\t%s\t%d\t%d\t%s\t%s\n", found, chain.robot,
                    mukca_effect_table[arm.effects[0].kind]->name, arm.effects[0].joint + 1,
-                   data.n_rows, verdict[HERE], verdict[ADVISED], verdict[RANDOM_TEN]);
+                   data.n_rows, verdict[PLANNED_TEN], verdict[RANDOM_TEN]);
             fflush(stdout);
         }
         mukca_diagnosis_free(&before);
@@ -454,9 +391,7 @@ static void ties(int wanted, bool sweep)
     }
     if (found == 0) return;
     printf("%d sessions, %d of them tied, the truth among the ties in %d\n", tried, found, within);
-    print_outcome("10 planned rows more in the same sockets", &sums[HERE], found);
-    print_outcome("10 planned rows more, in another place where the plan advises it",
-                  &sums[ADVISED], found);
+    print_outcome("10 planned rows more in the same sockets", &sums[PLANNED_TEN], found);
     print_outcome("10 random rows more in the same sockets", &sums[RANDOM_TEN], found);
 }
 

@@ -21,7 +21,6 @@ expect "a plan is a session file" "$MUKCA" evaluate -q --urdf "$demo/arm.urdf" p
 expect "its rows sit in the sockets" awk -F '\t' 'NR == 2 && $4 < 1e-6 && $8 < 1e-6 {good = 1} END {exit !good}' planned.tsv
 answer "Bayes factor [0-9.]* before" plan --urdf "$demo/arm.urdf" "$demo/train.tsv" --rows 4 \
     --separate joint_compliance:joint_4=3e-5,link_bending:joint_3=2e-5 -o separated.tsv
-answer "2\. .* m, yaw .* rad; .* expected error" plan --urdf "$demo/arm.urdf" --suggest 2 --rows 6 -o places.tsv
 run plan -q --urdf "$demo/arm.urdf" --place front=0.45,0,0.05 --rows 2 --json -
 expect "plan --json - prints JSON alone" sh -c "grep -q '\"schema\": *\"mukca.plan/1\"' '$scratch/out' && ! grep -q '^#' '$scratch/out'"
 expect "its JSON has the time taken, and counts as whole numbers" sh -c \

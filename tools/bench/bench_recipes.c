@@ -1,16 +1,27 @@
-/* Joint angles of the experiments of Kana et al. (2022). */
-#include "simulate/recipe.h"
-
+/* Joint angles of the experiments of Kana et al. (2022), for `mukca simulate --at`.
+ *
+ * usage: bench_recipes URDF sweeps|raster|targeted|targeted-test
+ */
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "arm/inverse.h"
+#include "io/urdf.h"
 
-const mukca_recipe_info mukca_recipe_table[MUKCA_RECIPE_COUNT] = {
-#define RECIPE_ROW(kind, name, rows, sentence) {name, rows, sentence},
-    MUKCA_RECIPE_LIST(RECIPE_ROW)
-#undef RECIPE_ROW
-};
+/* name, rows.  After Kana et al., Sensors 2022, 22, 2295. */
+enum { SWEEPS, RASTER, TARGETED, TARGETED_TEST, RECIPES };
+static const struct {
+    const char *name;
+    int rows;
+} recipes[RECIPES] = {
+    /* one joint at a time, the others at zero: 0 to pi to -pi for odd joints, half of it for even
+     */
+    {"sweeps", 1940},
+    {"raster", 165},        /* the first two quadrants of the base, tool downwards */
+    {"targeted", 58},       /* points of a small work volume, tool downwards */
+    {"targeted-test", 20}}; /* other points of the same volume */
 
 static const double pi = 3.14159265358979323846;
 
@@ -55,15 +66,15 @@ static double halton(int index, int base)
 }
 
 /* Point i of a recipe, in units of the arm's reach. */
-static void point_of(double p[3], mukca_recipe_kind kind, int i)
+static void point_of(double p[3], int kind, int i)
 {
-    if (kind == MUKCA_RECIPE_RASTER) {
+    if (kind == RASTER) {
         const int row = i / 11 % 5, layer = i / 55, column = row % 2 ? 10 - i % 11 : i % 11;
         p[0] = -0.40 + 0.08 * column;
         p[1] = 0.28 + 0.05 * row;
         p[2] = 0.20 + 0.10 * layer;
     } else {
-        const int k = 1 + i + (kind == MUKCA_RECIPE_TARGETED_TEST ? 58 : 0);
+        const int k = 1 + i + (kind == TARGETED_TEST ? 58 : 0);
         p[0] = 0.10 + 0.30 * halton(k, 2);
         p[1] = 0.25 + 0.25 * halton(k, 3);
         p[2] = 0.15 + 0.25 * halton(k, 5);
@@ -87,8 +98,7 @@ static void posture_of(double *q, int which, const double target[3], const mukca
     q[0] = first;
 }
 
-static mukca_status points(double *q, int rows, mukca_recipe_kind kind, const mukca_chain *chain,
-                           mukca_error *error)
+static bool points(double *q, int rows, int kind, const mukca_chain *chain)
 {
     const int n = chain->n_joints;
     double reach = 0;
@@ -108,20 +118,27 @@ static mukca_status points(double *q, int rows, mukca_recipe_kind kind, const mu
             memcpy(row, start < 0 ? row - n : posture, (size_t)n * sizeof *q);
             reached = mukca_inverse_solve(row, chain, &geometry, &target, n >= 6, &options).reached;
         }
-        if (!reached)
-            return mukca_fail(error, MUKCA_INPUT,
-                              "recipe '%s': the arm does not reach point %d (%.2f, %.2f, %.2f) m",
-                              mukca_recipe_table[kind].name, i + 1, target.p[0], target.p[1],
-                              target.p[2]);
+        if (!reached) return false;
     }
-    return MUKCA_OK;
+    return true;
 }
 
-mukca_status mukca_recipe_rows(double *q, mukca_recipe_kind kind, const mukca_chain *chain,
-                               mukca_error *error)
+int main(int argc, char **argv)
 {
-    const int rows = mukca_recipe_table[kind].rows;
-    if (kind != MUKCA_RECIPE_SWEEPS) return points(q, rows, kind, chain, error);
-    sweeps(q, rows, chain);
-    return MUKCA_OK;
+    static mukca_chain chain;
+    mukca_error error;
+    int kind = 0;
+    while (argc == 3 && kind < RECIPES && strcmp(recipes[kind].name, argv[2]) != 0) kind++;
+    if (argc != 3 || kind == RECIPES) return 2;
+    if (mukca_urdf_load(&chain, argv[1], NULL, NULL, NULL, &error) != MUKCA_OK) return 3;
+    const int rows = recipes[kind].rows, n = chain.n_joints;
+    double *q = calloc((size_t)(rows * n), sizeof *q);
+    if (!q) return 6;
+    if (kind == SWEEPS) sweeps(q, rows, &chain);
+    if (kind != SWEEPS && !points(q, rows, kind, &chain)) return 3;
+    for (int j = 0; j < n; j++)
+        printf("%s%c", mukca_chain_joint_name(&chain, j), j + 1 < n ? '\t' : '\n');
+    for (int i = 0; i < rows * n; i++) printf("%.17g%c", q[i], (i + 1) % n ? '\t' : '\n');
+    free(q);
+    return 0;
 }

@@ -1,0 +1,249 @@
+/* Result of a re-calibration: screen (verdict, the tables of the paper) and JSON
+ * (mukca.recalibrate/1). */
+#include <math.h>
+#include <string.h>
+
+#include "base/text.h"
+#include "cli/recalibrate.h"
+
+static const char *const stage_text[MUKCA_STAGES] = {"before", "angular offsets", "both"};
+static const char *const stage_key[MUKCA_STAGES] = {"before", "angles", "both"};
+
+/* Decrease from `before` to `after`, percent; 0 if `before` is 0. */
+static double removed_percent(double before, double after)
+{
+    return before > 0 ? 100 * (1 - after / before) : 0;
+}
+
+/* True if joint j never moves in the log: a range below 1 mrad (or mm) is noise of an encoder at
+ * rest. */
+static bool never_moved(const mukca_recalibration *f, int j)
+{
+    return f->highest[j] - f->lowest[j] < 1e-3;
+}
+
+/* One data set: the paper's position table, then its orientation table. */
+static void print_errors(cli_call *call, const char *title, const mukca_pose_errors *e,
+                         bool has_angles)
+{
+    cli_answer(call, "%s (%ld poses)\n", title, e[MUKCA_BEFORE].position.n);
+    cli_answer(call,
+               "  position, mm         max   mean +- std       |x|    |y|    |z|  removed, %%\n"
+               "                                                                 of max, mean\n");
+    for (int s = 0; s < MUKCA_STAGES; s++) {
+        const mukca_moments *p = &e[s].position;
+        if (s == MUKCA_WITH_ANGLES && !has_angles) continue;
+        cli_answer(call, "    %-15s %7.3f %6.3f +- %-6.3f %6.3f %6.3f %6.3f", stage_text[s],
+                   1e3 * p->max, 1e3 * p->mean, 1e3 * mukca_moments_std(p),
+                   1e3 * e[s].position_axis[0].mean, 1e3 * e[s].position_axis[1].mean,
+                   1e3 * e[s].position_axis[2].mean);
+        if (s != MUKCA_BEFORE)
+            cli_answer(call, " %6.1f %6.1f", removed_percent(e[MUKCA_BEFORE].position.max, p->max),
+                       removed_percent(e[MUKCA_BEFORE].position.mean, p->mean));
+        cli_answer(call, "\n");
+    }
+    if (e[MUKCA_BEFORE].rotation.n == 0) return;
+    cli_answer(call, "  orientation, mrad |ex|: max, mean +- std   |ey|                   |ez|\n");
+    for (int s = 0; s < MUKCA_STAGES; s += MUKCA_WITH_BOTH) {
+        cli_answer(call, "    %-8s", s == MUKCA_BEFORE ? "before" : "after");
+        for (int a = 0; a < 3; a++)
+            cli_answer(call, " %6.2f, %5.2f +-%5.2f", 1e3 * e[s].rotation_axis[a].max,
+                       1e3 * e[s].rotation_axis[a].mean,
+                       1e3 * mukca_moments_std(&e[s].rotation_axis[a]));
+        cli_answer(call, "\n");
+    }
+}
+
+static void print_unknowns(cli_call *call, const mukca_recalibration *f, const mukca_chain *arm)
+{
+    char text[MUKCA_UNKNOWN_TEXT];
+    cli_answer(call, "Offsets (rank %d of %d; *: identifiable only in combination, see --json)\n",
+               f->rank, f->n);
+    for (int u = 0; u < f->n; u++) {
+        mukca_unknown_text(text, &f->unknown[u], arm);
+        cli_answer(call, "    %-32s %+9.4f +- %-8.4f %s%s\n", text, 1e3 * f->value[u],
+                   1e3 * f->sigma[u], mukca_unknown_is_angle(f->unknown[u].kind) ? "mrad" : "mm",
+                   f->identifiable[u] ? "" : " *");
+    }
+}
+
+/* The largest identifiable offset of each kind: joint zeros, lengths of the arm, tool. */
+static void print_largest(cli_call *call, const mukca_recalibration *f, const mukca_chain *arm)
+{
+    char text[MUKCA_UNKNOWN_TEXT], words[400] = "";
+    mukca_text line = MUKCA_TEXT(words);
+    for (int kind = 0; kind < 3; kind++) {
+        int best = -1;
+        for (int u = 0; u < f->n; u++) {
+            const mukca_unknown *x = &f->unknown[u];
+            const int of = x->tool ? 2 : !mukca_unknown_is_angle(x->kind);
+            const bool larger = best < 0 || fabs(f->value[u]) > fabs(f->value[best]);
+            if (of == kind && larger && (f->identifiable[u] || x->tool)) best = u;
+        }
+        if (best < 0) continue;
+        mukca_unknown_text(text, &f->unknown[best], arm);
+        mukca_text_put(&line, "%s %s %+.3f %s", line.used ? "," : "; largest:", text,
+                       1e3 * f->value[best],
+                       mukca_unknown_is_angle(f->unknown[best].kind) ? "mrad" : "mm");
+    }
+    cli_answer_keyed(call, "Offsets", "%d of %d combinations identified%s", f->rank, f->n, words);
+}
+
+static void print_findings(cli_call *call, const cli_recalibrated *r, const mukca_acceptance *a)
+{
+    const mukca_recalibration *f = r->fit;
+    cli_answer(call, "%s: %ld measured poses\n", r->arm.robot, f->rows);
+    cli_answer_keyed(call, "Result",
+                     "the poses contain a calibration: median position error %.4f mm nominal, "
+                     "%.4f mm after the fit",
+                     1e3 * r->oracle.position_nominal, 1e3 * r->oracle.position_left);
+    if (!a->accepted) cli_answer_keyed(call, "", "Do not use this result: %s.", a->reason);
+    for (int j = 0; j < r->arm.n_joints; j++)
+        if (never_moved(f, j))
+            cli_answer_wrapped(call,
+                               "joint '%s' never moved: its zero offset is not identifiable; it is "
+                               "indistinguishable "
+                               "from the links before and after it",
+                               mukca_chain_joint_name(&r->arm, j));
+    if (f->lag_found)
+        cli_answer_wrapped(call,
+                           "Lag: the joint angles are %.4g %s older than the poses (%.0f standard "
+                           "errors); corrected",
+                           f->in_rows ? f->lag : 1e3 * f->lag, f->in_rows ? "rows" : "ms",
+                           f->lag_score);
+}
+
+void cli_recalibrate_print(cli_call *call, const cli_recalibrated *r, const mukca_acceptance *a)
+{
+    const char *output = call->common->output;
+    print_findings(call, r, a);
+    print_errors(call, "Training data", r->fit->errors, r->fit->has_angles);
+    if (r->tested) print_errors(call, "Test data", r->test, r->fit->has_angles);
+    print_largest(call, r->fit, &r->arm);
+    if (call->common->verbose) print_unknowns(call, r->fit, &r->arm);
+    if (output)
+        cli_answer_keyed(call, "Written", "%s%s", output,
+                         a->accepted ? "" : " (other commands refuse this table)");
+    else if (a->accepted)
+        cli_answer_keyed(call, "Next", "-o offsets.tsv saves the result; -v lists all offsets");
+}
+
+/* ---- JSON ---- */
+
+static json_t *moments_json(const mukca_moments *m, const char *suffix)
+{
+    json_t *object = json_object();
+    char key[16];
+    const double values[3] = {m->max, m->mean, mukca_moments_std(m)};
+    static const char *const names[3] = {"max", "mean", "std"};
+    for (int i = 0; i < 3; i++) {
+        snprintf(key, sizeof key, "%s_%s", names[i], suffix);
+        json_object_set_new(object, key, cli_json_real(values[i]));
+    }
+    return object;
+}
+
+static json_t *axes_json(const mukca_moments axis[3], const char *suffix)
+{
+    json_t *array = json_array();
+    for (int a = 0; a < 3; a++) json_array_append_new(array, moments_json(&axis[a], suffix));
+    return array;
+}
+
+static json_t *errors_json(const mukca_pose_errors *e, bool has_angles)
+{
+    json_t *position = json_object(), *orientation = json_object(), *percent = json_object();
+    for (int s = 0; s < MUKCA_STAGES; s++) {
+        if (s == MUKCA_WITH_ANGLES && !has_angles) continue;
+        json_t *object = moments_json(&e[s].position, "m");
+        json_object_set_new(object, "median_m",
+                            cli_json_real(mukca_histogram_median(&e[s].position_histogram)));
+        json_object_set_new(object, "axes", axes_json(e[s].position_axis, "m"));
+        json_object_set_new(position, stage_key[s], object);
+        if (s != MUKCA_BEFORE)
+            json_object_set_new(
+                percent, stage_key[s],
+                cli_json_numbers("max", removed_percent(e[0].position.max, e[s].position.max),
+                                 "mean", removed_percent(e[0].position.mean, e[s].position.mean)));
+        if (e[s].rotation.n == 0) continue;
+        object = moments_json(&e[s].rotation, "rad");
+        json_object_set_new(object, "median_rad",
+                            cli_json_real(mukca_histogram_median(&e[s].rotation_histogram)));
+        json_object_set_new(object, "axes", axes_json(e[s].rotation_axis, "rad"));
+        json_object_set_new(orientation, stage_key[s], object);
+    }
+    return json_pack("{s:I, s:o, s:o, s:o}", "rows", (json_int_t)e[0].position.n, "position",
+                     position, "orientation", orientation, "removed_percent", percent);
+}
+
+static json_t *unknowns_json(const mukca_recalibration *f, const mukca_chain *arm)
+{
+    char text[MUKCA_UNKNOWN_TEXT];
+    json_t *array = json_array();
+    for (int u = 0; u < f->n; u++) {
+        const int k = f->unknown[u].element, j = k < 0 ? -1 : arm->element[k].joint;
+        const bool zero = f->unknown[u].kind == MUKCA_UNKNOWN_ZERO;
+        mukca_unknown_text(text, &f->unknown[u], arm);
+        json_array_append_new(
+            array, json_pack("{s:s, s:o, s:o, s:s, s:o, s:b}", "name", text, "joint",
+                             cli_json_text(k < 0 ? NULL : arm->element[k].name), "value",
+                             cli_json_real(f->value[u]), "unit",
+                             mukca_unknown_is_angle(f->unknown[u].kind) ? "rad" : "m", "sigma",
+                             cli_json_real(f->sigma[u]), "identifiable",
+                             (int)(f->identifiable[u] && !(zero && never_moved(f, j)))));
+    }
+    return array;
+}
+
+static json_t *null_json(const mukca_recalibration *f, const mukca_chain *arm)
+{
+    char text[MUKCA_UNKNOWN_TEXT];
+    json_t *array = json_array();
+    for (int k = 0; k < f->n_null; k++) {
+        json_t *terms = json_array();
+        for (int u = 0; u < f->n; u++) {
+            if (f->null[k][u] == 0) continue;
+            mukca_unknown_text(text, &f->unknown[u], arm);
+            json_array_append_new(terms, json_pack("{s:s, s:o}", "name", text, "coefficient",
+                                                   cli_json_real(f->null[k][u])));
+        }
+        json_array_append_new(array, terms);
+    }
+    return array;
+}
+
+json_t *cli_recalibrate_json(const cli_call *call, const cli_recalibrated *r,
+                             const mukca_offsets *offsets, const mukca_chain *chain)
+{
+    const mukca_recalibration *f = r->fit;
+    const mukca_oracle *o = &r->oracle;
+    json_t *models =
+        json_pack("[{s:o, s:o, s:i, s:i, s:o, s:o, s:o, s:o, s:i}]", "train",
+                  errors_json(f->errors, f->has_angles), "test",
+                  r->tested ? errors_json(r->test, f->has_angles) : json_null(), "unknowns", f->n,
+                  "rank", f->rank, "offsets", unknowns_json(f, &r->arm), "not_identifiable",
+                  null_json(f, &r->arm), "base", cli_json_frame(&f->stage[MUKCA_WITH_BOTH].base),
+                  "tool", cli_json_frame(&f->stage[MUKCA_WITH_BOTH].tool), "passes", f->passes);
+    json_t *root =
+        json_pack("{s:s, s:s, s:{s:s, s:s, s:s}, s:I, s:I, s:{s:b, s:o, s:s, s:o}}", "schema",
+                  "mukca.recalibrate/1", "verdict", o->calibrated ? "calibrated" : "nominal",
+                  "frame", "position_link", r->arm.tip, "rotation_link",
+                  chain->element[r->check.rotation_element].child, "quaternion",
+                  r->check.order == MUKCA_QUATERNION_W_LAST ? "w last" : "w first", "rows",
+                  (json_int_t)f->rows, "orientations", (json_int_t)f->rotations, "lag", "found",
+                  (int)f->lag_found, "value", cli_json_real(f->lag), "unit",
+                  f->in_rows ? "row" : "s", "standard_errors", cli_json_real(f->lag_score));
+    if (!root) return NULL;
+    json_t *oracle = cli_json_numbers("tail", f->tail, "position_nominal_m", o->position_nominal,
+                                      "position_left_m", o->position_left, "position_systematic_m",
+                                      o->position_systematic, "rotation_nominal_rad",
+                                      o->rotation_nominal, "rotation_left_rad", o->rotation_left,
+                                      "rotation_systematic_rad", o->rotation_systematic);
+    json_object_set_new(oracle, "huber_weights", json_boolean(r->robust != r->fit));
+    json_object_set_new(root, "oracle", oracle);
+    json_object_set_new(root, "models", models);
+    json_object_set_new(root, "parameters", cli_json_offsets(offsets, chain));
+    json_object_set_new(root, "acceptance", cli_json_acceptance(&offsets->acceptance));
+    json_object_set_new(root, "elapsed_s", cli_json_real(cli_elapsed(call)));
+    return root;
+}
