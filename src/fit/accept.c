@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "fit/difference.h"
 #include "fit/frames.h"
 #include "fit/tip_error.h"
@@ -76,10 +77,26 @@ static bool judge_samples(mukca_acceptance *a, const mukca_accept_task *task,
     return false;
 }
 
-static void judge_tip(mukca_acceptance *a, const mukca_tip_error *tip)
+static void list_joints(char list[96], const unsigned char *which, const mukca_chain *chain)
+{
+    mukca_text text = {.at = list, .size = 96};
+    list[0] = '\0';
+    for (int j = 0; j < chain->n_joints; j++)
+        if (which[j])
+            mukca_text_put(&text, "%s%s", text.used ? ", " : "", mukca_chain_joint_name(chain, j));
+}
+
+static void judge_tip(mukca_acceptance *a, const mukca_tip_error *tip, const mukca_chain *chain)
 {
     const double *p = tip->probability;
-    if (!(p[MUKCA_HERE] >= sure && a->error_here_m < a->error_before_here_m))
+    char stuck[96];
+    list_joints(stuck, tip->stuck, chain);
+    if (stuck[0])
+        mukca_acceptance_refuse(a,
+                                "%s did not move, but the errors are those of a tip that turns "
+                                "about it; check the encoder and the column",
+                                stuck);
+    else if (!(p[MUKCA_HERE] >= sure && a->error_here_m < a->error_before_here_m))
         mukca_acceptance_refuse(a,
                                 "expected error of the tip %.3g mm, nominal %.3g mm, from %.0f "
                                 "different postures: no sure improvement; record more of them, and "
@@ -99,15 +116,6 @@ static void judge_tip(mukca_acceptance *a, const mukca_tip_error *tip)
                                 1e3 * a->tip_change_m, a->tip_change_sigma);
 }
 
-static void list_at_rest(mukca_acceptance *a, const mukca_tip_error *tip, const mukca_chain *chain)
-{
-    size_t used = 0;
-    for (int j = 0; j < chain->n_joints && used < sizeof a->at_rest; j++)
-        if (tip->at_rest[j])
-            used += (size_t)snprintf(a->at_rest + used, sizeof a->at_rest - used, "%s%s",
-                                     used ? ", " : "", mukca_chain_joint_name(chain, j));
-}
-
 mukca_status mukca_accept(mukca_offsets *table, const mukca_accept_task *task, mukca_error *error)
 {
     mukca_acceptance *a = &table->acceptance;
@@ -119,7 +127,7 @@ mukca_status mukca_accept(mukca_offsets *table, const mukca_accept_task *task, m
         status = mukca_difference_find(&held, task->before, task->after, task->held, error);
     if (status != MUKCA_OK) return status;
     a->given = a->accepted = true;
-    a->reason[0] = a->at_rest[0] = '\0';
+    a->reason[0] = '\0';
     a->error_nominal_m = held.postures ? held.before_m : (double)NAN;
     a->error_m = held.postures ? held.after_m : (double)NAN;
     a->error_sigma_m = held.sigma_m;
@@ -128,9 +136,9 @@ mukca_status mukca_accept(mukca_offsets *table, const mukca_accept_task *task, m
     a->error_before_here_m = tip.before_m[MUKCA_HERE];
     a->error_workspace_m = tip.after_m[MUKCA_ELSEWHERE];
     a->error_before_m = tip.before_m[MUKCA_ELSEWHERE];
-    list_at_rest(a, &tip, task->change.chain);
+    list_joints(a->at_rest, tip.at_rest, task->change.chain);
     const bool changes = changes_arm(table, &task->change);
-    if (judge_samples(a, task, &tip, changes) && changes) judge_tip(a, &tip);
+    if (judge_samples(a, task, &tip, changes) && changes) judge_tip(a, &tip, task->change.chain);
     return MUKCA_OK;
 }
 
