@@ -52,6 +52,7 @@ awk -F, -v OFS=, '/^#/ { next } !n++ { print $2, $3, $4, $5, $6, $7, $8, "x_m", 
 run diagnose "$dir/side.csv" --free-base -o "$dir/side.tsv" >"$dir/side.txt" 2>"$dir/said"
 run evaluate "$dir/side.csv" --offsets "$dir/side.tsv" --json "$dir/side.json" >"$dir/scores" 2>"$dir/said"
 ok "evaluate has base compliance in the arm's base" below "$(sed -n 's/^  "mae_m": \([0-9.e-]*\),.*/\1/p' "$dir/side.json")" 1e-4
+ok "and so has the largest change of the tip" below "$(sed -n 's/^# tip_change_m: //p' "$dir/side.tsv")" 0.03
 
 # ---- several targets
 for form in columns rows; do

@@ -3,7 +3,6 @@
 #include <string.h>
 
 #include "fit/arm_posterior.h"
-#include "fit/frames.h"
 #include "fit/part.h"
 #include "fit/posterior.h"
 #include "fit/selection.h"
@@ -94,7 +93,9 @@ static void remove_base(mukca_arm_posterior *p)
     const mukca_tip_change_task *task = p->task;
     p->chain = *task->chain;
     p->to = task->to->theta;
-    if (mukca_chain_remove_base(&p->chain)) p->to += MUKCA_PARAMETERS;
+    if (!task->base_frame) return;
+    mukca_chain_remove_first(&p->chain);
+    p->to += MUKCA_PARAMETERS;
 }
 
 mukca_status mukca_arm_posterior_create(mukca_arm_posterior *p, const mukca_tip_change_task *task,

@@ -5,7 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "fit/frames.h"
+#include "arm/tip_change.h"
+#include "fit/parameters.h"
 #include "model/dataset_subset.h"
 
 bool mukca_evaluate_tips(mukca_frame *tips, const mukca_model *model, const mukca_dataset *data)
@@ -18,8 +19,9 @@ bool mukca_evaluate_tips(mukca_frame *tips, const mukca_model *model, const mukc
     if (!arm) return false;
     *arm = *model->chain;
     mukca_geometry_set(&geometry, arm, model->theta);
-    const bool framed = mukca_chain_remove_base(arm);
+    const bool framed = !strcmp(arm->element[0].name, MUKCA_BASE_FRAME);
     if (framed) {
+        mukca_chain_remove_first(arm);
         base = geometry.origin[0];
         mukca_geometry_set(&geometry, arm, model->theta ? model->theta + MUKCA_PARAMETERS : NULL);
     }

@@ -37,16 +37,6 @@ mukca_status mukca_chain_with_frames(mukca_chain *out, const mukca_chain *chain,
     return MUKCA_OK;
 }
 
-bool mukca_chain_remove_base(mukca_chain *chain)
-{
-    if (strcmp(chain->element[0].name, MUKCA_BASE_FRAME) != 0) return false;
-    chain->n_elements--;
-    memmove(chain->element, chain->element + 1, (size_t)chain->n_elements * sizeof *chain->element);
-    for (int m = 0; m < chain->n_masses; m++) chain->mass[m].element--;
-    for (int j = 0; j < chain->n_joints; j++) chain->joint_element[j]--;
-    return true;
-}
-
 mukca_status mukca_frames_start(double *theta, const mukca_chain *chain, const mukca_dataset *data,
                                 bool base, bool tool, mukca_error *error)
 {

@@ -11,9 +11,6 @@
 mukca_status mukca_chain_with_frames(mukca_chain *out, const mukca_chain *chain, bool base,
                                      bool tool, mukca_error *error);
 
-/* Without the frame in front, if it has one: effects and gravity are of the arm's base. */
-bool mukca_chain_remove_base(mukca_chain *chain);
-
 /* Initial theta[6 * n_elements]: nominal, with the added frames aligned to the measured poses (with
  * several targets, to those of the first).  Errors: MUKCA_MEMORY. */
 mukca_status mukca_frames_start(double *theta, const mukca_chain *with_frames,
