@@ -5,7 +5,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "arm/compare_axes.h"
 #include "arm/tip_change.h"
 #include "math/dense.h"
 #include "math/stats.h"

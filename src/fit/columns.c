@@ -1,5 +1,5 @@
 /* Joint columns that determine less than they seem to. */
-#include "fit/columns.h"
+#include "fit/mismatch.h"
 
 #include <math.h>
 

@@ -5,7 +5,7 @@
 
 #include <sys/types.h>
 
-#include "fit/difference.h"
+#include "fit/accept.h"
 #include "io/offsets.h"
 #include "mukca/row_state.h"
 #include "record/recorder.h"

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "diagnose/condense.h"
-#include "fit/difference.h"
+#include "fit/accept.h"
 #include "fit/evaluate.h"
 #include "io/dataset_load.h"
 #include "record/server.h"
