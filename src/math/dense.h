@@ -46,4 +46,7 @@ void mukca_dense_reduce(double *N, int k, int n, int ld);
  * Memory and result do not depend on how the rows are blocked (to rounding). */
 void mukca_dense_qr_absorb(double *R, double *rss, double *A, int m, int n, int k);
 
+/* x[n] of least squares from R[n][n + 1]; 0 where nothing determines it. */
+void mukca_dense_qr_solve(double *x, const double *R, int n);
+
 #endif
