@@ -49,11 +49,6 @@ void mukca_rotation_from_quaternion(double R[9], const double q[4]);
  * unchanged if the points lie on one line. */
 void mukca_rotation_nearest(double R[9], const double H[9]);
 
-/* The pose that brings n points `from` nearest to the points `to`; `stride` numbers from one point
- * to the next. */
-void mukca_frame_nearest(mukca_frame *pose, const double *to, const double *from, int stride,
-                         int n);
-
 /* Two unit vectors e1, e2 with e1 x e2 = axis (unit), without a jump near +-z. */
 void mukca_rotation_transverse(double e1[3], double e2[3], const double axis[3]);
 
