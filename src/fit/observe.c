@@ -126,21 +126,19 @@ double mukca_observe_sum(mukca_observations *o, double *residual, const double *
     for (int v = 0; v < s->n_windows; v++) {
         mukca_sweep_open(s, v);
         const double *r = mukca_observe_window(residual, s);
-        for (int i = 0; i < s->rows; i++) {
-            double row = 0;
-            for (int a = 0; a < 3; a++) row += r[a * s->padded + i] * r[a * s->padded + i];
-            sum += share ? share[s->from + i] * row : row;
-        }
+        for (int i = 0; i < s->rows; i++)
+            for (int a = 0; a < 3; a++)
+                sum +=
+                    (share ? share[s->from + i] : 1) * r[a * s->padded + i] * r[a * s->padded + i];
     }
     return sum;
 }
 
 double mukca_observe_squares(double *pairs, mukca_observations *o, bool weighted)
 {
-    if (pairs) {
-        *pairs = 0;
-        for (int p = 0; p < o->n_pairs; p++) *pairs += o->pair_residual[p] * o->pair_residual[p];
-    }
+    if (pairs) *pairs = 0;
+    for (int p = 0; pairs && p < o->n_pairs; p++)
+        *pairs += o->pair_residual[p] * o->pair_residual[p];
     return mukca_observe_sum(o, o->residual, weighted ? o->share : NULL);
 }
 
