@@ -41,6 +41,15 @@ BEGIN { split("A .03 0 .02 B -.02 .03 .02 C 0 -.04 .05 D .05 .05 0", s, " ")
 run() { "$mukca" "$1" --urdf $urdf "${@:2}"; }
 below() { awk -v value="$1" -v most="$2" 'BEGIN { exit !(value + 0 > 0 && value < most) }'; }
 
+# ---- a tracker on its side: gravity and the base's tilt are of the arm's base
+"$mukca" simulate --urdf $urdf --poses 100 --seed 3 --effect base_compliance=4e-5 --noise 5e-5 -q -o "$dir/tilts.csv" --force
+awk -F, -v OFS=, '/^#/ { next } !n++ { print $2, $3, $4, $5, $6, $7, $8, "x_m", "y_m", "z_m"; next }
+    { print $2, $3, $4, $5, $6, $7, $8, $11 + 2, $9 - 1, $10 + 0.5 }' "$dir/tilts.csv" >"$dir/side.csv"
+run diagnose "$dir/side.csv" --free-base -o "$dir/side.tsv" >"$dir/side.txt" 2>"$dir/said"
+run evaluate "$dir/side.csv" --offsets "$dir/side.tsv" --json "$dir/side.json" >"$dir/scores" 2>"$dir/said"
+ok "evaluate has base compliance in the arm's base" below "$(sed -n 's/^  "mae_m": \([0-9.e-]*\),.*/\1/p' "$dir/side.json")" 1e-4
+ok "and so has the largest change of the tip" below "$(sed -n 's/^# tip_change_m: //p' "$dir/side.tsv")" 0.03
+
 # ---- several targets
 for form in columns rows; do
     run diagnose "$dir/$form.csv" --free-base --test "$dir/test.csv" -o "$dir/$form.tsv" --json "$dir/$form.json" \

@@ -5,7 +5,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "arm/compare_axes.h"
 #include "arm/tip_change.h"
 #include "math/dense.h"
 #include "math/stats.h"
@@ -19,30 +18,11 @@ static void align(mukca_frame *out, const mukca_comparison *c, const mukca_frame
     mukca_frame_multiply(out, out, &c->tool);
 }
 
-/* Start value of the base, from positions alone (Kabsch 1976). */
-static void start(mukca_comparison *c)
-{
-    double mean[2][3] = {{0}}, H[9] = {0}, turned[3];
-    for (int i = 0; i < MUKCA_COMPARED; i++)
-        for (int r = 0; r < 3; r++) {
-            mean[0][r] += c->tip[0][i].p[r] / MUKCA_COMPARED;
-            mean[1][r] += c->tip[1][i].p[r] / MUKCA_COMPARED;
-        }
-    for (int i = 0; i < MUKCA_COMPARED; i++)
-        for (int r = 0; r < 9; r++)
-            H[r] +=
-                (c->tip[1][i].p[r / 3] - mean[1][r / 3]) * (c->tip[0][i].p[r % 3] - mean[0][r % 3]);
-    c->base = c->tool = (mukca_frame){.R = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
-    mukca_rotation_nearest(c->base.R, H);
-    mukca_mat3_vec(turned, c->base.R, mean[1]);
-    for (int r = 0; r < 3; r++) c->base.p[r] = mean[0][r] - turned[r];
-}
-
 /* One Gauss-Newton step for the positions; returns its largest element. */
 static double refine(mukca_comparison *c)
 {
     enum { SIZE = FREE + 1 };
-    double R[FREE * SIZE] = {0}, x[FREE] = {0}, turn[9], turned[9], largest = 0;
+    double R[FREE * SIZE] = {0}, x[FREE], turn[9], turned[9], largest = 0;
     for (int i = 0; i < MUKCA_COMPARED; i++) {
         mukca_frame at;
         double rows[3 * SIZE] = {0}, lever[3], RB[9];
@@ -64,12 +44,8 @@ static double refine(mukca_comparison *c)
         row[a] = 1e-6;
         mukca_dense_qr_absorb(R, NULL, row, 1, FREE, 1);
     }
-    for (int i = FREE - 1; i >= 0; i--) {
-        double sum = R[i * SIZE + FREE];
-        for (int k = i + 1; k < FREE; k++) sum -= R[i * SIZE + k] * x[k];
-        x[i] = sum / R[i * SIZE + i];
-        largest = fmax(largest, fabs(x[i]));
-    }
+    mukca_dense_qr_solve(x, R, FREE);
+    for (int i = 0; i < FREE; i++) largest = fmax(largest, fabs(x[i]));
     mukca_rotation_exp(turn, x);
     mukca_mat3_mul(turned, turn, c->base.R);
     memcpy(c->base.R, turned, sizeof turned);
@@ -105,7 +81,6 @@ static mukca_compared_error sum_up(double *sorted)
 
 void mukca_compare(mukca_comparison *c, const mukca_corrected *a, const mukca_corrected *b)
 {
-    static const mukca_frame identity = {.R = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
     mukca_random random;
     double q[MUKCA_MAX_JOINTS], moved[MUKCA_COMPARED], turned[MUKCA_COMPARED];
     mukca_compare_axes(c->axis, &a->geometry, &b->geometry);
@@ -115,13 +90,13 @@ void mukca_compare(mukca_comparison *c, const mukca_corrected *a, const mukca_co
         mukca_corrected_pose(&c->tip[0][i], a, q, NULL);
         mukca_corrected_pose(&c->tip[1][i], b, q, NULL);
     }
+    c->base = c->tool = (mukca_frame){.R = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
     for (int aligned = 0; aligned < 2; aligned++) {
         if (aligned) {
-            start(c);
+            mukca_frame_nearest(&c->base, c->tip[0]->p, c->tip[1]->p,
+                                sizeof(mukca_frame) / sizeof(double), MUKCA_COMPARED);
             for (int i = 0; i < MOST_STEPS && refine(c) > 1e-12; i++) continue;
             turn_tool(c);
-        } else {
-            c->base = c->tool = identity;
         }
         for (int i = 0; i < MUKCA_COMPARED; i++) {
             mukca_frame at;

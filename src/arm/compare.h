@@ -34,4 +34,9 @@ typedef struct {
 void mukca_compare(mukca_comparison *comparison, const mukca_corrected *a,
                    const mukca_corrected *b);
 
+/* The joint axes, each seen from the axis before it: difference[n_joints] of two arms with as many
+ * joints (compare_axes.c). */
+void mukca_compare_axes(mukca_axis_difference *difference, const mukca_geometry *a,
+                        const mukca_geometry *b);
+
 #endif

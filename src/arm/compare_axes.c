@@ -5,7 +5,7 @@
  * carried to the next joint and determined there as those that bring the next axes closest
  * together: the rotation (the joint's zero) and the translation (theta and d of Denavit and
  * Hartenberg; between parallel axes, of Hayati). */
-#include "arm/compare_axes.h"
+#include "arm/compare.h"
 
 #include <math.h>
 #include <string.h>

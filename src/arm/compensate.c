@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "arm/inverse.h"
+#include "arm/tip_change.h"
 
 #define REACH_TEXT(name, text, sentence) text,
 #define REACH_SENTENCE(name, text, sentence) sentence,
@@ -108,25 +109,6 @@ mukca_compensation mukca_compensate_joints(double *q, mukca_compensator *c,
     return result;
 }
 
-/* Postures evenly distributed over the joint ranges (Halton's sequence); the first is their
- * centre. */
-static void start_posture(double *q, int index, const mukca_chain *chain)
-{
-    static const int prime[MUKCA_MAX_JOINTS] = {2,  3,  5,  7,  11, 13, 17, 19,
-                                                23, 29, 31, 37, 41, 43, 47, 53};
-    for (int j = 0; j < chain->n_joints; j++) {
-        const mukca_element *e = &chain->element[chain->joint_element[j]];
-        const double reach = e->type == MUKCA_PRISMATIC ? 1 : 3;
-        const double low = fmax(e->lower, -reach), high = fmin(e->upper, reach);
-        double at = 0, f = 1;
-        for (int i = index; i > 0; i /= prime[j]) {
-            f /= prime[j];
-            at += f * (i % prime[j]);
-        }
-        q[j] = low + (index > 0 ? at : 0.5) * (high - low);
-    }
-}
-
 mukca_compensation mukca_compensate_pose(double *q, mukca_compensator *c, const mukca_frame *target,
                                          const mukca_row_reading *reading)
 {
@@ -135,12 +117,14 @@ mukca_compensation mukca_compensate_pose(double *q, mukca_compensator *c, const 
     mukca_compensation best, result;
     double tried[MUKCA_MAX_JOINTS];
     mukca_inverse_result found;
+    mukca_random random;
+    mukca_random_seed(&random, 1);
     if (c->on_path) memcpy(q, c->sent, (size_t)n * sizeof *q);
     begin_row(c, q, reading);
     found = solve(q, c, target);
     best = outcome(&found);
     for (int start = 0; start < STARTS && best.reach != MUKCA_REACH_OK; start++) {
-        start_posture(tried, start, &c->arm->chain);
+        mukca_posture_draw(tried, &c->arm->chain, &random);
         found = solve(tried, c, target);
         result = outcome(&found);
         if (result.reach != MUKCA_REACH_OK && !(result.position_error < best.position_error))

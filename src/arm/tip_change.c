@@ -19,34 +19,43 @@ bool mukca_tip_change_is_frame(const mukca_tip_change_task *task, int element)
            (task->tool_frame && element == task->chain->n_elements - 1);
 }
 
-static double prior_sigma(const mukca_tip_change_task *task, int i)
+void mukca_chain_remove_first(mukca_chain *chain)
 {
-    const int element = i / MUKCA_PARAMETERS;
-    if (mukca_tip_change_is_frame(task, element) || !task->to->listed[i]) return 0;
-    if (i % MUKCA_PARAMETERS >= 3) return angle_sigma;
-    return element == task->chain->n_elements - 1 && task->chain->element[element].joint < 0
-               ? ball_sigma
-               : length_sigma;
-}
-
-/* theta[6 * n_elements] of the previous model, with the frames of the measurement from `to`. */
-static void set_theta_before(double *theta, const mukca_tip_change_task *task)
-{
-    const int n = MUKCA_PARAMETERS * task->chain->n_elements;
-    mukca_chain_theta(theta, task->chain);
-    for (int i = 0; i < n; i++) {
-        if (task->from) theta[i] = task->from->theta[i];
-        if (mukca_tip_change_is_frame(task, i / MUKCA_PARAMETERS)) theta[i] = task->to->theta[i];
-    }
+    chain->n_elements--;
+    memmove(chain->element, chain->element + 1, (size_t)chain->n_elements * sizeof *chain->element);
+    for (int m = 0; m < chain->n_masses; m++) chain->mass[m].element--;
+    for (int j = 0; j < chain->n_joints; j++) chain->joint_element[j]--;
 }
 
 typedef struct {
     const mukca_tip_change_task *task;
+    mukca_chain arm; /* without the frame of the measurement before it: `skip` parameters */
+    int skip;
     double theta[2][MUKCA_MAX_THETA];
     mukca_geometry geometry[2];
     double J[3 * MUKCA_MAX_THETA];
     double largest, ratio; /* so far */
 } comparison;
+
+static double prior_sigma(const comparison *c, int i)
+{
+    const int last = c->arm.n_elements - 1, element = i / MUKCA_PARAMETERS;
+    if (!c->task->to->listed[i + c->skip] || (c->task->tool_frame && element == last)) return 0;
+    if (i % MUKCA_PARAMETERS >= 3) return angle_sigma;
+    return element == last && c->arm.element[element].joint < 0 ? ball_sigma : length_sigma;
+}
+
+/* theta of the arm before and after, with the target of the measurement from `to`. */
+static void set_theta(comparison *c)
+{
+    const int n = MUKCA_PARAMETERS * c->arm.n_elements, target = n - MUKCA_PARAMETERS;
+    mukca_chain_theta(c->theta[0], &c->arm);
+    for (int i = 0; i < n; i++) {
+        c->theta[1][i] = c->task->to->theta[i + c->skip];
+        if (c->task->from) c->theta[0][i] = c->task->from->theta[i + c->skip];
+        if (c->task->tool_frame && i >= target) c->theta[0][i] = c->theta[1][i];
+    }
+}
 
 static void find_tip(double tip[3], const comparison *c, int side, const double *q)
 {
@@ -54,20 +63,20 @@ static void find_tip(double tip[3], const comparison *c, int side, const double 
     const mukca_joint_state state = {.q = q, .placement = -1};
     mukca_displacement d;
     if (o && o->n_effects > 0)
-        mukca_effects_displacement(&d, o->effects, o->n_effects, c->task->chain, &c->geometry[side],
-                                   q, &state);
+        mukca_effects_displacement(&d, o->effects, o->n_effects, &c->arm, &c->geometry[side], q,
+                                   &state);
     mukca_fk_position(tip, &c->geometry[side], q, o && o->n_effects > 0 ? &d : NULL);
 }
 
 static void compare(comparison *c, const double *q)
 {
     double tip[2][3], position[3], change = 0, variance = 0;
-    const int n = MUKCA_PARAMETERS * c->task->chain->n_elements;
+    const int n = MUKCA_PARAMETERS * c->arm.n_elements;
     for (int side = 0; side < 2; side++) find_tip(tip[side], c, side, q);
     for (int a = 0; a < 3; a++) change += (tip[1][a] - tip[0][a]) * (tip[1][a] - tip[0][a]);
     mukca_fk_parameter_jacobian(c->J, position, &c->geometry[0], c->theta[0], q);
     for (int i = 0; i < n; i++) {
-        const double sigma = prior_sigma(c->task, i);
+        const double sigma = prior_sigma(c, i);
         for (int a = 0; a < 3; a++) variance += c->J[a * n + i] * c->J[a * n + i] * sigma * sigma;
     }
     change = sqrt(change);
@@ -88,16 +97,16 @@ void mukca_posture_draw(double *q, const mukca_chain *chain, mukca_random *rando
 
 double mukca_tip_change(double *sigma, const mukca_tip_change_task *task)
 {
-    comparison c = {.task = task};
+    comparison c = {
+        .task = task, .arm = *task->chain, .skip = task->base_frame ? MUKCA_PARAMETERS : 0};
     mukca_random random;
     double q[MUKCA_MAX_JOINTS];
     const mukca_dataset *data = task->data;
     const int step = data ? data->n_rows / RECORDED + 1 : 1;
-    set_theta_before(c.theta[0], task);
-    memcpy(c.theta[1], task->to->theta,
-           sizeof *c.theta[1] * (size_t)(MUKCA_PARAMETERS * task->chain->n_elements));
+    if (task->base_frame) mukca_chain_remove_first(&c.arm);
+    set_theta(&c);
     for (int side = 0; side < 2; side++)
-        mukca_geometry_set(&c.geometry[side], task->chain, c.theta[side]);
+        mukca_geometry_set(&c.geometry[side], &c.arm, c.theta[side]);
     mukca_random_seed(&random, 1);
     for (int i = 0; i < DRAWN; i++) {
         mukca_posture_draw(q, task->chain, &random);

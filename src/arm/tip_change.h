@@ -19,6 +19,9 @@ typedef struct {
     bool free_base;  /* poses are in an unknown frame, for which the chain has no element */
 } mukca_tip_change_task;
 
+/* Remove the first element, the frame of a tracker: gravity and effects are of the arm's base. */
+void mukca_chain_remove_first(mukca_chain *chain);
+
 /* Whether an element is a frame of the measurement. */
 bool mukca_tip_change_is_frame(const mukca_tip_change_task *task, int element);
 

@@ -6,8 +6,8 @@
 #include "cli/calibrate.h"
 #include "cli/traits.h"
 #include "diagnose/recording.h"
-#include "fit/columns.h"
 #include "fit/frames.h"
+#include "fit/mismatch.h"
 #include "fit/solver.h"
 #include "io/summary.h"
 

@@ -3,7 +3,7 @@
 #include "cli/scores.h"
 #include "cli/traits.h"
 #include "diagnose/mounting.h"
-#include "fit/columns.h"
+#include "fit/mismatch.h"
 #include "io/summary.h"
 
 #include <math.h>

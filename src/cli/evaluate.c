@@ -167,7 +167,6 @@ static mukca_status load_model(cli_call *call, cli_model *model)
 {
     cli_common *c = call->common;
     const char *offsets = c->offsets;
-    double turn[9], gravity[3];
     c->offsets = NULL;
     mukca_status status = cli_load_model(call, model);
     c->offsets = offsets;
@@ -176,9 +175,6 @@ static mukca_status load_model(cli_call *call, cli_model *model)
     status = mukca_chain_with_frames(chain, chain, true, true, &call->error);
     if (status == MUKCA_OK) status = cli_read_offsets(call, &model->offsets, NULL, chain, offsets);
     if (status != MUKCA_OK) return status;
-    mukca_rotation_from_rpy(turn, model->offsets.theta + 3); /* base in the tracker's frame */
-    memcpy(gravity, chain->gravity, sizeof gravity);
-    mukca_mat3_vec(chain->gravity, turn, gravity);
     mukca_geometry_set(&model->geometry, chain, model->offsets.theta);
     return cli_check_effects(call, model);
 }

@@ -13,7 +13,7 @@
 #include "cli/traits.h"
 #include "diagnose/mounting.h"
 #include "fit/accept.h"
-#include "fit/columns.h"
+#include "fit/mismatch.h"
 #include "fit/solver.h"
 #include "io/output.h"
 #include "report/fleet_page.h"

@@ -6,10 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "fit/difference.h"
+#include "base/text.h"
 #include "fit/frames.h"
 #include "fit/tip_error.h"
 #include "math/stats.h"
+#include "model/postures.h"
 
 /* Measurement noise above this, m, means that the samples are of another arm: five times that of
  * the worst published arm.  So do several postures that any arm misses (tip_error.h). */
@@ -24,6 +25,35 @@ static const double contradiction = 10, left = 0.5;
 /* Least probability of an improvement at the tip; the interval of a held-out difference, in
  * standard errors. */
 static const double sure = 0.95, interval = 2;
+
+mukca_status mukca_difference_find(mukca_difference *d, const double *before, const double *after,
+                                   const mukca_dataset *data, mukca_error *error)
+{
+    const int rows = data->n_rows;
+    mukca_pool pool = {0};
+    int *posture = MUKCA_TAKE(&pool, int, rows);
+    double(*sum)[3] = MUKCA_TAKE(&pool, double[3], rows), squares = 0; /* before, after, number */
+    *d = (mukca_difference){.sigma_m = HUGE_VAL};
+    if (!pool.failed) mukca_postures_find(posture, &pool, data);
+    for (int i = 0; i < rows && !pool.failed; i++) {
+        if (!isfinite(before[i]) || !isfinite(after[i])) continue;
+        double *of = sum[posture[i]];
+        of[0] += before[i], of[1] += after[i], of[2]++;
+    }
+    for (int i = 0; i < rows && !pool.failed; i++) {
+        if (!(sum[i][2] > 0)) continue;
+        const double x = sum[i][0] / sum[i][2], y = sum[i][1] / sum[i][2];
+        const double n = ++d->postures, off = y - x - d->mean_m;
+        d->before_m += (x - d->before_m) / n;
+        d->after_m += (y - d->after_m) / n;
+        d->mean_m += off / n;
+        squares += off * (y - x - d->mean_m);
+    }
+    if (d->postures > 1) d->sigma_m = sqrt(squares / d->postures / (d->postures - 1));
+    const bool failed = pool.failed;
+    mukca_pool_free(&pool);
+    return failed ? mukca_fail(error, MUKCA_MEMORY, "out of memory") : MUKCA_OK;
+}
 
 /* Whether the table changes the arm; one of a hand-eye calibration may have frames only, which must
  * not be worse than their start values. */
@@ -76,10 +106,26 @@ static bool judge_samples(mukca_acceptance *a, const mukca_accept_task *task,
     return false;
 }
 
-static void judge_tip(mukca_acceptance *a, const mukca_tip_error *tip)
+static void list_joints(char list[96], const unsigned char *which, const mukca_chain *chain)
+{
+    mukca_text text = {.at = list, .size = 96};
+    list[0] = '\0';
+    for (int j = 0; j < chain->n_joints; j++)
+        if (which[j])
+            mukca_text_put(&text, "%s%s", text.used ? ", " : "", mukca_chain_joint_name(chain, j));
+}
+
+static void judge_tip(mukca_acceptance *a, const mukca_tip_error *tip, const mukca_chain *chain)
 {
     const double *p = tip->probability;
-    if (!(p[MUKCA_HERE] >= sure && a->error_here_m < a->error_before_here_m))
+    char stuck[96];
+    list_joints(stuck, tip->stuck, chain);
+    if (stuck[0])
+        mukca_acceptance_refuse(a,
+                                "%s did not move, but the errors are those of a tip that turns "
+                                "about it; check the encoder and the column",
+                                stuck);
+    else if (!(p[MUKCA_HERE] >= sure && a->error_here_m < a->error_before_here_m))
         mukca_acceptance_refuse(a,
                                 "expected error of the tip %.3g mm, nominal %.3g mm, from %.0f "
                                 "different postures: no sure improvement; record more of them, and "
@@ -99,15 +145,6 @@ static void judge_tip(mukca_acceptance *a, const mukca_tip_error *tip)
                                 1e3 * a->tip_change_m, a->tip_change_sigma);
 }
 
-static void list_at_rest(mukca_acceptance *a, const mukca_tip_error *tip, const mukca_chain *chain)
-{
-    size_t used = 0;
-    for (int j = 0; j < chain->n_joints && used < sizeof a->at_rest; j++)
-        if (tip->at_rest[j])
-            used += (size_t)snprintf(a->at_rest + used, sizeof a->at_rest - used, "%s%s",
-                                     used ? ", " : "", mukca_chain_joint_name(chain, j));
-}
-
 mukca_status mukca_accept(mukca_offsets *table, const mukca_accept_task *task, mukca_error *error)
 {
     mukca_acceptance *a = &table->acceptance;
@@ -119,7 +156,7 @@ mukca_status mukca_accept(mukca_offsets *table, const mukca_accept_task *task, m
         status = mukca_difference_find(&held, task->before, task->after, task->held, error);
     if (status != MUKCA_OK) return status;
     a->given = a->accepted = true;
-    a->reason[0] = a->at_rest[0] = '\0';
+    a->reason[0] = '\0';
     a->error_nominal_m = held.postures ? held.before_m : (double)NAN;
     a->error_m = held.postures ? held.after_m : (double)NAN;
     a->error_sigma_m = held.sigma_m;
@@ -128,9 +165,9 @@ mukca_status mukca_accept(mukca_offsets *table, const mukca_accept_task *task, m
     a->error_before_here_m = tip.before_m[MUKCA_HERE];
     a->error_workspace_m = tip.after_m[MUKCA_ELSEWHERE];
     a->error_before_m = tip.before_m[MUKCA_ELSEWHERE];
-    list_at_rest(a, &tip, task->change.chain);
+    list_joints(a->at_rest, tip.at_rest, task->change.chain);
     const bool changes = changes_arm(table, &task->change);
-    if (judge_samples(a, task, &tip, changes) && changes) judge_tip(a, &tip);
+    if (judge_samples(a, task, &tip, changes) && changes) judge_tip(a, &tip, task->change.chain);
     return MUKCA_OK;
 }
 

@@ -3,7 +3,39 @@
 #define MUKCA_FIT_ACCEPT_H
 
 #include "arm/tip_change.h"
-#include "fit/cross_validation.h"
+#include "fit/evaluate.h"
+
+/* ---- difference of the errors of two models on the same samples (accept.c) ---- */
+
+typedef struct {
+    int postures;             /* different ones; a repeated one counts once */
+    double before_m, after_m; /* mean errors */
+    double mean_m, sigma_m;   /* of after - before, and its standard error */
+} mukca_difference;
+
+/* Compare before[n_rows] and after[n_rows], m; NaN: not measured.  Errors: MUKCA_MEMORY. */
+mukca_status mukca_difference_find(mukca_difference *difference, const double *before,
+                                   const double *after, const mukca_dataset *data,
+                                   mukca_error *error);
+
+/* ---- held-out error: each fold is predicted by a fit to the others (cross_validation.c) ---- */
+
+typedef struct {
+    int folds;              /* 0: too few samples, nothing is predicted */
+    bool placements;        /* folds are placements; else blocks of consecutive samples */
+    mukca_dataset data;     /* the samples, or a part of a long recording */
+    double *before, *after; /* [data.n_rows] errors of held-out samples by the nominal model, with
+                               the free frames aligned, and by the fit, m; NaN: not measured */
+} mukca_cross_validation;
+
+/* Fit as mukca_fit_run does, by Gauss-Newton from options->start.  Errors: those of mukca_fit_run.
+ */
+mukca_status mukca_fit_cross_validate(mukca_cross_validation *result, const mukca_chain *chain,
+                                      const mukca_dataset *data, const mukca_fit_options *options,
+                                      mukca_error *error);
+void mukca_cross_validation_free(mukca_cross_validation *result);
+
+/* ---- the verdict ---- */
 
 /* `to` is the table; its verdict has the caller's noise_m, parameters, identified, converged and
  * error_of. */

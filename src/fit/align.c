@@ -76,7 +76,7 @@ static void turn_tracker(mukca_alignment *a, const problem *p)
 static void place_target(mukca_alignment *a, const problem *p)
 {
     enum { N = 15, SIZE = N + 1 };
-    double R[N * SIZE] = {0}, x[N] = {0};
+    double R[N * SIZE] = {0}, x[N];
     for (int i = 0; i < p->n; i++)
         for (int r = 0; r < 3; r++) {
             double row[SIZE] = {0};
@@ -94,11 +94,7 @@ static void place_target(mukca_alignment *a, const problem *p)
         row[12 + c] = 1 / TARGET_REACH;
         mukca_dense_qr_absorb(R, NULL, row, 1, N, 1);
     }
-    for (int i = N - 1; i >= 12; i--) { /* the target's three unknowns are the last */
-        double sum = R[i * SIZE + N];
-        for (int k = i + 1; k < N; k++) sum -= R[i * SIZE + k] * x[k];
-        x[i] = fabs(R[i * SIZE + i]) > 0 ? sum / R[i * SIZE + i] : 0;
-    }
+    mukca_dense_qr_solve(x, R, N);
     memcpy(a->target.p, x + 12, sizeof a->target.p);
 }
 
@@ -145,7 +141,7 @@ static void residual(double r[3], double lever[3], const mukca_alignment *a, con
 static double refine(mukca_alignment *a, const problem *p)
 {
     enum { N = 9, SIZE = N + 1 };
-    double R[N * SIZE] = {0}, x[N] = {0};
+    double R[N * SIZE] = {0}, x[N];
     for (int i = 0; i < p->n; i++) {
         double r[3], lever[3], RF[9];
         const pose *e = &p->poses[i];
@@ -171,10 +167,8 @@ static double refine(mukca_alignment *a, const problem *p)
         mukca_dense_qr_absorb(R, NULL, row, 1, N, 1);
     }
     double step = 0;
-    for (int i = N - 1; i >= 0; i--) {
-        double sum = R[i * SIZE + N];
-        for (int k = i + 1; k < N; k++) sum -= R[i * SIZE + k] * x[k];
-        x[i] = sum / R[i * SIZE + i];
+    mukca_dense_qr_solve(x, R, N);
+    for (int i = 0; i < N; i++) {
         if (!isfinite(x[i])) return 0;
         step = fmax(step, fabs(x[i]));
     }

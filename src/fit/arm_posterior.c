@@ -19,6 +19,10 @@ static const double noise_weight = 10, scale_weight = 10, most_scale = 4, freedo
  * of a label, as in diagnose; an error beyond any arm and noise. */
 static const double distance_sigma = 1e-4, wrong_label = 0.02, gross_error = 0.1;
 
+/* Of the logarithm of the ratio of the residuals' variances across and along the axis of a joint:
+ * 1 % of 1200 joints that moved, in 200 recordings, are beyond twice this. */
+static const double spread = 0.8;
+
 double *mukca_arm_posterior_coefficient(mukca_arm_posterior *p, int c)
 {
     int e = 0;
@@ -239,18 +243,16 @@ static void solve(mukca_arm_posterior *p)
 }
 
 /* Residual e of an observation after the last step; b[MUKCA_NUISANCE] of its group. */
-static double residual(const mukca_arm_posterior *p, const mukca_arm_observation *o,
+static double residual(double e[3], const mukca_arm_posterior *p, const mukca_arm_observation *o,
                        const double *b)
 {
-    double sum = 0;
     for (int a = 0; a < 3; a++) {
         const double *x = o->x + a * p->width;
-        double e = x[p->width - 1];
-        for (int k = 0; k < MUKCA_NUISANCE; k++) e += x[k] * b[k];
-        for (int i = 0; i < p->n; i++) e += x[MUKCA_NUISANCE + i] * p->step[i];
-        sum += e * e;
+        e[a] = x[p->width - 1];
+        for (int k = 0; k < MUKCA_NUISANCE; k++) e[a] += x[k] * b[k];
+        for (int i = 0; i < p->n; i++) e[a] += x[MUKCA_NUISANCE + i] * p->step[i];
     }
-    return sqrt(sum);
+    return mukca_norm3(e);
 }
 
 /* Nuisance of a group after the last step; returns their number. */
@@ -276,7 +278,7 @@ static int nuisance(double *b, const mukca_arm_posterior *p, int group)
 static void weigh(mukca_arm_posterior *p)
 {
     const int n = p->n;
-    double b[MUKCA_NUISANCE], squares = 0, known = 0, of_arm = 0, deviation = 0;
+    double b[MUKCA_NUISANCE], v[3], squares = 0, known = 0, of_arm = 0, deviation = 0;
     int count = 0;
     p->gross = 0;
     memset(p->inverse, 0, (size_t)(n * n) * sizeof *p->inverse);
@@ -298,7 +300,7 @@ static void weigh(mukca_arm_posterior *p)
         for (int i = 0; i < p->n_list; i++) {
             mukca_arm_observation *o = &p->list[i];
             if (o->group != g) continue;
-            const double e = residual(p, o, b), z = e / p->noise;
+            const double e = residual(v, p, o, b), z = e / p->noise;
             o->weight = (freedom + 3) / (freedom + z * z);
             squares += o->weight * e * e;
             p->gross += e > gross_error;
@@ -308,6 +310,27 @@ static void weigh(mukca_arm_posterior *p)
     p->noise = sqrt((noise_weight * MUKCA_PRIOR_NOISE * MUKCA_PRIOR_NOISE + squares) /
                     (noise_weight + fmax(count - known, 0)));
     p->scale = fmin(sqrt((scale_weight + deviation) / (scale_weight + of_arm)), most_scale);
+}
+
+bool mukca_arm_posterior_turns(const mukca_arm_posterior *p, int joint)
+{
+    mukca_geometry geometry;
+    mukca_frame frame[MUKCA_MAX_ELEMENTS];
+    double b[MUKCA_NUISANCE], e[3], axis[3], across = 0, along = 0;
+    const int element = p->chain.joint_element[joint];
+    if (p->chain.element[element].type == MUKCA_PRISMATIC) return false;
+    mukca_geometry_set(&geometry, &p->chain, p->theta);
+    for (int row = 0; row < p->data.n_rows; row++) {
+        const mukca_arm_observation *o = p->of_row[row] < 0 ? NULL : &p->list[p->of_row[row]];
+        if (!o) continue;
+        nuisance(b, p, o->group);
+        mukca_fk_frames(frame, NULL, &geometry, p->data.q + row * p->data.n_joints, NULL);
+        mukca_mat3_vec(axis, frame[element].R, p->chain.element[element].axis);
+        const double all = residual(e, p, o, b), part = mukca_dot3(axis, e);
+        along += o->weight * part * part;
+        across += o->weight * (all * all - part * part) / 2;
+    }
+    return log(across / along) > 2 * sqrt(spread * spread + 3.0 / p->postures);
 }
 
 mukca_status mukca_arm_posterior_fit(mukca_arm_posterior *p, mukca_error *error)

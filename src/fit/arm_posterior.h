@@ -55,6 +55,10 @@ void mukca_arm_posterior_free(mukca_arm_posterior *p);
 /* Gauss-Newton from there: p->L at p->theta and p->effects.  Errors: MUKCA_MEMORY. */
 mukca_status mukca_arm_posterior_fit(mukca_arm_posterior *p, mukca_error *error);
 
+/* After the fit: whether the residuals are those of a tip that turns about the axis of a joint
+ * whose angles do not change. */
+bool mukca_arm_posterior_turns(const mukca_arm_posterior *p, int joint);
+
 /* The coefficient of column `c` of the effects. */
 double *mukca_arm_posterior_coefficient(mukca_arm_posterior *p, int c);
 

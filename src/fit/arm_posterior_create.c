@@ -87,19 +87,15 @@ static mukca_status set_up(mukca_arm_posterior *p, mukca_error *error)
     return MUKCA_OK;
 }
 
-/* The chain without the frame of the measurement before it: effects and gravity are of the base. */
+/* The chain without the frame of the measurement before it. */
 static void remove_base(mukca_arm_posterior *p)
 {
     const mukca_tip_change_task *task = p->task;
     p->chain = *task->chain;
     p->to = task->to->theta;
     if (!task->base_frame) return;
+    mukca_chain_remove_first(&p->chain);
     p->to += MUKCA_PARAMETERS;
-    p->chain.n_elements--;
-    memmove(p->chain.element, p->chain.element + 1,
-            (size_t)p->chain.n_elements * sizeof *p->chain.element);
-    for (int m = 0; m < p->chain.n_masses; m++) p->chain.mass[m].element--;
-    for (int j = 0; j < p->chain.n_joints; j++) p->chain.joint_element[j]--;
 }
 
 mukca_status mukca_arm_posterior_create(mukca_arm_posterior *p, const mukca_tip_change_task *task,

@@ -8,7 +8,7 @@
  * mm) are of one posture and carry no information on sockets, m. */
 static const double least_rms = 5e-5;
 
-/* The predictions of a socket: sums first, then the mean and the sum of squares about it. */
+/* The predictions of a socket: their mean and sum of squares about it. */
 typedef struct {
     int count;
     double mean[3], squares;
@@ -28,27 +28,19 @@ int mukca_coincide_find(double *apart, const mukca_chain *chain, const double *t
     int found = 0;
     mukca_geometry geometry;
     cloud *clouds = calloc((size_t)data->n_sockets + 1, sizeof *clouds);
-    double(*tip)[3] = malloc(((size_t)data->n_rows + 1) * sizeof *tip);
-    if (!clouds || !tip) {
-        free(clouds);
-        free(tip);
-        return -1;
-    }
+    if (!clouds) return -1;
     mukca_geometry_set(&geometry, chain, theta);
-    mukca_fk_positions(tip[0], &geometry, data->q, data->n_rows);
     for (int i = 0; i < data->n_rows; i++) {
+        double tip[3];
         if (data->socket[i] < 0) continue;
         cloud *c = &clouds[data->socket[i]];
+        mukca_fk_position(tip, &geometry, data->q + (size_t)i * (size_t)data->n_joints, NULL);
         c->count++;
-        for (int a = 0; a < 3; a++) c->mean[a] += tip[i][a];
-    }
-    for (int s = 0; s < data->n_sockets; s++)
-        for (int a = 0; a < 3 && clouds[s].count; a++) clouds[s].mean[a] /= clouds[s].count;
-    for (int i = 0; i < data->n_rows; i++) {
-        if (data->socket[i] < 0) continue;
-        cloud *c = &clouds[data->socket[i]];
-        const double off = mukca_distance3(tip[i], c->mean);
-        c->squares += off * off;
+        for (int a = 0; a < 3; a++) { /* Welford 1962 */
+            const double off = tip[a] - c->mean[a];
+            c->mean[a] += off / c->count;
+            c->squares += off * (tip[a] - c->mean[a]);
+        }
     }
     for (int k = 0; k < data->n_distances; k++) {
         const mukca_distance *d = &data->distances[k];
@@ -58,6 +50,5 @@ int mukca_coincide_find(double *apart, const mukca_chain *chain, const double *t
             apart[k] = (double)NAN;
     }
     free(clouds);
-    free(tip);
     return found;
 }

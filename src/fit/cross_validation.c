@@ -1,5 +1,5 @@
 /* Held-out error of a calibration. */
-#include "fit/cross_validation.h"
+#include "fit/accept.h"
 
 #include <math.h>
 #include <stdlib.h>

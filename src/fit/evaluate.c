@@ -5,21 +5,36 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "arm/tip_change.h"
+#include "fit/parameters.h"
 #include "model/dataset_subset.h"
 
-void mukca_evaluate_tips(mukca_frame *tips, const mukca_model *model, const mukca_dataset *data)
+bool mukca_evaluate_tips(mukca_frame *tips, const mukca_model *model, const mukca_dataset *data)
 {
     mukca_geometry geometry;
     mukca_row_state rows;
     mukca_displacement displacement = {0};
-    mukca_geometry_set(&geometry, model->chain, model->theta);
+    mukca_frame base;
+    mukca_chain *arm = malloc(sizeof *arm);
+    if (!arm) return false;
+    *arm = *model->chain;
+    mukca_geometry_set(&geometry, arm, model->theta);
+    const bool framed = !strcmp(arm->element[0].name, MUKCA_BASE_FRAME);
+    if (framed) {
+        mukca_chain_remove_first(arm);
+        base = geometry.origin[0];
+        mukca_geometry_set(&geometry, arm, model->theta ? model->theta + MUKCA_PARAMETERS : NULL);
+    }
     for (int row = 0; row < data->n_rows; row++) {
         const mukca_joint_state *state = mukca_dataset_state(&rows, data, row);
         if (model->n_effects > 0)
-            mukca_effects_displacement(&displacement, model->effects, model->n_effects,
-                                       model->chain, &geometry, state->q, state);
+            mukca_effects_displacement(&displacement, model->effects, model->n_effects, arm,
+                                       &geometry, state->q, state);
         mukca_fk_pose(&tips[row], &geometry, state->q, model->n_effects ? &displacement : NULL);
+        if (framed) mukca_frame_multiply(&tips[row], &base, &tips[row]);
     }
+    free(arm);
+    return true;
 }
 
 bool mukca_evaluate_place(mukca_frame *tips, const mukca_dataset *data)
@@ -149,8 +164,8 @@ static bool evaluate_rows(evaluation *e, double *error, const mukca_model *model
     e->mean = calloc(sockets, sizeof *e->mean);
     e->count = calloc(sockets, sizeof *e->count);
     if (!e->tips || !e->mean || !e->count) return false;
-    mukca_evaluate_tips(e->tips, model, data);
-    if (!mukca_evaluate_place(e->tips, data)) return false;
+    if (!mukca_evaluate_tips(e->tips, model, data) || !mukca_evaluate_place(e->tips, data))
+        return false;
     socket_means(e->mean, e->count, e->tips, data);
     for (int i = 0; i < data->n_rows; i++) {
         const double *about = data->socket[i] >= 0 ? e->mean[data->socket[i]]

@@ -25,8 +25,8 @@ typedef struct {
     bool by_log; /* one score per pose log (a target in a file) instead of one for all */
 } mukca_model;
 
-/* Pose of the tip in each sample: tips[n_rows]. */
-void mukca_evaluate_tips(mukca_frame *tips, const mukca_model *model, const mukca_dataset *data);
+/* Pose of the tip in each sample: tips[n_rows].  False: out of memory. */
+bool mukca_evaluate_tips(mukca_frame *tips, const mukca_model *model, const mukca_dataset *data);
 
 /* Shift each tip to its named target, whose position in the tip's frame is the mean over the
  * measured positions.  False: out of memory. */

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "fit/align.h"
-#include "model/dataset_subset.h"
+#include "fit/part.h"
 
 /* Ratio of the errors after and before a change below which the change is no coincidence: real
  * errors of origins reach 1 cm at the tip, those of a wrong column 10 cm and more. */
@@ -111,13 +111,8 @@ mukca_status mukca_mismatch_find(mukca_mismatch *mismatch, const mukca_chain *ch
                                  mukca_error *error)
 {
     mukca_dataset part = {0};
-    unsigned char *keep = calloc((size_t)data->n_rows + 1, 1);
-    const int step = 1 + (data->n_rows - 1) / MOST_SAMPLES;
     *mismatch = (mukca_mismatch){.exchanged = {-1, -1}, .shifted = -1, .coupled = -1};
-    for (int r = 0; keep && r < data->n_rows; r += step) keep[r] = 1;
-    mukca_status status = keep ? mukca_dataset_subset(&part, data, keep, error)
-                               : mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    free(keep);
+    const mukca_status status = mukca_part_take(&part, data, MOST_SAMPLES, error);
     if (status != MUKCA_OK) return status;
     const size_t size = (size_t)part.n_rows * (size_t)part.n_joints * sizeof *part.q;
     double *q = malloc(size + 1);

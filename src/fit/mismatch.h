@@ -1,7 +1,9 @@
-/* Data that do not fit the arm: search for a mix-up of joint columns that explains the error. */
+/* Joint columns: those that determine less than they seem to (columns.c), and the search for a
+ * mix-up that explains data that do not fit the arm. */
 #ifndef MUKCA_FIT_MISMATCH_H
 #define MUKCA_FIT_MISMATCH_H
 
+#include "base/note.h"
 #include "fit/evaluate.h"
 
 typedef struct {
@@ -23,5 +25,10 @@ typedef struct {
 mukca_status mukca_mismatch_find(mukca_mismatch *mismatch, const mukca_chain *chain,
                                  const mukca_dataset *data, bool free_base, bool free_tool,
                                  mukca_error *error);
+
+/* Note the joints that did not move, in all samples or in a run of them, and the columns that
+ * repeat another one. */
+void mukca_columns_note(mukca_note_fn *note, void *context, const mukca_chain *chain,
+                        const mukca_dataset *data);
 
 #endif

@@ -119,25 +119,27 @@ void mukca_observe_predict(mukca_observations *o, const double *theta)
     predict_pairs(o);
 }
 
-double mukca_observe_squares(double *pairs, mukca_observations *o, bool weighted)
+double mukca_observe_sum(mukca_observations *o, double *residual, const double *share)
 {
     mukca_sweep *s = &o->sweep;
     double sum = 0;
     for (int v = 0; v < s->n_windows; v++) {
         mukca_sweep_open(s, v);
-        const double *residual = mukca_observe_window(o->residual, s);
-        for (int i = 0; i < s->rows; i++) {
-            double row = 0;
+        const double *r = mukca_observe_window(residual, s);
+        for (int i = 0; i < s->rows; i++)
             for (int a = 0; a < 3; a++)
-                row += residual[a * s->padded + i] * residual[a * s->padded + i];
-            sum += weighted ? o->share[s->from + i] * row : row;
-        }
-    }
-    if (pairs) {
-        *pairs = 0;
-        for (int p = 0; p < o->n_pairs; p++) *pairs += o->pair_residual[p] * o->pair_residual[p];
+                sum +=
+                    (share ? share[s->from + i] : 1) * r[a * s->padded + i] * r[a * s->padded + i];
     }
     return sum;
+}
+
+double mukca_observe_squares(double *pairs, mukca_observations *o, bool weighted)
+{
+    if (pairs) *pairs = 0;
+    for (int p = 0; pairs && p < o->n_pairs; p++)
+        *pairs += o->pair_residual[p] * o->pair_residual[p];
+    return mukca_observe_sum(o, o->residual, weighted ? o->share : NULL);
 }
 
 /* Contribution of the pairs' residuals to the adjoint of each sample of socket s. */

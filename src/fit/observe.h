@@ -49,6 +49,9 @@ static inline double *mukca_observe_window(double *residual, const mukca_sweep *
 /* Compute the residuals at theta[6 * n_elements]; stored in `observations`. */
 void mukca_observe_predict(mukca_observations *observations, const double *theta);
 
+/* Sum of squares of residuals [windows][3][padded], weighted by share[n_rows] (NULL: not). */
+double mukca_observe_sum(mukca_observations *observations, double *residual, const double *share);
+
 /* Sum of the squares, m^2, of the samples, weighted or not, and of the pairs (NULL: not wanted). */
 double mukca_observe_squares(double *pairs, mukca_observations *observations, bool weighted);
 

@@ -81,19 +81,8 @@ void mukca_orientations_predict(mukca_observations *o)
 
 double mukca_orientations_squares(mukca_observations *o, bool weighted)
 {
-    mukca_sweep *s = &o->sweep;
-    double sum = 0;
-    for (int v = 0; v < s->n_windows && o->turn_share; v++) {
-        mukca_sweep_open(s, v);
-        const double *residual = mukca_observe_window(o->turn_residual, s);
-        for (int i = 0; i < s->rows; i++) {
-            double row = 0;
-            for (int a = 0; a < 3; a++)
-                row += residual[a * s->padded + i] * residual[a * s->padded + i];
-            sum += weighted ? o->turn_share[s->from + i] * row : row;
-        }
-    }
-    return sum;
+    if (!o->turn_share) return 0;
+    return mukca_observe_sum(o, o->turn_residual, weighted ? o->turn_share : NULL);
 }
 
 /* Adjoints in the open window, summed by element. */

@@ -129,6 +129,8 @@ mukca_status mukca_tip_error_expect(mukca_tip_error *out, const mukca_tip_change
         out->postures = p->postures;
         out->noise_m = p->noise;
         out->gross = p->gross;
+        for (int j = 0; j < here->n_joints; j++)
+            out->stuck[j] = out->at_rest[j] && mukca_arm_posterior_turns(p, j);
     }
     if (status == MUKCA_OK &&
         (!here || !draw(out, p, here, MUKCA_HERE) || !draw(out, p, &p->chain, MUKCA_ELSEWHERE)))

@@ -11,6 +11,7 @@ enum { MUKCA_HERE, MUKCA_ELSEWHERE, MUKCA_RANGES };
 typedef struct {
     int postures;                                         /* different ones among the samples */
     unsigned char at_rest[MUKCA_MAX_JOINTS];              /* 1: the joint did not move */
+    unsigned char stuck[MUKCA_MAX_JOINTS];                /* 1: nor did it, but the tip did */
     double before_m[MUKCA_RANGES], after_m[MUKCA_RANGES]; /* mean error of the tip */
     double probability[MUKCA_RANGES]; /* that the table's mean error is the smaller one */
     double noise_m;                   /* measurement noise per axis, by a robust fit */

@@ -20,21 +20,6 @@ static double variance_of(const mukca_shared_socket *s)
     return fmax(s->variance[0] + s->variance[1], least_variance);
 }
 
-/* Closed form, with equal weights. */
-static void start(mukca_frame *pose, const mukca_shared_socket *s, int n)
-{
-    double mean[2][3] = {{0}}, H[9] = {0}, turned[3];
-    for (int i = 0; i < n; i++)
-        for (int a = 0; a < 6; a++) mean[a / 3][a % 3] += s[i].at[a / 3][a % 3] / n;
-    for (int i = 0; i < n; i++)
-        for (int a = 0; a < 9; a++)
-            H[a] += (s[i].at[1][a / 3] - mean[1][a / 3]) * (s[i].at[0][a % 3] - mean[0][a % 3]);
-    *pose = (mukca_frame){.R = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
-    mukca_rotation_nearest(pose->R, H);
-    mukca_mat3_vec(turned, pose->R, mean[1]);
-    for (int a = 0; a < 3; a++) pose->p[a] = mean[0][a] - turned[a];
-}
-
 /* Residual of a socket and its lever arm for the rotation, both in the left base. */
 static void residual(double r[3], double lever[3], const mukca_frame *pose,
                      const mukca_shared_socket *s)
@@ -72,16 +57,6 @@ static bool determined(const double *R)
     return true;
 }
 
-/* x = R^-1 b. */
-static void solve(double x[FREE], const double *R, const double b[FREE])
-{
-    for (int i = FREE - 1; i >= 0; i--) {
-        x[i] = b[i];
-        for (int k = i + 1; k < FREE; k++) x[i] -= R[i * SIZE + k] * x[k];
-        x[i] /= R[i * SIZE + i];
-    }
-}
-
 /* 97.5 % quantile of Student's t (Abramowitz and Stegun 26.7.5), to 1 % from 3 degrees of freedom
  * on. */
 static double student(int freedom)
@@ -92,7 +67,7 @@ static double student(int freedom)
 }
 
 /* Standard errors and intervals of the pose from the factor R of the last step. */
-static void judge(mukca_two_arms *out, const double *R, const mukca_shared_socket *s, int n)
+static void judge(mukca_two_arms *out, double *R, const mukca_shared_socket *s, int n)
 {
     double chi2 = 0, squares = 0, noise = 0;
     for (int i = 0; i < n; i++) {
@@ -108,9 +83,9 @@ static void judge(mukca_two_arms *out, const double *R, const mukca_shared_socke
     out->scale = fmax(1, sqrt(chi2 / out->freedom));
     memset(out->sigma, 0, sizeof out->sigma);
     for (int k = 0; k < FREE; k++) { /* columns of R^-1 */
-        double e[FREE] = {0}, x[FREE];
-        e[k] = 1;
-        solve(x, R, e);
+        double x[FREE];
+        for (int i = 0; i < FREE; i++) R[i * SIZE + FREE] = i == k;
+        mukca_dense_qr_solve(x, R, FREE);
         for (int i = 0; i < FREE; i++) out->sigma[i] = hypot(out->sigma[i], x[i]);
     }
     for (int i = 0; i < FREE; i++) {
@@ -129,16 +104,15 @@ mukca_status mukca_two_arms_align(mukca_two_arms *out, const mukca_shared_socket
                           "the arms share %d sockets; three are needed, not on one line: record "
                           "two placements with both arms",
                           n);
-    start(&out->pose, s, n);
+    mukca_frame_nearest(&out->pose, s->at[0], s->at[1], sizeof *s / sizeof(double), n);
     for (int pass = 0; pass < MOST_STEPS; pass++) {
-        double b[FREE], x[FREE], turn[9], turned[9], step = 0;
+        double x[FREE], turn[9], turned[9], step = 0;
         absorb(R, &out->pose, s, n);
         if (!determined(R))
             return mukca_fail(error, MUKCA_UNIDENTIFIABLE,
                               "the sockets that the arms share lie on one line; record another "
                               "placement off it with both arms");
-        for (int i = 0; i < FREE; i++) b[i] = R[i * SIZE + FREE];
-        solve(x, R, b);
+        mukca_dense_qr_solve(x, R, FREE);
         mukca_rotation_exp(turn, x + 3);
         mukca_mat3_mul(turned, turn, out->pose.R);
         memcpy(out->pose.R, turned, sizeof turned);

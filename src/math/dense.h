@@ -6,6 +6,8 @@
 #ifndef MUKCA_MATH_DENSE_H
 #define MUKCA_MATH_DENSE_H
 
+#include "mukca/rotation.h"
+
 /* C[n][n] += X' X for X[m][n], both triangles.  Vectorised, as most time is spent here. */
 void mukca_dense_syrk(double *C, int n, const double *X, int m, int ldx);
 
@@ -45,5 +47,13 @@ void mukca_dense_reduce(double *N, int k, int n, int ld);
  * rss[k] (may be NULL) accumulates the residual sums of squares.
  * Memory and result do not depend on how the rows are blocked (to rounding). */
 void mukca_dense_qr_absorb(double *R, double *rss, double *A, int m, int n, int k);
+
+/* x[n] of least squares from R[n][n + 1]; 0 where nothing determines it. */
+void mukca_dense_qr_solve(double *x, const double *R, int n);
+
+/* The pose that brings n points `from` nearest to the points `to`; `stride` numbers from one point
+ * to the next. */
+void mukca_frame_nearest(mukca_frame *pose, const double *to, const double *from, int stride,
+                         int n);
 
 #endif

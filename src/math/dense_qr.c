@@ -157,3 +157,13 @@ MUKCA_CLONES void mukca_dense_qr_absorb(double *R, double *rss, double *A, int m
             rss[c] += a * a;
         }
 }
+
+void mukca_dense_qr_solve(double *x, const double *R, int n)
+{
+    for (int i = n - 1; i >= 0; i--) {
+        const double *row = R + i * (n + 1);
+        x[i] = row[n];
+        for (int k = i + 1; k < n; k++) x[i] -= row[k] * x[k];
+        x[i] = fabs(row[i]) > 0 ? x[i] / row[i] : 0;
+    }
+}

@@ -73,7 +73,7 @@ static bool read_cell(double *value, const char *cell)
     return false;
 }
 
-static void clear(mukca_lcm_joints *joints, int n)
+void mukca_joint_lines_clear(mukca_lcm_joints *joints, int n)
 {
     joints->time = 0;
     joints->guided = false;
@@ -162,7 +162,7 @@ static mukca_line_kind read_row(mukca_lcm_joints *joints, mukca_joint_lines *l, 
         mukca_fail(error, MUKCA_INPUT, "%d columns, but %d in the header", n, l->n_columns);
         return MUKCA_LINE_FAULT;
     }
-    clear(joints, l->n_joints);
+    mukca_joint_lines_clear(joints, l->n_joints);
     joints->has[MUKCA_LCM_ROLE_NAME] = true;
     memcpy(joints->name, l->joint, sizeof joints->name);
     for (int i = 0; i < n; i++) {
@@ -209,7 +209,7 @@ static bool read_ros(mukca_lcm_joints *joints, const mukca_joint_lines *l, int n
     int names = 0, at = FIRST;
     while (at < n && !read_cell(&value, l->cell[at])) at++, names++;
     if (!names || names > MUKCA_LCM_MAX_JOINTS || seconds > INT32_MAX) return false;
-    clear(joints, names);
+    mukca_joint_lines_clear(joints, names);
     joints->time = 1000000 * seconds + nanoseconds / 1000;
     joints->has[MUKCA_LCM_ROLE_NAME] = true;
     for (int j = 0; j < names; j++) joints->name[j] = l->cell[FIRST + j];

@@ -64,6 +64,9 @@ void mukca_joint_lines_take(mukca_joint_lines *lines);
 mukca_line_kind mukca_joint_lines_parse(mukca_lcm_joints *joints, mukca_joint_lines *lines,
                                         const char *line, mukca_error *error);
 
+/* No numbers, of n joints. */
+void mukca_joint_lines_clear(mukca_lcm_joints *joints, int n);
+
 /* The same for lines that are not JSON (joint_lines.c). */
 mukca_line_kind mukca_joint_lines_parse_cells(mukca_lcm_joints *joints, mukca_joint_lines *lines,
                                               const char *line, mukca_error *error);

@@ -138,11 +138,7 @@ static mukca_line_kind parse_object(mukca_lcm_joints *joints, mukca_joint_lines 
     json_t *message = json_object_get(root, "msg"); /* as a ROS bridge sends it */
     if (!json_is_object(message)) message = root;
     const json_t *trigger = json_object_get(message, "trigger");
-    for (int r = 0; r < MUKCA_LCM_ROLES; r++) {
-        joints->has[r] = false;
-        for (int j = 0; j < MUKCA_LCM_MAX_JOINTS; j++) joints->value[r][j] = (double)NAN;
-    }
-    joints->guided = false;
+    mukca_joint_lines_clear(joints, MUKCA_LCM_MAX_JOINTS);
     joints->time = read_time(message);
     if (trigger) {
         l->id = json_integer_value(trigger);

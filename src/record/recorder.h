@@ -4,13 +4,129 @@
 #define MUKCA_RECORD_RECORDER_H
 
 #include "base/text.h"
+#include "capture/capture.h"
+#include "io/session_append.h"
 #include "lcm/link.h"
 #include "lcm/message.h"
-#include "record/requests.h"
-#include "record/session.h"
-#include "record/stream.h"
+#include "lcm/packet.h"
+#include "lcm/signature.h"
+#include "lcm/type.h"
+#include "record/joint_lines.h"
 
 enum { MUKCA_RECORDER_LINE = 448 };
+
+typedef struct mukca_recorder mukca_recorder;
+
+enum { MUKCA_STREAM_HEARD = 24 };
+
+/* Which reading of a message is which joint. */
+typedef struct {
+    bool made;      /* `reading` and n are set */
+    bool confirmed; /* they may be used */
+    bool by_name;
+    int reading[MUKCA_MAX_JOINTS], n;             /* index of each joint's; readings of a message */
+    char name[MUKCA_MAX_JOINTS][MUKCA_NAME_SIZE]; /* the sender's, of each joint; "": none */
+} mukca_stream_map;
+
+/* The last joint state. */
+typedef struct {
+    mukca_lcm_joints joints;
+    double q[MUKCA_MAX_JOINTS], effort[MUKCA_MAX_JOINTS], command[MUKCA_MAX_JOINTS];
+    int64_t time;    /* us, its sender's, else its arrival */
+    int64_t arrival; /* us; 0: none yet */
+} mukca_stream_last;
+
+typedef struct {
+    int64_t received, refused;
+    int64_t dropped; /* datagrams and messages lost in the network */
+    int64_t rate_since, rate_count;
+    double rate, longest_gap; /* Hz; s between two arrivals */
+} mukca_stream_count;
+
+/* A channel heard while searching, or in silence. */
+typedef struct {
+    char channel[64];
+    int type; /* index of the type; -1: unknown */
+    int joints;
+} mukca_stream_heard;
+
+typedef struct {
+    bool listens_to_all;
+    int64_t opened;    /* us */
+    int64_t fit_heard; /* us, arrival of the first stream that fits the arm; 0: none */
+    int n_heard;
+    mukca_stream_heard heard[MUKCA_STREAM_HEARD];
+} mukca_stream_search;
+
+typedef struct {
+    double duration; /* s of waiting without a joint state */
+    bool begun, reported;
+} mukca_stream_silence;
+
+/* The accepted sender of joint states, and its last message and that of another, us; 0: never. */
+typedef struct {
+    uint64_t id;
+    int64_t heard, second_heard;
+} mukca_stream_sender;
+
+typedef struct {
+    mukca_lcm_types types;
+    mukca_joint_lines *lines; /* NULL: joint states come over the link */
+    char channel[64];         /* empty while searching */
+    int type;                 /* of its messages; -1 before the first */
+    bool connected;           /* messages are used; before, they are only read ahead */
+    mukca_error problem;      /* why the stream is unusable; OK: no problem found */
+    mukca_stream_map map;
+    mukca_stream_last last;
+    mukca_stream_count count;
+    mukca_stream_search search;
+    mukca_stream_silence silence;
+    mukca_stream_sender sender;
+} mukca_stream;
+
+enum { MUKCA_REQUESTS_SENDERS = 32 };
+
+typedef struct {
+    uint64_t id;
+    int64_t time;    /* us, of its last request */
+    double requests; /* requests available (token bucket) */
+} mukca_requests_sender;
+
+typedef struct {
+    char trigger_channel[64], command_channel[64];
+    mukca_requests_sender sender[MUKCA_REQUESTS_SENDERS];
+    mukca_lcm_key key;
+    int64_t last_signed; /* us, time stamp of the last signed request */
+} mukca_requests;
+
+enum { MUKCA_LABELS = 32 };
+
+/* Names of --placement or --sockets. */
+typedef struct {
+    char store[512];
+    int n;
+    const char *name[MUKCA_LABELS];
+} mukca_labels;
+
+typedef struct {
+    mukca_capture capture;
+    mukca_session file; /* closed: nothing is recorded */
+    mukca_capture_advice advice;
+    mukca_labels placements, sockets;
+    int refused;                   /* samples */
+    mukca_capture_sample last;     /* the last sample; n = 0: none, or deleted */
+    bool beyond[MUKCA_MAX_JOINTS]; /* a joint was reported beyond its limits */
+    int unwritten;                 /* samples and answers lost for lack of disk space or memory */
+    mukca_error first_unwritten;
+} mukca_sampling;
+
+/* A request for a sample; labels NULL or "" mean the current ones. */
+typedef struct {
+    int64_t id;
+    int64_t time; /* us, its arrival; 0: it came in order with the joint states */
+    int64_t sent; /* us, by its sender's clock; 0: unknown */
+    const char *placement, *socket;
+} mukca_sample_request;
 
 /* Zeroed options mean defaults; `mukca help capture` describes them.  All texts must outlive the
  * recorder. */
@@ -124,6 +240,84 @@ void mukca_recorder_describe_silence(mukca_text *text, const mukca_recorder *r, 
 
 /* The reason why no stream has been found so far. */
 void mukca_recorder_describe_search(const mukca_recorder *r, char *text, size_t size);
+
+/* ---- joint states: from a message to a reading of the arm (stream.c) ---- */
+
+/* Process a message of the stream's channel. */
+void mukca_stream_take(mukca_recorder *r, const mukca_lcm_packet *packet);
+
+/* Process the joint states in r->stream.last.joints; `packet` has their arrival and sender. */
+void mukca_stream_take_joints(mukca_recorder *r, const mukca_lcm_packet *packet, int type);
+
+/* Process lines of standard input, or wait for some; as mukca_lcm_link_wait (lines.c). */
+mukca_status mukca_stream_wait_lines(mukca_recorder *r, int timeout_ms, int other, bool *readable,
+                                     mukca_error *error);
+
+/* Read --map; and set the mapping from the first message, with the reason of a failure in
+ * r->stream.problem (map.c). */
+mukca_status mukca_stream_check_map(mukca_recorder *r, mukca_error *error);
+mukca_status mukca_stream_make_map(mukca_recorder *r);
+
+/* Whether the mapping follows from the order of readings alone; and the mapping as lines, with the
+ * sender's names next to the arm's. */
+bool mukca_stream_needs_confirmation(const mukca_recorder *r);
+void mukca_stream_describe_map(const mukca_recorder *r, char *text, size_t size);
+
+/* Type of the joint states; "": none (this and the next: messages.c). */
+const char *mukca_stream_type(const mukca_recorder *r);
+
+double mukca_stream_age(const mukca_recorder *r); /* s since the arrival of the last joint state */
+
+/* Whether a second sender of joint states was heard recently. */
+bool mukca_stream_doubted(const mukca_recorder *r);
+
+/* ---- requests over LCM: a rate limit for each sender, signatures (requests.c) ---- */
+
+/* Process a message on the trigger channel. */
+void mukca_requests_trigger(mukca_recorder *r, const mukca_lcm_packet *packet);
+
+/* Whether a sender's request is within its rate limit.  False: it is refused. */
+bool mukca_requests_may(mukca_recorder *r, const mukca_lcm_packet *packet);
+
+/* Check the signature of a request with time stamp `utime`, us, if the options name a key: each is
+ * accepted once, and only while fresh.  Errors: MUKCA_NEGATIVE. */
+mukca_status mukca_requests_check_signature(mukca_recorder *r, const mukca_lcm_packet *packet,
+                                            int64_t utime, mukca_error *error);
+
+/* ---- the session: samples on disk before they are acknowledged (session.c) ---- */
+
+/* Initialise labels and capture; theta as for mukca_recorder_open. */
+mukca_status mukca_sampling_prepare(mukca_recorder *r, const double *theta, mukca_error *error);
+
+/* Create or resume the session file; its samples are loaded into the capture.  Errors: MUKCA_INPUT
+ * (exists without `force`; see mukca_session_resume), MUKCA_MEMORY. */
+mukca_status mukca_sampling_begin(mukca_recorder *r, const char *path, bool resume, bool force,
+                                  mukca_error *error);
+
+/* Requests of the user; answer->text is the reply, also on success.  mukca_sampling_sample returns
+ * after the sample is on disk, and sends a sample message in any case.  The others delete sample
+ * `row` (from 1; 0: the last), move the last sample to the socket that its remark offered, select a
+ * socket, the next socket, or the first socket of a new placement.  Errors:
+ * MUKCA_NEGATIVE (refused), MUKCA_INPUT (disk). */
+mukca_status mukca_sampling_sample(mukca_recorder *r, const mukca_sample_request *request,
+                                   mukca_error *answer);
+mukca_status mukca_sampling_delete(mukca_recorder *r, int row, mukca_error *answer);
+mukca_status mukca_sampling_move(mukca_recorder *r, mukca_error *answer);
+mukca_status mukca_sampling_select(mukca_recorder *r, const char *placement, const char *socket,
+                                   mukca_error *answer);
+mukca_status mukca_sampling_next_socket(mukca_recorder *r, mukca_error *answer);
+mukca_status mukca_sampling_next_placement(mukca_recorder *r, mukca_error *answer);
+
+/* Reply to a trigger that is refused before decoding. */
+void mukca_sampling_refuse(mukca_recorder *r, int64_t id, const char *text);
+
+/* Count a failure with status MUKCA_MEMORY, for the exit code. */
+void mukca_sampling_count_unwritten(mukca_recorder *r, const mukca_error *error);
+
+/* State of the stream: "no_stream", "moving" or "still"; and send it, or another `state` unless
+ * NULL, as a status message. */
+const char *mukca_sampling_state(const mukca_recorder *r);
+void mukca_sampling_publish_status(mukca_recorder *r, const char *state);
 
 static inline const char *mukca_recorder_joint(const mukca_recorder *r, int j)
 {

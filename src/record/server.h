@@ -5,7 +5,6 @@
 
 #include <sys/types.h>
 
-#include "fit/difference.h"
 #include "io/offsets.h"
 #include "mukca/row_state.h"
 #include "record/recorder.h"
@@ -163,11 +162,6 @@ mukca_status mukca_server_load_model(mukca_server *s, mukca_error *error);
 /* Read the table written by a job, accepted or not, into s->candidate, for `use`.  Errors:
  * MUKCA_INPUT. */
 mukca_status mukca_server_keep_result(mukca_server *s, mukca_error *error);
-
-/* Errors of s->candidate minus those of the table in use on the session of `table` (its file name);
- * no postures: the session cannot be read any more, or has one only.  Errors: MUKCA_MEMORY. */
-mukca_status mukca_server_compare(mukca_difference *difference, mukca_server *s, const char *table,
-                                  mukca_error *error);
 
 /* Put the last result into use, if it is of `session` (NULL: any).  Conditions: acceptance, size,
  * error on the same samples and change relative to the table in use.  `error` has the reply.

@@ -6,6 +6,9 @@
 
 #include "arm/tip_change.h"
 #include "base/file.h"
+#include "diagnose/condense.h"
+#include "fit/accept.h"
+#include "io/dataset.h"
 #include "io/output.h"
 #include "record/server.h"
 
@@ -75,6 +78,55 @@ mukca_status mukca_server_keep_result(mukca_server *s, mukca_error *error)
     return mukca_server_save_state(s, error);
 }
 
+/* error[n_rows]; false: out of memory. */
+static bool find_errors(double *error, const mukca_chain *chain, const mukca_offsets *table,
+                        const mukca_dataset *data)
+{
+    mukca_effect effects[MUKCA_MAX_EFFECTS];
+    const mukca_model model = {
+        .chain = chain, .theta = table->theta, .effects = effects, .n_effects = table->n_effects};
+    mukca_offsets_place_effects(effects, table, data);
+    return mukca_evaluate_rows(error, &model, data);
+}
+
+static mukca_status find_difference(mukca_difference *d, mukca_server *s, const mukca_dataset *data,
+                                    mukca_error *error)
+{
+    const int n = data->n_rows;
+    double *errors = calloc(2 * ((size_t)n + 1), sizeof *errors);
+    const bool found = errors && find_errors(errors, s->recorder.chain, &s->pose.offsets, data) &&
+                       find_errors(errors + n, s->recorder.chain, &s->candidate, data);
+    const mukca_status status = found ? mukca_difference_find(d, errors, errors + n, data, error)
+                                      : mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    free(errors);
+    return status;
+}
+
+/* Errors of s->candidate minus those of the table in use on the session of `table` (its file name);
+ * no postures: the session cannot be read any more, or has one only. */
+static mukca_status compare_tables(mukca_difference *d, mukca_server *s, const char *table,
+                                   mukca_error *error)
+{
+    char name[MUKCA_NAME_SIZE + 16], path[MUKCA_SERVER_PATH];
+    const char *paths[1] = {path};
+    const mukca_dataset_options options = {.partial = true};
+    mukca_dataset data = {0};
+    mukca_condensed condensed;
+    *d = (mukca_difference){0};
+    snprintf(name, sizeof name, "%s", table);
+    char *ending = strstr(name, ".offsets.tsv");
+    if (!ending) ending = strstr(name, ".effects.tsv");
+    if (ending) *ending = '\0';
+    mukca_server_path(path, s, MUKCA_SERVER_SESSIONS, name, ".tsv");
+    if (mukca_dataset_load(&data, s->recorder.chain, paths, 1, &options, error) != MUKCA_OK)
+        return MUKCA_OK;
+    mukca_status status = mukca_condense(&condensed, &data, MUKCA_MOST_SAMPLES, error);
+    if (status == MUKCA_OK) status = find_difference(d, s, &data, error);
+    if (!isfinite(d->sigma_m)) *d = (mukca_difference){0}; /* a single posture shows nothing */
+    mukca_dataset_free(&data);
+    return status;
+}
+
 /* Conditions relative to the table in use, on the samples of both sessions.  The new session counts
  * twice, as it shows the arm as it is: a change of the arm makes the two differences equal and
  * opposite.  --most-change does not protect a table in use that is worse on the new session and no
@@ -84,8 +136,8 @@ static mukca_status check_change(mukca_server *s, mukca_error *error)
     mukca_difference new, old;
     const double most = s->options->most_change;
     if (!s->pose.ready) return MUKCA_OK;
-    mukca_status status = mukca_server_compare(&new, s, s->state.candidate, error);
-    if (status == MUKCA_OK) status = mukca_server_compare(&old, s, s->state.model, error);
+    mukca_status status = compare_tables(&new, s, s->state.candidate, error);
+    if (status == MUKCA_OK) status = compare_tables(&old, s, s->state.model, error);
     if (status != MUKCA_OK) return status;
     const double difference = 2 * new.mean_m + old.mean_m,
                  sigma = hypot(2 * new.sigma_m, old.sigma_m);

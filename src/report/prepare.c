@@ -50,9 +50,9 @@ static double *positions(mukca_report *r, const mukca_model models[2])
     mukca_frame *frames = MUKCA_TAKE(&r->pool, mukca_frame, r->data.n_rows + 1);
     if (!tips || !frames) return NULL;
     mukca_frame *test = frames + r->train->n_rows;
-    mukca_evaluate_tips(frames, &models[0], r->train);
-    if (r->test->n_rows > 0) mukca_evaluate_tips(test, &models[1], r->test);
-    if (!mukca_evaluate_place(frames, r->train) || !mukca_evaluate_place(test, r->test))
+    if (!mukca_evaluate_tips(frames, &models[0], r->train) ||
+        !mukca_evaluate_tips(test, &models[1], r->test) ||
+        !mukca_evaluate_place(frames, r->train) || !mukca_evaluate_place(test, r->test))
         return NULL;
     for (int i = 0; i < r->data.n_rows; i++) memcpy(tips + 3 * i, frames[i].p, sizeof frames[i].p);
     return tips;

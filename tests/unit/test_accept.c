@@ -1,7 +1,6 @@
 /* Acceptance by prediction: what a recording determines about the tip decides, repeated postures
  * count once, and the error that is announced is that of the true arm. */
 #include "fit/accept.h"
-#include "fit/difference.h"
 #include "fit/tip_error.h"
 #include "scene.h"
 
@@ -154,6 +153,18 @@ static void a_stuck_encoder_is_refused(void **state)
     assert_string_equal(table.acceptance.at_rest, mukca_chain_joint_name(&arm.chain, 3));
 }
 
+/* The ball is 2 mm off the axis of the last joint: small errors, across that axis. */
+static void a_stuck_last_joint_is_refused(void **state)
+{
+    (void)state;
+    const int tip = arm.chain.n_elements - 1;
+    arm.arm.geometry.origin[tip].p[0] = arm.chain.element[tip].xyz[0] = 2e-3;
+    mukca_dataset_free(&data);
+    record(&data, &arm);
+    for (int i = 0; i < data.n_rows; i++) data.q[i * data.n_joints + 6] = data.q[6];
+    refused_for("joint_7 did not move, but");
+}
+
 /* Three samples of another placement: hundreds of mm. */
 static void gross_errors_are_no_outliers(void **state)
 {
@@ -169,6 +180,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(one_posture_a_socket_is_refused, set_up, tear_down),
         cmocka_unit_test_setup_teardown(repeated_postures_count_once, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_stuck_encoder_is_refused, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_stuck_last_joint_is_refused, set_up, tear_down),
         cmocka_unit_test_setup_teardown(gross_errors_are_no_outliers, set_up, tear_down)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
