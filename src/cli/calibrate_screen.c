@@ -152,26 +152,29 @@ static void print_next(cli_call *call, const calibrate_result *r)
         cli_answer_keyed(call, "Next", "mukca export --urdf %s%s%s --offsets %s", c->urdf,
                          c->kinematics ? " --kinematics " : "", c->kinematics ? c->kinematics : "",
                          c->output);
+    if (r->evidence.postures && r->evidence.mean_m < -2 * r->evidence.sigma_m)
+        cli_answer_keyed(call, "",
+                         "--evidence fits a better geometry to these data: held-out error %.3f mm "
+                         "(%s) instead of %.3f mm",
+                         1e3 * r->evidence.after_m, r->offsets->acceptance.error_of,
+                         1e3 * r->evidence.before_m);
     if (!c->output) cli_answer_keyed(call, "", "-o offsets.tsv saves the result");
 }
 
 static void print_verdict(cli_call *call, const calibrate_result *r)
 {
     const mukca_acceptance *a = &r->offsets->acceptance;
-    char text[MUKCA_ACCEPTANCE_SENTENCE];
-    if (!a->accepted) {
-        cli_answer_wrapped(call, "Do not use this result: %s.", a->reason);
-        return;
-    }
-    char turns[80] = "";
+    FILE *stream = cli_answer_stream(call);
+    char turns[80] = "", fit[80] = "Priors by the evidence";
+    if (stream) cli_print_acceptance(stream, a, &r->fit->chain);
+    if (!a->accepted) return;
     if (r->train->quaternion)
         snprintf(turns, sizeof turns, ", positions and orientations together (1 mrad as %g mm)",
                  MUKCA_METRES_PER_RADIAN);
-    cli_answer_wrapped(call,
-                       "Converged after %d evaluations; measurement noise %.3f mm per axis%s.",
-                       r->fit->outcome.evaluations, 1e3 * a->noise_m, turns);
-    mukca_acceptance_sentence(text, a, r->fit->chain.kinematics_sha256[0] != '\0');
-    cli_answer_wrapped(call, "Result %s.", text);
+    if (r->fit->outcome.evaluations)
+        snprintf(fit, sizeof fit, "Converged after %d evaluations", r->fit->outcome.evaluations);
+    cli_answer_wrapped(call, "%s; measurement noise %.3f mm per axis%s.", fit, 1e3 * a->noise_m,
+                       turns);
 }
 
 bool calibrate_frame(mukca_frame *T, const calibrate_result *r, bool base)

@@ -150,6 +150,7 @@ static void assemble(mukca_diagnosis *d, const steps *s, const mukca_recording *
                                                              : &d->causes[d->n_causes++];
         *cause = s->findings.causes[c];
         cause->held_out = v->cause[c];
+        cause->rung_m = v->rung_m[c];
     }
     memcpy(d->axis_rms_m, v->axis_rms_m, sizeof d->axis_rms_m);
     d->nominal_m = v->nominal_m;

@@ -79,6 +79,7 @@ typedef struct {
     int n_ties;
     mukca_tie ties[MUKCA_MAX_TIES];
     mukca_shrink held_out;
+    double rung_m; /* cross-validated mean error with this cause and those before it; NaN: none */
 } mukca_cause;
 
 typedef struct {

@@ -2,9 +2,10 @@
 #ifndef MUKCA_REPORT_WORDING_H
 #define MUKCA_REPORT_WORDING_H
 
+#include "arm/acceptance.h"
 #include "diagnose/next_poses.h"
 
-enum { MUKCA_WORDING = 600 }; /* size of the texts below, with the NUL */
+enum { MUKCA_WORDING = 4096 }; /* size of the texts below, with the NUL */
 
 /* Diagnoses of simulated recordings: `runs` with the causes, and as many without. */
 typedef struct {
@@ -18,10 +19,11 @@ typedef struct {
 typedef struct {
     const mukca_diagnosis *diagnosis;
     const mukca_chain *chain;
-    const mukca_dataset *data, *test; /* test: NULL without --test */
-    const mukca_next_poses *next;     /* NULL: not requested */
-    const mukca_check *check;         /* NULL: not requested, or not possible */
-    bool saved;                       /* an offsets table was written */
+    const mukca_dataset *data, *test;   /* test: NULL without --test */
+    const mukca_next_poses *next;       /* NULL: not requested */
+    const mukca_check *check;           /* NULL: not requested, or not possible */
+    const mukca_acceptance *acceptance; /* of its offsets table; NULL: nothing was fitted */
+    bool saved;                         /* the table was written */
 } mukca_diagnosed;
 
 /* Whether a joint is prismatic; false for -1. */

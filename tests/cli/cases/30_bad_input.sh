@@ -203,7 +203,7 @@ run simulate $a --seed 1 --rows 20 --placements 2 -o sim.tsv
 doubt 'sockets differs by 30.0' calibrate $a --distance 0.02 sim.tsv
 doubt 'no fixed joint ends the chain at hand' calibrate $a --tip hand good
 doubt 'nominal model is [0-9]* mm off; check the units' calibrate $a --distance 0.5 --tip hand good
-doubt 'Do not use this result: the samples do not fit this arm' calibrate $a --distance 0.5 good
+doubt '^Use     no: the samples do not fit this arm' calibrate $a --distance 0.5 good
 refuse 3 'every row is also training data' calibrate $a good --test good
 cp -r good again
 doubt 'good/hole_0.csv: 12 of 12 rows repeat rows of again/hole_0.csv to the last digit; each is used once' calibrate $a again good
