@@ -119,15 +119,6 @@ static void print_causes(FILE *stream, const mukca_diagnosed *r)
 
 /* ---- held-out errors ---- */
 
-/* A line of the errors: cross-validated, of test data (NaN: none). */
-static void print_step(FILE *stream, const char *name, double metres, double test)
-{
-    if (!isfinite(metres)) return;
-    fprintf(stream, "  %-32s %8.3f", name, 1e3 * metres);
-    if (isfinite(test)) fprintf(stream, " %8.3f", 1e3 * test);
-    fputc('\n', stream);
-}
-
 /* "; the causes reduce it by 36 % [30, 41], in 3 of 3 folds" */
 static void put_gain(mukca_text *text, const mukca_shrink *s)
 {
@@ -145,32 +136,20 @@ static void put_gain(mukca_text *text, const mukca_shrink *s)
 static void print_errors(FILE *stream, const mukca_diagnosed *r)
 {
     const mukca_diagnosis *d = r->diagnosis;
-    const double no_test = (double)NAN;
     char line[TEXT] = "";
     mukca_text text = MUKCA_TEXT(line);
-    int causes = 0;
-    double first_m = NAN;
+    mukca_step steps[MUKCA_MAX_STEPS];
+    const int n = mukca_wording_steps(steps, r);
     if (!isfinite(d->nominal_m)) return;
-    for (int i = 0; i < d->n_causes; i++) causes += mukca_wording_on_arm(&d->causes[i]);
-    for (int i = d->n_causes - 1; i >= 0; i--)
-        if (isfinite(d->causes[i].rung_m)) first_m = d->causes[i].rung_m;
     fprintf(stream, "\n%sMean error, mm%s%26s%s\n", cli_bold(stream), cli_plain(stream),
             d->folds > 1 ? "cross-validated" : "training",
             isfinite(d->test_geometry_m) ? "    test" : "");
-    print_step(stream, "nominal model", d->nominal_m, d->test_nominal_m);
-    print_step(stream, "calibrated geometry", d->geometry_m, d->test_geometry_m);
-    if (d->n_faults) print_step(stream, "faulty samples excluded", d->faults_excused_m, no_test);
-    if (causes > 1) print_step(stream, "geometry and the first cause", first_m, no_test);
-    if (d->n_causes)
-        print_step(stream,
-                   causes == 0   ? "geometry and tool motion"
-                   : causes == 1 ? "geometry and the cause"
-                   : causes == 2 ? "geometry and both causes"
-                                 : "geometry and all causes",
-                   d->explained_m, d->test_explained_m);
-    if (d->structure_m < d->explained_m) /* if it reduces the error */
-        print_step(stream, "and unexplained structure", d->structure_m, no_test);
-    print_step(stream, "noise floor", d->noise_floor_m, no_test);
+    for (int i = 0; i < n; i++) {
+        if (!isfinite(steps[i].cross_validated_m)) continue;
+        fprintf(stream, "  %-28s %12.3f", steps[i].name, 1e3 * steps[i].cross_validated_m);
+        if (isfinite(steps[i].test_m)) fprintf(stream, " %8.3f", 1e3 * steps[i].test_m);
+        fputc('\n', stream);
+    }
     if (d->folds > 1) {
         mukca_text_put(&text, "Cross-validated: each %s predicted from the others",
                        r->data->n_placements >= 2 ? "placement"

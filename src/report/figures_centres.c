@@ -1,4 +1,5 @@
-/* Figure of the predicted ball centres: three projections of one placement. */
+/* Figure of the predicted ball centres: three projections of one placement, of the test data if
+ * there are any. */
 #include <math.h>
 
 #include "report/parts.h"
@@ -28,15 +29,15 @@ static int measure(double origin[3], double *reach, const mukca_report *r, int p
     *reach = origin[0] = origin[1] = origin[2] = 0;
     for (int i = 0; i < r->data.n_rows; i++) {
         if (mukca_dataset_placement(&r->data, i) != placement) continue;
-        for (int k = 0; k < 3; k++) origin[k] += r->calibrated[3 * i + k];
+        for (int k = 0; k < 3; k++) origin[k] += r->tip[MUKCA_CALIBRATED][3 * i + k];
         rows++;
     }
     for (int k = 0; k < 3 && rows > 0; k++) origin[k] /= rows;
     for (int i = 0; i < r->data.n_rows; i++) {
         if (mukca_dataset_placement(&r->data, i) != placement) continue;
         for (int k = 0; k < 3; k++) {
-            *reach = fmax(*reach, fabs(r->calibrated[3 * i + k] - origin[k]));
-            *reach = fmax(*reach, fabs(r->nominal[3 * i + k] - origin[k]));
+            *reach = fmax(*reach, fabs(r->tip[MUKCA_CALIBRATED][3 * i + k] - origin[k]));
+            *reach = fmax(*reach, fabs(r->tip[MUKCA_NOMINAL][3 * i + k] - origin[k]));
         }
     }
     return rows;
@@ -48,19 +49,20 @@ bool mukca_report_centres(mukca_plot *plot, const void *content, int index)
     static const char axes[3][3] = {"xy", "xz", "yz"};
     static const int open_point[4] = {6, 8, 4, 12}, full_point[4] = {7, 9, 5, 13};
     const mukca_dataset *data = &r->data;
-    char id[64], title[160];
+    char title[160];
     double origin[3], reach;
-    if (data->n_sockets == 0 || index >= data->n_placements) return false;
+    if (data->n_sockets == 0 || index > 0) return false;
+    const bool test = r->test->n_placements > 0;
+    index = test ? r->train->n_placements : 0;
     const int rows = measure(origin, &reach, r, index);
     int sockets = 0;
     for (int k = 0; k < data->n_sockets; k++) sockets += data->sockets[k].placement == index;
-    snprintf(id, sizeof id, "centres-%d", index + 1);
     snprintf(title, sizeof title, "Predicted ball centres, placement %s%s",
-             data->placements[index].name, index < r->train->n_placements ? "" : " (test)");
-    mukca_plot_begin(plot, id, title, MUKCA_PLOT_FULL, 370);
+             data->placements[index].name, test ? " (test)" : "");
+    mukca_plot_begin(plot, "centres", title, MUKCA_PLOT_FULL, 370);
     FILE *s = plot->script;
-    put_block(s, "b", r->nominal, origin, data, index);
-    put_block(s, "a", r->calibrated, origin, data, index);
+    put_block(s, "b", r->tip[MUKCA_NOMINAL], origin, data, index);
+    put_block(s, "a", r->tip[MUKCA_CALIBRATED], origin, data, index);
     fprintf(s,
             "set multiplot layout 1,3 margins 0.07,0.985,0.17,0.9 spacing 0.075\n"
             "reach = %g\nset size ratio -1\nset xrange [-reach:reach]\nset yrange [-reach:reach]\n"

@@ -59,7 +59,7 @@ void mukca_html_sentence(FILE *out, const char *text)
 static const char *put_heading(FILE *out, const char *column)
 {
     const size_t length = strcspn(column, "|"), mark = *column == '#';
-    escape(out, column + mark, length - mark);
+    if (strncmp(column, "bar|", 4) != 0) escape(out, column + mark, length - mark);
     return column + length + (column[length] == '|');
 }
 
@@ -84,6 +84,11 @@ static void put_cell(mukca_html_table *table, const char *text)
     FILE *out = table->out;
     const bool cards = table->style && strcmp(table->style, "cards") == 0;
     const bool matrix = table->style && strcmp(table->style, "matrix") == 0;
+    if (strncmp(table->at, "bar|", 4) == 0) {
+        fprintf(out, "<td class=\"bar\"><i style=\"width:%s%%\"></i></td>", text);
+        table->at += 4;
+        return;
+    }
     const bool number = *table->at == '#', name = matrix && !number;
     const double value = number ? strtod(text, NULL) : 0;
     fputs(number ? "<td class=\"n\"" : name ? "<th scope=\"row\"" : "<td", out);

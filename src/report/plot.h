@@ -2,6 +2,7 @@
 #ifndef MUKCA_REPORT_PLOT_H
 #define MUKCA_REPORT_PLOT_H
 
+#include <stdbool.h>
 #include <stdio.h>
 
 #include "mukca/status.h"
@@ -26,6 +27,7 @@ typedef struct {
     char id[64]; /* letters, digits, '-'; unique on the page */
     char title[160];
     int width, height; /* px */
+    bool brief;        /* the caption is the title alone: a table has the numbers */
 } mukca_plot;
 
 /* Create an empty figure; free it with mukca_plot_free, also after an error.  Errors:

@@ -26,6 +26,19 @@ typedef struct {
     bool saved;                         /* the table was written */
 } mukca_diagnosed;
 
+/* A model and its mean errors, m; NaN: not measured. */
+typedef struct {
+    const char *name;
+    int causes; /* number of causes in the model */
+    double cross_validated_m, test_m;
+} mukca_step;
+
+enum { MUKCA_MAX_STEPS = MUKCA_MAX_CAUSES + 5 };
+
+/* The errors from the nominal model to the noise floor, each a fit of its own; returns their
+ * number. */
+int mukca_wording_steps(mukca_step steps[MUKCA_MAX_STEPS], const mukca_diagnosed *diagnosed);
+
 /* Whether a joint is prismatic; false for -1. */
 bool mukca_wording_slides(const mukca_chain *chain, int joint);
 
