@@ -77,12 +77,14 @@ static mukca_status check_joint(mukca_rows *rows, int j, double q, mukca_error *
                                 "joint '%s' is %g; lengths are in m (for millimetres: --units mm)",
                                 e->name, q / unit);
     const double beyond = q > e->upper ? q - e->upper : q < e->lower ? e->lower - q : 0;
-    if (beyond > limit_tolerance && !rows->warned[j]) {
+    bool *warned = rows->options.warned ? rows->options.warned : rows->warned;
+    if (beyond > limit_tolerance && !warned[j]) {
         mukca_note_format(rows->options.note, rows->options.context,
-                          "%s:%d: joint '%s' is %.3g %s beyond its limits",
+                          "%s:%d: joint '%s' is %.3g %s beyond its limits (only the first such "
+                          "sample is listed)",
                           mukca_file_shown(rows->table.path), rows->table.line, e->name, beyond,
                           linear ? "m" : "rad");
-        rows->warned[j] = true;
+        warned[j] = true;
     }
     return MUKCA_OK;
 }

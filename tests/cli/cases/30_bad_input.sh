@@ -305,3 +305,8 @@ expect "no source sets the locale" sh -c "! grep -rn setlocale '$root/src'"
 awk 'NR > 1 && !row { row = $3 "\t" $4 "\t" $5 } NR == 1 { print; next }
     { print $1 "\t" $2 "\t" row }' session.tsv >dead.tsv
 refuse 5 "socket '1': all 6 samples have the same joint angles" calibrate $a dead.tsv -o new.tsv
+
+# limits of the URDF: one note for a joint, however many files
+sed 's/upper="3"/upper="-0.5"/' arm.urdf >narrow.urdf
+run evaluate --urdf narrow.urdf good
+expect "a note of exceeded limits for each joint" test "$(grep -c 'beyond its limits' "$scratch/err")" = 3

@@ -85,6 +85,7 @@ expect "exit 1 where nothing was found and a cause expected" test $code -eq 1
 awk -F'\t' -v OFS='\t' 'BEGIN { srand(1) } /^p[1-9]/ { for (i = 4; i <= 10; i++) $i = 3 * rand() - 1.5 } { print }' good.tsv >noise.tsv
 doubt "the samples do not fit this arm" $d noise.tsv
 answer "^Flexibility cannot be measured: the URDF has no link masses" diagnose --urdf bare.urdf good.tsv
+expect "nothing is named and called untested at once" sh -c "! grep -qi 'not tested' '$scratch/out'"
 awk -F'\t' '!/^p[1-9]/ || $1 == "p1"' good.tsv >one.tsv
 answer "one placement only" $d one.tsv
 simulate --seed 7 --placements 4 --effort --effect joint_compliance:joint_2=4e-5 -o effort.tsv
