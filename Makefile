@@ -152,6 +152,7 @@ golden: $(PROGRAM) ## rewrite the expected output of the command-line tests and 
 
 figures: $(PROGRAM) ## write the figures of README and docs/comparison.md by the commands that measure them
 	@$(TEST_ENVIRONMENT) tools/figures.py
+	@$(TEST_ENVIRONMENT) tools/centres.py
 
 artefact: ## STL files, drawing and picture of the printed tool (needs openscad)
 	@tools/artefact

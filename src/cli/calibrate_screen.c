@@ -7,82 +7,16 @@
 #include "base/text.h"
 #include "fit/poses.h"
 
-/* Smallest coefficient of a null-space direction that is printed; the largest is 1. */
-static const double worth = 0.05;
-
-static int terms_of(const mukca_fit *fit, int direction)
-{
-    const int n = fit->parameters.n;
-    int terms = 0;
-    for (int i = 0; i < n; i++) terms += fabs(fit->null_space[direction * n + i]) > worth;
-    return terms;
-}
-
-static void print_list(cli_call *call, const char *title, const mukca_text *l)
-{
-    FILE *stream = cli_answer_stream(call);
-    if (!stream || l->used == 0) return;
-    fprintf(stream, "  %s:\n    ", title);
-    cli_print_words(stream, 4, 4, l->at, l->used);
-}
-
-/* Unidentifiable parameters, each alone in a null-space direction, by joint: "panda_joint1 (x y z
- * roll)". */
-static void list_alone(mukca_text *l, const mukca_fit *fit)
-{
-    const int n = fit->parameters.n, hidden = n - fit->identification.rank;
-    int last = -1;
-    for (int i = 0; i < n; i++) {
-        const int k = fit->parameters.index[i] / MUKCA_PARAMETERS;
-        const char *parameter = mukca_parameter_name[fit->parameters.index[i] % MUKCA_PARAMETERS];
-        bool alone = false;
-        for (int r = 0; r < hidden; r++)
-            alone |= terms_of(fit, r) == 1 && fabs(fit->null_space[r * n + i]) > worth;
-        if (!alone) continue;
-        if (k != last)
-            mukca_text_put(l, "%s%s (%s", last < 0 ? "" : ") ", fit->chain.element[k].name,
-                           parameter);
-        else
-            mukca_text_put(l, " %s", parameter);
-        last = k;
-    }
-    if (last >= 0) mukca_text_put(l, ")");
-}
-
-/* "panda_joint2.y~panda_joint3.z": identifiable only in combination.  Without repetitions: several
- * directions may begin alike. */
-static void list_together(mukca_text *l, const mukca_fit *fit)
-{
-    const int n = fit->parameters.n, hidden = n - fit->identification.rank;
-    for (int r = 0; r < hidden; r++) {
-        char words[4 * MUKCA_PARAMETER_TEXT] = "", name[MUKCA_PARAMETER_TEXT];
-        mukca_text word = MUKCA_TEXT(words);
-        int terms = 0;
-        if (terms_of(fit, r) < 2) continue;
-        for (int i = 0; i < n && terms < 3; i++) {
-            if (fabs(fit->null_space[r * n + i]) <= worth) continue;
-            mukca_parameters_text(name, &fit->chain, fit->parameters.index[i]);
-            mukca_text_put(&word, terms++ ? "~%s" : " %s", name);
-        }
-        mukca_text_put(&word, terms_of(fit, r) > 3 ? "~... " : " ");
-        if (!strstr(l->at, words)) mukca_text_put(l, "%s", words);
-    }
-}
-
 static void print_identifiability(cli_call *call, const mukca_fit *fit)
 {
     const int n = fit->parameters.n, rank = fit->identification.rank;
-    char text[2][8192] = {"", ""}; /* longer lists are truncated */
-    mukca_text alone = MUKCA_TEXT(text[0]), together = MUKCA_TEXT(text[1]);
     cli_answer_wrapped(call, "The data identify %d of %d parameter combinations%s.", rank, n,
-                       rank < n ? "; the others stay near nominal by regularisation" : "");
+                       rank < n ? "; the others have no effect on these samples and stay near "
+                                  "nominal (the table and --json list them)"
+                                : "");
     if (fit->n_part > 0)
         cli_answer_wrapped(call, "Standard errors: computed from %d samples, scaled to all.",
                            fit->n_part);
-    list_alone(&alone, fit);
-    list_together(&together, fit);
-    print_list(call, "not identifiable", &alone);
-    print_list(call, "identifiable only in combination (a~b)", &together);
 }
 
 static bool enough_samples(const mukca_fit *fit)

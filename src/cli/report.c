@@ -94,7 +94,6 @@ static mukca_status diagnose(cli_call *call)
                                                .free_base = o->free_base,
                                                .free_tool = o->free_tool,
                                                .applied = true,
-                                               .confounding = true,
                                                .go_on = mukca_mounting_compare,
                                                .go_on_context = &diagnose_options,
                                                .progress = cli_show_progress,
@@ -265,7 +264,7 @@ const cli_command cli_command_report = {
         "Diagnoses, and writes one page without requests, with the result of the diagnosis (the "
         "table of mukca diagnose -o) or that of --offsets. It opens with the expected error of the "
         "tip, whether to use the result, the verdict, what to do and the next postures. Then "
-        "follow the errors step by step, the causes and what is confounded with them, a view of "
+        "follow the errors step by step, the causes, a view of "
         "the "
         "arm that can be turned, errors by placement, joint and sample, detection limits, "
         "recording "

@@ -19,8 +19,8 @@ typedef struct {
     const char *caption;
     const char *columns; /* headings separated by '|'; '#' marks a column of numbers, "bar" one of
                             bars, percent of its width */
-    const char *style;   /* "cards": each row is a list of its cells on a narrow screen; "matrix":
-                            numbers of 0 to 1 shade their cells; NULL: the table scrolls by itself */
+    const char *style;   /* "cards": each row is a list of its cells on a narrow screen; NULL: the
+                            table scrolls by itself */
     const char *at;      /* heading of the next cell; NULL before the first row */
 } mukca_html_table;
 

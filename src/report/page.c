@@ -56,7 +56,7 @@ static const char *const mukca_report_style[] = {
     "padding:.1rem 0;text-align:left}.cards td:empty{display:none}.cards td::before{content:attr("
     "data-label);flex:0 0 7rem;opacity:.75}}\n",
     "@media screen and (max-width:40rem){body{padding:.6rem}table{font-size:.75rem;width:100%}th,td{"
-    "padding:.15rem .2rem;min-width:0}td:last-child:not(.n):not(:first-child){min-width:0}.matrix.matrix td{font-size:.65rem;padding:.1rem}}\n"
+    "padding:.15rem .2rem;min-width:0}td:last-child:not(.n):not(:first-child){min-width:0}}\n"
     ".files td{overflow-wrap:anywhere}\n"
     ".bar{width:30%;min-width:3rem}.bar i{display:block;height:.7rem;margin-top:.3rem;background:"
     "var(--after)}\n"
@@ -64,8 +64,6 @@ static const char *const mukca_report_style[] = {
     "polyline{fill:none;stroke-width:1;vector-effect:non-scaling-stroke}.view .arm{stroke:"
     "var(--line);stroke-width:3;stroke-linejoin:round}.view .before{stroke:var(--before)}.view "
     ".after{stroke:var(--after);stroke-width:2}\n"
-    ".matrix th,.matrix td{min-width:0;padding:.2rem .35rem}.matrix th{font-weight:400}.matrix td{"
-    "background:color-mix(in srgb,var(--before) var(--share,0%),transparent)}\n"
     ".n{text-align:right;font-variant-numeric:tabular-nums}code{font-size:.85em;overflow-wrap:"
     "anywhere}\n"
     "@media print{:root{--ink:#000;--paper:#fff;--soft:#f3f4f6;--before:#c35200;"

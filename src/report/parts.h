@@ -6,9 +6,9 @@
 
 #define MUKCA_REPORT_MM 1e3 /* mm per m */
 
-/* Figures, in figures_error.c and figures_centres.c; `content` is the report. */
+/* Figures, in figures_error.c; `content` is the report. */
 typedef bool mukca_report_figure(mukca_plot *plot, const void *content, int index);
-mukca_report_figure mukca_report_joints, mukca_report_samples, mukca_report_centres;
+mukca_report_figure mukca_report_joints, mukca_report_samples;
 
 /* Texts and tables, in tables_diagnosis.c, tables_calibration.c and view.c. */
 typedef void mukca_report_text(FILE *out, const void *content);

@@ -41,10 +41,6 @@ void mukca_plot_begin(mukca_plot *plot, const char *id, const char *title, int w
 /* Print `text` as a gnuplot string constant for the name of a tic, without interpretation. */
 void mukca_plot_tic(FILE *script, const char *text);
 
-/* Position of a label: directly above the horizontal line of data at an integer y, at the left
- * edge. */
-#define MUKCA_PLOT_ABOVE "at graph 0, first %d left offset 0.5, 0.75"
-
 /* Print the label `text` at the position given by `format` ("at 1, 2 left"). */
 void mukca_plot_label(mukca_plot *plot, const char *text, const char *format, ...)
     __attribute__((format(printf, 3, 4)));

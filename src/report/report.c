@@ -10,7 +10,6 @@ static const mukca_page_section sections[] = {
     {"joints", "Errors by joint", mukca_report_joints, mukca_report_put_joints},
     {"limits", "Detection limits", NULL, mukca_report_put_limits},
     {"samples", "Samples and recording faults", mukca_report_samples, mukca_report_put_faults},
-    {"centres", "Predicted ball centres", mukca_report_centres, NULL},
     {"offsets", "Parameters", NULL, mukca_report_put_offsets},
     {"provenance", "Provenance", NULL, mukca_report_put_provenance},
 };

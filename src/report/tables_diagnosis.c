@@ -110,29 +110,6 @@ void mukca_report_put_verdict(FILE *out, const mukca_report *r)
 
 /* ---- causes ---- */
 
-/* Write the matrix of correlations among causes and close candidates. */
-static void put_confounding(FILE *out, const mukca_diagnosed *d)
-{
-    const mukca_confounding *c = &d->diagnosis->confounding;
-    char text[MUKCA_WORDING], columns[16 + 4 * MUKCA_MAX_CONFOUNDED] = "effect";
-    if (c->n < 2) return;
-    for (int i = 0; i < c->n; i++) sprintf(columns + strlen(columns), "|#%d", i + 1);
-    mukca_html_table table = {
-        .out = out,
-        .caption =
-            "Confounding: canonical correlation of causes and close candidates after geometry is "
-            "projected out; 1: indistinguishable",
-        .style = "matrix",
-        .columns = columns};
-    for (int i = 0; i < c->n; i++) {
-        const mukca_cause item = {.effect = c->effects[i], .socket = -1};
-        mukca_wording_cause(text, &item, d);
-        mukca_html_row(&table, "%d %s%s", i + 1, text, c->cause[i] ? " (cause)" : "");
-        for (int k = 0; k < c->n; k++) mukca_html_cells(&table, "%.2f", c->correlation[i][k]);
-    }
-    mukca_html_table_end(&table);
-}
-
 void mukca_report_put_causes(FILE *out, const void *content)
 {
     const mukca_report *r = content;
@@ -154,7 +131,6 @@ void mukca_report_put_causes(FILE *out, const void *content)
                        probability + strlen("probability "), mukca_wording_mechanism(cause, d));
     }
     mukca_html_table_end(&table);
-    put_confounding(out, d);
 }
 
 /* ---- recording faults ---- */

@@ -33,20 +33,15 @@ check "references exist" sh -c '
 awk '/<svg/ {drawn = 0; words = title = ""} /<(path|use|rect|polygon|polyline|circle) / {drawn++}
     /<title id=/ {title = $0} /<desc id=/ {words = $0}
     /<\/svg>/ {print drawn, length(title), length(words)}' "$page" >"$out/drawn"
-check "10 figures" test "$(wc -l <"$out/drawn")" -eq 10
+check "9 figures" test "$(wc -l <"$out/drawn")" -eq 9
 check "none is empty or mute" awk '$1 < 25 || $2 < 40 || $3 < 80 {bad = 1; print} END {exit bad}' "$out/drawn"
-check "images as files" sh -c 'test "$(find "$0" -name "*.png" -size +5k | wc -l)" -eq 9' "$out/png"
+check "images as files" sh -c 'test "$(find "$0" -name "*.png" -size +5k | wc -l)" -eq 8' "$out/png"
 
 # What opens the page, and what a reader looks for.
 check "the verdict is one sentence" sh -c 'test "$(sed -n "s/^<p class=.verdict [a-z]*.>\(.*\)<.p>$/\1/p" "$0" |
     grep -o "[.]" | wc -l)" -eq 1' "$page"
 check "accuracy, use, verdict, then what to do" sh -c 'grep -n -e "class=.verdict" -e "id=.to-do" -e "<dl class=.tiles" "$0" | sed "s/.*\(verdict\|to-do\|tiles\).*/\1/" |
     tr "\n" " " | grep -qx "tiles verdict verdict to-do "' "$page"
-# joint_4's compliance and the bending of the link before joint_3 load alike in the demo's postures
-check "the matrix of what is confounded" sh -c 'sed -n "/table class=.matrix/,/<.table>/p" "$0" |
-    grep "link bending before joint_3" | grep -oE ">[01][.][0-9]+<" | head -n 1 |
-    awk -F "[<>]" "{exit !(\$2 > 0.9 && \$2 < 1)}"' "$page"
-
 mkdir "$out/figures"
 "$MUKCA" calibrate -q --urdf $arm data/demo/train.tsv --test data/demo/test.tsv -o "$out/o.tsv"
 python3 tests/report/figures.py "$out/figures" || failed=1
