@@ -61,9 +61,9 @@ ok "a row per log and target" test "$(cut -f 2 "$dir/scores" | tr '\n' ' ')" = "
 ok "each below 0.25 mm" awk -F'\t' 'NR > 1 && !($5 < 2.5e-4) { exit 1 }' "$dir/scores"
 run report "$dir/columns.csv" --free-base --test "$dir/test.csv" -o "$dir/targets.html" >"$dir/said" 2>&1
 sed 's/<style.*//; s/<[^>]*>/ /g' "$dir/targets.html" | tr -d '\0' >"$dir/targets.txt"
-for tile in 'nominal, test data=10' 'calibrated, test data=0.25'; do
-    ok "report of several targets: ${tile%=*}" below \
-        "$(sed -n "s/^ *${tile%=*} *\([0-9.e+]*\) *mm.*/\1/p" "$dir/targets.txt" | head -n 1)" "${tile#*=}"
+for row in 'nominal model=10' 'calibrated geometry=0.25'; do
+    ok "report of several targets: ${row%=*}" below \
+        "$(sed -n "s/^<tr>.*<td>${row%=*}<.*>\([0-9.]*\)<\/td>$/\1/p; s/.*<td>${row%=*}<.*>\([0-9.]*\)<\/td><\/tr>$/\1/p" "$dir/targets.html" | head -n 1)" "${row#*=}"
 done
 run calibrate "$dir/rows.csv" --free-base >"$dir/said" 2>&1
 ok "calibrate names the command for several" grep -q 'the pose logs have 3 targets; mukca diagnose -o' "$dir/said"

@@ -6,7 +6,7 @@
 static const mukca_page_section sections[] = {
     {"causes", "Errors and their causes", NULL, mukca_report_put_causes},
     {"view", "The arm", NULL, mukca_report_put_view},
-    {"placements", "Errors by placement", NULL, mukca_report_put_placements},
+    {"placements", "Errors of the result", NULL, mukca_report_put_placements},
     {"joints", "Errors by joint", mukca_report_joints, mukca_report_put_joints},
     {"limits", "Detection limits", NULL, mukca_report_put_limits},
     {"samples", "Samples and recording faults", mukca_report_samples, mukca_report_put_faults},

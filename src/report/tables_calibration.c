@@ -56,7 +56,7 @@ void mukca_report_put_steps(FILE *out, const mukca_report *r)
         .out = out,
         .caption = d->folds > 1
                        ? "Mean error, mm, each line a fit of its own; cross-validated: each "
-                         "placement (or fold) predicted from the others"
+                         "fold predicted from the others"
                        : "Mean error, mm, each line a fit of its own",
         .columns = d->folds > 1 ? "model|#cross-validated|bar|#test" : "model|#training|bar|#test"};
     for (int i = 1; i < n; i++) most = fmax(most, steps[i].cross_validated_m);

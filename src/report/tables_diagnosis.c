@@ -80,7 +80,7 @@ static void put_next_poses(FILE *out, const mukca_report *r)
         const mukca_plan_row *row = &next->plan.rows[i];
         const mukca_plan_socket *socket = &next->sockets[row->socket];
         mukca_html_row(&table, "%s\t%s", socket->placement, socket->label);
-        for (int j = 0; j < chain->n_joints; j++) mukca_html_cells(&table, "%.3f", row->q[j]);
+        for (int j = 0; j < chain->n_joints; j++) mukca_html_cells(&table, "%.2f", row->q[j]);
     }
     mukca_html_table_end(&table);
 }
