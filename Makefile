@@ -80,7 +80,7 @@ link = $(call quietly,LD $@)mkdir -p $(@D); $(1) $(LD_FLAGS) $(LDFLAGS) -o $@ $^
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 .SECONDARY:
-.PHONY: all core rt heart demo programs check golden bench tidy format deb dist artefact install uninstall \
+.PHONY: all core rt heart demo programs check golden bench tidy figures format deb dist artefact install uninstall \
         clean help FORCE
 
 all: $(PROGRAM) $(CORE) $(RT) ## the program build/mukca and the core library (default)
@@ -149,6 +149,10 @@ bench: $(PROGRAM) $(BENCHES) ## times and memory compared with the references
 golden: $(PROGRAM) ## rewrite the expected output of the command-line tests and the man page's COMMANDS
 	@$(TEST_ENVIRONMENT) UPDATE_GOLDEN=1 tests/cli/run.sh
 	@$(TEST_ENVIRONMENT) UPDATE_GOLDEN=1 tests/docs/run.sh
+
+figures: $(PROGRAM) ## write the figures of README and docs/comparison.md by the commands that measure them
+	@$(TEST_ENVIRONMENT) tools/figures.py
+	@$(TEST_ENVIRONMENT) tools/centres.py
 
 artefact: ## STL files, drawing and picture of the printed tool (needs openscad)
 	@tools/artefact

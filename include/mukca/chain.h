@@ -43,11 +43,13 @@ typedef struct {
     double lower, upper; /* rad or m; -HUGE_VAL, HUGE_VAL: unlimited */
 } mukca_element;
 
-/* A point mass that moves with the child frame of `element`. */
+/* A mass that moves with the child frame of `element`. */
 typedef struct {
     int element;
     double kg;
     double com[3]; /* m, in the child frame of `element` */
+    double
+        inertia[6]; /* xx yy zz xy xz yz about the centre, axes of that frame, kg m^2; 0: unknown */
 } mukca_mass;
 
 typedef struct {

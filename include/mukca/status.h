@@ -21,13 +21,13 @@ typedef enum {
 /* One line for display: what is wrong, where (file, line, column, joint), and what to do. */
 typedef struct {
     mukca_status status;
-    char text[256];
+    char text[400];
 } mukca_error;
 
 /* Receives the warnings of a function, each one line without a newline.  NULL: no warnings. */
 typedef void mukca_note_fn(void *context, const char *text);
 
-/* Fill `error` (may be NULL) with a printf-formatted line (truncated to 255 characters, control
+/* Fill `error` (may be NULL) with a printf-formatted line (truncated to 399 characters, control
  * characters replaced by ?) and return `status`, for `return mukca_fail(...)`. */
 mukca_status mukca_fail(mukca_error *error, mukca_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));

@@ -10,24 +10,28 @@
 #include <stddef.h>
 
 /* Numbers of the verdict: member, key in the table and in JSON.  NaN: unknown, omitted. */
-#define MUKCA_ACCEPTANCE_LIST(X)                                                              \
-    X(noise_m)             /* measurement noise per axis */                                   \
-    X(parameters)          /* free parameters */                                              \
-    X(identified)          /* combinations that the data identify */                          \
-    X(postures)            /* different ones among the samples */                             \
-    X(error_here_m)        /* expected error of the tip in the joint ranges of the samples */ \
-    X(error_before_here_m) /* that of the model which the table replaces */                   \
-    X(error_workspace_m)   /* the same within the joint limits */                             \
-    X(error_before_m)                                                                         \
-    X(error_nominal_m)    /* mean error of the replaced model on held-out samples */          \
-    X(error_m)            /* of this model on the same samples, `error_of` */                 \
-    X(error_sigma_m)      /* standard error of their difference */                            \
-    X(tip_change_m)       /* largest displacement of the tip in the workspace */              \
-    X(tip_change_sigma)   /* its ratio to the prior standard deviation */                     \
-    X(largest_offset_m)   /* largest change of a length parameter */                          \
+#define MUKCA_ACCEPTANCE_LIST(X)                                                           \
+    X(noise_m)          /* measurement noise per axis */                                   \
+    X(parameters)       /* free parameters */                                              \
+    X(identified)       /* combinations that the data identify */                          \
+    X(postures)         /* different ones among the samples */                             \
+    X(error_here_m)     /* expected error of the tip in the joint ranges of the samples */ \
+    X(error_here_low_m) /* its 95 % interval */                                            \
+    X(error_here_high_m)                                                                   \
+    X(error_before_here_m) /* that of the model which the table replaces */                \
+    X(error_workspace_m)   /* the same within the joint limits */                          \
+    X(error_workspace_low_m)                                                               \
+    X(error_workspace_high_m)                                                              \
+    X(error_before_m)                                                                      \
+    X(error_nominal_m)    /* mean error of the replaced model on held-out samples */       \
+    X(error_m)            /* of this model on the same samples, `error_of` */              \
+    X(error_sigma_m)      /* standard error of their difference */                         \
+    X(tip_change_m)       /* largest displacement of the tip in the workspace */           \
+    X(tip_change_sigma)   /* its ratio to the prior standard deviation */                  \
+    X(largest_offset_m)   /* largest change of a length parameter */                       \
     X(largest_offset_rad) /* of an angle parameter; without frames of measurement */
 
-enum { MUKCA_ACCEPTANCE_TEXT = 256, MUKCA_ACCEPTANCE_SENTENCE = 640 };
+enum { MUKCA_ACCEPTANCE_TEXT = 512, MUKCA_ACCEPTANCE_SENTENCE = 1280 };
 
 typedef struct {
     bool given; /* false: there is no verdict */
@@ -54,6 +58,15 @@ void mukca_acceptance_init(mukca_acceptance *acceptance);
 /* Refuse the table for this reason (a printf format); sets `given`, clears `accepted`. */
 void mukca_acceptance_refuse(mukca_acceptance *acceptance, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
+
+/* Expected error of the tip: "0.71 mm [0.52, 0.93] in the joint ranges of the samples, ..."; empty
+ * if unknown. */
+void mukca_acceptance_tip(char text[MUKCA_ACCEPTANCE_SENTENCE], const mukca_acceptance *a,
+                          bool factory);
+
+/* Whether to use the table: "yes: held-out error ..." or "no: ..."; no full stop. */
+void mukca_acceptance_use(char text[MUKCA_ACCEPTANCE_SENTENCE], const mukca_acceptance *a,
+                          bool factory);
 
 /* The basis of the verdict: "; 180 different postures; expected error of the tip ..."; empty if
  * unknown. */

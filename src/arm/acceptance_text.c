@@ -16,38 +16,60 @@ void mukca_acceptance_refuse(mukca_acceptance *a, const char *format, ...)
     a->accepted = false;
 }
 
+void mukca_acceptance_tip(char text[MUKCA_ACCEPTANCE_SENTENCE], const mukca_acceptance *a,
+                          bool factory)
+{
+    text[0] = '\0';
+    if (!isfinite(a->error_here_low_m)) return;
+    snprintf(text, MUKCA_ACCEPTANCE_SENTENCE,
+             "expected error %.2f mm [%.2f, %.2f] in the joint ranges of the samples, %.2f mm "
+             "[%.2f, %.2f] within "
+             "the joint limits (%s model: %.2f mm and %.2f mm)",
+             1e3 * a->error_here_m, 1e3 * a->error_here_low_m, 1e3 * a->error_here_high_m,
+             1e3 * a->error_workspace_m, 1e3 * a->error_workspace_low_m,
+             1e3 * a->error_workspace_high_m, factory ? "factory" : "nominal",
+             1e3 * a->error_before_here_m, 1e3 * a->error_before_m);
+}
+
 void mukca_acceptance_basis(char text[MUKCA_ACCEPTANCE_SENTENCE], const mukca_acceptance *a,
                             bool factory)
 {
-    const char *before = factory ? "factory" : "nominal";
+    char tip[MUKCA_ACCEPTANCE_SENTENCE];
+    mukca_acceptance_tip(tip, a, factory);
     text[0] = '\0';
-    if (!isfinite(a->error_here_m)) return;
-    snprintf(text, MUKCA_ACCEPTANCE_SENTENCE,
-             "; %.0f different postures%s%s%s; expected error of the tip %.3f mm in their joint "
-             "ranges (%s %.3f mm), %.3f mm within the joint limits (%s %.3f mm)",
+    if (!*tip) return;
+    snprintf(text, MUKCA_ACCEPTANCE_SENTENCE, "; %.0f different postures%s%s%s; tip: %.500s",
              a->postures, a->at_rest[0] ? ", " : "", a->at_rest,
-             a->at_rest[0] ? " did not move" : "", 1e3 * a->error_here_m, before,
-             1e3 * a->error_before_here_m, 1e3 * a->error_workspace_m, before,
-             1e3 * a->error_before_m);
+             a->at_rest[0] ? " did not move" : "", tip);
+}
+
+void mukca_acceptance_use(char text[MUKCA_ACCEPTANCE_SENTENCE], const mukca_acceptance *a,
+                          bool factory)
+{
+    const size_t size = MUKCA_ACCEPTANCE_SENTENCE;
+    if (!a->accepted)
+        snprintf(text, size, "no: %s", a->reason);
+    else if (!isfinite(a->error_m))
+        snprintf(text, size, "yes");
+    else
+        snprintf(text, size,
+                 "yes: held-out error %.3f mm (%s), %s model %.3f mm; the tip moves by up to %.2f "
+                 "mm",
+                 1e3 * a->error_m, a->error_of, factory ? "factory" : "nominal",
+                 1e3 * a->error_nominal_m, 1e3 * a->tip_change_m);
 }
 
 void mukca_acceptance_sentence(char text[MUKCA_ACCEPTANCE_SENTENCE], const mukca_acceptance *a,
                                bool factory)
 {
     const size_t size = MUKCA_ACCEPTANCE_SENTENCE;
-    const char *before = factory ? "factory" : "nominal";
+    char use[MUKCA_ACCEPTANCE_SENTENCE];
+    mukca_acceptance_use(use, a, factory);
     if (!a->given)
         snprintf(text, size, "no verdict (older, or made by hand)");
-    else if (!a->accepted)
-        snprintf(text, size, "not accepted: %s", a->reason);
-    else if (!isfinite(a->error_m))
-        snprintf(text, size, "accepted");
     else
-        snprintf(text, size,
-                 "accepted: held-out error %.3f mm (%s), %s model %.3f mm; the tip moves by up "
-                 "to %.2f mm",
-                 1e3 * a->error_m, a->error_of, before, 1e3 * a->error_nominal_m,
-                 1e3 * a->tip_change_m);
+        snprintf(text, size, "%s%.600s", a->accepted ? "accepted" : "not accepted",
+                 use + (a->accepted ? strlen("yes") : strlen("no")));
     const size_t used = strlen(text);
     char basis[MUKCA_ACCEPTANCE_SENTENCE];
     mukca_acceptance_basis(basis, a, factory);

@@ -16,7 +16,7 @@ typedef struct {
     const char *free, *freeze, *trace, *traits;
     int solver, gradient, means;
     double lambda;
-    bool regularise_tip, no_distortion, free_base, free_tool;
+    bool regularise_tip, no_distortion, evidence, free_base, free_tool;
 } calibrate_options;
 
 static const calibrate_options defaults = {.lambda = MUKCA_LAMBDA};
@@ -53,6 +53,9 @@ static const cli_option options[] = {
                       "older closed-chain method)"),
     CLI_OPTION(calibrate_options, no_distortion, "no-distortion", CLI_FLAG, NULL,
                "no distortion term in the cost"),
+    CLI_OPTION(calibrate_options, evidence, "evidence", CLI_FLAG, NULL,
+               "choose the priors by the evidence and weigh outliers down, instead of this cost "
+               "(sockets)"),
     CLI_OPTION(calibrate_options, free_base, "free-base", CLI_FLAG, NULL,
                "pose logs: fit the frame of the tracker, too (joint base_frame)"),
     CLI_OPTION(
@@ -126,6 +129,7 @@ static mukca_fit_options fit_options(const calibrate_options *o)
         .selection = {o->free, o->freeze, o->regularise_tip},
         .free_base = o->free_base,
         .free_tool = o->free_tool,
+        .by_evidence = o->evidence,
         .cost = {.lambda = o->lambda > 0 ? o->lambda : -1,
                  .nominal_means = o->means == 1,
                  .no_distortion = o->no_distortion,
@@ -174,6 +178,33 @@ static mukca_status judge(cli_call *call, const calibrate_result *r)
     mukca_fit_offsets(r->offsets, r->fit);
     return mukca_accept_fit(r->offsets, r->fit, &call->session->model.chain, r->train, r->test,
                             &fitted, &call->error);
+}
+
+/* Whether the fit is that of the paper, which the posterior can replace. */
+static bool is_default(const calibrate_options *o)
+{
+    return !o->free && !o->freeze && !o->regularise_tip && o->lambda == MUKCA_LAMBDA && !o->means &&
+           !o->no_distortion && !o->free_base && !o->free_tool && !o->traits;
+}
+
+/* Compare with the geometry by the evidence.  The priors of a long recording have no weight. */
+static mukca_status compare_evidence(cli_call *call, calibrate_result *r)
+{
+    enum { MOST_ROWS = 5000 };
+    const calibrate_options *o = call->options;
+    const mukca_chain *chain = &call->session->model.chain;
+    mukca_fit_options both[2] = {fit_options(o), fit_options(o)};
+    mukca_fit other = {0};
+    both[1].by_evidence = true;
+    if (o->evidence || !is_default(o) || !r->offsets->acceptance.accepted ||
+        r->train->n_sockets == 0 || r->train->n_rows > MOST_ROWS)
+        return MUKCA_OK;
+    mukca_status status = mukca_fit_run(&other, chain, r->train, &both[1], &call->error);
+    if (status == MUKCA_OK)
+        status = mukca_fit_compare(&r->evidence, (const mukca_fit *const[]){r->fit, &other}, both,
+                                   chain, r->train, r->test, &call->error);
+    mukca_fit_free(&other);
+    return status;
 }
 
 static mukca_status write_results(cli_call *call, const calibrate_result *r)
@@ -240,11 +271,19 @@ static mukca_status run(cli_call *call)
     *r =
         (calibrate_result){.fit = fit, .train = &s->data, .test = &s->test, .offsets = &w->offsets};
     mukca_status status = cli_check_output(call, "--trace", o->trace);
+    if (o->evidence && !is_default(o))
+        return mukca_fail(
+            &call->error, MUKCA_USAGE,
+            "--evidence has its own priors and parameters; of the options of the fit, "
+            "give no other");
     if (status == MUKCA_OK) status = cli_load(call);
     if (status == MUKCA_OK) {
         note_logs(call, r->train);
         mukca_columns_note(cli_note, call, &s->model.chain, r->train);
     }
+    if (status == MUKCA_OK && o->evidence && r->train->n_sockets == 0)
+        status = mukca_fail(&call->error, MUKCA_USAGE,
+                            "--evidence is for sockets; for pose logs: mukca diagnose -o");
     if (status == MUKCA_OK) status = check_moving(call, r->train);
     if (status == MUKCA_OK) status = fit_data(call, fit);
     if (status == MUKCA_OK) status = use_traits(call);
@@ -260,6 +299,7 @@ static mukca_status run(cli_call *call)
     if (status == MUKCA_OK && r->test->n_rows > 0)
         status = cli_scores_make(call, &r->test_scores, &fit->chain, fit->theta, NULL, r->test);
     if (status == MUKCA_OK) status = judge(call, r);
+    if (status == MUKCA_OK) status = compare_evidence(call, r);
     if (status == MUKCA_OK) calibrate_add_traits(r->offsets, r);
     if (status == MUKCA_OK) status = write_results(call, r);
     if (status != MUKCA_OK) return status;
@@ -291,6 +331,9 @@ const cli_command cli_command_calibrate = {
         "at the tip, whose expected error is predicted from the samples. Test data must not "
         "contradict the training data, and the change of the tip must be plausible. The other "
         "commands refuse a table that is not accepted.\n\n"
+        "--evidence fits the posterior mean instead of the minimum of this cost: the priors are "
+        "chosen by the evidence, and outliers have less weight. Without it, the held-out errors of "
+        "both are compared, and the better geometry is recommended.\n\n"
         "--traits corrects the recorded angles for the mean elasticity of the arm's fleet before "
         "the fit and adds it to the table, or half of it, or nothing, whichever fits the data "
         "best.\n\n"

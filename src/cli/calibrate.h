@@ -13,6 +13,7 @@ typedef struct {
     mukca_offsets *offsets;     /* with verdict */
     const mukca_traits *traits; /* NULL: none given */
     double traits_evidence;     /* log Bayes factor of their means, or of half of them */
+    mukca_difference evidence;  /* from this geometry to that by the evidence; 0 postures: none */
     double traits_share;        /* fraction of the means in use, 0 to 1 */
 } calibrate_result;
 

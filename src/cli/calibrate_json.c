@@ -48,7 +48,7 @@ json_t *calibrate_json(const calibrate_result *r, const char *solver, const char
     return json_pack(
         "{s:s, s:b, s:{s:s, s:s, s:i, s:i, s:s, s:o}, s:{s:o, s:o}, s:o, s:o, s:o, s:i, s:i, s:o, "
         "s:o, "
-        "s:o, s:i, s:o, s:{s:o, s:o}, s:o, s:f}",
+        "s:o, s:i, s:o, s:{s:o, s:o}, s:o, s:o, s:f}",
         "schema", "mukca.calibrate/1", "converged", (int)fit->converged, "solver", "name", solver,
         "gradient", gradient, "evaluations", fit->outcome.evaluations, "iterations",
         fit->outcome.iterations, "status", mukca_stop_text(fit->outcome.stop), "to_gain",
@@ -60,5 +60,10 @@ json_t *calibrate_json(const calibrate_result *r, const char *solver, const char
         cli_json_real(fit->identification.observability), "null_space", null_space_json(fit),
         "sigma_samples", fit->n_part > 0 ? fit->n_part : r->train->n_rows, "acceptance",
         cli_json_acceptance(&r->offsets->acceptance), "frames", "base", frame_json(r, true),
-        "target", frame_json(r, false), "traits", traits, "elapsed_s", elapsed);
+        "target", frame_json(r, false), "traits", traits, "by_evidence",
+        r->evidence.postures
+            ? cli_json_numbers("error_m", r->evidence.after_m, "instead_of_m", r->evidence.before_m,
+                               "difference_sigma_m", r->evidence.sigma_m)
+            : json_null(),
+        "elapsed_s", elapsed);
 }

@@ -7,82 +7,16 @@
 #include "base/text.h"
 #include "fit/poses.h"
 
-/* Smallest coefficient of a null-space direction that is printed; the largest is 1. */
-static const double worth = 0.05;
-
-static int terms_of(const mukca_fit *fit, int direction)
-{
-    const int n = fit->parameters.n;
-    int terms = 0;
-    for (int i = 0; i < n; i++) terms += fabs(fit->null_space[direction * n + i]) > worth;
-    return terms;
-}
-
-static void print_list(cli_call *call, const char *title, const mukca_text *l)
-{
-    FILE *stream = cli_answer_stream(call);
-    if (!stream || l->used == 0) return;
-    fprintf(stream, "  %s:\n    ", title);
-    cli_print_words(stream, 4, 4, l->at, l->used);
-}
-
-/* Unidentifiable parameters, each alone in a null-space direction, by joint: "panda_joint1 (x y z
- * roll)". */
-static void list_alone(mukca_text *l, const mukca_fit *fit)
-{
-    const int n = fit->parameters.n, hidden = n - fit->identification.rank;
-    int last = -1;
-    for (int i = 0; i < n; i++) {
-        const int k = fit->parameters.index[i] / MUKCA_PARAMETERS;
-        const char *parameter = mukca_parameter_name[fit->parameters.index[i] % MUKCA_PARAMETERS];
-        bool alone = false;
-        for (int r = 0; r < hidden; r++)
-            alone |= terms_of(fit, r) == 1 && fabs(fit->null_space[r * n + i]) > worth;
-        if (!alone) continue;
-        if (k != last)
-            mukca_text_put(l, "%s%s (%s", last < 0 ? "" : ") ", fit->chain.element[k].name,
-                           parameter);
-        else
-            mukca_text_put(l, " %s", parameter);
-        last = k;
-    }
-    if (last >= 0) mukca_text_put(l, ")");
-}
-
-/* "panda_joint2.y~panda_joint3.z": identifiable only in combination.  Without repetitions: several
- * directions may begin alike. */
-static void list_together(mukca_text *l, const mukca_fit *fit)
-{
-    const int n = fit->parameters.n, hidden = n - fit->identification.rank;
-    for (int r = 0; r < hidden; r++) {
-        char words[4 * MUKCA_PARAMETER_TEXT] = "", name[MUKCA_PARAMETER_TEXT];
-        mukca_text word = MUKCA_TEXT(words);
-        int terms = 0;
-        if (terms_of(fit, r) < 2) continue;
-        for (int i = 0; i < n && terms < 3; i++) {
-            if (fabs(fit->null_space[r * n + i]) <= worth) continue;
-            mukca_parameters_text(name, &fit->chain, fit->parameters.index[i]);
-            mukca_text_put(&word, terms++ ? "~%s" : " %s", name);
-        }
-        mukca_text_put(&word, terms_of(fit, r) > 3 ? "~... " : " ");
-        if (!strstr(l->at, words)) mukca_text_put(l, "%s", words);
-    }
-}
-
 static void print_identifiability(cli_call *call, const mukca_fit *fit)
 {
     const int n = fit->parameters.n, rank = fit->identification.rank;
-    char text[2][8192] = {"", ""}; /* longer lists are truncated */
-    mukca_text alone = MUKCA_TEXT(text[0]), together = MUKCA_TEXT(text[1]);
     cli_answer_wrapped(call, "The data identify %d of %d parameter combinations%s.", rank, n,
-                       rank < n ? "; the others stay near nominal by regularisation" : "");
+                       rank < n ? "; the others have no effect on these samples and stay near "
+                                  "nominal (the table and --json list them)"
+                                : "");
     if (fit->n_part > 0)
         cli_answer_wrapped(call, "Standard errors: computed from %d samples, scaled to all.",
                            fit->n_part);
-    list_alone(&alone, fit);
-    list_together(&together, fit);
-    print_list(call, "not identifiable", &alone);
-    print_list(call, "identifiable only in combination (a~b)", &together);
 }
 
 static bool enough_samples(const mukca_fit *fit)
@@ -152,26 +86,29 @@ static void print_next(cli_call *call, const calibrate_result *r)
         cli_answer_keyed(call, "Next", "mukca export --urdf %s%s%s --offsets %s", c->urdf,
                          c->kinematics ? " --kinematics " : "", c->kinematics ? c->kinematics : "",
                          c->output);
+    if (r->evidence.postures && r->evidence.mean_m < -2 * r->evidence.sigma_m)
+        cli_answer_keyed(call, "",
+                         "--evidence fits a better geometry to these data: held-out error %.3f mm "
+                         "(%s) instead of %.3f mm",
+                         1e3 * r->evidence.after_m, r->offsets->acceptance.error_of,
+                         1e3 * r->evidence.before_m);
     if (!c->output) cli_answer_keyed(call, "", "-o offsets.tsv saves the result");
 }
 
 static void print_verdict(cli_call *call, const calibrate_result *r)
 {
     const mukca_acceptance *a = &r->offsets->acceptance;
-    char text[MUKCA_ACCEPTANCE_SENTENCE];
-    if (!a->accepted) {
-        cli_answer_wrapped(call, "Do not use this result: %s.", a->reason);
-        return;
-    }
-    char turns[80] = "";
+    FILE *stream = cli_answer_stream(call);
+    char turns[80] = "", fit[80] = "Priors by the evidence";
+    if (stream) cli_print_acceptance(stream, a, &r->fit->chain);
+    if (!a->accepted) return;
     if (r->train->quaternion)
         snprintf(turns, sizeof turns, ", positions and orientations together (1 mrad as %g mm)",
                  MUKCA_METRES_PER_RADIAN);
-    cli_answer_wrapped(call,
-                       "Converged after %d evaluations; measurement noise %.3f mm per axis%s.",
-                       r->fit->outcome.evaluations, 1e3 * a->noise_m, turns);
-    mukca_acceptance_sentence(text, a, r->fit->chain.kinematics_sha256[0] != '\0');
-    cli_answer_wrapped(call, "Result %s.", text);
+    if (r->fit->outcome.evaluations)
+        snprintf(fit, sizeof fit, "Converged after %d evaluations", r->fit->outcome.evaluations);
+    cli_answer_wrapped(call, "%s; measurement noise %.3f mm per axis%s.", fit, 1e3 * a->noise_m,
+                       turns);
 }
 
 bool calibrate_frame(mukca_frame *T, const calibrate_result *r, bool base)

@@ -411,6 +411,10 @@ bool cli_json_incomplete(void);
 /* The rows of an offsets table as JSON objects (`parameters` in the output). */
 json_t *cli_json_offsets(const mukca_offsets *offsets, const mukca_chain *chain);
 
+/* Whether to use the table and, if so, the expected error of the tip: keyed lines. */
+void cli_print_acceptance(FILE *stream, const mukca_acceptance *acceptance,
+                          const mukca_chain *chain);
+
 /* The verdict of an offsets table as a JSON object; null for NULL. */
 json_t *cli_json_acceptance(const mukca_acceptance *acceptance);
 

@@ -78,7 +78,8 @@ static void release(void *work)
     mukca_diagnosis_free(&w->diagnosis);
 }
 
-static mukca_status write_offsets(cli_call *call, const mukca_diagnosed *r)
+/* Form the offsets table and its verdict; write it to -o. */
+static mukca_status write_offsets(cli_call *call, mukca_diagnosed *r)
 {
     const diagnose_options *o = call->options;
     const cli_frames frames = {.base = o->free_base && r->data->position,
@@ -86,10 +87,12 @@ static mukca_status write_offsets(cli_call *call, const mukca_diagnosed *r)
     diagnose_work *w = call->work;
     char comments[512];
     int left_out = 0;
-    if (!call->common->output) return MUKCA_OK;
+    if (!call->common->output && !w->diagnosis.applied.fitted) return MUKCA_OK;
     mukca_status status =
         cli_diagnosis_offsets(&w->offsets, &w->chain, &left_out, r, &frames, &call->error);
     if (status != MUKCA_OK) return status;
+    r->acceptance = &w->offsets.acceptance;
+    if (!call->common->output) return MUKCA_OK;
     if (left_out)
         cli_note(call, "the table lacks the causes that need link masses; give --inertials FILE");
     snprintf(comments, sizeof comments,
@@ -124,7 +127,7 @@ static mukca_status go_on(void *context, struct mukca_regression *m, mukca_diagn
         .test = call->session->test.n_rows ? &call->session->test : NULL,
         .only = o->traits_only,
         .folds = true,
-        .applied = call->common->output != NULL};
+        .applied = true};
     if (status == MUKCA_OK && o->traits) status = mukca_adopt(&w->adoption, m, d, &adopt, error);
     return status == MUKCA_OK ? mukca_mounting_compare(&w->options, m, d, error) : status;
 }
@@ -163,7 +166,7 @@ static mukca_status write_summary(cli_call *call)
 
 /* Write summary, offsets table and JSON; the last two with the errors of the fit with traits, if it
  * was adopted. */
-static mukca_status write_results(cli_call *call, const mukca_diagnosed *r)
+static mukca_status write_results(cli_call *call, mukca_diagnosed *r)
 {
     diagnose_work *w = call->work;
     json_t *traits = json_null();
@@ -173,8 +176,7 @@ static mukca_status write_results(cli_call *call, const mukca_diagnosed *r)
     if (status == MUKCA_OK) status = write_offsets(call, r);
     if (status == MUKCA_OK && call->common->json) {
         json_t *json = cli_diagnosis_json(r);
-        json_object_set_new(json, "acceptance",
-                            cli_json_acceptance(r->saved ? &w->offsets.acceptance : NULL));
+        json_object_set_new(json, "acceptance", cli_json_acceptance(r->acceptance));
         json_object_set(json, "traits", traits);
         status = cli_write_json(call, json);
     }
@@ -207,7 +209,7 @@ static mukca_status run(cli_call *call)
                                           .disabled = disabled,
                                           .free_base = o->free_base,
                                           .free_tool = o->free_tool,
-                                          .applied = call->common->output || o->check.runs,
+                                          .applied = true,
                                           .go_on = go_on,
                                           .go_on_context = call,
                                           .progress = cli_show_progress,
@@ -235,10 +237,7 @@ static mukca_status run(cli_call *call)
     if (answer && d->verdict == MUKCA_VERDICT_UNTESTABLE)
         cli_print_mismatch(call, &s->data, o->free_base, o->free_tool);
     if (w->adoption.traits) cli_adoption_print(call, &w->adoption, d, &s->model.chain);
-    if (result.saved && !w->offsets.acceptance.accepted) {
-        cli_answer_wrapped(call, "Do not use the offsets table: %s.", w->offsets.acceptance.reason);
-        return MUKCA_NEGATIVE;
-    }
+    if (result.saved && !w->offsets.acceptance.accepted) return MUKCA_NEGATIVE;
     for (int i = 0; i < d->n_causes; i++)
         if ((int)d->causes[i].effect.kind == expected) return MUKCA_OK;
     return expected < 0 && !d->why ? MUKCA_OK : MUKCA_NEGATIVE;

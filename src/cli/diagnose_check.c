@@ -248,7 +248,7 @@ mukca_status cli_diagnosis_check(cli_call *call, mukca_check *check, mukca_diagn
         *task = (check_task){.check = check, .result = r, .options = *options};
         task->options.test = NULL;
         task->options.no_folds = true;
-        task->options.applied = task->options.confounding = false;
+        task->options.applied = false;
         task->options.go_on = NULL;
         task->options.progress = go_on;
     }

@@ -211,6 +211,7 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *r)
         json_t *cause = cause_object(&d->causes[i], chain, data);
         mukca_wording_rivals(words, &d->causes[i], r);
         json_object_set_new(cause, "sentence", cli_json_text(words));
+        json_object_set_new(cause, "cumulative_m", cli_json_real(d->causes[i].rung_m));
         json_object_set_new(cause, "remedy", json_string(mukca_wording_remedy(&d->causes[i], r)));
         json_array_append_new(causes, cause);
     }

@@ -49,7 +49,8 @@ static mukca_status judge(mukca_offsets *o, const mukca_chain *chain, const mukc
     if (r->test)
         snprintf(a->error_of, sizeof a->error_of, "test data, %d samples", r->test->n_rows);
     else
-        snprintf(a->error_of, sizeof a->error_of, "cross-validation, %d folds", d->folds);
+        snprintf(a->error_of, sizeof a->error_of, "cross-validation, %d folds%s", d->folds,
+                 d->n_faults ? ", without faulty samples" : "");
     return mukca_accept(o,
                         &(mukca_accept_task){.change = {.chain = chain,
                                                         .to = o,

@@ -6,7 +6,7 @@
 #include "cli/diagnose_screen.h"
 
 /* MOST_CAUSES: causes with a separate line, on a screen of some 30 lines. */
-enum { MOST_CAUSES = 8, TEXT = 1024 };
+enum { MOST_CAUSES = 8, TEXT = 2 * MUKCA_WORDING };
 
 /* Ratio of held-out errors to their expectation above which a sentence is printed (2 %: the
  * standard deviation of the rms of some thousand coordinates). */
@@ -119,60 +119,47 @@ static void print_causes(FILE *stream, const mukca_diagnosed *r)
 
 /* ---- held-out errors ---- */
 
-static void print_step(FILE *stream, const char *name, double metres, const char *remark)
+/* "; the causes reduce it by 36 % [30, 41], in 3 of 3 folds" */
+static void put_gain(mukca_text *text, const mukca_shrink *s)
 {
-    if (isfinite(metres))
-        fprintf(stream, "  %-28s %8.3f%s%s\n", name, 1e3 * metres, *remark ? "   " : "", remark);
-}
-
-static void describe_gain(char remark[120], const mukca_shrink *s)
-{
-    mukca_text text = {.at = remark, .size = 120};
-    remark[0] = '\0';
     if (!isfinite(s->shrink_percent)) return;
     const bool more = s->shrink_percent < 0;
-    mukca_text_put(&text, "%.0f %% %s", fabs(s->shrink_percent), more ? "more" : "less");
+    mukca_text_put(text, "; the causes %s it by %.0f %%", more ? "raise" : "reduce",
+                   fabs(s->shrink_percent));
     if (isfinite(s->low_percent) && isfinite(s->high_percent))
-        mukca_text_put(&text, " [%.0f, %.0f]%s", more ? -s->high_percent : s->low_percent,
+        mukca_text_put(text, " [%.0f, %.0f]%s", more ? -s->high_percent : s->low_percent,
                        more ? -s->low_percent : s->high_percent,
                        s->low_percent > 0 ? "" : ", not significant");
-    mukca_text_put(&text, ", in %d of %d folds", s->folds_better, s->folds);
+    mukca_text_put(text, ", in %d of %d folds", s->folds_better, s->folds);
 }
 
 static void print_errors(FILE *stream, const mukca_diagnosed *r)
 {
     const mukca_diagnosis *d = r->diagnosis;
-    char remark[120], line[TEXT] = "";
+    char line[TEXT] = "";
     mukca_text text = MUKCA_TEXT(line);
-    int causes = 0;
+    mukca_step steps[MUKCA_MAX_STEPS];
+    const int n = mukca_wording_steps(steps, r);
     if (!isfinite(d->nominal_m)) return;
-    for (int i = 0; i < d->n_causes; i++) causes += mukca_wording_on_arm(&d->causes[i]);
-    fprintf(stream, "\n%s%s error, mm%s", cli_bold(stream), d->folds > 1 ? "Held-out" : "Mean",
-            cli_plain(stream));
-    if (d->folds > 1)
-        fprintf(stream, " (each %s predicted from the others)",
-                r->data->n_placements >= 2 ? "placement"
-                : r->data->n_sockets > 0   ? "socket"
-                                           : "fold of the log");
-    fputc('\n', stream);
-    print_step(stream, "nominal model", d->nominal_m, "");
-    print_step(stream, "calibrated geometry", d->geometry_m, "");
-    if (d->n_faults) print_step(stream, "faulty samples excluded", d->faults_excused_m, "");
-    describe_gain(remark, &d->held_out);
-    if (d->n_causes)
-        print_step(stream,
-                   causes == 0   ? "geometry and tool motion"
-                   : causes == 1 ? "geometry and the cause"
-                   : causes == 2 ? "geometry and both causes"
-                                 : "geometry and all causes",
-                   d->explained_m, remark);
-    if (d->structure_m < d->explained_m) /* if it reduces the error */
-        print_step(stream, "and unexplained structure", d->structure_m, "");
-    print_step(stream, "noise floor", d->noise_floor_m, "");
-    if (r->test && isfinite(d->test_geometry_m))
-        fprintf(stream, "Test data, mm: nominal %.3f, geometry %.3f, with causes %.3f%s\n",
-                1e3 * d->test_nominal_m, 1e3 * d->test_geometry_m, 1e3 * d->test_explained_m,
-                mukca_wording_worse(d) ? " (worse: uncertain)" : "");
+    fprintf(stream, "\n%sMean error, mm%s%26s%s\n", cli_bold(stream), cli_plain(stream),
+            d->folds > 1 ? "cross-validated" : "training",
+            isfinite(d->test_geometry_m) ? "    test" : "");
+    for (int i = 0; i < n; i++) {
+        if (!isfinite(steps[i].cross_validated_m)) continue;
+        fprintf(stream, "  %-28s %12.3f", steps[i].name, 1e3 * steps[i].cross_validated_m);
+        if (isfinite(steps[i].test_m)) fprintf(stream, " %8.3f", 1e3 * steps[i].test_m);
+        fputc('\n', stream);
+    }
+    if (d->folds > 1) {
+        mukca_text_put(&text, "Cross-validated: each %s predicted from the others",
+                       r->data->n_placements >= 2 ? "placement"
+                       : r->data->n_sockets > 0   ? "socket"
+                                                  : "fold of the log");
+        if (d->n_causes) put_gain(&text, &d->held_out);
+        cli_print_text(stream, NULL, &text);
+    }
+    if (mukca_wording_worse(d))
+        fputs("The causes increase the error on the test data: they are uncertain.\n", stream);
     if (r->data->n_sockets == 0 || r->data->n_placements >= 4 || !d->n_causes) return;
     mukca_text_put(&text, "Fewer than four placements: the reduction by the causes is uncertain");
     if (isfinite(d->noise_shrink_percent))
@@ -185,9 +172,12 @@ static void print_errors(FILE *stream, const mukca_diagnosed *r)
 
 void cli_diagnosis_print(FILE *stream, const mukca_diagnosed *r)
 {
-    char words[MUKCA_WORDING];
+    char words[MUKCA_WORDING], test[80];
     cli_describe_data(words, r->data);
-    fprintf(stream, "%s: %s\n", r->chain->robot, words);
+    if (r->test) cli_describe_data(test, r->test);
+    fprintf(stream, "%s: %s%s%s\n", r->chain->robot, words, r->test ? "; test: " : "",
+            r->test ? test : "");
+    if (r->acceptance) cli_print_acceptance(stream, r->acceptance, r->chain);
     mukca_wording_caveat(words, r);
     const bool caveat = *words;
     cli_print_wrapped(stream, words);

@@ -8,7 +8,7 @@
 #include "math/stats.h"
 
 /* MOST_LINES: faults and reasons with a separate line, on a screen of some 30 lines. */
-enum { MOST_LINES = 6, TEXT = 1024 };
+enum { MOST_LINES = 6, TEXT = 2 * MUKCA_WORDING };
 
 /* A joint whose effects must be larger than this to be detected (rad rms, 1.7 degrees) counts as
  * not testable: no cause of a calibrated arm is that large. */

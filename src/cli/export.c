@@ -7,6 +7,7 @@
 
 typedef struct {
     cli_common common;
+    const char *into;
     int format;
 } export_options;
 
@@ -24,6 +25,8 @@ static const cli_option options[] = {
      .help = "what to write (default: by the ending of the file's name, else urdf)",
      .choices = formats,
      .offset = offsetof(export_options, format)},
+    CLI_OPTION(export_options, into, "into", CLI_TEXT, "FILE",
+               "your own MuJoCo model: replace the poses of the arm's bodies, found by name"),
     CLI_OFFSETS_OPTION,
     CLI_ACCEPT_OPTION,
     CLI_MODEL_OPTIONS,
@@ -44,7 +47,10 @@ static mukca_status run(cli_call *call)
 {
     export_options *o = call->options;
     const cli_common *c = call->common;
-    if (o->format < 0) o->format = mukca_exporter_find(c->output);
+    static const mukca_exporter into = {"the model of --into", "", &mukca_export_into};
+    if (o->into && o->format >= 0)
+        return mukca_fail(&call->error, MUKCA_USAGE, "--into keeps the format of its file");
+    if (o->format < 0) o->format = o->into ? 0 : mukca_exporter_find(c->output);
     if (o->format < 0)
         return mukca_fail(&call->error, MUKCA_USAGE,
                           "%.100s: no format has this ending; choose one with --format (%s)",
@@ -62,12 +68,13 @@ static mukca_status run(cli_call *call)
                                       .kinematics = c->kinematics ? &model->kinematics : NULL,
                                       .postures = call->session->data.q,
                                       .n_postures = call->session->data.n_rows,
+                                      .into = o->into,
                                       .note = cli_note,
                                       .context = call};
     if (status == MUKCA_OK) status = cli_output_open(call, &output);
     if (status == MUKCA_OK)
-        status =
-            mukca_export_write(output.stream, &mukca_exporters[o->format], &input, &call->error);
+        status = mukca_export_write(output.stream, o->into ? &into : &mukca_exporters[o->format],
+                                    &input, &call->error);
     return mukca_output_finish(&output, status, &call->error);
 }
 
@@ -86,6 +93,10 @@ const cli_command cli_command_export = {
         "Calibrated values replace the nominal ones: calibrated = nominal + offset, in the frame "
         "and with the signs of the URDF's own origin. Nothing is subtracted. Offsets below 1e-9 m "
         "or rad count as zero.\n\n"
+        "--into patches a MuJoCo model of your own, whose bodies have the names (a common prefix "
+        "may "
+        "be missing) and frames of the URDF's links, and states what it changed. Your own URDF of "
+        "the same arm: give it as --urdf, with --force.\n\n"
         "A format that cannot hold an effect of the table gets origins that were fitted to the arm "
         "with its effects, over its joint ranges or over the postures of DATA; a note states "
         "what is lost. npy holds offsets of the joints' zeros alone, fitted likewise.\n\n"

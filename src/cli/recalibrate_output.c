@@ -97,7 +97,7 @@ static void print_findings(cli_call *call, const cli_recalibrated *r, const mukc
                      "the poses contain a calibration: median position error %.4f mm nominal, "
                      "%.4f mm after the fit",
                      1e3 * r->oracle.position_nominal, 1e3 * r->oracle.position_left);
-    if (!a->accepted) cli_answer_keyed(call, "", "Do not use this result: %s.", a->reason);
+    if (!a->accepted) cli_answer_keyed(call, "Use", "no: %s", a->reason);
     for (int j = 0; j < r->arm.n_joints; j++)
         if (never_moved(f, j))
             cli_answer_wrapped(call,

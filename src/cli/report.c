@@ -1,4 +1,4 @@
-/* mukca report: calibrate and diagnose an arm, or pool a fleet, and write one page. */
+/* mukca report: diagnose an arm, or pool a fleet, and write one page. */
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -14,7 +14,6 @@
 #include "diagnose/mounting.h"
 #include "fit/accept.h"
 #include "fit/mismatch.h"
-#include "fit/solver.h"
 #include "io/output.h"
 #include "report/fleet_page.h"
 #include "report/report.h"
@@ -55,7 +54,6 @@ static const cli_option options[] = {
     CLI_END_OPTIONS};
 
 typedef struct {
-    mukca_fit fit;
     mukca_offsets offsets;
     mukca_diagnosis diagnosis;
     mukca_chain diagnosed; /* chain of a diagnosis' offsets */
@@ -67,43 +65,23 @@ typedef struct {
     char *command, when[32];
 } report_work;
 
-/* Use the geometry of the diagnosis, which includes the position of each target. */
-static mukca_status take_diagnosed(cli_call *call)
-{
-    const report_options *o = call->options;
-    report_work *w = call->work;
-    const cli_frames frames = {o->free_base, o->free_tool};
-    int left_out;
-    w->page.fitted = &w->diagnosed;
-    return cli_diagnosis_offsets(&w->offsets, &w->diagnosed, &left_out, &w->page.diagnosed, &frames,
-                                 &call->error);
-}
-
-/* Fit, or use the table of --offsets. */
-static mukca_status calibrate(cli_call *call)
+/* Use the table of --offsets, else that of the diagnosis, else (nothing was fitted) none. */
+static mukca_status take_offsets(cli_call *call)
 {
     const report_options *o = call->options;
     const cli_session *s = call->session;
     report_work *w = call->work;
+    const cli_frames frames = {o->free_base && s->data.position, o->free_tool && s->data.position};
+    int left_out;
     if (call->common->offsets) {
         w->offsets = s->model.offsets;
-        w->page.fitted = &s->model.chain;
-        return MUKCA_OK;
+    } else if (w->diagnosis.applied.fitted) {
+        w->page.fitted = &w->diagnosed;
+        return cli_diagnosis_offsets(&w->offsets, &w->diagnosed, &left_out, &w->page.diagnosed,
+                                     &frames, &call->error);
+    } else {
+        mukca_offsets_init(&w->offsets, &s->model.chain);
     }
-    const mukca_fit_options fit_options = {.free_base = o->free_base,
-                                           .free_tool = o->free_tool,
-                                           .solver = mukca_solver_table[0],
-                                           .limits = {.stop = cli_stop}};
-    mukca_status status =
-        mukca_fit_run(&w->fit, &s->model.chain, &s->data, &fit_options, &call->error);
-    if (status != MUKCA_OK) return status;
-    mukca_fit_offsets(&w->offsets, &w->fit);
-    status = mukca_accept_fit(&w->offsets, &w->fit, &s->model.chain, &s->data, NULL, &fit_options,
-                              &call->error);
-    if (status != MUKCA_OK) return status;
-    w->page.fit = &w->fit;
-    w->page.fitted = &w->fit.chain;
-    w->page.solver = mukca_solver_table[0]->name;
     return MUKCA_OK;
 }
 
@@ -117,7 +95,6 @@ static mukca_status diagnose(cli_call *call)
                                                .free_base = o->free_base,
                                                .free_tool = o->free_tool,
                                                .applied = true,
-                                               .confounding = true,
                                                .go_on = mukca_mounting_compare,
                                                .go_on_context = &diagnose_options,
                                                .progress = cli_show_progress,
@@ -236,7 +213,6 @@ static void release(void *work)
     mukca_report_free(&w->page);
     mukca_next_poses_free(&w->next);
     mukca_diagnosis_free(&w->diagnosis);
-    mukca_fit_free(&w->fit);
     mukca_pool_free(&w->pool);
 }
 
@@ -248,17 +224,18 @@ static mukca_status prepare_arm(cli_call *call)
     report_work *w = call->work;
     call->common->accept_failed = call->common->accept_edited =
         true; /* also report on a table that was not accepted */
-    w->page = (mukca_report){
-        .chain = &s->model.chain, .offsets = &w->offsets, .train = &s->data, .test = &s->test};
+    w->page = (mukca_report){.chain = &s->model.chain,
+                             .fitted = &s->model.chain,
+                             .offsets = &w->offsets,
+                             .train = &s->data,
+                             .test = &s->test};
     mukca_status status = cli_load(call);
     if (status == MUKCA_OK) status = cli_condense(call);
     if (status == MUKCA_OK) mukca_columns_note(cli_note, call, &s->model.chain, &s->data);
     if (status == MUKCA_OK) status = cli_check_effects(call, &s->model);
-    const bool several = s->data.n_targets > 1 && !call->common->offsets;
-    if (several) o->free_tool = true;
-    if (status == MUKCA_OK && !several) status = calibrate(call);
+    if (s->data.n_targets > 1 && !call->common->offsets) o->free_tool = true;
     if (status == MUKCA_OK) status = diagnose(call);
-    if (status == MUKCA_OK && several) status = take_diagnosed(call);
+    if (status == MUKCA_OK) status = take_offsets(call);
     w->page.free_base = o->free_base, w->page.free_tool = o->free_tool;
     if (status == MUKCA_OK) status = mukca_report_prepare(&w->page, &call->error);
     return status == MUKCA_OK ? provenance(call) : status;
@@ -285,11 +262,14 @@ const cli_command cli_command_report = {
     .max_arguments = -1,
     .targets = true,
     .description =
-        "Calibrates (or takes --offsets), diagnoses, and writes one page without scripts and "
-        "requests. It opens with the verdict, what to do and the next postures. Then follow the "
-        "held-out errors, the causes and what is confounded with them, errors by placement, joint "
-        "and sample, detection limits, recording "
-        "faults, offsets with standard errors, and provenance. gnuplot draws the figures.\n\n"
+        "Diagnoses, and writes one page without requests, with the result of the diagnosis (the "
+        "table of mukca diagnose -o) or that of --offsets. It opens with the expected error of the "
+        "tip, whether to use the result, the verdict, what to do and the next postures. Then "
+        "follow the errors step by step, the causes, a view of "
+        "the "
+        "arm that can be turned, errors by placement, joint and sample, detection limits, "
+        "recording "
+        "faults, parameters with standard errors, and provenance. gnuplot draws the figures.\n\n"
         "--fleet writes the page of many arms of one model from their summaries, the arguments "
         "of mukca fleet: arms that depart, what the arms share, each elastic coefficient with "
         "the arms side by side, and the most probable ripple order of each joint.",

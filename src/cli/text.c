@@ -72,6 +72,16 @@ void cli_print_text(FILE *stream, const char *key, mukca_text *text)
     text->at[text->used = 0] = '\0';
 }
 
+void cli_print_acceptance(FILE *stream, const mukca_acceptance *a, const mukca_chain *chain)
+{
+    char text[MUKCA_ACCEPTANCE_SENTENCE];
+    const bool factory = chain->kinematics_sha256[0] != '\0';
+    mukca_acceptance_tip(text, a, factory);
+    if (*text && a->accepted) cli_print_keyed(stream, "Tip", text);
+    mukca_acceptance_use(text, a, factory);
+    cli_print_keyed(stream, "Use", text);
+}
+
 void cli_print_more(FILE *stream, int n)
 {
     char line[80];

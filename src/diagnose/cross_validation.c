@@ -17,7 +17,7 @@ void mukca_cross_validation_clear(mukca_validation *v)
                             .surprise_sigmas = NAN,
                             .shrink = MUKCA_SHRINK_NONE,
                             .noise_shrink_percent = NAN};
-    for (int c = 0; c < MUKCA_MAX_CAUSES; c++) v->cause[c] = MUKCA_SHRINK_NONE;
+    for (int c = 0; c < MUKCA_MAX_CAUSES; c++) v->cause[c] = MUKCA_SHRINK_NONE, v->rung_m[c] = NAN;
 }
 
 /* Expected gain of the catalogue's best candidate on held-out rows of pure noise, percent, by the
@@ -151,11 +151,34 @@ static mukca_status measure_each(measurement *s, mukca_error *error)
     return MUKCA_OK;
 }
 
+/* Errors with the first cause, with the first two, ...: each a fit of its own. */
+static void measure_rungs(measurement *s)
+{
+    mukca_regression *m = s->b->m;
+    double error = s->v->explained_m;
+    for (int i = s->findings->n_causes - 1, dropped = -1; i >= 0; i--) {
+        const mukca_cause *cause = &s->findings->causes[i];
+        const int c = cause->suspected ? -1 : mukca_cause_find(m, cause);
+        if (c < 0 || !m->unknowns.cause[c].candidate.basis) continue;
+        if (dropped >= 0) {
+            mukca_unknowns_drop(&m->unknowns, dropped);
+            mukca_regression_fit(m, 3, MUKCA_FIT_UNKNOWNS);
+            mukca_folds_run(s->b->error, s->b, false);
+            error = mukca_folds_mean(s->b->error, m->recording.data->n_rows);
+        }
+        s->v->rung_m[i] = error;
+        dropped = mukca_cause_find(m, cause);
+    }
+    mukca_unknowns_assign(&m->unknowns, s->all);
+}
+
 static mukca_status measure_causes(measurement *s, mukca_error *error)
 {
     mukca_regression_freeze(s->b->m);
     measure_explained(s);
-    return measure_each(s, error);
+    const mukca_status status = measure_each(s, error);
+    if (status == MUKCA_OK) measure_rungs(s);
+    return status;
 }
 
 mukca_status mukca_cross_validation_run(mukca_validation *v, mukca_pool *pool, mukca_regression *m,

@@ -11,6 +11,7 @@ typedef struct {
     double surprise, surprise_sigmas;     /* as in mukca_diagnosis */
     mukca_shrink shrink;                  /* from faults_excused_m to explained_m */
     mukca_shrink cause[MUKCA_MAX_CAUSES]; /* from all identified causes but this one, to all */
+    double rung_m[MUKCA_MAX_CAUSES];      /* with each identified cause and those before it */
     double noise_shrink_percent; /* expected gain of the catalogue's best candidate on pure noise */
     double axis_rms_m[3]; /* remaining error of the fitted geometry, by base axis; not held out */
     double *placement_m;  /* [n_placements] of explained_m, NULL: none */

@@ -7,7 +7,6 @@
 #include "base/clock.h"
 #include "diagnose/applied.h"
 #include "diagnose/cause.h"
-#include "diagnose/confounding.h"
 #include "diagnose/cross_validation.h"
 #include "diagnose/identify.h"
 #include "diagnose/logs.h"
@@ -43,7 +42,6 @@ typedef struct {
     mukca_tested_list tested;
     mukca_validation validation;
     mukca_test_errors test;
-    mukca_confounding confounding;
     double sigma_m, rho, shared, sigma_rotation_rad; /* noise with all accepted candidates */
     double score;                                    /* of all accepted candidates */
     double structure_m;
@@ -101,7 +99,6 @@ static mukca_status identify(steps *s, mukca_regression *m, const mukca_diagnose
     if (status == MUKCA_OK && s->sigma_m < MUKCA_MOST_SIGMA) {
         mukca_verdict_reach(&s->findings, &s->faults, id);
         mukca_untested_list(&s->tested, id);
-        if (options->confounding) mukca_confounding_measure(&s->confounding, &s->findings, id);
         const bool none = s->findings.verdict == MUKCA_VERDICT_UNKNOWN;
         if (s->findings.unexplained || none) s->structure_m = mukca_cross_validation_structure(m);
         keep_named(m, &s->findings);
@@ -150,6 +147,7 @@ static void assemble(mukca_diagnosis *d, const steps *s, const mukca_recording *
                                                              : &d->causes[d->n_causes++];
         *cause = s->findings.causes[c];
         cause->held_out = v->cause[c];
+        cause->rung_m = v->rung_m[c];
     }
     memcpy(d->axis_rms_m, v->axis_rms_m, sizeof d->axis_rms_m);
     d->nominal_m = v->nominal_m;
@@ -175,7 +173,6 @@ static void assemble(mukca_diagnosis *d, const steps *s, const mukca_recording *
     d->n_test_placements = s->test.n_placements;
     d->before_m = s->test.before_m ? s->test.before_m : v->before_m;
     d->after_m = s->test.before_m ? s->test.after_m : v->after_m;
-    d->confounding = s->confounding;
     d->score = s->score;
     d->efforts_correlation = recording->efforts_correlation;
 }

@@ -79,6 +79,7 @@ typedef struct {
     int n_ties;
     mukca_tie ties[MUKCA_MAX_TIES];
     mukca_shrink held_out;
+    double rung_m; /* cross-validated mean error with this cause and those before it; NaN: none */
 } mukca_cause;
 
 typedef struct {
@@ -118,17 +119,6 @@ typedef struct {
     double theta_sigma[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS];
     double theta_prior[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS];
 } mukca_applied;
-
-enum { MUKCA_MAX_CONFOUNDED = 12 };
-
-/* Confounding of causes and close candidates: the largest canonical correlation of each pair, with
- * the geometry projected out; 1: indistinguishable, NaN: undefined. */
-typedef struct {
-    int n;
-    mukca_effect effects[MUKCA_MAX_CONFOUNDED]; /* without coefficients */
-    bool cause[MUKCA_MAX_CONFOUNDED];           /* identified; else a candidate */
-    double correlation[MUKCA_MAX_CONFOUNDED][MUKCA_MAX_CONFOUNDED];
-} mukca_confounding;
 
 /* Reading minus command of a joint, and its regression on the gravity torque. */
 typedef struct {
@@ -209,8 +199,7 @@ typedef struct {
     mukca_frame tracker;        /* pose logs: T_measured_base, of the first log */
     mukca_logs logs;
     mukca_streams streams;
-    mukca_applied applied;         /* filled with options->applied */
-    mukca_confounding confounding; /* filled with options->confounding */
+    mukca_applied applied;    /* filled with options->applied */
     const mukca_chain *chain; /* fitted: with --free-tool it ends in a fixed joint; in the pool */
     double elapsed_s;
     mukca_pool pool;
@@ -232,7 +221,6 @@ typedef struct {
     double mass_spread; /* relative prior sigma of each mass; 0: 0.1 */
     bool no_folds;      /* skip cross-validation */
     bool applied;       /* fill diagnosis->applied */
-    bool confounding;   /* fill diagnosis->confounding */
     mukca_continue_fn *go_on;
     void *go_on_context;
     mukca_progress_fn *progress;

@@ -169,7 +169,8 @@ const mukca_effect_ops mukca_gear_harmonic_effect = {
              .terms = 2,
              MUKCA_IN_MRAD,
              .traits = MUKCA_TRAIT_PERIODIC | MUKCA_TRAIT_OWN_ANGLE | MUKCA_TRAIT_SMOOTH,
-             .sentence = "gear ripple: an error that repeats `order` times per turn"},
+             .sentence =
+                 "gear ripple: an error that repeats with each tooth or each turn of the gear"},
     .basis = wave_basis,
     .by_angle = wave_by_angle,
     .variant = &order,

@@ -163,7 +163,11 @@ mukca_status mukca_accept(mukca_offsets *table, const mukca_accept_task *task, m
     a->postures = tip.postures;
     a->error_here_m = tip.after_m[MUKCA_HERE];
     a->error_before_here_m = tip.before_m[MUKCA_HERE];
+    a->error_here_low_m = tip.low_m[MUKCA_HERE];
+    a->error_here_high_m = tip.high_m[MUKCA_HERE];
     a->error_workspace_m = tip.after_m[MUKCA_ELSEWHERE];
+    a->error_workspace_low_m = tip.low_m[MUKCA_ELSEWHERE];
+    a->error_workspace_high_m = tip.high_m[MUKCA_ELSEWHERE];
     a->error_before_m = tip.before_m[MUKCA_ELSEWHERE];
     list_joints(a->at_rest, tip.at_rest, task->change.chain);
     const bool changes = changes_arm(table, &task->change);
@@ -205,18 +209,45 @@ static mukca_status predict_test(mukca_cross_validation *r, const mukca_fit *fit
     return status;
 }
 
+/* Errors of the test data, else cross-validated. */
+static mukca_status hold_out(mukca_cross_validation *r, const mukca_fit *fit,
+                             const mukca_chain *chain, const mukca_dataset *data,
+                             const mukca_dataset *test, const mukca_fit_options *options,
+                             mukca_error *error)
+{
+    mukca_fit_options inner = *options;
+    inner.start = fit->theta;
+    return test && test->n_rows > 0 ? predict_test(r, fit, data, test, options, error)
+                                    : mukca_fit_cross_validate(r, chain, data, &inner, error);
+}
+
+mukca_status mukca_fit_compare(mukca_difference *difference, const mukca_fit *const fits[2],
+                               const mukca_fit_options options[2], const mukca_chain *chain,
+                               const mukca_dataset *data, const mukca_dataset *test,
+                               mukca_error *error)
+{
+    mukca_cross_validation r[2];
+    mukca_status status = hold_out(&r[0], fits[0], chain, data, test, &options[0], error);
+    if (status != MUKCA_OK) return status;
+    status = hold_out(&r[1], fits[1], chain, data, test, &options[1], error);
+    if (status == MUKCA_OK) {
+        status = mukca_difference_find(difference, r[0].after, r[1].after,
+                                       test->n_rows ? test : &r[0].data, error);
+        mukca_cross_validation_free(&r[1]);
+    }
+    mukca_cross_validation_free(&r[0]);
+    return status;
+}
+
 mukca_status mukca_accept_fit(mukca_offsets *offsets, const mukca_fit *fit,
                               const mukca_chain *chain, const mukca_dataset *data,
                               const mukca_dataset *test, const mukca_fit_options *options,
                               mukca_error *error)
 {
-    mukca_fit_options inner = *options;
     mukca_acceptance *a = &offsets->acceptance;
     mukca_cross_validation r;
     const bool tested = test && test->n_rows > 0;
-    inner.start = fit->theta;
-    mukca_status status = tested ? predict_test(&r, fit, data, test, options, error)
-                                 : mukca_fit_cross_validate(&r, chain, data, &inner, error);
+    mukca_status status = hold_out(&r, fit, chain, data, test, options, error);
     if (status != MUKCA_OK) return status;
     a->converged = fit->converged;
     a->noise_m = fit->identification.noise;

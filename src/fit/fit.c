@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "fit/arm_posterior.h"
 #include "fit/frames.h"
 #include "fit/part.h"
 
@@ -49,6 +50,23 @@ static mukca_status take_workspace(workspace *w, mukca_fit *fit, const mukca_dat
                       fit->parameters.n);
 }
 
+/* Set fit->theta to the posterior mean. */
+static mukca_status take_posterior(mukca_fit *fit, const mukca_dataset *data, mukca_error *error)
+{
+    mukca_arm_posterior *p = calloc(1, sizeof *p);
+    mukca_offsets *none = calloc(1, sizeof *none);
+    const mukca_tip_change_task task = {.chain = &fit->chain, .to = none, .data = data};
+    mukca_status status = MUKCA_OK;
+    if (!p || !none) status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    if (status == MUKCA_OK) status = mukca_arm_posterior_create(p, &task, error);
+    if (status == MUKCA_OK) status = mukca_arm_posterior_fit(p, error);
+    if (status == MUKCA_OK) memcpy(fit->theta, p->theta, sizeof fit->theta);
+    if (p) mukca_arm_posterior_free(p);
+    free(p);
+    free(none);
+    return status;
+}
+
 static mukca_status minimise(mukca_fit *fit, mukca_cost *cost, const mukca_fit_options *options,
                              mukca_error *error)
 {
@@ -60,14 +78,19 @@ static mukca_status minimise(mukca_fit *fit, mukca_cost *cost, const mukca_fit_o
     mukca_parameters_pack(x, &fit->parameters, fit->theta);
     mukca_cost_hold(cost, x);
     if (options->start) mukca_parameters_pack(x, &fit->parameters, options->start);
-    const mukca_status status = solver->run(x, &fit->outcome, cost, &options->limits, error);
-    if (status != MUKCA_OK) return status;
-    if (fit->outcome.stop == MUKCA_STOP_STOPPED)
-        return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted; nothing was written");
-    mukca_parameters_unpack(fit->theta, &fit->parameters, x);
+    if (!options->by_evidence) {
+        const mukca_status status = solver->run(x, &fit->outcome, cost, &options->limits, error);
+        if (status != MUKCA_OK) return status;
+        if (fit->outcome.stop == MUKCA_STOP_STOPPED)
+            return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted; nothing was written");
+        mukca_parameters_unpack(fit->theta, &fit->parameters, x);
+    }
     if (options->parameters_only) return MUKCA_OK;
     fit->null_space = fit->memory;
-    return analyse(fit, cost, x, fit->memory + fit->parameters.n * fit->parameters.n, error);
+    const mukca_status status =
+        analyse(fit, cost, x, fit->memory + fit->parameters.n * fit->parameters.n, error);
+    fit->converged |= options->by_evidence;
+    return status;
 }
 
 mukca_status mukca_fit_run(mukca_fit *fit, const mukca_chain *chain, const mukca_dataset *data,
@@ -90,6 +113,7 @@ mukca_status mukca_fit_run(mukca_fit *fit, const mukca_chain *chain, const mukca
     w = calloc(1, sizeof *w);
     if (!w) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     status = take_workspace(w, fit, data, options->cost, error);
+    if (status == MUKCA_OK && options->by_evidence) status = take_posterior(fit, data, error);
     if (status == MUKCA_OK) status = minimise(fit, &w->cost, options, error);
     mukca_pool_free(&w->pool);
     mukca_dataset_free(&w->samples);

@@ -8,6 +8,7 @@
 #include "effect/catalogue.h"
 #include "fit/arm_posterior.h"
 #include "math/dense.h"
+#include "math/stats.h"
 
 /* Postures; arms from the posterior: a probability of 95 % is known to 1.5 %. */
 enum { PROBES = 64, DRAWS = 200 };
@@ -39,10 +40,12 @@ static void project(double *X, int rows, int w, int first, int end)
     }
 }
 
-/* Mean errors of both models over arms from the posterior, and how often the table's is smaller. */
-static void sample(double *before, double *after, double *probability, const mukca_arm_posterior *p,
+/* Mean errors of both models over arms from the posterior, with the interval of the table's; or (if
+ * `projected`) only how often the table's is smaller. */
+static void sample(mukca_tip_error *out, int where, bool projected, const mukca_arm_posterior *p,
                    const double *X, mukca_random *random)
 {
+    double errors[DRAWS];
     double z[MUKCA_MAX_THETA + MUKCA_MAX_EFFECTS * MUKCA_MAX_TERMS];
     const int n = p->n, w = p->width + 2;
     for (int k = 0; k < DRAWS; k++) {
@@ -59,10 +62,17 @@ static void sample(double *before, double *after, double *probability, const muk
             }
             for (int m = 0; m < 2; m++) sum[m] += sqrt(square[m]) / PROBES;
         }
-        if (before) *before += sum[0] / DRAWS;
-        if (after) *after += sum[1] / DRAWS;
-        if (probability) *probability += (sum[1] < sum[0]) / (double)DRAWS;
+        errors[k] = sum[1];
+        if (projected) {
+            out->probability[where] += (sum[1] < sum[0]) / (double)DRAWS;
+            continue;
+        }
+        out->before_m[where] += sum[0] / DRAWS;
+        out->after_m[where] += sum[1] / DRAWS;
     }
+    if (projected) return;
+    out->low_m[where] = mukca_stats_quantile(errors, DRAWS, 0.025);
+    out->high_m[where] = mukca_stats_quantile(errors, DRAWS, 0.975);
 }
 
 /* Mean errors in random postures within the limits of `range`, over arms from the posterior. */
@@ -94,9 +104,9 @@ static bool draw(mukca_tip_error *out, mukca_arm_posterior *p, const mukca_chain
         }
     }
     project(X, rows, w, 0, scale);
-    sample(out->before_m + where, out->after_m + where, NULL, p, X, &random);
+    sample(out, where, false, p, X, &random);
     project(X, rows, w, scale, MUKCA_NUISANCE);
-    sample(NULL, NULL, out->probability + where, p, X, &random);
+    sample(out, where, true, p, X, &random);
     return true;
 }
 

@@ -11,9 +11,10 @@ typedef struct {
     mukca_note_fn *note; /* may be NULL */
     void *context;
     mukca_error *error;
-    int capacity;             /* samples allocated */
-    mukca_rows_format format; /* format of the files */
-    double payload;           /* default payload of samples without their own, kg; NaN: unknown */
+    int capacity;                  /* samples allocated */
+    mukca_rows_format format;      /* format of the files */
+    bool warned[MUKCA_MAX_JOINTS]; /* a note of exceeded limits was printed */
+    double payload; /* default payload of samples without their own, kg; NaN: unknown */
 } mukca_dataset_builder;
 
 /* All return MUKCA_MEMORY on failure; each appends one item to its list in the dataset. */

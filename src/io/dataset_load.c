@@ -38,8 +38,11 @@ static mukca_status read_hole(mukca_dataset_builder *b, const char *path, int so
 {
     mukca_rows rows;
     mukca_row row;
-    const mukca_rows_options plain = {
-        .kind = MUKCA_NO_HEADER, .format = b->format, .note = b->note, .context = b->context};
+    const mukca_rows_options plain = {.kind = MUKCA_NO_HEADER,
+                                      .format = b->format,
+                                      .note = b->note,
+                                      .context = b->context,
+                                      .warned = b->warned};
     mukca_status status = mukca_rows_open(&rows, path, b->chain, &plain, b->error);
     if (status != MUKCA_OK) return status;
     mukca_table_stop(&rows.table, mukca_build_file(b, path));
@@ -245,8 +248,11 @@ static void read_rows(mukca_dataset_builder *b, session *s)
 static mukca_status read_table(mukca_dataset_builder *b, const char *path)
 {
     session s = {.first_placement = b->data->n_placements, .first_socket = b->data->n_sockets};
-    const mukca_rows_options header = {
-        .kind = MUKCA_HEADER, .format = b->format, .note = b->note, .context = b->context};
+    const mukca_rows_options header = {.kind = MUKCA_HEADER,
+                                       .format = b->format,
+                                       .note = b->note,
+                                       .context = b->context,
+                                       .warned = b->warned};
     mukca_status status = mukca_rows_open(&s.rows, path, b->chain, &header, b->error);
     if (status != MUKCA_OK) return status;
     last_parts(s.stem, path, 1);

@@ -28,6 +28,7 @@ typedef struct {
     const double *postures; /* [n_postures][n_joints] of the arm's task; NULL: joint ranges */
     int n_postures;
     const double *zeros; /* [n_joints] refitted zero offsets for a format with zeros_only */
+    const char *into;    /* the MuJoCo model that mukca_export_into patches */
     mukca_note_fn *note; /* may be NULL */
     void *context;
 } mukca_export_input;
@@ -50,6 +51,8 @@ typedef struct {
     extern const mukca_export_format mukca_export_##name;
 MUKCA_EXPORT_LIST(MUKCA_EXPORT_DECLARE)
 #undef MUKCA_EXPORT_DECLARE
+/* A user's MuJoCo model with the poses of the arm's bodies replaced; not in the list. */
+extern const mukca_export_format mukca_export_into;
 
 typedef struct {
     const char *name, *endings;
@@ -75,6 +78,10 @@ void mukca_export_provenance(FILE *stream, const char *prefix, const mukca_expor
 /* Print a comment if the table was not accepted; not in a format without comments. */
 void mukca_export_verdict(FILE *stream, const mukca_exporter *exporter,
                           const mukca_acceptance *acceptance);
+
+/* Locate the value of an attribute in a tag[length] of XML, without its quotes; false: absent. */
+bool mukca_export_find_attribute(size_t *start, size_t *stop, const char *tag, size_t length,
+                                 const char *name);
 
 /* Print a text in double quotes, escaped as C, JSON and YAML require. */
 void mukca_export_quoted(FILE *stream, const char *text);

@@ -1,6 +1,7 @@
 /* The calibrated arm as a MuJoCo model: body poses, springs for the compliance of joints, links and
  * base, joint stops for backlash. */
 #include <math.h>
+#include <string.h>
 
 #include "io/export.h"
 
@@ -74,35 +75,27 @@ static void gather(writer *w)
     }
 }
 
-/* Print the inertial of element k: mass, centre, and a rough inertia with each mass as a ball of 50
- * mm radius, which affects the settling time only.  MuJoCo refuses moving bodies without mass. */
+/* Print the inertial of element k, with the tensor of the URDF; where it has none, with that of a
+ * solid ball of 50 mm radius.  MuJoCo refuses moving bodies without mass. */
 static void print_inertial(const writer *w, int k, bool moves)
 {
-    const double ball = 0.4 * 0.05 * 0.05; /* 2/5 r^2, a solid ball */
-    double kg = 0, com[3] = {0, 0, 0}, inertia = 0;
-    for (int m = 0; m < w->chain->n_masses; m++) { /* combined by parallel axes */
-        const mukca_mass *mass = &w->chain->mass[m];
-        if (mass->element != k || !(mass->kg > 0)) continue;
-        const double share = mass->kg / (kg + mass->kg);
-        double d[3];
-        for (int i = 0; i < 3; i++) {
-            d[i] = mass->com[i] - com[i];
-            com[i] += share * d[i];
-        }
-        inertia += mass->kg * ball + kg * share * mukca_dot3(d, d);
-        kg += mass->kg;
+    mukca_mass mass = {.kg = moves ? 1e-6 : 0};
+    for (int m = 0; m < w->chain->n_masses; m++)
+        if (w->chain->mass[m].element == k && w->chain->mass[m].kg > 0) mass = w->chain->mass[m];
+    if (!(mass.kg > 0)) return;
+    const double *I = mass.inertia, ball = 0.4 * 0.05 * 0.05 * mass.kg; /* 2/5 m r^2 */
+    const double minor = I[0] * I[1] - I[3] * I[3];
+    const double determinant =
+        minor * I[2] - I[0] * I[5] * I[5] - I[1] * I[4] * I[4] + 2 * I[3] * I[4] * I[5];
+    if (!(I[0] > 0 && minor > 0 && determinant > 0)) { /* MuJoCo refuses others */
+        memset(mass.inertia + 3, 0, 3 * sizeof *mass.inertia);
+        for (int i = 0; i < 3; i++) mass.inertia[i] = ball;
     }
-    if (!(kg > 0) && !moves) return;
-    if (!(kg > 0)) {
-        kg = 1e-6;
-        inertia = 1e-9;
-    }
-    const double diagonal[3] = {inertia, inertia, inertia};
     indent(w);
     fputs("<inertial", w->stream);
-    numbers(w, "pos", com, 3);
-    numbers(w, "mass", &kg, 1);
-    numbers(w, "diaginertia", diagonal, 3);
+    numbers(w, "pos", mass.com, 3);
+    numbers(w, "mass", &mass.kg, 1);
+    numbers(w, "fullinertia", mass.inertia, 6);
     fputs("/>\n", w->stream);
 }
 
@@ -179,12 +172,14 @@ static mukca_status write_mjcf(FILE *stream, const mukca_export_input *input, mu
     fputs(
         "     A statics model: bodies and joints have the URDF's names; pos and quat are the\n"
         "     calibrated origins.  Springs (_flex, _bend, base_flex) and stops (_play) represent\n"
-        "     the identified effects; inertias are rough, replace them with yours.\n",
+        "     the identified effects; inertia tensors are the URDF's.\n",
         stream);
     gather(&w);
     fputs("-->\n<mujoco", stream);
     name(&w, "model", chain->robot, "");
-    fputs(">\n  <compiler angle=\"radian\" autolimits=\"true\"/>\n  <option", stream);
+    fputs(
+        ">\n  <compiler angle=\"radian\" autolimits=\"true\" balanceinertia=\"true\"/>\n  <option",
+        stream);
     numbers(&w, "gravity", chain->gravity, 3);
     fputs(" timestep=\"5e-4\" integrator=\"implicitfast\"/>\n  <worldbody>\n", stream);
     open_body(&w, chain->base, NULL, NULL);

@@ -17,9 +17,8 @@ typedef struct {
     char replacement[VALUE_SIZE + 8];
 } edit;
 
-/* Locate the value of an attribute in tag[length], without its quotes; false: absent. */
-static bool find_attribute(size_t *start, size_t *stop, const char *tag, size_t length,
-                           const char *name)
+bool mukca_export_find_attribute(size_t *start, size_t *stop, const char *tag, size_t length,
+                                 const char *name)
 {
     size_t at = strcspn(tag, " \t\r\n/>");
     while (at < length) {
@@ -77,7 +76,7 @@ static void edit_attribute(edit *e, const char *tag, size_t length, const char *
                            const double v[3], const double nominal[3])
 {
     char value[VALUE_SIZE];
-    if (find_attribute(&e->start, &e->stop, tag, length, name)) {
+    if (mukca_export_find_attribute(&e->start, &e->stop, tag, length, name)) {
         format_vector(e->replacement, v, nominal, tag + e->start, e->stop - e->start);
         return;
     }

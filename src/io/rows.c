@@ -72,12 +72,14 @@ static void check_joint(mukca_rows *rows, int j, double q)
                          "joint '%s' is %g; lengths are in m (for millimetres: --units mm)",
                          e->name, q / unit);
     const double beyond = q > e->upper ? q - e->upper : q < e->lower ? e->lower - q : 0;
-    if (!(beyond > limit_tolerance) || rows->warned[j] || rows->table.status != MUKCA_OK) return;
+    bool *warned = rows->options.warned ? rows->options.warned : rows->warned;
+    if (!(beyond > limit_tolerance) || warned[j] || rows->table.status != MUKCA_OK) return;
     mukca_note_format(rows->options.note, rows->options.context,
-                      "%s:%d: joint '%s' is %.3g %s beyond its limits",
+                      "%s:%d: joint '%s' is %.3g %s beyond its limits (only the first such sample "
+                      "is listed)",
                       mukca_file_shown(rows->table.path), rows->table.line, e->name, beyond,
                       linear ? "m" : "rad");
-    rows->warned[j] = true;
+    warned[j] = true;
 }
 
 void mukca_rows_check_length(mukca_table *table, int column, double metres)

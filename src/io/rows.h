@@ -46,6 +46,7 @@ typedef struct {
     bool any_order;      /* the caller checks the order of quaternions */
     mukca_note_fn *note; /* may be NULL */
     void *context;
+    bool *warned; /* [MUKCA_MAX_JOINTS] joints beyond their limits in other tables; may be NULL */
 } mukca_rows_options;
 
 enum { MUKCA_ROWS_TARGETS = 16 }; /* largest number of targets per line */

@@ -76,6 +76,7 @@ bool Memory::exhausted_;
 
 struct Mass {
     double kg, com[3];
+    double inertia[6];
 };
 
 // "a, b, c", truncated to leave room for the rest of an error message.
@@ -399,7 +400,14 @@ class Loader
                 if (!(std::fabs(value) <= MUKCA_NUMBER_LARGEST))
                     fail("link '" + entry.first +
                          "': its mass or centre of mass is larger than any arm's");
-            masses_[entry.first] = Mass{inertial->mass, {p.x, p.y, p.z}};
+            Mass mass = {inertial->mass, {p.x, p.y, p.z}, {0}};
+            const double I[6] = {inertial->ixx, inertial->iyy, inertial->izz,
+                                 inertial->ixy, inertial->ixz, inertial->iyz};
+            double rpy[3], R[9];
+            inertial->origin.rotation.getRPY(rpy[0], rpy[1], rpy[2]);
+            mukca_rotation_from_rpy(R, rpy);
+            add_turned(mass.inertia, R, I);
+            masses_[entry.first] = mass;
         }
         if (!options_.inertials) return;
         mukca_inertial *list;
@@ -409,41 +417,65 @@ class Loader
         std::vector<mukca_inertial> rows(list, list + n);
         std::free(list);
         for (const mukca_inertial &row : rows) {
-            masses_[find_link(row.link)] = Mass{row.kg, {row.com[0], row.com[1], row.com[2]}};
+            masses_[find_link(row.link)] = Mass{row.kg, {row.com[0], row.com[1], row.com[2]}, {0}};
         }
     }
 
-    // Sum kg and kg * com of `link` and its descendants except beyond the joint `next`; T is its
-    // pose in the frame of the element.
-    void fold(double *kg, double moment[3], const std::string &link, const mukca_frame &T,
-              const std::string &next) const
+    // Add R I R' to sum; tensors are xx yy zz xy xz yz.
+    static void add_turned(double sum[6], const double R[9], const double I[6])
+    {
+        const int at[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
+        for (int a = 0; a < 3; a++)
+            for (int b = a; b < 3; b++)
+                for (int i = 0; i < 3; i++)
+                    for (int j = 0; j < 3; j++)
+                        sum[at[a][b]] += R[3 * a + i] * I[at[i][j]] * R[3 * b + j];
+    }
+
+    // Add the tensor of a point mass at p.
+    static void add_point(double sum[6], double kg, const double p[3])
+    {
+        for (int a = 0; a < 3; a++) {
+            sum[a] += kg * (mukca_dot3(p, p) - p[a] * p[a]);
+            sum[3 + a] -= kg * p[a > 1] * p[1 + (a > 0)];
+        }
+    }
+
+    // Sum kg, kg * com and the tensor about the element's frame of `link` and its descendants
+    // except beyond the joint `next`; T is its pose in that frame.
+    void fold(double *kg, double moment[3], double inertia[6], const std::string &link,
+              const mukca_frame &T, const std::string &next) const
     {
         auto mass = masses_.find(link);
         if (mass != masses_.end()) {
             double p[3];
             mukca_mat3_vec(p, T.R, mass->second.com);
             *kg += mass->second.kg;
-            for (int i = 0; i < 3; i++) moment[i] += mass->second.kg * (p[i] + T.p[i]);
+            for (int i = 0; i < 3; i++) moment[i] += mass->second.kg * (p[i] += T.p[i]);
+            add_turned(inertia, T.R, mass->second.inertia);
+            add_point(inertia, mass->second.kg, p);
         }
         for (const auto &joint : model_->getLink(link)->child_joints) {
             if (joint->name == next) continue;
             double xyz[3], rpy[3];
             mukca_frame origin = joint_origin(joint->name, xyz, rpy), child;
             mukca_frame_multiply(&child, &T, &origin);
-            fold(kg, moment, joint->child_link_name, child, next);
+            fold(kg, moment, inertia, joint->child_link_name, child, next);
         }
     }
 
     void add_mass(int element, const std::string &next)
     {
         const mukca_frame identity = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
-        double kg = 0, moment[3] = {0, 0, 0};
-        fold(&kg, moment, chain_->element[element].child, identity, next);
+        double kg = 0, moment[3] = {0, 0, 0}, inertia[6] = {0};
+        fold(&kg, moment, inertia, chain_->element[element].child, identity, next);
         if (kg == 0) return;
         mukca_mass *m = &chain_->mass[chain_->n_masses++];
         m->element = element;
         m->kg = kg;
         for (int i = 0; i < 3; i++) m->com[i] = moment[i] / kg;
+        add_point(inertia, -kg, m->com);
+        std::memcpy(m->inertia, inertia, sizeof m->inertia);
     }
 
     void set_gravity(const std::string &base)

@@ -59,7 +59,7 @@ void mukca_html_sentence(FILE *out, const char *text)
 static const char *put_heading(FILE *out, const char *column)
 {
     const size_t length = strcspn(column, "|"), mark = *column == '#';
-    escape(out, column + mark, length - mark);
+    if (strncmp(column, "bar|", 4) != 0) escape(out, column + mark, length - mark);
     return column + length + (column[length] == '|');
 }
 
@@ -83,12 +83,14 @@ static void put_cell(mukca_html_table *table, const char *text)
 {
     FILE *out = table->out;
     const bool cards = table->style && strcmp(table->style, "cards") == 0;
-    const bool matrix = table->style && strcmp(table->style, "matrix") == 0;
-    const bool number = *table->at == '#', name = matrix && !number;
+    if (strncmp(table->at, "bar|", 4) == 0) {
+        fprintf(out, "<td class=\"bar\"><i style=\"width:%s%%\"></i></td>", text);
+        table->at += 4;
+        return;
+    }
+    const bool number = *table->at == '#';
     const double value = number ? strtod(text, NULL) : 0;
-    fputs(number ? "<td class=\"n\"" : name ? "<th scope=\"row\"" : "<td", out);
-    /* at 45 % of the colour the number remains legible */
-    if (number && matrix && isfinite(value)) fprintf(out, " style=\"--share:%.0f%%\"", 45 * value);
+    fputs(number ? "<td class=\"n\"" : "<td", out);
     if (cards) {
         fputs(" data-label=\"", out);
         put_heading(out, table->at);
@@ -99,7 +101,7 @@ static void put_cell(mukca_html_table *table, const char *text)
         fputs("&ndash;", out);
     else
         mukca_html_escape(out, text + (number && value == 0 && *text == '-')); /* avoids "-0.00" */
-    fputs(name ? "</th>" : "</td>", out);
+    fputs("</td>", out);
     table->at += strcspn(table->at, "|");
     table->at += *table->at == '|';
 }

@@ -17,9 +17,10 @@ void mukca_html_element(FILE *out, const char *name, const char *text);
 typedef struct {
     FILE *out;
     const char *caption;
-    const char *columns; /* headings separated by '|'; '#' marks a column of numbers */
-    const char *style;   /* "cards": each row is a list of its cells on a narrow screen; "matrix":
-                            numbers of 0 to 1 shade their cells; NULL: the table scrolls by itself */
+    const char *columns; /* headings separated by '|'; '#' marks a column of numbers, "bar" one of
+                            bars, percent of its width */
+    const char *style;   /* "cards": each row is a list of its cells on a narrow screen; NULL: the
+                            table scrolls by itself */
     const char *at;      /* heading of the next cell; NULL before the first row */
 } mukca_html_table;
 

@@ -16,7 +16,7 @@
     ")}"                                                  \
     ".plot [color=\"" value "\"]{color:var(--" variable ")}\n"
 
-static const char mukca_report_style[] =
+static const char *const mukca_report_style[] = {
     ":root{--ink:#1a1a1a;--paper:#fff;--soft:#f3f4f6;--line:#8a8f98;"
     "--before:#c35200;--after:#0072b2;--third:#007a58;--grid:#b0b4ba}\n"
     "@media (prefers-color-scheme:dark){:root{--ink:#e8e8e8;--paper:#15181c;--soft:#23272e;"
@@ -50,19 +50,28 @@ static const char mukca_report_style[] =
     ".wide{overflow-x:auto}table{border-collapse:collapse;font-size:.9rem;margin:.5rem 0}\n"
     "caption{text-align:left;font-weight:600;padding:.3rem 0}\n"
     "th,td{padding:.2rem .6rem;text-align:left;border-bottom:1px solid var(--grid);vertical-align:"
-    "top}th{min-width:4.5rem}td:last-child:not(.n):not(:first-child){min-width:9rem}\n"
+    "top}td:last-child:not(.n):not(:first-child){min-width:9rem}\n"
     "@media screen and (max-width:40rem){.cards{width:100%}.cards thead{display:none}.cards tr{display:block;padding:.3rem 0;"
     "border-bottom:1px solid var(--line)}.cards td,.cards td.n{display:flex;gap:.6rem;border:0;"
     "padding:.1rem 0;text-align:left}.cards td:empty{display:none}.cards td::before{content:attr("
-    "data-label);flex:0 0 7rem;opacity:.75}}\n"
-    ".matrix th,.matrix td{min-width:0;padding:.2rem .35rem}.matrix th{font-weight:400}.matrix td{"
-    "background:color-mix(in srgb,var(--before) var(--share,0%),transparent)}\n"
+    "data-label);flex:0 0 7rem;opacity:.75}}\n",
+    "@media screen and (max-width:40rem){body{padding:.6rem}table{font-size:.75rem;width:100%}th,td{"
+    "padding:.15rem .2rem;min-width:0}td:last-child:not(.n):not(:first-child){min-width:0}}\n"
+    ".files td{overflow-wrap:anywhere}\n"
+    ".bar{width:30%;min-width:3rem}.bar i{display:block;height:.7rem;margin-top:.3rem;background:"
+    "var(--after)}\n"
+    ".view{display:block;width:100%;max-width:34rem;touch-action:pan-y;cursor:grab}.view "
+    "polyline{fill:none;stroke-width:1;vector-effect:non-scaling-stroke}.view .arm{stroke:"
+    "var(--line);stroke-width:3;stroke-linejoin:round}.view .before{stroke:var(--before)}.view "
+    ".after{stroke:var(--after);stroke-width:2}\n"
     ".n{text-align:right;font-variant-numeric:tabular-nums}code{font-size:.85em;overflow-wrap:"
     "anywhere}\n"
     "@media print{:root{--ink:#000;--paper:#fff;--soft:#f3f4f6;--before:#c35200;"
     "--after:#0072b2;--third:#007a58;--grid:#b0b4ba}body{max-width:none;font-size:10pt;padding:0}"
-    "nav{display:none}figure,tr,.tiles{break-inside:avoid}h2{break-after:avoid}"
-    ".wide,figure{overflow:visible}.plot.plot{min-width:0}}\n";
+    "nav{display:none}figure,tr,.tiles{break-inside:avoid}h2{break-after:avoid;margin-top:1rem}"
+    ".wide,figure{overflow:visible}.plot.plot{min-width:0}.figures{grid-template-columns:repeat(4,"
+    "1fr)}.view{max-width:60%}table{font-size:7.5pt}th,td{padding:.05rem .4rem}figcaption{font-size:"
+    "7.5pt}.wide:has(.parameters){columns:2}p,li{orphans:3;widows:3}}\n"};
 
 static void put_head(FILE *out, const mukca_page *p)
 {
@@ -72,8 +81,8 @@ static void put_head(FILE *out, const mukca_page *p)
         "<meta name=\"color-scheme\" content=\"light dark\">\n<title>",
         out);
     mukca_html_escape(out, p->robot);
-    fprintf(out, ": %s</title>\n<style>\n%s</style>\n</head>\n<body>\n<header>\n<h1>", p->kind,
-            mukca_report_style);
+    fprintf(out, ": %s</title>\n<style>\n%s%s</style>\n</head>\n<body>\n<header>\n<h1>", p->kind,
+            mukca_report_style[0], mukca_report_style[1]);
     mukca_html_escape(out, p->robot);
     fprintf(out, ": %s</h1>\n<p>From ", p->kind);
     mukca_html_element(out, "code", p->from);
@@ -91,7 +100,7 @@ static mukca_status put_figure(FILE *out, mukca_plot *plot, mukca_error *error)
     fputs("<figcaption>", out);
     mukca_html_element(out, "strong", plot->title);
     fputc(' ', out);
-    mukca_html_escape(out, plot->words);
+    if (!plot->brief) mukca_html_escape(out, plot->words);
     fputs("</figcaption>\n</figure>\n", out);
     return MUKCA_OK;
 }

@@ -3,21 +3,16 @@
 #include "report/plot.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <signal.h>
-#include <spawn.h>
 #include <stdarg.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/select.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "io/output.h"
 #include "report/html.h"
-
-extern char **environ;
 
 /* ---- the script ---- */
 
@@ -90,109 +85,57 @@ typedef struct {
     size_t size;
 } drawing;
 
-/* Read gnuplot's output to the end, under the signal mask `unblocked`: an interrupt aborts it.
- * Errors: MUKCA_MEMORY, MUKCA_INPUT, MUKCA_INTERRUPTED. */
-static mukca_status read_all(drawing *drawn, int in, const sigset_t *unblocked, mukca_error *error)
+/* Read gnuplot's output to the end; an interrupt aborts it.  Errors: MUKCA_MEMORY, MUKCA_INPUT,
+ * MUKCA_INTERRUPTED. */
+static mukca_status read_all(drawing *drawn, FILE *in, mukca_error *error)
 {
-    size_t capacity = 0;
-    for (;;) {
+    size_t capacity = 0, n = 1;
+    while (n > 0) {
         if (drawn->size == capacity) {
             capacity = capacity ? 2 * capacity : 1 << 16;
             char *grown = realloc(drawn->bytes, capacity + 1);
             if (!grown) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the figures");
             drawn->bytes = grown;
         }
-        fd_set ready;
-        FD_ZERO(&ready);
-        FD_SET(in, &ready);
-        ssize_t n = pselect(in + 1, &ready, NULL, NULL, NULL, unblocked);
-        if (n > 0) n = read(in, drawn->bytes + drawn->size, capacity - drawn->size);
-        if (n < 0 && errno == EINTR)
-            return mukca_fail(error, MUKCA_INTERRUPTED, "%s", interrupted_text);
-        if (n < 0)
-            return mukca_fail(error, MUKCA_INPUT, "cannot read from gnuplot: %s", strerror(errno));
-        drawn->size += (size_t)n;
+        n = fread(drawn->bytes + drawn->size, 1, capacity - drawn->size, in);
+        drawn->size += n;
         drawn->bytes[drawn->size] = '\0';
-        if (n == 0) return MUKCA_OK;
     }
+    if (!ferror(in)) return MUKCA_OK;
+    if (errno == EINTR) return mukca_fail(error, MUKCA_INTERRUPTED, "%s", interrupted_text);
+    return mukca_fail(error, MUKCA_INPUT, "cannot read from gnuplot: %s", strerror(errno));
 }
 
-/* Wait for gnuplot; MUKCA_NEGATIVE: it reported an error. */
-static mukca_status wait_for(pid_t pid, mukca_error *error)
-{
-    int status = 0;
-    if (waitpid(pid, &status, 0) < 0)
-        return mukca_fail(error, MUKCA_INPUT, "lost gnuplot: %s", strerror(errno));
-    /* a signal to the process group may end gnuplot before it interrupts the read */
-    if (WIFSIGNALED(status) && (WTERMSIG(status) == SIGINT || WTERMSIG(status) == SIGTERM))
-        return mukca_fail(error, MUKCA_INTERRUPTED, "%s", interrupted_text);
-    /* POSIX: exit status of a spawned process that could not execute the program */
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 127)
-        return mukca_fail(error, MUKCA_INPUT,
-                          "cannot run gnuplot, which draws the figures; install the package "
-                          "gnuplot-nox");
-    return WIFEXITED(status) && WEXITSTATUS(status) == 0 ? MUKCA_OK : MUKCA_NEGATIVE;
-}
-
-/* Start gnuplot with descriptors for its script, output and error messages. */
-static mukca_status start(pid_t *pid, const int descriptors[3], const sigset_t *mask,
-                          mukca_error *error)
-{
-    char *const arguments[] = {(char[]){"gnuplot"}, NULL};
-    posix_spawn_file_actions_t actions;
-    posix_spawnattr_t attributes;
-    int failure = posix_spawn_file_actions_init(&actions);
-    if (failure) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the figures");
-    posix_spawnattr_init(&attributes); /* does not allocate and cannot fail */
-    posix_spawnattr_setsigmask(&attributes, mask);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
-    for (int k = 0; k < 3 && failure == 0; k++)
-        failure = posix_spawn_file_actions_adddup2(&actions, descriptors[k], STDIN_FILENO + k);
-    if (failure == 0)
-        failure = posix_spawnp(pid, "gnuplot", &actions, &attributes, arguments, environ);
-    posix_spawn_file_actions_destroy(&actions);
-    posix_spawnattr_destroy(&attributes);
-    if (failure == 0) return MUKCA_OK;
-    if (failure == ENOMEM) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the figures");
-    return mukca_fail(error, MUKCA_INPUT,
-                      "cannot run gnuplot, which draws the figures: %s; install the package "
-                      "gnuplot-nox",
-                      strerror(failure));
-}
-
-/* Run gnuplot on a script.  Its output is read through a pipe, independent of disk space.  Signals
- * are blocked outside pselect: none arrives unnoticed before it. */
+/* Run gnuplot on a script; MUKCA_NEGATIVE: it reported an error.  Its output is read through a
+ * pipe, independent of disk space. */
 static mukca_status run(drawing *drawn, FILE *script, FILE *complaints, mukca_error *error)
 {
-    int ends[2];
-    pid_t pid = 0;
-    sigset_t interrupts, before;
+    char command[80], line[32];
     if (fflush(script) != 0 || ferror(script) || lseek(fileno(script), 0, SEEK_SET) != 0)
         return mukca_fail(error, MUKCA_MEMORY, "cannot write a script for gnuplot: %s",
                           strerror(errno));
-    if (pipe(ends) != 0)
-        return mukca_fail(error, MUKCA_INPUT, "cannot run gnuplot: %s", strerror(errno));
-    for (int k = 0; k < 2; k++) (void)fcntl(ends[k], F_SETFD, FD_CLOEXEC);
-    sigemptyset(&interrupts);
-    sigaddset(&interrupts, SIGINT);
-    sigaddset(&interrupts, SIGTERM);
-    sigprocmask(SIG_BLOCK, &interrupts, &before);
-    mukca_status status =
-        start(&pid, (int[]){fileno(script), ends[1], fileno(complaints)}, &before, error);
-    close(ends[1]);
-    if (status == MUKCA_OK) {
-        status = read_all(drawn, ends[0], &before, error);
-        if (status != MUKCA_OK) kill(pid, SIGTERM);
-        mukca_error ending = {.text = ""};
-        const mukca_status ended = wait_for(pid, &ending);
-        if (status == MUKCA_OK && ended != MUKCA_OK) {
-            status = ended;
-            if (error) *error = ending;
-        }
-    }
-    close(ends[0]);
-    sigprocmask(SIG_SETMASK, &before, NULL);
-    return status;
+    snprintf(command, sizeof command, "echo $$; exec gnuplot <&%d 2>&%d", fileno(script),
+             fileno(complaints));
+    FILE *in = popen(command, "r"); /* NOLINT(cert-env33-c): no text of others */
+    if (!in) return mukca_fail(error, MUKCA_INPUT, "cannot run gnuplot: %s", strerror(errno));
+    /* of the shell, then of gnuplot */
+    const long pid = fgets(line, sizeof line, in) ? strtol(line, NULL, 10) : 0;
+    mukca_status status = MUKCA_INTERRUPTED;
+    if (pid > 0)
+        status = read_all(drawn, in, error);
+    else
+        mukca_fail(error, status, "%s", interrupted_text);
+    if (status != MUKCA_OK && pid > 0) kill((pid_t)pid, SIGTERM);
+    const int ended = pclose(in);
+    if (status != MUKCA_OK) return status;
+    /* a signal to the process group may end gnuplot before it interrupts the read */
+    if (WIFSIGNALED(ended) && (WTERMSIG(ended) == SIGINT || WTERMSIG(ended) == SIGTERM))
+        return mukca_fail(error, MUKCA_INTERRUPTED, "%s", interrupted_text);
+    if (WIFEXITED(ended) && WEXITSTATUS(ended) == 127) /* of the shell: not found */
+        return mukca_fail(error, MUKCA_INPUT,
+                          "cannot run gnuplot, which draws the figures; install the package "
+                          "gnuplot-nox");
+    return WIFEXITED(ended) && WEXITSTATUS(ended) == 0 ? MUKCA_OK : MUKCA_NEGATIVE;
 }
 
 /* Draw the figure for `terminal`; the caller frees drawn->bytes. */

@@ -2,6 +2,7 @@
 #ifndef MUKCA_REPORT_PLOT_H
 #define MUKCA_REPORT_PLOT_H
 
+#include <stdbool.h>
 #include <stdio.h>
 
 #include "mukca/status.h"
@@ -26,6 +27,7 @@ typedef struct {
     char id[64]; /* letters, digits, '-'; unique on the page */
     char title[160];
     int width, height; /* px */
+    bool brief;        /* the caption is the title alone: a table has the numbers */
 } mukca_plot;
 
 /* Create an empty figure; free it with mukca_plot_free, also after an error.  Errors:
@@ -38,10 +40,6 @@ void mukca_plot_begin(mukca_plot *plot, const char *id, const char *title, int w
 
 /* Print `text` as a gnuplot string constant for the name of a tic, without interpretation. */
 void mukca_plot_tic(FILE *script, const char *text);
-
-/* Position of a label: directly above the horizontal line of data at an integer y, at the left
- * edge. */
-#define MUKCA_PLOT_ABOVE "at graph 0, first %d left offset 0.5, 0.75"
 
 /* Print the label `text` at the position given by `format` ("at 1, 2 left"). */
 void mukca_plot_label(mukca_plot *plot, const char *text, const char *format, ...)

@@ -108,51 +108,18 @@ static double *joint_errors(mukca_report *r, const mukca_chain *chain, const dou
     return errors;
 }
 
-/* Joint errors of the diagnosed model, geometry and effects.  Effects of a placement refer to the
- * training data and are omitted for the test data. */
-static double *explain(mukca_report *r)
-{
-    const mukca_diagnosis *d = r->diagnosed.diagnosis;
-    const mukca_applied *applied = &d->applied;
-    double theta[MUKCA_MAX_THETA];
-    mukca_effect general[MUKCA_MAX_APPLIED];
-    int n = 0;
-    for (int i = 0; i < applied->n_effects; i++)
-        if (applied->effects[i].placement < 0) general[n++] = applied->effects[i];
-    mukca_geometry_theta(theta, d->chain, &applied->geometry);
-    const mukca_model models[2] = {
-        {.chain = d->chain,
-         .theta = theta,
-         .effects = applied->effects,
-         .n_effects = applied->n_effects},
-        {.chain = d->chain, .theta = theta, .effects = general, .n_effects = n}};
-    return joint_errors(r, d->chain, theta, residuals(r, positions(r, models)));
-}
-
-/* Compute positions, residuals and their components by joint; models[0] for the training data,
+/* Positions, residuals and their components by joint of model m; models[0] for the training data,
  * models[1] for the test data. */
-static mukca_status predict(mukca_report *r, const mukca_model *nominal,
-                            const mukca_model models[2], mukca_error *error)
+static mukca_status predict(mukca_report *r, int m, const mukca_model models[2], mukca_error *error)
 {
-    const mukca_applied *applied = &r->diagnosed.diagnosis->applied;
-    r->nominal = positions(r, (const mukca_model[2]){*nominal, *nominal});
-    r->calibrated = positions(r, models);
-    r->residual = residuals(r, r->calibrated);
-    double *errors = joint_errors(r, r->fitted, r->offsets->theta, r->residual);
-    r->joint_error = errors;
-    /* the effects refer to the chain without the frames added for a pose log */
-    if (applied->fitted && applied->n_effects > 0 &&
-        r->fitted->n_elements == r->chain->n_elements) {
-        double *left = explain(r);
-        for (int i = 0; left && errors && i < r->data.n_rows * r->data.n_joints; i++)
-            left[i] = errors[i] - left[i];
-        r->joint_effect = left;
-    }
-    const bool whole = r->nominal && r->residual && errors && !r->pool.failed;
-    return whole ? MUKCA_OK : mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    r->tip[m] = positions(r, models);
+    r->residual[m] = residuals(r, r->tip[m]);
+    r->joint_error[m] = joint_errors(r, r->fitted, r->offsets->theta, r->residual[m]);
+    return r->joint_error[m] && !r->pool.failed ? MUKCA_OK
+                                                : mukca_fail(error, MUKCA_MEMORY, "out of memory");
 }
 
-/* Append the scores of a dataset; its means become those of the page. */
+/* Append the scores of a dataset. */
 static mukca_status score(mukca_report *r, const mukca_dataset *data, const mukca_model *nominal,
                           const mukca_model *calibrated, mukca_error *error)
 {
@@ -169,8 +136,6 @@ static mukca_status score(mukca_report *r, const mukca_dataset *data, const mukc
                                  .nominal = scores[i],
                                  .calibrated = scores[room + i]};
     }
-    r->nominal_m = mean[0].mae;
-    r->calibrated_m = mean[1].mae;
     return MUKCA_OK;
 }
 
@@ -180,7 +145,8 @@ mukca_status mukca_report_prepare(mukca_report *r, mukca_error *error)
     mukca_effect effects[2][MUKCA_MAX_EFFECTS];
     double theta[MUKCA_MAX_THETA];
     mukca_model models[2];
-    const mukca_model nominal = {.chain = r->fitted, .theta = theta};
+    const mukca_model nominal = {.chain = r->fitted, .theta = theta},
+                      rigid = {.chain = r->fitted, .theta = r->offsets->theta};
     mukca_status status = join(r, error);
     if (status == MUKCA_OK)
         status = mukca_frames_start(theta, r->fitted, r->train, r->free_base, r->free_tool, error);
@@ -197,7 +163,10 @@ mukca_status mukca_report_prepare(mukca_report *r, mukca_error *error)
                                   .n_effects = r->offsets->n_effects};
         if (data[k]->n_rows > 0) status = score(r, data[k], &nominal, &models[k], error);
     }
-    if (status == MUKCA_OK) status = predict(r, &nominal, models, error);
+    const mukca_model of[MUKCA_REPORT_MODELS][2] = {
+        {nominal, nominal}, {rigid, rigid}, {models[0], models[1]}};
+    for (int m = 0; m < MUKCA_REPORT_MODELS && status == MUKCA_OK; m++)
+        status = predict(r, m, of[m], error);
     return status;
 }
 

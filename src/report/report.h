@@ -15,6 +15,9 @@ typedef struct {
     mukca_score nominal, calibrated;
 } mukca_report_score;
 
+/* Models: nominal; the table without its effects; the table. */
+enum { MUKCA_NOMINAL, MUKCA_RIGID, MUKCA_CALIBRATED, MUKCA_REPORT_MODELS };
+
 typedef struct {
     const char *path, *sha256;
 } mukca_report_file;
@@ -28,26 +31,21 @@ typedef struct {
     int n_files;
     const mukca_chain *chain;          /* nominal arm */
     const mukca_chain *fitted;         /* chain of `offsets`: with the frames of pose logs */
-    const mukca_offsets *offsets;      /* calibrated parameters; effects of a given table */
-    bool free_base, free_tool;         /* frames of pose logs fitted in the calibration */
-    const mukca_fit *fit;              /* NULL: the offsets are from a table */
-    const char *solver;                /* of `fit` */
+    const mukca_offsets *offsets;      /* geometry and effects, of the diagnosis or given */
+    bool free_base, free_tool;         /* frames of pose logs are fitted */
     const mukca_dataset *train, *test; /* `test` may be empty */
     mukca_diagnosed diagnosed;         /* with `train` as its data */
     /* Set by mukca_report_prepare. */
-    mukca_dataset data;        /* samples of `train`, then of `test` */
-    const double *nominal;     /* [n_rows][3] predicted tip, m */
-    const double *calibrated;  /* [n_rows][3] */
-    const double *residual;    /* [n_rows][3] calibrated tip minus its socket's mean or the measured
-                                  position; NaN: unknown */
-    const double *joint_error; /* [n_rows][n_joints] component of the residual along the ball's
-                                  motion by the joint, m */
-    const double *joint_effect; /* part of it explained by the causes; NULL: no causes */
-    mukca_offset_row *offset;   /* [n_offsets] rows of `offsets` */
+    mukca_dataset data;                          /* samples of `train`, then of `test` */
+    const double *tip[MUKCA_REPORT_MODELS];      /* [n_rows][3] predicted, m */
+    const double *residual[MUKCA_REPORT_MODELS]; /* [n_rows][3] tip minus its socket's mean or the
+                                                    measured position; NaN: unknown */
+    const double *joint_error[MUKCA_REPORT_MODELS]; /* [n_rows][n_joints] component of the residual
+                                                       along the ball's motion by the joint, m */
+    mukca_offset_row *offset;                       /* [n_offsets] rows of `offsets` */
     int n_offsets;
     mukca_report_score *scores; /* [n_scores] of `train`, then of `test` */
     int n_scores;
-    double nominal_m, calibrated_m; /* mean error over the placements of `test`, else of `train` */
     mukca_pool pool;
 } mukca_report;
 

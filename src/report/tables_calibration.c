@@ -1,38 +1,99 @@
-/* Texts and tables of the calibration: key figures, placements, offsets, provenance. */
+/* Texts and tables of the calibration: accuracy, errors, offsets, provenance. */
 #include <math.h>
+#include <string.h>
 
 #include "report/html.h"
 #include "report/parts.h"
 
-static void put_length(FILE *out, const char *label, double metres)
+static const double mm = MUKCA_REPORT_MM;
+
+/* ---- accuracy ---- */
+
+static void put_length(FILE *out, const char *label, double metres, double low, double high)
 {
-    if (isfinite(metres))
-        fprintf(out, "<div><dt>%s</dt><dd>%#.3g <small>mm</small></dd></div>\n", label,
-                metres * MUKCA_REPORT_MM);
+    if (!isfinite(metres)) return;
+    fprintf(out, "<div><dt>%s</dt><dd>%.2f <small>mm</small>", label, metres * mm);
+    if (isfinite(low)) fprintf(out, "<br><small>[%.2f, %.2f]</small>", low * mm, high * mm);
+    fputs("</dd></div>\n", out);
 }
 
-static void put_count(FILE *out, const char *label, int count)
+void mukca_report_put_accuracy(FILE *out, const mukca_report *r)
 {
-    if (count > 0) fprintf(out, "<div><dt>%s</dt><dd>%d</dd></div>\n", label, count);
+    const mukca_acceptance *a = &r->offsets->acceptance;
+    const bool factory = r->fitted->kinematics_sha256[0] != '\0';
+    char text[MUKCA_ACCEPTANCE_SENTENCE];
+    if (!a->given) return;
+    mukca_acceptance_use(text, a, factory);
+    if (a->accepted && isfinite(a->error_here_low_m)) {
+        fputs(
+            "<h2 id=\"accuracy\">Accuracy: expected error of the tip</h2>\n<dl class=\"tiles\">\n",
+            out);
+        put_length(out, "with this result, in the joint ranges of the samples", a->error_here_m,
+                   a->error_here_low_m, a->error_here_high_m);
+        put_length(out, "with this result, within the joint limits", a->error_workspace_m,
+                   a->error_workspace_low_m, a->error_workspace_high_m);
+        put_length(out, factory ? "factory model, same ranges" : "nominal model, same ranges",
+                   a->error_before_here_m, NAN, NAN);
+        put_length(out, factory ? "factory model, joint limits" : "nominal model, joint limits",
+                   a->error_before_m, NAN, NAN);
+        fputs("</dl>\n", out);
+    }
+    fprintf(out, "<p class=\"verdict %s use\"><strong>Use the result?</strong> ",
+            a->accepted ? "named" : "untestable");
+    mukca_html_sentence(out, text);
+    fputs(".</p>\n", out);
 }
 
-void mukca_report_put_key_figures(FILE *out, const mukca_report *r)
+/* ---- errors ---- */
+
+void mukca_report_put_steps(FILE *out, const mukca_report *r)
 {
     const mukca_diagnosis *d = r->diagnosed.diagnosis;
-    const bool test = r->test->n_rows > 0;
-    fputs("<dl class=\"tiles\">\n", out);
-    put_length(out, test ? "nominal, test data" : "nominal, training data", r->nominal_m);
-    put_length(out, test ? "calibrated, test data" : "calibrated, training data", r->calibrated_m);
-    put_length(out, "held out, geometry", d->geometry_m);
-    if (d->n_causes > 0) put_length(out, "held out, with the causes", d->explained_m);
-    put_length(out, "noise floor", d->noise_floor_m);
-    put_count(out, "samples", r->data.n_rows);
-    if (r->data.n_placements > 0) put_count(out, "placements", r->data.n_placements);
-    if (r->fit)
-        fprintf(out,
-                "<div><dt>identifiable combinations</dt><dd>%d <small>of %d</small></dd></div>\n",
-                r->fit->identification.rank, r->fit->parameters.n);
-    fputs("</dl>\n", out);
+    mukca_step steps[MUKCA_MAX_STEPS];
+    const int n = mukca_wording_steps(steps, &r->diagnosed);
+    double most = 0;
+    mukca_html_table table = {
+        .out = out,
+        .caption = d->folds > 1
+                       ? "Mean error, mm, each line a fit of its own; cross-validated: each "
+                         "fold predicted from the others"
+                       : "Mean error, mm, each line a fit of its own",
+        .columns = d->folds > 1 ? "model|#cross-validated|bar|#test" : "model|#training|bar|#test"};
+    for (int i = 1; i < n; i++) most = fmax(most, steps[i].cross_validated_m);
+    for (int i = 0; i < n; i++) {
+        const double error = steps[i].cross_validated_m;
+        if (isfinite(error))
+            mukca_html_row(&table, "%s\t%.3f\t%.0f\t%.3f", steps[i].name, error * mm,
+                           fmin(100, 80 * error / most), steps[i].test_m * mm);
+    }
+    mukca_html_table_end(&table);
+}
+
+double mukca_report_joint_rms(const mukca_report *r, int model, int j)
+{
+    const int n = r->data.n_joints, rows = r->data.n_rows;
+    double sum = 0;
+    for (int i = 0; i < rows; i++) sum += pow(r->joint_error[model][i * n + j], 2) / rows;
+    return sqrt(sum);
+}
+
+void mukca_report_put_joints(FILE *out, const void *content)
+{
+    const mukca_report *r = content;
+    const bool causes = r->offsets->n_effects > 0;
+    mukca_html_table table = {
+        .out = out,
+        .caption = "Error along the motion by each joint, mm rms over training and test samples",
+        .columns = causes ? "joint|#nominal|#calibrated, without its causes|#calibrated"
+                          : "joint|#nominal|#calibrated"};
+    for (int j = 0; j < r->data.n_joints; j++) {
+        mukca_html_row(&table, "%s\t%.3f", mukca_chain_joint_name(r->chain, j),
+                       mukca_report_joint_rms(r, MUKCA_NOMINAL, j) * mm);
+        if (causes)
+            mukca_html_cells(&table, "%.3f", mukca_report_joint_rms(r, MUKCA_RIGID, j) * mm);
+        mukca_html_cells(&table, "%.3f", mukca_report_joint_rms(r, MUKCA_CALIBRATED, j) * mm);
+    }
+    mukca_html_table_end(&table);
 }
 
 void mukca_report_put_placements(FILE *out, const void *content)
@@ -41,55 +102,48 @@ void mukca_report_put_placements(FILE *out, const void *content)
     const bool sockets = r->data.n_sockets > 0;
     mukca_html_table table = {
         .out = out,
-        .caption = sockets ? "Errors by placement, mm" : "Position errors, mm",
-        .columns = sockets ? "placement|used for|#samples|#mean error, nominal|#mean error, "
-                             "calibrated|#rms, nominal|#rms, calibrated|#distortion, "
-                             "nominal|#distortion, calibrated"
-                           : "data|used for|#samples|#mean error, nominal|#mean error, "
-                             "calibrated|#rms, nominal|#rms, calibrated"};
-    const double mm = MUKCA_REPORT_MM;
+        .caption =
+            sockets
+                ? "Errors of the table of offsets by placement, mm (as mukca evaluate prints them)"
+                : "Position errors of the table of offsets, mm (as mukca evaluate prints them)",
+        .columns = sockets ? "placement|#error nominal|#error calibrated|#distortion nominal|"
+                             "#distortion calibrated"
+                           : "data|#error nominal|#error calibrated"};
     for (int i = 0; i < r->n_scores; i++) {
         const mukca_score *a = &r->scores[i].nominal, *b = &r->scores[i].calibrated;
-        if (!sockets) {
-            mukca_html_row(&table, "%s\t%s\t%d\t%.3f\t%.3f\t%.3f\t%.3f", r->scores[i].placement,
-                           r->scores[i].test ? "test" : "training", b->rows, a->mae * mm,
-                           b->mae * mm, a->std * mm, b->std * mm);
-            continue;
-        }
-        mukca_html_row(&table, "%s\t%s\t%d\t%.3f\t%.3f\t%.3f\t%.3f\t%.3f\t%.3f",
-                       r->scores[i].placement, r->scores[i].test ? "test" : "training", b->rows,
-                       a->mae * mm, b->mae * mm, a->std * mm, b->std * mm, a->distance_error * mm,
-                       b->distance_error * mm);
+        mukca_html_row(&table, "%s (%s, %d samples)\t%.3f\t%.3f", r->scores[i].placement,
+                       r->scores[i].test ? "test" : "training", b->rows, a->mae * mm, b->mae * mm);
+        if (sockets)
+            mukca_html_cells(&table, "%.3f\t%.3f", a->distance_error * mm, b->distance_error * mm);
     }
     mukca_html_table_end(&table);
-    fputs(sockets ? "<p>Consistency error (mean, rms): distance of the predicted ball centres of "
-                    "one socket from their mean. Distortion: error of the predicted distance "
-                    "between two sockets.</p>\n"
-                  : "<p>Error of a pose: distance of the predicted from the measured "
-                    "position.</p>\n",
+    fputs(sockets ? "<p>Error: mean distance of the predicted ball centres of one socket from "
+                    "their mean. Distortion: error of the predicted distance between two "
+                    "sockets. Training errors are those of the data that were fitted.</p>\n"
+                  : "<p>Error: mean distance of the predicted from the measured position.</p>\n",
           out);
 }
+
+/* ---- the result ---- */
 
 void mukca_report_put_offsets(FILE *out, const void *content)
 {
     const mukca_report *r = content;
-    char verdict[MUKCA_ACCEPTANCE_SENTENCE];
-    mukca_acceptance_sentence(verdict, &r->offsets->acceptance,
-                              r->fitted->kinematics_sha256[0] != '\0');
-    fputs("<p>Verdict of the table: ", out);
-    mukca_html_element(out, "strong", verdict);
-    fputs(".</p>\n", out);
     mukca_html_table table = {
         .out = out,
         .caption =
-            "Offsets: calibrated = nominal + offset, in the URDF's origins; sigma only where the "
-            "data alone determine the parameter",
-        .columns = "joint|parameter|unit|#nominal|#calibrated|#offset|#sigma|identifiable"};
+            "Parameters: calibrated = nominal + offset, in the URDF's origins; sigma: standard "
+            "error; in brackets: not identifiable",
+        .style = "parameters",
+        .columns = "parameter|#nominal|#offset|#sigma"};
     for (int i = 0; i < r->n_offsets; i++) {
         const mukca_offset_row *row = &r->offset[i];
-        mukca_html_row(&table, "%s\t%s\t%s\t%.6f\t%.6f\t%.6f\t%.6f\t%s", row->joint, row->parameter,
-                       row->unit, row->nominal, row->calibrated, row->offset, row->sigma,
-                       row->identifiable ? "yes" : "no");
+        const bool elastic = strcmp(row->unit, "rad/(N*m)") == 0;
+        const double factor = elastic ? 1e6 : mm;
+        mukca_html_row(&table, "%s%s %s, %s%s%s\t%.3f\t%.3f\t%.3f", row->identifiable ? "" : "(",
+                       row->joint, row->parameter, elastic ? "u" : "m", row->unit,
+                       row->identifiable ? "" : ")", row->nominal * factor, row->offset * factor,
+                       row->sigma * factor);
     }
     mukca_html_table_end(&table);
 }
@@ -99,12 +153,9 @@ void mukca_report_put_provenance(FILE *out, const void *content)
     const mukca_report *r = content;
     fputs("<p>Made by ", out);
     mukca_html_element(out, "code", r->command);
-    fprintf(out, " at %s.", r->when);
-    if (r->fit)
-        fprintf(out, " Solver %s: %d evaluations, %d iterations.", r->solver,
-                r->fit->outcome.evaluations, r->fit->outcome.iterations);
-    fputs("</p>\n", out);
-    mukca_html_table table = {.out = out, .caption = "Files read", .columns = "file|SHA-256"};
+    fprintf(out, " at %s.</p>\n", r->when);
+    mukca_html_table table = {
+        .out = out, .caption = "Files read", .style = "files", .columns = "file|SHA-256"};
     for (int i = 0; i < r->n_files; i++)
         mukca_html_row(&table, "%s\t%s", r->files[i].path, r->files[i].sha256);
     mukca_html_table_end(&table);

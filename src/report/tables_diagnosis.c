@@ -6,16 +6,13 @@
 #include "report/html.h"
 #include "report/parts.h"
 
-enum { COLUMNS = (MUKCA_MAX_JOINTS + 1) * (MUKCA_NAME_SIZE + 2) }; /* characters of headings */
+enum { COLUMNS = 64 + 5 * MUKCA_MAX_JOINTS }; /* characters of headings */
 
-/* Form the headings of a table: `first` and a column of numbers for each joint. */
+/* Form the headings of a table: `first` and a column of numbers for each joint, by its number. */
 static void joint_columns(char columns[COLUMNS], const char *first, const mukca_chain *chain)
 {
-    strcpy(columns, first);
-    for (int j = 0; j < chain->n_joints; j++) {
-        strcat(columns, "|#");
-        strcat(columns, mukca_chain_joint_name(chain, j));
-    }
+    int used = sprintf(columns, "%s", first);
+    for (int j = 0; j < chain->n_joints; j++) used += sprintf(columns + used, "|#%d", j + 1);
 }
 
 /* ---- verdict and remedies ---- */
@@ -77,12 +74,13 @@ static void put_next_poses(FILE *out, const mukca_report *r)
     mukca_html_escape(out, text);
     fputs(".</p>\n", out);
     joint_columns(columns, "placement|socket", chain);
-    mukca_html_table table = {.out = out, .caption = "Next postures, rad", .columns = columns};
+    mukca_html_table table = {
+        .out = out, .caption = "Next postures: joints from base to tip, rad", .columns = columns};
     for (int i = 0; i < next->plan.n_rows; i++) {
         const mukca_plan_row *row = &next->plan.rows[i];
         const mukca_plan_socket *socket = &next->sockets[row->socket];
         mukca_html_row(&table, "%s\t%s", socket->placement, socket->label);
-        for (int j = 0; j < chain->n_joints; j++) mukca_html_cells(&table, "%.3f", row->q[j]);
+        for (int j = 0; j < chain->n_joints; j++) mukca_html_cells(&table, "%.2f", row->q[j]);
     }
     mukca_html_table_end(&table);
 }
@@ -91,11 +89,6 @@ void mukca_report_put_verdict(FILE *out, const mukca_report *r)
 {
     const mukca_diagnosed *d = &r->diagnosed;
     char text[MUKCA_WORDING];
-    if (r->fit && !r->fit->converged)
-        fputs(
-            "<p class=\"verdict unknown\">The calibration did not converge: do not use its "
-            "numbers.</p>\n",
-            out);
     fprintf(out, "<p class=\"verdict %s\">", mukca_verdict_name[d->diagnosis->verdict]);
     mukca_wording_verdict(text, d);
     mukca_html_sentence(out, text);
@@ -117,29 +110,6 @@ void mukca_report_put_verdict(FILE *out, const mukca_report *r)
 
 /* ---- causes ---- */
 
-/* Write the matrix of correlations among causes and close candidates. */
-static void put_confounding(FILE *out, const mukca_diagnosed *d)
-{
-    const mukca_confounding *c = &d->diagnosis->confounding;
-    char text[MUKCA_WORDING], columns[16 + 4 * MUKCA_MAX_CONFOUNDED] = "effect";
-    if (c->n < 2) return;
-    for (int i = 0; i < c->n; i++) sprintf(columns + strlen(columns), "|#%d", i + 1);
-    mukca_html_table table = {
-        .out = out,
-        .caption =
-            "Confounding: canonical correlation of causes and close candidates after geometry is "
-            "projected out; 1: indistinguishable",
-        .style = "matrix",
-        .columns = columns};
-    for (int i = 0; i < c->n; i++) {
-        const mukca_cause item = {.effect = c->effects[i], .socket = -1};
-        mukca_wording_cause(text, &item, d);
-        mukca_html_row(&table, "%d %s%s", i + 1, text, c->cause[i] ? " (cause)" : "");
-        for (int k = 0; k < c->n; k++) mukca_html_cells(&table, "%.2f", c->correlation[i][k]);
-    }
-    mukca_html_table_end(&table);
-}
-
 void mukca_report_put_causes(FILE *out, const void *content)
 {
     const mukca_report *r = content;
@@ -151,7 +121,7 @@ void mukca_report_put_causes(FILE *out, const void *content)
             "Causes, the largest contribution first; after \"or\": indistinguishable in these data",
         .style = "cards",
         .columns = "cause|size [95 % interval]|probability|mechanism"};
-    if (d->diagnosis->n_causes == 0) return;
+    mukca_report_put_steps(out, r);
     for (int i = 0; i < d->diagnosis->n_causes; i++) {
         const mukca_cause *cause = &d->diagnosis->causes[i];
         mukca_wording_rivals(words, cause, d);
@@ -161,7 +131,6 @@ void mukca_report_put_causes(FILE *out, const void *content)
                        probability + strlen("probability "), mukca_wording_mechanism(cause, d));
     }
     mukca_html_table_end(&table);
-    put_confounding(out, d);
 }
 
 /* ---- recording faults ---- */
@@ -240,11 +209,13 @@ void mukca_report_put_limits(FILE *out, const void *content)
     const mukca_report *r = content;
     const mukca_diagnosis *d = r->diagnosed.diagnosis;
     char columns[COLUMNS], name[MUKCA_WORDING];
-    joint_columns(columns, "effect|#arm or tool", r->chain);
-    mukca_html_table table = {
-        .out = out,
-        .caption = "Smallest effects that these data would show, mrad rms at the joint or mm rms",
-        .columns = columns};
+    joint_columns(columns, "effect|#arm, tool", r->chain);
+    mukca_html_table table = {.out = out,
+                              .caption =
+                                  "Smallest effects that these data would show, by joint from base "
+                                  "to tip, mrad rms at the "
+                                  "joint or mm rms",
+                              .columns = columns};
     if (d->n_tested == 0) fputs("<p>No effect was tested.</p>\n", out);
     for (int effect = 0; effect < MUKCA_EFFECT_COUNT; effect++) {
         bool any = false;

@@ -293,14 +293,39 @@ void mukca_wording_caveat(char text[MUKCA_WORDING], const mukca_diagnosed *r)
         if (d->tested[i].effect == MUKCA_EFFECT_JOINT_COMPLIANCE && d->tested[i].joint < 0 &&
             !d->tested[i].testable)
             put(text,
-                "Flexibility not tested: the URDF has no link masses (give --inertials "
+                "Flexibility cannot be measured: the URDF has no link masses (give --inertials "
                 "FILE).");
     bool smooth = false;
     for (int i = 0; i < d->n_causes; i++) smooth |= mukca_effect_is_smooth(&d->causes[i].effect);
     if (*text && smooth)
-        put(text, " What follows may be flexibility in disguise.");
+        put(text, " It is named beside each cause that it may be.");
     else if (*text && d->unexplained)
         put(text, " The unexplained structure may be flexibility.");
+}
+
+int mukca_wording_steps(mukca_step steps[MUKCA_MAX_STEPS], const mukca_diagnosed *r)
+{
+    const mukca_diagnosis *d = r->diagnosis;
+    static const char *const all[] = {"geometry and tool motion", "geometry and the cause",
+                                      "geometry and both causes", "geometry and all causes"};
+    int n = 0, of_arm = 0, k = 0;
+    for (int i = 0; i < d->n_causes; i++) of_arm += mukca_wording_on_arm(&d->causes[i]);
+    steps[n++] = (mukca_step){"nominal model", 0, d->nominal_m, d->test_nominal_m};
+    steps[n++] = (mukca_step){"calibrated geometry", 0, d->geometry_m, d->test_geometry_m};
+    if (d->n_faults)
+        steps[n++] = (mukca_step){"faulty samples excluded", 0, d->faults_excused_m, NAN};
+    for (int i = 0; i < d->n_causes; i++)
+        if (mukca_wording_on_arm(&d->causes[i]) && ++k < of_arm)
+            steps[n++] =
+                (mukca_step){k == 1 ? "geometry and the first cause" : "and a further cause", k,
+                             d->causes[i].rung_m, NAN};
+    if (d->n_causes)
+        steps[n++] =
+            (mukca_step){all[of_arm < 3 ? of_arm : 3], of_arm, d->explained_m, d->test_explained_m};
+    if (d->structure_m < d->explained_m) /* if it reduces the error */
+        steps[n++] = (mukca_step){"and unexplained structure", of_arm, d->structure_m, NAN};
+    steps[n++] = (mukca_step){"noise floor", 0, d->noise_floor_m, NAN};
+    return n;
 }
 
 bool mukca_wording_worse(const mukca_diagnosis *d)

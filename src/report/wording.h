@@ -2,9 +2,10 @@
 #ifndef MUKCA_REPORT_WORDING_H
 #define MUKCA_REPORT_WORDING_H
 
+#include "arm/acceptance.h"
 #include "diagnose/next_poses.h"
 
-enum { MUKCA_WORDING = 600 }; /* size of the texts below, with the NUL */
+enum { MUKCA_WORDING = 4096 }; /* size of the texts below, with the NUL */
 
 /* Diagnoses of simulated recordings: `runs` with the causes, and as many without. */
 typedef struct {
@@ -18,11 +19,25 @@ typedef struct {
 typedef struct {
     const mukca_diagnosis *diagnosis;
     const mukca_chain *chain;
-    const mukca_dataset *data, *test; /* test: NULL without --test */
-    const mukca_next_poses *next;     /* NULL: not requested */
-    const mukca_check *check;         /* NULL: not requested, or not possible */
-    bool saved;                       /* an offsets table was written */
+    const mukca_dataset *data, *test;   /* test: NULL without --test */
+    const mukca_next_poses *next;       /* NULL: not requested */
+    const mukca_check *check;           /* NULL: not requested, or not possible */
+    const mukca_acceptance *acceptance; /* of its offsets table; NULL: nothing was fitted */
+    bool saved;                         /* the table was written */
 } mukca_diagnosed;
+
+/* A model and its mean errors, m; NaN: not measured. */
+typedef struct {
+    const char *name;
+    int causes; /* number of causes in the model */
+    double cross_validated_m, test_m;
+} mukca_step;
+
+enum { MUKCA_MAX_STEPS = MUKCA_MAX_CAUSES + 5 };
+
+/* The errors from the nominal model to the noise floor, each a fit of its own; returns their
+ * number. */
+int mukca_wording_steps(mukca_step steps[MUKCA_MAX_STEPS], const mukca_diagnosed *diagnosed);
 
 /* Whether a joint is prismatic; false for -1. */
 bool mukca_wording_slides(const mukca_chain *chain, int joint);

@@ -38,7 +38,7 @@ static void random_chain(mukca_chain *chain, int n)
             norm += e->axis[i] * e->axis[i];
         }
         for (int i = 0; i < 3; i++) e->axis[i] /= sqrt(norm);
-        chain->mass[k] = (mukca_mass){k, uniform(0.5, 4), {0.1, uniform(-0.1, 0.1), -0.05}};
+        chain->mass[k] = (mukca_mass){k, uniform(0.5, 4), {0.1, uniform(-0.1, 0.1), -0.05}, {0}};
     }
     chain->n_elements = chain->n_masses = n + 2;
 }

@@ -16,7 +16,7 @@ static int setup(void **state)
     double theta[6 * MUKCA_MAX_ELEMENTS];
     gen3_chain(&arm.chain);
     for (int k = 0; k < 7; k++)
-        arm.chain.mass[arm.chain.n_masses++] = (mukca_mass){k, 1.2, {0, -0.02, -0.06}};
+        arm.chain.mass[arm.chain.n_masses++] = (mukca_mass){k, 1.2, {0, -0.02, -0.06}, {0}};
     mukca_chain_theta(theta, &arm.chain);
     for (int k = 0; k < 8; k++)
         for (int i = 0; i < 3; i++) {

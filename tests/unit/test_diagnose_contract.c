@@ -199,7 +199,7 @@ static void everything_is_handed_over(void **state)
     assert_part(all, "record this socket again");
     assert_part(all, "right, socket 0, row 125");
     assert_part(all, "correct its label");
-    assert_part(all, "Test data, mm: nominal");
+    assert_part(all, "cross-validated    test\n  nominal model");
     assert_part(all, "noise floor");
     free(all);
     mukca_dataset_free(&data);

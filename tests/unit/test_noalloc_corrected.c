@@ -35,7 +35,7 @@ static int setup(void **state)
     snprintf(chain.robot, sizeof chain.robot, "gen3");
     snprintf(chain.tip, sizeof chain.tip, "tip");
     for (int k = 0; k < 7; k++)
-        chain.mass[chain.n_masses++] = (mukca_mass){k, 1.0 + 0.1 * k, {0.01, -0.02, -0.06}};
+        chain.mass[chain.n_masses++] = (mukca_mass){k, 1.0 + 0.1 * k, {0.01, -0.02, -0.06}, {0}};
     mukca_offsets_init(&offsets, &chain);
     for (int i = 0; i < 6 * chain.n_elements; i++) {
         offsets.theta[i] += 1e-3 * mukca_random_normal(&random);

@@ -20,7 +20,7 @@ static int setup(void **state)
     mukca_chain *chain = &c.arm.chain;
     gen3_chain(chain);
     for (int k = 0; k < 7; k++)
-        chain->mass[chain->n_masses++] = (mukca_mass){k, masses[k], {0.01, -0.02, -0.06}};
+        chain->mass[chain->n_masses++] = (mukca_mass){k, masses[k], {0.01, -0.02, -0.06}, {0}};
     mukca_geometry_set(&c.arm.geometry, chain, NULL);
     c.arm.n_effects = 1;
     c.arm.effects[0] = (mukca_effect){.kind = MUKCA_EFFECT_JOINT_COMPLIANCE,

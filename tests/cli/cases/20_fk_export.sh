@@ -108,3 +108,19 @@ expect "rx ry rz turn the target as the quaternion does" awk -F '\t' '
     with_quaternion.tsv with_vector.tsv
 refuse 3 "half.tsv:1: no column 'rz'" compensate $six --poses half.tsv
 accept "angles.tsv: 2 unknown columns ignored: roll, yaw" compensate $six --poses angles.tsv
+
+# one's own MuJoCo model: bodies found by name, also without the prefix; the rest stays
+run simulate --urdf arm.urdf --seed 3 --placements 3 --rows 20 --perturb 2,4 --noise 1e-4 -o into.tsv
+run calibrate --urdf arm.urdf into.tsv -o into_table.tsv
+bodies() { sed -n 's/.*<body.*\(pos="[^"]*"\).*\(quat="[^"]*"\).*/\1 \2/p' "$1"; }
+run export --urdf arm.urdf -f mjcf -o own.xml
+sed -i 's/<site name="tip"\/>/<!-- <body name="fore"> --><geom size="0.01"\/>/; s/name="fore"/name="arm_fore"/' own.xml
+run export --urdf arm.urdf --offsets into_table.tsv -f mjcf -o whole.xml
+accept "note: body 'fore': moved by [0-9.]* mm, [0-9.]* mrad" export --urdf arm.urdf --offsets into_table.tsv --into own.xml -o patched.xml
+expect "export --into has the poses of the whole export" test "$(bodies patched.xml)" = "$(bodies whole.xml)"
+expect "export --into keeps the rest" test "$(sed 's/ \(pos\|quat\)="[^"]*"//g' patched.xml)" = "$(sed 's/ \(pos\|quat\)="[^"]*"//g' own.xml)"
+sed '/name="hand"/ s/pos="[^"]*"/pos="0.4 0 0"/' own.xml >elsewhere.xml
+refuse 3 "elsewhere.xml: body 'hand' is not where the URDF has it" export --urdf arm.urdf --offsets into_table.tsv --into elsewhere.xml
+sed 's/name="hand"/name="palm"/' own.xml >missing.xml
+refuse 3 "missing.xml: body 'hand' is missing" export --urdf arm.urdf --offsets into_table.tsv --into missing.xml
+refuse 2 "keeps the format" export --urdf arm.urdf --into own.xml -f yaml

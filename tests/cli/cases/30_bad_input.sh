@@ -205,7 +205,7 @@ run simulate $a --seed 1 --rows 20 --placements 2 -o sim.tsv
 doubt 'sockets differs by 30.0' calibrate $a --distance 0.02 sim.tsv
 doubt 'no fixed joint ends the chain at hand' calibrate $a --tip hand good
 doubt 'nominal model is [0-9]* mm off; check the units' calibrate $a --distance 0.5 --tip hand good
-doubt 'Do not use this result: the samples do not fit this arm' calibrate $a --distance 0.5 good
+doubt '^Use     no: the samples do not fit this arm' calibrate $a --distance 0.5 good
 refuse 3 'every row is also training data' calibrate $a good --test good
 cp -r good again
 doubt 'good/hole_0.csv: 12 of 12 rows repeat rows of again/hole_0.csv to the last digit; each is used once' calibrate $a again good
@@ -307,3 +307,8 @@ expect "no source sets the locale" sh -c "! grep -rn setlocale '$root/src'"
 awk 'NR > 1 && !row { row = $3 "\t" $4 "\t" $5 } NR == 1 { print; next }
     { print $1 "\t" $2 "\t" row }' session.tsv >dead.tsv
 refuse 5 "socket '1': all 6 samples have the same joint angles" calibrate $a dead.tsv -o new.tsv
+
+# limits of the URDF: one note for a joint, however many files
+sed 's/upper="3"/upper="-0.5"/' arm.urdf >narrow.urdf
+run evaluate --urdf narrow.urdf good
+expect "a note of exceeded limits for each joint" test "$(grep -c 'beyond its limits' "$scratch/err")" = 3

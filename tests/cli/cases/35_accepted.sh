@@ -2,9 +2,12 @@
 . "$here/fixture.sh"
 a="--urdf arm.urdf"
 run simulate $a --seed 3 --placements 3 --rows 20 --perturb 2,4 --noise 1e-4 -o sim.tsv
-answer 'Result accepted: held-out error' calibrate $a sim.tsv -o ok.tsv
+answer '^Use     yes: held-out error' calibrate $a sim.tsv -o ok.tsv
+answer '\-\-evidence fits a better geometry to these data: held-out error 0.218' calibrate $a sim.tsv
+answer '^Use     yes: held-out error 0.218 mm' calibrate $a sim.tsv --evidence
+refuse 2 'of the options of the fit, give no other' calibrate $a sim.tsv --evidence --lambda 1e-5
 for key in accepted converged error_of error_m error_nominal_m tip_change_m tip_change_sigma \
-    identified postures error_here_m error_workspace_m; do
+    identified postures error_here_m error_here_low_m error_workspace_m; do
     expect "the table tells $key" grep -q "^# $key: " ok.tsv
 done
 run fk $a --offsets ok.tsv good/hole_0.csv
@@ -61,7 +64,7 @@ done
 # labels that mean nothing
 awk -F '\t' -v OFS='\t' 'NR > 1 && $1 !~ /^#/ && $1 != "placement" { $1 = "p" (NR * 7 % 3 > 1); $2 = NR * 5 % 7 > 3 } 1' \
     sim.tsv >mislabelled.tsv
-doubt 'Do not use this result: ' calibrate $a mislabelled.tsv -o wrong.tsv
+doubt '^Use     no: ' calibrate $a mislabelled.tsv -o wrong.tsv
 refuse 3 'did not pass: ' compensate $a --offsets wrong.tsv good/hole_0.csv
 run diagnose $a mislabelled.tsv -o wrong.tsv --force
 refuse 3 'did not pass: ' fk $a --offsets wrong.tsv good/hole_0.csv
