@@ -47,9 +47,8 @@ typedef struct {
 typedef struct {
     int element;
     double kg;
-    double com[3]; /* m, in the child frame of `element` */
-    double
-        inertia[6]; /* xx yy zz xy xz yz about the centre, axes of that frame, kg m^2; 0: unknown */
+    double com[3];     /* m, in the child frame of `element` */
+    double inertia[6]; /* xx yy zz xy xz yz about com, in that frame, kg m^2; 0: unknown */
 } mukca_mass;
 
 typedef struct {

@@ -194,16 +194,18 @@ static mukca_status compare_evidence(cli_call *call, calibrate_result *r)
     const calibrate_options *o = call->options;
     const mukca_chain *chain = &call->session->model.chain;
     mukca_fit_options both[2] = {fit_options(o), fit_options(o)};
-    mukca_fit other = {0};
     both[1].by_evidence = true;
     if (o->evidence || !is_default(o) || !r->offsets->acceptance.accepted ||
         r->train->n_sockets == 0 || r->train->n_rows > MOST_ROWS)
         return MUKCA_OK;
-    mukca_status status = mukca_fit_run(&other, chain, r->train, &both[1], &call->error);
+    mukca_fit *other = calloc(1, sizeof *other);
+    if (!other) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory for another fit");
+    mukca_status status = mukca_fit_run(other, chain, r->train, &both[1], &call->error);
     if (status == MUKCA_OK)
-        status = mukca_fit_compare(&r->evidence, (const mukca_fit *const[]){r->fit, &other}, both,
+        status = mukca_fit_compare(&r->evidence, (const mukca_fit *const[]){r->fit, other}, both,
                                    chain, r->train, r->test, &call->error);
-    mukca_fit_free(&other);
+    mukca_fit_free(other);
+    free(other);
     return status;
 }
 

@@ -206,22 +206,25 @@ void cli_diagnosis_print(FILE *stream, const mukca_diagnosed *r)
 void cli_diagnosis_print_sets(FILE *stream, const mukca_diagnosed *r)
 {
     const mukca_diagnosis *d = r->diagnosis;
-    char row[MUKCA_MAX_SETS][MUKCA_WORDING];
-    double probability[MUKCA_MAX_SETS], rest = 1;
-    int n = 0;
+    char row[MUKCA_WORDING], other[MUKCA_WORDING];
+    bool printed[MUKCA_MAX_SETS] = {false};
+    double rest = 1;
     if (d->n_sets == 0) return;
     fprintf(stream, "\n%sSets of causes%s by posterior probability\n", cli_bold(stream),
             cli_plain(stream));
-    for (int i = 0, k; i < d->n_sets; i++) { /* sets of the same names are one row */
-        mukca_wording_set(row[n], &d->sets[i], r);
-        for (k = 0; strcmp(row[k], row[n]) != 0;) k++;
-        probability[k] = d->sets[i].probability + (k < n ? probability[k] : 0);
-        n += k == n;
-        rest -= d->sets[i].probability;
-    }
-    for (int k = 0; k < n; k++) {
-        fprintf(stream, "  %5.1f %%  ", 100 * probability[k]);
-        cli_print_words(stream, 11, 11, row[k], strlen(row[k]));
+    for (int i = 0; i < d->n_sets; i++) { /* sets of the same names are one row */
+        double probability = 0;
+        if (printed[i]) continue;
+        mukca_wording_set(row, &d->sets[i], r);
+        for (int k = i; k < d->n_sets; k++) {
+            mukca_wording_set(other, &d->sets[k], r);
+            if (printed[k] || strcmp(row, other) != 0) continue;
+            printed[k] = true;
+            probability += d->sets[k].probability;
+        }
+        fprintf(stream, "  %5.1f %%  ", 100 * probability);
+        cli_print_words(stream, 11, 11, row, strlen(row));
+        rest -= probability;
     }
     if (rest > 5e-4) fprintf(stream, "  %5.1f %%  other sets\n", 100 * rest);
 }

@@ -2,7 +2,7 @@
  *
  * The products of columns with residuals are sums over postures.  Each draw adds the terms of a
  * posture or subtracts them: to first order a fit to postures drawn anew (Kline and Santos, Journal
- * of Econometric Methods 1, 2012).  Two recordings differ by the noise of both. */
+ * of Econometric Methods 1, 2012). */
 #include "diagnose/resample.h"
 
 #include <math.h>
@@ -10,8 +10,6 @@
 
 #include "base/hash.h"
 #include "math/dense.h"
-
-#define NOISE_OF_BOTH 1.41421356237309504880 /* sqrt(2) */
 
 enum { CHUNK = 256 }; /* rows processed together */
 
@@ -66,7 +64,6 @@ double *mukca_resample(mukca_pool *pool, const mukca_scan *s, const mukca_questi
                 rest -= X[i * n + t] * geometry[t];
             }
             for (int k = 0; k < stride; k++) rest -= e[k] * mean[k];
-            rest *= NOISE_OF_BOTH;
             for (int b = 0; b < MUKCA_DRAWS; b++)
                 U[i * MUKCA_DRAWS + b] = bits[(first + i) / dim] >> b & 1 ? rest : -rest;
         }

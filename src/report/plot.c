@@ -117,7 +117,7 @@ static mukca_status run(drawing *drawn, FILE *script, FILE *complaints, mukca_er
     snprintf(command, sizeof command, "echo $$; exec gnuplot <&%d 2>&%d", fileno(script),
              fileno(complaints));
     FILE *in = popen(command, "r"); /* NOLINT(cert-env33-c): no text of others */
-    if (!in) return mukca_fail(error, MUKCA_INPUT, "cannot run gnuplot: %s", strerror(errno));
+    if (!in) return mukca_fail(error, MUKCA_MEMORY, "cannot run a shell: %s", strerror(errno));
     /* of the shell, then of gnuplot */
     const long pid = fgets(line, sizeof line, in) ? strtol(line, NULL, 10) : 0;
     mukca_status status = MUKCA_INTERRUPTED;

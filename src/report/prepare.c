@@ -142,7 +142,6 @@ static mukca_status score(mukca_report *r, const mukca_dataset *data, const mukc
 mukca_status mukca_report_prepare(mukca_report *r, mukca_error *error)
 {
     const mukca_dataset *data[2] = {r->train, r->test};
-    mukca_effect effects[2][MUKCA_MAX_EFFECTS];
     double theta[MUKCA_MAX_THETA];
     mukca_model models[2];
     const mukca_model nominal = {.chain = r->fitted, .theta = theta},
@@ -153,13 +152,15 @@ mukca_status mukca_report_prepare(mukca_report *r, mukca_error *error)
     if (status != MUKCA_OK) return status;
     r->scores = MUKCA_TAKE(&r->pool, mukca_report_score, r->data.n_placements + 2);
     r->offset = MUKCA_TAKE(&r->pool, mukca_offset_row, MUKCA_MAX_OFFSET_ROWS);
+    mukca_effect *effects = MUKCA_TAKE(&r->pool, mukca_effect, 2 * MUKCA_MAX_EFFECTS);
     if (r->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     r->n_offsets = mukca_offsets_rows(r->offset, r->offsets, r->fitted);
     for (int k = 0; k < 2 && status == MUKCA_OK; k++) {
-        mukca_offsets_place_effects(effects[k], r->offsets, data[k]);
+        mukca_effect *placed = effects + k * MUKCA_MAX_EFFECTS;
+        mukca_offsets_place_effects(placed, r->offsets, data[k]);
         models[k] = (mukca_model){.chain = r->fitted,
                                   .theta = r->offsets->theta,
-                                  .effects = effects[k],
+                                  .effects = placed,
                                   .n_effects = r->offsets->n_effects};
         if (data[k]->n_rows > 0) status = score(r, data[k], &nominal, &models[k], error);
     }

@@ -5,7 +5,7 @@
 #include "arm/acceptance.h"
 #include "diagnose/next_poses.h"
 
-enum { MUKCA_WORDING = 4096 }; /* size of the texts below, with the NUL */
+enum { MUKCA_WORDING = 2048 }; /* size of the texts below, with the NUL */
 
 /* Diagnoses of simulated recordings: `runs` with the causes, and as many without. */
 typedef struct {
