@@ -81,7 +81,7 @@ static mukca_status calibrate(fit *f, const mukca_chain *chain, const mukca_data
     fprintf(stderr, "J %.12e m^2, mean error %.3e m, nominal %.3e m, %d evaluations\n", J.total,
             calibrated, nominal, f->cost.evaluations);
     write_table(chain, &f->cost);
-    if (stop != MUKCA_STOP_TOLERANCE)
+    if (stop != MUKCA_STOP_TOLERANCE && stop != MUKCA_STOP_FAILED) /* LBFGS: no lower point */
         return mukca_fail(error, MUKCA_NEGATIVE, "the solver did not converge");
     return fflush(stdout) == 0 ? MUKCA_OK : mukca_fail(error, MUKCA_MEMORY, "cannot write");
 }
