@@ -181,7 +181,7 @@ void mukca_verdict_reach(mukca_findings *findings, mukca_faults *faults, mukca_i
         /* other causes may turn a sign that physics excludes */
         if (mukca_effect_table[class]->nonnegative && !(cause->amplitude > 0)) continue;
         findings->n_causes++;
-        cause->suspected = probability < MUKCA_LISTED;
+        cause->suspected = probability < MUKCA_LISTED || cause->probability < MUKCA_SUSPECTED;
         if (cause->suspected) continue;
         const bool moved = mukca_effect_table[class]->site == MUKCA_SITE_SOCKET;
         if (moved)
