@@ -16,12 +16,14 @@ typedef struct {
 } cli_live;
 
 /* Rows of an option table: senders of the `network`, a member of the options struct `type`. */
+/* NOLINTBEGIN(bugprone-macro-parentheses): names of members */
 #define CLI_NETWORK_OPTIONS(type, network)                                           \
     CLI_OPTION(type, network.interface, "interface", CLI_TEXT, "ADDRESS",            \
                "receive from other machines, too, on the interface of this address " \
                "(default: from this machine only)"),                                 \
         CLI_OPTION(type, network.from, "from", CLI_TEXT, "LIST",                     \
                    "receive from these addresses only, commas between")
+/* NOLINTEND(bugprone-macro-parentheses) */
 
 /* Rows of an option table; `type` is the options struct. */
 #define CLI_LIVE_OPTIONS(type)                                                                     \

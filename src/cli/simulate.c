@@ -272,16 +272,17 @@ static mukca_status record_at(cli_call *call, mukca_dataset *data, const simulat
                               : mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
     mukca_row row;
     if (status == MUKCA_OK) {
-        while (status == MUKCA_OK && mukca_rows_next(rows, &row)) {
-            if (count == room) {
+        while (mukca_rows_next(rows, &row)) {
+            if (!q || count == room) {
                 room = 2 * room + 1024;
                 double *larger = realloc(q, room * n * sizeof *q);
-                if (larger)
-                    q = larger;
-                else
+                if (!larger) {
                     status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+                    break;
+                }
+                q = larger;
             }
-            if (status == MUKCA_OK) memcpy(q + count++ * n, row.q, n * sizeof *q);
+            memcpy(q + count++ * n, row.q, n * sizeof *q);
         }
         const mukca_status read = mukca_rows_close(rows);
         if (status == MUKCA_OK) status = read;
