@@ -22,7 +22,8 @@ static void draw(uint64_t *bits, const mukca_recording *r)
         if (!samples->readings[i]) continue;
         uint64_t sum = 0;
         for (int k = i; k >= 0; k = samples->next[k]) {
-            int64_t q[MUKCA_MAX_JOINTS]; /* in microradians: units of the file do not matter */
+            int64_t q[MUKCA_MAX_JOINTS] = {
+                0}; /* in microradians: units of the file do not matter */
             for (int j = 0; j < n; j++) q[j] = llround(1e6 * r->data->q[r->order[k] * n + j]);
             sum += mukca_hash(MUKCA_HASH_START, q, sizeof *q * (size_t)n);
         }

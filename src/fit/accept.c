@@ -29,7 +29,7 @@ static const double sure = 0.95, interval = 2;
 mukca_status mukca_difference_find(mukca_difference *d, const double *before, const double *after,
                                    const mukca_dataset *data, mukca_error *error)
 {
-    const int rows = data->n_rows;
+    const int rows = before && after ? data->n_rows : 0;
     mukca_pool pool = {0};
     int *posture = MUKCA_TAKE(&pool, int, rows);
     double(*sum)[3] = MUKCA_TAKE(&pool, double[3], rows), squares = 0; /* before, after, number */

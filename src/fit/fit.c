@@ -60,7 +60,7 @@ static mukca_status take_posterior(mukca_fit *fit, const mukca_dataset *data, mu
     if (!p || !none) status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
     if (status == MUKCA_OK) status = mukca_arm_posterior_create(p, &task, error);
     if (status == MUKCA_OK) status = mukca_arm_posterior_fit(p, error);
-    if (status == MUKCA_OK) memcpy(fit->theta, p->theta, sizeof fit->theta);
+    if (status == MUKCA_OK && p->theta) memcpy(fit->theta, p->theta, sizeof fit->theta);
     if (p) mukca_arm_posterior_free(p);
     free(p);
     free(none);
