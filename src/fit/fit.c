@@ -57,11 +57,14 @@ static mukca_status take_posterior(mukca_fit *fit, const mukca_dataset *data, mu
     mukca_offsets *none = calloc(1, sizeof *none);
     const mukca_tip_change_task task = {.chain = &fit->chain, .to = none, .data = data};
     mukca_status status = MUKCA_OK;
-    if (!p || !none) status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    if (status == MUKCA_OK) status = mukca_arm_posterior_create(p, &task, error);
-    if (status == MUKCA_OK) status = mukca_arm_posterior_fit(p, error);
-    if (status == MUKCA_OK && p->theta) memcpy(fit->theta, p->theta, sizeof fit->theta);
-    if (p) mukca_arm_posterior_free(p);
+    if (p && none) {
+        status = mukca_arm_posterior_create(p, &task, error);
+        if (status == MUKCA_OK) status = mukca_arm_posterior_fit(p, error);
+        if (status == MUKCA_OK) memcpy(fit->theta, p->theta, sizeof fit->theta);
+        mukca_arm_posterior_free(p);
+    } else {
+        status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    }
     free(p);
     free(none);
     return status;

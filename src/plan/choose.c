@@ -139,8 +139,8 @@ static int best_pose(mukca_planner *p, int socket, const int *count, int room, c
     mukca_plan_state_refresh(&p->state);
     for (int i = 0; i < p->n_poses; i++) {
         mukca_plan_pose *pose = &p->poses[i];
-        if (pose->used || (socket >= 0 ? pose->socket != socket : count[pose->socket] >= room))
-            continue;
+        if (pose->used || (socket >= 0 && pose->socket != socket)) continue;
+        if (count && count[pose->socket] >= room) continue;
         const double gain = renew(p, pose, before);
         if (gain > most) most = gain, best = i;
     }
