@@ -219,15 +219,17 @@ static bool may_belong(const mukca_candidate *unknown, int order)
  * catalogue lacks a cause of this arm: the name may be a part of that cause, with equal odds. */
 static void share_with_unknown(mukca_cause *out, const mukca_identification *id, int name)
 {
-    double beside = 0;
+    double beside = 0, all = 0;
     for (int i = 0; i < id->n_sets; i++) {
         bool unknown = false;
+        if (!contains(id, &id->set[i], name)) continue;
         for (int k = 0; k < id->set[i].n; k++)
             unknown |=
                 may_belong(&id->all.list[id->set[i].candidate[k]], out->effect.variant.order);
-        if (unknown && contains(id, &id->set[i], name)) beside += id->set[i].weight;
+        all += id->set[i].weight;
+        if (unknown) beside += id->set[i].weight;
     }
-    beside = fmin(beside / fmax(id->probability[name], beside), 1);
+    beside = all > 0 ? beside / all : 0;
     out->probability *= 1 - 0.5 * beside;
     out->or_unknown |= 0.5 * beside > MUKCA_DOUBT;
 }
@@ -274,8 +276,7 @@ void mukca_cause_describe(mukca_cause *out, mukca_identification *id, const mukc
         .effect = fitted_effect(recording, cause),
         .socket = -1,
         .log_bayes_factor = own < 0 ? -HUGE_VAL : mukca_sets_gain(&id->sets, &rest, own),
-        /* sure is what every other recording of this arm would say, too */
-        .probability = fmin(fmin(id->probability[name], id->again[name]), 1),
+        .probability = id->probability[name],
         .held_out = MUKCA_SHRINK_NONE};
     add_ties(out, id, best, member, &rest, own);
     share_with_unknown(out, id, name);

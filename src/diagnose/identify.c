@@ -317,6 +317,8 @@ static void find_names(mukca_identification *id)
             in[*name] = 1;
         }
     }
+    for (int n = 0; n < id->n_names; n++)
+        id->probability[n] = fmin(fmin(id->probability[n], id->again[n]), 1);
 }
 
 static int by_weight(const void *a, const void *b)

@@ -119,19 +119,19 @@ static int likeliest(const mukca_findings *findings)
     return best;
 }
 
-/* Probability of the sets with a member of the class, or (-1) with any but outliers. */
-static double probability_of(const mukca_identification *id, int class)
+/* Probability of the sets with a member of the class, or (-1) with any but outliers: as computed,
+ * and averaged over resamplings. */
+static void probability_of(double p[2], const mukca_identification *id, int class)
 {
-    double sum = 0;
+    p[0] = p[1] = 0;
     for (int i = 0; i < id->n_sets; i++) {
         bool found = false;
         for (int k = 0; k < id->set[i].n; k++) {
             const int of = mukca_candidate_class(&id->all.list[id->set[i].candidate[k]]);
             found |= class < 0 ? of != MUKCA_CLASS_OUTLIER : of == class;
         }
-        if (found) sum += id->set[i].weight;
+        if (found) p[0] += id->set[i].weight, p[1] += id->set[i].again;
     }
-    return sum;
 }
 
 static void list_sets(mukca_findings *findings, const mukca_identification *id)
@@ -156,8 +156,11 @@ void mukca_verdict_reach(mukca_findings *findings, mukca_faults *faults, mukca_i
     mukca_regression *m = id->m;
     const mukca_unknowns *u = &m->unknowns;
     const mukca_causes *best = choose_set(id);
-    const bool any = probability_of(id, -1) >= MUKCA_LISTED,
-               unknown = probability_of(id, MUKCA_CLASS_UNKNOWN) >= MUKCA_LISTED;
+    double p[2], beyond[2];
+    probability_of(p, id, -1);
+    probability_of(beyond, id, MUKCA_CLASS_UNKNOWN);
+    const bool any = fmin(p[0], p[1]) >= MUKCA_LISTED,
+               unknown = fmax(beyond[0], beyond[1]) >= MUKCA_LISTED;
     bool sure = true;
     int listed = 0, on_arm = 0;
     memset(findings, 0, sizeof *findings);
@@ -181,7 +184,7 @@ void mukca_verdict_reach(mukca_findings *findings, mukca_faults *faults, mukca_i
         /* other causes may turn a sign that physics excludes */
         if (mukca_effect_table[class]->nonnegative && !(cause->amplitude > 0)) continue;
         findings->n_causes++;
-        cause->suspected = probability < MUKCA_LISTED || cause->probability < MUKCA_SUSPECTED;
+        cause->suspected = probability < MUKCA_LISTED;
         if (cause->suspected) continue;
         const bool moved = mukca_effect_table[class]->site == MUKCA_SITE_SOCKET;
         if (moved)

@@ -301,7 +301,10 @@ bool mukca_population_fit(mukca_population *p, const mukca_fleet *f, int without
  * orders: an individual order is a fault. */
 #define FAULTY 0.1
 
-enum { ORDERS = MUKCA_FLEET_ORDERS };
+enum {
+    ORDERS = MUKCA_FLEET_ORDERS,
+    FIRST = MUKCA_SMOOTH_ORDER - 1 /* lower ones are smooth functions, not of a gear */
+};
 
 /* Log Bayes factor of an arm's own order; add to gear[] those of the arm whose gear has each order:
  * it shows that order or, rarely, its half (the other lobe of a wave generator), its double or one
@@ -309,12 +312,13 @@ enum { ORDERS = MUKCA_FLEET_ORDERS };
 static double add_arm(double *gear, const double *value)
 {
     double own[ORDERS];
-    for (int o = 0; o < ORDERS; o++) own[o] = value[o] + mukca_ripple_log_prior(o + 2);
-    const double individual = mukca_stats_log_sum_exp(own, ORDERS), rare = log(FAULTY / 3);
-    for (int o = 0; o < ORDERS; o++) {
+    for (int o = FIRST; o < ORDERS; o++) own[o] = value[o] + mukca_ripple_log_prior(o + 2);
+    const double individual = mukca_stats_log_sum_exp(own + FIRST, ORDERS - FIRST),
+                 rare = log(FAULTY / 3);
+    for (int o = FIRST; o < ORDERS; o++) {
         double shown[4] = {value[o] + log(1 - FAULTY), individual + rare};
         int n = 2;
-        if (o % 2 == 0 && o >= 2) shown[n++] = value[o / 2 - 1] + rare;
+        if (o % 2 == 0 && o / 2 - 1 >= FIRST) shown[n++] = value[o / 2 - 1] + rare;
         if (2 * o + 2 < ORDERS) shown[n++] = value[2 * o + 2] + rare;
         gear[o] += mukca_stats_log_sum_exp(shown, n);
     }
@@ -328,11 +332,10 @@ static double add_arm(double *gear, const double *value)
 static void pool_joint(mukca_trait *shared, const mukca_fleet *f, int joint)
 {
     double gear[ORDERS] = {0}, sum[ORDERS] = {0}, value[ORDERS], each = 0;
-    int best = 0;
+    int best = FIRST;
     bool scanned = false;
     for (int a = 0; a < f->n_arms; a++) {
-        if (f->arm[a].departs) continue;
-        for (int o = 0; o < ORDERS; o++) {
+        for (int o = FIRST; o < ORDERS; o++) {
             value[o] = mukca_fleet_ripple(f, a, joint, o + 2);
             scanned |= value[o] != 0;
             sum[o] += value[o];
@@ -348,17 +351,18 @@ static void pool_joint(mukca_trait *shared, const mukca_fleet *f, int joint)
         .low = NAN,
         .high = NAN};
     if (!scanned) return;
-    for (int o = 0; o < ORDERS; o++) {
+    for (int o = FIRST; o < ORDERS; o++) {
         gear[o] += mukca_ripple_log_prior(o + 2);
         if (gear[o] > gear[best]) best = o;
     }
     const double none = pow(0.5, 1.0 / f->model.n_joints),
-                 all[] = {log(2 * none / (1 - none)), each, mukca_stats_log_sum_exp(gear, ORDERS)};
+                 all[] = {log(2 * none / (1 - none)), each,
+                          mukca_stats_log_sum_exp(gear + FIRST, ORDERS - FIRST)};
     shared->effect.variant.order = best + 2;
     shared->log_bayes_factor = sum[best];
     shared->probability = exp(gear[best] - mukca_stats_log_sum_exp(all, 3));
     for (int a = 0; a < f->n_arms; a++)
-        shared->arms += !f->arm[a].departs && mukca_fleet_ripple(f, a, joint, best + 2) > 0;
+        shared->arms += mukca_fleet_ripple(f, a, joint, best + 2) > 0;
 }
 
 void mukca_orders_pool(mukca_trait *order, const mukca_fleet *f)
