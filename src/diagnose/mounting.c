@@ -13,8 +13,6 @@
 /* Log odds by which another direction must lead: one arm in a hundred hangs from a wall or a
  * ceiling without --gravity, five directions are tested, and 20 to 1 as for every cause. */
 #define LEAD (4.6 + 1.6 + 3.0)
-/* Log odds of about equal probability: within a factor of e. */
-#define AS_PROBABLE 1.0
 /* Directions closer to the model's gravity than this cosine (some 30 degrees) are the same. */
 static const double same_direction = 0.85;
 
@@ -99,8 +97,6 @@ mukca_status mukca_mounting_compare(void *context, mukca_regression *m, mukca_di
             mukca_unknowns_drop(&m->unknowns, c);
     if (!mukca_unknowns_clone(&faults, &m->pool, &m->unknowns) || m->pool.failed)
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for the springs");
-    /* where nothing is named, what explains as much is worth reporting */
-    const double least = d->score + (d->verdict == MUKCA_VERDICT_UNKNOWN ? -AS_PROBABLE : LEAD);
     double best = -HUGE_VAL, upright, value;
     mukca_status status = weigh_springs(&upright, m, &faults, options->disabled, error);
     m->recording.chain = turned;
@@ -108,11 +104,11 @@ mukca_status mukca_mounting_compare(void *context, mukca_regression *m, mukca_di
         *turned = *chain;
         if (!is_worth_testing(turned->gravity, k, d)) continue;
         status = weigh_springs(&value, m, &faults, options->disabled, error);
-        if (status != MUKCA_OK || !(value > fmax(fmax(best, upright + LEAD), least))) continue;
+        if (status != MUKCA_OK || !(value > fmax(best, fmax(upright, d->score) + LEAD))) continue;
         best = value;
         memcpy(d->gravity, turned->gravity, sizeof d->gravity);
     }
-    if (best > d->score + LEAD) {
+    if (isfinite(best)) {
         for (int i = 0; i < d->n_causes; i++)
             if (has_load_as_rival(&d->causes[i])) mukca_cause_doubt(&d->causes[i]);
         if (d->verdict == MUKCA_VERDICT_NAMED) d->verdict = MUKCA_VERDICT_TIED;
