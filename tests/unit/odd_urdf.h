@@ -7,7 +7,6 @@
 #include "scratch.h"
 
 static mukca_chain chain;
-static mukca_error error;
 static char notes[1024];
 
 static void note(void *context, const char *text)

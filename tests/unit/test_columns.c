@@ -68,7 +68,7 @@ static void make_data(scene *s, mukca_random *random)
     mukca_geometry nominal;
     mukca_frame pose;
     const int n = s->chain.n_joints, sockets = s->sockets ? ROWS : 0;
-    assert_int_equal(mukca_dataset_create(&s->data, ROWS, n, sockets, sockets > 0, NULL), MUKCA_OK);
+    assert_ok(mukca_dataset_create(&s->data, ROWS, n, sockets, sockets > 0, NULL));
     mukca_geometry_set(&nominal, &s->chain, NULL);
     random_frame(&s->tracker, random, s->base);
     random_frame(&s->target, random, s->tool);
@@ -107,8 +107,8 @@ static void check_fit(const scene *s)
     mukca_pool pool = {0};
     double theta[MUKCA_MAX_FREE];
     const int n_joints = s->chain.n_joints;
-    assert_int_equal(mukca_chain_with_frames(&chain, &s->chain, s->base, s->tool, NULL), MUKCA_OK);
-    assert_int_equal(mukca_parameters_select(&parameters, &chain, NULL, NULL), MUKCA_OK);
+    assert_ok(mukca_chain_with_frames(&chain, &s->chain, s->base, s->tool, NULL));
+    assert_ok(mukca_parameters_select(&parameters, &chain, NULL, NULL));
     mukca_geometry_set(&geometry, &chain, NULL);
     mukca_frame *tip = &geometry.origin[chain.n_elements - 1];
     if (s->base) geometry.origin[0] = s->tracker;
@@ -161,8 +161,8 @@ static void check_diagnosis(const scene *s, mukca_random *random, double offset)
                                              .free_tool = s->tool,
                                              .base_per_log = s->per_log && s->base,
                                              .tool_per_log = s->per_log && s->tool};
-    assert_int_equal(mukca_chain_with_frames(&chain, &s->chain, false, s->tool, NULL), MUKCA_OK);
-    assert_int_equal(mukca_regression_create(&m, &chain, &s->data, &options, NULL), MUKCA_OK);
+    assert_ok(mukca_chain_with_frames(&chain, &s->chain, false, s->tool, NULL));
+    assert_ok(mukca_regression_create(&m, &chain, &s->data, &options, NULL));
     mukca_unknowns *u = &m.unknowns;
     const int n = u->n_geometry, d = m.recording.dim;
     assert_int_equal(d, s->oriented && !s->sockets ? 6 : 3);
@@ -203,9 +203,8 @@ static void check_diagnosis(const scene *s, mukca_random *random, double offset)
     mukca_regression_free(&m);
 }
 
-static void columns(void **state)
+TEST(columns)
 {
-    (void)state;
     mukca_random random;
     mukca_random_seed(&random, 27);
     for (int kind = 0; kind < 64; kind++) {
@@ -225,8 +224,4 @@ static void columns(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(columns)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -22,10 +22,9 @@ static int teardown(void **state)
 
 static void diagnose(const scene *s, const mukca_dataset *data, const mukca_dataset *test)
 {
-    mukca_error error = {0};
     const mukca_diagnose_options options = {.applied = true, .test = test};
     mukca_diagnosis_free(diagnosis);
-    if (mukca_diagnose(diagnosis, &s->chain, data, &options, &error)) fail_msg("%s", error.text);
+    assert_ok(mukca_diagnose(diagnosis, &s->chain, data, &options, &error));
 }
 
 static void assert_keys(json_t *object, const char *keys)
@@ -134,9 +133,8 @@ static void assert_part(const char *all, const char *part)
     if (!strstr(all, part)) fail_msg("'%s' lacks '%s'", all, part);
 }
 
-static void everything_is_handed_over(void **state)
+TEST(everything_is_handed_over)
 {
-    (void)state;
     scene s;
     mukca_dataset data, test;
     set_scene(&s,
@@ -147,13 +145,11 @@ static void everything_is_handed_over(void **state)
     s.how.effort = true;
     record(&data, &s);
     s.how.seed = 12;
-    mukca_error error = {0};
-    assert_int_equal(mukca_simulate_sockets(
-                         &test,
-                         &(mukca_simulated_session){
-                             .arm = &s.arm, .places = s.places, .n_places = 2, .options = &s.how},
-                         &error),
-                     MUKCA_OK);
+    assert_ok(mukca_simulate_sockets(
+        &test,
+        &(mukca_simulated_session){
+            .arm = &s.arm, .places = s.places, .n_places = 2, .options = &s.how},
+        &error));
     diagnose(&s, &data, &test);
     const mukca_diagnosed result = {
         .diagnosis = diagnosis, .chain = &s.chain, .data = &data, .test = &test};
@@ -206,9 +202,8 @@ static void everything_is_handed_over(void **state)
     mukca_dataset_free(&test);
 }
 
-static void noise_is_called_noise(void **state)
+TEST(noise_is_called_noise)
 {
-    (void)state;
     scene s;
     mukca_dataset data;
     set_scene(&s, NULL, 11);
@@ -229,9 +224,8 @@ static void noise_is_called_noise(void **state)
 }
 
 /* Rows of nothing: the same keys, the reason in words. */
-static void nothing_to_test(void **state)
+TEST(nothing_to_test)
 {
-    (void)state;
     scene s;
     mukca_dataset data;
     set_scene(&s, NULL, 11);
@@ -249,7 +243,6 @@ static void nothing_to_test(void **state)
     assert_part(all, "Nothing can be tested: too few different samples");
     free(all);
     mukca_offsets *offsets = calloc(1, sizeof *offsets);
-    mukca_error error = {0};
     mukca_chain chain;
     int left_out;
     assert_error(cli_diagnosis_offsets(offsets, &chain, &left_out, &result,
@@ -264,7 +257,6 @@ static void check_table(const char *effects, bool effort, double mass_error)
 {
     scene s;
     mukca_dataset data;
-    mukca_error error = {0};
     set_scene(&s, effects, 6);
     s.how.noise = 1e-4;
     s.how.effort = effort;
@@ -278,9 +270,8 @@ static void check_table(const char *effects, bool effort, double mass_error)
     mukca_offsets *written = calloc(1, sizeof *written), *back = calloc(1, sizeof *back);
     mukca_chain chain;
     int left_out;
-    if (cli_diagnosis_offsets(written, &chain, &left_out, &result, &(cli_frames){.base = false},
-                              &error))
-        fail_msg("%s", error.text);
+    assert_ok(cli_diagnosis_offsets(written, &chain, &left_out, &result,
+                                    &(cli_frames){.base = false}, &error));
     assert_int_equal(left_out, 0);
     assert_true(written->n_effects >= (effects != NULL));
     for (int e = 0; e < written->n_effects; e++)
@@ -291,11 +282,10 @@ static void check_table(const char *effects, bool effort, double mass_error)
     char path[128];
     snprintf(path, sizeof path, "%s/offsets.tsv", scratch_folder);
     FILE *file = fopen(path, "w");
-    assert_int_equal(mukca_offsets_write(file, written, &chain, &data, NULL, &error), MUKCA_OK);
+    assert_ok(mukca_offsets_write(file, written, &chain, &data, NULL, &error));
     fclose(file);
-    if (mukca_offsets_read(back, &s.chain, path,
-                           &(mukca_offsets_options){.accept = MUKCA_ACCEPT_FAILED}, &error))
-        fail_msg("%s", error.text);
+    assert_ok(mukca_offsets_read(back, &s.chain, path,
+                                 &(mukca_offsets_options){.accept = MUKCA_ACCEPT_FAILED}, &error));
 
     mukca_geometry geometry;
     mukca_effect placed[MUKCA_MAX_EFFECTS];
@@ -331,9 +321,8 @@ static void check_table(const char *effects, bool effort, double mass_error)
     mukca_dataset_free(&data);
 }
 
-static void the_table_says_what_was_diagnosed(void **state)
+TEST(the_table_says_what_was_diagnosed)
 {
-    (void)state;
     check_table(NULL, false, 0);
     check_table("joint_compliance:joint_2=3e-5", false, 0);
     check_table("joint_compliance:joint_2=4e-5", true, 0.2); /* the masses' errors are measured */
@@ -347,10 +336,4 @@ static void the_table_says_what_was_diagnosed(void **state)
     check_table("axis_wobble:joint_2@turning2=1.5e-3", false, 0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(everything_is_handed_over), cmocka_unit_test(noise_is_called_noise),
-        cmocka_unit_test(nothing_to_test), cmocka_unit_test(the_table_says_what_was_diagnosed)};
-    return cmocka_run_group_tests_name("diagnose contract", tests, setup, teardown);
-}
+TEST_MAIN(setup, teardown)

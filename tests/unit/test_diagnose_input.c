@@ -41,10 +41,9 @@ static bool ordered(double low, double middle, double high)
 static const mukca_diagnosis *diagnose(const scene *s, const mukca_dataset *data)
 {
     mukca_diagnosis *d = diagnosis;
-    mukca_error error = {0};
     const mukca_diagnose_options options = {.applied = true};
     mukca_diagnosis_free(d);
-    if (mukca_diagnose(d, &s->chain, data, &options, &error)) fail_msg("%s", error.text);
+    assert_ok(mukca_diagnose(d, &s->chain, data, &options, &error));
     assert_true((d->verdict == MUKCA_VERDICT_UNTESTABLE) == (d->why != NULL));
     for (int i = 0; i < d->n_causes; i++) {
         const mukca_cause *c = &d->causes[i];
@@ -85,9 +84,8 @@ static void assert_says(const char *text, const char *part)
     if (!text || !strstr(text, part)) fail_msg("'%s' lacks '%s'", text ? text : "NULL", part);
 }
 
-static void without_masses_elastic_effects_are_untestable(void **state)
+TEST(without_masses_elastic_effects_are_untestable)
 {
-    (void)state;
     scene s;
     mukca_dataset data;
     flexible(&s, &data, 25, false);
@@ -103,9 +101,8 @@ static void without_masses_elastic_effects_are_untestable(void **state)
     mukca_dataset_free(&data);
 }
 
-static void efforts_stand_in_for_masses(void **state)
+TEST(efforts_stand_in_for_masses)
 {
-    (void)state;
     scene s;
     mukca_dataset data;
     flexible(&s, &data, 25, true);
@@ -117,9 +114,8 @@ static void efforts_stand_in_for_masses(void **state)
     mukca_dataset_free(&data);
 }
 
-static void efforts_of_the_wrong_sign_are_noticed(void **state)
+TEST(efforts_of_the_wrong_sign_are_noticed)
 {
-    (void)state;
     scene s;
     mukca_dataset data;
     flexible(&s, &data, 25, true);
@@ -136,16 +132,14 @@ static void efforts_of_the_wrong_sign_are_noticed(void **state)
     mukca_dataset_free(&data);
 }
 
-static void one_placement(void **state)
+TEST(one_placement)
 {
-    (void)state;
     scene s;
     mukca_dataset data, one;
-    mukca_error error;
     flexible(&s, &data, 25, false);
     unsigned char keep[256] = {0};
     for (int i = 0; i < data.n_rows; i++) keep[i] = mukca_dataset_placement(&data, i) == 2;
-    assert_int_equal(mukca_dataset_subset(&one, &data, keep, &error), MUKCA_OK);
+    assert_ok(mukca_dataset_subset(&one, &data, keep, &error));
     const mukca_diagnosis *d = diagnose(&s, &one);
     assert_int_equal(d->verdict == MUKCA_VERDICT_UNTESTABLE, 0);
     mukca_dataset_free(&one);
@@ -153,12 +147,11 @@ static void one_placement(void **state)
     /* a file that has but one */
     set_scene(&s, NULL, 4);
     s.how.noise = 1e-4;
-    assert_int_equal(mukca_simulate_sockets(
-                         &data,
-                         &(mukca_simulated_session){
-                             .arm = &s.arm, .places = s.places, .n_places = 1, .options = &s.how},
-                         &error),
-                     MUKCA_OK);
+    assert_ok(mukca_simulate_sockets(
+        &data,
+        &(mukca_simulated_session){
+            .arm = &s.arm, .places = s.places, .n_places = 1, .options = &s.how},
+        &error));
     d = diagnose(&s, &data);
     assert_int_equal(d->verdict, MUKCA_VERDICT_NONE);
     assert_says(why(d, MUKCA_EFFECT_ZERO_JUMP, -1), "record a second one");
@@ -167,16 +160,14 @@ static void one_placement(void **state)
     mukca_dataset_free(&data);
 }
 
-static void a_socket_with_three_rows(void **state)
+TEST(a_socket_with_three_rows)
 {
-    (void)state;
     scene s;
     mukca_dataset data, few;
-    mukca_error error;
     flexible(&s, &data, 25, false);
     unsigned char keep[256];
     for (int i = 0, n = 0; i < data.n_rows; i++) keep[i] = data.socket[i] != 3 || n++ < 3;
-    assert_int_equal(mukca_dataset_subset(&few, &data, keep, &error), MUKCA_OK);
+    assert_ok(mukca_dataset_subset(&few, &data, keep, &error));
     assert_int_equal(few.n_rows, data.n_rows - 22);
     const mukca_diagnosis *d = diagnose(&s, &few);
     assert_int_equal(d->causes[0].effect.kind, MUKCA_EFFECT_JOINT_COMPLIANCE);
@@ -185,9 +176,8 @@ static void a_socket_with_three_rows(void **state)
     mukca_dataset_free(&data);
 }
 
-static void identical_rows(void **state)
+TEST(identical_rows)
 {
-    (void)state;
     scene s;
     mukca_dataset data;
     flexible(&s, &data, 25, false);
@@ -204,9 +194,8 @@ static void identical_rows(void **state)
     mukca_dataset_free(&data);
 }
 
-static void too_few_rows(void **state)
+TEST(too_few_rows)
 {
-    (void)state;
     for (int rows = 2; rows < 12; rows++) {
         scene s;
         mukca_dataset data;
@@ -221,9 +210,8 @@ static void too_few_rows(void **state)
 }
 
 /* An arm whose elbow is locked is another arm; nothing about the elbow can be told. */
-static void a_constant_joint(void **state)
+TEST(a_constant_joint)
 {
-    (void)state;
     scene s;
     mukca_dataset data;
     set_scene(&s, NULL, 4);
@@ -235,9 +223,7 @@ static void a_constant_joint(void **state)
     memset(s.places, 0, sizeof s.places);
     static const char *const names[PLACES] = {"a", "b", "c", "d"};
     for (int p = 0; p < PLACES; p++) snprintf(s.places[p].name, 64, "%s", names[p]);
-    mukca_error error = {0};
-    if (mukca_simulate_places(s.places, PLACES, &s.chain, 0.05, 4, &error))
-        fail_msg("%s", error.text);
+    assert_ok(mukca_simulate_places(s.places, PLACES, &s.chain, 0.05, 4, &error));
     record(&data, &s);
     const mukca_diagnosis *d = diagnose(&s, &data);
     assert_int_equal(d->n_causes, 0);
@@ -248,9 +234,8 @@ static void a_constant_joint(void **state)
     mukca_dataset_free(&data);
 }
 
-static void rows_of_another_arm(void **state)
+TEST(rows_of_another_arm)
 {
-    (void)state;
     scene s;
     mukca_dataset data;
     mukca_random random;
@@ -266,9 +251,8 @@ static void rows_of_another_arm(void **state)
     mukca_dataset_free(&data);
 }
 
-static void all_labels_wrong(void **state)
+TEST(all_labels_wrong)
 {
-    (void)state;
     scene s;
     mukca_dataset data;
     flexible(&s, &data, 25, false);
@@ -284,9 +268,8 @@ static void all_labels_wrong(void **state)
 }
 
 /* --distance ten times too large: named, with its size, though no prior expects it. */
-static void a_wild_distance(void **state)
+TEST(a_wild_distance)
 {
-    (void)state;
     scene s;
     mukca_dataset data;
     set_scene(&s, NULL, 4);
@@ -300,19 +283,4 @@ static void a_wild_distance(void **state)
     mukca_dataset_free(&data);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(without_masses_elastic_effects_are_untestable),
-        cmocka_unit_test(efforts_stand_in_for_masses),
-        cmocka_unit_test(efforts_of_the_wrong_sign_are_noticed),
-        cmocka_unit_test(one_placement),
-        cmocka_unit_test(a_socket_with_three_rows),
-        cmocka_unit_test(identical_rows),
-        cmocka_unit_test(too_few_rows),
-        cmocka_unit_test(a_constant_joint),
-        cmocka_unit_test(rows_of_another_arm),
-        cmocka_unit_test(all_labels_wrong),
-        cmocka_unit_test(a_wild_distance)};
-    return cmocka_run_group_tests_name("diagnose input", tests, setup, teardown);
-}
+TEST_MAIN(setup, teardown)

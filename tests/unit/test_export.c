@@ -72,14 +72,13 @@ static void drop_origins(char *text)
     }
 }
 
-static void urdf_keeps_every_other_byte(void **state)
+TEST(urdf_keeps_every_other_byte)
 {
-    (void)state;
     calibrate();
     char *text = export("urdf", MUKCA_OK);
     const char *path = scratch_file("patched.urdf", text);
     mukca_chain patched;
-    assert_int_equal(mukca_urdf_load(&patched, path, NULL, NULL, NULL, &error), MUKCA_OK);
+    assert_ok(mukca_urdf_load(&patched, path, NULL, NULL, NULL, &error));
     for (int k = 0; k < 3; k++)
         for (int i = 0; i < 3; i++) {
             assert_true(patched.element[k].xyz[i] == offsets.theta[6 * k + i]);
@@ -105,9 +104,8 @@ static void urdf_keeps_every_other_byte(void **state)
 }
 
 /* The other numbers of an origin, and origins that did not change, keep their text. */
-static void urdf_keeps_the_text_of_unchanged_numbers(void **state)
+TEST(urdf_keeps_the_text_of_unchanged_numbers)
 {
-    (void)state;
     static const char number[] = "<origin rpy='0 1.5 0'\txyz = '0.1 -0.2 0.3' >";
     mukca_offsets_init(&offsets, &chain);
     for (int i = 0; i < 18; i++) offsets.theta[i] += 9e-10; /* counts as no offset */
@@ -127,9 +125,8 @@ static void urdf_keeps_the_text_of_unchanged_numbers(void **state)
     free(text);
 }
 
-static void urdf_that_changed_meanwhile_is_refused(void **state)
+TEST(urdf_that_changed_meanwhile_is_refused)
 {
-    (void)state;
     calibrate();
     const char was = chain.urdf_sha256[0];
     chain.urdf_sha256[0] = 'x';
@@ -138,9 +135,8 @@ static void urdf_that_changed_meanwhile_is_refused(void **state)
     chain.urdf_sha256[0] = was;
 }
 
-static void yaml_and_c_hold_every_number(void **state)
+TEST(yaml_and_c_hold_every_number)
 {
-    (void)state;
     calibrate();
     add_effects();
     char *yaml = export("yaml", MUKCA_OK), *c = export("c", MUKCA_OK);
@@ -164,9 +160,8 @@ static void yaml_and_c_hold_every_number(void **state)
 
 /* An effect that the format lacks moves into the origins as far as they can take it: the zero of an
  * angle that is scaled about another one. */
-static void origins_take_up_what_a_format_lacks(void **state)
+TEST(origins_take_up_what_a_format_lacks)
 {
-    (void)state;
     calibrate();
     offsets.n_effects = 1;
     offsets.effects[0] = (mukca_effect){.kind = MUKCA_EFFECT_JOINT_SCALE,
@@ -183,9 +178,8 @@ static void origins_take_up_what_a_format_lacks(void **state)
     assert_non_null(strstr(notes, "recommended: the table itself"));
     mukca_chain patched;
     mukca_geometry whole, fitted;
-    assert_int_equal(
-        mukca_urdf_load(&patched, scratch_file("patched.urdf", text), NULL, NULL, NULL, &error),
-        MUKCA_OK);
+    assert_ok(
+        mukca_urdf_load(&patched, scratch_file("patched.urdf", text), NULL, NULL, NULL, &error));
     mukca_geometry_set(&whole, &chain, offsets.theta);
     mukca_geometry_set(&fitted, &patched, NULL);
     double worst = 0, worst_left_out = 0;
@@ -204,9 +198,8 @@ static void origins_take_up_what_a_format_lacks(void **state)
 }
 
 /* NumPy's header, then 8 bytes a joint: the angles by which the joints were turned. */
-static void npy_holds_the_zeros_of_the_joints(void **state)
+TEST(npy_holds_the_zeros_of_the_joints)
 {
-    (void)state;
     static const double turned[2] = {0.0125, -0.02};
     static const char header[] =
         "\x93NUMPY\x01\0v\0{'descr': '<f8', 'fortran_order': False, 'shape': (2,), }";
@@ -232,9 +225,8 @@ static void npy_holds_the_zeros_of_the_joints(void **state)
     free(bytes);
 }
 
-static void mjcf_holds_springs_and_names_the_rest(void **state)
+TEST(mjcf_holds_springs_and_names_the_rest)
 {
-    (void)state;
     calibrate();
     add_effects();
     char *text = export("mjcf", MUKCA_OK);
@@ -245,9 +237,8 @@ static void mjcf_holds_springs_and_names_the_rest(void **state)
     free(text);
 }
 
-static void endings_choose_a_format(void **state)
+TEST(endings_choose_a_format)
 {
-    (void)state;
     static const char *const names[][2] = {
         {"a.urdf", "urdf"}, {"a.b/c.yml", "yaml"}, {"x.yaml", "yaml"}, {"x.h", "c"},
         {"x.mjcf", "mjcf"}, {"a.b/c", "urdf"},     {"x", "urdf"},      {"x.", "urdf"}};
@@ -257,15 +248,4 @@ static void endings_choose_a_format(void **state)
     assert_int_equal(mukca_exporter_find("x.sdf"), -1);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(urdf_keeps_every_other_byte),
-                                       cmocka_unit_test(urdf_keeps_the_text_of_unchanged_numbers),
-                                       cmocka_unit_test(urdf_that_changed_meanwhile_is_refused),
-                                       cmocka_unit_test(yaml_and_c_hold_every_number),
-                                       cmocka_unit_test(origins_take_up_what_a_format_lacks),
-                                       cmocka_unit_test(npy_holds_the_zeros_of_the_joints),
-                                       cmocka_unit_test(mjcf_holds_springs_and_names_the_rest),
-                                       cmocka_unit_test(endings_choose_a_format)};
-    return cmocka_run_group_tests(tests, setup, scratch_teardown);
-}
+TEST_MAIN(setup, scratch_teardown)

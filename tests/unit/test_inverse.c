@@ -28,7 +28,7 @@ TEST(test_positions_and_poses)
     mukca_random_seed(&random, 11);
     for (int i = 0; i < 200; i++) {
         const bool pose = i % 2;
-        double truth[7], q[7], error = 0;
+        double truth[7], q[7], off = 0;
         mukca_frame target, reached;
         for (int j = 0; j < 7; j++) {
             truth[j] = 2.3 * (2 * mukca_random_uniform(&random) - 1);
@@ -37,12 +37,12 @@ TEST(test_positions_and_poses)
         mukca_fk_pose(&target, &geometry, truth, NULL);
         mukca_inverse_result r = mukca_inverse_solve(q, &chain, &geometry, &target, pose, NULL);
         mukca_fk_pose(&reached, &geometry, q, NULL);
-        for (int k = 0; k < 3; k++) error += pow(reached.p[k] - target.p[k], 2);
-        for (int k = 0; k < 9 && pose; k++) error += pow(reached.R[k] - target.R[k], 2);
+        for (int k = 0; k < 3; k++) off += pow(reached.p[k] - target.p[k], 2);
+        for (int k = 0; k < 9 && pose; k++) off += pow(reached.R[k] - target.R[k], 2);
         for (int j = 0; j < 7; j++) assert_true(q[j] >= -2.5 && q[j] <= 2.5);
         /* what it says is what forward kinematics finds */
-        if (r.reached) assert_false(!(sqrt(error) <= 1e-8));
-        if (!r.reached) assert_true(sqrt(error) > 1e-9);
+        if (r.reached) assert_false(!(sqrt(off) <= 1e-8));
+        if (!r.reached) assert_true(sqrt(off) > 1e-9);
         if (pose)
             poses += r.reached;
         else

@@ -31,14 +31,12 @@ static void set_tie(tie *t, mukca_effect cause, mukca_effect rival)
 
 static void choose(tie *t)
 {
-    mukca_error error = {0};
-    if (mukca_next_poses_choose(&t->next, &t->diagnosis, &t->s.chain, &t->data, NULL, &error))
-        fail_msg("%s", error.text);
+    assert_ok(
+        mukca_next_poses_choose(&t->next, &t->diagnosis, &t->s.chain, &t->data, NULL, &error));
 }
 
-static void poses_reach_their_sockets_and_tell(void **state)
+TEST(poses_reach_their_sockets_and_tell)
 {
-    (void)state;
     tie *t = malloc(sizeof *t);
     assert_non_null(t);
     const mukca_effect bending = {.kind = MUKCA_EFFECT_LINK_BENDING,
@@ -88,9 +86,8 @@ static void poses_reach_their_sockets_and_tell(void **state)
     free(t);
 }
 
-static void nothing_where_no_pose_can_settle_it(void **state)
+TEST(nothing_where_no_pose_can_settle_it)
 {
-    (void)state;
     tie *t = malloc(sizeof *t);
     assert_non_null(t);
     const mukca_effect scale = {.kind = MUKCA_EFFECT_JOINT_SCALE,
@@ -129,9 +126,4 @@ static void nothing_where_no_pose_can_settle_it(void **state)
     free(t);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(poses_reach_their_sockets_and_tell),
-                                       cmocka_unit_test(nothing_where_no_pose_can_settle_it)};
-    return cmocka_run_group_tests_name("next poses", tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

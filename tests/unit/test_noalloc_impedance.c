@@ -66,9 +66,8 @@ static void differences(double J[3][7])
     }
 }
 
-static void test_spring(void **state)
+TEST(test_spring)
 {
-    (void)state;
     double J[3][7];
     differences(J);
     give_goal(0, 0, 0, 0, false);
@@ -82,9 +81,8 @@ static void test_spring(void **state)
     }
 }
 
-static void test_null_space(void **state)
+TEST(test_null_space)
 {
-    (void)state;
     double J[6 * 7], size = 0;
     give_goal(0, 0, 0, 0.3, false);
     hold(still);
@@ -98,9 +96,8 @@ static void test_null_space(void **state)
     assert_true(size > 0.5);
 }
 
-static void test_damping(void **state)
+TEST(test_damping)
 {
-    (void)state;
     const double v[7] = {0.1, -0.2, 0.1, 0.3, -0.1, 0.2, 0.4};
     double power = 0;
     give_goal(0, 0, 0, 0, false);
@@ -109,9 +106,8 @@ static void test_damping(void **state)
     assert_true(power < -0.1);
 }
 
-static void test_compensator(void **state)
+TEST(test_compensator)
 {
-    (void)state;
     give_goal(1e-3, 0, 0, 0, true);
     for (int i = 0; i < 1000; i++) control(&c, q, still, 1e-3);
     assert_close(c.integral[0], 15, 1e-3); /* N: 15 N of spring for one time constant */
@@ -123,9 +119,8 @@ static void test_compensator(void **state)
     assert_close(c.integral[0], MAX_INTEGRAL, 1e-9);
 }
 
-static void test_limits(void **state)
+TEST(test_limits)
 {
-    (void)state;
     double before[7];
     give_goal(0.02, 0.02, -0.05, 1, false);
     c.torque_limit[1] = 5;
@@ -139,9 +134,8 @@ static void test_limits(void **state)
     assert_close(fabs(c.torque[1]), 5, 1e-9); /* reached: the others are scaled with it */
 }
 
-static void test_not_finite(void **state)
+TEST(test_not_finite)
 {
-    (void)state;
     const double v[7] = {(double)NAN};
     give_goal(0, 0, 0, 0, false);
     control(&c, q, v, 1e-3);
@@ -149,9 +143,8 @@ static void test_not_finite(void **state)
     for (int j = 0; j < 7; j++) assert_true(c.torque[j] == 0);
 }
 
-static void test_goals_refused(void **state)
+TEST(test_goals_refused)
 {
-    (void)state;
     goal_message good = {.speed = 0.1}, bad;
     memcpy(good.taught, q, sizeof q);
     memcpy(good.posture, q, sizeof q);
@@ -167,9 +160,8 @@ static void test_goals_refused(void **state)
     assert_true(set_goal(&c, &good));
 }
 
-static void test_no_allocation(void **state)
+TEST(test_no_allocation)
 {
-    (void)state;
     const double v[7] = {0.01};
     give_goal(0.01, 0, 0, 0.1, true);
     const long before = calls;
@@ -178,17 +170,4 @@ static void test_no_allocation(void **state)
     assert_string_equal(c.limp, "");
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup(test_spring, setup),
-        cmocka_unit_test_setup(test_null_space, setup),
-        cmocka_unit_test_setup(test_damping, setup),
-        cmocka_unit_test_setup(test_compensator, setup),
-        cmocka_unit_test_setup(test_limits, setup),
-        cmocka_unit_test_setup(test_not_finite, setup),
-        cmocka_unit_test_setup(test_goals_refused, setup),
-        cmocka_unit_test_setup(test_no_allocation, setup),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_EACH(setup, NULL)

@@ -35,8 +35,7 @@ static void write_model(void)
     static mukca_chain chain;
     static mukca_offsets offsets;
     mukca_urdf_options options = {.tip = NULL};
-    mukca_error error;
-    if (mukca_urdf_load(&chain, urdf, &options, NULL, NULL, &error)) fail_msg("%s", error.text);
+    assert_ok(mukca_urdf_load(&chain, urdf, &options, NULL, NULL, &error));
     mukca_offsets_init(&offsets, &chain);
     for (int i = 0; i < 6 * chain.n_elements; i++) offsets.theta[i] += 1e-3;
     memset(offsets.listed, 1, 6 * (size_t)chain.n_elements);
@@ -44,7 +43,7 @@ static void write_model(void)
     offsets.acceptance.error_nominal_m = 1e-3;
     offsets.acceptance.error_m = 1e-4;
     FILE *file = create("in_use.tsv");
-    assert_int_equal(mukca_offsets_write(file, &offsets, &chain, NULL, NULL, &error), MUKCA_OK);
+    assert_ok(mukca_offsets_write(file, &offsets, &chain, NULL, NULL, &error));
     fclose(file);
     file = create("state.tsv");
     fputs("model\tx.offsets.tsv\nmodel_stream\traw\n", file);
@@ -102,7 +101,7 @@ static int serve(long *used)
     for (char *word = strtok(line, " "); word; word = strtok(NULL, " ")) argv[argc++] = word;
     cli_call call = {.command = cli_find_command("serve")};
     bool help;
-    assert_int_equal(cli_parse(&call, &help, argc, argv), MUKCA_OK);
+    assert_ok(cli_parse(&call, &help, argc, argv));
     assert_non_null(freopen(out, "w", stderr));
     long before = calls;
     if (cli_run(&call)) fail_msg("%s", call.error.text);

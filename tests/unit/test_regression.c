@@ -22,15 +22,12 @@ typedef struct {
 
 static void create(fixture *f)
 {
-    mukca_error error = {0};
     const mukca_recording_options options = {.mass_spread = 0.1, .distance_sigma = 1e-4};
-    assert_int_equal(mukca_regression_create(&f->m, &f->s.chain, &f->data, &options, &error),
-                     MUKCA_OK);
+    assert_ok(mukca_regression_create(&f->m, &f->s.chain, &f->data, &options, &error));
     mukca_regression_fit(&f->m, 5, MUKCA_FIT_ALL);
     mukca_regression_freeze(&f->m);
-    assert_int_equal(
-        mukca_candidates_list(&f->all, &f->m.pool, &f->m.recording, &f->m.unknowns, NULL, &error),
-        MUKCA_OK);
+    assert_ok(
+        mukca_candidates_list(&f->all, &f->m.pool, &f->m.recording, &f->m.unknowns, NULL, &error));
     assert_true(mukca_scan_create(&f->scan, &f->pool, &f->m, &f->all));
 }
 
@@ -69,7 +66,7 @@ static const mukca_candidate *find(const fixture *f, int effect, int joint)
 }
 
 /* Columns of every effect that acts on the arm against differences of the forward model. */
-static void effect_columns(void **state)
+TEST(effect_columns)
 {
     fixture *f = *state;
     mukca_regression *m = &f->m;
@@ -130,8 +127,8 @@ static double added(mukca_regression *m, int family, const mukca_candidate *h, d
         m->unknowns.cause[last].scale = prior.size[s];
         value[s] = prior.log_weight[s] + evidence(m, family, mean, &noise) - without;
         if (!prior.nonnegative) continue;
-        const double error = mukca_regression_standard_error(m, column, &one, 1);
-        value[s] += log(2) + mukca_stats_log_normal_cdf(mean[column] / (error * sqrt(noise)));
+        const double sigma = mukca_regression_standard_error(m, column, &one, 1);
+        value[s] += log(2) + mukca_stats_log_normal_cdf(mean[column] / (sigma * sqrt(noise)));
     }
     mukca_unknowns_drop(&m->unknowns, last);
     return mukca_stats_log_sum_exp(value, prior.n_sizes);
@@ -145,7 +142,6 @@ static void check_scan(fixture *f, int family, const mukca_candidate *cause)
     mukca_pool pool = {0};
     mukca_question question;
     mukca_sets sets;
-    mukca_error error;
     int pick[MOST], n = 0, seen[MUKCA_CANDIDATE_KINDS] = {0};
     double mean[4096];
     assert_true(mukca_unknowns_capacity(&m->unknowns) < 4096);
@@ -154,7 +150,7 @@ static void check_scan(fixture *f, int family, const mukca_candidate *cause)
         m->unknowns.cause[0].scale = 1e-3;
     }
     assert_true(mukca_scan_aim(&f->scan, family));
-    assert_int_equal(mukca_scan_run(&f->scan, !cause, &error), MUKCA_OK);
+    assert_ok(mukca_scan_run(&f->scan, !cause, &error));
     for (int i = 0; i < f->all.count && n < MOST; i++) {
         const mukca_candidate *h = &f->all.list[i];
         if (seen[h->kind]++ % (h->kind == MUKCA_CANDIDATE_EFFECT ? 29 : 97)) continue;
@@ -179,7 +175,7 @@ static void check_scan(fixture *f, int family, const mukca_candidate *cause)
     mukca_pool_free(&pool);
 }
 
-static void scores(void **state)
+TEST(scores)
 {
     fixture *f = *state;
     for (int family = 0; family < f->m.evidence.n_noises; family++)
@@ -187,10 +183,9 @@ static void scores(void **state)
 }
 
 /* Rows in pairs of nearly the same angles: also noise that readings of a posture share. */
-static void repeated(void **state)
+TEST(repeated)
 {
     fixture *f = calloc(1, sizeof *f);
-    (void)state;
     assert_non_null(f);
     set_scene(&f->s, "joint_compliance:joint_2=1e-4", 7);
     f->s.how.noise = 1e-4;
@@ -206,7 +201,7 @@ static void repeated(void **state)
 }
 
 /* Three sockets as a pose log, which has no free mean. */
-static void poses(void **state)
+TEST(poses)
 {
     const fixture *arm = *state;
     fixture *f = calloc(1, sizeof *f);
@@ -229,7 +224,7 @@ static void poses(void **state)
 }
 
 /* Scores of all orders of ripple of a joint. */
-static void orders(void **state)
+TEST(orders)
 {
     fixture *f = *state;
     double value[MUKCA_RIPPLE_ORDERS + 1], mean[4096];
@@ -254,7 +249,7 @@ static void orders(void **state)
 }
 
 /* No noise has more evidence than the chosen one, whatever the guess. */
-static void noise(void **state)
+TEST(noise)
 {
     fixture *f = *state;
     mukca_regression *m = &f->m;
@@ -275,7 +270,7 @@ static void noise(void **state)
 
 /* As many causes as there is room for: their columns stay within it, and the geometry alone is
  * selected among them. */
-static void full_columns(void **state)
+TEST(full_columns)
 {
     fixture *f = *state;
     mukca_regression *m = &f->m;
@@ -299,7 +294,7 @@ static void full_columns(void **state)
 }
 
 /* The prior odds of all listed candidates and all orders sum to one. */
-static void priors(void **state)
+TEST(priors)
 {
     const fixture *f = *state;
     double orders = 0, sum = 0;
@@ -317,7 +312,7 @@ static void priors(void **state)
 }
 
 /* A row cut as an outlier comes back when it fits; that it repeats the one before is told still. */
-static void reinstated(void **state)
+TEST(reinstated)
 {
     fixture *f = *state;
     enum { ROW = 5 };
@@ -337,13 +332,12 @@ static void reinstated(void **state)
 
 /* Two poses beside sockets are too few for folds of their own: they are always fitted, and so no
  * error of theirs is a left-out one. */
-static void never_left_out(void **state)
+TEST(never_left_out)
 {
     enum { POSES = 2 };
     const fixture *f = *state;
     const mukca_recording_options options = {.mass_spread = 0.1, .distance_sigma = 1e-4};
     mukca_dataset data;
-    mukca_error error = {0};
     mukca_regression m;
     record(&data, &f->s);
     data.position = malloc(3 * sizeof *data.position * (size_t)data.n_rows);
@@ -353,7 +347,7 @@ static void never_left_out(void **state)
         data.socket[row] = -1;
         mukca_unknowns_predict(data.position + 3 * row, &f->m.unknowns, &f->m.recording, row);
     }
-    assert_int_equal(mukca_regression_create(&m, &f->s.chain, &data, &options, &error), MUKCA_OK);
+    assert_ok(mukca_regression_create(&m, &f->s.chain, &data, &options, &error));
     mukca_regression_fit(&m, 3, MUKCA_FIT_ALL);
     mukca_folds b = {.m = &m};
     mukca_folds_create(&b);
@@ -367,7 +361,7 @@ static void never_left_out(void **state)
 }
 
 /* The chosen scales of the geometry have the largest evidence of all. */
-static void scales(void **state)
+TEST(scales)
 {
     fixture *f = *state;
     mukca_regression *m = &f->m;
@@ -388,14 +382,4 @@ static void scales(void **state)
     mukca_regression_fit(m, 5, MUKCA_FIT_ALL);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(effect_columns), cmocka_unit_test(scores),
-        cmocka_unit_test(repeated),       cmocka_unit_test(poses),
-        cmocka_unit_test(orders),         cmocka_unit_test(noise),
-        cmocka_unit_test(scales),         cmocka_unit_test(priors),
-        cmocka_unit_test(full_columns),   cmocka_unit_test(reinstated),
-        cmocka_unit_test(never_left_out)};
-    return cmocka_run_group_tests(tests, set_up, tear_down);
-}
+TEST_MAIN(set_up, tear_down)

@@ -53,9 +53,8 @@ static void check_consistent(const char *text, bool sweep)
     mukca_dataset_free(&data);
 }
 
-static void test_consistent(void **state)
+TEST(test_consistent)
 {
-    (void)state;
     check_consistent(NULL, false);
     check_consistent(everything, false);
     check_consistent(everything, true);
@@ -131,9 +130,8 @@ static void turn_compliance(double *q, const mukca_dataset *data, int row, const
 }
 
 /* Effects have the size, the sign and the joint that were asked for. */
-static void test_sizes(void **state)
+TEST(test_sizes)
 {
-    (void)state;
     static const struct {
         const char *text;
         turn_fn *turn;
@@ -175,9 +173,8 @@ static void test_sizes(void **state)
 }
 
 /* Noise has the size and the correlation that were asked for, and leaves the limits alone. */
-static void test_noise(void **state)
+TEST(test_noise)
 {
-    (void)state;
     scene s;
     mukca_row_state states;
     mukca_dataset data;
@@ -215,9 +212,8 @@ static void test_noise(void **state)
 }
 
 /* Faults of the recording do to the rows what they say. */
-static void test_faults(void **state)
+TEST(test_faults)
 {
-    (void)state;
     scene s;
     mukca_row_state states;
     mukca_dataset clean, data;
@@ -252,9 +248,8 @@ static void test_faults(void **state)
 }
 
 /* Measured efforts are the true arm's; a stale reading lags what was commanded. */
-static void test_columns(void **state)
+TEST(test_columns)
 {
-    (void)state;
     scene s;
     mukca_dataset data;
     set_scene(&s, "readback_lag=1e-3", 6);
@@ -277,9 +272,8 @@ static void test_columns(void **state)
     mukca_dataset_free(&data);
 }
 
-static void test_grammar(void **state)
+TEST(test_grammar)
 {
-    (void)state;
     scene s;
     set_scene(&s, NULL, 1);
     const struct {
@@ -314,7 +308,6 @@ static void test_grammar(void **state)
         {"a\n\033[2J", "no effect is called 'a??[2J'"},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
-        mukca_error error = {0};
         assert_int_equal(cli_simulated_parse(&s.hidden, wrong[i].text, &error), MUKCA_USAGE);
         if (!strstr(error.text, wrong[i].says))
             fail_msg("%s: '%s' lacks '%s'", wrong[i].text, error.text, wrong[i].says);
@@ -327,12 +320,4 @@ static void test_grammar(void **state)
     assert_close(hypot(c[0], c[1]), 1e-3, 1e-15);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_consistent), cmocka_unit_test(test_sizes),
-        cmocka_unit_test(test_noise),      cmocka_unit_test(test_faults),
-        cmocka_unit_test(test_columns),    cmocka_unit_test(test_grammar),
-    };
-    return cmocka_run_group_tests_name("simulate", tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -8,9 +8,8 @@
 
 /* The diagnosis finds what was hidden: the effect, its joint or place, and its size within a tenth
  * or within its interval. */
-static void test_diagnosed(void **state)
+TEST(test_diagnosed)
 {
-    (void)state;
     static const struct {
         const char *text;
         int kind, joint, placement;
@@ -38,13 +37,12 @@ static void test_diagnosed(void **state)
     for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
         scene s;
         mukca_dataset data;
-        mukca_error error = {0};
         const mukca_diagnose_options options = {.no_folds = true};
         set_scene(&s, cases[c].text, 21);
         s.how.noise = 1e-4;
         record(&data, &s);
         memset(d, 0, sizeof *d);
-        if (mukca_diagnose(d, &s.chain, &data, &options, &error)) fail_msg("%s", error.text);
+        assert_ok(mukca_diagnose(d, &s.chain, &data, &options, &error));
         const mukca_cause *cause = &d->causes[0];
         print_message("%s: %s, %d causes, size %.3g\n", cases[c].text,
                       d->n_causes ? mukca_effect_table[cause->effect.kind]->name : "none",
@@ -65,9 +63,8 @@ static void test_diagnosed(void **state)
 
 /* Left-out rows miss as far as they should when nothing is missing, and further when the truth is
  * withheld: then something is told to be unexplained, although another cause takes its place. */
-static void test_surprise(void **state)
+TEST(test_surprise)
 {
-    (void)state;
     static const struct {
         const char *text;
         int withheld;
@@ -81,7 +78,6 @@ static void test_surprise(void **state)
     for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
         scene s;
         mukca_dataset data;
-        mukca_error error = {0};
         unsigned char disabled[MUKCA_EFFECT_COUNT] = {0};
         const mukca_diagnose_options options = {.disabled = disabled};
         if (cases[c].withheld >= 0) disabled[cases[c].withheld] = 1;
@@ -89,7 +85,7 @@ static void test_surprise(void **state)
         s.how.noise = 1e-4;
         record(&data, &s);
         memset(d, 0, sizeof *d);
-        if (mukca_diagnose(d, &s.chain, &data, &options, &error)) fail_msg("%s", error.text);
+        assert_ok(mukca_diagnose(d, &s.chain, &data, &options, &error));
         print_message("%s%s: %s, surprise %.3f (%.1f)\n", cases[c].text ? cases[c].text : "nothing",
                       cases[c].withheld < 0 ? "" : " withheld", mukca_verdict_name[d->verdict],
                       d->surprise, d->surprise_sigmas);
@@ -104,15 +100,13 @@ static void test_surprise(void **state)
 
 /* The coupling of a joint to its neighbour's angle is nearly a wobble of that neighbour.  Without
  * it in the catalogue the wobble must share its probability with what nobody listed. */
-static void test_unlisted(void **state)
+TEST(test_unlisted)
 {
-    (void)state;
     mukca_diagnosis *d = malloc(sizeof *d);
     assert_non_null(d);
     for (int withheld = 0; withheld < 2; withheld++) {
         scene s;
         mukca_dataset data;
-        mukca_error error = {0};
         unsigned char disabled[MUKCA_EFFECT_COUNT] = {0};
         const mukca_diagnose_options options = {.disabled = disabled, .no_folds = true};
         disabled[MUKCA_EFFECT_JOINT_COUPLING] = (unsigned char)withheld;
@@ -120,7 +114,7 @@ static void test_unlisted(void **state)
         s.how.noise = 1e-4;
         record(&data, &s);
         memset(d, 0, sizeof *d);
-        if (mukca_diagnose(d, &s.chain, &data, &options, &error)) fail_msg("%s", error.text);
+        assert_ok(mukca_diagnose(d, &s.chain, &data, &options, &error));
         const double probability = d->n_causes ? d->causes[0].probability : 0;
         print_message("coupling%s: %s, %.3f\n", withheld ? " withheld" : "",
                       mukca_verdict_name[d->verdict], probability);
@@ -158,22 +152,20 @@ static void tilt_ball(mukca_dataset *data, const mukca_chain *chain, bool rattle
 }
 
 /* Neither is an effect of the catalogue: no name is sure. */
-static void test_tilt(void **state)
+TEST(test_tilt)
 {
-    (void)state;
     mukca_diagnosis *d = malloc(sizeof *d);
     assert_non_null(d);
     for (int k = 0; k < 8; k++) {
         scene s;
         mukca_dataset data;
-        mukca_error error = {0};
         const mukca_diagnose_options options = {.no_folds = true};
         set_scene(&s, NULL, (uint64_t)(1 + k / 2));
         s.how.noise = 1e-4;
         record(&data, &s);
         tilt_ball(&data, &s.chain, k % 2);
         memset(d, 0, sizeof *d);
-        if (mukca_diagnose(d, &s.chain, &data, &options, &error)) fail_msg("%s", error.text);
+        assert_ok(mukca_diagnose(d, &s.chain, &data, &options, &error));
         print_message("%s: %s, %d causes\n", k % 2 ? "loose tool" : "oval ball",
                       mukca_verdict_name[d->verdict], d->n_causes);
         for (int i = 0; i < d->n_causes; i++)
@@ -188,9 +180,8 @@ static void test_tilt(void **state)
 
 /* A badly seated ball that stays badly seated is no socket that moved: each socket's noise is a
  * series with a long memory, and a few samples of it are far off. */
-static void test_heavy_tails(void **state)
+TEST(test_heavy_tails)
 {
-    (void)state;
     const double memory = 0.75, shock = 1.5e-3; /* rad, of joint_1: some 15 times the noise */
     int motions = 0;
     mukca_diagnosis *d = malloc(sizeof *d);
@@ -198,7 +189,6 @@ static void test_heavy_tails(void **state)
     for (uint64_t seed = 1; seed <= 4; seed++) {
         scene s;
         mukca_dataset data;
-        mukca_error error = {0};
         const mukca_diagnose_options options = {.no_folds = true};
         set_scene(&s, NULL, seed);
         s.how.noise = 1e-4;
@@ -211,7 +201,7 @@ static void test_heavy_tails(void **state)
             data.q[row * s.chain.n_joints] += off;
         }
         memset(d, 0, sizeof *d);
-        if (mukca_diagnose(d, &s.chain, &data, &options, &error)) fail_msg("%s", error.text);
+        assert_ok(mukca_diagnose(d, &s.chain, &data, &options, &error));
         for (int i = 0; i < d->n_causes; i++)
             motions += d->causes[i].effect.kind == MUKCA_EFFECT_TOOL_MOTION;
         print_message("shocks: %s, %d causes\n", mukca_verdict_name[d->verdict], d->n_causes);
@@ -226,11 +216,10 @@ static void test_heavy_tails(void **state)
 static int count_sure(mukca_dataset *data, const scene *s, int but)
 {
     int sure = 0;
-    mukca_error error = {0};
     mukca_diagnosis *d = calloc(1, sizeof *d);
     assert_non_null(d);
-    if (mukca_diagnose(d, &s->chain, data, &(mukca_diagnose_options){.no_folds = true}, &error))
-        fail_msg("%s", error.text);
+    assert_ok(
+        mukca_diagnose(d, &s->chain, data, &(mukca_diagnose_options){.no_folds = true}, &error));
     print_message("%s, %d causes\n", mukca_verdict_name[d->verdict], d->n_causes);
     for (int i = 0; i < d->n_causes; i++) {
         const mukca_cause *c = &d->causes[i];
@@ -264,9 +253,8 @@ static void add_payload(mukca_dataset *data, const mukca_chain *chain, const dou
 }
 
 /* It is not in the catalogue: nothing but springs is sure. */
-static void test_payload(void **state)
+TEST(test_payload)
 {
-    (void)state;
     static const double compliance[MUKCA_MAX_JOINTS] = {0, 3e-5, 0, 6e-5};
     for (int k = 0; k < 10; k++) {
         scene s;
@@ -282,12 +270,10 @@ static void test_payload(void **state)
 
 /* A joint that slips, or a tool that moves, between the two sockets of a placement is exactly
  * another distance of these: both are said. */
-static void test_moved_tool(void **state)
+TEST(test_moved_tool)
 {
-    (void)state;
     scene s;
     mukca_dataset data;
-    mukca_error error = {0};
     mukca_diagnosis *d = calloc(1, sizeof *d);
     assert_non_null(d);
     set_scene(&s, NULL, 3);
@@ -295,8 +281,8 @@ static void test_moved_tool(void **state)
     record(&data, &s);
     for (int row = 0; row < data.n_rows; row++)
         if (data.socket[row] == 3) data.q[row * s.chain.n_joints] += 8e-3;
-    if (mukca_diagnose(d, &s.chain, &data, &(mukca_diagnose_options){.no_folds = true}, &error))
-        fail_msg("%s", error.text);
+    assert_ok(
+        mukca_diagnose(d, &s.chain, &data, &(mukca_diagnose_options){.no_folds = true}, &error));
     assert_int_equal(d->verdict, MUKCA_VERDICT_TIED);
     assert_int_equal(d->n_causes, 1);
     assert_int_equal(d->causes[0].effect.kind, MUKCA_EFFECT_SOCKET_DISTANCE);
@@ -310,9 +296,8 @@ static void test_moved_tool(void **state)
 
 /* Angles of one joint that are read in coarse steps: no effect of the arm is sure, nor is any of
  * hundreds of orders of ripple.  (One of these recordings has steps that a moved tool explains.) */
-static void test_steps(void **state)
+TEST(test_steps)
 {
-    (void)state;
     const double step = 2e-3; /* rad */
     for (int k = 0; k < 8; k++) {
         scene s;
@@ -347,9 +332,8 @@ static void add_friction(mukca_dataset *data, const mukca_chain *chain, int join
 
 /* The catalogue has friction that is always the same: it is rarely sure, nor is what looks like the
  * rest of it.  (Without unlisted friction as a rival, 12 names are sure.) */
-static void test_friction(void **state)
+TEST(test_friction)
 {
-    (void)state;
     int sure = 0;
     for (int k = 0; k < 8; k++) {
         scene s;
@@ -394,29 +378,25 @@ static int sure_of_step(int k)
 
 /* The larger part is an unknown function.  What that leaves looks like wobble of an axis, which is
  * not sure. */
-static void test_remainder(void **state)
+TEST(test_remainder)
 {
-    (void)state;
     static const int k[] = {6, 10, 28, 30};
     for (size_t i = 0; i < sizeof k / sizeof *k; i++) assert_int_equal(sure_of_step(k[i]), 0);
 }
 
 /* In a slow sweep that step looks like a tool that moved, or a coupling of the two joints. */
-static void test_passing(void **state)
+TEST(test_passing)
 {
-    (void)state;
     static const int k[] = {13, 18};
     for (size_t i = 0; i < sizeof k / sizeof *k; i++) assert_int_equal(sure_of_step(k[i]), 0);
 }
 
 /* A joint that warms up, and test data of the warm arm, whose clock starts anew: they miss by the
  * drift, and do not contradict it. */
-static void test_warm(void **state)
+TEST(test_warm)
 {
-    (void)state;
     scene s, warm;
     mukca_dataset data, test;
-    mukca_error error = {0};
     mukca_diagnosis *d = calloc(1, sizeof *d);
     assert_non_null(d);
     set_scene(&s, "joint_drift:joint_2@300=2e-3", 21);
@@ -426,8 +406,7 @@ static void test_warm(void **state)
     record(&data, &s);
     record(&test, &warm);
     for (int row = 0; row < test.n_rows; row++) test.q[row * s.chain.n_joints + 1] -= 2e-3;
-    if (mukca_diagnose(d, &s.chain, &data, &(mukca_diagnose_options){.test = &test}, &error))
-        fail_msg("%s", error.text);
+    assert_ok(mukca_diagnose(d, &s.chain, &data, &(mukca_diagnose_options){.test = &test}, &error));
     print_message("warm arm: geometry %.3f, with causes %.3f mm\n", 1e3 * d->test_geometry_m,
                   1e3 * d->test_explained_m);
     assert_true(d->test_explained_m > d->test_geometry_m);
@@ -439,14 +418,4 @@ static void test_warm(void **state)
     free(d);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_diagnosed), cmocka_unit_test(test_heavy_tails),
-        cmocka_unit_test(test_unlisted),  cmocka_unit_test(test_steps),
-        cmocka_unit_test(test_payload),   cmocka_unit_test(test_moved_tool),
-        cmocka_unit_test(test_tilt),      cmocka_unit_test(test_surprise),
-        cmocka_unit_test(test_friction),  cmocka_unit_test(test_passing),
-        cmocka_unit_test(test_remainder), cmocka_unit_test(test_warm)};
-    return cmocka_run_group_tests_name("simulate diagnosed", tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)
