@@ -2,6 +2,7 @@
  */
 #include "io/export.h"
 
+#include "arms.h"
 #include "base/number.h"
 #include "odd_urdf.h"
 
@@ -25,16 +26,8 @@ static int setup(void **state)
 static void add_effects(void)
 {
     offsets.n_effects = 2;
-    offsets.effects[0] = (mukca_effect){.kind = MUKCA_EFFECT_JOINT_COMPLIANCE,
-                                        .joint = 1,
-                                        .placement = -1,
-                                        .terms = 1,
-                                        .coefficient = {1e-4}};
-    offsets.effects[1] = (mukca_effect){.kind = MUKCA_EFFECT_JOINT_SCALE,
-                                        .joint = 0,
-                                        .placement = -1,
-                                        .terms = 1,
-                                        .coefficient = {1e-3 / 3}};
+    offsets.effects[0] = make_effect(MUKCA_EFFECT_JOINT_COMPLIANCE, 1, 1e-4);
+    offsets.effects[1] = make_effect(MUKCA_EFFECT_JOINT_SCALE, 0, 1e-3 / 3);
 }
 
 static mukca_export_input make_input(void)
@@ -164,11 +157,7 @@ TEST(origins_take_up_what_a_format_lacks)
 {
     calibrate();
     offsets.n_effects = 1;
-    offsets.effects[0] = (mukca_effect){.kind = MUKCA_EFFECT_JOINT_SCALE,
-                                        .joint = 0,
-                                        .placement = -1,
-                                        .terms = 1,
-                                        .coefficient = {1e-3}};
+    offsets.effects[0] = make_effect(MUKCA_EFFECT_JOINT_SCALE, 0, 1e-3);
     chain.element[0].lower = 2; /* mean of q 2.5: a zero of 2.5 mrad is most of the effect */
     char *text = export("urdf", MUKCA_OK);
     chain.element[0].lower = -3;

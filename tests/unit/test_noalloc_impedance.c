@@ -23,11 +23,7 @@ static int setup(void **state)
         chain->mass[chain->n_masses++] = (mukca_mass){k, masses[k], {0.01, -0.02, -0.06}, {0}};
     mukca_geometry_set(&c.arm.geometry, chain, NULL);
     c.arm.n_effects = 1;
-    c.arm.effects[0] = (mukca_effect){.kind = MUKCA_EFFECT_JOINT_COMPLIANCE,
-                                      .joint = 3,
-                                      .placement = -1,
-                                      .terms = 1,
-                                      .coefficient = {1e-4}};
+    c.arm.effects[0] = make_effect(MUKCA_EFFECT_JOINT_COMPLIANCE, 3, 1e-4);
     c.n = 7;
     for (int j = 0; j < 7; j++) c.torque_limit[j] = 100;
     mukca_row_state_stream(&c.recent, 7);

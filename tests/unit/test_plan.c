@@ -1,5 +1,6 @@
 /* Planned poses: in their sockets, allowed, different from each other, and worth more than random
  * ones; evidence between two causes grows. */
+#include "arms.h"
 #include "close.h"
 #include "io/urdf.h"
 #include "math/dense.h"
@@ -160,16 +161,8 @@ TEST(test_causes)
     mukca_plan_socket sockets[2];
     mukca_dataset data;
     mukca_plan plan;
-    mukca_effect effects[2] = {{.kind = MUKCA_EFFECT_JOINT_COMPLIANCE,
-                                .joint = 3,
-                                .placement = -1,
-                                .terms = 1,
-                                .coefficient = {3e-5}},
-                               {.kind = MUKCA_EFFECT_LINK_BENDING,
-                                .joint = 2,
-                                .placement = -1,
-                                .terms = 1,
-                                .coefficient = {2e-5}}};
+    mukca_effect effects[2] = {make_effect(MUKCA_EFFECT_JOINT_COMPLIANCE, 3, 3e-5),
+                               make_effect(MUKCA_EFFECT_LINK_BENDING, 2, 2e-5)};
     const mukca_plan_options options = {.rows = 10, .effects = effects, .n_effects = 2};
     record(&data, 12, 1);
     mukca_plan_sockets(sockets, 2, &nominal, &data);
@@ -180,11 +173,7 @@ TEST(test_causes)
     effects[1].coefficient[0] = 0;
     assert_int_equal(propose(&plan, &data, sockets, 2, &options), MUKCA_USAGE);
     assert_non_null(strstr(refusal.text, "link_bending needs a size"));
-    effects[1] = (mukca_effect){.kind = MUKCA_EFFECT_TOOL_MOTION,
-                                .joint = -1,
-                                .placement = -1,
-                                .terms = 3,
-                                .coefficient = {1e-3}};
+    effects[1] = make_effect(MUKCA_EFFECT_TOOL_MOTION, -1, 1e-3);
     assert_int_equal(propose(&plan, &data, sockets, 2, &options), MUKCA_USAGE);
     assert_non_null(strstr(refusal.text, "record again"));
     mukca_dataset_free(&data);
