@@ -1,6 +1,5 @@
 # Help and misspelt words.
 golden help_fk help fk
-golden help_effects help effects
 refuse 2 "unknown command 'calibarte'; did you mean calibrate?" calibarte
 refuse 2 "unknown command 'zzz'; .mukca help. lists them" zzz
 refuse 2 "unknown command 'zzz'" help zzz
