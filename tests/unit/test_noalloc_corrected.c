@@ -83,41 +83,6 @@ TEST(equals_the_program)
     }
 }
 
-/* Against differences of poses; the harmonic of order 240 turns the derivative by 5 %. */
-TEST(jacobian_is_the_derivative)
-{
-    const double h = 1e-6;
-    mukca_random random;
-    mukca_random_seed(&random, 13);
-    double harmonic = 0;
-    for (int i = 0; i < 50; i++) {
-        double q[7], J[6 * 7], bare[6 * 7];
-        mukca_frame side[2];
-        random_angles(q, &random);
-        mukca_corrected_jacobian(J, NULL, &model, q, NULL);
-        mukca_fk_jacobian(bare, NULL, &geometry, q, NULL);
-        for (int j = 0; j < 7; j++) {
-            const double at = q[j];
-            for (int k = 0; k < 2; k++) {
-                q[j] = at + (k ? h : -h);
-                mukca_corrected_pose(&side[k], &model, q, NULL);
-            }
-            q[j] = at;
-            double back[9], off[9], w[3];
-            for (int a = 0; a < 3; a++)
-                for (int b = 0; b < 3; b++) back[3 * a + b] = side[0].R[3 * b + a];
-            mukca_mat3_mul(off, side[1].R, back);
-            mukca_rotation_log(w, off);
-            for (int a = 0; a < 3; a++) {
-                assert_close(J[a * 7 + j], (side[1].p[a] - side[0].p[a]) / (2 * h), 2e-7);
-                assert_close(J[(3 + a) * 7 + j], w[a] / (2 * h), 2e-7);
-            }
-        }
-        for (int a = 0; a < 3; a++) harmonic = fmax(harmonic, fabs(J[a * 7 + 3] - bare[a * 7 + 3]));
-    }
-    assert_true(harmonic > 0.01);
-}
-
 /* Every kind of effect at several joints, in every variant that changes the derivative. */
 static void add_every_effect(mukca_corrected *arm)
 {
@@ -310,11 +275,8 @@ TEST(steep_backlash_has_its_slope_at_rest)
     mukca_random_seed(&random, 17);
     arm = model;
     arm.n_effects = 1;
-    arm.effects[0] = (mukca_effect){.kind = MUKCA_EFFECT_BACKLASH,
-                                    .joint = 3,
-                                    .placement = -1,
-                                    .terms = 1,
-                                    .variant.torque_scale = scale};
+    arm.effects[0] = make_effect(MUKCA_EFFECT_BACKLASH, 3, 0);
+    arm.effects[0].variant.torque_scale = scale;
     for (int i = 0; i < 300; i++) {
         const double size = 8e-5 * pow(0.7, i % 8);
         double q[7], J[42], bare[42], rate[7], low = -2, high = 2;

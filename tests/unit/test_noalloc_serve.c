@@ -2,8 +2,6 @@
  * allocator as a short one. */
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <lcm/lcm.h>
 
@@ -12,19 +10,11 @@
 #include "noalloc.h"
 #include "scratch.h"
 
-static char folder[] = "/tmp/mukca_test_serve_XXXXXX";
 static char urdf[] = "data/demo/arm.urdf";
-
-static void path_of(char path[128], const char *name)
-{
-    snprintf(path, 128, "%s/%s", folder, name);
-}
 
 static FILE *create(const char *name)
 {
-    char path[128];
-    path_of(path, name);
-    FILE *file = fopen(path, "w");
+    FILE *file = fopen(scratch_file(name, ""), "w");
     assert_non_null(file);
     return file;
 }
@@ -58,9 +48,8 @@ static void put(unsigned char *bytes, size_t *at, uint64_t value, int size)
 /* n joint states of an iiwa at 1 kHz. */
 static void write_log(int n)
 {
-    char path[128], channel[] = "IIWA_STATUS";
-    path_of(path, "in");
-    lcm_eventlog_t *log = lcm_eventlog_create(path, "w");
+    char channel[] = "IIWA_STATUS";
+    lcm_eventlog_t *log = lcm_eventlog_create(scratch_file("in", ""), "w");
     assert_non_null(log);
     for (int i = 0; i < n; i++) {
         unsigned char bytes[20 + 56 * 7];
@@ -88,15 +77,12 @@ static void write_log(int n)
 /* Run the command on the log; poses sent, and calls of the allocator. */
 static int serve(long *used)
 {
-    char in[128], out[128];
-    path_of(in, "in");
-    path_of(out, "out");
-    char line[600];
+    const char *out = scratch_file("out", "");
+    char line[600], *argv[20];
     snprintf(line, sizeof line,
-             "--urdf %s --lcm-url file://%s --channel IIWA_STATUS --map order --state %s "
+             "--urdf %s --lcm-url file://%s/in --channel IIWA_STATUS --map order --state %s "
              "--publish-pose --force",
-             urdf, in, folder);
-    char *argv[20];
+             urdf, scratch_folder, scratch_folder);
     int argc = 0;
     for (char *word = strtok(line, " "); word; word = strtok(NULL, " ")) argv[argc++] = word;
     cli_call call = {.command = cli_find_command("serve")};
@@ -118,14 +104,7 @@ static int serve(long *used)
 
 TEST(poses_cost_no_allocation)
 {
-    static const char *const folders[] = {"results", "sessions"};
     long few, many;
-    assert_non_null(mkdtemp(folder));
-    for (int i = 0; i < 2; i++) {
-        char path[128];
-        path_of(path, folders[i]);
-        assert_int_equal(mkdir(path, 0777), 0);
-    }
     write_model();
     write_log(1000);
     assert_int_equal(serve(&few), 1000);
@@ -133,13 +112,6 @@ TEST(poses_cost_no_allocation)
     assert_int_equal(serve(&many), 30000);
     assert_true(few > 0);
     assert_int_equal(many, few);
-    static const char *const names[] = {"in", "out", "lock", "state.tsv", "in_use.tsv"};
-    for (int i = 0; i < 7; i++) {
-        char path[128];
-        path_of(path, i < 5 ? names[i] : folders[i - 5]);
-        assert_int_equal(remove(path), 0);
-    }
-    rmdir(folder);
 }
 
-TEST_MAIN(NULL, NULL)
+TEST_MAIN(scratch_setup, scratch_teardown)

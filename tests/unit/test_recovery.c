@@ -1,4 +1,4 @@
-/* Simulated truth is found again: exactly without noise, and as the standard errors say with it. */
+/* Simulated truth is found again, as far off as the standard errors say. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -47,61 +47,6 @@ static void record(mukca_dataset *data, const mukca_chain *chain, const double *
             data->socket[i++] = s;
             row++;
         }
-    }
-}
-
-static void perturb(double *theta, const mukca_chain *chain, double size, mukca_random *random)
-{
-    mukca_chain_theta(theta, chain);
-    for (int i = 0; i < 6 * chain->n_elements; i++) theta[i] += size * mukca_random_normal(random);
-}
-
-/* Mean distance of the ball from the mean of its socket. */
-static double consistency(const mukca_chain *chain, const double *theta, const mukca_dataset *data)
-{
-    mukca_geometry geometry;
-    double sum = 0;
-    mukca_geometry_set(&geometry, chain, theta);
-    for (int s = 0; s < data->n_sockets; s++) {
-        double x[PER_SOCKET][3], mean[3] = {0, 0, 0};
-        int n = 0;
-        for (int i = 0; i < data->n_rows; i++)
-            if (data->socket[i] == s)
-                mukca_fk_position(x[n++], &geometry, data->q + i * JOINTS, NULL);
-        for (int i = 0; i < n; i++)
-            for (int a = 0; a < 3; a++) mean[a] += x[i][a] / n;
-        for (int i = 0; i < n; i++)
-            sum += sqrt(pow(x[i][0] - mean[0], 2) + pow(x[i][1] - mean[1], 2) +
-                        pow(x[i][2] - mean[2], 2));
-    }
-    return sum / data->n_rows;
-}
-
-TEST(test_without_noise)
-{
-    mukca_chain chain;
-    mukca_random random;
-    make_chain(&chain, "RRRRRRRF", origins, "j", 2.8);
-    mukca_random_seed(&random, 21);
-    for (int trial = 0; trial < 5; trial++) {
-        double truth[MUKCA_MAX_FREE], nominal[MUKCA_MAX_FREE];
-        mukca_dataset train, test;
-        mukca_fit fit;
-        perturb(truth, &chain, 2e-3, &random);
-        record(&train, &chain, truth, 4, 0, &random);
-        record(&test, &chain, truth, 6, 0, &random);
-        mukca_chain_theta(nominal, &chain);
-        const mukca_fit_options options = {.cost.lambda = trial < 4 ? 1e-9 : -1};
-        assert_ok(mukca_fit_run(&fit, &chain, &train, &options, NULL));
-        assert_true(fit.converged);
-        assert_int_equal(fit.identification.rank,
-                         25); /* 48 less 6 of the base, 14 of the axes, 3 */
-        assert_true(consistency(&chain, nominal, &test) > 1e-3);
-        assert_true(consistency(&chain, truth, &test) < 1e-11);
-        assert_close(consistency(&chain, fit.theta, &test), 0, 1e-6);
-        mukca_fit_free(&fit);
-        mukca_dataset_free(&train);
-        mukca_dataset_free(&test);
     }
 }
 

@@ -69,9 +69,7 @@ TEST(test_seats)
         assert_close(out.command[i] - out.q[i], t.data.command[i] - t.data.q[i], 1e-12);
     }
     for (int p = 0; p < PLACES; p++) {
-        double d[3];
-        for (int a = 0; a < 3; a++) d[a] = ball[60 * p + 30][a] - ball[60 * p][a];
-        assert_close(mukca_norm3(d), 0.051, 1e-8);
+        assert_close(mukca_distance3(ball[60 * p + 30], ball[60 * p]), 0.051, 1e-8);
     }
     free(ball);
     mukca_dataset_free(&out);
