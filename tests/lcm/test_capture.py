@@ -7,11 +7,9 @@ import subprocess
 import termios
 import time
 
-from foreign import ROOT, accepted, Arm, Client, MUKCA, check, finish, fresh, said, spawn, stop, table, until
+from foreign import (Arm, Client, HOME, JOINTS, MUKCA, ROOT, URDF, accepted, check, ended, finish, fresh, said,
+                     spawn, stop, table, until)
 
-URDF = os.path.join(ROOT, "data", "demo", "arm.urdf")
-JOINTS = subprocess.run([MUKCA, "capture", "--urdf", URDF], capture_output=True, text=True)
-HOME = [0.1, 0.4, -0.2, -1.3, 0.3, 1.1, 0.2]
 work = fresh("capture")
 count = 0
 
@@ -40,17 +38,6 @@ def trigger_some(client, arm, n, first=0):
     return rows
 
 
-def names():
-    """The demo arm's joints, from a session's header."""
-    with open(URDF) as f:
-        text = f.read()
-    found = []
-    for part in text.split("<joint ")[1:]:
-        if 'type="revolute"' in part.split(">")[0]:
-            found.append(part.split('name="')[1].split('"')[0])
-    return found
-
-
 def usage():
     p = subprocess.run([MUKCA, "capture", "--urdf", URDF, "-o", out()], capture_output=True,
                        text=True, stdin=subprocess.DEVNULL)
@@ -72,21 +59,18 @@ def silence():
 def unmapped():
     with Arm("iiwa", HOME, 100, "IIWA_STATUS"):
         p = capture(out(), "--trigger", "--channel", "IIWA_STATUS")
-        p.wait(20)
-        p.reader.join()
+        ended(p)
         check("a mapping by order must be confirmed", p.returncode == 2 and
               any("--map order" in x for x in p.said), p.said)
     with Arm("iiwa", HOME + HOME, 100, "IIWA_STATUS"):
         p = capture(out(), "--trigger", "--channel", "IIWA_STATUS", "--map", "order")
-        p.wait(20)
-        p.reader.join()
+        ended(p)
         check("two arms in one message need numbers", p.returncode == 3 and
               any("--map 8-14" in x for x in p.said), p.said)
 
 
 def finds_by_listening():
-    joints = names()
-    shuffled = list(reversed(joints))
+    shuffled = list(reversed(JOINTS))
     client, path = Client(), out()
     with Arm("state", list(reversed(HOME)), 200, "ROBOT.STATE+1", names=shuffled) as arm, \
             Arm("iiwa", HOME[:3], 100, "OTHER"):
@@ -102,7 +86,7 @@ def finds_by_listening():
         p.wait(20)
         check("--rows ends the session", p.returncode == 0, p.said)
     header, rows = table(path)
-    check("columns are the URDF's joints", header[3:10] == joints, header)
+    check("columns are the URDF's joints", header[3:10] == JOINTS, header)
     check("readings went to the joints of their names",
           all(abs(float(r[3 + j]) - posture(i)[j]) < 2e-6 for i, r in enumerate(rows) for j in range(7)),
           rows)
@@ -111,8 +95,7 @@ def finds_by_listening():
 def two_candidates():
     with Arm("iiwa", HOME, 100, "A"), Arm("panda", HOME, 100, "B"):
         p = capture(out(), "--trigger")
-        p.wait(20)
-        p.reader.join()
+        ended(p)
         check("two streams that fit are not guessed between", p.returncode == 3 and
               any("choose with --channel" in x for x in p.said), p.said)
 
@@ -120,17 +103,15 @@ def two_candidates():
 def unknown_type():
     path, client = out(), Client()
     description = os.path.join(ROOT, "tests", "lcm", "types", "arm_t.lcm")
-    with Arm("acme", HOME, 200, "MY_ARM", names=names()) as arm:
+    with Arm("acme", HOME, 200, "MY_ARM", names=JOINTS) as arm:
         p = capture(out(), "--trigger", "--channel", "MY_ARM")
-        p.wait(20)
-        p.reader.join()
+        ended(p)
         check("an unknown type is told with the way to describe it", p.returncode == 3 and
               any("--type FILE.lcm --position FIELD" in x for x in p.said), p.said)
         p = capture(out(), "--trigger", "--wait", "3")
         time.sleep(1.5)
         sample = client.trigger()
-        p.wait(20)
-        p.reader.join()
+        ended(p)
         check("without a channel, too", p.returncode == 4 and any(
             "MY_ARM (unknown type); describe an unknown type with --type" in x for x in p.said), p.said)
         check("and a trigger says why nothing is recorded", sample and not sample.accepted and
@@ -252,7 +233,7 @@ def lines():
     for i in range(1000):  # at 50 Hz: still in two postures, until each is recorded
         us = int(1e6 * time.time())
         q = posture(len(rows))
-        p.stdin.write("%d,%d,,grip,%s,0.5,%s,,\n" % (us // 1000000, us % 1000000 * 1000, ",".join(names()),
+        p.stdin.write("%d,%d,,grip,%s,0.5,%s,,\n" % (us // 1000000, us % 1000000 * 1000, ",".join(JOINTS),
                                                   ",".join(map(repr, q))))
         p.stdin.flush()
         client.wait(lambda: False, 0.02)
@@ -262,8 +243,7 @@ def lines():
             if len(rows) == 2:
                 break
     p.stdin.close()
-    p.wait(20)
-    p.reader.join()
+    ended(p)
     got = [[float(x) for x in r[3:10]] for r in table(path)[1]]
     check("lines: triggers over LCM record what the pipe brings",
           p.returncode == 0 and len(got) == 2 and got == rows, (p.said, got, rows))
@@ -288,8 +268,7 @@ def loggers():
         logger.wait(10)
     check("loggers: 6 samples live", len(rows) == 6, p.said)
     p = capture(from_log, *options, "--lcm-url", "file://" + log)
-    p.wait(20)
-    p.reader.join()
+    ended(p)
     check("loggers: the log of lcm-logger gives the same file",
           p.returncode == 0 and open(from_log).read() == open(live).read(), p.said)
     got = []

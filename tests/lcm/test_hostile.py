@@ -7,10 +7,9 @@ import time
 
 import lcm
 
-from foreign import accepted, Arm, Client, ROOT, acme, check, drake, finish, fresh, mukca, said, spawn, stop, table, until
+from foreign import (Arm, Client, HOME, URDF, accepted, acme, check, drake, finish, fresh, mukca, said, spawn, stop,
+                     table, until)
 
-URDF = os.path.join(ROOT, "data", "demo", "arm.urdf")
-HOME = [0.1, 0.4, -0.2, -1.3, 0.3, 1.1, 0.2]
 COUNT = 1000000 if os.environ.get("MUKCA_LONG") else 20000
 CHANNEL = "IIWA_STATUS"
 random.seed(4)

@@ -4,7 +4,6 @@ import os
 import signal
 import socket
 import subprocess
-import time
 
 from foreign import Arm, Client, MUKCA, check, finish, fresh, mukca, robots, spawn, stop, table, take
 

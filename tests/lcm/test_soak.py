@@ -2,11 +2,10 @@
 import os
 import time
 
-from foreign import Arm, Client, ROOT, check, finish, fresh, said, spawn, stop
+from foreign import Arm, Client, URDF, check, finish, fresh, said, spawn, stop
 
 LONG = bool(os.environ.get("MUKCA_LONG"))
 SECONDS = 60 if LONG else 5
-URDF = os.path.join(ROOT, "data", "demo", "arm.urdf")
 
 
 def usage(pid):
