@@ -15,6 +15,20 @@
 #include "mukca/status.h"
 
 static mukca_error error __attribute__((unused)); /* of the last call */
+static char notes[2048] __attribute__((unused));
+
+/* Collect notes, a line each. */
+static inline void note(void *context, const char *text)
+{
+    (void)context;
+    strncat(notes, text, sizeof notes - strlen(notes) - 2);
+    strcat(notes, "\n");
+}
+
+/* What is wrong, and a part of what is said of it. */
+typedef struct {
+    const char *text, *part;
+} bad_text;
 
 /* TEST(what_it_shows) { ... }; TEST_MAIN(setup, teardown) runs those of the file in their order;
  * TEST_EACH does both about each of them. */
@@ -72,5 +86,10 @@ static inline int test_run(CMFixtureFunction setup, CMFixtureFunction teardown)
         }                                                                  \
     } while (0)
 #define assert_refused(call, part) assert_error(call, MUKCA_INPUT, error, part)
+
+#define assert_part(text, part)                                                   \
+    do {                                                                          \
+        if (!strstr((text), (part))) fail_msg("'%s' lacks '%s'", (text), (part)); \
+    } while (0)
 
 #endif

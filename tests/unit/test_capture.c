@@ -219,7 +219,7 @@ TEST(standing_still_records_by_itself)
     reach(q, 0.6, 0.5, 0.1);
     text[0] = '\0';
     assert_false(stand(q, 2, 200, false, &socket)); /* on the way, 300 mm off */
-    assert_non_null(strstr(text, "300 mm from socket 0"));
+    assert_part(text, "300 mm from socket 0");
     for (int i = 0; i < 5; i++) {
         reach(q, 0.65, 0.2, 0.2 * i);
         assert_true(stand(q, 1.5, 200, false, &socket));
@@ -250,8 +250,7 @@ TEST(remarks_name_what_is_odd)
     }
     reach(q, 0.648, 0.2, 0.5); /* in the other socket, which has no samples yet */
     mukca_capture_keep(text, &capture, q, &error);
-    assert_non_null(
-        strstr(text, "48 mm from this socket's other samples: this looks like socket 1"));
+    assert_part(text, "48 mm from this socket's other samples: this looks like socket 1");
     assert_string_equal(capture.offered, "1");
     mukca_capture_drop(&capture, 6, &error);
     mukca_capture_spread(&rms, &last, &capture, 0);
@@ -259,21 +258,21 @@ TEST(remarks_name_what_is_odd)
     assert_true(!(fabs(last - 0.6e-4) > 1e-9));
     reach(q, 0.6, 0.2, 0.201);
     mukca_capture_keep(text, &capture, q, &error);
-    assert_non_null(strstr(text, "nearly the posture of sample 2"));
+    assert_part(text, "nearly the posture of sample 2");
     mukca_capture_drop(&capture, capture.rows.n_rows - 1, &error);
     assert_string_equal(mukca_capture_next_label(&capture), "1");
     assert_ok(mukca_capture_select(&capture, "front", "1", &error));
     assert_string_equal(mukca_capture_next_label(&capture), "0");
     reach(q, 0.601, 0.2, 0.9);
     mukca_capture_keep(text, &capture, q, &error);
-    assert_non_null(strstr(text, "is the ball really in socket 1?"));
+    assert_part(text, "is the ball really in socket 1?");
     mukca_capture_drop(&capture, capture.rows.n_rows - 1, &error);
     reach(q, 0.65, 0.2, 0.9);
     mukca_capture_keep(text, &capture, q, &error);
     assert_string_equal(text, "");
     reach(q, 0.6, 0.2, 0.7);
     mukca_capture_keep(text, &capture, q, &error);
-    assert_non_null(strstr(text, "looks like socket 0"));
+    assert_part(text, "looks like socket 0");
     assert_string_equal(capture.offered, "0");
     assert_int_equal(capture.rows.n_rows, 8);
     mukca_capture_coverage(coverage, &capture);

@@ -119,9 +119,7 @@ TEST(good_lines_are_understood)
 
 TEST(bad_lines_get_one_clear_line)
 {
-    static const struct {
-        const char *line, *part;
-    } cases[] = {
+    static const bad_text cases[] = {
         {"", "needs DATA...; see `mukca help try`"},
         {"a b c d", "unexpected argument 'd'"},
         {"a --flags", "unknown option --flags; did you mean --flag?"},
@@ -153,7 +151,7 @@ TEST(bad_lines_get_one_clear_line)
         {"a --gravity 1,2,3,4", "must be three numbers"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        mukca_status status = parse(cases[i].line);
+        mukca_status status = parse(cases[i].text);
         assert_error(status, MUKCA_USAGE, call.error, cases[i].part);
         cli_call_free(&call);
     }

@@ -104,11 +104,6 @@ static char *screen(const mukca_diagnosed *result)
     return all;
 }
 
-static void assert_part(const char *all, const char *part)
-{
-    if (!strstr(all, part)) fail_msg("'%s' lacks '%s'", all, part);
-}
-
 TEST(everything_is_handed_over)
 {
     mukca_dataset test;

@@ -237,7 +237,7 @@ TEST(another_arms_table_is_refused)
     free(text);
     assert_refused(read_table(path, false), "was made for another URDF");
     assert_ok(read_table(path, true));
-    assert_non_null(strstr(notes, "made for another URDF"));
+    assert_part(notes, "made for another URDF");
     /* forced onto another nominal model it is the offsets that count */
     const double was = chain.element[0].xyz[0];
     chain.element[0].xyz[0] = 5;
@@ -249,9 +249,7 @@ TEST(another_arms_table_is_refused)
 
 TEST(broken_tables_get_one_clear_line)
 {
-    static const struct {
-        const char *row, *part;
-    } cases[] = {
+    static const bad_text cases[] = {
         {"a\tx\tm\t0\t0\t1\t0\t1\t-", "column 'calibrated': is not nominal + offset"},
         {"a\tx\tm\t1e300\t0\t-1e300\t0\t1\t-", "column 'offset': is larger than any arm's"},
         {"a\tx\tm\t0\tnan\t1\t0\t1\t-", "'nan' is not a finite number"},
@@ -272,7 +270,7 @@ TEST(broken_tables_get_one_clear_line)
         snprintf(text, sizeof text,
                  "# urdf_sha256: %s\njoint\tparameter\tunit\tnominal\tcalibrated\toffset\tsigma\t"
                  "identifiable\tterm\n%s\n",
-                 chain.urdf_sha256, cases[i].row);
+                 chain.urdf_sha256, cases[i].text);
         assert_refused(read_table(scratch_file("b.tsv", text), false), cases[i].part);
     }
     assert_refused(read_table(scratch_file("b.tsv", "joint\tparameter\n"), false),

@@ -20,7 +20,9 @@ typedef struct {
     mukca_scan scan;
 } fixture;
 
-static void create(fixture *f)
+static fixture *f;
+
+static void create(void)
 {
     const mukca_recording_options options = {.mass_spread = 0.1, .distance_sigma = 1e-4};
     assert_ok(mukca_regression_create(&f->m, &f->s.chain, &f->data, &options, &error));
@@ -31,21 +33,27 @@ static void create(fixture *f)
     assert_true(mukca_scan_create(&f->scan, &f->pool, &f->m, &f->all));
 }
 
-static int set_up(void **state)
+/* A recording of an arm with a soft joint. */
+static void begin(void)
 {
-    fixture *f = calloc(1, sizeof *f);
+    f = calloc(1, sizeof *f);
     assert_non_null(f);
     set_scene(&f->s, "joint_compliance:joint_2=1e-4", 7);
     f->s.how.noise = 1e-4;
     record(&f->data, &f->s);
-    create(f);
-    *state = f;
+}
+
+static int set_up(void **state)
+{
+    (void)state;
+    begin();
+    create();
     return 0;
 }
 
 static int tear_down(void **state)
 {
-    fixture *f = *state;
+    (void)state;
     mukca_regression_free(&f->m);
     mukca_dataset_free(&f->data);
     mukca_pool_free(&f->pool);
@@ -54,7 +62,7 @@ static int tear_down(void **state)
 }
 
 /* First candidate of that effect and joint. */
-static const mukca_candidate *find(const fixture *f, int effect, int joint)
+static const mukca_candidate *find(int effect, int joint)
 {
     for (int i = 0; i < f->all.count; i++) {
         const mukca_candidate *h = &f->all.list[i];
@@ -68,7 +76,6 @@ static const mukca_candidate *find(const fixture *f, int effect, int joint)
 /* Columns of every effect that acts on the arm against differences of the forward model. */
 TEST(effect_columns)
 {
-    fixture *f = *state;
     mukca_regression *m = &f->m;
     int checked = 0;
     for (int i = 0; i < f->all.first_unlisted; i += 7) {
@@ -135,7 +142,7 @@ static double added(mukca_regression *m, int family, const mukca_candidate *h, d
 }
 
 /* Scores of the scan, of all kinds of candidates, and of the same as sets of one. */
-static void check_scan(fixture *f, int family, const mukca_candidate *cause)
+static void check_scan(int family, const mukca_candidate *cause)
 {
     enum { MOST = 120 };
     mukca_regression *m = &f->m;
@@ -177,56 +184,50 @@ static void check_scan(fixture *f, int family, const mukca_candidate *cause)
 
 TEST(scores)
 {
-    fixture *f = *state;
     for (int family = 0; family < f->m.evidence.n_noises; family++)
-        check_scan(f, family, family % 2 ? find(f, MUKCA_EFFECT_JOINT_COMPLIANCE, 1) : NULL);
+        check_scan(family, family % 2 ? find(MUKCA_EFFECT_JOINT_COMPLIANCE, 1) : NULL);
 }
 
 /* Rows in pairs of nearly the same angles: also noise that readings of a posture share. */
 TEST(repeated)
 {
-    fixture *f = calloc(1, sizeof *f);
-    assert_non_null(f);
-    set_scene(&f->s, "joint_compliance:joint_2=1e-4", 7);
-    f->s.how.noise = 1e-4;
-    record(&f->data, &f->s);
+    fixture *const whole = f;
+    begin();
     for (int row = 1; row < f->data.n_rows; row += 2)
         for (int j = 0; j < f->data.n_joints; j++)
             f->data.q[row * f->data.n_joints + j] =
                 f->data.q[(row - 1) * f->data.n_joints + j] + 1e-5 * (row % 3 - 1);
-    create(f);
+    create();
     assert_true(f->m.recording.repeats);
-    for (int family = 0; family < f->m.evidence.n_noises; family += 3) check_scan(f, family, NULL);
-    tear_down((void **)&f);
+    for (int family = 0; family < f->m.evidence.n_noises; family += 3) check_scan(family, NULL);
+    tear_down(NULL);
+    f = whole;
 }
 
 /* Three sockets as a pose log, which has no free mean. */
 TEST(poses)
 {
-    const fixture *arm = *state;
-    fixture *f = calloc(1, sizeof *f);
-    assert_non_null(f);
-    f->s = arm->s;
-    record(&f->data, &f->s);
+    fixture *const whole = f;
+    begin();
     f->data.position = malloc(3 * sizeof *f->data.position * (size_t)f->data.n_rows);
     assert_non_null(f->data.position);
     for (int i = 0; i < 3 * f->data.n_rows; i++) f->data.position[i] = NAN;
     for (int row = 0; row < f->data.n_rows; row++) {
         if (f->data.socket[row] > 2) continue;
         f->data.socket[row] = -1;
-        mukca_unknowns_predict(f->data.position + 3 * row, &arm->m.unknowns, &arm->m.recording,
+        mukca_unknowns_predict(f->data.position + 3 * row, &whole->m.unknowns, &whole->m.recording,
                                row);
         f->data.position[3 * row + row % 3] += 1e-4 * (row % 5 - 2);
     }
-    create(f);
-    for (int family = 0; family < f->m.evidence.n_noises; family++) check_scan(f, family, NULL);
-    tear_down((void **)&f);
+    create();
+    for (int family = 0; family < f->m.evidence.n_noises; family++) check_scan(family, NULL);
+    tear_down(NULL);
+    f = whole;
 }
 
 /* Scores of all orders of ripple of a joint. */
 TEST(orders)
 {
-    fixture *f = *state;
     double value[MUKCA_RIPPLE_ORDERS + 1], mean[4096];
     for (int joint = 1; joint < 7; joint += 2) {
         mukca_candidate h = {.kind = MUKCA_CANDIDATE_EFFECT,
@@ -251,7 +252,6 @@ TEST(orders)
 /* No noise has more evidence than the chosen one, whatever the guess. */
 TEST(noise)
 {
-    fixture *f = *state;
     mukca_regression *m = &f->m;
     mukca_unknowns_prior(m->evidence.prior, &m->unknowns);
     for (int r = 0; r < m->evidence.n_noises; r++) {
@@ -272,7 +272,6 @@ TEST(noise)
  * selected among them. */
 TEST(full_columns)
 {
-    fixture *f = *state;
     mukca_regression *m = &f->m;
     const int most = mukca_unknowns_capacity(&m->unknowns) + 1;
     int at = 0;
@@ -296,7 +295,6 @@ TEST(full_columns)
 /* The prior odds of all listed candidates and all orders sum to one. */
 TEST(priors)
 {
-    const fixture *f = *state;
     double orders = 0, sum = 0;
     for (int order = 2; order <= MUKCA_RIPPLE_ORDERS; order++)
         orders += exp(mukca_ripple_log_prior(order));
@@ -314,7 +312,6 @@ TEST(priors)
 /* A row cut as an outlier comes back when it fits; that it repeats the one before is told still. */
 TEST(reinstated)
 {
-    fixture *f = *state;
     enum { ROW = 5 };
     mukca_faults *d = calloc(1, sizeof *d);
     assert_non_null(d);
@@ -335,7 +332,6 @@ TEST(reinstated)
 TEST(never_left_out)
 {
     enum { POSES = 2 };
-    const fixture *f = *state;
     const mukca_recording_options options = {.mass_spread = 0.1, .distance_sigma = 1e-4};
     mukca_dataset data;
     mukca_regression m;
@@ -363,7 +359,6 @@ TEST(never_left_out)
 /* The chosen scales of the geometry have the largest evidence of all. */
 TEST(scales)
 {
-    fixture *f = *state;
     mukca_regression *m = &f->m;
     mukca_unknowns *u = &m->unknowns;
     double worst = HUGE_VAL;

@@ -71,7 +71,7 @@ TEST(rows_are_added_undone_and_resumed)
 {
     mukca_session session, second;
     mukca_session_head h = head("raw"), corrected = head("corrected"), columns = head("raw");
-    int notes = 0;
+    int noted = 0;
     unlink(path);
     assert_ok(mukca_session_create(&session, path, false, &h, &error));
     assert_int_equal(mukca_session_delete(&session, 0, "p", "s", &error), MUKCA_INPUT);
@@ -89,8 +89,8 @@ TEST(rows_are_added_undone_and_resumed)
 
     /* a row that was never acknowledged is cut off */
     append_text("front left\t0\t17000");
-    assert_ok(mukca_session_resume(&session, path, &h, count_note, &notes, &error));
-    assert_int_equal(notes, 1);
+    assert_ok(mukca_session_resume(&session, path, &h, count_note, &noted, &error));
+    assert_int_equal(noted, 1);
     assert_int_equal(session.n_rows, 4);
     assert_ok(add(&session, 10));
     assert_ok(mukca_session_delete(&session, 0, "front left", "0", &error));

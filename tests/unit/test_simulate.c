@@ -251,9 +251,7 @@ TEST(test_columns)
 TEST(test_grammar)
 {
     set_scene(&s, NULL, 1);
-    const struct {
-        const char *text, *says;
-    } wrong[] = {
+    const bad_text wrong[] = {
         {"joint_complience:joint_1=1e-5", "did you mean joint_compliance"},
         {"joint_compliance=1e-5", "needs a joint"},
         {"joint_compliance:joint1=1e-5", "did you mean joint_1"},
@@ -284,8 +282,8 @@ TEST(test_grammar)
     };
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         assert_int_equal(cli_simulated_parse(&s.hidden, wrong[i].text, &error), MUKCA_USAGE);
-        if (!strstr(error.text, wrong[i].says))
-            fail_msg("%s: '%s' lacks '%s'", wrong[i].text, error.text, wrong[i].says);
+        if (!strstr(error.text, wrong[i].part))
+            fail_msg("%s: '%s' lacks '%s'", wrong[i].text, error.text, wrong[i].part);
     }
     set_scene(&s, "gear_harmonic:joint_4@240=3e-4,4e-4,encoder_eccentricity:joint_1=1e-3", 1);
     assert_int_equal(s.hidden.n_effects, 2);

@@ -79,11 +79,10 @@ TEST(semicolons_may_have_decimal_commas)
     assert_ok(mukca_table_open(&table, scratch_file("t.csv", "a,b,c;d\n"), MUKCA_HEADER, &error));
     assert_int_equal(table.n_columns, 3);
     mukca_table_close(&table);
-    static const struct {
-        const char *text, *part;
-    } bad[] = {{"a;b\n1,2,3;4\n", "t.csv:2: column 'a': '1,2,3' has a decimal comma"},
-               {"a;b\n1.234,5;4\n", "'1.234,5' is not a finite number"},
-               {"a;b\n1,5\n", "t.csv:2: 1 columns, but 2 in the header"}};
+    static const bad_text bad[] = {
+        {"a;b\n1,2,3;4\n", "t.csv:2: column 'a': '1,2,3' has a decimal comma"},
+        {"a;b\n1.234,5;4\n", "'1.234,5' is not a finite number"},
+        {"a;b\n1,5\n", "t.csv:2: 1 columns, but 2 in the header"}};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         const char *path = scratch_file("t.csv", bad[i].text);
         assert_refused(read_all(path, MUKCA_HEADER), bad[i].part);

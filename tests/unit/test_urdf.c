@@ -4,13 +4,6 @@
 #include "scratch.h"
 
 static mukca_chain chain;
-static char notes[1024];
-
-static void note(void *context, const char *text)
-{
-    (void)context;
-    strncat(notes, text, sizeof notes - strlen(notes) - 1);
-}
 
 static mukca_status load(const char *text, const mukca_urdf_options *options)
 {
@@ -63,7 +56,7 @@ TEST(a_chain_is_read_exactly)
     assert_true(chain.element[0].rpy[2] == -0.2);
     assert_true(chain.element[1].xyz[0] == 1e-3 && chain.element[1].xyz[2] == -2);
     assert_true(chain.element[0].axis[2] == 1);
-    assert_non_null(strstr(notes, "joint 'a': its axis has length 3"));
+    assert_part(notes, "joint 'a': its axis has length 3");
     assert_true(chain.element[2].axis[1] == -1);
     assert_true(chain.element[3].axis[0] == 1); /* URDF's default */
     assert_true(chain.element[0].lower == -1 && chain.element[0].upper == 2);
@@ -107,7 +100,7 @@ TEST(any_two_links_make_a_chain)
      * roll cancel to a turn about it */
     assert_close(mukca_dot3(chain.gravity, chain.gravity), 9.80665 * 9.80665, 1e-12);
     assert_close(chain.gravity[0], 9.80665, 1e-12);
-    assert_non_null(strstr(notes, "--gravity"));
+    assert_part(notes, "--gravity");
     options.gravity[1] = 1;
     assert_ok(load(arm, &options));
     assert_true(chain.gravity[0] == 0 && chain.gravity[1] == 1);
@@ -136,9 +129,7 @@ TEST(sha256_is_the_files)
 
 TEST(traps_get_one_clear_line)
 {
-    static const struct {
-        const char *text, *part;
-    } cases[] = {
+    static const bad_text cases[] = {
         {"", "is empty"},
         {"hello", "broken XML"},
         {"<html/>", "not <robot>"},
@@ -169,9 +160,7 @@ TEST(traps_get_one_clear_line)
 
 TEST(bad_masses_get_one_clear_line)
 {
-    static const struct {
-        const char *rows, *part;
-    } inertials[] = {
+    static const bad_text inertials[] = {
         {"l9\t1\t0\t0\t0\n", "did you mean l"},
         {"l1\t-1\t0\t0\t0\n", "i.tsv:2: column 'mass_kg': a mass cannot be negative"},
         {"l1\t1\t0\t0\t0\nl1\t1\t0\t0\t0\n", "i.tsv:3: column 'link': link 'l1' has a row already"},
@@ -179,7 +168,7 @@ TEST(bad_masses_get_one_clear_line)
     for (size_t i = 0; i < sizeof inertials / sizeof *inertials; i++) {
         char text[200];
         snprintf(text, sizeof text, "link\tmass_kg\tcom_x_m\tcom_y_m\tcom_z_m\n%s",
-                 inertials[i].rows);
+                 inertials[i].text);
         const mukca_urdf_options with = {.inertials = scratch_file("i.tsv", text)};
         assert_refused(load(arm, &with), inertials[i].part);
     }
