@@ -12,7 +12,7 @@ import time
 from foreign import Arm, BUILD, Client, MUKCA, ROOT, URDF, check, ended, finish, fresh, mukca, spawn, stop, table
 
 ROUNDS = 100 if os.environ.get("MUKCA_LONG") else 8
-SHIM = os.path.join(BUILD, "tests", "fault.so")
+SHIM = os.path.join(BUILD, "lcm", "fault.so")
 random.seed(int(os.environ.get("POWER_SEED", "4")))
 
 
