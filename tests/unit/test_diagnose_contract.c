@@ -203,13 +203,6 @@ TEST(nothing_to_test)
     char *all = screen(&result);
     assert_part(all, "Nothing can be tested: too few different samples");
     free(all);
-    mukca_offsets *offsets = calloc(1, sizeof *offsets);
-    mukca_chain chain;
-    int left_out;
-    assert_error(cli_diagnosis_offsets(offsets, &chain, &left_out, &result,
-                                       &(cli_frames){.base = false}, &error),
-                 MUKCA_UNIDENTIFIABLE, error, "too few");
-    free(offsets);
 }
 
 TEST_MAIN(set_up, tear_down)

@@ -224,15 +224,4 @@ TEST(mjcf_holds_springs_and_names_the_rest)
     free(text);
 }
 
-TEST(endings_choose_a_format)
-{
-    static const char *const names[][2] = {
-        {"a.urdf", "urdf"}, {"a.b/c.yml", "yaml"}, {"x.yaml", "yaml"}, {"x.h", "c"},
-        {"x.mjcf", "mjcf"}, {"a.b/c", "urdf"},     {"x", "urdf"},      {"x.", "urdf"}};
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
-        assert_string_equal(mukca_exporters[mukca_exporter_find(names[i][0])].name, names[i][1]);
-    assert_int_equal(mukca_exporter_find(NULL), 0);
-    assert_int_equal(mukca_exporter_find("x.sdf"), -1);
-}
-
 TEST_MAIN(setup, scratch_teardown)
