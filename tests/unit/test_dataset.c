@@ -490,44 +490,4 @@ TEST(subsets_keep_what_belongs_to_their_rows)
     mukca_dataset_free(&part);
 }
 
-/* The published data as they lie on disk: three files hold poses of rows that were thrown away. The
- * controller's point is a fixed one beside the ball, so the lever must come out the same in all, to
- * the 2 mm that the arm moved between the two readings; a wrong partner is centimetres off. */
-TEST(published_poses_are_paired)
-{
-    static const char *const placements[] = {"panda_2/back_right", "panda_2/high",
-                                             "panda_2/mid_left", "panda_3/frontleft"};
-    const char *real = getenv("MUKCA_REAL_DATA");
-    char path[512];
-    mukca_chain panda;
-    snprintf(path, sizeof path, "%.400s/panda.urdf", real ? real : "../shared/real");
-    if (access(path, R_OK) != 0) {
-        print_message("SKIPPED: %s is not here; set MUKCA_REAL_DATA\n", path);
-        skip();
-    }
-    assert_ok(mukca_urdf_load(&panda, path, NULL, NULL, NULL, &error));
-    mukca_geometry geometry;
-    mukca_geometry_set(&geometry, &panda, NULL);
-    for (int k = 0; k < 4; k++) {
-        mukca_dataset published;
-        const char *folders[] = {path};
-        const mukca_dataset_options noted = {.note = note};
-        snprintf(path, sizeof path, "%.400s/%s", real ? real : "../shared/real", placements[k]);
-        notes[0] = '\0';
-        assert_ok(mukca_dataset_load(&published, &panda, folders, 1, &noted, &error));
-        assert_part(notes, "dropped, the rest paired");
-        for (int i = 0; i < published.n_rows; i++) {
-            mukca_frame tip;
-            double d[3], lever[3];
-            mukca_fk_pose(&tip, &geometry, published.q + 7 * i, NULL);
-            for (int c = 0; c < 3; c++) d[c] = published.position[3 * i + c] - tip.p[c];
-            mukca_mat3_tvec(lever, tip.R, d);
-            assert_close(lever[0], 0, 3e-3);
-            assert_close(lever[1], 0, 3e-3);
-            assert_close(lever[2], -0.0301, 3e-3);
-        }
-        mukca_dataset_free(&published);
-    }
-}
-
 TEST_MAIN(setup, teardown)

@@ -59,22 +59,6 @@ refuse 2 "expect: no effect is called .rust.; .mukca help effects. lists them" $
 refuse 2 "json and -o cannot both go to" $d good.tsv --json - -o -
 refuse 3 "result.json" $d good.tsv --json result.json
 
-# rows that cannot be read
-cut -f 1-9 good.tsv >narrow.tsv
-refuse 3 "narrow.tsv.*joint_7" $d narrow.tsv
-awk -F'\t' -v OFS='\t' '/^p[1-9]/ && !done { NF--; done = 1 } { print }' good.tsv >short.tsv
-refuse 3 "short.tsv:[0-9]*: 9 columns, but 10 in the header" $d short.tsv
-awk -F'\t' -v OFS='\t' '/^p[1-9]/ && !done { $5 = "nan"; done = 1 } { print }' good.tsv >nan.tsv
-refuse 3 "nan.tsv:[0-9]*: column 'joint_2'" $d nan.tsv
-grep -v '^p[1-9]' good.tsv >empty.tsv
-refuse 3 "empty.tsv: has a header but no rows" $d empty.tsv
-awk -F'\t' '!/^p[1-9]/ || $2 == "0"' good.tsv >half.tsv
-refuse 3 "only one socket; at least two" $d half.tsv
-mkdir folder
-printf '0.1,0.2,0.3,-1,0.5,0.6,0.7\n' >folder/hole_0.csv
-printf '0.1,0.2,0.3\n' >folder/hole_1.csv
-refuse 3 "hole_1.csv:1: 3 columns" $d folder
-
 # rows that can be read but tell nothing: words, not numbers
 awk -F'\t' -v OFS='\t' '/^p[1-9]/ { for (i = 4; i <= 10; i++) $i = 0.1 * i } { print }' good.tsv >same.tsv
 doubt "Nothing can be tested: too few different samples" $d same.tsv
