@@ -78,11 +78,7 @@ def finds_by_listening():
         check("the channel is found by listening, joints by name", client.wait_stream(), p.said)
         for i in range(3):
             arm.go(list(reversed(posture(i))))
-            for _ in range(20):
-                client.wait(lambda: False, 0.17)
-                sample = client.trigger(seconds=2)
-                if not sample or sample.accepted:
-                    break
+            accepted(client, lambda: client.trigger(seconds=2))
         p.wait(20)
         check("--rows ends the session", p.returncode == 0, p.said)
     header, rows = table(path)

@@ -63,6 +63,15 @@ static inline const char *scratch_file(const char *name, const char *text)
     return scratch_bytes(name, text, strlen(text));
 }
 
+/* A file of that name in the folder, open for writing; its path. */
+static inline FILE *scratch_create(const char **path, const char *name)
+{
+    *path = scratch_file(name, "");
+    FILE *file = fopen(*path, "w");
+    assert_non_null(file);
+    return file;
+}
+
 /* The whole of a file, ended by a zero byte; free it. */
 static inline char *scratch_read(const char *path)
 {

@@ -87,10 +87,8 @@ static void check_json(json_t *root, const mukca_chain *chain)
 /* The screen as text; no line wider than 79 columns, no number that is none. */
 static char *screen(const mukca_diagnosed *result)
 {
-    char path[128];
-    snprintf(path, sizeof path, "%s/screen", scratch_folder);
-    FILE *file = fopen(path, "w");
-    assert_non_null(file);
+    const char *path;
+    FILE *file = scratch_create(&path, "screen");
     cli_diagnosis_print(file, result);
     fclose(file);
     char *all = scratch_read(path);

@@ -40,11 +40,10 @@ static mukca_export_input make_input(void)
 /* Export to a file; its content, to be freed. */
 static char *export(const char *name, mukca_status wanted)
 {
-    char path[128];
+    const char *path;
     const mukca_exporter *exporter = mukca_exporters;
     while (strcmp(exporter->name, name) != 0) exporter++;
-    snprintf(path, sizeof path, "%s/export", scratch_folder);
-    FILE *file = fopen(path, "w");
+    FILE *file = scratch_create(&path, "export");
     const mukca_export_input input = make_input();
     assert_int_equal(mukca_export_write(file, exporter, &input, &error), wanted);
     fclose(file);

@@ -12,13 +12,6 @@
 
 static char urdf[] = "data/demo/arm.urdf";
 
-static FILE *create(const char *name)
-{
-    FILE *file = fopen(scratch_file(name, ""), "w");
-    assert_non_null(file);
-    return file;
-}
-
 /* A calibration (of a kind) for the server to use. */
 static void write_model(void)
 {
@@ -32,12 +25,11 @@ static void write_model(void)
     offsets.acceptance.given = offsets.acceptance.accepted = offsets.acceptance.converged = true;
     offsets.acceptance.error_nominal_m = 1e-3;
     offsets.acceptance.error_m = 1e-4;
-    FILE *file = create("in_use.tsv");
+    const char *path;
+    FILE *file = scratch_create(&path, "in_use.tsv");
     assert_ok(mukca_offsets_write(file, &offsets, &chain, NULL, NULL, &error));
     fclose(file);
-    file = create("state.tsv");
-    fputs("model\tx.offsets.tsv\nmodel_stream\traw\n", file);
-    fclose(file);
+    scratch_file("state.tsv", "model\tx.offsets.tsv\nmodel_stream\traw\n");
 }
 
 static void put(unsigned char *bytes, size_t *at, uint64_t value, int size)

@@ -57,9 +57,8 @@ static void add_effects(void)
 /* Write the table; its path. */
 static const char *write_table(void)
 {
-    static char path[128];
-    snprintf(path, sizeof path, "%s/offsets.tsv", scratch_folder);
-    FILE *file = fopen(path, "w");
+    const char *path;
+    FILE *file = scratch_create(&path, "offsets.tsv");
     assert_ok(mukca_offsets_write(file, &offsets, &chain, NULL, "one\ntwo", &error));
     fclose(file);
     return path;

@@ -12,7 +12,7 @@ static void check_table(void)
     static mukca_offsets written, back;
     static mukca_chain chain;
     const mukca_diagnosed result = {.diagnosis = d, .chain = &s.chain, .data = &data};
-    char path[128];
+    const char *path;
     int left_out;
     assert_ok(cli_diagnosis_offsets(&written, &chain, &left_out, &result,
                                     &(cli_frames){.base = false}, &error));
@@ -23,8 +23,7 @@ static void check_table(void)
             const double sigma = written.effect_sigma[e][t];
             assert_true(sigma > 0 && isfinite(sigma));
         }
-    snprintf(path, sizeof path, "%s", scratch_file("offsets.tsv", ""));
-    FILE *file = fopen(path, "w");
+    FILE *file = scratch_create(&path, "offsets.tsv");
     assert_ok(mukca_offsets_write(file, &written, &chain, &data, NULL, &error));
     fclose(file);
     const mukca_offsets_options accept = {.accept = MUKCA_ACCEPT_FAILED};
