@@ -109,31 +109,6 @@ options_do_what_they_say() { # the cost's parts
 }
 ok calibrate_ablations options_do_what_they_say
 
-same_by_all() {
-    local s g cost first=
-    for s in slsqp lbfgs gauss-newton; do
-        for g in fd analytic; do
-            cost=$("${calibrate[@]}" "$dir/all.tsv" -q --json - --solver $s --gradient $g | awk '/"total"/ { print $2 }' | tail -n 1)
-            first=${first:-$cost}
-            awk -v a="$cost" -v b="$first" 'BEGIN { exit !((a - b) / b < 1e-6 && (b - a) / b < 1e-6) }' || return 1
-        done
-    done
-}
-ok calibrate_solvers_agree same_by_all
-
-frozen() {
-    "${calibrate[@]}" "$dir/front.tsv" -q --free j2.x,tool --freeze tool.z -o - 2>/dev/null | grep -v '^#' | cut -f1,2 >"$dir/rows"
-    [ "$(tail -n +2 "$dir/rows" | tr '\t\n' '. ')" = 'j2.x tool.x tool.y tool.roll tool.pitch tool.yaw ' ]
-}
-ok calibrate_free_and_freeze frozen
-
-same_in_any_locale() {
-    LC_ALL=C "${calibrate[@]}" "$dir/all.tsv" -q -o "$dir/c.tsv" &&
-        LC_ALL=de_DE.UTF-8 LC_NUMERIC=de_DE.UTF-8 "${calibrate[@]}" "$dir/all.tsv" -q -o "$dir/de.tsv" &&
-        cmp "$dir/c.tsv" "$dir/de.tsv"
-}
-ok calibrate_locale same_in_any_locale
-
 head -n 1 "$dir/all.tsv" >"$dir/still.tsv"
 for s in s0 s1; do for i in 1 2 3 4; do printf 'p\t%s\t0.1\t0.2\t0.3\n' $s; done; done >>"$dir/still.tsv"
 echo kept >"$dir/there"

@@ -1,4 +1,4 @@
-"""mukca capture with a foreign sender: finding the stream, mapping, triggers, keys, logs."""
+"""mukca capture with a foreign sender: finding the stream, mapping, triggers, keys."""
 import os
 import pty
 import select
@@ -7,8 +7,7 @@ import subprocess
 import termios
 import time
 
-from foreign import (Arm, Client, HOME, JOINTS, MUKCA, ROOT, URDF, accepted, check, ended, finish, fresh, said,
-                     spawn, stop, table, until)
+from foreign import Arm, Client, HOME, JOINTS, MUKCA, ROOT, URDF, accepted, check, ended, finish, fresh, said, spawn, stop, table, until
 
 work = fresh("capture")
 count = 0
@@ -220,67 +219,6 @@ def keys():
     check("keys: and the others stand", [r[:2] for r in table(path)[1]] == [["left", "0"]])
 
 
-def lines():
-    """Joint states by a pipe, triggers over LCM."""
-    path = out()
-    client = Client()
-    p = capture(path, "--stdin", "--trigger", stdin=subprocess.PIPE)
-    rows = []
-    for i in range(1000):  # at 50 Hz: still in two postures, until each is recorded
-        us = int(1e6 * time.time())
-        q = posture(len(rows))
-        p.stdin.write("%d,%d,,grip,%s,0.5,%s,,\n" % (us // 1000000, us % 1000000 * 1000, ",".join(JOINTS),
-                                                  ",".join(map(repr, q))))
-        p.stdin.flush()
-        client.wait(lambda: False, 0.02)
-        if i % 20 == 19:
-            sample = client.trigger("front", str(len(rows)), seconds=2)
-            rows += [list(sample.position)] if sample and sample.accepted else []
-            if len(rows) == 2:
-                break
-    p.stdin.close()
-    ended(p)
-    got = [[float(x) for x in r[3:10]] for r in table(path)[1]]
-    check("lines: triggers over LCM record what the pipe brings",
-          p.returncode == 0 and len(got) == 2 and got == rows, (p.said, got, rows))
-
-
-def loggers():
-    """lcm-logger records a session that capture takes, too; lcm-logplayer plays it to a second one."""
-    live, from_log, played = out(), out(), out()
-    log = os.path.join(work, "logger.lcmlog")
-    client = Client()
-    options = ("--trigger", "--map", "order", "--channel", "IIWA_STATUS")
-    with Arm("iiwa", HOME, 200, "IIWA_STATUS") as arm:
-        logger = subprocess.Popen(["lcm-logger", "-q", "-f", log], stdout=subprocess.DEVNULL,
-                                  stderr=subprocess.DEVNULL)
-        time.sleep(1)
-        p = capture(live, *options)
-        client.wait_stream()
-        rows = trigger_some(client, arm, 6)
-        stop(p, signal.SIGINT)
-        time.sleep(0.3)
-        logger.send_signal(signal.SIGINT)
-        logger.wait(10)
-    check("loggers: 6 samples live", len(rows) == 6, p.said)
-    p = capture(from_log, *options, "--lcm-url", "file://" + log)
-    ended(p)
-    check("loggers: the log of lcm-logger gives the same file",
-          p.returncode == 0 and open(from_log).read() == open(live).read(), p.said)
-    got = []
-    with Arm("iiwa", HOME, 50, "IDLE"):
-        for _ in range(5):  # a busy machine does not play it in real time
-            p = capture(played, *options, "--wait", "20", "--force")
-            until(lambda: said(p, "heard instead"))
-            subprocess.run(["lcm-logplayer", log], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=60)
-            stop(p, signal.SIGINT)
-            got = [[float(x) for x in r[3:10]] for r in table(played)[1]]
-            if got == rows:
-                break
-    check("loggers: lcm-logplayer plays the same session", got == rows, (p.said, got[:1], rows[:1]))
-
-
-for test in (usage, silence, unmapped, finds_by_listening, two_candidates, unknown_type, by_itself,
-             keys, lines, loggers):
+for test in (usage, silence, unmapped, finds_by_listening, two_candidates, unknown_type, by_itself, keys):
     test()
 finish()

@@ -1,6 +1,5 @@
 """Hostile traffic in mid-session: no crash, no hang, no sample lost, one clear line each."""
 import os
-import subprocess
 
 import lcm
 
@@ -86,52 +85,9 @@ def two_arms():
         with Arm("panda", HOME, 100, CHANNEL):
             check("arms: another type is told", s.said("now sends drake.lcmt_panda_status") == 1, s.p.said)
         check("arms: a row after", s.take())
-        with Arm("iiwa", [x + 0.5 for x in HOME], 200, CHANNEL):
-            check("arms: two senders are told", s.said("two arms seem to send on this channel:") == 1, s.p.said)
-            sample = s.client.trigger()
-            check("arms: no row while two send", sample and not sample.accepted, sample and sample.text)
-        check("arms: a row after it left", s.take(), s.p.said)
         s.end("arms")
 
 
-def disk_full():
-    """The disk fills in mid-session, and is emptied again."""
-    disk = fresh("disk")
-    if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=1m", "tmpfs", disk],
-                      capture_output=True).returncode:
-        print("skip disk full: no mount in this namespace")
-        return
-    with Arm("iiwa", HOME, 200, CHANNEL) as arm:
-        s = Session("disk", arm)
-        s.end("disk (elsewhere)")
-        s.path, s.rows = os.path.join(disk, "s.tsv"), []
-        s.p = spawn("capture", "--urdf", URDF, "-o", s.path, "--channel", CHANNEL, "--map", "order",
-                    "--trigger", "--window", "0.05")
-        s.client.wait_stream()
-        check("disk: a row before", s.take())
-        with open(os.path.join(disk, "ballast"), "wb", 0) as f:
-            try:
-                while f.write(b"x" * 1024):
-                    pass
-            except OSError:
-                pass
-        refused = 0
-        for _ in range(30):  # what is left of the last page still takes some rows
-            s.client.wait(lambda: False, 0.12)
-            sample = s.client.trigger("p", "0", seconds=2)
-            if sample and sample.accepted:
-                s.rows.append(list(sample.position))
-            elif sample and "No space left" in sample.text:
-                refused += 1
-                if refused == 2:
-                    break
-        check("disk: a full disk refuses the row and says so", refused == 2, s.p.said[-3:])
-        os.remove(os.path.join(disk, "ballast"))
-        check("disk: a row after there is room", s.take(), s.p.said[-3:])
-        s.end("disk")
-    subprocess.run(["umount", "-l", disk])
-
-
-for test in (wrong_numbers, two_arms, disk_full):
+for test in (wrong_numbers, two_arms):
     test()
 finish()

@@ -135,16 +135,6 @@ TEST(copies_are_used_once)
     assert_int_equal(data.n_rows, 12);
 }
 
-TEST(a_session_without_placements_is_one)
-{
-    assert_ok(load_one(scratch_file("lab.tsv",
-                                    "socket\tj1\tj2\na\t0\t0\nb\t1\t1\na\t0\t0\n"
-                                    "b\t1\t1\n"),
-                       NULL));
-    assert_int_equal(data.n_placements, 1);
-    assert_string_equal(data.placements[0].name, "lab");
-}
-
 static const char *three_sockets(void)
 {
     return scratch_file("three.tsv",
