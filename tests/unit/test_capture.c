@@ -1,4 +1,5 @@
-/* Recording from a stream: still windows, refusals, samples that are due, remarks. */
+/* A sample is the mean of a window in which the arm stands still; moving, old, thin and doubled
+ * streams are refused; odd postures get a remark. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,4 +1,5 @@
-/* What a session is worth so far: a simulated operator with a perturbed 7-axis arm. */
+/* What capture says that a session is worth comes true, for a simulated operator with a perturbed
+ * 7-axis arm. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,4 +1,5 @@
-/* Command lines: parsed by the option tables, told in one line where they are wrong. */
+/* Command lines are parsed by the tables of options, or refused in one line; the tables are
+ * consistent. */
 #include <math.h>
 #include "cli/cli.h"
 

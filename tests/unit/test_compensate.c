@@ -1,4 +1,5 @@
-/* Compensation: 10,000 random targets, limits, paths, poses. */
+/* Corrected joint targets bring the true arm to 10,000 random targets, or say why not; along
+ * paths they are smooth; poses are reached. */
 #include <string.h>
 
 #include "arm/compensate.h"

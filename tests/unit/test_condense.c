@@ -1,4 +1,4 @@
-/* Recordings that repeat postures, and those with too many rows. */
+/* Readings that repeat a posture add nothing; of too many rows few are kept, in blocks. */
 #include <stdlib.h>
 
 #include "diagnose/condense.h"

@@ -1,4 +1,4 @@
-/* What a diagnosis hands over: the contract's JSON, the screen for people, the offsets table. */
+/* A diagnosis hands over every key of the contract's JSON, and a screen of at most 79 columns. */
 #include "cli/diagnose.h"
 
 #include "diagnosed.h"

@@ -1,5 +1,5 @@
-/* Exported models: what a format holds, and what it leaves as it was.
- */
+/* Exported models hold every calibrated number and leave the rest as it was; notes name what a
+ * format lacks. */
 #include "io/export.h"
 
 #include "arms.h"

@@ -1,4 +1,5 @@
-/* Free and frozen parameters, solvers and their verdict, measured poses, what the data can tell. */
+/* Parameters are free as asked for, all solvers reach one minimum, poses are fitted in any frame,
+ * and what the data cannot tell is called so. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,4 +1,5 @@
-/* Pooling of summaries: the population, orders of ripple, departures, and what cannot be pooled. */
+/* Pooled summaries give the population, orders of ripple and departing arms, with intervals that
+ * hold the truth; what does not belong together is refused. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,4 +1,5 @@
-/* LCM message types: fingerprints against lcm-gen's, the .lcm reader, and the bounded decoder. */
+/* LCM messages: fingerprints are lcm-gen's, descriptions are read or refused with their place,
+ * and no message makes the decoder read beyond it. */
 #include <stdlib.h>
 #include <string.h>
 

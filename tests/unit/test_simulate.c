@@ -1,4 +1,5 @@
-/* Simulated recordings: consistent with their truth, effects of the size asked for. */
+/* Simulated recordings agree with their truth: effects, noise and faults have the size asked for.
+ */
 #include "diagnosed.h"
 #include "model/dataset_subset.h"
 #include "mukca/gravity.h"
