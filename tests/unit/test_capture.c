@@ -10,6 +10,7 @@
 
 static mukca_chain chain;
 static mukca_capture capture;
+static mukca_capture_sample sample; /* the last one */
 static mukca_capture_settings settings;
 static char text[MUKCA_CAPTURE_TEXT];
 
@@ -55,7 +56,6 @@ static bool stand(const double q[3], double seconds, double rate, bool guided, i
         if (mukca_capture_due(&s, said, &capture)) {
             due = true;
             *socket = s;
-            mukca_capture_sample sample;
             assert_ok(mukca_capture_take(&sample, &capture, 0, &error));
             capture.socket = s;
             assert_ok(mukca_capture_keep(text, &capture, sample.q, &error));
@@ -77,7 +77,6 @@ static void reach(double q[3], double x, double y, double angle)
 
 TEST(a_sample_is_the_mean_of_the_window)
 {
-    mukca_capture_sample sample;
     assert_error(mukca_capture_take(&sample, &capture, 0, &error), MUKCA_NEGATIVE, error,
                  "no joint state");
     /* 1 kHz; the window of 0.2 s holds the last 200 readings, of which the mean is known */
@@ -97,7 +96,6 @@ TEST(a_sample_is_the_mean_of_the_window)
 
 TEST(moving_stale_and_thin_streams_are_refused)
 {
-    mukca_capture_sample sample;
     for (int i = 0; i < 1000; i++) feed(0.001 * i, (const double[]){0, 0.02 * 0.001 * i, 0});
     assert_error(mukca_capture_take(&sample, &capture, 0, &error), MUKCA_NEGATIVE, error,
                  "the arm moves: A2 by 4.0 mrad");
@@ -125,7 +123,6 @@ TEST(moving_stale_and_thin_streams_are_refused)
 
 static mukca_status arrive(double time, double arrival, double age)
 {
-    mukca_capture_sample sample;
     const double q[3] = {0, 0, 0.1};
     mukca_capture_reading reading = {.time = time, .arrival = arrival, .q = q};
     mukca_capture_feed(&capture, &reading);
@@ -155,7 +152,6 @@ TEST(what_arrives_at_once_is_not_the_present)
 
 TEST(slow_streams_need_three_readings)
 {
-    mukca_capture_sample sample;
     for (int i = 0; i < 5; i++) feed(0.09 * i, (const double[]){0, 0, 0.1});
     assert_ok(mukca_capture_take(&sample, &capture, 0, &error));
     assert_int_equal(sample.n, 3);
@@ -167,7 +163,6 @@ TEST(slow_streams_need_three_readings)
 /* A window fits the ring at any rate; and any clock can be survived. */
 TEST(fast_streams_and_mad_clocks)
 {
-    mukca_capture_sample sample;
     for (int i = 0; i < 400000; i++) feed(2e-6 * i, (const double[]){0.1, 0.2, 0.3});
     assert_ok(mukca_capture_take(&sample, &capture, 0, &error));
     assert_true(sample.n > 1000);
@@ -183,7 +178,6 @@ TEST(fast_streams_and_mad_clocks)
 
 TEST(two_arms_on_one_channel_are_told)
 {
-    mukca_capture_sample sample;
     int told = 0, backwards = 0;
     for (int i = 0; i < 1000; i++) {
         told += feed(0.001 * i, (const double[]){0, 0, 0}) == MUKCA_CAPTURE_TWO_SENDERS;

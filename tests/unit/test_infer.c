@@ -328,10 +328,11 @@ static void pose(problem *p, int sizes)
     project(p);
 }
 
+static problem p, other; /* of the test */
+
 /* Average over the sizes of one block, and its sign. */
 TEST(mixtures)
 {
-    problem p;
     for (int sizes = 1; sizes <= MUKCA_MOST_SIZES; sizes += 2) {
         pose(&p, sizes);
         for (int i = 0; i < ITEMS; i++)
@@ -373,7 +374,6 @@ TEST(values)
 {
     static const int members[][3] = {{4}, {7}, {1, 4}, {0, 8}, {1, 4, 6}, {2, 5, 7}};
     static const int numbers[] = {1, 1, 2, 2, 3, 3}, one[3] = {0};
-    problem p;
     pose(&p, 1);
     for (int i = 0; i < ITEMS; i++) p.item[i].kin = i % 3, p.item[i].kinship = 0.7;
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
@@ -421,7 +421,6 @@ TEST(values)
 TEST(averages)
 {
     static const int pair[2] = {1, 4};
-    problem p;
     mukca_pool pool = {0};
     mukca_sets sets;
     real sum = 0;
@@ -443,7 +442,6 @@ TEST(averages)
 TEST(moves)
 {
     static const int members[] = {1, 4, 6};
-    problem p, other;
     mukca_pool pool = {0};
     mukca_sets sets;
     uint64_t seed = 9;
@@ -496,23 +494,22 @@ static void search(double *probability, const mukca_question *question)
 }
 
 /* The same items in another order. */
-static void permute(problem *p, const problem *from, const int *order)
+static void permute(const int *order)
 {
-    *p = *from;
-    for (int i = 0, at = 0; i < ITEMS; at += p->item[i++].terms) {
-        const mukca_item *h = &from->item[order[i]];
-        memcpy(p->E[at], from->E[h->at], sizeof *p->E * (size_t)h->terms);
-        p->item[i] = *h;
-        p->item[i].at = at;
+    other = p;
+    for (int i = 0, at = 0; i < ITEMS; at += other.item[i++].terms) {
+        const mukca_item *h = &p.item[order[i]];
+        memcpy(other.E[at], p.E[h->at], sizeof *other.E * (size_t)h->terms);
+        other.item[i] = *h;
+        other.item[i].at = at;
     }
-    project(p);
+    project(&other);
 }
 
 TEST(searches)
 {
     static const int order[ITEMS] = {6, 4, 8, 0, 2, 7, 1, 5, 3};
     double probability[ITEMS], again[ITEMS];
-    problem p, other;
     for (int sizes = 1; sizes <= 5; sizes += 4) {
         pose(&p, sizes);
         search(probability, &p.question);
@@ -521,7 +518,7 @@ TEST(searches)
                 assert_true(probability[i] > 0.99);
             else
                 assert_true(probability[i] < 0.1);
-        permute(&other, &p, order);
+        permute(order);
         search(again, &other.question);
         for (int i = 0; i < ITEMS; i++)
             assert_close(again[i], probability[order[i]], 1e-9); /* rounding */
@@ -532,7 +529,6 @@ TEST(searches)
 TEST(duplicates)
 {
     double probability[ITEMS];
-    problem p;
     pose(&p, 5);
     memcpy(p.E[p.item[8].at], p.E[p.item[1].at], sizeof *p.E * 2);
     p.item[8].log_prior = p.item[1].log_prior;
@@ -554,7 +550,6 @@ TEST(kin)
     static const int of[] = {0, 1, 3, 5};
     double probability[ITEMS];
     uint64_t seed = 5;
-    problem p;
     pose(&p, 5);
     for (int i = 0; i < 4; i++) p.item[of[i]].kin = 1, p.item[of[i]].log_prior = -4;
     for (int r = 0; r < ROWS; r++) {

@@ -13,7 +13,7 @@
 
 static mukca_chain chain;
 static mukca_offsets offsets;
-static mukca_corrected model;
+static mukca_corrected model, arm, other;
 static mukca_geometry geometry;
 static char text[1 << 17];
 
@@ -84,15 +84,15 @@ TEST(equals_the_program)
 }
 
 /* Every kind of effect at several joints, in every variant that changes the derivative. */
-static void add_every_effect(mukca_corrected *arm)
+static void add_every_effect(void)
 {
     static const char *const wobbles[] = {"fixed2", "turning1", "cone-2"};
     mukca_random random;
     mukca_random_seed(&random, 14);
-    arm->n_effects = 0;
+    arm.n_effects = 0;
     for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++)
         for (int i = 0; i < (mukca_effect_has_joint(kind) ? 3 : 1); i++) {
-            mukca_effect *e = &arm->effects[arm->n_effects++];
+            mukca_effect *e = &arm.effects[arm.n_effects++];
             const char *variant = kind == MUKCA_EFFECT_GEAR_HARMONIC  ? "5"
                                   : kind == MUKCA_EFFECT_AXIS_WOBBLE  ? wobbles[i]
                                   : kind == MUKCA_EFFECT_READBACK_LAG ? "command"
@@ -131,14 +131,14 @@ static void displace_by(mukca_displacement *d, const mukca_effect *e, const mukc
 }
 
 /* Load of the arm in its displaced posture. */
-static void find_load(mukca_gravity_load *load, const mukca_corrected *arm, const double *q,
-                      const mukca_displacement *d, double payload_kg)
+static void find_load(mukca_gravity_load *load, const double *q, const mukca_displacement *d,
+                      double payload_kg)
 {
-    mukca_geometry bent = arm->geometry;
+    mukca_geometry bent = arm.geometry;
     mukca_frame tilt = {{0}, {0}};
     double turned[MUKCA_MAX_JOINTS], E[9];
-    for (int j = 0; j < arm->chain.n_joints; j++) {
-        double *R = bent.origin[arm->chain.joint_element[j]].R, before[9];
+    for (int j = 0; j < arm.chain.n_joints; j++) {
+        double *R = bent.origin[arm.chain.joint_element[j]].R, before[9];
         memcpy(before, R, sizeof before);
         mukca_rotation_exp(E, d->rotation[j]);
         mukca_mat3_mul(R, before, E);
@@ -146,14 +146,13 @@ static void find_load(mukca_gravity_load *load, const mukca_corrected *arm, cons
     }
     mukca_rotation_exp(tilt.R, d->base);
     mukca_frame_multiply(&bent.origin[0], &tilt, &bent.origin[0]);
-    mukca_chain_moments(load, &arm->chain, &bent, turned, NULL, payload_kg);
+    mukca_chain_moments(load, &arm.chain, &bent, turned, NULL, payload_kg);
 }
 
 /* Newton's method against the plain fixed point: each load at the displaced posture, until nothing
  * changes.  Soft arms, turning and sliding joints, a payload, a base that stands askew. */
 TEST(rest_is_the_fixed_point)
 {
-    static mukca_corrected arm;
     mukca_random random;
     mukca_random_seed(&random, 16);
     for (int i = 0; i < 200; i++) {
@@ -167,12 +166,12 @@ TEST(rest_is_the_fixed_point)
         for (int a = 0; a < 3 && i % 3; a++)
             arm.chain.gravity[a] = 6 * mukca_random_normal(&random);
         mukca_geometry_set(&arm.geometry, &arm.chain, offsets.theta);
-        add_every_effect(&arm);
+        add_every_effect();
         for (int e = 0; e < arm.n_effects; e++) arm.effects[e].coefficient[0] *= i % 5;
         random_angles(q, &random);
         mukca_joint_state now = {.q = q, .time = 100, .payload_kg = i % 4};
         for (int round = 0; round < 100; round++) {
-            find_load(&load, &arm, q, &d, now.payload_kg);
+            find_load(&load, q, &d, now.payload_kg);
             now.torque = load.torque;
             now.moment = (const double(*)[3])load.moment;
             now.base_moment = load.base;
@@ -200,7 +199,6 @@ TEST(rest_is_the_fixed_point)
 TEST(jacobian_is_exact)
 {
     const double h = 4e-4, weight[4] = {1, -8, 8, -1}, at[4] = {-2, -1, 1, 2};
-    static mukca_corrected arm;
     mukca_random random;
     mukca_random_seed(&random, 15);
     for (int i = 0; i < 60; i++) {
@@ -211,7 +209,7 @@ TEST(jacobian_is_exact)
         for (int a = 0; a < 3 && i % 5 > 1; a++)
             arm.chain.gravity[a] = 6 * mukca_random_normal(&random);
         mukca_geometry_set(&arm.geometry, &arm.chain, offsets.theta);
-        add_every_effect(&arm);
+        add_every_effect();
         for (int e = 0; e < arm.n_effects && i % 3; e++) /* a stiff arm */
             if (mukca_effect_table[arm.effects[e].kind]->needs & MUKCA_NEEDS_MASSES)
                 arm.effects[e].coefficient[0] *= 0.1;
@@ -269,7 +267,6 @@ static double torque_at(const double *q, int j, double h)
 TEST(steep_backlash_has_its_slope_at_rest)
 {
     const double scale = 0.02, h = 1e-3;
-    static mukca_corrected arm;
     mukca_random random;
     int found = 0;
     mukca_random_seed(&random, 17);
@@ -313,7 +310,6 @@ TEST(steep_backlash_has_its_slope_at_rest)
 
 TEST(bad_tables_are_refused)
 {
-    static mukca_corrected other;
     static char broken[1 << 17];
     static const char *const spoil[][2] = {
         {"# element:", "# alement:"},       {"revolute", "revolving"},
@@ -346,7 +342,6 @@ TEST(bad_tables_are_refused)
 
 TEST(columns_may_stand_in_any_order)
 {
-    static mukca_corrected other;
     static char reversed[1 << 17];
     size_t to = 0;
     for (const char *line = text; *line;) {

@@ -78,9 +78,13 @@ TEST(effect_columns)
 {
     mukca_regression *m = &f->m;
     int checked = 0;
-    for (int i = 0; i < f->all.first_unlisted; i += 7) {
+    bool seen[MUKCA_EFFECT_COUNT] = {false}; /* each effect, and every seventh candidate */
+    for (int i = 0; i < f->all.first_unlisted; i++) {
         const mukca_candidate *h = &f->all.list[i];
         if (!h->basis || h->kind == MUKCA_CANDIDATE_STRETCH) continue;
+        const int kind = h->kind == MUKCA_CANDIDATE_EFFECT ? (int)h->effect.kind : -1;
+        if (i % 7 && (kind < 0 || seen[kind])) continue;
+        if (kind >= 0) seen[kind] = true;
         double *E = calloc((size_t)(3 * m->recording.n_samples * h->terms), sizeof *E);
         assert_non_null(E);
         mukca_linearisation_columns(E, h->terms, &m->linear, &m->recording, h);

@@ -11,6 +11,7 @@
 
 static mukca_chain chain;
 static char path[80];
+static mukca_session session;
 
 static int setup(void **state)
 {
@@ -27,7 +28,7 @@ static mukca_session_head head(const char *stream)
         .chain = &chain, .stream = stream, .channel = "ARM", .type = "t", .has_effort = true};
 }
 
-static mukca_status add(mukca_session *session, int i)
+static mukca_status add(int i)
 {
     double q[3] = {i / 3., -i, 1e-17}, spread[3] = {1e-5, 0, 2}, effort[3] = {i, 0.5, -1};
     mukca_session_row row = {.placement = "front left",
@@ -36,7 +37,7 @@ static mukca_status add(mukca_session *session, int i)
                              .q = q,
                              .spread = spread,
                              .effort = effort};
-    return mukca_session_add(session, &row, &error);
+    return mukca_session_add(&session, &row, &error);
 }
 
 /* Rows of the file as the project's reader of tables sees them: A1 of row i is expected[i] / 3. */
@@ -69,16 +70,16 @@ static void count_note(void *context, const char *text)
 
 TEST(rows_are_added_undone_and_resumed)
 {
-    mukca_session session, second;
+    mukca_session second;
     mukca_session_head h = head("raw"), corrected = head("corrected"), columns = head("raw");
     int noted = 0;
     unlink(path);
     assert_ok(mukca_session_create(&session, path, false, &h, &error));
     assert_int_equal(mukca_session_delete(&session, 0, "p", "s", &error), MUKCA_INPUT);
-    for (int i = 0; i < 5; i++) assert_ok(add(&session, i));
+    for (int i = 0; i < 5; i++) assert_ok(add(i));
     assert_ok(mukca_session_delete(&session, 0, "front left", "0", &error));
     assert_ok(mukca_session_delete(&session, 0, "front left", "1", &error));
-    assert_ok(add(&session, 9));
+    assert_ok(add(9));
     assert_int_equal(session.n_rows, 4);
     check_rows((const int[]){0, 1, 2, 9}, 4);
 
@@ -92,7 +93,7 @@ TEST(rows_are_added_undone_and_resumed)
     assert_ok(mukca_session_resume(&session, path, &h, count_note, &noted, &error));
     assert_int_equal(noted, 1);
     assert_int_equal(session.n_rows, 4);
-    assert_ok(add(&session, 10));
+    assert_ok(add(10));
     assert_ok(mukca_session_delete(&session, 0, "front left", "0", &error));
     assert_ok(mukca_session_delete(&session, 0, "front left", "1", &error));
     mukca_session_close(&session);
@@ -116,12 +117,11 @@ TEST(rows_are_added_undone_and_resumed)
 TEST(any_beginning_can_be_resumed)
 {
     static char whole[8192], cut[8192];
-    mukca_session session;
     mukca_session_head h = head("raw");
     assert_ok(mukca_session_create(&session, path, true, &h, &error));
     int64_t after[4] = {session.length};
     for (int i = 0; i < 3; i++) {
-        assert_ok(add(&session, i));
+        assert_ok(add(i));
         after[i + 1] = session.length;
     }
     mukca_session_close(&session);
@@ -144,7 +144,7 @@ TEST(any_beginning_can_be_resumed)
         int rows = 0;
         while (rows < 3 && (int64_t)length >= after[rows + 1]) rows++;
         assert_int_equal(session.n_rows, rows);
-        assert_ok(add(&session, 7));
+        assert_ok(add(7));
         mukca_session_close(&session);
         int expected[4] = {0, 1, 2, 2};
         expected[rows] = 7;
@@ -160,24 +160,23 @@ TEST(any_beginning_can_be_resumed)
 /* Disk full in mid-session: the row is refused, the others stay, and later ones go on. */
 TEST(full_disk_refuses_the_row_only)
 {
-    mukca_session session;
     mukca_session_head h = head("raw");
     struct rlimit old, small;
     assert_ok(mukca_session_create(&session, path, true, &h, &error));
-    assert_ok(add(&session, 1));
+    assert_ok(add(1));
     getrlimit(RLIMIT_FSIZE, &old);
     signal(SIGXFSZ, SIG_IGN);
     for (int room = 0; room < 100; room += 11) {
         small.rlim_cur = (rlim_t)session.length + (rlim_t)room;
         small.rlim_max = old.rlim_max;
         setrlimit(RLIMIT_FSIZE, &small);
-        assert_int_equal(add(&session, 2), MUKCA_MEMORY);
+        assert_int_equal(add(2), MUKCA_MEMORY);
         assert_non_null(strstr(error.text, strerror(EFBIG)));
         setrlimit(RLIMIT_FSIZE, &old);
         check_rows((const int[]){1}, 1);
     }
     signal(SIGXFSZ, SIG_DFL);
-    assert_ok(add(&session, 3));
+    assert_ok(add(3));
     mukca_session_close(&session);
     check_rows((const int[]){1, 3}, 2);
 }
