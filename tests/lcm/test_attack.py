@@ -126,7 +126,6 @@ def attack(s, datagrams, p):
         s.sendto(d, GROUP)
         if i % 100 == 99:
             time.sleep(0.005)
-    time.sleep(0.2)
     return p.poll() is None
 
 
@@ -156,11 +155,18 @@ def recorders():
             check(command + ": ends cleanly", code in (0, 130), (code, p.said[-3:]))
 
 
+def listeners():
+    """Sockets of this network that are bound to LCM's port."""
+    with open("/proc/net/udp") as f:
+        return sum(":%04X " % GROUP[1] in line for line in f)
+
+
 def client_of_serve():
     for name, datagrams in ATTACKS.items():
+        before = listeners()
         p = subprocess.Popen([MUKCA, "send", "status", "--timeout", "1"], stdout=subprocess.PIPE,
                              stderr=subprocess.PIPE, text=True)
-        time.sleep(0.2)
+        until(lambda: listeners() > before)
         attack(open_socket(), [d.replace(b"MUKCA_TRIGGER", b"MUKCA_STATUS") for d in datagrams[:300]], p)
         text = p.communicate(timeout=60)[1]
         check("send: " + name, p.returncode == 4 and "no answer" in text, (p.returncode, text))
@@ -222,9 +228,9 @@ def unicast():
                      "ip link set v0 up", there + "ip addr add 10.9.0.2/24 dev v1",
                      there + "ip link set v1 up", there + "ip route add 224.0.0.0/4 dev v1"):
             subprocess.run(line, shell=True, check=True)
-        time.sleep(0.5)
+        until(lambda: "UP" in subprocess.run("ip -br link show v0", shell=True, capture_output=True, text=True).stdout.split())
         subprocess.run(there + sys.executable + " -c \"%s\"" % send, shell=True, check=True)
-        client.wait(lambda: False, 1.0)
+        check("unicast: a command after them is answered", client.command("result"), p.said)
         check("unicast and multicast of another machine are not obeyed",
               not os.path.exists(os.path.join(state, "sessions", "from_afar.tsv")), p.said)
         stop(p)

@@ -104,8 +104,11 @@ def unknown_type():
         check("an unknown type is told with the way to describe it", p.returncode == 3 and
               any("--type FILE.lcm --position FIELD" in x for x in p.said), p.said)
         p = capture(out(), "--trigger", "--wait", "3")
-        time.sleep(1.5)
-        sample = client.trigger()
+        for _ in range(20):  # until it has heard the channel
+            client.wait(lambda: False, 0.1)
+            sample = client.trigger()
+            if sample and "heard" in sample.text:
+                break
         ended(p)
         check("without a channel, too", p.returncode == 4 and any(
             "MY_ARM (unknown type); describe an unknown type with --type" in x for x in p.said), p.said)
@@ -143,10 +146,10 @@ def keys():
     before = termios.tcgetattr(slave)
     screen = b""
 
-    def shown(words, seconds=15):
+    def shown(words, seconds=15, other=None):
         nonlocal screen
         end = time.monotonic() + seconds
-        while words.encode() not in screen and time.monotonic() < end:
+        while words.encode() not in screen and not (other and other in screen) and time.monotonic() < end:
             if select.select([master], [], [], 0.05)[0]:
                 screen += os.read(master, 65536)
         found = words.encode() in screen
@@ -158,6 +161,9 @@ def keys():
         nonlocal screen
         screen = b""
         os.write(master, key.encode())
+
+    def add(words):  # again while the arm still moves
+        return until(lambda: press("a") or shown(words, other=b"not recorded"))
     with Arm("iiwa", posture(0), 200, "IIWA_STATUS") as arm:
         environment = dict(os.environ, TERM="xterm")
         p = subprocess.Popen([MUKCA, "capture", "--urdf", URDF, "-o", path, "--window", "0.1",
@@ -166,22 +172,17 @@ def keys():
         check("keys: the mapping is printed and asked about", shown("Is that right?"), screen)
         press("y\n")
         check("keys: the view comes", shown("finish"), screen)
-        time.sleep(0.3)
-        press("a")
-        check("keys: a adds", shown("row 1: placement front, socket 0"), screen)
+        check("keys: a adds", add("row 1: placement front, socket 0"), screen)
         check("keys: the bell rings for it", shown("\a"), screen)
         arm.go(posture(1))
-        time.sleep(0.4)
         press("s")
         check("keys: s goes to the other socket", shown("now placement front, socket 1"), screen)
-        press("a")
-        check("keys: and a adds there", shown("row 2: placement front, socket 1"), screen)
+        check("keys: and a adds there", add("row 2: placement front, socket 1"), screen)
         press("d")
         check("keys: d deletes", shown("row 2 deleted"), screen)
         press("n")
         check("keys: n begins the next placement", shown("now placement left, socket 0"), screen)
-        press("a")
-        check("keys: a adds to it", shown("row 2: placement left, socket 0"), screen)
+        check("keys: a adds to it", add("row 2: placement left, socket 0"), screen)
         check("keys: the view counts", shown("1 of 20 \u00b7 placement 2 of 4") and shown("samples      2:"), screen)
         arm.go(posture(2), 3)
         time.sleep(0.3)

@@ -92,7 +92,7 @@ expect "and in the report" grep -q "Check: Simulated with .* of 2 recordings; wi
 refuse 2 "check 0: must be a whole number, 1 to 100000" $d good.tsv --check 0
 "$MUKCA" $d good.tsv -q --check 10000 -o never.tsv 2>err &
 process=$!
-sleep 3
+until [ "$(cat /proc/$process/task/*/children | wc -w)" -gt 0 ] || ! kill -0 $process; do sleep 0.02; done
 workers=$(cat /proc/$process/task/*/children)
 kill -s INT $process
 wait $process
@@ -105,9 +105,8 @@ for worker in $workers; do expect "no process stays" sh -c "! kill -0 $worker 2>
 simulate --poses 3000 --effect joint_scale:joint_2=1e-3 -o log.tsv
 "$MUKCA" $d log.tsv -q -o never.tsv 2>err &
 process=$!
-until grep -qxE 'mukca|qemu-.*' /proc/$process/comm || ! kill -0 $process; do sleep 0.02; done
-sleep 0.2
-if grep -q qemu /proc/$process/comm; then sleep 3; fi # emulated, it takes longer to begin
+# until it catches SIGINT, which is bit 1 of this mask
+until grep -q '^SigCgt:.*[2367abef]$' /proc/$process/status || ! kill -0 $process; do sleep 0.02; done
 kill -s INT $process
 wait $process
 code=$?
