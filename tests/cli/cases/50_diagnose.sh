@@ -13,8 +13,6 @@ expect "and what it does to other rows" grep -q '"test_placements\|"test": {' re
 expect "and the sets that were weighed" grep -q '"sets": \[' result.json
 run $d good.tsv -v
 expect "with -v also on the screen" grep -q "^  .* %  joint_compliance joint_2" "$scratch/out"
-run $d good.tsv -q --json -
-expect "JSON to standard output" sh -c "head -n 1 '$scratch/out' | grep -qx '{'"
 run $d good.tsv --expect gear_harmonic
 expect "exit 1 where another cause is expected" test $code -eq 1
 
@@ -53,9 +51,6 @@ expect "the tool's motion is told with its row" grep -q "p2, socket 1, row 7[0-4
 
 # usage
 refuse 2 "needs DATA" $d
-refuse 2 "urdf FILE is needed" diagnose good.tsv
-refuse 2 "json and -o cannot both go to" $d good.tsv --json - -o -
-refuse 3 "result.json" $d good.tsv --json result.json
 
 # rows that can be read but tell nothing: words, not numbers
 awk -F'\t' -v OFS='\t' '/^p[1-9]/ { for (i = 4; i <= 10; i++) $i = 0.1 * i } { print }' good.tsv >same.tsv
