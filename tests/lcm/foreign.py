@@ -253,6 +253,8 @@ class Client:
         return self.answer(mukca.sample, m.id, seconds)
 
     def command(self, verb, *arguments, seconds=60):
+        while self.lc.handle_timeout(0) > 0:
+            pass  # what came meanwhile leaves no room for the answer
         m = mukca.command()
         m.utime, m.id, m.verb = int(time.time() * 1e6), self.next, verb
         m.n, m.argument = len(arguments), list(arguments)
