@@ -16,8 +16,6 @@ exits() { # CODE COMMAND...: and exactly one line of complaint
     [ "$(grep -vc 'note:' "$dir/err")" = 1 ] || { cat "$dir/err"; return 1; }
 }
 
-less() { awk -v a="$1" -v b="$2" 'BEGIN { exit !(a + 0 < b + 0) }'; }
-
 {
     echo '<robot name="planar"><link name="base"/><link name="a"/><link name="b"/><link name="c"/><link name="ball"/>'
     i=0
@@ -111,43 +109,13 @@ options_do_what_they_say() { # the cost's parts
 }
 ok calibrate_ablations options_do_what_they_say
 
-same_by_all() {
-    local s g cost first=
-    for s in slsqp lbfgs gauss-newton; do
-        for g in fd analytic; do
-            cost=$("${calibrate[@]}" "$dir/all.tsv" -q --json - --solver $s --gradient $g | awk '/"total"/ { print $2 }' | tail -n 1)
-            first=${first:-$cost}
-            awk -v a="$cost" -v b="$first" 'BEGIN { exit !((a - b) / b < 1e-6 && (b - a) / b < 1e-6) }' || return 1
-        done
-    done
-}
-ok calibrate_solvers_agree same_by_all
-
-frozen() {
-    "${calibrate[@]}" "$dir/front.tsv" -q --free j2.x,tool --freeze tool.z -o - 2>/dev/null | grep -v '^#' | cut -f1,2 >"$dir/rows"
-    [ "$(tail -n +2 "$dir/rows" | tr '\t\n' '. ')" = 'j2.x tool.x tool.y tool.roll tool.pitch tool.yaw ' ]
-}
-ok calibrate_free_and_freeze frozen
-
-same_in_any_locale() {
-    LC_ALL=C "${calibrate[@]}" "$dir/all.tsv" -q -o "$dir/c.tsv" &&
-        LC_ALL=de_DE.UTF-8 LC_NUMERIC=de_DE.UTF-8 "${calibrate[@]}" "$dir/all.tsv" -q -o "$dir/de.tsv" &&
-        cmp "$dir/c.tsv" "$dir/de.tsv"
-}
-ok calibrate_locale same_in_any_locale
-
 head -n 1 "$dir/all.tsv" >"$dir/still.tsv"
 for s in s0 s1; do for i in 1 2 3 4; do printf 'p\t%s\t0.1\t0.2\t0.3\n' $s; done; done >>"$dir/still.tsv"
-grep -E '^placement|s0' "$dir/front.tsv" >"$dir/single.tsv"
 echo kept >"$dir/there"
 ok calibrate_nothing_moves exits 5 "${calibrate[@]}" -q "$dir/still.tsv" -o "$dir/none"
 ok calibrate_wrote_nothing test ! -e "$dir/none"
-ok calibrate_single_socket exits 3 "${calibrate[@]}" -q "$dir/single.tsv"
-ok calibrate_no_data exits 3 "${calibrate[@]}" -q "$dir/missing.tsv"
-ok calibrate_existing exits 3 "${calibrate[@]}" -q "$dir/front.tsv" -o "$dir/there"
 ok calibrate_existing_trace exits 3 "${calibrate[@]}" -q "$dir/front.tsv" --trace "$dir/there"
 ok calibrate_left_it grep -qx kept "$dir/there"
-ok calibrate_full_disk exits 6 "${calibrate[@]}" -q "$dir/front.tsv" -o /dev/full
 ok calibrate_full_disk_trace exits 6 "${calibrate[@]}" -q "$dir/front.tsv" --trace /dev/full
 ok calibrate_lambda exits 2 "${calibrate[@]}" -q "$dir/front.tsv" --lambda -1
 ok calibrate_unknown_parameter exits 2 "${calibrate[@]}" -q "$dir/front.tsv" --free j9.x

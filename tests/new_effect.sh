@@ -1,16 +1,16 @@
-#!/bin/sh
+#!/bin/bash
 # A new effect is one new file and one row of the catalogue: adds a toy effect to a copy of the
 # sources, simulates a session with it, and has `diagnose` name it at the right joint.
 set -eu
 cd "$(dirname "$0")/.."
+# shellcheck source=tests/ok.bash
+. tests/ok.bash
 build=${BUILD:-$PWD/build}
-scratch=$(mktemp -d)
-trap 'rm -rf "$scratch"' EXIT
-cp -r Makefile src include tools "$scratch"
-mkdir "$scratch/build"
-cp "$build/config.mk" "$scratch/build"
-cp data/demo/arm.urdf "$scratch"
-cd "$scratch"
+cp -r Makefile src include tools "$dir"
+mkdir "$dir/build"
+cp "$build/config.mk" "$dir/build"
+cp data/demo/arm.urdf "$dir"
+cd "$dir"
 
 cat >src/effect/joint_quadratic.c <<'EOF'
 /* A toy: the error of the angle grows with the square of the angle. */
@@ -45,27 +45,15 @@ const mukca_effect_ops mukca_joint_quadratic_effect = {
 };
 EOF
 sed -i 's/^\( *\)X(JOINT_SCALE, joint_scale) *\\$/&\n\1X(JOINT_QUADRATIC, joint_quadratic) \\/' include/mukca/effect.h
-if ! make -s BUILD=build OPTIMISE=-O1 build/mukca >log 2>&1; then
-    echo "not ok the program builds with a new effect"
-    cat log
-    exit 1
-fi
-
+ok "the program builds with a new effect" make -s BUILD=build OPTIMISE=-O0 HARDENING= build/mukca
 build/mukca simulate --urdf arm.urdf --seed 5 --noise 5e-5 --rows 30 --perturb 1,2 -q \
     --effect joint_quadratic:joint_3=1.5e-3 --truth truth.tsv -o session.tsv
 build/mukca diagnose --urdf arm.urdf session.tsv -q --json - >diagnosis.json || true
-fail=0
-check() { # NAME PATTERN FILE
-    if grep -q "$2" "$3"; then echo "ok $1"; else
-        echo "not ok $1"
-        fail=1
-    fi
-}
 tr -d '\n' <diagnosis.json | sed 's/.*"causes": *\[//; s/}.*//' >first_cause
-check "diagnose names a new effect" '"effect": "joint_quadratic"' first_cause
-check "at its joint" '"joint": "joint_3"' first_cause
-check "an offsets table holds it" "^joint_3	joint_quadratic	rad/rad^2	" truth.tsv
+ok "diagnose names a new effect" grep -q '"effect": "joint_quadratic"' first_cause
+ok "at its joint" grep -q '"joint": "joint_3"' first_cause
+ok "an offsets table holds it" grep -q "^joint_3	joint_quadratic	rad/rad^2	" truth.tsv
 build/mukca help effects >effects
-check "help lists it" '^joint_quadratic (rad/rad^2)' effects
-build/mukca fk --urdf arm.urdf --offsets truth.tsv session.tsv >positions || fail=1
-exit $fail
+ok "help lists it" grep -q '^joint_quadratic (rad/rad^2)' effects
+ok "fk applies it" build/mukca fk --urdf arm.urdf --offsets truth.tsv session.tsv
+exit $failed

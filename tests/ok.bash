@@ -16,3 +16,16 @@ ok() { # NAME COMMAND...
         failed=1
     fi
 }
+refuses() { # NAME CODE PATTERN COMMAND...: what it prints matches
+    local code
+    "${@:4}" >"$dir/out" 2>"$dir/err"
+    code=$?
+    if [ $code = "$2" ] && cat "$dir/out" "$dir/err" | grep -q -- "$3"; then
+        echo "ok $1"
+    else
+        echo "not ok $1: exit $code, wanted $2 and '$3'"
+        tail -n 3 "$dir/err"
+        failed=1
+    fi
+}
+less() { awk -v a="$1" -v b="$2" 'BEGIN { exit !(a + 0 < b + 0) }'; }

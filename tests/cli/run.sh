@@ -78,23 +78,23 @@ refuse() {
     fi
 }
 
-accept() {
-    pattern=$1
-    shift
+# code, file and pattern of what a command says; its arguments
+says() {
+    wanted=$1 where=$2 pattern=$3
+    shift 3
     run "$@"
-    if [ $code -ne 0 ] || ! grep -q -- "$pattern" "$scratch/err"; then
-        fail "accepts: mukca $*" "exit $code, and not '$pattern' but: $(cat "$scratch/err")"
-    else
-        pass "accepts: mukca $*"
+    # shellcheck disable=SC2086
+    if [ $code -ne "$wanted" ] || ! (cd "$scratch" && cat $where) | grep -q -- "$pattern"; then
+        fail "says '$pattern': mukca $*" "exit $code: $(cat "$scratch/out" "$scratch/err")"
+        return 1
     fi
 }
 
+accept() { ! says 0 err "$@" || pass "accepts: mukca $*"; }
+
 answer() {
-    pattern=$1
-    shift
-    run "$@"
-    if [ $code -ne 0 ] || ! grep -q -- "$pattern" "$scratch/out"; then
-        fail "answers: mukca $*" "exit $code, and not '$pattern' but: $(cat "$scratch/out" "$scratch/err")"
+    if ! says 0 out "$@"; then
+        return
     elif grep -v '^mukca: note: ' "$scratch/err" >"$scratch/said"; then
         fail "answers: mukca $*" "standard error: $(cat "$scratch/said")"
     else
@@ -102,16 +102,7 @@ answer() {
     fi
 }
 
-doubt() {
-    pattern=$1
-    shift
-    run "$@"
-    if [ $code -ne 1 ] || ! grep -q -- "$pattern" "$scratch/out" "$scratch/err"; then
-        fail "doubts: mukca $*" "exit $code, and not '$pattern' but: $(cat "$scratch/out" "$scratch/err")"
-    else
-        pass "doubts: mukca $*"
-    fi
-}
+doubt() { ! says 1 'out err' "$@" || pass "doubts: mukca $*"; }
 
 expect() {
     name=$1

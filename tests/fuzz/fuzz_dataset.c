@@ -1,15 +1,15 @@
 /* Sessions, pose logs, distances and inertials: read or refused; what is read is consistent. */
 #include <string.h>
 
+#include "../unit/arms.h"
 #include "dataset_check.h"
 #include "io/dataset.h"
 #include "io/urdf.h"
 #include "memory_file.h"
-#include "two_joints.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
-    const mukca_chain *chain = two_joints();
+    static mukca_chain chain;
     static const uint8_t session[] =
         "placement\tsocket\tj1\tj2\np\ta\t0\t0\np\tb\t0\t0\np\tc\t0\t0\n";
     mukca_dataset data;
@@ -17,13 +17,14 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     mukca_inertial *list;
     int n;
     const char *path = memory_file(bytes, size), *fixed = memory_file(session, sizeof session - 1);
+    make_chain(&chain, "RR", NULL, "j", 3);
     mukca_dataset_options options = {.partial = size % 2 == 0};
-    mukca_status status = mukca_dataset_load(&data, chain, &path, 1, &options, &error);
+    mukca_status status = mukca_dataset_load(&data, &chain, &path, 1, &options, &error);
     if (status && (!error.text[0] || strchr(error.text, '\n'))) abort();
     if (status == MUKCA_OK) dataset_check(&data);
     mukca_dataset_free(&data);
     options = (mukca_dataset_options){.distances = path, .partial = true};
-    if (mukca_dataset_load(&data, chain, &fixed, 1, &options, &error) == MUKCA_OK)
+    if (mukca_dataset_load(&data, &chain, &fixed, 1, &options, &error) == MUKCA_OK)
         dataset_check(&data);
     mukca_dataset_free(&data);
     if (mukca_inertials_read(&list, &n, path, &error) == MUKCA_OK) free(list);

@@ -2,10 +2,10 @@
  * =NAME begins the file hole_NAME.csv: 0, 1, 2, 0_pose or 1_pose. */
 #include <string.h>
 
+#include "../unit/arms.h"
 #include "dataset_check.h"
 #include "io/dataset.h"
 #include "memory_folder.h"
-#include "two_joints.h"
 
 /* The size of what lies before the next line =NAME. */
 static size_t section(const uint8_t *bytes, size_t size)
@@ -35,12 +35,14 @@ static void write_files(const uint8_t *bytes, size_t size)
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
+    static mukca_chain chain;
     mukca_dataset data;
     mukca_error error = {MUKCA_OK, ""};
     const char *folder = memory_folder();
     write_files(bytes, size);
     const mukca_dataset_options options = {.partial = size % 2 == 0};
-    mukca_status status = mukca_dataset_load(&data, two_joints(), &folder, 1, &options, &error);
+    make_chain(&chain, "RR", NULL, "j", 3);
+    mukca_status status = mukca_dataset_load(&data, &chain, &folder, 1, &options, &error);
     if (status && (!error.text[0] || strchr(error.text, '\n'))) abort();
     if (status == MUKCA_OK) {
         dataset_check(&data);

@@ -1,6 +1,7 @@
 /* Factory files: read or refused in one line, and then applied to an arm or refused in one line. */
 #include <string.h>
 
+#include "../unit/arms.h"
 #include "io/kinematics.h"
 #include "memory_file.h"
 
@@ -10,12 +11,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     static mukca_chain chain;
     mukca_error error = {MUKCA_OK, ""};
     const char *path = memory_file(bytes, size);
-    chain = (mukca_chain){.n_elements = 2, .n_joints = 2, .joint_element = {0, 1}};
-    for (int k = 0; k < 2; k++) {
-        mukca_element *e = &chain.element[k];
-        snprintf(e->name, sizeof e->name, "arm_joint%d", k + 1);
-        snprintf(e->child, sizeof e->child, k ? "upper_arm_link" : "shoulder_link");
-    }
+    make_chain(&chain, "RR", NULL, "arm_joint", 3);
+    for (int k = 0; k < 2; k++)
+        snprintf(chain.element[k].child, sizeof chain.element[k].child,
+                 k ? "upper_arm_link" : "shoulder_link");
     mukca_status status = mukca_kinematics_read(&kinematics, path, &error);
     if (status == MUKCA_OK && (kinematics.n < 1 || !kinematics.layout)) abort();
     if (status == MUKCA_OK)

@@ -1,6 +1,7 @@
 /* Offsets tables: what is read can be written and read again without a change. */
 #include <string.h>
 
+#include "../unit/arms.h"
 #include "io/offsets.h"
 #include "memory_file.h"
 
@@ -31,14 +32,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
     static mukca_offsets offsets;
     mukca_error error = {MUKCA_OK, ""};
+    make_chain(&chain, "RR", NULL, "j", 3);
     memcpy(chain.urdf_sha256, "abc", 4);
-    chain.n_elements = chain.n_joints = 2;
-    for (int j = 0; j < 2; j++) {
-        snprintf(chain.element[j].name, sizeof chain.element[j].name, "j%d", j + 1);
-        chain.element[j].type = MUKCA_REVOLUTE;
-        chain.element[j].joint = chain.joint_element[j] = j;
-        chain.element[j].axis[2] = 1;
-    }
     const char *path = memory_file(bytes, size);
     mukca_status status = mukca_offsets_read(
         &offsets, &chain, path,

@@ -2,9 +2,9 @@
 #include <math.h>
 #include <string.h>
 
+#include "../unit/arms.h"
 #include "io/pose_stream.h"
 #include "memory_file.h"
-#include "two_joints.h"
 
 static void check_row(const mukca_pose_row *row)
 {
@@ -35,9 +35,11 @@ static int read_all(mukca_pose_log *log, double *sum, mukca_error *error)
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
+    static mukca_chain chain;
     mukca_error error = {MUKCA_OK, ""};
     const char *path = memory_file(bytes, size), *const paths[2] = {path, path};
-    mukca_pose_stream stream = {.paths = paths, .n_paths = 2, .chain = two_joints()};
+    make_chain(&chain, "RR", NULL, "j", 3);
+    mukca_pose_stream stream = {.paths = paths, .n_paths = 2, .chain = &chain};
     mukca_pose_log log;
     double first, again;
     mukca_pose_stream_start(&log, &stream);

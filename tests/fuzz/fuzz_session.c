@@ -2,18 +2,14 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "../unit/arms.h"
 #include "io/session_append.h"
 #include "memory_file.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
     static mukca_chain chain;
-    if (!chain.n_joints) {
-        chain.n_joints = chain.n_elements = 2;
-        chain.joint_element[1] = 1;
-        memcpy(chain.element[0].name, "A1", 3);
-        memcpy(chain.element[1].name, "A2", 3);
-    }
+    make_chain(&chain, "RR", NULL, "A", 3);
     const double q[2] = {0.1, 0.2};
     mukca_session_head head = {.chain = &chain, .stream = "raw", .channel = "C", .type = "t"};
     mukca_session_row row = {.placement = "p", .socket = "0", .time = 1, .q = q, .spread = q};

@@ -1,6 +1,7 @@
 /* Specifications of simulated effects: read or refused in one line, within the tables. */
 #include <string.h>
 
+#include "../unit/arms.h"
 #include "cli/simulate.h"
 #include "memory_file.h"
 
@@ -14,13 +15,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     if (size >= sizeof text || memchr(bytes, 0, size)) return 0;
     memcpy(text, bytes, size);
     text[size] = '\0';
-    chain.n_elements = chain.n_joints = 2;
-    for (int j = 0; j < 2; j++) {
-        snprintf(chain.element[j].name, sizeof chain.element[j].name, "j%d", j + 1);
-        chain.element[j].type = j ? MUKCA_PRISMATIC : MUKCA_REVOLUTE;
-        chain.element[j].axis[2] = 1;
-        chain.joint_element[j] = j;
-    }
+    make_chain(&chain, "RP", NULL, "j", 3);
     memset(&simulated, 0, sizeof simulated);
     simulated.chain = &chain;
     simulated.places = places;

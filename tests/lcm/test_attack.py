@@ -11,11 +11,9 @@ import time
 import types
 
 import foreign
-from foreign import accepted, Arm, Client, MUKCA, ROOT, check, demo_rows, finish, fresh, mukca, said, spawn, stop, until
+from foreign import (Arm, Client, HOME, MUKCA, ROWS, URDF, accepted, check, finish, fresh, mukca, said, serve, spawn,
+                     stop, until)
 
-URDF = os.path.join(ROOT, "data", "demo", "arm.urdf")
-ROWS = demo_rows(os.path.join(ROOT, "data", "demo", "train.tsv"))[1]
-HOME = [0.1, 0.4, -0.2, -1.3, 0.3, 1.1, 0.2]
 GROUP = ("239.255.76.67", 7667)
 LONG = bool(os.environ.get("MUKCA_LONG"))
 MEMORY_KIB = 64 * 1024
@@ -128,7 +126,6 @@ def attack(s, datagrams, p):
         s.sendto(d, GROUP)
         if i % 100 == 99:
             time.sleep(0.005)
-    time.sleep(0.2)
     return p.poll() is None
 
 
@@ -158,11 +155,18 @@ def recorders():
             check(command + ": ends cleanly", code in (0, 130), (code, p.said[-3:]))
 
 
+def listeners():
+    """Sockets of this network that are bound to LCM's port."""
+    with open("/proc/net/udp") as f:
+        return sum(":%04X " % GROUP[1] in line for line in f)
+
+
 def client_of_serve():
     for name, datagrams in ATTACKS.items():
+        before = listeners()
         p = subprocess.Popen([MUKCA, "send", "status", "--timeout", "1"], stdout=subprocess.PIPE,
                              stderr=subprocess.PIPE, text=True)
-        time.sleep(0.2)
+        until(lambda: listeners() > before)
         attack(open_socket(), [d.replace(b"MUKCA_TRIGGER", b"MUKCA_STATUS") for d in datagrams[:300]], p)
         text = p.communicate(timeout=60)[1]
         check("send: " + name, p.returncode == 4 and "no answer" in text, (p.returncode, text))
@@ -172,7 +176,7 @@ def flood(name, make, seconds):
     """Messages as fast as they can be sent; then the time until a command is answered."""
     state, client = fresh("flood_" + name), Client()
     with Arm("iiwa", HOME, 200, "IIWA_STATUS") as arm:
-        p = spawn("serve", *COMMON, "--state", state)
+        p = serve(state)
         check("flood of %s: begins" % name, client.wait_stream(), p.said)
         client.command("start", "s")
         check("flood of %s: a sample before" % name, take(client, arm, ROWS[0]), p.said[-3:])
@@ -183,8 +187,6 @@ def flood(name, make, seconds):
                 sent += 1
             most = max(most, memory(p))
         begin = time.monotonic()
-        while client.lc.handle_timeout(0):
-            pass  # the flood filled this client's socket, too
         answer = client.command("socket", "0", seconds=20)
         wait = time.monotonic() - begin
         print("# %s: %.0f messages/s, at most %.1f MB, answer after %.2f s, %d lines" %
@@ -211,7 +213,7 @@ def unicast():
     state, client = fresh("unicast"), Client()
     other = subprocess.Popen(["unshare", "-n", "sleep", "60"])
     with Arm("iiwa", HOME, 200, "IIWA_STATUS") as arm:
-        p = spawn("serve", *COMMON, "--state", state)
+        p = serve(state)
         client.wait_stream()
         there = "nsenter -t %d -n " % other.pid
         path = os.path.join(state, "datagram")
@@ -224,9 +226,9 @@ def unicast():
                      "ip link set v0 up", there + "ip addr add 10.9.0.2/24 dev v1",
                      there + "ip link set v1 up", there + "ip route add 224.0.0.0/4 dev v1"):
             subprocess.run(line, shell=True, check=True)
-        time.sleep(0.5)
+        until(lambda: "UP" in subprocess.run("ip -br link show v0", shell=True, capture_output=True, text=True).stdout.split())
         subprocess.run(there + sys.executable + " -c \"%s\"" % send, shell=True, check=True)
-        client.wait(lambda: False, 1.0)
+        check("unicast: a command after them is answered", client.command("result"), p.said)
         check("unicast and multicast of another machine are not obeyed",
               not os.path.exists(os.path.join(state, "sessions", "from_afar.tsv")), p.said)
         stop(p)
@@ -238,7 +240,7 @@ def rights():
     """What serve refuses unless --accept names it; lines for people hold no control characters."""
     state, client = fresh("rights"), Client()
     with Arm("iiwa", HOME, 200, "IIWA_STATUS") as arm:
-        p = spawn("serve", *COMMON, "--state", state)
+        p = serve(state)
         check("rights: begins", client.wait_stream(), p.said)
         client.command("start", "a")
         check("rights: a sample", take(client, arm, ROWS[0]), p.said[-3:])
@@ -259,17 +261,17 @@ def rights():
         made, took = len(os.listdir(os.path.join(state, "sessions"))) - 1, time.monotonic() - begin
         check("rights: new sessions are limited", codes[0] == 0 and made < 12 + 0.1 * took, (codes, made, took))
         stop(p)
-        p = spawn("serve", *COMMON, "--state", state, "--accept", "start,reopen,delete")
+        p = serve(state, "--accept", "start,reopen,delete")
         client.wait_stream()
         check("rights: reopen named", client.command("start", "a").code == 0)
         sample = client.trigger("p", "0", seconds=1)
         check("rights: triggers not named", sample and not sample.accepted and "--accept" in sample.text, sample)
         check("rights: delete named", client.command("delete").code == 0)
         stop(p)
-    p = spawn("serve", *COMMON, "--state", state, "--accept", "dance")
+    p = serve(state, "--accept", "dance")
     check("rights: unknown command", p.wait(10) == 2)
     for option in ("--interface", "--from"):
-        p = spawn("serve", *COMMON, "--state", state, option, "lo")
+        p = serve(state, option, "lo")
         check("rights: %s takes an address" % option, p.wait(10) == 2)
 
 
@@ -277,10 +279,10 @@ def forged_states():
     """A second sender of joint states that differ by less than the noise of a gear."""
     state, client = fresh("forged"), Client()
     with Arm("iiwa", HOME, 200, "IIWA_STATUS") as arm:
-        p = spawn("serve", *COMMON, "--state", state, "--from", "127.0.0.1,0.0.0.0")
+        p = serve(state, "--from", "127.0.0.1,0.0.0.0")
         p.wait(10)
         check("forged: 0.0.0.0 is no sender to name", p.returncode == 2)
-        p = spawn("serve", *COMMON, "--state", state)
+        p = serve(state)
         client.wait_stream()
         client.command("start", "s")
         check("forged: a sample before", take(client, arm, ROWS[0]), p.said[-3:])
@@ -319,7 +321,7 @@ def signatures():
 
     with Arm("iiwa", HOME, 200, "IIWA_STATUS") as arm:
         before = signed(key, "MUKCA_COMMAND", command("start", "early"))
-        p = spawn("serve", *COMMON, "--state", state, "--key", path)
+        p = serve(state, "--key", path)
         check("signed: begins", client.wait_stream(), p.said)
         client.lc.publish("MUKCA_COMMAND", before)
         answer = client.command("start", "x")
@@ -355,7 +357,7 @@ def signatures():
         check("signed: ends cleanly", stop(p) == 0)
     again = fresh("signatures_again")
     os.chmod(path, 0o604)
-    p = spawn("serve", *COMMON, "--state", again, "--key", path)
+    p = serve(again, "--key", path)
     check("signed: a key that all can read", p.wait(10) == 3)
 
 
@@ -365,7 +367,7 @@ def controllers():
     other.lc.sender.bind(("127.0.0.2", 0))
     other.next = 1000
     with Arm("iiwa", HOME, 200, "IIWA_STATUS") as arm:
-        p = spawn("serve", *COMMON, "--state", state)
+        p = serve(state)
         check("controllers: begins", client.wait_stream(), p.said)
         check("controllers: one begins a session", client.command("start", "a").code == 0)
         for verb, arguments in (("start", ["b"]), ("socket", ["1"]), ("finish", []), ("calibrate", [])):

@@ -4,7 +4,7 @@ import json
 import os
 import subprocess
 
-from foreign import Arm, Client, MUKCA, check, finish, fresh, robots, spawn, stop, table
+from foreign import Arm, Client, MUKCA, accepted, check, finish, fresh, robots, spawn, stop, table
 
 SAMPLES = 60
 
@@ -19,7 +19,7 @@ def play(name, kind, rate, channel, urdf, rows):
         check(name + ": serve hears the stream", client.wait_stream(), serve.said)
         answer = client.command("start", "guided")
         check(name + ": start", answer and answer.code == 0, serve.said)
-        accepted, moving, values = 0, 0, []
+        kept, moving, values = 0, 0, []
         for i, (placement, socket, q) in enumerate(rows):
             arm.go(q, 5.0 if i % 20 == 5 else 0.05)
             if i % 20 == 5:  # in mid-motion; a busy machine may lack joint states at first
@@ -30,14 +30,10 @@ def play(name, kind, rate, channel, urdf, rows):
                         break
                 arm.go(q)
                 moving += bool(sample and not sample.accepted and "moves" in sample.text)
-            for _ in range(50):  # an operator tries again
-                client.wait(lambda: False, 0.17)
-                sample = client.trigger(placement, socket)
-                if sample and sample.accepted:
-                    break
-            accepted += bool(sample and sample.accepted and sample.row == i + 1)
+            sample = accepted(client, lambda: client.trigger(placement, socket))
+            kept += bool(sample and sample.row == i + 1)
             values.append(list(sample.position) if sample else None)
-        check(name + ": %d samples" % SAMPLES, accepted == len(rows), (accepted, serve.said[-5:]))
+        check(name + ": %d samples" % SAMPLES, kept == len(rows), (kept, serve.said[-5:]))
         check(name + ": triggers while moving are refused and say so", moving == 3, moving)
         result = client.command("calibrate")
         sent = arm.sent

@@ -9,11 +9,10 @@ import signal
 import subprocess
 import time
 
-from foreign import Arm, BUILD, Client, MUKCA, ROOT, check, finish, fresh, mukca, spawn, stop, table
+from foreign import Arm, BUILD, Client, MUKCA, ROOT, URDF, check, ended, finish, fresh, mukca, spawn, stop, table
 
-URDF = os.path.join(ROOT, "data", "demo", "arm.urdf")
 ROUNDS = 100 if os.environ.get("MUKCA_LONG") else 8
-SHIM = os.path.join(BUILD, "tests", "fault.so")
+SHIM = os.path.join(BUILD, "lcm", "fault.so")
 random.seed(int(os.environ.get("POWER_SEED", "4")))
 
 

@@ -4,7 +4,6 @@ import os
 import signal
 import socket
 import subprocess
-import time
 
 from foreign import Arm, Client, MUKCA, check, finish, fresh, mukca, robots, spawn, stop, table, take
 
@@ -184,6 +183,9 @@ def its_client(client, state):
           answer.stderr, answer.stderr)
     answer = send("socket", "1")
     check("send with an argument", answer.returncode == 0 and "socket 1" in answer.stdout, answer.stdout)
+    for line in subprocess.run([MUKCA, "completion", "examples"], capture_output=True, text=True).stdout.splitlines():
+        if line.startswith("mukca send "):
+            check("help example: " + line, send(*line.split()[2:]).returncode == 0)
     stop(p)
 
 

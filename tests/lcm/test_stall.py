@@ -7,10 +7,8 @@ import subprocess
 import threading
 import time
 
-from foreign import accepted, Arm, Client, MUKCA, ROOT, check, finish, fresh, mukca, spawn, stop, table
+from foreign import Arm, Client, HOME, MUKCA, URDF, accepted, check, finish, fresh, mukca, spawn, stop, table
 
-URDF = os.path.join(ROOT, "data", "demo", "arm.urdf")
-HOME = [0.1, 0.4, -0.2, -1.3, 0.3, 1.1, 0.2]
 NETWORK = "udpm://239.255.76.67:7667?recv_buf_size=%d"
 ROUNDS = 20 if os.environ.get("MUKCA_LONG") else 3
 OPTIONS = ("--urdf", URDF, "--channel", "IIWA_STATUS", "--map", "order", "--trigger")

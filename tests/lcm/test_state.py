@@ -2,15 +2,8 @@
 import fcntl
 import os
 
-from foreign import Arm, Client, ROOT, check, demo_rows, finish, fresh, spawn, stop, table, take
+from foreign import Arm, Client, ROWS, check, finish, fresh, serve, stop, table, take
 
-URDF = os.path.join(ROOT, "data", "demo", "arm.urdf")
-ROWS = demo_rows(os.path.join(ROOT, "data", "demo", "train.tsv"))[1]
-
-
-def serve(state, *more):
-    return spawn("serve", "--urdf", URDF, "--channel", "IIWA_STATUS", "--map", "order", "--state", state,
-                 "--window", "0.05", *more)
 
 
 def recorded(state, name):

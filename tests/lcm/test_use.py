@@ -3,17 +3,9 @@ import os
 import random
 import shutil
 
-from foreign import Arm, Client, ROOT, check, demo_rows, finish, fresh, mukca, spawn, stop, take
+from foreign import Arm, Client, HOME, ROWS, check, finish, fresh, mukca, serve, stop, take
 
-URDF = os.path.join(ROOT, "data", "demo", "arm.urdf")
-ROWS = demo_rows(os.path.join(ROOT, "data", "demo", "train.tsv"))[1]
-HOME = [0.1, 0.4, -0.2, -1.3, 0.3, 1.1, 0.2]
 DEFAULT = "start,add,trigger,socket,placement,finish,calibrate,diagnose,result"
-
-
-def serve(state, *more):
-    return spawn("serve", "--urdf", URDF, "--channel", "IIWA_STATUS", "--map", "order", "--state", state,
-                 "--window", "0.05", "--publish-pose", *(more or ("--accept", DEFAULT + ",use")))
 
 
 def pose(client, arm):
@@ -63,7 +55,7 @@ def main():
     evil = [("x%d" % random.randrange(2), random.choice("01"), q) for _, _, q in good[:24]]
     still = [("a", "01"[i % 2], [x + 1e-5 * i for x in HOME]) for i in range(12)]
     with Arm("iiwa", HOME, 200, "IIWA_STATUS") as arm:
-        p = serve(state)
+        p = serve(state, "--publish-pose", "--accept", DEFAULT + ",use")
         client.wait_stream()
         check("use: nothing to use", client.command("use").code == 1)
         client.command("start", "good")
@@ -83,7 +75,7 @@ def main():
         bad = turned(good_table, 0.03)
         with open(os.path.join(state, "in_use.tsv"), "w") as f:
             f.write(bad)
-        p = serve(state)
+        p = serve(state, "--publish-pose", "--accept", DEFAULT + ",use")
         client.wait_stream()
         distance = moved(first, pose(client, arm))
         check("bad table: its pose", distance > 3, (distance, p.said))
@@ -114,11 +106,11 @@ def main():
         # the same in one's own session: the file in use is a copy
         shutil.copy(path, os.path.join(state, "results", "good.offsets.tsv"))
         stop(p, 9)
-        p = serve(state)
+        p = serve(state, "--publish-pose", "--accept", DEFAULT + ",use")
         client.wait_stream()
         check("after kill -9 the last accepted table is in use", moved(first, pose(client, arm)) < 0.01, p.said)
         stop(p)
-        p = serve(state, "--accept", DEFAULT)
+        p = serve(state, "--publish-pose")
         client.wait_stream()
         answer = client.command("use")
         check("use must be named in --accept", answer.code == 1 and "naming use" in answer.text, answer.text)
@@ -126,7 +118,7 @@ def main():
         lines = [line for line in open(os.path.join(state, "in_use.tsv")) if not line.startswith(("# accepted", "# digest"))]
         with open(os.path.join(state, "in_use.tsv"), "w") as f:
             f.writelines(lines)
-        p = serve(state)
+        p = serve(state, "--publish-pose", "--accept", DEFAULT + ",use")
         client.wait_stream()
         check("a table without a verdict is not used", pose(client, arm) is None and
               any("has no verdict" in line for line in p.said), p.said)

@@ -1,16 +1,11 @@
-#!/bin/sh
+#!/bin/bash
 # The report of the demo arm: self-contained, figures present and described in words, numbers those
 # of calibrate, failures clear; the page of a fleet.
 set -u
 cd "$(dirname "$0")/../.." || exit 1
-out=$(mktemp -d)
-trap 'rm -rf "$out"' EXIT
-failed=0
-check() { # name, then a command that must succeed
-    name=$1
-    shift
-    if "$@"; then echo "ok report: $name"; else echo "not ok report: $name"; failed=1; fi
-}
+# shellcheck source=tests/ok.bash
+. tests/ok.bash
+out=$dir
 arm=data/demo/arm.urdf
 if ! "$MUKCA" report -q --urdf $arm data/demo/train.tsv --test data/demo/test.tsv -o "$out/r.html" \
     --plots "$out/png" >"$out/log" 2>&1; then
@@ -21,11 +16,11 @@ fi
 page=$out/r.html
 
 none() { ! grep -nE "$1" "$page" | cut -c1-200 | grep .; }
-check "one script, inline" test "$(grep -c '<script' "$page"; grep -c '<script>for' "$page")" = "1
+ok "report: one script, inline" test "$(grep -c '<script' "$page"; grep -c '<script>for' "$page")" = "1
 1"
-check "nothing from elsewhere" none '(src|href|data|action)=["'"'"']?[^#"'"'"' >]|url\([^#]|@import'
-check "ids are unique" sh -c 'test -z "$(grep -oE "[ ]id=[\"'"'"'][^\"'"'"']*" "$0" | sort | uniq -d)"' "$page"
-check "references exist" sh -c '
+ok "report: nothing from elsewhere" none '(src|href|data|action)=["'"'"']?[^#"'"'"' >]|url\([^#]|@import'
+ok "report: ids are unique" sh -c 'test -z "$(grep -oE "[ ]id=[\"'"'"'][^\"'"'"']*" "$0" | sort | uniq -d)"' "$page"
+ok "report: references exist" sh -c '
     grep -oE "(href=[\"'"'"']#|url\(#)[^\"'"'"')]*" "$0" | sed "s/.*#//" | sort -u >"$1/used"
     grep -oE "[ ]id=[\"'"'"'][^\"'"'"']*" "$0" | sed "s/.*[\"'"'"']//" | sort -u >"$1/there"
     test -z "$(comm -23 "$1/used" "$1/there")"' "$page" "$out"
@@ -33,31 +28,31 @@ check "references exist" sh -c '
 awk '/<svg/ {drawn = 0; words = title = ""} /<(path|use|rect|polygon|polyline|circle) / {drawn++}
     /<title id=/ {title = $0} /<desc id=/ {words = $0}
     /<\/svg>/ {print drawn, length(title), length(words)}' "$page" >"$out/drawn"
-check "9 figures" test "$(wc -l <"$out/drawn")" -eq 9
-check "none is empty or mute" awk '$1 < 25 || $2 < 40 || $3 < 80 {bad = 1; print} END {exit bad}' "$out/drawn"
-check "images as files" sh -c 'test "$(find "$0" -name "*.png" -size +5k | wc -l)" -eq 8' "$out/png"
+ok "report: 9 figures" test "$(wc -l <"$out/drawn")" -eq 9
+ok "report: none is empty or mute" awk '$1 < 25 || $2 < 40 || $3 < 80 {bad = 1; print} END {exit bad}' "$out/drawn"
+ok "report: images as files" sh -c 'test "$(find "$0" -name "*.png" -size +5k | wc -l)" -eq 8' "$out/png"
 
 # What opens the page, and what a reader looks for.
-check "the verdict is one sentence" sh -c 'test "$(sed -n "s/^<p class=.verdict [a-z]*.>\(.*\)<.p>$/\1/p" "$0" |
+ok "report: the verdict is one sentence" sh -c 'test "$(sed -n "s/^<p class=.verdict [a-z]*.>\(.*\)<.p>$/\1/p" "$0" |
     grep -o "[.]" | wc -l)" -eq 1' "$page"
-check "accuracy, use, verdict, then what to do" sh -c 'grep -n -e "class=.verdict" -e "id=.to-do" -e "<dl class=.tiles" "$0" | sed "s/.*\(verdict\|to-do\|tiles\).*/\1/" |
+ok "report: accuracy, use, verdict, then what to do" sh -c 'grep -n -e "class=.verdict" -e "id=.to-do" -e "<dl class=.tiles" "$0" | sed "s/.*\(verdict\|to-do\|tiles\).*/\1/" |
     tr "\n" " " | grep -qx "tiles verdict verdict to-do "' "$page"
 mkdir "$out/figures"
 "$MUKCA" calibrate -q --urdf $arm data/demo/train.tsv --test data/demo/test.tsv -o "$out/o.tsv"
 python3 tests/report/figures.py "$out/figures" || failed=1
-check "from an offsets table" sh -c '"$0" report -q --urdf data/demo/arm.urdf data/demo/train.tsv \
+ok "report: from an offsets table" sh -c '"$0" report -q --urdf data/demo/arm.urdf data/demo/train.tsv \
     --offsets "$1/o.tsv" -o "$1/p.html" --plots "$1/pdf" --format pdf && grep -q "</html>" "$1/p.html" &&
     head -c 5 "$1/pdf/samples.pdf" | grep -q "%PDF-"' "$MUKCA" "$out"
-check "an existing page stays" sh -c '"$0" report -q --urdf data/demo/arm.urdf data/demo/train.tsv \
+ok "report: an existing page stays" sh -c '"$0" report -q --urdf data/demo/arm.urdf data/demo/train.tsv \
     -o "$1/p.html" 2>"$1/e"; test $? -eq 3 && grep -q -- --force "$1/e"' "$MUKCA" "$out"
 mkdir "$out/bin"
-check "without gnuplot" sh -c 'PATH=$1/bin "$0" report -q --urdf data/demo/arm.urdf data/demo/train.tsv \
+ok "report: without gnuplot" sh -c 'PATH=$1/bin "$0" report -q --urdf data/demo/arm.urdf data/demo/train.tsv \
     -o "$1/q.html" 2>"$1/e"; test $? -eq 3 && test ! -e "$1/q.html"; s=$?; PATH=/usr/bin:/bin
     grep -q "install the package gnuplot-nox" "$1/e" && exit $s' "$MUKCA" "$out"
 # A pose log has no placements and no distortion: no nan anywhere, on the screen neither.
 grep -v '^#' data/demo/train.tsv | cut -f 4-10 >"$out/q.tsv"
 "$MUKCA" fk -q --urdf $arm --offsets "$out/o.tsv" "$out/q.tsv" | paste "$out/q.tsv" - >"$out/log.tsv"
-check "a pose log prints no nan" sh -c '"$0" report --urdf data/demo/arm.urdf "$1/log.tsv" --free-base --free-tool \
+ok "report: a pose log prints no nan" sh -c '"$0" report --urdf data/demo/arm.urdf "$1/log.tsv" --free-base --free-tool \
     -o "$1/log.html" >"$1/screen" 2>&1 && grep -q "</html>" "$1/log.html" && cat "$1/screen" >>"$1/log.html" &&
     ! grep -nwi nan "$1/log.html"' "$MUKCA" "$out"
 
@@ -71,28 +66,28 @@ for arm in a b c d; do
         "$MUKCA" diagnose -q --urdf data/demo/arm.urdf "$out/arms/$arm.tsv" --arm "arm <$arm>" --summary "$out/arms/$arm.json"
 done
 page=$out/fleet.html
-check "a fleet: made" "$MUKCA" report -q --fleet "$out"/arms/*.json -o "$page" --plots "$out/fleet"
-check "a fleet: the verdict names the broken arm" grep -q \
+ok "report: a fleet: made" "$MUKCA" report -q --fleet "$out"/arms/*.json -o "$page" --plots "$out/fleet"
+ok "report: a fleet: the verdict names the broken arm" grep -q \
     '^<p class="verdict unknown">arm &lt;c&gt;: joint compliance at joint_4 [0-9.]* times softer than 3 sisters' "$page"
-check "a fleet: as mukca fleet says" grep -qF "$("$MUKCA" fleet -q "$out"/arms/*.json --json - | sed -n '/"departures"/,$p' |
+ok "report: a fleet: as mukca fleet says" grep -qF "$("$MUKCA" fleet -q "$out"/arms/*.json --json - | sed -n '/"departures"/,$p' |
     awk '/"value"/ {if (!n++) printf "%.3g urad", $2 * 1e6} END {if (!n) print "no value"}')" "$page"
-check "a fleet: the broken arm and its coefficient come first" sh -c '
+ok "report: a fleet: the broken arm and its coefficient come first" sh -c '
     sed -n "/<tbody>/,/<.tbody>/p" "$0" | sed -n 2p | grep -q "arm &lt;c&gt;.*joint compliance at joint_4" &&
     grep -A400 "coefficient-1-t" "$0" | grep -q "arm &lt;c&gt; departs"' "$page"
-check "a fleet: the shared order is in text and table" sh -c '
+ok "report: a fleet: the shared order is in text and table" sh -c '
     grep -q "<li>transmission ripple at joint_2, 60 per turn" "$0" && grep -q "<td>joint_2</td><td class=.n.>60</td>" "$0"' "$page"
-check "a fleet: a figure for each coefficient" sh -c 'n=$(grep -c "<svg" "$0") &&
+ok "report: a fleet: a figure for each coefficient" sh -c 'n=$(grep -c "<svg" "$0") &&
     test "$n" -ge 10 && test "$(find "$1" -name "*.png" -size +2k | wc -l)" -eq "$n"' "$page" "$out/fleet"
-check "a fleet: no script, nothing from elsewhere, no nan" none '<script|(src|href)=["'"'"'][^#]|>-?nan<'
-check "a fleet: ids are unique" sh -c 'test -z "$(grep -oE "[ ]id=[\"'"'"'][^\"'"'"']*" "$0" | sort | uniq -d)"' "$page"
+ok "report: a fleet: no script, nothing from elsewhere, no nan" none '<script|(src|href)=["'"'"'][^#]|>-?nan<'
+ok "report: a fleet: ids are unique" sh -c 'test -z "$(grep -oE "[ ]id=[\"'"'"'][^\"'"'"']*" "$0" | sort | uniq -d)"' "$page"
 "$MUKCA" simulate -q --urdf data/demo/arm.urdf --seed 5 --perturb 1,2 --noise 1e-4 --placements 3 --rows 15 \
     --effect joint_compliance:joint_2=4e-4 -o "$out/e.tsv" && "$MUKCA" diagnose -q --urdf data/demo/arm.urdf "$out/e.tsv" \
     --arm e --summary "$out/e.json"
-check "a fleet: two broken arms, each with its reason" sh -c '"$0" report -q --fleet "$1"/arms/*.json "$1/e.json" -o "$1/more.html" &&
+ok "report: a fleet: two broken arms, each with its reason" sh -c '"$0" report -q --fleet "$1"/arms/*.json "$1/e.json" -o "$1/more.html" &&
     grep -q ">2 of 5 arms depart from the fleet[.]<" "$1/more.html" && grep -q "^<li>e: joint compliance at joint_2 " "$1/more.html" &&
     grep -q "^<li>arm &lt;c&gt;: joint compliance at joint_4 " "$1/more.html"' "$MUKCA" "$out"
-check "a fleet of two: not testable" sh -c '"$0" report -q --fleet "$1/arms/a.json" "$1/arms/b.json" -o "$1/two.html" &&
+ok "report: a fleet of two: not testable" sh -c '"$0" report -q --fleet "$1/arms/a.json" "$1/arms/b.json" -o "$1/two.html" &&
     grep -q "verdict untestable" "$1/two.html" && grep -q "</html>" "$1/two.html"' "$MUKCA" "$out"
-check "a fleet: no --urdf" sh -c '"$0" report -q --fleet --urdf data/demo/arm.urdf "$1/arms/a.json" "$1/arms/b.json" -o "$1/n.html" 2>"$1/e"
+ok "report: a fleet: no --urdf" sh -c '"$0" report -q --fleet --urdf data/demo/arm.urdf "$1/arms/a.json" "$1/arms/b.json" -o "$1/n.html" 2>"$1/e"
     test $? -eq 2 && grep -q "hold their model" "$1/e" && test ! -e "$1/n.html"' "$MUKCA" "$out"
 exit $failed

@@ -1,4 +1,4 @@
-/* Tests, and closeness in them. */
+/* Tests, and what they assert: closeness, success, one clear line of error. */
 #ifndef MUKCA_TESTS_CLOSE_H
 #define MUKCA_TESTS_CLOSE_H
 
@@ -8,10 +8,30 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <string.h>
 
 #include <cmocka.h>
 
-/* TEST(what_it_shows) { ... }; TEST_MAIN(setup, teardown) runs those of the file in their order. */
+#include "mukca/status.h"
+
+static mukca_error error __attribute__((unused)); /* of the last call */
+static char notes[2048] __attribute__((unused));
+
+/* Collect notes, a line each. */
+static inline void note(void *context, const char *text)
+{
+    (void)context;
+    strncat(notes, text, sizeof notes - strlen(notes) - 2);
+    strcat(notes, "\n");
+}
+
+/* What is wrong, and a part of what is said of it. */
+typedef struct {
+    const char *text, *part;
+} bad_text;
+
+/* TEST(what_it_shows) { ... }; TEST_MAIN(setup, teardown) runs those of the file in their order;
+ * TEST_EACH does both about each of them. */
 #define TEST(name)                                                           \
     static void name(void **state);                                          \
     __attribute__((constructor)) static void name##_is_a_test(void)          \
@@ -23,6 +43,14 @@
     int main(void)                        \
     {                                     \
         return test_run(setup, teardown); \
+    }
+
+#define TEST_EACH(setup, teardown)                                                  \
+    int main(void)                                                                  \
+    {                                                                               \
+        for (size_t i = 0; i < test_count; i++)                                     \
+            test_list[i].setup_func = setup, test_list[i].teardown_func = teardown; \
+        return test_run(NULL, NULL);                                                \
     }
 
 static struct CMUnitTest test_list[64];
@@ -41,6 +69,27 @@ static inline int test_run(CMFixtureFunction setup, CMFixtureFunction teardown)
             print_error("%s = %.17g, expected %.17g +- %g\n", #a, close_a, close_b, close_t); \
             fail();                                                                           \
         }                                                                                     \
+    } while (0)
+
+#define assert_ok(call)                                                \
+    do {                                                               \
+        if ((call) != MUKCA_OK) fail_msg("%s: %s", #call, error.text); \
+    } while (0)
+
+/* An error of that status whose text holds `part` and is one line. */
+#define assert_error(status, wanted, error, part)                          \
+    do {                                                                   \
+        assert_int_equal((status), (wanted));                              \
+        if (!strstr((error).text, (part)) || strchr((error).text, '\n')) { \
+            print_error("'%s' lacks '%s'\n", (error).text, (part));        \
+            fail();                                                        \
+        }                                                                  \
+    } while (0)
+#define assert_refused(call, part) assert_error(call, MUKCA_INPUT, error, part)
+
+#define assert_part(text, part)                                                   \
+    do {                                                                          \
+        if (!strstr((text), (part))) fail_msg("'%s' lacks '%s'", (text), (part)); \
     } while (0)
 
 #endif

@@ -3,10 +3,8 @@
 #define MUKCA_TESTS_GEN3_H
 
 #include <math.h>
-#include <stdio.h>
-#include <string.h>
 
-#include "mukca/chain.h"
+#include "arms.h"
 
 static void gen3_chain(mukca_chain *chain)
 {
@@ -14,22 +12,14 @@ static void gen3_chain(mukca_chain *chain)
     static const double p[8][3] = {
         {0, 0, 0.1564},        {0, 0.0054, -0.1284}, {0, -0.2104, -0.0064}, {0, 0.0064, -0.2104},
         {0, -0.2084, -0.0064}, {0, 0, -0.1059},      {0, -0.1059, 0},       {0, 0, -0.0615}};
-    memset(chain, 0, sizeof *chain);
-    chain->n_elements = 8;
-    chain->n_joints = 7;
+    make_chain(chain, "CRCRCRCF", NULL, "joint_", HUGE_VAL);
     chain->gravity[2] = -9.80665;
     for (int k = 0; k < 8; k++) {
         mukca_element *e = &chain->element[k];
-        snprintf(e->name, sizeof e->name, k < 7 ? "joint_%d" : "tip_joint", k + 1);
         snprintf(e->child, sizeof e->child, k < 7 ? "link_%d" : "tip", k + 1);
         memcpy(e->xyz, p[k], sizeof e->xyz);
         e->rpy[0] = turn[k] * 3.14159265358979323846;
-        e->axis[2] = 1;
-        e->type = k == 7 ? MUKCA_FIXED : k % 2 ? MUKCA_REVOLUTE : MUKCA_CONTINUOUS;
-        e->joint = k < 7 ? k : -1;
-        e->upper = k == 1 ? 2.41 : k == 3 ? 2.66 : k == 5 ? 2.23 : HUGE_VAL;
-        e->lower = -e->upper;
-        if (k < 7) chain->joint_element[k] = k;
+        if (k % 2 && k < 7) e->upper = k == 1 ? 2.41 : k == 3 ? 2.66 : 2.23, e->lower = -e->upper;
     }
 }
 

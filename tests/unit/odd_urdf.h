@@ -7,14 +7,6 @@
 #include "scratch.h"
 
 static mukca_chain chain;
-static mukca_error error;
-static char notes[1024];
-
-static void note(void *context, const char *text)
-{
-    (void)context;
-    strncat(notes, text, sizeof notes - strlen(notes) - 1);
-}
 
 /* Odd on purpose: CR LF, single quotes, comments that look like joints, a joint without origin, a
  * transmission that names one, attributes in another order, a tab inside. */

@@ -23,18 +23,15 @@ static inline void set_scene(scene *s, const char *text, uint64_t seed)
 {
     static const char *const names[PLACES] = {"front", "left", "right", "high"};
     double theta[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS];
-    mukca_error error = {0};
     memset(s, 0, sizeof *s);
-    if (mukca_urdf_load(&s->chain, "data/demo/arm.urdf", NULL, NULL, NULL, &error))
-        fail_msg("%s", error.text);
+    assert_ok(mukca_urdf_load(&s->chain, "data/demo/arm.urdf", NULL, NULL, NULL, &error));
     s->how = (mukca_simulate_options){.rows = 30, .distance = 0.05, .seed = seed};
     mukca_chain_theta(theta, &s->chain);
     mukca_simulate_perturb(theta, NULL, &s->chain, 1e-3, 2e-3, seed);
     mukca_simulate_arm(&s->arm, &s->chain, theta);
     for (int p = 0; p < PLACES; p++)
         snprintf(s->places[p].name, sizeof s->places[p].name, "%s", names[p]);
-    assert_int_equal(mukca_simulate_places(s->places, PLACES, &s->chain, 0.05, seed, &error),
-                     MUKCA_OK);
+    assert_ok(mukca_simulate_places(s->places, PLACES, &s->chain, 0.05, seed, &error));
     s->hidden = (cli_simulated){
         .chain = &s->chain, .places = s->places, .n_places = PLACES, .rows = s->how.rows};
     mukca_simulate_seed(&s->hidden.random, seed, MUKCA_DRAW_EFFECTS);
@@ -45,14 +42,13 @@ static inline void set_scene(scene *s, const char *text, uint64_t seed)
 
 static inline void record(mukca_dataset *data, const scene *s)
 {
-    mukca_error error = {0};
     const mukca_simulated_session session = {.arm = &s->arm,
                                              .places = s->places,
                                              .n_places = PLACES,
                                              .faults = s->hidden.faults,
                                              .n_faults = s->hidden.n_faults,
                                              .options = &s->how};
-    if (mukca_simulate_sockets(data, &session, &error)) fail_msg("%s", error.text);
+    assert_ok(mukca_simulate_sockets(data, &session, &error));
 }
 
 #endif

@@ -8,7 +8,6 @@ static scene arm;
 static mukca_dataset data;
 static mukca_fit fit;
 static mukca_offsets table;
-static mukca_error error;
 
 static int set_up(void **state)
 {
@@ -30,10 +29,9 @@ static int tear_down(void **state)
 static const mukca_acceptance *calibrate(void)
 {
     const mukca_fit_options options = {0};
-    assert_int_equal(mukca_fit_run(&fit, &arm.chain, &data, &options, &error), MUKCA_OK);
+    assert_ok(mukca_fit_run(&fit, &arm.chain, &data, &options, &error));
     mukca_fit_offsets(&table, &fit);
-    assert_int_equal(mukca_accept_fit(&table, &fit, &arm.chain, &data, NULL, &options, &error),
-                     MUKCA_OK);
+    assert_ok(mukca_accept_fit(&table, &fit, &arm.chain, &data, NULL, &options, &error));
     mukca_fit_free(&fit);
     return &table.acceptance;
 }
@@ -75,9 +73,8 @@ static double true_error(const double *theta)
     return sum;
 }
 
-static void the_announced_error_is_the_true_one(void **state)
+TEST(the_announced_error_is_the_true_one)
 {
-    (void)state;
     const mukca_acceptance *a = calibrate();
     if (!a->accepted) fail_msg("%s", a->reason);
     const double after = true_error(table.theta), before = true_error(NULL);
@@ -90,9 +87,8 @@ static void the_announced_error_is_the_true_one(void **state)
 }
 
 /* The first reading of each socket again and again, with the noise of encoders. */
-static void one_posture_a_socket_is_refused(void **state)
+TEST(one_posture_a_socket_is_refused)
 {
-    (void)state;
     mukca_random random;
     mukca_random_seed(&random, 1);
     const int n = data.n_joints;
@@ -106,18 +102,16 @@ static void one_posture_a_socket_is_refused(void **state)
 }
 
 /* Each sample three times: nothing becomes surer. */
-static void repeated_postures_count_once(void **state)
+TEST(repeated_postures_count_once)
 {
-    (void)state;
     mukca_tip_error once, thrice;
     mukca_offsets_init(&table, &arm.chain);
     const mukca_tip_change_task task = {.chain = &arm.chain, .to = &table, .data = &data};
-    assert_int_equal(mukca_tip_error_expect(&once, &task, &error), MUKCA_OK);
+    assert_ok(mukca_tip_error_expect(&once, &task, &error));
     mukca_dataset all;
     const size_t n = (size_t)data.n_joints;
-    assert_int_equal(mukca_dataset_create(&all, 3 * data.n_rows, data.n_joints, data.n_sockets,
-                                          data.n_placements, &error),
-                     MUKCA_OK);
+    assert_ok(mukca_dataset_create(&all, 3 * data.n_rows, data.n_joints, data.n_sockets,
+                                   data.n_placements, &error));
     for (int i = 0; i < all.n_rows; i++) {
         memcpy(all.q + (size_t)i * n, data.q + (size_t)(i / 3) * n, n * sizeof *all.q);
         all.socket[i] = data.socket[i / 3];
@@ -128,35 +122,33 @@ static void repeated_postures_count_once(void **state)
     all.n_distances = data.n_distances;
     memcpy(all.distances, data.distances, (size_t)data.n_distances * sizeof *data.distances);
     const mukca_tip_change_task again = {.chain = &arm.chain, .to = &table, .data = &all};
-    assert_int_equal(mukca_tip_error_expect(&thrice, &again, &error), MUKCA_OK);
+    assert_ok(mukca_tip_error_expect(&thrice, &again, &error));
     assert_int_equal(thrice.postures, once.postures);
     assert_close(thrice.after_m[0], once.after_m[0], 1e-9);
     double before[3] = {3e-3, 3e-3, 5e-3}, after[3] = {1e-3, 1e-3, 1e-3};
     mukca_difference d;
     all.n_rows = 3; /* one posture; then two of them */
-    assert_int_equal(mukca_difference_find(&d, before, after, &all, &error), MUKCA_OK);
+    assert_ok(mukca_difference_find(&d, before, after, &all, &error));
     assert_int_equal(d.postures, 1);
     assert_true(isinf(d.sigma_m));
     memcpy(all.q + 2 * n, data.q + n, n * sizeof *all.q);
-    assert_int_equal(mukca_difference_find(&d, before, after, &all, &error), MUKCA_OK);
+    assert_ok(mukca_difference_find(&d, before, after, &all, &error));
     assert_int_equal(d.postures, 2);
     assert_close(d.mean_m, -3e-3, 1e-15);
     assert_close(d.sigma_m, 1e-3, 1e-15);
     mukca_dataset_free(&all);
 }
 
-static void a_stuck_encoder_is_refused(void **state)
+TEST(a_stuck_encoder_is_refused)
 {
-    (void)state;
     for (int i = 0; i < data.n_rows; i++) data.q[i * data.n_joints + 3] = data.q[3];
     refused_for("");
     assert_string_equal(table.acceptance.at_rest, mukca_chain_joint_name(&arm.chain, 3));
 }
 
 /* The ball is 2 mm off the axis of the last joint: small errors, across that axis. */
-static void a_stuck_last_joint_is_refused(void **state)
+TEST(a_stuck_last_joint_is_refused)
 {
-    (void)state;
     const int tip = arm.chain.n_elements - 1;
     arm.arm.geometry.origin[tip].p[0] = arm.chain.element[tip].xyz[0] = 2e-3;
     mukca_dataset_free(&data);
@@ -166,21 +158,10 @@ static void a_stuck_last_joint_is_refused(void **state)
 }
 
 /* Three samples of another placement: hundreds of mm. */
-static void gross_errors_are_no_outliers(void **state)
+TEST(gross_errors_are_no_outliers)
 {
-    (void)state;
     for (int i = 0; i < 3; i++) data.socket[20 + i] = data.n_sockets - 1;
     refused_for("do not fit this arm");
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(the_announced_error_is_the_true_one, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(one_posture_a_socket_is_refused, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(repeated_postures_count_once, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_stuck_encoder_is_refused, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_stuck_last_joint_is_refused, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(gross_errors_are_no_outliers, set_up, tear_down)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_EACH(set_up, tear_down)

@@ -15,35 +15,39 @@ typedef struct {
     mukca_frame tracker, target;
 } poses;
 
+static poses p;
+static mukca_alignment found;
+static const mukca_align_options both = {.tracker = true, .target = true};
+
 /* Poses of a target that is turned by `angle` about `axis` on the flange. */
-static void measure(poses *p, const double axis[3], double angle)
+static void measure(const double axis[3], double angle)
 {
     const double tracker_rpy[3] = {0.4, -1.1, 2.5};
     mukca_random random;
     mukca_random_seed(&random, 5);
-    memset(p, 0, sizeof *p);
-    gen3_chain(&p->chain);
-    mukca_geometry_set(&p->geometry, &p->chain, NULL);
-    p->tracker = (mukca_frame){.p = {1.5, -2.0, 0.7}};
-    p->target = (mukca_frame){.p = {0.08, -0.03, 0.15}};
-    mukca_rotation_from_rpy(p->tracker.R, tracker_rpy);
-    mukca_rotation_about(p->target.R, axis, angle);
+    memset(&p, 0, sizeof p);
+    gen3_chain(&p.chain);
+    mukca_geometry_set(&p.geometry, &p.chain, NULL);
+    p.tracker = (mukca_frame){.p = {1.5, -2.0, 0.7}};
+    p.target = (mukca_frame){.p = {0.08, -0.03, 0.15}};
+    mukca_rotation_from_rpy(p.tracker.R, tracker_rpy);
+    mukca_rotation_about(p.target.R, axis, angle);
     for (int i = 0; i < ROWS; i++) {
         mukca_frame pose;
-        for (int j = 0; j < 7; j++) p->q[7 * i + j] = 4 * mukca_random_uniform(&random) - 2;
-        mukca_fk_pose(&pose, &p->geometry, p->q + 7 * i, NULL);
-        mukca_frame_multiply(&pose, &pose, &p->target);
-        mukca_frame_multiply(&pose, &p->tracker, &pose);
-        memcpy(p->position + 3 * i, pose.p, sizeof pose.p);
-        mukca_rotation_to_quaternion(p->quaternion + 4 * i, pose.R);
-        p->socket[i] = -1;
+        for (int j = 0; j < 7; j++) p.q[7 * i + j] = 4 * mukca_random_uniform(&random) - 2;
+        mukca_fk_pose(&pose, &p.geometry, p.q + 7 * i, NULL);
+        mukca_frame_multiply(&pose, &pose, &p.target);
+        mukca_frame_multiply(&pose, &p.tracker, &pose);
+        memcpy(p.position + 3 * i, pose.p, sizeof pose.p);
+        mukca_rotation_to_quaternion(p.quaternion + 4 * i, pose.R);
+        p.socket[i] = -1;
     }
-    p->data = (mukca_dataset){.n_rows = ROWS,
-                              .n_joints = 7,
-                              .q = p->q,
-                              .position = p->position,
-                              .quaternion = p->quaternion,
-                              .socket = p->socket};
+    p.data = (mukca_dataset){.n_rows = ROWS,
+                             .n_joints = 7,
+                             .q = p.q,
+                             .position = p.position,
+                             .quaternion = p.quaternion,
+                             .socket = p.socket};
 }
 
 static void assert_frame(const mukca_frame *a, const mukca_frame *b, double tolerance)
@@ -59,12 +63,9 @@ TEST(test_any_turn)
     static const double axes[3][3] = {{1, 0, 0}, {0, 0.6, 0.8}, {0.6, -0.64, 0.48}};
     for (int a = 0; a < 3; a++)
         for (int degrees = 0; degrees <= 180; degrees += 45) {
-            poses p;
-            mukca_alignment found;
             const double angle = degrees * acos(-1.0) / 180;
-            measure(&p, axes[a], angle);
-            assert_true(mukca_align(&found, &p.geometry, &p.data,
-                                    &(mukca_align_options){.tracker = true, .target = true}));
+            measure(axes[a], angle);
+            assert_true(mukca_align(&found, &p.geometry, &p.data, &both));
             assert_frame(&found.tracker, &p.tracker, 2e-6);
             assert_frame(&found.target, &p.target, 2e-6);
         }
@@ -73,12 +74,9 @@ TEST(test_any_turn)
 /* Positions alone give the tracker and the target's place. */
 TEST(test_positions)
 {
-    poses p;
-    mukca_alignment found;
-    measure(&p, (const double[3]){0, 0, 1}, 2.0);
+    measure((const double[3]){0, 0, 1}, 2.0);
     p.data.quaternion = NULL;
-    assert_true(mukca_align(&found, &p.geometry, &p.data,
-                            &(mukca_align_options){.tracker = true, .target = true}));
+    assert_true(mukca_align(&found, &p.geometry, &p.data, &both));
     assert_frame(&found.tracker, &p.tracker, 5e-6);
     for (int c = 0; c < 3; c++) assert_close(found.target.p[c], p.target.p[c], 5e-6);
 }
@@ -86,14 +84,11 @@ TEST(test_positions)
 /* Three wild rows of forty and a nominal arm that is off by millimetres: frames within as much. */
 TEST(test_robust)
 {
-    poses p;
-    mukca_alignment found;
-    measure(&p, (const double[3]){1, 0, 0}, 2.0);
+    measure((const double[3]){1, 0, 0}, 2.0);
     for (int k = 0; k < 3; k++)
         for (int c = 0; c < 3; c++) p.position[3 * (7 + 11 * k) + c] += 0.5;
     for (int k = 0; k < 7; k++) p.geometry.origin[k].p[1] += 1e-3;
-    assert_true(mukca_align(&found, &p.geometry, &p.data,
-                            &(mukca_align_options){.tracker = true, .target = true}));
+    assert_true(mukca_align(&found, &p.geometry, &p.data, &both));
     assert_frame(&found.tracker, &p.tracker, 10e-3);
     assert_frame(&found.target, &p.target, 10e-3);
     assert_true(found.median_m < 5e-3);
@@ -102,15 +97,12 @@ TEST(test_robust)
 /* Nothing to align: identity. */
 TEST(test_nothing)
 {
-    poses p;
-    mukca_alignment found;
     const mukca_frame identity = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
-    measure(&p, (const double[3]){1, 0, 0}, 1.0);
+    measure((const double[3]){1, 0, 0}, 1.0);
     assert_true(mukca_align(&found, &p.geometry, &p.data, &(mukca_align_options){0}));
     assert_frame(&found.tracker, &identity, 0);
     p.data.n_rows = 2;
-    assert_true(mukca_align(&found, &p.geometry, &p.data,
-                            &(mukca_align_options){.tracker = true, .target = true}));
+    assert_true(mukca_align(&found, &p.geometry, &p.data, &both));
     assert_frame(&found.target, &identity, 0);
     assert_true(isnan(found.median_m));
 }

@@ -1,8 +1,10 @@
-/* What a session is worth so far: a simulated operator with a perturbed 7-axis arm. */
+/* What capture says that a session is worth comes true, for a simulated operator with a perturbed
+ * 7-axis arm. */
 #include <stdlib.h>
 #include <string.h>
 
 #include "arm/inverse.h"
+#include "arms.h"
 #include "capture/capture.h"
 #include "close.h"
 #include "math/random.h"
@@ -10,30 +12,10 @@
 static const double noise = 1e-4; /* m, of the ball in its seat */
 
 /* A made-up 7-axis arm with a ball 0.1 m off its flange. */
-static void make_chain(mukca_chain *chain)
-{
-    static const double lift[] = {0.34, 0, 0.4, 0, 0.4, 0, 0.13}, tilt[] = {0, -1, 1, 1, -1, -1, 1};
-    memset(chain, 0, sizeof *chain);
-    chain->n_elements = 8;
-    chain->n_joints = 7;
-    for (int k = 0; k < 8; k++) {
-        mukca_element *e = &chain->element[k];
-        snprintf(e->name, sizeof e->name, "A%d", k + 1);
-        e->type = k < 7 ? MUKCA_REVOLUTE : MUKCA_FIXED;
-        e->joint = k < 7 ? k : -1;
-        e->axis[2] = 1;
-        e->lower = -2.9;
-        e->upper = 2.9;
-        if (k == 7) {
-            e->xyz[0] = 0.1;
-            e->xyz[2] = 0.08;
-            break;
-        }
-        e->rpy[0] = tilt[k] * M_PI / 2;
-        e->xyz[k % 2 ? 2 : k ? 1 : 2] = lift[k];
-        chain->joint_element[k] = k;
-    }
-}
+static const double origins[8][6] = {{0, 0, 0.34, 0, 0, 0},      {0, 0, 0, -M_PI_2, 0, 0},
+                                     {0, 0.4, 0, M_PI_2, 0, 0},  {0, 0, 0, M_PI_2, 0, 0},
+                                     {0, 0.4, 0, -M_PI_2, 0, 0}, {0, 0, 0, -M_PI_2, 0, 0},
+                                     {0, 0.13, 0, M_PI_2, 0, 0}, {0.1, 0, 0.08, 0, 0, 0}};
 
 typedef struct {
     mukca_chain chain;
@@ -125,18 +107,16 @@ static double true_error(operator_ *o, const mukca_capture *capture)
 }
 
 /* Sessions of four placements, 20 rows a socket, arms off by 2 mm and 2 mrad. */
-static void advice_is_what_comes_true(void **state)
+TEST(advice_is_what_comes_true)
 {
     static operator_ o;
     static mukca_capture capture;
     mukca_capture_settings settings = {0};
     mukca_capture_advice advice;
-    mukca_error error;
     char text[MUKCA_CAPTURE_TEXT];
     double ratio = 0;
     int false_remarks = 0, rows = 0, bad_seats = 0, found = 0, helped_no_more = 0, ends = 0;
-    (void)state;
-    make_chain(&o.chain);
+    make_chain(&o.chain, "RRRRRRRF", origins, "A", 2.9);
     enum { ARMS = 3 };
     for (int arm = 0; arm < ARMS; arm++) {
         double first = 0;
@@ -188,16 +168,14 @@ static void advice_is_what_comes_true(void **state)
 }
 
 /* The ball stays in one socket while the label changes. */
-static void two_labels_of_one_socket_are_noticed(void **state)
+TEST(two_labels_of_one_socket_are_noticed)
 {
     static operator_ o;
     static mukca_capture capture;
     const mukca_capture_settings settings = {0};
     mukca_capture_advice advice;
-    mukca_error error;
     char text[MUKCA_CAPTURE_TEXT];
-    (void)state;
-    make_chain(&o.chain);
+    make_chain(&o.chain, "RRRRRRRF", origins, "A", 2.9);
     mukca_random_seed(&o.random, 5);
     perturb(&o, 1e-3);
     place(&o, 0.3);
@@ -214,9 +192,4 @@ static void two_labels_of_one_socket_are_noticed(void **state)
     mukca_capture_free(&capture);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(advice_is_what_comes_true),
-                                       cmocka_unit_test(two_labels_of_one_socket_are_noticed)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -8,12 +8,17 @@
 #include "math/random.h"
 
 static mukca_comparison comparison; /* large */
+static mukca_corrected a, b;
 
-static void make_arm(mukca_corrected *arm)
+/* The paper's arm, twice. */
+static int setup(void **state)
 {
-    memset(arm, 0, sizeof *arm);
-    gen3_chain(&arm->chain);
-    mukca_geometry_set(&arm->geometry, &arm->chain, NULL);
+    (void)state;
+    memset(&a, 0, sizeof a);
+    gen3_chain(&a.chain);
+    mukca_geometry_set(&a.geometry, &a.chain, NULL);
+    b = a;
+    return 0;
 }
 
 static void move(mukca_frame *T, const double turn[3], const double shift[3], bool before)
@@ -45,9 +50,6 @@ static void change_gauge(mukca_corrected *arm)
 
 TEST(gauge_is_no_difference)
 {
-    mukca_corrected a, b;
-    make_arm(&a);
-    make_arm(&b);
     change_gauge(&b);
     mukca_compare(&comparison, &a, &b);
     for (int j = 0; j < 7; j++) {
@@ -78,9 +80,7 @@ TEST(differences_are_those_built_in)
         {0, {3e-3, 0, 1e-3}, {2e-3, 0, 1e-3}, 0, 0, 0, NAN, NAN} /* the base is gauge */
     };
     for (size_t i = 0; i < sizeof changes / sizeof *changes; i++) {
-        mukca_corrected a, b;
-        make_arm(&a);
-        make_arm(&b);
+        setup(NULL);
         const int k = changes[i].element, at = changes[i].joint;
         move(&b.geometry.origin[k], changes[i].turn, changes[i].shift, false);
         change_gauge(&b);
@@ -104,8 +104,6 @@ TEST(differences_are_those_built_in)
 /* Between parallel axes nothing shows a shift along them; none is invented. */
 TEST(parallel_axes)
 {
-    mukca_corrected a, b;
-    make_arm(&a);
     static const double straight[3] = {0, 0, 0};
     memcpy(a.chain.element[3].rpy, straight, sizeof straight);
     mukca_geometry_set(&a.geometry, &a.chain, NULL);
@@ -121,9 +119,6 @@ TEST(parallel_axes)
 /* The alignment is the best: no small move of base or tool makes the squares less. */
 TEST(alignment_is_least_squares)
 {
-    mukca_corrected a, b;
-    make_arm(&a);
-    make_arm(&b);
     for (int k = 0; k < 8; k++)
         for (int i = 0; i < 3; i++) b.geometry.origin[k].p[i] += gen3_dp[k][i];
     mukca_compare(&comparison, &a, &b);
@@ -150,4 +145,4 @@ TEST(alignment_is_least_squares)
     assert_true(comparison.position[1].p95 <= comparison.position[1].max);
 }
 
-TEST_MAIN(NULL, NULL)
+TEST_EACH(setup, NULL)

@@ -1,13 +1,5 @@
-/* Recordings that repeat postures, and those with too many rows. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
+/* Readings that repeat a posture add nothing; of too many rows few are kept, in blocks. */
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 #include "diagnose/condense.h"
 #include "diagnose/diagnose.h"
@@ -21,16 +13,14 @@ static scene s;
 /* Each row of a recording TIMES times, at angles that differ by less than an encoder's noise. */
 static void repeat(mukca_dataset *out, const mukca_dataset *data)
 {
-    mukca_error error;
     const int n = data->n_joints;
     unsigned char *all = malloc((size_t)data->n_rows);
     assert_non_null(all);
     memset(all, 1, (size_t)data->n_rows);
     mukca_dataset longer = {0};
-    assert_int_equal(mukca_dataset_create(&longer, TIMES * data->n_rows, n, data->n_sockets,
-                                          data->n_placements, &error),
-                     MUKCA_OK);
-    assert_int_equal(mukca_dataset_subset(out, data, all, &error), MUKCA_OK);
+    assert_ok(mukca_dataset_create(&longer, TIMES * data->n_rows, n, data->n_sockets,
+                                   data->n_placements, &error));
+    assert_ok(mukca_dataset_subset(out, data, all, &error));
     for (int i = 0; i < TIMES * data->n_rows; i++) {
         for (int j = 0; j < n; j++)
             longer.q[i * n + j] = data->q[i / TIMES * n + j] + 5e-5 * (i % TIMES - 1);
@@ -58,13 +48,12 @@ TEST(postures_are_averaged)
 {
     mukca_dataset data, longer;
     mukca_condensed how;
-    mukca_error error;
     record(&data, &s);
     repeat(&longer, &data);
     const int rows = longer.n_rows;
-    assert_int_equal(mukca_condense(&how, &longer, rows, &error), MUKCA_OK);
+    assert_ok(mukca_condense(&how, &longer, rows, &error));
     assert_int_equal(longer.n_rows, rows); /* few enough as they are */
-    assert_int_equal(mukca_condense(&how, &longer, rows - 1, &error), MUKCA_OK);
+    assert_ok(mukca_condense(&how, &longer, rows - 1, &error));
     assert_int_equal(how.postures, data.n_rows);
     assert_int_equal(longer.n_rows, data.n_rows);
     for (int i = 0; i < data.n_rows; i++) {
@@ -81,14 +70,12 @@ TEST(postures_are_averaged)
 TEST(readings_share_noise)
 {
     mukca_dataset data, longer;
-    mukca_error error;
     mukca_diagnosis d[2];
     record(&data, &s);
     repeat(&longer, &data);
     for (int i = 0; i < 2; i++)
-        assert_int_equal(mukca_diagnose(&d[i], &s.chain, i ? &longer : &data,
-                                        &(mukca_diagnose_options){.no_folds = true}, &error),
-                         MUKCA_OK);
+        assert_ok(mukca_diagnose(&d[i], &s.chain, i ? &longer : &data,
+                                 &(mukca_diagnose_options){.no_folds = true}, &error));
     assert_int_equal(d[0].verdict, d[1].verdict);
     assert_int_equal(d[0].n_causes, 1);
     assert_int_equal(d[1].n_causes, 1);
@@ -106,12 +93,11 @@ TEST(blocks_are_spread)
 {
     mukca_dataset data;
     mukca_condensed how;
-    mukca_error error;
     record(&data, &s);
     const int rows = data.n_rows;
     int breaks = 0;
     assert_true(rows > 150);
-    assert_int_equal(mukca_condense(&how, &data, 100, &error), MUKCA_OK);
+    assert_ok(mukca_condense(&how, &data, 100, &error));
     assert_int_equal(how.postures, rows);
     assert_true(how.samples > 50 && how.samples <= 100);
     assert_int_equal(data.n_rows, how.samples);

@@ -1,32 +1,11 @@
 /* Denavit-Hartenberg tables: published ones are found, random arms go there and back. */
 #include "model/dh.h"
 
-#include <string.h>
-
+#include "arms.h"
 #include "close.h"
 #include "math/random.h"
 
 static const double half = 1.57079632679489661923, pi = 3.14159265358979323846;
-
-/* An arm of elements that turn about z; origins by xyz and rpy. */
-static void set_arm(mukca_chain *chain, double (*origin)[6], int n, int n_joints)
-{
-    *chain = (mukca_chain){.n_elements = n};
-    for (int k = 0; k < n; k++) {
-        mukca_element *e = &chain->element[k];
-        snprintf(e->name, sizeof e->name, "j%d", k + 1);
-        e->type = k < n_joints ? MUKCA_REVOLUTE : MUKCA_FIXED;
-        e->joint = -1;
-        e->axis[2] = 1;
-        e->lower = -pi;
-        e->upper = pi;
-        memcpy(e->xyz, origin[k], sizeof e->xyz);
-        memcpy(e->rpy, origin[k] + 3, sizeof e->rpy);
-        if (k >= n_joints) continue;
-        e->joint = chain->n_joints;
-        chain->joint_element[chain->n_joints++] = k;
-    }
-}
 
 static void check_rows(const mukca_dh *dh, const double (*wanted)[4], int n)
 {
@@ -43,15 +22,15 @@ static void check_rows(const mukca_dh *dh, const double (*wanted)[4], int n)
  * (a, alpha, d, theta; "DH parameters for calculations of kinematics and dynamics"). */
 TEST(finds_table_of_ur5e)
 {
-    double origin[6][6] = {{0, 0, 0.1625, 0, 0, 0},     {0, 0, 0, half, 0, 0},
-                           {-0.425, 0, 0, 0, 0, 0},     {-0.3922, 0, 0.1333, 0, 0, 0},
-                           {0, -0.0997, 0, half, 0, 0}, {0, 0.0996, 0, half, pi, pi}};
+    static const double origin[6][6] = {{0, 0, 0.1625, 0, 0, 0},     {0, 0, 0, half, 0, 0},
+                                        {-0.425, 0, 0, 0, 0, 0},     {-0.3922, 0, 0.1333, 0, 0, 0},
+                                        {0, -0.0997, 0, half, 0, 0}, {0, 0.0996, 0, half, pi, pi}};
     static const double table[6][4] = {{0, half, 0.1625, 0},  {-0.425, 0, 0, 0},
                                        {-0.3922, 0, 0, 0},    {0, half, 0.1333, 0},
                                        {0, -half, 0.0997, 0}, {0, 0, 0.0996, 0}};
     mukca_chain chain;
     mukca_dh dh;
-    set_arm(&chain, origin, 6, 6);
+    make_chain(&chain, "RRRRRR", origin, "j", pi);
     mukca_dh_from_chain(&dh, &chain, NULL, MUKCA_DH_STANDARD);
     check_rows(&dh, table, 6);
 }
@@ -59,16 +38,17 @@ TEST(finds_table_of_ur5e)
 /* The origins of Franka's description against the modified table of their documentation. */
 TEST(finds_table_of_panda)
 {
-    double origin[8][6] = {{0, 0, 0.333, 0, 0, 0},           {0, 0, 0, -half, 0, 0},
-                           {0, -0.316, 0, half, 0, 0},       {0.0825, 0, 0, half, 0, 0},
-                           {-0.0825, 0.384, 0, -half, 0, 0}, {0, 0, 0, half, 0, 0},
-                           {0.088, 0, 0, half, 0, 0},        {0, 0, 0.107, 0, 0, 0}};
+    static const double origin[8][6] = {
+        {0, 0, 0.333, 0, 0, 0},           {0, 0, 0, -half, 0, 0},
+        {0, -0.316, 0, half, 0, 0},       {0.0825, 0, 0, half, 0, 0},
+        {-0.0825, 0.384, 0, -half, 0, 0}, {0, 0, 0, half, 0, 0},
+        {0.088, 0, 0, half, 0, 0},        {0, 0, 0.107, 0, 0, 0}};
     static const double table[7][4] = {
         {0, 0, 0.333, 0},           {0, -half, 0, 0}, {0, half, 0.316, 0},    {0.0825, half, 0, 0},
         {-0.0825, -half, 0.384, 0}, {0, half, 0, 0},  {0.088, half, 0.107, 0}};
     mukca_chain chain;
     mukca_dh dh;
-    set_arm(&chain, origin, 8, 7);
+    make_chain(&chain, "RRRRRRRF", origin, "j", pi);
     mukca_dh_from_chain(&dh, &chain, NULL, MUKCA_DH_MODIFIED);
     check_rows(&dh, table, 7);
 }
@@ -107,7 +87,7 @@ TEST(random_arms_go_there_and_back)
                 origin[k][i] = mukca_random_below(&random, 3) ? 0.5 * mukca_random_normal(&random)
                                : i == 3                       ? half
                                                               : 0;
-        set_arm(&chain, origin, 8, 7);
+        make_chain(&chain, "RRRRRRRF", (const double(*)[6])origin, "j", pi);
         for (int k = 0; k < 7; k++) {
             mukca_element *e = &chain.element[k];
             if (mukca_random_below(&random, 4) == 0) e->type = MUKCA_PRISMATIC;

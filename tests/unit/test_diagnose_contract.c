@@ -1,32 +1,7 @@
-/* What a diagnosis hands over: the contract's JSON, the screen for people, the offsets table. */
+/* A diagnosis hands over every key of the contract's JSON, and a screen of at most 79 columns. */
 #include "cli/diagnose.h"
 
-#include "model/dataset_subset.h"
-#include "scene.h"
-#include "scratch.h"
-
-static mukca_diagnosis *diagnosis;
-
-static int setup(void **state)
-{
-    diagnosis = calloc(1, sizeof *diagnosis);
-    return diagnosis ? scratch_setup(state) : 1;
-}
-
-static int teardown(void **state)
-{
-    mukca_diagnosis_free(diagnosis);
-    free(diagnosis);
-    return scratch_teardown(state);
-}
-
-static void diagnose(const scene *s, const mukca_dataset *data, const mukca_dataset *test)
-{
-    mukca_error error = {0};
-    const mukca_diagnose_options options = {.applied = true, .test = test};
-    mukca_diagnosis_free(diagnosis);
-    if (mukca_diagnose(diagnosis, &s->chain, data, &options, &error)) fail_msg("%s", error.text);
-}
+#include "diagnosed.h"
 
 static void assert_keys(json_t *object, const char *keys)
 {
@@ -112,10 +87,8 @@ static void check_json(json_t *root, const mukca_chain *chain)
 /* The screen as text; no line wider than 79 columns, no number that is none. */
 static char *screen(const mukca_diagnosed *result)
 {
-    char path[128];
-    snprintf(path, sizeof path, "%s/screen", scratch_folder);
-    FILE *file = fopen(path, "w");
-    assert_non_null(file);
+    const char *path;
+    FILE *file = scratch_create(&path, "screen");
     cli_diagnosis_print(file, result);
     fclose(file);
     char *all = scratch_read(path);
@@ -129,34 +102,24 @@ static char *screen(const mukca_diagnosed *result)
     return all;
 }
 
-static void assert_part(const char *all, const char *part)
+TEST(everything_is_handed_over)
 {
-    if (!strstr(all, part)) fail_msg("'%s' lacks '%s'", all, part);
-}
-
-static void everything_is_handed_over(void **state)
-{
-    (void)state;
-    scene s;
-    mukca_dataset data, test;
-    set_scene(&s,
-              "joint_compliance:joint_2=3e-5,gear_harmonic:joint_4@160=1e-3,"
-              "tool_motion:left/1@14=1.2e-3,outlier:high/0@7=8e-3,wrong_socket:right/0@5",
-              11);
-    s.how.noise = 1e-4;
+    mukca_dataset test;
+    simulate(
+        "joint_compliance:joint_2=3e-5,gear_harmonic:joint_4@160=1e-3,"
+        "tool_motion:left/1@14=1.2e-3,outlier:high/0@7=8e-3,wrong_socket:right/0@5",
+        11);
     s.how.effort = true;
-    record(&data, &s);
+    record_again();
     s.how.seed = 12;
-    mukca_error error = {0};
-    assert_int_equal(mukca_simulate_sockets(
-                         &test,
-                         &(mukca_simulated_session){
-                             .arm = &s.arm, .places = s.places, .n_places = 2, .options = &s.how},
-                         &error),
-                     MUKCA_OK);
-    diagnose(&s, &data, &test);
+    assert_ok(mukca_simulate_sockets(
+        &test,
+        &(mukca_simulated_session){
+            .arm = &s.arm, .places = s.places, .n_places = 2, .options = &s.how},
+        &error));
+    diagnose((mukca_diagnose_options){.applied = true, .test = &test});
     const mukca_diagnosed result = {
-        .diagnosis = diagnosis, .chain = &s.chain, .data = &data, .test = &test};
+        .diagnosis = d, .chain = &s.chain, .data = &data, .test = &test};
     json_t *root = cli_diagnosis_json(&result);
     check_json(root, &s.chain);
     json_t *gap = json_object_get(root, "gap");
@@ -202,20 +165,14 @@ static void everything_is_handed_over(void **state)
     assert_part(all, "cross-validated    test\n  nominal model");
     assert_part(all, "noise floor");
     free(all);
-    mukca_dataset_free(&data);
     mukca_dataset_free(&test);
 }
 
-static void noise_is_called_noise(void **state)
+TEST(noise_is_called_noise)
 {
-    (void)state;
-    scene s;
-    mukca_dataset data;
-    set_scene(&s, NULL, 11);
-    s.how.noise = 1e-4;
-    record(&data, &s);
-    diagnose(&s, &data, NULL);
-    const mukca_diagnosed result = {.diagnosis = diagnosis, .chain = &s.chain, .data = &data};
+    simulate(NULL, 11);
+    diagnose((mukca_diagnose_options){.applied = true});
+    const mukca_diagnosed result = {.diagnosis = d, .chain = &s.chain, .data = &data};
     json_t *root = cli_diagnosis_json(&result);
     check_json(root, &s.chain);
     assert_string_equal(text(root, "verdict"), "none");
@@ -225,21 +182,17 @@ static void noise_is_called_noise(void **state)
     assert_part(all, "No effect beyond the geometry was");
     assert_part(all, "Detection limits, mrad rms (median over effects): ");
     free(all);
-    mukca_dataset_free(&data);
 }
 
 /* Rows of nothing: the same keys, the reason in words. */
-static void nothing_to_test(void **state)
+TEST(nothing_to_test)
 {
-    (void)state;
-    scene s;
-    mukca_dataset data;
     set_scene(&s, NULL, 11);
     s.how.rows = 2;
-    record(&data, &s);
+    record_again();
     memset(data.q, 0, (size_t)(data.n_rows * data.n_joints) * sizeof *data.q);
-    diagnose(&s, &data, NULL);
-    const mukca_diagnosed result = {.diagnosis = diagnosis, .chain = &s.chain, .data = &data};
+    diagnose((mukca_diagnose_options){.applied = true});
+    const mukca_diagnosed result = {.diagnosis = d, .chain = &s.chain, .data = &data};
     json_t *root = cli_diagnosis_json(&result);
     check_json(root, &s.chain);
     assert_string_equal(text(root, "verdict"), "untestable");
@@ -248,109 +201,6 @@ static void nothing_to_test(void **state)
     char *all = screen(&result);
     assert_part(all, "Nothing can be tested: too few different samples");
     free(all);
-    mukca_offsets *offsets = calloc(1, sizeof *offsets);
-    mukca_error error = {0};
-    mukca_chain chain;
-    int left_out;
-    assert_error(cli_diagnosis_offsets(offsets, &chain, &left_out, &result,
-                                       &(cli_frames){.base = false}, &error),
-                 MUKCA_UNIDENTIFIABLE, error, "too few");
-    free(offsets);
-    mukca_dataset_free(&data);
 }
 
-/* The table, written and read back, puts the ball of each socket into one place, to the noise. */
-static void check_table(const char *effects, bool effort, double mass_error)
-{
-    scene s;
-    mukca_dataset data;
-    mukca_error error = {0};
-    set_scene(&s, effects, 6);
-    s.how.noise = 1e-4;
-    s.how.effort = effort;
-    mukca_random random;
-    mukca_random_seed(&random, 6);
-    for (int i = 0; i < s.chain.n_masses; i++)
-        s.arm.chain.mass[i].kg *= 1 + mass_error * mukca_random_normal(&random);
-    record(&data, &s);
-    diagnose(&s, &data, NULL);
-    const mukca_diagnosed result = {.diagnosis = diagnosis, .chain = &s.chain, .data = &data};
-    mukca_offsets *written = calloc(1, sizeof *written), *back = calloc(1, sizeof *back);
-    mukca_chain chain;
-    int left_out;
-    if (cli_diagnosis_offsets(written, &chain, &left_out, &result, &(cli_frames){.base = false},
-                              &error))
-        fail_msg("%s", error.text);
-    assert_int_equal(left_out, 0);
-    assert_true(written->n_effects >= (effects != NULL));
-    for (int e = 0; e < written->n_effects; e++)
-        for (int t = 0; t < written->effects[e].terms; t++) {
-            const double sigma = written->effect_sigma[e][t];
-            assert_true(sigma > 0 && isfinite(sigma));
-        }
-    char path[128];
-    snprintf(path, sizeof path, "%s/offsets.tsv", scratch_folder);
-    FILE *file = fopen(path, "w");
-    assert_int_equal(mukca_offsets_write(file, written, &chain, &data, NULL, &error), MUKCA_OK);
-    fclose(file);
-    if (mukca_offsets_read(back, &s.chain, path,
-                           &(mukca_offsets_options){.accept = MUKCA_ACCEPT_FAILED}, &error))
-        fail_msg("%s", error.text);
-
-    mukca_geometry geometry;
-    mukca_effect placed[MUKCA_MAX_EFFECTS];
-    mukca_geometry_set(&geometry, &s.chain, back->theta);
-    mukca_offsets_place_effects(placed, back, &data);
-    double sum = 0;
-    const int rows = s.how.rows;
-    mukca_row_state states;
-    for (int socket = 0; socket < data.n_sockets; socket++) {
-        double ball[30][3], mean[3] = {0};
-        for (int i = 0; i < rows; i++) {
-            mukca_displacement displacement;
-            const mukca_joint_state *joints =
-                mukca_dataset_state(&states, &data, socket * rows + i);
-            mukca_effects_displacement(&displacement, placed, back->n_effects, &s.chain, &geometry,
-                                       joints->q, joints);
-            mukca_fk_position(ball[i], &geometry, joints->q, &displacement);
-            for (int a = 0; a < 3; a++) mean[a] += ball[i][a] / rows;
-        }
-        for (int i = 0; i < rows; i++) {
-            const double d[3] = {ball[i][0] - mean[0], ball[i][1] - mean[1], ball[i][2] - mean[2]};
-            sum += sqrt(mukca_dot3(d, d));
-        }
-    }
-    const double mae = sum / data.n_rows;
-    print_message("%s: %.4f mm through the table, floor %.4f mm, geometry alone %.4f mm\n",
-                  effects ? effects : "nothing", 1e3 * mae, 1e3 * diagnosis->noise_floor_m,
-                  1e3 * diagnosis->geometry_m);
-    assert_true(mae < 1.05 * 1.596e-4);
-    if (effects) assert_true(mae < 0.9 * diagnosis->geometry_m);
-    free(written);
-    free(back);
-    mukca_dataset_free(&data);
-}
-
-static void the_table_says_what_was_diagnosed(void **state)
-{
-    (void)state;
-    check_table(NULL, false, 0);
-    check_table("joint_compliance:joint_2=3e-5", false, 0);
-    check_table("joint_compliance:joint_2=4e-5", true, 0.2); /* the masses' errors are measured */
-    check_table("link_bending:joint_3=4e-5,gear_harmonic:joint_4@160=1e-3", false, 0.1);
-    check_table("backlash:joint_4=2e-3", false, 0);
-    check_table("approach_hysteresis:joint_2=2e-3", false, 0);
-    check_table("joint_drift:joint_2@300=2e-3", false, 0);
-    check_table("zero_jump:joint_3/left=1.5e-3", false, 0);
-    check_table("ball_shift:right=1e-3", false, 0);
-    check_table("readback_lag=2e-3", false, 0);
-    check_table("axis_wobble:joint_2@turning2=1.5e-3", false, 0);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(everything_is_handed_over), cmocka_unit_test(noise_is_called_noise),
-        cmocka_unit_test(nothing_to_test), cmocka_unit_test(the_table_says_what_was_diagnosed)};
-    return cmocka_run_group_tests_name("diagnose contract", tests, setup, teardown);
-}
+TEST_MAIN(set_up, tear_down)

@@ -1,35 +1,14 @@
 /* Recordings that cannot be diagnosed, or not in full: each ends in a verdict and a reason. */
-#include <stdlib.h>
-
-#include "diagnose/diagnose.h"
+#include "diagnosed.h"
 #include "model/dataset_subset.h"
-#include "scene.h"
-
-static mukca_diagnosis *diagnosis;
-
-static int setup(void **state)
-{
-    (void)state;
-    diagnosis = calloc(1, sizeof *diagnosis);
-    return diagnosis ? 0 : 1;
-}
-
-static int teardown(void **state)
-{
-    (void)state;
-    mukca_diagnosis_free(diagnosis);
-    free(diagnosis);
-    return 0;
-}
 
 /* A flexible shoulder, 0.1 mm of noise. */
-static void flexible(scene *s, mukca_dataset *data, int rows, bool effort)
+static void flexible(int rows, bool effort)
 {
-    set_scene(s, "joint_compliance:joint_2=3e-5", 4);
-    s->how.rows = rows;
-    s->how.noise = 1e-4;
-    s->how.effort = effort;
-    record(data, s);
+    simulate("joint_compliance:joint_2=3e-5", 4);
+    s.how.rows = rows;
+    s.how.effort = effort;
+    record_again();
 }
 
 static bool ordered(double low, double middle, double high)
@@ -38,13 +17,9 @@ static bool ordered(double low, double middle, double high)
 }
 
 /* Diagnose, and check what must hold whatever the rows are. */
-static const mukca_diagnosis *diagnose(const scene *s, const mukca_dataset *data)
+static void check_diagnosis(void)
 {
-    mukca_diagnosis *d = diagnosis;
-    mukca_error error = {0};
-    const mukca_diagnose_options options = {.applied = true};
-    mukca_diagnosis_free(d);
-    if (mukca_diagnose(d, &s->chain, data, &options, &error)) fail_msg("%s", error.text);
+    diagnose((mukca_diagnose_options){.applied = true});
     assert_true((d->verdict == MUKCA_VERDICT_UNTESTABLE) == (d->why != NULL));
     for (int i = 0; i < d->n_causes; i++) {
         const mukca_cause *c = &d->causes[i];
@@ -64,15 +39,14 @@ static const mukca_diagnosis *diagnose(const scene *s, const mukca_dataset *data
     for (int i = 0; i < d->n_faults; i++) assert_true(ordered(0, d->faults[i].size_m, 10));
     if (d->applied.fitted) {
         double theta[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS];
-        mukca_geometry_theta(theta, &s->chain, &d->applied.geometry);
-        for (int i = 0; i < MUKCA_PARAMETERS * s->chain.n_elements; i++)
+        mukca_geometry_theta(theta, &s.chain, &d->applied.geometry);
+        for (int i = 0; i < MUKCA_PARAMETERS * s.chain.n_elements; i++)
             assert_true(isfinite(theta[i]));
     }
-    return d;
 }
 
 /* Why an effect cannot be tested (at a joint, -1: at all); NULL where it can. */
-static const char *why(const mukca_diagnosis *d, int kind, int joint)
+static const char *why(int kind, int joint)
 {
     for (int i = 0; i < d->n_tested; i++)
         if ((int)d->tested[i].effect == kind && d->tested[i].joint == joint)
@@ -85,147 +59,92 @@ static void assert_says(const char *text, const char *part)
     if (!text || !strstr(text, part)) fail_msg("'%s' lacks '%s'", text ? text : "NULL", part);
 }
 
-static void without_masses_elastic_effects_are_untestable(void **state)
+TEST(without_masses_elastic_effects_are_untestable)
 {
-    (void)state;
-    scene s;
-    mukca_dataset data;
-    flexible(&s, &data, 25, false);
+    flexible(25, false);
     s.chain.n_masses = 0;
-    const mukca_diagnosis *d = diagnose(&s, &data);
+    check_diagnosis();
     static const int kinds[] = {MUKCA_EFFECT_JOINT_COMPLIANCE, MUKCA_EFFECT_LINK_BENDING,
                                 MUKCA_EFFECT_BASE_COMPLIANCE, MUKCA_EFFECT_BACKLASH};
     for (int i = 0; i < 4; i++) {
-        assert_says(why(d, kinds[i], -1), "--inertials");
+        assert_says(why(kinds[i], -1), "--inertials");
         for (int c = 0; c < d->n_causes; c++)
             assert_int_not_equal(d->causes[c].effect.kind, kinds[i]);
     }
-    mukca_dataset_free(&data);
 }
 
-static void efforts_stand_in_for_masses(void **state)
+TEST(efforts_stand_in_for_masses)
 {
-    (void)state;
-    scene s;
-    mukca_dataset data;
-    flexible(&s, &data, 25, true);
+    flexible(25, true);
     s.chain.n_masses = 0;
-    const mukca_diagnosis *d = diagnose(&s, &data);
+    check_diagnosis();
     assert_int_equal(d->causes[0].effect.kind, MUKCA_EFFECT_JOINT_COMPLIANCE);
     assert_int_equal(d->causes[0].effect.joint, 1);
     assert_true(isnan(d->efforts_correlation));
-    mukca_dataset_free(&data);
 }
 
-static void efforts_of_the_wrong_sign_are_noticed(void **state)
+TEST(efforts_of_the_wrong_sign_are_noticed)
 {
-    (void)state;
-    scene s;
-    mukca_dataset data;
-    flexible(&s, &data, 25, true);
-    assert_true(diagnose(&s, &data)->efforts_correlation > 0.999);
+    flexible(25, true);
+    check_diagnosis();
+    assert_true(d->efforts_correlation > 0.999);
     for (int i = 0; i < data.n_rows * data.n_joints; i++) data.effort[i] = -data.effort[i];
-    const mukca_diagnosis *d = diagnose(&s, &data);
+    check_diagnosis();
     assert_true(d->efforts_correlation < -0.999);
     assert_int_equal(d->causes[0].effect.kind, MUKCA_EFFECT_JOINT_COMPLIANCE);
     const double size = d->causes[0].amplitude; /* as if there were none */
     free(data.effort);
     data.effort = NULL;
-    d = diagnose(&s, &data);
+    check_diagnosis();
     assert_close(d->causes[0].amplitude, size, 1e-12);
-    mukca_dataset_free(&data);
 }
 
-static void one_placement(void **state)
+TEST(one_placement)
 {
-    (void)state;
-    scene s;
-    mukca_dataset data, one;
-    mukca_error error;
-    flexible(&s, &data, 25, false);
-    unsigned char keep[256] = {0};
-    for (int i = 0; i < data.n_rows; i++) keep[i] = mukca_dataset_placement(&data, i) == 2;
-    assert_int_equal(mukca_dataset_subset(&one, &data, keep, &error), MUKCA_OK);
-    const mukca_diagnosis *d = diagnose(&s, &one);
-    assert_int_equal(d->verdict == MUKCA_VERDICT_UNTESTABLE, 0);
-    mukca_dataset_free(&one);
+    simulate(NULL, 4);
     mukca_dataset_free(&data);
-    /* a file that has but one */
-    set_scene(&s, NULL, 4);
-    s.how.noise = 1e-4;
-    assert_int_equal(mukca_simulate_sockets(
-                         &data,
-                         &(mukca_simulated_session){
-                             .arm = &s.arm, .places = s.places, .n_places = 1, .options = &s.how},
-                         &error),
-                     MUKCA_OK);
-    d = diagnose(&s, &data);
+    assert_ok(mukca_simulate_sockets(
+        &data,
+        &(mukca_simulated_session){
+            .arm = &s.arm, .places = s.places, .n_places = 1, .options = &s.how},
+        &error));
+    check_diagnosis();
     assert_int_equal(d->verdict, MUKCA_VERDICT_NONE);
-    assert_says(why(d, MUKCA_EFFECT_ZERO_JUMP, -1), "record a second one");
-    assert_says(why(d, MUKCA_EFFECT_BALL_SHIFT, -1), "record a second one");
+    assert_says(why(MUKCA_EFFECT_ZERO_JUMP, -1), "record a second one");
+    assert_says(why(MUKCA_EFFECT_BALL_SHIFT, -1), "record a second one");
     assert_int_equal(d->folds, 2); /* its sockets */
-    mukca_dataset_free(&data);
 }
 
-static void a_socket_with_three_rows(void **state)
+TEST(a_socket_with_three_rows)
 {
-    (void)state;
-    scene s;
-    mukca_dataset data, few;
-    mukca_error error;
-    flexible(&s, &data, 25, false);
+    mukca_dataset few;
+    flexible(25, false);
     unsigned char keep[256];
     for (int i = 0, n = 0; i < data.n_rows; i++) keep[i] = data.socket[i] != 3 || n++ < 3;
-    assert_int_equal(mukca_dataset_subset(&few, &data, keep, &error), MUKCA_OK);
+    assert_ok(mukca_dataset_subset(&few, &data, keep, &error));
     assert_int_equal(few.n_rows, data.n_rows - 22);
-    const mukca_diagnosis *d = diagnose(&s, &few);
+    mukca_dataset_free(&data);
+    data = few;
+    check_diagnosis();
     assert_int_equal(d->causes[0].effect.kind, MUKCA_EFFECT_JOINT_COMPLIANCE);
     assert_int_equal(d->causes[0].effect.joint, 1);
-    mukca_dataset_free(&few);
-    mukca_dataset_free(&data);
 }
 
-static void identical_rows(void **state)
+TEST(too_few_rows)
 {
-    (void)state;
-    scene s;
-    mukca_dataset data;
-    flexible(&s, &data, 25, false);
-    const int n = data.n_joints;
-    for (int i = 0; i < data.n_rows; i++)
-        memcpy(data.q + i * n, data.q + i / 25 * 25 * n, (size_t)n * sizeof *data.q);
-    const mukca_diagnosis *d = diagnose(&s, &data);
-    assert_int_equal(d->verdict, MUKCA_VERDICT_UNTESTABLE);
-    assert_says(d->why, "too few different samples");
-    assert_int_equal(d->n_causes, 0);
-    assert_false(d->applied.fitted);
-    memset(data.q, 0, (size_t)(data.n_rows * n) * sizeof *data.q);
-    assert_int_equal(diagnose(&s, &data)->verdict, MUKCA_VERDICT_UNTESTABLE);
-    mukca_dataset_free(&data);
-}
-
-static void too_few_rows(void **state)
-{
-    (void)state;
     for (int rows = 2; rows < 12; rows++) {
-        scene s;
-        mukca_dataset data;
-        flexible(&s, &data, rows, false);
-        const mukca_diagnosis *d = diagnose(&s, &data);
+        flexible(rows, false);
+        check_diagnosis();
         if (rows < 3) assert_int_equal(d->n_causes, 0);
         for (int i = 0; i < d->n_causes; i++) /* what is sure is true */
             assert_true(d->causes[i].effect.kind == MUKCA_EFFECT_JOINT_COMPLIANCE ||
                         d->causes[i].probability < 0.95 || d->causes[i].n_ties > 0);
-        mukca_dataset_free(&data);
     }
 }
 
 /* An arm whose elbow is locked is another arm; nothing about the elbow can be told. */
-static void a_constant_joint(void **state)
+TEST(a_constant_joint)
 {
-    (void)state;
-    scene s;
-    mukca_dataset data;
     set_scene(&s, NULL, 4);
     s.how.noise = 1e-4;
     mukca_element *elbow = &s.chain.element[s.chain.joint_element[3]];
@@ -235,84 +154,39 @@ static void a_constant_joint(void **state)
     memset(s.places, 0, sizeof s.places);
     static const char *const names[PLACES] = {"a", "b", "c", "d"};
     for (int p = 0; p < PLACES; p++) snprintf(s.places[p].name, 64, "%s", names[p]);
-    mukca_error error = {0};
-    if (mukca_simulate_places(s.places, PLACES, &s.chain, 0.05, 4, &error))
-        fail_msg("%s", error.text);
-    record(&data, &s);
-    const mukca_diagnosis *d = diagnose(&s, &data);
+    assert_ok(mukca_simulate_places(s.places, PLACES, &s.chain, 0.05, 4, &error));
+    record_again();
+    check_diagnosis();
     assert_int_equal(d->n_causes, 0);
     static const int kinds[] = {MUKCA_EFFECT_JOINT_SCALE, MUKCA_EFFECT_ENCODER_ECCENTRICITY,
                                 MUKCA_EFFECT_GEAR_HARMONIC, MUKCA_EFFECT_AXIS_WOBBLE,
                                 MUKCA_EFFECT_APPROACH_HYSTERESIS};
-    for (int i = 0; i < 5; i++) assert_says(why(d, kinds[i], 3), "did not move");
-    mukca_dataset_free(&data);
+    for (int i = 0; i < 5; i++) assert_says(why(kinds[i], 3), "did not move");
 }
 
-static void rows_of_another_arm(void **state)
+TEST(all_labels_wrong)
 {
-    (void)state;
-    scene s;
-    mukca_dataset data;
-    mukca_random random;
-    flexible(&s, &data, 25, false);
-    mukca_random_seed(&random, 1);
-    for (int i = 0; i < data.n_rows * data.n_joints; i++)
-        data.q[i] = 2 * mukca_random_normal(&random);
-    const mukca_diagnosis *d = diagnose(&s, &data);
-    assert_int_equal(d->verdict, MUKCA_VERDICT_UNTESTABLE);
-    assert_says(d->why, "do not fit this arm");
-    assert_int_equal(d->n_causes, 0);
-    assert_true(d->geometry_m > 0.05);
-    mukca_dataset_free(&data);
-}
-
-static void all_labels_wrong(void **state)
-{
-    (void)state;
-    scene s;
-    mukca_dataset data;
-    flexible(&s, &data, 25, false);
+    flexible(25, false);
     for (int i = 0; i < data.n_rows; i++)
         data.socket[i] ^= 1; /* both swapped: a pair all the same */
-    assert_int_equal(diagnose(&s, &data)->n_faults, 0);
+    check_diagnosis();
+    assert_int_equal(d->n_faults, 0);
     for (int i = 0; i < data.n_rows; i++) data.socket[i] ^= i % 3 == 0; /* a third of them */
-    const mukca_diagnosis *d = diagnose(&s, &data);
+    check_diagnosis();
     assert_int_equal(d->n_faults, MUKCA_MAX_FAULTS);
     for (int i = 0; i < d->n_faults; i++)
         assert_int_equal(d->faults[i].kind, MUKCA_FAULT_WRONG_SOCKET);
-    mukca_dataset_free(&data);
 }
 
 /* --distance ten times too large: named, with its size, though no prior expects it. */
-static void a_wild_distance(void **state)
+TEST(a_wild_distance)
 {
-    (void)state;
-    scene s;
-    mukca_dataset data;
-    set_scene(&s, NULL, 4);
-    s.how.noise = 1e-4;
-    record(&data, &s);
+    simulate(NULL, 4);
     for (int i = 0; i < data.n_distances; i++) data.distances[i].distance = 0.5;
-    const mukca_diagnosis *d = diagnose(&s, &data);
+    check_diagnosis();
     assert_int_equal(d->n_causes, 1);
     assert_int_equal(d->causes[0].effect.kind, MUKCA_EFFECT_SOCKET_DISTANCE);
     assert_close(d->causes[0].amplitude, -0.45, 1e-3);
-    mukca_dataset_free(&data);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(without_masses_elastic_effects_are_untestable),
-        cmocka_unit_test(efforts_stand_in_for_masses),
-        cmocka_unit_test(efforts_of_the_wrong_sign_are_noticed),
-        cmocka_unit_test(one_placement),
-        cmocka_unit_test(a_socket_with_three_rows),
-        cmocka_unit_test(identical_rows),
-        cmocka_unit_test(too_few_rows),
-        cmocka_unit_test(a_constant_joint),
-        cmocka_unit_test(rows_of_another_arm),
-        cmocka_unit_test(all_labels_wrong),
-        cmocka_unit_test(a_wild_distance)};
-    return cmocka_run_group_tests_name("diagnose input", tests, setup, teardown);
-}
+TEST_MAIN(set_up, tear_down)

@@ -1,30 +1,14 @@
-/* Scores on a gantry whose tip stands where its three sliding joints say, so that they can be
- * worked out by hand. */
+/* Scores on a gantry, to be worked out by hand: its tip stands where three sliding joints along x,
+ * y and z say, and is turned about z by the fourth. */
 #include <stdlib.h>
-#include <string.h>
 
+#include "arms.h"
 #include "close.h"
 #include "fit/evaluate.h"
 
-/* Three sliding joints along x, y, z, one turning about z, a fixed tip on its axis. */
-static void make_gantry(mukca_chain *chain)
-{
-    memset(chain, 0, sizeof *chain);
-    chain->n_elements = 5;
-    chain->n_joints = 4;
-    for (int k = 0; k < 5; k++) {
-        mukca_element *e = &chain->element[k];
-        snprintf(e->name, sizeof e->name, "g%d", k);
-        e->type = k < 3 ? MUKCA_PRISMATIC : k == 3 ? MUKCA_REVOLUTE : MUKCA_FIXED;
-        e->joint = k < 4 ? k : -1;
-        e->axis[k < 3 ? k : 2] = 1;
-        if (k < 4) chain->joint_element[k] = k;
-    }
-}
-
 static void make_data(mukca_dataset *data, const double (*q)[4], const int *socket, int rows)
 {
-    assert_int_equal(mukca_dataset_create(data, rows, 4, 4, 3, NULL), MUKCA_OK);
+    assert_ok(mukca_dataset_create(data, rows, 4, 4, 3, NULL));
     static const int placement[4] = {0, 0, 2, 2}; /* placement 1 has no rows */
     for (int s = 0; s < 4; s++) data->sockets[s].placement = placement[s];
     data->distances = calloc(2, sizeof *data->distances);
@@ -46,7 +30,8 @@ TEST(test_by_hand)
     mukca_dataset data;
     mukca_score scores[4], mean;
     double theta[30];
-    make_gantry(&chain);
+    make_chain(&chain, "PPPRF", NULL, "g", 0);
+    for (int k = 0; k < 2; k++) chain.element[k].axis[2] = 0, chain.element[k].axis[k] = 1;
     mukca_chain_theta(theta, &chain);
     make_data(&data, q, socket, 9);
     data.position = malloc(27 * sizeof *data.position);
@@ -80,11 +65,7 @@ TEST(test_by_hand)
                  1e-15);
 
     /* an effect: the first joint counts a tenth too much */
-    const mukca_effect scale = {.kind = MUKCA_EFFECT_JOINT_SCALE,
-                                .joint = 0,
-                                .placement = -1,
-                                .terms = 1,
-                                .coefficient = {0.1}};
+    const mukca_effect scale = make_effect(MUKCA_EFFECT_JOINT_SCALE, 0, 0.1);
     model.effects = &scale;
     model.n_effects = 1;
     assert_int_equal(mukca_evaluate(scores, NULL, &model, &data), 3);

@@ -1,7 +1,8 @@
-/* Exported models: what a format holds, and what it leaves as it was.
- */
+/* Exported models hold every calibrated number and leave the rest as it was; notes name what a
+ * format lacks. */
 #include "io/export.h"
 
+#include "arms.h"
 #include "base/number.h"
 #include "odd_urdf.h"
 
@@ -25,16 +26,8 @@ static int setup(void **state)
 static void add_effects(void)
 {
     offsets.n_effects = 2;
-    offsets.effects[0] = (mukca_effect){.kind = MUKCA_EFFECT_JOINT_COMPLIANCE,
-                                        .joint = 1,
-                                        .placement = -1,
-                                        .terms = 1,
-                                        .coefficient = {1e-4}};
-    offsets.effects[1] = (mukca_effect){.kind = MUKCA_EFFECT_JOINT_SCALE,
-                                        .joint = 0,
-                                        .placement = -1,
-                                        .terms = 1,
-                                        .coefficient = {1e-3 / 3}};
+    offsets.effects[0] = make_effect(MUKCA_EFFECT_JOINT_COMPLIANCE, 1, 1e-4);
+    offsets.effects[1] = make_effect(MUKCA_EFFECT_JOINT_SCALE, 0, 1e-3 / 3);
 }
 
 static mukca_export_input make_input(void)
@@ -47,11 +40,10 @@ static mukca_export_input make_input(void)
 /* Export to a file; its content, to be freed. */
 static char *export(const char *name, mukca_status wanted)
 {
-    char path[128];
+    const char *path;
     const mukca_exporter *exporter = mukca_exporters;
     while (strcmp(exporter->name, name) != 0) exporter++;
-    snprintf(path, sizeof path, "%s/export", scratch_folder);
-    FILE *file = fopen(path, "w");
+    FILE *file = scratch_create(&path, "export");
     const mukca_export_input input = make_input();
     assert_int_equal(mukca_export_write(file, exporter, &input, &error), wanted);
     fclose(file);
@@ -72,22 +64,21 @@ static void drop_origins(char *text)
     }
 }
 
-static void urdf_keeps_every_other_byte(void **state)
+TEST(urdf_keeps_every_other_byte)
 {
-    (void)state;
     calibrate();
     char *text = export("urdf", MUKCA_OK);
     const char *path = scratch_file("patched.urdf", text);
     mukca_chain patched;
-    assert_int_equal(mukca_urdf_load(&patched, path, NULL, NULL, NULL, &error), MUKCA_OK);
+    assert_ok(mukca_urdf_load(&patched, path, NULL, NULL, NULL, &error));
     for (int k = 0; k < 3; k++)
         for (int i = 0; i < 3; i++) {
             assert_true(patched.element[k].xyz[i] == offsets.theta[6 * k + i]);
             assert_true(patched.element[k].rpy[i] == offsets.theta[6 * k + 3 + i]);
         }
     /* the joint without an origin got one, on a line of its own */
-    assert_non_null(strstr(text, "<joint name='b' type='continuous'>\r\n    <origin xyz=\""));
-    assert_non_null(strstr(text, "\r\n    <parent link='l1'/>"));
+    assert_part(text, "<joint name='b' type='continuous'>\r\n    <origin xyz=\"");
+    assert_part(text, "\r\n    <parent link='l1'/>");
     char whole[sizeof urdf];
     memcpy(whole, urdf, sizeof urdf);
     drop_origins(whole);
@@ -105,9 +96,8 @@ static void urdf_keeps_every_other_byte(void **state)
 }
 
 /* The other numbers of an origin, and origins that did not change, keep their text. */
-static void urdf_keeps_the_text_of_unchanged_numbers(void **state)
+TEST(urdf_keeps_the_text_of_unchanged_numbers)
 {
-    (void)state;
     static const char number[] = "<origin rpy='0 1.5 0'\txyz = '0.1 -0.2 0.3' >";
     mukca_offsets_init(&offsets, &chain);
     for (int i = 0; i < 18; i++) offsets.theta[i] += 9e-10; /* counts as no offset */
@@ -118,29 +108,27 @@ static void urdf_keeps_the_text_of_unchanged_numbers(void **state)
     offsets.theta[12] = 1.0 / 3;
     text = export("urdf", MUKCA_OK);
     assert_null(strstr(text, number));
-    assert_non_null(strstr(text, "<origin rpy='0 1.5 0'\txyz = '0.1 -0.1 0.3' >"));
-    assert_non_null(strstr(text, "<origin xyz=\"0.3333333333333333 0 0.5\" />"));
+    assert_part(text, "<origin rpy='0 1.5 0'\txyz = '0.1 -0.1 0.3' >");
+    assert_part(text, "<origin xyz=\"0.3333333333333333 0 0.5\" />");
     free(text);
     offsets.theta[16] = 0.25; /* an attribute that is absent */
     text = export("urdf", MUKCA_OK);
-    assert_non_null(strstr(text, "<origin xyz=\"0.3333333333333333 0 0.5\" rpy=\"0 0.25 0\" />"));
+    assert_part(text, "<origin xyz=\"0.3333333333333333 0 0.5\" rpy=\"0 0.25 0\" />");
     free(text);
 }
 
-static void urdf_that_changed_meanwhile_is_refused(void **state)
+TEST(urdf_that_changed_meanwhile_is_refused)
 {
-    (void)state;
     calibrate();
     const char was = chain.urdf_sha256[0];
     chain.urdf_sha256[0] = 'x';
     free(export("urdf", MUKCA_INPUT));
-    assert_non_null(strstr(error.text, "changed during the export"));
+    assert_part(error.text, "changed during the export");
     chain.urdf_sha256[0] = was;
 }
 
-static void yaml_and_c_hold_every_number(void **state)
+TEST(yaml_and_c_hold_every_number)
 {
-    (void)state;
     calibrate();
     add_effects();
     char *yaml = export("yaml", MUKCA_OK), *c = export("c", MUKCA_OK);
@@ -156,36 +144,29 @@ static void yaml_and_c_hold_every_number(void **state)
         assert_non_null(strstr(yaml, name));
         assert_non_null(strstr(c, name));
     }
-    assert_non_null(strstr(yaml, "robot: \"odd & arm\"\n"));
-    assert_non_null(strstr(c, "enum { odd___arm_elements = 3, odd___arm_joints = 2 };"));
+    assert_part(yaml, "robot: \"odd & arm\"\n");
+    assert_part(c, "enum { odd___arm_elements = 3, odd___arm_joints = 2 };");
     free(yaml);
     free(c);
 }
 
 /* An effect that the format lacks moves into the origins as far as they can take it: the zero of an
  * angle that is scaled about another one. */
-static void origins_take_up_what_a_format_lacks(void **state)
+TEST(origins_take_up_what_a_format_lacks)
 {
-    (void)state;
     calibrate();
     offsets.n_effects = 1;
-    offsets.effects[0] = (mukca_effect){.kind = MUKCA_EFFECT_JOINT_SCALE,
-                                        .joint = 0,
-                                        .placement = -1,
-                                        .terms = 1,
-                                        .coefficient = {1e-3}};
+    offsets.effects[0] = make_effect(MUKCA_EFFECT_JOINT_SCALE, 0, 1e-3);
     chain.element[0].lower = 2; /* mean of q 2.5: a zero of 2.5 mrad is most of the effect */
     char *text = export("urdf", MUKCA_OK);
     chain.element[0].lower = -3;
-    assert_non_null(strstr(notes, "joint_scale of a is not exported: the format urdf"));
-    assert_non_null(
-        strstr(notes, "urdf: the origins were fitted to the arm over its joint ranges"));
-    assert_non_null(strstr(notes, "recommended: the table itself"));
+    assert_part(notes, "joint_scale of a is not exported: the format urdf");
+    assert_part(notes, "urdf: the origins were fitted to the arm over its joint ranges");
+    assert_part(notes, "recommended: the table itself");
     mukca_chain patched;
     mukca_geometry whole, fitted;
-    assert_int_equal(
-        mukca_urdf_load(&patched, scratch_file("patched.urdf", text), NULL, NULL, NULL, &error),
-        MUKCA_OK);
+    assert_ok(
+        mukca_urdf_load(&patched, scratch_file("patched.urdf", text), NULL, NULL, NULL, &error));
     mukca_geometry_set(&whole, &chain, offsets.theta);
     mukca_geometry_set(&fitted, &patched, NULL);
     double worst = 0, worst_left_out = 0;
@@ -204,9 +185,8 @@ static void origins_take_up_what_a_format_lacks(void **state)
 }
 
 /* NumPy's header, then 8 bytes a joint: the angles by which the joints were turned. */
-static void npy_holds_the_zeros_of_the_joints(void **state)
+TEST(npy_holds_the_zeros_of_the_joints)
 {
-    (void)state;
     static const double turned[2] = {0.0125, -0.02};
     static const char header[] =
         "\x93NUMPY\x01\0v\0{'descr': '<f8', 'fortran_order': False, 'shape': (2,), }";
@@ -228,44 +208,19 @@ static void npy_holds_the_zeros_of_the_joints(void **state)
         memcpy(&zero, bytes + 128 + 8 * j, sizeof zero); /* on a little-endian machine */
         assert_close(zero, turned[j], 1e-9);
     }
-    assert_non_null(strstr(notes, "npy: offsets of the joints alone were fitted"));
+    assert_part(notes, "npy: offsets of the joints alone were fitted");
     free(bytes);
 }
 
-static void mjcf_holds_springs_and_names_the_rest(void **state)
+TEST(mjcf_holds_springs_and_names_the_rest)
 {
-    (void)state;
     calibrate();
     add_effects();
     char *text = export("mjcf", MUKCA_OK);
-    assert_non_null(strstr(notes, "joint_scale of a is not exported: the format mjcf"));
+    assert_part(notes, "joint_scale of a is not exported: the format mjcf");
     assert_null(strstr(notes, "joint_compliance"));
-    assert_non_null(
-        strstr(text, "name=\"b_flex\" type=\"hinge\" axis=\"0 1 0\" stiffness=\"10000\""));
+    assert_part(text, "name=\"b_flex\" type=\"hinge\" axis=\"0 1 0\" stiffness=\"10000\"");
     free(text);
 }
 
-static void endings_choose_a_format(void **state)
-{
-    (void)state;
-    static const char *const names[][2] = {
-        {"a.urdf", "urdf"}, {"a.b/c.yml", "yaml"}, {"x.yaml", "yaml"}, {"x.h", "c"},
-        {"x.mjcf", "mjcf"}, {"a.b/c", "urdf"},     {"x", "urdf"},      {"x.", "urdf"}};
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
-        assert_string_equal(mukca_exporters[mukca_exporter_find(names[i][0])].name, names[i][1]);
-    assert_int_equal(mukca_exporter_find(NULL), 0);
-    assert_int_equal(mukca_exporter_find("x.sdf"), -1);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(urdf_keeps_every_other_byte),
-                                       cmocka_unit_test(urdf_keeps_the_text_of_unchanged_numbers),
-                                       cmocka_unit_test(urdf_that_changed_meanwhile_is_refused),
-                                       cmocka_unit_test(yaml_and_c_hold_every_number),
-                                       cmocka_unit_test(origins_take_up_what_a_format_lacks),
-                                       cmocka_unit_test(npy_holds_the_zeros_of_the_joints),
-                                       cmocka_unit_test(mjcf_holds_springs_and_names_the_rest),
-                                       cmocka_unit_test(endings_choose_a_format)};
-    return cmocka_run_group_tests(tests, setup, scratch_teardown);
-}
+TEST_MAIN(setup, scratch_teardown)

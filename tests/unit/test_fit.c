@@ -1,7 +1,9 @@
-/* Free and frozen parameters, solvers and their verdict, measured poses, what the data can tell. */
+/* Parameters are free as asked for, all solvers reach one minimum, poses are fitted in any frame,
+ * and what the data cannot tell is called so. */
 #include <stdlib.h>
 #include <string.h>
 
+#include "arms.h"
 #include "close.h"
 #include "fit/fit.h"
 #include "fit/part.h"
@@ -10,34 +12,37 @@
 
 enum { JOINTS = 6 };
 
-/* A 6-axis arm (all axes z in their frames) with a fixed tip. */
-static void make_arm(mukca_chain *chain)
+static mukca_chain chain;
+static mukca_dataset data;
+static mukca_random seeded;
+static mukca_frame tracker;
+static double truth[MUKCA_MAX_FREE];
+
+/* A 6-axis arm (all axes z in their frames) with a fixed tip; a tracker in its base. */
+static int setup(void **state)
 {
     static const double origin[7][6] = {{0, 0, 0.16, 0, 0, 0},      {0.05, 0, 0, M_PI_2, 0, 0},
                                         {-0.42, 0, 0, 0, 0, 0},     {-0.39, 0, 0.13, 0, 0, 0},
                                         {0, -0.1, 0, M_PI_2, 0, 0}, {0, 0.1, 0, -M_PI_2, 0, 0},
                                         {0.03, 0.04, 0.1, 0, 0, 0}};
-    memset(chain, 0, sizeof *chain);
-    chain->n_elements = 7;
-    chain->n_joints = JOINTS;
-    for (int k = 0; k < 7; k++) {
-        mukca_element *e = &chain->element[k];
-        snprintf(e->name, sizeof e->name, k < JOINTS ? "joint_%d" : "tip_joint", k + 1);
-        e->type = k < JOINTS ? MUKCA_REVOLUTE : MUKCA_FIXED;
-        e->joint = k < JOINTS ? k : -1;
-        e->axis[2] = 1;
-        memcpy(e->xyz, origin[k], sizeof e->xyz);
-        memcpy(e->rpy, origin[k] + 3, sizeof e->rpy);
-        if (k < JOINTS) chain->joint_element[k] = k;
-    }
+    (void)state;
+    make_chain(&chain, "RRRRRRF", origin, "joint_", 0);
+    tracker = (mukca_frame){{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    return 0;
 }
 
-static int count_free(const mukca_chain *chain, const char *list, const char *freeze)
+static int teardown(void **state)
+{
+    (void)state;
+    mukca_dataset_free(&data);
+    return 0;
+}
+
+static int count_free(const char *list, const char *freeze)
 {
     mukca_parameters p;
-    mukca_error error;
     const mukca_selection selection = {list, freeze, false};
-    const mukca_status status = mukca_parameters_select(&p, chain, &selection, &error);
+    const mukca_status status = mukca_parameters_select(&p, &chain, &selection, &error);
     if (status != MUKCA_OK) {
         assert_int_equal(status, MUKCA_USAGE);
         assert_true(strlen(error.text) > 20);
@@ -47,44 +52,41 @@ static int count_free(const mukca_chain *chain, const char *list, const char *fr
     return p.n;
 }
 
-static void test_selection(void **state)
+TEST(test_selection)
 {
-    (void)state;
-    mukca_chain chain;
     mukca_parameters p;
     char text[MUKCA_PARAMETER_TEXT];
-    make_arm(&chain);
-    assert_int_equal(count_free(&chain, NULL, NULL), 42);
-    assert_int_equal(count_free(&chain, "joint_2", NULL), 6);
-    assert_int_equal(count_free(&chain, "joint_2.yaw,joint_2.x", NULL), 2);
-    assert_int_equal(count_free(&chain, "yaw", NULL), 7);
-    assert_int_equal(count_free(&chain, "yaw,joint_1", "joint_1.roll"), 11);
-    assert_int_equal(count_free(&chain, NULL, "tip_joint,x,y,z"), 18);
-    assert_int_equal(count_free(&chain, "joint_9", NULL), -1);
-    assert_int_equal(count_free(&chain, "joint_2.w", NULL), -1);
-    assert_int_equal(count_free(&chain, "joint_1,,x", NULL), -1);
-    assert_int_equal(count_free(&chain, "", NULL), -1);
-    assert_int_equal(count_free(&chain, NULL, "x,y,z,roll,pitch,yaw"), -1);
+    assert_int_equal(count_free(NULL, NULL), 42);
+    assert_int_equal(count_free("joint_2", NULL), 6);
+    assert_int_equal(count_free("joint_2.yaw,joint_2.x", NULL), 2);
+    assert_int_equal(count_free("yaw", NULL), 7);
+    assert_int_equal(count_free("yaw,joint_1", "joint_1.roll"), 11);
+    assert_int_equal(count_free(NULL, "joint_7,x,y,z"), 18);
+    assert_int_equal(count_free("joint_9", NULL), -1);
+    assert_int_equal(count_free("joint_2.w", NULL), -1);
+    assert_int_equal(count_free("joint_1,,x", NULL), -1);
+    assert_int_equal(count_free("", NULL), -1);
+    assert_int_equal(count_free(NULL, "x,y,z,roll,pitch,yaw"), -1);
 
     /* a fixed joint in between stays, unless it is asked for */
     chain.element[2].type = MUKCA_FIXED;
-    assert_int_equal(count_free(&chain, NULL, NULL), 36);
-    assert_int_equal(count_free(&chain, "+joint_3.z", NULL), 37);
-    assert_int_equal(count_free(&chain, "joint_3.z", NULL), 1);
+    assert_int_equal(count_free(NULL, NULL), 36);
+    assert_int_equal(count_free("+joint_3.z", NULL), 37);
+    assert_int_equal(count_free("joint_3.z", NULL), 1);
     chain.element[2].type = MUKCA_REVOLUTE;
 
     /* a joint that has the name of a parameter is that joint; a dot in a name is no harm */
     strcpy(chain.element[0].name, "x");
     strcpy(chain.element[1].name, "arm.joint");
-    assert_int_equal(count_free(&chain, "x", NULL), 6);
-    assert_int_equal(count_free(&chain, "x.x,arm.joint.y", NULL), 2);
-    assert_int_equal(count_free(&chain, "arm.joint", NULL), 6);
+    assert_int_equal(count_free("x", NULL), 6);
+    assert_int_equal(count_free("x.x,arm.joint.y", NULL), 2);
+    assert_int_equal(count_free("arm.joint", NULL), 6);
 
     /* the tip alone is not pulled to nominal */
-    assert_int_equal(mukca_parameters_select(&p, &chain, NULL, NULL), MUKCA_OK);
+    assert_ok(mukca_parameters_select(&p, &chain, NULL, NULL));
     for (int i = 0; i < p.n; i++) assert_int_equal(p.regularised[i], p.index[i] < 36);
     const mukca_selection hold = {.regularise_tip = true};
-    assert_int_equal(mukca_parameters_select(&p, &chain, &hold, NULL), MUKCA_OK);
+    assert_ok(mukca_parameters_select(&p, &chain, &hold, NULL));
     for (int i = 0; i < p.n; i++) assert_int_equal(p.regularised[i], 1);
     mukca_parameters_text(text, &chain, 11);
     assert_string_equal(text, "arm.joint.yaw");
@@ -98,69 +100,69 @@ static void test_selection(void **state)
     for (int i = 0; i < p.n; i++) assert_close(back[p.index[i]], theta[p.index[i]] + i, 0);
 }
 
+/* An arm with errors of that size. */
+static void perturb(double size)
+{
+    mukca_chain_theta(truth, &chain);
+    for (int i = 0; i < 42; i++) truth[i] += size * mukca_random_normal(&seeded);
+}
+
 /* Pose log of the arm `truth`, seen from `tracker` (a pose of the arm's base in it). */
-static void track(mukca_dataset *data, const mukca_chain *chain, const double *truth,
-                  const mukca_frame *tracker, int rows, bool oriented, double sigma,
-                  mukca_random *random)
+static void track(mukca_dataset *log, int rows, bool oriented, double sigma)
 {
     mukca_geometry geometry;
-    mukca_geometry_set(&geometry, chain, truth);
-    assert_int_equal(mukca_dataset_create(data, rows, JOINTS, 0, 0, NULL), MUKCA_OK);
-    data->position = malloc(3 * (size_t)rows * sizeof *data->position);
-    assert_non_null(data->position);
-    if (oriented) data->quaternion = malloc(4 * (size_t)rows * sizeof *data->quaternion);
+    mukca_geometry_set(&geometry, &chain, truth);
+    assert_ok(mukca_dataset_create(log, rows, JOINTS, 0, 0, NULL));
+    log->position = malloc(3 * (size_t)rows * sizeof *log->position);
+    assert_non_null(log->position);
+    if (oriented) log->quaternion = malloc(4 * (size_t)rows * sizeof *log->quaternion);
     for (int i = 0; i < rows; i++) {
         mukca_frame T;
         for (int j = 0; j < JOINTS; j++)
-            data->q[i * JOINTS + j] = 2.5 * (2 * mukca_random_uniform(random) - 1);
-        mukca_fk_pose(&T, &geometry, data->q + i * JOINTS, NULL);
-        mukca_frame_multiply(&T, tracker, &T);
+            log->q[i * JOINTS + j] = 2.5 * (2 * mukca_random_uniform(&seeded) - 1);
+        mukca_fk_pose(&T, &geometry, log->q + i * JOINTS, NULL);
+        mukca_frame_multiply(&T, &tracker, &T);
         for (int a = 0; a < 3; a++)
-            data->position[3 * i + a] = T.p[a] + sigma * mukca_random_normal(random);
-        if (oriented) mukca_rotation_to_quaternion(data->quaternion + 4 * i, T.R);
+            log->position[3 * i + a] = T.p[a] + sigma * mukca_random_normal(&seeded);
+        if (oriented) mukca_rotation_to_quaternion(log->quaternion + 4 * i, T.R);
     }
 }
 
-static double held_out(const mukca_fit *fit, const mukca_dataset *data)
+static double held_out(const mukca_fit *fit, const mukca_dataset *test)
 {
     mukca_geometry geometry;
     double sum = 0;
     mukca_geometry_set(&geometry, &fit->chain, fit->theta);
-    for (int i = 0; i < data->n_rows; i++) {
+    for (int i = 0; i < test->n_rows; i++) {
         double x[3], square = 0;
-        mukca_fk_position(x, &geometry, data->q + i * JOINTS, NULL);
-        for (int a = 0; a < 3; a++) square += pow(x[a] - data->position[3 * i + a], 2);
-        sum += sqrt(square) / data->n_rows;
+        mukca_fk_position(x, &geometry, test->q + i * JOINTS, NULL);
+        for (int a = 0; a < 3; a++) square += pow(x[a] - test->position[3 * i + a], 2);
+        sum += sqrt(square) / test->n_rows;
     }
     return sum;
 }
 
-static void test_poses(void **state)
+TEST(test_poses)
 {
-    (void)state;
-    mukca_random random;
-    mukca_chain chain;
-    mukca_random_seed(&random, 31);
+    mukca_random_seed(&seeded, 31);
     for (int trial = 0; trial < 6; trial++) {
         const bool oriented = trial % 2, away = trial >= 2;
-        mukca_frame tracker = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
-        mukca_dataset train, test;
+        mukca_dataset test;
         mukca_fit fit;
-        double truth[MUKCA_MAX_FREE], turn[3];
-        make_arm(&chain);
-        mukca_chain_theta(truth, &chain);
-        for (int i = 0; i < 42; i++) truth[i] += 2e-3 * mukca_random_normal(&random);
+        double turn[3];
+        setup(NULL);
+        perturb(2e-3);
         if (away) {
-            for (int a = 0; a < 3; a++) turn[a] = mukca_random_normal(&random);
+            for (int a = 0; a < 3; a++) turn[a] = mukca_random_normal(&seeded);
             mukca_rotation_exp(tracker.R, turn);
-            for (int a = 0; a < 3; a++) tracker.p[a] = 2 * mukca_random_normal(&random);
+            for (int a = 0; a < 3; a++) tracker.p[a] = 2 * mukca_random_normal(&seeded);
         }
-        track(&train, &chain, truth, &tracker, 60, oriented, 0, &random);
-        track(&test, &chain, truth, &tracker, 40, oriented, 0, &random);
+        track(&data, 60, oriented, 0);
+        track(&test, 40, oriented, 0);
         if (trial >= 4) chain.n_elements--; /* the target's offset is not in the model */
         const mukca_fit_options options = {
             .free_base = away, .free_tool = trial >= 4, .cost.lambda = 1e-9};
-        assert_int_equal(mukca_fit_run(&fit, &chain, &train, &options, NULL), MUKCA_OK);
+        assert_ok(mukca_fit_run(&fit, &chain, &data, &options, NULL));
         assert_true(fit.converged);
         assert_int_equal(fit.chain.n_elements, 7 + away);
         if (away) assert_string_equal(fit.chain.element[0].name, MUKCA_BASE_FRAME);
@@ -169,32 +171,25 @@ static void test_poses(void **state)
         if (!away) assert_int_equal(fit.identification.rank, oriented ? 30 : 27);
         assert_close(held_out(&fit, &test), 0, 1e-6);
         mukca_fit_free(&fit);
-        mukca_dataset_free(&train);
+        mukca_dataset_free(&data);
         mukca_dataset_free(&test);
     }
 }
 
 /* All solvers and gradients come to one minimum, and the verdict says so. */
-static void test_solvers(void **state)
+TEST(test_solvers)
 {
-    (void)state;
-    mukca_random random;
-    mukca_chain chain;
-    mukca_dataset data;
-    const mukca_frame tracker = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
-    double truth[MUKCA_MAX_FREE], least = 0;
-    make_arm(&chain);
-    mukca_random_seed(&random, 32);
-    mukca_chain_theta(truth, &chain);
-    for (int i = 0; i < 42; i++) truth[i] += 5e-3 * mukca_random_normal(&random);
-    track(&data, &chain, truth, &tracker, 50, false, 1e-4, &random);
+    double least = 0;
+    mukca_random_seed(&seeded, 32);
+    perturb(5e-3);
+    track(&data, 50, false, 1e-4);
     for (int s = 0; mukca_solver_table[s]; s++)
         for (int kind = 0; kind < 2; kind++) {
             mukca_fit fit;
             mukca_fit_options options = {
                 .solver = mukca_solver_table[s],
                 .cost.gradient = kind ? MUKCA_GRADIENT_ANALYTIC : MUKCA_GRADIENT_FD};
-            assert_int_equal(mukca_fit_run(&fit, &chain, &data, &options, NULL), MUKCA_OK);
+            assert_ok(mukca_fit_run(&fit, &chain, &data, &options, NULL));
             assert_true(fit.converged);
             assert_true(fit.outcome.evaluations < 100);
             assert_true(fit.calibrated.total < 0.01 * fit.nominal.total);
@@ -203,12 +198,11 @@ static void test_solvers(void **state)
             mukca_fit_free(&fit);
             /* one evaluation is not enough, and is not called converged */
             options.limits.max_evaluations = 2;
-            assert_int_equal(mukca_fit_run(&fit, &chain, &data, &options, NULL), MUKCA_OK);
+            assert_ok(mukca_fit_run(&fit, &chain, &data, &options, NULL));
             assert_false(fit.converged);
             assert_int_equal(fit.outcome.stop, MUKCA_STOP_LIMIT);
             mukca_fit_free(&fit);
         }
-    mukca_dataset_free(&data);
 }
 
 static bool stop_at_once(void *context)
@@ -218,21 +212,15 @@ static bool stop_at_once(void *context)
 }
 
 /* What is not a number ends the run instead of hanging it; so does an interrupt. */
-static void test_stops(void **state)
+TEST(test_stops)
 {
-    (void)state;
-    mukca_random random;
-    mukca_chain chain;
-    mukca_dataset data;
     mukca_parameters parameters;
     mukca_cost cost;
-    double truth[MUKCA_MAX_FREE], x[MUKCA_MAX_FREE];
-    const mukca_frame tracker = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
-    make_arm(&chain);
-    mukca_random_seed(&random, 33);
-    mukca_chain_theta(truth, &chain);
-    track(&data, &chain, truth, &tracker, 20, false, 1e-4, &random);
-    assert_int_equal(mukca_parameters_select(&parameters, &chain, NULL, NULL), MUKCA_OK);
+    double x[MUKCA_MAX_FREE];
+    mukca_random_seed(&seeded, 33);
+    perturb(0);
+    track(&data, 20, false, 1e-4);
+    assert_ok(mukca_parameters_select(&parameters, &chain, NULL, NULL));
     for (int s = 0; mukca_solver_table[s]; s++) {
         mukca_fit fit;
         mukca_solver_outcome outcome;
@@ -242,28 +230,21 @@ static void test_stops(void **state)
         assert_true(mukca_cost_setup(&cost, &pool, &chain, &parameters, &data, NULL));
         memcpy(x, cost.nominal, (size_t)parameters.n * sizeof *x);
         x[3] = NAN;
-        assert_int_equal(mukca_solver_table[s]->run(x, &outcome, &cost, NULL, NULL), MUKCA_OK);
+        assert_ok(mukca_solver_table[s]->run(x, &outcome, &cost, NULL, NULL));
         assert_int_equal(outcome.stop, MUKCA_STOP_NOT_FINITE);
         mukca_pool_free(&pool);
     }
-    mukca_dataset_free(&data);
 }
 
 /* The null space changes no residual; what is called identifiable is not in it. */
-static void test_null_space(void **state)
+TEST(test_null_space)
 {
-    (void)state;
-    mukca_random random;
-    mukca_chain chain;
-    mukca_dataset data;
     mukca_fit fit;
-    double truth[MUKCA_MAX_FREE], moved[MUKCA_MAX_FREE];
-    const mukca_frame tracker = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
-    make_arm(&chain);
-    mukca_random_seed(&random, 34);
-    mukca_chain_theta(truth, &chain);
-    track(&data, &chain, truth, &tracker, 40, false, 1e-4, &random);
-    assert_int_equal(mukca_fit_run(&fit, &chain, &data, NULL, NULL), MUKCA_OK);
+    double moved[MUKCA_MAX_FREE];
+    mukca_random_seed(&seeded, 34);
+    perturb(0);
+    track(&data, 40, false, 1e-4);
+    assert_ok(mukca_fit_run(&fit, &chain, &data, NULL, NULL));
     const int n = fit.parameters.n, hidden = n - fit.identification.rank;
     assert_int_equal(hidden, 15);
     mukca_geometry a, b;
@@ -289,11 +270,10 @@ static void test_null_space(void **state)
     for (int i = 0; i < n; i++)
         assert_int_equal(isfinite(fit.identification.sigma[i]), fit.identification.identifiable[i]);
     mukca_fit_free(&fit);
-    mukca_dataset_free(&data);
 }
 
 /* Standard errors over noise from a part of the samples are those of all of them. */
-static void compare_precision(const mukca_chain *chain, const mukca_dataset *data, int most)
+static void compare_precision(int most)
 {
     mukca_parameters p;
     mukca_dataset samples;
@@ -301,15 +281,15 @@ static void compare_precision(const mukca_chain *chain, const mukca_dataset *dat
     mukca_identification id[2];
     mukca_pool pool = {0};
     double work[MUKCA_IDENTIFY_WORK(MUKCA_MAX_FREE)];
-    assert_int_equal(mukca_parameters_select(&p, chain, NULL, NULL), MUKCA_OK);
-    assert_int_equal(mukca_part_take(&samples, data, most, NULL), MUKCA_OK);
+    assert_ok(mukca_parameters_select(&p, &chain, NULL, NULL));
+    assert_ok(mukca_part_take(&samples, &data, most, NULL));
     assert_true(samples.n_rows <= most && samples.n_rows > most / 3);
-    assert_true(mukca_cost_setup(&all, &pool, chain, &p, data, NULL));
-    assert_true(mukca_cost_setup(&part, &pool, chain, &p, &samples, NULL));
+    assert_true(mukca_cost_setup(&all, &pool, &chain, &p, &data, NULL));
+    assert_true(mukca_cost_setup(&part, &pool, &chain, &p, &samples, NULL));
     assert_true(
-        mukca_cost_setup(&bounded, &pool, chain, &p, data, &(mukca_cost_options){.part = &part}));
-    assert_int_equal(mukca_identify(&id[0], NULL, &all, all.nominal, work, NULL), MUKCA_OK);
-    assert_int_equal(mukca_identify(&id[1], NULL, &bounded, all.nominal, work, NULL), MUKCA_OK);
+        mukca_cost_setup(&bounded, &pool, &chain, &p, &data, &(mukca_cost_options){.part = &part}));
+    assert_ok(mukca_identify(&id[0], NULL, &all, all.nominal, work, NULL));
+    assert_ok(mukca_identify(&id[1], NULL, &bounded, all.nominal, work, NULL));
     assert_int_equal(id[0].rank, id[1].rank);
     assert_close(id[0].noise, id[1].noise, 1e-12 * id[0].noise);
     for (int i = 0; i < p.n; i++) {
@@ -321,64 +301,49 @@ static void compare_precision(const mukca_chain *chain, const mukca_dataset *dat
     mukca_dataset_free(&samples);
 }
 
-static void test_part(void **state)
+TEST(test_part)
 {
-    (void)state;
     enum { SOCKETS = 4, ROWS = 9000 };
     static const double share[SOCKETS] = {0.65, 0.95, 0.98, 1}; /* uneven, mixed; two placements */
-    mukca_random random;
-    mukca_chain chain;
-    mukca_dataset data;
-    double truth[MUKCA_MAX_FREE];
-    const mukca_frame tracker = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
-    make_arm(&chain);
-    mukca_random_seed(&random, 35);
-    mukca_chain_theta(truth, &chain);
-    track(&data, &chain, truth, &tracker, ROWS, true, 1e-4, &random);
-    compare_precision(&chain, &data, ROWS / 3);
+    mukca_random_seed(&seeded, 35);
+    perturb(0);
+    track(&data, ROWS, true, 1e-4);
+    compare_precision(ROWS / 3);
     mukca_dataset_free(&data);
 
-    assert_int_equal(mukca_dataset_create(&data, ROWS, JOINTS, SOCKETS, 2, NULL), MUKCA_OK);
+    assert_ok(mukca_dataset_create(&data, ROWS, JOINTS, SOCKETS, 2, NULL));
     for (int s = 0; s < SOCKETS; s++) data.sockets[s].placement = s / 2;
     for (int i = 0; i < ROWS; i++) {
-        const double u = mukca_random_uniform(&random);
+        const double u = mukca_random_uniform(&seeded);
         while (u > share[data.socket[i] < 0 ? data.socket[i] = 0 : data.socket[i]])
             data.socket[i]++;
         for (int j = 0; j < JOINTS; j++)
-            data.q[i * JOINTS + j] = 2.5 * (2 * mukca_random_uniform(&random) - 1);
+            data.q[i * JOINTS + j] = 2.5 * (2 * mukca_random_uniform(&seeded) - 1);
     }
     data.n_distances = 2;
     data.distances = calloc(2, sizeof *data.distances);
     assert_non_null(data.distances);
     data.distances[0] = (mukca_distance){0, 1, 0.05};
     data.distances[1] = (mukca_distance){2, 3, 0.05};
-    compare_precision(&chain, &data, ROWS / 3);
-    mukca_dataset_free(&data);
+    compare_precision(ROWS / 3);
 }
 
 /* The solver finds the minimum of all samples of a long recording, not that of the part. */
-static void test_long(void **state)
+TEST(test_long)
 {
-    (void)state;
-    mukca_random random;
-    mukca_chain chain;
-    mukca_dataset data;
     mukca_parameters p;
     mukca_cost cost;
     mukca_fit fit[2];
     mukca_pool pool = {0};
-    double truth[MUKCA_MAX_FREE], x[2][MUKCA_MAX_FREE], g[MUKCA_MAX_FREE];
-    const mukca_frame tracker = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
-    make_arm(&chain);
-    mukca_random_seed(&random, 36);
-    mukca_chain_theta(truth, &chain);
-    for (int i = 0; i < 6 * chain.n_elements; i++) truth[i] += 1e-3 * mukca_random_normal(&random);
-    track(&data, &chain, truth, &tracker, MUKCA_FIT_PART + 1000, false, 1e-4, &random);
-    assert_int_equal(mukca_parameters_select(&p, &chain, NULL, NULL), MUKCA_OK);
+    double x[2][MUKCA_MAX_FREE], g[MUKCA_MAX_FREE];
+    mukca_random_seed(&seeded, 36);
+    perturb(1e-3);
+    track(&data, MUKCA_FIT_PART + 1000, false, 1e-4);
+    assert_ok(mukca_parameters_select(&p, &chain, NULL, NULL));
     assert_true(mukca_cost_setup(&cost, &pool, &chain, &p, &data, NULL));
     for (int s = 0; s < 2; s++) { /* slsqp, lbfgs */
         const mukca_fit_options options = {.solver = mukca_solver_table[s]};
-        assert_int_equal(mukca_fit_run(&fit[s], &chain, &data, &options, NULL), MUKCA_OK);
+        assert_ok(mukca_fit_run(&fit[s], &chain, &data, &options, NULL));
         assert_true(fit[s].converged && fit[s].n_part > 0 && fit[s].n_part <= MUKCA_FIT_PART);
         mukca_parameters_pack(x[s], &p, fit[s].theta);
         const double value = mukca_cost_evaluate(NULL, g, &cost, x[s]);
@@ -388,15 +353,6 @@ static void test_long(void **state)
         mukca_fit_free(&fit[s]);
     }
     mukca_pool_free(&pool);
-    mukca_dataset_free(&data);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_selection),  cmocka_unit_test(test_poses),
-        cmocka_unit_test(test_solvers),    cmocka_unit_test(test_stops),
-        cmocka_unit_test(test_null_space), cmocka_unit_test(test_part),
-        cmocka_unit_test(test_long)};
-    return cmocka_run_group_tests_name("fit", tests, NULL, NULL);
-}
+TEST_EACH(setup, teardown)

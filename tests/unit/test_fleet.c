@@ -1,4 +1,5 @@
-/* Pooling of summaries: the population, orders of ripple, departures, and what cannot be pooled. */
+/* Pooled summaries give the population, orders of ripple and departing arms, with intervals that
+ * hold the truth; what does not belong together is refused. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -34,8 +35,7 @@ static void make_summary(mukca_summary *s, int arm, double c, double sigma, mukc
 
 static void take(mukca_fleet *f, const mukca_summary *s)
 {
-    mukca_error error;
-    if (mukca_fleet_take(f, s, &error)) fail_msg("%s", error.text);
+    assert_ok(mukca_fleet_take(f, s, &error));
 }
 
 /* A fleet in which each arm alone sees the shared compliance at two standard errors. */
@@ -50,13 +50,12 @@ static void make_fleet(mukca_fleet *f, double mean, double broken, uint64_t seed
         make_summary(&s[a], a, a == 7 ? own + broken : own, 20e-6, &random);
         take(f, &s[a]);
     }
-    assert_int_equal(mukca_fleet_gather(f, NULL), MUKCA_OK);
+    assert_ok(mukca_fleet_gather(f, NULL));
 }
 
 static void pool(mukca_fleet_result *r, mukca_fleet *f)
 {
-    mukca_error error;
-    if (mukca_fleet_pool(r, f, &error)) fail_msg("%s", error.text);
+    assert_ok(mukca_fleet_pool(r, f, &error));
 }
 
 TEST(test_shared_is_found)
@@ -106,7 +105,7 @@ TEST(test_interval_is_not_too_wide)
                 same * own / (sigma * sigma) + (same * x + sqrt(1 - same * same) * y) / sigma;
             take(&f, &s[a]);
         }
-        assert_int_equal(mukca_fleet_gather(&f, NULL), MUKCA_OK);
+        assert_ok(mukca_fleet_gather(&f, NULL));
         pool(&r, &f);
         const mukca_trait *soft = &r.traits.list[SOFT];
         if (soft->probability > 0.5) {
@@ -212,7 +211,7 @@ TEST(test_sessions_add_up)
     for (int turn = 0; turn < 2; turn++) {
         mukca_fleet f = {0};
         for (int i = 0; i < 6; i++) take(&f, &s[turn ? 5 - i : i]);
-        assert_int_equal(mukca_fleet_gather(&f, NULL), MUKCA_OK);
+        assert_ok(mukca_fleet_gather(&f, NULL));
         assert_int_equal(f.n_arms, 4);
         assert_close(f.arm[0].information[mukca_fleet_packed(SOFT) + SOFT], 3e10, 1);
         pool(&r[turn], &f);
@@ -225,7 +224,6 @@ TEST(test_sessions_add_up)
 
 static void refuse(mukca_fleet *f, const mukca_summary *s, const char *what)
 {
-    mukca_error error;
     assert_int_equal(mukca_fleet_take(f, s, &error), MUKCA_INPUT);
     assert_non_null(strstr(error.text, what));
 }
@@ -254,7 +252,6 @@ TEST(test_file)
     static mukca_summary a;
     mukca_random random;
     mukca_fleet f = {0};
-    mukca_error error;
     mukca_random_seed(&random, 5);
     make_summary(&a, 1, TRUE_MEAN, 1e-5, &random);
     for (int o = 0; o < MUKCA_FLEET_ORDERS; o++) a.ripple[1][o] = (int16_t)(o * 165 - 32767);
@@ -262,9 +259,9 @@ TEST(test_file)
     const char *path = scratch_bytes("a.json", "", 0);
     FILE *stream = fopen(path, "w");
     assert_non_null(stream);
-    assert_int_equal(mukca_summary_write(stream, &a, &error), MUKCA_OK);
+    assert_ok(mukca_summary_write(stream, &a, &error));
     fclose(stream);
-    assert_int_equal(mukca_summary_read(&f, path, &error), MUKCA_OK);
+    assert_ok(mukca_summary_read(&f, path, &error));
     assert_memory_equal(a.ripple, f.session[0]->ripple, JOINTS * sizeof *a.ripple);
     assert_memory_equal(&a.model, &f.model, sizeof a.model);
     for (int i = 0; i < TERMS; i++) assert_close(f.session[0]->vector[i], a.vector[i], 0);

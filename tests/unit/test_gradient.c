@@ -2,6 +2,7 @@
 #include <float.h>
 #include <stdlib.h>
 
+#include "arms.h"
 #include "close.h"
 #include "fit/cost_normal.h"
 #include "fit/frames.h"
@@ -17,61 +18,56 @@ enum { JOINTS = 6, ELEMENTS = 9 };
  * is enough. */
 enum { STEP = LDBL_MANT_DIG > 64 ? 3 : 1 };
 
+static mukca_random seeded;
+static mukca_chain chain;
+static mukca_dataset data;
+static double theta[MUKCA_MAX_FREE];
+
 /* An arm of every joint type, with arbitrary axes, fixed joints in between and a fixed tip. */
-static void make_arm(mukca_chain *chain, mukca_random *random, bool upright)
+static void make_arm(bool upright)
 {
-    static const mukca_joint_type types[ELEMENTS] = {
-        MUKCA_REVOLUTE, MUKCA_CONTINUOUS, MUKCA_FIXED,    MUKCA_PRISMATIC, MUKCA_REVOLUTE,
-        MUKCA_FIXED,    MUKCA_CONTINUOUS, MUKCA_REVOLUTE, MUKCA_FIXED};
-    memset(chain, 0, sizeof *chain);
-    chain->n_elements = ELEMENTS;
+    make_chain(&chain, "RCFPRFCRF", NULL, "joint_", 0);
     for (int k = 0; k < ELEMENTS; k++) {
-        mukca_element *e = &chain->element[k];
-        double length = 0;
-        snprintf(e->name, sizeof e->name, "joint_%d", k);
-        e->type = types[k];
-        e->joint = types[k] == MUKCA_FIXED ? -1 : chain->n_joints;
-        if (e->joint >= 0) chain->joint_element[chain->n_joints++] = k;
+        mukca_element *e = &chain.element[k];
         for (int i = 0; i < 3; i++) {
-            e->xyz[i] = 0.2 * mukca_random_normal(random);
-            e->rpy[i] = mukca_random_normal(random);
-            e->axis[i] = upright ? (i == 2) * (k % 2 ? -1 : 1) : mukca_random_normal(random);
-            length += e->axis[i] * e->axis[i];
+            e->xyz[i] = 0.2 * mukca_random_normal(&seeded);
+            e->rpy[i] = mukca_random_normal(&seeded);
+            e->axis[i] = upright ? (i == 2) * (k % 2 ? -1 : 1) : mukca_random_normal(&seeded);
         }
-        for (int i = 0; i < 3; i++) e->axis[i] /= sqrt(length);
+        const double length = mukca_norm3(e->axis);
+        for (int i = 0; i < 3; i++) e->axis[i] /= length;
     }
-    assert_int_equal(chain->n_joints, JOINTS);
+    assert_int_equal(chain.n_joints, JOINTS);
 }
 
 /* Two placements, of three and two sockets with all distances known; `poses` rows of a pose log. */
-static void make_data(mukca_dataset *data, mukca_random *random, const double *special, int rows,
-                      int poses)
+static void make_data(const double *special, int rows, int poses)
 {
     static const int placement[5] = {0, 0, 0, 1, 1};
     static const mukca_distance distances[4] = {
         {0, 1, 0.31}, {1, 2, 0.22}, {0, 2, 0.4}, {4, 3, 0.5}};
-    assert_int_equal(mukca_dataset_create(data, rows + poses, JOINTS, 5, 2, NULL), MUKCA_OK);
-    for (int s = 0; s < 5; s++) data->sockets[s].placement = placement[s];
-    data->distances = malloc(sizeof distances);
-    data->position = malloc((size_t)(3 * (rows + poses)) * sizeof *data->position);
-    data->quaternion = malloc((size_t)(4 * (rows + poses)) * sizeof *data->quaternion);
-    assert_true(data->distances && data->position && data->quaternion);
-    memcpy(data->distances, distances, sizeof distances);
-    data->n_distances = 4;
+    assert_ok(mukca_dataset_create(&data, rows + poses, JOINTS, 5, 2, NULL));
+    for (int s = 0; s < 5; s++) data.sockets[s].placement = placement[s];
+    data.distances = malloc(sizeof distances);
+    data.position = malloc((size_t)(3 * (rows + poses)) * sizeof *data.position);
+    data.quaternion = malloc((size_t)(4 * (rows + poses)) * sizeof *data.quaternion);
+    assert_true(data.distances && data.position && data.quaternion);
+    memcpy(data.distances, distances, sizeof distances);
+    data.n_distances = 4;
     for (int i = 0; i < rows + poses; i++) {
         double length = 0;
-        data->socket[i] = i < rows ? (i < 5 ? i : mukca_random_below(random, 5)) : -1;
+        data.socket[i] = i < rows ? (i < 5 ? i : mukca_random_below(&seeded, 5)) : -1;
         for (int j = 0; j < JOINTS; j++)
-            data->q[i * JOINTS + j] = special && i % 3 ? special[(i + j) % 4] + (i % 3 == 2 ? j : 0)
-                                                       : 2 * mukca_random_normal(random);
-        for (int a = 0; a < 3; a++) data->position[3 * i + a] = 0.4 * mukca_random_normal(random);
+            data.q[i * JOINTS + j] = special && i % 3 ? special[(i + j) % 4] + (i % 3 == 2 ? j : 0)
+                                                      : 2 * mukca_random_normal(&seeded);
+        for (int a = 0; a < 3; a++) data.position[3 * i + a] = 0.4 * mukca_random_normal(&seeded);
         for (int a = 0; a < 4; a++) {
-            data->quaternion[4 * i + a] = mukca_random_normal(random);
-            length += data->quaternion[4 * i + a] * data->quaternion[4 * i + a];
+            data.quaternion[4 * i + a] = mukca_random_normal(&seeded);
+            length += data.quaternion[4 * i + a] * data.quaternion[4 * i + a];
         }
-        for (int a = 0; a < 4; a++) data->quaternion[4 * i + a] /= sqrt(length);
-        if (i % 4 == 1) data->quaternion[4 * i] = NAN; /* position only */
-        if (i % 4 == 2) data->position[3 * i] = NAN;   /* orientation only */
+        for (int a = 0; a < 4; a++) data.quaternion[4 * i + a] /= sqrt(length);
+        if (i % 4 == 1) data.quaternion[4 * i] = NAN; /* position only */
+        if (i % 4 == 2) data.position[3 * i] = NAN;   /* orientation only */
     }
 }
 
@@ -91,8 +87,7 @@ static void compare(const double *got, const real *want, int n, double tolerance
 }
 
 /* Fourth-order differences in long double: good to 1e-13 of the gradient. */
-static void differences(real *gradient, const mukca_chain *chain, const mukca_dataset *data,
-                        const double *theta, const mukca_parameters *parameters,
+static void differences(real *gradient, const mukca_parameters *parameters,
                         const mukca_cost_options *options)
 {
     static const real weight[4] = {1.0L / 12, -8.0L / 12, 8.0L / 12, -1.0L / 12};
@@ -102,37 +97,36 @@ static void differences(real *gradient, const mukca_chain *chain, const mukca_da
     for (int i = 0; i < parameters->n; i++) {
         gradient[i] = 0;
         for (int s = 0; s < 4; s++) {
-            for (int k = 0; k < 6 * chain->n_elements; k++) moved[k] = theta[k];
+            for (int k = 0; k < 6 * chain.n_elements; k++) moved[k] = theta[k];
             moved[parameters->index[i]] += at[s] * h;
-            gradient[i] += weight[s] * reference_cost(chain, data, moved, parameters, options) / h;
+            gradient[i] +=
+                weight[s] * reference_cost(&chain, &data, moved, parameters, options) / h;
         }
     }
 }
 
 /* All there is to check at one point. */
-static void check_point(const mukca_chain *chain, const mukca_dataset *data, const double *theta,
-                        const mukca_selection *selection, mukca_cost_options options)
+static void check_point(const mukca_selection *selection, mukca_cost_options options)
 {
     mukca_parameters parameters;
     mukca_cost cost;
     mukca_cost_value parts;
-    mukca_error error;
     real want[MUKCA_MAX_FREE], wide[MUKCA_MAX_FREE];
     double got[2][MUKCA_MAX_FREE], x[MUKCA_MAX_FREE];
-    if (mukca_parameters_select(&parameters, chain, selection, &error) != MUKCA_OK) {
+    if (mukca_parameters_select(&parameters, &chain, selection, &error) != MUKCA_OK) {
         print_error("%s\n", error.text);
         fail();
     }
     const int n = parameters.n;
     mukca_parameters_pack(x, &parameters, theta);
-    differences(want, chain, data, theta, &parameters, &options);
-    for (int k = 0; k < 6 * chain->n_elements; k++) wide[k] = theta[k];
-    const real value = reference_cost(chain, data, wide, &parameters, &options);
+    differences(want, &parameters, &options);
+    for (int k = 0; k < 6 * chain.n_elements; k++) wide[k] = theta[k];
+    const real value = reference_cost(&chain, &data, wide, &parameters, &options);
     options.theta = theta;
     for (int kind = 0; kind < 2; kind++) {
         options.gradient = kind ? MUKCA_GRADIENT_ANALYTIC : MUKCA_GRADIENT_FD;
         mukca_pool pool = {0};
-        assert_true(mukca_cost_setup(&cost, &pool, chain, &parameters, data, &options));
+        assert_true(mukca_cost_setup(&cost, &pool, &chain, &parameters, &data, &options));
         const double J = mukca_cost_evaluate(&parts, got[kind], &cost, x);
         assert_close(J, (double)value, 1e-12 * (double)value);
         assert_close(parts.inconsistency + parts.distortion + parts.regularisation, J, 1e-15 * J);
@@ -156,7 +150,7 @@ static void check_point(const mukca_chain *chain, const mukca_dataset *data, con
         assert_non_null(high);
         for (int c = 0; c < n; c++) {
             for (int side = 0; side < 2; side++) {
-                memcpy(moved, theta, (size_t)(6 * chain->n_elements) * sizeof *moved);
+                memcpy(moved, theta, (size_t)(6 * chain.n_elements) * sizeof *moved);
                 moved[parameters.index[c]] += side ? -1e-5 : 1e-5;
                 mukca_observe_residuals(high + side * m, NULL, &cost.observations, moved,
                                         &parameters, (mukca_gradient)kind);
@@ -169,10 +163,10 @@ static void check_point(const mukca_chain *chain, const mukca_dataset *data, con
     }
 }
 
-static void off_nominal(double *theta, const mukca_chain *chain, mukca_random *random)
+static void off_nominal(void)
 {
-    mukca_chain_theta(theta, chain);
-    for (int i = 0; i < 6 * chain->n_elements; i++) theta[i] += 0.02 * mukca_random_normal(random);
+    mukca_chain_theta(theta, &chain);
+    for (int i = 0; i < 6 * chain.n_elements; i++) theta[i] += 0.02 * mukca_random_normal(&seeded);
 }
 
 TEST(test_options)
@@ -183,17 +177,13 @@ TEST(test_options)
                                                  {.no_distortion = true},
                                                  {.nominal_means = true},
                                                  {.nominal_means = true, .no_distortion = true}};
-    mukca_random random;
-    mukca_random_seed(&random, 1);
+    mukca_random_seed(&seeded, 1);
     for (int upright = 0; upright < 2; upright++) {
-        mukca_chain chain;
-        mukca_dataset data;
-        double theta[MUKCA_MAX_FREE];
-        make_arm(&chain, &random, upright);
-        make_data(&data, &random, NULL, 17, 0);
-        off_nominal(theta, &chain, &random);
+        make_arm(upright);
+        make_data(NULL, 17, 0);
+        off_nominal();
         for (size_t i = 0; i < sizeof options / sizeof *options; i += STEP)
-            check_point(&chain, &data, theta, NULL, options[i]);
+            check_point(NULL, options[i]);
         mukca_dataset_free(&data);
     }
 }
@@ -201,83 +191,68 @@ TEST(test_options)
 TEST(test_masks)
 {
     static const mukca_selection masks[] = {{.regularise_tip = true},
-                                            {.free = "joint_3"},
-                                            {.free = "joint_4.pitch"},
+                                            {.free = "joint_4"},
+                                            {.free = "joint_5.pitch"},
                                             {.free = "yaw,z"},
                                             {.freeze = "x,y,z"},
-                                            {.free = "+joint_2,joint_5"},
-                                            {.freeze = "joint_0,joint_8.roll"},
-                                            {.free = "joint_2.roll,joint_8"}};
-    mukca_random random;
-    mukca_chain chain;
-    mukca_dataset data;
-    double theta[MUKCA_MAX_FREE];
-    mukca_random_seed(&random, 2);
-    make_arm(&chain, &random, false);
-    make_data(&data, &random, NULL, 12, 7);
-    off_nominal(theta, &chain, &random);
+                                            {.free = "+joint_3,joint_6"},
+                                            {.freeze = "joint_1,joint_9.roll"},
+                                            {.free = "joint_3.roll,joint_9"}};
+    mukca_random_seed(&seeded, 2);
+    make_arm(false);
+    make_data(NULL, 12, 7);
+    off_nominal();
     for (size_t i = 0; i < sizeof masks / sizeof *masks; i += STEP)
-        check_point(&chain, &data, theta, &masks[i], (mukca_cost_options){0});
+        check_point(&masks[i], (mukca_cost_options){0});
     mukca_dataset_free(&data);
 }
 
 TEST(test_angles)
 {
     static const double special[4] = {0, 1e-12, M_PI - 1e-9, -M_PI_2};
-    mukca_random random;
-    mukca_random_seed(&random, 3);
+    mukca_random_seed(&seeded, 3);
     for (int trial = 0; trial < 6; trial += STEP) {
-        mukca_chain chain;
-        mukca_dataset data;
-        double theta[MUKCA_MAX_FREE];
-        make_arm(&chain, &random, trial % 2);
-        make_data(&data, &random, special, 14, 0);
-        off_nominal(theta, &chain, &random);
+        make_arm(trial % 2);
+        make_data(special, 14, 0);
+        off_nominal();
         for (int k = 0; k < ELEMENTS; k++) {
             double *rpy = theta + 6 * k + 3;
             rpy[1] = k % 2 ? M_PI_2 : -M_PI_2;                /* gimbal lock */
             if (trial > 1) rpy[0] = special[(k + trial) % 4]; /* and the awkward angles */
             if (trial > 3) rpy[2] = special[(k + 2 * trial) % 4], rpy[1] = special[k % 4];
         }
-        check_point(&chain, &data, theta, NULL, (mukca_cost_options){0});
+        check_point(NULL, (mukca_cost_options){0});
         mukca_dataset_free(&data);
     }
 }
 
 TEST(test_poses_and_frames)
 {
-    mukca_random random;
-    mukca_random_seed(&random, 4);
+    mukca_random_seed(&seeded, 4);
     for (int trial = 0; trial < 4; trial += STEP) {
-        mukca_chain chain;
-        mukca_dataset data;
-        mukca_error error;
-        double theta[MUKCA_MAX_FREE];
-        make_arm(&chain, &random, trial % 2);
+        make_arm(trial % 2);
         if (trial > 1) chain.n_elements--; /* the last joint turns: the tool gets a frame */
         const int before = chain.n_elements;
-        assert_int_equal(mukca_chain_with_frames(&chain, &chain, true, true, &error), MUKCA_OK);
+        assert_ok(mukca_chain_with_frames(&chain, &chain, true, true, &error));
         assert_int_equal(chain.n_elements, before + 1 + (trial > 1));
-        make_data(&data, &random, NULL, trial ? 9 : 5, 13);
-        off_nominal(theta, &chain, &random);
-        check_point(&chain, &data, theta, NULL, (mukca_cost_options){0});
+        make_data(NULL, trial ? 9 : 5, 13);
+        off_nominal();
+        check_point(NULL, (mukca_cost_options){0});
         mukca_dataset_free(&data);
     }
 }
 
 /* Derivatives of the tip's position, then orientation. */
-static const double *tip_jacobian(mukca_pool *pool, const mukca_chain *chain, const double *theta,
-                                  const double *q, int rows)
+static const double *tip_jacobian(mukca_pool *pool, const double *q, int rows)
 {
     mukca_sweep sweep;
     mukca_parameters parameters;
-    assert_int_equal(mukca_parameters_select(&parameters, chain, &(mukca_selection){0}, NULL),
-                     MUKCA_OK);
+    assert_ok(mukca_parameters_select(&parameters, &chain, &(mukca_selection){0}, NULL));
     const size_t one = 3 * (size_t)(rows * parameters.n);
     double *J = MUKCA_TAKE(pool, double, 2 * one);
-    mukca_sweep_take(&sweep, pool, chain, rows);
+    mukca_sweep_take(&sweep, pool, &chain, rows);
     assert_false(pool->failed);
-    mukca_sweep_load(&sweep, chain, q);
+    mukca_sweep_load(&sweep, &chain, q);
     mukca_sweep_origins(&sweep, theta);
     for (int v = 0; v < sweep.n_windows; v++) {
         mukca_sweep_open(&sweep, v);
@@ -292,19 +267,16 @@ static const double *tip_jacobian(mukca_pool *pool, const mukca_chain *chain, co
 TEST(test_windows)
 {
     enum { MANY = 2 * MUKCA_SWEEP_WINDOW + 77, FEW = 50 };
-    mukca_random random;
-    mukca_chain chain;
     mukca_pool pool = {0};
-    double theta[MUKCA_MAX_FREE];
     static double q[MANY * JOINTS];
-    mukca_random_seed(&random, 5);
-    make_arm(&chain, &random, true);
-    off_nominal(theta, &chain, &random);
-    for (int i = 0; i < MANY * JOINTS; i++) q[i] = 4 * mukca_random_uniform(&random) - 2;
-    const double *all = tip_jacobian(&pool, &chain, theta, q, MANY);
+    mukca_random_seed(&seeded, 5);
+    make_arm(true);
+    off_nominal();
+    for (int i = 0; i < MANY * JOINTS; i++) q[i] = 4 * mukca_random_uniform(&seeded) - 2;
+    const double *all = tip_jacobian(&pool, q, MANY);
     const int starts[] = {0, MUKCA_SWEEP_WINDOW - FEW / 2, MANY - FEW};
     for (int i = 0; i < 3; i++) {
-        const double *few = tip_jacobian(&pool, &chain, theta, q + starts[i] * JOINTS, FEW);
+        const double *few = tip_jacobian(&pool, q + starts[i] * JOINTS, FEW);
         mukca_parameters p;
         mukca_parameters_select(&p, &chain, &(mukca_selection){0}, NULL);
         for (int turned = 0; turned < 2; turned++)

@@ -170,13 +170,12 @@ static void check_family(mukca_noise_family family, const double *weight)
     mukca_pool_free(&pool);
 }
 
-static void whitening(void **state)
+TEST(whitening)
 {
     static const mukca_noise_family families[] = {{0, 0},    {0.25, 0},  {0.75, 0},   {0, 0.5},
                                                   {0, 0.75}, {0, 0.999}, {0.5, 0.75}, {0.75, 0.3}};
     double weight[SAMPLES];
     uint64_t seed = 9;
-    (void)state;
     for (size_t f = 0; f < sizeof families / sizeof *families; f++) check_family(families[f], NULL);
     for (int i = 0; i < SAMPLES; i++) weight[i] = 0.6 + 0.4 * draw(&seed);
     check_family(families[0], weight); /* robust weights imply independent samples */
@@ -329,11 +328,11 @@ static void pose(problem *p, int sizes)
     project(p);
 }
 
+static problem p, other; /* of the test */
+
 /* Average over the sizes of one block, and its sign. */
-static void mixtures(void **state)
+TEST(mixtures)
 {
-    problem p;
-    (void)state;
     for (int sizes = 1; sizes <= MUKCA_MOST_SIZES; sizes += 2) {
         pose(&p, sizes);
         for (int i = 0; i < ITEMS; i++)
@@ -371,12 +370,10 @@ static double insert(mukca_sets *sets, const int *item, int n)
 }
 
 /* Evidence of sets, with the columns of their items really added. */
-static void values(void **state)
+TEST(values)
 {
     static const int members[][3] = {{4}, {7}, {1, 4}, {0, 8}, {1, 4, 6}, {2, 5, 7}};
     static const int numbers[] = {1, 1, 2, 2, 3, 3}, one[3] = {0};
-    problem p;
-    (void)state;
     pose(&p, 1);
     for (int i = 0; i < ITEMS; i++) p.item[i].kin = i % 3, p.item[i].kinship = 0.7;
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
@@ -421,14 +418,12 @@ static void values(void **state)
 }
 
 /* Sizes of several items: each is averaged with the others at their maximum. */
-static void averages(void **state)
+TEST(averages)
 {
     static const int pair[2] = {1, 4};
-    problem p;
     mukca_pool pool = {0};
     mukca_sets sets;
     real sum = 0;
-    (void)state;
     pose(&p, 5);
     assert_true(mukca_sets_create(&sets, &pool, &p.question));
     for (int a = 0; a < 5; a++)
@@ -444,16 +439,14 @@ static void averages(void **state)
 }
 
 /* Data that change: the same as an evaluation of the changed data. */
-static void moves(void **state)
+TEST(moves)
 {
     static const int members[] = {1, 4, 6};
-    problem p, other;
     mukca_pool pool = {0};
     mukca_sets sets;
     uint64_t seed = 9;
     static double delta[WIDTH][MUKCA_DRAWS];
     double moved[MUKCA_DRAWS], expected[MUKCA_DRAWS], change[MUKCA_DRAWS], sum = 0;
-    (void)state;
     pose(&p, 1);
     assert_true(mukca_sets_create(&sets, &pool, &p.question));
     const double value = insert(&sets, members, 3);
@@ -501,24 +494,22 @@ static void search(double *probability, const mukca_question *question)
 }
 
 /* The same items in another order. */
-static void permute(problem *p, const problem *from, const int *order)
+static void permute(const int *order)
 {
-    *p = *from;
-    for (int i = 0, at = 0; i < ITEMS; at += p->item[i++].terms) {
-        const mukca_item *h = &from->item[order[i]];
-        memcpy(p->E[at], from->E[h->at], sizeof *p->E * (size_t)h->terms);
-        p->item[i] = *h;
-        p->item[i].at = at;
+    other = p;
+    for (int i = 0, at = 0; i < ITEMS; at += other.item[i++].terms) {
+        const mukca_item *h = &p.item[order[i]];
+        memcpy(other.E[at], p.E[h->at], sizeof *other.E * (size_t)h->terms);
+        other.item[i] = *h;
+        other.item[i].at = at;
     }
-    project(p);
+    project(&other);
 }
 
-static void searches(void **state)
+TEST(searches)
 {
     static const int order[ITEMS] = {6, 4, 8, 0, 2, 7, 1, 5, 3};
     double probability[ITEMS], again[ITEMS];
-    problem p, other;
-    (void)state;
     for (int sizes = 1; sizes <= 5; sizes += 4) {
         pose(&p, sizes);
         search(probability, &p.question);
@@ -527,7 +518,7 @@ static void searches(void **state)
                 assert_true(probability[i] > 0.99);
             else
                 assert_true(probability[i] < 0.1);
-        permute(&other, &p, order);
+        permute(order);
         search(again, &other.question);
         for (int i = 0; i < ITEMS; i++)
             assert_close(again[i], probability[order[i]], 1e-9); /* rounding */
@@ -535,11 +526,9 @@ static void searches(void **state)
 }
 
 /* Columns that are there twice: both explain the data as well. */
-static void duplicates(void **state)
+TEST(duplicates)
 {
     double probability[ITEMS];
-    problem p;
-    (void)state;
     pose(&p, 5);
     memcpy(p.E[p.item[8].at], p.E[p.item[1].at], sizeof *p.E * 2);
     p.item[8].log_prior = p.item[1].log_prior;
@@ -556,13 +545,11 @@ static void duplicates(void **state)
 
 /* y = u + v: explained by u and v, or by u + v + w and w, though no replacement of a single item
  * leads from one to the other. */
-static void kin(void **state)
+TEST(kin)
 {
     static const int of[] = {0, 1, 3, 5};
     double probability[ITEMS];
     uint64_t seed = 5;
-    problem p;
-    (void)state;
     pose(&p, 5);
     for (int i = 0; i < 4; i++) p.item[of[i]].kin = 1, p.item[of[i]].log_prior = -4;
     for (int r = 0; r < ROWS; r++) {
@@ -580,11 +567,4 @@ static void kin(void **state)
     assert_close(probability[0], probability[1], 0.05);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(whitening), cmocka_unit_test(mixtures),
-                                       cmocka_unit_test(values),    cmocka_unit_test(averages),
-                                       cmocka_unit_test(searches),  cmocka_unit_test(duplicates),
-                                       cmocka_unit_test(moves),     cmocka_unit_test(kin)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -7,28 +7,27 @@
 #include "gen3.h"
 #include "math/random.h"
 
+static mukca_chain chain;
+static mukca_geometry geometry;
+
 /* The Gen3 with limits of 2.5 rad. */
-static void make_arm(mukca_chain *chain, mukca_geometry *geometry)
+static int setup(void **state)
 {
-    gen3_chain(chain);
-    for (int k = 0; k < 7; k++) {
-        chain->element[k].lower = -2.5;
-        chain->element[k].upper = 2.5;
-    }
-    mukca_geometry_set(geometry, chain, NULL);
+    (void)state;
+    gen3_chain(&chain);
+    for (int k = 0; k < 7; k++) chain.element[k].lower = -2.5, chain.element[k].upper = 2.5;
+    mukca_geometry_set(&geometry, &chain, NULL);
+    return 0;
 }
 
 TEST(test_positions_and_poses)
 {
-    mukca_chain chain;
-    mukca_geometry geometry;
     mukca_random random;
     int positions = 0, poses = 0;
-    make_arm(&chain, &geometry);
     mukca_random_seed(&random, 11);
     for (int i = 0; i < 200; i++) {
         const bool pose = i % 2;
-        double truth[7], q[7], error = 0;
+        double truth[7], q[7], off = 0;
         mukca_frame target, reached;
         for (int j = 0; j < 7; j++) {
             truth[j] = 2.3 * (2 * mukca_random_uniform(&random) - 1);
@@ -37,12 +36,12 @@ TEST(test_positions_and_poses)
         mukca_fk_pose(&target, &geometry, truth, NULL);
         mukca_inverse_result r = mukca_inverse_solve(q, &chain, &geometry, &target, pose, NULL);
         mukca_fk_pose(&reached, &geometry, q, NULL);
-        for (int k = 0; k < 3; k++) error += pow(reached.p[k] - target.p[k], 2);
-        for (int k = 0; k < 9 && pose; k++) error += pow(reached.R[k] - target.R[k], 2);
+        for (int k = 0; k < 3; k++) off += pow(reached.p[k] - target.p[k], 2);
+        for (int k = 0; k < 9 && pose; k++) off += pow(reached.R[k] - target.R[k], 2);
         for (int j = 0; j < 7; j++) assert_true(q[j] >= -2.5 && q[j] <= 2.5);
         /* what it says is what forward kinematics finds */
-        if (r.reached) assert_false(!(sqrt(error) <= 1e-8));
-        if (!r.reached) assert_true(sqrt(error) > 1e-9);
+        if (r.reached) assert_false(!(sqrt(off) <= 1e-8));
+        if (!r.reached) assert_true(sqrt(off) > 1e-9);
         if (pose)
             poses += r.reached;
         else
@@ -54,9 +53,6 @@ TEST(test_positions_and_poses)
 
 TEST(test_out_of_reach)
 {
-    mukca_chain chain;
-    mukca_geometry geometry;
-    make_arm(&chain, &geometry);
     const mukca_frame target = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {3, 0, 0.3}};
     double q[7] = {0.1, 0.5, 0.1, -1, 0.1, 1, 0.1};
     mukca_inverse_result r = mukca_inverse_solve(q, &chain, &geometry, &target, false, NULL);
@@ -67,9 +63,6 @@ TEST(test_out_of_reach)
 
 TEST(test_posture)
 {
-    mukca_chain chain;
-    mukca_geometry geometry;
-    make_arm(&chain, &geometry);
     const double truth[7] = {0.4, 0.6, -0.3, -1.4, 0.2, 1.2, 0.5};
     const double posture[7] = {0.8, 0.6, -0.7, -1.4, 0.2, 1.2, 0.5};
     double q[7], near = 0, after = 0;
@@ -100,9 +93,6 @@ static void sag(mukca_displacement *displacement, const double *q, void *context
 
 TEST(test_effects)
 {
-    mukca_chain chain;
-    mukca_geometry geometry;
-    make_arm(&chain, &geometry);
     double q[7] = {0.4, 0.6, -0.3, -1.4, 0.2, 1.2, 0.5}, factor = 2e-3, position[3];
     mukca_frame target;
     mukca_fk_pose(&target, &geometry, q, NULL);
@@ -113,4 +103,4 @@ TEST(test_effects)
     for (int k = 0; k < 3; k++) assert_false(!(fabs(position[k] - target.p[k]) <= 2e-9));
 }
 
-TEST_MAIN(NULL, NULL)
+TEST_MAIN(setup, NULL)

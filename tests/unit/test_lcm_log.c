@@ -1,4 +1,4 @@
-/* Event logs of liblcm are read; damage is skipped; links replay them. */
+/* Event logs of liblcm are read; damage is skipped. */
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -6,7 +6,6 @@
 #include <lcm/lcm.h>
 
 #include "close.h"
-#include "lcm/link.h"
 #include "lcm/log.h"
 
 static char path[] = "/tmp/mukca_test_log_XXXXXX";
@@ -45,9 +44,8 @@ TEST(we_read_what_liblcm_writes)
 {
     mukca_lcm_log log;
     mukca_lcm_event event;
-    mukca_error error;
     write_log(50);
-    assert_int_equal(mukca_lcm_log_open(&log, path, &error), MUKCA_OK);
+    assert_ok(mukca_lcm_log_open(&log, path, &error));
     for (int i = 0; i < 50; i++) {
         assert_true(mukca_lcm_log_read(&log, &event));
         assert_int_equal(event.time, 1000 + i);
@@ -72,59 +70,12 @@ TEST(damage_is_skipped)
         fclose(file);
         mukca_lcm_log log;
         mukca_lcm_event event;
-        mukca_error error;
-        assert_int_equal(mukca_lcm_log_open(&log, path, &error), MUKCA_OK);
+        assert_ok(mukca_lcm_log_open(&log, path, &error));
         int n = 0;
         while (mukca_lcm_log_read(&log, &event)) n++;
         mukca_lcm_log_close(&log);
         if (!(n >= 45 && n <= 50)) fail_msg("damage at %d: %d events of 50", at, n);
     }
-}
-
-typedef struct {
-    int n, arm;
-    int64_t last;
-} heard;
-
-static void hear(void *context, const mukca_lcm_packet *packet)
-{
-    heard *h = context;
-    h->n++;
-    h->arm += strcmp(packet->channel, "ARM") == 0;
-    h->last = packet->time;
-}
-
-TEST(links_replay_logs)
-{
-    char url[100];
-    mukca_lcm_link *link;
-    mukca_error error = {0};
-    write_log(600);
-    snprintf(url, sizeof url, "file://%s", path);
-    for (int all = 0; all < 2; all++) {
-        heard h = {0};
-        mukca_status status;
-        assert_int_equal(
-            mukca_lcm_link_open(&link, &(mukca_lcm_network){.url = url}, hear, &h, &error),
-            MUKCA_OK);
-        assert_true(mukca_lcm_link_replays(link));
-        assert_int_equal(mukca_lcm_link_listen(link, all ? NULL : "A+B", &error), MUKCA_OK);
-        while ((status = mukca_lcm_link_wait(link, 100, -1, NULL, &error)) == MUKCA_OK) continue;
-        assert_int_equal(status, MUKCA_NEGATIVE);
-        assert_int_equal(h.n, all ? 600 : 200);
-        assert_int_equal(h.arm, all ? 400 : 0);
-        assert_int_equal(h.last, all ? 1599 : 1597);
-        assert_int_equal(mukca_lcm_link_clock(link), 1599);
-        mukca_lcm_link_close(link);
-    }
-    heard h = {0};
-    assert_int_equal(mukca_lcm_link_open(&link, &(mukca_lcm_network){.url = "file:///nowhere/x"},
-                                         hear, &h, &error),
-                     MUKCA_INPUT);
-    assert_non_null(strstr(error.text, "/nowhere/x"));
-    assert_int_equal(
-        mukca_lcm_link_open(&link, &(mukca_lcm_network){.url = "tcpq://x"}, hear, &h, &error),
-        MUKCA_USAGE);
 }
 
 TEST_MAIN(setup, teardown)

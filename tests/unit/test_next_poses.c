@@ -3,6 +3,7 @@
 
 #include <stdlib.h>
 
+#include "arms.h"
 #include "cli/diagnose.h"
 #include "scene.h"
 
@@ -13,7 +14,9 @@ typedef struct {
     mukca_next_poses next;
 } tie;
 
-static void set_tie(tie *t, mukca_effect cause, mukca_effect rival)
+static tie recorded, *const t = &recorded;
+
+static void set_tie(mukca_effect cause, mukca_effect rival)
 {
     memset(t, 0, sizeof *t);
     set_scene(&t->s, NULL, 3);
@@ -29,30 +32,28 @@ static void set_tie(tie *t, mukca_effect cause, mukca_effect rival)
     d->sigma_m = 1e-4;
 }
 
-static void choose(tie *t)
+static void choose(void)
 {
-    mukca_error error = {0};
-    if (mukca_next_poses_choose(&t->next, &t->diagnosis, &t->s.chain, &t->data, NULL, &error))
-        fail_msg("%s", error.text);
+    assert_ok(
+        mukca_next_poses_choose(&t->next, &t->diagnosis, &t->s.chain, &t->data, NULL, &error));
 }
 
-static void poses_reach_their_sockets_and_tell(void **state)
+static mukca_effect bending, scale, moved;
+
+static int setup(void **state)
 {
     (void)state;
-    tie *t = malloc(sizeof *t);
-    assert_non_null(t);
-    const mukca_effect bending = {.kind = MUKCA_EFFECT_LINK_BENDING,
-                                  .joint = 2,
-                                  .placement = -1,
-                                  .terms = 1,
-                                  .coefficient = {4e-5}};
-    const mukca_effect scale = {.kind = MUKCA_EFFECT_JOINT_SCALE,
-                                .joint = 1,
-                                .placement = -1,
-                                .terms = 1,
-                                .coefficient = {1e-3}};
-    set_tie(t, bending, scale);
-    choose(t);
+    bending = make_effect(MUKCA_EFFECT_LINK_BENDING, 2, 4e-5);
+    scale = make_effect(MUKCA_EFFECT_JOINT_SCALE, 1, 1e-3);
+    moved = make_effect(MUKCA_EFFECT_TOOL_MOTION, -1, 1e-3);
+    moved.placement = 0, moved.terms = 3;
+    return 0;
+}
+
+TEST(poses_reach_their_sockets_and_tell)
+{
+    set_tie(bending, scale);
+    choose();
     assert_int_equal(t->next.cause, 0);
     assert_int_equal(t->next.tie, 0);
     assert_int_equal(t->next.plan.n_rows, MUKCA_NEXT_POSES);
@@ -85,53 +86,28 @@ static void poses_reach_their_sockets_and_tell(void **state)
     json_decref(root);
     mukca_next_poses_free(&t->next);
     mukca_dataset_free(&t->data);
-    free(t);
 }
 
-static void nothing_where_no_pose_can_settle_it(void **state)
+TEST(nothing_where_no_pose_can_settle_it)
 {
-    (void)state;
-    tie *t = malloc(sizeof *t);
-    assert_non_null(t);
-    const mukca_effect scale = {.kind = MUKCA_EFFECT_JOINT_SCALE,
-                                .joint = 1,
-                                .placement = -1,
-                                .terms = 1,
-                                .coefficient = {1e-3}};
-    const mukca_effect moved = {.kind = MUKCA_EFFECT_TOOL_MOTION,
-                                .joint = -1,
-                                .placement = 0,
-                                .terms = 3,
-                                .coefficient = {1e-3, 0, 0}};
-    set_tie(t, scale, moved); /* a recording fault */
-    choose(t);
+    set_tie(scale, moved); /* a recording fault */
+    choose();
     assert_int_equal(t->next.cause, -1);
     mukca_dataset_free(&t->data);
 
-    set_tie(t, scale, scale);
+    set_tie(scale, scale);
     t->diagnosis.causes[0].n_ties = 0;
-    choose(t);
+    choose();
     assert_int_equal(t->next.cause, -1);
     mukca_dataset_free(&t->data);
 
-    const mukca_effect bending = {.kind = MUKCA_EFFECT_LINK_BENDING,
-                                  .joint = 2,
-                                  .placement = -1,
-                                  .terms = 1,
-                                  .coefficient = {4e-5}};
-    set_tie(t, scale, bending);
+    set_tie(scale, bending);
     t->s.chain.n_masses = 0; /* nobody knows the load of other poses */
-    choose(t);
+    choose();
     assert_int_equal(t->next.cause, 0);
     assert_int_equal(t->next.plan.n_rows, 0);
     mukca_next_poses_free(&t->next);
     mukca_dataset_free(&t->data);
-    free(t);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(poses_reach_their_sockets_and_tell),
-                                       cmocka_unit_test(nothing_where_no_pose_can_settle_it)};
-    return cmocka_run_group_tests_name("next poses", tests, NULL, NULL);
-}
+TEST_MAIN(setup, NULL)

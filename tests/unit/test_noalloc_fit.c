@@ -24,14 +24,14 @@ TEST(test_nothing_allocated)
     double x[MUKCA_MAX_FREE], g[MUKCA_MAX_FREE], position[3], J[6 * 7], sum = 0;
     gen3_chain(&chain);
     mukca_random_seed(&random, 6);
-    assert_int_equal(mukca_dataset_create(&data, ROWS, 7, 2, 1, NULL), MUKCA_OK);
+    assert_ok(mukca_dataset_create(&data, ROWS, 7, 2, 1, NULL));
     data.distances = calloc(1, sizeof *data.distances);
     assert_non_null(data.distances);
     data.n_distances = 1;
     data.distances[0] = (mukca_distance){0, 1, 0.05};
     for (int i = 0; i < ROWS; i++) data.socket[i] = i % 2;
     for (int i = 0; i < 7 * ROWS; i++) data.q[i] = mukca_random_normal(&random);
-    assert_int_equal(mukca_parameters_select(&parameters, &chain, NULL, NULL), MUKCA_OK);
+    assert_ok(mukca_parameters_select(&parameters, &chain, NULL, NULL));
     mukca_pool pool = {0};
     assert_true(mukca_cost_setup(&cost, &pool, &chain, &parameters, &data, NULL));
     double *work = malloc(MUKCA_IDENTIFY_WORK(parameters.n) * sizeof *work);

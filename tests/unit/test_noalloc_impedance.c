@@ -1,5 +1,5 @@
-/* The control law of tools/example_impedance.c: against differences of the corrected arm's pose,
- * its limits, and no allocation. */
+/* The control law of tools/example_impedance.c: its spring against differences of the corrected
+ * arm's pose, its limits, and no allocation.  tests/closed_loop has it move an arm. */
 int example_main(int argc, char **argv);
 #define main example_main
 #include "../../tools/example_impedance.c"
@@ -23,11 +23,7 @@ static int setup(void **state)
         chain->mass[chain->n_masses++] = (mukca_mass){k, masses[k], {0.01, -0.02, -0.06}, {0}};
     mukca_geometry_set(&c.arm.geometry, chain, NULL);
     c.arm.n_effects = 1;
-    c.arm.effects[0] = (mukca_effect){.kind = MUKCA_EFFECT_JOINT_COMPLIANCE,
-                                      .joint = 3,
-                                      .placement = -1,
-                                      .terms = 1,
-                                      .coefficient = {1e-4}};
+    c.arm.effects[0] = make_effect(MUKCA_EFFECT_JOINT_COMPLIANCE, 3, 1e-4);
     c.n = 7;
     for (int j = 0; j < 7; j++) c.torque_limit[j] = 100;
     mukca_row_state_stream(&c.recent, 7);
@@ -66,9 +62,8 @@ static void differences(double J[3][7])
     }
 }
 
-static void test_spring(void **state)
+TEST(test_spring)
 {
-    (void)state;
     double J[3][7];
     differences(J);
     give_goal(0, 0, 0, 0, false);
@@ -82,50 +77,8 @@ static void test_spring(void **state)
     }
 }
 
-static void test_null_space(void **state)
+TEST(test_limits)
 {
-    (void)state;
-    double J[6 * 7], size = 0;
-    give_goal(0, 0, 0, 0.3, false);
-    hold(still);
-    mukca_fk_jacobian(J, NULL, &c.arm.geometry, q, NULL);
-    for (int i = 0; i < 6; i++) {
-        double force = 0;
-        for (int j = 0; j < 7; j++) force += J[7 * i + j] * c.torque[j];
-        assert_close(force, 0, 1e-3); /* of torques of some N m: the regularisation is 1e-6 */
-    }
-    for (int j = 0; j < 7; j++) size += fabs(c.torque[j]);
-    assert_true(size > 0.5);
-}
-
-static void test_damping(void **state)
-{
-    (void)state;
-    const double v[7] = {0.1, -0.2, 0.1, 0.3, -0.1, 0.2, 0.4};
-    double power = 0;
-    give_goal(0, 0, 0, 0, false);
-    hold(v);
-    for (int j = 0; j < 7; j++) power += c.torque[j] * v[j];
-    assert_true(power < -0.1);
-}
-
-static void test_compensator(void **state)
-{
-    (void)state;
-    give_goal(1e-3, 0, 0, 0, true);
-    for (int i = 0; i < 1000; i++) control(&c, q, still, 1e-3);
-    assert_close(c.integral[0], 15, 1e-3); /* N: 15 N of spring for one time constant */
-    give_goal(1e-3, 0, 0, 0, false);
-    hold(still);
-    assert_close(c.integral[0], 15, 1e-3); /* kept in contact */
-    give_goal(1e-3, 0, 0, 0, true);
-    for (int i = 0; i < 10000; i++) control(&c, q, still, 1e-3);
-    assert_close(c.integral[0], MAX_INTEGRAL, 1e-9);
-}
-
-static void test_limits(void **state)
-{
-    (void)state;
     double before[7];
     give_goal(0.02, 0.02, -0.05, 1, false);
     c.torque_limit[1] = 5;
@@ -139,9 +92,8 @@ static void test_limits(void **state)
     assert_close(fabs(c.torque[1]), 5, 1e-9); /* reached: the others are scaled with it */
 }
 
-static void test_not_finite(void **state)
+TEST(test_not_finite)
 {
-    (void)state;
     const double v[7] = {(double)NAN};
     give_goal(0, 0, 0, 0, false);
     control(&c, q, v, 1e-3);
@@ -149,27 +101,8 @@ static void test_not_finite(void **state)
     for (int j = 0; j < 7; j++) assert_true(c.torque[j] == 0);
 }
 
-static void test_goals_refused(void **state)
+TEST(test_no_allocation)
 {
-    (void)state;
-    goal_message good = {.speed = 0.1}, bad;
-    memcpy(good.taught, q, sizeof q);
-    memcpy(good.posture, q, sizeof q);
-    bad = good;
-    bad.speed = 1;
-    assert_false(set_goal(&c, &bad));
-    bad = good;
-    bad.offset[2] = 0.6;
-    assert_false(set_goal(&c, &bad));
-    bad = good;
-    bad.posture[1] = 3; /* its limit is 2.41 */
-    assert_false(set_goal(&c, &bad));
-    assert_true(set_goal(&c, &good));
-}
-
-static void test_no_allocation(void **state)
-{
-    (void)state;
     const double v[7] = {0.01};
     give_goal(0.01, 0, 0, 0.1, true);
     const long before = calls;
@@ -178,17 +111,4 @@ static void test_no_allocation(void **state)
     assert_string_equal(c.limp, "");
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup(test_spring, setup),
-        cmocka_unit_test_setup(test_null_space, setup),
-        cmocka_unit_test_setup(test_damping, setup),
-        cmocka_unit_test_setup(test_compensator, setup),
-        cmocka_unit_test_setup(test_limits, setup),
-        cmocka_unit_test_setup(test_not_finite, setup),
-        cmocka_unit_test_setup(test_goals_refused, setup),
-        cmocka_unit_test_setup(test_no_allocation, setup),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_EACH(setup, NULL)

@@ -57,11 +57,9 @@ static void add_effects(void)
 /* Write the table; its path. */
 static const char *write_table(void)
 {
-    static char path[128];
-    snprintf(path, sizeof path, "%s/offsets.tsv", scratch_folder);
-    FILE *file = fopen(path, "w");
-    assert_int_equal(mukca_offsets_write(file, &offsets, &chain, NULL, "one\ntwo", &error),
-                     MUKCA_OK);
+    const char *path;
+    FILE *file = scratch_create(&path, "offsets.tsv");
+    assert_ok(mukca_offsets_write(file, &offsets, &chain, NULL, "one\ntwo", &error));
     fclose(file);
     return path;
 }
@@ -73,16 +71,15 @@ static mukca_status read_table(const char *path, bool force)
                               &(mukca_offsets_options){.force = force, .note = note}, &error);
 }
 
-static void tables_come_back_to_the_last_bit(void **state)
+TEST(tables_come_back_to_the_last_bit)
 {
-    (void)state;
     add_effects();
     mukca_acceptance *verdict = &offsets.acceptance;
     verdict->given = verdict->accepted = verdict->converged = true;
     snprintf(verdict->error_of, sizeof verdict->error_of, "test data, 60 samples");
     snprintf(verdict->at_rest, sizeof verdict->at_rest, "a, b");
     verdict->error_m = 2.5e-4;
-    assert_int_equal(read_table(write_table(), false), MUKCA_OK);
+    assert_ok(read_table(write_table(), false));
     assert_string_equal(notes, "");
     assert_true(back.acceptance.given && back.acceptance.accepted && back.acceptance.converged);
     assert_string_equal(back.acceptance.error_of, "test data, 60 samples");
@@ -128,40 +125,38 @@ static mukca_acceptance good_verdict(void)
     return a;
 }
 
-static void controllers_get_no_failed_table(void **state)
+TEST(controllers_get_no_failed_table)
 {
-    (void)state;
     mukca_corrected *model = calloc(1, sizeof *model);
     offsets.n_effects = 0;
     mukca_acceptance_init(&offsets.acceptance);
     const char *path = write_table();
-    assert_int_equal(mukca_corrected_load(model, path, &error), MUKCA_OK); /* an older table */
+    assert_ok(mukca_corrected_load(model, path, &error)); /* an older table */
     assert_false(model->judged);
     mukca_acceptance_refuse(&offsets.acceptance, "moves the tip by %d mm", 551);
-    assert_int_equal(mukca_corrected_load(model, write_table(), &error), MUKCA_INPUT);
-    assert_non_null(strstr(error.text, "did not pass: moves the tip by 551 mm"));
+    assert_refused(mukca_corrected_load(model, write_table(), &error),
+                   "did not pass: moves the tip by 551 mm");
     assert_true(model->judged && !model->accepted);
-    assert_int_equal(mukca_corrected_load_any(model, path, MUKCA_ACCEPT_FAILED, &error), MUKCA_OK);
+    assert_ok(mukca_corrected_load_any(model, path, MUKCA_ACCEPT_FAILED, &error));
     assert_true(model->judged && !model->accepted);
     assert_int_equal(read_table(path, false), MUKCA_INPUT);
     offsets.acceptance.accepted = true;
     offsets.acceptance.reason[0] = '\0';
-    assert_int_equal(mukca_corrected_load(model, write_table(), &error), MUKCA_OK);
+    assert_ok(mukca_corrected_load(model, write_table(), &error));
     assert_true(model->judged && model->accepted && model->intact);
     free(model);
 }
 
 /* A table that is cut anywhere, or with any byte changed, is refused; both as bytes and as a file.
  */
-static void edited_tables_are_refused(void **state)
+TEST(edited_tables_are_refused)
 {
-    (void)state;
     mukca_corrected *model = calloc(1, sizeof *model);
     add_effects();
     offsets.acceptance = good_verdict();
     char *text = scratch_read(write_table());
     const size_t size = strlen(text);
-    assert_int_equal(mukca_corrected_parse(model, text, size, &error), MUKCA_OK);
+    assert_ok(mukca_corrected_parse(model, text, size, &error));
     for (size_t n = 0; n < size; n++)
         assert_int_equal(mukca_corrected_parse(model, text, n, &error), MUKCA_INPUT);
     for (char *at = strstr(text, "# digest: ") + 10; *at; at++) {
@@ -171,20 +166,18 @@ static void edited_tables_are_refused(void **state)
     }
     char *digest = strstr(text, "# digest: ") + 10;
     *digest = *digest == '0' ? '1' : '0';
-    assert_int_equal(mukca_corrected_parse_any(model, text, size, MUKCA_ACCEPT_EDITED, &error),
-                     MUKCA_OK);
+    assert_ok(mukca_corrected_parse_any(model, text, size, MUKCA_ACCEPT_EDITED, &error));
     assert_true(model->judged && !model->accepted && !model->intact);
     const char *path = scratch_file("edited.tsv", text);
-    assert_error(read_table(path, false), MUKCA_INPUT, error, "was edited or cut");
-    assert_error(read_table(path, true), MUKCA_INPUT, error, "was edited or cut"); /* --force */
+    assert_refused(read_table(path, false), "was edited or cut");
+    assert_refused(read_table(path, true), "was edited or cut"); /* --force */
     free(model);
     free(text);
 }
 
 /* One joint about z turned by 10 mrad moves a tip at a radius r by 10e-3 r. */
-static void the_tip_change_is_measured(void **state)
+TEST(the_tip_change_is_measured)
 {
-    (void)state;
     static mukca_offsets turned;
     mukca_chain arm = {.n_elements = 2, .n_joints = 1};
     arm.element[0] = (mukca_element){
@@ -206,9 +199,8 @@ static void the_tip_change_is_measured(void **state)
     assert_true(turned.acceptance.largest_offset_m == 0);
 }
 
-static void tables_tell_where_they_come_from(void **state)
+TEST(tables_tell_where_they_come_from)
 {
-    (void)state;
     setenv("SOURCE_DATE_EPOCH", "86400", 1);
     offsets.n_effects = 0;
     char *text = scratch_read(write_table());
@@ -234,33 +226,29 @@ static void tables_tell_where_they_come_from(void **state)
     free(text);
 }
 
-static void another_arms_table_is_refused(void **state)
+TEST(another_arms_table_is_refused)
 {
-    (void)state;
     const char *path = write_table();
     char *text = scratch_read(path);
     strstr(text, "# urdf_sha256: ")[20] ^= 1;
     memcpy(strstr(text, "# digest"), "# d     ", 8); /* as if made by hand */
     path = scratch_file("other.tsv", text);
     free(text);
-    assert_error(read_table(path, false), MUKCA_INPUT, error, "was made for another URDF");
-    assert_int_equal(read_table(path, true), MUKCA_OK);
-    assert_non_null(strstr(notes, "made for another URDF"));
+    assert_refused(read_table(path, false), "was made for another URDF");
+    assert_ok(read_table(path, true));
+    assert_part(notes, "made for another URDF");
     /* forced onto another nominal model it is the offsets that count */
     const double was = chain.element[0].xyz[0];
     chain.element[0].xyz[0] = 5;
-    assert_int_equal(read_table(path, true), MUKCA_OK);
+    assert_ok(read_table(path, true));
     chain.element[0].xyz[0] = was;
     assert_close(back.theta[0], 5 + offsets.theta[0] - was, 1e-15);
     assert_true(back.theta[1] == offsets.theta[1]);
 }
 
-static void broken_tables_get_one_clear_line(void **state)
+TEST(broken_tables_get_one_clear_line)
 {
-    (void)state;
-    static const struct {
-        const char *row, *part;
-    } cases[] = {
+    static const bad_text cases[] = {
         {"a\tx\tm\t0\t0\t1\t0\t1\t-", "column 'calibrated': is not nominal + offset"},
         {"a\tx\tm\t1e300\t0\t-1e300\t0\t1\t-", "column 'offset': is larger than any arm's"},
         {"a\tx\tm\t0\tnan\t1\t0\t1\t-", "'nan' is not a finite number"},
@@ -281,26 +269,14 @@ static void broken_tables_get_one_clear_line(void **state)
         snprintf(text, sizeof text,
                  "# urdf_sha256: %s\njoint\tparameter\tunit\tnominal\tcalibrated\toffset\tsigma\t"
                  "identifiable\tterm\n%s\n",
-                 chain.urdf_sha256, cases[i].row);
-        assert_error(read_table(scratch_file("b.tsv", text), false), MUKCA_INPUT, error,
-                     cases[i].part);
+                 chain.urdf_sha256, cases[i].text);
+        assert_refused(read_table(scratch_file("b.tsv", text), false), cases[i].part);
     }
-    assert_error(read_table(scratch_file("b.tsv", "joint\tparameter\n"), false), MUKCA_INPUT, error,
-                 "`# urdf_sha256:` is missing");
+    assert_refused(read_table(scratch_file("b.tsv", "joint\tparameter\n"), false),
+                   "`# urdf_sha256:` is missing");
     char text[200];
     snprintf(text, sizeof text, "# urdf_sha256: %s\njoint\tparameter\n", chain.urdf_sha256);
-    assert_error(read_table(scratch_file("b.tsv", text), false), MUKCA_INPUT, error,
-                 "no column 'nominal'");
+    assert_refused(read_table(scratch_file("b.tsv", text), false), "no column 'nominal'");
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(tables_come_back_to_the_last_bit),
-                                       cmocka_unit_test(controllers_get_no_failed_table),
-                                       cmocka_unit_test(edited_tables_are_refused),
-                                       cmocka_unit_test(the_tip_change_is_measured),
-                                       cmocka_unit_test(tables_tell_where_they_come_from),
-                                       cmocka_unit_test(another_arms_table_is_refused),
-                                       cmocka_unit_test(broken_tables_get_one_clear_line)};
-    return cmocka_run_group_tests(tests, setup, scratch_teardown);
-}
+TEST_MAIN(setup, scratch_teardown)

@@ -5,7 +5,6 @@
 
 #include "scratch.h"
 
-static mukca_error error;
 static mukca_output output;
 
 static const char *in_folder(const char *name)
@@ -34,37 +33,37 @@ static void check_content(const char *path, const char *wanted)
 TEST(files_appear_when_they_are_whole)
 {
     const char *path = in_folder("out");
-    assert_int_equal(mukca_output_check(path, false, &error), MUKCA_OK);
+    assert_ok(mukca_output_check(path, false, &error));
     assert_int_equal(count_files(), 0);
-    assert_int_equal(mukca_output_open(&output, path, false, &error), MUKCA_OK);
+    assert_ok(mukca_output_open(&output, path, false, &error));
     fputs("hello", output.stream);
     assert_true(access(path, F_OK) != 0);
-    assert_int_equal(mukca_output_close(&output, &error), MUKCA_OK);
+    assert_ok(mukca_output_close(&output, &error));
     check_content(path, "hello");
     assert_int_equal(count_files(), 1);
     /* one that came meanwhile is another's result */
     const char *late = in_folder("late");
-    assert_int_equal(mukca_output_open(&output, late, false, &error), MUKCA_OK);
+    assert_ok(mukca_output_open(&output, late, false, &error));
     fputs("mine", output.stream);
     scratch_file("late", "theirs");
-    assert_error(mukca_output_close(&output, &error), MUKCA_INPUT, error, "exists already");
+    assert_refused(mukca_output_close(&output, &error), "exists already");
     check_content(late, "theirs");
     assert_int_equal(count_files(), 2);
     unlink(late);
     path = in_folder("out");
     /* a second one needs force; given up half-way it leaves the old one */
-    assert_error(mukca_output_open(&output, path, false, &error), MUKCA_INPUT, error,
-                 "exists already; --force overwrites it");
+    assert_refused(mukca_output_open(&output, path, false, &error),
+                   "exists already; --force overwrites it");
     chmod(path, 0640);
-    assert_int_equal(mukca_output_open(&output, path, true, &error), MUKCA_OK);
+    assert_ok(mukca_output_open(&output, path, true, &error));
     fputs("half", output.stream);
     mukca_output_abort(&output);
     mukca_output_abort(&output);
     check_content(path, "hello");
     assert_int_equal(count_files(), 1);
-    assert_int_equal(mukca_output_open(&output, path, true, &error), MUKCA_OK);
+    assert_ok(mukca_output_open(&output, path, true, &error));
     fputs("new", output.stream);
-    assert_int_equal(mukca_output_close(&output, &error), MUKCA_OK);
+    assert_ok(mukca_output_close(&output, &error));
     check_content(path, "new");
     struct stat info;
     assert_int_equal(stat(path, &info), 0);
@@ -78,9 +77,9 @@ TEST(links_stay_links)
     snprintf(real, sizeof real, "%s", scratch_file("real", "old"));
     const char *link = in_folder("link");
     assert_int_equal(symlink(real, link), 0);
-    assert_int_equal(mukca_output_open(&output, link, true, &error), MUKCA_OK);
+    assert_ok(mukca_output_open(&output, link, true, &error));
     fputs("new", output.stream);
-    assert_int_equal(mukca_output_close(&output, &error), MUKCA_OK);
+    assert_ok(mukca_output_close(&output, &error));
     check_content(real, "new");
     struct stat info;
     assert_int_equal(lstat(link, &info), 0);

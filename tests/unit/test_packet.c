@@ -24,11 +24,6 @@ typedef struct {
 
 static unsigned char message[LARGE];
 
-static void fill(void)
-{
-    for (size_t i = 0; i < LARGE; i++) message[i] = (unsigned char)(i * 7 + i / 256);
-}
-
 static datagram *small_datagram(const char *channel, size_t channel_size, size_t size)
 {
     static datagram d;
@@ -75,9 +70,20 @@ static datagram *cut(uint32_t sequence, unsigned number)
     return make_fragment(channel, &f);
 }
 
+static mukca_lcm_reassembly r;
+static mukca_lcm_packet p; /* the last one */
+
+static int reset(void **state)
+{
+    (void)state;
+    mukca_lcm_packet_clear(&r);
+    r = (mukca_lcm_reassembly){.bytes = 0};
+    for (size_t i = 0; i < LARGE; i++) message[i] = (unsigned char)(i * 7 + i / 256);
+    return 0;
+}
+
 /* Hand over a copy of exact size, so that a sanitizer sees a read behind its end. */
-static bool take(mukca_lcm_packet *packet, mukca_lcm_reassembly *r, const datagram *d,
-                 uint64_t sender, int64_t time)
+static bool take(const datagram *d, uint64_t sender, int64_t time)
 {
     static unsigned char *kept;
     free(kept);
@@ -85,44 +91,39 @@ static bool take(mukca_lcm_packet *packet, mukca_lcm_reassembly *r, const datagr
     assert_non_null(kept);
     memcpy(kept, d->bytes, d->size);
     mukca_lcm_datagram in = {.data = kept, .size = d->size, .sender = sender, .time = time};
-    return mukca_lcm_packet_take(packet, r, &in);
+    return mukca_lcm_packet_take(&p, &r, &in);
 }
 
 TEST(small_messages)
 {
-    mukca_lcm_reassembly r = {.bytes = 0};
-    mukca_lcm_packet p;
-    assert_true(take(&p, &r, small_datagram("ARM", 4, 500), 7, 42));
+    assert_true(take(small_datagram("ARM", 4, 500), 7, 42));
     assert_string_equal(p.channel, "ARM");
     assert_int_equal(p.size, 500);
     assert_memory_equal(p.data, message, 500);
     assert_int_equal(p.sender, 7);
     assert_int_equal(p.time, 42);
-    assert_true(take(&p, &r, small_datagram("EMPTY", 6, 0), 7, 42));
+    assert_true(take(small_datagram("EMPTY", 6, 0), 7, 42));
     assert_int_equal(p.size, 0);
-    mukca_lcm_packet_clear(&r);
 }
 
 TEST(bad_headers_are_counted)
 {
-    mukca_lcm_reassembly r = {.bytes = 0};
-    mukca_lcm_packet p;
     char name[100];
     memset(name, 'x', sizeof name);
-    assert_false(take(&p, &r, small_datagram("ARM", 3, 0), 7, 0)); /* no NUL */
-    assert_false(take(&p, &r, small_datagram("", 1, 20), 7, 0));
-    assert_false(take(&p, &r, small_datagram(name, 80, 20), 7, 0));
-    assert_false(take(&p, &r, small_datagram("", 0, 0), 7, 0));
+    assert_false(take(small_datagram("ARM", 3, 0), 7, 0)); /* no NUL */
+    assert_false(take(small_datagram("", 1, 20), 7, 0));
+    assert_false(take(small_datagram(name, 80, 20), 7, 0));
+    assert_false(take(small_datagram("", 0, 0), 7, 0));
     assert_int_equal(r.dropped[MUKCA_LCM_DROP_CHANNEL], 4);
     for (size_t size = 0; size < 8; size++) {
         datagram *d = small_datagram("ARM", 4, 0);
         d->size = size;
-        assert_false(take(&p, &r, d, 7, 0));
+        assert_false(take(d, 7, 0));
     }
     for (size_t size = 8; size < 20; size++) {
         datagram *d = cut(1, 0);
         d->size = size;
-        assert_false(take(&p, &r, d, 7, 0));
+        assert_false(take(d, 7, 0));
     }
     assert_int_equal(r.dropped[MUKCA_LCM_DROP_SHORT], 20);
     assert_int_equal(r.bytes, 0);
@@ -131,13 +132,11 @@ TEST(bad_headers_are_counted)
 TEST(fragments_in_any_order)
 {
     static const unsigned orders[][4] = {{0, 1, 2, 3}, {3, 2, 1, 0}, {2, 0, 3, 1}};
-    mukca_lcm_reassembly r = {.bytes = 0};
-    mukca_lcm_packet p;
     for (size_t k = 0; k < 3; k++) {
         for (int i = 0; i < 4; i++) {
             bool last = i == 3;
-            assert_int_equal(take(&p, &r, cut((uint32_t)k, orders[k][i]), 7, 0), last);
-            if (!last) assert_false(take(&p, &r, cut((uint32_t)k, orders[k][i]), 7, 0));
+            assert_int_equal(take(cut((uint32_t)k, orders[k][i]), 7, 0), last);
+            if (!last) assert_false(take(cut((uint32_t)k, orders[k][i]), 7, 0));
         }
         assert_string_equal(p.channel, "LARGE");
         assert_int_equal(p.size, LARGE);
@@ -145,29 +144,25 @@ TEST(fragments_in_any_order)
         assert_int_equal(r.bytes, 0);
     }
     assert_int_equal(r.dropped[MUKCA_LCM_DROP_DUPLICATE], 9);
-    mukca_lcm_packet_clear(&r);
 }
 
 /* Messages of two senders with the same sequence number stay apart; a lost fragment costs its
  * message, after a second. */
 TEST(senders_and_losses)
 {
-    mukca_lcm_reassembly r = {.bytes = 0};
-    mukca_lcm_packet p;
     for (unsigned i = 0; i < 3; i++) {
-        assert_false(take(&p, &r, cut(1, i), 7, 0));
-        assert_false(take(&p, &r, cut(1, i), 8, 0));
+        assert_false(take(cut(1, i), 7, 0));
+        assert_false(take(cut(1, i), 8, 0));
     }
-    assert_true(take(&p, &r, cut(1, 3), 8, 0));
+    assert_true(take(cut(1, 3), 8, 0));
     assert_int_equal(p.sender, 8);
     assert_true(r.bytes > 0);
-    assert_true(take(&p, &r, small_datagram("ARM", 4, 1), 9, 1000001));
+    assert_true(take(small_datagram("ARM", 4, 1), 9, 1000001));
     assert_int_equal(r.bytes, 0);
     assert_int_equal(r.dropped[MUKCA_LCM_DROP_EXPIRED], 1);
-    assert_false(take(&p, &r, cut(1, 3), 7, 1000001));            /* too late */
-    assert_true(take(&p, &r, small_datagram("ARM", 4, 1), 9, 5)); /* the clock went back */
+    assert_false(take(cut(1, 3), 7, 1000001));            /* too late */
+    assert_true(take(small_datagram("ARM", 4, 1), 9, 5)); /* the clock went back */
     assert_int_equal(r.bytes, 0);
-    mukca_lcm_packet_clear(&r);
 }
 
 TEST(wrapped_and_overlapping_sizes)
@@ -183,46 +178,39 @@ TEST(wrapped_and_overlapping_sizes)
         {.size = 100, .offset = 0, .number = 1, .n = 0, .bytes = 10},
         {.size = 100, .offset = 0, .number = 1, .n = 65535, .bytes = 10},
     };
-    mukca_lcm_reassembly r = {.bytes = 0};
-    mukca_lcm_packet p;
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
-        assert_false(take(&p, &r, make_fragment("ARM", &bad[i]), 7, 0));
+        assert_false(take(make_fragment("ARM", &bad[i]), 7, 0));
     assert_int_equal(r.bytes, 0);
     assert_int_equal(r.dropped[MUKCA_LCM_DROP_SIZE], 6);
     assert_int_equal(r.dropped[MUKCA_LCM_DROP_FRAGMENT], 3);
     /* overlap, and so a gap: nothing is delivered */
     fragment f = {.sequence = 5, .size = 100, .offset = 0, .number = 0, .n = 2, .bytes = 50};
-    assert_false(take(&p, &r, make_fragment("ARM", &f), 7, 0));
+    assert_false(take(make_fragment("ARM", &f), 7, 0));
     f.number = 1;
     f.offset = 40;
-    assert_false(take(&p, &r, make_fragment("ARM", &f), 7, 0));
+    assert_false(take(make_fragment("ARM", &f), 7, 0));
     /* a second opinion about the size ends the message */
     f = (fragment){.sequence = 6, .size = 100, .offset = 0, .number = 0, .n = 2, .bytes = 50};
-    assert_false(take(&p, &r, make_fragment("ARM", &f), 7, 0));
+    assert_false(take(make_fragment("ARM", &f), 7, 0));
     f.size = 200;
-    assert_false(take(&p, &r, make_fragment("ARM", &f), 7, 0));
+    assert_false(take(make_fragment("ARM", &f), 7, 0));
     assert_int_equal(r.bytes, 0);
     assert_int_equal(r.dropped[MUKCA_LCM_DROP_FRAGMENT], 5);
-    mukca_lcm_packet_clear(&r);
 }
 
 /* Beginnings of large messages from one sender and from many. */
 TEST(partial_messages_are_bounded)
 {
-    mukca_lcm_reassembly r = {.bytes = 0};
-    mukca_lcm_packet p;
-    assert_false(take(&p, &r, cut(1, 0), 7, 0)); /* of a well-behaved sender */
+    assert_false(take(cut(1, 0), 7, 0)); /* of a well-behaved sender */
     for (uint32_t i = 0; i < 10000; i++) {
-        fragment f = {
-            .sequence = i, .size = 6 << 20, .offset = 0, .number = 1, .n = 200, .bytes = 9};
-        assert_false(take(&p, &r, make_fragment("ARM", &f), 8, 0));
+        const fragment f = {.sequence = i, .size = 6 << 20, .number = 1, .n = 200, .bytes = 9};
+        assert_false(take(make_fragment("ARM", &f), 8, 0));
         assert_true(r.bytes <= MUKCA_LCM_PARTIAL_BYTES);
     }
-    for (unsigned i = 1; i < 4; i++) assert_int_equal(take(&p, &r, cut(1, i), 7, 0), i == 3);
+    for (unsigned i = 1; i < 4; i++) assert_int_equal(take(cut(1, i), 7, 0), i == 3);
     for (uint32_t i = 0; i < 10000; i++) {
-        fragment f = {
-            .sequence = i, .size = 1 << 20, .offset = 0, .number = 1, .n = 200, .bytes = 9};
-        assert_false(take(&p, &r, make_fragment("ARM", &f), 100 + i % 1000, 0));
+        const fragment f = {.sequence = i, .size = 1 << 20, .number = 1, .n = 200, .bytes = 9};
+        assert_false(take(make_fragment("ARM", &f), 100 + i % 1000, 0));
         assert_true(r.bytes <= MUKCA_LCM_PARTIAL_BYTES);
     }
     mukca_lcm_packet_clear(&r);
@@ -240,8 +228,6 @@ static uint32_t chance(void)
 
 TEST(a_million_mutations)
 {
-    mukca_lcm_reassembly r = {.bytes = 0};
-    mukca_lcm_packet p;
     size_t before = 0, sum = 0;
     int whole = 0;
     for (int i = 0; i < 1000000; i++) {
@@ -255,7 +241,7 @@ TEST(a_million_mutations)
         for (uint32_t k = chance() % 4; k > 0; k--)
             d->bytes[chance() % 2 ? chance() % 24 : chance() % d->size] = (unsigned char)chance();
         if (chance() % 8 == 0) d->size = chance() % (d->size + 1);
-        if (take(&p, &r, d, chance() % 5, i * 100)) {
+        if (take(d, chance() % 5, i * 100)) {
             whole++;
             assert_true(strlen(p.channel) < MUKCA_LCM_CHANNEL_SIZE);
             for (size_t k = 0; k < p.size; k++) sum += ((const unsigned char *)p.data)[k];
@@ -278,7 +264,7 @@ TEST(the_queue_keeps_order_and_bounds)
     uint64_t number = 0;
     for (int i = 0; i < 200000; i++) {
         size_t size = chance() % 50 ? chance() % 2000 : chance() % LARGE;
-        mukca_lcm_packet p = {
+        p = (mukca_lcm_packet){
             .channel = "ARM", .data = message, .size = size, .time = i, .sender = (uint64_t)i % 7};
         pushed += mukca_lcm_queue_push(q, &p);
         assert_true(q->n <= MUKCA_LCM_QUEUE_LENGTH && q->bytes <= MUKCA_LCM_QUEUE_BYTES);
@@ -298,7 +284,7 @@ TEST(the_queue_keeps_order_and_bounds)
     assert_int_equal(taken + q->dropped, pushed);
     assert_true(q->n == 0 && q->bytes == 0);
     /* a stalled reader finds the latest messages of a stream, and those of others, in order */
-    mukca_lcm_packet p = {.channel = "TRIGGER", .data = message, .size = 10, .sender = 2};
+    p = (mukca_lcm_packet){.channel = "TRIGGER", .data = message, .size = 10, .sender = 2};
     assert_true(mukca_lcm_queue_push(q, &p));
     p.channel = "ARM";
     p.sender = 1;
@@ -321,8 +307,4 @@ TEST(the_queue_keeps_order_and_bounds)
     free(q);
 }
 
-int main(void)
-{
-    fill();
-    return test_run(NULL, NULL);
-}
+TEST_EACH(reset, reset)

@@ -1,8 +1,9 @@
-/* Simulated truth is found again: exactly without noise, and as the standard errors say with it. */
+/* Simulated truth is found again, as far off as the standard errors say. */
 #include <stdlib.h>
 #include <string.h>
 
 #include "arm/inverse.h"
+#include "arms.h"
 #include "close.h"
 #include "fit/fit.h"
 #include "math/random.h"
@@ -11,28 +12,10 @@
 enum { JOINTS = 7, PER_SOCKET = 30 };
 
 /* A 7-axis arm with offsets in elbow and wrist and a ball well off the last axis. */
-static void make_arm(mukca_chain *chain)
-{
-    static const double origin[8][6] = {
-        {0, 0, 0.3, 0, 0, 0},       {0, 0, 0, -M_PI_2, 0, 0},        {0, -0.37, 0, M_PI_2, 0, 0},
-        {0.06, 0, 0, M_PI_2, 0, 0}, {-0.06, 0.35, 0, -M_PI_2, 0, 0}, {0, 0, 0, M_PI_2, 0, 0},
-        {0.08, 0, 0, M_PI_2, 0, 0}, {0.09, 0.05, 0.14, 0, 0, 0}};
-    memset(chain, 0, sizeof *chain);
-    chain->n_elements = 8;
-    chain->n_joints = JOINTS;
-    for (int k = 0; k < 8; k++) {
-        mukca_element *e = &chain->element[k];
-        snprintf(e->name, sizeof e->name, "j%d", k + 1);
-        e->type = k < JOINTS ? MUKCA_REVOLUTE : MUKCA_FIXED;
-        e->joint = k < JOINTS ? k : -1;
-        e->axis[2] = 1;
-        e->lower = -2.8;
-        e->upper = 2.8;
-        memcpy(e->xyz, origin[k], sizeof e->xyz);
-        memcpy(e->rpy, origin[k] + 3, sizeof e->rpy);
-        if (k < JOINTS) chain->joint_element[k] = k;
-    }
-}
+static const double origins[8][6] = {
+    {0, 0, 0.3, 0, 0, 0},       {0, 0, 0, -M_PI_2, 0, 0},        {0, -0.37, 0, M_PI_2, 0, 0},
+    {0.06, 0, 0, M_PI_2, 0, 0}, {-0.06, 0.35, 0, -M_PI_2, 0, 0}, {0, 0, 0, M_PI_2, 0, 0},
+    {0.08, 0, 0, M_PI_2, 0, 0}, {0.09, 0.05, 0.14, 0, 0, 0}};
 
 /* Postures of the arm `truth` with its ball in two sockets 50 mm apart at each of `placements`
  * places; every seat is off by noise of `sigma` m per coordinate. */
@@ -41,9 +24,8 @@ static void record(mukca_dataset *data, const mukca_chain *chain, const double *
 {
     mukca_geometry geometry;
     mukca_geometry_set(&geometry, chain, truth);
-    assert_int_equal(mukca_dataset_create(data, 2 * PER_SOCKET * placements, JOINTS, 2 * placements,
-                                          placements, NULL),
-                     MUKCA_OK);
+    assert_ok(mukca_dataset_create(data, 2 * PER_SOCKET * placements, JOINTS, 2 * placements,
+                                   placements, NULL));
     data->distances = calloc((size_t)placements, sizeof *data->distances);
     assert_non_null(data->distances);
     data->n_distances = placements;
@@ -68,61 +50,6 @@ static void record(mukca_dataset *data, const mukca_chain *chain, const double *
     }
 }
 
-static void perturb(double *theta, const mukca_chain *chain, double size, mukca_random *random)
-{
-    mukca_chain_theta(theta, chain);
-    for (int i = 0; i < 6 * chain->n_elements; i++) theta[i] += size * mukca_random_normal(random);
-}
-
-/* Mean distance of the ball from the mean of its socket. */
-static double consistency(const mukca_chain *chain, const double *theta, const mukca_dataset *data)
-{
-    mukca_geometry geometry;
-    double sum = 0;
-    mukca_geometry_set(&geometry, chain, theta);
-    for (int s = 0; s < data->n_sockets; s++) {
-        double x[PER_SOCKET][3], mean[3] = {0, 0, 0};
-        int n = 0;
-        for (int i = 0; i < data->n_rows; i++)
-            if (data->socket[i] == s)
-                mukca_fk_position(x[n++], &geometry, data->q + i * JOINTS, NULL);
-        for (int i = 0; i < n; i++)
-            for (int a = 0; a < 3; a++) mean[a] += x[i][a] / n;
-        for (int i = 0; i < n; i++)
-            sum += sqrt(pow(x[i][0] - mean[0], 2) + pow(x[i][1] - mean[1], 2) +
-                        pow(x[i][2] - mean[2], 2));
-    }
-    return sum / data->n_rows;
-}
-
-TEST(test_without_noise)
-{
-    mukca_chain chain;
-    mukca_random random;
-    make_arm(&chain);
-    mukca_random_seed(&random, 21);
-    for (int trial = 0; trial < 5; trial++) {
-        double truth[MUKCA_MAX_FREE], nominal[MUKCA_MAX_FREE];
-        mukca_dataset train, test;
-        mukca_fit fit;
-        perturb(truth, &chain, 2e-3, &random);
-        record(&train, &chain, truth, 4, 0, &random);
-        record(&test, &chain, truth, 6, 0, &random);
-        mukca_chain_theta(nominal, &chain);
-        const mukca_fit_options options = {.cost.lambda = trial < 4 ? 1e-9 : -1};
-        assert_int_equal(mukca_fit_run(&fit, &chain, &train, &options, NULL), MUKCA_OK);
-        assert_true(fit.converged);
-        assert_int_equal(fit.identification.rank,
-                         25); /* 48 less 6 of the base, 14 of the axes, 3 */
-        assert_true(consistency(&chain, nominal, &test) > 1e-3);
-        assert_true(consistency(&chain, truth, &test) < 1e-11);
-        assert_close(consistency(&chain, fit.theta, &test), 0, 1e-6);
-        mukca_fit_free(&fit);
-        mukca_dataset_free(&train);
-        mukca_dataset_free(&test);
-    }
-}
-
 /* A set of parameters that sockets can tell apart: no base, and per axis one slide along it and one
  * turn about it. */
 static const char identifiable[] =
@@ -136,7 +63,7 @@ TEST(test_standard_errors)
     mukca_chain chain;
     double squares[MUKCA_MAX_FREE] = {0}, total = 0, noise = 0;
     int parameters = 0;
-    make_arm(&chain);
+    make_chain(&chain, "RRRRRRRF", origins, "j", 2.8);
     for (int seed = 0; seed < SEEDS; seed++) {
         double truth[MUKCA_MAX_FREE], nominal[MUKCA_MAX_FREE];
         mukca_random random;
@@ -147,12 +74,11 @@ TEST(test_standard_errors)
         mukca_random_seed(&random, 1000 + (uint64_t)seed);
         mukca_chain_theta(nominal, &chain);
         memcpy(truth, nominal, sizeof truth);
-        assert_int_equal(mukca_parameters_select(&free, &chain, &options.selection, NULL),
-                         MUKCA_OK);
+        assert_ok(mukca_parameters_select(&free, &chain, &options.selection, NULL));
         for (int i = 0; i < free.n; i++)
             truth[free.index[i]] += 1e-3 * mukca_random_normal(&random);
         record(&data, &chain, truth, 3, sigma, &random);
-        assert_int_equal(mukca_fit_run(&fit, &chain, &data, &options, NULL), MUKCA_OK);
+        assert_ok(mukca_fit_run(&fit, &chain, &data, &options, NULL));
         assert_true(fit.converged);
         assert_int_equal(fit.identification.rank, free.n);
         for (int i = 0; i < free.n; i++) {

@@ -20,35 +20,40 @@ typedef struct {
     mukca_scan scan;
 } fixture;
 
-static void create(fixture *f)
+static fixture *f;
+
+static void create(void)
 {
-    mukca_error error = {0};
     const mukca_recording_options options = {.mass_spread = 0.1, .distance_sigma = 1e-4};
-    assert_int_equal(mukca_regression_create(&f->m, &f->s.chain, &f->data, &options, &error),
-                     MUKCA_OK);
+    assert_ok(mukca_regression_create(&f->m, &f->s.chain, &f->data, &options, &error));
     mukca_regression_fit(&f->m, 5, MUKCA_FIT_ALL);
     mukca_regression_freeze(&f->m);
-    assert_int_equal(
-        mukca_candidates_list(&f->all, &f->m.pool, &f->m.recording, &f->m.unknowns, NULL, &error),
-        MUKCA_OK);
+    assert_ok(
+        mukca_candidates_list(&f->all, &f->m.pool, &f->m.recording, &f->m.unknowns, NULL, &error));
     assert_true(mukca_scan_create(&f->scan, &f->pool, &f->m, &f->all));
 }
 
-static int set_up(void **state)
+/* A recording of an arm with a soft joint. */
+static void begin(void)
 {
-    fixture *f = calloc(1, sizeof *f);
+    f = calloc(1, sizeof *f);
     assert_non_null(f);
     set_scene(&f->s, "joint_compliance:joint_2=1e-4", 7);
     f->s.how.noise = 1e-4;
     record(&f->data, &f->s);
-    create(f);
-    *state = f;
+}
+
+static int set_up(void **state)
+{
+    (void)state;
+    begin();
+    create();
     return 0;
 }
 
 static int tear_down(void **state)
 {
-    fixture *f = *state;
+    (void)state;
     mukca_regression_free(&f->m);
     mukca_dataset_free(&f->data);
     mukca_pool_free(&f->pool);
@@ -57,7 +62,7 @@ static int tear_down(void **state)
 }
 
 /* First candidate of that effect and joint. */
-static const mukca_candidate *find(const fixture *f, int effect, int joint)
+static const mukca_candidate *find(int effect, int joint)
 {
     for (int i = 0; i < f->all.count; i++) {
         const mukca_candidate *h = &f->all.list[i];
@@ -69,14 +74,17 @@ static const mukca_candidate *find(const fixture *f, int effect, int joint)
 }
 
 /* Columns of every effect that acts on the arm against differences of the forward model. */
-static void effect_columns(void **state)
+TEST(effect_columns)
 {
-    fixture *f = *state;
     mukca_regression *m = &f->m;
     int checked = 0;
-    for (int i = 0; i < f->all.first_unlisted; i += 7) {
+    bool seen[MUKCA_EFFECT_COUNT] = {false}; /* each effect, and every seventh candidate */
+    for (int i = 0; i < f->all.first_unlisted; i++) {
         const mukca_candidate *h = &f->all.list[i];
         if (!h->basis || h->kind == MUKCA_CANDIDATE_STRETCH) continue;
+        const int kind = h->kind == MUKCA_CANDIDATE_EFFECT ? (int)h->effect.kind : -1;
+        if (i % 7 && (kind < 0 || seen[kind])) continue;
+        if (kind >= 0) seen[kind] = true;
         double *E = calloc((size_t)(3 * m->recording.n_samples * h->terms), sizeof *E);
         assert_non_null(E);
         mukca_linearisation_columns(E, h->terms, &m->linear, &m->recording, h);
@@ -130,22 +138,21 @@ static double added(mukca_regression *m, int family, const mukca_candidate *h, d
         m->unknowns.cause[last].scale = prior.size[s];
         value[s] = prior.log_weight[s] + evidence(m, family, mean, &noise) - without;
         if (!prior.nonnegative) continue;
-        const double error = mukca_regression_standard_error(m, column, &one, 1);
-        value[s] += log(2) + mukca_stats_log_normal_cdf(mean[column] / (error * sqrt(noise)));
+        const double sigma = mukca_regression_standard_error(m, column, &one, 1);
+        value[s] += log(2) + mukca_stats_log_normal_cdf(mean[column] / (sigma * sqrt(noise)));
     }
     mukca_unknowns_drop(&m->unknowns, last);
     return mukca_stats_log_sum_exp(value, prior.n_sizes);
 }
 
 /* Scores of the scan, of all kinds of candidates, and of the same as sets of one. */
-static void check_scan(fixture *f, int family, const mukca_candidate *cause)
+static void check_scan(int family, const mukca_candidate *cause)
 {
     enum { MOST = 120 };
     mukca_regression *m = &f->m;
     mukca_pool pool = {0};
     mukca_question question;
     mukca_sets sets;
-    mukca_error error;
     int pick[MOST], n = 0, seen[MUKCA_CANDIDATE_KINDS] = {0};
     double mean[4096];
     assert_true(mukca_unknowns_capacity(&m->unknowns) < 4096);
@@ -154,7 +161,7 @@ static void check_scan(fixture *f, int family, const mukca_candidate *cause)
         m->unknowns.cause[0].scale = 1e-3;
     }
     assert_true(mukca_scan_aim(&f->scan, family));
-    assert_int_equal(mukca_scan_run(&f->scan, !cause, &error), MUKCA_OK);
+    assert_ok(mukca_scan_run(&f->scan, !cause, &error));
     for (int i = 0; i < f->all.count && n < MOST; i++) {
         const mukca_candidate *h = &f->all.list[i];
         if (seen[h->kind]++ % (h->kind == MUKCA_CANDIDATE_EFFECT ? 29 : 97)) continue;
@@ -179,59 +186,52 @@ static void check_scan(fixture *f, int family, const mukca_candidate *cause)
     mukca_pool_free(&pool);
 }
 
-static void scores(void **state)
+TEST(scores)
 {
-    fixture *f = *state;
     for (int family = 0; family < f->m.evidence.n_noises; family++)
-        check_scan(f, family, family % 2 ? find(f, MUKCA_EFFECT_JOINT_COMPLIANCE, 1) : NULL);
+        check_scan(family, family % 2 ? find(MUKCA_EFFECT_JOINT_COMPLIANCE, 1) : NULL);
 }
 
 /* Rows in pairs of nearly the same angles: also noise that readings of a posture share. */
-static void repeated(void **state)
+TEST(repeated)
 {
-    fixture *f = calloc(1, sizeof *f);
-    (void)state;
-    assert_non_null(f);
-    set_scene(&f->s, "joint_compliance:joint_2=1e-4", 7);
-    f->s.how.noise = 1e-4;
-    record(&f->data, &f->s);
+    fixture *const whole = f;
+    begin();
     for (int row = 1; row < f->data.n_rows; row += 2)
         for (int j = 0; j < f->data.n_joints; j++)
             f->data.q[row * f->data.n_joints + j] =
                 f->data.q[(row - 1) * f->data.n_joints + j] + 1e-5 * (row % 3 - 1);
-    create(f);
+    create();
     assert_true(f->m.recording.repeats);
-    for (int family = 0; family < f->m.evidence.n_noises; family += 3) check_scan(f, family, NULL);
-    tear_down((void **)&f);
+    for (int family = 0; family < f->m.evidence.n_noises; family += 3) check_scan(family, NULL);
+    tear_down(NULL);
+    f = whole;
 }
 
 /* Three sockets as a pose log, which has no free mean. */
-static void poses(void **state)
+TEST(poses)
 {
-    const fixture *arm = *state;
-    fixture *f = calloc(1, sizeof *f);
-    assert_non_null(f);
-    f->s = arm->s;
-    record(&f->data, &f->s);
+    fixture *const whole = f;
+    begin();
     f->data.position = malloc(3 * sizeof *f->data.position * (size_t)f->data.n_rows);
     assert_non_null(f->data.position);
     for (int i = 0; i < 3 * f->data.n_rows; i++) f->data.position[i] = NAN;
     for (int row = 0; row < f->data.n_rows; row++) {
         if (f->data.socket[row] > 2) continue;
         f->data.socket[row] = -1;
-        mukca_unknowns_predict(f->data.position + 3 * row, &arm->m.unknowns, &arm->m.recording,
+        mukca_unknowns_predict(f->data.position + 3 * row, &whole->m.unknowns, &whole->m.recording,
                                row);
         f->data.position[3 * row + row % 3] += 1e-4 * (row % 5 - 2);
     }
-    create(f);
-    for (int family = 0; family < f->m.evidence.n_noises; family++) check_scan(f, family, NULL);
-    tear_down((void **)&f);
+    create();
+    for (int family = 0; family < f->m.evidence.n_noises; family++) check_scan(family, NULL);
+    tear_down(NULL);
+    f = whole;
 }
 
 /* Scores of all orders of ripple of a joint. */
-static void orders(void **state)
+TEST(orders)
 {
-    fixture *f = *state;
     double value[MUKCA_RIPPLE_ORDERS + 1], mean[4096];
     for (int joint = 1; joint < 7; joint += 2) {
         mukca_candidate h = {.kind = MUKCA_CANDIDATE_EFFECT,
@@ -254,9 +254,8 @@ static void orders(void **state)
 }
 
 /* No noise has more evidence than the chosen one, whatever the guess. */
-static void noise(void **state)
+TEST(noise)
 {
-    fixture *f = *state;
     mukca_regression *m = &f->m;
     mukca_unknowns_prior(m->evidence.prior, &m->unknowns);
     for (int r = 0; r < m->evidence.n_noises; r++) {
@@ -275,9 +274,8 @@ static void noise(void **state)
 
 /* As many causes as there is room for: their columns stay within it, and the geometry alone is
  * selected among them. */
-static void full_columns(void **state)
+TEST(full_columns)
 {
-    fixture *f = *state;
     mukca_regression *m = &f->m;
     const int most = mukca_unknowns_capacity(&m->unknowns) + 1;
     int at = 0;
@@ -299,9 +297,8 @@ static void full_columns(void **state)
 }
 
 /* The prior odds of all listed candidates and all orders sum to one. */
-static void priors(void **state)
+TEST(priors)
 {
-    const fixture *f = *state;
     double orders = 0, sum = 0;
     for (int order = 2; order <= MUKCA_RIPPLE_ORDERS; order++)
         orders += exp(mukca_ripple_log_prior(order));
@@ -317,9 +314,8 @@ static void priors(void **state)
 }
 
 /* A row cut as an outlier comes back when it fits; that it repeats the one before is told still. */
-static void reinstated(void **state)
+TEST(reinstated)
 {
-    fixture *f = *state;
     enum { ROW = 5 };
     mukca_faults *d = calloc(1, sizeof *d);
     assert_non_null(d);
@@ -337,13 +333,11 @@ static void reinstated(void **state)
 
 /* Two poses beside sockets are too few for folds of their own: they are always fitted, and so no
  * error of theirs is a left-out one. */
-static void never_left_out(void **state)
+TEST(never_left_out)
 {
     enum { POSES = 2 };
-    const fixture *f = *state;
     const mukca_recording_options options = {.mass_spread = 0.1, .distance_sigma = 1e-4};
     mukca_dataset data;
-    mukca_error error = {0};
     mukca_regression m;
     record(&data, &f->s);
     data.position = malloc(3 * sizeof *data.position * (size_t)data.n_rows);
@@ -353,7 +347,7 @@ static void never_left_out(void **state)
         data.socket[row] = -1;
         mukca_unknowns_predict(data.position + 3 * row, &f->m.unknowns, &f->m.recording, row);
     }
-    assert_int_equal(mukca_regression_create(&m, &f->s.chain, &data, &options, &error), MUKCA_OK);
+    assert_ok(mukca_regression_create(&m, &f->s.chain, &data, &options, &error));
     mukca_regression_fit(&m, 3, MUKCA_FIT_ALL);
     mukca_folds b = {.m = &m};
     mukca_folds_create(&b);
@@ -367,9 +361,8 @@ static void never_left_out(void **state)
 }
 
 /* The chosen scales of the geometry have the largest evidence of all. */
-static void scales(void **state)
+TEST(scales)
 {
-    fixture *f = *state;
     mukca_regression *m = &f->m;
     mukca_unknowns *u = &m->unknowns;
     double worst = HUGE_VAL;
@@ -388,14 +381,4 @@ static void scales(void **state)
     mukca_regression_fit(m, 5, MUKCA_FIT_ALL);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(effect_columns), cmocka_unit_test(scores),
-        cmocka_unit_test(repeated),       cmocka_unit_test(poses),
-        cmocka_unit_test(orders),         cmocka_unit_test(noise),
-        cmocka_unit_test(scales),         cmocka_unit_test(priors),
-        cmocka_unit_test(full_columns),   cmocka_unit_test(reinstated),
-        cmocka_unit_test(never_left_out)};
-    return cmocka_run_group_tests(tests, set_up, tear_down);
-}
+TEST_MAIN(set_up, tear_down)

@@ -40,11 +40,10 @@ static void end(study *t)
 static double (*balls(const study *t, mukca_dataset *out, uint64_t seed))[3]
 {
     const mukca_true_arm *arm = &t->s.arm;
-    mukca_error error = {0};
     mukca_row_state states;
     double(*ball)[3] = calloc((size_t)t->data.n_rows, sizeof *ball);
     assert_non_null(ball);
-    if (mukca_simulate_replicate(out, &t->task, seed, &error)) fail_msg("%s", error.text);
+    assert_ok(mukca_simulate_replicate(out, &t->task, seed, &error));
     for (int i = 0; i < out->n_rows; i++) {
         mukca_displacement displacement;
         const mukca_joint_state *state = mukca_dataset_state(&states, out, i);
@@ -70,9 +69,7 @@ TEST(test_seats)
         assert_close(out.command[i] - out.q[i], t.data.command[i] - t.data.q[i], 1e-12);
     }
     for (int p = 0; p < PLACES; p++) {
-        double d[3];
-        for (int a = 0; a < 3; a++) d[a] = ball[60 * p + 30][a] - ball[60 * p][a];
-        assert_close(mukca_norm3(d), 0.051, 1e-8);
+        assert_close(mukca_distance3(ball[60 * p + 30], ball[60 * p]), 0.051, 1e-8);
     }
     free(ball);
     mukca_dataset_free(&out);
@@ -139,23 +136,22 @@ TEST(test_poses)
 {
     study t = {0};
     mukca_dataset out, again;
-    mukca_error error = {0};
     set_scene(&t.s, "joint_scale:joint_2=1e-3", 3);
-    assert_int_equal(mukca_simulate_poses(&t.data, &t.s.arm, NULL, 40, &t.s.how, &error), MUKCA_OK);
+    assert_ok(mukca_simulate_poses(&t.data, &t.s.arm, NULL, 40, &t.s.how, &error));
     t.posture = calloc(40, sizeof *t.posture);
     t.move = calloc(40 * 7, sizeof *t.move);
     assert_true(t.posture && t.move);
     t.task = (mukca_replicate_task){
         .arm = &t.s.arm, .data = &t.data, .posture = t.posture, .move = t.move};
     t.task.tracker = (mukca_frame){.R = {1, 0, 0, 0, 1, 0, 0, 0, 1}, .p = {1, 2, 3}};
-    assert_int_equal(mukca_simulate_replicate(&out, &t.task, 1, &error), MUKCA_OK);
+    assert_ok(mukca_simulate_replicate(&out, &t.task, 1, &error));
     for (int i = 0; i < 3 * 40; i++)
         assert_close(out.position[i] - t.data.position[i], i % 3 + 1, 1e-12);
     for (int i = 0; i < 4 * 40; i++) assert_close(out.quaternion[i], t.data.quaternion[i], 1e-12);
     mukca_dataset_free(&out);
     t.task.noise = 1e-4, t.task.rotation = 1e-3;
-    assert_int_equal(mukca_simulate_replicate(&out, &t.task, 2, &error), MUKCA_OK);
-    assert_int_equal(mukca_simulate_replicate(&again, &t.task, 2, &error), MUKCA_OK);
+    assert_ok(mukca_simulate_replicate(&out, &t.task, 2, &error));
+    assert_ok(mukca_simulate_replicate(&again, &t.task, 2, &error));
     assert_memory_equal(out.position, again.position, 3 * 40 * sizeof *out.position);
     assert_memory_equal(out.quaternion, again.quaternion, 4 * 40 * sizeof *out.quaternion);
     assert_true(out.position[0] != t.data.position[0] + 1);

@@ -1,4 +1,5 @@
-/* States of rows: moves, missing times and commands, streams. */
+/* The state of a row continues times, moves and commands where they are missing, and in a stream.
+ */
 #include <string.h>
 
 #include "close.h"

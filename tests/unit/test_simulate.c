@@ -1,17 +1,25 @@
-/* Simulated recordings: consistent with their truth, effects of the size asked for. */
+/* Simulated recordings agree with their truth: effects, noise and faults have the size asked for.
+ */
+#include "diagnosed.h"
 #include "model/dataset_subset.h"
 #include "mukca/gravity.h"
-#include "scene.h"
 
 /* Where the true arm has its ball in a row, found from the recorded row alone. */
-static void true_ball(double position[3], mukca_row_state *states, const mukca_dataset *data,
-                      int row, const mukca_true_arm *arm)
+static void true_ball(double position[3], int row)
 {
+    static mukca_row_state states; /* that of the row before */
     mukca_displacement displacement;
-    const mukca_joint_state *state = mukca_dataset_state(states, data, row);
-    mukca_effects_displacement(&displacement, arm->effects, arm->n_effects, &arm->chain,
-                               &arm->geometry, state->q, state);
-    mukca_fk_position(position, &arm->geometry, state->q, &displacement);
+    const mukca_joint_state *state = mukca_dataset_state(&states, &data, row);
+    mukca_effects_displacement(&displacement, s.arm.effects, s.arm.n_effects, &s.arm.chain,
+                               &s.arm.geometry, state->q, state);
+    mukca_fk_position(position, &s.arm.geometry, state->q, &displacement);
+}
+
+/* Where the ball is recorded as seated. */
+static void find_seat(double seat[3], int place, int socket, int row)
+{
+    const mukca_simulated_session session = {.arm = &s.arm, .places = s.places, .options = &s.how};
+    mukca_simulate_seat(seat, &session, place, socket, row);
 }
 
 /* One of everything that acts on the arm. */
@@ -27,113 +35,101 @@ static const char everything[] =
 /* Without noise the ball of the true arm is in the same place in all rows of a socket. */
 static void check_consistent(const char *text, bool sweep)
 {
-    scene s;
-    mukca_row_state states;
-    mukca_dataset data;
     set_scene(&s, text, 5);
     s.how.sweep = sweep;
     s.how.command = true;
-    record(&data, &s);
+    record_again();
     assert_int_equal(data.n_rows, 2 * 30 * PLACES);
     double centre[2 * PLACES][3];
     for (int i = 0; i < data.n_rows; i++) {
         double ball[3];
         const int socket = data.socket[i];
-        true_ball(ball, &states, &data, i, &s.arm);
+        true_ball(ball, i);
         if (i % 30 == 0) memcpy(centre[socket], ball, sizeof ball);
         for (int a = 0; a < 3; a++) assert_close(ball[a], centre[socket][a], 1e-9);
     }
     const double distance = text ? 0.051 : 0.05;
     for (int p = 0; p < PLACES; p++) {
-        double d[3];
-        for (int a = 0; a < 3; a++) d[a] = centre[2 * p + 1][a] - centre[2 * p][a];
-        assert_close(sqrt(mukca_dot3(d, d)), distance, 1e-9);
+        assert_close(mukca_distance3(centre[2 * p + 1], centre[2 * p]), distance, 1e-9);
         assert_true(data.distances[p].distance == 0.05);
     }
-    mukca_dataset_free(&data);
 }
 
-static void test_consistent(void **state)
+TEST(test_consistent)
 {
-    (void)state;
     check_consistent(NULL, false);
     check_consistent(everything, false);
     check_consistent(everything, true);
 }
 
 /* True angles of a row under one effect on angles, written down again from its definition. */
-typedef void turn_fn(double *q, const mukca_dataset *data, int row, const scene *s);
+typedef void turn_fn(double *q, int row);
 
-static void turn_scale(double *q, const mukca_dataset *data, int row, const scene *s)
+static void turn_scale(double *q, int row)
 {
-    (void)data, (void)row, (void)s;
+    (void)row;
     q[1] *= 1.001;
 }
 
-static void turn_coupling(double *q, const mukca_dataset *data, int row, const scene *s)
+static void turn_coupling(double *q, int row)
 {
-    (void)data, (void)row, (void)s;
+    (void)row;
     q[4] += 1e-3 * q[3];
 }
 
-static void turn_eccentricity(double *q, const mukca_dataset *data, int row, const scene *s)
+static void turn_eccentricity(double *q, int row)
 {
-    (void)data, (void)row, (void)s;
+    (void)row;
     q[2] += 3e-4 * sin(q[2]) - 4e-4 * cos(q[2]);
 }
 
-static void turn_ripple(double *q, const mukca_dataset *data, int row, const scene *s)
+static void turn_ripple(double *q, int row)
 {
-    (void)data, (void)row, (void)s;
+    (void)row;
     q[3] += 3e-4 * sin(160 * q[3]) + 4e-4 * cos(160 * q[3]);
 }
 
-static void turn_hysteresis(double *q, const mukca_dataset *data, int row, const scene *s)
+static void turn_hysteresis(double *q, int row)
 {
-    (void)s;
-    if (row > 0) q[0] -= 0.5e-3 * tanh((q[0] - data->q[(row - 1) * data->n_joints]) / 0.02);
+    if (row > 0) q[0] -= 0.5e-3 * tanh((q[0] - data.q[(row - 1) * data.n_joints]) / 0.02);
 }
 
-static void turn_lag(double *q, const mukca_dataset *data, int row, const scene *s)
+static void turn_lag(double *q, int row)
 {
-    (void)s;
     double move[MUKCA_MAX_JOINTS], largest = 0;
     if (row == 0) return;
-    for (int j = 0; j < data->n_joints; j++) {
-        move[j] = q[j] - data->q[(row - 1) * data->n_joints + j];
+    for (int j = 0; j < data.n_joints; j++) {
+        move[j] = q[j] - data.q[(row - 1) * data.n_joints + j];
         largest = fmax(largest, fabs(move[j]));
     }
-    for (int j = 0; j < data->n_joints; j++) q[j] += 1e-3 * move[j] / largest;
+    for (int j = 0; j < data.n_joints; j++) q[j] += 1e-3 * move[j] / largest;
 }
 
-static void turn_drift(double *q, const mukca_dataset *data, int row, const scene *s)
+static void turn_drift(double *q, int row)
 {
-    (void)s;
-    q[5] += 2e-3 * (1 - exp(-(data->time[row] - data->time[0]) / 300));
+    q[5] += 2e-3 * (1 - exp(-(data.time[row] - data.time[0]) / 300));
 }
 
-static void turn_jump(double *q, const mukca_dataset *data, int row, const scene *s)
+static void turn_jump(double *q, int row)
 {
-    (void)s;
-    if (data->socket[row] / 2 == 1) q[2] += 1e-3;
+    if (data.socket[row] / 2 == 1) q[2] += 1e-3;
 }
 
 /* The joint gives way under the load of the arm as it then stands. */
-static void turn_compliance(double *q, const mukca_dataset *data, int row, const scene *s)
+static void turn_compliance(double *q, int row)
 {
-    (void)data, (void)row;
+    (void)row;
     mukca_gravity_load load;
     const double encoder = q[1];
     for (int round = 0; round < 20; round++) {
-        mukca_chain_moments(&load, &s->arm.chain, &s->arm.geometry, q, NULL, 0);
+        mukca_chain_moments(&load, &s.arm.chain, &s.arm.geometry, q, NULL, 0);
         q[1] = encoder - 3e-5 * load.torque[1];
     }
 }
 
 /* Effects have the size, the sign and the joint that were asked for. */
-static void test_sizes(void **state)
+TEST(test_sizes)
 {
-    (void)state;
     static const struct {
         const char *text;
         turn_fn *turn;
@@ -147,55 +143,43 @@ static void test_sizes(void **state)
                  {"zero_jump:joint_3/left=1e-3", turn_jump},
                  {"joint_compliance:joint_2=3e-5", turn_compliance}};
     for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
-        scene s;
-        mukca_dataset data;
         double unmoved = 0;
         set_scene(&s, cases[c].text, 12);
         s.how.rows = 10;
-        record(&data, &s);
+        record_again();
         for (int i = 0; i < data.n_rows; i++) {
             double q[MUKCA_MAX_JOINTS], ball[3], seat[3], without[3];
             const int socket = data.socket[i];
             memcpy(q, data.q + i * data.n_joints, (size_t)data.n_joints * sizeof *q);
             mukca_fk_position(without, &s.arm.geometry, q, NULL);
-            cases[c].turn(q, &data, i, &s);
+            cases[c].turn(q, i);
             mukca_fk_position(ball, &s.arm.geometry, q, NULL);
-            mukca_simulate_seat(
-                seat,
-                &(mukca_simulated_session){.arm = &s.arm, .places = s.places, .options = &s.how},
-                socket / 2, socket % 2, 0);
+            find_seat(seat, socket / 2, socket % 2, 0);
             for (int a = 0; a < 3; a++) {
                 assert_close(ball[a], seat[a], 1e-9);
                 unmoved = fmax(unmoved, fabs(without[a] - seat[a]));
             }
         }
         assert_true(unmoved > 1e-4);
-        mukca_dataset_free(&data);
     }
 }
 
 /* Noise has the size and the correlation that were asked for, and leaves the limits alone. */
-static void test_noise(void **state)
+TEST(test_noise)
 {
-    (void)state;
-    scene s;
-    mukca_row_state states;
-    mukca_dataset data;
     double square = 0, product = 0;
     int n = 0;
     set_scene(&s, NULL, 3);
     s.how.noise = 2e-4;
     s.how.correlation = 0.5;
     s.how.rows = 200;
-    record(&data, &s);
+    record_again();
     for (int i = 0; i < data.n_rows; i++) {
         double ball[3], seat[3];
         static double before[3];
         const int socket = data.socket[i];
-        true_ball(ball, &states, &data, i, &s.arm);
-        mukca_simulate_seat(
-            seat, &(mukca_simulated_session){.arm = &s.arm, .places = s.places, .options = &s.how},
-            socket / 2, socket % 2, i % 200);
+        true_ball(ball, i);
+        find_seat(seat, socket / 2, socket % 2, i % 200);
         for (int a = 0; a < 3; a++) {
             const double e = ball[a] - seat[a];
             square += e * e;
@@ -211,16 +195,12 @@ static void test_noise(void **state)
     }
     assert_close(sqrt(square / n), 2e-4, 0.05 * 2e-4);
     assert_close(product / square, 0.5, 0.05);
-    mukca_dataset_free(&data);
 }
 
 /* Faults of the recording do to the rows what they say. */
-static void test_faults(void **state)
+TEST(test_faults)
 {
-    (void)state;
-    scene s;
-    mukca_row_state states;
-    mukca_dataset clean, data;
+    mukca_dataset clean;
     set_scene(&s, NULL, 4);
     record(&clean, &s);
     set_scene(&s,
@@ -228,41 +208,34 @@ static void test_faults(void **state)
               "wrong_socket:right/0@5,outlier:high/1@30=3e-3,duplicate:front/1@2",
               4);
     assert_int_equal(s.hidden.n_faults, 5);
-    record(&data, &s);
+    record_again();
     for (int i = 0; i < data.n_rows; i++) {
-        double ball[3], seat[3], d[3];
+        double ball[3], seat[3];
         const int socket = data.socket[i], row = i % 30;
-        true_ball(ball, &states, &data, i, &s.arm);
-        mukca_simulate_seat(
-            seat, &(mukca_simulated_session){.arm = &s.arm, .places = s.places, .options = &s.how},
-            socket / 2, socket % 2, row);
-        for (int a = 0; a < 3; a++) d[a] = ball[a] - seat[a];
+        true_ball(ball, i);
+        find_seat(seat, socket / 2, socket % 2, row);
         double off = 0;
         if (socket == 0 && row >= 11) off = 1e-3;
         if (socket == 3) off = 2e-3 * row / 29;
         if (socket == 4 && row == 4) off = 0.05;
         if (socket == 7 && row == 29) off = 3e-3;
-        assert_close(sqrt(mukca_dot3(d, d)), off, 1e-9);
+        assert_close(mukca_distance3(ball, seat), off, 1e-9);
     }
     const int n = data.n_joints;
     assert_memory_equal(data.q + 31 * n, data.q + 30 * n, (size_t)n * sizeof(double));
     assert_memory_equal(data.q, clean.q, (size_t)(11 * n) * sizeof(double));
     mukca_dataset_free(&clean);
-    mukca_dataset_free(&data);
 }
 
 /* Measured efforts are the true arm's; a stale reading lags what was commanded. */
-static void test_columns(void **state)
+TEST(test_columns)
 {
-    (void)state;
-    scene s;
-    mukca_dataset data;
     set_scene(&s, "readback_lag=1e-3", 6);
     for (int k = 0; k < s.chain.n_masses; k++) s.arm.chain.mass[k].kg *= 1.1;
     s.arm.effects[0] = s.hidden.effects[0];
     s.arm.n_effects = 1;
     s.how.effort = s.how.command = true;
-    record(&data, &s);
+    record_again();
     for (int i = 0; i < data.n_rows; i++) {
         const double *q = data.q + i * data.n_joints;
         double largest = 0;
@@ -274,17 +247,12 @@ static void test_columns(void **state)
         }
         assert_close(largest, i ? 1e-3 : 0, 1e-12);
     }
-    mukca_dataset_free(&data);
 }
 
-static void test_grammar(void **state)
+TEST(test_grammar)
 {
-    (void)state;
-    scene s;
     set_scene(&s, NULL, 1);
-    const struct {
-        const char *text, *says;
-    } wrong[] = {
+    const bad_text wrong[] = {
         {"joint_complience:joint_1=1e-5", "did you mean joint_compliance"},
         {"joint_compliance=1e-5", "needs a joint"},
         {"joint_compliance:joint1=1e-5", "did you mean joint_1"},
@@ -314,10 +282,9 @@ static void test_grammar(void **state)
         {"a\n\033[2J", "no effect is called 'a??[2J'"},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
-        mukca_error error = {0};
         assert_int_equal(cli_simulated_parse(&s.hidden, wrong[i].text, &error), MUKCA_USAGE);
-        if (!strstr(error.text, wrong[i].says))
-            fail_msg("%s: '%s' lacks '%s'", wrong[i].text, error.text, wrong[i].says);
+        if (!strstr(error.text, wrong[i].part))
+            fail_msg("%s: '%s' lacks '%s'", wrong[i].text, error.text, wrong[i].part);
     }
     set_scene(&s, "gear_harmonic:joint_4@240=3e-4,4e-4,encoder_eccentricity:joint_1=1e-3", 1);
     assert_int_equal(s.hidden.n_effects, 2);
@@ -327,12 +294,4 @@ static void test_grammar(void **state)
     assert_close(hypot(c[0], c[1]), 1e-3, 1e-15);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_consistent), cmocka_unit_test(test_sizes),
-        cmocka_unit_test(test_noise),      cmocka_unit_test(test_faults),
-        cmocka_unit_test(test_columns),    cmocka_unit_test(test_grammar),
-    };
-    return cmocka_run_group_tests_name("simulate", tests, NULL, NULL);
-}
+TEST_MAIN(set_up, tear_down)

@@ -91,10 +91,10 @@ TEST(within_one_ulp)
         for (int i = 0; i < N; i++) {
             precise sine, cosine;
             reference(&sine, &cosine, x[i]);
-            const double error = fmax(ulps(s[i], sine), ulps(c[i], cosine));
-            if (!(error <= 1)) print_error("%a: %g ulp\n", x[i], error);
-            assert_true(error <= 1);
-            most = fmax(most, error);
+            const double ulp = fmax(ulps(s[i], sine), ulps(c[i], cosine));
+            if (!(ulp <= 1)) print_error("%a: %g ulp\n", x[i], ulp);
+            assert_true(ulp <= 1);
+            most = fmax(most, ulp);
         }
     }
     print_message("%d angles, at most %.3f ulp\n", N * ROUNDS, most);

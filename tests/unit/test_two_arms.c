@@ -10,8 +10,12 @@ enum { SOCKETS = 6 };
 
 static const mukca_frame truth = {.R = {0, -1, 0, 1, 0, 0, 0, 0, 1}, .p = {1.2, -0.3, 0.05}};
 
+static mukca_shared_socket s[SOCKETS];
+static mukca_two_arms t;
+static mukca_random seeded;
+
 /* Two sockets in each of three placements, seen with `noise` m per axis (std of the means). */
-static void make(mukca_shared_socket *s, double noise, double stated, mukca_random *random)
+static void make(double noise, double stated)
 {
     static const double places[3][3] = {{0.4, 0.1, 0.1}, {0.5, -0.2, 0.3}, {0.3, 0, 0.5}};
     for (int i = 0; i < SOCKETS; i++) {
@@ -19,8 +23,8 @@ static void make(mukca_shared_socket *s, double noise, double stated, mukca_rand
                               places[i / 2][2]};
         mukca_mat3_vec(s[i].at[0], truth.R, at);
         for (int a = 0; a < 3; a++) {
-            s[i].at[0][a] += truth.p[a] + noise * mukca_random_normal(random);
-            s[i].at[1][a] = at[a] + noise * mukca_random_normal(random);
+            s[i].at[0][a] += truth.p[a] + noise * mukca_random_normal(&seeded);
+            s[i].at[1][a] = at[a] + noise * mukca_random_normal(&seeded);
         }
         s[i].variance[0] = s[i].variance[1] = stated * stated;
     }
@@ -28,12 +32,9 @@ static void make(mukca_shared_socket *s, double noise, double stated, mukca_rand
 
 TEST(exact_sockets_give_the_pose)
 {
-    mukca_shared_socket s[SOCKETS];
-    mukca_two_arms t;
-    mukca_random random;
-    mukca_random_seed(&random, 1);
-    make(s, 0, 1e-4, &random);
-    assert_int_equal(mukca_two_arms_align(&t, s, SOCKETS, NULL), MUKCA_OK);
+    mukca_random_seed(&seeded, 1);
+    make(0, 1e-4);
+    assert_ok(mukca_two_arms_align(&t, s, SOCKETS, NULL));
     for (int i = 0; i < 9; i++) assert_close(t.pose.R[i], truth.R[i], 1e-12);
     for (int i = 0; i < 3; i++) assert_close(t.pose.p[i], truth.p[i], 1e-12);
     assert_close(t.residual_m, 0, 1e-12);
@@ -45,16 +46,13 @@ TEST(intervals_hold)
 {
     static const double stated[2] = {1e-4, 1e-5}; /* noise as stated; understated tenfold */
     for (int k = 0; k < 2; k++) {
-        mukca_random random;
         int inside = 0;
         enum { RUNS = 2000 };
-        mukca_random_seed(&random, 7);
+        mukca_random_seed(&seeded, 7);
         for (int run = 0; run < RUNS; run++) {
-            mukca_shared_socket s[SOCKETS];
-            mukca_two_arms t;
             double w[3];
-            make(s, 1e-4, stated[k], &random);
-            assert_int_equal(mukca_two_arms_align(&t, s, SOCKETS, NULL), MUKCA_OK);
+            make(1e-4, stated[k]);
+            assert_ok(mukca_two_arms_align(&t, s, SOCKETS, NULL));
             mukca_rotation_difference(w, t.pose.R, truth.R);
             for (int a = 0; a < 3; a++) {
                 inside += fabs(t.pose.p[a] - truth.p[a]) <= t.width95[a];
@@ -69,18 +67,14 @@ TEST(intervals_hold)
 
 TEST(sockets_that_do_not_suffice)
 {
-    mukca_shared_socket s[SOCKETS];
-    mukca_two_arms t;
-    mukca_error error;
-    mukca_random random;
-    mukca_random_seed(&random, 1);
-    make(s, 1e-5, 1e-5, &random);
+    mukca_random_seed(&seeded, 1);
+    make(1e-5, 1e-5);
     assert_int_equal(mukca_two_arms_align(&t, s, 2, &error), MUKCA_UNIDENTIFIABLE);
     for (int i = 0; i < SOCKETS; i++)
         for (int k = 0; k < 2; k++)
             for (int a = 0; a < 3; a++) s[i].at[k][a] = a == k ? 0.1 * i : 0.2;
-    assert_int_equal(mukca_two_arms_align(&t, s, SOCKETS, &error), MUKCA_UNIDENTIFIABLE);
-    assert_non_null(strstr(error.text, "one line"));
+    assert_error(mukca_two_arms_align(&t, s, SOCKETS, &error), MUKCA_UNIDENTIFIABLE, error,
+                 "one line");
 }
 
 TEST_MAIN(NULL, NULL)

@@ -4,14 +4,6 @@
 #include "scratch.h"
 
 static mukca_chain chain;
-static mukca_error error;
-static char notes[1024];
-
-static void note(void *context, const char *text)
-{
-    (void)context;
-    strncat(notes, text, sizeof notes - strlen(notes) - 1);
-}
 
 static mukca_status load(const char *text, const mukca_urdf_options *options)
 {
@@ -45,7 +37,7 @@ static const char arm[] =
 
 TEST(a_chain_is_read_exactly)
 {
-    assert_int_equal(load(arm, NULL), MUKCA_OK);
+    assert_ok(load(arm, NULL));
     assert_string_equal(chain.robot, "arm");
     assert_string_equal(chain.base, "base");
     assert_string_equal(chain.tip, "ball");
@@ -64,7 +56,7 @@ TEST(a_chain_is_read_exactly)
     assert_true(chain.element[0].rpy[2] == -0.2);
     assert_true(chain.element[1].xyz[0] == 1e-3 && chain.element[1].xyz[2] == -2);
     assert_true(chain.element[0].axis[2] == 1);
-    assert_non_null(strstr(notes, "joint 'a': its axis has length 3"));
+    assert_part(notes, "joint 'a': its axis has length 3");
     assert_true(chain.element[2].axis[1] == -1);
     assert_true(chain.element[3].axis[0] == 1); /* URDF's default */
     assert_true(chain.element[0].lower == -1 && chain.element[0].upper == 2);
@@ -74,7 +66,7 @@ TEST(a_chain_is_read_exactly)
 
 TEST(side_branches_are_folded_onto_the_chain)
 {
-    assert_int_equal(load(arm, NULL), MUKCA_OK);
+    assert_ok(load(arm, NULL));
     assert_int_equal(chain.n_masses, 2); /* the base's own does not move */
     assert_int_equal(chain.mass[0].element, 0);
     assert_close(chain.mass[0].kg, 2, 0);
@@ -90,7 +82,7 @@ TEST(side_branches_are_folded_onto_the_chain)
         .inertials = scratch_file("i.tsv",
                                   "link\tmass_kg\tcom_x_m\tcom_y_m\tcom_z_m\n"
                                   "l1\t7\t0\t0\t1\nball\t0.25\t0\t0\t0\n")};
-    assert_int_equal(load(arm, &options), MUKCA_OK);
+    assert_ok(load(arm, &options));
     assert_int_equal(chain.n_masses, 3);
     assert_close(chain.mass[0].kg, 7, 0);
     assert_close(chain.mass[0].com[2], 1, 0);
@@ -101,31 +93,31 @@ TEST(side_branches_are_folded_onto_the_chain)
 TEST(any_two_links_make_a_chain)
 {
     mukca_urdf_options options = {.base = "l1", .tip = "l3"};
-    assert_int_equal(load(arm, &options), MUKCA_OK);
+    assert_ok(load(arm, &options));
     assert_int_equal(chain.n_elements, 2);
     assert_int_equal(chain.n_joints, 1);
     /* gravity of an upright root, in l1's frame: z of the base is -x of l1 at pitch 90, yaw and
      * roll cancel to a turn about it */
     assert_close(mukca_dot3(chain.gravity, chain.gravity), 9.80665 * 9.80665, 1e-12);
     assert_close(chain.gravity[0], 9.80665, 1e-12);
-    assert_non_null(strstr(notes, "--gravity"));
+    assert_part(notes, "--gravity");
     options.gravity[1] = 1;
-    assert_int_equal(load(arm, &options), MUKCA_OK);
+    assert_ok(load(arm, &options));
     assert_true(chain.gravity[0] == 0 && chain.gravity[1] == 1);
     options.base = NULL;
     options.tip = "grip";
-    assert_int_equal(load(arm, &options), MUKCA_OK);
+    assert_ok(load(arm, &options));
     assert_string_equal(chain.tip, "grip");
 }
 
 TEST(sha256_is_the_files)
 {
     /* sha256sum of this very text */
-    assert_int_equal(load("<robot name='x'><link name='a'/><link name='b'/>"
-                          "<joint name='j' type='continuous'><parent link='a'/><child link='b'/>"
-                          "</joint></robot>",
-                          NULL),
-                     MUKCA_OK);
+    assert_ok(
+        load("<robot name='x'><link name='a'/><link name='b'/>"
+             "<joint name='j' type='continuous'><parent link='a'/><child link='b'/>"
+             "</joint></robot>",
+             NULL));
     assert_string_equal(chain.urdf_sha256,
                         "76e4a9aab1d412a8953aa7b8f946b19c35978dc063dee071541c60360a52b5df");
 }
@@ -137,23 +129,17 @@ TEST(sha256_is_the_files)
 
 TEST(traps_get_one_clear_line)
 {
-    static const struct {
-        const char *text, *part;
-    } cases[] = {
+    static const bad_text cases[] = {
         {"", "is empty"},
-        {"hello", "broken XML"},
         {"<html/>", "not <robot>"},
         {"<robot name='r'/>", "urdfdom cannot read it"},
         {TWO(JOINT("j", "revolute", "a", "b", "<origin xyz='0 0'/>" LIMIT) BC),
          "r.urdf:3: joint 'j': origin xyz and rpy must be three numbers"},
         {TWO(JOINT("j", "revolute", "a", "b", "<origin rpy='0 nan 0'/>" LIMIT) BC), "joint 'j'"},
-        {TWO(JOINT("j", "planar", "a", "b", "") BC), "planar and floating"},
         {TWO(JOINT("j", "hinge", "a", "b", "") BC), "no known type [hinge]"},
         {TWO(JOINT("j", "revolute", "a", "b", "") BC), "urdfdom cannot read it"}, /* no limit */
         {TWO(AB), "Two root links found"},
         {TWO(AB BC JOINT("l", "fixed", "a", "c", "")), "is the child of two joints"},
-        {TWO(AB JOINT("k", "fixed", "b", "a", "")),
-         "r.urdf:3: joint 'k': link 'a' is part of a cycle"},
         {TWO(AB JOINT("k", "fixed", "b", "z", "")), "child link [z] of joint [k] not found"},
         {TWO(AB JOINT("j", "fixed", "b", "c", "")), "joint 'j' is not unique"},
         {TWO(JOINT("j", "fixed", "a", "b", "") BC), "no joint moves between 'a' and 'c'"},
@@ -165,14 +151,12 @@ TEST(traps_get_one_clear_line)
          "is longer than 63 characters"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
-        assert_error(load(cases[i].text, NULL), MUKCA_INPUT, error, cases[i].part);
+        assert_refused(load(cases[i].text, NULL), cases[i].part);
 }
 
 TEST(bad_masses_get_one_clear_line)
 {
-    static const struct {
-        const char *rows, *part;
-    } inertials[] = {
+    static const bad_text inertials[] = {
         {"l9\t1\t0\t0\t0\n", "did you mean l"},
         {"l1\t-1\t0\t0\t0\n", "i.tsv:2: column 'mass_kg': a mass cannot be negative"},
         {"l1\t1\t0\t0\t0\nl1\t1\t0\t0\t0\n", "i.tsv:3: column 'link': link 'l1' has a row already"},
@@ -180,19 +164,19 @@ TEST(bad_masses_get_one_clear_line)
     for (size_t i = 0; i < sizeof inertials / sizeof *inertials; i++) {
         char text[200];
         snprintf(text, sizeof text, "link\tmass_kg\tcom_x_m\tcom_y_m\tcom_z_m\n%s",
-                 inertials[i].rows);
+                 inertials[i].text);
         const mukca_urdf_options with = {.inertials = scratch_file("i.tsv", text)};
-        assert_error(load(arm, &with), MUKCA_INPUT, error, inertials[i].part);
+        assert_refused(load(arm, &with), inertials[i].part);
     }
     const mukca_urdf_options lacking = {.inertials = scratch_file("i.tsv", "link\tkg\n")};
-    assert_error(load(arm, &lacking), MUKCA_INPUT, error, "no column 'mass_kg'");
+    assert_refused(load(arm, &lacking), "no column 'mass_kg'");
 }
 
 TEST(zero_bytes_are_refused)
 {
-    assert_error(
+    assert_refused(
         mukca_urdf_load(&chain, scratch_bytes("r.urdf", "<robot\0>", 8), NULL, NULL, NULL, &error),
-        MUKCA_INPUT, error, "zero byte");
+        "zero byte");
 }
 
 /* urdfdom's parser finds elements in what XML says is none: it must see elements only. */
@@ -204,19 +188,19 @@ TEST(urdfdom_sees_elements_only)
     size_t n = (size_t)sprintf(text, "<?pi >");
     for (int i = 0; i < DEPTH; i++) n += (size_t)sprintf(text + n, "<x>");
     sprintf(text + n, "?>%s<?pi > <robot><link name='base'/></robot> ?>", rest);
-    assert_int_equal(load(text, NULL), MUKCA_OK);
+    assert_ok(load(text, NULL));
     assert_int_equal(chain.n_joints, 3);
     sprintf(text, "<!DOCTYPE robot [<!ENTITY a \"> <x>\">]>\n%s", rest);
-    assert_error(load(text, NULL), MUKCA_INPUT, error, "r.urdf:1: has a document type");
+    assert_refused(load(text, NULL), "r.urdf:1: has a document type");
     sprintf(text, "<!DOCTYPE robot SYSTEM 'http://localhost/x.dtd'>\n%s", rest);
-    assert_error(load(text, NULL), MUKCA_INPUT, error, "document type");
+    assert_refused(load(text, NULL), "document type");
     snprintf(
         text, 400,
         "<robot name='a&amp;&#38;&lt;&gt;&quot;&apos;&#233;&#x20AC;'><link name='b'/>"
         "<link name='c'/><![CDATA[<link name='b'/>]]> text <!-- <link name='b'/> -->%s</robot>",
         JOINT("a", "fixed", "b", "d", "")
             JOINT("j", "continuous", "d", "c", "<x:y z:q='1'/>") "<link name='d'/>");
-    assert_int_equal(load(text, NULL), MUKCA_OK);
+    assert_ok(load(text, NULL));
     assert_string_equal(chain.robot, "a&&<>\"'\u00e9\u20ac");
     free(text);
 }

@@ -14,9 +14,7 @@ golden fk_pose fk --urdf arm.urdf --pose --tip hand named.tsv zero.csv
     printf 'tool\tz\tm\t0.125\t0.25\t0.125\t1e-5\t1\t-\n'
 } >offsets.tsv
 golden fk_offsets fk --urdf arm.urdf --offsets offsets.tsv zero.csv
-golden export_urdf export --urdf arm.urdf --offsets offsets.tsv
 golden export_yaml export --urdf arm.urdf --offsets offsets.tsv --format yaml
-golden export_c export --urdf arm.urdf --offsets offsets.tsv --format c
 run export --urdf arm.urdf --offsets offsets.tsv --format yaml
 "$MUKCA" export --urdf arm.urdf --offsets offsets.tsv -o ending.yaml
 expect "the file's ending means a format" cmp "$scratch/out" ending.yaml
@@ -51,6 +49,9 @@ expect "the exported URDF is the calibrated arm" cmp with_table.tsv with_urdf.ts
 cat >use.c <<'C'
 #include <math.h>
 #include <stdio.h>
+#ifndef ALONE
+#include "mukca/corrected.h"
+#endif
 #include "small.h"
 
 static void rotate(double v[3], const double w[4]) /* v by the quaternion w */
@@ -77,13 +78,23 @@ int main(void)
             rotate(p, small_quaternion[k]);
             for (int i = 0; i < 3; i++) p[i] += small_xyz[k][i];
         }
+#ifndef ALONE
+        double at[3];
+        mukca_corrected_position(at, &small_arm, q, NULL);
+        for (int i = 0; i < 3; i++)
+            if (!(fabs(at[i] - p[i]) <= 1e-12)) return 1;
+#endif
         printf("%.12f\t%.12f\t%.12f\n", p[0], p[1], p[2]);
     }
     return 0;
 }
 C
-if ${CC:-cc} -std=c99 -Wall -Wextra -Werror -o use use.c -lm 2>compile.log; then
-    ./use <fifty.csv | tail -n +2 >from_header.tsv
+rt=${BUILD:-$root/build}/libmukca_rt.a
+echo 'int main(void) { return 0; }' >probe.c # does not link with one of another processor, or with sanitizers
+${CC:-cc} -o probe probe.c -Wl,--whole-archive "$rt" -Wl,--no-whole-archive -lm 2>probe.log || rt=-DALONE
+if ${CC:-cc} -std=c11 -Wall -Wextra -Werror -I"$root/include" -o use use.c "$rt" -lm 2>compile.log; then
+    expect "the arm of the header, for libmukca_rt, has the positions of its arrays" sh -c './use <fifty.csv >from_use.tsv'
+    tail -n +2 from_use.tsv >from_header.tsv
     cut -f 1-3 with_table.tsv | tail -n +2 | paste - from_header.tsv >both.tsv
     expect "a program with the exported C header computes the same positions" awk '
         { for (i = 1; i <= 3; i++) { d = $i - $(i + 3); if (!(d * d <= 1e-22)) exit 1 } }

@@ -44,22 +44,19 @@ expect "multiples of pi, and units in the header" cmp pi.txt numbers.txt
 
 # bad tables: one line each
 table() { printf "joint\ta\talpha\td\ttheta$1\n$2" >bad.tsv; }
-table '' 'j1\t0\t1.5\t0.2\t0\nj1\t0\t0\t0\t0\n'
-refuse 3 "bad.tsv:3: column 'joint': joint 'j1' has a row already" urdf --dh bad.tsv
-table '' 'j1\t0\t90\t0.2\t0\n'
-refuse 3 "bad.tsv:2: column 'alpha': 90 is out of range; lengths are in m, angles in rad, or see --units" urdf --dh bad.tsv
+wrong() { # COLUMNS ROWS PATTERN
+    table "$1" "$2"
+    refuse 3 "$3" urdf --dh bad.tsv
+}
+wrong '' 'j1\t0\t1.5\t0.2\t0\nj1\t0\t0\t0\t0\n' "bad.tsv:3: column 'joint': joint 'j1' has a row already"
+wrong '' 'j1\t0\t90\t0.2\t0\n' "bad.tsv:2: column 'alpha': 90 is out of range; lengths are in m, angles in rad, or see --units"
 table '' 'j1\t-425\t0\t162.5\t0\n'
 refuse 3 "bad.tsv:2: column 'a': -425 is out of range; lengths are in m" urdf --dh bad.tsv --units deg
-table '' 'j1\t0\tx\t0.2\t0\n'
-refuse 3 "bad.tsv:2: column 'alpha'" urdf --dh bad.tsv
-table '\ttype' 'j1\t0\t0\t0.2\t0\tball\n'
-refuse 3 "bad.tsv:2: column 'type': unknown type" urdf --dh bad.tsv
-table '\ttype' 'j1\t0\t0\t0.2\t0\tfixed\n'
-refuse 3 'bad.tsv: no joint moves' urdf --dh bad.tsv
-table '\tlower\tupper' 'j1\t0\t0\t0.2\t0\t1\t-1\n'
-refuse 3 "bad.tsv:2: column 'upper': is not above the lower limit" urdf --dh bad.tsv
-table '\tbeta' 'j1\t0\t0\t0.2\t0\t0\n'
-refuse 3 "bad.tsv:1: column 'beta': unknown column" urdf --dh bad.tsv
+wrong '' 'j1\t0\tx\t0.2\t0\n' "bad.tsv:2: column 'alpha'"
+wrong '\ttype' 'j1\t0\t0\t0.2\t0\tball\n' "bad.tsv:2: column 'type': unknown type"
+wrong '\ttype' 'j1\t0\t0\t0.2\t0\tfixed\n' 'bad.tsv: no joint moves'
+wrong '\tlower\tupper' 'j1\t0\t0\t0.2\t0\t1\t-1\n' "bad.tsv:2: column 'upper': is not above the lower limit"
+wrong '\tbeta' 'j1\t0\t0\t0.2\t0\t0\n' "bad.tsv:1: column 'beta': unknown column"
 printf 'joint\ta\talpha\td\nj1\t0\t0\t0\n' >bad.tsv
 refuse 3 "bad.tsv:1: the header has no column 'theta'" urdf --dh bad.tsv
 refuse 3 'nix.tsv: cannot read' urdf --dh nix.tsv

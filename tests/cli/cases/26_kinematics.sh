@@ -100,28 +100,21 @@ expect "UFACTORY's layout, written and read, is the same arm" sh -c 'cmp arm.tsv
 # bad files: one line each
 bad() { sed "$1" factory.yaml >bad.yaml; }
 f='fk --urdf ur5e.urdf --kinematics bad.yaml rows.csv'
-bad '/pitch: 0.0021/d'
-refuse 3 "bad.yaml:16: 'forearm' has no pitch" $f
-bad 's/z: 0.1338.*/z: o.13/'
-refuse 3 "bad.yaml:26: no number: 'o.13'" $f
-bad 's/z: 0.1338.*/z: 1e9/'
-refuse 3 'bad.yaml:26: out of range (lengths are in m, angles in rad)' $f
-bad 's/roll: 1.5693801556761988/roll: 89.9/'
-refuse 3 'bad.yaml:34: out of range' $f
-bad 's/    pitch: 0.0021/    tilt: 0.0021/'
-refuse 3 "bad.yaml:21: expected x, y, z, roll, pitch, yaw of a joint, not 'tilt'" $f
-bad 's/wrist_2:/wrist_9:/'
-refuse 3 "bad.yaml: no entry for joint 'wrist_2_joint' (child link 'wrist_2_link'); entries bear the name of the joint or of its child link: is it of this arm?" $f
-bad 's/wrist_2:/wrist_1:/'
-refuse 3 "bad.yaml:30: a second entry 'wrist_1'" $f
-bad 's/z: 0.1338.*/z: [1, 2]/'
-refuse 3 'bad.yaml:26: expected NAME: NUMBER, not a list or an alias' $f
-bad 's/z: 0.1338.*/z: !degrees 3/'
-refuse 3 'bad.yaml:26: tags are not read' $f
-bad 's/z: 0.1338.*/z: {/'
-refuse 3 'bad.yaml:[0-9]*: ' $f
-bad 's/^kinematics:/kinematics: {{{{{/'
-refuse 3 'bad.yaml:[0-9]*: ' $f
+wrong() { # SED PATTERN: refused for what is wrong with it
+    bad "$1"
+    refuse 3 "$2" $f
+}
+wrong '/pitch: 0.0021/d' "bad.yaml:16: 'forearm' has no pitch"
+wrong 's/z: 0.1338.*/z: o.13/' "bad.yaml:26: no number: 'o.13'"
+wrong 's/z: 0.1338.*/z: 1e9/' 'bad.yaml:26: out of range (lengths are in m, angles in rad)'
+wrong 's/roll: 1.5693801556761988/roll: 89.9/' 'bad.yaml:34: out of range'
+wrong 's/    pitch: 0.0021/    tilt: 0.0021/' "bad.yaml:21: expected x, y, z, roll, pitch, yaw of a joint, not 'tilt'"
+wrong 's/wrist_2:/wrist_9:/' "bad.yaml: no entry for joint 'wrist_2_joint' (child link 'wrist_2_link'); entries bear the name of the joint or of its child link: is it of this arm?"
+wrong 's/wrist_2:/wrist_1:/' "bad.yaml:30: a second entry 'wrist_1'"
+wrong 's/z: 0.1338.*/z: [1, 2]/' 'bad.yaml:26: expected NAME: NUMBER, not a list or an alias'
+wrong 's/z: 0.1338.*/z: !degrees 3/' 'bad.yaml:26: tags are not read'
+wrong 's/z: 0.1338.*/z: {/' 'bad.yaml:[0-9]*: '
+wrong 's/^kinematics:/kinematics: {{{{{/' 'bad.yaml:[0-9]*: '
 printf 'kinematics: 3\n' >bad.yaml
 refuse 3 "bad.yaml:1: expected x, y, z, roll, pitch, yaw of a joint, not 'kinematics'" $f
 printf 'no yaml\n' >bad.yaml

@@ -19,29 +19,24 @@ fi
 
 # URDFs
 edit() { sed "$1" arm.urdf >bad.urdf; }
-edit '/<link name="hand"/d'
-refuse 3 'bad.urdf: urdfdom cannot read it: .*hand' calibrate --urdf bad.urdf good -o new.tsv
-edit 's/<\/robot>//'
-refuse 3 'bad.urdf:[0-9]*: broken XML' calibrate --urdf bad.urdf good -o new.tsv
+wrong_urdf() { # SED PATTERN: refused for what is wrong with it
+    edit "$1"
+    refuse 3 "$2" calibrate --urdf bad.urdf good -o new.tsv
+}
+wrong_urdf '/<link name="hand"/d' 'bad.urdf: urdfdom cannot read it: .*hand'
+wrong_urdf 's/<\/robot>//' 'bad.urdf:[0-9]*: broken XML'
 awk 'BEGIN { printf "<robot name=\"x\">"; for (i = 0; i < 50000; i++) printf "<a>"
     for (i = 0; i < 50000; i++) printf "</a>"; print "</robot>" }' >bad.urdf
 refuse 3 'bad.urdf:1: elements nested more than' calibrate --urdf bad.urdf good -o new.tsv
 head -c 40000000 /dev/zero | tr '\0' ' ' >bad.urdf
 refuse 3 'bad.urdf: is larger than' calibrate --urdf bad.urdf good -o new.tsv
-edit 's/0 0 0.25/0 0 ${height}/'
-refuse 3 'bad.urdf:10: contains a xacro expression.*expand it first' calibrate --urdf bad.urdf good
-edit 's/<robot name="small">/<robot name="small" xmlns:xacro="http:\/\/x"><xacro:arg name="y"\/>/'
-refuse 3 'bad.urdf:2: contains xacro macros; expand them first' calibrate --urdf bad.urdf good
-edit 's/name="j2" type="revolute"/name="j2" type="floating"/'
-refuse 3 "bad.urdf:15: joint 'j2': planar and floating joints" calibrate --urdf bad.urdf good
-edit 's/<child link="upper"/<child link="base"/'
-refuse 3 'bad.urdf:' calibrate --urdf bad.urdf good
-edit 's/<\/robot>/<link name="x"\/><link name="y"\/><joint name="m" type="fixed"><parent link="x"\/><child link="y"\/><\/joint><joint name="n" type="fixed"><parent link="y"\/><child link="x"\/><\/joint><\/robot>/'
-refuse 3 "joint 'n': link 'x' is part of a cycle" calibrate --urdf bad.urdf good
-edit 's/<axis xyz="0 0 1"/<axis xyz="0 0 0"/'
-refuse 3 "bad.urdf:9: joint 'j1': its axis is 0 0 0" calibrate --urdf bad.urdf good
-edit 's/<axis xyz="0 0 1"\/>/<axis xyz="0 0 1"\/><mimic joint="j2"\/>/'
-refuse 3 "bad.urdf:9: joint 'j1': it mimics 'j2'" calibrate --urdf bad.urdf good
+wrong_urdf 's/0 0 0.25/0 0 ${height}/' 'bad.urdf:10: contains a xacro expression.*expand it first'
+wrong_urdf 's/<robot name="small">/<robot name="small" xmlns:xacro="http:\/\/x"><xacro:arg name="y"\/>/' 'bad.urdf:2: contains xacro macros; expand them first'
+wrong_urdf 's/name="j2" type="revolute"/name="j2" type="floating"/' "bad.urdf:15: joint 'j2': planar and floating joints"
+wrong_urdf 's/<child link="upper"/<child link="base"/' 'bad.urdf:'
+wrong_urdf 's/<\/robot>/<link name="x"\/><link name="y"\/><joint name="m" type="fixed"><parent link="x"\/><child link="y"\/><\/joint><joint name="n" type="fixed"><parent link="y"\/><child link="x"\/><\/joint><\/robot>/' "joint 'n': link 'x' is part of a cycle"
+wrong_urdf 's/<axis xyz="0 0 1"/<axis xyz="0 0 0"/' "bad.urdf:9: joint 'j1': its axis is 0 0 0"
+wrong_urdf 's/<axis xyz="0 0 1"\/>/<axis xyz="0 0 1"\/><mimic joint="j2"\/>/' "bad.urdf:9: joint 'j1': it mimics 'j2'"
 refuse 3 "has no link 'bal' (--tip); did you mean ball?" calibrate $a --tip bal good
 refuse 3 "has no link 'wrist' (--base); links: ball, base, fore, hand, upper" calibrate $a --base wrist good
 refuse 3 "link 'upper' (--tip) is not below 'fore' (--base); the ends below it are ball" calibrate $a --tip upper --base fore good
@@ -49,8 +44,7 @@ for name in placement x_m '#1' 'a,b' ' a' 'a\&#9;b' ''; do
     edit "s/name=\"j1\"/name=\"$name\"/"
     refuse 3 'bad.urdf:9: joint .*: its name cannot be the name of a column' calibrate --urdf bad.urdf good
 done
-edit 's/xyz="0 0 0.25"/xyz="0 0 1e300"/'
-refuse 3 "joint 'j1': its origin is farther away than any arm reaches" calibrate --urdf bad.urdf good
+wrong_urdf 's/xyz="0 0 0.25"/xyz="0 0 1e300"/' "joint 'j1': its origin is farther away than any arm reaches"
 mass() { edit "s/<link name=\"upper\"\/>/<link name=\"upper\"><inertial><origin xyz=\"$2 0 0\"\/><mass value=\"$1\"\/><\/inertial><\/link>/"; }
 mass 1e308 0
 refuse 3 "link 'upper': its mass or centre of mass is larger than any arm's" calibrate --urdf bad.urdf good
@@ -60,44 +54,33 @@ for wrong in 'nan 0' '1,5 0' '1 nan'; do
     mass $wrong
     accept 'bad.urdf: urdfdom skips what it cannot read, perhaps masses: .*' fk --urdf bad.urdf good/hole_0.csv
 done
-edit 's/name="ball"/name="stub"/; s/link="ball"/link="stub"/; s/<\/robot>/<link name="left"\/><joint name="l" type="fixed"><parent link="hand"\/><child link="left"\/><\/joint><\/robot>/'
-refuse 3 'has several ends; choose one with --tip: left, stub' calibrate --urdf bad.urdf good
+wrong_urdf 's/name="ball"/name="stub"/; s/link="ball"/link="stub"/; s/<\/robot>/<link name="left"\/><joint name="l" type="fixed"><parent link="hand"\/><child link="left"\/><\/joint><\/robot>/' 'has several ends; choose one with --tip: left, stub'
 
 # session files
 head_line() { printf 'placement\tsocket\tj1\tj2\tj3\n'; }
-session() { # session SED: session.tsv with one thing wrong
-    sed "$1" session.tsv >bad.tsv
+session() { sed "$1" session.tsv >bad.tsv; }
+wrong_session() { # SED PATTERN: refused for what is wrong with it
+    session "$1"
+    refuse 3 "$2" calibrate $a bad.tsv -o new.tsv
 }
-session '1s/j3/q3/'
-refuse 3 "bad.tsv:1: no column for joint 'j3' of the chain; rename column 'q3' with --columns 'q3=j3'" calibrate $a bad.tsv -o new.tsv
-session '1s/j3/axis_3_deg/'
-refuse 3 "no column for joint 'j3' (columns: placement, socket, j1, j2, axis_3_deg); name" calibrate $a bad.tsv
-session '1s/j3/j3_deg/'
-refuse 3 "rename column 'j3_deg' with --columns 'j3_deg=j3', and give --units deg" calibrate $a bad.tsv
+wrong_session '1s/j3/q3/' "bad.tsv:1: no column for joint 'j3' of the chain; rename column 'q3' with --columns 'q3=j3'"
+wrong_session '1s/j3/axis_3_deg/' "no column for joint 'j3' (columns: placement, socket, j1, j2, axis_3_deg); name"
+wrong_session '1s/j3/j3_deg/' "rename column 'j3_deg' with --columns 'j3_deg=j3', and give --units deg"
 session '1s/placement/station/'
 doubt "bad.tsv: no column 'placement'; all samples count as one placement" calibrate $a bad.tsv
 session '1s/$/\tmood/; 2,$s/$/\tgood/'
 doubt 'bad.tsv: 1 unknown column ignored: mood' calibrate $a bad.tsv
-session '1s/j3/j2/'
-refuse 3 "bad.tsv:1: two columns are called 'j2'; rename one" calibrate $a bad.tsv
-session '4s/\t[^\t]*$/\tfive/'
-refuse 3 "bad.tsv:4: column 'j3': 'five' is not a finite number" calibrate $a bad.tsv -o new.tsv
-session '4s/\t[^\t]*$/\tnan/'
-refuse 3 "bad.tsv:4: column 'j3': 'nan' is not a finite number" calibrate $a bad.tsv
-session '4s/\t[^\t]*$/\tinf/'
-refuse 3 "bad.tsv:4: column 'j3': 'inf' is not a finite number" calibrate $a bad.tsv
-session '4s/\t[^\t]*$/\t/'
-refuse 3 "bad.tsv:4: column 'j3': is empty" calibrate $a bad.tsv
-session '4s/\t[^\t]*$//'
-refuse 3 'bad.tsv:4: 4 columns, but 5 in the header' calibrate $a bad.tsv
+wrong_session '1s/j3/j2/' "bad.tsv:1: two columns are called 'j2'; rename one"
+wrong_session '4s/\t[^\t]*$/\tfive/' "bad.tsv:4: column 'j3': 'five' is not a finite number"
+wrong_session '4s/\t[^\t]*$/\tnan/' "bad.tsv:4: column 'j3': 'nan' is not a finite number"
+wrong_session '4s/\t[^\t]*$/\tinf/' "bad.tsv:4: column 'j3': 'inf' is not a finite number"
+wrong_session '4s/\t[^\t]*$/\t/' "bad.tsv:4: column 'j3': is empty"
+wrong_session '4s/\t[^\t]*$//' 'bad.tsv:4: 4 columns, but 5 in the header'
 printf '%s' "$(cat session.tsv)" | sed '$s/\t[^\t]*\t[^\t]*$//' >cut.tsv
 refuse 3 'cut.tsv:13: 3 columns, but 5 in the header; the last line is cut off' calibrate $a cut.tsv
-session '5s/\t[^\t]*$/\t0,75/'
-refuse 3 "bad.tsv:5: column 'j3': '0,75' has a decimal comma; write a point" calibrate $a bad.tsv
-session '5s/\t[^\t]*$/\t57.3/'
-refuse 3 "bad.tsv:5: column 'j3': joint 'j3' is 57.3, more than two turns; angles are in rad" calibrate $a bad.tsv
-session '2,$s/^p\t0/p\t1/'
-refuse 3 "placement 'p': only one socket; at least two" calibrate $a bad.tsv
+wrong_session '5s/\t[^\t]*$/\t0,75/' "bad.tsv:5: column 'j3': '0,75' has a decimal comma; write a point"
+wrong_session '5s/\t[^\t]*$/\t57.3/' "bad.tsv:5: column 'j3': joint 'j3' is 57.3, more than two turns; angles are in rad"
+wrong_session '2,$s/^p\t0/p\t1/' "placement 'p': only one socket; at least two"
 head -n 3 session.tsv >bad.tsv
 refuse 3 "socket '[01]': 1 row; at least 2 are needed" calibrate $a bad.tsv
 head_line >bad.tsv
@@ -240,19 +223,16 @@ accept 'made for another URDF' fk $a --offsets other.tsv --force good/hole_0.csv
 row() { # row SED: the last row of the table, with one thing wrong, behind it
     printf 'j2\tjoint_scale\trad/rad\t0\t1e-3\t1e-3\t1e-5\t1\t-\n' | sed "$1" | cat offsets.tsv - >bad.tsv
 }
+wrong_row() { # SED PATTERN
+    row "$1"
+    refuse 3 "$2" fk $a --offsets bad.tsv good/hole_0.csv
+}
 row ''
 run fk $a --offsets bad.tsv good/hole_0.csv
 expect "an effect's row is taken" test $code -eq 0
 row 's/1e-3/1e300/g'
 refuse 3 "bad.tsv:[0-9]*: column 'calibrated': is larger than any arm's" evaluate $a --offsets bad.tsv good
-row 's/1e-3/2e-3/'
-refuse 3 "bad.tsv:[0-9]*: column 'calibrated': is not nominal + offset" fk $a --offsets bad.tsv good/hole_0.csv
-row 'p'
-refuse 3 "bad.tsv:[0-9]*: column 'parameter': comes twice" fk $a --offsets bad.tsv good/hole_0.csv
-row 's/j2\tjoint_scale/j3\tjoint_coupling/; s/-$/neighbour=+1/'
-refuse 3 "bad.tsv:[0-9]*: column 'term': does not fit the effect at this joint" fk $a --offsets bad.tsv good/hole_0.csv
-row 's/j2\tjoint_scale/j1\tjoint_coupling/; s/-$/neighbour=-1/'
-refuse 3 "does not fit the effect at this joint" fk $a --offsets bad.tsv good/hole_0.csv
+wrong_row 's/j2\tjoint_scale/j1\tjoint_coupling/; s/-$/neighbour=-1/' "does not fit the effect at this joint"
 printf 'link\tmass_kg\tcom_x_m\tcom_y_m\tcom_z_m\nfore\t1\t1e308\t0\t0\n' >inertials.tsv
 refuse 3 "inertials.tsv:2: column 'com_x_m': 1e+308 is larger than any arm's" fk $a --inertials inertials.tsv good/hole_0.csv
 refuse 2 'gravity: 1e+200 is out of range; give m/s^2' fk $a --gravity 0,0,1e200 good/hole_0.csv

@@ -30,8 +30,6 @@ run simulate --urdf arm.urdf --offsets poses_truth.tsv --at angles.tsv
 expect "its angles with the same arm give the same poses" sh -c "grep -v '^#' '$scratch/out' | cut -f 9-11 | tail -n +2 |
     paste - told | awk '{ for (i = 1; i < 4; i++) if ((\$i - \$(i + 3)) ^ 2 > 1e-22) exit 1 } END { exit NR != 20 }'"
 
-refuse 2 "no effect is called 'zzz'; .mukca help effects. lists them" simulate --urdf arm.urdf --effect zzz:joint_1=1
-refuse 2 "did you mean joint_scale?" simulate --urdf arm.urdf --effect joint_scales:joint_1=1
 refuse 2 "no joint 'elbow' in the chain" simulate --urdf arm.urdf --effect joint_scale:elbow=1e-3
 refuse 2 "no placement 'left'; the first one is 'p1'" simulate --urdf arm.urdf --effect ball_shift:left=1e-3
 refuse 2 "a pose log has no placements and no sockets" simulate --urdf arm.urdf --poses 9 --effect tool_motion:p1/0@2=1e-3

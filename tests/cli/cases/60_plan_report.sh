@@ -2,7 +2,6 @@
 demo=$root/data/demo
 refuse 2 "where is the tool?" plan --urdf "$demo/arm.urdf"
 refuse 2 "needs NAME=X,Y,Z" plan --urdf "$demo/arm.urdf" --place front
-refuse 2 "needs NAME=X,Y,Z" plan --urdf "$demo/arm.urdf" --place front=1,2
 refuse 2 "such a placement already" plan --urdf "$demo/arm.urdf" --place a=0.4,0,0.1 --place a=0.4,0.2,0.1
 refuse 2 "rows 0: must be a whole number, 1 to 1000" plan --urdf "$demo/arm.urdf" --place a=0.4,0,0.1 --rows 0
 refuse 2 "must be a number above 0, at most 180, in degrees" plan --urdf "$demo/arm.urdf" --place a=0.4,0,0.1 --tilt 200

@@ -88,15 +88,14 @@ refuse 2 "do not lie in one folder" diagnose $a seven/train.tsv "$demo/test.tsv"
 sed 's/<mass value="[^"]*"/<mass value="2.5"/' "$demo/arm.urdf" >masses.urdf
 refuse 3 "traits of another model: the link masses differ" diagnose --urdf masses.urdf seven/train.tsv --traits all.traits.tsv
 refuse 3 "8.json.*no traits table\|8.json" diagnose $a seven/train.tsv --traits 8.json
-bad() { sed "$1" all.traits.tsv >bad.traits.tsv; }
-bad 's/^joint_compliance/backlash/'
-refuse 3 "bad.traits.tsv:[0-9]*: column 'effect': 'backlash' is no trait" diagnose $a seven/train.tsv --traits bad.traits.tsv
-bad 's/	joint_4	/	joint_9	/'
-refuse 3 "'joint_9' is no joint of the arm" diagnose $a seven/train.tsv --traits bad.traits.tsv
-bad '/^joint_compliance	joint_4/ { p; }'
-refuse 3 "the same trait twice" diagnose $a seven/train.tsv --traits bad.traits.tsv
-bad '/^base_compliance/ s/rad\/(N\*m)	[^	]*/rad\/(N*m)	nan/'
-refuse 3 "bad.traits.tsv:[0-9]*: column 'mean'" diagnose $a seven/train.tsv --traits bad.traits.tsv
+wrong() { # SED PATTERN: a traits table that is refused for what is wrong with it
+    sed "$1" all.traits.tsv >bad.traits.tsv
+    refuse 3 "$2" diagnose $a seven/train.tsv --traits bad.traits.tsv
+}
+wrong 's/^joint_compliance/backlash/' "bad.traits.tsv:[0-9]*: column 'effect': 'backlash' is no trait"
+wrong 's/	joint_4	/	joint_9	/' "'joint_9' is no joint of the arm"
+wrong '/^joint_compliance	joint_4/ { p; }' "the same trait twice"
+wrong '/^base_compliance/ s/rad\/(N\*m)	[^	]*/rad\/(N*m)	nan/' "bad.traits.tsv:[0-9]*: column 'mean'"
 head -c -5 all.traits.tsv >bad.traits.tsv
 refuse 3 "bad.traits.tsv" diagnose $a seven/train.tsv --traits bad.traits.tsv
 awk '/^#/ || /^placement/ || ($1 == "front" && row[$2]++ < 2)' seven/train.tsv >few.tsv

@@ -249,7 +249,7 @@ def main():
         else:
             print("skip %s: %s is not here (MUKCA_REAL_DATA)" % (name, path))
     results = [check(*arm) for arm in arms]
-    statics = os.path.join(ROOT, "tests", "interop", "mjcf.py")
+    statics = os.path.join(ROOT, "tools", "interop", "mjcf.py")
     results.append(subprocess.run([sys.executable, statics], cwd=WORK).returncode == 0)
     return 0 if all(results) else 1
 

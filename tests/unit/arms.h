@@ -1,0 +1,42 @@
+/* Arms and effects for tests, in a line each. */
+#ifndef MUKCA_TESTS_ARMS_H
+#define MUKCA_TESTS_ARMS_H
+
+#include <stdio.h>
+#include <string.h>
+
+#include "mukca/chain.h"
+#include "mukca/effect.h"
+
+/* A letter per element: R turns, C turns without end, P slides, F is fixed; about and along z,
+ * called NAME1, NAME2 ..., with limits of -limit and limit; origins as x y z roll pitch yaw (NULL:
+ * none). */
+static inline void make_chain(mukca_chain *chain, const char *types, const double (*origin)[6],
+                              const char *name, double limit)
+{
+    memset(chain, 0, sizeof *chain);
+    for (int k = 0; types[k]; k++) {
+        mukca_element *e = &chain->element[chain->n_elements++];
+        snprintf(e->name, sizeof e->name, "%.40s%d", name, k + 1);
+        e->type = types[k] == 'F'   ? MUKCA_FIXED
+                  : types[k] == 'P' ? MUKCA_PRISMATIC
+                  : types[k] == 'C' ? MUKCA_CONTINUOUS
+                                    : MUKCA_REVOLUTE;
+        e->joint = types[k] == 'F' ? -1 : chain->n_joints;
+        if (e->joint >= 0) chain->joint_element[chain->n_joints++] = k;
+        e->axis[2] = 1;
+        e->lower = -limit, e->upper = limit;
+        if (!origin) continue;
+        memcpy(e->xyz, origin[k], sizeof e->xyz);
+        memcpy(e->rpy, origin[k] + 3, sizeof e->rpy);
+    }
+}
+
+/* An effect of one term; joint -1: of none. */
+static inline mukca_effect make_effect(mukca_effect_kind kind, int joint, double coefficient)
+{
+    return (mukca_effect){
+        .kind = kind, .joint = joint, .placement = -1, .terms = 1, .coefficient = {coefficient}};
+}
+
+#endif
