@@ -192,20 +192,19 @@ static json_t *as_json(const cli_call *call)
         double at[3];
         mukca_mat3_vec(at, t->pose.R, w->shared[i].at[1]);
         for (int a = 0; a < 3; a++) at[a] += t->pose.p[a];
-        json_array_append_new(
-            sockets,
-            json_pack("{s:s, s:s, s:f}", "placement", placement_of(&w->side[0], w->socket[i][0]),
-                      "socket", w->side[0].data.sockets[w->socket[i][0]].label, "residual_m",
-                      mukca_distance3(at, w->shared[i].at[0])));
+        json_array_append_new(sockets, cli_json("placement:s socket:s residual_m:f",
+                                                placement_of(&w->side[0], w->socket[i][0]),
+                                                w->side[0].data.sockets[w->socket[i][0]].label,
+                                                mukca_distance3(at, w->shared[i].at[0])));
     }
-    return json_pack("{s:s, s:o, s:o, s:{s:o, s:o}, s:{s:o, s:o}, s:o, s:i, s:f, s:f, s:f}",
-                     "schema", "mukca.align/1", "pose", cli_json_frame(&t->pose), "rpy_rad",
-                     cli_json_reals(rpy, 3), "sigma", "position_m", cli_json_reals(t->sigma, 3),
-                     "rotation_rad", cli_json_reals(t->sigma + 3, 3), "width95", "position_m",
-                     cli_json_reals(t->width95, 3), "rotation_rad",
-                     cli_json_reals(t->width95 + 3, 3), "sockets", sockets, "freedom", t->freedom,
-                     "residual_m", t->residual_m, "expected_m", t->expected_m, "elapsed_s",
-                     cli_elapsed(call));
+    return cli_json(
+        "schema:s pose:o rpy_rad:o sigma{position_m:o rotation_rad:o} "
+        "width95{position_m:o rotation_rad:o} sockets:o freedom:i residual_m:f "
+        "expected_m:f elapsed_s:f",
+        "mukca.align/1", cli_json_frame(&t->pose), cli_json_reals(rpy, 3),
+        cli_json_reals(t->sigma, 3), cli_json_reals(t->sigma + 3, 3), cli_json_reals(t->width95, 3),
+        cli_json_reals(t->width95 + 3, 3), sockets, t->freedom, t->residual_m, t->expected_m,
+        cli_elapsed(call));
 }
 
 static mukca_status run(cli_call *call)

@@ -122,21 +122,18 @@ static json_t *summary(const session *s)
         int n = mukca_capture_count(&r->session.capture, k);
         mukca_capture_spread(&rms, NULL, &r->session.capture, k);
         if (n)
-            json_array_append_new(
-                sockets,
-                json_pack("{s:s, s:s, s:i, s:o}", "placement",
-                          rows->placements[rows->sockets[k].placement].name, "socket",
-                          rows->sockets[k].label, "rows", n, "spread_m", cli_json_real(rms)));
+            json_array_append_new(sockets,
+                                  cli_json("placement:s socket:s rows:i spread_m:f",
+                                           rows->placements[rows->sockets[k].placement].name,
+                                           rows->sockets[k].label, n, rms));
     }
-    return json_pack("{s:s, s:s, s:i, s:s, s:s, s:s, s:I, s:I, s:o, s:o, s:o, s:b}", "schema",
-                     "mukca.capture/1", "session", r->session.file.path, "rows",
-                     r->session.file.n_rows, "channel", r->stream.channel, "type",
-                     mukca_stream_type(r), "stream", mukca_recorder_stream(r), "received",
-                     (json_int_t)r->stream.count.received, "refused",
-                     (json_int_t)r->stream.count.refused, "longest_gap_s",
-                     cli_json_real(r->stream.count.longest_gap), "sockets", sockets, "expected_m",
-                     cli_json_real(r->session.advice.expected), "more_rows_help",
-                     (int)r->session.advice.more_rows_help);
+    return cli_json(
+        "schema:s session:s rows:i channel:s type:s stream:s received:l refused:l "
+        "longest_gap_s:f sockets:o expected_m:f more_rows_help:b",
+        "mukca.capture/1", r->session.file.path, r->session.file.n_rows, r->stream.channel,
+        mukca_stream_type(r), mukca_recorder_stream(r), (long)r->stream.count.received,
+        (long)r->stream.count.refused, r->stream.count.longest_gap, sockets,
+        r->session.advice.expected, r->session.advice.more_rows_help);
 }
 
 /* Number of placements that a calibration can use: at least two sockets with two samples each. */

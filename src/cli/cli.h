@@ -418,16 +418,19 @@ void cli_print_acceptance(FILE *stream, const mukca_acceptance *acceptance,
 /* The verdict of an offsets table as a JSON object; null for NULL. */
 json_t *cli_json_acceptance(const mukca_acceptance *acceptance);
 
-/* A JSON number; null for NaN and infinity. */
-json_t *cli_json_real(double value);
+/* A JSON object: `keys` are "KEY:TYPE" with blanks between, or "KEY{...}" for an object within, and
+ * the values follow in order.  Types: s text (NULL: null), b bool, i int, n int (null unless above
+ * 0), l long, f double (null for NaN and infinity), v interval (two doubles, null unless both are
+ * finite), o json_t * (stolen; NULL: null). */
+json_t *cli_json(const char *keys, ...);
+void cli_json_set(json_t *object, const char *keys, ...); /* adds to an object */
+
+/* Numbers; null for NaN and infinity. */
+json_t *cli_json_number(double value);
 json_t *cli_json_reals(const double *values, int n);
 
 /* A pose: position_m, and quaternion, w first. */
 json_t *cli_json_frame(const mukca_frame *frame);
-
-/* A JSON object of numbers: key, value, key, value, ... */
-#define cli_json_numbers(...) cli_json_numbers_until(__VA_ARGS__, (const char *)NULL)
-json_t *cli_json_numbers_until(const char *key, double value, ...) __attribute__((sentinel));
 
 /* A JSON string; null for NULL. */
 json_t *cli_json_text(const char *text);

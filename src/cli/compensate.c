@@ -173,11 +173,11 @@ static json_t *as_json(const cli_call *call, const cli_compensate_tally *t)
     json_t *counts = json_object();
     for (int r = 0; r < MUKCA_REACH_COUNT; r++)
         json_object_set_new(counts, mukca_reach_text[r], json_integer((json_int_t)t->count[r]));
-    return json_pack("{s:s, s:I, s:o, s:o, s:o, s:f}", "schema", "mukca.compensate/1", "rows",
-                     (json_int_t)t->rows, "before",
-                     cli_json_numbers("mean_m", mean(t, &t->before), "max_m", t->before.max),
-                     "after", cli_json_numbers("mean_m", mean(t, &t->after), "max_m", t->after.max),
-                     "status", counts, "elapsed_s", cli_elapsed(call));
+    return cli_json(
+        "schema:s rows:l before{mean_m:f max_m:f} after{mean_m:f max_m:f} status:o "
+        "elapsed_s:f",
+        "mukca.compensate/1", t->rows, mean(t, &t->before), t->before.max, mean(t, &t->after),
+        t->after.max, counts, cli_elapsed(call));
 }
 
 /* Check that targets of the language have an axis for each joint. */

@@ -57,12 +57,11 @@ static bool write_line(void *context, const mukca_cross_training *t, double shar
         const bool scored = i < t->n && t->scores[i].placement == p;
         const double mae = scored ? t->scores[i++].mae : (double)NAN;
         if (m->stream) cli_scores_write(m->stream, mae);
-        if (scored) json_object_set_new(errors, data->placements[p].name, cli_json_real(mae));
+        if (scored) json_object_set_new(errors, data->placements[p].name, cli_json_number(mae));
     }
     if (m->stream) fputc('\n', m->stream);
-    json_array_append_new(
-        m->json, json_pack("{s:s, s:i, s:o, s:o}", "train", t->name, "placements", t->placements,
-                           "others_mae_m", cli_json_real(t->mean), "mae_m", errors));
+    json_array_append_new(m->json, cli_json("train:s placements:i others_mae_m:f mae_m:o", t->name,
+                                            t->placements, t->mean, errors));
     return cli_show_progress(m->call, share, "training and testing");
 }
 
@@ -137,12 +136,11 @@ static mukca_status write_results(cli_call *call, const evaluate_work *w)
     const cli_session *s = call->session;
     const cli_common *c = call->common;
     mukca_output output = {0};
-    json_t *json =
-        json_pack("{s:s, s:o, s:o, s:o, s:o, s:o}", "schema", "mukca.evaluate/1", "acceptance",
-                  cli_json_acceptance(c->offsets ? &s->model.offsets.acceptance : NULL), "data",
-                  cli_scores_json(&w->data, &s->data), "test", cli_scores_json(&w->test, &s->test),
-                  "mae_m", cli_json_real(w->data.calibrated_mean.mae), "test_mae_m",
-                  w->test.n > 0 ? cli_json_real(w->test.calibrated_mean.mae) : json_null());
+    json_t *json = cli_json(
+        "schema:s acceptance:o data:o test:o mae_m:f test_mae_m:f", "mukca.evaluate/1",
+        cli_json_acceptance(c->offsets ? &s->model.offsets.acceptance : NULL),
+        cli_scores_json(&w->data, &s->data), cli_scores_json(&w->test, &s->test),
+        w->data.calibrated_mean.mae, w->test.n > 0 ? w->test.calibrated_mean.mae : (double)NAN);
     mukca_status status = json ? MUKCA_OK : mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
     if (status == MUKCA_OK && (!c->json || c->output) && !w->read_by_eye)
         status = cli_output_open(call, &output);

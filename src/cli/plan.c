@@ -246,17 +246,15 @@ static json_t *as_json(const plan_work *r)
         for (int j = 0; j < chain->n_joints; j++)
             json_object_set_new(joints, mukca_chain_joint_name(chain, j), json_real(row->q[j]));
         json_array_append_new(
-            rows, json_pack("{s:s, s:s, s:o}", "placement", r->sockets[row->socket].placement,
-                            "socket", r->sockets[row->socket].label, "joints", joints));
+            rows, cli_json("placement:s socket:s joints:o", r->sockets[row->socket].placement,
+                           r->sockets[row->socket].label, joints));
     }
     const mukca_plan *p = &r->plan;
-    return json_pack("{s:s, s:i, s:o, s:o, s:o, s:i, s:f, s:f}", "schema", "mukca.plan/1",
-                     "recorded_rows", p->n_recorded, "poses", rows, "expected_error_m",
-                     cli_json_numbers("before", p->expected_before, "after", p->expected_after),
-                     "log_bayes_factor",
-                     cli_json_numbers("before", p->evidence_before, "after", p->evidence_after),
-                     "rows_to_name", p->rows_to_name, "payload_kg", r->payload, "elapsed_s",
-                     cli_elapsed(r->call));
+    return cli_json(
+        "schema:s recorded_rows:i poses:o expected_error_m{before:f after:f} "
+        "log_bayes_factor{before:f after:f} rows_to_name:i payload_kg:f elapsed_s:f",
+        "mukca.plan/1", p->n_recorded, rows, p->expected_before, p->expected_after,
+        p->evidence_before, p->evidence_after, p->rows_to_name, r->payload, cli_elapsed(r->call));
 }
 
 static void name_cause(char name[96], const mukca_effect *effect, const mukca_chain *chain)
