@@ -57,7 +57,7 @@ evaluate=("$mukca" evaluate --urdf "$dir/planar.urdf" --distances "$dir/distance
 
 finds_the_links() {
     "${calibrate[@]}" "$dir/front.tsv" "$dir/near.tsv" --lambda 1e-9 -o "$dir/offsets.tsv" \
-        --json "$dir/result.json" --trace "$dir/trace.tsv" --test "$dir/side.tsv" >"$dir/out" || return 1
+        --json "$dir/result.json" --test "$dir/side.tsv" >"$dir/out" || return 1
     grep -q 'Converged' "$dir/out" || return 1
     awk -F'\t' '$1 == "j2" && $2 == "x" { exit !($6 > 0.000995 && $6 < 0.001005) }' "$dir/offsets.tsv" || return 1
     awk -F'\t' '$1 == "tool" && $2 == "x" { exit !($6 < -0.000995 && $6 > -0.001005) }' "$dir/offsets.tsv"
@@ -75,13 +75,6 @@ json_is_complete() {
     grep -q '"schema": "mukca.calibrate/1"' "$dir/result.json"
 }
 ok calibrate_json json_is_complete
-
-trace_falls() {
-    head -n 1 "$dir/trace.tsv" | grep -q '^iteration	evaluations	cost_m2	train_mae_m' || return 1
-    awk -F'\t' 'NR == 2 { first = $4 } NR > 1 { if (NF != 9) exit 1; if (NR > 2 && $3 >= last) exit 1; last = $3; mae = $4; n++ }
-        END { exit !(n >= 3 && mae < first / 100) }' "$dir/trace.tsv"
-}
-ok calibrate_trace trace_falls
 
 evaluates() {
     "${evaluate[@]}" "$dir/side.tsv" --offsets "$dir/offsets.tsv" >"$dir/scores.tsv" 2>"$dir/err" || return 1
@@ -145,14 +138,12 @@ ok calibrate_wrote_nothing test ! -e "$dir/none"
 ok calibrate_single_socket exits 3 "${calibrate[@]}" -q "$dir/single.tsv"
 ok calibrate_no_data exits 3 "${calibrate[@]}" -q "$dir/missing.tsv"
 ok calibrate_existing exits 3 "${calibrate[@]}" -q "$dir/front.tsv" -o "$dir/there"
-ok calibrate_existing_trace exits 3 "${calibrate[@]}" -q "$dir/front.tsv" --trace "$dir/there"
 ok calibrate_left_it grep -qx kept "$dir/there"
 ok calibrate_full_disk exits 6 "${calibrate[@]}" -q "$dir/front.tsv" -o /dev/full
-ok calibrate_full_disk_trace exits 6 "${calibrate[@]}" -q "$dir/front.tsv" --trace /dev/full
 ok calibrate_lambda exits 2 "${calibrate[@]}" -q "$dir/front.tsv" --lambda -1
 ok calibrate_unknown_parameter exits 2 "${calibrate[@]}" -q "$dir/front.tsv" --free j9.x
 ok calibrate_nothing_free exits 2 "${calibrate[@]}" -q "$dir/front.tsv" --freeze x,y,z,roll,pitch,yaw
-ok calibrate_one_file_twice exits 2 "${calibrate[@]}" -q "$dir/front.tsv" --trace "$dir/x" -o "$dir/x"
+ok calibrate_one_file_twice exits 2 "${calibrate[@]}" -q "$dir/front.tsv" --json "$dir/x" -o "$dir/x"
 ok evaluate_matrix_of_one exits 3 "${evaluate[@]}" -q "$dir/front.tsv" --matrix
 ok evaluate_matrix_with_offsets exits 2 "${evaluate[@]}" -q "$dir/all.tsv" --matrix --offsets "$dir/offsets.tsv"
 exit $failed

@@ -31,7 +31,7 @@ def commands(inputs):
     poses = os.path.join(inputs, "poses.tsv")
     few = os.path.join(inputs, "few.tsv")
     return {
-        "calibrate": (["calibrate", *ARM, data, "-o", "o.tsv", "--json", "o.json", "--trace", "t.tsv"], ()),
+        "calibrate": (["calibrate", *ARM, data, "-o", "o.tsv", "--json", "o.json"], ()),
         "evaluate": (["evaluate", *ARM, data, "--matrix", "-o", "o.tsv", "--json", "o.json"], ()),
         "diagnose": (["diagnose", *ARM, data, "-o", "o.tsv", "--json", "o.json"], ()),
         "recalibrate": (["recalibrate", *ARM, poses, "-o", "o.tsv", "--json", "o.json"], ()),

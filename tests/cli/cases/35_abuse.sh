@@ -36,12 +36,11 @@ refuse 2 'session.tsv is an input of this command' calibrate $a good --test sess
 refuse 2 'hole_0.csv is an input of this command' fk $a good/hole_0.csv -o good/../good/hole_0.csv --force
 refuse 2 'arm.urdf is an input of this command' export $a -o arm.urdf --force
 refuse 2 'hole_1.csv is an input of this command' calibrate $a good -o good/hole_1.csv --force
-refuse 2 'session.tsv is an input of this command' calibrate $a session.tsv --trace ./session.tsv --force
 refuse 2 'arm.urdf is an input of this command' simulate $a -o new.tsv --truth ./arm.urdf --force
 ln -s session.tsv link.tsv
 refuse 2 'link.tsv is an input of this command' evaluate $a session.tsv -o link.tsv --force
 refuse 2 'cannot both go to' evaluate $a good -o new.tsv --json ./new.tsv --force
-refuse 2 'cannot both go to' calibrate $a good -o new.tsv --trace good/../new.tsv
+refuse 2 'cannot both go to' calibrate $a good -o new.tsv --json good/../new.tsv
 refuse 2 'cannot both go to' simulate $a -o new.tsv --truth ./new.tsv
 run evaluate $a good -o /dev/null --json /dev/null -q
 expect "/dev/null takes all outputs" test $code -eq 0
