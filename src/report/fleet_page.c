@@ -3,13 +3,11 @@
 
 #include <math.h>
 
-#include "base/utf8.h"
 #include "report/html.h"
 
 enum {
     MOST_ROWS = 200, /* largest number of rows of a table */
-    MOST_ARMS = 24,  /* as many names as fit a figure */
-    NAME = 12        /* characters of an arm's name */
+    MOST_ARMS = 24   /* as many names as fit a figure */
 };
 static const double per = MUKCA_WORDING_PER_SPRING;
 
@@ -141,35 +139,21 @@ static void put_provenance(FILE *out, const void *content)
 
 /* ---- figures ---- */
 
-/* Print the arms' coefficients as blocks $sound and $departing, with their names as tics; returns
- * the number of arms drawn. */
-static int put_points(FILE *s, const mukca_fleet_page *p, int k)
+/* Add the arms' coefficients and names; returns the number of arms drawn. */
+static int put_points(mukca_plot *plot, const mukca_fleet_page *p, int k)
 {
     const mukca_fleet_result *r = p->result;
-    int drawn = 0;
-    for (int departing = 0; departing < 2; departing++) {
-        const mukca_departure *d = next_arm(p, NULL);
-        fprintf(s, "$%s << EOD\n", departing ? "departing" : "sound");
-        for (int i = 0; d && i < MOST_ARMS; d = next_arm(p, d), i++) {
-            const mukca_departure *e = &r->estimate[d->arm * r->population.n + k];
-            if (d->k < 0 || (departs(d) && d->k == k) != departing) continue;
-            fprintf(s, "%d %.6g %.6g %.6g\n", i + 1, per * fmax(e->value, 0), per * e->low,
-                    per * fmax(e->high, 0)); /* estimates may be negative */
-            drawn++;
-        }
-        fputs("0 0 0 0\nEOD\n", s); /* gnuplot reports a block without points as an error */
-    }
     const mukca_departure *d = next_arm(p, NULL);
-    fputs("set xtics rotate by -50 (", s);
+    int drawn = 0;
     for (int i = 0; d && i < MOST_ARMS; d = next_arm(p, d), i++) {
-        const char *name = p->fleet->arm[d->arm].name;
-        char text[NAME + 1];
-        snprintf(text, sizeof text, "%.*s", (int)mukca_utf8_fit(name, NAME), name);
-        fputs(i ? ", " : "", s);
-        mukca_plot_tic(s, text);
-        fprintf(s, " %d", i + 1);
+        const mukca_departure *e = &r->estimate[d->arm * r->population.n + k];
+        mukca_plot_name(plot, i, p->fleet->arm[d->arm].name);
+        if (d->k < 0) continue;
+        mukca_plot_add(plot, departs(d) && d->k == k ? MUKCA_PLOT_BEFORE : MUKCA_PLOT_AFTER,
+                       (double[]){i, per * fmax(e->value, 0)}, per * fmax(e->low, 0),
+                       per * fmax(e->high, 0)); /* estimates may be negative */
+        drawn++;
     }
-    fputs(")\n", s);
     return drawn;
 }
 
@@ -181,24 +165,18 @@ static bool draw_coefficient(mukca_plot *plot, const void *content, int index)
     if (k < 0) return false;
     const mukca_trait *c = &p->result->traits.list[k];
     const double value = per * c->value, spread = 1.96 * per * c->spread;
-    char words[MUKCA_WORDING], probability[MUKCA_WORDING], id[64];
-    FILE *s = plot->script;
+    char words[MUKCA_WORDING], probability[MUKCA_WORDING];
+    if (!put_points(plot, p, k)) return false;
     mukca_wording_fleet_effect(words, &c->effect, p->fleet);
     mukca_wording_probability(probability, c->probability);
-    snprintf(id, sizeof id, "coefficient-%d", index + 1);
-    mukca_plot_begin(plot, id, words, MUKCA_PLOT_HALF, 260);
-    if (!put_points(s, p, k)) return false;
-    fprintf(s,
-            "set xrange [0.3:%g]\nset yrange [0:*]\nset ylabel '" MUKCA_WORDING_SPRING
-            "'\nset object rectangle from graph 0, first %.6g to graph 1, first %.6g behind "
-            "fillcolor rgb 'gray' fillstyle transparent solid 0.35 noborder\n"
-            "set arrow from graph 0, first %.6g to graph 1, first %.6g nohead linecolor rgb "
-            "'black' dashtype 2\n"
-            "plot $sound using 1:2:3:4 with yerrorbars lc rgb " PLOT_AFTER
-            " pt 7 ps 0.6 lw 1.5 notitle, $departing using 1:2:3:4 with yerrorbars lc "
-            "rgb " PLOT_BEFORE " pt 9 ps 0.9 lw 2 notitle\n",
-            (n < MOST_ARMS ? n : MOST_ARMS) + 0.7, fmax(value - spread, 0), value + spread, value,
-            value);
+    snprintf(plot->id, sizeof plot->id, "coefficient-%d", index + 1);
+    snprintf(plot->title, sizeof plot->title, "%.150s", words);
+    snprintf(plot->label[1], sizeof *plot->label, MUKCA_WORDING_SPRING);
+    plot->width = MUKCA_PLOT_HALF, plot->height = 280;
+    plot->from_zero = true;
+    plot->band[0] = fmax(value - spread, 0);
+    plot->band[1] = value;
+    plot->band[2] = value + spread;
     fprintf(plot->description,
             "Each arm with its 95 %% interval, its sisters as prior; dashed: mean of the fleet, "
             "%.3g [%.3g, %.3g] if shared (%s); grey: range of 95 %% of its arms.",

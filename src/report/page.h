@@ -21,15 +21,9 @@ typedef struct {
     const mukca_page_section *sections;
     int n_sections;
     const void *content;
-    bool (*progress)(void *context, double share, const char *doing); /* NULL: none; false stops */
-    void *progress_context;
 } mukca_page;
 
-/* Write the page.  Errors: MUKCA_INTERRUPTED, MUKCA_MEMORY, those of mukca_plot_svg. */
+/* Write the page.  Errors: MUKCA_MEMORY. */
 mukca_status mukca_page_write(FILE *out, const mukca_page *page, mukca_error *error);
-
-/* Write each figure as DIRECTORY/<id>.<format>, format "png", "pdf" or "svg".  Errors: as above. */
-mukca_status mukca_page_write_figures(const char *directory, const char *format,
-                                      const mukca_page *page, mukca_error *error);
 
 #endif

@@ -1,4 +1,4 @@
-/* Figures by gnuplot, from a script and a description: SVG for a page, or a file. */
+/* Figures of a page: points over two axes, as SVG with a text alternative. */
 #ifndef MUKCA_REPORT_PLOT_H
 #define MUKCA_REPORT_PLOT_H
 
@@ -7,27 +7,49 @@
 
 #include "mukca/status.h"
 
-/* Colours of the scripts (`lc rgb PLOT_BEFORE`): three of the palette of Okabe and Ito, "Color
- * Universal Design" (2008), which colour-blind readers can distinguish; point shapes and dashes
- * distinguish them in grey.  The page's style sheet replaces them in its dark scheme. */
-#define PLOT_BEFORE "'#d55e00'"
-#define PLOT_AFTER "'#0072b2'"
-#define PLOT_THIRD "'#009e73'"
+/* Series of points.  Each has a colour of the page's style sheet, which distinguishes it for
+ * colour-blind readers (palette of Okabe and Ito, "Color Universal Design", 2008), and a shape,
+ * which distinguishes it in grey. */
+typedef enum {
+    MUKCA_PLOT_AFTER,
+    MUKCA_PLOT_BEFORE,
+    MUKCA_PLOT_THIRD,
+    MUKCA_PLOT_SERIES
+} mukca_plot_series;
 
 enum {
     MUKCA_PLOT_HALF = 480, /* px: two figures per row; legible on a phone */
     MUKCA_PLOT_FULL = 960
 };
 
-/* A figure under construction. */
 typedef struct {
-    FILE *script, *description; /* output of the caller; the description is the content as text */
-    char *text, *words;         /* their content */
-    size_t sizes[2];
+    mukca_plot_series series;
+    double at[2], low, high; /* low, high: its interval, NaN for none */
+} mukca_plot_point;
+
+/* A name at a position of the horizontal axis, instead of its numbers. */
+typedef struct {
+    double x;
+    const char *name;
+} mukca_plot_tic;
+
+/* A figure under construction; texts must outlive it. */
+typedef struct {
+    FILE *description; /* output of the caller: the content as text */
+    char *words;       /* its content */
+    size_t size;
     char id[64]; /* letters, digits, '-'; unique on the page */
-    char title[160];
+    char title[160], label[2][80];
     int width, height; /* px */
     bool brief;        /* the caption is the title alone: a table has the numbers */
+    bool from_zero;    /* the vertical axis begins at 0 */
+    double band[3];    /* lower end, middle and upper end of a range of the vertical axis; all 0:
+                          none */
+    const char *key[MUKCA_PLOT_SERIES]; /* title of a series; NULL: none */
+    mukca_plot_point *points;           /* [n_points] */
+    mukca_plot_tic *tics;               /* [n_tics] */
+    size_t n_points, n_tics;
+    bool failed; /* out of memory */
 } mukca_plot;
 
 /* Create an empty figure; free it with mukca_plot_free, also after an error.  Errors:
@@ -35,23 +57,15 @@ typedef struct {
 mukca_status mukca_plot_open(mukca_plot *plot, mukca_error *error);
 void mukca_plot_free(mukca_plot *plot);
 
-/* Set the figure's name and size, and print the style shared by all figures. */
-void mukca_plot_begin(mukca_plot *plot, const char *id, const char *title, int width, int height);
+/* Add a point, unless it is not finite; low, high: its interval, NaN for none. */
+void mukca_plot_add(mukca_plot *plot, mukca_plot_series series, const double at[2], double low,
+                    double high);
+void mukca_plot_name(mukca_plot *plot, double x, const char *name);
 
-/* Print `text` as a gnuplot string constant for the name of a tic, without interpretation. */
-void mukca_plot_tic(FILE *script, const char *text);
+/* 1, 2 or 5 times a power of ten, at most x. */
+double mukca_plot_round(double x);
 
-/* Print the label `text` at the position given by `format` ("at 1, 2 left"). */
-void mukca_plot_label(mukca_plot *plot, const char *text, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
-
-/* Run the script and write the figure as an <svg> element with a text alternative; its colours
- * follow the page's style sheet.  Errors: MUKCA_INPUT (gnuplot is missing or reports an error),
- * MUKCA_MEMORY, MUKCA_INTERRUPTED. */
+/* Write the figure as an <svg> element.  Errors: MUKCA_MEMORY. */
 mukca_status mukca_plot_svg(FILE *out, mukca_plot *plot, mukca_error *error);
-
-/* The same as a file of format "png", "pdf" or "svg"; an existing file is replaced. */
-mukca_status mukca_plot_file(const char *path, const char *format, mukca_plot *plot,
-                             mukca_error *error);
 
 #endif

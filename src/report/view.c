@@ -55,13 +55,6 @@ static int find_joints(double points[][3], const mukca_report *r, const mukca_ge
     return n + 1;
 }
 
-/* 1, 2 or 5 times a power of ten below x. */
-static double round_down(double x)
-{
-    const double power = pow(10, floor(log10(x)));
-    return power * (x >= 5 * power ? 5 : x >= 2 * power ? 2 : 1);
-}
-
 void mukca_report_put_view(FILE *out, const void *content)
 {
     const mukca_report *r = content;
@@ -86,7 +79,7 @@ void mukca_report_put_view(FILE *out, const void *content)
         if (error > most) most = error;
     }
     if (!(most > 0)) return;
-    const double scale = round_down(0.3 * reach / most);
+    const double scale = mukca_plot_round(0.3 * reach / most);
     fprintf(
         out,
         "<figure>\n<svg class=\"view\" tabindex=\"0\" role=\"img\" aria-labelledby=\"view-t "

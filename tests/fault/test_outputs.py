@@ -43,7 +43,7 @@ def commands(inputs):
         "plan": (["plan", *ARM, data, "--rows", "2", "-o", "o.tsv", "--json", "o.json"], ()),
         "simulate": (["simulate", *ARM, "--rows", "2", "--placements", "2", "--held-out", "1", "--test", "test.tsv",
                       "--truth", "t.tsv", "-o", "o.csv"], ()),
-        "report": (["report", *ARM, data, "-o", "o.html", "--plots", "plots"], ()),
+        "report": (["report", *ARM, data, "-o", "o.html"], ()),
         "capture": (["capture", *ARM, *LOG, "--trigger", "-o", "o.tsv", "--json", "o.json"],
                     ("o.tsv",)),
         "serve": (["serve", *ARM, *LOG, "--state", "state"],

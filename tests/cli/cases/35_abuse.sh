@@ -83,17 +83,6 @@ exec 3>&-
 expect "compensate interrupted: exit 130, one line, no file" test \
     "$code $(grep -v '^mukca: note' err) $(find . -name '*new*' | wc -l)" = \
     "130 mukca compensate: interrupted; nothing was written 0"
-mkdir bin
-printf '#!/bin/sh\n: >drawing\nexec sleep 300\n' >bin/gnuplot
-chmod +x bin/gnuplot
-PATH=$PWD/bin:$PATH timeout --foreground 120 "$MUKCA" report $a good -q -o new.html 2>err &
-process=$!
-until [ -e drawing ] || ! kill -0 $process; do sleep 0.02; done
-kill -s TERM $process # timeout hands it on, once
-wait $process
-expect "report interrupted while it draws: one line, no file" test \
-    "$(cat err) $(find . -name '*new*' | wc -l)" = \
-    "mukca report: interrupted; the page was not written 0"
 
 # every command says that standard output could not be written
 for command in "help" "help fk" "help effects" "--version" "completion bash" "fk $a good/hole_0.csv" \
