@@ -13,21 +13,19 @@ typedef struct {
 } align_options;
 
 static const cli_option options[] = {
-    CLI_OPTION(align_options, right_urdf, "right-urdf", CLI_TEXT, "FILE",
+    CLI_OPTION(align_options, right_urdf, "right-urdf", CLI_INPUT, "FILE",
                "nominal model of the right arm (default: that of --urdf)"),
     CLI_OPTION(align_options, right_base, "right-base", CLI_TEXT, "LINK",
                "first link of the right arm (default: --base)"),
     CLI_OPTION(align_options, right_tip, "right-tip", CLI_TEXT, "LINK",
                "last link of the right arm (default: --tip)"),
-    CLI_OPTION(align_options, right_offsets, "right-offsets", CLI_TEXT, "FILE",
+    CLI_OPTION(align_options, right_offsets, "right-offsets", CLI_INPUT, "FILE",
                "offsets table of the right arm (default: none)"),
     CLI_OFFSETS_OPTION,
     CLI_ACCEPT_OPTION,
     CLI_JSON_OPTION,
     CLI_MODEL_OPTIONS,
-    CLI_FORCE_OPTION,
-    CLI_TALK_OPTIONS,
-    CLI_END_OPTIONS};
+    CLI_LAST_OPTIONS};
 
 /* One arm: its session, and the mean of the predicted ball in each socket. */
 typedef struct {
@@ -210,7 +208,7 @@ static json_t *as_json(const cli_call *call)
 static mukca_status run(cli_call *call)
 {
     align_work *w = call->work;
-    mukca_status status = cli_check_outputs(call);
+    mukca_status status = MUKCA_OK;
     for (int i = 0; i < 2 && status == MUKCA_OK; i++) status = load_side(call, i);
     if (status == MUKCA_OK) status = find_shared(call);
     if (status == MUKCA_OK)
@@ -225,8 +223,6 @@ const cli_command cli_command_align = {
     .group = CLI_USE,
     .summary = "base-to-base pose of two arms from the same sockets",
     .synopsis = "LEFT RIGHT",
-    .min_arguments = 2,
-    .max_arguments = 2,
     .description =
         "LEFT and RIGHT are sessions of two arms with the same artefact in the same placements: "
         "sockets with the same placement and label are one point. Prints the pose of the right "

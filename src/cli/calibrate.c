@@ -63,9 +63,7 @@ static const cli_option options[] = {
                       "minimiser (default: slsqp)"),
     CLI_CHOICE_OPTION(calibrate_options, gradient, "gradient", "GRADIENT", gradients,
                       "central differences (default), or analytic"),
-    CLI_FORCE_OPTION,
-    CLI_TALK_OPTIONS,
-    CLI_END_OPTIONS};
+    CLI_LAST_OPTIONS};
 
 /* Refuse sockets with identical samples: the joint states had stopped while recording. */
 static mukca_status check_moving(cli_call *call, const mukca_dataset *d)
@@ -250,8 +248,6 @@ const cli_command cli_command_calibrate = {
     .group = CLI_CALIBRATE,
     .summary = "fit the geometry of the arm to socket data or measured poses",
     .synopsis = "DATA...",
-    .min_arguments = 1,
-    .max_arguments = -1,
     .description =
         "Each DATA is a session file, a folder with hole_0.csv and hole_1.csv, or a pose log (see "
         "mukca-formats(5)). The fit changes the origins of the joints so that all samples of a "

@@ -187,33 +187,11 @@ static void conclude(session *s)
     if (r->session.file.n_rows) print_next(s);
 }
 
-/* Refuse a recording as an argument; print the command that pipes it into this one. */
-static mukca_status refuse_file(const session *s)
-{
-    const char *file = s->call->arguments.items[0], *dot = strrchr(file, '.');
-    static const struct {
-        const char *ending, *before, *after;
-    } answers[] = {
-        {".lcmlog", "--lcm-url file://", ""},
-        {".csv", "--stdin <", ""},
-        {".tsv", "--stdin <", ""},
-        {".json", "--stdin <", ""},
-        {".jsonl", "--stdin <", ""},
-        {".bag", "`rosbags-convert --src ", " --dst bag` (PyPI: rosbags) makes a bag of ROS 2"},
-        {NULL, "`ros2 bag play ",
-         " & ros2 topic echo --csv /joint_states | mukca capture --stdin ...`"}};
-    size_t k = 0;
-    while (answers[k].ending && !(dot && strcmp(dot, answers[k].ending) == 0)) k++;
-    return mukca_fail(&s->call->error, MUKCA_USAGE, "%.200s: capture reads a stream; %s%.200s%s",
-                      file, answers[k].before, file, answers[k].after);
-}
-
 static mukca_status check_usage(const session *s)
 {
     const capture_options *o = s->options;
     const cli_common *c = s->call->common;
     mukca_error *error = &s->call->error;
-    if (s->call->arguments.n) return refuse_file(s);
     if (!c->output || strcmp(c->output, "-") == 0)
         return mukca_fail(error, MUKCA_USAGE, "-o FILE is needed: the session to record");
     if (s->keys < 0 && !o->live.recorder.triggers && !o->live.recorder.still &&
@@ -225,14 +203,9 @@ static mukca_status check_usage(const session *s)
         return mukca_fail(error, MUKCA_INPUT,
                           "%s exists; --resume continues it, --force overwrites it", c->output);
     const char *url = o->live.recorder.network.url;
-    const char *files[] = {c->output, c->json,
-                           url && strncmp(url, "file://", 7) == 0 ? url + 7 : NULL};
-    for (int i = 0; i < 3; i++)
-        for (int k = 0; k < i; k++)
-            if (mukca_output_same(files[i], files[k]))
-                return mukca_fail(error, MUKCA_USAGE,
-                                  "session, --json and log cannot be the same file: %.100s",
-                                  files[i]);
+    const char *log = url && strncmp(url, "file://", 7) == 0 ? url + 7 : NULL;
+    if (mukca_output_same(log, c->output) || mukca_output_same(log, c->json))
+        return mukca_fail(error, MUKCA_USAGE, "%.100s is the log; refusing to overwrite it", log);
     if (c->json) return mukca_output_check(c->json, c->force, error);
     return MUKCA_OK;
 }
@@ -328,10 +301,7 @@ static const cli_option options[] = {
                "give up without joint states after S seconds (default: 10)"),
     CLI_DISTANCE_OPTION,
     CLI_JSON_OPTION,
-    CLI_FORCE_OPTION,
-    CLI_TALK_OPTIONS,
-    CLI_END_OPTIONS,
-};
+    CLI_LAST_OPTIONS};
 
 static const capture_options defaults = {.wait = 10};
 
@@ -340,7 +310,7 @@ const cli_command cli_command_capture = {
     .group = CLI_MEASURE,
     .summary = "record a session from live joint states (LCM, or lines)",
     .synopsis = "",
-    .max_arguments = 1, /* a file, refused with a hint */
+    .grows = true,
     .description =
         "Listens to the joint states of the robot. A sample is recorded when you press a, on a "
         "message on MUKCA_TRIGGER (--trigger), or when the arm stands still with its ball in a "

@@ -9,8 +9,7 @@
 #include "cli/cli.h"
 #include "io/urdf.h"
 
-static const cli_option options[] = {CLI_JSON_OPTION, CLI_MODEL_OPTIONS, CLI_FORCE_OPTION,
-                                     CLI_TALK_OPTIONS, CLI_END_OPTIONS};
+static const cli_option options[] = {CLI_JSON_OPTION, CLI_MODEL_OPTIONS, CLI_LAST_OPTIONS};
 
 typedef struct {
     mukca_corrected arm[2];
@@ -223,8 +222,7 @@ static mukca_status run(cli_call *call)
         true; /* also compare a table that was not accepted */
     if (call->common->kinematics)
         return mukca_fail(&call->error, MUKCA_USAGE, "--kinematics: give the file as A or as B");
-    mukca_status status = cli_keep_inputs(call, call->common->json);
-    if (status == MUKCA_OK) status = cli_check_outputs(call);
+    mukca_status status = MUKCA_OK;
     for (int side = 0; side < 2 && status == MUKCA_OK; side++) status = load(call, side);
     if (status == MUKCA_OK) status = check_pairs(call);
     if (status != MUKCA_OK) return status;
@@ -240,8 +238,6 @@ const cli_command cli_command_compare = {
     .group = CLI_UNDERSTAND,
     .summary = "differences between two models of one arm: axes and tip",
     .synopsis = "A B",
-    .min_arguments = 2,
-    .max_arguments = 2,
     .description =
         "A and B are URDFs, factory files (YAML, with --urdf) or offsets tables: nominal and "
         "calibrated, or this year's table and last year's. The position of the base frame, the "

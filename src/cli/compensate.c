@@ -40,9 +40,7 @@ static const cli_option options[] = {
     CLI_COLUMNS_OPTION,
     CLI_JSON_OPTION,
     CLI_OUTPUT_OPTION("write the corrected targets there (default: standard output)"),
-    CLI_FORCE_OPTION,
-    CLI_TALK_OPTIONS,
-    CLI_END_OPTIONS};
+    CLI_LAST_OPTIONS};
 
 static mukca_status from_joints(cli_compensate_job *b, const char *path)
 {
@@ -219,8 +217,7 @@ static mukca_status run(cli_call *call)
     b->call = call;
     b->from = o->from ? mukca_languages[o->from - 1] : NULL;
     b->to = to ? mukca_languages[to - 1] : NULL;
-    mukca_status status = cli_check_outputs(call);
-    if (status == MUKCA_OK) status = cli_load_model(call, &call->session->model);
+    mukca_status status = cli_load_model(call, &call->session->model);
     if (status != MUKCA_OK) return status;
     b->arm.chain = model->chain;
     b->arm.geometry = model->geometry;
@@ -260,7 +257,6 @@ const cli_command cli_command_compensate = {
     .group = CLI_USE,
     .summary = "correct joint targets for the identified errors",
     .synopsis = "[FILE...]",
-    .max_arguments = -1,
     .description =
         "For controllers whose model cannot be changed. Reads rows of joint targets (with --poses: "
         "of poses in the base frame) and writes corrected joint targets: with these the arm of "

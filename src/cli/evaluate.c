@@ -24,14 +24,8 @@ static const cli_option options[] = {
         "train on each placement, each pair and all, test on the others: a table of mean errors"),
     CLI_OUTPUT_OPTION("write the table there (default: standard output)"),
     CLI_JSON_OPTION,
-    CLI_MODEL_OPTIONS,
-    CLI_DISTANCE_OPTIONS,
-    CLI_PAYLOAD_OPTION,
-    CLI_ANGLES_OPTION,
-    CLI_TABLE_OPTIONS,
-    CLI_FORCE_OPTION,
-    CLI_TALK_OPTIONS,
-    CLI_END_OPTIONS};
+    CLI_DATA_OPTIONS,
+    CLI_LAST_OPTIONS};
 
 typedef struct {
     cli_call *call;
@@ -195,10 +189,9 @@ static mukca_status run(cli_call *call)
                           "--matrix trains from the nominal model: omit --offsets");
     call->common->accept_failed = call->common->accept_edited =
         true; /* also evaluate a table that was not accepted */
-    mukca_status status = cli_check_outputs(call);
     w->read_by_eye = isatty(STDOUT_FILENO) && !o->matrix && !call->common->output &&
                      !call->common->json && !call->common->quiet;
-    if (status == MUKCA_OK) status = load_model(call, model);
+    mukca_status status = load_model(call, model);
     if (status == MUKCA_OK) status = cli_load_data(call, &s->data, model, &call->arguments);
     if (status == MUKCA_OK && call->common->test.n)
         status = cli_load_data(call, &s->test, model, &call->common->test);
@@ -221,8 +214,6 @@ const cli_command cli_command_evaluate = {
     .group = CLI_CALIBRATE,
     .summary = "errors of a nominal or calibrated model on data",
     .synopsis = "DATA...",
-    .min_arguments = 1,
-    .max_arguments = -1,
     .description =
         "Prints the mean errors, and a table with one row per placement and per pose log (on a "
         "terminal only its consistency errors, mm); targets with names are placed "

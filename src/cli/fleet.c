@@ -16,10 +16,7 @@ static const cli_option options[] = {
     CLI_OUTPUT_OPTION("write the traits table; with --partial, the summary of summaries"),
     CLI_OPTION(fleet_options, partial, "partial", CLI_FLAG, NULL,
                "join the summaries into one file (-o) for a later mukca fleet; pool nothing"),
-    CLI_JSON_OPTION,
-    CLI_FORCE_OPTION,
-    CLI_TALK_OPTIONS,
-    CLI_END_OPTIONS};
+    CLI_JSON_OPTION, CLI_LAST_OPTIONS};
 
 void cli_fleet_free(void *work)
 {
@@ -162,10 +159,7 @@ static mukca_status run(cli_call *call)
     cli_fleet *w = call->work;
     if (o->partial && (!call->common->output || call->common->json))
         return mukca_fail(&call->error, MUKCA_USAGE, "--partial needs -o FILE and writes no JSON");
-    mukca_status status = cli_check_outputs(call);
-    if (status == MUKCA_OK) status = cli_keep_inputs(call, call->common->output);
-    if (status == MUKCA_OK) status = cli_keep_inputs(call, call->common->json);
-    if (status == MUKCA_OK) status = cli_fleet_read(call, w);
+    mukca_status status = cli_fleet_read(call, w);
     if (status == MUKCA_OK && !o->partial)
         status = mukca_fleet_pool(&w->result, &w->fleet, &call->error);
     if (status == MUKCA_OK) status = write_output(call);
@@ -184,8 +178,6 @@ const cli_command cli_command_fleet = {
     .group = CLI_UNDERSTAND,
     .summary = "pool the summaries of many arms of one model",
     .synopsis = "SUMMARY...",
-    .min_arguments = 1,
-    .max_arguments = -1,
     .description =
         "Reads the files of diagnose --summary. Sessions with the same arm label are one arm's "
         "data. Prints which elastic coefficients the arms share (mean, 95 % interval, spread "

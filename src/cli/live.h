@@ -31,7 +31,7 @@ typedef struct {
         type, live.recorder.network.url, "lcm-url", CLI_TEXT, "URL",                               \
         "LCM network, or file://LOG to replay a log (default: LCM_DEFAULT_URL, else LCM's own)"),  \
         CLI_NETWORK_OPTIONS(type, live.recorder.network),                                          \
-        CLI_OPTION(type, live.recorder.key, "key", CLI_TEXT, "FILE",                               \
+        CLI_OPTION(type, live.recorder.key, "key", CLI_INPUT, "FILE",                              \
                    "obey only triggers and commands signed with the key in this file "             \
                    "(mukca-formats(5))"),                                                          \
         CLI_OPTION(type, live.recorder.channel, "channel", CLI_TEXT, "NAME",                       \
@@ -61,7 +61,7 @@ typedef struct {
             "names of the placements in order, commas between (default: placement_1 and so on)"),  \
         CLI_OPTION(type, live.recorder.sockets, "sockets", CLI_TEXT, "LIST",                       \
                    "labels of the sockets, commas between (default: 0,1)"),                        \
-        CLI_OPTION(type, live.traits, "traits", CLI_TEXT, "FILE",                                  \
+        CLI_OPTION(type, live.traits, "traits", CLI_INPUT, "FILE",                                 \
                    "traits of the model's fleet (mukca fleet -o), for calibrate and diagnose"),    \
         CLI_OPTION(type, live.recorder.prefix, "prefix", CLI_TEXT, "NAME",                         \
                    "prefix of mukca's own channels, as in NAME_TRIGGER (default: MUKCA)")

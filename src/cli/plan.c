@@ -64,9 +64,7 @@ static const cli_option options[] = {
     CLI_TABLE_OPTIONS,
     CLI_OUTPUT_OPTION("write the postures there, a session file (default: standard output)"),
     CLI_JSON_OPTION,
-    CLI_FORCE_OPTION,
-    CLI_TALK_OPTIONS,
-    CLI_END_OPTIONS};
+    CLI_LAST_OPTIONS};
 
 static void progress(void *context, double share)
 {
@@ -334,8 +332,6 @@ const cli_command cli_command_plan = {
     .group = CLI_MEASURE,
     .summary = "plan the next postures to record",
     .synopsis = "[DATA...]",
-    .min_arguments = 0,
-    .max_arguments = -1,
     .description =
         "Finds postures with the ball in the sockets of DATA (located by --offsets or the nominal "
         "model) and of each --place, within the joint limits and with the tool pointing down, and "

@@ -34,14 +34,8 @@ static const cli_option options[] = {
                "pose logs: fit the offset of the target"),
     CLI_CHECK_OPTION(report_options),
     CLI_OFFSETS_OPTION,
-    CLI_MODEL_OPTIONS,
-    CLI_DISTANCE_OPTIONS,
-    CLI_PAYLOAD_OPTION,
-    CLI_ANGLES_OPTION,
-    CLI_TABLE_OPTIONS,
-    CLI_FORCE_OPTION,
-    CLI_TALK_OPTIONS,
-    CLI_END_OPTIONS};
+    CLI_DATA_OPTIONS,
+    CLI_LAST_OPTIONS};
 
 typedef struct {
     mukca_offsets offsets;
@@ -158,9 +152,7 @@ static mukca_status write_page(cli_call *call)
 static mukca_status prepare_fleet(cli_call *call)
 {
     report_work *w = call->work;
-    mukca_status status = cli_check_outputs(call);
-    if (status == MUKCA_OK) status = cli_keep_inputs(call, call->common->output);
-    if (status == MUKCA_OK) status = cli_fleet_read(call, &w->fleet);
+    mukca_status status = cli_fleet_read(call, &w->fleet);
     if (status == MUKCA_OK)
         status = mukca_fleet_pool(&w->fleet.result, &w->fleet.fleet, &call->error);
     w->fleet_page = (mukca_fleet_page){.command = w->command,
@@ -242,8 +234,6 @@ const cli_command cli_command_report = {
     .group = CLI_UNDERSTAND,
     .summary = "write all evidence as one self-contained HTML page",
     .synopsis = "DATA...",
-    .min_arguments = 1,
-    .max_arguments = -1,
     .targets = true,
     .description =
         "Diagnoses, and writes one page without requests, with the result of the diagnosis (the "

@@ -55,8 +55,8 @@ expect "help help is help" test $code -eq 0
 demo=$root/data/demo
 cp "$demo/guided.lcmlog" log
 c="capture --urdf $demo/arm.urdf --trigger --force"
-refuse 2 'cannot be the same file' $c --lcm-url file://log -o new.tsv --json ./new.tsv
-refuse 2 'cannot be the same file' $c --lcm-url file://log -o new.tsv --json ./log
+refuse 2 'cannot both go to' $c --lcm-url file://log -o new.tsv --json ./new.tsv
+refuse 2 'log is the log' $c --lcm-url file://log -o new.tsv --json ./log
 refuse 2 '-o FILE is needed' $c --lcm-url file://log -o -
 refuse 2 "'a' comes twice" $c --lcm-url file://log -o new.tsv --sockets a,a
 refuse 2 'a tool has two or more' $c --lcm-url file://log -o new.tsv --sockets a

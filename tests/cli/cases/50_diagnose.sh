@@ -56,7 +56,7 @@ refuse 2 "needs DATA" $d
 refuse 2 "urdf FILE is needed" diagnose good.tsv
 refuse 2 "no effect is called 'rust'; .mukca help effects. lists them" $d good.tsv --without backlash,rust
 refuse 2 "expect: no effect is called .rust.; .mukca help effects. lists them" $d good.tsv --expect rust
-refuse 2 "json and -o cannot both go to" $d good.tsv --json - -o -
+refuse 2 "cannot both go to" $d good.tsv --json - -o -
 refuse 3 "result.json" $d good.tsv --json result.json
 
 # rows that cannot be read
