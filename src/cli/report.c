@@ -238,7 +238,7 @@ const cli_command cli_command_report = {
     .description =
         "Diagnoses, and writes one page without requests, with the result of the diagnosis (the "
         "table of mukca diagnose -o) or that of --offsets. It opens with the expected error of the "
-        "tip, whether to use the result, the verdict, what to do and the next postures. Then "
+        "tip, whether to use the result, the verdict and what to do. Then "
         "follow the errors step by step, the causes, a view of "
         "the "
         "arm that can be turned, errors by placement, joint and sample, detection limits, "

@@ -2,7 +2,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "report/parts.h"
+#include "report/report.h"
 
 static const double mm = MUKCA_REPORT_MM;
 

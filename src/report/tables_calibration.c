@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "report/html.h"
-#include "report/parts.h"
+#include "report/report.h"
 
 static const double mm = MUKCA_REPORT_MM;
 

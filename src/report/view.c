@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "report/html.h"
-#include "report/parts.h"
+#include "report/report.h"
 
 enum { POSTURES = 5, ERRORS = 200 };
 
