@@ -348,10 +348,6 @@ mukca_status cli_load(cli_call *call);
 /* Errors: MUKCA_USAGE (no --urdf), MUKCA_INPUT, MUKCA_MEMORY. */
 mukca_status cli_load_model(cli_call *call, cli_model *model);
 
-/* For an arm without masses, note the files of data/inertials (source tree or installed) that match
- * its geometry. */
-void cli_suggest_inertials(cli_call *call, const mukca_chain *chain);
-
 /* Check that a traits table (NULL: none) is of the model.  Errors: as mukca_traits_read. */
 mukca_status cli_check_traits(cli_call *call, const char *path, const mukca_chain *chain);
 

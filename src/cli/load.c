@@ -233,7 +233,10 @@ mukca_status cli_load(cli_call *call)
         status = cli_load_data(call, &s->test, &s->model, &call->common->test);
     if (status == MUKCA_OK) status = drop_training(call, &s->test, &s->data);
     if (status != MUKCA_OK || call->command->group != CLI_UNDERSTAND) return status;
-    cli_suggest_inertials(call, &s->model.chain);
+    if (s->model.chain.n_masses == 0)
+        cli_note(call,
+                 "the URDF has no link masses; data/inertials (installed: share/mukca/inertials) "
+                 "has those of common arms for --inertials");
     note_falling_time(call, &s->data);
     return status;
 }
