@@ -64,83 +64,43 @@ static mukca_status from_joints(cli_compensate_job *b, const char *path)
     return status == MUKCA_OK && cli_interrupted() ? MUKCA_INTERRUPTED : status;
 }
 
-/* The columns of a table of poses: the position, and one form of the orientation. */
-enum { POSE_PLACES = 10 };
-static const char *const pose_names[2][POSE_PLACES] = {
-    {"x_m", "y_m", "z_m", "qw", "qx", "qy", "qz", "rx", "ry", "rz"},
-    {"x", "y", "z", "qw", "qx", "qy", "qz", "rx", "ry", "rz"}}; /* with --units */
-typedef struct {
-    mukca_table table;
-    int column[POSE_PLACES];
-    int first, end;       /* orientation columns: 3 to 7, 7 to 10, or none */
-    double length, angle; /* units of the position and of a rotation vector: m, rad */
-} pose_table;
-
-static void open_poses(pose_table *p, const char *path, cli_call *call)
+/* The target of a row of poses; false: it lacks numbers that the header promises. */
+static bool read_pose(mukca_frame *target, const mukca_row *row, bool oriented)
 {
-    mukca_table *t = &p->table;
-    mukca_rows_format format;
-    const mukca_status status = cli_read_format(call, &format);
-    if (status == MUKCA_OK) mukca_table_open(t, path, MUKCA_HEADER, &call->error);
-    mukca_table_stop(t, status);
-    if (t->status == MUKCA_OK && format.columns) mukca_columns_rename(t, format.columns);
-    if (t->status != MUKCA_OK) return;
-    const bool plain = format.units && mukca_table_find(t, "x") >= 0; /* else x_m: metres */
-    p->length = plain && format.length > 0 ? format.length : 1;
-    p->angle = format.angle > 0 ? format.angle : 1;
-    if (mukca_table_find(t, "qw") >= 0)
-        p->first = 3, p->end = 7;
-    else if (mukca_table_find(t, "rx") >= 0)
-        p->first = 7, p->end = 10;
-    for (int i = 0; i < POSE_PLACES; i++)
-        if (i < 3 || (i >= p->first && i < p->end))
-            p->column[i] = mukca_table_require(t, pose_names[plain][i]);
-    for (int i = 0; i < POSE_PLACES; i++) mukca_table_use(t, pose_names[plain][i]);
-    if (t->status == MUKCA_OK) mukca_table_note_unknown(t, cli_note, call);
-}
-
-/* False: the end, or a failure. */
-static bool read_pose(mukca_frame *target, pose_table *p)
-{
-    mukca_table *table = &p->table;
-    double v[POSE_PLACES];
-    if (!mukca_table_next(table)) return false;
-    for (int i = 0; i < POSE_PLACES; i++) {
-        if (i >= 3 && (i < p->first || i >= p->end)) continue;
-        v[i] = mukca_table_number(table, p->column[i]);
-        if (fabs(v[i]) > MUKCA_NUMBER_LARGEST)
-            mukca_table_fail(table, p->column[i], "%g is no %s", v[i],
-                             i < 3 ? "position; give m" : "rotation; give rad");
-    }
-    for (int i = 0; i < 3; i++) {
-        const bool own = mukca_table_has_unit(table, p->column[i]);
-        target->p[i] = (own ? 1 : p->length) * v[i];
-        if (p->first == 7 && !mukca_table_has_unit(table, p->column[7 + i])) v[7 + i] *= p->angle;
-    }
-    if (p->first == 7) mukca_rotation_exp(target->R, v + 7);
-    if (p->first == 3 && mukca_rows_normalise(v + 3))
-        mukca_rotation_from_quaternion(target->R, v + 3);
-    else if (p->first == 3)
-        mukca_table_fail(table, p->column[3],
-                         "the quaternion's length is not 1 (order: qw qx qy qz)");
-    return table->status == MUKCA_OK;
+    memcpy(target->p, row->position, sizeof target->p);
+    if (oriented) mukca_rotation_from_quaternion(target->R, row->quaternion);
+    return !isnan(row->position[0]) && !(oriented && isnan(row->quaternion[0]));
 }
 
 static mukca_status from_poses(cli_compensate_job *b, const char *path)
 {
-    pose_table poses = {0};
+    cli_call *call = b->call;
+    mukca_rows *rows = &b->rows;
+    mukca_row row;
     mukca_frame target;
     double q[MUKCA_MAX_JOINTS] = {0};
-    open_poses(&poses, path, b->call);
-    if (poses.table.status == MUKCA_OK) cli_compensate_print_header(b, false);
-    cli_compensate_start(b, poses.first != 0);
-    while (!ferror(b->stream) && !cli_interrupted() && read_pose(&target, &poses)) {
+    mukca_rows_options header = {
+        .poses = true, .any_order = true, .note = cli_note, .context = call};
+    mukca_status status = cli_read_format(call, &header.format);
+    if (status == MUKCA_OK)
+        status = mukca_rows_open(rows, path, &b->arm.chain, &header, &call->error);
+    if (status != MUKCA_OK) return status;
+    const mukca_measured_columns *m = &rows->column.measured[0];
+    const bool oriented = m->turn[0] >= 0 || m->matrix[0] >= 0;
+    if (rows->column.n_measured == 0) mukca_rows_fail_measured(rows, "no column 'x_m'");
+    cli_compensate_start(b, oriented);
+    cli_compensate_print_header(b, false);
+    while (!ferror(b->stream) && !cli_interrupted() && mukca_rows_next(rows, &row)) {
         const mukca_row_reading reading = {
-            .time = (double)NAN, .placement = -1, .number = poses.table.row};
+            .time = (double)NAN, .placement = -1, .number = rows->table.row};
+        if (!read_pose(&target, &row, oriented)) {
+            mukca_table_fail(&rows->table, -1, "the pose is incomplete");
+            break;
+        }
         mukca_compensation c = mukca_compensate_pose(q, &b->compensator, &target, &reading);
-        cli_compensate_put(b, q, &c, path, poses.table.line);
+        cli_compensate_put(b, q, &c, path, rows->table.line);
     }
-    const mukca_status status = mukca_table_close(&poses.table);
+    status = mukca_rows_close(rows);
     return status == MUKCA_OK && cli_interrupted() ? MUKCA_INTERRUPTED : status;
 }
 
