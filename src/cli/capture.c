@@ -6,7 +6,6 @@
 
 #include "base/clock.h"
 #include "base/text.h"
-#include "cli/capture_view.h"
 #include "cli/live.h"
 #include "io/output.h"
 #include "lcm/type.h"

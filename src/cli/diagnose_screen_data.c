@@ -2,7 +2,7 @@
 #include <math.h>
 
 #include "base/text.h"
-#include "cli/diagnose_screen.h"
+#include "cli/diagnose.h"
 #include "math/stats.h"
 
 /* MOST_LINES: faults and reasons with a separate line, on a screen of some 30 lines. */

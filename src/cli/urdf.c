@@ -4,7 +4,6 @@
 #include "base/file.h"
 #include "base/utf8.h"
 #include "cli/cli.h"
-#include "io/dh_table.h"
 #include "io/output.h"
 #include "io/urdf.h"
 

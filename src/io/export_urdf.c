@@ -6,7 +6,7 @@
 #include "base/file.h"
 #include "base/number.h"
 #include "io/export.h"
-#include "io/urdf_text.h"
+#include "io/urdf.h"
 
 /* Three words of at most 63 characters, the limit of mukca_number_parse_list. */
 enum { VALUE_SIZE = 3 * 64 };

@@ -1,5 +1,5 @@
 /* A URDF as text: read, hashed and checked, its joints located with libxml2's SAX parser. */
-#include "io/urdf_text.h"
+#include "io/urdf.h"
 
 #include <libxml/parser.h>
 #include <libxml/parserInternals.h>

@@ -3,8 +3,72 @@
 #define MUKCA_REPORT_PAGE_H
 
 #include <stdbool.h>
+#include <stdio.h>
 
-#include "report/plot.h"
+#include "mukca/status.h"
+
+/* ---- figures: points over two axes, as SVG with a text alternative (plot.c) ---- */
+
+/* Series of points.  Each has a colour of the page's style sheet, which distinguishes it for
+ * colour-blind readers (palette of Okabe and Ito, "Color Universal Design", 2008), and a shape,
+ * which distinguishes it in grey. */
+typedef enum {
+    MUKCA_PLOT_AFTER,
+    MUKCA_PLOT_BEFORE,
+    MUKCA_PLOT_THIRD,
+    MUKCA_PLOT_SERIES
+} mukca_plot_series;
+
+enum {
+    MUKCA_PLOT_HALF = 480, /* px: two figures per row; legible on a phone */
+    MUKCA_PLOT_FULL = 960
+};
+
+typedef struct {
+    mukca_plot_series series;
+    double at[2], low, high; /* low, high: its interval, NaN for none */
+} mukca_plot_point;
+
+/* A name at a position of the horizontal axis, instead of its numbers. */
+typedef struct {
+    double x;
+    const char *name;
+} mukca_plot_tic;
+
+/* A figure under construction; texts must outlive it. */
+typedef struct {
+    FILE *description; /* output of the caller: the content as text */
+    char *words;       /* its content */
+    size_t size;
+    char id[64]; /* letters, digits, '-'; unique on the page */
+    char title[160], label[2][80];
+    int width, height; /* px */
+    bool brief;        /* the caption is the title alone: a table has the numbers */
+    bool from_zero;    /* the vertical axis begins at 0 */
+    double band[3];    /* lower end, middle and upper end of a range of the vertical axis; all 0:
+                          none */
+    const char *key[MUKCA_PLOT_SERIES]; /* title of a series; NULL: none */
+    mukca_plot_point *points;           /* [n_points] */
+    mukca_plot_tic *tics;               /* [n_tics] */
+    size_t n_points, n_tics;
+    bool failed; /* out of memory */
+} mukca_plot;
+
+/* Create an empty figure; free it with mukca_plot_free, also after an error.  Errors:
+ * MUKCA_MEMORY. */
+mukca_status mukca_plot_open(mukca_plot *plot, mukca_error *error);
+void mukca_plot_free(mukca_plot *plot);
+
+/* Add a point, unless it is not finite; low, high: its interval, NaN for none. */
+void mukca_plot_add(mukca_plot *plot, mukca_plot_series series, const double at[2], double low,
+                    double high);
+void mukca_plot_name(mukca_plot *plot, double x, const char *name);
+
+/* 1, 2 or 5 times a power of ten, at most x. */
+double mukca_plot_round(double x);
+
+/* Write the figure as an <svg> element.  Errors: MUKCA_MEMORY. */
+mukca_status mukca_plot_svg(FILE *out, mukca_plot *plot, mukca_error *error);
 
 /* A section; `content` is that of the page. */
 typedef struct {

@@ -1,5 +1,5 @@
 /* Figures of a page: axes, key and points as SVG; their colours are in the page's style sheet. */
-#include "report/plot.h"
+#include "report/page.h"
 
 #include <math.h>
 #include <stdlib.h>
