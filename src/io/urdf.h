@@ -40,7 +40,7 @@ bool mukca_inertials_names(const char *link, const char *name);
 mukca_status mukca_inertials_read(mukca_inertial **list, int *n, const char *path,
                                   mukca_error *error);
 
-/* ---- a chain as a URDF (urdf_write.c) ---- */
+/* ---- a chain as a URDF (export_urdf.c) ---- */
 
 /* Print the chain's links and joints; a chain has no masses or shapes to print. */
 void mukca_urdf_write(FILE *stream, const mukca_chain *chain);
