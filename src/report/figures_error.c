@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "report/report.h"
 
 static const double mm = MUKCA_REPORT_MM;
@@ -17,6 +18,7 @@ bool mukca_report_joints(mukca_plot *plot, const void *content, int index)
     const bool turns = e->type != MUKCA_PRISMATIC, causes = r->offsets->n_effects > 0;
     const char *coordinate = turns ? "angle" : "position";
     const double unit = turns ? 180 / M_PI : mm;
+    mukca_text description = MUKCA_TEXT(plot->words);
     snprintf(plot->id, sizeof plot->id, "joint-%d", index + 1);
     snprintf(plot->title, sizeof plot->title, "Error over the %s of %s", coordinate, e->name);
     snprintf(plot->label[0], sizeof *plot->label, "%s, %s", coordinate, turns ? "deg" : "mm");
@@ -31,15 +33,16 @@ bool mukca_report_joints(mukca_plot *plot, const void *content, int index)
             mukca_plot_add(plot, m == MUKCA_RIGID ? MUKCA_PLOT_BEFORE : MUKCA_PLOT_AFTER, point,
                            NAN, NAN);
         }
-    fprintf(plot->description,
-            "The part of each sample's error along which %s moves the %s, over the joint's %s: "
-            "%.3g mm rms calibrated",
-            e->name, r->data.n_sockets > 0 ? "ball" : "target", coordinate,
-            mukca_report_joint_rms(r, MUKCA_CALIBRATED, index) * mm);
+    mukca_text_put(
+        &description,
+        "The part of each sample's error along which %s moves the %s, over the joint's %s: "
+        "%.3g mm rms calibrated",
+        e->name, r->data.n_sockets > 0 ? "ball" : "target", coordinate,
+        mukca_report_joint_rms(r, MUKCA_CALIBRATED, index) * mm);
     if (causes)
-        fprintf(plot->description, ", %.3g mm without the causes of the table",
-                mukca_report_joint_rms(r, MUKCA_RIGID, index) * mm);
-    fprintf(plot->description, ".");
+        mukca_text_put(&description, ", %.3g mm without the causes of the table",
+                       mukca_report_joint_rms(r, MUKCA_RIGID, index) * mm);
+    mukca_text_put(&description, ".");
     return true;
 }
 
@@ -63,6 +66,7 @@ bool mukca_report_samples(mukca_plot *plot, const void *content, int index)
     const bool sockets = data->n_sockets > 0;
     double most = 0;
     if (index > 0) return false;
+    mukca_text description = MUKCA_TEXT(plot->words);
     snprintf(plot->id, sizeof plot->id, "samples");
     snprintf(plot->title, sizeof plot->title, "Error of each sample, in recording order");
     snprintf(plot->label[0], sizeof *plot->label, "sample");
@@ -85,9 +89,9 @@ bool mukca_report_samples(mukca_plot *plot, const void *content, int index)
         mukca_plot_add(plot, MUKCA_PLOT_BEFORE, (double[]){row + 1, error}, NAN, NAN);
     }
     mark_placements(plot, data);
-    fprintf(plot->description,
-            "%d samples after calibration; largest error %.3g mm; %d recording "
-            "fault%s marked.",
-            data->n_rows, most, d->n_faults, d->n_faults == 1 ? "" : "s");
+    mukca_text_put(&description,
+                   "%d samples after calibration; largest error %.3g mm; %d recording "
+                   "fault%s marked.",
+                   data->n_rows, most, d->n_faults, d->n_faults == 1 ? "" : "s");
     return true;
 }

@@ -3,6 +3,7 @@
 
 #include <math.h>
 
+#include "base/text.h"
 #include "report/html.h"
 
 enum {
@@ -209,6 +210,7 @@ static bool draw_coefficient(mukca_plot *plot, const void *content, int index)
     const mukca_trait *c = &p->result->traits.list[k];
     const double value = per * c->value, spread = 1.96 * per * c->spread;
     char words[MUKCA_WORDING], probability[MUKCA_WORDING];
+    mukca_text description = MUKCA_TEXT(plot->words);
     if (!put_points(plot, p, k)) return false;
     mukca_wording_fleet_effect(words, &c->effect, p->fleet);
     mukca_wording_probability(probability, c->probability);
@@ -220,18 +222,19 @@ static bool draw_coefficient(mukca_plot *plot, const void *content, int index)
     plot->band[0] = fmax(value - spread, 0);
     plot->band[1] = value;
     plot->band[2] = value + spread;
-    fprintf(plot->description,
-            "Each arm with its 95 %% interval, its sisters as prior; dashed: mean of the fleet, "
-            "%.3g [%.3g, %.3g] if shared (%s); grey: range of 95 %% of its arms.",
-            value, per * c->low, per * c->high, probability);
+    mukca_text_put(
+        &description,
+        "Each arm with its 95 %% interval, its sisters as prior; dashed: mean of the fleet, "
+        "%.3g [%.3g, %.3g] if shared (%s); grey: range of 95 %% of its arms.",
+        value, per * c->low, per * c->high, probability);
     const mukca_departure *d = next_arm(p, NULL);
     for (int i = 0; departs(d) && i < MOST_ARMS; d = next_arm(p, d), i++)
         if (d->k == k)
-            fprintf(plot->description, " %s departs: %.3g [%.3g, %.3g].",
-                    p->fleet->arm[d->arm].name, per * d->value, per * d->low, per * d->high);
+            mukca_text_put(&description, " %s departs: %.3g [%.3g, %.3g].",
+                           p->fleet->arm[d->arm].name, per * d->value, per * d->low, per * d->high);
     if (n > MOST_ARMS)
-        fprintf(plot->description, " The %d of %d arms that are most probable to depart.",
-                MOST_ARMS, n);
+        mukca_text_put(&description, " The %d of %d arms that are most probable to depart.",
+                       MOST_ARMS, n);
     return true;
 }
 

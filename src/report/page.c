@@ -1,9 +1,6 @@
 /* Pages: head, list of sections, figures with their texts. */
 #include "report/page.h"
 
-#include <stdlib.h>
-
-#include "base/file.h"
 #include "mukca/version.h"
 #include "report/html.h"
 
@@ -88,11 +85,11 @@ static void put_head(FILE *out, const mukca_page *p)
 }
 
 /* Write a figure with its title and description to `out`. */
-static mukca_status put_figure(FILE *out, mukca_plot *plot, mukca_error *error)
+static mukca_status put_figure(FILE *out, const mukca_plot *plot, mukca_error *error)
 {
+    if (plot->failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the figures");
     fprintf(out, "<figure%s>\n", plot->width > MUKCA_PLOT_HALF ? " class=\"broad\"" : "");
-    const mukca_status status = mukca_plot_svg(out, plot, error);
-    if (status != MUKCA_OK) return status;
+    mukca_plot_svg(out, plot);
     fputs("<figcaption>", out);
     mukca_html_element(out, "strong", plot->title);
     fputc(' ', out);
@@ -101,60 +98,38 @@ static mukca_status put_figure(FILE *out, mukca_plot *plot, mukca_error *error)
     return MUKCA_OK;
 }
 
-/* Draw all figures of section k. */
-static mukca_status put_figures(FILE *out, const mukca_page *p, int k, mukca_error *error)
+static mukca_status put_section(FILE *out, const mukca_page *p, const mukca_page_section *s,
+                                mukca_error *error)
 {
     mukca_status status = MUKCA_OK;
-    bool more = p->sections[k].figure != NULL;
+    bool more = s->figure != NULL;
+    fprintf(out, "<section aria-labelledby=\"%s\">\n<h2 id=\"%s\">%s</h2>\n", s->id, s->id,
+            s->heading);
+    if (s->figure) fputs("<div class=\"figures\">\n", out);
     for (int i = 0; more && status == MUKCA_OK; i++) {
-        mukca_plot plot;
-        status = mukca_plot_open(&plot, error);
-        more = status == MUKCA_OK && p->sections[k].figure(&plot, p->content, i);
+        mukca_plot plot = {.words = ""};
+        more = s->figure(&plot, p->content, i);
         if (more) status = put_figure(out, &plot, error);
         mukca_plot_free(&plot);
     }
-    return status;
-}
-
-/* Write section k, and its entry in the list of sections to `list`. */
-static mukca_status put_section(FILE *out, FILE *list, const mukca_page *p, int k,
-                                mukca_error *error)
-{
-    const mukca_page_section *s = &p->sections[k];
-    char *figures = NULL;
-    size_t size = 0;
-    FILE *stream = open_memstream(&figures, &size);
-    if (!stream) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the figures");
-    mukca_status status = put_figures(stream, p, k, error);
-    if (!mukca_file_close(stream, &figures) && status == MUKCA_OK)
-        status = mukca_fail(error, MUKCA_MEMORY, "out of memory for the figures");
-    if (status == MUKCA_OK && (size > 0 || !s->figure)) {
-        fprintf(list, "<li><a href=\"#%s\">%s</a></li>\n", s->id, s->heading);
-        fprintf(out, "<section aria-labelledby=\"%s\">\n<h2 id=\"%s\">%s</h2>\n", s->id, s->id,
-                s->heading);
-        if (size > 0) fprintf(out, "<div class=\"figures\">\n%s</div>\n", figures);
-        if (s->text) s->text(out, p->content);
-        fputs("</section>\n", out);
-    }
-    free(figures);
+    if (s->figure) fputs("</div>\n", out);
+    if (s->text) s->text(out, p->content);
+    fputs("</section>\n", out);
     return status;
 }
 
 mukca_status mukca_page_write(FILE *out, const mukca_page *p, mukca_error *error)
 {
-    char *text = NULL;
-    size_t size = 0;
-    FILE *body = open_memstream(&text, &size); /* the list of sections precedes them */
     mukca_status status = MUKCA_OK;
-    if (!body) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the page");
     put_head(out, p);
     p->open(out, p->content);
     fputs("<nav aria-label=\"Sections\"><ul>\n", out);
+    for (int k = 0; k < p->n_sections; k++)
+        fprintf(out, "<li><a href=\"#%s\">%s</a></li>\n", p->sections[k].id,
+                p->sections[k].heading);
+    fputs("</ul></nav>\n", out);
     for (int k = 0; k < p->n_sections && status == MUKCA_OK; k++)
-        status = put_section(body, out, p, k, error);
-    if (!mukca_file_close(body, &text) && status == MUKCA_OK)
-        status = mukca_fail(error, MUKCA_MEMORY, "out of memory for the page");
-    if (status == MUKCA_OK) fprintf(out, "</ul></nav>\n%s</main>\n</body>\n</html>\n", text);
-    free(text);
+        status = put_section(out, p, &p->sections[k], error);
+    fputs("</main>\n</body>\n</html>\n", out);
     return status;
 }

@@ -35,12 +35,10 @@ typedef struct {
     const char *name;
 } mukca_plot_tic;
 
-/* A figure under construction; texts must outlive it. */
+/* A figure under construction, zeroed at first; titles and names must outlive it. */
 typedef struct {
-    FILE *description; /* output of the caller: the content as text */
-    char *words;       /* its content */
-    size_t size;
-    char id[64]; /* letters, digits, '-'; unique on the page */
+    char words[4096]; /* the content as text */
+    char id[64];      /* letters, digits, '-'; unique on the page */
     char title[160], label[2][80];
     int width, height; /* px */
     bool brief;        /* the caption is the title alone: a table has the numbers */
@@ -54,10 +52,7 @@ typedef struct {
     bool failed; /* out of memory */
 } mukca_plot;
 
-/* Create an empty figure; free it with mukca_plot_free, also after an error.  Errors:
- * MUKCA_MEMORY. */
-mukca_status mukca_plot_open(mukca_plot *plot, mukca_error *error);
-void mukca_plot_free(mukca_plot *plot);
+void mukca_plot_free(mukca_plot *plot); /* harmless on a zeroed figure */
 
 /* Add a point, unless it is not finite; low, high: its interval, NaN for none. */
 void mukca_plot_add(mukca_plot *plot, mukca_plot_series series, const double at[2], double low,
@@ -67,14 +62,13 @@ void mukca_plot_name(mukca_plot *plot, double x, const char *name);
 /* 1, 2 or 5 times a power of ten, at most x. */
 double mukca_plot_round(double x);
 
-/* Write the figure as an <svg> element.  Errors: MUKCA_MEMORY. */
-mukca_status mukca_plot_svg(FILE *out, mukca_plot *plot, mukca_error *error);
+/* Write the figure, which has not failed, as an <svg> element. */
+void mukca_plot_svg(FILE *out, const mukca_plot *plot);
 
 /* A section; `content` is that of the page. */
 typedef struct {
     const char *id, *heading;
-    /* Draw figure `index` on an open plot; false: there is none.  NULL: no figures; a section
-     * without any of its figures is omitted. */
+    /* Draw figure `index` on a zeroed plot; false: there is none.  NULL: no figures. */
     bool (*figure)(mukca_plot *plot, const void *content, int index);
     void (*text)(FILE *out, const void *content); /* after the figures; NULL: none */
 } mukca_page_section;

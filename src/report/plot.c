@@ -13,18 +13,8 @@ enum { LEFT = 58, RIGHT = 16, TOP = 30, BOTTOM = 46, BOTTOM_NAMES = 92, NAME = 1
 
 static const char *const series_class[MUKCA_PLOT_SERIES] = {"after", "before", "third"};
 
-mukca_status mukca_plot_open(mukca_plot *plot, mukca_error *error)
-{
-    *plot = (mukca_plot){.width = 0};
-    plot->description = open_memstream(&plot->words, &plot->size);
-    if (plot->description) return MUKCA_OK;
-    return mukca_fail(error, MUKCA_MEMORY, "out of memory for the figures");
-}
-
 void mukca_plot_free(mukca_plot *plot)
 {
-    if (plot->description) fclose(plot->description);
-    free(plot->words);
     free(plot->points);
     free(plot->tics);
 }
@@ -188,10 +178,8 @@ static void put_series(FILE *out, const mukca_plot *p, const axis *x, const axis
     }
 }
 
-mukca_status mukca_plot_svg(FILE *out, mukca_plot *p, mukca_error *error)
+void mukca_plot_svg(FILE *out, const mukca_plot *p)
 {
-    if (fflush(p->description) != 0 || ferror(p->description) || p->failed)
-        return mukca_fail(error, MUKCA_MEMORY, "out of memory for the figures");
     const axis x = find_axis(p, 0), y = find_axis(p, 1);
     fprintf(out,
             "<svg class=\"plot\" viewBox=\"0 0 %d %d\" role=\"img\" aria-labelledby=\"%s-t "
@@ -204,5 +192,4 @@ mukca_status mukca_plot_svg(FILE *out, mukca_plot *p, mukca_error *error)
     put_frame(out, p, &x, &y);
     put_series(out, p, &x, &y);
     fputs("</svg>\n", out);
-    return MUKCA_OK;
 }
