@@ -12,23 +12,13 @@
 #include "io/rows.h"
 #include "io/table.h"
 
-static const cli_compensate_options defaults = {.format = -1};
-
 static const cli_option options[] = {
     CLI_OPTION(
         cli_compensate_options, poses, "poses", CLI_FLAG, NULL,
         "rows are poses (x_m y_m z_m, optionally qw qx qy qz or the rotation vector rx ry rz), not "
         "joint targets"),
     CLI_CHOICE_OPTION(cli_compensate_options, from, "from", "FORMAT", cli_compensate_formats,
-                      "read the targets from tables (default) or from programs in this language"),
-    {.name = "format",
-     .letter = 'f',
-     .kind = CLI_CHOICE,
-     .argument = "FORMAT",
-     .help = "write a table or lines of a program (default: as --from); a program in the language "
-             "of --from keeps its other text",
-     .choices = cli_compensate_formats,
-     .offset = offsetof(cli_compensate_options, format)},
+                      "correct tables (default) or programs in this language"),
     CLI_OPTION(cli_compensate_options, position_only, "position-only", CLI_FLAG, NULL,
                "ignore the orientation (always with fewer than six joints)"),
     CLI_OPTION(cli_compensate_options, tolerance, "tolerance", CLI_POSITIVE, "M",
@@ -57,7 +47,7 @@ static mukca_status from_joints(cli_compensate_job *b, const char *path)
     while (!ferror(b->stream) && !cli_interrupted() && mukca_rows_next(rows, &row)) {
         const mukca_row_reading reading = mukca_row_read(&row, rows);
         mukca_compensation c = mukca_compensate_joints(row.q, &b->compensator, &reading);
-        if (!b->to && rows->column.time >= 0) fprintf(b->stream, "%.17g\t", row.time);
+        if (rows->column.time >= 0) fprintf(b->stream, "%.17g\t", row.time);
         cli_compensate_put(b, row.q, &c, path, rows->table.line);
     }
     status = mukca_rows_close(rows);
@@ -173,10 +163,10 @@ static mukca_status run(cli_call *call)
     const cli_model *model = &call->session->model;
     cli_compensate_job *b = call->work;
     mukca_output output = {0};
-    const int to = o->format < 0 ? o->from : o->format;
     b->call = call;
     b->from = o->from ? mukca_languages[o->from - 1] : NULL;
-    b->to = to ? mukca_languages[to - 1] : NULL;
+    if (o->from && o->poses)
+        return mukca_fail(&call->error, MUKCA_USAGE, "--poses is for tables, --from for programs");
     mukca_status status = cli_load_model(call, &call->session->model);
     if (status != MUKCA_OK) return status;
     b->arm.chain = model->chain;
@@ -184,7 +174,6 @@ static mukca_status run(cli_call *call)
     b->arm.n_effects = model->offsets.n_effects;
     memcpy(b->arm.effects, model->offsets.effects, sizeof b->arm.effects);
     status = check_axes(call, o->from);
-    if (status == MUKCA_OK) status = check_axes(call, to);
     if (status != MUKCA_OK) return status;
     if (!c->offsets)
         cli_note(call, "no --offsets: targets are those of the nominal model; no correction");
@@ -194,7 +183,7 @@ static mukca_status run(cli_call *call)
     const cli_list input = status == MUKCA_OK ? cli_inputs(call) : (cli_list){0};
     char *text = NULL; /* a program is written when all of it is known to be right */
     size_t size;
-    const bool whole = o->from || to;
+    const bool whole = o->from != 0;
     b->stream = whole ? open_memstream(&text, &size) : output.stream;
     if (status == MUKCA_OK && !b->stream)
         status = mukca_fail(&call->error, MUKCA_MEMORY, "not enough memory for the program");
@@ -224,19 +213,16 @@ const cli_command cli_command_compensate = {
         "given targets. Damped least squares with the smallest change of the joints, within their "
         "limits; along a path the corrections are continuous. For a target out of reach the row "
         "holds the nearest solution and its status the reason.\n\n"
-        "--from and --format read and write programs; joints from the seventh on are external "
-        "axes:\n" MUKCA_LANGUAGE_LIST(FORMAT_LINE)
+        "--from corrects programs; joints from the seventh on are external axes:\n" MUKCA_LANGUAGE_LIST(FORMAT_LINE)
         "A program is corrected only as a whole: each line is a comment, a motion to joint values "
         "in numbers (MoveAbsJ, PTP, SPTP, movej, movel, movep, servoj), a target alone, or one of a "
         "few statements without motion. Otherwise all other lines are listed, nothing is written, "
-        "and the exit code is 3; likewise if a target is out of reach. With --poses, a line is a "
-        "pose alone, which becomes a joint target.",
+        "and the exit code is 3; likewise if a target is out of reach.",
     .example =
         "echo 0.1,0.2,0.3,-1.5,0.2,1.1,0.4 | mukca compensate --urdf data/demo/arm.urdf --offsets "
         "build/demo/offsets.tsv",
     .options = options,
     .options_size = sizeof(cli_compensate_options),
-    .defaults = &defaults,
     .run = run,
     .work_size = sizeof(cli_compensate_job),
 };

@@ -13,7 +13,7 @@ extern const char
 typedef struct {
     cli_common common;
     bool poses, position_only;
-    int from, format; /* index into cli_compensate_formats; -1: as `from` */
+    int from; /* index into cli_compensate_formats */
     double tolerance;
 } cli_compensate_options;
 
@@ -33,7 +33,7 @@ typedef struct {
     cli_call *call;
     FILE *stream;
     mukca_corrected arm;
-    const mukca_language *from, *to; /* NULL: tables */
+    const mukca_language *from; /* NULL: tables */
     mukca_compensator compensator;
     cli_compensate_tally tally;
     mukca_rows rows;
@@ -53,7 +53,7 @@ void cli_compensate_refuse(cli_compensate_job *job, const char *path, int number
 bool cli_compensate_count(cli_compensate_job *job, const mukca_compensation *c, const char *path,
                           int number);
 
-/* Count a corrected target, and print it as a row of the table or a line of a program. */
+/* Count a corrected target, and print it as a row of the table. */
 void cli_compensate_put(cli_compensate_job *job, const double *q, const mukca_compensation *c,
                         const char *path, int number);
 

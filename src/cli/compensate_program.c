@@ -1,5 +1,5 @@
-/* Output of corrected targets as rows of a table or lines of a program, with their counters; and
- * the correction of programs: whole, or each line listed that was not understood. */
+/* Output of corrected targets as rows of a table, with their counters; and the correction of
+ * programs: whole, or each line listed that was not understood. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,7 +16,7 @@ const char *const cli_compensate_formats[] = {"table",
 void cli_compensate_print_header(cli_compensate_job *b, bool timed)
 {
     const mukca_chain *chain = &b->arm.chain;
-    if (b->to || b->headed) return;
+    if (b->headed) return;
     b->headed = true;
     cli_print_verdict(b->call, b->stream);
     if (timed) fputs("time_s\t", b->stream);
@@ -47,7 +47,7 @@ bool cli_compensate_count(cli_compensate_job *b, const mukca_compensation *c, co
     t->count[c->reach]++;
     add(&t->before, c->position_before);
     add(&t->after, c->position_error);
-    if (!b->to || c->reach == MUKCA_REACH_OK) return true; /* tables have a status column */
+    if (!b->from || c->reach == MUKCA_REACH_OK) return true; /* tables have a status column */
     cli_compensate_refuse(b, path, number, mukca_reach_sentence[c->reach]);
     return false;
 }
@@ -55,12 +55,7 @@ bool cli_compensate_count(cli_compensate_job *b, const mukca_compensation *c, co
 void cli_compensate_put(cli_compensate_job *b, const double *q, const mukca_compensation *c,
                         const char *path, int number)
 {
-    if (!cli_compensate_count(b, c, path, number)) return;
-    if (b->to) {
-        mukca_language_print(b->stream, b->to, &b->arm.chain, q);
-        fputc('\n', b->stream);
-        return;
-    }
+    cli_compensate_count(b, c, path, number);
     for (int j = 0; j < b->arm.chain.n_joints; j++) fprintf(b->stream, "%.17g\t", q[j]);
     fprintf(b->stream, "%.9g\t%.9g\t%.9g\t%s\n", c->position_before, c->position_error,
             c->rotation_error, mukca_reach_text[c->reach]);
@@ -77,35 +72,29 @@ void cli_compensate_start(cli_compensate_job *b, bool oriented)
 static mukca_status correct_line(cli_compensate_job *b, const char *line, const char *path,
                                  int number)
 {
-    const cli_compensate_options *o = b->call->options;
     const mukca_chain *chain = &b->arm.chain;
-    const bool in_place = b->from == b->to && !o->poses;
     const mukca_row_reading reading = {
         .time = (double)NAN, .placement = -1, .number = (int)b->tally.rows + 1};
-    double q[MUKCA_MAX_JOINTS] = {0};
     char text[160];
     mukca_program_target t;
-    const mukca_line_kind kind = mukca_language_read(&t, b->from, chain, o->poses, line);
+    const mukca_line_kind kind = mukca_language_read(&t, b->from, chain, line);
     if (kind == MUKCA_LINE_UNKNOWN) {
         const char *words = line + strspn(line, " \t");
         snprintf(text, sizeof text, "not understood: %.*s", (int)strcspn(words, "\r"), words);
         cli_compensate_refuse(b, path, number, text);
     }
-    if (kind == MUKCA_LINE_OTHER && in_place) fputs(line, b->stream);
+    if (kind == MUKCA_LINE_OTHER) fputs(line, b->stream);
     if (kind != MUKCA_LINE_TARGET) return MUKCA_OK;
-    for (int j = 0; j < chain->n_joints && !o->poses; j++)
-        if (fabs(t.q[j]) > 4 * M_PI) /* as in tables */
+    double q[MUKCA_MAX_JOINTS];
+    memcpy(q, t.q, sizeof q);
+    for (int j = 0; j < chain->n_joints; j++)
+        if (fabs(q[j]) > 4 * M_PI) /* as in tables */
             return mukca_fail(&b->call->error, MUKCA_INPUT,
                               "%s:%d: joint '%s' is %g rad, more than two turns; check --from",
                               mukca_file_shown(path), number, mukca_chain_joint_name(chain, j),
-                              t.q[j]);
-    if (!o->poses) memcpy(q, t.q, sizeof t.q);
-    const mukca_compensation c = o->poses
-                                     ? mukca_compensate_pose(q, &b->compensator, &t.pose, &reading)
-                                     : mukca_compensate_joints(q, &b->compensator, &reading);
-    if (!in_place)
-        cli_compensate_put(b, q, &c, path, number);
-    else if (cli_compensate_count(b, &c, path, number))
+                              q[j]);
+    const mukca_compensation c = mukca_compensate_joints(q, &b->compensator, &reading);
+    if (cli_compensate_count(b, &c, path, number))
         mukca_language_replace(b->stream, b->from, chain, line, &t, q);
     return MUKCA_OK;
 }
@@ -120,19 +109,17 @@ mukca_status cli_compensate_program(cli_compensate_job *b, const char *path)
     mukca_status status = mukca_file_read(&text, path, &call->error);
     if (status != MUKCA_OK) return status;
     cli_compensate_start(b, true);
-    cli_compensate_print_header(b, false);
     for (char *line = text; status == MUKCA_OK && *line && !ferror(b->stream);) {
         char *end = line + strcspn(line, "\n");
         const bool ended = *end == '\n';
         *end = '\0';
         status = cli_interrupted() ? MUKCA_INTERRUPTED : correct_line(b, line, path, ++number);
-        if (ended && b->from == b->to && !o->poses) fputc('\n', b->stream);
+        if (ended) fputc('\n', b->stream);
         line = end + ended;
     }
     free(text);
     if (status != MUKCA_OK) return status;
     if (b->tally.rows > before || b->tally.refused > 0) return MUKCA_OK;
-    return mukca_fail(&call->error, MUKCA_INPUT,
-                      "%s: no target in %s; check --from, --tip and --poses",
+    return mukca_fail(&call->error, MUKCA_INPUT, "%s: no target in %s; check --from and --tip",
                       mukca_file_shown(path), cli_compensate_formats[o->from]);
 }
