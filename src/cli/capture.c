@@ -149,28 +149,21 @@ static int count_finished(const mukca_capture *c)
     return finished;
 }
 
-/* Print the next command for this session, with the options that specify the arm. */
+/* Print the command that uses this session, with the options that specify the arm. */
 static void print_next(const session *s)
 {
-    const capture_options *o = s->options;
     cli_live_words words = {.word = {NULL}};
     char line[4096] = "";
     mukca_text text = MUKCA_TEXT(line);
-    const bool finished = count_finished(&s->recorder.session.capture) > 0;
-    mukca_text_put(&text, "mukca %s", finished ? "calibrate" : "capture");
-    cli_live_arguments(&words, s->call->common, &o->live);
+    if (!count_finished(&s->recorder.session.capture)) {
+        cli_answer_keyed(s->call, "Next",
+                         "--resume continues: no placement has two sockets with two samples yet");
+        return;
+    }
+    cli_live_arguments(&words, s->call->common, &s->options->live);
     for (int i = 0; words.word[i]; i++) mukca_text_put(&text, " %s", words.word[i]);
-    if (finished)
-        mukca_text_put(&text, " %s -o offsets.tsv", s->recorder.session.file.path);
-    else
-        mukca_text_put(
-            &text, " -o %s --resume%s%s%s%s%s", s->recorder.session.file.path,
-            o->live.recorder.map ? " --map " : "", o->live.recorder.map ? o->live.recorder.map : "",
-            o->live.recorder.lines ? " --stdin" : "", o->live.recorder.still ? " --still" : "",
-            o->live.recorder.triggers ? " --trigger" : "");
-    cli_answer(s->call, "Next    %s\n", line);
-    if (!finished)
-        cli_answer_wrapped(s->call, "        no placement has two sockets with two samples yet");
+    cli_answer(s->call, "Next    mukca calibrate%s %s -o offsets.tsv\n", line,
+               s->recorder.session.file.path);
 }
 
 static void conclude(session *s)
