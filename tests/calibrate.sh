@@ -86,15 +86,6 @@ ok evaluate_held_out evaluates
 ok evaluate_within "${evaluate[@]}" "$dir/front.tsv" --test "$dir/side.tsv" --offsets "$dir/offsets.tsv" --max-mae 1e-5
 ok evaluate_above exits 1 "${evaluate[@]}" -q "$dir/side.tsv" --max-mae 1e-5
 
-matrix() {
-    "${evaluate[@]}" "$dir/all.tsv" --matrix -q >"$dir/matrix.tsv" || return 1
-    [ "$(wc -l <"$dir/matrix.tsv")" = 8 ] && grep -q '^front+side	2' "$dir/matrix.tsv" && grep -q '^all	3' "$dir/matrix.tsv" || return 1
-    "${calibrate[@]}" "$dir/front.tsv" -o "$dir/trained.tsv" -q && # the row of `front` is what that table scores elsewhere
-        "${evaluate[@]}" "$dir/all.tsv" --offsets "$dir/trained.tsv" -q | awk -F'\t' 'NR == FNR { if ($1 == "front") own = $3; next }
-            FNR > 1 && $2 != "front" { sum += $5; n++ } END { exit !(n == 2 && (sum / n / own - 1) ^ 2 < 1e-12) }' "$dir/matrix.tsv" -
-}
-ok evaluate_matrix matrix
-
 options_do_what_they_say() { # the cost's parts
     local own nominal loose
     own=$("${calibrate[@]}" "$dir/front.tsv" -q --json - | awk '/"total"/ { print $2 }' | tail -n 1)
@@ -144,6 +135,4 @@ ok calibrate_lambda exits 2 "${calibrate[@]}" -q "$dir/front.tsv" --lambda -1
 ok calibrate_unknown_parameter exits 2 "${calibrate[@]}" -q "$dir/front.tsv" --free j9.x
 ok calibrate_nothing_free exits 2 "${calibrate[@]}" -q "$dir/front.tsv" --freeze x,y,z,roll,pitch,yaw
 ok calibrate_one_file_twice exits 2 "${calibrate[@]}" -q "$dir/front.tsv" --json "$dir/x" -o "$dir/x"
-ok evaluate_matrix_of_one exits 3 "${evaluate[@]}" -q "$dir/front.tsv" --matrix
-ok evaluate_matrix_with_offsets exits 2 "${evaluate[@]}" -q "$dir/all.tsv" --matrix --offsets "$dir/offsets.tsv"
 exit $failed

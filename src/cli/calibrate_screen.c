@@ -73,10 +73,8 @@ static void print_next(cli_call *call, const calibrate_result *r)
     else if (sockets && r->train->n_placements < 2)
         cli_answer_keyed(call, "Next", "move the tool and record two or three more placements");
     else if (r->test_scores.n == 0)
-        cli_answer_keyed(call, "Next",
-                         sockets ? "check the error elsewhere: mukca evaluate --matrix with these "
-                                   "data, or --test with another placement"
-                                 : "check the error elsewhere: --test with another pose log");
+        cli_answer_keyed(call, "Next", "check the error elsewhere: --test with another %s",
+                         sockets ? "placement" : "pose log");
     else if (test > 1.5 * train)
         cli_answer_keyed(call, "Next",
                          "the test error is %.1f times the training error: record more "

@@ -32,7 +32,7 @@ def commands(inputs):
     few = os.path.join(inputs, "few.tsv")
     return {
         "calibrate": (["calibrate", *ARM, data, "-o", "o.tsv", "--json", "o.json"], ()),
-        "evaluate": (["evaluate", *ARM, data, "--matrix", "-o", "o.tsv", "--json", "o.json"], ()),
+        "evaluate": (["evaluate", *ARM, data, "-o", "o.tsv", "--json", "o.json"], ()),
         "diagnose": (["diagnose", *ARM, data, "-o", "o.tsv", "--json", "o.json"], ()),
         "recalibrate": (["recalibrate", *ARM, poses, "-o", "o.tsv", "--json", "o.json"], ()),
         "compensate": (["compensate", *ARM, "--offsets", offsets, few, "-o", "o.tsv", "--json", "o.json"], ()),

@@ -5,9 +5,9 @@ a='--urdf arm.urdf'
 # what is said to people must not land in a file that took the number of a closed stream
 run simulate $a --seed 5 --rows 3 --placements 2 -o two.tsv
 for closed in '2>&-' '>&-' '<&-' '<&- >&- 2>&-'; do
-    eval "\"\$MUKCA\" evaluate $a --matrix two.tsv -o closed.tsv 2>closed.err $closed"
+    eval "\"\$MUKCA\" evaluate $a two.tsv -o closed.tsv 2>closed.err $closed"
     expect "streams closed ($closed): the table begins with its header" \
-        sh -c 'head -n 1 closed.tsv | grep -q "^train"'
+        sh -c 'head -n 1 closed.tsv | grep -q "^set"'
     rm -f closed.tsv
 done
 "$MUKCA" fk $a good/hole_0.csv 2>err >&-
