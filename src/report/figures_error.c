@@ -13,7 +13,7 @@ bool mukca_report_joints(mukca_plot *plot, const void *content, int index)
 {
     const mukca_report *r = content;
     if (index >= r->chain->n_joints) return false;
-    const int n = r->chain->n_joints, rows = r->data.n_rows;
+    const int n = r->chain->n_joints, rows = r->train->n_rows;
     const mukca_element *e = &r->chain->element[r->chain->joint_element[index]];
     const bool turns = e->type != MUKCA_PRISMATIC, causes = r->offsets->n_effects > 0;
     const char *coordinate = turns ? "angle" : "position";
@@ -29,7 +29,7 @@ bool mukca_report_joints(mukca_plot *plot, const void *content, int index)
     plot->key[MUKCA_PLOT_BEFORE] = causes ? "without them" : NULL;
     for (int m = causes ? MUKCA_RIGID : MUKCA_CALIBRATED; m <= MUKCA_CALIBRATED; m++)
         for (int k = index; k < n * rows; k += n) {
-            const double point[2] = {r->data.q[k] * unit, r->joint_error[m][k] * mm};
+            const double point[2] = {r->train->q[k] * unit, r->joint_error[m][k] * mm};
             mukca_plot_add(plot, m == MUKCA_RIGID ? MUKCA_PLOT_BEFORE : MUKCA_PLOT_AFTER, point,
                            NAN, NAN);
         }
@@ -37,7 +37,7 @@ bool mukca_report_joints(mukca_plot *plot, const void *content, int index)
         &description,
         "The part of each sample's error along which %s moves the %s, over the joint's %s: "
         "%.3g mm rms calibrated",
-        e->name, r->data.n_sockets > 0 ? "ball" : "target", coordinate,
+        e->name, r->train->n_sockets > 0 ? "ball" : "target", coordinate,
         mukca_report_joint_rms(r, MUKCA_CALIBRATED, index) * mm);
     if (causes)
         mukca_text_put(&description, ", %.3g mm without the causes of the table",
@@ -61,14 +61,14 @@ static void mark_placements(mukca_plot *plot, const mukca_dataset *data)
 bool mukca_report_samples(mukca_plot *plot, const void *content, int index)
 {
     const mukca_report *r = content;
-    const mukca_dataset *data = &r->data;
+    const mukca_dataset *data = r->train;
     const mukca_diagnosis *d = r->diagnosed.diagnosis;
     const bool sockets = data->n_sockets > 0;
     double most = 0;
     if (index > 0) return false;
     mukca_text description = MUKCA_TEXT(plot->words);
     snprintf(plot->id, sizeof plot->id, "samples");
-    snprintf(plot->title, sizeof plot->title, "Error of each sample, in recording order");
+    snprintf(plot->title, sizeof plot->title, "Error of each training sample, in recording order");
     snprintf(plot->label[0], sizeof *plot->label, "sample");
     snprintf(plot->label[1], sizeof *plot->label, "%s, mm",
              sockets ? "consistency error" : "distance from the measured position");

@@ -36,8 +36,7 @@ typedef struct {
     const mukca_dataset *train, *test; /* `test` may be empty */
     mukca_diagnosed diagnosed;         /* with `train` as its data */
     /* Set by mukca_report_prepare. */
-    mukca_dataset data;                          /* samples of `train`, then of `test` */
-    const double *tip[MUKCA_REPORT_MODELS];      /* [n_rows][3] predicted, m */
+    const double *tip[MUKCA_REPORT_MODELS];      /* [rows of `train`][3] predicted, m */
     const double *residual[MUKCA_REPORT_MODELS]; /* [n_rows][3] tip minus its socket's mean or the
                                                     measured position; NaN: unknown */
     const double *joint_error[MUKCA_REPORT_MODELS]; /* [n_rows][n_joints] component of the residual

@@ -47,7 +47,7 @@ static int find_joints(double points[][3], const mukca_report *r, const mukca_ge
                        int row)
 {
     mukca_frame before[MUKCA_MAX_ELEMENTS], tip;
-    const double *q = r->data.q + row * r->data.n_joints;
+    const double *q = r->train->q + row * r->train->n_joints;
     const int n = r->fitted->n_elements;
     mukca_fk_frames(before, &tip, geometry, q, NULL);
     for (int k = 0; k < n; k++) memcpy(points[k], before[k].p, sizeof points[k]);
@@ -58,7 +58,7 @@ static int find_joints(double points[][3], const mukca_report *r, const mukca_ge
 void mukca_report_put_view(FILE *out, const void *content)
 {
     const mukca_report *r = content;
-    const int rows = r->data.n_rows;
+    const int rows = r->train->n_rows;
     double points[MUKCA_MAX_ELEMENTS + 1][3], low[3], high[3], centre[3], most = 0, reach = 0;
     mukca_geometry geometry;
     mukca_geometry_set(&geometry, r->fitted, r->offsets->theta);
@@ -88,7 +88,7 @@ void mukca_report_put_view(FILE *out, const void *content)
         "arm and the errors of its tip</title>\n<desc id=\"view-d\">The arm in %d postures, with "
         "the error of each sample from the %s, nominal and calibrated, times %g.</desc>\n",
         -1e3 * reach, -1e3 * reach, 2e3 * reach, 2e3 * reach, azimuth, elevation, POSTURES,
-        r->data.n_sockets > 0 ? "mean of its socket" : "measured position", scale);
+        r->train->n_sockets > 0 ? "mean of its socket" : "measured position", scale);
     for (int i = 0; i < POSTURES; i++) {
         const int n = find_joints(points, r, &geometry, i * rows / POSTURES);
         put_line(out, "arm", points, n, centre);
