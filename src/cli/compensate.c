@@ -1,27 +1,63 @@
-/* mukca compensate: joint targets or poses in, corrected joint targets out. */
-#include "cli/compensate.h"
-
+/* mukca compensate: joint targets or poses in, corrected joint targets out; programs whole, or each
+ * line listed that was not understood. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "arm/compensate.h"
 #include "base/file.h"
-#include "base/number.h"
+#include "cli/cli.h"
+#include "io/language.h"
 #include "io/output.h"
 #include "io/rows.h"
-#include "io/table.h"
+
+static const char *const formats[] = {"table",
+#define FORMAT_NAME(name, description) #name,
+                                      MUKCA_LANGUAGE_LIST(FORMAT_NAME)
+#undef FORMAT_NAME
+                                          NULL};
+
+typedef struct {
+    cli_common common;
+    bool poses, position_only;
+    int from; /* index into formats */
+    double tolerance;
+} compensate_options;
+
+/* Errors of the tip, m. */
+typedef struct {
+    double sum, max;
+} tip_errors;
+
+typedef struct {
+    tip_errors before, after;
+    long count[MUKCA_REACH_COUNT], rows;
+    long refused; /* lines for which no program is written */
+} tally;
+
+/* One run: output and counters. */
+typedef struct {
+    cli_call *call;
+    FILE *stream;
+    mukca_corrected arm;
+    const mukca_language *from; /* NULL: tables */
+    mukca_compensator compensator;
+    tally tally;
+    mukca_rows rows;
+    bool headed; /* the table's header has been written */
+} job;
 
 static const cli_option options[] = {
     CLI_OPTION(
-        cli_compensate_options, poses, "poses", CLI_FLAG, NULL,
+        compensate_options, poses, "poses", CLI_FLAG, NULL,
         "rows are poses (x_m y_m z_m, optionally qw qx qy qz or the rotation vector rx ry rz), not "
         "joint targets"),
-    CLI_CHOICE_OPTION(cli_compensate_options, from, "from", "FORMAT", cli_compensate_formats,
+    CLI_CHOICE_OPTION(compensate_options, from, "from", "FORMAT", formats,
                       "correct tables (default) or programs in this language"),
-    CLI_OPTION(cli_compensate_options, position_only, "position-only", CLI_FLAG, NULL,
+    CLI_OPTION(compensate_options, position_only, "position-only", CLI_FLAG, NULL,
                "ignore the orientation (always with fewer than six joints)"),
-    CLI_OPTION(cli_compensate_options, tolerance, "tolerance", CLI_POSITIVE, "M",
+    CLI_OPTION(compensate_options, tolerance, "tolerance", CLI_POSITIVE, "M",
                "error at which a target counts as reached, m and rad (default: 1e-8)"),
     CLI_OFFSETS_OPTION,
     CLI_ACCEPT_OPTION,
@@ -32,26 +68,63 @@ static const cli_option options[] = {
     CLI_OUTPUT_OPTION("write the corrected targets there (default: standard output)"),
     CLI_LAST_OPTIONS};
 
-static mukca_status from_joints(cli_compensate_job *b, const char *path)
+/* ---- tables ---- */
+
+/* Print the table's header, once. */
+static void print_header(job *b, bool timed)
 {
-    cli_call *call = b->call;
-    mukca_rows *rows = &b->rows;
-    mukca_row row;
-    mukca_rows_options header = {.kind = MUKCA_EITHER, .note = cli_note, .context = call};
-    mukca_status status = cli_read_format(call, &header.format);
-    if (status == MUKCA_OK)
-        status = mukca_rows_open(rows, path, &b->arm.chain, &header, &call->error);
-    if (status != MUKCA_OK) return status;
-    cli_compensate_start(b, true);
-    cli_compensate_print_header(b, rows->column.time >= 0);
-    while (!ferror(b->stream) && !cli_interrupted() && mukca_rows_next(rows, &row)) {
-        const mukca_row_reading reading = mukca_row_read(&row, rows);
-        mukca_compensation c = mukca_compensate_joints(row.q, &b->compensator, &reading);
-        if (rows->column.time >= 0) fprintf(b->stream, "%.17g\t", row.time);
-        cli_compensate_put(b, row.q, &c, path, rows->table.line);
-    }
-    status = mukca_rows_close(rows);
-    return status == MUKCA_OK && cli_interrupted() ? MUKCA_INTERRUPTED : status;
+    const mukca_chain *chain = &b->arm.chain;
+    if (b->headed) return;
+    b->headed = true;
+    cli_print_verdict(b->call, b->stream);
+    if (timed) fputs("time_s\t", b->stream);
+    for (int j = 0; j < chain->n_joints; j++)
+        fprintf(b->stream, "%s\t", mukca_chain_joint_name(chain, j));
+    fputs("error_before_m\terror_m\terror_rad\tstatus\n", b->stream);
+}
+
+/* List line `number` of `path`, which a program cannot hold, and why. */
+static void refuse(job *b, const char *path, int number, const char *why)
+{
+    mukca_error error; /* for its rules about foreign text */
+    mukca_fail(&error, MUKCA_INPUT, "%s:%d: %s", mukca_file_shown(path), number, why);
+    fprintf(stderr, "mukca: %s\n", error.text);
+    b->tally.refused++;
+}
+
+static void add(tip_errors *errors, double x)
+{
+    errors->sum += x;
+    if (!(x <= errors->max)) errors->max = x;
+}
+
+/* Count a target; false: a program cannot hold it (listed). */
+static bool count(job *b, const mukca_compensation *c, const char *path, int number)
+{
+    tally *t = &b->tally;
+    t->rows++;
+    t->count[c->reach]++;
+    add(&t->before, c->position_before);
+    add(&t->after, c->position_error);
+    if (!b->from || c->reach == MUKCA_REACH_OK) return true; /* tables have a status column */
+    refuse(b, path, number, mukca_reach_sentence[c->reach]);
+    return false;
+}
+
+/* Count a corrected target, and print it as a row of the table. */
+static void put(job *b, const double *q, const mukca_compensation *c, const char *path, int number)
+{
+    count(b, c, path, number);
+    for (int j = 0; j < b->arm.chain.n_joints; j++) fprintf(b->stream, "%.17g\t", q[j]);
+    fprintf(b->stream, "%.9g\t%.9g\t%.9g\t%s\n", c->position_before, c->position_error,
+            c->rotation_error, mukca_reach_text[c->reach]);
+}
+
+/* Begin a path: the targets of one file. */
+static void start(job *b, bool oriented)
+{
+    const compensate_options *o = b->call->options;
+    mukca_compensator_start(&b->compensator, &b->arm, o->position_only || !oriented, o->tolerance);
 }
 
 /* The target of a row of poses; false: it lacks numbers that the header promises. */
@@ -62,45 +135,112 @@ static bool read_pose(mukca_frame *target, const mukca_row *row, bool oriented)
     return !isnan(row->position[0]) && !(oriented && isnan(row->quaternion[0]));
 }
 
-static mukca_status from_poses(cli_compensate_job *b, const char *path)
+static mukca_status correct_table(job *b, const char *path)
 {
     cli_call *call = b->call;
     mukca_rows *rows = &b->rows;
     mukca_row row;
     mukca_frame target;
     double q[MUKCA_MAX_JOINTS] = {0};
+    const bool poses = ((const compensate_options *)call->options)->poses;
     mukca_rows_options header = {
-        .poses = true, .any_order = true, .note = cli_note, .context = call};
+        .kind = MUKCA_EITHER, .poses = poses, .any_order = true, .note = cli_note, .context = call};
     mukca_status status = cli_read_format(call, &header.format);
     if (status == MUKCA_OK)
         status = mukca_rows_open(rows, path, &b->arm.chain, &header, &call->error);
     if (status != MUKCA_OK) return status;
     const mukca_measured_columns *m = &rows->column.measured[0];
-    const bool oriented = m->turn[0] >= 0 || m->matrix[0] >= 0;
-    if (rows->column.n_measured == 0) mukca_rows_fail_measured(rows, "no column 'x_m'");
-    cli_compensate_start(b, oriented);
-    cli_compensate_print_header(b, false);
+    const bool oriented = !poses || m->turn[0] >= 0 || m->matrix[0] >= 0;
+    const bool timed = !poses && rows->column.time >= 0;
+    if (poses && rows->column.n_measured == 0) mukca_rows_fail_measured(rows, "no column 'x_m'");
+    start(b, oriented);
+    print_header(b, timed);
     while (!ferror(b->stream) && !cli_interrupted() && mukca_rows_next(rows, &row)) {
-        const mukca_row_reading reading = {
+        mukca_row_reading reading = {
             .time = (double)NAN, .placement = -1, .number = rows->table.row};
-        if (!read_pose(&target, &row, oriented)) {
+        mukca_compensation c;
+        if (!poses) {
+            reading = mukca_row_read(&row, rows);
+            memcpy(q, row.q, sizeof q);
+            c = mukca_compensate_joints(q, &b->compensator, &reading);
+        } else if (read_pose(&target, &row, oriented)) {
+            c = mukca_compensate_pose(q, &b->compensator, &target, &reading);
+        } else {
             mukca_table_fail(&rows->table, -1, "the pose is incomplete");
             break;
         }
-        mukca_compensation c = mukca_compensate_pose(q, &b->compensator, &target, &reading);
-        cli_compensate_put(b, q, &c, path, rows->table.line);
+        if (timed) fprintf(b->stream, "%.17g\t", row.time);
+        put(b, q, &c, path, rows->table.line);
     }
     status = mukca_rows_close(rows);
     return status == MUKCA_OK && cli_interrupted() ? MUKCA_INTERRUPTED : status;
 }
 
+/* ---- programs ---- */
+
+static mukca_status correct_line(job *b, const char *line, const char *path, int number)
+{
+    const mukca_chain *chain = &b->arm.chain;
+    const mukca_row_reading reading = {
+        .time = (double)NAN, .placement = -1, .number = (int)b->tally.rows + 1};
+    char text[160];
+    mukca_program_target t;
+    const mukca_line_kind kind = mukca_language_read(&t, b->from, chain, line);
+    if (kind == MUKCA_LINE_UNKNOWN) {
+        const char *words = line + strspn(line, " \t");
+        snprintf(text, sizeof text, "not understood: %.*s", (int)strcspn(words, "\r"), words);
+        refuse(b, path, number, text);
+    }
+    if (kind == MUKCA_LINE_OTHER) fputs(line, b->stream);
+    if (kind != MUKCA_LINE_TARGET) return MUKCA_OK;
+    double q[MUKCA_MAX_JOINTS];
+    memcpy(q, t.q, sizeof q);
+    for (int j = 0; j < chain->n_joints; j++)
+        if (fabs(q[j]) > 4 * M_PI) /* as in tables */
+            return mukca_fail(&b->call->error, MUKCA_INPUT,
+                              "%s:%d: joint '%s' is %g rad, more than two turns; check --from",
+                              mukca_file_shown(path), number, mukca_chain_joint_name(chain, j),
+                              q[j]);
+    const mukca_compensation c = mukca_compensate_joints(q, &b->compensator, &reading);
+    if (count(b, &c, path, number)) mukca_language_replace(b->stream, b->from, chain, line, &t, q);
+    return MUKCA_OK;
+}
+
+/* Correct the program at `path`; lines that are not understood are listed. */
+static mukca_status correct_program(job *b, const char *path)
+{
+    cli_call *call = b->call;
+    const compensate_options *o = call->options;
+    const long before = b->tally.rows;
+    char *text;
+    int number = 0;
+    mukca_status status = mukca_file_read(&text, path, &call->error);
+    if (status != MUKCA_OK) return status;
+    start(b, true);
+    for (char *line = text; status == MUKCA_OK && *line && !ferror(b->stream);) {
+        char *end = line + strcspn(line, "\n");
+        const bool ended = *end == '\n';
+        *end = '\0';
+        status = cli_interrupted() ? MUKCA_INTERRUPTED : correct_line(b, line, path, ++number);
+        if (ended) fputc('\n', b->stream);
+        line = end + ended;
+    }
+    free(text);
+    if (status != MUKCA_OK) return status;
+    if (b->tally.rows > before || b->tally.refused > 0) return MUKCA_OK;
+    return mukca_fail(&call->error, MUKCA_INPUT, "%s: no target in %s; check --from and --tip",
+                      mukca_file_shown(path), formats[o->from]);
+}
+
+/* ---- the command ---- */
+
 /* Mean over the rows, m. */
-static double mean(const cli_compensate_tally *t, const cli_compensate_errors *errors)
+static double mean(const tally *t, const tip_errors *errors)
 {
     return t->rows ? errors->sum / (double)t->rows : 0;
 }
 
-static void print_tally(cli_call *call, const cli_compensate_tally *t, bool poses)
+static void print_tally(cli_call *call, const tally *t, bool poses)
 {
     if (t->rows == 0) return;
     if (poses)
@@ -116,7 +256,7 @@ static void print_tally(cli_call *call, const cli_compensate_tally *t, bool pose
                        mukca_reach_text[r], mukca_reach_sentence[r]);
 }
 
-static json_t *as_json(const cli_call *call, const cli_compensate_tally *t)
+static json_t *as_json(const cli_call *call, const tally *t)
 {
     json_t *counts = json_object();
     for (int r = 0; r < MUKCA_REACH_COUNT; r++)
@@ -136,12 +276,11 @@ static mukca_status check_axes(cli_call *call, int format)
     if (n <= most) return MUKCA_OK;
     return mukca_fail(&call->error, MUKCA_INPUT,
                       "a target in %s has at most %d axes, and the chain has %d; check --tip",
-                      cli_compensate_formats[format], most, n);
+                      formats[format], most, n);
 }
 
 /* Close the text of a program and write it, if no line was refused. */
-static mukca_status finish_program(cli_compensate_job *b, FILE *stream, char *const *text,
-                                   mukca_status status)
+static mukca_status finish_program(job *b, FILE *stream, char *const *text, mukca_status status)
 {
     const bool whole = mukca_file_close(b->stream, text);
     if (status != MUKCA_OK) return status;
@@ -158,10 +297,10 @@ static mukca_status finish_program(cli_compensate_job *b, FILE *stream, char *co
 
 static mukca_status run(cli_call *call)
 {
-    const cli_compensate_options *o = call->options;
+    const compensate_options *o = call->options;
     const cli_common *c = call->common;
     const cli_model *model = &call->session->model;
-    cli_compensate_job *b = call->work;
+    job *b = call->work;
     mukca_output output = {0};
     b->call = call;
     b->from = o->from ? mukca_languages[o->from - 1] : NULL;
@@ -188,9 +327,7 @@ static mukca_status run(cli_call *call)
     if (status == MUKCA_OK && !b->stream)
         status = mukca_fail(&call->error, MUKCA_MEMORY, "not enough memory for the program");
     for (int i = 0; i < input.n && status == MUKCA_OK; i++)
-        status = b->from    ? cli_compensate_program(b, input.items[i])
-                 : o->poses ? from_poses(b, input.items[i])
-                            : from_joints(b, input.items[i]);
+        status = b->from ? correct_program(b, input.items[i]) : correct_table(b, input.items[i]);
     if (whole && b->stream) status = finish_program(b, output.stream, &text, status);
     status = mukca_output_finish(&output, status, &call->error);
     free(text);
@@ -222,7 +359,7 @@ const cli_command cli_command_compensate = {
         "echo 0.1,0.2,0.3,-1.5,0.2,1.1,0.4 | mukca compensate --urdf data/demo/arm.urdf --offsets "
         "build/demo/offsets.tsv",
     .options = options,
-    .options_size = sizeof(cli_compensate_options),
+    .options_size = sizeof(compensate_options),
     .run = run,
-    .work_size = sizeof(cli_compensate_job),
+    .work_size = sizeof(job),
 };
