@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "io/summary.h"
-#include "report/fleet_page.h"
+#include "report/report.h"
 
 typedef struct {
     cli_common common;

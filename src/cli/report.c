@@ -13,7 +13,6 @@
 #include "fit/accept.h"
 #include "fit/mismatch.h"
 #include "io/output.h"
-#include "report/fleet_page.h"
 #include "report/report.h"
 
 typedef struct {

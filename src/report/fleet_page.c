@@ -1,10 +1,10 @@
 /* The report of a fleet: its wording; verdict, departing arms, coefficients arm by arm, ripple. */
-#include "report/fleet_page.h"
+#include "report/report.h"
 
 #include <math.h>
 
 #include "base/text.h"
-#include "report/html.h"
+#include "report/page.h"
 
 enum {
     MOST_ROWS = 200, /* largest number of rows of a table */

@@ -2,7 +2,6 @@
 #include "report/page.h"
 
 #include "mukca/version.h"
-#include "report/html.h"
 
 static const char *const mukca_report_style[] = {
     ":root{--ink:#1a1a1a;--paper:#fff;--soft:#f3f4f6;--line:#8a8f98;"

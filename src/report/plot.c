@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "base/utf8.h"
-#include "report/html.h"
 
 /* Margins, px; BOTTOM_NAMES leaves room for NAME characters at an angle. */
 enum { LEFT = 58, RIGHT = 16, TOP = 30, BOTTOM = 46, BOTTOM_NAMES = 92, NAME = 18, LETTER = 7 };

@@ -4,6 +4,7 @@
 
 #include "base/pool.h"
 #include "fit/evaluate.h"
+#include "fleet/fleet.h"
 #include "io/offsets.h"
 #include "report/page.h"
 #include "report/wording.h"
@@ -75,5 +76,32 @@ void mukca_report_put_steps(FILE *out, const mukca_report *report);
 
 /* Rms of a model's errors along the motion by joint j, over all samples, m. */
 double mukca_report_joint_rms(const mukca_report *report, int model, int j);
+
+/* ---- the report of a fleet, and its wording, shared with the screen (fleet_page.c) ---- */
+
+/* Unit of all coefficients of a fleet, and their factor from rad/(N m). */
+#define MUKCA_WORDING_SPRING "urad/(N·m)"
+#define MUKCA_WORDING_PER_SPRING 1e6
+
+/* "joint compliance at joint_4". */
+void mukca_wording_fleet_effect(char text[MUKCA_WORDING], const mukca_effect *effect,
+                                const mukca_fleet *fleet);
+
+/* A shared coefficient with interval, spread and probability, or a shared order; no full stop. */
+void mukca_wording_fleet_trait(char text[MUKCA_WORDING], const mukca_trait *trait,
+                               const mukca_fleet *fleet);
+
+/* "arm7: joint compliance at joint_4 6.4 times softer than 7 sisters, ..." */
+void mukca_wording_fleet_departure(char text[MUKCA_WORDING], const mukca_departure *departure,
+                                   const mukca_fleet *fleet);
+
+typedef struct {
+    const char *command, *when; /* command of the page; UTC */
+    const mukca_fleet *fleet;
+    const mukca_fleet_result *result;
+} mukca_fleet_page;
+
+/* The page, whose content `fleet` must outlive it. */
+mukca_page mukca_fleet_page_of(const mukca_fleet_page *fleet);
 
 #endif

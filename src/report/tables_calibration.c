@@ -2,7 +2,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "report/html.h"
+#include "report/page.h"
 #include "report/report.h"
 
 static const double mm = MUKCA_REPORT_MM;

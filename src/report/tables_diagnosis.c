@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "report/html.h"
+#include "report/page.h"
 #include "report/report.h"
 
 enum { COLUMNS = 64 + 5 * MUKCA_MAX_JOINTS }; /* characters of headings */

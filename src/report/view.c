@@ -2,7 +2,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "report/html.h"
+#include "report/page.h"
 #include "report/report.h"
 
 enum { POSTURES = 5, ERRORS = 200 };
