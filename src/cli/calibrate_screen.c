@@ -221,10 +221,12 @@ json_t *calibrate_json(const calibrate_result *r, const char *solver, const char
         cli_json_acceptance(&r->offsets->acceptance), frame_json(r, true), frame_json(r, false),
         NULL, NULL, elapsed);
     if (r->traits)
-        cli_json_set(root, "traits{used:b share:f arms:i log_bayes_factor:f}", r->traits_share > 0,
-                     r->traits_share, r->traits->n_arms, r->traits_evidence);
+        json_object_update_new(
+            root, cli_json("traits{used:b share:f arms:i log_bayes_factor:f}", r->traits_share > 0,
+                           r->traits_share, r->traits->n_arms, r->traits_evidence));
     if (e->postures)
-        cli_json_set(root, "by_evidence{error_m:f instead_of_m:f difference_sigma_m:f}", e->after_m,
-                     e->before_m, e->sigma_m);
+        json_object_update_new(
+            root, cli_json("by_evidence{error_m:f instead_of_m:f difference_sigma_m:f}", e->after_m,
+                           e->before_m, e->sigma_m));
     return root;
 }

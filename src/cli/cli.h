@@ -420,7 +420,6 @@ json_t *cli_json_acceptance(const mukca_acceptance *acceptance);
  * 0), l long, f double (null for NaN and infinity), v interval (two doubles, null unless both are
  * finite), o json_t * (stolen; NULL: null). */
 json_t *cli_json(const char *keys, ...);
-void cli_json_set(json_t *object, const char *keys, ...); /* adds to an object */
 
 /* Numbers; null for NaN and infinity. */
 json_t *cli_json_number(double value);

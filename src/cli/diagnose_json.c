@@ -157,7 +157,8 @@ static json_t *check_object(const mukca_check *c)
     json_t *object = cli_json("runs:i found:o tied:o other:o none:o false_without:i", c->runs, NULL,
                               NULL, NULL, NULL, c->false_without);
     if (c->cause)
-        cli_json_set(object, "found:i tied:i other:i none:i", c->found, c->tied, c->other, c->none);
+        json_object_update_new(object, cli_json("found:i tied:i other:i none:i", c->found, c->tied,
+                                                c->other, c->none));
     return object;
 }
 
@@ -169,8 +170,9 @@ static json_t *causes_array(const mukca_diagnosed *r)
     for (int i = 0; i < d->n_causes; i++) {
         json_t *cause = cause_object(&d->causes[i], r->chain, r->data);
         mukca_wording_rivals(words, &d->causes[i], r);
-        cli_json_set(cause, "sentence:s cumulative_m:f remedy:s", words, d->causes[i].rung_m,
-                     mukca_wording_remedy(&d->causes[i], r));
+        json_object_update_new(
+            cause, cli_json("sentence:s cumulative_m:f remedy:s", words, d->causes[i].rung_m,
+                            mukca_wording_remedy(&d->causes[i], r)));
         json_array_append_new(causes, cause);
     }
     return causes;
@@ -230,12 +232,13 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *r)
         : *caveat ? caveat
                   : NULL,
         verdict);
-    cli_json_set(root,
-                 "suspected:o sets:o unexplained_log_bayes_factor:f unnamed_m:f gravity:o "
+    json_object_update_new(
+        root,
+        cli_json("suspected:o sets:o unexplained_log_bayes_factor:f unnamed_m:f gravity:o "
                  "efforts_correlation:f streams:o logs:o check:o next_poses:o elapsed_s:f",
                  suspected, sets_array(r), d->structure, d->explained_m - d->structure_m,
                  g[0] != 0 || g[1] != 0 || g[2] != 0 ? cli_json_reals(g, 3) : NULL,
                  d->efforts_correlation, streams_object(&d->streams, r), logs_object(&d->logs),
-                 check_object(r->check), next_poses_array(r), d->elapsed_s);
+                 check_object(r->check), next_poses_array(r), d->elapsed_s));
     return root;
 }

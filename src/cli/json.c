@@ -119,14 +119,6 @@ json_t *cli_json(const char *keys, ...)
     return object;
 }
 
-void cli_json_set(json_t *object, const char *keys, ...)
-{
-    source from;
-    va_start(from.list, keys);
-    set(object, keys, &from);
-    va_end(from.list);
-}
-
 json_t *cli_json_offsets(const mukca_offsets *offsets, const mukca_chain *chain)
 {
     json_t *array = json_array();

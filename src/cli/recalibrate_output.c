@@ -142,8 +142,8 @@ static json_t *stage_json(const mukca_moments *m, const mukca_histogram *histogr
 {
     json_t *object = moments_json(m, angle), *axes = json_array();
     for (int a = 0; a < 3; a++) json_array_append_new(axes, moments_json(&axis[a], angle));
-    cli_json_set(object, angle ? "median_rad:f axes:o" : "median_m:f axes:o",
-                 mukca_histogram_median(histogram), axes);
+    json_object_update_new(object, cli_json(angle ? "median_rad:f axes:o" : "median_m:f axes:o",
+                                            mukca_histogram_median(histogram), axes));
     return object;
 }
 

@@ -142,9 +142,10 @@ json_t *cli_scores_json(const cli_scores *scores, const mukca_dataset *data)
         for (int k = 0; k < FIGURES; k++) {
             if (k == ROTATION && !isfinite(figure(after, k))) continue;
             snprintf(keys, sizeof keys, "%s:f %s:f", figures[k].nominal, figures[k].calibrated);
-            cli_json_set(object, keys, figure(before, k), figure(after, k));
+            json_object_update_new(object, cli_json(keys, figure(before, k), figure(after, k)));
             snprintf(keys, sizeof keys, "%s:f", figures[k].factory);
-            if (scores->has_factory) cli_json_set(object, keys, figure(&scores->factory[i], k));
+            if (scores->has_factory)
+                json_object_update_new(object, cli_json(keys, figure(&scores->factory[i], k)));
         }
         json_array_append_new(array, object);
     }
