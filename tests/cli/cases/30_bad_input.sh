@@ -29,7 +29,7 @@ refuse 3 'bad.urdf:1: elements nested more than' calibrate --urdf bad.urdf good 
 head -c 40000000 /dev/zero | tr '\0' ' ' >bad.urdf
 refuse 3 'bad.urdf: is larger than' calibrate --urdf bad.urdf good -o new.tsv
 edit 's/0 0 0.25/0 0 ${height}/'
-refuse 3 'bad.urdf:10: contains a xacro expression.*expand it first' calibrate --urdf bad.urdf good
+refuse 3 'bad.urdf:9: joint .*three numbers each (a xacro file: expand it first)' calibrate --urdf bad.urdf good
 edit 's/<robot name="small">/<robot name="small" xmlns:xacro="http:\/\/x"><xacro:arg name="y"\/>/'
 refuse 3 'bad.urdf:2: contains xacro macros; expand them first' calibrate --urdf bad.urdf good
 edit 's/name="j2" type="revolute"/name="j2" type="floating"/'
