@@ -1,11 +1,11 @@
 /* mukca align: pose of one arm's base in that of another, from sessions at the same sockets. */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "cli/cli.h"
+#include "fit/evaluate.h"
 #include "fit/two_arms.h"
-#include "model/dataset_subset.h"
-#include "mukca/corrected.h"
 
 typedef struct {
     cli_common common;
@@ -30,7 +30,6 @@ static const cli_option options[] = {
 /* One arm: its session, and the mean of the predicted ball in each socket. */
 typedef struct {
     cli_model model;
-    mukca_corrected arm;
     mukca_dataset data;
     double (*mean)[3]; /* [n_sockets] */
     int *count;        /* [n_sockets] */
@@ -61,34 +60,34 @@ static void release(void *work)
 static mukca_status find_means(cli_call *call, side *s)
 {
     const mukca_dataset *d = &s->data;
-    mukca_row_state states;
-    double(*ball)[3] = calloc((size_t)d->n_rows + 1, sizeof *ball), squares = 0;
+    const mukca_offsets *o = &s->model.offsets;
+    mukca_effect effects[MUKCA_MAX_EFFECTS];
+    mukca_offsets_place_effects(effects, o, d);
+    const mukca_model model = {
+        .chain = &s->model.chain, .theta = o->theta, .effects = effects, .n_effects = o->n_effects};
+    mukca_frame *tip = calloc((size_t)d->n_rows + 1, sizeof *tip);
+    double squares = 0;
     int freedom = 0;
     s->mean = calloc((size_t)d->n_sockets + 1, sizeof *s->mean);
     s->count = calloc((size_t)d->n_sockets + 1, sizeof *s->count);
-    if (!ball || !s->mean || !s->count) {
-        free(ball);
+    if (!tip || !s->mean || !s->count || !mukca_evaluate_tips(tip, &model, d)) {
+        free(tip);
         return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
     }
-    mukca_row_state_start(&states, d->n_joints);
     for (int i = 0; i < d->n_rows; i++) {
-        const mukca_joint_state *state = mukca_dataset_state(&states, d, i);
-        if (d->socket[i] < 0) continue;
-        mukca_corrected_position(ball[i], &s->arm, d->q + (size_t)i * (size_t)d->n_joints, state);
-        s->count[d->socket[i]]++;
-        for (int a = 0; a < 3; a++) s->mean[d->socket[i]][a] += ball[i][a];
+        const int k = d->socket[i];
+        if (k < 0) continue;
+        s->count[k]++;
+        for (int a = 0; a < 3; a++) s->mean[k][a] += tip[i].p[a];
     }
     for (int k = 0; k < d->n_sockets; k++) {
         for (int a = 0; a < 3 && s->count[k]; a++) s->mean[k][a] /= s->count[k];
         freedom += s->count[k] > 1 ? s->count[k] - 1 : 0;
     }
-    for (int i = 0; i < d->n_rows; i++) {
-        if (d->socket[i] < 0) continue;
-        const double off = mukca_distance3(ball[i], s->mean[d->socket[i]]);
-        squares += off * off;
-    }
+    for (int i = 0; i < d->n_rows; i++)
+        if (d->socket[i] >= 0) squares += pow(mukca_distance3(tip[i].p, s->mean[d->socket[i]]), 2);
     s->variance = freedom > 0 ? squares / (3 * freedom) : 0;
-    free(ball);
+    free(tip);
     return MUKCA_OK;
 }
 
@@ -113,10 +112,6 @@ static mukca_status load_side(cli_call *call, int i)
     if (s->data.n_sockets == 0)
         return mukca_fail(&call->error, MUKCA_INPUT, "%.100s: no sockets; give a session",
                           path.items[0]);
-    s->arm.chain = s->model.chain;
-    s->arm.geometry = s->model.geometry;
-    s->arm.n_effects = s->model.offsets.n_effects;
-    memcpy(s->arm.effects, s->model.offsets.effects, sizeof s->arm.effects);
     return find_means(call, s);
 }
 

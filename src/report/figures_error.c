@@ -23,7 +23,8 @@ bool mukca_report_joints(mukca_plot *plot, const void *content, int index)
     snprintf(plot->title, sizeof plot->title, "Error over the %s of %s", coordinate, e->name);
     snprintf(plot->label[0], sizeof *plot->label, "%s, %s", coordinate, turns ? "deg" : "mm");
     snprintf(plot->label[1], sizeof *plot->label, "error along its motion, mm");
-    plot->width = MUKCA_PLOT_HALF, plot->height = 320;
+    plot->width = MUKCA_PLOT_HALF;
+    plot->height = 320;
     plot->brief = true;
     plot->key[MUKCA_PLOT_AFTER] = causes ? "with its causes" : "calibrated";
     plot->key[MUKCA_PLOT_BEFORE] = causes ? "without them" : NULL;
@@ -72,7 +73,8 @@ bool mukca_report_samples(mukca_plot *plot, const void *content, int index)
     snprintf(plot->label[0], sizeof *plot->label, "sample");
     snprintf(plot->label[1], sizeof *plot->label, "%s, mm",
              sockets ? "consistency error" : "distance from the measured position");
-    plot->width = MUKCA_PLOT_FULL, plot->height = 360;
+    plot->width = MUKCA_PLOT_FULL;
+    plot->height = 360;
     plot->from_zero = true;
     plot->key[MUKCA_PLOT_AFTER] = sockets ? "first socket" : NULL;
     plot->key[MUKCA_PLOT_THIRD] = sockets ? "second socket" : NULL;

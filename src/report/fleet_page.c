@@ -217,7 +217,8 @@ static bool draw_coefficient(mukca_plot *plot, const void *content, int index)
     snprintf(plot->id, sizeof plot->id, "coefficient-%d", index + 1);
     snprintf(plot->title, sizeof plot->title, "%.150s", words);
     snprintf(plot->label[1], sizeof *plot->label, MUKCA_WORDING_SPRING);
-    plot->width = MUKCA_PLOT_HALF, plot->height = 280;
+    plot->width = MUKCA_PLOT_HALF;
+    plot->height = 280;
     plot->from_zero = true;
     plot->band[0] = fmax(value - spread, 0);
     plot->band[1] = value;
