@@ -22,7 +22,6 @@ typedef struct {
     cli_common common;
     bool poses, position_only;
     int from; /* index into formats */
-    double tolerance;
 } compensate_options;
 
 /* Errors of the tip, m. */
@@ -57,8 +56,6 @@ static const cli_option options[] = {
                       "correct tables (default) or programs in this language"),
     CLI_OPTION(compensate_options, position_only, "position-only", CLI_FLAG, NULL,
                "ignore the orientation (always with fewer than six joints)"),
-    CLI_OPTION(compensate_options, tolerance, "tolerance", CLI_POSITIVE, "M",
-               "error at which a target counts as reached, m and rad (default: 1e-8)"),
     CLI_OFFSETS_OPTION,
     CLI_ACCEPT_OPTION,
     CLI_MODEL_OPTIONS,
@@ -124,7 +121,7 @@ static void put(job *b, const double *q, const mukca_compensation *c, const char
 static void start(job *b, bool oriented)
 {
     const compensate_options *o = b->call->options;
-    mukca_compensator_start(&b->compensator, &b->arm, o->position_only || !oriented, o->tolerance);
+    mukca_compensator_start(&b->compensator, &b->arm, o->position_only || !oriented, 0);
 }
 
 /* The target of a row of poses; false: it lacks numbers that the header promises. */

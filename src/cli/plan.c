@@ -12,7 +12,7 @@ typedef struct {
     cli_list separate, places;
     bool settle;
     int rows, seed;
-    double noise, tilt, clearance;
+    double noise, tilt;
 } plan_options;
 
 typedef struct {
@@ -28,8 +28,7 @@ typedef struct {
     mukca_plan plan;
 } plan_work;
 
-static const plan_options defaults = {
-    .rows = 20, .noise = 1e-4, .tilt = (double)NAN, .clearance = (double)NAN};
+static const plan_options defaults = {.rows = 20, .noise = 1e-4, .tilt = (double)NAN};
 
 static const cli_option options[] = {
     CLI_RANGE_OPTION(plan_options, rows, "rows", CLI_INTEGER, "N", 1, 1000,
@@ -49,9 +48,6 @@ static const cli_option options[] = {
     CLI_RANGE_OPTION(
         plan_options, tilt, "tilt", CLI_POSITIVE, "DEG", 0, 180,
         "largest tilt of the tool from straight down (default: 60, or that of DATA; 180: any)"),
-    CLI_OPTION(
-        plan_options, clearance, "clearance", CLI_NUMBER, "M",
-        "least height of the joints above the base, m (default: 0.05, or less if DATA show it)"),
     CLI_OPTION(plan_options, seed, "seed", CLI_INTEGER, "N",
                "seed of the random candidates (default: 0)"),
     CLI_OFFSETS_OPTION,
@@ -173,9 +169,6 @@ static mukca_status plan(plan_work *r)
                                       .tilt = isnan(o->tilt)   ? 0
                                               : o->tilt >= 180 ? 4
                                                                : o->tilt * M_PI / 180,
-                                      .clearance = isnan(o->clearance) ? 0
-                                                   : o->clearance != 0 ? o->clearance
-                                                                       : 1e-9,
                                       .stop = cli_stop,
                                       .progress = progress,
                                       .context = r->call};
