@@ -28,7 +28,7 @@ typedef struct {
     mukca_plan plan;
 } plan_work;
 
-static const plan_options defaults = {.rows = 20, .noise = 1e-4, .tilt = (double)NAN};
+static const plan_options defaults = {.rows = 20, .noise = 1e-4};
 
 static const cli_option options[] = {
     CLI_RANGE_OPTION(plan_options, rows, "rows", CLI_INTEGER, "N", 1, 1000,
@@ -166,9 +166,7 @@ static mukca_status plan(plan_work *r)
     r->options = (mukca_plan_options){.rows = o->rows,
                                       .seed = (uint64_t)o->seed,
                                       .noise = o->noise,
-                                      .tilt = isnan(o->tilt)   ? 0
-                                              : o->tilt >= 180 ? 4
-                                                               : o->tilt * M_PI / 180,
+                                      .tilt = o->tilt >= 180 ? 4 : o->tilt * M_PI / 180,
                                       .stop = cli_stop,
                                       .progress = progress,
                                       .context = r->call};
