@@ -26,6 +26,8 @@ typedef struct {
     mukca_diagnosis diagnosis;
     mukca_plan_options options;
     mukca_plan plan;
+    double payload;  /* kg, for the proposed postures; 0: none */
+    double unloaded; /* evidence from equally many postures without payload */
 } plan_work;
 
 static const plan_options defaults = {.rows = 20, .noise = 1e-4};
@@ -186,7 +188,11 @@ static mukca_status plan(plan_work *r)
                                   .data = r->data->n_rows > 0 ? r->data : NULL,
                                   .sockets = r->sockets,
                                   .n_sockets = r->n_sockets};
-    return mukca_plan_run(&r->plan, &task, &r->options, &r->call->error);
+    status = mukca_plan_run(&r->plan, &task, &r->options, &r->call->error);
+    r->unloaded = r->plan.evidence_after;
+    if (status == MUKCA_OK && r->options.n_effects > 0)
+        status = mukca_plan_payload(&r->payload, &r->plan, &task, &r->options, &r->call->error);
+    return status;
 }
 
 /* ---- output ---- */
@@ -208,11 +214,12 @@ static mukca_status write_rows(plan_work *r)
     fputs("placement\tsocket", out);
     for (int j = 0; j < chain->n_joints; j++)
         fprintf(out, "\t%s", mukca_chain_joint_name(chain, j));
-    fputc('\n', out);
+    fputs(r->payload > 0 ? "\tpayload_kg\n" : "\n", out);
     for (int i = 0; i < r->plan.n_rows; i++) {
         const mukca_plan_row *row = &r->plan.rows[i];
         fprintf(out, "%s\t%s", r->sockets[row->socket].placement, r->sockets[row->socket].label);
         for (int j = 0; j < chain->n_joints; j++) fprintf(out, "\t%.6f", row->q[j]);
+        if (r->payload > 0) fprintf(out, "\t%g", r->payload);
         fputc('\n', out);
     }
     return mukca_output_close(&output, &r->call->error);
@@ -234,9 +241,9 @@ static json_t *as_json(const plan_work *r)
     const mukca_plan *p = &r->plan;
     return cli_json(
         "schema:s recorded_rows:i poses:o expected_error_m{before:f after:f} "
-        "log_bayes_factor{before:f after:f} rows_to_name:i elapsed_s:f",
+        "log_bayes_factor{before:f after:f} rows_to_name:i payload_kg:f elapsed_s:f",
         "mukca.plan/1", p->n_recorded, rows, p->expected_before, p->expected_after,
-        p->evidence_before, p->evidence_after, p->rows_to_name, cli_elapsed(r->call));
+        p->evidence_before, p->evidence_after, p->rows_to_name, r->payload, cli_elapsed(r->call));
 }
 
 static void name_cause(char name[96], const mukca_effect *effect, const mukca_chain *chain)
@@ -260,6 +267,11 @@ static void print(plan_work *r)
                            "Separating %s from %s: expected log Bayes factor %.1f before, %.1f "
                            "after (%g decides)",
                            a, b, p->evidence_before, p->evidence_after, MUKCA_PLAN_NAME);
+        if (r->payload > 0)
+            cli_answer_wrapped(r->call,
+                               "These postures are for a payload of %g kg at the tip; as many "
+                               "without it reach %.1f",
+                               r->payload, r->unloaded);
         if (p->evidence_after < MUKCA_PLAN_NAME && p->rows_to_name > 0)
             cli_answer_wrapped(r->call,
                                "Not enough: some --rows %d are needed, or another placement "
@@ -315,9 +327,9 @@ const cli_command cli_command_plan = {
         "Finds postures with the ball in the sockets of DATA (located by --offsets or the nominal "
         "model) and of each --place, within the joint limits and with the tool pointing down, and "
         "selects those that add most information to DATA: about the geometry (D-optimality), or, "
-        "with --settle or --separate, about which of two causes is present (T-optimality). "
-        "Elastic causes that postures alone cannot separate need samples with a payload, too. "
-        "Writes a session file in the order to visit. Guide the arm to these angles "
+        "with --settle or --separate, about which of two causes is present (T-optimality). If "
+        "postures alone cannot separate elastic causes, the plan is for the smallest payload with "
+        "which they do. Writes a session file in the order to visit. Guide the arm to these angles "
         "and record the angles at which the ball is seated.",
     .example =
         "mukca plan --urdf data/demo/arm.urdf --place front=0.45,0,0.05,0,0,1.57 --rows 40 -o "

@@ -80,7 +80,7 @@ static void add_recorded(mukca_planner *p)
         p->recorded[k]++;
         p->n_recorded++;
     }
-    p->state.payload = 0;
+    p->state.payload = p->state.options->payload;
     mukca_plan_state_refresh(&p->state);
 }
 

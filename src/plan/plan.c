@@ -135,6 +135,34 @@ out:
     return status;
 }
 
+mukca_status mukca_plan_payload(double *payload, mukca_plan *plan, const mukca_plan_task *task,
+                                const mukca_plan_options *options, mukca_error *error)
+{
+    static const double masses[] = {0.5, 1, 2, 5, 10, 20, 50, 100};
+    mukca_plan_options loaded = *options;
+    double own = 0;
+    bool elastic = false;
+    *payload = 0;
+    for (int i = 0; i < task->chain->n_masses; i++) own += task->chain->mass[i].kg;
+    for (int e = 0; e < options->n_effects; e++)
+        elastic |= mukca_effect_has((int)options->effects[e].kind, MUKCA_TRAIT_ELASTIC);
+    if (!elastic || plan->evidence_after >= MUKCA_PLAN_NAME) return MUKCA_OK;
+    for (size_t i = 0; i < sizeof masses / sizeof *masses && masses[i] <= own / 3; i++) {
+        mukca_plan tried;
+        loaded.payload = masses[i];
+        const mukca_status status = mukca_plan_run(&tried, task, &loaded, error);
+        if (status != MUKCA_OK) return status;
+        if (tried.evidence_after >= MUKCA_PLAN_NAME) {
+            mukca_plan_free(plan);
+            *plan = tried;
+            *payload = masses[i];
+            return MUKCA_OK;
+        }
+        mukca_plan_free(&tried);
+    }
+    return MUKCA_OK;
+}
+
 void mukca_plan_free(mukca_plan *plan)
 {
     free(plan->rows);

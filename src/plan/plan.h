@@ -36,6 +36,7 @@ typedef struct {
                      the data; > pi: any */
     double clearance; /* least height of the joints above the base's plane (or a lower socket), m;
                          0: 0.05, or the least in the data; NaN: any */
+    double payload;   /* of the proposed postures: kg at the tip that the model does not include */
     const mukca_effect *effects; /* causes to distinguish; NULL: plan for accuracy */
     int n_effects;               /* at least 2 unless 0 */
     bool poses_only;             /* for causes: omit the expected errors (they are 0) */
@@ -79,5 +80,12 @@ typedef struct {
 mukca_status mukca_plan_run(mukca_plan *plan, const mukca_plan_task *task,
                             const mukca_plan_options *options, mukca_error *error);
 void mukca_plan_free(mukca_plan *plan);
+
+/* The smallest common payload with which the evidence of as many samples reaches MUKCA_PLAN_NAME,
+ * for plans whose postures alone do not suffice.  Payloads up to a third of the arm's own mass are
+ * tried; few arms carry more.  *payload is its mass (kg), *plan the plan with it.  Without such a
+ * payload *payload is 0 and *plan is unchanged.  Errors: as mukca_plan_run. */
+mukca_status mukca_plan_payload(double *payload, mukca_plan *plan, const mukca_plan_task *task,
+                                const mukca_plan_options *options, mukca_error *error);
 
 #endif
