@@ -55,7 +55,7 @@ evaluate=("$mukca" evaluate --urdf "$dir/planar.urdf" --distances "$dir/distance
 
 finds_the_links() {
     "${calibrate[@]}" "$dir/front.tsv" "$dir/near.tsv" --lambda 1e-9 -o "$dir/offsets.tsv" \
-        --json "$dir/result.json" --trace "$dir/trace.tsv" --test "$dir/side.tsv" >"$dir/out" || return 1
+        --json "$dir/result.json" --test "$dir/side.tsv" >"$dir/out" || return 1
     grep -q 'Converged' "$dir/out" || return 1
     awk -F'\t' '$1 == "j2" && $2 == "x" { exit !($6 > 0.000995 && $6 < 0.001005) }' "$dir/offsets.tsv" || return 1
     awk -F'\t' '$1 == "tool" && $2 == "x" { exit !($6 < -0.000995 && $6 > -0.001005) }' "$dir/offsets.tsv"
@@ -74,13 +74,6 @@ json_is_complete() {
 }
 ok calibrate_json json_is_complete
 
-trace_falls() {
-    head -n 1 "$dir/trace.tsv" | grep -q '^iteration	evaluations	cost_m2	train_mae_m' || return 1
-    awk -F'\t' 'NR == 2 { first = $4 } NR > 1 { if (NF != 9) exit 1; if (NR > 2 && $3 >= last) exit 1; last = $3; mae = $4; n++ }
-        END { exit !(n >= 3 && mae < first / 100) }' "$dir/trace.tsv"
-}
-ok calibrate_trace trace_falls
-
 evaluates() {
     "${evaluate[@]}" "$dir/side.tsv" --offsets "$dir/offsets.tsv" >"$dir/scores.tsv" 2>"$dir/err" || return 1
     awk -F'\t' 'NR == 2 { exit !($2 == "side" && $3 == 28 && $4 > 1e-4 && $5 < 1e-6) }' "$dir/scores.tsv" || return 1
@@ -90,15 +83,6 @@ ok evaluate_held_out evaluates
 
 ok evaluate_within "${evaluate[@]}" "$dir/front.tsv" --test "$dir/side.tsv" --offsets "$dir/offsets.tsv" --max-mae 1e-5
 ok evaluate_above exits 1 "${evaluate[@]}" -q "$dir/side.tsv" --max-mae 1e-5
-
-matrix() {
-    "${evaluate[@]}" "$dir/all.tsv" --matrix -q >"$dir/matrix.tsv" || return 1
-    [ "$(wc -l <"$dir/matrix.tsv")" = 8 ] && grep -q '^front+side	2' "$dir/matrix.tsv" && grep -q '^all	3' "$dir/matrix.tsv" || return 1
-    "${calibrate[@]}" "$dir/front.tsv" -o "$dir/trained.tsv" -q && # the row of `front` is what that table scores elsewhere
-        "${evaluate[@]}" "$dir/all.tsv" --offsets "$dir/trained.tsv" -q | awk -F'\t' 'NR == FNR { if ($1 == "front") own = $3; next }
-            FNR > 1 && $2 != "front" { sum += $5; n++ } END { exit !(n == 2 && (sum / n / own - 1) ^ 2 < 1e-12) }' "$dir/matrix.tsv" -
-}
-ok evaluate_matrix matrix
 
 options_do_what_they_say() { # the cost's parts
     local own nominal loose
@@ -114,13 +98,10 @@ for s in s0 s1; do for i in 1 2 3 4; do printf 'p\t%s\t0.1\t0.2\t0.3\n' $s; done
 echo kept >"$dir/there"
 ok calibrate_nothing_moves exits 5 "${calibrate[@]}" -q "$dir/still.tsv" -o "$dir/none"
 ok calibrate_wrote_nothing test ! -e "$dir/none"
-ok calibrate_existing_trace exits 3 "${calibrate[@]}" -q "$dir/front.tsv" --trace "$dir/there"
+ok calibrate_existing exits 3 "${calibrate[@]}" -q "$dir/front.tsv" -o "$dir/there"
 ok calibrate_left_it grep -qx kept "$dir/there"
-ok calibrate_full_disk_trace exits 6 "${calibrate[@]}" -q "$dir/front.tsv" --trace /dev/full
 ok calibrate_lambda exits 2 "${calibrate[@]}" -q "$dir/front.tsv" --lambda -1
 ok calibrate_unknown_parameter exits 2 "${calibrate[@]}" -q "$dir/front.tsv" --free j9.x
 ok calibrate_nothing_free exits 2 "${calibrate[@]}" -q "$dir/front.tsv" --freeze x,y,z,roll,pitch,yaw
-ok calibrate_one_file_twice exits 2 "${calibrate[@]}" -q "$dir/front.tsv" --trace "$dir/x" -o "$dir/x"
-ok evaluate_matrix_of_one exits 3 "${evaluate[@]}" -q "$dir/front.tsv" --matrix
-ok evaluate_matrix_with_offsets exits 2 "${evaluate[@]}" -q "$dir/all.tsv" --matrix --offsets "$dir/offsets.tsv"
+ok calibrate_one_file_twice exits 2 "${calibrate[@]}" -q "$dir/front.tsv" --json "$dir/x" -o "$dir/x"
 exit $failed

@@ -1,11 +1,11 @@
 /* mukca align: pose of one arm's base in that of another, from sessions at the same sockets. */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "cli/cli.h"
+#include "fit/evaluate.h"
 #include "fit/two_arms.h"
-#include "model/dataset_subset.h"
-#include "mukca/corrected.h"
 
 typedef struct {
     cli_common common;
@@ -13,26 +13,23 @@ typedef struct {
 } align_options;
 
 static const cli_option options[] = {
-    CLI_OPTION(align_options, right_urdf, "right-urdf", CLI_TEXT, "FILE",
+    CLI_OPTION(align_options, right_urdf, "right-urdf", CLI_INPUT, "FILE",
                "nominal model of the right arm (default: that of --urdf)"),
     CLI_OPTION(align_options, right_base, "right-base", CLI_TEXT, "LINK",
                "first link of the right arm (default: --base)"),
     CLI_OPTION(align_options, right_tip, "right-tip", CLI_TEXT, "LINK",
                "last link of the right arm (default: --tip)"),
-    CLI_OPTION(align_options, right_offsets, "right-offsets", CLI_TEXT, "FILE",
+    CLI_OPTION(align_options, right_offsets, "right-offsets", CLI_INPUT, "FILE",
                "offsets table of the right arm (default: none)"),
     CLI_OFFSETS_OPTION,
     CLI_ACCEPT_OPTION,
     CLI_JSON_OPTION,
     CLI_MODEL_OPTIONS,
-    CLI_FORCE_OPTION,
-    CLI_TALK_OPTIONS,
-    CLI_END_OPTIONS};
+    CLI_LAST_OPTIONS};
 
 /* One arm: its session, and the mean of the predicted ball in each socket. */
 typedef struct {
     cli_model model;
-    mukca_corrected arm;
     mukca_dataset data;
     double (*mean)[3]; /* [n_sockets] */
     int *count;        /* [n_sockets] */
@@ -63,34 +60,34 @@ static void release(void *work)
 static mukca_status find_means(cli_call *call, side *s)
 {
     const mukca_dataset *d = &s->data;
-    mukca_row_state states;
-    double(*ball)[3] = calloc((size_t)d->n_rows + 1, sizeof *ball), squares = 0;
+    const mukca_offsets *o = &s->model.offsets;
+    mukca_effect effects[MUKCA_MAX_EFFECTS];
+    mukca_offsets_place_effects(effects, o, d);
+    const mukca_model model = {
+        .chain = &s->model.chain, .theta = o->theta, .effects = effects, .n_effects = o->n_effects};
+    mukca_frame *tip = calloc((size_t)d->n_rows + 1, sizeof *tip);
+    double squares = 0;
     int freedom = 0;
     s->mean = calloc((size_t)d->n_sockets + 1, sizeof *s->mean);
     s->count = calloc((size_t)d->n_sockets + 1, sizeof *s->count);
-    if (!ball || !s->mean || !s->count) {
-        free(ball);
+    if (!tip || !s->mean || !s->count || !mukca_evaluate_tips(tip, &model, d)) {
+        free(tip);
         return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
     }
-    mukca_row_state_start(&states, d->n_joints);
     for (int i = 0; i < d->n_rows; i++) {
-        const mukca_joint_state *state = mukca_dataset_state(&states, d, i);
-        if (d->socket[i] < 0) continue;
-        mukca_corrected_position(ball[i], &s->arm, d->q + (size_t)i * (size_t)d->n_joints, state);
-        s->count[d->socket[i]]++;
-        for (int a = 0; a < 3; a++) s->mean[d->socket[i]][a] += ball[i][a];
+        const int k = d->socket[i];
+        if (k < 0) continue;
+        s->count[k]++;
+        for (int a = 0; a < 3; a++) s->mean[k][a] += tip[i].p[a];
     }
     for (int k = 0; k < d->n_sockets; k++) {
         for (int a = 0; a < 3 && s->count[k]; a++) s->mean[k][a] /= s->count[k];
         freedom += s->count[k] > 1 ? s->count[k] - 1 : 0;
     }
-    for (int i = 0; i < d->n_rows; i++) {
-        if (d->socket[i] < 0) continue;
-        const double off = mukca_distance3(ball[i], s->mean[d->socket[i]]);
-        squares += off * off;
-    }
+    for (int i = 0; i < d->n_rows; i++)
+        if (d->socket[i] >= 0) squares += pow(mukca_distance3(tip[i].p, s->mean[d->socket[i]]), 2);
     s->variance = freedom > 0 ? squares / (3 * freedom) : 0;
-    free(ball);
+    free(tip);
     return MUKCA_OK;
 }
 
@@ -115,10 +112,6 @@ static mukca_status load_side(cli_call *call, int i)
     if (s->data.n_sockets == 0)
         return mukca_fail(&call->error, MUKCA_INPUT, "%.100s: no sockets; give a session",
                           path.items[0]);
-    s->arm.chain = s->model.chain;
-    s->arm.geometry = s->model.geometry;
-    s->arm.n_effects = s->model.offsets.n_effects;
-    memcpy(s->arm.effects, s->model.offsets.effects, sizeof s->arm.effects);
     return find_means(call, s);
 }
 
@@ -192,26 +185,25 @@ static json_t *as_json(const cli_call *call)
         double at[3];
         mukca_mat3_vec(at, t->pose.R, w->shared[i].at[1]);
         for (int a = 0; a < 3; a++) at[a] += t->pose.p[a];
-        json_array_append_new(
-            sockets,
-            json_pack("{s:s, s:s, s:f}", "placement", placement_of(&w->side[0], w->socket[i][0]),
-                      "socket", w->side[0].data.sockets[w->socket[i][0]].label, "residual_m",
-                      mukca_distance3(at, w->shared[i].at[0])));
+        json_array_append_new(sockets, cli_json("placement:s socket:s residual_m:f",
+                                                placement_of(&w->side[0], w->socket[i][0]),
+                                                w->side[0].data.sockets[w->socket[i][0]].label,
+                                                mukca_distance3(at, w->shared[i].at[0])));
     }
-    return json_pack("{s:s, s:o, s:o, s:{s:o, s:o}, s:{s:o, s:o}, s:o, s:i, s:f, s:f, s:f}",
-                     "schema", "mukca.align/1", "pose", cli_json_frame(&t->pose), "rpy_rad",
-                     cli_json_reals(rpy, 3), "sigma", "position_m", cli_json_reals(t->sigma, 3),
-                     "rotation_rad", cli_json_reals(t->sigma + 3, 3), "width95", "position_m",
-                     cli_json_reals(t->width95, 3), "rotation_rad",
-                     cli_json_reals(t->width95 + 3, 3), "sockets", sockets, "freedom", t->freedom,
-                     "residual_m", t->residual_m, "expected_m", t->expected_m, "elapsed_s",
-                     cli_elapsed(call));
+    return cli_json(
+        "schema:s pose:o rpy_rad:o sigma{position_m:o rotation_rad:o} "
+        "width95{position_m:o rotation_rad:o} sockets:o freedom:i residual_m:f "
+        "expected_m:f elapsed_s:f",
+        "mukca.align/1", cli_json_frame(&t->pose), cli_json_reals(rpy, 3),
+        cli_json_reals(t->sigma, 3), cli_json_reals(t->sigma + 3, 3), cli_json_reals(t->width95, 3),
+        cli_json_reals(t->width95 + 3, 3), sockets, t->freedom, t->residual_m, t->expected_m,
+        cli_elapsed(call));
 }
 
 static mukca_status run(cli_call *call)
 {
     align_work *w = call->work;
-    mukca_status status = cli_check_outputs(call);
+    mukca_status status = MUKCA_OK;
     for (int i = 0; i < 2 && status == MUKCA_OK; i++) status = load_side(call, i);
     if (status == MUKCA_OK) status = find_shared(call);
     if (status == MUKCA_OK)
@@ -226,8 +218,6 @@ const cli_command cli_command_align = {
     .group = CLI_USE,
     .summary = "base-to-base pose of two arms from the same sockets",
     .synopsis = "LEFT RIGHT",
-    .min_arguments = 2,
-    .max_arguments = 2,
     .description =
         "LEFT and RIGHT are sessions of two arms with the same artefact in the same placements: "
         "sockets with the same placement and label are one point. Prints the pose of the right "

@@ -13,7 +13,7 @@
 
 typedef struct {
     cli_common common;
-    const char *free, *freeze, *trace, *traits;
+    const char *free, *freeze, *traits;
     int solver, gradient, means;
     double lambda;
     bool regularise_tip, no_distortion, evidence, free_base, free_tool;
@@ -29,8 +29,6 @@ static const cli_option options[] = {
     CLI_TEST_OPTION,
     CLI_OUTPUT_OPTION("write the offsets table"),
     CLI_JSON_OPTION,
-    CLI_OPTION(calibrate_options, trace, "trace", CLI_TEXT, "FILE",
-               "write consistency and distortion per iteration (TSV)"),
     CLI_TRAITS_OPTION(calibrate_options, traits),
     CLI_MODEL_OPTIONS,
     CLI_DISTANCE_OPTIONS,
@@ -65,39 +63,7 @@ static const cli_option options[] = {
                       "minimiser (default: slsqp)"),
     CLI_CHOICE_OPTION(calibrate_options, gradient, "gradient", "GRADIENT", gradients,
                       "central differences (default), or analytic"),
-    CLI_FORCE_OPTION,
-    CLI_TALK_OPTIONS,
-    CLI_END_OPTIONS};
-
-/* State of the trace, used at each iteration. */
-typedef struct {
-    FILE *stream;
-    const mukca_fit *fit; /* its chain is complete before the solver starts */
-    const mukca_dataset *train, *test;
-    mukca_score *scores;
-    int iteration;
-    bool exhausted; /* out of memory: the trace is incomplete */
-} tracer;
-
-static void trace_scores(tracer *t, const double *theta, const mukca_dataset *data)
-{
-    mukca_score mean = {.mae = NAN, .std = NAN, .distance_error = NAN};
-    const mukca_model model = {.chain = &t->fit->chain, .theta = theta};
-    if (data->n_rows > 0 && mukca_evaluate(t->scores, &mean, &model, data) < 0) t->exhausted = true;
-    const double values[3] = {mean.mae, mean.std, mean.distance_error};
-    for (int i = 0; i < 3; i++) cli_scores_write(t->stream, values[i]);
-}
-
-static void trace(void *context, const double *theta, const mukca_cost_value *value,
-                  int evaluations)
-{
-    tracer *t = context;
-    if (!t->stream) return;
-    fprintf(t->stream, "%d\t%d\t%.17g", t->iteration++, evaluations, value->total);
-    trace_scores(t, theta, t->train);
-    trace_scores(t, theta, t->test);
-    fputc('\n', t->stream);
-}
+    CLI_LAST_OPTIONS};
 
 /* Refuse sockets with identical samples: the joint states had stopped while recording. */
 static mukca_status check_moving(cli_call *call, const mukca_dataset *d)
@@ -136,40 +102,6 @@ static mukca_fit_options fit_options(const calibrate_options *o)
                  .gradient = o->gradient == 1 ? MUKCA_GRADIENT_ANALYTIC : MUKCA_GRADIENT_FD},
         .solver = mukca_solver_table[o->solver],
         .limits = {.stop = cli_stop}};
-}
-
-static mukca_status fit_data(cli_call *call, mukca_fit *fit)
-{
-    const calibrate_options *o = call->options;
-    const cli_session *s = call->session;
-    const int train = s->data.n_placements, test = s->test.n_placements;
-    mukca_output output = {0};
-    mukca_status status = MUKCA_OK;
-    tracer t = {.fit = fit, .train = &s->data, .test = &s->test};
-    mukca_fit_options traced = fit_options(o);
-    traced.limits.progress = trace;
-    traced.limits.context = &t;
-    if (o->trace) {
-        t.scores = calloc((size_t)(train > test ? train : test) + 1, sizeof *t.scores);
-        if (!t.scores) {
-            status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
-            goto out;
-        }
-        status = mukca_output_open(&output, o->trace, call->common->force, &call->error);
-        if (status != MUKCA_OK) goto out;
-        t.stream = output.stream;
-        fputs(
-            "iteration\tevaluations\tcost_m2\ttrain_mae_m\ttrain_std_m\ttrain_distance_error_m\t"
-            "test_mae_m\ttest_std_m\ttest_distance_error_m\n",
-            t.stream);
-    }
-    status = mukca_fit_run(fit, &s->model.chain, &s->data, &traced, &call->error);
-    if (status == MUKCA_OK && t.exhausted)
-        status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
-out:
-    status = mukca_output_finish(&output, status, &call->error);
-    free(t.scores);
-    return status;
 }
 
 static mukca_status judge(cli_call *call, const calibrate_result *r)
@@ -272,13 +204,13 @@ static mukca_status run(cli_call *call)
     calibrate_result *r = &w->result;
     *r =
         (calibrate_result){.fit = fit, .train = &s->data, .test = &s->test, .offsets = &w->offsets};
-    mukca_status status = cli_check_output(call, "--trace", o->trace);
+    const mukca_fit_options wanted = fit_options(o);
     if (o->evidence && !is_default(o))
         return mukca_fail(
             &call->error, MUKCA_USAGE,
             "--evidence has its own priors and parameters; of the options of the fit, "
             "give no other");
-    if (status == MUKCA_OK) status = cli_load(call);
+    mukca_status status = cli_load(call);
     if (status == MUKCA_OK) {
         note_logs(call, r->train);
         mukca_columns_note(cli_note, call, &s->model.chain, r->train);
@@ -287,7 +219,8 @@ static mukca_status run(cli_call *call)
         status = mukca_fail(&call->error, MUKCA_USAGE,
                             "--evidence is for sockets; for pose logs: mukca diagnose -o");
     if (status == MUKCA_OK) status = check_moving(call, r->train);
-    if (status == MUKCA_OK) status = fit_data(call, fit);
+    if (status == MUKCA_OK)
+        status = mukca_fit_run(fit, &s->model.chain, r->train, &wanted, &call->error);
     if (status == MUKCA_OK) status = use_traits(call);
     if (status == MUKCA_OK && fit->identification.rank == 0)
         status = mukca_fail(&call->error, MUKCA_UNIDENTIFIABLE,
@@ -315,8 +248,6 @@ const cli_command cli_command_calibrate = {
     .group = CLI_CALIBRATE,
     .summary = "fit the geometry of the arm to socket data or measured poses",
     .synopsis = "DATA...",
-    .min_arguments = 1,
-    .max_arguments = -1,
     .description =
         "Each DATA is a session file, a folder with hole_0.csv and hole_1.csv, or a pose log (see "
         "mukca-formats(5)). The fit changes the origins of the joints so that all samples of a "

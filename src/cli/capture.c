@@ -6,7 +6,6 @@
 
 #include "base/clock.h"
 #include "base/text.h"
-#include "cli/capture_view.h"
 #include "cli/live.h"
 #include "io/output.h"
 #include "lcm/type.h"
@@ -122,21 +121,18 @@ static json_t *summary(const session *s)
         int n = mukca_capture_count(&r->session.capture, k);
         mukca_capture_spread(&rms, NULL, &r->session.capture, k);
         if (n)
-            json_array_append_new(
-                sockets,
-                json_pack("{s:s, s:s, s:i, s:o}", "placement",
-                          rows->placements[rows->sockets[k].placement].name, "socket",
-                          rows->sockets[k].label, "rows", n, "spread_m", cli_json_real(rms)));
+            json_array_append_new(sockets,
+                                  cli_json("placement:s socket:s rows:i spread_m:f",
+                                           rows->placements[rows->sockets[k].placement].name,
+                                           rows->sockets[k].label, n, rms));
     }
-    return json_pack("{s:s, s:s, s:i, s:s, s:s, s:s, s:I, s:I, s:o, s:o, s:o, s:b}", "schema",
-                     "mukca.capture/1", "session", r->session.file.path, "rows",
-                     r->session.file.n_rows, "channel", r->stream.channel, "type",
-                     mukca_stream_type(r), "stream", mukca_recorder_stream(r), "received",
-                     (json_int_t)r->stream.count.received, "refused",
-                     (json_int_t)r->stream.count.refused, "longest_gap_s",
-                     cli_json_real(r->stream.count.longest_gap), "sockets", sockets, "expected_m",
-                     cli_json_real(r->session.advice.expected), "more_rows_help",
-                     (int)r->session.advice.more_rows_help);
+    return cli_json(
+        "schema:s session:s rows:i channel:s type:s stream:s received:l refused:l "
+        "longest_gap_s:f sockets:o expected_m:f more_rows_help:b",
+        "mukca.capture/1", r->session.file.path, r->session.file.n_rows, r->stream.channel,
+        mukca_stream_type(r), mukca_recorder_stream(r), (long)r->stream.count.received,
+        (long)r->stream.count.refused, r->stream.count.longest_gap, sockets,
+        r->session.advice.expected, r->session.advice.more_rows_help);
 }
 
 /* Number of placements that a calibration can use: at least two sockets with two samples each. */
@@ -153,28 +149,21 @@ static int count_finished(const mukca_capture *c)
     return finished;
 }
 
-/* Print the next command for this session, with the options that specify the arm. */
+/* Print the command that uses this session, with the options that specify the arm. */
 static void print_next(const session *s)
 {
-    const capture_options *o = s->options;
     cli_live_words words = {.word = {NULL}};
     char line[4096] = "";
     mukca_text text = MUKCA_TEXT(line);
-    const bool finished = count_finished(&s->recorder.session.capture) > 0;
-    mukca_text_put(&text, "mukca %s", finished ? "calibrate" : "capture");
-    cli_live_arguments(&words, s->call->common, &o->live);
+    if (!count_finished(&s->recorder.session.capture)) {
+        cli_answer_keyed(s->call, "Next",
+                         "--resume continues: no placement has two sockets with two samples yet");
+        return;
+    }
+    cli_live_arguments(&words, s->call->common, &s->options->live);
     for (int i = 0; words.word[i]; i++) mukca_text_put(&text, " %s", words.word[i]);
-    if (finished)
-        mukca_text_put(&text, " %s -o offsets.tsv", s->recorder.session.file.path);
-    else
-        mukca_text_put(
-            &text, " -o %s --resume%s%s%s%s%s", s->recorder.session.file.path,
-            o->live.recorder.map ? " --map " : "", o->live.recorder.map ? o->live.recorder.map : "",
-            o->live.recorder.lines ? " --stdin" : "", o->live.recorder.still ? " --still" : "",
-            o->live.recorder.triggers ? " --trigger" : "");
-    cli_answer(s->call, "Next    %s\n", line);
-    if (!finished)
-        cli_answer_wrapped(s->call, "        no placement has two sockets with two samples yet");
+    cli_answer(s->call, "Next    mukca calibrate%s %s -o offsets.tsv\n", line,
+               s->recorder.session.file.path);
 }
 
 static void conclude(session *s)
@@ -190,33 +179,11 @@ static void conclude(session *s)
     if (r->session.file.n_rows) print_next(s);
 }
 
-/* Refuse a recording as an argument; print the command that pipes it into this one. */
-static mukca_status refuse_file(const session *s)
-{
-    const char *file = s->call->arguments.items[0], *dot = strrchr(file, '.');
-    static const struct {
-        const char *ending, *before, *after;
-    } answers[] = {
-        {".lcmlog", "--lcm-url file://", ""},
-        {".csv", "--stdin <", ""},
-        {".tsv", "--stdin <", ""},
-        {".json", "--stdin <", ""},
-        {".jsonl", "--stdin <", ""},
-        {".bag", "`rosbags-convert --src ", " --dst bag` (PyPI: rosbags) makes a bag of ROS 2"},
-        {NULL, "`ros2 bag play ",
-         " & ros2 topic echo --csv /joint_states | mukca capture --stdin ...`"}};
-    size_t k = 0;
-    while (answers[k].ending && !(dot && strcmp(dot, answers[k].ending) == 0)) k++;
-    return mukca_fail(&s->call->error, MUKCA_USAGE, "%.200s: capture reads a stream; %s%.200s%s",
-                      file, answers[k].before, file, answers[k].after);
-}
-
 static mukca_status check_usage(const session *s)
 {
     const capture_options *o = s->options;
     const cli_common *c = s->call->common;
     mukca_error *error = &s->call->error;
-    if (s->call->arguments.n) return refuse_file(s);
     if (!c->output || strcmp(c->output, "-") == 0)
         return mukca_fail(error, MUKCA_USAGE, "-o FILE is needed: the session to record");
     if (s->keys < 0 && !o->live.recorder.triggers && !o->live.recorder.still &&
@@ -228,14 +195,9 @@ static mukca_status check_usage(const session *s)
         return mukca_fail(error, MUKCA_INPUT,
                           "%s exists; --resume continues it, --force overwrites it", c->output);
     const char *url = o->live.recorder.network.url;
-    const char *files[] = {c->output, c->json,
-                           url && strncmp(url, "file://", 7) == 0 ? url + 7 : NULL};
-    for (int i = 0; i < 3; i++)
-        for (int k = 0; k < i; k++)
-            if (mukca_output_same(files[i], files[k]))
-                return mukca_fail(error, MUKCA_USAGE,
-                                  "session, --json and log cannot be the same file: %.100s",
-                                  files[i]);
+    const char *log = url && strncmp(url, "file://", 7) == 0 ? url + 7 : NULL;
+    if (mukca_output_same(log, c->output) || mukca_output_same(log, c->json))
+        return mukca_fail(error, MUKCA_USAGE, "%.100s is the log; refusing to overwrite it", log);
     if (c->json) return mukca_output_check(c->json, c->force, error);
     return MUKCA_OK;
 }
@@ -331,10 +293,7 @@ static const cli_option options[] = {
                "give up without joint states after S seconds (default: 10)"),
     CLI_DISTANCE_OPTION,
     CLI_JSON_OPTION,
-    CLI_FORCE_OPTION,
-    CLI_TALK_OPTIONS,
-    CLI_END_OPTIONS,
-};
+    CLI_LAST_OPTIONS};
 
 static const capture_options defaults = {.wait = 10};
 
@@ -343,7 +302,7 @@ const cli_command cli_command_capture = {
     .group = CLI_MEASURE,
     .summary = "record a session from live joint states (LCM, or lines)",
     .synopsis = "",
-    .max_arguments = 1, /* a file, refused with a hint */
+    .grows = true,
     .description =
         "Listens to the joint states of the robot. A sample is recorded when you press a, on a "
         "message on MUKCA_TRIGGER (--trigger), or when the arm stands still with its ball in a "

@@ -1,5 +1,5 @@
 /* The terminal of `mukca capture`: single keys, and a view that is redrawn in place. */
-#include "cli/capture_view.h"
+#include "cli/live.h"
 
 #include <limits.h>
 #include <math.h>

@@ -45,6 +45,8 @@ typedef struct {
 typedef enum {
     CLI_FLAG,     /* bool; no argument */
     CLI_TEXT,     /* const char *; the last one given wins */
+    CLI_INPUT,    /* const char *; a file that is read */
+    CLI_OUTPUT,   /* const char *; a file that is written; checked before the command runs */
     CLI_NUMBER,   /* double; finite */
     CLI_INTEGER,  /* int */
     CLI_CHOICE,   /* int; index into `choices` */
@@ -103,21 +105,21 @@ typedef struct {
         .help = (text), .offset = offsetof(cli_common, member)                           \
     }
 #define CLI_MODEL_OPTIONS                                                                         \
-    CLI_COMMON(urdf, 0, CLI_TEXT, "FILE", "nominal model of the arm"),                            \
-        CLI_COMMON(kinematics, 0, CLI_TEXT, "FILE",                                               \
+    CLI_COMMON(urdf, 0, CLI_INPUT, "FILE", "nominal model of the arm"),                           \
+        CLI_COMMON(kinematics, 0, CLI_INPUT, "FILE",                                              \
                    "YAML with the robot's own origins (Universal Robots, Franka, UFACTORY): it "  \
                    "replaces those of the URDF"),                                                 \
         CLI_COMMON(base, 0, CLI_TEXT, "LINK",                                                     \
                    "first link of the chain (default: the URDF's root)"),                         \
         CLI_COMMON(tip, 0, CLI_TEXT, "LINK",                                                      \
                    "last link of the chain (default: ball_link, else ball, else the only leaf)"), \
-        CLI_COMMON(inertials, 0, CLI_TEXT, "FILE",                                                \
+        CLI_COMMON(inertials, 0, CLI_INPUT, "FILE",                                               \
                    "link masses (TSV: link, mass_kg, com_x_m, com_y_m, com_z_m); they replace "   \
                    "those of the URDF"),                                                          \
         CLI_COMMON(gravity, 0, CLI_VECTOR, "X,Y,Z",                                               \
                    "gravity in the base frame, m/s^2 (default: 0,0,-9.80665)")
-#define CLI_OFFSETS_OPTION                   \
-    CLI_COMMON(offsets, 0, CLI_TEXT, "FILE", \
+#define CLI_OFFSETS_OPTION                    \
+    CLI_COMMON(offsets, 0, CLI_INPUT, "FILE", \
                "apply this offsets table; it must belong to the URDF (or --force)")
 #define CLI_ACCEPT_OPTION                                                         \
     CLI_OPTION(cli_common, accept_failed, "accept-failed", CLI_FLAG, NULL,        \
@@ -127,9 +129,9 @@ typedef struct {
 #define CLI_USUAL_DISTANCE 0.05 /* m: the tool of the MUKCa paper */
 #define CLI_DISTANCE_OPTION \
     CLI_COMMON(distance, 0, CLI_POSITIVE, "M", "distance between the sockets, m (default: 0.05)")
-#define CLI_DISTANCE_OPTIONS                       \
-    CLI_DISTANCE_OPTION,                           \
-        CLI_COMMON(distances, 0, CLI_TEXT, "FILE", \
+#define CLI_DISTANCE_OPTIONS                        \
+    CLI_DISTANCE_OPTION,                            \
+        CLI_COMMON(distances, 0, CLI_INPUT, "FILE", \
                    "distances of pairs of sockets (TSV: socket_a, socket_b, distance_m)")
 #define CLI_PAYLOAD_OPTION                                                                         \
     CLI_COMMON(                                                                                    \
@@ -158,14 +160,18 @@ typedef struct {
         CLI_OPTION(cli_common, inverse_poses, "inverse-poses", CLI_FLAG, NULL,                   \
                    "the measured poses are those of the fixed frame in the target's, as a "      \
                    "camera on the arm sees a fixed board")
+/* All that concerns the reading of DATA. */
+#define CLI_DATA_OPTIONS                                                            \
+    CLI_MODEL_OPTIONS, CLI_DISTANCE_OPTIONS, CLI_PAYLOAD_OPTION, CLI_ANGLES_OPTION, \
+        CLI_TABLE_OPTIONS
 #define CLI_TEST_OPTION \
     CLI_COMMON(test, 0, CLI_REST, "DATA...", "held-out data: never fitted, always reported")
 #define CLI_JSON_OPTION \
-    CLI_COMMON(json, 0, CLI_TEXT, "FILE", "write the result as JSON; - means standard output")
-#define CLI_OUTPUT_OPTION(what)                                                                \
-    {                                                                                          \
-        .name = "output", .letter = 'o', .kind = CLI_TEXT, .argument = "FILE", .help = (what), \
-        .offset = offsetof(cli_common, output)                                                 \
+    CLI_COMMON(json, 0, CLI_OUTPUT, "FILE", "write the result as JSON; - means standard output")
+#define CLI_OUTPUT_OPTION(what)                                                                  \
+    {                                                                                            \
+        .name = "output", .letter = 'o', .kind = CLI_OUTPUT, .argument = "FILE", .help = (what), \
+        .offset = offsetof(cli_common, output)                                                   \
     }
 #define CLI_FORCE_OPTION                 \
     CLI_COMMON(force, 0, CLI_FLAG, NULL, \
@@ -173,9 +179,11 @@ typedef struct {
 #define CLI_TALK_OPTIONS                                         \
     CLI_COMMON(quiet, 'q', CLI_FLAG, NULL, "print errors only"), \
         CLI_COMMON(verbose, 'v', CLI_FLAG, NULL, "print inputs and elapsed time")
-#define CLI_END_OPTIONS \
-    {                   \
-        .name = NULL    \
+/* The end of every table. */
+#define CLI_LAST_OPTIONS                \
+    CLI_FORCE_OPTION, CLI_TALK_OPTIONS, \
+    {                                   \
+        .name = NULL                    \
     }
 
 /* Common options with the same meaning in all commands, as a complete table; -o differs by
@@ -193,14 +201,14 @@ typedef mukca_status cli_run_fn(cli_call *call);
 typedef struct {
     const char *name;
     cli_group group;
-    const char *summary;              /* one line without a full stop */
-    const char *synopsis;             /* positional arguments, "DATA..."; "": none */
-    int min_arguments, max_arguments; /* of positionals; -1: any number */
-    const char *description;          /* paragraphs separated by empty lines; wrapped by help */
-    const char *example;              /* valid commands, one per line; a test runs each */
+    const char *summary;     /* one line without a full stop */
+    const char *synopsis;    /* positional arguments, "DATA...", "[FILE...]", "A B"; "": none */
+    const char *description; /* paragraphs separated by empty lines; wrapped by help */
+    const char *example;     /* valid commands, one per line; a test runs each */
     const cli_option *options;
     size_t options_size;  /* of the options struct, first member cli_common */
     bool targets;         /* pose logs may have several targets */
+    bool grows;           /* -o may exist */
     const void *defaults; /* an options struct, or NULL: zeroed */
     cli_run_fn *run;
     size_t work_size;            /* of call->work, or 0 */
@@ -333,16 +341,12 @@ bool cli_show_progress(void *call, double share, const char *doing);
 
 /* ---- inputs and outputs of commands (load.c, outputs.c, json.c) ---- */
 
-/* Check the outputs, then fill call->session: the model, DATA if there are arguments, --test if
+/* Fill call->session: the model, DATA if there are arguments, --test if
  * given.  Errors: those of the functions below. */
 mukca_status cli_load(cli_call *call);
 
 /* Errors: MUKCA_USAGE (no --urdf), MUKCA_INPUT, MUKCA_MEMORY. */
 mukca_status cli_load_model(cli_call *call, cli_model *model);
-
-/* For an arm without masses, note the files of data/inertials (source tree or installed) that match
- * its geometry. */
-void cli_suggest_inertials(cli_call *call, const mukca_chain *chain);
 
 /* Check that a traits table (NULL: none) is of the model.  Errors: as mukca_traits_read. */
 mukca_status cli_check_traits(cli_call *call, const char *path, const mukca_chain *chain);
@@ -383,22 +387,15 @@ cli_list cli_inputs(cli_call *call);
 /* Check that the arm has the masses that the effects of --offsets need.  Errors: MUKCA_INPUT. */
 mukca_status cli_check_effects(cli_call *call, const cli_model *model);
 
-/* Check --json and -o before any long work: not both `-`, not existing without --force, folder
- * writable. */
+/* Check all outputs before any long work: each different from the others, no input (not even
+ * --force overwrites a recording, which cannot be repeated), not existing without --force, folder
+ * writable.  Errors: MUKCA_USAGE, MUKCA_INPUT, MUKCA_MEMORY. */
 mukca_status cli_check_outputs(cli_call *call);
 
 /* Write an offsets table to `path` (NULL: none); the arguments are those of mukca_offsets_write. */
 mukca_status cli_write_offsets(cli_call *call, const char *path, const mukca_offsets *offsets,
                                const mukca_chain *chain, const mukca_dataset *data,
                                const char *comments);
-
-/* Refuse an output `path` (NULL: none) that is an input: not even --force overwrites a recording,
- * which cannot be repeated.  cli_load_model checks -o and --json.  Errors: MUKCA_USAGE. */
-mukca_status cli_keep_inputs(cli_call *call, const char *path);
-
-/* Check the output `path` (NULL: none) of another option before any long work: different from
- * --json and -o, no input, writable. */
-mukca_status cli_check_output(cli_call *call, const char *option, const char *path);
 
 /* Write `root` (reference stolen) to --json, if given.  Errors: MUKCA_INPUT, MUKCA_MEMORY (also if
  * `root` is incomplete after a failed allocation). */
@@ -418,16 +415,18 @@ void cli_print_acceptance(FILE *stream, const mukca_acceptance *acceptance,
 /* The verdict of an offsets table as a JSON object; null for NULL. */
 json_t *cli_json_acceptance(const mukca_acceptance *acceptance);
 
-/* A JSON number; null for NaN and infinity. */
-json_t *cli_json_real(double value);
+/* A JSON object: `keys` are "KEY:TYPE" with blanks between, or "KEY{...}" for an object within, and
+ * the values follow in order.  Types: s text (NULL: null), b bool, i int, n int (null unless above
+ * 0), l long, f double (null for NaN and infinity), v interval (two doubles, null unless both are
+ * finite), o json_t * (stolen; NULL: null). */
+json_t *cli_json(const char *keys, ...);
+
+/* Numbers; null for NaN and infinity. */
+json_t *cli_json_number(double value);
 json_t *cli_json_reals(const double *values, int n);
 
 /* A pose: position_m, and quaternion, w first. */
 json_t *cli_json_frame(const mukca_frame *frame);
-
-/* A JSON object of numbers: key, value, key, value, ... */
-#define cli_json_numbers(...) cli_json_numbers_until(__VA_ARGS__, (const char *)NULL)
-json_t *cli_json_numbers_until(const char *key, double value, ...) __attribute__((sentinel));
 
 /* A JSON string; null for NULL. */
 json_t *cli_json_text(const char *text);

@@ -44,13 +44,14 @@ const cli_command *cli_find_command(const char *name)
 mukca_status cli_run(cli_call *call)
 {
     const cli_command *command = call->command;
-    mukca_status status = MUKCA_MEMORY;
+    mukca_status status = cli_check_outputs(call);
+    if (status != MUKCA_OK) return status;
     call->session = calloc(1, sizeof *call->session);
     call->work = calloc(1, command->work_size ? command->work_size : 1);
     if (call->session && call->work)
         status = command->run(call);
     else
-        mukca_fail(&call->error, status, "out of memory");
+        status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
     if (call->work && command->release) command->release(call->work);
     free(call->work);
     if (call->session) {

@@ -9,8 +9,7 @@
 #include "cli/cli.h"
 #include "io/urdf.h"
 
-static const cli_option options[] = {CLI_JSON_OPTION, CLI_MODEL_OPTIONS, CLI_FORCE_OPTION,
-                                     CLI_TALK_OPTIONS, CLI_END_OPTIONS};
+static const cli_option options[] = {CLI_JSON_OPTION, CLI_MODEL_OPTIONS, CLI_LAST_OPTIONS};
 
 typedef struct {
     mukca_corrected arm[2];
@@ -184,19 +183,13 @@ static void print(cli_call *call)
     }
 }
 
-static json_t *error_json(const mukca_compared_error e[2], const char *unit)
+static json_t *error_json(const mukca_compared_error e[2], bool angle)
 {
-    static const char *const keys[2] = {"as_they_are", "aligned"};
-    char name[3][16];
-    json_t *json = json_object();
-    snprintf(name[0], sizeof *name, "mean_%s", unit);
-    snprintf(name[1], sizeof *name, "p95_%s", unit);
-    snprintf(name[2], sizeof *name, "max_%s", unit);
-    for (int aligned = 0; aligned < 2; aligned++)
-        json_object_set_new(json, keys[aligned],
-                            cli_json_numbers(name[0], e[aligned].mean, name[1], e[aligned].p95,
-                                             name[2], e[aligned].max));
-    return json;
+    return cli_json(angle ? "as_they_are{mean_rad:f p95_rad:f max_rad:f} "
+                            "aligned{mean_rad:f p95_rad:f max_rad:f}"
+                          : "as_they_are{mean_m:f p95_m:f max_m:f} "
+                            "aligned{mean_m:f p95_m:f max_m:f}",
+                    e[0].mean, e[0].p95, e[0].max, e[1].mean, e[1].p95, e[1].max);
 }
 
 static json_t *as_json(const cli_call *call)
@@ -207,22 +200,19 @@ static json_t *as_json(const cli_call *call)
     for (int side = 0; side < 2; side++)
         json_array_append_new(
             models,
-            json_pack("{s:s, s:s, s:o}", "file", call->arguments.items[side], "robot",
-                      w->arm[side].chain.robot, "acceptance",
-                      cli_json_acceptance(w->verdict[side].given ? &w->verdict[side] : NULL)));
-    for (int j = 0; j < w->arm[0].chain.n_joints; j++) {
-        json_t *axis =
-            cli_json_numbers("angle_rad", c->axis[j].angle, "distance_m", c->axis[j].distance,
-                             "zero_rad", c->axis[j].zero, "shift_m", c->axis[j].slide);
-        json_object_set_new(axis, "joint",
-                            cli_json_text(mukca_chain_joint_name(&w->arm[0].chain, j)));
-        json_array_append_new(axes, axis);
-    }
-    return json_pack("{s:s, s:o, s:i, s:o, s:o, s:o, s:o, s:o, s:f}", "schema", "mukca.compare/1",
-                     "models", models, "postures", (int)MUKCA_COMPARED, "axes", axes, "position",
-                     error_json(c->position, "m"), "rotation", error_json(c->rotation, "rad"),
-                     "base", cli_json_frame(&c->base), "tool", cli_json_frame(&c->tool),
-                     "elapsed_s", cli_elapsed(call));
+            cli_json("file:s robot:s acceptance:o", call->arguments.items[side],
+                     w->arm[side].chain.robot,
+                     w->verdict[side].given ? cli_json_acceptance(&w->verdict[side]) : NULL));
+    for (int j = 0; j < w->arm[0].chain.n_joints; j++)
+        json_array_append_new(
+            axes, cli_json("angle_rad:f distance_m:f zero_rad:f shift_m:f joint:s",
+                           c->axis[j].angle, c->axis[j].distance, c->axis[j].zero, c->axis[j].slide,
+                           mukca_chain_joint_name(&w->arm[0].chain, j)));
+    return cli_json(
+        "schema:s models:o postures:i axes:o position:o rotation:o base:o tool:o elapsed_s:f",
+        "mukca.compare/1", models, (int)MUKCA_COMPARED, axes, error_json(c->position, false),
+        error_json(c->rotation, true), cli_json_frame(&c->base), cli_json_frame(&c->tool),
+        cli_elapsed(call));
 }
 
 static mukca_status run(cli_call *call)
@@ -232,8 +222,7 @@ static mukca_status run(cli_call *call)
         true; /* also compare a table that was not accepted */
     if (call->common->kinematics)
         return mukca_fail(&call->error, MUKCA_USAGE, "--kinematics: give the file as A or as B");
-    mukca_status status = cli_keep_inputs(call, call->common->json);
-    if (status == MUKCA_OK) status = cli_check_outputs(call);
+    mukca_status status = MUKCA_OK;
     for (int side = 0; side < 2 && status == MUKCA_OK; side++) status = load(call, side);
     if (status == MUKCA_OK) status = check_pairs(call);
     if (status != MUKCA_OK) return status;
@@ -249,8 +238,6 @@ const cli_command cli_command_compare = {
     .group = CLI_UNDERSTAND,
     .summary = "differences between two models of one arm: axes and tip",
     .synopsis = "A B",
-    .min_arguments = 2,
-    .max_arguments = 2,
     .description =
         "A and B are URDFs, factory files (YAML, with --urdf) or offsets tables: nominal and "
         "calibrated, or this year's table and last year's. The position of the base frame, the "

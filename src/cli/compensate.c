@@ -1,38 +1,61 @@
-/* mukca compensate: joint targets or poses in, corrected joint targets out. */
-#include "cli/compensate.h"
-
+/* mukca compensate: joint targets or poses in, corrected joint targets out; programs whole, or each
+ * line listed that was not understood. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "arm/compensate.h"
 #include "base/file.h"
-#include "base/number.h"
+#include "cli/cli.h"
+#include "io/language.h"
 #include "io/output.h"
 #include "io/rows.h"
-#include "io/table.h"
 
-static const cli_compensate_options defaults = {.format = -1};
+static const char *const formats[] = {"table",
+#define FORMAT_NAME(name, description) #name,
+                                      MUKCA_LANGUAGE_LIST(FORMAT_NAME)
+#undef FORMAT_NAME
+                                          NULL};
+
+typedef struct {
+    cli_common common;
+    bool poses, position_only;
+    int from; /* index into formats */
+} compensate_options;
+
+/* Errors of the tip, m. */
+typedef struct {
+    double sum, max;
+} tip_errors;
+
+typedef struct {
+    tip_errors before, after;
+    long count[MUKCA_REACH_COUNT], rows;
+    long refused; /* lines for which no program is written */
+} tally;
+
+/* One run: output and counters. */
+typedef struct {
+    cli_call *call;
+    FILE *stream;
+    mukca_corrected arm;
+    const mukca_language *from; /* NULL: tables */
+    mukca_compensator compensator;
+    tally tally;
+    mukca_rows rows;
+    bool headed; /* the table's header has been written */
+} job;
 
 static const cli_option options[] = {
     CLI_OPTION(
-        cli_compensate_options, poses, "poses", CLI_FLAG, NULL,
+        compensate_options, poses, "poses", CLI_FLAG, NULL,
         "rows are poses (x_m y_m z_m, optionally qw qx qy qz or the rotation vector rx ry rz), not "
         "joint targets"),
-    CLI_CHOICE_OPTION(cli_compensate_options, from, "from", "FORMAT", cli_compensate_formats,
-                      "read the targets from tables (default) or from programs in this language"),
-    {.name = "format",
-     .letter = 'f',
-     .kind = CLI_CHOICE,
-     .argument = "FORMAT",
-     .help = "write a table or lines of a program (default: as --from); a program in the language "
-             "of --from keeps its other text",
-     .choices = cli_compensate_formats,
-     .offset = offsetof(cli_compensate_options, format)},
-    CLI_OPTION(cli_compensate_options, position_only, "position-only", CLI_FLAG, NULL,
+    CLI_CHOICE_OPTION(compensate_options, from, "from", "FORMAT", formats,
+                      "correct tables (default) or programs in this language"),
+    CLI_OPTION(compensate_options, position_only, "position-only", CLI_FLAG, NULL,
                "ignore the orientation (always with fewer than six joints)"),
-    CLI_OPTION(cli_compensate_options, tolerance, "tolerance", CLI_POSITIVE, "M",
-               "error at which a target counts as reached, m and rad (default: 1e-8)"),
     CLI_OFFSETS_OPTION,
     CLI_ACCEPT_OPTION,
     CLI_MODEL_OPTIONS,
@@ -40,119 +63,181 @@ static const cli_option options[] = {
     CLI_COLUMNS_OPTION,
     CLI_JSON_OPTION,
     CLI_OUTPUT_OPTION("write the corrected targets there (default: standard output)"),
-    CLI_FORCE_OPTION,
-    CLI_TALK_OPTIONS,
-    CLI_END_OPTIONS};
+    CLI_LAST_OPTIONS};
 
-static mukca_status from_joints(cli_compensate_job *b, const char *path)
+/* ---- tables ---- */
+
+/* Print the table's header, once. */
+static void print_header(job *b, bool timed)
+{
+    const mukca_chain *chain = &b->arm.chain;
+    if (b->headed) return;
+    b->headed = true;
+    cli_print_verdict(b->call, b->stream);
+    if (timed) fputs("time_s\t", b->stream);
+    for (int j = 0; j < chain->n_joints; j++)
+        fprintf(b->stream, "%s\t", mukca_chain_joint_name(chain, j));
+    fputs("error_before_m\terror_m\terror_rad\tstatus\n", b->stream);
+}
+
+/* List line `number` of `path`, which a program cannot hold, and why. */
+static void refuse(job *b, const char *path, int number, const char *why)
+{
+    mukca_error error; /* for its rules about foreign text */
+    mukca_fail(&error, MUKCA_INPUT, "%s:%d: %s", mukca_file_shown(path), number, why);
+    fprintf(stderr, "mukca: %s\n", error.text);
+    b->tally.refused++;
+}
+
+static void add(tip_errors *errors, double x)
+{
+    errors->sum += x;
+    if (!(x <= errors->max)) errors->max = x;
+}
+
+/* Count a target; false: a program cannot hold it (listed). */
+static bool count(job *b, const mukca_compensation *c, const char *path, int number)
+{
+    tally *t = &b->tally;
+    t->rows++;
+    t->count[c->reach]++;
+    add(&t->before, c->position_before);
+    add(&t->after, c->position_error);
+    if (!b->from || c->reach == MUKCA_REACH_OK) return true; /* tables have a status column */
+    refuse(b, path, number, mukca_reach_sentence[c->reach]);
+    return false;
+}
+
+/* Count a corrected target, and print it as a row of the table. */
+static void put(job *b, const double *q, const mukca_compensation *c, const char *path, int number)
+{
+    count(b, c, path, number);
+    for (int j = 0; j < b->arm.chain.n_joints; j++) fprintf(b->stream, "%.17g\t", q[j]);
+    fprintf(b->stream, "%.9g\t%.9g\t%.9g\t%s\n", c->position_before, c->position_error,
+            c->rotation_error, mukca_reach_text[c->reach]);
+}
+
+/* Begin a path: the targets of one file. */
+static void start(job *b, bool oriented)
+{
+    const compensate_options *o = b->call->options;
+    mukca_compensator_start(&b->compensator, &b->arm, o->position_only || !oriented, 0);
+}
+
+/* The target of a row of poses; false: it lacks numbers that the header promises. */
+static bool read_pose(mukca_frame *target, const mukca_row *row, bool oriented)
+{
+    memcpy(target->p, row->position, sizeof target->p);
+    if (oriented) mukca_rotation_from_quaternion(target->R, row->quaternion);
+    return !isnan(row->position[0]) && !(oriented && isnan(row->quaternion[0]));
+}
+
+static mukca_status correct_table(job *b, const char *path)
 {
     cli_call *call = b->call;
     mukca_rows *rows = &b->rows;
     mukca_row row;
-    mukca_rows_options header = {.kind = MUKCA_EITHER, .note = cli_note, .context = call};
+    mukca_frame target;
+    double q[MUKCA_MAX_JOINTS] = {0};
+    const bool poses = ((const compensate_options *)call->options)->poses;
+    mukca_rows_options header = {
+        .kind = MUKCA_EITHER, .poses = poses, .any_order = true, .note = cli_note, .context = call};
     mukca_status status = cli_read_format(call, &header.format);
     if (status == MUKCA_OK)
         status = mukca_rows_open(rows, path, &b->arm.chain, &header, &call->error);
     if (status != MUKCA_OK) return status;
-    cli_compensate_start(b, true);
-    cli_compensate_print_header(b, rows->column.time >= 0);
+    const mukca_measured_columns *m = &rows->column.measured[0];
+    const bool oriented = !poses || m->turn[0] >= 0 || m->matrix[0] >= 0;
+    const bool timed = !poses && rows->column.time >= 0;
+    if (poses && rows->column.n_measured == 0) mukca_rows_fail_measured(rows, "no column 'x_m'");
+    start(b, oriented);
+    print_header(b, timed);
     while (!ferror(b->stream) && !cli_interrupted() && mukca_rows_next(rows, &row)) {
-        const mukca_row_reading reading = mukca_row_read(&row, rows);
-        mukca_compensation c = mukca_compensate_joints(row.q, &b->compensator, &reading);
-        if (!b->to && rows->column.time >= 0) fprintf(b->stream, "%.17g\t", row.time);
-        cli_compensate_put(b, row.q, &c, path, rows->table.line);
+        mukca_row_reading reading = {
+            .time = (double)NAN, .placement = -1, .number = rows->table.row};
+        mukca_compensation c;
+        if (!poses) {
+            reading = mukca_row_read(&row, rows);
+            memcpy(q, row.q, sizeof q);
+            c = mukca_compensate_joints(q, &b->compensator, &reading);
+        } else if (read_pose(&target, &row, oriented)) {
+            c = mukca_compensate_pose(q, &b->compensator, &target, &reading);
+        } else {
+            mukca_table_fail(&rows->table, -1, "the pose is incomplete");
+            break;
+        }
+        if (timed) fprintf(b->stream, "%.17g\t", row.time);
+        put(b, q, &c, path, rows->table.line);
     }
     status = mukca_rows_close(rows);
     return status == MUKCA_OK && cli_interrupted() ? MUKCA_INTERRUPTED : status;
 }
 
-/* The columns of a table of poses: the position, and one form of the orientation. */
-enum { POSE_PLACES = 10 };
-static const char *const pose_names[2][POSE_PLACES] = {
-    {"x_m", "y_m", "z_m", "qw", "qx", "qy", "qz", "rx", "ry", "rz"},
-    {"x", "y", "z", "qw", "qx", "qy", "qz", "rx", "ry", "rz"}}; /* with --units */
-typedef struct {
-    mukca_table table;
-    int column[POSE_PLACES];
-    int first, end;       /* orientation columns: 3 to 7, 7 to 10, or none */
-    double length, angle; /* units of the position and of a rotation vector: m, rad */
-} pose_table;
+/* ---- programs ---- */
 
-static void open_poses(pose_table *p, const char *path, cli_call *call)
+static mukca_status correct_line(job *b, const char *line, const char *path, int number)
 {
-    mukca_table *t = &p->table;
-    mukca_rows_format format;
-    const mukca_status status = cli_read_format(call, &format);
-    if (status == MUKCA_OK) mukca_table_open(t, path, MUKCA_HEADER, &call->error);
-    mukca_table_stop(t, status);
-    if (t->status == MUKCA_OK && format.columns) mukca_columns_rename(t, format.columns);
-    if (t->status != MUKCA_OK) return;
-    const bool plain = format.units && mukca_table_find(t, "x") >= 0; /* else x_m: metres */
-    p->length = plain && format.length > 0 ? format.length : 1;
-    p->angle = format.angle > 0 ? format.angle : 1;
-    if (mukca_table_find(t, "qw") >= 0)
-        p->first = 3, p->end = 7;
-    else if (mukca_table_find(t, "rx") >= 0)
-        p->first = 7, p->end = 10;
-    for (int i = 0; i < POSE_PLACES; i++)
-        if (i < 3 || (i >= p->first && i < p->end))
-            p->column[i] = mukca_table_require(t, pose_names[plain][i]);
-    for (int i = 0; i < POSE_PLACES; i++) mukca_table_use(t, pose_names[plain][i]);
-    if (t->status == MUKCA_OK) mukca_table_note_unknown(t, cli_note, call);
+    const mukca_chain *chain = &b->arm.chain;
+    const mukca_row_reading reading = {
+        .time = (double)NAN, .placement = -1, .number = (int)b->tally.rows + 1};
+    char text[160];
+    mukca_program_target t;
+    const mukca_line_kind kind = mukca_language_read(&t, b->from, chain, line);
+    if (kind == MUKCA_LINE_UNKNOWN) {
+        const char *words = line + strspn(line, " \t");
+        snprintf(text, sizeof text, "not understood: %.*s", (int)strcspn(words, "\r"), words);
+        refuse(b, path, number, text);
+    }
+    if (kind == MUKCA_LINE_OTHER) fputs(line, b->stream);
+    if (kind != MUKCA_LINE_TARGET) return MUKCA_OK;
+    double q[MUKCA_MAX_JOINTS];
+    memcpy(q, t.q, sizeof q);
+    for (int j = 0; j < chain->n_joints; j++)
+        if (fabs(q[j]) > 4 * M_PI) /* as in tables */
+            return mukca_fail(&b->call->error, MUKCA_INPUT,
+                              "%s:%d: joint '%s' is %g rad, more than two turns; check --from",
+                              mukca_file_shown(path), number, mukca_chain_joint_name(chain, j),
+                              q[j]);
+    const mukca_compensation c = mukca_compensate_joints(q, &b->compensator, &reading);
+    if (count(b, &c, path, number)) mukca_language_replace(b->stream, b->from, chain, line, &t, q);
+    return MUKCA_OK;
 }
 
-/* False: the end, or a failure. */
-static bool read_pose(mukca_frame *target, pose_table *p)
+/* Correct the program at `path`; lines that are not understood are listed. */
+static mukca_status correct_program(job *b, const char *path)
 {
-    mukca_table *table = &p->table;
-    double v[POSE_PLACES];
-    if (!mukca_table_next(table)) return false;
-    for (int i = 0; i < POSE_PLACES; i++) {
-        if (i >= 3 && (i < p->first || i >= p->end)) continue;
-        v[i] = mukca_table_number(table, p->column[i]);
-        if (fabs(v[i]) > MUKCA_NUMBER_LARGEST)
-            mukca_table_fail(table, p->column[i], "%g is no %s", v[i],
-                             i < 3 ? "position; give m" : "rotation; give rad");
+    cli_call *call = b->call;
+    const compensate_options *o = call->options;
+    const long before = b->tally.rows;
+    char *text;
+    int number = 0;
+    mukca_status status = mukca_file_read(&text, path, &call->error);
+    if (status != MUKCA_OK) return status;
+    start(b, true);
+    for (char *line = text; status == MUKCA_OK && *line && !ferror(b->stream);) {
+        char *end = line + strcspn(line, "\n");
+        const bool ended = *end == '\n';
+        *end = '\0';
+        status = cli_interrupted() ? MUKCA_INTERRUPTED : correct_line(b, line, path, ++number);
+        if (ended) fputc('\n', b->stream);
+        line = end + ended;
     }
-    for (int i = 0; i < 3; i++) {
-        const bool own = mukca_table_has_unit(table, p->column[i]);
-        target->p[i] = (own ? 1 : p->length) * v[i];
-        if (p->first == 7 && !mukca_table_has_unit(table, p->column[7 + i])) v[7 + i] *= p->angle;
-    }
-    if (p->first == 7) mukca_rotation_exp(target->R, v + 7);
-    if (p->first == 3 && mukca_rows_normalise(v + 3))
-        mukca_rotation_from_quaternion(target->R, v + 3);
-    else if (p->first == 3)
-        mukca_table_fail(table, p->column[3],
-                         "the quaternion's length is not 1 (order: qw qx qy qz)");
-    return table->status == MUKCA_OK;
+    free(text);
+    if (status != MUKCA_OK) return status;
+    if (b->tally.rows > before || b->tally.refused > 0) return MUKCA_OK;
+    return mukca_fail(&call->error, MUKCA_INPUT, "%s: no target in %s; check --from and --tip",
+                      mukca_file_shown(path), formats[o->from]);
 }
 
-static mukca_status from_poses(cli_compensate_job *b, const char *path)
-{
-    pose_table poses = {0};
-    mukca_frame target;
-    double q[MUKCA_MAX_JOINTS] = {0};
-    open_poses(&poses, path, b->call);
-    if (poses.table.status == MUKCA_OK) cli_compensate_print_header(b, false);
-    cli_compensate_start(b, poses.first != 0);
-    while (!ferror(b->stream) && !cli_interrupted() && read_pose(&target, &poses)) {
-        const mukca_row_reading reading = {
-            .time = (double)NAN, .placement = -1, .number = poses.table.row};
-        mukca_compensation c = mukca_compensate_pose(q, &b->compensator, &target, &reading);
-        cli_compensate_put(b, q, &c, path, poses.table.line);
-    }
-    const mukca_status status = mukca_table_close(&poses.table);
-    return status == MUKCA_OK && cli_interrupted() ? MUKCA_INTERRUPTED : status;
-}
+/* ---- the command ---- */
 
 /* Mean over the rows, m. */
-static double mean(const cli_compensate_tally *t, const cli_compensate_errors *errors)
+static double mean(const tally *t, const tip_errors *errors)
 {
     return t->rows ? errors->sum / (double)t->rows : 0;
 }
 
-static void print_tally(cli_call *call, const cli_compensate_tally *t, bool poses)
+static void print_tally(cli_call *call, const tally *t, bool poses)
 {
     if (t->rows == 0) return;
     if (poses)
@@ -168,16 +253,16 @@ static void print_tally(cli_call *call, const cli_compensate_tally *t, bool pose
                        mukca_reach_text[r], mukca_reach_sentence[r]);
 }
 
-static json_t *as_json(const cli_call *call, const cli_compensate_tally *t)
+static json_t *as_json(const cli_call *call, const tally *t)
 {
     json_t *counts = json_object();
     for (int r = 0; r < MUKCA_REACH_COUNT; r++)
         json_object_set_new(counts, mukca_reach_text[r], json_integer((json_int_t)t->count[r]));
-    return json_pack("{s:s, s:I, s:o, s:o, s:o, s:f}", "schema", "mukca.compensate/1", "rows",
-                     (json_int_t)t->rows, "before",
-                     cli_json_numbers("mean_m", mean(t, &t->before), "max_m", t->before.max),
-                     "after", cli_json_numbers("mean_m", mean(t, &t->after), "max_m", t->after.max),
-                     "status", counts, "elapsed_s", cli_elapsed(call));
+    return cli_json(
+        "schema:s rows:l before{mean_m:f max_m:f} after{mean_m:f max_m:f} status:o "
+        "elapsed_s:f",
+        "mukca.compensate/1", t->rows, mean(t, &t->before), t->before.max, mean(t, &t->after),
+        t->after.max, counts, cli_elapsed(call));
 }
 
 /* Check that targets of the language have an axis for each joint. */
@@ -188,12 +273,11 @@ static mukca_status check_axes(cli_call *call, int format)
     if (n <= most) return MUKCA_OK;
     return mukca_fail(&call->error, MUKCA_INPUT,
                       "a target in %s has at most %d axes, and the chain has %d; check --tip",
-                      cli_compensate_formats[format], most, n);
+                      formats[format], most, n);
 }
 
 /* Close the text of a program and write it, if no line was refused. */
-static mukca_status finish_program(cli_compensate_job *b, FILE *stream, char *const *text,
-                                   mukca_status status)
+static mukca_status finish_program(job *b, FILE *stream, char *const *text, mukca_status status)
 {
     const bool whole = mukca_file_close(b->stream, text);
     if (status != MUKCA_OK) return status;
@@ -210,24 +294,22 @@ static mukca_status finish_program(cli_compensate_job *b, FILE *stream, char *co
 
 static mukca_status run(cli_call *call)
 {
-    const cli_compensate_options *o = call->options;
+    const compensate_options *o = call->options;
     const cli_common *c = call->common;
     const cli_model *model = &call->session->model;
-    cli_compensate_job *b = call->work;
+    job *b = call->work;
     mukca_output output = {0};
-    const int to = o->format < 0 ? o->from : o->format;
     b->call = call;
     b->from = o->from ? mukca_languages[o->from - 1] : NULL;
-    b->to = to ? mukca_languages[to - 1] : NULL;
-    mukca_status status = cli_check_outputs(call);
-    if (status == MUKCA_OK) status = cli_load_model(call, &call->session->model);
+    if (o->from && o->poses)
+        return mukca_fail(&call->error, MUKCA_USAGE, "--poses is for tables, --from for programs");
+    mukca_status status = cli_load_model(call, &call->session->model);
     if (status != MUKCA_OK) return status;
     b->arm.chain = model->chain;
     b->arm.geometry = model->geometry;
     b->arm.n_effects = model->offsets.n_effects;
     memcpy(b->arm.effects, model->offsets.effects, sizeof b->arm.effects);
     status = check_axes(call, o->from);
-    if (status == MUKCA_OK) status = check_axes(call, to);
     if (status != MUKCA_OK) return status;
     if (!c->offsets)
         cli_note(call, "no --offsets: targets are those of the nominal model; no correction");
@@ -237,14 +319,12 @@ static mukca_status run(cli_call *call)
     const cli_list input = status == MUKCA_OK ? cli_inputs(call) : (cli_list){0};
     char *text = NULL; /* a program is written when all of it is known to be right */
     size_t size;
-    const bool whole = o->from || to;
+    const bool whole = o->from != 0;
     b->stream = whole ? open_memstream(&text, &size) : output.stream;
     if (status == MUKCA_OK && !b->stream)
         status = mukca_fail(&call->error, MUKCA_MEMORY, "not enough memory for the program");
     for (int i = 0; i < input.n && status == MUKCA_OK; i++)
-        status = b->from    ? cli_compensate_program(b, input.items[i])
-                 : o->poses ? from_poses(b, input.items[i])
-                            : from_joints(b, input.items[i]);
+        status = b->from ? correct_program(b, input.items[i]) : correct_table(b, input.items[i]);
     if (whole && b->stream) status = finish_program(b, output.stream, &text, status);
     status = mukca_output_finish(&output, status, &call->error);
     free(text);
@@ -260,7 +340,6 @@ const cli_command cli_command_compensate = {
     .group = CLI_USE,
     .summary = "correct joint targets for the identified errors",
     .synopsis = "[FILE...]",
-    .max_arguments = -1,
     .description =
         "For controllers whose model cannot be changed. Reads rows of joint targets (with --poses: "
         "of poses in the base frame) and writes corrected joint targets: with these the arm of "
@@ -268,19 +347,16 @@ const cli_command cli_command_compensate = {
         "given targets. Damped least squares with the smallest change of the joints, within their "
         "limits; along a path the corrections are continuous. For a target out of reach the row "
         "holds the nearest solution and its status the reason.\n\n"
-        "--from and --format read and write programs; joints from the seventh on are external "
-        "axes:\n" MUKCA_LANGUAGE_LIST(FORMAT_LINE)
+        "--from corrects programs; joints from the seventh on are external axes:\n" MUKCA_LANGUAGE_LIST(FORMAT_LINE)
         "A program is corrected only as a whole: each line is a comment, a motion to joint values "
         "in numbers (MoveAbsJ, PTP, SPTP, movej, movel, movep, servoj), a target alone, or one of a "
         "few statements without motion. Otherwise all other lines are listed, nothing is written, "
-        "and the exit code is 3; likewise if a target is out of reach. With --poses, a line is a "
-        "pose alone, which becomes a joint target.",
+        "and the exit code is 3; likewise if a target is out of reach.",
     .example =
         "echo 0.1,0.2,0.3,-1.5,0.2,1.1,0.4 | mukca compensate --urdf data/demo/arm.urdf --offsets "
         "build/demo/offsets.tsv",
     .options = options,
-    .options_size = sizeof(cli_compensate_options),
-    .defaults = &defaults,
+    .options_size = sizeof(compensate_options),
     .run = run,
-    .work_size = sizeof(cli_compensate_job),
+    .work_size = sizeof(job),
 };

@@ -27,7 +27,7 @@ static const cli_option options[] = {
     CLI_OPTION(diagnose_options, free_tool, "free-tool", CLI_FLAG, NULL,
                "pose logs: fit the offset of the target"),
     CLI_OPTION(
-        diagnose_options, summary, "summary", CLI_TEXT, "FILE",
+        diagnose_options, summary, "summary", CLI_OUTPUT, "FILE",
         "write a summary of the data on effects shared by arms of this model (for mukca fleet)"),
     CLI_OPTION(diagnose_options, arm, "arm", CLI_TEXT, "NAME",
                "label of the arm in the summary (default: the name of the data's folder)"),
@@ -35,16 +35,10 @@ static const cli_option options[] = {
     CLI_OPTION(diagnose_options, traits_only, "traits-only", CLI_FLAG, NULL,
                "elastic coefficients: the means of --traits, nothing of this arm"),
     CLI_CHECK_OPTION(diagnose_options),
-    CLI_MODEL_OPTIONS,
-    CLI_DISTANCE_OPTIONS,
-    CLI_PAYLOAD_OPTION,
-    CLI_ANGLES_OPTION,
-    CLI_TABLE_OPTIONS,
+    CLI_DATA_OPTIONS,
     CLI_OUTPUT_OPTION("write the offsets table: geometry and causes"),
     CLI_JSON_OPTION,
-    CLI_FORCE_OPTION,
-    CLI_TALK_OPTIONS,
-    CLI_END_OPTIONS};
+    CLI_LAST_OPTIONS};
 
 static mukca_status disable(unsigned char *disabled, const char *list, mukca_error *error)
 {
@@ -141,8 +135,8 @@ static mukca_status prepare(cli_call *call)
         return mukca_fail(&call->error, MUKCA_USAGE, "--traits-only needs --traits FILE");
     if (o->arm && !o->summary)
         return mukca_fail(&call->error, MUKCA_USAGE, "--arm is the label in --summary FILE");
-    mukca_status status = cli_check_output(call, "--summary", o->summary);
-    if (status == MUKCA_OK && o->summary) status = cli_arm_label(call, w->summary.arm, o->arm);
+    mukca_status status = MUKCA_OK;
+    if (o->summary) status = cli_arm_label(call, w->summary.arm, o->arm);
     if (status == MUKCA_OK && o->traits)
         status =
             mukca_traits_read(&w->traits, o->traits, &call->session->model.chain, &call->error);
@@ -248,8 +242,6 @@ const cli_command cli_command_diagnose = {
     .group = CLI_UNDERSTAND,
     .summary = "identify and quantify the causes of the remaining error",
     .synopsis = "DATA...",
-    .min_arguments = 1,
-    .max_arguments = -1,
     .description =
         "Fits the geometry. Then compares the evidence for every effect of the catalogue (mukca "
         "help effects), for recording faults, and for unknown functions of the joint angles. The "

@@ -39,4 +39,16 @@ mukca_status cli_diagnosis_offsets(mukca_offsets *offsets, mukca_chain *chain, i
                                    const mukca_diagnosed *result, const cli_frames *frames,
                                    mukca_error *error);
 
+/* ---- parts of the screen (diagnose_screen_data.c) ---- */
+
+/* Frames of several pose logs or targets; readings against commands; recording faults and efforts.
+ */
+void cli_screen_logs(FILE *stream, const mukca_diagnosed *diagnosed);
+void cli_screen_streams(FILE *stream, const mukca_diagnosed *diagnosed);
+void cli_screen_recording(FILE *stream, const mukca_diagnosed *diagnosed);
+
+/* Detection limits and effects not testable.  `caveat`: missing masses have been mentioned
+ * already. */
+void cli_screen_limits(FILE *stream, const mukca_diagnosed *diagnosed, bool caveat);
+
 #endif

@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "cli/diagnose_screen.h"
+#include "cli/diagnose.h"
 
 /* MOST_CAUSES: causes with a separate line, on a screen of some 30 lines. */
 enum { MOST_CAUSES = 8, TEXT = 2 * MUKCA_WORDING };

@@ -1,10 +1,8 @@
 /* The screen of a diagnosis: the recording and its detection limits. */
 #include <math.h>
-#include <string.h>
 
-#include "base/file.h"
 #include "base/text.h"
-#include "cli/diagnose_screen.h"
+#include "cli/diagnose.h"
 #include "math/stats.h"
 
 /* MOST_LINES: faults and reasons with a separate line, on a screen of some 30 lines. */
@@ -20,42 +18,13 @@ static const double worth_changing = 0.8;
 
 /* ---- the recording ---- */
 
-static void put_fault(mukca_text *text, const mukca_diagnosed *r, const mukca_data_fault *f)
-{
-    const mukca_dataset *data = r->data;
-    const double mm = 1e3 * f->size_m;
-    bool creep = false;
-    const char *file = data->files ? mukca_file_name(data->files[f->file]) : "the recording";
-    for (int i = 0; i < r->diagnosis->n_causes; i++) {
-        const mukca_cause *c = &r->diagnosis->causes[i];
-        creep |= c->creep && c->socket == f->socket && c->row == f->row;
-    }
-    if (f->placement >= 0) mukca_text_put(text, "%s, ", data->placements[f->placement].name);
-    if (f->socket >= 0) mukca_text_put(text, "socket %s, ", data->sockets[f->socket].label);
-    mukca_text_put(text, "row %d of %s: ", f->row, file);
-    if (f->kind == MUKCA_FAULT_TOOL_MOTION)
-        mukca_text_put(text,
-                       creep ? "the tool crept by %.2f mm from here on; record this socket again"
-                             : "the tool moved by %.2f mm before it, or a joint slipped; record "
-                               "this socket again",
-                       mm);
-    else if (f->kind == MUKCA_FAULT_WRONG_SOCKET)
-        mukca_text_put(text, "the ball was in another socket (%.1f mm away); correct its label",
-                       mm);
-    else if (f->kind == MUKCA_FAULT_OUTLIER)
-        mukca_text_put(text, "outlier of %.2f mm, not used; record it again", mm);
-    else
-        mukca_text_put(text, "repeats the row before; record another posture");
-}
-
 void cli_screen_recording(FILE *stream, const mukca_diagnosed *r)
 {
     const mukca_diagnosis *d = r->diagnosis;
     char line[TEXT] = "";
-    mukca_text text = MUKCA_TEXT(line);
     for (int i = 0; i < d->n_faults && i < MOST_LINES; i++) {
-        put_fault(&text, r, &d->faults[i]);
-        cli_print_text(stream, i ? "" : "Faults", &text);
+        mukca_wording_fault(line, &d->faults[i], r);
+        cli_print_keyed(stream, i ? "" : "Faults", line);
     }
     if (d->n_faults > MOST_LINES) cli_print_more(stream, d->n_faults - MOST_LINES);
     if (r->data->n_sockets == 0 && d->nominal_m < CLI_ECHO)
@@ -63,6 +32,8 @@ void cli_screen_recording(FILE *stream, const mukca_diagnosed *r)
                         "the measured poses repeat the nominal model: they seem to come from the "
                         "controller, not from a tracker, and contain no error of the arm");
     if (!(d->efforts_correlation < 0.5)) return;
+    line[0] = '\0';
+    mukca_text text = MUKCA_TEXT(line);
     const bool opposed = d->efforts_correlation < -0.5;
     mukca_text_put(&text,
                    "measured efforts %s the torques that hold the arm (correlation %.2f) and were "
@@ -74,38 +45,6 @@ void cli_screen_recording(FILE *stream, const mukca_diagnosed *r)
 }
 
 /* ---- detection limits ---- */
-
-/* "Not testable: joint_drift, joint_scale (REASON)", with the joints if the reason concerns only
- * these. */
-static void print_reason(FILE *stream, const mukca_diagnosed *r, const mukca_tested *of)
-{
-    const mukca_diagnosis *d = r->diagnosis;
-    char line[TEXT] = "";
-    mukca_text text = MUKCA_TEXT(line);
-    bool joint[MUKCA_MAX_JOINTS] = {false}, kind[MUKCA_EFFECT_COUNT] = {false};
-    int kinds = 0, joints = 0, n = 0;
-    for (int i = 0; i < d->n_tested; i++) {
-        const mukca_tested *t = &d->tested[i];
-        if (t->testable || (t->joint < 0) != (of->joint < 0) || strcmp(t->why, of->why) != 0)
-            continue;
-        kinds += !kind[t->effect];
-        kind[t->effect] = true;
-        if (t->joint >= 0) joints += !joint[t->joint], joint[t->joint] = true;
-    }
-    mukca_text_put(&text, "Not testable: ");
-    if (kinds > 3 && joints > 0)
-        mukca_text_put(&text, "%d effects", kinds);
-    else
-        for (int k = 0; k < MUKCA_EFFECT_COUNT; k++)
-            if (kind[k])
-                mukca_text_put(&text, "%s%s", n++ ? ", " : "", mukca_effect_table[k]->name);
-    for (int j = 0, at = 0; j < r->chain->n_joints; j++)
-        if (joint[j])
-            mukca_text_put(&text, "%s%s", at++ ? ", " : " at ",
-                           mukca_chain_joint_name(r->chain, j));
-    mukca_text_put(&text, " (%s)", of->why);
-    cli_print_text(stream, NULL, &text);
-}
 
 /* Median of the detection limits of a joint's effects, rad; NaN: none. */
 static double joint_limit(const mukca_diagnosis *d, int joint)
@@ -134,17 +73,10 @@ void cli_screen_limits(FILE *stream, const mukca_diagnosed *r, bool caveat)
     }
     cli_print_text(stream, NULL, &text);
     for (int i = 0, lines = 0; i < d->n_tested && lines < MOST_LINES; i++) {
-        const mukca_tested *t = &d->tested[i];
-        /* with readings, errors of commands are not mentioned */
-        bool printed =
-            t->testable || (r->data->n_sockets == 0 && mukca_effect_of_sockets(t->effect)) ||
-            (mukca_effect_table[t->effect]->needs & MUKCA_NEEDS_COMMANDS && !r->data->by_command) ||
-            (caveat && t->joint < 0 && (mukca_effect_table[t->effect]->needs & MUKCA_NEEDS_MASSES));
-        for (int k = 0; k < i && !printed; k++)
-            printed = !d->tested[k].testable && strcmp(d->tested[k].why, t->why) == 0 &&
-                      (d->tested[k].joint < 0) == (t->joint < 0);
-        if (printed) continue;
-        print_reason(stream, r, t);
+        char words[MUKCA_WORDING];
+        if (!mukca_wording_untestable(words, i, r, caveat)) continue;
+        mukca_text_put(&text, "Not testable: %s", words);
+        cli_print_text(stream, NULL, &text);
         lines++;
     }
     if (!r->data->time)

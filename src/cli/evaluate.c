@@ -5,13 +5,11 @@
 #include <unistd.h>
 
 #include "cli/scores.h"
-#include "fit/cross_training.h"
 #include "fit/frames.h"
 
 typedef struct {
     cli_common common;
     double max_mae;
-    bool matrix;
 } evaluate_options;
 
 static const cli_option options[] = {
@@ -19,75 +17,10 @@ static const cli_option options[] = {
     CLI_TEST_OPTION,
     CLI_OPTION(evaluate_options, max_mae, "max-mae", CLI_POSITIVE, "M",
                "exit code 1 if the mean error (of --test, if given) is above this, m"),
-    CLI_OPTION(
-        evaluate_options, matrix, "matrix", CLI_FLAG, NULL,
-        "train on each placement, each pair and all, test on the others: a table of mean errors"),
     CLI_OUTPUT_OPTION("write the table there (default: standard output)"),
     CLI_JSON_OPTION,
-    CLI_MODEL_OPTIONS,
-    CLI_DISTANCE_OPTIONS,
-    CLI_PAYLOAD_OPTION,
-    CLI_ANGLES_OPTION,
-    CLI_TABLE_OPTIONS,
-    CLI_FORCE_OPTION,
-    CLI_TALK_OPTIONS,
-    CLI_END_OPTIONS};
-
-typedef struct {
-    cli_call *call;
-    FILE *stream;  /* NULL: JSON only */
-    json_t *json;  /* JSON array */
-    double sum[3]; /* of the errors after training on one, two and all placements */
-    int have[3];
-} matrix;
-
-/* Write one line of the table. */
-static bool write_line(void *context, const mukca_cross_training *t, double share)
-{
-    matrix *m = context;
-    const mukca_dataset *data = &m->call->session->data;
-    const int size = t->placements == data->n_placements && t->placements > 2 ? 2
-                     : t->placements > 1                                      ? 1
-                                                                              : 0;
-    json_t *errors = json_object();
-    if (isfinite(t->mean)) m->sum[size] += t->mean, m->have[size]++;
-    if (m->stream) fprintf(m->stream, "%s\t%d", t->name, t->placements);
-    if (m->stream) cli_scores_write(m->stream, t->mean);
-    for (int p = 0, i = 0; p < data->n_placements; p++) {
-        const bool scored = i < t->n && t->scores[i].placement == p;
-        const double mae = scored ? t->scores[i++].mae : (double)NAN;
-        if (m->stream) cli_scores_write(m->stream, mae);
-        if (scored) json_object_set_new(errors, data->placements[p].name, cli_json_real(mae));
-    }
-    if (m->stream) fputc('\n', m->stream);
-    json_array_append_new(
-        m->json, json_pack("{s:s, s:i, s:o, s:o}", "train", t->name, "placements", t->placements,
-                           "others_mae_m", cli_json_real(t->mean), "mae_m", errors));
-    return cli_show_progress(m->call, share, "training and testing");
-}
-
-static mukca_status write_matrix(cli_call *call, FILE *stream, json_t *json)
-{
-    static const char *const names[3] = {"one placement", "two placements", "all placements"};
-    const cli_session *s = call->session;
-    matrix m = {.call = call, .stream = stream, .json = json};
-    if (s->data.n_placements < 2)
-        return mukca_fail(&call->error, MUKCA_INPUT,
-                          "--matrix needs two placements or more: one to train on, one to test on");
-    if (stream) {
-        fputs("train\tplacements\tothers_mae_m", stream);
-        for (int p = 0; p < s->data.n_placements; p++)
-            fprintf(stream, "\t%s_mae_m", s->data.placements[p].name);
-        fputc('\n', stream);
-    }
-    mukca_status status =
-        mukca_cross_training_run(&s->model.chain, &s->data, &s->test, write_line, &m, &call->error);
-    for (int i = 0; i < 3 && status == MUKCA_OK; i++)
-        if (m.have[i])
-            cli_answer(call, "Trained on %-15s mean error elsewhere %.3f mm\n", names[i],
-                       1e3 * m.sum[i] / m.have[i]);
-    return status;
-}
+    CLI_DATA_OPTIONS,
+    CLI_LAST_OPTIONS};
 
 typedef struct {
     cli_scores data, test;
@@ -97,7 +30,6 @@ typedef struct {
 static void print(cli_call *call, const evaluate_work *w)
 {
     const cli_session *s = call->session;
-    const evaluate_options *o = call->options;
     const bool calibrated = call->common->offsets != NULL, tested = w->test.n > 0;
     char data[80];
     cli_describe_data(data, &s->data);
@@ -118,7 +50,7 @@ static void print(cli_call *call, const evaluate_work *w)
     if (tested && w->read_by_eye) cli_scores_print_rows(call, &w->test, &s->test, calibrated);
     if (!calibrated && w->data.nominal_mean.mae > CLI_FAR_OFF)
         cli_print_mismatch(call, &s->data, false, false);
-    else if (!calibrated && !o->matrix)
+    else if (!calibrated)
         cli_answer_keyed(call, "Next", "mukca calibrate with these data");
 }
 
@@ -133,24 +65,18 @@ static mukca_status verdict(cli_call *call, const evaluate_work *w)
 
 static mukca_status write_results(cli_call *call, const evaluate_work *w)
 {
-    const evaluate_options *o = call->options;
     const cli_session *s = call->session;
     const cli_common *c = call->common;
     mukca_output output = {0};
-    json_t *json =
-        json_pack("{s:s, s:o, s:o, s:o, s:o, s:o}", "schema", "mukca.evaluate/1", "acceptance",
-                  cli_json_acceptance(c->offsets ? &s->model.offsets.acceptance : NULL), "data",
-                  cli_scores_json(&w->data, &s->data), "test", cli_scores_json(&w->test, &s->test),
-                  "mae_m", cli_json_real(w->data.calibrated_mean.mae), "test_mae_m",
-                  w->test.n > 0 ? cli_json_real(w->test.calibrated_mean.mae) : json_null());
+    json_t *json = cli_json(
+        "schema:s acceptance:o data:o test:o mae_m:f test_mae_m:f", "mukca.evaluate/1",
+        cli_json_acceptance(c->offsets ? &s->model.offsets.acceptance : NULL),
+        cli_scores_json(&w->data, &s->data), cli_scores_json(&w->test, &s->test),
+        w->data.calibrated_mean.mae, w->test.n > 0 ? w->test.calibrated_mean.mae : (double)NAN);
     mukca_status status = json ? MUKCA_OK : mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
     if (status == MUKCA_OK && (!c->json || c->output) && !w->read_by_eye)
         status = cli_output_open(call, &output);
-    if (status == MUKCA_OK && o->matrix) {
-        json_t *lines = json_array();
-        status = write_matrix(call, output.stream, lines);
-        json_object_set_new(json, "matrix", lines);
-    } else if (status == MUKCA_OK && output.stream) {
+    if (status == MUKCA_OK && output.stream) {
         cli_scores_write_header(output.stream, c->kinematics != NULL);
         cli_scores_write_rows(output.stream, "data", &w->data, &s->data);
         cli_scores_write_rows(output.stream, "test", &w->test, &s->test);
@@ -188,19 +114,14 @@ static void release(void *work)
 
 static mukca_status run(cli_call *call)
 {
-    const evaluate_options *o = call->options;
     evaluate_work *w = call->work;
     cli_session *s = call->session;
     cli_model *model = &s->model;
-    if (o->matrix && call->common->offsets)
-        return mukca_fail(&call->error, MUKCA_USAGE,
-                          "--matrix trains from the nominal model: omit --offsets");
     call->common->accept_failed = call->common->accept_edited =
         true; /* also evaluate a table that was not accepted */
-    mukca_status status = cli_check_outputs(call);
-    w->read_by_eye = isatty(STDOUT_FILENO) && !o->matrix && !call->common->output &&
-                     !call->common->json && !call->common->quiet;
-    if (status == MUKCA_OK) status = load_model(call, model);
+    w->read_by_eye = isatty(STDOUT_FILENO) && !call->common->output && !call->common->json &&
+                     !call->common->quiet;
+    mukca_status status = load_model(call, model);
     if (status == MUKCA_OK) status = cli_load_data(call, &s->data, model, &call->arguments);
     if (status == MUKCA_OK && call->common->test.n)
         status = cli_load_data(call, &s->test, model, &call->common->test);
@@ -223,8 +144,6 @@ const cli_command cli_command_evaluate = {
     .group = CLI_CALIBRATE,
     .summary = "errors of a nominal or calibrated model on data",
     .synopsis = "DATA...",
-    .min_arguments = 1,
-    .max_arguments = -1,
     .description =
         "Prints the mean errors, and a table with one row per placement and per pose log (on a "
         "terminal only its consistency errors, mm); targets with names are placed "
@@ -232,9 +151,7 @@ const cli_command cli_command_evaluate = {
         "the mean of its socket (pose logs: from the measured position). std: root of the mean "
         "square. distance_error: predicted minus given distance of the sockets. Each for the "
         "nominal model and, with --offsets, for the calibrated model with its effects. SI "
-        "units.\n\n"
-        "--matrix prints instead the errors on every placement after training on each placement, "
-        "on each pair and on all, with the defaults of calibrate.",
+        "units.",
     .example =
         "mukca evaluate --urdf data/demo/arm.urdf --offsets build/demo/offsets.tsv "
         "data/demo/test.tsv",

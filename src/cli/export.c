@@ -25,16 +25,14 @@ static const cli_option options[] = {
      .help = "what to write (default: by the ending of the file's name, else urdf)",
      .choices = formats,
      .offset = offsetof(export_options, format)},
-    CLI_OPTION(export_options, into, "into", CLI_TEXT, "FILE",
+    CLI_OPTION(export_options, into, "into", CLI_INPUT, "FILE",
                "your own MuJoCo model: replace the poses of the arm's bodies, found by name"),
     CLI_OFFSETS_OPTION,
     CLI_ACCEPT_OPTION,
     CLI_MODEL_OPTIONS,
     CLI_TABLE_OPTIONS,
     CLI_OUTPUT_OPTION("where to write it (default: standard output)"),
-    CLI_FORCE_OPTION,
-    CLI_TALK_OPTIONS,
-    CLI_END_OPTIONS};
+    CLI_LAST_OPTIONS};
 
 #define FORMAT_ENDING(name, endings, description) #name " " endings ", "
 static const char other_formats[] =
@@ -85,7 +83,6 @@ const cli_command cli_command_export = {
     .group = CLI_USE,
     .summary = "the calibrated model in the formats of others",
     .synopsis = "[DATA...]",
-    .max_arguments = -1,
     .description =
         "Writes the model that --urdf and --offsets describe. A URDF is patched in place: the "
         "origins of the chain's joints get the calibrated values, every other byte stays as it "

@@ -19,9 +19,7 @@ static const cli_option options[] = {
     CLI_UNITS_OPTION,
     CLI_COLUMNS_OPTION,
     CLI_OUTPUT_OPTION("write the table there (default: standard output)"),
-    CLI_FORCE_OPTION,
-    CLI_TALK_OPTIONS,
-    CLI_END_OPTIONS};
+    CLI_LAST_OPTIONS};
 
 /* Displacement by the effects of --offsets in one row. */
 static void displace(mukca_displacement *displacement, mukca_row_state *states,
@@ -90,7 +88,6 @@ const cli_command cli_command_fk = {
     .group = CLI_USE,
     .summary = "position or pose of the tip for rows of joint angles",
     .synopsis = "[FILE...]",
-    .max_arguments = -1,
     .description =
         "Reads tables with one column per joint, named as in the URDF (without a header: in the "
         "order of the chain), and prints the position of the tip in the base frame, m, row by row. "

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "io/summary.h"
-#include "report/fleet_page.h"
+#include "report/report.h"
 
 typedef struct {
     cli_common common;
@@ -16,10 +16,7 @@ static const cli_option options[] = {
     CLI_OUTPUT_OPTION("write the traits table; with --partial, the summary of summaries"),
     CLI_OPTION(fleet_options, partial, "partial", CLI_FLAG, NULL,
                "join the summaries into one file (-o) for a later mukca fleet; pool nothing"),
-    CLI_JSON_OPTION,
-    CLI_FORCE_OPTION,
-    CLI_TALK_OPTIONS,
-    CLI_END_OPTIONS};
+    CLI_JSON_OPTION, CLI_LAST_OPTIONS};
 
 void cli_fleet_free(void *work)
 {
@@ -57,38 +54,31 @@ static mukca_status write_output(cli_call *call)
 
 /* ---- JSON ---- */
 
-static json_t *joint_name(const mukca_fleet *f, int joint)
+static const char *joint_name(const mukca_fleet *f, int joint)
 {
-    return joint < 0 ? json_null() : cli_json_text(f->model.joint[joint]);
+    return joint < 0 ? NULL : f->model.joint[joint];
 }
 
 static json_t *trait_object(const mukca_trait *t, const mukca_fleet *f)
 {
     const mukca_effect_info *info = mukca_effect_table[t->effect.kind];
-    const double ci95[2] = {t->low, t->high};
-    json_t *object =
-        cli_json_numbers("mean", t->mean, "spread", t->spread, "error", t->error, "value", t->value,
-                         "log_bayes_factor", t->log_bayes_factor, "probability", t->probability);
-    json_object_set_new(object, "effect", json_string(info->name));
-    json_object_set_new(object, "joint", joint_name(f, t->effect.joint));
-    json_object_set_new(
-        object, "order",
-        t->effect.variant.order ? json_integer(t->effect.variant.order) : json_null());
-    json_object_set_new(object, "unit", json_string(info->unit));
-    json_object_set_new(object, "arms", json_integer(t->arms));
-    json_object_set_new(object, "ci95", isfinite(t->low) ? cli_json_reals(ci95, 2) : json_null());
-    return object;
+    return cli_json(
+        "mean:f spread:f error:f value:f log_bayes_factor:f probability:f effect:s "
+        "joint:s order:n unit:s arms:i ci95:v",
+        t->mean, t->spread, t->error, t->value, t->log_bayes_factor, t->probability, info->name,
+        joint_name(f, t->effect.joint), t->effect.variant.order, info->unit, t->arms, t->low,
+        t->high);
 }
 
 static json_t *departure_object(const mukca_departure *d, const mukca_fleet *f)
 {
     const double ci95[2] = {d->low, d->high};
-    return json_pack(
-        "{s:o, s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "arm", cli_json_text(f->arm[d->arm].name),
-        "effect", mukca_effect_table[d->effect.kind]->name, "joint", joint_name(f, d->effect.joint),
-        "ratio", cli_json_real(d->ratio), "probability", cli_json_real(d->probability),
-        "log_bayes_factor", cli_json_real(d->log_bayes_factor), "value", cli_json_real(d->value),
-        "ci95", cli_json_reals(ci95, 2), "mean", cli_json_real(d->mean));
+    return cli_json(
+        "arm:s effect:s joint:s ratio:f probability:f log_bayes_factor:f value:f "
+        "ci95:o mean:f",
+        f->arm[d->arm].name, mukca_effect_table[d->effect.kind]->name,
+        joint_name(f, d->effect.joint), d->ratio, d->probability, d->log_bayes_factor, d->value,
+        cli_json_reals(ci95, 2), d->mean);
 }
 
 static json_t *arm_object(const mukca_fleet_result *r, const mukca_fleet *f, int arm)
@@ -97,9 +87,8 @@ static json_t *arm_object(const mukca_fleet_result *r, const mukca_fleet *f, int
     const int n = r->population.n;
     for (int k = 0; k < n && r->departure[arm].k >= 0; k++)
         json_array_append_new(effects, departure_object(&r->estimate[arm * n + k], f));
-    return json_pack("{s:o, s:i, s:i, s:o}", "arm", cli_json_text(f->arm[arm].name), "sessions",
-                     f->arm[arm].end - f->arm[arm].first, "samples", f->arm[arm].samples, "effects",
-                     effects);
+    return cli_json("arm:s sessions:i samples:i effects:o", f->arm[arm].name,
+                    f->arm[arm].end - f->arm[arm].first, f->arm[arm].samples, effects);
 }
 
 static json_t *result_json(const cli_fleet *w)
@@ -110,22 +99,22 @@ static json_t *result_json(const cli_fleet *w)
            *arms = json_array();
     for (int i = 0; i < r->traits.n; i++)
         json_array_append_new(effects, trait_object(&r->traits.list[i], f));
-    for (int j = 0; j < f->model.n_joints; j++)
-        if (r->order[j].effect.variant.order)
+    for (int j = 0; j < f->model.n_joints; j++) {
+        const mukca_trait *o = &r->order[j];
+        if (o->effect.variant.order)
             json_array_append_new(
-                orders,
-                json_pack("{s:o, s:i, s:o, s:o, s:i}", "joint", joint_name(f, j), "order",
-                          r->order[j].effect.variant.order, "probability",
-                          cli_json_real(r->order[j].probability), "log_bayes_factor",
-                          cli_json_real(r->order[j].log_bayes_factor), "arms", r->order[j].arms));
+                orders, cli_json("joint:s order:i probability:f log_bayes_factor:f arms:i",
+                                 joint_name(f, j), o->effect.variant.order, o->probability,
+                                 o->log_bayes_factor, o->arms));
+    }
     for (int a = 0; a < f->n_arms; a++) {
         if (r->departure[a].probability >= MUKCA_DEPARTS)
             json_array_append_new(departures, departure_object(&r->departure[a], f));
         json_array_append_new(arms, arm_object(r, f, a));
     }
-    return json_pack("{s:s, s:s, s:i, s:i, s:o, s:o, s:o, s:o}", "schema", "mukca.fleet/1", "robot",
-                     f->model.robot, "n_arms", f->n_arms, "samples", r->traits.n_samples, "effects",
-                     effects, "orders", orders, "departures", departures, "arms", arms);
+    return cli_json("schema:s robot:s n_arms:i samples:i effects:o orders:o departures:o arms:o",
+                    "mukca.fleet/1", f->model.robot, f->n_arms, r->traits.n_samples, effects,
+                    orders, departures, arms);
 }
 
 /* ---- screen ---- */
@@ -170,10 +159,7 @@ static mukca_status run(cli_call *call)
     cli_fleet *w = call->work;
     if (o->partial && (!call->common->output || call->common->json))
         return mukca_fail(&call->error, MUKCA_USAGE, "--partial needs -o FILE and writes no JSON");
-    mukca_status status = cli_check_outputs(call);
-    if (status == MUKCA_OK) status = cli_keep_inputs(call, call->common->output);
-    if (status == MUKCA_OK) status = cli_keep_inputs(call, call->common->json);
-    if (status == MUKCA_OK) status = cli_fleet_read(call, w);
+    mukca_status status = cli_fleet_read(call, w);
     if (status == MUKCA_OK && !o->partial)
         status = mukca_fleet_pool(&w->result, &w->fleet, &call->error);
     if (status == MUKCA_OK) status = write_output(call);
@@ -192,8 +178,6 @@ const cli_command cli_command_fleet = {
     .group = CLI_UNDERSTAND,
     .summary = "pool the summaries of many arms of one model",
     .synopsis = "SUMMARY...",
-    .min_arguments = 1,
-    .max_arguments = -1,
     .description =
         "Reads the files of diagnose --summary. Sessions with the same arm label are one arm's "
         "data. Prints which elastic coefficients the arms share (mean, 95 % interval, spread "

@@ -4,6 +4,7 @@
 
 #include <pthread.h>
 #include <stdbool.h>
+#include <termios.h>
 
 #include "cli/cli.h"
 #include "record/recorder.h"
@@ -31,7 +32,7 @@ typedef struct {
         type, live.recorder.network.url, "lcm-url", CLI_TEXT, "URL",                               \
         "LCM network, or file://LOG to replay a log (default: LCM_DEFAULT_URL, else LCM's own)"),  \
         CLI_NETWORK_OPTIONS(type, live.recorder.network),                                          \
-        CLI_OPTION(type, live.recorder.key, "key", CLI_TEXT, "FILE",                               \
+        CLI_OPTION(type, live.recorder.key, "key", CLI_INPUT, "FILE",                              \
                    "obey only triggers and commands signed with the key in this file "             \
                    "(mukca-formats(5))"),                                                          \
         CLI_OPTION(type, live.recorder.channel, "channel", CLI_TEXT, "NAME",                       \
@@ -61,7 +62,7 @@ typedef struct {
             "names of the placements in order, commas between (default: placement_1 and so on)"),  \
         CLI_OPTION(type, live.recorder.sockets, "sockets", CLI_TEXT, "LIST",                       \
                    "labels of the sockets, commas between (default: 0,1)"),                        \
-        CLI_OPTION(type, live.traits, "traits", CLI_TEXT, "FILE",                                  \
+        CLI_OPTION(type, live.traits, "traits", CLI_INPUT, "FILE",                                 \
                    "traits of the model's fleet (mukca fleet -o), for calibrate and diagnose"),    \
         CLI_OPTION(type, live.recorder.prefix, "prefix", CLI_TEXT, "NAME",                         \
                    "prefix of mukca's own channels, as in NAME_TRIGGER (default: MUKCA)")
@@ -104,5 +105,39 @@ void cli_relay_write(cli_relay *relay, const char *text);
 
 /* Whether all texts have been taken by the thread. */
 bool cli_relay_idle(const cli_relay *relay);
+
+/* ---- the terminal of capture: keys, lines, a view redrawn in place (capture_view.c) ---- */
+
+/* Zeroed: terminal unchanged. */
+typedef struct {
+    cli_relay relay;
+    struct termios saved;
+    int terminal;
+    bool raw;                 /* unbuffered keys, without echo */
+    int drawn;                /* lines of the view on the screen */
+    int typed;                /* 1 + the number of a row, while it is typed; 0: none */
+    int rows, refused, bells; /* samples and refusals at the last step; strokes to come */
+    double rang;              /* s */
+} cli_capture_view;
+
+#define CLI_CAPTURE_KEYS                                                                      \
+    "a add, d delete the last sample, x delete another (its number, Enter), m move the last " \
+    "sample "                                                                                 \
+    "to the socket that is offered, s other socket, n next placement, q finish, ? these keys"
+
+/* Set the terminal `terminal` (descriptor) to single keys, and restore it. */
+void cli_capture_enter(cli_capture_view *view, int terminal);
+void cli_capture_leave(cli_capture_view *view);
+
+/* Obey a key; true: finish. */
+bool cli_capture_press(cli_capture_view *view, mukca_recorder *r, char key);
+
+/* Ring the bell, once for a sample and twice for a refusal since the last call; `now` in s.  Both
+ * hands of the operator are on the arm. */
+void cli_capture_ring(cli_capture_view *view, const mukca_recorder *r, double now);
+
+/* Draw the view, unless the terminal is behind; and print a line above it. */
+void cli_capture_draw(cli_capture_view *view, const mukca_recorder *r);
+void cli_capture_print(cli_capture_view *view, const char *line);
 
 #endif

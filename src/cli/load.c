@@ -47,9 +47,6 @@ mukca_status cli_load_model(cli_call *call, cli_model *model)
 {
     const cli_common *c = call->common;
     memset(model, 0, sizeof *model);
-    mukca_status status = cli_keep_inputs(call, c->output);
-    if (status == MUKCA_OK) status = cli_keep_inputs(call, c->json);
-    if (status != MUKCA_OK) return status;
     if (!c->urdf)
         return mukca_fail(&call->error, MUKCA_USAGE,
                           "--urdf FILE is needed: the nominal model of the arm");
@@ -59,7 +56,8 @@ mukca_status cli_load_model(cli_call *call, cli_model *model)
             return mukca_fail(&call->error, MUKCA_USAGE,
                               "--gravity: %g is out of range; give m/s^2", c->gravity[i]);
     memcpy(options.gravity, c->gravity, sizeof options.gravity);
-    status = mukca_urdf_load(&model->chain, c->urdf, &options, cli_note, call, &call->error);
+    mukca_status status =
+        mukca_urdf_load(&model->chain, c->urdf, &options, cli_note, call, &call->error);
     if (status != MUKCA_OK) return status;
     if (c->verbose)
         cli_log(call, "%s: robot %s, %s to %s, %d joints, %d masses, SHA-256 %.12s...\n", c->urdf,
@@ -227,8 +225,7 @@ static void note_falling_time(cli_call *call, const mukca_dataset *data)
 mukca_status cli_load(cli_call *call)
 {
     cli_session *s = call->session;
-    mukca_status status = cli_check_outputs(call);
-    if (status == MUKCA_OK) status = cli_load_model(call, &s->model);
+    mukca_status status = cli_load_model(call, &s->model);
     if (status == MUKCA_OK && call->arguments.n)
         status = cli_load_data(call, &s->data, &s->model, &call->arguments);
     if (status == MUKCA_OK) status = drop_coincident(call, &s->data, &s->model);
@@ -236,7 +233,10 @@ mukca_status cli_load(cli_call *call)
         status = cli_load_data(call, &s->test, &s->model, &call->common->test);
     if (status == MUKCA_OK) status = drop_training(call, &s->test, &s->data);
     if (status != MUKCA_OK || call->command->group != CLI_UNDERSTAND) return status;
-    cli_suggest_inertials(call, &s->model.chain);
+    if (s->model.chain.n_masses == 0)
+        cli_note(call,
+                 "the URDF has no link masses; data/inertials (installed: share/mukca/inertials) "
+                 "has those of common arms for --inertials");
     note_falling_time(call, &s->data);
     return status;
 }

@@ -1,61 +1,58 @@
 /* Outputs of commands: checks before long work, opening, files written by several commands. */
 #include <fnmatch.h>
+#include <unistd.h>
 
 #include "base/file.h"
 #include "cli/cli.h"
+
+static const char *path_of(const cli_call *call, const cli_option *option)
+{
+    return *(const char *const *)(const void *)((const char *)call->options + option->offset);
+}
 
 /* Is `path` the input or, if the input is a placement's folder, one of the files read in it? */
 static bool is_input(const char *path, const char *input)
 {
     char file[1300];
-    if (!path || !input) return false;
+    if (!input || access(input, F_OK) != 0) return false;
     const char *name = mukca_file_name(path);
     if (fnmatch("hole_*.csv", name, 0) != 0) return mukca_output_same(path, input);
     snprintf(file, sizeof file, "%.1000s/%.255s", input, name);
     return mukca_output_same(path, input) || mukca_output_same(path, file);
 }
 
-mukca_status cli_keep_inputs(cli_call *call, const char *path)
+static bool is_among(const char *path, const cli_list *inputs)
 {
-    const cli_common *c = call->common;
-    const char *const inputs[] = {c->urdf, c->inertials, c->offsets, c->distances, c->kinematics};
-    bool same = false;
-    for (int i = 0; i < 5; i++) same |= is_input(path, inputs[i]);
-    for (int i = 0; i < call->arguments.n; i++) same |= is_input(path, call->arguments.items[i]);
-    for (const cli_option *o = call->command->options; o->name; o++) {
-        if (o->kind != CLI_REST) continue;
-        const cli_list *rest = (const cli_list *)(void *)((char *)call->options + o->offset);
-        for (int i = 0; i < rest->n; i++) same |= is_input(path, rest->items[i]);
-    }
-    if (!same) return MUKCA_OK;
-    return mukca_fail(&call->error, MUKCA_USAGE,
-                      "%.120s is an input of this command; refusing to overwrite it", path);
+    for (int i = 0; i < inputs->n; i++)
+        if (is_input(path, inputs->items[i])) return true;
+    return false;
 }
 
-mukca_status cli_check_output(cli_call *call, const char *option, const char *path)
+static mukca_status check_output(cli_call *call, const cli_option *output, const char *path)
 {
-    const cli_common *c = call->common;
-    if (!path) return MUKCA_OK;
-    if (mukca_output_same(path, c->json) || mukca_output_same(path, c->output))
-        return mukca_fail(&call->error, MUKCA_USAGE, "%s and another output cannot both go to %s",
-                          option, path);
-    mukca_status status = cli_keep_inputs(call, path);
-    if (status != MUKCA_OK) return status;
-    return mukca_output_check(path, c->force, &call->error);
+    bool same = is_among(path, &call->arguments);
+    for (const cli_option *o = call->command->options; o->name; o++) {
+        if (o->kind == CLI_INPUT) same |= is_input(path, path_of(call, o));
+        if (o->kind == CLI_REST)
+            same |= is_among(path, (const cli_list *)(void *)((char *)call->options + o->offset));
+        if (o->kind == CLI_OUTPUT && o < output && mukca_output_same(path, path_of(call, o)))
+            return mukca_fail(&call->error, MUKCA_USAGE, "--%s and --%s cannot both go to %s",
+                              o->name, output->name, path);
+    }
+    if (same)
+        return mukca_fail(&call->error, MUKCA_USAGE,
+                          "%.120s is an input of this command; refusing to overwrite it", path);
+    return call->command->grows ? MUKCA_OK
+                                : mukca_output_check(path, call->common->force, &call->error);
 }
 
 mukca_status cli_check_outputs(cli_call *call)
 {
-    const char *const paths[] = {call->common->json, call->common->output};
-    if (mukca_output_same(paths[0], paths[1]))
-        return mukca_fail(&call->error, MUKCA_USAGE, "--json and -o cannot both go to %s",
-                          paths[0]);
-    for (int i = 0; i < 2; i++) {
-        if (!paths[i]) continue;
-        mukca_status status = mukca_output_check(paths[i], call->common->force, &call->error);
-        if (status != MUKCA_OK) return status;
-    }
-    return MUKCA_OK;
+    mukca_status status = MUKCA_OK;
+    for (const cli_option *o = call->command->options; o->name && status == MUKCA_OK; o++)
+        if (o->kind == CLI_OUTPUT && path_of(call, o))
+            status = check_output(call, o, path_of(call, o));
+    return status;
 }
 
 void cli_print_verdict(const cli_call *call, FILE *stream)

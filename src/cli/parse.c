@@ -13,10 +13,10 @@
 const char *const cli_angles[] = {"reading", "command", NULL};
 const char *const cli_maps[] = {"name", "order", "order-w-last", NULL};
 
-const cli_option cli_common_options[] = {CLI_MODEL_OPTIONS, CLI_OFFSETS_OPTION,   CLI_ACCEPT_OPTION,
-                                         CLI_TEST_OPTION,   CLI_DISTANCE_OPTIONS, CLI_JSON_OPTION,
-                                         CLI_FORCE_OPTION,  CLI_PAYLOAD_OPTION,   CLI_ANGLES_OPTION,
-                                         CLI_TABLE_OPTIONS, CLI_TALK_OPTIONS,     CLI_END_OPTIONS};
+const cli_option cli_common_options[] = {
+    CLI_MODEL_OPTIONS,    CLI_OFFSETS_OPTION, CLI_ACCEPT_OPTION,  CLI_TEST_OPTION,
+    CLI_DISTANCE_OPTIONS, CLI_JSON_OPTION,    CLI_PAYLOAD_OPTION, CLI_ANGLES_OPTION,
+    CLI_TABLE_OPTIONS,    CLI_LAST_OPTIONS};
 
 bool cli_is_common(const cli_option *option)
 {
@@ -236,16 +236,24 @@ static mukca_status parse_letters(cli_call *call, bool *help, int *used, int arg
     return MUKCA_OK;
 }
 
+/* Compare the number of arguments with the synopsis: words in brackets are optional, dots mean any
+ * number. */
 static mukca_status check_arguments(cli_call *call)
 {
     const cli_command *c = call->command;
-    if (call->arguments.n < c->min_arguments)
+    const bool many = strstr(c->synopsis, "...") != NULL;
+    int least = 0;
+    for (const char *word = c->synopsis; *word; word += strspn(word, " ")) {
+        least += *word != '[';
+        word += strcspn(word, " ");
+    }
+    if (call->arguments.n < least)
         return mukca_fail(&call->error, MUKCA_USAGE, "needs %s; see `mukca help %s`", c->synopsis,
                           c->name);
-    if (c->max_arguments >= 0 && call->arguments.n > c->max_arguments)
+    if (!many && call->arguments.n > least)
         return mukca_fail(&call->error, MUKCA_USAGE,
                           "unexpected argument '%.60s'; see `mukca help %s`",
-                          call->arguments.items[c->max_arguments], c->name);
+                          call->arguments.items[least], c->name);
     return MUKCA_OK;
 }
 

@@ -12,7 +12,7 @@ typedef struct {
     cli_list separate, places;
     bool settle;
     int rows, seed;
-    double noise, tilt, clearance;
+    double noise, tilt;
 } plan_options;
 
 typedef struct {
@@ -30,8 +30,7 @@ typedef struct {
     double unloaded; /* evidence from equally many postures without payload */
 } plan_work;
 
-static const plan_options defaults = {
-    .rows = 20, .noise = 1e-4, .tilt = (double)NAN, .clearance = (double)NAN};
+static const plan_options defaults = {.rows = 20, .noise = 1e-4};
 
 static const cli_option options[] = {
     CLI_RANGE_OPTION(plan_options, rows, "rows", CLI_INTEGER, "N", 1, 1000,
@@ -51,9 +50,6 @@ static const cli_option options[] = {
     CLI_RANGE_OPTION(
         plan_options, tilt, "tilt", CLI_POSITIVE, "DEG", 0, 180,
         "largest tilt of the tool from straight down (default: 60, or that of DATA; 180: any)"),
-    CLI_OPTION(
-        plan_options, clearance, "clearance", CLI_NUMBER, "M",
-        "least height of the joints above the base, m (default: 0.05, or less if DATA show it)"),
     CLI_OPTION(plan_options, seed, "seed", CLI_INTEGER, "N",
                "seed of the random candidates (default: 0)"),
     CLI_OFFSETS_OPTION,
@@ -64,9 +60,7 @@ static const cli_option options[] = {
     CLI_TABLE_OPTIONS,
     CLI_OUTPUT_OPTION("write the postures there, a session file (default: standard output)"),
     CLI_JSON_OPTION,
-    CLI_FORCE_OPTION,
-    CLI_TALK_OPTIONS,
-    CLI_END_OPTIONS};
+    CLI_LAST_OPTIONS};
 
 static void progress(void *context, double share)
 {
@@ -174,12 +168,7 @@ static mukca_status plan(plan_work *r)
     r->options = (mukca_plan_options){.rows = o->rows,
                                       .seed = (uint64_t)o->seed,
                                       .noise = o->noise,
-                                      .tilt = isnan(o->tilt)   ? 0
-                                              : o->tilt >= 180 ? 4
-                                                               : o->tilt * M_PI / 180,
-                                      .clearance = isnan(o->clearance) ? 0
-                                                   : o->clearance != 0 ? o->clearance
-                                                                       : 1e-9,
+                                      .tilt = o->tilt >= 180 ? 4 : o->tilt * M_PI / 180,
                                       .stop = cli_stop,
                                       .progress = progress,
                                       .context = r->call};
@@ -246,17 +235,15 @@ static json_t *as_json(const plan_work *r)
         for (int j = 0; j < chain->n_joints; j++)
             json_object_set_new(joints, mukca_chain_joint_name(chain, j), json_real(row->q[j]));
         json_array_append_new(
-            rows, json_pack("{s:s, s:s, s:o}", "placement", r->sockets[row->socket].placement,
-                            "socket", r->sockets[row->socket].label, "joints", joints));
+            rows, cli_json("placement:s socket:s joints:o", r->sockets[row->socket].placement,
+                           r->sockets[row->socket].label, joints));
     }
     const mukca_plan *p = &r->plan;
-    return json_pack("{s:s, s:i, s:o, s:o, s:o, s:i, s:f, s:f}", "schema", "mukca.plan/1",
-                     "recorded_rows", p->n_recorded, "poses", rows, "expected_error_m",
-                     cli_json_numbers("before", p->expected_before, "after", p->expected_after),
-                     "log_bayes_factor",
-                     cli_json_numbers("before", p->evidence_before, "after", p->evidence_after),
-                     "rows_to_name", p->rows_to_name, "payload_kg", r->payload, "elapsed_s",
-                     cli_elapsed(r->call));
+    return cli_json(
+        "schema:s recorded_rows:i poses:o expected_error_m{before:f after:f} "
+        "log_bayes_factor{before:f after:f} rows_to_name:i payload_kg:f elapsed_s:f",
+        "mukca.plan/1", p->n_recorded, rows, p->expected_before, p->expected_after,
+        p->evidence_before, p->evidence_after, p->rows_to_name, r->payload, cli_elapsed(r->call));
 }
 
 static void name_cause(char name[96], const mukca_effect *effect, const mukca_chain *chain)
@@ -336,8 +323,6 @@ const cli_command cli_command_plan = {
     .group = CLI_MEASURE,
     .summary = "plan the next postures to record",
     .synopsis = "[DATA...]",
-    .min_arguments = 0,
-    .max_arguments = -1,
     .description =
         "Finds postures with the ball in the sockets of DATA (located by --offsets or the nominal "
         "model) and of each --place, within the joint limits and with the tool pointing down, and "

@@ -30,9 +30,7 @@ static const cli_option options[] = {
     CLI_TABLE_OPTIONS,
     CLI_JSON_OPTION,
     CLI_OUTPUT_OPTION("write the offsets table"),
-    CLI_FORCE_OPTION,
-    CLI_TALK_OPTIONS,
-    CLI_END_OPTIONS};
+    CLI_LAST_OPTIONS};
 
 /* Folders (and standard input) are kept in memory, pose logs are read as a stream. */
 typedef struct {
@@ -345,8 +343,7 @@ static mukca_status run(cli_call *call)
     r->tested = call->common->test.n > 0;
     r->fit = calloc(1, sizeof *r->fit);
     if (!r->fit) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
-    mukca_status status = cli_check_outputs(call);
-    if (status == MUKCA_OK) status = cli_load_model(call, &call->session->model);
+    mukca_status status = cli_load_model(call, &call->session->model);
     if (status == MUKCA_OK) status = recalibrate(call, w);
     if (status != MUKCA_OK) return status;
     fill_offsets(&w->offsets, r->fit, chain, &r->arm);
@@ -365,8 +362,6 @@ const cli_command cli_command_recalibrate = {
     .group = CLI_CALIBRATE,
     .summary = "joint zeros and link offsets from a log of measured poses",
     .synopsis = "DATA...",
-    .min_arguments = 1,
-    .max_arguments = -1,
     .description =
         "DATA are pose logs (tables with the joints and x_m y_m z_m, qw qx qy qz) or folders with "
         "hole_*_pose.csv. Step one fits the joint zeros to the orientations, step two the link "

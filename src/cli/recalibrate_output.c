@@ -130,24 +130,21 @@ void cli_recalibrate_print(cli_call *call, const cli_recalibrated *r, const mukc
 
 /* ---- JSON ---- */
 
-static json_t *moments_json(const mukca_moments *m, const char *suffix)
+static json_t *moments_json(const mukca_moments *m, bool angle)
 {
-    json_t *object = json_object();
-    char key[16];
-    const double values[3] = {m->max, m->mean, mukca_moments_std(m)};
-    static const char *const names[3] = {"max", "mean", "std"};
-    for (int i = 0; i < 3; i++) {
-        snprintf(key, sizeof key, "%s_%s", names[i], suffix);
-        json_object_set_new(object, key, cli_json_real(values[i]));
-    }
-    return object;
+    return cli_json(angle ? "max_rad:f mean_rad:f std_rad:f" : "max_m:f mean_m:f std_m:f", m->max,
+                    m->mean, mukca_moments_std(m));
 }
 
-static json_t *axes_json(const mukca_moments axis[3], const char *suffix)
+/* Moments of the errors of one stage, their median, and the moments by axis. */
+static json_t *stage_json(const mukca_moments *m, const mukca_histogram *histogram,
+                          const mukca_moments axis[3], bool angle)
 {
-    json_t *array = json_array();
-    for (int a = 0; a < 3; a++) json_array_append_new(array, moments_json(&axis[a], suffix));
-    return array;
+    json_t *object = moments_json(m, angle), *axes = json_array();
+    for (int a = 0; a < 3; a++) json_array_append_new(axes, moments_json(&axis[a], angle));
+    json_object_update_new(object, cli_json(angle ? "median_rad:f axes:o" : "median_m:f axes:o",
+                                            mukca_histogram_median(histogram), axes));
+    return object;
 }
 
 static json_t *errors_json(const mukca_pose_errors *e, bool has_angles)
@@ -155,25 +152,21 @@ static json_t *errors_json(const mukca_pose_errors *e, bool has_angles)
     json_t *position = json_object(), *orientation = json_object(), *percent = json_object();
     for (int s = 0; s < MUKCA_STAGES; s++) {
         if (s == MUKCA_WITH_ANGLES && !has_angles) continue;
-        json_t *object = moments_json(&e[s].position, "m");
-        json_object_set_new(object, "median_m",
-                            cli_json_real(mukca_histogram_median(&e[s].position_histogram)));
-        json_object_set_new(object, "axes", axes_json(e[s].position_axis, "m"));
-        json_object_set_new(position, stage_key[s], object);
+        json_object_set_new(
+            position, stage_key[s],
+            stage_json(&e[s].position, &e[s].position_histogram, e[s].position_axis, false));
         if (s != MUKCA_BEFORE)
             json_object_set_new(
                 percent, stage_key[s],
-                cli_json_numbers("max", removed_percent(e[0].position.max, e[s].position.max),
-                                 "mean", removed_percent(e[0].position.mean, e[s].position.mean)));
-        if (e[s].rotation.n == 0) continue;
-        object = moments_json(&e[s].rotation, "rad");
-        json_object_set_new(object, "median_rad",
-                            cli_json_real(mukca_histogram_median(&e[s].rotation_histogram)));
-        json_object_set_new(object, "axes", axes_json(e[s].rotation_axis, "rad"));
-        json_object_set_new(orientation, stage_key[s], object);
+                cli_json("max:f mean:f", removed_percent(e[0].position.max, e[s].position.max),
+                         removed_percent(e[0].position.mean, e[s].position.mean)));
+        if (e[s].rotation.n > 0)
+            json_object_set_new(
+                orientation, stage_key[s],
+                stage_json(&e[s].rotation, &e[s].rotation_histogram, e[s].rotation_axis, true));
     }
-    return json_pack("{s:I, s:o, s:o, s:o}", "rows", (json_int_t)e[0].position.n, "position",
-                     position, "orientation", orientation, "removed_percent", percent);
+    return cli_json("rows:l position:o orientation:o removed_percent:o", e[0].position.n, position,
+                    orientation, percent);
 }
 
 static json_t *unknowns_json(const mukca_recalibration *f, const mukca_chain *arm)
@@ -185,12 +178,10 @@ static json_t *unknowns_json(const mukca_recalibration *f, const mukca_chain *ar
         const bool zero = f->unknown[u].kind == MUKCA_UNKNOWN_ZERO;
         mukca_unknown_text(text, &f->unknown[u], arm);
         json_array_append_new(
-            array, json_pack("{s:s, s:o, s:o, s:s, s:o, s:b}", "name", text, "joint",
-                             cli_json_text(k < 0 ? NULL : arm->element[k].name), "value",
-                             cli_json_real(f->value[u]), "unit",
-                             mukca_unknown_is_angle(f->unknown[u].kind) ? "rad" : "m", "sigma",
-                             cli_json_real(f->sigma[u]), "identifiable",
-                             (int)(f->identifiable[u] && !(zero && never_moved(f, j)))));
+            array, cli_json("name:s joint:s value:f unit:s sigma:f identifiable:b", text,
+                            k < 0 ? NULL : arm->element[k].name, f->value[u],
+                            mukca_unknown_is_angle(f->unknown[u].kind) ? "rad" : "m", f->sigma[u],
+                            f->identifiable[u] && !(zero && never_moved(f, j))));
     }
     return array;
 }
@@ -204,8 +195,7 @@ static json_t *null_json(const mukca_recalibration *f, const mukca_chain *arm)
         for (int u = 0; u < f->n; u++) {
             if (f->null[k][u] == 0) continue;
             mukca_unknown_text(text, &f->unknown[u], arm);
-            json_array_append_new(terms, json_pack("{s:s, s:o}", "name", text, "coefficient",
-                                                   cli_json_real(f->null[k][u])));
+            json_array_append_new(terms, cli_json("name:s coefficient:f", text, f->null[k][u]));
         }
         json_array_append_new(array, terms);
     }
@@ -217,33 +207,25 @@ json_t *cli_recalibrate_json(const cli_call *call, const cli_recalibrated *r,
 {
     const mukca_recalibration *f = r->fit;
     const mukca_oracle *o = &r->oracle;
-    json_t *models =
-        json_pack("[{s:o, s:o, s:i, s:i, s:o, s:o, s:o, s:o, s:i}]", "train",
-                  errors_json(f->errors, f->has_angles), "test",
-                  r->tested ? errors_json(r->test, f->has_angles) : json_null(), "unknowns", f->n,
-                  "rank", f->rank, "offsets", unknowns_json(f, &r->arm), "not_identifiable",
-                  null_json(f, &r->arm), "base", cli_json_frame(&f->stage[MUKCA_WITH_BOTH].base),
-                  "tool", cli_json_frame(&f->stage[MUKCA_WITH_BOTH].tool), "passes", f->passes);
-    json_t *root =
-        json_pack("{s:s, s:s, s:{s:s, s:s, s:s}, s:I, s:I, s:{s:b, s:o, s:s, s:o}}", "schema",
-                  "mukca.recalibrate/1", "verdict", o->calibrated ? "calibrated" : "nominal",
-                  "frame", "position_link", r->arm.tip, "rotation_link",
-                  chain->element[r->check.rotation_element].child, "quaternion",
-                  r->check.order == MUKCA_QUATERNION_W_LAST ? "w last" : "w first", "rows",
-                  (json_int_t)f->rows, "orientations", (json_int_t)f->rotations, "lag", "found",
-                  (int)f->lag_found, "value", cli_json_real(f->lag), "unit",
-                  f->in_rows ? "row" : "s", "standard_errors", cli_json_real(f->lag_score));
-    if (!root) return NULL;
-    json_t *oracle = cli_json_numbers("tail", f->tail, "position_nominal_m", o->position_nominal,
-                                      "position_left_m", o->position_left, "position_systematic_m",
-                                      o->position_systematic, "rotation_nominal_rad",
-                                      o->rotation_nominal, "rotation_left_rad", o->rotation_left,
-                                      "rotation_systematic_rad", o->rotation_systematic);
-    json_object_set_new(oracle, "huber_weights", json_boolean(r->robust != r->fit));
-    json_object_set_new(root, "oracle", oracle);
-    json_object_set_new(root, "models", models);
-    json_object_set_new(root, "parameters", cli_json_offsets(offsets, chain));
-    json_object_set_new(root, "acceptance", cli_json_acceptance(&offsets->acceptance));
-    json_object_set_new(root, "elapsed_s", cli_json_real(cli_elapsed(call)));
-    return root;
+    json_t *model = cli_json(
+        "train:o test:o unknowns:i rank:i offsets:o not_identifiable:o base:o tool:o passes:i",
+        errors_json(f->errors, f->has_angles),
+        r->tested ? errors_json(r->test, f->has_angles) : NULL, f->n, f->rank,
+        unknowns_json(f, &r->arm), null_json(f, &r->arm),
+        cli_json_frame(&f->stage[MUKCA_WITH_BOTH].base),
+        cli_json_frame(&f->stage[MUKCA_WITH_BOTH].tool), f->passes);
+    return cli_json(
+        "schema:s verdict:s frame{position_link:s rotation_link:s quaternion:s} rows:l "
+        "orientations:l lag{found:b value:f unit:s standard_errors:f} oracle{tail:f "
+        "position_nominal_m:f position_left_m:f position_systematic_m:f rotation_nominal_rad:f "
+        "rotation_left_rad:f rotation_systematic_rad:f huber_weights:b} models:o parameters:o "
+        "acceptance:o elapsed_s:f",
+        "mukca.recalibrate/1", o->calibrated ? "calibrated" : "nominal", r->arm.tip,
+        chain->element[r->check.rotation_element].child,
+        r->check.order == MUKCA_QUATERNION_W_LAST ? "w last" : "w first", f->rows, f->rotations,
+        f->lag_found, f->lag, f->in_rows ? "row" : "s", f->lag_score, f->tail, o->position_nominal,
+        o->position_left, o->position_systematic, o->rotation_nominal, o->rotation_left,
+        o->rotation_systematic, r->robust != r->fit, json_pack("[o]", model),
+        cli_json_offsets(offsets, chain), cli_json_acceptance(&offsets->acceptance),
+        cli_elapsed(call));
 }

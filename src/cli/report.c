@@ -1,9 +1,7 @@
 /* mukca report: diagnose an arm, or pool a fleet, and write one page. */
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <sha2.h>
@@ -15,18 +13,13 @@
 #include "fit/accept.h"
 #include "fit/mismatch.h"
 #include "io/output.h"
-#include "report/fleet_page.h"
 #include "report/report.h"
 
 typedef struct {
     cli_common common;
-    const char *plots;
-    int format;
     bool free_base, free_tool, fleet;
     mukca_check check;
 } report_options;
-
-static const char *const formats[] = {"png", "pdf", "svg", NULL};
 
 static const cli_option options[] = {
     CLI_OPTION(report_options, fleet, "fleet", CLI_FLAG, NULL,
@@ -34,24 +27,14 @@ static const cli_option options[] = {
                "fleet"),
     CLI_TEST_OPTION,
     CLI_OUTPUT_OPTION("write the page there (default: standard output)"),
-    CLI_OPTION(report_options, plots, "plots", CLI_TEXT, "FOLDER",
-               "also write each figure there as a file"),
-    CLI_CHOICE_OPTION(report_options, format, "format", "FORMAT", formats,
-                      "format of these files (default: png)"),
     CLI_OPTION(report_options, free_base, "free-base", CLI_FLAG, NULL,
                "pose logs: fit the frame of the tracker"),
     CLI_OPTION(report_options, free_tool, "free-tool", CLI_FLAG, NULL,
                "pose logs: fit the offset of the target"),
     CLI_CHECK_OPTION(report_options),
     CLI_OFFSETS_OPTION,
-    CLI_MODEL_OPTIONS,
-    CLI_DISTANCE_OPTIONS,
-    CLI_PAYLOAD_OPTION,
-    CLI_ANGLES_OPTION,
-    CLI_TABLE_OPTIONS,
-    CLI_FORCE_OPTION,
-    CLI_TALK_OPTIONS,
-    CLI_END_OPTIONS};
+    CLI_DATA_OPTIONS,
+    CLI_LAST_OPTIONS};
 
 typedef struct {
     mukca_offsets offsets;
@@ -156,16 +139,10 @@ static mukca_status write_page(cli_call *call)
 {
     const report_options *o = call->options;
     const report_work *w = call->work;
-    mukca_page page = o->fleet ? mukca_fleet_page_of(&w->fleet_page) : mukca_report_page(&w->page);
+    const mukca_page page =
+        o->fleet ? mukca_fleet_page_of(&w->fleet_page) : mukca_report_page(&w->page);
     mukca_output output = {0};
-    mukca_status status = MUKCA_OK;
-    page.progress = cli_show_progress;
-    page.progress_context = call;
-    if (o->plots && mkdir(o->plots, 0777) != 0 && errno != EEXIST)
-        return mukca_fail(&call->error, MUKCA_INPUT, "--plots %s: %s", o->plots, strerror(errno));
-    if (o->plots)
-        status = mukca_page_write_figures(o->plots, formats[o->format], &page, &call->error);
-    if (status == MUKCA_OK) status = cli_output_open(call, &output);
+    mukca_status status = cli_output_open(call, &output);
     if (status == MUKCA_OK) status = mukca_page_write(output.stream, &page, &call->error);
     return mukca_output_finish(&output, status, &call->error);
 }
@@ -174,9 +151,7 @@ static mukca_status write_page(cli_call *call)
 static mukca_status prepare_fleet(cli_call *call)
 {
     report_work *w = call->work;
-    mukca_status status = cli_check_outputs(call);
-    if (status == MUKCA_OK) status = cli_keep_inputs(call, call->common->output);
-    if (status == MUKCA_OK) status = cli_fleet_read(call, &w->fleet);
+    mukca_status status = cli_fleet_read(call, &w->fleet);
     if (status == MUKCA_OK)
         status = mukca_fleet_pool(&w->fleet.result, &w->fleet.fleet, &call->error);
     w->fleet_page = (mukca_fleet_page){.command = w->command,
@@ -194,7 +169,7 @@ static mukca_status check(cli_call *call)
                      c->payload || c->test.n || o->free_base || o->free_tool || o->check.runs))
         return mukca_fail(&call->error, MUKCA_USAGE,
                           "--fleet reads summaries, which hold their model and data; only "
-                          "-o, --plots, --format and --force go with it");
+                          "-o and --force go with it");
     if (!c->output && isatty(STDOUT_FILENO))
         return mukca_fail(&call->error, MUKCA_USAGE,
                           "-o FILE is needed: the page is HTML, not for the terminal");
@@ -258,18 +233,14 @@ const cli_command cli_command_report = {
     .group = CLI_UNDERSTAND,
     .summary = "write all evidence as one self-contained HTML page",
     .synopsis = "DATA...",
-    .min_arguments = 1,
-    .max_arguments = -1,
     .targets = true,
     .description =
         "Diagnoses, and writes one page without requests, with the result of the diagnosis (the "
         "table of mukca diagnose -o) or that of --offsets. It opens with the expected error of the "
-        "tip, whether to use the result, the verdict, what to do and the next postures. Then "
-        "follow the errors step by step, the causes, a view of "
-        "the "
-        "arm that can be turned, errors by placement, joint and sample, detection limits, "
-        "recording "
-        "faults, parameters with standard errors, and provenance. gnuplot draws the figures.\n\n"
+        "tip, whether to use the result, the verdict and what to do. Then "
+        "follow the errors step by step, the causes, errors by placement, joint and sample, "
+        "detection limits, recording faults, parameters with standard errors, and "
+        "provenance.\n\n"
         "--fleet writes the page of many arms of one model from their summaries, the arguments "
         "of mukca fleet: arms that depart, what the arms share, each elastic coefficient with "
         "the arms side by side, and the most probable ripple order of each joint.",

@@ -135,17 +135,17 @@ json_t *cli_scores_json(const cli_scores *scores, const mukca_dataset *data)
 {
     json_t *array = json_array();
     for (int i = 0; i < scores->n; i++) {
-        char name[CLI_SCORES_NAME];
+        char name[CLI_SCORES_NAME], keys[96];
         const mukca_score *before = &scores->nominal[i], *after = &scores->calibrated[i];
-        json_t *object = json_pack("{s:s, s:i}", "placement", cli_scores_name(name, after, data),
-                                   "rows", after->rows);
+        json_t *object =
+            cli_json("placement:s rows:i", cli_scores_name(name, after, data), after->rows);
         for (int k = 0; k < FIGURES; k++) {
             if (k == ROTATION && !isfinite(figure(after, k))) continue;
-            json_object_set_new(object, figures[k].nominal, cli_json_real(figure(before, k)));
-            json_object_set_new(object, figures[k].calibrated, cli_json_real(figure(after, k)));
+            snprintf(keys, sizeof keys, "%s:f %s:f", figures[k].nominal, figures[k].calibrated);
+            json_object_update_new(object, cli_json(keys, figure(before, k), figure(after, k)));
+            snprintf(keys, sizeof keys, "%s:f", figures[k].factory);
             if (scores->has_factory)
-                json_object_set_new(object, figures[k].factory,
-                                    cli_json_real(figure(&scores->factory[i], k)));
+                json_object_update_new(object, cli_json(keys, figure(&scores->factory[i], k)));
         }
         json_array_append_new(array, object);
     }

@@ -142,7 +142,6 @@ static mukca_status run(cli_call *call)
     c->id = (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
     c->wants_status = strcmp(call->arguments.items[0], "status") == 0;
     mukca_status status = check_verb(call, call->arguments.items[0]);
-    if (status == MUKCA_OK) status = cli_check_outputs(call);
     if (status == MUKCA_OK && o->key) status = mukca_lcm_key_read(&c->key, o->key, error);
     if (status == MUKCA_OK)
         status = mukca_lcm_link_open(&c->link, &o->network, on_packet, c, error);
@@ -176,17 +175,14 @@ static const cli_option options[] = {
     CLI_OPTION(send_options, network.url, "lcm-url", CLI_TEXT, "URL",
                "LCM network (default: LCM_DEFAULT_URL, else LCM's own)"),
     CLI_NETWORK_OPTIONS(send_options, network),
-    CLI_OPTION(send_options, key, "key", CLI_TEXT, "FILE",
+    CLI_OPTION(send_options, key, "key", CLI_INPUT, "FILE",
                "sign the command with the key in this file, as serve --key requires"),
     CLI_OPTION(send_options, prefix, "prefix", CLI_TEXT, "NAME",
                "prefix of the channels of serve (default: MUKCA)"),
     CLI_OPTION(send_options, timeout, "timeout", CLI_POSITIVE, "S",
                "longest wait for the answer, s (default: 60)"),
     CLI_JSON_OPTION,
-    CLI_FORCE_OPTION,
-    CLI_TALK_OPTIONS,
-    CLI_END_OPTIONS,
-};
+    CLI_LAST_OPTIONS};
 
 static const send_options defaults = {.timeout = 60};
 
@@ -195,8 +191,6 @@ const cli_command cli_command_send = {
     .group = CLI_MEASURE,
     .summary = "send a command to `mukca serve` and print its answer",
     .synopsis = "COMMAND [ARGUMENT...]",
-    .min_arguments = 1,
-    .max_arguments = -1,
     .description =
         "COMMAND is one of those that `mukca help serve` lists, or status, which prints the next "
         "status message. The answer goes to standard output; where it is an offsets table "

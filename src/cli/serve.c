@@ -99,10 +99,7 @@ static const cli_option options[] = {
         "commands to accept over LCM, commas between; trigger: messages on MUKCA_TRIGGER; "
         "reopen: start of a finished session; all (default: all but delete, use and reopen)"),
     CLI_DISTANCE_OPTIONS,
-    CLI_FORCE_OPTION,
-    CLI_TALK_OPTIONS,
-    CLI_END_OPTIONS,
-};
+    CLI_LAST_OPTIONS};
 
 const cli_command cli_command_serve = {
     .name = "serve",

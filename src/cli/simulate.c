@@ -59,7 +59,7 @@ static const cli_option options[] = {
                      "mass at the tip beyond the model (default: none)"),
     CLI_RANGE_OPTION(own, poses, "poses", CLI_INTEGER, "N", 1, 10000000,
                      "a pose log of N samples instead of sockets"),
-    CLI_OPTION(own, at, "at", CLI_TEXT, "FILE",
+    CLI_OPTION(own, at, "at", CLI_INPUT, "FILE",
                "a pose log at the joint angles of this table, row by row"),
     CLI_OPTION(own, position_only, "position-only", CLI_FLAG, NULL,
                "pose log without orientations"),
@@ -67,16 +67,14 @@ static const cli_option options[] = {
                      "measurement noise of the orientations in a pose log, per axis, rad"),
     CLI_RANGE_OPTION(own, held_out, "held-out", CLI_INTEGER, "N", 1, 10000000,
                      "further placements (or poses) of the same arm, for --test"),
-    CLI_OPTION(own, test, "test", CLI_TEXT, "FILE", "write the held-out data there"),
+    CLI_OPTION(own, test, "test", CLI_OUTPUT, "FILE", "write the held-out data there"),
     CLI_OPTION(own, seed, "seed", CLI_INTEGER, "N", "seed of all random numbers (default: 0)"),
-    CLI_OPTION(own, truth, "truth", CLI_TEXT, "FILE", "write the true arm as an offsets table"),
+    CLI_OPTION(own, truth, "truth", CLI_OUTPUT, "FILE", "write the true arm as an offsets table"),
     CLI_DISTANCE_OPTION,
-    CLI_COMMON(offsets, 0, CLI_TEXT, "FILE", "the true arm, effects included, before --perturb"),
+    CLI_COMMON(offsets, 0, CLI_INPUT, "FILE", "the true arm, effects included, before --perturb"),
     CLI_MODEL_OPTIONS,
     CLI_OUTPUT_OPTION("write the recording there (default: standard output)"),
-    CLI_FORCE_OPTION,
-    CLI_TALK_OPTIONS,
-    CLI_END_OPTIONS};
+    CLI_LAST_OPTIONS};
 
 /* ---- true arm and recording from the options ---- */
 
@@ -181,17 +179,6 @@ static mukca_status prepare(cli_call *call, simulation *s)
     if (status == MUKCA_OK && o->perturb && cli_read_list(perturb, 2, o->perturb) != 2)
         status = mukca_fail(&call->error, MUKCA_USAGE,
                             "--perturb %.40s: must be MM,MRAD, two numbers", o->perturb);
-    const char *const files[] = {call->common->output, o->test, o->truth};
-    for (int i = 0; i < 3 && status == MUKCA_OK; i++) {
-        if (!files[i]) continue;
-        for (int k = 0; k < i && status == MUKCA_OK; k++)
-            if (mukca_output_same(files[i], files[k]))
-                status = mukca_fail(&call->error, MUKCA_USAGE, "two outputs cannot both go to %s",
-                                    files[i]);
-        if (status == MUKCA_OK) status = cli_keep_inputs(call, files[i]);
-        if (status == MUKCA_OK)
-            status = mukca_output_check(files[i], call->common->force, &call->error);
-    }
     call->common->accept_failed = call->common->accept_edited = true; /* the true arm may be any */
     if (status == MUKCA_OK) status = cli_load_model(call, &s->model);
     if (status) return status;

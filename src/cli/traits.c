@@ -123,34 +123,25 @@ json_t *cli_adoption_json(const mukca_adoption *a, const mukca_chain *chain)
     json_t *elastic = json_array(), *orders = json_array();
     for (int i = 0; i < a->n; i++) {
         const mukca_inherited *c = &a->list[i];
+        const mukca_trait *t = c->trait;
         const double ci95[2] = {c->low, c->high};
         json_array_append_new(
             elastic,
-            json_pack("{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "effect",
-                      mukca_effect_table[c->trait->effect.kind]->name, "joint",
-                      cli_json_text(mukca_chain_joint_name(chain, c->trait->effect.joint)), "value",
-                      cli_json_real(c->value), "ci95", cli_json_reals(ci95, 2), "mean",
-                      cli_json_real(c->trait->mean), "spread", cli_json_real(c->trait->spread),
-                      "probability", cli_json_real(c->trait->probability), "own_share",
-                      cli_json_real(c->own)));
+            cli_json("effect:s joint:s value:f ci95:o mean:f spread:f probability:f own_share:f",
+                     mukca_effect_table[t->effect.kind]->name,
+                     mukca_chain_joint_name(chain, t->effect.joint), c->value,
+                     cli_json_reals(ci95, 2), t->mean, t->spread, t->probability, c->own));
     }
     for (int i = 0; i < a->traits->n; i++) {
         const mukca_effect *e = &a->traits->list[i].effect;
         if (e->kind != MUKCA_EFFECT_GEAR_HARMONIC) continue;
-        json_array_append_new(
-            orders, json_pack("{s:o, s:i, s:o}", "joint",
-                              cli_json_text(mukca_chain_joint_name(chain, e->joint)), "order",
-                              e->variant.order, "probability",
-                              cli_json_real(a->traits->list[i].probability)));
+        json_array_append_new(orders, cli_json("joint:s order:i probability:f",
+                                               mukca_chain_joint_name(chain, e->joint),
+                                               e->variant.order, a->traits->list[i].probability));
     }
-    json_t *object =
-        cli_json_numbers("log_bayes_factor", a->log_evidence, "explained_m", a->explained_m,
-                         "without_m", a->own_explained_m, "test_explained_m", a->test_explained_m,
-                         "test_without_m", a->own_test_explained_m);
-    json_object_set_new(object, "used", json_boolean(a->adopted));
-    json_object_set_new(object, "only", json_boolean(a->only));
-    json_object_set_new(object, "arms", json_integer(a->traits->n_arms));
-    json_object_set_new(object, "effects", elastic);
-    json_object_set_new(object, "orders", orders);
-    return object;
+    return cli_json(
+        "log_bayes_factor:f explained_m:f without_m:f test_explained_m:f "
+        "test_without_m:f used:b only:b arms:i effects:o orders:o",
+        a->log_evidence, a->explained_m, a->own_explained_m, a->test_explained_m,
+        a->own_test_explained_m, a->adopted, a->only, a->traits->n_arms, elastic, orders);
 }

@@ -6,8 +6,8 @@
 #include "fleet/fleet.h"
 
 /* --traits FILE. */
-#define CLI_TRAITS_OPTION(type, member)                  \
-    CLI_OPTION(type, member, "traits", CLI_TEXT, "FILE", \
+#define CLI_TRAITS_OPTION(type, member)                   \
+    CLI_OPTION(type, member, "traits", CLI_INPUT, "FILE", \
                "traits of the model's fleet (mukca fleet -o), as prior")
 
 /* The label of the arm: `given`, else the name of the data's folder.  Errors: MUKCA_USAGE (data of

@@ -4,7 +4,6 @@
 #include "base/file.h"
 #include "base/utf8.h"
 #include "cli/cli.h"
-#include "io/dh_table.h"
 #include "io/output.h"
 #include "io/urdf.h"
 
@@ -15,15 +14,12 @@ typedef struct {
 } urdf_options;
 
 static const cli_option options[] = {
-    CLI_OPTION(urdf_options, dh, "dh", CLI_TEXT, "FILE",
+    CLI_OPTION(urdf_options, dh, "dh", CLI_INPUT, "FILE",
                "the table: joint, a, alpha, d, theta, one row per joint"),
     CLI_CHOICE_OPTION(urdf_options, convention, "convention", "NAME", mukca_dh_convention_name,
                       "what the rows mean (default: as the table says, else standard)"),
-    CLI_UNITS_OPTION,
-    CLI_OUTPUT_OPTION("where to write it (default: standard output)"),
-    CLI_FORCE_OPTION,
-    CLI_TALK_OPTIONS,
-    CLI_END_OPTIONS};
+    CLI_UNITS_OPTION, CLI_OUTPUT_OPTION("where to write it (default: standard output)"),
+    CLI_LAST_OPTIONS};
 
 static const urdf_options defaults = {.convention = -1};
 
@@ -66,9 +62,6 @@ static mukca_status run(cli_call *call)
     mukca_output output = {0};
     if (!o->dh)
         return mukca_fail(&call->error, MUKCA_USAGE, "--dh FILE is needed: the table to convert");
-    if (mukca_output_same(o->dh, call->common->output))
-        return mukca_fail(&call->error, MUKCA_USAGE,
-                          "%.120s is an input of this command; refusing to overwrite it", o->dh);
     mukca_status status = load(call, chain);
     if (status == MUKCA_OK) status = cli_output_open(call, &output);
     if (status == MUKCA_OK) mukca_urdf_write(output.stream, chain);

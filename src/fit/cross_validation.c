@@ -116,7 +116,6 @@ mukca_status mukca_fit_cross_validate(mukca_cross_validation *r, const mukca_cha
 {
     mukca_fit_options inner = *options;
     inner.solver = NULL;
-    inner.limits.progress = NULL;
     inner.parameters_only = true;
     *r = (mukca_cross_validation){0};
     mukca_status status = mukca_part_take(&r->data, data, MOST_SAMPLES, error);

@@ -61,7 +61,6 @@ static mukca_status run(double *x, mukca_solver_outcome *outcome, mukca_cost *co
     memset(outcome, 0, sizeof *outcome);
     value = mukca_cost_evaluate(&parts, g, cost, x);
     outcome->stop = isfinite(value) ? MUKCA_STOP_LIMIT : MUKCA_STOP_NOT_FINITE;
-    if (options->progress) options->progress(options->context, cost->theta, &parts, 1);
     bool moved = true;
     while (outcome->stop == MUKCA_STOP_LIMIT && cost->evaluations - before < limit &&
            mukca_clock_seconds() < until) {
@@ -96,8 +95,6 @@ static mukca_status run(double *x, mukca_solver_outcome *outcome, mukca_cost *co
         memcpy(x, trial, (size_t)n * sizeof *x);
         memcpy(g, g_trial, (size_t)n * sizeof *g);
         value = next;
-        if (options->progress)
-            options->progress(options->context, cost->theta, &parts, cost->evaluations - before);
     }
     outcome->evaluations = cost->evaluations - before;
     return MUKCA_OK;

@@ -65,9 +65,6 @@ static double objective(void *context, double *gradient, const double *y, bool *
         a->outcome->iterations += isfinite(a->best_value);
         a->best_value = value;
         memcpy(a->best, a->x, (size_t)n * sizeof *a->x);
-        if (a->options->progress)
-            a->options->progress(a->options->context, a->cost->theta, &parts,
-                                 a->cost->evaluations - a->before);
     }
     if (gradient && slope / 2 * a->unit <= mukca_solver_goal(value))
         decide(a, MUKCA_STOP_GRADIENT, halt);

@@ -9,10 +9,7 @@
 typedef struct {
     int max_evaluations;         /* 0: 2000 */
     bool (*stop)(void *context); /* called before each evaluation, true: stop; may be NULL */
-    /* Called with each theta[6 * n_elements] better than all before; may be NULL. */
-    void (*progress)(void *context, const double *theta, const mukca_cost_value *value,
-                     int evaluations);
-    void *context; /* of both functions */
+    void *context;               /* of `stop` */
 } mukca_solver_options;
 
 /* Time limit of a solver, s: a converging fit needs less than a second. */

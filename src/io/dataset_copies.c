@@ -2,15 +2,14 @@
 #include "io/dataset.h"
 
 #include <math.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/file.h"
 #include "model/dataset_subset.h"
 
-/* Largest number of comparisons among samples of equal hash: bounds the time to linear even for an
- * arm at rest for an hour. */
+/* Largest number of comparisons among samples of equal angles: bounds the time even for an arm at
+ * rest for an hour. */
 enum { MOST_COMPARED = 64 };
 
 /* Whether the values agree; NaN agrees with everything. */
@@ -40,51 +39,42 @@ static bool repeats(const mukca_dataset *a, int i, const mukca_dataset *b, int k
            agree(a->temperature, i, b->temperature, k, 1) && agree(a->payload, i, b->payload, k, 1);
 }
 
-/* Hash of the joint angles, word by word, multiplied by an odd number near 2^64 / golden ratio. */
-static uint64_t hash(const mukca_dataset *data, int row)
-{
-    const double *q = data->q + (size_t)row * (size_t)data->n_joints;
-    uint64_t h = 0, word;
-    for (int j = 0; j < data->n_joints; j++) {
-        memcpy(&word, q + j, sizeof word);
-        h = (h ^ word) * 0x9e3779b97f4a7c15u;
-        h ^= h >> 32;
-    }
-    return h;
-}
-
-/* An entry in the list of samples whose hashes have the same low bits. */
+/* A sample in a list sorted by joint angles; `source`: of the other dataset. */
 typedef struct {
-    int next; /* -1: end of the list */
-    uint32_t hash;
-} entry;
+    const double *q;
+    size_t bytes;
+    int row;
+    bool source;
+} sample;
 
-static void list(int *first, entry *entries, uint64_t h, size_t size, int row)
+static int compare(const void *a, const void *b)
 {
-    int *head = &first[h & (size - 1)];
-    entries[row] = (entry){*head, (uint32_t)(h >> 32)};
-    *head = row;
+    const sample *x = a, *y = b;
+    const int order = memcmp(x->q, y->q, x->bytes);
+    return order ? order : x->source != y->source ? y->source - x->source : x->row - y->row;
 }
 
 /* original[n_rows]: index of the sample of `of` (NULL: an earlier one of `data`) that each sample
- * repeats, or -1.  Hash table: first[size], size a power of two, and entries[samples of `of`]. */
-static void find(int *original, const mukca_dataset *data, const mukca_dataset *of, int *first,
-                 entry *entries, size_t size)
+ * repeats, or -1; scratch list[samples of both]. */
+static void find(int *original, const mukca_dataset *data, const mukca_dataset *of, sample *list)
 {
-    const mukca_dataset *source = of ? of : data;
-    for (size_t h = 0; h < size; h++) first[h] = -1;
-    for (int k = 0; of && k < of->n_rows; k++) list(first, entries, hash(of, k), size, k);
-    for (int i = 0; i < data->n_rows; i++) {
-        const uint64_t h = hash(data, i);
-        int compared = 0;
-        original[i] = -1;
-        for (int k = first[h & (size - 1)]; k >= 0 && original[i] < 0 && compared < MOST_COMPARED;
-             k = entries[k].next) {
-            if (entries[k].hash != (uint32_t)(h >> 32)) continue;
-            if (repeats(data, i, source, k)) original[i] = k;
-            compared++;
-        }
-        if (!of && original[i] < 0) list(first, entries, h, size, i);
+    const mukca_dataset *sets[2] = {of, data};
+    const size_t width = (size_t)data->n_joints, bytes = width * sizeof *data->q;
+    int n = 0, first = 0, kept = 0; /* list[first, first + kept): of these angles, to be repeated */
+    for (int s = !of; s < 2; s++)
+        for (int i = 0; i < sets[s]->n_rows; i++)
+            list[n++] = (sample){sets[s]->q + (size_t)i * width, bytes, i, s == 0};
+    qsort(list, (size_t)n, sizeof *list, compare);
+    for (int k = 0; k < n; k++) {
+        const sample now = list[k];
+        if (memcmp(list[first].q, now.q, bytes) != 0) first = k, kept = 0;
+        if (!now.source) original[now.row] = -1;
+        for (int c = kept - 1; c >= 0 && c >= kept - MOST_COMPARED && !now.source; c--)
+            if (repeats(data, now.row, of ? of : data, list[first + c].row)) {
+                original[now.row] = list[first + c].row;
+                break;
+            }
+        if (now.source || (!of && original[now.row] < 0)) list[first + kept++] = now;
     }
 }
 
@@ -175,20 +165,19 @@ static void report(const mukca_dataset *data, int file, const mukca_dataset *of,
 mukca_status mukca_dataset_drop_copies(mukca_dataset *data, const mukca_dataset *of,
                                        mukca_note_fn *note, void *context, mukca_error *error)
 {
-    const int n = data->n_rows, listed = of ? of->n_rows : n;
-    size_t size = 64;
-    while (size < (size_t)listed) size *= 2;
+    const int n = data->n_rows;
     const size_t names = 2 * (size_t)data->n_sockets + (size_t)data->n_placements;
-    int *original = malloc(((size_t)n + size + names + 1) * sizeof *original);
-    entry *entries = malloc(((size_t)listed + 1) * sizeof *entries);
+    const size_t listed = (size_t)n + (of ? (size_t)of->n_rows : 0);
+    int *original = malloc(((size_t)n + names + 1) * sizeof *original);
+    sample *list = malloc((listed + 1) * sizeof *list);
     unsigned char *keep = malloc((size_t)n + 1);
     mukca_status status = MUKCA_OK;
-    if (!original || !entries || !keep) {
+    if (!original || !list || !keep) {
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", n);
         goto out;
     }
-    int *first = original + n, *map = first + size, copies = 0;
-    find(original, data, of, first, entries, size);
+    int *map = original + n, copies = 0;
+    find(original, data, of, list);
     for (int i = 0; i < n; i++) keep[i] = original[i] < 0;
     if (!of) keep_dead(keep, data, map);
     for (int i = 0; i < n; i++) {
@@ -200,7 +189,7 @@ mukca_status mukca_dataset_drop_copies(mukca_dataset *data, const mukca_dataset 
     status = mukca_dataset_keep(data, keep, error);
 out:
     free(original);
-    free(entries);
+    free(list);
     free(keep);
     return status;
 }

@@ -274,10 +274,10 @@ static const char *file_of(const mukca_dataset *d, int socket)
     return "";
 }
 
-/* Write the deficiency of a placement to `text`, empty if there is none.  Returns the number of its
- * sockets with enough samples. */
+/* Number of the placement's sockets with enough samples; its deficiency in `text`, "" for none. */
 static int find_lack(char text[LACK], const mukca_dataset *d, int placement, const int *rows)
 {
+    const char *name = d->placements[placement].name;
     int good = 0, last = 0, poor = -1;
     text[0] = '\0';
     for (int s = 0; s < d->n_sockets; s++) {
@@ -286,67 +286,50 @@ static int find_lack(char text[LACK], const mukca_dataset *d, int placement, con
         good += rows[s] >= LEAST_ROWS;
         if (poor < 0 && rows[s] < LEAST_ROWS) poor = s;
     }
-    const char *name = d->placements[placement].name;
-    if (poor >= 0) {
-        const char *file = file_of(d, poor);
+    if (poor >= 0)
         snprintf(text, LACK,
                  "%s%splacement '%s', socket '%s': %d row%s; at least %d are needed, 20 or more "
                  "recommended",
-                 file, rows[poor] ? ": " : "", name, d->sockets[poor].label, rows[poor],
+                 file_of(d, poor), rows[poor] ? ": " : "", name, d->sockets[poor].label, rows[poor],
                  rows[poor] == 1 ? "" : "s", LEAST_ROWS);
-    } else if (good < LEAST_SOCKETS) {
+    else if (good < LEAST_SOCKETS)
         snprintf(text, LACK,
                  "%s: placement '%s': only one socket; at least two, a known distance apart, are "
                  "needed",
                  file_of(d, last), name);
-    }
     return good;
 }
 
-/* Set keep[i] = 0 for the samples of incomplete placements and sockets; `lack` is the first
- * deficiency.  `note`: report each.  Returns the number of samples kept. */
-static int find_finished(unsigned char *keep, char lack[LACK], const mukca_dataset_builder *b,
-                         const int *rows, bool note)
-{
-    const mukca_dataset *d = b->data;
-    int left = 0;
-    memset(keep, 1, (size_t)d->n_rows);
-    lack[0] = '\0';
-    for (int p = 0; p < d->n_placements; p++) {
-        char text[LACK];
-        const bool whole = find_lack(text, d, p, rows) < LEAST_SOCKETS;
-        if (!text[0]) continue;
-        if (!lack[0]) memcpy(lack, text, sizeof text);
-        if (note)
-            mukca_note_format(b->note, b->context, "%s; %s not used", text,
-                              whole ? "the placement is" : "the socket is");
-        for (int i = 0; i < d->n_rows; i++)
-            if (mukca_dataset_placement(d, i) == p && (whole || rows[d->socket[i]] < LEAST_ROWS))
-                keep[i] = 0;
-    }
-    for (int i = 0; i < d->n_rows; i++) left += keep[i];
-    return left;
-}
-
-/* Drop incomplete placements and sockets; an error if nothing remains. */
+/* Drop incomplete placements and sockets, with a note for each; an error if nothing remains. */
 static mukca_status drop_unfinished(const mukca_dataset_builder *b)
 {
     mukca_dataset *d = b->data;
-    char lack[LACK];
-    int *rows = calloc((size_t)d->n_sockets + 1, sizeof *rows);
+    char text[LACK];
+    int *rows = calloc((size_t)d->n_sockets + 1, sizeof *rows), left = 0;
     unsigned char *keep = malloc((size_t)d->n_rows + 1);
-    mukca_status status = MUKCA_OK;
-    if (!rows || !keep) {
-        status = mukca_fail(b->error, MUKCA_MEMORY, "out of memory");
-        goto out;
-    }
-    for (int i = 0; i < d->n_rows; i++)
+    mukca_status status =
+        rows && keep ? MUKCA_OK : mukca_fail(b->error, MUKCA_MEMORY, "out of memory");
+    for (int i = 0; i < d->n_rows && status == MUKCA_OK; i++)
         if (d->socket[i] >= 0) rows[d->socket[i]]++;
-    if (find_finished(keep, lack, b, rows, false) == 0 && lack[0])
-        status = mukca_fail(b->error, MUKCA_INPUT, "%s", lack);
-    else if (lack[0] && find_finished(keep, lack, b, rows, true) < d->n_rows)
-        status = mukca_dataset_keep(d, keep, b->error);
-out:
+    for (int i = 0; i < d->n_rows && status == MUKCA_OK; i++) {
+        const int s = d->socket[i];
+        keep[i] = s < 0 || rows[s] >= LEAST_ROWS;
+        left += keep[i];
+    }
+    for (int p = 0; p < d->n_placements && status == MUKCA_OK; p++) {
+        const bool whole = find_lack(text, d, p, rows) < LEAST_SOCKETS;
+        for (int i = 0; i < d->n_rows && whole; i++)
+            if (mukca_dataset_placement(d, i) == p) left -= keep[i], keep[i] = 0;
+    }
+    for (int p = 0; p < d->n_placements && status == MUKCA_OK; p++) {
+        const bool whole = find_lack(text, d, p, rows) < LEAST_SOCKETS;
+        if (*text && left == 0)
+            status = mukca_fail(b->error, MUKCA_INPUT, "%s", text);
+        else if (*text)
+            mukca_note_format(b->note, b->context, "%s; %s not used", text,
+                              whole ? "the placement is" : "the socket is");
+    }
+    if (status == MUKCA_OK && left < d->n_rows) status = mukca_dataset_keep(d, keep, b->error);
     free(rows);
     free(keep);
     return status;

@@ -1,5 +1,5 @@
 /* Denavit-Hartenberg tables from files. */
-#include "io/dh_table.h"
+#include "io/urdf.h"
 
 #include <string.h>
 

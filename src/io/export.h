@@ -83,11 +83,11 @@ void mukca_export_verdict(FILE *stream, const mukca_exporter *exporter,
 bool mukca_export_find_attribute(size_t *start, size_t *stop, const char *tag, size_t length,
                                  const char *name);
 
-/* Print a text in double quotes, escaped as C, JSON and YAML require. */
-void mukca_export_quoted(FILE *stream, const char *text);
-
-/* Print a text as an attribute's value in XML. */
-void mukca_export_escaped(FILE *stream, const char *text);
+/* Print `format`, in which a directive stands for each further argument: $i an int; $s a text, $q
+ * in double quotes, escaped as C, JSON and YAML require, $x as the value of an attribute in XML; $n
+ * a number, and $c, $b numbers (const double *, int) with commas or blanks between, each with the
+ * fewest digits that read back exactly, infinite ones as C's HUGE_VAL. */
+void mukca_export_print(FILE *stream, const char *format, ...);
 
 /* `holds` of a format without effects. */
 bool mukca_export_holds_none(const mukca_effect *effect);

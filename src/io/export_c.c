@@ -18,13 +18,6 @@ static void identifier(char name[MUKCA_NAME_SIZE], const char *robot)
     }
 }
 
-static void print_numbers(FILE *stream, const double *values, int n)
-{
-    fputs("    {", stream);
-    mukca_export_numbers(stream, values, n, ", ");
-    fputs("},\n", stream);
-}
-
 static void print_use(FILE *stream, const char *id)
 {
     fprintf(
@@ -62,10 +55,9 @@ static void print_effects(FILE *stream, const char *id, const mukca_export_input
         for (int t = 0; t < o->effects[e].terms; t++) {
             char term[MUKCA_EFFECT_TEXT];
             mukca_effect_term_text(term, &o->effects[e], t);
-            fprintf(stream, "    {\"%s\", %d, \"%s\", ",
-                    mukca_effect_table[o->effects[e].kind]->name, o->effects[e].joint, term);
-            mukca_export_numbers(stream, &o->effects[e].coefficient[t], 1, "");
-            fputs("},\n", stream);
+            mukca_export_print(stream, "    {$q, $i, $q, $n},\n",
+                               mukca_effect_table[o->effects[e].kind]->name, o->effects[e].joint,
+                               term, o->effects[e].coefficient[t]);
         }
     fputs("};\n", stream);
 }
@@ -76,11 +68,7 @@ static void print_arrays(FILE *stream, const char *id, const mukca_export_input 
     const mukca_chain *chain = input->chain;
     const int n = chain->n_elements;
     fprintf(stream, "\nstatic const char *const %s_name[%d] = {\n", id, n);
-    for (int k = 0; k < n; k++) {
-        fputs("    ", stream);
-        mukca_export_quoted(stream, chain->element[k].name);
-        fputs(",\n", stream);
-    }
+    for (int k = 0; k < n; k++) mukca_export_print(stream, "    $q,\n", chain->element[k].name);
     static const char *const array[] = {"xyz", "rpy", "quaternion", "axis"};
     static const int width[] = {3, 3, 4, 3};
     for (int a = 0; a < 4; a++) {
@@ -90,7 +78,7 @@ static void print_arrays(FILE *stream, const char *id, const mukca_export_input 
             mukca_export_get_origin(&origin, input, k);
             const double *const values[] = {origin.xyz, origin.rpy, origin.quaternion,
                                             chain->element[k].axis};
-            print_numbers(stream, values[a], width[a]);
+            mukca_export_print(stream, "    {$c},\n", values[a], width[a]);
         }
     }
     fprintf(stream,
@@ -105,65 +93,35 @@ static void print_arrays(FILE *stream, const char *id, const mukca_export_input 
 
 /* ---- the arm for libmukca_rt ---- */
 
-static void print_list(FILE *stream, const char *start, const double *values, int n)
-{
-    fputs(start, stream);
-    mukca_export_numbers(stream, values, n, ", ");
-    fputs("}", stream);
-}
-
-static void print_name(FILE *stream, const char *start, const char *text)
-{
-    fputs(start, stream);
-    mukca_export_quoted(stream, text);
-}
-
-/* Print a joint limit, which may be infinite. */
-static void print_limit(FILE *stream, const char *start, double limit)
-{
-    fputs(start, stream);
-    if (isfinite(limit))
-        mukca_export_numbers(stream, &limit, 1, "");
-    else
-        fputs(limit < 0 ? "-HUGE_VAL" : "HUGE_VAL", stream);
-}
-
 static void print_chain(FILE *stream, const mukca_chain *chain)
 {
     static const char *const type[] = {[MUKCA_FIXED] = "MUKCA_FIXED",
                                        [MUKCA_REVOLUTE] = "MUKCA_REVOLUTE",
                                        [MUKCA_CONTINUOUS] = "MUKCA_CONTINUOUS",
                                        [MUKCA_PRISMATIC] = "MUKCA_PRISMATIC"};
-    print_name(stream, "    .chain = {.robot = ", chain->robot);
-    print_name(stream, ", .base = ", chain->base);
-    print_name(stream, ", .tip = ", chain->tip);
-    print_name(stream, ",\n        .urdf_sha256 = ", chain->urdf_sha256);
-    fprintf(stream, ",\n        .n_elements = %d, .n_joints = %d, .n_masses = %d,\n",
-            chain->n_elements, chain->n_joints, chain->n_masses);
-    print_list(stream, "        .gravity = {", chain->gravity, 3);
-    fputs(",\n        .element = {\n", stream);
+    mukca_export_print(stream,
+                       "    .chain = {.robot = $q, .base = $q, .tip = $q,\n"
+                       "        .urdf_sha256 = $q,\n"
+                       "        .n_elements = $i, .n_joints = $i, .n_masses = $i,\n"
+                       "        .gravity = {$c},\n        .element = {\n",
+                       chain->robot, chain->base, chain->tip, chain->urdf_sha256, chain->n_elements,
+                       chain->n_joints, chain->n_masses, chain->gravity, 3);
     for (int k = 0; k < chain->n_elements; k++) {
         const mukca_element *e = &chain->element[k];
-        print_name(stream, "            {.name = ", e->name);
-        print_name(stream, ", .child = ", e->child);
-        fprintf(stream, ", .type = %s, .joint = %d,\n", type[e->type], e->joint);
-        print_list(stream, "             .xyz = {", e->xyz, 3);
-        print_list(stream, ", .rpy = {", e->rpy, 3);
-        print_list(stream, ", .axis = {", e->axis, 3);
-        print_limit(stream, ",\n             .lower = ", e->lower);
-        print_limit(stream, ", .upper = ", e->upper);
-        fputs("},\n", stream);
+        mukca_export_print(stream,
+                           "            {.name = $q, .child = $q, .type = $s, .joint = $i,\n"
+                           "             .xyz = {$c}, .rpy = {$c}, .axis = {$c},\n"
+                           "             .lower = $n, .upper = $n},\n",
+                           e->name, e->child, type[e->type], e->joint, e->xyz, 3, e->rpy, 3,
+                           e->axis, 3, e->lower, e->upper);
     }
     fputs("        },\n        .joint_element = {", stream);
     for (int j = 0; j < chain->n_joints; j++)
         fprintf(stream, "%s%d", j ? ", " : "", chain->joint_element[j]);
     fputs("},\n        .mass = {", stream);
-    for (int m = 0; m < chain->n_masses; m++) {
-        fprintf(stream, "\n            {.element = %d, .kg = ", chain->mass[m].element);
-        mukca_export_numbers(stream, &chain->mass[m].kg, 1, "");
-        print_list(stream, ", .com = {", chain->mass[m].com, 3);
-        fputs("},", stream);
-    }
+    for (const mukca_mass *m = chain->mass; m < chain->mass + chain->n_masses; m++)
+        mukca_export_print(stream, "\n            {.element = $i, .kg = $n, .com = {$c}},",
+                           m->element, m->kg, m->com, 3);
     fputs(chain->n_masses ? "\n        }},\n" : "{0}}},\n", stream);
 }
 
@@ -173,14 +131,12 @@ static void print_geometry(FILE *stream, const mukca_export_input *input)
     mukca_geometry_set(&geometry, input->chain, input->offsets->theta);
     fprintf(stream, "    .geometry = {.n_elements = %d, .n_joints = %d,\n        .origin = {\n",
             geometry.n_elements, geometry.n_joints);
-    for (int k = 0; k < geometry.n_elements; k++) {
-        print_list(stream, "            {{", geometry.origin[k].R, 9);
-        print_list(stream, ",\n             {", geometry.origin[k].p, 3);
-        fputs("},\n", stream);
-    }
+    for (int k = 0; k < geometry.n_elements; k++)
+        mukca_export_print(stream, "            {{$c},\n             {$c}},\n",
+                           geometry.origin[k].R, 9, geometry.origin[k].p, 3);
     fputs("        },\n        .axis = {", stream);
     for (int k = 0; k < geometry.n_elements; k++)
-        print_list(stream, k ? ", {" : "{", geometry.axis[k], 3);
+        mukca_export_print(stream, k ? ", {$c}" : "{$c}", geometry.axis[k], 3);
     const struct {
         const char *name;
         const signed char *values;
@@ -201,16 +157,14 @@ static void print_applied(FILE *stream, const mukca_offsets *o)
         fputs("\n        {.kind = MUKCA_EFFECT_", stream);
         for (const char *c = mukca_effect_table[e->kind]->name; *c; c++)
             fputc(toupper((unsigned char)*c), stream);
-        fprintf(stream,
-                ", .joint = %d, .placement = %d, .terms = %d,\n         .variant = {.order = %d, "
-                ".frame = %d, .neighbour = %d, .to_command = %d, .torque_scale = ",
-                e->joint, e->placement, e->terms, v->order, (int)v->frame, v->neighbour,
-                v->to_command);
-        mukca_export_numbers(stream, &v->torque_scale, 1, "");
-        fputs(", .time_constant = ", stream);
-        mukca_export_numbers(stream, &v->time_constant, 1, "");
-        print_list(stream, "},\n         .coefficient = {", e->coefficient, e->terms);
-        fputs("},", stream);
+        mukca_export_print(stream,
+                           ", .joint = $i, .placement = $i, .terms = $i,\n         .variant = "
+                           "{.order = $i, .frame = $i, .neighbour = $i, .to_command = $i, "
+                           ".torque_scale = $n, .time_constant = $n},\n"
+                           "         .coefficient = {$c}},",
+                           e->joint, e->placement, e->terms, v->order, (int)v->frame, v->neighbour,
+                           v->to_command, v->torque_scale, v->time_constant, e->coefficient,
+                           e->terms);
     }
     fprintf(stream, "%s},\n    .judged = %d, .accepted = %d, .intact = %d,\n",
             o->n_effects ? "\n    " : "{0}", o->acceptance.given, o->acceptance.accepted,

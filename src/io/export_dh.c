@@ -5,12 +5,6 @@
 static const char *const formula[] = {"Rz(theta + q) Tz(d) Tx(a) Rx(alpha)",
                                       "Rx(alpha) Tx(a) Rz(theta + q) Tz(d)"};
 
-static void print_number(FILE *stream, double value)
-{
-    fputc('\t', stream);
-    if (isfinite(value)) mukca_export_numbers(stream, &value, 1, "");
-}
-
 static mukca_status write_table(FILE *stream, const mukca_export_input *input,
                                 mukca_dh_convention convention)
 {
@@ -37,7 +31,8 @@ static mukca_status write_table(FILE *stream, const mukca_export_input *input,
         const mukca_dh_row *r = &dh.row[k];
         const double values[] = {r->a, r->alpha, r->d, r->theta, r->lower, r->upper};
         fprintf(stream, "%s\t%s", r->name, mukca_joint_type_name[r->type]);
-        for (int i = 0; i < 6; i++) print_number(stream, values[i]);
+        for (int i = 0; i < 6; i++)
+            mukca_export_print(stream, isfinite(values[i]) ? "\t$n" : "\t", values[i]);
         fputc('\n', stream);
     }
     return MUKCA_OK;

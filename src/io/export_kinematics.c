@@ -53,8 +53,7 @@ static void print_entry(FILE *stream, const mukca_kinematics *k, const char *nam
     if (inner) fprintf(stream, "%*s%s:\n", indent + 2, "", inner);
     for (int p = 0; p < MUKCA_PARAMETERS; p++) {
         fprintf(stream, "%*s%s: ", indent + (inner ? 4 : 2), "", mukca_parameter_name[p]);
-        mukca_export_numbers(stream, &value[p], 1, "");
-        fputc('\n', stream);
+        mukca_export_print(stream, "$n\n", value[p]);
     }
 }
 

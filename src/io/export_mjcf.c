@@ -24,21 +24,6 @@ static void indent(const writer *w)
     for (int i = 0; i < 2 * w->depth + 4; i++) fputc(' ', w->stream);
 }
 
-static void numbers(const writer *w, const char *key, const double *values, int n)
-{
-    fprintf(w->stream, " %s=\"", key);
-    mukca_export_numbers(w->stream, values, n, " ");
-    fputc('"', w->stream);
-}
-
-/* Print a name attribute. */
-static void name(const writer *w, const char *key, const char *text, const char *suffix)
-{
-    fprintf(w->stream, " %s=\"", key);
-    mukca_export_escaped(w->stream, text);
-    fprintf(w->stream, "%s\"", suffix);
-}
-
 /* The mechanical equivalent of an effect: the sum that includes its coefficient; NULL if no spring
  * or stop behaves like it. */
 static double *equivalent(writer *w, const mukca_effect *effect)
@@ -92,11 +77,8 @@ static void print_inertial(const writer *w, int k, bool moves)
         for (int i = 0; i < 3; i++) mass.inertia[i] = ball;
     }
     indent(w);
-    fputs("<inertial", w->stream);
-    numbers(w, "pos", mass.com, 3);
-    numbers(w, "mass", &mass.kg, 1);
-    numbers(w, "fullinertia", mass.inertia, 6);
-    fputs("/>\n", w->stream);
+    mukca_export_print(w->stream, "<inertial pos=\"$b\" mass=\"$n\" fullinertia=\"$b\"/>\n",
+                       mass.com, 3, mass.kg, mass.inertia, 6);
 }
 
 /* Open a joint: its name, type and axis (may be NULL). */
@@ -104,10 +86,8 @@ static void open_joint(const writer *w, const char *joint, const char *suffix, c
                        const double *axis)
 {
     indent(w);
-    fputs("<joint", w->stream);
-    name(w, "name", joint, suffix);
-    fprintf(w->stream, " type=\"%s\"", type);
-    if (axis) numbers(w, "axis", axis, 3);
+    mukca_export_print(w->stream, "<joint name=\"$x$s\" type=\"$s\"", joint, suffix, type);
+    if (axis) mukca_export_print(w->stream, " axis=\"$b\"", axis, 3);
 }
 
 /* Print a spring of that compliance.  The time constant of its creep, damping / stiffness, is 20
@@ -115,9 +95,7 @@ static void open_joint(const writer *w, const char *joint, const char *suffix, c
 static void print_spring(const writer *w, double compliance)
 {
     const double stiffness = 1 / compliance, damping = 2e-2 * stiffness;
-    numbers(w, "stiffness", &stiffness, 1);
-    numbers(w, "damping", &damping, 1);
-    fputs("/>\n", w->stream);
+    mukca_export_print(w->stream, " stiffness=\"$n\" damping=\"$n\"/>\n", stiffness, damping);
 }
 
 /* Print the link's bending about two axes across the joint, the joint itself, and its
@@ -126,7 +104,6 @@ static void print_joints(const writer *w, const mukca_element *e)
 {
     const elasticity *g = &w->joint[e->joint];
     const char *type = e->type == MUKCA_PRISMATIC ? "slide" : "hinge";
-    const double range[2] = {e->lower, e->upper}, play[2] = {-0.5 * g->play, 0.5 * g->play};
     double across[2][3];
     mukca_rotation_transverse(across[0], across[1], e->axis);
     for (int i = 0; i < 2 && g->bending > 0; i++) {
@@ -134,7 +111,8 @@ static void print_joints(const writer *w, const mukca_element *e)
         print_spring(w, g->bending);
     }
     open_joint(w, e->name, "", type, e->axis);
-    if (isfinite(e->lower) && isfinite(e->upper)) numbers(w, "range", range, 2);
+    if (isfinite(e->lower) && isfinite(e->upper))
+        mukca_export_print(w->stream, " range=\"$n $n\"", e->lower, e->upper);
     /* rough rotor inertia, kg m^2: separates the motor from the link on its spring */
     fputs(g->angle > 0 || g->play > 0 ? " armature=\"0.1\"/>\n" : "/>\n", w->stream);
     if (g->angle > 0) {
@@ -143,21 +121,19 @@ static void print_joints(const writer *w, const mukca_element *e)
     }
     if (g->play > 0) {
         open_joint(w, e->name, "_play", type, e->axis);
-        numbers(w, "range", play, 2);
-        fputs(
-            " armature=\"0.1\" damping=\"1\" solreflimit=\"0.005 1\" solimplimit=\"0.99 0.999 "
-            "1e-4\"/>\n",
-            w->stream);
+        mukca_export_print(
+            w->stream,
+            " range=\"$n $n\" armature=\"0.1\" damping=\"1\" solreflimit=\"0.005 1\" "
+            "solimplimit=\"0.99 0.999 1e-4\"/>\n",
+            -0.5 * g->play, 0.5 * g->play);
     }
 }
 
 static void open_body(writer *w, const char *link, const double *pos, const double *quat)
 {
     indent(w);
-    fputs("<body", w->stream);
-    name(w, "name", link, "");
-    if (pos) numbers(w, "pos", pos, 3);
-    if (quat) numbers(w, "quat", quat, 4);
+    mukca_export_print(w->stream, "<body name=\"$x\"", link);
+    if (pos) mukca_export_print(w->stream, " pos=\"$b\" quat=\"$b\"", pos, 3, quat, 4);
     fputs(">\n", w->stream);
     w->depth++;
 }
@@ -175,13 +151,12 @@ static mukca_status write_mjcf(FILE *stream, const mukca_export_input *input, mu
         "     the identified effects; inertia tensors are the URDF's.\n",
         stream);
     gather(&w);
-    fputs("-->\n<mujoco", stream);
-    name(&w, "model", chain->robot, "");
-    fputs(
-        ">\n  <compiler angle=\"radian\" autolimits=\"true\" balanceinertia=\"true\"/>\n  <option",
-        stream);
-    numbers(&w, "gravity", chain->gravity, 3);
-    fputs(" timestep=\"5e-4\" integrator=\"implicitfast\"/>\n  <worldbody>\n", stream);
+    mukca_export_print(
+        stream,
+        "-->\n<mujoco model=\"$x\">\n"
+        "  <compiler angle=\"radian\" autolimits=\"true\" balanceinertia=\"true\"/>\n"
+        "  <option gravity=\"$b\" timestep=\"5e-4\" integrator=\"implicitfast\"/>\n  <worldbody>\n",
+        chain->robot, chain->gravity, 3);
     open_body(&w, chain->base, NULL, NULL);
     if (w.base > 0) {
         open_body(&w, "base_flex", NULL, NULL);

@@ -1,12 +1,13 @@
 /* Helpers shared by the export formats: provenance, numbers, names and the calibrated origin. */
 #include <math.h>
+#include <stdarg.h>
 
 #include "base/file.h"
 #include "base/number.h"
 #include "io/export.h"
 #include "mukca/version.h"
 
-void mukca_export_quoted(FILE *stream, const char *text)
+static void print_quoted(FILE *stream, const char *text)
 {
     fputc('"', stream);
     for (; *text; text++) {
@@ -17,7 +18,7 @@ void mukca_export_quoted(FILE *stream, const char *text)
     fputc('"', stream);
 }
 
-void mukca_export_escaped(FILE *stream, const char *text)
+static void print_escaped(FILE *stream, const char *text)
 {
     for (; *text; text++)
         if (*text == '&')
@@ -28,6 +29,55 @@ void mukca_export_escaped(FILE *stream, const char *text)
             fputs("&quot;", stream);
         else
             fputc((unsigned char)*text < ' ' ? ' ' : *text, stream);
+}
+
+static void print_number(FILE *stream, double value)
+{
+    char text[MUKCA_NUMBER_SIZE];
+    mukca_number_format(text, value);
+    fputs(isfinite(value) ? text : value < 0 ? "-HUGE_VAL" : "HUGE_VAL", stream);
+}
+
+void mukca_export_numbers(FILE *stream, const double *values, int n, const char *separator)
+{
+    for (int i = 0; i < n; i++) {
+        fputs(i ? separator : "", stream);
+        print_number(stream, values[i]);
+    }
+}
+
+void mukca_export_print(FILE *stream, const char *format, ...)
+{
+    va_list args;
+    const double *values;
+    va_start(args, format);
+    for (const char *c = format; *c; c++) {
+        if (*c != '$') {
+            fputc(*c, stream);
+            continue;
+        }
+        switch (*++c) {
+            case 'i':
+                fprintf(stream, "%d", va_arg(args, int));
+                break;
+            case 's':
+                fputs(va_arg(args, const char *), stream);
+                break;
+            case 'q':
+                print_quoted(stream, va_arg(args, const char *));
+                break;
+            case 'x':
+                print_escaped(stream, va_arg(args, const char *));
+                break;
+            case 'n':
+                print_number(stream, va_arg(args, double));
+                break;
+            default:
+                values = va_arg(args, const double *);
+                mukca_export_numbers(stream, values, va_arg(args, int), *c == 'c' ? ", " : " ");
+        }
+    }
+    va_end(args);
 }
 
 bool mukca_export_holds_none(const mukca_effect *effect)
@@ -73,15 +123,6 @@ void mukca_export_verdict(FILE *stream, const mukca_exporter *exporter, const mu
     fprintf(stream, "%s The offsets table was not accepted: ", comment[0]);
     print_plain(stream, a->reason);
     fprintf(stream, " %s\n", comment[1]);
-}
-
-void mukca_export_numbers(FILE *stream, const double *values, int n, const char *separator)
-{
-    char text[MUKCA_NUMBER_SIZE];
-    for (int i = 0; i < n; i++) {
-        mukca_number_format(text, values[i]);
-        fprintf(stream, "%s%s", i ? separator : "", text);
-    }
 }
 
 void mukca_export_get_origin(mukca_export_origin *origin, const mukca_export_input *input,

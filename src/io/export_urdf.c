@@ -1,12 +1,12 @@
-/* The user's URDF with the origins of the chain replaced in place; all other bytes are
- * unchanged. */
+/* The user's URDF with the origins of the chain replaced in place; all other bytes are unchanged.
+ * And a chain as a URDF of its own. */
 #include <math.h>
 #include <string.h>
 
 #include "base/file.h"
 #include "base/number.h"
 #include "io/export.h"
-#include "io/urdf_text.h"
+#include "io/urdf.h"
 
 /* Three words of at most 63 characters, the limit of mukca_number_parse_list. */
 enum { VALUE_SIZE = 3 * 64 };
@@ -108,16 +108,6 @@ static void write_tag(FILE *stream, const char *tag, size_t length,
     fwrite(tag + at, 1, length - at, stream);
 }
 
-/* Write a new origin, after the white space that follows the joint's tag. */
-static void write_new_tag(FILE *stream, const mukca_export_origin *origin)
-{
-    fputs("<origin xyz=\"", stream);
-    mukca_export_numbers(stream, origin->xyz, 3, " ");
-    fputs("\" rpy=\"", stream);
-    mukca_export_numbers(stream, origin->rpy, 3, " ");
-    fputs("\"/>", stream);
-}
-
 /* Get the origin of an element; false: identical to the URDF's. */
 static bool get_changed(mukca_export_origin *origin, const mukca_export_input *input, int element)
 {
@@ -166,8 +156,9 @@ static mukca_status write_urdf(FILE *stream, const mukca_export_input *input, mu
         fwrite(at, 1, (size_t)(start - at), stream);
         if (joint->has_origin)
             write_tag(stream, start, (size_t)(stop - start), &origin, &input->chain->element[k]);
-        else
-            write_new_tag(stream, &origin);
+        else /* after the white space that follows the joint's tag */
+            mukca_export_print(stream, "<origin xyz=\"$b\" rpy=\"$b\"/>", origin.xyz, 3, origin.rpy,
+                               3);
         at = stop;
     }
     if (status == MUKCA_OK) fputs(at, stream);
@@ -177,3 +168,33 @@ static mukca_status write_urdf(FILE *stream, const mukca_export_input *input, mu
 
 const mukca_export_format mukca_export_urdf = {.write = write_urdf,
                                                .holds = mukca_export_holds_none};
+
+/* ---- a chain as a URDF ---- */
+
+void mukca_urdf_write(FILE *stream, const mukca_chain *chain)
+{
+    mukca_export_print(stream,
+                       "<?xml version=\"1.0\"?>\n<robot name=\"$x\">\n  <link name=\"$x\"/>\n",
+                       chain->robot, chain->base);
+    for (int k = 0; k < chain->n_elements; k++) {
+        const mukca_element *e = &chain->element[k];
+        const bool limited = isfinite(e->lower) && isfinite(e->upper);
+        const mukca_joint_type turning = limited ? MUKCA_REVOLUTE : MUKCA_CONTINUOUS;
+        const mukca_joint_type type = mukca_joint_turns(e->type) ? turning : e->type;
+        mukca_export_print(stream,
+                           "  <link name=\"$x\"/>\n  <joint name=\"$x\" type=\"$s\">\n"
+                           "    <parent link=\"$x\"/>\n    <child link=\"$x\"/>\n"
+                           "    <origin xyz=\"$b\" rpy=\"$b\"/>\n",
+                           e->child, e->name, mukca_joint_type_name[type],
+                           k ? chain->element[k - 1].child : chain->base, e->child, e->xyz, 3,
+                           e->rpy, 3);
+        if (e->type != MUKCA_FIXED)
+            mukca_export_print(stream, "    <axis xyz=\"$b\"/>\n", e->axis, 3);
+        if (type == MUKCA_REVOLUTE || type == MUKCA_PRISMATIC)
+            mukca_export_print(
+                stream, "    <limit lower=\"$n\" upper=\"$n\" effort=\"0\" velocity=\"0\"/>\n",
+                limited ? e->lower : -1., limited ? e->upper : 1.);
+        fputs("  </joint>\n", stream);
+    }
+    fputs("</robot>\n", stream);
+}

@@ -48,40 +48,6 @@ bool mukca_inertials_names(const char *link, const char *name)
     return whole == part || link[whole - part - 1] == '_' || link[whole - part - 1] == '/';
 }
 
-/* A URDF's origins differ from the maker's by rounding and factory calibration, m. */
-static const double same_place = 5e-3;
-
-typedef struct {
-    const mukca_chain *chain;
-    int found;
-    bool other;
-} fit;
-
-static void compare_row(void *context, mukca_table *table, const int *column)
-{
-    fit *f = context;
-    double origin[3];
-    if (!*table->cell[column[1]]) return; /* not carried by a joint */
-    for (int i = 0; i < 3; i++) origin[i] = mukca_table_number(table, column[1 + i]);
-    bool there = false;
-    for (int k = 0; k < f->chain->n_elements; k++) {
-        const mukca_element *e = &f->chain->element[k];
-        there |= e->joint >= 0 && mukca_inertials_names(e->child, table->cell[column[0]]) &&
-                 mukca_distance3(e->xyz, origin) < same_place;
-    }
-    f->found += there;
-    f->other |= !there;
-}
-
-bool mukca_inertials_fit(const mukca_chain *chain, const char *path)
-{
-    static const char *const names[] = {"link", "origin_x_m", "origin_y_m", "origin_z_m"};
-    fit f = {.chain = chain};
-    mukca_error none; /* a file of another kind does not fit */
-    const mukca_status status = mukca_table_read(path, names, 4, compare_row, &f, &none);
-    return status == MUKCA_OK && f.found > 0 && !f.other;
-}
-
 mukca_status mukca_inertials_read(mukca_inertial **rows, int *n, const char *path,
                                   mukca_error *error)
 {

@@ -5,24 +5,18 @@
 #include <string.h>
 
 #include "base/number.h"
-#include "io/rows.h"
 
 enum { ROBOT_AXES = 6, MOST_AXES = 12, PATTERN = 320, NUMBERS = 24, LINES = 16 };
 
-typedef enum { QUATERNION, ZYX, VECTOR } turn_kind;
-
-/* Patterns: ? is a number, * any text without brackets and semicolons (empty in a printed target),
- * @ a joint target, a blank one or more blanks; other characters may be preceded by blanks. */
+/* Patterns: ? is a number, * any text without brackets and semicolons, @ a joint target, a blank
+ * one or more blanks; other characters may be preceded by blanks. */
 struct mukca_language {
     const char *open, *next, *close; /* of a joint target; `next` before the first external axis */
-    char label[2];        /* letters before the number of a robot axis and of an external axis */
-    const char *empty[2]; /* values printed for axes that the arm lacks; NULL: omitted */
-    const char *line[2];  /* text before and after a target on a line of its own */
+    char label[2]; /* letters before the number of a robot axis and of an external axis */
+    bool all_axes; /* a target has values for axes that the arm lacks, too */
     /* Lines of programs, in addition to a target alone.  None may start a motion elsewhere: what is
      * not listed here is unknown. */
     const char *lines[LINES];
-    const char *pose;
-    turn_kind turn;
     double angle, length; /* rad and m per unit of the language */
     int decimals;         /* printed: 0.02 urad, 1 nm */
     char comment;         /* first character of a comment */
@@ -34,12 +28,9 @@ static const mukca_language rapid = {
     .open = "[[",
     .next = "],[",
     .close = "]]",
-    .empty = {"0", "9E9"},
-    .line = {"", ""},
+    .all_axes = true,
     .lines = {"MoveAbsJ@*;", "MODULE *", "ENDMODULE", "PROC *()", "ENDPROC", "WaitTime *;",
               "Set *;", "Reset *;", "SetDO *;", "WaitDI *;", "AccSet *;", "WHILE *DO", "ENDWHILE"},
-    .pose = "[[?,?,?],[?,?,?,?],[?,?,?,?],[?,?,?,?,?,?]]",
-    .turn = QUATERNION,
     .angle = DEGREE,
     .length = 1e-3,
     .decimals = 6,
@@ -50,11 +41,8 @@ static const mukca_language krl = {
     .next = ",",
     .close = "*}",
     .label = {'A', 'E'},
-    .line = {"", ""},
     .lines = {"PTP@*", "SPTP@*", "&*", "DEF *()", "END", "INI", "BAS(*)", "WAIT SEC *", "$OUT[*]=*",
               "LOOP", "ENDLOOP"},
-    .pose = "{*X ?,Y ?,Z ?,A ?,B ?,C ?*}",
-    .turn = ZYX,
     .angle = DEGREE,
     .length = 1e-3,
     .decimals = 6,
@@ -64,12 +52,9 @@ static const mukca_language urscript = {
     .open = "[",
     .next = ",",
     .close = "]",
-    .line = {"movej(", ")"},
     .lines = {"movej(@*)", "movel(@*)", "movep(@*)", "servoj(@*)", "def *():", "end",
               "while *:", "sleep(*)", "sync()", "textmsg(*)", "set_digital_out(*)",
               "set_standard_digital_out(*)", "set_tcp(p[*])"},
-    .pose = "p[?,?,?,?,?,?]",
-    .turn = VECTOR,
     .angle = 1,
     .length = 1,
     .decimals = 9,
@@ -91,7 +76,7 @@ typedef struct {
 /* Form the pattern of a joint target with ? for each axis. */
 static void joint_pattern(char pattern[PATTERN], const mukca_language *l, const mukca_chain *chain)
 {
-    const int n = l->empty[0] ? MOST_AXES : chain->n_joints;
+    const int n = l->all_axes ? MOST_AXES : chain->n_joints;
     int used = snprintf(pattern, PATTERN, "%s", l->open);
     for (int axis = 0; axis < n; axis++) {
         const bool external = axis >= ROBOT_AXES;
@@ -161,37 +146,17 @@ static bool is_linear(const mukca_chain *chain, int joint)
     return chain->element[chain->joint_element[joint]].type == MUKCA_PRISMATIC;
 }
 
-static bool convert_pose(mukca_frame *pose, const mukca_language *l, const double *v)
-{
-    double turn[4] = {v[3] * l->angle, v[4] * l->angle, v[5] * l->angle};
-    for (int i = 0; i < 3; i++) pose->p[i] = v[i] * l->length;
-    if (l->turn == ZYX) {
-        const double rpy[3] = {turn[2], turn[1], turn[0]};
-        mukca_rotation_from_rpy(pose->R, rpy);
-    } else if (l->turn == VECTOR) {
-        mukca_rotation_exp(pose->R, turn);
-    } else {
-        memcpy(turn, v + 3, sizeof turn);
-        if (!mukca_rows_normalise(turn)) return false;
-        mukca_rotation_from_quaternion(pose->R, turn);
-    }
-    return true;
-}
-
 mukca_line_kind mukca_language_read(mukca_program_target *t, const mukca_language *l,
-                                    const mukca_chain *chain, bool pose, const char *line)
+                                    const mukca_chain *chain, const char *line)
 {
     char joints[PATTERN], pattern[PATTERN + 32];
     number_list found = {0};
     joint_pattern(joints, l, chain);
     if (matches(&found, "", line, 0, l->comment)) return MUKCA_LINE_OTHER;
-    if (pose && !matches(&found, l->pose, line, 0, l->comment)) return MUKCA_LINE_UNKNOWN;
-    if (pose)
-        return convert_pose(&t->pose, l, found.value) ? MUKCA_LINE_TARGET : MUKCA_LINE_UNKNOWN;
     bool known = matches(&found, joints, line, 0, l->comment), target = known;
     for (int i = 0; !known && l->lines[i]; i++) {
         const char *form = l->lines[i], *slot = strchr(form, '@');
-        const int before = (int)(slot ? slot - form : (ptrdiff_t)strlen(form));
+        const int before = (int)(slot ? (size_t)(slot - form) : strlen(form));
         snprintf(pattern, sizeof pattern, "%.*s%s%s", before, form, slot ? joints : "",
                  slot ? slot + 1 : "");
         found.n = 0;
@@ -208,33 +173,7 @@ mukca_line_kind mukca_language_read(mukca_program_target *t, const mukca_languag
 
 int mukca_language_axes(const mukca_language *language)
 {
-    return language->empty[0] || language->label[0] ? MOST_AXES : MUKCA_MAX_JOINTS;
-}
-
-static void print_value(FILE *stream, const mukca_language *l, const mukca_chain *chain, int j,
-                        double q)
-{
-    fprintf(stream, "%.*f", l->decimals, q / (is_linear(chain, j) ? l->length : l->angle));
-}
-
-void mukca_language_print(FILE *stream, const mukca_language *l, const mukca_chain *chain,
-                          const double *q)
-{
-    char pattern[PATTERN];
-    int axis = 0;
-    joint_pattern(pattern, l, chain);
-    fputs(l->line[0], stream);
-    for (const char *p = pattern; *p; p++) {
-        if (*p != '?') {
-            if (*p != '*') fputc(*p, stream);
-        } else if (axis < chain->n_joints) {
-            print_value(stream, l, chain, axis, q[axis]);
-            axis++;
-        } else {
-            fputs(l->empty[axis++ >= ROBOT_AXES], stream);
-        }
-    }
-    fputs(l->line[1], stream);
+    return language->all_axes || language->label[0] ? MOST_AXES : MUKCA_MAX_JOINTS;
 }
 
 void mukca_language_replace(FILE *stream, const mukca_language *l, const mukca_chain *chain,
@@ -243,7 +182,7 @@ void mukca_language_replace(FILE *stream, const mukca_language *l, const mukca_c
     size_t at = 0;
     for (int j = 0; j < chain->n_joints; j++) {
         fwrite(line + at, 1, t->number[j][0] - at, stream);
-        print_value(stream, l, chain, j, q[j]);
+        fprintf(stream, "%.*f", l->decimals, q[j] / (is_linear(chain, j) ? l->length : l->angle));
         at = t->number[j][1];
     }
     fputs(line + at, stream);

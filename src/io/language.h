@@ -7,10 +7,10 @@
 #include "mukca/chain.h"
 
 /* name, kind of targets */
-#define MUKCA_LANGUAGE_LIST(X)                                                 \
-    X(rapid, "ABB, jointtargets [[j1,...],[9E9,...]] and robtargets; deg, mm") \
-    X(krl, "KUKA, axes {A1 ..,A2 ..} and frames {X ..,Y ..,Z ..}; deg, mm")    \
-    X(urscript, "UR, lists [q1,...] and poses p[x,y,z,rx,ry,rz]; rad, m")
+#define MUKCA_LANGUAGE_LIST(X)                                  \
+    X(rapid, "ABB, jointtargets [[j1,...],[9E9,...]]; deg, mm") \
+    X(krl, "KUKA, axes {A1 ..,A2 ..}; deg, mm")                 \
+    X(urscript, "UR, lists [q1,...]; rad, m")
 
 typedef struct mukca_language mukca_language;
 extern const mukca_language *const mukca_languages[]; /* in the order of the list */
@@ -24,22 +24,16 @@ typedef enum {
 /* A target in a line. */
 typedef struct {
     size_t number[MUKCA_MAX_JOINTS][2]; /* text of each joint's value: line[number[0] .. [1]) */
-    double q[MUKCA_MAX_JOINTS];         /* of a joint target: rad, or m for a prismatic joint */
-    mukca_frame pose;                   /* of a pose: m */
+    double q[MUKCA_MAX_JOINTS];         /* rad, or m for a prismatic joint */
 } mukca_program_target;
 
-/* Read a line: a target alone, or (not with `pose`) a line of a program, which moves the arm to a
- * joint target in numbers or not at all.  Poses are targets only alone: in a program they depend on
- * its tool and frame. */
+/* Read a line of a program, which moves the arm to a joint target in numbers or not at all, or
+ * consists of a target alone.  Poses depend on the program's tool and frame and are unknown. */
 mukca_line_kind mukca_language_read(mukca_program_target *target, const mukca_language *language,
-                                    const mukca_chain *chain, bool pose, const char *line);
+                                    const mukca_chain *chain, const char *line);
 
 /* Largest number of axes of a joint target. */
 int mukca_language_axes(const mukca_language *language);
-
-/* Print q[n_joints] as a joint target: a complete line of a program, without its end. */
-void mukca_language_print(FILE *stream, const mukca_language *language, const mukca_chain *chain,
-                          const double *q);
 
 /* Print the line with the values of the target's joints replaced by q[n_joints]. */
 void mukca_language_replace(FILE *stream, const mukca_language *language, const mukca_chain *chain,

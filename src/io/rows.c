@@ -26,7 +26,10 @@ mukca_status mukca_rows_open(mukca_rows *rows, const char *path, const mukca_cha
     if (!(rows->options.format.angle > 0)) rows->options.format.angle = 1;
     if (!(rows->options.format.length > 0)) rows->options.format.length = 1;
     mukca_table *t = &rows->table;
-    mukca_table_open(t, path, options->kind == MUKCA_NO_HEADER ? MUKCA_NO_HEADER : MUKCA_EITHER,
+    mukca_table_open(t, path,
+                     options->poses                     ? MUKCA_HEADER
+                     : options->kind == MUKCA_NO_HEADER ? MUKCA_NO_HEADER
+                                                        : MUKCA_EITHER,
                      error);
     if (t->status == MUKCA_OK && options->format.columns && t->n_columns)
         mukca_columns_rename(t, options->format.columns);
@@ -233,22 +236,11 @@ static void scale(double *values, const int *columns, const mukca_rows *rows)
             values[j] *= unit_of(rows, j);
 }
 
-bool mukca_rows_next(mukca_rows *rows, mukca_row *row)
+static void read_joints(mukca_row *row, mukca_rows *rows)
 {
     mukca_table *t = &rows->table;
     const mukca_row_columns *c = &rows->column;
     const int n = rows->chain->n_joints;
-    if (rows->measured > 0 && rows->measured < c->n_measured) { /* the next target of this line */
-        read_pose(row, rows, rows->measured++);
-        return t->status == MUKCA_OK;
-    }
-    rows->measured = 1;
-    if (!mukca_table_next(t)) return false;
-    if (c->joint[0] < 0) mukca_rows_map(rows);
-    if (t->status != MUKCA_OK) return false;
-    row->placement = c->placement < 0 ? NULL : t->cell[c->placement];
-    row->socket = c->socket < 0 ? NULL : t->cell[c->socket];
-    row->target = c->target < 0 || !*t->cell[c->target] ? NULL : t->cell[c->target];
     for (int j = 0; j < n; j++) {
         row->q[j] = mukca_table_number(t, c->joint[j]);
         if (!mukca_table_has_unit(t, c->joint[j])) row->q[j] *= unit_of(rows, j);
@@ -257,13 +249,32 @@ bool mukca_rows_next(mukca_rows *rows, mukca_row *row)
     read_list(row->effort, rows, c->effort, n);
     read_list(row->command, rows, c->command, n);
     read_list(row->velocity, rows, c->velocity, n);
+    scale(row->command, c->command, rows);
+    scale(row->velocity, c->velocity, rows);
+}
+
+bool mukca_rows_next(mukca_rows *rows, mukca_row *row)
+{
+    mukca_table *t = &rows->table;
+    const mukca_row_columns *c = &rows->column;
+    const bool poses = rows->options.poses;
+    if (rows->measured > 0 && rows->measured < c->n_measured) { /* the next target of this line */
+        read_pose(row, rows, rows->measured++);
+        return t->status == MUKCA_OK;
+    }
+    rows->measured = 1;
+    if (!mukca_table_next(t)) return false;
+    if (c->joint[0] < 0 && !poses) mukca_rows_map(rows);
+    if (t->status != MUKCA_OK) return false;
+    row->placement = c->placement < 0 ? NULL : t->cell[c->placement];
+    row->socket = c->socket < 0 ? NULL : t->cell[c->socket];
+    row->target = c->target < 0 || !*t->cell[c->target] ? NULL : t->cell[c->target];
+    if (!poses) read_joints(row, rows);
     row->time = read_optional(rows, c->time);
     row->temperature = read_optional(rows, c->temperature);
     row->payload = read_optional(rows, c->payload);
     if (row->payload < 0 || row->payload > MUKCA_ROWS_MOST_PAYLOAD)
         mukca_table_fail(t, c->payload, "%g is no mass in kg", row->payload);
-    scale(row->command, c->command, rows);
-    scale(row->velocity, c->velocity, rows);
     read_pose(row, rows, 0);
     return t->status == MUKCA_OK;
 }

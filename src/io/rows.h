@@ -43,6 +43,7 @@ typedef struct {
 typedef struct {
     mukca_table_kind kind;
     mukca_rows_format format;
+    bool poses;          /* a table of poses, which has a header and no joints */
     bool any_order;      /* the caller checks the order of quaternions */
     mukca_note_fn *note; /* may be NULL */
     void *context;
@@ -99,8 +100,8 @@ typedef struct {
     double position[3], quaternion[4]; /* m; normalised */
 } mukca_row;
 
-/* Open a table and find the chain's joints in its header.  A joint without a column is an error, an
- * unknown column is noted.  `chain` must outlive the rows. */
+/* Open a table and find the chain's joints, or the poses, in its header.  A joint without a column
+ * is an error, an unknown column is noted.  `chain` must outlive the rows. */
 mukca_status mukca_rows_open(mukca_rows *rows, const char *path, const mukca_chain *chain,
                              const mukca_rows_options *options, mukca_error *error);
 

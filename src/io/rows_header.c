@@ -226,14 +226,14 @@ static void map_header(mukca_rows *rows)
     const mukca_rows_format *format = &rows->options.format;
     mukca_row_columns *c = &rows->column;
     header h = {.rows = rows};
-    find_names(&h);
+    if (!rows->options.poses) find_names(&h);
     c->placement = find(&h, "placement", "");
     c->socket = find(&h, "socket", "");
     c->target = find(&h, "target", "");
     c->time = find(&h, h.numbered == 0 ? "timestamp" : "time_s", "");
     c->temperature = find(&h, "temperature_c", "");
     c->payload = find(&h, "payload_kg", "");
-    for (int j = 0; j < rows->chain->n_joints; j++) {
+    for (int j = 0; j < rows->chain->n_joints && !rows->options.poses; j++) {
         const char *name = mukca_chain_joint_name(rows->chain, j);
         c->joint[j] = find_joint(&h, j, "");
         c->effort[j] = find_joint(&h, j, ".effort");

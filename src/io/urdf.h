@@ -2,8 +2,12 @@
 #ifndef MUKCA_IO_URDF_H
 #define MUKCA_IO_URDF_H
 
+#include <stdbool.h>
+#include <stddef.h>
 #include <stdio.h>
 
+#include "io/rows.h"
+#include "model/dh.h"
 #include "mukca/chain.h"
 
 typedef struct {
@@ -31,19 +35,53 @@ typedef struct {
 /* Whether `link` has that name, with or without a prefix ("left_panda_link1" is a "link1"). */
 bool mukca_inertials_names(const char *link, const char *name);
 
-/* Whether the file belongs to an arm of this geometry: each row with origin_x_m, origin_y_m,
- * origin_z_m must name a link of the chain whose joint has that origin.  False for a file without
- * these columns or an unreadable one. */
-bool mukca_inertials_fit(const mukca_chain *chain, const char *path);
-
 /* Read the table into a new list of *n links; free *list with free.  Errors: MUKCA_INPUT (a
  * negative or implausible mass, a duplicate link), MUKCA_MEMORY. */
 mukca_status mukca_inertials_read(mukca_inertial **list, int *n, const char *path,
                                   mukca_error *error);
 
-/* ---- a chain as a URDF (urdf_write.c) ---- */
+/* ---- a chain as a URDF (export_urdf.c) ---- */
 
 /* Print the chain's links and joints; a chain has no masses or shapes to print. */
 void mukca_urdf_write(FILE *stream, const mukca_chain *chain);
+
+/* ---- Denavit-Hartenberg tables (dh_table.c) ---- */
+
+/* Read a table: columns joint, a, alpha, d, theta, optional type (default: revolute), lower and
+ * upper, in the units of `format` (NULL: m and rad); or a_m, alpha_rad, d_m, theta_rad.  The
+ * comment `# convention: NAME`, which `mukca export` writes, states the convention.  Without it,
+ * *stated is false and the standard convention is assumed.  Errors: MUKCA_INPUT, MUKCA_MEMORY. */
+mukca_status mukca_dh_read(mukca_dh *dh, bool *stated, const char *path,
+                           const mukca_rows_format *format, mukca_error *error);
+
+/* ---- a URDF as text: checked for size, depth and xacro, its joints located (urdf_text.c) ---- */
+
+/* One <joint> of the robot.  Offsets count bytes from the start of the text. */
+typedef struct {
+    char name[MUKCA_NAME_SIZE]; /* truncated to 63 characters */
+    int line;
+    size_t tag_end;                   /* directly after the joint's start tag */
+    size_t origin_start, origin_stop; /* start tag of the origin, from `<` to after `>` */
+    double xyz[3], rpy[3];            /* of the origin, as written; 0 if absent */
+    bool has_origin;
+    bool bad_origin; /* xyz or rpy is not three numbers */
+} mukca_urdf_joint;
+
+typedef struct {
+    char *text;     /* the file's bytes, zero-terminated */
+    char *elements; /* its elements and attributes only, UTF-8, as input of urdfdom */
+    char sha256[65];
+    bool located; /* byte offsets below are valid (false for encodings other than UTF-8) */
+    int n_joints;
+    mukca_urdf_joint *joints;
+} mukca_urdf_text;
+
+/* Read and check a file.  Errors: MUKCA_INPUT (also: malformed XML, with its line; nested too
+ * deeply; too large; unexpanded xacro; a document type), MUKCA_MEMORY. */
+mukca_status mukca_urdf_text_read(mukca_urdf_text *urdf, const char *path, mukca_error *error);
+void mukca_urdf_text_free(mukca_urdf_text *urdf); /* harmless on zeroed text */
+
+/* The joint of that name; NULL: none. */
+const mukca_urdf_joint *mukca_urdf_text_joint(const mukca_urdf_text *urdf, const char *name);
 
 #endif

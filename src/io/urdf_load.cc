@@ -24,7 +24,6 @@ extern "C" {
 #include "base/suggest.h"
 #include "base/utf8.h"
 #include "io/urdf.h"
-#include "io/urdf_text.h"
 }
 
 namespace

@@ -1,5 +1,5 @@
 /* A URDF as text: read, hashed and checked, its joints located with libxml2's SAX parser. */
-#include "io/urdf_text.h"
+#include "io/urdf.h"
 
 #include <libxml/parser.h>
 #include <libxml/parserInternals.h>
@@ -270,36 +270,16 @@ static mukca_status scan_joints(mukca_urdf_text *urdf, const char *path, mukca_e
     return s.status;
 }
 
-/* Refuse `${...}` outside comments: an unexpanded xacro expression. */
-static mukca_status check_expressions(const mukca_urdf_text *urdf, const char *path,
-                                      mukca_error *error)
-{
-    int line = 1;
-    bool comment = false;
-    for (const char *c = urdf->text; *c; c++) {
-        line += *c == '\n';
-        if (strncmp(c, "<!--", 4) == 0) comment = true;
-        if (strncmp(c, "-->", 3) == 0) comment = false;
-        if (!comment && c[0] == '$' && c[1] == '{')
-            return mukca_fail(error, MUKCA_INPUT,
-                              "%s:%d: contains a xacro expression ${...}; expand it first: "
-                              "xacro IN > OUT.urdf",
-                              path, line);
-    }
-    return MUKCA_OK;
-}
-
 static mukca_status check(mukca_urdf_text *urdf, const char *path, mukca_error *error)
 {
     if (!*urdf->text) return mukca_fail(error, MUKCA_INPUT, "%s: is empty", path);
     SHA256Data((const uint8_t *)urdf->text, strlen(urdf->text), urdf->sha256);
     mukca_status status = scan_joints(urdf, path, error);
-    if (status != MUKCA_OK) return status;
-    status = check_expressions(urdf, path, error);
     for (int i = 0; status == MUKCA_OK && i < urdf->n_joints; i++)
         if (urdf->joints[i].bad_origin)
             return mukca_fail(error, MUKCA_INPUT,
-                              "%s:%d: joint '%s': origin xyz and rpy must be three numbers each",
+                              "%s:%d: joint '%s': origin xyz and rpy must be three numbers each (a "
+                              "xacro file: expand it first)",
                               path, urdf->joints[i].line, urdf->joints[i].name);
     return status;
 }

@@ -1,17 +1,59 @@
-/* The report of a fleet: verdict, departing arms, coefficients arm by arm, ripple. */
-#include "report/fleet_page.h"
+/* The report of a fleet: its wording; verdict, departing arms, coefficients arm by arm, ripple. */
+#include "report/report.h"
 
 #include <math.h>
 
-#include "base/utf8.h"
-#include "report/html.h"
+#include "base/text.h"
+#include "report/page.h"
 
 enum {
     MOST_ROWS = 200, /* largest number of rows of a table */
-    MOST_ARMS = 24,  /* as many names as fit a figure */
-    NAME = 12        /* characters of an arm's name */
+    MOST_ARMS = 24   /* as many names as fit a figure */
 };
 static const double per = MUKCA_WORDING_PER_SPRING;
+
+/* ---- wording, shared with the screen ---- */
+
+void mukca_wording_fleet_effect(char text[MUKCA_WORDING], const mukca_effect *e,
+                                const mukca_fleet *f)
+{
+    mukca_wording_effect(text, e->kind, e->joint < 0 ? NULL : f->model.joint[e->joint]);
+}
+
+void mukca_wording_fleet_trait(char text[MUKCA_WORDING], const mukca_trait *t, const mukca_fleet *f)
+{
+    char effect[MUKCA_WORDING], probability[MUKCA_WORDING];
+    mukca_wording_fleet_effect(effect, &t->effect, f);
+    mukca_wording_probability(probability, t->probability);
+    if (t->effect.variant.order)
+        snprintf(text, MUKCA_WORDING, "%.200s, %d per turn, seen in %d of %d arms, %.60s", effect,
+                 t->effect.variant.order, t->arms, f->n_arms, probability);
+    else
+        snprintf(text, MUKCA_WORDING,
+                 "%.200s, %.3g " MUKCA_WORDING_SPRING
+                 " [%.3g, %.3g], arms differ by %.2g (%.0f %%), %.60s",
+                 effect, per * t->value, per * t->low, per * t->high, per * t->spread,
+                 100 * t->spread / t->value, probability);
+}
+
+void mukca_wording_fleet_departure(char text[MUKCA_WORDING], const mukca_departure *d,
+                                   const mukca_fleet *f)
+{
+    char effect[MUKCA_WORDING], probability[MUKCA_WORDING], ratio[64];
+    mukca_wording_fleet_effect(effect, &d->effect, f);
+    mukca_wording_probability(probability, d->probability);
+    if (!isfinite(d->ratio))
+        snprintf(ratio, sizeof ratio, "unlike");
+    else if (d->ratio >= 1)
+        snprintf(ratio, sizeof ratio, "%.1f times softer than", d->ratio);
+    else
+        snprintf(ratio, sizeof ratio, "stiffer (%.1f of the deflection) than", d->ratio);
+    snprintf(text, MUKCA_WORDING,
+             "%.64s: %.200s %s %d sisters, %.3g " MUKCA_WORDING_SPRING
+             " [%.3g, %.3g] against %.3g, %.60s",
+             f->arm[d->arm].name, effect, ratio, f->n_arms - 1, per * d->value, per * d->low,
+             per * d->high, per * d->mean, probability);
+}
 
 /* ---- the order of the page ---- */
 
@@ -141,35 +183,21 @@ static void put_provenance(FILE *out, const void *content)
 
 /* ---- figures ---- */
 
-/* Print the arms' coefficients as blocks $sound and $departing, with their names as tics; returns
- * the number of arms drawn. */
-static int put_points(FILE *s, const mukca_fleet_page *p, int k)
+/* Add the arms' coefficients and names; returns the number of arms drawn. */
+static int put_points(mukca_plot *plot, const mukca_fleet_page *p, int k)
 {
     const mukca_fleet_result *r = p->result;
-    int drawn = 0;
-    for (int departing = 0; departing < 2; departing++) {
-        const mukca_departure *d = next_arm(p, NULL);
-        fprintf(s, "$%s << EOD\n", departing ? "departing" : "sound");
-        for (int i = 0; d && i < MOST_ARMS; d = next_arm(p, d), i++) {
-            const mukca_departure *e = &r->estimate[d->arm * r->population.n + k];
-            if (d->k < 0 || (departs(d) && d->k == k) != departing) continue;
-            fprintf(s, "%d %.6g %.6g %.6g\n", i + 1, per * fmax(e->value, 0), per * e->low,
-                    per * fmax(e->high, 0)); /* estimates may be negative */
-            drawn++;
-        }
-        fputs("0 0 0 0\nEOD\n", s); /* gnuplot reports a block without points as an error */
-    }
     const mukca_departure *d = next_arm(p, NULL);
-    fputs("set xtics rotate by -50 (", s);
+    int drawn = 0;
     for (int i = 0; d && i < MOST_ARMS; d = next_arm(p, d), i++) {
-        const char *name = p->fleet->arm[d->arm].name;
-        char text[NAME + 1];
-        snprintf(text, sizeof text, "%.*s", (int)mukca_utf8_fit(name, NAME), name);
-        fputs(i ? ", " : "", s);
-        mukca_plot_tic(s, text);
-        fprintf(s, " %d", i + 1);
+        const mukca_departure *e = &r->estimate[d->arm * r->population.n + k];
+        mukca_plot_name(plot, i, p->fleet->arm[d->arm].name);
+        if (d->k < 0) continue;
+        mukca_plot_add(plot, departs(d) && d->k == k ? MUKCA_PLOT_BEFORE : MUKCA_PLOT_AFTER,
+                       (double[]){i, per * fmax(e->value, 0)}, per * fmax(e->low, 0),
+                       per * fmax(e->high, 0)); /* estimates may be negative */
+        drawn++;
     }
-    fputs(")\n", s);
     return drawn;
 }
 
@@ -181,36 +209,33 @@ static bool draw_coefficient(mukca_plot *plot, const void *content, int index)
     if (k < 0) return false;
     const mukca_trait *c = &p->result->traits.list[k];
     const double value = per * c->value, spread = 1.96 * per * c->spread;
-    char words[MUKCA_WORDING], probability[MUKCA_WORDING], id[64];
-    FILE *s = plot->script;
+    char words[MUKCA_WORDING], probability[MUKCA_WORDING];
+    mukca_text description = MUKCA_TEXT(plot->words);
+    if (!put_points(plot, p, k)) return false;
     mukca_wording_fleet_effect(words, &c->effect, p->fleet);
     mukca_wording_probability(probability, c->probability);
-    snprintf(id, sizeof id, "coefficient-%d", index + 1);
-    mukca_plot_begin(plot, id, words, MUKCA_PLOT_HALF, 260);
-    if (!put_points(s, p, k)) return false;
-    fprintf(s,
-            "set xrange [0.3:%g]\nset yrange [0:*]\nset ylabel '" MUKCA_WORDING_SPRING
-            "'\nset object rectangle from graph 0, first %.6g to graph 1, first %.6g behind "
-            "fillcolor rgb 'gray' fillstyle transparent solid 0.35 noborder\n"
-            "set arrow from graph 0, first %.6g to graph 1, first %.6g nohead linecolor rgb "
-            "'black' dashtype 2\n"
-            "plot $sound using 1:2:3:4 with yerrorbars lc rgb " PLOT_AFTER
-            " pt 7 ps 0.6 lw 1.5 notitle, $departing using 1:2:3:4 with yerrorbars lc "
-            "rgb " PLOT_BEFORE " pt 9 ps 0.9 lw 2 notitle\n",
-            (n < MOST_ARMS ? n : MOST_ARMS) + 0.7, fmax(value - spread, 0), value + spread, value,
-            value);
-    fprintf(plot->description,
-            "Each arm with its 95 %% interval, its sisters as prior; dashed: mean of the fleet, "
-            "%.3g [%.3g, %.3g] if shared (%s); grey: range of 95 %% of its arms.",
-            value, per * c->low, per * c->high, probability);
+    snprintf(plot->id, sizeof plot->id, "coefficient-%d", index + 1);
+    snprintf(plot->title, sizeof plot->title, "%.150s", words);
+    snprintf(plot->label[1], sizeof *plot->label, MUKCA_WORDING_SPRING);
+    plot->width = MUKCA_PLOT_HALF;
+    plot->height = 280;
+    plot->from_zero = true;
+    plot->band[0] = fmax(value - spread, 0);
+    plot->band[1] = value;
+    plot->band[2] = value + spread;
+    mukca_text_put(
+        &description,
+        "Each arm with its 95 %% interval, its sisters as prior; dashed: mean of the fleet, "
+        "%.3g [%.3g, %.3g] if shared (%s); grey: range of 95 %% of its arms.",
+        value, per * c->low, per * c->high, probability);
     const mukca_departure *d = next_arm(p, NULL);
     for (int i = 0; departs(d) && i < MOST_ARMS; d = next_arm(p, d), i++)
         if (d->k == k)
-            fprintf(plot->description, " %s departs: %.3g [%.3g, %.3g].",
-                    p->fleet->arm[d->arm].name, per * d->value, per * d->low, per * d->high);
+            mukca_text_put(&description, " %s departs: %.3g [%.3g, %.3g].",
+                           p->fleet->arm[d->arm].name, per * d->value, per * d->low, per * d->high);
     if (n > MOST_ARMS)
-        fprintf(plot->description, " The %d of %d arms that are most probable to depart.",
-                MOST_ARMS, n);
+        mukca_text_put(&description, " The %d of %d arms that are most probable to depart.",
+                       MOST_ARMS, n);
     return true;
 }
 

@@ -1,5 +1,5 @@
 /* Elements of HTML: escaped text and tables. */
-#include "report/html.h"
+#include "report/page.h"
 
 #include <ctype.h>
 #include <math.h>

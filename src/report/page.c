@@ -1,20 +1,7 @@
 /* Pages: head, list of sections, figures with their texts. */
 #include "report/page.h"
 
-#include <stdlib.h>
-
-#include "base/file.h"
 #include "mukca/version.h"
-#include "report/html.h"
-
-/* The figures have the light colours as attributes; rules for the value of an attribute replace
- * each by that of the scheme in use.  (gnuplot writes a colour as rgb with padded numbers.) */
-#define REPORT_COLOUR(value, variable)                    \
-    ".plot [stroke=\"" value "\"]{stroke:var(--" variable \
-    ")}"                                                  \
-    ".plot [fill=\"" value "\"]{fill:var(--" variable     \
-    ")}"                                                  \
-    ".plot [color=\"" value "\"]{color:var(--" variable ")}\n"
 
 static const char *const mukca_report_style[] = {
     ":root{--ink:#1a1a1a;--paper:#fff;--soft:#f3f4f6;--line:#8a8f98;"
@@ -43,34 +30,35 @@ static const char *const mukca_report_style[] = {
     ".plot{display:block;width:100%;max-width:30rem;height:auto}"
     ".plot text{paint-order:stroke;stroke:var(--paper);stroke-width:3px;stroke-linejoin:round}\n"
     ".broad .plot{min-width:40rem;max-width:none}\n"
-    REPORT_COLOUR("black", "ink") REPORT_COLOUR("rgb(  0,   0,   0)", "ink")
-    REPORT_COLOUR("gray", "grid") REPORT_COLOUR("rgb(190, 190, 190)", "grid")
-    REPORT_COLOUR("white", "paper") REPORT_COLOUR("rgb(213,  94,   0)", "before")
-    REPORT_COLOUR("rgb(  0, 114, 178)", "after") REPORT_COLOUR("rgb(  0, 158, 115)", "third")
+    ".plot text{font:12px sans-serif;fill:var(--ink)}.plot path{fill:none;stroke-width:1.2}"
+    ".plot .axis{stroke:var(--ink)}.plot .grid{stroke:var(--grid);stroke-width:.5;"
+    "stroke-dasharray:2 3}.plot .middle{stroke:var(--ink);stroke-dasharray:6 4}"
+    ".plot .band{fill:var(--grid);opacity:.35}\n"
+    ".plot .before path{stroke:var(--before)}.plot .after path{stroke:var(--after)}"
+    ".plot .third path{stroke:var(--third)}.plot .after circle{fill:var(--after)}\n"
     ".wide{overflow-x:auto}table{border-collapse:collapse;font-size:.9rem;margin:.5rem 0}\n"
     "caption{text-align:left;font-weight:600;padding:.3rem 0}\n"
     "th,td{padding:.2rem .6rem;text-align:left;border-bottom:1px solid var(--grid);vertical-align:"
     "top}td:last-child:not(.n):not(:first-child){min-width:9rem}\n"
-    "@media screen and (max-width:40rem){.cards{width:100%}.cards thead{display:none}.cards tr{display:block;padding:.3rem 0;"
+    "@media screen and (max-width:40rem){.cards{width:100%}.cards thead{display:none}.cards "
+    "tr{display:block;padding:.3rem 0;"
     "border-bottom:1px solid var(--line)}.cards td,.cards td.n{display:flex;gap:.6rem;border:0;"
     "padding:.1rem 0;text-align:left}.cards td:empty{display:none}.cards td::before{content:attr("
     "data-label);flex:0 0 7rem;opacity:.75}}\n",
-    "@media screen and (max-width:40rem){body{padding:.6rem}table{font-size:.75rem;width:100%}th,td{"
+    "@media screen and "
+    "(max-width:40rem){body{padding:.6rem}table{font-size:.75rem;width:100%}th,td{"
     "padding:.15rem .2rem;min-width:0}td:last-child:not(.n):not(:first-child){min-width:0}}\n"
     ".files td{overflow-wrap:anywhere}\n"
     ".bar{width:30%;min-width:3rem}.bar i{display:block;height:.7rem;margin-top:.3rem;background:"
     "var(--after)}\n"
-    ".view{display:block;width:100%;max-width:34rem;touch-action:pan-y;cursor:grab}.view "
-    "polyline{fill:none;stroke-width:1;vector-effect:non-scaling-stroke}.view .arm{stroke:"
-    "var(--line);stroke-width:3;stroke-linejoin:round}.view .before{stroke:var(--before)}.view "
-    ".after{stroke:var(--after);stroke-width:2}\n"
     ".n{text-align:right;font-variant-numeric:tabular-nums}code{font-size:.85em;overflow-wrap:"
     "anywhere}\n"
     "@media print{:root{--ink:#000;--paper:#fff;--soft:#f3f4f6;--before:#c35200;"
     "--after:#0072b2;--third:#007a58;--grid:#b0b4ba}body{max-width:none;font-size:10pt;padding:0}"
     "nav{display:none}figure,tr,.tiles{break-inside:avoid}h2{break-after:avoid;margin-top:1rem}"
     ".wide,figure{overflow:visible}.plot.plot{min-width:0}.figures{grid-template-columns:repeat(4,"
-    "1fr)}.view{max-width:60%}table{font-size:7.5pt}th,td{padding:.05rem .4rem}figcaption{font-size:"
+    "1fr)}table{font-size:7.5pt}th,td{padding:.05rem "
+    ".4rem}figcaption{font-size:"
     "7.5pt}.wide:has(.parameters){columns:2}p,li{orphans:3;widows:3}}\n"};
 
 static void put_head(FILE *out, const mukca_page *p)
@@ -92,11 +80,11 @@ static void put_head(FILE *out, const mukca_page *p)
 }
 
 /* Write a figure with its title and description to `out`. */
-static mukca_status put_figure(FILE *out, mukca_plot *plot, mukca_error *error)
+static mukca_status put_figure(FILE *out, const mukca_plot *plot, mukca_error *error)
 {
+    if (plot->failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the figures");
     fprintf(out, "<figure%s>\n", plot->width > MUKCA_PLOT_HALF ? " class=\"broad\"" : "");
-    const mukca_status status = mukca_plot_svg(out, plot, error);
-    if (status != MUKCA_OK) return status;
+    mukca_plot_svg(out, plot);
     fputs("<figcaption>", out);
     mukca_html_element(out, "strong", plot->title);
     fputc(' ', out);
@@ -105,78 +93,38 @@ static mukca_status put_figure(FILE *out, mukca_plot *plot, mukca_error *error)
     return MUKCA_OK;
 }
 
-/* Draw all figures of section k, to `out`, or (NULL) to files. */
-static mukca_status put_figures(FILE *out, const char *directory, const char *format,
-                                const mukca_page *p, int k, mukca_error *error)
-{
-    mukca_status status = MUKCA_OK;
-    bool more = p->sections[k].figure != NULL;
-    for (int i = 0; more && status == MUKCA_OK; i++) {
-        mukca_plot plot;
-        char path[4096];
-        if (p->progress && !p->progress(p->progress_context, 1.0 * k / p->n_sections, "drawing"))
-            return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted; the page was not written");
-        status = mukca_plot_open(&plot, error);
-        more = status == MUKCA_OK && p->sections[k].figure(&plot, p->content, i);
-        if (more && out) {
-            status = put_figure(out, &plot, error);
-        } else if (more) {
-            snprintf(path, sizeof path, "%s/%s.%s", directory, plot.id, format);
-            status = mukca_plot_file(path, format, &plot, error);
-        }
-        mukca_plot_free(&plot);
-    }
-    return status;
-}
-
-/* Write section k, and its entry in the list of sections to `list`. */
-static mukca_status put_section(FILE *out, FILE *list, const mukca_page *p, int k,
+static mukca_status put_section(FILE *out, const mukca_page *p, const mukca_page_section *s,
                                 mukca_error *error)
 {
-    const mukca_page_section *s = &p->sections[k];
-    char *figures = NULL;
-    size_t size = 0;
-    FILE *stream = open_memstream(&figures, &size);
-    if (!stream) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the figures");
-    mukca_status status = put_figures(stream, NULL, NULL, p, k, error);
-    if (!mukca_file_close(stream, &figures) && status == MUKCA_OK)
-        status = mukca_fail(error, MUKCA_MEMORY, "out of memory for the figures");
-    if (status == MUKCA_OK && (size > 0 || !s->figure)) {
-        fprintf(list, "<li><a href=\"#%s\">%s</a></li>\n", s->id, s->heading);
-        fprintf(out, "<section aria-labelledby=\"%s\">\n<h2 id=\"%s\">%s</h2>\n", s->id, s->id,
-                s->heading);
-        if (size > 0) fprintf(out, "<div class=\"figures\">\n%s</div>\n", figures);
-        if (s->text) s->text(out, p->content);
-        fputs("</section>\n", out);
+    mukca_status status = MUKCA_OK;
+    bool more = s->figure != NULL;
+    fprintf(out, "<section aria-labelledby=\"%s\">\n<h2 id=\"%s\">%s</h2>\n", s->id, s->id,
+            s->heading);
+    if (s->figure) fputs("<div class=\"figures\">\n", out);
+    for (int i = 0; more && status == MUKCA_OK; i++) {
+        mukca_plot plot = {.words = ""};
+        more = s->figure(&plot, p->content, i);
+        if (more) status = put_figure(out, &plot, error);
+        mukca_plot_free(&plot);
     }
-    free(figures);
+    if (s->figure) fputs("</div>\n", out);
+    if (s->text) s->text(out, p->content);
+    fputs("</section>\n", out);
     return status;
 }
 
 mukca_status mukca_page_write(FILE *out, const mukca_page *p, mukca_error *error)
 {
-    char *text = NULL;
-    size_t size = 0;
-    FILE *body = open_memstream(&text, &size); /* the list of sections precedes them */
     mukca_status status = MUKCA_OK;
-    if (!body) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the page");
     put_head(out, p);
     p->open(out, p->content);
     fputs("<nav aria-label=\"Sections\"><ul>\n", out);
+    for (int k = 0; k < p->n_sections; k++)
+        fprintf(out, "<li><a href=\"#%s\">%s</a></li>\n", p->sections[k].id,
+                p->sections[k].heading);
+    fputs("</ul></nav>\n", out);
     for (int k = 0; k < p->n_sections && status == MUKCA_OK; k++)
-        status = put_section(body, out, p, k, error);
-    if (!mukca_file_close(body, &text) && status == MUKCA_OK)
-        status = mukca_fail(error, MUKCA_MEMORY, "out of memory for the page");
-    if (status == MUKCA_OK) fprintf(out, "</ul></nav>\n%s</main>\n</body>\n</html>\n", text);
-    free(text);
-    return status;
-}
-
-mukca_status mukca_page_write_figures(const char *directory, const char *format,
-                                      const mukca_page *p, mukca_error *error)
-{
-    mukca_status status = MUKCA_OK;
-    for (int k = 0; k < p->n_sections && status == MUKCA_OK; k++)
-        status = put_figures(NULL, directory, format, p, k, error);
+        status = put_section(out, p, &p->sections[k], error);
+    fputs("</main>\n</body>\n</html>\n", out);
     return status;
 }

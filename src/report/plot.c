@@ -1,266 +1,195 @@
-/* Figures by gnuplot, and the conversion of its SVG for a page: unique ids, no prologue, a text
- * alternative. */
-#include "report/plot.h"
+/* Figures of a page: axes, key and points as SVG; their colours are in the page's style sheet. */
+#include "report/page.h"
 
-#include <errno.h>
-#include <signal.h>
-#include <stdarg.h>
-#include <stdbool.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
-#include "io/output.h"
-#include "report/html.h"
+#include "base/utf8.h"
 
-/* ---- the script ---- */
+/* Margins, px; BOTTOM_NAMES leaves room for NAME characters at an angle. */
+enum { LEFT = 58, RIGHT = 16, TOP = 30, BOTTOM = 46, BOTTOM_NAMES = 92, NAME = 18, LETTER = 7 };
 
-mukca_status mukca_plot_open(mukca_plot *plot, mukca_error *error)
-{
-    *plot = (mukca_plot){.width = 0};
-    plot->script = open_memstream(&plot->text, &plot->sizes[0]);
-    plot->description = open_memstream(&plot->words, &plot->sizes[1]);
-    if (plot->script && plot->description) return MUKCA_OK;
-    return mukca_fail(error, MUKCA_MEMORY, "out of memory for the figures");
-}
+static const char *const series_class[MUKCA_PLOT_SERIES] = {"after", "before", "third"};
 
 void mukca_plot_free(mukca_plot *plot)
 {
-    if (plot->script) fclose(plot->script);
-    if (plot->description) fclose(plot->description);
-    free(plot->text);
-    free(plot->words);
+    free(plot->points);
+    free(plot->tics);
 }
 
-void mukca_plot_begin(mukca_plot *plot, const char *id, const char *title, int width, int height)
+/* Room for one more item in a list of n; NULL: out of memory. */
+static void *grow(mukca_plot *plot, void *list, size_t n, size_t size)
 {
-    snprintf(plot->id, sizeof plot->id, "%s", id);
-    snprintf(plot->title, sizeof plot->title, "%s", title);
-    plot->width = width;
-    plot->height = height;
-    fputs(
-        "set border 3 linewidth 0.8\n"
-        "set tics nomirror out scale 0.6\n"
-        "set grid linecolor 'gray' linewidth 0.4 dashtype 3\n"
-        "set key above left horizontal Left reverse samplen 2\n",
-        plot->script);
+    if ((n & (n - 1)) != 0) return list; /* full at each power of two */
+    void *grown = realloc(list, (n ? 2 * n : 1) * size);
+    plot->failed |= !grown;
+    return grown;
 }
 
-/* Quote a text: within single quotes only the quote itself, and `more`, need doubling. */
-static void quote(FILE *script, const char *text, char more)
+void mukca_plot_add(mukca_plot *plot, mukca_plot_series series, const double at[2], double low,
+                    double high)
 {
-    fputc('\'', script);
-    for (; *text; text++) {
-        if (*text == '\'' || *text == more) fputc(*text, script);
-        if ((unsigned char)*text >= ' ') fputc(*text, script);
-    }
-    fputc('\'', script);
+    if (!isfinite(at[0]) || !isfinite(at[1])) return;
+    mukca_plot_point *grown = grow(plot, plot->points, plot->n_points, sizeof *grown);
+    if (!grown) return;
+    plot->points = grown;
+    grown[plot->n_points++] = (mukca_plot_point){series, {at[0], at[1]}, low, high};
 }
 
-void mukca_plot_tic(FILE *script, const char *text)
+void mukca_plot_name(mukca_plot *plot, double x, const char *name)
 {
-    quote(script, text, '%'); /* gnuplot treats the text of a tic as a format */
+    mukca_plot_tic *grown = grow(plot, plot->tics, plot->n_tics, sizeof *grown);
+    if (!grown) return;
+    plot->tics = grown;
+    grown[plot->n_tics++] = (mukca_plot_tic){x, name};
 }
 
-void mukca_plot_label(mukca_plot *plot, const char *text, const char *format, ...)
+/* 1, 2 or 5 times a power of ten, at most x. */
+static double round_down(double x)
 {
-    va_list values;
-    fputs("set label ", plot->script);
-    quote(plot->script, text, '\'');
-    fputc(' ', plot->script);
-    va_start(values, format);
-    vfprintf(plot->script, format, values);
-    va_end(values);
-    fputc('\n', plot->script);
+    const double power = pow(10, floor(log10(x)));
+    return power * (x >= 5 * power ? 5 : x >= 2 * power ? 2 : 1);
 }
 
-/* ---- gnuplot ---- */
-
-static const char interrupted_text[] = "interrupted; the page was not written";
-
-/* Output of gnuplot. */
+/* An axis: its range in the unit of the points, and in px. */
 typedef struct {
-    char *bytes; /* zero-terminated */
-    size_t size;
-} drawing;
+    double low, high, from, to;
+} axis;
 
-/* Read gnuplot's output to the end; an interrupt aborts it.  Errors: MUKCA_MEMORY, MUKCA_INPUT,
- * MUKCA_INTERRUPTED. */
-static mukca_status read_all(drawing *drawn, FILE *in, mukca_error *error)
+static double place(const axis *a, double value)
 {
-    size_t capacity = 0, n = 1;
-    while (n > 0) {
-        if (drawn->size == capacity) {
-            capacity = capacity ? 2 * capacity : 1 << 16;
-            char *grown = realloc(drawn->bytes, capacity + 1);
-            if (!grown) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the figures");
-            drawn->bytes = grown;
-        }
-        n = fread(drawn->bytes + drawn->size, 1, capacity - drawn->size, in);
-        drawn->size += n;
-        drawn->bytes[drawn->size] = '\0';
-    }
-    if (!ferror(in)) return MUKCA_OK;
-    if (errno == EINTR) return mukca_fail(error, MUKCA_INTERRUPTED, "%s", interrupted_text);
-    return mukca_fail(error, MUKCA_INPUT, "cannot read from gnuplot: %s", strerror(errno));
+    return a->from + (value - a->low) / (a->high - a->low) * (a->to - a->from);
 }
 
-/* Run gnuplot on a script; MUKCA_NEGATIVE: it reported an error.  Its output is read through a
- * pipe, independent of disk space. */
-static mukca_status run(drawing *drawn, FILE *script, FILE *complaints, mukca_error *error)
+/* The range of all points, intervals and the band, with a margin. */
+static axis find_axis(const mukca_plot *p, int dimension)
 {
-    char command[80], line[32];
-    if (fflush(script) != 0 || ferror(script) || lseek(fileno(script), 0, SEEK_SET) != 0)
-        return mukca_fail(error, MUKCA_MEMORY, "cannot write a script for gnuplot: %s",
-                          strerror(errno));
-    snprintf(command, sizeof command, "echo $$; exec gnuplot <&%d 2>&%d", fileno(script),
-             fileno(complaints));
-    FILE *in = popen(command, "r"); /* NOLINT(cert-env33-c): no text of others */
-    if (!in) return mukca_fail(error, MUKCA_MEMORY, "cannot run a shell: %s", strerror(errno));
-    /* of the shell, then of gnuplot */
-    const long pid = fgets(line, sizeof line, in) ? strtol(line, NULL, 10) : 0;
-    mukca_status status = MUKCA_INTERRUPTED;
-    if (pid > 0)
-        status = read_all(drawn, in, error);
-    else
-        mukca_fail(error, status, "%s", interrupted_text);
-    if (status != MUKCA_OK && pid > 0) kill((pid_t)pid, SIGTERM);
-    const int ended = pclose(in);
-    if (status != MUKCA_OK) return status;
-    /* a signal to the process group may end gnuplot before it interrupts the read */
-    if (WIFSIGNALED(ended) && (WTERMSIG(ended) == SIGINT || WTERMSIG(ended) == SIGTERM))
-        return mukca_fail(error, MUKCA_INTERRUPTED, "%s", interrupted_text);
-    if (WIFEXITED(ended) && WEXITSTATUS(ended) == 127) /* of the shell: not found */
-        return mukca_fail(error, MUKCA_INPUT,
-                          "cannot run gnuplot, which draws the figures; install the package "
-                          "gnuplot-nox");
-    return WIFEXITED(ended) && WEXITSTATUS(ended) == 0 ? MUKCA_OK : MUKCA_NEGATIVE;
+    const bool vertical = dimension == 1;
+    const int bottom = p->n_tics ? BOTTOM_NAMES : BOTTOM;
+    axis a = {.low = HUGE_VAL, .high = -HUGE_VAL};
+    for (const mukca_plot_point *q = p->points; q < p->points + p->n_points; q++) {
+        a.low = fmin(a.low, vertical ? fmin(q->at[1], q->low) : q->at[0]);
+        a.high = fmax(a.high, vertical ? fmax(q->at[1], q->high) : q->at[0]);
+    }
+    if (vertical && p->band[2] > 0)
+        a.low = fmin(a.low, p->band[0]), a.high = fmax(a.high, p->band[2]);
+    if (!(a.low < a.high)) a.low -= 0.5, a.high += 0.5;
+    const double margin = 0.04 * (a.high - a.low);
+    a.low = vertical && p->from_zero ? 0 : a.low - margin;
+    a.high += margin;
+    a.from = vertical ? p->height - bottom : LEFT;
+    a.to = vertical ? TOP : p->width - RIGHT;
+    return a;
 }
 
-/* Draw the figure for `terminal`; the caller frees drawn->bytes. */
-static mukca_status render(drawing *drawn, const char *terminal, mukca_plot *plot,
-                           mukca_error *error)
+/* A line across the plot, at a value of axis a, from one end of the other axis to its other end. */
+static void put_line(FILE *out, const char *style, bool vertical_axis, double at, const axis *other)
 {
-    FILE *script = tmpfile(), *complaints = tmpfile();
-    mukca_status status;
-    *drawn = (drawing){.size = 0};
-    if (fflush(plot->script) != 0 || fflush(plot->description) != 0 || ferror(plot->script) ||
-        ferror(plot->description)) {
-        status = mukca_fail(error, MUKCA_MEMORY, "out of memory for the figures");
-        goto out;
-    }
-    if (!script || !complaints) {
-        status = mukca_fail(error, mukca_output_status(errno), "cannot make a temporary file: %s",
-                            strerror(errno));
-        goto out;
-    }
-    fprintf(script, "set encoding utf8\nset terminal %s noenhanced\n\n%s\n", terminal, plot->text);
-    status = run(drawn, script, complaints, error);
-    if (status == MUKCA_NEGATIVE || (status == MUKCA_OK && !drawn->size)) {
-        char complaint[181] = "";
-        rewind(complaints);
-        complaint[fread(complaint, 1, sizeof complaint - 1, complaints)] = '\0';
-        for (char *c = complaint; *c; c++)
-            if ((unsigned char)*c < ' ') *c = ' ';
-        status = mukca_fail(error, MUKCA_INPUT, "gnuplot failed on a figure: %s", complaint);
-    }
-out:
-    if (script) fclose(script);
-    if (complaints) fclose(complaints);
-    return status;
+    fprintf(out,
+            vertical_axis ? "<path class=\"%s\" d=\"M%.1f %.1fH%.1f\"/>\n"
+                          : "<path class=\"%s\" d=\"M%.1f %.1fV%.1f\"/>\n",
+            style, vertical_axis ? other->from : at, vertical_axis ? at : other->from, other->to);
 }
 
-mukca_status mukca_plot_file(const char *path, const char *format, mukca_plot *plot,
-                             mukca_error *error)
+/* Numbers and grid of an axis. */
+static void put_numbers(FILE *out, const axis *a, const axis *other, bool vertical)
 {
-    const int width = plot->width, height = plot->height;
-    char terminal[160];
-    if (strcmp(format, "pdf") == 0) /* inches; 96 px per inch */
-        snprintf(terminal, sizeof terminal, "pdfcairo size %g,%g linewidth 1.2 font 'sans,10'",
-                 width / 96.0, height / 96.0);
-    else if (strcmp(format, "png") == 0)
-        snprintf(terminal, sizeof terminal, "pngcairo size %d,%d linewidth 2.4 font 'sans,20'",
-                 2 * width, 2 * height);
-    else
-        snprintf(terminal, sizeof terminal,
-                 "svg size %d,%d linewidth 1.2 background '#ffffff' font 'sans-serif,13'", width,
-                 height);
-    drawing drawn;
-    mukca_output output = {0};
-    mukca_status status = render(&drawn, terminal, plot, error);
-    if (status == MUKCA_OK) status = mukca_output_open(&output, path, true, error);
-    if (status == MUKCA_OK) fwrite(drawn.bytes, 1, drawn.size, output.stream);
-    free(drawn.bytes);
-    return mukca_output_finish(&output, status, error);
-}
-
-/* ---- SVG for the page ---- */
-
-/* Replacements in gnuplot's SVG: each `from` becomes `to`, followed with `prefix` by the figure's
- * id; the text up to the end of `until` (NULL: none) is removed. */
-static const struct {
-    const char *from, *until, *to;
-    bool prefix;
-} edits[] = {
-    {"<title>Gnuplot", "\n", "", false}, /* its title is the file name */
-    {"<desc>", "\n", "", false},
-    {" id=\"gnuplot_", "\"", "", false},
-    {"xlink:href='#", NULL, "href='#", true},
-    {"xlink:href=\"#", NULL, "href=\"#", true},
-    {" id='", NULL, " id='", true},
-    {" id=\"", NULL, " id=\"", true},
-    {"url(#", NULL, "url(#", true},
-};
-
-/* Write the content of gnuplot's <svg> with unique ids; gnuplot uses the same ones in every
- * figure. */
-static void put_body(FILE *out, const char *body, const char *id)
-{
-    enum { EDITS = sizeof edits / sizeof *edits };
-    const char *end = strstr(body, "</svg>");
-    while (*body && body != end) {
-        const char *tag = strncmp(body, "<g ", 3) == 0 ? strchr(body, '>') : NULL;
-        if (tag && strncmp(tag, ">\n</g>\n", 7) == 0) { /* skip an empty group */
-            body = tag + 7;
-            continue;
-        }
-        size_t k = 0;
-        while (k < EDITS && strncmp(body, edits[k].from, strlen(edits[k].from)) != 0) k++;
-        if (k == EDITS) {
-            fputc(*body++, out);
-            continue;
-        }
-        fprintf(out, "%s%s%s", edits[k].to, edits[k].prefix ? id : "", edits[k].prefix ? "-" : "");
-        body += strlen(edits[k].from);
-        const char *close = edits[k].until ? strstr(body, edits[k].until) : NULL;
-        if (close) body = close + strlen(edits[k].until);
+    const double step = round_down((a->high - a->low) / 4);
+    for (double k = ceil(a->low / step); k * step <= a->high; k++) {
+        const double at = place(a, k * step);
+        put_line(out, "grid", vertical, at, other);
+        fprintf(out, "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"%s\">%g</text>\n",
+                vertical ? other->from - 6 : at, vertical ? at + 4 : other->from + 16,
+                vertical ? "end" : "middle", k * step + 0); /* no -0 */
     }
 }
 
-mukca_status mukca_plot_svg(FILE *out, mukca_plot *plot, mukca_error *error)
+/* Names and grid of the horizontal axis. */
+static void put_names(FILE *out, const mukca_plot *p, const axis *x, const axis *y)
 {
-    char terminal[160];
-    drawing drawn;
-    snprintf(terminal, sizeof terminal, "svg size %d,%d dynamic linewidth 1.2 font 'sans-serif,13'",
-             plot->width, plot->height);
-    mukca_status status = render(&drawn, terminal, plot, error);
-    const char *svg = status == MUKCA_OK && drawn.bytes ? strstr(drawn.bytes, "<svg") : NULL;
-    const char *body = svg ? strchr(svg, '>') : NULL;
-    if (body) {
+    for (size_t i = 0; i < p->n_tics; i++) {
+        const double at = place(x, p->tics[i].x);
+        char name[NAME + 1];
+        snprintf(name, sizeof name, "%.*s", (int)mukca_utf8_fit(p->tics[i].name, NAME),
+                 p->tics[i].name);
+        put_line(out, "grid", false, at, y);
+        fprintf(out, "<text text-anchor=\"end\" transform=\"translate(%.1f %.1f) rotate(-40)\">",
+                at + 4, y->from + 14);
+        mukca_html_escape(out, name);
+        fputs("</text>\n", out);
+    }
+}
+
+static void put_frame(FILE *out, const mukca_plot *p, const axis *x, const axis *y)
+{
+    if (p->band[2] > 0) {
         fprintf(out,
-                "<svg class=\"plot\" viewBox=\"0 0 %d %d\" role=\"img\" aria-labelledby=\"%s-t "
-                "%s-d\">\n<title id=\"%s-t\">",
-                plot->width, plot->height, plot->id, plot->id, plot->id);
-        mukca_html_escape(out, plot->title);
-        fprintf(out, "</title>\n<desc id=\"%s-d\">", plot->id);
-        mukca_html_escape(out, plot->words);
-        fputs("</desc>", out);
-        put_body(out, body + 1, plot->id);
-        fputs("</svg>\n", out);
-    } else if (status == MUKCA_OK) {
-        status = mukca_fail(error, MUKCA_INPUT, "gnuplot drew nothing; is its svg terminal there?");
+                "<rect class=\"band\" x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\"/>\n",
+                x->from, place(y, p->band[2]), x->to - x->from,
+                place(y, p->band[0]) - place(y, p->band[2]));
+        put_line(out, "middle", true, place(y, p->band[1]), x);
     }
-    free(drawn.bytes);
-    return status;
+    if (p->n_tics)
+        put_names(out, p, x, y);
+    else
+        put_numbers(out, x, y, false);
+    put_numbers(out, y, x, true);
+    put_line(out, "axis", true, y->from, x);
+    put_line(out, "axis", false, x->from, y);
+    fprintf(out, "<text text-anchor=\"middle\" x=\"%.1f\" y=\"%d\">", (x->from + x->to) / 2,
+            p->height - 8);
+    mukca_html_escape(out, p->label[0]);
+    fprintf(out,
+            "</text>\n<text text-anchor=\"middle\" transform=\"translate(14 %.1f) rotate(-90)\">",
+            (y->from + y->to) / 2);
+    mukca_html_escape(out, p->label[1]);
+    fputs("</text>\n", out);
+}
+
+/* A disc, a cross or a triangle. */
+static void put_mark(FILE *out, mukca_plot_series series, double x, double y)
+{
+    if (series == MUKCA_PLOT_AFTER)
+        fprintf(out, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"2.2\"/>\n", x, y);
+    else
+        fprintf(out, "<path d=\"M%.1f %.1f%s\"/>\n", x, y,
+                series == MUKCA_PLOT_BEFORE ? "m-3-3l6 6m0-6l-6 6" : "m0-3l3 5h-6z");
+}
+
+static void put_series(FILE *out, const mukca_plot *p, const axis *x, const axis *y)
+{
+    double key = x->from;
+    for (int s = 0; s < MUKCA_PLOT_SERIES; s++) {
+        fprintf(out, "<g class=\"%s\">\n", series_class[s]);
+        for (const mukca_plot_point *q = p->points; q < p->points + p->n_points; q++) {
+            if ((int)q->series != s) continue;
+            const double at = place(x, q->at[0]);
+            put_mark(out, q->series, at, place(y, q->at[1]));
+            if (isfinite(q->low))
+                fprintf(out, "<path d=\"M%.1f %.1fV%.1f\"/>\n", at, place(y, q->low),
+                        place(y, q->high));
+        }
+        if (p->key[s]) put_mark(out, (mukca_plot_series)s, key + 6, TOP - 18);
+        fputs("</g>\n", out);
+        if (!p->key[s]) continue;
+        fprintf(out, "<text x=\"%.1f\" y=\"%d\">%s</text>\n", key + 14, TOP - 14, p->key[s]);
+        key += 30 + LETTER * (double)strlen(p->key[s]);
+    }
+}
+
+void mukca_plot_svg(FILE *out, const mukca_plot *p)
+{
+    const axis x = find_axis(p, 0), y = find_axis(p, 1);
+    fprintf(out,
+            "<svg class=\"plot\" viewBox=\"0 0 %d %d\" role=\"img\" aria-labelledby=\"%s-t "
+            "%s-d\">\n<title id=\"%s-t\">",
+            p->width, p->height, p->id, p->id, p->id);
+    mukca_html_escape(out, p->title);
+    fprintf(out, "</title>\n<desc id=\"%s-d\">", p->id);
+    mukca_html_escape(out, p->words);
+    fputs("</desc>\n", out);
+    put_frame(out, p, &x, &y);
+    put_series(out, p, &x, &y);
+    fputs("</svg>\n", out);
 }

@@ -4,6 +4,7 @@
 
 #include "base/pool.h"
 #include "fit/evaluate.h"
+#include "fleet/fleet.h"
 #include "io/offsets.h"
 #include "report/page.h"
 #include "report/wording.h"
@@ -36,10 +37,8 @@ typedef struct {
     const mukca_dataset *train, *test; /* `test` may be empty */
     mukca_diagnosed diagnosed;         /* with `train` as its data */
     /* Set by mukca_report_prepare. */
-    mukca_dataset data;                          /* samples of `train`, then of `test` */
-    const double *tip[MUKCA_REPORT_MODELS];      /* [n_rows][3] predicted, m */
-    const double *residual[MUKCA_REPORT_MODELS]; /* [n_rows][3] tip minus its socket's mean or the
-                                                    measured position; NaN: unknown */
+    const double *residual[MUKCA_REPORT_MODELS]; /* [rows of `train`][3] tip minus its socket's mean
+                                                    or the measured position; NaN: unknown */
     const double *joint_error[MUKCA_REPORT_MODELS]; /* [n_rows][n_joints] component of the residual
                                                        along the ball's motion by the joint, m */
     mukca_offset_row *offset;                       /* [n_offsets] rows of `offsets` */
@@ -56,5 +55,52 @@ void mukca_report_free(mukca_report *report); /* harmless on a zeroed report */
 
 /* The page, whose content `report` must outlive it. */
 mukca_page mukca_report_page(const mukca_report *report);
+
+/* ---- parts of the page, one function each ---- */
+
+#define MUKCA_REPORT_MM 1e3 /* mm per m */
+
+/* Figures, in figures_error.c; `content` is the report. */
+typedef bool mukca_report_figure(mukca_plot *plot, const void *content, int index);
+mukca_report_figure mukca_report_joints, mukca_report_samples;
+
+/* Texts and tables, in tables_diagnosis.c and tables_calibration.c. */
+typedef void mukca_report_text(FILE *out, const void *content);
+mukca_report_text mukca_report_put_causes, mukca_report_put_faults, mukca_report_put_limits,
+    mukca_report_put_placements, mukca_report_put_joints, mukca_report_put_offsets,
+    mukca_report_put_provenance;
+void mukca_report_put_accuracy(FILE *out, const mukca_report *report);
+void mukca_report_put_verdict(FILE *out, const mukca_report *report);
+void mukca_report_put_steps(FILE *out, const mukca_report *report);
+
+/* Rms of a model's errors along the motion by joint j, over all samples, m. */
+double mukca_report_joint_rms(const mukca_report *report, int model, int j);
+
+/* ---- the report of a fleet, and its wording, shared with the screen (fleet_page.c) ---- */
+
+/* Unit of all coefficients of a fleet, and their factor from rad/(N m). */
+#define MUKCA_WORDING_SPRING "urad/(N·m)"
+#define MUKCA_WORDING_PER_SPRING 1e6
+
+/* "joint compliance at joint_4". */
+void mukca_wording_fleet_effect(char text[MUKCA_WORDING], const mukca_effect *effect,
+                                const mukca_fleet *fleet);
+
+/* A shared coefficient with interval, spread and probability, or a shared order; no full stop. */
+void mukca_wording_fleet_trait(char text[MUKCA_WORDING], const mukca_trait *trait,
+                               const mukca_fleet *fleet);
+
+/* "arm7: joint compliance at joint_4 6.4 times softer than 7 sisters, ..." */
+void mukca_wording_fleet_departure(char text[MUKCA_WORDING], const mukca_departure *departure,
+                                   const mukca_fleet *fleet);
+
+typedef struct {
+    const char *command, *when; /* command of the page; UTC */
+    const mukca_fleet *fleet;
+    const mukca_fleet_result *result;
+} mukca_fleet_page;
+
+/* The page, whose content `fleet` must outlive it. */
+mukca_page mukca_fleet_page_of(const mukca_fleet_page *fleet);
 
 #endif

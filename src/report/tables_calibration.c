@@ -2,8 +2,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "report/html.h"
-#include "report/parts.h"
+#include "report/page.h"
+#include "report/report.h"
 
 static const double mm = MUKCA_REPORT_MM;
 
@@ -71,7 +71,7 @@ void mukca_report_put_steps(FILE *out, const mukca_report *r)
 
 double mukca_report_joint_rms(const mukca_report *r, int model, int j)
 {
-    const int n = r->data.n_joints, rows = r->data.n_rows;
+    const int n = r->train->n_joints, rows = r->train->n_rows;
     double sum = 0;
     for (int i = 0; i < rows; i++) sum += pow(r->joint_error[model][i * n + j], 2) / rows;
     return sqrt(sum);
@@ -83,10 +83,10 @@ void mukca_report_put_joints(FILE *out, const void *content)
     const bool causes = r->offsets->n_effects > 0;
     mukca_html_table table = {
         .out = out,
-        .caption = "Error along the motion by each joint, mm rms over training and test samples",
+        .caption = "Error along the motion by each joint, mm rms over the training samples",
         .columns = causes ? "joint|#nominal|#calibrated, without its causes|#calibrated"
                           : "joint|#nominal|#calibrated"};
-    for (int j = 0; j < r->data.n_joints; j++) {
+    for (int j = 0; j < r->train->n_joints; j++) {
         mukca_html_row(&table, "%s\t%.3f", mukca_chain_joint_name(r->chain, j),
                        mukca_report_joint_rms(r, MUKCA_NOMINAL, j) * mm);
         if (causes)
@@ -99,7 +99,7 @@ void mukca_report_put_joints(FILE *out, const void *content)
 void mukca_report_put_placements(FILE *out, const void *content)
 {
     const mukca_report *r = content;
-    const bool sockets = r->data.n_sockets > 0;
+    const bool sockets = r->train->n_sockets > 0;
     mukca_html_table table = {
         .out = out,
         .caption =

@@ -3,8 +3,8 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "report/html.h"
-#include "report/parts.h"
+#include "report/page.h"
+#include "report/report.h"
 
 enum { COLUMNS = 64 + 5 * MUKCA_MAX_JOINTS }; /* characters of headings */
 
@@ -58,33 +58,6 @@ static void put_next(FILE *out, const mukca_diagnosed *d)
     fputs(".</li>\n", out);
 }
 
-static void put_next_poses(FILE *out, const mukca_report *r)
-{
-    const mukca_next_poses *next = r->diagnosed.next;
-    const mukca_chain *chain = r->chain;
-    char columns[COLUMNS], text[MUKCA_WORDING];
-    if (next->cause < 0 || next->plan.n_rows == 0) return;
-    const mukca_cause *cause = &r->diagnosed.diagnosis->causes[next->cause];
-    const mukca_effect *rival = &cause->ties[next->tie].rival;
-    fputs("<h2 id=\"next\">Next postures</h2>\n<p>They separate ", out);
-    mukca_wording_cause(text, cause, &r->diagnosed);
-    mukca_html_escape(out, text);
-    fputs(" from ", out);
-    mukca_wording_effect(text, rival->kind, mukca_chain_joint_name(chain, rival->joint));
-    mukca_html_escape(out, text);
-    fputs(".</p>\n", out);
-    joint_columns(columns, "placement|socket", chain);
-    mukca_html_table table = {
-        .out = out, .caption = "Next postures: joints from base to tip, rad", .columns = columns};
-    for (int i = 0; i < next->plan.n_rows; i++) {
-        const mukca_plan_row *row = &next->plan.rows[i];
-        const mukca_plan_socket *socket = &next->sockets[row->socket];
-        mukca_html_row(&table, "%s\t%s", socket->placement, socket->label);
-        for (int j = 0; j < chain->n_joints; j++) mukca_html_cells(&table, "%.2f", row->q[j]);
-    }
-    mukca_html_table_end(&table);
-}
-
 void mukca_report_put_verdict(FILE *out, const mukca_report *r)
 {
     const mukca_diagnosed *d = &r->diagnosed;
@@ -105,7 +78,6 @@ void mukca_report_put_verdict(FILE *out, const mukca_report *r)
     put_remedies(out, d);
     put_next(out, d);
     fputs("</ul>\n", out);
-    put_next_poses(out, r);
 }
 
 /* ---- causes ---- */
@@ -139,58 +111,27 @@ void mukca_report_put_faults(FILE *out, const void *content)
 {
     const mukca_report *r = content;
     const mukca_diagnosis *d = r->diagnosed.diagnosis;
-    const mukca_dataset *data = r->train;
-    mukca_html_table table = {.out = out,
-                              .caption = "Recording faults",
-                              .columns = "fault|placement|socket|#row of the file|#size, mm"};
-    if (d->n_faults == 0) fputs("<p>No recording fault was found.</p>\n", out);
+    char words[MUKCA_WORDING];
+    fputs(d->n_faults ? "<ul>\n" : "<p>No recording fault was found.</p>\n", out);
     for (int i = 0; i < d->n_faults; i++) {
-        const mukca_data_fault *fault = &d->faults[i];
-        char kind[64];
-        snprintf(kind, sizeof kind, "%s", mukca_fault_name[fault->kind]);
-        for (char *c = kind; *c; c++)
-            if (*c == '_') *c = ' ';
-        mukca_html_row(&table, "%s\t%s\t%s\t%d\t%.2f", kind,
-                       fault->placement < 0 ? "" : data->placements[fault->placement].name,
-                       fault->socket < 0 ? "" : data->sockets[fault->socket].label, fault->row,
-                       fault->size_m * MUKCA_REPORT_MM);
+        mukca_wording_fault(words, &d->faults[i], &r->diagnosed);
+        mukca_html_element(out, "li", words);
     }
-    mukca_html_table_end(&table);
+    if (d->n_faults) fputs("</ul>\n", out);
 }
 
 /* ---- detection limits ---- */
 
-/* Whether two tested effects are not testable for the same reason. */
-static bool same_reason(const mukca_tested *a, const mukca_tested *b)
-{
-    return !a->testable && !b->testable && a->effect == b->effect && strcmp(a->why, b->why) == 0;
-}
-
 static void put_untestable(FILE *out, const mukca_report *r)
 {
-    const mukca_tested *tested = r->diagnosed.diagnosis->tested;
-    const int n = r->diagnosed.diagnosis->n_tested;
-    mukca_html_table table = {.out = out,
-                              .caption = "Not testable with these data",
-                              .style = "cards",
-                              .columns = "effect|joints|reason"};
-    for (int i = 0; i < n; i++) {
-        char name[MUKCA_WORDING], names[MUKCA_MAX_JOINTS * (MUKCA_NAME_SIZE + 2)] = "";
-        mukca_text joints = MUKCA_TEXT(names);
-        int first = 0;
-        while (first < i && !same_reason(&tested[first], &tested[i])) first++;
-        if (tested[i].testable || first < i ||
-            (r->data.n_sockets == 0 && mukca_effect_of_sockets(tested[i].effect)))
-            continue;
-        for (int k = i; k < n; k++) {
-            if (tested[k].joint < 0 || !same_reason(&tested[k], &tested[i])) continue;
-            mukca_text_put(&joints, "%s%s", joints.used ? ", " : "",
-                           mukca_chain_joint_name(r->chain, tested[k].joint));
-        }
-        mukca_wording_effect(name, tested[i].effect, NULL);
-        mukca_html_row(&table, "%s\t%s\t%s", name, names, tested[i].why);
+    char words[MUKCA_WORDING];
+    int listed = 0;
+    for (int i = 0; i < r->diagnosed.diagnosis->n_tested; i++) {
+        if (!mukca_wording_untestable(words, i, &r->diagnosed, false)) continue;
+        fputs(listed++ ? "" : "<p>Not testable with these data:</p>\n<ul>\n", out);
+        mukca_html_element(out, "li", words);
     }
-    mukca_html_table_end(&table);
+    if (listed) fputs("</ul>\n", out);
 }
 
 /* Smallest detection limit of an effect at a joint (-1: no joint), rad or m; NaN: not testable. */

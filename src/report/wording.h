@@ -85,6 +85,16 @@ void mukca_wording_unexplained(char text[MUKCA_WORDING], const mukca_diagnosed *
  * in 2; without causes nothing was found in 100 of 100". */
 void mukca_wording_check(char text[MUKCA_WORDING], const mukca_diagnosed *diagnosed);
 
+/* A recording fault with its place and remedy; no full stop. */
+void mukca_wording_fault(char text[MUKCA_WORDING], const mukca_data_fault *fault,
+                         const mukca_diagnosed *diagnosed);
+
+/* The effects that are not testable for the same reason as diagnosis->tested[i]: "joint_drift,
+ * joint_scale at joint_7 (REASON)".  False: it is testable, its reason belongs to an earlier one,
+ * or it is of no interest.  `caveat`: missing masses have been mentioned already. */
+bool mukca_wording_untestable(char text[MUKCA_WORDING], int i, const mukca_diagnosed *diagnosed,
+                              bool caveat);
+
 /* Limitations of the verdict, as sentences: flexibility that could not be tested; "" for none. */
 void mukca_wording_caveat(char text[MUKCA_WORDING], const mukca_diagnosed *diagnosed);
 

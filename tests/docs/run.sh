@@ -159,8 +159,8 @@ sed 's/\\-/-/g; s/\\f.//g' "$root/mukca-formats.5" >formats.txt
 a="--urdf data/demo/arm.urdf" d="data/demo/train.tsv --test data/demo/test.tsv"
 # shellcheck disable=SC2086
 {
-    mukca calibrate $a $d --json calibrate.json --trace trace.tsv
-    mukca evaluate $a $d --matrix --json evaluate.json -o evaluate.tsv
+    mukca calibrate $a $d --json calibrate.json
+    mukca evaluate $a $d --json evaluate.json -o evaluate.tsv
     mukca diagnose $a $d --json diagnose.json
     mukca fleet build/demo/arm_1.json build/demo/arm_2.json --json fleet.json
     mukca diagnose $a $d --traits build/demo/heron7.traits.tsv --json traits.json

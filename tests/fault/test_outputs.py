@@ -31,8 +31,8 @@ def commands(inputs):
     poses = os.path.join(inputs, "poses.tsv")
     few = os.path.join(inputs, "few.tsv")
     return {
-        "calibrate": (["calibrate", *ARM, data, "-o", "o.tsv", "--json", "o.json", "--trace", "t.tsv"], ()),
-        "evaluate": (["evaluate", *ARM, data, "--matrix", "-o", "o.tsv", "--json", "o.json"], ()),
+        "calibrate": (["calibrate", *ARM, data, "-o", "o.tsv", "--json", "o.json"], ()),
+        "evaluate": (["evaluate", *ARM, data, "-o", "o.tsv", "--json", "o.json"], ()),
         "diagnose": (["diagnose", *ARM, data, "-o", "o.tsv", "--json", "o.json"], ()),
         "recalibrate": (["recalibrate", *ARM, poses, "-o", "o.tsv", "--json", "o.json"], ()),
         "compensate": (["compensate", *ARM, "--offsets", offsets, few, "-o", "o.tsv", "--json", "o.json"], ()),
@@ -43,7 +43,7 @@ def commands(inputs):
         "plan": (["plan", *ARM, data, "--rows", "2", "-o", "o.tsv", "--json", "o.json"], ()),
         "simulate": (["simulate", *ARM, "--rows", "2", "--placements", "2", "--held-out", "1", "--test", "test.tsv",
                       "--truth", "t.tsv", "-o", "o.csv"], ()),
-        "report": (["report", *ARM, data, "-o", "o.html", "--plots", "plots"], ()),
+        "report": (["report", *ARM, data, "-o", "o.html"], ()),
         "capture": (["capture", *ARM, *LOG, "--trigger", "-o", "o.tsv", "--json", "o.json"],
                     ("o.tsv",)),
         "serve": (["serve", *ARM, *LOG, "--state", "state"],

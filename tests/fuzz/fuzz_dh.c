@@ -1,7 +1,6 @@
 /* Denavit-Hartenberg tables: read or refused in one line; what was read makes a URDF. */
 #include <string.h>
 
-#include "io/dh_table.h"
 #include "io/urdf.h"
 #include "memory_file.h"
 

@@ -19,9 +19,7 @@ int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size)
             mukca_program_target t;
             size_t at = 0;
             chain.n_joints = n;
-            mukca_language_read(&t, language, &chain, true, line);
-            if (mukca_language_read(&t, language, &chain, false, line) != MUKCA_LINE_TARGET)
-                continue;
+            if (mukca_language_read(&t, language, &chain, line) != MUKCA_LINE_TARGET) continue;
             for (int j = 0; j < n; j++) {
                 if (t.number[j][0] < at || t.number[j][1] <= t.number[j][0]) abort();
                 at = t.number[j][1];

@@ -7,8 +7,7 @@ cd "$(dirname "$0")/../.." || exit 1
 . tests/ok.bash
 out=$dir
 arm=data/demo/arm.urdf
-if ! "$MUKCA" report -q --urdf $arm data/demo/train.tsv --test data/demo/test.tsv -o "$out/r.html" \
-    --plots "$out/png" >"$out/log" 2>&1; then
+if ! "$MUKCA" report -q --urdf $arm data/demo/train.tsv --test data/demo/test.tsv -o "$out/r.html" >"$out/log" 2>&1; then
     cat "$out/log"
     echo "not ok report: made"
     exit 1
@@ -16,8 +15,7 @@ fi
 page=$out/r.html
 
 none() { ! grep -nE "$1" "$page" | cut -c1-200 | grep .; }
-ok "report: one script, inline" test "$(grep -c '<script' "$page"; grep -c '<script>for' "$page")" = "1
-1"
+ok "report: no script" none '<script'
 ok "report: nothing from elsewhere" none '(src|href|data|action)=["'"'"']?[^#"'"'"' >]|url\([^#]|@import'
 ok "report: ids are unique" sh -c 'test -z "$(grep -oE "[ ]id=[\"'"'"'][^\"'"'"']*" "$0" | sort | uniq -d)"' "$page"
 ok "report: references exist" sh -c '
@@ -28,9 +26,8 @@ ok "report: references exist" sh -c '
 awk '/<svg/ {drawn = 0; words = title = ""} /<(path|use|rect|polygon|polyline|circle) / {drawn++}
     /<title id=/ {title = $0} /<desc id=/ {words = $0}
     /<\/svg>/ {print drawn, length(title), length(words)}' "$page" >"$out/drawn"
-ok "report: 9 figures" test "$(wc -l <"$out/drawn")" -eq 9
+ok "report: 8 figures" test "$(wc -l <"$out/drawn")" -eq 8
 ok "report: none is empty or mute" awk '$1 < 25 || $2 < 40 || $3 < 80 {bad = 1; print} END {exit bad}' "$out/drawn"
-ok "report: images as files" sh -c 'test "$(find "$0" -name "*.png" -size +5k | wc -l)" -eq 8' "$out/png"
 
 # What opens the page, and what a reader looks for.
 ok "report: the verdict is one sentence" sh -c 'test "$(sed -n "s/^<p class=.verdict [a-z]*.>\(.*\)<.p>$/\1/p" "$0" |
@@ -41,14 +38,9 @@ mkdir "$out/figures"
 "$MUKCA" calibrate -q --urdf $arm data/demo/train.tsv --test data/demo/test.tsv -o "$out/o.tsv"
 python3 tests/report/figures.py "$out/figures" || failed=1
 ok "report: from an offsets table" sh -c '"$0" report -q --urdf data/demo/arm.urdf data/demo/train.tsv \
-    --offsets "$1/o.tsv" -o "$1/p.html" --plots "$1/pdf" --format pdf && grep -q "</html>" "$1/p.html" &&
-    head -c 5 "$1/pdf/samples.pdf" | grep -q "%PDF-"' "$MUKCA" "$out"
+    --offsets "$1/o.tsv" -o "$1/p.html" && grep -q "</html>" "$1/p.html"' "$MUKCA" "$out"
 ok "report: an existing page stays" sh -c '"$0" report -q --urdf data/demo/arm.urdf data/demo/train.tsv \
     -o "$1/p.html" 2>"$1/e"; test $? -eq 3 && grep -q -- --force "$1/e"' "$MUKCA" "$out"
-mkdir "$out/bin"
-ok "report: without gnuplot" sh -c 'PATH=$1/bin "$0" report -q --urdf data/demo/arm.urdf data/demo/train.tsv \
-    -o "$1/q.html" 2>"$1/e"; test $? -eq 3 && test ! -e "$1/q.html"; s=$?; PATH=/usr/bin:/bin
-    grep -q "install the package gnuplot-nox" "$1/e" && exit $s' "$MUKCA" "$out"
 # A pose log has no placements and no distortion: no nan anywhere, on the screen neither.
 grep -v '^#' data/demo/train.tsv | cut -f 4-10 >"$out/q.tsv"
 "$MUKCA" fk -q --urdf $arm --offsets "$out/o.tsv" "$out/q.tsv" | paste "$out/q.tsv" - >"$out/log.tsv"
@@ -66,7 +58,7 @@ for arm in a b c d; do
         "$MUKCA" diagnose -q --urdf data/demo/arm.urdf "$out/arms/$arm.tsv" --arm "arm <$arm>" --summary "$out/arms/$arm.json"
 done
 page=$out/fleet.html
-ok "report: a fleet: made" "$MUKCA" report -q --fleet "$out"/arms/*.json -o "$page" --plots "$out/fleet"
+ok "report: a fleet: made" "$MUKCA" report -q --fleet "$out"/arms/*.json -o "$page"
 ok "report: a fleet: the verdict names the broken arm" grep -q \
     '^<p class="verdict unknown">arm &lt;c&gt;: joint compliance at joint_4 [0-9.]* times softer than 3 sisters' "$page"
 ok "report: a fleet: as mukca fleet says" grep -qF "$("$MUKCA" fleet -q "$out"/arms/*.json --json - | sed -n '/"departures"/,$p' |
@@ -76,8 +68,7 @@ ok "report: a fleet: the broken arm and its coefficient come first" sh -c '
     grep -A400 "coefficient-1-t" "$0" | grep -q "arm &lt;c&gt; departs"' "$page"
 ok "report: a fleet: the shared order is in text and table" sh -c '
     grep -q "<li>transmission ripple at joint_2, 60 per turn" "$0" && grep -q "<td>joint_2</td><td class=.n.>60</td>" "$0"' "$page"
-ok "report: a fleet: a figure for each coefficient" sh -c 'n=$(grep -c "<svg" "$0") &&
-    test "$n" -ge 10 && test "$(find "$1" -name "*.png" -size +2k | wc -l)" -eq "$n"' "$page" "$out/fleet"
+ok "report: a fleet: a figure for each coefficient" sh -c 'test "$(grep -c "<svg" "$0")" -ge 10' "$page"
 ok "report: a fleet: no script, nothing from elsewhere, no nan" none '<script|(src|href)=["'"'"'][^#]|>-?nan<'
 ok "report: a fleet: ids are unique" sh -c 'test -z "$(grep -oE "[ ]id=[\"'"'"'][^\"'"'"']*" "$0" | sort | uniq -d)"' "$page"
 "$MUKCA" simulate -q --urdf data/demo/arm.urdf --seed 5 --perturb 1,2 --noise 1e-4 --placements 3 --rows 15 \

@@ -35,15 +35,12 @@ static const cli_option options[] = {
     CLI_DISTANCE_OPTIONS,
     CLI_MODEL_OPTIONS,
     CLI_OUTPUT_OPTION("output"),
-    CLI_TALK_OPTIONS,
-    CLI_END_OPTIONS};
+    CLI_LAST_OPTIONS};
 
 static const test_options defaults = {.number = 7, .colour = 1};
 
 static const cli_command command = {.name = "try",
                                     .synopsis = "DATA...",
-                                    .min_arguments = 1,
-                                    .max_arguments = 3,
                                     .options = options,
                                     .options_size = sizeof(test_options),
                                     .defaults = &defaults};
@@ -122,7 +119,6 @@ TEST(bad_lines_get_one_clear_line)
 {
     static const bad_text cases[] = {
         {"", "needs DATA...; see `mukca help try`"},
-        {"a b c d", "unexpected argument 'd'"},
         {"a --flags", "unknown option --flags; did you mean --flag?"},
         {"a --numbre 3", "did you mean --number?"},
         {"a --zzz=3", "unknown option --zzz; see `mukca help try`"},

@@ -118,7 +118,7 @@ expect "rx ry rz turn the target as the quaternion does" awk -F '\t' '
     END { for (i = 1; i <= 7; i++) if (NR != 4 || !((value[2, i] - value[4, i]) ^ 2 < 1e-12)) exit 1 }' \
     with_quaternion.tsv with_vector.tsv
 refuse 3 "half.tsv:1: no column 'rz'" compensate $six --poses half.tsv
-accept "angles.tsv: 2 unknown columns ignored: roll, yaw" compensate $six --poses angles.tsv
+refuse 3 "angles.tsv:1: no column 'pitch'" compensate $six --poses angles.tsv
 
 # one's own MuJoCo model: bodies found by name, also without the prefix; the rest stays
 run simulate --urdf arm.urdf --seed 3 --placements 3 --rows 20 --perturb 2,4 --noise 1e-4 -o into.tsv

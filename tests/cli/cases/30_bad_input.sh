@@ -30,7 +30,7 @@ awk 'BEGIN { printf "<robot name=\"x\">"; for (i = 0; i < 50000; i++) printf "<a
 refuse 3 'bad.urdf:1: elements nested more than' calibrate --urdf bad.urdf good -o new.tsv
 head -c 40000000 /dev/zero | tr '\0' ' ' >bad.urdf
 refuse 3 'bad.urdf: is larger than' calibrate --urdf bad.urdf good -o new.tsv
-wrong_urdf 's/0 0 0.25/0 0 ${height}/' 'bad.urdf:10: contains a xacro expression.*expand it first'
+wrong_urdf 's/0 0 0.25/0 0 ${height}/' 'bad.urdf:9: joint .*three numbers each (a xacro file: expand it first)'
 wrong_urdf 's/<robot name="small">/<robot name="small" xmlns:xacro="http:\/\/x"><xacro:arg name="y"\/>/' 'bad.urdf:2: contains xacro macros; expand them first'
 wrong_urdf 's/name="j2" type="revolute"/name="j2" type="floating"/' "bad.urdf:15: joint 'j2': planar and floating joints"
 wrong_urdf 's/<child link="upper"/<child link="base"/' 'bad.urdf:'
@@ -138,9 +138,9 @@ refuse 3 "bad.tsv:2: column 'target': 'é*[?]*...' is longer than 63" recalibrat
 expect "a name that is cut stays UTF-8" iconv -f UTF-8 -t UTF-16 "$scratch/err"
 whole=p$(printf 'é%.0s' $(seq 30))
 "$MUKCA" simulate $a --seed 5 --rows 3 --placements 2 | sed "s/^p1/$whole/" >bad.tsv
-run evaluate $a --matrix bad.tsv -o matrix.tsv --json matrix.json --force
-expect "long names of placements are whole in the matrix" grep -q "^$whole	" matrix.tsv
-expect "and in JSON" grep -q "\"train\": *\"$whole\"" matrix.json
+run evaluate $a bad.tsv -o whole.tsv --json whole.json --force
+expect "long names of placements are whole in the table" grep -q "	$whole	" whole.tsv
+expect "and in JSON" grep -q "\"placement\": *\"$whole\"" whole.json
 awk -v OFS='\t' '{ print $0, NR == 1 ? "payload_kg" : NR == 4 ? -1 : 2 }' session.tsv >bad.tsv
 refuse 3 "bad.tsv:4: column 'payload_kg': -1 is no mass in kg" diagnose $a bad.tsv
 refuse 2 '--payload 1,2,3: 3 masses for 2 recordings; .*, those of --test last' evaluate $a good --test session.tsv --payload 1,2,3

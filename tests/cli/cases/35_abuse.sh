@@ -5,9 +5,9 @@ a='--urdf arm.urdf'
 # what is said to people must not land in a file that took the number of a closed stream
 run simulate $a --seed 5 --rows 3 --placements 2 -o two.tsv
 for closed in '2>&-' '>&-' '<&-' '<&- >&- 2>&-'; do
-    eval "\"\$MUKCA\" evaluate $a --matrix two.tsv -o closed.tsv 2>closed.err $closed"
+    eval "\"\$MUKCA\" evaluate $a two.tsv -o closed.tsv 2>closed.err $closed"
     expect "streams closed ($closed): the table begins with its header" \
-        sh -c 'head -n 1 closed.tsv | grep -q "^train"'
+        sh -c 'head -n 1 closed.tsv | grep -q "^set"'
     rm -f closed.tsv
 done
 "$MUKCA" fk $a good/hole_0.csv 2>err >&-
@@ -36,12 +36,11 @@ refuse 2 'session.tsv is an input of this command' calibrate $a good --test sess
 refuse 2 'hole_0.csv is an input of this command' fk $a good/hole_0.csv -o good/../good/hole_0.csv --force
 refuse 2 'arm.urdf is an input of this command' export $a -o arm.urdf --force
 refuse 2 'hole_1.csv is an input of this command' calibrate $a good -o good/hole_1.csv --force
-refuse 2 'session.tsv is an input of this command' calibrate $a session.tsv --trace ./session.tsv --force
 refuse 2 'arm.urdf is an input of this command' simulate $a -o new.tsv --truth ./arm.urdf --force
 ln -s session.tsv link.tsv
 refuse 2 'link.tsv is an input of this command' evaluate $a session.tsv -o link.tsv --force
 refuse 2 'cannot both go to' evaluate $a good -o new.tsv --json ./new.tsv --force
-refuse 2 'cannot both go to' calibrate $a good -o new.tsv --trace good/../new.tsv
+refuse 2 'cannot both go to' calibrate $a good -o new.tsv --json good/../new.tsv
 refuse 2 'cannot both go to' simulate $a -o new.tsv --truth ./new.tsv
 run evaluate $a good -o /dev/null --json /dev/null -q
 expect "/dev/null takes all outputs" test $code -eq 0
@@ -56,8 +55,8 @@ expect "help help is help" test $code -eq 0
 demo=$root/data/demo
 cp "$demo/guided.lcmlog" log
 c="capture --urdf $demo/arm.urdf --trigger --force"
-refuse 2 'cannot be the same file' $c --lcm-url file://log -o new.tsv --json ./new.tsv
-refuse 2 'cannot be the same file' $c --lcm-url file://log -o new.tsv --json ./log
+refuse 2 'cannot both go to' $c --lcm-url file://log -o new.tsv --json ./new.tsv
+refuse 2 'log is the log' $c --lcm-url file://log -o new.tsv --json ./log
 refuse 2 '-o FILE is needed' $c --lcm-url file://log -o -
 refuse 2 "'a' comes twice" $c --lcm-url file://log -o new.tsv --sockets a,a
 refuse 2 'a tool has two or more' $c --lcm-url file://log -o new.tsv --sockets a
@@ -68,20 +67,22 @@ refuse 3 'notes.tsv: no header' capture --urdf "$demo/arm.urdf" --trigger -q --l
 printf '# mukca session\nplacement\tsocket\nhalf' >other.tsv
 refuse 3 'other.tsv: other columns' capture --urdf "$demo/arm.urdf" --trigger -q --lcm-url file://log -o other.tsv --resume
 printf 'x_m,y_m,z_m\n1e300,0,0\n' >far.csv
-refuse 3 "far.csv:2: column 'x_m': 1e+300 is no position" compensate $a --poses far.csv -q
+refuse 3 "far.csv:2: column 'x_m': is 1e+300; positions are in m" compensate $a --poses far.csv -q
 
-# interrupted where another program draws
-mkdir bin
-printf '#!/bin/sh\n: >drawing\nexec sleep 300\n' >bin/gnuplot
-chmod +x bin/gnuplot
-PATH=$PWD/bin:$PATH timeout --foreground 120 "$MUKCA" report $a good -q -o new.html 2>err &
+# interrupted: at once, also where another program draws, and told as such
+mkfifo targets
+"$MUKCA" compensate $a - -o new.tsv <targets 2>err &
 process=$!
-until [ -e drawing ] || ! kill -0 $process; do sleep 0.02; done
-kill -s TERM $process # timeout hands it on, once
+exec 3>targets
+printf 'j1,j2,j3\n0,0,0\n' >&3
+until [ -n "$(find . -name '.new.tsv.*.tmp')" ] || ! kill -0 $process; do sleep 0.02; done
+kill -s INT $process
 wait $process
-expect "report interrupted while it draws: one line, no file" test \
-    "$(cat err) $(find . -name '*new*' | wc -l)" = \
-    "mukca report: interrupted; the page was not written 0"
+code=$?
+exec 3>&-
+expect "compensate interrupted: exit 130, one line, no file" test \
+    "$code $(grep -v '^mukca: note' err) $(find . -name '*new*' | wc -l)" = \
+    "130 mukca compensate: interrupted; nothing was written 0"
 
 # every command says that standard output could not be written
 for command in "help" "help fk" "help effects" "--version" "completion bash" "fk $a good/hole_0.csv" \
