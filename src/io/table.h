@@ -1,9 +1,9 @@
 /* Text tables: TSV or CSV, `#` comments, with or without a header; read row by row.
  *
  * Semicolons may separate the cells; numbers may then have decimal commas.  Blanks separate them if
- * nothing else does.  Units in the header, as in `q1 [deg]`, are applied.  Cells are trimmed and
- * surrounding double quotes removed; blank lines and a byte-order mark are skipped; lines may end
- * in CR LF.
+ * nothing else does.  Units in the header, as in `q1 [deg]`, are applied.  An array of numpy is a
+ * table without header.  Cells are trimmed and surrounding double quotes removed; blank lines and a
+ * byte-order mark are skipped; lines may end in CR LF.
  *
  * The first failure is kept: MUKCA_INPUT with file, line and column, or MUKCA_MEMORY.  After it
  * there are no more rows, and mukca_table_close returns it. */
