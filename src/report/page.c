@@ -51,13 +51,17 @@ static const char *const mukca_report_style[] = {
     ".files td{overflow-wrap:anywhere}\n"
     ".bar{width:30%;min-width:3rem}.bar i{display:block;height:.7rem;margin-top:.3rem;background:"
     "var(--after)}\n"
+    ".view{display:block;width:100%;max-width:34rem;touch-action:pan-y;cursor:grab}.view "
+    "polyline{fill:none;stroke-width:1;vector-effect:non-scaling-stroke}.view .arm{stroke:"
+    "var(--line);stroke-width:3;stroke-linejoin:round}.view .before{stroke:var(--before)}.view "
+    ".after{stroke:var(--after);stroke-width:2}\n"
     ".n{text-align:right;font-variant-numeric:tabular-nums}code{font-size:.85em;overflow-wrap:"
     "anywhere}\n"
     "@media print{:root{--ink:#000;--paper:#fff;--soft:#f3f4f6;--before:#c35200;"
     "--after:#0072b2;--third:#007a58;--grid:#b0b4ba}body{max-width:none;font-size:10pt;padding:0}"
     "nav{display:none}figure,tr,.tiles{break-inside:avoid}h2{break-after:avoid;margin-top:1rem}"
     ".wide,figure{overflow:visible}.plot.plot{min-width:0}.figures{grid-template-columns:repeat(4,"
-    "1fr)}table{font-size:7.5pt}th,td{padding:.05rem "
+    "1fr)}.view{max-width:60%}table{font-size:7.5pt}th,td{padding:.05rem "
     ".4rem}figcaption{font-size:"
     "7.5pt}.wide:has(.parameters){columns:2}p,li{orphans:3;widows:3}}\n"};
 

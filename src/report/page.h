@@ -92,6 +92,9 @@ void mukca_plot_add(mukca_plot *plot, mukca_plot_series series, const double at[
                     double high);
 void mukca_plot_name(mukca_plot *plot, double x, const char *name);
 
+/* 1, 2 or 5 times a power of ten, at most x. */
+double mukca_plot_round(double x);
+
 /* Write the figure, which has not failed, as an <svg> element. */
 void mukca_plot_svg(FILE *out, const mukca_plot *plot);
 

@@ -71,10 +71,11 @@ static double *joint_errors(mukca_report *r, const mukca_chain *chain, const dou
     return errors;
 }
 
-/* Residuals and their components by joint of model m. */
+/* Positions, residuals and their components by joint of model m. */
 static mukca_status predict(mukca_report *r, int m, const mukca_model *model, mukca_error *error)
 {
-    r->residual[m] = residuals(r, positions(r, model));
+    r->tip[m] = positions(r, model);
+    r->residual[m] = residuals(r, r->tip[m]);
     r->joint_error[m] = joint_errors(r, r->fitted, r->offsets->theta, r->residual[m]);
     return r->joint_error[m] && !r->pool.failed ? MUKCA_OK
                                                 : mukca_fail(error, MUKCA_MEMORY, "out of memory");
@@ -140,6 +141,7 @@ void mukca_report_free(mukca_report *r)
 
 static const mukca_page_section sections[] = {
     {"causes", "Errors and their causes", NULL, mukca_report_put_causes},
+    {"view", "The arm", NULL, mukca_report_put_view},
     {"placements", "Errors of the result", NULL, mukca_report_put_placements},
     {"joints", "Errors by joint", mukca_report_joints, mukca_report_put_joints},
     {"limits", "Detection limits", NULL, mukca_report_put_limits},

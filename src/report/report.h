@@ -37,8 +37,9 @@ typedef struct {
     const mukca_dataset *train, *test; /* `test` may be empty */
     mukca_diagnosed diagnosed;         /* with `train` as its data */
     /* Set by mukca_report_prepare. */
-    const double *residual[MUKCA_REPORT_MODELS]; /* [rows of `train`][3] tip minus its socket's mean
-                                                    or the measured position; NaN: unknown */
+    const double *tip[MUKCA_REPORT_MODELS];      /* [rows of `train`][3] predicted, m */
+    const double *residual[MUKCA_REPORT_MODELS]; /* [n_rows][3] tip minus its socket's mean or the
+                                                    measured position; NaN: unknown */
     const double *joint_error[MUKCA_REPORT_MODELS]; /* [n_rows][n_joints] component of the residual
                                                        along the ball's motion by the joint, m */
     mukca_offset_row *offset;                       /* [n_offsets] rows of `offsets` */
@@ -64,11 +65,11 @@ mukca_page mukca_report_page(const mukca_report *report);
 typedef bool mukca_report_figure(mukca_plot *plot, const void *content, int index);
 mukca_report_figure mukca_report_joints, mukca_report_samples;
 
-/* Texts and tables, in tables_diagnosis.c and tables_calibration.c. */
+/* Texts and tables, in tables_diagnosis.c, tables_calibration.c and view.c. */
 typedef void mukca_report_text(FILE *out, const void *content);
 mukca_report_text mukca_report_put_causes, mukca_report_put_faults, mukca_report_put_limits,
     mukca_report_put_placements, mukca_report_put_joints, mukca_report_put_offsets,
-    mukca_report_put_provenance;
+    mukca_report_put_provenance, mukca_report_put_view;
 void mukca_report_put_accuracy(FILE *out, const mukca_report *report);
 void mukca_report_put_verdict(FILE *out, const mukca_report *report);
 void mukca_report_put_steps(FILE *out, const mukca_report *report);
