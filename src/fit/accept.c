@@ -12,9 +12,10 @@
 #include "math/stats.h"
 #include "model/postures.h"
 
-/* Measurement noise above this, m, means that the samples are of another arm: five times that of
- * the worst published arm.  So do several postures that any arm misses (tip_error.h). */
-static const double foreign_noise = 10e-3;
+/* Measurement noise and an error of the nominal model above these, m, mean that the samples are of
+ * another arm: four times those of the worst of 40 published recordings.  So do several postures
+ * that any arm misses (tip_error.h). */
+static const double foreign_noise = 10e-3, foreign_arm = 50e-3;
 enum { SEVERAL = 3, LEAST_POSTURES = 3 };
 
 /* Test data contradict the others if their error is this multiple of that of the others, and more
@@ -65,11 +66,24 @@ static bool changes_arm(const mukca_offsets *table, const mukca_tip_change_task 
     return any;
 }
 
+/* Refuse for lack of an improvement: say what to do. */
+static void advise(mukca_acceptance *a, const mukca_tip_error *tip, const char *otherwise)
+{
+    const size_t used = strlen(a->reason), size = sizeof a->reason - used;
+    if (tip->outliers)
+        snprintf(
+            a->reason + used, size,
+            "; %d of %d postures deviate from the others, by up to %.3g mm: correct or exclude "
+            "them (mukca diagnose lists faulty samples)",
+            tip->outliers, tip->postures, 1e3 * tip->worst_m);
+    else
+        snprintf(a->reason + used, size, "; %s", otherwise);
+}
+
 static bool judge_samples(mukca_acceptance *a, const mukca_accept_task *task,
                           const mukca_tip_error *tip, bool changes)
 {
-    const double nominal_m = a->error_nominal_m, difference = a->error_m - nominal_m,
-                 margin = interval * a->error_sigma_m;
+    const double nominal_m = a->error_nominal_m, margin = interval * a->error_sigma_m;
     if (task->misfit)
         mukca_acceptance_refuse(a, "%s", task->misfit);
     else if (a->noise_m >= foreign_noise)
@@ -95,14 +109,15 @@ static bool judge_samples(mukca_acceptance *a, const mukca_accept_task *task,
     else if (tip->postures < LEAST_POSTURES)
         mukca_acceptance_refuse(a, "the samples are of %d different %s; record others",
                                 tip->postures, tip->postures > 1 ? "postures" : "posture");
-    else if (!(difference < (changes ? -margin : margin)))
-        mukca_acceptance_refuse(a,
-                                "held-out error %.4g mm, no better than the nominal model with "
-                                "%.4g mm (standard error of the difference %.2g mm); record more "
-                                "samples",
-                                1e3 * a->error_m, 1e3 * nominal_m, 1e3 * a->error_sigma_m);
-    else
+    else if (a->error_m < nominal_m + (changes ? -margin : margin))
         return true;
+    else {
+        mukca_acceptance_refuse(a,
+                                "held-out error %.4g mm, nominal %.4g mm (standard error of the "
+                                "difference %.2g mm): no sure improvement",
+                                1e3 * a->error_m, 1e3 * nominal_m, 1e3 * a->error_sigma_m);
+        advise(a, tip, "record more postures; mukca diagnose identifies other causes");
+    }
     return false;
 }
 
@@ -120,29 +135,29 @@ static void judge_tip(mukca_acceptance *a, const mukca_tip_error *tip, const muk
     const double *p = tip->probability;
     char stuck[96];
     list_joints(stuck, tip->stuck, chain);
-    if (stuck[0])
+    if (stuck[0]) {
         mukca_acceptance_refuse(a,
                                 "%s did not move, but the errors are those of a tip that turns "
                                 "about it; check the encoder and the column",
                                 stuck);
-    else if (!(p[MUKCA_HERE] >= sure && a->error_here_m < a->error_before_here_m))
+    } else if (!(a->error_before_here_m < foreign_arm)) {
+        mukca_acceptance_refuse(a,
+                                "the samples are of an arm whose tip is %.3g mm from that of the "
+                                "nominal model; check the URDF, the joint zeros and the columns",
+                                1e3 * a->error_before_here_m);
+    } else if (!(p[MUKCA_HERE] >= sure && a->error_here_m < a->error_before_here_m)) {
         mukca_acceptance_refuse(a,
                                 "expected error of the tip %.3g mm, nominal %.3g mm, from %.0f "
-                                "different postures: no sure improvement; record more of them, and "
-                                "look for faulty samples with mukca diagnose",
+                                "different postures: no sure improvement",
                                 1e3 * a->error_here_m, 1e3 * a->error_before_here_m, a->postures);
-    else if (!(p[MUKCA_ELSEWHERE] >= (a->at_rest[0] ? sure : 1 - sure)))
-        mukca_acceptance_refuse(
-            a,
-            "expected error of the tip %.3g mm within the joint limits, nominal "
-            "%.3g mm%s%s%s; record postures over wider joint ranges",
-            1e3 * a->error_workspace_m, 1e3 * a->error_before_m, a->at_rest[0] ? " (" : "",
-            a->at_rest, a->at_rest[0] ? " did not move: is the encoder stuck?)" : "");
-    else if (!(a->tip_change_sigma <= MUKCA_MOST_TIP_SIGMA))
+        advise(a, tip, "record more of them");
+    } else if (!(p[MUKCA_ELSEWHERE] >= 1 - sure)) {
         mukca_acceptance_refuse(a,
-                                "moves the tip by %.4g mm, %.1f standard deviations of its prior; "
-                                "check the URDF and the samples",
-                                1e3 * a->tip_change_m, a->tip_change_sigma);
+                                "expected error of the tip %.3g mm within the joint limits, "
+                                "nominal %.3g mm",
+                                1e3 * a->error_workspace_m, 1e3 * a->error_before_m);
+        advise(a, tip, "record postures over wider joint ranges");
+    }
 }
 
 mukca_status mukca_accept(mukca_offsets *table, const mukca_accept_task *task, mukca_error *error)

@@ -10,7 +10,10 @@
 #include "model/postures.h"
 
 enum {
-    BLOCKS = 5,      /* of consecutive samples, which are correlated; as in diagnose */
+    /* Blocks of consecutive samples, which are correlated: more leave more to the fit.  The errors
+     * of a socket are about the mean of its block, and vanish with its size. */
+    SOCKET_BLOCKS = 5,
+    BLOCKS = 10,
     MOST_FOLDS = 10, /* more placements are merged */
     /* Beyond this number only a part of the samples is fitted and predicted: enough for the
      * parameters of any geometry, and its mean error is known to 1 %. */
@@ -40,7 +43,8 @@ static int assign(int *fold, bool *placements, const mukca_dataset *data)
         else if (first < i && data->socket[first] + 1 == s)
             fold[i] = fold[first];
         else
-            fold[i] = MOST_FOLDS + (int)((long long)BLOCKS * before / count[s]);
+            fold[i] =
+                MOST_FOLDS + (int)((long long)(s > 0 ? SOCKET_BLOCKS : BLOCKS) * before / count[s]);
         used[fold[i]] = true;
     }
     for (int f = 0; f < MOST_FOLDS + BLOCKS; f++) index[f] = used[f] ? n++ : -1;

@@ -137,8 +137,9 @@ mukca_status mukca_tip_error_expect(mukca_tip_error *out, const mukca_tip_change
         *here = p->chain;
         find_ranges(out, here, &p->data);
         out->postures = p->postures;
-        out->noise_m = p->noise;
+        out->outliers = p->outliers;
         out->gross = p->gross;
+        out->worst_m = p->worst_m;
         for (int j = 0; j < here->n_joints; j++)
             out->stuck[j] = out->at_rest[j] && mukca_arm_posterior_turns(p, j);
     }

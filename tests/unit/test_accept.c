@@ -173,6 +173,23 @@ static void gross_errors_are_no_outliers(void **state)
     refused_for("do not fit this arm");
 }
 
+/* Samples of another socket spoil the fit, not the judgement. */
+static void deviating_samples_are_counted(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 8; i++) data.socket[20 + i] ^= 1;
+    refused_for("8 of ");
+    assert_non_null(strstr(table.acceptance.reason, "deviate from the others, by up to 5"));
+}
+
+/* Its encoder counts from another zero. */
+static void another_zero_is_another_arm(void **state)
+{
+    (void)state;
+    for (int i = 0; i < data.n_rows; i++) data.q[i * data.n_joints + 1] += 0.2;
+    refused_for("check the URDF, the joint zeros");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -181,6 +198,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(repeated_postures_count_once, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_stuck_encoder_is_refused, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_stuck_last_joint_is_refused, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(gross_errors_are_no_outliers, set_up, tear_down)};
+        cmocka_unit_test_setup_teardown(gross_errors_are_no_outliers, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(deviating_samples_are_counted, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(another_zero_is_another_arm, set_up, tear_down)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
