@@ -3,11 +3,9 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/text.h"
-#include "fit/frames.h"
 #include "fit/tip_error.h"
 #include "math/stats.h"
 #include "model/postures.h"
@@ -202,52 +200,18 @@ void mukca_fit_offsets(mukca_offsets *offsets, const mukca_fit *fit)
     }
 }
 
-/* Errors of the test data, as mukca_fit_cross_validate gives those of held-out samples; the data of
- * `r` are those of the caller. */
-static mukca_status predict_test(mukca_cross_validation *r, const mukca_fit *fit,
-                                 const mukca_dataset *data, const mukca_dataset *test,
-                                 const mukca_fit_options *options, mukca_error *error)
-{
-    double start[MUKCA_MAX_THETA];
-    const mukca_model nominal = {.chain = &fit->chain, .theta = start},
-                      fitted = {.chain = &fit->chain, .theta = fit->theta};
-    const size_t room = (size_t)test->n_rows + 1;
-    *r = (mukca_cross_validation){.before = malloc(room * sizeof *r->before),
-                                  .after = malloc(room * sizeof *r->after)};
-    mukca_status status =
-        mukca_frames_start(start, &fit->chain, data, options->free_base, options->free_tool, error);
-    if (status == MUKCA_OK &&
-        (!r->before || !r->after || !mukca_evaluate_rows(r->before, &nominal, test) ||
-         !mukca_evaluate_rows(r->after, &fitted, test)))
-        status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    if (status != MUKCA_OK) mukca_cross_validation_free(r);
-    return status;
-}
-
-/* Errors of the test data, else cross-validated. */
-static mukca_status hold_out(mukca_cross_validation *r, const mukca_fit *fit,
-                             const mukca_chain *chain, const mukca_dataset *data,
-                             const mukca_dataset *test, const mukca_fit_options *options,
-                             mukca_error *error)
-{
-    mukca_fit_options inner = *options;
-    inner.start = fit->theta;
-    return test && test->n_rows > 0 ? predict_test(r, fit, data, test, options, error)
-                                    : mukca_fit_cross_validate(r, chain, data, &inner, error);
-}
-
 mukca_status mukca_fit_compare(mukca_difference *difference, const mukca_fit *const fits[2],
                                const mukca_fit_options options[2], const mukca_chain *chain,
                                const mukca_dataset *data, const mukca_dataset *test,
                                mukca_error *error)
 {
     mukca_cross_validation r[2];
-    mukca_status status = hold_out(&r[0], fits[0], chain, data, test, &options[0], error);
+    mukca_status status =
+        mukca_fit_cross_validate(&r[0], fits[0], chain, data, test, &options[0], error);
     if (status != MUKCA_OK) return status;
-    status = hold_out(&r[1], fits[1], chain, data, test, &options[1], error);
+    status = mukca_fit_cross_validate(&r[1], fits[1], chain, data, test, &options[1], error);
     if (status == MUKCA_OK) {
-        status = mukca_difference_find(difference, r[0].after, r[1].after,
-                                       test->n_rows ? test : &r[0].data, error);
+        status = mukca_difference_find(difference, r[0].after, r[1].after, r[0].held, error);
         mukca_cross_validation_free(&r[1]);
     }
     mukca_cross_validation_free(&r[0]);
@@ -261,9 +225,9 @@ mukca_status mukca_accept_fit(mukca_offsets *offsets, const mukca_fit *fit,
 {
     mukca_acceptance *a = &offsets->acceptance;
     mukca_cross_validation r;
-    const bool tested = test && test->n_rows > 0;
-    mukca_status status = hold_out(&r, fit, chain, data, test, options, error);
+    mukca_status status = mukca_fit_cross_validate(&r, fit, chain, data, test, options, error);
     if (status != MUKCA_OK) return status;
+    const bool tested = r.held == test;
     a->converged = fit->converged;
     a->noise_m = fit->identification.noise;
     a->parameters = fit->parameters.n;
@@ -282,7 +246,7 @@ mukca_status mukca_accept_fit(mukca_offsets *offsets, const mukca_fit *fit,
                                         .data = data,
                                         .base_frame = options->free_base,
                                         .tool_frame = options->free_tool},
-                             .held = tested ? test : &r.data,
+                             .held = r.held,
                              .before = r.before,
                              .after = r.after,
                              .stop = mukca_stop_text(fit->outcome.stop),
