@@ -69,11 +69,10 @@ static void advise(mukca_acceptance *a, const mukca_tip_error *tip, const char *
 {
     const size_t used = strlen(a->reason), size = sizeof a->reason - used;
     if (tip->outliers)
-        snprintf(
-            a->reason + used, size,
-            "; %d of %d postures deviate from the others, by up to %.3g mm: correct or exclude "
-            "them (mukca diagnose lists faulty samples)",
-            tip->outliers, tip->postures, 1e3 * tip->worst_m);
+        snprintf(a->reason + used, size,
+                 "; %d of %d postures deviate%s from the others, by up to %.3g mm: correct or "
+                 "exclude these samples (mukca diagnose lists them)",
+                 tip->outliers, tip->postures, tip->outliers > 1 ? "" : "s", 1e3 * tip->worst_m);
     else
         snprintf(a->reason + used, size, "; %s", otherwise);
 }
@@ -139,10 +138,11 @@ static void judge_tip(mukca_acceptance *a, const mukca_tip_error *tip, const muk
                                 "about it; check the encoder and the column",
                                 stuck);
     } else if (!(a->error_before_here_m < foreign_arm)) {
-        mukca_acceptance_refuse(a,
-                                "the samples are of an arm whose tip is %.3g mm from that of the "
-                                "nominal model; check the URDF, the joint zeros and the columns",
-                                1e3 * a->error_before_here_m);
+        mukca_acceptance_refuse(
+            a,
+            "the samples are of an arm whose tip is %.3g mm from that of the "
+            "nominal model; check the URDF, the joint zeros, columns and labels",
+            1e3 * a->error_before_here_m);
     } else if (!(p[MUKCA_HERE] >= sure && a->error_here_m < a->error_before_here_m)) {
         mukca_acceptance_refuse(a,
                                 "expected error of the tip %.3g mm, nominal %.3g mm, from %.0f "
