@@ -141,7 +141,7 @@ static void judge_tip(mukca_acceptance *a, const mukca_tip_error *tip, const muk
         mukca_acceptance_refuse(
             a,
             "the samples are of an arm whose tip is %.3g mm from that of the "
-            "nominal model; check the URDF, the joint zeros, columns and labels",
+            "nominal model; check the URDF, joint zeros, columns, labels, distances",
             1e3 * a->error_before_here_m);
     } else if (!(p[MUKCA_HERE] >= sure && a->error_here_m < a->error_before_here_m)) {
         mukca_acceptance_refuse(a,
