@@ -137,7 +137,7 @@ static void judge_tip(mukca_acceptance *a, const mukca_tip_error *tip, const muk
                                 "%s did not move, but the errors are those of a tip that turns "
                                 "about it; check the encoder and the column",
                                 stuck);
-    } else if (!(a->error_before_here_m < foreign_arm)) {
+    } else if (!(a->error_before_here_m < foreign_arm + tip->tool_m)) {
         mukca_acceptance_refuse(
             a,
             "the samples are of an arm whose tip is %.3g mm from that of the "

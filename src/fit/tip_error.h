@@ -17,6 +17,7 @@ typedef struct {
     double probability[MUKCA_RANGES]; /* that the table's mean error is the smaller one */
     int outliers, gross; /* postures that deviate from a robust fit, those by more than any arm */
     double worst_m;      /* the largest of these deviations */
+    double tool_m;       /* displacement of the tip on its link, from the nominal one */
 } mukca_tip_error;
 
 /* Fit geometry and effects to task->data by Gauss-Newton, with the priors of posterior.h in a scale
