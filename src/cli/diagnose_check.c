@@ -4,7 +4,6 @@
  * outcomes are shorter than PIPE_BUF, and therefore not mixed. */
 #include <errno.h>
 #include <math.h>
-#include <poll.h>
 #include <signal.h>
 #include <string.h>
 #include <sys/wait.h>
@@ -15,7 +14,7 @@
 #include "model/postures.h"
 #include "simulate/simulate.h"
 
-enum { MOST_PROCESSES = 64, POLL_MS = 100 };
+enum { MOST_PROCESSES = 64 };
 
 typedef enum { FOUND, TIED, OTHER, NONE, OUTCOMES } outcome;
 
@@ -93,33 +92,18 @@ static void run_share(check_task *task, mukca_diagnosis *d, int pipe_end, int fi
     }
 }
 
-/* Was one of the processes killed? */
-static bool any_killed(const pid_t *child, int n)
-{
-    for (int k = 0; k < n; k++) {
-        siginfo_t ended = {0};
-        if (waitid(P_PID, (id_t)child[k], &ended, WEXITED | WNOHANG | WNOWAIT) == 0 &&
-            ended.si_pid != 0 && ended.si_code != CLD_EXITED)
-            return true;
-    }
-    return false;
-}
-
 /* Count the outcomes until all recordings are diagnosed. */
-static mukca_status collect(cli_call *call, mukca_check *check, int pipe_end, const pid_t *child,
-                            int n)
+static mukca_status collect(cli_call *call, mukca_check *check, int pipe_end)
 {
     const int total = check->cause ? 2 * check->runs : check->runs;
     int *const count[OUTCOMES] = {&check->found, &check->tied, &check->other, &check->none};
-    struct pollfd waiting = {.fd = pipe_end, .events = POLLIN};
     for (int done = 0; done < total;) {
         answer got;
         cli_progress(call, "diagnosing simulations", done, total);
-        const int ready = poll(&waiting, 1, POLL_MS);
+        const ssize_t size = read(pipe_end, &got, sizeof got); /* 0: no process is left */
         if (cli_interrupted()) return MUKCA_INTERRUPTED;
-        const bool killed = any_killed(child, n);
-        if (!killed && (ready == 0 || (ready < 0 && errno == EINTR))) continue;
-        if (killed || ready < 0 || read(pipe_end, &got, sizeof got) != sizeof got)
+        if (size < 0 && errno == EINTR) continue;
+        if (size != sizeof got)
             return mukca_fail(&call->error, MUKCA_MEMORY,
                               "--check: a process ended early, after %d of %d recordings", done,
                               total);
@@ -161,7 +145,7 @@ static mukca_status run_all(cli_call *call, mukca_check *check, check_task *task
             started++;
     }
     close(ends[1]); /* reading then ends with the last process */
-    if (status == MUKCA_OK) status = collect(call, check, ends[0], child, started);
+    if (status == MUKCA_OK) status = collect(call, check, ends[0]);
     close(ends[0]);
     for (int k = 0; k < started; k++) {
         if (status != MUKCA_OK) kill(child[k], SIGKILL);

@@ -126,6 +126,17 @@ static mukca_status validate(steps *s, mukca_pool *pool, mukca_regression *m,
     return status;
 }
 
+/* Leave uncertain causes that increase the error on the test data out of what is applied. */
+static void drop_contradicted(steps *s, mukca_regression *m)
+{
+    mukca_unknowns *u = &m->unknowns;
+    if (s->findings.verdict != MUKCA_VERDICT_TIED || !(s->test.explained_m > s->test.geometry_m))
+        return;
+    for (int c = u->n_causes - 1; c >= 0; c--)
+        if (mukca_candidate_moves_arm(&u->cause[c].candidate)) mukca_unknowns_drop(u, c);
+    s->test.after_m = s->test.of_geometry_m;
+}
+
 /* Combine the results of all steps for the report. */
 static void assemble(mukca_diagnosis *d, const steps *s, const mukca_recording *recording)
 {
@@ -229,6 +240,7 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
         diagnosis->tracker = m->unknowns.log.tracker[0];
         if (status == MUKCA_OK && !options->no_folds)
             status = validate(s, &diagnosis->pool, m, options, error);
+        drop_contradicted(s, m);
         if (status == MUKCA_OK && options->applied) mukca_applied_fit(&diagnosis->applied, m);
     }
     assemble(diagnosis, s, recording);

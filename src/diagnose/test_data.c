@@ -63,7 +63,7 @@ mukca_status mukca_test_data_measure(mukca_test_errors *errors, mukca_pool *pool
         goto out;
     }
     double *position = MUKCA_TAKE(&t->pool, double, 3 * rows);
-    double *geometry_m = MUKCA_TAKE(&t->pool, double, rows), *row_error = NULL;
+    double *row_error = NULL;
     arm[0] = mukca_unknowns_nominal_arm(&m->unknowns, m->recording.chain);
     arm[1] = mukca_unknowns_arm(&m->unknowns);
     const mukca_arm_state *const step[3] = {&arm[0], geometry_only, &arm[1]};
@@ -73,8 +73,9 @@ mukca_status mukca_test_data_measure(mukca_test_errors *errors, mukca_pool *pool
     errors->n_placements = test->n_placements;
     errors->placement_m = MUKCA_TAKE(pool, double, test->n_placements + 1);
     errors->before_m = MUKCA_TAKE(pool, double, rows);
+    errors->of_geometry_m = MUKCA_TAKE(pool, double, rows);
     errors->after_m = MUKCA_TAKE(pool, double, rows);
-    double *const rows_of[3] = {errors->before_m, geometry_m, errors->after_m};
+    double *const rows_of[3] = {errors->before_m, errors->of_geometry_m, errors->after_m};
     for (int s = 0; s < 3 && !t->pool.failed && !pool->failed; s++) {
         if (s == 2 && !carry_causes(t, m)) break;
         row_error = rows_of[s];

@@ -8,8 +8,8 @@
 typedef struct {
     double nominal_m, geometry_m, explained_m;
     int n_placements;
-    double *placement_m;        /* [n_placements] of explained_m, NULL: none */
-    double *before_m, *after_m; /* [n_rows] of nominal_m and explained_m */
+    double *placement_m;                        /* [n_placements] of explained_m, NULL: none */
+    double *before_m, *of_geometry_m, *after_m; /* [n_rows] of the three */
 } mukca_test_errors;
 
 /* Predict the rows of `test` with the nominal geometry, with one fitted without causes, and with

@@ -3,18 +3,17 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/text.h"
-#include "fit/frames.h"
 #include "fit/tip_error.h"
 #include "math/stats.h"
 #include "model/postures.h"
 
-/* Measurement noise above this, m, means that the samples are of another arm: five times that of
- * the worst published arm.  So do several postures that any arm misses (tip_error.h). */
-static const double foreign_noise = 10e-3;
+/* Measurement noise and an error of the nominal model above these, m, mean that the samples are of
+ * another arm: four times those of the worst of 40 published recordings.  So do several postures
+ * that any arm misses (tip_error.h). */
+static const double foreign_noise = 10e-3, foreign_arm = 50e-3;
 enum { SEVERAL = 3, LEAST_POSTURES = 3 };
 
 /* Test data contradict the others if their error is this multiple of that of the others, and more
@@ -65,11 +64,23 @@ static bool changes_arm(const mukca_offsets *table, const mukca_tip_change_task 
     return any;
 }
 
+/* Refuse for lack of an improvement: say what to do. */
+static void advise(mukca_acceptance *a, const mukca_tip_error *tip, const char *otherwise)
+{
+    const size_t used = strlen(a->reason), size = sizeof a->reason - used;
+    if (tip->outliers)
+        snprintf(a->reason + used, size,
+                 "; %d of %d postures deviate%s from the others, by up to %.3g mm: correct or "
+                 "exclude these samples (mukca diagnose lists them)",
+                 tip->outliers, tip->postures, tip->outliers > 1 ? "" : "s", 1e3 * tip->worst_m);
+    else
+        snprintf(a->reason + used, size, "; %s", otherwise);
+}
+
 static bool judge_samples(mukca_acceptance *a, const mukca_accept_task *task,
                           const mukca_tip_error *tip, bool changes)
 {
-    const double nominal_m = a->error_nominal_m, difference = a->error_m - nominal_m,
-                 margin = interval * a->error_sigma_m;
+    const double nominal_m = a->error_nominal_m, margin = interval * a->error_sigma_m;
     if (task->misfit)
         mukca_acceptance_refuse(a, "%s", task->misfit);
     else if (a->noise_m >= foreign_noise)
@@ -95,14 +106,15 @@ static bool judge_samples(mukca_acceptance *a, const mukca_accept_task *task,
     else if (tip->postures < LEAST_POSTURES)
         mukca_acceptance_refuse(a, "the samples are of %d different %s; record others",
                                 tip->postures, tip->postures > 1 ? "postures" : "posture");
-    else if (!(difference < (changes ? -margin : margin)))
-        mukca_acceptance_refuse(a,
-                                "held-out error %.4g mm, no better than the nominal model with "
-                                "%.4g mm (standard error of the difference %.2g mm); record more "
-                                "samples",
-                                1e3 * a->error_m, 1e3 * nominal_m, 1e3 * a->error_sigma_m);
-    else
+    else if (a->error_m < nominal_m + (changes ? -margin : margin))
         return true;
+    else {
+        mukca_acceptance_refuse(a,
+                                "held-out error %.4g mm, nominal %.4g mm (standard error of the "
+                                "difference %.2g mm): no sure improvement",
+                                1e3 * a->error_m, 1e3 * nominal_m, 1e3 * a->error_sigma_m);
+        advise(a, tip, "record more postures; mukca diagnose identifies other causes");
+    }
     return false;
 }
 
@@ -120,29 +132,30 @@ static void judge_tip(mukca_acceptance *a, const mukca_tip_error *tip, const muk
     const double *p = tip->probability;
     char stuck[96];
     list_joints(stuck, tip->stuck, chain);
-    if (stuck[0])
+    if (stuck[0]) {
         mukca_acceptance_refuse(a,
                                 "%s did not move, but the errors are those of a tip that turns "
                                 "about it; check the encoder and the column",
                                 stuck);
-    else if (!(p[MUKCA_HERE] >= sure && a->error_here_m < a->error_before_here_m))
-        mukca_acceptance_refuse(a,
-                                "expected error of the tip %.3g mm, nominal %.3g mm, from %.0f "
-                                "different postures: no sure improvement; record more of them, and "
-                                "look for faulty samples with mukca diagnose",
-                                1e3 * a->error_here_m, 1e3 * a->error_before_here_m, a->postures);
-    else if (!(p[MUKCA_ELSEWHERE] >= (a->at_rest[0] ? sure : 1 - sure)))
+    } else if (!(a->error_before_here_m < foreign_arm + tip->tool_m)) {
         mukca_acceptance_refuse(
             a,
-            "expected error of the tip %.3g mm within the joint limits, nominal "
-            "%.3g mm%s%s%s; record postures over wider joint ranges",
-            1e3 * a->error_workspace_m, 1e3 * a->error_before_m, a->at_rest[0] ? " (" : "",
-            a->at_rest, a->at_rest[0] ? " did not move: is the encoder stuck?)" : "");
-    else if (!(a->tip_change_sigma <= MUKCA_MOST_TIP_SIGMA))
+            "the samples are of an arm whose tip is %.3g mm from that of the "
+            "nominal model; check the URDF, joint zeros, columns, labels, distances",
+            1e3 * a->error_before_here_m);
+    } else if (!(p[MUKCA_HERE] >= sure && a->error_here_m < a->error_before_here_m)) {
         mukca_acceptance_refuse(a,
-                                "moves the tip by %.4g mm, %.1f standard deviations of its prior; "
-                                "check the URDF and the samples",
-                                1e3 * a->tip_change_m, a->tip_change_sigma);
+                                "expected error of the tip %.3g mm, nominal %.3g mm, from %.0f "
+                                "different postures: no sure improvement",
+                                1e3 * a->error_here_m, 1e3 * a->error_before_here_m, a->postures);
+        advise(a, tip, "record more of them");
+    } else if (!(p[MUKCA_ELSEWHERE] >= 1 - sure)) {
+        mukca_acceptance_refuse(a,
+                                "expected error of the tip %.3g mm within the joint limits, "
+                                "nominal %.3g mm",
+                                1e3 * a->error_workspace_m, 1e3 * a->error_before_m);
+        advise(a, tip, "record postures over wider joint ranges");
+    }
 }
 
 mukca_status mukca_accept(mukca_offsets *table, const mukca_accept_task *task, mukca_error *error)
@@ -187,52 +200,18 @@ void mukca_fit_offsets(mukca_offsets *offsets, const mukca_fit *fit)
     }
 }
 
-/* Errors of the test data, as mukca_fit_cross_validate gives those of held-out samples; the data of
- * `r` are those of the caller. */
-static mukca_status predict_test(mukca_cross_validation *r, const mukca_fit *fit,
-                                 const mukca_dataset *data, const mukca_dataset *test,
-                                 const mukca_fit_options *options, mukca_error *error)
-{
-    double start[MUKCA_MAX_THETA];
-    const mukca_model nominal = {.chain = &fit->chain, .theta = start},
-                      fitted = {.chain = &fit->chain, .theta = fit->theta};
-    const size_t room = (size_t)test->n_rows + 1;
-    *r = (mukca_cross_validation){.before = malloc(room * sizeof *r->before),
-                                  .after = malloc(room * sizeof *r->after)};
-    mukca_status status =
-        mukca_frames_start(start, &fit->chain, data, options->free_base, options->free_tool, error);
-    if (status == MUKCA_OK &&
-        (!r->before || !r->after || !mukca_evaluate_rows(r->before, &nominal, test) ||
-         !mukca_evaluate_rows(r->after, &fitted, test)))
-        status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    if (status != MUKCA_OK) mukca_cross_validation_free(r);
-    return status;
-}
-
-/* Errors of the test data, else cross-validated. */
-static mukca_status hold_out(mukca_cross_validation *r, const mukca_fit *fit,
-                             const mukca_chain *chain, const mukca_dataset *data,
-                             const mukca_dataset *test, const mukca_fit_options *options,
-                             mukca_error *error)
-{
-    mukca_fit_options inner = *options;
-    inner.start = fit->theta;
-    return test && test->n_rows > 0 ? predict_test(r, fit, data, test, options, error)
-                                    : mukca_fit_cross_validate(r, chain, data, &inner, error);
-}
-
 mukca_status mukca_fit_compare(mukca_difference *difference, const mukca_fit *const fits[2],
                                const mukca_fit_options options[2], const mukca_chain *chain,
                                const mukca_dataset *data, const mukca_dataset *test,
                                mukca_error *error)
 {
     mukca_cross_validation r[2];
-    mukca_status status = hold_out(&r[0], fits[0], chain, data, test, &options[0], error);
+    mukca_status status =
+        mukca_fit_cross_validate(&r[0], fits[0], chain, data, test, &options[0], error);
     if (status != MUKCA_OK) return status;
-    status = hold_out(&r[1], fits[1], chain, data, test, &options[1], error);
+    status = mukca_fit_cross_validate(&r[1], fits[1], chain, data, test, &options[1], error);
     if (status == MUKCA_OK) {
-        status = mukca_difference_find(difference, r[0].after, r[1].after,
-                                       test->n_rows ? test : &r[0].data, error);
+        status = mukca_difference_find(difference, r[0].after, r[1].after, r[0].held, error);
         mukca_cross_validation_free(&r[1]);
     }
     mukca_cross_validation_free(&r[0]);
@@ -246,9 +225,9 @@ mukca_status mukca_accept_fit(mukca_offsets *offsets, const mukca_fit *fit,
 {
     mukca_acceptance *a = &offsets->acceptance;
     mukca_cross_validation r;
-    const bool tested = test && test->n_rows > 0;
-    mukca_status status = hold_out(&r, fit, chain, data, test, options, error);
+    mukca_status status = mukca_fit_cross_validate(&r, fit, chain, data, test, options, error);
     if (status != MUKCA_OK) return status;
+    const bool tested = r.held == test;
     a->converged = fit->converged;
     a->noise_m = fit->identification.noise;
     a->parameters = fit->parameters.n;
@@ -267,7 +246,7 @@ mukca_status mukca_accept_fit(mukca_offsets *offsets, const mukca_fit *fit,
                                         .data = data,
                                         .base_frame = options->free_base,
                                         .tool_frame = options->free_tool},
-                             .held = tested ? test : &r.data,
+                             .held = r.held,
                              .before = r.before,
                              .after = r.after,
                              .stop = mukca_stop_text(fit->outcome.stop),

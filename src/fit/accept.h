@@ -18,20 +18,23 @@ mukca_status mukca_difference_find(mukca_difference *difference, const double *b
                                    const double *after, const mukca_dataset *data,
                                    mukca_error *error);
 
-/* ---- held-out error: each fold is predicted by a fit to the others (cross_validation.c) ---- */
+/* ---- held-out errors: test data, or each fold predicted by a fit to the others
+ * (cross_validation.c) ---- */
 
 typedef struct {
-    int folds;              /* 0: too few samples, nothing is predicted */
-    bool placements;        /* folds are placements; else blocks of consecutive samples */
-    mukca_dataset data;     /* the samples, or a part of a long recording */
-    double *before, *after; /* [data.n_rows] errors of held-out samples by the nominal model, with
-                               the free frames aligned, and by the fit, m; NaN: not measured */
+    const mukca_dataset *held; /* test data, else `data` */
+    int folds;                 /* 0: test data; or too few samples, nothing is predicted */
+    bool placements;           /* folds are placements; else blocks of consecutive samples */
+    mukca_dataset data;        /* the samples, or a part of a long recording */
+    double *before, *after;    /* [held->n_rows] errors by the nominal model, with the free frames
+                                  aligned, and by the fit, m; NaN: not measured */
 } mukca_cross_validation;
 
-/* Fit as mukca_fit_run does, by Gauss-Newton from options->start.  Errors: those of mukca_fit_run.
- */
-mukca_status mukca_fit_cross_validate(mukca_cross_validation *result, const mukca_chain *chain,
-                                      const mukca_dataset *data, const mukca_fit_options *options,
+/* Errors of a fit to `data` on `test`; if it is NULL or empty, of fits by Gauss-Newton to parts of
+ * the data.  Do not copy the result.  Errors: those of mukca_fit_run. */
+mukca_status mukca_fit_cross_validate(mukca_cross_validation *result, const mukca_fit *fit,
+                                      const mukca_chain *chain, const mukca_dataset *data,
+                                      const mukca_dataset *test, const mukca_fit_options *options,
                                       mukca_error *error);
 void mukca_cross_validation_free(mukca_cross_validation *result);
 

@@ -16,8 +16,9 @@ enum { STEPS = 4, WEIGHINGS = 5 };
 static const double noise_weight = 10, scale_weight = 10, most_scale = 4, freedom = 4;
 
 /* Standard deviation of a socket distance, m; an error of the nominal arm's distance that is that
- * of a label, as in diagnose; an error beyond any arm and noise. */
-static const double distance_sigma = 1e-4, wrong_label = 0.02, gross_error = 0.1;
+ * of a label, as in diagnose; an error beyond any arm and noise; a ratio to the noise of which the
+ * weight is below 0.07. */
+static const double distance_sigma = 1e-4, wrong_label = 0.02, gross_error = 0.1, outlier = 10;
 
 /* Of the logarithm of the ratio of the residuals' variances across and along the axis of a joint:
  * 1 % of 1200 joints that moved, in 200 recordings, are beyond twice this. */
@@ -280,7 +281,8 @@ static void weigh(mukca_arm_posterior *p)
     const int n = p->n;
     double b[MUKCA_NUISANCE], v[3], squares = 0, known = 0, of_arm = 0, deviation = 0;
     int count = 0;
-    p->gross = 0;
+    p->outliers = p->gross = 0;
+    p->worst_m = 0;
     memset(p->inverse, 0, (size_t)(n * n) * sizeof *p->inverse);
     for (int i = 0; i < n; i++) p->inverse[i * n + i] = 1;
     mukca_dense_forward(p->inverse, n, p->L, n);
@@ -303,7 +305,9 @@ static void weigh(mukca_arm_posterior *p)
             const double e = residual(v, p, o, b), z = e / p->noise;
             o->weight = (freedom + 3) / (freedom + z * z);
             squares += o->weight * e * e;
+            p->outliers += z > outlier;
             p->gross += e > gross_error;
+            p->worst_m = fmax(p->worst_m, e);
             count += 3;
         }
     }

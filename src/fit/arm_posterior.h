@@ -39,7 +39,8 @@ typedef struct {
     mukca_arm_observation *list;
     int *of_row; /* [n_rows] observation */
     double noise, scale;
-    int gross; /* observations with an error beyond any arm and noise */
+    int outliers, gross; /* observations beyond the noise; beyond any arm and noise */
+    double worst_m;      /* largest error of an observation */
     mukca_pool pool;
 } mukca_arm_posterior;
 

@@ -10,7 +10,10 @@
 #include "model/postures.h"
 
 enum {
-    BLOCKS = 5,      /* of consecutive samples, which are correlated; as in diagnose */
+    /* Blocks of consecutive samples, which are correlated: more leave more to the fit.  The errors
+     * of a socket are about the mean of its block, and vanish with its size. */
+    SOCKET_BLOCKS = 5,
+    BLOCKS = 10,
     MOST_FOLDS = 10, /* more placements are merged */
     /* Beyond this number only a part of the samples is fitted and predicted: enough for the
      * parameters of any geometry, and its mean error is known to 1 %. */
@@ -40,7 +43,8 @@ static int assign(int *fold, bool *placements, const mukca_dataset *data)
         else if (first < i && data->socket[first] + 1 == s)
             fold[i] = fold[first];
         else
-            fold[i] = MOST_FOLDS + (int)((long long)BLOCKS * before / count[s]);
+            fold[i] =
+                MOST_FOLDS + (int)((long long)(s > 0 ? SOCKET_BLOCKS : BLOCKS) * before / count[s]);
         used[fold[i]] = true;
     }
     for (int f = 0; f < MOST_FOLDS + BLOCKS; f++) index[f] = used[f] ? n++ : -1;
@@ -50,23 +54,20 @@ static int assign(int *fold, bool *placements, const mukca_dataset *data)
     return failed ? -1 : n;
 }
 
-/* Errors of the held-out samples by the nominal model and by a fit to the others. */
-static mukca_status hold_out(double *before, double *after, const mukca_chain *chain,
-                             const mukca_dataset *train, const mukca_dataset *held,
-                             const mukca_fit_options *options, mukca_error *error)
+/* Errors of the held-out samples by the nominal model, with the frames aligned to `train`, and by
+ * the fit. */
+static mukca_status predict(double *before, double *after, const mukca_fit *fit,
+                            const mukca_dataset *train, const mukca_dataset *held,
+                            const mukca_fit_options *options, mukca_error *error)
 {
-    mukca_fit fit = {0};
     double start[MUKCA_MAX_FREE];
-    mukca_status status = mukca_fit_run(&fit, chain, train, options, error);
-    if (status != MUKCA_OK) return status;
-    const mukca_model nominal = {.chain = &fit.chain, .theta = start},
-                      fitted = {.chain = &fit.chain, .theta = fit.theta};
-    status =
-        mukca_frames_start(start, &fit.chain, train, options->free_base, options->free_tool, error);
+    const mukca_model nominal = {.chain = &fit->chain, .theta = start},
+                      fitted = {.chain = &fit->chain, .theta = fit->theta};
+    const mukca_status status = mukca_frames_start(start, &fit->chain, train, options->free_base,
+                                                   options->free_tool, error);
     if (status == MUKCA_OK && (!mukca_evaluate_rows(before, &nominal, held) ||
                                !mukca_evaluate_rows(after, &fitted, held)))
-        status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    mukca_fit_free(&fit);
+        return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     return status;
 }
 
@@ -79,26 +80,41 @@ static mukca_status predict_fold(mukca_cross_validation *r, const int *fold, int
     unsigned char *keep = malloc((size_t)rows + 1);
     double *errors = malloc(2 * ((size_t)rows + 1) * sizeof *errors);
     mukca_dataset part[2] = {{0}};
-    mukca_status status = MUKCA_OK;
-    if (!keep || !errors) {
-        free(keep);
-        free(errors);
-        return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    }
+    mukca_fit fit = {0};
+    mukca_status status =
+        keep && errors ? MUKCA_OK : mukca_fail(error, MUKCA_MEMORY, "out of memory");
     for (int held = 0; held < 2 && status == MUKCA_OK; held++) {
         for (int i = 0; i < rows; i++) keep[i] = (fold[i] == f) == held;
         status = mukca_dataset_subset(&part[held], &r->data, keep, error);
     }
+    if (status == MUKCA_OK) status = mukca_fit_run(&fit, chain, &part[0], options, error);
     if (status == MUKCA_OK)
-        status = hold_out(errors, errors + rows, chain, &part[0], &part[1], options, error);
+        status = predict(errors, errors + rows, &fit, &part[0], &part[1], options, error);
     for (int i = 0, k = 0; i < rows && status == MUKCA_OK; i++) {
         if (fold[i] != f) continue;
         r->before[i] = errors[k];
         r->after[i] = errors[rows + k++];
     }
     for (int held = 0; held < 2; held++) mukca_dataset_free(&part[held]);
+    mukca_fit_free(&fit);
     free(keep);
     free(errors);
+    return status;
+}
+
+/* Predict each fold of r->data from the others. */
+static mukca_status predict_folds(mukca_cross_validation *r, const mukca_chain *chain,
+                                  const mukca_fit_options *options, mukca_error *error)
+{
+    int *fold = malloc(((size_t)r->data.n_rows + 1) * sizeof *fold);
+    const int n = fold ? assign(fold, &r->placements, &r->data) : -1;
+    mukca_status status =
+        n < 0 ? mukca_fail(error, MUKCA_MEMORY, "out of memory for the folds") : MUKCA_OK;
+    r->folds = n > 1 ? n : 0;
+    for (int i = 0; i < r->data.n_rows; i++) r->before[i] = r->after[i] = NAN;
+    for (int f = 0; f < r->folds && status == MUKCA_OK; f++)
+        status = predict_fold(r, fold, f, chain, options, error);
+    free(fold);
     return status;
 }
 
@@ -110,27 +126,28 @@ void mukca_cross_validation_free(mukca_cross_validation *r)
     *r = (mukca_cross_validation){0};
 }
 
-mukca_status mukca_fit_cross_validate(mukca_cross_validation *r, const mukca_chain *chain,
-                                      const mukca_dataset *data, const mukca_fit_options *options,
+mukca_status mukca_fit_cross_validate(mukca_cross_validation *r, const mukca_fit *fit,
+                                      const mukca_chain *chain, const mukca_dataset *data,
+                                      const mukca_dataset *test, const mukca_fit_options *options,
                                       mukca_error *error)
 {
+    const bool tested = test && test->n_rows > 0;
+    mukca_status status = MUKCA_OK;
     mukca_fit_options inner = *options;
+    inner.start = fit->theta;
     inner.solver = NULL;
     inner.parameters_only = true;
-    *r = (mukca_cross_validation){0};
-    mukca_status status = mukca_part_take(&r->data, data, MOST_SAMPLES, error);
+    *r = (mukca_cross_validation){.held = tested ? test : &r->data};
+    if (!tested) status = mukca_part_take(&r->data, data, MOST_SAMPLES, error);
     if (status != MUKCA_OK) return status;
-    const size_t room = (size_t)r->data.n_rows + 1;
-    int *fold = malloc(room * sizeof *fold);
-    r->before = malloc(room * sizeof *r->before);
-    r->after = malloc(room * sizeof *r->after);
-    const int n = fold && r->before && r->after ? assign(fold, &r->placements, &r->data) : -1;
-    if (n < 0) status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    r->folds = n > 1 ? n : 0;
-    for (int i = 0; i < r->data.n_rows && n >= 0; i++) r->before[i] = r->after[i] = NAN;
-    for (int f = 0; f < r->folds && status == MUKCA_OK; f++)
-        status = predict_fold(r, fold, f, chain, &inner, error);
-    free(fold);
+    r->before = malloc(((size_t)r->held->n_rows + 1) * sizeof *r->before);
+    r->after = malloc(((size_t)r->held->n_rows + 1) * sizeof *r->after);
+    if (!r->before || !r->after)
+        status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    else if (tested)
+        status = predict(r->before, r->after, fit, data, test, options, error);
+    else
+        status = predict_folds(r, chain, &inner, error);
     if (status != MUKCA_OK) mukca_cross_validation_free(r);
     return status;
 }

@@ -18,6 +18,8 @@ static const double simpler = 0.5;
  * single joints. */
 enum { MOST_PATTERNS = 8, MOST_SAMPLES = 500 };
 
+static const mukca_mismatch none = {.exchanged = {-1, -1}, .shifted = -1, .coupled = -1};
+
 typedef struct {
     const mukca_chain *chain;
     mukca_dataset *data;
@@ -69,15 +71,9 @@ static void try(mukca_mismatch *best, search *s, const mukca_mismatch *change)
     best->after_m = after;
 }
 
-static bool is_one_joint(unsigned pattern)
-{
-    return pattern && !(pattern & (pattern - 1));
-}
-
 /* All changes, the simple ones first. */
 static void try_all(mukca_mismatch *best, search *s)
 {
-    const mukca_mismatch none = {.exchanged = {-1, -1}, .shifted = -1, .coupled = -1};
     const int n = s->chain->n_joints;
     mukca_mismatch change = none;
     for (int j = 0; j < n; j++, change = none) {
@@ -102,7 +98,7 @@ static void try_all(mukca_mismatch *best, search *s)
     }
     for (unsigned pattern = 1; n <= MOST_PATTERNS && pattern < 1u << n; pattern++) {
         change.reversed = pattern;
-        if (!is_one_joint(pattern)) try(best, s, &change);
+        if (pattern & (pattern - 1)) try(best, s, &change); /* several joints */
     }
 }
 
@@ -111,7 +107,7 @@ mukca_status mukca_mismatch_find(mukca_mismatch *mismatch, const mukca_chain *ch
                                  mukca_error *error)
 {
     mukca_dataset part = {0};
-    *mismatch = (mukca_mismatch){.exchanged = {-1, -1}, .shifted = -1, .coupled = -1};
+    *mismatch = none;
     const mukca_status status = mukca_part_take(&part, data, MOST_SAMPLES, error);
     if (status != MUKCA_OK) return status;
     const size_t size = (size_t)part.n_rows * (size_t)part.n_joints * sizeof *part.q;

@@ -137,8 +137,11 @@ mukca_status mukca_tip_error_expect(mukca_tip_error *out, const mukca_tip_change
         *here = p->chain;
         find_ranges(out, here, &p->data);
         out->postures = p->postures;
-        out->noise_m = p->noise;
+        out->outliers = p->outliers;
         out->gross = p->gross;
+        out->worst_m = p->worst_m;
+        const int tip = MUKCA_PARAMETERS * mukca_chain_tip_element(&p->chain);
+        if (tip >= 0) out->tool_m = mukca_distance3(p->theta + tip, p->nominal + tip);
         for (int j = 0; j < here->n_joints; j++)
             out->stuck[j] = out->at_rest[j] && mukca_arm_posterior_turns(p, j);
     }

@@ -15,8 +15,9 @@ typedef struct {
     double before_m[MUKCA_RANGES], after_m[MUKCA_RANGES]; /* mean error of the tip */
     double low_m[MUKCA_RANGES], high_m[MUKCA_RANGES];     /* 95 % interval of after_m */
     double probability[MUKCA_RANGES]; /* that the table's mean error is the smaller one */
-    double noise_m;                   /* measurement noise per axis, by a robust fit */
-    int gross;                        /* postures that this fit misses by hundreds of mm */
+    int outliers, gross; /* postures that deviate from a robust fit, those by more than any arm */
+    double worst_m;      /* the largest of these deviations */
+    double tool_m;       /* displacement of the tip on its link, from the nominal one */
 } mukca_tip_error;
 
 /* Fit geometry and effects to task->data by Gauss-Newton, with the priors of posterior.h in a scale

@@ -345,8 +345,8 @@ void mukca_wording_next(char text[MUKCA_WORDING], const mukca_diagnosed *r)
             "samples over their range");
     else if (mukca_wording_worse(d))
         put(text,
-            "use the geometry alone (mukca calibrate), which predicts the test data better, until "
-            "more samples decide");
+            "record more samples; until these decide, -o writes the geometry alone, which predicts "
+            "the test data better");
     else if (d->n_causes && mukca_next_poses_need_readings(&d->causes[0]))
         put(text,
             "record readings and commands (columns JOINT and JOINT.command): they separate servo "

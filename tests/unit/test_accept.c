@@ -164,4 +164,22 @@ TEST(gross_errors_are_no_outliers)
     refused_for("do not fit this arm");
 }
 
+/* Samples of another socket spoil the fit, not the judgement. */
+TEST(deviating_samples_are_counted)
+{
+    for (int i = 0; i < 8; i++) data.socket[20 + i] ^= 1;
+    refused_for("8 of ");
+    assert_non_null(strstr(table.acceptance.reason, "deviate from the others, by up to 5"));
+}
+
+/* An encoder counts from another zero; the distance of the sockets scales the whole arm. */
+TEST(another_zero_is_another_arm)
+{
+    for (int i = 0; i < data.n_distances; i++) data.distances[i].distance *= 1.2;
+    refused_for("check the URDF, joint zeros");
+    for (int i = 0; i < data.n_distances; i++) data.distances[i].distance /= 1.2;
+    for (int i = 0; i < data.n_rows; i++) data.q[i * data.n_joints + 1] += 0.2;
+    refused_for("check the URDF, joint zeros");
+}
+
 TEST_EACH(set_up, tear_down)

@@ -71,4 +71,4 @@ refuse 3 'did not pass: ' fk $a --offsets wrong.tsv good/hole_0.csv
 
 # an arm that is as its model says: a calibration cannot improve it
 run simulate $a --seed 3 --placements 3 --rows 8 --noise 1e-3 -o nominal.tsv
-doubt 'no better than the nominal' calibrate $a nominal.tsv -o wrong.tsv --force
+doubt 'no sure improvement' calibrate $a nominal.tsv -o wrong.tsv --force
