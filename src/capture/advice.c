@@ -5,8 +5,8 @@
 
 #include "base/pool.h"
 #include "capture/capture.h"
-#include "fit/coincide.h"
-#include "fit/observe_jacobian.h"
+#include "fit/evaluate.h"
+#include "fit/poses.h"
 #include "math/dense.h"
 #include "math/random.h"
 

@@ -26,17 +26,17 @@ mukca_status mukca_capture_init(mukca_capture *capture, const mukca_chain *chain
         s->labels = two_sockets;
     }
     capture->chain = chain;
-    mukca_status status = mukca_linearisation_init(&capture->model, chain, theta, error);
-    if (status != MUKCA_OK) return status;
+    mukca_linearisation_init(&capture->model, chain, theta);
     memcpy(capture->start, capture->model.theta, sizeof capture->start);
-    mukca_posterior_prior(capture->sigma, &capture->model);
+    mukca_posterior_prior(capture->sigma, chain, &capture->model.parameters);
     size_t n_free = (size_t)capture->model.parameters.n;
     capture->factor = calloc(n_free * n_free, sizeof *capture->factor);
     size_t n = (size_t)chain->n_joints;
     capture->time = calloc(2 * MUKCA_CAPTURE_RING, sizeof *capture->time);
     capture->values = calloc(MUKCA_CAPTURE_RING * 3 * n, sizeof *capture->values);
-    status = mukca_dataset_create(&capture->rows, MUKCA_CAPTURE_MAX_ROWS, chain->n_joints,
-                                  MUKCA_CAPTURE_MAX_SOCKETS, MUKCA_CAPTURE_MAX_PLACEMENTS, error);
+    mukca_status status =
+        mukca_dataset_create(&capture->rows, MUKCA_CAPTURE_MAX_ROWS, chain->n_joints,
+                             MUKCA_CAPTURE_MAX_SOCKETS, MUKCA_CAPTURE_MAX_PLACEMENTS, error);
     if (status == MUKCA_OK && (!capture->time || !capture->values || !capture->factor))
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
     mukca_capture_clear(capture);

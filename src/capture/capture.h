@@ -82,8 +82,7 @@ typedef struct {
 } mukca_capture;
 
 /* `chain`, and settings->labels, must outlive the capture; theta[6 * n_elements] (NULL: nominal) is
- * the initial model.  Free with mukca_capture_free.  Errors: MUKCA_MEMORY, MUKCA_USAGE (no
- * joint). */
+ * the initial model.  Free with mukca_capture_free.  Errors: MUKCA_MEMORY. */
 mukca_status mukca_capture_init(mukca_capture *capture, const mukca_chain *chain,
                                 const double *theta, const mukca_capture_settings *settings,
                                 mukca_error *error);

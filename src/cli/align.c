@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "cli/cli.h"
-#include "fit/two_arms.h"
+#include "fit/align.h"
 #include "model/dataset_subset.h"
 #include "mukca/corrected.h"
 

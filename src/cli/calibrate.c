@@ -6,7 +6,7 @@
 #include "cli/calibrate.h"
 #include "cli/traits.h"
 #include "diagnose/recording.h"
-#include "fit/frames.h"
+#include "fit/align.h"
 #include "fit/mismatch.h"
 #include "fit/solver.h"
 #include "io/summary.h"

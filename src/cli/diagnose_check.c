@@ -12,7 +12,7 @@
 
 #include "cli/diagnose.h"
 #include "diagnose/cause.h"
-#include "model/postures.h"
+#include "model/dataset_subset.h"
 #include "simulate/simulate.h"
 
 enum { MOST_PROCESSES = 64, POLL_MS = 100 };

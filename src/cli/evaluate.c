@@ -5,8 +5,8 @@
 #include <unistd.h>
 
 #include "cli/scores.h"
-#include "fit/cross_training.h"
-#include "fit/frames.h"
+#include "fit/align.h"
+#include "fit/evaluate.h"
 
 typedef struct {
     cli_common common;

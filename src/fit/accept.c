@@ -7,10 +7,10 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "fit/frames.h"
+#include "fit/align.h"
 #include "fit/tip_error.h"
 #include "math/stats.h"
-#include "model/postures.h"
+#include "model/dataset_subset.h"
 
 /* Measurement noise above this, m, means that the samples are of another arm: five times that of
  * the worst published arm.  So do several postures that any arm misses (tip_error.h). */

@@ -3,10 +3,8 @@
 #include <string.h>
 
 #include "fit/arm_posterior.h"
-#include "fit/part.h"
 #include "fit/posterior.h"
-#include "fit/selection.h"
-#include "model/postures.h"
+#include "model/dataset_subset.h"
 
 enum { MOST_ROWS = 5000 }; /* as in diagnose */
 
@@ -45,11 +43,9 @@ static void list_observations(mukca_arm_posterior *p)
 static mukca_status set_up(mukca_arm_posterior *p, mukca_error *error)
 {
     const mukca_tip_change_task *task = p->task;
-    const mukca_selection standard = {0};
     if (p->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    mukca_status status = mukca_parameters_select(&p->parameters, &p->chain, &standard, error);
-    if (status != MUKCA_OK) return status;
-    const int tip = mukca_chain_tip_element(&p->chain), last = p->chain.n_elements - 1;
+    mukca_parameters_set(&p->parameters, &p->chain, NULL, false);
+    const int last = p->chain.n_elements - 1;
     mukca_chain_theta(p->theta, &p->chain);
     for (int i = 0; i < MUKCA_PARAMETERS && task->tool_frame; i++)
         p->theta[MUKCA_PARAMETERS * last + i] = p->to[MUKCA_PARAMETERS * last + i];
@@ -58,7 +54,7 @@ static mukca_status set_up(mukca_arm_posterior *p, mukca_error *error)
     for (int i = 0; i < p->parameters.n; i++)
         if (!task->tool_frame || p->parameters.index[i] / MUKCA_PARAMETERS != last)
             p->parameters.index[p->n_geometry++] = p->parameters.index[i];
-    p->n = p->n_geometry;
+    p->n = p->parameters.n = p->n_geometry;
     for (int e = 0; e < task->to->n_effects; e++) p->n += p->effects[e].terms;
     p->width = MUKCA_NUISANCE + p->n + 1;
     p->n_groups = p->data.n_sockets + p->data.n_files * (p->data.n_targets + 1);
@@ -73,12 +69,7 @@ static mukca_status set_up(mukca_arm_posterior *p, mukca_error *error)
     p->group_weight = MUKCA_TAKE(&p->pool, double, p->n_groups + 1);
     for (int i = 0; i < p->n_list; i++) p->list[i].x = MUKCA_TAKE(&p->pool, double, 3 * p->width);
     if (p->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    static const double prior[] = {MUKCA_PRIOR_LENGTH, MUKCA_PRIOR_ANGLE};
-    for (int i = 0; i < p->n_geometry; i++) {
-        const int at = p->parameters.index[i];
-        p->sigma[i] =
-            at / MUKCA_PARAMETERS == tip ? MUKCA_PRIOR_TOOL : prior[at % MUKCA_PARAMETERS >= 3];
-    }
+    mukca_posterior_prior(p->sigma, &p->chain, &p->parameters);
     for (int c = p->n_geometry; c < p->n; c++) { /* nearly flat: the evidence named the effect */
         double *value = mukca_arm_posterior_coefficient(p, c - p->n_geometry);
         p->sigma[c] = fmax(3 * fabs(*value), 1e-12);

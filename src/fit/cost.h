@@ -20,7 +20,7 @@ typedef struct {
     bool no_distortion;      /* no distances between sockets */
     mukca_gradient gradient; /* method of an element's derivative */
     const double *theta;     /* [6 * n_elements] values of frozen parameters; NULL: nominal */
-    /* for mukca_cost_setup (cost_normal.h): */
+    /* for mukca_cost_setup (solver.h): */
     bool nominal_means; /* of sockets (older closed-chain method), not their own */
     mukca_cost *part;   /* NULL: none */
 } mukca_cost_options;

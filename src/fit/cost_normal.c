@@ -1,9 +1,9 @@
 /* The cost with measured poses, its Gauss-Newton Hessian, held directions. */
-#include "fit/cost_normal.h"
+#include "fit/solver.h"
 
 #include <string.h>
 
-#include "fit/observe_jacobian.h"
+#include "fit/poses.h"
 #include "math/dense.h"
 
 static double along(const double *v, const double *x, int n)

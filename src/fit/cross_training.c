@@ -1,5 +1,5 @@
 /* Errors on placements that were not used for training: one fit for each choice of placements. */
-#include "fit/cross_training.h"
+#include "fit/evaluate.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -49,4 +49,37 @@ static inline size_t mukca_evaluate_room(const mukca_dataset *data)
 int mukca_evaluate(mukca_score *scores, mukca_score *mean, const mukca_model *model,
                    const mukca_dataset *data);
 
+/* ---- pairs of socket labels that were recorded in one socket ---- */
+
+/* apart[n_distances]: distance between the centres of two sockets, m, if both labels appear to have
+ * been recorded in one socket, else NaN.  Criterion: the distance is below the rms error of the
+ * samples about the centres or below 8 % of the known distance, and that rms error is below a
+ * quarter of the known distance: a model with so small an error does not misplace a socket by so
+ * much.  theta[6 * n_elements] (NULL: nominal) is the model.  Returns their number, -1 when out of
+ * memory. */
+int mukca_coincide_find(double *apart, const mukca_chain *chain, const double *theta,
+                        const mukca_dataset *data);
+
+/* ---- errors on placements that were not used for training (cross_training.c) ---- */
+
+/* Result of one fit to some of the placements. */
+typedef struct {
+    char name[2 * MUKCA_NAME_SIZE]; /* of these placements, joined by +; or "all" */
+    int placements;                 /* number of these placements */
+    int n;
+    const mukca_score *scores; /* [n] all placements with samples */
+    double mean;               /* MAE over the other placements and the test data, m; NaN: none */
+} mukca_cross_training;
+
+/* Called after each fit; `share`: completed part of all fits.  Return false to interrupt. */
+typedef bool mukca_cross_training_fn(void *context, const mukca_cross_training *result,
+                                     double share);
+
+/* Train on each placement of `data`, on each pair, and on all if more than two, with the defaults
+ * of mukca_fit_run; score all of `data` and `test` (may be empty).  Errors: those of mukca_fit_run,
+ * MUKCA_INTERRUPTED. */
+mukca_status mukca_cross_training_run(const mukca_chain *chain, const mukca_dataset *data,
+                                      const mukca_dataset *test, mukca_cross_training_fn *report,
+                                      void *context, mukca_error *error);
+
 #endif

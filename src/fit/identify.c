@@ -1,11 +1,11 @@
 /* Identifiability of the parameters and their standard errors. */
-#include "fit/identify.h"
+#include "fit/fit.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "fit/cost_normal.h"
 #include "fit/poses.h"
+#include "fit/solver.h"
 #include "math/dense.h"
 
 /* Fraction of a socket's samples, or of the poses (-1), that is in the part. */

@@ -1,10 +1,8 @@
 /* The Jacobian of the residuals, and their weights. */
-#include "fit/observe_jacobian.h"
+#include "fit/poses.h"
 
 #include <math.h>
 #include <string.h>
-
-#include "fit/sweep_jacobian.h"
 
 /* J rows of one orientation: derivative of the rotation vector w, not of the rotation itself. */
 static void turn_rows_of(double *J, int n, const double w[3])

@@ -3,21 +3,17 @@
 
 #include <string.h>
 
-#include "fit/selection.h"
 #include "math/dense.h"
 
-static const double prior[MUKCA_PARAMETERS] = {
-    MUKCA_PRIOR_LENGTH, MUKCA_PRIOR_LENGTH, MUKCA_PRIOR_LENGTH,
-    MUKCA_PRIOR_ANGLE,  MUKCA_PRIOR_ANGLE,  MUKCA_PRIOR_ANGLE,
-};
-
-void mukca_posterior_prior(double *sigma, const mukca_linearisation *at)
+void mukca_posterior_prior(double *sigma, const mukca_chain *chain,
+                           const mukca_parameters *parameters)
 {
-    const int tip = mukca_chain_tip_element(at->chain);
-    for (int i = 0; i < at->parameters.n; i++) {
-        const int index = at->parameters.index[i];
-        sigma[i] =
-            index / MUKCA_PARAMETERS == tip ? MUKCA_PRIOR_TOOL : prior[index % MUKCA_PARAMETERS];
+    for (int i = 0; i < parameters->n; i++) {
+        const int k = parameters->index[i] / MUKCA_PARAMETERS;
+        const bool angle = parameters->index[i] % MUKCA_PARAMETERS >= 3;
+        sigma[i] = k == mukca_chain_tip_element(chain) ? MUKCA_PRIOR_TOOL
+                   : angle                             ? MUKCA_PRIOR_ANGLE
+                                                       : MUKCA_PRIOR_LENGTH;
     }
 }
 
@@ -36,15 +32,14 @@ double mukca_posterior_variance(const double *L, double *a, int n)
     return sum;
 }
 
-mukca_status mukca_linearisation_init(mukca_linearisation *at, const mukca_chain *chain,
-                                      const double *theta, mukca_error *error)
+void mukca_linearisation_init(mukca_linearisation *at, const mukca_chain *chain,
+                              const double *theta)
 {
-    const mukca_selection standard = {0};
     memset(at, 0, sizeof *at);
     at->chain = chain;
+    mukca_parameters_set(&at->parameters, chain, NULL, false);
     mukca_chain_theta(at->theta, chain);
     mukca_linearisation_move(at, theta ? theta : at->theta);
-    return mukca_parameters_select(&at->parameters, chain, &standard, error);
 }
 
 void mukca_linearisation_move(mukca_linearisation *at, const double *theta)

@@ -26,10 +26,9 @@ typedef struct {
     mukca_geometry geometry;      /* of theta */
 } mukca_linearisation;
 
-/* The default parameters at theta[6 * n_elements] (NULL: nominal); `chain` must outlive it.
- * Errors: MUKCA_USAGE (no joint). */
-mukca_status mukca_linearisation_init(mukca_linearisation *at, const mukca_chain *chain,
-                                      const double *theta, mukca_error *error);
+/* The default parameters at theta[6 * n_elements] (NULL: nominal); `chain` must outlive it. */
+void mukca_linearisation_init(mukca_linearisation *at, const mukca_chain *chain,
+                              const double *theta);
 
 /* Move to theta[6 * n_elements], at->theta itself is allowed. */
 void mukca_linearisation_move(mukca_linearisation *at, const double *theta);
@@ -40,7 +39,8 @@ void mukca_linearisation_tip(double *J, int ld, double position[3], const mukca_
                              const double *q);
 
 /* Prior sigma[n] of the free parameters. */
-void mukca_posterior_prior(double *sigma, const mukca_linearisation *at);
+void mukca_posterior_prior(double *sigma, const mukca_chain *chain,
+                           const mukca_parameters *parameters);
 
 /* L[n][n], the Cholesky factor of the information; gram[n][n] is J'J of the samples. */
 void mukca_posterior_factor(double *L, const double *gram, const double *sigma, double noise,

@@ -1,5 +1,5 @@
 /* The user's lists of free and frozen parameters. */
-#include "fit/selection.h"
+#include "fit/fit.h"
 
 #include <stdio.h>
 #include <string.h>

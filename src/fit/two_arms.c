@@ -1,5 +1,5 @@
 /* Pose of one arm's base in that of another: weighted absolute orientation (Horn 1987). */
-#include "fit/two_arms.h"
+#include "fit/align.h"
 
 #include <math.h>
 #include <stdbool.h>

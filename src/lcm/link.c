@@ -12,7 +12,6 @@
 #include <unistd.h>
 
 #include "base/clock.h"
-#include "lcm/log.h"
 #include "lcm/multicast.h"
 
 enum { MAX_CHANNELS = MUKCA_LCM_MAX_NAMED, BURST = 256 /* events of a log per call */ };

@@ -1,6 +1,6 @@
 /* LCM event logs.  Format of an event, big-endian: sync word, event number, time in us, length of
  * the channel, length of the data (28 bytes), then channel and data. */
-#include "lcm/log.h"
+#include "lcm/link.h"
 
 #include <errno.h>
 #include <stdlib.h>

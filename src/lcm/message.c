@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "base/utf8.h"
-#include "lcm/signature.h"
 #include "lcm/wire.h"
 
 typedef enum { INT64, INT32, REAL, FLAG, TEXT, COUNT } field_kind;

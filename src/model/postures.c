@@ -1,5 +1,5 @@
 /* Postures: rows of a recording with the same joint angles. */
-#include "model/postures.h"
+#include "model/dataset_subset.h"
 
 #include <math.h>
 #include <stdlib.h>

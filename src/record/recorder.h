@@ -9,7 +9,6 @@
 #include "lcm/link.h"
 #include "lcm/message.h"
 #include "lcm/packet.h"
-#include "lcm/signature.h"
 #include "lcm/type.h"
 #include "record/joint_lines.h"
 

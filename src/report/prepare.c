@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "fit/frames.h"
+#include "fit/align.h"
 #include "report/report.h"
 
 /* Append the samples, sockets and placements of `from` to r->data, which has room for them. */

@@ -5,9 +5,9 @@
 
 #include "close.h"
 #include "diagnose/regression.h"
-#include "fit/frames.h"
-#include "fit/observe_jacobian.h"
-#include "fit/selection.h"
+#include "fit/align.h"
+#include "fit/fit.h"
+#include "fit/poses.h"
 #include "math/random.h"
 
 enum { ROWS = 16 };

@@ -4,9 +4,9 @@
 
 #include "close.h"
 #include "fit/fit.h"
-#include "fit/part.h"
 #include "fit/solver.h"
 #include "math/random.h"
+#include "model/dataset_subset.h"
 
 enum { JOINTS = 6 };
 

@@ -3,11 +3,10 @@
 #include <stdlib.h>
 
 #include "close.h"
-#include "fit/cost_normal.h"
-#include "fit/frames.h"
-#include "fit/observe_jacobian.h"
-#include "fit/selection.h"
-#include "fit/sweep_jacobian.h"
+#include "fit/align.h"
+#include "fit/fit.h"
+#include "fit/poses.h"
+#include "fit/solver.h"
 #include "math/random.h"
 #include "reference_cost.h"
 

@@ -7,7 +7,6 @@
 
 #include "close.h"
 #include "lcm/link.h"
-#include "lcm/log.h"
 
 static char path[] = "/tmp/mukca_test_log_XXXXXX";
 
