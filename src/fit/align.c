@@ -20,6 +20,7 @@ enum { MOST_STEPS = 30 };
 /* One pose: prediction and measurement, and its robust weight. */
 typedef struct {
     mukca_frame tip, measured;
+    double at[3]; /* the target by the model, for orient_tracker() */
     double weight;
     bool turned; /* orientation was measured */
 } pose;
@@ -102,29 +103,13 @@ static void place_target(mukca_alignment *a, const problem *p)
 /* Pose of the tracker from positions; the target's position is known (Horn). */
 static void orient_tracker(mukca_alignment *a, const problem *p)
 {
-    double mean[2][3] = {{0}}, H[9] = {0}, turned[3], total = 0;
-    for (int pass = 0; pass < 2; pass++)
-        for (int i = 0; i < p->n; i++) {
-            const pose *e = &p->poses[i];
-            double b[3];
-            mukca_mat3_vec(b, e->tip.R, a->target.p);
-            total += pass ? 0 : e->weight;
-            for (int r = 0; r < 3; r++) b[r] += e->tip.p[r];
-            for (int r = 0; r < 3; r++) {
-                if (!pass) {
-                    mean[0][r] += e->weight * e->measured.p[r];
-                    mean[1][r] += e->weight * b[r];
-                } else {
-                    for (int c = 0; c < 3; c++)
-                        H[3 * r + c] += e->weight * (b[r] - mean[1][r] / total) *
-                                        (e->measured.p[c] - mean[0][c] / total);
-                }
-            }
-        }
-    mukca_rotation_nearest(a->tracker.R, H);
-    for (int r = 0; r < 3; r++) mean[1][r] /= total;
-    mukca_mat3_vec(turned, a->tracker.R, mean[1]);
-    for (int r = 0; r < 3; r++) a->tracker.p[r] = mean[0][r] / total - turned[r];
+    for (int i = 0; i < p->n; i++) {
+        pose *e = &p->poses[i];
+        mukca_mat3_vec(e->at, e->tip.R, a->target.p);
+        for (int r = 0; r < 3; r++) e->at[r] += e->tip.p[r];
+    }
+    mukca_frame_nearest(&a->tracker, p->poses->measured.p, p->poses->at,
+                        sizeof(pose) / sizeof(double), p->n);
 }
 
 /* Position residual of a pose, and its lever arm for the rotation of the tracker. */
