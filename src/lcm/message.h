@@ -27,8 +27,9 @@ enum {
     MUKCA_MESSAGE_ROWS = 512 /* largest number of rows of an offsets table */
 };
 
-/* data/lcm describes each field.  Texts are NUL-terminated; the sender owns them, or they point
- * into the received message.  NULL is sent as "". */
+/* data/lcm describes each field; message.c lists the members in their order.  Texts are
+ * NUL-terminated; the sender owns them, or they point into the received message.  NULL is sent as
+ * "". */
 typedef struct {
     int64_t utime, id;
     const char *placement, *socket;
