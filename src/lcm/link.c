@@ -14,14 +14,13 @@
 #include "base/clock.h"
 #include "lcm/multicast.h"
 
-enum { MAX_CHANNELS = MUKCA_LCM_MAX_NAMED, BURST = 256 /* events of a log per call */ };
+enum { BURST = 256 /* events of a log per call */ };
 
 struct mukca_lcm_link {
     lcm_t *lcm;                     /* sends; NULL: nothing is sent */
     mukca_lcm_multicast *multicast; /* receives; NULL: a log is replayed, or nothing is received */
-    bool replays, listens_to_all;
-    int n_channels;
-    char channel[MAX_CHANNELS][64];
+    bool replays;
+    mukca_lcm_channels channels;
     mukca_lcm_packet_fn *receive;
     void *context;
     mukca_lcm_log log; /* replayed */
@@ -48,17 +47,10 @@ int64_t mukca_lcm_link_dropped(mukca_lcm_link *link, char reason[128])
     return link->multicast ? mukca_lcm_multicast_dropped(link->multicast, reason) : 0;
 }
 
-static bool is_named(const mukca_lcm_link *link, const char *channel)
-{
-    for (int i = 0; i < link->n_channels; i++)
-        if (strcmp(link->channel[i], channel) == 0) return true;
-    return false;
-}
-
 /* Deliver a message that is subscribed. */
 static void deliver(mukca_lcm_link *link, const mukca_lcm_packet *packet)
 {
-    if (link->listens_to_all || is_named(link, packet->channel))
+    if (link->channels.all || mukca_lcm_channels_name(&link->channels, packet->channel))
         link->receive(link->context, packet);
 }
 
@@ -180,24 +172,25 @@ void mukca_lcm_link_close(mukca_lcm_link *link)
 
 mukca_status mukca_lcm_link_listen(mukca_lcm_link *link, const char *channel, mukca_error *error)
 {
-    if (channel ? is_named(link, channel) : link->listens_to_all) return MUKCA_OK;
-    if (channel && (strlen(channel) >= sizeof link->channel[0] || !channel[0]))
+    mukca_lcm_channels *channels = &link->channels;
+    if (channel ? mukca_lcm_channels_name(channels, channel) : channels->all) return MUKCA_OK;
+    if (channel && (strlen(channel) >= sizeof channels->name[0] || !channel[0]))
         return mukca_fail(error, MUKCA_USAGE, "\"%.70s\" is no channel: 1 to 63 characters",
                           channel);
-    if (channel && link->n_channels == MAX_CHANNELS)
-        return mukca_fail(error, MUKCA_USAGE, "more than %d channels", MAX_CHANNELS);
-    if (link->multicast) mukca_lcm_multicast_listen(link->multicast, channel);
+    if (channel && channels->n == MUKCA_LCM_MAX_NAMED)
+        return mukca_fail(error, MUKCA_USAGE, "more than %d channels", MUKCA_LCM_MAX_NAMED);
     if (channel)
-        memcpy(link->channel[link->n_channels++], channel, strlen(channel) + 1);
+        memcpy(channels->name[channels->n++], channel, strlen(channel) + 1);
     else
-        link->listens_to_all = true;
+        channels->all = true;
+    if (link->multicast) mukca_lcm_multicast_listen(link->multicast, channels);
     return MUKCA_OK;
 }
 
 void mukca_lcm_link_unlisten_all(mukca_lcm_link *link)
 {
-    if (link->multicast) mukca_lcm_multicast_unlisten_all(link->multicast);
-    link->listens_to_all = false;
+    link->channels.all = false;
+    if (link->multicast) mukca_lcm_multicast_listen(link->multicast, &link->channels);
 }
 
 /* ---- wait ---- */

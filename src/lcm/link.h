@@ -19,8 +19,8 @@ typedef struct {
 
 typedef void mukca_lcm_packet_fn(void *context, const mukca_lcm_packet *packet);
 
-/* Connect to `network`; `receive` gets the packets.  A log is replayed as fast as possible;
- * `file://LOG?speed=1` in real time.  Errors: MUKCA_TRANSPORT (no multicast route, with the
+/* Connect to `network`; `receive` gets the packets.  A log is replayed as fast as possible.
+ * Errors: MUKCA_TRANSPORT (no multicast route, with the
  * remedy), MUKCA_INPUT (log), MUKCA_MEMORY. */
 mukca_status mukca_lcm_link_open(mukca_lcm_link **link, const mukca_lcm_network *network,
                                  mukca_lcm_packet_fn *receive, void *context, mukca_error *error);

@@ -63,6 +63,16 @@ typedef struct {
     uint32_t from[MUKCA_LCM_MAX_FROM]; /* accepted senders; none: see `interface` */
 } mukca_lcm_multicast_options;
 
+/* Channels that are subscribed: all, or n by name. */
+typedef struct {
+    bool all;
+    int n;
+    char name[MUKCA_LCM_MAX_NAMED][MUKCA_LCM_CHANNEL_SIZE];
+} mukca_lcm_channels;
+
+/* Whether a channel is among the named ones. */
+bool mukca_lcm_channels_name(const mukca_lcm_channels *channels, const char *channel);
+
 typedef struct mukca_lcm_multicast mukca_lcm_multicast;
 
 /* Join the group.  Errors: MUKCA_TRANSPORT, MUKCA_MEMORY. */
@@ -70,9 +80,8 @@ mukca_status mukca_lcm_multicast_open(mukca_lcm_multicast **multicast,
                                       const mukca_lcm_multicast_options *options,
                                       mukca_error *error);
 
-/* Subscribe to a channel, at most MUKCA_LCM_MAX_NAMED; NULL: all channels. */
-void mukca_lcm_multicast_listen(mukca_lcm_multicast *m, const char *channel);
-void mukca_lcm_multicast_unlisten_all(mukca_lcm_multicast *m);
+/* Receive these channels from now on. */
+void mukca_lcm_multicast_listen(mukca_lcm_multicast *m, const mukca_lcm_channels *channels);
 
 /* Descriptor for poll(2), readable while a message waits. */
 int mukca_lcm_multicast_descriptor(const mukca_lcm_multicast *m);
