@@ -237,9 +237,7 @@ static void solve(mukca_arm_posterior *p)
     }
     for (int g = 0; g < p->n_groups; g++) add_group(p, g, p->step);
     add_distances(p, p->step);
-    mukca_dense_cholesky(p->L, n); /* positive definite: every unknown has a prior */
-    mukca_dense_forward(p->step, 1, p->L, n);
-    mukca_dense_backward(p->step, 1, p->L, n);
+    mukca_dense_solve(p->step, 1, p->L, n); /* positive definite: every unknown has a prior */
 }
 
 /* Residual e of an observation after the last step; b[MUKCA_NUISANCE] of its group. */

@@ -107,9 +107,7 @@ static void improve(problem *p, mukca_refit *refit)
     mukca_dense_xty(p->g, (mukca_columns){p->J, n, n}, (mukca_columns){p->residual, 1, 1}, m);
     for (int i = 0; i < n; i++) largest = fmax(largest, p->H[i * n + i]);
     for (int i = 0; i < n; i++) p->H[i * n + i] += ridge * largest;
-    if (mukca_dense_cholesky(p->H, n) != 0) return;
-    mukca_dense_forward(p->g, 1, p->H, n);
-    mukca_dense_backward(p->g, 1, p->H, n);
+    if (mukca_dense_solve(p->g, 1, p->H, n)) return;
     for (int i = 0; i < n; i++) *unknown(refit, p->task, i) += p->g[i];
 }
 

@@ -26,6 +26,9 @@ void mukca_dense_symmetric(double *C, mukca_columns X, mukca_columns Y, int m);
  * index of the first pivot that is not positive (also for NaN). */
 int mukca_dense_cholesky(double *A, int n);
 
+/* Solve A x = b in place for k right-hand sides b[n][k]; A as above.  Returns likewise. */
+int mukca_dense_solve(double *b, int k, double *A, int n);
+
 /* Solve L x = b, and L' x = b, in place for k right-hand sides b[n][k]. */
 void mukca_dense_forward(double *b, int k, const double *L, int n);
 void mukca_dense_backward(double *b, int k, const double *L, int n);
