@@ -155,8 +155,6 @@ typedef struct {
                         the best base pose; NaN: no samples */
     double expected_more; /* m: the same with ten more samples like those at this socket */
     bool more_rows_help;  /* those ten would reduce it by more than 3 % */
-    int twin;             /* other label of the same socket; -1: none */
-    double apart;         /* m, distance between the centres of the two */
 } mukca_capture_advice;
 
 /* Fit the model to the samples: Gaussian prior about the initial model, noise from the residuals.

@@ -276,10 +276,6 @@ mukca_status mukca_sampling_sample(mukca_recorder *r, const mukca_sample_request
         mukca_recorder_report(r, "%s", error.text); /* the sample is on disk nevertheless */
         mukca_sampling_count_unwritten(r, &error);
     }
-    if (s->advice.twin >= 0)
-        mukca_recorder_report(
-            r, "sockets %s and %s coincide within %.2g mm: is the ball in another socket?",
-            s->capture.rows.sockets[s->advice.twin].label, socket, 1e3 * s->advice.apart);
     return MUKCA_OK;
 }
 
