@@ -16,7 +16,6 @@ exits() { # CODE COMMAND...: and exactly one line of complaint
     [ "$(grep -vc 'note:' "$dir/err")" = 1 ] || { cat "$dir/err"; return 1; }
 }
 
-less() { awk -v a="$1" -v b="$2" 'BEGIN { exit !(a + 0 < b + 0) }'; }
 
 {
     echo '<robot name="planar"><link name="base"/><link name="a"/><link name="b"/><link name="c"/><link name="ball"/>'
@@ -101,15 +100,6 @@ matrix() {
             FNR > 1 && $2 != "front" { sum += $5; n++ } END { exit !(n == 2 && (sum / n / own - 1) ^ 2 < 1e-12) }' "$dir/matrix.tsv" -
 }
 ok evaluate_matrix matrix
-
-options_do_what_they_say() { # the cost's parts
-    local own nominal loose
-    own=$("${calibrate[@]}" "$dir/front.tsv" -q --json - | awk '/"total"/ { print $2 }' | tail -n 1)
-    nominal=$("${calibrate[@]}" "$dir/front.tsv" -q --json - --means nominal | awk '/"total"/ { print $2 }' | tail -n 1)
-    loose=$("${calibrate[@]}" "$dir/front.tsv" -q --json - --no-distortion | awk '/"total"/ { print $2 }' | tail -n 1)
-    less "$own" "$nominal" && less "$loose" "$own"
-}
-ok calibrate_ablations options_do_what_they_say
 
 same_by_all() {
     local s g cost first=

@@ -32,9 +32,8 @@ void mukca_observe_residuals(double *r, double *J, mukca_observations *observati
                              const double *theta, const mukca_parameters *parameters,
                              mukca_gradient kind);
 
-/* Square roots of the weights of the residuals, weight[n_residuals]; pairs have pair_weight. */
-void mukca_observe_weights(double *weight, const mukca_observations *observations,
-                           double pair_weight);
+/* Square roots of the weights of the residuals, weight[n_residuals]; 1 of pairs. */
+void mukca_observe_weights(double *weight, const mukca_observations *observations);
 
 /* ---- orientations and Jacobian of a sweep (sweep_jacobian.c) ---- */
 

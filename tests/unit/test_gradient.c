@@ -176,12 +176,7 @@ static void off_nominal(double *theta, const mukca_chain *chain, mukca_random *r
 
 TEST(test_options)
 {
-    static const mukca_cost_options options[] = {{0},
-                                                 {.lambda = -1},
-                                                 {.lambda = 0.3},
-                                                 {.no_distortion = true},
-                                                 {.nominal_means = true},
-                                                 {.nominal_means = true, .no_distortion = true}};
+    static const mukca_cost_options options[] = {{0}, {.lambda = -1}, {.lambda = 0.3}};
     mukca_random random;
     mukca_random_seed(&random, 1);
     for (int upright = 0; upright < 2; upright++) {
