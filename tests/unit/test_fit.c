@@ -52,7 +52,6 @@ static void test_selection(void **state)
     (void)state;
     mukca_chain chain;
     mukca_parameters p;
-    char text[MUKCA_PARAMETER_TEXT];
     make_arm(&chain);
     assert_int_equal(count_free(&chain, NULL, NULL), 42);
     assert_int_equal(count_free(&chain, "joint_2", NULL), 6);
@@ -86,8 +85,6 @@ static void test_selection(void **state)
     const mukca_selection hold = {.regularise_tip = true};
     assert_int_equal(mukca_parameters_select(&p, &chain, &hold, NULL), MUKCA_OK);
     for (int i = 0; i < p.n; i++) assert_int_equal(p.regularised[i], 1);
-    mukca_parameters_text(text, &chain, 11);
-    assert_string_equal(text, "arm.joint.yaw");
 
     double theta[42], x[42], back[42];
     mukca_chain_theta(theta, &chain);
