@@ -1,5 +1,5 @@
 /* Posterior of an arm given samples. */
-#include "fit/arm_posterior.h"
+#include "fit/posterior.h"
 
 #include <math.h>
 #include <string.h>

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "fit/align.h"
-#include "fit/arm_posterior.h"
+#include "fit/posterior.h"
 #include "model/dataset_subset.h"
 
 static mukca_status analyse(mukca_fit *fit, mukca_cost *cost, const double *x, double *work,

@@ -6,8 +6,6 @@
 
 /* ---- the user's lists of free and frozen parameters (selection.c) ---- */
 
-enum { MUKCA_PARAMETER_TEXT = MUKCA_NAME_SIZE + 8 /* "joint.parameter" */ };
-
 /* The user's selection; zeroed: the default set.  A list is comma-separated; an item is
  *     joint              all six parameters of that URDF joint (fixed joints may be named too)
  *     parameter          x y z roll pitch or yaw, of every joint of the default set
@@ -24,9 +22,6 @@ typedef struct {
  * unless frozen.  Errors: MUKCA_USAGE (unknown name, nothing free). */
 mukca_status mukca_parameters_select(mukca_parameters *parameters, const mukca_chain *chain,
                                      const mukca_selection *selection, mukca_error *error);
-
-/* Name "joint.parameter" of entry `index` of theta. */
-void mukca_parameters_text(char text[MUKCA_PARAMETER_TEXT], const mukca_chain *chain, int index);
 
 /* ---- identifiability: rank, null space, standard errors (identify.c) ---- */
 
@@ -69,7 +64,7 @@ typedef struct {
     mukca_solver_options limits;
     const double *start;  /* [6 * chain.n_elements] initial values; NULL: nominal */
     bool parameters_only; /* only theta: no test of convergence, no identifiability */
-    bool by_evidence;     /* sockets only: the posterior mean (arm_posterior.h), no solver */
+    bool by_evidence;     /* sockets only: the posterior mean (posterior.h), no solver */
 } mukca_fit_options;
 
 /* Beyond this number of samples, Hessian, rank and standard errors are computed from so many
