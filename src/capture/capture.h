@@ -36,6 +36,12 @@ typedef struct {
     bool guided;                        /* the arm is being guided by hand */
 } mukca_capture_reading;
 
+/* The same, stored. */
+typedef struct {
+    double time, arrival;
+    double q[MUKCA_MAX_JOINTS], effort[MUKCA_MAX_JOINTS], command[MUKCA_MAX_JOINTS]; /* NaN: none */
+} mukca_capture_stored;
+
 /* Events reported by mukca_capture_feed (bits). */
 enum {
     MUKCA_CAPTURE_BACKWARDS = 1,  /* the sender's clock was set back */
@@ -63,9 +69,8 @@ typedef struct {
     double noise;                 /* measurement noise of one coordinate, m */
     double *factor;               /* [n][n] from mukca_posterior_factor */
     /* Stream. */
-    int head, count; /* ring buffer: next index to write, number stored */
-    double *time;    /* [RING][2] by the sender's clock, arrival */
-    double *values;  /* [RING][3][n_joints] q, effort, command */
+    int head, count;            /* ring buffer: next index to write, number stored */
+    mukca_capture_stored *ring; /* [RING] */
     double last_time, pause;
     double last_q[MUKCA_MAX_JOINTS], before_q[MUKCA_MAX_JOINTS]; /* last reading, the one before */
     bool has_last, guided, was_guided;
