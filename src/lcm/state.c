@@ -1,7 +1,63 @@
-/* The table of built-in types of joint states. */
+/* Roles of the fields of a type; the table of built-in types of joint states. */
 #include <string.h>
 
+#include "base/text.h"
 #include "lcm/type.h"
+
+static int find_field(const mukca_lcm_types *types, int t, const char *name, size_t length)
+{
+    for (int i = 0; i < types->type[t].n_fields; i++) {
+        const char *field = types->field[types->type[t].first_field + i].name;
+        if (strncmp(field, name, length) == 0 && field[length] == '\0') return i;
+    }
+    return -1;
+}
+
+/* Fail for an unknown field; the error lists the known ones. */
+static mukca_status no_field(const mukca_lcm_types *types, int t, const char *name,
+                             mukca_error *error)
+{
+    char fields[120] = "";
+    mukca_text list = MUKCA_TEXT(fields);
+    const mukca_lcm_type *type = &types->type[t];
+    for (int i = 0; i < type->n_fields; i++)
+        mukca_text_put(&list, " %s", types->field[type->first_field + i].name);
+    return mukca_fail(error, MUKCA_INPUT, "%s has no field \"%.*s\"; its fields:%s", type->name,
+                      (int)strcspn(name, "."), name, fields);
+}
+
+mukca_status mukca_lcm_type_set_role(mukca_lcm_types *types, int type, mukca_lcm_role role,
+                                     const char *path, mukca_error *error)
+{
+    signed char found[MUKCA_LCM_MAX_DEPTH + 1];
+    int t = type;
+    for (int depth = 0; depth < MUKCA_LCM_MAX_DEPTH; depth++) {
+        size_t length = strcspn(path, ".");
+        int i = find_field(types, t, path, length);
+        if (i < 0) return no_field(types, t, path, error);
+        const mukca_lcm_field *field = &types->field[types->type[t].first_field + i];
+        found[depth] = (signed char)i;
+        if (path[length] == '.' && field->primitive == MUKCA_LCM_NESTED) {
+            t = field->nested;
+            path += length + 1;
+            continue;
+        }
+        bool text = field->primitive == MUKCA_LCM_STRING;
+        if (path[length] == '.' || field->primitive == MUKCA_LCM_NESTED ||
+            text != (role == MUKCA_LCM_ROLE_NAME))
+            return mukca_fail(
+                error, MUKCA_INPUT, "field %s of %s is %s", field->name, types->type[t].name,
+                field->primitive == MUKCA_LCM_NESTED ? "a struct: name a field of it, as in head.q"
+                : text                               ? "a text, not a number"
+                                                     : "a number, not a text or a struct");
+        found[depth + 1] = -1;
+        memcpy(types->type[type].role[role], found, (size_t)depth + 2);
+        return MUKCA_OK;
+    }
+    return mukca_fail(error, MUKCA_INPUT, "a field more than %d structs deep", MUKCA_LCM_MAX_DEPTH);
+}
+
+/* ---- the table ---- */
 
 typedef struct {
     const char *description; /* the struct, in the language of .lcm files */

@@ -17,16 +17,6 @@ static void refuse(mukca_recorder *r, const char *text)
         mukca_fail(&stream->problem, MUKCA_INPUT, "%s:%d: %s", stream->channel, number, text);
 }
 
-static void trigger(mukca_recorder *r)
-{
-    mukca_error answer;
-    mukca_joint_lines *l = r->stream.lines;
-    const mukca_sample_request request = {
-        .id = l->id, .placement = l->placement, .socket = l->socket};
-    mukca_sampling_sample(r, &request, &answer);
-    mukca_recorder_report(r, "%s", answer.text);
-}
-
 /* Process one line.  False: the line defined the mapping and stays in the buffer until the mapping
  * is confirmed. */
 static bool process_line(mukca_recorder *r, const char *line)
@@ -49,7 +39,10 @@ static bool process_line(mukca_recorder *r, const char *line)
             r->packet_time = 0;
             break;
         case MUKCA_LINE_TRIGGER:
-            if (s->connected) trigger(r);
+            if (s->connected)
+                mukca_sampling_trigger(
+                    r, &(mukca_sample_request){
+                           .id = l->id, .placement = l->placement, .socket = l->socket});
             break;
         case MUKCA_LINE_FAULT:
             refuse(r, error.text);

@@ -92,8 +92,7 @@ static void record_still(mukca_recorder *r)
         request = (mukca_sample_request){
             .placement = rows->placements[rows->sockets[socket].placement].name,
             .socket = rows->sockets[socket].label};
-    mukca_sampling_sample(r, &request, &answer);
-    mukca_recorder_report(r, "%s", answer.text);
+    mukca_sampling_trigger(r, &request);
 }
 
 static void feed(mukca_recorder *r, int64_t time)
