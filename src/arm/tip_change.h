@@ -19,6 +19,10 @@ typedef struct {
     bool free_base;  /* poses are in an unknown frame, for which the chain has no element */
 } mukca_tip_change_task;
 
+/* Pose of the tip in the posture and state, with effects[n]. */
+void mukca_tip_pose(mukca_frame *tip, const mukca_effect *effects, int n, const mukca_chain *chain,
+                    const mukca_geometry *geometry, const mukca_joint_state *state);
+
 /* Remove the first element, the frame of a tracker: gravity and effects are of the arm's base. */
 void mukca_chain_remove_first(mukca_chain *chain);
 

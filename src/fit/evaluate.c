@@ -14,7 +14,6 @@ bool mukca_evaluate_tips(mukca_frame *tips, const mukca_model *model, const mukc
 {
     mukca_geometry geometry;
     mukca_row_state rows;
-    mukca_displacement displacement = {0};
     mukca_frame base;
     mukca_chain *arm = malloc(sizeof *arm);
     if (!arm) return false;
@@ -28,10 +27,7 @@ bool mukca_evaluate_tips(mukca_frame *tips, const mukca_model *model, const mukc
     }
     for (int row = 0; row < data->n_rows; row++) {
         const mukca_joint_state *state = mukca_dataset_state(&rows, data, row);
-        if (model->n_effects > 0)
-            mukca_effects_displacement(&displacement, model->effects, model->n_effects, arm,
-                                       &geometry, state->q, state);
-        mukca_fk_pose(&tips[row], &geometry, state->q, model->n_effects ? &displacement : NULL);
+        mukca_tip_pose(&tips[row], model->effects, model->n_effects, arm, &geometry, state);
         if (framed) mukca_frame_multiply(&tips[row], &base, &tips[row]);
     }
     free(arm);

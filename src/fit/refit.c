@@ -41,10 +41,8 @@ static void find_marks(double marks[MARKS], const mukca_refit_task *task,
     const mukca_effect *effects = whole ? task->arm->effects : task->held;
     const int n = whole ? task->arm->n_effects : task->n_held;
     const mukca_joint_state state = {.q = q, .placement = -1};
-    mukca_displacement d;
     mukca_frame T;
-    if (n > 0) mukca_effects_displacement(&d, effects, n, task->chain, geometry, q, &state);
-    mukca_fk_pose(&T, geometry, q, n > 0 ? &d : NULL);
+    mukca_tip_pose(&T, effects, n, task->chain, geometry, &state);
     for (int i = 0; i < 3; i++) {
         marks[i] = T.p[i];
         marks[3 + i] = T.p[i] + tool_length * T.R[3 * i];

@@ -206,7 +206,6 @@ void mukca_server_send_pose(void *context, int64_t time_us, const double *q)
 {
     mukca_server *s = context;
     mukca_server_pose *pose = &s->pose;
-    mukca_displacement displacement;
     mukca_frame tip;
     mukca_message_pose message = {.utime = time_us};
     /* Without a time: drift is identified within a session and does not extrapolate over days. */
@@ -219,11 +218,8 @@ void mukca_server_send_pose(void *context, int64_t time_us, const double *q)
         .placement = -1};
     const mukca_joint_state *state = mukca_row_state_next(&pose->states, &reading);
     if (!pose->ready) return;
-    bool effects = pose->offsets.n_effects > 0;
-    if (effects)
-        mukca_effects_displacement(&displacement, pose->offsets.effects, pose->offsets.n_effects,
-                                   s->recorder.chain, &pose->geometry, q, state);
-    mukca_fk_pose(&tip, &pose->geometry, q, effects ? &displacement : NULL);
+    mukca_tip_pose(&tip, pose->offsets.effects, pose->offsets.n_effects, s->recorder.chain,
+                   &pose->geometry, state);
     memcpy(message.position, tip.p, sizeof message.position);
     mukca_rotation_to_quaternion(message.quaternion, tip.R);
     if (!mukca_recorder_publish(&s->recorder, MUKCA_MESSAGE_POSE, &message)) return;
