@@ -86,17 +86,6 @@ static void compare(comparison *c, const double *q)
     if (variance > 0 && !(change / sqrt(variance) <= c->ratio)) c->ratio = change / sqrt(variance);
 }
 
-void mukca_posture_draw(double *q, const mukca_chain *chain, mukca_random *random)
-{
-    for (int j = 0; j < chain->n_joints; j++) {
-        const mukca_element *e = &chain->element[chain->joint_element[j]];
-        const double half = e->type == MUKCA_PRISMATIC ? 0.5 : 3.14159265358979;
-        const double lower = isfinite(e->lower) ? e->lower : -half;
-        const double upper = isfinite(e->upper) ? e->upper : half;
-        q[j] = lower + (upper - lower) * mukca_random_uniform(random);
-    }
-}
-
 double mukca_tip_change(double *sigma, const mukca_tip_change_task *task)
 {
     comparison c = {

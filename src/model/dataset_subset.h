@@ -3,6 +3,7 @@
 #define MUKCA_MODEL_DATASET_SUBSET_H
 
 #include "base/pool.h"
+#include "math/random.h"
 #include "model/dataset.h"
 #include "mukca/row_state.h"
 
@@ -38,5 +39,9 @@ int mukca_postures_find(int *posture, mukca_pool *pool, const mukca_dataset *dat
  * posture before it: readings of one posture are no moves.  Starts at 0 in each file. */
 void mukca_postures_move(double *move, mukca_pool *pool, const int *posture,
                          const mukca_dataset *data, const double *q);
+
+/* Draw a posture q[n_joints] within the joint limits; a joint without limits turns once, or travels
+ * 1 m. */
+void mukca_posture_draw(double *q, const mukca_chain *chain, mukca_random *random);
 
 #endif
