@@ -57,7 +57,7 @@ int64_t mukca_lcm_link_dropped(mukca_lcm_link *link, char reason[128]);
 /* NULL is harmless. */
 void mukca_lcm_link_close(mukca_lcm_link *link);
 
-/* ---- event logs of lcm-logger, read with bounded lengths (log.c) ---- */
+/* ---- event logs of lcm-logger, read with bounded lengths ---- */
 
 typedef struct {
     int64_t time; /* us since 1970, time of logging */

@@ -245,7 +245,7 @@ void mukca_stream_take(mukca_recorder *r, const mukca_lcm_packet *packet);
 /* Process the joint states in r->stream.last.joints; `packet` has their arrival and sender. */
 void mukca_stream_take_joints(mukca_recorder *r, const mukca_lcm_packet *packet, int type);
 
-/* Process lines of standard input, or wait for some; as mukca_lcm_link_wait (lines.c). */
+/* Process lines of standard input, or wait for some; as mukca_lcm_link_wait. */
 mukca_status mukca_stream_wait_lines(mukca_recorder *r, int timeout_ms, int other, bool *readable,
                                      mukca_error *error);
 
