@@ -22,8 +22,7 @@ CORE_SRC := $(filter-out src/fit/nlopt_%,$(foreach module,$(CORE_MODULES),\
 # the part of these for control loops: no stdio, no allocation, no clock, no locale
 RT_SRC := $(addprefix src/,$(addsuffix .c,base/cells base/number base/print math/orientation \
           math/rotation math/sincos model/chain model/chain_lookup model/fk model/fk_frames model/fk_jacobian \
-          model/gravity model/row_state arm/acceptance arm/corrected arm/corrected_jacobian \
-          arm/offsets_parse)) $(sort $(wildcard src/effect/*.c))
+          model/gravity model/row_state arm/acceptance arm/corrected arm/offsets_parse)) $(sort $(wildcard src/effect/*.c))
 # the paper's calibration alone, of the program's files (ARCHITECTURE.md)
 HEART_SRC := $(addprefix src/,$(addsuffix .c,heart/main heart/read base/pool base/status math/rotation \
              model/chain model/fk model/dataset fit/parameters fit/sweep fit/observe fit/cost \

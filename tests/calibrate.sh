@@ -84,14 +84,6 @@ ok evaluate_held_out evaluates
 ok evaluate_within "${evaluate[@]}" "$dir/front.tsv" --test "$dir/side.tsv" --offsets "$dir/offsets.tsv" --max-mae 1e-5
 ok evaluate_above exits 1 "${evaluate[@]}" -q "$dir/side.tsv" --max-mae 1e-5
 
-options_do_what_they_say() { # the cost's parts
-    local own nominal loose
-    own=$("${calibrate[@]}" "$dir/front.tsv" -q --json - | awk '/"total"/ { print $2 }' | tail -n 1)
-    nominal=$("${calibrate[@]}" "$dir/front.tsv" -q --json - --means nominal | awk '/"total"/ { print $2 }' | tail -n 1)
-    loose=$("${calibrate[@]}" "$dir/front.tsv" -q --json - --no-distortion | awk '/"total"/ { print $2 }' | tail -n 1)
-    less "$own" "$nominal" && less "$loose" "$own"
-}
-ok calibrate_ablations options_do_what_they_say
 
 head -n 1 "$dir/all.tsv" >"$dir/still.tsv"
 for s in s0 s1; do for i in 1 2 3 4; do printf 'p\t%s\t0.1\t0.2\t0.3\n' $s; done; done >>"$dir/still.tsv"

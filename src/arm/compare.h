@@ -3,6 +3,7 @@
 #ifndef MUKCA_ARM_COMPARE_H
 #define MUKCA_ARM_COMPARE_H
 
+#include "math/dense.h"
 #include "mukca/corrected.h"
 
 enum { MUKCA_COMPARED = 1000 }; /* postures; gives the 95th percentile within 1.4 points (2 sd) */
@@ -27,16 +28,12 @@ typedef struct {
     mukca_compared_error position[2];   /* m: without and with alignment */
     mukca_compared_error rotation[2];   /* rad, likewise */
     mukca_frame tip[2][MUKCA_COMPARED]; /* of A and B in each posture, without alignment */
+    mukca_meeting_point points[MUKCA_COMPARED]; /* scratch */
 } mukca_comparison;
 
 /* Compare `b` with `a`, arms with the same number of joints.  Axes are compared by geometry alone;
  * tips with their effects (unknown joint state) in random postures within the limits of `a`. */
 void mukca_compare(mukca_comparison *comparison, const mukca_corrected *a,
                    const mukca_corrected *b);
-
-/* The joint axes, each seen from the axis before it: difference[n_joints] of two arms with as many
- * joints (compare_axes.c). */
-void mukca_compare_axes(mukca_axis_difference *difference, const mukca_geometry *a,
-                        const mukca_geometry *b);
 
 #endif

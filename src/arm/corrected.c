@@ -3,8 +3,8 @@
 
 #include <string.h>
 
-#include "arm/corrected_jacobian.h"
 #include "arm/offsets.h"
+#include "effect/equilibrium.h"
 
 mukca_status mukca_corrected_parse_named(mukca_corrected *model, mukca_bytes table,
                                          const char *name, int accept, mukca_error *error)
@@ -89,7 +89,7 @@ static __attribute__((noinline)) void find_jacobian(double *J, mukca_frame *tip,
     mukca_equilibrium at;
     mukca_effect_slopes slopes;
     find_equilibrium(&at, &slopes, model, q, state);
-    mukca_corrected_differentiate(J, &at, &slopes);
+    mukca_equilibrium_differentiate(J, &at, &slopes);
     if (tip) columns_frame(tip, &at.tip);
 }
 

@@ -1,8 +1,12 @@
-/* Offsets tables in memory: their rows, and the placements of their effects. */
+/* Offsets tables in memory: their rows, and the placements of their effects; the corrected arm from
+ * a file. */
 #include "arm/offsets.h"
 
 #include <stdlib.h>
 #include <string.h>
+
+#include "base/file.h"
+#include "mukca/corrected.h"
 
 void mukca_offsets_init(mukca_offsets *offsets, const mukca_chain *chain)
 {
@@ -122,4 +126,23 @@ mukca_status mukca_offsets_parse(mukca_offsets *offsets, mukca_offsets_origin *o
     free(origin->own);
     origin->own = NULL;
     return status;
+}
+
+/* ---- the corrected arm from a file ---- */
+
+mukca_status mukca_corrected_load_any(mukca_corrected *model, const char *path, int accept,
+                                      mukca_error *error)
+{
+    char *text;
+    mukca_status status = mukca_file_read(&text, path, error);
+    if (status != MUKCA_OK) return status;
+    status = mukca_corrected_parse_named(model, (mukca_bytes){text, strlen(text)},
+                                         mukca_file_shown(path), accept, error);
+    free(text);
+    return status;
+}
+
+mukca_status mukca_corrected_load(mukca_corrected *model, const char *path, mukca_error *error)
+{
+    return mukca_corrected_load_any(model, path, 0, error);
 }

@@ -19,6 +19,14 @@ bool mukca_tip_change_is_frame(const mukca_tip_change_task *task, int element)
            (task->tool_frame && element == task->chain->n_elements - 1);
 }
 
+void mukca_tip_pose(mukca_frame *tip, const mukca_effect *effects, int n, const mukca_chain *chain,
+                    const mukca_geometry *geometry, const mukca_joint_state *state)
+{
+    mukca_displacement d;
+    if (n > 0) mukca_effects_displacement(&d, effects, n, chain, geometry, state->q, state);
+    mukca_fk_pose(tip, geometry, state->q, n > 0 ? &d : NULL);
+}
+
 void mukca_chain_remove_first(mukca_chain *chain)
 {
     chain->n_elements--;
@@ -57,42 +65,25 @@ static void set_theta(comparison *c)
     }
 }
 
-static void find_tip(double tip[3], const comparison *c, int side, const double *q)
-{
-    const mukca_offsets *o = side ? c->task->to : c->task->from;
-    const mukca_joint_state state = {.q = q, .placement = -1};
-    mukca_displacement d;
-    if (o && o->n_effects > 0)
-        mukca_effects_displacement(&d, o->effects, o->n_effects, &c->arm, &c->geometry[side], q,
-                                   &state);
-    mukca_fk_position(tip, &c->geometry[side], q, o && o->n_effects > 0 ? &d : NULL);
-}
-
 static void compare(comparison *c, const double *q)
 {
-    double tip[2][3], position[3], change = 0, variance = 0;
+    double position[3], variance = 0;
+    mukca_frame tip[2];
     const int n = MUKCA_PARAMETERS * c->arm.n_elements;
-    for (int side = 0; side < 2; side++) find_tip(tip[side], c, side, q);
-    for (int a = 0; a < 3; a++) change += (tip[1][a] - tip[0][a]) * (tip[1][a] - tip[0][a]);
+    const mukca_joint_state state = {.q = q, .placement = -1};
+    for (int side = 0; side < 2; side++) {
+        const mukca_offsets *o = side ? c->task->to : c->task->from;
+        mukca_tip_pose(&tip[side], o ? o->effects : NULL, o ? o->n_effects : 0, &c->arm,
+                       &c->geometry[side], &state);
+    }
+    const double change = mukca_distance3(tip[0].p, tip[1].p);
     mukca_fk_parameter_jacobian(c->J, position, &c->geometry[0], c->theta[0], q);
     for (int i = 0; i < n; i++) {
         const double sigma = prior_sigma(c, i);
         for (int a = 0; a < 3; a++) variance += c->J[a * n + i] * c->J[a * n + i] * sigma * sigma;
     }
-    change = sqrt(change);
     if (!(change <= c->largest)) c->largest = change; /* propagates NaN */
     if (variance > 0 && !(change / sqrt(variance) <= c->ratio)) c->ratio = change / sqrt(variance);
-}
-
-void mukca_posture_draw(double *q, const mukca_chain *chain, mukca_random *random)
-{
-    for (int j = 0; j < chain->n_joints; j++) {
-        const mukca_element *e = &chain->element[chain->joint_element[j]];
-        const double half = e->type == MUKCA_PRISMATIC ? 0.5 : 3.14159265358979;
-        const double lower = isfinite(e->lower) ? e->lower : -half;
-        const double upper = isfinite(e->upper) ? e->upper : half;
-        q[j] = lower + (upper - lower) * mukca_random_uniform(random);
-    }
 }
 
 double mukca_tip_change(double *sigma, const mukca_tip_change_task *task)

@@ -3,7 +3,7 @@
 #define MUKCA_ARM_TIP_CHANGE_H
 
 #include "arm/offsets.h"
-#include "math/random.h"
+#include "model/dataset_subset.h"
 
 /* Largest ratio of the tip's displacement to its prior standard deviation.  A normal prior exceeds
  * 5 in one of 1.7 million arms: an error of URDF, labels or units is more probable. */
@@ -19,6 +19,10 @@ typedef struct {
     bool free_base;  /* poses are in an unknown frame, for which the chain has no element */
 } mukca_tip_change_task;
 
+/* Pose of the tip in the posture and state, with effects[n]. */
+void mukca_tip_pose(mukca_frame *tip, const mukca_effect *effects, int n, const mukca_chain *chain,
+                    const mukca_geometry *geometry, const mukca_joint_state *state);
+
 /* Remove the first element, the frame of a tracker: gravity and effects are of the arm's base. */
 void mukca_chain_remove_first(mukca_chain *chain);
 
@@ -29,10 +33,6 @@ bool mukca_tip_change_is_frame(const mukca_tip_change_task *task, int element);
  * within the joint limits; *sigma (may be NULL) is its largest ratio to the prior standard
  * deviation of the displacement in the same posture. */
 double mukca_tip_change(double *sigma, const mukca_tip_change_task *task);
-
-/* Draw a posture q[n_joints] within the joint limits; a joint without limits turns once, or travels
- * 1 m. */
-void mukca_posture_draw(double *q, const mukca_chain *chain, mukca_random *random);
 
 /* Set tip_change and largest_offset in to->acceptance, relative to the nominal model. */
 void mukca_tip_change_judge(mukca_offsets *to, const mukca_tip_change_task *task);

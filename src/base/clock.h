@@ -3,11 +3,22 @@
 #define MUKCA_BASE_CLOCK_H
 
 #include <stdint.h>
+#include <time.h>
 
 /* s, monotonic. */
-double mukca_clock_seconds(void);
+static inline double mukca_clock_seconds(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
 
 /* us since 1970, wall clock. */
-int64_t mukca_clock_wall(void);
+static inline int64_t mukca_clock_wall(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_REALTIME, &t);
+    return (int64_t)t.tv_sec * 1000000 + t.tv_nsec / 1000;
+}
 
 #endif

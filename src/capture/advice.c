@@ -5,8 +5,8 @@
 
 #include "base/pool.h"
 #include "capture/capture.h"
-#include "fit/coincide.h"
-#include "fit/observe_jacobian.h"
+#include "fit/evaluate.h"
+#include "fit/poses.h"
 #include "math/dense.h"
 #include "math/random.h"
 
@@ -14,8 +14,8 @@
  * pairs of sockets, and number of further samples considered. */
 enum { PROBES = 32, ITERATIONS = 4, MORE_ROWS = 10 };
 
-/* Samples required of each of two labels before they are reported as one socket: two samples may
- * coincide by chance. */
+/* Samples required of each of two labels before they count as one socket: two samples may coincide
+ * by chance. */
 enum { LEAST_TWINS = 3 };
 
 /* Prior of the noise, m (repeatability of a printed socket: 0.1 to 0.2 mm), and its weight in
@@ -92,8 +92,8 @@ static int list_distances(mukca_distance *out, const mukca_capture *capture)
 }
 
 /* Remove the distance of two labels that appear to be one socket; apart[n_distances]: scratch. */
-static mukca_status drop_coincident(mukca_capture_advice *advice, mukca_dataset *view,
-                                    double *apart, const mukca_capture *capture, mukca_error *error)
+static mukca_status drop_coincident(mukca_dataset *view, double *apart,
+                                    const mukca_capture *capture, mukca_error *error)
 {
     int kept = 0;
     if (mukca_coincide_find(apart, capture->chain, capture->start, view) < 0)
@@ -102,12 +102,7 @@ static mukca_status drop_coincident(mukca_capture_advice *advice, mukca_dataset 
         const mukca_distance d = view->distances[k];
         const bool enough = mukca_capture_count(capture, d.a) >= LEAST_TWINS &&
                             mukca_capture_count(capture, d.b) >= LEAST_TWINS;
-        if (isnan(apart[k]) || !enough) {
-            view->distances[kept++] = d;
-        } else if (d.a == capture->socket || d.b == capture->socket) {
-            advice->twin = d.a == capture->socket ? d.b : d.a;
-            advice->apart = apart[k];
-        }
+        if (isnan(apart[k]) || !enough) view->distances[kept++] = d;
     }
     view->n_distances = kept;
     return MUKCA_OK;
@@ -194,7 +189,7 @@ mukca_status mukca_capture_advise(mukca_capture_advice *advice, mukca_capture *c
     const int pairs = view.n_sockets * view.n_sockets / 2;
     mukca_pool pool = {0};
     workspace w = {.n = 0};
-    *advice = (mukca_capture_advice){(double)NAN, (double)NAN, true, -1, 0};
+    *advice = (mukca_capture_advice){(double)NAN, (double)NAN, true};
     mukca_linearisation_move(&capture->model, capture->start);
     capture->noise = prior_noise;
     memset(capture->factor, 0, (size_t)(n * n) * sizeof *capture->factor);
@@ -205,7 +200,7 @@ mukca_status mukca_capture_advise(mukca_capture_advice *advice, mukca_capture *c
     mukca_status status = pool.failed ? mukca_fail(error, MUKCA_MEMORY, "out of memory") : MUKCA_OK;
     if (status == MUKCA_OK) {
         view.n_distances = list_distances(view.distances, capture);
-        status = drop_coincident(advice, &view, apart, capture, error);
+        status = drop_coincident(&view, apart, capture, error);
     }
     if (status == MUKCA_OK) status = workspace_take(&w, capture, &view, error);
     if (status != MUKCA_OK) goto out;

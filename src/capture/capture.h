@@ -36,6 +36,12 @@ typedef struct {
     bool guided;                        /* the arm is being guided by hand */
 } mukca_capture_reading;
 
+/* The same, stored. */
+typedef struct {
+    double time, arrival;
+    double q[MUKCA_MAX_JOINTS], effort[MUKCA_MAX_JOINTS], command[MUKCA_MAX_JOINTS]; /* NaN: none */
+} mukca_capture_stored;
+
 /* Events reported by mukca_capture_feed (bits). */
 enum {
     MUKCA_CAPTURE_BACKWARDS = 1,  /* the sender's clock was set back */
@@ -63,9 +69,8 @@ typedef struct {
     double noise;                 /* measurement noise of one coordinate, m */
     double *factor;               /* [n][n] from mukca_posterior_factor */
     /* Stream. */
-    int head, count; /* ring buffer: next index to write, number stored */
-    double *time;    /* [RING][2] by the sender's clock, arrival */
-    double *values;  /* [RING][3][n_joints] q, effort, command */
+    int head, count;            /* ring buffer: next index to write, number stored */
+    mukca_capture_stored *ring; /* [RING] */
     double last_time, pause;
     double last_q[MUKCA_MAX_JOINTS], before_q[MUKCA_MAX_JOINTS]; /* last reading, the one before */
     bool has_last, guided, was_guided;
@@ -82,8 +87,7 @@ typedef struct {
 } mukca_capture;
 
 /* `chain`, and settings->labels, must outlive the capture; theta[6 * n_elements] (NULL: nominal) is
- * the initial model.  Free with mukca_capture_free.  Errors: MUKCA_MEMORY, MUKCA_USAGE (no
- * joint). */
+ * the initial model.  Free with mukca_capture_free.  Errors: MUKCA_MEMORY. */
 mukca_status mukca_capture_init(mukca_capture *capture, const mukca_chain *chain,
                                 const double *theta, const mukca_capture_settings *settings,
                                 mukca_error *error);
@@ -156,8 +160,6 @@ typedef struct {
                         the best base pose; NaN: no samples */
     double expected_more; /* m: the same with ten more samples like those at this socket */
     bool more_rows_help;  /* those ten would reduce it by more than 3 % */
-    int twin;             /* other label of the same socket; -1: none */
-    double apart;         /* m, distance between the centres of the two */
 } mukca_capture_advice;
 
 /* Fit the model to the samples: Gaussian prior about the initial model, noise from the residuals.

@@ -1,6 +1,7 @@
-/* Samples of a capture: placements and sockets, triggers, plausibility checks. */
+/* Samples of a capture: placements and sockets, triggers, plausibility checks; memory. */
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "capture/capture.h"
@@ -53,18 +54,19 @@ static int socket_mean(double mean[3], const mukca_capture *capture, int socket,
     return n;
 }
 
-/* Socket of the current placement nearest to x, and its distance; -1: no samples yet. */
+/* Socket of the current placement, or of `any`, nearest to x, and its distance; -1: no samples
+ * yet. */
 static int nearest_socket(double *how_far, const mukca_capture *capture, const double x[3],
-                          int without)
+                          int without, bool any)
 {
     const mukca_dataset *rows = &capture->rows;
     int nearest = -1;
     *how_far = HUGE_VAL;
     for (int s = 0; s < rows->n_sockets && capture->socket >= 0; s++) {
         double mean[3];
-        if (rows->sockets[s].placement != rows->sockets[capture->socket].placement ||
-            !socket_mean(mean, capture, s, without))
-            continue;
+        const bool here =
+            any || rows->sockets[s].placement == rows->sockets[capture->socket].placement;
+        if (!here || !socket_mean(mean, capture, s, without)) continue;
         double d = mukca_distance3(x, mean);
         if (d < *how_far) {
             *how_far = d;
@@ -72,17 +74,6 @@ static int nearest_socket(double *how_far, const mukca_capture *capture, const d
         }
     }
     return nearest;
-}
-
-/* Socket of any placement at x; -1: none. */
-static int find_socket(const mukca_capture *capture, const double x[3])
-{
-    double mean[3];
-    for (int s = 0; s < capture->rows.n_sockets; s++)
-        if (socket_mean(mean, capture, s, -1) &&
-            mukca_distance3(x, mean) < 0.4 * capture->settings.distance)
-            return s;
-    return -1;
 }
 
 /* Label of a socket of the current placement without samples; NULL: none. */
@@ -128,7 +119,7 @@ bool mukca_capture_due(int *socket, char text[MUKCA_CAPTURE_TEXT], mukca_capture
     double x[3], how_far;
     if (find_posture(capture, sample.q, least_difference) >= 0) return false;
     mukca_fk_position(x, &capture->model.geometry, sample.q, NULL);
-    int nearest = nearest_socket(&how_far, capture, x, -1);
+    int nearest = nearest_socket(&how_far, capture, x, -1, false);
     const char *label = nearest < 0 || how_far < 0.5 * s->distance ? NULL : empty_label(capture);
     *socket = nearest < 0 ? capture->socket : nearest;
     if (nearest < 0 || how_far < 0.4 * s->distance) return true;
@@ -137,10 +128,11 @@ bool mukca_capture_due(int *socket, char text[MUKCA_CAPTURE_TEXT], mukca_capture
         *socket = capture->socket;
         return true;
     }
-    *socket = find_socket(capture, x);
     snprintf(text, MUKCA_CAPTURE_TEXT,
              "stands still, but %.0f mm from socket %s: not recorded (n begins another placement)",
              1e3 * how_far, capture->rows.sockets[nearest].label);
+    nearest = nearest_socket(&how_far, capture, x, -1, true);
+    *socket = how_far < 0.4 * s->distance ? nearest : -1;
     return false;
 }
 
@@ -231,7 +223,7 @@ static void remark(char text[MUKCA_CAPTURE_TEXT], mukca_capture *capture, int tw
     double x[3], own[3], how_far;
     text[0] = '\0';
     mukca_fk_position(x, &capture->model.geometry, q, NULL);
-    int nearest = nearest_socket(&how_far, capture, x, latest);
+    int nearest = nearest_socket(&how_far, capture, x, latest, false);
     int n = socket_mean(own, capture, capture->socket, latest);
     double off = n ? mukca_distance3(x, own) : 0;
     double usual = n ? mukca_capture_expected_offset(capture, capture->socket, q, latest) : 0;
@@ -306,4 +298,65 @@ void mukca_capture_coverage(double *coverage, const mukca_capture *capture)
         if (e->type != MUKCA_PRISMATIC) range = fmin(range, 6.283185307179586);
         coverage[j] = rows->n_rows && range > 0 ? fmin((high - low) / range, 1) : 0;
     }
+}
+
+/* ---- initialisation and memory ---- */
+
+static double or_default(double value, double otherwise)
+{
+    return value > 0 ? value : otherwise;
+}
+
+mukca_status mukca_capture_init(mukca_capture *capture, const mukca_chain *chain,
+                                const double *theta, const mukca_capture_settings *settings,
+                                mukca_error *error)
+{
+    static const char *const two_sockets[] = {"0", "1"};
+    memset(capture, 0, sizeof *capture);
+    capture->settings = *settings;
+    mukca_capture_settings *s = &capture->settings;
+    s->window = or_default(s->window, 0.2);
+    s->range = or_default(s->range, 1e-3);
+    s->dwell = or_default(s->dwell, 1);
+    s->distance = or_default(s->distance, 0.05);
+    if (s->n_labels == 0) {
+        s->n_labels = 2;
+        s->labels = two_sockets;
+    }
+    capture->chain = chain;
+    mukca_linearisation_init(&capture->model, chain, theta);
+    memcpy(capture->start, capture->model.theta, sizeof capture->start);
+    mukca_posterior_prior(capture->sigma, chain, &capture->model.parameters);
+    size_t n_free = (size_t)capture->model.parameters.n;
+    capture->factor = calloc(n_free * n_free, sizeof *capture->factor);
+    capture->ring = calloc(MUKCA_CAPTURE_RING, sizeof *capture->ring);
+    mukca_status status =
+        mukca_dataset_create(&capture->rows, MUKCA_CAPTURE_MAX_ROWS, chain->n_joints,
+                             MUKCA_CAPTURE_MAX_SOCKETS, MUKCA_CAPTURE_MAX_PLACEMENTS, error);
+    if (status == MUKCA_OK && (!capture->ring || !capture->factor))
+        status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    mukca_capture_clear(capture);
+    mukca_capture_advice none;
+    if (status == MUKCA_OK) status = mukca_capture_advise(&none, capture, error);
+    if (status != MUKCA_OK) mukca_capture_free(capture);
+    return status;
+}
+
+void mukca_capture_free(mukca_capture *capture)
+{
+    free(capture->ring);
+    free(capture->factor);
+    mukca_dataset_free(&capture->rows);
+    memset(capture, 0, sizeof *capture);
+}
+
+void mukca_capture_clear(mukca_capture *capture)
+{
+    capture->rows.n_rows = capture->rows.n_sockets = capture->rows.n_placements = 0;
+    capture->socket = -1;
+    capture->count = 0;
+    capture->jumps = 0;
+    capture->has_last = capture->guided = capture->was_guided = false;
+    capture->standing = capture->taken = false;
+    capture->checked = 0;
 }

@@ -10,18 +10,10 @@ enum { MIN_READINGS = 3 }; /* the minimum for a spread */
 
 /* ---- readings ---- */
 
-/* Quantity `kind` (0 q, 1 effort, 2 command) of the reading `back` before the last. */
-static double *stored(const mukca_capture *capture, int back, int kind)
+/* The reading `back` before the last. */
+static const mukca_capture_stored *stored(const mukca_capture *capture, int back)
 {
-    int at = (capture->head - 1 - back + 2 * MUKCA_CAPTURE_RING) % MUKCA_CAPTURE_RING;
-    return capture->values + (3 * at + kind) * capture->chain->n_joints;
-}
-
-/* Its time: 0 by the sender's clock, 1 arrival. */
-static double stored_time(const mukca_capture *capture, int back, int kind)
-{
-    int at = (capture->head - 1 - back + 2 * MUKCA_CAPTURE_RING) % MUKCA_CAPTURE_RING;
-    return capture->time[2 * at + kind];
+    return &capture->ring[(capture->head - 1 - back + 2 * MUKCA_CAPTURE_RING) % MUKCA_CAPTURE_RING];
 }
 
 /* Two arms on one channel: readings or clocks that jump away and back. */
@@ -65,17 +57,15 @@ unsigned mukca_capture_feed(mukca_capture *capture, const mukca_capture_reading 
     capture->guided = reading->guided;
     /* Drop readings of fast streams: a window always fits the ring buffer. */
     if (capture->count &&
-        reading->time - stored_time(capture, 0, 0) < s->window / (0.5 * MUKCA_CAPTURE_RING))
+        reading->time - stored(capture, 0)->time < s->window / (0.5 * MUKCA_CAPTURE_RING))
         return found;
-    const double *const kinds[] = {reading->q, reading->effort, reading->command};
-    capture->time[2 * capture->head] = reading->time;
-    capture->time[2 * capture->head + 1] = reading->arrival;
-    for (int k = 0; k < 3; k++) {
-        double *to = capture->values + (3 * capture->head + k) * capture->chain->n_joints;
-        if (kinds[k])
-            memcpy(to, kinds[k], bytes);
-        else
-            for (int j = 0; j < capture->chain->n_joints; j++) to[j] = (double)NAN;
+    mukca_capture_stored *to = &capture->ring[capture->head];
+    to->time = reading->time;
+    to->arrival = reading->arrival;
+    for (int j = 0; j < capture->chain->n_joints; j++) {
+        to->q[j] = reading->q[j];
+        to->effort[j] = reading->effort ? reading->effort[j] : (double)NAN;
+        to->command[j] = reading->command ? reading->command[j] : (double)NAN;
     }
     capture->head = (capture->head + 1) % MUKCA_CAPTURE_RING;
     if (capture->count < MUKCA_CAPTURE_RING) capture->count++;
@@ -88,11 +78,11 @@ unsigned mukca_capture_feed(mukca_capture *capture, const mukca_capture_reading 
  * them, s. */
 static int count_window(double *empty, const mukca_capture *capture)
 {
-    const double window = capture->settings.window, end = stored_time(capture, 0, 0);
+    const double window = capture->settings.window, end = stored(capture, 0)->time;
     int n = 1; /* half-open, with a margin for rounding: times are whole microseconds */
     *empty = 0;
-    while (n < capture->count && stored_time(capture, n, 0) > end - window + 1e-6) {
-        *empty = fmax(*empty, stored_time(capture, n - 1, 0) - stored_time(capture, n, 0));
+    while (n < capture->count && stored(capture, n)->time > end - window + 1e-6) {
+        *empty = fmax(*empty, stored(capture, n - 1)->time - stored(capture, n)->time);
         n++;
     }
     return n;
@@ -102,11 +92,11 @@ static int count_window(double *empty, const mukca_capture *capture)
  * they had waited on their way, and may be old. */
 static int count_arrived(const mukca_capture *capture)
 {
-    const double window = capture->settings.window, end = stored_time(capture, 0, 1);
+    const double window = capture->settings.window, end = stored(capture, 0)->arrival;
     for (int n = 1; n <= capture->count; n++) {
-        const double here = stored_time(capture, n - 1, 1);
+        const double here = stored(capture, n - 1)->arrival;
         if (end - here >= LEAST_COVERED * window) return n;
-        if (n < capture->count && here - stored_time(capture, n, 1) > window) break;
+        if (n < capture->count && here - stored(capture, n)->arrival > window) break;
     }
     return 0;
 }
@@ -115,17 +105,17 @@ static int count_arrived(const mukca_capture *capture)
  */
 static double take_joint(mukca_capture_sample *sample, const mukca_capture *capture, int j, int n)
 {
-    const double first = stored(capture, 0, 0)[j];
+    const double first = stored(capture, 0)->q[j];
     double low = first, high = first, sum = 0, squares = 0, effort = 0, command = 0;
     for (int i = 0; i < n || i < sample->n; i++) {
-        const double q = stored(capture, i, 0)[j], d = q - first;
+        const double q = stored(capture, i)->q[j], d = q - first;
         low = fmin(low, q);
         high = fmax(high, q);
         if (i >= sample->n) continue;
         sum += d;
         squares += d * d;
-        effort += stored(capture, i, 1)[j];
-        command += stored(capture, i, 2)[j];
+        effort += stored(capture, i)->effort[j];
+        command += stored(capture, i)->command[j];
     }
     const double mean = sum / sample->n;
     const double variance = (squares - sample->n * mean * mean) / (sample->n - 1);
@@ -148,7 +138,7 @@ mukca_status mukca_capture_take(mukca_capture_sample *sample, const mukca_captur
         return mukca_fail(error, MUKCA_NEGATIVE, "two arms seem to send on this channel");
     double pause, widest = 0;
     const int n = count_window(&pause, capture), arrived = age < 0 ? n : count_arrived(capture);
-    const double end = stored_time(capture, 0, 0), covered = end - stored_time(capture, n - 1, 0);
+    const double end = stored(capture, 0)->time, covered = end - stored(capture, n - 1)->time;
     if (n < MIN_READINGS || covered < LEAST_COVERED * window || pause > 0.5 * window)
         return mukca_fail(error, MUKCA_NEGATIVE,
                           "too few joint states in the last %g s (%d): hold still a little longer, "

@@ -4,8 +4,8 @@
 #include <string.h>
 
 #include "cli/cli.h"
+#include "fit/align.h"
 #include "fit/evaluate.h"
-#include "fit/two_arms.h"
 
 typedef struct {
     cli_common common;

@@ -6,7 +6,7 @@
 #include "cli/calibrate.h"
 #include "cli/traits.h"
 #include "diagnose/recording.h"
-#include "fit/frames.h"
+#include "fit/align.h"
 #include "fit/mismatch.h"
 #include "fit/solver.h"
 #include "io/summary.h"
@@ -14,16 +14,15 @@
 typedef struct {
     cli_common common;
     const char *free, *freeze, *traits;
-    int solver, gradient, means;
+    int solver, gradient;
     double lambda;
-    bool regularise_tip, no_distortion, evidence, free_base, free_tool;
+    bool regularise_tip, evidence, free_base, free_tool;
 } calibrate_options;
 
 static const calibrate_options defaults = {.lambda = MUKCA_LAMBDA};
 
 static const char *const solvers[] = {"slsqp", "lbfgs", "gauss-newton", NULL};
 static const char *const gradients[] = {"fd", "analytic", NULL};
-static const char *const means[] = {"own", "nominal", NULL};
 
 static const cli_option options[] = {
     CLI_TEST_OPTION,
@@ -45,12 +44,6 @@ static const cli_option options[] = {
     CLI_RANGE_OPTION(
         calibrate_options, lambda, "lambda", CLI_NUMBER, "L", 0, INFINITY,
         "weight of the regularisation towards the nominal model, per placement (default: 1e-4)"),
-    CLI_CHOICE_OPTION(calibrate_options, means, "means", "MEANS", means,
-                      "reference of a socket's consistency error: its own mean (default), or its "
-                      "nominal mean (the "
-                      "older closed-chain method)"),
-    CLI_OPTION(calibrate_options, no_distortion, "no-distortion", CLI_FLAG, NULL,
-               "no distortion term in the cost"),
     CLI_OPTION(calibrate_options, evidence, "evidence", CLI_FLAG, NULL,
                "choose the priors by the evidence and weigh outliers down, instead of this cost "
                "(sockets)"),
@@ -97,8 +90,6 @@ static mukca_fit_options fit_options(const calibrate_options *o)
         .free_tool = o->free_tool,
         .by_evidence = o->evidence,
         .cost = {.lambda = o->lambda > 0 ? o->lambda : -1,
-                 .nominal_means = o->means == 1,
-                 .no_distortion = o->no_distortion,
                  .gradient = o->gradient == 1 ? MUKCA_GRADIENT_ANALYTIC : MUKCA_GRADIENT_FD},
         .solver = mukca_solver_table[o->solver],
         .limits = {.stop = cli_stop}};
@@ -115,8 +106,8 @@ static mukca_status judge(cli_call *call, const calibrate_result *r)
 /* Whether the fit is that of the paper, which the posterior can replace. */
 static bool is_default(const calibrate_options *o)
 {
-    return !o->free && !o->freeze && !o->regularise_tip && o->lambda == MUKCA_LAMBDA && !o->means &&
-           !o->no_distortion && !o->free_base && !o->free_tool && !o->traits;
+    return !o->free && !o->freeze && !o->regularise_tip && o->lambda == MUKCA_LAMBDA &&
+           !o->free_base && !o->free_tool && !o->traits;
 }
 
 /* Compare with the geometry by the evidence.  The priors of a long recording have no weight. */

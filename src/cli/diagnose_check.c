@@ -11,7 +11,7 @@
 
 #include "cli/diagnose.h"
 #include "diagnose/cause.h"
-#include "model/postures.h"
+#include "model/dataset_subset.h"
 #include "simulate/simulate.h"
 
 enum { MOST_PROCESSES = 64 };

@@ -5,7 +5,7 @@
 
 #include "cli/diagnose.h"
 #include "fit/accept.h"
-#include "fit/frames.h"
+#include "fit/align.h"
 
 /* A parameter counts as identifiable if the data at least halve its prior uncertainty. */
 static void fill_geometry(mukca_offsets *o, const mukca_applied *a, const mukca_chain *arm,

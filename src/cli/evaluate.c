@@ -5,7 +5,7 @@
 #include <unistd.h>
 
 #include "cli/scores.h"
-#include "fit/frames.h"
+#include "fit/align.h"
 
 typedef struct {
     cli_common common;

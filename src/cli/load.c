@@ -9,7 +9,7 @@
 #include "base/number.h"
 #include "cli/cli.h"
 #include "diagnose/condense.h"
-#include "fit/coincide.h"
+#include "fit/evaluate.h"
 #include "io/dataset.h"
 #include "io/output.h"
 #include "io/urdf.h"

@@ -7,7 +7,7 @@
 
 #include "base/suggest.h"
 #include "cli/live.h"
-#include "lcm/signature.h"
+#include "lcm/message.h"
 #include "record/server.h"
 
 typedef struct {

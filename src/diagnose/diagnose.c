@@ -13,7 +13,7 @@
 #include "diagnose/streams.h"
 #include "diagnose/test_data.h"
 #include "diagnose/untested.h"
-#include "fit/frames.h"
+#include "fit/align.h"
 #include "math/stats.h"
 
 const char *const mukca_verdict_name[] = {

@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "model/dataset_subset.h"
-#include "model/postures.h"
 
 /* One row in ten that repeats a posture is no accident. */
 #define FEW_REPEATS 0.1

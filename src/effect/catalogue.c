@@ -60,13 +60,6 @@ int mukca_effect_terms(const mukca_effect *effect)
     return terms;
 }
 
-void mukca_effect_wave(double angle[2], const mukca_effect *effect, const mukca_joint_state *state)
-{
-    const int order = effect->variant.order ? effect->variant.order : 1;
-    angle[1] = state->q[effect->joint];
-    angle[0] = order * angle[1];
-}
-
 void mukca_effect_basis(double basis[MUKCA_MAX_TERMS][3], const mukca_effect *effect,
                         const double axis[3], const mukca_joint_state *state)
 {
@@ -76,7 +69,8 @@ void mukca_effect_basis(double basis[MUKCA_MAX_TERMS][3], const mukca_effect *ef
         .effect = effect, .axis = axis, .state = state, .sine = sine, .cosine = cosine};
     memset(basis, 0, MUKCA_MAX_TERMS * sizeof *basis);
     if (ops->info.traits & MUKCA_TRAIT_PERIODIC) {
-        mukca_effect_wave(angle, effect, state);
+        angle[1] = state->q[effect->joint];
+        angle[0] = (effect->variant.order ? effect->variant.order : 1) * angle[1];
         mukca_sincos(sine, cosine, angle, 2);
     }
     if (ops->basis) ops->basis(basis, &in);

@@ -72,11 +72,8 @@ typedef struct {
     const mukca_effect *effect;
     const double *axis; /* [3] of its joint, NULL: no joint */
     const mukca_joint_state *state;
-    const double *sine, *cosine; /* [2] of a periodic effect's angles: mukca_effect_wave */
+    const double *sine, *cosine; /* [2] of the joint's angle times the order, and of the angle */
 } mukca_basis_input;
-
-/* angle[2]: the joint's angle times the effect's order (1 if none), and the joint's angle. */
-void mukca_effect_wave(double angle[2], const mukca_effect *effect, const mukca_joint_state *state);
 
 /* Inapplicable members are NULL. */
 typedef struct {
@@ -124,9 +121,6 @@ bool mukca_effect_read_number(double *value, const char *text, const char *unit)
 
 /* Parse an integer from `lowest` to `highest`, with or without a plus sign. */
 bool mukca_effect_read_integer(int *value, const char *text, int lowest, int highest);
-
-/* Basis of a spring at a joint: its negative torque. */
-void mukca_effect_spring_basis(double basis[][3], const mukca_basis_input *in);
 
 /* Candidates common to several effects: one if the joint moved, one per placement. */
 bool mukca_survey_moved(mukca_effect *effect, const mukca_effect_survey *survey, int i);

@@ -1,7 +1,8 @@
 /* Elastic effects: springs deflected by gravity moments. */
 #include "effect/catalogue.h"
 
-void mukca_effect_spring_basis(double basis[][3], const mukca_basis_input *in)
+/* Of a spring at a joint: its negative torque. */
+static void spring_basis(double basis[][3], const mukca_basis_input *in)
 {
     if (in->state->torque) basis[0][0] = -in->state->torque[in->effect->joint];
 }
@@ -22,7 +23,7 @@ const mukca_effect_ops mukca_joint_compliance_effect = {
              .needs = MUKCA_NEEDS_MASSES,
              .traits = MUKCA_TRAIT_ELASTIC,
              .sentence = "the transmission deflects under gravity torque"},
-    .basis = mukca_effect_spring_basis,
+    .basis = spring_basis,
     .candidate = joint_candidate,
     .untested = "gravity loads it alike in all samples: record postures with other lever arms",
 };
@@ -111,7 +112,7 @@ const mukca_effect_ops mukca_servo_sag_effect = {
                          "command and angle",
              .remedy = "record the readings too; raise the position gain or add gravity "
                        "compensation or integral action, or compensate it"},
-    .basis = mukca_effect_spring_basis,
+    .basis = spring_basis,
     .candidate = candidate,
     .untested = "gravity loads it alike in all samples: record postures with other lever arms",
 };

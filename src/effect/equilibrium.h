@@ -82,6 +82,10 @@ void mukca_effects_unloaded(mukca_displacement *displacement, mukca_effect_slope
 void mukca_equilibrium_find(mukca_equilibrium *at, mukca_effect_slopes *slopes,
                             const mukca_effect_task *task);
 
+/* J[6][n_joints] of mukca_corrected_jacobian() at such a posture and slopes (both are overwritten).
+ */
+void mukca_equilibrium_differentiate(double *J, mukca_equilibrium *at, mukca_effect_slopes *slopes);
+
 /* Add to `change` the elastic response to the change of load that it causes.  Each response changes
  * the load again: fixed-point iteration, until a response is below `within`, rad.  Each round
  * multiplies the error by the deflection per rad of motion, 0.05 at most.  Changes of rotation

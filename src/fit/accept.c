@@ -6,9 +6,10 @@
 #include <string.h>
 
 #include "base/text.h"
+#include "fit/align.h"
 #include "fit/tip_error.h"
 #include "math/stats.h"
-#include "model/postures.h"
+#include "model/dataset_subset.h"
 
 /* Measurement noise and an error of the nominal model above these, m, mean that the samples are of
  * another arm: four times those of the worst of 40 published recordings.  So do several postures

@@ -2,9 +2,11 @@
 #include "fit/align.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/pool.h"
 #include "math/dense.h"
 #include "math/stats.h"
 
@@ -16,17 +18,13 @@
 #define TARGET_REACH 0.3
 enum { MOST_STEPS = 30 };
 
-/* One pose: prediction and measurement, and its robust weight. */
 typedef struct {
-    mukca_frame tip, measured;
-    double weight;
-    bool turned; /* orientation was measured */
-} pose;
-
-typedef struct {
-    pose *poses;
+    mukca_meeting_point *points; /* [n] prediction and measurement, with robust weights */
+    double (*measured)[9];       /* [n] orientation; [0] NaN: none */
+    double *length;              /* [n] scratch */
     int n;
     bool tracker, target, turned;
+    mukca_pool pool;
 } problem;
 
 /* Orientation of the target: the relative rotations of the measurements are those of the tip in
@@ -37,11 +35,10 @@ static void turn_target(mukca_alignment *a, const problem *p)
     int used = 0;
     for (int step = 1; step <= p->n / 2 && step <= 8; step++)
         for (int i = 0; i + step < p->n; i++) {
-            const pose *x = &p->poses[i], *y = &p->poses[i + step];
             double tip[9], measured[9], u[3], v[3];
-            if (!x->turned || !y->turned) continue;
-            mukca_mat3_tmul(tip, x->tip.R, y->tip.R);
-            mukca_mat3_tmul(measured, x->measured.R, y->measured.R);
+            if (isnan(p->measured[i][0]) || isnan(p->measured[i + step][0])) continue;
+            mukca_mat3_tmul(tip, p->points[i].from.R, p->points[i + step].from.R);
+            mukca_mat3_tmul(measured, p->measured[i], p->measured[i + step]);
             mukca_rotation_log(u, tip);
             mukca_rotation_log(v, measured);
             /* near half a turn the axis may flip; a faulty sample has another angle */
@@ -60,12 +57,12 @@ static void turn_tracker(mukca_alignment *a, const problem *p)
     double H[9] = {0};
     for (int i = 0; i < p->n; i++) {
         double R[9];
-        if (!p->poses[i].turned) continue;
-        mukca_mat3_mul(R, p->poses[i].tip.R, a->target.R);
+        if (isnan(p->measured[i][0])) continue;
+        mukca_mat3_mul(R, p->points[i].from.R, a->target.R);
         for (int r = 0; r < 3; r++)
             for (int c = 0; c < 3; c++)
                 for (int k = 0; k < 3; k++)
-                    H[3 * r + c] += R[3 * r + k] * p->poses[i].measured.R[3 * c + k];
+                    H[3 * r + c] += R[3 * r + k] * p->measured[i][3 * c + k];
     }
     mukca_rotation_nearest(a->tracker.R, H);
 }
@@ -80,13 +77,13 @@ static void place_target(mukca_alignment *a, const problem *p)
     for (int i = 0; i < p->n; i++)
         for (int r = 0; r < 3; r++) {
             double row[SIZE] = {0};
-            const pose *e = &p->poses[i];
+            const mukca_meeting_point *e = &p->points[i];
             for (int c = 0; c < 3; c++) {
-                row[3 * r + c] = e->measured.p[c] / MODEL_ERROR;
-                row[12 + c] = -e->tip.R[3 * r + c] / MODEL_ERROR;
+                row[3 * r + c] = e->to[c] / MODEL_ERROR;
+                row[12 + c] = -e->from.R[3 * r + c] / MODEL_ERROR;
             }
             row[9 + r] = 1 / MODEL_ERROR;
-            row[N] = e->tip.p[r] / MODEL_ERROR;
+            row[N] = e->from.p[r] / MODEL_ERROR;
             mukca_dense_qr_absorb(R, NULL, row, 1, N, 1);
         }
     for (int c = 0; c < 3; c++) {
@@ -98,122 +95,60 @@ static void place_target(mukca_alignment *a, const problem *p)
     memcpy(a->target.p, x + 12, sizeof a->target.p);
 }
 
-/* Pose of the tracker from positions; the target's position is known (Horn). */
-static void orient_tracker(mukca_alignment *a, const problem *p)
+/* Set `at` of the points to the target by the model, without the tracker. */
+static void place(const mukca_alignment *a, const problem *p)
 {
-    double mean[2][3] = {{0}}, H[9] = {0}, turned[3], total = 0;
-    for (int pass = 0; pass < 2; pass++)
-        for (int i = 0; i < p->n; i++) {
-            const pose *e = &p->poses[i];
-            double b[3];
-            mukca_mat3_vec(b, e->tip.R, a->target.p);
-            total += pass ? 0 : e->weight;
-            for (int r = 0; r < 3; r++) b[r] += e->tip.p[r];
-            for (int r = 0; r < 3; r++) {
-                if (!pass) {
-                    mean[0][r] += e->weight * e->measured.p[r];
-                    mean[1][r] += e->weight * b[r];
-                } else {
-                    for (int c = 0; c < 3; c++)
-                        H[3 * r + c] += e->weight * (b[r] - mean[1][r] / total) *
-                                        (e->measured.p[c] - mean[0][c] / total);
-                }
-            }
-        }
-    mukca_rotation_nearest(a->tracker.R, H);
-    for (int r = 0; r < 3; r++) mean[1][r] /= total;
-    mukca_mat3_vec(turned, a->tracker.R, mean[1]);
-    for (int r = 0; r < 3; r++) a->tracker.p[r] = mean[0][r] / total - turned[r];
-}
-
-/* Position residual of a pose, and its lever arm for the rotation of the tracker. */
-static void residual(double r[3], double lever[3], const mukca_alignment *a, const pose *e)
-{
-    double at[3], target[3];
-    mukca_mat3_vec(target, e->tip.R, a->target.p);
-    for (int c = 0; c < 3; c++) at[c] = e->tip.p[c] + target[c];
-    mukca_mat3_vec(lever, a->tracker.R, at);
-    for (int c = 0; c < 3; c++) r[c] = e->measured.p[c] - a->tracker.p[c] - lever[c];
-}
-
-/* One Gauss-Newton step of the free positions and of the tracker's rotation (the target's is
- * determined by the orientations); returns its largest element. */
-static double refine(mukca_alignment *a, const problem *p)
-{
-    enum { N = 9, SIZE = N + 1 };
-    double R[N * SIZE] = {0}, x[N];
     for (int i = 0; i < p->n; i++) {
-        double r[3], lever[3], RF[9];
-        const pose *e = &p->poses[i];
-        const double w = sqrt(e->weight) / MODEL_ERROR;
-        residual(r, lever, a, e);
-        mukca_mat3_mul(RF, a->tracker.R, e->tip.R);
-        for (int k = 0; k < 3; k++) {
-            double row[SIZE] = {0};
-            if (p->tracker) {
-                row[k] = w;
-                row[3 + (k + 1) % 3] = w * lever[(k + 2) % 3]; /* omega x lever */
-                row[3 + (k + 2) % 3] = -w * lever[(k + 1) % 3];
-            }
-            for (int c = 0; p->target && c < 3; c++) row[6 + c] = w * RF[3 * k + c];
-            row[N] = w * r[k];
-            mukca_dense_qr_absorb(R, NULL, row, 1, N, 1);
-        }
+        mukca_meeting_point *e = &p->points[i];
+        mukca_mat3_vec(e->at, e->from.R, a->target.p);
+        for (int c = 0; c < 3; c++) e->at[c] += e->from.p[c];
     }
-    for (int c = 0; c < N; c++) { /* weak prior for undetermined directions */
-        double row[SIZE] = {0};
-        row[c] = c < 6 ? 1e-6 : 1 / TARGET_REACH;
-        row[N] = c < 6 ? 0 : -a->target.p[c - 6] / TARGET_REACH;
-        mukca_dense_qr_absorb(R, NULL, row, 1, N, 1);
-    }
-    double step = 0;
-    mukca_dense_qr_solve(x, R, N);
-    for (int i = 0; i < N; i++) {
-        if (!isfinite(x[i])) return 0;
-        step = fmax(step, fabs(x[i]));
-    }
-    double turn[9], turned[9];
-    mukca_rotation_exp(turn, x + 3);
-    mukca_mat3_mul(turned, turn, a->tracker.R);
-    memcpy(a->tracker.R, turned, sizeof turned);
-    for (int c = 0; c < 3 && p->tracker; c++) a->tracker.p[c] += x[c];
-    for (int c = 0; c < 3 && p->target; c++) a->target.p[c] += x[6 + c];
-    return step;
 }
 
 /* Robust weights from the residuals of the alignment, with the heavy-tailed weighting of the
- * screening; sets median and mean distance, m.  `length`: scratch, one number per pose. */
-static void weigh(mukca_alignment *a, problem *p, double *length)
+ * screening; sets median and mean distance, m. */
+static void weigh(mukca_alignment *a, problem *p)
 {
-    double lever[3], r[3];
     a->mean_m = 0;
+    place(a, p);
     for (int i = 0; i < p->n; i++) {
-        residual(r, lever, a, &p->poses[i]);
-        length[i] = p->poses[i].weight = mukca_norm3(r);
-        a->mean_m += length[i] / p->n;
+        double x[3];
+        mukca_mat3_vec(x, a->tracker.R, p->points[i].at);
+        for (int c = 0; c < 3; c++) x[c] += a->tracker.p[c];
+        p->length[i] = p->points[i].weight = mukca_distance3(x, p->points[i].to);
+        a->mean_m += p->length[i] / p->n;
     }
-    a->median_m = mukca_stats_median(length, p->n);
+    a->median_m = mukca_stats_median(p->length, p->n);
     const double c = fmax(3 * a->median_m, 1e-6);
     for (int i = 0; i < p->n; i++) {
-        const double x = p->poses[i].weight / c;
-        p->poses[i].weight = 1 / (1 + x * x);
+        const double x = p->points[i].weight / c;
+        p->points[i].weight = 1 / (1 + x * x);
     }
 }
 
-/* Closed form, then Gauss-Newton; with `guess` the target starts at the solution of the linear
+/* Closed form, then Gauss-Newton of the free positions and of the tracker's rotation (the target's
+ * is determined by the orientations); with `guess` the target starts at the solution of the linear
  * system. */
-static void solve(mukca_alignment *a, problem *p, bool guess, double *length)
+static void solve(mukca_alignment *a, problem *p, bool guess)
 {
-    for (int i = 0; i < p->n; i++) p->poses[i].weight = 1;
+    const mukca_meeting meeting = {.points = p->points,
+                                   .n = p->n,
+                                   .base = p->tracker,
+                                   .tool = p->target,
+                                   .pull = MODEL_ERROR / TARGET_REACH};
+    double R[MUKCA_MEETING_FACTOR];
+    for (int i = 0; i < p->n; i++) p->points[i].weight = 1;
     if (p->turned && p->target) turn_target(a, p);
     if (guess) place_target(a, p);
-    if (p->tracker) {
-        orient_tracker(a, p);
+    if (p->tracker) { /* Horn; the target's position is known */
+        place(a, p);
+        mukca_frame_nearest(&a->tracker, p->points->to, p->points->at,
+                            sizeof *p->points / sizeof(double), p->n);
         if (p->turned) turn_tracker(a, p);
     }
     for (int pass = 0; pass < MOST_STEPS; pass++) {
-        const double step = refine(a, p);
-        weigh(a, p, length);
+        const double step = mukca_frame_refine(R, &a->tracker, a->target.p, &meeting);
+        weigh(a, p);
         if (step < 1e-9) break; /* 1 nm, 1 nrad */
     }
 }
@@ -224,13 +159,15 @@ static void collect(problem *p, const mukca_geometry *geometry, const mukca_data
     for (int row = 0; row < data->n_rows; row++) {
         const double *x = data->position + 3 * (size_t)row;
         if (data->socket[row] >= 0 || !isfinite(x[0]) || (keep && !keep[row])) continue;
-        pose *e = &p->poses[p->n++];
-        mukca_fk_pose(&e->tip, geometry, data->q + (size_t)row * (size_t)data->n_joints, NULL);
-        memcpy(e->measured.p, x, sizeof e->measured.p);
+        mukca_meeting_point *e = &p->points[p->n];
+        double *R = p->measured[p->n++];
+        mukca_fk_pose(&e->from, geometry, data->q + (size_t)row * (size_t)data->n_joints, NULL);
+        memcpy(e->to, x, sizeof e->to);
         const double *quaternion = data->quaternion ? data->quaternion + 4 * (size_t)row : NULL;
-        e->turned = quaternion && isfinite(quaternion[0]);
-        if (e->turned) mukca_rotation_from_quaternion(e->measured.R, quaternion);
-        p->turned |= e->turned;
+        R[0] = NAN;
+        if (!quaternion || !isfinite(quaternion[0])) continue;
+        mukca_rotation_from_quaternion(R, quaternion);
+        p->turned = true;
     }
 }
 
@@ -243,14 +180,73 @@ bool mukca_align(mukca_alignment *out, const mukca_geometry *geometry, const muk
     problem p = {.tracker = options->tracker, .target = options->target};
     *out = start;
     if (!data->position || data->n_rows < 3 || (!p.tracker && !p.target)) return true;
-    p.poses = malloc((size_t)data->n_rows * (sizeof *p.poses + sizeof(double)));
-    if (!p.poses) return false;
-    collect(&p, geometry, data, options->keep);
+    p.points = MUKCA_TAKE(&p.pool, mukca_meeting_point, data->n_rows);
+    p.measured = MUKCA_TAKE(&p.pool, double[9], data->n_rows);
+    p.length = MUKCA_TAKE(&p.pool, double, data->n_rows);
+    const bool failed = p.pool.failed;
+    if (!failed) collect(&p, geometry, data, options->keep);
     for (int guess = 0; p.n >= 3 && guess < 1 + p.target; guess++) {
         mukca_alignment a = start;
-        solve(&a, &p, guess, (double *)(p.poses + data->n_rows));
+        solve(&a, &p, guess);
         if (!(a.median_m >= out->median_m)) *out = a;
     }
-    free(p.poses);
-    return true;
+    mukca_pool_free(&p.pool);
+    return !failed;
+}
+
+/* ---- frames as elements of the chain ---- */
+
+static void fixed_element(mukca_element *element, const char *name, const char *child)
+{
+    memset(element, 0, sizeof *element);
+    snprintf(element->name, sizeof element->name, "%s", name);
+    snprintf(element->child, sizeof element->child, "%s", child);
+    element->type = MUKCA_FIXED;
+    element->joint = -1;
+    element->axis[2] = 1;
+}
+
+mukca_status mukca_chain_with_frames(mukca_chain *out, const mukca_chain *chain, bool base,
+                                     bool tool, mukca_error *error)
+{
+    tool = tool && mukca_chain_tip_element(chain) < 0;
+    const int n = chain->n_elements + base + tool;
+    if (n > MUKCA_MAX_ELEMENTS)
+        return mukca_fail(error, MUKCA_INPUT, "the chain has %d elements, at most %d are supported",
+                          n, (int)MUKCA_MAX_ELEMENTS);
+    if (out != chain) *out = *chain;
+    if (base) {
+        memmove(out->element + 1, out->element, (size_t)out->n_elements * sizeof *out->element);
+        fixed_element(&out->element[0], MUKCA_BASE_FRAME, chain->base);
+        for (int m = 0; m < out->n_masses; m++) out->mass[m].element++;
+        for (int j = 0; j < out->n_joints; j++) out->joint_element[j]++;
+    }
+    if (tool) fixed_element(&out->element[n - 1], MUKCA_TOOL_FRAME, chain->tip);
+    out->n_elements = n;
+    return MUKCA_OK;
+}
+
+mukca_status mukca_frames_start(double *theta, const mukca_chain *chain, const mukca_dataset *data,
+                                bool base, bool tool, mukca_error *error)
+{
+    unsigned char *keep = NULL;
+    const int tip = mukca_chain_tip_element(chain);
+    mukca_geometry geometry;
+    mukca_alignment found;
+    mukca_chain_theta(theta, chain);
+    if (!base && !tool) return MUKCA_OK;
+    mukca_geometry_set(&geometry, chain, NULL);
+    if (data->n_targets > 1) { /* align with the samples of the first target */
+        keep = malloc((size_t)data->n_rows);
+        for (int i = 0; i < data->n_rows && keep; i++) keep[i] = data->target[i] == data->target[0];
+    }
+    const mukca_align_options options = {.tracker = base, .target = tool, .keep = keep};
+    const bool aligned =
+        (keep || data->n_targets < 2) && mukca_align(&found, &geometry, data, &options);
+    free(keep);
+    if (!aligned) return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", data->n_rows);
+    if (base) geometry.origin[0] = found.tracker;
+    if (tool) mukca_frame_multiply(&geometry.origin[tip], &geometry.origin[tip], &found.target);
+    mukca_geometry_theta(theta, chain, &geometry);
+    return MUKCA_OK;
 }

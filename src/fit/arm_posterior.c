@@ -1,5 +1,5 @@
 /* Posterior of an arm given samples. */
-#include "fit/arm_posterior.h"
+#include "fit/posterior.h"
 
 #include <math.h>
 #include <string.h>
@@ -31,15 +31,6 @@ double *mukca_arm_posterior_coefficient(mukca_arm_posterior *p, int c)
     return &p->effects[e].coefficient[c];
 }
 
-static void find_tip(mukca_frame *tip, const mukca_arm_posterior *p, const mukca_geometry *geometry,
-                     const mukca_joint_state *state)
-{
-    mukca_displacement d;
-    const int n = p->task->to->n_effects;
-    if (n) mukca_effects_displacement(&d, p->effects, n, &p->chain, geometry, state->q, state);
-    mukca_fk_pose(tip, geometry, state->q, n ? &d : NULL);
-}
-
 void mukca_arm_posterior_add(double *x, mukca_arm_posterior *p, const mukca_geometry *geometry,
                              const double *theta, const mukca_joint_state *state, bool poses)
 {
@@ -48,7 +39,7 @@ void mukca_arm_posterior_add(double *x, mukca_arm_posterior *p, const mukca_geom
     mukca_frame rigid, tip, other;
     mukca_fk_parameter_jacobian(J, at, geometry, theta, state->q);
     mukca_fk_pose(&rigid, geometry, state->q, NULL); /* as the derivatives */
-    find_tip(&tip, p, geometry, state);
+    mukca_tip_pose(&tip, p->effects, p->task->to->n_effects, &p->chain, geometry, state);
     for (int a = 0; a < 3; a++) {
         double *row = x + a * w, *to = row + MUKCA_NUISANCE;
         if (!poses || p->base) row[a] += 1;
@@ -64,7 +55,7 @@ void mukca_arm_posterior_add(double *x, mukca_arm_posterior *p, const mukca_geom
     for (int c = p->n_geometry; c < p->n; c++) {
         double *value = mukca_arm_posterior_coefficient(p, c - p->n_geometry), kept = *value;
         *value += p->sigma[c];
-        find_tip(&other, p, geometry, state);
+        mukca_tip_pose(&other, p->effects, p->task->to->n_effects, &p->chain, geometry, state);
         *value = kept;
         for (int a = 0; a < 3; a++) x[a * w + MUKCA_NUISANCE + c] += other.p[a] - tip.p[a];
     }
@@ -238,9 +229,7 @@ static void solve(mukca_arm_posterior *p)
     }
     for (int g = 0; g < p->n_groups; g++) add_group(p, g, p->step);
     add_distances(p, p->step);
-    mukca_dense_cholesky(p->L, n); /* positive definite: every unknown has a prior */
-    mukca_dense_forward(p->step, 1, p->L, n);
-    mukca_dense_backward(p->step, 1, p->L, n);
+    mukca_dense_solve(p->step, 1, p->L, n); /* positive definite: every unknown has a prior */
 }
 
 /* Residual e of an observation after the last step; b[MUKCA_NUISANCE] of its group. */

@@ -20,7 +20,6 @@ bool mukca_cost_init(mukca_cost *cost, mukca_pool *pool, const mukca_chain *chai
     cost->parameters = parameters;
     cost->gradient = options->gradient;
     cost->n = n;
-    cost->pair_weight = options->no_distortion ? 0 : 1;
     cost->lambda = options->lambda < 0 ? 0 : options->lambda > 0 ? options->lambda : MUKCA_LAMBDA;
     memcpy(cost->theta, options->theta ? options->theta : nominal, (size_t)all * sizeof *nominal);
     mukca_parameters_pack(cost->nominal, parameters, nominal);
@@ -37,10 +36,8 @@ double mukca_cost_evaluate(mukca_cost_value *parts, double *gradient, mukca_cost
     mukca_parameters_unpack(cost->theta, cost->parameters, x);
     mukca_observe_predict(o, cost->theta);
     value.inconsistency = mukca_observe_squares(&value.distortion, o, true);
-    value.distortion *= cost->pair_weight;
     if (gradient)
-        mukca_observe_gradient(gradient, o, cost->theta, cost->parameters, cost->gradient,
-                               cost->pair_weight);
+        mukca_observe_gradient(gradient, o, cost->theta, cost->parameters, cost->gradient);
     for (int i = 0; i < cost->n; i++) {
         if (!cost->parameters->regularised[i]) continue;
         const double off = x[i] - cost->nominal[i];

@@ -17,12 +17,9 @@ typedef struct mukca_cost mukca_cost;
 /* Zeroed means the defaults. */
 typedef struct {
     double lambda;           /* 0: MUKCA_LAMBDA; negative: no regularisation */
-    bool no_distortion;      /* no distances between sockets */
     mukca_gradient gradient; /* method of an element's derivative */
     const double *theta;     /* [6 * n_elements] values of frozen parameters; NULL: nominal */
-    /* for mukca_cost_setup (cost_normal.h): */
-    bool nominal_means; /* of sockets (older closed-chain method), not their own */
-    mukca_cost *part;   /* NULL: none */
+    mukca_cost *part;        /* for mukca_cost_setup (solver.h); NULL: none */
 } mukca_cost_options;
 
 typedef struct {
@@ -33,12 +30,11 @@ struct mukca_cost {
     const mukca_parameters *parameters;
     mukca_observations observations;
     mukca_gradient gradient;
-    double lambda;      /* of one placement */
-    double pair_weight; /* 1, or 0 without distortion */
-    int n;              /* free parameters */
-    int evaluations;    /* of value, with or without gradient */
-    double *theta;      /* [6 * n_elements] scratch; frozen entries hold their value */
-    double *nominal;    /* [n] */
+    double lambda;   /* of one placement */
+    int n;           /* free parameters */
+    int evaluations; /* of value, with or without gradient */
+    double *theta;   /* [6 * n_elements] scratch; frozen entries hold their value */
+    double *nominal; /* [n] */
     /* of mukca_cost_setup; NULL: none */
     void (*more)(mukca_cost_value *parts, double *gradient, mukca_cost *cost, const double *x);
     mukca_cost *part;       /* the owner of r, J and weight: this cost or that of the options */

@@ -1,9 +1,9 @@
 /* The cost with measured poses, its Gauss-Newton Hessian, held directions. */
-#include "fit/cost_normal.h"
+#include "fit/solver.h"
 
 #include <string.h>
 
-#include "fit/observe_jacobian.h"
+#include "fit/poses.h"
 #include "math/dense.h"
 
 static double along(const double *v, const double *x, int n)
@@ -30,17 +30,6 @@ static void add(mukca_cost_value *parts, double *gradient, mukca_cost *cost, con
     }
 }
 
-static void fix_means(mukca_observations *o, mukca_pool *pool, const mukca_chain *chain)
-{
-    double nominal[MUKCA_MAX_FREE];
-    double *mean = MUKCA_TAKE(pool, double, 3 * o->n_sockets);
-    if (!mean) return;
-    mukca_chain_theta(nominal, chain);
-    mukca_observe_predict(o, nominal);
-    memcpy(mean, o->mean, 3 * (size_t)o->n_sockets * sizeof *mean);
-    o->fixed_mean = mean;
-}
-
 bool mukca_cost_setup(mukca_cost *cost, mukca_pool *pool, const mukca_chain *chain,
                       const mukca_parameters *parameters, const mukca_dataset *data,
                       const mukca_cost_options *options)
@@ -51,7 +40,6 @@ bool mukca_cost_setup(mukca_cost *cost, mukca_pool *pool, const mukca_chain *cha
     if (!options) options = &none;
     if (!mukca_cost_init(cost, pool, chain, parameters, data, options)) return false;
     if (!mukca_poses_add(o, pool, data)) return false;
-    if (options->nominal_means) fix_means(o, pool, chain);
     const int m = o->n_residuals;
     cost->more = add;
     cost->part = options->part ? options->part : cost;
@@ -64,7 +52,7 @@ bool mukca_cost_setup(mukca_cost *cost, mukca_pool *pool, const mukca_chain *cha
     cost->held = MUKCA_TAKE(pool, double, n *n);
     cost->held_at = MUKCA_TAKE(pool, double, n);
     if (pool->failed) return false;
-    if (cost->part == cost) mukca_observe_weights(cost->weight, o, cost->pair_weight);
+    if (cost->part == cost) mukca_observe_weights(cost->weight, o);
     return true;
 }
 

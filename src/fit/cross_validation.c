@@ -4,10 +4,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "fit/frames.h"
-#include "fit/part.h"
+#include "fit/align.h"
 #include "model/dataset_subset.h"
-#include "model/postures.h"
 
 enum {
     /* Blocks of consecutive samples, which are correlated: more leave more to the fit.  The errors

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "arm/tip_change.h"
+#include "base/pool.h"
 #include "fit/parameters.h"
 #include "model/dataset_subset.h"
 
@@ -13,7 +14,6 @@ bool mukca_evaluate_tips(mukca_frame *tips, const mukca_model *model, const mukc
 {
     mukca_geometry geometry;
     mukca_row_state rows;
-    mukca_displacement displacement = {0};
     mukca_frame base;
     mukca_chain *arm = malloc(sizeof *arm);
     if (!arm) return false;
@@ -27,10 +27,7 @@ bool mukca_evaluate_tips(mukca_frame *tips, const mukca_model *model, const mukc
     }
     for (int row = 0; row < data->n_rows; row++) {
         const mukca_joint_state *state = mukca_dataset_state(&rows, data, row);
-        if (model->n_effects > 0)
-            mukca_effects_displacement(&displacement, model->effects, model->n_effects, arm,
-                                       &geometry, state->q, state);
-        mukca_fk_pose(&tips[row], &geometry, state->q, model->n_effects ? &displacement : NULL);
+        mukca_tip_pose(&tips[row], model->effects, model->n_effects, arm, &geometry, state);
         if (framed) mukca_frame_multiply(&tips[row], &base, &tips[row]);
     }
     free(arm);
@@ -144,67 +141,85 @@ static mukca_score mean_score(const mukca_score *scores, int n)
 /* Of one model on one dataset. */
 typedef struct {
     mukca_frame *tips; /* [n_rows] */
+    double *error;     /* [n_rows] as of mukca_evaluate_rows */
     double (*mean)[3]; /* [n_sockets] */
     int *count;        /* [n_sockets] */
+    mukca_pool pool;
 } evaluation;
 
-static void evaluation_free(evaluation *e)
+/* False: out of memory; free the pool in any case. */
+static bool evaluate(evaluation *e, const mukca_model *model, const mukca_dataset *data)
 {
-    free(e->tips);
-    free(e->mean);
-    free(e->count);
-}
-
-/* Tips, means of the sockets and error[n_rows]; false: out of memory. */
-static bool evaluate_rows(evaluation *e, double *error, const mukca_model *model,
-                          const mukca_dataset *data)
-{
-    const size_t sockets = (size_t)data->n_sockets + 1;
-    e->tips = malloc(((size_t)data->n_rows + 1) * sizeof *e->tips);
-    e->mean = calloc(sockets, sizeof *e->mean);
-    e->count = calloc(sockets, sizeof *e->count);
-    if (!e->tips || !e->mean || !e->count) return false;
-    if (!mukca_evaluate_tips(e->tips, model, data) || !mukca_evaluate_place(e->tips, data))
+    *e = (evaluation){.tips = NULL};
+    e->tips = MUKCA_TAKE(&e->pool, mukca_frame, data->n_rows);
+    e->error = MUKCA_TAKE(&e->pool, double, data->n_rows);
+    e->mean = MUKCA_TAKE(&e->pool, double[3], data->n_sockets);
+    e->count = MUKCA_TAKE(&e->pool, int, data->n_sockets);
+    if (e->pool.failed || !mukca_evaluate_tips(e->tips, model, data) ||
+        !mukca_evaluate_place(e->tips, data))
         return false;
     socket_means(e->mean, e->count, e->tips, data);
     for (int i = 0; i < data->n_rows; i++) {
         const double *about = data->socket[i] >= 0 ? e->mean[data->socket[i]]
                               : data->position     ? data->position + 3 * (size_t)i
                                                    : NULL;
-        error[i] = about ? mukca_distance3(e->tips[i].p, about) : (double)NAN;
+        e->error[i] = about ? mukca_distance3(e->tips[i].p, about) : (double)NAN;
     }
     return true;
 }
 
 bool mukca_evaluate_rows(double *error, const mukca_model *model, const mukca_dataset *data)
 {
-    evaluation e = {0};
-    const bool ok = evaluate_rows(&e, error, model, data);
-    evaluation_free(&e);
+    evaluation e;
+    const bool ok = evaluate(&e, model, data);
+    if (ok) memcpy(error, e.error, (size_t)data->n_rows * sizeof *error);
+    mukca_pool_free(&e.pool);
     return ok;
 }
 
 int mukca_evaluate(mukca_score *scores, mukca_score *mean, const mukca_model *model,
                    const mukca_dataset *data)
 {
-    int n = -1;
-    evaluation e = {0};
-    double *error = malloc(((size_t)data->n_rows + 1) * sizeof *error);
-    if (!error || !evaluate_rows(&e, error, model, data)) goto out;
-    n = 0;
-    for (int p = 0; p <= data->n_placements; p++) {
+    evaluation e;
+    const bool ok = evaluate(&e, model, data);
+    int n = 0;
+    for (int p = 0; p <= data->n_placements && ok; p++) {
         const bool poses = p == data->n_placements, logs = poses && model->by_log;
         for (int f = logs ? 0 : -1; f < (logs ? data->n_files : 0); f++)
             for (int t = -1; t < (logs ? data->n_targets : 0); t++) {
                 scores[n] =
                     score_part((mukca_score){.placement = poses ? -1 : p, .file = f, .target = t},
-                               e.mean, e.count, error, e.tips, data);
+                               e.mean, e.count, e.error, e.tips, data);
                 n += scores[n].rows > 0;
             }
     }
-    if (mean) *mean = mean_score(scores, n);
-out:
-    evaluation_free(&e);
-    free(error);
-    return n;
+    if (mean && ok) *mean = mean_score(scores, n);
+    mukca_pool_free(&e.pool);
+    return ok ? n : -1;
+}
+
+/* Samples whose predictions differ by less than the repeatability of a printed socket (0.1 to 0.2
+ * mm) are of one posture and carry no information on sockets, m. */
+static const double least_rms = 5e-5;
+
+int mukca_coincide_find(double *apart, const mukca_chain *chain, const double *theta,
+                        const mukca_dataset *data)
+{
+    evaluation e;
+    int found = evaluate(&e, &(mukca_model){.chain = chain, .theta = theta}, data) ? 0 : -1;
+    double *squares = MUKCA_TAKE(&e.pool, double, data->n_sockets);
+    if (!squares) found = -1;
+    for (int i = 0; i < data->n_rows && found == 0; i++)
+        if (data->socket[i] >= 0) squares[data->socket[i]] += e.error[i] * e.error[i];
+    for (int k = 0; k < data->n_distances && found >= 0; k++) {
+        const mukca_distance *d = &data->distances[k];
+        const double rms = sqrt((squares[d->a] + squares[d->b]) / (e.count[d->a] + e.count[d->b])),
+                     far = mukca_distance3(e.mean[d->a], e.mean[d->b]);
+        const bool same = e.count[d->a] && e.count[d->b] && far < fmax(rms, 0.08 * d->distance) &&
+                          rms > least_rms && rms < 0.25 * d->distance;
+        apart[k] = same ? far : (double)NAN;
+        found += same;
+    }
+    mukca_pool_free(&e.pool);
+    return found;
 }

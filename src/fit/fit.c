@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "fit/arm_posterior.h"
-#include "fit/frames.h"
-#include "fit/part.h"
+#include "fit/align.h"
+#include "fit/posterior.h"
+#include "model/dataset_subset.h"
 
 static mukca_status analyse(mukca_fit *fit, mukca_cost *cost, const double *x, double *work,
                             mukca_error *error)

@@ -2,9 +2,58 @@
 #ifndef MUKCA_FIT_FIT_H
 #define MUKCA_FIT_FIT_H
 
-#include "fit/identify.h"
-#include "fit/selection.h"
 #include "fit/solver.h"
+
+/* ---- the user's lists of free and frozen parameters (selection.c) ---- */
+
+/* The user's selection; zeroed: the default set.  A list is comma-separated; an item is
+ *     joint              all six parameters of that URDF joint (fixed joints may be named too)
+ *     parameter          x y z roll pitch or yaw, of every joint of the default set
+ *     joint.parameter    one number
+ * A joint with the name of a parameter takes precedence.  `free` replaces the default set; with a
+ * leading + it adds to the set.  `freeze` is applied last. */
+typedef struct {
+    const char *free;    /* NULL: the default set */
+    const char *freeze;  /* NULL: nothing */
+    bool regularise_tip; /* also regularise the last fixed joint */
+} mukca_selection;
+
+/* The default set (parameters.h) as changed by the selection; added frames are always in the set
+ * unless frozen.  Errors: MUKCA_USAGE (unknown name, nothing free). */
+mukca_status mukca_parameters_select(mukca_parameters *parameters, const mukca_chain *chain,
+                                     const mukca_selection *selection, mukca_error *error);
+
+/* ---- identifiability: rank, null space, standard errors (identify.c) ---- */
+
+typedef struct {
+    int rank;
+    double noise;         /* standard deviation of a sample's coordinate, m; from the residuals */
+    double observability; /* (s_1 ... s_rank)^(1/rank) of the weighted Jacobian (index O1 of Borm
+                             and Menq over the observable directions): m per m or rad */
+    double sigma[MUKCA_MAX_FREE]; /* standard error of each free parameter; infinite if
+                                     unidentifiable */
+    unsigned char identifiable[MUKCA_MAX_FREE];
+} mukca_identification;
+
+/* Relative tolerance of the rank: smaller singular values, relative to the largest, count as
+ * zero. */
+#define MUKCA_RANK_TOLERANCE 1e-7
+
+/* A parameter is identifiable if its component in every unit vector of the null space is below
+ * this: moving 10 mm or mrad along the null space changes the parameter by less than 10 um or
+ * urad. */
+#define MUKCA_HIDDEN_SHARE 1e-3
+
+/* Doubles of `work` for n free parameters. */
+#define MUKCA_IDENTIFY_WORK(n) (3 * (size_t)((n) + 3) * (size_t)((n) + 3) + 32 * (size_t)((n) + 3))
+
+/* Analyse at x[n].  null_space[n][n] (may be NULL) gets n - rank rows that span the null space, in
+ * reduced form: each has a parameter of its own with coefficient 1.  Errors: MUKCA_INPUT (the
+ * Jacobian is not finite). */
+mukca_status mukca_identify(mukca_identification *identification, double *null_space,
+                            mukca_cost *cost, const double *x, double *work, mukca_error *error);
+
+/* ---- the fit (fit.c) ---- */
 
 /* Zeroed means the defaults. */
 typedef struct {
@@ -15,11 +64,11 @@ typedef struct {
     mukca_solver_options limits;
     const double *start;  /* [6 * chain.n_elements] initial values; NULL: nominal */
     bool parameters_only; /* only theta: no test of convergence, no identifiability */
-    bool by_evidence;     /* sockets only: the posterior mean (arm_posterior.h), no solver */
+    bool by_evidence;     /* sockets only: the posterior mean (posterior.h), no solver */
 } mukca_fit_options;
 
 /* Beyond this number of samples, Hessian, rank and standard errors are computed from so many
- * (part.h): a standard error from N samples is known to some sqrt(2 / N), here 1 %, and an
+ * (mukca_part_take): a standard error from N samples is known to some sqrt(2 / N), here 1 %, and an
  * approximate Hessian changes only the solver's steps, not the minimum. */
 enum { MUKCA_FIT_PART = 20000 };
 

@@ -1,11 +1,11 @@
 /* Identifiability of the parameters and their standard errors. */
-#include "fit/identify.h"
+#include "fit/fit.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "fit/cost_normal.h"
 #include "fit/poses.h"
+#include "fit/solver.h"
 #include "math/dense.h"
 
 /* Fraction of a socket's samples, or of the poses (-1), that is in the part. */
@@ -38,8 +38,7 @@ static void score_covariance(double *B, mukca_cost *cost)
             if (s < 0 || sign == 0) continue;
             const double share = sqrt(share_in_part(cost, s));
             for (int a = 0; a < 3; a++) {
-                const double f =
-                    share * sign * cost->pair_weight * o->pair_direction[3 * p + a] / o->count[s];
+                const double f = share * sign * o->pair_direction[3 * p + a] / o->count[s];
                 for (int c = 0; c < n; c++)
                     part->J[(3 * i + a) * n + c] += f * part->J[(first_pair + p) * n + c];
             }
@@ -140,21 +139,19 @@ mukca_status mukca_identify(mukca_identification *id, double *null_space, mukca_
         mukca_observe_predict(o, cost->part->theta);
         mukca_orientations_predict(o);
     }
-    const int pairs = cost->pair_weight > 0 ? o->n_pairs : 0;
     double squares =
         mukca_observe_squares(&distances, o, false) + mukca_orientations_squares(o, false);
-    if (pairs) squares += distances;
+    squares += distances;
     factorise(R, s, cost->part);
-    score_covariance(B, cost); /* overwrites the Jacobian */
-    if (!o->target && !o->fixed_mean)
-        project_out_turning(R, n); /* measured poses and fixed means identify that rotation */
+    score_covariance(B, cost);                 /* overwrites the Jacobian */
+    if (!o->target) project_out_turning(R, n); /* measured poses identify that rotation */
     for (int i = 1; i < n; i++) memmove(R + i * n, R + i * (n + 3), (size_t)n * sizeof *R);
     if (mukca_dense_svd(R, s, V, n, n) != 0)
         return mukca_fail(error, MUKCA_INPUT, "the model's derivatives are not finite numbers");
     while (id->rank < n && s[id->rank] > MUKCA_RANK_TOLERANCE * s[0])
         log_product += log(s[id->rank++]);
     id->observability = id->rank > 0 ? exp(log_product / id->rank) : 0;
-    const int spare = o->n_measured - o->n_pairs + pairs - id->rank;
+    const int spare = o->n_measured - id->rank;
     id->noise = spare > 0 ? sqrt(squares / spare) : HUGE_VAL;
     standard_errors(id, V, s, B, R, n);
     if (null_space) {

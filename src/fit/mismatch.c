@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "fit/align.h"
-#include "fit/part.h"
+#include "model/dataset_subset.h"
 
 /* Ratio of the errors after and before a change below which the change is no coincidence: real
  * errors of origins reach 1 cm at the tip, those of a wrong column 10 cm and more. */

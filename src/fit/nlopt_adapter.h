@@ -4,8 +4,24 @@
 
 #include <stdbool.h>
 
-#include "fit/stop.h"
 #include "mukca/status.h"
+
+/* Reasons to stop: a result, not an error. */
+#define MUKCA_STOP_LIST(X)                              \
+    X(GRADIENT, "the gradient vanished")                \
+    X(TOLERANCE, "no further decrease within rounding") \
+    X(LIMIT, "out of evaluations or time")              \
+    X(NOT_FINITE, "the cost is not a finite number")    \
+    X(FAILED, "the solver gave up")                     \
+    X(STOPPED, "interrupted")
+
+typedef enum {
+#define MUKCA_STOP_ENUM(name, text) MUKCA_STOP_##name,
+    MUKCA_STOP_LIST(MUKCA_STOP_ENUM)
+#undef MUKCA_STOP_ENUM
+} mukca_stop;
+
+const char *mukca_stop_text(mukca_stop stop);
 
 typedef enum { MUKCA_NLOPT_SLSQP, MUKCA_NLOPT_LBFGS } mukca_nlopt_method;
 

@@ -88,12 +88,11 @@ static void predict_positions(mukca_observations *o)
 static void subtract(mukca_observations *o)
 {
     const mukca_sweep *s = &o->sweep;
-    const double *centre = o->fixed_mean ? o->fixed_mean : o->mean;
     double *residual = mukca_observe_window(o->residual, s);
     for (int i = 0; i < s->rows; i++) {
         const int row = s->from + i;
         const int at = o->socket[row];
-        const double *about = at >= 0 ? centre + 3 * at : o->target ? o->target + 3L * row : NULL;
+        const double *about = at >= 0 ? o->mean + 3 * at : o->target ? o->target + 3L * row : NULL;
         for (int a = 0; a < 3; a++) {
             double *r = residual + a * s->padded + i;
             *r = about && o->share[row] > 0 ? *r - about[a] : 0;
@@ -143,12 +142,12 @@ double mukca_observe_squares(double *pairs, mukca_observations *o, bool weighted
 }
 
 /* Contribution of the pairs' residuals to the adjoint of each sample of socket s. */
-static void pair_adjoint(double add[3], const mukca_observations *o, int s, double weight)
+static void pair_adjoint(double add[3], const mukca_observations *o, int s)
 {
     add[0] = add[1] = add[2] = 0;
     for (int p = 0; p < o->n_pairs; p++) {
         const int sign = (o->pair[2 * p] == s) - (o->pair[2 * p + 1] == s);
-        const double f = 2 * weight * sign * o->pair_residual[p] / o->count[s];
+        const double f = 2 * sign * o->pair_residual[p] / o->count[s];
         for (int a = 0; a < 3; a++) add[a] += f * o->pair_direction[3 * p + a];
     }
 }
@@ -170,10 +169,10 @@ static void add_positions(mukca_adjoint *adjoint, mukca_observations *o, const d
     mukca_sweep_backward(adjoint, h, s);
 }
 
-static void sum_adjoints(mukca_adjoint *adjoint, mukca_observations *o, double pair_weight)
+static void sum_adjoints(mukca_adjoint *adjoint, mukca_observations *o)
 {
     double *socket = o->mean_rows; /* the Jacobian's scratch is free here */
-    for (int s = 0; s < o->n_sockets; s++) pair_adjoint(socket + 3 * s, o, s, pair_weight);
+    for (int s = 0; s < o->n_sockets; s++) pair_adjoint(socket + 3 * s, o, s);
     memset(adjoint, 0, sizeof *adjoint);
     for (int v = 0; v < o->sweep.n_windows; v++) {
         mukca_sweep_open(&o->sweep, v);
@@ -183,11 +182,10 @@ static void sum_adjoints(mukca_adjoint *adjoint, mukca_observations *o, double p
 }
 
 void mukca_observe_gradient(double *gradient, mukca_observations *o, const double *theta,
-                            const mukca_parameters *parameters, mukca_gradient kind,
-                            double pair_weight)
+                            const mukca_parameters *parameters, mukca_gradient kind)
 {
     mukca_adjoint adjoint;
-    sum_adjoints(&adjoint, o, pair_weight);
+    sum_adjoints(&adjoint, o);
     for (int i = 0, element = -1; i < parameters->n; i++) {
         const int k = parameters->index[i] / MUKCA_PARAMETERS;
         const int parameter = parameters->index[i] % MUKCA_PARAMETERS;

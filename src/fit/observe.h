@@ -21,7 +21,6 @@ typedef struct {
     double *share;         /* [n_rows] weight of the squared residual: 1 / samples of group, or 0 */
     double *count;         /* [n_sockets] samples of each */
     double *mean;          /* [n_sockets][3] of the predictions in use */
-    double *fixed_mean;    /* [n_sockets][3] or NULL */
     int *pair;             /* [n_pairs][2] */
     double *pair_distance; /* [n_pairs] known, m */
     double *pair_residual; /* [n_pairs] */
@@ -55,10 +54,9 @@ double mukca_observe_sum(mukca_observations *observations, double *residual, con
 /* Sum of the squares, m^2, of the samples, weighted or not, and of the pairs (NULL: not wanted). */
 double mukca_observe_squares(double *pairs, mukca_observations *observations, bool weighted);
 
-/* gradient[n] of the weighted sum with respect to the free parameters, pairs times `pair_weight`;
- * theta must be that of the last prediction. */
+/* gradient[n] of the weighted sum with respect to the free parameters; theta must be that of the
+ * last prediction. */
 void mukca_observe_gradient(double *gradient, mukca_observations *observations, const double *theta,
-                            const mukca_parameters *parameters, mukca_gradient kind,
-                            double pair_weight);
+                            const mukca_parameters *parameters, mukca_gradient kind);
 
 #endif

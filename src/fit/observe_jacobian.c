@@ -1,10 +1,8 @@
 /* The Jacobian of the residuals, and their weights. */
-#include "fit/observe_jacobian.h"
+#include "fit/poses.h"
 
 #include <math.h>
 #include <string.h>
-
-#include "fit/sweep_jacobian.h"
 
 /* J rows of one orientation: derivative of the rotation vector w, not of the rotation itself. */
 static void turn_rows_of(double *J, int n, const double w[3])
@@ -30,7 +28,7 @@ static void turn_rows_of(double *J, int n, const double w[3])
 static void finish_rows(double *J, double *JO, const mukca_observations *o, int n, int row)
 {
     const double *mean = o->mean_rows + 3L * o->socket[row] * n;
-    if (o->socket[row] >= 0 && !o->fixed_mean)
+    if (o->socket[row] >= 0)
         for (int c = 0; c < 3 * n; c++) J[c] -= mean[c];
     if (!(o->share[row] > 0)) memset(J, 0, 3 * (size_t)n * sizeof *J);
     if (!JO) return;
@@ -102,13 +100,12 @@ void mukca_observe_residuals(double *r, double *J, mukca_observations *o, const 
     if (J) jacobian_of(J, o, theta, parameters, kind);
 }
 
-void mukca_observe_weights(double *weight, const mukca_observations *o, double pair_weight)
+void mukca_observe_weights(double *weight, const mukca_observations *o)
 {
     for (int i = 0; i < o->n_rows; i++)
         for (int a = 0; a < 3; a++) {
             weight[3 * i + a] = sqrt(o->share[i]);
             if (o->turn_share) weight[3 * (o->n_rows + i) + a] = sqrt(o->turn_share[i]);
         }
-    for (int p = 0; p < o->n_pairs; p++)
-        weight[(o->turn_share ? 6 : 3) * o->n_rows + p] = sqrt(pair_weight);
+    for (int p = 0; p < o->n_pairs; p++) weight[(o->turn_share ? 6 : 3) * o->n_rows + p] = 1;
 }

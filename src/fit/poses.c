@@ -4,8 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "fit/sweep_jacobian.h"
-
 static bool has_position(const mukca_dataset *data, int row)
 {
     return data->socket[row] < 0 && data->position && isfinite(data->position[3 * row]);

@@ -1,23 +1,129 @@
-/* Gaussian prior of the geometry and its posterior given samples. */
-#include "fit/posterior.h"
-
+/* Prior and posterior of the geometry; of an arm: unknowns, observations, memory. */
+#include <math.h>
 #include <string.h>
 
-#include "fit/selection.h"
+#include "fit/posterior.h"
 #include "math/dense.h"
+#include "model/dataset_subset.h"
 
-static const double prior[MUKCA_PARAMETERS] = {
-    MUKCA_PRIOR_LENGTH, MUKCA_PRIOR_LENGTH, MUKCA_PRIOR_LENGTH,
-    MUKCA_PRIOR_ANGLE,  MUKCA_PRIOR_ANGLE,  MUKCA_PRIOR_ANGLE,
-};
+enum { MOST_ROWS = 5000 }; /* as in diagnose */
 
-void mukca_posterior_prior(double *sigma, const mukca_linearisation *at)
+/* One observation for each posture of each group. */
+static void list_observations(mukca_arm_posterior *p)
 {
-    const int tip = mukca_chain_tip_element(at->chain);
-    for (int i = 0; i < at->parameters.n; i++) {
-        const int index = at->parameters.index[i];
-        sigma[i] =
-            index / MUKCA_PARAMETERS == tip ? MUKCA_PRIOR_TOOL : prior[index % MUKCA_PARAMETERS];
+    const mukca_dataset *d = &p->data;
+    int *posture = MUKCA_TAKE(&p->pool, int, d->n_rows),
+        *last = MUKCA_TAKE(&p->pool, int, d->n_rows);
+    p->of_row = MUKCA_TAKE(&p->pool, int, d->n_rows);
+    p->list = MUKCA_TAKE(&p->pool, mukca_arm_observation, d->n_rows);
+    if (p->pool.failed) return;
+    p->postures = d->n_rows - mukca_postures_find(posture, &p->pool, d);
+    for (int row = 0; row < d->n_rows; row++) {
+        const int first = posture[row], target = mukca_dataset_target(d, row) + 1;
+        const int group = d->socket[row] >= 0 ? d->socket[row]
+                          : d->position && isfinite(d->position[3 * (size_t)row])
+                              ? d->n_sockets + d->file[row] * (d->n_targets + 1) + target
+                              : -1;
+        int o = first == row ? -1 : last[first];
+        if (first == row) last[row] = -1;
+        p->of_row[row] = -1;
+        if (group < 0) continue;
+        while (o >= 0 && p->list[o].group != group) o = p->list[o].next;
+        if (o < 0) {
+            o = p->n_list++;
+            p->list[o] = (mukca_arm_observation){.group = group, .next = last[first], .weight = 1};
+            last[first] = o;
+        }
+        p->list[o].rows++;
+        p->of_row[row] = o;
+    }
+}
+
+/* Choose the unknowns, and take memory. */
+static mukca_status set_up(mukca_arm_posterior *p, mukca_error *error)
+{
+    const mukca_tip_change_task *task = p->task;
+    if (p->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    mukca_parameters_set(&p->parameters, &p->chain, NULL, false);
+    const int last = p->chain.n_elements - 1;
+    mukca_chain_theta(p->theta, &p->chain);
+    for (int i = 0; i < MUKCA_PARAMETERS && task->tool_frame; i++)
+        p->theta[MUKCA_PARAMETERS * last + i] = p->to[MUKCA_PARAMETERS * last + i];
+    memcpy(p->nominal, p->theta, sizeof p->nominal);
+    mukca_offsets_place_effects(p->effects, task->to, &p->data);
+    for (int i = 0; i < p->parameters.n; i++)
+        if (!task->tool_frame || p->parameters.index[i] / MUKCA_PARAMETERS != last)
+            p->parameters.index[p->n_geometry++] = p->parameters.index[i];
+    p->n = p->parameters.n = p->n_geometry;
+    for (int e = 0; e < task->to->n_effects; e++) p->n += p->effects[e].terms;
+    p->width = MUKCA_NUISANCE + p->n + 1;
+    p->n_groups = p->data.n_sockets + p->data.n_files * (p->data.n_targets + 1);
+    p->sigma = MUKCA_TAKE(&p->pool, double, p->n + 1);
+    p->mean = MUKCA_TAKE(&p->pool, double, p->n + 1);
+    p->step = MUKCA_TAKE(&p->pool, double, p->n + 1);
+    p->L = MUKCA_TAKE(&p->pool, double, p->n * p->n + 1);
+    p->inverse = MUKCA_TAKE(&p->pool, double, p->n * p->n + 1);
+    p->gram = MUKCA_TAKE(&p->pool, double, p->width * p->width);
+    p->reduced = MUKCA_TAKE(&p->pool, double, p->n_groups *MUKCA_NUISANCE * p->width);
+    p->distance_weight = MUKCA_TAKE(&p->pool, double, p->data.n_distances + 1);
+    p->group_weight = MUKCA_TAKE(&p->pool, double, p->n_groups + 1);
+    for (int i = 0; i < p->n_list; i++) p->list[i].x = MUKCA_TAKE(&p->pool, double, 3 * p->width);
+    if (p->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    mukca_posterior_prior(p->sigma, &p->chain, &p->parameters);
+    for (int c = p->n_geometry; c < p->n; c++) { /* nearly flat: the evidence named the effect */
+        double *value = mukca_arm_posterior_coefficient(p, c - p->n_geometry);
+        p->sigma[c] = fmax(3 * fabs(*value), 1e-12);
+        *value = 0;
+    }
+    return MUKCA_OK;
+}
+
+/* The chain without the frame of the measurement before it. */
+static void remove_base(mukca_arm_posterior *p)
+{
+    const mukca_tip_change_task *task = p->task;
+    p->chain = *task->chain;
+    p->to = task->to->theta;
+    if (!task->base_frame) return;
+    mukca_chain_remove_first(&p->chain);
+    p->to += MUKCA_PARAMETERS;
+}
+
+mukca_status mukca_arm_posterior_create(mukca_arm_posterior *p, const mukca_tip_change_task *task,
+                                        mukca_error *error)
+{
+    memset(p, 0, sizeof *p);
+    p->task = task;
+    p->noise = MUKCA_PRIOR_NOISE;
+    p->scale = 1;
+    p->tracker = (mukca_frame){.R = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    remove_base(p);
+    mukca_status status = mukca_part_take(&p->data, task->data, MOST_ROWS, error);
+    if (status != MUKCA_OK) return status;
+    list_observations(p);
+    for (int i = 0; i < p->n_list; i++) p->poses |= p->list[i].group >= p->data.n_sockets;
+    p->base = task->base_frame || task->free_base || !p->poses;
+    p->tool = task->tool_frame || p->data.n_targets > 0;
+    return set_up(p, error);
+}
+
+void mukca_arm_posterior_free(mukca_arm_posterior *p)
+{
+    mukca_dataset_free(&p->data);
+    mukca_pool_free(&p->pool);
+}
+
+/* ---- prior of the geometry, posterior of parameters ---- */
+
+void mukca_posterior_prior(double *sigma, const mukca_chain *chain,
+                           const mukca_parameters *parameters)
+{
+    for (int i = 0; i < parameters->n; i++) {
+        const int k = parameters->index[i] / MUKCA_PARAMETERS;
+        const bool angle = parameters->index[i] % MUKCA_PARAMETERS >= 3;
+        sigma[i] = k == mukca_chain_tip_element(chain) ? MUKCA_PRIOR_TOOL
+                   : angle                             ? MUKCA_PRIOR_ANGLE
+                                                       : MUKCA_PRIOR_LENGTH;
     }
 }
 
@@ -36,15 +142,14 @@ double mukca_posterior_variance(const double *L, double *a, int n)
     return sum;
 }
 
-mukca_status mukca_linearisation_init(mukca_linearisation *at, const mukca_chain *chain,
-                                      const double *theta, mukca_error *error)
+void mukca_linearisation_init(mukca_linearisation *at, const mukca_chain *chain,
+                              const double *theta)
 {
-    const mukca_selection standard = {0};
     memset(at, 0, sizeof *at);
     at->chain = chain;
+    mukca_parameters_set(&at->parameters, chain, NULL, false);
     mukca_chain_theta(at->theta, chain);
     mukca_linearisation_move(at, theta ? theta : at->theta);
-    return mukca_parameters_select(&at->parameters, chain, &standard, error);
 }
 
 void mukca_linearisation_move(mukca_linearisation *at, const double *theta)

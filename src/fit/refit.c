@@ -41,10 +41,8 @@ static void find_marks(double marks[MARKS], const mukca_refit_task *task,
     const mukca_effect *effects = whole ? task->arm->effects : task->held;
     const int n = whole ? task->arm->n_effects : task->n_held;
     const mukca_joint_state state = {.q = q, .placement = -1};
-    mukca_displacement d;
     mukca_frame T;
-    if (n > 0) mukca_effects_displacement(&d, effects, n, task->chain, geometry, q, &state);
-    mukca_fk_pose(&T, geometry, q, n > 0 ? &d : NULL);
+    mukca_tip_pose(&T, effects, n, task->chain, geometry, &state);
     for (int i = 0; i < 3; i++) {
         marks[i] = T.p[i];
         marks[3 + i] = T.p[i] + tool_length * T.R[3 * i];
@@ -107,9 +105,7 @@ static void improve(problem *p, mukca_refit *refit)
     mukca_dense_xty(p->g, (mukca_columns){p->J, n, n}, (mukca_columns){p->residual, 1, 1}, m);
     for (int i = 0; i < n; i++) largest = fmax(largest, p->H[i * n + i]);
     for (int i = 0; i < n; i++) p->H[i * n + i] += ridge * largest;
-    if (mukca_dense_cholesky(p->H, n) != 0) return;
-    mukca_dense_forward(p->g, 1, p->H, n);
-    mukca_dense_backward(p->g, 1, p->H, n);
+    if (mukca_dense_solve(p->g, 1, p->H, n)) return;
     for (int i = 0; i < n; i++) *unknown(refit, p->task, i) += p->g[i];
 }
 

@@ -1,7 +1,6 @@
 /* The user's lists of free and frozen parameters. */
-#include "fit/selection.h"
+#include "fit/fit.h"
 
-#include <stdio.h>
 #include <string.h>
 
 static int find_parameter(const char *name)
@@ -87,10 +86,4 @@ mukca_status mukca_parameters_select(mukca_parameters *parameters, const mukca_c
         return mukca_fail(error, MUKCA_USAGE,
                           "no parameter is free: --freeze leaves nothing to fit");
     return MUKCA_OK;
-}
-
-void mukca_parameters_text(char text[MUKCA_PARAMETER_TEXT], const mukca_chain *chain, int index)
-{
-    snprintf(text, MUKCA_PARAMETER_TEXT, "%s.%s", chain->element[index / MUKCA_PARAMETERS].name,
-             mukca_parameter_name[index % MUKCA_PARAMETERS]);
 }

@@ -1,5 +1,5 @@
 /* Sweeps over many samples at once: orientations and the Jacobian. */
-#include "fit/sweep_jacobian.h"
+#include "fit/poses.h"
 
 #include <string.h>
 

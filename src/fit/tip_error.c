@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "effect/catalogue.h"
-#include "fit/arm_posterior.h"
+#include "fit/posterior.h"
 #include "math/dense.h"
 #include "math/stats.h"
 

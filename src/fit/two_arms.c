@@ -1,13 +1,14 @@
 /* Pose of one arm's base in that of another: weighted absolute orientation (Horn 1987). */
-#include "fit/two_arms.h"
+#include "fit/align.h"
 
 #include <math.h>
 #include <stdbool.h>
 #include <string.h>
 
+#include "base/pool.h"
 #include "math/dense.h"
 
-enum { FREE = 6, SIZE = FREE + 1, MOST_STEPS = 30 };
+enum { FREE = 6, SIZE = MUKCA_MEETING + 1, MOST_STEPS = 30 };
 
 /* (1 um)^2: lower bound, for simulated arms without noise. */
 static const double least_variance = 1e-12;
@@ -18,33 +19,6 @@ static const double least_share = 1e-3;
 static double variance_of(const mukca_shared_socket *s)
 {
     return fmax(s->variance[0] + s->variance[1], least_variance);
-}
-
-/* Residual of a socket and its lever arm for the rotation, both in the left base. */
-static void residual(double r[3], double lever[3], const mukca_frame *pose,
-                     const mukca_shared_socket *s)
-{
-    mukca_mat3_vec(lever, pose->R, s->at[1]);
-    for (int a = 0; a < 3; a++) r[a] = s->at[0][a] - pose->p[a] - lever[a];
-}
-
-/* R[FREE][SIZE]: triangular factor of the weighted equations; translation first, then rotation. */
-static void absorb(double *R, const mukca_frame *pose, const mukca_shared_socket *s, int n)
-{
-    memset(R, 0, FREE * SIZE * sizeof *R);
-    for (int i = 0; i < n; i++) {
-        double rows[3 * SIZE] = {0}, r[3], lever[3];
-        const double w = 1 / sqrt(variance_of(&s[i]));
-        residual(r, lever, pose, &s[i]);
-        for (int k = 0; k < 3; k++) {
-            double *row = rows + k * SIZE;
-            row[k] = w;
-            row[3 + (k + 1) % 3] = w * lever[(k + 2) % 3];
-            row[3 + (k + 2) % 3] = -w * lever[(k + 1) % 3];
-            row[FREE] = w * r[k];
-        }
-        mukca_dense_qr_absorb(R, NULL, rows, 3, FREE, 1);
-    }
 }
 
 static bool determined(const double *R)
@@ -71,8 +45,9 @@ static void judge(mukca_two_arms *out, double *R, const mukca_shared_socket *s, 
 {
     double chi2 = 0, squares = 0, noise = 0;
     for (int i = 0; i < n; i++) {
-        double r[3], lever[3];
-        residual(r, lever, &out->pose, &s[i]);
+        double r[3], at[3];
+        mukca_mat3_vec(at, out->pose.R, s[i].at[1]);
+        for (int a = 0; a < 3; a++) r[a] = s[i].at[0][a] - out->pose.p[a] - at[a];
         chi2 += mukca_dot3(r, r) / variance_of(&s[i]);
         squares += mukca_dot3(r, r);
         noise += 3 * variance_of(&s[i]);
@@ -83,9 +58,9 @@ static void judge(mukca_two_arms *out, double *R, const mukca_shared_socket *s, 
     out->scale = fmax(1, sqrt(chi2 / out->freedom));
     memset(out->sigma, 0, sizeof out->sigma);
     for (int k = 0; k < FREE; k++) { /* columns of R^-1 */
-        double x[FREE];
-        for (int i = 0; i < FREE; i++) R[i * SIZE + FREE] = i == k;
-        mukca_dense_qr_solve(x, R, FREE);
+        double x[MUKCA_MEETING];
+        for (int i = 0; i < MUKCA_MEETING; i++) R[i * SIZE + MUKCA_MEETING] = i == k;
+        mukca_dense_qr_solve(x, R, MUKCA_MEETING);
         for (int i = 0; i < FREE; i++) out->sigma[i] = hypot(out->sigma[i], x[i]);
     }
     for (int i = 0; i < FREE; i++) {
@@ -98,30 +73,29 @@ static void judge(mukca_two_arms *out, double *R, const mukca_shared_socket *s, 
 mukca_status mukca_two_arms_align(mukca_two_arms *out, const mukca_shared_socket *s, int n,
                                   mukca_error *error)
 {
-    double R[FREE * SIZE];
+    double R[MUKCA_MEETING_FACTOR], none[3] = {0};
     if (n < 3)
         return mukca_fail(error, MUKCA_UNIDENTIFIABLE,
                           "the arms share %d sockets; three are needed, not on one line: record "
                           "two placements with both arms",
                           n);
-    mukca_frame_nearest(&out->pose, s->at[0], s->at[1], sizeof *s / sizeof(double), n);
-    for (int pass = 0; pass < MOST_STEPS; pass++) {
-        double x[FREE], turn[9], turned[9], step = 0;
-        absorb(R, &out->pose, s, n);
-        if (!determined(R))
-            return mukca_fail(error, MUKCA_UNIDENTIFIABLE,
-                              "the sockets that the arms share lie on one line; record another "
-                              "placement off it with both arms");
-        mukca_dense_qr_solve(x, R, FREE);
-        mukca_rotation_exp(turn, x + 3);
-        mukca_mat3_mul(turned, turn, out->pose.R);
-        memcpy(out->pose.R, turned, sizeof turned);
-        for (int i = 0; i < FREE; i++) {
-            if (i < 3) out->pose.p[i] += x[i];
-            step = fmax(step, fabs(x[i]));
-        }
-        if (step < 1e-12) break;
+    mukca_pool pool = {0};
+    mukca_meeting_point *points = MUKCA_TAKE(&pool, mukca_meeting_point, n);
+    if (!points) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    const mukca_meeting meeting = {.points = points, .n = n, .base = true};
+    for (int i = 0; i < n; i++) {
+        points[i].weight = 1 / variance_of(&s[i]);
+        memcpy(points[i].to, s[i].at[0], sizeof points[i].to);
+        memcpy(points[i].from.p, s[i].at[1], sizeof points[i].from.p);
     }
+    mukca_frame_nearest(&out->pose, s->at[0], s->at[1], sizeof *s / sizeof(double), n);
+    for (int pass = 0; pass < MOST_STEPS; pass++)
+        if (mukca_frame_refine(R, &out->pose, none, &meeting) < 1e-12) break;
+    mukca_pool_free(&pool);
+    if (!determined(R))
+        return mukca_fail(error, MUKCA_UNIDENTIFIABLE,
+                          "the sockets that the arms share lie on one line; record another "
+                          "placement off it with both arms");
     judge(out, R, s, n);
     return MUKCA_OK;
 }

@@ -45,9 +45,7 @@ static bool compare(comparison *c, const mukca_population *p, const mukca_fleet 
     memcpy(c->W, c->V, sizeof *c->V * (size_t)(n * n));
     memset(c->P, 0, sizeof c->P);
     for (int i = 0; i < n; i++) c->P[i * n + i] = 1;
-    if (mukca_dense_cholesky(c->W, n)) return false;
-    mukca_dense_forward(c->P, n, c->W, n);
-    mukca_dense_backward(c->P, n, c->W, n);
+    if (mukca_dense_solve(c->P, n, c->W, n)) return false;
     if (!mukca_population_arm(c->W, c->r, p, f, arm, c->P)) return false;
     for (int i = 0; i < n; i++)
         for (int k = 0; k < n; k++) c->r[i] -= c->W[i * n + k] * c->mean[k];

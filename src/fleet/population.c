@@ -33,15 +33,6 @@ enum {
 /* Of a set: negligible in a sum, and far from underflow. */
 #define LEAST_LOG_WEIGHT (-200.0)
 
-/* Solve A x = b, A[n][n] symmetric (lower triangle, destroyed).  False: not positive definite. */
-static bool solve(double *x, int columns, double *A, int n)
-{
-    if (mukca_dense_cholesky(A, n)) return false;
-    mukca_dense_forward(x, columns, A, n);
-    mukca_dense_backward(x, columns, A, n);
-    return true;
-}
-
 bool mukca_population_arm(double *W, double *w, const mukca_population *p, const mukca_fleet *f,
                           int arm, const double *P)
 {
@@ -99,7 +90,7 @@ static void solve_mean(mukca_population *p)
             for (int j = 0; j <= i; j++)
                 A[i * n + j] = held[i] || held[j] ? i == j : p->information[i * n + j];
         }
-        if (!solve(b, 1, A, n)) return;
+        if (mukca_dense_solve(b, 1, A, n)) return;
         for (int i = 0; i < n; i++)
             if (b[i] < 0 && (worst < 0 || b[i] < b[worst])) worst = i;
         if (worst < 0) break;
@@ -213,7 +204,7 @@ static void take(average *a, mukca_population *p, const mukca_set *set, double l
         C[i * m + i] = 1;
         for (int j = 0; j <= i; j++) A[i * m + j] = p->information[index[i] * n + index[j]];
     }
-    if (m && !solve(C, m, A, m)) return;
+    if (m && mukca_dense_solve(C, m, A, m)) return;
     a->total += weight;
     for (int i = 0; i < m; i++)
         for (int j = 0; j < m; j++) mean[i] += C[i * m + j] * p->vector[index[j]];
@@ -291,7 +282,7 @@ bool mukca_population_fit(mukca_population *p, const mukca_fleet *f, int without
     memcpy(A, p->information, sizeof *A * (size_t)(p->n * p->n));
     memset(p->covariance, 0, sizeof p->covariance);
     for (int i = 0; i < p->n; i++) p->covariance[i * p->n + i] = 1;
-    if (!solve(p->covariance, p->n, A, p->n)) p->n = 0;
+    if (mukca_dense_solve(p->covariance, p->n, A, p->n)) p->n = 0;
     return take_average(p);
 }
 

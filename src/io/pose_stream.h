@@ -6,7 +6,7 @@
 #include <stdio.h>
 
 #include "io/rows.h"
-#include "recalibrate/pose_log.h"
+#include "recalibrate/recalibrate.h"
 
 /* Largest size of the temporary file, bytes.  A longer log (3 million rows), or any log if no
  * temporary file can be written, is parsed again in each pass. */

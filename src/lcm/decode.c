@@ -19,18 +19,10 @@ typedef struct {
 
 static int64_t read_integer(const unsigned char *at, mukca_lcm_primitive primitive)
 {
-    switch (primitive) {
-        case MUKCA_LCM_INT8:
-            return (int8_t)at[0];
-        case MUKCA_LCM_INT16:
-            return (int16_t)mukca_lcm_wire_get(at, 2);
-        case MUKCA_LCM_INT32:
-            return (int32_t)mukca_lcm_wire_get(at, 4);
-        case MUKCA_LCM_INT64:
-            return (int64_t)mukca_lcm_wire_get(at, 8);
-        default:
-            return at[0];
-    }
+    const int size = mukca_lcm_primitive_sizes[primitive], unused = 64 - 8 * size;
+    const uint64_t value = mukca_lcm_wire_get(at, size);
+    if (primitive > MUKCA_LCM_INT64) return (int64_t)value; /* a byte or a boolean has no sign */
+    return (int64_t)(value << unused) >> unused;
 }
 
 static double read_number(const unsigned char *at, mukca_lcm_primitive primitive)

@@ -1,4 +1,5 @@
-/* Parser of .lcm type descriptions: package, struct, const, comments; as lcm-gen accepts them. */
+/* Parser of .lcm type descriptions: package, struct, const, comments; as lcm-gen accepts them;
+ * fingerprints as lcm-gen computes them. */
 #include "lcm/type.h"
 
 #include <ctype.h>
@@ -7,6 +8,92 @@
 #include <string.h>
 
 #include "base/file.h"
+
+#define PRIMITIVE_NAME(name, text, size) text,
+#define PRIMITIVE_SIZE(name, text, size) size,
+const char *const mukca_lcm_primitive_names[] = {MUKCA_LCM_PRIMITIVE_LIST(PRIMITIVE_NAME)};
+const unsigned char mukca_lcm_primitive_sizes[] = {MUKCA_LCM_PRIMITIVE_LIST(PRIMITIVE_SIZE)};
+
+/* ---- fingerprints: the algorithm of lcm-gen's C backend (emit_c.c, lcmgen.c) ---- */
+
+static uint64_t hash_char(uint64_t hash, char c)
+{
+    /* lcm-gen shifts a signed number to the right, with sign extension */
+    uint64_t high = hash >> 55 | (hash >> 63 ? ~(uint64_t)0 << 9 : 0);
+    return (hash << 8 ^ high) + (uint64_t)(int64_t)c;
+}
+
+static uint64_t hash_text(uint64_t hash, const char *text)
+{
+    hash = hash_char(hash, (char)strlen(text));
+    for (; *text; text++) hash = hash_char(hash, *text);
+    return hash;
+}
+
+/* Fingerprint of a type: the hash of its own fields plus the fingerprints of nested types,
+ * rotated left by one bit.  A type nested in itself adds 0.  `budget` limits the number of fields
+ * visited. */
+static uint64_t fingerprint(const mukca_lcm_types *types, int t, const int *parents, int depth,
+                            int *budget)
+{
+    int chain[MUKCA_LCM_MAX_TYPES + 1];
+    for (int i = 0; i < depth; i++)
+        if ((chain[i] = parents[i]) == t) return 0;
+    chain[depth] = t;
+    const mukca_lcm_type *type = &types->type[t];
+    uint64_t hash = 0x12345678, nested = 0;
+    for (int i = 0; i < type->n_fields; i++) {
+        const mukca_lcm_field *field = &types->field[type->first_field + i];
+        if (--*budget < 0) return 0;
+        hash = hash_text(hash, field->name);
+        if (field->primitive != MUKCA_LCM_NESTED)
+            hash = hash_text(hash, mukca_lcm_primitive_names[field->primitive]);
+        else
+            nested += fingerprint(types, field->nested, chain, depth + 1, budget);
+        hash = hash_char(hash, (char)field->n_dimensions);
+        for (int d = 0; d < field->n_dimensions; d++) {
+            hash = hash_char(hash, field->dimension[d].field < 0 ? 0 : 1);
+            hash = hash_text(hash, field->dimension[d].text);
+        }
+    }
+    hash += nested;
+    return hash << 1 | hash >> 63;
+}
+
+int mukca_lcm_types_find_name(const mukca_lcm_types *types, const char *name)
+{
+    for (int t = types->n_types - 1; t >= 0; t--)
+        if (strcmp(types->type[t].name, name) == 0) return t;
+    return -1;
+}
+
+/* Resolve nested types and compute fingerprints of the types from index `first` on; `file` is used
+ * in messages.  Errors: MUKCA_INPUT (a nested type without description). */
+static mukca_status link_types(mukca_lcm_types *types, int first, const char *file,
+                               mukca_error *error)
+{
+    for (int t = first; t < types->n_types; t++)
+        for (int i = 0; i < types->type[t].n_fields; i++) {
+            mukca_lcm_field *field = &types->field[types->type[t].first_field + i];
+            if (field->primitive != MUKCA_LCM_NESTED) continue;
+            field->nested = mukca_lcm_types_find_name(types, field->nested_name);
+            if (field->nested < 0)
+                return mukca_fail(error, MUKCA_INPUT,
+                                  "%s: field %s of %s is a %s, which neither this file nor an "
+                                  "earlier --type describes; give its file first",
+                                  file, field->name, types->type[t].name, field->nested_name);
+        }
+    for (int t = first; t < types->n_types; t++) {
+        int budget = 100000;
+        types->type[t].fingerprint = fingerprint(types, t, NULL, 0, &budget);
+        if (budget < 0)
+            return mukca_fail(error, MUKCA_INPUT, "%s: %s nests too many types", file,
+                              types->type[t].name);
+    }
+    return MUKCA_OK;
+}
+
+/* ---- the parser ---- */
 
 enum { TOKEN_SIZE = 96 };
 
@@ -237,7 +324,7 @@ mukca_status mukca_lcm_types_parse(mukca_lcm_types *types, const char *text, siz
     }
     if (r.status == MUKCA_OK && types->n_types == n_types)
         r.status = mukca_fail(error, MUKCA_INPUT, "%s describes no struct", file);
-    if (r.status == MUKCA_OK) r.status = mukca_lcm_types_link(types, n_types, file, error);
+    if (r.status == MUKCA_OK) r.status = link_types(types, n_types, file, error);
     if (r.status != MUKCA_OK) {
         types->n_types = n_types;
         types->n_fields = n_fields;

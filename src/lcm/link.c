@@ -1,5 +1,5 @@
-/* Transport of LCM messages: one interface to networks and logs.  A network is received by mukca's
- * own code, as liblcm trusts its input; liblcm sends. */
+/* Transport of LCM messages: one interface to networks and logs; logs.  A network is received by
+ * mukca's own code, as liblcm trusts its input; liblcm sends. */
 #include "lcm/link.h"
 
 #include <arpa/inet.h>
@@ -12,17 +12,17 @@
 #include <unistd.h>
 
 #include "base/clock.h"
-#include "lcm/log.h"
+#include "io/output.h"
 #include "lcm/multicast.h"
+#include "lcm/wire.h"
 
-enum { MAX_CHANNELS = MUKCA_LCM_MAX_NAMED, BURST = 256 /* events of a log per call */ };
+enum { BURST = 256 /* events of a log per call */ };
 
 struct mukca_lcm_link {
     lcm_t *lcm;                     /* sends; NULL: nothing is sent */
     mukca_lcm_multicast *multicast; /* receives; NULL: a log is replayed, or nothing is received */
-    bool replays, listens_to_all;
-    int n_channels;
-    char channel[MAX_CHANNELS][64];
+    bool replays;
+    mukca_lcm_channels channels;
     mukca_lcm_packet_fn *receive;
     void *context;
     mukca_lcm_log log; /* replayed */
@@ -49,17 +49,10 @@ int64_t mukca_lcm_link_dropped(mukca_lcm_link *link, char reason[128])
     return link->multicast ? mukca_lcm_multicast_dropped(link->multicast, reason) : 0;
 }
 
-static bool is_named(const mukca_lcm_link *link, const char *channel)
-{
-    for (int i = 0; i < link->n_channels; i++)
-        if (strcmp(link->channel[i], channel) == 0) return true;
-    return false;
-}
-
 /* Deliver a message that is subscribed. */
 static void deliver(mukca_lcm_link *link, const mukca_lcm_packet *packet)
 {
-    if (link->listens_to_all || is_named(link, packet->channel))
+    if (link->channels.all || mukca_lcm_channels_name(&link->channels, packet->channel))
         link->receive(link->context, packet);
 }
 
@@ -181,24 +174,25 @@ void mukca_lcm_link_close(mukca_lcm_link *link)
 
 mukca_status mukca_lcm_link_listen(mukca_lcm_link *link, const char *channel, mukca_error *error)
 {
-    if (channel ? is_named(link, channel) : link->listens_to_all) return MUKCA_OK;
-    if (channel && (strlen(channel) >= sizeof link->channel[0] || !channel[0]))
+    mukca_lcm_channels *channels = &link->channels;
+    if (channel ? mukca_lcm_channels_name(channels, channel) : channels->all) return MUKCA_OK;
+    if (channel && (strlen(channel) >= sizeof channels->name[0] || !channel[0]))
         return mukca_fail(error, MUKCA_USAGE, "\"%.70s\" is no channel: 1 to 63 characters",
                           channel);
-    if (channel && link->n_channels == MAX_CHANNELS)
-        return mukca_fail(error, MUKCA_USAGE, "more than %d channels", MAX_CHANNELS);
-    if (link->multicast) mukca_lcm_multicast_listen(link->multicast, channel);
+    if (channel && channels->n == MUKCA_LCM_MAX_NAMED)
+        return mukca_fail(error, MUKCA_USAGE, "more than %d channels", MUKCA_LCM_MAX_NAMED);
     if (channel)
-        memcpy(link->channel[link->n_channels++], channel, strlen(channel) + 1);
+        memcpy(channels->name[channels->n++], channel, strlen(channel) + 1);
     else
-        link->listens_to_all = true;
+        channels->all = true;
+    if (link->multicast) mukca_lcm_multicast_listen(link->multicast, channels);
     return MUKCA_OK;
 }
 
 void mukca_lcm_link_unlisten_all(mukca_lcm_link *link)
 {
-    if (link->multicast) mukca_lcm_multicast_unlisten_all(link->multicast);
-    link->listens_to_all = false;
+    link->channels.all = false;
+    if (link->multicast) mukca_lcm_multicast_listen(link->multicast, &link->channels);
 }
 
 /* ---- wait ---- */
@@ -254,4 +248,84 @@ mukca_status mukca_lcm_link_publish(mukca_lcm_link *link, const char *channel, c
     if (link->lcm && lcm_publish(link->lcm, channel, data, (unsigned)size))
         return mukca_fail(error, MUKCA_TRANSPORT, "LCM cannot send on %s", channel);
     return MUKCA_OK;
+}
+
+/* ---- event logs, big-endian: sync word, number, time in us, lengths of channel and data (28
+ * bytes) ---- */
+
+enum {
+    HEADER = 28,
+    MAX_DATA = 1 << 26 /* larger events cannot be joint states or mukca's own */
+};
+static const unsigned char sync_word[4] = {0xED, 0xA1, 0xDA, 0x01};
+
+mukca_status mukca_lcm_log_open(mukca_lcm_log *log, const char *path, mukca_error *error)
+{
+    *log = (mukca_lcm_log){.path = path};
+    log->file = fopen(path, "rb");
+    if (!log->file || fseeko(log->file, 0, SEEK_END) || (log->length = ftello(log->file)) < 0 ||
+        log->length == INT64_MAX || fseeko(log->file, 0, SEEK_SET)) {
+        int reason = errno;
+        mukca_lcm_log_close(log);
+        return mukca_fail(error, mukca_output_status(reason), "LCM log %s: %s", path,
+                          reason ? strerror(reason) : "cannot be read");
+    }
+    return MUKCA_OK;
+}
+
+bool mukca_lcm_log_read(mukca_lcm_log *log, mukca_lcm_event *event)
+{
+    unsigned char head[HEADER] = {0};
+    size_t have = 0;
+    while (log->file) {
+        have += fread(head + have, 1, sizeof head - have, log->file);
+        if (have < sizeof head) {
+            log->skipped += (int64_t)have;
+            return false;
+        }
+        int64_t left = log->length - ftello(log->file);
+        uint64_t n_channel = mukca_lcm_wire_get(head + 20, 4),
+                 n_data = mukca_lcm_wire_get(head + 24, 4);
+        bool event_here = memcmp(head, sync_word, 4) == 0 && n_channel > 0 &&
+                          n_channel < sizeof event->channel && (int64_t)n_data <= left &&
+                          (int64_t)n_channel <= left - (int64_t)n_data;
+        if (!event_here) { /* advance to the next byte that may start a sync word */
+            unsigned char *at = memchr(head + 1, sync_word[0], sizeof head - 1);
+            size_t skip = at ? (size_t)(at - head) : sizeof head;
+            have -= skip;
+            memmove(head, head + skip, have);
+            log->skipped += (int64_t)skip;
+            continue;
+        }
+        have = 0;
+        if (n_data > MAX_DATA) {
+            if (fseeko(log->file, (off_t)(n_channel + n_data), SEEK_CUR)) return false;
+            log->skipped += (int64_t)(HEADER + n_channel + n_data);
+            continue;
+        }
+        if (n_data + 1 > log->capacity) {
+            unsigned char *more = realloc(log->data, n_data + 1);
+            if (!more) {
+                log->exhausted = true;
+                return false;
+            }
+            log->data = more;
+            log->capacity = n_data + 1;
+        }
+        event->time = (int64_t)mukca_lcm_wire_get(head + 12, 8);
+        event->data = log->data;
+        event->size = n_data;
+        memset(event->channel, 0, sizeof event->channel);
+        return fread(event->channel, 1, n_channel, log->file) == n_channel &&
+               fread(log->data, 1, n_data, log->file) == n_data;
+    }
+    return false;
+}
+
+void mukca_lcm_log_close(mukca_lcm_log *log)
+{
+    if (log->file) fclose(log->file);
+    free(log->data);
+    log->file = NULL;
+    log->data = NULL;
 }

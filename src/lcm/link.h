@@ -2,6 +2,8 @@
 #ifndef MUKCA_LCM_LINK_H
 #define MUKCA_LCM_LINK_H
 
+#include <stdio.h>
+
 #include "lcm/packet.h"
 #include "mukca/status.h"
 
@@ -17,8 +19,8 @@ typedef struct {
 
 typedef void mukca_lcm_packet_fn(void *context, const mukca_lcm_packet *packet);
 
-/* Connect to `network`; `receive` gets the packets.  A log is replayed as fast as possible;
- * `file://LOG?speed=1` in real time.  Errors: MUKCA_TRANSPORT (no multicast route, with the
+/* Connect to `network`; `receive` gets the packets.  A log is replayed as fast as possible.
+ * Errors: MUKCA_TRANSPORT (no multicast route, with the
  * remedy), MUKCA_INPUT (log), MUKCA_MEMORY. */
 mukca_status mukca_lcm_link_open(mukca_lcm_link **link, const mukca_lcm_network *network,
                                  mukca_lcm_packet_fn *receive, void *context, mukca_error *error);
@@ -54,5 +56,34 @@ int64_t mukca_lcm_link_dropped(mukca_lcm_link *link, char reason[128]);
 
 /* NULL is harmless. */
 void mukca_lcm_link_close(mukca_lcm_link *link);
+
+/* ---- event logs of lcm-logger, read with bounded lengths ---- */
+
+typedef struct {
+    int64_t time; /* us since 1970, time of logging */
+    char channel[64];
+    const void *data; /* valid until the next read */
+    size_t size;
+} mukca_lcm_event;
+
+/* Zeroed: closed. */
+typedef struct {
+    FILE *file;
+    const char *path;
+    int64_t length;  /* bytes of the file */
+    int64_t skipped; /* bytes outside events, or of events that are too long */
+    bool exhausted;  /* memory for an event was exhausted */
+    unsigned char *data;
+    size_t capacity;
+} mukca_lcm_log;
+
+/* Open a log; `path` must outlive it.  Errors: MUKCA_INPUT (cannot be opened). */
+mukca_status mukca_lcm_log_open(mukca_lcm_log *log, const char *path, mukca_error *error);
+
+/* Read the next event; false at the end.  Skips damaged parts up to the next sync word. */
+bool mukca_lcm_log_read(mukca_lcm_log *log, mukca_lcm_event *event);
+
+/* Harmless on a closed log. */
+void mukca_lcm_log_close(mukca_lcm_log *log);
 
 #endif

@@ -1,89 +1,73 @@
-/* mukca's own LCM messages: one table of fields per type drives encoding and decoding. */
+/* mukca's own LCM messages: one layout per type drives encoding and decoding. */
 #include "lcm/message.h"
 
 #include <stdio.h>
 #include <string.h>
 
 #include "base/utf8.h"
-#include "lcm/signature.h"
 #include "lcm/wire.h"
 
-typedef enum { INT64, INT32, REAL, FLAG, TEXT, COUNT } field_kind;
+typedef enum { INT64, INT32, REAL, FLAG, TEXT, COUNT } member_kind;
+static const char letters[] = "qidbsn", arrays[] = "QIDBS";
 static const size_t wire_size[] = {8, 4, 8, 1, 4, 4}; /* of a text: size of its length */
 static const size_t member_size[] = {sizeof(int64_t), sizeof(int),    sizeof(double),
                                      sizeof(bool),    sizeof(char *), sizeof(int)};
+static const size_t alignment[] = {_Alignof(int64_t), _Alignof(int),    _Alignof(double),
+                                   _Alignof(bool),    _Alignof(char *), _Alignof(int)};
 
-enum { N = -1 }; /* number of elements from the preceding COUNT */
+/* Members of each struct, in the order of data/lcm, by `letters` or, arrays with the number of
+ * elements from the n before them, by `arrays`; their capacity. */
+static const struct {
+    const char *members;
+    int most;
+} layouts[MUKCA_MESSAGES] = {
+    [MUKCA_MESSAGE_TRIGGER] = {"qqss", 0},
+    [MUKCA_MESSAGE_COMMAND] = {"qqsnS", MUKCA_MESSAGE_ARGUMENTS},
+    [MUKCA_MESSAGE_STATUS] = {"qsssssiisssddqqbddbnSDD", MUKCA_MAX_JOINTS},
+    [MUKCA_MESSAGE_SAMPLE] = {"qqbsssinSDD", MUKCA_MAX_JOINTS},
+    [MUKCA_MESSAGE_RESULT] = {"qqsissssssnSSSDDDDBs", MUKCA_MESSAGE_ROWS},
+    [MUKCA_MESSAGE_POSE] = {"qddddddd", 0}, /* position, quaternion */
+};
 
+/* A walk over the members of a message. */
 typedef struct {
-    field_kind kind;
-    int count; /* elements, or N; for a COUNT its largest value */
-    size_t offset;
-} field;
+    const char *left; /* letters of the members to come */
+    int most, n;      /* of the arrays; n: as read */
+    member_kind kind; /* of the present member */
+    bool array;
+    size_t at, end; /* offset of the present member and of its end */
+} walk;
 
-/* Fields in the order of data/lcm. */
-#define FIELD(message, kind, member, count)                    \
-    {                                                          \
-        kind, count, offsetof(mukca_message_##message, member) \
-    }
-static const field trigger_fields[] = {
-    FIELD(trigger, INT64, utime, 1), FIELD(trigger, INT64, id, 1),
-    FIELD(trigger, TEXT, placement, 1), FIELD(trigger, TEXT, socket, 1)};
-static const field command_fields[] = {
-    FIELD(command, INT64, utime, 1), FIELD(command, INT64, id, 1), FIELD(command, TEXT, verb, 1),
-    FIELD(command, COUNT, n, MUKCA_MESSAGE_ARGUMENTS), FIELD(command, TEXT, argument, N)};
-static const field status_fields[] = {
-    FIELD(status, INT64, utime, 1),         FIELD(status, TEXT, state, 1),
-    FIELD(status, TEXT, text, 1),           FIELD(status, TEXT, session, 1),
-    FIELD(status, TEXT, placement, 1),      FIELD(status, TEXT, socket, 1),
-    FIELD(status, INT32, rows, 1),          FIELD(status, INT32, rows_here, 1),
-    FIELD(status, TEXT, channel, 1),        FIELD(status, TEXT, type, 1),
-    FIELD(status, TEXT, stream, 1),         FIELD(status, REAL, rate_hz, 1),
-    FIELD(status, REAL, age_s, 1),          FIELD(status, INT64, received, 1),
-    FIELD(status, INT64, refused, 1),       FIELD(status, FLAG, still, 1),
-    FIELD(status, REAL, spread_m, 1),       FIELD(status, REAL, expected_m, 1),
-    FIELD(status, FLAG, more_rows_help, 1), FIELD(status, COUNT, n, MUKCA_MAX_JOINTS),
-    FIELD(status, TEXT, joint, N),          FIELD(status, REAL, position, N),
-    FIELD(status, REAL, coverage, N)};
-static const field sample_fields[] = {
-    FIELD(sample, INT64, utime, 1),    FIELD(sample, INT64, id, 1),
-    FIELD(sample, FLAG, accepted, 1),  FIELD(sample, TEXT, text, 1),
-    FIELD(sample, TEXT, placement, 1), FIELD(sample, TEXT, socket, 1),
-    FIELD(sample, INT32, row, 1),      FIELD(sample, COUNT, n, MUKCA_MAX_JOINTS),
-    FIELD(sample, TEXT, joint, N),     FIELD(sample, REAL, position, N),
-    FIELD(sample, REAL, spread, N)};
-static const field result_fields[] = {FIELD(result, INT64, utime, 1),
-                                      FIELD(result, INT64, id, 1),
-                                      FIELD(result, TEXT, verb, 1),
-                                      FIELD(result, INT32, code, 1),
-                                      FIELD(result, TEXT, text, 1),
-                                      FIELD(result, TEXT, robot, 1),
-                                      FIELD(result, TEXT, urdf_sha256, 1),
-                                      FIELD(result, TEXT, base, 1),
-                                      FIELD(result, TEXT, tip, 1),
-                                      FIELD(result, TEXT, stream, 1),
-                                      FIELD(result, COUNT, n, MUKCA_MESSAGE_ROWS),
-                                      FIELD(result, TEXT, joint, N),
-                                      FIELD(result, TEXT, parameter, N),
-                                      FIELD(result, TEXT, unit, N),
-                                      FIELD(result, REAL, nominal, N),
-                                      FIELD(result, REAL, calibrated, N),
-                                      FIELD(result, REAL, offset, N),
-                                      FIELD(result, REAL, sigma, N),
-                                      FIELD(result, FLAG, identifiable, N),
-                                      FIELD(result, TEXT, json, 1)};
-static const field pose_fields[] = {FIELD(pose, INT64, utime, 1), FIELD(pose, REAL, position, 3),
-                                    FIELD(pose, REAL, quaternion, 4)};
+static walk begin(mukca_message_kind message)
+{
+    return (walk){.left = layouts[message].members, .most = layouts[message].most};
+}
+
+static bool next(walk *w)
+{
+    const char letter = *w->left;
+    if (!letter) return false;
+    const char *of = strchr(arrays, letter);
+    w->left++;
+    w->array = of != NULL;
+    w->kind = (member_kind)(of ? of - arrays : strchr(letters, letter) - letters);
+    w->at = (w->end + alignment[w->kind] - 1) / alignment[w->kind] * alignment[w->kind];
+    w->end = w->at + member_size[w->kind] * (size_t)(w->array ? w->most : 1);
+    return true;
+}
+
+/* Read n from a COUNT; false: out of range. */
+static bool read_count(walk *w, const void *member)
+{
+    memcpy(&w->n, member, sizeof w->n);
+    return w->n >= 0 && w->n <= w->most;
+}
 
 static const struct {
     const char *channel, *name;
     uint64_t fingerprint;
-    const field *fields;
-    size_t n_fields;
 } kinds[] = {
-#define KIND(channel, name, fingerprint)                   \
-    {#channel, "mukca." #name, fingerprint, name##_fields, \
-     sizeof name##_fields / sizeof name##_fields[0]},
+#define KIND(channel, name, fingerprint) {#channel, "mukca." #name, fingerprint},
     MUKCA_MESSAGE_LIST(KIND)
 #undef KIND
 };
@@ -98,16 +82,6 @@ const char *mukca_message_identify(const void *data, size_t size)
     for (int k = 0; k < MUKCA_MESSAGES && size >= 8; k++)
         if (mukca_lcm_wire_get(data, 8) == kinds[k].fingerprint) return kinds[k].name;
     return NULL;
-}
-
-/* Number of elements of a field after the count `n`; -1: a COUNT out of range. */
-static int elements(const field *f, const void *member, int *n)
-{
-    if (f->kind == COUNT) {
-        memcpy(n, member, sizeof *n);
-        return *n < 0 || *n > f->count ? -1 : 1;
-    }
-    return f->count == N ? *n : f->count;
 }
 
 /* ---- encode ---- */
@@ -128,7 +102,7 @@ static void put(writer *w, const void *bytes, uint64_t number, size_t n)
     w->used += n;
 }
 
-static void put_element(writer *w, field_kind kind, const char *member)
+static void put_element(writer *w, member_kind kind, const char *member)
 {
     const char *text = NULL;
     uint64_t number = 0;
@@ -161,18 +135,15 @@ static void put_element(writer *w, field_kind kind, const char *member)
 
 size_t mukca_message_encode(void *buffer, size_t size, mukca_message_kind kind, const void *message)
 {
-    writer w = {.at = buffer, .size = size};
-    int n = 0;
-    put(&w, NULL, kinds[kind].fingerprint, 8);
-    for (size_t i = 0; i < kinds[kind].n_fields; i++) {
-        const field *f = &kinds[kind].fields[i];
-        const char *member = (const char *)message + f->offset;
-        int count = elements(f, member, &n);
-        if (count < 0) return 0;
-        for (int k = 0; k < count; k++)
-            put_element(&w, f->kind, member + (size_t)k * member_size[f->kind]);
+    writer out = {.at = buffer, .size = size};
+    put(&out, NULL, kinds[kind].fingerprint, 8);
+    for (walk w = begin(kind); next(&w);) {
+        const char *member = (const char *)message + w.at;
+        if (w.kind == COUNT && !read_count(&w, member)) return 0;
+        for (int k = 0; k < (w.array ? w.n : 1); k++)
+            put_element(&out, w.kind, member + (size_t)k * member_size[w.kind]);
     }
-    return w.used;
+    return out.used;
 }
 
 /* ---- decode ---- */
@@ -185,7 +156,7 @@ static bool is_printable(const char *text)
     return true;
 }
 
-static bool decode_element(mukca_lcm_wire *wire, field_kind kind, char *member)
+static bool decode_element(mukca_lcm_wire *wire, member_kind kind, char *member)
 {
     if (kind == TEXT) {
         const char *text = mukca_lcm_wire_text(wire);
@@ -212,14 +183,11 @@ mukca_status mukca_message_decode(void *message, mukca_message_kind kind, const 
     if (!head || mukca_lcm_wire_get(head, 8) != kinds[kind].fingerprint)
         return mukca_fail(error, MUKCA_INPUT, "not a %s message", kinds[kind].name);
     bool good = true;
-    int n = 0;
-    for (size_t i = 0; i < kinds[kind].n_fields && good; i++) {
-        const field *f = &kinds[kind].fields[i];
-        char *member = (char *)message + f->offset;
-        int count = f->kind == COUNT ? 1 : elements(f, member, &n);
-        for (int k = 0; k < count && good; k++)
-            good = decode_element(&wire, f->kind, member + (size_t)k * member_size[f->kind]);
-        if (good && f->kind == COUNT) good = elements(f, member, &n) == 1;
+    for (walk w = begin(kind); good && next(&w);) {
+        char *member = (char *)message + w.at;
+        for (int k = 0; k < (w.array ? w.n : 1) && good; k++)
+            good = decode_element(&wire, w.kind, member + (size_t)k * member_size[w.kind]);
+        if (good && w.kind == COUNT) good = read_count(&w, member);
     }
     const bool request = kind == MUKCA_MESSAGE_TRIGGER || kind == MUKCA_MESSAGE_COMMAND;
     if (request && wire.left == MUKCA_LCM_SIGNATURE) wire.left = 0;

@@ -2,10 +2,7 @@
 #ifndef MUKCA_LCM_MESSAGE_H
 #define MUKCA_LCM_MESSAGE_H
 
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-
+#include "lcm/packet.h"
 #include "mukca/chain.h"
 #include "mukca/status.h"
 
@@ -30,8 +27,9 @@ enum {
     MUKCA_MESSAGE_ROWS = 512 /* largest number of rows of an offsets table */
 };
 
-/* data/lcm describes each field.  Texts are NUL-terminated; the sender owns them, or they point
- * into the received message.  NULL is sent as "". */
+/* data/lcm describes each field; message.c lists the members in their order.  Texts are
+ * NUL-terminated; the sender owns them, or they point into the received message.  NULL is sent as
+ * "". */
 typedef struct {
     int64_t utime, id;
     const char *placement, *socket;
@@ -99,9 +97,31 @@ const char *mukca_message_identify(const void *data, size_t size);
 size_t mukca_message_encode(void *buffer, size_t size, mukca_message_kind kind,
                             const void *message);
 
-/* Decode data[size] into the struct of `kind`; the signature after a request (lcm/signature.h) is
+/* Decode data[size] into the struct of `kind`; the signature after a request is
  * not checked.  Errors: MUKCA_INPUT (another type, malformed). */
 mukca_status mukca_message_decode(void *message, mukca_message_kind kind, const void *data,
                                   size_t size, mukca_error *error);
+
+/* ---- signatures of requests: HMAC-SHA256 (RFC 2104) appended to the message (signature.c) ---- */
+
+enum {
+    MUKCA_LCM_SIGNATURE = 32, /* bytes */
+    MUKCA_LCM_KEY_BLOCK = 64  /* bytes, block size of SHA-256 */
+};
+
+typedef struct {
+    unsigned char block[MUKCA_LCM_KEY_BLOCK]; /* the key or its hash, zero-padded */
+} mukca_lcm_key;
+
+/* Read a key: the bytes of the file without trailing white space, at least 16.  Errors: MUKCA_INPUT
+ * (cannot be read, too short, readable by others), MUKCA_MEMORY. */
+mukca_status mukca_lcm_key_read(mukca_lcm_key *key, const char *path, mukca_error *error);
+
+/* Compute the signature of the packet's channel, including its NUL, and data[size]. */
+void mukca_lcm_signature_make(unsigned char signature[MUKCA_LCM_SIGNATURE],
+                              const mukca_lcm_key *key, const mukca_lcm_packet *packet);
+
+/* Whether the last bytes of the packet are a valid signature of the preceding ones. */
+bool mukca_lcm_signature_check(const mukca_lcm_key *key, const mukca_lcm_packet *packet);
 
 #endif

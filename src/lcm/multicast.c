@@ -39,9 +39,7 @@ struct mukca_lcm_multicast {
     pthread_mutex_t lock;
     mukca_lcm_queue queue;
     bool signalled; /* a byte is in `ready` */
-    bool all;
-    int n_named;
-    char named[MUKCA_LCM_MAX_NAMED][MUKCA_LCM_CHANNEL_SIZE];
+    mukca_lcm_channels channels;
     int64_t malformed[MUKCA_LCM_DROPS], foreign, lost; /* lost: by the kernel */
     uint32_t stranger;                                 /* address of the last foreign sender */
     int64_t reported[MUKCA_LCM_DROPS + 2];
@@ -89,10 +87,10 @@ static bool may_send(mukca_lcm_multicast *m, uint32_t address, int64_t now)
 
 /* ---- the thread ---- */
 
-static bool is_named(const mukca_lcm_multicast *m, const char *channel)
+bool mukca_lcm_channels_name(const mukca_lcm_channels *channels, const char *channel)
 {
-    for (int i = 0; i < m->n_named; i++)
-        if (strcmp(m->named[i], channel) == 0) return true;
+    for (int i = 0; i < channels->n; i++)
+        if (strcmp(channels->name[i], channel) == 0) return true;
     return false;
 }
 
@@ -114,7 +112,7 @@ static void process(mukca_lcm_multicast *m, size_t size, const struct sockaddr_i
     }
     memcpy(m->malformed, m->reassembly.dropped, sizeof m->malformed);
     m->lost = m->overflowed;
-    if (whole && (m->all || is_named(m, packet.channel)) &&
+    if (whole && (m->channels.all || mukca_lcm_channels_name(&m->channels, packet.channel)) &&
         mukca_lcm_queue_push(&m->queue, &packet) && !m->signalled)
         m->signalled = write(m->ready[1], "", 1) == 1;
     pthread_mutex_unlock(&m->lock);
@@ -265,20 +263,10 @@ void mukca_lcm_multicast_close(mukca_lcm_multicast *m)
 
 /* ---- for the program ---- */
 
-void mukca_lcm_multicast_listen(mukca_lcm_multicast *m, const char *channel)
+void mukca_lcm_multicast_listen(mukca_lcm_multicast *m, const mukca_lcm_channels *channels)
 {
     pthread_mutex_lock(&m->lock);
-    if (!channel)
-        m->all = true;
-    else
-        memcpy(m->named[m->n_named++], channel, strlen(channel) + 1);
-    pthread_mutex_unlock(&m->lock);
-}
-
-void mukca_lcm_multicast_unlisten_all(mukca_lcm_multicast *m)
-{
-    pthread_mutex_lock(&m->lock);
-    m->all = false;
+    m->channels = *channels;
     pthread_mutex_unlock(&m->lock);
 }
 

@@ -1,5 +1,5 @@
 /* Signatures of requests, with the SHA-256 of libmd. */
-#include "lcm/signature.h"
+#include "lcm/message.h"
 
 #include <ctype.h>
 #include <sha2.h>

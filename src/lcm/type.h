@@ -88,11 +88,6 @@ typedef struct {
     mukca_lcm_field field[MUKCA_LCM_MAX_FIELDS];
 } mukca_lcm_types;
 
-/* Resolve nested types and compute fingerprints of the types from index `first` on; `file` is used
- * in messages.  Errors: MUKCA_INPUT (a nested type without description). */
-mukca_status mukca_lcm_types_link(mukca_lcm_types *types, int first, const char *file,
-                                  mukca_error *error);
-
 /* Assign a role to a field; `path` as in "head.q".  Errors: MUKCA_INPUT (no such field; a text
  * instead of a number or vice versa). */
 mukca_status mukca_lcm_type_set_role(mukca_lcm_types *types, int type, mukca_lcm_role role,

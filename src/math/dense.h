@@ -6,6 +6,8 @@
 #ifndef MUKCA_MATH_DENSE_H
 #define MUKCA_MATH_DENSE_H
 
+#include <stdbool.h>
+
 #include "mukca/rotation.h"
 
 /* C[n][n] += X' X for X[m][n], both triangles.  Vectorised, as most time is spent here. */
@@ -25,6 +27,9 @@ void mukca_dense_symmetric(double *C, mukca_columns X, mukca_columns Y, int m);
 /* Cholesky A = L L' in place (lower; the upper triangle is unchanged).  Returns 0, or 1 + the
  * index of the first pivot that is not positive (also for NaN). */
 int mukca_dense_cholesky(double *A, int n);
+
+/* Solve A x = b in place for k right-hand sides b[n][k]; A as above.  Returns likewise. */
+int mukca_dense_solve(double *b, int k, double *A, int n);
 
 /* Solve L x = b, and L' x = b, in place for k right-hand sides b[n][k]. */
 void mukca_dense_forward(double *b, int k, const double *L, int n);
@@ -55,5 +60,27 @@ void mukca_dense_qr_solve(double *x, const double *R, int n);
  * to the next. */
 void mukca_frame_nearest(mukca_frame *pose, const double *to, const double *from, int stride,
                          int n);
+
+/* A point `to` that base (from.p + from.R tool) is to meet; weight: 1 / variance. */
+typedef struct {
+    mukca_frame from;
+    double to[3], weight;
+    double at[3]; /* of the caller */
+} mukca_meeting_point;
+
+typedef struct {
+    const mukca_meeting_point *points;
+    int n;
+    bool base, tool; /* which are free */
+    double pull;     /* of the tool towards 0: root of its weight */
+} mukca_meeting;
+
+/* Numbers of base (translation, rotation) and tool, and of the factor of their equations. */
+enum { MUKCA_MEETING = 9, MUKCA_MEETING_FACTOR = MUKCA_MEETING * (MUKCA_MEETING + 1) };
+
+/* One Gauss-Newton step of base and tool[3]; directions that no point determines stay.  R gets the
+ * triangular factor of the equations.  Returns the largest element of the step, 0: not finite. */
+double mukca_frame_refine(double R[MUKCA_MEETING_FACTOR], mukca_frame *base, double tool[3],
+                          const mukca_meeting *meeting);
 
 #endif

@@ -251,3 +251,12 @@ MUKCA_CLONES void mukca_dense_backward(double *b, int k, const double *L, int n)
         }
     }
 }
+
+int mukca_dense_solve(double *b, int k, double *A, int n)
+{
+    const int failed = mukca_dense_cholesky(A, n);
+    if (failed) return failed;
+    mukca_dense_forward(b, k, A, n);
+    mukca_dense_backward(b, k, A, n);
+    return 0;
+}

@@ -40,24 +40,11 @@ mukca_status mukca_dataset_create(mukca_dataset *data, int n_rows, int n_joints,
 
 void mukca_dataset_free(mukca_dataset *data)
 {
-    free(data->q);
-    free(data->socket);
-    free(data->row);
-    free(data->file);
-    free(data->target);
-    free(data->targets);
-    free(data->time);
-    free(data->temperature);
-    free(data->payload);
-    free(data->effort);
-    free(data->command);
-    free(data->reading);
-    free(data->velocity);
-    free(data->position);
-    free(data->quaternion);
-    free(data->sockets);
-    free(data->placements);
-    free(data->distances);
-    free(data->files);
+    void *const lists[] = {data->q,          data->socket,      data->row,      data->file,
+                           data->target,     data->targets,     data->time,     data->payload,
+                           data->effort,     data->temperature, data->command,  data->reading,
+                           data->files,      data->quaternion,  data->velocity, data->sockets,
+                           data->placements, data->position,    data->distances};
+    for (size_t i = 0; i < sizeof lists / sizeof *lists; i++) free(lists[i]);
     memset(data, 0, sizeof *data);
 }

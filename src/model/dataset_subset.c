@@ -5,89 +5,59 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Copy the kept samples of source[rows][width]; NULL stays NULL. */
-static bool copy_doubles(double **out, const double *source, int width, const mukca_dataset *data,
-                         const unsigned char *keep, int kept)
+/* Replace the list at `list` (NULL stays NULL) by a copy of its items with nonzero keep[], NULL:
+ * all n; room for `kept`. */
+static bool copy_items(void *list, size_t size, int n, const unsigned char *keep, int kept)
 {
-    *out = NULL;
-    if (!source) return true;
-    size_t size = (size_t)width;
-    double *to = *out = calloc((size_t)kept * size + 1, sizeof *to);
-    if (!to) return false;
-    for (int i = 0; i < data->n_rows; i++) {
-        if (!keep[i]) continue;
-        memcpy(to, source + (size_t)i * size, size * sizeof *to);
+    char *from, *copy, *to;
+    memcpy(&from, list, sizeof from);
+    if (!from) return true;
+    copy = to = calloc((size_t)kept + 1, size);
+    for (int i = 0; i < n && copy; i++, from += size) {
+        if (keep && !keep[i]) continue;
+        memcpy(to, from, size);
         to += size;
     }
-    return true;
-}
-
-/* Copy a list of `count` items; NULL stays NULL. */
-static bool copy_list(void *out_pointer, const void *source, int count, size_t size)
-{
-    void *copy = NULL;
-    if (source) {
-        copy = calloc((size_t)count + 1, size);
-        if (!copy) return false;
-        memcpy(copy, source, (size_t)count * size);
-    }
-    memcpy(out_pointer, &copy, sizeof copy);
-    return true;
+    memcpy(list, &copy, sizeof copy);
+    return copy != NULL;
 }
 
 mukca_status mukca_dataset_subset(mukca_dataset *out, const mukca_dataset *data,
                                   const unsigned char *keep, mukca_error *error)
 {
-    int kept = 0;
-    for (int i = 0; i < data->n_rows; i++) kept += keep[i] != 0;
-    mukca_dataset copy;
-    mukca_status status = mukca_dataset_create(&copy, kept, data->n_joints, data->n_sockets,
-                                               data->n_placements, error);
-    if (status) return status;
-    if (data->sockets)
-        memcpy(copy.sockets, data->sockets, (size_t)data->n_sockets * sizeof *copy.sockets);
-    if (data->placements)
-        memcpy(copy.placements, data->placements,
-               (size_t)data->n_placements * sizeof *copy.placements);
-    copy.n_distances = data->n_distances;
-    copy.n_files = data->n_files;
-    copy.n_targets = data->n_targets;
-    copy.by_command = data->by_command;
-    double *q = NULL;
-    const int n = data->n_joints;
-    bool good =
-        copy_doubles(&q, data->q, n, data, keep, kept) &&
-        copy_doubles(&copy.time, data->time, 1, data, keep, kept) &&
-        copy_doubles(&copy.temperature, data->temperature, 1, data, keep, kept) &&
-        copy_doubles(&copy.payload, data->payload, 1, data, keep, kept) &&
-        copy_doubles(&copy.effort, data->effort, n, data, keep, kept) &&
-        copy_doubles(&copy.command, data->command, n, data, keep, kept) &&
-        copy_doubles(&copy.reading, data->reading, n, data, keep, kept) &&
-        copy_doubles(&copy.velocity, data->velocity, n, data, keep, kept) &&
-        copy_doubles(&copy.position, data->position, 3, data, keep, kept) &&
-        copy_doubles(&copy.quaternion, data->quaternion, 4, data, keep, kept) &&
-        copy_list(&copy.distances, data->distances, data->n_distances, sizeof *data->distances) &&
-        copy_list(&copy.files, data->files, data->n_files, sizeof *data->files) &&
-        copy_list(&copy.targets, data->targets, data->n_targets, sizeof *data->targets) &&
-        copy_list(&copy.target, data->target, data->n_rows, sizeof *data->target);
-    if (q) {
-        free(copy.q);
-        copy.q = q;
-    }
-    if (!good) {
-        mukca_dataset_free(&copy);
-        return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", kept);
-    }
-    for (int i = 0, k = 0; i < data->n_rows; i++) {
-        if (!keep[i]) continue;
-        copy.socket[k] = data->socket[i];
-        copy.row[k] = data->row[i];
-        copy.file[k] = data->file[i];
-        if (copy.target) copy.target[k] = data->target[i];
-        k++;
-    }
-    *out = copy;
-    return MUKCA_OK;
+    mukca_dataset d = *data;
+    const size_t one = sizeof(double), joints = (size_t)d.n_joints * one;
+    const struct {
+        void *list;
+        size_t size;
+    } of_rows[] = {{&d.q, joints},
+                   {&d.socket, sizeof *d.socket},
+                   {&d.row, sizeof *d.row},
+                   {&d.file, sizeof *d.file},
+                   {&d.target, sizeof *d.target},
+                   {&d.time, one},
+                   {&d.temperature, one},
+                   {&d.payload, one},
+                   {&d.effort, joints},
+                   {&d.command, joints},
+                   {&d.reading, joints},
+                   {&d.velocity, joints},
+                   {&d.position, 3 * one},
+                   {&d.quaternion, 4 * one}};
+    bool good = true;
+    d.n_rows = 0;
+    for (int i = 0; i < data->n_rows; i++) d.n_rows += keep[i] != 0;
+    for (size_t l = 0; l < sizeof of_rows / sizeof *of_rows; l++)
+        good &= copy_items(of_rows[l].list, of_rows[l].size, data->n_rows, keep, d.n_rows);
+    good &= copy_items(&d.sockets, sizeof *d.sockets, d.n_sockets, NULL, d.n_sockets);
+    good &= copy_items(&d.placements, sizeof *d.placements, d.n_placements, NULL, d.n_placements);
+    good &= copy_items(&d.distances, sizeof *d.distances, d.n_distances, NULL, d.n_distances);
+    good &= copy_items(&d.files, sizeof *d.files, d.n_files, NULL, d.n_files);
+    good &= copy_items(&d.targets, sizeof *d.targets, d.n_targets, NULL, d.n_targets);
+    *out = d;
+    if (good) return MUKCA_OK;
+    mukca_dataset_free(out);
+    return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", d.n_rows);
 }
 
 mukca_status mukca_dataset_take_commands(mukca_dataset *data, mukca_error *error)
@@ -117,4 +87,34 @@ const mukca_joint_state *mukca_dataset_state(mukca_row_state *rows, const mukca_
     if (row == 0 || data->file[row] != data->file[row - 1])
         mukca_row_state_start(rows, data->n_joints);
     return mukca_row_state_next(rows, &reading);
+}
+
+/* Mark the part; false: out of memory. */
+static bool mark_part(unsigned char *keep, const mukca_dataset *data, int most)
+{
+    int groups = 0;
+    const size_t places = (size_t)data->n_placements + 1, sockets = (size_t)data->n_sockets + 1;
+    int *rows = calloc(places + sockets, sizeof *rows);
+    if (!rows) return false;
+    int *seen = rows + places; /* samples so far of the poses, then of each socket */
+    for (int i = 0; i < data->n_rows; i++) rows[mukca_dataset_placement(data, i) + 1]++;
+    for (size_t g = 0; g < places; g++) groups += rows[g] > 0;
+    for (int i = 0; i < data->n_rows; i++) {
+        const long long in_group = rows[mukca_dataset_placement(data, i) + 1];
+        const int every = (int)((in_group * groups + most - 1) / most);
+        keep[i] = seen[data->socket[i] + 1]++ % every == 0;
+    }
+    free(rows);
+    return true;
+}
+
+mukca_status mukca_part_take(mukca_dataset *part, const mukca_dataset *data, int most,
+                             mukca_error *error)
+{
+    unsigned char *keep = malloc((size_t)data->n_rows + 1);
+    const bool marked = keep && mark_part(keep, data, most);
+    const mukca_status status = marked ? mukca_dataset_subset(part, data, keep, error)
+                                       : mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    free(keep);
+    return status;
 }

@@ -1,7 +1,9 @@
-/* Subsets of a dataset, commanded angles, states of the joints. */
+/* Subsets of a dataset, commanded angles, states of the joints, postures. */
 #ifndef MUKCA_MODEL_DATASET_SUBSET_H
 #define MUKCA_MODEL_DATASET_SUBSET_H
 
+#include "base/pool.h"
+#include "math/random.h"
 #include "model/dataset.h"
 #include "mukca/row_state.h"
 
@@ -18,5 +20,28 @@ mukca_status mukca_dataset_take_commands(mukca_dataset *data, mukca_error *error
  * is a separate recording.  The result points into `rows` and is valid until the next call. */
 const mukca_joint_state *mukca_dataset_state(mukca_row_state *rows, const mukca_dataset *data,
                                              int row);
+
+/* ---- a representative part of a long recording ---- */
+
+/* Copy of at most some `most` samples: an equal share for each placement and for the measured
+ * poses, or all of its samples if fewer; of a longer placement every k-th sample of each socket,
+ * which preserves the proportions of its sockets.  Errors: MUKCA_MEMORY. */
+mukca_status mukca_part_take(mukca_dataset *part, const mukca_dataset *data, int most,
+                             mukca_error *error);
+
+/* ---- postures: rows with the same joint angles, wherever they stand (postures.c) ---- */
+
+/* posture[n_rows] := the first row of each row's posture.  Returns the number of rows that repeat
+ * one.  Scratch comes from `pool`; check pool->failed. */
+int mukca_postures_find(int *posture, mukca_pool *pool, const mukca_dataset *data);
+
+/* move[n_rows][n_joints] := mean angles q[n_rows][n_joints] of a row's posture minus those of the
+ * posture before it: readings of one posture are no moves.  Starts at 0 in each file. */
+void mukca_postures_move(double *move, mukca_pool *pool, const int *posture,
+                         const mukca_dataset *data, const double *q);
+
+/* Draw a posture q[n_joints] within the joint limits; a joint without limits turns once, or travels
+ * 1 m. */
+void mukca_posture_draw(double *q, const mukca_chain *chain, mukca_random *random);
 
 #endif

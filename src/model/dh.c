@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "math/random.h"
+#include "model/dataset_subset.h"
 
 const char *const mukca_dh_convention_name[] = {"standard", "modified", NULL};
 
@@ -195,13 +195,7 @@ double mukca_dh_residual(const mukca_dh *dh, const mukca_chain *chain, const dou
     mukca_random_seed(&random, 1);
     for (int i = 0; i < POSTURES; i++) {
         double q[MUKCA_MAX_JOINTS], p[3], r[3];
-        for (int j = 0; j < chain->n_joints; j++) {
-            const mukca_element *e = &chain->element[chain->joint_element[j]];
-            const double reach = mukca_joint_turns(e->type) ? pi : 1;
-            const double lower = isfinite(e->lower) ? e->lower : -reach;
-            const double upper = isfinite(e->upper) ? e->upper : reach;
-            q[j] = lower + (upper - lower) * mukca_random_uniform(&random);
-        }
+        mukca_posture_draw(q, chain, &random);
         mukca_fk_position(p, &a, q, NULL);
         mukca_fk_position(r, &b, q, NULL);
         worst = fmax(worst, mukca_distance3(p, r));

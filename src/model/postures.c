@@ -1,5 +1,5 @@
-/* Postures: rows of a recording with the same joint angles. */
-#include "model/postures.h"
+/* Postures: rows of a recording with the same joint angles; random ones. */
+#include "model/dataset_subset.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -131,5 +131,16 @@ void mukca_postures_move(double *move, mukca_pool *pool, const int *posture, con
             else
                 *to = mean[posture[row] * n + j] - mean[posture[row - 1] * n + j];
         }
+    }
+}
+
+void mukca_posture_draw(double *q, const mukca_chain *chain, mukca_random *random)
+{
+    for (int j = 0; j < chain->n_joints; j++) {
+        const mukca_element *e = &chain->element[chain->joint_element[j]];
+        const double half = e->type == MUKCA_PRISMATIC ? 0.5 : 3.14159265358979;
+        const double lower = isfinite(e->lower) ? e->lower : -half;
+        const double upper = isfinite(e->upper) ? e->upper : half;
+        q[j] = lower + (upper - lower) * mukca_random_uniform(random);
     }
 }

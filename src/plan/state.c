@@ -35,8 +35,7 @@ mukca_status mukca_plan_state_create(mukca_plan_state *s, const mukca_plan_task 
     s->sockets = task->sockets;
     s->n_sockets = task->n_sockets;
     s->n_effects = options->n_effects;
-    mukca_status status = mukca_linearisation_init(&s->at, task->chain, task->theta, error);
-    if (status != MUKCA_OK) return status;
+    mukca_linearisation_init(&s->at, task->chain, task->theta);
     for (int e = 0; e < s->n_effects; e++) {
         s->effect[e] = options->effects[e];
         s->effect[e].terms = mukca_effect_terms(&s->effect[e]);
@@ -56,7 +55,7 @@ mukca_status mukca_plan_state_create(mukca_plan_state *s, const mukca_plan_task 
     s->sum = MUKCA_TAKE(&s->pool, double, 3 * s->n_sockets * n + 1);
     s->count = MUKCA_TAKE(&s->pool, int, s->n_sockets + 1);
     if (s->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory while planning");
-    mukca_posterior_prior(s->sigma, &s->at);
+    mukca_posterior_prior(s->sigma, s->at.chain, &s->at.parameters);
     for (int e = 0; e < s->n_effects; e++)
         for (int t = s->first_term[e]; t < s->first_term[e + 1]; t++)
             s->sigma[s->n_geometry + t] = prior_cause * size_of(&s->effect[e]);

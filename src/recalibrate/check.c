@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "math/dense.h"
 #include "math/stats.h"
 
 enum { PREVIEW = 1000 };
@@ -185,23 +186,11 @@ static mukca_status check_frames(mukca_pose_check *check, preview *p, mukca_erro
 /* Start values of the unknown frames from the nominal arm: measured = base nominal tool. */
 static void guess_frames(mukca_pose_check *check, preview *p, bool free_base, bool free_tool)
 {
-    double mean[2][3] = {{0}}, base[9] = {0}, tool[9] = {0};
+    double tool[9] = {0};
     predict(p, p->chain->n_elements - 1);
-    for (int i = 0; i < p->n; i++)
-        for (int a = 0; a < 3; a++) {
-            mean[0][a] += p->nominal[i].p[a] / p->n;
-            mean[1][a] += p->measured[i].p[a] / p->n;
-        }
-    for (int i = 0; i < p->n; i++)
-        for (int a = 0; a < 9; a++)
-            base[a] += (p->nominal[i].p[a / 3] - mean[0][a / 3]) *
-                       (p->measured[i].p[a % 3] - mean[1][a % 3]);
-    if (free_base) {
-        double turned_mean[3];
-        mukca_rotation_nearest(check->base.R, base);
-        mukca_mat3_vec(turned_mean, check->base.R, mean[0]);
-        for (int a = 0; a < 3; a++) check->base.p[a] = mean[1][a] - turned_mean[a];
-    }
+    if (free_base)
+        mukca_frame_nearest(&check->base, p->measured->p, p->nominal->p,
+                            sizeof(mukca_frame) / sizeof(double), p->n);
     for (int i = 0; i < p->n; i++) {
         double R[9], off[9];
         if (!turned(p, i)) continue;

@@ -1,5 +1,5 @@
 /* Pose logs: a dataset as a log, and a reader that adds velocities. */
-#include "recalibrate/pose_log.h"
+#include "recalibrate/recalibrate.h"
 
 #include <math.h>
 #include <string.h>

@@ -33,18 +33,6 @@ static void make_printable(char *text)
     mukca_utf8_mend(text); /* characters damaged by the replacement */
 }
 
-/* No sample is recorded for this time after a message of a second sender, us: longer than usual
- * averaging windows. */
-static const int64_t doubt_us = 1000000;
-
-bool mukca_stream_doubted(const mukca_recorder *r)
-{
-    const mukca_stream *stream = &r->stream;
-    int64_t now = r->packet_time ? r->packet_time : mukca_lcm_link_clock(r->link);
-    return stream->sender.second_heard && now - stream->sender.second_heard < doubt_us &&
-           now - stream->sender.second_heard > -doubt_us;
-}
-
 const char *mukca_stream_type(const mukca_recorder *r)
 {
     const mukca_stream *stream = &r->stream;
@@ -105,8 +93,6 @@ void mukca_recorder_refuse(mukca_recorder *r, mukca_recorder_trouble kind, const
     mukca_recorder_warn(r, kind, text);
 }
 
-/* Append "no joint state on X; heard instead: PANDA_STATUS (drake.lcmt_panda_status, 7 joints),
- * CAMERA (unknown type)". */
 void mukca_recorder_describe_silence(mukca_text *text, const mukca_recorder *r, const char *since)
 {
     const mukca_stream *stream = &r->stream;
@@ -130,17 +116,6 @@ void mukca_recorder_describe_silence(mukca_text *text, const mukca_recorder *r, 
         mukca_text_put(text, "; describe an unknown type with --type FILE.lcm --position FIELD");
     if (!stream->search.n_heard)
         mukca_text_put(text, "nothing (is the sender on this network, and the multicast route?)");
-}
-
-void mukca_recorder_describe_search(const mukca_recorder *r, char *text, size_t size)
-{
-    const mukca_stream *stream = &r->stream;
-    mukca_text words = {.size = size};
-    words.at = text; /* clang-tidy misses this use in an initialiser */
-    if (stream->problem.status)
-        mukca_text_put(&words, "%s", stream->problem.text);
-    else
-        mukca_recorder_describe_silence(&words, r, "");
 }
 
 bool mukca_recorder_publish(mukca_recorder *r, mukca_message_kind kind, const void *message)

@@ -9,7 +9,6 @@
 #include "lcm/link.h"
 #include "lcm/message.h"
 #include "lcm/packet.h"
-#include "lcm/signature.h"
 #include "lcm/type.h"
 #include "record/joint_lines.h"
 
@@ -238,9 +237,6 @@ void mukca_recorder_refuse(mukca_recorder *r, mukca_recorder_trouble kind, const
  * `since` is printed after the channel. */
 void mukca_recorder_describe_silence(mukca_text *text, const mukca_recorder *r, const char *since);
 
-/* The reason why no stream has been found so far. */
-void mukca_recorder_describe_search(const mukca_recorder *r, char *text, size_t size);
-
 /* ---- joint states: from a message to a reading of the arm (stream.c) ---- */
 
 /* Process a message of the stream's channel. */
@@ -249,7 +245,7 @@ void mukca_stream_take(mukca_recorder *r, const mukca_lcm_packet *packet);
 /* Process the joint states in r->stream.last.joints; `packet` has their arrival and sender. */
 void mukca_stream_take_joints(mukca_recorder *r, const mukca_lcm_packet *packet, int type);
 
-/* Process lines of standard input, or wait for some; as mukca_lcm_link_wait (lines.c). */
+/* Process lines of standard input, or wait for some; as mukca_lcm_link_wait. */
 mukca_status mukca_stream_wait_lines(mukca_recorder *r, int timeout_ms, int other, bool *readable,
                                      mukca_error *error);
 
@@ -267,9 +263,6 @@ void mukca_stream_describe_map(const mukca_recorder *r, char *text, size_t size)
 const char *mukca_stream_type(const mukca_recorder *r);
 
 double mukca_stream_age(const mukca_recorder *r); /* s since the arrival of the last joint state */
-
-/* Whether a second sender of joint states was heard recently. */
-bool mukca_stream_doubted(const mukca_recorder *r);
 
 /* ---- requests over LCM: a rate limit for each sender, signatures (requests.c) ---- */
 
@@ -308,8 +301,8 @@ mukca_status mukca_sampling_select(mukca_recorder *r, const char *placement, con
 mukca_status mukca_sampling_next_socket(mukca_recorder *r, mukca_error *answer);
 mukca_status mukca_sampling_next_placement(mukca_recorder *r, mukca_error *answer);
 
-/* Reply to a trigger that is refused before decoding. */
-void mukca_sampling_refuse(mukca_recorder *r, int64_t id, const char *text);
+/* As mukca_sampling_sample; the reply is reported. */
+void mukca_sampling_trigger(mukca_recorder *r, const mukca_sample_request *request);
 
 /* Count a failure with status MUKCA_MEMORY, for the exit code. */
 void mukca_sampling_count_unwritten(mukca_recorder *r, const mukca_error *error);

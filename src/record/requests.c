@@ -72,7 +72,9 @@ void mukca_requests_trigger(mukca_recorder *r, const mukca_lcm_packet *packet)
         status = r->hooks.trigger(r->hooks.context, packet, &error);
     if (status != MUKCA_OK) {
         mukca_recorder_refuse(r, MUKCA_RECORDER_OWN_MESSAGE, "%s: %s", packet->channel, error.text);
-        mukca_sampling_refuse(r, trigger.id, error.text);
+        const mukca_message_sample answer = {.id = trigger.id, .text = error.text};
+        r->session.refused++;
+        mukca_recorder_publish(r, MUKCA_MESSAGE_SAMPLE, &answer);
         return;
     }
     const mukca_sample_request request = {.id = trigger.id,
@@ -80,6 +82,5 @@ void mukca_requests_trigger(mukca_recorder *r, const mukca_lcm_packet *packet)
                                           .sent = trigger.utime,
                                           .placement = trigger.placement,
                                           .socket = trigger.socket};
-    mukca_sampling_sample(r, &request, &error);
-    mukca_recorder_report(r, "%s", error.text);
+    mukca_sampling_trigger(r, &request);
 }

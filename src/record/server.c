@@ -146,22 +146,14 @@ VERB(finish)
     return status;
 }
 
-static mukca_status start_job(mukca_server *s, bool diagnosis, int64_t id, mukca_error *answer)
-{
-    mukca_status status = mukca_server_start_job(s, diagnosis, id, answer);
-    if (status == MUKCA_OK && mukca_lcm_link_replays(s->recorder.link))
-        mukca_server_finish_job(s, true);
-    return status;
-}
-
 VERB(calibrate)
 {
-    return start_job(s, false, command->id, answer);
+    return mukca_server_start_job(s, false, command->id, answer);
 }
 
 VERB(diagnose)
 {
-    return start_job(s, true, command->id, answer);
+    return mukca_server_start_job(s, true, command->id, answer);
 }
 
 VERB(use)

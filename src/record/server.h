@@ -112,7 +112,7 @@ mukca_status mukca_server_open(mukca_server *s, const mukca_server_options *opti
 mukca_status mukca_server_run(mukca_server *s, mukca_error *error);
 void mukca_server_close(mukca_server *s);
 
-/* ---- parts (server_folder.c, server_use.c, server_pose.c, server_job.c) ---- */
+/* ---- parts (server_folder.c, server_use.c, server_job.c) ---- */
 
 /* Folders of --state: separate, so that session names cannot collide with other files. */
 #define MUKCA_SERVER_SESSIONS "sessions"
@@ -181,8 +181,8 @@ typedef struct {
 } mukca_server_answer;
 void mukca_server_send_answer(mukca_server *s, const mukca_server_answer *answer);
 
-/* Start calibrate or diagnose on the session; the reply follows at its end.  Errors: MUKCA_NEGATIVE
- * (a job is running, no session), MUKCA_INPUT. */
+/* Start calibrate or diagnose on the session; the reply follows at its end, which is waited for
+ * while a log is replayed.  Errors: MUKCA_NEGATIVE (a job is running, no session), MUKCA_INPUT. */
 mukca_status mukca_server_start_job(mukca_server *s, bool diagnosis, int64_t id,
                                     mukca_error *error);
 

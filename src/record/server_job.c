@@ -46,32 +46,6 @@ static mukca_status spawn(mukca_server *s, const char *const *arguments, mukca_e
     return mukca_fail(error, MUKCA_INPUT, "cannot start a calculation: %s", strerror(reason));
 }
 
-mukca_status mukca_server_start_job(mukca_server *s, bool diagnosis, int64_t id, mukca_error *error)
-{
-    mukca_server_job *job = &s->job;
-    const char *session = s->state.session;
-    char path[MUKCA_SERVER_PATH];
-    if (job->child)
-        return mukca_fail(error, MUKCA_NEGATIVE, "a %s is running: wait for its result",
-                          job->diagnosis ? "diagnosis" : "calibration");
-    if (!session[0]) return mukca_fail(error, MUKCA_NEGATIVE, "there is no session: start one");
-    job->id = id;
-    job->diagnosis = diagnosis;
-    mukca_server_path(path, s, MUKCA_SERVER_SESSIONS, session, ".tsv");
-    mukca_server_path(job->offsets, s, MUKCA_SERVER_RESULTS, session,
-                      diagnosis ? ".effects.tsv" : ".offsets.tsv");
-    mukca_server_path(job->json, s, MUKCA_SERVER_RESULTS, session,
-                      diagnosis ? ".diagnose.json" : ".calibrate.json");
-    mukca_server_path(job->errors, s, MUKCA_SERVER_RESULTS, session, ".errors.txt");
-    const char *const last[] = {"-o",      job->offsets, "--json", job->json,
-                                "--force", "-q",         "--",     path};
-    const char *arguments[MUKCA_SERVER_ARGUMENTS + 12] = {"mukca", verb_of(job)};
-    int n = 2;
-    for (int i = 0; s->options->arguments[i]; i++) arguments[n++] = s->options->arguments[i];
-    memcpy(arguments + n, last, sizeof last); /* the remaining elements are NULL */
-    return spawn(s, arguments, error);
-}
-
 static double mean_error(const json_t *train, const char *key)
 {
     double sum = 0;
@@ -195,6 +169,35 @@ void mukca_server_finish_job(mukca_server *s, bool wait)
     if (ended == 0 || (ended < 0 && errno == EINTR)) return;
     s->job.child = 0;
     report(s, ended > 0 && WIFEXITED(status) ? (mukca_status)WEXITSTATUS(status) : MUKCA_INPUT);
+}
+
+mukca_status mukca_server_start_job(mukca_server *s, bool diagnosis, int64_t id, mukca_error *error)
+{
+    mukca_server_job *job = &s->job;
+    const char *session = s->state.session;
+    char path[MUKCA_SERVER_PATH];
+    if (job->child)
+        return mukca_fail(error, MUKCA_NEGATIVE, "a %s is running: wait for its result",
+                          job->diagnosis ? "diagnosis" : "calibration");
+    if (!session[0]) return mukca_fail(error, MUKCA_NEGATIVE, "there is no session: start one");
+    job->id = id;
+    job->diagnosis = diagnosis;
+    mukca_server_path(path, s, MUKCA_SERVER_SESSIONS, session, ".tsv");
+    mukca_server_path(job->offsets, s, MUKCA_SERVER_RESULTS, session,
+                      diagnosis ? ".effects.tsv" : ".offsets.tsv");
+    mukca_server_path(job->json, s, MUKCA_SERVER_RESULTS, session,
+                      diagnosis ? ".diagnose.json" : ".calibrate.json");
+    mukca_server_path(job->errors, s, MUKCA_SERVER_RESULTS, session, ".errors.txt");
+    const char *const last[] = {"-o",      job->offsets, "--json", job->json,
+                                "--force", "-q",         "--",     path};
+    const char *arguments[MUKCA_SERVER_ARGUMENTS + 12] = {"mukca", verb_of(job)};
+    int n = 2;
+    for (int i = 0; s->options->arguments[i]; i++) arguments[n++] = s->options->arguments[i];
+    memcpy(arguments + n, last, sizeof last); /* the remaining elements are NULL */
+    const mukca_status status = spawn(s, arguments, error);
+    if (status == MUKCA_OK && mukca_lcm_link_replays(s->recorder.link))
+        mukca_server_finish_job(s, true);
+    return status;
 }
 
 void mukca_server_kill_job(mukca_server *s)

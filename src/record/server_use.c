@@ -1,5 +1,5 @@
-/* The offsets table of the poses.  Only the command `use` changes it, subject to conditions, by a
- * copy that later jobs do not overwrite.  It persists across restarts. */
+/* The poses and their offsets table.  Only the command `use` changes it, subject to conditions, by
+ * a copy that later jobs do not overwrite.  It persists across restarts. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -198,4 +198,34 @@ mukca_status mukca_server_use(mukca_server *s, const char *session, mukca_error 
     mukca_acceptance_basis(basis, &s->pose.offsets.acceptance, false);
     if (status == MUKCA_OK) mukca_fail(error, MUKCA_OK, "in use: %.60s%s", state->model, basis);
     return status;
+}
+
+/* ---- poses: one per joint state, without allocation ---- */
+
+void mukca_server_send_pose(void *context, int64_t time_us, const double *q)
+{
+    mukca_server *s = context;
+    mukca_server_pose *pose = &s->pose;
+    mukca_frame tip;
+    mukca_message_pose message = {.utime = time_us};
+    /* Without a time: drift is identified within a session and does not extrapolate over days. */
+    const mukca_row_reading reading = {
+        .q = q,
+        .command = s->recorder.stream.last.joints.has[MUKCA_LCM_ROLE_COMMAND]
+                       ? s->recorder.stream.last.command
+                       : NULL,
+        .time = (double)NAN,
+        .placement = -1};
+    const mukca_joint_state *state = mukca_row_state_next(&pose->states, &reading);
+    if (!pose->ready) return;
+    mukca_tip_pose(&tip, pose->offsets.effects, pose->offsets.n_effects, s->recorder.chain,
+                   &pose->geometry, state);
+    memcpy(message.position, tip.p, sizeof message.position);
+    mukca_rotation_to_quaternion(message.quaternion, tip.R);
+    if (!mukca_recorder_publish(&s->recorder, MUKCA_MESSAGE_POSE, &message)) return;
+    const double latency =
+        1e-6 * (double)(mukca_lcm_link_clock(s->recorder.link) - s->recorder.packet_time);
+    pose->sent++;
+    pose->latency += latency;
+    pose->longest_latency = fmax(pose->longest_latency, latency);
 }

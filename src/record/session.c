@@ -125,19 +125,17 @@ mukca_status mukca_sampling_begin(mukca_recorder *r, const char *path, bool resu
 
 /* ---- requests ---- */
 
-static void name_joints(const mukca_recorder *r, const char **names)
-{
-    for (int j = 0; j < r->chain->n_joints; j++) names[j] = mukca_recorder_joint(r, j);
-}
-
-/* Report that no session is open, with the stream's problem as reason if there is one. */
+/* Report that no session is open, with the reason why no stream has been found. */
 static mukca_status no_session(const mukca_recorder *r, mukca_error *error)
 {
+    const mukca_error *problem = &r->stream.problem;
+    char line[sizeof error->text];
+    mukca_text text = MUKCA_TEXT(line);
     if (r->stream.map.made)
         return mukca_fail(error, MUKCA_NEGATIVE, "no session is being recorded");
-    char text[sizeof error->text];
-    mukca_recorder_describe_search(r, text, sizeof text);
-    return mukca_fail(error, MUKCA_NEGATIVE, "no session is being recorded: %s", text);
+    if (!problem->status) mukca_recorder_describe_silence(&text, r, "");
+    return mukca_fail(error, MUKCA_NEGATIVE, "no session is being recorded: %s",
+                      problem->status ? problem->text : line);
 }
 
 /* Replace labels that are NULL or "" by the current ones.  Errors: MUKCA_NEGATIVE (no session, or
@@ -194,13 +192,6 @@ static mukca_status store(mukca_recorder *r, const mukca_capture_sample *sample,
     return status;
 }
 
-void mukca_sampling_refuse(mukca_recorder *r, int64_t id, const char *text)
-{
-    const mukca_message_sample message = {.id = id, .text = text};
-    r->session.refused++;
-    mukca_recorder_publish(r, MUKCA_MESSAGE_SAMPLE, &message);
-}
-
 /* Age of the last joint state at a request, for mukca_capture_take.  Lines wait in the pipes before
  * this program: if their times are those of a wall clock, they are compared with the request's.
  * Errors: MUKCA_NEGATIVE. */
@@ -237,6 +228,19 @@ static void report_limits(mukca_recorder *r, const double *q)
     }
 }
 
+/* No sample is recorded for this time after a message of a second sender, us: longer than usual
+ * averaging windows. */
+static const int64_t doubt_us = 1000000;
+
+/* Whether a second sender of joint states was heard recently. */
+static bool is_doubted(const mukca_recorder *r)
+{
+    const mukca_stream *stream = &r->stream;
+    int64_t now = r->packet_time ? r->packet_time : mukca_lcm_link_clock(r->link);
+    return stream->sender.second_heard && now - stream->sender.second_heard < doubt_us &&
+           now - stream->sender.second_heard > -doubt_us;
+}
+
 mukca_status mukca_sampling_sample(mukca_recorder *r, const mukca_sample_request *request,
                                    mukca_error *answer)
 {
@@ -247,7 +251,7 @@ mukca_status mukca_sampling_sample(mukca_recorder *r, const mukca_sample_request
     const char *placement = request->placement, *socket = request->socket;
     double age;
     mukca_status status = complete_labels(r, &placement, &socket, &error);
-    if (!status && mukca_stream_doubted(r))
+    if (!status && is_doubted(r))
         status = mukca_fail(&error, MUKCA_NEGATIVE, "two arms seem to send on this channel");
     if (status == MUKCA_OK) status = age_at(&age, r, request, &error);
     if (status == MUKCA_OK) status = mukca_capture_take(&sample, &s->capture, age, &error);
@@ -260,7 +264,7 @@ mukca_status mukca_sampling_sample(mukca_recorder *r, const mukca_sample_request
                                     .socket = socket,
                                     .row = status ? 0 : s->file.n_rows,
                                     .n = r->chain->n_joints};
-    name_joints(r, message.joint);
+    for (int j = 0; j < message.n; j++) message.joint[j] = mukca_recorder_joint(r, j);
     memcpy(message.position, sample.q, sizeof message.position);
     memcpy(message.spread, sample.spread, sizeof message.spread);
     mukca_recorder_publish(r, MUKCA_MESSAGE_SAMPLE, &message);
@@ -276,11 +280,14 @@ mukca_status mukca_sampling_sample(mukca_recorder *r, const mukca_sample_request
         mukca_recorder_report(r, "%s", error.text); /* the sample is on disk nevertheless */
         mukca_sampling_count_unwritten(r, &error);
     }
-    if (s->advice.twin >= 0)
-        mukca_recorder_report(
-            r, "sockets %s and %s coincide within %.2g mm: is the ball in another socket?",
-            s->capture.rows.sockets[s->advice.twin].label, socket, 1e3 * s->advice.apart);
     return MUKCA_OK;
+}
+
+void mukca_sampling_trigger(mukca_recorder *r, const mukca_sample_request *request)
+{
+    mukca_error answer;
+    (void)mukca_sampling_sample(r, request, &answer);
+    mukca_recorder_report(r, "%s", answer.text);
 }
 
 mukca_status mukca_sampling_delete(mukca_recorder *r, int row, mukca_error *answer)

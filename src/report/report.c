@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "fit/frames.h"
+#include "fit/align.h"
 #include "report/report.h"
 
 /* Positions of ball or target of each sample, [n_rows][3]; NULL: out of memory. */

@@ -1,5 +1,5 @@
 /* Event logs: read to the end, every byte either of an event or counted as skipped. */
-#include "lcm/log.h"
+#include "lcm/link.h"
 #include "memory_file.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)

@@ -97,22 +97,20 @@ static real reference_turned(const real T[16], const double *q)
 static real reference_cost(const mukca_chain *chain, const mukca_dataset *data, const real *theta,
                            const mukca_parameters *parameters, const mukca_cost_options *options)
 {
-    real sum[64][3], held[64][3], T[16], nominal[MUKCA_MAX_FREE], cost = 0;
+    real sum[64][3], T[16], nominal[MUKCA_MAX_FREE], cost = 0;
     int count[64], groups = 0;
     double theta_nominal[MUKCA_MAX_FREE];
     mukca_chain_theta(theta_nominal, chain);
     for (int i = 0; i < 6 * chain->n_elements; i++) nominal[i] = theta_nominal[i];
     memset(count, 0, sizeof count);
     for (int s = 0; s < 64; s++)
-        for (int a = 0; a < 3; a++) sum[s][a] = held[s][a] = 0;
+        for (int a = 0; a < 3; a++) sum[s][a] = 0;
     for (int i = 0; i < data->n_rows; i++) {
         const int s = data->socket[i];
         if (s < 0) continue;
         count[s]++;
         reference_pose(T, chain, theta, data->q + i * data->n_joints);
         for (int a = 0; a < 3; a++) sum[s][a] += T[4 * a + 3];
-        reference_pose(T, chain, nominal, data->q + i * data->n_joints);
-        for (int a = 0; a < 3; a++) held[s][a] += T[4 * a + 3];
     }
     for (int g = 0; g <= data->n_placements; g++) {
         real squares = 0;
@@ -127,10 +125,9 @@ static real reference_cost(const mukca_chain *chain, const mukca_dataset *data, 
             rows++;
             reference_pose(T, chain, theta, data->q + i * data->n_joints);
             for (int a = 0; a < 3; a++) {
-                const real about = placed                   ? (real)data->position[3 * i + a]
-                                   : pose                   ? T[4 * a + 3]
-                                   : options->nominal_means ? held[s][a] / count[s]
-                                                            : sum[s][a] / count[s];
+                const real about = placed ? (real)data->position[3 * i + a]
+                                   : pose ? T[4 * a + 3]
+                                          : sum[s][a] / count[s];
                 squares += (T[4 * a + 3] - about) * (T[4 * a + 3] - about);
             }
             if (turned) {
@@ -141,7 +138,7 @@ static real reference_cost(const mukca_chain *chain, const mukca_dataset *data, 
         if (rows > 0) cost += squares / rows;
         groups += rows > 0;
     }
-    for (int p = 0; p < data->n_distances && !options->no_distortion; p++) {
+    for (int p = 0; p < data->n_distances; p++) {
         const int a = data->distances[p].a, b = data->distances[p].b;
         real square = 0;
         if (count[a] == 0 || count[b] == 0) continue;

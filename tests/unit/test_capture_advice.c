@@ -135,7 +135,6 @@ TEST(advice_is_what_comes_true)
                     rows++;
                     assert_int_equal(mukca_capture_advise(&advice, &capture, &error), 0);
                     assert_true(advice.expected_more <= advice.expected * (1 + 1e-9));
-                    assert_int_equal(advice.twin, -1);
                     if (p == 0 && s == 1 && i == 5) first = advice.expected;
                 }
                 ends++;
@@ -185,10 +184,8 @@ TEST(two_labels_of_one_socket_are_noticed)
         assert_true(seat(&o, 0, 0));
         assert_int_equal(mukca_capture_keep(text, &capture, o.q, &error), 0);
         assert_int_equal(mukca_capture_advise(&advice, &capture, &error), 0);
-        if (i < 8) assert_int_equal(advice.twin, -1);
+        assert_true((strstr(text, "is the ball really") != NULL) == (i == 6));
     }
-    assert_int_equal(advice.twin, 0);
-    assert_true(advice.apart > 0 && advice.apart < 0.01);
     mukca_capture_free(&capture);
 }
 

@@ -5,7 +5,7 @@
 
 #include "close.h"
 #include "diagnose/regression.h"
-#include "fit/frames.h"
+#include "fit/align.h"
 #include "math/random.h"
 
 enum { ROWS = 16 };

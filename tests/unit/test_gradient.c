@@ -4,11 +4,10 @@
 
 #include "arms.h"
 #include "close.h"
-#include "fit/cost_normal.h"
-#include "fit/frames.h"
-#include "fit/observe_jacobian.h"
-#include "fit/selection.h"
-#include "fit/sweep_jacobian.h"
+#include "fit/align.h"
+#include "fit/fit.h"
+#include "fit/poses.h"
+#include "fit/solver.h"
 #include "math/random.h"
 #include "reference_cost.h"
 
@@ -171,12 +170,7 @@ static void off_nominal(void)
 
 TEST(test_options)
 {
-    static const mukca_cost_options options[] = {{0},
-                                                 {.lambda = -1},
-                                                 {.lambda = 0.3},
-                                                 {.no_distortion = true},
-                                                 {.nominal_means = true},
-                                                 {.nominal_means = true, .no_distortion = true}};
+    static const mukca_cost_options options[] = {{0}, {.lambda = -1}, {.lambda = 0.3}};
     mukca_random_seed(&seeded, 1);
     for (int upright = 0; upright < 2; upright++) {
         make_arm(upright);

@@ -6,7 +6,7 @@
 #include <lcm/lcm.h>
 
 #include "close.h"
-#include "lcm/log.h"
+#include "lcm/link.h"
 
 static char path[] = "/tmp/mukca_test_log_XXXXXX";
 

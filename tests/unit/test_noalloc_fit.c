@@ -4,8 +4,7 @@
 
 #include "close.h"
 #include "fit/cost.h"
-#include "fit/identify.h"
-#include "fit/selection.h"
+#include "fit/fit.h"
 #include "fit/solver.h"
 #include "gen3.h"
 #include "math/random.h"

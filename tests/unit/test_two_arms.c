@@ -1,5 +1,5 @@
 /* Base to base: the pose that was built in, and intervals that hold it as often as they say. */
-#include "fit/two_arms.h"
+#include "fit/align.h"
 
 #include <string.h>
 

@@ -9,7 +9,7 @@
  * unknown, but the recursion is linear: it starts at 0, two more rows start at one unit each, and a
  * 2 x 2 system at the end yields the multiples of these for which by_N ends at 0.
  */
-#include "arm/corrected_jacobian.h"
+#include "effect/equilibrium.h"
 
 #include <string.h>
 
@@ -242,8 +242,8 @@ PART void pass_joint(tip_response *t, tip_columns *c, int j)
     }
 }
 
-MUKCA_CLONES void mukca_corrected_differentiate(double *J, mukca_equilibrium *e,
-                                                mukca_effect_slopes *slopes)
+MUKCA_CLONES void mukca_equilibrium_differentiate(double *J, mukca_equilibrium *e,
+                                                  mukca_effect_slopes *slopes)
 {
     const int n = e->n_joints;
     tip_columns c;
