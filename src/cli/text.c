@@ -24,14 +24,28 @@ const char *cli_plain(FILE *stream)
     return fancy(stream) ? "\033[0m" : "";
 }
 
+/* Length of the first word, with the unit that follows a number. */
+static size_t find_word(const char *text, const char *end)
+{
+    static const char *const units[] = {"mm", "mrad", "m", "rad", "s", "%", "urad/(N·m)"};
+    size_t word = 0;
+    while (text + word < end && text[word] != ' ') word++;
+    if (!word || text + word >= end || !strchr("0123456789", text[word - 1])) return word;
+    const char *unit = text + word + 1;
+    const size_t name = strcspn(unit, " ,;:.)"), left = (size_t)(end - unit);
+    for (size_t i = 0; i < sizeof units / sizeof *units; i++)
+        if (strlen(units[i]) == name && name <= left && strncmp(unit, units[i], name) == 0)
+            for (word++; text + word < end && text[word] != ' ';) word++;
+    return word;
+}
+
 void cli_print_words(FILE *stream, int indent, int column, const char *text, size_t length)
 {
     const char *end = text + length;
     bool first = true;
     while (text < end) {
         while (text < end && *text == ' ') text++;
-        size_t word = 0;
-        while (text + word < end && text[word] != ' ') word++;
+        const size_t word = find_word(text, end);
         if (!word) break;
         if (!first && column + 1 + (int)word > CLI_WIDTH) {
             fprintf(stream, "\n%*s", indent, "");

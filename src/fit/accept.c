@@ -74,7 +74,7 @@ static bool judge_samples(mukca_acceptance *a, const mukca_accept_task *task,
         mukca_acceptance_refuse(a, "%s", task->misfit);
     else if (a->noise_m >= foreign_noise)
         mukca_acceptance_refuse(a,
-                                "the samples do not fit this arm (by %.3g mm); check the URDF, the "
+                                "the samples do not fit this arm (by %.2f mm); check the URDF, the "
                                 "tip, the columns, the socket labels and the distances",
                                 1e3 * a->noise_m);
     else if (tip->gross >= SEVERAL)
@@ -89,7 +89,7 @@ static bool judge_samples(mukca_acceptance *a, const mukca_accept_task *task,
         mukca_acceptance_refuse(a, "no held-out error is known; record more samples");
     else if (a->error_m > contradiction * task->training_m && a->error_m > left * nominal_m)
         mukca_acceptance_refuse(a,
-                                "test error %.4g mm, training error %.4g mm: the data contradict "
+                                "test error %.3f mm, training error %.3f mm: the data contradict "
                                 "each other; check for another arm, tool or tip",
                                 1e3 * a->error_m, 1e3 * task->training_m);
     else if (tip->postures < LEAST_POSTURES)
@@ -97,8 +97,8 @@ static bool judge_samples(mukca_acceptance *a, const mukca_accept_task *task,
                                 tip->postures, tip->postures > 1 ? "postures" : "posture");
     else if (!(difference < (changes ? -margin : margin)))
         mukca_acceptance_refuse(a,
-                                "held-out error %.4g mm, no better than the nominal model with "
-                                "%.4g mm (standard error of the difference %.2g mm); record more "
+                                "held-out error %.3f mm, no better than the nominal model with "
+                                "%.3f mm (standard error of the difference %.3f mm); record more "
                                 "samples",
                                 1e3 * a->error_m, 1e3 * nominal_m, 1e3 * a->error_sigma_m);
     else
@@ -127,20 +127,20 @@ static void judge_tip(mukca_acceptance *a, const mukca_tip_error *tip, const muk
                                 stuck);
     else if (!(p[MUKCA_HERE] >= sure && a->error_here_m < a->error_before_here_m))
         mukca_acceptance_refuse(a,
-                                "expected error of the tip %.3g mm, nominal %.3g mm, from %.0f "
+                                "expected error of the tip %.2f mm, nominal %.2f mm, from %.0f "
                                 "different postures: no sure improvement; record more of them, and "
                                 "look for faulty samples with mukca diagnose",
                                 1e3 * a->error_here_m, 1e3 * a->error_before_here_m, a->postures);
     else if (!(p[MUKCA_ELSEWHERE] >= (a->at_rest[0] ? sure : 1 - sure)))
         mukca_acceptance_refuse(
             a,
-            "expected error of the tip %.3g mm within the joint limits, nominal "
-            "%.3g mm%s%s%s; record postures over wider joint ranges",
+            "expected error of the tip %.2f mm within the joint limits, nominal "
+            "%.2f mm%s%s%s; record postures over wider joint ranges",
             1e3 * a->error_workspace_m, 1e3 * a->error_before_m, a->at_rest[0] ? " (" : "",
             a->at_rest, a->at_rest[0] ? " did not move: is the encoder stuck?)" : "");
     else if (!(a->tip_change_sigma <= MUKCA_MOST_TIP_SIGMA))
         mukca_acceptance_refuse(a,
-                                "moves the tip by %.4g mm, %.1f standard deviations of its prior; "
+                                "moves the tip by %.2f mm, %.1f standard deviations of its prior; "
                                 "check the URDF and the samples",
                                 1e3 * a->tip_change_m, a->tip_change_sigma);
 }
@@ -165,6 +165,8 @@ mukca_status mukca_accept(mukca_offsets *table, const mukca_accept_task *task, m
     a->error_before_here_m = tip.before_m[MUKCA_HERE];
     a->error_here_low_m = tip.low_m[MUKCA_HERE];
     a->error_here_high_m = tip.high_m[MUKCA_HERE];
+    a->error_here_unscaled_m = tip.unscaled_m[MUKCA_HERE];
+    a->error_workspace_unscaled_m = tip.unscaled_m[MUKCA_ELSEWHERE];
     a->error_workspace_m = tip.after_m[MUKCA_ELSEWHERE];
     a->error_workspace_low_m = tip.low_m[MUKCA_ELSEWHERE];
     a->error_workspace_high_m = tip.high_m[MUKCA_ELSEWHERE];

@@ -14,7 +14,8 @@ typedef struct {
     unsigned char stuck[MUKCA_MAX_JOINTS];                /* 1: nor did it, but the tip did */
     double before_m[MUKCA_RANGES], after_m[MUKCA_RANGES]; /* mean error of the tip */
     double low_m[MUKCA_RANGES], high_m[MUKCA_RANGES];     /* 95 % interval of after_m */
-    double probability[MUKCA_RANGES]; /* that the table's mean error is the smaller one */
+    double unscaled_m[MUKCA_RANGES];  /* after_m apart from the scale of an arm in sockets */
+    double probability[MUKCA_RANGES]; /* that the table's is the smaller one */
     double noise_m;                   /* measurement noise per axis, by a robust fit */
     int gross;                        /* postures that this fit misses by hundreds of mm */
 } mukca_tip_error;

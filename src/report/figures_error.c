@@ -41,11 +41,11 @@ bool mukca_report_joints(mukca_plot *plot, const void *content, int index)
             causes ? "with them" : "calibrated");
     fprintf(plot->description,
             "The part of each sample's error along which %s moves the %s, over the joint's %s: "
-            "%.3g mm rms calibrated",
+            "%.3f mm rms calibrated",
             e->name, r->data.n_sockets > 0 ? "ball" : "target", coordinate,
             mukca_report_joint_rms(r, MUKCA_CALIBRATED, index) * mm);
     if (causes)
-        fprintf(plot->description, ", %.3g mm without the causes of the table",
+        fprintf(plot->description, ", %.3f mm without the causes of the table",
                 mukca_report_joint_rms(r, MUKCA_RIGID, index) * mm);
     fprintf(plot->description, ".");
     return true;
@@ -106,7 +106,7 @@ bool mukca_report_samples(mukca_plot *plot, const void *content, int index)
                      " pt 2 ps 1.6 lw 2 title 'recording fault'"
                    : "");
     fprintf(plot->description,
-            "%d samples after calibration; largest error %.3g mm; %d recording "
+            "%d samples after calibration; largest error %.3f mm; %d recording "
             "fault%s marked.",
             data->n_rows, most, r->diagnosed.diagnosis->n_faults,
             r->diagnosed.diagnosis->n_faults == 1 ? "" : "s");
