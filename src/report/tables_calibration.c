@@ -64,12 +64,16 @@ void mukca_report_put_steps(FILE *out, const mukca_report *r)
                          "fold predicted from the others"
                        : "Mean error, mm, each line a fit of its own",
         .columns = d->folds > 1 ? "model|#cross-validated|bar|#test" : "model|#training|bar|#test"};
+    const bool tested = isfinite(steps[0].test_m);
+    if (!tested)
+        table.columns = d->folds > 1 ? "model|#cross-validated|bar|" : "model|#training|bar|";
     for (int i = 1; i < n; i++) most = fmax(most, steps[i].cross_validated_m);
     for (int i = 0; i < n; i++) {
         const double error = steps[i].cross_validated_m;
+        const double bar = i ? 100 * error / most : 0; /* the nominal error is off the scale */
         if (isfinite(error))
-            mukca_html_row(&table, "%s\t%.3f\t%.0f\t%.3f", steps[i].name, error * mm,
-                           fmin(100, 80 * error / most), steps[i].test_m * mm);
+            mukca_html_row(&table, tested ? "%s\t%.3f\t%.0f\t%.3f" : "%s\t%.3f\t%.0f",
+                           steps[i].name, error * mm, bar, steps[i].test_m * mm);
     }
     mukca_html_table_end(&table);
 }

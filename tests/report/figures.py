@@ -76,7 +76,7 @@ def compare(name, *data):
     lines = screen[screen.index("Mean error, mm"):].split("\n")[1:]
     shown = [re.match(r"  (\D+?) +([\d.]+)(?: +([\d.]+))?$", line) for line in lines]
     same(f"{name}: errors on the screen", steps(d), [(m[1], m[2], m[3] or "") for m in shown if m])
-    same(f"{name}: errors on the page", steps(d), [tuple(row) for row in cells(page, "Mean error")])
+    same(f"{name}: errors on the page", steps(d), [tuple((*row, "")[:3]) for row in cells(page, "Mean error")])
     here = [mm(a[f"error_{k}_m"], 2) for k in ("here", "here_low", "here_high", "workspace", "workspace_low",
                                                "workspace_high", "before_here", "before", "here_unscaled",
                                                "workspace_unscaled")]
