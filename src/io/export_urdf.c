@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/note.h"
 #include "base/number.h"
 #include "io/export.h"
 #include "io/urdf_text.h"
@@ -87,17 +88,17 @@ static void edit_attribute(edit *e, const char *tag, size_t length, const char *
     snprintf(e->replacement, sizeof e->replacement, " %s=\"%s\"", name, value);
 }
 
-/* Write the origin's tag with its changed attributes. */
+/* Write the origin's tag with the attributes that differ from xyz and rpy, which it has. */
 static void write_tag(FILE *stream, const char *tag, size_t length,
-                      const mukca_export_origin *origin, const mukca_element *nominal)
+                      const mukca_export_origin *origin, const double xyz[3], const double rpy[3])
 {
     edit edits[2];
     int n = 0;
     size_t at = 0;
-    if (!are_same(origin->xyz, nominal->xyz))
-        edit_attribute(&edits[n++], tag, length, "xyz", origin->xyz, nominal->xyz);
-    if (!are_same(origin->rpy, nominal->rpy))
-        edit_attribute(&edits[n++], tag, length, "rpy", origin->rpy, nominal->rpy);
+    if (!are_same(origin->xyz, xyz))
+        edit_attribute(&edits[n++], tag, length, "xyz", origin->xyz, xyz);
+    if (!are_same(origin->rpy, rpy))
+        edit_attribute(&edits[n++], tag, length, "rpy", origin->rpy, rpy);
     const int first = n == 2 && edits[1].start < edits[0].start;
     for (int i = 0; i < n; i++) {
         const edit *e = &edits[i ^ first];
@@ -126,11 +127,62 @@ static bool get_changed(mukca_export_origin *origin, const mukca_export_input *i
     return !are_same(origin->xyz, nominal->xyz) || !are_same(origin->rpy, nominal->rpy);
 }
 
+/* The element of a joint of the file; in a user's own, with another prefix.  -1: none. */
+static int find_element(const mukca_export_input *input, const mukca_urdf_text *urdf,
+                        const char *joint)
+{
+    const mukca_chain *chain = input->chain;
+    const int found = mukca_chain_find_element(chain, joint);
+    for (int k = 0; k < chain->n_elements && found < 0 && input->into; k++)
+        if (!mukca_urdf_text_joint(urdf, chain->element[k].name) &&
+            mukca_export_same_name(chain->element[k].name, joint, strlen(joint)))
+            return k;
+    return found;
+}
+
+/* Whether a user's own URDF has each joint once, where the chain has it; the tool may be missing.
+ */
+static mukca_status check_into(const mukca_urdf_text *urdf, const mukca_export_input *input,
+                               mukca_error *error)
+{
+    for (int k = 0; k < input->chain->n_elements; k++) {
+        const mukca_element *e = &input->chain->element[k];
+        const char *what = NULL;
+        mukca_export_origin origin;
+        mukca_frame own = {{0}, {0}}, nominal;
+        int n = 0;
+        memcpy(nominal.p, e->xyz, sizeof nominal.p);
+        mukca_rotation_from_rpy(nominal.R, e->rpy);
+        for (int i = 0; i < urdf->n_joints && urdf->located; i++) {
+            const mukca_urdf_joint *joint = &urdf->joints[i];
+            if (find_element(input, urdf, joint->name) != k) continue;
+            memcpy(own.p, joint->xyz, sizeof own.p);
+            mukca_rotation_from_rpy(own.R, joint->rpy);
+            n++;
+        }
+        const bool tool = e->joint < 0 && k + 1 == input->chain->n_elements;
+        if (n == 0 && tool)
+            mukca_note_format(input->note, input->context,
+                              "no joint '%.60s': its offsets are left out", e->name);
+        else if (n == 0 && (e->joint >= 0 || get_changed(&origin, input, k)))
+            what = "is missing";
+        else if (n > 1)
+            what = "is there more than once, with other prefixes";
+        else if (n == 1 && !mukca_export_near(&own, &nominal))
+            what = "is not where the URDF of --urdf has it";
+        if (what)
+            return mukca_fail(error, MUKCA_INPUT, "%s: joint '%s' %s",
+                              mukca_file_shown(input->into), e->name, what);
+    }
+    return MUKCA_OK;
+}
+
 static mukca_status check(const mukca_urdf_text *urdf, const mukca_export_input *input,
                           mukca_error *error)
 {
     mukca_export_origin origin;
     const char *shown = mukca_file_shown(input->urdf_path);
+    if (input->into) return check_into(urdf, input, error);
     if (strcmp(urdf->sha256, input->chain->urdf_sha256) != 0)
         return mukca_fail(error, MUKCA_INPUT, "%s: changed during the export; run it again", shown);
     for (int k = 0; k < input->chain->n_elements; k++) {
@@ -148,15 +200,17 @@ static mukca_status check(const mukca_urdf_text *urdf, const mukca_export_input 
 static mukca_status write_urdf(FILE *stream, const mukca_export_input *input, mukca_error *error)
 {
     mukca_urdf_text urdf;
-    mukca_status status = mukca_urdf_text_read(&urdf, input->urdf_path, error);
+    mukca_status status =
+        mukca_urdf_text_read(&urdf, input->into ? input->into : input->urdf_path, error);
     if (status != MUKCA_OK) return status;
     status = check(&urdf, input, error);
     const char *at = urdf.text; /* joints are in the order of the text */
     for (int i = 0; i < urdf.n_joints && status == MUKCA_OK; i++) {
         const mukca_urdf_joint *joint = &urdf.joints[i];
-        const int k = mukca_chain_find_element(input->chain, joint->name);
+        const int k = find_element(input, &urdf, joint->name);
         mukca_export_origin origin;
         if (k < 0 || !get_changed(&origin, input, k)) continue;
+        const mukca_element *nominal = &input->chain->element[k];
         const char *start = urdf.text + joint->origin_start, *stop = urdf.text + joint->origin_stop;
         if (!joint->has_origin) {
             start = urdf.text + joint->tag_end;
@@ -165,7 +219,9 @@ static mukca_status write_urdf(FILE *stream, const mukca_export_input *input, mu
         }
         fwrite(at, 1, (size_t)(start - at), stream);
         if (joint->has_origin)
-            write_tag(stream, start, (size_t)(stop - start), &origin, &input->chain->element[k]);
+            write_tag(stream, start, (size_t)(stop - start), &origin,
+                      input->into ? joint->xyz : nominal->xyz,
+                      input->into ? joint->rpy : nominal->rpy);
         else
             write_new_tag(stream, &origin);
         at = stop;
