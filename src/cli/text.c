@@ -24,19 +24,16 @@ const char *cli_plain(FILE *stream)
     return fancy(stream) ? "\033[0m" : "";
 }
 
-/* Length of the first word, with the unit that follows a number. */
+/* Length of the first word; the unit of a number, and any other short word after one, is part of
+ * it.
+ */
 static size_t find_word(const char *text, const char *end)
 {
-    static const char *const units[] = {"mm", "mrad", "m", "rad", "s", "%", "urad/(N·m)"};
-    size_t word = 0;
+    size_t word = 0, unit = 1;
     while (text + word < end && text[word] != ' ') word++;
-    if (!word || text + word >= end || !strchr("0123456789", text[word - 1])) return word;
-    const char *unit = text + word + 1;
-    const size_t name = strcspn(unit, " ,;:.)"), left = (size_t)(end - unit);
-    for (size_t i = 0; i < sizeof units / sizeof *units; i++)
-        if (strlen(units[i]) == name && name <= left && strncmp(unit, units[i], name) == 0)
-            for (word++; text + word < end && text[word] != ' ';) word++;
-    return word;
+    if (!word || !strchr("0123456789", text[word - 1])) return word;
+    while (text + word + unit < end && text[word + unit] != ' ') unit++;
+    return text + word < end && unit < 7 ? word + unit : word;
 }
 
 void cli_print_words(FILE *stream, int indent, int column, const char *text, size_t length)

@@ -38,6 +38,13 @@ bool mukca_export_same_name(const char *name, const char *other, size_t length)
            (prefix == 0 || longer[prefix - 1] == '_');
 }
 
+mukca_frame mukca_export_frame(const double xyz[3], const double rpy[3])
+{
+    mukca_frame frame = {.p = {xyz[0], xyz[1], xyz[2]}};
+    mukca_rotation_from_rpy(frame.R, rpy);
+    return frame;
+}
+
 bool mukca_export_near(const mukca_frame *a, const mukca_frame *b)
 {
     const double d[3] = {a->p[0] - b->p[0], a->p[1] - b->p[1], a->p[2] - b->p[2]};

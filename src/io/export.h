@@ -87,6 +87,8 @@ bool mukca_export_find_attribute(size_t *start, size_t *stop, const char *tag, s
  * a prefix, as in "panda_link1" and "link1". */
 bool mukca_export_same_name(const char *name, const char *other, size_t length);
 
+mukca_frame mukca_export_frame(const double xyz[3], const double rpy[3]);
+
 /* Whether two poses are those of one arm, up to rounded numbers and other versions of the arm. */
 #define MUKCA_EXPORT_METRES 2e-3
 #define MUKCA_EXPORT_RADIANS 5e-3

@@ -145,14 +145,6 @@ static mukca_status write_body(patch *p, const char *tag, size_t length, const m
     return MUKCA_OK;
 }
 
-static void append(mukca_frame *T, const double xyz[3], const double rpy[3])
-{
-    mukca_frame step;
-    memcpy(step.p, xyz, sizeof step.p);
-    mukca_rotation_from_rpy(step.R, rpy);
-    mukca_frame_multiply(T, T, &step);
-}
-
 static mukca_status write_into(FILE *stream, const mukca_export_input *input, mukca_error *error)
 {
     const mukca_chain *chain = input->chain;
@@ -170,8 +162,10 @@ static mukca_status write_into(FILE *stream, const mukca_export_input *input, mu
         size_t length = 0;
         int n;
         mukca_export_get_origin(&origin, input, k);
-        append(&p.nominal, e->xyz, e->rpy);
-        append(&p.calibrated, origin.xyz, origin.rpy);
+        const mukca_frame nominal = mukca_export_frame(e->xyz, e->rpy),
+                          calibrated = mukca_export_frame(origin.xyz, origin.rpy);
+        mukca_frame_multiply(&p.nominal, &p.nominal, &nominal);
+        mukca_frame_multiply(&p.calibrated, &p.calibrated, &calibrated);
         const char *tag = find_body(&n, &length, p.at, e->child);
         if (n > 1)
             status = fail(&p, e->child, "is there more than once, with other prefixes");

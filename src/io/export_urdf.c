@@ -9,13 +9,10 @@
 #include "io/export.h"
 #include "io/urdf_text.h"
 
-/* Three words of at most 63 characters, the limit of mukca_number_parse_list. */
-enum { VALUE_SIZE = 3 * 64 };
-
 /* Replacement of tag[start, stop). */
 typedef struct {
     size_t start, stop;
-    char replacement[VALUE_SIZE + 8];
+    char replacement[3 * MUKCA_NUMBER_SIZE + 8];
 } edit;
 
 bool mukca_export_find_attribute(size_t *start, size_t *stop, const char *tag, size_t length,
@@ -50,42 +47,22 @@ static bool are_same(const double a[3], const double b[3])
     return is_same(a[0], b[0]) && is_same(a[1], b[1]) && is_same(a[2], b[2]);
 }
 
-/* Format three numbers.  One that equals the nominal number is copied from the URDF's text
- * `old[length]`. */
-static void format_vector(char value[VALUE_SIZE], const double v[3], const double nominal[3],
-                          const char *old, size_t length)
-{
-    char words[VALUE_SIZE];
-    double read[3];
-    snprintf(words, sizeof words, "%.*s", (int)length, old);
-    const bool usable =
-        length < sizeof words && mukca_number_parse_list(read, 3, words) && are_same(read, nominal);
-    value[0] = '\0';
-    char *word = words, *rest;
-    for (int i = 0; i < 3; i++) {
-        char number[MUKCA_NUMBER_SIZE];
-        const size_t used = strlen(value);
-        mukca_number_format(number, v[i]);
-        if (usable) word = strtok_r(i ? NULL : words, " \t\r\n", &rest);
-        const bool keep = usable && word && is_same(v[i], nominal[i]);
-        snprintf(value + used, VALUE_SIZE - used, "%s%s", i ? " " : "", keep ? word : number);
-    }
-}
-
-/* Change attribute `name` of the origin tag[length] from `nominal` to v. */
+/* Change attribute `name` of the origin tag[length] to v. */
 static void edit_attribute(edit *e, const char *tag, size_t length, const char *name,
-                           const double v[3], const double nominal[3])
+                           const double v[3])
 {
-    char value[VALUE_SIZE];
+    char number[3][MUKCA_NUMBER_SIZE];
+    for (int i = 0; i < 3; i++) mukca_number_format(number[i], v[i]);
     if (mukca_export_find_attribute(&e->start, &e->stop, tag, length, name)) {
-        format_vector(e->replacement, v, nominal, tag + e->start, e->stop - e->start);
+        snprintf(e->replacement, sizeof e->replacement, "%s %s %s", number[0], number[1],
+                 number[2]);
         return;
     }
     e->start = length - (length >= 2 && tag[length - 2] == '/' ? 2 : 1);
     while (e->start && strchr(" \t\r\n", tag[e->start - 1])) e->start--;
     e->stop = e->start;
-    format_vector(value, v, nominal, "", 0);
-    snprintf(e->replacement, sizeof e->replacement, " %s=\"%s\"", name, value);
+    snprintf(e->replacement, sizeof e->replacement, " %s=\"%s %s %s\"", name, number[0], number[1],
+             number[2]);
 }
 
 /* Write the origin's tag with the attributes that differ from xyz and rpy, which it has. */
@@ -95,10 +72,8 @@ static void write_tag(FILE *stream, const char *tag, size_t length,
     edit edits[2];
     int n = 0;
     size_t at = 0;
-    if (!are_same(origin->xyz, xyz))
-        edit_attribute(&edits[n++], tag, length, "xyz", origin->xyz, xyz);
-    if (!are_same(origin->rpy, rpy))
-        edit_attribute(&edits[n++], tag, length, "rpy", origin->rpy, rpy);
+    if (!are_same(origin->xyz, xyz)) edit_attribute(&edits[n++], tag, length, "xyz", origin->xyz);
+    if (!are_same(origin->rpy, rpy)) edit_attribute(&edits[n++], tag, length, "rpy", origin->rpy);
     const int first = n == 2 && edits[1].start < edits[0].start;
     for (int i = 0; i < n; i++) {
         const edit *e = &edits[i ^ first];
@@ -147,32 +122,26 @@ static mukca_status check_into(const mukca_urdf_text *urdf, const mukca_export_i
 {
     for (int k = 0; k < input->chain->n_elements; k++) {
         const mukca_element *e = &input->chain->element[k];
-        const char *what = NULL;
+        const mukca_frame nominal = mukca_export_frame(e->xyz, e->rpy);
         mukca_export_origin origin;
-        mukca_frame own = {{0}, {0}}, nominal;
+        bool near = true;
         int n = 0;
-        memcpy(nominal.p, e->xyz, sizeof nominal.p);
-        mukca_rotation_from_rpy(nominal.R, e->rpy);
         for (int i = 0; i < urdf->n_joints && urdf->located; i++) {
-            const mukca_urdf_joint *joint = &urdf->joints[i];
-            if (find_element(input, urdf, joint->name) != k) continue;
-            memcpy(own.p, joint->xyz, sizeof own.p);
-            mukca_rotation_from_rpy(own.R, joint->rpy);
+            if (find_element(input, urdf, urdf->joints[i].name) != k) continue;
+            const mukca_frame own = mukca_export_frame(urdf->joints[i].xyz, urdf->joints[i].rpy);
+            near = mukca_export_near(&own, &nominal);
             n++;
         }
         const bool tool = e->joint < 0 && k + 1 == input->chain->n_elements;
         if (n == 0 && tool)
             mukca_note_format(input->note, input->context,
                               "no joint '%.60s': its offsets are left out", e->name);
-        else if (n == 0 && (e->joint >= 0 || get_changed(&origin, input, k)))
-            what = "is missing";
-        else if (n > 1)
-            what = "is there more than once, with other prefixes";
-        else if (n == 1 && !mukca_export_near(&own, &nominal))
-            what = "is not where the URDF of --urdf has it";
-        if (what)
-            return mukca_fail(error, MUKCA_INPUT, "%s: joint '%s' %s",
-                              mukca_file_shown(input->into), e->name, what);
+        else if (n > 1 || !near || (n == 0 && (e->joint >= 0 || get_changed(&origin, input, k))))
+            return mukca_fail(error, MUKCA_INPUT, "%s: joint '%s' is %s",
+                              mukca_file_shown(input->into), e->name,
+                              n > 1   ? "there more than once, with other prefixes"
+                              : n > 0 ? "not where the URDF of --urdf has it"
+                                      : "missing");
     }
     return MUKCA_OK;
 }
