@@ -75,7 +75,7 @@ refuses() { # NAME CODE PATTERN TEXT OPTION...
     fi
 }
 refuses "nothing" 4 'no joint state on standard input: does the program before it run' ''
-refuses "another language" 3 "standard input:1: no joint state: 'header:'" 'header:\n  stamp:\n'
+refuses "another language" 3 "standard input:1: no joint state: 'header:'; use ros2 topic echo --csv" 'header:\n  stamp:\n'
 refuses "cut message" 3 'standard input:1: neither a row under a header of names nor a whole message' \
     '12,0,base,joint_1,joint_2,0.1\n'
 refuses "row of another width" 3 'standard input:2: 2 columns, but 3 in the header' 'time_s,joint_1,joint_2\n1,2\n'
