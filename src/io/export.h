@@ -51,7 +51,7 @@ typedef struct {
     extern const mukca_export_format mukca_export_##name;
 MUKCA_EXPORT_LIST(MUKCA_EXPORT_DECLARE)
 #undef MUKCA_EXPORT_DECLARE
-/* A user's URDF or MuJoCo model with the poses of the arm replaced; not in the list. */
+/* A user's URDF or MuJoCo model with the arm's poses replaced; not in the list. */
 extern const mukca_export_format mukca_export_into;
 
 typedef struct {
@@ -83,8 +83,7 @@ void mukca_export_verdict(FILE *stream, const mukca_exporter *exporter,
 bool mukca_export_find_attribute(size_t *start, size_t *stop, const char *tag, size_t length,
                                  const char *name);
 
-/* Whether a user's model has a link or joint `name` under name[length]: equal, or one of them with
- * a prefix, as in "panda_link1" and "link1". */
+/* Whether two names are equal, or one has a prefix: "panda_link1" and "link1". */
 bool mukca_export_same_name(const char *name, const char *other, size_t length);
 
 mukca_frame mukca_export_frame(const double xyz[3], const double rpy[3]);
