@@ -24,9 +24,7 @@ const char *cli_plain(FILE *stream)
     return fancy(stream) ? "\033[0m" : "";
 }
 
-/* Length of the first word; the unit of a number, and any other short word after one, is part of
- * it.
- */
+/* Length of the first word, with the unit or other short word that follows a number. */
 static size_t find_word(const char *text, const char *end)
 {
     size_t word = 0, unit = 1;

@@ -74,8 +74,7 @@ static void relate(mukca_frame *C, const mukca_frame *A, const mukca_frame *B)
     mukca_mat3_tmul(C->R, A->R, B->R);
 }
 
-/* Read where a body is in the frame of its link: turned as the model likes, and anywhere on the
- * axis of its joint. */
+/* Read where a body is in the frame of its link: turned, and anywhere on the axis of its joint. */
 static mukca_status place(mukca_frame *body, const patch *p, const char *tag, size_t length,
                           const mukca_element *e)
 {
