@@ -164,7 +164,7 @@ static void draw_accuracy(screen *s, const mukca_recorder *r)
     if (!(r->session.advice.expected <= nominal))
         draw(s, "accuracy     too few samples to predict");
     else
-        draw(s, "accuracy     %.2f mm expected, %.2f mm with ten more samples here%s",
+        draw(s, "accuracy     %.2f mm expected, %.2f mm after ten more here%s",
              1e3 * r->session.advice.expected, 1e3 * r->session.advice.expected_more,
              r->session.advice.more_rows_help ? "" : ": continue elsewhere");
 }
