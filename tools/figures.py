@@ -53,10 +53,24 @@ def write(path, name, command, content):
             file.write(text[:found.start()] + stamp + content + f"<!-- end {name} -->" + text[found.end():])
 
 
+def demo(command):
+    return subprocess.run([real.MUKCA, command, "--urdf", "data/demo/arm.urdf", "data/demo/train.tsv", "--test",
+                           "data/demo/test.tsv"], capture_output=True, text=True, check=True).stdout
+
+
+def sentence(path):
+    """The errors of the two fits of calibrate."""
+    found = re.search(r"better geometry\s[^.]*error\s+([\d.]+ mm)\s.*instead of ([\d.]+ mm)", demo("calibrate"))
+    with open(path, encoding="utf-8") as file:
+        if found and f"here {found[2]} and {found[1]} on the test data" in file.read():
+            print(f"ok figures: {path}: calibrate")
+        else:
+            differs(path, "the sentence about calibrate")
+
+
 def screen(path):
     """The lines of a shortened screen of the demo, each as the command prints it."""
-    printed = subprocess.run([real.MUKCA, "diagnose", "--urdf", "data/demo/arm.urdf", "data/demo/train.tsv", "--test",
-                              "data/demo/test.tsv"], capture_output=True, text=True, check=True).stdout.splitlines()
+    printed = demo("diagnose").splitlines()
     with open(path, encoding="utf-8") as file:
         text = file.read()
     for block in re.findall(r"```text\n(.*?)```", text, re.S):
@@ -118,6 +132,7 @@ def times():
           "```text\n" + "\n".join(lines) + "\n```\n")
 
 
+sentence("docs/diagnosis.md")
 for page in ("README.md", "docs/diagnosis.md"):
     screen(page)
 if os.path.isdir(real.DATA):
