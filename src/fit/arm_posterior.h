@@ -38,7 +38,7 @@ typedef struct {
     double *distance_weight; /* [n_distances] */
     mukca_arm_observation *list;
     int *of_row; /* [n_rows] observation */
-    double noise, scale;
+    double noise, scale, misfit;
     int gross; /* observations with an error beyond any arm and noise */
     mukca_pool pool;
 } mukca_arm_posterior;
