@@ -66,7 +66,6 @@ static void print_next(cli_call *call, const calibrate_result *r)
     const double train = r->train_scores.calibrated_mean.mae,
                  test = r->test_scores.calibrated_mean.mae;
     const cli_common *c = call->common;
-    const char *key = "";
     if (!r->offsets->acceptance.accepted) return;
     if (!enough_samples(r->fit))
         cli_answer_keyed(call, "Next", "record more postures%s",
@@ -87,17 +86,13 @@ static void print_next(cli_call *call, const calibrate_result *r)
         cli_answer_keyed(call, "Next", "mukca export --urdf %s%s%s --offsets %s", c->urdf,
                          c->kinematics ? " --kinematics " : "", c->kinematics ? c->kinematics : "",
                          c->output);
-    else
-        key = "Next";
-    if (r->evidence.postures && r->evidence.mean_m < -2 * r->evidence.sigma_m) {
-        cli_answer_keyed(call, key,
+    if (r->evidence.postures && r->evidence.mean_m < -2 * r->evidence.sigma_m)
+        cli_answer_keyed(call, "Better",
                          "--evidence fits a better geometry to these data: held-out error %.3f mm "
                          "(%s) instead of %.3f mm",
                          1e3 * r->evidence.after_m, r->offsets->acceptance.error_of,
                          1e3 * r->evidence.before_m);
-        key = "";
-    }
-    if (!c->output) cli_answer_keyed(call, key, "-o offsets.tsv saves the result");
+    if (!c->output) cli_answer_keyed(call, "Save", "-o offsets.tsv saves the result");
 }
 
 static void print_verdict(cli_call *call, const calibrate_result *r)
