@@ -5,7 +5,7 @@ A block of a document, from `<!-- figures NAME ...` to `<!-- end NAME -->`, is t
 function below; its first line says command, date and machine. Blocks of a fenced text are written
 without marks: README's and diagnosis.md's screens of the demo. --check writes nothing and fails where
 a deterministic figure differs (what needs the published data is left out, with a line, where they
-are not); --times (make figures TIMES=1) also writes what make bench prints, which CI cannot compare.
+are not); --times PART... (make figures TIMES="fit growth") writes these parts of make bench instead, which CI cannot compare.
 """
 import datetime
 import json
@@ -125,13 +125,16 @@ def gain():
           "| --- | --- | ---: | ---: | ---: | ---: | ---: | --- |\n" + "".join(rows))
 
 
-def times():
-    done = subprocess.run([sys.executable, os.path.join(HERE, "bench/run.py")], capture_output=True, text=True, check=True)
-    lines = [line for line in done.stdout.strip().splitlines() if " plot: " not in line]
-    write("docs/comparison.md", "times", f"make figures TIMES=1; load {os.getloadavg()[2]:.0f}",
-          "```text\n" + "\n".join(lines) + "\n```\n")
+def times(parts):
+    for part in parts:
+        done = subprocess.run([sys.executable, os.path.join(HERE, "bench/run.py"), part], capture_output=True, text=True, check=True)
+        lines = [line for line in done.stdout.splitlines()[1:] if " plot: " not in line and "SKIPPED" not in line]
+        write("docs/comparison.md", f"times-{part}", f"make figures TIMES={part}; load {os.getloadavg()[2]:.0f}",
+              "```text\n" + "\n".join(lines).strip("\n") + "\n```\n")
 
 
+if "--times" in sys.argv:
+    sys.exit(times(sys.argv[sys.argv.index("--times") + 1:]))
 sentence("docs/diagnosis.md")
 for page in ("README.md", "docs/diagnosis.md"):
     screen(page)
@@ -141,6 +144,4 @@ if os.path.isdir(real.DATA):
         gain()
 else:
     print(f"SKIPPED figures of the published arms: no data in {real.DATA}; set MUKCA_REAL_DATA")
-if "--times" in sys.argv:
-    times()
 sys.exit(wrong > 0)
