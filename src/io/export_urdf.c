@@ -1,5 +1,4 @@
-/* The user's URDF with the origins of the chain replaced in place; all other bytes are
- * unchanged. */
+/* A user's URDF with the origins of the chain replaced in place; the rest stays. */
 #include <math.h>
 #include <string.h>
 
