@@ -149,8 +149,8 @@ golden: $(PROGRAM) ## rewrite the expected output of the command-line tests and 
 	@$(TEST_ENVIRONMENT) UPDATE_GOLDEN=1 tests/cli/run.sh
 	@$(TEST_ENVIRONMENT) UPDATE_GOLDEN=1 tests/docs/run.sh
 
-figures: $(PROGRAM) ## write the figures of README and docs/comparison.md by the commands that measure them
-	@$(TEST_ENVIRONMENT) tools/figures.py
+figures: $(PROGRAM) $(if $(TIMES),$(BENCHES)) ## write the figures of README and docs/comparison.md by the commands that measure them (TIMES="fit growth": these parts of bench)
+	@$(TEST_ENVIRONMENT) tools/figures.py $(if $(TIMES),--times $(TIMES))
 	@$(TEST_ENVIRONMENT) tools/centres.py
 
 artefact: ## STL files, drawing and picture of the printed tool (needs openscad)

@@ -29,6 +29,12 @@ void mukca_acceptance_tip(char text[MUKCA_ACCEPTANCE_SENTENCE], const mukca_acce
              1e3 * a->error_workspace_m, 1e3 * a->error_workspace_low_m,
              1e3 * a->error_workspace_high_m, factory ? "factory" : "nominal",
              1e3 * a->error_before_here_m, 1e3 * a->error_before_m);
+    if (isfinite(a->error_here_unscaled_m))
+        snprintf(
+            text + strlen(text), MUKCA_ACCEPTANCE_SENTENCE - strlen(text),
+            "; %.2f mm and %.2f mm apart from the arm's scale (socket distance known to 0.1 mm) "
+            "and from causes that the table lacks",
+            1e3 * a->error_here_unscaled_m, 1e3 * a->error_workspace_unscaled_m);
 }
 
 void mukca_acceptance_basis(char text[MUKCA_ACCEPTANCE_SENTENCE], const mukca_acceptance *a,

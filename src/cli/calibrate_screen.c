@@ -54,7 +54,7 @@ static void print_warnings(cli_call *call, const calibrate_result *r)
         if (poses->placement < 0 && poses->mae < CLI_ECHO)
             cli_answer_wrapped(
                 call,
-                "warning: the measured poses repeat the nominal model (within %.2g mm): they seem "
+                "warning: the measured poses repeat the nominal model (within %.3f mm): they seem "
                 "to come from the controller, not from a tracker, and cannot calibrate it",
                 1e3 * poses->mae);
     }
@@ -85,12 +85,12 @@ static void print_next(cli_call *call, const calibrate_result *r)
                          c->kinematics ? " --kinematics " : "", c->kinematics ? c->kinematics : "",
                          c->output);
     if (r->evidence.postures && r->evidence.mean_m < -2 * r->evidence.sigma_m)
-        cli_answer_keyed(call, "",
+        cli_answer_keyed(call, "Better",
                          "--evidence fits a better geometry to these data: held-out error %.3f mm "
                          "(%s) instead of %.3f mm",
                          1e3 * r->evidence.after_m, r->offsets->acceptance.error_of,
                          1e3 * r->evidence.before_m);
-    if (!c->output) cli_answer_keyed(call, "", "-o offsets.tsv saves the result");
+    if (!c->output) cli_answer_keyed(call, "Save", "-o offsets.tsv saves the result");
 }
 
 static void print_verdict(cli_call *call, const calibrate_result *r)

@@ -173,9 +173,11 @@ static void conclude(session *s)
         cli_log(s->call, "the log is damaged: %lld bytes of it were skipped\n",
                 (long long)mukca_lcm_link_skipped(r->link));
     cli_answer_wrapped(
-        s->call, "%d samples in %s; %lld joint states received, %lld refused, longest pause %.3f s",
-        r->session.file.n_rows, r->session.file.path, (long long)r->stream.count.received,
-        (long long)r->stream.count.refused, r->stream.count.longest_gap);
+        s->call,
+        "%d sample%s in %s; %lld joint states received, %lld refused, longest pause %.3f s",
+        r->session.file.n_rows, r->session.file.n_rows == 1 ? "" : "s", r->session.file.path,
+        (long long)r->stream.count.received, (long long)r->stream.count.refused,
+        r->stream.count.longest_gap);
     if (r->session.file.n_rows) print_next(s);
 }
 

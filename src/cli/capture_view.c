@@ -29,7 +29,7 @@ void cli_capture_leave(cli_capture_view *v)
     v->raw = false;
 }
 
-/* A key while the number of a row is typed: a digit, Enter, or any other to stop. */
+/* A key while the number of a sample is typed: a digit, Enter, or any other to stop. */
 static void type_number(cli_capture_view *v, mukca_recorder *r, char key, mukca_error *answer)
 {
     const int number = v->typed - 1;
@@ -37,7 +37,7 @@ static void type_number(cli_capture_view *v, mukca_recorder *r, char key, mukca_
     mukca_fail(answer, MUKCA_OK, "nothing deleted");
     if (key >= '0' && key <= '9' && number < 100000) {
         v->typed = 1 + 10 * number + (key - '0');
-        mukca_fail(answer, MUKCA_OK, "row %d, then Enter", v->typed - 1);
+        mukca_fail(answer, MUKCA_OK, "sample %d, then Enter", v->typed - 1);
     } else if ((key == '\n' || key == '\r') && number > 0) {
         mukca_sampling_delete(r, number, answer);
     }
@@ -54,7 +54,7 @@ bool cli_capture_press(cli_capture_view *v, mukca_recorder *r, char key)
         mukca_sampling_delete(r, 0, &answer);
     } else if (key == 'x') {
         v->typed = 1;
-        mukca_fail(&answer, MUKCA_OK, "number of the row to delete, then Enter");
+        mukca_fail(&answer, MUKCA_OK, "number of the sample to delete, then Enter");
     } else if (key == 'm') {
         mukca_sampling_move(r, &answer);
     } else if (key == 's') {
@@ -164,7 +164,7 @@ static void draw_accuracy(screen *s, const mukca_recorder *r)
     if (!(r->session.advice.expected <= nominal))
         draw(s, "accuracy     too few samples to predict");
     else
-        draw(s, "accuracy     %.2f mm expected, %.2f mm with ten more samples here%s",
+        draw(s, "accuracy     %.2f mm expected, %.2f mm after ten more here%s",
              1e3 * r->session.advice.expected, 1e3 * r->session.advice.expected_more,
              r->session.advice.more_rows_help ? "" : ": continue elsewhere");
 }

@@ -127,8 +127,9 @@ static void put_gain(mukca_text *text, const mukca_shrink *s)
     mukca_text_put(text, "; the causes %s it by %.0f %%", more ? "raise" : "reduce",
                    fabs(s->shrink_percent));
     if (isfinite(s->low_percent) && isfinite(s->high_percent))
-        mukca_text_put(text, " [%.0f, %.0f]%s", more ? -s->high_percent : s->low_percent,
-                       more ? -s->low_percent : s->high_percent,
+        mukca_text_put(text, " [%.0f, %.0f]%s", /* + 0: no -0 */
+                       rint(more ? -s->high_percent : s->low_percent) + 0,
+                       rint(more ? -s->low_percent : s->high_percent) + 0,
                        s->low_percent > 0 ? "" : ", not significant");
     mukca_text_put(text, ", in %d of %d folds", s->folds_better, s->folds);
 }

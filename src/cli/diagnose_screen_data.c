@@ -94,7 +94,7 @@ void cli_screen_streams(FILE *stream, const mukca_diagnosed *r)
     for (int j = 1; j < s->n_joints; j++)
         if (s->joint[j].rms > s->joint[largest].rms) largest = j;
     if (s->n_joints == 0 || !(s->joint[largest].rms > 0)) return;
-    mukca_text_put(&text, "%s fitted; reading minus command: at most %.3g mrad rms (%s)",
+    mukca_text_put(&text, "%s fitted; reading minus command: at most %.3f mrad rms (%s)",
                    r->data->by_command ? "commands" : "readings", 1e3 * s->joint[largest].rms,
                    mukca_chain_joint_name(r->chain, largest));
     for (int j = 0; j < s->n_joints; j++)
@@ -104,7 +104,7 @@ void cli_screen_streams(FILE *stream, const mukca_diagnosed *r)
                            1e6 * s->joint[j].low, 1e6 * s->joint[j].high);
     if (isfinite(s->sigma_command_m))
         mukca_text_put(&text,
-                       "; residual of the geometry: %.3g mm with readings, %.3g mm with commands",
+                       "; residual of the geometry: %.3f mm with readings, %.3f mm with commands",
                        1e3 * s->sigma_reading_m, 1e3 * s->sigma_command_m);
     const double ratio = s->sigma_command_m / s->sigma_reading_m;
     if (r->data->by_command ? ratio > 1 / worth_changing : ratio < worth_changing)

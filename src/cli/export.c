@@ -25,8 +25,8 @@ static const cli_option options[] = {
      .help = "what to write (default: by the ending of the file's name, else urdf)",
      .choices = formats,
      .offset = offsetof(export_options, format)},
-    CLI_OPTION(export_options, into, "into", CLI_INPUT, "FILE",
-               "your own MuJoCo model: replace the poses of the arm's bodies, found by name"),
+    CLI_OPTION(export_options, into, "into", CLI_TEXT, "FILE",
+               "your own URDF or MuJoCo model: replace the poses of the arm, found by names"),
     CLI_OFFSETS_OPTION,
     CLI_ACCEPT_OPTION,
     CLI_MODEL_OPTIONS,
@@ -90,10 +90,10 @@ const cli_command cli_command_export = {
         "Calibrated values replace the nominal ones: calibrated = nominal + offset, in the frame "
         "and with the signs of the URDF's own origin. Nothing is subtracted. Offsets below 1e-9 m "
         "or rad count as zero.\n\n"
-        "--into patches a MuJoCo model of your own, whose bodies have the names (a common prefix "
-        "may "
-        "be missing) and frames of the URDF's links, and states what it changed. Your own URDF of "
-        "the same arm: give it as --urdf, with --force.\n\n"
+        "--into patches a URDF of your own, whose joints have the names (a common prefix may be "
+        "missing) and the origins of the URDF's joints, or a MuJoCo model, whose bodies have the "
+        "names of its links and, at zero, the axes of its joints. The frames of the bodies may "
+        "differ from those of the links.\n\n"
         "A format that cannot hold an effect of the table gets origins that were fitted to the arm "
         "with its effects, over its joint ranges or over the postures of DATA; a note states "
         "what is lost. npy holds offsets of the joints' zeros alone, fitted likewise.\n\n"

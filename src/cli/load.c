@@ -182,7 +182,7 @@ static mukca_status drop_coincident(cli_call *call, mukca_dataset *data, const c
         }
         snprintf(
             text, sizeof text,
-            "placement '%s': sockets '%s' and '%s' coincide within %.2g mm; both labels may have "
+            "placement '%s': sockets '%s' and '%s' coincide within %.2f mm; both labels may have "
             "been recorded in one socket",
             data->placements[data->sockets[d->a].placement].name, data->sockets[d->a].label,
             data->sockets[d->b].label, 1e3 * apart[k]);

@@ -282,7 +282,9 @@ static void print(plan_work *r)
                                "Not enough, and more samples here do not decide: try another "
                                "placement (--place)");
     } else {
-        cli_answer(r->call, "Expected error of the ball elsewhere: %.3f mm before, %.3f mm after\n",
+        cli_answer(r->call,
+                   "Expected consistency error at new placements, without noise: %.3f mm before, "
+                   "%.3f mm after\n",
                    p->expected_before * 1e3, p->expected_after * 1e3);
     }
     if (p->n_rows < o->rows)

@@ -234,7 +234,7 @@ void cli_print_mismatch(cli_call *call, const mukca_dataset *data, bool free_bas
             mukca_chain_joint_name(chain, m.with), m.sign > 0 ? "added to" : "subtracted from",
             mukca_chain_joint_name(chain, m.coupled), mukca_chain_joint_name(chain, m.coupled));
     cli_answer_wrapped(call,
-                       "The data would agree with the nominal model to %.3g mm instead of %.3g mm "
+                       "The data would agree with the nominal model to %.3f mm instead of %.3f mm "
                        "%s: check these columns%s and the URDF.",
                        1e3 * m.after_m, 1e3 * m.before_m, text,
                        m.reversed && data->n_sockets == 0

@@ -24,14 +24,23 @@ const char *cli_plain(FILE *stream)
     return fancy(stream) ? "\033[0m" : "";
 }
 
+/* Length of the first word, with the unit or other short word that follows a number. */
+static size_t find_word(const char *text, const char *end)
+{
+    size_t word = 0, unit = 1;
+    while (text + word < end && text[word] != ' ') word++;
+    if (!word || !strchr("0123456789", text[word - 1])) return word;
+    while (text + word + unit < end && text[word + unit] != ' ') unit++;
+    return text + word < end && unit < 7 ? word + unit : word;
+}
+
 void cli_print_words(FILE *stream, int indent, int column, const char *text, size_t length)
 {
     const char *end = text + length;
     bool first = true;
     while (text < end) {
         while (text < end && *text == ' ') text++;
-        size_t word = 0;
-        while (text + word < end && text[word] != ' ') word++;
+        const size_t word = find_word(text, end);
         if (!word) break;
         if (!first && column + 1 + (int)word > CLI_WIDTH) {
             fprintf(stream, "\n%*s", indent, "");

@@ -86,7 +86,7 @@ static bool judge_samples(mukca_acceptance *a, const mukca_accept_task *task,
         mukca_acceptance_refuse(a, "%s", task->misfit);
     else if (a->noise_m >= foreign_noise)
         mukca_acceptance_refuse(a,
-                                "the samples do not fit this arm (by %.3g mm); check the URDF, the "
+                                "the samples do not fit this arm (by %.2f mm); check the URDF, the "
                                 "tip, the columns, the socket labels and the distances",
                                 1e3 * a->noise_m);
     else if (tip->gross >= SEVERAL)
@@ -101,7 +101,7 @@ static bool judge_samples(mukca_acceptance *a, const mukca_accept_task *task,
         mukca_acceptance_refuse(a, "no held-out error is known; record more samples");
     else if (a->error_m > contradiction * task->training_m && a->error_m > left * nominal_m)
         mukca_acceptance_refuse(a,
-                                "test error %.4g mm, training error %.4g mm: the data contradict "
+                                "test error %.3f mm, training error %.3f mm: the data contradict "
                                 "each other; check for another arm, tool or tip",
                                 1e3 * a->error_m, 1e3 * task->training_m);
     else if (tip->postures < LEAST_POSTURES)
@@ -111,8 +111,8 @@ static bool judge_samples(mukca_acceptance *a, const mukca_accept_task *task,
         return true;
     else {
         mukca_acceptance_refuse(a,
-                                "held-out error %.4g mm, nominal %.4g mm (standard error of the "
-                                "difference %.2g mm): no sure improvement",
+                                "held-out error %.3f mm, nominal %.3f mm (standard error of the "
+                                "difference %.3f mm): no sure improvement",
                                 1e3 * a->error_m, 1e3 * nominal_m, 1e3 * a->error_sigma_m);
         advise(a, tip, "record more postures; mukca diagnose identifies other causes");
     }
@@ -141,19 +141,19 @@ static void judge_tip(mukca_acceptance *a, const mukca_tip_error *tip, const muk
     } else if (!(a->error_before_here_m < foreign_arm + tip->tool_m)) {
         mukca_acceptance_refuse(
             a,
-            "the samples are of an arm whose tip is %.3g mm from that of the "
+            "the samples are of an arm whose tip is %.0f mm from that of the "
             "nominal model; check the URDF, joint zeros, columns, labels, distances",
             1e3 * a->error_before_here_m);
     } else if (!(p[MUKCA_HERE] >= sure && a->error_here_m < a->error_before_here_m)) {
         mukca_acceptance_refuse(a,
-                                "expected error of the tip %.3g mm, nominal %.3g mm, from %.0f "
+                                "expected error of the tip %.2f mm, nominal %.2f mm, from %.0f "
                                 "different postures: no sure improvement",
                                 1e3 * a->error_here_m, 1e3 * a->error_before_here_m, a->postures);
         advise(a, tip, "record more of them");
     } else if (!(p[MUKCA_ELSEWHERE] >= 1 - sure)) {
         mukca_acceptance_refuse(a,
-                                "expected error of the tip %.3g mm within the joint limits, "
-                                "nominal %.3g mm",
+                                "expected error of the tip %.2f mm within the joint limits, "
+                                "nominal %.2f mm",
                                 1e3 * a->error_workspace_m, 1e3 * a->error_before_m);
         advise(a, tip, "record postures over wider joint ranges");
     }
@@ -179,6 +179,8 @@ mukca_status mukca_accept(mukca_offsets *table, const mukca_accept_task *task, m
     a->error_before_here_m = tip.before_m[MUKCA_HERE];
     a->error_here_low_m = tip.low_m[MUKCA_HERE];
     a->error_here_high_m = tip.high_m[MUKCA_HERE];
+    a->error_here_unscaled_m = tip.unscaled_m[MUKCA_HERE];
+    a->error_workspace_unscaled_m = tip.unscaled_m[MUKCA_ELSEWHERE];
     a->error_workspace_m = tip.after_m[MUKCA_ELSEWHERE];
     a->error_workspace_low_m = tip.low_m[MUKCA_ELSEWHERE];
     a->error_workspace_high_m = tip.high_m[MUKCA_ELSEWHERE];

@@ -178,16 +178,21 @@ static bool distance_row(double *row, double *excess, double *variance,
     return length > 1e-6;
 }
 
+/* A smaller arm has smaller residuals from the same noise: their sum of squares over the variance,
+ * p->misfit, times the logarithm of the scale is added to the likelihood. */
 static void add_distances(mukca_arm_posterior *p, double *right)
 {
     const int n = p->n;
-    double *row = p->gram, excess, variance;
+    double *row = p->gram, excess, variance, pairs = 0;
+    for (int k = 0; k < p->data.n_distances; k++) pairs += p->distance_weight[k];
     for (int k = 0; k < p->data.n_distances; k++) {
         if (!distance_row(row, &excess, &variance, p, &p->data.distances[k])) continue;
-        const double weight = p->distance_weight[k] / variance;
+        const double weight = p->distance_weight[k] / variance,
+                     share = p->distance_weight[k] / fmax(pairs, 1) * p->misfit,
+                     pull = weight * excess - share / (excess + p->data.distances[k].distance);
         for (int r = 0; r < n; r++) {
             for (int c = r; c < n; c++) p->L[c * n + r] += weight * row[r] * row[c];
-            right[r] -= weight * row[r] * excess;
+            right[r] -= row[r] * pull;
         }
     }
 }
@@ -271,7 +276,7 @@ static void weigh(mukca_arm_posterior *p)
     double b[MUKCA_NUISANCE], v[3], squares = 0, known = 0, of_arm = 0, deviation = 0;
     int count = 0;
     p->outliers = p->gross = 0;
-    p->worst_m = 0;
+    p->worst_m = p->misfit = 0;
     memset(p->inverse, 0, (size_t)(n * n) * sizeof *p->inverse);
     for (int i = 0; i < n; i++) p->inverse[i * n + i] = 1;
     mukca_dense_forward(p->inverse, n, p->L, n);
@@ -295,6 +300,7 @@ static void weigh(mukca_arm_posterior *p)
             o->weight = (freedom + 3) / (freedom + z * z);
             squares += o->weight * e * e;
             p->outliers += z > outlier;
+            if (g < p->data.n_sockets) p->misfit += o->weight * e * e;
             p->gross += e > gross_error;
             p->worst_m = fmax(p->worst_m, e);
             count += 3;
@@ -302,6 +308,7 @@ static void weigh(mukca_arm_posterior *p)
     }
     p->noise = sqrt((noise_weight * MUKCA_PRIOR_NOISE * MUKCA_PRIOR_NOISE + squares) /
                     (noise_weight + fmax(count - known, 0)));
+    p->misfit /= p->noise * p->noise;
     p->scale = fmin(sqrt((scale_weight + deviation) / (scale_weight + of_arm)), most_scale);
 }
 

@@ -86,7 +86,7 @@ typedef struct {
     double *distance_weight; /* [n_distances] */
     mukca_arm_observation *list;
     int *of_row; /* [n_rows] observation */
-    double noise, scale;
+    double noise, scale, misfit;
     int outliers, gross; /* observations beyond the noise; beyond any arm and noise */
     double worst_m;      /* largest error of an observation */
     mukca_pool pool;

@@ -41,7 +41,7 @@ static void project(double *X, int rows, int w, int first, int end)
 }
 
 /* Mean errors of both models over arms from the posterior, with the interval of the table's; or (if
- * `projected`) only how often the table's is smaller. */
+ * `projected`) the table's alone, and how often it is smaller. */
 static void sample(mukca_tip_error *out, int where, bool projected, const mukca_arm_posterior *p,
                    const double *X, mukca_random *random)
 {
@@ -65,6 +65,7 @@ static void sample(mukca_tip_error *out, int where, bool projected, const mukca_
         errors[k] = sum[1];
         if (projected) {
             out->probability[where] += (sum[1] < sum[0]) / (double)DRAWS;
+            out->unscaled_m[where] += sum[1] / DRAWS;
             continue;
         }
         out->before_m[where] += sum[0] / DRAWS;
@@ -107,6 +108,7 @@ static bool draw(mukca_tip_error *out, mukca_arm_posterior *p, const mukca_chain
     sample(out, where, false, p, X, &random);
     project(X, rows, w, scale, MUKCA_NUISANCE);
     sample(out, where, true, p, X, &random);
+    if (p->poses) out->unscaled_m[where] = NAN;
     return true;
 }
 

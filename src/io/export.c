@@ -90,7 +90,8 @@ static mukca_status replace(replacement *r, const mukca_export_input *input,
     r->input.offsets = &r->offsets;
     r->input.zeros = r->refit.zeros;
     const int needs = keep_held(&r->offsets, input, exporter);
-    if ((needs & MUKCA_NEEDS_MASSES) && input->chain->n_masses == 0)
+    const bool blind = (needs & MUKCA_NEEDS_MASSES) && input->chain->n_masses == 0;
+    if (blind)
         mukca_note_format(input->note, input->context,
                           "without link masses (--inertials FILE) the fit cannot approximate "
                           "deflection under gravity");
@@ -104,7 +105,7 @@ static mukca_status replace(replacement *r, const mukca_export_input *input,
     const mukca_status status = mukca_refit_run(&r->refit, &task, error);
     if (status != MUKCA_OK) return status;
     memcpy(r->offsets.theta, r->refit.theta, sizeof r->offsets.theta);
-    note_loss(input, exporter, &r->refit);
+    if (!blind) note_loss(input, exporter, &r->refit);
     return MUKCA_OK;
 }
 

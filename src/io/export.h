@@ -28,7 +28,7 @@ typedef struct {
     const double *postures; /* [n_postures][n_joints] of the arm's task; NULL: joint ranges */
     int n_postures;
     const double *zeros; /* [n_joints] refitted zero offsets for a format with zeros_only */
-    const char *into;    /* the MuJoCo model that mukca_export_into patches */
+    const char *into;    /* the URDF or MuJoCo model that mukca_export_into patches */
     mukca_note_fn *note; /* may be NULL */
     void *context;
 } mukca_export_input;
@@ -51,7 +51,7 @@ typedef struct {
     extern const mukca_export_format mukca_export_##name;
 MUKCA_EXPORT_LIST(MUKCA_EXPORT_DECLARE)
 #undef MUKCA_EXPORT_DECLARE
-/* A user's MuJoCo model with the poses of the arm's bodies replaced; not in the list. */
+/* A user's URDF or MuJoCo model with the arm's poses replaced; not in the list. */
 extern const mukca_export_format mukca_export_into;
 
 typedef struct {
@@ -88,6 +88,16 @@ bool mukca_export_find_attribute(size_t *start, size_t *stop, const char *tag, s
  * a number, and $c, $b numbers (const double *, int) with commas or blanks between, each with the
  * fewest digits that read back exactly, infinite ones as C's HUGE_VAL. */
 void mukca_export_print(FILE *stream, const char *format, ...);
+
+/* Whether two names are equal, or one has a prefix: "panda_link1" and "link1". */
+bool mukca_export_same_name(const char *name, const char *other, size_t length);
+
+mukca_frame mukca_export_frame(const double xyz[3], const double rpy[3]);
+
+/* Whether two poses are those of one arm, up to rounded numbers and other versions of the arm. */
+#define MUKCA_EXPORT_METRES 2e-3
+#define MUKCA_EXPORT_RADIANS 5e-3
+bool mukca_export_near(const mukca_frame *a, const mukca_frame *b);
 
 /* `holds` of a format without effects. */
 bool mukca_export_holds_none(const mukca_effect *effect);

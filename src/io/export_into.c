@@ -1,4 +1,4 @@
-/* A user's MuJoCo model with the poses of the arm's bodies replaced in place; all other bytes are
+/* A user's URDF or MuJoCo model with the poses of the arm replaced in place; all other bytes are
  * unchanged. */
 #include <stdlib.h>
 #include <string.h>
@@ -8,14 +8,12 @@
 #include "base/number.h"
 #include "io/export.h"
 
-/* A body is where the URDF has it up to rounded numbers and other versions of the arm. */
-static const double most_metres = 2e-3, most_radians = 5e-3;
-
 typedef struct {
     FILE *stream;
     const mukca_export_input *input;
     const char *at;                  /* written up to here */
-    mukca_frame nominal, calibrated; /* from the last body to the present element */
+    mukca_frame nominal, calibrated; /* from the link of the last body to the present element */
+    mukca_frame body;                /* the last body in the frame of its link */
     mukca_error *error;
 } patch;
 
@@ -27,31 +25,35 @@ static mukca_status fail(const patch *p, const char *body, const char *what)
                       mukca_file_shown(p->input->into), body, what);
 }
 
-/* Equal names, or one with a prefix: "panda_link1" and "link1". */
-static bool same_link(const char *link, const char *name, size_t length)
+/* The next start tag `<name`, comments left out, *length up to its end; NULL: none. */
+static const char *find_tag(const char *text, size_t *length, const char *name)
 {
-    const size_t whole = strlen(link), least = whole < length ? whole : length;
-    const char *longer = whole > length ? link : name;
-    const size_t prefix = whole > length ? whole - length : length - whole;
-    return least > 0 && strncmp(link + whole - least, name + length - least, least) == 0 &&
-           (prefix == 0 || longer[prefix - 1] == '_');
-}
-
-/* The start tag of the body of a link, NULL: none; *length up to its end. */
-static const char *find_body(const char *text, size_t *length, const char *link)
-{
-    size_t start, stop;
     while ((text = strchr(text, '<'))) {
         const char *end = strncmp(text, "<!--", 4) == 0 ? strstr(text, "-->") : strchr(text, '>');
         if (!end) return NULL;
         *length = (size_t)(end + 1 - text);
-        if (strncmp(text, "<body", 5) == 0 &&
-            mukca_export_find_attribute(&start, &stop, text, *length, "name") &&
-            same_link(link, text + start, stop - start))
+        if (strncmp(text + 1, name, strlen(name)) == 0 && strchr(" \t\r\n", text[strlen(name) + 1]))
             return text;
         text = end;
     }
     return NULL;
+}
+
+/* The body of a link, by its name or else with a prefix; *n: their number. */
+static const char *find_body(int *n, size_t *length, const char *text, const char *link)
+{
+    size_t start, stop, size;
+    const char *found = NULL;
+    *n = 0;
+    for (; (text = find_tag(text, &size, "body")); text += size) {
+        if (!mukca_export_find_attribute(&start, &stop, text, size, "name") ||
+            !mukca_export_same_name(link, text + start, stop - start))
+            continue;
+        const bool same = stop - start == strlen(link);
+        if (same || !(*n)++) found = text, *length = size;
+        if (same) return *n = 1, found;
+    }
+    return found;
 }
 
 /* Read numbers of an attribute; without it they stay.  False: unreadable. */
@@ -64,30 +66,53 @@ static bool read_numbers(double *values, int n, const char *tag, size_t length, 
     return stop - start < sizeof words && mukca_number_parse_list(values, n, words);
 }
 
-/* Whether the body is where the URDF has it. */
-static mukca_status check(const patch *p, const char *tag, size_t length, const char *link)
+/* C = A^-1 B; C is neither. */
+static void relate(mukca_frame *C, const mukca_frame *A, const mukca_frame *B)
+{
+    const double d[3] = {B->p[0] - A->p[0], B->p[1] - A->p[1], B->p[2] - A->p[2]};
+    mukca_mat3_tvec(C->p, A->R, d);
+    mukca_mat3_tmul(C->R, A->R, B->R);
+}
+
+/* Read where a body is in the frame of its link: turned, and anywhere on the axis of its joint. */
+static mukca_status place(mukca_frame *body, const patch *p, const char *tag, size_t length,
+                          const mukca_element *e)
 {
     static const char *const others[] = {"euler", "axisangle", "xyaxes", "zaxis", NULL};
-    double pos[3] = {0, 0, 0}, quat[4] = {1, 0, 0, 0}, R[9];
-    size_t start, stop;
+    double quat[4] = {1, 0, 0, 0}, pos[3] = {0, 0, 0}, off[3];
+    mukca_frame step = identity, link;
+    size_t start, stop, more;
     for (int i = 0; others[i]; i++)
         if (mukca_export_find_attribute(&start, &stop, tag, length, others[i]))
-            return fail(p, link, "has no quat; save the model from MuJoCo, which writes it");
-    if (!read_numbers(pos, 3, tag, length, "pos") || !read_numbers(quat, 4, tag, length, "quat"))
-        return fail(p, link, "has a pos or quat that is not numbers");
-    mukca_rotation_from_quaternion(R, quat);
-    for (int i = 0; i < 3; i++) pos[i] -= p->nominal.p[i];
-    if (mukca_norm3(pos) < most_metres && mukca_rotation_between(R, p->nominal.R) < most_radians)
+            return fail(p, e->child, "has no quat; save the model from MuJoCo, which writes it");
+    const char *joint = e->joint >= 0 ? find_tag(tag, &more, "joint") : NULL;
+    if (!read_numbers(step.p, 3, tag, length, "pos") ||
+        !read_numbers(quat, 4, tag, length, "quat") ||
+        (joint && !read_numbers(pos, 3, joint, more, "pos")))
+        return fail(p, e->child, "has a pos or quat that is not numbers");
+    mukca_rotation_from_quaternion(step.R, quat);
+    relate(&link, &p->nominal, &p->body);
+    mukca_frame_multiply(body, &link, &step);
+    if (mukca_export_near(body, &identity)) {
+        *body = identity;
         return MUKCA_OK;
-    return fail(p, link, "is not where the URDF has it; the model needs the URDF's frames");
+    }
+    mukca_mat3_vec(off, body->R, pos);
+    for (int i = 0; i < 3; i++) off[i] += body->p[i];
+    const double along = joint ? mukca_dot3(off, e->axis) : 0;
+    for (int i = 0; i < 3; i++) off[i] -= along * e->axis[i];
+    for (int i = 0; i < 3; i++) body->p[i] -= off[i];
+    if ((joint || e->joint < 0) && mukca_norm3(off) < MUKCA_EXPORT_METRES) return MUKCA_OK;
+    return fail(p, e->child, "is not where the URDF has it; the model needs its zero posture");
 }
 
 /* Write the text up to the body's tag, and the tag with the calibrated pose. */
-static mukca_status write_body(patch *p, const char *tag, size_t length, const char *link)
+static mukca_status write_body(patch *p, const char *tag, size_t length, const mukca_element *e)
 {
     double shift[3], quat[4];
+    mukca_frame body, pose;
     const char *end = tag + length - (tag[length - 2] == '/' ? 2 : 1);
-    const mukca_status status = check(p, tag, length, link);
+    const mukca_status status = place(&body, p, tag, length, e);
     if (status != MUKCA_OK) return status;
     fwrite(p->at, 1, (size_t)(tag - p->at), p->stream);
     for (const char *c = tag; c < end;) { /* without pos and quat */
@@ -101,27 +126,22 @@ static mukca_status write_body(patch *p, const char *tag, size_t length, const c
         if (!ours) fwrite(c, 1, (size_t)(next - c), p->stream);
         c = next;
     }
+    relate(&pose, &p->body, &p->calibrated);
+    mukca_frame_multiply(&pose, &pose, &body);
     fputs(" pos=\"", p->stream);
-    mukca_export_numbers(p->stream, p->calibrated.p, 3, " ");
+    mukca_export_numbers(p->stream, pose.p, 3, " ");
     fputs("\" quat=\"", p->stream);
-    mukca_rotation_to_quaternion(quat, p->calibrated.R);
+    mukca_rotation_to_quaternion(quat, pose.R);
     mukca_export_numbers(p->stream, quat, 4, " ");
     fputc('"', p->stream);
     p->at = end;
     for (int i = 0; i < 3; i++) shift[i] = p->calibrated.p[i] - p->nominal.p[i];
-    mukca_note_format(p->input->note, p->input->context,
-                      "body '%.60s': moved by %.3f mm, %.3f mrad", link, 1e3 * mukca_norm3(shift),
-                      1e3 * mukca_rotation_between(p->calibrated.R, p->nominal.R));
+    mukca_note_format(
+        p->input->note, p->input->context, "body '%.60s': moved by %.3f mm, %.3f mrad", e->child,
+        1e3 * mukca_norm3(shift), 1e3 * mukca_rotation_between(p->calibrated.R, p->nominal.R));
     p->nominal = p->calibrated = identity;
+    p->body = body;
     return MUKCA_OK;
-}
-
-static void append(mukca_frame *T, const double xyz[3], const double rpy[3])
-{
-    mukca_frame step;
-    memcpy(step.p, xyz, sizeof step.p);
-    mukca_rotation_from_rpy(step.R, rpy);
-    mukca_frame_multiply(T, T, &step);
 }
 
 static mukca_status write_into(FILE *stream, const mukca_export_input *input, mukca_error *error)
@@ -130,17 +150,26 @@ static mukca_status write_into(FILE *stream, const mukca_export_input *input, mu
     char *text;
     mukca_status status = mukca_file_read(&text, input->into, error);
     if (status != MUKCA_OK) return status;
-    patch p = {stream, input, text, identity, identity, error};
+    patch p = {stream, input, text, identity, identity, identity, error};
+    if (!strstr(text, "<mujoco")) {
+        free(text);
+        return mukca_export_urdf.write(stream, input, error);
+    }
     for (int k = 0; k < chain->n_elements && status == MUKCA_OK; k++) {
         const mukca_element *e = &chain->element[k];
         mukca_export_origin origin;
         size_t length = 0;
+        int n;
         mukca_export_get_origin(&origin, input, k);
-        append(&p.nominal, e->xyz, e->rpy);
-        append(&p.calibrated, origin.xyz, origin.rpy);
-        const char *tag = find_body(p.at, &length, e->child);
-        if (tag)
-            status = write_body(&p, tag, length, e->child);
+        const mukca_frame nominal = mukca_export_frame(e->xyz, e->rpy),
+                          calibrated = mukca_export_frame(origin.xyz, origin.rpy);
+        mukca_frame_multiply(&p.nominal, &p.nominal, &nominal);
+        mukca_frame_multiply(&p.calibrated, &p.calibrated, &calibrated);
+        const char *tag = find_body(&n, &length, p.at, e->child);
+        if (n > 1)
+            status = fail(&p, e->child, "is there more than once, with other prefixes");
+        else if (tag)
+            status = write_body(&p, tag, length, e);
         else if (e->joint >= 0)
             status = fail(&p, e->child, "is missing, or not in the order of the chain");
         else if (k + 1 == chain->n_elements)

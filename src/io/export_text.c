@@ -1,6 +1,7 @@
 /* Helpers shared by the export formats: provenance, numbers, names and the calibrated origin. */
 #include <math.h>
 #include <stdarg.h>
+#include <string.h>
 
 #include "base/file.h"
 #include "base/number.h"
@@ -145,4 +146,27 @@ void mukca_export_get_origin(mukca_export_origin *origin, const mukca_export_inp
     mukca_rotation_to_quaternion(origin->quaternion, R);
     for (int i = 0; i < 4; i++)
         if (fabs(origin->quaternion[i]) < smallest_component) origin->quaternion[i] = 0;
+}
+
+bool mukca_export_same_name(const char *name, const char *other, size_t length)
+{
+    const size_t whole = strlen(name), least = whole < length ? whole : length;
+    const char *longer = whole > length ? name : other;
+    const size_t prefix = whole > length ? whole - length : length - whole;
+    return least > 0 && strncmp(name + whole - least, other + length - least, least) == 0 &&
+           (prefix == 0 || longer[prefix - 1] == '_');
+}
+
+mukca_frame mukca_export_frame(const double xyz[3], const double rpy[3])
+{
+    mukca_frame frame = {.p = {xyz[0], xyz[1], xyz[2]}};
+    mukca_rotation_from_rpy(frame.R, rpy);
+    return frame;
+}
+
+bool mukca_export_near(const mukca_frame *a, const mukca_frame *b)
+{
+    const double d[3] = {a->p[0] - b->p[0], a->p[1] - b->p[1], a->p[2] - b->p[2]};
+    return mukca_norm3(d) < MUKCA_EXPORT_METRES &&
+           mukca_rotation_between(a->R, b->R) < MUKCA_EXPORT_RADIANS;
 }

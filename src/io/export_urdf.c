@@ -1,20 +1,18 @@
-/* The user's URDF with the origins of the chain replaced in place; all other bytes are unchanged.
- * And a chain as a URDF of its own. */
+/* The user's URDF with the origins of the chain replaced in place; the rest stays.  And a chain as
+ * a URDF of its own. */
 #include <math.h>
 #include <string.h>
 
 #include "base/file.h"
+#include "base/note.h"
 #include "base/number.h"
 #include "io/export.h"
 #include "io/urdf.h"
 
-/* Three words of at most 63 characters, the limit of mukca_number_parse_list. */
-enum { VALUE_SIZE = 3 * 64 };
-
 /* Replacement of tag[start, stop). */
 typedef struct {
     size_t start, stop;
-    char replacement[VALUE_SIZE + 8];
+    char replacement[3 * MUKCA_NUMBER_SIZE + 8];
 } edit;
 
 bool mukca_export_find_attribute(size_t *start, size_t *stop, const char *tag, size_t length,
@@ -49,55 +47,33 @@ static bool are_same(const double a[3], const double b[3])
     return is_same(a[0], b[0]) && is_same(a[1], b[1]) && is_same(a[2], b[2]);
 }
 
-/* Format three numbers.  One that equals the nominal number is copied from the URDF's text
- * `old[length]`. */
-static void format_vector(char value[VALUE_SIZE], const double v[3], const double nominal[3],
-                          const char *old, size_t length)
-{
-    char words[VALUE_SIZE];
-    double read[3];
-    snprintf(words, sizeof words, "%.*s", (int)length, old);
-    const bool usable =
-        length < sizeof words && mukca_number_parse_list(read, 3, words) && are_same(read, nominal);
-    value[0] = '\0';
-    char *word = words, *rest;
-    for (int i = 0; i < 3; i++) {
-        char number[MUKCA_NUMBER_SIZE];
-        const size_t used = strlen(value);
-        mukca_number_format(number, v[i]);
-        if (usable) word = strtok_r(i ? NULL : words, " \t\r\n", &rest);
-        const bool keep = usable && word && is_same(v[i], nominal[i]);
-        snprintf(value + used, VALUE_SIZE - used, "%s%s", i ? " " : "", keep ? word : number);
-    }
-}
-
-/* Change attribute `name` of the origin tag[length] from `nominal` to v. */
+/* Change attribute `name` of the origin tag[length] to v. */
 static void edit_attribute(edit *e, const char *tag, size_t length, const char *name,
-                           const double v[3], const double nominal[3])
+                           const double v[3])
 {
-    char value[VALUE_SIZE];
+    char number[3][MUKCA_NUMBER_SIZE];
+    for (int i = 0; i < 3; i++) mukca_number_format(number[i], v[i]);
     if (mukca_export_find_attribute(&e->start, &e->stop, tag, length, name)) {
-        format_vector(e->replacement, v, nominal, tag + e->start, e->stop - e->start);
+        snprintf(e->replacement, sizeof e->replacement, "%s %s %s", number[0], number[1],
+                 number[2]);
         return;
     }
     e->start = length - (length >= 2 && tag[length - 2] == '/' ? 2 : 1);
     while (e->start && strchr(" \t\r\n", tag[e->start - 1])) e->start--;
     e->stop = e->start;
-    format_vector(value, v, nominal, "", 0);
-    snprintf(e->replacement, sizeof e->replacement, " %s=\"%s\"", name, value);
+    snprintf(e->replacement, sizeof e->replacement, " %s=\"%s %s %s\"", name, number[0], number[1],
+             number[2]);
 }
 
-/* Write the origin's tag with its changed attributes. */
+/* Write the origin's tag with the attributes that differ from xyz and rpy, which it has. */
 static void write_tag(FILE *stream, const char *tag, size_t length,
-                      const mukca_export_origin *origin, const mukca_element *nominal)
+                      const mukca_export_origin *origin, const double xyz[3], const double rpy[3])
 {
     edit edits[2];
     int n = 0;
     size_t at = 0;
-    if (!are_same(origin->xyz, nominal->xyz))
-        edit_attribute(&edits[n++], tag, length, "xyz", origin->xyz, nominal->xyz);
-    if (!are_same(origin->rpy, nominal->rpy))
-        edit_attribute(&edits[n++], tag, length, "rpy", origin->rpy, nominal->rpy);
+    if (!are_same(origin->xyz, xyz)) edit_attribute(&edits[n++], tag, length, "xyz", origin->xyz);
+    if (!are_same(origin->rpy, rpy)) edit_attribute(&edits[n++], tag, length, "rpy", origin->rpy);
     const int first = n == 2 && edits[1].start < edits[0].start;
     for (int i = 0; i < n; i++) {
         const edit *e = &edits[i ^ first];
@@ -116,11 +92,56 @@ static bool get_changed(mukca_export_origin *origin, const mukca_export_input *i
     return !are_same(origin->xyz, nominal->xyz) || !are_same(origin->rpy, nominal->rpy);
 }
 
+/* The element of a joint of the file; in a user's own, with another prefix.  -1: none. */
+static int find_element(const mukca_export_input *input, const mukca_urdf_text *urdf,
+                        const char *joint)
+{
+    const mukca_chain *chain = input->chain;
+    const int found = mukca_chain_find_element(chain, joint);
+    for (int k = 0; k < chain->n_elements && found < 0 && input->into; k++)
+        if (!mukca_urdf_text_joint(urdf, chain->element[k].name) &&
+            mukca_export_same_name(chain->element[k].name, joint, strlen(joint)))
+            return k;
+    return found;
+}
+
+/* Whether a user's own URDF has each joint once, where the chain has it; the tool may be missing.
+ */
+static mukca_status check_into(const mukca_urdf_text *urdf, const mukca_export_input *input,
+                               mukca_error *error)
+{
+    for (int k = 0; k < input->chain->n_elements; k++) {
+        const mukca_element *e = &input->chain->element[k];
+        const mukca_frame nominal = mukca_export_frame(e->xyz, e->rpy);
+        mukca_export_origin origin;
+        bool near = true;
+        int n = 0;
+        for (int i = 0; i < urdf->n_joints && urdf->located; i++) {
+            if (find_element(input, urdf, urdf->joints[i].name) != k) continue;
+            const mukca_frame own = mukca_export_frame(urdf->joints[i].xyz, urdf->joints[i].rpy);
+            near = mukca_export_near(&own, &nominal);
+            n++;
+        }
+        const bool tool = e->joint < 0 && k + 1 == input->chain->n_elements;
+        if (n == 0 && tool)
+            mukca_note_format(input->note, input->context,
+                              "no joint '%.60s': its offsets are left out", e->name);
+        else if (n > 1 || !near || (n == 0 && (e->joint >= 0 || get_changed(&origin, input, k))))
+            return mukca_fail(error, MUKCA_INPUT, "%s: joint '%s' is %s",
+                              mukca_file_shown(input->into), e->name,
+                              n > 1   ? "there more than once, with other prefixes"
+                              : n > 0 ? "not where the URDF of --urdf has it"
+                                      : "missing");
+    }
+    return MUKCA_OK;
+}
+
 static mukca_status check(const mukca_urdf_text *urdf, const mukca_export_input *input,
                           mukca_error *error)
 {
     mukca_export_origin origin;
     const char *shown = mukca_file_shown(input->urdf_path);
+    if (input->into) return check_into(urdf, input, error);
     if (strcmp(urdf->sha256, input->chain->urdf_sha256) != 0)
         return mukca_fail(error, MUKCA_INPUT, "%s: changed during the export; run it again", shown);
     for (int k = 0; k < input->chain->n_elements; k++) {
@@ -138,15 +159,17 @@ static mukca_status check(const mukca_urdf_text *urdf, const mukca_export_input 
 static mukca_status write_urdf(FILE *stream, const mukca_export_input *input, mukca_error *error)
 {
     mukca_urdf_text urdf;
-    mukca_status status = mukca_urdf_text_read(&urdf, input->urdf_path, error);
+    mukca_status status =
+        mukca_urdf_text_read(&urdf, input->into ? input->into : input->urdf_path, error);
     if (status != MUKCA_OK) return status;
     status = check(&urdf, input, error);
     const char *at = urdf.text; /* joints are in the order of the text */
     for (int i = 0; i < urdf.n_joints && status == MUKCA_OK; i++) {
         const mukca_urdf_joint *joint = &urdf.joints[i];
-        const int k = mukca_chain_find_element(input->chain, joint->name);
+        const int k = find_element(input, &urdf, joint->name);
         mukca_export_origin origin;
         if (k < 0 || !get_changed(&origin, input, k)) continue;
+        const mukca_element *nominal = &input->chain->element[k];
         const char *start = urdf.text + joint->origin_start, *stop = urdf.text + joint->origin_stop;
         if (!joint->has_origin) {
             start = urdf.text + joint->tag_end;
@@ -155,7 +178,9 @@ static mukca_status write_urdf(FILE *stream, const mukca_export_input *input, mu
         }
         fwrite(at, 1, (size_t)(start - at), stream);
         if (joint->has_origin)
-            write_tag(stream, start, (size_t)(stop - start), &origin, &input->chain->element[k]);
+            write_tag(stream, start, (size_t)(stop - start), &origin,
+                      input->into ? joint->xyz : nominal->xyz,
+                      input->into ? joint->rpy : nominal->rpy);
         else /* after the white space that follows the joint's tag */
             mukca_export_print(stream, "<origin xyz=\"$b\" rpy=\"$b\"/>", origin.xyz, 3, origin.rpy,
                                3);

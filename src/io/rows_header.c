@@ -300,8 +300,8 @@ static void map_order(mukca_rows *rows)
                          t->n_columns, n);
     if (o->kind == MUKCA_HEADER && !poses)
         mukca_table_fail(t, -1,
-                         "starts with numbers; the first line must name the columns (or "
-                         "give the folder of hole_0.csv and hole_1.csv)");
+                         "starts with numbers; name the columns in the first line or by --columns "
+                         "(or give the folder of hole_0.csv and hole_1.csv)");
     if (more != 0 && !(poses && o->format.by_order))
         mukca_table_fail(t, -1, "%d columns, but the chain has %d joints; check --urdf and --tip",
                          t->n_columns, n);

@@ -255,6 +255,7 @@ mukca_line_kind mukca_joint_lines_parse_cells(mukca_lcm_joints *joints, mukca_jo
                    "neither a row under a header of names nor a whole message of `ros2 topic echo "
                    "--csv`");
     else
-        mukca_fail(error, MUKCA_INPUT, "no joint state: '%.60s'", line);
+        mukca_fail(error, MUKCA_INPUT, "no joint state: '%.60s'%s", line,
+                   strcmp(line, "header:") == 0 ? "; use ros2 topic echo --csv" : "");
     return MUKCA_LINE_FAULT;
 }

@@ -53,8 +53,9 @@ mukca_status mukca_sampling_prepare(mukca_recorder *r, const double *theta, mukc
 static bool placement_used(const mukca_recorder *r, const char *name)
 {
     const mukca_dataset *rows = &r->session.capture.rows;
-    for (int p = 0; p < rows->n_placements; p++)
-        if (strcmp(rows->placements[p].name, name) == 0) return true;
+    for (int i = 0; i < rows->n_rows; i++)
+        if (strcmp(rows->placements[rows->sockets[rows->socket[i]].placement].name, name) == 0)
+            return true;
     return false;
 }
 
@@ -274,7 +275,7 @@ mukca_status mukca_sampling_sample(mukca_recorder *r, const mukca_sample_request
     }
     s->last = sample;
     report_limits(r, sample.q);
-    mukca_fail(answer, MUKCA_OK, "row %d: placement %s, socket %s%s%s", message.row, placement,
+    mukca_fail(answer, MUKCA_OK, "sample %d: placement %s, socket %s%s%s", message.row, placement,
                socket, remark[0] ? ": " : "", remark);
     if (mukca_capture_advise(&s->advice, &s->capture, &error) != MUKCA_OK) {
         mukca_recorder_report(r, "%s", error.text); /* the sample is on disk nevertheless */
@@ -299,15 +300,15 @@ mukca_status mukca_sampling_delete(mukca_recorder *r, int row, mukca_error *answ
     if (!s->file.open || row < 1 || row > rows->n_rows)
         return mukca_fail(answer, MUKCA_NEGATIVE, "not deleted: %s",
                           !s->file.open  ? "no session is being recorded"
-                          : rows->n_rows ? "there is no such row"
+                          : rows->n_rows ? "there is no such sample"
                                          : "there is no sample");
     const mukca_socket *where = &rows->sockets[rows->socket[row - 1]];
     const char *placement = rows->placements[where->placement].name;
     const bool last = row == rows->n_rows;
     mukca_status status = mukca_session_delete(&s->file, row, placement, where->label, &error);
     if (status != MUKCA_OK) return mukca_fail(answer, status, "not deleted: %s", error.text);
-    mukca_fail(answer, MUKCA_OK, "row %d deleted (placement %s, socket %s)%s", row, placement,
-               where->label, last ? "" : "; the rows after it move up by one");
+    mukca_fail(answer, MUKCA_OK, "sample %d deleted (placement %s, socket %s)%s", row, placement,
+               where->label, last ? "" : "; the samples after it move up by one");
     (void)mukca_capture_drop(&s->capture, row - 1, &error); /* cannot fail: there is a sample */
     if (last) s->last.n = 0;
     (void)mukca_capture_advise(&s->advice, &s->capture, &error);
@@ -333,8 +334,8 @@ mukca_status mukca_sampling_move(mukca_recorder *r, mukca_error *answer)
                           error.text);
     s->last = sample;
     (void)mukca_capture_advise(&s->advice, &s->capture, &error);
-    return mukca_fail(answer, MUKCA_OK, "row %d is now of placement %s, socket %s", s->file.n_rows,
-                      placement, socket);
+    return mukca_fail(answer, MUKCA_OK, "sample %d is now of placement %s, socket %s",
+                      s->file.n_rows, placement, socket);
 }
 
 mukca_status mukca_sampling_select(mukca_recorder *r, const char *placement, const char *socket,

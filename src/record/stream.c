@@ -71,6 +71,17 @@ static void count_arrival(mukca_recorder *r, int64_t now)
     count->rate_count = 0;
 }
 
+/* Whether the last sample is the only one of its placement, which `socket` is not of: a rest. */
+static bool was_rest(const mukca_dataset *rows, int socket)
+{
+    const int last = rows->n_rows - 1;
+    if (last < 0) return false;
+    const int placement = rows->sockets[rows->socket[last]].placement;
+    for (int i = 0; i < last; i++)
+        if (rows->sockets[rows->socket[i]].placement == placement) return false;
+    return socket < 0 || rows->sockets[socket].placement != placement;
+}
+
 /* Record a sample if the arm stands still in a socket (--still).  In a recording nobody presses n:
  * a posture elsewhere begins the next placement, or goes on with an earlier one. */
 static void record_still(mukca_recorder *r)
@@ -87,7 +98,13 @@ static void record_still(mukca_recorder *r)
         mukca_recorder_report(r, "%s", text);
         return;
     }
-    if (socket < 0) mukca_sampling_next_placement(r, &answer);
+    const bool rest = replay && was_rest(rows, socket);
+    if (rest) {
+        mukca_sampling_delete(r, 0, &answer);
+        mukca_recorder_report(r, "%s: a rest between placements", answer.text);
+    } else if (socket < 0) {
+        mukca_sampling_next_placement(r, &answer);
+    }
     mukca_sample_request request = {0};
     if (socket >= 0)
         request = (mukca_sample_request){

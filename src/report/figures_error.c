@@ -37,11 +37,11 @@ bool mukca_report_joints(mukca_plot *plot, const void *content, int index)
     mukca_text_put(
         &description,
         "The part of each sample's error along which %s moves the %s, over the joint's %s: "
-        "%.3g mm rms calibrated",
+        "%.3f mm rms calibrated",
         e->name, r->train->n_sockets > 0 ? "ball" : "target", coordinate,
         mukca_report_joint_rms(r, MUKCA_CALIBRATED, index) * mm);
     if (causes)
-        mukca_text_put(&description, ", %.3g mm without the causes of the table",
+        mukca_text_put(&description, ", %.3f mm without the causes of the table",
                        mukca_report_joint_rms(r, MUKCA_RIGID, index) * mm);
     mukca_text_put(&description, ".");
     return true;
@@ -92,7 +92,7 @@ bool mukca_report_samples(mukca_plot *plot, const void *content, int index)
     }
     mark_placements(plot, data);
     mukca_text_put(&description,
-                   "%d samples after calibration; largest error %.3g mm; %d recording "
+                   "%d samples after calibration; largest error %.3f mm; %d recording "
                    "fault%s marked.",
                    data->n_rows, most, d->n_faults, d->n_faults == 1 ? "" : "s");
     return true;

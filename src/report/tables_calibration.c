@@ -37,6 +37,11 @@ void mukca_report_put_accuracy(FILE *out, const mukca_report *r)
         put_length(out, factory ? "factory model, joint limits" : "nominal model, joint limits",
                    a->error_before_m, NAN, NAN);
         fputs("</dl>\n", out);
+        if (isfinite(a->error_here_unscaled_m))
+            fprintf(out,
+                    "<p>With this result, %.2f mm and %.2f mm apart from the arm's scale "
+                    "(socket distance known to 0.1 mm) and from causes that the table lacks.</p>\n",
+                    a->error_here_unscaled_m * mm, a->error_workspace_unscaled_m * mm);
     }
     fprintf(out, "<p class=\"verdict %s use\"><strong>Use the result?</strong> ",
             a->accepted ? "named" : "untestable");
@@ -59,12 +64,16 @@ void mukca_report_put_steps(FILE *out, const mukca_report *r)
                          "fold predicted from the others"
                        : "Mean error, mm, each line a fit of its own",
         .columns = d->folds > 1 ? "model|#cross-validated|bar|#test" : "model|#training|bar|#test"};
+    const bool tested = isfinite(steps[0].test_m);
+    if (!tested)
+        table.columns = d->folds > 1 ? "model|#cross-validated|bar|" : "model|#training|bar|";
     for (int i = 1; i < n; i++) most = fmax(most, steps[i].cross_validated_m);
     for (int i = 0; i < n; i++) {
         const double error = steps[i].cross_validated_m;
+        const double bar = i ? 100 * error / most : 0; /* the nominal error is off the scale */
         if (isfinite(error))
-            mukca_html_row(&table, "%s\t%.3f\t%.0f\t%.3f", steps[i].name, error * mm,
-                           fmin(100, 80 * error / most), steps[i].test_m * mm);
+            mukca_html_row(&table, tested ? "%s\t%.3f\t%.0f\t%.3f" : "%s\t%.3f\t%.0f",
+                           steps[i].name, error * mm, bar, steps[i].test_m * mm);
     }
     mukca_html_table_end(&table);
 }

@@ -30,6 +30,12 @@ fail() {
 run() {
     "$MUKCA" "$@" >"$scratch/out" 2>"$scratch/err" </dev/null
     code=$?
+    # no message is cut, no length is 3e+02 mm, and no line begins with the unit of a number
+    if awk '/[^.]\.\.\.$/ && !/SHA-256|^Usage/ || /[0-9]e\+[0-9]+ m?(m|rad)( |$)/ ||
+            last ~ /[0-9]$/ && /^ *(mm|mrad|m|rad|s|%)([ ,;.)]|$)/ { print; bad = 1 }
+            { last = $0 } END { exit !bad }' "$scratch/out" "$scratch/err" >"$scratch/bad"; then
+        fail "whole messages: mukca $*" "$(cat "$scratch/bad")"
+    fi
 }
 
 golden() {

@@ -43,7 +43,7 @@ def the_whole_job(client, arm, state):
           say_code(answer))
     check("rows are taken", len(take(client, arm, ROWS[:20])) == 20, p.said[-3:])
     answer = client.command("delete")
-    check("delete", answer.code == 0 and "row 20 deleted" in answer.text, say_code(answer))
+    check("delete", answer.code == 0 and "sample 20 deleted" in answer.text, say_code(answer))
     check("and again", len(take(client, arm, ROWS[19:20])) == 1)
     client.command("placement", "elsewhere")
     client.command("socket", "1")

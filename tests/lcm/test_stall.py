@@ -118,7 +118,7 @@ def terminal():
         check("terminal: stopped, a key records", client.wait(lambda: len(table(path)[1]) > n, 5))
         t.press(b"\x11")
         t.held = False
-        check("terminal: it shows what was recorded", client.wait(lambda: b"row %d:" % (n + 1) in t.text, 5), t.text[-300:])
+        check("terminal: it shows what was recorded", client.wait(lambda: b"sample %d:" % (n + 1) in t.text, 5), t.text[-300:])
         shown = [line for line in t.text.split(b"\n") if b"no joint state" in line or b"is back" in line]
         check("terminal: no silence is reported", not shown, shown[:3])
         for k in range(ROUNDS):

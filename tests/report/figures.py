@@ -76,13 +76,14 @@ def compare(name, *data):
     lines = screen[screen.index("Mean error, mm"):].split("\n")[1:]
     shown = [re.match(r"  (\D+?) +([\d.]+)(?: +([\d.]+))?$", line) for line in lines]
     same(f"{name}: errors on the screen", steps(d), [(m[1], m[2], m[3] or "") for m in shown if m])
-    same(f"{name}: errors on the page", steps(d), [tuple(row) for row in cells(page, "Mean error")])
+    same(f"{name}: errors on the page", steps(d), [tuple((*row, "")[:3]) for row in cells(page, "Mean error")])
     here = [mm(a[f"error_{k}_m"], 2) for k in ("here", "here_low", "here_high", "workspace", "workspace_low",
-                                               "workspace_high", "before_here", "before")]
+                                               "workspace_high", "before_here", "before", "here_unscaled",
+                                               "workspace_unscaled")]
     tip = re.search(r"^Tip .*?(?=^\S)", screen, re.M | re.S)
-    same(f"{name}: accuracy on the screen", here, re.findall(r"\d+\.\d+", tip[0]) if tip else None)
-    tiles = page[page.index('<dl class="tiles">'):page.index("</dl>")]
-    same(f"{name}: accuracy on the page", here, re.findall(r"\d+\.\d+", tiles))
+    same(f"{name}: accuracy on the screen", here, re.findall(r"\d+\.\d\d", tip[0]) if tip else None)
+    tiles = page[page.index('<dl class="tiles">'):page.index("Use the result?")]
+    same(f"{name}: accuracy on the page", here, re.findall(r"\d+\.\d\d", tiles))
     use = words(re.search(r"^Use .*?(?=^\S|^$)", screen, re.M | re.S)[0])
     same(f"{name}: use on the page", use.split(": ", 1)[1] + ".",
          words(html.unescape(re.search(r"Use the result\?</strong> Yes: (.*?)</p>", page)[1])))

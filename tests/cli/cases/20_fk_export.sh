@@ -134,4 +134,61 @@ sed '/name="hand"/ s/pos="[^"]*"/pos="0.4 0 0"/' own.xml >elsewhere.xml
 refuse 3 "elsewhere.xml: body 'hand' is not where the URDF has it" export --urdf arm.urdf --offsets into_table.tsv --into elsewhere.xml
 sed 's/name="hand"/name="palm"/' own.xml >missing.xml
 refuse 3 "missing.xml: body 'hand' is missing" export --urdf arm.urdf --offsets into_table.tsv --into missing.xml
+sed 's/name="hand"/name="left_hand"/; s/name="ball"/name="right_hand"/' own.xml >twice.xml
+refuse 3 "twice.xml: body 'hand' is there more than once" export --urdf arm.urdf --offsets into_table.tsv --into twice.xml
+# bodies turned and shifted along the axes of their joints, the ball turned: the same arm, moved by MuJoCo's rules
+cat >turned.xml <<'XML'
+<mujoco><default><joint axis="0 0 1"/></default><worldbody><body name="base">
+  <body name="upper" pos="0 0 0.35" quat="1 0 0 1"><joint name="j1"/>
+    <body name="fore" pos="0.2 0 -0.1" quat="0.5 -0.5 0.5 -0.5"><joint name="j2" pos="0 0 0.3"/>
+      <body name="hand" pos="0.5 0 0.1"><joint name="j3"/><body name="ball" pos="0.25 -0.125 -0.3" quat="0 1 0 0"/></body>
+    </body></body></body></worldbody></mujoco>
+XML
+cat >mujoco.py <<'PY'
+import math, sys, xml.etree.ElementTree as ET
+def product(a, b):
+    w, x, y, z = a; s, t, u, v = b
+    return (w*s - x*t - y*u - z*v, w*t + x*s + y*v - z*u, w*u - x*v + y*s + z*t, w*v + x*u - y*t + z*s)
+def turn(q, v):
+    return product(product(q, (0, *v)), (q[0], -q[1], -q[2], -q[3]))[1:]
+def numbers(tag, key, default):
+    return [float(x) for x in tag.get(key, default).split()]
+angles, at, q = [0.3, -0.8, 1.1], [0, 0, 0], (1, 0, 0, 0)
+body = ET.parse(sys.argv[1]).find("worldbody")
+while (body := body.find("body")) is not None:
+    at = [a + b for a, b in zip(at, turn(q, numbers(body, "pos", "0 0 0")))]
+    p = numbers(body, "quat", "1 0 0 0")
+    size = math.sqrt(sum(x * x for x in p))
+    q = product(q, [x / size for x in p])
+    if (joint := body.find("joint")) is not None:
+        angle, pos = angles.pop(0), numbers(joint, "pos", "0 0 0")
+        before = turn(q, pos)
+        q = product(q, (math.cos(angle / 2), *(math.sin(angle / 2) * x for x in numbers(joint, "axis", "0 0 1"))))
+        at = [a + b - c for a, b, c in zip(at, before, turn(q, pos))]
+print(" ".join("%.7f" % (x + 0.0) for x in at))
+PY
+accept "note: body 'hand': moved by" export --urdf arm.urdf --offsets into_table.tsv --into turned.xml -o turned_patched.xml
+echo 0.3,-0.8,1.1 >three.csv
+run fk --urdf arm.urdf --offsets into_table.tsv three.csv
+tip=$(awk 'NR == 2 { printf "%.7f %.7f %.7f", $1, $2, $3 }' "$scratch/out")
+for model in patched turned_patched; do
+    expect "$model.xml has the tip of fk" test "$("${PYTHON:-python3}" mujoco.py $model.xml)" = "$tip"
+done
+sed 's/pos="0.5 0 0.1"/pos="0.51 0 0.1"/' turned.xml >longer.xml
+refuse 3 "longer.xml: body 'hand' is not where the URDF has it" export --urdf arm.urdf --offsets into_table.tsv --into longer.xml
+
+# one's own URDF: joints found by name, with a prefix or without; the rest stays
+sed 's/name="j\([123]\)"/name="left_j\1"/; s/<origin xyz="0 0 0.25" rpy="0 0 0"/<origin xyz="0 0 0.2501"/; /name="tool"/,$d' arm.urdf >own.urdf
+echo '<link name="camera"/><joint name="mount" type="fixed"><parent link="hand"/><child link="camera"/></joint></robot>' >>own.urdf
+accept "no joint 'tool': its offsets are left out" export --urdf arm.urdf --offsets into_table.tsv --into own.urdf -o own_out.urdf
+run export --urdf arm.urdf --offsets into_table.tsv -o all.urdf
+origin() { grep -A 1 "name=\"$2\"" "$1" | sed -n 's/.*\(xyz="[^"]*"\).*/\1/p'; }
+expect "export --into has the origins of the whole URDF" test "$(origin own_out.urdf left_j3)" = "$(origin all.urdf j3)"
+expect "and keeps the rest" test "$(grep -v '<origin\|<joint' own_out.urdf)" = "$(grep -v '<origin\|<joint' own.urdf)"
+sed 's/name="left_j3"/name="left_j4"/' own.urdf >missing.urdf
+refuse 3 "missing.urdf: joint 'j3' is missing" export --urdf arm.urdf --offsets into_table.tsv --into missing.urdf
+sed 's/name="mount"/name="right_j3"/' own.urdf >twice.urdf
+refuse 3 "twice.urdf: joint 'j3' is there more than once" export --urdf arm.urdf --offsets into_table.tsv --into twice.urdf
+sed 's/xyz="0.5 0 0"/xyz="0.6 0 0"/' own.urdf >elsewhere.urdf
+refuse 3 "elsewhere.urdf: joint 'j3' is not where" export --urdf arm.urdf --offsets into_table.tsv --into elsewhere.urdf
 refuse 2 "keeps the format" export --urdf arm.urdf --into own.xml -f yaml

@@ -88,7 +88,7 @@ refuse 3 'bad.tsv: has a header but no rows' calibrate $a bad.tsv
 tail -n +2 session.tsv >bad.tsv
 refuse 3 "bad.tsv:1: no column for joint 'j1'; the first line must be a header of names" calibrate $a bad.tsv
 tail -n +2 session.tsv | cut -f 3- >bad.tsv
-refuse 3 'bad.tsv:1: starts with numbers; the first line' calibrate $a bad.tsv
+refuse 3 'bad.tsv:1: starts with numbers; name the columns in the first line or by --columns' calibrate $a bad.tsv
 : >bad.tsv
 refuse 3 'bad.tsv: is empty' calibrate $a bad.tsv
 head -c 5000 /dev/zero >bad.tsv
