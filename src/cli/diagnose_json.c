@@ -154,8 +154,9 @@ static json_t *test_object(const mukca_diagnosis *d, const mukca_dataset *test)
 static json_t *check_object(const mukca_check *c)
 {
     if (!c) return NULL;
-    json_t *object = cli_json("runs:i found:o tied:o other:o none:o false_without:i", c->runs, NULL,
-                              NULL, NULL, NULL, c->false_without);
+    json_t *const none = NULL;
+    json_t *object = cli_json("runs:i found:o tied:o other:o none:o false_without:i", c->runs, none,
+                              none, none, none, c->false_without);
     if (c->cause)
         json_object_update_new(object, cli_json("found:i tied:i other:i none:i", c->found, c->tied,
                                                 c->other, c->none));

@@ -79,8 +79,11 @@ static mukca_status predict_fold(mukca_cross_validation *r, const int *fold, int
     double *errors = malloc(2 * ((size_t)rows + 1) * sizeof *errors);
     mukca_dataset part[2] = {{0}};
     mukca_fit fit = {0};
-    mukca_status status =
-        keep && errors ? MUKCA_OK : mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    mukca_status status = MUKCA_OK;
+    if (!keep || !errors) {
+        status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
+        goto out;
+    }
     for (int held = 0; held < 2 && status == MUKCA_OK; held++) {
         for (int i = 0; i < rows; i++) keep[i] = (fold[i] == f) == held;
         status = mukca_dataset_subset(&part[held], &r->data, keep, error);
@@ -93,6 +96,7 @@ static mukca_status predict_fold(mukca_cross_validation *r, const int *fold, int
         r->before[i] = errors[k];
         r->after[i] = errors[rows + k++];
     }
+out:
     for (int held = 0; held < 2; held++) mukca_dataset_free(&part[held]);
     mukca_fit_free(&fit);
     free(keep);

@@ -168,7 +168,7 @@ mukca_status mukca_dataset_drop_copies(mukca_dataset *data, const mukca_dataset 
     const int n = data->n_rows;
     const size_t names = 2 * (size_t)data->n_sockets + (size_t)data->n_placements;
     const size_t listed = (size_t)n + (of ? (size_t)of->n_rows : 0);
-    int *original = malloc(((size_t)n + names + 1) * sizeof *original);
+    int *original = calloc((size_t)n + names + 1, sizeof *original);
     sample *list = malloc((listed + 1) * sizeof *list);
     unsigned char *keep = malloc((size_t)n + 1);
     mukca_status status = MUKCA_OK;

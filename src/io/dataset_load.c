@@ -307,16 +307,19 @@ static mukca_status drop_unfinished(const mukca_dataset_builder *b)
     char text[LACK];
     int *rows = calloc((size_t)d->n_sockets + 1, sizeof *rows), left = 0;
     unsigned char *keep = malloc((size_t)d->n_rows + 1);
-    mukca_status status =
-        rows && keep ? MUKCA_OK : mukca_fail(b->error, MUKCA_MEMORY, "out of memory");
-    for (int i = 0; i < d->n_rows && status == MUKCA_OK; i++)
+    mukca_status status = MUKCA_OK;
+    if (!rows || !keep) {
+        status = mukca_fail(b->error, MUKCA_MEMORY, "out of memory");
+        goto out;
+    }
+    for (int i = 0; i < d->n_rows; i++)
         if (d->socket[i] >= 0) rows[d->socket[i]]++;
-    for (int i = 0; i < d->n_rows && status == MUKCA_OK; i++) {
+    for (int i = 0; i < d->n_rows; i++) {
         const int s = d->socket[i];
         keep[i] = s < 0 || rows[s] >= LEAST_ROWS;
         left += keep[i];
     }
-    for (int p = 0; p < d->n_placements && status == MUKCA_OK; p++) {
+    for (int p = 0; p < d->n_placements; p++) {
         const bool whole = find_lack(text, d, p, rows) < LEAST_SOCKETS;
         for (int i = 0; i < d->n_rows && whole; i++)
             if (mukca_dataset_placement(d, i) == p) left -= keep[i], keep[i] = 0;
@@ -330,6 +333,7 @@ static mukca_status drop_unfinished(const mukca_dataset_builder *b)
                               whole ? "the placement is" : "the socket is");
     }
     if (status == MUKCA_OK && left < d->n_rows) status = mukca_dataset_keep(d, keep, b->error);
+out:
     free(rows);
     free(keep);
     return status;

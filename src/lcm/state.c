@@ -131,7 +131,7 @@ static const mukca_lcm_state joint_angles = {
 };
 
 static const mukca_lcm_state *const states[MUKCA_LCM_STATES] = {
-#define STATE(name, type, channel, fingerprint) &name,
+#define STATE(name, type, channel, fingerprint) &(name),
     MUKCA_LCM_STATE_LIST(STATE)
 #undef STATE
 };
