@@ -128,7 +128,7 @@ double mukca_candidate_fault_share(const mukca_candidate *h, const mukca_recordi
 bool mukca_candidate_changes_pair(const mukca_candidate *h, const mukca_recording *recording,
                                   int pair)
 {
-    return h->kind == MUKCA_CANDIDATE_DISTANCE &&
+    return (h->kind == MUKCA_CANDIDATE_DISTANCE || h->kind == MUKCA_CANDIDATE_UNLISTED_PAIR) &&
            (h->placement < 0 ||
             recording->groups[recording->pairs[pair].a].placement == h->placement);
 }
@@ -197,7 +197,9 @@ int mukca_candidate_key(const mukca_candidate *h)
     } else if (class == MUKCA_CLASS_UNKNOWN) {
         place = (int)h->kind;
         if (h->kind == MUKCA_CANDIDATE_SLIP) place += MUKCA_CANDIDATE_KINDS * (1 + h->row);
-        if (mukca_candidate_is_unlisted(h)) {
+        if (h->kind == MUKCA_CANDIDATE_UNLISTED_PAIR) {
+            at = h->placement;
+        } else if (mukca_candidate_is_unlisted(h)) {
             place += MUKCA_CANDIDATE_KINDS * (int)h->simple.argument;
             at += MUKCA_MAX_JOINTS * h->simple.turns;
         }
@@ -425,7 +427,7 @@ bool mukca_candidate_prepare(mukca_candidate *h, mukca_pool *pool, const mukca_r
     h->unit = metres;
     set_shape(h, recording);
     if (mukca_candidate_is_fault(h) || h->kind == MUKCA_CANDIDATE_DISTANCE ||
-        h->kind == MUKCA_CANDIDATE_UNLISTED_TILT)
+        h->kind == MUKCA_CANDIDATE_UNLISTED_TILT || h->kind == MUKCA_CANDIDATE_UNLISTED_PAIR)
         return true;
     double *unit = MUKCA_TAKE(pool, double, h->terms);
     /* three spare entries: it is read four at a time */

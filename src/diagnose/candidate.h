@@ -32,6 +32,7 @@ typedef enum {
     MUKCA_CANDIDATE_UNLISTED_ANGLE, /* joint error, a function of an argument */
     MUKCA_CANDIDATE_UNLISTED_FRAME, /* shift or rotation of a frame by it */
     MUKCA_CANDIDATE_UNLISTED_TILT,  /* the ball shifts with the tilt of the tool */
+    MUKCA_CANDIDATE_UNLISTED_PAIR,  /* the distance of a placement's sockets is wrong */
     MUKCA_CANDIDATE_KINDS
 } mukca_candidate_kind;
 
@@ -116,7 +117,7 @@ mukca_effect_site mukca_candidate_site(const mukca_candidate *candidate);
 double mukca_candidate_fault_share(const mukca_candidate *candidate,
                                    const mukca_recording *recording, int row);
 
-/* Does a DISTANCE candidate change the distance of that pair of sockets? */
+/* Does a candidate change the distance of that pair of sockets? */
 bool mukca_candidate_changes_pair(const mukca_candidate *candidate,
                                   const mukca_recording *recording, int pair);
 

@@ -235,6 +235,10 @@ static void list_unlisted(lister *l)
                                         .joint = n - 1,
                                         .placement = -1,
                                         .simple = {.other = axis, .turns = in_tool}});
+    for (int p = 0; p < r->n_pairs; p++)
+        append(l, (mukca_candidate){.kind = MUKCA_CANDIDATE_UNLISTED_PAIR,
+                                    .joint = -1,
+                                    .placement = r->groups[r->pairs[p].a].placement});
     for (int slot = 0; slot < u->n_slots; slot++) {
         const int joint = r->chain->element[u->slot_element[slot]].joint;
         mukca_candidate h = {.kind = MUKCA_CANDIDATE_UNLISTED_FRAME,

@@ -6,8 +6,9 @@
  * turn, half of the travel), its load (linear, sign, times time, torque of an unknown payload), its
  * last move (direction, also times load or a decay; length), time, placement, and for frames the
  * moment, as of a link that bends along its length.  A ball that is not round or not held by its
- * socket, and a tool that rattles, move with the tilt of the tool.  They share the
- * probability of a name that they could replace.
+ * socket, and a tool that rattles, move with the tilt of the tool.  The one distance of a placement
+ * may be wrong for any reason: a single number distinguishes no causes.  They share the probability
+ * of a name that they could replace.
  */
 #include "diagnose/unlisted.h"
 
