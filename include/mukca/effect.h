@@ -118,7 +118,9 @@ typedef struct {
     int neighbour;            /* joint_coupling: -1 or +1, the joint before or after */
     bool to_command;          /* readback_lag: along command minus reading, not the last move */
     double torque_scale;      /* backlash: tau0, N m */
-    double time_constant;     /* joint_drift: T of 1 - exp(-t / T), s; 0: linear, per 1000 s */
+    /* joint_drift: T of 1 - exp(-t / T), s; 0: linear, per 1000 s.  readback_lag: readings of a
+     * posture until 1/e is left; 0: all readings lag alike */
+    double time_constant;
 } mukca_effect_variant;
 
 /* One effect with its coefficients. */
@@ -143,6 +145,7 @@ typedef struct {
     double time;               /* s since the session's start */
     double payload_kg;         /* at the tip, beyond the model */
     int placement;             /* index, -1: unknown */
+    int repeat;                /* readings of this posture since the arm arrived */
 } mukca_joint_state;
 
 /* Kind by its name; -1 (as int): unknown. */

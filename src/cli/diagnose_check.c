@@ -188,9 +188,7 @@ static bool prepare(check_task *task, mukca_pool *pool)
     const mukca_diagnosis *d = r->diagnosis;
     const mukca_applied *a = &d->applied;
     int *posture = MUKCA_TAKE(pool, int, r->data->n_rows);
-    double *move = MUKCA_TAKE(pool, double, r->data->n_rows * r->data->n_joints);
     if (!pool->failed) mukca_postures_find(posture, pool, r->data);
-    if (!pool->failed) mukca_postures_move(move, pool, posture, r->data, r->data->q);
     task->arm.chain = *d->chain;
     task->arm.geometry = a->geometry;
     task->arm.n_effects = a->n_effects;
@@ -202,7 +200,6 @@ static bool prepare(check_task *task, mukca_pool *pool)
     task->replicate = (mukca_replicate_task){.arm = &task->arm,
                                              .data = r->data,
                                              .posture = posture,
-                                             .move = move,
                                              .tracker = a->tracker,
                                              .noise = d->sigma_m,
                                              .rotation = d->sigma_rotation_rad,

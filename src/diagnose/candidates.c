@@ -375,6 +375,7 @@ static void survey_recording(mukca_effect_survey *s, const mukca_recording *reco
         for (int row = 0; row < rows; row++)
             s->joint[j].torque_least = fmin(s->joint[j].torque_least, fabs(torque[row * n + j]));
     }
+    for (int row = 0; row < rows; row++) s->dwelled |= recording->repeat[row] > 0;
     for (int i = 0; recording->command && i < rows * n; i++)
         s->commanded |= fabs(recording->command[i] - data->q[i]) > 1e-7;
     for (int g = 0; g < recording->n_groups; g++) s->sockets |= recording->groups[g].socket >= 0;

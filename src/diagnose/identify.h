@@ -31,7 +31,9 @@ typedef struct {
     /* names: what a report calls the same, one effect at one joint or socket; orders of ripple that
      * a joint's travel cannot tell apart are the same */
     int n_names, *name, *of_name; /* [all.capacity] name of a candidate, -1: in no set; its first */
-    double *probability, *again;  /* [n_names] weights of all sets that contain it */
+    /* [n_names] weights of the sets that contain it: averaged over resamplings of the data
+     * (`again`), and the smaller one of that and the posterior */
+    double *probability, *again;
     double *instead;              /* [n_names] scratch */
     /* the last search, under the most probable family of the noise */
     int n_kept, *kept; /* its items are these candidates */

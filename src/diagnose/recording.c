@@ -17,6 +17,7 @@ mukca_joint_state mukca_recording_state(const mukca_recording *r, int row)
                                .command = r->command ? r->command + at : NULL,
                                .torque = r->have_torques ? r->total_torque + at : NULL,
                                .time = r->time[row],
+                               .repeat = r->repeat[row],
                                .placement = r->placement[row]};
     if (r->have_moments) {
         state.moment = (const double(*)[3])(r->total_moment + 3 * at);
@@ -190,6 +191,7 @@ bool mukca_recording_create(mukca_recording *r, mukca_pool *pool, const mukca_ch
     r->q = MUKCA_TAKE(pool, double, rows *n_joints);
     r->posture = MUKCA_TAKE(pool, int, rows);
     r->last = MUKCA_TAKE(pool, int, rows);
+    r->repeat = MUKCA_TAKE(pool, int, rows);
     r->samples = (mukca_samples){.block = MUKCA_TAKE(pool, mukca_block, data->n_sockets + 2),
                                  .next = MUKCA_TAKE(pool, int, rows),
                                  .readings = MUKCA_TAKE(pool, int, rows)};
@@ -199,7 +201,7 @@ bool mukca_recording_create(mukca_recording *r, mukca_pool *pool, const mukca_ch
     fill_motion(r);
     r->repeats = mukca_postures_find(r->posture, pool, data) > FEW_REPEATS * rows;
     for (int row = 0; row < rows && !r->repeats; row++) r->posture[row] = row;
-    mukca_postures_move(r->move, pool, r->posture, data, r->q);
+    mukca_postures_move(r->move, r->repeat, pool, r->posture, data, r->q);
     if (pool->failed) return false;
     r->n_logs = mukca_recording_number_logs(r->log, data);
     if (r->n_logs == 0) r->n_logs = 1;
@@ -223,7 +225,7 @@ void mukca_recording_seat(mukca_recording *r, mukca_pool *pool, const double *se
             r->q[at + j] = q;
         }
     }
-    mukca_postures_move(r->move, pool, r->posture, r->data, r->q);
+    mukca_postures_move(r->move, r->repeat, pool, r->posture, r->data, r->q);
 }
 
 int mukca_recording_distinct(const mukca_recording *r)

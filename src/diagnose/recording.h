@@ -56,6 +56,7 @@ typedef struct {
     double *q; /* [n_rows][n_joints] angles of the bases, rad: seated, see mukca_recording_seat() */
     double *move;    /* [n_rows][n_joints] from the preceding posture, rad */
     int *posture;    /* [n_rows] first row with these angles */
+    int *repeat;     /* [n_rows] readings since the arm arrived */
     bool repeats;    /* postures are read more than once, by design */
     int *last;       /* [n_rows] scratch */
     double *command; /* [n_rows][n_joints] rad; NULL: not recorded */

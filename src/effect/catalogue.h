@@ -10,6 +10,7 @@ typedef struct {
     int n_joints, n_placements;
     bool moments, torques; /* holding moments, torques about the axes are known in each sample */
     bool moved;            /* some joint moved between samples */
+    bool dwelled;          /* some posture was read several times in succession */
     bool by_command;       /* the angles were commanded, not read */
     bool commanded;        /* some commanded angle differs from the read angle */
     bool sockets;          /* socket data, not a pose log */

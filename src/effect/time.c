@@ -67,7 +67,8 @@ const mukca_effect_ops mukca_joint_drift_effect = {
     .candidate = drift_candidate,
 };
 
-/* ---- readback lag: the angles are delayed, along the last move or behind the command ---- */
+/* ---- readback lag: the angles are delayed, along the last move or behind the command; the
+ * readings of an arm that dwells settle ---- */
 
 static void lag_direction(double *direction, int n_joints, const mukca_effect *effect,
                           const mukca_joint_state *state)
@@ -81,8 +82,10 @@ static void lag_direction(double *direction, int n_joints, const mukca_effect *e
     }
     if (!move) return;
     for (int j = 0; j < n_joints; j++) largest = fmax(largest, fabs(move[j]));
+    const double constant = effect->variant.time_constant;
+    const double left = constant > 0 ? exp(-state->repeat / constant) : 1;
     if (largest > 1e-9) /* rad; below: rounding */
-        for (int j = 0; j < n_joints; j++) direction[j] = move[j] / largest;
+        for (int j = 0; j < n_joints; j++) direction[j] = left * move[j] / largest;
 }
 
 /* The command is constant while the angle changes. */
@@ -96,16 +99,21 @@ static int lag_by_angle(double slope[][3], const mukca_basis_input *in, const do
 static bool read_direction(mukca_effect_variant *variant, const char *text)
 {
     variant->to_command = strcmp(text, "command") == 0;
-    return variant->to_command || strcmp(text, "move") == 0;
+    return variant->to_command || strcmp(text, "move") == 0 ||
+           (mukca_effect_read_number(&variant->time_constant, text, "readings") &&
+            variant->time_constant > 0);
 }
 
 static void write_direction(char *text, size_t size, const mukca_effect_variant *variant)
 {
-    mukca_print(text, size, "%s", variant->to_command ? "command" : "move");
+    if (variant->time_constant > 0)
+        mukca_print(text, size, "%.10greadings", variant->time_constant);
+    else
+        mukca_print(text, size, "%s", variant->to_command ? "command" : "move");
 }
 
 static const mukca_variant_ops direction = {
-    .expected = "@move or @command",
+    .expected = "@move, @command, or @READINGS until it has settled",
     .read = read_direction,
     .write = write_direction,
 };
@@ -114,14 +122,18 @@ static void describe_lag(char *text, size_t size, const mukca_effect *effect,
                          const mukca_chain *chain)
 {
     (void)chain;
-    mukca_print(text, size, "%s",
-                effect->variant.to_command ? " towards the commanded angles" : " of all joints");
+    mukca_print(text, size, "%s%s",
+                effect->variant.to_command ? " towards the commanded angles" : " of all joints",
+                effect->variant.time_constant > 0 ? " in the first readings of a posture" : "");
 }
 
 static bool lag_candidate(mukca_effect *effect, const mukca_effect_survey *survey, int i)
 {
-    effect->variant.to_command = !survey->moved || i == 1;
-    return i < survey->moved + survey->commanded;
+    static const double settling[] = {0, 1, 3, 10}; /* readings, from one to most of a dwell */
+    const int moves = !survey->moved ? 0 : survey->dwelled ? 4 : 1;
+    effect->variant.to_command = i >= moves;
+    effect->variant.time_constant = i < moves ? settling[i] : 0;
+    return i < moves + survey->commanded;
 }
 
 const mukca_effect_ops mukca_readback_lag_effect = {

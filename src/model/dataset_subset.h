@@ -36,8 +36,9 @@ mukca_status mukca_part_take(mukca_dataset *part, const mukca_dataset *data, int
 int mukca_postures_find(int *posture, mukca_pool *pool, const mukca_dataset *data);
 
 /* move[n_rows][n_joints] := mean angles q[n_rows][n_joints] of a row's posture minus those of the
- * posture before it: readings of one posture are no moves.  Starts at 0 in each file. */
-void mukca_postures_move(double *move, mukca_pool *pool, const int *posture,
+ * posture before it: readings of one posture are no moves.  repeat[n_rows] := readings since the
+ * arm arrived.  Both start at 0 in each file. */
+void mukca_postures_move(double *move, int *repeat, mukca_pool *pool, const int *posture,
                          const mukca_dataset *data, const double *q);
 
 /* Draw a posture q[n_joints] within the joint limits; a joint without limits turns once, or travels

@@ -108,8 +108,8 @@ int mukca_postures_find(int *posture, mukca_pool *pool, const mukca_dataset *d)
     return repeats;
 }
 
-void mukca_postures_move(double *move, mukca_pool *pool, const int *posture, const mukca_dataset *d,
-                         const double *q)
+void mukca_postures_move(double *move, int *repeat, mukca_pool *pool, const int *posture,
+                         const mukca_dataset *d, const double *q)
 {
     const int rows = d->n_rows, n = d->n_joints;
     double *mean = MUKCA_TAKE(pool, double, (size_t)rows *(size_t)n);
@@ -122,11 +122,12 @@ void mukca_postures_move(double *move, mukca_pool *pool, const int *posture, con
         }
     for (int row = 0; row < rows; row++) {
         const bool start = row == 0 || d->file[row] != d->file[row - 1];
+        repeat[row] = start || posture[row] != posture[row - 1] ? 0 : repeat[row - 1] + 1;
         for (int j = 0; j < n; j++) {
             double *to = &move[row * n + j];
             if (start)
                 *to = 0;
-            else if (posture[row] == posture[row - 1])
+            else if (repeat[row])
                 *to = to[-n];
             else
                 *to = mean[posture[row] * n + j] - mean[posture[row - 1] * n + j];

@@ -24,6 +24,8 @@ typedef struct {
     double (*own)[DIM];          /* [n_sockets + 1] AR(1) process of each socket, of the poses */
     double (*common)[DIM];       /* [n_rows] of a posture, at its first row */
     unsigned char *begun, *seen; /* [n_sockets + 1], [n_rows] */
+    double *move;                /* [n_rows][n_joints] from the posture before, rad or m */
+    int *repeat;                 /* [n_rows] readings since the arm arrived */
 } replicate;
 
 static void displace(mukca_displacement *displacement, const double *q, void *context)
@@ -34,11 +36,12 @@ static void displace(mukca_displacement *displacement, const double *q, void *co
                                &arm->geometry, q, &r->state);
 }
 
-/* Joint state of a sample; the last move is that between postures. */
+/* Joint state of a sample. */
 static void enter(replicate *r, int row)
 {
     r->state = *mukca_dataset_state(&r->rows, r->data, row);
-    r->state.move = r->task->move + row * r->data->n_joints;
+    r->state.move = r->move + row * r->data->n_joints;
+    r->state.repeat = r->repeat[row];
 }
 
 /* Shift of a socket in a sample. */
@@ -176,9 +179,13 @@ mukca_status mukca_simulate_replicate(mukca_dataset *out, const mukca_replicate_
                    .own = mukca_pool_take(&pool, (size_t)sockets + 1, sizeof *r.own),
                    .common = mukca_pool_take(&pool, (size_t)rows, sizeof *r.common),
                    .begun = MUKCA_TAKE(&pool, unsigned char, sockets + 1),
-                   .seen = MUKCA_TAKE(&pool, unsigned char, rows)};
+                   .seen = MUKCA_TAKE(&pool, unsigned char, rows),
+                   .move = MUKCA_TAKE(&pool, double, rows * task->data->n_joints),
+                   .repeat = MUKCA_TAKE(&pool, int, rows)};
     unsigned char *keep = MUKCA_TAKE(&pool, unsigned char, rows);
     mukca_status status = MUKCA_OK;
+    if (!pool.failed)
+        mukca_postures_move(r.move, r.repeat, &pool, task->posture, task->data, task->data->q);
     if (pool.failed)
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", rows);
     else

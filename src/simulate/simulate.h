@@ -131,9 +131,8 @@ typedef struct {
     const mukca_true_arm *arm;
     const mukca_dataset *data; /* the existing recording */
     const int *posture;        /* [n_rows] first row of each row's posture */
-    const double *move;  /* [n_rows][n_joints] angles minus those of the posture before, rad or m */
-    mukca_frame tracker; /* pose logs: T_measured_base */
-    double noise, rotation; /* sigma per axis, m; of orientations, rad */
+    mukca_frame tracker;       /* pose logs: T_measured_base */
+    double noise, rotation;    /* sigma per axis, m; of orientations, rad */
     /* correlation of successive samples of a socket or log; share of the variance that all readings
      * of a posture have in common; one of them is 0 */
     double correlation, shared;

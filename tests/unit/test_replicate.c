@@ -10,7 +10,6 @@ typedef struct {
     scene s;
     mukca_dataset data;
     int *posture;
-    double *move;
     mukca_replicate_task task;
 } study;
 
@@ -22,18 +21,15 @@ static void begin(study *t, const char *text, int readings)
     t->s.how.command = true;
     record(&t->data, &t->s);
     t->posture = calloc((size_t)t->data.n_rows, sizeof *t->posture);
-    t->move = calloc((size_t)(t->data.n_rows * t->data.n_joints), sizeof *t->move);
-    assert_true(t->posture && t->move);
+    assert_non_null(t->posture);
     for (int i = 0; i < t->data.n_rows; i++) t->posture[i] = i - i % readings;
-    t->task = (mukca_replicate_task){
-        .arm = &t->s.arm, .data = &t->data, .posture = t->posture, .move = t->move};
+    t->task = (mukca_replicate_task){.arm = &t->s.arm, .data = &t->data, .posture = t->posture};
 }
 
 static void end(study *t)
 {
     mukca_dataset_free(&t->data);
     free(t->posture);
-    free(t->move);
 }
 
 /* Positions of the true ball in a replicate, [n_rows][3]. */
@@ -139,10 +135,8 @@ TEST(test_poses)
     set_scene(&t.s, "joint_scale:joint_2=1e-3", 3);
     assert_ok(mukca_simulate_poses(&t.data, &t.s.arm, NULL, 40, &t.s.how, &error));
     t.posture = calloc(40, sizeof *t.posture);
-    t.move = calloc(40 * 7, sizeof *t.move);
-    assert_true(t.posture && t.move);
-    t.task = (mukca_replicate_task){
-        .arm = &t.s.arm, .data = &t.data, .posture = t.posture, .move = t.move};
+    assert_non_null(t.posture);
+    t.task = (mukca_replicate_task){.arm = &t.s.arm, .data = &t.data, .posture = t.posture};
     t.task.tracker = (mukca_frame){.R = {1, 0, 0, 0, 1, 0, 0, 0, 1}, .p = {1, 2, 3}};
     assert_ok(mukca_simulate_replicate(&out, &t.task, 1, &error));
     for (int i = 0; i < 3 * 40; i++)

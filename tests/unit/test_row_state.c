@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "close.h"
+#include "model/dataset_subset.h"
 #include "mukca/row_state.h"
 
 static const mukca_joint_state *next(mukca_row_state *rows, int number, double time, double q)
@@ -58,6 +59,26 @@ TEST(a_missing_command_shows_no_lag)
     assert_close(direction[1], 0.5, 0);
     reading.command = NULL;
     assert_null(mukca_row_state_next(&rows, &reading)->command);
+}
+
+/* Readings of one posture are no moves; a lag may settle in them. */
+TEST(a_lag_settles_while_the_arm_dwells)
+{
+    double q[] = {0, 1, 1.0001, 0.9999, 2}, move[5], direction[1];
+    int file[5] = {0}, posture[] = {0, 1, 1, 1, 4}, repeat[5];
+    const mukca_dataset data = {.n_rows = 5, .n_joints = 1, .q = q, .file = file};
+    mukca_effect lag = {.kind = MUKCA_EFFECT_READBACK_LAG};
+    mukca_pool pool = {0};
+    mukca_postures_move(move, repeat, &pool, posture, &data, q);
+    mukca_pool_free(&pool);
+    assert_close(move[3], 1, 1e-12);
+    assert_close(move[4], 1, 1e-12);
+    assert_int_equal(repeat[3], 2);
+    assert_int_equal(repeat[4], 0);
+    assert_null(mukca_effect_set_variant(&lag, "1readings", 1));
+    mukca_effect_direction(direction, 1, &lag,
+                           &(mukca_joint_state){.q = q + 3, .move = move + 3, .repeat = 2});
+    assert_close(direction[0], exp(-2), 1e-15);
 }
 
 /* The move does not depend on how often the states come, and is kept while the arm stands. */

@@ -267,7 +267,7 @@ TEST(test_grammar)
         {"gear_harmonic:joint_1@401=1e-4", "expected @ORDER"},
         {"joint_coupling:joint_1@-1=1e-3", "a joint that exists"},
         {"axis_wobble:joint_1@3=1e-3", "expected @fixed1"},
-        {"readback_lag@past=1", "expected @move or @command"},
+        {"readback_lag@past=1", "expected @move, @command, or @READINGS"},
         {"zero_jump:joint_1=1e-3", "JOINT/PLACEMENT"},
         {"zero_jump:joint_1/back=1e-3", "no placement 'back'"},
         {"ball_shift:front=1,2", "needs 1 or 3 values"},
