@@ -1,8 +1,8 @@
 # mukca: `make help` lists the targets.  Those of research, sanitizers and other processors are in
 # tools/Makefile (`make -f tools/Makefile help`), which includes this one.
 #
-# Sources are found by wildcard: src/*/*.c make the program, tests/unit/test_*.c one cmocka program
-# each, tests/*.sh and tests/*/run.sh the script tests of `make check` (MUKCA and BUILD are in their
+# Sources are found by wildcard: src/*/*.c (but src/heart) make the program, tests/unit/test_*.c one
+# cmocka program each, tests/*.sh and tests/*/run.sh the script tests of `make check` (MUKCA and BUILD are in their
 # environment; they print `ok NAME` or `not ok NAME` lines, and exit 77 when skipped).
 # Objects go to $(BUILD); `make BUILD=build/x CFLAGS=...` builds a variant next to the default one;
 # `make V=1` prints full commands.

@@ -48,7 +48,7 @@ void mukca_acceptance_read(mukca_acceptance *a, const char *line)
     } else if (text) {
         text += strncmp(text, "no; ", 4) == 0 ? 4 : 0;
         refuse(a, text);
-    } else if (strcmp(line, "# NOT CONVERGED") == 0) { /* of release 0.1.0 */
+    } else if (strcmp(line, "# NOT CONVERGED") == 0) { /* of the first release */
         refuse(a, "NOT CONVERGED");
     }
     text = value_of(line, "converged");

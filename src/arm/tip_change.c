@@ -9,7 +9,7 @@ enum {
     RECORDED = 512 /* largest number from the data */
 };
 
-/* Prior standard deviations, the widest that real arms require (as in diagnose): lengths, angles
+/* Prior standard deviations, twice the widest that the diagnosis fits to real arms: lengths, angles
  * including joint zeros, and the position of the ball on the tool, which is not measured. */
 static const double length_sigma = 8e-3, angle_sigma = 20e-3, ball_sigma = 20e-3;
 

@@ -84,7 +84,7 @@ static inline void cli_live_complete(cli_live *live, const cli_common *common)
     live->recorder.distance = common->distance;
 }
 
-/* ---- standard error of a live recording (relay.c) ----
+/* ---- standard error of a live recording (live.c) ----
  *
  * A thread writes it, so that a stopped terminal (Ctrl-S) or a
  * slow reader does not stop the recording.  Zeroed: texts are written directly. */

@@ -4,7 +4,7 @@
 
 #include "diagnose/identify.h"
 
-/* The two thresholds of a diagnosis: a cause more probable than not is listed; one with less doubt
+/* The thresholds of a diagnosis: a cause more probable than not is listed; one with less doubt
  * than this is stated without reserve, and a rival with more is named. */
 #define MUKCA_LISTED 0.5
 #define MUKCA_DOUBT 0.05

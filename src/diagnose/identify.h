@@ -30,7 +30,7 @@ typedef struct {
     mukca_causes *set; /* [n_sets] by falling weight */
     /* names: what a report calls the same, one effect at one joint or socket; orders of ripple that
      * a joint's travel cannot tell apart are the same */
-    int n_names, *name, *of_name; /* [all.capacity] name of a candidate, -1: in no set; its first */
+    int n_names, *name, *of_name; /* [all.count] name of a candidate, -1: in no set; its first */
     /* [n_names] weights of the sets that contain it: averaged over resamplings of the data
      * (`again`), and the smaller one of that and the posterior */
     double *probability, *again;

@@ -94,11 +94,13 @@ int main(int argc, char **argv)
     mukca_dataset data = {0};
     mukca_pool pool = {0};
     mukca_error error = {.text = "usage: heart slsqp|lbfgs ARM FOLDER... >offsets.tsv"};
-    mukca_status status = argc < 4 ? MUKCA_USAGE : mukca_heart_arm(&chain, argv[2], &error);
+    const bool lbfgs = argc > 3 && strcmp(argv[1], "lbfgs") == 0;
+    mukca_status status = MUKCA_USAGE;
+    if (lbfgs || (argc > 3 && strcmp(argv[1], "slsqp") == 0))
+        status = mukca_heart_arm(&chain, argv[2], &error);
     if (status == MUKCA_OK)
         status = mukca_heart_data(&data, &chain, 0.05, argv + 3, argc - 3, &error);
     if (status == MUKCA_OK) {
-        const bool lbfgs = strcmp(argv[1], "lbfgs") == 0;
         mukca_parameters_set(&parameters, &chain, NULL, false);
         status = mukca_cost_init(&f.cost, &pool, &chain, &parameters, &data, NULL)
                      ? calibrate(&f, &chain, &data, lbfgs ? MUKCA_NLOPT_LBFGS : MUKCA_NLOPT_SLSQP,

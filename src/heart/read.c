@@ -55,7 +55,7 @@ static mukca_status read_socket(mukca_dataset *data, FILE *file, const char *pat
     while (data->n_rows < MOST_ROWS &&
            fscanf(file, j ? ",%lf" : "%lf", &data->q[data->n_rows * n + j]) == 1)
         if (++j == n) data->socket[data->n_rows++] = data->n_sockets, j = 0;
-    if (j > 0 || !feof(file))
+    if (j > 0 || fscanf(file, " %*c") != EOF)
         return mukca_fail(error, MUKCA_INPUT, "%s:%d: not %d numbers, or too many lines", path,
                           data->n_rows - first + 1, n);
     data->sockets[data->n_sockets++].placement = data->n_placements;
@@ -69,15 +69,16 @@ mukca_status mukca_heart_data(mukca_dataset *data, const mukca_chain *chain, dou
     FILE *file;
     mukca_status status =
         mukca_dataset_create(data, MOST_ROWS, chain->n_joints, MOST_HOLES * n, n, error);
-    if (status == MUKCA_OK)
-        data->distances = calloc(MOST_HOLES * MOST_HOLES * (size_t)n, sizeof *data->distances);
+    if (status == MUKCA_OK &&
+        !(data->distances = calloc(MOST_HOLES * MOST_HOLES * (size_t)n, sizeof *data->distances)))
+        status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d folders", n);
     data->n_rows = data->n_sockets = data->n_placements = 0;
     for (; data->n_placements < n && status == MUKCA_OK; data->n_placements++) {
         const int first = data->n_sockets;
         for (int hole = 0; hole < MOST_HOLES && status == MUKCA_OK; hole++) {
             snprintf(path, sizeof path, "%s/hole_%d.csv", folder[data->n_placements], hole);
             if (!(file = fopen(path, "r"))) break;
-            for (int s = first; s < data->n_sockets && data->distances; s++)
+            for (int s = first; s < data->n_sockets; s++)
                 data->distances[data->n_distances++] =
                     (mukca_distance){s, data->n_sockets, distance};
             status = read_socket(data, file, path, error);
