@@ -2,8 +2,8 @@
 # tools/Makefile (`make -f tools/Makefile help`), which includes this one.
 #
 # Sources are found by wildcard: src/*/*.c (but src/heart) make the program, tests/unit/test_*.c one
-# cmocka program each, tests/*.sh and tests/*/run.sh the script tests of `make check` (MUKCA and BUILD are in their
-# environment; they print `ok NAME` or `not ok NAME` lines, and exit 77 when skipped).
+# cmocka program each, tests/*.sh and tests/*/run.sh the script tests of `make check` (MUKCA and BUILD
+# are in their environment; they print `ok NAME` or `not ok NAME` lines, and exit 77 when skipped).
 # Objects go to $(BUILD); `make BUILD=build/x CFLAGS=...` builds a variant next to the default one;
 # `make V=1` prints full commands.
 
@@ -146,13 +146,10 @@ format: ## clang-format all sources in place
 bench: $(PROGRAM) $(BENCHES) ## times and memory compared with the references
 	@$(TEST_ENVIRONMENT) tools/bench/run.py
 golden: $(PROGRAM) ## rewrite the expected output of the command-line tests and the man page's COMMANDS
-	@$(TEST_ENVIRONMENT) UPDATE_GOLDEN=1 tests/cli/run.sh
-	@$(TEST_ENVIRONMENT) UPDATE_GOLDEN=1 tests/docs/run.sh
-
-figures: $(PROGRAM) $(if $(TIMES),$(BENCHES)) ## write the figures of README and docs/comparison.md by the commands that measure them (TIMES="fit growth": these parts of bench)
+	@$(TEST_ENVIRONMENT) UPDATE_GOLDEN=1 sh -c 'tests/cli/run.sh && tests/docs/run.sh'
+figures: $(PROGRAM) $(if $(TIMES),$(BENCHES)) ## the figures in README and docs/comparison.md (TIMES="fit growth": of bench, too)
 	@$(TEST_ENVIRONMENT) tools/figures.py $(if $(TIMES),--times $(TIMES))
 	@$(TEST_ENVIRONMENT) tools/centres.py
-
 artefact: ## STL files, drawing and picture of the printed tool (needs openscad)
 	@tools/artefact
 
@@ -181,9 +178,7 @@ install: all ## program, core library, headers, mukca.pc, unit, man pages, compl
 	install -D -m 644 -t $(incdir) include/mukca/*.h
 	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(VERSION)|' tools/mukca.pc.in > $(libdir)/pkgconfig/mukca.pc
 	sed -e 's|/usr/local|$(PREFIX)|' data/systemd/mukca.service > $(libdir)/systemd/system/mukca.service
-	install -D -m 644 -t $(share)/mukca/lcm data/lcm/*.lcm
-	install -D -m 644 -t $(share)/mukca/inertials data/inertials/*.tsv
-	install -D -m 644 -t $(share)/mukca/traits data/traits/*.tsv
+	for d in lcm inertials traits; do install -D -m 644 -t $(share)/mukca/$$d data/$$d/*.[lt]*; done
 	install -D -m 644 -t $(share)/man/man1 mukca.1
 	install -D -m 644 -t $(share)/man/man5 mukca-formats.5
 	$(EMULATOR) $(BUILD)/mukca completion bash > $(share)/bash-completion/completions/mukca
@@ -199,7 +194,6 @@ uninstall: ## remove the installed files
 clean: ## remove build/
 	rm -rf build $(filter-out build,$(BUILD))
 help: ## this list
-	@sed -n 's/^\([a-z0-9-]*\):.*## \(.*\)/\1\t\2/p' $(firstword $(MAKEFILE_LIST)) | while IFS="$$(printf '\t')" read -r t d; do \
-	    printf '  %-13s %s\n' "$$t" "$$d"; done
+	@sed -n 's/^\([a-z0-9-]*\):.*## \(.*\)/  \1\t\2/p' $(firstword $(MAKEFILE_LIST)) | expand -t 16
 
 -include $(shell find $(BUILD)/obj -name '*.d' 2>/dev/null)
