@@ -20,9 +20,9 @@ enum { MOST_STEPS = 50 };
  * together: the rotation (the joint's zero) and the translation (theta and d of Denavit and
  * Hartenberg; between parallel axes, of Hayati). */
 
-/* Axes within this angle, rad, are treated as parallel: a translation of 8 mm, twice the largest prior
- * of a diagnosis, then changes the distance of the next axis by less than 0.2 mm, which is not
- * measurable. */
+/* Axes within this angle, rad, are treated as parallel: a translation of 8 mm, twice the largest
+ * prior of a diagnosis, then changes the distance of the next axis by less than 0.2 mm, which is
+ * not measurable. */
 static const double parallel = 0.02;
 /* Axes closer than this, m, are treated as coincident: a rotation of 20 mrad displaces the next
  * axis by 0.2 mm. */

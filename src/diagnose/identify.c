@@ -360,8 +360,8 @@ mukca_status mukca_identify_run(mukca_identification *id, mukca_error *error)
         if (!watch(id, 0.2 + 0.4 * pass / PASSES, error)) return MUKCA_INTERRUPTED;
         mukca_identify_fit(id, &best);
         if (mukca_screening_reinstate(id->faults, m)) mukca_identify_fit(id, &best);
-        mukca_regression_freeze(m);
         seat(id, NOISE * m->unknowns.sigma);
+        mukca_regression_freeze(m);
         status = revise(id, &best, pass + 1 == PASSES, error);
     }
     if (status == MUKCA_OK) status = average(id, error);

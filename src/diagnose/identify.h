@@ -34,7 +34,7 @@ typedef struct {
     /* [n_names] weights of the sets that contain it: averaged over resamplings of the data
      * (`again`), and the smaller one of that and the posterior */
     double *probability, *again;
-    double *instead;              /* [n_names] scratch */
+    double *instead; /* [n_names] scratch */
     /* the last search, under the most probable family of the noise */
     int n_kept, *kept; /* its items are these candidates */
     mukca_question question;

@@ -215,6 +215,8 @@ void mukca_recording_seat(mukca_recording *r, mukca_pool *pool, const double *se
 {
     const size_t n = (size_t)r->chain->n_joints;
     for (int i = 0; i < r->n_samples; i++) {
+        if (r->data->socket[r->order[i]] < 0)
+            continue; /* noise of the tracker, not of the angles */
         const size_t at = (size_t)r->order[i] * n;
         const double part = distance[i] > most ? most / distance[i] : 1;
         for (size_t j = 0; j < n; j++) {

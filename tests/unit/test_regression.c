@@ -208,7 +208,7 @@ TEST(repeated)
     f = whole;
 }
 
-/* Three sockets as a pose log, which has no free mean. */
+/* Three sockets as a pose log, which has no free mean, and whose noise is not in the angles. */
 TEST(poses)
 {
     fixture *const whole = f;
@@ -225,6 +225,12 @@ TEST(poses)
     }
     create();
     for (int family = 0; family < f->m.evidence.n_noises; family++) check_scan(family, NULL);
+    mukca_recording *r = &f->m.recording;
+    const size_t n = (size_t)r->chain->n_joints;
+    mukca_recording_seat(r, &f->m.pool, f->m.linear.seated, f->m.linear.distance, 1);
+    for (int row = 0; row < f->data.n_rows; row++)
+        assert_int_equal(memcmp(r->q + (size_t)row * n, f->data.q + (size_t)row * n, n * 8) == 0,
+                         f->data.socket[row] < 0);
     tear_down(NULL);
     f = whole;
 }
