@@ -42,7 +42,9 @@ typedef struct {
     double theta[2][MUKCA_MAX_THETA];
     mukca_geometry geometry[2];
     double J[3 * MUKCA_MAX_THETA];
-    double largest, ratio; /* so far */
+    double largest, ratio;         /* so far */
+    double mean[2][3], squares[2]; /* of the tips in `count` postures, before and after */
+    int count;
 } comparison;
 
 static double prior_sigma(const comparison *c, int i)
@@ -65,7 +67,19 @@ static void set_theta(comparison *c)
     }
 }
 
-static void compare(comparison *c, const double *q)
+/* Add a pair of tips to means and squares (Welford). */
+static void spread(comparison *c, const mukca_frame tip[2])
+{
+    c->count++;
+    for (int side = 0; side < 2; side++)
+        for (int a = 0; a < 3; a++) {
+            const double off = tip[side].p[a] - c->mean[side][a];
+            c->mean[side][a] += off / c->count;
+            c->squares[side] += off * (tip[side].p[a] - c->mean[side][a]);
+        }
+}
+
+static void compare(comparison *c, const double *q, bool drawn)
 {
     double position[3], variance = 0;
     mukca_frame tip[2];
@@ -76,6 +90,7 @@ static void compare(comparison *c, const double *q)
         mukca_tip_pose(&tip[side], o ? o->effects : NULL, o ? o->n_effects : 0, &c->arm,
                        &c->geometry[side], &state);
     }
+    if (drawn) spread(c, (const mukca_frame *)tip);
     const double change = mukca_distance3(tip[0].p, tip[1].p);
     mukca_fk_parameter_jacobian(c->J, position, &c->geometry[0], c->theta[0], q);
     for (int i = 0; i < n; i++) {
@@ -86,7 +101,7 @@ static void compare(comparison *c, const double *q)
     if (variance > 0 && !(change / sqrt(variance) <= c->ratio)) c->ratio = change / sqrt(variance);
 }
 
-double mukca_tip_change(double *sigma, const mukca_tip_change_task *task)
+double mukca_tip_change(double *sigma, double *size, const mukca_tip_change_task *task)
 {
     comparison c = {
         .task = task, .arm = *task->chain, .skip = task->base_frame ? MUKCA_PARAMETERS : 0};
@@ -101,11 +116,12 @@ double mukca_tip_change(double *sigma, const mukca_tip_change_task *task)
     mukca_random_seed(&random, 1);
     for (int i = 0; i < DRAWN; i++) {
         mukca_posture_draw(q, task->chain, &random);
-        compare(&c, q);
+        compare(&c, q, true);
     }
     for (int i = 0; data && i < data->n_rows; i += step)
-        compare(&c, data->q + (size_t)i * (size_t)data->n_joints);
+        compare(&c, data->q + (size_t)i * (size_t)data->n_joints, false);
     if (sigma) *sigma = c.ratio;
+    if (size) *size = sqrt(c.squares[1] / c.squares[0]) - 1;
     return c.largest;
 }
 
@@ -114,7 +130,7 @@ void mukca_tip_change_judge(mukca_offsets *to, const mukca_tip_change_task *task
     mukca_acceptance *a = &to->acceptance;
     double nominal[MUKCA_MAX_THETA];
     mukca_chain_theta(nominal, task->chain);
-    a->tip_change_m = mukca_tip_change(&a->tip_change_sigma, task);
+    a->tip_change_m = mukca_tip_change(&a->tip_change_sigma, &a->size_change, task);
     a->largest_offset_m = a->largest_offset_rad = 0;
     for (int i = 0; i < MUKCA_PARAMETERS * task->chain->n_elements; i++) {
         double *largest = i % MUKCA_PARAMETERS < 3 ? &a->largest_offset_m : &a->largest_offset_rad;

@@ -22,6 +22,10 @@ enum { SEVERAL = 3, LEAST_POSTURES = 3 };
  * factor of 10, but then removes most of the error. */
 static const double contradiction = 10, left = 0.5;
 
+/* Largest relative change of all lengths: seven standard deviations, of 0.1 mm in 50 mm between the
+ * sockets and of 0.2 % in the arm. */
+static const double most_size_change = 0.02;
+
 /* Least probability of an improvement at the tip; the interval of a held-out difference, in
  * standard errors. */
 static const double sure = 0.95, interval = 2;
@@ -133,7 +137,13 @@ static void judge_tip(mukca_acceptance *a, const mukca_tip_error *tip, const muk
     const double *p = tip->probability;
     char stuck[96];
     list_joints(stuck, tip->stuck, chain);
-    if (stuck[0]) {
+    if (!(fabs(a->size_change) <= most_size_change)) {
+        mukca_acceptance_refuse(a,
+                                "the arm would be %.1f %% %s than the model; check --distance, "
+                                "--tip, the URDF and the units",
+                                1e2 * fabs(a->size_change),
+                                a->size_change > 0 ? "larger" : "smaller");
+    } else if (stuck[0]) {
         mukca_acceptance_refuse(a,
                                 "%s did not move, but the errors are those of a tip that turns "
                                 "about it; check the encoder and the column",

@@ -41,7 +41,8 @@ static mukca_status read_accepted(mukca_offsets *offsets, const mukca_server *s,
         return mukca_fail(error, MUKCA_INPUT, "%s has no %s: calibrate again, then use the result",
                           name, a->given ? "digest" : "verdict");
     double sigma;
-    mukca_tip_change(&sigma, &(mukca_tip_change_task){.chain = s->recorder.chain, .to = offsets});
+    mukca_tip_change(&sigma, NULL,
+                     &(mukca_tip_change_task){.chain = s->recorder.chain, .to = offsets});
     if (!(sigma <= MUKCA_MOST_TIP_SIGMA))
         mukca_acceptance_refuse(a, "moves the tip by %.1f standard deviations of its prior", sigma);
     if (a->accepted) return MUKCA_OK;
@@ -142,8 +143,9 @@ static mukca_status check_change(mukca_server *s, mukca_error *error)
     const double difference = 2 * new.mean_m + old.mean_m,
                  sigma = hypot(2 * new.sigma_m, old.sigma_m);
     const double change = mukca_tip_change(
-        NULL, &(mukca_tip_change_task){
-                  .chain = s->recorder.chain, .from = &s->pose.offsets, .to = &s->candidate});
+        NULL, NULL,
+        &(mukca_tip_change_task){
+            .chain = s->recorder.chain, .from = &s->pose.offsets, .to = &s->candidate});
     const bool worse = new.mean_m < -2 * new.sigma_m &&old.postures &&old.mean_m <= 2 * old.sigma_m;
     if (!(change <= most) && !worse)
         return mukca_fail(error, MUKCA_NEGATIVE,

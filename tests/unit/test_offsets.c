@@ -187,13 +187,18 @@ TEST(the_tip_change_is_measured)
     mukca_offsets_init(&turned, &arm);
     turned.theta[5] = 10e-3;
     turned.listed[5] = 1;
-    double sigma;
+    double sigma, size;
     const mukca_tip_change_task task = {.chain = &arm, .to = &turned};
-    const double change = mukca_tip_change(&sigma, &task);
+    const double change = mukca_tip_change(&sigma, &size, &task);
     assert_true(fabs(change - 2 * 0.5 * sin(5e-3)) < 1e-12);
     assert_true(fabs(sigma - 0.5) < 1e-4); /* of 20 mrad */
     const mukca_tip_change_task back_task = {.chain = &arm, .from = &turned, .to = &turned};
-    assert_true(mukca_tip_change(NULL, &back_task) < 1e-15);
+    assert_true(mukca_tip_change(NULL, NULL, &back_task) < 1e-15);
+    assert_true(fabs(size) < 1e-12); /* a zero turns the workspace */
+    turned.theta[MUKCA_PARAMETERS] = 0.505;
+    mukca_tip_change(NULL, &size, &task);
+    assert_true(fabs(size - 0.01) < 1e-12);
+    turned.theta[MUKCA_PARAMETERS] = 0.5;
     mukca_tip_change_judge(&turned, &task);
     assert_true(turned.acceptance.largest_offset_rad == 10e-3);
     assert_true(turned.acceptance.largest_offset_m == 0);

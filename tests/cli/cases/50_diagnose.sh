@@ -139,7 +139,7 @@ done
 simulate --seed 4 --placements 4 --rows 20 --perturb 1,2 --noise 1e-4 -o kept.tsv
 simulate --seed 4 --placements 4 --rows 20 --perturb 1,2 --noise 1e-4 --effect socket_distance=1.5e-3 -o wide.tsv
 { grep -v '^p2' kept.tsv; grep '^p2' wide.tsv; } >moved.tsv
-answer "socket distance in placement p2 or tool motion" $d moved.tsv
+answer "socket distance in placement p2, tool motion or" $d moved.tsv
 simulate --seed 4 --placements 4 --rows 20 --perturb 1,2 --noise 5e-5 --effect link_bending:joint_7=2e-3 -o neck.tsv
 answer "or the ball.s neck" $d neck.tsv
 
