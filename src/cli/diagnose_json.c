@@ -51,10 +51,11 @@ static json_t *cause_object(const mukca_cause *c, const mukca_chain *chain,
     const mukca_effect_info *info = mukca_effect_table[c->effect.kind];
     json_t *ties = json_array();
     for (const mukca_tie *t = c->ties; t < c->ties + c->n_ties; t++)
-        json_array_append_new(ties, cli_json("effect:s joint:s log_bayes_factor:f correlation:f",
-                                             mukca_effect_table[t->effect]->name,
-                                             mukca_chain_joint_name(chain, t->joint),
-                                             t->log_bayes_factor, t->correlation));
+        json_array_append_new(
+            ties,
+            cli_json("effect:s joint:s order:n log_bayes_factor:f correlation:f",
+                     mukca_effect_table[t->effect]->name, mukca_chain_joint_name(chain, t->joint),
+                     t->rival.variant.order, t->log_bayes_factor, t->correlation));
     return cli_json(
         "effect:s joint:s placement:s socket:s row:n order:n order_interval:o motion:s amplitude:f "
         "unit:s ci95:v log_bayes_factor:f probability:f ties:o or_unknown:b held_out:o",

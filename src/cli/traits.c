@@ -4,19 +4,25 @@
 #include <libgen.h>
 #include <limits.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "base/text.h"
 #include "io/summary.h"
 #include "report/wording.h"
 
-/* Name of the folder that contains `path`. */
+/* Name of the arm's folder: `path` if it contains placements, else the folder that contains it. */
 static bool folder_of(char name[MUKCA_NAME_SIZE], const char *path)
 {
-    char whole[PATH_MAX];
-    if (!realpath(path, whole)) return false;
-    const char *folder = basename(dirname(whole));
+    char whole[PATH_MAX], socket[PATH_MAX + 16];
+    struct stat about;
+    if (!realpath(path, whole) || stat(whole, &about) != 0) return false;
+    snprintf(socket, sizeof socket, "%s/hole_0.csv", whole);
+    const bool placements = S_ISDIR(about.st_mode) && access(socket, F_OK) != 0;
+    const char *folder = basename(placements ? whole : dirname(whole));
     if (!*folder || *folder == '/' || strlen(folder) >= MUKCA_NAME_SIZE) return false;
     memcpy(name, folder, strlen(folder) + 1);
     return true;

@@ -69,13 +69,14 @@ void mukca_wording_cause(char text[MUKCA_WORDING], const mukca_cause *cause,
 void mukca_wording_rivals(char text[MUKCA_WORDING], const mukca_cause *cause,
                           const mukca_diagnosed *r)
 {
-    char rival[MUKCA_WORDING];
+    char rival[MUKCA_WORDING], variant[MUKCA_WORDING];
     mukca_wording_cause(text, cause, r);
     for (int t = 0; t < cause->n_ties; t++) {
         const bool last = t + 1 == cause->n_ties && !cause->or_unknown;
-        mukca_wording_effect(rival, cause->ties[t].effect,
-                             mukca_chain_joint_name(r->chain, cause->ties[t].joint));
-        put(text, "%s%s", last ? " or " : ", ", rival);
+        const mukca_tie *tie = &cause->ties[t];
+        mukca_wording_effect(rival, tie->effect, mukca_chain_joint_name(r->chain, tie->joint));
+        mukca_effect_describe(variant, sizeof variant, &tie->rival, r->chain);
+        put(text, "%s%s%s", last ? " or " : ", ", rival, variant);
     }
     if (cause->or_unknown) put(text, " or an effect outside the catalogue");
 }
