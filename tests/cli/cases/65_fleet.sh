@@ -86,7 +86,8 @@ refuse 2 "1 to 63 bytes" diagnose $a seven/train.tsv --arm "$(printf 'a\tb')" --
 refuse 2 "cannot both go to" diagnose $a seven/train.tsv --json x.json --summary x.json
 refuse 2 "do not lie in one folder" diagnose $a seven/train.tsv "$demo/test.tsv" --summary new2.json
 mkdir -p arms/eleven arms/twelve # folders of placements, which name an arm each
-refuse 2 "do not lie in one folder" diagnose $a arms/eleven arms/twelve --summary new2.json
+cp -r good arms/eleven/front && cp -r good arms/twelve/front
+refuse 2 "do not lie in one folder" diagnose --urdf arm.urdf arms/eleven arms/twelve --summary new2.json
 sed 's/<mass value="[^"]*"/<mass value="2.5"/' "$demo/arm.urdf" >masses.urdf
 refuse 3 "traits of another model: the link masses differ" diagnose --urdf masses.urdf seven/train.tsv --traits all.traits.tsv
 refuse 3 "8.json.*no traits table\|8.json" diagnose $a seven/train.tsv --traits 8.json
