@@ -85,9 +85,11 @@ refuse 2 "arm is the label in --summary" diagnose $a seven/train.tsv --arm x
 refuse 2 "1 to 63 bytes" diagnose $a seven/train.tsv --arm "$(printf 'a\tb')" --summary new2.json
 refuse 2 "cannot both go to" diagnose $a seven/train.tsv --json x.json --summary x.json
 refuse 2 "do not lie in one folder" diagnose $a seven/train.tsv "$demo/test.tsv" --summary new2.json
-mkdir -p arms/eleven arms/twelve # folders of placements, which name an arm each
-cp -r good arms/eleven/front && cp -r good arms/twelve/front
-refuse 2 "do not lie in one folder" diagnose --urdf arm.urdf arms/eleven arms/twelve --summary new2.json
+for place in arms/eleven/front arms/twelve/front; do # their folders name an arm each
+    mkdir -p $place
+    for hole in 0 1; do printf '0,0,0,0,0,0,0\n0,0,0,1,0,1,1\n' >$place/hole_$hole.csv; done
+done
+refuse 2 "do not lie in one folder" diagnose $a arms/eleven arms/twelve --summary new2.json
 sed 's/<mass value="[^"]*"/<mass value="2.5"/' "$demo/arm.urdf" >masses.urdf
 refuse 3 "traits of another model: the link masses differ" diagnose --urdf masses.urdf seven/train.tsv --traits all.traits.tsv
 refuse 3 "8.json.*no traits table\|8.json" diagnose $a seven/train.tsv --traits 8.json
