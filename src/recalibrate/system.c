@@ -105,7 +105,7 @@ bool mukca_pose_system_solve(mukca_pose_solution *out, mukca_pose_system *s, int
         d[i] = s->R[i * width + width - 1];
     }
     if (n == 0) return true;
-    if (mukca_dense_svd(U, singular, V, n, n) || !isfinite(left)) return false;
+    if (mukca_dense_svd(U, singular, V, n) || !isfinite(left)) return false;
     const long freedom = s->equations - n;
     out->sigma2 = left / (double)(freedom > 0 ? freedom : 1);
     const double least = fmax(1e-9 * singular[0], sqrt(out->sigma2) / loosest);
