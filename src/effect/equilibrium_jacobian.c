@@ -101,7 +101,6 @@ PART void prepare(mukca_equilibrium *e, mukca_effect_slopes *slopes)
     for (int j = 0; j < e->n_joints; j++) {
         mukca_joint_posture *at = &e->joint[j];
         double *rate = slopes->rotation[j], *w = e->displacement.rotation[j];
-        if (!e->loaded) at->twist = at->bend = 0; /* given moments: no response */
         at->turns = rate[0] != 0 || rate[1] != 0 || rate[2] != 0;
         if (!at->turns && at->bend == 0) continue;
         to_base(w, &at->frame, w);
@@ -198,7 +197,7 @@ PART void pass_base(tip_response *t, const tip_columns *c, mukca_equilibrium *e)
     rows v[3];
     memset(t, 0, sizeof *t);
     memcpy(t->by_N, unit, sizeof unit);
-    if (e->bend == 0 || !e->loaded) return;
+    if (e->bend == 0) return;
     to_joint(w, &c->level, w);
     set_compliance(&K, w, -1, e->bend, NULL);
     rotate_distal(v, t, c, origin, S);
