@@ -9,11 +9,10 @@
 /* Displacement by effects at q (mukca_effects_displacement and the like). */
 typedef void mukca_displace_fn(mukca_displacement *displacement, const double *q, void *context);
 
-/* Zeroed: 100 steps, 1e-9 m and rad, no preferred posture, no effects. */
+/* Zeroed: 100 steps, 1e-9 m and rad, no effects. */
 typedef struct {
     int max_steps;
     double tolerance;            /* m, and rad if a rotation is given */
-    const double *posture;       /* [n_joints] preferred in the null space, or NULL */
     mukca_displace_fn *displace; /* or NULL */
     void *context;               /* of `displace` */
 } mukca_inverse_options;

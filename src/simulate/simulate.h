@@ -65,7 +65,6 @@ typedef struct {
     double noise;       /* sigma per axis at the ball, m */
     double rotation;    /* sigma per axis of measured orientations, rad (pose logs) */
     double correlation; /* correlation of the noise of consecutive samples */
-    bool sweep;         /* consecutive postures follow smooth motions; else random */
     bool effort, command;
     double payload;     /* at the tip, kg; recorded unless 0 */
     bool position_only; /* pose logs: no orientations */

@@ -91,7 +91,7 @@ static void record(mukca_dataset *data, int rows, uint64_t seed)
 
 TEST(test_better_than_random)
 {
-    const mukca_plan_options options = {.rows = 2 * 12, .seed = 1, .tilt = 4, .clearance = NAN};
+    const mukca_plan_options options = {.rows = 2 * 12, .seed = 1, .tilt = 4};
     int wins = 0;
     for (uint64_t seed = 1; seed <= 5; seed++) {
         mukca_dataset random;
