@@ -82,7 +82,8 @@ static mukca_status minimise(mukca_fit *fit, mukca_cost *cost, const mukca_fit_o
     mukca_cost_hold(cost, x);
     if (options->start) mukca_parameters_pack(x, &fit->parameters, options->start);
     if (!options->by_evidence) {
-        const mukca_status status = solver->run(x, &fit->outcome, cost, &options->limits, error);
+        const mukca_status status =
+            solver->run(x, &fit->outcome, cost, solver, &options->limits, error);
         if (status != MUKCA_OK) return status;
         if (fit->outcome.stop == MUKCA_STOP_STOPPED)
             return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted; nothing was written");

@@ -45,7 +45,8 @@ double mukca_solver_decrement(const double *L, const double *gradient, double *w
 }
 
 static mukca_status run(double *x, mukca_solver_outcome *outcome, mukca_cost *cost,
-                        const mukca_solver_options *options, mukca_error *error)
+                        const mukca_solver *solver, const mukca_solver_options *options,
+                        mukca_error *error)
 {
     const mukca_solver_options none = {0};
     const int n = cost->n;
@@ -53,7 +54,7 @@ static mukca_status run(double *x, mukca_solver_outcome *outcome, mukca_cost *co
            *g_trial = trial + n;
     double damping = 0, value;
     mukca_cost_value parts;
-    (void)error;
+    (void)solver, (void)error;
     if (!options) options = &none;
     const int limit = options->max_evaluations > 0 ? options->max_evaluations : 2000;
     const double until = mukca_clock_seconds() + MUKCA_SOLVER_SECONDS;

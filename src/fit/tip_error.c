@@ -1,5 +1,5 @@
 /* Expected error of the tip, from the posterior of geometry and effects. */
-#include "fit/tip_error.h"
+#include "fit/accept.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -227,7 +227,8 @@ TEST(test_stops)
         assert_true(mukca_cost_setup(&cost, &pool, &chain, &parameters, &data, NULL));
         memcpy(x, cost.nominal, (size_t)parameters.n * sizeof *x);
         x[3] = NAN;
-        assert_ok(mukca_solver_table[s]->run(x, &outcome, &cost, NULL, NULL));
+        assert_ok(
+            mukca_solver_table[s]->run(x, &outcome, &cost, mukca_solver_table[s], NULL, NULL));
         assert_int_equal(outcome.stop, MUKCA_STOP_NOT_FINITE);
         mukca_pool_free(&pool);
     }

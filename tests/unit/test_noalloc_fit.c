@@ -44,7 +44,7 @@ TEST(test_nothing_allocated)
     cost.gradient = MUKCA_GRADIENT_ANALYTIC;
     sum += mukca_cost_evaluate(NULL, g, &cost, x);
     mukca_cost_normal(cost.scratch, &cost, x, false);
-    mukca_solver_gauss_newton.run(x, &outcome, &cost, NULL, NULL);
+    mukca_solver_gauss_newton.run(x, &outcome, &cost, NULL, NULL, NULL);
     mukca_identify(&identification, NULL, &cost, x, work, NULL);
     mukca_geometry geometry;
     mukca_geometry_set(&geometry, &chain, cost.theta);

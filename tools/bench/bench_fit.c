@@ -61,7 +61,7 @@ static void time_solvers(bench *b)
                 if (!mukca_cost_setup(&cost, &pool, &b->chain, &b->parameters, &b->data, &options))
                     abort();
                 memcpy(x, cost.nominal, (size_t)cost.n * sizeof *x);
-                (*solver)->run(x, &outcome, &cost, NULL, NULL);
+                (*solver)->run(x, &outcome, &cost, *solver, NULL, NULL);
                 b->times[i] = processor_seconds() - start;
                 J = mukca_cost_evaluate(NULL, NULL, &cost, x);
                 mukca_pool_free(&pool);
