@@ -102,9 +102,7 @@ mukca_inverse_result mukca_inverse_solve(double *q, const mukca_chain *chain,
                                          const mukca_geometry *geometry, const mukca_frame *target,
                                          bool with_rotation, const mukca_inverse_options *options)
 {
-    static const mukca_inverse_options defaults = {0};
-    const problem p = {chain, geometry, target, options ? options : &defaults,
-                       with_rotation ? TASK : 3};
+    const problem p = {chain, geometry, target, options, with_rotation ? TASK : 3};
     const int n = chain->n_joints;
     const int steps = p.options->max_steps > 0 ? p.options->max_steps : DEFAULT_STEPS;
     const double tolerance = p.options->tolerance > 0 ? p.options->tolerance : 1e-9;

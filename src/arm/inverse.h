@@ -26,7 +26,7 @@ typedef struct {
 } mukca_inverse_result;
 
 /* Bring the tip to target->p (`with_rotation`: and target->R) by damped least squares.
- * q[n_joints]: start in, closest solution out.  `options` may be NULL.  Does not allocate. */
+ * q[n_joints]: start in, closest solution out.  Does not allocate. */
 mukca_inverse_result mukca_inverse_solve(double *q, const mukca_chain *chain,
                                          const mukca_geometry *geometry, const mukca_frame *target,
                                          bool with_rotation, const mukca_inverse_options *options);

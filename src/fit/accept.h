@@ -28,6 +28,7 @@ typedef struct {
     mukca_dataset data;        /* the samples, or a part of a long recording */
     double *before, *after;    /* [held->n_rows] errors by the nominal model, with the free frames
                                   aligned, and by the fit, m; NaN: not measured */
+    mukca_pool pool;
 } mukca_cross_validation;
 
 /* Errors of a fit to `data` on `test`; if it is NULL or empty, of fits by Gauss-Newton to parts of

@@ -34,10 +34,8 @@ bool mukca_cost_setup(mukca_cost *cost, mukca_pool *pool, const mukca_chain *cha
                       const mukca_parameters *parameters, const mukca_dataset *data,
                       const mukca_cost_options *options)
 {
-    const mukca_cost_options none = {0};
     mukca_observations *o = &cost->observations;
     const int n = parameters->n;
-    if (!options) options = &none;
     if (!mukca_cost_init(cost, pool, chain, parameters, data, options)) return false;
     if (!mukca_poses_add(o, pool, data)) return false;
     const int m = o->n_residuals;

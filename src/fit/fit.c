@@ -100,10 +100,8 @@ static mukca_status minimise(mukca_fit *fit, mukca_cost *cost, const mukca_fit_o
 mukca_status mukca_fit_run(mukca_fit *fit, const mukca_chain *chain, const mukca_dataset *data,
                            const mukca_fit_options *options, mukca_error *error)
 {
-    const mukca_fit_options none = {0};
     workspace *w = NULL;
     mukca_status status;
-    if (!options) options = &none;
     memset(fit, 0, sizeof *fit);
     if (data->n_rows < 1) return mukca_fail(error, MUKCA_INPUT, "there are no rows to fit");
     status =

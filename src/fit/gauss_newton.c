@@ -48,14 +48,12 @@ static mukca_status run(double *x, mukca_solver_outcome *outcome, mukca_cost *co
                         const mukca_solver *solver, const mukca_solver_options *options,
                         mukca_error *error)
 {
-    const mukca_solver_options none = {0};
     const int n = cost->n;
     double *H = cost->scratch, *L = H + n * n, *g = H + 3 * n * n, *step = g + n, *trial = step + n,
            *g_trial = trial + n;
     double damping = 0, value;
     mukca_cost_value parts;
     (void)solver, (void)error;
-    if (!options) options = &none;
     const int limit = options->max_evaluations > 0 ? options->max_evaluations : 2000;
     const double until = mukca_clock_seconds() + MUKCA_SOLVER_SECONDS;
     const int before = cost->evaluations;

@@ -95,13 +95,12 @@ static mukca_status run(double *x, mukca_solver_outcome *outcome, mukca_cost *co
                         const mukca_solver *solver, const mukca_solver_options *options,
                         mukca_error *error)
 {
-    const mukca_solver_options none = {0};
     const int n = cost->n;
     double *work = cost->scratch + 3 * n * n;
     mukca_status status = MUKCA_OK;
     const double until = mukca_clock_seconds() + MUKCA_SOLVER_SECONDS;
     whitened a = {.cost = cost,
-                  .options = options ? options : &none,
+                  .options = options,
                   .outcome = outcome,
                   .L = cost->scratch,
                   .x = work,

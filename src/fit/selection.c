@@ -68,8 +68,6 @@ mukca_status mukca_parameters_select(mukca_parameters *parameters, const mukca_c
                                      const mukca_selection *selection, mukca_error *error)
 {
     unsigned char mark[MUKCA_MAX_FREE] = {0};
-    const mukca_selection none = {0};
-    if (!selection) selection = &none;
     const char *list = selection->free;
     const bool adds = list && list[0] == '+';
     for (int k = 0; k < chain->n_elements; k++)

@@ -15,17 +15,6 @@ static const double seated = 1e-12;
 /* Mean time between samples, s. */
 static const double interval = 5;
 
-static const mukca_simulate_options standard = {.rows = 30, .distance = 0.05};
-
-/* Replace zeroed options by the defaults. */
-static mukca_simulate_options settle(const mukca_simulate_options *options)
-{
-    mukca_simulate_options o = options ? *options : standard;
-    if (o.rows <= 0) o.rows = standard.rows;
-    if (!(o.distance > 0)) o.distance = standard.distance;
-    return o;
-}
-
 void mukca_simulate_perturb(double *theta, unsigned char *listed, const mukca_chain *chain,
                             double shift, double turn, uint64_t seed)
 {
@@ -185,10 +174,9 @@ static mukca_status begin(recorder *r, mukca_dataset *data, int rows, int placem
 void mukca_simulate_seat(double position[3], const mukca_simulated_session *session, int place,
                          int socket, int row)
 {
-    const mukca_simulate_options o = settle(session->options);
     const mukca_true_arm *arm = session->arm;
     const mukca_frame *pose = &session->places[place].pose;
-    double distance = o.distance, shift[3] = {0, 0, 0};
+    double distance = session->options->distance, shift[3] = {0, 0, 0};
     for (int e = 0; e < arm->n_effects; e++)
         if (mukca_effect_table[arm->effects[e].kind]->site == MUKCA_SITE_DISTANCE)
             distance += arm->effects[e].coefficient[0];
@@ -201,7 +189,7 @@ void mukca_simulate_seat(double position[3], const mukca_simulated_session *sess
         if (fault->kind == MUKCA_SIMULATED_OUTLIER) share = fault->row == row;
         if (fault->kind == MUKCA_SIMULATED_STEP) share = row >= fault->row;
         if (fault->kind == MUKCA_SIMULATED_CREEP && row > fault->row)
-            share = (double)(row - fault->row) / (o.rows - 1 - fault->row);
+            share = (double)(row - fault->row) / (session->options->rows - 1 - fault->row);
         for (int a = 0; a < 3; a++) shift[a] += share * fault->shift[a];
     }
     for (int a = 0; a < 3; a++)
@@ -263,7 +251,7 @@ static mukca_status record_socket(recorder *r, const mukca_simulated_session *se
 mukca_status mukca_simulate_sockets(mukca_dataset *data, const mukca_simulated_session *session,
                                     mukca_error *error)
 {
-    recorder r = {.arm = session->arm, .options = settle(session->options)};
+    recorder r = {.arm = session->arm, .options = *session->options};
     const int rows = r.options.rows, n_places = session->n_places;
     mukca_status status = begin(&r, data, 2 * rows * n_places, n_places, error);
     if (status != MUKCA_OK) goto out;
@@ -293,7 +281,7 @@ mukca_status mukca_simulate_poses(mukca_dataset *data, const mukca_true_arm *arm
                                   int n_rows, const mukca_simulate_options *options,
                                   mukca_error *error)
 {
-    recorder r = {.arm = arm, .options = settle(options)};
+    recorder r = {.arm = arm, .options = *options};
     const size_t n = (size_t)arm->chain.n_joints, count = (size_t)n_rows;
     mukca_status status = begin(&r, data, n_rows, 0, error);
     if (status != MUKCA_OK) goto out;

@@ -47,7 +47,10 @@ static bool seat(operator_ *o, double along, double off)
         double q[7];
         for (int j = 0; j < 7; j++)
             q[j] = fmax(-2.5, fmin(2.5, o->q[j] + 0.5 * mukca_random_normal(&o->random)));
-        if (!mukca_inverse_solve(q, &o->chain, &o->truth, &target, false, NULL).reached) continue;
+        if (!mukca_inverse_solve(q, &o->chain, &o->truth, &target, false,
+                                 &(mukca_inverse_options){0})
+                 .reached)
+            continue;
         mukca_fk_position(position, &o->truth, q, NULL);
         memcpy(o->q, q, sizeof q);
         return true;

@@ -34,7 +34,8 @@ TEST(test_positions_and_poses)
             q[j] = fmax(-2.5, fmin(2.5, truth[j] + 0.3 * mukca_random_normal(&random)));
         }
         mukca_fk_pose(&target, &geometry, truth, NULL);
-        mukca_inverse_result r = mukca_inverse_solve(q, &chain, &geometry, &target, pose, NULL);
+        mukca_inverse_result r =
+            mukca_inverse_solve(q, &chain, &geometry, &target, pose, &(mukca_inverse_options){0});
         mukca_fk_pose(&reached, &geometry, q, NULL);
         for (int k = 0; k < 3; k++) off += pow(reached.p[k] - target.p[k], 2);
         for (int k = 0; k < 9 && pose; k++) off += pow(reached.R[k] - target.R[k], 2);
@@ -55,7 +56,8 @@ TEST(test_out_of_reach)
 {
     const mukca_frame target = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {3, 0, 0.3}};
     double q[7] = {0.1, 0.5, 0.1, -1, 0.1, 1, 0.1};
-    mukca_inverse_result r = mukca_inverse_solve(q, &chain, &geometry, &target, false, NULL);
+    mukca_inverse_result r =
+        mukca_inverse_solve(q, &chain, &geometry, &target, false, &(mukca_inverse_options){0});
     assert_false(r.reached);
     /* stretched towards it: 3 m less a reach below 1 m */
     assert_true(r.position_error > 2.0 && r.position_error < 2.2);
