@@ -45,7 +45,7 @@ double mukca_solver_decrement(const double *L, const double *gradient, double *w
 /* Predicted decrease below which a solver stops. */
 double mukca_solver_goal(double cost);
 
-/* ---- the cost with measured poses, its Gauss-Newton Hessian (cost_normal.c) ---- */
+/* ---- the cost with measured poses, its Gauss-Newton Hessian ---- */
 
 /* As mukca_cost_init, with measured poses and memory for Hessian and solvers.  With
  * options->part, the cost of a representative part of the samples, Hessian and precision
