@@ -21,7 +21,7 @@ CORE_SRC := $(filter-out src/fit/nlopt_%,$(foreach module,$(CORE_MODULES),\
             $(sort $(wildcard src/$(module)/*.c))))
 # the part of these for control loops: no stdio, no allocation, no clock, no locale
 RT_SRC := $(addprefix src/,$(addsuffix .c,base/cells base/number base/print math/orientation \
-          math/rotation math/sincos model/chain model/chain_lookup model/fk model/fk_frames model/fk_jacobian \
+          math/rotation math/sincos model/chain model/chain_lookup model/fk model/fk_frames \
           model/gravity model/row_state arm/acceptance arm/corrected arm/offsets_parse)) $(sort $(wildcard src/effect/*.c))
 # the paper's calibration alone, of the program's files (ARCHITECTURE.md)
 HEART_SRC := $(addprefix src/,$(addsuffix .c,heart/main heart/read base/pool base/status math/rotation \

@@ -136,9 +136,10 @@ typedef struct {
 /* Input of the forward models: one configuration.  A pointer may be NULL; effects that need it then
  * have no influence. */
 typedef struct {
-    const double *q;      /* [n_joints] encoder angles */
-    const double *move;   /* [n_joints] q minus q of the previous sample; 0 in a session's first */
-    const double *torque; /* [n_joints] holding torque, N m */
+    const double *q;    /* [n_joints] encoder angles */
+    const double *move; /* [n_joints] q minus q of the previous sample; 0 in a session's first */
+    /* of mukca_effect_basis alone; a displacement has its own: */
+    const double *torque;      /* [n_joints] holding torque, N m */
     const double (*moment)[3]; /* [n_joints] holding moment in the joint frames, N m */
     const double *base_moment; /* [3] */
     const double *command;     /* [n_joints] commanded angles, or NULL */

@@ -15,16 +15,15 @@ const char *const mukca_reach_sentence[MUKCA_REACH_COUNT] = {MUKCA_REACH_LIST(RE
 #undef REACH_SENTENCE
 
 /* A joint step (rad, m) larger than any correction of a calibrated arm, and than any step between
- * rows of a path; poses less than path_step (m) apart are on one path. */
-static const double far = 0.5, path_step = 0.05;
+ * rows of a path; poses less than path_step (m) apart are on one path.  Of the target, m and rad:
+ * tolerance. */
+static const double far = 0.5, path_step = 0.05, tolerance = 1e-8;
 
-void mukca_compensator_start(mukca_compensator *c, const mukca_corrected *arm, bool position_only,
-                             double tolerance)
+void mukca_compensator_start(mukca_compensator *c, const mukca_corrected *arm, bool position_only)
 {
     memset(c, 0, sizeof *c);
     c->arm = arm;
     c->position_only = position_only || arm->chain.n_joints < 6;
-    c->tolerance = tolerance > 0 ? tolerance : 1e-8;
     mukca_geometry_set(&c->nominal, &arm->chain, NULL);
     mukca_row_state_start(&c->rows, arm->chain.n_joints);
 }
@@ -49,7 +48,7 @@ static void displace(mukca_displacement *displacement, const double *q, void *co
 static mukca_inverse_result solve(double *q, mukca_compensator *c, const mukca_frame *target)
 {
     const mukca_inverse_options options = {
-        .tolerance = c->tolerance, .displace = c->arm->n_effects ? displace : NULL, .context = c};
+        .tolerance = tolerance, .displace = c->arm->n_effects ? displace : NULL, .context = c};
     return mukca_inverse_solve(q, &c->arm->chain, &c->arm->geometry, target, !c->position_only,
                                &options);
 }

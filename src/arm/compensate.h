@@ -35,7 +35,6 @@ typedef struct {
     const mukca_corrected *arm;
     mukca_geometry nominal;
     bool position_only; /* implied by fewer than 6 joints */
-    double tolerance;   /* m and rad */
     /* the preceding row, for paths */
     mukca_row_state rows;
     bool on_path;
@@ -43,9 +42,9 @@ typedef struct {
     double position[3];
 } mukca_compensator;
 
-/* tolerance 0: 1e-8.  `arm` must outlive it. */
+/* `arm` must outlive it. */
 void mukca_compensator_start(mukca_compensator *compensator, const mukca_corrected *arm,
-                             bool position_only, double tolerance);
+                             bool position_only);
 
 /* Correct q[n_joints], targets in, corrected targets out, with the least change.  `reading` (may be
  * NULL) has time, payload, placement and row number; its angles and commands are ignored.  The move

@@ -1,10 +1,8 @@
-/* Damped least squares with an active set of joint limits and a preferred posture in the null
- * space.
+/* Damped least squares with an active set of joint limits.
  *
  * Each step solves (J J' + mu I) y = e for the task error e (at most 6 numbers) and moves by dq =
- * J' y + (I - J'(J J' + mu I)^-1 J) g; g points to the preferred posture.  A joint that would
- * exceed its range is set to the limit and removed from J for that step.  mu decreases while the
- * error decreases and increases when a step fails (Levenberg-Marquardt). */
+ * J' y.  A joint that would exceed its range is set to the limit and removed from J for that step.
+ * mu decreases while the error decreases and increases when a step fails (Levenberg-Marquardt). */
 #include "arm/inverse.h"
 
 #include <math.h>
@@ -16,10 +14,6 @@ enum { TASK = 6, DEFAULT_STEPS = 100 };
 
 /* Lever that converts rotation errors to lengths (m). */
 static const double lever = 0.3;
-
-/* Largest task error (m) while the first half of the steps moves towards a preferred posture.  The
- * second half reduces the task error alone. */
-static const double detour = 0.05;
 
 typedef struct {
     const mukca_chain *chain;
@@ -58,30 +52,23 @@ static void look(point *at, const problem *p)
     at->size = hypot(at->position_error, lever * at->rotation_error);
 }
 
-/* Compute one step dq[n] from a point, without the joints with fixed[j]; `posture` may be NULL. */
-static void step(double *dq, const point *at, const bool *fixed, const double *posture,
-                 double damping, const problem *p)
+/* Compute one step dq[n] from a point, without the joints with fixed[j]. */
+static void step(double *dq, const point *at, const bool *fixed, double damping, const problem *p)
 {
     const int n = p->chain->n_joints, m = p->rows;
     const double *J = at->J;
-    const double gain = 0.2; /* fraction of the distance to the posture per step */
-    double A[TASK * TASK], y[TASK], toward[MUKCA_MAX_JOINTS] = {0}, trace = 0, largest = 0;
-    for (int j = 0; j < n; j++)
-        if (posture && !fixed[j]) toward[j] = gain * (posture[j] - at->q[j]);
+    double A[TASK * TASK], y[TASK], trace = 0, largest = 0;
     for (int a = 0; a < m; a++) {
         y[a] = at->error[a];
         for (int b = 0; b < m; b++) A[a * m + b] = 0;
-        for (int j = 0; j < n; j++) {
-            if (fixed[j]) continue;
-            y[a] -= J[a * n + j] * toward[j];
-            for (int b = 0; b <= a; b++) A[a * m + b] += J[a * n + j] * J[b * n + j];
-        }
+        for (int j = 0; j < n; j++)
+            for (int b = 0; b <= a && !fixed[j]; b++) A[a * m + b] += J[a * n + j] * J[b * n + j];
         trace += A[a * m + a];
     }
     for (int a = 0; a < m; a++) A[a * m + a] += damping * (trace / m + 1e-12);
     if (mukca_dense_solve(y, 1, A, m)) memset(y, 0, sizeof y);
     for (int j = 0; j < n; j++) {
-        dq[j] = toward[j];
+        dq[j] = 0;
         for (int a = 0; a < m; a++) dq[j] += fixed[j] ? 0 : J[a * n + j] * y[a];
         largest = fmax(largest, fabs(dq[j]));
     }
@@ -115,9 +102,7 @@ mukca_inverse_result mukca_inverse_solve(double *q, const mukca_chain *chain,
                                          const mukca_geometry *geometry, const mukca_frame *target,
                                          bool with_rotation, const mukca_inverse_options *options)
 {
-    static const mukca_inverse_options defaults = {0};
-    const problem p = {chain, geometry, target, options ? options : &defaults,
-                       with_rotation ? TASK : 3};
+    const problem p = {chain, geometry, target, options, with_rotation ? TASK : 3};
     const int n = chain->n_joints;
     const int steps = p.options->max_steps > 0 ? p.options->max_steps : DEFAULT_STEPS;
     const double tolerance = p.options->tolerance > 0 ? p.options->tolerance : 1e-9;
@@ -127,15 +112,13 @@ mukca_inverse_result mukca_inverse_solve(double *q, const mukca_chain *chain,
     memcpy(here.q, q, (size_t)n * sizeof *q);
     look(&here, &p);
     for (; result.steps < steps; result.steps++) {
-        const bool wander = p.options->posture && result.steps < steps / 2;
-        const bool done = here.position_error <= tolerance && here.rotation_error <= tolerance;
-        if (done && !wander) break;
+        if (here.position_error <= tolerance && here.rotation_error <= tolerance) break;
         bool fixed[MUKCA_MAX_JOINTS] = {false};
         do {
-            step(dq, &here, fixed, wander ? p.options->posture : NULL, damping, &p);
+            step(dq, &here, fixed, damping, &p);
         } while (advance(next.q, fixed, here.q, dq, &p));
         look(&next, &p);
-        if (next.size < here.size || (wander && next.size < detour)) {
+        if (next.size < here.size) {
             here = next;
             damping = fmax(0.1 * damping, 1e-12);
         } else {

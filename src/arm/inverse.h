@@ -9,11 +9,10 @@
 /* Displacement by effects at q (mukca_effects_displacement and the like). */
 typedef void mukca_displace_fn(mukca_displacement *displacement, const double *q, void *context);
 
-/* Zeroed: 100 steps, 1e-9 m and rad, no preferred posture, no effects. */
+/* Zeroed: 100 steps, 1e-9 m and rad, no effects. */
 typedef struct {
     int max_steps;
     double tolerance;            /* m, and rad if a rotation is given */
-    const double *posture;       /* [n_joints] preferred in the null space, or NULL */
     mukca_displace_fn *displace; /* or NULL */
     void *context;               /* of `displace` */
 } mukca_inverse_options;
@@ -27,7 +26,7 @@ typedef struct {
 } mukca_inverse_result;
 
 /* Bring the tip to target->p (`with_rotation`: and target->R) by damped least squares.
- * q[n_joints]: start in, closest solution out.  `options` may be NULL.  Does not allocate. */
+ * q[n_joints]: start in, closest solution out.  Does not allocate. */
 mukca_inverse_result mukca_inverse_solve(double *q, const mukca_chain *chain,
                                          const mukca_geometry *geometry, const mukca_frame *target,
                                          bool with_rotation, const mukca_inverse_options *options);

@@ -12,7 +12,7 @@
 
 /* Postures for the mean error (known to a few %), Gauss-Newton steps (enough from errors of mm),
  * pairs of sockets, and number of further samples considered. */
-enum { PROBES = 32, ITERATIONS = 4, MORE_ROWS = 10 };
+enum { PROBES = 32, ITERATIONS = 4, MORE_ROWS = 10, RIGID = 6 };
 
 /* Samples required of each of two labels before they count as one socket: two samples may coincide
  * by chance. */
@@ -49,33 +49,30 @@ static double expected_error(const mukca_capture *capture, const double *factor,
 {
     const mukca_chain *chain = capture->chain;
     const int n = capture->model.parameters.n, m = 3 * PROBES;
-    double B[3 * PROBES * 6] = {0}, singular[6], q[MUKCA_MAX_JOINTS]; /* B: rigid motions */
+    const int width = RIGID + n;
+    double q[MUKCA_MAX_JOINTS];
     mukca_random random;
     mukca_random_seed(&random, 1);
     for (int i = 0; i < PROBES; i++) {
-        double x[3];
+        double x[3], *rows = A + 3 * i * width; /* rigid motions, then parameters */
         for (int j = 0; j < chain->n_joints; j++) {
             const mukca_element *e = &chain->element[chain->joint_element[j]];
             double low = fmax(e->lower, e->type == MUKCA_PRISMATIC ? -1 : -M_PI);
             double high = fmin(e->upper, e->type == MUKCA_PRISMATIC ? 1 : M_PI);
             q[j] = low + (high - low) * (0.1 + 0.8 * mukca_random_uniform(&random));
         }
-        mukca_linearisation_tip(A + 3 * i * n, n, x, &capture->model, q);
-        for (int k = 0; k < 3; k++) {
-            B[6 * (3 * i + k) + k] = 1;
-            B[6 * (3 * i + (k + 1) % 3) + 3 + k] = -x[(k + 2) % 3];
-            B[6 * (3 * i + (k + 2) % 3) + 3 + k] = x[(k + 1) % 3];
-        }
+        mukca_linearisation_tip(rows + RIGID, width, x, &capture->model, q);
+        for (int k = 0; k < 3; k++)
+            for (int a = 0; a < 3; a++) {
+                rows[a * width + k] = a == k;
+                rows[a * width + 3 + k] = a == k             ? 0
+                                          : a == (k + 1) % 3 ? -x[3 - a - k]
+                                                             : x[3 - a - k];
+            }
     }
-    if (mukca_dense_svd(B, singular, NULL, m, 6)) return (double)NAN;
-    for (int b = 0; b < 6 && singular[b] > 1e-6; b++) /* project them out of the columns of A */
-        for (int i = 0; i < n; i++) {
-            double dot = 0;
-            for (int k = 0; k < m; k++) dot += B[6 * k + b] * A[k * n + i];
-            for (int k = 0; k < m; k++) A[k * n + i] -= dot * B[6 * k + b];
-        }
+    mukca_dense_project(A, m, width, 0, RIGID);
     double sum = 0;
-    for (int k = 0; k < m; k++) sum += mukca_posterior_variance(factor, A + k * n, n);
+    for (int k = 0; k < m; k++) sum += mukca_posterior_variance(factor, A + k * width + RIGID, n);
     return sqrt(sum / PROBES);
 }
 
@@ -112,7 +109,7 @@ static mukca_status drop_coincident(mukca_dataset *view, double *apart,
 typedef struct {
     mukca_observations observations;
     int n, m;
-    double *J, *r;            /* [max(m, 3 PROBES)][n], [m] */
+    double *J, *r;            /* [max(m, 3 PROBES)][n + RIGID], [m] */
     double *gram, *part;      /* [n][n] */
     double *x, *start, *step; /* [n] */
     mukca_pool pool;
@@ -127,7 +124,7 @@ static mukca_status workspace_take(workspace *w, const mukca_capture *capture,
     const int m = w->observations.n_residuals;
     w->n = n;
     w->m = m;
-    w->J = MUKCA_TAKE(&w->pool, double, (m > 3 * PROBES ? m : 3 * PROBES) * n);
+    w->J = MUKCA_TAKE(&w->pool, double, (m > 3 * PROBES ? m : 3 * PROBES) * (n + RIGID));
     w->r = MUKCA_TAKE(&w->pool, double, m);
     w->gram = MUKCA_TAKE(&w->pool, double, n *n);
     w->part = MUKCA_TAKE(&w->pool, double, n *n);

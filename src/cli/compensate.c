@@ -121,7 +121,7 @@ static void put(job *b, const double *q, const mukca_compensation *c, const char
 static void start(job *b, bool oriented)
 {
     const compensate_options *o = b->call->options;
-    mukca_compensator_start(&b->compensator, &b->arm, o->position_only || !oriented, 0);
+    mukca_compensator_start(&b->compensator, &b->arm, o->position_only || !oriented);
 }
 
 /* The target of a row of poses; false: it lacks numbers that the header promises. */

@@ -16,7 +16,7 @@ typedef struct {
     cli_list effects, places;
     int placements, rows, poses, held_out, seed;
     double noise, rotation, correlation, payload;
-    bool sweep, effort, command, position_only;
+    bool effort, command, position_only;
 } own;
 
 /* One simulation: the true arm and its recording. */
@@ -46,8 +46,6 @@ static const cli_option options[] = {
         "and rad"),
     CLI_RANGE_OPTION(own, rows, "rows", CLI_INTEGER, "N", 2, 100000,
                      "samples in each of the two sockets (default: 30)"),
-    CLI_OPTION(own, sweep, "sweep", CLI_FLAG, NULL,
-               "smooth sequence of postures instead of random ones"),
     CLI_RANGE_OPTION(own, noise, "noise", CLI_NUMBER, "M", 0, 1,
                      "measurement noise of the ball per axis, m (default: 0)"),
     CLI_RANGE_OPTION(own, correlation, "correlation", CLI_NUMBER, "RHO", 0, 0.999,
@@ -88,9 +86,9 @@ static mukca_status check(const own *o, mukca_error *error)
 {
     if ((o->held_out > 0) != (o->test != NULL))
         return mukca_fail(error, MUKCA_USAGE, "--held-out N and --test FILE go together");
-    if (o->at && (o->poses || o->held_out || o->sweep))
+    if (o->at && (o->poses || o->held_out))
         return mukca_fail(error, MUKCA_USAGE,
-                          "--at sets the postures; omit --poses, --sweep and --held-out");
+                          "--at sets the postures; omit --poses and --held-out");
     if (is_log(o) && (o->places.n || o->placements))
         return mukca_fail(error, MUKCA_USAGE, "a pose log has no placements");
     if (!is_log(o) && (o->position_only || o->rotation > 0))
@@ -187,7 +185,6 @@ static mukca_status prepare(cli_call *call, simulation *s)
                                             .noise = o->noise,
                                             .rotation = o->rotation,
                                             .correlation = o->correlation,
-                                            .sweep = o->sweep,
                                             .effort = o->effort,
                                             .command = o->command,
                                             .position_only = o->position_only,

@@ -113,12 +113,9 @@ double mukca_cause_correlation(mukca_identification *id, const mukca_set *set, i
     if (mukca_dense_cholesky(A, ka) || mukca_dense_cholesky(B, kb)) return NAN;
     mukca_dense_forward(C, kb, A, ka);
     for (int i = 0; i < ka; i++) mukca_dense_forward(C + i * kb, 1, B, kb); /* rows times M'^-1 */
-    if (ka < kb) { /* the transpose has the same singular values */
-        for (int i = 0; i < ka; i++)
-            for (int k = 0; k < kb; k++) B[k * ka + i] = C[i * kb + k];
-        memcpy(C, B, sizeof *C * (size_t)(ka * kb));
-    }
-    if (mukca_dense_svd(C, s, NULL, ka > kb ? ka : kb, ka > kb ? kb : ka)) return NAN;
+    const int n = ka > kb ? ka : kb; /* more zeros change no other singular value */
+    for (int i = 0; i < n * n; i++) A[i] = i / n < ka && i % n < kb ? C[i / n * kb + i % n] : 0;
+    if (mukca_dense_svd(A, s, B, n)) return NAN;
     return fmin(s[0], 1);
 }
 

@@ -121,7 +121,7 @@ static void add_inelastic(mukca_deflection *y, mukca_equilibrium *e, const mukca
     ops->basis(basis, &(mukca_basis_input){.effect = f, .axis = axis, .state = state});
     for (int t = 0; t < f->terms; t++)
         for (int a = 0; a < (one ? 1 : 3); a++) into[a] += f->coefficient[t] * basis[t][a];
-    if (e->loaded) *slope += f->coefficient[0] * ops->by_load(f, basis[0]);
+    *slope += f->coefficient[0] * ops->by_load(f, basis[0]);
 }
 
 /* y := deflections under the present load; their derivatives by the load. */
@@ -129,26 +129,21 @@ PART void find_deflection(mukca_deflection *y, mukca_equilibrium *e, const mukca
 {
     mukca_gravity_load load;
     mukca_joint_state state = task->state;
-    if (e->loaded) {
-        find_load(&load, e);
-        state.torque = load.torque;
-        state.moment = (const double(*)[3])load.moment;
-        state.base_moment = load.base;
-    }
+    find_load(&load, e);
+    state.torque = load.torque;
+    state.moment = (const double(*)[3])load.moment;
+    state.base_moment = load.base;
     e->bend = e->spring;
-    for (int a = 0; a < 3; a++)
-        y->base[a] = state.base_moment ? e->spring * state.base_moment[a] : 0;
+    for (int a = 0; a < 3; a++) y->base[a] = e->spring * load.base[a];
     for (int i = 0; i < e->n_deflecting; i++) {
         const int j = e->deflecting[i];
         mukca_joint_posture *at = &e->joint[j];
         at->twist = at->spring;
         at->bend = at->blade;
-        y->angle[j] = state.torque ? at->spring * state.torque[j] : 0;
+        y->angle[j] = at->spring * load.torque[j];
         if (!at->tilts) continue;
         const double *axis = task->geometry->axis[task->chain->joint_element[j]];
-        static const double none[3];
-        const double *moment = state.moment ? state.moment[j] : none;
-        const double along = mukca_dot3(moment, axis);
+        const double *moment = load.moment[j], along = mukca_dot3(moment, axis);
         for (int a = 0; a < 3; a++) y->rotation[j][a] = at->blade * (moment[a] - along * axis[a]);
     }
     for (int i = 0; i < e->n_inelastic; i++) {
@@ -297,13 +292,12 @@ PART void move_posture(mukca_equilibrium *e, const mukca_deflection *change, boo
 static void sort_effects(mukca_equilibrium *e, const mukca_effect_task *task)
 {
     const mukca_chain *chain = task->chain;
-    bool some = false;
     memset(e->gravity, 0, sizeof e->gravity);
     for (int i = 0; i < 3; i++) ((double *)e->gravity)[i] = chain->gravity[i];
     e->n_joints = chain->n_joints;
     e->n_deflecting = e->n_inelastic = 0;
-    e->spring = 0;
-    e->tilts = false;
+    e->spring = e->bend = 0;
+    e->tilts = e->loaded = false;
     for (int j = 0; j < chain->n_joints; j++) {
         mukca_joint_posture *at = &e->joint[j];
         at->rotates = at->deflects = at->tilts = false;
@@ -315,7 +309,7 @@ static void sort_effects(mukca_equilibrium *e, const mukca_effect_task *task)
         double *spring = &e->spring;
         if (info->site == MUKCA_SITE_ROTATION) e->joint[f->joint].rotates = true;
         if (!(info->needs & MUKCA_NEEDS_MASSES)) continue;
-        some = true;
+        e->loaded = true;
         e->tilts |= info->site != MUKCA_SITE_ANGLE;
         if (f->joint >= 0) {
             mukca_joint_posture *at = &e->joint[f->joint];
@@ -330,7 +324,6 @@ static void sort_effects(mukca_equilibrium *e, const mukca_effect_task *task)
     }
     for (int j = 0; j < chain->n_joints; j++)
         if (e->joint[j].deflects) e->deflecting[e->n_deflecting++] = (unsigned char)j;
-    e->loaded = some && !task->state.torque;
 }
 
 /* Tolerance, rad or m: seven joints with their rotations keep the tip within 1e-12. */
@@ -352,12 +345,12 @@ PART bool step(mukca_equilibrium *e, mukca_deflection *y, steps *size, bool whol
     size->before = size->last;
     size->last = subtract(&change, e, y);
     if (size->before == 0) size->first = size->last;
-    if (e->loaded && !(size->last > tolerance)) return true;
+    if (!(size->last > tolerance)) return true;
     /* A step of Newton's method leaves an error of order size^2.  The response is computed to this
      * accuracy: a round multiplies its error by the deflection per rad, at most ten times `first`,
      * or 0.01 in a posture of little deflection. */
     const double error = size->last * size->last + tolerance;
-    if (e->loaded) mukca_equilibrium_settle(&change, e, error / (10 * size->first + 0.01));
+    mukca_equilibrium_settle(&change, e, error / (10 * size->first + 0.01));
     add_change(y, e, &change);
     /* The next step is at most last^2 / before.  The terms neglected in the response are smaller
      * than this step by the rotations times the deflection per rad, both of order `first`. */
@@ -380,14 +373,12 @@ MUKCA_CLONES void mukca_equilibrium_find(mukca_equilibrium *e, mukca_effect_slop
     mukca_effects_unloaded(d, slopes, &at, task);
     d->any_rotation |= e->tilts;
     clear(&y, e);
-    if (!e->loaded) step(e, &y, &size, false, task); /* under given moments */
     for (int round = 0; round < ROUNDS && !found; round++) {
         move_angles(&at, task->state.q, d->q, e->n_joints);
         set_posture(e, task, &at);
         found = !e->loaded || step(e, &y, &size, slopes != NULL, task);
     }
-    if (slopes && e->loaded && e->n_inelastic > 0)
-        find_deflection(&y, e, task); /* derivatives by the load */
+    if (slopes && e->n_inelastic > 0) find_deflection(&y, e, task); /* derivatives by the load */
 }
 
 void mukca_effects_displacement(mukca_displacement *displacement, const mukca_effect *effects,

@@ -57,7 +57,7 @@ typedef struct {
     unsigned char deflecting[MUKCA_MAX_JOINTS]; /* joints, from base to tip */
     unsigned char inelastic[MUKCA_MAX_EFFECTS]; /* indices of inelastic load-dependent effects */
     bool tilts;                                 /* some rotations depend on the load */
-    bool loaded; /* some effects depend on the load, which depends on the posture */
+    bool loaded;                                /* some effects depend on the load */
 } mukca_equilibrium;
 
 /* Load-dependent part of a displacement: angles (rad, m), rotation vectors of joints and base.

@@ -1,4 +1,5 @@
-/* Jacobian of the corrected arm: derivative of the static equilibrium by the joint angles.
+/* Jacobian of the corrected arm: derivative of the static equilibrium by the joint angles; response
+ * to a change of load.
  *
  * From base to tip, all rows of the Jacobian in parallel.  If a motion moves the tip of a rigid arm
  * by J, with M and N of equilibrium.h, the tip of the elastic arm moves by J + by_M . M + by_N . N:
@@ -101,7 +102,6 @@ PART void prepare(mukca_equilibrium *e, mukca_effect_slopes *slopes)
     for (int j = 0; j < e->n_joints; j++) {
         mukca_joint_posture *at = &e->joint[j];
         double *rate = slopes->rotation[j], *w = e->displacement.rotation[j];
-        if (!e->loaded) at->twist = at->bend = 0; /* given moments: no response */
         at->turns = rate[0] != 0 || rate[1] != 0 || rate[2] != 0;
         if (!at->turns && at->bend == 0) continue;
         to_base(w, &at->frame, w);
@@ -198,7 +198,7 @@ PART void pass_base(tip_response *t, const tip_columns *c, mukca_equilibrium *e)
     rows v[3];
     memset(t, 0, sizeof *t);
     memcpy(t->by_N, unit, sizeof unit);
-    if (e->bend == 0 || !e->loaded) return;
+    if (e->bend == 0) return;
     to_joint(w, &c->level, w);
     set_compliance(&K, w, -1, e->bend, NULL);
     rotate_distal(v, t, c, origin, S);
@@ -264,4 +264,94 @@ MUKCA_CLONES void mukca_equilibrium_differentiate(double *J, mukca_equilibrium *
             c.joint[j].row[r] -= end[0].row[r] * first + end[1].row[r] * second;
         for (int i = 0; i < 6; i++) J[i * n + j] = own[i + i / 3];
     }
+}
+
+/* ---- response of an arm under load: deflections change the load, which changes the deflections
+ * ---- */
+
+/* Change of all deflections; rotations in base coordinates. */
+typedef struct {
+    double angle[MUKCA_MAX_JOINTS];
+    LANES_ALIGNED lanes rotation[MUKCA_MAX_JOINTS][ROWS], base[ROWS];
+} motion;
+
+/* Set a rotation's change to v, in base coordinates, and add it to the deflection: change += v, in
+ * the joint's frame.  Returns v.v. */
+PART double set_change(double change[3], lanes *rotation, const columns *F, const lanes *v)
+{
+    double own[3];
+    if (F) to_joint(own, F, XYZ(v));
+    for (int a = 0; a < 3; a++) change[a] += F ? own[a] : XYZ(v)[a];
+    for (int r = 0; r < ROWS; r++) rotation[r] = v[r];
+    return columns_dot(v, v);
+}
+
+/* own[ROWS] := response of a joint's rotation to N and M. */
+PART void bend_joint(lanes *own, const mukca_equilibrium *e, const mukca_joint_posture *at,
+                     const lanes *N, const lanes *M)
+{
+    columns_cross(own, e->gravity, M);
+    columns_add_cross(own, at->first, N);
+    const double along = columns_dot(at->axis, own);
+    for (int r = 0; r < ROWS; r++) own[r] = at->bend * (own[r] - along * at->axis[r]);
+}
+
+/* m := the deflections due to the change of load by m; change += these.  Returns the sum of their
+ * squares.  Outwards from the base: M starts with all contributions and loses them, N accumulates
+ * them. */
+PART double respond(mukca_deflection *change, motion *m, const mukca_equilibrium *e)
+{
+    lanes N[ROWS] = {0}, M[ROWS] = {0}, own[ROWS] = {0};
+    double squares = 0;
+    if (e->bend != 0) columns_add_cross(M, m->base, e->first);
+    for (int i = 0; i < e->n_deflecting; i++) {
+        const int j = e->deflecting[i];
+        const mukca_joint_posture *at = &e->joint[j];
+        for (int r = 0; r < ROWS; r++) M[r] += at->into_M[r] * m->angle[j];
+        if (at->bend != 0) columns_add_cross(M, m->rotation[j], at->first);
+    }
+    if (e->bend != 0) {
+        columns_cross(own, e->gravity, M);
+        for (int r = 0; r < ROWS; r++) own[r] *= e->bend;
+        columns_subtract_cross(M, m->base, e->first);
+        columns_cross(N, m->base, e->gravity);
+        squares += set_change(change->base, m->base, NULL, own);
+    }
+    for (int i = 0; i < e->n_deflecting; i++) {
+        const int j = e->deflecting[i];
+        const mukca_joint_posture *at = &e->joint[j];
+        const double angle = m->angle[j];
+        if (at->bend != 0) {
+            columns_add_cross(N, m->rotation[j], e->gravity);
+            columns_subtract_cross(M, m->rotation[j], at->first);
+            bend_joint(own, e, at, N, M);
+            squares += set_change(change->rotation[j], m->rotation[j], &at->frame, own);
+        }
+        for (int r = 0; r < ROWS; r++) own[r] = at->into_N[r] * M[r] + at->into_M[r] * N[r];
+        m->angle[j] = at->twist * (XYZ(own)[0] + XYZ(own)[1] + XYZ(own)[2]);
+        change->angle[j] += m->angle[j];
+        squares += m->angle[j] * m->angle[j];
+        for (int r = 0; r < ROWS; r++) {
+            M[r] -= at->into_M[r] * angle;
+            N[r] += at->into_N[r] * angle;
+        }
+    }
+    return squares;
+}
+
+MUKCA_CLONES void mukca_equilibrium_settle(mukca_deflection *change, const mukca_equilibrium *e,
+                                           double within)
+{
+    enum { ROUNDS = 8 };
+    motion m;
+    for (int a = 0; a < ROWS; a++) m.base[a] = (lanes){0};
+    for (int a = 0; a < 3; a++) ((double *)m.base)[a] = change->base[a];
+    for (int i = 0; i < e->n_deflecting; i++) {
+        const int j = e->deflecting[i];
+        m.angle[j] = change->angle[j];
+        if (e->joint[j].bend != 0)
+            columns_vector(m.rotation[j], &e->joint[j].frame, change->rotation[j]);
+    }
+    for (int round = 0; round < ROUNDS; round++)
+        if (!(respond(change, &m, e) > within * within)) return;
 }

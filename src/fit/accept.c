@@ -7,7 +7,6 @@
 
 #include "base/text.h"
 #include "fit/align.h"
-#include "fit/tip_error.h"
 #include "math/stats.h"
 #include "model/dataset_subset.h"
 

@@ -39,7 +39,7 @@ mukca_status mukca_frames_start(double *theta, const mukca_chain *with_frames,
                                 const mukca_dataset *data, bool base, bool tool,
                                 mukca_error *error);
 
-/* ---- pose of one arm's base in that of another, from shared sockets (two_arms.c) ---- */
+/* ---- pose of one arm's base in that of another, from shared sockets ---- */
 
 /* A socket as both arms predict it: mean of its samples in each base, m, and the variance of each
  * coordinate due to measurement noise, m^2.  Index 0: left, 1: right. */

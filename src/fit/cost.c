@@ -7,9 +7,7 @@ bool mukca_cost_init(mukca_cost *cost, mukca_pool *pool, const mukca_chain *chai
                      const mukca_parameters *parameters, const mukca_dataset *data,
                      const mukca_cost_options *options)
 {
-    const mukca_cost_options none = {0};
     double nominal[MUKCA_MAX_FREE];
-    if (!options) options = &none;
     mukca_chain_theta(nominal, chain);
     const int n = parameters->n, all = MUKCA_PARAMETERS * chain->n_elements;
     memset(cost, 0, sizeof *cost);

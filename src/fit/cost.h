@@ -51,8 +51,8 @@ static inline double mukca_cost_lambda(const mukca_cost *cost)
     return cost->lambda * cost->observations.n_groups;
 }
 
-/* The cost of sockets, without Hessian; memory from the pool, false: out of memory.  `options`
- * may be NULL.  Chain and parameters must outlive the cost; the cost must not be moved. */
+/* The cost of sockets, without Hessian; memory from the pool, false: out of memory.
+ * Chain and parameters must outlive the cost; the cost must not be moved. */
 bool mukca_cost_init(mukca_cost *cost, mukca_pool *pool, const mukca_chain *chain,
                      const mukca_parameters *parameters, const mukca_dataset *data,
                      const mukca_cost_options *options);

@@ -2,7 +2,6 @@
 #include "fit/accept.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 #include "fit/align.h"
 #include "model/dataset_subset.h"
@@ -75,15 +74,12 @@ static mukca_status predict_fold(mukca_cross_validation *r, const int *fold, int
                                  mukca_error *error)
 {
     const int rows = r->data.n_rows;
-    unsigned char *keep = malloc((size_t)rows + 1);
-    double *errors = malloc(2 * ((size_t)rows + 1) * sizeof *errors);
+    mukca_pool pool = {0};
+    unsigned char *keep = MUKCA_TAKE(&pool, unsigned char, rows);
+    double *errors = MUKCA_TAKE(&pool, double, 2 * rows);
     mukca_dataset part[2] = {{0}};
     mukca_fit fit = {0};
-    mukca_status status = MUKCA_OK;
-    if (!keep || !errors) {
-        status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
-        goto out;
-    }
+    mukca_status status = pool.failed ? mukca_fail(error, MUKCA_MEMORY, "out of memory") : MUKCA_OK;
     for (int held = 0; held < 2 && status == MUKCA_OK; held++) {
         for (int i = 0; i < rows; i++) keep[i] = (fold[i] == f) == held;
         status = mukca_dataset_subset(&part[held], &r->data, keep, error);
@@ -96,11 +92,9 @@ static mukca_status predict_fold(mukca_cross_validation *r, const int *fold, int
         r->before[i] = errors[k];
         r->after[i] = errors[rows + k++];
     }
-out:
     for (int held = 0; held < 2; held++) mukca_dataset_free(&part[held]);
     mukca_fit_free(&fit);
-    free(keep);
-    free(errors);
+    mukca_pool_free(&pool);
     return status;
 }
 
@@ -108,7 +102,7 @@ out:
 static mukca_status predict_folds(mukca_cross_validation *r, const mukca_chain *chain,
                                   const mukca_fit_options *options, mukca_error *error)
 {
-    int *fold = malloc(((size_t)r->data.n_rows + 1) * sizeof *fold);
+    int *fold = MUKCA_TAKE(&r->pool, int, r->data.n_rows);
     const int n = fold ? assign(fold, &r->placements, &r->data) : -1;
     mukca_status status =
         n < 0 ? mukca_fail(error, MUKCA_MEMORY, "out of memory for the folds") : MUKCA_OK;
@@ -116,16 +110,13 @@ static mukca_status predict_folds(mukca_cross_validation *r, const mukca_chain *
     for (int i = 0; i < r->data.n_rows; i++) r->before[i] = r->after[i] = NAN;
     for (int f = 0; f < r->folds && status == MUKCA_OK; f++)
         status = predict_fold(r, fold, f, chain, options, error);
-    free(fold);
     return status;
 }
 
 void mukca_cross_validation_free(mukca_cross_validation *r)
 {
     mukca_dataset_free(&r->data);
-    free(r->before);
-    free(r->after);
-    *r = (mukca_cross_validation){0};
+    mukca_pool_free(&r->pool);
 }
 
 mukca_status mukca_fit_cross_validate(mukca_cross_validation *r, const mukca_fit *fit,
@@ -142,9 +133,9 @@ mukca_status mukca_fit_cross_validate(mukca_cross_validation *r, const mukca_fit
     *r = (mukca_cross_validation){.held = tested ? test : &r->data};
     if (!tested) status = mukca_part_take(&r->data, data, MOST_SAMPLES, error);
     if (status != MUKCA_OK) return status;
-    r->before = malloc(((size_t)r->held->n_rows + 1) * sizeof *r->before);
-    r->after = malloc(((size_t)r->held->n_rows + 1) * sizeof *r->after);
-    if (!r->before || !r->after)
+    r->before = MUKCA_TAKE(&r->pool, double, r->held->n_rows);
+    r->after = MUKCA_TAKE(&r->pool, double, r->held->n_rows);
+    if (r->pool.failed)
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
     else if (tested)
         status = predict(r->before, r->after, fit, data, test, options, error);

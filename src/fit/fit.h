@@ -4,7 +4,7 @@
 
 #include "fit/solver.h"
 
-/* ---- the user's lists of free and frozen parameters (selection.c) ---- */
+/* ---- the user's lists of free and frozen parameters ---- */
 
 /* The user's selection; zeroed: the default set.  A list is comma-separated; an item is
  *     joint              all six parameters of that URDF joint (fixed joints may be named too)

@@ -82,7 +82,7 @@ static void project_out_turning(double *R, int n)
     for (int r = 0; r < wide; r++)
         for (int c = 0; c < 3; c++) size += R[r * wide + n + c] * R[r * wide + n + c];
     for (int i = 0; i < 9; i++) T[i] = R[(n + i / 3) * wide + n + i % 3];
-    if (mukca_dense_svd(T, s, V, 3, 3) != 0) return;
+    if (mukca_dense_svd(T, s, V, 3) != 0) return;
     for (int c = 0; c < 3; c++) {
         double *v = u[found], length = 0;
         if (!(s[c] <= 1e-6 * sqrt(size))) continue; /* the parameters cannot rotate the arm */
@@ -146,7 +146,7 @@ mukca_status mukca_identify(mukca_identification *id, double *null_space, mukca_
     score_covariance(B, cost);                 /* overwrites the Jacobian */
     if (!o->target) project_out_turning(R, n); /* measured poses identify that rotation */
     for (int i = 1; i < n; i++) memmove(R + i * n, R + i * (n + 3), (size_t)n * sizeof *R);
-    if (mukca_dense_svd(R, s, V, n, n) != 0)
+    if (mukca_dense_svd(R, s, V, n) != 0)
         return mukca_fail(error, MUKCA_INPUT, "the model's derivatives are not finite numbers");
     while (id->rank < n && s[id->rank] > MUKCA_RANK_TOLERANCE * s[0])
         log_product += log(s[id->rank++]);

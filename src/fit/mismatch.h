@@ -1,4 +1,4 @@
-/* Joint columns: those that determine less than they seem to (columns.c), and the search for a
+/* Joint columns: those that determine less than they seem to, and the search for a
  * mix-up that explains data that do not fit the arm. */
 #ifndef MUKCA_FIT_MISMATCH_H
 #define MUKCA_FIT_MISMATCH_H

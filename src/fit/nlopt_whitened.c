@@ -91,17 +91,16 @@ static mukca_status run_round(whitened *a, mukca_nlopt_method method, int max_ev
     return status;
 }
 
-static mukca_status run_nlopt(mukca_nlopt_method method, double *x, mukca_solver_outcome *outcome,
-                              mukca_cost *cost, const mukca_solver_options *options,
-                              mukca_error *error)
+static mukca_status run(double *x, mukca_solver_outcome *outcome, mukca_cost *cost,
+                        const mukca_solver *solver, const mukca_solver_options *options,
+                        mukca_error *error)
 {
-    const mukca_solver_options none = {0};
     const int n = cost->n;
     double *work = cost->scratch + 3 * n * n;
     mukca_status status = MUKCA_OK;
     const double until = mukca_clock_seconds() + MUKCA_SOLVER_SECONDS;
     whitened a = {.cost = cost,
-                  .options = options ? options : &none,
+                  .options = options,
                   .outcome = outcome,
                   .L = cost->scratch,
                   .x = work,
@@ -121,26 +120,14 @@ static mukca_status run_nlopt(mukca_nlopt_method method, double *x, mukca_solver
         const double seconds = until - mukca_clock_seconds();
         outcome->stop = MUKCA_STOP_LIMIT;
         if (left <= 0 || seconds <= 0) break;
-        status = run_round(&a, method, left, seconds, error);
+        status = run_round(&a, solver->method, left, seconds, error);
         a.unit = a.best_value;
     } while (status == MUKCA_OK && a.anew && a.unit > 0);
     outcome->evaluations = cost->evaluations - a.before;
     return status;
 }
 
-static mukca_status run_slsqp(double *x, mukca_solver_outcome *outcome, mukca_cost *cost,
-                              const mukca_solver_options *options, mukca_error *error)
-{
-    return run_nlopt(MUKCA_NLOPT_SLSQP, x, outcome, cost, options, error);
-}
-
-static mukca_status run_lbfgs(double *x, mukca_solver_outcome *outcome, mukca_cost *cost,
-                              const mukca_solver_options *options, mukca_error *error)
-{
-    return run_nlopt(MUKCA_NLOPT_LBFGS, x, outcome, cost, options, error);
-}
-
-static const mukca_solver slsqp = {.name = "slsqp", .run = run_slsqp};
-static const mukca_solver lbfgs = {.name = "lbfgs", .run = run_lbfgs};
+static const mukca_solver slsqp = {"slsqp", MUKCA_NLOPT_SLSQP, run};
+static const mukca_solver lbfgs = {"lbfgs", MUKCA_NLOPT_LBFGS, run};
 
 const mukca_solver *const mukca_solver_table[] = {&slsqp, &lbfgs, &mukca_solver_gauss_newton, NULL};

@@ -25,7 +25,7 @@ void mukca_orientations_gradient(double *gradient, mukca_observations *observati
                                  const double *theta, const mukca_parameters *parameters,
                                  mukca_gradient kind);
 
-/* ---- residuals as one vector, and their Jacobian (observe_jacobian.c) ---- */
+/* ---- residuals as one vector, and their Jacobian ---- */
 
 /* Residuals r[n_residuals] and their Jacobian J[n_residuals][n] (NULL: not wanted) at theta. */
 void mukca_observe_residuals(double *r, double *J, mukca_observations *observations,
@@ -34,14 +34,6 @@ void mukca_observe_residuals(double *r, double *J, mukca_observations *observati
 
 /* Square roots of the weights of the residuals, weight[n_residuals]; 1 of pairs. */
 void mukca_observe_weights(double *weight, const mukca_observations *observations);
-
-/* ---- orientations and Jacobian of a sweep (sweep_jacobian.c) ---- */
-
-/* Compute Q, the tip's orientation in the base, for the origins in use. */
-void mukca_sweep_orientations(mukca_sweep *sweep);
-
-/* Angular velocity of a rotation R with derivative dR: the antisymmetric part of dR R'. */
-void mukca_sweep_spin(double omega[3], const double dR[9], const double R[9]);
 
 /* Jacobians with respect to the n free parameters at theta: of the tip's position, J[3 * rows][n],
  * and of its orientation (rotation vector in base coordinates), JO[3 * rows][n] or NULL. Needs

@@ -20,13 +20,13 @@ typedef struct {
     mukca_stop stop;
 } mukca_solver_outcome;
 
-/* Minimise from x[n] (in/out: the best point seen).  Errors: MUKCA_MEMORY (NLopt's own). */
-typedef mukca_status mukca_solver_fn(double *x, mukca_solver_outcome *outcome, mukca_cost *cost,
-                                     const mukca_solver_options *options, mukca_error *error);
-
-typedef struct {
+typedef struct mukca_solver {
     const char *name;
-    mukca_solver_fn *run;
+    mukca_nlopt_method method; /* of NLopt's */
+    /* Minimise from x[n] (in/out: the best point seen).  Errors: MUKCA_MEMORY (NLopt's own). */
+    mukca_status (*run)(double *x, mukca_solver_outcome *outcome, mukca_cost *cost,
+                        const struct mukca_solver *solver, const mukca_solver_options *options,
+                        mukca_error *error);
 } mukca_solver;
 
 extern const mukca_solver mukca_solver_gauss_newton;
@@ -45,7 +45,7 @@ double mukca_solver_decrement(const double *L, const double *gradient, double *w
 /* Predicted decrease below which a solver stops. */
 double mukca_solver_goal(double cost);
 
-/* ---- the cost with measured poses, its Gauss-Newton Hessian (cost_normal.c) ---- */
+/* ---- the cost with measured poses, its Gauss-Newton Hessian ---- */
 
 /* As mukca_cost_init, with measured poses and memory for Hessian and solvers.  With
  * options->part, the cost of a representative part of the samples, Hessian and precision

@@ -29,7 +29,7 @@ typedef struct {
     double *sine, *cosine;  /* [n_joints][padded]; prismatic: sine holds q */
     double *x;              /* [3][padded] predicted tip; scratch of mukca_sweep_jacobian */
     double *w; /* [n_elements][3][padded] tip in the frame after the origin of each element */
-    double *Q; /* [9][padded] of sweep_jacobian.c */
+    double *Q; /* [9][padded] of poses.c */
 } mukca_sweep;
 
 /* Allocate the arrays for `rows` samples from the pool. */

@@ -1,5 +1,5 @@
 /* Expected error of the tip, from the posterior of geometry and effects. */
-#include "fit/tip_error.h"
+#include "fit/accept.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -24,20 +24,6 @@ static void predict(double tip[3], const mukca_chain *chain, const mukca_offsets
     mukca_geometry_set(&geometry, chain, theta);
     if (n) mukca_effects_displacement(&d, model->effects, n, chain, &geometry, q, &state);
     mukca_fk_position(tip, &geometry, q, n ? &d : NULL);
-}
-
-/* Remove the columns first..end - 1 of X[rows][w] from those after them. */
-static void project(double *X, int rows, int w, int first, int end)
-{
-    for (int b = first; b < end; b++) {
-        double square = 0;
-        for (int i = 0; i < rows; i++) square += X[i * w + b] * X[i * w + b];
-        for (int c = b + 1; c < w && square > 1e-9 * rows; c++) {
-            double dot = 0;
-            for (int i = 0; i < rows; i++) dot += X[i * w + b] * X[i * w + c];
-            for (int i = 0; i < rows; i++) X[i * w + c] -= dot / square * X[i * w + b];
-        }
-    }
 }
 
 /* Mean errors of both models over arms from the posterior, with the interval of the table's; or (if
@@ -104,9 +90,9 @@ static bool draw(mukca_tip_error *out, mukca_arm_posterior *p, const mukca_chain
             for (int k = 0; k < 2; k++) to[p->width + k] = tip[k][a] - to[p->width - 1];
         }
     }
-    project(X, rows, w, 0, scale);
+    mukca_dense_project(X, rows, w, 0, scale);
     sample(out, where, false, p, X, &random);
-    project(X, rows, w, scale, MUKCA_NUISANCE);
+    mukca_dense_project(X, rows, w, scale, MUKCA_NUISANCE);
     sample(out, where, true, p, X, &random);
     if (p->poses) out->unscaled_m[where] = NAN;
     return true;

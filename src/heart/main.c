@@ -102,10 +102,11 @@ int main(int argc, char **argv)
         status = mukca_heart_data(&data, &chain, 0.05, argv + 3, argc - 3, &error);
     if (status == MUKCA_OK) {
         mukca_parameters_set(&parameters, &chain, NULL, false);
-        status = mukca_cost_init(&f.cost, &pool, &chain, &parameters, &data, NULL)
-                     ? calibrate(&f, &chain, &data, lbfgs ? MUKCA_NLOPT_LBFGS : MUKCA_NLOPT_SLSQP,
-                                 &error)
-                     : mukca_fail(&error, MUKCA_MEMORY, "out of memory");
+        status =
+            mukca_cost_init(&f.cost, &pool, &chain, &parameters, &data, &(mukca_cost_options){0})
+                ? calibrate(&f, &chain, &data, lbfgs ? MUKCA_NLOPT_LBFGS : MUKCA_NLOPT_SLSQP,
+                            &error)
+                : mukca_fail(&error, MUKCA_MEMORY, "out of memory");
     }
     if (status != MUKCA_OK) fprintf(stderr, "heart: %s\n", error.text);
     mukca_dataset_free(&data);

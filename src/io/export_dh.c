@@ -23,10 +23,8 @@ static mukca_status write_table(FILE *stream, const mukca_export_input *input,
     fprintf(stream,
             "# convention: %s\n# T_base_tip is the product of the rows' %s;\n"
             "# a prismatic joint adds q to d.  mukca urdf --dh reads this table back.\n"
-            "# Largest difference of the tip over random postures: %.2g m.\n"
             "joint\ttype\ta_m\talpha_rad\td_m\ttheta_rad\tlower\tupper\n",
-            mukca_dh_convention_name[convention], formula[convention],
-            mukca_dh_residual(&dh, input->chain, theta));
+            mukca_dh_convention_name[convention], formula[convention]);
     for (int k = 0; k < dh.n_rows; k++) {
         const mukca_dh_row *r = &dh.row[k];
         const double values[] = {r->a, r->alpha, r->d, r->theta, r->lower, r->upper};

@@ -38,10 +38,13 @@ void mukca_dense_backward(double *b, int k, const double *L, int n);
 /* Solve L x = b for the first k columns of b[n][ld], k a multiple of 8. */
 void mukca_dense_forward8(double *b, int k, int ld, const double *L, int n);
 
-/* One-sided Jacobi SVD of A[m][n], m >= n, in place: A becomes U (columns with singular value > 0
- * are orthonormal), s[n] descending, V[n][n] (A = U diag(s) V').  V may be NULL.  Returns 0, or 1
- * without convergence in 60 sweeps (also for NaN or infinity). */
-int mukca_dense_svd(double *A, double *s, double *V, int m, int n);
+/* One-sided Jacobi SVD of A[n][n] in place: A becomes U (columns with singular value > 0 are
+ * orthonormal), s[n] descending, V[n][n] (A = U diag(s) V').  Of more rows: mukca_dense_qr_absorb
+ * first.  Returns 0, or 1 without convergence in 60 sweeps (also for NaN or infinity). */
+int mukca_dense_svd(double *A, double *s, double *V, int n);
+
+/* Remove the columns first .. end - 1 of X[rows][width] from those after them (Gram-Schmidt). */
+void mukca_dense_project(double *X, int rows, int width, int first, int end);
 
 /* Gauss-Jordan with full pivoting on N[k][n] (row stride ld): each row receives a column with 1 in
  * this row and 0 in the others, which leaves few nonzero entries. */

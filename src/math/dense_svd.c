@@ -1,4 +1,4 @@
-/* Singular values by one-sided Jacobi, and sparse bases of null spaces.
+/* Singular values by one-sided Jacobi, projections, and sparse bases of null spaces.
  *
  * One-sided Jacobi (Demmel and Veselic 1992) computes small singular values with high
  * relative accuracy if column scaling permits, unlike bidiagonalisation.
@@ -22,14 +22,7 @@ static void jacobi_angle(double *c, double *s, double app, double apq, double aq
     *s = *c * t;
 }
 
-MUKCA_INLINE double dot(const double *x, const double *y, long step, int n)
-{
-    if (step == 1) return dot4(x, y, n);
-    double sum = 0;
-    for (long i = 0; i < n * step; i += step) sum += x[i] * y[i];
-    return sum;
-}
-
+/* (x, y) := (c x - s y, s x + c y) for n entries at stride `step`. */
 MUKCA_INLINE void rotate(double *x, double *y, long step, int n, double c, double s)
 {
     for (long i = 0; i < n * step; i += step) {
@@ -39,7 +32,7 @@ MUKCA_INLINE void rotate(double *x, double *y, long step, int n, double c, doubl
     }
 }
 
-MUKCA_INLINE void swap(double *x, double *y, long step, int n)
+static void swap(double *x, double *y, long step, int n)
 {
     for (long i = 0; i < n * step; i += step) {
         double a = x[i];
@@ -69,53 +62,32 @@ static double largest(const double *A, long count)
     return max;
 }
 
-/* Columns of a matrix: `length` entries at stride `step`, columns at stride `next`; NULL: none. */
-typedef struct {
-    double *x;
-    long next, step;
-    int length;
-} columns;
-
-MUKCA_INLINE void swap_columns(columns A, int p, int q)
+/* Swap columns p and q of A, which are rows here, and of V. */
+static void swap_columns(double *A, double *V, int n, int p, int q)
 {
-    if (A.x) swap(A.x + p * A.next, A.x + q * A.next, A.step, A.length);
+    swap(A + p * n, A + q * n, 1, n);
+    swap(V + p, V + q, n, n);
 }
 
-/* Move s and the columns of A and V into descending order of s. */
-MUKCA_INLINE void sort_columns(double *s, columns A, columns V, int n)
+/* Orthogonalise pairs of columns of A, which are rows here; V is rotated with them. */
+MUKCA_INLINE bool orthogonalise(double *A, double *V, int n)
 {
-    for (int i = 0; i < n; i++) {
-        int best = i;
-        for (int j = i + 1; j < n; j++)
-            if (s[j] > s[best]) best = j;
-        if (best == i) continue;
-        swap(s + i, s + best, 1, 1);
-        swap_columns(A, i, best);
-        swap_columns(V, i, best);
-    }
-}
-
-/* Orthogonalise pairs of columns of A; V is rotated with them. */
-MUKCA_INLINE bool orthogonalise(columns A, columns V, int n)
-{
-    const double tolerance = DBL_EPSILON * sqrt(A.length);
+    const double tolerance = DBL_EPSILON * sqrt(n);
     for (int sweep = 0; sweep < MAX_SWEEPS; sweep++) {
         bool done = true;
         for (int p = 0; p < n - 1; p++)
             for (int q = p + 1; q < n; q++) {
-                double *x = A.x + p * A.next, *y = A.x + q * A.next, c, s;
-                const double xx = dot(x, x, A.step, A.length), xy = dot(x, y, A.step, A.length),
-                             yy = dot(y, y, A.step, A.length);
+                double *x = A + p * n, *y = A + q * n, c, s;
+                const double xx = dot4(x, x, n), xy = dot4(x, y, n), yy = dot4(y, y, n);
                 /* A column whose square underflows counts as zero. */
                 if (fabs(xy) <= tolerance * sqrt(xx) * sqrt(yy) || !(fmin(xx, yy) > 1e-290)) {
-                    if (xx >= yy) continue;
-                    swap_columns(A, p, q); /* larger one first: fewer sweeps, and nearly sorted */
-                    swap_columns(V, p, q);
+                    /* larger one first: fewer sweeps, and nearly sorted */
+                    if (xx < yy) swap_columns(A, V, n, p, q);
                     continue;
                 }
                 jacobi_angle(&c, &s, xx, xy, yy);
-                rotate(x, y, A.step, A.length, c, s);
-                if (V.x) rotate(V.x + p, V.x + q, V.step, n, c, s);
+                rotate(x, y, 1, n, c, s);
+                rotate(V + p, V + q, n, n, c, s);
                 done = false;
             }
         if (done) return true;
@@ -123,31 +95,45 @@ MUKCA_INLINE bool orthogonalise(columns A, columns V, int n)
     return false;
 }
 
-MUKCA_CLONES int mukca_dense_svd(double *A, double *s, double *V, int m, int n)
+MUKCA_CLONES int mukca_dense_svd(double *A, double *s, double *V, int n)
 {
-    double scale = largest(A, (long)m * n);
+    double scale = largest(A, n * n);
     if (!isfinite(scale)) return 1;
-    if (V)
-        for (int i = 0; i < n * n; i++) V[i] = i % (n + 1) == 0;
+    for (int i = 0; i < n * n; i++) V[i] = i % (n + 1) == 0;
     int exponent = 0;
     if (scale > 0) frexp(scale, &exponent);
     if (abs(exponent) < 300) exponent = 0; /* squares are safe */
-    for (long i = 0; exponent != 0 && i < (long)m * n; i++) A[i] = ldexp(A[i], -exponent);
+    for (int i = 0; exponent != 0 && i < n * n; i++) A[i] = ldexp(A[i], -exponent);
 
-    const bool square = m == n; /* transposed for contiguous columns */
-    const columns A_columns = {A, square ? n : 1, square ? 1 : n, m}, V_columns = {V, 1, n, n};
-    if (square) transpose(A, n);
-    const bool converged = square ? orthogonalise((columns){A, n, 1, m}, V_columns, n)
-                                  : orthogonalise((columns){A, 1, n, m}, V_columns, n);
+    transpose(A, n); /* for contiguous columns */
+    const bool converged = orthogonalise(A, V, n);
     for (int j = 0; j < n; j++) {
-        double *x = A + j * A_columns.next, norm = sqrt(dot(x, x, A_columns.step, m));
-        if (norm > 0)
-            for (long i = 0; i < m * A_columns.step; i += A_columns.step) x[i] /= norm;
-        s[j] = ldexp(norm, exponent); /* NOLINT(*NullDereference): s is never NULL */
+        double *x = A + j * n, norm = sqrt(dot4(x, x, n));
+        for (int i = 0; i < n && norm > 0; i++) x[i] /= norm;
+        s[j] = ldexp(norm, exponent);
     }
-    sort_columns(s, A_columns, V_columns, n);
-    if (square) transpose(A, n);
+    for (int i = 0; i < n; i++) {
+        int best = i;
+        for (int j = i + 1; j < n; j++)
+            if (s[j] > s[best]) best = j;
+        swap(s + i, s + best, 1, 1);
+        if (best != i) swap_columns(A, V, n, i, best);
+    }
+    transpose(A, n);
     return converged ? 0 : 1;
+}
+
+void mukca_dense_project(double *X, int rows, int w, int first, int end)
+{
+    for (int b = first; b < end; b++) {
+        double square = 0;
+        for (int i = 0; i < rows; i++) square += X[i * w + b] * X[i * w + b];
+        for (int c = b + 1; c < w && square > 1e-9 * rows; c++) {
+            double dot = 0;
+            for (int i = 0; i < rows; i++) dot += X[i * w + b] * X[i * w + c];
+            for (int i = 0; i < rows; i++) X[i * w + c] -= dot / square * X[i * w + b];
+        }
+    }
 }
 
 void mukca_dense_reduce(double *N, int k, int n, int ld)

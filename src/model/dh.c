@@ -4,8 +4,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "model/dataset_subset.h"
-
 const char *const mukca_dh_convention_name[] = {"standard", "modified", NULL};
 
 static const double pi = 3.14159265358979323846;
@@ -180,25 +178,4 @@ void mukca_dh_to_chain(mukca_chain *chain, const mukca_dh *dh)
     }
     if (chain->n_elements == 0) return;
     memcpy(chain->element[chain->n_elements - 1].child, "tip_link", sizeof "tip_link");
-}
-
-double mukca_dh_residual(const mukca_dh *dh, const mukca_chain *chain, const double *theta)
-{
-    enum { POSTURES = 500 };
-    mukca_chain other;
-    mukca_geometry a, b;
-    mukca_random random;
-    double worst = 0;
-    mukca_dh_to_chain(&other, dh);
-    mukca_geometry_set(&a, chain, theta);
-    mukca_geometry_set(&b, &other, NULL);
-    mukca_random_seed(&random, 1);
-    for (int i = 0; i < POSTURES; i++) {
-        double q[MUKCA_MAX_JOINTS], p[3], r[3];
-        mukca_posture_draw(q, chain, &random);
-        mukca_fk_position(p, &a, q, NULL);
-        mukca_fk_position(r, &b, q, NULL);
-        worst = fmax(worst, mukca_distance3(p, r));
-    }
-    return worst;
 }

@@ -34,8 +34,4 @@ void mukca_dh_from_chain(mukca_dh *dh, const mukca_chain *chain, const double *t
 /* Convert a table to a chain from link `base` to link `tip`; robot and SHA-256 are empty. */
 void mukca_dh_to_chain(mukca_chain *chain, const mukca_dh *dh);
 
-/* Largest distance between the tips of the chain with `theta` and of the table over random postures
- * within the limits, m. */
-double mukca_dh_residual(const mukca_dh *dh, const mukca_chain *chain, const double *theta);
-
 #endif

@@ -10,7 +10,8 @@
 /* ---- random postures with the ball in a socket, within the limits of arm and tool (poses.c) ----
  */
 
-/* The arm and the rules for its postures: mukca_plan_options with the defaults filled in. */
+/* The arm and the rules for its postures; clearance: least height of the joints above the base's
+ * plane (or a lower socket), m. */
 typedef struct {
     const mukca_chain *chain;
     const mukca_geometry *geometry;

@@ -34,9 +34,7 @@ typedef struct {
     double noise; /* standard deviation of one coordinate of a sample, m; 0: 1e-4 */
     double tilt;  /* largest tilt of the tool from straight down, rad; 0: pi / 3, or the largest in
                      the data; > pi: any */
-    double clearance; /* least height of the joints above the base's plane (or a lower socket), m;
-                         0: 0.05, or the least in the data; NaN: any */
-    double payload;   /* of the proposed postures: kg at the tip that the model does not include */
+    double payload; /* of the proposed postures: kg at the tip that the model does not include */
     const mukca_effect *effects; /* causes to distinguish; NULL: plan for accuracy */
     int n_effects;               /* at least 2 unless 0 */
     bool poses_only;             /* for causes: omit the expected errors (they are 0) */

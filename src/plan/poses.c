@@ -46,11 +46,11 @@ void mukca_plan_rules_set(mukca_plan_rules *rules, const mukca_chain *chain,
     *rules = (mukca_plan_rules){.chain = chain,
                                 .geometry = geometry,
                                 .tilt = o->tilt > 0 ? o->tilt : M_PI / 3,
-                                .clearance = o->clearance != 0 ? o->clearance : 0.05};
+                                .clearance = 0.05};
     for (int r = 0; data && r < data->n_rows; r++) {
         const attitude s = attitude_of(data->q + r * data->n_joints, rules);
         if (!(o->tilt > 0)) rules->tilt = fmax(rules->tilt, s.lean);
-        if (o->clearance == 0) rules->clearance = fmin(rules->clearance, s.clear);
+        rules->clearance = fmin(rules->clearance, s.clear);
     }
 }
 

@@ -172,7 +172,7 @@ typedef struct {
     mukca_unknown unknown[MUKCA_MAX_UNKNOWNS];
     double value[MUKCA_MAX_UNKNOWNS]; /* sum of the steps so far */
     long equations;
-    double rss, total;                                 /* of the weighted rows */
+    double rss;                                        /* of the weighted rows */
     double R[MUKCA_MAX_UNKNOWNS * MUKCA_SYSTEM_WIDTH]; /* [n][n + 1], with Q'b */
     /* Rows not yet absorbed: positions, rotations.  They are separate because lengths have no
      * effect on rotations: the leading columns of rotation rows are zero if the lengths are the
@@ -183,7 +183,6 @@ typedef struct {
 
 typedef struct {
     int rank;
-    double sigma2;                /* residual variance of a weighted row */
     double x[MUKCA_MAX_UNKNOWNS]; /* step of minimum norm, first in the arm's unknowns, then in the
                                      tool's */
     double sigma[MUKCA_MAX_UNKNOWNS]; /* standard error within the identifiable subspace */

@@ -10,7 +10,6 @@
 void mukca_pose_system_clear(mukca_pose_system *s)
 {
     s->equations = 0;
-    s->total = 0;
     memset(s->filled, 0, sizeof s->filled);
     s->rss = 0;
     memset(s->R, 0, sizeof *s->R * (size_t)(s->n * (s->n + 1)));
@@ -38,7 +37,6 @@ static void finish_rows(mukca_pose_system *s, double *rows, const double *residu
         double *row = rows + i * width;
         row[width - 1] = residual[i];
         for (int c = 0; c < width && weight != 1; c++) row[c] *= weight;
-        s->total += row[width - 1] * row[width - 1];
     }
     s->equations += 3;
 }
@@ -105,10 +103,10 @@ bool mukca_pose_system_solve(mukca_pose_solution *out, mukca_pose_system *s, int
         d[i] = s->R[i * width + width - 1];
     }
     if (n == 0) return true;
-    if (mukca_dense_svd(U, singular, V, n, n) || !isfinite(left)) return false;
+    if (mukca_dense_svd(U, singular, V, n) || !isfinite(left)) return false;
     const long freedom = s->equations - n;
-    out->sigma2 = left / (double)(freedom > 0 ? freedom : 1);
-    const double least = fmax(1e-9 * singular[0], sqrt(out->sigma2) / loosest);
+    const double noise = sqrt(left / (double)(freedom > 0 ? freedom : 1));
+    const double least = fmax(1e-9 * singular[0], noise / loosest);
     while (out->rank < n && singular[out->rank] > least) out->rank++;
     out->n_null = n - out->rank;
     prefer_tool(V, out->A, s, n, out->rank);
@@ -126,11 +124,11 @@ bool mukca_pose_system_solve(mukca_pose_solution *out, mukca_pose_system *s, int
         }
         if (k >= out->rank) left += z * z;
     }
-    out->sigma2 = left / (double)(freedom > 0 ? freedom + out->n_null : 1);
+    const double variance = left / (double)(freedom > 0 ? freedom + out->n_null : 1);
     for (int i = 0; i < n; i++) {
         double lost = 0;
         for (int k = 0; k < out->n_null; k++) lost += out->null[k][i] * out->null[k][i];
-        out->sigma[i] = sqrt(out->sigma[i] * out->sigma2);
+        out->sigma[i] = sqrt(out->sigma[i] * variance);
         out->identifiable[i] = lost < 1e-8;
     }
     mukca_dense_reduce(out->null[0], out->n_null, n, MUKCA_MAX_UNKNOWNS);

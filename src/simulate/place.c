@@ -27,7 +27,9 @@ static double reachable(const mukca_place *place, const mukca_chain *chain,
         for (int a = 0; a < 3; a++)
             target.p[a] += (i % 2 - 0.5) * (distance + 2 * margin) * place->pose.R[3 * a];
         mukca_simulate_posture(q, chain, random);
-        reached[i % 2] += mukca_inverse_solve(q, chain, geometry, &target, false, NULL).reached;
+        reached[i % 2] +=
+            mukca_inverse_solve(q, chain, geometry, &target, false, &(mukca_inverse_options){0})
+                .reached;
     }
     return fmin(reached[0], reached[1]) / TRIES;
 }
@@ -101,17 +103,12 @@ void mukca_simulate_seed(mukca_random *random, uint64_t seed, mukca_draw purpose
     mukca_random_seed(random, seed ^ ((uint64_t)purpose * 0xd1b54a32d192ed03u));
 }
 
-static double range_of(const mukca_element *e, double *lower)
-{
-    const double free = e->type == MUKCA_PRISMATIC ? 0.5 : 3.141592653589793;
-    *lower = fmax(e->lower, -free);
-    return fmin(e->upper, free) - *lower;
-}
-
 void mukca_simulate_posture(double *q, const mukca_chain *chain, mukca_random *random)
 {
     for (int j = 0; j < chain->n_joints; j++) {
-        double lower, range = range_of(&chain->element[chain->joint_element[j]], &lower);
+        const mukca_element *e = &chain->element[chain->joint_element[j]];
+        const double free = e->type == MUKCA_PRISMATIC ? 0.5 : 3.141592653589793;
+        const double lower = fmax(e->lower, -free), range = fmin(e->upper, free) - lower;
         q[j] = lower + range * (0.02 + 0.96 * mukca_random_uniform(random));
     }
 }

@@ -15,17 +15,6 @@ static const double seated = 1e-12;
 /* Mean time between samples, s. */
 static const double interval = 5;
 
-static const mukca_simulate_options standard = {.rows = 30, .distance = 0.05};
-
-/* Replace zeroed options by the defaults. */
-static mukca_simulate_options settle(const mukca_simulate_options *options)
-{
-    mukca_simulate_options o = options ? *options : standard;
-    if (o.rows <= 0) o.rows = standard.rows;
-    if (!(o.distance > 0)) o.distance = standard.distance;
-    return o;
-}
-
 void mukca_simulate_perturb(double *theta, unsigned char *listed, const mukca_chain *chain,
                             double shift, double turn, uint64_t seed)
 {
@@ -56,9 +45,8 @@ typedef struct {
     mukca_simulate_options options;
     mukca_row_state states;
     mukca_random postures, noise, rotation, clock;
-    double phase[MUKCA_MAX_JOINTS], pace[MUKCA_MAX_JOINTS]; /* of a sweep; rad per sample */
-    double ball_noise[3];                                   /* noise of the present sample, m */
-    double lag; /* readback lag along the last move, rad */
+    double ball_noise[3]; /* noise of the present sample, m */
+    double lag;           /* readback lag along the last move, rad */
     int row;
 } recorder;
 
@@ -77,19 +65,6 @@ static void displace(mukca_displacement *displacement, const double *q, void *co
         memcpy(r->data->command + (size_t)r->row * (size_t)n, meant, (size_t)n * sizeof *meant);
     mukca_effects_displacement(displacement, r->arm->effects, r->arm->n_effects, &r->arm->chain,
                                &r->arm->geometry, q, &state);
-}
-
-/* Posture of a sweep in the present sample: a sine over each joint's range, at its own rate. */
-static void sweep(double *q, const recorder *r)
-{
-    const mukca_chain *chain = &r->arm->chain;
-    for (int j = 0; j < chain->n_joints; j++) {
-        const mukca_element *e = &chain->element[chain->joint_element[j]];
-        const double most = e->type == MUKCA_PRISMATIC ? 0.5 : 3.141592653589793;
-        const double lower = fmax(e->lower, -most), upper = fmin(e->upper, most);
-        q[j] =
-            0.5 * (lower + upper) + 0.45 * (upper - lower) * sin(r->pace[j] * r->row + r->phase[j]);
-    }
 }
 
 static void next_noise(recorder *r, bool fresh)
@@ -170,10 +145,7 @@ static mukca_status begin(recorder *r, mukca_dataset *data, int rows, int placem
     mukca_simulate_seed(&r->noise, seed, MUKCA_DRAW_NOISE);
     mukca_simulate_seed(&r->rotation, seed, MUKCA_DRAW_ROTATION);
     mukca_simulate_seed(&r->clock, seed, MUKCA_DRAW_TIME);
-    for (size_t j = 0; j < n; j++) {
-        r->phase[j] = 6.283185307179586 * mukca_random_uniform(&r->postures);
-        r->pace[j] = 0.1 + 0.3 * mukca_random_uniform(&r->postures);
-    }
+    for (size_t i = 0; i < 2 * n; i++) mukca_random_uniform(&r->postures); /* keeps the bytes */
     bool compared = false;
     for (int e = 0; e < arm->n_effects; e++) {
         const mukca_effect *effect = &arm->effects[e];
@@ -202,10 +174,9 @@ static mukca_status begin(recorder *r, mukca_dataset *data, int rows, int placem
 void mukca_simulate_seat(double position[3], const mukca_simulated_session *session, int place,
                          int socket, int row)
 {
-    const mukca_simulate_options o = settle(session->options);
     const mukca_true_arm *arm = session->arm;
     const mukca_frame *pose = &session->places[place].pose;
-    double distance = o.distance, shift[3] = {0, 0, 0};
+    double distance = session->options->distance, shift[3] = {0, 0, 0};
     for (int e = 0; e < arm->n_effects; e++)
         if (mukca_effect_table[arm->effects[e].kind]->site == MUKCA_SITE_DISTANCE)
             distance += arm->effects[e].coefficient[0];
@@ -218,7 +189,7 @@ void mukca_simulate_seat(double position[3], const mukca_simulated_session *sess
         if (fault->kind == MUKCA_SIMULATED_OUTLIER) share = fault->row == row;
         if (fault->kind == MUKCA_SIMULATED_STEP) share = row >= fault->row;
         if (fault->kind == MUKCA_SIMULATED_CREEP && row > fault->row)
-            share = (double)(row - fault->row) / (o.rows - 1 - fault->row);
+            share = (double)(row - fault->row) / (session->options->rows - 1 - fault->row);
         for (int a = 0; a < 3; a++) shift[a] += share * fault->shift[a];
     }
     for (int a = 0; a < 3; a++)
@@ -229,16 +200,10 @@ void mukca_simulate_seat(double position[3], const mukca_simulated_session *sess
 static bool seat_ball(recorder *r, const mukca_frame *target)
 {
     const size_t n = (size_t)r->data->n_joints;
-    double *q = r->data->q + (size_t)r->row * n, posture[MUKCA_MAX_JOINTS];
-    mukca_inverse_options options = {.tolerance = seated, .displace = displace, .context = r};
+    double *q = r->data->q + (size_t)r->row * n;
+    const mukca_inverse_options options = {.tolerance = seated, .displace = displace, .context = r};
     for (int attempt = 0; attempt < ATTEMPTS; attempt++) {
-        const bool follow = r->options.sweep && attempt < 2;
-        if (follow && attempt == 0 && r->row > 0)
-            memcpy(q, q - n, n * sizeof *q);
-        else
-            mukca_simulate_posture(q, &r->arm->chain, &r->postures);
-        if (follow) sweep(posture, r);
-        options.posture = follow ? posture : NULL;
+        mukca_simulate_posture(q, &r->arm->chain, &r->postures);
         const mukca_inverse_result found =
             mukca_inverse_solve(q, &r->arm->chain, &r->arm->geometry, target, false, &options);
         /* Avoid joint limits, as an operator does, in the first half of the attempts. */
@@ -286,7 +251,7 @@ static mukca_status record_socket(recorder *r, const mukca_simulated_session *se
 mukca_status mukca_simulate_sockets(mukca_dataset *data, const mukca_simulated_session *session,
                                     mukca_error *error)
 {
-    recorder r = {.arm = session->arm, .options = settle(session->options)};
+    recorder r = {.arm = session->arm, .options = *session->options};
     const int rows = r.options.rows, n_places = session->n_places;
     mukca_status status = begin(&r, data, 2 * rows * n_places, n_places, error);
     if (status != MUKCA_OK) goto out;
@@ -316,7 +281,7 @@ mukca_status mukca_simulate_poses(mukca_dataset *data, const mukca_true_arm *arm
                                   int n_rows, const mukca_simulate_options *options,
                                   mukca_error *error)
 {
-    recorder r = {.arm = arm, .options = settle(options)};
+    recorder r = {.arm = arm, .options = *options};
     const size_t n = (size_t)arm->chain.n_joints, count = (size_t)n_rows;
     mukca_status status = begin(&r, data, n_rows, 0, error);
     if (status != MUKCA_OK) goto out;
@@ -336,8 +301,6 @@ mukca_status mukca_simulate_poses(mukca_dataset *data, const mukca_true_arm *arm
         tick(&r, interval);
         if (q)
             memcpy(data->q + i * n, q + i * n, n * sizeof *q);
-        else if (r.options.sweep)
-            sweep(data->q + i * n, &r);
         else
             mukca_simulate_posture(data->q + i * n, &arm->chain, &r.postures);
         displace(&displacement, data->q + i * n, &r);

@@ -58,14 +58,13 @@ typedef struct {
     double shift[3];       /* m, base frame */
 } mukca_simulated_fault;
 
-/* Options of a recording.  Zeroed: 30 samples per socket, 50 mm, no noise, 5 s between samples. */
+/* Options of a recording. */
 typedef struct {
-    int rows; /* samples per socket */
-    double distance;
+    int rows;           /* samples per socket */
+    double distance;    /* between the sockets of a pair, m */
     double noise;       /* sigma per axis at the ball, m */
     double rotation;    /* sigma per axis of measured orientations, rad (pose logs) */
     double correlation; /* correlation of the noise of consecutive samples */
-    bool sweep;         /* consecutive postures follow smooth motions; else random */
     bool effort, command;
     double payload;     /* at the tip, kg; recorded unless 0 */
     bool position_only; /* pose logs: no orientations */

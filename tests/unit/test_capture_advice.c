@@ -38,20 +38,18 @@ static void perturb(operator_ *o, double size)
 static bool seat(operator_ *o, double along, double off)
 {
     mukca_frame target;
-    double posture[7], position[3];
-    mukca_inverse_options options = {.posture = posture};
+    double position[3];
     for (int attempt = 0; attempt < 100; attempt++) {
         memcpy(target.p, o->center, sizeof target.p);
         target.p[1] += along;
         target.p[2] += off;
         for (int k = 0; k < 3; k++) target.p[k] += noise * mukca_random_normal(&o->random);
-        for (int j = 0; j < 7; j++) {
-            posture[j] = o->q[j] + 0.5 * mukca_random_normal(&o->random);
-            posture[j] = fmax(-2.5, fmin(2.5, posture[j]));
-        }
         double q[7];
-        memcpy(q, o->q, sizeof q);
-        if (!mukca_inverse_solve(q, &o->chain, &o->truth, &target, false, &options).reached)
+        for (int j = 0; j < 7; j++)
+            q[j] = fmax(-2.5, fmin(2.5, o->q[j] + 0.5 * mukca_random_normal(&o->random)));
+        if (!mukca_inverse_solve(q, &o->chain, &o->truth, &target, false,
+                                 &(mukca_inverse_options){0})
+                 .reached)
             continue;
         mukca_fk_position(position, &o->truth, q, NULL);
         memcpy(o->q, q, sizeof q);

@@ -62,7 +62,7 @@ TEST(random_targets_are_reached)
     mukca_random_seed(&random, 21);
     double sent[7] = {0};
     int missed = 0;
-    mukca_compensator_start(&c, &arm, false, 0);
+    mukca_compensator_start(&c, &arm, false);
     for (int i = 0; i < 10000; i++) {
         double meant[7], q[7], move[7];
         mukca_frame target, reached, raw;
@@ -94,7 +94,7 @@ TEST(paths_are_continuous)
     mukca_compensator c;
     mukca_corrected smooth = arm;
     smooth.n_effects = 2;
-    mukca_compensator_start(&c, &smooth, false, 0);
+    mukca_compensator_start(&c, &smooth, false);
     double last[7] = {0}, worst = 0;
     for (int i = 0; i <= 1000; i++) {
         double q[7], meant[7];
@@ -121,7 +121,7 @@ TEST(limits_and_reach_are_told)
         for (int i = 0; i < 3; i++)
             shorter.geometry.origin[k].p[i] = 0.99 * arm.chain.element[k].xyz[i];
     double up[7] = {0};
-    mukca_compensator_start(&c, &shorter, true, 0);
+    mukca_compensator_start(&c, &shorter, true);
     mukca_compensation found = mukca_compensate_joints(up, &c, NULL);
     assert_int_equal(found.reach, MUKCA_REACH_UNREACHED);
     assert_true(found.position_error > 1e-3);
@@ -130,7 +130,7 @@ TEST(limits_and_reach_are_told)
     double q[7] = {0.3, 0.4, 0.2, 1.0, 0.5, -0.7, 0.1};
     for (int j = 0; j < 7; j++)
         narrow.chain.element[j].lower = q[j], narrow.chain.element[j].upper = q[j] + 1e-4;
-    mukca_compensator_start(&c, &narrow, false, 0);
+    mukca_compensator_start(&c, &narrow, false);
     found = mukca_compensate_joints(q, &c, NULL);
     assert_int_equal(found.reach, MUKCA_REACH_LIMIT);
 }
@@ -142,7 +142,7 @@ TEST(poses_become_joints)
     mukca_random_seed(&random, 22);
     mukca_corrected still = arm;
     still.n_effects = 4; /* the last one depends on the way */
-    mukca_compensator_start(&c, &still, false, 0);
+    mukca_compensator_start(&c, &still, false);
     double q[7] = {0};
     int reached = 0;
     for (int i = 0; i < 100; i++) { /* strewn poses */

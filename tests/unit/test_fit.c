@@ -82,7 +82,7 @@ TEST(test_selection)
     assert_int_equal(count_free("arm.joint", NULL), 6);
 
     /* the tip alone is not pulled to nominal */
-    assert_ok(mukca_parameters_select(&p, &chain, NULL, NULL));
+    assert_ok(mukca_parameters_select(&p, &chain, &(mukca_selection){0}, NULL));
     for (int i = 0; i < p.n; i++) assert_int_equal(p.regularised[i], p.index[i] < 36);
     const mukca_selection hold = {.regularise_tip = true};
     assert_ok(mukca_parameters_select(&p, &chain, &hold, NULL));
@@ -217,17 +217,19 @@ TEST(test_stops)
     mukca_random_seed(&seeded, 33);
     perturb(0);
     track(&data, 20, false, 1e-4);
-    assert_ok(mukca_parameters_select(&parameters, &chain, NULL, NULL));
+    assert_ok(mukca_parameters_select(&parameters, &chain, &(mukca_selection){0}, NULL));
     for (int s = 0; mukca_solver_table[s]; s++) {
         mukca_fit fit;
         mukca_solver_outcome outcome;
         mukca_fit_options options = {.solver = mukca_solver_table[s], .limits.stop = stop_at_once};
         assert_int_equal(mukca_fit_run(&fit, &chain, &data, &options, NULL), MUKCA_INTERRUPTED);
         mukca_pool pool = {0};
-        assert_true(mukca_cost_setup(&cost, &pool, &chain, &parameters, &data, NULL));
+        assert_true(
+            mukca_cost_setup(&cost, &pool, &chain, &parameters, &data, &(mukca_cost_options){0}));
         memcpy(x, cost.nominal, (size_t)parameters.n * sizeof *x);
         x[3] = NAN;
-        assert_ok(mukca_solver_table[s]->run(x, &outcome, &cost, NULL, NULL));
+        assert_ok(mukca_solver_table[s]->run(x, &outcome, &cost, mukca_solver_table[s],
+                                             &(mukca_solver_options){0}, NULL));
         assert_int_equal(outcome.stop, MUKCA_STOP_NOT_FINITE);
         mukca_pool_free(&pool);
     }
@@ -241,7 +243,7 @@ TEST(test_null_space)
     mukca_random_seed(&seeded, 34);
     perturb(0);
     track(&data, 40, false, 1e-4);
-    assert_ok(mukca_fit_run(&fit, &chain, &data, NULL, NULL));
+    assert_ok(mukca_fit_run(&fit, &chain, &data, &(mukca_fit_options){0}, NULL));
     const int n = fit.parameters.n, hidden = n - fit.identification.rank;
     assert_int_equal(hidden, 15);
     mukca_geometry a, b;
@@ -278,11 +280,11 @@ static void compare_precision(int most)
     mukca_identification id[2];
     mukca_pool pool = {0};
     double work[MUKCA_IDENTIFY_WORK(MUKCA_MAX_FREE)];
-    assert_ok(mukca_parameters_select(&p, &chain, NULL, NULL));
+    assert_ok(mukca_parameters_select(&p, &chain, &(mukca_selection){0}, NULL));
     assert_ok(mukca_part_take(&samples, &data, most, NULL));
     assert_true(samples.n_rows <= most && samples.n_rows > most / 3);
-    assert_true(mukca_cost_setup(&all, &pool, &chain, &p, &data, NULL));
-    assert_true(mukca_cost_setup(&part, &pool, &chain, &p, &samples, NULL));
+    assert_true(mukca_cost_setup(&all, &pool, &chain, &p, &data, &(mukca_cost_options){0}));
+    assert_true(mukca_cost_setup(&part, &pool, &chain, &p, &samples, &(mukca_cost_options){0}));
     assert_true(
         mukca_cost_setup(&bounded, &pool, &chain, &p, &data, &(mukca_cost_options){.part = &part}));
     assert_ok(mukca_identify(&id[0], NULL, &all, all.nominal, work, NULL));
@@ -336,8 +338,8 @@ TEST(test_long)
     mukca_random_seed(&seeded, 36);
     perturb(1e-3);
     track(&data, MUKCA_FIT_PART + 1000, false, 1e-4);
-    assert_ok(mukca_parameters_select(&p, &chain, NULL, NULL));
-    assert_true(mukca_cost_setup(&cost, &pool, &chain, &p, &data, NULL));
+    assert_ok(mukca_parameters_select(&p, &chain, &(mukca_selection){0}, NULL));
+    assert_true(mukca_cost_setup(&cost, &pool, &chain, &p, &data, &(mukca_cost_options){0}));
     for (int s = 0; s < 2; s++) { /* slsqp, lbfgs */
         const mukca_fit_options options = {.solver = mukca_solver_table[s]};
         assert_ok(mukca_fit_run(&fit[s], &chain, &data, &options, NULL));

@@ -177,7 +177,7 @@ TEST(test_options)
         make_data(NULL, 17, 0);
         off_nominal();
         for (size_t i = 0; i < sizeof options / sizeof *options; i += STEP)
-            check_point(NULL, options[i]);
+            check_point(&(mukca_selection){0}, options[i]);
         mukca_dataset_free(&data);
     }
 }
@@ -215,7 +215,7 @@ TEST(test_angles)
             if (trial > 1) rpy[0] = special[(k + trial) % 4]; /* and the awkward angles */
             if (trial > 3) rpy[2] = special[(k + 2 * trial) % 4], rpy[1] = special[k % 4];
         }
-        check_point(NULL, (mukca_cost_options){0});
+        check_point(&(mukca_selection){0}, (mukca_cost_options){0});
         mukca_dataset_free(&data);
     }
 }
@@ -231,7 +231,7 @@ TEST(test_poses_and_frames)
         assert_int_equal(chain.n_elements, before + 1 + (trial > 1));
         make_data(NULL, trial ? 9 : 5, 13);
         off_nominal();
-        check_point(NULL, (mukca_cost_options){0});
+        check_point(&(mukca_selection){0}, (mukca_cost_options){0});
         mukca_dataset_free(&data);
     }
 }

@@ -30,9 +30,10 @@ TEST(test_nothing_allocated)
     data.distances[0] = (mukca_distance){0, 1, 0.05};
     for (int i = 0; i < ROWS; i++) data.socket[i] = i % 2;
     for (int i = 0; i < 7 * ROWS; i++) data.q[i] = mukca_random_normal(&random);
-    assert_ok(mukca_parameters_select(&parameters, &chain, NULL, NULL));
+    assert_ok(mukca_parameters_select(&parameters, &chain, &(mukca_selection){0}, NULL));
     mukca_pool pool = {0};
-    assert_true(mukca_cost_setup(&cost, &pool, &chain, &parameters, &data, NULL));
+    assert_true(
+        mukca_cost_setup(&cost, &pool, &chain, &parameters, &data, &(mukca_cost_options){0}));
     double *work = malloc(MUKCA_IDENTIFY_WORK(parameters.n) * sizeof *work);
     assert_non_null(work);
 
@@ -44,7 +45,7 @@ TEST(test_nothing_allocated)
     cost.gradient = MUKCA_GRADIENT_ANALYTIC;
     sum += mukca_cost_evaluate(NULL, g, &cost, x);
     mukca_cost_normal(cost.scratch, &cost, x, false);
-    mukca_solver_gauss_newton.run(x, &outcome, &cost, NULL, NULL);
+    mukca_solver_gauss_newton.run(x, &outcome, &cost, NULL, &(mukca_solver_options){0}, NULL);
     mukca_identify(&identification, NULL, &cost, x, work, NULL);
     mukca_geometry geometry;
     mukca_geometry_set(&geometry, &chain, cost.theta);

@@ -33,10 +33,9 @@ static const char everything[] =
     "zero_jump:joint_3/left=1e-3,ball_shift:high=1e-3,socket_distance=1e-3";
 
 /* Without noise the ball of the true arm is in the same place in all rows of a socket. */
-static void check_consistent(const char *text, bool sweep)
+static void check_consistent(const char *text)
 {
     set_scene(&s, text, 5);
-    s.how.sweep = sweep;
     s.how.command = true;
     record_again();
     assert_int_equal(data.n_rows, 2 * 30 * PLACES);
@@ -57,9 +56,8 @@ static void check_consistent(const char *text, bool sweep)
 
 TEST(test_consistent)
 {
-    check_consistent(NULL, false);
-    check_consistent(everything, false);
-    check_consistent(everything, true);
+    check_consistent(NULL);
+    check_consistent(everything);
 }
 
 /* True angles of a row under one effect on angles, written down again from its definition. */

@@ -61,7 +61,7 @@ static void time_solvers(bench *b)
                 if (!mukca_cost_setup(&cost, &pool, &b->chain, &b->parameters, &b->data, &options))
                     abort();
                 memcpy(x, cost.nominal, (size_t)cost.n * sizeof *x);
-                (*solver)->run(x, &outcome, &cost, NULL, NULL);
+                (*solver)->run(x, &outcome, &cost, *solver, &(mukca_solver_options){0}, NULL);
                 b->times[i] = processor_seconds() - start;
                 J = mukca_cost_evaluate(NULL, NULL, &cost, x);
                 mukca_pool_free(&pool);
@@ -99,7 +99,8 @@ static void time_kernels(bench *b, int times)
     double x[MUKCA_MAX_FREE], g[MUKCA_MAX_FREE];
     if (repeat(&data, &b->data, times) != MUKCA_OK) return;
     mukca_pool pool = {0};
-    if (!mukca_cost_setup(&cost, &pool, &b->chain, &b->parameters, &data, NULL)) abort();
+    if (!mukca_cost_setup(&cost, &pool, &b->chain, &b->parameters, &data, &(mukca_cost_options){0}))
+        abort();
     memcpy(x, cost.nominal, (size_t)cost.n * sizeof *x);
     for (int kernel = 0; kernel < 3; kernel++) {
         for (int i = 0; i < b->repeats; i++) {
@@ -131,7 +132,8 @@ int main(int argc, char **argv)
     if (mukca_urdf_load(&b.chain, argv[1], NULL, NULL, NULL, &error) != MUKCA_OK ||
         mukca_dataset_load(&b.data, &b.chain, (const char *const *)(argv + 3), argc - 3, NULL,
                            &error) != MUKCA_OK ||
-        mukca_parameters_select(&b.parameters, &b.chain, NULL, &error) != MUKCA_OK) {
+        mukca_parameters_select(&b.parameters, &b.chain, &(mukca_selection){0}, &error) !=
+            MUKCA_OK) {
         fprintf(stderr, "bench_fit: %s\n", error.text);
         return 3;
     }

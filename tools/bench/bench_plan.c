@@ -2,8 +2,8 @@
  *
  *   bench_plan accuracy ARMS: held-out error after 20 planned rows per socket beside 40 random ones
  *
- *   bench_plan ties TIES [random]: how often 10 planned rows turn a tied diagnosis of a guided
- *   session (or of one of random postures) into the right name, beside 10 random ones
+ *   bench_plan ties TIES: how often 10 planned rows turn a tied diagnosis of a session of random
+ *   postures into the right name, beside 10 random ones
  *
  * The truth (origins, effects, noise) is drawn from seeds; in a planned row the true arm, moved to
  * the proposed joint angles, seats its ball in the true socket.
@@ -112,7 +112,7 @@ static double held_out(const mukca_chain *chain, const mukca_dataset *train,
     static mukca_fit fit;
     mukca_score scores[PLACES + 1], mean;
     mukca_error error;
-    if (mukca_fit_run(&fit, chain, train, NULL, &error)) fail(error.text);
+    if (mukca_fit_run(&fit, chain, train, &(mukca_fit_options){0}, &error)) fail(error.text);
     const mukca_model model = {.chain = chain, .theta = fit.theta};
     if (mukca_evaluate(scores, &mean, &model, test) < 0) fail("out of memory");
     mukca_fit_free(&fit);
@@ -127,8 +127,7 @@ static void follow(mukca_dataset *data, mukca_true_arm *arm, mukca_place *place,
     mukca_plan plan;
     mukca_error error;
     /* random postures have any tilt: allow it for planned ones */
-    const mukca_plan_options options = {
-        .rows = rows, .noise = noise, .tilt = 4, .clearance = (double)NAN};
+    const mukca_plan_options options = {.rows = rows, .noise = noise, .tilt = 4};
     sockets_of(sockets, place, 0);
     if (mukca_plan_run(&plan,
                        &(mukca_plan_task){.chain = &arm->chain,
@@ -144,14 +143,14 @@ static void follow(mukca_dataset *data, mukca_true_arm *arm, mukca_place *place,
 
 static void accuracy(int arms)
 {
-    enum { RANDOM, SWEEP, SAME_PLACE, WAYS };
+    enum { RANDOM, SAME_PLACE, WAYS };
     double sums[WAYS] = {0};
     int wins[WAYS] = {0};
     printf(
         "# Held-out error on %d other places, mm (rows per socket in brackets; noise %.2g mm per "
         "axis)\n"
-        "arm\trobot\trandom[%d]\tsweep[%d]\tplanned[%d]\n",
-        PLACES - 1, noise * 1e3, RANDOM_ROWS, RANDOM_ROWS, PLANNED_ROWS);
+        "arm\trobot\trandom[%d]\tplanned[%d]\n",
+        PLACES - 1, noise * 1e3, RANDOM_ROWS, PLANNED_ROWS);
     for (int a = 0; a < arms; a++) {
         static mukca_chain chain;
         static mukca_true_arm arm;
@@ -167,7 +166,8 @@ static void accuracy(int arms)
         mukca_simulate_perturb(theta, NULL, &chain, 2e-3, 3e-3, seed);
         mukca_simulate_arm(&arm, &chain, theta);
         for (int p = 0; p < PLACES; p++) snprintf(places[p].name, sizeof places[p].name, "p%d", p);
-        mukca_simulate_options recording = {.rows = RANDOM_ROWS, .noise = noise, .seed = seed};
+        mukca_simulate_options recording = {
+            .rows = RANDOM_ROWS, .distance = 0.05, .noise = noise, .seed = seed};
         if (mukca_simulate_places(places, PLACES, &chain, apart, seed, &error) ||
             mukca_simulate_sockets(
                 &sets[RANDOM],
@@ -175,14 +175,6 @@ static void accuracy(int arms)
                     .arm = &arm, .places = places, .n_places = 1, .options = &recording},
                 &error))
             fail(error.text);
-        recording.sweep = true;
-        if (mukca_simulate_sockets(
-                &sets[SWEEP],
-                &(mukca_simulated_session){
-                    .arm = &arm, .places = places, .n_places = 1, .options = &recording},
-                &error))
-            fail(error.text);
-        recording.sweep = false;
         recording.seed += 500;
         if (mukca_simulate_sockets(&test,
                                    &(mukca_simulated_session){.arm = &arm,
@@ -252,7 +244,8 @@ static void shuffle(mukca_plan *plan, const mukca_plan_socket *sockets, int n,
     mukca_dataset any;
     mukca_error error;
     mukca_random random;
-    const mukca_simulate_options recording = {.rows = plan->n_rows, .seed = seed + 77};
+    const mukca_simulate_options recording = {
+        .rows = plan->n_rows, .distance = 0.05, .seed = seed + 77};
     mukca_random_seed(&random, seed);
     if (mukca_simulate_sockets(
             &any,
@@ -329,8 +322,7 @@ static void print_outcome(const char *what, const outcome *o, int n)
     printf("\n");
 }
 
-/* Sessions guided by hand (consecutive postures are near each other), or of random postures. */
-static void ties(int wanted, bool sweep)
+static void ties(int wanted)
 {
     static mukca_chain chain;
     static mukca_true_arm arm;
@@ -355,8 +347,8 @@ static void ties(int wanted, bool sweep)
         for (int p = 0; p < n_places; p++)
             snprintf(places[p].name, sizeof places[p].name, "p%d", p);
         const mukca_simulate_options recording = {.rows = 12 + mukca_random_below(&random, 19),
+                                                  .distance = 0.05,
                                                   .noise = noise,
-                                                  .sweep = sweep,
                                                   .seed = seed};
         if (mukca_simulate_places(places, n_places, &chain, apart, seed, &error) ||
             mukca_simulate_sockets(
@@ -401,8 +393,8 @@ int main(int argc, char **argv)
     if (argc > 1 && strcmp(argv[1], "accuracy") == 0)
         accuracy(n);
     else if (argc > 1 && strcmp(argv[1], "ties") == 0)
-        ties(n, argc <= 3);
+        ties(n);
     else
-        fail("usage: bench_plan accuracy|ties [N [random]]");
+        fail("usage: bench_plan accuracy|ties [N]");
     return 0;
 }

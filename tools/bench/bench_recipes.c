@@ -108,14 +108,13 @@ static bool points(double *q, int rows, int kind, const mukca_chain *chain)
     for (int k = 0; k < chain->n_elements; k++)
         reach += sqrt(mukca_dot3(chain->element[k].xyz, chain->element[k].xyz));
     for (int i = 0; i < rows; i++) {
-        double p[3], posture[MUKCA_MAX_JOINTS], *row = q + (long)i * n;
+        double p[3], *row = q + (long)i * n;
         bool reached = false;
         point_of(p, kind, i);
         for (int a = 0; a < 3; a++) target.p[a] = p[a] * reach / 1.1873;
-        for (int start = i > 0 ? -1 : 0; start < 2 && !reached; start++) {
-            const mukca_inverse_options options = {.posture = posture, .tolerance = 1e-6};
-            posture_of(posture, start > 0, target.p, &geometry);
-            memcpy(row, start < 0 ? row - n : posture, (size_t)n * sizeof *q);
+        for (int start = 0; start < 2 && !reached; start++) {
+            const mukca_inverse_options options = {.tolerance = 1e-6};
+            posture_of(row, start, target.p, &geometry);
             reached = mukca_inverse_solve(row, chain, &geometry, &target, n >= 6, &options).reached;
         }
         if (!reached) return false;
