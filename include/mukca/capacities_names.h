@@ -14,6 +14,7 @@
 #define mukca_geometry_set MUKCA_SIZED(mukca_geometry_set)
 #define mukca_geometry_theta MUKCA_SIZED(mukca_geometry_theta)
 #define mukca_fk_position MUKCA_SIZED(mukca_fk_position)
+#define mukca_fk_positions MUKCA_SIZED(mukca_fk_positions)
 #define mukca_fk_pose MUKCA_SIZED(mukca_fk_pose)
 #define mukca_fk_frames MUKCA_SIZED(mukca_fk_frames)
 #define mukca_fk_jacobian MUKCA_SIZED(mukca_fk_jacobian)

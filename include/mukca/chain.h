@@ -110,6 +110,11 @@ typedef struct {
 void mukca_fk_position(double position[3], const mukca_geometry *geometry, const double *q,
                        const mukca_displacement *displacement);
 
+/* Positions [rows][3] for q[rows][n_joints], without displacements: bitwise equal to those of
+ * mukca_fk_position, computed several rows at a time. */
+void mukca_fk_positions(double *positions, const mukca_geometry *geometry, const double *q,
+                        int rows);
+
 /* Pose of the tip.  `displacement` may be NULL. */
 void mukca_fk_pose(mukca_frame *T_base_tip, const mukca_geometry *geometry, const double *q,
                    const mukca_displacement *displacement);

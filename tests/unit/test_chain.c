@@ -142,6 +142,16 @@ TEST(kinematics)
                 assert_close(P[i * 6 * chain.n_elements + t], (up[i] - down[i]) / 2e-6, 1e-8);
         }
     }
+    /* many at once: the same bits in every lane and in the last block; one angle is beyond the
+     * lanes */
+    for (int rows = 1; rows <= 37; rows += 4) {
+        double many[37][3], one[3];
+        mukca_fk_positions(many[0], &geometry, q[37 - rows], rows);
+        for (int r = 0; r < rows; r++) {
+            mukca_fk_position(one, &geometry, q[37 - rows + r], NULL);
+            assert_memory_equal(many[r], one, sizeof one);
+        }
+    }
     double nan_q[7] = {0, 0, NAN, 0, 0, 0, 0}, p[3];
     mukca_fk_position(p, &geometry, nan_q, NULL);
     assert_true(isnan(p[0]));

@@ -100,6 +100,11 @@ static void yardstick(bench *b)
     for (int i = 0; i < ROWS * b->chain.n_joints; i++) sincos(b->q[i], &b->work[0], &b->work[1]);
 }
 
+static void at_once(bench *b)
+{
+    mukca_fk_positions(b->positions, &b->geometry, b->q, ROWS);
+}
+
 static void poses(bench *b)
 {
     mukca_frame tip;
@@ -215,6 +220,7 @@ int main(int argc, char **argv)
     mukca_chain_theta(b.theta, &b.chain);
     mukca_geometry_set(&b.geometry, &b.chain, NULL);
     add(&b, "yardstick", yardstick, NULL);
+    add(&b, "positions", at_once, NULL);
     add(&b, "position", one_by_one, NULL);
     add(&b, "pose", poses, NULL);
     add(&b, "geometric_jacobian", geometric, NULL);

@@ -87,7 +87,8 @@ def kdl(folder, rows):
 # words, name, goal of the ratio to the yardstick
 LINES = (
     ("seven times the C library's sincos: the yardstick", "yardstick", None),
-    ("position", "position", 1),
+    ("position, many rows in one call", "positions", 0.4),
+    ("position, one by one", "position", 1),
     ("  CasADi's generated C, parameters folded into the code", "casadi_position", None),
     ("  Pinocchio, forwardKinematics and the tip's frame", "pinocchio_position", None),
     ("  C that Pinocchio generates with CppADCodeGen", "pinocchio_generated_position", None),
