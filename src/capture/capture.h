@@ -64,10 +64,10 @@ typedef struct {
     const mukca_chain *chain;
     /* Present model (advice.c): the initial one without samples. */
     mukca_linearisation model;
-    double start[MUKCA_MAX_FREE]; /* [6 * n_elements] */
+    mukca_chain start;            /* the initial one as nominal */
     double sigma[MUKCA_MAX_FREE]; /* [n] prior, n = model.parameters.n */
     double noise;                 /* measurement noise of one coordinate, m */
-    double *factor;               /* [n][n] from mukca_posterior_factor */
+    double *factor;               /* [n][n] L of mukca_arm_posterior */
     /* Stream. */
     int head, count;            /* ring buffer: next index to write, number stored */
     mukca_capture_stored *ring; /* [RING] */
@@ -162,8 +162,8 @@ typedef struct {
     bool more_rows_help;  /* those ten would reduce it by more than 3 % */
 } mukca_capture_advice;
 
-/* Fit the model to the samples: Gaussian prior about the initial model, noise from the residuals.
- * Without samples: the initial model.  Errors: MUKCA_MEMORY. */
+/* Fit the model to the samples, with a prior about the initial model (mukca_arm_posterior). Without
+ * samples: the initial model.  Errors: MUKCA_MEMORY. */
 mukca_status mukca_capture_advise(mukca_capture_advice *advice, mukca_capture *capture,
                                   mukca_error *error);
 

@@ -325,8 +325,12 @@ mukca_status mukca_capture_init(mukca_capture *capture, const mukca_chain *chain
     }
     capture->chain = chain;
     mukca_linearisation_init(&capture->model, chain, theta);
-    memcpy(capture->start, capture->model.theta, sizeof capture->start);
-    mukca_posterior_prior(capture->sigma, chain, &capture->model.parameters);
+    capture->start = *chain;
+    for (int k = 0; k < chain->n_elements; k++) {
+        const double *origin = capture->model.theta + MUKCA_PARAMETERS * k;
+        memcpy(capture->start.element[k].xyz, origin, 3 * sizeof *origin);
+        memcpy(capture->start.element[k].rpy, origin + 3, 3 * sizeof *origin);
+    }
     size_t n_free = (size_t)capture->model.parameters.n;
     capture->factor = calloc(n_free * n_free, sizeof *capture->factor);
     capture->ring = calloc(MUKCA_CAPTURE_RING, sizeof *capture->ring);

@@ -26,8 +26,7 @@ static void predict(double tip[3], const mukca_chain *chain, const mukca_offsets
     mukca_fk_position(tip, &geometry, q, n ? &d : NULL);
 }
 
-/* Remove the columns first..end - 1 of X[rows][w] from those after them. */
-static void project(double *X, int rows, int w, int first, int end)
+void mukca_tip_error_project(double *X, int rows, int w, int first, int end)
 {
     for (int b = first; b < end; b++) {
         double square = 0;
@@ -104,9 +103,9 @@ static bool draw(mukca_tip_error *out, mukca_arm_posterior *p, const mukca_chain
             for (int k = 0; k < 2; k++) to[p->width + k] = tip[k][a] - to[p->width - 1];
         }
     }
-    project(X, rows, w, 0, scale);
+    mukca_tip_error_project(X, rows, w, 0, scale);
     sample(out, where, false, p, X, &random);
-    project(X, rows, w, scale, MUKCA_NUISANCE);
+    mukca_tip_error_project(X, rows, w, scale, MUKCA_NUISANCE);
     sample(out, where, true, p, X, &random);
     if (p->poses) out->unscaled_m[where] = NAN;
     return true;

@@ -28,4 +28,7 @@ typedef struct {
 mukca_status mukca_tip_error_expect(mukca_tip_error *expected, const mukca_tip_change_task *task,
                                     mukca_error *error);
 
+/* Remove the columns first..end - 1 of X[rows][w] from those after them. */
+void mukca_tip_error_project(double *X, int rows, int w, int first, int end);
+
 #endif
