@@ -49,34 +49,14 @@ class Listener : public console_bridge::OutputHandler
     std::string first;
 };
 
-// Detects failed allocations, which urdfdom reports as bad numbers or omitted elements.
-class Memory
+// Notes failed allocations, which urdfdom reports as bad numbers or omitted elements.
+bool exhausted;
+
+void run_out()
 {
-   public:
-    Memory() : before_(std::set_new_handler(fail)) { exhausted_ = false; }
-    ~Memory() { std::set_new_handler(before_); }
-    Memory(const Memory &) = delete;
-    Memory &operator=(const Memory &) = delete;
-    static void check()
-    {
-        if (exhausted_) throw std::bad_alloc();
-    }
-
-   private:
-    static void fail()
-    {
-        exhausted_ = true;
-        throw std::bad_alloc();
-    }
-    static bool exhausted_;
-    std::new_handler before_;
-};
-bool Memory::exhausted_;
-
-struct Mass {
-    double kg, com[3];
-    double inertia[6];
-};
+    exhausted = true;
+    throw std::bad_alloc();
+}
 
 // "a, b, c", truncated to leave room for the rest of an error message.
 std::string join(const std::vector<std::string> &names)
@@ -169,21 +149,16 @@ class Loader
     {
         if (name.size() >= MUKCA_NAME_SIZE)
             fail("the name '" + name.substr(0, 40) + "...' is longer than 63 characters");
-        if (!mukca_utf8_valid(name.c_str())) {
-            char shown[MUKCA_NAME_SIZE];
-            std::snprintf(shown, sizeof shown, "%s", name.c_str());
-            mukca_utf8_mend(shown);
-            fail("the name '" + std::string(shown) + "' is not UTF-8; save the file as UTF-8");
-        }
         std::memcpy(to, name.c_str(), name.size() + 1);
     }
 
     void parse()
     {
         Listener listener;
-        Memory memory;
+        exhausted = false;
+        std::set_new_handler(run_out);
         model_ = urdf::parseURDF(text_.elements);
-        memory.check();
+        if (exhausted) throw std::bad_alloc();
         if (!model_)
             fail("urdfdom cannot read it: " +
                  one_line(listener.first.empty() ? "no reason given" : listener.first));
@@ -399,14 +374,14 @@ class Loader
                 if (!(std::fabs(value) <= MUKCA_NUMBER_LARGEST))
                     fail("link '" + entry.first +
                          "': its mass or centre of mass is larger than any arm's");
-            Mass mass = {inertial->mass, {p.x, p.y, p.z}, {0}};
+            mukca_mass &mass = masses_[entry.first];
+            mass = {0, inertial->mass, {p.x, p.y, p.z}, {0}};
             const double I[6] = {inertial->ixx, inertial->iyy, inertial->izz,
                                  inertial->ixy, inertial->ixz, inertial->iyz};
             double rpy[3], R[9];
             inertial->origin.rotation.getRPY(rpy[0], rpy[1], rpy[2]);
             mukca_rotation_from_rpy(R, rpy);
             add_turned(mass.inertia, R, I);
-            masses_[entry.first] = mass;
         }
         if (!options_.inertials) return;
         mukca_inertial *list;
@@ -415,9 +390,8 @@ class Loader
         if (status) throw Failure{status};
         std::vector<mukca_inertial> rows(list, list + n);
         std::free(list);
-        for (const mukca_inertial &row : rows) {
-            masses_[find_link(row.link)] = Mass{row.kg, {row.com[0], row.com[1], row.com[2]}, {0}};
-        }
+        for (const mukca_inertial &row : rows)
+            masses_[find_link(row.link)] = {0, row.kg, {row.com[0], row.com[1], row.com[2]}, {0}};
     }
 
     // Add R I R' to sum; tensors are xx yy zz xy xz yz.
@@ -505,7 +479,7 @@ class Loader
     mukca_error *error_;
     mukca_urdf_text text_ = {};
     urdf::ModelInterfaceSharedPtr model_;
-    std::map<std::string, Mass> masses_;
+    std::map<std::string, mukca_mass> masses_;  // by link
 };
 
 }  // namespace
