@@ -1,5 +1,5 @@
 /* Construction of a dataset, sample by sample. */
-#include "io/dataset_build.h"
+#include "io/dataset.h"
 
 #include <math.h>
 #include <stdlib.h>

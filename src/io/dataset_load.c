@@ -11,7 +11,6 @@
 #include "base/file.h"
 #include "base/note.h"
 #include "base/utf8.h"
-#include "io/dataset_build.h"
 
 /* Bounds: published folders have two holes; a mean needs two samples, a distance two sockets; the
  * upper limits detect tables of another kind. */

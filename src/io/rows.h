@@ -8,9 +8,7 @@
 #include "mukca/chain.h"
 #include "mukca/row_state.h"
 
-/* ---- order of quaternions (quaternion_check.c) ---- */
-
-/* Start zeroed. */
+/* Check of the order of quaternions by the arm's kinematics (rows.c); start zeroed. */
 typedef struct {
     mukca_geometry geometry;
     int n;                /* number of orientations so far */
@@ -19,13 +17,6 @@ typedef struct {
     double error[2];      /* sums over pairs of turns, rad^2 */
     int pairs;
 } mukca_quaternion_check;
-
-/* Add an orientation as read (w first; `w_last`: it was last in the file; `inverse`: of the fixed
- * frame in the target's) at joint angles q.  True if the orientations so far agree with the nominal
- * arm in the other order and disagree in the file's order. */
-bool mukca_quaternion_check_wrong(mukca_quaternion_check *order, const mukca_chain *chain,
-                                  const double *q, const double quaternion[4], bool w_last,
-                                  bool inverse);
 
 /* Format of tables from other programs; zeroed: mukca's own. */
 typedef struct {

@@ -1,6 +1,6 @@
 /* Receiver of a multicast group.  A thread empties the socket into a bounded queue: joint states
  * are not lost during disk waits, and a flood does not consume memory. */
-#include "lcm/multicast.h"
+#include "lcm/packet.h"
 
 #include <arpa/inet.h>
 #include <errno.h>

@@ -264,10 +264,7 @@ const char *mukca_stream_type(const mukca_recorder *r);
 
 double mukca_stream_age(const mukca_recorder *r); /* s since the arrival of the last joint state */
 
-/* ---- requests over LCM: a rate limit for each sender, signatures (requests.c) ---- */
-
-/* Process a message on the trigger channel. */
-void mukca_requests_trigger(mukca_recorder *r, const mukca_lcm_packet *packet);
+/* ---- requests over LCM: a rate limit for each sender, signatures (recorder.c) ---- */
 
 /* Whether a sender's request is within its rate limit.  False: it is refused. */
 bool mukca_requests_may(mukca_recorder *r, const mukca_lcm_packet *packet);

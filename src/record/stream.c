@@ -5,7 +5,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "lcm/wire.h"
 #include "record/recorder.h"
 
 /* A restarted driver has a new port and is accepted after this silence, us. */
