@@ -89,7 +89,7 @@ typedef struct {
     const double *values;
 } row_list;
 
-enum { OPTIONAL = 8 };
+enum { OPTIONAL = 7 };
 
 /* Grow a list of samples; new ones are NaN. */
 static mukca_status resize_rows(double **list, int width, int capacity,
@@ -170,10 +170,10 @@ mukca_status mukca_build_row(mukca_dataset_builder *builder, const mukca_row *ro
     const int n = d->n_joints;
     const double payload = isnan(row->payload) ? builder->payload : row->payload;
     const row_list optional[OPTIONAL] = {
-        {&d->time, 1, &row->time},        {&d->temperature, 1, &row->temperature},
-        {&d->payload, 1, &payload},       {&d->effort, n, row->effort},
-        {&d->command, n, row->command},   {&d->velocity, n, row->velocity},
-        {&d->position, 3, row->position}, {&d->quaternion, 4, row->quaternion}};
+        {&d->time, 1, &row->time},           {&d->payload, 1, &payload},
+        {&d->effort, n, row->effort},        {&d->command, n, row->command},
+        {&d->velocity, n, row->velocity},    {&d->position, 3, row->position},
+        {&d->quaternion, 4, row->quaternion}};
     mukca_status status = reserve(builder, optional);
     if (status != MUKCA_OK) return status;
     const int i = d->n_rows++;

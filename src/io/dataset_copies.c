@@ -36,7 +36,7 @@ static bool repeats(const mukca_dataset *a, int i, const mukca_dataset *b, int k
            agree(a->position, i, b->position, k, 3) &&
            agree(a->quaternion, i, b->quaternion, k, 4) && agree(a->effort, i, b->effort, k, n) &&
            agree(a->command, i, b->command, k, n) && agree(a->velocity, i, b->velocity, k, n) &&
-           agree(a->temperature, i, b->temperature, k, 1) && agree(a->payload, i, b->payload, k, 1);
+           agree(a->payload, i, b->payload, k, 1);
 }
 
 /* A sample in a list sorted by joint angles; `source`: of the other dataset. */

@@ -337,7 +337,6 @@ bool mukca_rows_next(mukca_rows *rows, mukca_row *row)
     row->target = c->target < 0 || !*t->cell[c->target] ? NULL : t->cell[c->target];
     if (!poses) read_joints(row, rows);
     row->time = read_optional(rows, c->time);
-    row->temperature = read_optional(rows, c->temperature);
     row->payload = read_optional(rows, c->payload);
     if (row->payload < 0 || row->payload > MUKCA_ROWS_MOST_PAYLOAD)
         mukca_table_fail(t, c->payload, "%g is no mass in kg", row->payload);

@@ -63,7 +63,7 @@ typedef struct {
 
 /* Indices of the table's columns, -1 if absent. */
 typedef struct {
-    int placement, socket, target, time, temperature, payload;
+    int placement, socket, target, time, payload;
     int joint[MUKCA_MAX_JOINTS], effort[MUKCA_MAX_JOINTS], command[MUKCA_MAX_JOINTS],
         velocity[MUKCA_MAX_JOINTS];
     int n_measured;
@@ -87,7 +87,7 @@ typedef struct {
     const char *placement, *socket, *target;
     double q[MUKCA_MAX_JOINTS], effort[MUKCA_MAX_JOINTS], command[MUKCA_MAX_JOINTS],
         velocity[MUKCA_MAX_JOINTS];    /* rad or m, N m, rad, rad/s */
-    double time, temperature, payload; /* s, degrees Celsius, kg */
+    double time, payload;              /* s, kg */
     double position[3], quaternion[4]; /* m; normalised */
 } mukca_row;
 

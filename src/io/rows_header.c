@@ -233,7 +233,7 @@ static void map_header(mukca_rows *rows)
     c->socket = find(&h, "socket", "");
     c->target = find(&h, "target", "");
     c->time = find(&h, h.numbered == 0 ? "timestamp" : "time_s", "");
-    c->temperature = find(&h, "temperature_c", "");
+    (void)find(&h, "temperature_c", ""); /* known, not used */
     c->payload = find(&h, "payload_kg", "");
     for (int j = 0; j < rows->chain->n_joints && !rows->options.poses; j++) {
         const char *name = mukca_chain_joint_name(rows->chain, j);
