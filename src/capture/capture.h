@@ -45,8 +45,7 @@ typedef struct {
 /* Events reported by mukca_capture_feed (bits). */
 enum {
     MUKCA_CAPTURE_BACKWARDS = 1,  /* the sender's clock was set back */
-    MUKCA_CAPTURE_PAUSE = 2,      /* no reading for `pause` seconds */
-    MUKCA_CAPTURE_TWO_SENDERS = 4 /* readings alternate faster than an arm can move */
+    MUKCA_CAPTURE_TWO_SENDERS = 2 /* readings alternate faster than an arm can move */
 };
 
 #define MUKCA_CAPTURE_IN_ORDER (-1.)
@@ -71,7 +70,7 @@ typedef struct {
     /* Stream. */
     int head, count;            /* ring buffer: next index to write, number stored */
     mukca_capture_stored *ring; /* [RING] */
-    double last_time, pause;
+    double last_time;
     double last_q[MUKCA_MAX_JOINTS], before_q[MUKCA_MAX_JOINTS]; /* last reading, the one before */
     bool has_last, guided, was_guided;
     double jumps; /* decaying count of impossible motions */
@@ -82,8 +81,6 @@ typedef struct {
     /* Samples. */
     mukca_dataset rows; /* n_rows, n_sockets, n_placements in use; memory for maxima */
     int socket;         /* current, index into rows.sockets; -1: none */
-    char
-        offered[MUKCA_NAME_SIZE]; /* the socket in which the last sample seems to be; "": its own */
 } mukca_capture;
 
 /* `chain`, and settings->labels, must outlive the capture; theta[6 * n_elements] (NULL: nominal) is

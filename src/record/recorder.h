@@ -113,7 +113,6 @@ typedef struct {
     mukca_capture_advice advice;
     mukca_labels placements, sockets;
     int refused;                   /* samples */
-    mukca_capture_sample last;     /* the last sample; n = 0: none, or deleted */
     bool beyond[MUKCA_MAX_JOINTS]; /* a joint was reported beyond its limits */
     int unwritten;                 /* samples and answers lost for lack of disk space or memory */
     mukca_error first_unwritten;
@@ -286,13 +285,11 @@ mukca_status mukca_sampling_begin(mukca_recorder *r, const char *path, bool resu
 
 /* Requests of the user; answer->text is the reply, also on success.  mukca_sampling_sample returns
  * after the sample is on disk, and sends a sample message in any case.  The others delete sample
- * `row` (from 1; 0: the last), move the last sample to the socket that its remark offered, select a
- * socket, the next socket, or the first socket of a new placement.  Errors:
- * MUKCA_NEGATIVE (refused), MUKCA_INPUT (disk). */
+ * `row` (from 1; 0: the last), select a socket, the next socket, or the first socket of a new
+ * placement.  Errors: MUKCA_NEGATIVE (refused), MUKCA_INPUT (disk). */
 mukca_status mukca_sampling_sample(mukca_recorder *r, const mukca_sample_request *request,
                                    mukca_error *answer);
 mukca_status mukca_sampling_delete(mukca_recorder *r, int row, mukca_error *answer);
-mukca_status mukca_sampling_move(mukca_recorder *r, mukca_error *answer);
 mukca_status mukca_sampling_select(mukca_recorder *r, const char *placement, const char *socket,
                                    mukca_error *answer);
 mukca_status mukca_sampling_next_socket(mukca_recorder *r, mukca_error *answer);
