@@ -48,31 +48,31 @@ static const double requests_per_s = 50, first_requests = 40, most_requests = 10
  * seconds.  A recorded request cannot be replayed, which permits a wide tolerance. */
 static const int64_t fresh_us = 10000000;
 
+bool mukca_budget_take(mukca_budget *b, int64_t now, double rate, double first, double most)
+{
+    const double elapsed = 1e-6 * (double)(now - b->time);
+    b->left = b->time ? fmin(b->left + rate * fmax(elapsed, 0), most) : first;
+    b->time = now;
+    if (b->left < 1) return false;
+    b->left -= 1;
+    return true;
+}
+
 bool mukca_requests_may(mukca_recorder *r, const mukca_lcm_packet *packet)
 {
     if (!packet->sender) return true;
     mukca_requests_sender *s = &r->requests.sender[0]; /* its entry, else the oldest */
-    for (int i = 0; i < MUKCA_REQUESTS_SENDERS; i++) {
-        if (r->requests.sender[i].id == packet->sender) {
-            s = &r->requests.sender[i];
-            break;
-        }
-        if (r->requests.sender[i].time < s->time) s = &r->requests.sender[i];
+    for (int i = 0; i < MUKCA_REQUESTS_SENDERS && s->id != packet->sender; i++) {
+        mukca_requests_sender *other = &r->requests.sender[i];
+        if (other->id == packet->sender || other->budget.time < s->budget.time) s = other;
     }
-    if (s->id != packet->sender)
-        *s = (mukca_requests_sender){packet->sender, packet->time, first_requests};
-    double elapsed = 1e-6 * (double)(packet->time - s->time);
-    if (elapsed > 0) s->requests += requests_per_s * elapsed;
-    if (s->requests > most_requests) s->requests = most_requests;
-    s->time = packet->time;
-    if (s->requests < 1) {
-        mukca_recorder_refuse(r, MUKCA_RECORDER_RATE,
-                              "%s: more than %g requests a second of one sender: ignored",
-                              packet->channel, requests_per_s);
-        return false;
-    }
-    s->requests -= 1;
-    return true;
+    if (s->id != packet->sender) *s = (mukca_requests_sender){.id = packet->sender};
+    if (mukca_budget_take(&s->budget, packet->time, requests_per_s, first_requests, most_requests))
+        return true;
+    mukca_recorder_refuse(r, MUKCA_RECORDER_RATE,
+                          "%s: more than %g requests a second of one sender: ignored",
+                          packet->channel, requests_per_s);
+    return false;
 }
 
 mukca_status mukca_requests_check_signature(mukca_recorder *r, const mukca_lcm_packet *packet,

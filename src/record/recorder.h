@@ -85,10 +85,15 @@ typedef struct {
 
 enum { MUKCA_REQUESTS_SENDERS = 32 };
 
+/* Token bucket: requests available, and when they were counted, us; zeroed: not used yet. */
+typedef struct {
+    double left;
+    int64_t time;
+} mukca_budget;
+
 typedef struct {
     uint64_t id;
-    int64_t time;    /* us, of its last request */
-    double requests; /* requests available (token bucket) */
+    mukca_budget budget;
 } mukca_requests_sender;
 
 typedef struct {
@@ -264,6 +269,10 @@ const char *mukca_stream_type(const mukca_recorder *r);
 double mukca_stream_age(const mukca_recorder *r); /* s since the arrival of the last joint state */
 
 /* ---- requests over LCM: a rate limit for each sender, signatures (recorder.c) ---- */
+
+/* Take one of a budget that begins with `first` and grows by `rate` per second to `most`; false:
+ * none is left. */
+bool mukca_budget_take(mukca_budget *budget, int64_t now, double rate, double first, double most);
 
 /* Whether a sender's request is within its rate limit.  False: it is refused. */
 bool mukca_requests_may(mukca_recorder *r, const mukca_lcm_packet *packet);

@@ -71,12 +71,6 @@ typedef struct {
     double latency, longest_latency; /* s, from reception to the end of sending: sum, longest */
 } mukca_server_pose;
 
-/* Sessions that may still be started (token bucket), and the time of that count, us. */
-typedef struct {
-    double left;
-    int64_t time;
-} mukca_server_budget;
-
 /* The sender that may change the open session. */
 typedef struct {
     uint32_t address; /* IPv4 */
@@ -90,8 +84,8 @@ typedef struct {
     mukca_server_state state, saved;
     bool session_begun;
     bool locked;
-    int lock; /* descriptor, if locked */
-    mukca_server_budget new_sessions;
+    int lock;                  /* descriptor, if locked */
+    mukca_budget new_sessions; /* that may still be started */
     mukca_server_controller controller;
     mukca_server_job job;
     mukca_server_pose pose;
