@@ -40,8 +40,6 @@ class Listener : public console_bridge::OutputHandler
    public:
     Listener() { console_bridge::useOutputHandler(this); }
     ~Listener() override { console_bridge::restorePreviousOutputHandler(); }
-    Listener(const Listener &) = delete;
-    Listener &operator=(const Listener &) = delete;
     void log(const std::string &text, console_bridge::LogLevel level, const char *, int) override
     {
         if (level >= console_bridge::CONSOLE_BRIDGE_LOG_ERROR && first.empty()) first = text;
@@ -76,22 +74,17 @@ std::string one_line(std::string text)
     return text.substr(0, 140);
 }
 
-class Loader
-{
-   public:
-    Loader(mukca_chain *chain, const char *path, const mukca_urdf_options &options,
-           mukca_note_fn *note, void *context, mukca_error *error)
-        : chain_(chain),
-          path_(mukca_file_shown(path)),
-          options_(options),
-          note_(note),
-          context_(context),
-          error_(error)
-    {
-        *chain = mukca_chain();
-        mukca_status status = mukca_urdf_text_read(&text_, path, error);
-        if (status) throw Failure{status};
-    }
+struct Loader {
+    mukca_chain *chain_;
+    const char *path_;
+    const mukca_urdf_options &options_;
+    mukca_note_fn *note_;
+    void *context_;
+    mukca_error *error_;
+    mukca_urdf_text text_;
+    urdf::ModelInterfaceSharedPtr model_;
+    std::map<std::string, mukca_mass> masses_;  // by link
+
     ~Loader()
     {
         mukca_urdf_text_free(&text_);
@@ -99,11 +92,13 @@ class Loader
         /* links in a cycle own each other and would never be freed */
         for (const auto &entry : model_->links_) entry.second->child_links.clear();
     }
-    Loader(const Loader &) = delete;
-    Loader &operator=(const Loader &) = delete;
 
     void run()
     {
+        *chain_ = mukca_chain();
+        mukca_status status = mukca_urdf_text_read(&text_, path_, error_);
+        if (status) throw Failure{status};
+        path_ = mukca_file_shown(path_);
         parse();
         check_tree();
         const std::string base = find_base(), tip = find_tip(base);
@@ -126,7 +121,6 @@ class Loader
         set_gravity(base);
     }
 
-   private:
     [[noreturn]] void fail(const std::string &what, int line = 0)
     {
         const std::string place = line ? std::to_string(line) + ":" : "";
@@ -470,16 +464,6 @@ class Loader
             add_note("joints above '" + base +
                      "' are assumed at zero for the direction of gravity; or give --gravity");
     }
-
-    mukca_chain *chain_;
-    const char *path_;
-    mukca_urdf_options options_;
-    mukca_note_fn *note_;
-    void *context_;
-    mukca_error *error_;
-    mukca_urdf_text text_ = {};
-    urdf::ModelInterfaceSharedPtr model_;
-    std::map<std::string, mukca_mass> masses_;  // by link
 };
 
 }  // namespace
@@ -490,7 +474,8 @@ extern "C" mukca_status mukca_urdf_load(mukca_chain *chain, const char *path,
 {
     const mukca_urdf_options defaults = {};
     try {
-        Loader(chain, path, options ? *options : defaults, note, context, error).run();
+        Loader{chain, path, options ? *options : defaults, note, context, error, {}, nullptr, {}}
+            .run();
         return MUKCA_OK;
     } catch (const Failure &failure) {
         return failure.status;
