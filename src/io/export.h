@@ -88,6 +88,7 @@ typedef struct {
 
 /* Advance to the next start tag `name` (NULL: any), or false; comments and the like have none. */
 bool mukca_export_next_tag(mukca_export_tag *tag, const char *name);
+bool mukca_export_is_tag(const mukca_export_tag *tag, const char *name);
 
 /* Locate the value of an attribute in a tag, without its quotes; false: absent. */
 bool mukca_export_find_attribute(size_t *start, size_t *stop, const mukca_export_tag *tag,

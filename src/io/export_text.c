@@ -163,6 +163,12 @@ static const char *skip(const char *at)
     return at + 1;
 }
 
+bool mukca_export_is_tag(const mukca_export_tag *tag, const char *name)
+{
+    const size_t length = strlen(name);
+    return strncmp(tag->at + 1, name, length) == 0 && strchr(" \t\r\n/>", tag->at[1 + length]);
+}
+
 bool mukca_export_next_tag(mukca_export_tag *tag, const char *name)
 {
     const char *at = tag->at + tag->length;
@@ -173,7 +179,6 @@ bool mukca_export_next_tag(mukca_export_tag *tag, const char *name)
         for (char quote = '\0'; *at && (quote || *at != '>'); at++)
             if (quote ? *at == quote : *at == '"' || *at == '\'') quote = quote ? '\0' : *at;
         if (!*at) return false;
-        const size_t length = name ? strlen(name) : 0;
         if (start[1] == '/') {
             tag->open--;
             continue;
@@ -182,9 +187,7 @@ bool mukca_export_next_tag(mukca_export_tag *tag, const char *name)
         tag->open += at[-1] != '/';
         tag->at = start;
         tag->length = (size_t)(at + 1 - start);
-        if (!name ||
-            (strncmp(start + 1, name, length) == 0 && strchr(" \t\r\n/>", start[1 + length])))
-            return true;
+        if (!name || mukca_export_is_tag(tag, name)) return true;
     }
     return false;
 }

@@ -123,7 +123,7 @@ static const char *write_joint(FILE *stream, const char *at, const mukca_export_
     mukca_export_tag tag = *joint;
     bool found = false;
     while (!found && mukca_export_next_tag(&tag, NULL) && tag.depth > joint->depth)
-        found = tag.depth == joint->depth + 1 && strncmp(tag.at, "<origin", 7) == 0;
+        found = tag.depth == joint->depth + 1 && mukca_export_is_tag(&tag, "origin");
     const char *start = joint->at + joint->length;
     if (found) {
         fwrite(at, 1, (size_t)(tag.at - at), stream);
