@@ -5,6 +5,7 @@
 
 #include "base/file.h"
 #include "base/number.h"
+#include "base/suggest.h"
 #include "io/export.h"
 #include "mukca/version.h"
 
@@ -216,11 +217,9 @@ bool mukca_export_find_attribute(size_t *start, size_t *stop, const mukca_export
 
 bool mukca_export_same_name(const char *name, const char *other, size_t length)
 {
-    const size_t whole = strlen(name), least = whole < length ? whole : length;
-    const char *longer = whole > length ? name : other;
-    const size_t prefix = whole > length ? whole - length : length - whole;
-    return least > 0 && strncmp(name + whole - least, other + length - least, least) == 0 &&
-           (prefix == 0 || longer[prefix - 1] == '_');
+    char copy[256];
+    snprintf(copy, sizeof copy, "%.*s", (int)length, other);
+    return mukca_prefix_ends(name, copy) || mukca_prefix_ends(copy, name);
 }
 
 mukca_frame mukca_export_frame(const double xyz[3], const double rpy[3])

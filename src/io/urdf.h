@@ -32,9 +32,6 @@ typedef struct {
     double com[3]; /* m, in the link's frame */
 } mukca_inertial;
 
-/* Whether `link` has that name, with or without a prefix ("left_panda_link1" is a "link1"). */
-bool mukca_inertials_names(const char *link, const char *name);
-
 /* Read the table into a new list of *n links; free *list with free.  Errors: MUKCA_INPUT (a
  * negative or implausible mass, a duplicate link), MUKCA_MEMORY. */
 mukca_status mukca_inertials_read(mukca_inertial **list, int *n, const char *path,

@@ -346,7 +346,7 @@ struct Loader {
         std::string found;
         if (model_->links_.count(name)) return name;
         for (const auto &entry : model_->links_) {
-            if (!mukca_inertials_names(entry.first.c_str(), name)) continue;
+            if (!mukca_prefix_ends(entry.first.c_str(), name)) continue;
             if (!found.empty())
                 fail(std::string("links '") + found + "' and '" + entry.first + "' are both a '" +
                      name + "'; write whole names into the file of --inertials");
