@@ -45,8 +45,7 @@ typedef struct {
 /* Events reported by mukca_capture_feed (bits). */
 enum {
     MUKCA_CAPTURE_BACKWARDS = 1,  /* the sender's clock was set back */
-    MUKCA_CAPTURE_PAUSE = 2,      /* no reading for `pause` seconds */
-    MUKCA_CAPTURE_TWO_SENDERS = 4 /* readings alternate faster than an arm can move */
+    MUKCA_CAPTURE_TWO_SENDERS = 2 /* readings alternate faster than an arm can move */
 };
 
 #define MUKCA_CAPTURE_IN_ORDER (-1.)
@@ -64,14 +63,14 @@ typedef struct {
     const mukca_chain *chain;
     /* Present model (advice.c): the initial one without samples. */
     mukca_linearisation model;
-    double start[MUKCA_MAX_FREE]; /* [6 * n_elements] */
+    mukca_chain start;            /* the initial one as nominal */
     double sigma[MUKCA_MAX_FREE]; /* [n] prior, n = model.parameters.n */
     double noise;                 /* measurement noise of one coordinate, m */
-    double *factor;               /* [n][n] from mukca_posterior_factor */
+    double *factor;               /* [n][n] L of mukca_arm_posterior */
     /* Stream. */
     int head, count;            /* ring buffer: next index to write, number stored */
     mukca_capture_stored *ring; /* [RING] */
-    double last_time, pause;
+    double last_time;
     double last_q[MUKCA_MAX_JOINTS], before_q[MUKCA_MAX_JOINTS]; /* last reading, the one before */
     bool has_last, guided, was_guided;
     double jumps; /* decaying count of impossible motions */
@@ -82,8 +81,6 @@ typedef struct {
     /* Samples. */
     mukca_dataset rows; /* n_rows, n_sockets, n_placements in use; memory for maxima */
     int socket;         /* current, index into rows.sockets; -1: none */
-    char
-        offered[MUKCA_NAME_SIZE]; /* the socket in which the last sample seems to be; "": its own */
 } mukca_capture;
 
 /* `chain`, and settings->labels, must outlive the capture; theta[6 * n_elements] (NULL: nominal) is
@@ -162,8 +159,8 @@ typedef struct {
     bool more_rows_help;  /* those ten would reduce it by more than 3 % */
 } mukca_capture_advice;
 
-/* Fit the model to the samples: Gaussian prior about the initial model, noise from the residuals.
- * Without samples: the initial model.  Errors: MUKCA_MEMORY. */
+/* Fit the model to the samples, with a prior about the initial model (mukca_arm_posterior). Without
+ * samples: the initial model.  Errors: MUKCA_MEMORY. */
 mukca_status mukca_capture_advise(mukca_capture_advice *advice, mukca_capture *capture,
                                   mukca_error *error);
 

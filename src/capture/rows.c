@@ -231,17 +231,16 @@ static void remark(char text[MUKCA_CAPTURE_TEXT], mukca_capture *capture, int tw
     const char *other = n ? other_socket(capture, off, nearest, how_far) : NULL;
     if (!n && nearest >= 0 && how_far < 0.4 * capture->settings.distance)
         other = sockets[nearest].label;
-    snprintf(capture->offered, sizeof capture->offered, "%s", other ? other : "");
     if (other && !n)
         snprintf(text, MUKCA_CAPTURE_TEXT,
-                 "only %.1f mm from socket %.40s: is the ball really in socket %.40s? (m: "
-                 "no, in %.40s)",
-                 1e3 * how_far, other, sockets[capture->socket].label, other);
+                 "only %.1f mm from socket %.40s: is the ball really in socket %.40s?",
+                 1e3 * how_far, other, sockets[capture->socket].label);
     else if (other)
-        snprintf(text, MUKCA_CAPTURE_TEXT,
-                 "%.0f mm from this socket's other samples: this looks like socket %.63s; m moves "
-                 "the sample there",
-                 1e3 * off, other);
+        snprintf(
+            text, MUKCA_CAPTURE_TEXT,
+            "%.0f mm from this socket's other samples: this looks like socket %.63s; d deletes "
+            "the sample",
+            1e3 * off, other);
     else if (off > 3 * usual)
         snprintf(
             text, MUKCA_CAPTURE_TEXT,
@@ -281,7 +280,6 @@ mukca_status mukca_capture_drop(mukca_capture *capture, int row, mukca_error *er
     double *q = rows->q + (size_t)row * n;
     memmove(q, q + n, after * n * sizeof *q);
     memmove(rows->socket + row, rows->socket + row + 1, after * sizeof *rows->socket);
-    capture->offered[0] = '\0';
     return MUKCA_OK;
 }
 
@@ -325,8 +323,12 @@ mukca_status mukca_capture_init(mukca_capture *capture, const mukca_chain *chain
     }
     capture->chain = chain;
     mukca_linearisation_init(&capture->model, chain, theta);
-    memcpy(capture->start, capture->model.theta, sizeof capture->start);
-    mukca_posterior_prior(capture->sigma, chain, &capture->model.parameters);
+    capture->start = *chain;
+    for (int k = 0; k < chain->n_elements; k++) {
+        const double *origin = capture->model.theta + MUKCA_PARAMETERS * k;
+        memcpy(capture->start.element[k].xyz, origin, 3 * sizeof *origin);
+        memcpy(capture->start.element[k].rpy, origin + 3, 3 * sizeof *origin);
+    }
     size_t n_free = (size_t)capture->model.parameters.n;
     capture->factor = calloc(n_free * n_free, sizeof *capture->factor);
     capture->ring = calloc(MUKCA_CAPTURE_RING, sizeof *capture->ring);

@@ -44,9 +44,6 @@ unsigned mukca_capture_feed(mukca_capture *capture, const mukca_capture_reading 
             capture->count = 0;
             capture->standing = false;
             capture->checked = reading->time;
-        } else if (step > 0.5) {
-            found |= MUKCA_CAPTURE_PAUSE;
-            capture->pause = step;
         }
     }
     memcpy(capture->before_q, capture->last_q, bytes);

@@ -55,8 +55,6 @@ bool cli_capture_press(cli_capture_view *v, mukca_recorder *r, char key)
     } else if (key == 'x') {
         v->typed = 1;
         mukca_fail(&answer, MUKCA_OK, "number of the sample to delete, then Enter");
-    } else if (key == 'm') {
-        mukca_sampling_move(r, &answer);
     } else if (key == 's') {
         mukca_sampling_next_socket(r, &answer);
     } else if (key == 'n') {

@@ -121,9 +121,8 @@ typedef struct {
 } cli_capture_view;
 
 #define CLI_CAPTURE_KEYS                                                                      \
-    "a add, d delete the last sample, x delete another (its number, Enter), m move the last " \
-    "sample "                                                                                 \
-    "to the socket that is offered, s other socket, n next placement, q finish, ? these keys"
+    "a add, d delete the last sample, x delete another (its number, Enter), s other socket, " \
+    "n next placement, q finish, ? these keys"
 
 /* Set the terminal `terminal` (descriptor) to single keys, and restore it. */
 void cli_capture_enter(cli_capture_view *view, int terminal);

@@ -62,7 +62,6 @@ static void average_rows(mukca_dataset *d, int first, int count)
     if (count < 2) return;
     average(d->q, n, first, count);
     average(d->time, 1, first, count);
-    average(d->temperature, 1, first, count);
     average(d->effort, n, first, count);
     average(d->command, n, first, count);
     average(d->reading, n, first, count);

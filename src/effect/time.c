@@ -83,7 +83,7 @@ static void lag_direction(double *direction, int n_joints, const mukca_effect *e
     if (!move) return;
     for (int j = 0; j < n_joints; j++) largest = fmax(largest, fabs(move[j]));
     const double constant = effect->variant.time_constant;
-    const double left = constant > 0 ? exp(-state->repeat / constant) : 1;
+    const double left = constant > 0 ? 1 + expm1(-state->repeat / constant) : 1;
     if (largest > 1e-9) /* rad; below: rounding */
         for (int j = 0; j < n_joints; j++) direction[j] = left * move[j] / largest;
 }

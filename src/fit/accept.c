@@ -12,7 +12,7 @@
 
 /* Measurement noise and an error of the nominal model above these, m, mean that the samples are of
  * another arm: four times those of the worst of 40 published recordings.  So do several postures
- * that any arm misses (tip_error.h). */
+ * that any arm misses (tip_error.c). */
 static const double foreign_noise = 10e-3, foreign_arm = 50e-3;
 enum { SEVERAL = 3, LEAST_POSTURES = 3 };
 

@@ -222,8 +222,7 @@ static double scale_of(const mukca_arm_posterior *p, int i)
     return is_scaled(p, i) ? p->scale : 1;
 }
 
-/* Solve with the present weights, noise and scale. */
-static void solve(mukca_arm_posterior *p)
+void mukca_arm_posterior_solve(mukca_arm_posterior *p)
 {
     const int n = p->n;
     memset(p->L, 0, (size_t)(n * n) * sizeof *p->L);
@@ -338,14 +337,14 @@ mukca_status mukca_arm_posterior_fit(mukca_arm_posterior *p, mukca_error *error)
     for (int step = 0; step < STEPS; step++) {
         if (!linearise(p)) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
         if (step == 0) { /* without distances, for the means of the sockets */
-            solve(p);
+            mukca_arm_posterior_solve(p);
             choose_distances(p);
         }
         for (int i = 0; i < WEIGHINGS; i++) {
-            solve(p);
+            mukca_arm_posterior_solve(p);
             weigh(p);
         }
-        solve(p);
+        mukca_arm_posterior_solve(p);
         for (int i = 0; i < p->n; i++) {
             const double move = p->step[i] * p->sigma[i];
             if (i < p->n_geometry)

@@ -1,7 +1,7 @@
 /* Gaussian prior of the geometry and its posterior given samples.
  *
- * Information form: L L' = J'J / noise^2 + diag(1 / sigma^2), for the advice while recording,
- * for planning and, of an arm, for acceptance.  The diagnosis chooses its priors by the evidence
+ * Information form: L L' = J'J / noise^2 + diag(1 / sigma^2), for planning and, of an arm, for
+ * acceptance and the advice while recording.  The diagnosis chooses its priors by the evidence
  * (diagnose/evidence.c).
  *
  * The linearisation is of one posture at a time; the calibration differentiates all samples at once
@@ -92,7 +92,7 @@ typedef struct {
     mukca_pool pool;
 } mukca_arm_posterior;
 
-/* Prior of the measurement noise, m, as while recording. */
+/* Prior of the measurement noise, m: the repeatability of a printed socket is 0.1 to 0.2 mm. */
 #define MUKCA_PRIOR_NOISE 1.5e-4
 
 /* Choose the unknowns at the nominal arm; recordings of more than 5000 rows are thinned.  Free it
@@ -103,6 +103,9 @@ void mukca_arm_posterior_free(mukca_arm_posterior *p);
 
 /* Gauss-Newton from there: p->L at p->theta and p->effects.  Errors: MUKCA_MEMORY. */
 mukca_status mukca_arm_posterior_fit(mukca_arm_posterior *p, mukca_error *error);
+
+/* Set p->L and p->step with the present weights, noise and scale. */
+void mukca_arm_posterior_solve(mukca_arm_posterior *p);
 
 /* After the fit: whether the residuals are those of a tip that turns about the axis of a joint
  * whose angles do not change. */

@@ -1,5 +1,5 @@
 /* Construction of a dataset, sample by sample. */
-#include "io/dataset_build.h"
+#include "io/dataset.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -17,14 +17,23 @@ static void *resize(void *list, size_t count, size_t size, const mukca_dataset_b
     return grown;
 }
 
+/* Append an item to the list of *n at `list`; NULL, with the error set, if memory is exhausted. */
+static void *append(void *list, int *n, size_t size, const mukca_dataset_builder *builder)
+{
+    char *items;
+    memcpy(&items, list, sizeof items);
+    items = resize(items, (size_t)*n + 1, size, builder);
+    if (!items) return NULL;
+    memcpy(list, &items, sizeof items);
+    return memset(items + size * (size_t)(*n)++, 0, size);
+}
+
 mukca_status mukca_build_file(mukca_dataset_builder *builder, const char *path)
 {
     mukca_dataset *d = builder->data;
-    const size_t n = (size_t)d->n_files;
-    void *grown = resize(d->files, n + 1, sizeof *d->files, builder);
-    if (!grown) return MUKCA_MEMORY;
-    d->files = grown;
-    snprintf(d->files[d->n_files++], sizeof *d->files, "%s", path);
+    char *file = append(&d->files, &d->n_files, sizeof *d->files, builder);
+    if (!file) return MUKCA_MEMORY;
+    snprintf(file, sizeof *d->files, "%s", path);
     return MUKCA_OK;
 }
 
@@ -48,22 +57,17 @@ mukca_status mukca_build_placement(mukca_dataset_builder *builder, const char *w
     if (strcmp(name, wanted) != 0)
         mukca_note_format(builder->note, builder->context,
                           "placement '%s' exists already; this one is called '%s'", wanted, name);
-    const size_t n = (size_t)d->n_placements;
-    void *grown = resize(d->placements, n + 1, sizeof placement, builder);
-    if (!grown) return MUKCA_MEMORY;
-    d->placements = grown;
-    d->placements[d->n_placements++] = placement;
+    mukca_placement *added = append(&d->placements, &d->n_placements, sizeof *added, builder);
+    if (!added) return MUKCA_MEMORY;
+    *added = placement;
     return MUKCA_OK;
 }
 
 mukca_status mukca_build_socket(mukca_dataset_builder *builder, int placement, const char *label)
 {
     mukca_dataset *d = builder->data;
-    const size_t n = (size_t)d->n_sockets;
-    void *grown = resize(d->sockets, n + 1, sizeof *d->sockets, builder);
-    if (!grown) return MUKCA_MEMORY;
-    d->sockets = grown;
-    mukca_socket *socket = &d->sockets[d->n_sockets++];
+    mukca_socket *socket = append(&d->sockets, &d->n_sockets, sizeof *socket, builder);
+    if (!socket) return MUKCA_MEMORY;
     socket->placement = placement;
     snprintf(socket->label, sizeof socket->label, "%s", label);
     return MUKCA_OK;
@@ -72,11 +76,9 @@ mukca_status mukca_build_socket(mukca_dataset_builder *builder, int placement, c
 mukca_status mukca_build_distance(mukca_dataset_builder *builder, int a, int b, double metres)
 {
     mukca_dataset *d = builder->data;
-    const size_t n = (size_t)d->n_distances;
-    void *grown = resize(d->distances, n + 1, sizeof *d->distances, builder);
-    if (!grown) return MUKCA_MEMORY;
-    d->distances = grown;
-    d->distances[d->n_distances++] = (mukca_distance){.a = a, .b = b, .distance = metres};
+    mukca_distance *added = append(&d->distances, &d->n_distances, sizeof *added, builder);
+    if (!added) return MUKCA_MEMORY;
+    *added = (mukca_distance){.a = a, .b = b, .distance = metres};
     return MUKCA_OK;
 }
 
@@ -87,7 +89,7 @@ typedef struct {
     const double *values;
 } row_list;
 
-enum { OPTIONAL = 8 };
+enum { OPTIONAL = 7 };
 
 /* Grow a list of samples; new ones are NaN. */
 static mukca_status resize_rows(double **list, int width, int capacity,
@@ -153,10 +155,9 @@ static mukca_status set_target(mukca_dataset_builder *builder, int i, const char
     int t = 0;
     while (t < d->n_targets && strcmp(d->targets[t], name) != 0) t++;
     if (t == d->n_targets) {
-        void *grown = resize(d->targets, (size_t)t + 1, sizeof *d->targets, builder);
-        if (!grown) return MUKCA_MEMORY;
-        d->targets = grown;
-        snprintf(d->targets[d->n_targets++], sizeof *d->targets, "%s", name);
+        char *added = append(&d->targets, &d->n_targets, sizeof *d->targets, builder);
+        if (!added) return MUKCA_MEMORY;
+        snprintf(added, sizeof *d->targets, "%s", name);
     }
     d->target[i] = t;
     return MUKCA_OK;
@@ -169,10 +170,10 @@ mukca_status mukca_build_row(mukca_dataset_builder *builder, const mukca_row *ro
     const int n = d->n_joints;
     const double payload = isnan(row->payload) ? builder->payload : row->payload;
     const row_list optional[OPTIONAL] = {
-        {&d->time, 1, &row->time},        {&d->temperature, 1, &row->temperature},
-        {&d->payload, 1, &payload},       {&d->effort, n, row->effort},
-        {&d->command, n, row->command},   {&d->velocity, n, row->velocity},
-        {&d->position, 3, row->position}, {&d->quaternion, 4, row->quaternion}};
+        {&d->time, 1, &row->time},           {&d->payload, 1, &payload},
+        {&d->effort, n, row->effort},        {&d->command, n, row->command},
+        {&d->velocity, n, row->velocity},    {&d->position, 3, row->position},
+        {&d->quaternion, 4, row->quaternion}};
     mukca_status status = reserve(builder, optional);
     if (status != MUKCA_OK) return status;
     const int i = d->n_rows++;

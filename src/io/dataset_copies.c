@@ -36,7 +36,7 @@ static bool repeats(const mukca_dataset *a, int i, const mukca_dataset *b, int k
            agree(a->position, i, b->position, k, 3) &&
            agree(a->quaternion, i, b->quaternion, k, 4) && agree(a->effort, i, b->effort, k, n) &&
            agree(a->command, i, b->command, k, n) && agree(a->velocity, i, b->velocity, k, n) &&
-           agree(a->temperature, i, b->temperature, k, 1) && agree(a->payload, i, b->payload, k, 1);
+           agree(a->payload, i, b->payload, k, 1);
 }
 
 /* A sample in a list sorted by joint angles; `source`: of the other dataset. */
@@ -91,35 +91,37 @@ static void keep_dead(unsigned char *keep, const mukca_dataset *d, int *count)
     }
 }
 
-/* Remove sockets and placements without samples; scratch map[max(sockets, placements)]. */
+/* Number the items with nonzero map[n] again, -1: the others; returns how many remain. */
+static int renumber(int *map, int n)
+{
+    int kept = 0;
+    for (int i = 0; i < n; i++) map[i] = map[i] ? kept++ : -1;
+    return kept;
+}
+
+/* Remove sockets and placements without samples; scratch map[max(sockets, placements)], zeroed. */
 static void prune(mukca_dataset *d, int *map)
 {
-    int n = 0;
-    for (int s = 0; s < d->n_sockets; s++) map[s] = 0;
+    const int sockets = d->n_sockets, placements = d->n_placements, distances = d->n_distances;
     for (int i = 0; i < d->n_rows; i++)
         if (d->socket[i] >= 0) map[d->socket[i]] = 1;
-    for (int s = 0; s < d->n_sockets; s++) {
-        if (map[s]) d->sockets[n] = d->sockets[s];
-        map[s] = map[s] ? n++ : -1;
-    }
-    d->n_sockets = n;
+    d->n_sockets = renumber(map, sockets);
+    for (int s = 0; s < sockets; s++)
+        if (map[s] >= 0) d->sockets[map[s]] = d->sockets[s];
     for (int i = 0; i < d->n_rows; i++)
         if (d->socket[i] >= 0) d->socket[i] = map[d->socket[i]];
-    n = 0;
-    for (int k = 0; k < d->n_distances; k++) {
+    d->n_distances = 0;
+    for (int k = 0; k < distances; k++) {
         const mukca_distance *old = &d->distances[k];
         if (map[old->a] >= 0 && map[old->b] >= 0)
-            d->distances[n++] = (mukca_distance){map[old->a], map[old->b], old->distance};
+            d->distances[d->n_distances++] =
+                (mukca_distance){map[old->a], map[old->b], old->distance};
     }
-    d->n_distances = n;
-    for (int p = 0; p < d->n_placements; p++) map[p] = 0;
+    memset(map, 0, (size_t)placements * sizeof *map);
     for (int s = 0; s < d->n_sockets; s++) map[d->sockets[s].placement] = 1;
-    n = 0;
-    for (int p = 0; p < d->n_placements; p++) {
-        if (map[p]) d->placements[n] = d->placements[p];
-        map[p] = map[p] ? n++ : -1;
-    }
-    d->n_placements = n;
+    d->n_placements = renumber(map, placements);
+    for (int p = 0; p < placements; p++)
+        if (map[p] >= 0) d->placements[map[p]] = d->placements[p];
     for (int s = 0; s < d->n_sockets; s++) d->sockets[s].placement = map[d->sockets[s].placement];
 }
 
@@ -127,7 +129,7 @@ mukca_status mukca_dataset_keep(mukca_dataset *data, const unsigned char *keep, 
 {
     mukca_dataset kept = {0};
     const int most = data->n_sockets > data->n_placements ? data->n_sockets : data->n_placements;
-    int *map = malloc(((size_t)most + 1) * sizeof *map);
+    int *map = calloc((size_t)most + 1, sizeof *map);
     if (!map) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     const mukca_status status = mukca_dataset_subset(&kept, data, keep, error);
     if (status == MUKCA_OK) {

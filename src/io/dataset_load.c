@@ -11,7 +11,6 @@
 #include "base/file.h"
 #include "base/note.h"
 #include "base/utf8.h"
-#include "io/dataset_build.h"
 
 /* Bounds: published folders have two holes; a mean needs two samples, a distance two sockets; the
  * upper limits detect tables of another kind. */
@@ -33,17 +32,23 @@ static void last_parts(char name[MUKCA_NAME_SIZE], const char *path, int parts)
     mukca_utf8_mend(name);
 }
 
+static mukca_status open_rows(mukca_rows *rows, mukca_dataset_builder *b, const char *path,
+                              mukca_table_kind kind)
+{
+    const mukca_rows_options options = {.kind = kind,
+                                        .format = b->format,
+                                        .note = b->note,
+                                        .context = b->context,
+                                        .warned = b->warned};
+    return mukca_rows_open(rows, path, b->chain, &options, b->error);
+}
+
 /* Read a table without header whose rows are all of one socket. */
 static mukca_status read_hole(mukca_dataset_builder *b, const char *path, int socket)
 {
     mukca_rows rows;
     mukca_row row;
-    const mukca_rows_options plain = {.kind = MUKCA_NO_HEADER,
-                                      .format = b->format,
-                                      .note = b->note,
-                                      .context = b->context,
-                                      .warned = b->warned};
-    mukca_status status = mukca_rows_open(&rows, path, b->chain, &plain, b->error);
+    mukca_status status = open_rows(&rows, b, path, MUKCA_NO_HEADER);
     if (status != MUKCA_OK) return status;
     mukca_table_stop(&rows.table, mukca_build_file(b, path));
     while (mukca_rows_next(&rows, &row))
@@ -248,12 +253,7 @@ static void read_rows(mukca_dataset_builder *b, session *s)
 static mukca_status read_table(mukca_dataset_builder *b, const char *path)
 {
     session s = {.first_placement = b->data->n_placements, .first_socket = b->data->n_sockets};
-    const mukca_rows_options header = {.kind = MUKCA_HEADER,
-                                       .format = b->format,
-                                       .note = b->note,
-                                       .context = b->context,
-                                       .warned = b->warned};
-    mukca_status status = mukca_rows_open(&s.rows, path, b->chain, &header, b->error);
+    mukca_status status = open_rows(&s.rows, b, path, MUKCA_HEADER);
     if (status != MUKCA_OK) return status;
     last_parts(s.stem, path, 1);
     char *dot = strrchr(s.stem, '.');

@@ -79,8 +79,19 @@ void mukca_export_provenance(FILE *stream, const char *prefix, const mukca_expor
 void mukca_export_verdict(FILE *stream, const mukca_exporter *exporter,
                           const mukca_acceptance *acceptance);
 
-/* Locate the value of an attribute in a tag[length] of XML, without its quotes; false: absent. */
-bool mukca_export_find_attribute(size_t *start, size_t *stop, const char *tag, size_t length,
+/* A start tag of XML; zeroed but for `at`, the text: before the first. */
+typedef struct {
+    const char *at;
+    size_t length;   /* with < and > */
+    int depth, open; /* 0: of the root; elements that are open behind the tag */
+} mukca_export_tag;
+
+/* Advance to the next start tag `name` (NULL: any), or false; comments and the like have none. */
+bool mukca_export_next_tag(mukca_export_tag *tag, const char *name);
+bool mukca_export_is_tag(const mukca_export_tag *tag, const char *name);
+
+/* Locate the value of an attribute in a tag, without its quotes; false: absent. */
+bool mukca_export_find_attribute(size_t *start, size_t *stop, const mukca_export_tag *tag,
                                  const char *name);
 
 /* Print `format`, in which a directive stands for each further argument: $i an int; $s a text, $q

@@ -25,44 +25,29 @@ static mukca_status fail(const patch *p, const char *body, const char *what)
                       mukca_file_shown(p->input->into), body, what);
 }
 
-/* The next start tag `<name`, comments left out, *length up to its end; NULL: none. */
-static const char *find_tag(const char *text, size_t *length, const char *name)
+/* The body of a link, by its name or else with a prefix; returns their number. */
+static int find_body(mukca_export_tag *found, const char *text, const char *link)
 {
-    while ((text = strchr(text, '<'))) {
-        const char *end = strncmp(text, "<!--", 4) == 0 ? strstr(text, "-->") : strchr(text, '>');
-        if (!end) return NULL;
-        *length = (size_t)(end + 1 - text);
-        if (strncmp(text + 1, name, strlen(name)) == 0 && strchr(" \t\r\n", text[strlen(name) + 1]))
-            return text;
-        text = end;
-    }
-    return NULL;
-}
-
-/* The body of a link, by its name or else with a prefix; *n: their number. */
-static const char *find_body(int *n, size_t *length, const char *text, const char *link)
-{
-    size_t start, stop, size;
-    const char *found = NULL;
-    *n = 0;
-    for (; (text = find_tag(text, &size, "body")); text += size) {
-        if (!mukca_export_find_attribute(&start, &stop, text, size, "name") ||
-            !mukca_export_same_name(link, text + start, stop - start))
+    size_t start, stop;
+    int n = 0;
+    for (mukca_export_tag tag = {.at = text}; mukca_export_next_tag(&tag, "body");) {
+        if (!mukca_export_find_attribute(&start, &stop, &tag, "name") ||
+            !mukca_export_same_name(link, tag.at + start, stop - start))
             continue;
         const bool same = stop - start == strlen(link);
-        if (same || !(*n)++) found = text, *length = size;
-        if (same) return *n = 1, found;
+        if (same || !n++) *found = tag;
+        if (same) return 1;
     }
-    return found;
+    return n;
 }
 
 /* Read numbers of an attribute; without it they stay.  False: unreadable. */
-static bool read_numbers(double *values, int n, const char *tag, size_t length, const char *key)
+static bool read_numbers(double *values, int n, const mukca_export_tag *tag, const char *key)
 {
     char words[256];
     size_t start, stop;
-    if (!mukca_export_find_attribute(&start, &stop, tag, length, key)) return true;
-    snprintf(words, sizeof words, "%.*s", (int)(stop - start), tag + start);
+    if (!mukca_export_find_attribute(&start, &stop, tag, key)) return true;
+    snprintf(words, sizeof words, "%.*s", (int)(stop - start), tag->at + start);
     return stop - start < sizeof words && mukca_number_parse_list(values, n, words);
 }
 
@@ -75,20 +60,20 @@ static void relate(mukca_frame *C, const mukca_frame *A, const mukca_frame *B)
 }
 
 /* Read where a body is in the frame of its link: turned, and anywhere on the axis of its joint. */
-static mukca_status place(mukca_frame *body, const patch *p, const char *tag, size_t length,
+static mukca_status place(mukca_frame *body, const patch *p, const mukca_export_tag *tag,
                           const mukca_element *e)
 {
     static const char *const others[] = {"euler", "axisangle", "xyaxes", "zaxis", NULL};
     double quat[4] = {1, 0, 0, 0}, pos[3] = {0, 0, 0}, off[3];
     mukca_frame step = identity, link;
-    size_t start, stop, more;
+    mukca_export_tag inner = *tag;
+    size_t start, stop;
     for (int i = 0; others[i]; i++)
-        if (mukca_export_find_attribute(&start, &stop, tag, length, others[i]))
+        if (mukca_export_find_attribute(&start, &stop, tag, others[i]))
             return fail(p, e->child, "has no quat; save the model from MuJoCo, which writes it");
-    const char *joint = e->joint >= 0 ? find_tag(tag, &more, "joint") : NULL;
-    if (!read_numbers(step.p, 3, tag, length, "pos") ||
-        !read_numbers(quat, 4, tag, length, "quat") ||
-        (joint && !read_numbers(pos, 3, joint, more, "pos")))
+    const bool joint = e->joint >= 0 && mukca_export_next_tag(&inner, "joint");
+    if (!read_numbers(step.p, 3, tag, "pos") || !read_numbers(quat, 4, tag, "quat") ||
+        (joint && !read_numbers(pos, 3, &inner, "pos")))
         return fail(p, e->child, "has a pos or quat that is not numbers");
     mukca_rotation_from_quaternion(step.R, quat);
     relate(&link, &p->nominal, &p->body);
@@ -107,15 +92,15 @@ static mukca_status place(mukca_frame *body, const patch *p, const char *tag, si
 }
 
 /* Write the text up to the body's tag, and the tag with the calibrated pose. */
-static mukca_status write_body(patch *p, const char *tag, size_t length, const mukca_element *e)
+static mukca_status write_body(patch *p, const mukca_export_tag *tag, const mukca_element *e)
 {
     double shift[3], quat[4];
     mukca_frame body, pose;
-    const char *end = tag + length - (tag[length - 2] == '/' ? 2 : 1);
-    const mukca_status status = place(&body, p, tag, length, e);
+    const char *end = tag->at + tag->length - (tag->at[tag->length - 2] == '/' ? 2 : 1);
+    const mukca_status status = place(&body, p, tag, e);
     if (status != MUKCA_OK) return status;
-    fwrite(p->at, 1, (size_t)(tag - p->at), p->stream);
-    for (const char *c = tag; c < end;) { /* without pos and quat */
+    fwrite(p->at, 1, (size_t)(tag->at - p->at), p->stream);
+    for (const char *c = tag->at; c < end;) { /* without pos and quat */
         const size_t blank = strspn(c, " \t\r\n"), word = blank + strcspn(c + blank, " \t\r\n=/>");
         const char *quote = c + word + strspn(c + word, " \t\r\n=");
         const char *close = *quote == '"' || *quote == '\'' ? strchr(quote + 1, *quote) : NULL;
@@ -158,18 +143,17 @@ static mukca_status write_into(FILE *stream, const mukca_export_input *input, mu
     for (int k = 0; k < chain->n_elements && status == MUKCA_OK; k++) {
         const mukca_element *e = &chain->element[k];
         mukca_export_origin origin;
-        size_t length = 0;
-        int n;
+        mukca_export_tag tag;
         mukca_export_get_origin(&origin, input, k);
         const mukca_frame nominal = mukca_export_frame(e->xyz, e->rpy),
                           calibrated = mukca_export_frame(origin.xyz, origin.rpy);
         mukca_frame_multiply(&p.nominal, &p.nominal, &nominal);
         mukca_frame_multiply(&p.calibrated, &p.calibrated, &calibrated);
-        const char *tag = find_body(&n, &length, p.at, e->child);
+        const int n = find_body(&tag, p.at, e->child);
         if (n > 1)
             status = fail(&p, e->child, "is there more than once, with other prefixes");
-        else if (tag)
-            status = write_body(&p, tag, length, e);
+        else if (n)
+            status = write_body(&p, &tag, e);
         else if (e->joint >= 0)
             status = fail(&p, e->child, "is missing, or not in the order of the chain");
         else if (k + 1 == chain->n_elements)

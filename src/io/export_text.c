@@ -5,6 +5,7 @@
 
 #include "base/file.h"
 #include "base/number.h"
+#include "base/suggest.h"
 #include "io/export.h"
 #include "mukca/version.h"
 
@@ -148,13 +149,77 @@ void mukca_export_get_origin(mukca_export_origin *origin, const mukca_export_inp
         if (fabs(origin->quaternion[i]) < smallest_component) origin->quaternion[i] = 0;
 }
 
+/* ---- XML ---- */
+
+/* After the comment, section or instruction at `at`, else after its `<`. */
+static const char *skip(const char *at)
+{
+    static const char *const skipped[][2] = {{"<!--", "-->"}, {"<![CDATA[", "]]>"}, {"<?", "?>"}};
+    for (int i = 0; i < 3; i++) {
+        const char *end = strncmp(at, skipped[i][0], strlen(skipped[i][0])) == 0
+                              ? strstr(at, skipped[i][1])
+                              : NULL;
+        if (end) return end;
+    }
+    return at + 1;
+}
+
+bool mukca_export_is_tag(const mukca_export_tag *tag, const char *name)
+{
+    const size_t length = strlen(name);
+    return strncmp(tag->at + 1, name, length) == 0 && strchr(" \t\r\n/>", tag->at[1 + length]);
+}
+
+bool mukca_export_next_tag(mukca_export_tag *tag, const char *name)
+{
+    const char *at = tag->at + tag->length;
+    while ((at = strchr(at, '<'))) {
+        const char *start = at;
+        at = skip(at);
+        if (at > start + 1) continue;
+        for (char quote = '\0'; *at && (quote || *at != '>'); at++)
+            if (quote ? *at == quote : *at == '"' || *at == '\'') quote = quote ? '\0' : *at;
+        if (!*at) return false;
+        if (start[1] == '/') {
+            tag->open--;
+            continue;
+        }
+        tag->depth = tag->open;
+        tag->open += at[-1] != '/';
+        tag->at = start;
+        tag->length = (size_t)(at + 1 - start);
+        if (!name || mukca_export_is_tag(tag, name)) return true;
+    }
+    return false;
+}
+
+bool mukca_export_find_attribute(size_t *start, size_t *stop, const mukca_export_tag *of,
+                                 const char *name)
+{
+    const char *tag = of->at;
+    size_t at = strcspn(tag, " \t\r\n/>");
+    while (at < of->length) {
+        at += strspn(tag + at, " \t\r\n");
+        size_t name_length = strcspn(tag + at, " \t\r\n=/>");
+        if (name_length == 0) return false;
+        const bool match = name_length == strlen(name) && strncmp(tag + at, name, name_length) == 0;
+        const char *quote = tag + at + name_length;
+        quote += strspn(quote, " \t\r\n=");
+        const char *end = *quote ? strchr(quote + 1, *quote) : NULL;
+        if (!end || end >= tag + of->length) return false;
+        *start = (size_t)(quote + 1 - tag);
+        *stop = (size_t)(end - tag);
+        if (match) return true;
+        at = (size_t)(end + 1 - tag);
+    }
+    return false;
+}
+
 bool mukca_export_same_name(const char *name, const char *other, size_t length)
 {
-    const size_t whole = strlen(name), least = whole < length ? whole : length;
-    const char *longer = whole > length ? name : other;
-    const size_t prefix = whole > length ? whole - length : length - whole;
-    return least > 0 && strncmp(name + whole - least, other + length - least, least) == 0 &&
-           (prefix == 0 || longer[prefix - 1] == '_');
+    char copy[256];
+    snprintf(copy, sizeof copy, "%.*s", (int)length, other);
+    return mukca_prefix_ends(name, copy) || mukca_prefix_ends(copy, name);
 }
 
 mukca_frame mukca_export_frame(const double xyz[3], const double rpy[3])

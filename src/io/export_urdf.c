@@ -15,27 +15,6 @@ typedef struct {
     char replacement[3 * MUKCA_NUMBER_SIZE + 8];
 } edit;
 
-bool mukca_export_find_attribute(size_t *start, size_t *stop, const char *tag, size_t length,
-                                 const char *name)
-{
-    size_t at = strcspn(tag, " \t\r\n/>");
-    while (at < length) {
-        at += strspn(tag + at, " \t\r\n");
-        size_t name_length = strcspn(tag + at, " \t\r\n=/>");
-        if (name_length == 0) return false;
-        const bool match = name_length == strlen(name) && strncmp(tag + at, name, name_length) == 0;
-        const char *quote = tag + at + name_length;
-        quote += strspn(quote, " \t\r\n=");
-        const char *end = *quote ? strchr(quote + 1, *quote) : NULL;
-        if (!end || end >= tag + length) return false;
-        *start = (size_t)(quote + 1 - tag);
-        *stop = (size_t)(end - tag);
-        if (match) return true;
-        at = (size_t)(end + 1 - tag);
-    }
-    return false;
-}
-
 /* 0 and -0 differ, as their texts do. */
 static bool is_same(double a, double b)
 {
@@ -47,41 +26,41 @@ static bool are_same(const double a[3], const double b[3])
     return is_same(a[0], b[0]) && is_same(a[1], b[1]) && is_same(a[2], b[2]);
 }
 
-/* Change attribute `name` of the origin tag[length] to v. */
-static void edit_attribute(edit *e, const char *tag, size_t length, const char *name,
+/* Change attribute `name` of the origin's tag to v. */
+static void edit_attribute(edit *e, const mukca_export_tag *tag, const char *name,
                            const double v[3])
 {
     char number[3][MUKCA_NUMBER_SIZE];
     for (int i = 0; i < 3; i++) mukca_number_format(number[i], v[i]);
-    if (mukca_export_find_attribute(&e->start, &e->stop, tag, length, name)) {
+    if (mukca_export_find_attribute(&e->start, &e->stop, tag, name)) {
         snprintf(e->replacement, sizeof e->replacement, "%s %s %s", number[0], number[1],
                  number[2]);
         return;
     }
-    e->start = length - (length >= 2 && tag[length - 2] == '/' ? 2 : 1);
-    while (e->start && strchr(" \t\r\n", tag[e->start - 1])) e->start--;
+    e->start = tag->length - (tag->at[tag->length - 2] == '/' ? 2 : 1);
+    while (strchr(" \t\r\n", tag->at[e->start - 1])) e->start--;
     e->stop = e->start;
     snprintf(e->replacement, sizeof e->replacement, " %s=\"%s %s %s\"", name, number[0], number[1],
              number[2]);
 }
 
 /* Write the origin's tag with the attributes that differ from xyz and rpy, which it has. */
-static void write_tag(FILE *stream, const char *tag, size_t length,
-                      const mukca_export_origin *origin, const double xyz[3], const double rpy[3])
+static void write_tag(FILE *stream, const mukca_export_tag *tag, const mukca_export_origin *origin,
+                      const double xyz[3], const double rpy[3])
 {
     edit edits[2];
     int n = 0;
     size_t at = 0;
-    if (!are_same(origin->xyz, xyz)) edit_attribute(&edits[n++], tag, length, "xyz", origin->xyz);
-    if (!are_same(origin->rpy, rpy)) edit_attribute(&edits[n++], tag, length, "rpy", origin->rpy);
+    if (!are_same(origin->xyz, xyz)) edit_attribute(&edits[n++], tag, "xyz", origin->xyz);
+    if (!are_same(origin->rpy, rpy)) edit_attribute(&edits[n++], tag, "rpy", origin->rpy);
     const int first = n == 2 && edits[1].start < edits[0].start;
     for (int i = 0; i < n; i++) {
         const edit *e = &edits[i ^ first];
-        fwrite(tag + at, 1, e->start - at, stream);
+        fwrite(tag->at + at, 1, e->start - at, stream);
         fputs(e->replacement, stream);
         at = e->stop;
     }
-    fwrite(tag + at, 1, length - at, stream);
+    fwrite(tag->at + at, 1, tag->length - at, stream);
 }
 
 /* Get the origin of an element; false: identical to the URDF's. */
@@ -116,7 +95,7 @@ static mukca_status check_into(const mukca_urdf_text *urdf, const mukca_export_i
         mukca_export_origin origin;
         bool near = true;
         int n = 0;
-        for (int i = 0; i < urdf->n_joints && urdf->located; i++) {
+        for (int i = 0; i < urdf->n_joints; i++) {
             if (find_element(input, urdf, urdf->joints[i].name) != k) continue;
             const mukca_frame own = mukca_export_frame(urdf->joints[i].xyz, urdf->joints[i].rpy);
             near = mukca_export_near(&own, &nominal);
@@ -136,57 +115,62 @@ static mukca_status check_into(const mukca_urdf_text *urdf, const mukca_export_i
     return MUKCA_OK;
 }
 
-static mukca_status check(const mukca_urdf_text *urdf, const mukca_export_input *input,
-                          mukca_error *error)
+/* Write the text up to the joint's origin, and this; returns what follows. */
+static const char *write_joint(FILE *stream, const char *at, const mukca_export_tag *joint,
+                               const mukca_export_origin *origin, const double xyz[3],
+                               const double rpy[3])
 {
-    mukca_export_origin origin;
-    const char *shown = mukca_file_shown(input->urdf_path);
-    if (input->into) return check_into(urdf, input, error);
-    if (strcmp(urdf->sha256, input->chain->urdf_sha256) != 0)
-        return mukca_fail(error, MUKCA_INPUT, "%s: changed during the export; run it again", shown);
-    for (int k = 0; k < input->chain->n_elements; k++) {
-        const char *name = input->chain->element[k].name;
-        if (get_changed(&origin, input, k) &&
-            (!urdf->located || !mukca_urdf_text_joint(urdf, name)))
-            return mukca_fail(error, MUKCA_INPUT,
-                              "%s: joint '%s' cannot be located in this encoding; save the file as "
-                              "UTF-8",
-                              shown, name);
+    mukca_export_tag tag = *joint;
+    bool found = false;
+    while (!found && mukca_export_next_tag(&tag, NULL) && tag.depth > joint->depth)
+        found = tag.depth == joint->depth + 1 && mukca_export_is_tag(&tag, "origin");
+    const char *start = joint->at + joint->length;
+    if (found) {
+        fwrite(at, 1, (size_t)(tag.at - at), stream);
+        write_tag(stream, &tag, origin, xyz, rpy);
+        return tag.at + tag.length;
     }
-    return MUKCA_OK;
+    start += strspn(start, " \t\r\n"); /* after the white space that follows the joint's tag */
+    fwrite(at, 1, (size_t)(start - at), stream);
+    mukca_export_print(stream, "<origin xyz=\"$b\" rpy=\"$b\"/>", origin->xyz, 3, origin->rpy, 3);
+    return joint->at + joint->length;
+}
+
+/* Write the text with the changed origins; false: its joints were not found. */
+static bool write_joints(FILE *stream, const mukca_urdf_text *urdf, const mukca_export_input *input)
+{
+    mukca_export_tag tag = {.at = urdf->text};
+    const char *at = urdf->text;
+    int n = 0;
+    while (mukca_export_next_tag(&tag, "joint")) {
+        mukca_export_origin origin;
+        if (tag.depth != 1) continue;
+        if (n == urdf->n_joints) return false;
+        const mukca_urdf_joint *joint = &urdf->joints[n++];
+        const int k = find_element(input, urdf, joint->name);
+        if (k < 0 || !get_changed(&origin, input, k)) continue;
+        at = write_joint(stream, at, &tag, &origin, joint->xyz, joint->rpy);
+    }
+    fputs(at, stream);
+    return n == urdf->n_joints;
 }
 
 static mukca_status write_urdf(FILE *stream, const mukca_export_input *input, mukca_error *error)
 {
     mukca_urdf_text urdf;
-    mukca_status status =
-        mukca_urdf_text_read(&urdf, input->into ? input->into : input->urdf_path, error);
+    const char *path = input->into ? input->into : input->urdf_path;
+    mukca_status status = mukca_urdf_text_read(&urdf, path, error);
     if (status != MUKCA_OK) return status;
-    status = check(&urdf, input, error);
-    const char *at = urdf.text; /* joints are in the order of the text */
-    for (int i = 0; i < urdf.n_joints && status == MUKCA_OK; i++) {
-        const mukca_urdf_joint *joint = &urdf.joints[i];
-        const int k = find_element(input, &urdf, joint->name);
-        mukca_export_origin origin;
-        if (k < 0 || !get_changed(&origin, input, k)) continue;
-        const mukca_element *nominal = &input->chain->element[k];
-        const char *start = urdf.text + joint->origin_start, *stop = urdf.text + joint->origin_stop;
-        if (!joint->has_origin) {
-            start = urdf.text + joint->tag_end;
-            start += strspn(start, " \t\r\n");
-            stop = urdf.text + joint->tag_end;
-        }
-        fwrite(at, 1, (size_t)(start - at), stream);
-        if (joint->has_origin)
-            write_tag(stream, start, (size_t)(stop - start), &origin,
-                      input->into ? joint->xyz : nominal->xyz,
-                      input->into ? joint->rpy : nominal->rpy);
-        else /* after the white space that follows the joint's tag */
-            mukca_export_print(stream, "<origin xyz=\"$b\" rpy=\"$b\"/>", origin.xyz, 3, origin.rpy,
-                               3);
-        at = stop;
-    }
-    if (status == MUKCA_OK) fputs(at, stream);
+    if (input->into)
+        status = check_into(&urdf, input, error);
+    else if (strcmp(urdf.sha256, input->chain->urdf_sha256) != 0)
+        status = mukca_fail(error, MUKCA_INPUT, "%s: changed during the export; run it again",
+                            mukca_file_shown(path));
+    if (status == MUKCA_OK && !write_joints(stream, &urdf, input))
+        status = mukca_fail(error, MUKCA_INPUT,
+                            "%s: its joints cannot be located in this encoding; save the file as "
+                            "UTF-8",
+                            mukca_file_shown(path));
     mukca_urdf_text_free(&urdf);
     return status;
 }

@@ -41,13 +41,6 @@ static void read_row(void *context, mukca_table *table, const int *column)
     grown[l->n++] = row;
 }
 
-bool mukca_inertials_names(const char *link, const char *name)
-{
-    const size_t whole = strlen(link), part = strlen(name);
-    if (whole < part || strcmp(link + whole - part, name) != 0) return false;
-    return whole == part || link[whole - part - 1] == '_' || link[whole - part - 1] == '/';
-}
-
 mukca_status mukca_inertials_read(mukca_inertial **rows, int *n, const char *path,
                                   mukca_error *error)
 {

@@ -9,6 +9,7 @@
 #include "base/file.h"
 #include "base/note.h"
 #include "base/number.h"
+#include "base/suggest.h"
 #include "model/chain_hash.h"
 
 /* A robot's file has some 60 lines; a larger one is of another kind. */
@@ -181,21 +182,14 @@ mukca_status mukca_kinematics_read(mukca_kinematics *kinematics, const char *pat
     return r.status;
 }
 
-/* Whether `text` equals NAME + `behind`, or ends in _NAME + `behind`. */
-static bool is_named(const char *text, const char *name, const char *behind)
-{
-    const size_t length = strlen(text), tail = strlen(name) + strlen(behind);
-    if (length < tail || (length > tail && text[length - tail - 1] != '_')) return false;
-    const char *at = text + (length - tail);
-    return strncmp(at, name, strlen(name)) == 0 && strcmp(at + strlen(name), behind) == 0;
-}
-
 int mukca_kinematics_find(const mukca_chain *chain, const char *name)
 {
+    char link[MUKCA_NAME_SIZE + 8];
+    snprintf(link, sizeof link, "%s_link", name);
     for (int k = 0; k < chain->n_elements; k++)
-        if (is_named(chain->element[k].name, name, "")) return k;
+        if (mukca_prefix_ends(chain->element[k].name, name)) return k;
     for (int k = 0; k < chain->n_elements; k++)
-        if (is_named(chain->element[k].child, name, "_link")) return k;
+        if (mukca_prefix_ends(chain->element[k].child, link)) return k;
     return -1;
 }
 

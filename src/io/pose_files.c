@@ -1,5 +1,5 @@
 /* The controller's poses, paired with the samples of recorded joint angles. */
-#include "io/dataset_build.h"
+#include "io/dataset.h"
 
 #include <math.h>
 #include <stdlib.h>

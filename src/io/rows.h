@@ -8,9 +8,7 @@
 #include "mukca/chain.h"
 #include "mukca/row_state.h"
 
-/* ---- order of quaternions (quaternion_check.c) ---- */
-
-/* Start zeroed. */
+/* Check of the order of quaternions by the arm's kinematics (rows.c); start zeroed. */
 typedef struct {
     mukca_geometry geometry;
     int n;                /* number of orientations so far */
@@ -19,13 +17,6 @@ typedef struct {
     double error[2];      /* sums over pairs of turns, rad^2 */
     int pairs;
 } mukca_quaternion_check;
-
-/* Add an orientation as read (w first; `w_last`: it was last in the file; `inverse`: of the fixed
- * frame in the target's) at joint angles q.  True if the orientations so far agree with the nominal
- * arm in the other order and disagree in the file's order. */
-bool mukca_quaternion_check_wrong(mukca_quaternion_check *order, const mukca_chain *chain,
-                                  const double *q, const double quaternion[4], bool w_last,
-                                  bool inverse);
 
 /* Format of tables from other programs; zeroed: mukca's own. */
 typedef struct {
@@ -72,7 +63,7 @@ typedef struct {
 
 /* Indices of the table's columns, -1 if absent. */
 typedef struct {
-    int placement, socket, target, time, temperature, payload;
+    int placement, socket, target, time, payload;
     int joint[MUKCA_MAX_JOINTS], effort[MUKCA_MAX_JOINTS], command[MUKCA_MAX_JOINTS],
         velocity[MUKCA_MAX_JOINTS];
     int n_measured;
@@ -96,7 +87,7 @@ typedef struct {
     const char *placement, *socket, *target;
     double q[MUKCA_MAX_JOINTS], effort[MUKCA_MAX_JOINTS], command[MUKCA_MAX_JOINTS],
         velocity[MUKCA_MAX_JOINTS];    /* rad or m, N m, rad, rad/s */
-    double time, temperature, payload; /* s, degrees Celsius, kg */
+    double time, payload;              /* s, kg */
     double position[3], quaternion[4]; /* m; normalised */
 } mukca_row;
 

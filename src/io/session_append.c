@@ -157,17 +157,17 @@ static void format_columns(mukca_text *line, const mukca_session *session,
 }
 
 /* "# key: value" lines whose values must be equal on resume. */
-typedef struct {
-    const char *key, *value, *refusal;
-} origin;
+static const struct {
+    const char *key, *refusal;
+} origins[] = {
+    {"# urdf_sha256: ", "recorded with another URDF; use that one: SHA-256"},
+    {"# stream: ", "do not mix streams; recorded with --stream"},
+};
+enum { ORIGINS = sizeof origins / sizeof *origins };
 
-enum { ORIGINS = 2 };
-
-static void list_origins(origin list[ORIGINS], const mukca_session_head *head)
+static const char *origin(const mukca_session_head *head, int k)
 {
-    list[0] = (origin){"# urdf_sha256: ", head->chain->urdf_sha256,
-                       "recorded with another URDF; use that one: SHA-256"};
-    list[1] = (origin){"# stream: ", head->stream, "do not mix streams; recorded with --stream"};
+    return k ? head->stream : head->chain->urdf_sha256;
 }
 
 static const char first_line[] = "# mukca session\n";
@@ -178,12 +178,11 @@ static mukca_status write_header(mukca_session *session, const mukca_session_hea
 {
     char buffer[LINE_SIZE];
     mukca_text line = MUKCA_TEXT(buffer);
-    origin list[ORIGINS];
     mukca_output output;
     mukca_text_put(&line, "%s# robot: %s\n# base: %s\n# tip: %s\n", first_line, head->chain->robot,
                    head->chain->base, head->chain->tip);
-    list_origins(list, head);
-    for (int k = 0; k < ORIGINS; k++) mukca_text_put(&line, "%s%s\n", list[k].key, list[k].value);
+    for (int k = 0; k < ORIGINS; k++)
+        mukca_text_put(&line, "%s%s\n", origins[k].key, origin(head, k));
     mukca_text_put(&line, "# channel: %s (%s)\n", head->channel, head->type);
     mukca_text_put(
         &line,
@@ -257,12 +256,10 @@ mukca_status mukca_session_create(mukca_session *session, const char *path, bool
 static mukca_status check_comment(const mukca_session *session, const char *comment,
                                   const mukca_session_head *head, mukca_error *error)
 {
-    origin list[ORIGINS];
-    list_origins(list, head);
     for (int k = 0; k < ORIGINS; k++) {
-        const size_t n = strlen(list[k].key);
-        if (strncmp(comment, list[k].key, n) == 0 && strcmp(comment + n, list[k].value) != 0)
-            return mukca_fail(error, MUKCA_INPUT, "%s: %s %.16s", session->path, list[k].refusal,
+        const size_t n = strlen(origins[k].key);
+        if (strncmp(comment, origins[k].key, n) == 0 && strcmp(comment + n, origin(head, k)) != 0)
+            return mukca_fail(error, MUKCA_INPUT, "%s: %s %.16s", session->path, origins[k].refusal,
                               comment + n);
     }
     return MUKCA_OK;

@@ -342,20 +342,17 @@ void mukca_table_note_unknown(const mukca_table *table, mukca_note_fn *note, voi
     char names[120] = "";
     mukca_text list = MUKCA_TEXT(names);
     int unknown = 0;
-    bool whole = true;
+    bool more = false;
     for (int c = 0; c < table->n_columns; c++) {
         if (table->used[c]) continue;
-        const bool fits = list.used + strlen(table->header[c]) + 8 < list.size;
-        if (fits)
-            mukca_text_put(&list, "%s%s", unknown ? ", " : "", table->header[c]);
-        else if (whole)
-            mukca_text_put(&list, ", ...");
-        whole = fits;
+        more = more || list.used + strlen(table->header[c]) + 8 >= list.size;
+        if (!more) mukca_text_put(&list, "%s%s", unknown ? ", " : "", table->header[c]);
         unknown++;
     }
     if (unknown)
-        mukca_note_format(note, context, "%s: %d unknown column%s ignored: %s",
-                          mukca_file_shown(table->path), unknown, unknown > 1 ? "s" : "", names);
+        mukca_note_format(note, context, "%s: %d unknown column%s ignored: %s%s",
+                          mukca_file_shown(table->path), unknown, unknown > 1 ? "s" : "", names,
+                          more ? ", ..." : "");
 }
 
 mukca_status mukca_table_read(const char *path, const char *const *names, int n,

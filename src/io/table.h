@@ -84,7 +84,7 @@ typedef void mukca_table_row_fn(void *context, mukca_table *table, const int *co
 mukca_status mukca_table_read(const char *path, const char *const *names, int n,
                               mukca_table_row_fn *read, void *context, mukca_error *error);
 
-/* ---- names of columns (columns.c) ---- */
+/* ---- names of columns (rows_header.c) ---- */
 
 /* Rename the columns of an open table by the text or file `columns`: `COLUMN=NAME,...`, or a name
  * for each column in order; a line end separates like a comma. */

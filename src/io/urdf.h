@@ -32,9 +32,6 @@ typedef struct {
     double com[3]; /* m, in the link's frame */
 } mukca_inertial;
 
-/* Whether `link` has that name, with or without a prefix ("left_panda_link1" is a "link1"). */
-bool mukca_inertials_names(const char *link, const char *name);
-
 /* Read the table into a new list of *n links; free *list with free.  Errors: MUKCA_INPUT (a
  * negative or implausible mass, a duplicate link), MUKCA_MEMORY. */
 mukca_status mukca_inertials_read(mukca_inertial **list, int *n, const char *path,
@@ -54,26 +51,21 @@ void mukca_urdf_write(FILE *stream, const mukca_chain *chain);
 mukca_status mukca_dh_read(mukca_dh *dh, bool *stated, const char *path,
                            const mukca_rows_format *format, mukca_error *error);
 
-/* ---- a URDF as text: checked for size, depth and xacro, its joints located (urdf_text.c) ---- */
+/* ---- a URDF as text: checked for size, depth and xacro (urdf_text.c) ---- */
 
-/* One <joint> of the robot.  Offsets count bytes from the start of the text. */
+/* One <joint> of the robot. */
 typedef struct {
     char name[MUKCA_NAME_SIZE]; /* truncated to 63 characters */
     int line;
-    size_t tag_end;                   /* directly after the joint's start tag */
-    size_t origin_start, origin_stop; /* start tag of the origin, from `<` to after `>` */
-    double xyz[3], rpy[3];            /* of the origin, as written; 0 if absent */
-    bool has_origin;
-    bool bad_origin; /* xyz or rpy is not three numbers */
+    double xyz[3], rpy[3]; /* of the origin, as written; 0 if absent */
 } mukca_urdf_joint;
 
 typedef struct {
     char *text;     /* the file's bytes, zero-terminated */
     char *elements; /* its elements and attributes only, UTF-8, as input of urdfdom */
     char sha256[65];
-    bool located; /* byte offsets below are valid (false for encodings other than UTF-8) */
     int n_joints;
-    mukca_urdf_joint *joints;
+    mukca_urdf_joint *joints; /* in the order of the text */
 } mukca_urdf_text;
 
 /* Read and check a file.  Errors: MUKCA_INPUT (also: malformed XML, with its line; nested too

@@ -40,8 +40,6 @@ class Listener : public console_bridge::OutputHandler
    public:
     Listener() { console_bridge::useOutputHandler(this); }
     ~Listener() override { console_bridge::restorePreviousOutputHandler(); }
-    Listener(const Listener &) = delete;
-    Listener &operator=(const Listener &) = delete;
     void log(const std::string &text, console_bridge::LogLevel level, const char *, int) override
     {
         if (level >= console_bridge::CONSOLE_BRIDGE_LOG_ERROR && first.empty()) first = text;
@@ -49,34 +47,14 @@ class Listener : public console_bridge::OutputHandler
     std::string first;
 };
 
-// Detects failed allocations, which urdfdom reports as bad numbers or omitted elements.
-class Memory
+// Notes failed allocations, which urdfdom reports as bad numbers or omitted elements.
+bool exhausted;
+
+void run_out()
 {
-   public:
-    Memory() : before_(std::set_new_handler(fail)) { exhausted_ = false; }
-    ~Memory() { std::set_new_handler(before_); }
-    Memory(const Memory &) = delete;
-    Memory &operator=(const Memory &) = delete;
-    static void check()
-    {
-        if (exhausted_) throw std::bad_alloc();
-    }
-
-   private:
-    static void fail()
-    {
-        exhausted_ = true;
-        throw std::bad_alloc();
-    }
-    static bool exhausted_;
-    std::new_handler before_;
-};
-bool Memory::exhausted_;
-
-struct Mass {
-    double kg, com[3];
-    double inertia[6];
-};
+    exhausted = true;
+    throw std::bad_alloc();
+}
 
 // "a, b, c", truncated to leave room for the rest of an error message.
 std::string join(const std::vector<std::string> &names)
@@ -96,22 +74,17 @@ std::string one_line(std::string text)
     return text.substr(0, 140);
 }
 
-class Loader
-{
-   public:
-    Loader(mukca_chain *chain, const char *path, const mukca_urdf_options &options,
-           mukca_note_fn *note, void *context, mukca_error *error)
-        : chain_(chain),
-          path_(mukca_file_shown(path)),
-          options_(options),
-          note_(note),
-          context_(context),
-          error_(error)
-    {
-        *chain = mukca_chain();
-        mukca_status status = mukca_urdf_text_read(&text_, path, error);
-        if (status) throw Failure{status};
-    }
+struct Loader {
+    mukca_chain *chain_;
+    const char *path_;
+    const mukca_urdf_options &options_;
+    mukca_note_fn *note_;
+    void *context_;
+    mukca_error *error_;
+    mukca_urdf_text text_;
+    urdf::ModelInterfaceSharedPtr model_;
+    std::map<std::string, mukca_mass> masses_;  // by link
+
     ~Loader()
     {
         mukca_urdf_text_free(&text_);
@@ -119,11 +92,13 @@ class Loader
         /* links in a cycle own each other and would never be freed */
         for (const auto &entry : model_->links_) entry.second->child_links.clear();
     }
-    Loader(const Loader &) = delete;
-    Loader &operator=(const Loader &) = delete;
 
     void run()
     {
+        *chain_ = mukca_chain();
+        mukca_status status = mukca_urdf_text_read(&text_, path_, error_);
+        if (status) throw Failure{status};
+        path_ = mukca_file_shown(path_);
         parse();
         check_tree();
         const std::string base = find_base(), tip = find_tip(base);
@@ -146,7 +121,6 @@ class Loader
         set_gravity(base);
     }
 
-   private:
     [[noreturn]] void fail(const std::string &what, int line = 0)
     {
         const std::string place = line ? std::to_string(line) + ":" : "";
@@ -169,21 +143,16 @@ class Loader
     {
         if (name.size() >= MUKCA_NAME_SIZE)
             fail("the name '" + name.substr(0, 40) + "...' is longer than 63 characters");
-        if (!mukca_utf8_valid(name.c_str())) {
-            char shown[MUKCA_NAME_SIZE];
-            std::snprintf(shown, sizeof shown, "%s", name.c_str());
-            mukca_utf8_mend(shown);
-            fail("the name '" + std::string(shown) + "' is not UTF-8; save the file as UTF-8");
-        }
         std::memcpy(to, name.c_str(), name.size() + 1);
     }
 
     void parse()
     {
         Listener listener;
-        Memory memory;
+        exhausted = false;
+        std::set_new_handler(run_out);
         model_ = urdf::parseURDF(text_.elements);
-        memory.check();
+        if (exhausted) throw std::bad_alloc();
         if (!model_)
             fail("urdfdom cannot read it: " +
                  one_line(listener.first.empty() ? "no reason given" : listener.first));
@@ -377,7 +346,7 @@ class Loader
         std::string found;
         if (model_->links_.count(name)) return name;
         for (const auto &entry : model_->links_) {
-            if (!mukca_inertials_names(entry.first.c_str(), name)) continue;
+            if (!mukca_prefix_ends(entry.first.c_str(), name)) continue;
             if (!found.empty())
                 fail(std::string("links '") + found + "' and '" + entry.first + "' are both a '" +
                      name + "'; write whole names into the file of --inertials");
@@ -399,14 +368,14 @@ class Loader
                 if (!(std::fabs(value) <= MUKCA_NUMBER_LARGEST))
                     fail("link '" + entry.first +
                          "': its mass or centre of mass is larger than any arm's");
-            Mass mass = {inertial->mass, {p.x, p.y, p.z}, {0}};
+            mukca_mass &mass = masses_[entry.first];
+            mass = {0, inertial->mass, {p.x, p.y, p.z}, {0}};
             const double I[6] = {inertial->ixx, inertial->iyy, inertial->izz,
                                  inertial->ixy, inertial->ixz, inertial->iyz};
             double rpy[3], R[9];
             inertial->origin.rotation.getRPY(rpy[0], rpy[1], rpy[2]);
             mukca_rotation_from_rpy(R, rpy);
             add_turned(mass.inertia, R, I);
-            masses_[entry.first] = mass;
         }
         if (!options_.inertials) return;
         mukca_inertial *list;
@@ -415,9 +384,8 @@ class Loader
         if (status) throw Failure{status};
         std::vector<mukca_inertial> rows(list, list + n);
         std::free(list);
-        for (const mukca_inertial &row : rows) {
-            masses_[find_link(row.link)] = Mass{row.kg, {row.com[0], row.com[1], row.com[2]}, {0}};
-        }
+        for (const mukca_inertial &row : rows)
+            masses_[find_link(row.link)] = {0, row.kg, {row.com[0], row.com[1], row.com[2]}, {0}};
     }
 
     // Add R I R' to sum; tensors are xx yy zz xy xz yz.
@@ -496,16 +464,6 @@ class Loader
             add_note("joints above '" + base +
                      "' are assumed at zero for the direction of gravity; or give --gravity");
     }
-
-    mukca_chain *chain_;
-    const char *path_;
-    mukca_urdf_options options_;
-    mukca_note_fn *note_;
-    void *context_;
-    mukca_error *error_;
-    mukca_urdf_text text_ = {};
-    urdf::ModelInterfaceSharedPtr model_;
-    std::map<std::string, Mass> masses_;
 };
 
 }  // namespace
@@ -516,7 +474,8 @@ extern "C" mukca_status mukca_urdf_load(mukca_chain *chain, const char *path,
 {
     const mukca_urdf_options defaults = {};
     try {
-        Loader(chain, path, options ? *options : defaults, note, context, error).run();
+        Loader{chain, path, options ? *options : defaults, note, context, error, {}, nullptr, {}}
+            .run();
         return MUKCA_OK;
     } catch (const Failure &failure) {
         return failure.status;

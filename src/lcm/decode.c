@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "lcm/wire.h"
+#include "lcm/packet.h"
 
 typedef struct {
     const mukca_lcm_types *types;

@@ -13,8 +13,6 @@
 
 #include "base/clock.h"
 #include "io/output.h"
-#include "lcm/multicast.h"
-#include "lcm/wire.h"
 
 enum { BURST = 256 /* events of a log per call */ };
 

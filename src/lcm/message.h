@@ -102,7 +102,7 @@ size_t mukca_message_encode(void *buffer, size_t size, mukca_message_kind kind,
 mukca_status mukca_message_decode(void *message, mukca_message_kind kind, const void *data,
                                   size_t size, mukca_error *error);
 
-/* ---- signatures of requests: HMAC-SHA256 (RFC 2104) appended to the message (signature.c) ---- */
+/* ---- signatures of requests: HMAC-SHA256 (RFC 2104) appended to the message ---- */
 
 enum {
     MUKCA_LCM_SIGNATURE = 32, /* bytes */

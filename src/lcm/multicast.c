@@ -1,10 +1,9 @@
 /* Receiver of a multicast group.  A thread empties the socket into a bounded queue: joint states
  * are not lost during disk waits, and a flood does not consume memory. */
-#include "lcm/multicast.h"
+#include "lcm/packet.h"
 
 #include <arpa/inet.h>
 #include <errno.h>
-#include <fcntl.h>
 #include <net/if.h>
 #include <netinet/in.h>
 #include <poll.h>
@@ -13,6 +12,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/eventfd.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <sys/time.h>
@@ -25,7 +25,7 @@ enum { DATAGRAM = 65536 /* bytes: exceeds UDP's maximum */, MAX_LOCAL = 64 };
 struct mukca_lcm_multicast {
     mukca_lcm_multicast_options options;
     int socket;
-    int stop[2], ready[2]; /* pipes: termination of the thread; readable while a message waits */
+    int stop, ready; /* eventfd: termination of the thread; readable while a message waits */
     bool running;
     pthread_t thread;
     /* private to the thread */
@@ -114,7 +114,7 @@ static void process(mukca_lcm_multicast *m, size_t size, const struct sockaddr_i
     m->lost = m->overflowed;
     if (whole && (m->channels.all || mukca_lcm_channels_name(&m->channels, packet.channel)) &&
         mukca_lcm_queue_push(&m->queue, &packet) && !m->signalled)
-        m->signalled = write(m->ready[1], "", 1) == 1;
+        m->signalled = eventfd_write(m->ready, 1) == 0;
     pthread_mutex_unlock(&m->lock);
 }
 
@@ -152,8 +152,7 @@ static ssize_t receive(mukca_lcm_multicast *m, struct sockaddr_in *from, int64_t
 static void *run(void *multicast)
 {
     mukca_lcm_multicast *m = multicast;
-    struct pollfd p[2] = {{.fd = m->socket, .events = POLLIN},
-                          {.fd = m->stop[0], .events = POLLIN}};
+    struct pollfd p[2] = {{.fd = m->socket, .events = POLLIN}, {.fd = m->stop, .events = POLLIN}};
     for (;;) {
         if (poll(p, 2, -1) < 0 && errno != EINTR) break;
         if (p[1].revents) break;
@@ -204,16 +203,6 @@ static bool open_socket(mukca_lcm_multicast *m)
     return false;
 }
 
-static bool open_pipe(int ends[2])
-{
-    if (pipe(ends)) return false;
-    for (int i = 0; i < 2; i++) {
-        fcntl(ends[i], F_SETFD, FD_CLOEXEC);
-        fcntl(ends[i], F_SETFL, O_NONBLOCK);
-    }
-    return true;
-}
-
 /* Start the thread with all signals blocked; the main thread handles them. */
 static bool start_thread(mukca_lcm_multicast *m)
 {
@@ -234,9 +223,11 @@ mukca_status mukca_lcm_multicast_open(mukca_lcm_multicast **out,
     *out = NULL;
     if (!m) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     m->options = *options;
-    m->socket = m->stop[0] = m->stop[1] = m->ready[0] = m->ready[1] = -1;
+    m->socket = -1;
+    m->stop = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    m->ready = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
     pthread_mutex_init(&m->lock, NULL);
-    if (!open_socket(m) || !open_pipe(m->stop) || !open_pipe(m->ready) || !start_thread(m)) {
+    if (m->stop < 0 || m->ready < 0 || !open_socket(m) || !start_thread(m)) {
         mukca_fail(error, MUKCA_TRANSPORT,
                    "LCM cannot join %u.%u.%u.%u port %u: %s (multicast route? --interface?)",
                    options->group >> 24, options->group >> 16 & 255, options->group >> 8 & 255,
@@ -251,8 +242,8 @@ mukca_status mukca_lcm_multicast_open(mukca_lcm_multicast **out,
 void mukca_lcm_multicast_close(mukca_lcm_multicast *m)
 {
     if (!m) return;
-    if (m->running && write(m->stop[1], "", 1) == 1) pthread_join(m->thread, NULL);
-    const int descriptors[] = {m->socket, m->stop[0], m->stop[1], m->ready[0], m->ready[1]};
+    if (m->running && eventfd_write(m->stop, 1) == 0) pthread_join(m->thread, NULL);
+    const int descriptors[] = {m->socket, m->stop, m->ready};
     for (size_t i = 0; i < sizeof descriptors / sizeof descriptors[0]; i++)
         if (descriptors[i] >= 0) close(descriptors[i]);
     mukca_lcm_packet_clear(&m->reassembly);
@@ -272,15 +263,15 @@ void mukca_lcm_multicast_listen(mukca_lcm_multicast *m, const mukca_lcm_channels
 
 int mukca_lcm_multicast_descriptor(const mukca_lcm_multicast *m)
 {
-    return m->ready[0];
+    return m->ready;
 }
 
 mukca_lcm_queued *mukca_lcm_multicast_take(mukca_lcm_multicast *m)
 {
-    char byte;
+    eventfd_t count;
     pthread_mutex_lock(&m->lock);
     mukca_lcm_queued *oldest = mukca_lcm_queue_take(&m->queue);
-    if (m->queue.n == 0 && m->signalled) m->signalled = read(m->ready[0], &byte, 1) != 1;
+    if (m->queue.n == 0 && m->signalled) m->signalled = eventfd_read(m->ready, &count) != 0;
     pthread_mutex_unlock(&m->lock);
     return oldest;
 }

@@ -5,9 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "lcm/multicast.h"
-#include "lcm/wire.h"
-
 enum { /* the protocol's magic numbers and header sizes before the channel */
        SMALL = 0x4c433032,
        FRAGMENT = 0x4c433033,

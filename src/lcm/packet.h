@@ -6,6 +6,51 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "mukca/status.h"
+
+/* ---- big-endian numbers and texts of messages and event logs, with bounds checks ---- */
+
+/* The unread rest of a message. */
+typedef struct {
+    const unsigned char *at;
+    size_t left; /* bytes */
+} mukca_lcm_wire;
+
+/* Read, or write, an unsigned number of 1 to 8 bytes at `at`. */
+static inline uint64_t mukca_lcm_wire_get(const unsigned char *at, int size)
+{
+    uint64_t value = 0;
+    for (int i = 0; i < size; i++) value = value << 8 | at[i];
+    return value;
+}
+
+static inline void mukca_lcm_wire_put(unsigned char *at, uint64_t value, int size)
+{
+    for (int i = 0; i < size; i++) at[i] = (unsigned char)(value >> 8 * (size - 1 - i));
+}
+
+/* Read the next n bytes; NULL: fewer are left. */
+static inline const unsigned char *mukca_lcm_wire_bytes(mukca_lcm_wire *wire, size_t n)
+{
+    const unsigned char *at = wire->at;
+    if (n > wire->left) return NULL;
+    wire->at += n;
+    wire->left -= n;
+    return at;
+}
+
+/* Read the next text: 4 bytes of length, including the NUL, then the characters.  The result points
+ * into the message; NULL: truncated, or not NUL-terminated. */
+static inline const char *mukca_lcm_wire_text(mukca_lcm_wire *wire)
+{
+    const unsigned char *head = mukca_lcm_wire_bytes(wire, 4);
+    uint64_t length = head ? mukca_lcm_wire_get(head, 4) : 0;
+    const unsigned char *text = length ? mukca_lcm_wire_bytes(wire, length) : NULL;
+    return text && text[length - 1] == '\0' ? (const char *)text : NULL;
+}
+
+/* ---- messages from datagrams ---- */
+
 enum {
     MUKCA_LCM_CHANNEL_SIZE = 64,       /* LCM's limit, including the NUL */
     MUKCA_LCM_MAX_MESSAGE = 8 << 20,   /* bytes; mukca's largest is a result with JSON */
@@ -126,5 +171,50 @@ bool mukca_lcm_queue_push(mukca_lcm_queue *q, const mukca_lcm_packet *packet);
 
 /* Remove the oldest message; free it with free(3).  NULL: empty. */
 mukca_lcm_queued *mukca_lcm_queue_take(mukca_lcm_queue *q);
+
+/* ---- receiver of a UDP multicast group, read by a separate thread (multicast.c) ---- */
+
+enum { MUKCA_LCM_MAX_NAMED = 8, MUKCA_LCM_MAX_FROM = 16 };
+
+/* IPv4 addresses in host byte order. */
+typedef struct {
+    uint32_t group, interface; /* interface 0: that of the multicast route, local senders only */
+    uint16_t port;
+    int buffer; /* of the socket's receive buffer, bytes */
+    int n_from;
+    uint32_t from[MUKCA_LCM_MAX_FROM]; /* accepted senders; none: see `interface` */
+} mukca_lcm_multicast_options;
+
+/* Channels that are subscribed: all, or n by name. */
+typedef struct {
+    bool all;
+    int n;
+    char name[MUKCA_LCM_MAX_NAMED][MUKCA_LCM_CHANNEL_SIZE];
+} mukca_lcm_channels;
+
+/* Whether a channel is among the named ones. */
+bool mukca_lcm_channels_name(const mukca_lcm_channels *channels, const char *channel);
+
+typedef struct mukca_lcm_multicast mukca_lcm_multicast;
+
+/* Join the group.  Errors: MUKCA_TRANSPORT, MUKCA_MEMORY. */
+mukca_status mukca_lcm_multicast_open(mukca_lcm_multicast **multicast,
+                                      const mukca_lcm_multicast_options *options,
+                                      mukca_error *error);
+
+/* Receive these channels from now on. */
+void mukca_lcm_multicast_listen(mukca_lcm_multicast *m, const mukca_lcm_channels *channels);
+
+/* Descriptor for poll(2), readable while a message waits. */
+int mukca_lcm_multicast_descriptor(const mukca_lcm_multicast *m);
+
+/* Remove the oldest message; free it with free(3).  NULL: none. */
+mukca_lcm_queued *mukca_lcm_multicast_take(mukca_lcm_multicast *m);
+
+/* Number of messages and datagrams dropped so far; `reason` is that of the last ones. */
+int64_t mukca_lcm_multicast_dropped(mukca_lcm_multicast *m, char reason[128]);
+
+/* NULL is harmless. */
+void mukca_lcm_multicast_close(mukca_lcm_multicast *m);
 
 #endif

@@ -40,11 +40,11 @@ mukca_status mukca_dataset_create(mukca_dataset *data, int n_rows, int n_joints,
 
 void mukca_dataset_free(mukca_dataset *data)
 {
-    void *const lists[] = {data->q,          data->socket,      data->row,      data->file,
-                           data->target,     data->targets,     data->time,     data->payload,
-                           data->effort,     data->temperature, data->command,  data->reading,
-                           data->files,      data->quaternion,  data->velocity, data->sockets,
-                           data->placements, data->position,    data->distances};
+    void *const lists[] = {data->q,          data->socket,   data->row,     data->file,
+                           data->target,     data->targets,  data->time,    data->payload,
+                           data->effort,     data->command,  data->reading, data->files,
+                           data->quaternion, data->velocity, data->sockets, data->placements,
+                           data->position,   data->distances};
     for (size_t i = 0; i < sizeof lists / sizeof *lists; i++) free(lists[i]);
     memset(data, 0, sizeof *data);
 }

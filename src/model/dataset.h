@@ -28,21 +28,20 @@ typedef struct {
  * the column, and NaN in the samples of files without it. */
 typedef struct {
     int n_rows, n_joints, n_sockets, n_placements, n_distances, n_files;
-    double *q;           /* [n_rows][n_joints], rad or m, in the chain's joint order */
-    int *socket;         /* [n_rows] index into sockets, -1: sample of a pose log */
-    int *row;            /* [n_rows] 1-based number of the data row in its file */
-    int *file;           /* [n_rows] index into files */
-    int *target;         /* [n_rows] index into targets, -1: none named; or NULL */
-    double *time;        /* [n_rows] s, or NULL */
-    double *temperature; /* [n_rows] degrees Celsius, or NULL */
-    double *payload;     /* [n_rows] kg at the tip beyond the model, or NULL */
-    double *effort;      /* [n_rows][n_joints] N m, or NULL */
-    double *command;     /* [n_rows][n_joints] rad, or NULL */
-    double *reading;     /* [n_rows][n_joints] rad, angles read, where q are commands; or NULL */
-    bool by_command;     /* q are commanded angles */
-    double *velocity;    /* [n_rows][n_joints] rad/s, or NULL */
-    double *position;    /* [n_rows][3] measured tip, m, or NULL (NaN: not in this sample) */
-    double *quaternion;  /* [n_rows][4] measured tip, w first, or NULL (NaN likewise) */
+    double *q;          /* [n_rows][n_joints], rad or m, in the chain's joint order */
+    int *socket;        /* [n_rows] index into sockets, -1: sample of a pose log */
+    int *row;           /* [n_rows] 1-based number of the data row in its file */
+    int *file;          /* [n_rows] index into files */
+    int *target;        /* [n_rows] index into targets, -1: none named; or NULL */
+    double *time;       /* [n_rows] s, or NULL */
+    double *payload;    /* [n_rows] kg at the tip beyond the model, or NULL */
+    double *effort;     /* [n_rows][n_joints] N m, or NULL */
+    double *command;    /* [n_rows][n_joints] rad, or NULL */
+    double *reading;    /* [n_rows][n_joints] rad, angles read, where q are commands; or NULL */
+    bool by_command;    /* q are commanded angles */
+    double *velocity;   /* [n_rows][n_joints] rad/s, or NULL */
+    double *position;   /* [n_rows][3] measured tip, m, or NULL (NaN: not in this sample) */
+    double *quaternion; /* [n_rows][4] measured tip, w first, or NULL (NaN likewise) */
     mukca_socket *sockets;
     mukca_placement *placements;
     mukca_distance *distances; /* every pair of sockets of a placement with a known distance */

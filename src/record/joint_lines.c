@@ -1,7 +1,9 @@
-/* Joint states as lines of text: buffering, CSV, and the output of `ros2 topic echo --csv`. */
+/* Joint states as lines of text: buffering, CSV, JSON, and the output of `ros2 topic echo --csv`.
+ */
 #include "record/joint_lines.h"
 
 #include <errno.h>
+#include <jansson.h>
 #include <math.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -10,6 +12,7 @@
 #include "base/cells.h"
 #include "base/clock.h"
 #include "base/number.h"
+#include "base/utf8.h"
 
 void mukca_joint_lines_open(mukca_joint_lines *lines, int fd)
 {
@@ -73,14 +76,13 @@ static bool read_cell(double *value, const char *cell)
     return false;
 }
 
-void mukca_joint_lines_clear(mukca_lcm_joints *joints, int n)
+/* No numbers and names. */
+static void clear(mukca_lcm_joints *joints, mukca_joint_lines *l)
 {
-    joints->time = 0;
-    joints->guided = false;
-    joints->n = n;
-    memset(joints->has, 0, sizeof joints->has);
+    *joints = (mukca_lcm_joints){.time = 0};
     for (int r = 0; r < MUKCA_LCM_ROLES; r++)
-        for (int j = 0; j < n; j++) joints->value[r][j] = (double)NAN;
+        for (int j = 0; j < MUKCA_LCM_MAX_JOINTS; j++) joints->value[r][j] = (double)NAN;
+    l->named = 0;
 }
 
 static void store(mukca_lcm_joints *joints, int role, int joint, double value)
@@ -89,12 +91,31 @@ static void store(mukca_lcm_joints *joints, int role, int joint, double value)
     joints->has[role] |= isfinite(value);
 }
 
-bool mukca_joint_lines_classify(mukca_line_column *column, mukca_joint_lines *l, char *name)
+/* Append a joint; all names of a line fit. */
+static void add_joint(mukca_lcm_joints *joints, mukca_joint_lines *l, const char *name,
+                      size_t length)
 {
-    static const struct {
-        const char *name;
-        double unit;
-    } times[] = {{"time_s", 1e6}, {"time", 1e6}, {"timestamp", 1e6}, {"utime", 1}};
+    char *copy = l->names + l->named;
+    memcpy(copy, name, length);
+    copy[length] = '\0';
+    l->named += length + 1;
+    joints->name[joints->n++] = copy;
+    joints->has[MUKCA_LCM_ROLE_NAME] = true;
+}
+
+/* us per unit of the time in a column or member; 0: no time. */
+static double time_unit(const char *name)
+{
+    static const char *const seconds[] = {"time_s", "time", "timestamp"};
+    for (int i = 0; i < 3; i++)
+        if (strcmp(name, seconds[i]) == 0) return 1e6;
+    return strcmp(name, "utime") == 0;
+}
+
+/* Store the number of a column or member such as time_s, joint_1, joint_1.effort.  False: too many
+ * joints. */
+static bool put(mukca_lcm_joints *joints, mukca_joint_lines *l, const char *name, double value)
+{
     static const char *const others[] = {"placement", "socket", "target", "temperature_c",
                                          "payload_kg"};
     static const struct {
@@ -104,26 +125,25 @@ bool mukca_joint_lines_classify(mukca_line_column *column, mukca_joint_lines *l,
                     {".effort", MUKCA_LCM_ROLE_EFFORT},
                     {".command", MUKCA_LCM_ROLE_COMMAND},
                     {".spread", -1}};
-    *column = (mukca_line_column){.role = -1};
-    for (int i = 0; i < 4; i++)
-        if (strcmp(name, times[i].name) == 0) {
-            *column = (mukca_line_column){MUKCA_LCM_ROLE_TIME, 0, times[i].unit};
-            return true;
-        }
+    const double time = time_unit(name) * value;
+    const char *dot = strrchr(name, '.');
+    size_t length = strlen(name);
+    int role = MUKCA_LCM_ROLE_POSITION, joint = 0;
+    if (time_unit(name) > 0) joints->time = fabs(time) < 9e18 ? (int64_t)llround(time) : 0;
+    if (time_unit(name) > 0) return true;
     for (int i = 0; i < 5; i++)
         if (strcmp(name, others[i]) == 0) return true;
-    column->role = MUKCA_LCM_ROLE_POSITION;
-    char *dot = strrchr(name, '.');
     for (int i = 0; dot && i < 4; i++)
         if (strcmp(dot, suffixes[i].suffix) == 0) {
-            column->role = suffixes[i].role;
-            *dot = '\0';
-            break;
+            role = suffixes[i].role;
+            length = (size_t)(dot - name);
         }
-    while (column->joint < l->n_joints && strcmp(l->joint[column->joint], name) != 0)
-        column->joint++;
-    if (column->joint == MUKCA_LCM_MAX_JOINTS) return false;
-    if (column->joint == l->n_joints) l->joint[l->n_joints++] = name;
+    while (joint < joints->n &&
+           (strncmp(joints->name[joint], name, length) != 0 || joints->name[joint][length] != '\0'))
+        joint++;
+    if (joint == MUKCA_LCM_MAX_JOINTS) return false;
+    if (joint == joints->n) add_joint(joints, l, name, length);
+    if (role >= 0) store(joints, role, joint, value);
     return true;
 }
 
@@ -139,22 +159,6 @@ static bool is_header(char *const *cell, int n)
     return n > 1;
 }
 
-static mukca_line_kind read_header(mukca_joint_lines *l, const char *line, int n,
-                                   mukca_error *error)
-{
-    memcpy(l->header, line, strlen(line) + 1);
-    mukca_cells_split(l->cell, n, l->header, l->delimiter);
-    l->n_columns = n;
-    l->n_joints = 0;
-    for (int i = 0; i < n; i++)
-        if (!mukca_joint_lines_classify(&l->column[i], l, l->cell[i])) {
-            l->n_columns = 0;
-            mukca_fail(error, MUKCA_INPUT, "more than %d joints", (int)MUKCA_LCM_MAX_JOINTS);
-            return MUKCA_LINE_FAULT;
-        }
-    return MUKCA_LINE_NONE;
-}
-
 static mukca_line_kind read_row(mukca_lcm_joints *joints, mukca_joint_lines *l, int n,
                                 mukca_error *error)
 {
@@ -162,23 +166,17 @@ static mukca_line_kind read_row(mukca_lcm_joints *joints, mukca_joint_lines *l, 
         mukca_fail(error, MUKCA_INPUT, "%d columns, but %d in the header", n, l->n_columns);
         return MUKCA_LINE_FAULT;
     }
-    mukca_joint_lines_clear(joints, l->n_joints);
-    joints->has[MUKCA_LCM_ROLE_NAME] = true;
-    memcpy(joints->name, l->joint, sizeof joints->name);
+    clear(joints, l);
+    bool good = true;
     for (int i = 0; i < n; i++) {
-        const mukca_line_column *c = &l->column[i];
         double value;
-        if (c->role < 0) continue;
         (void)read_cell(&value, l->cell[i]); /* the recorder checks the arm's joints */
-        if (c->role == MUKCA_LCM_ROLE_TIME)
-            joints->time = isfinite(value) && fabs(value * c->unit) < 9e18
-                               ? (int64_t)llround(value * c->unit)
-                               : 0;
-        else
-            store(joints, c->role, c->joint, value);
+        good = good && put(joints, l, l->column[i], value);
     }
     l->format = "CSV";
-    return MUKCA_LINE_JOINTS;
+    if (good && joints->n) return MUKCA_LINE_JOINTS;
+    mukca_fail(error, MUKCA_INPUT, "no joint, or more than %d", (int)MUKCA_LCM_MAX_JOINTS);
+    return MUKCA_LINE_FAULT;
 }
 
 /* ---- ros2 topic echo --csv ---- */
@@ -197,7 +195,7 @@ static bool read_count(int64_t *value, const char *cell)
 /* Parse sec, nanosec, frame, then names, positions, velocities and efforts of
  * sensor_msgs/JointState; an empty array is one empty cell (message_to_csv of rosidl_runtime_py).
  * False: not such a line. */
-static bool read_ros(mukca_lcm_joints *joints, const mukca_joint_lines *l, int n)
+static bool read_ros(mukca_lcm_joints *joints, mukca_joint_lines *l, int n)
 {
     static const mukca_lcm_role arrays[] = {MUKCA_LCM_ROLE_POSITION, MUKCA_LCM_ROLE_VELOCITY,
                                             MUKCA_LCM_ROLE_EFFORT};
@@ -209,10 +207,10 @@ static bool read_ros(mukca_lcm_joints *joints, const mukca_joint_lines *l, int n
     int names = 0, at = FIRST;
     while (at < n && !read_cell(&value, l->cell[at])) at++, names++;
     if (!names || names > MUKCA_LCM_MAX_JOINTS || seconds > INT32_MAX) return false;
-    mukca_joint_lines_clear(joints, names);
+    clear(joints, l);
     joints->time = 1000000 * seconds + nanoseconds / 1000;
-    joints->has[MUKCA_LCM_ROLE_NAME] = true;
-    for (int j = 0; j < names; j++) joints->name[j] = l->cell[FIRST + j];
+    for (int j = 0; j < names; j++)
+        add_joint(joints, l, l->cell[FIRST + j], strlen(l->cell[FIRST + j]));
     for (int a = 0; a < 3; a++) {
         /* one joint: an empty cell is an empty array or an unknown value; both mean the same */
         const bool empty = at < n && !*l->cell[at];
@@ -227,8 +225,8 @@ static bool read_ros(mukca_lcm_joints *joints, const mukca_joint_lines *l, int n
     return at == n;
 }
 
-mukca_line_kind mukca_joint_lines_parse_cells(mukca_lcm_joints *joints, mukca_joint_lines *l,
-                                              const char *line, mukca_error *error)
+static mukca_line_kind parse_cells(mukca_lcm_joints *joints, mukca_joint_lines *l, const char *line,
+                                   mukca_error *error)
 {
     if (!*line || *line == '#') return MUKCA_LINE_NONE;
     memcpy(l->text, line, strlen(line) + 1);
@@ -245,8 +243,11 @@ mukca_line_kind mukca_joint_lines_parse_cells(mukca_lcm_joints *joints, mukca_jo
         return MUKCA_LINE_JOINTS;
     }
     if (is_header(l->cell, n)) {
+        memcpy(l->header, line, strlen(line) + 1);
+        mukca_cells_split(l->column, n, l->header, delimiter);
         l->delimiter = delimiter;
-        return read_header(l, line, n, error);
+        l->n_columns = n;
+        return MUKCA_LINE_NONE;
     }
     if (l->n_columns && delimiter == l->delimiter) return read_row(joints, l, n, error);
     double value;
@@ -258,4 +259,135 @@ mukca_line_kind mukca_joint_lines_parse_cells(mukca_lcm_joints *joints, mukca_jo
         mukca_fail(error, MUKCA_INPUT, "no joint state: '%.60s'%s", line,
                    strcmp(line, "header:") == 0 ? "; use ros2 topic echo --csv" : "");
     return MUKCA_LINE_FAULT;
+}
+
+/* ---- JSON: arrays as in sensor_msgs/JointState, or a member per joint ---- */
+
+/* NaN if the value is not a number. */
+static double number(const json_t *value)
+{
+    return json_is_number(value) ? json_number_value(value) : (double)NAN;
+}
+
+/* Replace NaN, which Python writes but JSON lacks, by null.  `to` has room for twice the line. */
+static void replace_nan(char *to, const char *from)
+{
+    bool text = false;
+    for (; *from; from++) {
+        if (text && *from == '\\' && from[1]) {
+            *to++ = *from++;
+        } else if (*from == '"') {
+            text = !text;
+        } else if (!text && strncmp(from, "NaN", 3) == 0) {
+            memcpy(to, "null", 4);
+            to += 4, from += 2;
+            continue;
+        }
+        *to++ = *from;
+    }
+    *to = '\0';
+}
+
+/* Time from header.stamp (sec, nanosec; ROS 1: secs, nsecs), us; 0: none. */
+static int64_t read_stamp(const json_t *message)
+{
+    const json_t *stamp = json_object_get(json_object_get(message, "header"), "stamp");
+    const json_t *seconds = json_object_get(stamp, "sec"),
+                 *rest = json_object_get(stamp, "nanosec");
+    if (!seconds) seconds = json_object_get(stamp, "secs"), rest = json_object_get(stamp, "nsecs");
+    const int64_t whole = json_integer_value(seconds), nano = json_integer_value(rest);
+    const bool valid = whole > 0 && whole < INT32_MAX && nano >= 0 && nano < 1000000000;
+    return valid ? 1000000 * whole + nano / 1000 : 0;
+}
+
+/* {"name": [...], "position": [...], "velocity": [...], "effort": [...]} */
+static bool read_arrays(mukca_lcm_joints *joints, mukca_joint_lines *l, const json_t *message)
+{
+    static const struct {
+        const char *key;
+        int role;
+    } arrays[] = {{"position", MUKCA_LCM_ROLE_POSITION},
+                  {"velocity", MUKCA_LCM_ROLE_VELOCITY},
+                  {"effort", MUKCA_LCM_ROLE_EFFORT},
+                  {"command", MUKCA_LCM_ROLE_COMMAND}};
+    const json_t *names = json_object_get(message, "name");
+    const size_t n = json_array_size(json_object_get(message, "position"));
+    if (n < 1 || n > MUKCA_LCM_MAX_JOINTS) return false;
+    for (int a = 0; a < 4; a++) {
+        const json_t *array = json_object_get(message, arrays[a].key);
+        const size_t length = json_array_size(array);
+        if (length != 0 && length != n) return false;
+        for (size_t k = 0; k < length; k++)
+            store(joints, arrays[a].role, (int)k, number(json_array_get(array, k)));
+    }
+    for (size_t k = 0; k < json_array_size(names); k++) {
+        const char *name = json_string_value(json_array_get(names, k));
+        if (!name || json_array_size(names) != n) return false;
+        add_joint(joints, l, name, strlen(name));
+    }
+    joints->n = (int)n;
+    return true;
+}
+
+static void copy_label(char label[MUKCA_NAME_SIZE], const json_t *value)
+{
+    const char *text = json_string_value(value);
+    snprintf(label, MUKCA_NAME_SIZE, "%s", text ? text : "");
+    mukca_utf8_mend(label);
+}
+
+static mukca_line_kind parse_object(mukca_lcm_joints *joints, mukca_joint_lines *l,
+                                    const char *line, mukca_error *error)
+{
+    json_error_t fault;
+    mukca_line_kind kind = MUKCA_LINE_FAULT;
+    replace_nan(l->text, line);
+    json_t *root = json_loads(l->text, JSON_REJECT_DUPLICATES, &fault);
+    if (!root) {
+        mukca_fail(error, MUKCA_INPUT, "column %d: %.100s", fault.column, fault.text);
+        return MUKCA_LINE_FAULT;
+    }
+    json_t *message = json_object_get(root, "msg"); /* as a ROS bridge sends it */
+    if (!json_is_object(message)) message = root;
+    const json_t *trigger = json_object_get(message, "trigger");
+    const bool arrays = json_object_get(message, "position") != NULL;
+    bool good = true;
+    const char *key;
+    json_t *value;
+    clear(joints, l);
+    if (trigger) {
+        l->id = json_integer_value(trigger);
+        copy_label(l->placement, json_object_get(message, "placement"));
+        copy_label(l->socket, json_object_get(message, "socket"));
+        kind = MUKCA_LINE_TRIGGER;
+    } else {
+        json_object_foreach(message, key, value)
+        {
+            if ((!json_is_number(value) && !json_is_null(value)) || (arrays && !time_unit(key)))
+                continue;
+            good = good && put(joints, l, key, number(value));
+        }
+        const int64_t stamp = read_stamp(message);
+        if (stamp) joints->time = stamp;
+        good = good &&
+               (arrays ? read_arrays(joints, l, message) : joints->has[MUKCA_LCM_ROLE_POSITION]);
+        if (good) kind = MUKCA_LINE_JOINTS;
+        l->format = "JSON lines";
+    }
+    if (kind == MUKCA_LINE_FAULT)
+        mukca_fail(
+            error, MUKCA_INPUT,
+            "no joint state: \"position\" must be 1 to %d numbers, and name, velocity, effort "
+            "as many or none; or one member per joint",
+            (int)MUKCA_LCM_MAX_JOINTS);
+    json_decref(root);
+    return kind;
+}
+
+mukca_line_kind mukca_joint_lines_parse(mukca_lcm_joints *joints, mukca_joint_lines *l,
+                                        const char *line, mukca_error *error)
+{
+    line += strspn(line, " \r");
+    return *line == '{' ? parse_object(joints, l, line, error)
+                        : parse_cells(joints, l, line, error);
 }

@@ -17,13 +17,6 @@ typedef enum {
     MUKCA_LINE_FAULT
 } mukca_line_kind;
 
-/* Destination of a column or a JSON member. */
-typedef struct {
-    int role; /* mukca_lcm_role; -1: ignored */
-    int joint;
-    double unit; /* of a time: us per unit */
-} mukca_line_column;
-
 /* A descriptor, its buffer and the current line. */
 typedef struct {
     int fd;
@@ -40,12 +33,13 @@ typedef struct {
     char *cell[MUKCA_JOINT_LINES_CELLS];
     char placement[MUKCA_NAME_SIZE], socket[MUKCA_NAME_SIZE]; /* of a trigger, or "" */
     int64_t id;
+    size_t named; /* bytes used of: */
+    char names[MUKCA_JOINT_LINES_SIZE];
     /* the CSV header */
-    int n_columns, n_joints;
+    int n_columns;
     char delimiter;
     char header[MUKCA_JOINT_LINES_SIZE];
-    mukca_line_column column[MUKCA_JOINT_LINES_CELLS];
-    const char *joint[MUKCA_LCM_MAX_JOINTS]; /* names; point into `header` or `text` */
+    char *column[MUKCA_JOINT_LINES_CELLS]; /* names */
 } mukca_joint_lines;
 
 void mukca_joint_lines_open(mukca_joint_lines *lines, int fd);
@@ -63,16 +57,5 @@ void mukca_joint_lines_take(mukca_joint_lines *lines);
  * FAULT: `error` has the reason. */
 mukca_line_kind mukca_joint_lines_parse(mukca_lcm_joints *joints, mukca_joint_lines *lines,
                                         const char *line, mukca_error *error);
-
-/* No numbers, of n joints. */
-void mukca_joint_lines_clear(mukca_lcm_joints *joints, int n);
-
-/* The same for lines that are not JSON (joint_lines.c). */
-mukca_line_kind mukca_joint_lines_parse_cells(mukca_lcm_joints *joints, mukca_joint_lines *lines,
-                                              const char *line, mukca_error *error);
-
-/* Meaning of a column or member by its name: "time_s", "joint_1", "joint_1.effort"; new joints are
- * appended to lines->joint.  False: too many joints.  `name` is truncated before its suffix. */
-bool mukca_joint_lines_classify(mukca_line_column *column, mukca_joint_lines *lines, char *name);
 
 #endif

@@ -38,6 +38,91 @@ static mukca_status choose_channel(mukca_recorder *r)
     return mukca_lcm_link_listen(r->link, stream->channel, &stream->problem);
 }
 
+/* ---- requests over LCM; messages of a log have no sender and are not limited ---- */
+
+/* Our choice: above the rate of people and of programs that wait for replies, below that of a
+ * disk. */
+static const double requests_per_s = 50, first_requests = 40, most_requests = 100;
+
+/* Tolerated clock difference between signer and receiver, us: clocks set by hand agree within
+ * seconds.  A recorded request cannot be replayed, which permits a wide tolerance. */
+static const int64_t fresh_us = 10000000;
+
+bool mukca_budget_take(mukca_budget *b, int64_t now, double rate, double first, double most)
+{
+    const double elapsed = 1e-6 * (double)(now - b->time);
+    b->left = b->time ? fmin(b->left + rate * fmax(elapsed, 0), most) : first;
+    b->time = now;
+    if (b->left < 1) return false;
+    b->left -= 1;
+    return true;
+}
+
+bool mukca_requests_may(mukca_recorder *r, const mukca_lcm_packet *packet)
+{
+    if (!packet->sender) return true;
+    mukca_requests_sender *s = &r->requests.sender[0]; /* its entry, else the oldest */
+    for (int i = 0; i < MUKCA_REQUESTS_SENDERS && s->id != packet->sender; i++) {
+        mukca_requests_sender *other = &r->requests.sender[i];
+        if (other->id == packet->sender || other->budget.time < s->budget.time) s = other;
+    }
+    if (s->id != packet->sender) *s = (mukca_requests_sender){.id = packet->sender};
+    if (mukca_budget_take(&s->budget, packet->time, requests_per_s, first_requests, most_requests))
+        return true;
+    mukca_recorder_refuse(r, MUKCA_RECORDER_RATE,
+                          "%s: more than %g requests a second of one sender: ignored",
+                          packet->channel, requests_per_s);
+    return false;
+}
+
+mukca_status mukca_requests_check_signature(mukca_recorder *r, const mukca_lcm_packet *packet,
+                                            int64_t utime, mukca_error *error)
+{
+    if (!r->options->key) return MUKCA_OK;
+    if (!mukca_lcm_signature_check(&r->requests.key, packet))
+        return mukca_fail(error, MUKCA_NEGATIVE,
+                          "not signed with the key that is required here: send it with --key FILE");
+    int64_t ahead = utime - packet->time;
+    if (ahead > fresh_us || ahead < -fresh_us)
+        return mukca_fail(error, MUKCA_NEGATIVE,
+                          "signed %.0f s %s: synchronise the clocks of both machines",
+                          1e-6 * fabs((double)ahead), ahead > 0 ? "in the future" : "ago");
+    if (utime <= r->requests.last_signed)
+        return mukca_fail(error, MUKCA_NEGATIVE,
+                          "not newer than the last signed request, or sent twice: send another");
+    r->requests.last_signed = utime;
+    return MUKCA_OK;
+}
+
+/* Process a message on the trigger channel. */
+static void take_trigger(mukca_recorder *r, const mukca_lcm_packet *packet)
+{
+    mukca_message_trigger trigger;
+    mukca_error error;
+    if (mukca_message_decode(&trigger, MUKCA_MESSAGE_TRIGGER, packet->data, packet->size, &error)) {
+        mukca_recorder_refuse(r, MUKCA_RECORDER_OWN_MESSAGE, "%s: %s: ignored", packet->channel,
+                              error.text);
+        return;
+    }
+    if (!mukca_requests_may(r, packet)) return;
+    mukca_status status = mukca_requests_check_signature(r, packet, trigger.utime, &error);
+    if (status == MUKCA_OK && r->hooks.trigger)
+        status = r->hooks.trigger(r->hooks.context, packet, &error);
+    if (status != MUKCA_OK) {
+        mukca_recorder_refuse(r, MUKCA_RECORDER_OWN_MESSAGE, "%s: %s", packet->channel, error.text);
+        const mukca_message_sample answer = {.id = trigger.id, .text = error.text};
+        r->session.refused++;
+        mukca_recorder_publish(r, MUKCA_MESSAGE_SAMPLE, &answer);
+        return;
+    }
+    const mukca_sample_request request = {.id = trigger.id,
+                                          .time = packet->time,
+                                          .sent = trigger.utime,
+                                          .placement = trigger.placement,
+                                          .socket = trigger.socket};
+    mukca_sampling_trigger(r, &request);
+}
+
 /* ---- the link ---- */
 
 /* Register other channels. */
@@ -71,7 +156,7 @@ static void receive(void *context, const mukca_lcm_packet *packet)
         mukca_stream_take(r, packet);
     else if (r->options->triggers && strcmp(packet->channel, r->requests.trigger_channel) == 0 &&
              !ahead)
-        mukca_requests_trigger(r, packet);
+        take_trigger(r, packet);
     else if (r->hooks.command && strcmp(packet->channel, r->requests.command_channel) == 0 &&
              !ahead)
         r->hooks.command(r->hooks.context, packet);

@@ -85,10 +85,15 @@ typedef struct {
 
 enum { MUKCA_REQUESTS_SENDERS = 32 };
 
+/* Token bucket: requests available, and when they were counted, us; zeroed: not used yet. */
+typedef struct {
+    double left;
+    int64_t time;
+} mukca_budget;
+
 typedef struct {
     uint64_t id;
-    int64_t time;    /* us, of its last request */
-    double requests; /* requests available (token bucket) */
+    mukca_budget budget;
 } mukca_requests_sender;
 
 typedef struct {
@@ -113,7 +118,6 @@ typedef struct {
     mukca_capture_advice advice;
     mukca_labels placements, sockets;
     int refused;                   /* samples */
-    mukca_capture_sample last;     /* the last sample; n = 0: none, or deleted */
     bool beyond[MUKCA_MAX_JOINTS]; /* a joint was reported beyond its limits */
     int unwritten;                 /* samples and answers lost for lack of disk space or memory */
     mukca_error first_unwritten;
@@ -264,10 +268,11 @@ const char *mukca_stream_type(const mukca_recorder *r);
 
 double mukca_stream_age(const mukca_recorder *r); /* s since the arrival of the last joint state */
 
-/* ---- requests over LCM: a rate limit for each sender, signatures (requests.c) ---- */
+/* ---- requests over LCM: a rate limit for each sender, signatures (recorder.c) ---- */
 
-/* Process a message on the trigger channel. */
-void mukca_requests_trigger(mukca_recorder *r, const mukca_lcm_packet *packet);
+/* Take one of a budget that begins with `first` and grows by `rate` per second to `most`; false:
+ * none is left. */
+bool mukca_budget_take(mukca_budget *budget, int64_t now, double rate, double first, double most);
 
 /* Whether a sender's request is within its rate limit.  False: it is refused. */
 bool mukca_requests_may(mukca_recorder *r, const mukca_lcm_packet *packet);
@@ -289,13 +294,11 @@ mukca_status mukca_sampling_begin(mukca_recorder *r, const char *path, bool resu
 
 /* Requests of the user; answer->text is the reply, also on success.  mukca_sampling_sample returns
  * after the sample is on disk, and sends a sample message in any case.  The others delete sample
- * `row` (from 1; 0: the last), move the last sample to the socket that its remark offered, select a
- * socket, the next socket, or the first socket of a new placement.  Errors:
- * MUKCA_NEGATIVE (refused), MUKCA_INPUT (disk). */
+ * `row` (from 1; 0: the last), select a socket, the next socket, or the first socket of a new
+ * placement.  Errors: MUKCA_NEGATIVE (refused), MUKCA_INPUT (disk). */
 mukca_status mukca_sampling_sample(mukca_recorder *r, const mukca_sample_request *request,
                                    mukca_error *answer);
 mukca_status mukca_sampling_delete(mukca_recorder *r, int row, mukca_error *answer);
-mukca_status mukca_sampling_move(mukca_recorder *r, mukca_error *answer);
 mukca_status mukca_sampling_select(mukca_recorder *r, const char *placement, const char *socket,
                                    mukca_error *answer);
 mukca_status mukca_sampling_next_socket(mukca_recorder *r, mukca_error *answer);

@@ -97,37 +97,19 @@ VERB(delete)
     return mukca_sampling_delete(&s->recorder, 0, answer);
 }
 
-/* Save the labels just selected; on failure, reselect those of `before`. */
-static mukca_status save_place(mukca_server *s, const mukca_server_state *before,
-                               mukca_error *answer)
-{
-    mukca_error ignored, error;
-    keep_place(s);
-    mukca_status status = mukca_server_save_state(s, &error);
-    if (status == MUKCA_OK) return status;
-    (void)mukca_sampling_select(&s->recorder, before->placement, before->socket, &ignored);
-    return mukca_fail(answer, status, "not changed: %.200s", error.text);
-}
-
 VERB(socket)
 {
-    keep_place(s);
-    const mukca_server_state before = s->state;
     const char *label = argument(command, 0);
-    mukca_status status = label ? mukca_sampling_select(&s->recorder, NULL, label, answer)
-                                : mukca_sampling_next_socket(&s->recorder, answer);
-    return status ? status : save_place(s, &before, answer);
+    return label ? mukca_sampling_select(&s->recorder, NULL, label, answer)
+                 : mukca_sampling_next_socket(&s->recorder, answer);
 }
 
 VERB(placement)
 {
-    keep_place(s);
-    const mukca_server_state before = s->state;
     const char *name = argument(command, 0),
                *first = s->recorder.session.capture.settings.labels[0];
-    mukca_status status = name ? mukca_sampling_select(&s->recorder, name, first, answer)
-                               : mukca_sampling_next_placement(&s->recorder, answer);
-    return status ? status : save_place(s, &before, answer);
+    return name ? mukca_sampling_select(&s->recorder, name, first, answer)
+                : mukca_sampling_next_placement(&s->recorder, answer);
 }
 
 VERB(finish)

@@ -71,12 +71,6 @@ typedef struct {
     double latency, longest_latency; /* s, from reception to the end of sending: sum, longest */
 } mukca_server_pose;
 
-/* Sessions that may still be started (token bucket), and the time of that count, us. */
-typedef struct {
-    double left;
-    int64_t time;
-} mukca_server_budget;
-
 /* The sender that may change the open session. */
 typedef struct {
     uint32_t address; /* IPv4 */
@@ -90,8 +84,8 @@ typedef struct {
     mukca_server_state state, saved;
     bool session_begun;
     bool locked;
-    int lock; /* descriptor, if locked */
-    mukca_server_budget new_sessions;
+    int lock;                  /* descriptor, if locked */
+    mukca_budget new_sessions; /* that may still be started */
     mukca_server_controller controller;
     mukca_server_job job;
     mukca_server_pose pose;
@@ -118,7 +112,7 @@ void mukca_server_close(mukca_server *s);
 #define MUKCA_SERVER_SESSIONS "sessions"
 #define MUKCA_SERVER_RESULTS "results"
 
-/* "DIR/folder/NAMEending" */
+/* "DIR/folder/NAMEending"; folder "": "DIR/NAMEending" */
 void mukca_server_path(char path[MUKCA_SERVER_PATH], const mukca_server *s, const char *folder,
                        const char *name, const char *ending);
 
@@ -129,6 +123,10 @@ mukca_status mukca_server_open_folder(mukca_server *s, mukca_error *error);
 /* Whether a name is valid for a session: at most 40 letters, digits, _ - and ., the last two not
  * first. */
 bool mukca_server_name_ok(const char *name);
+
+/* The session of a result's file name, NAME.offsets.tsv or NAME.effects.tsv; false: another name.
+ */
+bool mukca_server_session_of(char session[MUKCA_NAME_SIZE], const char *result);
 
 /* Whether --accept lists a verb, trigger or reopen; always true while a log is replayed. */
 bool mukca_server_accepts(const mukca_server *s, const char *right);

@@ -76,7 +76,6 @@ mukca_status mukca_server_may_start(mukca_server *s, const char *name, mukca_err
 {
     char path[MUKCA_SERVER_PATH];
     struct statvfs disk;
-    mukca_server_budget *budget = &s->new_sessions;
     bool current = strcmp(name, s->state.session) == 0 && !s->state.finished[0];
     mukca_server_path(path, s, MUKCA_SERVER_SESSIONS, name, ".tsv");
     if (current || mukca_lcm_link_replays(s->recorder.link)) return MUKCA_OK;
@@ -91,16 +90,8 @@ mukca_status mukca_server_may_start(mukca_server *s, const char *name, mukca_err
         (double)disk.f_bavail * (double)disk.f_frsize < free_bytes)
         return mukca_fail(error, MUKCA_NEGATIVE, "less than 16 MB are free in %.200s",
                           s->options->folder);
-    int64_t now = mukca_lcm_link_clock(s->recorder.link);
-    double elapsed = 1e-6 * (double)(now - budget->time);
-    if (!budget->time || elapsed < 0)
-        budget->left = budget->time ? budget->left : first_sessions;
-    else
-        budget->left += sessions_per_s * elapsed;
-    if (budget->left > first_sessions) budget->left = first_sessions;
-    budget->time = now;
-    if (budget->left < 1)
+    if (!mukca_budget_take(&s->new_sessions, mukca_lcm_link_clock(s->recorder.link), sessions_per_s,
+                           first_sessions, first_sessions))
         return mukca_fail(error, MUKCA_NEGATIVE, "too many new sessions: wait 10 s");
-    budget->left -= 1;
     return MUKCA_OK;
 }

@@ -27,8 +27,8 @@
 void mukca_server_path(char path[MUKCA_SERVER_PATH], const mukca_server *s, const char *folder,
                        const char *name, const char *ending)
 {
-    snprintf(path, MUKCA_SERVER_PATH, "%.700s/%s/%.255s%s", s->options->folder, folder, name,
-             ending);
+    snprintf(path, MUKCA_SERVER_PATH, "%.700s/%s%s%.255s%s", s->options->folder, folder,
+             *folder ? "/" : "", name, ending);
 }
 
 bool mukca_server_name_ok(const char *name)
@@ -40,19 +40,20 @@ bool mukca_server_name_ok(const char *name)
     return true;
 }
 
-/* Whether a value is a valid file name of a result. */
+bool mukca_server_session_of(char session[MUKCA_NAME_SIZE], const char *result)
+{
+    const size_t n = strlen(result), ending = strlen(".offsets.tsv"); /* as long as .effects.tsv */
+    const char *end = n > ending ? result + n - ending : "";
+    session[0] = '\0';
+    if (strcmp(end, ".offsets.tsv") != 0 && strcmp(end, ".effects.tsv") != 0) return false;
+    snprintf(session, MUKCA_NAME_SIZE, "%.*s", (int)(n - ending), result);
+    return n - ending < MUKCA_NAME_SIZE && mukca_server_name_ok(session);
+}
+
 static bool is_result(const char *value)
 {
-    char session[MUKCA_NAME_SIZE] = "";
-    const char *const endings[] = {".offsets.tsv", ".effects.tsv"};
-    for (int i = 0; i < 2; i++) {
-        const size_t n = strlen(value), length = strlen(endings[i]);
-        if (n <= length || n - length >= sizeof session || strcmp(value + n - length, endings[i]))
-            continue;
-        memcpy(session, value, n - length);
-        return mukca_server_name_ok(session);
-    }
-    return false;
+    char session[MUKCA_NAME_SIZE];
+    return mukca_server_session_of(session, value);
 }
 
 static bool is_stream(const char *value)
@@ -93,11 +94,6 @@ static const struct {
               FIELD(candidate_stream, is_stream)};
 enum { FIELDS = sizeof fields / sizeof fields[0] };
 
-static void state_path(char path[MUKCA_SERVER_PATH], const mukca_server *s)
-{
-    snprintf(path, MUKCA_SERVER_PATH, "%.800s/state.tsv", s->options->folder);
-}
-
 /* Set a field; keys of a later version are ignored. */
 static bool set_field(mukca_server_state *state, const char *key, const char *value)
 {
@@ -116,7 +112,7 @@ mukca_status mukca_server_load_state(mukca_server *s, mukca_error *error)
     char path[MUKCA_SERVER_PATH], line[512];
     bool whole = true;
     memset(&s->state, 0, sizeof s->state);
-    state_path(path, s);
+    mukca_server_path(path, s, "", "state", ".tsv");
     FILE *file = fopen(path, "r");
     if (!file && errno != ENOENT) return mukca_file_fail(error, path);
     for (int n = 1; whole && file && fgets(line, sizeof line, file); n++) {
@@ -140,7 +136,7 @@ mukca_status mukca_server_save_state(mukca_server *s, mukca_error *error)
     char path[MUKCA_SERVER_PATH];
     mukca_output output;
     if (memcmp(&s->state, &s->saved, sizeof s->state) == 0) return MUKCA_OK;
-    state_path(path, s);
+    mukca_server_path(path, s, "", "state", ".tsv");
     mukca_status status = mukca_output_open(&output, path, true, error);
     if (status != MUKCA_OK) return status;
     for (int i = 0; i < FIELDS; i++)
@@ -195,7 +191,7 @@ static mukca_status make_folder(const char *path, mukca_error *error)
 static mukca_status lock(mukca_server *s, mukca_error *error)
 {
     char path[MUKCA_SERVER_PATH], holder[32] = "";
-    snprintf(path, sizeof path, "%.800s/lock", s->options->folder);
+    mukca_server_path(path, s, "", "lock", "");
     int fd = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
     if (fd < 0) return fail(path, error);
     s->lock = fd;
@@ -238,7 +234,7 @@ mukca_status mukca_server_open_folder(mukca_server *s, mukca_error *error)
     if (status == MUKCA_OK) status = lock(s, error);
     for (int i = 0; i < 3 && status == MUKCA_OK; i++) {
         char path[MUKCA_SERVER_PATH];
-        snprintf(path, sizeof path, "%.800s/%s", s->options->folder, folders[i]);
+        mukca_server_path(path, s, "", folders[i], "");
         status = make_folder(path, error);
         if (status == MUKCA_OK) status = tidy(path, error);
     }

@@ -12,11 +12,6 @@
 #include "io/output.h"
 #include "record/server.h"
 
-static void path_in_use(char path[MUKCA_SERVER_PATH], const mukca_server *s)
-{
-    snprintf(path, MUKCA_SERVER_PATH, "%.800s/in_use.tsv", s->options->folder);
-}
-
 static mukca_status check_stream(const mukca_server *s, const char *model, const char *stream,
                                  mukca_error *error)
 {
@@ -55,7 +50,7 @@ mukca_status mukca_server_load_model(mukca_server *s, mukca_error *error)
     const mukca_server_state *state = &s->state;
     s->pose.ready = false;
     if (!state->model[0]) return MUKCA_OK;
-    path_in_use(path, s);
+    mukca_server_path(path, s, "", "in_use", ".tsv");
     mukca_status status = check_stream(s, state->model, state->model_stream, error);
     if (status == MUKCA_OK) status = mukca_file_read(&text, path, error);
     if (status == MUKCA_OK) status = read_accepted(&s->pose.offsets, s, state->model, text, error);
@@ -108,16 +103,13 @@ static mukca_status find_difference(mukca_difference *d, mukca_server *s, const 
 static mukca_status compare_tables(mukca_difference *d, mukca_server *s, const char *table,
                                    mukca_error *error)
 {
-    char name[MUKCA_NAME_SIZE + 16], path[MUKCA_SERVER_PATH];
+    char name[MUKCA_NAME_SIZE], path[MUKCA_SERVER_PATH];
     const char *paths[1] = {path};
     const mukca_dataset_options options = {.partial = true};
     mukca_dataset data = {0};
     mukca_condensed condensed;
     *d = (mukca_difference){0};
-    snprintf(name, sizeof name, "%s", table);
-    char *ending = strstr(name, ".offsets.tsv");
-    if (!ending) ending = strstr(name, ".effects.tsv");
-    if (ending) *ending = '\0';
+    (void)mukca_server_session_of(name, table);
     mukca_server_path(path, s, MUKCA_SERVER_SESSIONS, name, ".tsv");
     if (mukca_dataset_load(&data, s->recorder.chain, paths, 1, &options, error) != MUKCA_OK)
         return MUKCA_OK;
@@ -165,7 +157,7 @@ static mukca_status write_in_use(const mukca_server *s, const char *text, mukca_
 {
     char path[MUKCA_SERVER_PATH];
     mukca_output output = {0};
-    path_in_use(path, s);
+    mukca_server_path(path, s, "", "in_use", ".tsv");
     mukca_status status = mukca_output_open(&output, path, true, error);
     if (status == MUKCA_OK) fputs(text, output.stream);
     return mukca_output_finish(&output, status, error);
@@ -173,15 +165,13 @@ static mukca_status write_in_use(const mukca_server *s, const char *text, mukca_
 
 mukca_status mukca_server_use(mukca_server *s, const char *session, mukca_error *error)
 {
-    char path[MUKCA_SERVER_PATH], *text = NULL;
+    char path[MUKCA_SERVER_PATH], name[MUKCA_NAME_SIZE], *text = NULL;
     mukca_server_state *state = &s->state;
-    const size_t length = session ? strlen(session) : 0;
     if (s->job.child) return mukca_fail(error, MUKCA_NEGATIVE, "a calculation is running: wait");
     if (!state->candidate[0])
         return mukca_fail(error, MUKCA_NEGATIVE, "there is no result: calibrate or diagnose first");
-    if (session && (strncmp(state->candidate, session, length) != 0 ||
-                    (strcmp(state->candidate + length, ".offsets.tsv") != 0 &&
-                     strcmp(state->candidate + length, ".effects.tsv") != 0)))
+    (void)mukca_server_session_of(name, state->candidate);
+    if (session && strcmp(session, name) != 0)
         return mukca_fail(error, MUKCA_NEGATIVE, "the last result is %s, not of session %.40s",
                           state->candidate, session);
     mukca_server_path(path, s, MUKCA_SERVER_RESULTS, state->candidate, "");

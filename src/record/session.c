@@ -273,7 +273,6 @@ mukca_status mukca_sampling_sample(mukca_recorder *r, const mukca_sample_request
         s->refused++;
         return mukca_fail(answer, status, "not recorded: %s", error.text);
     }
-    s->last = sample;
     report_limits(r, sample.q);
     mukca_fail(answer, MUKCA_OK, "sample %d: placement %s, socket %s%s%s", message.row, placement,
                socket, remark[0] ? ": " : "", remark);
@@ -304,38 +303,14 @@ mukca_status mukca_sampling_delete(mukca_recorder *r, int row, mukca_error *answ
                                          : "there is no sample");
     const mukca_socket *where = &rows->sockets[rows->socket[row - 1]];
     const char *placement = rows->placements[where->placement].name;
-    const bool last = row == rows->n_rows;
     mukca_status status = mukca_session_delete(&s->file, row, placement, where->label, &error);
     if (status != MUKCA_OK) return mukca_fail(answer, status, "not deleted: %s", error.text);
     mukca_fail(answer, MUKCA_OK, "sample %d deleted (placement %s, socket %s)%s", row, placement,
-               where->label, last ? "" : "; the samples after it move up by one");
+               where->label,
+               row == s->file.n_rows + 1 ? "" : "; the samples after it move up by one");
     (void)mukca_capture_drop(&s->capture, row - 1, &error); /* cannot fail: there is a sample */
-    if (last) s->last.n = 0;
     (void)mukca_capture_advise(&s->advice, &s->capture, &error);
     return MUKCA_OK;
-}
-
-mukca_status mukca_sampling_move(mukca_recorder *r, mukca_error *answer)
-{
-    mukca_sampling *s = &r->session;
-    mukca_capture *c = &s->capture;
-    const mukca_capture_sample sample = s->last;
-    char placement[MUKCA_NAME_SIZE], socket[MUKCA_NAME_SIZE], remark[MUKCA_CAPTURE_TEXT];
-    mukca_error error;
-    snprintf(placement, sizeof placement, "%s", mukca_capture_placement(c));
-    snprintf(socket, sizeof socket, "%s", c->offered);
-    if (!sample.n || !*socket)
-        return mukca_fail(answer, MUKCA_NEGATIVE, "not moved: no other socket was offered");
-    mukca_status status = mukca_sampling_delete(r, 0, answer);
-    if (status != MUKCA_OK) return status;
-    status = store(r, &sample, placement, socket, remark, &error);
-    if (status != MUKCA_OK)
-        return mukca_fail(answer, status, "deleted, but not recorded in socket %s: %s", socket,
-                          error.text);
-    s->last = sample;
-    (void)mukca_capture_advise(&s->advice, &s->capture, &error);
-    return mukca_fail(answer, MUKCA_OK, "sample %d is now of placement %s, socket %s",
-                      s->file.n_rows, placement, socket);
 }
 
 mukca_status mukca_sampling_select(mukca_recorder *r, const char *placement, const char *socket,

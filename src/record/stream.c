@@ -5,7 +5,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "lcm/wire.h"
 #include "record/recorder.h"
 
 /* A restarted driver has a new port and is accepted after this silence, us. */
@@ -129,8 +128,6 @@ static void feed(mukca_recorder *r, int64_t time)
     else if (found & MUKCA_CAPTURE_BACKWARDS && r->session.capture.jumps < 2)
         mukca_recorder_warn(r, MUKCA_RECORDER_BACKWARDS,
                             "the sender's clock went back (restarted?): going on with it");
-    if (found & MUKCA_CAPTURE_PAUSE && mukca_lcm_link_replays(r->link))
-        mukca_recorder_report(r, "%s paused for %.1f s", stream->channel, r->session.capture.pause);
     if (!r->options->still || !r->session.file.open) return;
     record_still(r);
 }

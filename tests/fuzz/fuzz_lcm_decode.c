@@ -3,8 +3,8 @@
 #include <string.h>
 
 #include "lcm/message.h"
+#include "lcm/packet.h"
 #include "lcm/type.h"
-#include "lcm/wire.h"
 #include "memory_file.h"
 
 /* A type that nests, recurs and repeats, besides the built-in ones. */

@@ -194,8 +194,6 @@ def keys():
         press("x1\n")
         check("keys: x deletes any sample", shown("sample 1 deleted (placement front, socket 0); the samples after"), screen)
         check("keys: which the view counts", shown("samples      1: left: 0=1"), screen)
-        press("m")
-        check("keys: m needs an offer", shown("not moved"), screen)
         press("q")
         check("keys: q finishes", shown("no placement has two sockets"), screen)
         p.wait(10)

@@ -175,7 +175,7 @@ TEST(deviating_samples_are_counted)
 TEST(another_zero_is_another_arm)
 {
     for (int i = 0; i < data.n_distances; i++) data.distances[i].distance *= 1.2;
-    refused_for("check the URDF, joint zeros");
+    refused_for("larger than the model; check --distance");
     for (int i = 0; i < data.n_distances; i++) data.distances[i].distance /= 1.2;
     for (int i = 0; i < data.n_rows; i++) data.q[i * data.n_joints + 1] += 0.2;
     refused_for("check the URDF, joint zeros");

@@ -112,8 +112,7 @@ TEST(moving_stale_and_thin_streams_are_refused)
     sample.q[1] += 1e-9;
     assert_false(mukca_capture_repeats(&capture, sample.q));
     /* the stream stops for 3 s and returns: the window must fill anew */
-    assert_int_equal(feed(4.3, (const double[]){1, 1, 1}), MUKCA_CAPTURE_PAUSE);
-    assert_true(!(fabs(capture.pause - 3.001) > 1e-9));
+    assert_int_equal(feed(4.3, (const double[]){1, 1, 1}), 0);
     feed(4.301, (const double[]){1, 1, 1});
     assert_error(mukca_capture_take(&sample, &capture, 0, &error), MUKCA_NEGATIVE, error,
                  "too few joint states");
@@ -246,7 +245,6 @@ TEST(remarks_name_what_is_odd)
     reach(q, 0.648, 0.2, 0.5); /* in the other socket, which has no samples yet */
     mukca_capture_keep(text, &capture, q, &error);
     assert_part(text, "48 mm from this socket's other samples: this looks like socket 1");
-    assert_string_equal(capture.offered, "1");
     mukca_capture_drop(&capture, 6, &error);
     mukca_capture_spread(&rms, &last, &capture, 0);
     assert_true(!(fabs(rms - 0.5e-4) > 1e-9));
@@ -268,7 +266,6 @@ TEST(remarks_name_what_is_odd)
     reach(q, 0.6, 0.2, 0.7);
     mukca_capture_keep(text, &capture, q, &error);
     assert_part(text, "looks like socket 0");
-    assert_string_equal(capture.offered, "0");
     assert_int_equal(capture.rows.n_rows, 8);
     mukca_capture_coverage(coverage, &capture);
     for (int j = 0; j < 3; j++) assert_true(coverage[j] > 0.01 && coverage[j] < 0.5);

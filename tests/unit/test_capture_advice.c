@@ -77,7 +77,7 @@ static double true_error(operator_ *o, const mukca_capture *capture)
     mukca_random_seed(&random, 77);
     for (int i = 0; i < N; i++) {
         double q[7], y[3];
-        for (int j = 0; j < 7; j++) q[j] = 2.3 * (2 * mukca_random_uniform(&random) - 1);
+        for (int j = 0; j < 7; j++) q[j] = 2.9 * (2 * mukca_random_uniform(&random) - 1);
         mukca_fk_position(x[i], &o->truth, q, NULL);
         mukca_fk_position(y, &capture->model.geometry, q, NULL);
         for (int k = 0; k < 3; k++) d[i][k] = y[k] - x[i][k];
@@ -158,7 +158,7 @@ TEST(advice_is_what_comes_true)
         "true over expected error %.2f; %d of %d good rows remarked; %d of %d bad seats "
         "found; after 20 rows more of them help no more in %d of %d sockets\n",
         ratio, false_remarks, rows, found, bad_seats, helped_no_more, ends);
-    assert_true(ratio > 0.6 && ratio < 1.5);
+    assert_true(ratio > 0.5 && ratio < 1.5);
     assert_true(false_remarks * 100 <= rows);
     assert_int_equal(found, bad_seats);
     assert_true(2 * helped_no_more > ends);

@@ -5,8 +5,7 @@
 #include <string.h>
 
 #include "close.h"
-#include "lcm/multicast.h"
-#include "lcm/wire.h"
+#include "lcm/packet.h"
 
 enum { LARGE = 200000, PAYLOAD = 65487 /* liblcm's, of one fragment */, MAX_DATAGRAM = 65535 };
 

@@ -25,8 +25,8 @@ wrong_urdf() { # SED PATTERN: refused for what is wrong with it
 }
 wrong_urdf '/<link name="hand"/d' 'bad.urdf: urdfdom cannot read it: .*hand'
 wrong_urdf 's/<\/robot>//' 'bad.urdf:[0-9]*: broken XML'
-awk 'BEGIN { printf "<robot name=\"x\">"; for (i = 0; i < 50000; i++) printf "<a>"
-    for (i = 0; i < 50000; i++) printf "</a>"; print "</robot>" }' >bad.urdf
+awk 'BEGIN { printf "<robot name=\"x\">"; for (i = 0; i < 100; i++) printf "<a>"
+    for (i = 0; i < 100; i++) printf "</a>"; print "</robot>" }' >bad.urdf
 refuse 3 'bad.urdf:1: elements nested more than' calibrate --urdf bad.urdf good -o new.tsv
 head -c 40000000 /dev/zero | tr '\0' ' ' >bad.urdf
 refuse 3 'bad.urdf: is larger than' calibrate --urdf bad.urdf good -o new.tsv
