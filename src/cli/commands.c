@@ -10,7 +10,6 @@
     X(serve)                \
     X(send)                 \
     X(simulate)             \
-    X(urdf)                 \
     X(plan)                 \
     X(calibrate)            \
     X(recalibrate)          \

@@ -40,8 +40,7 @@ static void put_tie(mukca_text *text, const mukca_diagnosed *r, const mukca_caus
                            plan->rows_to_name, plan->rows_to_name);
         else if (r->data->n_sockets > 0)
             mukca_text_put(text,
-                           "; a placement far from these may decide: mukca plan --settle "
-                           "--suggest 1");
+                           "; a placement far from these may decide: mukca plan --settle --place");
     }
     mukca_text_put(text, ")");
 }
