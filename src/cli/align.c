@@ -185,10 +185,10 @@ static json_t *as_json(const cli_call *call)
         double at[3];
         mukca_mat3_vec(at, t->pose.R, w->shared[i].at[1]);
         for (int a = 0; a < 3; a++) at[a] += t->pose.p[a];
-        json_array_append_new(sockets, cli_json("placement:s socket:s residual_m:f",
-                                                placement_of(&w->side[0], w->socket[i][0]),
-                                                w->side[0].data.sockets[w->socket[i][0]].label,
-                                                mukca_distance3(at, w->shared[i].at[0])));
+        cli_json_append(sockets, "placement:s socket:s residual_m:f",
+                        placement_of(&w->side[0], w->socket[i][0]),
+                        w->side[0].data.sockets[w->socket[i][0]].label,
+                        mukca_distance3(at, w->shared[i].at[0]));
     }
     return cli_json(
         "schema:s pose:o rpy_rad:o sigma{position_m:o rotation_rad:o} "

@@ -182,10 +182,9 @@ static json_t *null_space_json(const mukca_fit *fit)
             const int at = fit->parameters.index[i];
             const double weight = fit->null_space[r * n + i];
             if (fabs(weight) < 1e-6) continue;
-            json_array_append_new(direction,
-                                  cli_json("joint:s parameter:s weight:f",
-                                           fit->chain.element[at / MUKCA_PARAMETERS].name,
-                                           mukca_parameter_name[at % MUKCA_PARAMETERS], weight));
+            cli_json_append(direction, "joint:s parameter:s weight:f",
+                            fit->chain.element[at / MUKCA_PARAMETERS].name,
+                            mukca_parameter_name[at % MUKCA_PARAMETERS], weight);
         }
         json_array_append_new(directions, direction);
     }

@@ -121,10 +121,9 @@ static json_t *summary(const session *s)
         int n = mukca_capture_count(&r->session.capture, k);
         mukca_capture_spread(&rms, NULL, &r->session.capture, k);
         if (n)
-            json_array_append_new(sockets,
-                                  cli_json("placement:s socket:s rows:i spread_m:f",
-                                           rows->placements[rows->sockets[k].placement].name,
-                                           rows->sockets[k].label, n, rms));
+            cli_json_append(sockets, "placement:s socket:s rows:i spread_m:f",
+                            rows->placements[rows->sockets[k].placement].name,
+                            rows->sockets[k].label, n, rms);
     }
     return cli_json(
         "schema:s session:s rows:i channel:s type:s stream:s received:l refused:l "

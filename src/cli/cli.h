@@ -420,6 +420,7 @@ json_t *cli_json_acceptance(const mukca_acceptance *acceptance);
  * 0), l long, f double (null for NaN and infinity), v interval (two doubles, null unless both are
  * finite), o json_t * (stolen; NULL: null). */
 json_t *cli_json(const char *keys, ...);
+#define cli_json_append(array, ...) json_array_append_new(array, cli_json(__VA_ARGS__))
 
 /* Numbers; null for NaN and infinity. */
 json_t *cli_json_number(double value);

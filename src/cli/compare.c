@@ -198,16 +198,13 @@ static json_t *as_json(const cli_call *call)
     const mukca_comparison *c = &w->comparison;
     json_t *axes = json_array(), *models = json_array();
     for (int side = 0; side < 2; side++)
-        json_array_append_new(
-            models,
-            cli_json("file:s robot:s acceptance:o", call->arguments.items[side],
-                     w->arm[side].chain.robot,
-                     w->verdict[side].given ? cli_json_acceptance(&w->verdict[side]) : NULL));
+        cli_json_append(models, "file:s robot:s acceptance:o", call->arguments.items[side],
+                        w->arm[side].chain.robot,
+                        w->verdict[side].given ? cli_json_acceptance(&w->verdict[side]) : NULL);
     for (int j = 0; j < w->arm[0].chain.n_joints; j++)
-        json_array_append_new(
-            axes, cli_json("angle_rad:f distance_m:f zero_rad:f shift_m:f joint:s",
-                           c->axis[j].angle, c->axis[j].distance, c->axis[j].zero, c->axis[j].slide,
-                           mukca_chain_joint_name(&w->arm[0].chain, j)));
+        cli_json_append(axes, "angle_rad:f distance_m:f zero_rad:f shift_m:f joint:s",
+                        c->axis[j].angle, c->axis[j].distance, c->axis[j].zero, c->axis[j].slide,
+                        mukca_chain_joint_name(&w->arm[0].chain, j));
     return cli_json(
         "schema:s models:o postures:i axes:o position:o rotation:o base:o tool:o elapsed_s:f",
         "mukca.compare/1", models, (int)MUKCA_COMPARED, axes, error_json(c->position, false),

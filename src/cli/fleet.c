@@ -102,10 +102,9 @@ static json_t *result_json(const cli_fleet *w)
     for (int j = 0; j < f->model.n_joints; j++) {
         const mukca_trait *o = &r->order[j];
         if (o->effect.variant.order)
-            json_array_append_new(
-                orders, cli_json("joint:s order:i probability:f log_bayes_factor:f arms:i",
-                                 joint_name(f, j), o->effect.variant.order, o->probability,
-                                 o->log_bayes_factor, o->arms));
+            cli_json_append(orders, "joint:s order:i probability:f log_bayes_factor:f arms:i",
+                            joint_name(f, j), o->effect.variant.order, o->probability,
+                            o->log_bayes_factor, o->arms);
     }
     for (int a = 0; a < f->n_arms; a++) {
         if (r->departure[a].probability >= MUKCA_DEPARTS)

@@ -126,11 +126,11 @@ json_t *cli_json_offsets(const mukca_offsets *offsets, const mukca_chain *chain)
     incomplete |= !rows;
     const int n = rows ? mukca_offsets_rows(rows, offsets, chain) : 0;
     for (const mukca_offset_row *r = rows; r < rows + n; r++)
-        json_array_append_new(
-            array, cli_json("joint:s parameter:s unit:s nominal:f calibrated:f offset:f sigma:f "
-                            "identifiable:b term:s",
-                            r->joint, r->parameter, r->unit, r->nominal, r->calibrated, r->offset,
-                            r->sigma, r->identifiable, r->term));
+        cli_json_append(array,
+                        "joint:s parameter:s unit:s nominal:f calibrated:f offset:f sigma:f "
+                        "identifiable:b term:s",
+                        r->joint, r->parameter, r->unit, r->nominal, r->calibrated, r->offset,
+                        r->sigma, r->identifiable, r->term);
     free(rows);
     return array;
 }

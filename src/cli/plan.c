@@ -234,9 +234,8 @@ static json_t *as_json(const plan_work *r)
         json_t *joints = json_object();
         for (int j = 0; j < chain->n_joints; j++)
             json_object_set_new(joints, mukca_chain_joint_name(chain, j), json_real(row->q[j]));
-        json_array_append_new(
-            rows, cli_json("placement:s socket:s joints:o", r->sockets[row->socket].placement,
-                           r->sockets[row->socket].label, joints));
+        cli_json_append(rows, "placement:s socket:s joints:o", r->sockets[row->socket].placement,
+                        r->sockets[row->socket].label, joints);
     }
     const mukca_plan *p = &r->plan;
     return cli_json(

@@ -177,11 +177,10 @@ static json_t *unknowns_json(const mukca_recalibration *f, const mukca_chain *ar
         const int k = f->unknown[u].element, j = k < 0 ? -1 : arm->element[k].joint;
         const bool zero = f->unknown[u].kind == MUKCA_UNKNOWN_ZERO;
         mukca_unknown_text(text, &f->unknown[u], arm);
-        json_array_append_new(
-            array, cli_json("name:s joint:s value:f unit:s sigma:f identifiable:b", text,
-                            k < 0 ? NULL : arm->element[k].name, f->value[u],
-                            mukca_unknown_is_angle(f->unknown[u].kind) ? "rad" : "m", f->sigma[u],
-                            f->identifiable[u] && !(zero && never_moved(f, j))));
+        cli_json_append(array, "name:s joint:s value:f unit:s sigma:f identifiable:b", text,
+                        k < 0 ? NULL : arm->element[k].name, f->value[u],
+                        mukca_unknown_is_angle(f->unknown[u].kind) ? "rad" : "m", f->sigma[u],
+                        f->identifiable[u] && !(zero && never_moved(f, j)));
     }
     return array;
 }
@@ -195,7 +194,7 @@ static json_t *null_json(const mukca_recalibration *f, const mukca_chain *arm)
         for (int u = 0; u < f->n; u++) {
             if (f->null[k][u] == 0) continue;
             mukca_unknown_text(text, &f->unknown[u], arm);
-            json_array_append_new(terms, cli_json("name:s coefficient:f", text, f->null[k][u]));
+            cli_json_append(terms, "name:s coefficient:f", text, f->null[k][u]);
         }
         json_array_append_new(array, terms);
     }

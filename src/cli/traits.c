@@ -125,19 +125,18 @@ json_t *cli_adoption_json(const mukca_adoption *a, const mukca_chain *chain)
         const mukca_inherited *c = &a->list[i];
         const mukca_trait *t = c->trait;
         const double ci95[2] = {c->low, c->high};
-        json_array_append_new(
-            elastic,
-            cli_json("effect:s joint:s value:f ci95:o mean:f spread:f probability:f own_share:f",
-                     mukca_effect_table[t->effect.kind]->name,
-                     mukca_chain_joint_name(chain, t->effect.joint), c->value,
-                     cli_json_reals(ci95, 2), t->mean, t->spread, t->probability, c->own));
+        cli_json_append(elastic,
+                        "effect:s joint:s value:f ci95:o mean:f spread:f probability:f own_share:f",
+                        mukca_effect_table[t->effect.kind]->name,
+                        mukca_chain_joint_name(chain, t->effect.joint), c->value,
+                        cli_json_reals(ci95, 2), t->mean, t->spread, t->probability, c->own);
     }
     for (int i = 0; i < a->traits->n; i++) {
         const mukca_effect *e = &a->traits->list[i].effect;
         if (e->kind != MUKCA_EFFECT_GEAR_HARMONIC) continue;
-        json_array_append_new(orders, cli_json("joint:s order:i probability:f",
-                                               mukca_chain_joint_name(chain, e->joint),
-                                               e->variant.order, a->traits->list[i].probability));
+        cli_json_append(orders, "joint:s order:i probability:f",
+                        mukca_chain_joint_name(chain, e->joint), e->variant.order,
+                        a->traits->list[i].probability);
     }
     return cli_json(
         "log_bayes_factor:f explained_m:f without_m:f test_explained_m:f "
