@@ -21,11 +21,7 @@ static const cli_option options[] = {
                "last link of the right arm (default: --tip)"),
     CLI_OPTION(align_options, right_offsets, "right-offsets", CLI_INPUT, "FILE",
                "offsets table of the right arm (default: none)"),
-    CLI_OFFSETS_OPTION,
-    CLI_ACCEPT_OPTION,
-    CLI_JSON_OPTION,
-    CLI_MODEL_OPTIONS,
-    CLI_LAST_OPTIONS};
+    {.name = NULL}};
 
 /* One arm: its session, and the mean of the predicted ball in each socket. */
 typedef struct {
@@ -229,6 +225,7 @@ const cli_command cli_command_align = {
         "mukca simulate --urdf data/demo/arm.urdf --place a=0.4,0.2,0.1 --place b=0.4,-0.2,0.3 "
         "--noise 1e-4 -o build/demo/left.tsv --force\n"
         "mukca align --urdf data/demo/arm.urdf build/demo/left.tsv build/demo/left.tsv",
+    .with = CLI_WITH_MODEL | CLI_WITH_OFFSETS | CLI_WITH_ACCEPT | CLI_WITH_JSON,
     .options = options,
     .options_size = sizeof(align_options),
     .run = run,

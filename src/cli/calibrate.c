@@ -13,10 +13,10 @@
 
 typedef struct {
     cli_common common;
-    const char *free, *freeze, *traits;
+    const char *free, *freeze;
     int solver, gradient;
     double lambda;
-    bool regularise_tip, evidence, free_base, free_tool;
+    bool regularise_tip, evidence;
 } calibrate_options;
 
 static const calibrate_options defaults = {.lambda = MUKCA_LAMBDA};
@@ -25,14 +25,7 @@ static const char *const solvers[] = {"slsqp", "lbfgs", "gauss-newton", NULL};
 static const char *const gradients[] = {"fd", "analytic", NULL};
 
 static const cli_option options[] = {
-    CLI_TEST_OPTION,
     CLI_OUTPUT_OPTION("write the offsets table"),
-    CLI_JSON_OPTION,
-    CLI_TRAITS_OPTION(calibrate_options, traits),
-    CLI_MODEL_OPTIONS,
-    CLI_DISTANCE_OPTIONS,
-    CLI_ANGLES_OPTION,
-    CLI_TABLE_OPTIONS,
     CLI_OPTION(calibrate_options, free, "free", CLI_TEXT, "LIST",
                "fit these only: joints, parameters (x y z roll pitch yaw) or joint.parameter, with "
                "commas; "
@@ -47,16 +40,11 @@ static const cli_option options[] = {
     CLI_OPTION(calibrate_options, evidence, "evidence", CLI_FLAG, NULL,
                "choose the priors by the evidence and weigh outliers down, instead of this cost "
                "(sockets)"),
-    CLI_OPTION(calibrate_options, free_base, "free-base", CLI_FLAG, NULL,
-               "pose logs: fit the frame of the tracker, too (joint base_frame)"),
-    CLI_OPTION(
-        calibrate_options, free_tool, "free-tool", CLI_FLAG, NULL,
-        "pose logs: fit the offset of the target (the last fixed joint, else joint tool_frame)"),
     CLI_CHOICE_OPTION(calibrate_options, solver, "solver", "SOLVER", solvers,
                       "minimiser (default: slsqp)"),
     CLI_CHOICE_OPTION(calibrate_options, gradient, "gradient", "GRADIENT", gradients,
                       "central differences (default), or analytic"),
-    CLI_LAST_OPTIONS};
+    {.name = NULL}};
 
 /* Refuse sockets with identical samples: the joint states had stopped while recording. */
 static mukca_status check_moving(cli_call *call, const mukca_dataset *d)
@@ -86,8 +74,8 @@ static mukca_fit_options fit_options(const calibrate_options *o)
 {
     return (mukca_fit_options){
         .selection = {o->free, o->freeze, o->regularise_tip},
-        .free_base = o->free_base,
-        .free_tool = o->free_tool,
+        .free_base = o->common.free_base,
+        .free_tool = o->common.free_tool,
         .by_evidence = o->evidence,
         .cost = {.lambda = o->lambda > 0 ? o->lambda : -1,
                  .gradient = o->gradient == 1 ? MUKCA_GRADIENT_ANALYTIC : MUKCA_GRADIENT_FD},
@@ -107,7 +95,7 @@ static mukca_status judge(cli_call *call, const calibrate_result *r)
 static bool is_default(const calibrate_options *o)
 {
     return !o->free && !o->freeze && !o->regularise_tip && o->lambda == MUKCA_LAMBDA &&
-           !o->free_base && !o->free_tool && !o->traits;
+           !o->common.free_base && !o->common.free_tool && !o->common.traits;
 }
 
 /* Compare with the geometry by the evidence.  The priors of a long recording have no weight. */
@@ -168,7 +156,7 @@ static void release(void *work)
 static void note_logs(cli_call *call, const mukca_dataset *data)
 {
     const calibrate_options *o = call->options;
-    if ((o->free_base || o->free_tool) && mukca_recording_number_logs(NULL, data) > 1)
+    if ((o->common.free_base || o->common.free_tool) && mukca_recording_number_logs(NULL, data) > 1)
         cli_note(call,
                  "several pose logs: one tracker's frame and one target for all; `mukca "
                  "diagnose -o` fits separate ones if the evidence supports them");
@@ -179,9 +167,9 @@ static mukca_status use_traits(cli_call *call)
     const calibrate_options *o = call->options;
     calibrate_work *w = call->work;
     const mukca_fit_options again = fit_options(o);
-    if (!o->traits) return MUKCA_OK;
+    if (!o->common.traits) return MUKCA_OK;
     mukca_status status =
-        mukca_traits_read(&w->traits, o->traits, &call->session->model.chain, &call->error);
+        mukca_traits_read(&w->traits, o->common.traits, &call->session->model.chain, &call->error);
     if (status != MUKCA_OK) return status;
     return calibrate_use_traits(call, &w->result, &w->fit, &w->traits, &again);
 }
@@ -217,8 +205,8 @@ static mukca_status run(cli_call *call)
         status = mukca_fail(&call->error, MUKCA_UNIDENTIFIABLE,
                             "the data identify no free parameter; record different postures");
     if (status == MUKCA_OK)
-        status = mukca_frames_start(w->nominal, &fit->chain, r->train, o->free_base, o->free_tool,
-                                    &call->error);
+        status = mukca_frames_start(w->nominal, &fit->chain, r->train, o->common.free_base,
+                                    o->common.free_tool, &call->error);
     r->train_scores.nominal_theta = r->test_scores.nominal_theta = w->nominal;
     if (status == MUKCA_OK)
         status = cli_scores_make(call, &r->train_scores, &fit->chain, fit->theta, NULL, r->train);
@@ -265,6 +253,8 @@ const cli_command cli_command_calibrate = {
     .example =
         "mukca calibrate --urdf data/demo/arm.urdf data/demo/train.tsv --test data/demo/test.tsv "
         "-o build/demo/offsets.tsv --force",
+    .with = CLI_WITH_MODEL | CLI_WITH_TEST | CLI_WITH_DISTANCE | CLI_WITH_DISTANCES |
+            CLI_WITH_JSON | CLI_WITH_ANGLES | CLI_WITH_FRAMES | CLI_WITH_TRAITS | CLI_WITH_TABLES,
     .options = options,
     .options_size = sizeof(calibrate_options),
     .defaults = &defaults,

@@ -159,7 +159,7 @@ static void print_next(const session *s)
                          "--resume continues: no placement has two sockets with two samples yet");
         return;
     }
-    cli_live_arguments(&words, s->call->common, &s->options->live);
+    cli_live_arguments(&words, s->call->common);
     for (int i = 0; words.word[i]; i++) mukca_text_put(&text, " %s", words.word[i]);
     cli_answer(s->call, "Next    mukca calibrate%s %s -o offsets.tsv\n", line,
                s->recorder.session.file.path);
@@ -216,7 +216,7 @@ static mukca_status prepare(session *s)
     cli_live_complete(&o->live, c);
     mukca_status status = check_usage(s);
     if (status == MUKCA_OK) status = cli_load_model(call, model);
-    if (status == MUKCA_OK) status = cli_check_traits(call, o->live.traits, &model->chain);
+    if (status == MUKCA_OK) status = cli_check_traits(call, call->common->traits, &model->chain);
     if (status == MUKCA_OK)
         status = mukca_recorder_open(r, &o->live.recorder, &model->chain, model->offsets.theta,
                                      &hooks, &call->error);
@@ -275,9 +275,6 @@ static void release(void *work)
 }
 
 static const cli_option options[] = {
-    CLI_MODEL_OPTIONS,
-    CLI_OFFSETS_OPTION,
-    CLI_ACCEPT_OPTION,
     CLI_OUTPUT_OPTION("the session (TSV, or CSV by its ending)"),
     CLI_LIVE_OPTIONS(capture_options),
     CLI_OPTION(capture_options, live.recorder.triggers, "trigger", CLI_FLAG, NULL,
@@ -292,9 +289,7 @@ static const cli_option options[] = {
                      "finish when the session has N samples"),
     CLI_OPTION(capture_options, wait, "wait", CLI_POSITIVE, "S",
                "give up without joint states after S seconds (default: 10)"),
-    CLI_DISTANCE_OPTION,
-    CLI_JSON_OPTION,
-    CLI_LAST_OPTIONS};
+    {.name = NULL}};
 
 static const capture_options defaults = {.wait = 10};
 
@@ -335,6 +330,8 @@ const cli_command cli_command_capture = {
         "--trigger -o build/guided.tsv --force\n"
         "mukca capture --urdf data/demo/arm.urdf --stdin --still -o build/ros.tsv --force "
         "<data/demo/joint_states.csv",
+    .with = CLI_WITH_MODEL | CLI_WITH_OFFSETS | CLI_WITH_ACCEPT | CLI_WITH_DISTANCE |
+            CLI_WITH_JSON | CLI_WITH_TRAITS,
     .options = options,
     .options_size = sizeof(capture_options),
     .defaults = &defaults,

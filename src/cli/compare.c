@@ -9,8 +9,6 @@
 #include "cli/cli.h"
 #include "io/urdf.h"
 
-static const cli_option options[] = {CLI_JSON_OPTION, CLI_MODEL_OPTIONS, CLI_LAST_OPTIONS};
-
 typedef struct {
     mukca_corrected arm[2];
     mukca_acceptance verdict[2]; /* not `given`: no table */
@@ -246,7 +244,7 @@ const cli_command cli_command_compare = {
         "next one. A dash marks gauge, and what is undetermined because axes are parallel.\n\n"
         "A table without the arm's chain in its comments (made by hand) belongs to --urdf.",
     .example = "mukca compare data/demo/arm.urdf build/demo/offsets.tsv",
-    .options = options,
+    .with = CLI_WITH_MODEL | CLI_WITH_JSON,
     .options_size = sizeof(cli_common),
     .run = run,
     .work_size = sizeof(compare_work),

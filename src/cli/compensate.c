@@ -56,14 +56,8 @@ static const cli_option options[] = {
                       "correct tables (default) or programs in this language"),
     CLI_OPTION(compensate_options, position_only, "position-only", CLI_FLAG, NULL,
                "ignore the orientation (always with fewer than six joints)"),
-    CLI_OFFSETS_OPTION,
-    CLI_ACCEPT_OPTION,
-    CLI_MODEL_OPTIONS,
-    CLI_UNITS_OPTION,
-    CLI_COLUMNS_OPTION,
-    CLI_JSON_OPTION,
     CLI_OUTPUT_OPTION("write the corrected targets there (default: standard output)"),
-    CLI_LAST_OPTIONS};
+    {.name = NULL}};
 
 /* ---- tables ---- */
 
@@ -355,6 +349,7 @@ const cli_command cli_command_compensate = {
     .example =
         "echo 0.1,0.2,0.3,-1.5,0.2,1.1,0.4 | mukca compensate --urdf data/demo/arm.urdf --offsets "
         "build/demo/offsets.tsv",
+    .with = CLI_WITH_MODEL | CLI_WITH_OFFSETS | CLI_WITH_ACCEPT | CLI_WITH_JSON | CLI_WITH_COLUMNS,
     .options = options,
     .options_size = sizeof(compensate_options),
     .run = run,

@@ -36,14 +36,14 @@ static bool print_bash(void)
     for (int i = 0; mukca_server_verbs[i]; i++) printf(" %s", mukca_server_verbs[i]);
     puts("\"\n    else\n        case ${COMP_WORDS[1]}:$before in");
     for (const cli_command *const *c = cli_commands; *c; c++)
-        for (const cli_option *o = (*c)->options; o->name; o++) print_bash_values(*c, o);
+        for (const cli_option *o = NULL; (o = cli_next_option(*c, o));) print_bash_values(*c, o);
     printf("            completion:*) files= words=\"bash zsh\" ;;\n");
     printf("            help:*) files= words=\"effects");
     for (const cli_command *const *c = cli_commands; *c; c++) printf(" %s", (*c)->name);
     puts("\" ;;");
     for (const cli_command *const *c = cli_commands; *c; c++) {
         printf("            %s:*) words=\"--help", (*c)->name);
-        for (const cli_option *o = (*c)->options; o->name; o++) printf(" --%s", o->name);
+        for (const cli_option *o = NULL; (o = cli_next_option(*c, o));) printf(" --%s", o->name);
         puts("\" ;;");
     }
     puts(
@@ -98,10 +98,10 @@ static void print_man_option(const cli_option *o)
 static void print_man_options(const cli_command *c)
 {
     int n = 0;
-    for (const cli_option *o = c->options; o->name; o++)
-        if (!cli_is_common(o)) print_man_option(o);
-    for (const cli_option *o = c->options; o->name; o++) {
-        if (!cli_is_common(o)) continue;
+    for (const cli_option *o = NULL; (o = cli_next_option(c, o));)
+        if (!o->set) print_man_option(o);
+    for (const cli_option *o = NULL; (o = cli_next_option(c, o));) {
+        if (!o->set) continue;
         fputs(n++ ? ", " : ".PP\nCommon options: ", stdout);
         print_roff("--", 2);
         print_roff(o->name, strlen(o->name));
@@ -158,7 +158,7 @@ static bool print_options(void)
 {
     puts("command\toption\tletter\targument");
     for (const cli_command *const *c = cli_commands; *c; c++)
-        for (const cli_option *o = (*c)->options; o->name; o++)
+        for (const cli_option *o = NULL; (o = cli_next_option(*c, o));)
             printf("%s\t--%s\t%.1s\t%s\n", (*c)->name, o->name, o->letter ? &o->letter : "",
                    o->argument ? o->argument : "");
     return true;

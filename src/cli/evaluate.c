@@ -13,14 +13,10 @@ typedef struct {
 } evaluate_options;
 
 static const cli_option options[] = {
-    CLI_OFFSETS_OPTION,
-    CLI_TEST_OPTION,
     CLI_OPTION(evaluate_options, max_mae, "max-mae", CLI_POSITIVE, "M",
                "exit code 1 if the mean error (of --test, if given) is above this, m"),
     CLI_OUTPUT_OPTION("write the table there (default: standard output)"),
-    CLI_JSON_OPTION,
-    CLI_DATA_OPTIONS,
-    CLI_LAST_OPTIONS};
+    {.name = NULL}};
 
 typedef struct {
     cli_scores data, test;
@@ -155,6 +151,7 @@ const cli_command cli_command_evaluate = {
     .example =
         "mukca evaluate --urdf data/demo/arm.urdf --offsets build/demo/offsets.tsv "
         "data/demo/test.tsv",
+    .with = CLI_WITH_DATA | CLI_WITH_OFFSETS | CLI_WITH_TEST | CLI_WITH_JSON,
     .options = options,
     .options_size = sizeof(evaluate_options),
     .targets = true,

@@ -18,21 +18,13 @@ static const char *const formats[] = {
         NULL};
 
 static const cli_option options[] = {
-    {.name = "format",
-     .letter = 'f',
-     .kind = CLI_CHOICE,
-     .argument = "FORMAT",
-     .help = "what to write (default: by the ending of the file's name, else urdf)",
-     .choices = formats,
-     .offset = offsetof(export_options, format)},
+    CLI_OPTION_AND(export_options, format, "format", CLI_CHOICE, "FORMAT",
+                   "what to write (default: by the ending of the file's name, else urdf)",
+                   .choices = formats, .letter = 'f'),
     CLI_OPTION(export_options, into, "into", CLI_TEXT, "FILE",
                "your own URDF or MuJoCo model: replace the poses of the arm, found by names"),
-    CLI_OFFSETS_OPTION,
-    CLI_ACCEPT_OPTION,
-    CLI_MODEL_OPTIONS,
-    CLI_TABLE_OPTIONS,
     CLI_OUTPUT_OPTION("where to write it (default: standard output)"),
-    CLI_LAST_OPTIONS};
+    {.name = NULL}};
 
 #define FORMAT_ENDING(name, endings, description) #name " " endings ", "
 static const char other_formats[] =
@@ -100,6 +92,7 @@ const cli_command cli_command_export = {
         "Formats, with the endings of their files:\n" MUKCA_EXPORT_LIST(FORMAT_LINE),
     .example =
         "mukca export --urdf data/demo/arm.urdf --offsets build/demo/offsets.tsv --format yaml",
+    .with = CLI_WITH_MODEL | CLI_WITH_OFFSETS | CLI_WITH_ACCEPT | CLI_WITH_TABLES,
     .options = options,
     .options_size = sizeof(export_options),
     .defaults = &defaults,

@@ -16,7 +16,7 @@ static const cli_option options[] = {
     CLI_OUTPUT_OPTION("write the traits table; with --partial, the summary of summaries"),
     CLI_OPTION(fleet_options, partial, "partial", CLI_FLAG, NULL,
                "join the summaries into one file (-o) for a later mukca fleet; pool nothing"),
-    CLI_JSON_OPTION, CLI_LAST_OPTIONS};
+    {.name = NULL}};
 
 void cli_fleet_free(void *work)
 {
@@ -194,6 +194,7 @@ const cli_command cli_command_fleet = {
         "build/demo/arm_2.json --arm 2 --force\n"
         "mukca fleet build/demo/arm_1.json build/demo/arm_2.json -o "
         "build/demo/heron7.traits.tsv --force",
+    .with = CLI_WITH_JSON,
     .options = options,
     .options_size = sizeof(fleet_options),
     .run = run,

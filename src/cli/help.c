@@ -34,10 +34,9 @@ static void print_option(FILE *stream, const cli_option *option)
 
 void cli_format_usage(char *text, size_t size, const cli_command *command)
 {
-    bool urdf = false;
-    for (const cli_option *o = command->options; o->name; o++) urdf |= strcmp(o->name, "urdf") == 0;
-    snprintf(text, size, "%s%s [options]%s%s", command->name, urdf ? " --urdf FILE" : "",
-             *command->synopsis ? " " : "", command->synopsis);
+    snprintf(text, size, "%s%s [options]%s%s", command->name,
+             command->with & CLI_WITH_MODEL ? " --urdf FILE" : "", *command->synopsis ? " " : "",
+             command->synopsis);
 }
 
 /* Length of an unbreakable piece: words up to the next option or pipe. */
@@ -83,8 +82,8 @@ void cli_print_command_help(FILE *stream, const cli_command *command)
     cli_print_wrapped(stream, command->description);
     for (int common = 0; common < 2; common++) {
         bool any = false;
-        for (const cli_option *o = command->options; o->name; o++) {
-            if (cli_is_common(o) != (common == 1)) continue;
+        for (const cli_option *o = NULL; (o = cli_next_option(command, o));) {
+            if ((o->set != 0) != (common == 1)) continue;
             if (!any)
                 fprintf(stream, "\n%s%s:%s\n", bold, common ? "Common options" : "Options", plain);
             any = true;

@@ -31,11 +31,13 @@ static bool is_among(const char *path, const cli_list *inputs)
 static mukca_status check_output(cli_call *call, const cli_option *output, const char *path)
 {
     bool same = is_among(path, &call->arguments);
-    for (const cli_option *o = call->command->options; o->name; o++) {
+    bool before = true;
+    for (const cli_option *o = NULL; (o = cli_next_option(call->command, o));) {
+        before &= o != output;
         if (o->kind == CLI_INPUT) same |= is_input(path, path_of(call, o));
         if (o->kind == CLI_REST)
             same |= is_among(path, (const cli_list *)(void *)((char *)call->options + o->offset));
-        if (o->kind == CLI_OUTPUT && o < output && mukca_output_same(path, path_of(call, o)))
+        if (o->kind == CLI_OUTPUT && before && mukca_output_same(path, path_of(call, o)))
             return mukca_fail(&call->error, MUKCA_USAGE, "--%s and --%s cannot both go to %s",
                               o->name, output->name, path);
     }
@@ -49,7 +51,7 @@ static mukca_status check_output(cli_call *call, const cli_option *output, const
 mukca_status cli_check_outputs(cli_call *call)
 {
     mukca_status status = MUKCA_OK;
-    for (const cli_option *o = call->command->options; o->name && status == MUKCA_OK; o++)
+    for (const cli_option *o = NULL; status == MUKCA_OK && (o = cli_next_option(call->command, o));)
         if (o->kind == CLI_OUTPUT && path_of(call, o))
             status = check_output(call, o, path_of(call, o));
     return status;

@@ -10,24 +10,95 @@
 #include "base/suggest.h"
 #include "base/text.h"
 
-const char *const cli_angles[] = {"reading", "command", NULL};
-const char *const cli_maps[] = {"name", "order", "order-w-last", NULL};
+static const char *const angles[] = {"reading", "command", NULL};
+static const char *const maps[] = {"name", "order", "order-w-last", NULL};
+
+/* A row of the table; the second with more members. */
+#define COMMON(sets, text, member, type, metavar, sentence) \
+    CLI_OPTION_AND(cli_common, member, text, type, metavar, sentence, .set = CLI_WITH_##sets)
+#define COMMON_AND(sets, text, member, type, metavar, sentence, ...)                          \
+    CLI_OPTION_AND(cli_common, member, text, type, metavar, sentence, .set = CLI_WITH_##sets, \
+                   __VA_ARGS__)
 
 const cli_option cli_common_options[] = {
-    CLI_MODEL_OPTIONS,    CLI_OFFSETS_OPTION, CLI_ACCEPT_OPTION,  CLI_TEST_OPTION,
-    CLI_DISTANCE_OPTIONS, CLI_JSON_OPTION,    CLI_PAYLOAD_OPTION, CLI_ANGLES_OPTION,
-    CLI_TABLE_OPTIONS,    CLI_LAST_OPTIONS};
+    COMMON(MODEL, "urdf", urdf, CLI_INPUT, "FILE", "nominal model of the arm"),
+    COMMON(MODEL, "kinematics", kinematics, CLI_INPUT, "FILE",
+           "YAML with the robot's own origins (Universal Robots, Franka, UFACTORY): it replaces "
+           "those of the URDF"),
+    COMMON(MODEL, "base", base, CLI_TEXT, "LINK",
+           "first link of the chain (default: the URDF's root)"),
+    COMMON(MODEL, "tip", tip, CLI_TEXT, "LINK",
+           "last link of the chain (default: ball_link, else ball, else the only leaf)"),
+    COMMON(MODEL, "inertials", inertials, CLI_INPUT, "FILE",
+           "link masses (TSV: link, mass_kg, com_x_m, com_y_m, com_z_m); they replace those of the "
+           "URDF"),
+    COMMON(MODEL, "gravity", gravity, CLI_VECTOR, "X,Y,Z",
+           "gravity in the base frame, m/s^2 (default: 0,0,-9.80665)"),
+    COMMON(OFFSETS, "offsets", offsets, CLI_INPUT, "FILE",
+           "apply this offsets table; it must belong to the URDF (or --force)"),
+    COMMON(ACCEPT, "accept-failed", accept_failed, CLI_FLAG, NULL,
+           "use the offsets table even though its calibration did not pass"),
+    COMMON(ACCEPT, "accept-edited", accept_edited, CLI_FLAG, NULL,
+           "use the offsets table even though it was edited or cut after it was written"),
+    COMMON(TEST, "test", test, CLI_REST, "DATA...", "held-out data: never fitted, always reported"),
+    COMMON(DISTANCE, "distance", distance, CLI_POSITIVE, "M",
+           "distance between the sockets, m (default: 0.05)"),
+    COMMON(DISTANCES, "distances", distances, CLI_INPUT, "FILE",
+           "distances of pairs of sockets (TSV: socket_a, socket_b, distance_m)"),
+    COMMON(JSON, "json", json, CLI_OUTPUT, "FILE",
+           "write the result as JSON; - means standard output"),
+    COMMON(PAYLOAD, "payload", payload, CLI_TEXT, "KG[,KG...]",
+           "mass at the tip beyond the model, of all DATA or of each in order, then of each "
+           "--test, where the file has no payload_kg"),
+    COMMON_AND(
+        ANGLES, "angles", angles, CLI_CHOICE, "STREAM",
+        "fit the angles that were read, or those that were commanded (columns JOINT.command; "
+        "without them all angles are commands; default: reading)",
+        .choices = angles),
+    COMMON(FRAMES, "free-base", free_base, CLI_FLAG, NULL,
+           "pose logs: fit the frame of the tracker, too (joint base_frame)"),
+    COMMON(FRAMES, "free-tool", free_tool, CLI_FLAG, NULL,
+           "pose logs: fit the offset of the target (the last fixed joint, else joint tool_frame; "
+           "recalibrate: its rotation)"),
+    COMMON(TRAITS, "traits", traits, CLI_INPUT, "FILE",
+           "traits of the model's fleet (mukca fleet -o), as prior of calibrate and diagnose"),
+    COMMON_AND(
+        CHECK, "check", check, CLI_INTEGER, "N",
+        "diagnose N simulated recordings with these postures, this noise and the causes found, "
+        "and N without causes",
+        .least = 1, .most = 100000),
+    COMMON(COLUMNS, "units", units, CLI_TEXT, "UNITS",
+           "units of the tables that are read: rad or deg, m or mm, as in deg,mm (default: rad,m); "
+           "columns x, y, z are then positions, too"),
+    COMMON(COLUMNS, "columns", columns, CLI_TEXT, "NAMES",
+           "names of the tables' columns: COLUMN=NAME,... or a name for each column in order, or a "
+           "file of these"),
+    COMMON_AND(MAP, "map", map, CLI_CHOICE, "MAP",
+               "name: the first line of a table names its columns; order: it has no such line, the "
+               "joints come in the chain's order, then the pose, its quaternion with w first; "
+               "order-w-last: with w last (default: name)",
+               .choices = maps),
+    COMMON(MAP, "inverse-poses", inverse_poses, CLI_FLAG, NULL,
+           "the measured poses are those of the fixed frame in the target's, as a camera on the "
+           "arm sees a fixed board"),
+    COMMON(ALL, "force", force, CLI_FLAG, NULL,
+           "overwrite existing files; accept the offsets table of another arm"),
+    COMMON_AND(ALL, "quiet", quiet, CLI_FLAG, NULL, "print errors only", .letter = 'q'),
+    COMMON_AND(ALL, "verbose", verbose, CLI_FLAG, NULL, "print inputs and elapsed time",
+               .letter = 'v'),
+    {.name = NULL, .set = CLI_WITH_ALL}};
 
-bool cli_is_common(const cli_option *option)
+const cli_option *cli_next_option(const cli_command *command, const cli_option *o)
 {
-    for (const cli_option *o = cli_common_options; o->name; o++)
-        if (strcmp(o->name, option->name) == 0 && strcmp(o->help, option->help) == 0) return true;
-    return false;
+    o = o ? o + 1 : command->options;
+    if (!o || (!o->name && !o->set)) o = cli_common_options;
+    while (o->set && !(o->set & (command->with | CLI_WITH_ALL))) o++;
+    return o->name ? o : NULL;
 }
 
-static const cli_option *find_option(const cli_option *options, const char *name, size_t length)
+static const cli_option *find_option(const cli_command *command, const char *name, size_t length)
 {
-    for (const cli_option *o = options; o->name; o++)
+    for (const cli_option *o = NULL; (o = cli_next_option(command, o));)
         if (strlen(o->name) == length && strncmp(o->name, name, length) == 0) return o;
     return NULL;
 }
@@ -40,7 +111,7 @@ static mukca_status unknown_option(cli_call *call, const char *word)
     size_t length = strcspn(word, "=");
     snprintf(name, sizeof name, "%.*s", (int)(length < sizeof name ? length : sizeof name - 1),
              word);
-    for (const cli_option *o = call->command->options; o->name; o++)
+    for (const cli_option *o = NULL; (o = cli_next_option(call->command, o));)
         if (mukca_suggest_better(&best, name + strspn(name, "-"), o->name)) meant = o->name;
     if (meant)
         return mukca_fail(&call->error, MUKCA_USAGE, "unknown option %s; did you mean --%s?", name,
@@ -223,13 +294,13 @@ static mukca_status parse_letters(cli_call *call, bool *help, int *used, int arg
     const char *word = argv[0];
     *used = 1;
     for (const char *c = word + 1; *c; c++) {
-        const cli_option *o = call->command->options;
-        while (o->name && o->letter != *c) o++;
-        if (!o->name && *c == 'h') {
+        const cli_option *o = cli_next_option(call->command, NULL);
+        while (o && o->letter != *c) o = cli_next_option(call->command, o);
+        if (!o && *c == 'h') {
             *help = true;
             continue;
         }
-        if (!o->name) return unknown_option(call, word);
+        if (!o) return unknown_option(call, word);
         if (o->kind != CLI_FLAG) return take_option(call, used, o, c[1] ? c + 1 : NULL, argc, argv);
         *(bool *)member(call, o) = true;
     }
@@ -282,7 +353,7 @@ mukca_status cli_parse(cli_call *call, bool *help, int argc, char **argv)
             *help = true;
         } else if (word[1] == '-') {
             size_t length = strcspn(word + 2, "=");
-            const cli_option *o = find_option(call->command->options, word + 2, length);
+            const cli_option *o = find_option(call->command, word + 2, length);
             if (!o) return unknown_option(call, word);
             const char *inlined = word[2 + length] ? word + 3 + length : NULL;
             status = take_option(call, &used, o, inlined, argc - i, argv + i);
@@ -297,7 +368,7 @@ mukca_status cli_parse(cli_call *call, bool *help, int argc, char **argv)
 
 void cli_call_free(cli_call *call)
 {
-    for (const cli_option *o = call->command->options; call->options && o->name; o++)
+    for (const cli_option *o = NULL; call->options && (o = cli_next_option(call->command, o));)
         if (o->kind == CLI_TEXTS || o->kind == CLI_REST) free(((cli_list *)member(call, o))->items);
     free(call->arguments.items);
     free(call->options);

@@ -52,15 +52,8 @@ static const cli_option options[] = {
         "largest tilt of the tool from straight down (default: 60, or that of DATA; 180: any)"),
     CLI_OPTION(plan_options, seed, "seed", CLI_INTEGER, "N",
                "seed of the random candidates (default: 0)"),
-    CLI_OFFSETS_OPTION,
-    CLI_ACCEPT_OPTION,
-    CLI_MODEL_OPTIONS,
-    CLI_DISTANCE_OPTIONS,
-    CLI_PAYLOAD_OPTION,
-    CLI_TABLE_OPTIONS,
     CLI_OUTPUT_OPTION("write the postures there, a session file (default: standard output)"),
-    CLI_JSON_OPTION,
-    CLI_LAST_OPTIONS};
+    {.name = NULL}};
 
 static void progress(void *context, double share)
 {
@@ -335,6 +328,8 @@ const cli_command cli_command_plan = {
     .example =
         "mukca plan --urdf data/demo/arm.urdf --place front=0.45,0,0.05,0,0,1.57 --rows 40 -o "
         "build/demo/plan.tsv --force",
+    .with = CLI_WITH_MODEL | CLI_WITH_OFFSETS | CLI_WITH_ACCEPT | CLI_WITH_DISTANCE |
+            CLI_WITH_DISTANCES | CLI_WITH_JSON | CLI_WITH_PAYLOAD | CLI_WITH_TABLES,
     .options = options,
     .options_size = sizeof(plan_options),
     .defaults = &defaults,

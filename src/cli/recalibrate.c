@@ -11,26 +11,18 @@
 
 typedef struct {
     cli_common common;
-    bool iterate, joint, robust, free_base, free_tool;
+    bool iterate, joint, robust;
 } recalibrate_options;
 
 static const cli_option options[] = {
-    CLI_TEST_OPTION,
     CLI_OPTION(recalibrate_options, iterate, "iterate", CLI_FLAG, NULL,
                "repeat the linearisation until it converges"),
     CLI_OPTION(recalibrate_options, joint, "joint", CLI_FLAG, NULL,
                "solve for angles and lengths together, not in two steps"),
     CLI_OPTION(recalibrate_options, robust, "robust", CLI_FLAG, NULL,
                "give outliers less weight (Huber)"),
-    CLI_OPTION(recalibrate_options, free_base, "free-base", CLI_FLAG, NULL,
-               "fit the frame in which the poses were measured"),
-    CLI_OPTION(recalibrate_options, free_tool, "free-tool", CLI_FLAG, NULL,
-               "fit the rotation of the measured frame against the tip"),
-    CLI_MODEL_OPTIONS,
-    CLI_TABLE_OPTIONS,
-    CLI_JSON_OPTION,
     CLI_OUTPUT_OPTION("write the offsets table"),
-    CLI_LAST_OPTIONS};
+    {.name = NULL}};
 
 /* Folders (and standard input) are kept in memory, pose logs are read as a stream. */
 typedef struct {
@@ -337,8 +329,8 @@ static mukca_status run(cli_call *call)
     w->fit = (mukca_recalibrate_options){.iterate = o->iterate,
                                          .joint = o->joint,
                                          .robust = o->robust,
-                                         .free_base = o->free_base,
-                                         .free_tool = o->free_tool,
+                                         .free_base = o->common.free_base,
+                                         .free_tool = o->common.free_tool,
                                          .stop = cli_interrupted};
     r->tested = call->common->test.n > 0;
     r->fit = calloc(1, sizeof *r->fit);
@@ -378,6 +370,7 @@ const cli_command cli_command_recalibrate = {
     .example =
         "mukca simulate --urdf data/gen3.urdf --poses 1000 --perturb 1,2 --noise 1e-4 | "
         "mukca recalibrate --urdf data/gen3.urdf - --iterate",
+    .with = CLI_WITH_MODEL | CLI_WITH_TEST | CLI_WITH_JSON | CLI_WITH_FRAMES | CLI_WITH_TABLES,
     .options = options,
     .options_size = sizeof(recalibrate_options),
     .run = run,

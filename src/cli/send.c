@@ -181,8 +181,7 @@ static const cli_option options[] = {
                "prefix of the channels of serve (default: MUKCA)"),
     CLI_OPTION(send_options, timeout, "timeout", CLI_POSITIVE, "S",
                "longest wait for the answer, s (default: 60)"),
-    CLI_JSON_OPTION,
-    CLI_LAST_OPTIONS};
+    {.name = NULL}};
 
 static const send_options defaults = {.timeout = 60};
 
@@ -198,6 +197,7 @@ const cli_command cli_command_send = {
         "of the "
         "command; 4: no answer.",
     .example = "mukca send status",
+    .with = CLI_WITH_JSON,
     .options = options,
     .options_size = sizeof(send_options),
     .defaults = &defaults,

@@ -64,10 +64,10 @@ static mukca_status run(cli_call *call)
     o->live.recorder.triggers = true;
     cli_live_complete(&o->live, call->common);
     options.recorder = o->live.recorder;
-    cli_live_arguments(&words, call->common, &o->live);
+    cli_live_arguments(&words, call->common);
     memcpy(options.arguments, words.word, sizeof words.word);
     mukca_status status = cli_load_model(call, model);
-    if (status == MUKCA_OK) status = cli_check_traits(call, o->live.traits, &model->chain);
+    if (status == MUKCA_OK) status = cli_check_traits(call, call->common->traits, &model->chain);
     if (status == MUKCA_OK)
         status = mukca_server_open(s, &options, &model->chain, model->offsets.theta, &hooks,
                                    &call->error);
@@ -85,7 +85,6 @@ static void release(void *context)
 }
 
 static const cli_option options[] = {
-    CLI_MODEL_OPTIONS,
     CLI_LIVE_OPTIONS(serve_options),
     CLI_OPTION(serve_options, state, "state", CLI_TEXT, "DIR",
                "folder of sessions, results and state (default: systemd's STATE_DIRECTORY)"),
@@ -98,8 +97,7 @@ static const cli_option options[] = {
         serve_options, accept, "accept", CLI_TEXT, "LIST",
         "commands to accept over LCM, commas between; trigger: messages on MUKCA_TRIGGER; "
         "reopen: start of a finished session; all (default: all but delete, use and reopen)"),
-    CLI_DISTANCE_OPTIONS,
-    CLI_LAST_OPTIONS};
+    {.name = NULL}};
 
 const cli_command cli_command_serve = {
     .name = "serve",
@@ -130,6 +128,7 @@ const cli_command cli_command_serve = {
     .example =
         "mukca serve --urdf data/demo/arm.urdf --lcm-url file://data/demo/guided.lcmlog "
         "--state build/served",
+    .with = CLI_WITH_MODEL | CLI_WITH_DISTANCE | CLI_WITH_DISTANCES | CLI_WITH_TRAITS,
     .options = options,
     .options_size = sizeof(serve_options),
     .defaults = &defaults,

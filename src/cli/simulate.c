@@ -70,11 +70,10 @@ static const cli_option options[] = {
     CLI_OPTION(own, test, "test", CLI_OUTPUT, "FILE", "write the held-out data there"),
     CLI_OPTION(own, seed, "seed", CLI_INTEGER, "N", "seed of all random numbers (default: 0)"),
     CLI_OPTION(own, truth, "truth", CLI_OUTPUT, "FILE", "write the true arm as an offsets table"),
-    CLI_DISTANCE_OPTION,
-    CLI_COMMON(offsets, 0, CLI_INPUT, "FILE", "the true arm, effects included, before --perturb"),
-    CLI_MODEL_OPTIONS,
+    CLI_OPTION(own, common.offsets, "offsets", CLI_INPUT, "FILE",
+               "the true arm, effects included, before --perturb"),
     CLI_OUTPUT_OPTION("write the recording there (default: standard output)"),
-    CLI_LAST_OPTIONS};
+    {.name = NULL}};
 
 /* ---- true arm and recording from the options ---- */
 
@@ -351,6 +350,7 @@ const cli_command cli_command_simulate = {
     .example =
         "mukca simulate --urdf data/demo/arm.urdf --placements 2 --rows 5 --seed 1 "
         "--perturb 1,2 --noise 1e-4 --effect gear_harmonic:joint_4@160=5e-4",
+    .with = CLI_WITH_MODEL | CLI_WITH_DISTANCE,
     .options = options,
     .options_size = sizeof(own),
     .defaults = &defaults,
