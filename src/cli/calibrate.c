@@ -28,8 +28,7 @@ static const cli_option options[] = {
     CLI_OUTPUT_OPTION("write the offsets table"),
     CLI_OPTION(calibrate_options, free, "free", CLI_TEXT, "LIST",
                "fit these only: joints, parameters (x y z roll pitch yaw) or joint.parameter, with "
-               "commas; "
-               "a leading + adds them to the default set"),
+               "commas; a leading + adds them to the default set"),
     CLI_OPTION(calibrate_options, freeze, "freeze", CLI_TEXT, "LIST",
                "keep these nominal (same syntax)"),
     CLI_OPTION(calibrate_options, regularise_tip, "regularise-tip", CLI_FLAG, NULL,
@@ -61,11 +60,10 @@ static mukca_status check_moving(cli_call *call, const mukca_dataset *d)
             rows++;
         }
         if (same && rows > 2)
-            return mukca_fail(
-                &call->error, MUKCA_UNIDENTIFIABLE,
-                "placement '%s', socket '%s': all %d samples have the same joint angles; "
-                "the stream had stopped, record them again",
-                d->placements[d->sockets[s].placement].name, d->sockets[s].label, rows);
+            return cli_fail(call, MUKCA_UNIDENTIFIABLE,
+                            "placement '%s', socket '%s': all %d samples have the same joint "
+                            "angles; the stream had stopped, record them again",
+                            d->placements[d->sockets[s].placement].name, d->sockets[s].label, rows);
     }
     return MUKCA_OK;
 }
@@ -110,7 +108,7 @@ static mukca_status compare_evidence(cli_call *call, calibrate_result *r)
         r->train->n_sockets == 0 || r->train->n_rows > MOST_ROWS)
         return MUKCA_OK;
     mukca_fit *other = calloc(1, sizeof *other);
-    if (!other) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory for another fit");
+    if (!other) return cli_fail(call, MUKCA_MEMORY, "out of memory for another fit");
     mukca_status status = mukca_fit_run(other, chain, r->train, &both[1], &call->error);
     if (status == MUKCA_OK)
         status = mukca_fit_compare(&r->evidence, (const mukca_fit *const[]){r->fit, other}, both,
@@ -158,8 +156,8 @@ static void note_logs(cli_call *call, const mukca_dataset *data)
     const calibrate_options *o = call->options;
     if ((o->common.free_base || o->common.free_tool) && mukca_recording_number_logs(NULL, data) > 1)
         cli_note(call,
-                 "several pose logs: one tracker's frame and one target for all; `mukca "
-                 "diagnose -o` fits separate ones if the evidence supports them");
+                 "several pose logs: one tracker's frame and one target for all; `mukca diagnose "
+                 "-o` fits separate ones if the evidence supports them");
 }
 
 static mukca_status use_traits(cli_call *call)
@@ -185,25 +183,24 @@ static mukca_status run(cli_call *call)
         (calibrate_result){.fit = fit, .train = &s->data, .test = &s->test, .offsets = &w->offsets};
     const mukca_fit_options wanted = fit_options(o);
     if (o->evidence && !is_default(o))
-        return mukca_fail(
-            &call->error, MUKCA_USAGE,
-            "--evidence has its own priors and parameters; of the options of the fit, "
-            "give no other");
+        return cli_fail(call, MUKCA_USAGE,
+                        "--evidence has its own priors and parameters; of the options of the "
+                        "fit, give no other");
     mukca_status status = cli_load(call);
     if (status == MUKCA_OK) {
         note_logs(call, r->train);
         mukca_columns_note(cli_note, call, &s->model.chain, r->train);
     }
     if (status == MUKCA_OK && o->evidence && r->train->n_sockets == 0)
-        status = mukca_fail(&call->error, MUKCA_USAGE,
-                            "--evidence is for sockets; for pose logs: mukca diagnose -o");
+        status = cli_fail(call, MUKCA_USAGE,
+                          "--evidence is for sockets; for pose logs: mukca diagnose -o");
     if (status == MUKCA_OK) status = check_moving(call, r->train);
     if (status == MUKCA_OK)
         status = mukca_fit_run(fit, &s->model.chain, r->train, &wanted, &call->error);
     if (status == MUKCA_OK) status = use_traits(call);
     if (status == MUKCA_OK && fit->identification.rank == 0)
-        status = mukca_fail(&call->error, MUKCA_UNIDENTIFIABLE,
-                            "the data identify no free parameter; record different postures");
+        status = cli_fail(call, MUKCA_UNIDENTIFIABLE,
+                          "the data identify no free parameter; record different postures");
     if (status == MUKCA_OK)
         status = mukca_frames_start(w->nominal, &fit->chain, r->train, o->common.free_base,
                                     o->common.free_tool, &call->error);
@@ -230,17 +227,16 @@ const cli_command cli_command_calibrate = {
     .description =
         "Each DATA is a session file, a folder with hole_0.csv and hole_1.csv, or a pose log (see "
         "mukca-formats(5)). The fit changes the origins of the joints so that all samples of a "
-        "socket predict one position of the ball and the predicted distances between sockets "
-        "agree with the given ones (the MUKCa cost). Regularisation towards the nominal model "
-        "determines what the data do not. Pose logs are fitted to the measured poses.\n\n"
+        "socket predict one position of the ball and the predicted distances between sockets agree "
+        "with the given ones (the MUKCa cost). Regularisation towards the nominal model determines "
+        "what the data do not. Pose logs are fitted to the measured poses.\n\n"
         "The offsets table lists for each parameter the nominal and the calibrated value, offset = "
         "calibrated - nominal in the units of the URDF's origin, the standard error from the data "
         "alone, and whether the data identify it.\n\n"
         "The table carries a verdict: it is accepted if the fit converged, the data fit the arm, "
         "and the calibrated arm is better than the nominal one by more than its own uncertainty: "
-        "on "
-        "held-out samples (--test, else cross-validation; readings of one posture count once), and "
-        "at the tip, whose expected error is predicted from the samples. Test data must not "
+        "on held-out samples (--test, else cross-validation; readings of one posture count once), "
+        "and at the tip, whose expected error is predicted from the samples. Test data must not "
         "contradict the training data, and the change of the tip must be plausible. The other "
         "commands refuse a table that is not accepted.\n\n"
         "--evidence fits the posterior mean instead of the minimum of this cost: the priors are "

@@ -10,13 +10,13 @@
 static void print_identifiability(cli_call *call, const mukca_fit *fit)
 {
     const int n = fit->parameters.n, rank = fit->identification.rank;
-    cli_answer_wrapped(call, "The data identify %d of %d parameter combinations%s.", rank, n,
-                       rank < n ? "; the others have no effect on these samples and stay near "
-                                  "nominal (the table and --json list them)"
-                                : "");
+    cli_say(call, NULL, "The data identify %d of %d parameter combinations%s.", rank, n,
+            rank < n ? "; the others have no effect on these samples and stay near nominal (the "
+                       "table and --json list them)"
+                     : "");
     if (fit->n_part > 0)
-        cli_answer_wrapped(call, "Standard errors: computed from %d samples, scaled to all.",
-                           fit->n_part);
+        cli_say(call, NULL, "Standard errors: computed from %d samples, scaled to all.",
+                fit->n_part);
 }
 
 static bool enough_samples(const mukca_fit *fit)
@@ -30,33 +30,31 @@ static void print_warnings(cli_call *call, const calibrate_result *r)
     const mukca_score *nominal = &r->train_scores.nominal_mean;
     const double distance = call->common->distance;
     if (!enough_samples(fit))
-        cli_answer_wrapped(call,
-                           "warning: %d samples provide %d measured numbers for %d parameters",
-                           r->train->n_rows, fit->n_measured, fit->parameters.n);
+        cli_say(call, NULL, "warning: %d samples provide %d measured numbers for %d parameters",
+                r->train->n_rows, fit->n_measured, fit->parameters.n);
     if (r->train->n_sockets > 0 && fit->chain.element[fit->chain.n_elements - 1].joint >= 0)
-        cli_answer_wrapped(call,
-                           "warning: no fixed joint ends the chain at %s, so the position of the "
-                           "ball is not fitted; add it to the URDF as ball_link",
-                           fit->chain.tip);
+        cli_say(call, NULL,
+                "warning: no fixed joint ends the chain at %s, so the position of the ball is not "
+                "fitted; add it to the URDF as ball_link",
+                fit->chain.tip);
     if (nominal->mae > CLI_FAR_OFF)
-        cli_answer_wrapped(call,
-                           "warning: the nominal model is %.0f mm off; check the units of the URDF "
-                           "(m, rad) and the order of the columns",
-                           1e3 * nominal->mae);
+        cli_say(call, NULL,
+                "warning: the nominal model is %.0f mm off; check the units of the URDF (m, rad) "
+                "and the order of the columns",
+                1e3 * nominal->mae);
     else if (!call->common->distances && nominal->distance_error > 0.2 * distance &&
              nominal->distance_error > nominal->mae)
-        cli_answer_wrapped(call,
-                           "warning: by the nominal model the distance of the sockets differs by "
-                           "%.1f mm from --distance, %.1f mm; measure the tool again",
-                           1e3 * nominal->distance_error, 1e3 * distance);
+        cli_say(call, NULL,
+                "warning: by the nominal model the distance of the sockets differs by %.1f mm from "
+                "--distance, %.1f mm; measure the tool again",
+                1e3 * nominal->distance_error, 1e3 * distance);
     for (int i = 0; i < r->train_scores.n; i++) {
         const mukca_score *poses = &r->train_scores.nominal[i];
         if (poses->placement < 0 && poses->mae < CLI_ECHO)
-            cli_answer_wrapped(
-                call,
-                "warning: the measured poses repeat the nominal model (within %.3f mm): they seem "
-                "to come from the controller, not from a tracker, and cannot calibrate it",
-                1e3 * poses->mae);
+            cli_say(call, NULL,
+                    "warning: the measured poses repeat the nominal model (within %.3f mm): they "
+                    "seem to come from the controller, not from a tracker, and cannot calibrate it",
+                    1e3 * poses->mae);
     }
 }
 
@@ -68,29 +66,28 @@ static void print_next(cli_call *call, const calibrate_result *r)
     const cli_common *c = call->common;
     if (!r->offsets->acceptance.accepted) return;
     if (!enough_samples(r->fit))
-        cli_answer_keyed(call, "Next", "record more postures%s",
-                         sockets ? ", 20 in each socket" : "");
+        cli_say(call, "Next", "record more postures%s", sockets ? ", 20 in each socket" : "");
     else if (sockets && r->train->n_placements < 2)
-        cli_answer_keyed(call, "Next", "move the tool and record two or three more placements");
+        cli_say(call, "Next", "move the tool and record two or three more placements");
     else if (r->test_scores.n == 0)
-        cli_answer_keyed(call, "Next", "check the error elsewhere: --test with another %s",
-                         sockets ? "placement" : "pose log");
+        cli_say(call, "Next", "check the error elsewhere: --test with another %s",
+                sockets ? "placement" : "pose log");
     else if (test > 1.5 * train)
-        cli_answer_keyed(call, "Next",
-                         "the test error is %.1f times the training error: record more "
-                         "%s, or identify the cause with mukca diagnose",
-                         test / train, sockets ? "placements" : "postures");
+        cli_say(call, "Next",
+                "the test error is %.1f times the training error: record more %s, or identify the "
+                "cause with mukca diagnose",
+                test / train, sockets ? "placements" : "postures");
     else if (c->output)
-        cli_answer_keyed(call, "Next", "mukca export --urdf %s%s%s --offsets %s", c->urdf,
-                         c->kinematics ? " --kinematics " : "", c->kinematics ? c->kinematics : "",
-                         c->output);
+        cli_say(call, "Next", "mukca export --urdf %s%s%s --offsets %s", c->urdf,
+                c->kinematics ? " --kinematics " : "", c->kinematics ? c->kinematics : "",
+                c->output);
     if (r->evidence.postures && r->evidence.mean_m < -2 * r->evidence.sigma_m)
-        cli_answer_keyed(call, "Better",
-                         "--evidence fits a better geometry to these data: held-out error %.3f mm "
-                         "(%s) instead of %.3f mm",
-                         1e3 * r->evidence.after_m, r->offsets->acceptance.error_of,
-                         1e3 * r->evidence.before_m);
-    if (!c->output) cli_answer_keyed(call, "Save", "-o offsets.tsv saves the result");
+        cli_say(call, "Better",
+                "--evidence fits a better geometry to these data: held-out error %.3f mm (%s) "
+                "instead of %.3f mm",
+                1e3 * r->evidence.after_m, r->offsets->acceptance.error_of,
+                1e3 * r->evidence.before_m);
+    if (!c->output) cli_say(call, "Save", "-o offsets.tsv saves the result");
 }
 
 static void print_verdict(cli_call *call, const calibrate_result *r)
@@ -105,8 +102,7 @@ static void print_verdict(cli_call *call, const calibrate_result *r)
                  MUKCA_METRES_PER_RADIAN);
     if (r->fit->outcome.evaluations)
         snprintf(fit, sizeof fit, "Converged after %d evaluations", r->fit->outcome.evaluations);
-    cli_answer_wrapped(call, "%s; measurement noise %.3f mm per axis%s.", fit, 1e3 * a->noise_m,
-                       turns);
+    cli_say(call, NULL, "%s; measurement noise %.3f mm per axis%s.", fit, 1e3 * a->noise_m, turns);
 }
 
 bool calibrate_frame(mukca_frame *T, const calibrate_result *r, bool base)
@@ -136,14 +132,14 @@ static void print_frames(cli_call *call, const calibrate_result *r)
         if (!calibrate_frame(&T, r, base)) continue;
         mukca_rotation_to_quaternion(q, T.R);
         mukca_rotation_to_rpy(rpy, T.R, NULL);
-        cli_answer_keyed(call, keys[base],
-                         "in %s%s: xyz %.6f %.6f %.6f m, rpy %.6f %.6f %.6f rad, quaternion (w "
-                         "first) %.6f %.6f %.6f %.6f",
-                         base ? "the frame of the poses" : "link ",
-                         base       ? ""
-                         : last > 0 ? chain->element[last - 1].child
-                                    : chain->base,
-                         T.p[0], T.p[1], T.p[2], rpy[0], rpy[1], rpy[2], q[0], q[1], q[2], q[3]);
+        cli_say(call, keys[base],
+                "in %s%s: xyz %.6f %.6f %.6f m, rpy %.6f %.6f %.6f rad, quaternion (w first) %.6f "
+                "%.6f %.6f %.6f",
+                base ? "the frame of the poses" : "link ",
+                base       ? ""
+                : last > 0 ? chain->element[last - 1].child
+                           : chain->base,
+                T.p[0], T.p[1], T.p[2], rpy[0], rpy[1], rpy[2], q[0], q[1], q[2], q[3]);
     }
 }
 

@@ -176,6 +176,9 @@ struct cli_call {
     bool printed;               /* standard output is the table, without -o */
 };
 
+/* mukca_fail for the line to print. */
+#define cli_fail(call, ...) mukca_fail(&(call)->error, __VA_ARGS__)
+
 /* All commands, terminated by NULL. */
 extern const cli_command *const cli_commands[];
 
@@ -245,12 +248,9 @@ mukca_status cli_output_open(cli_call *call, mukca_output *output);
  * for each piece of output: it clears a progress line. */
 FILE *cli_answer_stream(cli_call *call);
 
-/* printf to that stream; the second wraps like cli_print_wrapped, the third like
- * cli_print_keyed. */
+/* printf to that stream; the second as cli_print_keyed, or (key NULL) as cli_print_wrapped. */
 void cli_answer(cli_call *call, const char *format, ...) __attribute__((format(printf, 2, 3)));
-void cli_answer_wrapped(cli_call *call, const char *format, ...)
-    __attribute__((format(printf, 2, 3)));
-void cli_answer_keyed(cli_call *call, const char *key, const char *format, ...)
+void cli_say(cli_call *call, const char *key, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
 /* A mukca_note_fn; context is the cli_call.  Silent with -q. */

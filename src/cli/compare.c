@@ -35,9 +35,9 @@ static mukca_status load_factory(cli_call *call, mukca_chain *chain, const char 
 {
     mukca_kinematics kinematics;
     if (!call->common->urdf)
-        return mukca_fail(&call->error, MUKCA_USAGE,
-                          "%s: --urdf FILE is needed: a factory file replaces its origins",
-                          mukca_file_shown(path));
+        return cli_fail(call, MUKCA_USAGE,
+                        "%s: --urdf FILE is needed: a factory file replaces its origins",
+                        mukca_file_shown(path));
     mukca_status status = mukca_kinematics_read(&kinematics, path, &call->error);
     if (status == MUKCA_OK) status = load_urdf(call, chain, call->common->urdf);
     if (status != MUKCA_OK) return status;
@@ -82,20 +82,19 @@ static mukca_status check_pairs(cli_call *call)
     const mukca_chain *a = &w->arm[0].chain, *b = &w->arm[1].chain;
     const char *const *path = call->arguments.items;
     if (a->n_joints != b->n_joints)
-        return mukca_fail(&call->error, MUKCA_INPUT,
-                          "%.60s has %d joints from '%s' to '%s', %.60s has %d from '%s' to '%s'; "
-                          "choose with --base and --tip",
-                          mukca_file_shown(path[0]), a->n_joints, a->base, a->tip,
-                          mukca_file_shown(path[1]), b->n_joints, b->base, b->tip);
+        return cli_fail(call, MUKCA_INPUT,
+                        "%.60s has %d joints from '%s' to '%s', %.60s has %d from '%s' to '%s'; "
+                        "choose with --base and --tip",
+                        mukca_file_shown(path[0]), a->n_joints, a->base, a->tip,
+                        mukca_file_shown(path[1]), b->n_joints, b->base, b->tip);
     for (int j = 0; j < a->n_joints; j++) {
         const mukca_element *x = &a->element[a->joint_element[j]],
                             *y = &b->element[b->joint_element[j]];
         if (mukca_joint_turns(x->type) != mukca_joint_turns(y->type))
-            return mukca_fail(&call->error, MUKCA_INPUT,
-                              "joint '%s' of %.60s turns or slides, joint '%s' of %.60s does not; "
-                              "they are not models of one arm",
-                              x->name, mukca_file_shown(path[0]), y->name,
-                              mukca_file_shown(path[1]));
+            return cli_fail(call, MUKCA_INPUT,
+                            "joint '%s' of %.60s turns or slides, joint '%s' of %.60s does not; "
+                            "they are not models of one arm",
+                            x->name, mukca_file_shown(path[0]), y->name, mukca_file_shown(path[1]));
         if (strcmp(x->name, y->name) != 0) {
             mukca_note_format(cli_note, call, "joints are paired in order: '%s' with '%s', ...",
                               x->name, y->name);
@@ -124,10 +123,10 @@ static void note_hashes(cli_call *call)
     const mukca_chain *a = &w->arm[0].chain, *b = &w->arm[1].chain;
     if (!a->kinematics_hash[0] || !b->kinematics_hash[0]) return;
     if (strcmp(a->kinematics_hash, b->kinematics_hash) != 0)
-        mukca_note_format(cli_note, call,
-                          "the hash of A is %s, that of B %s: two robots, or one that its maker "
-                          "calibrated anew",
-                          a->kinematics_hash, b->kinematics_hash);
+        mukca_note_format(
+            cli_note, call,
+            "the hash of A is %s, that of B %s: two robots, or one that its maker calibrated anew",
+            a->kinematics_hash, b->kinematics_hash);
     else if (!same_origins(a, b))
         mukca_note_format(cli_note, call,
                           "A and B start from other origins under the same hash, %s: one of them "
@@ -154,9 +153,8 @@ static void print(cli_call *call)
         if (w->verdict[side].given)
             mukca_acceptance_sentence(text, &w->verdict[side],
                                       w->arm[side].chain.kinematics_sha256[0] != '\0');
-        cli_answer_keyed(call, key, "%s: %s, %d joints%s%s", call->arguments.items[side],
-                         w->arm[side].chain.robot, w->arm[side].chain.n_joints, *text ? "; " : "",
-                         text);
+        cli_say(call, key, "%s: %s, %d joints%s%s", call->arguments.items[side],
+                w->arm[side].chain.robot, w->arm[side].chain.n_joints, *text ? "; " : "", text);
     }
     cli_answer(call, "Tip, %d postures             mean     95 %%      max\n", MUKCA_COMPARED);
     for (int aligned = 0; aligned < 2; aligned++) {
@@ -183,11 +181,11 @@ static void print(cli_call *call)
 
 static json_t *error_json(const mukca_compared_error e[2], bool angle)
 {
-    return cli_json(angle ? "as_they_are{mean_rad:f p95_rad:f max_rad:f} "
-                            "aligned{mean_rad:f p95_rad:f max_rad:f}"
-                          : "as_they_are{mean_m:f p95_m:f max_m:f} "
-                            "aligned{mean_m:f p95_m:f max_m:f}",
-                    e[0].mean, e[0].p95, e[0].max, e[1].mean, e[1].p95, e[1].max);
+    return cli_json(
+        angle
+            ? "as_they_are{mean_rad:f p95_rad:f max_rad:f} aligned{mean_rad:f p95_rad:f max_rad:f}"
+            : "as_they_are{mean_m:f p95_m:f max_m:f} aligned{mean_m:f p95_m:f max_m:f}",
+        e[0].mean, e[0].p95, e[0].max, e[1].mean, e[1].p95, e[1].max);
 }
 
 static json_t *as_json(const cli_call *call)
@@ -216,7 +214,7 @@ static mukca_status run(cli_call *call)
     call->common->accept_failed = call->common->accept_edited =
         true; /* also compare a table that was not accepted */
     if (call->common->kinematics)
-        return mukca_fail(&call->error, MUKCA_USAGE, "--kinematics: give the file as A or as B");
+        return cli_fail(call, MUKCA_USAGE, "--kinematics: give the file as A or as B");
     mukca_status status = MUKCA_OK;
     for (int side = 0; side < 2 && status == MUKCA_OK; side++) status = load(call, side);
     if (status == MUKCA_OK) status = check_pairs(call);

@@ -119,8 +119,7 @@ static mukca_status write_offsets(cli_call *call, cli_diagnosis *of)
         cli_note(call, "the table lacks the causes that need link masses; give --inertials FILE");
     snprintf(comments, sizeof comments,
              "diagnosis: %s; held-out mean error: %.4g m geometry, %.4g m with the effects\n"
-             "sigma: standard error; identifiable: the data at least halved the prior "
-             "uncertainty\n"
+             "sigma: standard error; identifiable: the data at least halved the prior uncertainty\n"
              "effects: the arm moves as if the joints were at the recorded angles + effects",
              mukca_verdict_name[d->verdict], d->geometry_m, d->explained_m);
     return cli_write_offsets(call, call->common->output, &of->offsets, &of->chain, of->result.data,
@@ -161,9 +160,9 @@ static mukca_status prepare(cli_call *call)
     const diagnose_options *o = call->options;
     diagnose_work *w = call->work;
     if (o->traits_only && !o->common.traits)
-        return mukca_fail(&call->error, MUKCA_USAGE, "--traits-only needs --traits FILE");
+        return cli_fail(call, MUKCA_USAGE, "--traits-only needs --traits FILE");
     if (o->arm && !o->summary)
-        return mukca_fail(&call->error, MUKCA_USAGE, "--arm is the label in --summary FILE");
+        return cli_fail(call, MUKCA_USAGE, "--arm is the label in --summary FILE");
     mukca_status status = MUKCA_OK;
     if (o->summary) status = cli_arm_label(call, w->summary.arm, o->arm);
     if (status == MUKCA_OK && o->common.traits)
@@ -179,8 +178,7 @@ static mukca_status write_summary(cli_call *call)
     mukca_output output = {0};
     if (!o->summary) return MUKCA_OK;
     if (w->of.diagnosis.why)
-        return mukca_fail(&call->error, MUKCA_UNIDENTIFIABLE, "no summary to write: %s",
-                          w->of.diagnosis.why);
+        return cli_fail(call, MUKCA_UNIDENTIFIABLE, "no summary to write: %s", w->of.diagnosis.why);
     w->summary.data = mukca_summary_hash(&call->session->data);
     mukca_status status = mukca_output_open(&output, o->summary, call->common->force, &call->error);
     if (status == MUKCA_OK) status = mukca_summary_write(output.stream, &w->summary, &call->error);
@@ -251,8 +249,7 @@ const cli_command cli_command_diagnose = {
         "help effects), for recording faults, and for unknown functions of the joint angles. The "
         "verdict is one of these: none (the remaining error is noise), named (causes were "
         "identified), tied (the data cannot distinguish several causes), unknown (structure "
-        "outside "
-        "the catalogue), untestable.\n\n"
+        "outside the catalogue), untestable.\n\n"
         "Prints the held-out errors (each placement is one fold) of the nominal model, the "
         "calibrated geometry, the geometry without faulty samples, and the geometry with the "
         "causes. The noise floor is the error of a perfect model. Intervals are 95 %. For tied "

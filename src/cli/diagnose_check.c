@@ -105,9 +105,9 @@ static mukca_status collect(cli_call *call, mukca_check *check, int pipe_end)
         if (cli_interrupted()) return MUKCA_INTERRUPTED;
         if (size < 0 && errno == EINTR) continue;
         if (size != sizeof got)
-            return mukca_fail(&call->error, MUKCA_MEMORY,
-                              "--check: a process ended early, after %d of %d recordings", done,
-                              total);
+            return cli_fail(call, MUKCA_MEMORY,
+                            "--check: a process ended early, after %d of %d recordings", done,
+                            total);
         if (got.status != MUKCA_OK) {
             call->error = got.error;
             return got.status;
@@ -131,8 +131,7 @@ static mukca_status run_all(cli_call *call, mukca_check *check, check_task *task
     pid_t child[MOST_PROCESSES];
     int ends[2], started = 0;
     mukca_status status = MUKCA_OK;
-    if (pipe(ends) != 0)
-        return mukca_fail(&call->error, MUKCA_MEMORY, "--check: %s", strerror(errno));
+    if (pipe(ends) != 0) return cli_fail(call, MUKCA_MEMORY, "--check: %s", strerror(errno));
     for (int k = 0; k < n && status == MUKCA_OK; k++) {
         child[k] = fork();
         if (child[k] == 0) {
@@ -141,7 +140,7 @@ static mukca_status run_all(cli_call *call, mukca_check *check, check_task *task
             _exit(0);
         }
         if (child[k] < 0)
-            status = mukca_fail(&call->error, MUKCA_MEMORY, "--check: %s", strerror(errno));
+            status = cli_fail(call, MUKCA_MEMORY, "--check: %s", strerror(errno));
         else
             started++;
     }
@@ -237,7 +236,7 @@ mukca_status cli_diagnosis_check(cli_call *call, cli_diagnosis *d)
     if (task && scratch && prepare(task, &pool))
         status = run_all(call, &d->check, task, scratch);
     else
-        status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory for --check");
+        status = cli_fail(call, MUKCA_MEMORY, "out of memory for --check");
     if (status == MUKCA_OK) d->result.check = &d->check;
     mukca_pool_free(&pool);
     return status;

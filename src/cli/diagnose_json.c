@@ -115,8 +115,7 @@ static json_t *logs_object(const mukca_logs *logs)
     const double *evidence = logs->log_evidence;
     if (logs->n < 2) return NULL;
     return cli_json(
-        "count:i base_per_log:b tool_per_log:b "
-        "log_evidence{shared:f base:f tool:f both:f}",
+        "count:i base_per_log:b tool_per_log:b log_evidence{shared:f base:f tool:f both:f}",
         logs->n, logs->base_per_log, logs->tool_per_log, evidence[0], evidence[1], evidence[2],
         evidence[3]);
 }
@@ -191,12 +190,11 @@ static json_t *tested_array(const mukca_diagnosed *r)
     const mukca_diagnosis *d = r->diagnosis;
     json_t *tested = json_array();
     for (const mukca_tested *t = d->tested; t < d->tested + d->n_tested; t++)
-        cli_json_append(tested,
-                        "effect:s joint:s log_bayes_factor:f log_odds:f detection_limit:f "
-                        "testable:b why:s",
-                        mukca_effect_table[t->effect]->name,
-                        mukca_chain_joint_name(r->chain, t->joint), t->log_bayes_factor,
-                        t->log_odds, t->limit, t->testable, t->why);
+        cli_json_append(
+            tested,
+            "effect:s joint:s log_bayes_factor:f log_odds:f detection_limit:f testable:b why:s",
+            mukca_effect_table[t->effect]->name, mukca_chain_joint_name(r->chain, t->joint),
+            t->log_bayes_factor, t->log_odds, t->limit, t->testable, t->why);
     return tested;
 }
 
@@ -215,8 +213,8 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *r)
     json_t *root = cli_json(
         "schema:s verdict:s unexplained:b causes:o data_faults:o gap{nominal_m:f geometry_m:f "
         "faults_excused_m:f explained_m:f with_unknown_m:f surprise:f noise_floor_m:f folds:i "
-        "held_out:o noise_shrink_percent:f} test:o where:o tested:o "
-        "noise{sigma_m:f lag_one_correlation:f shared_by_posture:f} joints:o why:s sentence:s",
+        "held_out:o noise_shrink_percent:f} test:o where:o tested:o noise{sigma_m:f "
+        "lag_one_correlation:f shared_by_posture:f} joints:o why:s sentence:s",
         "mukca.diagnose/1", mukca_verdict_name[d->verdict], d->unexplained, causes_array(r),
         faults_array(d, r->data), d->nominal_m, d->geometry_m, d->faults_excused_m, d->explained_m,
         d->structure_m, d->surprise, d->noise_floor_m, d->folds, shrink_object(&d->held_out),

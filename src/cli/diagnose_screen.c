@@ -163,10 +163,9 @@ static void print_errors(FILE *stream, const mukca_diagnosed *r)
     if (r->data->n_sockets == 0 || r->data->n_placements >= 4 || !d->n_causes) return;
     mukca_text_put(&text, "Fewer than four placements: the reduction by the causes is uncertain");
     if (isfinite(d->noise_shrink_percent))
-        mukca_text_put(&text,
-                       " (on pure noise the best effect of the catalogue reduces the error by "
-                       "%.0f %%)",
-                       d->noise_shrink_percent);
+        mukca_text_put(
+            &text, " (on pure noise the best effect of the catalogue reduces the error by %.0f %%)",
+            d->noise_shrink_percent);
     cli_print_text(stream, NULL, &text);
 }
 

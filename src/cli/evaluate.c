@@ -37,7 +37,7 @@ static void print(cli_call *call, const evaluate_work *w)
     if (calibrated) {
         char verdict_text[MUKCA_ACCEPTANCE_SENTENCE];
         mukca_acceptance_sentence(verdict_text, &s->model.offsets.acceptance, w->data.has_factory);
-        cli_answer_wrapped(call, "Table %s.", verdict_text);
+        cli_say(call, NULL, "Table %s.", verdict_text);
     }
     cli_scores_print_header(call, calibrated);
     cli_scores_print(call, &w->data, "data", calibrated);
@@ -47,7 +47,7 @@ static void print(cli_call *call, const evaluate_work *w)
     if (!calibrated && w->data.nominal_mean.mae > CLI_FAR_OFF)
         cli_print_mismatch(call, &s->data, false, false);
     else if (!calibrated)
-        cli_answer_keyed(call, "Next", "mukca calibrate with these data");
+        cli_say(call, "Next", "mukca calibrate with these data");
 }
 
 static mukca_status verdict(cli_call *call, const evaluate_work *w)
@@ -55,8 +55,8 @@ static mukca_status verdict(cli_call *call, const evaluate_work *w)
     const evaluate_options *o = call->options;
     const double mae = w->test.n > 0 ? w->test.calibrated_mean.mae : w->data.calibrated_mean.mae;
     if (!(o->max_mae > 0) || mae <= o->max_mae) return MUKCA_OK;
-    return mukca_fail(&call->error, MUKCA_NEGATIVE, "mean error %.6g m is above --max-mae %g", mae,
-                      o->max_mae);
+    return cli_fail(call, MUKCA_NEGATIVE, "mean error %.6g m is above --max-mae %g", mae,
+                    o->max_mae);
 }
 
 static mukca_status write_results(cli_call *call, const evaluate_work *w)
@@ -69,7 +69,7 @@ static mukca_status write_results(cli_call *call, const evaluate_work *w)
         cli_json_acceptance(c->offsets ? &s->model.offsets.acceptance : NULL),
         cli_scores_json(&w->data, &s->data), cli_scores_json(&w->test, &s->test),
         w->data.calibrated_mean.mae, w->test.n > 0 ? w->test.calibrated_mean.mae : (double)NAN);
-    mukca_status status = json ? MUKCA_OK : mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    mukca_status status = json ? MUKCA_OK : cli_fail(call, MUKCA_MEMORY, "out of memory");
     if (status == MUKCA_OK && (!c->json || c->output) && !w->read_by_eye)
         status = cli_output_open(call, &output);
     if (status == MUKCA_OK && output.stream) {
@@ -142,12 +142,11 @@ const cli_command cli_command_evaluate = {
     .synopsis = "DATA...",
     .description =
         "Prints the mean errors, and a table with one row per placement and per pose log (on a "
-        "terminal only its consistency errors, mm); targets with names are placed "
-        "on the tip by the data first. mae: mean distance of the predicted ball from "
-        "the mean of its socket (pose logs: from the measured position). std: root of the mean "
-        "square. distance_error: predicted minus given distance of the sockets. Each for the "
-        "nominal model and, with --offsets, for the calibrated model with its effects. SI "
-        "units.",
+        "terminal only its consistency errors, mm); targets with names are placed on the tip by "
+        "the data first. mae: mean distance of the predicted ball from the mean of its socket "
+        "(pose logs: from the measured position). std: root of the mean square. distance_error: "
+        "predicted minus given distance of the sockets. Each for the nominal model and, with "
+        "--offsets, for the calibrated model with its effects. SI units.",
     .example =
         "mukca evaluate --urdf data/demo/arm.urdf --offsets build/demo/offsets.tsv "
         "data/demo/test.tsv",

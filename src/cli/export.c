@@ -39,12 +39,12 @@ static mukca_status run(cli_call *call)
     const cli_common *c = call->common;
     static const mukca_exporter into = {"the model of --into", "", &mukca_export_into};
     if (o->into && o->format >= 0)
-        return mukca_fail(&call->error, MUKCA_USAGE, "--into keeps the format of its file");
+        return cli_fail(call, MUKCA_USAGE, "--into keeps the format of its file");
     if (o->format < 0) o->format = o->into ? 0 : mukca_exporter_find(c->output);
     if (o->format < 0)
-        return mukca_fail(&call->error, MUKCA_USAGE,
-                          "%.100s: no format has this ending; choose one with --format (%s)",
-                          c->output, other_formats);
+        return cli_fail(call, MUKCA_USAGE,
+                        "%.100s: no format has this ending; choose one with --format (%s)",
+                        c->output, other_formats);
     cli_model *model = &call->session->model;
     mukca_output output = {0};
     mukca_status status = cli_load_model(call, model);
@@ -87,8 +87,8 @@ const cli_command cli_command_export = {
         "names of its links and, at zero, the axes of its joints. The frames of the bodies may "
         "differ from those of the links.\n\n"
         "A format that cannot hold an effect of the table gets origins that were fitted to the arm "
-        "with its effects, over its joint ranges or over the postures of DATA; a note states "
-        "what is lost. npy holds offsets of the joints' zeros alone, fitted likewise.\n\n"
+        "with its effects, over its joint ranges or over the postures of DATA; a note states what "
+        "is lost. npy holds offsets of the joints' zeros alone, fitted likewise.\n\n"
         "Formats, with the endings of their files:\n" MUKCA_EXPORT_LIST(FORMAT_LINE),
     .example =
         "mukca export --urdf data/demo/arm.urdf --offsets build/demo/offsets.tsv --format yaml",

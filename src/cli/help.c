@@ -152,10 +152,9 @@ void cli_print_effects(FILE *stream)
                  {MUKCA_NEEDS_PLACEMENTS, "two placements or more"},
                  {MUKCA_NEEDS_SOCKETS, "socket data"},
                  {MUKCA_NEEDS_COMMANDS, "commanded angles (--angles command)"}};
-    cli_print_wrapped(
-        stream,
-        "The effects that `mukca diagnose` can name and `mukca simulate --effect` can "
-        "make, with the unit of their coefficients:\n\n");
+    cli_print_wrapped(stream,
+                      "The effects that `mukca diagnose` can name and `mukca simulate --effect` "
+                      "can make, with the unit of their coefficients:\n\n");
     for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++) {
         const mukca_effect_info *e = mukca_effect_table[kind];
         fprintf(stream, "%s%s%s (%s)\n    ", cli_bold(stream), e->name, cli_plain(stream), e->unit);

@@ -48,13 +48,12 @@ mukca_status cli_load_model(cli_call *call, cli_model *model)
     const cli_common *c = call->common;
     memset(model, 0, sizeof *model);
     if (!c->urdf)
-        return mukca_fail(&call->error, MUKCA_USAGE,
-                          "--urdf FILE is needed: the nominal model of the arm");
+        return cli_fail(call, MUKCA_USAGE, "--urdf FILE is needed: the nominal model of the arm");
     mukca_urdf_options options = {.base = c->base, .tip = c->tip, .inertials = c->inertials};
     for (int i = 0; i < 3; i++)
         if (fabs(c->gravity[i]) > most_gravity)
-            return mukca_fail(&call->error, MUKCA_USAGE,
-                              "--gravity: %g is out of range; give m/s^2", c->gravity[i]);
+            return cli_fail(call, MUKCA_USAGE, "--gravity: %g is out of range; give m/s^2",
+                            c->gravity[i]);
     memcpy(options.gravity, c->gravity, sizeof options.gravity);
     mukca_status status =
         mukca_urdf_load(&model->chain, c->urdf, &options, cli_note, call, &call->error);
@@ -87,17 +86,16 @@ static mukca_status read_payload(double *payload, cli_call *call, const cli_list
         double kg;
         snprintf(number, sizeof number, "%.*s", (int)(length < 63 ? length : 63), next);
         if (!mukca_number_parse(&kg, number) || !(kg >= 0 && kg <= MUKCA_ROWS_MOST_PAYLOAD))
-            return mukca_fail(&call->error, MUKCA_USAGE, "--payload: '%s' is no mass in kg",
-                              number);
+            return cli_fail(call, MUKCA_USAGE, "--payload: '%s' is no mass in kg", number);
         if (n >= first && n - first < paths->n) payload[n - first] = kg;
         for (int i = 0; n == 0 && i < paths->n; i++) payload[i] = kg;
         next = next[length] == ',' ? next + length + 1 : NULL;
     }
     if (n == 1 || n == all) return MUKCA_OK;
-    return mukca_fail(&call->error, MUKCA_USAGE,
-                      "--payload %.60s: %d masses for %d recordings; give one for all, or one of "
-                      "each%s",
-                      text, n, all, call->common->test.n ? ", those of --test last" : "");
+    return cli_fail(
+        call, MUKCA_USAGE,
+        "--payload %.60s: %d masses for %d recordings; give one for all, or one of each%s", text, n,
+        all, call->common->test.n ? ", those of --test last" : "");
 }
 
 mukca_status cli_read_format(cli_call *call, mukca_rows_format *format)
@@ -118,9 +116,8 @@ mukca_status cli_read_format(cli_call *call, mukca_rows_format *format)
         while (k < 4 && (strncmp(units[k].name, next, length) != 0 || units[k].name[length])) k++;
         double *unit = k < 2 ? &format->angle : &format->length;
         if (k == 4 || *unit > 0)
-            return mukca_fail(&call->error, MUKCA_USAGE,
-                              "--units %.40s: give rad or deg, and m or mm, as in deg,mm",
-                              c->units);
+            return cli_fail(call, MUKCA_USAGE,
+                            "--units %.40s: give rad or deg, and m or mm, as in deg,mm", c->units);
         *unit = k < 2 ? units[k].angle : units[k].length;
         next = next[length] ? next + length + 1 : NULL;
     }
@@ -133,9 +130,8 @@ mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model 
     const cli_common *c = call->common;
     memset(data, 0, sizeof *data);
     if (c->distance >= 2)
-        return mukca_fail(&call->error, MUKCA_USAGE,
-                          "--distance %g looks like %s; give m, as in 0.05", c->distance,
-                          c->distance > 10 ? "millimetres" : "centimetres");
+        return cli_fail(call, MUKCA_USAGE, "--distance %g looks like %s; give m, as in 0.05",
+                        c->distance, c->distance > 10 ? "millimetres" : "centimetres");
     mukca_dataset_options options = {
         .distance = c->distance, .distances = c->distances, .note = cli_note, .context = call};
     const mukca_status units = cli_read_format(call, &options.format);
@@ -143,7 +139,7 @@ mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model 
     double *payload = c->payload ? calloc((size_t)paths->n + 1, sizeof *payload) : NULL;
     mukca_status status = MUKCA_OK;
     if (c->payload && !payload)
-        status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+        status = cli_fail(call, MUKCA_MEMORY, "out of memory");
     else if (payload)
         status = read_payload(payload, call, paths);
     options.payload = payload;
@@ -153,9 +149,9 @@ mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model 
     free(payload);
     if (status == MUKCA_OK && data->n_targets > 1 && !call->command->targets)
         status =
-            mukca_fail(&call->error, MUKCA_INPUT,
-                       "the pose logs have %d targets; mukca diagnose -o fits the position of each",
-                       data->n_targets);
+            cli_fail(call, MUKCA_INPUT,
+                     "the pose logs have %d targets; mukca diagnose -o fits the position of each",
+                     data->n_targets);
     if (status == MUKCA_OK && c->angles == 1)
         status = mukca_dataset_take_commands(data, &call->error);
     for (int f = 0; f < data->n_files && c->verbose && status == MUKCA_OK; f++) {
@@ -180,19 +176,18 @@ static mukca_status drop_coincident(cli_call *call, mukca_dataset *data, const c
             data->distances[kept++] = *d;
             continue;
         }
-        snprintf(
-            text, sizeof text,
-            "placement '%s': sockets '%s' and '%s' coincide within %.2f mm; both labels may have "
-            "been recorded in one socket",
-            data->placements[data->sockets[d->a].placement].name, data->sockets[d->a].label,
-            data->sockets[d->b].label, 1e3 * apart[k]);
+        snprintf(text, sizeof text,
+                 "placement '%s': sockets '%s' and '%s' coincide within %.2f mm; both labels may "
+                 "have been recorded in one socket",
+                 data->placements[data->sockets[d->a].placement].name, data->sockets[d->a].label,
+                 data->sockets[d->b].label, 1e3 * apart[k]);
         mukca_note_format(cli_note, call, "%s; their distance is not used", text);
     }
     if (found > 0) data->n_distances = kept;
     free(apart);
-    if (found < 0) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    if (found < 0) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     if (!found || kept) return MUKCA_OK;
-    return mukca_fail(&call->error, MUKCA_INPUT, "%s; record them again in two sockets", text);
+    return cli_fail(call, MUKCA_INPUT, "%s; record them again in two sockets", text);
 }
 
 /* Remove training data from the test data. */
@@ -201,8 +196,8 @@ static mukca_status drop_training(cli_call *call, mukca_dataset *test, const muk
     const bool any = test->n_rows > 0;
     const mukca_status status = mukca_dataset_drop_copies(test, data, cli_note, call, &call->error);
     if (status != MUKCA_OK || test->n_rows || !any) return status;
-    return mukca_fail(&call->error, MUKCA_INPUT,
-                      "--test: every row is also training data; test on other recordings");
+    return cli_fail(call, MUKCA_INPUT,
+                    "--test: every row is also training data; test on other recordings");
 }
 
 /* Note a time that falls: a clock that was set, or several sessions in one file, would be mistaken
@@ -213,11 +208,10 @@ static void note_falling_time(cli_call *call, const mukca_dataset *data)
     for (int row = 1; data->time && row < data->n_rows; row++) {
         const double back = data->time[row - 1] - data->time[row];
         if (data->file[row] != data->file[row - 1] || !(back > least)) continue;
-        mukca_note_format(
-            cli_note, call,
-            "row %d of %s: time_s falls by %.0f s, and joint_drift is tested with it; "
-            "correct it, or write each session to a file of its own",
-            data->row[row], mukca_file_shown(data->files[data->file[row]]), back);
+        mukca_note_format(cli_note, call,
+                          "row %d of %s: time_s falls by %.0f s, and joint_drift is tested with "
+                          "it; correct it, or write each session to a file of its own",
+                          data->row[row], mukca_file_shown(data->files[data->file[row]]), back);
         return;
     }
 }
@@ -284,9 +278,9 @@ mukca_status cli_check_effects(cli_call *call, const cli_model *model)
     for (int e = 0; e < model->offsets.n_effects; e++) {
         const mukca_effect_info *info = mukca_effect_table[model->offsets.effects[e].kind];
         if ((info->needs & MUKCA_NEEDS_MASSES) && model->chain.n_masses == 0)
-            return mukca_fail(&call->error, MUKCA_INPUT,
-                              "%s: %s needs the masses of the links: give --inertials FILE",
-                              call->common->offsets, info->name);
+            return cli_fail(call, MUKCA_INPUT,
+                            "%s: %s needs the masses of the links: give --inertials FILE",
+                            call->common->offsets, info->name);
     }
     return MUKCA_OK;
 }

@@ -38,12 +38,12 @@ static mukca_status check_output(cli_call *call, const cli_option *output, const
         if (o->kind == CLI_REST)
             same |= is_among(path, (const cli_list *)(void *)((char *)call->options + o->offset));
         if (o->kind == CLI_OUTPUT && before && mukca_output_same(path, path_of(call, o)))
-            return mukca_fail(&call->error, MUKCA_USAGE, "--%s and --%s cannot both go to %s",
-                              o->name, output->name, path);
+            return cli_fail(call, MUKCA_USAGE, "--%s and --%s cannot both go to %s", o->name,
+                            output->name, path);
     }
     if (same)
-        return mukca_fail(&call->error, MUKCA_USAGE,
-                          "%.120s is an input of this command; refusing to overwrite it", path);
+        return cli_fail(call, MUKCA_USAGE,
+                        "%.120s is an input of this command; refusing to overwrite it", path);
     return call->command->grows ? MUKCA_OK
                                 : mukca_output_check(path, call->common->force, &call->error);
 }
@@ -92,14 +92,14 @@ mukca_status cli_write_json(cli_call *call, json_t *root)
         return MUKCA_OK;
     }
     if (!root || cli_json_incomplete())
-        status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+        status = cli_fail(call, MUKCA_MEMORY, "out of memory");
     else
         status = mukca_output_open(&output, call->common->json, call->common->force, &call->error);
     if (status == MUKCA_OK &&
         (json_dumpf(root, output.stream, JSON_INDENT(2) | JSON_REAL_PRECISION(17)) != 0 ||
          fputc('\n', output.stream) == EOF) &&
         !ferror(output.stream)) /* mukca_output_close reports the reason */
-        status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+        status = cli_fail(call, MUKCA_MEMORY, "out of memory");
     json_decref(root);
     return mukca_output_finish(&output, status, &call->error);
 }

@@ -50,11 +50,10 @@ const cli_option cli_common_options[] = {
     COMMON(PAYLOAD, "payload", payload, CLI_TEXT, "KG[,KG...]",
            "mass at the tip beyond the model, of all DATA or of each in order, then of each "
            "--test, where the file has no payload_kg"),
-    COMMON_AND(
-        ANGLES, "angles", angles, CLI_CHOICE, "STREAM",
-        "fit the angles that were read, or those that were commanded (columns JOINT.command; "
-        "without them all angles are commands; default: reading)",
-        .choices = angles),
+    COMMON_AND(ANGLES, "angles", angles, CLI_CHOICE, "STREAM",
+               "fit the angles that were read, or those that were commanded (columns "
+               "JOINT.command; without them all angles are commands; default: reading)",
+               .choices = angles),
     COMMON(FRAMES, "free-base", free_base, CLI_FLAG, NULL,
            "pose logs: fit the frame of the tracker, too (joint base_frame)"),
     COMMON(FRAMES, "free-tool", free_tool, CLI_FLAG, NULL,
@@ -62,11 +61,10 @@ const cli_option cli_common_options[] = {
            "recalibrate: its rotation)"),
     COMMON(TRAITS, "traits", traits, CLI_INPUT, "FILE",
            "traits of the model's fleet (mukca fleet -o), as prior of calibrate and diagnose"),
-    COMMON_AND(
-        CHECK, "check", check, CLI_INTEGER, "N",
-        "diagnose N simulated recordings with these postures, this noise and the causes found, "
-        "and N without causes",
-        .least = 1, .most = 100000),
+    COMMON_AND(CHECK, "check", check, CLI_INTEGER, "N",
+               "diagnose N simulated recordings with these postures, this noise and the causes "
+               "found, and N without causes",
+               .least = 1, .most = 100000),
     COMMON(COLUMNS, "units", units, CLI_TEXT, "UNITS",
            "units of the tables that are read: rad or deg, m or mm, as in deg,mm (default: rad,m); "
            "columns x, y, z are then positions, too"),
@@ -114,10 +112,9 @@ static mukca_status unknown_option(cli_call *call, const char *word)
     for (const cli_option *o = NULL; (o = cli_next_option(call->command, o));)
         if (mukca_suggest_better(&best, name + strspn(name, "-"), o->name)) meant = o->name;
     if (meant)
-        return mukca_fail(&call->error, MUKCA_USAGE, "unknown option %s; did you mean --%s?", name,
-                          meant);
-    return mukca_fail(&call->error, MUKCA_USAGE, "unknown option %s; see `mukca help %s`", name,
-                      call->command->name);
+        return cli_fail(call, MUKCA_USAGE, "unknown option %s; did you mean --%s?", name, meant);
+    return cli_fail(call, MUKCA_USAGE, "unknown option %s; see `mukca help %s`", name,
+                    call->command->name);
 }
 
 mukca_status cli_fail_effect(mukca_error *error, const char *option, const char *name)
@@ -156,7 +153,7 @@ static bool append(cli_list *list, const char *item)
 
 static mukca_status out_of_memory(cli_call *call)
 {
-    return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    return cli_fail(call, MUKCA_MEMORY, "out of memory");
 }
 
 /* ", in m", by the argument's name in help; "": no unit. */
@@ -245,16 +242,16 @@ static mukca_status set_value(cli_call *call, const cli_option *option, const ch
     char list[160] = "", range[64];
     mukca_text names = MUKCA_TEXT(list);
     if (!*text) /* from an unset variable in a script */
-        return mukca_fail(&call->error, MUKCA_USAGE, "--%s needs %s, and not an empty text",
-                          option->name, option->argument);
+        return cli_fail(call, MUKCA_USAGE, "--%s needs %s, and not an empty text", option->name,
+                        option->argument);
     if (option->kind == CLI_TEXTS || option->kind == CLI_REST)
         return append(at, text) ? MUKCA_OK : out_of_memory(call);
     if (store(at, option, text)) return MUKCA_OK;
     for (int i = 0; option->kind == CLI_CHOICE && option->choices[i]; i++)
         mukca_text_put(&names, "%s %s", i ? "," : "", option->choices[i]);
     describe_range(range, option);
-    return mukca_fail(&call->error, MUKCA_USAGE, "--%s %.40s: must be %s%s%s%s", option->name, text,
-                      wanted[option->kind], list, range, unit_words(option));
+    return cli_fail(call, MUKCA_USAGE, "--%s %.40s: must be %s%s%s%s", option->name, text,
+                    wanted[option->kind], list, range, unit_words(option));
 }
 
 /* Number of arguments before the first option. */
@@ -276,15 +273,12 @@ static mukca_status take_option(cli_call *call, int *used, const cli_option *opt
     mukca_status status = MUKCA_OK;
     *used = 1 + n;
     if (option->kind == CLI_FLAG) {
-        if (inlined)
-            return mukca_fail(&call->error, MUKCA_USAGE, "--%s takes no value", option->name);
+        if (inlined) return cli_fail(call, MUKCA_USAGE, "--%s takes no value", option->name);
         *(bool *)member(call, option) = true;
         return MUKCA_OK;
     }
     if (inlined) return set_value(call, option, inlined);
-    if (n == 0)
-        return mukca_fail(&call->error, MUKCA_USAGE, "--%s needs %s", option->name,
-                          option->argument);
+    if (n == 0) return cli_fail(call, MUKCA_USAGE, "--%s needs %s", option->name, option->argument);
     for (int i = 1; i <= n && status == MUKCA_OK; i++) status = set_value(call, option, argv[i]);
     return status;
 }
@@ -319,12 +313,10 @@ static mukca_status check_arguments(cli_call *call)
         word += strcspn(word, " ");
     }
     if (call->arguments.n < least)
-        return mukca_fail(&call->error, MUKCA_USAGE, "needs %s; see `mukca help %s`", c->synopsis,
-                          c->name);
+        return cli_fail(call, MUKCA_USAGE, "needs %s; see `mukca help %s`", c->synopsis, c->name);
     if (!many && call->arguments.n > least)
-        return mukca_fail(&call->error, MUKCA_USAGE,
-                          "unexpected argument '%.60s'; see `mukca help %s`",
-                          call->arguments.items[least], c->name);
+        return cli_fail(call, MUKCA_USAGE, "unexpected argument '%.60s'; see `mukca help %s`",
+                        call->arguments.items[least], c->name);
     return MUKCA_OK;
 }
 
@@ -344,8 +336,8 @@ mukca_status cli_parse(cli_call *call, bool *help, int argc, char **argv)
         mukca_status status = MUKCA_OK;
         if (plain || word[0] != '-' || word[1] == '\0') {
             if (!*word)
-                return mukca_fail(&call->error, MUKCA_USAGE,
-                                  "an argument is empty; see `mukca help %s`", call->command->name);
+                return cli_fail(call, MUKCA_USAGE, "an argument is empty; see `mukca help %s`",
+                                call->command->name);
             if (!append(&call->arguments, word)) return out_of_memory(call);
         } else if (strcmp(word, "--") == 0) {
             plain = true;

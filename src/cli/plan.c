@@ -37,14 +37,12 @@ static const cli_option options[] = {
                      "postures to propose, all sockets together (default: 20)"),
     CLI_OPTION(plan_options, places, "place", CLI_TEXTS, "NAME=X,Y,Z[,ROLL,PITCH,YAW]",
                "a placement of the tool: middle of the sockets, which lie on its x axis, m and "
-               "rad; 1 cm is "
-               "accurate enough"),
+               "rad; 1 cm is accurate enough"),
     CLI_OPTION(plan_options, settle, "settle", CLI_FLAG, NULL,
                "diagnose DATA and separate its first indistinguishable causes"),
-    CLI_OPTION(
-        plan_options, separate, "separate", CLI_TEXTS, "EFFECT",
-        "causes to separate, as in simulate --effect: NAME[:WHERE][@VARIANT]=VALUE; two or more, "
-        "with commas or repeated"),
+    CLI_OPTION(plan_options, separate, "separate", CLI_TEXTS, "EFFECT",
+               "causes to separate, as in simulate --effect: NAME[:WHERE][@VARIANT]=VALUE; two or "
+               "more, with commas or repeated"),
     CLI_RANGE_OPTION(plan_options, noise, "noise", CLI_POSITIVE, "M", 0, 0.1,
                      "measurement noise of the ball per axis, m (default: 1e-4)"),
     CLI_RANGE_OPTION(
@@ -97,10 +95,9 @@ static mukca_status gather_sockets(plan_work *r)
             return mukca_fail(error, MUKCA_USAGE, "--place %s: needs NAME=X,Y,Z", at.name);
         for (int k = 0; k < n; k++)
             if (strcmp(r->sockets[k].placement, at.name) == 0)
-                return mukca_fail(error, MUKCA_USAGE,
-                                  "--place %s: there is such a placement already; choose another "
-                                  "name",
-                                  at.name);
+                return mukca_fail(
+                    error, MUKCA_USAGE,
+                    "--place %s: there is such a placement already; choose another name", at.name);
         if (n + 2 > MUKCA_PLAN_MAX_SOCKETS)
             return mukca_fail(error, MUKCA_USAGE, "more than %d sockets", MUKCA_PLAN_MAX_SOCKETS);
         for (int side = 0; side < 2; side++) {
@@ -255,24 +252,23 @@ static void print(plan_work *r)
         char a[96], b[96];
         name_cause(a, &r->causes.effects[0], &r->model->chain);
         name_cause(b, &r->causes.effects[1], &r->model->chain);
-        cli_answer_wrapped(r->call,
-                           "Separating %s from %s: expected log Bayes factor %.1f before, %.1f "
-                           "after (%g decides)",
-                           a, b, p->evidence_before, p->evidence_after, MUKCA_PLAN_NAME);
+        cli_say(
+            r->call, NULL,
+            "Separating %s from %s: expected log Bayes factor %.1f before, %.1f after (%g decides)",
+            a, b, p->evidence_before, p->evidence_after, MUKCA_PLAN_NAME);
         if (r->payload > 0)
-            cli_answer_wrapped(r->call,
-                               "These postures are for a payload of %g kg at the tip; as many "
-                               "without it reach %.1f",
-                               r->payload, r->unloaded);
+            cli_say(r->call, NULL,
+                    "These postures are for a payload of %g kg at the tip; as many without it "
+                    "reach %.1f",
+                    r->payload, r->unloaded);
         if (p->evidence_after < MUKCA_PLAN_NAME && p->rows_to_name > 0)
-            cli_answer_wrapped(r->call,
-                               "Not enough: some --rows %d are needed, or another placement "
-                               "(--place)",
-                               p->rows_to_name);
+            cli_say(r->call, NULL,
+                    "Not enough: some --rows %d are needed, or another placement (--place)",
+                    p->rows_to_name);
         else if (p->evidence_after < MUKCA_PLAN_NAME)
-            cli_answer_wrapped(r->call,
-                               "Not enough, and more samples here do not decide: try another "
-                               "placement (--place)");
+            cli_say(
+                r->call, NULL,
+                "Not enough, and more samples here do not decide: try another placement (--place)");
     } else {
         cli_answer(r->call,
                    "Expected consistency error at new placements, without noise: %.3f mm before, "
@@ -280,13 +276,12 @@ static void print(plan_work *r)
                    p->expected_before * 1e3, p->expected_after * 1e3);
     }
     if (p->n_rows < o->rows)
-        cli_answer_wrapped(r->call,
-                           "Fewer than the requested %d: the sockets allow no more different "
-                           "postures",
-                           o->rows);
-    cli_answer_keyed(r->call, "Next",
-                     "check each posture for collisions (only joint limits, tilt and height are "
-                     "checked here), guide the arm there, and record it with the ball seated");
+        cli_say(r->call, NULL,
+                "Fewer than the requested %d: the sockets allow no more different postures",
+                o->rows);
+    cli_say(r->call, "Next",
+            "check each posture for collisions (only joint limits, tilt and height are checked "
+            "here), guide the arm there, and record it with the ball seated");
 }
 
 static void release(void *work)

@@ -86,31 +86,29 @@ static void print_largest(cli_call *call, const mukca_recalibration *f, const mu
                        1e3 * f->value[best],
                        mukca_unknown_is_angle(f->unknown[best].kind) ? "mrad" : "mm");
     }
-    cli_answer_keyed(call, "Offsets", "%d of %d combinations identified%s", f->rank, f->n, words);
+    cli_say(call, "Offsets", "%d of %d combinations identified%s", f->rank, f->n, words);
 }
 
 static void print_findings(cli_call *call, const cli_recalibrated *r, const mukca_acceptance *a)
 {
     const mukca_recalibration *f = r->fit;
     cli_answer(call, "%s: %ld measured poses\n", r->arm.robot, f->rows);
-    cli_answer_keyed(call, "Result",
-                     "the poses contain a calibration: median position error %.4f mm nominal, "
-                     "%.4f mm after the fit",
-                     1e3 * r->oracle.position_nominal, 1e3 * r->oracle.position_left);
-    if (!a->accepted) cli_answer_keyed(call, "Use", "no: %s", a->reason);
+    cli_say(call, "Result",
+            "the poses contain a calibration: median position error %.4f mm nominal, %.4f mm after "
+            "the fit",
+            1e3 * r->oracle.position_nominal, 1e3 * r->oracle.position_left);
+    if (!a->accepted) cli_say(call, "Use", "no: %s", a->reason);
     for (int j = 0; j < r->arm.n_joints; j++)
         if (never_moved(f, j))
-            cli_answer_wrapped(call,
-                               "joint '%s' never moved: its zero offset is not identifiable; it is "
-                               "indistinguishable "
-                               "from the links before and after it",
-                               mukca_chain_joint_name(&r->arm, j));
+            cli_say(call, NULL,
+                    "joint '%s' never moved: its zero offset is not identifiable; it is "
+                    "indistinguishable from the links before and after it",
+                    mukca_chain_joint_name(&r->arm, j));
     if (f->lag_found)
-        cli_answer_wrapped(call,
-                           "Lag: the joint angles are %.4g %s older than the poses (%.0f standard "
-                           "errors); corrected",
-                           f->in_rows ? f->lag : 1e3 * f->lag, f->in_rows ? "rows" : "ms",
-                           f->lag_score);
+        cli_say(call, NULL,
+                "Lag: the joint angles are %.4g %s older than the poses (%.0f standard errors); "
+                "corrected",
+                f->in_rows ? f->lag : 1e3 * f->lag, f->in_rows ? "rows" : "ms", f->lag_score);
 }
 
 void cli_recalibrate_print(cli_call *call, const cli_recalibrated *r, const mukca_acceptance *a)
@@ -122,10 +120,10 @@ void cli_recalibrate_print(cli_call *call, const cli_recalibrated *r, const mukc
     print_largest(call, r->fit, &r->arm);
     if (call->common->verbose) print_unknowns(call, r->fit, &r->arm);
     if (output)
-        cli_answer_keyed(call, "Written", "%s%s", output,
-                         a->accepted ? "" : " (other commands refuse this table)");
+        cli_say(call, "Written", "%s%s", output,
+                a->accepted ? "" : " (other commands refuse this table)");
     else if (a->accepted)
-        cli_answer_keyed(call, "Next", "-o offsets.tsv saves the result; -v lists all offsets");
+        cli_say(call, "Next", "-o offsets.tsv saves the result; -v lists all offsets");
 }
 
 /* ---- JSON ---- */

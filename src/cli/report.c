@@ -21,9 +21,9 @@ typedef struct {
 } report_options;
 
 static const cli_option options[] = {
-    CLI_OPTION(report_options, fleet, "fleet", CLI_FLAG, NULL,
-               "DATA are summaries of the arms of one model (diagnose --summary): the page of a "
-               "fleet"),
+    CLI_OPTION(
+        report_options, fleet, "fleet", CLI_FLAG, NULL,
+        "DATA are summaries of the arms of one model (diagnose --summary): the page of a fleet"),
     CLI_OUTPUT_OPTION("write the page there (default: standard output)"),
     {.name = NULL}};
 
@@ -59,7 +59,7 @@ static mukca_status note_command(cli_call *call)
     for (int i = 0; line && i < call->argc; i++) fprintf(line, " %s", call->argv[i]);
     mukca_offsets_time(w->when);
     if (line && mukca_file_close(line, &w->command)) return MUKCA_OK;
-    return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    return cli_fail(call, MUKCA_MEMORY, "out of memory");
 }
 
 /* Note paths and hashes of all inputs. */
@@ -70,13 +70,13 @@ static mukca_status provenance(cli_call *call)
     const mukca_dataset *sets[2] = {w->page.train, w->page.test};
     mukca_report_file *files =
         MUKCA_TAKE(&w->pool, mukca_report_file, sets[0]->n_files + sets[1]->n_files + 1);
-    if (!files) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    if (!files) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     files[w->page.n_files++] = (mukca_report_file){call->common->urdf, chain->urdf_sha256};
     for (int k = 0; k < 2; k++)
         for (int f = 0; f < sets[k]->n_files; f++) {
             const char *path = sets[k]->files[f];
             char *hash = MUKCA_TAKE(&w->pool, char, SHA256_DIGEST_STRING_LENGTH);
-            if (!hash) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+            if (!hash) return cli_fail(call, MUKCA_MEMORY, "out of memory");
             if (!SHA256File(path, hash)) strcpy(hash, "file no longer exists");
             files[w->page.n_files++] = (mukca_report_file){path, hash};
         }
@@ -118,16 +118,16 @@ static mukca_status check(cli_call *call)
     const cli_common *c = call->common;
     if (o->fleet && (c->urdf || c->kinematics || c->inertials || c->offsets || c->distances ||
                      c->payload || c->test.n || c->free_base || c->free_tool || c->check))
-        return mukca_fail(&call->error, MUKCA_USAGE,
-                          "--fleet reads summaries, which hold their model and data; only "
-                          "-o and --force go with it");
+        return cli_fail(call, MUKCA_USAGE,
+                        "--fleet reads summaries, which hold their model and data; only -o and "
+                        "--force go with it");
     if (!c->output && isatty(STDOUT_FILENO))
-        return mukca_fail(&call->error, MUKCA_USAGE,
-                          "-o FILE is needed: the page is HTML, not for the terminal");
+        return cli_fail(call, MUKCA_USAGE,
+                        "-o FILE is needed: the page is HTML, not for the terminal");
     if (c->offsets && (c->free_base || c->free_tool))
-        return mukca_fail(&call->error, MUKCA_USAGE,
-                          "--offsets contains its own frames; do not give --free-base or "
-                          "--free-tool with it");
+        return cli_fail(
+            call, MUKCA_USAGE,
+            "--offsets contains its own frames; do not give --free-base or --free-tool with it");
     return MUKCA_OK;
 }
 
@@ -187,15 +187,13 @@ const cli_command cli_command_report = {
     .description =
         "Diagnoses, and writes one page without requests, with the result of the diagnosis (the "
         "table of mukca diagnose -o) or that of --offsets. It opens with the expected error of the "
-        "tip, whether to use the result, the verdict and what to do. Then "
-        "follow the errors step by step, the causes, a view of "
-        "the "
-        "arm that can be turned, errors by placement, joint and sample, detection limits, "
-        "recording "
-        "faults, parameters with standard errors, and provenance.\n\n"
-        "--fleet writes the page of many arms of one model from their summaries, the arguments "
-        "of mukca fleet: arms that depart, what the arms share, each elastic coefficient with "
-        "the arms side by side, and the most probable ripple order of each joint.",
+        "tip, whether to use the result, the verdict and what to do. Then follow the errors step "
+        "by step, the causes, a view of the arm that can be turned, errors by placement, joint and "
+        "sample, detection limits, recording faults, parameters with standard errors, and "
+        "provenance.\n\n"
+        "--fleet writes the page of many arms of one model from their summaries, the arguments of "
+        "mukca fleet: arms that depart, what the arms share, each elastic coefficient with the "
+        "arms side by side, and the most probable ripple order of each joint.",
     .example =
         "mukca report --urdf data/demo/arm.urdf data/demo/train.tsv --test data/demo/test.tsv -o "
         "build/demo/report.html --force",

@@ -60,7 +60,7 @@ mukca_status cli_scores_make(cli_call *call, cli_scores *scores, const mukca_cha
         scores->n = -1;
     if (scores->n >= 0) return MUKCA_OK;
     cli_scores_free(scores);
-    return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory for %d rows", data->n_rows);
+    return cli_fail(call, MUKCA_MEMORY, "out of memory for %d rows", data->n_rows);
 }
 
 void cli_scores_free(cli_scores *scores)
@@ -233,11 +233,11 @@ void cli_print_mismatch(cli_call *call, const mukca_dataset *data, bool free_bas
             &what, "with %s %s %s (as where the controller counts %s from the horizontal)",
             mukca_chain_joint_name(chain, m.with), m.sign > 0 ? "added to" : "subtracted from",
             mukca_chain_joint_name(chain, m.coupled), mukca_chain_joint_name(chain, m.coupled));
-    cli_answer_wrapped(call,
-                       "The data would agree with the nominal model to %.3f mm instead of %.3f mm "
-                       "%s: check these columns%s and the URDF.",
-                       1e3 * m.after_m, 1e3 * m.before_m, text,
-                       m.reversed && data->n_sockets == 0
-                           ? ", the order of x, y and z (an exchange mirrors the arm)"
-                           : "");
+    cli_say(call, NULL,
+            "The data would agree with the nominal model to %.3f mm instead of %.3f mm %s: check "
+            "these columns%s and the URDF.",
+            1e3 * m.after_m, 1e3 * m.before_m, text,
+            m.reversed && data->n_sockets == 0
+                ? ", the order of x, y and z (an exchange mirrors the arm)"
+                : "");
 }

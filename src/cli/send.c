@@ -126,8 +126,8 @@ static mukca_status check_verb(cli_call *call, const char *verb)
         if (mukca_suggest_better(&best, verb, *v)) meant = *v;
     }
     if (mukca_suggest_better(&best, verb, "status")) meant = "status";
-    return mukca_fail(&call->error, MUKCA_USAGE, "serve has no command '%.40s'; %s", verb,
-                      mukca_suggest_text(text, meant, "`mukca help serve` lists them"));
+    return cli_fail(call, MUKCA_USAGE, "serve has no command '%.40s'; %s", verb,
+                    mukca_suggest_text(text, meant, "`mukca help serve` lists them"));
 }
 
 static mukca_status run(cli_call *call)
@@ -194,8 +194,7 @@ const cli_command cli_command_send = {
         "COMMAND is one of those that `mukca help serve` lists, or status, which prints the next "
         "status message. The answer goes to standard output; where it is an offsets table "
         "(calibrate, diagnose, result), its summary goes to standard error. The exit code is that "
-        "of the "
-        "command; 4: no answer.",
+        "of the command; 4: no answer.",
     .example = "mukca send status",
     .with = CLI_WITH_JSON,
     .options = options,

@@ -59,8 +59,8 @@ static mukca_status run(cli_call *call)
         .report = report, .interrupted = cli_interrupted, .context = w};
     w->quiet = call->common->quiet;
     if (!options.folder || !*options.folder)
-        return mukca_fail(&call->error, MUKCA_USAGE,
-                          "--state DIR is needed: the folder of sessions, results and state");
+        return cli_fail(call, MUKCA_USAGE,
+                        "--state DIR is needed: the folder of sessions, results and state");
     o->live.recorder.triggers = true;
     cli_live_complete(&o->live, call->common);
     options.recorder = o->live.recorder;
@@ -95,8 +95,8 @@ static const cli_option options[] = {
         "largest change of the tip that use makes against the table in use, m (default: 0.01)"),
     CLI_OPTION(
         serve_options, accept, "accept", CLI_TEXT, "LIST",
-        "commands to accept over LCM, commas between; trigger: messages on MUKCA_TRIGGER; "
-        "reopen: start of a finished session; all (default: all but delete, use and reopen)"),
+        "commands to accept over LCM, commas between; trigger: messages on MUKCA_TRIGGER; reopen: "
+        "start of a finished session; all (default: all but delete, use and reopen)"),
     {.name = NULL}};
 
 const cli_command cli_command_serve = {
@@ -110,9 +110,8 @@ const cli_command cli_command_serve = {
         "second on MUKCA_STATUS, samples on MUKCA_SAMPLE and results on MUKCA_RESULT; a message on "
         "MUKCA_TRIGGER records a sample. The message types are in data/lcm (installed: "
         "share/mukca/lcm). After a restart it resumes its session, unless that was finished; "
-        "SIGTERM ends it "
-        "cleanly. The folder of --state holds sessions/NAME.tsv, results/NAME.* and state.tsv. One "
-        "server uses it at a time; a second one ends with exit code 3.\n\n"
+        "SIGTERM ends it cleanly. The folder of --state holds sessions/NAME.tsv, results/NAME.* "
+        "and state.tsv. One server uses it at a time; a second one ends with exit code 3.\n\n"
         "Commands:\n"
 #define VERB_HELP(name, usage, arguments, sentence) "  " #name usage "\n      " sentence "\n"
     MUKCA_SERVER_VERB_LIST(VERB_HELP)
@@ -121,13 +120,11 @@ const cli_command cli_command_serve = {
         "the table in use, for controllers that cannot load a URDF. Joint drift is not included. A "
         "calibration or diagnosis does not change the table in use: the command use does, if the "
         "result is accepted (see calibrate), its error on the samples of its session and of that "
-        "of "
-        "the table in use is not larger than that table's, and the tip moves by at most "
-        "--most-change. The table in use is kept across "
-        "restarts.",
+        "of the table in use is not larger than that table's, and the tip moves by at most "
+        "--most-change. The table in use is kept across restarts.",
     .example =
-        "mukca serve --urdf data/demo/arm.urdf --lcm-url file://data/demo/guided.lcmlog "
-        "--state build/served",
+        "mukca serve --urdf data/demo/arm.urdf --lcm-url file://data/demo/guided.lcmlog --state "
+        "build/served",
     .with = CLI_WITH_MODEL | CLI_WITH_DISTANCE | CLI_WITH_DISTANCES | CLI_WITH_TRAITS,
     .options = options,
     .options_size = sizeof(serve_options),

@@ -40,10 +40,9 @@ static const cli_option options[] = {
         "NAME[:WHERE][@VARIANT]=VALUE, see above; repeatable, or several with commas between"),
     CLI_RANGE_OPTION(own, placements, "placements", CLI_INTEGER, "N", 1, CLI_MAX_PLACES - 1,
                      "placements of the tool, chosen at random (default: 4, or those of --place)"),
-    CLI_OPTION(
-        own, places, "place", CLI_TEXTS, "NAME[=X,Y,Z[,ROLL,PITCH,YAW]]",
-        "name of a placement, and its pose: middle of the sockets, which lie on its x axis, m "
-        "and rad"),
+    CLI_OPTION(own, places, "place", CLI_TEXTS, "NAME[=X,Y,Z[,ROLL,PITCH,YAW]]",
+               "name of a placement, and its pose: middle of the sockets, which lie on its x axis, "
+               "m and rad"),
     CLI_RANGE_OPTION(own, rows, "rows", CLI_INTEGER, "N", 2, 100000,
                      "samples in each of the two sockets (default: 30)"),
     CLI_OPTION(own, sweep, "sweep", CLI_FLAG, NULL,
@@ -176,8 +175,8 @@ static mukca_status prepare(cli_call *call, simulation *s)
     double perturb[2] = {0, 0};
     mukca_status status = check(o, &call->error);
     if (status == MUKCA_OK && o->perturb && cli_read_list(perturb, 2, o->perturb) != 2)
-        status = mukca_fail(&call->error, MUKCA_USAGE,
-                            "--perturb %.40s: must be MM,MRAD, two numbers", o->perturb);
+        status = cli_fail(call, MUKCA_USAGE, "--perturb %.40s: must be MM,MRAD, two numbers",
+                          o->perturb);
     call->common->accept_failed = call->common->accept_edited = true; /* the true arm may be any */
     if (status == MUKCA_OK) status = cli_load_model(call, &s->model);
     if (status) return status;
@@ -194,8 +193,7 @@ static mukca_status prepare(cli_call *call, simulation *s)
                                             .seed = (uint64_t)o->seed,
                                             .interrupted = cli_interrupted};
     if (s->recording.effort && !s->model.chain.n_masses)
-        return mukca_fail(&call->error, MUKCA_USAGE,
-                          "--effort needs link masses; give --inertials FILE");
+        return cli_fail(call, MUKCA_USAGE, "--effort needs link masses; give --inertials FILE");
     s->truth = s->model.offsets;
     mukca_simulate_perturb(s->truth.theta, o->perturb ? s->truth.listed : NULL, &s->model.chain,
                            1e-3 * perturb[0], 1e-3 * perturb[1], s->recording.seed);
@@ -231,12 +229,12 @@ static mukca_status write_data(cli_call *call, const char *path, const mukca_dat
     char *comments = NULL;
     size_t size = 0;
     FILE *text = open_memstream(&comments, &size);
-    if (!text) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    if (!text) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     describe(text, s, call->options);
     const bool complete = mukca_file_close(text, &comments);
     mukca_status status = complete
                               ? mukca_output_open(&output, path, call->common->force, &call->error)
-                              : mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+                              : cli_fail(call, MUKCA_MEMORY, "out of memory");
     if (status == MUKCA_OK)
         mukca_dataset_write(output.stream, data, &s->model.chain, mukca_dataset_separator(path),
                             comments);
@@ -255,7 +253,7 @@ static mukca_status record_at(cli_call *call, mukca_dataset *data, const simulat
     size_t count = 0, room = 0;
     mukca_status status = rows
                               ? mukca_rows_open(rows, o->at, &s->model.chain, &header, &call->error)
-                              : mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+                              : cli_fail(call, MUKCA_MEMORY, "out of memory");
     mukca_row row;
     if (status == MUKCA_OK) {
         while (mukca_rows_next(rows, &row)) {
@@ -263,7 +261,7 @@ static mukca_status record_at(cli_call *call, mukca_dataset *data, const simulat
                 room = 2 * room + 1024;
                 double *larger = realloc(q, room * n * sizeof *q);
                 if (!larger) {
-                    status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+                    status = cli_fail(call, MUKCA_MEMORY, "out of memory");
                     break;
                 }
                 q = larger;
@@ -291,7 +289,7 @@ static mukca_status record(cli_call *call, mukca_dataset *data, const simulation
         return mukca_simulate_poses(data, &s->arm, NULL, held_out ? o->held_out : o->poses,
                                     &recording, &call->error);
     mukca_true_arm *arm = malloc(sizeof *arm);
-    if (!arm) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    if (!arm) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     *arm = s->arm;
     for (int e = 0; e < arm->n_effects && held_out; e++)
         arm->effects[e].placement = -1; /* no effect of these placements here */
@@ -332,8 +330,8 @@ const cli_command cli_command_simulate = {
     .description =
         "Simulates the arm of --urdf with other origins (--perturb, or --offsets as the truth), "
         "effects of the catalogue, recording faults and noise. Its ball sits in two sockets at "
-        "several placements, or (--poses, --at) a tracker or a controller measures the poses "
-        "of its tip. The same seed gives the same bytes.\n\n"
+        "several placements, or (--poses, --at) a tracker or a controller measures the poses of "
+        "its tip. The same seed gives the same bytes.\n\n"
         "An EFFECT is NAME[:WHERE][@VARIANT]=VALUE in the unit of `mukca help effects`:\n"
         "  joint_compliance:JOINT=1e-5         link_bending, joint_scale ... alike\n"
         "  base_compliance=1e-5                readback_lag=1e-3, or @command\n"
@@ -348,8 +346,8 @@ const cli_command cli_command_simulate = {
         "  wrong_socket:PLACE/SOCKET@5         duplicate alike; outlier with a size\n"
         "  socket_distance=1e-3                the sockets are farther apart than stated",
     .example =
-        "mukca simulate --urdf data/demo/arm.urdf --placements 2 --rows 5 --seed 1 "
-        "--perturb 1,2 --noise 1e-4 --effect gear_harmonic:joint_4@160=5e-4",
+        "mukca simulate --urdf data/demo/arm.urdf --placements 2 --rows 5 --seed 1 --perturb 1,2 "
+        "--noise 1e-4 --effect gear_harmonic:joint_4@160=5e-4",
     .with = CLI_WITH_MODEL | CLI_WITH_DISTANCE,
     .options = options,
     .options_size = sizeof(own),
