@@ -218,9 +218,11 @@ const cli_command cli_command_align = {
         "arms' geometry). Calibrate both arms first and give their tables: the pose is that of the "
         "bases of these tables.",
     .example =
-        "mukca simulate --urdf data/demo/arm.urdf --place a=0.4,0.2,0.1 --place b=0.4,-0.2,0.3 "
-        "--noise 1e-4 -o build/demo/left.tsv --force\n"
-        "mukca align --urdf data/demo/arm.urdf build/demo/left.tsv build/demo/left.tsv",
+        "  mukca simulate --urdf data/demo/arm.urdf --place a=0.4,0.2,0.1 \\\n"
+        "      --place b=0.4,-0.2,0.3 --noise 1e-4 -o build/demo/left.tsv \\\n"
+        "      --force\n"
+        "  mukca align \\\n"
+        "      --urdf data/demo/arm.urdf build/demo/left.tsv build/demo/left.tsv",
     .with = CLI_WITH_MODEL | CLI_WITH_OFFSETS | CLI_WITH_ACCEPT | CLI_WITH_JSON,
     .options = options,
     .options_size = sizeof(align_options),

@@ -247,8 +247,8 @@ const cli_command cli_command_calibrate = {
         "best.\n\n"
         "Exit code 1: not accepted; 5: the data identify nothing.",
     .example =
-        "mukca calibrate --urdf data/demo/arm.urdf data/demo/train.tsv --test data/demo/test.tsv "
-        "-o build/demo/offsets.tsv --force",
+        "  mukca calibrate --urdf data/demo/arm.urdf data/demo/train.tsv \\\n"
+        "      --test data/demo/test.tsv -o build/demo/offsets.tsv --force",
     .with = CLI_WITH_MODEL | CLI_WITH_TEST | CLI_WITH_DISTANCE | CLI_WITH_DISTANCES |
             CLI_WITH_JSON | CLI_WITH_ANGLES | CLI_WITH_FRAMES | CLI_WITH_TRAITS | CLI_WITH_TABLES,
     .options = options,

@@ -325,10 +325,11 @@ const cli_command cli_command_capture = {
         "clock are compared with those of keys and messages: lines that a pipe holds back are "
         "refused.",
     .example =
-        "mukca capture --urdf data/demo/arm.urdf --lcm-url file://data/demo/guided.lcmlog "
-        "--trigger -o build/guided.tsv --force\n"
-        "mukca capture --urdf data/demo/arm.urdf --stdin --still -o build/ros.tsv --force "
-        "<data/demo/joint_states.csv",
+        "  mukca capture --urdf data/demo/arm.urdf \\\n"
+        "      --lcm-url file://data/demo/guided.lcmlog --trigger \\\n"
+        "      -o build/guided.tsv --force\n"
+        "  mukca capture --urdf data/demo/arm.urdf --stdin --still \\\n"
+        "      -o build/ros.tsv --force <data/demo/joint_states.csv",
     .with = CLI_WITH_MODEL | CLI_WITH_OFFSETS | CLI_WITH_ACCEPT | CLI_WITH_DISTANCE |
             CLI_WITH_JSON | CLI_WITH_TRAITS,
     .options = options,

@@ -134,7 +134,7 @@ typedef struct {
     const char *summary;       /* one line without a full stop */
     const char *synopsis;      /* positional arguments, "DATA...", "[FILE...]", "A B"; "": none */
     const char *description;   /* paragraphs separated by empty lines; wrapped by help */
-    const char *example;       /* valid commands, one per line; a test runs each */
+    const char *example;       /* valid commands, indented; a test runs each */
     unsigned with;             /* common options: CLI_WITH_... */
     const cli_option *options; /* its own; NULL: none */
     size_t options_size;       /* of the options struct, first member cli_common */
@@ -210,10 +210,10 @@ enum { CLI_WIDTH = 79 }; /* columns */
  * space are printed unchanged. */
 void cli_print_wrapped(FILE *stream, const char *text);
 
-/* "Cause   text": a bold key of 8 columns, then the wrapped text. */
+/* "Cause   text": a bold key of 8 columns, then the wrapped text; key NULL: without. */
 void cli_print_keyed(FILE *stream, const char *key, const char *text);
 
-/* Print the text, if any, after a key or (NULL) as plain lines, and clear it. */
+/* The same, if there is a text; clears it. */
 void cli_print_text(FILE *stream, const char *key, mukca_text *text);
 
 /* "and 3 more; --json lists them all" */
@@ -227,9 +227,6 @@ void cli_print_start(FILE *stream);    /* `mukca` alone */
 void cli_print_command_help(FILE *stream, const cli_command *command);
 void cli_print_effects(FILE *stream); /* `mukca help effects` */
 void cli_format_option(char *text, size_t size, const cli_option *option); /* "-o, --output FILE" */
-
-/* The commands of an example; lines longer than `width` columns are broken with a backslash. */
-void cli_print_example(FILE *stream, int indent, int width, const char *example);
 
 /* "command [options] DATA...", including --urdf if required. */
 void cli_format_usage(char *text, size_t size, const cli_command *command);
@@ -248,7 +245,7 @@ mukca_status cli_output_open(cli_call *call, mukca_output *output);
  * for each piece of output: it clears a progress line. */
 FILE *cli_answer_stream(cli_call *call);
 
-/* printf to that stream; the second as cli_print_keyed, or (key NULL) as cli_print_wrapped. */
+/* printf to that stream; the second as cli_print_keyed. */
 void cli_answer(cli_call *call, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void cli_say(cli_call *call, const char *key, const char *format, ...)
     __attribute__((format(printf, 3, 4)));

@@ -241,7 +241,7 @@ const cli_command cli_command_compare = {
         "preceding axis; the difference of the joint's zero and the shift along the axis to the "
         "next one. A dash marks gauge, and what is undetermined because axes are parallel.\n\n"
         "A table without the arm's chain in its comments (made by hand) belongs to --urdf.",
-    .example = "mukca compare data/demo/arm.urdf build/demo/offsets.tsv",
+    .example = "  mukca compare data/demo/arm.urdf build/demo/offsets.tsv",
     .with = CLI_WITH_MODEL | CLI_WITH_JSON,
     .options_size = sizeof(cli_common),
     .run = run,

@@ -337,7 +337,8 @@ const cli_command cli_command_compensate = {
         "--from corrects programs; joints from the seventh on are external axes:\n" MUKCA_LANGUAGE_LIST(FORMAT_LINE)
         "A program is corrected only as a whole: each line is a comment, a motion to joint values in numbers (MoveAbsJ, PTP, SPTP, movej, movel, movep, servoj), a target alone, or one of a few statements without motion. Otherwise all other lines are listed, nothing is written, and the exit code is 3; likewise if a target is out of reach.",
     .example =
-        "echo 0.1,0.2,0.3,-1.5,0.2,1.1,0.4 | mukca compensate --urdf data/demo/arm.urdf --offsets build/demo/offsets.tsv",
+        "  echo 0.1,0.2,0.3,-1.5,0.2,1.1,0.4 | mukca compensate \\\n"
+        "      --urdf data/demo/arm.urdf --offsets build/demo/offsets.tsv",
     .with = CLI_WITH_MODEL | CLI_WITH_OFFSETS | CLI_WITH_ACCEPT | CLI_WITH_JSON | CLI_WITH_COLUMNS,
     .options = options,
     .options_size = sizeof(compensate_options),

@@ -1,8 +1,6 @@
 /* Shell completion, the man page and a plain list of options, all from the tables. */
-#include <stdlib.h>
 #include <string.h>
 
-#include "base/file.h"
 #include "cli/cli.h"
 #include "record/server.h"
 
@@ -20,7 +18,7 @@ static void print_bash_values(const cli_command *c, const cli_option *o)
     puts("\" ;;");
 }
 
-static bool print_bash(void)
+static void print_bash(void)
 {
     puts(
         "# bash completion for mukca\n_mukca() {\n"
@@ -52,16 +50,14 @@ static bool print_bash(void)
         "    [[ $files && $word != -* ]] && words=\n"
         "    COMPREPLY=($(compgen -W \"$words\" -- \"$word\"))\n}\n"
         "complete -o default -F _mukca mukca");
-    return true;
 }
 
 /* zsh runs the script of bash; the file is its function for mukca, on the first use. */
-static bool print_zsh(void)
+static void print_zsh(void)
 {
     puts("#compdef mukca\nautoload -U +X bashcompinit && bashcompinit");
     print_bash();
     puts("_bash_complete -o default -F _mukca");
-    return true;
 }
 
 /* Text for roff: hyphens and backslashes escaped, also a leading dot or quote. */
@@ -109,11 +105,9 @@ static void print_man_options(const cli_command *c)
     if (n) puts(".");
 }
 
-/* False: out of memory. */
-static bool print_man_command(const cli_command *c)
+static void print_man_command(const cli_command *c)
 {
-    char usage[120], *example = NULL;
-    size_t size;
+    char usage[120];
     cli_format_usage(usage, sizeof usage, c);
     printf(".SS \"mukca %s\"\n", c->name);
     fputs(".B mukca ", stdout);
@@ -132,50 +126,41 @@ static bool print_man_command(const cli_command *c)
     }
     print_man_options(c);
     puts(".PP\nExample:\n.PP\n.nf");
-    FILE *lines = open_memstream(&example, &size);
-    if (lines) cli_print_example(lines, 0, 72, c->example);
-    const bool good = mukca_file_close(lines, &example);
-    if (good) print_roff(example, strlen(example));
-    free(example);
-    puts(".fi");
-    return good;
+    print_roff(c->example, strlen(c->example));
+    puts("\n.fi");
 }
 
 /* The COMMANDS section of mukca(1). */
-static bool print_man(void)
+static void print_man(void)
 {
-    bool good = true;
     puts(
         ".SH COMMANDS\n.SS \"Common options\"\nThese mean the same in every command that has "
         "them.");
     for (const cli_option *o = cli_common_options; o->name; o++) print_man_option(o);
-    for (const cli_command *const *c = cli_commands; *c; c++) good = print_man_command(*c) && good;
-    return good;
+    for (const cli_command *const *c = cli_commands; *c; c++) print_man_command(*c);
 }
 
 /* command, option, letter, argument: for tests of the documents. */
-static bool print_options(void)
+static void print_options(void)
 {
     puts("command\toption\tletter\targument");
     for (const cli_command *const *c = cli_commands; *c; c++)
         for (const cli_option *o = NULL; (o = cli_next_option(*c, o));)
             printf("%s\t--%s\t%.1s\t%s\n", (*c)->name, o->name, o->letter ? &o->letter : "",
                    o->argument ? o->argument : "");
-    return true;
 }
 
 /* command and one line of its example, for the test that runs the examples. */
-static bool print_examples(void)
+static void print_examples(void)
 {
     for (const cli_command *const *c = cli_commands; *c; c++) printf("%s\n", (*c)->example);
-    return true;
 }
 
 mukca_status cli_completion(mukca_error *error, const char *what)
 {
     static const struct {
         const char *name;
-        bool (*print)(void);
+        void (*print)(void);
     } table[] = {{"bash", print_bash},
                  {"zsh", print_zsh},
                  {"man", print_man},
@@ -183,7 +168,8 @@ mukca_status cli_completion(mukca_error *error, const char *what)
                  {"examples", print_examples}};
     for (size_t i = 0; what && i < sizeof table / sizeof *table; i++)
         if (strcmp(table[i].name, what) == 0) {
-            return table[i].print() ? MUKCA_OK : mukca_fail(error, MUKCA_MEMORY, "out of memory");
+            table[i].print();
+            return MUKCA_OK;
         }
     return mukca_fail(error, MUKCA_USAGE,
                       "completion needs one of bash, zsh, man, options, examples");

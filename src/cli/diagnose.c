@@ -272,7 +272,8 @@ const cli_command cli_command_diagnose = {
         "the causes, or the table of -o is not accepted (see calibrate). Exit code 5: -o was given "
         "but nothing could be fitted.",
     .example =
-        "mukca diagnose --urdf data/demo/arm.urdf data/demo/train.tsv --test data/demo/test.tsv",
+        "  mukca diagnose --urdf data/demo/arm.urdf data/demo/train.tsv \\\n"
+        "      --test data/demo/test.tsv",
     .with = CLI_WITH_DATA | CLI_WITH_TEST | CLI_WITH_JSON | CLI_WITH_FRAMES | CLI_WITH_TRAITS |
             CLI_WITH_CHECK,
     .options = options,

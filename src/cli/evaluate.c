@@ -148,8 +148,8 @@ const cli_command cli_command_evaluate = {
         "predicted minus given distance of the sockets. Each for the nominal model and, with "
         "--offsets, for the calibrated model with its effects. SI units.",
     .example =
-        "mukca evaluate --urdf data/demo/arm.urdf --offsets build/demo/offsets.tsv "
-        "data/demo/test.tsv",
+        "  mukca evaluate --urdf data/demo/arm.urdf \\\n"
+        "      --offsets build/demo/offsets.tsv data/demo/test.tsv",
     .with = CLI_WITH_DATA | CLI_WITH_OFFSETS | CLI_WITH_TEST | CLI_WITH_JSON,
     .options = options,
     .options_size = sizeof(evaluate_options),

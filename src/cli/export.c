@@ -91,7 +91,8 @@ const cli_command cli_command_export = {
         "is lost. npy holds offsets of the joints' zeros alone, fitted likewise.\n\n"
         "Formats, with the endings of their files:\n" MUKCA_EXPORT_LIST(FORMAT_LINE),
     .example =
-        "mukca export --urdf data/demo/arm.urdf --offsets build/demo/offsets.tsv --format yaml",
+        "  mukca export --urdf data/demo/arm.urdf \\\n"
+        "      --offsets build/demo/offsets.tsv --format yaml",
     .with = CLI_WITH_MODEL | CLI_WITH_OFFSETS | CLI_WITH_ACCEPT | CLI_WITH_TABLES,
     .options = options,
     .options_size = sizeof(export_options),

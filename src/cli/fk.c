@@ -87,7 +87,9 @@ const cli_command cli_command_fk = {
         "Reads tables with one column per joint, named as in the URDF (without a header: in the "
         "order of the chain), and prints the position of the tip in the base frame, m, row by row. "
         "Without FILE it reads standard input. --offsets applies a calibration with its effects.",
-    .example = "echo 0.1,0.2,0.3,-1.5,0.2,1.1,0.4 | mukca fk --urdf data/demo/arm.urdf --pose",
+    .example =
+        "  echo 0.1,0.2,0.3,-1.5,0.2,1.1,0.4 | mukca fk \\\n"
+        "      --urdf data/demo/arm.urdf --pose",
     .with = CLI_WITH_MODEL | CLI_WITH_OFFSETS | CLI_WITH_ACCEPT | CLI_WITH_COLUMNS,
     .options = options,
     .options_size = sizeof(fk_options),

@@ -185,12 +185,12 @@ const cli_command cli_command_fleet = {
         "parts gives the same bytes as pooling all files at once. See docs/fleet.md for GNU "
         "parallel and Slurm.",
     .example =
-        "mukca diagnose --urdf data/demo/arm.urdf data/demo/train.tsv --summary "
-        "build/demo/arm_1.json --arm 1 --force\n"
-        "mukca diagnose --urdf data/demo/arm.urdf data/demo/test.tsv --summary "
-        "build/demo/arm_2.json --arm 2 --force\n"
-        "mukca fleet build/demo/arm_1.json build/demo/arm_2.json -o build/demo/heron7.traits.tsv "
-        "--force",
+        "  mukca diagnose --urdf data/demo/arm.urdf data/demo/train.tsv \\\n"
+        "      --summary build/demo/arm_1.json --arm 1 --force\n"
+        "  mukca diagnose --urdf data/demo/arm.urdf data/demo/test.tsv \\\n"
+        "      --summary build/demo/arm_2.json --arm 2 --force\n"
+        "  mukca fleet build/demo/arm_1.json build/demo/arm_2.json \\\n"
+        "      -o build/demo/heron7.traits.tsv --force",
     .with = CLI_WITH_JSON,
     .options = options,
     .options_size = sizeof(fleet_options),

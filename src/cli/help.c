@@ -39,36 +39,6 @@ void cli_format_usage(char *text, size_t size, const cli_command *command)
              command->synopsis);
 }
 
-/* Length of an unbreakable piece: words up to the next option or pipe. */
-static size_t piece_length(const char *text)
-{
-    size_t n = strcspn(text, " \n");
-    while (text[n] == ' ' && text[n + 1] != '|' &&
-           (text[n + 1] != '-' || text[n + 2] == ' ' || text[n + 2] == '\n' || !text[n + 2]))
-        n += 1 + strcspn(text + n + 1, " \n");
-    return n;
-}
-
-void cli_print_example(FILE *stream, int indent, int width, const char *example)
-{
-    while (*example) {
-        const size_t length = strcspn(example, "\n");
-        int column = fprintf(stream, "%*s", indent, "");
-        for (size_t at = 0, piece; at < length; at += piece + 1) {
-            piece = piece_length(example + at);
-            if (at > 0 && column + 1 + (int)piece > width - (at + piece < length ? 2 : 0)) {
-                fputs(" \\\n", stream);
-                column = fprintf(stream, "%*s", indent + 4, "");
-            } else if (at > 0) {
-                column += fprintf(stream, " ");
-            }
-            column += fprintf(stream, "%.*s", (int)piece, example + at);
-        }
-        fputc('\n', stream);
-        example += length + (example[length] == '\n');
-    }
-}
-
 void cli_print_command_help(FILE *stream, const cli_command *command)
 {
     const char *bold = cli_bold(stream), *plain = cli_plain(stream);
@@ -91,7 +61,7 @@ void cli_print_command_help(FILE *stream, const cli_command *command)
         }
     }
     fprintf(stream, "\n%sExample:%s\n", bold, plain);
-    cli_print_example(stream, 2, CLI_WIDTH, command->example);
+    cli_print_wrapped(stream, command->example);
 }
 
 /* `separator`: printed after each group. */

@@ -321,8 +321,9 @@ const cli_command cli_command_plan = {
         "which they do. Writes a session file in the order to visit. Guide the arm to these angles "
         "and record the angles at which the ball is seated.",
     .example =
-        "mukca plan --urdf data/demo/arm.urdf --place front=0.45,0,0.05,0,0,1.57 --rows 40 -o "
-        "build/demo/plan.tsv --force",
+        "  mukca plan --urdf data/demo/arm.urdf \\\n"
+        "      --place front=0.45,0,0.05,0,0,1.57 --rows 40 \\\n"
+        "      -o build/demo/plan.tsv --force",
     .with = CLI_WITH_MODEL | CLI_WITH_OFFSETS | CLI_WITH_ACCEPT | CLI_WITH_DISTANCE |
             CLI_WITH_DISTANCES | CLI_WITH_JSON | CLI_WITH_PAYLOAD | CLI_WITH_TABLES,
     .options = options,

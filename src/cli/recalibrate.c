@@ -11,15 +11,15 @@
 
 typedef struct {
     cli_common common;
-    bool iterate, joint, robust;
+    mukca_recalibrate_options fit;
 } recalibrate_options;
 
 static const cli_option options[] = {
-    CLI_OPTION(recalibrate_options, iterate, "iterate", CLI_FLAG, NULL,
+    CLI_OPTION(recalibrate_options, fit.iterate, "iterate", CLI_FLAG, NULL,
                "repeat the linearisation until it converges"),
-    CLI_OPTION(recalibrate_options, joint, "joint", CLI_FLAG, NULL,
+    CLI_OPTION(recalibrate_options, fit.joint, "joint", CLI_FLAG, NULL,
                "solve for angles and lengths together, not in two steps"),
-    CLI_OPTION(recalibrate_options, robust, "robust", CLI_FLAG, NULL,
+    CLI_OPTION(recalibrate_options, fit.robust, "robust", CLI_FLAG, NULL,
                "give outliers less weight (Huber)"),
     CLI_OUTPUT_OPTION("write the offsets table"),
     {.name = NULL}};
@@ -324,12 +324,10 @@ static mukca_status run(cli_call *call)
     const mukca_chain *chain = &call->session->model.chain;
     recalibrate_work *w = call->work;
     cli_recalibrated *r = &w->result;
-    w->fit = (mukca_recalibrate_options){.iterate = o->iterate,
-                                         .joint = o->joint,
-                                         .robust = o->robust,
-                                         .free_base = o->common.free_base,
-                                         .free_tool = o->common.free_tool,
-                                         .stop = cli_interrupted};
+    w->fit = o->fit;
+    w->fit.free_base = o->common.free_base;
+    w->fit.free_tool = o->common.free_tool;
+    w->fit.stop = cli_interrupted;
     r->tested = call->common->test.n > 0;
     r->fit = calloc(1, sizeof *r->fit);
     if (!r->fit) return cli_fail(call, MUKCA_MEMORY, "out of memory");
@@ -363,8 +361,9 @@ const cli_command cli_command_recalibrate = {
         "not accepted (see calibrate) with exit code 1. A lag between angles and poses is "
         "estimated and corrected.",
     .example =
-        "mukca simulate --urdf data/gen3.urdf --poses 1000 --perturb 1,2 --noise 1e-4 | mukca "
-        "recalibrate --urdf data/gen3.urdf - --iterate",
+        "  mukca simulate --urdf data/gen3.urdf --poses 1000 --perturb 1,2 \\\n"
+        "      --noise 1e-4 | mukca recalibrate --urdf data/gen3.urdf - \\\n"
+        "      --iterate",
     .with = CLI_WITH_MODEL | CLI_WITH_TEST | CLI_WITH_JSON | CLI_WITH_FRAMES | CLI_WITH_TABLES,
     .options = options,
     .options_size = sizeof(recalibrate_options),

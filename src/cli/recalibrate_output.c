@@ -3,7 +3,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/text.h"
 #include "cli/recalibrate.h"
 
 static const char *const stage_text[MUKCA_STAGES] = {"before", "angular offsets", "both"};
@@ -67,28 +66,6 @@ static void print_unknowns(cli_call *call, const mukca_recalibration *f, const m
     }
 }
 
-/* The largest identifiable offset of each kind: joint zeros, lengths of the arm, tool. */
-static void print_largest(cli_call *call, const mukca_recalibration *f, const mukca_chain *arm)
-{
-    char text[MUKCA_UNKNOWN_TEXT], words[400] = "";
-    mukca_text line = MUKCA_TEXT(words);
-    for (int kind = 0; kind < 3; kind++) {
-        int best = -1;
-        for (int u = 0; u < f->n; u++) {
-            const mukca_unknown *x = &f->unknown[u];
-            const int of = x->tool ? 2 : !mukca_unknown_is_angle(x->kind);
-            const bool larger = best < 0 || fabs(f->value[u]) > fabs(f->value[best]);
-            if (of == kind && larger && (f->identifiable[u] || x->tool)) best = u;
-        }
-        if (best < 0) continue;
-        mukca_unknown_text(text, &f->unknown[best], arm);
-        mukca_text_put(&line, "%s %s %+.3f %s", line.used ? "," : "; largest:", text,
-                       1e3 * f->value[best],
-                       mukca_unknown_is_angle(f->unknown[best].kind) ? "mrad" : "mm");
-    }
-    cli_say(call, "Offsets", "%d of %d combinations identified%s", f->rank, f->n, words);
-}
-
 static void print_findings(cli_call *call, const cli_recalibrated *r, const mukca_acceptance *a)
 {
     const mukca_recalibration *f = r->fit;
@@ -117,7 +94,7 @@ void cli_recalibrate_print(cli_call *call, const cli_recalibrated *r, const mukc
     print_findings(call, r, a);
     print_errors(call, "Training data", r->fit->errors, r->fit->has_angles);
     if (r->tested) print_errors(call, "Test data", r->test, r->fit->has_angles);
-    print_largest(call, r->fit, &r->arm);
+    cli_say(call, "Offsets", "%d of %d combinations identified", r->fit->rank, r->fit->n);
     if (call->common->verbose) print_unknowns(call, r->fit, &r->arm);
     if (output)
         cli_say(call, "Written", "%s%s", output,

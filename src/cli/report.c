@@ -195,8 +195,8 @@ const cli_command cli_command_report = {
         "mukca fleet: arms that depart, what the arms share, each elastic coefficient with the "
         "arms side by side, and the most probable ripple order of each joint.",
     .example =
-        "mukca report --urdf data/demo/arm.urdf data/demo/train.tsv --test data/demo/test.tsv -o "
-        "build/demo/report.html --force",
+        "  mukca report --urdf data/demo/arm.urdf data/demo/train.tsv \\\n"
+        "      --test data/demo/test.tsv -o build/demo/report.html --force",
     .with = CLI_WITH_DATA | CLI_WITH_OFFSETS | CLI_WITH_TEST | CLI_WITH_FRAMES | CLI_WITH_CHECK,
     .options = options,
     .options_size = sizeof(report_options),

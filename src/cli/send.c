@@ -195,7 +195,7 @@ const cli_command cli_command_send = {
         "status message. The answer goes to standard output; where it is an offsets table "
         "(calibrate, diagnose, result), its summary goes to standard error. The exit code is that "
         "of the command; 4: no answer.",
-    .example = "mukca send status",
+    .example = "  mukca send status",
     .with = CLI_WITH_JSON,
     .options = options,
     .options_size = sizeof(send_options),

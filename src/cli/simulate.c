@@ -14,9 +14,8 @@ typedef struct {
     cli_common common;
     const char *perturb, *test, *truth, *at;
     cli_list effects, places;
-    int placements, rows, poses, held_out, seed;
-    double noise, rotation, correlation, payload;
-    bool sweep, effort, command, position_only;
+    int placements, poses, held_out, seed;
+    mukca_simulate_options recording;
 } own;
 
 /* One simulation: the true arm and its recording. */
@@ -30,7 +29,7 @@ typedef struct {
     mukca_simulate_options recording;
 } simulation;
 
-static const own defaults = {.rows = 30};
+static const own defaults = {.recording.rows = 30};
 
 static const cli_option options[] = {
     CLI_OPTION(own, perturb, "perturb", CLI_TEXT, "MM,MRAD",
@@ -43,26 +42,26 @@ static const cli_option options[] = {
     CLI_OPTION(own, places, "place", CLI_TEXTS, "NAME[=X,Y,Z[,ROLL,PITCH,YAW]]",
                "name of a placement, and its pose: middle of the sockets, which lie on its x axis, "
                "m and rad"),
-    CLI_RANGE_OPTION(own, rows, "rows", CLI_INTEGER, "N", 2, 100000,
+    CLI_RANGE_OPTION(own, recording.rows, "rows", CLI_INTEGER, "N", 2, 100000,
                      "samples in each of the two sockets (default: 30)"),
-    CLI_OPTION(own, sweep, "sweep", CLI_FLAG, NULL,
+    CLI_OPTION(own, recording.sweep, "sweep", CLI_FLAG, NULL,
                "smooth sequence of postures instead of random ones"),
-    CLI_RANGE_OPTION(own, noise, "noise", CLI_NUMBER, "M", 0, 1,
+    CLI_RANGE_OPTION(own, recording.noise, "noise", CLI_NUMBER, "M", 0, 1,
                      "measurement noise of the ball per axis, m (default: 0)"),
-    CLI_RANGE_OPTION(own, correlation, "correlation", CLI_NUMBER, "RHO", 0, 0.999,
+    CLI_RANGE_OPTION(own, recording.correlation, "correlation", CLI_NUMBER, "RHO", 0, 0.999,
                      "correlation of the noise with that of the sample before (default: 0)"),
-    CLI_OPTION(own, effort, "effort", CLI_FLAG, NULL, "add measured joint efforts"),
-    CLI_OPTION(own, command, "command", CLI_FLAG, NULL,
+    CLI_OPTION(own, recording.effort, "effort", CLI_FLAG, NULL, "add measured joint efforts"),
+    CLI_OPTION(own, recording.command, "command", CLI_FLAG, NULL,
                "add commanded angles; with readback_lag the readings lag behind them"),
-    CLI_RANGE_OPTION(own, payload, "payload", CLI_NUMBER, "KG", 0, MUKCA_ROWS_MOST_PAYLOAD,
-                     "mass at the tip beyond the model (default: none)"),
+    CLI_RANGE_OPTION(own, recording.payload, "payload", CLI_NUMBER, "KG", 0,
+                     MUKCA_ROWS_MOST_PAYLOAD, "mass at the tip beyond the model (default: none)"),
     CLI_RANGE_OPTION(own, poses, "poses", CLI_INTEGER, "N", 1, 10000000,
                      "a pose log of N samples instead of sockets"),
     CLI_OPTION(own, at, "at", CLI_INPUT, "FILE",
                "a pose log at the joint angles of this table, row by row"),
-    CLI_OPTION(own, position_only, "position-only", CLI_FLAG, NULL,
+    CLI_OPTION(own, recording.position_only, "position-only", CLI_FLAG, NULL,
                "pose log without orientations"),
-    CLI_RANGE_OPTION(own, rotation, "rotation-noise", CLI_NUMBER, "RAD", 0, 1,
+    CLI_RANGE_OPTION(own, recording.rotation, "rotation-noise", CLI_NUMBER, "RAD", 0, 1,
                      "measurement noise of the orientations in a pose log, per axis, rad"),
     CLI_RANGE_OPTION(own, held_out, "held-out", CLI_INTEGER, "N", 1, 10000000,
                      "further placements (or poses) of the same arm, for --test"),
@@ -86,12 +85,12 @@ static mukca_status check(const own *o, mukca_error *error)
 {
     if ((o->held_out > 0) != (o->test != NULL))
         return mukca_fail(error, MUKCA_USAGE, "--held-out N and --test FILE go together");
-    if (o->at && (o->poses || o->held_out || o->sweep))
+    if (o->at && (o->poses || o->held_out || o->recording.sweep))
         return mukca_fail(error, MUKCA_USAGE,
                           "--at sets the postures; omit --poses, --sweep and --held-out");
     if (is_log(o) && (o->places.n || o->placements))
         return mukca_fail(error, MUKCA_USAGE, "a pose log has no placements");
-    if (!is_log(o) && (o->position_only || o->rotation > 0))
+    if (!is_log(o) && (o->recording.position_only || o->recording.rotation > 0))
         return mukca_fail(error, MUKCA_USAGE,
                           "--position-only and --rotation-noise are for pose logs (--poses, --at)");
     if (o->common.distance > 1)
@@ -137,7 +136,7 @@ static mukca_status gather_effects(simulation *s, const own *o, mukca_error *err
     hidden->chain = &s->model.chain;
     hidden->places = s->places;
     hidden->n_places = s->n_places;
-    hidden->rows = o->rows;
+    hidden->rows = o->recording.rows;
     mukca_simulate_seed(&hidden->random, s->recording.seed, MUKCA_DRAW_EFFECTS);
     for (int e = 0; e < given->n_effects; e++) {
         mukca_effect effect = given->effects[e];
@@ -180,18 +179,10 @@ static mukca_status prepare(cli_call *call, simulation *s)
     call->common->accept_failed = call->common->accept_edited = true; /* the true arm may be any */
     if (status == MUKCA_OK) status = cli_load_model(call, &s->model);
     if (status) return status;
-    s->recording = (mukca_simulate_options){.rows = o->rows,
-                                            .distance = call->common->distance,
-                                            .noise = o->noise,
-                                            .rotation = o->rotation,
-                                            .correlation = o->correlation,
-                                            .sweep = o->sweep,
-                                            .effort = o->effort,
-                                            .command = o->command,
-                                            .position_only = o->position_only,
-                                            .payload = o->payload,
-                                            .seed = (uint64_t)o->seed,
-                                            .interrupted = cli_interrupted};
+    s->recording = o->recording;
+    s->recording.distance = call->common->distance;
+    s->recording.seed = (uint64_t)o->seed;
+    s->recording.interrupted = cli_interrupted;
     if (s->recording.effort && !s->model.chain.n_masses)
         return cli_fail(call, MUKCA_USAGE, "--effort needs link masses; give --inertials FILE");
     s->truth = s->model.offsets;
@@ -216,8 +207,9 @@ static void describe(FILE *stream, const simulation *s, const own *o)
     fprintf(stream, "simulated by mukca " MUKCA_VERSION ": --seed %d", o->seed);
     if (o->perturb) fprintf(stream, " --perturb %s", o->perturb);
     for (int i = 0; i < o->effects.n; i++) fprintf(stream, " --effect %s", o->effects.items[i]);
-    fprintf(stream, " --noise %g", o->noise);
-    if (o->correlation > 0) fprintf(stream, " --correlation %g", o->correlation);
+    fprintf(stream, " --noise %g", o->recording.noise);
+    if (o->recording.correlation > 0)
+        fprintf(stream, " --correlation %g", o->recording.correlation);
     fputc('\n', stream);
 }
 
@@ -346,8 +338,9 @@ const cli_command cli_command_simulate = {
         "  wrong_socket:PLACE/SOCKET@5         duplicate alike; outlier with a size\n"
         "  socket_distance=1e-3                the sockets are farther apart than stated",
     .example =
-        "mukca simulate --urdf data/demo/arm.urdf --placements 2 --rows 5 --seed 1 --perturb 1,2 "
-        "--noise 1e-4 --effect gear_harmonic:joint_4@160=5e-4",
+        "  mukca simulate --urdf data/demo/arm.urdf --placements 2 --rows 5 \\\n"
+        "      --seed 1 --perturb 1,2 --noise 1e-4 \\\n"
+        "      --effect gear_harmonic:joint_4@160=5e-4",
     .with = CLI_WITH_MODEL | CLI_WITH_DISTANCE,
     .options = options,
     .options_size = sizeof(own),

@@ -81,10 +81,7 @@ void cli_say(cli_call *call, const char *key, const char *format, ...)
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
-    if (key)
-        cli_print_keyed(stream, key, text);
-    else
-        cli_print_wrapped(stream, text);
+    cli_print_keyed(stream, key, text);
 }
 
 /* The one mutable global: a signal handler has no other access to state. */

@@ -147,7 +147,8 @@ for page in mukca.1 mukca-formats.5; do
 done
 
 # Examples of help; `mukca send` needs a daemon, tests/lcm gives it one.
-while IFS= read -r example; do
+# shellcheck disable=SC2162 # a backslash continues a line
+while read example; do
     case $example in "mukca send "*) continue ;; esac
     bash -euc "$example" >example.out 2>&1 </dev/null
     code=$?

@@ -184,7 +184,7 @@ def its_client(client, state):
     answer = send("socket", "1")
     check("send with an argument", answer.returncode == 0 and "socket 1" in answer.stdout, answer.stdout)
     for line in subprocess.run([MUKCA, "completion", "examples"], capture_output=True, text=True).stdout.splitlines():
-        if line.startswith("mukca send "):
+        if line.strip().startswith("mukca send "):
             check("help example: " + line, send(*line.split()[2:]).returncode == 0)
     stop(p)
 
