@@ -105,7 +105,9 @@ static void print_verdict(cli_call *call, const calibrate_result *r)
     cli_say(call, NULL, "%s; measurement noise %.3f mm per axis%s.", fit, 1e3 * a->noise_m, turns);
 }
 
-bool calibrate_frame(mukca_frame *T, const calibrate_result *r, bool base)
+/* A fitted frame of measured poses: the arm's base in the frame of the tracker (or of a fixed
+ * board) if `base`, else the target (or camera) in the link that carries it.  False: not fitted. */
+static bool find_frame(mukca_frame *T, const calibrate_result *r, bool base)
 {
     const mukca_chain *chain = &r->fit->chain;
     const int k = base ? 0 : chain->n_elements - 1;
@@ -129,7 +131,7 @@ static void print_frames(cli_call *call, const calibrate_result *r)
     for (int base = 1; base >= 0; base--) {
         mukca_frame T;
         double q[4], rpy[3];
-        if (!calibrate_frame(&T, r, base)) continue;
+        if (!find_frame(&T, r, base)) continue;
         mukca_rotation_to_quaternion(q, T.R);
         mukca_rotation_to_rpy(rpy, T.R, NULL);
         cli_say(call, keys[base],
@@ -155,8 +157,7 @@ void calibrate_print(cli_call *call, const calibrate_result *r)
     const bool foreign =
         !r->offsets->acceptance.accepted && r->train_scores.nominal_mean.mae > CLI_FAR_OFF;
     if (!r->offsets->acceptance.accepted)
-        cli_print_mismatch(call, r->train, calibrate_frame(&T, r, true),
-                           calibrate_frame(&T, r, false));
+        cli_print_mismatch(call, r->train, find_frame(&T, r, true), find_frame(&T, r, false));
     cli_scores_print_header(call, true);
     cli_scores_print(call, &r->train_scores, "train", true);
     if (r->test_scores.n > 0) cli_scores_print(call, &r->test_scores, "test", true);
@@ -190,7 +191,7 @@ static json_t *null_space_json(const mukca_fit *fit)
 static json_t *frame_json(const calibrate_result *r, bool base)
 {
     mukca_frame T;
-    return calibrate_frame(&T, r, base) ? cli_json_frame(&T) : NULL;
+    return find_frame(&T, r, base) ? cli_json_frame(&T) : NULL;
 }
 
 json_t *calibrate_json(const calibrate_result *r, const char *solver, const char *gradient,

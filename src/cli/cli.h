@@ -358,7 +358,6 @@ json_t *cli_json(const char *keys, ...);
 #define cli_json_append(array, ...) json_array_append_new(array, cli_json(__VA_ARGS__))
 
 /* Numbers; null for NaN and infinity. */
-json_t *cli_json_number(double value);
 json_t *cli_json_reals(const double *values, int n);
 
 /* A pose: position_m, and quaternion, w first. */

@@ -71,18 +71,21 @@ void cli_scores_free(cli_scores *scores)
     *scores = (cli_scores){0};
 }
 
-void cli_scores_write(FILE *stream, double value)
+/* Write a tab and the number, empty if not finite. */
+static void write_number(FILE *stream, double value)
 {
     fputc('\t', stream);
     if (isfinite(value)) fprintf(stream, "%.17g", value);
 }
 
-const char *cli_scores_name(char name[CLI_SCORES_NAME], const mukca_score *score,
-                            const mukca_dataset *data)
+enum { NAME = 192 };
+
+/* "panda/front"; "poses" for all pose logs, "log.csv" or "log.csv:target" for one. */
+static const char *find_name(char name[NAME], const mukca_score *score, const mukca_dataset *data)
 {
     if (score->placement >= 0) return data->placements[score->placement].name;
     if (score->file < 0) return "poses";
-    snprintf(name, CLI_SCORES_NAME, "%.100s%s%s", mukca_file_name(data->files[score->file]),
+    snprintf(name, NAME, "%.100s%s%s", mukca_file_name(data->files[score->file]),
              score->target < 0 ? "" : ":", score->target < 0 ? "" : data->targets[score->target]);
     mukca_utf8_mend(name);
     return name;
@@ -118,15 +121,15 @@ void cli_scores_write_rows(FILE *stream, const char *set, const cli_scores *scor
                            const mukca_dataset *data)
 {
     for (int i = 0; i < scores->n; i++) {
-        char name[CLI_SCORES_NAME];
+        char name[NAME];
         const mukca_score *after = &scores->calibrated[i];
-        fprintf(stream, "%s\t%s\t%d", set, cli_scores_name(name, after, data), after->rows);
+        fprintf(stream, "%s\t%s\t%d", set, find_name(name, after, data), after->rows);
         for (int k = 0; k < FIGURES; k++) {
-            cli_scores_write(stream, figure(&scores->nominal[i], k));
-            cli_scores_write(stream, figure(after, k));
+            write_number(stream, figure(&scores->nominal[i], k));
+            write_number(stream, figure(after, k));
         }
         for (int k = 0; k < FIGURES && scores->has_factory; k++)
-            cli_scores_write(stream, figure(&scores->factory[i], k));
+            write_number(stream, figure(&scores->factory[i], k));
         fputc('\n', stream);
     }
 }
@@ -135,10 +138,9 @@ json_t *cli_scores_json(const cli_scores *scores, const mukca_dataset *data)
 {
     json_t *array = json_array();
     for (int i = 0; i < scores->n; i++) {
-        char name[CLI_SCORES_NAME], keys[96];
+        char name[NAME], keys[96];
         const mukca_score *before = &scores->nominal[i], *after = &scores->calibrated[i];
-        json_t *object =
-            cli_json("placement:s rows:i", cli_scores_name(name, after, data), after->rows);
+        json_t *object = cli_json("placement:s rows:i", find_name(name, after, data), after->rows);
         for (int k = 0; k < FIGURES; k++) {
             if (k == ROTATION && !isfinite(figure(after, k))) continue;
             snprintf(keys, sizeof keys, "%s:f %s:f", figures[k].nominal, figures[k].calibrated);
@@ -196,10 +198,10 @@ void cli_scores_print(cli_call *call, const cli_scores *scores, const char *set,
 void cli_scores_print_rows(cli_call *call, const cli_scores *scores, const mukca_dataset *data,
                            bool calibrated)
 {
-    char name[CLI_SCORES_NAME], indented[32];
+    char name[NAME], indented[32];
     for (int i = 0; i < scores->n && scores->n > 1; i++) {
         snprintf(indented, sizeof indented, "  %.24s",
-                 cli_scores_name(name, &scores->calibrated[i], data));
+                 find_name(name, &scores->calibrated[i], data));
         print_figures(call, indented, 0,
                       (const mukca_score *const[]){&scores->nominal[i],
                                                    scores->has_factory ? &scores->factory[i] : NULL,

@@ -30,14 +30,6 @@ void cli_scores_write_header(FILE *stream, bool factory);
 void cli_scores_write_rows(FILE *stream, const char *set, const cli_scores *scores,
                            const mukca_dataset *data);
 
-/* Write a tab and the number, empty if not finite. */
-void cli_scores_write(FILE *stream, double value);
-
-/* "panda/front"; "poses" for all pose logs, "log.csv" or "log.csv:target" for one. */
-enum { CLI_SCORES_NAME = 192 };
-const char *cli_scores_name(char name[CLI_SCORES_NAME], const mukca_score *score,
-                            const mukca_dataset *data);
-
 /* Print lines of the screen: "  consistency mm, train        8.278        0.168     -97.97 %", also
  * distortion and rotation if available; without `calibrated` only the nominal column.  `set`:
  * "train". */

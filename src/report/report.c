@@ -145,7 +145,7 @@ static const mukca_page_section sections[] = {
     {"placements", "Errors of the result", NULL, mukca_report_put_placements},
     {"joints", "Errors by joint", mukca_report_joints, mukca_report_put_joints},
     {"limits", "Detection limits", NULL, mukca_report_put_limits},
-    {"samples", "Samples and recording faults", mukca_report_samples, mukca_report_put_faults},
+    {"faults", "Recording faults", NULL, mukca_report_put_faults},
     {"offsets", "Parameters", NULL, mukca_report_put_offsets},
     {"provenance", "Provenance", NULL, mukca_report_put_provenance},
 };
