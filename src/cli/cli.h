@@ -186,10 +186,7 @@ extern const cli_command *const cli_commands[];
  * NULL after the last. */
 const cli_option *cli_next_option(const cli_command *command, const cli_option *option);
 
-/* The common options. */
-extern const cli_option cli_common_options[];
-
-/* ---- parsing and help (parse.c, commands.c, text.c, help.c, completion.c) ---- */
+/* ---- parsing and help (parse.c, commands.c, text.c, help.c) ---- */
 
 /* Fill call->options and call->arguments from argv[argc]; `*help`: -h or --help was given.  Errors:
  * MUKCA_USAGE, MUKCA_MEMORY. */
@@ -226,14 +223,7 @@ void cli_print_overview(FILE *stream); /* `mukca help` */
 void cli_print_start(FILE *stream);    /* `mukca` alone */
 void cli_print_command_help(FILE *stream, const cli_command *command);
 void cli_print_effects(FILE *stream); /* `mukca help effects` */
-void cli_format_option(char *text, size_t size, const cli_option *option); /* "-o, --output FILE" */
-
-/* "command [options] DATA...", including --urdf if required. */
-void cli_format_usage(char *text, size_t size, const cli_command *command);
-
-/* `mukca completion bash|zsh|man|options` (hidden): scripts and man page, generated from the
- * tables. */
-mukca_status cli_completion(mukca_error *error, const char *what);
+void cli_print_options(FILE *stream); /* `mukca help options`: a table, for scripts */
 
 /* ---- terminal output (terminal.c) ---- */
 

@@ -6,7 +6,7 @@
 
 enum { OPTION_COLUMN = 26 };
 
-void cli_format_option(char *text, size_t size, const cli_option *option)
+static void format_option(char *text, size_t size, const cli_option *option)
 {
     char letter[8] = "";
     if (option->letter) snprintf(letter, sizeof letter, "-%c, ", option->letter);
@@ -17,7 +17,7 @@ void cli_format_option(char *text, size_t size, const cli_option *option)
 static void print_option(FILE *stream, const cli_option *option)
 {
     char text[80];
-    cli_format_option(text, sizeof text, option);
+    format_option(text, sizeof text, option);
     int column = fprintf(stream, "  %s", text);
     if (column + 2 > OPTION_COLUMN) {
         fputc('\n', stream);
@@ -32,7 +32,7 @@ static void print_option(FILE *stream, const cli_option *option)
     fputc('\n', stream);
 }
 
-void cli_format_usage(char *text, size_t size, const cli_command *command)
+static void format_usage(char *text, size_t size, const cli_command *command)
 {
     snprintf(text, size, "%s%s [options]%s%s", command->name,
              command->with & CLI_WITH_MODEL ? " --urdf FILE" : "", *command->synopsis ? " " : "",
@@ -47,7 +47,7 @@ void cli_print_command_help(FILE *stream, const cli_command *command)
                     strlen(command->summary));
     fputc('\n', stream);
     char usage[120];
-    cli_format_usage(usage, sizeof usage, command);
+    format_usage(usage, sizeof usage, command);
     fprintf(stream, "%sUsage:%s mukca %s\n\n", bold, plain, usage);
     cli_print_wrapped(stream, command->description);
     for (int common = 0; common < 2; common++) {
@@ -95,8 +95,8 @@ void cli_print_overview(FILE *stream)
     fputs(
         "  mukca help COMMAND   options and an example\n"
         "  mukca help effects   the causes that a diagnosis can name\n"
-        "  mukca --version\n"
-        "  source <(mukca completion bash)    completes commands and options (or zsh)\n\n"
+        "  mukca help options   all options, as a table\n"
+        "  mukca --version\n\n"
         "Files, columns and JSON keys: man mukca-formats.\n"
         "Exit codes: 0 done; 1 done, and the answer is a negative verdict; 2 bad usage;\n"
         "3 bad input; 4 transport or time-out; 5 not identifiable; 6 out of memory,\n"
@@ -140,4 +140,20 @@ void cli_print_effects(FILE *stream)
         }
         if (any) fputc('\n', stream);
     }
+}
+
+void cli_print_options(FILE *stream)
+{
+    fputs("command\toption\tletter\targument\tvalues\n", stream);
+    for (const cli_command *const *c = cli_commands; *c; c++)
+        for (const cli_option *o = NULL; (o = cli_next_option(*c, o));) {
+            const bool effect = o->argument && strncmp(o->argument, "EFFECT", 6) == 0;
+            fprintf(stream, "%s\t--%s\t%.1s\t%s\t", (*c)->name, o->name,
+                    o->letter ? &o->letter : "", o->argument ? o->argument : "");
+            for (int kind = 0; effect && kind < MUKCA_EFFECT_COUNT; kind++)
+                fprintf(stream, "%s%s", kind ? " " : "", mukca_effect_table[kind]->name);
+            for (int i = 0; o->choices && o->choices[i]; i++)
+                fprintf(stream, "%s%s", i ? " " : "", o->choices[i]);
+            fputc('\n', stream);
+        }
 }

@@ -20,7 +20,7 @@ static const char *const maps[] = {"name", "order", "order-w-last", NULL};
     CLI_OPTION_AND(cli_common, member, text, type, metavar, sentence, .set = CLI_WITH_##sets, \
                    __VA_ARGS__)
 
-const cli_option cli_common_options[] = {
+static const cli_option common_options[] = {
     COMMON(MODEL, "urdf", urdf, CLI_INPUT, "FILE", "nominal model of the arm"),
     COMMON(MODEL, "kinematics", kinematics, CLI_INPUT, "FILE",
            "YAML with the robot's own origins (Universal Robots, Franka, UFACTORY): it replaces "
@@ -89,7 +89,7 @@ const cli_option cli_common_options[] = {
 const cli_option *cli_next_option(const cli_command *command, const cli_option *o)
 {
     o = o ? o + 1 : command->options;
-    if (!o || (!o->name && !o->set)) o = cli_common_options;
+    if (!o || (!o->name && !o->set)) o = common_options;
     while (o->set && !(o->set & (command->with | CLI_WITH_ALL))) o++;
     return o->name ? o : NULL;
 }
