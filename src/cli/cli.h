@@ -193,6 +193,9 @@ const cli_option *cli_next_option(const cli_command *command, const cli_option *
 mukca_status cli_parse(cli_call *call, bool *help, int argc, char **argv);
 void cli_call_free(cli_call *call);
 
+/* Read comma-separated numbers.  Returns how many, -1: an invalid one, or more than `most`. */
+int cli_read_list(double *values, int most, const char *text);
+
 const cli_command *cli_find_command(const char *name); /* NULL: none */
 
 /* Error for a `name` that is no effect, with a suggestion: MUKCA_USAGE. */

@@ -6,7 +6,6 @@
 
 #include "base/file.h"
 #include "base/note.h"
-#include "base/number.h"
 #include "cli/cli.h"
 #include "diagnose/condense.h"
 #include "fit/evaluate.h"
@@ -73,29 +72,19 @@ mukca_status cli_load_model(cli_call *call, cli_model *model)
     return status;
 }
 
-/* Masses of --payload, payload[paths->n], one per path. */
-static mukca_status read_payload(double *payload, cli_call *call, const cli_list *paths)
+/* Masses of --payload, payload[all]: of DATA, then of --test. */
+static mukca_status read_payload(double *payload, cli_call *call, int all)
 {
     const char *text = call->common->payload;
-    const int n_data = call->arguments.n, all = n_data + call->common->test.n;
-    const int first = paths == &call->common->test ? n_data : 0;
-    int n = 0;
-    for (const char *next = text; next; n++) {
-        char number[64];
-        const size_t length = strcspn(next, ",");
-        double kg;
-        snprintf(number, sizeof number, "%.*s", (int)(length < 63 ? length : 63), next);
-        if (!mukca_number_parse(&kg, number) || !(kg >= 0 && kg <= MUKCA_ROWS_MOST_PAYLOAD))
-            return cli_fail(call, MUKCA_USAGE, "--payload: '%s' is no mass in kg", number);
-        if (n >= first && n - first < paths->n) payload[n - first] = kg;
-        for (int i = 0; n == 0 && i < paths->n; i++) payload[i] = kg;
-        next = next[length] == ',' ? next + length + 1 : NULL;
-    }
+    const int n = cli_read_list(payload, all, text);
+    for (int i = 0; i < n; i++)
+        if (!(payload[i] >= 0 && payload[i] <= MUKCA_ROWS_MOST_PAYLOAD))
+            return cli_fail(call, MUKCA_USAGE, "--payload: '%g' is no mass in kg", payload[i]);
+    for (int i = 1; n == 1 && i < all; i++) payload[i] = payload[0];
     if (n == 1 || n == all) return MUKCA_OK;
-    return cli_fail(
-        call, MUKCA_USAGE,
-        "--payload %.60s: %d masses for %d recordings; give one for all, or one of each%s", text, n,
-        all, call->common->test.n ? ", those of --test last" : "");
+    return cli_fail(call, MUKCA_USAGE,
+                    "--payload %.60s: give one mass in kg for all %d recordings, or one of each%s",
+                    text, all, call->common->test.n ? ", those of --test last" : "");
 }
 
 mukca_status cli_read_format(cli_call *call, mukca_rows_format *format)
@@ -136,13 +125,14 @@ mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model 
         .distance = c->distance, .distances = c->distances, .note = cli_note, .context = call};
     const mukca_status units = cli_read_format(call, &options.format);
     if (units != MUKCA_OK) return units;
-    double *payload = c->payload ? calloc((size_t)paths->n + 1, sizeof *payload) : NULL;
+    const int all = call->arguments.n + c->test.n;
+    double *payload = c->payload ? calloc((size_t)all + 1, sizeof *payload) : NULL;
     mukca_status status = MUKCA_OK;
     if (c->payload && !payload)
         status = cli_fail(call, MUKCA_MEMORY, "out of memory");
     else if (payload)
-        status = read_payload(payload, call, paths);
-    options.payload = payload;
+        status = read_payload(payload, call, all);
+    options.payload = payload && paths == &c->test ? payload + call->arguments.n : payload;
     if (status == MUKCA_OK)
         status =
             mukca_dataset_load(data, &model->chain, paths->items, paths->n, &options, &call->error);
@@ -241,17 +231,13 @@ mukca_status cli_condense(cli_call *call)
     const mukca_status status =
         mukca_condense(&condensed, &call->session->data, MUKCA_MOST_SAMPLES, &call->error);
     if (status != MUKCA_OK || condensed.samples == condensed.rows) return status;
-    char text[160];
-    if (condensed.postures < condensed.rows) {
-        snprintf(text, sizeof text, "%d rows are %d postures; the rows of each were averaged",
-                 condensed.rows, condensed.postures);
-        cli_note(call, text);
-    }
-    if (condensed.samples < condensed.postures) {
-        snprintf(text, sizeof text, "%d of %d postures are used, in blocks that are evenly spread",
-                 condensed.samples, condensed.postures);
-        cli_note(call, text);
-    }
+    if (condensed.postures < condensed.rows)
+        mukca_note_format(cli_note, call, "%d rows are %d postures; the rows of each were averaged",
+                          condensed.rows, condensed.postures);
+    if (condensed.samples < condensed.postures)
+        mukca_note_format(cli_note, call,
+                          "%d of %d postures are used, in blocks that are evenly spread",
+                          condensed.samples, condensed.postures);
     return MUKCA_OK;
 }
 

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/number.h"
 #include "base/suggest.h"
 #include "base/text.h"
 
@@ -129,14 +130,19 @@ mukca_status cli_fail_effect(mukca_error *error, const char *option, const char 
                       mukca_suggest_text(text, meant, "`mukca help effects` lists them"));
 }
 
-/* Number at *text, followed by `stop`; *text advances past it. */
-static bool parse_number(double *value, const char **text, char stop)
+int cli_read_list(double *values, int most, const char *text)
 {
-    char *end;
-    *value = strtod(*text, &end);
-    bool good = end != *text && *end == stop && isfinite(*value);
-    *text = end + 1;
-    return good;
+    char number[64];
+    int n = 0;
+    for (;; text++) {
+        const size_t length = strcspn(text, ",");
+        if (n == most || length >= sizeof number) return -1;
+        memcpy(number, text, length);
+        number[length] = '\0';
+        if (!mukca_number_parse(&values[n++], number)) return -1;
+        text += length;
+        if (!*text) return n;
+    }
 }
 
 static bool append(cli_list *list, const char *item)
@@ -213,12 +219,11 @@ static bool store(void *at, const cli_option *option, const char *text)
     double *v = at;
     switch (option->kind) {
         case CLI_NUMBER:
-            return parse_number(v, &text, '\0') && in_range(*v, option);
+            return cli_read_list(v, 1, text) == 1 && in_range(*v, option);
         case CLI_POSITIVE:
-            return parse_number(v, &text, '\0') && *v > 0 && in_range(*v, option);
+            return cli_read_list(v, 1, text) == 1 && *v > 0 && in_range(*v, option);
         case CLI_VECTOR:
-            return parse_number(&v[0], &text, ',') && parse_number(&v[1], &text, ',') &&
-                   parse_number(&v[2], &text, '\0') && (v[0] != 0 || v[1] != 0 || v[2] != 0);
+            return cli_read_list(v, 3, text) == 3 && (v[0] != 0 || v[1] != 0 || v[2] != 0);
         case CLI_INTEGER:
             return store_integer(at, text) && in_range(*(int *)at, option);
         case CLI_CHOICE:

@@ -76,37 +76,33 @@ static mukca_status check(cli_call *call)
 /* Sockets of the data, then two for each --place. */
 static mukca_status gather_sockets(plan_work *r)
 {
-    const plan_options *o = r->call->options;
     mukca_error *error = &r->call->error;
     const double distance = r->call->common->distance;
-    int n = 0, place = 0;
+    int n = 0;
     if (r->data->n_rows > 0) {
         n = mukca_plan_sockets(r->sockets, MUKCA_PLAN_MAX_SOCKETS, &r->model->geometry, r->data);
-        place = r->data->n_placements;
         if (n == 0)
             return mukca_fail(error, MUKCA_INPUT,
                               "these DATA have no sockets; plan is for socket data");
     }
-    for (int i = 0; i < o->places.n; i++, place++) {
-        mukca_place at = {.placed = false};
-        mukca_status status = cli_read_place(&at, o->places.items[i], error);
-        if (status != MUKCA_OK) return status;
-        if (!at.placed)
-            return mukca_fail(error, MUKCA_USAGE, "--place %s: needs NAME=X,Y,Z", at.name);
+    for (int place = r->data->n_placements; place < r->causes.n_places; place++) {
+        const mukca_place *at = &r->known[place];
+        if (!at->placed)
+            return mukca_fail(error, MUKCA_USAGE, "--place %s: needs NAME=X,Y,Z", at->name);
         for (int k = 0; k < n; k++)
-            if (strcmp(r->sockets[k].placement, at.name) == 0)
+            if (strcmp(r->sockets[k].placement, at->name) == 0)
                 return mukca_fail(
                     error, MUKCA_USAGE,
-                    "--place %s: there is such a placement already; choose another name", at.name);
+                    "--place %s: there is such a placement already; choose another name", at->name);
         if (n + 2 > MUKCA_PLAN_MAX_SOCKETS)
             return mukca_fail(error, MUKCA_USAGE, "more than %d sockets", MUKCA_PLAN_MAX_SOCKETS);
         for (int side = 0; side < 2; side++) {
             mukca_plan_socket *s = &r->sockets[n++];
             s->place = place;
             snprintf(s->label, sizeof s->label, "%d", side);
-            snprintf(s->placement, sizeof s->placement, "%s", at.name);
+            snprintf(s->placement, sizeof s->placement, "%s", at->name);
             for (int a = 0; a < 3; a++)
-                s->centre[a] = at.pose.p[a] + (side - 0.5) * distance * at.pose.R[3 * a];
+                s->centre[a] = at->pose.p[a] + (side - 0.5) * distance * at->pose.R[3 * a];
         }
     }
     r->n_sockets = n;

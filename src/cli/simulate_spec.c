@@ -25,15 +25,10 @@ typedef struct {
     int first_row;
 } fault_kind;
 
-static const fault_kind faults[] = {
-    {.name = "tool_motion",
-     .kind = MUKCA_SIMULATED_STEP,
-     .sized = true,
-     .creeps = true,
-     .first_row = 1},
-    {.name = "wrong_socket", .kind = MUKCA_SIMULATED_WRONG_SOCKET, .first_row = 1},
-    {.name = "outlier", .kind = MUKCA_SIMULATED_OUTLIER, .sized = true, .first_row = 1},
-    {.name = "duplicate", .kind = MUKCA_SIMULATED_DUPLICATE, .first_row = 2}};
+static const fault_kind faults[] = {{"tool_motion", MUKCA_SIMULATED_STEP, true, true, 1},
+                                    {"wrong_socket", MUKCA_SIMULATED_WRONG_SOCKET, false, false, 1},
+                                    {"outlier", MUKCA_SIMULATED_OUTLIER, true, false, 1},
+                                    {"duplicate", MUKCA_SIMULATED_DUPLICATE, false, false, 2}};
 
 static const fault_kind *find_fault(const char *name)
 {
@@ -248,22 +243,7 @@ mukca_status cli_simulated_parse(cli_simulated *s, const char *text, mukca_error
     return status;
 }
 
-/* ---- lists of numbers, placements ---- */
-
-int cli_read_list(double *values, int most, const char *text)
-{
-    char number[64];
-    int n = 0;
-    for (;; text++) {
-        const size_t length = strcspn(text, ",");
-        if (n == most || length >= sizeof number) return -1;
-        memcpy(number, text, length);
-        number[length] = '\0';
-        if (!mukca_number_parse(&values[n++], number)) return -1;
-        text += length;
-        if (!*text) return n;
-    }
-}
+/* ---- placements ---- */
 
 mukca_status cli_read_place(mukca_place *place, const char *text, mukca_error *error)
 {
