@@ -124,8 +124,8 @@ static mukca_status write_results(cli_call *call, const calibrate_result *r)
     char comments[256];
     snprintf(comments, sizeof comments,
              "mean error on %d training samples: %.4g m nominal, %.4g m calibrated",
-             r->train->n_rows, r->train_scores.nominal_mean.mae,
-             r->train_scores.calibrated_mean.mae);
+             r->train->n_rows, r->train_scores.mean[CLI_NOMINAL].mae,
+             r->train_scores.mean[CLI_CALIBRATED].mae);
     mukca_status status = cli_write_offsets(call, call->common->output, r->offsets, &r->fit->chain,
                                             r->train, comments);
     if (status != MUKCA_OK || !call->common->json) return status;

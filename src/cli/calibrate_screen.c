@@ -27,7 +27,7 @@ static bool enough_samples(const mukca_fit *fit)
 static void print_warnings(cli_call *call, const calibrate_result *r)
 {
     const mukca_fit *fit = r->fit;
-    const mukca_score *nominal = &r->train_scores.nominal_mean;
+    const mukca_score *nominal = &r->train_scores.mean[CLI_NOMINAL];
     const double distance = call->common->distance;
     if (!enough_samples(fit))
         cli_say(call, NULL, "warning: %d samples provide %d measured numbers for %d parameters",
@@ -49,7 +49,7 @@ static void print_warnings(cli_call *call, const calibrate_result *r)
                 "--distance, %.1f mm; measure the tool again",
                 1e3 * nominal->distance_error, 1e3 * distance);
     for (int i = 0; i < r->train_scores.n; i++) {
-        const mukca_score *poses = &r->train_scores.nominal[i];
+        const mukca_score *poses = &r->train_scores.of[CLI_NOMINAL][i];
         if (poses->placement < 0 && poses->mae < CLI_ECHO)
             cli_say(call, NULL,
                     "warning: the measured poses repeat the nominal model (within %.3f mm): they "
@@ -61,8 +61,8 @@ static void print_warnings(cli_call *call, const calibrate_result *r)
 static void print_next(cli_call *call, const calibrate_result *r)
 {
     const bool sockets = r->train->n_sockets > 0;
-    const double train = r->train_scores.calibrated_mean.mae,
-                 test = r->test_scores.calibrated_mean.mae;
+    const double train = r->train_scores.mean[CLI_CALIBRATED].mae,
+                 test = r->test_scores.mean[CLI_CALIBRATED].mae;
     const cli_common *c = call->common;
     if (!r->offsets->acceptance.accepted) return;
     if (!enough_samples(r->fit))
@@ -155,7 +155,7 @@ void calibrate_print(cli_call *call, const calibrate_result *r)
     print_verdict(call, r);
     mukca_frame T;
     const bool foreign =
-        !r->offsets->acceptance.accepted && r->train_scores.nominal_mean.mae > CLI_FAR_OFF;
+        !r->offsets->acceptance.accepted && r->train_scores.mean[CLI_NOMINAL].mae > CLI_FAR_OFF;
     if (!r->offsets->acceptance.accepted)
         cli_print_mismatch(call, r->train, find_frame(&T, r, true), find_frame(&T, r, false));
     cli_scores_print_header(call, true);

@@ -44,7 +44,7 @@ static void print(cli_call *call, const evaluate_work *w)
     if (w->read_by_eye) cli_scores_print_rows(call, &w->data, &s->data, calibrated);
     if (tested) cli_scores_print(call, &w->test, "test", calibrated);
     if (tested && w->read_by_eye) cli_scores_print_rows(call, &w->test, &s->test, calibrated);
-    if (!calibrated && w->data.nominal_mean.mae > CLI_FAR_OFF)
+    if (!calibrated && w->data.mean[CLI_NOMINAL].mae > CLI_FAR_OFF)
         cli_print_mismatch(call, &s->data, false, false);
     else if (!calibrated)
         cli_say(call, "Next", "mukca calibrate with these data");
@@ -53,7 +53,8 @@ static void print(cli_call *call, const evaluate_work *w)
 static mukca_status verdict(cli_call *call, const evaluate_work *w)
 {
     const evaluate_options *o = call->options;
-    const double mae = w->test.n > 0 ? w->test.calibrated_mean.mae : w->data.calibrated_mean.mae;
+    const double mae =
+        w->test.n > 0 ? w->test.mean[CLI_CALIBRATED].mae : w->data.mean[CLI_CALIBRATED].mae;
     if (!(o->max_mae > 0) || mae <= o->max_mae) return MUKCA_OK;
     return cli_fail(call, MUKCA_NEGATIVE, "mean error %.6g m is above --max-mae %g", mae,
                     o->max_mae);
@@ -64,11 +65,12 @@ static mukca_status write_results(cli_call *call, const evaluate_work *w)
     const cli_session *s = call->session;
     const cli_common *c = call->common;
     mukca_output output = {0};
-    json_t *json = cli_json(
-        "schema:s acceptance:o data:o test:o mae_m:f test_mae_m:f", "mukca.evaluate/1",
-        cli_json_acceptance(c->offsets ? &s->model.offsets.acceptance : NULL),
-        cli_scores_json(&w->data, &s->data), cli_scores_json(&w->test, &s->test),
-        w->data.calibrated_mean.mae, w->test.n > 0 ? w->test.calibrated_mean.mae : (double)NAN);
+    json_t *json =
+        cli_json("schema:s acceptance:o data:o test:o mae_m:f test_mae_m:f", "mukca.evaluate/1",
+                 cli_json_acceptance(c->offsets ? &s->model.offsets.acceptance : NULL),
+                 cli_scores_json(&w->data, &s->data), cli_scores_json(&w->test, &s->test),
+                 w->data.mean[CLI_CALIBRATED].mae,
+                 w->test.n > 0 ? w->test.mean[CLI_CALIBRATED].mae : (double)NAN);
     mukca_status status = json ? MUKCA_OK : cli_fail(call, MUKCA_MEMORY, "out of memory");
     if (status == MUKCA_OK && (!c->json || c->output) && !w->read_by_eye)
         status = cli_output_open(call, &output);
@@ -124,11 +126,11 @@ static mukca_status run(cli_call *call)
     w->data.by_log = s->data.n_files > 1 || s->data.n_targets > 1;
     w->test.by_log = s->test.n_files > 1 || s->test.n_targets > 1;
     if (status == MUKCA_OK)
-        status =
-            cli_scores_make(call, &w->data, &model->chain, model->offsets.theta, model, &s->data);
+        status = cli_scores_make(call, &w->data, &model->chain, model->offsets.theta,
+                                 &model->offsets, &s->data);
     if (status == MUKCA_OK && s->test.n_rows > 0)
-        status =
-            cli_scores_make(call, &w->test, &model->chain, model->offsets.theta, model, &s->test);
+        status = cli_scores_make(call, &w->test, &model->chain, model->offsets.theta,
+                                 &model->offsets, &s->test);
     if (status == MUKCA_OK) status = write_results(call, w);
     if (status != MUKCA_OK) return status;
     print(call, w);

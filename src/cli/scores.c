@@ -23,41 +23,34 @@ static void take_urdf_theta(double *theta, const mukca_chain *chain, const mukca
 }
 
 mukca_status cli_scores_make(cli_call *call, cli_scores *scores, const mukca_chain *chain,
-                             const double *theta, const cli_model *model, const mukca_dataset *data)
+                             const double *theta, const mukca_offsets *offsets,
+                             const mukca_dataset *data)
 {
     const size_t room = mukca_evaluate_room(data);
-    mukca_effect effects[MUKCA_MAX_EFFECTS];
-    int n_effects = 0;
-    if (model && model->offsets.n_effects > 0) {
-        n_effects = model->offsets.n_effects;
-        mukca_offsets_place_effects(effects, &model->offsets, data);
-    }
-    double urdf[MUKCA_MAX_THETA];
     const bool factory = call->common->kinematics != NULL;
+    mukca_effect effects[MUKCA_MAX_EFFECTS];
+    double urdf[MUKCA_MAX_THETA];
+    if (offsets) mukca_offsets_place_effects(effects, offsets, data);
     mukca_chain_theta(urdf, chain);
     if (scores->nominal_theta)
         memcpy(urdf, scores->nominal_theta,
                MUKCA_PARAMETERS * (size_t)chain->n_elements * sizeof *urdf);
     if (factory) take_urdf_theta(urdf, chain, &call->session->model.urdf);
-    const mukca_model before = {
-        .chain = chain, .theta = factory ? urdf : scores->nominal_theta, .by_log = scores->by_log};
-    const mukca_model middle = {
-        .chain = chain, .theta = scores->nominal_theta, .by_log = scores->by_log};
-    const mukca_model after = {.chain = chain,
-                               .theta = theta,
-                               .effects = effects,
-                               .n_effects = n_effects,
-                               .by_log = scores->by_log};
+    const mukca_model models[CLI_MODELS] = {
+        [CLI_NOMINAL] = {.chain = chain, .theta = urdf, .by_log = scores->by_log},
+        [CLI_FACTORY] = {.chain = chain, .theta = scores->nominal_theta, .by_log = scores->by_log},
+        [CLI_CALIBRATED] = {.chain = chain,
+                            .theta = theta,
+                            .effects = effects,
+                            .n_effects = offsets ? offsets->n_effects : 0,
+                            .by_log = scores->by_log}};
     scores->has_factory = factory;
-    scores->nominal = calloc(room, sizeof *scores->nominal);
-    scores->factory = calloc(room, sizeof *scores->factory);
-    scores->calibrated = calloc(room, sizeof *scores->calibrated);
-    if (scores->nominal && scores->factory && scores->calibrated &&
-        mukca_evaluate(scores->nominal, &scores->nominal_mean, &before, data) >= 0 &&
-        (!factory || mukca_evaluate(scores->factory, &scores->factory_mean, &middle, data) >= 0))
-        scores->n = mukca_evaluate(scores->calibrated, &scores->calibrated_mean, &after, data);
-    else
-        scores->n = -1;
+    for (int m = 0; m < CLI_MODELS && scores->n >= 0; m++) {
+        if (m == CLI_FACTORY && !factory) continue;
+        scores->of[m] = calloc(room, sizeof *scores->of[m]);
+        scores->n =
+            scores->of[m] ? mukca_evaluate(scores->of[m], &scores->mean[m], &models[m], data) : -1;
+    }
     if (scores->n >= 0) return MUKCA_OK;
     cli_scores_free(scores);
     return cli_fail(call, MUKCA_MEMORY, "out of memory for %d rows", data->n_rows);
@@ -65,9 +58,7 @@ mukca_status cli_scores_make(cli_call *call, cli_scores *scores, const mukca_cha
 
 void cli_scores_free(cli_scores *scores)
 {
-    free(scores->nominal);
-    free(scores->factory);
-    free(scores->calibrated);
+    for (int m = 0; m < CLI_MODELS; m++) free(scores->of[m]);
     *scores = (cli_scores){0};
 }
 
@@ -122,14 +113,14 @@ void cli_scores_write_rows(FILE *stream, const char *set, const cli_scores *scor
 {
     for (int i = 0; i < scores->n; i++) {
         char name[NAME];
-        const mukca_score *after = &scores->calibrated[i];
+        const mukca_score *after = &scores->of[CLI_CALIBRATED][i];
         fprintf(stream, "%s\t%s\t%d", set, find_name(name, after, data), after->rows);
         for (int k = 0; k < FIGURES; k++) {
-            write_number(stream, figure(&scores->nominal[i], k));
+            write_number(stream, figure(&scores->of[CLI_NOMINAL][i], k));
             write_number(stream, figure(after, k));
         }
         for (int k = 0; k < FIGURES && scores->has_factory; k++)
-            write_number(stream, figure(&scores->factory[i], k));
+            write_number(stream, figure(&scores->of[CLI_FACTORY][i], k));
         fputc('\n', stream);
     }
 }
@@ -139,7 +130,8 @@ json_t *cli_scores_json(const cli_scores *scores, const mukca_dataset *data)
     json_t *array = json_array();
     for (int i = 0; i < scores->n; i++) {
         char name[NAME], keys[96];
-        const mukca_score *before = &scores->nominal[i], *after = &scores->calibrated[i];
+        const mukca_score *before = &scores->of[CLI_NOMINAL][i],
+                          *after = &scores->of[CLI_CALIBRATED][i];
         json_t *object = cli_json("placement:s rows:i", find_name(name, after, data), after->rows);
         for (int k = 0; k < FIGURES; k++) {
             if (k == ROTATION && !isfinite(figure(after, k))) continue;
@@ -147,36 +139,28 @@ json_t *cli_scores_json(const cli_scores *scores, const mukca_dataset *data)
             json_object_update_new(object, cli_json(keys, figure(before, k), figure(after, k)));
             snprintf(keys, sizeof keys, "%s:f", figures[k].factory);
             if (scores->has_factory)
-                json_object_update_new(object, cli_json(keys, figure(&scores->factory[i], k)));
+                json_object_update_new(object,
+                                       cli_json(keys, figure(&scores->of[CLI_FACTORY][i], k)));
         }
         json_array_append_new(array, object);
     }
     return array;
 }
 
-/* A figure of the models in mm or mrad; of[1], the factory's, may be NULL. */
-static void print_figures(cli_call *call, const char *name, int k, const mukca_score *const of[3],
+/* A figure of the models in mm or mrad, of a placement (-1: mean over all). */
+static void print_figures(cli_call *call, const char *name, int k, const cli_scores *s, int row,
                           bool calibrated)
 {
-    const double nominal = figure(of[0], k), after = figure(of[2], k);
-    cli_answer(call, "  %-24s %12.3f", name, 1e3 * nominal);
-    if (of[1]) cli_answer(call, " %12.3f", 1e3 * figure(of[1], k));
-    if (calibrated) cli_answer(call, " %12.3f", 1e3 * after);
-    if (calibrated && nominal > 0) cli_answer(call, " %+11.2f %%", 100 * (after / nominal - 1));
+    double value[CLI_MODELS] = {0};
+    for (int m = 0; m < CLI_MODELS; m++)
+        if (m != CLI_FACTORY || s->has_factory)
+            value[m] = figure(row < 0 ? &s->mean[m] : &s->of[m][row], k);
+    cli_answer(call, "  %-24s %12.3f", name, 1e3 * value[CLI_NOMINAL]);
+    if (s->has_factory) cli_answer(call, " %12.3f", 1e3 * value[CLI_FACTORY]);
+    if (calibrated) cli_answer(call, " %12.3f", 1e3 * value[CLI_CALIBRATED]);
+    if (calibrated && value[CLI_NOMINAL] > 0)
+        cli_answer(call, " %+11.2f %%", 100 * (value[CLI_CALIBRATED] / value[CLI_NOMINAL] - 1));
     cli_answer(call, "\n");
-}
-
-/* A mean over all placements; `kind`, `set`: "distortion", "train". */
-static void print_line(cli_call *call, const cli_scores *scores, int k, const char *kind,
-                       const char *set, bool calibrated)
-{
-    char name[40];
-    snprintf(name, sizeof name, "%s, %s", kind, set);
-    print_figures(call, name, k,
-                  (const mukca_score *const[]){&scores->nominal_mean,
-                                               scores->has_factory ? &scores->factory_mean : NULL,
-                                               &scores->calibrated_mean},
-                  calibrated);
 }
 
 void cli_scores_print_header(cli_call *call, bool calibrated)
@@ -187,12 +171,15 @@ void cli_scores_print_header(cli_call *call, bool calibrated)
 
 void cli_scores_print(cli_call *call, const cli_scores *scores, const char *set, bool calibrated)
 {
-    enum { MAE, STD, DISTANCE };
-    const bool sockets = isfinite(scores->nominal_mean.distance_error);
-    print_line(call, scores, MAE, sockets ? "consistency mm" : "position mm", set, calibrated);
-    if (sockets) print_line(call, scores, DISTANCE, "distortion mm", set, calibrated);
-    if (isfinite(scores->nominal_mean.rotation_error))
-        print_line(call, scores, ROTATION, "rotation mrad", set, calibrated);
+    const bool sockets = isfinite(scores->mean[CLI_NOMINAL].distance_error);
+    const char *const kinds[FIGURES] = {sockets ? "consistency mm" : "position mm", NULL,
+                                        "distortion mm", "rotation mrad"};
+    for (int k = 0; k < FIGURES; k++) {
+        char name[40];
+        if (!kinds[k] || !isfinite(figure(&scores->mean[CLI_NOMINAL], k))) continue;
+        snprintf(name, sizeof name, "%s, %s", kinds[k], set);
+        print_figures(call, name, k, scores, -1, calibrated);
+    }
 }
 
 void cli_scores_print_rows(cli_call *call, const cli_scores *scores, const mukca_dataset *data,
@@ -201,12 +188,8 @@ void cli_scores_print_rows(cli_call *call, const cli_scores *scores, const mukca
     char name[NAME], indented[32];
     for (int i = 0; i < scores->n && scores->n > 1; i++) {
         snprintf(indented, sizeof indented, "  %.24s",
-                 find_name(name, &scores->calibrated[i], data));
-        print_figures(call, indented, 0,
-                      (const mukca_score *const[]){&scores->nominal[i],
-                                                   scores->has_factory ? &scores->factory[i] : NULL,
-                                                   &scores->calibrated[i]},
-                      calibrated);
+                 find_name(name, &scores->of[CLI_CALIBRATED][i], data));
+        print_figures(call, indented, 0, scores, i, calibrated);
     }
 }
 
