@@ -9,13 +9,6 @@
 #include "report/page.h"
 #include "report/wording.h"
 
-/* Errors of one placement, nominal and calibrated. */
-typedef struct {
-    const char *placement; /* "poses" for all samples of a pose log */
-    bool test;
-    mukca_score nominal, calibrated;
-} mukca_report_score;
-
 /* Models: nominal; the table without its effects; the table. */
 enum { MUKCA_NOMINAL, MUKCA_RIGID, MUKCA_CALIBRATED, MUKCA_REPORT_MODELS };
 
@@ -44,8 +37,8 @@ typedef struct {
                                                        along the ball's motion by the joint, m */
     mukca_offset_row *offset;                       /* [n_offsets] rows of `offsets` */
     int n_offsets;
-    mukca_report_score *scores; /* [n_scores] of `train`, then of `test` */
-    int n_scores;
+    mukca_score *score[2][2]; /* of `train` and `test`, nominal and calibrated; [n_scores] each */
+    int n_scores[2];
     mukca_pool pool;
 } mukca_report;
 

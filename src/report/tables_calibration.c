@@ -118,13 +118,17 @@ void mukca_report_put_placements(FILE *out, const void *content)
         .columns = sockets ? "placement|#error nominal|#error calibrated|#distortion nominal|"
                              "#distortion calibrated"
                            : "data|#error nominal|#error calibrated"};
-    for (int i = 0; i < r->n_scores; i++) {
-        const mukca_score *a = &r->scores[i].nominal, *b = &r->scores[i].calibrated;
-        mukca_html_row(&table, "%s (%s, %d samples)\t%.3f\t%.3f", r->scores[i].placement,
-                       r->scores[i].test ? "test" : "training", b->rows, a->mae * mm, b->mae * mm);
-        if (sockets)
-            mukca_html_cells(&table, "%.3f\t%.3f", a->distance_error * mm, b->distance_error * mm);
-    }
+    for (int set = 0; set < 2; set++)
+        for (int i = 0; i < r->n_scores[set]; i++) {
+            const mukca_score *a = &r->score[set][0][i], *b = &r->score[set][1][i];
+            const mukca_placement *placements = (set ? r->test : r->train)->placements;
+            mukca_html_row(&table, "%s (%s, %d samples)\t%.3f\t%.3f",
+                           b->placement < 0 ? "poses" : placements[b->placement].name,
+                           set ? "test" : "training", b->rows, a->mae * mm, b->mae * mm);
+            if (sockets)
+                mukca_html_cells(&table, "%.3f\t%.3f", a->distance_error * mm,
+                                 b->distance_error * mm);
+        }
     mukca_html_table_end(&table);
     fputs(sockets ? "<p>Error: mean distance of the predicted ball centres of one socket from "
                     "their mean. Distortion: error of the predicted distance between two "
