@@ -191,19 +191,14 @@ static mukca_status write_results(cli_call *call)
 {
     diagnose_work *w = call->work;
     const mukca_diagnosed *r = &w->of.result;
-    json_t *traits = json_null();
     mukca_status status = write_summary(call);
-    if (w->adoption.traits && call->common->json)
-        traits = cli_adoption_json(&w->adoption, r->chain);
     if (status == MUKCA_OK) status = write_offsets(call, &w->of);
-    if (status == MUKCA_OK && call->common->json) {
-        json_t *json = cli_diagnosis_json(r);
-        json_object_set_new(json, "acceptance", cli_json_acceptance(r->acceptance));
-        json_object_set(json, "traits", traits);
-        status = cli_write_json(call, json);
-    }
-    json_decref(traits);
-    return status;
+    if (status != MUKCA_OK || !call->common->json) return status;
+    json_t *json = cli_diagnosis_json(r);
+    json_object_update_new(
+        json, cli_json("acceptance:o traits:o", cli_json_acceptance(r->acceptance),
+                       w->adoption.traits ? cli_adoption_json(&w->adoption, r->chain) : NULL));
+    return cli_write_json(call, json);
 }
 
 static mukca_status run(cli_call *call)

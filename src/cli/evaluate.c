@@ -65,24 +65,22 @@ static mukca_status write_results(cli_call *call, const evaluate_work *w)
     const cli_session *s = call->session;
     const cli_common *c = call->common;
     mukca_output output = {0};
-    json_t *json =
-        cli_json("schema:s acceptance:o data:o test:o mae_m:f test_mae_m:f", "mukca.evaluate/1",
-                 cli_json_acceptance(c->offsets ? &s->model.offsets.acceptance : NULL),
-                 cli_scores_json(&w->data, &s->data), cli_scores_json(&w->test, &s->test),
-                 w->data.mean[CLI_CALIBRATED].mae,
-                 w->test.n > 0 ? w->test.mean[CLI_CALIBRATED].mae : (double)NAN);
-    mukca_status status = json ? MUKCA_OK : cli_fail(call, MUKCA_MEMORY, "out of memory");
-    if (status == MUKCA_OK && (!c->json || c->output) && !w->read_by_eye)
-        status = cli_output_open(call, &output);
+    mukca_status status = MUKCA_OK;
+    if ((!c->json || c->output) && !w->read_by_eye) status = cli_output_open(call, &output);
     if (status == MUKCA_OK && output.stream) {
         cli_scores_write_header(output.stream, c->kinematics != NULL);
         cli_scores_write_rows(output.stream, "data", &w->data, &s->data);
         cli_scores_write_rows(output.stream, "test", &w->test, &s->test);
     }
     status = mukca_output_finish(&output, status, &call->error);
-    if (status == MUKCA_OK) return cli_write_json(call, json);
-    json_decref(json);
-    return status;
+    if (status != MUKCA_OK || !c->json) return status;
+    return cli_write_json(
+        call,
+        cli_json("schema:s acceptance:o data:o test:o mae_m:f test_mae_m:f", "mukca.evaluate/1",
+                 cli_json_acceptance(c->offsets ? &s->model.offsets.acceptance : NULL),
+                 cli_scores_json(&w->data, &s->data), cli_scores_json(&w->test, &s->test),
+                 w->data.mean[CLI_CALIBRATED].mae,
+                 w->test.n > 0 ? w->test.mean[CLI_CALIBRATED].mae : (double)NAN));
 }
 
 /* The arm with its offsets, on a chain with the additional frames of measured poses (zero if the

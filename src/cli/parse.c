@@ -219,9 +219,9 @@ static bool store(void *at, const cli_option *option, const char *text)
     double *v = at;
     switch (option->kind) {
         case CLI_NUMBER:
-            return cli_read_list(v, 1, text) == 1 && in_range(*v, option);
         case CLI_POSITIVE:
-            return cli_read_list(v, 1, text) == 1 && *v > 0 && in_range(*v, option);
+            return cli_read_list(v, 1, text) == 1 && in_range(*v, option) &&
+                   (option->kind == CLI_NUMBER || *v > 0);
         case CLI_VECTOR:
             return cli_read_list(v, 3, text) == 3 && (v[0] != 0 || v[1] != 0 || v[2] != 0);
         case CLI_INTEGER:

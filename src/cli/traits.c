@@ -68,15 +68,9 @@ static void put_coefficient(mukca_text *text, const mukca_inherited *c, const mu
 void cli_adoption_print(cli_call *call, const mukca_adoption *a, const mukca_diagnosis *d,
                         const mukca_chain *chain)
 {
-    char line[1024] = "", orders[512] = "";
-    mukca_text text = MUKCA_TEXT(line), list = MUKCA_TEXT(orders);
-    int n_orders = 0, shown = 0;
-    for (int i = 0; i < a->traits->n; i++) {
-        const mukca_effect *e = &a->traits->list[i].effect;
-        if (e->kind != MUKCA_EFFECT_GEAR_HARMONIC) continue;
-        mukca_text_put(&list, "%s%d at %s", n_orders++ ? ", " : "", e->variant.order,
-                       mukca_chain_joint_name(chain, e->joint));
-    }
+    char line[1024] = "";
+    mukca_text text = MUKCA_TEXT(line);
+    int shown = 0;
     if (a->traits->n == 0) {
         cli_say(call, "Fleet", "the traits table of %d arms is empty: they share nothing",
                 a->traits->n_arms);
@@ -105,7 +99,6 @@ void cli_adoption_print(cli_call *call, const mukca_adoption *a, const mukca_dia
         cli_say(call, shown++ ? "" : "Elastic", "%s", line);
         line[text.used = 0] = '\0';
     }
-    if (n_orders && !a->only) cli_say(call, "Ripple", "orders known from the fleet: %s", orders);
     if (isfinite(a->explained_m))
         cli_say(call, "Error", "held out, with the traits %.3f mm (without %.3f mm)",
                 1e3 * a->explained_m, 1e3 * a->own_explained_m);

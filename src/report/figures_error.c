@@ -31,12 +31,11 @@ bool mukca_report_joints(mukca_plot *plot, const void *content, int index)
             mukca_plot_add(plot, m == MUKCA_RIGID ? MUKCA_PLOT_BEFORE : MUKCA_PLOT_AFTER, point,
                            NAN, NAN);
         }
-    mukca_text_put(
-        &description,
-        "The part of each sample's error along which %s moves the %s, over the joint's %s: "
-        "%.3f mm rms calibrated",
-        e->name, r->train->n_sockets > 0 ? "ball" : "target", coordinate,
-        mukca_report_joint_rms(r, MUKCA_CALIBRATED, index) * mm);
+    mukca_text_put(&description,
+                   "The part of each sample's error along which %s moves the %s, over the joint's "
+                   "%s: %.3f mm rms calibrated",
+                   e->name, r->train->n_sockets > 0 ? "ball" : "target", coordinate,
+                   mukca_report_joint_rms(r, MUKCA_CALIBRATED, index) * mm);
     if (causes)
         mukca_text_put(&description, ", %.3f mm without the causes of the table",
                        mukca_report_joint_rms(r, MUKCA_RIGID, index) * mm);

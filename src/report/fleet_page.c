@@ -221,11 +221,10 @@ static bool draw_coefficient(mukca_plot *plot, const void *content, int index)
     plot->band[0] = fmax(value - spread, 0);
     plot->band[1] = value;
     plot->band[2] = value + spread;
-    mukca_text_put(
-        &description,
-        "Each arm with its 95 %% interval, its sisters as prior; dashed: mean of the fleet, "
-        "%.3g [%.3g, %.3g] if shared (%s); grey: range of 95 %% of its arms.",
-        value, per * c->low, per * c->high, probability);
+    mukca_text_put(&description,
+                   "Each arm with its 95 %% interval, its sisters as prior; dashed: mean of the "
+                   "fleet, %.3g [%.3g, %.3g] if shared (%s); grey: range of 95 %% of its arms.",
+                   value, per * c->low, per * c->high, probability);
     const mukca_departure *d = next_arm(p, NULL);
     for (int i = 0; departs(d) && i < MOST_ARMS; d = next_arm(p, d), i++)
         if (d->k == k)
@@ -245,8 +244,7 @@ static void put_orders(FILE *out, const void *content)
         .out = out,
         .caption = "Most probable order of each joint",
         .columns =
-            "joint|#order, per turn|#arms that favour it|#log Bayes factor|#probability "
-            "shared"};
+            "joint|#order, per turn|#arms that favour it|#log Bayes factor|#probability shared"};
     for (int j = 0; j < p->fleet->model.n_joints; j++) {
         const mukca_trait *o = &p->result->order[j];
         if (o->effect.variant.order)

@@ -39,8 +39,8 @@ void mukca_report_put_accuracy(FILE *out, const mukca_report *r)
         fputs("</dl>\n", out);
         if (isfinite(a->error_here_unscaled_m))
             fprintf(out,
-                    "<p>With this result, %.2f mm and %.2f mm apart from the arm's scale "
-                    "(socket distance known to 0.1 mm) and from causes that the table lacks.</p>\n",
+                    "<p>With this result, %.2f mm and %.2f mm apart from the arm's scale (socket "
+                    "distance known to 0.1 mm) and from causes that the table lacks.</p>\n",
                     a->error_here_unscaled_m * mm, a->error_workspace_unscaled_m * mm);
     }
     fprintf(out, "<p class=\"verdict %s use\"><strong>Use the result?</strong> ",
@@ -59,10 +59,9 @@ void mukca_report_put_steps(FILE *out, const mukca_report *r)
     double most = 0;
     mukca_html_table table = {
         .out = out,
-        .caption = d->folds > 1
-                       ? "Mean error, mm, each line a fit of its own; cross-validated: each "
-                         "fold predicted from the others"
-                       : "Mean error, mm, each line a fit of its own",
+        .caption = d->folds > 1 ? "Mean error, mm, each line a fit of its own; cross-validated: "
+                                  "each fold predicted from the others"
+                                : "Mean error, mm, each line a fit of its own",
         .columns = d->folds > 1 ? "model|#cross-validated|bar|#test" : "model|#training|bar|#test"};
     const bool tested = isfinite(steps[0].test_m);
     if (!tested)
@@ -115,8 +114,8 @@ void mukca_report_put_placements(FILE *out, const void *content)
             sockets
                 ? "Errors of the table of offsets by placement, mm (as mukca evaluate prints them)"
                 : "Position errors of the table of offsets, mm (as mukca evaluate prints them)",
-        .columns = sockets ? "placement|#error nominal|#error calibrated|#distortion nominal|"
-                             "#distortion calibrated"
+        .columns = sockets ? "placement|#error nominal|#error calibrated|#distortion "
+                             "nominal|#distortion calibrated"
                            : "data|#error nominal|#error calibrated"};
     for (int set = 0; set < 2; set++)
         for (int i = 0; i < r->n_scores[set]; i++) {
@@ -131,8 +130,8 @@ void mukca_report_put_placements(FILE *out, const void *content)
         }
     mukca_html_table_end(&table);
     fputs(sockets ? "<p>Error: mean distance of the predicted ball centres of one socket from "
-                    "their mean. Distortion: error of the predicted distance between two "
-                    "sockets. Training errors are those of the data that were fitted.</p>\n"
+                    "their mean. Distortion: error of the predicted distance between two sockets. "
+                    "Training errors are those of the data that were fitted.</p>\n"
                   : "<p>Error: mean distance of the predicted from the measured position.</p>\n",
           out);
 }
@@ -142,13 +141,12 @@ void mukca_report_put_placements(FILE *out, const void *content)
 void mukca_report_put_offsets(FILE *out, const void *content)
 {
     const mukca_report *r = content;
-    mukca_html_table table = {
-        .out = out,
-        .caption =
-            "Parameters: calibrated = nominal + offset, in the URDF's origins; sigma: standard "
-            "error; in brackets: not identifiable",
-        .style = "parameters",
-        .columns = "parameter|#nominal|#offset|#sigma"};
+    mukca_html_table table = {.out = out,
+                              .caption =
+                                  "Parameters: calibrated = nominal + offset, in the URDF's "
+                                  "origins; sigma: standard error; in brackets: not identifiable",
+                              .style = "parameters",
+                              .columns = "parameter|#nominal|#offset|#sigma"};
     for (int i = 0; i < r->n_offsets; i++) {
         const mukca_offset_row *row = &r->offset[i];
         const bool elastic = strcmp(row->unit, "rad/(N*m)") == 0;
