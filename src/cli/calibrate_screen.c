@@ -200,8 +200,14 @@ json_t *calibrate_json(const calibrate_result *r, const char *solver, const char
     const mukca_fit *fit = r->fit;
     const mukca_cost_value *before = &fit->nominal, *after = &fit->calibrated;
     const mukca_difference *e = &r->evidence;
-    json_t *const none = NULL;
-    json_t *root = cli_json(
+    json_t *traits = r->traits
+                         ? cli_json("used:b share:f arms:i log_bayes_factor:f", r->traits_share > 0,
+                                    r->traits_share, r->traits->n_arms, r->traits_evidence)
+                         : NULL;
+    json_t *by_evidence = e->postures ? cli_json("error_m:f instead_of_m:f difference_sigma_m:f",
+                                                 e->after_m, e->before_m, e->sigma_m)
+                                      : NULL;
+    return cli_json(
         "schema:s converged:b solver{name:s gradient:s evaluations:i iterations:i status:s "
         "to_gain:f} cost{nominal{total:f inconsistency:f distortion:f regularisation:f} "
         "calibrated{total:f inconsistency:f distortion:f regularisation:f}} train:o test:o "
@@ -216,14 +222,5 @@ json_t *calibrate_json(const calibrate_result *r, const char *solver, const char
         fit->identification.noise, fit->identification.observability, null_space_json(fit),
         fit->n_part > 0 ? fit->n_part : r->train->n_rows,
         cli_json_acceptance(&r->offsets->acceptance), frame_json(r, true), frame_json(r, false),
-        none, none, elapsed);
-    if (r->traits)
-        json_object_update_new(
-            root, cli_json("traits{used:b share:f arms:i log_bayes_factor:f}", r->traits_share > 0,
-                           r->traits_share, r->traits->n_arms, r->traits_evidence));
-    if (e->postures)
-        json_object_update_new(
-            root, cli_json("by_evidence{error_m:f instead_of_m:f difference_sigma_m:f}", e->after_m,
-                           e->before_m, e->sigma_m));
-    return root;
+        traits, by_evidence, elapsed);
 }

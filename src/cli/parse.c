@@ -157,11 +157,6 @@ static bool append(cli_list *list, const char *item)
     return true;
 }
 
-static mukca_status out_of_memory(cli_call *call)
-{
-    return cli_fail(call, MUKCA_MEMORY, "out of memory");
-}
-
 /* ", in m", by the argument's name in help; "": no unit. */
 static const char *unit_words(const cli_option *option)
 {
@@ -250,7 +245,7 @@ static mukca_status set_value(cli_call *call, const cli_option *option, const ch
         return cli_fail(call, MUKCA_USAGE, "--%s needs %s, and not an empty text", option->name,
                         option->argument);
     if (option->kind == CLI_TEXTS || option->kind == CLI_REST)
-        return append(at, text) ? MUKCA_OK : out_of_memory(call);
+        return append(at, text) ? MUKCA_OK : cli_fail(call, MUKCA_MEMORY, "out of memory");
     if (store(at, option, text)) return MUKCA_OK;
     for (int i = 0; option->kind == CLI_CHOICE && option->choices[i]; i++)
         mukca_text_put(&names, "%s %s", i ? "," : "", option->choices[i]);
@@ -330,7 +325,7 @@ mukca_status cli_parse(cli_call *call, bool *help, int argc, char **argv)
     *help = false;
     call->options = calloc(1, call->command->options_size);
     call->common = call->options;
-    if (!call->options) return out_of_memory(call);
+    if (!call->options) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     if (call->command->defaults)
         memcpy(call->options, call->command->defaults, call->command->options_size);
     call->common->distance = CLI_USUAL_DISTANCE;
@@ -343,7 +338,8 @@ mukca_status cli_parse(cli_call *call, bool *help, int argc, char **argv)
             if (!*word)
                 return cli_fail(call, MUKCA_USAGE, "an argument is empty; see `mukca help %s`",
                                 call->command->name);
-            if (!append(&call->arguments, word)) return out_of_memory(call);
+            if (!append(&call->arguments, word))
+                return cli_fail(call, MUKCA_MEMORY, "out of memory");
         } else if (strcmp(word, "--") == 0) {
             plain = true;
         } else if (strcmp(word, "--help") == 0) {

@@ -6,6 +6,7 @@
 #include "cli/simulate.h"
 #include "diagnose/next_poses.h"
 #include "io/output.h"
+#include "report/wording.h"
 
 typedef struct {
     cli_common common;
@@ -231,13 +232,6 @@ static json_t *as_json(const plan_work *r)
         p->evidence_before, p->evidence_after, p->rows_to_name, r->payload, cli_elapsed(r->call));
 }
 
-static void name_cause(char name[96], const mukca_effect *effect, const mukca_chain *chain)
-{
-    snprintf(name, 96, "%s%s%s", mukca_effect_table[effect->kind]->name,
-             effect->joint < 0 ? "" : " of ",
-             effect->joint < 0 ? "" : mukca_chain_joint_name(chain, effect->joint));
-}
-
 static void print(plan_work *r)
 {
     const plan_options *o = r->call->options;
@@ -245,13 +239,15 @@ static void print(plan_work *r)
     cli_answer(r->call, "%d postures in %d sockets; %d samples recorded\n", p->n_rows, r->n_sockets,
                p->n_recorded);
     if (r->causes.n_effects > 0) {
-        char a[96], b[96];
-        name_cause(a, &r->causes.effects[0], &r->model->chain);
-        name_cause(b, &r->causes.effects[1], &r->model->chain);
+        char cause[2][MUKCA_WORDING];
+        for (int k = 0; k < 2; k++)
+            mukca_wording_effect(
+                cause[k], r->causes.effects[k].kind,
+                mukca_chain_joint_name(&r->model->chain, r->causes.effects[k].joint));
         cli_say(
             r->call, NULL,
             "Separating %s from %s: expected log Bayes factor %.1f before, %.1f after (%g decides)",
-            a, b, p->evidence_before, p->evidence_after, MUKCA_PLAN_NAME);
+            cause[0], cause[1], p->evidence_before, p->evidence_after, MUKCA_PLAN_NAME);
         if (r->payload > 0)
             cli_say(r->call, NULL,
                     "These postures are for a payload of %g kg at the tip; as many without it "
