@@ -72,12 +72,11 @@ static json_t *trait_object(const mukca_trait *t, const mukca_fleet *f)
 
 static json_t *departure_object(const mukca_departure *d, const mukca_fleet *f)
 {
-    const double ci95[2] = {d->low, d->high};
     return cli_json(
-        "arm:s effect:s joint:s ratio:f probability:f log_bayes_factor:f value:f ci95:o mean:f",
+        "arm:s effect:s joint:s ratio:f probability:f log_bayes_factor:f value:f ci95:v mean:f",
         f->arm[d->arm].name, mukca_effect_table[d->effect.kind]->name,
         joint_name(f, d->effect.joint), d->ratio, d->probability, d->log_bayes_factor, d->value,
-        cli_json_reals(ci95, 2), d->mean);
+        d->low, d->high, d->mean);
 }
 
 static json_t *arm_object(const mukca_fleet_result *r, const mukca_fleet *f, int arm)

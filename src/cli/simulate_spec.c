@@ -54,8 +54,7 @@ static const char *take(char *out, const char *from, const char *stops)
 static mukca_status split(piece *p, const char **text, mukca_error *error)
 {
     const char *at = *text;
-    memset(p, 0, sizeof *p);
-    p->text = *text;
+    *p = (piece){.text = *text};
     at = take(p->name, at, ":@=,");
     if (*at == ':') at = take(p->where, at + 1, "@=,");
     if (*at == '@') at = take(p->variant, at + 1, "=,");
@@ -77,13 +76,6 @@ static mukca_status split(piece *p, const char **text, mukca_error *error)
     return MUKCA_OK;
 }
 
-static int find_place(const cli_simulated *s, const char *name)
-{
-    for (int p = 0; p < s->n_places; p++)
-        if (strcmp(s->places[p].name, name) == 0) return p;
-    return -1;
-}
-
 static mukca_status find_joint(int *joint, const cli_simulated *s, const piece *p, const char *name,
                                mukca_error *error)
 {
@@ -103,8 +95,8 @@ static mukca_status find_joint(int *joint, const cli_simulated *s, const piece *
 static mukca_status find_placement(int *placement, const cli_simulated *s, const piece *p,
                                    const char *name, mukca_error *error)
 {
-    *placement = find_place(s, name);
-    if (*placement >= 0) return MUKCA_OK;
+    for (*placement = 0; *placement < s->n_places; ++*placement)
+        if (strcmp(s->places[*placement].name, name) == 0) return MUKCA_OK;
     if (!s->n_places) return wrong(error, p, "a pose log has no placements and no sockets");
     return mukca_fail(error, MUKCA_USAGE,
                       "--effect %.80s: no placement '%.40s'; the first one is '%s'", p->text, name,

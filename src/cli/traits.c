@@ -115,12 +115,11 @@ json_t *cli_adoption_json(const mukca_adoption *a, const mukca_chain *chain)
     for (int i = 0; i < a->n; i++) {
         const mukca_inherited *c = &a->list[i];
         const mukca_trait *t = c->trait;
-        const double ci95[2] = {c->low, c->high};
         cli_json_append(elastic,
-                        "effect:s joint:s value:f ci95:o mean:f spread:f probability:f own_share:f",
+                        "effect:s joint:s value:f ci95:v mean:f spread:f probability:f own_share:f",
                         mukca_effect_table[t->effect.kind]->name,
-                        mukca_chain_joint_name(chain, t->effect.joint), c->value,
-                        cli_json_reals(ci95, 2), t->mean, t->spread, t->probability, c->own);
+                        mukca_chain_joint_name(chain, t->effect.joint), c->value, c->low, c->high,
+                        t->mean, t->spread, t->probability, c->own);
     }
     for (int i = 0; i < a->traits->n; i++) {
         const mukca_effect *e = &a->traits->list[i].effect;
