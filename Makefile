@@ -181,8 +181,9 @@ install: all ## program, core library, headers, mukca.pc, unit, man pages, compl
 	for d in lcm inertials traits; do install -D -m 644 -t $(share)/mukca/$$d data/$$d/*.[lt]*; done
 	install -D -m 644 -t $(share)/man/man1 mukca.1
 	install -D -m 644 -t $(share)/man/man5 mukca-formats.5
-	$(EMULATOR) $(BUILD)/mukca completion bash > $(share)/bash-completion/completions/mukca
-	$(EMULATOR) $(BUILD)/mukca completion zsh > $(share)/zsh/site-functions/_mukca
+	install -m 644 data/completion.bash $(share)/bash-completion/completions/mukca
+	{ printf '#compdef mukca\nautoload -U +X bashcompinit && bashcompinit\n'; cat data/completion.bash; \
+	    echo '_bash_complete -o default -F _mukca'; } > $(share)/zsh/site-functions/_mukca
 
 uninstall: ## remove the installed files
 	rm -f $(bindir)/mukca $(libdir)/libmukca_core.a $(libdir)/libmukca_rt.a $(libdir)/pkgconfig/mukca.pc \

@@ -21,11 +21,7 @@ static const cli_option options[] = {
                "last link of the right arm (default: --tip)"),
     CLI_OPTION(align_options, right_offsets, "right-offsets", CLI_INPUT, "FILE",
                "offsets table of the right arm (default: none)"),
-    CLI_OFFSETS_OPTION,
-    CLI_ACCEPT_OPTION,
-    CLI_JSON_OPTION,
-    CLI_MODEL_OPTIONS,
-    CLI_LAST_OPTIONS};
+    {.name = NULL}};
 
 /* One arm: its session, and the mean of the predicted ball in each socket. */
 typedef struct {
@@ -72,7 +68,7 @@ static mukca_status find_means(cli_call *call, side *s)
     s->count = calloc((size_t)d->n_sockets + 1, sizeof *s->count);
     if (!tip || !s->mean || !s->count || !mukca_evaluate_tips(tip, &model, d)) {
         free(tip);
-        return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+        return cli_fail(call, MUKCA_MEMORY, "out of memory");
     }
     for (int i = 0; i < d->n_rows; i++) {
         const int k = d->socket[i];
@@ -110,8 +106,7 @@ static mukca_status load_side(cli_call *call, int i)
     *c = left;
     if (status != MUKCA_OK) return status;
     if (s->data.n_sockets == 0)
-        return mukca_fail(&call->error, MUKCA_INPUT, "%.100s: no sockets; give a session",
-                          path.items[0]);
+        return cli_fail(call, MUKCA_INPUT, "%.100s: no sockets; give a session", path.items[0]);
     return find_means(call, s);
 }
 
@@ -127,7 +122,7 @@ static mukca_status find_shared(cli_call *call)
     const side *l = &w->side[0], *r = &w->side[1];
     w->shared = calloc((size_t)l->data.n_sockets + 1, sizeof *w->shared);
     w->socket = calloc((size_t)l->data.n_sockets + 1, sizeof *w->socket);
-    if (!w->shared || !w->socket) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    if (!w->shared || !w->socket) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     for (int i = 0; i < l->data.n_sockets; i++)
         for (int k = 0; k < r->data.n_sockets; k++) {
             if (!l->count[i] || !r->count[k] ||
@@ -144,11 +139,11 @@ static mukca_status find_shared(cli_call *call)
             break;
         }
     if (w->n > 0) return MUKCA_OK;
-    return mukca_fail(&call->error, MUKCA_INPUT,
-                      "the sessions share no socket: none has the same placement and label in both "
-                      "('%.40s' in %.60s, '%.40s' in %.60s)",
-                      placement_of(l, 0), call->arguments.items[0], placement_of(r, 0),
-                      call->arguments.items[1]);
+    return cli_fail(call, MUKCA_INPUT,
+                    "the sessions share no socket: none has the same placement and label in both "
+                    "('%.40s' in %.60s, '%.40s' in %.60s)",
+                    placement_of(l, 0), call->arguments.items[0], placement_of(r, 0),
+                    call->arguments.items[1]);
 }
 
 static void print(cli_call *call)
@@ -166,12 +161,10 @@ static void print(cli_call *call)
     cli_answer(call, "  roll %.6f pitch %.6f yaw %.6f rad\n", rpy[0], rpy[1], rpy[2]);
     for (int a = 3; a < 6; a++)
         cli_answer(call, "  %-8s within %.3f mrad\n", names[a], 1e3 * t->width95[a]);
-    cli_answer_wrapped(
-        call,
-        "Distance of the sockets after the alignment: %.3f mm rms; noise alone: "
-        "%.3f mm%s",
-        1e3 * t->residual_m, 1e3 * t->expected_m,
-        t->scale > 2 ? " (calibrate both arms first: --offsets, --right-offsets)" : "");
+    cli_say(call, NULL,
+            "Distance of the sockets after the alignment: %.3f mm rms; noise alone: %.3f mm%s",
+            1e3 * t->residual_m, 1e3 * t->expected_m,
+            t->scale > 2 ? " (calibrate both arms first: --offsets, --right-offsets)" : "");
 }
 
 static json_t *as_json(const cli_call *call)
@@ -185,15 +178,14 @@ static json_t *as_json(const cli_call *call)
         double at[3];
         mukca_mat3_vec(at, t->pose.R, w->shared[i].at[1]);
         for (int a = 0; a < 3; a++) at[a] += t->pose.p[a];
-        json_array_append_new(sockets, cli_json("placement:s socket:s residual_m:f",
-                                                placement_of(&w->side[0], w->socket[i][0]),
-                                                w->side[0].data.sockets[w->socket[i][0]].label,
-                                                mukca_distance3(at, w->shared[i].at[0])));
+        cli_json_append(sockets, "placement:s socket:s residual_m:f",
+                        placement_of(&w->side[0], w->socket[i][0]),
+                        w->side[0].data.sockets[w->socket[i][0]].label,
+                        mukca_distance3(at, w->shared[i].at[0]));
     }
     return cli_json(
-        "schema:s pose:o rpy_rad:o sigma{position_m:o rotation_rad:o} "
-        "width95{position_m:o rotation_rad:o} sockets:o freedom:i residual_m:f "
-        "expected_m:f elapsed_s:f",
+        "schema:s pose:o rpy_rad:o sigma{position_m:o rotation_rad:o} width95{position_m:o "
+        "rotation_rad:o} sockets:o freedom:i residual_m:f expected_m:f elapsed_s:f",
         "mukca.align/1", cli_json_frame(&t->pose), cli_json_reals(rpy, 3),
         cli_json_reals(t->sigma, 3), cli_json_reals(t->sigma + 3, 3), cli_json_reals(t->width95, 3),
         cli_json_reals(t->width95 + 3, 3), sockets, t->freedom, t->residual_m, t->expected_m,
@@ -221,14 +213,17 @@ const cli_command cli_command_align = {
     .description =
         "LEFT and RIGHT are sessions of two arms with the same artefact in the same placements: "
         "sockets with the same placement and label are one point. Prints the pose of the right "
-        "arm's base in the left arm's base with 95 % intervals. The intervals are computed "
-        "from the measurement noise, or from the larger disagreement of the sockets (errors of the "
+        "arm's base in the left arm's base with 95 % intervals. The intervals are computed from "
+        "the measurement noise, or from the larger disagreement of the sockets (errors of the "
         "arms' geometry). Calibrate both arms first and give their tables: the pose is that of the "
         "bases of these tables.",
     .example =
-        "mukca simulate --urdf data/demo/arm.urdf --place a=0.4,0.2,0.1 --place b=0.4,-0.2,0.3 "
-        "--noise 1e-4 -o build/demo/left.tsv --force\n"
-        "mukca align --urdf data/demo/arm.urdf build/demo/left.tsv build/demo/left.tsv",
+        "  mukca simulate --urdf data/demo/arm.urdf --place a=0.4,0.2,0.1 \\\n"
+        "      --place b=0.4,-0.2,0.3 --noise 1e-4 -o build/demo/left.tsv \\\n"
+        "      --force\n"
+        "  mukca align \\\n"
+        "      --urdf data/demo/arm.urdf build/demo/left.tsv build/demo/left.tsv",
+    .with = CLI_WITH_MODEL | CLI_WITH_OFFSETS | CLI_WITH_ACCEPT | CLI_WITH_JSON,
     .options = options,
     .options_size = sizeof(align_options),
     .run = run,

@@ -13,10 +13,10 @@
 
 typedef struct {
     cli_common common;
-    const char *free, *freeze, *traits;
+    const char *free, *freeze;
     int solver, gradient;
     double lambda;
-    bool regularise_tip, evidence, free_base, free_tool;
+    bool regularise_tip, evidence;
 } calibrate_options;
 
 static const calibrate_options defaults = {.lambda = MUKCA_LAMBDA};
@@ -25,18 +25,10 @@ static const char *const solvers[] = {"slsqp", "lbfgs", "gauss-newton", NULL};
 static const char *const gradients[] = {"fd", "analytic", NULL};
 
 static const cli_option options[] = {
-    CLI_TEST_OPTION,
     CLI_OUTPUT_OPTION("write the offsets table"),
-    CLI_JSON_OPTION,
-    CLI_TRAITS_OPTION(calibrate_options, traits),
-    CLI_MODEL_OPTIONS,
-    CLI_DISTANCE_OPTIONS,
-    CLI_ANGLES_OPTION,
-    CLI_TABLE_OPTIONS,
     CLI_OPTION(calibrate_options, free, "free", CLI_TEXT, "LIST",
                "fit these only: joints, parameters (x y z roll pitch yaw) or joint.parameter, with "
-               "commas; "
-               "a leading + adds them to the default set"),
+               "commas; a leading + adds them to the default set"),
     CLI_OPTION(calibrate_options, freeze, "freeze", CLI_TEXT, "LIST",
                "keep these nominal (same syntax)"),
     CLI_OPTION(calibrate_options, regularise_tip, "regularise-tip", CLI_FLAG, NULL,
@@ -47,16 +39,11 @@ static const cli_option options[] = {
     CLI_OPTION(calibrate_options, evidence, "evidence", CLI_FLAG, NULL,
                "choose the priors by the evidence and weigh outliers down, instead of this cost "
                "(sockets)"),
-    CLI_OPTION(calibrate_options, free_base, "free-base", CLI_FLAG, NULL,
-               "pose logs: fit the frame of the tracker, too (joint base_frame)"),
-    CLI_OPTION(
-        calibrate_options, free_tool, "free-tool", CLI_FLAG, NULL,
-        "pose logs: fit the offset of the target (the last fixed joint, else joint tool_frame)"),
     CLI_CHOICE_OPTION(calibrate_options, solver, "solver", "SOLVER", solvers,
                       "minimiser (default: slsqp)"),
     CLI_CHOICE_OPTION(calibrate_options, gradient, "gradient", "GRADIENT", gradients,
                       "central differences (default), or analytic"),
-    CLI_LAST_OPTIONS};
+    {.name = NULL}};
 
 /* Refuse sockets with identical samples: the joint states had stopped while recording. */
 static mukca_status check_moving(cli_call *call, const mukca_dataset *d)
@@ -73,11 +60,10 @@ static mukca_status check_moving(cli_call *call, const mukca_dataset *d)
             rows++;
         }
         if (same && rows > 2)
-            return mukca_fail(
-                &call->error, MUKCA_UNIDENTIFIABLE,
-                "placement '%s', socket '%s': all %d samples have the same joint angles; "
-                "the stream had stopped, record them again",
-                d->placements[d->sockets[s].placement].name, d->sockets[s].label, rows);
+            return cli_fail(call, MUKCA_UNIDENTIFIABLE,
+                            "placement '%s', socket '%s': all %d samples have the same joint "
+                            "angles; the stream had stopped, record them again",
+                            d->placements[d->sockets[s].placement].name, d->sockets[s].label, rows);
     }
     return MUKCA_OK;
 }
@@ -86,8 +72,8 @@ static mukca_fit_options fit_options(const calibrate_options *o)
 {
     return (mukca_fit_options){
         .selection = {o->free, o->freeze, o->regularise_tip},
-        .free_base = o->free_base,
-        .free_tool = o->free_tool,
+        .free_base = o->common.free_base,
+        .free_tool = o->common.free_tool,
         .by_evidence = o->evidence,
         .cost = {.lambda = o->lambda > 0 ? o->lambda : -1,
                  .gradient = o->gradient == 1 ? MUKCA_GRADIENT_ANALYTIC : MUKCA_GRADIENT_FD},
@@ -107,7 +93,7 @@ static mukca_status judge(cli_call *call, const calibrate_result *r)
 static bool is_default(const calibrate_options *o)
 {
     return !o->free && !o->freeze && !o->regularise_tip && o->lambda == MUKCA_LAMBDA &&
-           !o->free_base && !o->free_tool && !o->traits;
+           !o->common.free_base && !o->common.free_tool && !o->common.traits;
 }
 
 /* Compare with the geometry by the evidence.  The priors of a long recording have no weight. */
@@ -122,7 +108,7 @@ static mukca_status compare_evidence(cli_call *call, calibrate_result *r)
         r->train->n_sockets == 0 || r->train->n_rows > MOST_ROWS)
         return MUKCA_OK;
     mukca_fit *other = calloc(1, sizeof *other);
-    if (!other) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory for another fit");
+    if (!other) return cli_fail(call, MUKCA_MEMORY, "out of memory for another fit");
     mukca_status status = mukca_fit_run(other, chain, r->train, &both[1], &call->error);
     if (status == MUKCA_OK)
         status = mukca_fit_compare(&r->evidence, (const mukca_fit *const[]){r->fit, other}, both,
@@ -138,8 +124,8 @@ static mukca_status write_results(cli_call *call, const calibrate_result *r)
     char comments[256];
     snprintf(comments, sizeof comments,
              "mean error on %d training samples: %.4g m nominal, %.4g m calibrated",
-             r->train->n_rows, r->train_scores.nominal_mean.mae,
-             r->train_scores.calibrated_mean.mae);
+             r->train->n_rows, r->train_scores.mean[CLI_NOMINAL].mae,
+             r->train_scores.mean[CLI_CALIBRATED].mae);
     mukca_status status = cli_write_offsets(call, call->common->output, r->offsets, &r->fit->chain,
                                             r->train, comments);
     if (status != MUKCA_OK || !call->common->json) return status;
@@ -168,10 +154,10 @@ static void release(void *work)
 static void note_logs(cli_call *call, const mukca_dataset *data)
 {
     const calibrate_options *o = call->options;
-    if ((o->free_base || o->free_tool) && mukca_recording_number_logs(NULL, data) > 1)
+    if ((o->common.free_base || o->common.free_tool) && mukca_recording_number_logs(NULL, data) > 1)
         cli_note(call,
-                 "several pose logs: one tracker's frame and one target for all; `mukca "
-                 "diagnose -o` fits separate ones if the evidence supports them");
+                 "several pose logs: one tracker's frame and one target for all; `mukca diagnose "
+                 "-o` fits separate ones if the evidence supports them");
 }
 
 static mukca_status use_traits(cli_call *call)
@@ -179,9 +165,9 @@ static mukca_status use_traits(cli_call *call)
     const calibrate_options *o = call->options;
     calibrate_work *w = call->work;
     const mukca_fit_options again = fit_options(o);
-    if (!o->traits) return MUKCA_OK;
+    if (!o->common.traits) return MUKCA_OK;
     mukca_status status =
-        mukca_traits_read(&w->traits, o->traits, &call->session->model.chain, &call->error);
+        mukca_traits_read(&w->traits, o->common.traits, &call->session->model.chain, &call->error);
     if (status != MUKCA_OK) return status;
     return calibrate_use_traits(call, &w->result, &w->fit, &w->traits, &again);
 }
@@ -197,28 +183,27 @@ static mukca_status run(cli_call *call)
         (calibrate_result){.fit = fit, .train = &s->data, .test = &s->test, .offsets = &w->offsets};
     const mukca_fit_options wanted = fit_options(o);
     if (o->evidence && !is_default(o))
-        return mukca_fail(
-            &call->error, MUKCA_USAGE,
-            "--evidence has its own priors and parameters; of the options of the fit, "
-            "give no other");
+        return cli_fail(call, MUKCA_USAGE,
+                        "--evidence has its own priors and parameters; of the options of the "
+                        "fit, give no other");
     mukca_status status = cli_load(call);
     if (status == MUKCA_OK) {
         note_logs(call, r->train);
         mukca_columns_note(cli_note, call, &s->model.chain, r->train);
     }
     if (status == MUKCA_OK && o->evidence && r->train->n_sockets == 0)
-        status = mukca_fail(&call->error, MUKCA_USAGE,
-                            "--evidence is for sockets; for pose logs: mukca diagnose -o");
+        status = cli_fail(call, MUKCA_USAGE,
+                          "--evidence is for sockets; for pose logs: mukca diagnose -o");
     if (status == MUKCA_OK) status = check_moving(call, r->train);
     if (status == MUKCA_OK)
         status = mukca_fit_run(fit, &s->model.chain, r->train, &wanted, &call->error);
     if (status == MUKCA_OK) status = use_traits(call);
     if (status == MUKCA_OK && fit->identification.rank == 0)
-        status = mukca_fail(&call->error, MUKCA_UNIDENTIFIABLE,
-                            "the data identify no free parameter; record different postures");
+        status = cli_fail(call, MUKCA_UNIDENTIFIABLE,
+                          "the data identify no free parameter; record different postures");
     if (status == MUKCA_OK)
-        status = mukca_frames_start(w->nominal, &fit->chain, r->train, o->free_base, o->free_tool,
-                                    &call->error);
+        status = mukca_frames_start(w->nominal, &fit->chain, r->train, o->common.free_base,
+                                    o->common.free_tool, &call->error);
     r->train_scores.nominal_theta = r->test_scores.nominal_theta = w->nominal;
     if (status == MUKCA_OK)
         status = cli_scores_make(call, &r->train_scores, &fit->chain, fit->theta, NULL, r->train);
@@ -242,17 +227,16 @@ const cli_command cli_command_calibrate = {
     .description =
         "Each DATA is a session file, a folder with hole_0.csv and hole_1.csv, or a pose log (see "
         "mukca-formats(5)). The fit changes the origins of the joints so that all samples of a "
-        "socket predict one position of the ball and the predicted distances between sockets "
-        "agree with the given ones (the MUKCa cost). Regularisation towards the nominal model "
-        "determines what the data do not. Pose logs are fitted to the measured poses.\n\n"
+        "socket predict one position of the ball and the predicted distances between sockets agree "
+        "with the given ones (the MUKCa cost). Regularisation towards the nominal model determines "
+        "what the data do not. Pose logs are fitted to the measured poses.\n\n"
         "The offsets table lists for each parameter the nominal and the calibrated value, offset = "
         "calibrated - nominal in the units of the URDF's origin, the standard error from the data "
         "alone, and whether the data identify it.\n\n"
         "The table carries a verdict: it is accepted if the fit converged, the data fit the arm, "
         "and the calibrated arm is better than the nominal one by more than its own uncertainty: "
-        "on "
-        "held-out samples (--test, else cross-validation; readings of one posture count once), and "
-        "at the tip, whose expected error is predicted from the samples. Test data must not "
+        "on held-out samples (--test, else cross-validation; readings of one posture count once), "
+        "and at the tip, whose expected error is predicted from the samples. Test data must not "
         "contradict the training data, and the change of the tip must be plausible. The other "
         "commands refuse a table that is not accepted.\n\n"
         "--evidence fits the posterior mean instead of the minimum of this cost: the priors are "
@@ -263,8 +247,10 @@ const cli_command cli_command_calibrate = {
         "best.\n\n"
         "Exit code 1: not accepted; 5: the data identify nothing.",
     .example =
-        "mukca calibrate --urdf data/demo/arm.urdf data/demo/train.tsv --test data/demo/test.tsv "
-        "-o build/demo/offsets.tsv --force",
+        "  mukca calibrate --urdf data/demo/arm.urdf data/demo/train.tsv \\\n"
+        "      --test data/demo/test.tsv -o build/demo/offsets.tsv --force",
+    .with = CLI_WITH_MODEL | CLI_WITH_TEST | CLI_WITH_DISTANCE | CLI_WITH_DISTANCES |
+            CLI_WITH_JSON | CLI_WITH_ANGLES | CLI_WITH_FRAMES | CLI_WITH_TRAITS | CLI_WITH_TABLES,
     .options = options,
     .options_size = sizeof(calibrate_options),
     .defaults = &defaults,

@@ -17,10 +17,6 @@ typedef struct {
     double traits_share;        /* fraction of the means in use, 0 to 1 */
 } calibrate_result;
 
-/* A fitted frame of measured poses: the arm's base in the frame of the tracker (or of a fixed
- * board) if `base`, else the target (or camera) in the link that carries it.  False: not fitted. */
-bool calibrate_frame(mukca_frame *T, const calibrate_result *result, bool base);
-
 /* Fit again with the means of the traits, and with half of them; keep the fraction with the
  * strongest evidence in the residuals, and correct the data by it.  The offsets table then includes
  * these effects: the geometry is valid only with them. */

@@ -10,13 +10,13 @@
 static void print_identifiability(cli_call *call, const mukca_fit *fit)
 {
     const int n = fit->parameters.n, rank = fit->identification.rank;
-    cli_answer_wrapped(call, "The data identify %d of %d parameter combinations%s.", rank, n,
-                       rank < n ? "; the others have no effect on these samples and stay near "
-                                  "nominal (the table and --json list them)"
-                                : "");
+    cli_say(call, NULL, "The data identify %d of %d parameter combinations%s.", rank, n,
+            rank < n ? "; the others have no effect on these samples and stay near nominal (the "
+                       "table and --json list them)"
+                     : "");
     if (fit->n_part > 0)
-        cli_answer_wrapped(call, "Standard errors: computed from %d samples, scaled to all.",
-                           fit->n_part);
+        cli_say(call, NULL, "Standard errors: computed from %d samples, scaled to all.",
+                fit->n_part);
 }
 
 static bool enough_samples(const mukca_fit *fit)
@@ -27,70 +27,67 @@ static bool enough_samples(const mukca_fit *fit)
 static void print_warnings(cli_call *call, const calibrate_result *r)
 {
     const mukca_fit *fit = r->fit;
-    const mukca_score *nominal = &r->train_scores.nominal_mean;
+    const mukca_score *nominal = &r->train_scores.mean[CLI_NOMINAL];
     const double distance = call->common->distance;
     if (!enough_samples(fit))
-        cli_answer_wrapped(call,
-                           "warning: %d samples provide %d measured numbers for %d parameters",
-                           r->train->n_rows, fit->n_measured, fit->parameters.n);
+        cli_say(call, NULL, "warning: %d samples provide %d measured numbers for %d parameters",
+                r->train->n_rows, fit->n_measured, fit->parameters.n);
     if (r->train->n_sockets > 0 && fit->chain.element[fit->chain.n_elements - 1].joint >= 0)
-        cli_answer_wrapped(call,
-                           "warning: no fixed joint ends the chain at %s, so the position of the "
-                           "ball is not fitted; add it to the URDF as ball_link",
-                           fit->chain.tip);
+        cli_say(call, NULL,
+                "warning: no fixed joint ends the chain at %s, so the position of the ball is not "
+                "fitted; add it to the URDF as ball_link",
+                fit->chain.tip);
     if (nominal->mae > CLI_FAR_OFF)
-        cli_answer_wrapped(call,
-                           "warning: the nominal model is %.0f mm off; check the units of the URDF "
-                           "(m, rad) and the order of the columns",
-                           1e3 * nominal->mae);
+        cli_say(call, NULL,
+                "warning: the nominal model is %.0f mm off; check the units of the URDF (m, rad) "
+                "and the order of the columns",
+                1e3 * nominal->mae);
     else if (!call->common->distances && nominal->distance_error > 0.2 * distance &&
              nominal->distance_error > nominal->mae)
-        cli_answer_wrapped(call,
-                           "warning: by the nominal model the distance of the sockets differs by "
-                           "%.1f mm from --distance, %.1f mm; measure the tool again",
-                           1e3 * nominal->distance_error, 1e3 * distance);
+        cli_say(call, NULL,
+                "warning: by the nominal model the distance of the sockets differs by %.1f mm from "
+                "--distance, %.1f mm; measure the tool again",
+                1e3 * nominal->distance_error, 1e3 * distance);
     for (int i = 0; i < r->train_scores.n; i++) {
-        const mukca_score *poses = &r->train_scores.nominal[i];
+        const mukca_score *poses = &r->train_scores.of[CLI_NOMINAL][i];
         if (poses->placement < 0 && poses->mae < CLI_ECHO)
-            cli_answer_wrapped(
-                call,
-                "warning: the measured poses repeat the nominal model (within %.3f mm): they seem "
-                "to come from the controller, not from a tracker, and cannot calibrate it",
-                1e3 * poses->mae);
+            cli_say(call, NULL,
+                    "warning: the measured poses repeat the nominal model (within %.3f mm): they "
+                    "seem to come from the controller, not from a tracker, and cannot calibrate it",
+                    1e3 * poses->mae);
     }
 }
 
 static void print_next(cli_call *call, const calibrate_result *r)
 {
     const bool sockets = r->train->n_sockets > 0;
-    const double train = r->train_scores.calibrated_mean.mae,
-                 test = r->test_scores.calibrated_mean.mae;
+    const double train = r->train_scores.mean[CLI_CALIBRATED].mae,
+                 test = r->test_scores.mean[CLI_CALIBRATED].mae;
     const cli_common *c = call->common;
     if (!r->offsets->acceptance.accepted) return;
     if (!enough_samples(r->fit))
-        cli_answer_keyed(call, "Next", "record more postures%s",
-                         sockets ? ", 20 in each socket" : "");
+        cli_say(call, "Next", "record more postures%s", sockets ? ", 20 in each socket" : "");
     else if (sockets && r->train->n_placements < 2)
-        cli_answer_keyed(call, "Next", "move the tool and record two or three more placements");
+        cli_say(call, "Next", "move the tool and record two or three more placements");
     else if (r->test_scores.n == 0)
-        cli_answer_keyed(call, "Next", "check the error elsewhere: --test with another %s",
-                         sockets ? "placement" : "pose log");
+        cli_say(call, "Next", "check the error elsewhere: --test with another %s",
+                sockets ? "placement" : "pose log");
     else if (test > 1.5 * train)
-        cli_answer_keyed(call, "Next",
-                         "the test error is %.1f times the training error: record more "
-                         "%s, or identify the cause with mukca diagnose",
-                         test / train, sockets ? "placements" : "postures");
+        cli_say(call, "Next",
+                "the test error is %.1f times the training error: record more %s, or identify the "
+                "cause with mukca diagnose",
+                test / train, sockets ? "placements" : "postures");
     else if (c->output)
-        cli_answer_keyed(call, "Next", "mukca export --urdf %s%s%s --offsets %s", c->urdf,
-                         c->kinematics ? " --kinematics " : "", c->kinematics ? c->kinematics : "",
-                         c->output);
+        cli_say(call, "Next", "mukca export --urdf %s%s%s --offsets %s", c->urdf,
+                c->kinematics ? " --kinematics " : "", c->kinematics ? c->kinematics : "",
+                c->output);
     if (r->evidence.postures && r->evidence.mean_m < -2 * r->evidence.sigma_m)
-        cli_answer_keyed(call, "Better",
-                         "--evidence fits a better geometry to these data: held-out error %.3f mm "
-                         "(%s) instead of %.3f mm",
-                         1e3 * r->evidence.after_m, r->offsets->acceptance.error_of,
-                         1e3 * r->evidence.before_m);
-    if (!c->output) cli_answer_keyed(call, "Save", "-o offsets.tsv saves the result");
+        cli_say(call, "Better",
+                "--evidence fits a better geometry to these data: held-out error %.3f mm (%s) "
+                "instead of %.3f mm",
+                1e3 * r->evidence.after_m, r->offsets->acceptance.error_of,
+                1e3 * r->evidence.before_m);
+    if (!c->output) cli_say(call, "Save", "-o offsets.tsv saves the result");
 }
 
 static void print_verdict(cli_call *call, const calibrate_result *r)
@@ -105,11 +102,12 @@ static void print_verdict(cli_call *call, const calibrate_result *r)
                  MUKCA_METRES_PER_RADIAN);
     if (r->fit->outcome.evaluations)
         snprintf(fit, sizeof fit, "Converged after %d evaluations", r->fit->outcome.evaluations);
-    cli_answer_wrapped(call, "%s; measurement noise %.3f mm per axis%s.", fit, 1e3 * a->noise_m,
-                       turns);
+    cli_say(call, NULL, "%s; measurement noise %.3f mm per axis%s.", fit, 1e3 * a->noise_m, turns);
 }
 
-bool calibrate_frame(mukca_frame *T, const calibrate_result *r, bool base)
+/* A fitted frame of measured poses: the arm's base in the frame of the tracker (or of a fixed
+ * board) if `base`, else the target (or camera) in the link that carries it.  False: not fitted. */
+static bool find_frame(mukca_frame *T, const calibrate_result *r, bool base)
 {
     const mukca_chain *chain = &r->fit->chain;
     const int k = base ? 0 : chain->n_elements - 1;
@@ -133,17 +131,17 @@ static void print_frames(cli_call *call, const calibrate_result *r)
     for (int base = 1; base >= 0; base--) {
         mukca_frame T;
         double q[4], rpy[3];
-        if (!calibrate_frame(&T, r, base)) continue;
+        if (!find_frame(&T, r, base)) continue;
         mukca_rotation_to_quaternion(q, T.R);
         mukca_rotation_to_rpy(rpy, T.R, NULL);
-        cli_answer_keyed(call, keys[base],
-                         "in %s%s: xyz %.6f %.6f %.6f m, rpy %.6f %.6f %.6f rad, quaternion (w "
-                         "first) %.6f %.6f %.6f %.6f",
-                         base ? "the frame of the poses" : "link ",
-                         base       ? ""
-                         : last > 0 ? chain->element[last - 1].child
-                                    : chain->base,
-                         T.p[0], T.p[1], T.p[2], rpy[0], rpy[1], rpy[2], q[0], q[1], q[2], q[3]);
+        cli_say(call, keys[base],
+                "in %s%s: xyz %.6f %.6f %.6f m, rpy %.6f %.6f %.6f rad, quaternion (w first) %.6f "
+                "%.6f %.6f %.6f",
+                base ? "the frame of the poses" : "link ",
+                base       ? ""
+                : last > 0 ? chain->element[last - 1].child
+                           : chain->base,
+                T.p[0], T.p[1], T.p[2], rpy[0], rpy[1], rpy[2], q[0], q[1], q[2], q[3]);
     }
 }
 
@@ -157,10 +155,9 @@ void calibrate_print(cli_call *call, const calibrate_result *r)
     print_verdict(call, r);
     mukca_frame T;
     const bool foreign =
-        !r->offsets->acceptance.accepted && r->train_scores.nominal_mean.mae > CLI_FAR_OFF;
+        !r->offsets->acceptance.accepted && r->train_scores.mean[CLI_NOMINAL].mae > CLI_FAR_OFF;
     if (!r->offsets->acceptance.accepted)
-        cli_print_mismatch(call, r->train, calibrate_frame(&T, r, true),
-                           calibrate_frame(&T, r, false));
+        cli_print_mismatch(call, r->train, find_frame(&T, r, true), find_frame(&T, r, false));
     cli_scores_print_header(call, true);
     cli_scores_print(call, &r->train_scores, "train", true);
     if (r->test_scores.n > 0) cli_scores_print(call, &r->test_scores, "test", true);
@@ -182,10 +179,9 @@ static json_t *null_space_json(const mukca_fit *fit)
             const int at = fit->parameters.index[i];
             const double weight = fit->null_space[r * n + i];
             if (fabs(weight) < 1e-6) continue;
-            json_array_append_new(direction,
-                                  cli_json("joint:s parameter:s weight:f",
-                                           fit->chain.element[at / MUKCA_PARAMETERS].name,
-                                           mukca_parameter_name[at % MUKCA_PARAMETERS], weight));
+            cli_json_append(direction, "joint:s parameter:s weight:f",
+                            fit->chain.element[at / MUKCA_PARAMETERS].name,
+                            mukca_parameter_name[at % MUKCA_PARAMETERS], weight);
         }
         json_array_append_new(directions, direction);
     }
@@ -195,7 +191,7 @@ static json_t *null_space_json(const mukca_fit *fit)
 static json_t *frame_json(const calibrate_result *r, bool base)
 {
     mukca_frame T;
-    return calibrate_frame(&T, r, base) ? cli_json_frame(&T) : NULL;
+    return find_frame(&T, r, base) ? cli_json_frame(&T) : NULL;
 }
 
 json_t *calibrate_json(const calibrate_result *r, const char *solver, const char *gradient,
@@ -204,8 +200,14 @@ json_t *calibrate_json(const calibrate_result *r, const char *solver, const char
     const mukca_fit *fit = r->fit;
     const mukca_cost_value *before = &fit->nominal, *after = &fit->calibrated;
     const mukca_difference *e = &r->evidence;
-    json_t *const none = NULL;
-    json_t *root = cli_json(
+    json_t *traits = r->traits
+                         ? cli_json("used:b share:f arms:i log_bayes_factor:f", r->traits_share > 0,
+                                    r->traits_share, r->traits->n_arms, r->traits_evidence)
+                         : NULL;
+    json_t *by_evidence = e->postures ? cli_json("error_m:f instead_of_m:f difference_sigma_m:f",
+                                                 e->after_m, e->before_m, e->sigma_m)
+                                      : NULL;
+    return cli_json(
         "schema:s converged:b solver{name:s gradient:s evaluations:i iterations:i status:s "
         "to_gain:f} cost{nominal{total:f inconsistency:f distortion:f regularisation:f} "
         "calibrated{total:f inconsistency:f distortion:f regularisation:f}} train:o test:o "
@@ -220,14 +222,5 @@ json_t *calibrate_json(const calibrate_result *r, const char *solver, const char
         fit->identification.noise, fit->identification.observability, null_space_json(fit),
         fit->n_part > 0 ? fit->n_part : r->train->n_rows,
         cli_json_acceptance(&r->offsets->acceptance), frame_json(r, true), frame_json(r, false),
-        none, none, elapsed);
-    if (r->traits)
-        json_object_update_new(
-            root, cli_json("traits{used:b share:f arms:i log_bayes_factor:f}", r->traits_share > 0,
-                           r->traits_share, r->traits->n_arms, r->traits_evidence));
-    if (e->postures)
-        json_object_update_new(
-            root, cli_json("by_evidence{error_m:f instead_of_m:f difference_sigma_m:f}", e->after_m,
-                           e->before_m, e->sigma_m));
-    return root;
+        traits, by_evidence, elapsed);
 }

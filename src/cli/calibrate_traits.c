@@ -67,7 +67,7 @@ mukca_status calibrate_use_traits(cli_call *call, calibrate_result *r, mukca_fit
     mukca_fit *with = calloc(1, sizeof *with), *best = calloc(1, sizeof *best);
     mukca_status status = keep(&as, s) && with && best ? MUKCA_OK : MUKCA_MEMORY;
     r->traits = traits;
-    if (status != MUKCA_OK) mukca_fail(&call->error, status, "out of memory");
+    if (status != MUKCA_OK) cli_fail(call, status, "out of memory");
     for (size_t k = 0; k < sizeof shares / sizeof *shares && status == MUKCA_OK; k++) {
         correct(&as, chain, traits, shares[k]);
         status = mukca_fit_run(with, chain, &s->data, options, &call->error);
@@ -111,17 +111,16 @@ void calibrate_print_traits(cli_call *call, const calibrate_result *r)
     mukca_effect elastic[MUKCA_FLEET_TERMS];
     if (!r->traits) return;
     if (mukca_traits_effects(elastic, NULL, r->traits) == 0) {
-        cli_answer_wrapped(call, "Fleet: the traits of %d arms contain no elastic coefficient.",
-                           r->traits->n_arms);
+        cli_say(call, NULL, "Fleet: the traits of %d arms contain no elastic coefficient.",
+                r->traits->n_arms);
         return;
     }
-    cli_answer_wrapped(
-        call,
-        r->traits_share == 1  ? "Fleet: the elastic means of %d arms are in the table; the data "
-                                "agree (log Bayes factor %.1f)."
-        : r->traits_share > 0 ? "Fleet: half of the elastic means of %d arms is in the table: the "
-                                "data want it (log Bayes factor %.1f), but not all."
-                              : "Fleet: the data do not support the traits of %d arms (log Bayes "
-                                "factor %.1f), which are not used.",
-        r->traits->n_arms, r->traits_evidence);
+    cli_say(call, NULL,
+            r->traits_share == 1 ? "Fleet: the elastic means of %d arms are in the table; the data "
+                                   "agree (log Bayes factor %.1f)."
+            : r->traits_share > 0 ? "Fleet: half of the elastic means of %d arms is in the table: "
+                                    "the data want it (log Bayes factor %.1f), but not all."
+                                  : "Fleet: the data do not support the traits of %d arms (log "
+                                    "Bayes factor %.1f), which are not used.",
+            r->traits->n_arms, r->traits_evidence);
 }

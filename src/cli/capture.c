@@ -68,14 +68,14 @@ static mukca_status confirm_map(session *s)
     cli_log(s->call, "%s", text);
     if (!mukca_stream_needs_confirmation(r)) return MUKCA_OK;
     if (s->keys < 0)
-        return mukca_fail(&s->call->error, MUKCA_USAGE,
-                          "%s sends no joint names; if the mapping above is right, add --map order",
-                          r->stream.channel);
+        return cli_fail(s->call, MUKCA_USAGE,
+                        "%s sends no joint names; if the mapping above is right, add --map order",
+                        r->stream.channel);
     fputs("Is that right? [y/n] ", stderr);
     fflush(stderr);
     if (read(s->keys, answer, sizeof answer - 1) <= 0 || (answer[0] != 'y' && answer[0] != 'Y'))
-        return mukca_fail(&s->call->error, MUKCA_USAGE,
-                          "not confirmed: give the readings' numbers, as in --map 8-14");
+        return cli_fail(s->call, MUKCA_USAGE,
+                        "not confirmed: give the readings' numbers, as in --map 8-14");
     r->stream.map.confirmed = true;
     return MUKCA_OK;
 }
@@ -93,9 +93,9 @@ static mukca_status loop(session *s)
         if (status != MUKCA_OK) break;
         if (readable) read_keys(s);
         if (cli_interrupted())
-            return mukca_fail(&s->call->error, MUKCA_INTERRUPTED,
-                              "interrupted; %d samples are safe in %s (--resume continues)",
-                              r->session.file.n_rows, r->session.file.path);
+            return cli_fail(s->call, MUKCA_INTERRUPTED,
+                            "interrupted; %d samples are safe in %s (--resume continues)",
+                            r->session.file.n_rows, r->session.file.path);
         double now = cli_elapsed(s->call);
         if (now - s->published >= publish_period) {
             mukca_sampling_publish_status(r, NULL);
@@ -121,14 +121,13 @@ static json_t *summary(const session *s)
         int n = mukca_capture_count(&r->session.capture, k);
         mukca_capture_spread(&rms, NULL, &r->session.capture, k);
         if (n)
-            json_array_append_new(sockets,
-                                  cli_json("placement:s socket:s rows:i spread_m:f",
-                                           rows->placements[rows->sockets[k].placement].name,
-                                           rows->sockets[k].label, n, rms));
+            cli_json_append(sockets, "placement:s socket:s rows:i spread_m:f",
+                            rows->placements[rows->sockets[k].placement].name,
+                            rows->sockets[k].label, n, rms);
     }
     return cli_json(
-        "schema:s session:s rows:i channel:s type:s stream:s received:l refused:l "
-        "longest_gap_s:f sockets:o expected_m:f more_rows_help:b",
+        "schema:s session:s rows:i channel:s type:s stream:s received:l refused:l longest_gap_s:f "
+        "sockets:o expected_m:f more_rows_help:b",
         "mukca.capture/1", r->session.file.path, r->session.file.n_rows, r->stream.channel,
         mukca_stream_type(r), mukca_recorder_stream(r), (long)r->stream.count.received,
         (long)r->stream.count.refused, r->stream.count.longest_gap, sockets,
@@ -156,11 +155,11 @@ static void print_next(const session *s)
     char line[4096] = "";
     mukca_text text = MUKCA_TEXT(line);
     if (!count_finished(&s->recorder.session.capture)) {
-        cli_answer_keyed(s->call, "Next",
-                         "--resume continues: no placement has two sockets with two samples yet");
+        cli_say(s->call, "Next",
+                "--resume continues: no placement has two sockets with two samples yet");
         return;
     }
-    cli_live_arguments(&words, s->call->common, &s->options->live);
+    cli_live_arguments(&words, s->call->common);
     for (int i = 0; words.word[i]; i++) mukca_text_put(&text, " %s", words.word[i]);
     cli_answer(s->call, "Next    mukca calibrate%s %s -o offsets.tsv\n", line,
                s->recorder.session.file.path);
@@ -172,12 +171,11 @@ static void conclude(session *s)
     if (mukca_lcm_link_skipped(r->link))
         cli_log(s->call, "the log is damaged: %lld bytes of it were skipped\n",
                 (long long)mukca_lcm_link_skipped(r->link));
-    cli_answer_wrapped(
-        s->call,
-        "%d sample%s in %s; %lld joint states received, %lld refused, longest pause %.3f s",
-        r->session.file.n_rows, r->session.file.n_rows == 1 ? "" : "s", r->session.file.path,
-        (long long)r->stream.count.received, (long long)r->stream.count.refused,
-        r->stream.count.longest_gap);
+    cli_say(s->call, NULL,
+            "%d sample%s in %s; %lld joint states received, %lld refused, longest pause %.3f s",
+            r->session.file.n_rows, r->session.file.n_rows == 1 ? "" : "s", r->session.file.path,
+            (long long)r->stream.count.received, (long long)r->stream.count.refused,
+            r->stream.count.longest_gap);
     if (r->session.file.n_rows) print_next(s);
 }
 
@@ -190,9 +188,9 @@ static mukca_status check_usage(const session *s)
         return mukca_fail(error, MUKCA_USAGE, "-o FILE is needed: the session to record");
     if (s->keys < 0 && !o->live.recorder.triggers && !o->live.recorder.still &&
         !o->live.recorder.lines)
-        return mukca_fail(error, MUKCA_USAGE,
-                          "without a terminal there are no keys; use --trigger (LCM messages) or "
-                          "--still");
+        return mukca_fail(
+            error, MUKCA_USAGE,
+            "without a terminal there are no keys; use --trigger (LCM messages) or --still");
     if (!o->resume && !c->force && access(c->output, F_OK) == 0)
         return mukca_fail(error, MUKCA_INPUT,
                           "%s exists; --resume continues it, --force overwrites it", c->output);
@@ -217,7 +215,7 @@ static mukca_status prepare(session *s)
     cli_live_complete(&o->live, c);
     mukca_status status = check_usage(s);
     if (status == MUKCA_OK) status = cli_load_model(call, model);
-    if (status == MUKCA_OK) status = cli_check_traits(call, o->live.traits, &model->chain);
+    if (status == MUKCA_OK) status = cli_check_traits(call, call->common->traits, &model->chain);
     if (status == MUKCA_OK)
         status = mukca_recorder_open(r, &o->live.recorder, &model->chain, model->offsets.theta,
                                      &hooks, &call->error);
@@ -265,7 +263,7 @@ static mukca_status run(cli_call *call)
         }
     }
     if (status == MUKCA_OK && !s->recorder.session.file.n_rows)
-        status = mukca_fail(&call->error, MUKCA_NEGATIVE, "no sample was recorded");
+        status = cli_fail(call, MUKCA_NEGATIVE, "no sample was recorded");
     return status;
 }
 
@@ -276,9 +274,6 @@ static void release(void *work)
 }
 
 static const cli_option options[] = {
-    CLI_MODEL_OPTIONS,
-    CLI_OFFSETS_OPTION,
-    CLI_ACCEPT_OPTION,
     CLI_OUTPUT_OPTION("the session (TSV, or CSV by its ending)"),
     CLI_LIVE_OPTIONS(capture_options),
     CLI_OPTION(capture_options, live.recorder.triggers, "trigger", CLI_FLAG, NULL,
@@ -293,9 +288,7 @@ static const cli_option options[] = {
                      "finish when the session has N samples"),
     CLI_OPTION(capture_options, wait, "wait", CLI_POSITIVE, "S",
                "give up without joint states after S seconds (default: 10)"),
-    CLI_DISTANCE_OPTION,
-    CLI_JSON_OPTION,
-    CLI_LAST_OPTIONS};
+    {.name = NULL}};
 
 static const capture_options defaults = {.wait = 10};
 
@@ -326,16 +319,19 @@ const cli_command cli_command_capture = {
 #undef STATE_HELP
         "\nAny other type works with a description: --type and --position.\n\n"
         "--stdin reads joint states as lines instead: CSV with a header (time_s and the joints as "
-        "in "
-        "a session), JSON lines, or what `ros2 topic echo --csv` prints. Names decide, not their "
-        "order. A line {\"trigger\": 1, \"placement\": \"front\", \"socket\": \"0\"} records a "
-        "sample; keys come from the terminal; --trigger listens to LCM, too. Times of a wall clock "
-        "are compared with those of keys and messages: lines that a pipe holds back are refused.",
+        "in a session), JSON lines, or what `ros2 topic echo --csv` prints. Names decide, not "
+        "their order. A line {\"trigger\": 1, \"placement\": \"front\", \"socket\": \"0\"} records "
+        "a sample; keys come from the terminal; --trigger listens to LCM, too. Times of a wall "
+        "clock are compared with those of keys and messages: lines that a pipe holds back are "
+        "refused.",
     .example =
-        "mukca capture --urdf data/demo/arm.urdf --lcm-url file://data/demo/guided.lcmlog "
-        "--trigger -o build/guided.tsv --force\n"
-        "mukca capture --urdf data/demo/arm.urdf --stdin --still -o build/ros.tsv --force "
-        "<data/demo/joint_states.csv",
+        "  mukca capture --urdf data/demo/arm.urdf \\\n"
+        "      --lcm-url file://data/demo/guided.lcmlog --trigger \\\n"
+        "      -o build/guided.tsv --force\n"
+        "  mukca capture --urdf data/demo/arm.urdf --stdin --still \\\n"
+        "      -o build/ros.tsv --force <data/demo/joint_states.csv",
+    .with = CLI_WITH_MODEL | CLI_WITH_OFFSETS | CLI_WITH_ACCEPT | CLI_WITH_DISTANCE |
+            CLI_WITH_JSON | CLI_WITH_TRAITS,
     .options = options,
     .options_size = sizeof(capture_options),
     .defaults = &defaults,

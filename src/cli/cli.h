@@ -65,132 +65,62 @@ typedef struct {
     const char *const *choices; /* CLI_CHOICE: names, terminated by NULL */
     double least, most;         /* range of a number; both 0: any */
     size_t offset;              /* of the member in the command's options */
+    unsigned set;               /* of a common option: CLI_WITH_...; 0: the command's own */
 } cli_option;
 
-/* Rows of option tables; `member` of the struct `type` gets the value. */
-#define CLI_OPTION(type, member, option, value, metavar, text)                    \
+/* Rows of option tables; `member` of the struct `type` gets the value.  The first with further
+ * members of cli_option. */
+#define CLI_OPTION_AND(type, member, option, value, metavar, text, ...)           \
     {                                                                             \
         .name = (option), .kind = (value), .argument = (metavar), .help = (text), \
-        .offset = offsetof(type, member)                                          \
+        .offset = offsetof(type, member), __VA_ARGS__                             \
     }
-#define CLI_RANGE_OPTION(type, member, option, value, metavar, from, to, text)                     \
-    {                                                                                              \
-        .name = (option), .kind = (value), .argument = (metavar), .help = (text), .least = (from), \
-        .most = (to), .offset = offsetof(type, member)                                             \
-    }
-#define CLI_CHOICE_OPTION(type, member, option, metavar, list, text)                 \
-    {                                                                                \
-        .name = (option), .kind = CLI_CHOICE, .argument = (metavar), .help = (text), \
-        .choices = (list), .offset = offsetof(type, member)                          \
-    }
+#define CLI_OPTION(type, member, option, value, metavar, text) \
+    CLI_OPTION_AND(type, member, option, value, metavar, text, .letter = 0)
+#define CLI_RANGE_OPTION(type, member, option, value, metavar, from, to, text) \
+    CLI_OPTION_AND(type, member, option, value, metavar, text, .least = (from), .most = (to))
+#define CLI_CHOICE_OPTION(type, member, option, metavar, list, text) \
+    CLI_OPTION_AND(type, member, option, CLI_CHOICE, metavar, text, .choices = (list))
+/* -o, whose meaning differs by command; `what`: help text. */
+#define CLI_OUTPUT_OPTION(what) \
+    CLI_OPTION_AND(cli_common, output, "output", CLI_OUTPUT, "FILE", what, .letter = 'o')
 
 /* Options common to all commands: the first member of every command's options struct. */
 typedef struct {
-    const char *urdf, *base, *tip, *inertials, *kinematics, *offsets, *distances, *json, *output,
-        *payload;
-    const char *units, *columns;
+    const char *urdf, *base, *tip, *inertials, *kinematics, *offsets, *distances, *json, *output;
+    const char *payload, *units, *columns, *traits;
     cli_list test;
-    int angles;        /* index into cli_angles */
-    int map;           /* index into cli_maps */
+    int angles;        /* 1: commanded */
+    int map;           /* 0: by name; 1: in order; 2: in order, w last */
     double distance;   /* m */
     double gravity[3]; /* m/s^2; all 0: upright base */
-    bool inverse_poses, force, accept_failed, accept_edited, quiet, verbose;
+    int check;         /* recordings simulated by --check */
+    bool free_base, free_tool, inverse_poses, force, accept_failed, accept_edited, quiet, verbose;
 } cli_common;
 
-/* Rows of option tables for the common options.  `what` of CLI_OUTPUT_OPTION and CLI_JSON_OPTION:
- * help text. */
-#define CLI_COMMON(member, short_name, value, metavar, text)                             \
-    {                                                                                    \
-        .name = #member, .letter = (short_name), .kind = (value), .argument = (metavar), \
-        .help = (text), .offset = offsetof(cli_common, member)                           \
-    }
-#define CLI_MODEL_OPTIONS                                                                         \
-    CLI_COMMON(urdf, 0, CLI_INPUT, "FILE", "nominal model of the arm"),                           \
-        CLI_COMMON(kinematics, 0, CLI_INPUT, "FILE",                                              \
-                   "YAML with the robot's own origins (Universal Robots, Franka, UFACTORY): it "  \
-                   "replaces those of the URDF"),                                                 \
-        CLI_COMMON(base, 0, CLI_TEXT, "LINK",                                                     \
-                   "first link of the chain (default: the URDF's root)"),                         \
-        CLI_COMMON(tip, 0, CLI_TEXT, "LINK",                                                      \
-                   "last link of the chain (default: ball_link, else ball, else the only leaf)"), \
-        CLI_COMMON(inertials, 0, CLI_INPUT, "FILE",                                               \
-                   "link masses (TSV: link, mass_kg, com_x_m, com_y_m, com_z_m); they replace "   \
-                   "those of the URDF"),                                                          \
-        CLI_COMMON(gravity, 0, CLI_VECTOR, "X,Y,Z",                                               \
-                   "gravity in the base frame, m/s^2 (default: 0,0,-9.80665)")
-#define CLI_OFFSETS_OPTION                    \
-    CLI_COMMON(offsets, 0, CLI_INPUT, "FILE", \
-               "apply this offsets table; it must belong to the URDF (or --force)")
-#define CLI_ACCEPT_OPTION                                                         \
-    CLI_OPTION(cli_common, accept_failed, "accept-failed", CLI_FLAG, NULL,        \
-               "use the offsets table even though its calibration did not pass"), \
-        CLI_OPTION(cli_common, accept_edited, "accept-edited", CLI_FLAG, NULL,    \
-                   "use the offsets table even though it was edited or cut after it was written")
-#define CLI_USUAL_DISTANCE 0.05 /* m: the tool of the MUKCa paper */
-#define CLI_DISTANCE_OPTION \
-    CLI_COMMON(distance, 0, CLI_POSITIVE, "M", "distance between the sockets, m (default: 0.05)")
-#define CLI_DISTANCE_OPTIONS                        \
-    CLI_DISTANCE_OPTION,                            \
-        CLI_COMMON(distances, 0, CLI_INPUT, "FILE", \
-                   "distances of pairs of sockets (TSV: socket_a, socket_b, distance_m)")
-#define CLI_PAYLOAD_OPTION                                                                         \
-    CLI_COMMON(                                                                                    \
-        payload, 0, CLI_TEXT, "KG[,KG...]",                                                        \
-        "mass at the tip beyond the model, of all DATA or of each in order, then of each --test, " \
-        "where the file has no payload_kg")
-#define CLI_ANGLES_OPTION                                                                     \
-    CLI_CHOICE_OPTION(cli_common, angles, "angles", "STREAM", cli_angles,                     \
-                      "fit the angles that were read, or those that were commanded (columns " \
-                      "JOINT.command; without them all angles are commands; default: reading)")
-#define CLI_UNITS_OPTION                                                                         \
-    CLI_COMMON(units, 0, CLI_TEXT, "UNITS",                                                      \
-               "units of the tables that are read: rad or deg, m or mm, as in deg,mm (default: " \
-               "rad,m); columns x, y, z are then positions, too")
-#define CLI_COLUMNS_OPTION                                                                   \
-    CLI_COMMON(                                                                              \
-        columns, 0, CLI_TEXT, "NAMES",                                                       \
-        "names of the tables' columns: COLUMN=NAME,... or a name for each column in order, " \
-        "or a file of these")
-#define CLI_TABLE_OPTIONS                                                                        \
-    CLI_UNITS_OPTION, CLI_COLUMNS_OPTION,                                                        \
-        CLI_CHOICE_OPTION(cli_common, map, "map", "MAP", cli_maps,                               \
-                          "name: the first line of a table names its columns; order: it has no " \
-                          "such line, the joints come in the chain's order, then the pose, its " \
-                          "quaternion with w first; order-w-last: with w last (default: name)"), \
-        CLI_OPTION(cli_common, inverse_poses, "inverse-poses", CLI_FLAG, NULL,                   \
-                   "the measured poses are those of the fixed frame in the target's, as a "      \
-                   "camera on the arm sees a fixed board")
-/* All that concerns the reading of DATA. */
-#define CLI_DATA_OPTIONS                                                            \
-    CLI_MODEL_OPTIONS, CLI_DISTANCE_OPTIONS, CLI_PAYLOAD_OPTION, CLI_ANGLES_OPTION, \
-        CLI_TABLE_OPTIONS
-#define CLI_TEST_OPTION \
-    CLI_COMMON(test, 0, CLI_REST, "DATA...", "held-out data: never fitted, always reported")
-#define CLI_JSON_OPTION \
-    CLI_COMMON(json, 0, CLI_OUTPUT, "FILE", "write the result as JSON; - means standard output")
-#define CLI_OUTPUT_OPTION(what)                                                                  \
-    {                                                                                            \
-        .name = "output", .letter = 'o', .kind = CLI_OUTPUT, .argument = "FILE", .help = (what), \
-        .offset = offsetof(cli_common, output)                                                   \
-    }
-#define CLI_FORCE_OPTION                 \
-    CLI_COMMON(force, 0, CLI_FLAG, NULL, \
-               "overwrite existing files; accept the offsets table of another arm")
-#define CLI_TALK_OPTIONS                                         \
-    CLI_COMMON(quiet, 'q', CLI_FLAG, NULL, "print errors only"), \
-        CLI_COMMON(verbose, 'v', CLI_FLAG, NULL, "print inputs and elapsed time")
-/* The end of every table. */
-#define CLI_LAST_OPTIONS                \
-    CLI_FORCE_OPTION, CLI_TALK_OPTIONS, \
-    {                                   \
-        .name = NULL                    \
-    }
+/* Sets of common options that a command can take.  --force, -q and -v are common to all. */
+enum {
+    CLI_WITH_MODEL = 1 << 0, /* --urdf to --gravity */
+    CLI_WITH_OFFSETS = 1 << 1,
+    CLI_WITH_ACCEPT = 1 << 2, /* --accept-failed, --accept-edited */
+    CLI_WITH_TEST = 1 << 3,
+    CLI_WITH_DISTANCE = 1 << 4,
+    CLI_WITH_DISTANCES = 1 << 5,
+    CLI_WITH_JSON = 1 << 6,
+    CLI_WITH_PAYLOAD = 1 << 7,
+    CLI_WITH_ANGLES = 1 << 8,
+    CLI_WITH_FRAMES = 1 << 9, /* --free-base, --free-tool */
+    CLI_WITH_TRAITS = 1 << 10,
+    CLI_WITH_CHECK = 1 << 11,
+    CLI_WITH_COLUMNS = 1 << 12, /* --units, --columns */
+    CLI_WITH_MAP = 1 << 13,     /* --map, --inverse-poses */
+    CLI_WITH_TABLES = CLI_WITH_COLUMNS | CLI_WITH_MAP,
+    CLI_WITH_DATA = CLI_WITH_MODEL | CLI_WITH_DISTANCE | CLI_WITH_DISTANCES | CLI_WITH_PAYLOAD |
+                    CLI_WITH_ANGLES | CLI_WITH_TABLES,
+    CLI_WITH_ALL = 1 << 14
+};
 
-/* Common options with the same meaning in all commands, as a complete table; -o differs by
- * command. */
-extern const cli_option cli_common_options[];
-extern const char *const cli_angles[], *const cli_maps[]; /* of --angles, --map; NULL ends each */
-bool cli_is_common(const cli_option *option);             /* one of them, with the same text? */
+#define CLI_USUAL_DISTANCE 0.05 /* m: the tool of the MUKCa paper */
 
 typedef struct cli_call cli_call;
 
@@ -201,15 +131,16 @@ typedef mukca_status cli_run_fn(cli_call *call);
 typedef struct {
     const char *name;
     cli_group group;
-    const char *summary;     /* one line without a full stop */
-    const char *synopsis;    /* positional arguments, "DATA...", "[FILE...]", "A B"; "": none */
-    const char *description; /* paragraphs separated by empty lines; wrapped by help */
-    const char *example;     /* valid commands, one per line; a test runs each */
-    const cli_option *options;
-    size_t options_size;  /* of the options struct, first member cli_common */
-    bool targets;         /* pose logs may have several targets */
-    bool grows;           /* -o may exist */
-    const void *defaults; /* an options struct, or NULL: zeroed */
+    const char *summary;       /* one line without a full stop */
+    const char *synopsis;      /* positional arguments, "DATA...", "[FILE...]", "A B"; "": none */
+    const char *description;   /* paragraphs separated by empty lines; wrapped by help */
+    const char *example;       /* valid commands, indented; a test runs each */
+    unsigned with;             /* common options: CLI_WITH_... */
+    const cli_option *options; /* its own; NULL: none */
+    size_t options_size;       /* of the options struct, first member cli_common */
+    bool targets;              /* pose logs may have several targets */
+    bool grows;                /* -o may exist */
+    const void *defaults;      /* an options struct, or NULL: zeroed */
     cli_run_fn *run;
     size_t work_size;            /* of call->work, or 0 */
     void (*release)(void *work); /* frees its members; NULL: nothing to free */
@@ -245,15 +176,25 @@ struct cli_call {
     bool printed;               /* standard output is the table, without -o */
 };
 
+/* mukca_fail for the line to print. */
+#define cli_fail(call, ...) mukca_fail(&(call)->error, __VA_ARGS__)
+
 /* All commands, terminated by NULL. */
 extern const cli_command *const cli_commands[];
 
-/* ---- parsing and help (parse.c, commands.c, text.c, help.c, completion.c) ---- */
+/* The command's options after `option` (NULL: from the first on), its own before the common ones;
+ * NULL after the last. */
+const cli_option *cli_next_option(const cli_command *command, const cli_option *option);
+
+/* ---- parsing and help (parse.c, commands.c, text.c, help.c) ---- */
 
 /* Fill call->options and call->arguments from argv[argc]; `*help`: -h or --help was given.  Errors:
  * MUKCA_USAGE, MUKCA_MEMORY. */
 mukca_status cli_parse(cli_call *call, bool *help, int argc, char **argv);
 void cli_call_free(cli_call *call);
+
+/* Read comma-separated numbers.  Returns how many, -1: an invalid one, or more than `most`. */
+int cli_read_list(double *values, int most, const char *text);
 
 const cli_command *cli_find_command(const char *name); /* NULL: none */
 
@@ -269,10 +210,10 @@ enum { CLI_WIDTH = 79 }; /* columns */
  * space are printed unchanged. */
 void cli_print_wrapped(FILE *stream, const char *text);
 
-/* "Cause   text": a bold key of 8 columns, then the wrapped text. */
+/* "Cause   text": a bold key of 8 columns, then the wrapped text; key NULL: without. */
 void cli_print_keyed(FILE *stream, const char *key, const char *text);
 
-/* Print the text, if any, after a key or (NULL) as plain lines, and clear it. */
+/* The same, if there is a text; clears it. */
 void cli_print_text(FILE *stream, const char *key, mukca_text *text);
 
 /* "and 3 more; --json lists them all" */
@@ -285,17 +226,7 @@ void cli_print_overview(FILE *stream); /* `mukca help` */
 void cli_print_start(FILE *stream);    /* `mukca` alone */
 void cli_print_command_help(FILE *stream, const cli_command *command);
 void cli_print_effects(FILE *stream); /* `mukca help effects` */
-void cli_format_option(char *text, size_t size, const cli_option *option); /* "-o, --output FILE" */
-
-/* The commands of an example; lines longer than `width` columns are broken with a backslash. */
-void cli_print_example(FILE *stream, int indent, int width, const char *example);
-
-/* "command [options] DATA...", including --urdf if required. */
-void cli_format_usage(char *text, size_t size, const cli_command *command);
-
-/* `mukca completion bash|zsh|man|options` (hidden): scripts and man page, generated from the
- * tables. */
-mukca_status cli_completion(mukca_error *error, const char *what);
+void cli_print_options(FILE *stream); /* `mukca help options`: a table, for scripts */
 
 /* ---- terminal output (terminal.c) ---- */
 
@@ -307,12 +238,9 @@ mukca_status cli_output_open(cli_call *call, mukca_output *output);
  * for each piece of output: it clears a progress line. */
 FILE *cli_answer_stream(cli_call *call);
 
-/* printf to that stream; the second wraps like cli_print_wrapped, the third like
- * cli_print_keyed. */
+/* printf to that stream; the second as cli_print_keyed. */
 void cli_answer(cli_call *call, const char *format, ...) __attribute__((format(printf, 2, 3)));
-void cli_answer_wrapped(cli_call *call, const char *format, ...)
-    __attribute__((format(printf, 2, 3)));
-void cli_answer_keyed(cli_call *call, const char *key, const char *format, ...)
+void cli_say(cli_call *call, const char *key, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
 /* A mukca_note_fn; context is the cli_call.  Silent with -q. */
@@ -420,9 +348,9 @@ json_t *cli_json_acceptance(const mukca_acceptance *acceptance);
  * 0), l long, f double (null for NaN and infinity), v interval (two doubles, null unless both are
  * finite), o json_t * (stolen; NULL: null). */
 json_t *cli_json(const char *keys, ...);
+#define cli_json_append(array, ...) json_array_append_new(array, cli_json(__VA_ARGS__))
 
 /* Numbers; null for NaN and infinity. */
-json_t *cli_json_number(double value);
 json_t *cli_json_reals(const double *values, int n);
 
 /* A pose: position_m, and quaternion, w first. */

@@ -10,7 +10,6 @@
     X(serve)                \
     X(send)                 \
     X(simulate)             \
-    X(urdf)                 \
     X(plan)                 \
     X(calibrate)            \
     X(recalibrate)          \
@@ -51,7 +50,7 @@ mukca_status cli_run(cli_call *call)
     if (call->session && call->work)
         status = command->run(call);
     else
-        status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+        status = cli_fail(call, MUKCA_MEMORY, "out of memory");
     if (call->work && command->release) command->release(call->work);
     free(call->work);
     if (call->session) {

@@ -9,8 +9,6 @@
 #include "cli/cli.h"
 #include "io/urdf.h"
 
-static const cli_option options[] = {CLI_JSON_OPTION, CLI_MODEL_OPTIONS, CLI_LAST_OPTIONS};
-
 typedef struct {
     mukca_corrected arm[2];
     mukca_acceptance verdict[2]; /* not `given`: no table */
@@ -37,9 +35,9 @@ static mukca_status load_factory(cli_call *call, mukca_chain *chain, const char 
 {
     mukca_kinematics kinematics;
     if (!call->common->urdf)
-        return mukca_fail(&call->error, MUKCA_USAGE,
-                          "%s: --urdf FILE is needed: a factory file replaces its origins",
-                          mukca_file_shown(path));
+        return cli_fail(call, MUKCA_USAGE,
+                        "%s: --urdf FILE is needed: a factory file replaces its origins",
+                        mukca_file_shown(path));
     mukca_status status = mukca_kinematics_read(&kinematics, path, &call->error);
     if (status == MUKCA_OK) status = load_urdf(call, chain, call->common->urdf);
     if (status != MUKCA_OK) return status;
@@ -84,20 +82,19 @@ static mukca_status check_pairs(cli_call *call)
     const mukca_chain *a = &w->arm[0].chain, *b = &w->arm[1].chain;
     const char *const *path = call->arguments.items;
     if (a->n_joints != b->n_joints)
-        return mukca_fail(&call->error, MUKCA_INPUT,
-                          "%.60s has %d joints from '%s' to '%s', %.60s has %d from '%s' to '%s'; "
-                          "choose with --base and --tip",
-                          mukca_file_shown(path[0]), a->n_joints, a->base, a->tip,
-                          mukca_file_shown(path[1]), b->n_joints, b->base, b->tip);
+        return cli_fail(call, MUKCA_INPUT,
+                        "%.60s has %d joints from '%s' to '%s', %.60s has %d from '%s' to '%s'; "
+                        "choose with --base and --tip",
+                        mukca_file_shown(path[0]), a->n_joints, a->base, a->tip,
+                        mukca_file_shown(path[1]), b->n_joints, b->base, b->tip);
     for (int j = 0; j < a->n_joints; j++) {
         const mukca_element *x = &a->element[a->joint_element[j]],
                             *y = &b->element[b->joint_element[j]];
         if (mukca_joint_turns(x->type) != mukca_joint_turns(y->type))
-            return mukca_fail(&call->error, MUKCA_INPUT,
-                              "joint '%s' of %.60s turns or slides, joint '%s' of %.60s does not; "
-                              "they are not models of one arm",
-                              x->name, mukca_file_shown(path[0]), y->name,
-                              mukca_file_shown(path[1]));
+            return cli_fail(call, MUKCA_INPUT,
+                            "joint '%s' of %.60s turns or slides, joint '%s' of %.60s does not; "
+                            "they are not models of one arm",
+                            x->name, mukca_file_shown(path[0]), y->name, mukca_file_shown(path[1]));
         if (strcmp(x->name, y->name) != 0) {
             mukca_note_format(cli_note, call, "joints are paired in order: '%s' with '%s', ...",
                               x->name, y->name);
@@ -126,10 +123,10 @@ static void note_hashes(cli_call *call)
     const mukca_chain *a = &w->arm[0].chain, *b = &w->arm[1].chain;
     if (!a->kinematics_hash[0] || !b->kinematics_hash[0]) return;
     if (strcmp(a->kinematics_hash, b->kinematics_hash) != 0)
-        mukca_note_format(cli_note, call,
-                          "the hash of A is %s, that of B %s: two robots, or one that its maker "
-                          "calibrated anew",
-                          a->kinematics_hash, b->kinematics_hash);
+        mukca_note_format(
+            cli_note, call,
+            "the hash of A is %s, that of B %s: two robots, or one that its maker calibrated anew",
+            a->kinematics_hash, b->kinematics_hash);
     else if (!same_origins(a, b))
         mukca_note_format(cli_note, call,
                           "A and B start from other origins under the same hash, %s: one of them "
@@ -156,9 +153,8 @@ static void print(cli_call *call)
         if (w->verdict[side].given)
             mukca_acceptance_sentence(text, &w->verdict[side],
                                       w->arm[side].chain.kinematics_sha256[0] != '\0');
-        cli_answer_keyed(call, key, "%s: %s, %d joints%s%s", call->arguments.items[side],
-                         w->arm[side].chain.robot, w->arm[side].chain.n_joints, *text ? "; " : "",
-                         text);
+        cli_say(call, key, "%s: %s, %d joints%s%s", call->arguments.items[side],
+                w->arm[side].chain.robot, w->arm[side].chain.n_joints, *text ? "; " : "", text);
     }
     cli_answer(call, "Tip, %d postures             mean     95 %%      max\n", MUKCA_COMPARED);
     for (int aligned = 0; aligned < 2; aligned++) {
@@ -185,11 +181,11 @@ static void print(cli_call *call)
 
 static json_t *error_json(const mukca_compared_error e[2], bool angle)
 {
-    return cli_json(angle ? "as_they_are{mean_rad:f p95_rad:f max_rad:f} "
-                            "aligned{mean_rad:f p95_rad:f max_rad:f}"
-                          : "as_they_are{mean_m:f p95_m:f max_m:f} "
-                            "aligned{mean_m:f p95_m:f max_m:f}",
-                    e[0].mean, e[0].p95, e[0].max, e[1].mean, e[1].p95, e[1].max);
+    return cli_json(
+        angle
+            ? "as_they_are{mean_rad:f p95_rad:f max_rad:f} aligned{mean_rad:f p95_rad:f max_rad:f}"
+            : "as_they_are{mean_m:f p95_m:f max_m:f} aligned{mean_m:f p95_m:f max_m:f}",
+        e[0].mean, e[0].p95, e[0].max, e[1].mean, e[1].p95, e[1].max);
 }
 
 static json_t *as_json(const cli_call *call)
@@ -198,16 +194,13 @@ static json_t *as_json(const cli_call *call)
     const mukca_comparison *c = &w->comparison;
     json_t *axes = json_array(), *models = json_array();
     for (int side = 0; side < 2; side++)
-        json_array_append_new(
-            models,
-            cli_json("file:s robot:s acceptance:o", call->arguments.items[side],
-                     w->arm[side].chain.robot,
-                     w->verdict[side].given ? cli_json_acceptance(&w->verdict[side]) : NULL));
+        cli_json_append(models, "file:s robot:s acceptance:o", call->arguments.items[side],
+                        w->arm[side].chain.robot,
+                        w->verdict[side].given ? cli_json_acceptance(&w->verdict[side]) : NULL);
     for (int j = 0; j < w->arm[0].chain.n_joints; j++)
-        json_array_append_new(
-            axes, cli_json("angle_rad:f distance_m:f zero_rad:f shift_m:f joint:s",
-                           c->axis[j].angle, c->axis[j].distance, c->axis[j].zero, c->axis[j].slide,
-                           mukca_chain_joint_name(&w->arm[0].chain, j)));
+        cli_json_append(axes, "angle_rad:f distance_m:f zero_rad:f shift_m:f joint:s",
+                        c->axis[j].angle, c->axis[j].distance, c->axis[j].zero, c->axis[j].slide,
+                        mukca_chain_joint_name(&w->arm[0].chain, j));
     return cli_json(
         "schema:s models:o postures:i axes:o position:o rotation:o base:o tool:o elapsed_s:f",
         "mukca.compare/1", models, (int)MUKCA_COMPARED, axes, error_json(c->position, false),
@@ -221,7 +214,7 @@ static mukca_status run(cli_call *call)
     call->common->accept_failed = call->common->accept_edited =
         true; /* also compare a table that was not accepted */
     if (call->common->kinematics)
-        return mukca_fail(&call->error, MUKCA_USAGE, "--kinematics: give the file as A or as B");
+        return cli_fail(call, MUKCA_USAGE, "--kinematics: give the file as A or as B");
     mukca_status status = MUKCA_OK;
     for (int side = 0; side < 2 && status == MUKCA_OK; side++) status = load(call, side);
     if (status == MUKCA_OK) status = check_pairs(call);
@@ -248,8 +241,8 @@ const cli_command cli_command_compare = {
         "preceding axis; the difference of the joint's zero and the shift along the axis to the "
         "next one. A dash marks gauge, and what is undetermined because axes are parallel.\n\n"
         "A table without the arm's chain in its comments (made by hand) belongs to --urdf.",
-    .example = "mukca compare data/demo/arm.urdf build/demo/offsets.tsv",
-    .options = options,
+    .example = "  mukca compare data/demo/arm.urdf build/demo/offsets.tsv",
+    .with = CLI_WITH_MODEL | CLI_WITH_JSON,
     .options_size = sizeof(cli_common),
     .run = run,
     .work_size = sizeof(compare_work),

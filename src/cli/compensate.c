@@ -48,22 +48,15 @@ typedef struct {
 } job;
 
 static const cli_option options[] = {
-    CLI_OPTION(
-        compensate_options, poses, "poses", CLI_FLAG, NULL,
-        "rows are poses (x_m y_m z_m, optionally qw qx qy qz or the rotation vector rx ry rz), not "
-        "joint targets"),
+    CLI_OPTION(compensate_options, poses, "poses", CLI_FLAG, NULL,
+               "rows are poses (x_m y_m z_m, optionally qw qx qy qz or the rotation vector rx ry "
+               "rz), not joint targets"),
     CLI_CHOICE_OPTION(compensate_options, from, "from", "FORMAT", formats,
                       "correct tables (default) or programs in this language"),
     CLI_OPTION(compensate_options, position_only, "position-only", CLI_FLAG, NULL,
                "ignore the orientation (always with fewer than six joints)"),
-    CLI_OFFSETS_OPTION,
-    CLI_ACCEPT_OPTION,
-    CLI_MODEL_OPTIONS,
-    CLI_UNITS_OPTION,
-    CLI_COLUMNS_OPTION,
-    CLI_JSON_OPTION,
     CLI_OUTPUT_OPTION("write the corrected targets there (default: standard output)"),
-    CLI_LAST_OPTIONS};
+    {.name = NULL}};
 
 /* ---- tables ---- */
 
@@ -225,8 +218,8 @@ static mukca_status correct_program(job *b, const char *path)
     free(text);
     if (status != MUKCA_OK) return status;
     if (b->tally.rows > before || b->tally.refused > 0) return MUKCA_OK;
-    return mukca_fail(&call->error, MUKCA_INPUT, "%s: no target in %s; check --from and --tip",
-                      mukca_file_shown(path), formats[o->from]);
+    return cli_fail(call, MUKCA_INPUT, "%s: no target in %s; check --from and --tip",
+                    mukca_file_shown(path), formats[o->from]);
 }
 
 /* ---- the command ---- */
@@ -259,8 +252,7 @@ static json_t *as_json(const cli_call *call, const tally *t)
     for (int r = 0; r < MUKCA_REACH_COUNT; r++)
         json_object_set_new(counts, mukca_reach_text[r], json_integer((json_int_t)t->count[r]));
     return cli_json(
-        "schema:s rows:l before{mean_m:f max_m:f} after{mean_m:f max_m:f} status:o "
-        "elapsed_s:f",
+        "schema:s rows:l before{mean_m:f max_m:f} after{mean_m:f max_m:f} status:o elapsed_s:f",
         "mukca.compensate/1", t->rows, mean(t, &t->before), t->before.max, mean(t, &t->after),
         t->after.max, counts, cli_elapsed(call));
 }
@@ -271,9 +263,9 @@ static mukca_status check_axes(cli_call *call, int format)
     const int n = call->session->model.chain.n_joints;
     const int most = format ? mukca_language_axes(mukca_languages[format - 1]) : n;
     if (n <= most) return MUKCA_OK;
-    return mukca_fail(&call->error, MUKCA_INPUT,
-                      "a target in %s has at most %d axes, and the chain has %d; check --tip",
-                      formats[format], most, n);
+    return cli_fail(call, MUKCA_INPUT,
+                    "a target in %s has at most %d axes, and the chain has %d; check --tip",
+                    formats[format], most, n);
 }
 
 /* Close the text of a program and write it, if no line was refused. */
@@ -302,7 +294,7 @@ static mukca_status run(cli_call *call)
     b->call = call;
     b->from = o->from ? mukca_languages[o->from - 1] : NULL;
     if (o->from && o->poses)
-        return mukca_fail(&call->error, MUKCA_USAGE, "--poses is for tables, --from for programs");
+        return cli_fail(call, MUKCA_USAGE, "--poses is for tables, --from for programs");
     mukca_status status = cli_load_model(call, &call->session->model);
     if (status != MUKCA_OK) return status;
     b->arm.chain = model->chain;
@@ -322,7 +314,7 @@ static mukca_status run(cli_call *call)
     const bool whole = o->from != 0;
     b->stream = whole ? open_memstream(&text, &size) : output.stream;
     if (status == MUKCA_OK && !b->stream)
-        status = mukca_fail(&call->error, MUKCA_MEMORY, "not enough memory for the program");
+        status = cli_fail(call, MUKCA_MEMORY, "not enough memory for the program");
     for (int i = 0; i < input.n && status == MUKCA_OK; i++)
         status = b->from ? correct_program(b, input.items[i]) : correct_table(b, input.items[i]);
     if (whole && b->stream) status = finish_program(b, output.stream, &text, status);
@@ -341,20 +333,13 @@ const cli_command cli_command_compensate = {
     .summary = "correct joint targets for the identified errors",
     .synopsis = "[FILE...]",
     .description =
-        "For controllers whose model cannot be changed. Reads rows of joint targets (with --poses: "
-        "of poses in the base frame) and writes corrected joint targets: with these the arm of "
-        "--offsets, effects included, reaches the pose that the nominal model predicts for the "
-        "given targets. Damped least squares with the smallest change of the joints, within their "
-        "limits; along a path the corrections are continuous. For a target out of reach the row "
-        "holds the nearest solution and its status the reason.\n\n"
+        "For controllers whose model cannot be changed. Reads rows of joint targets (with --poses: of poses in the base frame) and writes corrected joint targets: with these the arm of --offsets, effects included, reaches the pose that the nominal model predicts for the given targets. Damped least squares with the smallest change of the joints, within their limits; along a path the corrections are continuous. For a target out of reach the row holds the nearest solution and its status the reason.\n\n"
         "--from corrects programs; joints from the seventh on are external axes:\n" MUKCA_LANGUAGE_LIST(FORMAT_LINE)
-        "A program is corrected only as a whole: each line is a comment, a motion to joint values "
-        "in numbers (MoveAbsJ, PTP, SPTP, movej, movel, movep, servoj), a target alone, or one of a "
-        "few statements without motion. Otherwise all other lines are listed, nothing is written, "
-        "and the exit code is 3; likewise if a target is out of reach.",
+        "A program is corrected only as a whole: each line is a comment, a motion to joint values in numbers (MoveAbsJ, PTP, SPTP, movej, movel, movep, servoj), a target alone, or one of a few statements without motion. Otherwise all other lines are listed, nothing is written, and the exit code is 3; likewise if a target is out of reach.",
     .example =
-        "echo 0.1,0.2,0.3,-1.5,0.2,1.1,0.4 | mukca compensate --urdf data/demo/arm.urdf --offsets "
-        "build/demo/offsets.tsv",
+        "  echo 0.1,0.2,0.3,-1.5,0.2,1.1,0.4 | mukca compensate \\\n"
+        "      --urdf data/demo/arm.urdf --offsets build/demo/offsets.tsv",
+    .with = CLI_WITH_MODEL | CLI_WITH_OFFSETS | CLI_WITH_ACCEPT | CLI_WITH_JSON | CLI_WITH_COLUMNS,
     .options = options,
     .options_size = sizeof(compensate_options),
     .run = run,

@@ -11,34 +11,24 @@
 
 typedef struct {
     cli_common common;
-    const char *without, *expect, *summary, *arm, *traits;
-    bool free_base, free_tool, traits_only;
-    mukca_check check;
+    const char *without, *expect, *summary, *arm;
+    bool traits_only;
 } diagnose_options;
 
 static const cli_option options[] = {
-    CLI_TEST_OPTION,
     CLI_OPTION(diagnose_options, without, "without", CLI_TEXT, "EFFECTS",
                "exclude these effects from the catalogue (comma-separated)"),
     CLI_OPTION(diagnose_options, expect, "expect", CLI_TEXT, "EFFECT",
                "exit code 1 unless this effect is among the causes"),
-    CLI_OPTION(diagnose_options, free_base, "free-base", CLI_FLAG, NULL,
-               "pose logs: fit the frame of the tracker"),
-    CLI_OPTION(diagnose_options, free_tool, "free-tool", CLI_FLAG, NULL,
-               "pose logs: fit the offset of the target"),
     CLI_OPTION(
         diagnose_options, summary, "summary", CLI_OUTPUT, "FILE",
         "write a summary of the data on effects shared by arms of this model (for mukca fleet)"),
     CLI_OPTION(diagnose_options, arm, "arm", CLI_TEXT, "NAME",
                "label of the arm in the summary (default: the name of the data's folder)"),
-    CLI_TRAITS_OPTION(diagnose_options, traits),
     CLI_OPTION(diagnose_options, traits_only, "traits-only", CLI_FLAG, NULL,
                "elastic coefficients: the means of --traits, nothing of this arm"),
-    CLI_CHECK_OPTION(diagnose_options),
-    CLI_DATA_OPTIONS,
     CLI_OUTPUT_OPTION("write the offsets table: geometry and causes"),
-    CLI_JSON_OPTION,
-    CLI_LAST_OPTIONS};
+    {.name = NULL}};
 
 static mukca_status disable(unsigned char *disabled, const char *list, mukca_error *error)
 {
@@ -54,12 +44,56 @@ static mukca_status disable(unsigned char *disabled, const char *list, mukca_err
     return MUKCA_OK;
 }
 
+/* ---- shared with report ---- */
+
+mukca_status cli_diagnosis_load(cli_call *call)
+{
+    cli_common *c = call->common;
+    const cli_session *s = call->session;
+    mukca_status status = cli_load(call);
+    if (status == MUKCA_OK) status = cli_condense(call);
+    if (status != MUKCA_OK) return status;
+    mukca_columns_note(cli_note, call, &s->model.chain, &s->data);
+    if (s->data.n_targets > 1 && !c->free_tool && !c->offsets) {
+        cli_note(call, "several targets: each has its own position on the tool (--free-tool)");
+        c->free_tool = true;
+    }
+    return MUKCA_OK;
+}
+
+mukca_status cli_diagnosis_run(cli_call *call, cli_diagnosis *d)
+{
+    const cli_session *s = call->session;
+    const mukca_chain *chain = &s->model.chain;
+    mukca_error *error = &call->error;
+    d->options.test = s->test.n_rows ? &s->test : NULL;
+    d->options.free_base = call->common->free_base;
+    d->options.free_tool = call->common->free_tool;
+    d->options.applied = true;
+    d->options.progress = cli_show_progress;
+    d->options.progress_context = call;
+    d->result = (mukca_diagnosed){.diagnosis = &d->diagnosis,
+                                  .chain = chain,
+                                  .data = &s->data,
+                                  .test = d->options.test,
+                                  .next = &d->next,
+                                  .saved = call->common->output != NULL};
+    mukca_status status = mukca_diagnose(&d->diagnosis, chain, &s->data, &d->options, error);
+    if (status == MUKCA_OK)
+        status = mukca_next_poses_choose(&d->next, &d->diagnosis, chain, &s->data, cli_stop, error);
+    return status == MUKCA_OK && call->common->check ? cli_diagnosis_check(call, d) : status;
+}
+
+void cli_diagnosis_free(cli_diagnosis *d)
+{
+    mukca_next_poses_free(&d->next);
+    mukca_diagnosis_free(&d->diagnosis);
+}
+
+/* ---- the command ---- */
+
 typedef struct {
-    mukca_diagnose_options options;
-    mukca_diagnosis diagnosis;
-    mukca_next_poses next;
-    mukca_offsets offsets; /* with the chain of its elements */
-    mukca_chain chain;
+    cli_diagnosis of;
     mukca_summary summary;
     mukca_traits traits;
     mukca_adoption adoption;
@@ -67,36 +101,29 @@ typedef struct {
 
 static void release(void *work)
 {
-    diagnose_work *w = work;
-    mukca_next_poses_free(&w->next);
-    mukca_diagnosis_free(&w->diagnosis);
+    cli_diagnosis_free(&((diagnose_work *)work)->of);
 }
 
 /* Form the offsets table and its verdict; write it to -o. */
-static mukca_status write_offsets(cli_call *call, mukca_diagnosed *r)
+static mukca_status write_offsets(cli_call *call, cli_diagnosis *of)
 {
-    const diagnose_options *o = call->options;
-    const cli_frames frames = {.base = o->free_base && r->data->position,
-                               .tool = o->free_tool && r->data->position};
-    diagnose_work *w = call->work;
+    const mukca_diagnosis *d = &of->diagnosis;
     char comments[512];
     int left_out = 0;
-    if (!call->common->output && !w->diagnosis.applied.fitted) return MUKCA_OK;
-    mukca_status status =
-        cli_diagnosis_offsets(&w->offsets, &w->chain, &left_out, r, &frames, &call->error);
+    if (!call->common->output && !d->applied.fitted) return MUKCA_OK;
+    mukca_status status = cli_diagnosis_offsets(call, of, &left_out);
     if (status != MUKCA_OK) return status;
-    r->acceptance = &w->offsets.acceptance;
+    of->result.acceptance = &of->offsets.acceptance;
     if (!call->common->output) return MUKCA_OK;
     if (left_out)
         cli_note(call, "the table lacks the causes that need link masses; give --inertials FILE");
     snprintf(comments, sizeof comments,
              "diagnosis: %s; held-out mean error: %.4g m geometry, %.4g m with the effects\n"
-             "sigma: standard error; identifiable: the data at least halved the prior "
-             "uncertainty\n"
+             "sigma: standard error; identifiable: the data at least halved the prior uncertainty\n"
              "effects: the arm moves as if the joints were at the recorded angles + effects",
-             mukca_verdict_name[w->diagnosis.verdict], w->diagnosis.geometry_m,
-             w->diagnosis.explained_m);
-    return cli_write_offsets(call, call->common->output, &w->offsets, &w->chain, r->data, comments);
+             mukca_verdict_name[d->verdict], d->geometry_m, d->explained_m);
+    return cli_write_offsets(call, call->common->output, &of->offsets, &of->chain, of->result.data,
+                             comments);
 }
 
 /* Analyses that need the regression: summary and traits, with the diagnosed causes, and direction
@@ -122,8 +149,9 @@ static mukca_status go_on(void *context, struct mukca_regression *m, mukca_diagn
         .only = o->traits_only,
         .folds = true,
         .applied = true};
-    if (status == MUKCA_OK && o->traits) status = mukca_adopt(&w->adoption, m, d, &adopt, error);
-    return status == MUKCA_OK ? mukca_mounting_compare(&w->options, m, d, error) : status;
+    if (status == MUKCA_OK && o->common.traits)
+        status = mukca_adopt(&w->adoption, m, d, &adopt, error);
+    return status == MUKCA_OK ? mukca_mounting_compare(&w->of.options, m, d, error) : status;
 }
 
 /* Checks before the long work; reads the traits. */
@@ -131,15 +159,15 @@ static mukca_status prepare(cli_call *call)
 {
     const diagnose_options *o = call->options;
     diagnose_work *w = call->work;
-    if (o->traits_only && !o->traits)
-        return mukca_fail(&call->error, MUKCA_USAGE, "--traits-only needs --traits FILE");
+    if (o->traits_only && !o->common.traits)
+        return cli_fail(call, MUKCA_USAGE, "--traits-only needs --traits FILE");
     if (o->arm && !o->summary)
-        return mukca_fail(&call->error, MUKCA_USAGE, "--arm is the label in --summary FILE");
+        return cli_fail(call, MUKCA_USAGE, "--arm is the label in --summary FILE");
     mukca_status status = MUKCA_OK;
     if (o->summary) status = cli_arm_label(call, w->summary.arm, o->arm);
-    if (status == MUKCA_OK && o->traits)
-        status =
-            mukca_traits_read(&w->traits, o->traits, &call->session->model.chain, &call->error);
+    if (status == MUKCA_OK && o->common.traits)
+        status = mukca_traits_read(&w->traits, o->common.traits, &call->session->model.chain,
+                                   &call->error);
     return status;
 }
 
@@ -149,9 +177,8 @@ static mukca_status write_summary(cli_call *call)
     diagnose_work *w = call->work;
     mukca_output output = {0};
     if (!o->summary) return MUKCA_OK;
-    if (w->diagnosis.why)
-        return mukca_fail(&call->error, MUKCA_UNIDENTIFIABLE, "no summary to write: %s",
-                          w->diagnosis.why);
+    if (w->of.diagnosis.why)
+        return cli_fail(call, MUKCA_UNIDENTIFIABLE, "no summary to write: %s", w->of.diagnosis.why);
     w->summary.data = mukca_summary_hash(&call->session->data);
     mukca_status status = mukca_output_open(&output, o->summary, call->common->force, &call->error);
     if (status == MUKCA_OK) status = mukca_summary_write(output.stream, &w->summary, &call->error);
@@ -160,78 +187,48 @@ static mukca_status write_summary(cli_call *call)
 
 /* Write summary, offsets table and JSON; the last two with the errors of the fit with traits, if it
  * was adopted. */
-static mukca_status write_results(cli_call *call, mukca_diagnosed *r)
+static mukca_status write_results(cli_call *call)
 {
     diagnose_work *w = call->work;
-    json_t *traits = json_null();
+    const mukca_diagnosed *r = &w->of.result;
     mukca_status status = write_summary(call);
-    if (w->adoption.traits && call->common->json)
-        traits = cli_adoption_json(&w->adoption, r->chain);
-    if (status == MUKCA_OK) status = write_offsets(call, r);
-    if (status == MUKCA_OK && call->common->json) {
-        json_t *json = cli_diagnosis_json(r);
-        json_object_set_new(json, "acceptance", cli_json_acceptance(r->acceptance));
-        json_object_set(json, "traits", traits);
-        status = cli_write_json(call, json);
-    }
-    json_decref(traits);
-    return status;
+    if (status == MUKCA_OK) status = write_offsets(call, &w->of);
+    if (status != MUKCA_OK || !call->common->json) return status;
+    json_t *json = cli_diagnosis_json(r);
+    json_object_update_new(
+        json, cli_json("acceptance:o traits:o", cli_json_acceptance(r->acceptance),
+                       w->adoption.traits ? cli_adoption_json(&w->adoption, r->chain) : NULL));
+    return cli_write_json(call, json);
 }
 
 static mukca_status run(cli_call *call)
 {
-    diagnose_options *o = call->options;
+    const diagnose_options *o = call->options;
     const cli_session *s = call->session;
     diagnose_work *w = call->work;
-    mukca_diagnosis *d = &w->diagnosis;
+    mukca_diagnosis *d = &w->of.diagnosis;
     unsigned char disabled[MUKCA_EFFECT_COUNT] = {0};
     const int expected = o->expect ? mukca_effect_find(o->expect) : -1;
     mukca_status status = disable(disabled, o->without, &call->error);
     if (status == MUKCA_OK && o->expect && expected < 0)
         status = cli_fail_effect(&call->error, "--expect", o->expect);
-    if (status == MUKCA_OK) status = cli_load(call);
-    if (status == MUKCA_OK) status = cli_condense(call);
+    if (status == MUKCA_OK) status = cli_diagnosis_load(call);
     if (status == MUKCA_OK) status = prepare(call);
-    if (status != MUKCA_OK) return status;
-    mukca_columns_note(cli_note, call, &s->model.chain, &s->data);
-    if (s->data.n_targets > 1 && !o->free_tool) {
-        cli_note(call, "several targets: each has its own position on the tool (--free-tool)");
-        o->free_tool = true;
-    }
-    const mukca_dataset *test = s->test.n_rows ? &s->test : NULL;
-    w->options = (mukca_diagnose_options){.test = test,
-                                          .disabled = disabled,
-                                          .free_base = o->free_base,
-                                          .free_tool = o->free_tool,
-                                          .applied = true,
-                                          .go_on = go_on,
-                                          .go_on_context = call,
-                                          .progress = cli_show_progress,
-                                          .progress_context = call};
-    mukca_diagnosed result = {.diagnosis = d,
-                              .chain = &s->model.chain,
-                              .data = &s->data,
-                              .test = test,
-                              .next = &w->next,
-                              .saved = call->common->output != NULL};
-    status = mukca_diagnose(d, &s->model.chain, &s->data, &w->options, &call->error);
-    if (status == MUKCA_OK)
-        status =
-            mukca_next_poses_choose(&w->next, d, &s->model.chain, &s->data, cli_stop, &call->error);
-    if (status == MUKCA_OK && o->check.runs)
-        status = cli_diagnosis_check(call, &o->check, &result, &w->options);
-    if (status == MUKCA_OK) status = write_results(call, &result);
+    w->of.options =
+        (mukca_diagnose_options){.disabled = disabled, .go_on = go_on, .go_on_context = call};
+    if (status == MUKCA_OK) status = cli_diagnosis_run(call, &w->of);
+    if (status == MUKCA_OK) status = write_results(call);
     if (status != MUKCA_OK) return status;
     FILE *answer = cli_answer_stream(call);
     if (w->adoption.traits) /* the screen lists the fleet's part after that of the arm's own data */
         d->explained_m = w->adoption.own_explained_m,
         d->test_explained_m = w->adoption.own_test_explained_m;
-    if (answer) cli_diagnosis_print(answer, &result);
-    if (answer && call->common->verbose) cli_diagnosis_print_sets(answer, &result);
+    if (answer) cli_diagnosis_print(answer, &w->of.result);
+    if (answer && call->common->verbose) cli_diagnosis_print_sets(answer, &w->of.result);
     if (answer && d->verdict == MUKCA_VERDICT_UNTESTABLE)
-        cli_print_mismatch(call, &s->data, o->free_base, o->free_tool);
+        cli_print_mismatch(call, &s->data, o->common.free_base, o->common.free_tool);
     if (w->adoption.traits) cli_adoption_print(call, &w->adoption, d, &s->model.chain);
-    if (result.saved && !w->offsets.acceptance.accepted) return MUKCA_NEGATIVE;
+    if (call->common->output && !w->of.offsets.acceptance.accepted) return MUKCA_NEGATIVE;
     for (int i = 0; i < d->n_causes; i++)
         if ((int)d->causes[i].effect.kind == expected) return MUKCA_OK;
     return expected < 0 && !d->why ? MUKCA_OK : MUKCA_NEGATIVE;
@@ -247,8 +244,7 @@ const cli_command cli_command_diagnose = {
         "help effects), for recording faults, and for unknown functions of the joint angles. The "
         "verdict is one of these: none (the remaining error is noise), named (causes were "
         "identified), tied (the data cannot distinguish several causes), unknown (structure "
-        "outside "
-        "the catalogue), untestable.\n\n"
+        "outside the catalogue), untestable.\n\n"
         "Prints the held-out errors (each placement is one fold) of the nominal model, the "
         "calibrated geometry, the geometry without faulty samples, and the geometry with the "
         "causes. The noise floor is the error of a perfect model. Intervals are 95 %. For tied "
@@ -271,7 +267,10 @@ const cli_command cli_command_diagnose = {
         "the causes, or the table of -o is not accepted (see calibrate). Exit code 5: -o was given "
         "but nothing could be fitted.",
     .example =
-        "mukca diagnose --urdf data/demo/arm.urdf data/demo/train.tsv --test data/demo/test.tsv",
+        "  mukca diagnose --urdf data/demo/arm.urdf data/demo/train.tsv \\\n"
+        "      --test data/demo/test.tsv",
+    .with = CLI_WITH_DATA | CLI_WITH_TEST | CLI_WITH_JSON | CLI_WITH_FRAMES | CLI_WITH_TRAITS |
+            CLI_WITH_CHECK,
     .options = options,
     .options_size = sizeof(diagnose_options),
     .targets = true,

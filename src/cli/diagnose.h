@@ -5,6 +5,26 @@
 #include "cli/cli.h"
 #include "report/wording.h"
 
+/* A diagnosis, for the commands diagnose and report; zeroed at first. */
+typedef struct {
+    mukca_diagnose_options options; /* input: disabled, go_on and its context */
+    mukca_diagnosis diagnosis;
+    mukca_next_poses next;
+    mukca_check check;
+    mukca_offsets offsets; /* of cli_diagnosis_offsets */
+    mukca_chain chain;     /* of these offsets: the arm's, preceded by the tracker's frame if that
+                              was fitted */
+    mukca_diagnosed result;
+} cli_diagnosis;
+
+/* Load the session, condensed to the capacity of a diagnosis. */
+mukca_status cli_diagnosis_load(cli_call *call);
+
+/* Diagnose the session, find the next poses, and simulate with --check.  Free also after an
+ * error. */
+mukca_status cli_diagnosis_run(cli_call *call, cli_diagnosis *diagnosis);
+void cli_diagnosis_free(cli_diagnosis *diagnosis);
+
 /* The diagnosis as mukca.diagnose/1. */
 json_t *cli_diagnosis_json(const mukca_diagnosed *result);
 
@@ -15,29 +35,15 @@ void cli_diagnosis_print(FILE *stream, const mukca_diagnosed *result);
 void cli_diagnosis_print_sets(FILE *stream, const mukca_diagnosed *result);
 
 /* Diagnose simulated recordings with the postures, the noise and the causes of a diagnosis (with
- * `applied`), and without causes: check->runs of each, in parallel processes.  Without testable
- * causes, or if they cannot be simulated, a note says so and result->check stays NULL.  Errors:
+ * `applied`), and without causes: --check of each, in parallel processes.  Without testable causes,
+ * or if they cannot be simulated, a note says so and result.check stays NULL.  Errors:
  * MUKCA_MEMORY, MUKCA_INTERRUPTED. */
-mukca_status cli_diagnosis_check(cli_call *call, mukca_check *check, mukca_diagnosed *result,
-                                 const mukca_diagnose_options *options);
-
-#define CLI_CHECK_OPTION(type)                                                                  \
-    CLI_RANGE_OPTION(type, check.runs, "check", CLI_INTEGER, "N", 1, 100000,                    \
-                     "diagnose N simulated recordings with these postures, this noise and the " \
-                     "causes found, and N without causes")
-
-/* Fitted frames of measured poses. */
-typedef struct {
-    bool base, tool;
-} cli_frames;
+mukca_status cli_diagnosis_check(cli_call *call, cli_diagnosis *diagnosis);
 
 /* Offsets table of a diagnosis: geometry with standard errors, the causes that act on the arm, the
- * verdict.  `chain` gets the chain of the table: the arm's, preceded by the tracker's frame if that
- * was fitted.  *left_out: number of causes omitted because the arm lacks the masses they need.
+ * verdict.  *left_out: number of causes omitted because the arm lacks the masses they need.
  * Errors: MUKCA_UNIDENTIFIABLE (nothing was fitted), MUKCA_INPUT. */
-mukca_status cli_diagnosis_offsets(mukca_offsets *offsets, mukca_chain *chain, int *left_out,
-                                   const mukca_diagnosed *result, const cli_frames *frames,
-                                   mukca_error *error);
+mukca_status cli_diagnosis_offsets(cli_call *call, cli_diagnosis *diagnosis, int *left_out);
 
 /* ---- parts of the screen (diagnose_screen_data.c) ---- */
 

@@ -9,6 +9,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "base/note.h"
 #include "cli/diagnose.h"
 #include "diagnose/cause.h"
 #include "model/dataset_subset.h"
@@ -104,9 +105,9 @@ static mukca_status collect(cli_call *call, mukca_check *check, int pipe_end)
         if (cli_interrupted()) return MUKCA_INTERRUPTED;
         if (size < 0 && errno == EINTR) continue;
         if (size != sizeof got)
-            return mukca_fail(&call->error, MUKCA_MEMORY,
-                              "--check: a process ended early, after %d of %d recordings", done,
-                              total);
+            return cli_fail(call, MUKCA_MEMORY,
+                            "--check: a process ended early, after %d of %d recordings", done,
+                            total);
         if (got.status != MUKCA_OK) {
             call->error = got.error;
             return got.status;
@@ -130,8 +131,7 @@ static mukca_status run_all(cli_call *call, mukca_check *check, check_task *task
     pid_t child[MOST_PROCESSES];
     int ends[2], started = 0;
     mukca_status status = MUKCA_OK;
-    if (pipe(ends) != 0)
-        return mukca_fail(&call->error, MUKCA_MEMORY, "--check: %s", strerror(errno));
+    if (pipe(ends) != 0) return cli_fail(call, MUKCA_MEMORY, "--check: %s", strerror(errno));
     for (int k = 0; k < n && status == MUKCA_OK; k++) {
         child[k] = fork();
         if (child[k] == 0) {
@@ -140,7 +140,7 @@ static mukca_status run_all(cli_call *call, mukca_check *check, check_task *task
             _exit(0);
         }
         if (child[k] < 0)
-            status = mukca_fail(&call->error, MUKCA_MEMORY, "--check: %s", strerror(errno));
+            status = cli_fail(call, MUKCA_MEMORY, "--check: %s", strerror(errno));
         else
             started++;
     }
@@ -210,23 +210,20 @@ static bool prepare(check_task *task, mukca_pool *pool)
     return !pool->failed;
 }
 
-mukca_status cli_diagnosis_check(cli_call *call, mukca_check *check, mukca_diagnosed *r,
-                                 const mukca_diagnose_options *options)
+mukca_status cli_diagnosis_check(cli_call *call, cli_diagnosis *d)
 {
-    const char *obstacle = find_obstacle(r->diagnosis, r->data);
+    const char *obstacle = find_obstacle(&d->diagnosis, d->result.data);
     if (obstacle) {
-        char text[120];
-        snprintf(text, sizeof text, "--check was left out: %s", obstacle);
-        cli_note(call, text);
+        mukca_note_format(cli_note, call, "--check was left out: %s", obstacle);
         return MUKCA_OK;
     }
     mukca_pool pool = {0};
     mukca_status status;
     check_task *task = MUKCA_TAKE(&pool, check_task, 1);
     mukca_diagnosis *scratch = MUKCA_TAKE(&pool, mukca_diagnosis, 1);
-    check->cause = main_cause(r->diagnosis);
+    d->check = (mukca_check){.runs = call->common->check, .cause = main_cause(&d->diagnosis)};
     if (task && scratch) {
-        *task = (check_task){.check = check, .result = r, .options = *options};
+        *task = (check_task){.check = &d->check, .result = &d->result, .options = d->options};
         task->options.test = NULL;
         task->options.no_folds = true;
         task->options.applied = false;
@@ -234,10 +231,10 @@ mukca_status cli_diagnosis_check(cli_call *call, mukca_check *check, mukca_diagn
         task->options.progress = go_on;
     }
     if (task && scratch && prepare(task, &pool))
-        status = run_all(call, check, task, scratch);
+        status = run_all(call, &d->check, task, scratch);
     else
-        status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory for --check");
-    if (status == MUKCA_OK) r->check = check;
+        status = cli_fail(call, MUKCA_MEMORY, "out of memory for --check");
+    if (status == MUKCA_OK) d->result.check = &d->check;
     mukca_pool_free(&pool);
     return status;
 }

@@ -30,17 +30,16 @@ static json_t *sets_array(const mukca_diagnosed *r)
         for (int i = 0; i < s->n; i++) {
             const mukca_effect *e = &s->member[i].effect;
             const bool listed = e->kind < MUKCA_EFFECT_COUNT, unknown = s->member[i].unknown;
-            json_array_append_new(
-                causes, cli_json("effect:s joint:s order:n placement:s unknown:b row:n",
-                                 listed    ? mukca_effect_table[e->kind]->name
-                                 : unknown ? NULL
-                                           : "outlier",
-                                 mukca_chain_joint_name(r->chain, e->joint),
-                                 e->kind == MUKCA_EFFECT_GEAR_HARMONIC ? e->variant.order : 0,
-                                 placement_name(r->data, listed ? e->placement : -1), unknown,
-                                 s->member[i].row));
+            cli_json_append(causes, "effect:s joint:s order:n placement:s unknown:b row:n",
+                            listed    ? mukca_effect_table[e->kind]->name
+                            : unknown ? NULL
+                                      : "outlier",
+                            mukca_chain_joint_name(r->chain, e->joint),
+                            e->kind == MUKCA_EFFECT_GEAR_HARMONIC ? e->variant.order : 0,
+                            placement_name(r->data, listed ? e->placement : -1), unknown,
+                            s->member[i].row);
         }
-        json_array_append_new(sets, cli_json("probability:f causes:o", s->probability, causes));
+        cli_json_append(sets, "probability:f causes:o", s->probability, causes);
     }
     return sets;
 }
@@ -51,11 +50,10 @@ static json_t *cause_object(const mukca_cause *c, const mukca_chain *chain,
     const mukca_effect_info *info = mukca_effect_table[c->effect.kind];
     json_t *ties = json_array();
     for (const mukca_tie *t = c->ties; t < c->ties + c->n_ties; t++)
-        json_array_append_new(
-            ties,
-            cli_json("effect:s joint:s order:n log_bayes_factor:f correlation:f",
-                     mukca_effect_table[t->effect]->name, mukca_chain_joint_name(chain, t->joint),
-                     t->rival.variant.order, t->log_bayes_factor, t->correlation));
+        cli_json_append(ties, "effect:s joint:s order:n log_bayes_factor:f correlation:f",
+                        mukca_effect_table[t->effect]->name,
+                        mukca_chain_joint_name(chain, t->joint), t->rival.variant.order,
+                        t->log_bayes_factor, t->correlation);
     return cli_json(
         "effect:s joint:s placement:s socket:s row:n order:n order_interval:o motion:s amplitude:f "
         "unit:s ci95:v log_bayes_factor:f probability:f ties:o or_unknown:b held_out:o",
@@ -74,11 +72,10 @@ static json_t *faults_array(const mukca_diagnosis *d, const mukca_dataset *data)
 {
     json_t *array = json_array();
     for (const mukca_data_fault *f = d->faults; f < d->faults + d->n_faults; f++)
-        json_array_append_new(
-            array,
-            cli_json("kind:s placement:s socket:s row:i file:s size_m:f", mukca_fault_name[f->kind],
-                     placement_name(data, f->placement), socket_label(data, f->socket), f->row,
-                     data->files ? data->files[f->file] : NULL, f->size_m));
+        cli_json_append(array, "kind:s placement:s socket:s row:i file:s size_m:f",
+                        mukca_fault_name[f->kind], placement_name(data, f->placement),
+                        socket_label(data, f->socket), f->row,
+                        data->files ? data->files[f->file] : NULL, f->size_m);
     return array;
 }
 
@@ -86,8 +83,7 @@ static json_t *placements_array(const double *mae, int n, const mukca_dataset *d
 {
     json_t *array = json_array();
     for (int p = 0; mae && p < n; p++)
-        json_array_append_new(array,
-                              cli_json("placement:s mae_m:f", data->placements[p].name, mae[p]));
+        cli_json_append(array, "placement:s mae_m:f", data->placements[p].name, mae[p]);
     return array;
 }
 
@@ -104,13 +100,11 @@ static json_t *next_poses_array(const mukca_diagnosed *r)
         const mukca_plan_row *row = &next->plan.rows[i];
         json_t *pair = json_array();
         for (int k = 0; k < 2; k++)
-            json_array_append_new(
-                pair, cli_json("effect:s joint:s", mukca_effect_table[rivals[k].kind]->name,
-                               mukca_chain_joint_name(r->chain, rivals[k].joint)));
-        json_array_append_new(
-            array, cli_json("placement:s socket:s q:o tells_apart:o",
-                            next->sockets[row->socket].placement, next->sockets[row->socket].label,
-                            cli_json_reals(row->q, r->chain->n_joints), pair));
+            cli_json_append(pair, "effect:s joint:s", mukca_effect_table[rivals[k].kind]->name,
+                            mukca_chain_joint_name(r->chain, rivals[k].joint));
+        cli_json_append(array, "placement:s socket:s q:o tells_apart:o",
+                        next->sockets[row->socket].placement, next->sockets[row->socket].label,
+                        cli_json_reals(row->q, r->chain->n_joints), pair);
     }
     return array;
 }
@@ -121,8 +115,7 @@ static json_t *logs_object(const mukca_logs *logs)
     const double *evidence = logs->log_evidence;
     if (logs->n < 2) return NULL;
     return cli_json(
-        "count:i base_per_log:b tool_per_log:b "
-        "log_evidence{shared:f base:f tool:f both:f}",
+        "count:i base_per_log:b tool_per_log:b log_evidence{shared:f base:f tool:f both:f}",
         logs->n, logs->base_per_log, logs->tool_per_log, evidence[0], evidence[1], evidence[2],
         evidence[3]);
 }
@@ -134,10 +127,9 @@ static json_t *streams_object(const mukca_streams *s, const mukca_diagnosed *r)
     json_t *joints = json_array();
     for (int j = 0; j < s->n_joints; j++) {
         const mukca_stream *of = &s->joint[j];
-        json_array_append_new(
-            joints, cli_json("joint:s rows:i mean:f rms:f servo_sag:f ci95:v log_bayes_factor:f",
-                             mukca_chain_joint_name(r->chain, j), of->rows, of->mean, of->rms,
-                             of->sag, of->low, of->high, of->log_bayes_factor));
+        cli_json_append(joints, "joint:s rows:i mean:f rms:f servo_sag:f ci95:v log_bayes_factor:f",
+                        mukca_chain_joint_name(r->chain, j), of->rows, of->mean, of->rms, of->sag,
+                        of->low, of->high, of->log_bayes_factor);
     }
     return cli_json("fitted:s sigma_reading_m:f sigma_command_m:f joints:o",
                     r->data->by_command ? "command" : "reading", s->sigma_reading_m,
@@ -185,10 +177,9 @@ static json_t *where_object(const mukca_diagnosed *r)
     const mukca_diagnosis *d = r->diagnosis;
     json_t *joints = json_array();
     for (int i = 0; i < d->n_where; i++)
-        json_array_append_new(
-            joints, cli_json("joint:s share:f range_rad:o",
-                             mukca_chain_joint_name(r->chain, d->where[i].joint), d->where[i].share,
-                             cli_json_reals(d->where[i].range_rad, 2)));
+        cli_json_append(joints, "joint:s share:f range_rad:o",
+                        mukca_chain_joint_name(r->chain, d->where[i].joint), d->where[i].share,
+                        cli_json_reals(d->where[i].range_rad, 2));
     return cli_json("joints:o placements:o axes:o", joints,
                     placements_array(d->placement_mae_m, r->data->n_placements, r->data),
                     cli_json_reals(d->axis_rms_m, 3));
@@ -199,12 +190,11 @@ static json_t *tested_array(const mukca_diagnosed *r)
     const mukca_diagnosis *d = r->diagnosis;
     json_t *tested = json_array();
     for (const mukca_tested *t = d->tested; t < d->tested + d->n_tested; t++)
-        json_array_append_new(
-            tested, cli_json("effect:s joint:s log_bayes_factor:f log_odds:f detection_limit:f "
-                             "testable:b why:s",
-                             mukca_effect_table[t->effect]->name,
-                             mukca_chain_joint_name(r->chain, t->joint), t->log_bayes_factor,
-                             t->log_odds, t->limit, t->testable, t->why));
+        cli_json_append(
+            tested,
+            "effect:s joint:s log_bayes_factor:f log_odds:f detection_limit:f testable:b why:s",
+            mukca_effect_table[t->effect]->name, mukca_chain_joint_name(r->chain, t->joint),
+            t->log_bayes_factor, t->log_odds, t->limit, t->testable, t->why);
     return tested;
 }
 
@@ -223,8 +213,8 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *r)
     json_t *root = cli_json(
         "schema:s verdict:s unexplained:b causes:o data_faults:o gap{nominal_m:f geometry_m:f "
         "faults_excused_m:f explained_m:f with_unknown_m:f surprise:f noise_floor_m:f folds:i "
-        "held_out:o noise_shrink_percent:f} test:o where:o tested:o "
-        "noise{sigma_m:f lag_one_correlation:f shared_by_posture:f} joints:o why:s sentence:s",
+        "held_out:o noise_shrink_percent:f} test:o where:o tested:o noise{sigma_m:f "
+        "lag_one_correlation:f shared_by_posture:f} joints:o why:s sentence:s",
         "mukca.diagnose/1", mukca_verdict_name[d->verdict], d->unexplained, causes_array(r),
         faults_array(d, r->data), d->nominal_m, d->geometry_m, d->faults_excused_m, d->explained_m,
         d->structure_m, d->surprise, d->noise_floor_m, d->folds, shrink_object(&d->held_out),

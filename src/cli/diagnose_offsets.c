@@ -34,10 +34,12 @@ static void fill_tracker(mukca_offsets *o, const mukca_applied *a)
     }
 }
 
-static mukca_status judge(mukca_offsets *o, const mukca_chain *chain, const mukca_diagnosed *r,
-                          const cli_frames *frames, mukca_error *error)
+static mukca_status judge(cli_call *call, cli_diagnosis *of)
 {
+    const mukca_diagnosed *r = &of->result;
     const mukca_diagnosis *d = r->diagnosis;
+    const mukca_chain *chain = &of->chain;
+    mukca_offsets *o = &of->offsets;
     mukca_acceptance *a = &o->acceptance;
     a->converged = true; /* otherwise nothing was fitted */
     a->noise_m = d->sigma_m;
@@ -51,46 +53,49 @@ static mukca_status judge(mukca_offsets *o, const mukca_chain *chain, const mukc
     else
         snprintf(a->error_of, sizeof a->error_of, "cross-validation, %d folds%s", d->folds,
                  d->n_faults ? ", without faulty samples" : "");
-    return mukca_accept(o,
-                        &(mukca_accept_task){.change = {.chain = chain,
-                                                        .to = o,
-                                                        .data = r->data,
-                                                        .base_frame = frames->base,
-                                                        .tool_frame = frames->tool},
-                                             .held = !d->after_m ? NULL
-                                                     : r->test   ? r->test
-                                                                 : r->data,
-                                             .before = d->before_m,
-                                             .after = d->after_m,
-                                             .misfit = d->why,
-                                             .training_m = r->test ? d->explained_m : (double)NAN},
-                        error);
+    return mukca_accept(
+        o,
+        &(mukca_accept_task){.change = {.chain = chain,
+                                        .to = o,
+                                        .data = r->data,
+                                        .base_frame = d->chain->n_elements < chain->n_elements,
+                                        .tool_frame = call->common->free_tool && r->data->position},
+                             .held = !d->after_m ? NULL
+                                     : r->test   ? r->test
+                                                 : r->data,
+                             .before = d->before_m,
+                             .after = d->after_m,
+                             .misfit = d->why,
+                             .training_m = r->test ? d->explained_m : (double)NAN},
+        &call->error);
 }
 
-mukca_status cli_diagnosis_offsets(mukca_offsets *o, mukca_chain *chain, int *left_out,
-                                   const mukca_diagnosed *r, const cli_frames *frames,
-                                   mukca_error *error)
+mukca_status cli_diagnosis_offsets(cli_call *call, cli_diagnosis *d, int *left_out)
 {
-    const mukca_applied *a = &r->diagnosis->applied;
+    const mukca_diagnosed *r = &d->result;
+    const mukca_applied *a = &d->diagnosis.applied;
+    const bool base = call->common->free_base && r->data->position;
+    mukca_offsets *o = &d->offsets;
+    mukca_error *error = &call->error;
     *left_out = 0;
     if (!a->fitted)
         return mukca_fail(error, MUKCA_UNIDENTIFIABLE,
                           "no offsets to write: these samples are too few to fit anything");
     mukca_status status =
-        mukca_chain_with_frames(chain, r->diagnosis->chain, frames->base, false, error);
+        mukca_chain_with_frames(&d->chain, d->diagnosis.chain, base, false, error);
     if (status != MUKCA_OK) return status;
-    mukca_offsets_init(o, chain);
+    mukca_offsets_init(o, &d->chain);
     mukca_offsets_set_placements(o, r->data);
-    fill_geometry(o, a, r->diagnosis->chain, frames->base);
-    if (frames->base) fill_tracker(o, a);
+    fill_geometry(o, a, d->diagnosis.chain, base);
+    if (base) fill_tracker(o, a);
     for (int e = 0; e < a->n_effects; e++) {
         if ((mukca_effect_table[a->effects[e].kind]->needs & MUKCA_NEEDS_MASSES) &&
-            chain->n_masses == 0) {
+            d->chain.n_masses == 0) {
             ++*left_out; /* found by measured efforts, which other samples lack */
             continue;
         }
         o->effects[o->n_effects] = a->effects[e];
         memcpy(o->effect_sigma[o->n_effects++], a->effect_sigma[e], sizeof a->effect_sigma[e]);
     }
-    return judge(o, chain, r, frames, error);
+    return judge(call, d);
 }

@@ -40,39 +40,29 @@ static void put_tie(mukca_text *text, const mukca_diagnosed *r, const mukca_caus
                            plan->rows_to_name, plan->rows_to_name);
         else if (r->data->n_sockets > 0)
             mukca_text_put(text,
-                           "; a placement far from these may decide: mukca plan --settle "
-                           "--suggest 1");
+                           "; a placement far from these may decide: mukca plan --settle --place");
     }
     mukca_text_put(text, ")");
 }
 
-static void print_first(FILE *stream, const mukca_diagnosed *r, const mukca_cause *c)
-{
-    char line[TEXT] = "", words[MUKCA_WORDING];
-    mukca_text text = MUKCA_TEXT(line);
-    if (c->n_ties || c->or_unknown) {
-        mukca_wording_rivals(words, c, r);
-        mukca_text_put(&text, "%s", words);
-        put_tie(&text, r, c);
-    } else {
-        mukca_wording_cause(words, c, r);
-        mukca_text_put(&text, "%s: %s", words, mukca_wording_mechanism(c, r));
-    }
-    cli_print_text(stream, "Cause", &text);
-    put_amplitude(&text, c, r->chain);
-    cli_print_text(stream, "", &text);
-}
-
-static void print_further(FILE *stream, const mukca_diagnosed *r, const mukca_cause *c,
-                          const char *key)
+/* The first cause has its mechanism or tie on a line of its own. */
+static void print_cause(FILE *stream, const mukca_diagnosed *r, const mukca_cause *c,
+                        const char *key, bool first)
 {
     char line[TEXT] = "", words[MUKCA_WORDING];
     mukca_text text = MUKCA_TEXT(line);
     mukca_wording_rivals(words, c, r);
-    mukca_text_put(&text, "%s, ", words);
+    mukca_text_put(&text, "%s", words);
+    if (first && !c->n_ties && !c->or_unknown)
+        mukca_text_put(&text, ": %s", mukca_wording_mechanism(c, r));
+    if (first)
+        put_tie(&text, r, c);
+    else
+        mukca_text_put(&text, ", ");
+    if (first) cli_print_text(stream, key, &text);
     put_amplitude(&text, c, r->chain);
-    put_tie(&text, r, c);
-    cli_print_text(stream, key, &text);
+    if (!first) put_tie(&text, r, c);
+    cli_print_text(stream, first ? "" : key, &text);
 }
 
 static void print_rest(FILE *stream, const mukca_diagnosis *d)
@@ -102,10 +92,8 @@ static void print_causes(FILE *stream, const mukca_diagnosed *r)
     }
     for (int i = 0; i < d->n_causes; i++) {
         if (!mukca_wording_on_arm(&d->causes[i])) continue;
-        if (printed == 0)
-            print_first(stream, r, &d->causes[i]);
-        else if (printed <= MOST_CAUSES)
-            print_further(stream, r, &d->causes[i], printed == 1 ? "Also" : "");
+        const char *const key = printed == 0 ? "Cause" : printed == 1 ? "Also" : "";
+        if (printed <= MOST_CAUSES) print_cause(stream, r, &d->causes[i], key, printed == 0);
         printed++;
     }
     if (printed > MOST_CAUSES + 1) cli_print_more(stream, printed - MOST_CAUSES - 1);
@@ -164,10 +152,9 @@ static void print_errors(FILE *stream, const mukca_diagnosed *r)
     if (r->data->n_sockets == 0 || r->data->n_placements >= 4 || !d->n_causes) return;
     mukca_text_put(&text, "Fewer than four placements: the reduction by the causes is uncertain");
     if (isfinite(d->noise_shrink_percent))
-        mukca_text_put(&text,
-                       " (on pure noise the best effect of the catalogue reduces the error by "
-                       "%.0f %%)",
-                       d->noise_shrink_percent);
+        mukca_text_put(
+            &text, " (on pure noise the best effect of the catalogue reduces the error by %.0f %%)",
+            d->noise_shrink_percent);
     cli_print_text(stream, NULL, &text);
 }
 

@@ -13,14 +13,10 @@ typedef struct {
 } evaluate_options;
 
 static const cli_option options[] = {
-    CLI_OFFSETS_OPTION,
-    CLI_TEST_OPTION,
     CLI_OPTION(evaluate_options, max_mae, "max-mae", CLI_POSITIVE, "M",
                "exit code 1 if the mean error (of --test, if given) is above this, m"),
     CLI_OUTPUT_OPTION("write the table there (default: standard output)"),
-    CLI_JSON_OPTION,
-    CLI_DATA_OPTIONS,
-    CLI_LAST_OPTIONS};
+    {.name = NULL}};
 
 typedef struct {
     cli_scores data, test;
@@ -41,26 +37,27 @@ static void print(cli_call *call, const evaluate_work *w)
     if (calibrated) {
         char verdict_text[MUKCA_ACCEPTANCE_SENTENCE];
         mukca_acceptance_sentence(verdict_text, &s->model.offsets.acceptance, w->data.has_factory);
-        cli_answer_wrapped(call, "Table %s.", verdict_text);
+        cli_say(call, NULL, "Table %s.", verdict_text);
     }
     cli_scores_print_header(call, calibrated);
     cli_scores_print(call, &w->data, "data", calibrated);
     if (w->read_by_eye) cli_scores_print_rows(call, &w->data, &s->data, calibrated);
     if (tested) cli_scores_print(call, &w->test, "test", calibrated);
     if (tested && w->read_by_eye) cli_scores_print_rows(call, &w->test, &s->test, calibrated);
-    if (!calibrated && w->data.nominal_mean.mae > CLI_FAR_OFF)
+    if (!calibrated && w->data.mean[CLI_NOMINAL].mae > CLI_FAR_OFF)
         cli_print_mismatch(call, &s->data, false, false);
     else if (!calibrated)
-        cli_answer_keyed(call, "Next", "mukca calibrate with these data");
+        cli_say(call, "Next", "mukca calibrate with these data");
 }
 
 static mukca_status verdict(cli_call *call, const evaluate_work *w)
 {
     const evaluate_options *o = call->options;
-    const double mae = w->test.n > 0 ? w->test.calibrated_mean.mae : w->data.calibrated_mean.mae;
+    const double mae =
+        w->test.n > 0 ? w->test.mean[CLI_CALIBRATED].mae : w->data.mean[CLI_CALIBRATED].mae;
     if (!(o->max_mae > 0) || mae <= o->max_mae) return MUKCA_OK;
-    return mukca_fail(&call->error, MUKCA_NEGATIVE, "mean error %.6g m is above --max-mae %g", mae,
-                      o->max_mae);
+    return cli_fail(call, MUKCA_NEGATIVE, "mean error %.6g m is above --max-mae %g", mae,
+                    o->max_mae);
 }
 
 static mukca_status write_results(cli_call *call, const evaluate_work *w)
@@ -68,23 +65,22 @@ static mukca_status write_results(cli_call *call, const evaluate_work *w)
     const cli_session *s = call->session;
     const cli_common *c = call->common;
     mukca_output output = {0};
-    json_t *json = cli_json(
-        "schema:s acceptance:o data:o test:o mae_m:f test_mae_m:f", "mukca.evaluate/1",
-        cli_json_acceptance(c->offsets ? &s->model.offsets.acceptance : NULL),
-        cli_scores_json(&w->data, &s->data), cli_scores_json(&w->test, &s->test),
-        w->data.calibrated_mean.mae, w->test.n > 0 ? w->test.calibrated_mean.mae : (double)NAN);
-    mukca_status status = json ? MUKCA_OK : mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
-    if (status == MUKCA_OK && (!c->json || c->output) && !w->read_by_eye)
-        status = cli_output_open(call, &output);
+    mukca_status status = MUKCA_OK;
+    if ((!c->json || c->output) && !w->read_by_eye) status = cli_output_open(call, &output);
     if (status == MUKCA_OK && output.stream) {
         cli_scores_write_header(output.stream, c->kinematics != NULL);
         cli_scores_write_rows(output.stream, "data", &w->data, &s->data);
         cli_scores_write_rows(output.stream, "test", &w->test, &s->test);
     }
     status = mukca_output_finish(&output, status, &call->error);
-    if (status == MUKCA_OK) return cli_write_json(call, json);
-    json_decref(json);
-    return status;
+    if (status != MUKCA_OK || !c->json) return status;
+    return cli_write_json(
+        call,
+        cli_json("schema:s acceptance:o data:o test:o mae_m:f test_mae_m:f", "mukca.evaluate/1",
+                 cli_json_acceptance(c->offsets ? &s->model.offsets.acceptance : NULL),
+                 cli_scores_json(&w->data, &s->data), cli_scores_json(&w->test, &s->test),
+                 w->data.mean[CLI_CALIBRATED].mae,
+                 w->test.n > 0 ? w->test.mean[CLI_CALIBRATED].mae : (double)NAN));
 }
 
 /* The arm with its offsets, on a chain with the additional frames of measured poses (zero if the
@@ -128,11 +124,11 @@ static mukca_status run(cli_call *call)
     w->data.by_log = s->data.n_files > 1 || s->data.n_targets > 1;
     w->test.by_log = s->test.n_files > 1 || s->test.n_targets > 1;
     if (status == MUKCA_OK)
-        status =
-            cli_scores_make(call, &w->data, &model->chain, model->offsets.theta, model, &s->data);
+        status = cli_scores_make(call, &w->data, &model->chain, model->offsets.theta,
+                                 &model->offsets, &s->data);
     if (status == MUKCA_OK && s->test.n_rows > 0)
-        status =
-            cli_scores_make(call, &w->test, &model->chain, model->offsets.theta, model, &s->test);
+        status = cli_scores_make(call, &w->test, &model->chain, model->offsets.theta,
+                                 &model->offsets, &s->test);
     if (status == MUKCA_OK) status = write_results(call, w);
     if (status != MUKCA_OK) return status;
     print(call, w);
@@ -146,15 +142,15 @@ const cli_command cli_command_evaluate = {
     .synopsis = "DATA...",
     .description =
         "Prints the mean errors, and a table with one row per placement and per pose log (on a "
-        "terminal only its consistency errors, mm); targets with names are placed "
-        "on the tip by the data first. mae: mean distance of the predicted ball from "
-        "the mean of its socket (pose logs: from the measured position). std: root of the mean "
-        "square. distance_error: predicted minus given distance of the sockets. Each for the "
-        "nominal model and, with --offsets, for the calibrated model with its effects. SI "
-        "units.",
+        "terminal only its consistency errors, mm); targets with names are placed on the tip by "
+        "the data first. mae: mean distance of the predicted ball from the mean of its socket "
+        "(pose logs: from the measured position). std: root of the mean square. distance_error: "
+        "predicted minus given distance of the sockets. Each for the nominal model and, with "
+        "--offsets, for the calibrated model with its effects. SI units.",
     .example =
-        "mukca evaluate --urdf data/demo/arm.urdf --offsets build/demo/offsets.tsv "
-        "data/demo/test.tsv",
+        "  mukca evaluate --urdf data/demo/arm.urdf \\\n"
+        "      --offsets build/demo/offsets.tsv data/demo/test.tsv",
+    .with = CLI_WITH_DATA | CLI_WITH_OFFSETS | CLI_WITH_TEST | CLI_WITH_JSON,
     .options = options,
     .options_size = sizeof(evaluate_options),
     .targets = true,

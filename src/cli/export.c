@@ -18,21 +18,13 @@ static const char *const formats[] = {
         NULL};
 
 static const cli_option options[] = {
-    {.name = "format",
-     .letter = 'f',
-     .kind = CLI_CHOICE,
-     .argument = "FORMAT",
-     .help = "what to write (default: by the ending of the file's name, else urdf)",
-     .choices = formats,
-     .offset = offsetof(export_options, format)},
+    CLI_OPTION_AND(export_options, format, "format", CLI_CHOICE, "FORMAT",
+                   "what to write (default: by the ending of the file's name, else urdf)",
+                   .choices = formats, .letter = 'f'),
     CLI_OPTION(export_options, into, "into", CLI_TEXT, "FILE",
                "your own URDF or MuJoCo model: replace the poses of the arm, found by names"),
-    CLI_OFFSETS_OPTION,
-    CLI_ACCEPT_OPTION,
-    CLI_MODEL_OPTIONS,
-    CLI_TABLE_OPTIONS,
     CLI_OUTPUT_OPTION("where to write it (default: standard output)"),
-    CLI_LAST_OPTIONS};
+    {.name = NULL}};
 
 #define FORMAT_ENDING(name, endings, description) #name " " endings ", "
 static const char other_formats[] =
@@ -47,12 +39,12 @@ static mukca_status run(cli_call *call)
     const cli_common *c = call->common;
     static const mukca_exporter into = {"the model of --into", "", &mukca_export_into};
     if (o->into && o->format >= 0)
-        return mukca_fail(&call->error, MUKCA_USAGE, "--into keeps the format of its file");
+        return cli_fail(call, MUKCA_USAGE, "--into keeps the format of its file");
     if (o->format < 0) o->format = o->into ? 0 : mukca_exporter_find(c->output);
     if (o->format < 0)
-        return mukca_fail(&call->error, MUKCA_USAGE,
-                          "%.100s: no format has this ending; choose one with --format (%s)",
-                          c->output, other_formats);
+        return cli_fail(call, MUKCA_USAGE,
+                        "%.100s: no format has this ending; choose one with --format (%s)",
+                        c->output, other_formats);
     cli_model *model = &call->session->model;
     mukca_output output = {0};
     mukca_status status = cli_load_model(call, model);
@@ -95,11 +87,13 @@ const cli_command cli_command_export = {
         "names of its links and, at zero, the axes of its joints. The frames of the bodies may "
         "differ from those of the links.\n\n"
         "A format that cannot hold an effect of the table gets origins that were fitted to the arm "
-        "with its effects, over its joint ranges or over the postures of DATA; a note states "
-        "what is lost. npy holds offsets of the joints' zeros alone, fitted likewise.\n\n"
+        "with its effects, over its joint ranges or over the postures of DATA; a note states what "
+        "is lost. npy holds offsets of the joints' zeros alone, fitted likewise.\n\n"
         "Formats, with the endings of their files:\n" MUKCA_EXPORT_LIST(FORMAT_LINE),
     .example =
-        "mukca export --urdf data/demo/arm.urdf --offsets build/demo/offsets.tsv --format yaml",
+        "  mukca export --urdf data/demo/arm.urdf \\\n"
+        "      --offsets build/demo/offsets.tsv --format yaml",
+    .with = CLI_WITH_MODEL | CLI_WITH_OFFSETS | CLI_WITH_ACCEPT | CLI_WITH_TABLES,
     .options = options,
     .options_size = sizeof(export_options),
     .defaults = &defaults,

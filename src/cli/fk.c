@@ -13,13 +13,8 @@ typedef struct {
 static const cli_option options[] = {
     CLI_OPTION(fk_options, pose, "pose", CLI_FLAG, NULL,
                "print orientations too, as quaternions qw qx qy qz"),
-    CLI_OFFSETS_OPTION,
-    CLI_ACCEPT_OPTION,
-    CLI_MODEL_OPTIONS,
-    CLI_UNITS_OPTION,
-    CLI_COLUMNS_OPTION,
     CLI_OUTPUT_OPTION("write the table there (default: standard output)"),
-    CLI_LAST_OPTIONS};
+    {.name = NULL}};
 
 /* Displacement by the effects of --offsets in one row. */
 static void displace(mukca_displacement *displacement, mukca_row_state *states,
@@ -92,7 +87,10 @@ const cli_command cli_command_fk = {
         "Reads tables with one column per joint, named as in the URDF (without a header: in the "
         "order of the chain), and prints the position of the tip in the base frame, m, row by row. "
         "Without FILE it reads standard input. --offsets applies a calibration with its effects.",
-    .example = "echo 0.1,0.2,0.3,-1.5,0.2,1.1,0.4 | mukca fk --urdf data/demo/arm.urdf --pose",
+    .example =
+        "  echo 0.1,0.2,0.3,-1.5,0.2,1.1,0.4 | mukca fk \\\n"
+        "      --urdf data/demo/arm.urdf --pose",
+    .with = CLI_WITH_MODEL | CLI_WITH_OFFSETS | CLI_WITH_ACCEPT | CLI_WITH_COLUMNS,
     .options = options,
     .options_size = sizeof(fk_options),
     .run = run,

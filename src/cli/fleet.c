@@ -16,7 +16,7 @@ static const cli_option options[] = {
     CLI_OUTPUT_OPTION("write the traits table; with --partial, the summary of summaries"),
     CLI_OPTION(fleet_options, partial, "partial", CLI_FLAG, NULL,
                "join the summaries into one file (-o) for a later mukca fleet; pool nothing"),
-    CLI_JSON_OPTION, CLI_LAST_OPTIONS};
+    {.name = NULL}};
 
 void cli_fleet_free(void *work)
 {
@@ -29,7 +29,7 @@ mukca_status cli_fleet_read(cli_call *call, cli_fleet *w)
 {
     mukca_status status = MUKCA_OK;
     for (int i = 0; i < call->arguments.n && status == MUKCA_OK; i++) {
-        if (cli_interrupted()) return mukca_fail(&call->error, MUKCA_INTERRUPTED, "interrupted");
+        if (cli_interrupted()) return cli_fail(call, MUKCA_INTERRUPTED, "interrupted");
         cli_progress(call, "reading summaries", i, call->arguments.n);
         status = mukca_summary_read(&w->fleet, call->arguments.items[i], &call->error);
     }
@@ -63,8 +63,8 @@ static json_t *trait_object(const mukca_trait *t, const mukca_fleet *f)
 {
     const mukca_effect_info *info = mukca_effect_table[t->effect.kind];
     return cli_json(
-        "mean:f spread:f error:f value:f log_bayes_factor:f probability:f effect:s "
-        "joint:s order:n unit:s arms:i ci95:v",
+        "mean:f spread:f error:f value:f log_bayes_factor:f probability:f effect:s joint:s order:n "
+        "unit:s arms:i ci95:v",
         t->mean, t->spread, t->error, t->value, t->log_bayes_factor, t->probability, info->name,
         joint_name(f, t->effect.joint), t->effect.variant.order, info->unit, t->arms, t->low,
         t->high);
@@ -72,13 +72,11 @@ static json_t *trait_object(const mukca_trait *t, const mukca_fleet *f)
 
 static json_t *departure_object(const mukca_departure *d, const mukca_fleet *f)
 {
-    const double ci95[2] = {d->low, d->high};
     return cli_json(
-        "arm:s effect:s joint:s ratio:f probability:f log_bayes_factor:f value:f "
-        "ci95:o mean:f",
+        "arm:s effect:s joint:s ratio:f probability:f log_bayes_factor:f value:f ci95:v mean:f",
         f->arm[d->arm].name, mukca_effect_table[d->effect.kind]->name,
         joint_name(f, d->effect.joint), d->ratio, d->probability, d->log_bayes_factor, d->value,
-        cli_json_reals(ci95, 2), d->mean);
+        d->low, d->high, d->mean);
 }
 
 static json_t *arm_object(const mukca_fleet_result *r, const mukca_fleet *f, int arm)
@@ -102,10 +100,9 @@ static json_t *result_json(const cli_fleet *w)
     for (int j = 0; j < f->model.n_joints; j++) {
         const mukca_trait *o = &r->order[j];
         if (o->effect.variant.order)
-            json_array_append_new(
-                orders, cli_json("joint:s order:i probability:f log_bayes_factor:f arms:i",
-                                 joint_name(f, j), o->effect.variant.order, o->probability,
-                                 o->log_bayes_factor, o->arms));
+            cli_json_append(orders, "joint:s order:i probability:f log_bayes_factor:f arms:i",
+                            joint_name(f, j), o->effect.variant.order, o->probability,
+                            o->log_bayes_factor, o->arms);
     }
     for (int a = 0; a < f->n_arms; a++) {
         if (r->departure[a].probability >= MUKCA_DEPARTS)
@@ -131,10 +128,9 @@ static void print_shared(cli_call *call, const cli_fleet *w)
                 (t->list[i].effect.variant.order > 0) != ripple)
                 continue;
             mukca_wording_fleet_trait(words, &t->list[i], &w->fleet);
-            cli_answer_keyed(call, shown++ ? "" : key, "%s", words);
+            cli_say(call, shown++ ? "" : key, "%s", words);
         }
-        if (!shown)
-            cli_answer_keyed(call, key, ripple ? "no shared order" : "no elastic coefficient");
+        if (!shown) cli_say(call, key, ripple ? "no shared order" : "no elastic coefficient");
     }
 }
 
@@ -146,11 +142,10 @@ static void print_departures(cli_call *call, const cli_fleet *w)
         const mukca_departure *d = &w->result.departure[a];
         if (!(d->probability >= MUKCA_DEPARTS)) continue;
         mukca_wording_fleet_departure(words, d, &w->fleet);
-        cli_answer_keyed(call, shown++ ? "" : "Departs", "%s", words);
+        cli_say(call, shown++ ? "" : "Departs", "%s", words);
     }
     if (!shown)
-        cli_answer_keyed(call, "Departs",
-                         w->fleet.n_arms < 3 ? "not testable with two arms" : "no arm");
+        cli_say(call, "Departs", w->fleet.n_arms < 3 ? "not testable with two arms" : "no arm");
 }
 
 static mukca_status run(cli_call *call)
@@ -158,7 +153,7 @@ static mukca_status run(cli_call *call)
     const fleet_options *o = call->options;
     cli_fleet *w = call->work;
     if (o->partial && (!call->common->output || call->common->json))
-        return mukca_fail(&call->error, MUKCA_USAGE, "--partial needs -o FILE and writes no JSON");
+        return cli_fail(call, MUKCA_USAGE, "--partial needs -o FILE and writes no JSON");
     mukca_status status = cli_fleet_read(call, w);
     if (status == MUKCA_OK && !o->partial)
         status = mukca_fleet_pool(&w->result, &w->fleet, &call->error);
@@ -183,18 +178,19 @@ const cli_command cli_command_fleet = {
         "data. Prints which elastic coefficients the arms share (mean, 95 % interval, spread "
         "between arms), the orders of transmission ripple that they share, and which arms depart "
         "from all others. Probabilities take the number of arms and coefficients into account.\n\n"
-        "-o writes the traits table: the population as prior for diagnose --traits "
-        "and calibrate --traits.\n\n"
+        "-o writes the traits table: the population as prior for diagnose --traits and calibrate "
+        "--traits.\n\n"
         "--partial writes the summaries into one file instead, for a tree of jobs: pooling the "
         "parts gives the same bytes as pooling all files at once. See docs/fleet.md for GNU "
         "parallel and Slurm.",
     .example =
-        "mukca diagnose --urdf data/demo/arm.urdf data/demo/train.tsv --summary "
-        "build/demo/arm_1.json --arm 1 --force\n"
-        "mukca diagnose --urdf data/demo/arm.urdf data/demo/test.tsv --summary "
-        "build/demo/arm_2.json --arm 2 --force\n"
-        "mukca fleet build/demo/arm_1.json build/demo/arm_2.json -o "
-        "build/demo/heron7.traits.tsv --force",
+        "  mukca diagnose --urdf data/demo/arm.urdf data/demo/train.tsv \\\n"
+        "      --summary build/demo/arm_1.json --arm 1 --force\n"
+        "  mukca diagnose --urdf data/demo/arm.urdf data/demo/test.tsv \\\n"
+        "      --summary build/demo/arm_2.json --arm 2 --force\n"
+        "  mukca fleet build/demo/arm_1.json build/demo/arm_2.json \\\n"
+        "      -o build/demo/heron7.traits.tsv --force",
+    .with = CLI_WITH_JSON,
     .options = options,
     .options_size = sizeof(fleet_options),
     .run = run,

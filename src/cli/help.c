@@ -6,7 +6,7 @@
 
 enum { OPTION_COLUMN = 26 };
 
-void cli_format_option(char *text, size_t size, const cli_option *option)
+static void format_option(char *text, size_t size, const cli_option *option)
 {
     char letter[8] = "";
     if (option->letter) snprintf(letter, sizeof letter, "-%c, ", option->letter);
@@ -17,7 +17,7 @@ void cli_format_option(char *text, size_t size, const cli_option *option)
 static void print_option(FILE *stream, const cli_option *option)
 {
     char text[80];
-    cli_format_option(text, sizeof text, option);
+    format_option(text, sizeof text, option);
     int column = fprintf(stream, "  %s", text);
     if (column + 2 > OPTION_COLUMN) {
         fputc('\n', stream);
@@ -32,42 +32,11 @@ static void print_option(FILE *stream, const cli_option *option)
     fputc('\n', stream);
 }
 
-void cli_format_usage(char *text, size_t size, const cli_command *command)
+static void format_usage(char *text, size_t size, const cli_command *command)
 {
-    bool urdf = false;
-    for (const cli_option *o = command->options; o->name; o++) urdf |= strcmp(o->name, "urdf") == 0;
-    snprintf(text, size, "%s%s [options]%s%s", command->name, urdf ? " --urdf FILE" : "",
-             *command->synopsis ? " " : "", command->synopsis);
-}
-
-/* Length of an unbreakable piece: words up to the next option or pipe. */
-static size_t piece_length(const char *text)
-{
-    size_t n = strcspn(text, " \n");
-    while (text[n] == ' ' && text[n + 1] != '|' &&
-           (text[n + 1] != '-' || text[n + 2] == ' ' || text[n + 2] == '\n' || !text[n + 2]))
-        n += 1 + strcspn(text + n + 1, " \n");
-    return n;
-}
-
-void cli_print_example(FILE *stream, int indent, int width, const char *example)
-{
-    while (*example) {
-        const size_t length = strcspn(example, "\n");
-        int column = fprintf(stream, "%*s", indent, "");
-        for (size_t at = 0, piece; at < length; at += piece + 1) {
-            piece = piece_length(example + at);
-            if (at > 0 && column + 1 + (int)piece > width - (at + piece < length ? 2 : 0)) {
-                fputs(" \\\n", stream);
-                column = fprintf(stream, "%*s", indent + 4, "");
-            } else if (at > 0) {
-                column += fprintf(stream, " ");
-            }
-            column += fprintf(stream, "%.*s", (int)piece, example + at);
-        }
-        fputc('\n', stream);
-        example += length + (example[length] == '\n');
-    }
+    snprintf(text, size, "%s%s [options]%s%s", command->name,
+             command->with & CLI_WITH_MODEL ? " --urdf FILE" : "", *command->synopsis ? " " : "",
+             command->synopsis);
 }
 
 void cli_print_command_help(FILE *stream, const cli_command *command)
@@ -78,13 +47,13 @@ void cli_print_command_help(FILE *stream, const cli_command *command)
                     strlen(command->summary));
     fputc('\n', stream);
     char usage[120];
-    cli_format_usage(usage, sizeof usage, command);
+    format_usage(usage, sizeof usage, command);
     fprintf(stream, "%sUsage:%s mukca %s\n\n", bold, plain, usage);
     cli_print_wrapped(stream, command->description);
     for (int common = 0; common < 2; common++) {
         bool any = false;
-        for (const cli_option *o = command->options; o->name; o++) {
-            if (cli_is_common(o) != (common == 1)) continue;
+        for (const cli_option *o = NULL; (o = cli_next_option(command, o));) {
+            if ((o->set != 0) != (common == 1)) continue;
             if (!any)
                 fprintf(stream, "\n%s%s:%s\n", bold, common ? "Common options" : "Options", plain);
             any = true;
@@ -92,7 +61,7 @@ void cli_print_command_help(FILE *stream, const cli_command *command)
         }
     }
     fprintf(stream, "\n%sExample:%s\n", bold, plain);
-    cli_print_example(stream, 2, CLI_WIDTH, command->example);
+    cli_print_wrapped(stream, command->example);
 }
 
 /* `separator`: printed after each group. */
@@ -126,8 +95,8 @@ void cli_print_overview(FILE *stream)
     fputs(
         "  mukca help COMMAND   options and an example\n"
         "  mukca help effects   the causes that a diagnosis can name\n"
-        "  mukca --version\n"
-        "  source <(mukca completion bash)    completes commands and options (or zsh)\n\n"
+        "  mukca help options   all options, as a table\n"
+        "  mukca --version\n\n"
         "Files, columns and JSON keys: man mukca-formats.\n"
         "Exit codes: 0 done; 1 done, and the answer is a negative verdict; 2 bad usage;\n"
         "3 bad input; 4 transport or time-out; 5 not identifiable; 6 out of memory,\n"
@@ -153,10 +122,9 @@ void cli_print_effects(FILE *stream)
                  {MUKCA_NEEDS_PLACEMENTS, "two placements or more"},
                  {MUKCA_NEEDS_SOCKETS, "socket data"},
                  {MUKCA_NEEDS_COMMANDS, "commanded angles (--angles command)"}};
-    cli_print_wrapped(
-        stream,
-        "The effects that `mukca diagnose` can name and `mukca simulate --effect` can "
-        "make, with the unit of their coefficients:\n\n");
+    cli_print_wrapped(stream,
+                      "The effects that `mukca diagnose` can name and `mukca simulate --effect` "
+                      "can make, with the unit of their coefficients:\n\n");
     for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++) {
         const mukca_effect_info *e = mukca_effect_table[kind];
         fprintf(stream, "%s%s%s (%s)\n    ", cli_bold(stream), e->name, cli_plain(stream), e->unit);
@@ -172,4 +140,20 @@ void cli_print_effects(FILE *stream)
         }
         if (any) fputc('\n', stream);
     }
+}
+
+void cli_print_options(FILE *stream)
+{
+    fputs("command\toption\tletter\targument\tvalues\n", stream);
+    for (const cli_command *const *c = cli_commands; *c; c++)
+        for (const cli_option *o = NULL; (o = cli_next_option(*c, o));) {
+            const bool effect = o->argument && strncmp(o->argument, "EFFECT", 6) == 0;
+            fprintf(stream, "%s\t--%s\t%.1s\t%s\t", (*c)->name, o->name,
+                    o->letter ? &o->letter : "", o->argument ? o->argument : "");
+            for (int kind = 0; effect && kind < MUKCA_EFFECT_COUNT; kind++)
+                fprintf(stream, "%s%s", kind ? " " : "", mukca_effect_table[kind]->name);
+            for (int i = 0; o->choices && o->choices[i]; i++)
+                fprintf(stream, "%s%s", i ? " " : "", o->choices[i]);
+            fputc('\n', stream);
+        }
 }

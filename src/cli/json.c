@@ -29,7 +29,7 @@ bool cli_json_incomplete(void)
     return incomplete;
 }
 
-json_t *cli_json_number(double value)
+static json_t *number(double value)
 {
     return isfinite(value) ? json_real(value) : json_null();
 }
@@ -37,7 +37,7 @@ json_t *cli_json_number(double value)
 json_t *cli_json_reals(const double *values, int n)
 {
     json_t *array = json_array();
-    for (int i = 0; i < n; i++) json_array_append_new(array, cli_json_number(values[i]));
+    for (int i = 0; i < n; i++) json_array_append_new(array, number(values[i]));
     return array;
 }
 
@@ -83,7 +83,7 @@ static json_t *next_value(source *from, char type)
         case 'l':
             return json_integer(va_arg(from->list, long));
         case 'f':
-            return cli_json_number(va_arg(from->list, double));
+            return number(va_arg(from->list, double));
         case 'v':
             low = va_arg(from->list, double);
             return interval(low, va_arg(from->list, double));
@@ -126,11 +126,11 @@ json_t *cli_json_offsets(const mukca_offsets *offsets, const mukca_chain *chain)
     incomplete |= !rows;
     const int n = rows ? mukca_offsets_rows(rows, offsets, chain) : 0;
     for (const mukca_offset_row *r = rows; r < rows + n; r++)
-        json_array_append_new(
-            array, cli_json("joint:s parameter:s unit:s nominal:f calibrated:f offset:f sigma:f "
-                            "identifiable:b term:s",
-                            r->joint, r->parameter, r->unit, r->nominal, r->calibrated, r->offset,
-                            r->sigma, r->identifiable, r->term));
+        cli_json_append(array,
+                        "joint:s parameter:s unit:s nominal:f calibrated:f offset:f sigma:f "
+                        "identifiable:b term:s",
+                        r->joint, r->parameter, r->unit, r->nominal, r->calibrated, r->offset,
+                        r->sigma, r->identifiable, r->term);
     free(rows);
     return array;
 }
@@ -150,7 +150,7 @@ json_t *cli_json_acceptance(const mukca_acceptance *a)
     for (const mukca_acceptance_number *n = mukca_acceptance_numbers; n->key; n++) {
         double value;
         memcpy(&value, (const char *)a + n->offset, sizeof value);
-        json_object_set_new(object, n->key, cli_json_number(value));
+        json_object_set_new(object, n->key, number(value));
     }
     return object;
 }

@@ -10,7 +10,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-void cli_live_arguments(cli_live_words *words, const cli_common *c, const cli_live *live)
+void cli_live_arguments(cli_live_words *words, const cli_common *c)
 {
     const double *g = c->gravity;
     const bool tilted = g[0] != 0 || g[1] != 0 || g[2] != 0;
@@ -26,7 +26,7 @@ void cli_live_arguments(cli_live_words *words, const cli_common *c, const cli_li
         {"--gravity", tilted ? words->gravity : NULL},
         {"--distance", c->distance != CLI_USUAL_DISTANCE ? words->distance : NULL},
         {"--distances", c->distances},
-        {"--traits", live->traits}};
+        {"--traits", c->traits}};
     int n = 0;
     for (size_t i = 0; i < sizeof options / sizeof options[0]; i++)
         for (int k = 0; k < 2 && options[i][1]; k++) words->word[n++] = options[i][k];

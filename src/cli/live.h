@@ -12,8 +12,7 @@
 /* Member `live` of the options of both commands. */
 typedef struct {
     mukca_recorder_options recorder;
-    cli_list types;     /* .lcm files */
-    const char *traits; /* for the commands that use the session */
+    cli_list types; /* .lcm files */
 } cli_live;
 
 /* Rows of an option table: senders of the `network`, a member of the options struct `type`. */
@@ -62,8 +61,6 @@ typedef struct {
             "names of the placements in order, commas between (default: placement_1 and so on)"),  \
         CLI_OPTION(type, live.recorder.sockets, "sockets", CLI_TEXT, "LIST",                       \
                    "labels of the sockets, commas between (default: 0,1)"),                        \
-        CLI_OPTION(type, live.traits, "traits", CLI_INPUT, "FILE",                                 \
-                   "traits of the model's fleet (mukca fleet -o), for calibrate and diagnose"),    \
         CLI_OPTION(type, live.recorder.prefix, "prefix", CLI_TEXT, "NAME",                         \
                    "prefix of mukca's own channels, as in NAME_TRIGGER (default: MUKCA)")
 
@@ -74,7 +71,7 @@ typedef struct {
 } cli_live_words;
 
 /* The options that specify arm and tool, required to read the session. */
-void cli_live_arguments(cli_live_words *words, const cli_common *common, const cli_live *live);
+void cli_live_arguments(cli_live_words *words, const cli_common *common);
 
 /* Copy common options that the recorder needs. */
 static inline void cli_live_complete(cli_live *live, const cli_common *common)

@@ -6,7 +6,6 @@
 
 #include "base/file.h"
 #include "base/note.h"
-#include "base/number.h"
 #include "cli/cli.h"
 #include "diagnose/condense.h"
 #include "fit/evaluate.h"
@@ -48,13 +47,12 @@ mukca_status cli_load_model(cli_call *call, cli_model *model)
     const cli_common *c = call->common;
     memset(model, 0, sizeof *model);
     if (!c->urdf)
-        return mukca_fail(&call->error, MUKCA_USAGE,
-                          "--urdf FILE is needed: the nominal model of the arm");
+        return cli_fail(call, MUKCA_USAGE, "--urdf FILE is needed: the nominal model of the arm");
     mukca_urdf_options options = {.base = c->base, .tip = c->tip, .inertials = c->inertials};
     for (int i = 0; i < 3; i++)
         if (fabs(c->gravity[i]) > most_gravity)
-            return mukca_fail(&call->error, MUKCA_USAGE,
-                              "--gravity: %g is out of range; give m/s^2", c->gravity[i]);
+            return cli_fail(call, MUKCA_USAGE, "--gravity: %g is out of range; give m/s^2",
+                            c->gravity[i]);
     memcpy(options.gravity, c->gravity, sizeof options.gravity);
     mukca_status status =
         mukca_urdf_load(&model->chain, c->urdf, &options, cli_note, call, &call->error);
@@ -74,30 +72,19 @@ mukca_status cli_load_model(cli_call *call, cli_model *model)
     return status;
 }
 
-/* Masses of --payload, payload[paths->n], one per path. */
-static mukca_status read_payload(double *payload, cli_call *call, const cli_list *paths)
+/* Masses of --payload, payload[all]: of DATA, then of --test. */
+static mukca_status read_payload(double *payload, cli_call *call, int all)
 {
     const char *text = call->common->payload;
-    const int n_data = call->arguments.n, all = n_data + call->common->test.n;
-    const int first = paths == &call->common->test ? n_data : 0;
-    int n = 0;
-    for (const char *next = text; next; n++) {
-        char number[64];
-        const size_t length = strcspn(next, ",");
-        double kg;
-        snprintf(number, sizeof number, "%.*s", (int)(length < 63 ? length : 63), next);
-        if (!mukca_number_parse(&kg, number) || !(kg >= 0 && kg <= MUKCA_ROWS_MOST_PAYLOAD))
-            return mukca_fail(&call->error, MUKCA_USAGE, "--payload: '%s' is no mass in kg",
-                              number);
-        if (n >= first && n - first < paths->n) payload[n - first] = kg;
-        for (int i = 0; n == 0 && i < paths->n; i++) payload[i] = kg;
-        next = next[length] == ',' ? next + length + 1 : NULL;
-    }
+    const int n = cli_read_list(payload, all, text);
+    for (int i = 0; i < n; i++)
+        if (!(payload[i] >= 0 && payload[i] <= MUKCA_ROWS_MOST_PAYLOAD))
+            return cli_fail(call, MUKCA_USAGE, "--payload: '%g' is no mass in kg", payload[i]);
+    for (int i = 1; n == 1 && i < all; i++) payload[i] = payload[0];
     if (n == 1 || n == all) return MUKCA_OK;
-    return mukca_fail(&call->error, MUKCA_USAGE,
-                      "--payload %.60s: %d masses for %d recordings; give one for all, or one of "
-                      "each%s",
-                      text, n, all, call->common->test.n ? ", those of --test last" : "");
+    return cli_fail(call, MUKCA_USAGE,
+                    "--payload %.60s: give one mass in kg for all %d recordings, or one of each%s",
+                    text, all, call->common->test.n ? ", those of --test last" : "");
 }
 
 mukca_status cli_read_format(cli_call *call, mukca_rows_format *format)
@@ -118,9 +105,8 @@ mukca_status cli_read_format(cli_call *call, mukca_rows_format *format)
         while (k < 4 && (strncmp(units[k].name, next, length) != 0 || units[k].name[length])) k++;
         double *unit = k < 2 ? &format->angle : &format->length;
         if (k == 4 || *unit > 0)
-            return mukca_fail(&call->error, MUKCA_USAGE,
-                              "--units %.40s: give rad or deg, and m or mm, as in deg,mm",
-                              c->units);
+            return cli_fail(call, MUKCA_USAGE,
+                            "--units %.40s: give rad or deg, and m or mm, as in deg,mm", c->units);
         *unit = k < 2 ? units[k].angle : units[k].length;
         next = next[length] ? next + length + 1 : NULL;
     }
@@ -133,29 +119,29 @@ mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model 
     const cli_common *c = call->common;
     memset(data, 0, sizeof *data);
     if (c->distance >= 2)
-        return mukca_fail(&call->error, MUKCA_USAGE,
-                          "--distance %g looks like %s; give m, as in 0.05", c->distance,
-                          c->distance > 10 ? "millimetres" : "centimetres");
+        return cli_fail(call, MUKCA_USAGE, "--distance %g looks like %s; give m, as in 0.05",
+                        c->distance, c->distance > 10 ? "millimetres" : "centimetres");
     mukca_dataset_options options = {
         .distance = c->distance, .distances = c->distances, .note = cli_note, .context = call};
     const mukca_status units = cli_read_format(call, &options.format);
     if (units != MUKCA_OK) return units;
-    double *payload = c->payload ? calloc((size_t)paths->n + 1, sizeof *payload) : NULL;
+    const int all = call->arguments.n + c->test.n;
+    double *payload = c->payload ? calloc((size_t)all + 1, sizeof *payload) : NULL;
     mukca_status status = MUKCA_OK;
     if (c->payload && !payload)
-        status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+        status = cli_fail(call, MUKCA_MEMORY, "out of memory");
     else if (payload)
-        status = read_payload(payload, call, paths);
-    options.payload = payload;
+        status = read_payload(payload, call, all);
+    options.payload = payload && paths == &c->test ? payload + call->arguments.n : payload;
     if (status == MUKCA_OK)
         status =
             mukca_dataset_load(data, &model->chain, paths->items, paths->n, &options, &call->error);
     free(payload);
     if (status == MUKCA_OK && data->n_targets > 1 && !call->command->targets)
         status =
-            mukca_fail(&call->error, MUKCA_INPUT,
-                       "the pose logs have %d targets; mukca diagnose -o fits the position of each",
-                       data->n_targets);
+            cli_fail(call, MUKCA_INPUT,
+                     "the pose logs have %d targets; mukca diagnose -o fits the position of each",
+                     data->n_targets);
     if (status == MUKCA_OK && c->angles == 1)
         status = mukca_dataset_take_commands(data, &call->error);
     for (int f = 0; f < data->n_files && c->verbose && status == MUKCA_OK; f++) {
@@ -180,19 +166,18 @@ static mukca_status drop_coincident(cli_call *call, mukca_dataset *data, const c
             data->distances[kept++] = *d;
             continue;
         }
-        snprintf(
-            text, sizeof text,
-            "placement '%s': sockets '%s' and '%s' coincide within %.2f mm; both labels may have "
-            "been recorded in one socket",
-            data->placements[data->sockets[d->a].placement].name, data->sockets[d->a].label,
-            data->sockets[d->b].label, 1e3 * apart[k]);
+        snprintf(text, sizeof text,
+                 "placement '%s': sockets '%s' and '%s' coincide within %.2f mm; both labels may "
+                 "have been recorded in one socket",
+                 data->placements[data->sockets[d->a].placement].name, data->sockets[d->a].label,
+                 data->sockets[d->b].label, 1e3 * apart[k]);
         mukca_note_format(cli_note, call, "%s; their distance is not used", text);
     }
     if (found > 0) data->n_distances = kept;
     free(apart);
-    if (found < 0) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    if (found < 0) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     if (!found || kept) return MUKCA_OK;
-    return mukca_fail(&call->error, MUKCA_INPUT, "%s; record them again in two sockets", text);
+    return cli_fail(call, MUKCA_INPUT, "%s; record them again in two sockets", text);
 }
 
 /* Remove training data from the test data. */
@@ -201,8 +186,8 @@ static mukca_status drop_training(cli_call *call, mukca_dataset *test, const muk
     const bool any = test->n_rows > 0;
     const mukca_status status = mukca_dataset_drop_copies(test, data, cli_note, call, &call->error);
     if (status != MUKCA_OK || test->n_rows || !any) return status;
-    return mukca_fail(&call->error, MUKCA_INPUT,
-                      "--test: every row is also training data; test on other recordings");
+    return cli_fail(call, MUKCA_INPUT,
+                    "--test: every row is also training data; test on other recordings");
 }
 
 /* Note a time that falls: a clock that was set, or several sessions in one file, would be mistaken
@@ -213,11 +198,10 @@ static void note_falling_time(cli_call *call, const mukca_dataset *data)
     for (int row = 1; data->time && row < data->n_rows; row++) {
         const double back = data->time[row - 1] - data->time[row];
         if (data->file[row] != data->file[row - 1] || !(back > least)) continue;
-        mukca_note_format(
-            cli_note, call,
-            "row %d of %s: time_s falls by %.0f s, and joint_drift is tested with it; "
-            "correct it, or write each session to a file of its own",
-            data->row[row], mukca_file_shown(data->files[data->file[row]]), back);
+        mukca_note_format(cli_note, call,
+                          "row %d of %s: time_s falls by %.0f s, and joint_drift is tested with "
+                          "it; correct it, or write each session to a file of its own",
+                          data->row[row], mukca_file_shown(data->files[data->file[row]]), back);
         return;
     }
 }
@@ -247,17 +231,13 @@ mukca_status cli_condense(cli_call *call)
     const mukca_status status =
         mukca_condense(&condensed, &call->session->data, MUKCA_MOST_SAMPLES, &call->error);
     if (status != MUKCA_OK || condensed.samples == condensed.rows) return status;
-    char text[160];
-    if (condensed.postures < condensed.rows) {
-        snprintf(text, sizeof text, "%d rows are %d postures; the rows of each were averaged",
-                 condensed.rows, condensed.postures);
-        cli_note(call, text);
-    }
-    if (condensed.samples < condensed.postures) {
-        snprintf(text, sizeof text, "%d of %d postures are used, in blocks that are evenly spread",
-                 condensed.samples, condensed.postures);
-        cli_note(call, text);
-    }
+    if (condensed.postures < condensed.rows)
+        mukca_note_format(cli_note, call, "%d rows are %d postures; the rows of each were averaged",
+                          condensed.rows, condensed.postures);
+    if (condensed.samples < condensed.postures)
+        mukca_note_format(cli_note, call,
+                          "%d of %d postures are used, in blocks that are evenly spread",
+                          condensed.samples, condensed.postures);
     return MUKCA_OK;
 }
 
@@ -284,9 +264,9 @@ mukca_status cli_check_effects(cli_call *call, const cli_model *model)
     for (int e = 0; e < model->offsets.n_effects; e++) {
         const mukca_effect_info *info = mukca_effect_table[model->offsets.effects[e].kind];
         if ((info->needs & MUKCA_NEEDS_MASSES) && model->chain.n_masses == 0)
-            return mukca_fail(&call->error, MUKCA_INPUT,
-                              "%s: %s needs the masses of the links: give --inertials FILE",
-                              call->common->offsets, info->name);
+            return cli_fail(call, MUKCA_INPUT,
+                            "%s: %s needs the masses of the links: give --inertials FILE",
+                            call->common->offsets, info->name);
     }
     return MUKCA_OK;
 }

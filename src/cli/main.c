@@ -16,7 +16,7 @@
 
 static mukca_status unknown_command(const char *name)
 {
-    static const char *const others[] = {"help", "completion", "--version", "--help"};
+    static const char *const others[] = {"help", "--version", "--help"};
     char text[MUKCA_SUGGEST_TEXT];
     const char *meant = NULL, *what = name[0] == '-' ? "option" : "command";
     int best = 99;
@@ -38,6 +38,8 @@ static mukca_status help(const char *topic)
         cli_print_overview(stdout);
     else if (strcmp(topic, "effects") == 0)
         cli_print_effects(stdout);
+    else if (strcmp(topic, "options") == 0)
+        cli_print_options(stdout);
     else if (command)
         cli_print_command_help(stdout, command);
     else
@@ -83,12 +85,6 @@ static mukca_status dispatch(int argc, char **argv)
     }
     if (strcmp(word, "help") == 0 || strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0)
         return help(second);
-    if (strcmp(word, "completion") == 0) {
-        mukca_error error;
-        mukca_status status = cli_completion(&error, second);
-        if (status) fprintf(stderr, "mukca completion: %s\n", error.text);
-        return status;
-    }
     const cli_command *command = cli_find_command(word);
     return command ? run_command(command, argc - 2, argv + 2) : unknown_command(word);
 }

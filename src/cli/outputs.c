@@ -31,17 +31,19 @@ static bool is_among(const char *path, const cli_list *inputs)
 static mukca_status check_output(cli_call *call, const cli_option *output, const char *path)
 {
     bool same = is_among(path, &call->arguments);
-    for (const cli_option *o = call->command->options; o->name; o++) {
+    bool before = true;
+    for (const cli_option *o = NULL; (o = cli_next_option(call->command, o));) {
+        before &= o != output;
         if (o->kind == CLI_INPUT) same |= is_input(path, path_of(call, o));
         if (o->kind == CLI_REST)
             same |= is_among(path, (const cli_list *)(void *)((char *)call->options + o->offset));
-        if (o->kind == CLI_OUTPUT && o < output && mukca_output_same(path, path_of(call, o)))
-            return mukca_fail(&call->error, MUKCA_USAGE, "--%s and --%s cannot both go to %s",
-                              o->name, output->name, path);
+        if (o->kind == CLI_OUTPUT && before && mukca_output_same(path, path_of(call, o)))
+            return cli_fail(call, MUKCA_USAGE, "--%s and --%s cannot both go to %s", o->name,
+                            output->name, path);
     }
     if (same)
-        return mukca_fail(&call->error, MUKCA_USAGE,
-                          "%.120s is an input of this command; refusing to overwrite it", path);
+        return cli_fail(call, MUKCA_USAGE,
+                        "%.120s is an input of this command; refusing to overwrite it", path);
     return call->command->grows ? MUKCA_OK
                                 : mukca_output_check(path, call->common->force, &call->error);
 }
@@ -49,7 +51,7 @@ static mukca_status check_output(cli_call *call, const cli_option *output, const
 mukca_status cli_check_outputs(cli_call *call)
 {
     mukca_status status = MUKCA_OK;
-    for (const cli_option *o = call->command->options; o->name && status == MUKCA_OK; o++)
+    for (const cli_option *o = NULL; status == MUKCA_OK && (o = cli_next_option(call->command, o));)
         if (o->kind == CLI_OUTPUT && path_of(call, o))
             status = check_output(call, o, path_of(call, o));
     return status;
@@ -90,14 +92,14 @@ mukca_status cli_write_json(cli_call *call, json_t *root)
         return MUKCA_OK;
     }
     if (!root || cli_json_incomplete())
-        status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+        status = cli_fail(call, MUKCA_MEMORY, "out of memory");
     else
         status = mukca_output_open(&output, call->common->json, call->common->force, &call->error);
     if (status == MUKCA_OK &&
         (json_dumpf(root, output.stream, JSON_INDENT(2) | JSON_REAL_PRECISION(17)) != 0 ||
          fputc('\n', output.stream) == EOF) &&
         !ferror(output.stream)) /* mukca_output_close reports the reason */
-        status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+        status = cli_fail(call, MUKCA_MEMORY, "out of memory");
     json_decref(root);
     return mukca_output_finish(&output, status, &call->error);
 }

@@ -7,27 +7,97 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/number.h"
 #include "base/suggest.h"
 #include "base/text.h"
 
-const char *const cli_angles[] = {"reading", "command", NULL};
-const char *const cli_maps[] = {"name", "order", "order-w-last", NULL};
+static const char *const angles[] = {"reading", "command", NULL};
+static const char *const maps[] = {"name", "order", "order-w-last", NULL};
 
-const cli_option cli_common_options[] = {
-    CLI_MODEL_OPTIONS,    CLI_OFFSETS_OPTION, CLI_ACCEPT_OPTION,  CLI_TEST_OPTION,
-    CLI_DISTANCE_OPTIONS, CLI_JSON_OPTION,    CLI_PAYLOAD_OPTION, CLI_ANGLES_OPTION,
-    CLI_TABLE_OPTIONS,    CLI_LAST_OPTIONS};
+/* A row of the table; the second with more members. */
+#define COMMON(sets, text, member, type, metavar, sentence) \
+    CLI_OPTION_AND(cli_common, member, text, type, metavar, sentence, .set = CLI_WITH_##sets)
+#define COMMON_AND(sets, text, member, type, metavar, sentence, ...)                          \
+    CLI_OPTION_AND(cli_common, member, text, type, metavar, sentence, .set = CLI_WITH_##sets, \
+                   __VA_ARGS__)
 
-bool cli_is_common(const cli_option *option)
+static const cli_option common_options[] = {
+    COMMON(MODEL, "urdf", urdf, CLI_INPUT, "FILE", "nominal model of the arm"),
+    COMMON(MODEL, "kinematics", kinematics, CLI_INPUT, "FILE",
+           "YAML with the robot's own origins (Universal Robots, Franka, UFACTORY): it replaces "
+           "those of the URDF"),
+    COMMON(MODEL, "base", base, CLI_TEXT, "LINK",
+           "first link of the chain (default: the URDF's root)"),
+    COMMON(MODEL, "tip", tip, CLI_TEXT, "LINK",
+           "last link of the chain (default: ball_link, else ball, else the only leaf)"),
+    COMMON(MODEL, "inertials", inertials, CLI_INPUT, "FILE",
+           "link masses (TSV: link, mass_kg, com_x_m, com_y_m, com_z_m); they replace those of the "
+           "URDF"),
+    COMMON(MODEL, "gravity", gravity, CLI_VECTOR, "X,Y,Z",
+           "gravity in the base frame, m/s^2 (default: 0,0,-9.80665)"),
+    COMMON(OFFSETS, "offsets", offsets, CLI_INPUT, "FILE",
+           "apply this offsets table; it must belong to the URDF (or --force)"),
+    COMMON(ACCEPT, "accept-failed", accept_failed, CLI_FLAG, NULL,
+           "use the offsets table even though its calibration did not pass"),
+    COMMON(ACCEPT, "accept-edited", accept_edited, CLI_FLAG, NULL,
+           "use the offsets table even though it was edited or cut after it was written"),
+    COMMON(TEST, "test", test, CLI_REST, "DATA...", "held-out data: never fitted, always reported"),
+    COMMON(DISTANCE, "distance", distance, CLI_POSITIVE, "M",
+           "distance between the sockets, m (default: 0.05)"),
+    COMMON(DISTANCES, "distances", distances, CLI_INPUT, "FILE",
+           "distances of pairs of sockets (TSV: socket_a, socket_b, distance_m)"),
+    COMMON(JSON, "json", json, CLI_OUTPUT, "FILE",
+           "write the result as JSON; - means standard output"),
+    COMMON(PAYLOAD, "payload", payload, CLI_TEXT, "KG[,KG...]",
+           "mass at the tip beyond the model, of all DATA or of each in order, then of each "
+           "--test, where the file has no payload_kg"),
+    COMMON_AND(ANGLES, "angles", angles, CLI_CHOICE, "STREAM",
+               "fit the angles that were read, or those that were commanded (columns "
+               "JOINT.command; without them all angles are commands; default: reading)",
+               .choices = angles),
+    COMMON(FRAMES, "free-base", free_base, CLI_FLAG, NULL,
+           "pose logs: fit the frame of the tracker, too (joint base_frame)"),
+    COMMON(FRAMES, "free-tool", free_tool, CLI_FLAG, NULL,
+           "pose logs: fit the offset of the target (the last fixed joint, else joint tool_frame; "
+           "recalibrate: its rotation)"),
+    COMMON(TRAITS, "traits", traits, CLI_INPUT, "FILE",
+           "traits of the model's fleet (mukca fleet -o), as prior of calibrate and diagnose"),
+    COMMON_AND(CHECK, "check", check, CLI_INTEGER, "N",
+               "diagnose N simulated recordings with these postures, this noise and the causes "
+               "found, and N without causes",
+               .least = 1, .most = 100000),
+    COMMON(COLUMNS, "units", units, CLI_TEXT, "UNITS",
+           "units of the tables that are read: rad or deg, m or mm, as in deg,mm (default: rad,m); "
+           "columns x, y, z are then positions, too"),
+    COMMON(COLUMNS, "columns", columns, CLI_TEXT, "NAMES",
+           "names of the tables' columns: COLUMN=NAME,... or a name for each column in order, or a "
+           "file of these"),
+    COMMON_AND(MAP, "map", map, CLI_CHOICE, "MAP",
+               "name: the first line of a table names its columns; order: it has no such line, the "
+               "joints come in the chain's order, then the pose, its quaternion with w first; "
+               "order-w-last: with w last (default: name)",
+               .choices = maps),
+    COMMON(MAP, "inverse-poses", inverse_poses, CLI_FLAG, NULL,
+           "the measured poses are those of the fixed frame in the target's, as a camera on the "
+           "arm sees a fixed board"),
+    COMMON(ALL, "force", force, CLI_FLAG, NULL,
+           "overwrite existing files; accept the offsets table of another arm"),
+    COMMON_AND(ALL, "quiet", quiet, CLI_FLAG, NULL, "print errors only", .letter = 'q'),
+    COMMON_AND(ALL, "verbose", verbose, CLI_FLAG, NULL, "print inputs and elapsed time",
+               .letter = 'v'),
+    {.name = NULL, .set = CLI_WITH_ALL}};
+
+const cli_option *cli_next_option(const cli_command *command, const cli_option *o)
 {
-    for (const cli_option *o = cli_common_options; o->name; o++)
-        if (strcmp(o->name, option->name) == 0 && strcmp(o->help, option->help) == 0) return true;
-    return false;
+    o = o ? o + 1 : command->options;
+    if (!o || (!o->name && !o->set)) o = common_options;
+    while (o->set && !(o->set & (command->with | CLI_WITH_ALL))) o++;
+    return o->name ? o : NULL;
 }
 
-static const cli_option *find_option(const cli_option *options, const char *name, size_t length)
+static const cli_option *find_option(const cli_command *command, const char *name, size_t length)
 {
-    for (const cli_option *o = options; o->name; o++)
+    for (const cli_option *o = NULL; (o = cli_next_option(command, o));)
         if (strlen(o->name) == length && strncmp(o->name, name, length) == 0) return o;
     return NULL;
 }
@@ -40,13 +110,12 @@ static mukca_status unknown_option(cli_call *call, const char *word)
     size_t length = strcspn(word, "=");
     snprintf(name, sizeof name, "%.*s", (int)(length < sizeof name ? length : sizeof name - 1),
              word);
-    for (const cli_option *o = call->command->options; o->name; o++)
+    for (const cli_option *o = NULL; (o = cli_next_option(call->command, o));)
         if (mukca_suggest_better(&best, name + strspn(name, "-"), o->name)) meant = o->name;
     if (meant)
-        return mukca_fail(&call->error, MUKCA_USAGE, "unknown option %s; did you mean --%s?", name,
-                          meant);
-    return mukca_fail(&call->error, MUKCA_USAGE, "unknown option %s; see `mukca help %s`", name,
-                      call->command->name);
+        return cli_fail(call, MUKCA_USAGE, "unknown option %s; did you mean --%s?", name, meant);
+    return cli_fail(call, MUKCA_USAGE, "unknown option %s; see `mukca help %s`", name,
+                    call->command->name);
 }
 
 mukca_status cli_fail_effect(mukca_error *error, const char *option, const char *name)
@@ -61,14 +130,19 @@ mukca_status cli_fail_effect(mukca_error *error, const char *option, const char 
                       mukca_suggest_text(text, meant, "`mukca help effects` lists them"));
 }
 
-/* Number at *text, followed by `stop`; *text advances past it. */
-static bool parse_number(double *value, const char **text, char stop)
+int cli_read_list(double *values, int most, const char *text)
 {
-    char *end;
-    *value = strtod(*text, &end);
-    bool good = end != *text && *end == stop && isfinite(*value);
-    *text = end + 1;
-    return good;
+    char number[64];
+    int n = 0;
+    for (;; text++) {
+        const size_t length = strcspn(text, ",");
+        if (n == most || length >= sizeof number) return -1;
+        memcpy(number, text, length);
+        number[length] = '\0';
+        if (!mukca_number_parse(&values[n++], number)) return -1;
+        text += length;
+        if (!*text) return n;
+    }
 }
 
 static bool append(cli_list *list, const char *item)
@@ -81,11 +155,6 @@ static bool append(cli_list *list, const char *item)
     }
     list->items[list->n++] = item;
     return true;
-}
-
-static mukca_status out_of_memory(cli_call *call)
-{
-    return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
 }
 
 /* ", in m", by the argument's name in help; "": no unit. */
@@ -145,12 +214,11 @@ static bool store(void *at, const cli_option *option, const char *text)
     double *v = at;
     switch (option->kind) {
         case CLI_NUMBER:
-            return parse_number(v, &text, '\0') && in_range(*v, option);
         case CLI_POSITIVE:
-            return parse_number(v, &text, '\0') && *v > 0 && in_range(*v, option);
+            return cli_read_list(v, 1, text) == 1 && in_range(*v, option) &&
+                   (option->kind == CLI_NUMBER || *v > 0);
         case CLI_VECTOR:
-            return parse_number(&v[0], &text, ',') && parse_number(&v[1], &text, ',') &&
-                   parse_number(&v[2], &text, '\0') && (v[0] != 0 || v[1] != 0 || v[2] != 0);
+            return cli_read_list(v, 3, text) == 3 && (v[0] != 0 || v[1] != 0 || v[2] != 0);
         case CLI_INTEGER:
             return store_integer(at, text) && in_range(*(int *)at, option);
         case CLI_CHOICE:
@@ -174,16 +242,16 @@ static mukca_status set_value(cli_call *call, const cli_option *option, const ch
     char list[160] = "", range[64];
     mukca_text names = MUKCA_TEXT(list);
     if (!*text) /* from an unset variable in a script */
-        return mukca_fail(&call->error, MUKCA_USAGE, "--%s needs %s, and not an empty text",
-                          option->name, option->argument);
+        return cli_fail(call, MUKCA_USAGE, "--%s needs %s, and not an empty text", option->name,
+                        option->argument);
     if (option->kind == CLI_TEXTS || option->kind == CLI_REST)
-        return append(at, text) ? MUKCA_OK : out_of_memory(call);
+        return append(at, text) ? MUKCA_OK : cli_fail(call, MUKCA_MEMORY, "out of memory");
     if (store(at, option, text)) return MUKCA_OK;
     for (int i = 0; option->kind == CLI_CHOICE && option->choices[i]; i++)
         mukca_text_put(&names, "%s %s", i ? "," : "", option->choices[i]);
     describe_range(range, option);
-    return mukca_fail(&call->error, MUKCA_USAGE, "--%s %.40s: must be %s%s%s%s", option->name, text,
-                      wanted[option->kind], list, range, unit_words(option));
+    return cli_fail(call, MUKCA_USAGE, "--%s %.40s: must be %s%s%s%s", option->name, text,
+                    wanted[option->kind], list, range, unit_words(option));
 }
 
 /* Number of arguments before the first option. */
@@ -205,15 +273,12 @@ static mukca_status take_option(cli_call *call, int *used, const cli_option *opt
     mukca_status status = MUKCA_OK;
     *used = 1 + n;
     if (option->kind == CLI_FLAG) {
-        if (inlined)
-            return mukca_fail(&call->error, MUKCA_USAGE, "--%s takes no value", option->name);
+        if (inlined) return cli_fail(call, MUKCA_USAGE, "--%s takes no value", option->name);
         *(bool *)member(call, option) = true;
         return MUKCA_OK;
     }
     if (inlined) return set_value(call, option, inlined);
-    if (n == 0)
-        return mukca_fail(&call->error, MUKCA_USAGE, "--%s needs %s", option->name,
-                          option->argument);
+    if (n == 0) return cli_fail(call, MUKCA_USAGE, "--%s needs %s", option->name, option->argument);
     for (int i = 1; i <= n && status == MUKCA_OK; i++) status = set_value(call, option, argv[i]);
     return status;
 }
@@ -223,13 +288,13 @@ static mukca_status parse_letters(cli_call *call, bool *help, int *used, int arg
     const char *word = argv[0];
     *used = 1;
     for (const char *c = word + 1; *c; c++) {
-        const cli_option *o = call->command->options;
-        while (o->name && o->letter != *c) o++;
-        if (!o->name && *c == 'h') {
+        const cli_option *o = cli_next_option(call->command, NULL);
+        while (o && o->letter != *c) o = cli_next_option(call->command, o);
+        if (!o && *c == 'h') {
             *help = true;
             continue;
         }
-        if (!o->name) return unknown_option(call, word);
+        if (!o) return unknown_option(call, word);
         if (o->kind != CLI_FLAG) return take_option(call, used, o, c[1] ? c + 1 : NULL, argc, argv);
         *(bool *)member(call, o) = true;
     }
@@ -248,12 +313,10 @@ static mukca_status check_arguments(cli_call *call)
         word += strcspn(word, " ");
     }
     if (call->arguments.n < least)
-        return mukca_fail(&call->error, MUKCA_USAGE, "needs %s; see `mukca help %s`", c->synopsis,
-                          c->name);
+        return cli_fail(call, MUKCA_USAGE, "needs %s; see `mukca help %s`", c->synopsis, c->name);
     if (!many && call->arguments.n > least)
-        return mukca_fail(&call->error, MUKCA_USAGE,
-                          "unexpected argument '%.60s'; see `mukca help %s`",
-                          call->arguments.items[least], c->name);
+        return cli_fail(call, MUKCA_USAGE, "unexpected argument '%.60s'; see `mukca help %s`",
+                        call->arguments.items[least], c->name);
     return MUKCA_OK;
 }
 
@@ -262,7 +325,7 @@ mukca_status cli_parse(cli_call *call, bool *help, int argc, char **argv)
     *help = false;
     call->options = calloc(1, call->command->options_size);
     call->common = call->options;
-    if (!call->options) return out_of_memory(call);
+    if (!call->options) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     if (call->command->defaults)
         memcpy(call->options, call->command->defaults, call->command->options_size);
     call->common->distance = CLI_USUAL_DISTANCE;
@@ -273,16 +336,17 @@ mukca_status cli_parse(cli_call *call, bool *help, int argc, char **argv)
         mukca_status status = MUKCA_OK;
         if (plain || word[0] != '-' || word[1] == '\0') {
             if (!*word)
-                return mukca_fail(&call->error, MUKCA_USAGE,
-                                  "an argument is empty; see `mukca help %s`", call->command->name);
-            if (!append(&call->arguments, word)) return out_of_memory(call);
+                return cli_fail(call, MUKCA_USAGE, "an argument is empty; see `mukca help %s`",
+                                call->command->name);
+            if (!append(&call->arguments, word))
+                return cli_fail(call, MUKCA_MEMORY, "out of memory");
         } else if (strcmp(word, "--") == 0) {
             plain = true;
         } else if (strcmp(word, "--help") == 0) {
             *help = true;
         } else if (word[1] == '-') {
             size_t length = strcspn(word + 2, "=");
-            const cli_option *o = find_option(call->command->options, word + 2, length);
+            const cli_option *o = find_option(call->command, word + 2, length);
             if (!o) return unknown_option(call, word);
             const char *inlined = word[2 + length] ? word + 3 + length : NULL;
             status = take_option(call, &used, o, inlined, argc - i, argv + i);
@@ -297,7 +361,7 @@ mukca_status cli_parse(cli_call *call, bool *help, int argc, char **argv)
 
 void cli_call_free(cli_call *call)
 {
-    for (const cli_option *o = call->command->options; call->options && o->name; o++)
+    for (const cli_option *o = NULL; call->options && (o = cli_next_option(call->command, o));)
         if (o->kind == CLI_TEXTS || o->kind == CLI_REST) free(((cli_list *)member(call, o))->items);
     free(call->arguments.items);
     free(call->options);

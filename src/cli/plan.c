@@ -6,6 +6,7 @@
 #include "cli/simulate.h"
 #include "diagnose/next_poses.h"
 #include "io/output.h"
+#include "report/wording.h"
 
 typedef struct {
     cli_common common;
@@ -37,14 +38,12 @@ static const cli_option options[] = {
                      "postures to propose, all sockets together (default: 20)"),
     CLI_OPTION(plan_options, places, "place", CLI_TEXTS, "NAME=X,Y,Z[,ROLL,PITCH,YAW]",
                "a placement of the tool: middle of the sockets, which lie on its x axis, m and "
-               "rad; 1 cm is "
-               "accurate enough"),
+               "rad; 1 cm is accurate enough"),
     CLI_OPTION(plan_options, settle, "settle", CLI_FLAG, NULL,
                "diagnose DATA and separate its first indistinguishable causes"),
-    CLI_OPTION(
-        plan_options, separate, "separate", CLI_TEXTS, "EFFECT",
-        "causes to separate, as in simulate --effect: NAME[:WHERE][@VARIANT]=VALUE; two or more, "
-        "with commas or repeated"),
+    CLI_OPTION(plan_options, separate, "separate", CLI_TEXTS, "EFFECT",
+               "causes to separate, as in simulate --effect: NAME[:WHERE][@VARIANT]=VALUE; two or "
+               "more, with commas or repeated"),
     CLI_RANGE_OPTION(plan_options, noise, "noise", CLI_POSITIVE, "M", 0, 0.1,
                      "measurement noise of the ball per axis, m (default: 1e-4)"),
     CLI_RANGE_OPTION(
@@ -52,15 +51,8 @@ static const cli_option options[] = {
         "largest tilt of the tool from straight down (default: 60, or that of DATA; 180: any)"),
     CLI_OPTION(plan_options, seed, "seed", CLI_INTEGER, "N",
                "seed of the random candidates (default: 0)"),
-    CLI_OFFSETS_OPTION,
-    CLI_ACCEPT_OPTION,
-    CLI_MODEL_OPTIONS,
-    CLI_DISTANCE_OPTIONS,
-    CLI_PAYLOAD_OPTION,
-    CLI_TABLE_OPTIONS,
     CLI_OUTPUT_OPTION("write the postures there, a session file (default: standard output)"),
-    CLI_JSON_OPTION,
-    CLI_LAST_OPTIONS};
+    {.name = NULL}};
 
 static void progress(void *context, double share)
 {
@@ -85,38 +77,33 @@ static mukca_status check(cli_call *call)
 /* Sockets of the data, then two for each --place. */
 static mukca_status gather_sockets(plan_work *r)
 {
-    const plan_options *o = r->call->options;
     mukca_error *error = &r->call->error;
     const double distance = r->call->common->distance;
-    int n = 0, place = 0;
+    int n = 0;
     if (r->data->n_rows > 0) {
         n = mukca_plan_sockets(r->sockets, MUKCA_PLAN_MAX_SOCKETS, &r->model->geometry, r->data);
-        place = r->data->n_placements;
         if (n == 0)
             return mukca_fail(error, MUKCA_INPUT,
                               "these DATA have no sockets; plan is for socket data");
     }
-    for (int i = 0; i < o->places.n; i++, place++) {
-        mukca_place at = {.placed = false};
-        mukca_status status = cli_read_place(&at, o->places.items[i], error);
-        if (status != MUKCA_OK) return status;
-        if (!at.placed)
-            return mukca_fail(error, MUKCA_USAGE, "--place %s: needs NAME=X,Y,Z", at.name);
+    for (int place = r->data->n_placements; place < r->causes.n_places; place++) {
+        const mukca_place *at = &r->known[place];
+        if (!at->placed)
+            return mukca_fail(error, MUKCA_USAGE, "--place %s: needs NAME=X,Y,Z", at->name);
         for (int k = 0; k < n; k++)
-            if (strcmp(r->sockets[k].placement, at.name) == 0)
-                return mukca_fail(error, MUKCA_USAGE,
-                                  "--place %s: there is such a placement already; choose another "
-                                  "name",
-                                  at.name);
+            if (strcmp(r->sockets[k].placement, at->name) == 0)
+                return mukca_fail(
+                    error, MUKCA_USAGE,
+                    "--place %s: there is such a placement already; choose another name", at->name);
         if (n + 2 > MUKCA_PLAN_MAX_SOCKETS)
             return mukca_fail(error, MUKCA_USAGE, "more than %d sockets", MUKCA_PLAN_MAX_SOCKETS);
         for (int side = 0; side < 2; side++) {
             mukca_plan_socket *s = &r->sockets[n++];
             s->place = place;
             snprintf(s->label, sizeof s->label, "%d", side);
-            snprintf(s->placement, sizeof s->placement, "%s", at.name);
+            snprintf(s->placement, sizeof s->placement, "%s", at->name);
             for (int a = 0; a < 3; a++)
-                s->centre[a] = at.pose.p[a] + (side - 0.5) * distance * at.pose.R[3 * a];
+                s->centre[a] = at->pose.p[a] + (side - 0.5) * distance * at->pose.R[3 * a];
         }
     }
     r->n_sockets = n;
@@ -234,9 +221,8 @@ static json_t *as_json(const plan_work *r)
         json_t *joints = json_object();
         for (int j = 0; j < chain->n_joints; j++)
             json_object_set_new(joints, mukca_chain_joint_name(chain, j), json_real(row->q[j]));
-        json_array_append_new(
-            rows, cli_json("placement:s socket:s joints:o", r->sockets[row->socket].placement,
-                           r->sockets[row->socket].label, joints));
+        cli_json_append(rows, "placement:s socket:s joints:o", r->sockets[row->socket].placement,
+                        r->sockets[row->socket].label, joints);
     }
     const mukca_plan *p = &r->plan;
     return cli_json(
@@ -246,13 +232,6 @@ static json_t *as_json(const plan_work *r)
         p->evidence_before, p->evidence_after, p->rows_to_name, r->payload, cli_elapsed(r->call));
 }
 
-static void name_cause(char name[96], const mukca_effect *effect, const mukca_chain *chain)
-{
-    snprintf(name, 96, "%s%s%s", mukca_effect_table[effect->kind]->name,
-             effect->joint < 0 ? "" : " of ",
-             effect->joint < 0 ? "" : mukca_chain_joint_name(chain, effect->joint));
-}
-
 static void print(plan_work *r)
 {
     const plan_options *o = r->call->options;
@@ -260,27 +239,28 @@ static void print(plan_work *r)
     cli_answer(r->call, "%d postures in %d sockets; %d samples recorded\n", p->n_rows, r->n_sockets,
                p->n_recorded);
     if (r->causes.n_effects > 0) {
-        char a[96], b[96];
-        name_cause(a, &r->causes.effects[0], &r->model->chain);
-        name_cause(b, &r->causes.effects[1], &r->model->chain);
-        cli_answer_wrapped(r->call,
-                           "Separating %s from %s: expected log Bayes factor %.1f before, %.1f "
-                           "after (%g decides)",
-                           a, b, p->evidence_before, p->evidence_after, MUKCA_PLAN_NAME);
+        char cause[2][MUKCA_WORDING];
+        for (int k = 0; k < 2; k++)
+            mukca_wording_effect(
+                cause[k], r->causes.effects[k].kind,
+                mukca_chain_joint_name(&r->model->chain, r->causes.effects[k].joint));
+        cli_say(
+            r->call, NULL,
+            "Separating %s from %s: expected log Bayes factor %.1f before, %.1f after (%g decides)",
+            cause[0], cause[1], p->evidence_before, p->evidence_after, MUKCA_PLAN_NAME);
         if (r->payload > 0)
-            cli_answer_wrapped(r->call,
-                               "These postures are for a payload of %g kg at the tip; as many "
-                               "without it reach %.1f",
-                               r->payload, r->unloaded);
+            cli_say(r->call, NULL,
+                    "These postures are for a payload of %g kg at the tip; as many without it "
+                    "reach %.1f",
+                    r->payload, r->unloaded);
         if (p->evidence_after < MUKCA_PLAN_NAME && p->rows_to_name > 0)
-            cli_answer_wrapped(r->call,
-                               "Not enough: some --rows %d are needed, or another placement "
-                               "(--place)",
-                               p->rows_to_name);
+            cli_say(r->call, NULL,
+                    "Not enough: some --rows %d are needed, or another placement (--place)",
+                    p->rows_to_name);
         else if (p->evidence_after < MUKCA_PLAN_NAME)
-            cli_answer_wrapped(r->call,
-                               "Not enough, and more samples here do not decide: try another "
-                               "placement (--place)");
+            cli_say(
+                r->call, NULL,
+                "Not enough, and more samples here do not decide: try another placement (--place)");
     } else {
         cli_answer(r->call,
                    "Expected consistency error at new placements, without noise: %.3f mm before, "
@@ -288,13 +268,12 @@ static void print(plan_work *r)
                    p->expected_before * 1e3, p->expected_after * 1e3);
     }
     if (p->n_rows < o->rows)
-        cli_answer_wrapped(r->call,
-                           "Fewer than the requested %d: the sockets allow no more different "
-                           "postures",
-                           o->rows);
-    cli_answer_keyed(r->call, "Next",
-                     "check each posture for collisions (only joint limits, tilt and height are "
-                     "checked here), guide the arm there, and record it with the ball seated");
+        cli_say(r->call, NULL,
+                "Fewer than the requested %d: the sockets allow no more different postures",
+                o->rows);
+    cli_say(r->call, "Next",
+            "check each posture for collisions (only joint limits, tilt and height are checked "
+            "here), guide the arm there, and record it with the ball seated");
 }
 
 static void release(void *work)
@@ -334,8 +313,11 @@ const cli_command cli_command_plan = {
         "which they do. Writes a session file in the order to visit. Guide the arm to these angles "
         "and record the angles at which the ball is seated.",
     .example =
-        "mukca plan --urdf data/demo/arm.urdf --place front=0.45,0,0.05,0,0,1.57 --rows 40 -o "
-        "build/demo/plan.tsv --force",
+        "  mukca plan --urdf data/demo/arm.urdf \\\n"
+        "      --place front=0.45,0,0.05,0,0,1.57 --rows 40 \\\n"
+        "      -o build/demo/plan.tsv --force",
+    .with = CLI_WITH_MODEL | CLI_WITH_OFFSETS | CLI_WITH_ACCEPT | CLI_WITH_DISTANCE |
+            CLI_WITH_DISTANCES | CLI_WITH_JSON | CLI_WITH_PAYLOAD | CLI_WITH_TABLES,
     .options = options,
     .options_size = sizeof(plan_options),
     .defaults = &defaults,

@@ -11,26 +11,18 @@
 
 typedef struct {
     cli_common common;
-    bool iterate, joint, robust, free_base, free_tool;
+    mukca_recalibrate_options fit;
 } recalibrate_options;
 
 static const cli_option options[] = {
-    CLI_TEST_OPTION,
-    CLI_OPTION(recalibrate_options, iterate, "iterate", CLI_FLAG, NULL,
+    CLI_OPTION(recalibrate_options, fit.iterate, "iterate", CLI_FLAG, NULL,
                "repeat the linearisation until it converges"),
-    CLI_OPTION(recalibrate_options, joint, "joint", CLI_FLAG, NULL,
+    CLI_OPTION(recalibrate_options, fit.joint, "joint", CLI_FLAG, NULL,
                "solve for angles and lengths together, not in two steps"),
-    CLI_OPTION(recalibrate_options, robust, "robust", CLI_FLAG, NULL,
+    CLI_OPTION(recalibrate_options, fit.robust, "robust", CLI_FLAG, NULL,
                "give outliers less weight (Huber)"),
-    CLI_OPTION(recalibrate_options, free_base, "free-base", CLI_FLAG, NULL,
-               "fit the frame in which the poses were measured"),
-    CLI_OPTION(recalibrate_options, free_tool, "free-tool", CLI_FLAG, NULL,
-               "fit the rotation of the measured frame against the tip"),
-    CLI_MODEL_OPTIONS,
-    CLI_TABLE_OPTIONS,
-    CLI_JSON_OPTION,
     CLI_OUTPUT_OPTION("write the offsets table"),
-    CLI_LAST_OPTIONS};
+    {.name = NULL}};
 
 /* Folders (and standard input) are kept in memory, pose logs are read as a stream. */
 typedef struct {
@@ -47,8 +39,7 @@ static mukca_status open_input(cli_call *call, pose_input *in, const cli_model *
 {
     struct stat info;
     const int most = (int)(sizeof in->files / sizeof *in->files);
-    if (paths->n > most)
-        return mukca_fail(&call->error, MUKCA_USAGE, "more than %d data arguments", most);
+    if (paths->n > most) return cli_fail(call, MUKCA_USAGE, "more than %d data arguments", most);
     for (int i = 0; i < paths->n; i++) {
         const char *path = paths->items[i];
         const bool folder = stat(path, &info) == 0 && S_ISDIR(info.st_mode);
@@ -144,7 +135,7 @@ static mukca_status fit_and_judge(cli_call *call, recalibrate_work *w)
     r->robust = r->fit;
     if (status == MUKCA_OK && r->fit->tail > 1.5 && !w->fit.robust) {
         r->robust = calloc(1, sizeof *r->robust);
-        if (!r->robust) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+        if (!r->robust) return cli_fail(call, MUKCA_MEMORY, "out of memory");
         robust.robust = true;
         task.options = &robust;
         status = mukca_recalibrate(r->robust, &task, &call->error);
@@ -256,7 +247,7 @@ static mukca_status judge_offsets(cli_call *call, recalibrate_work *w)
     mukca_acceptance *a = &w->offsets.acceptance;
     mukca_dataset part = {0}, held = {0};
     double *errors = calloc(2 * MOST_JUDGED, sizeof *errors);
-    if (!errors) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    if (!errors) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     snprintf(a->error_of, sizeof a->error_of, "%s, %ld poses",
              r->tested ? "test data" : "generalized cross-validation", poses);
     a->converged = fit->converged;
@@ -290,7 +281,7 @@ static mukca_status write_offsets(cli_call *call, const mukca_offsets *offsets)
 {
     mukca_dataset names = {0};
     names.files = calloc((size_t)call->arguments.n + 1, sizeof *names.files);
-    if (!names.files) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    if (!names.files) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     for (int i = 0; i < call->arguments.n; i++)
         snprintf(names.files[names.n_files++], sizeof *names.files, "%s", call->arguments.items[i]);
     const mukca_status status =
@@ -304,12 +295,11 @@ static mukca_status write_offsets(cli_call *call, const mukca_offsets *offsets)
 static mukca_status refuse(cli_call *call, const cli_recalibrated *r)
 {
     const mukca_oracle *o = &r->oracle;
-    return mukca_fail(
-        &call->error, MUKCA_UNIDENTIFIABLE,
-        "no calibration in these poses: they equal the nominal model within their noise (median "
-        "%.4f mm nominal, %.4f mm after a fit); no offsets table is written; use "
-        "another tracker, or calibrate from sockets",
-        1e3 * o->position_nominal, 1e3 * o->position_left);
+    return cli_fail(call, MUKCA_UNIDENTIFIABLE,
+                    "no calibration in these poses: they equal the nominal model within their "
+                    "noise (median %.4f mm nominal, %.4f mm after a fit); no offsets table is "
+                    "written; use another tracker, or calibrate from sockets",
+                    1e3 * o->position_nominal, 1e3 * o->position_left);
 }
 
 /* Open the logs, determine what they measure, and fit. */
@@ -334,15 +324,13 @@ static mukca_status run(cli_call *call)
     const mukca_chain *chain = &call->session->model.chain;
     recalibrate_work *w = call->work;
     cli_recalibrated *r = &w->result;
-    w->fit = (mukca_recalibrate_options){.iterate = o->iterate,
-                                         .joint = o->joint,
-                                         .robust = o->robust,
-                                         .free_base = o->free_base,
-                                         .free_tool = o->free_tool,
-                                         .stop = cli_interrupted};
+    w->fit = o->fit;
+    w->fit.free_base = o->common.free_base;
+    w->fit.free_tool = o->common.free_tool;
+    w->fit.stop = cli_interrupted;
     r->tested = call->common->test.n > 0;
     r->fit = calloc(1, sizeof *r->fit);
-    if (!r->fit) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    if (!r->fit) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     mukca_status status = cli_load_model(call, &call->session->model);
     if (status == MUKCA_OK) status = recalibrate(call, w);
     if (status != MUKCA_OK) return status;
@@ -367,17 +355,16 @@ const cli_command cli_command_recalibrate = {
         "hole_*_pose.csv. Step one fits the joint zeros to the orientations, step two the link "
         "offsets to the positions, each by a linear regression of least norm; what the log cannot "
         "distinguish from the place of the tool goes to the tool. -v lists all offsets and those "
-        "that the "
-        "log does not identify. Logs are read row by row; memory does not grow with "
-        "them. Logs without orientations are solved in one step, tilts of the axes included.\n\n"
+        "that the log does not identify. Logs are read row by row; memory does not grow with them. "
+        "Logs without orientations are solved in one step, tilts of the axes included.\n\n"
         "Poses that only repeat the nominal model are reported, with exit code 5; a table that is "
-        "not "
-        "accepted (see calibrate) with exit code 1. A lag between angles and poses is estimated "
-        "and "
-        "corrected.",
+        "not accepted (see calibrate) with exit code 1. A lag between angles and poses is "
+        "estimated and corrected.",
     .example =
-        "mukca simulate --urdf data/gen3.urdf --poses 1000 --perturb 1,2 --noise 1e-4 | "
-        "mukca recalibrate --urdf data/gen3.urdf - --iterate",
+        "  mukca simulate --urdf data/gen3.urdf --poses 1000 --perturb 1,2 \\\n"
+        "      --noise 1e-4 | mukca recalibrate --urdf data/gen3.urdf - \\\n"
+        "      --iterate",
+    .with = CLI_WITH_MODEL | CLI_WITH_TEST | CLI_WITH_JSON | CLI_WITH_FRAMES | CLI_WITH_TABLES,
     .options = options,
     .options_size = sizeof(recalibrate_options),
     .run = run,

@@ -3,7 +3,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/text.h"
 #include "cli/recalibrate.h"
 
 static const char *const stage_text[MUKCA_STAGES] = {"before", "angular offsets", "both"};
@@ -67,50 +66,26 @@ static void print_unknowns(cli_call *call, const mukca_recalibration *f, const m
     }
 }
 
-/* The largest identifiable offset of each kind: joint zeros, lengths of the arm, tool. */
-static void print_largest(cli_call *call, const mukca_recalibration *f, const mukca_chain *arm)
-{
-    char text[MUKCA_UNKNOWN_TEXT], words[400] = "";
-    mukca_text line = MUKCA_TEXT(words);
-    for (int kind = 0; kind < 3; kind++) {
-        int best = -1;
-        for (int u = 0; u < f->n; u++) {
-            const mukca_unknown *x = &f->unknown[u];
-            const int of = x->tool ? 2 : !mukca_unknown_is_angle(x->kind);
-            const bool larger = best < 0 || fabs(f->value[u]) > fabs(f->value[best]);
-            if (of == kind && larger && (f->identifiable[u] || x->tool)) best = u;
-        }
-        if (best < 0) continue;
-        mukca_unknown_text(text, &f->unknown[best], arm);
-        mukca_text_put(&line, "%s %s %+.3f %s", line.used ? "," : "; largest:", text,
-                       1e3 * f->value[best],
-                       mukca_unknown_is_angle(f->unknown[best].kind) ? "mrad" : "mm");
-    }
-    cli_answer_keyed(call, "Offsets", "%d of %d combinations identified%s", f->rank, f->n, words);
-}
-
 static void print_findings(cli_call *call, const cli_recalibrated *r, const mukca_acceptance *a)
 {
     const mukca_recalibration *f = r->fit;
     cli_answer(call, "%s: %ld measured poses\n", r->arm.robot, f->rows);
-    cli_answer_keyed(call, "Result",
-                     "the poses contain a calibration: median position error %.4f mm nominal, "
-                     "%.4f mm after the fit",
-                     1e3 * r->oracle.position_nominal, 1e3 * r->oracle.position_left);
-    if (!a->accepted) cli_answer_keyed(call, "Use", "no: %s", a->reason);
+    cli_say(call, "Result",
+            "the poses contain a calibration: median position error %.4f mm nominal, %.4f mm after "
+            "the fit",
+            1e3 * r->oracle.position_nominal, 1e3 * r->oracle.position_left);
+    if (!a->accepted) cli_say(call, "Use", "no: %s", a->reason);
     for (int j = 0; j < r->arm.n_joints; j++)
         if (never_moved(f, j))
-            cli_answer_wrapped(call,
-                               "joint '%s' never moved: its zero offset is not identifiable; it is "
-                               "indistinguishable "
-                               "from the links before and after it",
-                               mukca_chain_joint_name(&r->arm, j));
+            cli_say(call, NULL,
+                    "joint '%s' never moved: its zero offset is not identifiable; it is "
+                    "indistinguishable from the links before and after it",
+                    mukca_chain_joint_name(&r->arm, j));
     if (f->lag_found)
-        cli_answer_wrapped(call,
-                           "Lag: the joint angles are %.4g %s older than the poses (%.0f standard "
-                           "errors); corrected",
-                           f->in_rows ? f->lag : 1e3 * f->lag, f->in_rows ? "rows" : "ms",
-                           f->lag_score);
+        cli_say(call, NULL,
+                "Lag: the joint angles are %.4g %s older than the poses (%.0f standard errors); "
+                "corrected",
+                f->in_rows ? f->lag : 1e3 * f->lag, f->in_rows ? "rows" : "ms", f->lag_score);
 }
 
 void cli_recalibrate_print(cli_call *call, const cli_recalibrated *r, const mukca_acceptance *a)
@@ -119,13 +94,13 @@ void cli_recalibrate_print(cli_call *call, const cli_recalibrated *r, const mukc
     print_findings(call, r, a);
     print_errors(call, "Training data", r->fit->errors, r->fit->has_angles);
     if (r->tested) print_errors(call, "Test data", r->test, r->fit->has_angles);
-    print_largest(call, r->fit, &r->arm);
+    cli_say(call, "Offsets", "%d of %d combinations identified", r->fit->rank, r->fit->n);
     if (call->common->verbose) print_unknowns(call, r->fit, &r->arm);
     if (output)
-        cli_answer_keyed(call, "Written", "%s%s", output,
-                         a->accepted ? "" : " (other commands refuse this table)");
+        cli_say(call, "Written", "%s%s", output,
+                a->accepted ? "" : " (other commands refuse this table)");
     else if (a->accepted)
-        cli_answer_keyed(call, "Next", "-o offsets.tsv saves the result; -v lists all offsets");
+        cli_say(call, "Next", "-o offsets.tsv saves the result; -v lists all offsets");
 }
 
 /* ---- JSON ---- */
@@ -177,11 +152,10 @@ static json_t *unknowns_json(const mukca_recalibration *f, const mukca_chain *ar
         const int k = f->unknown[u].element, j = k < 0 ? -1 : arm->element[k].joint;
         const bool zero = f->unknown[u].kind == MUKCA_UNKNOWN_ZERO;
         mukca_unknown_text(text, &f->unknown[u], arm);
-        json_array_append_new(
-            array, cli_json("name:s joint:s value:f unit:s sigma:f identifiable:b", text,
-                            k < 0 ? NULL : arm->element[k].name, f->value[u],
-                            mukca_unknown_is_angle(f->unknown[u].kind) ? "rad" : "m", f->sigma[u],
-                            f->identifiable[u] && !(zero && never_moved(f, j))));
+        cli_json_append(array, "name:s joint:s value:f unit:s sigma:f identifiable:b", text,
+                        k < 0 ? NULL : arm->element[k].name, f->value[u],
+                        mukca_unknown_is_angle(f->unknown[u].kind) ? "rad" : "m", f->sigma[u],
+                        f->identifiable[u] && !(zero && never_moved(f, j)));
     }
     return array;
 }
@@ -195,7 +169,7 @@ static json_t *null_json(const mukca_recalibration *f, const mukca_chain *arm)
         for (int u = 0; u < f->n; u++) {
             if (f->null[k][u] == 0) continue;
             mukca_unknown_text(text, &f->unknown[u], arm);
-            json_array_append_new(terms, cli_json("name:s coefficient:f", text, f->null[k][u]));
+            cli_json_append(terms, "name:s coefficient:f", text, f->null[k][u]);
         }
         json_array_append_new(array, terms);
     }

@@ -17,30 +17,18 @@
 
 typedef struct {
     cli_common common;
-    bool free_base, free_tool, fleet;
-    mukca_check check;
+    bool fleet;
 } report_options;
 
 static const cli_option options[] = {
-    CLI_OPTION(report_options, fleet, "fleet", CLI_FLAG, NULL,
-               "DATA are summaries of the arms of one model (diagnose --summary): the page of a "
-               "fleet"),
-    CLI_TEST_OPTION,
+    CLI_OPTION(
+        report_options, fleet, "fleet", CLI_FLAG, NULL,
+        "DATA are summaries of the arms of one model (diagnose --summary): the page of a fleet"),
     CLI_OUTPUT_OPTION("write the page there (default: standard output)"),
-    CLI_OPTION(report_options, free_base, "free-base", CLI_FLAG, NULL,
-               "pose logs: fit the frame of the tracker"),
-    CLI_OPTION(report_options, free_tool, "free-tool", CLI_FLAG, NULL,
-               "pose logs: fit the offset of the target"),
-    CLI_CHECK_OPTION(report_options),
-    CLI_OFFSETS_OPTION,
-    CLI_DATA_OPTIONS,
-    CLI_LAST_OPTIONS};
+    {.name = NULL}};
 
 typedef struct {
-    mukca_offsets offsets;
-    mukca_diagnosis diagnosis;
-    mukca_chain diagnosed; /* chain of a diagnosis' offsets */
-    mukca_next_poses next;
+    cli_diagnosis of;
     mukca_pool pool;
     mukca_report page;
     cli_fleet fleet;
@@ -51,51 +39,14 @@ typedef struct {
 /* Use the table of --offsets, else that of the diagnosis, else (nothing was fitted) none. */
 static mukca_status take_offsets(cli_call *call)
 {
-    const report_options *o = call->options;
-    const cli_session *s = call->session;
     report_work *w = call->work;
-    const cli_frames frames = {o->free_base && s->data.position, o->free_tool && s->data.position};
     int left_out;
-    if (call->common->offsets) {
-        w->offsets = s->model.offsets;
-    } else if (w->diagnosis.applied.fitted) {
-        w->page.fitted = &w->diagnosed;
-        return cli_diagnosis_offsets(&w->offsets, &w->diagnosed, &left_out, &w->page.diagnosed,
-                                     &frames, &call->error);
-    } else {
-        mukca_offsets_init(&w->offsets, &s->model.chain);
+    if (!call->common->offsets && w->of.diagnosis.applied.fitted) {
+        w->page.fitted = &w->of.chain;
+        return cli_diagnosis_offsets(call, &w->of, &left_out);
     }
+    w->of.offsets = call->session->model.offsets;
     return MUKCA_OK;
-}
-
-static mukca_status diagnose(cli_call *call)
-{
-    report_options *o = call->options;
-    const cli_session *s = call->session;
-    report_work *w = call->work;
-    const mukca_dataset *test = s->test.n_rows > 0 ? &s->test : NULL;
-    mukca_diagnose_options diagnose_options = {.test = test,
-                                               .free_base = o->free_base,
-                                               .free_tool = o->free_tool,
-                                               .applied = true,
-                                               .go_on = mukca_mounting_compare,
-                                               .go_on_context = &diagnose_options,
-                                               .progress = cli_show_progress,
-                                               .progress_context = call};
-    mukca_status status =
-        mukca_diagnose(&w->diagnosis, &s->model.chain, &s->data, &diagnose_options, &call->error);
-    if (status != MUKCA_OK) return status;
-    w->page.diagnosed = (mukca_diagnosed){.diagnosis = &w->diagnosis,
-                                          .chain = &s->model.chain,
-                                          .data = &s->data,
-                                          .test = test,
-                                          .next = &w->next,
-                                          .saved = true};
-    status = mukca_next_poses_choose(&w->next, &w->diagnosis, &s->model.chain, &s->data, cli_stop,
-                                     &call->error);
-    if (status == MUKCA_OK && o->check.runs)
-        status = cli_diagnosis_check(call, &o->check, &w->page.diagnosed, &diagnose_options);
-    return status;
 }
 
 /* Note the command line that reproduces this page, and the time. */
@@ -108,7 +59,7 @@ static mukca_status note_command(cli_call *call)
     for (int i = 0; line && i < call->argc; i++) fprintf(line, " %s", call->argv[i]);
     mukca_offsets_time(w->when);
     if (line && mukca_file_close(line, &w->command)) return MUKCA_OK;
-    return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    return cli_fail(call, MUKCA_MEMORY, "out of memory");
 }
 
 /* Note paths and hashes of all inputs. */
@@ -119,13 +70,13 @@ static mukca_status provenance(cli_call *call)
     const mukca_dataset *sets[2] = {w->page.train, w->page.test};
     mukca_report_file *files =
         MUKCA_TAKE(&w->pool, mukca_report_file, sets[0]->n_files + sets[1]->n_files + 1);
-    if (!files) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    if (!files) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     files[w->page.n_files++] = (mukca_report_file){call->common->urdf, chain->urdf_sha256};
     for (int k = 0; k < 2; k++)
         for (int f = 0; f < sets[k]->n_files; f++) {
             const char *path = sets[k]->files[f];
             char *hash = MUKCA_TAKE(&w->pool, char, SHA256_DIGEST_STRING_LENGTH);
-            if (!hash) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+            if (!hash) return cli_fail(call, MUKCA_MEMORY, "out of memory");
             if (!SHA256File(path, hash)) strcpy(hash, "file no longer exists");
             files[w->page.n_files++] = (mukca_report_file){path, hash};
         }
@@ -166,17 +117,17 @@ static mukca_status check(cli_call *call)
     const report_options *o = call->options;
     const cli_common *c = call->common;
     if (o->fleet && (c->urdf || c->kinematics || c->inertials || c->offsets || c->distances ||
-                     c->payload || c->test.n || o->free_base || o->free_tool || o->check.runs))
-        return mukca_fail(&call->error, MUKCA_USAGE,
-                          "--fleet reads summaries, which hold their model and data; only "
-                          "-o and --force go with it");
+                     c->payload || c->test.n || c->free_base || c->free_tool || c->check))
+        return cli_fail(call, MUKCA_USAGE,
+                        "--fleet reads summaries, which hold their model and data; only -o and "
+                        "--force go with it");
     if (!c->output && isatty(STDOUT_FILENO))
-        return mukca_fail(&call->error, MUKCA_USAGE,
-                          "-o FILE is needed: the page is HTML, not for the terminal");
-    if (c->offsets && (o->free_base || o->free_tool))
-        return mukca_fail(&call->error, MUKCA_USAGE,
-                          "--offsets contains its own frames; do not give --free-base or "
-                          "--free-tool with it");
+        return cli_fail(call, MUKCA_USAGE,
+                        "-o FILE is needed: the page is HTML, not for the terminal");
+    if (c->offsets && (c->free_base || c->free_tool))
+        return cli_fail(
+            call, MUKCA_USAGE,
+            "--offsets contains its own frames; do not give --free-base or --free-tool with it");
     return MUKCA_OK;
 }
 
@@ -186,32 +137,31 @@ static void release(void *work)
     free(w->command);
     cli_fleet_free(&w->fleet);
     mukca_report_free(&w->page);
-    mukca_next_poses_free(&w->next);
-    mukca_diagnosis_free(&w->diagnosis);
+    cli_diagnosis_free(&w->of);
     mukca_pool_free(&w->pool);
 }
 
-/* Calibrate and diagnose. */
+/* Diagnose, and prepare the page of the arm. */
 static mukca_status prepare_arm(cli_call *call)
 {
-    report_options *o = call->options;
     const cli_session *s = call->session;
     report_work *w = call->work;
     call->common->accept_failed = call->common->accept_edited =
         true; /* also report on a table that was not accepted */
     w->page = (mukca_report){.chain = &s->model.chain,
                              .fitted = &s->model.chain,
-                             .offsets = &w->offsets,
+                             .offsets = &w->of.offsets,
                              .train = &s->data,
                              .test = &s->test};
-    mukca_status status = cli_load(call);
-    if (status == MUKCA_OK) status = cli_condense(call);
-    if (status == MUKCA_OK) mukca_columns_note(cli_note, call, &s->model.chain, &s->data);
+    w->of.options =
+        (mukca_diagnose_options){.go_on = mukca_mounting_compare, .go_on_context = &w->of.options};
+    mukca_status status = cli_diagnosis_load(call);
     if (status == MUKCA_OK) status = cli_check_effects(call, &s->model);
-    if (s->data.n_targets > 1 && !call->common->offsets) o->free_tool = true;
-    if (status == MUKCA_OK) status = diagnose(call);
+    if (status == MUKCA_OK) status = cli_diagnosis_run(call, &w->of);
     if (status == MUKCA_OK) status = take_offsets(call);
-    w->page.free_base = o->free_base, w->page.free_tool = o->free_tool;
+    w->page.diagnosed = w->of.result;
+    w->page.diagnosed.saved = true;
+    w->page.free_base = call->common->free_base, w->page.free_tool = call->common->free_tool;
     if (status == MUKCA_OK) status = mukca_report_prepare(&w->page, &call->error);
     return status == MUKCA_OK ? provenance(call) : status;
 }
@@ -237,18 +187,16 @@ const cli_command cli_command_report = {
     .description =
         "Diagnoses, and writes one page without requests, with the result of the diagnosis (the "
         "table of mukca diagnose -o) or that of --offsets. It opens with the expected error of the "
-        "tip, whether to use the result, the verdict and what to do. Then "
-        "follow the errors step by step, the causes, a view of "
-        "the "
-        "arm that can be turned, errors by placement, joint and sample, detection limits, "
-        "recording "
-        "faults, parameters with standard errors, and provenance.\n\n"
-        "--fleet writes the page of many arms of one model from their summaries, the arguments "
-        "of mukca fleet: arms that depart, what the arms share, each elastic coefficient with "
-        "the arms side by side, and the most probable ripple order of each joint.",
+        "tip, whether to use the result, the verdict and what to do. Then follow the errors step "
+        "by step, the causes, a view of the arm that can be turned, errors by placement and joint, "
+        "detection limits, recording faults, parameters with standard errors, and provenance.\n\n"
+        "--fleet writes the page of many arms of one model from their summaries, the arguments of "
+        "mukca fleet: arms that depart, what the arms share, each elastic coefficient with the "
+        "arms side by side, and the most probable ripple order of each joint.",
     .example =
-        "mukca report --urdf data/demo/arm.urdf data/demo/train.tsv --test data/demo/test.tsv -o "
-        "build/demo/report.html --force",
+        "  mukca report --urdf data/demo/arm.urdf data/demo/train.tsv \\\n"
+        "      --test data/demo/test.tsv -o build/demo/report.html --force",
+    .with = CLI_WITH_DATA | CLI_WITH_OFFSETS | CLI_WITH_TEST | CLI_WITH_FRAMES | CLI_WITH_CHECK,
     .options = options,
     .options_size = sizeof(report_options),
     .run = run,

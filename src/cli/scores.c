@@ -23,66 +23,60 @@ static void take_urdf_theta(double *theta, const mukca_chain *chain, const mukca
 }
 
 mukca_status cli_scores_make(cli_call *call, cli_scores *scores, const mukca_chain *chain,
-                             const double *theta, const cli_model *model, const mukca_dataset *data)
+                             const double *theta, const mukca_offsets *offsets,
+                             const mukca_dataset *data)
 {
     const size_t room = mukca_evaluate_room(data);
-    mukca_effect effects[MUKCA_MAX_EFFECTS];
-    int n_effects = 0;
-    if (model && model->offsets.n_effects > 0) {
-        n_effects = model->offsets.n_effects;
-        mukca_offsets_place_effects(effects, &model->offsets, data);
-    }
-    double urdf[MUKCA_MAX_THETA];
     const bool factory = call->common->kinematics != NULL;
+    mukca_effect effects[MUKCA_MAX_EFFECTS];
+    double urdf[MUKCA_MAX_THETA];
+    if (offsets) mukca_offsets_place_effects(effects, offsets, data);
     mukca_chain_theta(urdf, chain);
     if (scores->nominal_theta)
         memcpy(urdf, scores->nominal_theta,
                MUKCA_PARAMETERS * (size_t)chain->n_elements * sizeof *urdf);
     if (factory) take_urdf_theta(urdf, chain, &call->session->model.urdf);
-    const mukca_model before = {
-        .chain = chain, .theta = factory ? urdf : scores->nominal_theta, .by_log = scores->by_log};
-    const mukca_model middle = {
-        .chain = chain, .theta = scores->nominal_theta, .by_log = scores->by_log};
-    const mukca_model after = {.chain = chain,
-                               .theta = theta,
-                               .effects = effects,
-                               .n_effects = n_effects,
-                               .by_log = scores->by_log};
+    const mukca_model models[CLI_MODELS] = {
+        [CLI_NOMINAL] = {.chain = chain, .theta = urdf, .by_log = scores->by_log},
+        [CLI_FACTORY] = {.chain = chain, .theta = scores->nominal_theta, .by_log = scores->by_log},
+        [CLI_CALIBRATED] = {.chain = chain,
+                            .theta = theta,
+                            .effects = effects,
+                            .n_effects = offsets ? offsets->n_effects : 0,
+                            .by_log = scores->by_log}};
     scores->has_factory = factory;
-    scores->nominal = calloc(room, sizeof *scores->nominal);
-    scores->factory = calloc(room, sizeof *scores->factory);
-    scores->calibrated = calloc(room, sizeof *scores->calibrated);
-    if (scores->nominal && scores->factory && scores->calibrated &&
-        mukca_evaluate(scores->nominal, &scores->nominal_mean, &before, data) >= 0 &&
-        (!factory || mukca_evaluate(scores->factory, &scores->factory_mean, &middle, data) >= 0))
-        scores->n = mukca_evaluate(scores->calibrated, &scores->calibrated_mean, &after, data);
-    else
-        scores->n = -1;
+    for (int m = 0; m < CLI_MODELS && scores->n >= 0; m++) {
+        if (m == CLI_FACTORY && !factory) continue;
+        scores->of[m] = calloc(room, sizeof *scores->of[m]);
+        scores->n =
+            scores->of[m] ? mukca_evaluate(scores->of[m], &scores->mean[m], &models[m], data) : -1;
+    }
     if (scores->n >= 0) return MUKCA_OK;
     cli_scores_free(scores);
-    return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory for %d rows", data->n_rows);
+    return cli_fail(call, MUKCA_MEMORY, "out of memory for %d rows", data->n_rows);
 }
 
 void cli_scores_free(cli_scores *scores)
 {
-    free(scores->nominal);
-    free(scores->factory);
-    free(scores->calibrated);
+    for (int m = 0; m < CLI_MODELS; m++) free(scores->of[m]);
     *scores = (cli_scores){0};
 }
 
-void cli_scores_write(FILE *stream, double value)
+/* Write a tab and the number, empty if not finite. */
+static void write_number(FILE *stream, double value)
 {
     fputc('\t', stream);
     if (isfinite(value)) fprintf(stream, "%.17g", value);
 }
 
-const char *cli_scores_name(char name[CLI_SCORES_NAME], const mukca_score *score,
-                            const mukca_dataset *data)
+enum { NAME = 192 };
+
+/* "panda/front"; "poses" for all pose logs, "log.csv" or "log.csv:target" for one. */
+static const char *find_name(char name[NAME], const mukca_score *score, const mukca_dataset *data)
 {
     if (score->placement >= 0) return data->placements[score->placement].name;
     if (score->file < 0) return "poses";
-    snprintf(name, CLI_SCORES_NAME, "%.100s%s%s", mukca_file_name(data->files[score->file]),
+    snprintf(name, NAME, "%.100s%s%s", mukca_file_name(data->files[score->file]),
              score->target < 0 ? "" : ":", score->target < 0 ? "" : data->targets[score->target]);
     mukca_utf8_mend(name);
     return name;
@@ -118,15 +112,15 @@ void cli_scores_write_rows(FILE *stream, const char *set, const cli_scores *scor
                            const mukca_dataset *data)
 {
     for (int i = 0; i < scores->n; i++) {
-        char name[CLI_SCORES_NAME];
-        const mukca_score *after = &scores->calibrated[i];
-        fprintf(stream, "%s\t%s\t%d", set, cli_scores_name(name, after, data), after->rows);
+        char name[NAME];
+        const mukca_score *after = &scores->of[CLI_CALIBRATED][i];
+        fprintf(stream, "%s\t%s\t%d", set, find_name(name, after, data), after->rows);
         for (int k = 0; k < FIGURES; k++) {
-            cli_scores_write(stream, figure(&scores->nominal[i], k));
-            cli_scores_write(stream, figure(after, k));
+            write_number(stream, figure(&scores->of[CLI_NOMINAL][i], k));
+            write_number(stream, figure(after, k));
         }
         for (int k = 0; k < FIGURES && scores->has_factory; k++)
-            cli_scores_write(stream, figure(&scores->factory[i], k));
+            write_number(stream, figure(&scores->of[CLI_FACTORY][i], k));
         fputc('\n', stream);
     }
 }
@@ -135,46 +129,38 @@ json_t *cli_scores_json(const cli_scores *scores, const mukca_dataset *data)
 {
     json_t *array = json_array();
     for (int i = 0; i < scores->n; i++) {
-        char name[CLI_SCORES_NAME], keys[96];
-        const mukca_score *before = &scores->nominal[i], *after = &scores->calibrated[i];
-        json_t *object =
-            cli_json("placement:s rows:i", cli_scores_name(name, after, data), after->rows);
+        char name[NAME], keys[96];
+        const mukca_score *before = &scores->of[CLI_NOMINAL][i],
+                          *after = &scores->of[CLI_CALIBRATED][i];
+        json_t *object = cli_json("placement:s rows:i", find_name(name, after, data), after->rows);
         for (int k = 0; k < FIGURES; k++) {
             if (k == ROTATION && !isfinite(figure(after, k))) continue;
             snprintf(keys, sizeof keys, "%s:f %s:f", figures[k].nominal, figures[k].calibrated);
             json_object_update_new(object, cli_json(keys, figure(before, k), figure(after, k)));
             snprintf(keys, sizeof keys, "%s:f", figures[k].factory);
             if (scores->has_factory)
-                json_object_update_new(object, cli_json(keys, figure(&scores->factory[i], k)));
+                json_object_update_new(object,
+                                       cli_json(keys, figure(&scores->of[CLI_FACTORY][i], k)));
         }
         json_array_append_new(array, object);
     }
     return array;
 }
 
-/* A figure of the models in mm or mrad; of[1], the factory's, may be NULL. */
-static void print_figures(cli_call *call, const char *name, int k, const mukca_score *const of[3],
+/* A figure of the models in mm or mrad, of a placement (-1: mean over all). */
+static void print_figures(cli_call *call, const char *name, int k, const cli_scores *s, int row,
                           bool calibrated)
 {
-    const double nominal = figure(of[0], k), after = figure(of[2], k);
-    cli_answer(call, "  %-24s %12.3f", name, 1e3 * nominal);
-    if (of[1]) cli_answer(call, " %12.3f", 1e3 * figure(of[1], k));
-    if (calibrated) cli_answer(call, " %12.3f", 1e3 * after);
-    if (calibrated && nominal > 0) cli_answer(call, " %+11.2f %%", 100 * (after / nominal - 1));
+    double value[CLI_MODELS] = {0};
+    for (int m = 0; m < CLI_MODELS; m++)
+        if (m != CLI_FACTORY || s->has_factory)
+            value[m] = figure(row < 0 ? &s->mean[m] : &s->of[m][row], k);
+    cli_answer(call, "  %-24s %12.3f", name, 1e3 * value[CLI_NOMINAL]);
+    if (s->has_factory) cli_answer(call, " %12.3f", 1e3 * value[CLI_FACTORY]);
+    if (calibrated) cli_answer(call, " %12.3f", 1e3 * value[CLI_CALIBRATED]);
+    if (calibrated && value[CLI_NOMINAL] > 0)
+        cli_answer(call, " %+11.2f %%", 100 * (value[CLI_CALIBRATED] / value[CLI_NOMINAL] - 1));
     cli_answer(call, "\n");
-}
-
-/* A mean over all placements; `kind`, `set`: "distortion", "train". */
-static void print_line(cli_call *call, const cli_scores *scores, int k, const char *kind,
-                       const char *set, bool calibrated)
-{
-    char name[40];
-    snprintf(name, sizeof name, "%s, %s", kind, set);
-    print_figures(call, name, k,
-                  (const mukca_score *const[]){&scores->nominal_mean,
-                                               scores->has_factory ? &scores->factory_mean : NULL,
-                                               &scores->calibrated_mean},
-                  calibrated);
 }
 
 void cli_scores_print_header(cli_call *call, bool calibrated)
@@ -185,26 +171,25 @@ void cli_scores_print_header(cli_call *call, bool calibrated)
 
 void cli_scores_print(cli_call *call, const cli_scores *scores, const char *set, bool calibrated)
 {
-    enum { MAE, STD, DISTANCE };
-    const bool sockets = isfinite(scores->nominal_mean.distance_error);
-    print_line(call, scores, MAE, sockets ? "consistency mm" : "position mm", set, calibrated);
-    if (sockets) print_line(call, scores, DISTANCE, "distortion mm", set, calibrated);
-    if (isfinite(scores->nominal_mean.rotation_error))
-        print_line(call, scores, ROTATION, "rotation mrad", set, calibrated);
+    const bool sockets = isfinite(scores->mean[CLI_NOMINAL].distance_error);
+    const char *const kinds[FIGURES] = {sockets ? "consistency mm" : "position mm", NULL,
+                                        "distortion mm", "rotation mrad"};
+    for (int k = 0; k < FIGURES; k++) {
+        char name[40];
+        if (!kinds[k] || !isfinite(figure(&scores->mean[CLI_NOMINAL], k))) continue;
+        snprintf(name, sizeof name, "%s, %s", kinds[k], set);
+        print_figures(call, name, k, scores, -1, calibrated);
+    }
 }
 
 void cli_scores_print_rows(cli_call *call, const cli_scores *scores, const mukca_dataset *data,
                            bool calibrated)
 {
-    char name[CLI_SCORES_NAME], indented[32];
+    char name[NAME], indented[32];
     for (int i = 0; i < scores->n && scores->n > 1; i++) {
         snprintf(indented, sizeof indented, "  %.24s",
-                 cli_scores_name(name, &scores->calibrated[i], data));
-        print_figures(call, indented, 0,
-                      (const mukca_score *const[]){&scores->nominal[i],
-                                                   scores->has_factory ? &scores->factory[i] : NULL,
-                                                   &scores->calibrated[i]},
-                      calibrated);
+                 find_name(name, &scores->of[CLI_CALIBRATED][i], data));
+        print_figures(call, indented, 0, scores, i, calibrated);
     }
 }
 
@@ -233,11 +218,11 @@ void cli_print_mismatch(cli_call *call, const mukca_dataset *data, bool free_bas
             &what, "with %s %s %s (as where the controller counts %s from the horizontal)",
             mukca_chain_joint_name(chain, m.with), m.sign > 0 ? "added to" : "subtracted from",
             mukca_chain_joint_name(chain, m.coupled), mukca_chain_joint_name(chain, m.coupled));
-    cli_answer_wrapped(call,
-                       "The data would agree with the nominal model to %.3f mm instead of %.3f mm "
-                       "%s: check these columns%s and the URDF.",
-                       1e3 * m.after_m, 1e3 * m.before_m, text,
-                       m.reversed && data->n_sockets == 0
-                           ? ", the order of x, y and z (an exchange mirrors the arm)"
-                           : "");
+    cli_say(call, NULL,
+            "The data would agree with the nominal model to %.3f mm instead of %.3f mm %s: check "
+            "these columns%s and the URDF.",
+            1e3 * m.after_m, 1e3 * m.before_m, text,
+            m.reversed && data->n_sockets == 0
+                ? ", the order of x, y and z (an exchange mirrors the arm)"
+                : "");
 }

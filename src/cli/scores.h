@@ -5,20 +5,22 @@
 #include "cli/cli.h"
 #include "fit/evaluate.h"
 
+enum { CLI_NOMINAL, CLI_FACTORY, CLI_CALIBRATED, CLI_MODELS };
+
 typedef struct {
     const double *nominal_theta; /* input: [6 * n_elements] of the nominal model with its free
                                     frames aligned; NULL: the chain's */
     bool by_log;                 /* input: one score for each of several pose logs */
     int n;                       /* placements with samples, plus one for poses or one per log */
-    mukca_score *nominal, *factory, *calibrated;
-    mukca_score nominal_mean, factory_mean, calibrated_mean;
+    mukca_score *of[CLI_MODELS]; /* [n] each */
+    mukca_score mean[CLI_MODELS];
     bool has_factory; /* --kinematics: nominal is the URDF, factory the file's origins */
 } cli_scores;
 
-/* Score `data` at the chain's nominal parameters and at theta with the effects of `model` (NULL:
- * none).  Free with cli_scores_free.  Errors: MUKCA_MEMORY. */
+/* Score `data` at the chain's nominal parameters and at theta with the effects of `offsets`
+ * (NULL: none).  Free with cli_scores_free.  Errors: MUKCA_MEMORY. */
 mukca_status cli_scores_make(cli_call *call, cli_scores *scores, const mukca_chain *chain,
-                             const double *theta, const cli_model *model,
+                             const double *theta, const mukca_offsets *offsets,
                              const mukca_dataset *data);
 void cli_scores_free(cli_scores *scores); /* zeroed is allowed */
 
@@ -29,14 +31,6 @@ json_t *cli_scores_json(const cli_scores *scores, const mukca_dataset *data);
 void cli_scores_write_header(FILE *stream, bool factory);
 void cli_scores_write_rows(FILE *stream, const char *set, const cli_scores *scores,
                            const mukca_dataset *data);
-
-/* Write a tab and the number, empty if not finite. */
-void cli_scores_write(FILE *stream, double value);
-
-/* "panda/front"; "poses" for all pose logs, "log.csv" or "log.csv:target" for one. */
-enum { CLI_SCORES_NAME = 192 };
-const char *cli_scores_name(char name[CLI_SCORES_NAME], const mukca_score *score,
-                            const mukca_dataset *data);
 
 /* Print lines of the screen: "  consistency mm, train        8.278        0.168     -97.97 %", also
  * distortion and rotation if available; without `calibrated` only the nominal column.  `set`:

@@ -126,8 +126,8 @@ static mukca_status check_verb(cli_call *call, const char *verb)
         if (mukca_suggest_better(&best, verb, *v)) meant = *v;
     }
     if (mukca_suggest_better(&best, verb, "status")) meant = "status";
-    return mukca_fail(&call->error, MUKCA_USAGE, "serve has no command '%.40s'; %s", verb,
-                      mukca_suggest_text(text, meant, "`mukca help serve` lists them"));
+    return cli_fail(call, MUKCA_USAGE, "serve has no command '%.40s'; %s", verb,
+                    mukca_suggest_text(text, meant, "`mukca help serve` lists them"));
 }
 
 static mukca_status run(cli_call *call)
@@ -181,8 +181,7 @@ static const cli_option options[] = {
                "prefix of the channels of serve (default: MUKCA)"),
     CLI_OPTION(send_options, timeout, "timeout", CLI_POSITIVE, "S",
                "longest wait for the answer, s (default: 60)"),
-    CLI_JSON_OPTION,
-    CLI_LAST_OPTIONS};
+    {.name = NULL}};
 
 static const send_options defaults = {.timeout = 60};
 
@@ -195,9 +194,9 @@ const cli_command cli_command_send = {
         "COMMAND is one of those that `mukca help serve` lists, or status, which prints the next "
         "status message. The answer goes to standard output; where it is an offsets table "
         "(calibrate, diagnose, result), its summary goes to standard error. The exit code is that "
-        "of the "
-        "command; 4: no answer.",
-    .example = "mukca send status",
+        "of the command; 4: no answer.",
+    .example = "  mukca send status",
+    .with = CLI_WITH_JSON,
     .options = options,
     .options_size = sizeof(send_options),
     .defaults = &defaults,

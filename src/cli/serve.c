@@ -9,15 +9,12 @@
 typedef struct {
     cli_common common;
     cli_live live;
-    const char *state;
-    bool publish_pose;
-    double most_change;
-    const char *accept;
+    mukca_server_options server;
 } serve_options;
 
 /* Arms are built to some 10 mm: a larger change indicates a damaged or another arm, or wrong
  * samples. */
-static const serve_options defaults = {.most_change = 10e-3};
+static const serve_options defaults = {.server.most_change = 10e-3};
 
 typedef struct {
     mukca_server server;
@@ -51,25 +48,23 @@ static mukca_status run(cli_call *call)
     mukca_server *s = &w->server;
     cli_model *model = &call->session->model;
     cli_live_words words = {.word = {NULL}};
-    mukca_server_options options = {.folder = o->state ? o->state : getenv("STATE_DIRECTORY"),
-                                    .publish_pose = o->publish_pose,
-                                    .most_change = o->most_change,
-                                    .accept = o->accept};
+    mukca_server_options *options = &o->server;
     const mukca_recorder_hooks hooks = {
         .report = report, .interrupted = cli_interrupted, .context = w};
     w->quiet = call->common->quiet;
-    if (!options.folder || !*options.folder)
-        return mukca_fail(&call->error, MUKCA_USAGE,
-                          "--state DIR is needed: the folder of sessions, results and state");
+    if (!options->folder) options->folder = getenv("STATE_DIRECTORY");
+    if (!options->folder || !*options->folder)
+        return cli_fail(call, MUKCA_USAGE,
+                        "--state DIR is needed: the folder of sessions, results and state");
     o->live.recorder.triggers = true;
     cli_live_complete(&o->live, call->common);
-    options.recorder = o->live.recorder;
-    cli_live_arguments(&words, call->common, &o->live);
-    memcpy(options.arguments, words.word, sizeof words.word);
+    options->recorder = o->live.recorder;
+    cli_live_arguments(&words, call->common);
+    memcpy(options->arguments, words.word, sizeof words.word);
     mukca_status status = cli_load_model(call, model);
-    if (status == MUKCA_OK) status = cli_check_traits(call, o->live.traits, &model->chain);
+    if (status == MUKCA_OK) status = cli_check_traits(call, call->common->traits, &model->chain);
     if (status == MUKCA_OK)
-        status = mukca_server_open(s, &options, &model->chain, model->offsets.theta, &hooks,
+        status = mukca_server_open(s, options, &model->chain, model->offsets.theta, &hooks,
                                    &call->error);
     if (status != MUKCA_OK) return status;
     cli_relay_open(&w->relay);
@@ -85,21 +80,19 @@ static void release(void *context)
 }
 
 static const cli_option options[] = {
-    CLI_MODEL_OPTIONS,
     CLI_LIVE_OPTIONS(serve_options),
-    CLI_OPTION(serve_options, state, "state", CLI_TEXT, "DIR",
+    CLI_OPTION(serve_options, server.folder, "state", CLI_TEXT, "DIR",
                "folder of sessions, results and state (default: systemd's STATE_DIRECTORY)"),
-    CLI_OPTION(serve_options, publish_pose, "publish-pose", CLI_FLAG, NULL,
+    CLI_OPTION(serve_options, server.publish_pose, "publish-pose", CLI_FLAG, NULL,
                "send the calibrated pose of the tip for each joint state on MUKCA_POSE"),
     CLI_OPTION(
-        serve_options, most_change, "most-change", CLI_POSITIVE, "M",
+        serve_options, server.most_change, "most-change", CLI_POSITIVE, "M",
         "largest change of the tip that use makes against the table in use, m (default: 0.01)"),
     CLI_OPTION(
-        serve_options, accept, "accept", CLI_TEXT, "LIST",
-        "commands to accept over LCM, commas between; trigger: messages on MUKCA_TRIGGER; "
-        "reopen: start of a finished session; all (default: all but delete, use and reopen)"),
-    CLI_DISTANCE_OPTIONS,
-    CLI_LAST_OPTIONS};
+        serve_options, server.accept, "accept", CLI_TEXT, "LIST",
+        "commands to accept over LCM, commas between; trigger: messages on MUKCA_TRIGGER; reopen: "
+        "start of a finished session; all (default: all but delete, use and reopen)"),
+    {.name = NULL}};
 
 const cli_command cli_command_serve = {
     .name = "serve",
@@ -112,9 +105,8 @@ const cli_command cli_command_serve = {
         "second on MUKCA_STATUS, samples on MUKCA_SAMPLE and results on MUKCA_RESULT; a message on "
         "MUKCA_TRIGGER records a sample. The message types are in data/lcm (installed: "
         "share/mukca/lcm). After a restart it resumes its session, unless that was finished; "
-        "SIGTERM ends it "
-        "cleanly. The folder of --state holds sessions/NAME.tsv, results/NAME.* and state.tsv. One "
-        "server uses it at a time; a second one ends with exit code 3.\n\n"
+        "SIGTERM ends it cleanly. The folder of --state holds sessions/NAME.tsv, results/NAME.* "
+        "and state.tsv. One server uses it at a time; a second one ends with exit code 3.\n\n"
         "Commands:\n"
 #define VERB_HELP(name, usage, arguments, sentence) "  " #name usage "\n      " sentence "\n"
     MUKCA_SERVER_VERB_LIST(VERB_HELP)
@@ -123,13 +115,12 @@ const cli_command cli_command_serve = {
         "the table in use, for controllers that cannot load a URDF. Joint drift is not included. A "
         "calibration or diagnosis does not change the table in use: the command use does, if the "
         "result is accepted (see calibrate), its error on the samples of its session and of that "
-        "of "
-        "the table in use is not larger than that table's, and the tip moves by at most "
-        "--most-change. The table in use is kept across "
-        "restarts.",
+        "of the table in use is not larger than that table's, and the tip moves by at most "
+        "--most-change. The table in use is kept across restarts.",
     .example =
-        "mukca serve --urdf data/demo/arm.urdf --lcm-url file://data/demo/guided.lcmlog "
-        "--state build/served",
+        "  mukca serve --urdf data/demo/arm.urdf \\\n"
+        "      --lcm-url file://data/demo/guided.lcmlog --state build/served",
+    .with = CLI_WITH_MODEL | CLI_WITH_DISTANCE | CLI_WITH_DISTANCES | CLI_WITH_TRAITS,
     .options = options,
     .options_size = sizeof(serve_options),
     .defaults = &defaults,

@@ -14,9 +14,8 @@ typedef struct {
     cli_common common;
     const char *perturb, *test, *truth, *at;
     cli_list effects, places;
-    int placements, rows, poses, held_out, seed;
-    double noise, rotation, correlation, payload;
-    bool effort, command, position_only;
+    int placements, poses, held_out, seed;
+    mukca_simulate_options recording;
 } own;
 
 /* One simulation: the true arm and its recording. */
@@ -30,7 +29,7 @@ typedef struct {
     mukca_simulate_options recording;
 } simulation;
 
-static const own defaults = {.rows = 30};
+static const own defaults = {.recording.rows = 30};
 
 static const cli_option options[] = {
     CLI_OPTION(own, perturb, "perturb", CLI_TEXT, "MM,MRAD",
@@ -40,39 +39,37 @@ static const cli_option options[] = {
         "NAME[:WHERE][@VARIANT]=VALUE, see above; repeatable, or several with commas between"),
     CLI_RANGE_OPTION(own, placements, "placements", CLI_INTEGER, "N", 1, CLI_MAX_PLACES - 1,
                      "placements of the tool, chosen at random (default: 4, or those of --place)"),
-    CLI_OPTION(
-        own, places, "place", CLI_TEXTS, "NAME[=X,Y,Z[,ROLL,PITCH,YAW]]",
-        "name of a placement, and its pose: middle of the sockets, which lie on its x axis, m "
-        "and rad"),
-    CLI_RANGE_OPTION(own, rows, "rows", CLI_INTEGER, "N", 2, 100000,
+    CLI_OPTION(own, places, "place", CLI_TEXTS, "NAME[=X,Y,Z[,ROLL,PITCH,YAW]]",
+               "name of a placement, and its pose: middle of the sockets, which lie on its x axis, "
+               "m and rad"),
+    CLI_RANGE_OPTION(own, recording.rows, "rows", CLI_INTEGER, "N", 2, 100000,
                      "samples in each of the two sockets (default: 30)"),
-    CLI_RANGE_OPTION(own, noise, "noise", CLI_NUMBER, "M", 0, 1,
+    CLI_RANGE_OPTION(own, recording.noise, "noise", CLI_NUMBER, "M", 0, 1,
                      "measurement noise of the ball per axis, m (default: 0)"),
-    CLI_RANGE_OPTION(own, correlation, "correlation", CLI_NUMBER, "RHO", 0, 0.999,
+    CLI_RANGE_OPTION(own, recording.correlation, "correlation", CLI_NUMBER, "RHO", 0, 0.999,
                      "correlation of the noise with that of the sample before (default: 0)"),
-    CLI_OPTION(own, effort, "effort", CLI_FLAG, NULL, "add measured joint efforts"),
-    CLI_OPTION(own, command, "command", CLI_FLAG, NULL,
+    CLI_OPTION(own, recording.effort, "effort", CLI_FLAG, NULL, "add measured joint efforts"),
+    CLI_OPTION(own, recording.command, "command", CLI_FLAG, NULL,
                "add commanded angles; with readback_lag the readings lag behind them"),
-    CLI_RANGE_OPTION(own, payload, "payload", CLI_NUMBER, "KG", 0, MUKCA_ROWS_MOST_PAYLOAD,
-                     "mass at the tip beyond the model (default: none)"),
+    CLI_RANGE_OPTION(own, recording.payload, "payload", CLI_NUMBER, "KG", 0,
+                     MUKCA_ROWS_MOST_PAYLOAD, "mass at the tip beyond the model (default: none)"),
     CLI_RANGE_OPTION(own, poses, "poses", CLI_INTEGER, "N", 1, 10000000,
                      "a pose log of N samples instead of sockets"),
     CLI_OPTION(own, at, "at", CLI_INPUT, "FILE",
                "a pose log at the joint angles of this table, row by row"),
-    CLI_OPTION(own, position_only, "position-only", CLI_FLAG, NULL,
+    CLI_OPTION(own, recording.position_only, "position-only", CLI_FLAG, NULL,
                "pose log without orientations"),
-    CLI_RANGE_OPTION(own, rotation, "rotation-noise", CLI_NUMBER, "RAD", 0, 1,
+    CLI_RANGE_OPTION(own, recording.rotation, "rotation-noise", CLI_NUMBER, "RAD", 0, 1,
                      "measurement noise of the orientations in a pose log, per axis, rad"),
     CLI_RANGE_OPTION(own, held_out, "held-out", CLI_INTEGER, "N", 1, 10000000,
                      "further placements (or poses) of the same arm, for --test"),
     CLI_OPTION(own, test, "test", CLI_OUTPUT, "FILE", "write the held-out data there"),
     CLI_OPTION(own, seed, "seed", CLI_INTEGER, "N", "seed of all random numbers (default: 0)"),
     CLI_OPTION(own, truth, "truth", CLI_OUTPUT, "FILE", "write the true arm as an offsets table"),
-    CLI_DISTANCE_OPTION,
-    CLI_COMMON(offsets, 0, CLI_INPUT, "FILE", "the true arm, effects included, before --perturb"),
-    CLI_MODEL_OPTIONS,
+    CLI_OPTION(own, common.offsets, "offsets", CLI_INPUT, "FILE",
+               "the true arm, effects included, before --perturb"),
     CLI_OUTPUT_OPTION("write the recording there (default: standard output)"),
-    CLI_LAST_OPTIONS};
+    {.name = NULL}};
 
 /* ---- true arm and recording from the options ---- */
 
@@ -91,7 +88,7 @@ static mukca_status check(const own *o, mukca_error *error)
                           "--at sets the postures; omit --poses and --held-out");
     if (is_log(o) && (o->places.n || o->placements))
         return mukca_fail(error, MUKCA_USAGE, "a pose log has no placements");
-    if (!is_log(o) && (o->position_only || o->rotation > 0))
+    if (!is_log(o) && (o->recording.position_only || o->recording.rotation > 0))
         return mukca_fail(error, MUKCA_USAGE,
                           "--position-only and --rotation-noise are for pose logs (--poses, --at)");
     if (o->common.distance > 1)
@@ -137,7 +134,7 @@ static mukca_status gather_effects(simulation *s, const own *o, mukca_error *err
     hidden->chain = &s->model.chain;
     hidden->places = s->places;
     hidden->n_places = s->n_places;
-    hidden->rows = o->rows;
+    hidden->rows = o->recording.rows;
     mukca_simulate_seed(&hidden->random, s->recording.seed, MUKCA_DRAW_EFFECTS);
     for (int e = 0; e < given->n_effects; e++) {
         mukca_effect effect = given->effects[e];
@@ -175,25 +172,17 @@ static mukca_status prepare(cli_call *call, simulation *s)
     double perturb[2] = {0, 0};
     mukca_status status = check(o, &call->error);
     if (status == MUKCA_OK && o->perturb && cli_read_list(perturb, 2, o->perturb) != 2)
-        status = mukca_fail(&call->error, MUKCA_USAGE,
-                            "--perturb %.40s: must be MM,MRAD, two numbers", o->perturb);
+        status = cli_fail(call, MUKCA_USAGE, "--perturb %.40s: must be MM,MRAD, two numbers",
+                          o->perturb);
     call->common->accept_failed = call->common->accept_edited = true; /* the true arm may be any */
     if (status == MUKCA_OK) status = cli_load_model(call, &s->model);
     if (status) return status;
-    s->recording = (mukca_simulate_options){.rows = o->rows,
-                                            .distance = call->common->distance,
-                                            .noise = o->noise,
-                                            .rotation = o->rotation,
-                                            .correlation = o->correlation,
-                                            .effort = o->effort,
-                                            .command = o->command,
-                                            .position_only = o->position_only,
-                                            .payload = o->payload,
-                                            .seed = (uint64_t)o->seed,
-                                            .interrupted = cli_interrupted};
+    s->recording = o->recording;
+    s->recording.distance = call->common->distance;
+    s->recording.seed = (uint64_t)o->seed;
+    s->recording.interrupted = cli_interrupted;
     if (s->recording.effort && !s->model.chain.n_masses)
-        return mukca_fail(&call->error, MUKCA_USAGE,
-                          "--effort needs link masses; give --inertials FILE");
+        return cli_fail(call, MUKCA_USAGE, "--effort needs link masses; give --inertials FILE");
     s->truth = s->model.offsets;
     mukca_simulate_perturb(s->truth.theta, o->perturb ? s->truth.listed : NULL, &s->model.chain,
                            1e-3 * perturb[0], 1e-3 * perturb[1], s->recording.seed);
@@ -216,8 +205,9 @@ static void describe(FILE *stream, const simulation *s, const own *o)
     fprintf(stream, "simulated by mukca " MUKCA_VERSION ": --seed %d", o->seed);
     if (o->perturb) fprintf(stream, " --perturb %s", o->perturb);
     for (int i = 0; i < o->effects.n; i++) fprintf(stream, " --effect %s", o->effects.items[i]);
-    fprintf(stream, " --noise %g", o->noise);
-    if (o->correlation > 0) fprintf(stream, " --correlation %g", o->correlation);
+    fprintf(stream, " --noise %g", o->recording.noise);
+    if (o->recording.correlation > 0)
+        fprintf(stream, " --correlation %g", o->recording.correlation);
     fputc('\n', stream);
 }
 
@@ -229,12 +219,12 @@ static mukca_status write_data(cli_call *call, const char *path, const mukca_dat
     char *comments = NULL;
     size_t size = 0;
     FILE *text = open_memstream(&comments, &size);
-    if (!text) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    if (!text) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     describe(text, s, call->options);
     const bool complete = mukca_file_close(text, &comments);
     mukca_status status = complete
                               ? mukca_output_open(&output, path, call->common->force, &call->error)
-                              : mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+                              : cli_fail(call, MUKCA_MEMORY, "out of memory");
     if (status == MUKCA_OK)
         mukca_dataset_write(output.stream, data, &s->model.chain, mukca_dataset_separator(path),
                             comments);
@@ -253,7 +243,7 @@ static mukca_status record_at(cli_call *call, mukca_dataset *data, const simulat
     size_t count = 0, room = 0;
     mukca_status status = rows
                               ? mukca_rows_open(rows, o->at, &s->model.chain, &header, &call->error)
-                              : mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+                              : cli_fail(call, MUKCA_MEMORY, "out of memory");
     mukca_row row;
     if (status == MUKCA_OK) {
         while (mukca_rows_next(rows, &row)) {
@@ -261,7 +251,7 @@ static mukca_status record_at(cli_call *call, mukca_dataset *data, const simulat
                 room = 2 * room + 1024;
                 double *larger = realloc(q, room * n * sizeof *q);
                 if (!larger) {
-                    status = mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+                    status = cli_fail(call, MUKCA_MEMORY, "out of memory");
                     break;
                 }
                 q = larger;
@@ -289,7 +279,7 @@ static mukca_status record(cli_call *call, mukca_dataset *data, const simulation
         return mukca_simulate_poses(data, &s->arm, NULL, held_out ? o->held_out : o->poses,
                                     &recording, &call->error);
     mukca_true_arm *arm = malloc(sizeof *arm);
-    if (!arm) return mukca_fail(&call->error, MUKCA_MEMORY, "out of memory");
+    if (!arm) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     *arm = s->arm;
     for (int e = 0; e < arm->n_effects && held_out; e++)
         arm->effects[e].placement = -1; /* no effect of these placements here */
@@ -330,8 +320,8 @@ const cli_command cli_command_simulate = {
     .description =
         "Simulates the arm of --urdf with other origins (--perturb, or --offsets as the truth), "
         "effects of the catalogue, recording faults and noise. Its ball sits in two sockets at "
-        "several placements, or (--poses, --at) a tracker or a controller measures the poses "
-        "of its tip. The same seed gives the same bytes.\n\n"
+        "several placements, or (--poses, --at) a tracker or a controller measures the poses of "
+        "its tip. The same seed gives the same bytes.\n\n"
         "An EFFECT is NAME[:WHERE][@VARIANT]=VALUE in the unit of `mukca help effects`:\n"
         "  joint_compliance:JOINT=1e-5         link_bending, joint_scale ... alike\n"
         "  base_compliance=1e-5                readback_lag=1e-3, or @command\n"
@@ -346,8 +336,10 @@ const cli_command cli_command_simulate = {
         "  wrong_socket:PLACE/SOCKET@5         duplicate alike; outlier with a size\n"
         "  socket_distance=1e-3                the sockets are farther apart than stated",
     .example =
-        "mukca simulate --urdf data/demo/arm.urdf --placements 2 --rows 5 --seed 1 "
-        "--perturb 1,2 --noise 1e-4 --effect gear_harmonic:joint_4@160=5e-4",
+        "  mukca simulate --urdf data/demo/arm.urdf --placements 2 --rows 5 \\\n"
+        "      --seed 1 --perturb 1,2 --noise 1e-4 \\\n"
+        "      --effect gear_harmonic:joint_4@160=5e-4",
+    .with = CLI_WITH_MODEL | CLI_WITH_DISTANCE,
     .options = options,
     .options_size = sizeof(own),
     .defaults = &defaults,

@@ -31,9 +31,6 @@ mukca_status cli_simulated_parse(cli_simulated *simulated, const char *text, muk
 
 enum { CLI_MAX_PLACES = MUKCA_MAX_PLACEMENTS };
 
-/* Read comma-separated numbers.  Returns how many, -1: an invalid one, or more than `most`. */
-int cli_read_list(double *values, int most, const char *text);
-
 /* One --place NAME[=X,Y,Z[,ROLL,PITCH,YAW]], of simulate and plan.  Errors: MUKCA_USAGE. */
 mukca_status cli_read_place(mukca_place *place, const char *text, mukca_error *error);
 

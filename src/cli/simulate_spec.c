@@ -25,15 +25,10 @@ typedef struct {
     int first_row;
 } fault_kind;
 
-static const fault_kind faults[] = {
-    {.name = "tool_motion",
-     .kind = MUKCA_SIMULATED_STEP,
-     .sized = true,
-     .creeps = true,
-     .first_row = 1},
-    {.name = "wrong_socket", .kind = MUKCA_SIMULATED_WRONG_SOCKET, .first_row = 1},
-    {.name = "outlier", .kind = MUKCA_SIMULATED_OUTLIER, .sized = true, .first_row = 1},
-    {.name = "duplicate", .kind = MUKCA_SIMULATED_DUPLICATE, .first_row = 2}};
+static const fault_kind faults[] = {{"tool_motion", MUKCA_SIMULATED_STEP, true, true, 1},
+                                    {"wrong_socket", MUKCA_SIMULATED_WRONG_SOCKET, false, false, 1},
+                                    {"outlier", MUKCA_SIMULATED_OUTLIER, true, false, 1},
+                                    {"duplicate", MUKCA_SIMULATED_DUPLICATE, false, false, 2}};
 
 static const fault_kind *find_fault(const char *name)
 {
@@ -59,8 +54,7 @@ static const char *take(char *out, const char *from, const char *stops)
 static mukca_status split(piece *p, const char **text, mukca_error *error)
 {
     const char *at = *text;
-    memset(p, 0, sizeof *p);
-    p->text = *text;
+    *p = (piece){.text = *text};
     at = take(p->name, at, ":@=,");
     if (*at == ':') at = take(p->where, at + 1, "@=,");
     if (*at == '@') at = take(p->variant, at + 1, "=,");
@@ -82,13 +76,6 @@ static mukca_status split(piece *p, const char **text, mukca_error *error)
     return MUKCA_OK;
 }
 
-static int find_place(const cli_simulated *s, const char *name)
-{
-    for (int p = 0; p < s->n_places; p++)
-        if (strcmp(s->places[p].name, name) == 0) return p;
-    return -1;
-}
-
 static mukca_status find_joint(int *joint, const cli_simulated *s, const piece *p, const char *name,
                                mukca_error *error)
 {
@@ -108,8 +95,8 @@ static mukca_status find_joint(int *joint, const cli_simulated *s, const piece *
 static mukca_status find_placement(int *placement, const cli_simulated *s, const piece *p,
                                    const char *name, mukca_error *error)
 {
-    *placement = find_place(s, name);
-    if (*placement >= 0) return MUKCA_OK;
+    for (*placement = 0; *placement < s->n_places; ++*placement)
+        if (strcmp(s->places[*placement].name, name) == 0) return MUKCA_OK;
     if (!s->n_places) return wrong(error, p, "a pose log has no placements and no sockets");
     return mukca_fail(error, MUKCA_USAGE,
                       "--effect %.80s: no placement '%.40s'; the first one is '%s'", p->text, name,
@@ -248,22 +235,7 @@ mukca_status cli_simulated_parse(cli_simulated *s, const char *text, mukca_error
     return status;
 }
 
-/* ---- lists of numbers, placements ---- */
-
-int cli_read_list(double *values, int most, const char *text)
-{
-    char number[64];
-    int n = 0;
-    for (;; text++) {
-        const size_t length = strcspn(text, ",");
-        if (n == most || length >= sizeof number) return -1;
-        memcpy(number, text, length);
-        number[length] = '\0';
-        if (!mukca_number_parse(&values[n++], number)) return -1;
-        text += length;
-        if (!*text) return n;
-    }
-}
+/* ---- placements ---- */
 
 mukca_status cli_read_place(mukca_place *place, const char *text, mukca_error *error)
 {

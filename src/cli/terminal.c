@@ -72,33 +72,16 @@ void cli_answer(cli_call *call, const char *format, ...)
     va_end(args);
 }
 
-/* `key` NULL: whole lines. */
-static void answer_text(cli_call *call, const char *key, const char *format, va_list args)
+void cli_say(cli_call *call, const char *key, const char *format, ...)
 {
     char text[1024];
     FILE *stream = cli_answer_stream(call);
+    va_list args;
     if (!stream) return;
+    va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
-    if (key)
-        cli_print_keyed(stream, key, text);
-    else
-        cli_print_wrapped(stream, text);
-}
-
-void cli_answer_wrapped(cli_call *call, const char *format, ...)
-{
-    va_list args;
-    va_start(args, format);
-    answer_text(call, NULL, format, args);
     va_end(args);
-}
-
-void cli_answer_keyed(cli_call *call, const char *key, const char *format, ...)
-{
-    va_list args;
-    va_start(args, format);
-    answer_text(call, key, format, args);
-    va_end(args);
+    cli_print_keyed(stream, key, text);
 }
 
 /* The one mutable global: a signal handler has no other access to state. */

@@ -70,14 +70,17 @@ void cli_print_wrapped(FILE *stream, const char *text)
 
 void cli_print_keyed(FILE *stream, const char *key, const char *text)
 {
+    if (!key) {
+        cli_print_wrapped(stream, text);
+        return;
+    }
     fprintf(stream, "%s%-*s%s", cli_bold(stream), KEY, key, cli_plain(stream));
     cli_print_words(stream, KEY, KEY, text, strlen(text));
 }
 
 void cli_print_text(FILE *stream, const char *key, mukca_text *text)
 {
-    if (text->used && key) cli_print_keyed(stream, key, text->at);
-    if (text->used && !key) cli_print_wrapped(stream, text->at);
+    if (text->used) cli_print_keyed(stream, key, text->at);
     text->at[text->used = 0] = '\0';
 }
 

@@ -33,17 +33,17 @@ mukca_status cli_arm_label(cli_call *call, char label[MUKCA_NAME_SIZE], const ch
     char other[MUKCA_NAME_SIZE] = "";
     if (given) {
         if (!*given || strlen(given) >= MUKCA_NAME_SIZE || strpbrk(given, "\t\r\n"))
-            return mukca_fail(&call->error, MUKCA_USAGE,
-                              "--arm: the label must have 1 to 63 bytes and no tab or line feed");
+            return cli_fail(call, MUKCA_USAGE,
+                            "--arm: the label must have 1 to 63 bytes and no tab or line feed");
         memcpy(label, given, strlen(given) + 1);
         return MUKCA_OK;
     }
     for (int i = 0; i < call->arguments.n; i++)
         if (!folder_of(i ? other : label, call->arguments.items[i]) ||
             (i && strcmp(other, label) != 0))
-            return mukca_fail(&call->error, MUKCA_USAGE,
-                              "the data do not lie in one folder that could name the arm; give "
-                              "--arm NAME");
+            return cli_fail(
+                call, MUKCA_USAGE,
+                "the data do not lie in one folder that could name the arm; give --arm NAME");
     return MUKCA_OK;
 }
 
@@ -74,52 +74,43 @@ static void put_coefficient(mukca_text *text, const mukca_inherited *c, const mu
 void cli_adoption_print(cli_call *call, const mukca_adoption *a, const mukca_diagnosis *d,
                         const mukca_chain *chain)
 {
-    char line[1024] = "", orders[512] = "";
-    mukca_text text = MUKCA_TEXT(line), list = MUKCA_TEXT(orders);
-    int n_orders = 0, shown = 0;
-    for (int i = 0; i < a->traits->n; i++) {
-        const mukca_effect *e = &a->traits->list[i].effect;
-        if (e->kind != MUKCA_EFFECT_GEAR_HARMONIC) continue;
-        mukca_text_put(&list, "%s%d at %s", n_orders++ ? ", " : "", e->variant.order,
-                       mukca_chain_joint_name(chain, e->joint));
-    }
+    char line[1024] = "";
+    mukca_text text = MUKCA_TEXT(line);
+    int shown = 0;
     if (a->traits->n == 0) {
-        cli_answer_keyed(call, "Fleet", "the traits table of %d arms is empty: they share nothing",
-                         a->traits->n_arms);
+        cli_say(call, "Fleet", "the traits table of %d arms is empty: they share nothing",
+                a->traits->n_arms);
         return;
     }
     if (!a->adopted) {
-        cli_answer_keyed(call, "Fleet",
-                         a->log_evidence < CONTRADICTION
-                             ? "the traits of %d arms contradict this arm's data (log Bayes factor "
-                               "%.1f) and are not used. Are they of this model, and are the link "
-                               "masses right?"
-                             : "the traits of %d arms explain this arm's data less well than its "
-                               "own fit (log Bayes factor %.1f) and are not used",
-                         a->traits->n_arms, a->log_evidence);
+        cli_say(call, "Fleet",
+                a->log_evidence < CONTRADICTION
+                    ? "the traits of %d arms contradict this arm's data (log Bayes factor %.1f) "
+                      "and are not used. Are they of this model, and are the link masses right?"
+                    : "the traits of %d arms explain this arm's data less well than its own fit "
+                      "(log Bayes factor %.1f) and are not used",
+                a->traits->n_arms, a->log_evidence);
         return;
     }
-    cli_answer_keyed(call, "Fleet",
-                     a->only ? "only the means of %d arms' traits, nothing elastic of this arm "
-                               "(log Bayes factor %.1f against its own fit)"
-                             : "the traits of %d arms are the prior; this arm's data agree (log "
-                               "Bayes factor %.1f against its own fit)",
-                     a->traits->n_arms, a->log_evidence);
+    cli_say(call, "Fleet",
+            a->only ? "only the means of %d arms' traits, nothing elastic of this arm (log Bayes "
+                      "factor %.1f against its own fit)"
+                    : "the traits of %d arms are the prior; this arm's data agree (log Bayes "
+                      "factor %.1f against its own fit)",
+            a->traits->n_arms, a->log_evidence);
     for (int i = 0; i < a->n; i++) {
         const mukca_inherited *c = &a->list[i];
         if (!(c->trait->probability > 0.5)) continue; /* others only in the JSON */
         put_coefficient(&text, c, chain);
-        cli_answer_keyed(call, shown++ ? "" : "Elastic", "%s", line);
+        cli_say(call, shown++ ? "" : "Elastic", "%s", line);
         line[text.used = 0] = '\0';
     }
-    if (n_orders && !a->only)
-        cli_answer_keyed(call, "Ripple", "orders known from the fleet: %s", orders);
     if (isfinite(a->explained_m))
-        cli_answer_keyed(call, "Error", "held out, with the traits %.3f mm (without %.3f mm)",
-                         1e3 * a->explained_m, 1e3 * a->own_explained_m);
+        cli_say(call, "Error", "held out, with the traits %.3f mm (without %.3f mm)",
+                1e3 * a->explained_m, 1e3 * a->own_explained_m);
     if (isfinite(d->test_geometry_m))
-        cli_answer_keyed(call, "", "test data, with the traits %.3f mm (without %.3f mm)",
-                         1e3 * a->test_explained_m, 1e3 * a->own_test_explained_m);
+        cli_say(call, "", "test data, with the traits %.3f mm (without %.3f mm)",
+                1e3 * a->test_explained_m, 1e3 * a->own_test_explained_m);
 }
 
 /* ---- JSON ---- */
@@ -130,24 +121,22 @@ json_t *cli_adoption_json(const mukca_adoption *a, const mukca_chain *chain)
     for (int i = 0; i < a->n; i++) {
         const mukca_inherited *c = &a->list[i];
         const mukca_trait *t = c->trait;
-        const double ci95[2] = {c->low, c->high};
-        json_array_append_new(
-            elastic,
-            cli_json("effect:s joint:s value:f ci95:o mean:f spread:f probability:f own_share:f",
-                     mukca_effect_table[t->effect.kind]->name,
-                     mukca_chain_joint_name(chain, t->effect.joint), c->value,
-                     cli_json_reals(ci95, 2), t->mean, t->spread, t->probability, c->own));
+        cli_json_append(elastic,
+                        "effect:s joint:s value:f ci95:v mean:f spread:f probability:f own_share:f",
+                        mukca_effect_table[t->effect.kind]->name,
+                        mukca_chain_joint_name(chain, t->effect.joint), c->value, c->low, c->high,
+                        t->mean, t->spread, t->probability, c->own);
     }
     for (int i = 0; i < a->traits->n; i++) {
         const mukca_effect *e = &a->traits->list[i].effect;
         if (e->kind != MUKCA_EFFECT_GEAR_HARMONIC) continue;
-        json_array_append_new(orders, cli_json("joint:s order:i probability:f",
-                                               mukca_chain_joint_name(chain, e->joint),
-                                               e->variant.order, a->traits->list[i].probability));
+        cli_json_append(orders, "joint:s order:i probability:f",
+                        mukca_chain_joint_name(chain, e->joint), e->variant.order,
+                        a->traits->list[i].probability);
     }
     return cli_json(
-        "log_bayes_factor:f explained_m:f without_m:f test_explained_m:f "
-        "test_without_m:f used:b only:b arms:i effects:o orders:o",
+        "log_bayes_factor:f explained_m:f without_m:f test_explained_m:f test_without_m:f used:b "
+        "only:b arms:i effects:o orders:o",
         a->log_evidence, a->explained_m, a->own_explained_m, a->test_explained_m,
         a->own_test_explained_m, a->adopted, a->only, a->traits->n_arms, elastic, orders);
 }

@@ -5,11 +5,6 @@
 #include "cli/cli.h"
 #include "fleet/fleet.h"
 
-/* --traits FILE. */
-#define CLI_TRAITS_OPTION(type, member)                   \
-    CLI_OPTION(type, member, "traits", CLI_INPUT, "FILE", \
-               "traits of the model's fleet (mukca fleet -o), as prior")
-
 /* The label of the arm: `given`, else the name of the data's folder.  Errors: MUKCA_USAGE (data of
  * several folders, no usable name). */
 mukca_status cli_arm_label(cli_call *call, char label[MUKCA_NAME_SIZE], const char *given);

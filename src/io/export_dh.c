@@ -2,8 +2,8 @@
 #include "io/export.h"
 #include "model/dh.h"
 
-static const char *const formula[] = {"Rz(theta + q) Tz(d) Tx(a) Rx(alpha)",
-                                      "Rx(alpha) Tx(a) Rz(theta + q) Tz(d)"};
+static const char *const title[][2] = {{"standard", "Rz(theta + q) Tz(d) Tx(a) Rx(alpha)"},
+                                       {"modified", "Rx(alpha) Tx(a) Rz(theta + q) Tz(d)"}};
 
 static mukca_status write_table(FILE *stream, const mukca_export_input *input,
                                 mukca_dh_convention convention)
@@ -22,9 +22,9 @@ static mukca_status write_table(FILE *stream, const mukca_export_input *input,
     mukca_export_provenance(stream, "# ", input);
     fprintf(stream,
             "# convention: %s\n# T_base_tip is the product of the rows' %s;\n"
-            "# a prismatic joint adds q to d.  mukca urdf --dh reads this table back.\n"
+            "# a prismatic joint adds q to d.\n"
             "joint\ttype\ta_m\talpha_rad\td_m\ttheta_rad\tlower\tupper\n",
-            mukca_dh_convention_name[convention], formula[convention]);
+            title[convention][0], title[convention][1]);
     for (int k = 0; k < dh.n_rows; k++) {
         const mukca_dh_row *r = &dh.row[k];
         const double values[] = {r->a, r->alpha, r->d, r->theta, r->lower, r->upper};

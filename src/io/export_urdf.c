@@ -177,33 +177,3 @@ static mukca_status write_urdf(FILE *stream, const mukca_export_input *input, mu
 
 const mukca_export_format mukca_export_urdf = {.write = write_urdf,
                                                .holds = mukca_export_holds_none};
-
-/* ---- a chain as a URDF ---- */
-
-void mukca_urdf_write(FILE *stream, const mukca_chain *chain)
-{
-    mukca_export_print(stream,
-                       "<?xml version=\"1.0\"?>\n<robot name=\"$x\">\n  <link name=\"$x\"/>\n",
-                       chain->robot, chain->base);
-    for (int k = 0; k < chain->n_elements; k++) {
-        const mukca_element *e = &chain->element[k];
-        const bool limited = isfinite(e->lower) && isfinite(e->upper);
-        const mukca_joint_type turning = limited ? MUKCA_REVOLUTE : MUKCA_CONTINUOUS;
-        const mukca_joint_type type = mukca_joint_turns(e->type) ? turning : e->type;
-        mukca_export_print(stream,
-                           "  <link name=\"$x\"/>\n  <joint name=\"$x\" type=\"$s\">\n"
-                           "    <parent link=\"$x\"/>\n    <child link=\"$x\"/>\n"
-                           "    <origin xyz=\"$b\" rpy=\"$b\"/>\n",
-                           e->child, e->name, mukca_joint_type_name[type],
-                           k ? chain->element[k - 1].child : chain->base, e->child, e->xyz, 3,
-                           e->rpy, 3);
-        if (e->type != MUKCA_FIXED)
-            mukca_export_print(stream, "    <axis xyz=\"$b\"/>\n", e->axis, 3);
-        if (type == MUKCA_REVOLUTE || type == MUKCA_PRISMATIC)
-            mukca_export_print(
-                stream, "    <limit lower=\"$n\" upper=\"$n\" effort=\"0\" velocity=\"0\"/>\n",
-                limited ? e->lower : -1., limited ? e->upper : 1.);
-        fputs("  </joint>\n", stream);
-    }
-    fputs("</robot>\n", stream);
-}

@@ -1,13 +1,10 @@
-/* The arm's chain from a URDF and link masses; and as a URDF. */
+/* The arm's chain from a URDF and link masses. */
 #ifndef MUKCA_IO_URDF_H
 #define MUKCA_IO_URDF_H
 
 #include <stdbool.h>
 #include <stddef.h>
-#include <stdio.h>
 
-#include "io/rows.h"
-#include "model/dh.h"
 #include "mukca/chain.h"
 
 typedef struct {
@@ -36,20 +33,6 @@ typedef struct {
  * negative or implausible mass, a duplicate link), MUKCA_MEMORY. */
 mukca_status mukca_inertials_read(mukca_inertial **list, int *n, const char *path,
                                   mukca_error *error);
-
-/* ---- a chain as a URDF (export_urdf.c) ---- */
-
-/* Print the chain's links and joints; a chain has no masses or shapes to print. */
-void mukca_urdf_write(FILE *stream, const mukca_chain *chain);
-
-/* ---- Denavit-Hartenberg tables (dh_table.c) ---- */
-
-/* Read a table: columns joint, a, alpha, d, theta, optional type (default: revolute), lower and
- * upper, in the units of `format` (NULL: m and rad); or a_m, alpha_rad, d_m, theta_rad.  The
- * comment `# convention: NAME`, which `mukca export` writes, states the convention.  Without it,
- * *stated is false and the standard convention is assumed.  Errors: MUKCA_INPUT, MUKCA_MEMORY. */
-mukca_status mukca_dh_read(mukca_dh *dh, bool *stated, const char *path,
-                           const mukca_rows_format *format, mukca_error *error);
 
 /* ---- a URDF as text: checked for size, depth and xacro (urdf_text.c) ---- */
 

@@ -1,10 +1,8 @@
-/* Denavit-Hartenberg tables: conversion from a chain and to a chain. */
+/* Denavit-Hartenberg tables of a chain. */
 #include "model/dh.h"
 
 #include <stdio.h>
 #include <string.h>
-
-const char *const mukca_dh_convention_name[] = {"standard", "modified", NULL};
 
 static const double pi = 3.14159265358979323846;
 
@@ -134,48 +132,4 @@ void mukca_dh_from_chain(mukca_dh *dh, const mukca_chain *chain, const double *t
     *dh = (mukca_dh){.convention = convention};
     for (int k = 0; k < n + 2; k++)
         if (row[k].type != MUKCA_FIXED || !is_zero(&row[k])) dh->row[dh->n_rows++] = row[k];
-}
-
-/* Append an element with the origin Tz(d) Tx(a) Rx(alpha) Rz(theta) Tz(e). */
-static void add_element(mukca_chain *chain, const mukca_dh_row *r, const double before[3],
-                        double theta, double e)
-{
-    mukca_element *to = &chain->element[chain->n_elements];
-    const double d = before[0], a = before[1], alpha = before[2];
-    const double c = cos(theta), s = sin(theta), ca = cos(alpha), sa = sin(alpha);
-    const double R[9] = {c, -s, 0, ca * s, ca * c, -sa, sa * s, sa * c, ca};
-    *to = (mukca_element){.type = r->type,
-                          .joint = -1,
-                          .xyz = {a, -sa * e, d + ca * e},
-                          .axis = {0, 0, 1},
-                          .lower = r->lower,
-                          .upper = r->upper};
-    mukca_rotation_to_rpy(to->rpy, R, NULL);
-    memcpy(to->name, r->name, sizeof to->name);
-    if (to->type != MUKCA_FIXED) {
-        to->joint = chain->n_joints;
-        chain->joint_element[chain->n_joints++] = chain->n_elements;
-    }
-    snprintf(to->child, sizeof to->child, "link_%d", ++chain->n_elements);
-}
-
-void mukca_dh_to_chain(mukca_chain *chain, const mukca_dh *dh)
-{
-    const bool modified = dh->convention == MUKCA_DH_MODIFIED;
-    double before[3] = {0}; /* d, a, alpha after the preceding rotation */
-    *chain = (mukca_chain){.base = "base_link", .tip = "tip_link"};
-    for (int k = 0; k < dh->n_rows; k++) {
-        const mukca_dh_row *r = &dh->row[k];
-        const double own[3] = {0, r->a, r->alpha}, rest[3] = {r->d, r->a, r->alpha};
-        if (modified) memcpy(before, own, sizeof own);
-        add_element(chain, r, before, r->theta, modified ? r->d : 0);
-        if (!modified) memcpy(before, rest, sizeof rest);
-    }
-    if (!modified && (before[0] != 0 || before[1] != 0 || before[2] != 0)) {
-        mukca_dh_row last = {.type = MUKCA_FIXED};
-        name_row(last.name, chain, "flange");
-        add_element(chain, &last, before, 0, 0);
-    }
-    if (chain->n_elements == 0) return;
-    memcpy(chain->element[chain->n_elements - 1].child, "tip_link", sizeof "tip_link");
 }

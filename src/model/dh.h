@@ -1,4 +1,4 @@
-/* Denavit-Hartenberg tables: conversion from a chain and to a chain. */
+/* Denavit-Hartenberg tables of a chain. */
 #ifndef MUKCA_MODEL_DH_H
 #define MUKCA_MODEL_DH_H
 
@@ -9,8 +9,6 @@
  *   modified  T = Rx(alpha) Tx(a) Rz(theta + q) Tz(d)   (Khalil 1986; Craig 1989)
  * A prismatic joint adds q to d. */
 typedef enum { MUKCA_DH_STANDARD, MUKCA_DH_MODIFIED } mukca_dh_convention;
-
-extern const char *const mukca_dh_convention_name[]; /* ended by NULL */
 
 typedef struct {
     char name[MUKCA_NAME_SIZE];
@@ -30,8 +28,5 @@ typedef struct {
  * zero.  d of nearly parallel axes is large, as their common normal is far away (Hayati 1983). */
 void mukca_dh_from_chain(mukca_dh *dh, const mukca_chain *chain, const double *theta,
                          mukca_dh_convention convention);
-
-/* Convert a table to a chain from link `base` to link `tip`; robot and SHA-256 are empty. */
-void mukca_dh_to_chain(mukca_chain *chain, const mukca_dh *dh);
 
 #endif

@@ -14,8 +14,7 @@ static const double per = MUKCA_WORDING_PER_SPRING;
 
 /* ---- wording, shared with the screen ---- */
 
-void mukca_wording_fleet_effect(char text[MUKCA_WORDING], const mukca_effect *e,
-                                const mukca_fleet *f)
+static void put_effect(char text[MUKCA_WORDING], const mukca_effect *e, const mukca_fleet *f)
 {
     mukca_wording_effect(text, e->kind, e->joint < 0 ? NULL : f->model.joint[e->joint]);
 }
@@ -23,7 +22,7 @@ void mukca_wording_fleet_effect(char text[MUKCA_WORDING], const mukca_effect *e,
 void mukca_wording_fleet_trait(char text[MUKCA_WORDING], const mukca_trait *t, const mukca_fleet *f)
 {
     char effect[MUKCA_WORDING], probability[MUKCA_WORDING];
-    mukca_wording_fleet_effect(effect, &t->effect, f);
+    put_effect(effect, &t->effect, f);
     mukca_wording_probability(probability, t->probability);
     if (t->effect.variant.order)
         snprintf(text, MUKCA_WORDING, "%.200s, %d per turn, seen in %d of %d arms, %.60s", effect,
@@ -40,7 +39,7 @@ void mukca_wording_fleet_departure(char text[MUKCA_WORDING], const mukca_departu
                                    const mukca_fleet *f)
 {
     char effect[MUKCA_WORDING], probability[MUKCA_WORDING], ratio[64];
-    mukca_wording_fleet_effect(effect, &d->effect, f);
+    put_effect(effect, &d->effect, f);
     mukca_wording_probability(probability, d->probability);
     if (!isfinite(d->ratio))
         snprintf(ratio, sizeof ratio, "unlike");
@@ -160,7 +159,7 @@ static void put_arms(FILE *out, const void *content)
     for (int i = 0; d && i < MOST_ROWS; d = next_arm(p, d), i++) {
         const mukca_fleet_arm *arm = &p->fleet->arm[d->arm];
         snprintf(words, sizeof words, "not testable");
-        if (d->k >= 0) mukca_wording_fleet_effect(words, &d->effect, p->fleet);
+        if (d->k >= 0) put_effect(words, &d->effect, p->fleet);
         mukca_html_row(&table, "%s\t%d\t%d\t%s", arm->name, arm->end - arm->first, arm->samples,
                        words);
         if (d->k >= 0)
@@ -212,22 +211,20 @@ static bool draw_coefficient(mukca_plot *plot, const void *content, int index)
     char words[MUKCA_WORDING], probability[MUKCA_WORDING];
     mukca_text description = MUKCA_TEXT(plot->words);
     if (!put_points(plot, p, k)) return false;
-    mukca_wording_fleet_effect(words, &c->effect, p->fleet);
+    put_effect(words, &c->effect, p->fleet);
     mukca_wording_probability(probability, c->probability);
     snprintf(plot->id, sizeof plot->id, "coefficient-%d", index + 1);
     snprintf(plot->title, sizeof plot->title, "%.150s", words);
     snprintf(plot->label[1], sizeof *plot->label, MUKCA_WORDING_SPRING);
-    plot->width = MUKCA_PLOT_HALF;
     plot->height = 280;
     plot->from_zero = true;
     plot->band[0] = fmax(value - spread, 0);
     plot->band[1] = value;
     plot->band[2] = value + spread;
-    mukca_text_put(
-        &description,
-        "Each arm with its 95 %% interval, its sisters as prior; dashed: mean of the fleet, "
-        "%.3g [%.3g, %.3g] if shared (%s); grey: range of 95 %% of its arms.",
-        value, per * c->low, per * c->high, probability);
+    mukca_text_put(&description,
+                   "Each arm with its 95 %% interval, its sisters as prior; dashed: mean of the "
+                   "fleet, %.3g [%.3g, %.3g] if shared (%s); grey: range of 95 %% of its arms.",
+                   value, per * c->low, per * c->high, probability);
     const mukca_departure *d = next_arm(p, NULL);
     for (int i = 0; departs(d) && i < MOST_ARMS; d = next_arm(p, d), i++)
         if (d->k == k)
@@ -247,8 +244,7 @@ static void put_orders(FILE *out, const void *content)
         .out = out,
         .caption = "Most probable order of each joint",
         .columns =
-            "joint|#order, per turn|#arms that favour it|#log Bayes factor|#probability "
-            "shared"};
+            "joint|#order, per turn|#arms that favour it|#log Bayes factor|#probability shared"};
     for (int j = 0; j < p->fleet->model.n_joints; j++) {
         const mukca_trait *o = &p->result->order[j];
         if (o->effect.variant.order)

@@ -5,9 +5,9 @@
 
 static const char *const mukca_report_style[] = {
     ":root{--ink:#1a1a1a;--paper:#fff;--soft:#f3f4f6;--line:#8a8f98;"
-    "--before:#c35200;--after:#0072b2;--third:#007a58;--grid:#b0b4ba}\n"
+    "--before:#c35200;--after:#0072b2;--grid:#b0b4ba}\n"
     "@media (prefers-color-scheme:dark){:root{--ink:#e8e8e8;--paper:#15181c;--soft:#23272e;"
-    "--line:#8a8f98;--before:#ff9a4d;--after:#63b8f0;--third:#3ecfa0;--grid:#565b63}}\n"
+    "--line:#8a8f98;--before:#ff9a4d;--after:#63b8f0;--grid:#565b63}}\n"
     "*{box-sizing:border-box}\n"
     "body{margin:0 auto;padding:1rem;max-width:62rem;font:16px/1.5 system-ui,sans-serif;"
     "color:var(--ink);background:var(--paper)}\n"
@@ -25,17 +25,16 @@ static const char *const mukca_report_style[] = {
     ".8rem}\n"
     ".figures{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,26rem),1fr));"
     "gap:1rem}\n"
-    "figure{margin:0;min-width:0;overflow-x:auto}figure.broad{grid-column:1/-1}\n"
+    "figure{margin:0;min-width:0;overflow-x:auto}\n"
     "figcaption{font-size:.9rem}figcaption strong{display:block}\n"
     ".plot{display:block;width:100%;max-width:30rem;height:auto}"
     ".plot text{paint-order:stroke;stroke:var(--paper);stroke-width:3px;stroke-linejoin:round}\n"
-    ".broad .plot{min-width:40rem;max-width:none}\n"
     ".plot text{font:12px sans-serif;fill:var(--ink)}.plot path{fill:none;stroke-width:1.2}"
     ".plot .axis{stroke:var(--ink)}.plot .grid{stroke:var(--grid);stroke-width:.5;"
     "stroke-dasharray:2 3}.plot .middle{stroke:var(--ink);stroke-dasharray:6 4}"
     ".plot .band{fill:var(--grid);opacity:.35}\n"
     ".plot .before path{stroke:var(--before)}.plot .after path{stroke:var(--after)}"
-    ".plot .third path{stroke:var(--third)}.plot .after circle{fill:var(--after)}\n"
+    ".plot .after circle{fill:var(--after)}\n"
     ".wide{overflow-x:auto}table{border-collapse:collapse;font-size:.9rem;margin:.5rem 0}\n"
     "caption{text-align:left;font-weight:600;padding:.3rem 0}\n"
     "th,td{padding:.2rem .6rem;text-align:left;border-bottom:1px solid var(--grid);vertical-align:"
@@ -58,7 +57,7 @@ static const char *const mukca_report_style[] = {
     ".n{text-align:right;font-variant-numeric:tabular-nums}code{font-size:.85em;overflow-wrap:"
     "anywhere}\n"
     "@media print{:root{--ink:#000;--paper:#fff;--soft:#f3f4f6;--before:#c35200;"
-    "--after:#0072b2;--third:#007a58;--grid:#b0b4ba}body{max-width:none;font-size:10pt;padding:0}"
+    "--after:#0072b2;--grid:#b0b4ba}body{max-width:none;font-size:10pt;padding:0}"
     "nav{display:none}figure,tr,.tiles{break-inside:avoid}h2{break-after:avoid;margin-top:1rem}"
     ".wide,figure{overflow:visible}.plot.plot{min-width:0}.figures{grid-template-columns:repeat(4,"
     "1fr)}.view{max-width:60%}table{font-size:7.5pt}th,td{padding:.05rem "
@@ -87,7 +86,7 @@ static void put_head(FILE *out, const mukca_page *p)
 static mukca_status put_figure(FILE *out, const mukca_plot *plot, mukca_error *error)
 {
     if (plot->failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the figures");
-    fprintf(out, "<figure%s>\n", plot->width > MUKCA_PLOT_HALF ? " class=\"broad\"" : "");
+    fputs("<figure>\n", out);
     mukca_plot_svg(out, plot);
     fputs("<figcaption>", out);
     mukca_html_element(out, "strong", plot->title);

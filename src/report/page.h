@@ -45,17 +45,7 @@ void mukca_html_table_end(mukca_html_table *table);
 /* Series of points.  Each has a colour of the page's style sheet, which distinguishes it for
  * colour-blind readers (palette of Okabe and Ito, "Color Universal Design", 2008), and a shape,
  * which distinguishes it in grey. */
-typedef enum {
-    MUKCA_PLOT_AFTER,
-    MUKCA_PLOT_BEFORE,
-    MUKCA_PLOT_THIRD,
-    MUKCA_PLOT_SERIES
-} mukca_plot_series;
-
-enum {
-    MUKCA_PLOT_HALF = 480, /* px: two figures per row; legible on a phone */
-    MUKCA_PLOT_FULL = 960
-};
+typedef enum { MUKCA_PLOT_AFTER, MUKCA_PLOT_BEFORE, MUKCA_PLOT_SERIES } mukca_plot_series;
 
 typedef struct {
     mukca_plot_series series;
@@ -73,11 +63,11 @@ typedef struct {
     char words[4096]; /* the content as text */
     char id[64];      /* letters, digits, '-'; unique on the page */
     char title[160], label[2][80];
-    int width, height; /* px */
-    bool brief;        /* the caption is the title alone: a table has the numbers */
-    bool from_zero;    /* the vertical axis begins at 0 */
-    double band[3];    /* lower end, middle and upper end of a range of the vertical axis; all 0:
-                          none */
+    int height;     /* px */
+    bool brief;     /* the caption is the title alone: a table has the numbers */
+    bool from_zero; /* the vertical axis begins at 0 */
+    double band[3]; /* lower end, middle and upper end of a range of the vertical axis; all 0:
+                       none */
     const char *key[MUKCA_PLOT_SERIES]; /* title of a series; NULL: none */
     mukca_plot_point *points;           /* [n_points] */
     mukca_plot_tic *tics;               /* [n_tics] */

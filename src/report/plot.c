@@ -7,10 +7,20 @@
 
 #include "base/utf8.h"
 
-/* Margins, px; BOTTOM_NAMES leaves room for NAME characters at an angle. */
-enum { LEFT = 58, RIGHT = 16, TOP = 30, BOTTOM = 46, BOTTOM_NAMES = 92, NAME = 18, LETTER = 7 };
+/* WIDTH, px: two figures per row, legible on a phone.  Margins, px; BOTTOM_NAMES leaves room for
+ * NAME characters at an angle. */
+enum {
+    WIDTH = 480,
+    LEFT = 58,
+    RIGHT = 16,
+    TOP = 30,
+    BOTTOM = 46,
+    BOTTOM_NAMES = 92,
+    NAME = 18,
+    LETTER = 7
+};
 
-static const char *const series_class[MUKCA_PLOT_SERIES] = {"after", "before", "third"};
+static const char *const series_class[MUKCA_PLOT_SERIES] = {"after", "before"};
 
 void mukca_plot_free(mukca_plot *plot)
 {
@@ -78,7 +88,7 @@ static axis find_axis(const mukca_plot *p, int dimension)
     a.low = vertical && p->from_zero ? 0 : a.low - margin;
     a.high += margin;
     a.from = vertical ? p->height - bottom : LEFT;
-    a.to = vertical ? TOP : p->width - RIGHT;
+    a.to = vertical ? TOP : WIDTH - RIGHT;
     return a;
 }
 
@@ -146,14 +156,13 @@ static void put_frame(FILE *out, const mukca_plot *p, const axis *x, const axis 
     fputs("</text>\n", out);
 }
 
-/* A disc, a cross or a triangle. */
+/* A disc or a cross. */
 static void put_mark(FILE *out, mukca_plot_series series, double x, double y)
 {
     if (series == MUKCA_PLOT_AFTER)
         fprintf(out, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"2.2\"/>\n", x, y);
     else
-        fprintf(out, "<path d=\"M%.1f %.1f%s\"/>\n", x, y,
-                series == MUKCA_PLOT_BEFORE ? "m-3-3l6 6m0-6l-6 6" : "m0-3l3 5h-6z");
+        fprintf(out, "<path d=\"M%.1f %.1fm-3-3l6 6m0-6l-6 6\"/>\n", x, y);
 }
 
 static void put_series(FILE *out, const mukca_plot *p, const axis *x, const axis *y)
@@ -183,7 +192,7 @@ void mukca_plot_svg(FILE *out, const mukca_plot *p)
     fprintf(out,
             "<svg class=\"plot\" viewBox=\"0 0 %d %d\" role=\"img\" aria-labelledby=\"%s-t "
             "%s-d\">\n<title id=\"%s-t\">",
-            p->width, p->height, p->id, p->id, p->id);
+            WIDTH, p->height, p->id, p->id, p->id);
     mukca_html_escape(out, p->title);
     fprintf(out, "</title>\n<desc id=\"%s-d\">", p->id);
     mukca_html_escape(out, p->words);

@@ -81,24 +81,17 @@ static mukca_status predict(mukca_report *r, int m, const mukca_model *model, mu
                                                 : mukca_fail(error, MUKCA_MEMORY, "out of memory");
 }
 
-/* Append the scores of a dataset. */
-static mukca_status score(mukca_report *r, const mukca_dataset *data, const mukca_model *nominal,
-                          const mukca_model *calibrated, mukca_error *error)
+/* Score a dataset, 0: `train`, 1: `test`. */
+static mukca_status score(mukca_report *r, int set, const mukca_model *const models[2],
+                          mukca_error *error)
 {
-    const int room = data->n_placements + 1;
-    mukca_score *scores = MUKCA_TAKE(&r->pool, mukca_score, 2 * room), mean[2];
-    int n = scores ? mukca_evaluate(scores, &mean[0], nominal, data) : -1;
-    if (n >= 0) n = mukca_evaluate(scores + room, &mean[1], calibrated, data);
-    if (n < 0) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    for (int i = 0; i < n; i++) {
-        const int p = scores[i].placement;
-        r->scores[r->n_scores++] =
-            (mukca_report_score){.placement = p < 0 ? "poses" : data->placements[p].name,
-                                 .test = data == r->test,
-                                 .nominal = scores[i],
-                                 .calibrated = scores[room + i]};
+    const mukca_dataset *data = set ? r->test : r->train;
+    for (int m = 0; m < 2 && r->n_scores[set] >= 0; m++) {
+        mukca_score mean, *scores = MUKCA_TAKE(&r->pool, mukca_score, data->n_placements + 1);
+        r->n_scores[set] = scores ? mukca_evaluate(scores, &mean, models[m], data) : -1;
+        r->score[set][m] = scores;
     }
-    return MUKCA_OK;
+    return r->n_scores[set] >= 0 ? MUKCA_OK : mukca_fail(error, MUKCA_MEMORY, "out of memory");
 }
 
 mukca_status mukca_report_prepare(mukca_report *r, mukca_error *error)
@@ -111,8 +104,6 @@ mukca_status mukca_report_prepare(mukca_report *r, mukca_error *error)
     mukca_status status =
         mukca_frames_start(theta, r->fitted, r->train, r->free_base, r->free_tool, error);
     if (status != MUKCA_OK) return status;
-    r->scores = MUKCA_TAKE(&r->pool, mukca_report_score,
-                           r->train->n_placements + r->test->n_placements + 2);
     r->offset = MUKCA_TAKE(&r->pool, mukca_offset_row, MUKCA_MAX_OFFSET_ROWS);
     mukca_effect *effects = MUKCA_TAKE(&r->pool, mukca_effect, 2 * MUKCA_MAX_EFFECTS);
     if (r->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
@@ -124,7 +115,8 @@ mukca_status mukca_report_prepare(mukca_report *r, mukca_error *error)
                                   .theta = r->offsets->theta,
                                   .effects = placed,
                                   .n_effects = r->offsets->n_effects};
-        if (data[k]->n_rows > 0) status = score(r, data[k], &nominal, &models[k], error);
+        if (data[k]->n_rows > 0)
+            status = score(r, k, (const mukca_model *const[]){&nominal, &models[k]}, error);
     }
     const mukca_model *of[MUKCA_REPORT_MODELS] = {&nominal, &rigid, &models[0]};
     for (int m = 0; m < MUKCA_REPORT_MODELS && status == MUKCA_OK; m++)
@@ -145,7 +137,7 @@ static const mukca_page_section sections[] = {
     {"placements", "Errors of the result", NULL, mukca_report_put_placements},
     {"joints", "Errors by joint", mukca_report_joints, mukca_report_put_joints},
     {"limits", "Detection limits", NULL, mukca_report_put_limits},
-    {"samples", "Samples and recording faults", mukca_report_samples, mukca_report_put_faults},
+    {"faults", "Recording faults", NULL, mukca_report_put_faults},
     {"offsets", "Parameters", NULL, mukca_report_put_offsets},
     {"provenance", "Provenance", NULL, mukca_report_put_provenance},
 };

@@ -9,13 +9,6 @@
 #include "report/page.h"
 #include "report/wording.h"
 
-/* Errors of one placement, nominal and calibrated. */
-typedef struct {
-    const char *placement; /* "poses" for all samples of a pose log */
-    bool test;
-    mukca_score nominal, calibrated;
-} mukca_report_score;
-
 /* Models: nominal; the table without its effects; the table. */
 enum { MUKCA_NOMINAL, MUKCA_RIGID, MUKCA_CALIBRATED, MUKCA_REPORT_MODELS };
 
@@ -44,8 +37,8 @@ typedef struct {
                                                        along the ball's motion by the joint, m */
     mukca_offset_row *offset;                       /* [n_offsets] rows of `offsets` */
     int n_offsets;
-    mukca_report_score *scores; /* [n_scores] of `train`, then of `test` */
-    int n_scores;
+    mukca_score *score[2][2]; /* of `train` and `test`, nominal and calibrated; [n_scores] each */
+    int n_scores[2];
     mukca_pool pool;
 } mukca_report;
 
@@ -61,9 +54,8 @@ mukca_page mukca_report_page(const mukca_report *report);
 
 #define MUKCA_REPORT_MM 1e3 /* mm per m */
 
-/* Figures, in figures_error.c; `content` is the report. */
-typedef bool mukca_report_figure(mukca_plot *plot, const void *content, int index);
-mukca_report_figure mukca_report_joints, mukca_report_samples;
+/* A figure, in figures_error.c; `content` is the report. */
+bool mukca_report_joints(mukca_plot *plot, const void *content, int index);
 
 /* Texts and tables, in tables_diagnosis.c, tables_calibration.c and view.c. */
 typedef void mukca_report_text(FILE *out, const void *content);
@@ -82,10 +74,6 @@ double mukca_report_joint_rms(const mukca_report *report, int model, int j);
 /* Unit of all coefficients of a fleet, and their factor from rad/(N m). */
 #define MUKCA_WORDING_SPRING "urad/(N·m)"
 #define MUKCA_WORDING_PER_SPRING 1e6
-
-/* "joint compliance at joint_4". */
-void mukca_wording_fleet_effect(char text[MUKCA_WORDING], const mukca_effect *effect,
-                                const mukca_fleet *fleet);
 
 /* A shared coefficient with interval, spread and probability, or a shared order; no full stop. */
 void mukca_wording_fleet_trait(char text[MUKCA_WORDING], const mukca_trait *trait,

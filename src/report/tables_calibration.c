@@ -39,8 +39,8 @@ void mukca_report_put_accuracy(FILE *out, const mukca_report *r)
         fputs("</dl>\n", out);
         if (isfinite(a->error_here_unscaled_m))
             fprintf(out,
-                    "<p>With this result, %.2f mm and %.2f mm apart from the arm's scale "
-                    "(socket distance known to 0.1 mm) and from causes that the table lacks.</p>\n",
+                    "<p>With this result, %.2f mm and %.2f mm apart from the arm's scale (socket "
+                    "distance known to 0.1 mm) and from causes that the table lacks.</p>\n",
                     a->error_here_unscaled_m * mm, a->error_workspace_unscaled_m * mm);
     }
     fprintf(out, "<p class=\"verdict %s use\"><strong>Use the result?</strong> ",
@@ -59,10 +59,9 @@ void mukca_report_put_steps(FILE *out, const mukca_report *r)
     double most = 0;
     mukca_html_table table = {
         .out = out,
-        .caption = d->folds > 1
-                       ? "Mean error, mm, each line a fit of its own; cross-validated: each "
-                         "fold predicted from the others"
-                       : "Mean error, mm, each line a fit of its own",
+        .caption = d->folds > 1 ? "Mean error, mm, each line a fit of its own; cross-validated: "
+                                  "each fold predicted from the others"
+                                : "Mean error, mm, each line a fit of its own",
         .columns = d->folds > 1 ? "model|#cross-validated|bar|#test" : "model|#training|bar|#test"};
     const bool tested = isfinite(steps[0].test_m);
     if (!tested)
@@ -115,20 +114,24 @@ void mukca_report_put_placements(FILE *out, const void *content)
             sockets
                 ? "Errors of the table of offsets by placement, mm (as mukca evaluate prints them)"
                 : "Position errors of the table of offsets, mm (as mukca evaluate prints them)",
-        .columns = sockets ? "placement|#error nominal|#error calibrated|#distortion nominal|"
-                             "#distortion calibrated"
+        .columns = sockets ? "placement|#error nominal|#error calibrated|#distortion "
+                             "nominal|#distortion calibrated"
                            : "data|#error nominal|#error calibrated"};
-    for (int i = 0; i < r->n_scores; i++) {
-        const mukca_score *a = &r->scores[i].nominal, *b = &r->scores[i].calibrated;
-        mukca_html_row(&table, "%s (%s, %d samples)\t%.3f\t%.3f", r->scores[i].placement,
-                       r->scores[i].test ? "test" : "training", b->rows, a->mae * mm, b->mae * mm);
-        if (sockets)
-            mukca_html_cells(&table, "%.3f\t%.3f", a->distance_error * mm, b->distance_error * mm);
-    }
+    for (int set = 0; set < 2; set++)
+        for (int i = 0; i < r->n_scores[set]; i++) {
+            const mukca_score *a = &r->score[set][0][i], *b = &r->score[set][1][i];
+            const mukca_placement *placements = (set ? r->test : r->train)->placements;
+            mukca_html_row(&table, "%s (%s, %d samples)\t%.3f\t%.3f",
+                           b->placement < 0 ? "poses" : placements[b->placement].name,
+                           set ? "test" : "training", b->rows, a->mae * mm, b->mae * mm);
+            if (sockets)
+                mukca_html_cells(&table, "%.3f\t%.3f", a->distance_error * mm,
+                                 b->distance_error * mm);
+        }
     mukca_html_table_end(&table);
     fputs(sockets ? "<p>Error: mean distance of the predicted ball centres of one socket from "
-                    "their mean. Distortion: error of the predicted distance between two "
-                    "sockets. Training errors are those of the data that were fitted.</p>\n"
+                    "their mean. Distortion: error of the predicted distance between two sockets. "
+                    "Training errors are those of the data that were fitted.</p>\n"
                   : "<p>Error: mean distance of the predicted from the measured position.</p>\n",
           out);
 }
@@ -138,13 +141,12 @@ void mukca_report_put_placements(FILE *out, const void *content)
 void mukca_report_put_offsets(FILE *out, const void *content)
 {
     const mukca_report *r = content;
-    mukca_html_table table = {
-        .out = out,
-        .caption =
-            "Parameters: calibrated = nominal + offset, in the URDF's origins; sigma: standard "
-            "error; in brackets: not identifiable",
-        .style = "parameters",
-        .columns = "parameter|#nominal|#offset|#sigma"};
+    mukca_html_table table = {.out = out,
+                              .caption =
+                                  "Parameters: calibrated = nominal + offset, in the URDF's "
+                                  "origins; sigma: standard error; in brackets: not identifiable",
+                              .style = "parameters",
+                              .columns = "parameter|#nominal|#offset|#sigma"};
     for (int i = 0; i < r->n_offsets; i++) {
         const mukca_offset_row *row = &r->offset[i];
         const bool elastic = strcmp(row->unit, "rad/(N*m)") == 0;

@@ -154,8 +154,7 @@ void mukca_report_put_limits(FILE *out, const void *content)
     mukca_html_table table = {.out = out,
                               .caption =
                                   "Smallest effects that these data would show, by joint from base "
-                                  "to tip, mrad rms at the "
-                                  "joint or mm rms",
+                                  "to tip, mrad rms at the joint or mm rms",
                               .columns = columns};
     if (d->n_tested == 0) fputs("<p>No effect was tested.</p>\n", out);
     for (int effect = 0; effect < MUKCA_EFFECT_COUNT; effect++) {

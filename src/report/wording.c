@@ -145,14 +145,14 @@ typedef struct {
  * acts by the link's tilt only, as does an error of the ball's seat. */
 static const particular *find_particular(const mukca_cause *cause, const mukca_diagnosed *r)
 {
-    static const particular moved = {"it differs from that of the other placements",
-                                     "fasten the tool, check the joints for slip, and record this "
-                                     "placement again"},
-                            tilted = {
-                                "the ball's position depends on the tilt of the last link: this "
-                                "link or the tool bends, or the ball's neck touches the socket",
-                                "check that the ball's neck is free of the socket in all postures, "
-                                "and the screws of the tool; compensate the error only then"};
+    static const particular
+        moved = {"it differs from that of the other placements",
+                 "fasten the tool, check the joints for slip, and record this placement again"},
+        tilted = {
+            "the ball's position depends on the tilt of the last link: this link or the tool "
+            "bends, or the ball's neck touches the socket",
+            "check that the ball's neck is free of the socket in all postures, and the screws of "
+            "the tool; compensate the error only then"};
     const mukca_effect *e = &cause->effect;
     const bool sockets = r->data->n_sockets > 0;
     if (e->kind == MUKCA_EFFECT_SOCKET_DISTANCE && e->placement >= 0) return &moved;
@@ -226,19 +226,19 @@ void mukca_wording_verdict(char text[MUKCA_WORDING], const mukca_diagnosed *r)
         const double common = sqrt(d->shared), own = sqrt(1 - d->shared);
         if (d->n_causes)
             put(text,
-                "The tool moved during the recording, or a joint slipped; no effect on the "
-                "arm beyond its geometry was identified");
+                "The tool moved during the recording, or a joint slipped; no effect on the arm "
+                "beyond its geometry was identified");
         else if (common > 2 * own) /* of a posture's readings */
             put(text,
-                "No effect beyond the geometry was identified; readings of a posture agree "
-                "to %.3f mm, but postures differ by %.3f mm: no cause explains it, nor does "
-                "the noise of the readings",
+                "No effect beyond the geometry was identified; readings of a posture agree to %.3f "
+                "mm, but postures differ by %.3f mm: no cause explains it, nor does the noise of "
+                "the readings",
                 1e3 * own * MUKCA_MEAN_NORM3 * d->sigma_m,
                 1e3 * common * MUKCA_MEAN_NORM3 * d->sigma_m);
         else
             put(text,
-                "No effect beyond the geometry was identified; the remaining error agrees "
-                "with the measurement noise and the uncertainty of the geometry");
+                "No effect beyond the geometry was identified; the remaining error agrees with the "
+                "measurement noise and the uncertainty of the geometry");
         if (d->verdict == MUKCA_VERDICT_TIED) put(text, " (indistinguishable in these data)");
     } else {
         const bool tied = first->n_ties || first->or_unknown;
@@ -366,6 +366,5 @@ void mukca_wording_next(char text[MUKCA_WORDING], const mukca_diagnosed *r)
         put(text, "record the faulty samples again");
     else if (d->n_causes && !r->saved)
         put(text,
-            "-o offsets.tsv saves geometry and causes for fk, evaluate, compensate and "
-            "export");
+            "-o offsets.tsv saves geometry and causes for fk, evaluate, compensate and export");
 }

@@ -49,7 +49,7 @@ def commands(inputs):
         "serve": (["serve", *ARM, *LOG, "--state", "state"],
                   ("state/sessions/guided.tsv", "state/lock", "state/state.tsv")),
         "help": (["help", "diagnose"], ()),
-        "completion": (["completion", "man"], ()),
+        "options": (["help", "options"], ()),
     }
 
 

@@ -183,9 +183,8 @@ def its_client(client, state):
           answer.stderr, answer.stderr)
     answer = send("socket", "1")
     check("send with an argument", answer.returncode == 0 and "socket 1" in answer.stdout, answer.stdout)
-    for line in subprocess.run([MUKCA, "completion", "examples"], capture_output=True, text=True).stdout.splitlines():
-        if line.startswith("mukca send "):
-            check("help example: " + line, send(*line.split()[2:]).returncode == 0)
+    example = subprocess.run([MUKCA, "help", "send"], capture_output=True, text=True).stdout.split("Example:")[1].strip()
+    check("help example: " + example, send(*example.split()[2:]).returncode == 0)
     stop(p)
 
 

@@ -19,7 +19,7 @@ static const char *const colours[] = {"red", "green", "blue", NULL};
 #define ROW(member, letter, kind, argument, choices)                  \
     {                                                                 \
 #member, letter, kind, argument, "a " #member, choices, 0, 0, \
-            offsetof(test_options, member)                            \
+            offsetof(test_options, member), 0                         \
     }
 static const cli_option options[] = {
     ROW(flag, 'f', CLI_FLAG, NULL, NULL),
@@ -32,15 +32,14 @@ static const cli_option options[] = {
     CLI_RANGE_OPTION(test_options, some, "some", CLI_INTEGER, "N", 2, 9, "a few"),
     CLI_RANGE_OPTION(test_options, weight, "weight", CLI_NUMBER, "W", 0, INFINITY, "a weight"),
     CLI_RANGE_OPTION(test_options, angle, "angle", CLI_POSITIVE, "DEG", 0, 180, "an angle"),
-    CLI_DISTANCE_OPTIONS,
-    CLI_MODEL_OPTIONS,
     CLI_OUTPUT_OPTION("output"),
-    CLI_LAST_OPTIONS};
+    {.name = NULL}};
 
 static const test_options defaults = {.number = 7, .colour = 1};
 
 static const cli_command command = {.name = "try",
                                     .synopsis = "DATA...",
+                                    .with = CLI_WITH_MODEL | CLI_WITH_DISTANCE,
                                     .options = options,
                                     .options_size = sizeof(test_options),
                                     .defaults = &defaults};
@@ -160,11 +159,11 @@ TEST(tables_of_options_are_consistent)
         assert_true((*c)->summary[strlen((*c)->summary) - 1] != '.');
         assert_ptr_equal(cli_find_command((*c)->name), *c);
         assert_true((*c)->options_size >= sizeof(cli_common));
-        for (const cli_option *o = (*c)->options; o->name; o++) {
+        for (const cli_option *o = NULL; (o = cli_next_option(*c, o));) {
             assert_true((o->argument == NULL) == (o->kind == CLI_FLAG));
             assert_true((o->choices != NULL) == (o->kind == CLI_CHOICE));
             assert_true(o->offset < (*c)->options_size);
-            for (const cli_option *p = (*c)->options; p < o; p++) {
+            for (const cli_option *p = NULL; (p = cli_next_option(*c, p)) != o;) {
                 assert_string_not_equal(p->name, o->name);
                 assert_true(!o->letter || o->letter != p->letter);
             }

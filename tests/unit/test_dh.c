@@ -1,4 +1,4 @@
-/* Denavit-Hartenberg tables: published ones are found, random arms go there and back. */
+/* Denavit-Hartenberg tables: published ones are found, those of random arms are exact. */
 #include "model/dh.h"
 
 #include "arms.h"
@@ -73,13 +73,13 @@ static void tip_of(double p[3], const mukca_dh *dh, const double *q)
 }
 
 /* Axes in any direction, parallel and meeting ones, prismatic joints, fixed elements between. */
-TEST(random_arms_go_there_and_back)
+TEST(table_of_random_arms_is_exact)
 {
     mukca_random random;
     mukca_random_seed(&random, 5);
     for (int arm = 0; arm < 200; arm++) {
         double origin[8][6], q[8], p[3], r[3];
-        mukca_chain chain, back;
+        mukca_chain chain;
         mukca_dh dh;
         mukca_geometry geometry;
         for (int k = 0; k < 8; k++)
@@ -100,10 +100,6 @@ TEST(random_arms_go_there_and_back)
         for (int c = 0; c < 2; c++) {
             mukca_dh_from_chain(&dh, &chain, NULL, (mukca_dh_convention)c);
             tip_of(r, &dh, q);
-            assert_close(mukca_distance3(p, r), 0, 1e-9);
-            mukca_dh_to_chain(&back, &dh);
-            mukca_geometry_set(&geometry, &back, NULL);
-            mukca_fk_position(r, &geometry, q, NULL);
             assert_close(mukca_distance3(p, r), 0, 1e-9);
         }
     }

@@ -9,22 +9,24 @@
 /* The table, written and read back, puts the ball of each socket into one place, to the noise. */
 static void check_table(void)
 {
-    static mukca_offsets written, back;
-    static mukca_chain chain;
-    const mukca_diagnosed result = {.diagnosis = d, .chain = &s.chain, .data = &data};
+    static mukca_offsets back;
+    static cli_diagnosis of;
+    cli_common common = {0};
+    cli_call call = {.common = &common};
     const char *path;
     int left_out;
-    assert_ok(cli_diagnosis_offsets(&written, &chain, &left_out, &result,
-                                    &(cli_frames){.base = false}, &error));
+    of.diagnosis = *d;
+    of.result = (mukca_diagnosed){.diagnosis = d, .chain = &s.chain, .data = &data};
+    if (cli_diagnosis_offsets(&call, &of, &left_out)) fail_msg("%s", call.error.text);
     assert_int_equal(left_out, 0);
-    assert_true(written.n_effects >= d->n_causes);
-    for (int e = 0; e < written.n_effects; e++)
-        for (int t = 0; t < written.effects[e].terms; t++) {
-            const double sigma = written.effect_sigma[e][t];
+    assert_true(of.offsets.n_effects >= d->n_causes);
+    for (int e = 0; e < of.offsets.n_effects; e++)
+        for (int t = 0; t < of.offsets.effects[e].terms; t++) {
+            const double sigma = of.offsets.effect_sigma[e][t];
             assert_true(sigma > 0 && isfinite(sigma));
         }
     FILE *file = scratch_create(&path, "offsets.tsv");
-    assert_ok(mukca_offsets_write(file, &written, &chain, &data, NULL, &error));
+    assert_ok(mukca_offsets_write(file, &of.offsets, &of.chain, &data, NULL, &error));
     fclose(file);
     const mukca_offsets_options accept = {.accept = MUKCA_ACCEPT_FAILED};
     assert_ok(mukca_offsets_read(&back, &s.chain, path, &accept, &error));

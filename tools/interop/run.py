@@ -223,7 +223,8 @@ def check(urdf, tip):
     for convention in ("dh", "mdh"):
         dh, back = os.path.join(WORK, "arm." + convention), os.path.join(WORK, convention + ".urdf")
         run("export", *arm, "--offsets", offsets, "-o", dh, "--force")
-        run("urdf", "--dh", dh, "-o", back, "--force")
+        with open(back, "w") as f:
+            subprocess.run([sys.executable, "tools/dh_to_urdf.py", dh], stdout=f, check=True)
         good &= compare("%s as %s" % (name, convention), ours, open(back).read(), "tip_link", names, rows)
     factory = os.path.join(WORK, "arm.kinematics")
     run("export", *arm, "--offsets", offsets, "-o", factory, "--force")

@@ -32,7 +32,7 @@ LOOK = """(() => {
   if (document.scrollingElement.scrollWidth > innerWidth)
     wrong.push('wider than the screen: ' + document.scrollingElement.scrollWidth);
   if (/\\bnan\\b/i.test(document.body.textContent)) wrong.push('nan on the page');
-  for (const e of document.querySelectorAll('figure:not(.broad), .wide:has(.cards)'))
+  for (const e of document.querySelectorAll('figure, .wide:has(.cards)'))
     if (e.scrollWidth > e.clientWidth + 1) wrong.push('scrolls sideways: ' + e.textContent.trim().slice(0, 40));
   const figures = document.querySelectorAll('figure');
   if (figures.length < 7) wrong.push('only ' + figures.length + ' figures');

@@ -12,7 +12,6 @@ refuse 2 "mukca fk: unknown option --urfd; did you mean --urdf?" fk --urfd x
 refuse 2 "mukca fk: --urdf needs FILE" fk --urdf
 refuse 2 "mukca fk: --urdf FILE is needed" fk
 refuse 2 "must be one of urdf, yaml, c" export --format ymal
-refuse 2 "completion needs one of" completion fish
 run
 if [ $code -eq 2 ] && grep -q 'Start with' "$scratch/err" && [ ! -s "$scratch/out" ]; then
     pass "mukca alone says where to start"
@@ -22,35 +21,33 @@ fi
 expect "mukca alone fits a screen of 24 lines" test "$(wc -l <"$scratch/err")" -lt 24
 run --version
 expect "--version prints one line" test "$(wc -l <"$scratch/out")" -eq 1
-for command in $("$MUKCA" completion options | cut -f 1 | tail -n +2 | sort -u); do
+for command in $("$MUKCA" help options | cut -f 1 | tail -n +2 | sort -u); do
     run "$command" --help
     expect "$command --help is help $command" sh -c "'$MUKCA' help $command | cmp - '$scratch/out'"
     expect "help of $command ends in an example" \
         sh -c "sed -n '/^Example:/,\$p' '$scratch/out' | sed -n 2p | grep -q '^  .*mukca'"
-    "$MUKCA" completion options | awk -F '\t' -v c="$command" '$1 == c { print $2 }' >options
+    "$MUKCA" help options | awk -F '\t' -v c="$command" '$1 == c { print $2 }' >options
     expect "help of $command has each option" sh -c "while read -r o; do grep -qE -- \"^  (-., )?\$o( |\\$)\" '$scratch/out' || exit 1; done <options"
     expect "help of $command fits 80 columns" sh -c "! grep -E '.{81}' '$scratch/out'"
 done
-"$MUKCA" completion bash >completion.bash
-expect "bash reads its completion" bash -n completion.bash
 cat >try.bash <<'BASH'
-. ./completion.bash
-COMP_WORDS=(mukca export --for) COMP_CWORD=2
+. "$1/data/completion.bash"
+COMP_WORDS=("$MUKCA" export --for) COMP_CWORD=2
 _mukca
 [ "${COMPREPLY[*]}" = "--format --force" ] || exit 1
-COMP_WORDS=(mukca export --format y) COMP_CWORD=3
+COMP_WORDS=("$MUKCA" export --format y) COMP_CWORD=3
 _mukca
 [ "${COMPREPLY[*]}" = yaml ] || exit 1
 for typed in "export -f :urdf yaml c mjcf kinematics dh mdh npy" "help ef:effects" "send st:status start" \
     "diagnose --expect backl:backlash" "diagnose ye:" "diagnose --urdf ye:"; do
     IFS=" " read -ra words <<<"${typed%%:*}"
     [[ ${typed%%:*} == *" " ]] && words+=("")
-    COMP_WORDS=(mukca "${words[@]}") COMP_CWORD=${#words[@]}
+    COMP_WORDS=("$MUKCA" "${words[@]}") COMP_CWORD=${#words[@]}
     _mukca
     [ "${COMPREPLY[*]}" = "${typed#*:}" ] || { echo "$typed: ${COMPREPLY[*]}"; exit 1; }
 done
-COMP_WORDS=(mukca ex) COMP_CWORD=1
+COMP_WORDS=("$MUKCA" ex) COMP_CWORD=1
 _mukca
 [ "${COMPREPLY[*]}" = export ]
 BASH
-expect "bash completes commands, options and choices" bash try.bash
+expect "bash completes commands, options and choices" bash try.bash "$root"

@@ -143,7 +143,7 @@ expect "long names of placements are whole in the table" grep -q "	$whole	" whol
 expect "and in JSON" grep -q "\"placement\": *\"$whole\"" whole.json
 awk -v OFS='\t' '{ print $0, NR == 1 ? "payload_kg" : NR == 4 ? -1 : 2 }' session.tsv >bad.tsv
 refuse 3 "bad.tsv:4: column 'payload_kg': -1 is no mass in kg" diagnose $a bad.tsv
-refuse 2 '--payload 1,2,3: 3 masses for 2 recordings; .*, those of --test last' evaluate $a good --test session.tsv --payload 1,2,3
+refuse 2 '--payload 1,2,3: give one mass in kg .*, those of --test last' evaluate $a good --test session.tsv --payload 1,2,3
 run evaluate $a good --test session.tsv --payload 1,2
 expect "a mass for the data and one for the test" test $code -eq 0
 

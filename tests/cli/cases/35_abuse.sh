@@ -85,7 +85,7 @@ expect "compensate interrupted: exit 130, one line, no file" test \
     "130 mukca compensate: interrupted; nothing was written 0"
 
 # every command says that standard output could not be written
-for command in "help" "help fk" "help effects" "--version" "completion bash" "fk $a good/hole_0.csv" \
+for command in "help" "help fk" "help effects" "--version" "help options" "fk $a good/hole_0.csv" \
     "evaluate $a good" "calibrate $a good" "calibrate $a good -o -" "export $a" "simulate $a" \
     "compensate $a good/hole_0.csv" "plan $a good" "diagnose $a good" "diagnose $a good --json -"; do
     "$MUKCA" $command 2>err >/dev/full

@@ -26,6 +26,6 @@ expect "its JSON has the time taken, and counts as whole numbers" sh -c \
     "grep -q '\"elapsed_s\": [0-9.e-]*' '$scratch/out' && grep -q '\"rows_to_name\": [0-9]*,' '$scratch/out'"
 sed 's/^held_out_1/%s%n/' "$demo/test.tsv" >percent.tsv
 run report -q --urdf "$demo/arm.urdf" percent.tsv -o percent.html
-expect "a placement's name is no format" grep -q '<text[^>]*>%s%n</text>' percent.html
+expect "a placement's name is no format" grep -q '<td>%s%n (training' percent.html
 refuse 2 "contains its own frames" report --urdf "$demo/arm.urdf" "$demo/train.tsv" --offsets x.tsv --free-base -o r.html
 refuse 3 "missing.tsv" report --urdf "$demo/arm.urdf" missing.tsv -o r.html
