@@ -338,7 +338,7 @@ bool mukca_scan_question(mukca_question *question, mukca_scan *s, mukca_pool *po
     const int rows = r->n_samples * r->dim, pairs = r->n_pairs;
     int columns = 0, width = 0, squares = 0, at = 0;
     for (int i = 0; i < n; i++) columns += s->all->list[index[i]].terms;
-    const int stride = (columns + 7) & ~7, all = rows + pairs + s->n;
+    const int stride = ((columns + 7) | 8) & ~7, all = rows + pairs + s->n;
     mukca_item *item = MUKCA_TAKE(pool, mukca_item, n + 1);
     for (int i = 0; i < n; i++)
         squares += s->all->list[index[i]].terms * s->all->list[index[i]].terms;

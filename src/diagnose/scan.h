@@ -7,7 +7,7 @@
 #include "diagnose/regression.h"
 #include "infer/sets.h"
 
-enum { MUKCA_SCAN_WIDTH = 128 }; /* columns processed together */
+enum { MUKCA_SCAN_WIDTH = 120 }; /* columns processed together */
 
 /* Log prior odds against each further member of a set. */
 #define MUKCA_SET_RATE 1.5

@@ -23,7 +23,7 @@ enum {
     FROM = 3, /* best swaps that are extended by a second item */
     SWEEPS = 3,
     NEAR = 3,      /* columns of most blocks */
-    TOGETHER = 64, /* columns whose rows of the Gram matrix are computed together */
+    TOGETHER = 72, /* columns whose rows of the Gram matrix are computed together */
     FEW = 8        /* single blocks of an item before its row of the Gram matrix is computed */
 };
 
@@ -553,13 +553,21 @@ MUKCA_CLONES static void score_all(mukca_sets *s, const mukca_set *set, const va
     }
 }
 
+/* Scores s->value[] of all items in addition to a set, and s->alone[].  False: no memory, or not
+ * positive. */
+static bool weigh_all(mukca_sets *s, const mukca_set *set)
+{
+    if (!condition(s, set)) return false;
+    score_all(s, set, &(vacancy){0});
+    memcpy(s->alone, s->value, sizeof *s->alone * (size_t)s->question->n_items);
+    return true;
+}
+
 /* Extend a set by one item. */
 static void extend(mukca_sets *s, int index, int most)
 {
     const mukca_set set = s->set[index];
-    if (!condition(s, &set)) return;
-    score_all(s, &set, &(vacancy){0});
-    keep(s, &set, most, NULL, 0);
+    if (weigh_all(s, &set)) keep(s, &set, most, NULL, 0);
 }
 
 /* Number of expanded sets with the same keys. */
@@ -593,18 +601,16 @@ static int next_open(const mukca_sets *s)
     return open;
 }
 
-/* Drop or replace each member of a set; `pairs`: the best replacements are extended, too: one item
- * by two. */
-static void swap(mukca_sets *s, int index, bool pairs)
+/* Drop or replace each member of a set; `weighed`: it was extended last; `pairs`: the best
+ * replacements are extended, too: one item by two. */
+static void swap(mukca_sets *s, int index, bool weighed, bool pairs)
 {
     const mukca_question *q = s->question;
     const mukca_set set = s->set[index];
     int child[MUKCA_SET_ITEMS * FROM], n = 0;
     double by_size[MUKCA_MOST_SIZES] = {0}, *M = s->scratch->D;
     vacancy v = {0};
-    if (!set.n || !condition(s, &set)) return;
-    score_all(s, &set, &v);
-    memcpy(s->alone, s->value, sizeof *s->alone * (size_t)q->n_items);
+    if (!set.n || !(weighed || weigh_all(s, &set))) return;
     invert(s);
     mukca_dense_backward(s->with.B, q->stride, s->with.L, s->with.n); /* V D G */
     for (int m = 0; m < set.n; m++) {
@@ -628,11 +634,12 @@ static void swap(mukca_sets *s, int index, bool pairs)
 
 void mukca_sets_explore(mukca_sets *s, int budget, bool pairs)
 {
-    while (budget > 0 && !s->pool->failed) {
+    for (int last = -1; budget > 0 && !s->pool->failed;) { /* last: extended, and nothing since */
         const int i = next_open(s);
         if (i < 0) return;
         mukca_set *set = &s->set[i];
         if (!set->exact) {
+            last = -1;
             mukca_sets_evaluate(s, i);
         } else if (!set->expanded) {
             const bool many = variants(s, set) >= VARIANTS;
@@ -640,11 +647,12 @@ void mukca_sets_explore(mukca_sets *s, int budget, bool pairs)
             set->swapped = many;
             if (many) continue;
             budget--;
-            extend(s, i, ADDED);
+            extend(s, last = i, ADDED);
         } else {
             set->swapped = true;
             budget--;
-            swap(s, i, pairs && i == s->best);
+            swap(s, i, i == last, pairs && i == s->best);
+            last = -1;
         }
     }
 }
@@ -656,9 +664,8 @@ static void rebuild(mukca_sets *s, mukca_set set, int member)
     const mukca_item *all = s->question->item, *out = &all[set.item[member]];
     for (int m = set.n - 1; m >= 0; m--)
         if (all[set.item[m]].kin == out->kin) set = reduced(&set, m);
-    for (bool any = false; condition(s, &set);) {
+    for (bool any = false; weigh_all(s, &set);) {
         mukca_set next;
-        score_all(s, &set, &(vacancy){0});
         for (int i = 0; i < s->question->n_items; i++)
             if (all[i].key == out->key || !(any || all[i].kin == out->kin)) s->value[i] = -HUGE_VAL;
         const int best = largest(s->value, s->question->n_items);
