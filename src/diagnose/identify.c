@@ -13,7 +13,6 @@
 #include "math/stats.h"
 
 enum {
-    PASSES = 5,
     BUDGET = 40,       /* sets expanded in the last search */
     QUICK = 12,        /* in the searches before, which only have to find the best set */
     KEPT = 300,        /* candidates kept by their score against the geometry */
@@ -113,6 +112,19 @@ static int insert(mukca_sets *sets, const mukca_causes *set, const int *index, i
     return mukca_sets_insert(sets, item, size, count);
 }
 
+static bool same_causes(const mukca_causes *a, const mukca_causes *b)
+{
+    return a->n == b->n && memcmp(a->candidate, b->candidate, sizeof(int) * (size_t)a->n) == 0;
+}
+
+/* Was an earlier pass linearised at this set?  Then passes would alternate forever. */
+static bool recurs(const mukca_identification *id, const mukca_causes *set)
+{
+    bool found = false;
+    for (int p = 0; p < id->n_passed; p++) found |= same_causes(&id->passed[p], set);
+    return found;
+}
+
 /* Search among the sets of the kept candidates, from the empty set and from the best set so far. If
  * that is settled, or in the last pass, with all of the budget.  *best: the most probable set. */
 static bool search(mukca_identification *id, mukca_causes *best, bool last)
@@ -129,8 +141,10 @@ static bool search(mukca_identification *id, mukca_causes *best, bool last)
     const int before = insert(&id->sets, best, id->kept, id->n_kept);
     mukca_sets_explore(&id->sets, QUICK, false);
     const mukca_set *found = &sets->set[sets->best];
-    id->settled =
-        before >= 0 && (best->n || !found->n) && sets->set[before].value > found->value - SETTLED;
+    const mukca_causes next = causes_of(id, found);
+    id->settled = recurs(id, &next) || (before >= 0 && (best->n || !found->n) &&
+                                        sets->set[before].value > found->value - SETTLED);
+    id->passed[id->n_passed++] = *best;
     if (id->settled || last) {
         mukca_sets_rebuild(&id->sets);
         mukca_sets_explore(&id->sets, BUDGET - QUICK, true);
@@ -356,13 +370,13 @@ mukca_status mukca_identify_run(mukca_identification *id, mukca_error *error)
     mukca_regression_freeze(m);
     if (!watch(id, 0.1, error)) return MUKCA_INTERRUPTED;
     status = begin(id, &best, error);
-    for (int pass = 0; pass < PASSES && status == MUKCA_OK && !id->settled; pass++) {
-        if (!watch(id, 0.2 + 0.4 * pass / PASSES, error)) return MUKCA_INTERRUPTED;
+    for (int pass = 0; pass < MUKCA_PASSES && status == MUKCA_OK && !id->settled; pass++) {
+        if (!watch(id, 0.2 + 0.4 * pass / MUKCA_PASSES, error)) return MUKCA_INTERRUPTED;
         mukca_identify_fit(id, &best);
         if (mukca_screening_reinstate(id->faults, m)) mukca_identify_fit(id, &best);
         mukca_regression_freeze(m);
         seat(id, NOISE * m->unknowns.sigma);
-        status = revise(id, &best, pass + 1 == PASSES, error);
+        status = revise(id, &best, pass + 1 == MUKCA_PASSES, error);
     }
     if (status == MUKCA_OK) status = average(id, error);
     if (status == MUKCA_OK) {

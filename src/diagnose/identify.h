@@ -20,6 +20,8 @@ typedef struct {
     int index;
 } mukca_ranked;
 
+enum { MUKCA_PASSES = 5 }; /* after the first one */
+
 typedef struct {
     mukca_regression *m;
     mukca_faults *faults; /* from screening; their rows may be reinstated */
@@ -37,7 +39,9 @@ typedef struct {
     int n_kept, *kept; /* its items are these candidates */
     mukca_question question;
     mukca_sets sets;
-    bool settled; /* the set of its linearisation was among the best */
+    bool settled; /* the set of its linearisation was among the best, or passes alternate */
+    int n_passed;
+    mukca_causes passed[MUKCA_PASSES + 1]; /* sets of the linearisations */
     /* scores of each candidate alone */
     int n_first;
     double *first_value, *first_information;
