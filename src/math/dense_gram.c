@@ -5,7 +5,7 @@
 #include "math/dense.h"
 #include "math/four.h"
 
-enum { STRIP = 64 }; /* rows per pass: 60 columns of them are 30 kB */
+enum { STRIP = 16 }; /* rows per pass: of a wide matrix, as many streams as processors prefetch */
 
 #define ADD8(c, lo, hi)                         \
     do {                                        \
