@@ -126,8 +126,7 @@ bool mukca_sets_create(mukca_sets *s, mukca_pool *pool, const mukca_question *q)
         .left = MUKCA_TAKE(pool, double, TOGETHER *(q->n_rows + MUKCA_SET_COLUMNS)),
         .scratch = MUKCA_TAKE(pool, mukca_mixture_scratch, 1),
         .crossed = MUKCA_TAKE(pool, unsigned char, q->n_items + 1),
-        .with = {.V = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *MUKCA_SET_COLUMNS),
-                 .inverse = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *MUKCA_SET_COLUMNS),
+        .with = {.inverse = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *MUKCA_SET_COLUMNS),
                  .x = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS),
                  .L = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *MUKCA_SET_COLUMNS),
                  .v = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS),
@@ -181,27 +180,39 @@ static bool integrate(mukca_sets *s, const mukca_set *set, double *log_det)
     return true;
 }
 
-/* V := (1 + D G D)^-1 and x := V D g of the set integrated out. */
-MUKCA_CLONES static void invert(mukca_sets *s)
+/* Row stride of the inverse factor. */
+static int padded(const mukca_sets *s)
 {
-    const int n = s->with.n;
+    return (s->with.n + 7) & ~7;
+}
+
+/* T := L^-1 and x := V D g of the set integrated out, V = T'T = (1 + D G D)^-1. */
+static void invert(mukca_sets *s)
+{
+    const int n = s->with.n, ld = padded(s);
     double *T = s->with.inverse;
-    memset(T, 0, sizeof *T * (size_t)(n * n));
-    for (int i = 0; i < n; i++) T[i * n + i] = 1;
-    mukca_dense_forward(T, n, s->with.L, n);
-    memset(s->with.V, 0, sizeof *T * (size_t)(n * n));
-    mukca_dense_syrk(s->with.V, n, T, n, n);
+    memset(T, 0, sizeof *T * (size_t)(n * ld));
+    for (int i = 0; i < n; i++) T[i * ld + i] = 1;
+    mukca_dense_forward8(T, ld, ld, s->with.L, n);
     memcpy(s->with.x, s->with.v, sizeof *T * (size_t)n);
     mukca_dense_backward(s->with.x, 1, s->with.L, n);
+}
+
+/* Columns of T of a member; the rows above its own are 0. */
+static mukca_columns inverse_of(const mukca_sets *s, int member, int terms)
+{
+    const int ld = padded(s), at = s->with.at[member];
+    return (mukca_columns){s->with.inverse + at * ld + at, terms, ld};
 }
 
 /* With a member left out of the set, its block of V^-1 is that of 1 + D G' D with the others
  * integrated out.  M M' := the block of V, w := M^-1 x.  False: not positive. */
 static bool leave_out(double *M, double *w, const mukca_sets *s, int member, int terms)
 {
-    const int n = s->with.n, at = s->with.at[member];
-    for (int i = 0; i < terms; i++)
-        memcpy(M + i * terms, s->with.V + (at + i) * n + at, sizeof *M * (size_t)terms);
+    const mukca_columns T = inverse_of(s, member, terms);
+    const int at = s->with.at[member];
+    memset(M, 0, sizeof *M * (size_t)(terms * terms));
+    mukca_dense_symmetric(M, T, T, s->with.n - at);
     if (mukca_dense_cholesky(M, terms)) return false;
     memcpy(w, s->with.x + at, sizeof *w * (size_t)terms);
     mukca_dense_forward(w, 1, M, terms);
@@ -289,15 +300,14 @@ MUKCA_CLONES static void project_near(double *near, double *g, const mukca_sets 
 }
 
 /* G[k][k] of an item given the set integrated out, whose B has the item at column `at`. */
-MUKCA_CLONES static void project(double *G, const mukca_sets *s, int item, int at, int ld)
+static void project(double *G, const mukca_sets *s, int item, int at, int ld)
 {
     const int k = s->question->item[item].terms;
-    memcpy(G, s->block[item], sizeof *G * (size_t)(k * k));
-    for (int i = 0; i < s->with.n; i++) {
-        const double *b = s->with.B + (size_t)i * (size_t)ld + at;
-        for (int a = 0; a < k; a++)
-            for (int c = 0; c < k; c++) G[a * k + c] -= b[a] * b[c];
-    }
+    const mukca_columns B = {s->with.B + at, k, ld};
+    double *explained = s->scratch->D;
+    memset(explained, 0, sizeof *G * (size_t)(k * k));
+    mukca_dense_symmetric(explained, B, B, s->with.n);
+    for (int i = 0; i < k * k; i++) G[i] = s->block[item][i] - explained[i];
 }
 
 /* Evidence of an item whose columns alone are in B. */
@@ -608,19 +618,22 @@ static void swap(mukca_sets *s, int index, bool weighed, bool pairs)
     const mukca_question *q = s->question;
     const mukca_set set = s->set[index];
     int child[MUKCA_SET_ITEMS * FROM], n = 0;
-    double by_size[MUKCA_MOST_SIZES] = {0}, *M = s->scratch->D;
+    double by_size[MUKCA_MOST_SIZES] = {0}, *M = s->scratch->D, *W = s->row;
     vacancy v = {0};
     if (!set.n || !(weighed || weigh_all(s, &set))) return;
     invert(s);
-    mukca_dense_backward(s->with.B, q->stride, s->with.L, s->with.n); /* V D G */
     for (int m = 0; m < set.n; m++) {
         const mukca_item *h = &q->item[set.item[m]];
-        double *W = s->with.B + (size_t)s->with.at[m] * (size_t)q->stride;
+        const int at = s->with.at[m];
         mukca_set less = reduced(&set, m);
         if (!leave_out(M, v.w, s, m, h->terms)) continue;
         const double gain = score_member(by_size, s, &set, m);
         less.value = set.value - gain - h->log_prior - kinship(s, &less, less.n, set.item[m]);
         if (find(s, &less) < 0) return;
+        memset(W, 0, sizeof *W * (size_t)(h->terms * q->stride)); /* the member's rows of V D G */
+        mukca_dense_xty(W, inverse_of(s, m, h->terms),
+                        (mukca_columns){s->with.B + at * q->stride, q->stride, q->stride},
+                        s->with.n - at);
         mukca_dense_forward(W, q->stride, M, h->terms);
         v.W = W, v.k = h->terms, v.least = pairs ? 0 : gain - WINDOW;
         score_all(s, &less, &v);
@@ -729,7 +742,7 @@ void mukca_sets_move(double *change, mukca_sets *s, const mukca_set *set, const 
                      const double *moved)
 {
     const mukca_question *q = s->question;
-    double log_det, mean = 0, *v = s->with.V; /* [columns][MUKCA_DRAWS] */
+    double log_det, mean = 0, *v = s->with.inverse; /* [columns][MUKCA_DRAWS] */
     memset(change, 0, sizeof *change * MUKCA_DRAWS);
     if (!integrate(s, set, &log_det)) return;
     for (int m = 0, row = 0; m < set->n; m++) {

@@ -59,8 +59,8 @@ typedef struct {
         int at[MUKCA_SET_ITEMS]; /* first column of each member */
         double size[MUKCA_SET_COLUMNS];
         double *L, *v, *B; /* factor of 1 + D G D, L^-1 D g, L^-1 D G */
-        double *V, *x;     /* (1 + D G D)^-1, V D g */
         double *inverse;   /* L^-1 */
+        double *x;         /* (1 + D G D)^-1 D g */
         double rest;       /* residual */
     } with;                /* the set integrated out last */
     double *row, *left;    /* scratch of some of them: rows, columns */
