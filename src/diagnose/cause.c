@@ -277,7 +277,8 @@ void mukca_cause_describe(mukca_cause *out, mukca_identification *id, const mukc
         .socket = -1,
         .log_bayes_factor = own < 0 ? -HUGE_VAL : mukca_sets_gain(&id->sets, &rest, own),
         .probability = id->probability[name],
-        .held_out = MUKCA_SHRINK_NONE};
+        .held_out = MUKCA_SHRINK_NONE,
+        .rung_m = NAN};
     add_ties(out, id, best, member, &rest, own);
     share_with_unknown(out, id, name);
     doubt_rounding(out, id);

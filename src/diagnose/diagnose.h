@@ -177,7 +177,6 @@ typedef struct {
     double structure_m; /* explained_m with unknown functions included; NaN: none */
     double surprise; /* rms held-out error with all causes, in units of that expected from noise and
                         the uncertainty of the fit; NaN: not measurable */
-    double surprise_sigmas;      /* excess of its square over 1, in standard deviations */
     mukca_shrink held_out;       /* from faults_excused_m to explained_m */
     double noise_shrink_percent; /* expected gain of the catalogue's best candidate on pure noise */
     int folds;

@@ -373,7 +373,7 @@ mukca_status mukca_identify_run(mukca_identification *id, mukca_error *error)
     for (int pass = 0; pass < MUKCA_PASSES && status == MUKCA_OK && !id->settled; pass++) {
         if (!watch(id, 0.2 + 0.4 * pass / MUKCA_PASSES, error)) return MUKCA_INTERRUPTED;
         mukca_identify_fit(id, &best);
-        if (mukca_screening_reinstate(id->faults, m)) mukca_identify_fit(id, &best);
+        if (mukca_screening_reinstate(id->diagnosis, m)) mukca_identify_fit(id, &best);
         mukca_regression_freeze(m);
         seat(id, NOISE * m->unknowns.sigma);
         status = revise(id, &best, pass + 1 == MUKCA_PASSES, error);

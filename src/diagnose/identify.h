@@ -24,7 +24,7 @@ enum { MUKCA_PASSES = 5 }; /* after the first one */
 
 typedef struct {
     mukca_regression *m;
-    mukca_faults *faults; /* from screening; their rows may be reinstated */
+    mukca_diagnosis *diagnosis; /* its faults are from screening; their rows may be reinstated */
     const mukca_diagnose_options *options;
     mukca_candidates all;
     mukca_scan scan;

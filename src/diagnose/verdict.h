@@ -1,22 +1,18 @@
-/* The verdict on the identified sets of causes. */
+/* The verdict on the identified sets of causes, and what was tested. */
 #ifndef MUKCA_DIAGNOSE_VERDICT_H
 #define MUKCA_DIAGNOSE_VERDICT_H
 
 #include "diagnose/identify.h"
 
-typedef struct {
-    mukca_verdict verdict;
-    bool unexplained;
-    double structure; /* largest log Bayes factor of an unknown function; -HUGE_VAL: none */
-    int n_causes, n_where;
-    mukca_cause causes[MUKCA_MAX_CAUSES]; /* by descending evidence; also suspected ones */
-    mukca_where where[MUKCA_MAX_JOINTS];  /* by descending share */
-    int n_sets;
-    mukca_cause_set sets[MUKCA_MAX_SETS];
-} mukca_findings;
+/* Causes, ties, verdict, location and faults.  The regression is left fitted to a set with all
+ * listed causes. */
+void mukca_verdict_reach(mukca_diagnosis *d, mukca_identification *id);
 
-/* Causes, ties, verdict and location.  The regression is left fitted to a set with all listed
- * causes.  Outliers and moved tools are appended to `faults`. */
-void mukca_verdict_reach(mukca_findings *findings, mukca_faults *faults, mukca_identification *id);
+/* List every effect and joint: candidates with their scores of the first scan, the others with the
+ * reason why they are not testable. */
+void mukca_untested_list(mukca_diagnosis *d, const mukca_identification *id);
+
+/* List all effects as not testable, for this reason. */
+void mukca_untested_all(mukca_diagnosis *d, const char *why);
 
 #endif

@@ -317,7 +317,7 @@ TEST(priors)
 TEST(reinstated)
 {
     enum { ROW = 5 };
-    mukca_faults *d = calloc(1, sizeof *d);
+    mukca_diagnosis *d = calloc(1, sizeof *d);
     assert_non_null(d);
     mukca_screening_add(d, &f->m.recording, MUKCA_FAULT_DUPLICATE, ROW, 0);
     mukca_screening_add(d, &f->m.recording, MUKCA_FAULT_OUTLIER, ROW, 0.1);
@@ -326,8 +326,8 @@ TEST(reinstated)
     mukca_regression_fit(&f->m, 1, MUKCA_FIT_UNKNOWNS);
     assert_int_equal(mukca_screening_reinstate(d, &f->m), 1);
     assert_true(f->m.recording.keep[ROW]);
-    assert_int_equal(d->count, 1);
-    assert_int_equal(d->list[0].kind, MUKCA_FAULT_DUPLICATE);
+    assert_int_equal(d->n_faults, 1);
+    assert_int_equal(d->faults[0].kind, MUKCA_FAULT_DUPLICATE);
     free(d);
 }
 
