@@ -2,11 +2,19 @@
 #include "diagnose/cause.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
-#include "diagnose/resolution.h"
 #include "diagnose/ripple.h"
 #include "math/dense.h"
+
+enum {
+    LEAST_VALUES = 20, /* distinct values that make a step evident */
+    MOST_PARTS = 4     /* largest number of steps in the smallest difference */
+};
+/* Largest deviation of a difference from whole steps: rounding in the file's last digits.  By
+ * chance one difference in five is within it, and not twenty in a row. */
+#define WHOLE 0.1
 
 /* Half width of a 95 % interval in standard errors. */
 #define INTERVAL 1.959963984540054
@@ -234,6 +242,34 @@ static void share_with_unknown(mukca_cause *out, const mukca_identification *id,
     out->or_unknown |= 0.5 * beside > MUKCA_DOUBT;
 }
 
+static int ascending(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Largest step of which all recorded angles of a joint are multiples, rad: of a coarse encoder, or
+ * of the digits in the file; 0: no evident step.  scratch[n_rows] is overwritten. */
+static double resolution_of(double *scratch, const mukca_recording *r, int joint)
+{
+    const int n = r->data->n_rows, joints = r->chain->n_joints;
+    double smallest = HUGE_VAL;
+    int values = 0;
+    for (int row = 0; row < n; row++) scratch[row] = r->data->q[row * joints + joint];
+    qsort(scratch, (size_t)n, sizeof *scratch, ascending);
+    for (int i = 1; i < n; i++) { /* differences between neighbours, in place */
+        const double difference = scratch[i] - scratch[i - 1];
+        if (difference > 1e-9) smallest = fmin(smallest, scratch[values++] = difference);
+    }
+    for (int parts = 1; values >= LEAST_VALUES && parts <= MOST_PARTS; parts++) {
+        const double step = smallest / parts;
+        int i = 0;
+        while (i < values && fabs(scratch[i] / step - round(scratch[i] / step)) < WHOLE) i++;
+        if (i == values) return step;
+    }
+    return 0;
+}
+
 /* Angles rounded to steps are aliased to fine ripple in chosen postures, with at most the amplitude
  * of a sawtooth, step / pi. */
 static void doubt_rounding(mukca_cause *out, mukca_identification *id)
@@ -241,8 +277,7 @@ static void doubt_rounding(mukca_cause *out, mukca_identification *id)
     const double pi = 3.14159265358979323846, *c = out->effect.coefficient;
     double *scratch = id->scan.W;
     if (out->effect.kind == MUKCA_EFFECT_GEAR_HARMONIC &&
-        pi * hypot(c[0], c[1]) <
-            mukca_resolution_step(scratch, &id->m->recording, out->effect.joint))
+        pi * hypot(c[0], c[1]) < resolution_of(scratch, &id->m->recording, out->effect.joint))
         mukca_cause_doubt(out);
 }
 

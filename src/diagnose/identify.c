@@ -9,7 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "diagnose/resample.h"
 #include "math/stats.h"
 
 enum {
@@ -232,7 +231,7 @@ static bool average_again(mukca_identification *id, const mukca_ranked *order, c
            *value = MUKCA_TAKE(&pool, double, n), moved[MUKCA_DRAWS] = {0};
     bool ok = !pool.failed && mukca_scan_aim(&id->scan, id->m->unknowns.family);
     if (ok) mukca_sets_mean(mean, sets, &sets->set[order[0].index]);
-    const double *delta = ok ? mukca_resample(&pool, &id->scan, &id->question, mean) : NULL;
+    const double *delta = ok ? mukca_scan_resample(&pool, &id->scan, &id->question, mean) : NULL;
     for (int k = 0; k < stride && delta; k++)
         for (int b = 0; b < MUKCA_DRAWS; b++) moved[b] += 2 * mean[k] * delta[k * MUKCA_DRAWS + b];
     for (int i = 0; i < n && delta; i++)

@@ -4,8 +4,14 @@
 #include <math.h>
 #include <string.h>
 
-#include "diagnose/noise.h"
-#include "diagnose/scales.h"
+#include "math/stats.h"
+
+/* Range of the search, m: from below any encoder to far above any arm. */
+#define LEAST_NOISE 1e-6
+#define MOST_NOISE 5e-2
+
+/* Log evidence behind the best family from which one is negligible (3 million to 1). */
+#define NEGLIGIBLE 15.0
 
 mukca_status mukca_regression_create(mukca_regression *m, const mukca_chain *chain,
                                      const mukca_dataset *data,
@@ -56,6 +62,77 @@ double mukca_regression_standard_error(mukca_regression *m, int column, const do
                                          terms);
 }
 
+typedef struct {
+    mukca_evidence *evidence;
+    const mukca_normal_equations *normal;
+} along_noise;
+
+static double minus_evidence(void *context, double log_sigma)
+{
+    const along_noise *a = context;
+    return -mukca_evidence_evaluate(a->evidence, a->normal, exp(log_sigma), NULL);
+}
+
+double mukca_noise_choose(mukca_evidence *evidence, const mukca_normal_equations *normal,
+                          double guess, double *value)
+{
+    const double tolerance = 0.01; /* a hundredth of sigma: far below its uncertainty */
+    along_noise context = {evidence, normal};
+    double best, lo = log(guess / 2), hi = log(2 * guess);
+    double x = mukca_stats_minimize(&best, minus_evidence, &context, lo, hi, tolerance);
+    if (x < lo + 5 * tolerance || x > hi - 5 * tolerance) /* a bad guess: search the whole range */
+        x = mukca_stats_minimize(&best, minus_evidence, &context, log(LEAST_NOISE), log(MOST_NOISE),
+                                 tolerance);
+    if (value) *value = -best;
+    return exp(x);
+}
+
+/* Can a family of the noise be more probable than one with the log evidence `best`, given the last
+ * comparison? */
+static bool contends(const mukca_evidence *evidence, int index, double best)
+{
+    /* the other coefficient may have gained as much as the best one has changed */
+    return evidence->normal[index].behind - fabs(best - evidence->best) <= NEGLIGIBLE;
+}
+
+static void choose_cause(mukca_unknowns *u, mukca_accepted *cause, mukca_evidence *evidence,
+                         const mukca_normal_equations *normal)
+{
+    double scales[MUKCA_MAX_SIZES], weight[MUKCA_MAX_SIZES], best = -HUGE_VAL, chosen = 0;
+    const int n = mukca_candidate_scales(scales, weight, &cause->candidate);
+    for (int i = 0; i < n; i++) {
+        cause->scale = scales[i];
+        mukca_unknowns_prior(evidence->prior, u);
+        const double value = weight[i] + mukca_evidence_evaluate(evidence, normal, u->sigma, NULL);
+        if (value > best) best = value, chosen = scales[i];
+    }
+    cause->scale = chosen;
+    mukca_unknowns_prior(evidence->prior, u);
+}
+
+void mukca_scales_choose(mukca_unknowns *u, mukca_evidence *evidence,
+                         const mukca_recording *recording, const mukca_normal_equations *normal)
+{
+    /* Errors of published arms: links 0.5 to 4 mm, axes 1 to 10 mrad. */
+    static const double lengths[] = {0.5e-3, 1e-3, 2e-3, 4e-3};
+    static const double angles[] = {1e-3, 2.5e-3, 5e-3, 10e-3};
+    enum { N = 4 };
+    double best = -HUGE_VAL;
+    int chosen = 0;
+    for (int i = 0; i <= N * N; i++) {
+        const int k = i < N * N ? i : chosen;
+        u->sigma_length = lengths[k / N], u->sigma_angle = angles[k % N];
+        mukca_unknowns_set_geometry_prior(u, recording);
+        mukca_unknowns_prior(evidence->prior, u);
+        if (i == N * N) break;
+        const double value = mukca_evidence_evaluate(evidence, normal, u->sigma, NULL);
+        if (value > best) best = value, chosen = k;
+    }
+    for (int c = 0; c < u->n_causes; c++)
+        if (!u->cause[c].known && !u->cause[c].sized)
+            choose_cause(u, &u->cause[c], evidence, normal);
+}
+
 /* Choose noise and its family by evidence, and the prior scales with them; returns the normal
  * equations of the best family.  The present one is tried first. */
 static mukca_normal_equations *choose_noise(mukca_regression *m, mukca_fit_freedom freedom)
@@ -74,7 +151,7 @@ static mukca_normal_equations *choose_noise(mukca_regression *m, mukca_fit_freed
     bool all = noises == evidence->n_noises; /* robust weights imply independent samples */
     for (int k = 0; k < noises; k++) {
         const int i = (own + k) % noises;
-        if (chosen && !mukca_noise_contends(evidence, i, best)) {
+        if (chosen && !contends(evidence, i, best)) {
             all = false;
             continue;
         }

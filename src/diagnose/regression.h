@@ -38,6 +38,17 @@ double mukca_regression_factor(mukca_regression *m);
 double mukca_regression_standard_error(mukca_regression *m, int column, const double *direction,
                                        int terms);
 
+/* Noise sigma that maximises the evidence, near `guess` or else globally; *value (may be NULL)
+ * receives the evidence. */
+double mukca_noise_choose(mukca_evidence *evidence, const mukca_normal_equations *normal,
+                          double guess, double *value);
+
+/* Maximise the evidence at the present noise over the geometry's two scales together, then over
+ * that of each cause whose scale is open.  evidence->prior receives the prior sigmas of all
+ * columns. */
+void mukca_scales_choose(mukca_unknowns *unknowns, mukca_evidence *evidence,
+                         const mukca_recording *recording, const mukca_normal_equations *normal);
+
 /* Quantities chosen by a fit in addition to the unknowns. */
 typedef enum {
     MUKCA_FIT_UNKNOWNS, /* none: noise, its family and prior scales stay */

@@ -10,7 +10,6 @@
 
 #include "base/clones.h"
 #include "diagnose/ripple.h"
-#include "diagnose/scan_faults.h"
 #include "math/dense.h"
 #include "math/four.h"
 

@@ -1,5 +1,5 @@
 /* Scores of faults of one socket or sample. */
-#include "diagnose/scan_faults.h"
+#include "diagnose/scan.h"
 
 #include <math.h>
 #include <string.h>

@@ -3,9 +3,7 @@
 #include <stdlib.h>
 
 #include "diagnose/folds.h"
-#include "diagnose/noise.h"
 #include "diagnose/ripple.h"
-#include "diagnose/scales.h"
 #include "diagnose/scan.h"
 #include "diagnose/screening.h"
 #include "math/stats.h"
