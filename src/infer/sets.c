@@ -22,9 +22,8 @@ enum {
     PAIRED = 10,
     FROM = 3, /* best swaps that are extended by a second item */
     SWEEPS = 3,
-    NEAR = 3,      /* columns of most blocks */
-    TOGETHER = 72, /* columns whose rows of the Gram matrix are computed together */
-    FEW = 8        /* single blocks of an item before its row of the Gram matrix is computed */
+    NEAR = 3,     /* columns of most blocks */
+    TOGETHER = 72 /* columns whose rows of the Gram matrix are computed together */
 };
 
 /* Compute the rows of the Gram matrix of these items, as many of them together as fit.  False: no
@@ -63,42 +62,14 @@ static bool find_rows(mukca_sets *s, const unsigned short *item, int n)
     return true;
 }
 
-/* Gram block G[a.terms][b.terms] of two items, from their columns. */
-static void multiply(double *G, mukca_sets *s, int a, int b)
-{
-    const mukca_question *q = s->question;
-    const mukca_item *x = &q->item[a], *y = &q->item[b];
-    const int rows = q->n_rows - q->n_projected;
-    const double *E = q->E + (size_t)rows * (size_t)q->stride;
-    double *P = s->scratch->D;
-    memset(G, 0, sizeof *G * (size_t)(x->terms * y->terms));
-    memset(P, 0, sizeof *P * (size_t)(x->terms * y->terms));
-    mukca_dense_xty(G, (mukca_columns){q->E + x->at, x->terms, q->stride},
-                    (mukca_columns){q->E + y->at, y->terms, q->stride}, rows);
-    mukca_dense_xty(P, (mukca_columns){E + x->at, x->terms, q->stride},
-                    (mukca_columns){E + y->at, y->terms, q->stride}, q->n_projected);
-    for (int i = 0; i < x->terms * y->terms; i++) G[i] -= P[i];
-}
-
-static double *own_block(mukca_sets *s, int item)
-{
-    const int k = s->question->item[item].terms;
-    double *G = MUKCA_TAKE(s->pool, double, k *k);
-    if (G) multiply(G, s, item, item);
-    return G;
-}
-
-/* The same block, from a row of the Gram matrix if there is one. */
+/* Gram block G[a.terms][b.terms] of two items; without memory 0. */
 static void cross(double *G, mukca_sets *s, int a, int b)
 {
     const mukca_question *q = s->question;
     const mukca_item *x = &q->item[a], *y = &q->item[b];
-    if (!s->gram[a] && !s->gram[b] && s->crossed[a]++ == FEW)
-        find_rows(s, &(unsigned short){(unsigned short)a}, 1);
-    if (!s->gram[a] && !s->gram[b]) {
-        multiply(G, s, a, b);
+    memset(G, 0, sizeof *G * (size_t)(x->terms * y->terms));
+    if (!s->gram[a] && !s->gram[b] && !find_rows(s, &(unsigned short){(unsigned short)a}, 1))
         return;
-    }
     for (int i = 0; i < x->terms; i++)
         for (int k = 0; k < y->terms; k++)
             G[i * y->terms + k] = s->gram[a] ? s->gram[a][i * q->stride + y->at + k]
@@ -125,17 +96,18 @@ bool mukca_sets_create(mukca_sets *s, mukca_pool *pool, const mukca_question *q)
         .row = MUKCA_TAKE(pool, double, TOGETHER *(q->stride + 1)),
         .left = MUKCA_TAKE(pool, double, TOGETHER *(q->n_rows + MUKCA_SET_COLUMNS)),
         .scratch = MUKCA_TAKE(pool, mukca_mixture_scratch, 1),
-        .crossed = MUKCA_TAKE(pool, unsigned char, q->n_items + 1),
         .with = {.inverse = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *MUKCA_SET_COLUMNS),
                  .x = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS),
                  .L = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *MUKCA_SET_COLUMNS),
                  .v = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS),
                  .B = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *(q->stride + 1) + NEAR)}};
     if (pool->failed) return false;
-    for (int i = 0, at = 0; i < q->n_items; at += q->item[i].terms * q->item[i].terms, i++)
-        s->block[i] = q->block ? q->block + at : NULL;
-    for (int i = 0; i < q->n_items && !q->block; i++)
-        if (!(s->block[i] = own_block(s, i))) return false;
+    double *block = q->block ? q->block : MUKCA_TAKE(pool, double, squares + 1);
+    for (int i = 0; i < q->n_items && block; block += q->item[i].terms * q->item[i].terms, i++) {
+        s->block[i] = block;
+        if (!q->block) cross(block, s, i, i);
+    }
+    if (pool->failed) return false;
     memset(s->table, -1, sizeof *s->table * TABLE);
     mukca_sets_insert(s, NULL, NULL, 0);
     return true;

@@ -65,7 +65,6 @@ typedef struct {
     } with;                /* the set integrated out last */
     double *row, *left;    /* scratch of some of them: rows, columns */
     mukca_mixture_scratch *scratch;
-    unsigned char *crossed;   /* [n_items] blocks computed without it */
     double *given;            /* blocks of all items given that set */
     double *value, *alone;    /* scratch: [n_items] scores */
     double *near, *g;         /* scratch: [NEAR][stride], [stride] */
