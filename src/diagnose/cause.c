@@ -97,18 +97,18 @@ static mukca_effect rival_effect(const mukca_candidate *h, const mukca_effect *c
     return rival;
 }
 
-/* Largest canonical correlation of two items given a set: with Gram blocks A = L L', B = M M' and
- * their cross block C, the largest singular value of L^-1 C M'^-1 (Golub and Van Loan, Matrix
- * Computations, section 6.4.3).  Without the terms of single masses. */
-double mukca_cause_correlation(mukca_identification *id, const mukca_set *set, int a, int b)
+/* Largest canonical correlation of two items given the set weighed last: with Gram blocks A = L L',
+ * B = M M' and their cross block C, the largest singular value of L^-1 C M'^-1 (Golub and Van Loan,
+ * Matrix Computations, section 6.4.3).  Without the terms of single masses. */
+static double correlation_of(mukca_identification *id, int a, int b)
 {
     double *A = id->scan.scratch->A, *B = id->scan.scratch->B, *C = id->scan.scratch->C,
            s[MUKCA_MOST_TERMS];
     const mukca_candidate *x = &id->all.list[id->kept[a]], *y = &id->all.list[id->kept[b]];
     const int ka = mukca_candidate_own_terms(x), kb = mukca_candidate_own_terms(y);
-    mukca_sets_gram(A, &id->sets, set, a, a);
-    mukca_sets_gram(B, &id->sets, set, b, b);
-    mukca_sets_gram(C, &id->sets, set, a, b);
+    mukca_sets_gram(A, &id->sets, a, a);
+    mukca_sets_gram(B, &id->sets, b, b);
+    mukca_sets_gram(C, &id->sets, a, b);
     for (int i = 0; i < ka; i++) {
         for (int k = 0; k < ka; k++) A[i * ka + k] = A[i * x->terms + k];
         for (int k = 0; k < kb; k++) C[i * kb + k] = C[i * y->terms + k];
@@ -167,8 +167,9 @@ static mukca_set set_without(mukca_identification *id, const mukca_causes *set, 
 double mukca_cause_gain(mukca_identification *id, const mukca_causes *set, int member)
 {
     const mukca_set rest = set_without(id, set, member);
-    const int own = mukca_identify_item(id, &id->all.list[set->candidate[member]]);
-    return own < 0 ? -HUGE_VAL : mukca_sets_gain(&id->sets, &rest, own);
+    const int own = mukca_identify_item(id, set->candidate[member]);
+    return own >= 0 && mukca_sets_weigh(&id->sets, &rest) ? mukca_sets_gain(&id->sets, &rest, own)
+                                                          : -HUGE_VAL;
 }
 
 /* Rivals: what replaces the cause in the sets that lack it, and is not in the best set. */
@@ -202,13 +203,12 @@ static void add_ties(mukca_cause *out, mukca_identification *id, const mukca_cau
         id->instead[most] = 0;
         const mukca_candidate *h = &id->all.list[id->of_name[most]];
         if (mukca_candidate_class(h) >= MUKCA_EFFECT_COUNT) continue;
-        const int item = mukca_identify_item(id, h);
+        const int item = own < 0 ? -1 : mukca_identify_item(id, id->of_name[most]);
         out->ties[out->n_ties++] = (mukca_tie){
             .effect = (mukca_effect_kind)mukca_candidate_class(h),
             .joint = h->joint,
             .log_bayes_factor = item < 0 ? (double)NAN : mukca_sets_gain(&id->sets, rest, item),
-            .correlation =
-                item < 0 || own < 0 ? (double)NAN : mukca_cause_correlation(id, rest, own, item),
+            .correlation = item < 0 ? (double)NAN : correlation_of(id, own, item),
             .rival = rival_effect(h, &out->effect, cause->unit[0])};
     }
     tie_untested_flexibility(out, &id->m->recording);
@@ -306,7 +306,10 @@ void mukca_cause_describe(mukca_cause *out, mukca_identification *id, const mukc
     const mukca_candidate *h = &id->all.list[best->candidate[member]];
     const mukca_accepted *cause = &id->m->unknowns.cause[member];
     const mukca_set rest = set_without(id, best, member);
-    const int own = mukca_identify_item(id, h), name = id->name[best->candidate[member]];
+    const int name = id->name[best->candidate[member]],
+              own = mukca_sets_weigh(&id->sets, &rest)
+                        ? mukca_identify_item(id, best->candidate[member])
+                        : -1;
     *out = (mukca_cause){
         .effect = fitted_effect(recording, cause),
         .socket = -1,

@@ -11,10 +11,6 @@
 /* Least probability of a suspected cause. */
 #define MUKCA_SUSPECTED 0.2
 
-/* Largest canonical correlation of two items of the last search given a set, with the geometry
- * projected out; NaN: undefined. */
-double mukca_cause_correlation(mukca_identification *id, const mukca_set *set, int a, int b);
-
 /* Log Bayes factor of a member of a set given its other members; -HUGE_VAL: not in the last search.
  */
 double mukca_cause_gain(mukca_identification *id, const mukca_causes *set, int member);

@@ -393,9 +393,9 @@ void mukca_identify_free(mukca_identification *id)
     mukca_pool_free(&id->pool);
 }
 
-int mukca_identify_item(const mukca_identification *id, const mukca_candidate *candidate)
+int mukca_identify_item(const mukca_identification *id, int candidate)
 {
     for (int i = 0; i < id->n_kept; i++)
-        if (mukca_candidate_same(&id->all.list[id->kept[i]], candidate)) return i;
+        if (id->kept[i] == candidate) return i;
     return -1;
 }

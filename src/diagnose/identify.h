@@ -58,7 +58,7 @@ void mukca_identify_free(mukca_identification *id);
 /* Fit the regression to a set. */
 void mukca_identify_fit(mukca_identification *id, const mukca_causes *set);
 
-/* Item of a candidate in the last search, -1: none. */
-int mukca_identify_item(const mukca_identification *id, const mukca_candidate *candidate);
+/* Item of a candidate of the list in the last search, -1: none. */
+int mukca_identify_item(const mukca_identification *id, int candidate);
 
 #endif

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "math/dense.h"
 #include "math/stats.h"
 
 /* Range of the search, m: from below any encoder to far above any arm. */
@@ -58,8 +59,13 @@ double mukca_regression_factor(mukca_regression *m)
 double mukca_regression_standard_error(mukca_regression *m, int column, const double *direction,
                                        int terms)
 {
-    return mukca_evidence_standard_error(&m->evidence, m->linear.n_columns, column, direction,
-                                         terms);
+    const int n = m->linear.n_columns;
+    double *x = m->evidence.work, variance = 0; /* |L^-1 D direction| with the priors D */
+    memset(x, 0, sizeof *x * (size_t)n);
+    for (int t = 0; t < terms; t++) x[column + t] = direction[t] * m->evidence.prior[column + t];
+    mukca_dense_forward(x, 1, m->evidence.factor, n);
+    for (int i = 0; i < n; i++) variance += x[i] * x[i];
+    return sqrt(variance);
 }
 
 typedef struct {

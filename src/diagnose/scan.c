@@ -31,7 +31,6 @@ bool mukca_scan_create(mukca_scan *s, mukca_pool *pool, mukca_regression *m, muk
     *s = (mukca_scan){
         .m = m,
         .all = all,
-        .capacity = all->capacity,
         .z = MUKCA_TAKE(pool, double, n),
         .prior = MUKCA_TAKE(pool, double, n),
         .inverse = MUKCA_TAKE(pool, double, pairs),

@@ -27,7 +27,6 @@ typedef struct {
     double *rows, *u; /* [n][dim * n_samples + 8], [dim * n_samples]: for faults */
     mukca_mixture_scratch *scratch;
     double *value, *information; /* [capacity] log Bayes factors, and 1/rad^2 of a unit size */
-    int capacity;
 } mukca_scan;
 
 /* Memory comes from `pool`.  False: no memory. */

@@ -224,21 +224,7 @@ static double score_member(double *by_size, const mukca_sets *s, const mukca_set
                                   s->question->dof, s->scratch);
 }
 
-/* B := L^-1 D G for the set integrated out and one item. */
-static void condition_item(mukca_sets *s, const mukca_set *set, int item)
-{
-    const mukca_question *q = s->question;
-    const int terms = q->item[item].terms;
-    for (int m = 0, row = 0; m < set->n; m++) {
-        double *B = s->with.B + row * terms;
-        cross(B, s, set->item[m], item);
-        for (int t = 0; t < q->item[set->item[m]].terms; t++, row++)
-            for (int k = 0; k < terms; k++) *B++ *= s->with.size[row];
-    }
-    mukca_dense_forward(s->with.B, terms, s->with.L, s->with.n);
-}
-
-/* The same for all items.  False: no memory. */
+/* B := L^-1 D G for the set integrated out and all items.  False: no memory. */
 static bool condition_all(mukca_sets *s, const mukca_set *set)
 {
     const mukca_question *q = s->question;
@@ -271,28 +257,16 @@ MUKCA_CLONES static void project_near(double *near, double *g, const mukca_sets 
     }
 }
 
-/* G[k][k] of an item given the set integrated out, whose B has the item at column `at`. */
-static void project(double *G, const mukca_sets *s, int item, int at, int ld)
+/* G[k][k] of an item given the set integrated out. */
+static void project(double *G, const mukca_sets *s, int item)
 {
-    const int k = s->question->item[item].terms;
-    const mukca_columns B = {s->with.B + at, k, ld};
+    const mukca_item *h = &s->question->item[item];
+    const int k = h->terms;
+    const mukca_columns B = {s->with.B + h->at, k, s->question->stride};
     double *explained = s->scratch->D;
     memset(explained, 0, sizeof *G * (size_t)(k * k));
     mukca_dense_symmetric(explained, B, B, s->with.n);
     for (int i = 0; i < k * k; i++) G[i] = s->block[item][i] - explained[i];
-}
-
-/* Evidence of an item whose columns alone are in B. */
-static double score(double *by_size, const mukca_sets *s, int item)
-{
-    const mukca_item *h = &s->question->item[item];
-    double *G = s->scratch->A, g[MUKCA_MOST_TERMS];
-    project(G, s, item, 0, h->terms);
-    memcpy(g, s->question->g + h->at, sizeof *g * (size_t)h->terms);
-    for (int i = 0; i < s->with.n; i++)
-        for (int a = 0; a < h->terms; a++) g[a] -= s->with.v[i] * s->with.B[i * h->terms + a];
-    return mukca_mixture_evidence(by_size, G, g, h->terms, &h->prior, s->with.rest,
-                                  s->question->dof, s->scratch);
 }
 
 static int largest(const double *x, int n)
@@ -468,7 +442,7 @@ static bool condition(mukca_sets *s, const mukca_set *set)
     for (int i = 0; i < q->n_items; i++) {
         const mukca_item *h = &q->item[i];
         const int k = h->terms;
-        if (k > NEAR) project(G, s, i, h->at, q->stride);
+        if (k > NEAR) project(G, s, i);
         for (int a = 0; a < k && k <= NEAR; a++)
             for (int c = 0; c <= a; c++)
                 G[a * k + c] = G[c * k + a] =
@@ -535,9 +509,7 @@ MUKCA_CLONES static void score_all(mukca_sets *s, const mukca_set *set, const va
     }
 }
 
-/* Scores s->value[] of all items in addition to a set, and s->alone[].  False: no memory, or not
- * positive. */
-static bool weigh_all(mukca_sets *s, const mukca_set *set)
+bool mukca_sets_weigh(mukca_sets *s, const mukca_set *set)
 {
     if (!condition(s, set)) return false;
     score_all(s, set, &(vacancy){0});
@@ -549,7 +521,7 @@ static bool weigh_all(mukca_sets *s, const mukca_set *set)
 static void extend(mukca_sets *s, int index, int most)
 {
     const mukca_set set = s->set[index];
-    if (weigh_all(s, &set)) keep(s, &set, most, NULL, 0);
+    if (mukca_sets_weigh(s, &set)) keep(s, &set, most, NULL, 0);
 }
 
 /* Number of expanded sets with the same keys. */
@@ -592,7 +564,7 @@ static void swap(mukca_sets *s, int index, bool weighed, bool pairs)
     int child[MUKCA_SET_ITEMS * FROM], n = 0;
     double by_size[MUKCA_MOST_SIZES] = {0}, *M = s->scratch->D, *W = s->row;
     vacancy v = {0};
-    if (!set.n || !(weighed || weigh_all(s, &set))) return;
+    if (!set.n || !(weighed || mukca_sets_weigh(s, &set))) return;
     invert(s);
     for (int m = 0; m < set.n; m++) {
         const mukca_item *h = &q->item[set.item[m]];
@@ -649,7 +621,7 @@ static void rebuild(mukca_sets *s, mukca_set set, int member)
     const mukca_item *all = s->question->item, *out = &all[set.item[member]];
     for (int m = set.n - 1; m >= 0; m--)
         if (all[set.item[m]].kin == out->kin) set = reduced(&set, m);
-    for (bool any = false; weigh_all(s, &set);) {
+    for (bool any = false; mukca_sets_weigh(s, &set);) {
         mukca_set next;
         for (int i = 0; i < s->question->n_items; i++)
             if (all[i].key == out->key || !(any || all[i].kin == out->kin)) s->value[i] = -HUGE_VAL;
@@ -673,30 +645,23 @@ void mukca_sets_rebuild(mukca_sets *s)
         if (s->question->item[set.item[m]].kin) rebuild(s, set, m);
 }
 
-double mukca_sets_gain(mukca_sets *s, const mukca_set *set, int item)
+double mukca_sets_gain(const mukca_sets *s, const mukca_set *set, int item)
 {
-    double log_det;
-    if (!integrate(s, set, &log_det)) return -HUGE_VAL;
-    condition_item(s, set, item);
-    return score(NULL, s, item);
+    return s->alone[item] - s->question->item[item].log_prior - kinship(s, set, set->n, item);
 }
 
-void mukca_sets_gram(double *G, mukca_sets *s, const mukca_set *set, int a, int b)
+void mukca_sets_gram(double *G, mukca_sets *s, int a, int b)
 {
     const mukca_item *x = &s->question->item[a], *y = &s->question->item[b];
-    double log_det, *left = s->left;
     if (a == b)
         memcpy(G, s->block[a], sizeof *G * (size_t)(x->terms * x->terms));
     else
         cross(G, s, a, b);
-    if (!integrate(s, set, &log_det)) return;
-    condition_item(s, set, a);
-    memcpy(left, s->with.B, sizeof *left * (size_t)(s->with.n * x->terms));
-    condition_item(s, set, b);
-    for (int r = 0; r < s->with.n; r++)
+    for (int r = 0; r < s->with.n; r++) {
+        const double *B = s->with.B + r * s->question->stride;
         for (int i = 0; i < x->terms; i++)
-            for (int k = 0; k < y->terms; k++)
-                G[i * y->terms + k] -= left[r * x->terms + i] * s->with.B[r * y->terms + k];
+            for (int k = 0; k < y->terms; k++) G[i * y->terms + k] -= B[x->at + i] * B[y->at + k];
+    }
 }
 
 void mukca_sets_mean(double *mean, mukca_sets *s, const mukca_set *set)
