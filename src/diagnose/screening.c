@@ -74,40 +74,20 @@ static void wrong_labels(mukca_diagnosis *d, mukca_regression *m, double *scratc
         }
 }
 
-/* Geometric median of the predictions of a group, by Weiszfeld's iteration. */
-static void group_centre(double centre[3], const double *tip, int count)
-{
-    memset(centre, 0, 3 * sizeof *centre);
-    for (int i = 0; i < count; i++)
-        for (int c = 0; c < 3; c++) centre[c] += tip[3 * i + c] / count;
-    for (int pass = 0; pass < 6; pass++) {
-        double sum = 0, next[3] = {0, 0, 0};
-        for (int i = 0; i < count; i++) {
-            const double w = 1 / (distance3(tip + 3 * i, centre) + 1e-5);
-            sum += w;
-            for (int c = 0; c < 3; c++) next[c] += w * tip[3 * i + c];
-        }
-        for (int c = 0; c < 3; c++) centre[c] = next[c] / sum;
-    }
-}
-
-/* residual[n_samples]: distance of each sample from its socket's centre, or from its measurement.
- */
-static void residuals(double *residual, const mukca_regression *m)
+/* residual[n_samples]: distance of each sample from its socket's median, or from its measurement;
+ * the medians.  NULL: no memory. */
+static double (*residuals(double *residual, mukca_regression *m, double *scratch))[3]
 {
     const mukca_recording *r = &m->recording;
-    for (int g = 0; g < r->n_groups; g++) {
-        const mukca_group *group = &r->groups[g];
-        double centre[3];
-        if (group->socket >= 0)
-            group_centre(centre, m->linear.tip + 3 * group->start, group->count);
-        for (int i = group->start; i < group->start + group->count; i++) {
-            if (group->socket < 0)
-                mukca_unknowns_to_base(centre, &m->unknowns, r->log[r->order[i]],
+    double(*median)[3] = group_medians(m, scratch);
+    for (int g = 0; median && g < r->n_groups; g++)
+        for (int i = r->groups[g].start; i < r->groups[g].start + r->groups[g].count; i++) {
+            if (r->groups[g].socket < 0)
+                mukca_unknowns_to_base(median[g], &m->unknowns, r->log[r->order[i]],
                                        r->data->position + 3 * (size_t)r->order[i]);
-            residual[i] = distance3(centre, m->linear.tip + 3 * i);
+            residual[i] = distance3(median[g], m->linear.tip + 3 * i);
         }
-    }
+    return median;
 }
 
 static double median_of(const double *x, int n, double *scratch)
@@ -137,7 +117,7 @@ static bool judge_outliers(mukca_diagnosis *d, mukca_recording *r)
 
 /* Outliers of a robust fit: close to another socket (wrong label), or to none (outlier). */
 static void outliers(mukca_diagnosis *d, mukca_regression *m, const double *residual,
-                     double *scratch)
+                     double (*median)[3], double *scratch)
 {
     mukca_recording *r = &m->recording;
     const double usual = median_of(residual, r->n_samples, scratch);
@@ -146,7 +126,6 @@ static void outliers(mukca_diagnosis *d, mukca_regression *m, const double *resi
     for (int i = 0; i < r->n_samples; i++) count += residual[i] > limit;
     /* too many for outliers: an effect */
     if (count > fmax(4, 0.05 * r->n_samples)) return;
-    double(*median)[3] = group_medians(m, scratch);
     for (int g = 0; median && g < r->n_groups; g++)
         for (int i = r->groups[g].start; i < r->groups[g].start + r->groups[g].count; i++) {
             if (!(residual[i] > limit)) continue;
@@ -206,9 +185,10 @@ bool mukca_screening_run(mukca_diagnosis *d, mukca_regression *m)
 
     for (int row = 0; row < rows; row++) weight[row] = 1;
     m->unknowns.weight = weight;
+    double(*median)[3] = NULL;
     for (int pass = 0; pass < 12; pass++) { /* iteratively reweighted, heavy-tailed loss */
         mukca_regression_step(m, pass ? MUKCA_FIT_UNKNOWNS : MUKCA_FIT_NOISE);
-        residuals(residual, m);
+        median = residuals(residual, m, scratch);
         const double scale = fmax(3 * median_of(residual, r->n_samples, scratch), 3e-4);
         double change = 0;
         for (int i = 0; i < r->n_samples; i++) {
@@ -219,7 +199,7 @@ bool mukca_screening_run(mukca_diagnosis *d, mukca_regression *m)
         if (change < 1e-3) break;
     }
     m->unknowns.weight = NULL;
-    outliers(d, m, residual, scratch);
+    outliers(d, m, residual, median, scratch);
     const bool fits = judge_outliers(d, r);
     mukca_recording_regroup(r);
     return fits;
@@ -234,17 +214,11 @@ int mukca_screening_reinstate(mukca_diagnosis *d, mukca_regression *m)
         const bool was_cut =
             fault->kind == MUKCA_FAULT_OUTLIER || fault->kind == MUKCA_FAULT_WRONG_SOCKET;
         if (!was_cut || fault->socket < 0 || r->keep[fault->data_row]) continue;
-        double p[3], centre[3] = {0, 0, 0};
-        int n = 0;
+        const int g = fault->socket + (r->groups[0].socket < 0); /* behind a pose log */
+        double p[3];
         mukca_unknowns_predict(p, &m->unknowns, r, fault->data_row);
-        for (int i = 0; i < r->n_samples; i++)
-            if (r->data->socket[r->order[i]] == fault->socket) {
-                for (int c = 0; c < 3; c++) centre[c] += m->linear.tip[3 * i + c];
-                n++;
-            }
-        for (int c = 0; c < 3; c++) centre[c] /= n ? n : 1;
-        const double distance = distance3(p, centre);
-        if (n && distance < fmax(8 * m->unknowns.sigma, 0.25 * fault->size_m)) {
+        const double distance = distance3(p, m->linear.mean[g]);
+        if (r->groups[g].count && distance < fmax(8 * m->unknowns.sigma, 0.25 * fault->size_m)) {
             r->keep[fault->data_row] = 1;
             *fault = d->faults[--d->n_faults];
             f--, back++;
