@@ -91,7 +91,7 @@ typedef struct {
     mukca_folds *b;
     const mukca_diagnose_options *options;
     double *excused, *full[2]; /* [n_rows] */
-    mukca_unknowns *all;
+    mukca_unknowns all;
 } measurement;
 
 /* Error of all identified causes together. */
@@ -111,58 +111,50 @@ static void measure_explained(measurement *s)
     mukca_folds_by_placement(d->placement_mae_m, &b->m->recording, s->full[0]);
 }
 
-/* Error without each cause in turn, fitted again, since the geometry absorbs part of the cause. */
-static mukca_status measure_each(measurement *s, mukca_error *error)
+/* The i-th identified cause among those fitted, if it acts on the arm; -1: none. */
+static int acting(const measurement *s, int i)
+{
+    const int c = mukca_cause_find(s->b->m, &s->d->causes[i]);
+    return c >= 0 && s->b->m->unknowns.cause[c].candidate.basis ? c : -1;
+}
+
+/* Error without a cause, fitted again, since the geometry absorbs part of it. */
+static void measure_without(measurement *s, int cause, bool by_socket)
+{
+    mukca_unknowns_drop(&s->b->m->unknowns, cause);
+    mukca_regression_fit(s->b->m, 3, MUKCA_FIT_UNKNOWNS);
+    mukca_folds_run(s->b->error, s->b, by_socket);
+}
+
+/* Error without each cause in turn; then with the first cause, with the first two, ... */
+static mukca_status measure_causes(measurement *s, mukca_error *error)
 {
     mukca_regression *m = s->b->m;
+    mukca_diagnosis *d = s->d;
     const mukca_diagnose_options *o = s->options;
-    const int n = s->d->n_causes;
-    mukca_unknowns_assign(s->all, &m->unknowns);
+    const int n = d->n_causes;
     for (int i = 0; i < n; i++) {
-        const mukca_cause *cause = &s->d->causes[i];
-        const int c = mukca_cause_find(m, cause);
-        if (c < 0 || !m->unknowns.cause[c].candidate.basis) continue;
-        const bool by_socket = needs_sockets(&cause->effect, &m->recording);
+        const int c = acting(s, i);
+        if (c < 0) continue;
+        const bool by_socket = needs_sockets(&d->causes[i].effect, &m->recording);
         if (o->progress &&
             !o->progress(o->progress_context, 0.7 + 0.2 * i / n, "measuring on held-out samples"))
             return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
-        mukca_unknowns_drop(&m->unknowns, c);
-        mukca_regression_fit(m, 3, MUKCA_FIT_UNKNOWNS);
-        mukca_folds_run(s->b->error, s->b, by_socket);
-        mukca_folds_compare(&s->d->causes[i].held_out, s->b, s->b->error, s->full[by_socket]);
-        mukca_unknowns_assign(&m->unknowns, s->all);
+        measure_without(s, c, by_socket);
+        mukca_folds_compare(&d->causes[i].held_out, s->b, s->b->error, s->full[by_socket]);
+        mukca_unknowns_assign(&m->unknowns, &s->all);
     }
-    return MUKCA_OK;
-}
-
-/* Errors with the first cause, with the first two, ...: each a fit of its own. */
-static void measure_rungs(measurement *s)
-{
-    mukca_regression *m = s->b->m;
-    double error = s->d->explained_m;
-    for (int i = s->d->n_causes - 1, dropped = -1; i >= 0; i--) {
-        const mukca_cause *cause = &s->d->causes[i];
-        const int c = mukca_cause_find(m, cause);
-        if (c < 0 || !m->unknowns.cause[c].candidate.basis) continue;
-        if (dropped >= 0) {
-            mukca_unknowns_drop(&m->unknowns, dropped);
-            mukca_regression_fit(m, 3, MUKCA_FIT_UNKNOWNS);
-            mukca_folds_run(s->b->error, s->b, false);
-            error = mukca_folds_mean(s->b->error, m->recording.data->n_rows);
+    double rung = d->explained_m;
+    for (int i = n - 1, last = -1; i >= 0; i--) {
+        if (acting(s, i) < 0) continue;
+        if (last >= 0) {
+            measure_without(s, acting(s, last), false);
+            rung = mukca_folds_mean(s->b->error, m->recording.data->n_rows);
         }
-        s->d->causes[i].rung_m = error;
-        dropped = mukca_cause_find(m, cause);
+        d->causes[last = i].rung_m = rung;
     }
-    mukca_unknowns_assign(&m->unknowns, s->all);
-}
-
-static mukca_status measure_causes(measurement *s, mukca_error *error)
-{
-    mukca_regression_freeze(s->b->m);
-    measure_explained(s);
-    const mukca_status status = measure_each(s, error);
-    if (status == MUKCA_OK) measure_rungs(s);
-    return status;
+    mukca_unknowns_assign(&m->unknowns, &s->all);
+    return MUKCA_OK;
 }
 
 mukca_status mukca_cross_validation_run(mukca_diagnosis *d, mukca_arm_state *geometry,
@@ -179,15 +171,10 @@ mukca_status mukca_cross_validation_run(mukca_diagnosis *d, mukca_arm_state *geo
         .excused = MUKCA_TAKE(&m->pool, double, rows),
         .full = {MUKCA_TAKE(&m->pool, double, rows), MUKCA_TAKE(&m->pool, double, rows)}};
     unsigned char *kept = MUKCA_TAKE(&m->pool, unsigned char, rows);
-    mukca_unknowns *explained = MUKCA_TAKE(&m->pool, mukca_unknowns, 1);
-    s.all = MUKCA_TAKE(&m->pool, mukca_unknowns, 1);
-    if (!explained || !s.all || !mukca_unknowns_clone(explained, &m->pool, &m->unknowns) ||
-        !mukca_unknowns_clone(s.all, &m->pool, &m->unknowns))
-        return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", rows);
     d->placement_mae_m = MUKCA_TAKE(&d->pool, double, m->recording.data->n_placements + 1);
     d->before_m = MUKCA_TAKE(&d->pool, double, rows);
     d->after_m = MUKCA_TAKE(&d->pool, double, rows);
-    if (m->pool.failed || d->pool.failed)
+    if (!mukca_unknowns_clone(&s.all, &m->pool, &m->unknowns) || m->pool.failed || d->pool.failed)
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", rows);
     for (int row = 0; row < rows; row++) d->after_m[row] = NAN;
     d->folds = mukca_folds_assign(b.fold, m, false);
@@ -200,10 +187,16 @@ mukca_status mukca_cross_validation_run(mukca_diagnosis *d, mukca_arm_state *geo
      * absorb what the causes explain.  Without causes it was fitted already. */
     if (d->verdict != MUKCA_VERDICT_NONE) mukca_regression_fit(m, 4, MUKCA_FIT_NOISE);
     measure_geometry(d, geometry, &b, s.excused);
-    mukca_unknowns_assign(&m->unknowns, explained);
+    mukca_unknowns_assign(&m->unknowns, &s.all);
     memcpy(m->recording.keep, kept, (size_t)rows);
     mukca_recording_regroup(&m->recording);
-    const mukca_status status = d->folds < 2 ? MUKCA_OK : measure_causes(&s, error);
+    mukca_status status = MUKCA_OK;
+    if (d->folds > 1) {
+        mukca_regression_freeze(m);
+        measure_explained(&s);
+        mukca_unknowns_assign(&s.all, &m->unknowns);
+        status = measure_causes(&s, error);
+    }
     mukca_regression_linearise(m);
     return status;
 }
