@@ -56,14 +56,12 @@ static int by_odds(const void *a, const void *b)
     return x->odds != y->odds ? (x->odds < y->odds) - (x->odds > y->odds) : x->index - y->index;
 }
 
-/* Add the candidates with the best scores of the last scan to those kept; returns the highest log
- * odds of those added. */
-static double keep_best(mukca_identification *id, int most)
+/* Add the candidates with the best scores of the last scan to those kept. */
+static void keep_best(mukca_identification *id, int most)
 {
     const mukca_scan *scan = &id->scan;
     const mukca_recording *r = &id->m->recording;
     mukca_ranked *order = id->ranked;
-    double best = -HUGE_VAL;
     long long numbers = 0;
     memset(id->taken, 0, (size_t)id->all.count);
     for (int i = 0; i < id->n_kept; i++) {
@@ -79,9 +77,7 @@ static double keep_best(mukca_identification *id, int most)
         numbers += id->all.list[order[i].index].terms;
         if (numbers * (r->n_samples * r->dim + scan->n) > MOST_NUMBERS) break;
         id->kept[id->n_kept++] = order[i].index;
-        best = fmax(best, order[i].odds);
     }
-    return best;
 }
 
 static int ascending(const void *a, const void *b)
@@ -166,30 +162,23 @@ static mukca_status no_memory(mukca_error *error)
     return mukca_fail(error, MUKCA_MEMORY, "out of memory for sets of causes");
 }
 
-/* The first pass.  *best: the most probable set. */
-static mukca_status begin(mukca_identification *id, mukca_causes *best, mukca_error *error)
+/* A pass at the present linearisation: all candidates are scored beside the set found so far. */
+static mukca_status pass(mukca_identification *id, mukca_causes *best, bool last,
+                         mukca_error *error)
 {
-    set_causes(id, NULL);
-    if (!mukca_scan_aim(&id->scan, id->m->unknowns.family))
-        return mukca_fail(error, MUKCA_UNIDENTIFIABLE, "the normal equations are singular");
-    const mukca_status status = mukca_scan_run(&id->scan, true, error);
-    if (status != MUKCA_OK) return status;
-    keep_best(id, KEPT);
-    id->n_first = id->all.count;
-    memcpy(id->first_value, id->scan.value, sizeof(double) * (size_t)id->n_first);
-    memcpy(id->first_information, id->scan.information, sizeof(double) * (size_t)id->n_first);
-    return search(id, best, false) ? MUKCA_OK : no_memory(error);
-}
-
-/* A later pass, at a linearisation with the set found so far. */
-static mukca_status revise(mukca_identification *id, mukca_causes *best, bool last,
-                           mukca_error *error)
-{
+    const bool first = !id->n_passed;
     set_causes(id, best);
-    if (!mukca_scan_aim(&id->scan, id->m->unknowns.family)) return MUKCA_OK;
+    if (!mukca_scan_aim(&id->scan, id->m->unknowns.family))
+        return first ? mukca_fail(error, MUKCA_UNIDENTIFIABLE, "the normal equations are singular")
+                     : MUKCA_OK;
     const mukca_status status = mukca_scan_run(&id->scan, true, error);
     if (status != MUKCA_OK) return status;
-    keep_best(id, KEPT_BESIDE);
+    keep_best(id, first ? KEPT : KEPT_BESIDE);
+    if (first) {
+        id->n_first = id->all.count;
+        memcpy(id->first_value, id->scan.value, sizeof(double) * (size_t)id->n_first);
+        memcpy(id->first_information, id->scan.information, sizeof(double) * (size_t)id->n_first);
+    }
     return search(id, best, last) ? MUKCA_OK : no_memory(error);
 }
 
@@ -367,15 +356,15 @@ mukca_status mukca_identify_run(mukca_identification *id, mukca_error *error)
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for the scan of %d candidates",
                           id->all.count);
     mukca_regression_freeze(m);
-    if (!watch(id, 0.1, error)) return MUKCA_INTERRUPTED;
-    status = begin(id, &best, error);
-    for (int pass = 0; pass < MUKCA_PASSES && status == MUKCA_OK && !id->settled; pass++) {
-        if (!watch(id, 0.2 + 0.4 * pass / MUKCA_PASSES, error)) return MUKCA_INTERRUPTED;
-        mukca_identify_fit(id, &best);
-        if (mukca_screening_reinstate(id->diagnosis, m)) mukca_identify_fit(id, &best);
-        mukca_regression_freeze(m);
-        seat(id, NOISE * m->unknowns.sigma);
-        status = revise(id, &best, pass + 1 == MUKCA_PASSES, error);
+    for (int p = 1; p <= MUKCA_PASSES && status == MUKCA_OK && !id->settled; p++) {
+        if (!watch(id, 0.1 + 0.5 * (p - 1) / MUKCA_PASSES, error)) return MUKCA_INTERRUPTED;
+        if (p > 1) {
+            mukca_identify_fit(id, &best);
+            if (mukca_screening_reinstate(id->diagnosis, m)) mukca_identify_fit(id, &best);
+            mukca_regression_freeze(m);
+            seat(id, NOISE * m->unknowns.sigma);
+        }
+        status = pass(id, &best, p == MUKCA_PASSES, error);
     }
     if (status == MUKCA_OK) status = average(id, error);
     if (status == MUKCA_OK) {

@@ -20,7 +20,7 @@ typedef struct {
     int index;
 } mukca_ranked;
 
-enum { MUKCA_PASSES = 5 }; /* after the first one */
+enum { MUKCA_PASSES = 6 };
 
 typedef struct {
     mukca_regression *m;
@@ -41,7 +41,7 @@ typedef struct {
     mukca_sets sets;
     bool settled; /* the set of its linearisation was among the best, or passes alternate */
     int n_passed;
-    mukca_causes passed[MUKCA_PASSES + 1]; /* sets of the linearisations */
+    mukca_causes passed[MUKCA_PASSES]; /* sets of the linearisations */
     /* scores of each candidate alone */
     int n_first;
     double *first_value, *first_information;
