@@ -6,10 +6,10 @@
 
 #include "arm/tip_change.h"
 #include "base/file.h"
-#include "diagnose/condense.h"
 #include "fit/accept.h"
 #include "io/dataset.h"
 #include "io/output.h"
+#include "model/condense.h"
 #include "record/server.h"
 
 static void path_in_use(char path[MUKCA_SERVER_PATH], const mukca_server *s)
