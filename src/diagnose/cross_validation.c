@@ -66,7 +66,7 @@ static void measure_geometry(mukca_diagnosis *d, mukca_arm_state *geometry, mukc
     measure_axes(d->axis_rms_m, m);
     mukca_unknowns_set_arm(u, nominal);
     for (int row = 0; row < rows; row++)
-        mukca_unknowns_predict_measured(b->position + 3 * row, u, &m->recording, row);
+        mukca_unknowns_predict(b->position + 3 * row, u, &m->recording, row);
     mukca_unknowns_set_arm(u, geometry);
     mukca_folds_errors(d->before_m, m, b->position, m->recording.keep, true);
     mukca_folds_errors(b->error, m, b->position, b->all, false);

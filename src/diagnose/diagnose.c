@@ -5,13 +5,11 @@
 #include <string.h>
 
 #include "base/clock.h"
-#include "diagnose/applied.h"
 #include "diagnose/cause.h"
 #include "diagnose/cross_validation.h"
 #include "diagnose/identify.h"
 #include "diagnose/logs.h"
 #include "diagnose/streams.h"
-#include "diagnose/verdict.h"
 #include "fit/align.h"
 #include "math/stats.h"
 

@@ -233,4 +233,17 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
                             mukca_error *error);
 void mukca_diagnosis_free(mukca_diagnosis *diagnosis);
 
+/* If elastic causes under the model's gravity do not explain a recording, weigh them with gravity
+ * along the other axes of the base frame.  If they are far more probable there than all causes
+ * found here, the diagnosis receives this gravity, and its causes become uncertain: an effect
+ * outside the catalogue explains the data as well.  A mukca_continue_fn with the
+ * mukca_diagnose_options as context; must be the last one, since the regression is left under that
+ * gravity.  Errors: MUKCA_MEMORY. */
+mukca_status mukca_mounting_compare(void *options, struct mukca_regression *regression,
+                                    mukca_diagnosis *diagnosis, mukca_error *error);
+
+/* Drop unknown functions, reduce each elastic cause to one coefficient at the nominal masses, fit
+ * again, and fill `applied` with the result and its standard errors.  The regression is changed. */
+void mukca_applied_fit(mukca_applied *applied, struct mukca_regression *regression);
+
 #endif

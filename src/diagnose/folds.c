@@ -118,30 +118,19 @@ void mukca_folds_by_placement(double *mean, const mukca_recording *recording, co
         mean[p] = mean_of(error, recording->data->n_rows, recording->placement, p);
 }
 
-/* b->gram += contribution of the samples of fold f to the normal equations of all stored columns:
- * the products of their whitened rows. */
-static void add_fold(mukca_folds *b, const mukca_normal_equations *normal, int f)
-{
-    const mukca_recording *r = &b->m->recording;
-    const mukca_linearisation *linear = &b->m->linear;
-    const int d = r->dim, n = r->n_samples;
-    const size_t step = (size_t)d * (size_t)linear->stride;
-    const double *X = mukca_evidence_whiten(&b->m->evidence, normal, r, linear);
-    for (int i = 0, count; i < n; i += count ? count : 1) { /* runs of samples of the fold */
-        for (count = 0; i + count < n && b->fold[r->order[i + count]] == f;) count++;
-        mukca_dense_syrk(b->gram, linear->stride, X + (size_t)i * step, count * d, linear->stride);
-    }
-}
-
 /* Subtract the samples of fold f, and the distances of its sockets, from the normal equations.
  * Returns the degrees of freedom of these samples. */
 static int subtract_fold(mukca_folds *b, mukca_normal_equations *normal, int f)
 {
     const mukca_recording *r = &b->m->recording;
     const int n = normal->n, size = n + 1, d = r->dim, ld = b->m->linear.stride, y = b->m->linear.y;
+    const double *X = mukca_evidence_whiten(&b->m->evidence, normal, r, &b->m->linear);
     int freedom = 0;
     memset(b->gram, 0, sizeof *b->gram * (size_t)(ld * ld));
-    add_fold(b, normal, f);
+    for (int i = 0, count; i < r->n_samples; i += count ? count : 1) { /* runs of its samples */
+        for (count = 0; i + count < r->n_samples && b->fold[r->order[i + count]] == f;) count++;
+        mukca_dense_syrk(b->gram, ld, X + (size_t)(i * d) * (size_t)ld, count * d, ld);
+    }
     for (int i = 0; i < size; i++)
         for (int j = 0; j < size; j++)
             normal->gram[i * size + j] -= b->gram[(i < n ? i : y) * ld + (j < n ? j : y)];
@@ -184,7 +173,7 @@ static void cross_predict(mukca_folds *b)
             mukca_unknowns_set_geometry(unknowns, r->chain);
             for (int row = 0; row < r->data->n_rows; row++)
                 if (b->fold[row] == f)
-                    mukca_unknowns_predict_measured(b->position + 3 * row, unknowns, r, row);
+                    mukca_unknowns_predict(b->position + 3 * row, unknowns, r, row);
         }
         mukca_unknowns_assign(unknowns, &fitted);
         normal->n = 0; /* collect again, with the fold */

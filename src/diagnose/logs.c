@@ -146,7 +146,7 @@ int mukca_logs_match(mukca_regression *test, const mukca_regression *training)
                 if (r->log[row] != log || r->data->socket[row] >= 0) continue;
                 double p[3];
                 r->log[row] = g;
-                mukca_unknowns_predict_measured(p, &test->unknowns, r, row);
+                mukca_unknowns_predict(p, &test->unknowns, r, row);
                 r->log[row] = log;
                 for (int c = 0; c < 3; c++) p[c] -= r->data->position[3 * (size_t)row + (size_t)c];
                 sum += sqrt(mukca_dot3(p, p)), count++;

@@ -79,7 +79,7 @@ mukca_status mukca_test_data_measure(mukca_diagnosis *d, double *of_geometry,
         mukca_unknowns_set_arm(&t->unknowns, step[s]);
         mukca_logs_place_targets(t, untrained);
         for (int row = 0; row < rows; row++)
-            mukca_unknowns_predict_measured(position + 3 * row, &t->unknowns, &t->recording, row);
+            mukca_unknowns_predict(position + 3 * row, &t->unknowns, &t->recording, row);
         mukca_folds_errors(row_error, t, position, t->recording.keep, false);
         *result[s] = mukca_folds_mean(row_error, rows);
     }

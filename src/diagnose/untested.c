@@ -1,5 +1,5 @@
 /* Tested effects, detection limits, and effects that are not testable. */
-#include "diagnose/verdict.h"
+#include "diagnose/cause.h"
 
 #include <math.h>
 #include <stdlib.h>

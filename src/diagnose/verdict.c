@@ -1,11 +1,9 @@
 /* The verdict on the identified sets of causes: names, unexplained structure, location. */
-#include "diagnose/verdict.h"
+#include "diagnose/cause.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include "diagnose/cause.h"
 
 /* Least size of an outlier that is reported as a fault, in sigmas of the noise. */
 #define OUTLIER_SIGMAS 12

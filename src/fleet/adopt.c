@@ -4,7 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "diagnose/applied.h"
 #include "diagnose/cross_validation.h"
 #include "diagnose/folds.h"
 
