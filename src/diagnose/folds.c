@@ -163,7 +163,7 @@ static void cross_predict(mukca_folds *b)
     const bool whole = mukca_regression_factor(m) > -HUGE_VAL;
     const double quadratic = evidence->quadratic;
     for (int f = 0; f < b->n_folds; f++) {
-        mukca_normal_equations *normal = mukca_regression_collect_own(m);
+        mukca_normal_equations *normal = mukca_regression_collect(m, m->unknowns.family);
         const int freedom = subtract_fold(b, normal, f);
         if (mukca_evidence_evaluate(evidence, normal, unknowns->sigma, evidence->mean) >
             -HUGE_VAL) {

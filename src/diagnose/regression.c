@@ -44,14 +44,9 @@ mukca_normal_equations *mukca_regression_collect(mukca_regression *m, int index)
     return mukca_evidence_collect(&m->evidence, index, &m->recording, &m->unknowns, &m->linear);
 }
 
-mukca_normal_equations *mukca_regression_collect_own(mukca_regression *m)
-{
-    return mukca_regression_collect(m, m->unknowns.family);
-}
-
 double mukca_regression_factor(mukca_regression *m)
 {
-    const mukca_normal_equations *normal = mukca_regression_collect_own(m);
+    const mukca_normal_equations *normal = mukca_regression_collect(m, m->unknowns.family);
     mukca_unknowns_prior(m->evidence.prior, &m->unknowns);
     return mukca_evidence_evaluate(&m->evidence, normal, m->unknowns.sigma, NULL);
 }
@@ -150,7 +145,7 @@ static mukca_normal_equations *choose_noise(mukca_regression *m, mukca_fit_freed
     const int noises = u->weight || freedom == MUKCA_FIT_NOISE ? 1 : evidence->n_noises;
     double best = -HUGE_VAL, value[MUKCA_NOISES] = {0};
     if (noises > 1 && m->recording.repeats) {
-        mukca_evidence_evaluate(evidence, mukca_regression_collect_own(m), u->sigma,
+        mukca_evidence_evaluate(evidence, mukca_regression_collect(m, m->unknowns.family), u->sigma,
                                 evidence->mean);
         mukca_evidence_measure_repeats(evidence, &m->recording, &m->linear);
     }
@@ -223,8 +218,9 @@ static double advance(mukca_regression *m)
 void mukca_regression_step(mukca_regression *m, mukca_fit_freedom freedom)
 {
     mukca_unknowns_prior(m->evidence.prior, &m->unknowns);
-    const mukca_normal_equations *normal =
-        freedom == MUKCA_FIT_UNKNOWNS ? mukca_regression_collect_own(m) : choose_noise(m, freedom);
+    const mukca_normal_equations *normal = freedom == MUKCA_FIT_UNKNOWNS
+                                               ? mukca_regression_collect(m, m->unknowns.family)
+                                               : choose_noise(m, freedom);
     if (isfinite(
             mukca_evidence_evaluate(&m->evidence, normal, m->unknowns.sigma, m->evidence.mean)))
         advance(m);
@@ -245,7 +241,7 @@ void mukca_regression_fit(mukca_regression *m, int iterations, mukca_fit_freedom
         const bool choose = it == 0 ? freedom != MUKCA_FIT_UNKNOWNS
                                     : (it == 2 || weigh) && freedom == MUKCA_FIT_ALL;
         const mukca_normal_equations *normal =
-            choose ? choose_noise(m, freedom) : mukca_regression_collect_own(m);
+            choose ? choose_noise(m, freedom) : mukca_regression_collect(m, m->unknowns.family);
         if (!isfinite(mukca_evidence_evaluate(&m->evidence, normal, u->sigma, m->evidence.mean)))
             break;
         if (weigh && it + 1 < iterations) weigh_rotations(m);

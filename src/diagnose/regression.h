@@ -25,9 +25,8 @@ void mukca_regression_free(mukca_regression *m);
 /* Linearise at the present unknowns. */
 void mukca_regression_linearise(mukca_regression *m);
 
-/* Normal equations of the present columns under one family of the noise, or the present one. */
+/* Normal equations of the present columns under one family of the noise. */
 mukca_normal_equations *mukca_regression_collect(mukca_regression *m, int index);
-mukca_normal_equations *mukca_regression_collect_own(mukca_regression *m);
 
 /* Evidence of the present columns, priors and noise, as mukca_evidence_evaluate returns it;
  * m->evidence keeps the factor of the posterior precision. */

@@ -364,7 +364,8 @@ TEST(scales)
     mukca_regression *m = &f->m;
     mukca_unknowns *u = &m->unknowns;
     double worst = HUGE_VAL;
-    mukca_scales_choose(u, &m->evidence, &m->recording, mukca_regression_collect_own(m));
+    mukca_scales_choose(u, &m->evidence, &m->recording,
+                        mukca_regression_collect(m, m->unknowns.family));
     const double best = mukca_regression_factor(m);
     for (int i = 0; i < 4; i++)
         for (int k = 0; k < 4; k++) {
