@@ -91,7 +91,7 @@ typedef struct {
     mukca_folds *b;
     const mukca_diagnose_options *options;
     double *excused, *full[2]; /* [n_rows] */
-    mukca_unknowns all;
+    mukca_unknowns *all;
 } measurement;
 
 /* Error of all identified causes together. */
@@ -142,7 +142,7 @@ static mukca_status measure_causes(measurement *s, mukca_error *error)
             return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
         measure_without(s, c, by_socket);
         mukca_folds_compare(&d->causes[i].held_out, s->b, s->b->error, s->full[by_socket]);
-        mukca_unknowns_assign(&m->unknowns, &s->all);
+        mukca_unknowns_assign(&m->unknowns, s->all);
     }
     double rung = d->explained_m;
     for (int i = n - 1, last = -1; i >= 0; i--) {
@@ -153,7 +153,7 @@ static mukca_status measure_causes(measurement *s, mukca_error *error)
         }
         d->causes[last = i].rung_m = rung;
     }
-    mukca_unknowns_assign(&m->unknowns, &s->all);
+    mukca_unknowns_assign(&m->unknowns, s->all);
     return MUKCA_OK;
 }
 
@@ -168,13 +168,15 @@ mukca_status mukca_cross_validation_run(mukca_diagnosis *d, mukca_arm_state *geo
         .d = d,
         .b = &b,
         .options = options,
+        .all = MUKCA_TAKE(&m->pool, mukca_unknowns, 1),
         .excused = MUKCA_TAKE(&m->pool, double, rows),
         .full = {MUKCA_TAKE(&m->pool, double, rows), MUKCA_TAKE(&m->pool, double, rows)}};
     unsigned char *kept = MUKCA_TAKE(&m->pool, unsigned char, rows);
     d->placement_mae_m = MUKCA_TAKE(&d->pool, double, m->recording.data->n_placements + 1);
     d->before_m = MUKCA_TAKE(&d->pool, double, rows);
     d->after_m = MUKCA_TAKE(&d->pool, double, rows);
-    if (!mukca_unknowns_clone(&s.all, &m->pool, &m->unknowns) || m->pool.failed || d->pool.failed)
+    if (!s.all || !mukca_unknowns_clone(s.all, &m->pool, &m->unknowns) || m->pool.failed ||
+        d->pool.failed)
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", rows);
     for (int row = 0; row < rows; row++) d->after_m[row] = NAN;
     d->folds = mukca_folds_assign(b.fold, m, false);
@@ -187,14 +189,14 @@ mukca_status mukca_cross_validation_run(mukca_diagnosis *d, mukca_arm_state *geo
      * absorb what the causes explain.  Without causes it was fitted already. */
     if (d->verdict != MUKCA_VERDICT_NONE) mukca_regression_fit(m, 4, MUKCA_FIT_NOISE);
     measure_geometry(d, geometry, &b, s.excused);
-    mukca_unknowns_assign(&m->unknowns, &s.all);
+    mukca_unknowns_assign(&m->unknowns, s.all);
     memcpy(m->recording.keep, kept, (size_t)rows);
     mukca_recording_regroup(&m->recording);
     mukca_status status = MUKCA_OK;
     if (d->folds > 1) {
         mukca_regression_freeze(m);
         measure_explained(&s);
-        mukca_unknowns_assign(&s.all, &m->unknowns);
+        mukca_unknowns_assign(s.all, &m->unknowns);
         status = measure_causes(&s, error);
     }
     mukca_regression_linearise(m);

@@ -28,21 +28,21 @@ static mukca_status add_springs(mukca_regression *m, mukca_error *error)
     return status;
 }
 
-mukca_status mukca_logs_fit(double *log_evidence, double *sigma,
-                            const mukca_recording_options *options, const mukca_chain *chain,
-                            const mukca_dataset *data, mukca_error *error)
+/* Log evidence of one case. */
+static mukca_status weigh_case(double *log_evidence, const mukca_recording_options *options,
+                               const mukca_chain *chain, const mukca_dataset *data,
+                               mukca_error *error)
 {
     mukca_pool pool = {0};
     mukca_regression *m = MUKCA_TAKE(&pool, mukca_regression, 1);
-    if (!m) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the geometry");
+    if (!m) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the logs");
     mukca_status status = mukca_regression_create(m, chain, data, options, error);
     if (status == MUKCA_OK) mukca_regression_fit(m, 6, MUKCA_FIT_ALL);
-    if (sigma) *sigma = m->unknowns.sigma;
-    if (status == MUKCA_OK && log_evidence && loads_differ(data)) {
+    if (status == MUKCA_OK && loads_differ(data)) {
         status = add_springs(m, error);
         if (status == MUKCA_OK) mukca_regression_fit(m, 6, MUKCA_FIT_ALL);
     }
-    if (status == MUKCA_OK && log_evidence) *log_evidence = mukca_regression_factor(m);
+    if (status == MUKCA_OK) *log_evidence = mukca_regression_factor(m);
     mukca_regression_free(m);
     mukca_pool_free(&pool);
     return status;
@@ -68,8 +68,7 @@ mukca_status mukca_logs_compare(mukca_logs *logs, mukca_recording_options *optio
         tried.base_per_log = i & 1, tried.tool_per_log = i & 2;
         if ((tried.base_per_log && !given.free_base) || (tried.tool_per_log && !given.free_tool))
             continue;
-        const mukca_status status =
-            mukca_logs_fit(&logs->log_evidence[i], NULL, &tried, chain, data, error);
+        const mukca_status status = weigh_case(&logs->log_evidence[i], &tried, chain, data, error);
         if (status != MUKCA_OK) return status;
         if (!(logs->log_evidence[i] > best)) continue;
         best = logs->log_evidence[i];

@@ -14,12 +14,6 @@ mukca_status mukca_logs_compare(mukca_logs *logs, mukca_recording_options *optio
                                 const mukca_chain *chain, const mukca_dataset *data,
                                 mukca_error *error);
 
-/* Fit the geometry of a recording.  *sigma: the noise; *log_evidence: that of the fit, for
- * different loads with springs (NULL: not wanted).  Errors: MUKCA_MEMORY. */
-mukca_status mukca_logs_fit(double *log_evidence, double *sigma,
-                            const mukca_recording_options *options, const mukca_chain *chain,
-                            const mukca_dataset *data, mukca_error *error);
-
 /* Assign to each test log the frames of the training log of its target; without names, of the one
  * with the smallest error.  Returns the first log of a target without training data. */
 int mukca_logs_match(mukca_regression *test, const mukca_regression *training);

@@ -4,8 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "diagnose/logs.h"
-
 /* Half width of a 95 % interval in standard errors. */
 #define INTERVAL 1.959963984540054
 /* Resolution of an encoder, rad: smaller differences are rounding. */
@@ -66,6 +64,22 @@ void mukca_streams_compare(mukca_streams *streams, const mukca_recording *r)
     for (int j = 0; j < streams->n_joints; j++) compare_joint(&streams->joint[j], r, j);
 }
 
+static mukca_status fit(double *sigma, const mukca_recording_options *options,
+                        const mukca_chain *chain, const mukca_dataset *data, mukca_error *error)
+{
+    mukca_pool pool = {0};
+    mukca_regression *m = MUKCA_TAKE(&pool, mukca_regression, 1);
+    if (!m) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the commands");
+    const mukca_status status = mukca_regression_create(m, chain, data, options, error);
+    if (status == MUKCA_OK) {
+        mukca_regression_fit(m, 6, MUKCA_FIT_ALL);
+        *sigma = m->unknowns.sigma;
+    }
+    mukca_regression_free(m);
+    mukca_pool_free(&pool);
+    return status;
+}
+
 mukca_status mukca_streams_fit(mukca_streams *streams, const mukca_recording_options *options,
                                const mukca_chain *chain, const mukca_dataset *data,
                                mukca_error *error)
@@ -81,8 +95,8 @@ mukca_status mukca_streams_fit(mukca_streams *streams, const mukca_recording_opt
     if (!swapped.q)
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", data->n_rows);
     for (size_t i = 0; i < count; i++) swapped.q[i] = isfinite(second[i]) ? second[i] : data->q[i];
-    mukca_status status = mukca_logs_fit(NULL, own, options, chain, data, error);
-    if (status == MUKCA_OK) status = mukca_logs_fit(NULL, other, options, chain, &swapped, error);
+    mukca_status status = fit(own, options, chain, data, error);
+    if (status == MUKCA_OK) status = fit(other, options, chain, &swapped, error);
     mukca_pool_free(&pool);
     return status;
 }
