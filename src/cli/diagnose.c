@@ -2,7 +2,7 @@
 #include "cli/diagnose.h"
 #include "cli/scores.h"
 #include "cli/traits.h"
-#include "diagnose/mounting.h"
+#include "diagnose/diagnose.h"
 #include "fit/mismatch.h"
 #include "io/summary.h"
 

@@ -7,11 +7,11 @@
 #include "base/file.h"
 #include "base/note.h"
 #include "cli/cli.h"
-#include "diagnose/condense.h"
 #include "fit/evaluate.h"
 #include "io/dataset.h"
 #include "io/output.h"
 #include "io/urdf.h"
+#include "model/condense.h"
 #include "model/dataset_subset.h"
 
 /* Larger values are in mm/s^2 or wrong: no arm works at 100 g. */

@@ -9,7 +9,7 @@
 #include "base/file.h"
 #include "cli/diagnose.h"
 #include "cli/traits.h"
-#include "diagnose/mounting.h"
+#include "diagnose/diagnose.h"
 #include "fit/accept.h"
 #include "fit/mismatch.h"
 #include "io/output.h"

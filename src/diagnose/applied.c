@@ -1,8 +1,10 @@
 /* Part of a diagnosis that applies to other configurations of the arm. */
-#include "diagnose/applied.h"
+#include "diagnose/diagnose.h"
 
 #include <math.h>
 #include <string.h>
+
+#include "diagnose/regression.h"
 
 /* One coefficient instead of one per mass: the sum of the masses' parts without the factors
  * estimated from measured efforts, which are unknown elsewhere. */

@@ -87,26 +87,12 @@ bool mukca_candidate_by_mass(const mukca_candidate *h)
 bool mukca_candidate_same(const mukca_candidate *a, const mukca_candidate *b)
 {
     if (a->kind != b->kind || a->joint != b->joint || a->placement != b->placement) return false;
-    switch (a->kind) {
-        case MUKCA_CANDIDATE_EFFECT:
-            return mukca_effect_same(&a->effect, &b->effect);
-        case MUKCA_CANDIDATE_STEP:
-        case MUKCA_CANDIDATE_CREEP:
-        case MUKCA_CANDIDATE_OUTLIER:
-            return a->fault.group == b->fault.group && a->fault.first == b->fault.first &&
-                   a->fault.last == b->fault.last && a->fault.settles == b->fault.settles;
-        case MUKCA_CANDIDATE_OWN_ANGLE:
-            return a->width == b->width;
-        case MUKCA_CANDIDATE_OTHER_ANGLE:
-        case MUKCA_CANDIDATE_ANGLE_PRODUCT:
-            return a->other == b->other;
-        case MUKCA_CANDIDATE_SLIP:
-            return a->row == b->row;
-        case MUKCA_CANDIDATE_STRETCH:
-            return a->stretch.time_constant == b->stretch.time_constant;
-        default:
-            return true;
-    }
+    if (mukca_candidate_is_fault(a))
+        return a->fault.group == b->fault.group && a->fault.first == b->fault.first &&
+               a->fault.last == b->fault.last && a->fault.settles == b->fault.settles;
+    if (a->kind == MUKCA_CANDIDATE_UNLISTED_TILT)
+        return a->simple.other == b->simple.other && a->simple.turns == b->simple.turns;
+    return a->basis == b->basis; /* of one list */
 }
 
 double mukca_candidate_fault_share(const mukca_candidate *h, const mukca_recording *recording,

@@ -104,7 +104,7 @@ bool mukca_candidate_by_mass(const mukca_candidate *candidate);
 /* Terms of the effect itself, without those for errors of the masses. */
 int mukca_candidate_own_terms(const mukca_candidate *candidate);
 
-/* Same kind, parameters, joint and placement? */
+/* The same candidate of a list? */
 bool mukca_candidate_same(const mukca_candidate *a, const mukca_candidate *b);
 
 /* Effect of a candidate that is no rival, without coefficients. */

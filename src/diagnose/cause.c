@@ -2,11 +2,19 @@
 #include "diagnose/cause.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
-#include "diagnose/resolution.h"
 #include "diagnose/ripple.h"
 #include "math/dense.h"
+
+enum {
+    LEAST_VALUES = 20, /* distinct values that make a step evident */
+    MOST_PARTS = 4     /* largest number of steps in the smallest difference */
+};
+/* Largest deviation of a difference from whole steps: rounding in the file's last digits.  By
+ * chance one difference in five is within it, and not twenty in a row. */
+#define WHOLE 0.1
 
 /* Half width of a 95 % interval in standard errors. */
 #define INTERVAL 1.959963984540054
@@ -89,18 +97,18 @@ static mukca_effect rival_effect(const mukca_candidate *h, const mukca_effect *c
     return rival;
 }
 
-/* Largest canonical correlation of two items given a set: with Gram blocks A = L L', B = M M' and
- * their cross block C, the largest singular value of L^-1 C M'^-1 (Golub and Van Loan, Matrix
- * Computations, section 6.4.3).  Without the terms of single masses. */
-double mukca_cause_correlation(mukca_identification *id, const mukca_set *set, int a, int b)
+/* Largest canonical correlation of two items given the set weighed last: with Gram blocks A = L L',
+ * B = M M' and their cross block C, the largest singular value of L^-1 C M'^-1 (Golub and Van Loan,
+ * Matrix Computations, section 6.4.3).  Without the terms of single masses. */
+static double correlation_of(mukca_identification *id, int a, int b)
 {
     double *A = id->scan.scratch->A, *B = id->scan.scratch->B, *C = id->scan.scratch->C,
            s[MUKCA_MOST_TERMS];
     const mukca_candidate *x = &id->all.list[id->kept[a]], *y = &id->all.list[id->kept[b]];
     const int ka = mukca_candidate_own_terms(x), kb = mukca_candidate_own_terms(y);
-    mukca_sets_gram(A, &id->sets, set, a, a);
-    mukca_sets_gram(B, &id->sets, set, b, b);
-    mukca_sets_gram(C, &id->sets, set, a, b);
+    mukca_sets_gram(A, &id->sets, a, a);
+    mukca_sets_gram(B, &id->sets, b, b);
+    mukca_sets_gram(C, &id->sets, a, b);
     for (int i = 0; i < ka; i++) {
         for (int k = 0; k < ka; k++) A[i * ka + k] = A[i * x->terms + k];
         for (int k = 0; k < kb; k++) C[i * kb + k] = C[i * y->terms + k];
@@ -156,8 +164,9 @@ static mukca_set set_without(mukca_identification *id, const mukca_causes *set, 
 double mukca_cause_gain(mukca_identification *id, const mukca_causes *set, int member)
 {
     const mukca_set rest = set_without(id, set, member);
-    const int own = mukca_identify_item(id, &id->all.list[set->candidate[member]]);
-    return own < 0 ? -HUGE_VAL : mukca_sets_gain(&id->sets, &rest, own);
+    const int own = mukca_identify_item(id, set->candidate[member]);
+    return own >= 0 && mukca_sets_weigh(&id->sets, &rest) ? mukca_sets_gain(&id->sets, &rest, own)
+                                                          : -HUGE_VAL;
 }
 
 /* Rivals: what replaces the cause in the sets that lack it, and is not in the best set. */
@@ -191,13 +200,12 @@ static void add_ties(mukca_cause *out, mukca_identification *id, const mukca_cau
         id->instead[most] = 0;
         const mukca_candidate *h = &id->all.list[id->of_name[most]];
         if (mukca_candidate_class(h) >= MUKCA_EFFECT_COUNT) continue;
-        const int item = mukca_identify_item(id, h);
+        const int item = own < 0 ? -1 : mukca_identify_item(id, id->of_name[most]);
         out->ties[out->n_ties++] = (mukca_tie){
             .effect = (mukca_effect_kind)mukca_candidate_class(h),
             .joint = h->joint,
             .log_bayes_factor = item < 0 ? (double)NAN : mukca_sets_gain(&id->sets, rest, item),
-            .correlation =
-                item < 0 || own < 0 ? (double)NAN : mukca_cause_correlation(id, rest, own, item),
+            .correlation = item < 0 ? (double)NAN : correlation_of(id, own, item),
             .rival = rival_effect(h, &out->effect, cause->unit[0])};
     }
     tie_untested_flexibility(out, &id->m->recording);
@@ -231,6 +239,34 @@ static void share_with_unknown(mukca_cause *out, const mukca_identification *id,
     out->or_unknown |= 0.5 * beside > MUKCA_DOUBT;
 }
 
+static int ascending(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Largest step of which all recorded angles of a joint are multiples, rad: of a coarse encoder, or
+ * of the digits in the file; 0: no evident step.  scratch[n_rows] is overwritten. */
+static double resolution_of(double *scratch, const mukca_recording *r, int joint)
+{
+    const int n = r->data->n_rows, joints = r->chain->n_joints;
+    double smallest = HUGE_VAL;
+    int values = 0;
+    for (int row = 0; row < n; row++) scratch[row] = r->data->q[row * joints + joint];
+    qsort(scratch, (size_t)n, sizeof *scratch, ascending);
+    for (int i = 1; i < n; i++) { /* differences between neighbours, in place */
+        const double difference = scratch[i] - scratch[i - 1];
+        if (difference > 1e-9) smallest = fmin(smallest, scratch[values++] = difference);
+    }
+    for (int parts = 1; values >= LEAST_VALUES && parts <= MOST_PARTS; parts++) {
+        const double step = smallest / parts;
+        int i = 0;
+        while (i < values && fabs(scratch[i] / step - round(scratch[i] / step)) < WHOLE) i++;
+        if (i == values) return step;
+    }
+    return 0;
+}
+
 /* Angles rounded to steps are aliased to fine ripple in chosen postures, with at most the amplitude
  * of a sawtooth, step / pi. */
 static void doubt_rounding(mukca_cause *out, mukca_identification *id)
@@ -238,8 +274,7 @@ static void doubt_rounding(mukca_cause *out, mukca_identification *id)
     const double pi = 3.14159265358979323846, *c = out->effect.coefficient;
     double *scratch = id->scan.W;
     if (out->effect.kind == MUKCA_EFFECT_GEAR_HARMONIC &&
-        pi * hypot(c[0], c[1]) <
-            mukca_resolution_step(scratch, &id->m->recording, out->effect.joint))
+        pi * hypot(c[0], c[1]) < resolution_of(scratch, &id->m->recording, out->effect.joint))
         mukca_cause_doubt(out);
 }
 
@@ -268,13 +303,17 @@ void mukca_cause_describe(mukca_cause *out, mukca_identification *id, const mukc
     const mukca_candidate *h = &id->all.list[best->candidate[member]];
     const mukca_accepted *cause = &id->m->unknowns.cause[member];
     const mukca_set rest = set_without(id, best, member);
-    const int own = mukca_identify_item(id, h), name = id->name[best->candidate[member]];
+    const int name = id->name[best->candidate[member]],
+              own = mukca_sets_weigh(&id->sets, &rest)
+                        ? mukca_identify_item(id, best->candidate[member])
+                        : -1;
     *out = (mukca_cause){
         .effect = fitted_effect(recording, cause),
         .socket = -1,
         .log_bayes_factor = own < 0 ? -HUGE_VAL : mukca_sets_gain(&id->sets, &rest, own),
         .probability = id->probability[name],
-        .held_out = MUKCA_SHRINK_NONE};
+        .held_out = MUKCA_SHRINK_NONE,
+        .rung_m = NAN};
     add_ties(out, id, best, member, &rest, own);
     share_with_unknown(out, id, name);
     doubt_rounding(out, id);

@@ -1,4 +1,4 @@
-/* Description of an identified cause: probability, rivals, size. */
+/* Description of an identified cause, the verdict on all, and what was tested. */
 #ifndef MUKCA_DIAGNOSE_CAUSE_H
 #define MUKCA_DIAGNOSE_CAUSE_H
 
@@ -10,10 +10,6 @@
 #define MUKCA_DOUBT 0.05
 /* Least probability of a suspected cause. */
 #define MUKCA_SUSPECTED 0.2
-
-/* Largest canonical correlation of two items of the last search given a set, with the geometry
- * projected out; NaN: undefined. */
-double mukca_cause_correlation(mukca_identification *id, const mukca_set *set, int a, int b);
 
 /* Log Bayes factor of a member of a set given its other members; -HUGE_VAL: not in the last search.
  */
@@ -28,5 +24,16 @@ void mukca_cause_doubt(mukca_cause *cause);
 
 /* Index of the accepted cause of a description; -1: none. */
 int mukca_cause_find(const mukca_regression *m, const mukca_cause *cause);
+
+/* Causes, ties, verdict, location and faults.  The regression is left fitted to a set with all
+ * listed causes. */
+void mukca_verdict_reach(mukca_diagnosis *d, mukca_identification *id);
+
+/* List every effect and joint: candidates with their scores of the first scan, the others with the
+ * reason why they are not testable. */
+void mukca_untested_list(mukca_diagnosis *d, const mukca_identification *id);
+
+/* List all effects as not testable, for this reason. */
+void mukca_untested_all(mukca_diagnosis *d, const char *why);
 
 #endif

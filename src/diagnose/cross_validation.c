@@ -7,19 +7,6 @@
 #include "diagnose/cause.h"
 #include "diagnose/folds.h"
 
-void mukca_cross_validation_clear(mukca_validation *v)
-{
-    *v = (mukca_validation){.nominal_m = NAN,
-                            .geometry_m = NAN,
-                            .faults_excused_m = NAN,
-                            .explained_m = NAN,
-                            .surprise = NAN,
-                            .surprise_sigmas = NAN,
-                            .shrink = MUKCA_SHRINK_NONE,
-                            .noise_shrink_percent = NAN};
-    for (int c = 0; c < MUKCA_MAX_CAUSES; c++) v->cause[c] = MUKCA_SHRINK_NONE, v->rung_m[c] = NAN;
-}
-
 /* Expected gain of the catalogue's best candidate on held-out rows of pure noise, percent, by the
  * number of placements: means over simulated seven-axis arms, for two placements over recorded
  * postures. */
@@ -65,7 +52,8 @@ static void measure_axes(double rms[3], const mukca_regression *m)
 /* Errors of the nominal geometry, of one fitted with faulty rows excused (excused[n_rows]), and of
  * one fitted to all rows as recorded.  The regression has no causes but faults; at return it has
  * none. */
-static void measure_geometry(mukca_validation *v, mukca_folds *b, double *excused)
+static void measure_geometry(mukca_diagnosis *d, mukca_arm_state *geometry, mukca_folds *b,
+                             double *excused)
 {
     mukca_regression *m = b->m;
     mukca_unknowns *u = &m->unknowns;
@@ -74,18 +62,18 @@ static void measure_geometry(mukca_validation *v, mukca_folds *b, double *excuse
     mukca_arm_state *nominal = MUKCA_TAKE(&m->pool, mukca_arm_state, 1);
     if (!nominal) return; /* the pool keeps the failure */
     *nominal = mukca_unknowns_nominal_arm(u, m->recording.chain);
-    v->geometry = mukca_unknowns_arm(u);
-    measure_axes(v->axis_rms_m, m);
+    *geometry = mukca_unknowns_arm(u);
+    measure_axes(d->axis_rms_m, m);
     mukca_unknowns_set_arm(u, nominal);
     for (int row = 0; row < rows; row++)
-        mukca_unknowns_predict_measured(b->position + 3 * row, u, &m->recording, row);
-    mukca_unknowns_set_arm(u, &v->geometry);
-    mukca_folds_errors(v->before_m, m, b->position, m->recording.keep, true);
+        mukca_unknowns_predict(b->position + 3 * row, u, &m->recording, row);
+    mukca_unknowns_set_arm(u, geometry);
+    mukca_folds_errors(d->before_m, m, b->position, m->recording.keep, true);
     mukca_folds_errors(b->error, m, b->position, b->all, false);
-    v->nominal_m = mukca_folds_mean(b->error, rows);
-    if (v->folds < 2) return;
+    d->nominal_m = mukca_folds_mean(b->error, rows);
+    if (d->folds < 2) return;
     mukca_folds_run(excused, b, false);
-    v->faults_excused_m = v->geometry_m = mukca_folds_mean(excused, rows);
+    d->faults_excused_m = d->geometry_m = mukca_folds_mean(excused, rows);
     if (!as_recorded) return;
     u->n_causes = 0;
     memcpy(m->recording.keep, b->all, (size_t)rows);
@@ -93,15 +81,14 @@ static void measure_geometry(mukca_validation *v, mukca_folds *b, double *excuse
     mukca_regression_fit(m, 3, MUKCA_FIT_NOISE);
     mukca_folds_run(b->error, b, false);
     mukca_folds_errors(b->error, m, b->position, b->all, false);
-    v->geometry_m = mukca_folds_mean(b->error, rows);
+    d->geometry_m = mukca_folds_mean(b->error, rows);
 }
 
 /* State of the measurement; errors of all identified causes with placements and with sockets as
  * folds. */
 typedef struct {
-    mukca_validation *v;
+    mukca_diagnosis *d;
     mukca_folds *b;
-    const mukca_findings *findings;
     const mukca_diagnose_options *options;
     double *excused, *full[2]; /* [n_rows] */
     mukca_unknowns *all;
@@ -110,118 +97,108 @@ typedef struct {
 /* Error of all identified causes together. */
 static void measure_explained(measurement *s)
 {
-    mukca_validation *v = s->v;
+    mukca_diagnosis *d = s->d;
     mukca_folds *b = s->b;
     bool by_socket = false;
-    for (int i = 0; i < s->findings->n_causes; i++)
-        by_socket |= needs_sockets(&s->findings->causes[i].effect, &b->m->recording);
+    for (int i = 0; i < s->d->n_causes; i++)
+        by_socket |= needs_sockets(&s->d->causes[i].effect, &b->m->recording);
     if (by_socket) mukca_folds_run(s->full[1], b, true);
     mukca_folds_run(s->full[0], b, false);
-    v->explained_m = mukca_folds_mean(s->full[0], b->m->recording.data->n_rows);
-    memcpy(v->after_m, s->full[0], sizeof *v->after_m * (size_t)b->m->recording.data->n_rows);
-    if (b->freedom > 0) {
-        v->surprise = sqrt(fmax(b->surprise, 0) / b->freedom);
-        v->surprise_sigmas = (b->surprise - b->freedom) / sqrt(2.0 * b->freedom);
-    }
-    mukca_folds_compare(&v->shrink, b, s->excused, s->full[0]);
-    mukca_folds_by_placement(v->placement_m, &b->m->recording, s->full[0]);
+    d->explained_m = mukca_folds_mean(s->full[0], b->m->recording.data->n_rows);
+    memcpy(d->after_m, s->full[0], sizeof *d->after_m * (size_t)b->m->recording.data->n_rows);
+    if (b->freedom > 0) d->surprise = sqrt(fmax(b->surprise, 0) / b->freedom);
+    mukca_folds_compare(&d->held_out, b, s->excused, s->full[0]);
+    mukca_folds_by_placement(d->placement_mae_m, &b->m->recording, s->full[0]);
 }
 
-/* Error without each cause in turn, fitted again, since the geometry absorbs part of the cause. */
-static mukca_status measure_each(measurement *s, mukca_error *error)
+/* The i-th identified cause among those fitted, if it acts on the arm; -1: none. */
+static int acting(const measurement *s, int i)
+{
+    const int c = mukca_cause_find(s->b->m, &s->d->causes[i]);
+    return c >= 0 && s->b->m->unknowns.cause[c].candidate.basis ? c : -1;
+}
+
+/* Error without a cause, fitted again, since the geometry absorbs part of it. */
+static void measure_without(measurement *s, int cause, bool by_socket)
+{
+    mukca_unknowns_drop(&s->b->m->unknowns, cause);
+    mukca_regression_fit(s->b->m, 3, MUKCA_FIT_UNKNOWNS);
+    mukca_folds_run(s->b->error, s->b, by_socket);
+}
+
+/* Error without each cause in turn; then with the first cause, with the first two, ... */
+static mukca_status measure_causes(measurement *s, mukca_error *error)
 {
     mukca_regression *m = s->b->m;
+    mukca_diagnosis *d = s->d;
     const mukca_diagnose_options *o = s->options;
-    const int n = s->findings->n_causes;
-    mukca_unknowns_assign(s->all, &m->unknowns);
+    const int n = d->n_causes;
     for (int i = 0; i < n; i++) {
-        const mukca_cause *cause = &s->findings->causes[i];
-        const int c = cause->suspected ? -1 : mukca_cause_find(m, cause);
-        if (c < 0 || !m->unknowns.cause[c].candidate.basis) continue;
-        const bool by_socket = needs_sockets(&cause->effect, &m->recording);
+        const int c = acting(s, i);
+        if (c < 0) continue;
+        const bool by_socket = needs_sockets(&d->causes[i].effect, &m->recording);
         if (o->progress &&
             !o->progress(o->progress_context, 0.7 + 0.2 * i / n, "measuring on held-out samples"))
             return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
-        mukca_unknowns_drop(&m->unknowns, c);
-        mukca_regression_fit(m, 3, MUKCA_FIT_UNKNOWNS);
-        mukca_folds_run(s->b->error, s->b, by_socket);
-        mukca_folds_compare(&s->v->cause[i], s->b, s->b->error, s->full[by_socket]);
+        measure_without(s, c, by_socket);
+        mukca_folds_compare(&d->causes[i].held_out, s->b, s->b->error, s->full[by_socket]);
         mukca_unknowns_assign(&m->unknowns, s->all);
     }
+    double rung = d->explained_m;
+    for (int i = n - 1, last = -1; i >= 0; i--) {
+        if (acting(s, i) < 0) continue;
+        if (last >= 0) {
+            measure_without(s, acting(s, last), false);
+            rung = mukca_folds_mean(s->b->error, m->recording.data->n_rows);
+        }
+        d->causes[last = i].rung_m = rung;
+    }
+    mukca_unknowns_assign(&m->unknowns, s->all);
     return MUKCA_OK;
 }
 
-/* Errors with the first cause, with the first two, ...: each a fit of its own. */
-static void measure_rungs(measurement *s)
-{
-    mukca_regression *m = s->b->m;
-    double error = s->v->explained_m;
-    for (int i = s->findings->n_causes - 1, dropped = -1; i >= 0; i--) {
-        const mukca_cause *cause = &s->findings->causes[i];
-        const int c = cause->suspected ? -1 : mukca_cause_find(m, cause);
-        if (c < 0 || !m->unknowns.cause[c].candidate.basis) continue;
-        if (dropped >= 0) {
-            mukca_unknowns_drop(&m->unknowns, dropped);
-            mukca_regression_fit(m, 3, MUKCA_FIT_UNKNOWNS);
-            mukca_folds_run(s->b->error, s->b, false);
-            error = mukca_folds_mean(s->b->error, m->recording.data->n_rows);
-        }
-        s->v->rung_m[i] = error;
-        dropped = mukca_cause_find(m, cause);
-    }
-    mukca_unknowns_assign(&m->unknowns, s->all);
-}
-
-static mukca_status measure_causes(measurement *s, mukca_error *error)
-{
-    mukca_regression_freeze(s->b->m);
-    measure_explained(s);
-    const mukca_status status = measure_each(s, error);
-    if (status == MUKCA_OK) measure_rungs(s);
-    return status;
-}
-
-mukca_status mukca_cross_validation_run(mukca_validation *v, mukca_pool *pool, mukca_regression *m,
-                                        const mukca_findings *findings,
-                                        const mukca_diagnose_options *options, mukca_error *error)
+mukca_status mukca_cross_validation_run(mukca_diagnosis *d, mukca_arm_state *geometry,
+                                        mukca_regression *m, const mukca_diagnose_options *options,
+                                        mukca_error *error)
 {
     const int rows = m->recording.data->n_rows;
     mukca_folds b = {.m = m};
     mukca_folds_create(&b);
     measurement s = {
-        .v = v,
+        .d = d,
         .b = &b,
-        .findings = findings,
         .options = options,
+        .all = MUKCA_TAKE(&m->pool, mukca_unknowns, 1),
         .excused = MUKCA_TAKE(&m->pool, double, rows),
         .full = {MUKCA_TAKE(&m->pool, double, rows), MUKCA_TAKE(&m->pool, double, rows)}};
     unsigned char *kept = MUKCA_TAKE(&m->pool, unsigned char, rows);
-    mukca_unknowns *explained = MUKCA_TAKE(&m->pool, mukca_unknowns, 1);
-    s.all = MUKCA_TAKE(&m->pool, mukca_unknowns, 1);
-    if (!explained || !s.all || !mukca_unknowns_clone(explained, &m->pool, &m->unknowns) ||
-        !mukca_unknowns_clone(s.all, &m->pool, &m->unknowns))
+    d->placement_mae_m = MUKCA_TAKE(&d->pool, double, m->recording.data->n_placements + 1);
+    d->before_m = MUKCA_TAKE(&d->pool, double, rows);
+    d->after_m = MUKCA_TAKE(&d->pool, double, rows);
+    if (!s.all || !mukca_unknowns_clone(s.all, &m->pool, &m->unknowns) || m->pool.failed ||
+        d->pool.failed)
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", rows);
-    mukca_cross_validation_clear(v);
-    v->placement_m = MUKCA_TAKE(pool, double, m->recording.data->n_placements + 1);
-    v->before_m = MUKCA_TAKE(pool, double, rows);
-    v->after_m = MUKCA_TAKE(pool, double, rows);
-    if (m->pool.failed || pool->failed)
-        return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", rows);
-    for (int row = 0; row < rows; row++) v->after_m[row] = NAN;
-    v->folds = mukca_folds_assign(b.fold, m, false);
-    v->noise_shrink_percent = noise_gain(m->recording.data->n_placements);
+    for (int row = 0; row < rows; row++) d->after_m[row] = NAN;
+    d->folds = mukca_folds_assign(b.fold, m, false);
+    d->noise_shrink_percent = noise_gain(m->recording.data->n_placements);
     memcpy(kept, m->recording.keep, (size_t)rows);
     for (int c = 0; c < m->unknowns.n_causes; c++)
         if (!mukca_candidate_is_fault(&m->unknowns.cause[c].candidate))
             mukca_unknowns_drop(&m->unknowns, c--);
     /* With the prior scales chosen beside the causes: alone, the geometry would widen them to
      * absorb what the causes explain.  Without causes it was fitted already. */
-    if (findings->verdict != MUKCA_VERDICT_NONE) mukca_regression_fit(m, 4, MUKCA_FIT_NOISE);
-    measure_geometry(v, &b, s.excused);
-    mukca_unknowns_assign(&m->unknowns, explained);
+    if (d->verdict != MUKCA_VERDICT_NONE) mukca_regression_fit(m, 4, MUKCA_FIT_NOISE);
+    measure_geometry(d, geometry, &b, s.excused);
+    mukca_unknowns_assign(&m->unknowns, s.all);
     memcpy(m->recording.keep, kept, (size_t)rows);
     mukca_recording_regroup(&m->recording);
-    const mukca_status status = v->folds < 2 ? MUKCA_OK : measure_causes(&s, error);
+    mukca_status status = MUKCA_OK;
+    if (d->folds > 1) {
+        mukca_regression_freeze(m);
+        measure_explained(&s);
+        mukca_unknowns_assign(s.all, &m->unknowns);
+        status = measure_causes(&s, error);
+    }
     mukca_regression_linearise(m);
     return status;
 }

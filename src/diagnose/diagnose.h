@@ -177,7 +177,6 @@ typedef struct {
     double structure_m; /* explained_m with unknown functions included; NaN: none */
     double surprise; /* rms held-out error with all causes, in units of that expected from noise and
                         the uncertainty of the fit; NaN: not measurable */
-    double surprise_sigmas;      /* excess of its square over 1, in standard deviations */
     mukca_shrink held_out;       /* from faults_excused_m to explained_m */
     double noise_shrink_percent; /* expected gain of the catalogue's best candidate on pure noise */
     int folds;
@@ -233,5 +232,18 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
                             const mukca_dataset *data, const mukca_diagnose_options *options,
                             mukca_error *error);
 void mukca_diagnosis_free(mukca_diagnosis *diagnosis);
+
+/* If elastic causes under the model's gravity do not explain a recording, weigh them with gravity
+ * along the other axes of the base frame.  If they are far more probable there than all causes
+ * found here, the diagnosis receives this gravity, and its causes become uncertain: an effect
+ * outside the catalogue explains the data as well.  A mukca_continue_fn with the
+ * mukca_diagnose_options as context; must be the last one, since the regression is left under that
+ * gravity.  Errors: MUKCA_MEMORY. */
+mukca_status mukca_mounting_compare(void *options, struct mukca_regression *regression,
+                                    mukca_diagnosis *diagnosis, mukca_error *error);
+
+/* Drop unknown functions, reduce each elastic cause to one coefficient at the nominal masses, fit
+ * again, and fill `applied` with the result and its standard errors.  The regression is changed. */
+void mukca_applied_fit(mukca_applied *applied, struct mukca_regression *regression);
 
 #endif

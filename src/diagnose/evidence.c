@@ -226,14 +226,3 @@ MUKCA_CLONES double mukca_evidence_evaluate(mukca_evidence *evidence,
     return -0.5 * quadratic - log_diagonal - normal->whitening.dof * log(sigma) -
            0.5 * log_variance + normal->whitening.log_det;
 }
-
-double mukca_evidence_standard_error(mukca_evidence *evidence, int n, int column,
-                                     const double *direction, int terms)
-{
-    double *x = evidence->work, variance = 0;
-    memset(x, 0, sizeof *x * (size_t)n);
-    for (int t = 0; t < terms; t++) x[column + t] = direction[t] * evidence->prior[column + t];
-    mukca_dense_forward(x, 1, evidence->factor, n);
-    for (int i = 0; i < n; i++) variance += x[i] * x[i];
-    return sqrt(variance);
-}

@@ -73,9 +73,4 @@ void mukca_evidence_along(double *along, const double *mean, int n, int ld,
 double mukca_evidence_evaluate(mukca_evidence *evidence, const mukca_normal_equations *normal,
                                double sigma, double *mean);
 
-/* Standard error of the sum of direction[t] x[column + t], t < terms, among n columns, in the
- * posterior of the last evaluation: |L^-1 D a| with its priors D. */
-double mukca_evidence_standard_error(mukca_evidence *evidence, int n, int column,
-                                     const double *direction, int terms);
-
 #endif

@@ -50,6 +50,18 @@ int mukca_folds_assign(int *fold, const mukca_regression *m, bool by_socket)
     return n + (poses >= POSE_FOLDS ? POSE_FOLDS : 0);
 }
 
+/* The known motion of the tool in a socket; NULL: none. */
+static const mukca_candidate *motion_of(const mukca_regression *m, int socket)
+{
+    for (int c = 0; c < m->unknowns.n_causes; c++) {
+        const mukca_candidate *h = &m->unknowns.cause[c].candidate;
+        if (mukca_candidate_class(h) == MUKCA_EFFECT_TOOL_MOTION &&
+            m->recording.groups[h->fault.group].socket == socket)
+            return h;
+    }
+    return NULL;
+}
+
 void mukca_folds_errors(double *error, const mukca_regression *m, const double *position,
                         const unsigned char *of, bool excuse)
 {
@@ -63,37 +75,25 @@ void mukca_folds_errors(double *error, const mukca_regression *m, const double *
         error[row] = sqrt(mukca_dot3(e, e));
     }
     for (int s = 0; s < data->n_sockets; s++) {
-        const mukca_candidate *step = NULL, *creep = NULL;
-        for (int c = 0; excuse && c < m->unknowns.n_causes; c++) {
-            const mukca_candidate *h = &m->unknowns.cause[c].candidate;
-            if (!mukca_candidate_is_fault(h) || m->recording.groups[h->fault.group].socket != s)
-                continue;
-            if (h->kind == MUKCA_CANDIDATE_STEP) step = h;
-            if (h->kind == MUKCA_CANDIDATE_CREEP) creep = h;
-        }
-        for (int part = 0; part < (step ? 2 : 1); part++) {
-            double n = 0, mean[3] = {0}, share_mean = 0, slope[3] = {0}, share2 = 0;
-            for (int pass = 0; pass < 3; pass++)
-                for (int row = 0; row < data->n_rows; row++) {
-                    if (!of[row] || data->socket[row] != s) continue;
-                    if (step && (row >= step->fault.first) != part) continue;
-                    const double *x = position + 3 * row;
-                    if (pass == 0) {
-                        const double before = n++;
-                        for (int c = 0; c < 3; c++) mean[c] = (mean[c] * before + x[c]) / n;
-                        share_mean = (share_mean * before + row) / n;
-                    } else if (pass == 1) {
-                        const double t = row - share_mean;
-                        share2 += t * t;
-                        for (int c = 0; c < 3; c++) slope[c] += t * (x[c] - mean[c]);
-                    } else {
-                        double e[3];
-                        const double t = creep && share2 > 0 ? (row - share_mean) / share2 : 0;
-                        for (int c = 0; c < 3; c++) e[c] = x[c] - mean[c] - t * slope[c];
-                        error[row] = sqrt(mukca_dot3(e, e));
-                    }
+        const mukca_candidate *h = excuse ? motion_of(m, s) : NULL;
+        double n = 0, mean[3] = {0}, mean_share = 0, slope[3] = {0}, square = 0;
+        for (int pass = 0; pass < 3; pass++)
+            for (int row = 0; row < data->n_rows; row++) {
+                if (!of[row] || data->socket[row] != s) continue;
+                const double *x = position + 3 * row,
+                             share = h ? mukca_candidate_fault_share(h, &m->recording, row) : 0,
+                             t = share - mean_share, along = square > 0 ? t / square : 0;
+                double e[3];
+                if (pass == 0) n++, mean_share += t / n;
+                if (pass == 1) square += t * t;
+                for (int c = 0; c < 3; c++) {
+                    const double d = x[c] - mean[c];
+                    if (pass == 0) mean[c] += d / n;
+                    if (pass == 1) slope[c] += t * d;
+                    e[c] = d - along * slope[c];
                 }
-        }
+                if (pass == 2) error[row] = sqrt(mukca_dot3(e, e));
+            }
     }
 }
 
@@ -118,30 +118,19 @@ void mukca_folds_by_placement(double *mean, const mukca_recording *recording, co
         mean[p] = mean_of(error, recording->data->n_rows, recording->placement, p);
 }
 
-/* b->gram += contribution of the samples of fold f to the normal equations of all stored columns:
- * the products of their whitened rows. */
-static void add_fold(mukca_folds *b, const mukca_normal_equations *normal, int f)
-{
-    const mukca_recording *r = &b->m->recording;
-    const mukca_linearisation *linear = &b->m->linear;
-    const int d = r->dim, n = r->n_samples;
-    const size_t step = (size_t)d * (size_t)linear->stride;
-    const double *X = mukca_evidence_whiten(&b->m->evidence, normal, r, linear);
-    for (int i = 0, count; i < n; i += count ? count : 1) { /* runs of samples of the fold */
-        for (count = 0; i + count < n && b->fold[r->order[i + count]] == f;) count++;
-        mukca_dense_syrk(b->gram, linear->stride, X + (size_t)i * step, count * d, linear->stride);
-    }
-}
-
 /* Subtract the samples of fold f, and the distances of its sockets, from the normal equations.
  * Returns the degrees of freedom of these samples. */
 static int subtract_fold(mukca_folds *b, mukca_normal_equations *normal, int f)
 {
     const mukca_recording *r = &b->m->recording;
     const int n = normal->n, size = n + 1, d = r->dim, ld = b->m->linear.stride, y = b->m->linear.y;
+    const double *X = mukca_evidence_whiten(&b->m->evidence, normal, r, &b->m->linear);
     int freedom = 0;
     memset(b->gram, 0, sizeof *b->gram * (size_t)(ld * ld));
-    add_fold(b, normal, f);
+    for (int i = 0, count; i < r->n_samples; i += count ? count : 1) { /* runs of its samples */
+        for (count = 0; i + count < r->n_samples && b->fold[r->order[i + count]] == f;) count++;
+        mukca_dense_syrk(b->gram, ld, X + (size_t)(i * d) * (size_t)ld, count * d, ld);
+    }
     for (int i = 0; i < size; i++)
         for (int j = 0; j < size; j++)
             normal->gram[i * size + j] -= b->gram[(i < n ? i : y) * ld + (j < n ? j : y)];
@@ -174,7 +163,7 @@ static void cross_predict(mukca_folds *b)
     const bool whole = mukca_regression_factor(m) > -HUGE_VAL;
     const double quadratic = evidence->quadratic;
     for (int f = 0; f < b->n_folds; f++) {
-        mukca_normal_equations *normal = mukca_regression_collect_own(m);
+        mukca_normal_equations *normal = mukca_regression_collect(m, m->unknowns.family);
         const int freedom = subtract_fold(b, normal, f);
         if (mukca_evidence_evaluate(evidence, normal, unknowns->sigma, evidence->mean) >
             -HUGE_VAL) {
@@ -184,7 +173,7 @@ static void cross_predict(mukca_folds *b)
             mukca_unknowns_set_geometry(unknowns, r->chain);
             for (int row = 0; row < r->data->n_rows; row++)
                 if (b->fold[row] == f)
-                    mukca_unknowns_predict_measured(b->position + 3 * row, unknowns, r, row);
+                    mukca_unknowns_predict(b->position + 3 * row, unknowns, r, row);
         }
         mukca_unknowns_assign(unknowns, &fitted);
         normal->n = 0; /* collect again, with the fold */

@@ -9,11 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "diagnose/resample.h"
 #include "math/stats.h"
 
 enum {
-    PASSES = 5,
     BUDGET = 40,       /* sets expanded in the last search */
     QUICK = 12,        /* in the searches before, which only have to find the best set */
     KEPT = 300,        /* candidates kept by their score against the geometry */
@@ -58,14 +56,12 @@ static int by_odds(const void *a, const void *b)
     return x->odds != y->odds ? (x->odds < y->odds) - (x->odds > y->odds) : x->index - y->index;
 }
 
-/* Add the candidates with the best scores of the last scan to those kept; returns the highest log
- * odds of those added. */
-static double keep_best(mukca_identification *id, int most)
+/* Add the candidates with the best scores of the last scan to those kept. */
+static void keep_best(mukca_identification *id, int most)
 {
     const mukca_scan *scan = &id->scan;
     const mukca_recording *r = &id->m->recording;
     mukca_ranked *order = id->ranked;
-    double best = -HUGE_VAL;
     long long numbers = 0;
     memset(id->taken, 0, (size_t)id->all.count);
     for (int i = 0; i < id->n_kept; i++) {
@@ -81,9 +77,7 @@ static double keep_best(mukca_identification *id, int most)
         numbers += id->all.list[order[i].index].terms;
         if (numbers * (r->n_samples * r->dim + scan->n) > MOST_NUMBERS) break;
         id->kept[id->n_kept++] = order[i].index;
-        best = fmax(best, order[i].odds);
     }
-    return best;
 }
 
 static int ascending(const void *a, const void *b)
@@ -113,6 +107,19 @@ static int insert(mukca_sets *sets, const mukca_causes *set, const int *index, i
     return mukca_sets_insert(sets, item, size, count);
 }
 
+static bool same_causes(const mukca_causes *a, const mukca_causes *b)
+{
+    return a->n == b->n && memcmp(a->candidate, b->candidate, sizeof(int) * (size_t)a->n) == 0;
+}
+
+/* Was an earlier pass linearised at this set?  Then passes would alternate forever. */
+static bool recurs(const mukca_identification *id, const mukca_causes *set)
+{
+    bool found = false;
+    for (int p = 0; p < id->n_passed; p++) found |= same_causes(&id->passed[p], set);
+    return found;
+}
+
 /* Search among the sets of the kept candidates, from the empty set and from the best set so far. If
  * that is settled, or in the last pass, with all of the budget.  *best: the most probable set. */
 static bool search(mukca_identification *id, mukca_causes *best, bool last)
@@ -129,8 +136,10 @@ static bool search(mukca_identification *id, mukca_causes *best, bool last)
     const int before = insert(&id->sets, best, id->kept, id->n_kept);
     mukca_sets_explore(&id->sets, QUICK, false);
     const mukca_set *found = &sets->set[sets->best];
-    id->settled =
-        before >= 0 && (best->n || !found->n) && sets->set[before].value > found->value - SETTLED;
+    const mukca_causes next = causes_of(id, found);
+    id->settled = recurs(id, &next) || (before >= 0 && (best->n || !found->n) &&
+                                        sets->set[before].value > found->value - SETTLED);
+    id->passed[id->n_passed++] = *best;
     if (id->settled || last) {
         mukca_sets_rebuild(&id->sets);
         mukca_sets_explore(&id->sets, BUDGET - QUICK, true);
@@ -153,30 +162,23 @@ static mukca_status no_memory(mukca_error *error)
     return mukca_fail(error, MUKCA_MEMORY, "out of memory for sets of causes");
 }
 
-/* The first pass.  *best: the most probable set. */
-static mukca_status begin(mukca_identification *id, mukca_causes *best, mukca_error *error)
+/* A pass at the present linearisation: all candidates are scored beside the set found so far. */
+static mukca_status pass(mukca_identification *id, mukca_causes *best, bool last,
+                         mukca_error *error)
 {
-    set_causes(id, NULL);
-    if (!mukca_scan_aim(&id->scan, id->m->unknowns.family))
-        return mukca_fail(error, MUKCA_UNIDENTIFIABLE, "the normal equations are singular");
-    const mukca_status status = mukca_scan_run(&id->scan, true, error);
-    if (status != MUKCA_OK) return status;
-    keep_best(id, KEPT);
-    id->n_first = id->all.count;
-    memcpy(id->first_value, id->scan.value, sizeof(double) * (size_t)id->n_first);
-    memcpy(id->first_information, id->scan.information, sizeof(double) * (size_t)id->n_first);
-    return search(id, best, false) ? MUKCA_OK : no_memory(error);
-}
-
-/* A later pass, at a linearisation with the set found so far. */
-static mukca_status revise(mukca_identification *id, mukca_causes *best, bool last,
-                           mukca_error *error)
-{
+    const bool first = !id->n_passed;
     set_causes(id, best);
-    if (!mukca_scan_aim(&id->scan, id->m->unknowns.family)) return MUKCA_OK;
+    if (!mukca_scan_aim(&id->scan, id->m->unknowns.family))
+        return first ? mukca_fail(error, MUKCA_UNIDENTIFIABLE, "the normal equations are singular")
+                     : MUKCA_OK;
     const mukca_status status = mukca_scan_run(&id->scan, true, error);
     if (status != MUKCA_OK) return status;
-    keep_best(id, KEPT_BESIDE);
+    keep_best(id, first ? KEPT : KEPT_BESIDE);
+    if (first) {
+        id->n_first = id->all.count;
+        memcpy(id->first_value, id->scan.value, sizeof(double) * (size_t)id->n_first);
+        memcpy(id->first_information, id->scan.information, sizeof(double) * (size_t)id->n_first);
+    }
     return search(id, best, last) ? MUKCA_OK : no_memory(error);
 }
 
@@ -218,7 +220,7 @@ static bool average_again(mukca_identification *id, const mukca_ranked *order, c
            *value = MUKCA_TAKE(&pool, double, n), moved[MUKCA_DRAWS] = {0};
     bool ok = !pool.failed && mukca_scan_aim(&id->scan, id->m->unknowns.family);
     if (ok) mukca_sets_mean(mean, sets, &sets->set[order[0].index]);
-    const double *delta = ok ? mukca_resample(&pool, &id->scan, &id->question, mean) : NULL;
+    const double *delta = ok ? mukca_scan_resample(&pool, &id->scan, &id->question, mean) : NULL;
     for (int k = 0; k < stride && delta; k++)
         for (int b = 0; b < MUKCA_DRAWS; b++) moved[b] += 2 * mean[k] * delta[k * MUKCA_DRAWS + b];
     for (int i = 0; i < n && delta; i++)
@@ -354,15 +356,15 @@ mukca_status mukca_identify_run(mukca_identification *id, mukca_error *error)
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for the scan of %d candidates",
                           id->all.count);
     mukca_regression_freeze(m);
-    if (!watch(id, 0.1, error)) return MUKCA_INTERRUPTED;
-    status = begin(id, &best, error);
-    for (int pass = 0; pass < PASSES && status == MUKCA_OK && !id->settled; pass++) {
-        if (!watch(id, 0.2 + 0.4 * pass / PASSES, error)) return MUKCA_INTERRUPTED;
-        mukca_identify_fit(id, &best);
-        if (mukca_screening_reinstate(id->faults, m)) mukca_identify_fit(id, &best);
-        seat(id, NOISE * m->unknowns.sigma);
-        mukca_regression_freeze(m);
-        status = revise(id, &best, pass + 1 == PASSES, error);
+    for (int p = 1; p <= MUKCA_PASSES && status == MUKCA_OK && !id->settled; p++) {
+        if (!watch(id, 0.1 + 0.5 * (p - 1) / MUKCA_PASSES, error)) return MUKCA_INTERRUPTED;
+        if (p > 1) {
+            mukca_identify_fit(id, &best);
+            if (mukca_screening_reinstate(id->diagnosis, m)) mukca_identify_fit(id, &best);
+            seat(id, NOISE * m->unknowns.sigma);
+            mukca_regression_freeze(m);
+        }
+        status = pass(id, &best, p == MUKCA_PASSES, error);
     }
     if (status == MUKCA_OK) status = average(id, error);
     if (status == MUKCA_OK) {
@@ -380,9 +382,9 @@ void mukca_identify_free(mukca_identification *id)
     mukca_pool_free(&id->pool);
 }
 
-int mukca_identify_item(const mukca_identification *id, const mukca_candidate *candidate)
+int mukca_identify_item(const mukca_identification *id, int candidate)
 {
     for (int i = 0; i < id->n_kept; i++)
-        if (mukca_candidate_same(&id->all.list[id->kept[i]], candidate)) return i;
+        if (id->kept[i] == candidate) return i;
     return -1;
 }

@@ -20,9 +20,11 @@ typedef struct {
     int index;
 } mukca_ranked;
 
+enum { MUKCA_PASSES = 6 };
+
 typedef struct {
     mukca_regression *m;
-    mukca_faults *faults; /* from screening; their rows may be reinstated */
+    mukca_diagnosis *diagnosis; /* its faults are from screening; their rows may be reinstated */
     const mukca_diagnose_options *options;
     mukca_candidates all;
     mukca_scan scan;
@@ -39,7 +41,9 @@ typedef struct {
     int n_kept, *kept; /* its items are these candidates */
     mukca_question question;
     mukca_sets sets;
-    bool settled; /* the set of its linearisation was among the best */
+    bool settled; /* the set of its linearisation was among the best, or passes alternate */
+    int n_passed;
+    mukca_causes passed[MUKCA_PASSES]; /* sets of the linearisations */
     /* scores of each candidate alone */
     int n_first;
     double *first_value, *first_information;
@@ -56,7 +60,7 @@ void mukca_identify_free(mukca_identification *id);
 /* Fit the regression to a set. */
 void mukca_identify_fit(mukca_identification *id, const mukca_causes *set);
 
-/* Item of a candidate in the last search, -1: none. */
-int mukca_identify_item(const mukca_identification *id, const mukca_candidate *candidate);
+/* Item of a candidate of the list in the last search, -1: none. */
+int mukca_identify_item(const mukca_identification *id, int candidate);
 
 #endif

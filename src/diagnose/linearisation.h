@@ -46,18 +46,9 @@ bool mukca_linearisation_select(mukca_linearisation *linear, const mukca_unknown
 void mukca_linearisation_seat(double *seated, double r[3], int n, const mukca_geometry *geometry,
                               const mukca_displacement *displacement);
 
-/* Samples [start, end). */
-typedef struct {
-    int start, end;
-} mukca_span;
-
-/* Columns of a candidate, E[n_samples][dim][ld], starting at E; of all samples, or of a span alone.
- */
+/* Columns of a candidate, E[n_samples][dim][ld]. */
 void mukca_linearisation_columns(double *E, int ld, const mukca_linearisation *linear,
                                  const mukca_recording *recording,
                                  const mukca_candidate *candidate);
-void mukca_linearisation_columns_of(double *E, int ld, const mukca_linearisation *linear,
-                                    const mukca_recording *recording,
-                                    const mukca_candidate *candidate, mukca_span of);
 
 #endif

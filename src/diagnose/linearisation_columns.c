@@ -39,11 +39,10 @@ static bool levers_of(lever_rows *out, const mukca_linearisation *linear,
 
 /* E := levers times the basis functions. */
 MUKCA_CLONES static void turn_levers(double *E, int ld, const lever_rows *by,
-                                     const mukca_recording *recording, const mukca_candidate *h,
-                                     mukca_span of)
+                                     const mukca_recording *recording, const mukca_candidate *h)
 {
     const int d = recording->dim, terms = h->terms, width = h->width_of_term;
-    for (int i = of.start; i < of.end; i++, E += d * ld) {
+    for (int i = 0; i < recording->n_samples; i++, E += d * ld) {
         const float *b = h->basis + (size_t)recording->order[i] * (size_t)(terms * width);
         const double *levers = by->first + (size_t)i * by->step;
         int t = 0;
@@ -69,23 +68,15 @@ MUKCA_CLONES static void turn_levers(double *E, int ld, const lever_rows *by,
 void mukca_linearisation_columns(double *E, int ld, const mukca_linearisation *linear,
                                  const mukca_recording *recording, const mukca_candidate *h)
 {
-    mukca_linearisation_columns_of(E, ld, linear, recording, h,
-                                   (mukca_span){0, recording->n_samples});
-}
-
-void mukca_linearisation_columns_of(double *E, int ld, const mukca_linearisation *linear,
-                                    const mukca_recording *recording, const mukca_candidate *h,
-                                    mukca_span of)
-{
     const int d = recording->dim, n_joints = recording->chain->n_joints, terms = h->terms;
     const int width = h->width_of_term, ldx = linear->stride;
     lever_rows by;
     if (levers_of(&by, linear, recording, h)) {
-        turn_levers(E, ld, &by, recording, h, of);
+        turn_levers(E, ld, &by, recording, h);
         return;
     }
-    for (int i = of.start; i < of.end; i++) {
-        double *out = E + (size_t)(i - of.start) * (size_t)d * (size_t)ld;
+    for (int i = 0; i < recording->n_samples; i++) {
+        double *out = E + (size_t)i * (size_t)d * (size_t)ld;
         const int row = recording->order[i];
         const double *levers = linear->lever + (size_t)(i * n_joints) * (size_t)d;
         for (int c = 0; c < d; c++) memset(out + c * ld, 0, sizeof *out * (size_t)terms);

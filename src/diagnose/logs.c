@@ -22,11 +22,9 @@ static mukca_status add_springs(mukca_regression *m, mukca_error *error)
     memset(others, 1, sizeof others);
     others[MUKCA_EFFECT_JOINT_COMPLIANCE] = others[MUKCA_EFFECT_BASE_COMPLIANCE] = 0;
     const mukca_status status =
-        mukca_candidates_list(&all, &m->pool, &m->recording, &m->unknowns, others, error);
+        mukca_candidates_list_springs(&all, &m->pool, &m->recording, others, error);
     for (int i = 0; i < all.count && status == MUKCA_OK; i++)
-        if (mukca_candidate_class(&all.list[i]) < MUKCA_EFFECT_COUNT &&
-            !mukca_candidate_is_fault(&all.list[i]))
-            mukca_unknowns_add(&m->unknowns, &all.list[i]);
+        mukca_unknowns_add(&m->unknowns, &all.list[i]);
     return status;
 }
 
@@ -148,7 +146,7 @@ int mukca_logs_match(mukca_regression *test, const mukca_regression *training)
                 if (r->log[row] != log || r->data->socket[row] >= 0) continue;
                 double p[3];
                 r->log[row] = g;
-                mukca_unknowns_predict_measured(p, &test->unknowns, r, row);
+                mukca_unknowns_predict(p, &test->unknowns, r, row);
                 r->log[row] = log;
                 for (int c = 0; c < 3; c++) p[c] -= r->data->position[3 * (size_t)row + (size_t)c];
                 sum += sqrt(mukca_dot3(p, p)), count++;

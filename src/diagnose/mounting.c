@@ -1,5 +1,5 @@
 /* Mounting of the arm: gravity in a direction other than the model's. */
-#include "diagnose/mounting.h"
+#include "diagnose/diagnose.h"
 
 #include <math.h>
 #include <string.h>

@@ -4,8 +4,15 @@
 #include <math.h>
 #include <string.h>
 
-#include "diagnose/noise.h"
-#include "diagnose/scales.h"
+#include "math/dense.h"
+#include "math/stats.h"
+
+/* Range of the search, m: from below any encoder to far above any arm. */
+#define LEAST_NOISE 1e-6
+#define MOST_NOISE 5e-2
+
+/* Log evidence behind the best family from which one is negligible (3 million to 1). */
+#define NEGLIGIBLE 15.0
 
 mukca_status mukca_regression_create(mukca_regression *m, const mukca_chain *chain,
                                      const mukca_dataset *data,
@@ -37,14 +44,9 @@ mukca_normal_equations *mukca_regression_collect(mukca_regression *m, int index)
     return mukca_evidence_collect(&m->evidence, index, &m->recording, &m->unknowns, &m->linear);
 }
 
-mukca_normal_equations *mukca_regression_collect_own(mukca_regression *m)
-{
-    return mukca_regression_collect(m, m->unknowns.family);
-}
-
 double mukca_regression_factor(mukca_regression *m)
 {
-    const mukca_normal_equations *normal = mukca_regression_collect_own(m);
+    const mukca_normal_equations *normal = mukca_regression_collect(m, m->unknowns.family);
     mukca_unknowns_prior(m->evidence.prior, &m->unknowns);
     return mukca_evidence_evaluate(&m->evidence, normal, m->unknowns.sigma, NULL);
 }
@@ -52,8 +54,84 @@ double mukca_regression_factor(mukca_regression *m)
 double mukca_regression_standard_error(mukca_regression *m, int column, const double *direction,
                                        int terms)
 {
-    return mukca_evidence_standard_error(&m->evidence, m->linear.n_columns, column, direction,
-                                         terms);
+    const int n = m->linear.n_columns;
+    double *x = m->evidence.work, variance = 0; /* |L^-1 D direction| with the priors D */
+    memset(x, 0, sizeof *x * (size_t)n);
+    for (int t = 0; t < terms; t++) x[column + t] = direction[t] * m->evidence.prior[column + t];
+    mukca_dense_forward(x, 1, m->evidence.factor, n);
+    for (int i = 0; i < n; i++) variance += x[i] * x[i];
+    return sqrt(variance);
+}
+
+typedef struct {
+    mukca_evidence *evidence;
+    const mukca_normal_equations *normal;
+} along_noise;
+
+static double minus_evidence(void *context, double log_sigma)
+{
+    const along_noise *a = context;
+    return -mukca_evidence_evaluate(a->evidence, a->normal, exp(log_sigma), NULL);
+}
+
+double mukca_noise_choose(mukca_evidence *evidence, const mukca_normal_equations *normal,
+                          double guess, double *value)
+{
+    const double tolerance = 0.01; /* a hundredth of sigma: far below its uncertainty */
+    along_noise context = {evidence, normal};
+    double best, lo = log(guess / 2), hi = log(2 * guess);
+    double x = mukca_stats_minimize(&best, minus_evidence, &context, lo, hi, tolerance);
+    if (x < lo + 5 * tolerance || x > hi - 5 * tolerance) /* a bad guess: search the whole range */
+        x = mukca_stats_minimize(&best, minus_evidence, &context, log(LEAST_NOISE), log(MOST_NOISE),
+                                 tolerance);
+    if (value) *value = -best;
+    return exp(x);
+}
+
+/* Can a family of the noise be more probable than one with the log evidence `best`, given the last
+ * comparison? */
+static bool contends(const mukca_evidence *evidence, int index, double best)
+{
+    /* the other coefficient may have gained as much as the best one has changed */
+    return evidence->normal[index].behind - fabs(best - evidence->best) <= NEGLIGIBLE;
+}
+
+static void choose_cause(mukca_unknowns *u, mukca_accepted *cause, mukca_evidence *evidence,
+                         const mukca_normal_equations *normal)
+{
+    double scales[MUKCA_MAX_SIZES], weight[MUKCA_MAX_SIZES], best = -HUGE_VAL, chosen = 0;
+    const int n = mukca_candidate_scales(scales, weight, &cause->candidate);
+    for (int i = 0; i < n; i++) {
+        cause->scale = scales[i];
+        mukca_unknowns_prior(evidence->prior, u);
+        const double value = weight[i] + mukca_evidence_evaluate(evidence, normal, u->sigma, NULL);
+        if (value > best) best = value, chosen = scales[i];
+    }
+    cause->scale = chosen;
+    mukca_unknowns_prior(evidence->prior, u);
+}
+
+void mukca_scales_choose(mukca_unknowns *u, mukca_evidence *evidence,
+                         const mukca_recording *recording, const mukca_normal_equations *normal)
+{
+    /* Errors of published arms: links 0.5 to 4 mm, axes 1 to 10 mrad. */
+    static const double lengths[] = {0.5e-3, 1e-3, 2e-3, 4e-3};
+    static const double angles[] = {1e-3, 2.5e-3, 5e-3, 10e-3};
+    enum { N = 4 };
+    double best = -HUGE_VAL;
+    int chosen = 0;
+    for (int i = 0; i <= N * N; i++) {
+        const int k = i < N * N ? i : chosen;
+        u->sigma_length = lengths[k / N], u->sigma_angle = angles[k % N];
+        mukca_unknowns_set_geometry_prior(u, recording);
+        mukca_unknowns_prior(evidence->prior, u);
+        if (i == N * N) break;
+        const double value = mukca_evidence_evaluate(evidence, normal, u->sigma, NULL);
+        if (value > best) best = value, chosen = k;
+    }
+    for (int c = 0; c < u->n_causes; c++)
+        if (!u->cause[c].known && !u->cause[c].sized)
+            choose_cause(u, &u->cause[c], evidence, normal);
 }
 
 /* Choose noise and its family by evidence, and the prior scales with them; returns the normal
@@ -67,14 +145,14 @@ static mukca_normal_equations *choose_noise(mukca_regression *m, mukca_fit_freed
     const int noises = u->weight || freedom == MUKCA_FIT_NOISE ? 1 : evidence->n_noises;
     double best = -HUGE_VAL, value[MUKCA_NOISES] = {0};
     if (noises > 1 && m->recording.repeats) {
-        mukca_evidence_evaluate(evidence, mukca_regression_collect_own(m), u->sigma,
+        mukca_evidence_evaluate(evidence, mukca_regression_collect(m, m->unknowns.family), u->sigma,
                                 evidence->mean);
         mukca_evidence_measure_repeats(evidence, &m->recording, &m->linear);
     }
     bool all = noises == evidence->n_noises; /* robust weights imply independent samples */
     for (int k = 0; k < noises; k++) {
         const int i = (own + k) % noises;
-        if (chosen && !mukca_noise_contends(evidence, i, best)) {
+        if (chosen && !contends(evidence, i, best)) {
             all = false;
             continue;
         }
@@ -140,8 +218,9 @@ static double advance(mukca_regression *m)
 void mukca_regression_step(mukca_regression *m, mukca_fit_freedom freedom)
 {
     mukca_unknowns_prior(m->evidence.prior, &m->unknowns);
-    const mukca_normal_equations *normal =
-        freedom == MUKCA_FIT_UNKNOWNS ? mukca_regression_collect_own(m) : choose_noise(m, freedom);
+    const mukca_normal_equations *normal = freedom == MUKCA_FIT_UNKNOWNS
+                                               ? mukca_regression_collect(m, m->unknowns.family)
+                                               : choose_noise(m, freedom);
     if (isfinite(
             mukca_evidence_evaluate(&m->evidence, normal, m->unknowns.sigma, m->evidence.mean)))
         advance(m);
@@ -162,7 +241,7 @@ void mukca_regression_fit(mukca_regression *m, int iterations, mukca_fit_freedom
         const bool choose = it == 0 ? freedom != MUKCA_FIT_UNKNOWNS
                                     : (it == 2 || weigh) && freedom == MUKCA_FIT_ALL;
         const mukca_normal_equations *normal =
-            choose ? choose_noise(m, freedom) : mukca_regression_collect_own(m);
+            choose ? choose_noise(m, freedom) : mukca_regression_collect(m, m->unknowns.family);
         if (!isfinite(mukca_evidence_evaluate(&m->evidence, normal, u->sigma, m->evidence.mean)))
             break;
         if (weigh && it + 1 < iterations) weigh_rotations(m);

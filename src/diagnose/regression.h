@@ -25,9 +25,8 @@ void mukca_regression_free(mukca_regression *m);
 /* Linearise at the present unknowns. */
 void mukca_regression_linearise(mukca_regression *m);
 
-/* Normal equations of the present columns under one family of the noise, or the present one. */
+/* Normal equations of the present columns under one family of the noise. */
 mukca_normal_equations *mukca_regression_collect(mukca_regression *m, int index);
-mukca_normal_equations *mukca_regression_collect_own(mukca_regression *m);
 
 /* Evidence of the present columns, priors and noise, as mukca_evidence_evaluate returns it;
  * m->evidence keeps the factor of the posterior precision. */
@@ -37,6 +36,17 @@ double mukca_regression_factor(mukca_regression *m);
  * evaluation. */
 double mukca_regression_standard_error(mukca_regression *m, int column, const double *direction,
                                        int terms);
+
+/* Noise sigma that maximises the evidence, near `guess` or else globally; *value (may be NULL)
+ * receives the evidence. */
+double mukca_noise_choose(mukca_evidence *evidence, const mukca_normal_equations *normal,
+                          double guess, double *value);
+
+/* Maximise the evidence at the present noise over the geometry's two scales together, then over
+ * that of each cause whose scale is open.  evidence->prior receives the prior sigmas of all
+ * columns. */
+void mukca_scales_choose(mukca_unknowns *unknowns, mukca_evidence *evidence,
+                         const mukca_recording *recording, const mukca_normal_equations *normal);
 
 /* Quantities chosen by a fit in addition to the unknowns. */
 typedef enum {

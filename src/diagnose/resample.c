@@ -3,7 +3,7 @@
  * The products of columns with residuals are sums over postures.  Each draw adds the terms of a
  * posture or subtracts them: to first order a fit to postures drawn anew (Kline and Santos, Journal
  * of Econometric Methods 1, 2012). */
-#include "diagnose/resample.h"
+#include "diagnose/scan.h"
 
 #include <math.h>
 #include <string.h>
@@ -33,8 +33,8 @@ static void draw(uint64_t *bits, const mukca_recording *r)
     }
 }
 
-double *mukca_resample(mukca_pool *pool, const mukca_scan *s, const mukca_question *question,
-                       const double *mean)
+double *mukca_scan_resample(mukca_pool *pool, const mukca_scan *s, const mukca_question *question,
+                            const double *mean)
 {
     const mukca_recording *r = &s->m->recording;
     const mukca_linearisation *linear = &s->m->linear;

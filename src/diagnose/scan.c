@@ -10,7 +10,6 @@
 
 #include "base/clones.h"
 #include "diagnose/ripple.h"
-#include "diagnose/scan_faults.h"
 #include "math/dense.h"
 #include "math/four.h"
 
@@ -32,7 +31,6 @@ bool mukca_scan_create(mukca_scan *s, mukca_pool *pool, mukca_regression *m, muk
     *s = (mukca_scan){
         .m = m,
         .all = all,
-        .capacity = all->capacity,
         .z = MUKCA_TAKE(pool, double, n),
         .prior = MUKCA_TAKE(pool, double, n),
         .inverse = MUKCA_TAKE(pool, double, pairs),
@@ -113,12 +111,14 @@ static void find_near(mukca_scan *s, int width)
         add_near(s->near, s->along + p * LD, 1, width, s->inverse[p]);
 }
 
-/* C := X'E for all stored columns, T and g of the batch. */
+/* C := X'E, and y'E behind it; T and g of the batch. */
 static void project(mukca_scan *s, const batch *b)
 {
     const mukca_recording *r = &s->m->recording;
     const mukca_linearisation *linear = &s->m->linear;
-    const int width = (b->width + 7) & ~7, n = s->n, ld = linear->stride;
+    const int width = (b->width + 7) & ~7, n = s->n, ld = linear->stride,
+              rows = r->n_samples * r->dim;
+    const mukca_columns E = {s->W, width, LD};
     memset(s->along, 0, sizeof *s->along * (size_t)(r->n_pairs * LD));
     mukca_whitening_apply(
         &(mukca_whitened){.n = b->width, .ld = LD, .x = s->E, .white = s->W, .mean = s->mean},
@@ -128,12 +128,12 @@ static void project(mukca_scan *s, const batch *b)
         for (int p = 0; p < r->n_pairs; p++)
             if (mukca_candidate_changes_pair(&s->all->list[b->index[e]], r, p))
                 s->along[p * LD + b->at[e]] = -1;
-    memset(s->C, 0, sizeof *s->C * (size_t)(ld * width));
-    mukca_dense_xty(s->C, (mukca_columns){s->white, ld, ld}, (mukca_columns){s->W, width, LD},
-                    r->n_samples * r->dim);
+    memset(s->C, 0, sizeof *s->C * (size_t)((n + 1) * width));
+    mukca_dense_xty(s->C, (mukca_columns){s->white, n, ld}, E, rows);
+    mukca_dense_xty(s->C + n * width, (mukca_columns){s->white + linear->y, 1, ld}, E, rows);
     for (int t = 0; t <= n; t++) {
         double *out = t < n ? s->T + t * LD : s->g;
-        const double *C = s->C + (t < n ? t : linear->y) * width, by = t < n ? s->prior[t] : 1;
+        const double *C = s->C + t * width, by = t < n ? s->prior[t] : 1;
         for (int k = 0; k < width; k++) out[k] = by * s->precision * C[k];
         for (int p = 0; p < r->n_pairs; p++) {
             const double w = by * s->inverse[p] * s->distance[p * (n + 1) + t];
@@ -338,7 +338,7 @@ bool mukca_scan_question(mukca_question *question, mukca_scan *s, mukca_pool *po
     const int rows = r->n_samples * r->dim, pairs = r->n_pairs;
     int columns = 0, width = 0, squares = 0, at = 0;
     for (int i = 0; i < n; i++) columns += s->all->list[index[i]].terms;
-    const int stride = (columns + 7) & ~7, all = rows + pairs + s->n;
+    const int stride = ((columns + 7) | 8) & ~7, all = rows + pairs + s->n;
     mukca_item *item = MUKCA_TAKE(pool, mukca_item, n + 1);
     for (int i = 0; i < n; i++)
         squares += s->all->list[index[i]].terms * s->all->list[index[i]].terms;

@@ -7,7 +7,7 @@
 #include "diagnose/regression.h"
 #include "infer/sets.h"
 
-enum { MUKCA_SCAN_WIDTH = 128 }; /* columns processed together */
+enum { MUKCA_SCAN_WIDTH = 120 }; /* columns processed together */
 
 /* Log prior odds against each further member of a set. */
 #define MUKCA_SET_RATE 1.5
@@ -27,7 +27,6 @@ typedef struct {
     double *rows, *u; /* [n][dim * n_samples + 8], [dim * n_samples]: for faults */
     mukca_mixture_scratch *scratch;
     double *value, *information; /* [capacity] log Bayes factors, and 1/rad^2 of a unit size */
-    int capacity;
 } mukca_scan;
 
 /* Memory comes from `pool`.  False: no memory. */
@@ -44,10 +43,21 @@ mukca_status mukca_scan_run(mukca_scan *scan, bool ripple, mukca_error *error);
 /* u[n_samples][dim]: products of the residual with columns that are not whitened.  Uses W and T. */
 void mukca_scan_residual(double *u, mukca_scan *scan);
 
+/* Score all faults among the candidates; scan->u is the residual, and overwritten.  Their columns
+ * are 0 but in a range of samples, and the same for each coordinate: sums over these samples
+ * replace products with all columns. */
+void mukca_scan_faults(mukca_scan *scan);
+
 /* Columns of candidates index[n] as a question for the search among sets; memory from `pool`.
  * False: no memory. */
 bool mukca_scan_question(mukca_question *question, mukca_scan *scan, mukca_pool *pool,
                          const int *index, int n);
+
+/* Changes of a question's products g, delta[stride][MUKCA_DRAWS], by resamplings of the postures;
+ * mean[stride]: coefficients of the set about whose residuals.  Memory comes from `pool`; NULL:
+ * none. */
+double *mukca_scan_resample(mukca_pool *pool, const mukca_scan *scan,
+                            const mukca_question *question, const double *mean);
 
 /* value[MUKCA_RIPPLE_ORDERS + 1]: log Bayes factors of the orders of ripple of a joint, from 2 on.
  * False: no memory. */

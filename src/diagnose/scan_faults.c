@@ -1,5 +1,5 @@
 /* Scores of faults of one socket or sample. */
-#include "diagnose/scan_faults.h"
+#include "diagnose/scan.h"
 
 #include <math.h>
 #include <string.h>
@@ -60,20 +60,11 @@ static void find_samples(int *from, int *to, const mukca_recording *r, const muk
 {
     const mukca_group *group = &r->groups[h->fault.group];
     const int *row = r->order + group->start;
-    int lo = 0, hi = group->count;
     *from = 0, *to = group->count;
     if (h->kind == MUKCA_CANDIDATE_CREEP) return;
-    while (lo < hi) { /* rows ascend within a group */
-        const int middle = (lo + hi) / 2;
-        if (row[middle] < h->fault.first)
-            lo = middle + 1;
-        else
-            hi = middle;
-    }
-    *from = lo;
+    while (*from < group->count && row[*from] < h->fault.first) ++*from; /* rows ascend */
     if (h->kind != MUKCA_CANDIDATE_OUTLIER) return;
-    while (hi < group->count && row[hi] <= h->fault.last) hi++;
-    *to = hi;
+    for (*to = *from; *to < group->count && row[*to] <= h->fault.last;) ++*to;
 }
 
 static void score(double *value, double *information, fault_sums *f, const mukca_candidate *h)

@@ -6,18 +6,18 @@
 
 #include "math/stats.h"
 
-void mukca_screening_add(mukca_faults *faults, const mukca_recording *recording,
+void mukca_screening_add(mukca_diagnosis *d, const mukca_recording *recording,
                          mukca_fault_kind kind, int row, double size_m)
 {
     const mukca_dataset *data = recording->data;
-    if (faults->count == MUKCA_MAX_FAULTS) return;
-    faults->list[faults->count++] = (mukca_data_fault){.kind = kind,
-                                                       .placement = recording->placement[row],
-                                                       .socket = data->socket[row],
-                                                       .row = data->row[row],
-                                                       .file = data->file[row],
-                                                       .data_row = row,
-                                                       .size_m = size_m};
+    if (d->n_faults == MUKCA_MAX_FAULTS) return;
+    d->faults[d->n_faults++] = (mukca_data_fault){.kind = kind,
+                                                  .placement = recording->placement[row],
+                                                  .socket = data->socket[row],
+                                                  .row = data->row[row],
+                                                  .file = data->file[row],
+                                                  .data_row = row,
+                                                  .size_m = size_m};
 }
 
 static double distance3(const double *a, const double *b)
@@ -53,16 +53,16 @@ static double nearest_other(const mukca_regression *m, double (*median)[3], int 
 }
 
 /* Report sample i and exclude it. */
-static void exclude(mukca_faults *faults, mukca_recording *r, mukca_fault_kind kind, int i,
+static void exclude(mukca_diagnosis *d, mukca_recording *r, mukca_fault_kind kind, int i,
                     double size)
 {
-    mukca_screening_add(faults, r, kind, r->order[i], size);
+    mukca_screening_add(d, r, kind, r->order[i], size);
     r->keep[r->order[i]] = 0;
 }
 
 /* Wrong labels, before any fit: the own socket is more than 20 mm away (several times the error of
  * any nominal geometry), and another one of the placement at less than 0.4 of that distance. */
-static void wrong_labels(mukca_faults *faults, mukca_regression *m, double *scratch)
+static void wrong_labels(mukca_diagnosis *d, mukca_regression *m, double *scratch)
 {
     mukca_recording *r = &m->recording;
     double(*median)[3] = group_medians(m, scratch);
@@ -70,44 +70,24 @@ static void wrong_labels(mukca_faults *faults, mukca_regression *m, double *scra
         for (int i = r->groups[g].start; i < r->groups[g].start + r->groups[g].count; i++) {
             const double own = distance3(m->linear.tip + 3 * i, median[g]);
             if (own > 0.02 && nearest_other(m, median, g, i) < 0.4 * own)
-                exclude(faults, r, MUKCA_FAULT_WRONG_SOCKET, i, own);
+                exclude(d, r, MUKCA_FAULT_WRONG_SOCKET, i, own);
         }
 }
 
-/* Geometric median of the predictions of a group, by Weiszfeld's iteration. */
-static void group_centre(double centre[3], const double *tip, int count)
-{
-    memset(centre, 0, 3 * sizeof *centre);
-    for (int i = 0; i < count; i++)
-        for (int c = 0; c < 3; c++) centre[c] += tip[3 * i + c] / count;
-    for (int pass = 0; pass < 6; pass++) {
-        double sum = 0, next[3] = {0, 0, 0};
-        for (int i = 0; i < count; i++) {
-            const double w = 1 / (distance3(tip + 3 * i, centre) + 1e-5);
-            sum += w;
-            for (int c = 0; c < 3; c++) next[c] += w * tip[3 * i + c];
-        }
-        for (int c = 0; c < 3; c++) centre[c] = next[c] / sum;
-    }
-}
-
-/* residual[n_samples]: distance of each sample from its socket's centre, or from its measurement.
- */
-static void residuals(double *residual, const mukca_regression *m)
+/* residual[n_samples]: distance of each sample from its socket's median, or from its measurement;
+ * the medians.  NULL: no memory. */
+static double (*residuals(double *residual, mukca_regression *m, double *scratch))[3]
 {
     const mukca_recording *r = &m->recording;
-    for (int g = 0; g < r->n_groups; g++) {
-        const mukca_group *group = &r->groups[g];
-        double centre[3];
-        if (group->socket >= 0)
-            group_centre(centre, m->linear.tip + 3 * group->start, group->count);
-        for (int i = group->start; i < group->start + group->count; i++) {
-            if (group->socket < 0)
-                mukca_unknowns_to_base(centre, &m->unknowns, r->log[r->order[i]],
+    double(*median)[3] = group_medians(m, scratch);
+    for (int g = 0; median && g < r->n_groups; g++)
+        for (int i = r->groups[g].start; i < r->groups[g].start + r->groups[g].count; i++) {
+            if (r->groups[g].socket < 0)
+                mukca_unknowns_to_base(median[g], &m->unknowns, r->log[r->order[i]],
                                        r->data->position + 3 * (size_t)r->order[i]);
-            residual[i] = distance3(centre, m->linear.tip + 3 * i);
+            residual[i] = distance3(median[g], m->linear.tip + 3 * i);
         }
-    }
+    return median;
 }
 
 static double median_of(const double *x, int n, double *scratch)
@@ -119,23 +99,25 @@ static double median_of(const double *x, int n, double *scratch)
 /* A bad seat or a lost reflector is one sample, or two.  More of them are a model that does not fit
  * if the error of all samples exceeds any noise: no sample of the only postures in which a joint
  * moved is an outlier. */
-static void judge_outliers(mukca_faults *faults, mukca_recording *r)
+static bool judge_outliers(mukca_diagnosis *d, mukca_recording *r)
 {
     double square = 0;
     int count = 0;
-    for (int f = 0; f < faults->count; f++) {
-        if (faults->list[f].kind != MUKCA_FAULT_OUTLIER) continue;
-        square += faults->list[f].size_m * faults->list[f].size_m;
+    for (int f = 0; f < d->n_faults; f++) {
+        if (d->faults[f].kind != MUKCA_FAULT_OUTLIER) continue;
+        square += d->faults[f].size_m * d->faults[f].size_m;
         count++;
     }
-    faults->misfit = count > 2 && square > 3 * r->n_samples * MUKCA_MOST_SIGMA * MUKCA_MOST_SIGMA;
-    for (int f = 0; f < faults->count && faults->misfit; f++)
-        if (faults->list[f].kind == MUKCA_FAULT_OUTLIER) r->keep[faults->list[f].data_row] = 1;
+    const bool fits =
+        count <= 2 || square <= 3 * r->n_samples * MUKCA_MOST_SIGMA * MUKCA_MOST_SIGMA;
+    for (int f = 0; f < d->n_faults && !fits; f++)
+        if (d->faults[f].kind == MUKCA_FAULT_OUTLIER) r->keep[d->faults[f].data_row] = 1;
+    return fits;
 }
 
 /* Outliers of a robust fit: close to another socket (wrong label), or to none (outlier). */
-static void outliers(mukca_faults *faults, mukca_regression *m, const double *residual,
-                     double *scratch)
+static void outliers(mukca_diagnosis *d, mukca_regression *m, const double *residual,
+                     double (*median)[3], double *scratch)
 {
     mukca_recording *r = &m->recording;
     const double usual = median_of(residual, r->n_samples, scratch);
@@ -144,15 +126,14 @@ static void outliers(mukca_faults *faults, mukca_regression *m, const double *re
     for (int i = 0; i < r->n_samples; i++) count += residual[i] > limit;
     /* too many for outliers: an effect */
     if (count > fmax(4, 0.05 * r->n_samples)) return;
-    double(*median)[3] = group_medians(m, scratch);
     for (int g = 0; median && g < r->n_groups; g++)
         for (int i = r->groups[g].start; i < r->groups[g].start + r->groups[g].count; i++) {
             if (!(residual[i] > limit)) continue;
             const double nearest = nearest_other(m, median, g, i);
             if (nearest < 0.2 * residual[i] && nearest < limit)
-                exclude(faults, r, MUKCA_FAULT_WRONG_SOCKET, i, residual[i]);
+                exclude(d, r, MUKCA_FAULT_WRONG_SOCKET, i, residual[i]);
             else if (residual[i] >= fmax(20 * usual, 6e-3))
-                exclude(faults, r, MUKCA_FAULT_OUTLIER, i, residual[i]);
+                exclude(d, r, MUKCA_FAULT_OUTLIER, i, residual[i]);
         }
 }
 
@@ -169,7 +150,7 @@ static double move_in_socket(const mukca_recording *r, int row)
 
 /* Rows recorded twice: every angle within 0.2 mrad of the preceding row, and moves are usually
  * larger. */
-static void duplicates(mukca_faults *faults, const mukca_recording *r, double *scratch)
+static void duplicates(mukca_diagnosis *d, const mukca_recording *r, double *scratch)
 {
     int moves = 0;
     if (r->repeats) return; /* by design */
@@ -182,31 +163,32 @@ static void duplicates(mukca_faults *faults, const mukca_recording *r, double *s
     for (int row = 1; row < r->data->n_rows; row++) {
         const double move = move_in_socket(r, row);
         if (r->data->file[row] == r->data->file[row - 1] && move < 2e-4 && move < 0.01 * usual)
-            mukca_screening_add(faults, r, MUKCA_FAULT_DUPLICATE, row, 0);
+            mukca_screening_add(d, r, MUKCA_FAULT_DUPLICATE, row, 0);
     }
 }
 
-void mukca_screening_run(mukca_faults *faults, mukca_regression *m)
+bool mukca_screening_run(mukca_diagnosis *d, mukca_regression *m)
 {
     mukca_recording *r = &m->recording;
     const int rows = r->data->n_rows;
     double *residual = MUKCA_TAKE(&m->pool, double, rows);
     double *scratch = MUKCA_TAKE(&m->pool, double, rows);
     double *weight = MUKCA_TAKE(&m->pool, double, rows);
-    if (!residual || !scratch || !weight) return;
-    duplicates(faults, r, scratch);
+    if (!residual || !scratch || !weight) return true;
+    duplicates(d, r, scratch);
     mukca_unknowns_set_geometry_prior(&m->unknowns, r);
     mukca_regression_linearise(m);
-    wrong_labels(faults, m, scratch);
+    wrong_labels(d, m, scratch);
     mukca_recording_regroup(r);
-    if (r->n_samples < 4) return;
+    if (r->n_samples < 4) return true;
     if (r->n_samples < rows) mukca_regression_linearise(m);
 
     for (int row = 0; row < rows; row++) weight[row] = 1;
     m->unknowns.weight = weight;
+    double(*median)[3] = NULL;
     for (int pass = 0; pass < 12; pass++) { /* iteratively reweighted, heavy-tailed loss */
         mukca_regression_step(m, pass ? MUKCA_FIT_UNKNOWNS : MUKCA_FIT_NOISE);
-        residuals(residual, m);
+        median = residuals(residual, m, scratch);
         const double scale = fmax(3 * median_of(residual, r->n_samples, scratch), 3e-4);
         double change = 0;
         for (int i = 0; i < r->n_samples; i++) {
@@ -217,33 +199,28 @@ void mukca_screening_run(mukca_faults *faults, mukca_regression *m)
         if (change < 1e-3) break;
     }
     m->unknowns.weight = NULL;
-    outliers(faults, m, residual, scratch);
-    judge_outliers(faults, r);
+    outliers(d, m, residual, median, scratch);
+    const bool fits = judge_outliers(d, r);
     mukca_recording_regroup(r);
+    return fits;
 }
 
-int mukca_screening_reinstate(mukca_faults *faults, mukca_regression *m)
+int mukca_screening_reinstate(mukca_diagnosis *d, mukca_regression *m)
 {
     mukca_recording *r = &m->recording;
     int back = 0;
-    for (int f = 0; f < faults->count; f++) {
-        mukca_data_fault *fault = &faults->list[f];
+    for (int f = 0; f < d->n_faults; f++) {
+        mukca_data_fault *fault = &d->faults[f];
         const bool was_cut =
             fault->kind == MUKCA_FAULT_OUTLIER || fault->kind == MUKCA_FAULT_WRONG_SOCKET;
         if (!was_cut || fault->socket < 0 || r->keep[fault->data_row]) continue;
-        double p[3], centre[3] = {0, 0, 0};
-        int n = 0;
+        const int g = fault->socket + (r->groups[0].socket < 0); /* behind a pose log */
+        double p[3];
         mukca_unknowns_predict(p, &m->unknowns, r, fault->data_row);
-        for (int i = 0; i < r->n_samples; i++)
-            if (r->data->socket[r->order[i]] == fault->socket) {
-                for (int c = 0; c < 3; c++) centre[c] += m->linear.tip[3 * i + c];
-                n++;
-            }
-        for (int c = 0; c < 3; c++) centre[c] /= n ? n : 1;
-        const double distance = distance3(p, centre);
-        if (n && distance < fmax(8 * m->unknowns.sigma, 0.25 * fault->size_m)) {
+        const double distance = distance3(p, m->linear.mean[g]);
+        if (r->groups[g].count && distance < fmax(8 * m->unknowns.sigma, 0.25 * fault->size_m)) {
             r->keep[fault->data_row] = 1;
-            *fault = faults->list[--faults->count];
+            *fault = d->faults[--d->n_faults];
             f--, back++;
         } else {
             fault->size_m = distance;

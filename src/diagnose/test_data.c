@@ -1,6 +1,5 @@
 /* Errors on test data, which no fit uses (--test). */
-#include "diagnose/test_data.h"
-
+#include "diagnose/cross_validation.h"
 #include "diagnose/folds.h"
 #include "diagnose/logs.h"
 
@@ -39,9 +38,8 @@ static bool carry_causes(mukca_regression *t, const mukca_regression *m)
     return true;
 }
 
-mukca_status mukca_test_data_measure(mukca_test_errors *errors, mukca_pool *pool,
-                                     const mukca_regression *m,
-                                     const mukca_arm_state *geometry_only,
+mukca_status mukca_test_data_measure(mukca_diagnosis *d, double *of_geometry,
+                                     const mukca_regression *m, const mukca_arm_state *geometry,
                                      const mukca_dataset *test, mukca_error *error)
 {
     /* states only, without columns: predictions use the fitted unknowns */
@@ -63,33 +61,32 @@ mukca_status mukca_test_data_measure(mukca_test_errors *errors, mukca_pool *pool
         goto out;
     }
     double *position = MUKCA_TAKE(&t->pool, double, 3 * rows);
-    double *row_error = NULL;
+    double *row_error = MUKCA_TAKE(&t->pool, double, rows);
     arm[0] = mukca_unknowns_nominal_arm(&m->unknowns, m->recording.chain);
     arm[1] = mukca_unknowns_arm(&m->unknowns);
-    const mukca_arm_state *const step[3] = {&arm[0], geometry_only, &arm[1]};
-    double *const result[3] = {&errors->nominal_m, &errors->geometry_m, &errors->explained_m};
-    mukca_unknowns_set_arm(&t->unknowns, geometry_only);
+    const mukca_arm_state *const step[3] = {&arm[0], geometry, &arm[1]};
+    double *const result[3] = {&d->test_nominal_m, &d->test_geometry_m, &d->test_explained_m};
+    mukca_unknowns_set_arm(&t->unknowns, geometry);
     const int untrained = mukca_logs_match(t, m);
-    errors->n_placements = test->n_placements;
-    errors->placement_m = MUKCA_TAKE(pool, double, test->n_placements + 1);
-    errors->before_m = MUKCA_TAKE(pool, double, rows);
-    errors->of_geometry_m = MUKCA_TAKE(pool, double, rows);
-    errors->after_m = MUKCA_TAKE(pool, double, rows);
-    double *const rows_of[3] = {errors->before_m, errors->of_geometry_m, errors->after_m};
-    for (int s = 0; s < 3 && !t->pool.failed && !pool->failed; s++) {
+    d->n_test_placements = test->n_placements;
+    d->test_placement_mae_m = MUKCA_TAKE(&d->pool, double, test->n_placements + 1);
+    d->before_m = MUKCA_TAKE(&d->pool, double, rows);
+    d->after_m = MUKCA_TAKE(&d->pool, double, rows);
+    double *const rows_of[3] = {d->before_m, of_geometry ? of_geometry : row_error, d->after_m};
+    for (int s = 0; s < 3 && !t->pool.failed && !d->pool.failed; s++) {
         if (s == 2 && !carry_causes(t, m)) break;
         row_error = rows_of[s];
         mukca_unknowns_set_arm(&t->unknowns, step[s]);
         mukca_logs_place_targets(t, untrained);
         for (int row = 0; row < rows; row++)
-            mukca_unknowns_predict_measured(position + 3 * row, &t->unknowns, &t->recording, row);
+            mukca_unknowns_predict(position + 3 * row, &t->unknowns, &t->recording, row);
         mukca_folds_errors(row_error, t, position, t->recording.keep, false);
         *result[s] = mukca_folds_mean(row_error, rows);
     }
-    if (t->pool.failed || pool->failed)
+    if (t->pool.failed || d->pool.failed)
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d held-out rows", rows);
     else
-        mukca_folds_by_placement(errors->placement_m, &t->recording, row_error);
+        mukca_folds_by_placement(d->test_placement_mae_m, &t->recording, row_error);
 out:
     mukca_regression_free(t);
     mukca_pool_free(&scratch);

@@ -269,27 +269,19 @@ void mukca_unknowns_predict(double position[3], const mukca_unknowns *u,
 {
     const int n_joints = recording->chain->n_joints, log = recording->log[row];
     const double *q = recording->data->q + (size_t)row * (size_t)n_joints;
+    const mukca_frame *tracker = &u->log.tracker[log];
     mukca_displacement d;
+    mukca_frame tip;
     mukca_unknowns_displacement(&d, u, n_joints, row);
     if (log == 0 || u->n_targets < 2) {
-        mukca_fk_position(position, &u->geometry, q, u->n_causes ? &d : NULL);
-        return;
+        mukca_fk_position(tip.p, &u->geometry, q, u->n_causes ? &d : NULL);
+    } else {
+        mukca_fk_pose(&tip, &u->geometry, q, u->n_causes ? &d : NULL);
+        mukca_frame_multiply(&tip, &tip, &u->log.shift[log]);
     }
-    mukca_frame tip;
-    mukca_fk_pose(&tip, &u->geometry, q, u->n_causes ? &d : NULL);
-    mukca_frame_multiply(&tip, &tip, &u->log.shift[log]);
     memcpy(position, tip.p, sizeof tip.p);
-}
-
-void mukca_unknowns_predict_measured(double position[3], const mukca_unknowns *u,
-                                     const mukca_recording *recording, int row)
-{
-    double p[3];
-    mukca_unknowns_predict(p, u, recording, row);
-    memcpy(position, p, sizeof p);
     if (recording->data->socket[row] >= 0) return;
-    const mukca_frame *tracker = &u->log.tracker[recording->log[row]];
-    mukca_mat3_vec(position, tracker->R, p);
+    mukca_mat3_vec(position, tracker->R, tip.p);
     for (int c = 0; c < 3; c++) position[c] += tracker->p[c];
 }
 

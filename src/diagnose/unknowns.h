@@ -103,13 +103,10 @@ void mukca_unknowns_drop(mukca_unknowns *unknowns, int cause);
 void mukca_unknowns_displacement(mukca_displacement *displacement, const mukca_unknowns *unknowns,
                                  int n_joints, int row);
 
-/* Predicted tip of a row with the present geometry and causes, m: in the base frame, or in the
- * frame of the measurement (of a pose log: the tracker's). */
+/* Predicted tip of a row with the present geometry and causes, m: in the base frame; of a pose log
+ * in the frame of its measurement, the tracker's. */
 void mukca_unknowns_predict(double position[3], const mukca_unknowns *unknowns,
                             const mukca_recording *recording, int row);
-
-void mukca_unknowns_predict_measured(double position[3], const mukca_unknowns *unknowns,
-                                     const mukca_recording *recording, int row);
 
 /* Transform a measured position (m) of a log to the base frame. */
 void mukca_unknowns_to_base(double position[3], const mukca_unknowns *unknowns, int log,

@@ -1,5 +1,5 @@
 /* Tested effects, detection limits, and effects that are not testable. */
-#include "diagnose/untested.h"
+#include "diagnose/cause.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -12,23 +12,23 @@
 #define MOST_ANGLE 10e-3
 #define MOST_LENGTH 20e-3
 
-static bool listed(const mukca_tested_list *tested, int kind, int joint)
+static bool listed(const mukca_diagnosis *d, int kind, int joint)
 {
-    for (int t = 0; t < tested->count; t++)
-        if ((int)tested->list[t].effect == kind && tested->list[t].joint == joint) return true;
+    for (int t = 0; t < d->n_tested; t++)
+        if ((int)d->tested[t].effect == kind && d->tested[t].joint == joint) return true;
     return false;
 }
 
-static void add(mukca_tested_list *tested, int kind, int joint, const char *why)
+static void add(mukca_diagnosis *d, int kind, int joint, const char *why)
 {
-    if (tested->count == MUKCA_MAX_TESTED) return;
-    tested->list[tested->count++] = (mukca_tested){.effect = (mukca_effect_kind)kind,
-                                                   .joint = joint,
-                                                   .log_bayes_factor = NAN,
-                                                   .log_odds = NAN,
-                                                   .limit = NAN,
-                                                   .testable = false,
-                                                   .why = why};
+    if (d->n_tested == MUKCA_MAX_TESTED) return;
+    d->tested[d->n_tested++] = (mukca_tested){.effect = (mukca_effect_kind)kind,
+                                              .joint = joint,
+                                              .log_bayes_factor = NAN,
+                                              .log_odds = NAN,
+                                              .limit = NAN,
+                                              .testable = false,
+                                              .why = why};
 }
 
 static int by_odds(const void *a, const void *b)
@@ -38,7 +38,7 @@ static int by_odds(const void *a, const void *b)
 }
 
 /* Add the effects without a candidate, as a whole or at a joint. */
-static void add_missing(mukca_tested_list *tested, const mukca_candidates *all)
+static void add_missing(mukca_diagnosis *d, const mukca_candidates *all)
 {
     const mukca_effect_survey *survey = &all->survey;
     for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++) {
@@ -47,30 +47,30 @@ static void add_missing(mukca_tested_list *tested, const mukca_candidates *all)
         const char *why = kind == MUKCA_EFFECT_GEAR_HARMONIC && !all->harmonics
                               ? "excluded on request"
                               : all->missing[kind];
-        if (why) add(tested, kind, -1, why);
+        if (why) add(d, kind, -1, why);
         for (int j = 0; !why && mukca_effect_has_joint(kind) && j < survey->n_joints; j++)
-            if ((survey->joint[j].turns || !turning) && !listed(tested, kind, j))
-                add(tested, kind, j, mukca_effect_untested((mukca_effect_kind)kind, survey, j));
+            if ((survey->joint[j].turns || !turning) && !listed(d, kind, j))
+                add(d, kind, j, mukca_effect_untested((mukca_effect_kind)kind, survey, j));
     }
 }
 
-void mukca_untested_list(mukca_tested_list *tested, const mukca_identification *id)
+void mukca_untested_list(mukca_diagnosis *d, const mukca_identification *id)
 {
     double most[MUKCA_MAX_TESTED] = {0}; /* information of the best member */
-    tested->count = 0;
+    d->n_tested = 0;
     for (int i = 0; i < id->n_first; i++) { /* members of an effect at a joint together */
         const mukca_candidate *h = &id->all.list[i];
         const int class = mukca_candidate_class(h);
         const double log_bayes = id->first_value[i], odds = log_bayes + h->log_prior;
         int t = 0;
         if (class >= MUKCA_EFFECT_COUNT || !(log_bayes > -HUGE_VAL)) continue;
-        while (t < tested->count &&
-               ((int)tested->list[t].effect != class || tested->list[t].joint != h->joint))
+        while (t < d->n_tested &&
+               ((int)d->tested[t].effect != class || d->tested[t].joint != h->joint))
             t++;
         if (t == MUKCA_MAX_TESTED) continue;
-        mukca_tested *of = &tested->list[t];
-        if (t == tested->count) {
-            tested->count++;
+        mukca_tested *of = &d->tested[t];
+        if (t == d->n_tested) {
+            d->n_tested++;
             *of = (mukca_tested){.effect = (mukca_effect_kind) class,
                                  .joint = h->joint,
                                  .log_bayes_factor = -HUGE_VAL,
@@ -81,8 +81,8 @@ void mukca_untested_list(mukca_tested_list *tested, const mukca_identification *
         const double hi = fmax(of->log_odds, odds), lo = fmin(of->log_odds, odds);
         of->log_odds = lo > -HUGE_VAL ? hi + log1p(exp(lo - hi)) : hi;
     }
-    for (int t = 0; t < tested->count; t++) {
-        mukca_tested *of = &tested->list[t];
+    for (int t = 0; t < d->n_tested; t++) {
+        mukca_tested *of = &d->tested[t];
         const int class = (int)of->effect;
         of->limit = sqrt(2 * LEAST_EVIDENCE / fmax(most[t], 1e-12));
         const bool length = mukca_effect_table[class]->site == MUKCA_SITE_TIP ||
@@ -90,12 +90,12 @@ void mukca_untested_list(mukca_tested_list *tested, const mukca_identification *
         of->testable = of->limit < (length ? MOST_LENGTH : MOST_ANGLE);
         of->why = of->testable ? NULL : mukca_effect_faint(of->effect, of->joint);
     }
-    qsort(tested->list, (size_t)tested->count, sizeof *tested->list, by_odds);
-    add_missing(tested, &id->all);
+    qsort(d->tested, (size_t)d->n_tested, sizeof *d->tested, by_odds);
+    add_missing(d, &id->all);
 }
 
-void mukca_untested_all(mukca_tested_list *tested, const char *why)
+void mukca_untested_all(mukca_diagnosis *d, const char *why)
 {
-    tested->count = 0;
-    for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++) add(tested, kind, -1, why);
+    d->n_tested = 0;
+    for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++) add(d, kind, -1, why);
 }

@@ -1,17 +1,14 @@
 /* The verdict on the identified sets of causes: names, unexplained structure, location. */
-#include "diagnose/verdict.h"
+#include "diagnose/cause.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "diagnose/cause.h"
-
 /* Least size of an outlier that is reported as a fault, in sigmas of the noise. */
 #define OUTLIER_SIGMAS 12
 
-static void add_outlier(mukca_faults *faults, const mukca_regression *m,
-                        const mukca_accepted *cause)
+static void add_outlier(mukca_diagnosis *d, const mukca_regression *m, const mukca_accepted *cause)
 {
     const double size = sqrt(mukca_dot3(cause->coefficient, cause->coefficient));
     if (size > OUTLIER_SIGMAS * m->unknowns.sigma)
@@ -19,7 +16,7 @@ static void add_outlier(mukca_faults *faults, const mukca_regression *m,
              row <= (cause->candidate.fault.settles ? cause->candidate.fault.first
                                                     : cause->candidate.fault.last);
              row++)
-            mukca_screening_add(faults, &m->recording, MUKCA_FAULT_OUTLIER, row, size);
+            mukca_screening_add(d, &m->recording, MUKCA_FAULT_OUTLIER, row, size);
 }
 
 /* Widen range[2] to all angles at which an unknown function of a joint's angle deviates from its
@@ -58,7 +55,7 @@ static int by_share(const void *a, const void *b)
 
 /* Share of each joint: in the sets with unknown functions, if these are probable, else in the
  * evidence for the listed causes. */
-static void find_where(mukca_findings *findings, const mukca_identification *id, bool unknown)
+static void find_where(mukca_diagnosis *d, const mukca_identification *id, bool unknown)
 {
     const mukca_regression *m = id->m;
     double share[MUKCA_MAX_JOINTS] = {0}, total = 0;
@@ -68,10 +65,9 @@ static void find_where(mukca_findings *findings, const mukca_identification *id,
             if (mukca_candidate_class(h) == MUKCA_CLASS_UNKNOWN && h->joint >= 0)
                 share[h->joint] += id->set[i].weight;
         }
-    for (int c = 0; c < findings->n_causes && !unknown; c++)
-        if (findings->causes[c].effect.joint >= 0)
-            share[findings->causes[c].effect.joint] +=
-                fmax(findings->causes[c].log_bayes_factor, 0);
+    for (int c = 0; c < d->n_causes && !unknown; c++)
+        if (d->causes[c].effect.joint >= 0)
+            share[d->causes[c].effect.joint] += fmax(d->causes[c].log_bayes_factor, 0);
     for (int j = 0; j < m->recording.chain->n_joints; j++) total += share[j];
     for (int j = 0; j < m->recording.chain->n_joints; j++) {
         if (!(share[j] > 0)) continue;
@@ -80,10 +76,10 @@ static void find_where(mukca_findings *findings, const mukca_identification *id,
             if (m->unknowns.cause[c].candidate.joint == j)
                 widen_by_unknown(range, &m->recording, &m->unknowns.cause[c]);
         if (range[0] > range[1]) mukca_recording_travel(range, &m->recording, j);
-        findings->where[findings->n_where++] =
+        d->where[d->n_where++] =
             (mukca_where){.joint = j, .share = share[j] / total, .range_rad = {range[0], range[1]}};
     }
-    qsort(findings->where, (size_t)findings->n_where, sizeof *findings->where, by_share);
+    qsort(d->where, (size_t)d->n_where, sizeof *d->where, by_share);
 }
 
 static int by_evidence(const void *a, const void *b)
@@ -111,11 +107,11 @@ static const mukca_causes *choose_set(const mukca_identification *id)
     return &id->set[0];
 }
 
-static int likeliest(const mukca_findings *findings)
+static int likeliest(const mukca_diagnosis *d)
 {
     int best = 0;
-    for (int i = 1; i < findings->n_causes; i++)
-        if (findings->causes[i].probability > findings->causes[best].probability) best = i;
+    for (int i = 1; i < d->n_causes; i++)
+        if (d->causes[i].probability > d->causes[best].probability) best = i;
     return best;
 }
 
@@ -134,11 +130,11 @@ static void probability_of(double p[2], const mukca_identification *id, int clas
     }
 }
 
-static void list_sets(mukca_findings *findings, const mukca_identification *id)
+static void list_sets(mukca_diagnosis *d, const mukca_identification *id)
 {
     const mukca_dataset *data = id->m->recording.data;
     for (int i = 0; i < id->n_sets && i < MUKCA_MAX_SETS; i++) {
-        mukca_cause_set *out = &findings->sets[findings->n_sets++];
+        mukca_cause_set *out = &d->sets[d->n_sets++];
         *out = (mukca_cause_set){.probability = id->set[i].weight, .n = id->set[i].n};
         for (int k = 0; k < out->n; k++) {
             const mukca_candidate *h = &id->all.list[id->set[i].candidate[k]];
@@ -151,7 +147,18 @@ static void list_sets(mukca_findings *findings, const mukca_identification *id)
     }
 }
 
-void mukca_verdict_reach(mukca_findings *findings, mukca_faults *faults, mukca_identification *id)
+static void part_suspected(mukca_diagnosis *d)
+{
+    const int n = d->n_causes;
+    d->n_causes = 0;
+    for (int c = 0; c < n; c++)
+        if (d->causes[c].suspected)
+            d->suspected[d->n_suspected++] = d->causes[c];
+        else
+            d->causes[d->n_causes++] = d->causes[c];
+}
+
+void mukca_verdict_reach(mukca_diagnosis *d, mukca_identification *id)
 {
     mukca_regression *m = id->m;
     const mukca_unknowns *u = &m->unknowns;
@@ -163,45 +170,45 @@ void mukca_verdict_reach(mukca_findings *findings, mukca_faults *faults, mukca_i
                unknown = fmax(beyond[0], beyond[1]) >= MUKCA_LISTED;
     bool sure = true;
     int listed = 0, on_arm = 0;
-    memset(findings, 0, sizeof *findings);
     if (best != &id->set[0]) mukca_identify_fit(id, best);
     mukca_regression_factor(m); /* intervals are those of the full model */
-    findings->structure = -HUGE_VAL;
+    d->structure = -HUGE_VAL;
     for (int c = 0; c < best->n; c++)
         if (mukca_candidate_class(&id->all.list[best->candidate[c]]) == MUKCA_CLASS_UNKNOWN)
-            findings->structure = fmax(findings->structure, mukca_cause_gain(id, best, c));
+            d->structure = fmax(d->structure, mukca_cause_gain(id, best, c));
     for (int c = 0; c < u->n_causes; c++) {
         const mukca_candidate *h = &u->cause[c].candidate;
-        mukca_cause *cause = &findings->causes[findings->n_causes];
+        mukca_cause *cause = &d->causes[d->n_causes];
         const int class = mukca_candidate_class(h);
-        if (class == MUKCA_CLASS_OUTLIER) add_outlier(faults, m, &u->cause[c]);
+        if (class == MUKCA_CLASS_OUTLIER) add_outlier(d, m, &u->cause[c]);
         /* with its indistinguishable rivals */
         const double probability = id->probability[id->name[best->candidate[c]]];
-        if (class >= MUKCA_EFFECT_COUNT || findings->n_causes == MUKCA_MAX_CAUSES ||
+        if (class >= MUKCA_EFFECT_COUNT || d->n_causes == MUKCA_MAX_CAUSES ||
             probability < MUKCA_SUSPECTED)
             continue;
         mukca_cause_describe(cause, id, best, c);
         /* other causes may turn a sign that physics excludes */
         if (mukca_effect_table[class]->nonnegative && !(cause->amplitude > 0)) continue;
-        findings->n_causes++;
+        d->n_causes++;
         cause->suspected = probability < MUKCA_LISTED;
         if (cause->suspected) continue;
         const bool moved = mukca_effect_table[class]->site == MUKCA_SITE_SOCKET;
         if (moved)
-            mukca_screening_add(faults, &m->recording, MUKCA_FAULT_TOOL_MOTION, h->fault.first,
+            mukca_screening_add(d, &m->recording, MUKCA_FAULT_TOOL_MOTION, h->fault.first,
                                 cause->amplitude);
         listed++;
         on_arm += !moved;
         sure &= cause->probability >= 1 - MUKCA_DOUBT && !cause->n_ties && !cause->or_unknown;
     }
-    qsort(findings->causes, (size_t)findings->n_causes, sizeof *findings->causes, by_evidence);
-    if (any && !unknown && !listed && findings->n_causes) /* one of several: the likeliest */
-        findings->causes[likeliest(findings)].suspected = false, listed++, sure = false;
-    find_where(findings, id, unknown);
-    list_sets(findings, id);
-    findings->verdict = !any || !(listed || unknown) ? MUKCA_VERDICT_NONE
-                        : unknown && !on_arm         ? MUKCA_VERDICT_UNKNOWN
-                        : listed && sure             ? MUKCA_VERDICT_NAMED
-                                                     : MUKCA_VERDICT_TIED;
-    findings->unexplained = unknown && listed;
+    qsort(d->causes, (size_t)d->n_causes, sizeof *d->causes, by_evidence);
+    if (any && !unknown && !listed && d->n_causes) /* one of several: the likeliest */
+        d->causes[likeliest(d)].suspected = false, listed++, sure = false;
+    find_where(d, id, unknown);
+    list_sets(d, id);
+    part_suspected(d);
+    d->verdict = !any || !(listed || unknown) ? MUKCA_VERDICT_NONE
+                 : unknown && !on_arm         ? MUKCA_VERDICT_UNKNOWN
+                 : listed && sure             ? MUKCA_VERDICT_NAMED
+                                              : MUKCA_VERDICT_TIED;
+    d->unexplained = unknown && listed;
 }

@@ -4,9 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "diagnose/applied.h"
+#include "diagnose/cross_validation.h"
 #include "diagnose/folds.h"
-#include "diagnose/test_data.h"
 
 /* Prior sigma of a coefficient unknown to the fleet, rad/(N m): typical sizes of
  * mukca_sizes_spring. */
@@ -133,12 +132,11 @@ static mukca_status take_over(task *t, mukca_diagnosis *d, mukca_error *error)
     if (t->options->folds && d->folds > 1)
         t->adoption->explained_m = d->explained_m = held_out(t, d);
     if (t->options->test) {
-        mukca_test_errors errors;
+        const double geometry_m = d->test_geometry_m; /* of the arm by itself */
         const mukca_arm_state arm = mukca_unknowns_arm(&m->unknowns);
-        status = mukca_test_data_measure(&errors, &d->pool, m, &arm, t->options->test, error);
-        t->adoption->test_explained_m = d->test_explained_m = errors.explained_m;
-        d->test_placement_mae_m = errors.placement_m;
-        d->after_m = errors.after_m;
+        status = mukca_test_data_measure(d, NULL, m, &arm, t->options->test, error);
+        d->test_geometry_m = geometry_m;
+        t->adoption->test_explained_m = d->test_explained_m;
     }
     if (t->options->applied) {
         memset(&d->applied, 0, sizeof d->applied);

@@ -22,9 +22,8 @@ enum {
     PAIRED = 10,
     FROM = 3, /* best swaps that are extended by a second item */
     SWEEPS = 3,
-    NEAR = 3,      /* columns of most blocks */
-    TOGETHER = 64, /* columns whose rows of the Gram matrix are computed together */
-    FEW = 8        /* single blocks of an item before its row of the Gram matrix is computed */
+    NEAR = 3,     /* columns of most blocks */
+    TOGETHER = 72 /* columns whose rows of the Gram matrix are computed together */
 };
 
 /* Compute the rows of the Gram matrix of these items, as many of them together as fit.  False: no
@@ -63,42 +62,14 @@ static bool find_rows(mukca_sets *s, const unsigned short *item, int n)
     return true;
 }
 
-/* Gram block G[a.terms][b.terms] of two items, from their columns. */
-static void multiply(double *G, mukca_sets *s, int a, int b)
-{
-    const mukca_question *q = s->question;
-    const mukca_item *x = &q->item[a], *y = &q->item[b];
-    const int rows = q->n_rows - q->n_projected;
-    const double *E = q->E + (size_t)rows * (size_t)q->stride;
-    double *P = s->scratch->D;
-    memset(G, 0, sizeof *G * (size_t)(x->terms * y->terms));
-    memset(P, 0, sizeof *P * (size_t)(x->terms * y->terms));
-    mukca_dense_xty(G, (mukca_columns){q->E + x->at, x->terms, q->stride},
-                    (mukca_columns){q->E + y->at, y->terms, q->stride}, rows);
-    mukca_dense_xty(P, (mukca_columns){E + x->at, x->terms, q->stride},
-                    (mukca_columns){E + y->at, y->terms, q->stride}, q->n_projected);
-    for (int i = 0; i < x->terms * y->terms; i++) G[i] -= P[i];
-}
-
-static double *own_block(mukca_sets *s, int item)
-{
-    const int k = s->question->item[item].terms;
-    double *G = MUKCA_TAKE(s->pool, double, k *k);
-    if (G) multiply(G, s, item, item);
-    return G;
-}
-
-/* The same block, from a row of the Gram matrix if there is one. */
+/* Gram block G[a.terms][b.terms] of two items; without memory 0. */
 static void cross(double *G, mukca_sets *s, int a, int b)
 {
     const mukca_question *q = s->question;
     const mukca_item *x = &q->item[a], *y = &q->item[b];
-    if (!s->gram[a] && !s->gram[b] && s->crossed[a]++ == FEW)
-        find_rows(s, &(unsigned short){(unsigned short)a}, 1);
-    if (!s->gram[a] && !s->gram[b]) {
-        multiply(G, s, a, b);
+    memset(G, 0, sizeof *G * (size_t)(x->terms * y->terms));
+    if (!s->gram[a] && !s->gram[b] && !find_rows(s, &(unsigned short){(unsigned short)a}, 1))
         return;
-    }
     for (int i = 0; i < x->terms; i++)
         for (int k = 0; k < y->terms; k++)
             G[i * y->terms + k] = s->gram[a] ? s->gram[a][i * q->stride + y->at + k]
@@ -125,18 +96,18 @@ bool mukca_sets_create(mukca_sets *s, mukca_pool *pool, const mukca_question *q)
         .row = MUKCA_TAKE(pool, double, TOGETHER *(q->stride + 1)),
         .left = MUKCA_TAKE(pool, double, TOGETHER *(q->n_rows + MUKCA_SET_COLUMNS)),
         .scratch = MUKCA_TAKE(pool, mukca_mixture_scratch, 1),
-        .crossed = MUKCA_TAKE(pool, unsigned char, q->n_items + 1),
-        .with = {.V = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *MUKCA_SET_COLUMNS),
-                 .inverse = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *MUKCA_SET_COLUMNS),
+        .with = {.inverse = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *MUKCA_SET_COLUMNS),
                  .x = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS),
                  .L = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *MUKCA_SET_COLUMNS),
                  .v = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS),
                  .B = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *(q->stride + 1) + NEAR)}};
     if (pool->failed) return false;
-    for (int i = 0, at = 0; i < q->n_items; at += q->item[i].terms * q->item[i].terms, i++)
-        s->block[i] = q->block ? q->block + at : NULL;
-    for (int i = 0; i < q->n_items && !q->block; i++)
-        if (!(s->block[i] = own_block(s, i))) return false;
+    double *block = q->block ? q->block : MUKCA_TAKE(pool, double, squares + 1);
+    for (int i = 0; i < q->n_items && block; block += q->item[i].terms * q->item[i].terms, i++) {
+        s->block[i] = block;
+        if (!q->block) cross(block, s, i, i);
+    }
+    if (pool->failed) return false;
     memset(s->table, -1, sizeof *s->table * TABLE);
     mukca_sets_insert(s, NULL, NULL, 0);
     return true;
@@ -181,27 +152,39 @@ static bool integrate(mukca_sets *s, const mukca_set *set, double *log_det)
     return true;
 }
 
-/* V := (1 + D G D)^-1 and x := V D g of the set integrated out. */
-MUKCA_CLONES static void invert(mukca_sets *s)
+/* Row stride of the inverse factor. */
+static int padded(const mukca_sets *s)
 {
-    const int n = s->with.n;
+    return (s->with.n + 7) & ~7;
+}
+
+/* T := L^-1 and x := V D g of the set integrated out, V = T'T = (1 + D G D)^-1. */
+static void invert(mukca_sets *s)
+{
+    const int n = s->with.n, ld = padded(s);
     double *T = s->with.inverse;
-    memset(T, 0, sizeof *T * (size_t)(n * n));
-    for (int i = 0; i < n; i++) T[i * n + i] = 1;
-    mukca_dense_forward(T, n, s->with.L, n);
-    memset(s->with.V, 0, sizeof *T * (size_t)(n * n));
-    mukca_dense_syrk(s->with.V, n, T, n, n);
+    memset(T, 0, sizeof *T * (size_t)(n * ld));
+    for (int i = 0; i < n; i++) T[i * ld + i] = 1;
+    mukca_dense_forward8(T, ld, ld, s->with.L, n);
     memcpy(s->with.x, s->with.v, sizeof *T * (size_t)n);
     mukca_dense_backward(s->with.x, 1, s->with.L, n);
+}
+
+/* Columns of T of a member; the rows above its own are 0. */
+static mukca_columns inverse_of(const mukca_sets *s, int member, int terms)
+{
+    const int ld = padded(s), at = s->with.at[member];
+    return (mukca_columns){s->with.inverse + at * ld + at, terms, ld};
 }
 
 /* With a member left out of the set, its block of V^-1 is that of 1 + D G' D with the others
  * integrated out.  M M' := the block of V, w := M^-1 x.  False: not positive. */
 static bool leave_out(double *M, double *w, const mukca_sets *s, int member, int terms)
 {
-    const int n = s->with.n, at = s->with.at[member];
-    for (int i = 0; i < terms; i++)
-        memcpy(M + i * terms, s->with.V + (at + i) * n + at, sizeof *M * (size_t)terms);
+    const mukca_columns T = inverse_of(s, member, terms);
+    const int at = s->with.at[member];
+    memset(M, 0, sizeof *M * (size_t)(terms * terms));
+    mukca_dense_symmetric(M, T, T, s->with.n - at);
     if (mukca_dense_cholesky(M, terms)) return false;
     memcpy(w, s->with.x + at, sizeof *w * (size_t)terms);
     mukca_dense_forward(w, 1, M, terms);
@@ -241,21 +224,7 @@ static double score_member(double *by_size, const mukca_sets *s, const mukca_set
                                   s->question->dof, s->scratch);
 }
 
-/* B := L^-1 D G for the set integrated out and one item. */
-static void condition_item(mukca_sets *s, const mukca_set *set, int item)
-{
-    const mukca_question *q = s->question;
-    const int terms = q->item[item].terms;
-    for (int m = 0, row = 0; m < set->n; m++) {
-        double *B = s->with.B + row * terms;
-        cross(B, s, set->item[m], item);
-        for (int t = 0; t < q->item[set->item[m]].terms; t++, row++)
-            for (int k = 0; k < terms; k++) *B++ *= s->with.size[row];
-    }
-    mukca_dense_forward(s->with.B, terms, s->with.L, s->with.n);
-}
-
-/* The same for all items.  False: no memory. */
+/* B := L^-1 D G for the set integrated out and all items.  False: no memory. */
 static bool condition_all(mukca_sets *s, const mukca_set *set)
 {
     const mukca_question *q = s->question;
@@ -288,29 +257,16 @@ MUKCA_CLONES static void project_near(double *near, double *g, const mukca_sets 
     }
 }
 
-/* G[k][k] of an item given the set integrated out, whose B has the item at column `at`. */
-MUKCA_CLONES static void project(double *G, const mukca_sets *s, int item, int at, int ld)
-{
-    const int k = s->question->item[item].terms;
-    memcpy(G, s->block[item], sizeof *G * (size_t)(k * k));
-    for (int i = 0; i < s->with.n; i++) {
-        const double *b = s->with.B + (size_t)i * (size_t)ld + at;
-        for (int a = 0; a < k; a++)
-            for (int c = 0; c < k; c++) G[a * k + c] -= b[a] * b[c];
-    }
-}
-
-/* Evidence of an item whose columns alone are in B. */
-static double score(double *by_size, const mukca_sets *s, int item)
+/* G[k][k] of an item given the set integrated out. */
+static void project(double *G, const mukca_sets *s, int item)
 {
     const mukca_item *h = &s->question->item[item];
-    double *G = s->scratch->A, g[MUKCA_MOST_TERMS];
-    project(G, s, item, 0, h->terms);
-    memcpy(g, s->question->g + h->at, sizeof *g * (size_t)h->terms);
-    for (int i = 0; i < s->with.n; i++)
-        for (int a = 0; a < h->terms; a++) g[a] -= s->with.v[i] * s->with.B[i * h->terms + a];
-    return mukca_mixture_evidence(by_size, G, g, h->terms, &h->prior, s->with.rest,
-                                  s->question->dof, s->scratch);
+    const int k = h->terms;
+    const mukca_columns B = {s->with.B + h->at, k, s->question->stride};
+    double *explained = s->scratch->D;
+    memset(explained, 0, sizeof *G * (size_t)(k * k));
+    mukca_dense_symmetric(explained, B, B, s->with.n);
+    for (int i = 0; i < k * k; i++) G[i] = s->block[item][i] - explained[i];
 }
 
 static int largest(const double *x, int n)
@@ -486,7 +442,7 @@ static bool condition(mukca_sets *s, const mukca_set *set)
     for (int i = 0; i < q->n_items; i++) {
         const mukca_item *h = &q->item[i];
         const int k = h->terms;
-        if (k > NEAR) project(G, s, i, h->at, q->stride);
+        if (k > NEAR) project(G, s, i);
         for (int a = 0; a < k && k <= NEAR; a++)
             for (int c = 0; c <= a; c++)
                 G[a * k + c] = G[c * k + a] =
@@ -553,13 +509,19 @@ MUKCA_CLONES static void score_all(mukca_sets *s, const mukca_set *set, const va
     }
 }
 
+bool mukca_sets_weigh(mukca_sets *s, const mukca_set *set)
+{
+    if (!condition(s, set)) return false;
+    score_all(s, set, &(vacancy){0});
+    memcpy(s->alone, s->value, sizeof *s->alone * (size_t)s->question->n_items);
+    return true;
+}
+
 /* Extend a set by one item. */
 static void extend(mukca_sets *s, int index, int most)
 {
     const mukca_set set = s->set[index];
-    if (!condition(s, &set)) return;
-    score_all(s, &set, &(vacancy){0});
-    keep(s, &set, most, NULL, 0);
+    if (mukca_sets_weigh(s, &set)) keep(s, &set, most, NULL, 0);
 }
 
 /* Number of expanded sets with the same keys. */
@@ -593,28 +555,29 @@ static int next_open(const mukca_sets *s)
     return open;
 }
 
-/* Drop or replace each member of a set; `pairs`: the best replacements are extended, too: one item
- * by two. */
-static void swap(mukca_sets *s, int index, bool pairs)
+/* Drop or replace each member of a set; `weighed`: it was extended last; `pairs`: the best
+ * replacements are extended, too: one item by two. */
+static void swap(mukca_sets *s, int index, bool weighed, bool pairs)
 {
     const mukca_question *q = s->question;
     const mukca_set set = s->set[index];
     int child[MUKCA_SET_ITEMS * FROM], n = 0;
-    double by_size[MUKCA_MOST_SIZES] = {0}, *M = s->scratch->D;
+    double by_size[MUKCA_MOST_SIZES] = {0}, *M = s->scratch->D, *W = s->row;
     vacancy v = {0};
-    if (!set.n || !condition(s, &set)) return;
-    score_all(s, &set, &v);
-    memcpy(s->alone, s->value, sizeof *s->alone * (size_t)q->n_items);
+    if (!set.n || !(weighed || mukca_sets_weigh(s, &set))) return;
     invert(s);
-    mukca_dense_backward(s->with.B, q->stride, s->with.L, s->with.n); /* V D G */
     for (int m = 0; m < set.n; m++) {
         const mukca_item *h = &q->item[set.item[m]];
-        double *W = s->with.B + (size_t)s->with.at[m] * (size_t)q->stride;
+        const int at = s->with.at[m];
         mukca_set less = reduced(&set, m);
         if (!leave_out(M, v.w, s, m, h->terms)) continue;
         const double gain = score_member(by_size, s, &set, m);
         less.value = set.value - gain - h->log_prior - kinship(s, &less, less.n, set.item[m]);
         if (find(s, &less) < 0) return;
+        memset(W, 0, sizeof *W * (size_t)(h->terms * q->stride)); /* the member's rows of V D G */
+        mukca_dense_xty(W, inverse_of(s, m, h->terms),
+                        (mukca_columns){s->with.B + at * q->stride, q->stride, q->stride},
+                        s->with.n - at);
         mukca_dense_forward(W, q->stride, M, h->terms);
         v.W = W, v.k = h->terms, v.least = pairs ? 0 : gain - WINDOW;
         score_all(s, &less, &v);
@@ -628,11 +591,12 @@ static void swap(mukca_sets *s, int index, bool pairs)
 
 void mukca_sets_explore(mukca_sets *s, int budget, bool pairs)
 {
-    while (budget > 0 && !s->pool->failed) {
+    for (int last = -1; budget > 0 && !s->pool->failed;) { /* last: extended, and nothing since */
         const int i = next_open(s);
         if (i < 0) return;
         mukca_set *set = &s->set[i];
         if (!set->exact) {
+            last = -1;
             mukca_sets_evaluate(s, i);
         } else if (!set->expanded) {
             const bool many = variants(s, set) >= VARIANTS;
@@ -640,11 +604,12 @@ void mukca_sets_explore(mukca_sets *s, int budget, bool pairs)
             set->swapped = many;
             if (many) continue;
             budget--;
-            extend(s, i, ADDED);
+            extend(s, last = i, ADDED);
         } else {
             set->swapped = true;
             budget--;
-            swap(s, i, pairs && i == s->best);
+            swap(s, i, i == last, pairs && i == s->best);
+            last = -1;
         }
     }
 }
@@ -656,9 +621,8 @@ static void rebuild(mukca_sets *s, mukca_set set, int member)
     const mukca_item *all = s->question->item, *out = &all[set.item[member]];
     for (int m = set.n - 1; m >= 0; m--)
         if (all[set.item[m]].kin == out->kin) set = reduced(&set, m);
-    for (bool any = false; condition(s, &set);) {
+    for (bool any = false; mukca_sets_weigh(s, &set);) {
         mukca_set next;
-        score_all(s, &set, &(vacancy){0});
         for (int i = 0; i < s->question->n_items; i++)
             if (all[i].key == out->key || !(any || all[i].kin == out->kin)) s->value[i] = -HUGE_VAL;
         const int best = largest(s->value, s->question->n_items);
@@ -681,30 +645,23 @@ void mukca_sets_rebuild(mukca_sets *s)
         if (s->question->item[set.item[m]].kin) rebuild(s, set, m);
 }
 
-double mukca_sets_gain(mukca_sets *s, const mukca_set *set, int item)
+double mukca_sets_gain(const mukca_sets *s, const mukca_set *set, int item)
 {
-    double log_det;
-    if (!integrate(s, set, &log_det)) return -HUGE_VAL;
-    condition_item(s, set, item);
-    return score(NULL, s, item);
+    return s->alone[item] - s->question->item[item].log_prior - kinship(s, set, set->n, item);
 }
 
-void mukca_sets_gram(double *G, mukca_sets *s, const mukca_set *set, int a, int b)
+void mukca_sets_gram(double *G, mukca_sets *s, int a, int b)
 {
     const mukca_item *x = &s->question->item[a], *y = &s->question->item[b];
-    double log_det, *left = s->left;
     if (a == b)
         memcpy(G, s->block[a], sizeof *G * (size_t)(x->terms * x->terms));
     else
         cross(G, s, a, b);
-    if (!integrate(s, set, &log_det)) return;
-    condition_item(s, set, a);
-    memcpy(left, s->with.B, sizeof *left * (size_t)(s->with.n * x->terms));
-    condition_item(s, set, b);
-    for (int r = 0; r < s->with.n; r++)
+    for (int r = 0; r < s->with.n; r++) {
+        const double *B = s->with.B + r * s->question->stride;
         for (int i = 0; i < x->terms; i++)
-            for (int k = 0; k < y->terms; k++)
-                G[i * y->terms + k] -= left[r * x->terms + i] * s->with.B[r * y->terms + k];
+            for (int k = 0; k < y->terms; k++) G[i * y->terms + k] -= B[x->at + i] * B[y->at + k];
+    }
 }
 
 void mukca_sets_mean(double *mean, mukca_sets *s, const mukca_set *set)
@@ -722,7 +679,7 @@ void mukca_sets_move(double *change, mukca_sets *s, const mukca_set *set, const 
                      const double *moved)
 {
     const mukca_question *q = s->question;
-    double log_det, mean = 0, *v = s->with.V; /* [columns][MUKCA_DRAWS] */
+    double log_det, mean = 0, *v = s->with.inverse; /* [columns][MUKCA_DRAWS] */
     memset(change, 0, sizeof *change * MUKCA_DRAWS);
     if (!integrate(s, set, &log_det)) return;
     for (int m = 0, row = 0; m < set->n; m++) {

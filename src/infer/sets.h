@@ -59,13 +59,12 @@ typedef struct {
         int at[MUKCA_SET_ITEMS]; /* first column of each member */
         double size[MUKCA_SET_COLUMNS];
         double *L, *v, *B; /* factor of 1 + D G D, L^-1 D g, L^-1 D G */
-        double *V, *x;     /* (1 + D G D)^-1, V D g */
         double *inverse;   /* L^-1 */
+        double *x;         /* (1 + D G D)^-1 D g */
         double rest;       /* residual */
     } with;                /* the set integrated out last */
     double *row, *left;    /* scratch of some of them: rows, columns */
     mukca_mixture_scratch *scratch;
-    unsigned char *crossed;   /* [n_items] blocks computed without it */
     double *given;            /* blocks of all items given that set */
     double *value, *alone;    /* scratch: [n_items] scores */
     double *near, *g;         /* scratch: [NEAR][stride], [stride] */
@@ -86,12 +85,14 @@ void mukca_sets_explore(mukca_sets *sets, int budget, bool pairs);
 /* Evaluate a set, if it is only estimated. */
 void mukca_sets_evaluate(mukca_sets *sets, int set);
 
-/* Log Bayes factor of an item in addition to a set without it, and (correlation, may be NULL) its
- * largest canonical correlation with another item given the set. */
-double mukca_sets_gain(mukca_sets *sets, const mukca_set *set, int item);
+/* Score all items in addition to a set: sets->alone[].  False: no memory, or not positive. */
+bool mukca_sets_weigh(mukca_sets *sets, const mukca_set *set);
 
-/* Projected Gram block G[a.terms][b.terms] of two items given a set. */
-void mukca_sets_gram(double *G, mukca_sets *sets, const mukca_set *set, int a, int b);
+/* Log Bayes factor of an item in addition to the set weighed last, which lacks it. */
+double mukca_sets_gain(const mukca_sets *sets, const mukca_set *set, int item);
+
+/* Projected Gram block G[a.terms][b.terms] of two items given the set weighed last. */
+void mukca_sets_gram(double *G, mukca_sets *sets, int a, int b);
 
 /* Find sets that explain by other items of a kin what the best set explains by some of them: no
  * single replacement leads there. */

@@ -5,7 +5,7 @@
 #include "math/dense.h"
 #include "math/four.h"
 
-enum { STRIP = 64 }; /* rows per pass: 60 columns of them are 30 kB */
+enum { STRIP = 16 }; /* rows per pass: of a wide matrix, as many streams as processors prefetch */
 
 #define ADD8(c, lo, hi)                         \
     do {                                        \
@@ -93,8 +93,8 @@ MUKCA_INLINE mukca_columns from(mukca_columns X, int column)
 MUKCA_INLINE void gram_strip(double *C, mukca_columns X, mukca_columns Y, int m, bool upper)
 {
     const int n = X.n, k = Y.n, n4 = n & ~3, k8 = k & ~7, n8 = n & ~7;
-    for (int i = 0; i < n4; i += 4)
-        for (int j = upper ? i & ~7 : 0; j < k8; j += 8)
+    for (int j = 0; j < k8; j += 8) /* eight columns of Y at a time: it may be wide */
+        for (int i = 0; i < n4 && (!upper || (i & ~7) <= j); i += 4)
             gram4x8(C + (long)i * k + j, k, from(X, i), from(Y, j), m);
     for (int j = upper ? n4 & ~7 : 0; j < k8 && n4 < n; j += 8)
         gram_rest(C + (long)n4 * k + j, k, 1, from(X, n4), from(Y, j), m, n - n4);

@@ -6,10 +6,10 @@
 
 #include "arm/tip_change.h"
 #include "base/file.h"
-#include "diagnose/condense.h"
 #include "fit/accept.h"
 #include "io/dataset.h"
 #include "io/output.h"
+#include "model/condense.h"
 #include "record/server.h"
 
 static mukca_status check_stream(const mukca_server *s, const char *model, const char *stream,

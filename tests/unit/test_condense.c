@@ -1,8 +1,8 @@
 /* Readings that repeat a posture add nothing; of too many rows few are kept, in blocks. */
 #include <stdlib.h>
 
-#include "diagnose/condense.h"
 #include "diagnose/diagnose.h"
+#include "model/condense.h"
 #include "model/dataset_subset.h"
 #include "scene.h"
 

@@ -401,13 +401,14 @@ TEST(values)
                 const int last = member[n - 1];
                 rest = insert(&sets, member, n - 1);
                 const mukca_set set = sets.set[mukca_sets_insert(&sets, member, NULL, n - 1)];
+                assert_true(mukca_sets_weigh(&sets, &set));
                 assert_close(mukca_sets_gain(&sets, &set, last) + p.item[last].log_prior + further,
                              value - rest, 1e-9);
                 real V[ROWS * ROWS];
                 model_covariance(V, &p);
                 for (int k = 0; k < n - 1; k++) add_item(V, &p, member[k], 0);
                 factor(V, ROWS);
-                mukca_sets_gram(G, &sets, &set, last, 3);
+                mukca_sets_gram(G, &sets, last, 3);
                 for (int t = 0; t < p.item[last].terms; t++)
                     assert_close(
                         G[t], (double)product(V, p.E[p.item[last].at + t], p.E[p.item[3].at], ROWS),

@@ -3,9 +3,7 @@
 #include <stdlib.h>
 
 #include "diagnose/folds.h"
-#include "diagnose/noise.h"
 #include "diagnose/ripple.h"
-#include "diagnose/scales.h"
 #include "diagnose/scan.h"
 #include "diagnose/screening.h"
 #include "math/stats.h"
@@ -323,7 +321,7 @@ TEST(priors)
 TEST(reinstated)
 {
     enum { ROW = 5 };
-    mukca_faults *d = calloc(1, sizeof *d);
+    mukca_diagnosis *d = calloc(1, sizeof *d);
     assert_non_null(d);
     mukca_screening_add(d, &f->m.recording, MUKCA_FAULT_DUPLICATE, ROW, 0);
     mukca_screening_add(d, &f->m.recording, MUKCA_FAULT_OUTLIER, ROW, 0.1);
@@ -332,8 +330,8 @@ TEST(reinstated)
     mukca_regression_fit(&f->m, 1, MUKCA_FIT_UNKNOWNS);
     assert_int_equal(mukca_screening_reinstate(d, &f->m), 1);
     assert_true(f->m.recording.keep[ROW]);
-    assert_int_equal(d->count, 1);
-    assert_int_equal(d->list[0].kind, MUKCA_FAULT_DUPLICATE);
+    assert_int_equal(d->n_faults, 1);
+    assert_int_equal(d->faults[0].kind, MUKCA_FAULT_DUPLICATE);
     free(d);
 }
 
@@ -372,7 +370,8 @@ TEST(scales)
     mukca_regression *m = &f->m;
     mukca_unknowns *u = &m->unknowns;
     double worst = HUGE_VAL;
-    mukca_scales_choose(u, &m->evidence, &m->recording, mukca_regression_collect_own(m));
+    mukca_scales_choose(u, &m->evidence, &m->recording,
+                        mukca_regression_collect(m, m->unknowns.family));
     const double best = mukca_regression_factor(m);
     for (int i = 0; i < 4; i++)
         for (int k = 0; k < 4; k++) {

@@ -137,9 +137,9 @@ TEST(test_surprise)
         if (cases[c].withheld >= 0) disabled[cases[c].withheld] = 1;
         simulate(cases[c].text, 9);
         diagnose((mukca_diagnose_options){.disabled = disabled});
-        print_message("%s%s: %s, surprise %.3f (%.1f)\n", cases[c].text ? cases[c].text : "nothing",
+        print_message("%s%s: %s, surprise %.3f\n", cases[c].text ? cases[c].text : "nothing",
                       cases[c].withheld < 0 ? "" : " withheld", mukca_verdict_name[d->verdict],
-                      d->surprise, d->surprise_sigmas);
+                      d->surprise);
         assert_int_equal(d->unexplained || d->verdict == MUKCA_VERDICT_UNKNOWN,
                          cases[c].withheld >= 0);
         assert_true(d->surprise > cases[c].least && d->surprise < cases[c].most);

@@ -1,6 +1,6 @@
 /* Condensing of recordings with too many rows for a diagnosis. */
-#ifndef MUKCA_DIAGNOSE_CONDENSE_H
-#define MUKCA_DIAGNOSE_CONDENSE_H
+#ifndef MUKCA_MODEL_CONDENSE_H
+#define MUKCA_MODEL_CONDENSE_H
 
 #include "model/dataset.h"
 

@@ -1,5 +1,5 @@
 /* Condensing of recordings with too many rows for a diagnosis: one sample per posture. */
-#include "diagnose/condense.h"
+#include "model/condense.h"
 
 #include <math.h>
 #include <stdlib.h>
