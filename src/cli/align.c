@@ -101,7 +101,6 @@ static mukca_status load_side(cli_call *call, int i)
         if (o->right_tip) c->tip = o->right_tip;
     }
     mukca_status status = cli_load_model(call, &s->model);
-    if (status == MUKCA_OK) status = cli_check_effects(call, &s->model);
     if (status == MUKCA_OK) status = cli_load_data(call, &s->data, &s->model, &path);
     *c = left;
     if (status != MUKCA_OK) return status;

@@ -312,9 +312,6 @@ void cli_describe_data(char text[80], const mukca_dataset *data);
 /* The positional arguments, or standard input if there are none, with a note at a terminal. */
 cli_list cli_inputs(cli_call *call);
 
-/* Check that the arm has the masses that the effects of --offsets need.  Errors: MUKCA_INPUT. */
-mukca_status cli_check_effects(cli_call *call, const cli_model *model);
-
 /* Check all outputs before any long work: each different from the others, no input (not even
  * --force overwrites a recording, which cannot be repeated), not existing without --force, folder
  * writable.  Errors: MUKCA_USAGE, MUKCA_INPUT, MUKCA_MEMORY. */

@@ -98,7 +98,7 @@ static mukca_status load_model(cli_call *call, cli_model *model)
     if (status == MUKCA_OK) status = cli_read_offsets(call, &model->offsets, NULL, chain, offsets);
     if (status != MUKCA_OK) return status;
     mukca_geometry_set(&model->geometry, chain, model->offsets.theta);
-    return cli_check_effects(call, model);
+    return MUKCA_OK;
 }
 
 static void release(void *work)

@@ -70,7 +70,6 @@ static mukca_status run(cli_call *call)
     cli_model *model = &call->session->model;
     mukca_output output = {0};
     mukca_status status = cli_load_model(call, model);
-    if (status == MUKCA_OK) status = cli_check_effects(call, model);
     if (status == MUKCA_OK) status = cli_output_open(call, &output);
     const cli_list input = status == MUKCA_OK ? cli_inputs(call) : (cli_list){0};
     for (int i = 0; i < input.n && status == MUKCA_OK; i++)

@@ -27,7 +27,15 @@ mukca_status cli_read_offsets(cli_call *call, mukca_offsets *offsets, mukca_chai
                                            .own = own,
                                            .note = cli_note,
                                            .context = call};
-    return mukca_offsets_read(offsets, chain, path, &options, &call->error);
+    const mukca_status status = mukca_offsets_read(offsets, chain, path, &options, &call->error);
+    for (int e = 0; e < offsets->n_effects && status == MUKCA_OK; e++) {
+        const mukca_effect_info *info = mukca_effect_table[offsets->effects[e].kind];
+        if ((info->needs & MUKCA_NEEDS_MASSES) && (chain ? chain : own)->n_masses == 0)
+            return cli_fail(call, MUKCA_INPUT,
+                            "%s: %s needs the masses of the links: give --inertials FILE",
+                            mukca_file_shown(path), info->name);
+    }
+    return status;
 }
 
 static mukca_status read_kinematics(cli_call *call, cli_model *model)
@@ -257,16 +265,4 @@ cli_list cli_inputs(cli_call *call)
     if (call->arguments.n) return call->arguments;
     if (isatty(STDIN_FILENO)) cli_note(call, "reading rows from standard input, until Ctrl-D");
     return (cli_list){standard, 1};
-}
-
-mukca_status cli_check_effects(cli_call *call, const cli_model *model)
-{
-    for (int e = 0; e < model->offsets.n_effects; e++) {
-        const mukca_effect_info *info = mukca_effect_table[model->offsets.effects[e].kind];
-        if ((info->needs & MUKCA_NEEDS_MASSES) && model->chain.n_masses == 0)
-            return cli_fail(call, MUKCA_INPUT,
-                            "%s: %s needs the masses of the links: give --inertials FILE",
-                            call->common->offsets, info->name);
-    }
-    return MUKCA_OK;
 }

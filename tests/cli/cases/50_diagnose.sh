@@ -38,8 +38,11 @@ spread() { # mean distance of a table's rows from their socket's mean (20 rows e
 expect "fk holds the balls together: $(spread with.tsv) and not $(spread without.tsv) mm" \
     awk "BEGIN { exit !($(spread with.tsv) < 0.17 && $(spread without.tsv) > 0.2) }"
 sed 's/<mass value="[^"]*"/<mass value="0"/' arm.urdf >bare.urdf
-refuse 3 "joint_compliance needs the masses of the links: give --inertials FILE" \
-    fk --urdf bare.urdf --force --offsets offsets.tsv good.tsv
+for command in "fk good.tsv" "compensate good.tsv" "export -f yaml"; do
+    # shellcheck disable=SC2086
+    refuse 3 "joint_compliance needs the masses of the links: give --inertials FILE" \
+        ${command%% *} --urdf bare.urdf --force --offsets offsets.tsv ${command#* }
+done
 
 # faults are told with their rows
 simulate --seed 7 --placements 3 --effect tool_motion:p2/1@12=2e-3,outlier:p1/0@4=1e-2,wrong_socket:p3/0@7 -o faults.tsv
