@@ -90,6 +90,14 @@ static void print_next(cli_call *call, const calibrate_result *r)
     if (!c->output) cli_say(call, "Save", "-o offsets.tsv saves the result");
 }
 
+/* Were measured poses fitted?  Those beside samples of sockets are not. */
+static bool fitted_poses(const mukca_dataset *data)
+{
+    bool any = false;
+    for (int i = 0; i < data->n_rows; i++) any |= data->socket[i] < 0;
+    return any;
+}
+
 static void print_verdict(cli_call *call, const calibrate_result *r)
 {
     const mukca_acceptance *a = &r->offsets->acceptance;
@@ -97,7 +105,7 @@ static void print_verdict(cli_call *call, const calibrate_result *r)
     char turns[80] = "", fit[80] = "Priors by the evidence";
     if (stream) cli_print_acceptance(stream, a, &r->fit->chain);
     if (!a->accepted) return;
-    if (r->train->quaternion)
+    if (r->train->quaternion && fitted_poses(r->train))
         snprintf(turns, sizeof turns, ", positions and orientations together (1 mrad as %g mm)",
                  MUKCA_METRES_PER_RADIAN);
     if (r->fit->outcome.evaluations)
@@ -115,7 +123,7 @@ static bool find_frame(mukca_frame *T, const calibrate_result *r, bool base)
     bool fitted = false;
     for (int i = 0; i < r->fit->parameters.n; i++)
         fitted |= r->fit->parameters.index[i] / MUKCA_PARAMETERS == k;
-    if (!fitted || !r->train->position || chain->element[k].joint >= 0) return false;
+    if (!fitted || !fitted_poses(r->train) || chain->element[k].joint >= 0) return false;
     if (base && strcmp(chain->element[k].name, MUKCA_BASE_FRAME) != 0) return false;
     mukca_rotation_from_rpy(T->R, theta + 3);
     memcpy(T->p, theta, sizeof T->p);

@@ -66,9 +66,9 @@ void cli_screen_limits(FILE *stream, const mukca_diagnosed *r, bool caveat)
     for (int j = 0, n = 0; j < r->chain->n_joints; j++) {
         const double limit = joint_limit(d, j);
         if (!(limit < useless_limit)) continue;
-        mukca_text_put(&text, "%s %s %.2f%s",
+        mukca_text_put(&text, "%s %s %.*f%s",
                        n++ ? "," : "Detection limits, mrad rms (median over effects):",
-                       mukca_chain_joint_name(r->chain, j), 1e3 * limit,
+                       mukca_chain_joint_name(r->chain, j), limit < 1e-5 ? 4 : 2, 1e3 * limit,
                        mukca_wording_slides(r->chain, j) ? " mm" : "");
     }
     cli_print_text(stream, NULL, &text);

@@ -100,7 +100,7 @@ expect "a check interrupted: exit 130, one line, no file" test "$code $(cat err)
 for worker in $workers; do expect "no process stays" sh -c "! kill -0 $worker 2>/dev/null"; done
 
 # interrupted in the middle: exit 130, one line, no file
-simulate --poses 3000 --effect joint_scale:joint_2=1e-3 -o log.tsv
+simulate --poses 60000 --effect joint_scale:joint_2=1e-3 -o log.tsv
 "$MUKCA" $d log.tsv -q -o never.tsv 2>err &
 process=$!
 # until it catches SIGINT, which is bit 1 of this mask
