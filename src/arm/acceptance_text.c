@@ -32,8 +32,7 @@ void mukca_acceptance_tip(char text[MUKCA_ACCEPTANCE_SENTENCE], const mukca_acce
     if (isfinite(a->error_here_unscaled_m))
         snprintf(
             text + strlen(text), MUKCA_ACCEPTANCE_SENTENCE - strlen(text),
-            "; %.2f mm and %.2f mm apart from the arm's scale (socket distance known to 0.1 mm) "
-            "and from causes that the table lacks",
+            "; without the error of scale (socket distance known to 0.1 mm) %.2f mm and %.2f mm",
             1e3 * a->error_here_unscaled_m, 1e3 * a->error_workspace_unscaled_m);
 }
 

@@ -42,8 +42,10 @@ typedef struct {
     double theta[2][MUKCA_MAX_THETA];
     mukca_geometry geometry[2];
     double J[3 * MUKCA_MAX_THETA];
-    double largest, ratio;         /* so far */
-    double mean[2][3], squares[2]; /* of the tips in `count` postures, before and after */
+    double largest, ratio; /* so far */
+    /* of the tips in `count` random postures, before (with the tool of `to`) and after */
+    mukca_geometry same_tool;
+    double mean[2][3], squares[2];
     int count;
 } comparison;
 
@@ -67,19 +69,23 @@ static void set_theta(comparison *c)
     }
 }
 
-/* Add a pair of tips to means and squares (Welford). */
-static void spread(comparison *c, const mukca_frame tip[2])
+/* Add the tips of a posture to means and squares (Welford). */
+static void spread(comparison *c, const double *q)
 {
+    const mukca_geometry *sides[2] = {&c->same_tool, &c->geometry[1]};
     c->count++;
-    for (int side = 0; side < 2; side++)
+    for (int side = 0; side < 2; side++) {
+        double p[3];
+        mukca_fk_position(p, sides[side], q, NULL);
         for (int a = 0; a < 3; a++) {
-            const double off = tip[side].p[a] - c->mean[side][a];
+            const double off = p[a] - c->mean[side][a];
             c->mean[side][a] += off / c->count;
-            c->squares[side] += off * (tip[side].p[a] - c->mean[side][a]);
+            c->squares[side] += off * (p[a] - c->mean[side][a]);
         }
+    }
 }
 
-static void compare(comparison *c, const double *q, bool drawn)
+static void compare(comparison *c, const double *q)
 {
     double position[3], variance = 0;
     mukca_frame tip[2];
@@ -90,7 +96,6 @@ static void compare(comparison *c, const double *q, bool drawn)
         mukca_tip_pose(&tip[side], o ? o->effects : NULL, o ? o->n_effects : 0, &c->arm,
                        &c->geometry[side], &state);
     }
-    if (drawn) spread(c, (const mukca_frame *)tip);
     const double change = mukca_distance3(tip[0].p, tip[1].p);
     mukca_fk_parameter_jacobian(c->J, position, &c->geometry[0], c->theta[0], q);
     for (int i = 0; i < n; i++) {
@@ -113,13 +118,20 @@ double mukca_tip_change(double *sigma, double *size, const mukca_tip_change_task
     set_theta(&c);
     for (int side = 0; side < 2; side++)
         mukca_geometry_set(&c.geometry[side], &c.arm, c.theta[side]);
+    const int last = c.arm.n_elements - 1, tool = MUKCA_PARAMETERS * last;
+    double theta[MUKCA_MAX_THETA];
+    memcpy(theta, c.theta[0], sizeof theta);
+    if (c.arm.element[last].joint < 0)
+        memcpy(theta + tool, c.theta[1] + tool, sizeof *theta * MUKCA_PARAMETERS);
+    mukca_geometry_set(&c.same_tool, &c.arm, theta);
     mukca_random_seed(&random, 1);
     for (int i = 0; i < DRAWN; i++) {
         mukca_posture_draw(q, task->chain, &random);
-        compare(&c, q, true);
+        compare(&c, q);
+        spread(&c, q);
     }
     for (int i = 0; data && i < data->n_rows; i += step)
-        compare(&c, data->q + (size_t)i * (size_t)data->n_joints, false);
+        compare(&c, data->q + (size_t)i * (size_t)data->n_joints);
     if (sigma) *sigma = c.ratio;
     if (size) *size = sqrt(c.squares[1] / c.squares[0]) - 1;
     return c.largest;

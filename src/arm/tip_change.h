@@ -32,7 +32,7 @@ bool mukca_tip_change_is_frame(const mukca_tip_change_task *task, int element);
 /* Largest displacement of the tip, m, over the postures of the data and a fixed random sample
  * within the joint limits; *sigma (may be NULL) is its largest ratio to the prior standard
  * deviation of the displacement in the same posture, *size (may be NULL) the relative change of the
- * tip's standard deviation over the random sample: of all lengths. */
+ * tip's standard deviation over the random sample, with the same tool: of all lengths. */
 double mukca_tip_change(double *sigma, double *size, const mukca_tip_change_task *task);
 
 /* Set tip_change, size_change and largest_offset in to->acceptance, relative to the nominal model.

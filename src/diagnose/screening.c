@@ -20,12 +20,6 @@ void mukca_screening_add(mukca_diagnosis *d, const mukca_recording *recording,
                                                   .size_m = size_m};
 }
 
-static double distance3(const double *a, const double *b)
-{
-    const double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-    return sqrt(mukca_dot3(d, d));
-}
-
 /* Component-wise median of the predicted positions of each group; NULL: no memory. */
 static double (*group_medians(mukca_regression *m, double *scratch))[3]
 {
@@ -48,7 +42,7 @@ static double nearest_other(const mukca_regression *m, double (*median)[3], int 
     double nearest = HUGE_VAL;
     for (int o = 0; o < m->recording.n_groups && groups[g].socket >= 0; o++)
         if (o != g && groups[o].count && groups[o].placement == groups[g].placement)
-            nearest = fmin(nearest, distance3(m->linear.tip + 3 * i, median[o]));
+            nearest = fmin(nearest, mukca_distance3(m->linear.tip + 3 * i, median[o]));
     return nearest;
 }
 
@@ -68,7 +62,7 @@ static void wrong_labels(mukca_diagnosis *d, mukca_regression *m, double *scratc
     double(*median)[3] = group_medians(m, scratch);
     for (int g = 0; median && g < r->n_groups; g++)
         for (int i = r->groups[g].start; i < r->groups[g].start + r->groups[g].count; i++) {
-            const double own = distance3(m->linear.tip + 3 * i, median[g]);
+            const double own = mukca_distance3(m->linear.tip + 3 * i, median[g]);
             if (own > 0.02 && nearest_other(m, median, g, i) < 0.4 * own)
                 exclude(d, r, MUKCA_FAULT_WRONG_SOCKET, i, own);
         }
@@ -85,7 +79,7 @@ static double (*residuals(double *residual, mukca_regression *m, double *scratch
             if (r->groups[g].socket < 0)
                 mukca_unknowns_to_base(median[g], &m->unknowns, r->log[r->order[i]],
                                        r->data->position + 3 * (size_t)r->order[i]);
-            residual[i] = distance3(median[g], m->linear.tip + 3 * i);
+            residual[i] = mukca_distance3(median[g], m->linear.tip + 3 * i);
         }
     return median;
 }
@@ -217,7 +211,7 @@ int mukca_screening_reinstate(mukca_diagnosis *d, mukca_regression *m)
         const int g = fault->socket + (r->groups[0].socket < 0); /* behind a pose log */
         double p[3];
         mukca_unknowns_predict(p, &m->unknowns, r, fault->data_row);
-        const double distance = distance3(p, m->linear.mean[g]);
+        const double distance = mukca_distance3(p, m->linear.mean[g]);
         if (r->groups[g].count && distance < fmax(8 * m->unknowns.sigma, 0.25 * fault->size_m)) {
             r->keep[fault->data_row] = 1;
             *fault = d->faults[--d->n_faults];

@@ -25,6 +25,9 @@ static const double contradiction = 10, left = 0.5;
  * sockets and of 0.2 % in the arm. */
 static const double most_size_change = 0.02;
 
+/* Largest distance of the ball from its place in the URDF, m: three of its prior sigmas. */
+static const double most_tool = 0.06;
+
 /* Least probability of an improvement at the tip; the interval of a held-out difference, in
  * standard errors. */
 static const double sure = 0.95, interval = 2;
@@ -131,8 +134,10 @@ static void list_joints(char list[96], const unsigned char *which, const mukca_c
             mukca_text_put(&text, "%s%s", text.used ? ", " : "", mukca_chain_joint_name(chain, j));
 }
 
-static void judge_tip(mukca_acceptance *a, const mukca_tip_error *tip, const mukca_chain *chain)
+static void judge_tip(mukca_acceptance *a, const mukca_tip_error *tip,
+                      const mukca_tip_change_task *task)
 {
+    const mukca_chain *chain = task->chain;
     const double *p = tip->probability;
     char stuck[96];
     list_joints(stuck, tip->stuck, chain);
@@ -142,6 +147,11 @@ static void judge_tip(mukca_acceptance *a, const mukca_tip_error *tip, const muk
                                 "--tip, the URDF and the units",
                                 1e2 * fabs(a->size_change),
                                 a->size_change > 0 ? "larger" : "smaller");
+    } else if (task->data->n_sockets > 0 && tip->tool_m > most_tool) {
+        mukca_acceptance_refuse(a,
+                                "the ball is %.0f mm from link %s; check --tip, or correct the "
+                                "ball's position in the URDF",
+                                1e3 * tip->tool_m, chain->tip);
     } else if (stuck[0]) {
         mukca_acceptance_refuse(a,
                                 "%s did not move, but the errors are those of a tip that turns "
@@ -196,7 +206,7 @@ mukca_status mukca_accept(mukca_offsets *table, const mukca_accept_task *task, m
     a->error_before_m = tip.before_m[MUKCA_ELSEWHERE];
     list_joints(a->at_rest, tip.at_rest, task->change.chain);
     const bool changes = changes_arm(table, &task->change);
-    if (judge_samples(a, task, &tip, changes) && changes) judge_tip(a, &tip, task->change.chain);
+    if (judge_samples(a, task, &tip, changes) && changes) judge_tip(a, &tip, &task->change);
     return MUKCA_OK;
 }
 

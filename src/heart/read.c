@@ -69,9 +69,9 @@ mukca_status mukca_heart_data(mukca_dataset *data, const mukca_chain *chain, dou
     FILE *file;
     mukca_status status =
         mukca_dataset_create(data, MOST_ROWS, chain->n_joints, MOST_HOLES * n, n, error);
-    if (status == MUKCA_OK &&
-        !(data->distances = calloc(MOST_HOLES * MOST_HOLES * (size_t)n, sizeof *data->distances)))
-        status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d folders", n);
+    if (status != MUKCA_OK) return status;
+    data->distances = calloc(MOST_HOLES * MOST_HOLES * (size_t)n, sizeof *data->distances);
+    if (!data->distances) return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d folders", n);
     data->n_rows = data->n_sockets = data->n_placements = 0;
     for (; data->n_placements < n && status == MUKCA_OK; data->n_placements++) {
         const int first = data->n_sockets;

@@ -70,7 +70,6 @@ typedef struct {
 /* All return MUKCA_MEMORY on failure; each appends one item to its list in the dataset. */
 mukca_status mukca_build_file(mukca_dataset_builder *builder, const char *path);
 mukca_status mukca_build_socket(mukca_dataset_builder *builder, int placement, const char *label);
-mukca_status mukca_build_distance(mukca_dataset_builder *builder, int a, int b, double metres);
 
 /* Add a placement under an unused name: `wanted`, else `qualified`, else numbered, with a note. */
 mukca_status mukca_build_placement(mukca_dataset_builder *builder, const char *wanted,

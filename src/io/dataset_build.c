@@ -73,7 +73,7 @@ mukca_status mukca_build_socket(mukca_dataset_builder *builder, int placement, c
     return MUKCA_OK;
 }
 
-mukca_status mukca_build_distance(mukca_dataset_builder *builder, int a, int b, double metres)
+static mukca_status build_distance(mukca_dataset_builder *builder, int a, int b, double metres)
 {
     mukca_dataset *d = builder->data;
     mukca_distance *added = append(&d->distances, &d->n_distances, sizeof *added, builder);
@@ -210,7 +210,7 @@ mukca_status mukca_distances_set(mukca_dataset_builder *b, double distance)
             sockets++;
             for (int r = 0; r < s; r++) {
                 if (d->sockets[r].placement != p) continue;
-                mukca_status status = mukca_build_distance(b, r, s, distance);
+                mukca_status status = build_distance(b, r, s, distance);
                 if (status != MUKCA_OK) return status;
             }
         }
@@ -256,7 +256,7 @@ static void set_distance(void *context, mukca_table *t, const int *column)
         for (int k = 0; k < d->n_distances; k++)
             if (d->distances[k].a == low && d->distances[k].b == high)
                 mukca_table_fail(t, -1, "this pair of sockets has a distance already");
-        mukca_table_stop(t, mukca_build_distance(b, low, high, distance));
+        mukca_table_stop(t, build_distance(b, low, high, distance));
         used = true;
     }
     if (!used && t->status == MUKCA_OK)

@@ -7,10 +7,6 @@
 
 #include "base/clones.h"
 
-typedef float four_floats __attribute__((vector_size(16), aligned(4), may_alias));
-
-#define WIDEN4(x) __builtin_convertvector(*(const four_floats *)(const void *)(x), four)
-
 #if MUKCA_LANES == 4
 typedef four lanes;
 typedef int64_t lane_bits __attribute__((vector_size(32), aligned(8), may_alias));

@@ -39,8 +39,8 @@ void mukca_report_put_accuracy(FILE *out, const mukca_report *r)
         fputs("</dl>\n", out);
         if (isfinite(a->error_here_unscaled_m))
             fprintf(out,
-                    "<p>With this result, %.2f mm and %.2f mm apart from the arm's scale (socket "
-                    "distance known to 0.1 mm) and from causes that the table lacks.</p>\n",
+                    "<p>With this result, without the error of scale (socket distance known to "
+                    "0.1 mm): %.2f mm and %.2f mm.</p>\n",
                     a->error_here_unscaled_m * mm, a->error_workspace_unscaled_m * mm);
     }
     fprintf(out, "<p class=\"verdict %s use\"><strong>Use the result?</strong> ",

@@ -197,8 +197,19 @@ TEST(the_tip_change_is_measured)
     assert_true(fabs(size) < 1e-12); /* a zero turns the workspace */
     turned.theta[MUKCA_PARAMETERS] = 0.505;
     mukca_tip_change(NULL, &size, &task);
-    assert_true(fabs(size - 0.01) < 1e-12);
-    turned.theta[MUKCA_PARAMETERS] = 0.5;
+    assert_true(fabs(size) < 1e-12); /* nor does a tool change the arm */
+    mukca_chain longer = arm;
+    longer.n_elements = 3, longer.n_joints = 2;
+    longer.joint_element[1] = 1;
+    longer.element[2] = arm.element[1], longer.element[1] = arm.element[0];
+    longer.element[1].joint = 1, longer.element[1].xyz[0] = 10;
+    mukca_offsets_init(&turned, &longer);
+    turned.theta[MUKCA_PARAMETERS] = 10.1;
+    mukca_tip_change(NULL, &size, &(mukca_tip_change_task){.chain = &longer, .to = &turned});
+    assert_true(fabs(size - 0.01) < 1e-3);
+    mukca_offsets_init(&turned, &arm);
+    turned.theta[5] = 10e-3;
+    turned.listed[5] = 1;
     mukca_tip_change_judge(&turned, &task);
     assert_true(turned.acceptance.largest_offset_rad == 10e-3);
     assert_true(turned.acceptance.largest_offset_m == 0);

@@ -103,7 +103,8 @@ for worker in $workers; do expect "no process stays" sh -c "! kill -0 $worker 2>
 simulate --poses 60000 --effect joint_scale:joint_2=1e-3 -o log.tsv
 "$MUKCA" $d log.tsv -q -o never.tsv 2>err &
 process=$!
-# until it catches SIGINT, which is bit 1 of this mask
+# until the program, not yet the shell before it, catches SIGINT, which is bit 1 of this mask
+until [ /proc/$process/exe -ef "$MUKCA" ] || ! kill -0 $process; do sleep 0.02; done
 until grep -q '^SigCgt:.*[2367abef]$' /proc/$process/status || ! kill -0 $process; do sleep 0.02; done
 kill -s INT $process
 wait $process
