@@ -93,7 +93,8 @@ static void compare(comparison *c, const double *q)
     const mukca_joint_state state = {.q = q, .placement = -1};
     for (int side = 0; side < 2; side++) {
         const mukca_offsets *o = side ? c->task->to : c->task->from;
-        mukca_tip_pose(&tip[side], o ? o->effects : NULL, o ? o->n_effects : 0, &c->arm,
+        const int n_effects = side || o ? o->n_effects : 0;
+        mukca_tip_pose(&tip[side], n_effects ? o->effects : NULL, n_effects, &c->arm,
                        &c->geometry[side], &state);
     }
     const double change = mukca_distance3(tip[0].p, tip[1].p);
