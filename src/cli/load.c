@@ -214,6 +214,24 @@ static void note_falling_time(cli_call *call, const mukca_dataset *data)
     }
 }
 
+/* Note a socket with at most half of the samples of its partner: a file may have been cut. */
+static void note_unequal_sockets(cli_call *call, const mukca_dataset *data)
+{
+    for (int p = 0; p < data->n_distances; p++) {
+        const mukca_distance *pair = &data->distances[p];
+        int a = 0, b = 0;
+        for (int row = 0; row < data->n_rows; row++)
+            a += data->socket[row] == pair->a, b += data->socket[row] == pair->b;
+        if (a < 2 * b && b < 2 * a) continue;
+        const mukca_socket *of = data->sockets;
+        mukca_note_format(cli_note, call,
+                          "placement %s: %d samples of socket %s, %d of socket %s; was a file cut?",
+                          data->placements[of[pair->a].placement].name, a, of[pair->a].label, b,
+                          of[pair->b].label);
+        return;
+    }
+}
+
 mukca_status cli_load(cli_call *call)
 {
     cli_session *s = call->session;
@@ -224,7 +242,13 @@ mukca_status cli_load(cli_call *call)
     if (status == MUKCA_OK && call->common->test.n)
         status = cli_load_data(call, &s->test, &s->model, &call->common->test);
     if (status == MUKCA_OK) status = drop_training(call, &s->test, &s->data);
-    if (status != MUKCA_OK || call->command->group != CLI_UNDERSTAND) return status;
+    if (status != MUKCA_OK) return status;
+    note_unequal_sockets(call, &s->data);
+    if (s->data.n_sockets && (call->common->free_base || call->common->free_tool))
+        cli_note(call,
+                 "--free-base and --free-tool do not concern sockets: their base is the "
+                 "arm's, and the position of the ball is always free");
+    if (call->command->group != CLI_UNDERSTAND) return status;
     if (s->model.chain.n_masses == 0)
         cli_note(call,
                  "the URDF has no link masses; data/inertials (installed: share/mukca/inertials) "
