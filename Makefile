@@ -6,7 +6,6 @@
 # are in their environment; they print `ok NAME` or `not ok NAME` lines, and exit 77 when skipped).
 # Objects go to $(BUILD); `make BUILD=build/x CFLAGS=...` builds a variant next to the default one;
 # `make V=1` prints full commands.
-
 BUILD  ?= build
 PREFIX ?= /usr/local
 CC     := $(if $(filter default,$(origin CC)),gcc,$(CC))

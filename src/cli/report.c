@@ -49,6 +49,20 @@ static mukca_status take_offsets(cli_call *call)
     return MUKCA_OK;
 }
 
+/* Print an argument as a shell reads it back. */
+static void print_quoted(FILE *line, const char *argument)
+{
+    const bool plain = *argument && !argument[strcspn(argument, " \t\n\"'`\\$&|;<>()*?[]#~!{}")];
+    fputs(plain ? " " : " '", line);
+    for (; *argument; argument++) {
+        if (*argument == '\'')
+            fputs("'\\''", line);
+        else
+            fputc(*argument, line);
+    }
+    if (!plain) fputc('\'', line);
+}
+
 /* Note the command line that reproduces this page, and the time. */
 static mukca_status note_command(cli_call *call)
 {
@@ -56,30 +70,41 @@ static mukca_status note_command(cli_call *call)
     size_t size;
     FILE *line = open_memstream(&w->command, &size);
     if (line) fputs("mukca report", line);
-    for (int i = 0; line && i < call->argc; i++) fprintf(line, " %s", call->argv[i]);
+    for (int i = 0; line && i < call->argc; i++) print_quoted(line, call->argv[i]);
     mukca_offsets_time(w->when);
     if (line && mukca_file_close(line, &w->command)) return MUKCA_OK;
     return cli_fail(call, MUKCA_MEMORY, "out of memory");
+}
+
+/* Add an input with its hash; NULL: none.  False: no memory. */
+static bool add_input(report_work *w, mukca_report_file *files, const char *path)
+{
+    char *hash = path ? MUKCA_TAKE(&w->pool, char, SHA256_DIGEST_STRING_LENGTH) : NULL;
+    if (!hash) return !path;
+    if (strcmp(path, "-") == 0)
+        strcpy(hash, "standard input");
+    else if (!SHA256File(path, hash))
+        strcpy(hash, "file no longer exists");
+    files[w->page.n_files++] = (mukca_report_file){path, hash};
+    return true;
 }
 
 /* Note paths and hashes of all inputs. */
 static mukca_status provenance(cli_call *call)
 {
     report_work *w = call->work;
-    const mukca_chain *chain = &call->session->model.chain;
+    const cli_common *c = call->common;
+    const char *const more[] = {c->kinematics, c->inertials, c->offsets, c->distances, c->traits};
+    const int n = (int)(sizeof more / sizeof *more);
     const mukca_dataset *sets[2] = {w->page.train, w->page.test};
     mukca_report_file *files =
-        MUKCA_TAKE(&w->pool, mukca_report_file, sets[0]->n_files + sets[1]->n_files + 1);
-    if (!files) return cli_fail(call, MUKCA_MEMORY, "out of memory");
-    files[w->page.n_files++] = (mukca_report_file){call->common->urdf, chain->urdf_sha256};
+        MUKCA_TAKE(&w->pool, mukca_report_file, sets[0]->n_files + sets[1]->n_files + n + 1);
+    bool ok = files && add_input(w, files, c->urdf);
+    for (int i = 0; i < n; i++) ok = ok && add_input(w, files, more[i]);
     for (int k = 0; k < 2; k++)
-        for (int f = 0; f < sets[k]->n_files; f++) {
-            const char *path = sets[k]->files[f];
-            char *hash = MUKCA_TAKE(&w->pool, char, SHA256_DIGEST_STRING_LENGTH);
-            if (!hash) return cli_fail(call, MUKCA_MEMORY, "out of memory");
-            if (!SHA256File(path, hash)) strcpy(hash, "file no longer exists");
-            files[w->page.n_files++] = (mukca_report_file){path, hash};
-        }
+        for (int f = 0; f < sets[k]->n_files; f++)
+            ok = ok && add_input(w, files, sets[k]->files[f]);
+    if (!ok) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     w->page.files = files;
     w->page.when = w->when;
     w->page.command = w->command;
