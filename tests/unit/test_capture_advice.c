@@ -115,19 +115,20 @@ TEST(advice_is_what_comes_true)
     double ratio = 0;
     int false_remarks = 0, rows = 0, bad_seats = 0, found = 0, helped_no_more = 0, ends = 0;
     make_chain(&o.chain, "RRRRRRRF", origins, "A", 2.9);
-    enum { ARMS = 3 };
+    enum { ARMS = 10 };
     for (int arm = 0; arm < ARMS; arm++) {
-        double first = 0;
+        double first = 0, plate = 0; /* distance of the sockets: known to 0.1 mm */
         mukca_random_seed(&o.random, (uint64_t)arm + 1);
         perturb(&o, 2e-3);
         assert_int_equal(mukca_capture_init(&capture, &o.chain, NULL, &settings, &error), 0);
         for (int p = 0; p < 4; p++) {
             place(&o, -0.9 + 0.6 * p);
+            plate = 0.05 + 1e-4 * mukca_random_normal(&o.random);
             for (int s = 0; s < 2; s++) {
                 char name[8] = {'p', (char)('0' + p), 0};
                 mukca_capture_select(&capture, name, s ? "1" : "0", &error);
                 for (int i = 0; i < 20; i++) {
-                    assert_true(seat(&o, s ? 0.05 : 0, 0));
+                    assert_true(seat(&o, s ? plate : 0, 0));
                     assert_int_equal(mukca_capture_keep(text, &capture, o.q, &error), 0);
                     if (text[0]) false_remarks++;
                     rows++;
@@ -140,13 +141,13 @@ TEST(advice_is_what_comes_true)
             }
         }
         assert_true(advice.expected < 0.5 * first);
-        ratio += true_error(&o, &capture) / advice.expected / ARMS;
+        ratio += pow(true_error(&o, &capture) / advice.expected, 2) / ARMS;
         double rms;
         mukca_capture_spread(&rms, NULL, &capture, capture.socket);
         assert_true(!(fabs(rms / (sqrt(3) * noise) - 1) > 0.4));
         assert_true(!(fabs(capture.noise / noise - 1) > 0.3));
         for (int i = 0; i < 10; i++) { /* a ball that lies on the rim */
-            assert_true(seat(&o, 0.05, 1.5e-3));
+            assert_true(seat(&o, plate, 1.5e-3));
             mukca_capture_keep(text, &capture, o.q, &error);
             bad_seats++;
             found += strstr(text, "is the ball seated?") != NULL;
@@ -157,8 +158,9 @@ TEST(advice_is_what_comes_true)
     print_message(
         "true over expected error %.2f; %d of %d good rows remarked; %d of %d bad seats "
         "found; after 20 rows more of them help no more in %d of %d sockets\n",
-        ratio, false_remarks, rows, found, bad_seats, helped_no_more, ends);
-    assert_true(ratio > 0.5 && ratio < 1.5);
+        sqrt(ratio), false_remarks, rows, found, bad_seats, helped_no_more, ends);
+    /* the scale dominates: as the square of one normal number per arm, 1 +- 0.22 */
+    assert_true(sqrt(ratio) > 0.6 && sqrt(ratio) < 1.5);
     assert_true(false_remarks * 100 <= rows);
     assert_int_equal(found, bad_seats);
     assert_true(2 * helped_no_more > ends);
