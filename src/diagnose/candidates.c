@@ -9,7 +9,7 @@
 #include "diagnose/unlisted.h"
 
 enum {
-    LONGEST_BURST = 3,    /* successive samples with a badly seated ball */
+    LONGEST_BURST = 3,    /* successive postures with a badly seated ball */
     LONGEST_SETTLING = 8, /* samples until one has settled to a tenth */
     MOST_SLIPS = 64 /* slips tried per joint: half a step off, a slip in mid-recording loses at
                        most 3 % of its evidence */
@@ -110,8 +110,16 @@ static void list_own_functions(lister *l, int j)
                                         .width = widths[i]});
 }
 
-/* List the faults that begin at sample i of a group. */
-static void list_faults_at(lister *l, int g, int i)
+/* Last sample of the stay at a posture in which sample i of a group was read. */
+static int stay_end(const mukca_recording *r, int g, int i)
+{
+    const int *next = r->samples.next + r->groups[g].start;
+    while (next[i] == r->groups[g].start + i + 1) i++;
+    return i;
+}
+
+/* List the outliers that begin at sample i of a group. */
+static void list_outliers_at(lister *l, int g, int i)
 {
     const mukca_group *group = &l->recording->groups[g];
     const int *rows = l->recording->order + group->start, last = group->count - 1;
@@ -121,29 +129,44 @@ static void list_faults_at(lister *l, int g, int i)
                          .fault = {.group = g, .first = rows[i], .last = rows[i]}};
     append(l, h);
     /* A badly seated ball, or a bad target, spoils all readings of a posture. */
-    const mukca_samples *samples = &l->recording->samples;
-    int reading = group->start + i;
-    if (samples->readings[reading] > 1) {
-        while (samples->next[reading] == reading + 1) reading++;
-        h.fault.last = l->recording->order[reading];
-        if (samples->next[reading] < 0) append(l, h);
-        h.fault.last = rows[i];
-    }
-    /* A few samples at either end: a move there and a badly seated ball are indistinguishable. */
-    for (int n = 1; n < LONGEST_BURST && i + n <= last; n++)
-        if (i == 0 || i + n == last) {
-            h.fault.last = rows[i + n];
-            append(l, h);
-        }
+    h.fault.last = rows[stay_end(l->recording, g, i)];
+    if (h.fault.last != h.fault.first) append(l, h);
     if (group->socket >= 0 && i < last) {
         h.fault.last = rows[i + LONGEST_SETTLING < last ? i + LONGEST_SETTLING : last];
         h.fault.settles = true;
         append(l, h);
-        h.fault.settles = false;
     }
-    if (group->socket < 0 || i < LONGEST_BURST || i > last - LONGEST_BURST) return;
-    h.kind = MUKCA_CANDIDATE_STEP;
-    append(l, h);
+}
+
+/* List the motions of the tool before a stay of a socket.  A motion before the first or last few is
+ * indistinguishable from a badly seated ball: an outlier of all of their readings. */
+static void list_motions(lister *l, int g)
+{
+    const mukca_group *group = &l->recording->groups[g];
+    const int *rows = l->recording->order + group->start;
+    mukca_candidate h = {.joint = -1, .placement = group->placement, .fault.group = g};
+    int stays = 0, stay = 0;
+    for (int i = 0; i < group->count; i = stay_end(l->recording, g, i) + 1) stays++;
+    for (int i = 0; i < group->count; i = stay_end(l->recording, g, i) + 1, stay++) {
+        h.kind = MUKCA_CANDIDATE_OUTLIER;
+        if (stay > 0 && stay < LONGEST_BURST) {
+            h.fault.first = rows[0];
+            h.fault.last = rows[stay_end(l->recording, g, i)];
+            append(l, h);
+        }
+        h.fault.first = rows[i];
+        if (stay + 1 < stays && stay + LONGEST_BURST >= stays) {
+            h.fault.last = rows[group->count - 1];
+            append(l, h);
+        }
+        h.kind = MUKCA_CANDIDATE_STEP;
+        h.fault.last = 0;
+        if (group->socket >= 0 && stay >= LONGEST_BURST && stay + LONGEST_BURST <= stays)
+            append(l, h);
+    }
+    h.kind = MUKCA_CANDIDATE_CREEP;
+    h.fault.first = rows[0];
+    if (group->socket >= 0 && stays >= 2 * LONGEST_BURST) append(l, h);
 }
 
 /* Orders of ripple of a joint that the geometry may absorb in part. */
@@ -180,19 +203,14 @@ static void list_faults(lister *l)
 {
     for (int g = 0; g < l->recording->n_groups; g++) {
         const mukca_group *group = &l->recording->groups[g];
-        for (int i = 0; i < group->count; i++) list_faults_at(l, g, i);
+        for (int i = 0; i < group->count; i++) list_outliers_at(l, g, i);
+        if (group->count) list_motions(l, g);
         if (group->count && follows_another(l->recording, g))
             append(l, (mukca_candidate){
                           .kind = MUKCA_CANDIDATE_STEP,
                           .joint = -1,
                           .placement = group->placement,
                           .fault = {.group = g, .first = l->recording->order[group->start]}});
-        if (group->socket < 0 || group->count < 2 * LONGEST_BURST) continue;
-        append(l, (mukca_candidate){
-                      .kind = MUKCA_CANDIDATE_CREEP,
-                      .joint = -1,
-                      .placement = group->placement,
-                      .fault = {.group = g, .first = l->recording->order[group->start]}});
     }
 }
 
