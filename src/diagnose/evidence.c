@@ -49,6 +49,7 @@ bool mukca_evidence_create(mukca_evidence *evidence, mukca_pool *pool,
                                            .all_distance = MUKCA_TAKE(pool, double, pairs *size)};
         mukca_whitening_create(&normal->whitening, pool, rows, recording->data->n_sockets + 2);
     }
+    evidence->shape = MUKCA_TAKE(pool, double, rows * recording->dim * recording->dim);
     evidence->white.x = MUKCA_TAKE(pool, double, whole);
     evidence->white.mean =
         MUKCA_TAKE(pool, double, (recording->data->n_sockets + 2) * recording->dim * size);
@@ -99,19 +100,99 @@ static void multiply(mukca_evidence *evidence, mukca_normal_equations *normal,
     mukca_dense_syrk(normal->all_gram, n, white, r->n_samples * r->dim, n);
 }
 
+/* Mean square of the levers of the joints over the readings beyond the first of their postures. */
+static double mean_lever(const mukca_recording *r, const mukca_linearisation *linear)
+{
+    const int n = r->chain->n_joints * r->dim;
+    double sum = 0, count = 0;
+    for (int i = 0; i < r->n_samples; i++) {
+        const int further = r->samples.readings[i] - 1;
+        if (further < 1) continue;
+        for (int k = i * n; k < (i + 1) * n; k++)
+            sum += further * linear->lever[k] * linear->lever[k] / r->dim;
+        count += further;
+    }
+    return sum / count;
+}
+
+/* Factor of the covariance of the readings of a posture, of unit mean variance: noise of the joint
+ * angles, equal in all joints, moves the tip by their levers. */
+static void factor_shape(double *L, const mukca_recording *r, const mukca_linearisation *linear,
+                         int sample, double angular, double lever)
+{
+    const int n = r->chain->n_joints, d = r->dim;
+    const double *J = linear->lever + sample * n * d;
+    for (int a = 0; a < d; a++)
+        for (int b = 0; b < d; b++) {
+            double sum = 0;
+            for (int j = 0; j < n; j++) sum += J[j * d + a] * J[j * d + b];
+            L[a * d + b] = (a == b ? 1 - angular : 0) + angular * sum / lever;
+        }
+    mukca_dense_cholesky(L, d);
+}
+
+static void shape_readings(mukca_evidence *evidence, const mukca_recording *r,
+                           const mukca_linearisation *linear)
+{
+    if (evidence->shaped == linear->version) return;
+    const double lever = mean_lever(r, linear);
+    evidence->shaped = linear->version;
+    for (int i = 0; i < r->n_samples; i++)
+        if (r->samples.readings[i] > 1)
+            factor_shape(evidence->shape + i * r->dim * r->dim, r, linear, i, evidence->angular,
+                         lever);
+}
+
 /* Factor the noise for the samples in use and their robust weights (NULL: none). */
 static void lay_out(mukca_evidence *evidence, int index, const mukca_recording *r,
-                    const double *weight)
+                    const mukca_linearisation *linear, const double *weight)
 {
     mukca_normal_equations *normal = &evidence->normal[index];
     double *scratch = evidence->white.x;
+    const bool shapes = evidence->angular > 0 && index >= INDEPENDENT_POSTURES;
+    if (shapes) shape_readings(evidence, r, linear);
     for (int i = 0; weight && i < r->n_samples; i++) scratch[i] = weight[r->order[i]];
     mukca_whitening_set(&normal->whitening, &r->samples, family_of(evidence, index),
-                        weight ? scratch : NULL);
+                        weight ? scratch : NULL, shapes ? evidence->shape : NULL);
     normal->n_pairs = r->n_pairs;
     for (int p = 0; p < r->n_pairs; p++)
         normal->variance[p] =
             1 / normal->whitening.total[r->pairs[p].a] + 1 / normal->whitening.total[r->pairs[p].b];
+}
+
+/* Choose the share of the joint angles' noise by the likelihood of y[n_samples][dim], less the
+ * means of the postures. */
+static double angular_share(const double *y, const mukca_recording *r,
+                            const mukca_linearisation *linear)
+{
+    static const double shares[] = {0, 0.5, 0.9, 0.99};
+    const mukca_samples *s = &r->samples;
+    const int d = s->dim;
+    const double lever = mean_lever(r, linear);
+    double best = -HUGE_VAL, chosen = 0;
+    for (size_t a = 0; a < sizeof shares / sizeof *shares && lever > 0; a++) {
+        double log_det = 0, square = 0;
+        int further = 0;
+        for (int i = 0; i < s->n_samples; i++) {
+            const int m = s->readings[i];
+            double L[36], mean[6] = {0}, x[6];
+            if (m < 2) continue;
+            factor_shape(L, r, linear, i, shares[a], lever);
+            for (int c = 0; c < d; c++) {
+                for (int k = i; k >= 0; k = s->next[k]) mean[c] += y[k * d + c] / m;
+                log_det += (m - 1) * log(L[c * d + c]);
+            }
+            for (int k = i; k >= 0; k = s->next[k]) {
+                for (int c = 0; c < d; c++) x[c] = y[k * d + c] - mean[c];
+                mukca_dense_forward(x, 1, L, d);
+                for (int c = 0; c < d; c++) square += x[c] * x[c];
+            }
+            further += m - 1;
+        }
+        const double value = -log_det - 0.5 * d * further * log(square);
+        if (value > best) best = value, chosen = shares[a];
+    }
+    return chosen;
 }
 
 void mukca_evidence_measure_repeats(mukca_evidence *evidence, const mukca_recording *recording,
@@ -150,6 +231,8 @@ void mukca_evidence_measure_repeats(mukca_evidence *evidence, const mukca_record
     const double variance = within / extra + RESOLUTION * RESOLUTION,
                  common = between / postures - variance * own / postures;
     evidence->ratio = fmin(fmax(common / variance, 0.1), 1e6);
+    evidence->angular = angular_share(y, recording, linear);
+    evidence->shaped = 0;
     for (int i = INDEPENDENT_POSTURES; i < MUKCA_NOISES; i++) evidence->normal[i].version = 0;
 }
 
@@ -163,7 +246,7 @@ mukca_normal_equations *mukca_evidence_collect(mukca_evidence *evidence, int ind
     const bool stale = unknowns->weight || normal->version != linear->version;
     if (!stale && normal->n == n) return normal;
     if (stale) {
-        lay_out(evidence, index, recording, unknowns->weight);
+        lay_out(evidence, index, recording, linear, unknowns->weight);
         evidence->white.of = NULL;
         normal->version = unknowns->weight ? 0 : linear->version;
         multiply(evidence, normal, recording, linear);

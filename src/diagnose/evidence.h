@@ -22,9 +22,12 @@ typedef struct {
 } mukca_normal_equations;
 
 typedef struct {
-    int n_noises; /* families compared: with repeated postures also those that share errors */
-    double ratio; /* variance that readings of a posture share, over that of a reading */
-    int further;  /* coordinates of readings beyond the first of their postures */
+    int n_noises;    /* families compared: with repeated postures also those that share errors */
+    double ratio;    /* variance that readings of a posture share, over that of a reading */
+    int further;     /* coordinates of readings beyond the first of their postures */
+    double angular;  /* share of the joint angles' noise in the variance of readings of a posture */
+    double *shape;   /* [n_samples][dim][dim] factor of their covariance, at the first reading */
+    unsigned shaped; /* version of the linearisation of `shape`, 0: none */
     mukca_normal_equations normal[MUKCA_NOISES];
     struct { /* whitened stored columns of one family, [n_samples][dim][stride] */
         const mukca_normal_equations *of;

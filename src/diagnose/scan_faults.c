@@ -67,6 +67,32 @@ static void find_samples(int *from, int *to, const mukca_recording *r, const muk
     for (*to = *from; *to < group->count && row[*to] <= h->fault.last;) ++*to;
 }
 
+/* G += what the correlation of the coordinates adds where a fault, white[n_samples], separates
+ * readings of a posture. */
+static void add_shape(double G[9], const fault_sums *f, const double *white)
+{
+    const mukca_group *group = &f->scan->m->recording.groups[f->group];
+    const int d = f->scan->m->recording.dim, *next = f->samples.next;
+    for (int i = group->start; i < group->start + group->count; i++) {
+        const int m = f->samples.readings[i];
+        double mean = 0, square = 0;
+        for (int k = i; m > 1 && k >= 0; k = next[k]) mean += white[k] / m;
+        for (int k = i; m > 1 && k >= 0; k = next[k])
+            square += (white[k] - mean) * (white[k] - mean);
+        if (!(square > 0)) continue;
+        const double *L = f->whitening.shape + (size_t)i * (size_t)(d * d);
+        double x[18] = {0}; /* L^-1, of the position */
+        for (int c = 0; c < 3; c++) x[4 * c] = 1;
+        mukca_dense_forward(x, 3, L, d);
+        for (int a = 0; a < 3; a++)
+            for (int b = 0; b < 3; b++) {
+                double sum = a == b ? -1 : 0;
+                for (int c = 0; c < d; c++) sum += x[3 * c + a] * x[3 * c + b];
+                G[3 * a + b] += f->scan->precision * square * sum;
+            }
+    }
+}
+
 static void score(double *value, double *information, fault_sums *f, const mukca_candidate *h)
 {
     mukca_scan *s = f->scan;
@@ -78,9 +104,11 @@ static void score(double *value, double *information, fault_sums *f, const mukca
     find_samples(&from, &to, r, h);
     for (int i = 0; i < group->count; i++)
         share[group->start + i] = mukca_candidate_fault_share(h, r, r->order[group->start + i]);
+    mukca_whitening equal = f->whitening; /* coordinates without correlation */
+    equal.shape = NULL;
     mukca_whitening_apply(
-        &(mukca_whitened){.n = 1, .ld = 1, .x = share, .white = white, .mean = &mean},
-        &f->whitening, &f->samples);
+        &(mukca_whitened){.n = 1, .ld = 1, .x = share, .white = white, .mean = &mean}, &equal,
+        &f->samples);
     for (int i = group->start; i < group->start + group->count; i++) square += white[i] * white[i];
     memset(T, 0, sizeof *T * (size_t)(3 * n));
     memset(g, 0, sizeof g);
@@ -100,6 +128,7 @@ static void score(double *value, double *information, fault_sums *f, const mukca
     for (int a = 0; a < 3; a++)
         for (int b = 0; b < 3; b++)
             G[3 * a + b] = (a == b ? s->precision * square : 0) - dot4(T + a * n, T + b * n, n);
+    if (f->whitening.shape) add_shape(G, f, white);
     for (int p = 0; p < r->n_pairs; p++) {
         const double *direction = s->m->linear.direction[p], w = s->inverse[p] * mean * mean;
         if (r->pairs[p].a != f->group && r->pairs[p].b != f->group) continue;

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/clones.h"
+#include "math/dense.h"
 
 bool mukca_whitening_create(mukca_whitening *w, mukca_pool *pool, int samples, int blocks)
 {
@@ -23,7 +24,7 @@ static double common_factor(double shared, int m)
     return m > 0 && shared > 0 ? (1 - sqrt((1 - shared) / (1 - shared + shared * m))) / m : 0;
 }
 
-enum { CHUNK = 64 }; /* columns at a time */
+enum { CHUNK = 64, MOST_ROWS = 6 }; /* columns at a time, rows of a sample */
 
 /* Readings of postures whose normalised sums z are white: replace each z by (z - rho z') / sqrt(1 -
  * rho^2) with that of the preceding posture of the block. */
@@ -66,11 +67,12 @@ MUKCA_INLINE void correlate_back(double *x, size_t step, int count, double rho,
 }
 
 void mukca_whitening_set(mukca_whitening *w, const mukca_samples *s, mukca_noise_family family,
-                         const double *weight)
+                         const double *weight, const double *shape)
 {
     const double shared = family.shared, rho = shared > 0 ? 0 : family.rho,
                  scale = 1 / sqrt((1 - rho * rho) * (1 - shared));
     w->family = family;
+    w->shape = shared > 0 ? shape : NULL;
     w->log_det = 0;
     w->dof = 0;
     for (int b = 0; b < s->n_blocks; b++) {
@@ -90,6 +92,8 @@ void mukca_whitening_set(mukca_whitening *w, const mukca_samples *s, mukca_noise
             if (m > 0 && shared > 0)
                 w->log_det -=
                     0.5 * s->dim * ((m - 1) * log(1 - shared) + log(1 - shared + shared * m));
+            for (int c = 0; c < s->dim && m > 1 && w->shape; c++)
+                w->log_det -= (m - 1) * log(w->shape[(i * s->dim + c) * s->dim + c]);
         }
         for (int i = block->start; i < end; i++)
             for (int k = i; k >= 0 && w->common[i] > 0; k = s->next[k])
@@ -120,6 +124,34 @@ MUKCA_INLINE void subtract_common(double *white, size_t step, int count, const m
             for (int j = 0; j < count; j++)
                 white[(size_t)k * step + (size_t)j] -= w->common[i] * sum[j];
     }
+}
+
+/* Multiply the deviations from the mean of each posture by L^-1, or by its transpose. */
+static void divide_by_shape(double *x, int n, int ld, bool transpose, const mukca_whitening *w,
+                            const mukca_samples *s)
+{
+    const int d = s->dim;
+    for (int i = 0; i < s->n_samples; i++)
+        for (int start = 0; start < n && s->readings[i] > 1; start += CHUNK) {
+            const int count = n - start < CHUNK ? n - start : CHUNK;
+            const double *L = w->shape + (size_t)i * (size_t)(d * d);
+            double mean[MOST_ROWS * CHUNK] = {0}, deviation[MOST_ROWS * CHUNK];
+            for (int k = i; k >= 0; k = s->next[k])
+                for (int c = 0; c < d; c++) {
+                    const double *row = x + (size_t)(k * d + c) * (size_t)ld + start;
+                    for (int j = 0; j < count; j++) mean[c * count + j] += row[j] / s->readings[i];
+                }
+            for (int k = i; k >= 0; k = s->next[k]) {
+                double *rows = x + (size_t)(k * d) * (size_t)ld + start;
+                for (int c = 0; c < d; c++)
+                    for (int j = 0; j < count; j++)
+                        deviation[c * count + j] = rows[c * ld + j] - mean[c * count + j];
+                (transpose ? mukca_dense_backward : mukca_dense_forward)(deviation, count, L, d);
+                for (int c = 0; c < d; c++)
+                    for (int j = 0; j < count; j++)
+                        rows[c * ld + j] = mean[c * count + j] + deviation[c * count + j];
+            }
+        }
 }
 
 /* Subtract the component along the free mean of a block. */
@@ -162,6 +194,7 @@ MUKCA_CLONES void mukca_whitening_apply(const mukca_whitened *x, const mukca_whi
                            count, w, block, b);
             }
     }
+    if (w->shape) divide_by_shape(x->white, x->n, x->ld, false, w, s);
 }
 
 MUKCA_CLONES void mukca_whitening_transpose(double *out, const double *x, int n, int ld,
@@ -188,4 +221,5 @@ MUKCA_CLONES void mukca_whitening_transpose(double *out, const double *x, int n,
                 subtract_common(out + c * ld + start, step, count, w, s, block);
             }
     }
+    if (w->shape) divide_by_shape(out, n, ld, true, w, s);
 }

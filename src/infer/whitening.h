@@ -3,7 +3,9 @@
  * A block of samples has the covariance sigma^2 V for each coordinate, and may have a free mean.  V
  * has unit diagonal and belongs to one of two families.  AR(1): successive samples correlate by
  * rho^distance.  Shared: samples of one posture have a common error of the variance `shared`, and
- * own errors of the variance 1 - shared; means of successive postures correlate by rho^distance. */
+ * own errors of the variance 1 - shared; means of successive postures correlate by rho^distance.
+ * Own errors of the coordinates may correlate: readings deviate from their posture's mean with the
+ * covariance L L' instead of 1 (that of the mean, which shared errors dominate, stays). */
 #ifndef MUKCA_INFER_WHITENING_H
 #define MUKCA_INFER_WHITENING_H
 
@@ -36,6 +38,7 @@ typedef struct {
     double *common;       /* [n_samples] of the sum over a posture, at its first sample */
     double *one;          /* [n_samples] whitened column of ones */
     double *total;        /* [n_blocks] its squared length */
+    const double *shape;  /* [n_samples][dim][dim] L at the first sample of a posture; NULL: 1 */
     double log_det;       /* log density of the rows beyond -dof log(sigma) - squares / 2 */
     int dof;
 } mukca_whitening;
@@ -44,9 +47,9 @@ typedef struct {
 bool mukca_whitening_create(mukca_whitening *whitening, mukca_pool *pool, int samples, int blocks);
 
 /* Factor V for these samples; weight[n_samples] (NULL: none) multiplies the rows of
- * independent samples. */
+ * independent samples; shape (may be NULL) is kept, and used by families that share errors. */
 void mukca_whitening_set(mukca_whitening *whitening, const mukca_samples *samples,
-                         mukca_noise_family family, const double *weight);
+                         mukca_noise_family family, const double *weight, const double *shape);
 
 /* n columns of matrices with the row stride ld. */
 typedef struct {

@@ -151,7 +151,7 @@ static void check_family(mukca_noise_family family, const double *weight)
     uint64_t seed = 5;
     lay_out(&l);
     assert_true(mukca_whitening_create(&w, &pool, SAMPLES, BLOCKS));
-    mukca_whitening_set(&w, &l.samples, family, weight);
+    mukca_whitening_set(&w, &l.samples, family, weight, NULL);
     for (int i = 0; i < COLUMNS; i++) unit[i][i] = 1;
     mukca_whitening_apply(&(mukca_whitened){COLUMNS, COLUMNS, unit[0], A[0], mean}, &w, &l.samples);
     for (int b = 0; b < BLOCKS; b++) check_block(&l, b, &w, weight, A, mean, &log_det);
@@ -167,6 +167,56 @@ static void check_family(mukca_noise_family family, const double *weight)
     mukca_whitening_transpose(turned, other, 1, 1, &w, &l.samples);
     for (int i = 0; i < COLUMNS; i++) direct += white[i] * other[i], adjoint += x[i] * turned[i];
     assert_close(adjoint, direct, 1e-10 * (1 + fabs(direct)));
+    mukca_pool_free(&pool);
+}
+
+/* Readings that deviate from their posture's mean with a covariance of their own: the whitened
+ * covariance is 1, and its log determinant right. */
+TEST(whitening_with_shape)
+{
+    static double unit[COLUMNS][COLUMNS], A[COLUMNS][COLUMNS], L[SAMPLES][DIM][DIM];
+    static real V[COLUMNS][COLUMNS], AV[COLUMNS][COLUMNS];
+    const mukca_noise_family family = {.rho = 0.5, .shared = 0.7};
+    layout l;
+    mukca_pool pool = {0};
+    mukca_whitening w;
+    uint64_t seed = 3;
+    lay_out(&l);
+    for (int b = 0; b < BLOCKS; b++) l.block[b].free_mean = false;
+    for (int i = 0; i < SAMPLES; i++)
+        L[i][0][0] = 1 + 0.5 * draw(&seed), L[i][1][0] = draw(&seed), L[i][1][1] = 0.6;
+    for (int b = 0; b < BLOCKS; b++)
+        for (int i = l.block[b].start, end = i + l.block[b].count; i < end; i++)
+            for (int k = l.block[b].start; k < end; k++) {
+                const int p = l.posture[i], q = l.posture[k], first = l.block[b].start + p % 100;
+                const real common = powl(family.rho, abs(p - q)) *
+                                    sqrtl(variance_of_mean(&l, b, p, family.shared) *
+                                          variance_of_mean(&l, b, q, family.shared)),
+                           own = (1 - (real)family.shared) *
+                                 ((i == k) - (real)1 / l.readings[first]) * (p == q);
+                for (int c = 0; c < DIM; c++)
+                    for (int e = 0; e < DIM; e++)
+                        V[i * DIM + c][k * DIM + e] =
+                            (c == e) * common + own * ((real)L[first][c][0] * L[first][e][0] +
+                                                       (real)L[first][c][1] * L[first][e][1]);
+            }
+    for (int i = 0; i < COLUMNS; i++) unit[i][i] = 1;
+    assert_true(mukca_whitening_create(&w, &pool, SAMPLES, BLOCKS));
+    mukca_whitening_set(&w, &l.samples, family, NULL, L[0][0]);
+    mukca_whitening_apply(&(mukca_whitened){COLUMNS, COLUMNS, unit[0], A[0], NULL}, &w, &l.samples);
+    for (int i = 0; i < COLUMNS; i++)
+        for (int k = 0; k < COLUMNS; k++)
+            for (int t = 0; t < COLUMNS; t++) AV[i][k] += A[i][t] * V[t][k];
+    for (int i = 0; i < COLUMNS; i++)
+        for (int k = 0; k < COLUMNS; k++) {
+            real sum = 0;
+            for (int t = 0; t < COLUMNS; t++) sum += AV[i][t] * A[k][t];
+            assert_close((double)sum, i == k, 1e-10);
+        }
+    assert_close(w.log_det, (double)(-0.5L * factor(V[0], COLUMNS)), 1e-9);
+    double turned[COLUMNS]; /* row 5 of A, as a column of its transpose */
+    mukca_whitening_transpose(turned, unit[5], 1, 1, &w, &l.samples);
+    for (int i = 0; i < COLUMNS; i++) assert_close(turned[i], A[5][i], 1e-12);
     mukca_pool_free(&pool);
 }
 
