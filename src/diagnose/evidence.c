@@ -21,6 +21,9 @@ static const double shared[][2] = {{0.4, 0},    {0.7, 0},    {1, 0},     {1.5, 0
                                    {1.5, 0.25}, {1.5, 0.5},  {1.5, 0.75}};
 enum { INDEPENDENT_POSTURES = 4 };
 
+/* Shares of the joint angles' noise. */
+static const double shares[] = {0, 0.2, 0.4, 0.6, 0.8, 0.95};
+
 /* Resolution of the positions, m: readings that agree exactly agree to this. */
 #define RESOLUTION 1e-6
 
@@ -47,9 +50,11 @@ bool mukca_evidence_create(mukca_evidence *evidence, mukca_pool *pool,
                                            .variance = MUKCA_TAKE(pool, double, pairs),
                                            .all_gram = MUKCA_TAKE(pool, double, size *size),
                                            .all_distance = MUKCA_TAKE(pool, double, pairs *size)};
-        mukca_whitening_create(&normal->whitening, pool, rows, recording->data->n_sockets + 2);
+        mukca_whitening_create(&normal->whitening, pool, rows, recording->data->n_sockets + 2,
+                               recording->dim);
     }
-    evidence->shape = MUKCA_TAKE(pool, double, rows * recording->dim * recording->dim);
+    for (int k = 0; k < 1 + recording->repeats; k++)
+        evidence->shape[k] = MUKCA_TAKE(pool, double, rows * recording->dim * recording->dim);
     evidence->white.x = MUKCA_TAKE(pool, double, whole);
     evidence->white.mean =
         MUKCA_TAKE(pool, double, (recording->data->n_sockets + 2) * recording->dim * size);
@@ -100,23 +105,17 @@ static void multiply(mukca_evidence *evidence, mukca_normal_equations *normal,
     mukca_dense_syrk(normal->all_gram, n, white, r->n_samples * r->dim, n);
 }
 
-/* Mean square of the levers of the joints over the readings beyond the first of their postures. */
+/* Mean square of the levers of the joints over all samples. */
 static double mean_lever(const mukca_recording *r, const mukca_linearisation *linear)
 {
-    const int n = r->chain->n_joints * r->dim;
-    double sum = 0, count = 0;
-    for (int i = 0; i < r->n_samples; i++) {
-        const int further = r->samples.readings[i] - 1;
-        if (further < 1) continue;
-        for (int k = i * n; k < (i + 1) * n; k++)
-            sum += further * linear->lever[k] * linear->lever[k] / r->dim;
-        count += further;
-    }
-    return sum / count;
+    double sum = 0;
+    for (int i = 0; i < r->n_samples * r->chain->n_joints * r->dim; i++)
+        sum += linear->lever[i] * linear->lever[i];
+    return sum / (r->n_samples * r->dim);
 }
 
-/* Factor of the covariance of the readings of a posture, of unit mean variance: noise of the joint
- * angles, equal in all joints, moves the tip by their levers. */
+/* Factor of the covariance of a sample, of unit mean variance: noise of the joint angles, equal in
+ * all joints, moves the tip by their levers. */
 static void factor_shape(double *L, const mukca_recording *r, const mukca_linearisation *linear,
                          int sample, double angular, double lever)
 {
@@ -131,16 +130,17 @@ static void factor_shape(double *L, const mukca_recording *r, const mukca_linear
     mukca_dense_cholesky(L, d);
 }
 
-static void shape_readings(mukca_evidence *evidence, const mukca_recording *r,
-                           const mukca_linearisation *linear)
+static mukca_noise_shape shape_of(mukca_evidence *evidence, const mukca_recording *r,
+                                  const mukca_linearisation *linear)
 {
-    if (evidence->shaped == linear->version) return;
+    if (!(evidence->angular[0] + evidence->angular[1])) return (mukca_noise_shape){NULL, NULL};
     const double lever = mean_lever(r, linear);
+    for (int i = 0; i < r->n_samples && evidence->shaped != linear->version; i++)
+        for (int k = 0; k < 1 + r->repeats; k++)
+            factor_shape(evidence->shape[k] + i * r->dim * r->dim, r, linear, i,
+                         shares[evidence->angular[k]], lever);
     evidence->shaped = linear->version;
-    for (int i = 0; i < r->n_samples; i++)
-        if (r->samples.readings[i] > 1)
-            factor_shape(evidence->shape + i * r->dim * r->dim, r, linear, i, evidence->angular,
-                         lever);
+    return (mukca_noise_shape){evidence->shape[0], evidence->shape[1]};
 }
 
 /* Factor the noise for the samples in use and their robust weights (NULL: none). */
@@ -149,60 +149,59 @@ static void lay_out(mukca_evidence *evidence, int index, const mukca_recording *
 {
     mukca_normal_equations *normal = &evidence->normal[index];
     double *scratch = evidence->white.x;
-    const bool shapes = evidence->angular > 0 && index >= INDEPENDENT_POSTURES;
-    if (shapes) shape_readings(evidence, r, linear);
     for (int i = 0; weight && i < r->n_samples; i++) scratch[i] = weight[r->order[i]];
     mukca_whitening_set(&normal->whitening, &r->samples, family_of(evidence, index),
-                        weight ? scratch : NULL, shapes ? evidence->shape : NULL);
+                        shape_of(evidence, r, linear), weight ? scratch : NULL);
     normal->n_pairs = r->n_pairs;
-    for (int p = 0; p < r->n_pairs; p++)
-        normal->variance[p] =
-            1 / normal->whitening.total[r->pairs[p].a] + 1 / normal->whitening.total[r->pairs[p].b];
+    for (int p = 0; p < r->n_pairs; p++) {
+        const int side[] = {r->pairs[p].a, r->pairs[p].b};
+        normal->variance[p] = 0;
+        for (int k = 0; k < 2; k++) {
+            double x[6] = {0};
+            memcpy(x, linear->direction[p], sizeof linear->direction[p]);
+            mukca_whitening_solve(x, &normal->whitening, side[k], r->dim);
+            normal->variance[p] += mukca_dot3(x, linear->direction[p]);
+        }
+    }
 }
 
-/* Choose the share of the joint angles' noise by the likelihood of y[n_samples][dim], less the
- * means of the postures. */
-static double angular_share(const double *y, const mukca_recording *r,
-                            const mukca_linearisation *linear)
+/* Choose the share of the joint angles' noise by the likelihood of y[n_samples][dim], in which each
+ * sample has so many degrees of freedom. */
+static int angular_share(const double *y, const double *freedom, const mukca_recording *r,
+                         const mukca_linearisation *linear)
 {
-    static const double shares[] = {0, 0.5, 0.9, 0.99};
-    const mukca_samples *s = &r->samples;
-    const int d = s->dim;
+    const int d = r->dim;
     const double lever = mean_lever(r, linear);
-    double best = -HUGE_VAL, chosen = 0;
-    for (size_t a = 0; a < sizeof shares / sizeof *shares && lever > 0; a++) {
-        double log_det = 0, square = 0;
-        int further = 0;
-        for (int i = 0; i < s->n_samples; i++) {
-            const int m = s->readings[i];
-            double L[36], mean[6] = {0}, x[6];
-            if (m < 2) continue;
+    double best = -HUGE_VAL;
+    int chosen = 0;
+    for (int a = 0; a < (int)(sizeof shares / sizeof *shares) && lever > 0; a++) {
+        double log_det = 0, square = 0, all = 0;
+        for (int i = 0; i < r->n_samples; i++) {
+            double L[36], x[6];
+            if (!(freedom[i] > 0)) continue;
             factor_shape(L, r, linear, i, shares[a], lever);
-            for (int c = 0; c < d; c++) {
-                for (int k = i; k >= 0; k = s->next[k]) mean[c] += y[k * d + c] / m;
-                log_det += (m - 1) * log(L[c * d + c]);
-            }
-            for (int k = i; k >= 0; k = s->next[k]) {
-                for (int c = 0; c < d; c++) x[c] = y[k * d + c] - mean[c];
-                mukca_dense_forward(x, 1, L, d);
-                for (int c = 0; c < d; c++) square += x[c] * x[c];
-            }
-            further += m - 1;
+            memcpy(x, y + i * d, sizeof *x * (size_t)d);
+            mukca_dense_forward(x, 1, L, d);
+            for (int c = 0; c < d; c++)
+                square += x[c] * x[c], log_det += freedom[i] * log(L[c * d + c]);
+            all += freedom[i] * d;
         }
-        const double value = -log_det - 0.5 * d * further * log(square);
-        if (value > best) best = value, chosen = shares[a];
+        const double value = -log_det - 0.5 * all * log(square);
+        if (value > best) best = value, chosen = a;
     }
     return chosen;
 }
 
-void mukca_evidence_measure_repeats(mukca_evidence *evidence, const mukca_recording *recording,
-                                    const mukca_linearisation *linear)
+int mukca_evidence_measure_noise(mukca_evidence *evidence, const mukca_recording *recording,
+                                 const mukca_linearisation *linear)
 {
     const mukca_samples *s = &recording->samples;
     const int n = linear->n_columns, d = s->dim;
-    double *y = evidence->white.x, within = 0, between = 0, own = 0;
+    double *y = evidence->white.x, *common = y + s->n_samples * d,
+           *freedom = common + s->n_samples * d, within = 0, between = 0, own = 0;
     int extra = 0, postures = 0;
     evidence->white.of = NULL; /* its memory is scratch here */
+    memset(freedom, 0, sizeof *freedom * (size_t)s->n_samples);
     for (int i = 0; i < s->n_samples * d; i++) {
         const double *x = linear->columns + (size_t)i * (size_t)linear->stride;
         y[i] = x[linear->y];
@@ -210,30 +209,47 @@ void mukca_evidence_measure_repeats(mukca_evidence *evidence, const mukca_record
     }
     for (int b = 0; b < s->n_blocks; b++)
         for (int c = 0; c < d; c++) {
-            const int end = s->block[b].start + s->block[b].count;
+            const int start = s->block[b].start, end = start + s->block[b].count;
             double sum = 0, square = 0;
             int count = 0;
-            for (int i = s->block[b].start; i < end; i++) {
+            for (int i = start; i < end; i++) {
                 double mean = 0;
                 const int m = s->readings[i];
                 for (int k = i; m && k >= 0; k = s->next[k]) mean += y[k * d + c] / m;
-                for (int k = i; m && k >= 0; k = s->next[k]) within += pow(y[k * d + c] - mean, 2);
+                for (int k = i; m && k >= 0; k = s->next[k])
+                    y[k * d + c] -= mean, within += y[k * d + c] * y[k * d + c];
+                common[i * d + c] = mean;
                 if (!m) continue;
                 sum += mean, square += mean * mean, own += 1.0 / m, count++;
                 extra += m - 1;
+                freedom[i] = 1;
             }
             const bool free = s->block[b].free_mean && count;
+            for (int i = start; i < end && free; i++) common[i * d + c] -= sum / count;
             between += square - (free ? sum * sum / count : 0);
             postures += count - free;
         }
-    if (!extra || postures < 2) return;
-    evidence->further = extra;
-    const double variance = within / extra + RESOLUTION * RESOLUTION,
-                 common = between / postures - variance * own / postures;
-    evidence->ratio = fmin(fmax(common / variance, 0.1), 1e6);
-    evidence->angular = angular_share(y, recording, linear);
+    const int proposed = angular_share(common, freedom, recording, linear);
+    if (extra && postures >= 2) {
+        const double variance = within / extra + RESOLUTION * RESOLUTION,
+                     shared_part = between / postures - variance * own / postures;
+        evidence->further = extra;
+        evidence->ratio = fmin(fmax(shared_part / variance, 0.1), 1e6);
+        for (int i = 0; i < s->n_samples; i++) freedom[i] = 0;
+        for (int i = 0; i < s->n_samples; i++)
+            for (int k = i; k >= 0 && s->readings[i] > 1; k = s->next[k])
+                freedom[k] = 1 - 1.0 / s->readings[i];
+        evidence->angular[1] = angular_share(y, freedom, recording, linear);
+        mukca_evidence_set_share(evidence, evidence->angular[0]);
+    }
+    return proposed;
+}
+
+void mukca_evidence_set_share(mukca_evidence *evidence, int share)
+{
+    evidence->angular[0] = share;
     evidence->shaped = 0;
-    for (int i = INDEPENDENT_POSTURES; i < MUKCA_NOISES; i++) evidence->normal[i].version = 0;
+    for (int i = 0; i < evidence->n_noises; i++) evidence->normal[i].version = 0;
 }
 
 mukca_normal_equations *mukca_evidence_collect(mukca_evidence *evidence, int index,

@@ -22,12 +22,13 @@ typedef struct {
 } mukca_normal_equations;
 
 typedef struct {
-    int n_noises;    /* families compared: with repeated postures also those that share errors */
-    double ratio;    /* variance that readings of a posture share, over that of a reading */
-    int further;     /* coordinates of readings beyond the first of their postures */
-    double angular;  /* share of the joint angles' noise in the variance of readings of a posture */
-    double *shape;   /* [n_samples][dim][dim] factor of their covariance, at the first reading */
-    unsigned shaped; /* version of the linearisation of `shape`, 0: none */
+    int n_noises;     /* families compared: with repeated postures also those that share errors */
+    double ratio;     /* variance that readings of a posture share, over that of a reading */
+    int further;      /* coordinates of readings beyond the first of their postures */
+    int angular[2];   /* share of the joint angles' noise in the variance, by number: of
+                         postures, and of readings within a posture */
+    double *shape[2]; /* [n_samples][dim][dim] factors of these covariances */
+    unsigned shaped;  /* version of the linearisation of `shape`, 0: none */
     mukca_normal_equations normal[MUKCA_NOISES];
     struct { /* whitened stored columns of one family, [n_samples][dim][stride] */
         const mukca_normal_equations *of;
@@ -48,11 +49,15 @@ typedef struct {
 bool mukca_evidence_create(mukca_evidence *evidence, mukca_pool *pool,
                            const mukca_recording *recording, const mukca_unknowns *unknowns);
 
-/* Estimate the ratio of the variances between postures and between readings of one, from the
- * residuals at the last posterior mean, of these columns; the families that share errors follow it.
- */
-void mukca_evidence_measure_repeats(mukca_evidence *evidence, const mukca_recording *recording,
-                                    const mukca_linearisation *linear);
+/* Measure the noise by the residuals at the last posterior mean, of these columns: the ratio of the
+ * variances between postures and between readings of one, and the share of the joint angles' noise
+ * in the latter; the families follow.  Returns the likeliest share between postures: the geometry
+ * absorbs more of some directions, so that evidence must decide. */
+int mukca_evidence_measure_noise(mukca_evidence *evidence, const mukca_recording *recording,
+                                 const mukca_linearisation *linear);
+
+/* Set the share of the joint angles' noise between postures. */
+void mukca_evidence_set_share(mukca_evidence *evidence, int share);
 
 /* Update the normal equations of one family of the noise if the columns have changed, and return
  * them. */

@@ -364,6 +364,7 @@ mukca_status mukca_identify_run(mukca_identification *id, mukca_error *error)
             seat(id, NOISE * m->unknowns.sigma);
             mukca_regression_freeze(m);
         }
+        mukca_regression_choose_share(m);
         status = pass(id, &best, p == MUKCA_PASSES, error);
     }
     if (status == MUKCA_OK) status = average(id, error);
@@ -371,6 +372,8 @@ mukca_status mukca_identify_run(mukca_identification *id, mukca_error *error)
         qsort(id->set, (size_t)id->n_sets, sizeof *id->set, by_weight);
         find_names(id);
         seat(id, 0); /* a cause acts at the recorded angles */
+        mukca_evidence_set_share(&m->evidence,
+                                 0); /* least squares: unexplained errors are no noise */
         mukca_identify_fit(id, &id->set[0]);
     }
     return status;

@@ -147,7 +147,7 @@ static mukca_normal_equations *choose_noise(mukca_regression *m, mukca_fit_freed
     if (noises > 1 && m->recording.repeats) {
         mukca_evidence_evaluate(evidence, mukca_regression_collect(m, m->unknowns.family), u->sigma,
                                 evidence->mean);
-        mukca_evidence_measure_repeats(evidence, &m->recording, &m->linear);
+        mukca_evidence_measure_noise(evidence, &m->recording, &m->linear);
     }
     bool all = noises == evidence->n_noises; /* robust weights imply independent samples */
     for (int k = 0; k < noises; k++) {
@@ -252,6 +252,30 @@ void mukca_regression_fit(mukca_regression *m, int iterations, mukca_fit_freedom
         }
     }
     mukca_regression_linearise(m);
+}
+
+void mukca_regression_choose_share(mukca_regression *m)
+{
+    mukca_unknowns *u = &m->unknowns;
+    mukca_evidence *evidence = &m->evidence;
+    double best, value;
+    mukca_normal_equations *normal = mukca_regression_collect(m, u->family);
+    mukca_unknowns_prior(evidence->prior, u);
+    mukca_evidence_evaluate(evidence, normal, u->sigma, evidence->mean);
+    const int share = mukca_evidence_measure_noise(evidence, &m->recording, &m->linear),
+              step = share > evidence->angular[0] ? 1 : -1;
+    if (share == evidence->angular[0]) return;
+    mukca_noise_choose(evidence, mukca_regression_collect(m, u->family), u->sigma, &best);
+    while (evidence->angular[0] != share) {
+        mukca_evidence_set_share(evidence, evidence->angular[0] + step);
+        mukca_noise_choose(evidence, mukca_regression_collect(m, u->family), u->sigma, &value);
+        if (value > best) {
+            best = value;
+            continue;
+        }
+        mukca_evidence_set_share(evidence, evidence->angular[0] - step);
+        break;
+    }
 }
 
 void mukca_regression_freeze(mukca_regression *m)

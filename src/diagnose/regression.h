@@ -60,6 +60,10 @@ typedef enum {
  * causes and of their sizes. */
 double mukca_regression_score(mukca_regression *m);
 
+/* Choose the share of the joint angles' noise, from the present one towards that of the residuals,
+ * while the evidence increases.  The model must be linearised. */
+void mukca_regression_choose_share(mukca_regression *m);
+
 /* Freeze: linearise at the present unknowns, for a search.  Return: to that linearisation with its
  * causes or with none. */
 void mukca_regression_freeze(mukca_regression *m);

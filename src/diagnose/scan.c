@@ -49,6 +49,7 @@ bool mukca_scan_create(mukca_scan *s, mukca_pool *pool, mukca_regression *m, muk
         .value = MUKCA_TAKE(pool, double, all->capacity),
         .information = MUKCA_TAKE(pool, double, all->capacity),
     };
+    mukca_whitening_create(&s->plain, pool, r->data->n_rows, r->data->n_sockets + 2, 1);
     return !pool->failed;
 }
 
@@ -239,10 +240,12 @@ void mukca_scan_residual(double *u, mukca_scan *s)
         for (int side = 0; side < 2; side++) {
             const int g = side ? r->pairs[p].b : r->pairs[p].a;
             const mukca_group *group = &r->groups[g];
-            for (int i = group->start; i < group->start + group->count; i++)
-                for (int c = 0; c < 3; c++)
-                    white[i * d + c] += (side ? -1 : 1) * s->inverse[p] * rest *
-                                        linear->direction[p][c] * w->one[i] / w->total[g];
+            double x[6] = {0};
+            for (int c = 0; c < 3; c++)
+                x[c] = (side ? -1 : 1) * s->inverse[p] * rest * linear->direction[p][c];
+            mukca_whitening_solve(x, w, g, d);
+            for (int i = group->start * d; i < (group->start + group->count) * d; i++)
+                for (int c = 0; c < d; c++) white[i] += w->one[i * d + c] * x[c];
         }
     }
     mukca_whitening_transpose(u, white, 1, 1, w, &r->samples);
@@ -262,7 +265,7 @@ static bool guess_ripple(double *odds, mukca_scan *s, int j, const double *u, do
     if (!s->all->survey.joint[j].turns || travel[1] - travel[0] < MUKCA_RIPPLE_TRAVEL) return false;
     for (int i = 0; i < N; i++) {
         const double *lever = s->m->linear.lever + (i * r->chain->n_joints + j) * d,
-                     of = w->family.shared > 0 ? w->one[i] : w->own[i];
+                     of = w->level[i];
         along[i] = 0;
         for (int c = 0; c < d; c++) {
             along[i] += lever[c] * u[i * d + c];

@@ -24,7 +24,8 @@ typedef struct {
     double *z, *prior, *inverse, *distance; /* [n], [n], [n_pairs], [n_pairs][n + 1] */
     /* scratch of MUKCA_SCAN_WIDTH columns */
     double *E, *W, *mean, *along, *C, *T, *g, *near;
-    double *rows, *u; /* [n][dim * n_samples + 8], [dim * n_samples]: for faults */
+    double *rows, *u;      /* [n][dim * n_samples + 8], [dim * n_samples]: for faults */
+    mukca_whitening plain; /* of scalars */
     mukca_mixture_scratch *scratch;
     double *value, *information; /* [capacity] log Bayes factors, and 1/rad^2 of a unit size */
 } mukca_scan;

@@ -14,8 +14,8 @@ typedef struct {
     double *Z; /* [n][ld] sums of L^-1 D X' of each row, by sample and coordinate, from the first
                   sample on */
     double *u; /* [count][dim] sums of the residual */
-    mukca_samples samples; /* the group alone, one coordinate */
-    mukca_whitening whitening;
+    mukca_samples samples;            /* the group alone, one coordinate */
+    mukca_whitening whitening, plain; /* of the group; without correlation of coordinates */
 } fault_sums;
 
 /* Z: L^-1 D (A'X)', with the effect of the group's mean on the distances. */
@@ -36,12 +36,13 @@ static void fill(fault_sums *f)
         }
         for (int p = 0; p < r->n_pairs; p++) {
             const double sign = (r->pairs[p].a == f->group) - (r->pairs[p].b == f->group),
-                         by = sign * s->inverse[p] * s->distance[p * (n + 1) + t] /
-                              f->whitening.total[0];
-            for (int i = 0; i < count && by != 0; i++)
-                for (int c = 0; c < 3; c++)
-                    x[(group->start + i) * d + c] +=
-                        by * linear->direction[p][c] * f->whitening.one[group->start + i];
+                         by = sign * s->inverse[p] * s->distance[p * (n + 1) + t];
+            double v[6] = {0};
+            if (!(by != 0)) continue;
+            for (int c = 0; c < 3; c++) v[c] = by * linear->direction[p][c];
+            mukca_whitening_solve(v, &f->whitening, 0, d);
+            for (int i = group->start * d; i < (group->start + count) * d; i++)
+                for (int c = 0; c < d; c++) x[i] += f->whitening.one[i * d + c] * v[c];
         }
         mukca_samples block = f->samples;
         block.dim = d;
@@ -67,30 +68,39 @@ static void find_samples(int *from, int *to, const mukca_recording *r, const muk
     for (*to = *from; *to < group->count && row[*to] <= h->fault.last;) ++*to;
 }
 
-/* G += what the correlation of the coordinates adds where a fault, white[n_samples], separates
- * readings of a posture. */
-static void add_shape(double G[9], const fault_sums *f, const double *white)
+/* G[3][3] += by L'^-1 L^-1, of the position. */
+static void add_inverse(double G[9], const double *L, int d, double by)
+{
+    double x[18] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    mukca_dense_forward(x, 3, L, d);
+    for (int a = 0; a < 3; a++)
+        for (int b = 0; b < 3; b++)
+            for (int c = 0; c < d; c++) G[3 * a + b] += by * x[3 * c + a] * x[3 * c + b];
+}
+
+/* G[3][3] := products of a fault's columns, white[n_samples] if coordinates do not correlate.  What
+ * the socket's mean absorbs is approximate if they do. */
+static void multiply(double G[9], const fault_sums *f, const double *white)
 {
     const mukca_group *group = &f->scan->m->recording.groups[f->group];
     const int d = f->scan->m->recording.dim, *next = f->samples.next;
-    for (int i = group->start; i < group->start + group->count; i++) {
-        const int m = f->samples.readings[i];
+    const double least = 1e-3; /* share of a posture that is negligible */
+    double all = 0, rest = 0;
+    for (int i = group->start; i < group->start + group->count; i++) all += white[i] * white[i];
+    memset(G, 0, sizeof(double[9]));
+    for (int i = group->start; i < group->start + group->count && f->whitening.shape.mean; i++) {
+        const int m = f->whitening.family.shared > 0 ? f->samples.readings[i] : 1;
+        const size_t at = (size_t)(i * d * d);
         double mean = 0, square = 0;
-        for (int k = i; m > 1 && k >= 0; k = next[k]) mean += white[k] / m;
-        for (int k = i; m > 1 && k >= 0; k = next[k])
+        for (int k = i; k >= 0 && m; k = m > 1 ? next[k] : -1) mean += white[k] / m;
+        for (int k = i; k >= 0 && m > 1; k = next[k])
             square += (white[k] - mean) * (white[k] - mean);
-        if (!(square > 0)) continue;
-        const double *L = f->whitening.shape + (size_t)i * (size_t)(d * d);
-        double x[18] = {0}; /* L^-1, of the position */
-        for (int c = 0; c < 3; c++) x[4 * c] = 1;
-        mukca_dense_forward(x, 3, L, d);
-        for (int a = 0; a < 3; a++)
-            for (int b = 0; b < 3; b++) {
-                double sum = a == b ? -1 : 0;
-                for (int c = 0; c < d; c++) sum += x[3 * c + a] * x[3 * c + b];
-                G[3 * a + b] += f->scan->precision * square * sum;
-            }
+        const double part[] = {m * mean * mean, square};
+        const double *L[] = {f->whitening.shape.mean, f->whitening.shape.deviation};
+        for (int k = 0; k < 2; k++)
+            if (part[k] > least * all) add_inverse(G, L[k] + at, d, part[k]), rest += part[k];
     }
+    for (int c = 0; c < 3; c++) G[4 * c] += all - rest;
 }
 
 static void score(double *value, double *information, fault_sums *f, const mukca_candidate *h)
@@ -99,17 +109,15 @@ static void score(double *value, double *information, fault_sums *f, const mukca
     const mukca_recording *r = &s->m->recording;
     const mukca_group *group = &r->groups[f->group];
     const int n = s->n, d = r->dim;
-    double *T = s->T, *share = s->C, *white = s->W, mean = 0, square = 0, G[9], g[3];
+    double *T = s->T, *share = s->C, *white = s->W, mean = 0, G[9], g[3];
     int from, to;
     find_samples(&from, &to, r, h);
     for (int i = 0; i < group->count; i++)
         share[group->start + i] = mukca_candidate_fault_share(h, r, r->order[group->start + i]);
-    mukca_whitening equal = f->whitening; /* coordinates without correlation */
-    equal.shape = NULL;
     mukca_whitening_apply(
-        &(mukca_whitened){.n = 1, .ld = 1, .x = share, .white = white, .mean = &mean}, &equal,
+        &(mukca_whitened){.n = 1, .ld = 1, .x = share, .white = white, .mean = &mean}, &f->plain,
         &f->samples);
-    for (int i = group->start; i < group->start + group->count; i++) square += white[i] * white[i];
+    multiply(G, f, white);
     memset(T, 0, sizeof *T * (size_t)(3 * n));
     memset(g, 0, sizeof g);
     const bool varies = h->kind == MUKCA_CANDIDATE_CREEP || h->fault.settles;
@@ -127,8 +135,7 @@ static void score(double *value, double *information, fault_sums *f, const mukca
     }
     for (int a = 0; a < 3; a++)
         for (int b = 0; b < 3; b++)
-            G[3 * a + b] = (a == b ? s->precision * square : 0) - dot4(T + a * n, T + b * n, n);
-    if (f->whitening.shape) add_shape(G, f, white);
+            G[3 * a + b] = s->precision * G[3 * a + b] - dot4(T + a * n, T + b * n, n);
     for (int p = 0; p < r->n_pairs; p++) {
         const double *direction = s->m->linear.direction[p], w = s->inverse[p] * mean * mean;
         if (r->pairs[p].a != f->group && r->pairs[p].b != f->group) continue;
@@ -144,6 +151,10 @@ void mukca_scan_faults(mukca_scan *s)
 {
     const mukca_recording *r = &s->m->recording;
     double *u = s->u;
+    mukca_samples scalars = r->samples;
+    scalars.dim = 1;
+    mukca_whitening_set(&s->plain, &scalars, s->normal->whitening.family,
+                        (mukca_noise_shape){NULL, NULL}, NULL);
     for (int g = 0; g < r->n_groups; g++) {
         const mukca_group *group = &r->groups[g];
         const int d = r->dim;
@@ -159,8 +170,10 @@ void mukca_scan_faults(mukca_scan *s)
                                     .block = &block,
                                     .next = r->samples.next,
                                     .readings = r->samples.readings},
-                        .whitening = s->normal->whitening};
-        f.whitening.total += g;
+                        .whitening = s->normal->whitening,
+                        .plain = s->plain};
+        f.whitening.total += g * d * d;
+        f.plain.total += g;
         bool filled = false;
         for (int k = 0; k < s->all->count; k++) {
             const mukca_candidate *h = &s->all->list[k];

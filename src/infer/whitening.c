@@ -7,13 +7,15 @@
 #include "base/clones.h"
 #include "math/dense.h"
 
-bool mukca_whitening_create(mukca_whitening *w, mukca_pool *pool, int samples, int blocks)
+bool mukca_whitening_create(mukca_whitening *w, mukca_pool *pool, int samples, int blocks, int dim)
 {
+    const int square = dim * dim;
     *w = (mukca_whitening){.own = MUKCA_TAKE(pool, double, samples),
                            .before = MUKCA_TAKE(pool, double, samples),
                            .common = MUKCA_TAKE(pool, double, samples),
-                           .one = MUKCA_TAKE(pool, double, samples),
-                           .total = MUKCA_TAKE(pool, double, blocks)};
+                           .level = MUKCA_TAKE(pool, double, samples),
+                           .one = MUKCA_TAKE(pool, double, samples *square),
+                           .total = MUKCA_TAKE(pool, double, blocks *square)};
     return !pool->failed;
 }
 
@@ -66,48 +68,54 @@ MUKCA_INLINE void correlate_back(double *x, size_t step, int count, double rho,
     }
 }
 
-void mukca_whitening_set(mukca_whitening *w, const mukca_samples *s, mukca_noise_family family,
-                         const double *weight, const double *shape)
+/* Rows x[d][n] of a sample: multiplied by L^-1 or its transpose. */
+MUKCA_INLINE void divide(double *x, int n, size_t ld, const double *L, int d, bool transpose)
 {
-    const double shared = family.shared, rho = shared > 0 ? 0 : family.rho,
-                 scale = 1 / sqrt((1 - rho * rho) * (1 - shared));
-    w->family = family;
-    w->shape = shared > 0 ? shape : NULL;
-    w->log_det = 0;
-    w->dof = 0;
-    for (int b = 0; b < s->n_blocks; b++) {
-        const mukca_block *block = &s->block[b];
-        const int end = block->start + block->count;
-        double total = 0;
-        int postures = 0;
-        for (int i = block->start; i < end; i++) {
-            const double by = weight ? weight[i] : 1;
-            const bool first = i == block->start;
-            const int m = s->readings[i];
-            postures += m > 0;
-            w->own[i] = by * (first && rho != 0 ? 1 : scale);
-            w->before[i] = first ? 0 : by * rho * scale;
-            w->common[i] = common_factor(shared, m);
-            w->one[i] = w->own[i] - w->before[i];
-            if (m > 0 && shared > 0)
-                w->log_det -=
-                    0.5 * s->dim * ((m - 1) * log(1 - shared) + log(1 - shared + shared * m));
-            for (int c = 0; c < s->dim && m > 1 && w->shape; c++)
-                w->log_det -= (m - 1) * log(w->shape[(i * s->dim + c) * s->dim + c]);
+    for (int t = 0; t < d; t++) {
+        const int a = transpose ? d - 1 - t : t;
+        double *row = x + (size_t)a * ld;
+        for (int b = 0; b < a && !transpose; b++)
+            for (int j = 0; j < n; j++) row[j] -= L[a * d + b] * (x + (size_t)b * ld)[j];
+        const double scale = 1 / L[a * d + a];
+        for (int j = 0; j < n; j++) row[j] *= scale;
+        for (int b = 0; b < a && transpose; b++)
+            for (int j = 0; j < n; j++) (x + (size_t)b * ld)[j] -= L[a * d + b] * row[j];
+    }
+}
+
+/* The same for all samples, or the means of postures and the deviations from them. */
+MUKCA_INLINE void divide_by_shape(double *x, int n, int ld, bool transpose,
+                                  const mukca_whitening *w, const mukca_samples *s,
+                                  const mukca_block *block)
+{
+    const int d = s->dim;
+    for (int i = block->start; i < block->start + block->count; i++) {
+        const int m = w->family.shared > 0 ? s->readings[i] : 1;
+        const size_t at = (size_t)(i * d * d);
+        if (m == 1)
+            divide(x + (size_t)(i * d) * (size_t)ld, n, (size_t)ld, w->shape.mean + at, d,
+                   transpose);
+        for (int start = 0; m > 1 && start < n; start += CHUNK) {
+            const int count = n - start < CHUNK ? n - start : CHUNK;
+            double mean[MOST_ROWS * CHUNK] = {0}, turned[MOST_ROWS * CHUNK];
+            for (int k = i; k >= 0; k = s->next[k])
+                for (int c = 0; c < d; c++) {
+                    const double *row = x + (size_t)(k * d + c) * (size_t)ld + start;
+                    for (int j = 0; j < count; j++) mean[c * CHUNK + j] += row[j] / m;
+                }
+            memcpy(turned, mean, sizeof turned);
+            divide(turned, count, CHUNK, w->shape.mean + at, d, transpose);
+            for (int k = i; k >= 0; k = s->next[k]) {
+                double *rows = x + (size_t)(k * d) * (size_t)ld + start;
+                for (int c = 0; c < d; c++)
+                    for (int j = 0; j < count; j++)
+                        rows[(size_t)c * (size_t)ld + (size_t)j] -= mean[c * CHUNK + j];
+                divide(rows, count, (size_t)ld, w->shape.deviation + at, d, transpose);
+                for (int c = 0; c < d; c++)
+                    for (int j = 0; j < count; j++)
+                        rows[(size_t)c * (size_t)ld + (size_t)j] += turned[c * CHUNK + j];
+            }
         }
-        for (int i = block->start; i < end; i++)
-            for (int k = i; k >= 0 && w->common[i] > 0; k = s->next[k])
-                w->one[k] -= w->common[i] * s->readings[i] * w->own[k];
-        if (shared > 0 && family.rho > 0) correlate_postures(w->one, 1, 1, family.rho, s, block);
-        for (int i = block->start; i < end; i++) total += w->one[i] * w->one[i];
-        w->total[b] = total;
-        if (!block->count) continue;
-        w->log_det -= 0.5 * s->dim * (shared > 0 ? postures - 1 : block->count - 1) *
-                      log(1 - family.rho * family.rho);
-        w->dof += s->dim * block->count;
-        if (!block->free_mean) continue;
-        w->dof -= s->dim;
-        w->log_det -= 0.5 * s->dim * log(total);
     }
 }
 
@@ -126,75 +134,143 @@ MUKCA_INLINE void subtract_common(double *white, size_t step, int count, const m
     }
 }
 
-/* Multiply the deviations from the mean of each posture by L^-1, or by its transpose. */
-static void divide_by_shape(double *x, int n, int ld, bool transpose, const mukca_whitening *w,
-                            const mukca_samples *s)
+/* x[n_samples][dim][ld] := V^-1/2 x for n columns. */
+MUKCA_INLINE void whiten(double *x, int n, int ld, const mukca_whitening *w, const mukca_samples *s)
 {
-    const int d = s->dim;
-    for (int i = 0; i < s->n_samples; i++)
-        for (int start = 0; start < n && s->readings[i] > 1; start += CHUNK) {
-            const int count = n - start < CHUNK ? n - start : CHUNK;
-            const double *L = w->shape + (size_t)i * (size_t)(d * d);
-            double mean[MOST_ROWS * CHUNK] = {0}, deviation[MOST_ROWS * CHUNK];
-            for (int k = i; k >= 0; k = s->next[k])
-                for (int c = 0; c < d; c++) {
-                    const double *row = x + (size_t)(k * d + c) * (size_t)ld + start;
-                    for (int j = 0; j < count; j++) mean[c * count + j] += row[j] / s->readings[i];
-                }
-            for (int k = i; k >= 0; k = s->next[k]) {
-                double *rows = x + (size_t)(k * d) * (size_t)ld + start;
-                for (int c = 0; c < d; c++)
-                    for (int j = 0; j < count; j++)
-                        deviation[c * count + j] = rows[c * ld + j] - mean[c * count + j];
-                (transpose ? mukca_dense_backward : mukca_dense_forward)(deviation, count, L, d);
-                for (int c = 0; c < d; c++)
-                    for (int j = 0; j < count; j++)
-                        rows[c * ld + j] = mean[c * count + j] + deviation[c * count + j];
+    const size_t step = (size_t)s->dim * (size_t)ld;
+    for (int b = 0; b < s->n_blocks; b++) {
+        const mukca_block *block = &s->block[b];
+        if (w->shape.mean) divide_by_shape(x, n, ld, false, w, s, block);
+        for (int i = block->start + block->count - 1; i >= block->start; i--) {
+            const double own = w->own[i], before = w->before[i];
+            for (int c = 0; c < s->dim; c++) {
+                double *row = x + (size_t)i * step + (size_t)(c * ld);
+                for (int k = 0; k < n; k++) row[k] *= own;
+                for (int k = 0; k < n && before > 0; k++) row[k] -= before * (row - step)[k];
             }
         }
+        for (int c = 0; c < s->dim && w->family.shared > 0; c++)
+            for (int start = 0; start < n; start += CHUNK) {
+                const int count = n - start < CHUNK ? n - start : CHUNK;
+                subtract_common(x + c * ld + start, step, count, w, s, block);
+                if (w->family.rho > 0)
+                    correlate_postures(x + c * ld + start, step, count, w->family.rho, s, block);
+            }
+    }
 }
 
-/* Subtract the component along the free mean of a block. */
-MUKCA_INLINE void centre(double *white, double *mean, size_t step, int count,
-                         const mukca_whitening *w, const mukca_block *block, int b)
+/* Logarithm of the determinants of the shapes. */
+static double log_det_of_shape(const mukca_whitening *w, const mukca_samples *s)
 {
-    double sum[CHUNK] = {0};
-    for (int i = block->start; i < block->start + block->count; i++)
-        for (int j = 0; j < count; j++) sum[j] += w->one[i] * white[(size_t)i * step + (size_t)j];
-    for (int j = 0; j < count; j++) sum[j] /= w->total[b];
-    for (int i = block->start; i < block->start + block->count; i++)
-        for (int j = 0; j < count; j++) white[(size_t)i * step + (size_t)j] -= w->one[i] * sum[j];
-    if (mean) memcpy(mean, sum, sizeof *mean * (size_t)count);
+    const int d = s->dim;
+    double sum = 0;
+    for (int i = 0; i < s->n_samples && w->shape.mean; i++) {
+        const int m = w->family.shared > 0 ? s->readings[i] : 1;
+        for (int c = 0; c < d && m; c++) {
+            const size_t at = (size_t)((i * d + c) * d + c);
+            sum += log(w->shape.mean[at]);
+            if (m > 1) sum += (m - 1) * log(w->shape.deviation[at]);
+        }
+    }
+    return sum;
+}
+
+void mukca_whitening_set(mukca_whitening *w, const mukca_samples *s, mukca_noise_family family,
+                         mukca_noise_shape shape, const double *weight)
+{
+    const int d = s->dim;
+    const double shared = family.shared, rho = shared > 0 ? 0 : family.rho,
+                 scale = 1 / sqrt((1 - rho * rho) * (1 - shared));
+    w->family = family;
+    w->shape = shape;
+    w->log_det = -log_det_of_shape(w, s);
+    w->dof = 0;
+    memset(w->one, 0, sizeof *w->one * (size_t)(s->n_samples * d * d));
+    for (int i = 0; i < s->n_samples; i++)
+        for (int c = 0; c < d; c++) w->one[(i * d + c) * d + c] = 1;
+    for (int b = 0; b < s->n_blocks; b++) {
+        const mukca_block *block = &s->block[b];
+        const int end = block->start + block->count;
+        int postures = 0;
+        for (int i = block->start; i < end; i++) {
+            const double by = weight ? weight[i] : 1;
+            const bool first = i == block->start;
+            const int m = s->readings[i];
+            postures += m > 0;
+            w->own[i] = by * (first && rho != 0 ? 1 : scale);
+            w->before[i] = first ? 0 : by * rho * scale;
+            w->common[i] = common_factor(shared, m);
+            for (int k = i; k >= 0 && m; k = shared > 0 ? s->next[k] : -1)
+                w->level[k] = 1 - w->common[i] * m;
+            if (m > 0 && shared > 0)
+                w->log_det -= 0.5 * d * ((m - 1) * log(1 - shared) + log(1 - shared + shared * m));
+        }
+        for (int i = block->start; i < end; i++)
+            w->level[i] = w->own[i] * (shared > 0 ? w->level[i] : 1);
+        if (block->count)
+            w->log_det -= 0.5 * d * (shared > 0 ? postures - 1 : block->count - 1) *
+                          log(1 - family.rho * family.rho);
+        w->dof += d * block->count;
+    }
+    whiten(w->one, d, d, w, s);
+    for (int b = 0; b < s->n_blocks; b++) {
+        const mukca_block *block = &s->block[b];
+        double *total = w->total + b * d * d;
+        if (!block->free_mean || !block->count) continue;
+        memset(total, 0, sizeof *total * (size_t)(d * d));
+        mukca_dense_syrk(total, d, w->one + block->start * d * d, block->count * d, d);
+        mukca_dense_cholesky(total, d);
+        w->dof -= d;
+        for (int c = 0; c < d; c++) w->log_det -= log(total[c * d + c]);
+    }
+}
+
+void mukca_whitening_solve(double *x, const mukca_whitening *w, int block, int dim)
+{
+    const double *total = w->total + block * dim * dim;
+    mukca_dense_forward(x, 1, total, dim);
+    mukca_dense_backward(x, 1, total, dim);
+}
+
+/* Subtract the components along the free means of a block, and return these means[d][ld]. */
+MUKCA_INLINE void centre(double *white, double *mean, int n, int ld, const mukca_whitening *w,
+                         const mukca_samples *s, int b)
+{
+    const mukca_block *block = &s->block[b];
+    const int d = s->dim, first = block->start * d, last = (block->start + block->count) * d;
+    double sum[MOST_ROWS * CHUNK] = {0};
+    for (int i = first; i < last; i++)
+        for (int c = 0; c < d; c++) {
+            const double one = w->one[i * d + c], *row = white + (size_t)i * (size_t)ld;
+            for (int j = 0; j < n && one != 0; j++) sum[c * n + j] += one * row[j];
+        }
+    mukca_dense_forward(sum, n, w->total + b * d * d, d);
+    mukca_dense_backward(sum, n, w->total + b * d * d, d);
+    for (int i = first; i < last; i++)
+        for (int c = 0; c < d; c++) {
+            const double one = w->one[i * d + c];
+            double *row = white + (size_t)i * (size_t)ld;
+            for (int j = 0; j < n && one != 0; j++) row[j] -= one * sum[c * n + j];
+        }
+    for (int c = 0; c < d && mean; c++)
+        memcpy(mean + c * ld, sum + c * n, sizeof *mean * (size_t)n);
 }
 
 MUKCA_CLONES void mukca_whitening_apply(const mukca_whitened *x, const mukca_whitening *w,
                                         const mukca_samples *s)
 {
     const size_t ld = (size_t)x->ld, step = (size_t)s->dim * ld;
-    for (int b = 0; b < s->n_blocks; b++) {
-        const mukca_block *block = &s->block[b];
-        for (int i = block->start; i < block->start + block->count; i++) {
-            const double own = w->own[i], before = w->before[i];
-            for (int c = 0; c < s->dim; c++) {
-                const double *in = x->x + (size_t)i * step + (size_t)c * ld;
-                double *out = x->white + (size_t)i * step + (size_t)c * ld;
-                for (int k = 0; k < x->n; k++) out[k] = own * in[k];
-                for (int k = 0; k < x->n && before > 0; k++) out[k] -= before * (in - step)[k];
-            }
+    for (int b = 0; b < s->n_blocks; b++)
+        for (int i = 0; i < s->block[b].count * s->dim; i++) {
+            const size_t at = (size_t)(s->block[b].start * s->dim + i) * ld;
+            memcpy(x->white + at, x->x + at, sizeof *x->white * (size_t)x->n);
         }
-        for (int c = 0; c < s->dim && block->count; c++)
-            for (int start = 0; start < x->n; start += CHUNK) {
-                const int count = x->n - start < CHUNK ? x->n - start : CHUNK;
-                const size_t at = (size_t)c * ld + (size_t)start;
-                if (w->family.shared > 0) subtract_common(x->white + at, step, count, w, s, block);
-                if (w->family.shared > 0 && w->family.rho > 0)
-                    correlate_postures(x->white + at, step, count, w->family.rho, s, block);
-                if (block->free_mean)
-                    centre(x->white + at, x->mean ? x->mean + (size_t)b * step + at : NULL, step,
-                           count, w, block, b);
-            }
-    }
-    if (w->shape) divide_by_shape(x->white, x->n, x->ld, false, w, s);
+    whiten(x->white, x->n, x->ld, w, s);
+    for (int b = 0; b < s->n_blocks; b++)
+        for (int start = 0; start < x->n && s->block[b].free_mean && s->block[b].count;
+             start += CHUNK)
+            centre(x->white + start, x->mean ? x->mean + (size_t)b * step + start : NULL,
+                   x->n - start < CHUNK ? x->n - start : CHUNK, x->ld, w, s, b);
 }
 
 MUKCA_CLONES void mukca_whitening_transpose(double *out, const double *x, int n, int ld,
@@ -221,5 +297,6 @@ MUKCA_CLONES void mukca_whitening_transpose(double *out, const double *x, int n,
                 subtract_common(out + c * ld + start, step, count, w, s, block);
             }
     }
-    if (w->shape) divide_by_shape(out, n, ld, true, w, s);
+    for (int b = 0; b < s->n_blocks && w->shape.mean; b++)
+        divide_by_shape(out, n, ld, true, w, s, &s->block[b]);
 }

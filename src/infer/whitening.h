@@ -4,8 +4,10 @@
  * has unit diagonal and belongs to one of two families.  AR(1): successive samples correlate by
  * rho^distance.  Shared: samples of one posture have a common error of the variance `shared`, and
  * own errors of the variance 1 - shared; means of successive postures correlate by rho^distance.
- * Own errors of the coordinates may correlate: readings deviate from their posture's mean with the
- * covariance L L' instead of 1 (that of the mean, which shared errors dominate, stays). */
+ * Coordinates may correlate: V is multiplied by L from the left and by L' from the right, with an L
+ * for each sample; in the family `shared`, one for the mean of a posture and another one for the
+ * deviations from it.
+ */
 #ifndef MUKCA_INFER_WHITENING_H
 #define MUKCA_INFER_WHITENING_H
 
@@ -31,25 +33,36 @@ typedef struct {
     int *next, *readings;
 } mukca_samples;
 
+/* Lower triangular L[n_samples][dim][dim] of the samples, or of postures at their first samples;
+ * NULL: 1. */
+typedef struct {
+    const double *mean, *deviation;
+} mukca_noise_shape;
+
 /* V^-1/2 of one family, without the free means. */
 typedef struct {
     mukca_noise_family family;
+    mukca_noise_shape shape;
     double *own, *before; /* [n_samples] factors of a sample and its predecessor */
     double *common;       /* [n_samples] of the sum over a posture, at its first sample */
-    double *one;          /* [n_samples] whitened column of ones */
-    double *total;        /* [n_blocks] its squared length */
-    const double *shape;  /* [n_samples][dim][dim] L at the first sample of a posture; NULL: 1 */
+    double *level;        /* [n_samples] of a value that all readings of a posture have */
+    double *one;          /* [n_samples][dim][dim] whitened columns of ones, of each coordinate */
+    double *total;        /* [n_blocks][dim][dim] Cholesky factors of their products */
     double log_det;       /* log density of the rows beyond -dof log(sigma) - squares / 2 */
     int dof;
 } mukca_whitening;
 
 /* Memory for at most so many samples and blocks comes from `pool`.  False: no memory. */
-bool mukca_whitening_create(mukca_whitening *whitening, mukca_pool *pool, int samples, int blocks);
+bool mukca_whitening_create(mukca_whitening *whitening, mukca_pool *pool, int samples, int blocks,
+                            int dim);
 
 /* Factor V for these samples; weight[n_samples] (NULL: none) multiplies the rows of
- * independent samples; shape (may be NULL) is kept, and used by families that share errors. */
+ * independent samples.  The arrays of `shape` are not copied. */
 void mukca_whitening_set(mukca_whitening *whitening, const mukca_samples *samples,
-                         mukca_noise_family family, const double *weight, const double *shape);
+                         mukca_noise_family family, mukca_noise_shape shape, const double *weight);
+
+/* x[dim] := product of the inverse of a block's information about its free mean with x. */
+void mukca_whitening_solve(double *x, const mukca_whitening *whitening, int block, int dim);
 
 /* n columns of matrices with the row stride ld. */
 typedef struct {

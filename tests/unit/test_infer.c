@@ -150,8 +150,8 @@ static void check_family(mukca_noise_family family, const double *weight)
     real log_det = 0;
     uint64_t seed = 5;
     lay_out(&l);
-    assert_true(mukca_whitening_create(&w, &pool, SAMPLES, BLOCKS));
-    mukca_whitening_set(&w, &l.samples, family, weight, NULL);
+    assert_true(mukca_whitening_create(&w, &pool, SAMPLES, BLOCKS, DIM));
+    mukca_whitening_set(&w, &l.samples, family, (mukca_noise_shape){NULL, NULL}, weight);
     for (int i = 0; i < COLUMNS; i++) unit[i][i] = 1;
     mukca_whitening_apply(&(mukca_whitened){COLUMNS, COLUMNS, unit[0], A[0], mean}, &w, &l.samples);
     for (int b = 0; b < BLOCKS; b++) check_block(&l, b, &w, weight, A, mean, &log_det);
@@ -170,39 +170,62 @@ static void check_family(mukca_noise_family family, const double *weight)
     mukca_pool_free(&pool);
 }
 
-/* Readings that deviate from their posture's mean with a covariance of their own: the whitened
- * covariance is 1, and its log determinant right. */
-TEST(whitening_with_shape)
+/* Covariance of the samples of one block under shapes L of means and M of deviations, of AR(1) of
+ * samples or postures. */
+static real shaped(const layout *l, mukca_noise_family family, double (*L)[DIM][DIM],
+                   double (*M)[DIM][DIM], int b, int i, int k, int c, int e)
 {
-    static double unit[COLUMNS][COLUMNS], A[COLUMNS][COLUMNS], L[SAMPLES][DIM][DIM];
+    const int p = l->posture[i], q = l->posture[k], start = l->block[b].start;
+    real sum = 0, own = 0;
+    if (family.shared > 0) i = start + p % 100, k = start + q % 100; /* the first readings */
+    for (int t = 0; t < DIM; t++) {
+        sum += (real)L[i][c][t] * L[k][e][t];
+        own += (real)M[i][c][t] * M[k][e][t];
+    }
+    if (family.shared == 0) return sum * powl(family.rho, abs(i - k));
+    sum *= powl(family.rho, abs(p - q)) * sqrtl(variance_of_mean(l, b, p, family.shared) *
+                                                variance_of_mean(l, b, q, family.shared));
+    return sum + (p == q ? -own * (1 - (real)family.shared) / l->readings[i] : 0);
+}
+
+/* Coordinates that correlate: the whitened covariance is 1, its log determinant and the adjoint
+ * are right, and the free means are those of dense least squares. */
+static void check_shape(mukca_noise_family family)
+{
+    static double unit[COLUMNS][COLUMNS], A[COLUMNS][COLUMNS];
     static real V[COLUMNS][COLUMNS], AV[COLUMNS][COLUMNS];
-    const mukca_noise_family family = {.rho = 0.5, .shared = 0.7};
+    double L[SAMPLES][DIM][DIM] = {{{0}}}, M[SAMPLES][DIM][DIM] = {{{0}}}, turned[COLUMNS],
+           x[COLUMNS], mean[BLOCKS * DIM] = {0};
     layout l;
     mukca_pool pool = {0};
     mukca_whitening w;
     uint64_t seed = 3;
     lay_out(&l);
-    for (int b = 0; b < BLOCKS; b++) l.block[b].free_mean = false;
-    for (int i = 0; i < SAMPLES; i++)
+    memset(V, 0, sizeof V);
+    memset(AV, 0, sizeof AV);
+    for (int i = 0; i < SAMPLES; i++) {
         L[i][0][0] = 1 + 0.5 * draw(&seed), L[i][1][0] = draw(&seed), L[i][1][1] = 0.6;
+        M[i][0][0] = 0.7, M[i][1][0] = draw(&seed), M[i][1][1] = 1 + 0.5 * draw(&seed);
+    }
     for (int b = 0; b < BLOCKS; b++)
         for (int i = l.block[b].start, end = i + l.block[b].count; i < end; i++)
-            for (int k = l.block[b].start; k < end; k++) {
-                const int p = l.posture[i], q = l.posture[k], first = l.block[b].start + p % 100;
-                const real common = powl(family.rho, abs(p - q)) *
-                                    sqrtl(variance_of_mean(&l, b, p, family.shared) *
-                                          variance_of_mean(&l, b, q, family.shared)),
-                           own = (1 - (real)family.shared) *
-                                 ((i == k) - (real)1 / l.readings[first]) * (p == q);
+            for (int k = l.block[b].start; k < end; k++)
                 for (int c = 0; c < DIM; c++)
                     for (int e = 0; e < DIM; e++)
-                        V[i * DIM + c][k * DIM + e] =
-                            (c == e) * common + own * ((real)L[first][c][0] * L[first][e][0] +
-                                                       (real)L[first][c][1] * L[first][e][1]);
+                        V[i * DIM + c][k * DIM + e] = shaped(&l, family, L, M, b, i, k, c, e);
+    for (int i = 0; i < SAMPLES && family.shared > 0; i++) /* own errors of each reading */
+        for (int c = 0; c < DIM; c++)
+            for (int e = 0; e < DIM; e++) {
+                const int b = l.posture[i] / 100, first = l.block[b].start + l.posture[i] % 100;
+                for (int t = 0; t < DIM; t++)
+                    V[i * DIM + c][i * DIM + e] +=
+                        (1 - (real)family.shared) * M[first][c][t] * M[first][e][t];
             }
-    for (int i = 0; i < COLUMNS; i++) unit[i][i] = 1;
-    assert_true(mukca_whitening_create(&w, &pool, SAMPLES, BLOCKS));
-    mukca_whitening_set(&w, &l.samples, family, NULL, L[0][0]);
+    for (int i = 0; i < COLUMNS; i++) unit[i][i] = 1, x[i] = draw(&seed);
+    assert_true(mukca_whitening_create(&w, &pool, SAMPLES, BLOCKS, DIM));
+    for (int b = 0; b < BLOCKS; b++) l.block[b].free_mean = false;
+    const mukca_noise_shape shape = {L[0][0], M[0][0]};
+    mukca_whitening_set(&w, &l.samples, family, shape, NULL);
     mukca_whitening_apply(&(mukca_whitened){COLUMNS, COLUMNS, unit[0], A[0], NULL}, &w, &l.samples);
     for (int i = 0; i < COLUMNS; i++)
         for (int k = 0; k < COLUMNS; k++)
@@ -214,10 +237,27 @@ TEST(whitening_with_shape)
             assert_close((double)sum, i == k, 1e-10);
         }
     assert_close(w.log_det, (double)(-0.5L * factor(V[0], COLUMNS)), 1e-9);
-    double turned[COLUMNS]; /* row 5 of A, as a column of its transpose */
+    for (int i = 0; i < COLUMNS; i++) turned[i] = 0;
     mukca_whitening_transpose(turned, unit[5], 1, 1, &w, &l.samples);
     for (int i = 0; i < COLUMNS; i++) assert_close(turned[i], A[5][i], 1e-12);
+
+    lay_out(&l); /* with free means: what is left has none */
+    mukca_whitening_set(&w, &l.samples, family, shape, NULL);
+    mukca_whitening_apply(&(mukca_whitened){1, 1, x, turned, mean}, &w, &l.samples);
+    assert_int_equal(w.dof, DIM * (SAMPLES - 2));
+    for (int i = 0; i < COLUMNS; i++) x[i] -= mean[(l.posture[i / DIM] / 100) * DIM + i % DIM];
+    double left[COLUMNS], again[BLOCKS * DIM] = {0};
+    mukca_whitening_apply(&(mukca_whitened){1, 1, x, left, again}, &w, &l.samples);
+    for (int i = 0; i < BLOCKS * DIM; i++) assert_close(again[i], 0, 1e-10);
+    for (int i = 0; i < COLUMNS; i++) assert_close(left[i], turned[i], 1e-10);
     mukca_pool_free(&pool);
+}
+
+TEST(whitening_with_shape)
+{
+    check_shape((mukca_noise_family){0, 0});
+    check_shape((mukca_noise_family){0.5, 0});
+    check_shape((mukca_noise_family){0.5, 0.7});
 }
 
 TEST(whitening)
