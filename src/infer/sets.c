@@ -1,5 +1,5 @@
 /* Posterior probability of sets of causes. */
-#include "infer/sets.h"
+#include "infer/given.h"
 
 #include <math.h>
 #include <stdint.h>
@@ -7,8 +7,6 @@
 #include <string.h>
 
 #include "base/clones.h"
-#include "math/dense.h"
-#include "math/four.h"
 
 /* Log odds behind the best set beyond which a set is not expanded (20,000 to 1), and behind the
  * best addition beyond which one is not kept. */
@@ -21,60 +19,8 @@ enum {
     SWAPPED = 20,
     PAIRED = 10,
     FROM = 3, /* best swaps that are extended by a second item */
-    SWEEPS = 3,
-    NEAR = 3,     /* columns of most blocks */
-    TOGETHER = 72 /* columns whose rows of the Gram matrix are computed together */
+    SWEEPS = 3
 };
-
-/* Compute the rows of the Gram matrix of these items, as many of them together as fit.  False: no
- * memory. */
-static bool find_rows(mukca_sets *s, const unsigned short *item, int n)
-{
-    const mukca_question *q = s->question;
-    const int rows = q->n_rows - q->n_projected;
-    const size_t stride = (size_t)q->stride;
-    for (int i = 0; i < n;) {
-        int width = 0, first = i;
-        for (; i < n && width + q->item[item[i]].terms <= TOGETHER; i++) {
-            const mukca_item *h = &q->item[item[i]];
-            if (s->gram[item[i]]) continue;
-            for (int r = 0; r < q->n_rows; r++)
-                memcpy(s->left + r * TOGETHER + width, q->E + (size_t)r * stride + h->at,
-                       sizeof *s->left * (size_t)h->terms);
-            width += h->terms;
-        }
-        if (!width) continue;
-        double *G = MUKCA_TAKE(s->pool, double, (size_t)width *stride);
-        if (!G) return false;
-        memset(s->row, 0, sizeof *G * (size_t)width * stride);
-        mukca_dense_xty(G, (mukca_columns){s->left, width, TOGETHER},
-                        (mukca_columns){q->E, q->stride, q->stride}, rows);
-        mukca_dense_xty(s->row, (mukca_columns){s->left + rows * TOGETHER, width, TOGETHER},
-                        (mukca_columns){q->E + (size_t)rows * stride, q->stride, q->stride},
-                        q->n_projected);
-        for (size_t k = 0; k < (size_t)width * stride; k++) G[k] -= s->row[k];
-        for (; first < i; first++)
-            if (!s->gram[item[first]]) {
-                s->gram[item[first]] = G;
-                G += (size_t)q->item[item[first]].terms * stride;
-            }
-    }
-    return true;
-}
-
-/* Gram block G[a.terms][b.terms] of two items; without memory 0. */
-static void cross(double *G, mukca_sets *s, int a, int b)
-{
-    const mukca_question *q = s->question;
-    const mukca_item *x = &q->item[a], *y = &q->item[b];
-    memset(G, 0, sizeof *G * (size_t)(x->terms * y->terms));
-    if (!s->gram[a] && !s->gram[b] && !find_rows(s, &(unsigned short){(unsigned short)a}, 1))
-        return;
-    for (int i = 0; i < x->terms; i++)
-        for (int k = 0; k < y->terms; k++)
-            G[i * y->terms + k] = s->gram[a] ? s->gram[a][i * q->stride + y->at + k]
-                                             : s->gram[b][k * q->stride + x->at + i];
-}
 
 bool mukca_sets_create(mukca_sets *s, mukca_pool *pool, const mukca_question *q)
 {
@@ -90,104 +36,27 @@ bool mukca_sets_create(mukca_sets *s, mukca_pool *pool, const mukca_question *q)
         .value = MUKCA_TAKE(pool, double, q->n_items + 1),
         .alone = MUKCA_TAKE(pool, double, q->n_items + 1),
         .likeliest = MUKCA_TAKE(pool, unsigned char, q->n_items + 1),
-        .near = MUKCA_TAKE(pool, double, NEAR *(q->stride + 1)),
+        .near = MUKCA_TAKE(pool, double, MUKCA_GIVEN_NEAR *(q->stride + 1)),
         .g = MUKCA_TAKE(pool, double, q->stride + 1),
         .given = MUKCA_TAKE(pool, double, squares + 1),
-        .row = MUKCA_TAKE(pool, double, TOGETHER *(q->stride + 1)),
-        .left = MUKCA_TAKE(pool, double, TOGETHER *(q->n_rows + MUKCA_SET_COLUMNS)),
+        .row = MUKCA_TAKE(pool, double, MUKCA_GIVEN_TOGETHER *(q->stride + 1)),
+        .left = MUKCA_TAKE(pool, double, MUKCA_GIVEN_TOGETHER *(q->n_rows + MUKCA_SET_COLUMNS)),
         .scratch = MUKCA_TAKE(pool, mukca_mixture_scratch, 1),
-        .with = {.inverse = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *MUKCA_SET_COLUMNS),
-                 .x = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS),
-                 .L = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *MUKCA_SET_COLUMNS),
-                 .v = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS),
-                 .B = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *(q->stride + 1) + NEAR)}};
+        .with = {
+            .inverse = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *MUKCA_SET_COLUMNS),
+            .x = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS),
+            .L = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *MUKCA_SET_COLUMNS),
+            .v = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS),
+            .B = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *(q->stride + 1) + MUKCA_GIVEN_NEAR)}};
     if (pool->failed) return false;
     double *block = q->block ? q->block : MUKCA_TAKE(pool, double, squares + 1);
     for (int i = 0; i < q->n_items && block; block += q->item[i].terms * q->item[i].terms, i++) {
         s->block[i] = block;
-        if (!q->block) cross(block, s, i, i);
+        if (!q->block) mukca_given_cross(block, s, i, i);
     }
     if (pool->failed) return false;
     memset(s->table, -1, sizeof *s->table * TABLE);
     mukca_sets_insert(s, NULL, NULL, 0);
-    return true;
-}
-
-/* Integrate out a set: 1 + D G D = L L', v = L^-1 D g, and the residual.  False: not positive. */
-static bool integrate(mukca_sets *s, const mukca_set *set, double *log_det)
-{
-    const mukca_question *q = s->question;
-    double *L = s->with.L, *G = s->scratch->A, explained = 0;
-    int n = 0;
-    *log_det = 0;
-    for (int m = 0; m < set->n; m++) {
-        const mukca_item *h = &q->item[set->item[m]];
-        s->with.at[m] = n;
-        for (int t = 0; t < h->terms; t++, n++) {
-            s->with.size[n] = h->prior.size[set->size[m]];
-            s->with.v[n] = s->with.size[n] * q->g[h->at + t];
-        }
-    }
-    s->with.n = n;
-    for (int m = 0; m < set->n; m++)
-        for (int o = 0; o <= m; o++) {
-            const mukca_item *h = &q->item[set->item[m]];
-            const int terms = q->item[set->item[o]].terms, row = s->with.at[m],
-                      column = s->with.at[o];
-            const double *block = o == m ? s->block[set->item[m]] : G;
-            if (o < m) cross(G, s, set->item[m], set->item[o]);
-            for (int t = 0; t < h->terms; t++)
-                for (int c = 0; c < terms; c++)
-                    L[(row + t) * n + column + c] =
-                        s->with.size[row + t] * block[t * terms + c] * s->with.size[column + c];
-        }
-    for (int i = 0; i < n; i++) L[i * n + i] += 1;
-    if (mukca_dense_cholesky(L, n)) return false;
-    mukca_dense_forward(s->with.v, 1, L, n);
-    for (int i = 0; i < n; i++) {
-        explained += s->with.v[i] * s->with.v[i];
-        *log_det += log(L[i * n + i]);
-    }
-    s->with.rest = fmax(q->residual - explained, 1e-3 * q->residual);
-    return true;
-}
-
-/* Row stride of the inverse factor. */
-static int padded(const mukca_sets *s)
-{
-    return (s->with.n + 7) & ~7;
-}
-
-/* T := L^-1 and x := V D g of the set integrated out, V = T'T = (1 + D G D)^-1. */
-static void invert(mukca_sets *s)
-{
-    const int n = s->with.n, ld = padded(s);
-    double *T = s->with.inverse;
-    memset(T, 0, sizeof *T * (size_t)(n * ld));
-    for (int i = 0; i < n; i++) T[i * ld + i] = 1;
-    mukca_dense_forward8(T, ld, ld, s->with.L, n);
-    memcpy(s->with.x, s->with.v, sizeof *T * (size_t)n);
-    mukca_dense_backward(s->with.x, 1, s->with.L, n);
-}
-
-/* Columns of T of a member; the rows above its own are 0. */
-static mukca_columns inverse_of(const mukca_sets *s, int member, int terms)
-{
-    const int ld = padded(s), at = s->with.at[member];
-    return (mukca_columns){s->with.inverse + at * ld + at, terms, ld};
-}
-
-/* With a member left out of the set, its block of V^-1 is that of 1 + D G' D with the others
- * integrated out.  M M' := the block of V, w := M^-1 x.  False: not positive. */
-static bool leave_out(double *M, double *w, const mukca_sets *s, int member, int terms)
-{
-    const mukca_columns T = inverse_of(s, member, terms);
-    const int at = s->with.at[member];
-    memset(M, 0, sizeof *M * (size_t)(terms * terms));
-    mukca_dense_symmetric(M, T, T, s->with.n - at);
-    if (mukca_dense_cholesky(M, terms)) return false;
-    memcpy(w, s->with.x + at, sizeof *w * (size_t)terms);
-    mukca_dense_forward(w, 1, M, terms);
     return true;
 }
 
@@ -206,7 +75,7 @@ static double score_member(double *by_size, const mukca_sets *s, const mukca_set
     double *M = s->scratch->A, *G = s->scratch->B, *I = s->scratch->C, w[MUKCA_MOST_TERMS],
            g[MUKCA_MOST_TERMS];
     const double size = h->prior.size[set->size[member]];
-    if (!leave_out(M, w, s, member, k)) return -HUGE_VAL;
+    if (!mukca_given_leave_out(M, w, s, member, k)) return -HUGE_VAL;
     memset(I, 0, sizeof *I * (size_t)(k * k));
     for (int i = 0; i < k; i++) I[i * k + i] = 1;
     mukca_dense_forward(I, k, M, k);
@@ -222,51 +91,6 @@ static double score_member(double *by_size, const mukca_sets *s, const mukca_set
     return mukca_mixture_evidence(by_size, G, g, k, &h->prior,
                                   fmin(s->with.rest + square_of(w, k), s->question->residual),
                                   s->question->dof, s->scratch);
-}
-
-/* B := L^-1 D G for the set integrated out and all items.  False: no memory. */
-static bool condition_all(mukca_sets *s, const mukca_set *set)
-{
-    const mukca_question *q = s->question;
-    if (!find_rows(s, set->item, set->n)) return false;
-    for (int m = 0, row = 0; m < set->n; m++) {
-        const double *G = s->gram[set->item[m]];
-        for (int t = 0; t < q->item[set->item[m]].terms; t++, row++, G += q->stride)
-            for (int k = 0; k < q->stride; k++)
-                s->with.B[row * q->stride + k] = s->with.size[row] * G[k];
-    }
-    mukca_dense_forward8(s->with.B, q->stride, q->stride, s->with.L, s->with.n);
-    return true;
-}
-
-/* near[d][c]: products of columns c and c + d of B, and g[c] := g - B'v, for blocks of NEAR
- * columns.
- */
-MUKCA_CLONES static void project_near(double *near, double *g, const mukca_sets *s, int width)
-{
-    for (int k = 0; k < width; k += 4) {
-        four sum[NEAR] = {{0}}, explained = {0};
-        const double *row = s->with.B + k;
-        for (int i = 0; i < s->with.n; i++, row += width) {
-            const four own = LOAD4(row);
-            explained += s->with.v[i] * own;
-            for (int d = 0; d < NEAR; d++) sum[d] += own * LOAD4(row + d);
-        }
-        STORE4(g + k, LOAD4(s->question->g + k) - explained);
-        for (int d = 0; d < NEAR; d++) STORE4(near + d * width + k, sum[d]);
-    }
-}
-
-/* G[k][k] of an item given the set integrated out. */
-static void project(double *G, const mukca_sets *s, int item)
-{
-    const mukca_item *h = &s->question->item[item];
-    const int k = h->terms;
-    const mukca_columns B = {s->with.B + h->at, k, s->question->stride};
-    double *explained = s->scratch->D;
-    memset(explained, 0, sizeof *G * (size_t)(k * k));
-    mukca_dense_symmetric(explained, B, B, s->with.n);
-    for (int i = 0; i < k * k; i++) G[i] = s->block[item][i] - explained[i];
 }
 
 static int largest(const double *x, int n)
@@ -315,8 +139,8 @@ void mukca_sets_evaluate(mukca_sets *s, int index)
     set->exact = true;
     for (int sweep = 0; sweep < SWEEPS && changed && ok; sweep++) {
         integral = 0, changed = false;
-        ok = integrate(s, set, &log_det);
-        invert(s);
+        ok = mukca_given_integrate(s, set, &log_det);
+        mukca_given_invert(s);
         for (int m = 0; m < set->n && ok; m++) {
             const mukca_item *h = &q->item[set->item[m]];
             double by_size[MUKCA_MOST_SIZES] = {0};
@@ -326,8 +150,8 @@ void mukca_sets_evaluate(mukca_sets *s, int index)
             if (best == set->size[m]) continue;
             changed = true;
             set->size[m] = (unsigned char)best;
-            ok = integrate(s, set, &log_det);
-            invert(s);
+            ok = mukca_given_integrate(s, set, &log_det);
+            mukca_given_invert(s);
         }
     }
     set->value =
@@ -403,7 +227,7 @@ int mukca_sets_insert(mukca_sets *s, const int *item, const double *size, int n)
         if (!extended(&next, s, &set, item[i], nearest)) return -1;
         set = next;
     }
-    if (!find_rows(s, set.item, set.n)) return -1;
+    if (!mukca_given_rows(s, set.item, set.n)) return -1;
     const int index = find(s, &set);
     if (index >= 0) mukca_sets_evaluate(s, index);
     return index;
@@ -430,26 +254,6 @@ static int keep(mukca_sets *s, const mukca_set *set, int most, int *child, int w
         if (at >= 0 && n < wanted) child[n++] = at;
     }
     return n;
-}
-
-/* Normal equations of all items given a set: s->given, s->g.  False: no memory, or not positive. */
-static bool condition(mukca_sets *s, const mukca_set *set)
-{
-    const mukca_question *q = s->question;
-    double log_det, *G = s->given;
-    if (!integrate(s, set, &log_det) || !condition_all(s, set)) return false;
-    project_near(s->near, s->g, s, q->stride);
-    for (int i = 0; i < q->n_items; i++) {
-        const mukca_item *h = &q->item[i];
-        const int k = h->terms;
-        if (k > NEAR) project(G, s, i);
-        for (int a = 0; a < k && k <= NEAR; a++)
-            for (int c = 0; c <= a; c++)
-                G[a * k + c] = G[c * k + a] =
-                    s->block[i][a * k + c] - s->near[(a - c) * q->stride + h->at + c];
-        G += k * k;
-    }
-    return true;
 }
 
 /* A member that is left out: k rows W of M^-1 V D G, w = M^-1 x, and the log Bayes factor below
@@ -511,7 +315,7 @@ MUKCA_CLONES static void score_all(mukca_sets *s, const mukca_set *set, const va
 
 bool mukca_sets_weigh(mukca_sets *s, const mukca_set *set)
 {
-    if (!condition(s, set)) return false;
+    if (!mukca_given_condition(s, set)) return false;
     score_all(s, set, &(vacancy){0});
     memcpy(s->alone, s->value, sizeof *s->alone * (size_t)s->question->n_items);
     return true;
@@ -565,17 +369,17 @@ static void swap(mukca_sets *s, int index, bool weighed, bool pairs)
     double by_size[MUKCA_MOST_SIZES] = {0}, *M = s->scratch->D, *W = s->row;
     vacancy v = {0};
     if (!set.n || !(weighed || mukca_sets_weigh(s, &set))) return;
-    invert(s);
+    mukca_given_invert(s);
     for (int m = 0; m < set.n; m++) {
         const mukca_item *h = &q->item[set.item[m]];
         const int at = s->with.at[m];
         mukca_set less = reduced(&set, m);
-        if (!leave_out(M, v.w, s, m, h->terms)) continue;
+        if (!mukca_given_leave_out(M, v.w, s, m, h->terms)) continue;
         const double gain = score_member(by_size, s, &set, m);
         less.value = set.value - gain - h->log_prior - kinship(s, &less, less.n, set.item[m]);
         if (find(s, &less) < 0) return;
         memset(W, 0, sizeof *W * (size_t)(h->terms * q->stride)); /* the member's rows of V D G */
-        mukca_dense_xty(W, inverse_of(s, m, h->terms),
+        mukca_dense_xty(W, mukca_given_inverse_of(s, m, h->terms),
                         (mukca_columns){s->with.B + at * q->stride, q->stride, q->stride},
                         s->with.n - at);
         mukca_dense_forward(W, q->stride, M, h->terms);
@@ -648,55 +452,4 @@ void mukca_sets_rebuild(mukca_sets *s)
 double mukca_sets_gain(const mukca_sets *s, const mukca_set *set, int item)
 {
     return s->alone[item] - s->question->item[item].log_prior - kinship(s, set, set->n, item);
-}
-
-void mukca_sets_gram(double *G, mukca_sets *s, int a, int b)
-{
-    const mukca_item *x = &s->question->item[a], *y = &s->question->item[b];
-    if (a == b)
-        memcpy(G, s->block[a], sizeof *G * (size_t)(x->terms * x->terms));
-    else
-        cross(G, s, a, b);
-    for (int r = 0; r < s->with.n; r++) {
-        const double *B = s->with.B + r * s->question->stride;
-        for (int i = 0; i < x->terms; i++)
-            for (int k = 0; k < y->terms; k++) G[i * y->terms + k] -= B[x->at + i] * B[y->at + k];
-    }
-}
-
-void mukca_sets_mean(double *mean, mukca_sets *s, const mukca_set *set)
-{
-    double log_det;
-    memset(mean, 0, sizeof *mean * (size_t)s->question->stride);
-    if (!integrate(s, set, &log_det)) return;
-    mukca_dense_backward(s->with.v, 1, s->with.L, s->with.n);
-    for (int m = 0, row = 0; m < set->n; m++)
-        for (int t = 0; t < s->question->item[set->item[m]].terms; t++, row++)
-            mean[s->question->item[set->item[m]].at + t] = s->with.size[row] * s->with.v[row];
-}
-
-void mukca_sets_move(double *change, mukca_sets *s, const mukca_set *set, const double *delta,
-                     const double *moved)
-{
-    const mukca_question *q = s->question;
-    double log_det, mean = 0, *v = s->with.inverse; /* [columns][MUKCA_DRAWS] */
-    memset(change, 0, sizeof *change * MUKCA_DRAWS);
-    if (!integrate(s, set, &log_det)) return;
-    for (int m = 0, row = 0; m < set->n; m++) {
-        const mukca_item *h = &q->item[set->item[m]];
-        for (int t = 0; t < h->terms; t++, row++)
-            for (int b = 0; b < MUKCA_DRAWS; b++)
-                v[row * MUKCA_DRAWS + b] =
-                    s->with.size[row] * (q->g[h->at + t] + delta[(h->at + t) * MUKCA_DRAWS + b]);
-    }
-    mukca_dense_forward8(v, MUKCA_DRAWS, MUKCA_DRAWS, s->with.L, s->with.n);
-    for (int i = 0; i < s->with.n; i++)
-        for (int b = 0; b < MUKCA_DRAWS; b++)
-            change[b] += v[i * MUKCA_DRAWS + b] * v[i * MUKCA_DRAWS + b];
-    for (int b = 0; b < MUKCA_DRAWS; b++) {
-        const double rest = fmax(q->residual + moved[b] - change[b], 1e-3 * q->residual);
-        change[b] = -0.5 * q->dof * log(rest / s->with.rest);
-        mean += change[b] / MUKCA_DRAWS;
-    }
-    for (int b = 0; b < MUKCA_DRAWS; b++) change[b] -= mean;
 }

@@ -1,0 +1,243 @@
+/* A set integrated out, and all items given it. */
+#include "infer/given.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/clones.h"
+#include "math/four.h"
+
+bool mukca_given_rows(mukca_sets *s, const unsigned short *item, int n)
+{
+    const mukca_question *q = s->question;
+    const int rows = q->n_rows - q->n_projected;
+    const size_t stride = (size_t)q->stride;
+    for (int i = 0; i < n;) {
+        int width = 0, first = i;
+        for (; i < n && width + q->item[item[i]].terms <= MUKCA_GIVEN_TOGETHER; i++) {
+            const mukca_item *h = &q->item[item[i]];
+            if (s->gram[item[i]]) continue;
+            for (int r = 0; r < q->n_rows; r++)
+                memcpy(s->left + r * MUKCA_GIVEN_TOGETHER + width, q->E + (size_t)r * stride + h->at,
+                       sizeof *s->left * (size_t)h->terms);
+            width += h->terms;
+        }
+        if (!width) continue;
+        double *G = MUKCA_TAKE(s->pool, double, (size_t)width *stride);
+        if (!G) return false;
+        memset(s->row, 0, sizeof *G * (size_t)width * stride);
+        mukca_dense_xty(G, (mukca_columns){s->left, width, MUKCA_GIVEN_TOGETHER},
+                        (mukca_columns){q->E, q->stride, q->stride}, rows);
+        mukca_dense_xty(s->row, (mukca_columns){s->left + rows * MUKCA_GIVEN_TOGETHER, width, MUKCA_GIVEN_TOGETHER},
+                        (mukca_columns){q->E + (size_t)rows * stride, q->stride, q->stride},
+                        q->n_projected);
+        for (size_t k = 0; k < (size_t)width * stride; k++) G[k] -= s->row[k];
+        for (; first < i; first++)
+            if (!s->gram[item[first]]) {
+                s->gram[item[first]] = G;
+                G += (size_t)q->item[item[first]].terms * stride;
+            }
+    }
+    return true;
+}
+
+void mukca_given_cross(double *G, mukca_sets *s, int a, int b)
+{
+    const mukca_question *q = s->question;
+    const mukca_item *x = &q->item[a], *y = &q->item[b];
+    memset(G, 0, sizeof *G * (size_t)(x->terms * y->terms));
+    if (!s->gram[a] && !s->gram[b] && !mukca_given_rows(s, &(unsigned short){(unsigned short)a}, 1))
+        return;
+    for (int i = 0; i < x->terms; i++)
+        for (int k = 0; k < y->terms; k++)
+            G[i * y->terms + k] = s->gram[a] ? s->gram[a][i * q->stride + y->at + k]
+                                             : s->gram[b][k * q->stride + x->at + i];
+}
+
+bool mukca_given_integrate(mukca_sets *s, const mukca_set *set, double *log_det)
+{
+    const mukca_question *q = s->question;
+    double *L = s->with.L, *G = s->scratch->A, explained = 0;
+    int n = 0;
+    *log_det = 0;
+    for (int m = 0; m < set->n; m++) {
+        const mukca_item *h = &q->item[set->item[m]];
+        s->with.at[m] = n;
+        for (int t = 0; t < h->terms; t++, n++) {
+            s->with.size[n] = h->prior.size[set->size[m]];
+            s->with.v[n] = s->with.size[n] * q->g[h->at + t];
+        }
+    }
+    s->with.n = n;
+    for (int m = 0; m < set->n; m++)
+        for (int o = 0; o <= m; o++) {
+            const mukca_item *h = &q->item[set->item[m]];
+            const int terms = q->item[set->item[o]].terms, row = s->with.at[m],
+                      column = s->with.at[o];
+            const double *block = o == m ? s->block[set->item[m]] : G;
+            if (o < m) mukca_given_cross(G, s, set->item[m], set->item[o]);
+            for (int t = 0; t < h->terms; t++)
+                for (int c = 0; c < terms; c++)
+                    L[(row + t) * n + column + c] =
+                        s->with.size[row + t] * block[t * terms + c] * s->with.size[column + c];
+        }
+    for (int i = 0; i < n; i++) L[i * n + i] += 1;
+    if (mukca_dense_cholesky(L, n)) return false;
+    mukca_dense_forward(s->with.v, 1, L, n);
+    for (int i = 0; i < n; i++) {
+        explained += s->with.v[i] * s->with.v[i];
+        *log_det += log(L[i * n + i]);
+    }
+    s->with.rest = fmax(q->residual - explained, 1e-3 * q->residual);
+    return true;
+}
+
+/* Row stride of the inverse factor. */
+static int padded(const mukca_sets *s)
+{
+    return (s->with.n + 7) & ~7;
+}
+
+void mukca_given_invert(mukca_sets *s)
+{
+    const int n = s->with.n, ld = padded(s);
+    double *T = s->with.inverse;
+    memset(T, 0, sizeof *T * (size_t)(n * ld));
+    for (int i = 0; i < n; i++) T[i * ld + i] = 1;
+    mukca_dense_forward8(T, ld, ld, s->with.L, n);
+    memcpy(s->with.x, s->with.v, sizeof *T * (size_t)n);
+    mukca_dense_backward(s->with.x, 1, s->with.L, n);
+}
+
+mukca_columns mukca_given_inverse_of(const mukca_sets *s, int member, int terms)
+{
+    const int ld = padded(s), at = s->with.at[member];
+    return (mukca_columns){s->with.inverse + at * ld + at, terms, ld};
+}
+
+bool mukca_given_leave_out(double *M, double *w, const mukca_sets *s, int member, int terms)
+{
+    const mukca_columns T = mukca_given_inverse_of(s, member, terms);
+    const int at = s->with.at[member];
+    memset(M, 0, sizeof *M * (size_t)(terms * terms));
+    mukca_dense_symmetric(M, T, T, s->with.n - at);
+    if (mukca_dense_cholesky(M, terms)) return false;
+    memcpy(w, s->with.x + at, sizeof *w * (size_t)terms);
+    mukca_dense_forward(w, 1, M, terms);
+    return true;
+}
+
+/* B := L^-1 D G for the set integrated out and all items.  False: no memory. */
+static bool condition_all(mukca_sets *s, const mukca_set *set)
+{
+    const mukca_question *q = s->question;
+    if (!mukca_given_rows(s, set->item, set->n)) return false;
+    for (int m = 0, row = 0; m < set->n; m++) {
+        const double *G = s->gram[set->item[m]];
+        for (int t = 0; t < q->item[set->item[m]].terms; t++, row++, G += q->stride)
+            for (int k = 0; k < q->stride; k++)
+                s->with.B[row * q->stride + k] = s->with.size[row] * G[k];
+    }
+    mukca_dense_forward8(s->with.B, q->stride, q->stride, s->with.L, s->with.n);
+    return true;
+}
+
+/* near[d][c]: products of columns c and c + d of B, and g[c] := g - B'v, for blocks of MUKCA_GIVEN_NEAR
+ * columns.
+ */
+MUKCA_CLONES static void project_near(double *near, double *g, const mukca_sets *s, int width)
+{
+    for (int k = 0; k < width; k += 4) {
+        four sum[MUKCA_GIVEN_NEAR] = {{0}}, explained = {0};
+        const double *row = s->with.B + k;
+        for (int i = 0; i < s->with.n; i++, row += width) {
+            const four own = LOAD4(row);
+            explained += s->with.v[i] * own;
+            for (int d = 0; d < MUKCA_GIVEN_NEAR; d++) sum[d] += own * LOAD4(row + d);
+        }
+        STORE4(g + k, LOAD4(s->question->g + k) - explained);
+        for (int d = 0; d < MUKCA_GIVEN_NEAR; d++) STORE4(near + d * width + k, sum[d]);
+    }
+}
+
+/* G[k][k] of an item given the set integrated out. */
+static void project(double *G, const mukca_sets *s, int item)
+{
+    const mukca_item *h = &s->question->item[item];
+    const int k = h->terms;
+    const mukca_columns B = {s->with.B + h->at, k, s->question->stride};
+    double *explained = s->scratch->D;
+    memset(explained, 0, sizeof *G * (size_t)(k * k));
+    mukca_dense_symmetric(explained, B, B, s->with.n);
+    for (int i = 0; i < k * k; i++) G[i] = s->block[item][i] - explained[i];
+}
+
+bool mukca_given_condition(mukca_sets *s, const mukca_set *set)
+{
+    const mukca_question *q = s->question;
+    double log_det, *G = s->given;
+    if (!mukca_given_integrate(s, set, &log_det) || !condition_all(s, set)) return false;
+    project_near(s->near, s->g, s, q->stride);
+    for (int i = 0; i < q->n_items; i++) {
+        const mukca_item *h = &q->item[i];
+        const int k = h->terms;
+        if (k > MUKCA_GIVEN_NEAR) project(G, s, i);
+        for (int a = 0; a < k && k <= MUKCA_GIVEN_NEAR; a++)
+            for (int c = 0; c <= a; c++)
+                G[a * k + c] = G[c * k + a] =
+                    s->block[i][a * k + c] - s->near[(a - c) * q->stride + h->at + c];
+        G += k * k;
+    }
+    return true;
+}
+
+void mukca_sets_gram(double *G, mukca_sets *s, int a, int b)
+{
+    const mukca_item *x = &s->question->item[a], *y = &s->question->item[b];
+    if (a == b)
+        memcpy(G, s->block[a], sizeof *G * (size_t)(x->terms * x->terms));
+    else
+        mukca_given_cross(G, s, a, b);
+    for (int r = 0; r < s->with.n; r++) {
+        const double *B = s->with.B + r * s->question->stride;
+        for (int i = 0; i < x->terms; i++)
+            for (int k = 0; k < y->terms; k++) G[i * y->terms + k] -= B[x->at + i] * B[y->at + k];
+    }
+}
+
+void mukca_sets_mean(double *mean, mukca_sets *s, const mukca_set *set)
+{
+    double log_det;
+    memset(mean, 0, sizeof *mean * (size_t)s->question->stride);
+    if (!mukca_given_integrate(s, set, &log_det)) return;
+    mukca_dense_backward(s->with.v, 1, s->with.L, s->with.n);
+    for (int m = 0, row = 0; m < set->n; m++)
+        for (int t = 0; t < s->question->item[set->item[m]].terms; t++, row++)
+            mean[s->question->item[set->item[m]].at + t] = s->with.size[row] * s->with.v[row];
+}
+
+void mukca_sets_move(double *change, mukca_sets *s, const mukca_set *set, const double *delta,
+                     const double *moved)
+{
+    const mukca_question *q = s->question;
+    double log_det, mean = 0, *v = s->with.inverse; /* [columns][MUKCA_DRAWS] */
+    memset(change, 0, sizeof *change * MUKCA_DRAWS);
+    if (!mukca_given_integrate(s, set, &log_det)) return;
+    for (int m = 0, row = 0; m < set->n; m++) {
+        const mukca_item *h = &q->item[set->item[m]];
+        for (int t = 0; t < h->terms; t++, row++)
+            for (int b = 0; b < MUKCA_DRAWS; b++)
+                v[row * MUKCA_DRAWS + b] =
+                    s->with.size[row] * (q->g[h->at + t] + delta[(h->at + t) * MUKCA_DRAWS + b]);
+    }
+    mukca_dense_forward8(v, MUKCA_DRAWS, MUKCA_DRAWS, s->with.L, s->with.n);
+    for (int i = 0; i < s->with.n; i++)
+        for (int b = 0; b < MUKCA_DRAWS; b++)
+            change[b] += v[i * MUKCA_DRAWS + b] * v[i * MUKCA_DRAWS + b];
+    for (int b = 0; b < MUKCA_DRAWS; b++) {
+        const double rest = fmax(q->residual + moved[b] - change[b], 1e-3 * q->residual);
+        change[b] = -0.5 * q->dof * log(rest / s->with.rest);
+        mean += change[b] / MUKCA_DRAWS;
+    }
+    for (int b = 0; b < MUKCA_DRAWS; b++) change[b] -= mean;
+}

@@ -1,0 +1,34 @@
+/* A set integrated out, and all items given it: the algebra of the search among sets. */
+#ifndef MUKCA_INFER_GIVEN_H
+#define MUKCA_INFER_GIVEN_H
+
+#include "infer/sets.h"
+#include "math/dense.h"
+
+enum { MUKCA_GIVEN_TOGETHER = 72 }; /* columns whose rows of the Gram matrix are computed together */
+enum { MUKCA_GIVEN_NEAR = 3 };      /* columns of most blocks */
+
+/* Compute the rows of the Gram matrix of these items, as many of them together as fit.  False: no
+ * memory. */
+bool mukca_given_rows(mukca_sets *s, const unsigned short *item, int n);
+
+/* Gram block G[a.terms][b.terms] of two items; without memory 0. */
+void mukca_given_cross(double *G, mukca_sets *s, int a, int b);
+
+/* Integrate out a set: 1 + D G D = L L', v = L^-1 D g, and the residual.  False: not positive. */
+bool mukca_given_integrate(mukca_sets *s, const mukca_set *set, double *log_det);
+
+/* T := L^-1 and x := V D g of the set integrated out, V = T'T = (1 + D G D)^-1. */
+void mukca_given_invert(mukca_sets *s);
+
+/* Columns of T of a member; the rows above its own are 0. */
+mukca_columns mukca_given_inverse_of(const mukca_sets *s, int member, int terms);
+
+/* With a member left out of the set, its block of V^-1 is that of 1 + D G' D with the others
+ * integrated out.  M M' := the block of V, w := M^-1 x.  False: not positive. */
+bool mukca_given_leave_out(double *M, double *w, const mukca_sets *s, int member, int terms);
+
+/* Normal equations of all items given a set: s->given, s->g.  False: no memory, or not positive. */
+bool mukca_given_condition(mukca_sets *s, const mukca_set *set);
+
+#endif
