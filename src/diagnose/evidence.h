@@ -51,6 +51,9 @@ bool mukca_evidence_create(mukca_evidence *evidence, mukca_pool *pool,
 void mukca_evidence_measure_repeats(mukca_evidence *evidence, const mukca_recording *recording,
                                     const mukca_linearisation *linear);
 
+/* A family of the noise, index < n_noises. */
+mukca_noise_family mukca_evidence_family(const mukca_evidence *evidence, int index);
+
 /* Update the normal equations of one family of the noise if the columns have changed, and return
  * them. */
 mukca_normal_equations *mukca_evidence_collect(mukca_evidence *evidence, int index,
