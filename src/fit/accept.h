@@ -21,6 +21,9 @@ mukca_status mukca_difference_find(mukca_difference *difference, const double *b
 /* ---- held-out errors: test data, or each fold predicted by a fit to the others
  * (cross_validation.c) ---- */
 
+/* Blocks of consecutive poses, which are correlated: more leave more to the fit. */
+enum { MUKCA_POSE_FOLDS = 10 };
+
 typedef struct {
     const mukca_dataset *held; /* test data, else `data` */
     int folds;                 /* 0: test data; or too few samples, nothing is predicted */
