@@ -14,8 +14,9 @@
 #include "model/condense.h"
 #include "model/dataset_subset.h"
 
-/* Larger values are in mm/s^2 or wrong: no arm works at 100 g. */
-static const double most_gravity = 1e3; /* m/s^2 */
+/* Of gravity: other values are in other units.  Coefficients of springs are inversely proportional.
+ */
+static const double earth = 9.80665, rounding = 0.03; /* m/s^2; relative */
 
 mukca_status cli_read_offsets(cli_call *call, mukca_offsets *offsets, mukca_chain *own,
                               const mukca_chain *chain, const char *path)
@@ -57,10 +58,10 @@ mukca_status cli_load_model(cli_call *call, cli_model *model)
     if (!c->urdf)
         return cli_fail(call, MUKCA_USAGE, "--urdf FILE is needed: the nominal model of the arm");
     mukca_urdf_options options = {.base = c->base, .tip = c->tip, .inertials = c->inertials};
-    for (int i = 0; i < 3; i++)
-        if (fabs(c->gravity[i]) > most_gravity)
-            return cli_fail(call, MUKCA_USAGE, "--gravity: %g is out of range; give m/s^2",
-                            c->gravity[i]);
+    const double g = mukca_norm3(c->gravity);
+    if (g > 0 && !(fabs(g / earth - 1) < rounding))
+        return cli_fail(call, MUKCA_USAGE,
+                        "--gravity: %g m/s^2 is not that of the earth; give m/s^2", g);
     memcpy(options.gravity, c->gravity, sizeof options.gravity);
     mukca_status status =
         mukca_urdf_load(&model->chain, c->urdf, &options, cli_note, call, &call->error);

@@ -28,6 +28,11 @@ static const double most_size_change = 0.02;
 /* Largest distance of the ball from its place in the URDF, m: three of its prior sigmas. */
 static const double most_tool = 0.06;
 
+bool mukca_data_contradict(double error_m, double expected_m, double nominal_m)
+{
+    return error_m > contradiction * expected_m && error_m > left * nominal_m;
+}
+
 /* Least probability of an improvement at the tip; the interval of a held-out difference, in
  * standard errors. */
 static const double sure = 0.95, interval = 2;
@@ -105,7 +110,7 @@ static bool judge_samples(mukca_acceptance *a, const mukca_accept_task *task,
                                 task->stop ? task->stop : "out of iterations");
     else if (!isfinite(a->error_m))
         mukca_acceptance_refuse(a, "no held-out error is known; record more samples");
-    else if (a->error_m > contradiction * task->training_m && a->error_m > left * nominal_m)
+    else if (mukca_data_contradict(a->error_m, task->training_m, nominal_m))
         mukca_acceptance_refuse(a,
                                 "test error %.3f mm, training error %.3f mm: the data contradict "
                                 "each other; check for another arm, tool or tip",
