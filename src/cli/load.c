@@ -122,6 +122,20 @@ mukca_status cli_read_format(cli_call *call, mukca_rows_format *format)
     return MUKCA_OK;
 }
 
+/* Refuse loads in grams: no arm carries twice its own masses. */
+static mukca_status check_payload(cli_call *call, const mukca_dataset *data,
+                                  const mukca_chain *chain)
+{
+    double own = 0, most = 0;
+    for (int m = 0; m < chain->n_masses; m++) own += chain->mass[m].kg;
+    for (int row = 0; data->payload && row < data->n_rows; row++)
+        most = fmax(most, data->payload[row]);
+    if (!(own > 0) || most <= 2 * own) return MUKCA_OK;
+    return cli_fail(call, MUKCA_INPUT,
+                    "a payload of %g kg on an arm of %g kg; payload_kg and --payload are in kg",
+                    most, own);
+}
+
 mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model *model,
                            const cli_list *paths)
 {
@@ -146,6 +160,7 @@ mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model 
         status =
             mukca_dataset_load(data, &model->chain, paths->items, paths->n, &options, &call->error);
     free(payload);
+    if (status == MUKCA_OK) status = check_payload(call, data, &model->chain);
     if (status == MUKCA_OK && data->n_targets > 1 && !call->command->targets)
         status =
             cli_fail(call, MUKCA_INPUT,

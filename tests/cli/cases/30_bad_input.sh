@@ -146,6 +146,7 @@ refuse 3 "bad.tsv:4: column 'payload_kg': -1 is no mass in kg" diagnose $a bad.t
 refuse 2 '--payload 1,2,3: give one mass in kg .*, those of --test last' evaluate $a good --test session.tsv --payload 1,2,3
 run evaluate $a good --test session.tsv --payload 1,2
 expect "a mass for the data and one for the test" test $code -eq 0
+refuse 3 'a payload of 500 kg on an arm of .* kg; payload_kg and --payload are in kg' evaluate --urdf "$root/data/demo/arm.urdf" "$root/data/demo/test.tsv" --payload 500
 
 # folders
 mkdir bad
