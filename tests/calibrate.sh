@@ -82,6 +82,19 @@ evaluates() {
 ok evaluate_held_out evaluates
 
 ok evaluate_within "${evaluate[@]}" "$dir/front.tsv" --test "$dir/side.tsv" --offsets "$dir/offsets.tsv" --max-mae 1e-5
+of_another_tip() { # a shorter chain and a longer one: the verdict of the table is of another arm
+    sed 's|</robot>|<link name="pen"/><joint name="p" type="fixed"><parent link="ball"/><child link="pen"/></joint></robot>|' \
+        "$dir/planar.urdf" >"$dir/pen.urdf"
+    "$mukca" calibrate -q --urdf "$dir/pen.urdf" --tip ball --distances "$dir/distances.tsv" \
+        "$dir/front.tsv" "$dir/near.tsv" -o "$dir/ball.tsv" 2>/dev/null
+    for tip in pen c; do
+        "$mukca" evaluate --urdf "$dir/pen.urdf" --tip $tip --offsets "$dir/ball.tsv" "$dir/side.tsv" >"$dir/out" 2>&1
+        grep -q "made for another base or tip than 'base' and '$tip': its verdict does not hold" "$dir/out" || return 1
+        grep -q 'These data contradict the table' "$dir/out" && [ $tip = pen ] && return 1
+    done
+    grep -q 'These data contradict the table' "$dir/out"
+}
+ok evaluate_another_tip of_another_tip
 ok evaluate_above exits 1 "${evaluate[@]}" -q "$dir/side.tsv" --max-mae 1e-5
 
 

@@ -48,8 +48,8 @@ void mukca_acceptance_basis(char text[MUKCA_ACCEPTANCE_SENTENCE], const mukca_ac
              a->at_rest[0] ? " did not move" : "", tip);
 }
 
-/* Relative change of all lengths that the distance of the sockets should explain: four standard
- * deviations, of 0.1 mm in 50 mm and of 0.2 % in the arm. */
+/* Relative change of all lengths that the measurement should explain, the distance of the sockets
+ * or the scale of the poses. */
 static const double notable_size_change = 0.01;
 
 void mukca_acceptance_use(char text[MUKCA_ACCEPTANCE_SENTENCE], const mukca_acceptance *a,
@@ -68,7 +68,8 @@ void mukca_acceptance_use(char text[MUKCA_ACCEPTANCE_SENTENCE], const mukca_acce
                  1e3 * a->error_nominal_m, 1e3 * a->tip_change_m);
     if (a->accepted && fabs(a->size_change) > notable_size_change)
         snprintf(text + strlen(text), size - strlen(text),
-                 "; the arm becomes %.1f %% %s than the model: measure the sockets' distance again",
+                 "; the arm becomes %.1f %% %s than the model: check the sockets' distance, or the "
+                 "scale of measured poses",
                  1e2 * fabs(a->size_change), a->size_change > 0 ? "larger" : "smaller");
 }
 

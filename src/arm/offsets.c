@@ -98,6 +98,8 @@ static mukca_status check_origin(mukca_offsets_origin *o, const mukca_chain *cha
                           "%s: no offsets table: the line `# urdf_sha256:` is missing", o->name);
     o->other = strcmp(sha, chain->urdf_sha256) != 0;
     o->other_file = strcmp(o->own->kinematics_sha256, chain->kinematics_sha256) != 0;
+    o->other_ends = (o->own->base[0] && strcmp(o->own->base, chain->base) != 0) ||
+                    (o->own->tip[0] && strcmp(o->own->tip, chain->tip) != 0);
     if (o->force) return MUKCA_OK;
     if (o->other)
         return mukca_fail(error, MUKCA_INPUT,

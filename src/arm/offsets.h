@@ -56,6 +56,7 @@ typedef struct {
     int accept;  /* in: MUKCA_ACCEPT_* */
     int ignored; /* out: number of rows of joints that are not in the chain (of another --tip) */
     bool other, other_file; /* out: made for another URDF or factory file, by SHA-256 */
+    bool other_ends;        /* out: made for another base or tip */
     mukca_chain *own;       /* out: the chain in the table's comments */
 } mukca_offsets_origin;
 

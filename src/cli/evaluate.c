@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "cli/scores.h"
+#include "fit/accept.h"
 #include "fit/align.h"
 
 typedef struct {
@@ -38,6 +39,11 @@ static void print(cli_call *call, const evaluate_work *w)
         char verdict_text[MUKCA_ACCEPTANCE_SENTENCE];
         mukca_acceptance_sentence(verdict_text, &s->model.offsets.acceptance, w->data.has_factory);
         cli_say(call, NULL, "Table %s.", verdict_text);
+        const mukca_score *mean = (tested ? &w->test : &w->data)->mean;
+        if (mukca_data_contradict(mean[CLI_CALIBRATED].mae, s->model.offsets.acceptance.error_m,
+                                  mean[CLI_NOMINAL].mae))
+            cli_say(call, NULL,
+                    "These data contradict the table: check for another arm, tool or tip.");
     }
     cli_scores_print_header(call, calibrated);
     cli_scores_print(call, &w->data, "data", calibrated);

@@ -14,8 +14,9 @@
 #include "model/condense.h"
 #include "model/dataset_subset.h"
 
-/* Larger values are in mm/s^2 or wrong: no arm works at 100 g. */
-static const double most_gravity = 1e3; /* m/s^2 */
+/* Of gravity: other values are in other units.  Coefficients of springs are inversely proportional.
+ */
+static const double earth = 9.80665, rounding = 0.03; /* m/s^2; relative */
 
 mukca_status cli_read_offsets(cli_call *call, mukca_offsets *offsets, mukca_chain *own,
                               const mukca_chain *chain, const char *path)
@@ -57,10 +58,10 @@ mukca_status cli_load_model(cli_call *call, cli_model *model)
     if (!c->urdf)
         return cli_fail(call, MUKCA_USAGE, "--urdf FILE is needed: the nominal model of the arm");
     mukca_urdf_options options = {.base = c->base, .tip = c->tip, .inertials = c->inertials};
-    for (int i = 0; i < 3; i++)
-        if (fabs(c->gravity[i]) > most_gravity)
-            return cli_fail(call, MUKCA_USAGE, "--gravity: %g is out of range; give m/s^2",
-                            c->gravity[i]);
+    const double g = mukca_norm3(c->gravity);
+    if (g > 0 && !(fabs(g / earth - 1) < rounding))
+        return cli_fail(call, MUKCA_USAGE,
+                        "--gravity: %g m/s^2 is not that of the earth; give m/s^2", g);
     memcpy(options.gravity, c->gravity, sizeof options.gravity);
     mukca_status status =
         mukca_urdf_load(&model->chain, c->urdf, &options, cli_note, call, &call->error);
@@ -121,6 +122,20 @@ mukca_status cli_read_format(cli_call *call, mukca_rows_format *format)
     return MUKCA_OK;
 }
 
+/* Refuse loads in grams: no arm carries twice its own masses. */
+static mukca_status check_payload(cli_call *call, const mukca_dataset *data,
+                                  const mukca_chain *chain)
+{
+    double own = 0, most = 0;
+    for (int m = 0; m < chain->n_masses; m++) own += chain->mass[m].kg;
+    for (int row = 0; data->payload && row < data->n_rows; row++)
+        most = fmax(most, data->payload[row]);
+    if (!(own > 0) || most <= 2 * own) return MUKCA_OK;
+    return cli_fail(call, MUKCA_INPUT,
+                    "a payload of %g kg on an arm of %g kg; payload_kg and --payload are in kg",
+                    most, own);
+}
+
 mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model *model,
                            const cli_list *paths)
 {
@@ -145,6 +160,7 @@ mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model 
         status =
             mukca_dataset_load(data, &model->chain, paths->items, paths->n, &options, &call->error);
     free(payload);
+    if (status == MUKCA_OK) status = check_payload(call, data, &model->chain);
     if (status == MUKCA_OK && data->n_targets > 1 && !call->command->targets)
         status =
             cli_fail(call, MUKCA_INPUT,

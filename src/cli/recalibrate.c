@@ -296,9 +296,10 @@ static mukca_status refuse(cli_call *call, const cli_recalibrated *r)
 {
     const mukca_oracle *o = &r->oracle;
     return cli_fail(call, MUKCA_UNIDENTIFIABLE,
-                    "no calibration in these poses: they equal the nominal model within their "
-                    "noise (median %.4f mm nominal, %.4f mm after a fit); no offsets table is "
-                    "written; use another tracker, or calibrate from sockets",
+                    "no calibration in these poses: their median error is %.4f mm with the nominal "
+                    "model, %.4f mm after a fit, no gain beyond their noise; no offsets table is "
+                    "written; check that angles and poses are of the same samples, use another "
+                    "tracker, or calibrate from sockets",
                     1e3 * o->position_nominal, 1e3 * o->position_left);
 }
 

@@ -99,7 +99,7 @@ void mukca_applied_fit(mukca_applied *a, mukca_regression *m)
         else if (mukca_candidate_by_mass(h) && !tie_masses(h, m))
             return;
     }
-    mukca_regression_fit(m, 6, MUKCA_FIT_ALL);
+    mukca_regression_fit(m, 6, MUKCA_FIT_INDEPENDENT);
     if (!(mukca_regression_factor(m) > -HUGE_VAL)) return;
     parameter_sigmas(a, m);
     length_sigmas(a, m);

@@ -78,7 +78,7 @@ static void measure_geometry(mukca_diagnosis *d, mukca_arm_state *geometry, mukc
     u->n_causes = 0;
     memcpy(m->recording.keep, b->all, (size_t)rows);
     mukca_recording_regroup(&m->recording);
-    mukca_regression_fit(m, 3, MUKCA_FIT_NOISE);
+    mukca_regression_fit(m, 3, MUKCA_FIT_INDEPENDENT);
     mukca_folds_run(b->error, b, false);
     mukca_folds_errors(b->error, m, b->position, b->all, false);
     d->geometry_m = mukca_folds_mean(b->error, rows);
@@ -185,9 +185,7 @@ mukca_status mukca_cross_validation_run(mukca_diagnosis *d, mukca_arm_state *geo
     for (int c = 0; c < m->unknowns.n_causes; c++)
         if (!mukca_candidate_is_fault(&m->unknowns.cause[c].candidate))
             mukca_unknowns_drop(&m->unknowns, c--);
-    /* With the prior scales chosen beside the causes: alone, the geometry would widen them to
-     * absorb what the causes explain.  Without causes it was fitted already. */
-    if (d->verdict != MUKCA_VERDICT_NONE) mukca_regression_fit(m, 4, MUKCA_FIT_NOISE);
+    mukca_regression_fit(m, 4, MUKCA_FIT_INDEPENDENT);
     measure_geometry(d, geometry, &b, s.excused);
     mukca_unknowns_assign(&m->unknowns, s.all);
     memcpy(m->recording.keep, kept, (size_t)rows);

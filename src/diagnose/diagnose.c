@@ -45,7 +45,7 @@ static void keep_named(mukca_regression *m, const mukca_diagnosis *d)
     for (int c = n - 1; c >= 0; c--)
         if (!keep[c] && !mukca_candidate_is_fault(&m->unknowns.cause[c].candidate))
             mukca_unknowns_drop(&m->unknowns, c);
-    if (m->unknowns.n_causes < n) mukca_regression_fit(m, 4, MUKCA_FIT_NOISE);
+    if (m->unknowns.n_causes < n) mukca_regression_fit(m, 4, MUKCA_FIT_INDEPENDENT);
 }
 
 /* Nothing can be tested; of the faults only duplicates are kept, as the others need a model that

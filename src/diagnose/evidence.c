@@ -27,7 +27,7 @@ static const double shares[] = {0, 0.2, 0.4, 0.6, 0.8, 0.95};
 /* Resolution of the positions, m: readings that agree exactly agree to this. */
 #define RESOLUTION 1e-6
 
-static mukca_noise_family family_of(const mukca_evidence *evidence, int index)
+mukca_noise_family mukca_evidence_family(const mukca_evidence *evidence, int index)
 {
     if (index < INDEPENDENT_POSTURES) return (mukca_noise_family){.rho = correlations[index]};
     const double *with = shared[index - INDEPENDENT_POSTURES], r = evidence->ratio * with[0];
@@ -150,7 +150,7 @@ static void lay_out(mukca_evidence *evidence, int index, const mukca_recording *
     mukca_normal_equations *normal = &evidence->normal[index];
     double *scratch = evidence->white.x;
     for (int i = 0; weight && i < r->n_samples; i++) scratch[i] = weight[r->order[i]];
-    mukca_whitening_set(&normal->whitening, &r->samples, family_of(evidence, index),
+    mukca_whitening_set(&normal->whitening, &r->samples, mukca_evidence_family(evidence, index),
                         shape_of(evidence, r, linear), weight ? scratch : NULL);
     normal->n_pairs = r->n_pairs;
     for (int p = 0; p < r->n_pairs; p++) {

@@ -59,6 +59,9 @@ int mukca_evidence_measure_noise(mukca_evidence *evidence, const mukca_recording
 /* Set the share of the joint angles' noise between postures. */
 void mukca_evidence_set_share(mukca_evidence *evidence, int share);
 
+/* A family of the noise, index < n_noises. */
+mukca_noise_family mukca_evidence_family(const mukca_evidence *evidence, int index);
+
 /* Update the normal equations of one family of the noise if the columns have changed, and return
  * them. */
 mukca_normal_equations *mukca_evidence_collect(mukca_evidence *evidence, int index,

@@ -7,11 +7,12 @@
 #include <math.h>
 #include <string.h>
 
+#include "fit/accept.h"
 #include "math/dense.h"
 #include "math/random.h"
 #include "math/stats.h"
 
-enum { POSE_FOLDS = 5, DRAWS = 400 };
+enum { DRAWS = 400 };
 
 void mukca_folds_create(mukca_folds *b)
 {
@@ -34,20 +35,19 @@ int mukca_folds_assign(int *fold, const mukca_regression *m, bool by_socket)
     const int *log = m->recording.log;
     int n = 0, poses = 0, of_log[MUKCA_MAX_LOGS] = {0}, done[MUKCA_MAX_LOGS] = {0};
     for (int row = 0; row < data->n_rows; row++)
-        if (data->socket[row] < 0) of_log[log[row]]++, poses++;
+        if (data->socket[row] < 0) of_log[log[row]]++, poses += poses < MUKCA_POSE_FOLDS;
     const bool sockets = by_socket || data->n_placements < 2;
     n = sockets ? data->n_sockets : data->n_placements;
     for (int row = 0; row < data->n_rows; row++) {
         const int g = log[row]; /* a block of each log: the rest determines its frames */
-        if (data->socket[row] < 0)
-            fold[row] = n + (int)((long long)POSE_FOLDS * done[g]++ / of_log[g]);
+        if (data->socket[row] < 0) fold[row] = n + (int)((long long)poses * done[g]++ / of_log[g]);
         if (data->socket[row] < 0 && m->recording.repeats && m->recording.posture[row] < row &&
             data->socket[m->recording.posture[row]] < 0)
             fold[row] = fold[m->recording.posture[row]]; /* readings of a posture share errors */
         if (data->socket[row] < 0) continue;
         fold[row] = sockets ? data->socket[row] : m->recording.placement[row];
     }
-    return n + (poses >= POSE_FOLDS ? POSE_FOLDS : 0);
+    return n + poses;
 }
 
 /* The known motion of the tool in a socket; NULL: none. */

@@ -114,10 +114,11 @@ static void choose_cause(mukca_unknowns *u, mukca_accepted *cause, mukca_evidenc
 void mukca_scales_choose(mukca_unknowns *u, mukca_evidence *evidence,
                          const mukca_recording *recording, const mukca_normal_equations *normal)
 {
-    /* Errors of published arms: links 0.5 to 4 mm, axes 1 to 10 mrad. */
-    static const double lengths[] = {0.5e-3, 1e-3, 2e-3, 4e-3};
-    static const double angles[] = {1e-3, 2.5e-3, 5e-3, 10e-3};
-    enum { N = 4 };
+    /* Errors of published arms: links 0.5 to 4 mm, axes 1 to 10 mrad; half of that, those
+     * calibrated by their makers. */
+    static const double lengths[] = {0.25e-3, 0.5e-3, 1e-3, 2e-3, 4e-3};
+    static const double angles[] = {0.5e-3, 1e-3, 2.5e-3, 5e-3, 10e-3};
+    enum { N = 5 };
     double best = -HUGE_VAL;
     int chosen = 0;
     for (int i = 0; i <= N * N; i++) {
@@ -142,7 +143,7 @@ static mukca_normal_equations *choose_noise(mukca_regression *m, mukca_fit_freed
     mukca_evidence *evidence = &m->evidence;
     const int own = u->weight ? 0 : u->family;
     mukca_normal_equations *chosen = NULL;
-    const int noises = u->weight || freedom == MUKCA_FIT_NOISE ? 1 : evidence->n_noises;
+    const int noises = u->weight ? 1 : evidence->n_noises;
     double best = -HUGE_VAL, value[MUKCA_NOISES] = {0};
     if (noises > 1 && m->recording.repeats) {
         mukca_evidence_evaluate(evidence, mukca_regression_collect(m, m->unknowns.family), u->sigma,
@@ -152,7 +153,8 @@ static mukca_normal_equations *choose_noise(mukca_regression *m, mukca_fit_freed
     bool all = noises == evidence->n_noises; /* robust weights imply independent samples */
     for (int k = 0; k < noises; k++) {
         const int i = (own + k) % noises;
-        if (chosen && !contends(evidence, i, best)) {
+        const bool open = freedom == MUKCA_FIT_ALL || !(mukca_evidence_family(evidence, i).rho > 0);
+        if (!open || (chosen && !contends(evidence, i, best))) {
             all = false;
             continue;
         }
@@ -164,10 +166,8 @@ static mukca_normal_equations *choose_noise(mukca_regression *m, mukca_fit_freed
     }
     for (int i = 0; i < noises && all; i++) evidence->normal[i].behind = best - value[i];
     if (all) evidence->best = best;
-    if (freedom == MUKCA_FIT_ALL) {
-        mukca_scales_choose(u, evidence, &m->recording, chosen);
-        u->sigma = mukca_noise_choose(evidence, chosen, u->sigma, NULL);
-    }
+    mukca_scales_choose(u, evidence, &m->recording, chosen);
+    u->sigma = mukca_noise_choose(evidence, chosen, u->sigma, NULL);
     return chosen;
 }
 
@@ -238,8 +238,7 @@ void mukca_regression_fit(mukca_regression *m, int iterations, mukca_fit_freedom
         mukca_unknowns_prior(m->evidence.prior, u);
         /* The weight of the orientations changes in each iteration, and the noise with it. */
         const bool weigh = m->recording.dim == 6 && !u->n_causes;
-        const bool choose = it == 0 ? freedom != MUKCA_FIT_UNKNOWNS
-                                    : (it == 2 || weigh) && freedom == MUKCA_FIT_ALL;
+        const bool choose = freedom != MUKCA_FIT_UNKNOWNS && (it == 0 || it == 2 || weigh);
         const mukca_normal_equations *normal =
             choose ? choose_noise(m, freedom) : mukca_regression_collect(m, m->unknowns.family);
         if (!isfinite(mukca_evidence_evaluate(&m->evidence, normal, u->sigma, m->evidence.mean)))

@@ -51,9 +51,11 @@ void mukca_scales_choose(mukca_unknowns *unknowns, mukca_evidence *evidence,
 /* Quantities chosen by a fit in addition to the unknowns. */
 typedef enum {
     MUKCA_FIT_UNKNOWNS, /* none: noise, its family and prior scales stay */
-    MUKCA_FIT_NOISE,    /* noise in its present family, in the first step */
-    MUKCA_FIT_ALL /* noise, its family and the geometry's prior scales by evidence, in the first and
-                     third step */
+    /* Noise, its family and the geometry's prior scales by evidence, in the first and third step;
+     * without correlation of successive samples: for predictions by an incomplete model, whose own
+     * errors are correlated. */
+    MUKCA_FIT_INDEPENDENT,
+    MUKCA_FIT_ALL /* the same among all families */
 } mukca_fit_freedom;
 
 /* Log posterior of the set of causes fitted last, up to a constant: evidence, and the priors of the

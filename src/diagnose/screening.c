@@ -181,7 +181,7 @@ bool mukca_screening_run(mukca_diagnosis *d, mukca_regression *m)
     m->unknowns.weight = weight;
     double(*median)[3] = NULL;
     for (int pass = 0; pass < 12; pass++) { /* iteratively reweighted, heavy-tailed loss */
-        mukca_regression_step(m, pass ? MUKCA_FIT_UNKNOWNS : MUKCA_FIT_NOISE);
+        mukca_regression_step(m, pass ? MUKCA_FIT_UNKNOWNS : MUKCA_FIT_INDEPENDENT);
         median = residuals(residual, m, scratch);
         const double scale = fmax(3 * median_of(residual, r->n_samples, scratch), 3e-4);
         double change = 0;

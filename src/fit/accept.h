@@ -18,8 +18,15 @@ mukca_status mukca_difference_find(mukca_difference *difference, const double *b
                                    const double *after, const mukca_dataset *data,
                                    mukca_error *error);
 
+/* Whether data contradict those of a fit: its error on them is a multiple of the expected one and
+ * most of that of the nominal model. */
+bool mukca_data_contradict(double error_m, double expected_m, double nominal_m);
+
 /* ---- held-out errors: test data, or each fold predicted by a fit to the others
  * (cross_validation.c) ---- */
+
+/* Blocks of consecutive poses, which are correlated: more leave more to the fit. */
+enum { MUKCA_POSE_FOLDS = 10 };
 
 typedef struct {
     const mukca_dataset *held; /* test data, else `data` */

@@ -7,11 +7,8 @@
 #include "model/dataset_subset.h"
 
 enum {
-    /* Blocks of consecutive samples, which are correlated: more leave more to the fit.  The errors
-     * of a socket are about the mean of its block, and vanish with its size. */
-    SOCKET_BLOCKS = 5,
-    BLOCKS = 10,
-    MOST_FOLDS = 10, /* more placements are merged */
+    SOCKET_BLOCKS = 5, /* errors are about the mean of a block, and vanish with its size */
+    MOST_FOLDS = 10,   /* more placements are merged */
     /* Beyond this number only a part of the samples is fitted and predicted: enough for the
      * parameters of any geometry, and its mean error is known to 1 %. */
     MOST_SAMPLES = 10000
@@ -28,8 +25,8 @@ static int assign(int *fold, bool *placements, const mukca_dataset *data)
     int *posture = MUKCA_TAKE(&pool, int, data->n_rows);
     if (!pool.failed) mukca_postures_find(posture, &pool, data);
     const int folds = data->n_placements < MOST_FOLDS ? data->n_placements : MOST_FOLDS;
-    bool used[MOST_FOLDS + BLOCKS] = {false};
-    int n = 0, index[MOST_FOLDS + BLOCKS];
+    bool used[MOST_FOLDS + MUKCA_POSE_FOLDS] = {false};
+    int n = 0, index[MOST_FOLDS + MUKCA_POSE_FOLDS];
     *placements = data->n_placements > 1;
     for (int i = 0; i < data->n_rows && !pool.failed; i++) count[data->socket[i] + 1]++;
     for (int i = 0; i < data->n_rows && !pool.failed; i++) {
@@ -40,11 +37,11 @@ static int assign(int *fold, bool *placements, const mukca_dataset *data)
         else if (first < i && data->socket[first] + 1 == s)
             fold[i] = fold[first];
         else
-            fold[i] =
-                MOST_FOLDS + (int)((long long)(s > 0 ? SOCKET_BLOCKS : BLOCKS) * before / count[s]);
+            fold[i] = MOST_FOLDS + (int)((long long)(s > 0 ? SOCKET_BLOCKS : MUKCA_POSE_FOLDS) *
+                                         before / count[s]);
         used[fold[i]] = true;
     }
-    for (int f = 0; f < MOST_FOLDS + BLOCKS; f++) index[f] = used[f] ? n++ : -1;
+    for (int f = 0; f < MOST_FOLDS + MUKCA_POSE_FOLDS; f++) index[f] = used[f] ? n++ : -1;
     for (int i = 0; i < data->n_rows && !pool.failed; i++) fold[i] = index[fold[i]];
     const bool failed = pool.failed;
     mukca_pool_free(&pool);

@@ -160,7 +160,7 @@ mukca_status mukca_summary_take(mukca_summary *s, mukca_regression *m, mukca_err
         mukca_unknowns_assign(&m->unknowns, own);
         mukca_fleet_strip(m, j);
         ok = mukca_fleet_add(m, prior);
-        mukca_regression_fit(m, 4, MUKCA_FIT_NOISE);
+        mukca_regression_fit(m, 4, MUKCA_FIT_INDEPENDENT);
         if (ok) ok = scan_orders(s, m, j);
     }
     if (!ok || m->pool.failed)

@@ -18,8 +18,8 @@ bool mukca_given_rows(mukca_sets *s, const unsigned short *item, int n)
             const mukca_item *h = &q->item[item[i]];
             if (s->gram[item[i]]) continue;
             for (int r = 0; r < q->n_rows; r++)
-                memcpy(s->left + r * MUKCA_GIVEN_TOGETHER + width, q->E + (size_t)r * stride + h->at,
-                       sizeof *s->left * (size_t)h->terms);
+                memcpy(s->left + r * MUKCA_GIVEN_TOGETHER + width,
+                       q->E + (size_t)r * stride + h->at, sizeof *s->left * (size_t)h->terms);
             width += h->terms;
         }
         if (!width) continue;
@@ -28,9 +28,10 @@ bool mukca_given_rows(mukca_sets *s, const unsigned short *item, int n)
         memset(s->row, 0, sizeof *G * (size_t)width * stride);
         mukca_dense_xty(G, (mukca_columns){s->left, width, MUKCA_GIVEN_TOGETHER},
                         (mukca_columns){q->E, q->stride, q->stride}, rows);
-        mukca_dense_xty(s->row, (mukca_columns){s->left + rows * MUKCA_GIVEN_TOGETHER, width, MUKCA_GIVEN_TOGETHER},
-                        (mukca_columns){q->E + (size_t)rows * stride, q->stride, q->stride},
-                        q->n_projected);
+        mukca_dense_xty(
+            s->row,
+            (mukca_columns){s->left + rows * MUKCA_GIVEN_TOGETHER, width, MUKCA_GIVEN_TOGETHER},
+            (mukca_columns){q->E + (size_t)rows * stride, q->stride, q->stride}, q->n_projected);
         for (size_t k = 0; k < (size_t)width * stride; k++) G[k] -= s->row[k];
         for (; first < i; first++)
             if (!s->gram[item[first]]) {
@@ -142,8 +143,8 @@ static bool condition_all(mukca_sets *s, const mukca_set *set)
     return true;
 }
 
-/* near[d][c]: products of columns c and c + d of B, and g[c] := g - B'v, for blocks of MUKCA_GIVEN_NEAR
- * columns.
+/* near[d][c]: products of columns c and c + d of B, and g[c] := g - B'v, for blocks of
+ * MUKCA_GIVEN_NEAR columns.
  */
 MUKCA_CLONES static void project_near(double *near, double *g, const mukca_sets *s, int width)
 {

@@ -5,8 +5,10 @@
 #include "infer/sets.h"
 #include "math/dense.h"
 
-enum { MUKCA_GIVEN_TOGETHER = 72 }; /* columns whose rows of the Gram matrix are computed together */
-enum { MUKCA_GIVEN_NEAR = 3 };      /* columns of most blocks */
+enum {
+    MUKCA_GIVEN_TOGETHER = 72
+};                             /* columns whose rows of the Gram matrix are computed together */
+enum { MUKCA_GIVEN_NEAR = 3 }; /* columns of most blocks */
 
 /* Compute the rows of the Gram matrix of these items, as many of them together as fit.  False: no
  * memory. */

@@ -102,10 +102,11 @@ mukca_status mukca_offsets_read(mukca_offsets *offsets, const mukca_chain *chain
     if (origin.other || origin.other_file)
         mukca_note_format(note, context, "%s: made for another %s; its offsets are added to this",
                           origin.name, origin.other ? "URDF" : "factory file");
-    if (origin.ignored)
+    if (origin.other_ends || origin.ignored)
         mukca_note_format(note, context,
-                          "%s: %d rows of joints that are not between '%s' and '%s' ignored",
-                          origin.name, origin.ignored, chain->base, chain->tip);
+                          "%s: made for another base or tip than '%s' and '%s': its verdict does "
+                          "not hold here, and %d rows are ignored",
+                          origin.name, chain->base, chain->tip, origin.ignored);
     if (!offsets->acceptance.given)
         mukca_note_format(note, context,
                           "%s: has no verdict (older, or made by hand); check it with mukca "

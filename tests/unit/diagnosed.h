@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "diagnose/diagnose.h"
+#include "fit/evaluate.h"
 #include "scene.h"
 #include "scratch.h"
 

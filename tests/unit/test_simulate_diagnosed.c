@@ -371,4 +371,28 @@ TEST(test_warm)
     mukca_dataset_free(&test);
 }
 
+/* Causes that the geometry absorbs in part, and other samples of the same arm: its geometry alone
+ * predicts them as well as a calibration does. */
+TEST(test_geometry)
+{
+    static const char *const effects[] = {
+        "joint_compliance:joint_2=2e-4", "link_bending:joint_3=2e-4", "base_compliance=1e-4",
+        "gear_harmonic:joint_2@3=3e-3", "joint_coupling:joint_4=4e-3"};
+    for (size_t i = 0; i < sizeof effects / sizeof *effects; i++) {
+        mukca_fit fit;
+        mukca_score mean, scores[PLACES + 1];
+        mukca_dataset test;
+        simulate(effects[i], 41 + i);
+        s.how.seed = 7;
+        record(&test, &s);
+        assert_ok(mukca_fit_run(&fit, &s.chain, &data, &(mukca_fit_options){0}, &error));
+        const mukca_model model = {.chain = &s.chain, .theta = fit.theta};
+        assert_true(mukca_evaluate(scores, &mean, &model, &test) > 0);
+        diagnose((mukca_diagnose_options){.test = &test});
+        assert_true(d->test_geometry_m < 1.05 * mean.mae);
+        mukca_fit_free(&fit);
+        mukca_dataset_free(&test);
+    }
+}
+
 TEST_MAIN(set_up, tear_down)

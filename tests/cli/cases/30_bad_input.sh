@@ -146,6 +146,7 @@ refuse 3 "bad.tsv:4: column 'payload_kg': -1 is no mass in kg" diagnose $a bad.t
 refuse 2 '--payload 1,2,3: give one mass in kg .*, those of --test last' evaluate $a good --test session.tsv --payload 1,2,3
 run evaluate $a good --test session.tsv --payload 1,2
 expect "a mass for the data and one for the test" test $code -eq 0
+refuse 3 'a payload of 500 kg on an arm of .* kg; payload_kg and --payload are in kg' evaluate --urdf "$root/data/demo/arm.urdf" "$root/data/demo/test.tsv" --payload 500
 
 # folders
 mkdir bad
@@ -235,7 +236,9 @@ refuse 3 "bad.tsv:[0-9]*: column 'calibrated': is larger than any arm's" evaluat
 wrong_row 's/j2\tjoint_scale/j1\tjoint_coupling/; s/-$/neighbour=-1/' "does not fit the effect at this joint"
 printf 'link\tmass_kg\tcom_x_m\tcom_y_m\tcom_z_m\nfore\t1\t1e308\t0\t0\n' >inertials.tsv
 refuse 3 "inertials.tsv:2: column 'com_x_m': 1e+308 is larger than any arm's" fk $a --inertials inertials.tsv good/hole_0.csv
-refuse 2 'gravity: 1e+200 is out of range; give m/s^2' fk $a --gravity 0,0,1e200 good/hole_0.csv
+for g in 0,0,1e200 0,0,-1 0,-981,0 0,0,-9806.65; do
+    refuse 2 'gravity: .* m/s^2 is not that of the earth; give m/s^2' fk $a --gravity $g good/hole_0.csv
+done
 refuse 2 "is larger than any arm's" simulate $a --effect joint_scale:j2=1e300
 
 # outputs
