@@ -177,18 +177,19 @@ static json_t *as_json(const cli_call *call)
         double at[3];
         mukca_mat3_vec(at, t->pose.R, w->shared[i].at[1]);
         for (int a = 0; a < 3; a++) at[a] += t->pose.p[a];
-        cli_json_append(sockets, "placement:s socket:s residual_m:f",
-                        placement_of(&w->side[0], w->socket[i][0]),
-                        w->side[0].data.sockets[w->socket[i][0]].label,
-                        mukca_distance3(at, w->shared[i].at[0]));
+        cli_json_append(sockets, KEY("placement", placement_of(&w->side[0], w->socket[i][0])),
+                        KEY("socket", w->side[0].data.sockets[w->socket[i][0]].label),
+                        KEY("residual_m", mukca_distance3(at, w->shared[i].at[0])));
     }
     return cli_json(
-        "schema:s pose:o rpy_rad:o sigma{position_m:o rotation_rad:o} width95{position_m:o "
-        "rotation_rad:o} sockets:o freedom:i residual_m:f expected_m:f elapsed_s:f",
-        "mukca.align/1", cli_json_frame(&t->pose), cli_json_reals(rpy, 3),
-        cli_json_reals(t->sigma, 3), cli_json_reals(t->sigma + 3, 3), cli_json_reals(t->width95, 3),
-        cli_json_reals(t->width95 + 3, 3), sockets, t->freedom, t->residual_m, t->expected_m,
-        cli_elapsed(call));
+        KEY("schema", "mukca.align/1"), KEY("pose", cli_json_frame(&t->pose)),
+        KEY("rpy_rad", cli_json_reals(rpy, 3)),
+        KEY("sigma", cli_json(KEY("position_m", cli_json_reals(t->sigma, 3)),
+                              KEY("rotation_rad", cli_json_reals(t->sigma + 3, 3)))),
+        KEY("width95", cli_json(KEY("position_m", cli_json_reals(t->width95, 3)),
+                                KEY("rotation_rad", cli_json_reals(t->width95 + 3, 3)))),
+        KEY("sockets", sockets), FIELD(t, freedom), FIELD(t, residual_m), FIELD(t, expected_m),
+        KEY("elapsed_s", cli_elapsed(call)));
 }
 
 static mukca_status run(cli_call *call)

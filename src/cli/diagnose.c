@@ -196,8 +196,9 @@ static mukca_status write_results(cli_call *call)
     if (status != MUKCA_OK || !call->common->json) return status;
     json_t *json = cli_diagnosis_json(r);
     json_object_update_new(
-        json, cli_json("acceptance:o traits:o", cli_json_acceptance(r->acceptance),
-                       w->adoption.traits ? cli_adoption_json(&w->adoption, r->chain) : NULL));
+        json, cli_json(KEY("acceptance", cli_json_acceptance(r->acceptance)),
+                       KEY("traits",
+                           w->adoption.traits ? cli_adoption_json(&w->adoption, r->chain) : NULL)));
     return cli_write_json(call, json);
 }
 
