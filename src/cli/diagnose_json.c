@@ -148,7 +148,7 @@ static json_t *test_object(const mukca_diagnosis *d, const mukca_dataset *test)
     if (!test) return NULL;
     return cli_json(
         KEY("nominal_m", d->test_nominal_m), KEY("geometry_m", d->test_geometry_m),
-        KEY("explained_m", d->test_explained_m),
+        KEY("explained_m", d->test_applied_m),
         KEY("placements", placements_array(d->test_placement_mae_m, d->n_test_placements, test)));
 }
 
@@ -222,7 +222,7 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *r)
         KEY("data_faults", faults_array(d, r->data)),
         KEY("gap",
             cli_json(FIELD(d, nominal_m), FIELD(d, geometry_m), FIELD(d, faults_excused_m),
-                     FIELD(d, explained_m), KEY("with_unknown_m", d->structure_m),
+                     KEY("explained_m", d->applied_m), KEY("with_unknown_m", d->structure_m),
                      FIELD(d, surprise), FIELD(d, noise_floor_m), FIELD(d, folds),
                      KEY("held_out", shrink_object(&d->held_out)), FIELD(d, noise_shrink_percent))),
         KEY("test", test_object(d, r->test)), KEY("where", where_object(r)),
@@ -235,7 +235,7 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *r)
                              : NULL),
         KEY("sentence", verdict), KEY("suspected", suspected), KEY("sets", sets_array(r)),
         KEY("unexplained_log_bayes_factor", d->structure),
-        KEY("unnamed_m", d->explained_m - d->structure_m),
+        KEY("unnamed_m", d->applied_m - d->structure_m),
         KEY("gravity", g[0] != 0 || g[1] != 0 || g[2] != 0 ? cli_json_reals(g, 3) : NULL),
         FIELD(d, efforts_correlation), KEY("streams", streams_object(&d->streams, r)),
         KEY("logs", logs_object(&d->logs)), KEY("check", check_object(r->check)),

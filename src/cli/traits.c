@@ -105,17 +105,18 @@ void cli_adoption_print(cli_call *call, const mukca_adoption *a, const mukca_dia
         cli_say(call, shown++ ? "" : "Elastic", "%s", line);
         line[text.used = 0] = '\0';
     }
-    if (isfinite(a->explained_m))
+    if (isfinite(d->applied_m))
         cli_say(call, "Error", "held out, with the traits %.3f mm (without %.3f mm)",
-                1e3 * a->explained_m, 1e3 * a->own_explained_m);
+                1e3 * d->applied_m, 1e3 * d->explained_m);
     if (isfinite(d->test_geometry_m))
         cli_say(call, "", "test data, with the traits %.3f mm (without %.3f mm)",
-                1e3 * a->test_explained_m, 1e3 * a->own_test_explained_m);
+                1e3 * d->test_applied_m, 1e3 * d->test_explained_m);
 }
 
 /* ---- JSON ---- */
 
-json_t *cli_adoption_json(const mukca_adoption *a, const mukca_chain *chain)
+json_t *cli_adoption_json(const mukca_adoption *a, const mukca_diagnosis *d,
+                          const mukca_chain *chain)
 {
     json_t *elastic = json_array(), *orders = json_array();
     for (int i = 0; i < a->n; i++) {
@@ -134,9 +135,9 @@ json_t *cli_adoption_json(const mukca_adoption *a, const mukca_chain *chain)
                         KEY("order", e->variant.order),
                         KEY("probability", a->traits->list[i].probability));
     }
-    return cli_json(KEY("log_bayes_factor", a->log_evidence), FIELD(a, explained_m),
-                    KEY("without_m", a->own_explained_m), FIELD(a, test_explained_m),
-                    KEY("test_without_m", a->own_test_explained_m), KEY("used", a->adopted),
+    return cli_json(KEY("log_bayes_factor", a->log_evidence), KEY("explained_m", d->applied_m),
+                    KEY("without_m", d->explained_m), KEY("test_explained_m", d->test_applied_m),
+                    KEY("test_without_m", d->test_explained_m), KEY("used", a->adopted),
                     FIELD(a, only), KEY("arms", a->traits->n_arms), KEY("effects", elastic),
                     KEY("orders", orders));
 }

@@ -184,6 +184,8 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
             status = validate(diagnosis, m, options, error);
         if (status == MUKCA_OK && options->applied) mukca_applied_fit(&diagnosis->applied, m);
     }
+    diagnosis->applied_m = diagnosis->explained_m;
+    diagnosis->test_applied_m = diagnosis->test_explained_m;
     diagnosis->efforts_correlation = recording->efforts_correlation;
     if (status == MUKCA_OK && options->go_on && diagnosis->verdict != MUKCA_VERDICT_UNTESTABLE)
         status = options->go_on(options->go_on_context, m, diagnosis, error);

@@ -174,16 +174,17 @@ typedef struct {
     double axis_rms_m[3]; /* remaining error of the fitted geometry, by base axis */
     /* held-out mean errors, each placement predicted from the others, m; NaN: not measurable */
     double nominal_m, geometry_m, faults_excused_m, explained_m, noise_floor_m;
+    double applied_m;   /* of the arm in the offsets table: explained_m, or a fit with traits */
     double structure_m; /* explained_m with unknown functions included; NaN: none */
     double surprise; /* rms held-out error with all causes, in units of that expected from noise and
                         the uncertainty of the fit; NaN: not measurable */
     mukca_shrink held_out;       /* from faults_excused_m to explained_m */
     double noise_shrink_percent; /* expected gain of the catalogue's best candidate on pure noise */
     int folds;
-    double *placement_mae_m; /* [n_placements] of explained_m, in the pool */
+    double *placement_mae_m; /* [n_placements] of applied_m, in the pool */
     /* test data (--test), m; NaN: none */
-    double test_nominal_m, test_geometry_m, test_explained_m;
-    double *test_placement_mae_m; /* [n_test_placements] of test_explained_m, in the pool */
+    double test_nominal_m, test_geometry_m, test_explained_m, test_applied_m;
+    double *test_placement_mae_m; /* [n_test_placements] of test_applied_m, in the pool */
     /* Errors of the test data's rows, else of the held-out rows, m: nominal, and of the result;
      * NaN: faulty.  In the pool; NULL: none. */
     double *before_m, *after_m;
