@@ -163,7 +163,7 @@ static void fill_sample(mukca_linearisation *linear, const mukca_recording *reco
     to_target(&tip, u, log);
     memset(X, 0, sizeof *X * (size_t)d * (size_t)ld);
     double turn[6][3];
-    turn_of(turn, &(mukca_frame){.R = {1, 0, 0, 0, 1, 0, 0, 0, 1}}, tip.p, u->rotation_weight);
+    turn_of(turn, &(mukca_frame){.R = MUKCA_IDENTITY}, tip.p, u->rotation_weight);
     memcpy(base_lever, turn, sizeof *turn * (size_t)d);
     double length[3], local[3], factor[3] = {0};
     memcpy(linear->seated_frame + 9 * i, tip.R, sizeof tip.R);

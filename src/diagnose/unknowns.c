@@ -128,7 +128,7 @@ void mukca_unknowns_set_geometry(mukca_unknowns *u, const mukca_chain *chain)
         for (int c = 0; c < 3; c++) u->geometry.origin[k].p[c] *= factor;
     for (int k = 0; k < u->n_slots; k++) {
         const double *t = u->theta + 6 * k;
-        mukca_frame local = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {t[0], t[1], t[2]}};
+        mukca_frame local = {MUKCA_IDENTITY, {t[0], t[1], t[2]}};
         if (k + 1 < u->n_slots || u->slot_width == 6) mukca_rotation_exp(local.R, t + 3);
         mukca_frame *origin = &u->geometry.origin[u->slot_element[k]];
         if (u->free_tool && k + 1 == u->n_slots) mukca_frame_multiply(origin, origin, &u->target);
@@ -139,7 +139,7 @@ void mukca_unknowns_set_geometry(mukca_unknowns *u, const mukca_chain *chain)
 /* frame := frame * local(t), t := 0; `turns`: t includes a rotation vector. */
 static void fold(mukca_frame *frame, double *t, bool turns)
 {
-    mukca_frame local = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {t[0], t[1], t[2]}};
+    mukca_frame local = {MUKCA_IDENTITY, {t[0], t[1], t[2]}};
     if (turns) mukca_rotation_exp(local.R, t + 3);
     mukca_frame_multiply(frame, frame, &local);
     memset(t, 0, (turns ? 6 : 3) * sizeof *t);

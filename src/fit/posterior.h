@@ -22,24 +22,24 @@
 /* The same for a tool mounted by hand (last fixed joint), m and rad. */
 #define MUKCA_PRIOR_TOOL 2e-2
 
+/* An arm at which the tip is differentiated by the default parameters. */
 typedef struct {
     const mukca_chain *chain;
     mukca_parameters parameters;
     double theta[MUKCA_MAX_FREE]; /* [6 * n_elements] */
     mukca_geometry geometry;      /* of theta */
-} mukca_linearisation;
+} mukca_arm_point;
 
-/* The default parameters at theta[6 * n_elements] (NULL: nominal); `chain` must outlive it. */
-void mukca_linearisation_init(mukca_linearisation *at, const mukca_chain *chain,
-                              const double *theta);
+/* At theta[6 * n_elements] (NULL: nominal); `chain` must outlive it. */
+void mukca_arm_point_init(mukca_arm_point *at, const mukca_chain *chain, const double *theta);
 
 /* Move to theta[6 * n_elements], at->theta itself is allowed. */
-void mukca_linearisation_move(mukca_linearisation *at, const double *theta);
+void mukca_arm_point_move(mukca_arm_point *at, const double *theta);
 
 /* Position of the tip, m (may be NULL), and its Jacobian J[3][ld] with respect to the n free
  * parameters (m/m, m/rad), in the first n columns. */
-void mukca_linearisation_tip(double *J, int ld, double position[3], const mukca_linearisation *at,
-                             const double *q);
+void mukca_arm_point_tip(double *J, int ld, double position[3], const mukca_arm_point *at,
+                         const double *q);
 
 /* Prior sigma[n] of the free parameters. */
 void mukca_posterior_prior(double *sigma, const mukca_chain *chain,

@@ -6,6 +6,7 @@
 
 #include "diagnose/cross_validation.h"
 #include "diagnose/folds.h"
+#include "math/stats.h"
 
 /* Prior sigma of a coefficient unknown to the fleet, rad/(N m): typical sizes of
  * mukca_sizes_spring. */
@@ -79,12 +80,11 @@ static void list_coefficients(task *t)
                          sigma = mukca_regression_standard_error(t->m, mukca_unknowns_column(u, c),
                                                                  &one, 1),
                          kept = sigma * cause->candidate.unit[0] / cause->scale;
-            a->list[a->n++] =
-                (mukca_inherited){.trait = trait,
-                                  .value = value,
-                                  .low = fmax(value - MUKCA_FLEET_INTERVAL * sigma, 0),
-                                  .high = value + MUKCA_FLEET_INTERVAL * sigma,
-                                  .own = fmax(1 - kept * kept, 0)};
+            a->list[a->n++] = (mukca_inherited){.trait = trait,
+                                                .value = value,
+                                                .low = fmax(value - MUKCA_SIGMAS_95 * sigma, 0),
+                                                .high = value + MUKCA_SIGMAS_95 * sigma,
+                                                .own = fmax(1 - kept * kept, 0)};
         }
     }
 }

@@ -21,9 +21,6 @@ enum {
     MUKCA_FLEET_PACKED = MUKCA_FLEET_TERMS * (MUKCA_FLEET_TERMS + 1) / 2
 };
 
-/* Half-width of a 95 % interval in sigmas: the 0.975 quantile of the normal distribution. */
-#define MUKCA_FLEET_INTERVAL 1.959963984540054
-
 /* Unit of the log Bayes factors of orders, which makes sums exact in any order; clipped at
  * +-2047. */
 #define MUKCA_FLEET_QUANTUM (1.0 / 16)

@@ -139,7 +139,7 @@ void mukca_posture_draw(double *q, const mukca_chain *chain, mukca_random *rando
 {
     for (int j = 0; j < chain->n_joints; j++) {
         const mukca_element *e = &chain->element[chain->joint_element[j]];
-        const double half = e->type == MUKCA_PRISMATIC ? 0.5 : 3.14159265358979;
+        const double half = e->type == MUKCA_PRISMATIC ? 0.5 : M_PI;
         const double lower = isfinite(e->lower) ? e->lower : -half;
         const double upper = isfinite(e->upper) ? e->upper : half;
         q[j] = lower + (upper - lower) * mukca_random_uniform(random);

@@ -35,7 +35,7 @@ mukca_status mukca_plan_state_create(mukca_plan_state *s, const mukca_plan_task 
     s->sockets = task->sockets;
     s->n_sockets = task->n_sockets;
     s->n_effects = options->n_effects;
-    mukca_linearisation_init(&s->at, task->chain, task->theta);
+    mukca_arm_point_init(&s->at, task->chain, task->theta);
     for (int e = 0; e < s->n_effects; e++) {
         s->effect[e] = options->effects[e];
         s->effect[e].terms = mukca_effect_terms(&s->effect[e]);
@@ -68,7 +68,7 @@ void mukca_plan_design(double *H, mukca_plan_state *s, const double *q, int plac
 {
     const mukca_chain *chain = s->at.chain;
     double move[MUKCA_MAX_JOINTS] = {0};
-    mukca_linearisation_tip(H, s->n, NULL, &s->at, q);
+    mukca_arm_point_tip(H, s->n, NULL, &s->at, q);
     for (int j = 0; j < chain->n_joints && before; j++) move[j] = q[j] - before[j];
     for (int e = 0; e < s->n_effects; e++) {
         const mukca_joint_state state = {
