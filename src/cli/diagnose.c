@@ -69,7 +69,7 @@ mukca_status cli_diagnosis_run(cli_call *call, cli_diagnosis *d)
     d->options.test = s->test.n_rows ? &s->test : NULL;
     d->options.free_base = call->common->free_base;
     d->options.free_tool = call->common->free_tool;
-    d->options.applied = true;
+    d->options.applied = d->options.mounting = true;
     d->options.progress = cli_show_progress;
     d->options.progress_context = call;
     d->result = (mukca_diagnosed){.diagnosis = &d->diagnosis,
@@ -126,8 +126,7 @@ static mukca_status write_offsets(cli_call *call, cli_diagnosis *of)
                              comments);
 }
 
-/* Analyses that need the regression: summary and traits, with the diagnosed causes, and direction
- * of gravity. */
+/* Analyses that need the regression: summary and traits, with the diagnosed causes. */
 static mukca_status go_on(void *context, struct mukca_regression *m, mukca_diagnosis *d,
                           mukca_error *error)
 {
@@ -149,7 +148,7 @@ static mukca_status go_on(void *context, struct mukca_regression *m, mukca_diagn
         .only = o->traits_only};
     if (status == MUKCA_OK && o->common.traits)
         status = mukca_adopt(&w->adoption, m, d, &adopt, error);
-    return status == MUKCA_OK ? mukca_mounting_compare(&w->of.options, m, d, error) : status;
+    return status;
 }
 
 /* Checks before the long work; reads the traits. */

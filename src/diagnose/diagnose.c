@@ -189,6 +189,8 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
     diagnosis->efforts_correlation = recording->efforts_correlation;
     if (status == MUKCA_OK && options->go_on && diagnosis->verdict != MUKCA_VERDICT_UNTESTABLE)
         status = options->go_on(options->go_on_context, m, diagnosis, error);
+    if (status == MUKCA_OK && options->mounting && diagnosis->verdict != MUKCA_VERDICT_UNTESTABLE)
+        status = mukca_mounting_compare(diagnosis, m, options->disabled, error);
 out:
     if (status == MUKCA_OK && (m->pool.failed || diagnosis->pool.failed))
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", data->n_rows);

@@ -221,6 +221,7 @@ typedef struct {
     double mass_spread; /* relative prior sigma of each mass; 0: 0.1 */
     bool no_folds;      /* skip cross-validation */
     bool applied;       /* fill diagnosis->applied */
+    bool mounting;      /* mukca_mounting_compare, at the end */
     mukca_continue_fn *go_on;
     void *go_on_context;
     mukca_progress_fn *progress;
@@ -237,11 +238,10 @@ void mukca_diagnosis_free(mukca_diagnosis *diagnosis);
 /* If elastic causes under the model's gravity do not explain a recording, weigh them with gravity
  * along the other axes of the base frame.  If they are far more probable there than all causes
  * found here, the diagnosis receives this gravity, and its causes become uncertain: an effect
- * outside the catalogue explains the data as well.  A mukca_continue_fn with the
- * mukca_diagnose_options as context; must be the last one, since the regression is left under that
- * gravity.  Errors: MUKCA_MEMORY. */
-mukca_status mukca_mounting_compare(void *options, struct mukca_regression *regression,
-                                    mukca_diagnosis *diagnosis, mukca_error *error);
+ * outside the catalogue explains the data as well.  The regression is changed.  Errors:
+ * MUKCA_MEMORY. */
+mukca_status mukca_mounting_compare(mukca_diagnosis *diagnosis, struct mukca_regression *regression,
+                                    const unsigned char *disabled, mukca_error *error);
 
 /* Drop unknown functions, reduce each elastic cause to one coefficient at the nominal masses, fit
  * again, and fill `applied` with the result and its standard errors.  The regression is changed. */
