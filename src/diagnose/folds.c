@@ -2,7 +2,7 @@
  *
  * The model is linearised once.  A fold is left out by subtraction from the normal equations; the
  * solution for the rest predicts the fold's rows by full kinematics. */
-#include "diagnose/folds.h"
+#include "diagnose/held_out.h"
 
 #include <math.h>
 #include <string.h>

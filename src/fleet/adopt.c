@@ -4,8 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "diagnose/cross_validation.h"
-#include "diagnose/folds.h"
+#include "diagnose/held_out.h"
 #include "math/stats.h"
 
 /* Prior sigma of a coefficient unknown to the fleet, rad/(N m): typical sizes of

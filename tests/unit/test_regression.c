@@ -2,7 +2,7 @@
  * candidates against evidence with their columns really added. */
 #include <stdlib.h>
 
-#include "diagnose/folds.h"
+#include "diagnose/held_out.h"
 #include "diagnose/ripple.h"
 #include "diagnose/scan.h"
 #include "diagnose/screening.h"
