@@ -122,7 +122,7 @@ void mukca_scales_choose(mukca_unknowns *u, mukca_evidence *evidence,
     int chosen = 0;
     for (int i = 0; i <= N * N; i++) {
         const int k = i < N * N ? i : chosen;
-        u->sigma_length = lengths[k / N], u->sigma_angle = angles[k % N];
+        u->prior.length = lengths[k / N], u->prior.angle = angles[k % N];
         mukca_unknowns_set_geometry_prior(u, recording);
         mukca_unknowns_prior(evidence->prior, u);
         if (i == N * N) break;

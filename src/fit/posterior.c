@@ -118,12 +118,10 @@ void mukca_arm_posterior_free(mukca_arm_posterior *p)
 void mukca_posterior_prior(double *sigma, const mukca_chain *chain,
                            const mukca_parameters *parameters)
 {
-    static const double prior[] = {MUKCA_PRIOR_LENGTH, MUKCA_PRIOR_ANGLE};
-    for (int i = 0; i < parameters->n; i++) {
-        const int k = parameters->index[i] / MUKCA_PARAMETERS;
-        const bool angle = parameters->index[i] % MUKCA_PARAMETERS >= 3;
-        sigma[i] = k == mukca_chain_tip_element(chain) ? MUKCA_PRIOR_TOOL : prior[angle];
-    }
+    const int tool = mukca_chain_tip_element(chain);
+    for (int i = 0; i < parameters->n; i++)
+        sigma[i] = mukca_prior_sigma(MUKCA_PRIOR_EXPECTED, parameters->index[i] % MUKCA_PARAMETERS,
+                                     parameters->index[i] / MUKCA_PARAMETERS == tool);
 }
 
 void mukca_posterior_factor(double *L, const double *gram, const double *sigma, double noise, int n)

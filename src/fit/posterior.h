@@ -13,14 +13,7 @@
 #include "arm/tip_change.h"
 #include "base/pool.h"
 #include "fit/parameters.h"
-
-/* Prior standard deviations of an uncalibrated robot, m and rad: 1 to 8 mm and mrad were measured
- * on eleven arms (docs/method.md). */
-#define MUKCA_PRIOR_LENGTH 3e-3
-#define MUKCA_PRIOR_ANGLE 3e-3
-
-/* The same for a tool mounted by hand (last fixed joint), m and rad. */
-#define MUKCA_PRIOR_TOOL 2e-2
+#include "model/prior.h"
 
 /* An arm at which the tip is differentiated by the default parameters. */
 typedef struct {
@@ -41,7 +34,7 @@ void mukca_arm_point_move(mukca_arm_point *at, const double *theta);
 void mukca_arm_point_tip(double *J, int ld, double position[3], const mukca_arm_point *at,
                          const double *q);
 
-/* Prior sigma[n] of the free parameters. */
+/* Prior sigma[n] of the free parameters, MUKCA_PRIOR_EXPECTED. */
 void mukca_posterior_prior(double *sigma, const mukca_chain *chain,
                            const mukca_parameters *parameters);
 
