@@ -51,7 +51,7 @@ static double prior_sigma(const comparison *c, int i)
 {
     const int last = c->arm.n_elements - 1, element = i / MUKCA_PARAMETERS;
     if (!c->task->to->listed[i + c->skip] || (c->task->tool_frame && element == last)) return 0;
-    return mukca_prior_sigma(MUKCA_PRIOR_WIDEST, i % MUKCA_PARAMETERS,
+    return mukca_prior_sigma(&mukca_prior_widest, i % MUKCA_PARAMETERS,
                              element == last && c->arm.element[element].joint < 0);
 }
 

@@ -35,9 +35,10 @@ static void print(cli_call *call, const evaluate_work *w)
                : w->data.has_factory             ? "nominal model and factory file"
                                                  : "nominal model (no --offsets)");
     if (calibrated) {
-        char verdict_text[MUKCA_ACCEPTANCE_SENTENCE];
-        mukca_acceptance_sentence(verdict_text, &s->model.offsets.acceptance, w->data.has_factory);
-        cli_say(call, NULL, "Table %s.", verdict_text);
+        char words[MUKCA_ACCEPTANCE_SENTENCE];
+        mukca_acceptance_put(&(mukca_text)MUKCA_TEXT(words), &s->model.offsets.acceptance,
+                             w->data.has_factory);
+        cli_say(call, NULL, "Table %s.", words);
     }
     cli_scores_print_header(call, calibrated);
     cli_scores_print(call, &w->data, "data", calibrated);

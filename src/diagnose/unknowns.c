@@ -69,7 +69,7 @@ bool mukca_unknowns_create(mukca_unknowns *u, mukca_pool *pool, const mukca_reco
         .free_base = poses && recording->options.free_base,
         .free_tool = poses && recording->options.free_tool && chain->element[last].joint < 0,
         .slot_width = 6,
-        .prior = MUKCA_PRIOR_DIAGNOSED,
+        .prior = mukca_prior_diagnosed,
         .sigma = 1e-4,
         .rotation_weight = 0.3};
     u->n_trackers = !u->free_base ? 0 : recording->options.base_per_log ? recording->n_logs : 1;

@@ -120,7 +120,7 @@ void mukca_posterior_prior(double *sigma, const mukca_chain *chain,
 {
     const int tool = mukca_chain_tip_element(chain);
     for (int i = 0; i < parameters->n; i++)
-        sigma[i] = mukca_prior_sigma(MUKCA_PRIOR_EXPECTED, parameters->index[i] % MUKCA_PARAMETERS,
+        sigma[i] = mukca_prior_sigma(&mukca_prior_expected, parameters->index[i] % MUKCA_PARAMETERS,
                                      parameters->index[i] / MUKCA_PARAMETERS == tool);
 }
 

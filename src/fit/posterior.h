@@ -34,7 +34,7 @@ void mukca_arm_point_move(mukca_arm_point *at, const double *theta);
 void mukca_arm_point_tip(double *J, int ld, double position[3], const mukca_arm_point *at,
                          const double *q);
 
-/* Prior sigma[n] of the free parameters, MUKCA_PRIOR_EXPECTED. */
+/* Prior sigma[n] of the free parameters, mukca_prior_expected. */
 void mukca_posterior_prior(double *sigma, const mukca_chain *chain,
                            const mukca_parameters *parameters);
 

@@ -12,23 +12,20 @@ typedef struct {
 
 /* An uncalibrated robot, for planning, acceptance and advice: 1 to 8 mm and mrad were measured on
  * eleven arms (docs/method.md). */
-#define MUKCA_PRIOR_EXPECTED \
-    (mukca_geometry_prior) { 3e-3, 3e-3, 0, 20e-3 }
+static const mukca_geometry_prior mukca_prior_expected = {3e-3, 3e-3, 0, 20e-3};
 
 /* Bounds of a table's change: twice the widest that the diagnosis fits to real arms, zeros among
  * the angles. */
-#define MUKCA_PRIOR_WIDEST \
-    (mukca_geometry_prior) { 8e-3, 20e-3, 0, 20e-3 }
+static const mukca_geometry_prior mukca_prior_widest = {8e-3, 20e-3, 0, 20e-3};
 
 /* Start of the diagnosis, which chooses lengths and angles by the evidence (mukca_scales_choose);
  * real arms have zeros of up to 15 mrad. */
-#define MUKCA_PRIOR_DIAGNOSED \
-    (mukca_geometry_prior) { 2e-3, 5e-3, 20e-3, 20e-3 }
+static const mukca_geometry_prior mukca_prior_diagnosed = {2e-3, 5e-3, 20e-3, 20e-3};
 
 /* Of parameter i, 0..5: x y z roll pitch yaw; `tool`: of the last fixed joint. */
-static inline double mukca_prior_sigma(mukca_geometry_prior prior, int i, bool tool)
+static inline double mukca_prior_sigma(const mukca_geometry_prior *prior, int i, bool tool)
 {
-    return tool ? prior.tool : i < 3 ? prior.length : prior.angle;
+    return tool ? prior->tool : i < 3 ? prior->length : prior->angle;
 }
 
 #endif
