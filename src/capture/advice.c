@@ -35,7 +35,7 @@ double mukca_capture_expected_offset(const mukca_capture *capture, int socket, c
     mukca_arm_point_tip(J, n, NULL, &capture->model, q);
     double sum = 3 * capture->noise * capture->noise * (1 + 1. / count);
     for (int k = 0; k < 3 * n; k++) J[k] = (J[k] - mean[k] / count) * capture->sigma[k % n];
-    for (int k = 0; k < 3; k++) sum += mukca_posterior_variance(capture->factor, J + k * n, n);
+    for (int k = 0; k < 3; k++) sum += mukca_dense_variance(J + k * n, capture->factor, n);
     return sqrt(sum);
 }
 
@@ -57,8 +57,7 @@ static double expected_error(mukca_arm_posterior *p)
         mukca_arm_posterior_add(X + 3 * i * w, p, &geometry, p->theta, &state, true);
     }
     mukca_dense_project(X, m, w, 0, MUKCA_NUISANCE);
-    for (int k = 0; k < m; k++)
-        sum += mukca_posterior_variance(p->L, X + k * w + MUKCA_NUISANCE, p->n);
+    for (int k = 0; k < m; k++) sum += mukca_dense_variance(X + k * w + MUKCA_NUISANCE, p->L, p->n);
     return sqrt(sum / PROBES);
 }
 

@@ -55,12 +55,10 @@ double mukca_regression_standard_error(mukca_regression *m, int column, const do
                                        int terms)
 {
     const int n = m->linear.n_columns;
-    double *x = m->evidence.work, variance = 0; /* |L^-1 D direction| with the priors D */
+    double *x = m->evidence.work; /* |L^-1 D direction| with the priors D */
     memset(x, 0, sizeof *x * (size_t)n);
     for (int t = 0; t < terms; t++) x[column + t] = direction[t] * m->evidence.prior[column + t];
-    mukca_dense_forward(x, 1, m->evidence.factor, n);
-    for (int i = 0; i < n; i++) variance += x[i] * x[i];
-    return sqrt(variance);
+    return sqrt(mukca_dense_variance(x, m->evidence.factor, n));
 }
 
 typedef struct {

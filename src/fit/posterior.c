@@ -131,14 +131,6 @@ void mukca_posterior_factor(double *L, const double *gram, const double *sigma, 
     mukca_dense_cholesky(L, n); /* positive definite: every parameter has a prior */
 }
 
-double mukca_posterior_variance(const double *L, double *a, int n)
-{
-    double sum = 0;
-    mukca_dense_forward(a, 1, L, n);
-    for (int i = 0; i < n; i++) sum += a[i] * a[i];
-    return sum;
-}
-
 void mukca_arm_point_init(mukca_arm_point *at, const mukca_chain *chain, const double *theta)
 {
     memset(at, 0, sizeof *at);

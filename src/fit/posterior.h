@@ -42,9 +42,6 @@ void mukca_posterior_prior(double *sigma, const mukca_chain *chain,
 void mukca_posterior_factor(double *L, const double *gram, const double *sigma, double noise,
                             int n);
 
-/* Variance of a' x: |L^-1 a|^2; a[n] is overwritten. */
-double mukca_posterior_variance(const double *L, double *a, int n);
-
 /* ---- of an arm given samples: geometry and effects, with these priors in a scale chosen by the
  * data, heavy-tailed noise, and the readings of one posture as one sample (arm_posterior.c) ---- */
 
