@@ -237,12 +237,6 @@ static void share_with_unknown(mukca_cause *out, const mukca_identification *id,
     out->or_unknown |= 0.5 * beside > MUKCA_DOUBT;
 }
 
-static int ascending(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* Largest step of which all recorded angles of a joint are multiples, rad: of a coarse encoder, or
  * of the digits in the file; 0: no evident step.  scratch[n_rows] is overwritten. */
 static double resolution_of(double *scratch, const mukca_recording *r, int joint)
@@ -251,7 +245,7 @@ static double resolution_of(double *scratch, const mukca_recording *r, int joint
     double smallest = HUGE_VAL;
     int values = 0;
     for (int row = 0; row < n; row++) scratch[row] = r->data->q[row * joints + joint];
-    qsort(scratch, (size_t)n, sizeof *scratch, ascending);
+    mukca_stats_sort(scratch, n);
     for (int i = 1; i < n; i++) { /* differences between neighbours, in place */
         const double difference = scratch[i] - scratch[i - 1];
         if (difference > 1e-9) smallest = fmin(smallest, scratch[values++] = difference);
