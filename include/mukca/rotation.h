@@ -15,6 +15,12 @@ typedef struct {
     double p[3];
 } mukca_frame;
 
+/* Initialiser of a rotation matrix: no rotation. */
+#define MUKCA_IDENTITY            \
+    {                             \
+        1, 0, 0, 0, 1, 0, 0, 0, 1 \
+    }
+
 /* R = Rz(yaw) Ry(pitch) Rx(roll), the convention of URDF (rad). */
 void mukca_rotation_from_rpy(double R[9], const double rpy[3]);
 

@@ -9,6 +9,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "base/text.h"
+
 /* Numbers of the verdict: member, key in the table and in JSON.  NaN: unknown, omitted. */
 #define MUKCA_ACCEPTANCE_LIST(X)                                                           \
     X(noise_m)          /* measurement noise per axis */                                   \
@@ -62,24 +64,20 @@ void mukca_acceptance_init(mukca_acceptance *acceptance);
 void mukca_acceptance_refuse(mukca_acceptance *acceptance, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
-/* Expected error of the tip: "0.71 mm [0.52, 0.93] in the joint ranges of the samples, ..."; empty
- * if unknown. */
-void mukca_acceptance_tip(char text[MUKCA_ACCEPTANCE_SENTENCE], const mukca_acceptance *a,
-                          bool factory);
+/* Expected error of the tip: "0.71 mm [0.52, 0.93] in the joint ranges of the samples, ...";
+ * nothing if unknown.  `factory`: the fit started from a factory file instead of the URDF's
+ * origins. */
+void mukca_acceptance_put_tip(mukca_text *text, const mukca_acceptance *a, bool factory);
 
 /* Whether to use the table: "yes: held-out error ..." or "no: ..."; no full stop. */
-void mukca_acceptance_use(char text[MUKCA_ACCEPTANCE_SENTENCE], const mukca_acceptance *a,
-                          bool factory);
+void mukca_acceptance_put_use(mukca_text *text, const mukca_acceptance *a, bool factory);
 
-/* The basis of the verdict: "; 180 different postures; expected error of the tip ..."; empty if
+/* The basis of the verdict: "; 180 different postures; expected error of the tip ..."; nothing if
  * unknown. */
-void mukca_acceptance_basis(char text[MUKCA_ACCEPTANCE_SENTENCE], const mukca_acceptance *a,
-                            bool factory);
+void mukca_acceptance_put_basis(mukca_text *text, const mukca_acceptance *a, bool factory);
 
-/* The verdict with its basis, as a sentence without a full stop; `factory`: the fit started from a
- * factory file instead of the URDF's origins. */
-void mukca_acceptance_sentence(char text[MUKCA_ACCEPTANCE_SENTENCE],
-                               const mukca_acceptance *acceptance, bool factory);
+/* The verdict with its basis, as a sentence without a full stop. */
+void mukca_acceptance_put(mukca_text *text, const mukca_acceptance *a, bool factory);
 
 /* Parse a comment line of a table; other lines are ignored. */
 void mukca_acceptance_read(mukca_acceptance *acceptance, const char *line);

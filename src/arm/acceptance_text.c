@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "arm/acceptance.h"
+#include "base/text.h"
 
 void mukca_acceptance_refuse(mukca_acceptance *a, const char *format, ...)
 {
@@ -16,76 +17,66 @@ void mukca_acceptance_refuse(mukca_acceptance *a, const char *format, ...)
     a->accepted = false;
 }
 
-void mukca_acceptance_tip(char text[MUKCA_ACCEPTANCE_SENTENCE], const mukca_acceptance *a,
-                          bool factory)
+void mukca_acceptance_put_tip(mukca_text *text, const mukca_acceptance *a, bool factory)
 {
-    text[0] = '\0';
     if (!isfinite(a->error_here_low_m)) return;
-    snprintf(text, MUKCA_ACCEPTANCE_SENTENCE,
-             "expected error %.2f mm [%.2f, %.2f] in the joint ranges of the samples, %.2f mm "
-             "[%.2f, %.2f] within "
-             "the joint limits (%s model: %.2f mm and %.2f mm)",
-             1e3 * a->error_here_m, 1e3 * a->error_here_low_m, 1e3 * a->error_here_high_m,
-             1e3 * a->error_workspace_m, 1e3 * a->error_workspace_low_m,
-             1e3 * a->error_workspace_high_m, factory ? "factory" : "nominal",
-             1e3 * a->error_before_here_m, 1e3 * a->error_before_m);
+    mukca_text_put(text,
+                   "expected error %.2f mm [%.2f, %.2f] in the joint ranges of the samples, %.2f "
+                   "mm [%.2f, %.2f] within the joint limits (%s model: %.2f mm and %.2f mm)",
+                   1e3 * a->error_here_m, 1e3 * a->error_here_low_m, 1e3 * a->error_here_high_m,
+                   1e3 * a->error_workspace_m, 1e3 * a->error_workspace_low_m,
+                   1e3 * a->error_workspace_high_m, factory ? "factory" : "nominal",
+                   1e3 * a->error_before_here_m, 1e3 * a->error_before_m);
     if (isfinite(a->error_here_unscaled_m))
-        snprintf(
-            text + strlen(text), MUKCA_ACCEPTANCE_SENTENCE - strlen(text),
+        mukca_text_put(
+            text,
             "; without the error of scale (socket distance known to 0.1 mm) %.2f mm and %.2f mm",
             1e3 * a->error_here_unscaled_m, 1e3 * a->error_workspace_unscaled_m);
 }
 
-void mukca_acceptance_basis(char text[MUKCA_ACCEPTANCE_SENTENCE], const mukca_acceptance *a,
-                            bool factory)
+void mukca_acceptance_put_basis(mukca_text *text, const mukca_acceptance *a, bool factory)
 {
-    char tip[MUKCA_ACCEPTANCE_SENTENCE];
-    mukca_acceptance_tip(tip, a, factory);
-    text[0] = '\0';
-    if (!*tip) return;
-    snprintf(text, MUKCA_ACCEPTANCE_SENTENCE, "; %.0f different postures%s%s%s; tip: %.500s",
-             a->postures, a->at_rest[0] ? ", " : "", a->at_rest,
-             a->at_rest[0] ? " did not move" : "", tip);
+    if (!isfinite(a->error_here_low_m)) return;
+    mukca_text_put(text, "; %.0f different postures", a->postures);
+    if (a->at_rest[0]) mukca_text_put(text, ", %s did not move", a->at_rest);
+    mukca_text_put(text, "; tip: ");
+    mukca_acceptance_put_tip(text, a, factory);
 }
 
 /* Relative change of all lengths that the measurement should explain, the distance of the sockets
  * or the scale of the poses. */
 static const double notable_size_change = 0.01;
 
-void mukca_acceptance_use(char text[MUKCA_ACCEPTANCE_SENTENCE], const mukca_acceptance *a,
-                          bool factory)
+/* The verdict after its first word. */
+static void put_reason(mukca_text *text, const mukca_acceptance *a, bool factory)
 {
-    const size_t size = MUKCA_ACCEPTANCE_SENTENCE;
     if (!a->accepted)
-        snprintf(text, size, "no: %s", a->reason);
-    else if (!isfinite(a->error_m))
-        snprintf(text, size, "yes");
-    else
-        snprintf(text, size,
-                 "yes: held-out error %.3f mm (%s), %s model %.3f mm; the tip moves by up to %.2f "
-                 "mm",
-                 1e3 * a->error_m, a->error_of, factory ? "factory" : "nominal",
-                 1e3 * a->error_nominal_m, 1e3 * a->tip_change_m);
+        mukca_text_put(text, ": %s", a->reason);
+    else if (isfinite(a->error_m))
+        mukca_text_put(
+            text, ": held-out error %.3f mm (%s), %s model %.3f mm; the tip moves by up to %.2f mm",
+            1e3 * a->error_m, a->error_of, factory ? "factory" : "nominal",
+            1e3 * a->error_nominal_m, 1e3 * a->tip_change_m);
     if (a->accepted && fabs(a->size_change) > notable_size_change)
-        snprintf(text + strlen(text), size - strlen(text),
-                 "; the arm becomes %.1f %% %s than the model: check the sockets' distance, or the "
-                 "scale of measured poses",
-                 1e2 * fabs(a->size_change), a->size_change > 0 ? "larger" : "smaller");
+        mukca_text_put(
+            text,
+            "; the arm becomes %.1f %% %s than the model: check the sockets' distance, or the "
+            "scale of measured poses",
+            1e2 * fabs(a->size_change), a->size_change > 0 ? "larger" : "smaller");
 }
 
-void mukca_acceptance_sentence(char text[MUKCA_ACCEPTANCE_SENTENCE], const mukca_acceptance *a,
-                               bool factory)
+void mukca_acceptance_put_use(mukca_text *text, const mukca_acceptance *a, bool factory)
 {
-    const size_t size = MUKCA_ACCEPTANCE_SENTENCE;
-    char use[MUKCA_ACCEPTANCE_SENTENCE];
-    mukca_acceptance_use(use, a, factory);
-    if (!a->given)
-        snprintf(text, size, "no verdict (older, or made by hand)");
-    else
-        snprintf(text, size, "%s%.600s", a->accepted ? "accepted" : "not accepted",
-                 use + (a->accepted ? strlen("yes") : strlen("no")));
-    const size_t used = strlen(text);
-    char basis[MUKCA_ACCEPTANCE_SENTENCE];
-    mukca_acceptance_basis(basis, a, factory);
-    if (a->given) snprintf(text + used, size - used, "%s", basis);
+    mukca_text_put(text, a->accepted ? "yes" : "no");
+    put_reason(text, a, factory);
+}
+
+void mukca_acceptance_put(mukca_text *text, const mukca_acceptance *a, bool factory)
+{
+    mukca_text_put(text, !a->given     ? "no verdict (older, or made by hand)"
+                         : a->accepted ? "accepted"
+                                       : "not accepted");
+    if (!a->given) return;
+    put_reason(text, a, factory);
+    mukca_acceptance_put_basis(text, a, factory);
 }

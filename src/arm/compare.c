@@ -118,7 +118,7 @@ static void remove_difference(mukca_axis_difference *out, pair *p)
 static void compare_axes(mukca_axis_difference *out, const mukca_geometry *a,
                          const mukca_geometry *b)
 {
-    pair p = {.carried = {.R = {1, 0, 0, 0, 1, 0, 0, 0, 1}}};
+    pair p = {.carried = {.R = MUKCA_IDENTITY}};
     int at[2] = {-1, -1};
     for (int j = 0; j < a->n_joints; j++) {
         double axis[3];
@@ -186,7 +186,7 @@ void mukca_compare(mukca_comparison *c, const mukca_corrected *a, const mukca_co
         c->points[i] = (mukca_meeting_point){.from = c->tip[1][i], .weight = 1};
         memcpy(c->points[i].to, c->tip[0][i].p, sizeof c->points[i].to);
     }
-    c->base = c->tool = (mukca_frame){.R = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    c->base = c->tool = (mukca_frame){.R = MUKCA_IDENTITY};
     for (int aligned = 0; aligned < 2; aligned++) {
         if (aligned) {
             mukca_frame_nearest(&c->base, c->tip[0]->p, c->tip[1]->p,

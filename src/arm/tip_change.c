@@ -4,14 +4,12 @@
 #include <math.h>
 #include <string.h>
 
+#include "model/prior.h"
+
 enum {
     DRAWN = 256,   /* postures; 1 % of the workspace is missed with probability 8 % */
     RECORDED = 512 /* largest number from the data */
 };
-
-/* Prior standard deviations, twice the widest that the diagnosis fits to real arms: lengths, angles
- * including joint zeros, and the position of the ball on the tool, which is not measured. */
-static const double length_sigma = 8e-3, angle_sigma = 20e-3, ball_sigma = 20e-3;
 
 bool mukca_tip_change_is_frame(const mukca_tip_change_task *task, int element)
 {
@@ -53,8 +51,8 @@ static double prior_sigma(const comparison *c, int i)
 {
     const int last = c->arm.n_elements - 1, element = i / MUKCA_PARAMETERS;
     if (!c->task->to->listed[i + c->skip] || (c->task->tool_frame && element == last)) return 0;
-    if (i % MUKCA_PARAMETERS >= 3) return angle_sigma;
-    return element == last && c->arm.element[element].joint < 0 ? ball_sigma : length_sigma;
+    return mukca_prior_sigma(&mukca_prior_widest, i % MUKCA_PARAMETERS,
+                             element == last && c->arm.element[element].joint < 0);
 }
 
 /* theta of the arm before and after, with the target of the measurement from `to`. */

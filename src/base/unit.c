@@ -1,10 +1,12 @@
 /* Units in the names of columns. */
 #include "base/cells.h"
 
+#include <math.h>
+
 #include <stddef.h>
 #include <string.h>
 
-#define DEGREE (3.14159265358979323846 / 180)
+#define DEGREE (M_PI / 180)
 
 double mukca_unit_take(char *name)
 {

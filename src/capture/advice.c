@@ -27,15 +27,15 @@ double mukca_capture_expected_offset(const mukca_capture *capture, int socket, c
     int count = 0;
     for (int i = 0; i < rows->n_rows; i++) {
         if (rows->socket[i] != socket || i == without) continue;
-        mukca_linearisation_tip(J, n, NULL, &capture->model, rows->q + i * rows->n_joints);
+        mukca_arm_point_tip(J, n, NULL, &capture->model, rows->q + i * rows->n_joints);
         for (int k = 0; k < 3 * n; k++) mean[k] += J[k];
         count++;
     }
     if (!count) return HUGE_VAL;
-    mukca_linearisation_tip(J, n, NULL, &capture->model, q);
+    mukca_arm_point_tip(J, n, NULL, &capture->model, q);
     double sum = 3 * capture->noise * capture->noise * (1 + 1. / count);
     for (int k = 0; k < 3 * n; k++) J[k] = (J[k] - mean[k] / count) * capture->sigma[k % n];
-    for (int k = 0; k < 3; k++) sum += mukca_posterior_variance(capture->factor, J + k * n, n);
+    for (int k = 0; k < 3; k++) sum += mukca_dense_variance(J + k * n, capture->factor, n);
     return sqrt(sum);
 }
 
@@ -57,8 +57,7 @@ static double expected_error(mukca_arm_posterior *p)
         mukca_arm_posterior_add(X + 3 * i * w, p, &geometry, p->theta, &state, true);
     }
     mukca_dense_project(X, m, w, 0, MUKCA_NUISANCE);
-    for (int k = 0; k < m; k++)
-        sum += mukca_posterior_variance(p->L, X + k * w + MUKCA_NUISANCE, p->n);
+    for (int k = 0; k < m; k++) sum += mukca_dense_variance(X + k * w + MUKCA_NUISANCE, p->L, p->n);
     return sqrt(sum / PROBES);
 }
 
@@ -98,7 +97,7 @@ static void advise(mukca_capture_advice *advice, mukca_capture *capture, mukca_a
     capture->noise = p->noise;
     memcpy(capture->sigma, p->sigma, (size_t)p->n * sizeof *p->sigma);
     memcpy(capture->factor, p->L, (size_t)(p->n * p->n) * sizeof *p->L);
-    mukca_linearisation_move(&capture->model, p->theta);
+    mukca_arm_point_move(&capture->model, p->theta);
     if (!p->n_list) return;
     advice->expected = expected_error(p);
     for (int i = 0; i < p->n_list; i++) /* more like the present ones */

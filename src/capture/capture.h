@@ -62,7 +62,7 @@ typedef struct {
     mukca_capture_settings settings;
     const mukca_chain *chain;
     /* Present model (advice.c): the initial one without samples. */
-    mukca_linearisation model;
+    mukca_arm_point model;
     mukca_chain start;            /* the initial one as nominal */
     double sigma[MUKCA_MAX_FREE]; /* [n] prior, n = model.parameters.n */
     double noise;                 /* measurement noise of one coordinate, m */

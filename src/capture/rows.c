@@ -322,7 +322,7 @@ mukca_status mukca_capture_init(mukca_capture *capture, const mukca_chain *chain
         s->labels = two_sockets;
     }
     capture->chain = chain;
-    mukca_linearisation_init(&capture->model, chain, theta);
+    mukca_arm_point_init(&capture->model, chain, theta);
     capture->start = *chain;
     for (int k = 0; k < chain->n_elements; k++) {
         const double *origin = capture->model.theta + MUKCA_PARAMETERS * k;

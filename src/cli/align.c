@@ -23,13 +23,12 @@ static const cli_option options[] = {
                "offsets table of the right arm (default: none)"),
     {.name = NULL}};
 
-/* One arm: its session, and the mean of the predicted ball in each socket. */
+/* One arm and its session. */
 typedef struct {
     cli_model model;
     mukca_dataset data;
-    double (*mean)[3]; /* [n_sockets] */
-    int *count;        /* [n_sockets] */
-    double variance;   /* of a coordinate of one sample, m^2 */
+    mukca_evaluation of;
+    double variance; /* of a coordinate of one sample, m^2 */
 } side;
 
 typedef struct {
@@ -45,8 +44,7 @@ static void release(void *work)
     align_work *w = work;
     for (int i = 0; i < 2; i++) {
         mukca_dataset_free(&w->side[i].data);
-        free(w->side[i].mean);
-        free(w->side[i].count);
+        mukca_pool_free(&w->side[i].of.pool);
     }
     free(w->shared);
     free(w->socket);
@@ -61,29 +59,14 @@ static mukca_status find_means(cli_call *call, side *s)
     mukca_offsets_place_effects(effects, o, d);
     const mukca_model model = {
         .chain = &s->model.chain, .theta = o->theta, .effects = effects, .n_effects = o->n_effects};
-    mukca_frame *tip = calloc((size_t)d->n_rows + 1, sizeof *tip);
     double squares = 0;
     int freedom = 0;
-    s->mean = calloc((size_t)d->n_sockets + 1, sizeof *s->mean);
-    s->count = calloc((size_t)d->n_sockets + 1, sizeof *s->count);
-    if (!tip || !s->mean || !s->count || !mukca_evaluate_tips(tip, &model, d)) {
-        free(tip);
+    if (!mukca_evaluation_make(&s->of, &model, d))
         return cli_fail(call, MUKCA_MEMORY, "out of memory");
-    }
-    for (int i = 0; i < d->n_rows; i++) {
-        const int k = d->socket[i];
-        if (k < 0) continue;
-        s->count[k]++;
-        for (int a = 0; a < 3; a++) s->mean[k][a] += tip[i].p[a];
-    }
-    for (int k = 0; k < d->n_sockets; k++) {
-        for (int a = 0; a < 3 && s->count[k]; a++) s->mean[k][a] /= s->count[k];
-        freedom += s->count[k] > 1 ? s->count[k] - 1 : 0;
-    }
+    for (int k = 0; k < d->n_sockets; k++) freedom += s->of.count[k] > 1 ? s->of.count[k] - 1 : 0;
     for (int i = 0; i < d->n_rows; i++)
-        if (d->socket[i] >= 0) squares += pow(mukca_distance3(tip[i].p, s->mean[d->socket[i]]), 2);
+        if (d->socket[i] >= 0) squares += s->of.error[i] * s->of.error[i];
     s->variance = freedom > 0 ? squares / (3 * freedom) : 0;
-    free(tip);
     return MUKCA_OK;
 }
 
@@ -124,15 +107,15 @@ static mukca_status find_shared(cli_call *call)
     if (!w->shared || !w->socket) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     for (int i = 0; i < l->data.n_sockets; i++)
         for (int k = 0; k < r->data.n_sockets; k++) {
-            if (!l->count[i] || !r->count[k] ||
+            if (!l->of.count[i] || !r->of.count[k] ||
                 strcmp(placement_of(l, i), placement_of(r, k)) != 0 ||
                 strcmp(l->data.sockets[i].label, r->data.sockets[k].label) != 0)
                 continue;
             mukca_shared_socket *s = &w->shared[w->n];
-            memcpy(s->at[0], l->mean[i], sizeof s->at[0]);
-            memcpy(s->at[1], r->mean[k], sizeof s->at[1]);
-            s->variance[0] = l->variance / l->count[i];
-            s->variance[1] = r->variance / r->count[k];
+            memcpy(s->at[0], l->of.mean[i], sizeof s->at[0]);
+            memcpy(s->at[1], r->of.mean[k], sizeof s->at[1]);
+            s->variance[0] = l->variance / l->of.count[i];
+            s->variance[1] = r->variance / r->of.count[k];
             w->socket[w->n][0] = i;
             w->socket[w->n++][1] = k;
             break;
@@ -177,18 +160,19 @@ static json_t *as_json(const cli_call *call)
         double at[3];
         mukca_mat3_vec(at, t->pose.R, w->shared[i].at[1]);
         for (int a = 0; a < 3; a++) at[a] += t->pose.p[a];
-        cli_json_append(sockets, "placement:s socket:s residual_m:f",
-                        placement_of(&w->side[0], w->socket[i][0]),
-                        w->side[0].data.sockets[w->socket[i][0]].label,
-                        mukca_distance3(at, w->shared[i].at[0]));
+        cli_json_append(sockets, KEY("placement", placement_of(&w->side[0], w->socket[i][0])),
+                        KEY("socket", w->side[0].data.sockets[w->socket[i][0]].label),
+                        KEY("residual_m", mukca_distance3(at, w->shared[i].at[0])));
     }
     return cli_json(
-        "schema:s pose:o rpy_rad:o sigma{position_m:o rotation_rad:o} width95{position_m:o "
-        "rotation_rad:o} sockets:o freedom:i residual_m:f expected_m:f elapsed_s:f",
-        "mukca.align/1", cli_json_frame(&t->pose), cli_json_reals(rpy, 3),
-        cli_json_reals(t->sigma, 3), cli_json_reals(t->sigma + 3, 3), cli_json_reals(t->width95, 3),
-        cli_json_reals(t->width95 + 3, 3), sockets, t->freedom, t->residual_m, t->expected_m,
-        cli_elapsed(call));
+        KEY("schema", "mukca.align/1"), KEY("pose", cli_json_frame(&t->pose)),
+        KEY("rpy_rad", cli_json_reals(rpy, 3)),
+        KEY("sigma", cli_json(KEY("position_m", cli_json_reals(t->sigma, 3)),
+                              KEY("rotation_rad", cli_json_reals(t->sigma + 3, 3)))),
+        KEY("width95", cli_json(KEY("position_m", cli_json_reals(t->width95, 3)),
+                                KEY("rotation_rad", cli_json_reals(t->width95 + 3, 3)))),
+        KEY("sockets", sockets), FIELD(t, freedom), FIELD(t, residual_m), FIELD(t, expected_m),
+        KEY("elapsed_s", cli_elapsed(call)));
 }
 
 static mukca_status run(cli_call *call)

@@ -187,9 +187,9 @@ static json_t *null_space_json(const mukca_fit *fit)
             const int at = fit->parameters.index[i];
             const double weight = fit->null_space[r * n + i];
             if (fabs(weight) < 1e-6) continue;
-            cli_json_append(direction, "joint:s parameter:s weight:f",
-                            fit->chain.element[at / MUKCA_PARAMETERS].name,
-                            mukca_parameter_name[at % MUKCA_PARAMETERS], weight);
+            cli_json_append(direction, KEY("joint", fit->chain.element[at / MUKCA_PARAMETERS].name),
+                            KEY("parameter", mukca_parameter_name[at % MUKCA_PARAMETERS]),
+                            KEY("weight", weight));
         }
         json_array_append_new(directions, direction);
     }
@@ -208,27 +208,39 @@ json_t *calibrate_json(const calibrate_result *r, const char *solver, const char
     const mukca_fit *fit = r->fit;
     const mukca_cost_value *before = &fit->nominal, *after = &fit->calibrated;
     const mukca_difference *e = &r->evidence;
-    json_t *traits = r->traits
-                         ? cli_json("used:b share:f arms:i log_bayes_factor:f", r->traits_share > 0,
-                                    r->traits_share, r->traits->n_arms, r->traits_evidence)
-                         : NULL;
-    json_t *by_evidence = e->postures ? cli_json("error_m:f instead_of_m:f difference_sigma_m:f",
-                                                 e->after_m, e->before_m, e->sigma_m)
-                                      : NULL;
+    json_t *traits =
+        r->traits
+            ? cli_json(KEY("used", (bool)(r->traits_share > 0)), KEY("share", r->traits_share),
+                       KEY("arms", r->traits->n_arms), KEY("log_bayes_factor", r->traits_evidence))
+            : NULL;
+    json_t *by_evidence =
+        e->postures ? cli_json(KEY("error_m", e->after_m), KEY("instead_of_m", e->before_m),
+                               KEY("difference_sigma_m", e->sigma_m))
+                    : NULL;
     return cli_json(
-        "schema:s converged:b solver{name:s gradient:s evaluations:i iterations:i status:s "
-        "to_gain:f} cost{nominal{total:f inconsistency:f distortion:f regularisation:f} "
-        "calibrated{total:f inconsistency:f distortion:f regularisation:f}} train:o test:o "
-        "parameters:o rank:i free:i noise_m:f observability:f null_space:o sigma_samples:i "
-        "acceptance:o frames{base:o target:o} traits:o by_evidence:o elapsed_s:f",
-        "mukca.calibrate/1", fit->converged, solver, gradient, fit->outcome.evaluations,
-        fit->outcome.iterations, mukca_stop_text(fit->outcome.stop), fit->to_gain, before->total,
-        before->inconsistency, before->distortion, before->regularisation, after->total,
-        after->inconsistency, after->distortion, after->regularisation,
-        cli_scores_json(&r->train_scores, r->train), cli_scores_json(&r->test_scores, r->test),
-        cli_json_offsets(r->offsets, &fit->chain), fit->identification.rank, fit->parameters.n,
-        fit->identification.noise, fit->identification.observability, null_space_json(fit),
-        fit->n_part > 0 ? fit->n_part : r->train->n_rows,
-        cli_json_acceptance(&r->offsets->acceptance), frame_json(r, true), frame_json(r, false),
-        traits, by_evidence, elapsed);
+        KEY("schema", "mukca.calibrate/1"), FIELD(fit, converged),
+        KEY("solver",
+            cli_json(KEY("name", solver), KEY("gradient", gradient),
+                     KEY("evaluations", fit->outcome.evaluations),
+                     KEY("iterations", fit->outcome.iterations),
+                     KEY("status", mukca_stop_text(fit->outcome.stop)), FIELD(fit, to_gain))),
+        KEY("cost",
+            cli_json(
+                KEY("nominal", cli_json(FIELD(before, total), FIELD(before, inconsistency),
+                                        FIELD(before, distortion), FIELD(before, regularisation))),
+                KEY("calibrated",
+                    cli_json(FIELD(after, total), FIELD(after, inconsistency),
+                             FIELD(after, distortion), FIELD(after, regularisation))))),
+        KEY("train", cli_scores_json(&r->train_scores, r->train)),
+        KEY("test", cli_scores_json(&r->test_scores, r->test)),
+        KEY("parameters", cli_json_offsets(r->offsets, &fit->chain)),
+        KEY("rank", fit->identification.rank), KEY("free", fit->parameters.n),
+        KEY("noise_m", fit->identification.noise),
+        KEY("observability", fit->identification.observability),
+        KEY("null_space", null_space_json(fit)),
+        KEY("sigma_samples", fit->n_part > 0 ? fit->n_part : r->train->n_rows),
+        KEY("acceptance", cli_json_acceptance(&r->offsets->acceptance)),
+        KEY("frames",
+            cli_json(KEY("base", frame_json(r, true)), KEY("target", frame_json(r, false)))),
+        KEY("traits", traits), KEY("by_evidence", by_evidence), KEY("elapsed_s", elapsed));
 }

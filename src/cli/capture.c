@@ -121,17 +121,18 @@ static json_t *summary(const session *s)
         int n = mukca_capture_count(&r->session.capture, k);
         mukca_capture_spread(&rms, NULL, &r->session.capture, k);
         if (n)
-            cli_json_append(sockets, "placement:s socket:s rows:i spread_m:f",
-                            rows->placements[rows->sockets[k].placement].name,
-                            rows->sockets[k].label, n, rms);
+            cli_json_append(
+                sockets, KEY("placement", rows->placements[rows->sockets[k].placement].name),
+                KEY("socket", rows->sockets[k].label), KEY("rows", n), KEY("spread_m", rms));
     }
-    return cli_json(
-        "schema:s session:s rows:i channel:s type:s stream:s received:l refused:l longest_gap_s:f "
-        "sockets:o expected_m:f more_rows_help:b",
-        "mukca.capture/1", r->session.file.path, r->session.file.n_rows, r->stream.channel,
-        mukca_stream_type(r), mukca_recorder_stream(r), (long)r->stream.count.received,
-        (long)r->stream.count.refused, r->stream.count.longest_gap, sockets,
-        r->session.advice.expected, r->session.advice.more_rows_help);
+    return cli_json(KEY("schema", "mukca.capture/1"), KEY("session", r->session.file.path),
+                    KEY("rows", r->session.file.n_rows), KEY("channel", r->stream.channel),
+                    KEY("type", mukca_stream_type(r)), KEY("stream", mukca_recorder_stream(r)),
+                    KEY("received", (long)r->stream.count.received),
+                    KEY("refused", (long)r->stream.count.refused),
+                    KEY("longest_gap_s", r->stream.count.longest_gap), KEY("sockets", sockets),
+                    KEY("expected_m", r->session.advice.expected),
+                    KEY("more_rows_help", r->session.advice.more_rows_help));
 }
 
 /* Number of placements that a calibration can use: at least two sockets with two samples each. */

@@ -151,8 +151,8 @@ static void print(cli_call *call)
         const char key[2] = {side ? 'B' : 'A'};
         char text[MUKCA_ACCEPTANCE_SENTENCE] = "";
         if (w->verdict[side].given)
-            mukca_acceptance_sentence(text, &w->verdict[side],
-                                      w->arm[side].chain.kinematics_sha256[0] != '\0');
+            mukca_acceptance_put(&(mukca_text)MUKCA_TEXT(text), &w->verdict[side],
+                                 w->arm[side].chain.kinematics_sha256[0] != '\0');
         cli_say(call, key, "%s: %s, %d joints%s%s", call->arguments.items[side],
                 w->arm[side].chain.robot, w->arm[side].chain.n_joints, *text ? "; " : "", text);
     }
@@ -179,13 +179,17 @@ static void print(cli_call *call)
     }
 }
 
-static json_t *error_json(const mukca_compared_error e[2], bool angle)
+static json_t *error_json(const mukca_compared_error *e, bool angle)
 {
-    return cli_json(
-        angle
-            ? "as_they_are{mean_rad:f p95_rad:f max_rad:f} aligned{mean_rad:f p95_rad:f max_rad:f}"
-            : "as_they_are{mean_m:f p95_m:f max_m:f} aligned{mean_m:f p95_m:f max_m:f}",
-        e[0].mean, e[0].p95, e[0].max, e[1].mean, e[1].p95, e[1].max);
+    return cli_json(KEY(angle ? "mean_rad" : "mean_m", e->mean),
+                    KEY(angle ? "p95_rad" : "p95_m", e->p95),
+                    KEY(angle ? "max_rad" : "max_m", e->max));
+}
+
+static json_t *errors_json(const mukca_compared_error e[2], bool angle)
+{
+    return cli_json(KEY("as_they_are", error_json(&e[0], angle)),
+                    KEY("aligned", error_json(&e[1], angle)));
 }
 
 static json_t *as_json(const cli_call *call)
@@ -194,18 +198,22 @@ static json_t *as_json(const cli_call *call)
     const mukca_comparison *c = &w->comparison;
     json_t *axes = json_array(), *models = json_array();
     for (int side = 0; side < 2; side++)
-        cli_json_append(models, "file:s robot:s acceptance:o", call->arguments.items[side],
-                        w->arm[side].chain.robot,
-                        w->verdict[side].given ? cli_json_acceptance(&w->verdict[side]) : NULL);
+        cli_json_append(
+            models, KEY("file", call->arguments.items[side]),
+            KEY("robot", w->arm[side].chain.robot),
+            KEY("acceptance",
+                w->verdict[side].given ? cli_json_acceptance(&w->verdict[side]) : NULL));
     for (int j = 0; j < w->arm[0].chain.n_joints; j++)
-        cli_json_append(axes, "angle_rad:f distance_m:f zero_rad:f shift_m:f joint:s",
-                        c->axis[j].angle, c->axis[j].distance, c->axis[j].zero, c->axis[j].slide,
-                        mukca_chain_joint_name(&w->arm[0].chain, j));
-    return cli_json(
-        "schema:s models:o postures:i axes:o position:o rotation:o base:o tool:o elapsed_s:f",
-        "mukca.compare/1", models, (int)MUKCA_COMPARED, axes, error_json(c->position, false),
-        error_json(c->rotation, true), cli_json_frame(&c->base), cli_json_frame(&c->tool),
-        cli_elapsed(call));
+        cli_json_append(axes, KEY("angle_rad", c->axis[j].angle),
+                        KEY("distance_m", c->axis[j].distance), KEY("zero_rad", c->axis[j].zero),
+                        KEY("shift_m", c->axis[j].slide),
+                        KEY("joint", mukca_chain_joint_name(&w->arm[0].chain, j)));
+    return cli_json(KEY("schema", "mukca.compare/1"), KEY("models", models),
+                    KEY("postures", (int)MUKCA_COMPARED), KEY("axes", axes),
+                    KEY("position", errors_json(c->position, false)),
+                    KEY("rotation", errors_json(c->rotation, true)),
+                    KEY("base", cli_json_frame(&c->base)), KEY("tool", cli_json_frame(&c->tool)),
+                    KEY("elapsed_s", cli_elapsed(call)));
 }
 
 static mukca_status run(cli_call *call)

@@ -252,9 +252,10 @@ static json_t *as_json(const cli_call *call, const tally *t)
     for (int r = 0; r < MUKCA_REACH_COUNT; r++)
         json_object_set_new(counts, mukca_reach_text[r], json_integer((json_int_t)t->count[r]));
     return cli_json(
-        "schema:s rows:l before{mean_m:f max_m:f} after{mean_m:f max_m:f} status:o elapsed_s:f",
-        "mukca.compensate/1", t->rows, mean(t, &t->before), t->before.max, mean(t, &t->after),
-        t->after.max, counts, cli_elapsed(call));
+        KEY("schema", "mukca.compensate/1"), FIELD(t, rows),
+        KEY("before", cli_json(KEY("mean_m", mean(t, &t->before)), KEY("max_m", t->before.max))),
+        KEY("after", cli_json(KEY("mean_m", mean(t, &t->after)), KEY("max_m", t->after.max))),
+        KEY("status", counts), KEY("elapsed_s", cli_elapsed(call)));
 }
 
 /* Check that targets of the language have an axis for each joint. */

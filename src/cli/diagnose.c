@@ -69,7 +69,7 @@ mukca_status cli_diagnosis_run(cli_call *call, cli_diagnosis *d)
     d->options.test = s->test.n_rows ? &s->test : NULL;
     d->options.free_base = call->common->free_base;
     d->options.free_tool = call->common->free_tool;
-    d->options.applied = true;
+    d->options.applied = d->options.mounting = true;
     d->options.progress = cli_show_progress;
     d->options.progress_context = call;
     d->result = (mukca_diagnosed){.diagnosis = &d->diagnosis,
@@ -121,13 +121,12 @@ static mukca_status write_offsets(cli_call *call, cli_diagnosis *of)
              "diagnosis: %s; held-out mean error: %.4g m geometry, %.4g m with the effects\n"
              "sigma: standard error; identifiable: the data at least halved the prior uncertainty\n"
              "effects: the arm moves as if the joints were at the recorded angles + effects",
-             mukca_verdict_name[d->verdict], d->geometry_m, d->explained_m);
+             mukca_verdict_name[d->verdict], d->geometry_m, d->applied_m);
     return cli_write_offsets(call, call->common->output, &of->offsets, &of->chain, of->result.data,
                              comments);
 }
 
-/* Analyses that need the regression: summary and traits, with the diagnosed causes, and direction
- * of gravity. */
+/* Analyses that need the regression: summary and traits, with the diagnosed causes. */
 static mukca_status go_on(void *context, struct mukca_regression *m, mukca_diagnosis *d,
                           mukca_error *error)
 {
@@ -146,12 +145,10 @@ static mukca_status go_on(void *context, struct mukca_regression *m, mukca_diagn
     const mukca_adopt_options adopt = {
         .traits = &w->traits,
         .test = call->session->test.n_rows ? &call->session->test : NULL,
-        .only = o->traits_only,
-        .folds = true,
-        .applied = true};
+        .only = o->traits_only};
     if (status == MUKCA_OK && o->common.traits)
         status = mukca_adopt(&w->adoption, m, d, &adopt, error);
-    return status == MUKCA_OK ? mukca_mounting_compare(&w->of.options, m, d, error) : status;
+    return status;
 }
 
 /* Checks before the long work; reads the traits. */
@@ -196,8 +193,10 @@ static mukca_status write_results(cli_call *call)
     if (status != MUKCA_OK || !call->common->json) return status;
     json_t *json = cli_diagnosis_json(r);
     json_object_update_new(
-        json, cli_json("acceptance:o traits:o", cli_json_acceptance(r->acceptance),
-                       w->adoption.traits ? cli_adoption_json(&w->adoption, r->chain) : NULL));
+        json, cli_json(KEY("acceptance", cli_json_acceptance(r->acceptance)),
+                       KEY("traits", w->adoption.traits
+                                         ? cli_adoption_json(&w->adoption, r->diagnosis, r->chain)
+                                         : NULL)));
     return cli_write_json(call, json);
 }
 
@@ -220,9 +219,6 @@ static mukca_status run(cli_call *call)
     if (status == MUKCA_OK) status = write_results(call);
     if (status != MUKCA_OK) return status;
     FILE *answer = cli_answer_stream(call);
-    if (w->adoption.traits) /* the screen lists the fleet's part after that of the arm's own data */
-        d->explained_m = w->adoption.own_explained_m,
-        d->test_explained_m = w->adoption.own_test_explained_m;
     if (answer) cli_diagnosis_print(answer, &w->of.result);
     if (answer && call->common->verbose) cli_diagnosis_print_sets(answer, &w->of.result);
     if (answer && d->verdict == MUKCA_VERDICT_UNTESTABLE)

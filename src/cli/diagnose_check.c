@@ -226,7 +226,7 @@ mukca_status cli_diagnosis_check(cli_call *call, cli_diagnosis *d)
         *task = (check_task){.check = &d->check, .result = &d->result, .options = d->options};
         task->options.test = NULL;
         task->options.no_folds = true;
-        task->options.applied = false;
+        task->options.applied = task->options.mounting = false;
         task->options.go_on = NULL;
         task->options.progress = go_on;
     }

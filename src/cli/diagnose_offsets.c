@@ -66,7 +66,7 @@ static mukca_status judge(cli_call *call, cli_diagnosis *of)
                              .before = d->before_m,
                              .after = d->after_m,
                              .misfit = d->why,
-                             .training_m = r->test ? d->explained_m : (double)NAN},
+                             .training_m = r->test ? d->applied_m : (double)NAN},
         &call->error);
 }
 

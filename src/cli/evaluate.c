@@ -36,9 +36,10 @@ static void print(cli_call *call, const evaluate_work *w)
                : w->data.has_factory             ? "nominal model and factory file"
                                                  : "nominal model (no --offsets)");
     if (calibrated) {
-        char verdict_text[MUKCA_ACCEPTANCE_SENTENCE];
-        mukca_acceptance_sentence(verdict_text, &s->model.offsets.acceptance, w->data.has_factory);
-        cli_say(call, NULL, "Table %s.", verdict_text);
+        char words[MUKCA_ACCEPTANCE_SENTENCE];
+        mukca_acceptance_put(&(mukca_text)MUKCA_TEXT(words), &s->model.offsets.acceptance,
+                             w->data.has_factory);
+        cli_say(call, NULL, "Table %s.", words);
         const mukca_score *mean = (tested ? &w->test : &w->data)->mean;
         if (mukca_data_contradict(mean[CLI_CALIBRATED].mae, s->model.offsets.acceptance.error_m,
                                   mean[CLI_NOMINAL].mae))
@@ -81,12 +82,14 @@ static mukca_status write_results(cli_call *call, const evaluate_work *w)
     status = mukca_output_finish(&output, status, &call->error);
     if (status != MUKCA_OK || !c->json) return status;
     return cli_write_json(
-        call,
-        cli_json("schema:s acceptance:o data:o test:o mae_m:f test_mae_m:f", "mukca.evaluate/1",
-                 cli_json_acceptance(c->offsets ? &s->model.offsets.acceptance : NULL),
-                 cli_scores_json(&w->data, &s->data), cli_scores_json(&w->test, &s->test),
-                 w->data.mean[CLI_CALIBRATED].mae,
-                 w->test.n > 0 ? w->test.mean[CLI_CALIBRATED].mae : (double)NAN));
+        call, cli_json(KEY("schema", "mukca.evaluate/1"),
+                       KEY("acceptance",
+                           cli_json_acceptance(c->offsets ? &s->model.offsets.acceptance : NULL)),
+                       KEY("data", cli_scores_json(&w->data, &s->data)),
+                       KEY("test", cli_scores_json(&w->test, &s->test)),
+                       KEY("mae_m", w->data.mean[CLI_CALIBRATED].mae),
+                       KEY("test_mae_m",
+                           w->test.n > 0 ? w->test.mean[CLI_CALIBRATED].mae : (double)NAN)));
 }
 
 /* The arm with its offsets, on a chain with the additional frames of measured poses (zero if the

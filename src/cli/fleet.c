@@ -62,21 +62,20 @@ static const char *joint_name(const mukca_fleet *f, int joint)
 static json_t *trait_object(const mukca_trait *t, const mukca_fleet *f)
 {
     const mukca_effect_info *info = mukca_effect_table[t->effect.kind];
-    return cli_json(
-        "mean:f spread:f error:f value:f log_bayes_factor:f probability:f effect:s joint:s order:n "
-        "unit:s arms:i ci95:v",
-        t->mean, t->spread, t->error, t->value, t->log_bayes_factor, t->probability, info->name,
-        joint_name(f, t->effect.joint), t->effect.variant.order, info->unit, t->arms, t->low,
-        t->high);
+    return cli_json(FIELD(t, mean), FIELD(t, spread), FIELD(t, error), FIELD(t, value),
+                    FIELD(t, log_bayes_factor), FIELD(t, probability), KEY("effect", info->name),
+                    KEY("joint", joint_name(f, t->effect.joint)),
+                    KEY("order", cli_json_positive(t->effect.variant.order)), FIELD(info, unit),
+                    FIELD(t, arms), KEY("ci95", cli_json_interval(t->low, t->high)));
 }
 
 static json_t *departure_object(const mukca_departure *d, const mukca_fleet *f)
 {
-    return cli_json(
-        "arm:s effect:s joint:s ratio:f probability:f log_bayes_factor:f value:f ci95:v mean:f",
-        f->arm[d->arm].name, mukca_effect_table[d->effect.kind]->name,
-        joint_name(f, d->effect.joint), d->ratio, d->probability, d->log_bayes_factor, d->value,
-        d->low, d->high, d->mean);
+    return cli_json(KEY("arm", f->arm[d->arm].name),
+                    KEY("effect", mukca_effect_table[d->effect.kind]->name),
+                    KEY("joint", joint_name(f, d->effect.joint)), FIELD(d, ratio),
+                    FIELD(d, probability), FIELD(d, log_bayes_factor), FIELD(d, value),
+                    KEY("ci95", cli_json_interval(d->low, d->high)), FIELD(d, mean));
 }
 
 static json_t *arm_object(const mukca_fleet_result *r, const mukca_fleet *f, int arm)
@@ -85,8 +84,9 @@ static json_t *arm_object(const mukca_fleet_result *r, const mukca_fleet *f, int
     const int n = r->population.n;
     for (int k = 0; k < n && r->departure[arm].k >= 0; k++)
         json_array_append_new(effects, departure_object(&r->estimate[arm * n + k], f));
-    return cli_json("arm:s sessions:i samples:i effects:o", f->arm[arm].name,
-                    f->arm[arm].end - f->arm[arm].first, f->arm[arm].samples, effects);
+    return cli_json(KEY("arm", f->arm[arm].name),
+                    KEY("sessions", f->arm[arm].end - f->arm[arm].first),
+                    KEY("samples", f->arm[arm].samples), KEY("effects", effects));
 }
 
 static json_t *result_json(const cli_fleet *w)
@@ -100,18 +100,18 @@ static json_t *result_json(const cli_fleet *w)
     for (int j = 0; j < f->model.n_joints; j++) {
         const mukca_trait *o = &r->order[j];
         if (o->effect.variant.order)
-            cli_json_append(orders, "joint:s order:i probability:f log_bayes_factor:f arms:i",
-                            joint_name(f, j), o->effect.variant.order, o->probability,
-                            o->log_bayes_factor, o->arms);
+            cli_json_append(orders, KEY("joint", joint_name(f, j)),
+                            KEY("order", o->effect.variant.order), FIELD(o, probability),
+                            FIELD(o, log_bayes_factor), FIELD(o, arms));
     }
     for (int a = 0; a < f->n_arms; a++) {
         if (r->departure[a].probability >= MUKCA_DEPARTS)
             json_array_append_new(departures, departure_object(&r->departure[a], f));
         json_array_append_new(arms, arm_object(r, f, a));
     }
-    return cli_json("schema:s robot:s n_arms:i samples:i effects:o orders:o departures:o arms:o",
-                    "mukca.fleet/1", f->model.robot, f->n_arms, r->traits.n_samples, effects,
-                    orders, departures, arms);
+    return cli_json(KEY("schema", "mukca.fleet/1"), KEY("robot", f->model.robot), FIELD(f, n_arms),
+                    KEY("samples", r->traits.n_samples), KEY("effects", effects),
+                    KEY("orders", orders), KEY("departures", departures), KEY("arms", arms));
 }
 
 /* ---- screen ---- */

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/list.h"
 #include "base/number.h"
 #include "base/suggest.h"
 #include "base/text.h"
@@ -147,14 +148,9 @@ int cli_read_list(double *values, int most, const char *text)
 
 static bool append(cli_list *list, const char *item)
 {
-    if ((list->n & (list->n - 1)) == 0) { /* full at each power of two */
-        size_t room = list->n ? 2 * (size_t)list->n : 1;
-        const char **items = realloc(list->items, room * sizeof *items);
-        if (!items) return false;
-        list->items = items;
-    }
-    list->items[list->n++] = item;
-    return true;
+    const char **added = mukca_list_append(&list->items, &list->n, sizeof *added);
+    if (added) *added = item;
+    return added;
 }
 
 /* ", in m", by the argument's name in help; "": no unit. */

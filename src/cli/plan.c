@@ -221,15 +221,18 @@ static json_t *as_json(const plan_work *r)
         json_t *joints = json_object();
         for (int j = 0; j < chain->n_joints; j++)
             json_object_set_new(joints, mukca_chain_joint_name(chain, j), json_real(row->q[j]));
-        cli_json_append(rows, "placement:s socket:s joints:o", r->sockets[row->socket].placement,
-                        r->sockets[row->socket].label, joints);
+        cli_json_append(rows, KEY("placement", r->sockets[row->socket].placement),
+                        KEY("socket", r->sockets[row->socket].label), KEY("joints", joints));
     }
     const mukca_plan *p = &r->plan;
     return cli_json(
-        "schema:s recorded_rows:i poses:o expected_error_m{before:f after:f} "
-        "log_bayes_factor{before:f after:f} rows_to_name:i payload_kg:f elapsed_s:f",
-        "mukca.plan/1", p->n_recorded, rows, p->expected_before, p->expected_after,
-        p->evidence_before, p->evidence_after, p->rows_to_name, r->payload, cli_elapsed(r->call));
+        KEY("schema", "mukca.plan/1"), KEY("recorded_rows", p->n_recorded), KEY("poses", rows),
+        KEY("expected_error_m",
+            cli_json(KEY("before", p->expected_before), KEY("after", p->expected_after))),
+        KEY("log_bayes_factor",
+            cli_json(KEY("before", p->evidence_before), KEY("after", p->evidence_after))),
+        FIELD(p, rows_to_name), KEY("payload_kg", r->payload),
+        KEY("elapsed_s", cli_elapsed(r->call)));
 }
 
 static void print(plan_work *r)

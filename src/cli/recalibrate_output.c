@@ -107,8 +107,9 @@ void cli_recalibrate_print(cli_call *call, const cli_recalibrated *r, const mukc
 
 static json_t *moments_json(const mukca_moments *m, bool angle)
 {
-    return cli_json(angle ? "max_rad:f mean_rad:f std_rad:f" : "max_m:f mean_m:f std_m:f", m->max,
-                    m->mean, mukca_moments_std(m));
+    return cli_json(KEY(angle ? "max_rad" : "max_m", m->max),
+                    KEY(angle ? "mean_rad" : "mean_m", m->mean),
+                    KEY(angle ? "std_rad" : "std_m", mukca_moments_std(m)));
 }
 
 /* Moments of the errors of one stage, their median, and the moments by axis. */
@@ -117,8 +118,9 @@ static json_t *stage_json(const mukca_moments *m, const mukca_histogram *histogr
 {
     json_t *object = moments_json(m, angle), *axes = json_array();
     for (int a = 0; a < 3; a++) json_array_append_new(axes, moments_json(&axis[a], angle));
-    json_object_update_new(object, cli_json(angle ? "median_rad:f axes:o" : "median_m:f axes:o",
-                                            mukca_histogram_median(histogram), axes));
+    json_object_update_new(
+        object, cli_json(KEY(angle ? "median_rad" : "median_m", mukca_histogram_median(histogram)),
+                         KEY("axes", axes)));
     return object;
 }
 
@@ -133,15 +135,15 @@ static json_t *errors_json(const mukca_pose_errors *e, bool has_angles)
         if (s != MUKCA_BEFORE)
             json_object_set_new(
                 percent, stage_key[s],
-                cli_json("max:f mean:f", removed_percent(e[0].position.max, e[s].position.max),
-                         removed_percent(e[0].position.mean, e[s].position.mean)));
+                cli_json(KEY("max", removed_percent(e[0].position.max, e[s].position.max)),
+                         KEY("mean", removed_percent(e[0].position.mean, e[s].position.mean))));
         if (e[s].rotation.n > 0)
             json_object_set_new(
                 orientation, stage_key[s],
                 stage_json(&e[s].rotation, &e[s].rotation_histogram, e[s].rotation_axis, true));
     }
-    return cli_json("rows:l position:o orientation:o removed_percent:o", e[0].position.n, position,
-                    orientation, percent);
+    return cli_json(KEY("rows", e[0].position.n), KEY("position", position),
+                    KEY("orientation", orientation), KEY("removed_percent", percent));
 }
 
 static json_t *unknowns_json(const mukca_recalibration *f, const mukca_chain *arm)
@@ -152,10 +154,12 @@ static json_t *unknowns_json(const mukca_recalibration *f, const mukca_chain *ar
         const int k = f->unknown[u].element, j = k < 0 ? -1 : arm->element[k].joint;
         const bool zero = f->unknown[u].kind == MUKCA_UNKNOWN_ZERO;
         mukca_unknown_text(text, &f->unknown[u], arm);
-        cli_json_append(array, "name:s joint:s value:f unit:s sigma:f identifiable:b", text,
-                        k < 0 ? NULL : arm->element[k].name, f->value[u],
-                        mukca_unknown_is_angle(f->unknown[u].kind) ? "rad" : "m", f->sigma[u],
-                        f->identifiable[u] && !(zero && never_moved(f, j)));
+        cli_json_append(
+            array, KEY("name", text), KEY("joint", k < 0 ? NULL : arm->element[k].name),
+            KEY("value", f->value[u]),
+            KEY("unit", mukca_unknown_is_angle(f->unknown[u].kind) ? "rad" : "m"),
+            KEY("sigma", f->sigma[u]),
+            KEY("identifiable", (bool)(f->identifiable[u] && !(zero && never_moved(f, j)))));
     }
     return array;
 }
@@ -169,7 +173,7 @@ static json_t *null_json(const mukca_recalibration *f, const mukca_chain *arm)
         for (int u = 0; u < f->n; u++) {
             if (f->null[k][u] == 0) continue;
             mukca_unknown_text(text, &f->unknown[u], arm);
-            cli_json_append(terms, "name:s coefficient:f", text, f->null[k][u]);
+            cli_json_append(terms, KEY("name", text), KEY("coefficient", f->null[k][u]));
         }
         json_array_append_new(array, terms);
     }
@@ -181,25 +185,33 @@ json_t *cli_recalibrate_json(const cli_call *call, const cli_recalibrated *r,
 {
     const mukca_recalibration *f = r->fit;
     const mukca_oracle *o = &r->oracle;
-    json_t *model = cli_json(
-        "train:o test:o unknowns:i rank:i offsets:o not_identifiable:o base:o tool:o passes:i",
-        errors_json(f->errors, f->has_angles),
-        r->tested ? errors_json(r->test, f->has_angles) : NULL, f->n, f->rank,
-        unknowns_json(f, &r->arm), null_json(f, &r->arm),
-        cli_json_frame(&f->stage[MUKCA_WITH_BOTH].base),
-        cli_json_frame(&f->stage[MUKCA_WITH_BOTH].tool), f->passes);
+    json_t *model =
+        cli_json(KEY("train", errors_json(f->errors, f->has_angles)),
+                 KEY("test", r->tested ? errors_json(r->test, f->has_angles) : NULL),
+                 KEY("unknowns", f->n), FIELD(f, rank), KEY("offsets", unknowns_json(f, &r->arm)),
+                 KEY("not_identifiable", null_json(f, &r->arm)),
+                 KEY("base", cli_json_frame(&f->stage[MUKCA_WITH_BOTH].base)),
+                 KEY("tool", cli_json_frame(&f->stage[MUKCA_WITH_BOTH].tool)), FIELD(f, passes));
     return cli_json(
-        "schema:s verdict:s frame{position_link:s rotation_link:s quaternion:s} rows:l "
-        "orientations:l lag{found:b value:f unit:s standard_errors:f} oracle{tail:f "
-        "position_nominal_m:f position_left_m:f position_systematic_m:f rotation_nominal_rad:f "
-        "rotation_left_rad:f rotation_systematic_rad:f huber_weights:b} models:o parameters:o "
-        "acceptance:o elapsed_s:f",
-        "mukca.recalibrate/1", o->calibrated ? "calibrated" : "nominal", r->arm.tip,
-        chain->element[r->check.rotation_element].child,
-        r->check.order == MUKCA_QUATERNION_W_LAST ? "w last" : "w first", f->rows, f->rotations,
-        f->lag_found, f->lag, f->in_rows ? "row" : "s", f->lag_score, f->tail, o->position_nominal,
-        o->position_left, o->position_systematic, o->rotation_nominal, o->rotation_left,
-        o->rotation_systematic, r->robust != r->fit, json_pack("[o]", model),
-        cli_json_offsets(offsets, chain), cli_json_acceptance(&offsets->acceptance),
-        cli_elapsed(call));
+        KEY("schema", "mukca.recalibrate/1"),
+        KEY("verdict", o->calibrated ? "calibrated" : "nominal"),
+        KEY("frame",
+            cli_json(KEY("position_link", r->arm.tip),
+                     KEY("rotation_link", chain->element[r->check.rotation_element].child),
+                     KEY("quaternion",
+                         r->check.order == MUKCA_QUATERNION_W_LAST ? "w last" : "w first"))),
+        FIELD(f, rows), KEY("orientations", f->rotations),
+        KEY("lag",
+            cli_json(KEY("found", f->lag_found), KEY("value", f->lag),
+                     KEY("unit", f->in_rows ? "row" : "s"), KEY("standard_errors", f->lag_score))),
+        KEY("oracle", cli_json(FIELD(f, tail), KEY("position_nominal_m", o->position_nominal),
+                               KEY("position_left_m", o->position_left),
+                               KEY("position_systematic_m", o->position_systematic),
+                               KEY("rotation_nominal_rad", o->rotation_nominal),
+                               KEY("rotation_left_rad", o->rotation_left),
+                               KEY("rotation_systematic_rad", o->rotation_systematic),
+                               KEY("huber_weights", (bool)(r->robust != r->fit)))),
+        KEY("models", json_pack("[o]", model)), KEY("parameters", cli_json_offsets(offsets, chain)),
+        KEY("acceptance", cli_json_acceptance(&offsets->acceptance)),
+        KEY("elapsed_s", cli_elapsed(call)));
 }

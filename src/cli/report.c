@@ -178,8 +178,6 @@ static mukca_status prepare_arm(cli_call *call)
                              .offsets = &w->of.offsets,
                              .train = &s->data,
                              .test = &s->test};
-    w->of.options =
-        (mukca_diagnose_options){.go_on = mukca_mounting_compare, .go_on_context = &w->of.options};
     mukca_status status = cli_diagnosis_load(call);
     if (status == MUKCA_OK) status = cli_diagnosis_run(call, &w->of);
     if (status == MUKCA_OK) status = take_offsets(call);

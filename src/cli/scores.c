@@ -45,8 +45,7 @@ mukca_status cli_scores_make(cli_call *call, cli_scores *scores, const mukca_cha
                             .n_effects = offsets ? offsets->n_effects : 0,
                             .by_log = scores->by_log}};
     scores->has_factory = factory;
-    for (int m = 0; m < CLI_MODELS && scores->n >= 0; m++) {
-        if (m == CLI_FACTORY && !factory) continue;
+    for (int m = 0; m < CLI_FACTORY + factory && scores->n >= 0; m++) {
         scores->of[m] = calloc(room, sizeof *scores->of[m]);
         scores->n =
             scores->of[m] ? mukca_evaluate(scores->of[m], &scores->mean[m], &models[m], data) : -1;
@@ -84,13 +83,13 @@ static const char *find_name(char name[NAME], const mukca_score *score, const mu
 
 /* The figures of a score, by column and JSON key. */
 static const struct {
-    const char *nominal, *calibrated, *factory;
+    const char *key[CLI_MODELS];
     size_t offset;
-} figures[] = {{"mae_nominal_m", "mae_m", "mae_factory_m", offsetof(mukca_score, mae)},
-               {"std_nominal_m", "std_m", "std_factory_m", offsetof(mukca_score, std)},
-               {"distance_error_nominal_m", "distance_error_m", "distance_error_factory_m",
+} figures[] = {{{"mae_nominal_m", "mae_m", "mae_factory_m"}, offsetof(mukca_score, mae)},
+               {{"std_nominal_m", "std_m", "std_factory_m"}, offsetof(mukca_score, std)},
+               {{"distance_error_nominal_m", "distance_error_m", "distance_error_factory_m"},
                 offsetof(mukca_score, distance_error)},
-               {"rotation_error_nominal_rad", "rotation_error_rad", "rotation_error_factory_rad",
+               {{"rotation_error_nominal_rad", "rotation_error_rad", "rotation_error_factory_rad"},
                 offsetof(mukca_score, rotation_error)}};
 enum { FIGURES = sizeof figures / sizeof *figures, ROTATION = FIGURES - 1 };
 
@@ -103,8 +102,9 @@ void cli_scores_write_header(FILE *stream, bool factory)
 {
     fputs("set\tplacement\trows", stream);
     for (int k = 0; k < FIGURES; k++)
-        fprintf(stream, "\t%s\t%s", figures[k].nominal, figures[k].calibrated);
-    for (int k = 0; k < FIGURES && factory; k++) fprintf(stream, "\t%s", figures[k].factory);
+        fprintf(stream, "\t%s\t%s", figures[k].key[CLI_NOMINAL], figures[k].key[CLI_CALIBRATED]);
+    for (int k = 0; k < FIGURES && factory; k++)
+        fprintf(stream, "\t%s", figures[k].key[CLI_FACTORY]);
     fputc('\n', stream);
 }
 
@@ -129,18 +129,15 @@ json_t *cli_scores_json(const cli_scores *scores, const mukca_dataset *data)
 {
     json_t *array = json_array();
     for (int i = 0; i < scores->n; i++) {
-        char name[NAME], keys[96];
-        const mukca_score *before = &scores->of[CLI_NOMINAL][i],
-                          *after = &scores->of[CLI_CALIBRATED][i];
-        json_t *object = cli_json("placement:s rows:i", find_name(name, after, data), after->rows);
+        char name[NAME];
+        const mukca_score *after = &scores->of[CLI_CALIBRATED][i];
+        json_t *object =
+            cli_json(KEY("placement", find_name(name, after, data)), FIELD(after, rows));
         for (int k = 0; k < FIGURES; k++) {
             if (k == ROTATION && !isfinite(figure(after, k))) continue;
-            snprintf(keys, sizeof keys, "%s:f %s:f", figures[k].nominal, figures[k].calibrated);
-            json_object_update_new(object, cli_json(keys, figure(before, k), figure(after, k)));
-            snprintf(keys, sizeof keys, "%s:f", figures[k].factory);
-            if (scores->has_factory)
-                json_object_update_new(object,
-                                       cli_json(keys, figure(&scores->of[CLI_FACTORY][i], k)));
+            for (int m = 0; m < CLI_FACTORY + scores->has_factory; m++)
+                json_object_set_new(object, figures[k].key[m],
+                                    cli_json_real(figure(&scores->of[m][i], k)));
         }
         json_array_append_new(array, object);
     }
@@ -152,9 +149,8 @@ static void print_figures(cli_call *call, const char *name, int k, const cli_sco
                           bool calibrated)
 {
     double value[CLI_MODELS] = {0};
-    for (int m = 0; m < CLI_MODELS; m++)
-        if (m != CLI_FACTORY || s->has_factory)
-            value[m] = figure(row < 0 ? &s->mean[m] : &s->of[m][row], k);
+    for (int m = 0; m < CLI_FACTORY + s->has_factory; m++)
+        value[m] = figure(row < 0 ? &s->mean[m] : &s->of[m][row], k);
     cli_answer(call, "  %-24s %12.3f", name, 1e3 * value[CLI_NOMINAL]);
     if (s->has_factory) cli_answer(call, " %12.3f", 1e3 * value[CLI_FACTORY]);
     if (calibrated) cli_answer(call, " %12.3f", 1e3 * value[CLI_CALIBRATED]);

@@ -5,7 +5,7 @@
 #include "cli/cli.h"
 #include "fit/evaluate.h"
 
-enum { CLI_NOMINAL, CLI_FACTORY, CLI_CALIBRATED, CLI_MODELS };
+enum { CLI_NOMINAL, CLI_CALIBRATED, CLI_FACTORY, CLI_MODELS }; /* the last only by --kinematics */
 
 typedef struct {
     const double *nominal_theta; /* input: [6 * n_elements] of the nominal model with its free

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/list.h"
 #include "io/dataset.h"
 #include "io/output.h"
 #include "mukca/version.h"
@@ -240,29 +241,24 @@ static mukca_status record_at(cli_call *call, mukca_dataset *data, const simulat
     const mukca_rows_options header = {.kind = MUKCA_EITHER};
     mukca_rows *rows = malloc(sizeof *rows);
     double *q = NULL;
-    size_t count = 0, room = 0;
+    int count = 0;
     mukca_status status = rows
                               ? mukca_rows_open(rows, o->at, &s->model.chain, &header, &call->error)
                               : cli_fail(call, MUKCA_MEMORY, "out of memory");
     mukca_row row;
     if (status == MUKCA_OK) {
-        while (mukca_rows_next(rows, &row)) {
-            if (!q || count == room) {
-                room = 2 * room + 1024;
-                double *larger = realloc(q, room * n * sizeof *q);
-                if (!larger) {
-                    status = cli_fail(call, MUKCA_MEMORY, "out of memory");
-                    break;
-                }
-                q = larger;
-            }
-            memcpy(q + count++ * n, row.q, n * sizeof *q);
+        while (status == MUKCA_OK && mukca_rows_next(rows, &row)) {
+            double *added = mukca_list_append(&q, &count, n * sizeof *q);
+            if (added)
+                memcpy(added, row.q, n * sizeof *q);
+            else
+                status = cli_fail(call, MUKCA_MEMORY, "out of memory");
         }
         const mukca_status read = mukca_rows_close(rows);
         if (status == MUKCA_OK) status = read;
     }
     if (status == MUKCA_OK)
-        status = mukca_simulate_poses(data, &s->arm, q, (int)count, &s->recording, &call->error);
+        status = mukca_simulate_poses(data, &s->arm, q, count, &s->recording, &call->error);
     free(rows);
     free(q);
     return status;

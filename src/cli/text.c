@@ -86,12 +86,13 @@ void cli_print_text(FILE *stream, const char *key, mukca_text *text)
 
 void cli_print_acceptance(FILE *stream, const mukca_acceptance *a, const mukca_chain *chain)
 {
-    char text[MUKCA_ACCEPTANCE_SENTENCE];
+    char line[MUKCA_ACCEPTANCE_SENTENCE] = "";
+    mukca_text text = MUKCA_TEXT(line);
     const bool factory = chain->kinematics_sha256[0] != '\0';
-    mukca_acceptance_tip(text, a, factory);
-    if (*text && a->accepted) cli_print_keyed(stream, "Tip", text);
-    mukca_acceptance_use(text, a, factory);
-    cli_print_keyed(stream, "Use", text);
+    if (a->accepted) mukca_acceptance_put_tip(&text, a, factory);
+    cli_print_text(stream, "Tip", &text);
+    mukca_acceptance_put_use(&text, a, factory);
+    cli_print_text(stream, "Use", &text);
 }
 
 void cli_print_more(FILE *stream, int n)

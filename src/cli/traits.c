@@ -105,38 +105,39 @@ void cli_adoption_print(cli_call *call, const mukca_adoption *a, const mukca_dia
         cli_say(call, shown++ ? "" : "Elastic", "%s", line);
         line[text.used = 0] = '\0';
     }
-    if (isfinite(a->explained_m))
+    if (isfinite(d->applied_m))
         cli_say(call, "Error", "held out, with the traits %.3f mm (without %.3f mm)",
-                1e3 * a->explained_m, 1e3 * a->own_explained_m);
+                1e3 * d->applied_m, 1e3 * d->explained_m);
     if (isfinite(d->test_geometry_m))
         cli_say(call, "", "test data, with the traits %.3f mm (without %.3f mm)",
-                1e3 * a->test_explained_m, 1e3 * a->own_test_explained_m);
+                1e3 * d->test_applied_m, 1e3 * d->test_explained_m);
 }
 
 /* ---- JSON ---- */
 
-json_t *cli_adoption_json(const mukca_adoption *a, const mukca_chain *chain)
+json_t *cli_adoption_json(const mukca_adoption *a, const mukca_diagnosis *d,
+                          const mukca_chain *chain)
 {
     json_t *elastic = json_array(), *orders = json_array();
     for (int i = 0; i < a->n; i++) {
         const mukca_inherited *c = &a->list[i];
         const mukca_trait *t = c->trait;
-        cli_json_append(elastic,
-                        "effect:s joint:s value:f ci95:v mean:f spread:f probability:f own_share:f",
-                        mukca_effect_table[t->effect.kind]->name,
-                        mukca_chain_joint_name(chain, t->effect.joint), c->value, c->low, c->high,
-                        t->mean, t->spread, t->probability, c->own);
+        cli_json_append(elastic, KEY("effect", mukca_effect_table[t->effect.kind]->name),
+                        KEY("joint", mukca_chain_joint_name(chain, t->effect.joint)),
+                        FIELD(c, value), KEY("ci95", cli_json_interval(c->low, c->high)),
+                        FIELD(t, mean), FIELD(t, spread), FIELD(t, probability),
+                        KEY("own_share", c->own));
     }
     for (int i = 0; i < a->traits->n; i++) {
         const mukca_effect *e = &a->traits->list[i].effect;
         if (e->kind != MUKCA_EFFECT_GEAR_HARMONIC) continue;
-        cli_json_append(orders, "joint:s order:i probability:f",
-                        mukca_chain_joint_name(chain, e->joint), e->variant.order,
-                        a->traits->list[i].probability);
+        cli_json_append(orders, KEY("joint", mukca_chain_joint_name(chain, e->joint)),
+                        KEY("order", e->variant.order),
+                        KEY("probability", a->traits->list[i].probability));
     }
-    return cli_json(
-        "log_bayes_factor:f explained_m:f without_m:f test_explained_m:f test_without_m:f used:b "
-        "only:b arms:i effects:o orders:o",
-        a->log_evidence, a->explained_m, a->own_explained_m, a->test_explained_m,
-        a->own_test_explained_m, a->adopted, a->only, a->traits->n_arms, elastic, orders);
+    return cli_json(KEY("log_bayes_factor", a->log_evidence), KEY("explained_m", d->applied_m),
+                    KEY("without_m", d->explained_m), KEY("test_explained_m", d->test_applied_m),
+                    KEY("test_without_m", d->test_explained_m), KEY("used", a->adopted),
+                    FIELD(a, only), KEY("arms", a->traits->n_arms), KEY("effects", elastic),
+                    KEY("orders", orders));
 }

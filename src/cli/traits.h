@@ -12,7 +12,8 @@ mukca_status cli_arm_label(cli_call *call, char label[MUKCA_NAME_SIZE], const ch
 /* Contributions of the fleet and of this arm, on the screen and as JSON. */
 void cli_adoption_print(cli_call *call, const mukca_adoption *adoption,
                         const mukca_diagnosis *diagnosis, const mukca_chain *chain);
-json_t *cli_adoption_json(const mukca_adoption *adoption, const mukca_chain *chain);
+json_t *cli_adoption_json(const mukca_adoption *adoption, const mukca_diagnosis *diagnosis,
+                          const mukca_chain *chain);
 
 /* A fleet, for the commands fleet and report. */
 typedef struct {

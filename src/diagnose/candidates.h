@@ -2,6 +2,8 @@
 #ifndef MUKCA_DIAGNOSE_CANDIDATES_H
 #define MUKCA_DIAGNOSE_CANDIDATES_H
 
+#include <math.h>
+
 #include "diagnose/unknowns.h"
 #include "effect/catalogue.h"
 
@@ -23,7 +25,7 @@ enum {
 
 /* Width of the bumps below which an unknown function resolves more than the orders of
  * MUKCA_RIPPLE_LONG, rad: half a period. */
-#define MUKCA_FINE_WIDTH (3.14159265358979323846 / MUKCA_RIPPLE_LONG)
+#define MUKCA_FINE_WIDTH (M_PI / MUKCA_RIPPLE_LONG)
 
 /* Least travel that shows a ripple, rad: half a turn of the finest order, 400. */
 #define MUKCA_RIPPLE_TRAVEL 1e-2

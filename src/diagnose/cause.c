@@ -7,6 +7,7 @@
 
 #include "diagnose/ripple.h"
 #include "math/dense.h"
+#include "math/stats.h"
 
 enum {
     LEAST_VALUES = 20, /* distinct values that make a step evident */
@@ -15,9 +16,6 @@ enum {
 /* Largest deviation of a difference from whole steps: rounding in the file's last digits.  By
  * chance one difference in five is within it, and not twenty in a row. */
 #define WHOLE 0.1
-
-/* Half width of a 95 % interval in standard errors. */
-#define INTERVAL 1.959963984540054
 
 static bool contains(const mukca_identification *id, const mukca_causes *set, int name)
 {
@@ -79,8 +77,8 @@ static void measure(mukca_cause *out, mukca_regression *m, int index)
     }
     const double sigma = mukca_regression_standard_error(m, column, direction, h->terms);
     if (terms == 1) out->sigma[0] = sigma;
-    out->low = out->amplitude - INTERVAL * sigma;
-    out->high = out->amplitude + INTERVAL * sigma;
+    out->low = out->amplitude - MUKCA_SIGMAS_95 * sigma;
+    out->high = out->amplitude + MUKCA_SIGMAS_95 * sigma;
     if (terms > 1 || mukca_effect_table[out->effect.kind]->nonnegative)
         out->low = fmax(out->low, 0);
 }
@@ -239,12 +237,6 @@ static void share_with_unknown(mukca_cause *out, const mukca_identification *id,
     out->or_unknown |= 0.5 * beside > MUKCA_DOUBT;
 }
 
-static int ascending(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* Largest step of which all recorded angles of a joint are multiples, rad: of a coarse encoder, or
  * of the digits in the file; 0: no evident step.  scratch[n_rows] is overwritten. */
 static double resolution_of(double *scratch, const mukca_recording *r, int joint)
@@ -253,7 +245,7 @@ static double resolution_of(double *scratch, const mukca_recording *r, int joint
     double smallest = HUGE_VAL;
     int values = 0;
     for (int row = 0; row < n; row++) scratch[row] = r->data->q[row * joints + joint];
-    qsort(scratch, (size_t)n, sizeof *scratch, ascending);
+    mukca_stats_sort(scratch, n);
     for (int i = 1; i < n; i++) { /* differences between neighbours, in place */
         const double difference = scratch[i] - scratch[i - 1];
         if (difference > 1e-9) smallest = fmin(smallest, scratch[values++] = difference);
@@ -271,10 +263,10 @@ static double resolution_of(double *scratch, const mukca_recording *r, int joint
  * of a sawtooth, step / pi. */
 static void doubt_rounding(mukca_cause *out, mukca_identification *id)
 {
-    const double pi = 3.14159265358979323846, *c = out->effect.coefficient;
+    const double *c = out->effect.coefficient;
     double *scratch = id->scan.W;
     if (out->effect.kind == MUKCA_EFFECT_GEAR_HARMONIC &&
-        pi * hypot(c[0], c[1]) < resolution_of(scratch, &id->m->recording, out->effect.joint))
+        M_PI * hypot(c[0], c[1]) < resolution_of(scratch, &id->m->recording, out->effect.joint))
         mukca_cause_doubt(out);
 }
 

@@ -6,7 +6,7 @@
 
 #include "base/clock.h"
 #include "diagnose/cause.h"
-#include "diagnose/cross_validation.h"
+#include "diagnose/held_out.h"
 #include "diagnose/identify.h"
 #include "diagnose/logs.h"
 #include "diagnose/streams.h"
@@ -86,7 +86,7 @@ static mukca_status identify(mukca_diagnosis *d, mukca_regression *m,
         mukca_verdict_reach(d, id);
         mukca_untested_list(d, id);
         const bool none = d->verdict == MUKCA_VERDICT_UNKNOWN;
-        if (d->unexplained || none) d->structure_m = mukca_cross_validation_structure(m);
+        if (d->unexplained || none) d->structure_m = mukca_held_out_structure(m);
         keep_named(m, d);
     } else if (status == MUKCA_OK) {
         set_untestable(d, m, does_not_fit);
@@ -105,7 +105,7 @@ static mukca_status validate(mukca_diagnosis *d, mukca_regression *m,
     double *of_geometry =
         options->test ? MUKCA_TAKE(&d->pool, double, options->test->n_rows) : NULL;
     if (!geometry) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the arm");
-    mukca_status status = mukca_cross_validation_run(d, geometry, m, options, error);
+    mukca_status status = mukca_held_out_run(d, geometry, m, options, error);
     /* unknown functions can absorb any error of the samples, but do not predict others */
     if (!d->why && d->explained_m > MUKCA_MEAN_NORM3 * MUKCA_MOST_SIGMA) {
         set_untestable(d, m, does_not_fit);
@@ -184,9 +184,13 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
             status = validate(diagnosis, m, options, error);
         if (status == MUKCA_OK && options->applied) mukca_applied_fit(&diagnosis->applied, m);
     }
+    diagnosis->applied_m = diagnosis->explained_m;
+    diagnosis->test_applied_m = diagnosis->test_explained_m;
     diagnosis->efforts_correlation = recording->efforts_correlation;
     if (status == MUKCA_OK && options->go_on && diagnosis->verdict != MUKCA_VERDICT_UNTESTABLE)
         status = options->go_on(options->go_on_context, m, diagnosis, error);
+    if (status == MUKCA_OK && options->mounting && diagnosis->verdict != MUKCA_VERDICT_UNTESTABLE)
+        status = mukca_mounting_compare(diagnosis, m, options->disabled, error);
 out:
     if (status == MUKCA_OK && (m->pool.failed || diagnosis->pool.failed))
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", data->n_rows);

@@ -174,16 +174,17 @@ typedef struct {
     double axis_rms_m[3]; /* remaining error of the fitted geometry, by base axis */
     /* held-out mean errors, each placement predicted from the others, m; NaN: not measurable */
     double nominal_m, geometry_m, faults_excused_m, explained_m, noise_floor_m;
+    double applied_m;   /* of the arm in the offsets table: explained_m, or a fit with traits */
     double structure_m; /* explained_m with unknown functions included; NaN: none */
     double surprise; /* rms held-out error with all causes, in units of that expected from noise and
                         the uncertainty of the fit; NaN: not measurable */
     mukca_shrink held_out;       /* from faults_excused_m to explained_m */
     double noise_shrink_percent; /* expected gain of the catalogue's best candidate on pure noise */
     int folds;
-    double *placement_mae_m; /* [n_placements] of explained_m, in the pool */
+    double *placement_mae_m; /* [n_placements] of applied_m, in the pool */
     /* test data (--test), m; NaN: none */
-    double test_nominal_m, test_geometry_m, test_explained_m;
-    double *test_placement_mae_m; /* [n_test_placements] of test_explained_m, in the pool */
+    double test_nominal_m, test_geometry_m, test_explained_m, test_applied_m;
+    double *test_placement_mae_m; /* [n_test_placements] of test_applied_m, in the pool */
     /* Errors of the test data's rows, else of the held-out rows, m: nominal, and of the result;
      * NaN: faulty.  In the pool; NULL: none. */
     double *before_m, *after_m;
@@ -220,6 +221,7 @@ typedef struct {
     double mass_spread; /* relative prior sigma of each mass; 0: 0.1 */
     bool no_folds;      /* skip cross-validation */
     bool applied;       /* fill diagnosis->applied */
+    bool mounting;      /* mukca_mounting_compare, at the end */
     mukca_continue_fn *go_on;
     void *go_on_context;
     mukca_progress_fn *progress;
@@ -236,11 +238,10 @@ void mukca_diagnosis_free(mukca_diagnosis *diagnosis);
 /* If elastic causes under the model's gravity do not explain a recording, weigh them with gravity
  * along the other axes of the base frame.  If they are far more probable there than all causes
  * found here, the diagnosis receives this gravity, and its causes become uncertain: an effect
- * outside the catalogue explains the data as well.  A mukca_continue_fn with the
- * mukca_diagnose_options as context; must be the last one, since the regression is left under that
- * gravity.  Errors: MUKCA_MEMORY. */
-mukca_status mukca_mounting_compare(void *options, struct mukca_regression *regression,
-                                    mukca_diagnosis *diagnosis, mukca_error *error);
+ * outside the catalogue explains the data as well.  The regression is changed.  Errors:
+ * MUKCA_MEMORY. */
+mukca_status mukca_mounting_compare(mukca_diagnosis *diagnosis, struct mukca_regression *regression,
+                                    const unsigned char *disabled, mukca_error *error);
 
 /* Drop unknown functions, reduce each elastic cause to one coefficient at the nominal masses, fit
  * again, and fill `applied` with the result and its standard errors.  The regression is changed. */

@@ -2,7 +2,7 @@
  *
  * The model is linearised once.  A fold is left out by subtraction from the normal equations; the
  * solution for the rest predicts the fold's rows by full kinematics. */
-#include "diagnose/folds.h"
+#include "diagnose/held_out.h"
 
 #include <math.h>
 #include <string.h>
@@ -62,39 +62,45 @@ static const mukca_candidate *motion_of(const mukca_regression *m, int socket)
     return NULL;
 }
 
+/* The next row of a socket, marked in `of`, after `row`; -1: none. */
+static int next_row(const mukca_dataset *data, const unsigned char *of, int socket, int row)
+{
+    while (++row < data->n_rows)
+        if (of[row] && data->socket[row] == socket) return row;
+    return -1;
+}
+
+/* Errors of a socket's rows about their mean, or about their line over the share of the tool's
+ * motion. */
+static void socket_errors(double *error, const mukca_regression *m, const double *position,
+                          const unsigned char *of, int socket, const mukca_candidate *motion)
+{
+    const mukca_dataset *data = m->recording.data;
+    double n = 0, mean[4] = {0}, slope[3] = {0}, square = 0; /* position, share of the motion */
+    for (int pass = 0; pass < 3; pass++)
+        for (int row = -1; (row = next_row(data, of, socket, row)) >= 0;) {
+            double d[4];
+            for (int c = 0; c < 3; c++) d[c] = position[3 * row + c] - mean[c];
+            d[3] = (motion ? mukca_candidate_fault_share(motion, &m->recording, row) : 0) - mean[3];
+            if (pass == 0) n++;
+            for (int c = 0; c < 4 && pass == 0; c++) mean[c] += d[c] / n;
+            for (int c = 0; c < 3 && pass == 1; c++) slope[c] += d[3] * d[c];
+            if (pass == 1) square += d[3] * d[3];
+            for (int c = 0; c < 3 && square > 0; c++) d[c] -= d[3] / square * slope[c];
+            error[row] = mukca_norm3(d);
+        }
+}
+
 void mukca_folds_errors(double *error, const mukca_regression *m, const double *position,
                         const unsigned char *of, bool excuse)
 {
     const mukca_dataset *data = m->recording.data;
-    for (int row = 0; row < data->n_rows; row++) {
-        error[row] = NAN;
-        if (!of[row] || data->socket[row] >= 0) continue;
-        double e[3];
-        for (int c = 0; c < 3; c++)
-            e[c] = data->position[3 * (size_t)row + (size_t)c] - position[3 * row + c];
-        error[row] = sqrt(mukca_dot3(e, e));
-    }
-    for (int s = 0; s < data->n_sockets; s++) {
-        const mukca_candidate *h = excuse ? motion_of(m, s) : NULL;
-        double n = 0, mean[3] = {0}, mean_share = 0, slope[3] = {0}, square = 0;
-        for (int pass = 0; pass < 3; pass++)
-            for (int row = 0; row < data->n_rows; row++) {
-                if (!of[row] || data->socket[row] != s) continue;
-                const double *x = position + 3 * row,
-                             share = h ? mukca_candidate_fault_share(h, &m->recording, row) : 0,
-                             t = share - mean_share, along = square > 0 ? t / square : 0;
-                double e[3];
-                if (pass == 0) n++, mean_share += t / n;
-                if (pass == 1) square += t * t;
-                for (int c = 0; c < 3; c++) {
-                    const double d = x[c] - mean[c];
-                    if (pass == 0) mean[c] += d / n;
-                    if (pass == 1) slope[c] += t * d;
-                    e[c] = d - along * slope[c];
-                }
-                if (pass == 2) error[row] = sqrt(mukca_dot3(e, e));
-            }
-    }
+    for (int row = 0; row < data->n_rows; row++)
+        error[row] = of[row] && data->socket[row] < 0
+                         ? mukca_distance3(data->position + 3 * (size_t)row, position + 3 * row)
+                         : (double)NAN;
+    for (int s = 0; s < data->n_sockets; s++)
+        socket_errors(error, m, position, of, s, excuse ? motion_of(m, s) : NULL);
 }
 
 /* Mean of the finite errors with key[n] equal to `of`; key NULL: of all. */

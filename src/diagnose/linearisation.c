@@ -124,9 +124,7 @@ void mukca_linearisation_seat(double *seated, double r[3], int n, const mukca_ge
             A[3 * a + b] = a == b ? 1e-4 : 0; /* (1 cm per rad)^2: damps singular postures */
             for (int j = 0; j < n; j++) A[3 * a + b] += J[a * n + j] * J[b * n + j];
         }
-    if (mukca_dense_cholesky(A, 3)) return;
-    mukca_dense_forward(r, 1, A, 3);
-    mukca_dense_backward(r, 1, A, 3);
+    if (mukca_dense_solve(r, 1, A, 3)) return;
     for (int j = 0; j < n; j++)
         for (int c = 0; c < 3; c++) seated[j] += J[c * n + j] * r[c];
 }
@@ -163,7 +161,7 @@ static void fill_sample(mukca_linearisation *linear, const mukca_recording *reco
     to_target(&tip, u, log);
     memset(X, 0, sizeof *X * (size_t)d * (size_t)ld);
     double turn[6][3];
-    turn_of(turn, &(mukca_frame){.R = {1, 0, 0, 0, 1, 0, 0, 0, 1}}, tip.p, u->rotation_weight);
+    turn_of(turn, &(mukca_frame){.R = MUKCA_IDENTITY}, tip.p, u->rotation_weight);
     memcpy(base_lever, turn, sizeof *turn * (size_t)d);
     double length[3], local[3], factor[3] = {0};
     memcpy(linear->seated_frame + 9 * i, tip.R, sizeof tip.R);

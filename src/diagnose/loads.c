@@ -51,9 +51,7 @@ static void estimate_masses(mukca_recording *r)
         const double spread = a == r->payload_body ? PAYLOAD_SPREAD : MASS_SIGMA;
         right[a] += 1 / (spread * spread), normal[a * k + a] += 1 / (spread * spread);
     }
-    if (mukca_dense_cholesky(normal, k)) return;
-    mukca_dense_forward(right, 1, normal, k);
-    mukca_dense_backward(right, 1, normal, k);
+    if (mukca_dense_solve(right, 1, normal, k)) return;
     for (int a = 0; a < k; a++) r->mass_factor[a] = fmin(fmax(right[a], 0.3), 3.0);
 }
 

@@ -122,7 +122,7 @@ void mukca_logs_place_targets(mukca_regression *test, int first)
             for (int c = 0; c < 3; c++) sum[c] += local[c];
             n++;
         }
-        u->log.shift[log] = (mukca_frame){.R = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+        u->log.shift[log] = (mukca_frame){.R = MUKCA_IDENTITY};
         for (int c = 0; c < 3 && n; c++) u->log.shift[log].p[c] = sum[c] / n;
     }
 }

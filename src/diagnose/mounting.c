@@ -40,8 +40,7 @@ static bool all_elastic(const mukca_diagnosis *d)
  * testing.  The direction opposite to the model's is tested if the verdict is unknown. */
 static bool is_worth_testing(double gravity[3], int k, const mukca_diagnosis *given)
 {
-    const double size =
-        sqrt(gravity[0] * gravity[0] + gravity[1] * gravity[1] + gravity[2] * gravity[2]);
+    const double size = mukca_norm3(gravity);
     const double cosine = (k % 2 ? -1 : 1) * gravity[k / 2] / size;
     if (!(cosine < same_direction)) return false;
     if (cosine < -same_direction && given->verdict != MUKCA_VERDICT_UNKNOWN) return false;
@@ -83,10 +82,9 @@ static mukca_status weigh_springs(double *value, mukca_regression *m, const mukc
     return status;
 }
 
-mukca_status mukca_mounting_compare(void *context, mukca_regression *m, mukca_diagnosis *d,
-                                    mukca_error *error)
+mukca_status mukca_mounting_compare(mukca_diagnosis *d, mukca_regression *m,
+                                    const unsigned char *disabled, mukca_error *error)
 {
-    const mukca_diagnose_options *options = context;
     const mukca_chain *chain = m->recording.chain;
     if (d->verdict == MUKCA_VERDICT_NONE || !chain->n_masses || all_elastic(d))
         return MUKCA_OK; /* nothing to explain, no torques, or no doubt */
@@ -98,12 +96,12 @@ mukca_status mukca_mounting_compare(void *context, mukca_regression *m, mukca_di
     if (!mukca_unknowns_clone(&faults, &m->pool, &m->unknowns) || m->pool.failed)
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for the springs");
     double best = -HUGE_VAL, upright, value;
-    mukca_status status = weigh_springs(&upright, m, &faults, options->disabled, error);
+    mukca_status status = weigh_springs(&upright, m, &faults, disabled, error);
     m->recording.chain = turned;
     for (int k = 0; k < 6 && status == MUKCA_OK; k++) {
         *turned = *chain;
         if (!is_worth_testing(turned->gravity, k, d)) continue;
-        status = weigh_springs(&value, m, &faults, options->disabled, error);
+        status = weigh_springs(&value, m, &faults, disabled, error);
         if (status != MUKCA_OK || !(value > fmax(best, fmax(upright, d->score) + LEAD))) continue;
         best = value;
         memcpy(d->gravity, turned->gravity, sizeof d->gravity);

@@ -55,12 +55,10 @@ double mukca_regression_standard_error(mukca_regression *m, int column, const do
                                        int terms)
 {
     const int n = m->linear.n_columns;
-    double *x = m->evidence.work, variance = 0; /* |L^-1 D direction| with the priors D */
+    double *x = m->evidence.work; /* |L^-1 D direction| with the priors D */
     memset(x, 0, sizeof *x * (size_t)n);
     for (int t = 0; t < terms; t++) x[column + t] = direction[t] * m->evidence.prior[column + t];
-    mukca_dense_forward(x, 1, m->evidence.factor, n);
-    for (int i = 0; i < n; i++) variance += x[i] * x[i];
-    return sqrt(variance);
+    return sqrt(mukca_dense_variance(x, m->evidence.factor, n));
 }
 
 typedef struct {
@@ -123,7 +121,7 @@ void mukca_scales_choose(mukca_unknowns *u, mukca_evidence *evidence,
     int chosen = 0;
     for (int i = 0; i <= N * N; i++) {
         const int k = i < N * N ? i : chosen;
-        u->sigma_length = lengths[k / N], u->sigma_angle = angles[k % N];
+        u->prior.length = lengths[k / N], u->prior.angle = angles[k % N];
         mukca_unknowns_set_geometry_prior(u, recording);
         mukca_unknowns_prior(evidence->prior, u);
         if (i == N * N) break;

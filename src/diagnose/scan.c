@@ -217,7 +217,8 @@ static void score_from(mukca_scan *s, int first)
     finish(s, &b);
 }
 
-void mukca_scan_residual(double *u, mukca_scan *s)
+/* u[n_samples][dim]: products of the residual with columns that are not whitened.  Uses W and T. */
+static void residual_products(double *u, mukca_scan *s)
 {
     const mukca_recording *r = &s->m->recording;
     const mukca_linearisation *linear = &s->m->linear;
@@ -307,7 +308,7 @@ static mukca_status add_ripple(mukca_scan *s, mukca_error *error)
     const int first = s->all->count;
     double *along = s->W;
     double *u = s->E;
-    mukca_scan_residual(u, s);
+    residual_products(u, s);
     for (int j = 0; j < r->chain->n_joints && s->all->harmonics; j++) {
         double odds[MUKCA_RIPPLE_ORDERS + 1];
         if (!guess_ripple(odds, s, j, u, along)) continue;
@@ -329,7 +330,7 @@ static mukca_status add_ripple(mukca_scan *s, mukca_error *error)
 mukca_status mukca_scan_run(mukca_scan *s, bool ripple, mukca_error *error)
 {
     score_from(s, 0);
-    mukca_scan_residual(s->u, s);
+    residual_products(s->u, s);
     mukca_scan_faults(s);
     return ripple ? add_ripple(s, error) : MUKCA_OK;
 }

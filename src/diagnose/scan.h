@@ -41,9 +41,6 @@ bool mukca_scan_aim(mukca_scan *scan, int family);
  * MUKCA_MEMORY. */
 mukca_status mukca_scan_run(mukca_scan *scan, bool ripple, mukca_error *error);
 
-/* u[n_samples][dim]: products of the residual with columns that are not whitened.  Uses W and T. */
-void mukca_scan_residual(double *u, mukca_scan *scan);
-
 /* Score all faults among the candidates; scan->u is the residual, and overwritten.  Their columns
  * are 0 but in a range of samples, and the same for each coordinate: sums over these samples
  * replace products with all columns. */

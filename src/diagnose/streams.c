@@ -4,8 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Half width of a 95 % interval in standard errors. */
-#define INTERVAL 1.959963984540054
+#include "math/stats.h"
+
 /* Resolution of an encoder, rad: smaller differences are rounding. */
 #define RESOLUTION 1e-5
 /* Least standard deviation of the torque, N m, for an estimate of the sag (catalogue.h). */
@@ -49,7 +49,7 @@ static void compare_joint(mukca_stream *s, const mukca_recording *r, int joint)
     s->sag = -dt / tt;
     const double left = fmax((dd - dt * dt / tt) / (n - 2), RESOLUTION * RESOLUTION);
     const double error = sqrt(left / tt);
-    s->low = s->sag - INTERVAL * error, s->high = s->sag + INTERVAL * error;
+    s->low = s->sag - MUKCA_SIGMAS_95 * error, s->high = s->sag + MUKCA_SIGMAS_95 * error;
     /* Savage-Dickey density ratio: a sag with this prior against none, with noise of this variance
      */
     const double known = SAG_SIGMA * SAG_SIGMA / (error * error), z = s->sag / error;

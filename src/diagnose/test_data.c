@@ -1,6 +1,5 @@
 /* Errors on test data, which no fit uses (--test). */
-#include "diagnose/cross_validation.h"
-#include "diagnose/folds.h"
+#include "diagnose/held_out.h"
 #include "diagnose/logs.h"
 
 /* Where the state that a cause depends on is unknown, the mean of the training is expected. */

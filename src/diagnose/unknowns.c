@@ -4,13 +4,9 @@
 #include <math.h>
 #include <string.h>
 
-/* Prior sigma of a joint's zero offset, rad: real arms have up to 15 mrad. */
-#define ZERO_SIGMA 20e-3
-/* Of a factor common to all lengths.  The priors of single lengths constrain their sum weakly:
- * without the factor, a wrong distance of the sockets would change the size of the arm. */
+/* Prior sigma of a factor common to all lengths.  The priors of single lengths constrain their sum
+ * weakly: without the factor, a wrong distance of the sockets would change the size of the arm. */
 #define FACTOR_SIGMA 2e-3
-/* Of the ball's position on the tool, m, which is not measured. */
-#define TIP_SIGMA 20e-3
 /* Of an unknown frame or tool, m and rad: uninformative. */
 #define FREE_LENGTH 1.0
 #define FREE_ANGLE 3.0
@@ -73,8 +69,7 @@ bool mukca_unknowns_create(mukca_unknowns *u, mukca_pool *pool, const mukca_reco
         .free_base = poses && recording->options.free_base,
         .free_tool = poses && recording->options.free_tool && chain->element[last].joint < 0,
         .slot_width = 6,
-        .sigma_length = 2e-3, /* start values; see mukca_scales_choose() */
-        .sigma_angle = 5e-3,
+        .prior = mukca_prior_diagnosed,
         .sigma = 1e-4,
         .rotation_weight = 0.3};
     u->n_trackers = !u->free_base ? 0 : recording->options.base_per_log ? recording->n_logs : 1;
@@ -128,7 +123,7 @@ void mukca_unknowns_set_geometry(mukca_unknowns *u, const mukca_chain *chain)
         for (int c = 0; c < 3; c++) u->geometry.origin[k].p[c] *= factor;
     for (int k = 0; k < u->n_slots; k++) {
         const double *t = u->theta + 6 * k;
-        mukca_frame local = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {t[0], t[1], t[2]}};
+        mukca_frame local = {MUKCA_IDENTITY, {t[0], t[1], t[2]}};
         if (k + 1 < u->n_slots || u->slot_width == 6) mukca_rotation_exp(local.R, t + 3);
         mukca_frame *origin = &u->geometry.origin[u->slot_element[k]];
         if (u->free_tool && k + 1 == u->n_slots) mukca_frame_multiply(origin, origin, &u->target);
@@ -139,7 +134,7 @@ void mukca_unknowns_set_geometry(mukca_unknowns *u, const mukca_chain *chain)
 /* frame := frame * local(t), t := 0; `turns`: t includes a rotation vector. */
 static void fold(mukca_frame *frame, double *t, bool turns)
 {
-    mukca_frame local = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {t[0], t[1], t[2]}};
+    mukca_frame local = {MUKCA_IDENTITY, {t[0], t[1], t[2]}};
     if (turns) mukca_rotation_exp(local.R, t + 3);
     mukca_frame_multiply(frame, frame, &local);
     memset(t, 0, (turns ? 6 : 3) * sizeof *t);
@@ -179,18 +174,19 @@ void mukca_unknowns_set_arm(mukca_unknowns *u, const mukca_arm_state *arm)
 
 void mukca_unknowns_set_geometry_prior(mukca_unknowns *u, const mukca_recording *recording)
 {
+    const mukca_geometry_prior *prior = &u->prior;
     for (int k = 0; k < u->n_slots; k++) {
         const mukca_element *element = &recording->chain->element[u->slot_element[k]];
         double *sigma = u->theta_prior + 6 * k;
         const int width = k + 1 < u->n_slots ? 6 : u->slot_width;
         const bool tip = element->joint < 0;
         for (int a = 0; a < 3; a++) {
-            sigma[a] = tip ? (u->free_tool ? FREE_LENGTH : TIP_SIGMA) : u->sigma_length;
+            sigma[a] = tip ? (u->free_tool ? FREE_LENGTH : prior->tool) : prior->length;
             if (width < 6) continue;
             const double along = element->axis[a] * element->axis[a];
-            sigma[3 + a] = tip ? (u->free_tool ? FREE_ANGLE : u->sigma_angle)
-                               : sqrt(u->sigma_angle * u->sigma_angle * (1 - along) +
-                                      ZERO_SIGMA * ZERO_SIGMA * along);
+            sigma[3 + a] = tip ? (u->free_tool ? FREE_ANGLE : prior->angle)
+                               : sqrt(prior->angle * prior->angle * (1 - along) +
+                                      prior->zero * prior->zero * along);
         }
     }
     u->theta_prior[u->first_tracker - 1] = FACTOR_SIGMA;

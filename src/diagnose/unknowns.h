@@ -7,6 +7,7 @@
 
 #include "diagnose/candidate.h"
 #include "fit/align.h"
+#include "model/prior.h"
 
 enum { MUKCA_MAX_ACCEPTED = 64 };
 
@@ -39,8 +40,8 @@ typedef struct {
     bool free_base, free_tool;
     double *theta;       /* [n_geometry] offsets from the nominal geometry, in local frames */
     double *theta_prior; /* [n_geometry] prior sigmas */
-    double sigma_length, sigma_angle; /* prior scales of the geometry, m and rad */
-    mukca_geometry geometry;          /* the arm with offsets theta */
+    mukca_geometry_prior prior; /* its lengths and angles are chosen by the evidence */
+    mukca_geometry geometry;    /* the arm with offsets theta */
     /* Pose logs: the offsets theta are composed into the frames, since large rotations do not add.
      */
     mukca_log_frames log; /* per log */
@@ -82,7 +83,7 @@ void mukca_unknowns_fold_frames(mukca_unknowns *unknowns);
 /* Compute the origins from theta. */
 void mukca_unknowns_set_geometry(mukca_unknowns *unknowns, const mukca_chain *chain);
 
-/* Compute the geometry's prior sigmas from the two scales. */
+/* Compute the geometry's prior sigmas from unknowns->prior. */
 void mukca_unknowns_set_geometry_prior(mukca_unknowns *unknowns, const mukca_recording *recording);
 
 /* Number of columns of the geometry and the causes before `cause` (n_causes: of all); also the

@@ -1,6 +1,12 @@
 /* Elastic effects: springs deflected by gravity moments. */
 #include "effect/catalogue.h"
 
+/* One coefficient, which cannot be negative: the load is gravity's. */
+#define SPRING .terms = 1, .nonnegative = true, .traits = MUKCA_TRAIT_ELASTIC, MUKCA_IN_URAD_PER_NM
+
+static const char loaded_alike[] =
+    "gravity loads it alike in all samples: record postures with other lever arms";
+
 /* Of a spring at a joint: its negative torque. */
 static void spring_basis(double basis[][3], const mukca_basis_input *in)
 {
@@ -17,15 +23,12 @@ const mukca_effect_ops mukca_joint_compliance_effect = {
     .info = {.name = "joint_compliance",
              .title = "joint compliance",
              .site = MUKCA_SITE_ANGLE,
-             .terms = 1,
-             MUKCA_IN_URAD_PER_NM,
-             .nonnegative = true,
+             SPRING,
              .needs = MUKCA_NEEDS_MASSES,
-             .traits = MUKCA_TRAIT_ELASTIC,
              .sentence = "the transmission deflects under gravity torque"},
     .basis = spring_basis,
     .candidate = joint_candidate,
-    .untested = "gravity loads it alike in all samples: record postures with other lever arms",
+    .untested = loaded_alike,
 };
 
 /* Moment component across the joint's axis. */
@@ -47,11 +50,8 @@ const mukca_effect_ops mukca_link_bending_effect = {
     .info = {.name = "link_bending",
              .title = "link bending",
              .site = MUKCA_SITE_ROTATION,
-             .terms = 1,
-             MUKCA_IN_URAD_PER_NM,
-             .nonnegative = true,
+             SPRING,
              .needs = MUKCA_NEEDS_MASSES,
-             .traits = MUKCA_TRAIT_ELASTIC,
              .sentence = "the link before the joint bends under gravity torque",
              .remedy = "compensate it with the offsets table; check the screws between link and "
                        "joint"},
@@ -75,11 +75,8 @@ const mukca_effect_ops mukca_base_compliance_effect = {
     .info = {.name = "base_compliance",
              .title = "base compliance",
              .site = MUKCA_SITE_BASE,
-             .terms = 1,
-             MUKCA_IN_URAD_PER_NM,
-             .nonnegative = true,
+             SPRING,
              .needs = MUKCA_NEEDS_MASSES,
-             .traits = MUKCA_TRAIT_ELASTIC,
              .sentence = "the base or its table tilts under the arm's weight",
              .remedy = "stiffen the base or its table, or compensate it"},
     .basis = base_basis,
@@ -103,16 +100,13 @@ const mukca_effect_ops mukca_servo_sag_effect = {
     .info = {.name = "servo_sag",
              .title = "servo sag",
              .site = MUKCA_SITE_ANGLE,
-             .terms = 1,
-             MUKCA_IN_URAD_PER_NM,
-             .nonnegative = true,
+             SPRING,
              .needs = MUKCA_NEEDS_MASSES | MUKCA_NEEDS_COMMANDS,
-             .traits = MUKCA_TRAIT_ELASTIC,
              .sentence = "the position controller holds gravity torque by an error between "
                          "command and angle",
              .remedy = "record the readings too; raise the position gain or add gravity "
                        "compensation or integral action, or compensate it"},
     .basis = spring_basis,
     .candidate = candidate,
-    .untested = "gravity loads it alike in all samples: record postures with other lever arms",
+    .untested = loaded_alike,
 };

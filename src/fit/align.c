@@ -174,9 +174,8 @@ static void collect(problem *p, const mukca_geometry *geometry, const mukca_data
 bool mukca_align(mukca_alignment *out, const mukca_geometry *geometry, const mukca_dataset *data,
                  const mukca_align_options *options)
 {
-    const mukca_frame identity = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
     const mukca_alignment start = {
-        .tracker = identity, .target = identity, .median_m = NAN, .mean_m = NAN};
+        .tracker.R = MUKCA_IDENTITY, .target.R = MUKCA_IDENTITY, .median_m = NAN, .mean_m = NAN};
     problem p = {.tracker = options->tracker, .target = options->target};
     *out = start;
     if (!data->position || data->n_rows < 3 || (!p.tracker && !p.target)) return true;
@@ -280,7 +279,7 @@ static bool determined(const double *R)
  * on. */
 static double student(int freedom)
 {
-    const double z = 1.959963985, z2 = z * z, f = freedom;
+    const double z = MUKCA_SIGMAS_95, z2 = z * z, f = freedom;
     return z * (1 + (z2 + 1) / (4 * f) + ((5 * z2 + 16) * z2 + 3) / (96 * f * f) +
                 (((3 * z2 + 19) * z2 + 17) * z2 - 15) / (384 * f * f * f));
 }

@@ -10,7 +10,8 @@
 #include "fit/parameters.h"
 #include "model/dataset_subset.h"
 
-bool mukca_evaluate_tips(mukca_frame *tips, const mukca_model *model, const mukca_dataset *data)
+/* Pose of the tip in each sample: tips[n_rows].  False: out of memory. */
+static bool find_tips(mukca_frame *tips, const mukca_model *model, const mukca_dataset *data)
 {
     mukca_geometry geometry;
     mukca_row_state rows;
@@ -34,7 +35,9 @@ bool mukca_evaluate_tips(mukca_frame *tips, const mukca_model *model, const mukc
     return true;
 }
 
-bool mukca_evaluate_place(mukca_frame *tips, const mukca_dataset *data)
+/* Shift each tip to its named target, whose position in the tip's frame is the mean over the
+ * measured positions.  False: out of memory. */
+static bool place_tips(mukca_frame *tips, const mukca_dataset *data)
 {
     if (data->n_targets == 0 || !data->position) return true;
     double(*sum)[4] = calloc((size_t)data->n_targets, sizeof *sum);
@@ -138,25 +141,14 @@ static mukca_score mean_score(const mukca_score *scores, int n)
     return mean;
 }
 
-/* Of one model on one dataset. */
-typedef struct {
-    mukca_frame *tips; /* [n_rows] */
-    double *error;     /* [n_rows] as of mukca_evaluate_rows */
-    double (*mean)[3]; /* [n_sockets] */
-    int *count;        /* [n_sockets] */
-    mukca_pool pool;
-} evaluation;
-
-/* False: out of memory; free the pool in any case. */
-static bool evaluate(evaluation *e, const mukca_model *model, const mukca_dataset *data)
+bool mukca_evaluation_make(mukca_evaluation *e, const mukca_model *model, const mukca_dataset *data)
 {
-    *e = (evaluation){.tips = NULL};
+    *e = (mukca_evaluation){.tips = NULL};
     e->tips = MUKCA_TAKE(&e->pool, mukca_frame, data->n_rows);
     e->error = MUKCA_TAKE(&e->pool, double, data->n_rows);
     e->mean = MUKCA_TAKE(&e->pool, double[3], data->n_sockets);
     e->count = MUKCA_TAKE(&e->pool, int, data->n_sockets);
-    if (e->pool.failed || !mukca_evaluate_tips(e->tips, model, data) ||
-        !mukca_evaluate_place(e->tips, data))
+    if (e->pool.failed || !find_tips(e->tips, model, data) || !place_tips(e->tips, data))
         return false;
     socket_means(e->mean, e->count, e->tips, data);
     for (int i = 0; i < data->n_rows; i++) {
@@ -170,8 +162,8 @@ static bool evaluate(evaluation *e, const mukca_model *model, const mukca_datase
 
 bool mukca_evaluate_rows(double *error, const mukca_model *model, const mukca_dataset *data)
 {
-    evaluation e;
-    const bool ok = evaluate(&e, model, data);
+    mukca_evaluation e;
+    const bool ok = mukca_evaluation_make(&e, model, data);
     if (ok) memcpy(error, e.error, (size_t)data->n_rows * sizeof *error);
     mukca_pool_free(&e.pool);
     return ok;
@@ -180,8 +172,8 @@ bool mukca_evaluate_rows(double *error, const mukca_model *model, const mukca_da
 int mukca_evaluate(mukca_score *scores, mukca_score *mean, const mukca_model *model,
                    const mukca_dataset *data)
 {
-    evaluation e;
-    const bool ok = evaluate(&e, model, data);
+    mukca_evaluation e;
+    const bool ok = mukca_evaluation_make(&e, model, data);
     int n = 0;
     for (int p = 0; p <= data->n_placements && ok; p++) {
         const bool poses = p == data->n_placements, logs = poses && model->by_log;
@@ -205,8 +197,9 @@ static const double least_rms = 5e-5;
 int mukca_coincide_find(double *apart, const mukca_chain *chain, const double *theta,
                         const mukca_dataset *data)
 {
-    evaluation e;
-    int found = evaluate(&e, &(mukca_model){.chain = chain, .theta = theta}, data) ? 0 : -1;
+    mukca_evaluation e;
+    int found =
+        mukca_evaluation_make(&e, &(mukca_model){.chain = chain, .theta = theta}, data) ? 0 : -1;
     double *squares = MUKCA_TAKE(&e.pool, double, data->n_sockets);
     if (!squares) found = -1;
     for (int i = 0; i < data->n_rows && found == 0; i++)

@@ -25,12 +25,19 @@ typedef struct {
     bool by_log; /* one score per pose log (a target in a file) instead of one for all */
 } mukca_model;
 
-/* Pose of the tip in each sample: tips[n_rows].  False: out of memory. */
-bool mukca_evaluate_tips(mukca_frame *tips, const mukca_model *model, const mukca_dataset *data);
+/* A model on a dataset. */
+typedef struct {
+    mukca_frame *tips; /* [n_rows], those with a named target shifted to it: to the mean of its
+                          measured positions in the tip's frame */
+    double *error;     /* [n_rows] as of mukca_evaluate_rows */
+    double (*mean)[3]; /* [n_sockets] of the predicted positions */
+    int *count;        /* [n_sockets] samples */
+    mukca_pool pool;
+} mukca_evaluation;
 
-/* Shift each tip to its named target, whose position in the tip's frame is the mean over the
- * measured positions.  False: out of memory. */
-bool mukca_evaluate_place(mukca_frame *tips, const mukca_dataset *data);
+/* False: out of memory; free the pool in any case. */
+bool mukca_evaluation_make(mukca_evaluation *evaluation, const mukca_model *model,
+                           const mukca_dataset *data);
 
 /* error[n_rows], m: distance of each sample from its socket's mean, or from the measured position;
  * NaN: none.  False: out of memory. */

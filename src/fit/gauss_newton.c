@@ -131,11 +131,8 @@ void mukca_solver_factorise(double *H, int n)
 
 double mukca_solver_decrement(const double *L, const double *gradient, double *work, int n)
 {
-    double sum = 0;
     memcpy(work, gradient, (size_t)n * sizeof *work);
-    mukca_dense_forward(work, 1, L, n);
-    for (int i = 0; i < n; i++) sum += work[i] * work[i];
-    return sum / 4;
+    return mukca_dense_variance(work, L, n) / 4;
 }
 
 static mukca_status run(double *x, mukca_solver_outcome *outcome, mukca_cost *cost,

@@ -96,7 +96,7 @@ mukca_status mukca_arm_posterior_create(mukca_arm_posterior *p, const mukca_tip_
     p->task = task;
     p->noise = MUKCA_PRIOR_NOISE;
     p->scale = 1;
-    p->tracker = (mukca_frame){.R = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    p->tracker = (mukca_frame){.R = MUKCA_IDENTITY};
     remove_base(p);
     mukca_status status = mukca_part_take(&p->data, task->data, MOST_ROWS, error);
     if (status != MUKCA_OK) return status;
@@ -118,12 +118,10 @@ void mukca_arm_posterior_free(mukca_arm_posterior *p)
 void mukca_posterior_prior(double *sigma, const mukca_chain *chain,
                            const mukca_parameters *parameters)
 {
-    static const double prior[] = {MUKCA_PRIOR_LENGTH, MUKCA_PRIOR_ANGLE};
-    for (int i = 0; i < parameters->n; i++) {
-        const int k = parameters->index[i] / MUKCA_PARAMETERS;
-        const bool angle = parameters->index[i] % MUKCA_PARAMETERS >= 3;
-        sigma[i] = k == mukca_chain_tip_element(chain) ? MUKCA_PRIOR_TOOL : prior[angle];
-    }
+    const int tool = mukca_chain_tip_element(chain);
+    for (int i = 0; i < parameters->n; i++)
+        sigma[i] = mukca_prior_sigma(&mukca_prior_expected, parameters->index[i] % MUKCA_PARAMETERS,
+                                     parameters->index[i] / MUKCA_PARAMETERS == tool);
 }
 
 void mukca_posterior_factor(double *L, const double *gram, const double *sigma, double noise, int n)
@@ -133,33 +131,24 @@ void mukca_posterior_factor(double *L, const double *gram, const double *sigma, 
     mukca_dense_cholesky(L, n); /* positive definite: every parameter has a prior */
 }
 
-double mukca_posterior_variance(const double *L, double *a, int n)
-{
-    double sum = 0;
-    mukca_dense_forward(a, 1, L, n);
-    for (int i = 0; i < n; i++) sum += a[i] * a[i];
-    return sum;
-}
-
-void mukca_linearisation_init(mukca_linearisation *at, const mukca_chain *chain,
-                              const double *theta)
+void mukca_arm_point_init(mukca_arm_point *at, const mukca_chain *chain, const double *theta)
 {
     memset(at, 0, sizeof *at);
     at->chain = chain;
     mukca_parameters_set(&at->parameters, chain, NULL, false);
     mukca_chain_theta(at->theta, chain);
-    mukca_linearisation_move(at, theta ? theta : at->theta);
+    mukca_arm_point_move(at, theta ? theta : at->theta);
 }
 
-void mukca_linearisation_move(mukca_linearisation *at, const double *theta)
+void mukca_arm_point_move(mukca_arm_point *at, const double *theta)
 {
     memmove(at->theta, theta,
             (size_t)(MUKCA_PARAMETERS * at->chain->n_elements) * sizeof *at->theta);
     mukca_geometry_set(&at->geometry, at->chain, at->theta);
 }
 
-void mukca_linearisation_tip(double *J, int ld, double position[3], const mukca_linearisation *at,
-                             const double *q)
+void mukca_arm_point_tip(double *J, int ld, double position[3], const mukca_arm_point *at,
+                         const double *q)
 {
     double all[3 * MUKCA_MAX_FREE];
     const int width = MUKCA_PARAMETERS * at->chain->n_elements;

@@ -13,44 +13,34 @@
 #include "arm/tip_change.h"
 #include "base/pool.h"
 #include "fit/parameters.h"
+#include "model/prior.h"
 
-/* Prior standard deviations of an uncalibrated robot, m and rad: 1 to 8 mm and mrad were measured
- * on eleven arms (docs/method.md). */
-#define MUKCA_PRIOR_LENGTH 3e-3
-#define MUKCA_PRIOR_ANGLE 3e-3
-
-/* The same for a tool mounted by hand (last fixed joint), m and rad. */
-#define MUKCA_PRIOR_TOOL 2e-2
-
+/* An arm at which the tip is differentiated by the default parameters. */
 typedef struct {
     const mukca_chain *chain;
     mukca_parameters parameters;
     double theta[MUKCA_MAX_FREE]; /* [6 * n_elements] */
     mukca_geometry geometry;      /* of theta */
-} mukca_linearisation;
+} mukca_arm_point;
 
-/* The default parameters at theta[6 * n_elements] (NULL: nominal); `chain` must outlive it. */
-void mukca_linearisation_init(mukca_linearisation *at, const mukca_chain *chain,
-                              const double *theta);
+/* At theta[6 * n_elements] (NULL: nominal); `chain` must outlive it. */
+void mukca_arm_point_init(mukca_arm_point *at, const mukca_chain *chain, const double *theta);
 
 /* Move to theta[6 * n_elements], at->theta itself is allowed. */
-void mukca_linearisation_move(mukca_linearisation *at, const double *theta);
+void mukca_arm_point_move(mukca_arm_point *at, const double *theta);
 
 /* Position of the tip, m (may be NULL), and its Jacobian J[3][ld] with respect to the n free
  * parameters (m/m, m/rad), in the first n columns. */
-void mukca_linearisation_tip(double *J, int ld, double position[3], const mukca_linearisation *at,
-                             const double *q);
+void mukca_arm_point_tip(double *J, int ld, double position[3], const mukca_arm_point *at,
+                         const double *q);
 
-/* Prior sigma[n] of the free parameters. */
+/* Prior sigma[n] of the free parameters, mukca_prior_expected. */
 void mukca_posterior_prior(double *sigma, const mukca_chain *chain,
                            const mukca_parameters *parameters);
 
 /* L[n][n], the Cholesky factor of the information; gram[n][n] is J'J of the samples. */
 void mukca_posterior_factor(double *L, const double *gram, const double *sigma, double noise,
                             int n);
-
-/* Variance of a' x: |L^-1 a|^2; a[n] is overwritten. */
-double mukca_posterior_variance(const double *L, double *a, int n);
 
 /* ---- of an arm given samples: geometry and effects, with these priors in a scale chosen by the
  * data, heavy-tailed noise, and the readings of one posture as one sample (arm_posterior.c) ---- */

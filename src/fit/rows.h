@@ -9,7 +9,7 @@
 
 enum { LANES = 8 };
 
-static const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+static const double identity[9] = MUKCA_IDENTITY;
 
 static inline void transpose(double At[9], const double A[9])
 {

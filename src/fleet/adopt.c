@@ -4,8 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "diagnose/cross_validation.h"
-#include "diagnose/folds.h"
+#include "diagnose/held_out.h"
+#include "math/stats.h"
 
 /* Prior sigma of a coefficient unknown to the fleet, rad/(N m): typical sizes of
  * mukca_sizes_spring. */
@@ -79,12 +79,11 @@ static void list_coefficients(task *t)
                          sigma = mukca_regression_standard_error(t->m, mukca_unknowns_column(u, c),
                                                                  &one, 1),
                          kept = sigma * cause->candidate.unit[0] / cause->scale;
-            a->list[a->n++] =
-                (mukca_inherited){.trait = trait,
-                                  .value = value,
-                                  .low = fmax(value - MUKCA_FLEET_INTERVAL * sigma, 0),
-                                  .high = value + MUKCA_FLEET_INTERVAL * sigma,
-                                  .own = fmax(1 - kept * kept, 0)};
+            a->list[a->n++] = (mukca_inherited){.trait = trait,
+                                                .value = value,
+                                                .low = fmax(value - MUKCA_SIGMAS_95 * sigma, 0),
+                                                .high = value + MUKCA_SIGMAS_95 * sigma,
+                                                .own = fmax(1 - kept * kept, 0)};
         }
     }
 }
@@ -129,19 +128,16 @@ static mukca_status take_over(task *t, mukca_diagnosis *d, mukca_error *error)
     mukca_regression *m = t->m;
     mukca_status status = MUKCA_OK;
     d->geometry = m->unknowns.geometry;
-    if (t->options->folds && d->folds > 1)
-        t->adoption->explained_m = d->explained_m = held_out(t, d);
+    if (d->folds > 1) d->applied_m = held_out(t, d);
     if (t->options->test) {
-        const double geometry_m = d->test_geometry_m; /* of the arm by itself */
+        const double own[2] = {d->test_geometry_m, d->test_explained_m}; /* of the arm by itself */
         const mukca_arm_state arm = mukca_unknowns_arm(&m->unknowns);
         status = mukca_test_data_measure(d, NULL, m, &arm, t->options->test, error);
-        d->test_geometry_m = geometry_m;
-        t->adoption->test_explained_m = d->test_explained_m;
+        d->test_applied_m = d->test_explained_m;
+        d->test_geometry_m = own[0], d->test_explained_m = own[1];
     }
-    if (t->options->applied) {
-        memset(&d->applied, 0, sizeof d->applied);
-        mukca_applied_fit(&d->applied, m);
-    }
+    memset(&d->applied, 0, sizeof d->applied);
+    mukca_applied_fit(&d->applied, m);
     return status;
 }
 
@@ -150,12 +146,7 @@ mukca_status mukca_adopt(mukca_adoption *a, mukca_regression *m, mukca_diagnosis
 {
     task *t = MUKCA_TAKE(&m->pool, task, 1);
     mukca_fleet_prior wide[MUKCA_FLEET_TERMS];
-    *a = (mukca_adoption){.traits = options->traits,
-                          .only = options->only,
-                          .explained_m = d->explained_m,
-                          .test_explained_m = d->test_explained_m,
-                          .own_explained_m = d->explained_m,
-                          .own_test_explained_m = d->test_explained_m};
+    *a = (mukca_adoption){.traits = options->traits, .only = options->only};
     if (t) t->adoption = a, t->m = m, t->options = options;
     bool ok = t && mukca_unknowns_clone(&t->own, &m->pool, &m->unknowns) &&
               mukca_unknowns_clone(&t->base, &m->pool, &m->unknowns) &&

@@ -66,7 +66,7 @@ static void estimate(mukca_departure *d, const comparison *c, int k, double s2)
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++)
             variance -= row[i] * row[j] * (W[i * n + j] - shrink * W[i * n + k] * W[k * n + j]);
-    const double half = MUKCA_FLEET_INTERVAL * sqrt(fmax(variance, 0));
+    const double half = MUKCA_SIGMAS_95 * sqrt(fmax(variance, 0));
     d->k = k;
     d->mean = c->mean[k];
     d->value = d->mean + own;

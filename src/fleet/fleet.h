@@ -21,9 +21,6 @@ enum {
     MUKCA_FLEET_PACKED = MUKCA_FLEET_TERMS * (MUKCA_FLEET_TERMS + 1) / 2
 };
 
-/* Half-width of a 95 % interval in sigmas: the 0.975 quantile of the normal distribution. */
-#define MUKCA_FLEET_INTERVAL 1.959963984540054
-
 /* Unit of the log Bayes factors of orders, which makes sums exact in any order; clipped at
  * +-2047. */
 #define MUKCA_FLEET_QUANTUM (1.0 / 16)
@@ -238,8 +235,6 @@ typedef struct {
     bool only;           /* only the traits' means, no elasticity fitted to this arm */
     bool adopted;        /* the traits' prior is in use; else the arm's own fit is better */
     double log_evidence; /* of the traits against the better of the fits without them */
-    /* held-out errors with and without the traits, m; NaN: not measured */
-    double explained_m, test_explained_m, own_explained_m, own_test_explained_m;
     int n;
     mukca_inherited list[MUKCA_MAX_TRAITS];
 } mukca_adoption;
@@ -247,11 +242,11 @@ typedef struct {
 typedef struct {
     const mukca_traits *traits;
     const mukca_dataset *test; /* held-out data, or NULL */
-    bool only, folds, applied;
+    bool only;
 } mukca_adopt_options;
 
 /* Fit the arm with the traits as prior, in the regression of its diagnosis.  If the evidence
- * favours the traits, the diagnosis gets the errors and the applicable effects of that fit;
+ * favours the traits, the errors and effects that the diagnosis applies are those of that fit;
  * otherwise the regression is restored.  Causes and verdict remain those of the arm's own data.
  * Errors: MUKCA_MEMORY. */
 mukca_status mukca_adopt(mukca_adoption *adoption, mukca_regression *m, mukca_diagnosis *diagnosis,

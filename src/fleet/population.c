@@ -255,7 +255,7 @@ static bool take_average(mukca_population *p)
     for (int i = 0; i < n && ok; i++) {
         const double present = a.present[i], value = a.mean[i] / present;
         double *row = &p->average_covariance[i * n];
-        const double half = MUKCA_FLEET_INTERVAL * sqrt(fmax(row[i] / present - value * value, 0));
+        const double half = MUKCA_SIGMAS_95 * sqrt(fmax(row[i] / present - value * value, 0));
         p->probability[i] = present / a.total;
         p->value[i] = fmax(value, 0);
         p->low[i] = fmax(value - half, 0), p->high[i] = fmax(value + half, 0);

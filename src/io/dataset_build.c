@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/list.h"
 #include "base/note.h"
 #include "base/utf8.h"
 
@@ -20,12 +21,9 @@ static void *resize(void *list, size_t count, size_t size, const mukca_dataset_b
 /* Append an item to the list of *n at `list`; NULL, with the error set, if memory is exhausted. */
 static void *append(void *list, int *n, size_t size, const mukca_dataset_builder *builder)
 {
-    char *items;
-    memcpy(&items, list, sizeof items);
-    items = resize(items, (size_t)*n + 1, size, builder);
-    if (!items) return NULL;
-    memcpy(list, &items, sizeof items);
-    return memset(items + size * (size_t)(*n)++, 0, size);
+    void *item = mukca_list_append(list, n, size);
+    if (!item) mukca_fail(builder->error, MUKCA_MEMORY, "out of memory while reading data");
+    return item;
 }
 
 mukca_status mukca_build_file(mukca_dataset_builder *builder, const char *path)

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "base/file.h"
+#include "base/list.h"
 #include "base/note.h"
 #include "base/utf8.h"
 
@@ -163,10 +164,10 @@ static mukca_status find_placement(int *placement, mukca_dataset_builder *b, ses
             return MUKCA_OK;
         }
     char qualified[2 * MUKCA_NAME_SIZE + 2];
-    void *grown = realloc(s->written, ((size_t)n + 1) * sizeof *s->written);
-    if (!grown) return mukca_fail(b->error, MUKCA_MEMORY, "out of memory");
-    s->written = grown;
-    snprintf(s->written[n], sizeof s->written[n], "%s", name);
+    int listed = n;
+    char *written = mukca_list_append(&s->written, &listed, sizeof *s->written);
+    if (!written) return mukca_fail(b->error, MUKCA_MEMORY, "out of memory");
+    snprintf(written, sizeof *s->written, "%s", name);
     snprintf(qualified, sizeof qualified, "%s:%s", s->stem, name);
     qualified[mukca_utf8_fit(qualified, MUKCA_NAME_SIZE - 1)] = '\0';
     *placement = b->data->n_placements;

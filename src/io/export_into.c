@@ -17,7 +17,7 @@ typedef struct {
     mukca_error *error;
 } patch;
 
-static const mukca_frame identity = {.R = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+static const mukca_frame identity = {.R = MUKCA_IDENTITY};
 
 static mukca_status fail(const patch *p, const char *body, const char *what)
 {

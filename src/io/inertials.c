@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/list.h"
 #include "base/number.h"
 #include "io/table.h"
 
@@ -34,11 +35,11 @@ static void read_row(void *context, mukca_table *table, const int *column)
     if (row.kg < 0) mukca_table_fail(table, column[1], "a mass cannot be negative");
     if (table->status != MUKCA_OK) return;
     memcpy(row.link, link, strlen(link) + 1);
-    mukca_inertial *grown = realloc(l->rows, (size_t)(l->n + 1) * sizeof *grown);
-    if (!grown) mukca_table_stop(table, mukca_fail(table->error, MUKCA_MEMORY, "out of memory"));
-    if (!grown) return;
-    l->rows = grown;
-    grown[l->n++] = row;
+    mukca_inertial *added = mukca_list_append(&l->rows, &l->n, sizeof *added);
+    if (added)
+        *added = row;
+    else
+        mukca_table_stop(table, mukca_fail(table->error, MUKCA_MEMORY, "out of memory"));
 }
 
 mukca_status mukca_inertials_read(mukca_inertial **rows, int *n, const char *path,

@@ -2,6 +2,7 @@
 #include "io/language.h"
 
 #include <ctype.h>
+#include <math.h>
 #include <string.h>
 
 #include "base/number.h"
@@ -22,7 +23,7 @@ struct mukca_language {
     char comment;         /* first character of a comment */
 };
 
-#define DEGREE (3.14159265358979323846 / 180)
+#define DEGREE (M_PI / 180)
 
 static const mukca_language rapid = {
     .open = "[[",

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/list.h"
 #include "base/note.h"
 #include "base/pool.h"
 #include "math/stats.h"
@@ -15,7 +16,7 @@ enum { POSE = 7, MOST_PAIRS = 1 << 26 };
 
 typedef struct {
     double (*poses)[POSE];
-    int n, capacity;
+    int n;
     double length; /* m per unit of the positions */
 } list;
 
@@ -27,15 +28,11 @@ static void read_row(void *context, mukca_table *t, const int *column)
         mukca_table_fail(t, -1, "%d columns, but a pose has 7: x,y,z,qw,qx,qy,qz", t->n_columns);
         return;
     }
-    if (l->n == l->capacity) {
-        const int capacity = l->capacity ? 2 * l->capacity : 64;
-        void *grown = realloc(l->poses, (size_t)capacity * sizeof *l->poses);
-        if (!grown) mukca_table_stop(t, mukca_fail(t->error, MUKCA_MEMORY, "out of memory"));
-        if (!grown) return;
-        l->capacity = capacity;
-        l->poses = grown;
+    double *pose = mukca_list_append(&l->poses, &l->n, sizeof *l->poses);
+    if (!pose) {
+        mukca_table_stop(t, mukca_fail(t->error, MUKCA_MEMORY, "out of memory"));
+        return;
     }
-    double *pose = l->poses[l->n++];
     for (int i = 0; i < POSE; i++) {
         pose[i] = mukca_table_number(t, i) * (i < 3 ? l->length : 1);
         if (i < 3) mukca_rows_check_length(t, i, pose[i]);

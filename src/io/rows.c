@@ -11,7 +11,7 @@
 
 /* Larger angles, rad, are in degrees: a joint turns at most once or twice.  A value of 13 degrees
  * or less passes, but some row of a recording exceeds it. */
-static const double most_angle = 4 * 3.14159265358979323846 + 1e-6;
+static const double most_angle = 4 * M_PI + 1e-6;
 /* Larger lengths, m, are in millimetres: no arm has a reach of 50 m, no linear axis 20 m. */
 static const double most_length = 50, most_prismatic = 20;
 /* rad or m: encoders exceed the URDF's limits slightly; a larger excess is noted */

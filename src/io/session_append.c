@@ -15,6 +15,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/list.h"
 #include "base/note.h"
 #include "base/text.h"
 #include "base/utf8.h"
@@ -79,24 +80,15 @@ static mukca_status commit(mukca_session *session, const char *text, size_t leng
     return status;
 }
 
-static bool grow(mukca_session *session)
-{
-    if (session->n_rows < session->capacity) return true;
-    int capacity = session->capacity ? 2 * session->capacity : 256;
-    int64_t *more = realloc(session->row_at, (size_t)capacity * sizeof *more);
-    if (!more) return false;
-    session->row_at = more;
-    session->capacity = capacity;
-    return true;
-}
-
 mukca_status mukca_session_add(mukca_session *session, const mukca_session_row *row,
                                mukca_error *error)
 {
     char buffer[LINE_SIZE];
     mukca_text line = MUKCA_TEXT(buffer);
     char s = session->separator;
-    if (!grow(session)) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    int n = session->n_rows;
+    int64_t *place = mukca_list_append(&session->row_at, &n, sizeof *place);
+    if (!place) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     mukca_text_put(&line, "%s%c%s%c%.6f", row->placement, s, row->socket, s, row->time);
     const double *const columns[] = {row->q, row->spread, session->has_effort ? row->effort : NULL,
                                      session->has_command ? row->command : NULL};
@@ -104,9 +96,9 @@ mukca_status mukca_session_add(mukca_session *session, const mukca_session_row *
         for (int j = 0; columns[k] && j < session->n_joints; j++)
             mukca_text_put(&line, isfinite(columns[k][j]) ? "%c%.17g" : "%cnan", s, columns[k][j]);
     mukca_text_put(&line, "\n");
-    int64_t at = session->length;
+    *place = session->length;
     mukca_status status = commit(session, line.at, line.used, error);
-    if (status == MUKCA_OK) session->row_at[session->n_rows++] = at;
+    if (status == MUKCA_OK) session->n_rows = n;
     return status;
 }
 
@@ -291,8 +283,9 @@ static mukca_status scan(mukca_session *session, bool *has_columns, char *text,
                     session->path);
             *has_columns = true;
         } else if (at[0]) {
-            if (!grow(session)) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-            session->row_at[session->n_rows++] = at - text;
+            int64_t *place = mukca_list_append(&session->row_at, &session->n_rows, sizeof *place);
+            if (!place) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+            *place = at - text;
         }
     }
     return MUKCA_OK;

@@ -36,7 +36,6 @@ typedef struct {
     bool uncut;      /* the file may have more bytes, of a row that failed */
     int n_rows;      /* recorded and not undone */
     int64_t *row_at; /* [n_rows] byte offsets of the rows */
-    int capacity;
 } mukca_session;
 
 /* Create a session file; an existing one is refused without `force`.  A name that ends in .csv

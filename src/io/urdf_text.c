@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/list.h"
 #include "base/number.h"
 
 /* Limits far beyond any real robot.  The depth also bounds the stack of urdfdom's recursive parser.
@@ -31,19 +32,14 @@ static bool is(const xmlNode *node, const char *name)
 static mukca_urdf_joint *new_joint(scan *s)
 {
     mukca_urdf_text *urdf = s->urdf;
-    const size_t n = (size_t)urdf->n_joints;
-    mukca_urdf_joint *joints =
-        n < MOST_JOINTS ? realloc(urdf->joints, (n + 1) * sizeof *joints) : NULL;
-    if (!joints) {
-        s->status = n < MOST_JOINTS
-                        ? mukca_fail(s->error, MUKCA_MEMORY, "out of memory")
-                        : mukca_fail(s->error, MUKCA_INPUT, "%s: has more than %d joints", s->path,
-                                     (int)MOST_JOINTS);
-        return NULL;
-    }
-    urdf->joints = joints;
-    joints[urdf->n_joints++] = (mukca_urdf_joint){0};
-    return &joints[n];
+    const bool room = urdf->n_joints < MOST_JOINTS;
+    mukca_urdf_joint *joint =
+        room ? mukca_list_append(&urdf->joints, &urdf->n_joints, sizeof *joint) : NULL;
+    if (!joint)
+        s->status = room ? mukca_fail(s->error, MUKCA_MEMORY, "out of memory")
+                         : mukca_fail(s->error, MUKCA_INPUT, "%s: has more than %d joints", s->path,
+                                      (int)MOST_JOINTS);
+    return joint;
 }
 
 /* Read three numbers of an attribute, which may be absent. */

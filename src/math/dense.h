@@ -35,6 +35,9 @@ int mukca_dense_solve(double *b, int k, double *A, int n);
 void mukca_dense_forward(double *b, int k, const double *L, int n);
 void mukca_dense_backward(double *b, int k, const double *L, int n);
 
+/* |L^-1 a|^2: the variance of a' x, if L L' is the precision of x; a[n] is overwritten. */
+double mukca_dense_variance(double *a, const double *L, int n);
+
 /* Solve L x = b for the first k columns of b[n][ld], k a multiple of 8. */
 void mukca_dense_forward8(double *b, int k, int ld, const double *L, int n);
 

@@ -252,6 +252,14 @@ MUKCA_CLONES void mukca_dense_backward(double *b, int k, const double *L, int n)
     }
 }
 
+double mukca_dense_variance(double *a, const double *L, int n)
+{
+    double sum = 0;
+    mukca_dense_forward(a, 1, L, n);
+    for (int i = 0; i < n; i++) sum += a[i] * a[i];
+    return sum;
+}
+
 int mukca_dense_solve(double *b, int k, double *A, int n)
 {
     const int failed = mukca_dense_cholesky(A, n);

@@ -27,7 +27,7 @@ void mukca_frame_nearest(mukca_frame *pose, const double *to, const double *from
     for (int i = 0; i < n * stride; i += stride)
         for (int r = 0; r < 9; r++)
             H[r] += (from[i + r / 3] - mean[1][r / 3]) * (to[i + r % 3] - mean[0][r % 3]);
-    *pose = (mukca_frame){.R = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    *pose = (mukca_frame){.R = MUKCA_IDENTITY};
     mukca_rotation_nearest(pose->R, H);
     mukca_mat3_vec(turned, pose->R, mean[1]);
     for (int r = 0; r < 3; r++) pose->p[r] = mean[0][r] - turned[r];

@@ -5,12 +5,10 @@
 #include "math/sincos.h"
 #include "mukca/rotation.h"
 
-#define PI 3.14159265358979323846
-
 /* `angle` plus the multiple of 2 pi that brings it closest to `near`. */
 static double unwrap(double angle, double near)
 {
-    return angle + 2 * PI * round((near - angle) / (2 * PI));
+    return angle + 2 * M_PI * round((near - angle) / (2 * M_PI));
 }
 
 static double triple_distance(const double a[3], const double b[3])
@@ -26,8 +24,8 @@ void mukca_rotation_to_rpy(double rpy[3], const double R[9], const double near[3
         rpy[0] = atan2(R[7], R[8]);
         rpy[2] = atan2(R[3], R[0]);
         if (near) {
-            double other[3] = {unwrap(rpy[0] + PI, near[0]), unwrap(PI - rpy[1], near[1]),
-                               unwrap(rpy[2] + PI, near[2])};
+            double other[3] = {unwrap(rpy[0] + M_PI, near[0]), unwrap(M_PI - rpy[1], near[1]),
+                               unwrap(rpy[2] + M_PI, near[2])};
             for (int i = 0; i < 3; i++) rpy[i] = unwrap(rpy[i], near[i]);
             if (triple_distance(other, near) < triple_distance(rpy, near))
                 for (int i = 0; i < 3; i++) rpy[i] = other[i];

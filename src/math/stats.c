@@ -11,12 +11,17 @@ static int compare(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
+void mukca_stats_sort(double *x, int n)
+{
+    qsort(x, (size_t)n, sizeof *x, compare);
+}
+
 double mukca_stats_quantile(double *x, int n, double p)
 {
     if (n <= 0) return 0;
     for (int i = 0; i < n; i++)
         if (x[i] != x[i]) return x[i];
-    qsort(x, (size_t)n, sizeof *x, compare);
+    mukca_stats_sort(x, n);
     double at = p * (n - 1);
     int i = at <= 0 ? 0 : at >= n - 1 ? n - 1 : (int)at;
     double rest = at - i;

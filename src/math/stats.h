@@ -5,6 +5,10 @@
 /* Mean length of a 3-vector of independent standard normals: 2 sqrt(2 / pi). */
 #define MUKCA_MEAN_NORM3 1.5957691216057308
 
+/* Half-width of a 95 % interval in sigmas: the 0.975 quantile of the normal distribution. */
+#define MUKCA_SIGMAS_95 1.959963984540054
+
+void mukca_stats_sort(double *x, int n);                 /* ascending */
 double mukca_stats_median(double *x, int n);             /* reorders x; 0 for n = 0 */
 double mukca_stats_quantile(double *x, int n, double p); /* linear interpolation; reorders x */
 double mukca_stats_log_sum_exp(const double *x, int n);  /* -HUGE_VAL for n = 0 */

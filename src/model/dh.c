@@ -1,10 +1,9 @@
 /* Denavit-Hartenberg tables of a chain. */
 #include "model/dh.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
-
-static const double pi = 3.14159265358979323846;
 
 /* Sine of the angle below which two axes are treated as parallel.  This causes an error of sine
  * times a metre; the alternative, a common normal, causes the rounding error of d = metre / sine,
@@ -53,8 +52,8 @@ static void find_row(mukca_dh_row *r, const mukca_frame *F, const mukca_frame *l
         r->theta = 0;
     }
     /* of the two directions of x along the normal, the one with the smaller rotation */
-    if (fabs(r->theta) > pi / 2 + parallel && (sine >= parallel || !tip))
-        r->theta -= copysign(pi, r->theta);
+    if (fabs(r->theta) > M_PI / 2 + parallel && (sine >= parallel || !tip))
+        r->theta -= copysign(M_PI, r->theta);
     r->theta = clean(r->theta);
     const double c = cos(r->theta), s = sin(r->theta);
     r->a = clean(c * w[0] + s * w[1]);
@@ -106,7 +105,7 @@ void mukca_dh_from_chain(mukca_dh *dh, const mukca_chain *chain, const double *t
     const int n = chain->n_joints;
     mukca_geometry geometry;
     mukca_frame before[MUKCA_MAX_ELEMENTS], tip;
-    mukca_frame F = {.R = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    mukca_frame F = {.R = MUKCA_IDENTITY};
     mukca_dh_row row[MUKCA_MAX_JOINTS + 2];
     mukca_geometry_set(&geometry, chain, theta);
     mukca_fk_frames(before, &tip, &geometry, q, NULL);

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "math/stats.h"
+
 /* Distances between readings of one posture and between postures, rad (m of a sliding joint):
  * encoder noise and servo steps are below the one, chosen postures above the other.  Between them
  * the widest gap in the data decides. */
@@ -20,12 +22,6 @@ static int by_angle(const void *a, const void *b)
 {
     const sorted *x = a, *y = b;
     return x->q != y->q ? (x->q > y->q) - (x->q < y->q) : x->row - y->row;
-}
-
-static int ascending(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
 }
 
 /* Largest difference of a joint's angles; rows with another payload are another posture. */
@@ -72,7 +68,7 @@ static double find_tolerance(double *nearest, const sorted *order, const mukca_d
                 least = fmin(least, distance(d, order[i].row, order[k].row));
         if (least > NEAR && least < FAR) nearest[n++] = least;
     }
-    qsort(nearest, (size_t)n, sizeof *nearest, ascending);
+    mukca_stats_sort(nearest, n);
     double widest = 0, tolerance = sqrt(NEAR * FAR);
     for (int i = 0; i <= n; i++) {
         const double low = i ? nearest[i - 1] : NEAR, high = i < n ? nearest[i] : FAR;
@@ -139,7 +135,7 @@ void mukca_posture_draw(double *q, const mukca_chain *chain, mukca_random *rando
 {
     for (int j = 0; j < chain->n_joints; j++) {
         const mukca_element *e = &chain->element[chain->joint_element[j]];
-        const double half = e->type == MUKCA_PRISMATIC ? 0.5 : 3.14159265358979;
+        const double half = e->type == MUKCA_PRISMATIC ? 0.5 : M_PI;
         const double lower = isfinite(e->lower) ? e->lower : -half;
         const double upper = isfinite(e->upper) ? e->upper : half;
         q[j] = lower + (upper - lower) * mukca_random_uniform(random);

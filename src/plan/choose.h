@@ -55,7 +55,7 @@ typedef struct {
 /* The posterior of fit/posterior.h, with columns for the causes; the mean of each socket is
  * eliminated.  Sums of the samples make adding and removing one cheap. */
 typedef struct {
-    mukca_linearisation at;
+    mukca_arm_point at;
     const mukca_plan_options *options;
     const mukca_plan_socket *sockets;
     double noise;   /* m */

@@ -72,7 +72,7 @@ static bool seat(double *q, const double centre[3], const mukca_plan_rules *rule
 {
     const mukca_chain *chain = rules->chain;
     const mukca_inverse_options options = {.max_steps = 60};
-    const mukca_frame target = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {centre[0], centre[1], centre[2]}};
+    const mukca_frame target = {MUKCA_IDENTITY, {centre[0], centre[1], centre[2]}};
     if (!mukca_inverse_solve(q, chain, rules->geometry, &target, false, &options).reached)
         return false;
     for (int j = 0; j < chain->n_joints; j++) {

@@ -35,7 +35,7 @@ mukca_status mukca_plan_state_create(mukca_plan_state *s, const mukca_plan_task 
     s->sockets = task->sockets;
     s->n_sockets = task->n_sockets;
     s->n_effects = options->n_effects;
-    mukca_linearisation_init(&s->at, task->chain, task->theta);
+    mukca_arm_point_init(&s->at, task->chain, task->theta);
     for (int e = 0; e < s->n_effects; e++) {
         s->effect[e] = options->effects[e];
         s->effect[e].terms = mukca_effect_terms(&s->effect[e]);
@@ -68,7 +68,7 @@ void mukca_plan_design(double *H, mukca_plan_state *s, const double *q, int plac
 {
     const mukca_chain *chain = s->at.chain;
     double move[MUKCA_MAX_JOINTS] = {0};
-    mukca_linearisation_tip(H, s->n, NULL, &s->at, q);
+    mukca_arm_point_tip(H, s->n, NULL, &s->at, q);
     for (int j = 0; j < chain->n_joints && before; j++) move[j] = q[j] - before[j];
     for (int e = 0; e < s->n_effects; e++) {
         const mukca_joint_state state = {
@@ -266,7 +266,7 @@ static double error_at(const mukca_plan_state *s, int e)
     double sum = 0, J[MUKCA_MAX_FREE + MUKCA_PLAN_MAX_EFFECTS * MUKCA_MAX_TERMS];
     for (int d = 0; d < 3; d++) {
         memcpy(J, s->elsewhere + (3 * e + d) * s->n, (size_t)s->n * sizeof *J);
-        sum += mukca_posterior_variance(s->L, J, s->n);
+        sum += mukca_dense_variance(J, s->L, s->n);
     }
     return sqrt(sum);
 }
@@ -292,12 +292,11 @@ double mukca_plan_strength(const mukca_plan_state *s)
 {
     double least = NAN;
     for (int e = 0; e < s->n_effects; e++) {
-        double L[MUKCA_MAX_TERMS * MUKCA_MAX_TERMS], c[MUKCA_MAX_TERMS], strength = 0;
+        double L[MUKCA_MAX_TERMS * MUKCA_MAX_TERMS], c[MUKCA_MAX_TERMS];
         const int m = covariance_of(L, s, e);
         memcpy(c, s->effect[e].coefficient, (size_t)m * sizeof *c);
         if (!(factor(L, m) > -HUGE_VAL)) return NAN;
-        mukca_dense_forward(c, 1, L, m);
-        for (int i = 0; i < m; i++) strength += c[i] * c[i];
+        const double strength = mukca_dense_variance(c, L, m);
         least = isnan(least) ? strength : fmin(least, strength);
     }
     return least;

@@ -204,13 +204,14 @@ static void guess_frames(mukca_pose_check *check, preview *p, bool free_base, bo
 mukca_status mukca_pose_check_run(mukca_pose_check *check, const mukca_recalibrate_task *task,
                                   mukca_error *error)
 {
-    static const mukca_frame identity = {.R = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
     const int last = task->chain->n_elements - 1;
     const bool free_base = task->options->free_base, free_tool = task->options->free_tool;
     preview *p = calloc(1, sizeof *p);
     if (!p) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    *check = (mukca_pose_check){
-        .position_element = last, .rotation_element = last, .base = identity, .tool = identity};
+    *check = (mukca_pose_check){.position_element = last,
+                                .rotation_element = last,
+                                .base.R = MUKCA_IDENTITY,
+                                .tool.R = MUKCA_IDENTITY};
     p->chain = task->chain;
     mukca_geometry_set(&p->geometry, p->chain, NULL);
     mukca_status status = load(p, task, error);

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-static const mukca_frame identity = {.R = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+static const mukca_frame identity = {.R = MUKCA_IDENTITY};
 
 static const struct {
     const char *name, *axes;

@@ -58,7 +58,8 @@ bool mukca_budget_take(mukca_budget *b, int64_t now, double rate, double first, 
     return true;
 }
 
-bool mukca_requests_may(mukca_recorder *r, const mukca_lcm_packet *packet)
+/* Whether a sender's request is within its rate limit.  False: it is refused. */
+static bool may_request(mukca_recorder *r, const mukca_lcm_packet *packet)
 {
     if (!packet->sender) return true;
     mukca_requests_sender *s = &r->requests.sender[0]; /* its entry, else the oldest */
@@ -72,6 +73,17 @@ bool mukca_requests_may(mukca_recorder *r, const mukca_lcm_packet *packet)
     mukca_recorder_refuse(r, MUKCA_RECORDER_RATE,
                           "%s: more than %g requests a second of one sender: ignored",
                           packet->channel, requests_per_s);
+    return false;
+}
+
+bool mukca_requests_decode(void *message, mukca_recorder *r, mukca_message_kind kind,
+                           const mukca_lcm_packet *packet)
+{
+    mukca_error error;
+    if (!mukca_message_decode(message, kind, packet->data, packet->size, &error))
+        return may_request(r, packet);
+    mukca_recorder_refuse(r, MUKCA_RECORDER_OWN_MESSAGE, "%s: %s: ignored", packet->channel,
+                          error.text);
     return false;
 }
 
@@ -99,12 +111,7 @@ static void take_trigger(mukca_recorder *r, const mukca_lcm_packet *packet)
 {
     mukca_message_trigger trigger;
     mukca_error error;
-    if (mukca_message_decode(&trigger, MUKCA_MESSAGE_TRIGGER, packet->data, packet->size, &error)) {
-        mukca_recorder_refuse(r, MUKCA_RECORDER_OWN_MESSAGE, "%s: %s: ignored", packet->channel,
-                              error.text);
-        return;
-    }
-    if (!mukca_requests_may(r, packet)) return;
+    if (!mukca_requests_decode(&trigger, r, MUKCA_MESSAGE_TRIGGER, packet)) return;
     mukca_status status = mukca_requests_check_signature(r, packet, trigger.utime, &error);
     if (status == MUKCA_OK && r->hooks.trigger)
         status = r->hooks.trigger(r->hooks.context, packet, &error);

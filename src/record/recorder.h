@@ -246,9 +246,6 @@ void mukca_recorder_describe_silence(mukca_text *text, const mukca_recorder *r, 
 /* Process a message of the stream's channel. */
 void mukca_stream_take(mukca_recorder *r, const mukca_lcm_packet *packet);
 
-/* Process the joint states in r->stream.last.joints; `packet` has their arrival and sender. */
-void mukca_stream_take_joints(mukca_recorder *r, const mukca_lcm_packet *packet, int type);
-
 /* Process lines of standard input, or wait for some; as mukca_lcm_link_wait. */
 mukca_status mukca_stream_wait_lines(mukca_recorder *r, int timeout_ms, int other, bool *readable,
                                      mukca_error *error);
@@ -274,8 +271,9 @@ double mukca_stream_age(const mukca_recorder *r); /* s since the arrival of the 
  * none is left. */
 bool mukca_budget_take(mukca_budget *budget, int64_t now, double rate, double first, double most);
 
-/* Whether a sender's request is within its rate limit.  False: it is refused. */
-bool mukca_requests_may(mukca_recorder *r, const mukca_lcm_packet *packet);
+/* Decode a request, if it is one and within the rate limit of its sender.  False: it is refused. */
+bool mukca_requests_decode(void *message, mukca_recorder *r, mukca_message_kind kind,
+                           const mukca_lcm_packet *packet);
 
 /* Check the signature of a request with time stamp `utime`, us, if the options name a key: each is
  * accepted once, and only while fresh.  Errors: MUKCA_NEGATIVE. */

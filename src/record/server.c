@@ -191,12 +191,7 @@ static void on_command(void *context, const mukca_lcm_packet *packet)
     mukca_recorder *r = &s->recorder;
     mukca_message_command command;
     mukca_error line, error;
-    if (mukca_message_decode(&command, MUKCA_MESSAGE_COMMAND, packet->data, packet->size, &error)) {
-        mukca_recorder_refuse(r, MUKCA_RECORDER_OWN_MESSAGE, "%s: %s: ignored", packet->channel,
-                              error.text);
-        return;
-    }
-    if (!mukca_requests_may(r, packet)) return;
+    if (!mukca_requests_decode(&command, r, MUKCA_MESSAGE_COMMAND, packet)) return;
     mukca_status status = obey(s, packet, &command, &line);
     keep_place(s);
     if (mukca_server_save_state(s, &error) != MUKCA_OK) /* retried later; samples are safe */

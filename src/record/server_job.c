@@ -124,12 +124,9 @@ void mukca_server_send_answer(mukca_server *s, const mukca_server_answer *answer
 /* Append the verdict of the table to the line for the user. */
 static void add_verdict(char line[MUKCA_RECORDER_LINE], const mukca_acceptance *a)
 {
-    const size_t used = strlen(line);
-    char basis[MUKCA_ACCEPTANCE_SENTENCE];
-    mukca_acceptance_basis(basis, a, false);
-    snprintf(line + used, MUKCA_RECORDER_LINE - used,
-             a->accepted ? "; accepted, for `use`%s" : "; not accepted: %s",
-             a->accepted ? basis : a->reason);
+    mukca_text text = {.at = line, .size = MUKCA_RECORDER_LINE, .used = strlen(line)};
+    mukca_text_put(&text, a->accepted ? "; accepted, for `use`" : "; not accepted: %s", a->reason);
+    if (a->accepted) mukca_acceptance_put_basis(&text, a, false);
 }
 
 static void report(mukca_server *s, mukca_status code)

@@ -221,6 +221,20 @@ static bool copy_readings(mukca_recorder *r)
     return true;
 }
 
+/* Process the joint states in r->stream.last.joints; `packet` has their arrival and sender. */
+static void take_joints(mukca_recorder *r, const mukca_lcm_packet *packet, int type)
+{
+    mukca_stream *stream = &r->stream;
+    if (!stream->map.made && !map_first(r, type)) return;
+    if (!copy_readings(r) || !one_sender(r, packet)) return;
+    const int64_t time = stream->last.joints.time > 0 ? stream->last.joints.time : packet->time;
+    stream->last.time = time;
+    bool use = stream->connected && stream->map.confirmed;
+    if (use && r->hooks.joints) r->hooks.joints(r->hooks.context, time, stream->last.q);
+    count_arrival(r, packet->time);
+    if (use) feed(r, time);
+}
+
 void mukca_stream_take(mukca_recorder *r, const mukca_lcm_packet *packet)
 {
     mukca_stream *stream = &r->stream;
@@ -241,20 +255,7 @@ void mukca_stream_take(mukca_recorder *r, const mukca_lcm_packet *packet)
                               error.text);
         return;
     }
-    mukca_stream_take_joints(r, packet, type);
-}
-
-void mukca_stream_take_joints(mukca_recorder *r, const mukca_lcm_packet *packet, int type)
-{
-    mukca_stream *stream = &r->stream;
-    if (!stream->map.made && !map_first(r, type)) return;
-    if (!copy_readings(r) || !one_sender(r, packet)) return;
-    const int64_t time = stream->last.joints.time > 0 ? stream->last.joints.time : packet->time;
-    stream->last.time = time;
-    bool use = stream->connected && stream->map.confirmed;
-    if (use && r->hooks.joints) r->hooks.joints(r->hooks.context, time, stream->last.q);
-    count_arrival(r, packet->time);
-    if (use) feed(r, time);
+    take_joints(r, packet, type);
 }
 
 /* ---- lines of standard input, the alternative to LCM ---- */
@@ -291,7 +292,7 @@ static bool process_line(mukca_recorder *r, const char *line)
             }
             if (l->file) packet.time = s->last.joints.time;
             r->packet_time = packet.time;
-            mukca_stream_take_joints(r, &packet, 0);
+            take_joints(r, &packet, 0);
             r->packet_time = 0;
             break;
         case MUKCA_LINE_TRIGGER:

@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "base/text.h"
+#include "math/stats.h"
 #include "report/page.h"
 
 enum {
@@ -207,7 +208,7 @@ static bool draw_coefficient(mukca_plot *plot, const void *content, int index)
     const int k = panel(p, index), n = p->fleet->n_arms;
     if (k < 0) return false;
     const mukca_trait *c = &p->result->traits.list[k];
-    const double value = per * c->value, spread = 1.96 * per * c->spread;
+    const double value = per * c->value, spread = MUKCA_SIGMAS_95 * per * c->spread;
     char words[MUKCA_WORDING], probability[MUKCA_WORDING];
     mukca_text description = MUKCA_TEXT(plot->words);
     if (!put_points(plot, p, k)) return false;

@@ -71,7 +71,7 @@ typedef struct {
     const char *key[MUKCA_PLOT_SERIES]; /* title of a series; NULL: none */
     mukca_plot_point *points;           /* [n_points] */
     mukca_plot_tic *tics;               /* [n_tics] */
-    size_t n_points, n_tics;
+    int n_points, n_tics;
     bool failed; /* out of memory */
 } mukca_plot;
 

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/list.h"
 #include "base/utf8.h"
 
 /* WIDTH, px: two figures per row, legible on a phone.  Margins, px; BOTTOM_NAMES leaves room for
@@ -28,31 +29,20 @@ void mukca_plot_free(mukca_plot *plot)
     free(plot->tics);
 }
 
-/* Room for one more item in a list of n; NULL: out of memory. */
-static void *grow(mukca_plot *plot, void *list, size_t n, size_t size)
-{
-    if ((n & (n - 1)) != 0) return list; /* full at each power of two */
-    void *grown = realloc(list, (n ? 2 * n : 1) * size);
-    plot->failed |= !grown;
-    return grown;
-}
-
 void mukca_plot_add(mukca_plot *plot, mukca_plot_series series, const double at[2], double low,
                     double high)
 {
     if (!isfinite(at[0]) || !isfinite(at[1])) return;
-    mukca_plot_point *grown = grow(plot, plot->points, plot->n_points, sizeof *grown);
-    if (!grown) return;
-    plot->points = grown;
-    grown[plot->n_points++] = (mukca_plot_point){series, {at[0], at[1]}, low, high};
+    mukca_plot_point *added = mukca_list_append(&plot->points, &plot->n_points, sizeof *added);
+    plot->failed |= !added;
+    if (added) *added = (mukca_plot_point){series, {at[0], at[1]}, low, high};
 }
 
 void mukca_plot_name(mukca_plot *plot, double x, const char *name)
 {
-    mukca_plot_tic *grown = grow(plot, plot->tics, plot->n_tics, sizeof *grown);
-    if (!grown) return;
-    plot->tics = grown;
-    grown[plot->n_tics++] = (mukca_plot_tic){x, name};
+    mukca_plot_tic *added = mukca_list_append(&plot->tics, &plot->n_tics, sizeof *added);
+    plot->failed |= !added;
+    if (added) *added = (mukca_plot_tic){x, name};
 }
 
 double mukca_plot_round(double x)
@@ -117,7 +107,7 @@ static void put_numbers(FILE *out, const axis *a, const axis *other, bool vertic
 /* Names and grid of the horizontal axis. */
 static void put_names(FILE *out, const mukca_plot *p, const axis *x, const axis *y)
 {
-    for (size_t i = 0; i < p->n_tics; i++) {
+    for (int i = 0; i < p->n_tics; i++) {
         const double at = place(x, p->tics[i].x);
         char name[NAME + 1];
         snprintf(name, sizeof name, "%.*s", (int)mukca_utf8_fit(p->tics[i].name, NAME),

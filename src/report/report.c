@@ -7,41 +7,23 @@
 #include "fit/align.h"
 #include "report/report.h"
 
-/* Positions of ball or target of each sample, [n_rows][3]; NULL: out of memory. */
-static double *positions(mukca_report *r, const mukca_model *model)
+/* Positions of ball or target of each sample, and their residuals from their socket's mean or from
+ * the measured position, both [n_rows][3].  False: out of memory. */
+static bool find_residuals(double *position, double *residual, const mukca_model *model,
+                           const mukca_dataset *data)
 {
-    const int rows = r->train->n_rows;
-    double *tips = MUKCA_TAKE(&r->pool, double, 3 * rows + 1);
-    mukca_frame *frames = MUKCA_TAKE(&r->pool, mukca_frame, rows + 1);
-    if (!tips || !frames || !mukca_evaluate_tips(frames, model, r->train) ||
-        !mukca_evaluate_place(frames, r->train))
-        return NULL;
-    for (int i = 0; i < rows; i++) memcpy(tips + 3 * i, frames[i].p, sizeof frames[i].p);
-    return tips;
-}
-
-/* Residuals of the tips from their socket's mean or from the measured position, [n_rows][3]; NULL:
- * out of memory. */
-static double *residuals(mukca_report *r, const double *tips)
-{
-    const mukca_dataset *data = r->train;
-    double *residual = MUKCA_TAKE(&r->pool, double, 3 * data->n_rows + 1);
-    double *sum = MUKCA_TAKE(&r->pool, double, 3 * data->n_sockets + 1);
-    double *count = MUKCA_TAKE(&r->pool, double, data->n_sockets + 1);
-    if (!tips || r->pool.failed) return NULL;
-    for (int i = 0; i < data->n_rows; i++) {
+    mukca_evaluation e;
+    const bool ok = mukca_evaluation_make(&e, model, data);
+    for (int i = 0; i < data->n_rows && ok; i++) {
         const int s = data->socket[i];
-        if (s < 0) continue;
-        count[s]++;
-        for (int k = 0; k < 3; k++) sum[3 * s + k] += tips[3 * i + k];
-    }
-    for (int i = 0; i < data->n_rows; i++)
+        const double *about = s < 0 ? data->position + 3 * i : e.mean[s];
         for (int k = 0; k < 3; k++) {
-            const int s = data->socket[i];
-            const double truth = s < 0 ? data->position[3 * i + k] : sum[3 * s + k] / count[s];
-            residual[3 * i + k] = tips[3 * i + k] - truth;
+            position[3 * i + k] = e.tips[i].p[k];
+            residual[3 * i + k] = e.tips[i].p[k] - about[k];
         }
-    return residual;
+    }
+    mukca_pool_free(&e.pool);
+    return ok;
 }
 
 /* Component of each residual along the ball's motion by each joint, r . J_j / |J_j|, m,
@@ -74,11 +56,13 @@ static double *joint_errors(mukca_report *r, const mukca_chain *chain, const dou
 /* Positions, residuals and their components by joint of model m. */
 static mukca_status predict(mukca_report *r, int m, const mukca_model *model, mukca_error *error)
 {
-    r->tip[m] = positions(r, model);
-    r->residual[m] = residuals(r, r->tip[m]);
-    r->joint_error[m] = joint_errors(r, r->fitted, r->offsets->theta, r->residual[m]);
-    return r->joint_error[m] && !r->pool.failed ? MUKCA_OK
-                                                : mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    double *position = MUKCA_TAKE(&r->pool, double, 3 * r->train->n_rows + 1);
+    double *residual = MUKCA_TAKE(&r->pool, double, 3 * r->train->n_rows + 1);
+    const bool ok = position && residual && find_residuals(position, residual, model, r->train);
+    r->tip[m] = position;
+    r->residual[m] = residual;
+    r->joint_error[m] = ok ? joint_errors(r, r->fitted, r->offsets->theta, residual) : NULL;
+    return r->joint_error[m] ? MUKCA_OK : mukca_fail(error, MUKCA_MEMORY, "out of memory");
 }
 
 /* Score a dataset, 0: `train`, 1: `test`. */

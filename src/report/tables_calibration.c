@@ -23,7 +23,7 @@ void mukca_report_put_accuracy(FILE *out, const mukca_report *r)
     const bool factory = r->fitted->kinematics_sha256[0] != '\0';
     char text[MUKCA_ACCEPTANCE_SENTENCE];
     if (!a->given) return;
-    mukca_acceptance_use(text, a, factory);
+    mukca_acceptance_put_use(&(mukca_text)MUKCA_TEXT(text), a, factory);
     if (a->accepted && isfinite(a->error_here_low_m)) {
         fputs(
             "<h2 id=\"accuracy\">Accuracy: expected error of the tip</h2>\n<dl class=\"tiles\">\n",

@@ -45,8 +45,8 @@ void mukca_wording_effect(char text[MUKCA_WORDING], mukca_effect_kind kind, cons
              joint ? joint : "");
 }
 
-void mukca_wording_cause(char text[MUKCA_WORDING], const mukca_cause *cause,
-                         const mukca_diagnosed *r)
+/* "transmission ripple at joint_2 (240 ± 1 per turn)" */
+static void put_cause(char text[MUKCA_WORDING], const mukca_cause *cause, const mukca_diagnosed *r)
 {
     const mukca_effect *e = &cause->effect;
     mukca_wording_effect(text, e->kind, mukca_chain_joint_name(r->chain, e->joint));
@@ -70,7 +70,7 @@ void mukca_wording_rivals(char text[MUKCA_WORDING], const mukca_cause *cause,
                           const mukca_diagnosed *r)
 {
     char rival[MUKCA_WORDING], variant[MUKCA_WORDING];
-    mukca_wording_cause(text, cause, r);
+    put_cause(text, cause, r);
     for (int t = 0; t < cause->n_ties; t++) {
         const bool last = t + 1 == cause->n_ties && !cause->or_unknown;
         const mukca_tie *tie = &cause->ties[t];
@@ -245,7 +245,7 @@ void mukca_wording_verdict(char text[MUKCA_WORDING], const mukca_diagnosed *r)
         if (tied)
             mukca_wording_rivals(words, first, r);
         else
-            mukca_wording_cause(words, first, r);
+            put_cause(words, first, r);
         put(text, "%s: %s (%s)", causes > 1 ? "Main cause" : "Cause", words,
             tied ? "indistinguishable in these data" : mukca_wording_mechanism(first, r));
         put_count(text, causes - 1, "further ");
@@ -261,7 +261,7 @@ void mukca_wording_check(char text[MUKCA_WORDING], const mukca_diagnosed *r)
     text[0] = '\0';
     put(text, "simulated with these postures and this noise: ");
     if (c->cause) {
-        mukca_wording_cause(cause, c->cause, r);
+        put_cause(cause, c->cause, r);
         put(text, "%s was found again in %d of %d recordings", cause, c->found, c->runs);
         if (c->tied) put(text, ", tied in %d", c->tied);
         if (c->other) put(text, ", another cause in %d", c->other);

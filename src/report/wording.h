@@ -49,11 +49,7 @@ bool mukca_wording_on_arm(const mukca_cause *cause);
  * compliance". */
 void mukca_wording_effect(char text[MUKCA_WORDING], mukca_effect_kind kind, const char *joint);
 
-/* The same with the cause's variant: "transmission ripple at joint_2 (240 ± 1 per turn)". */
-void mukca_wording_cause(char text[MUKCA_WORDING], const mukca_cause *cause,
-                         const mukca_diagnosed *diagnosed);
-
-/* The same with all indistinguishable rivals: "A, B or C". */
+/* The same with the cause's variant and all indistinguishable rivals: "A, B or C". */
 void mukca_wording_rivals(char text[MUKCA_WORDING], const mukca_cause *cause,
                           const mukca_diagnosed *diagnosed);
 

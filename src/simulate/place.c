@@ -107,7 +107,7 @@ void mukca_simulate_posture(double *q, const mukca_chain *chain, mukca_random *r
 {
     for (int j = 0; j < chain->n_joints; j++) {
         const mukca_element *e = &chain->element[chain->joint_element[j]];
-        const double free = e->type == MUKCA_PRISMATIC ? 0.5 : 3.141592653589793;
+        const double free = e->type == MUKCA_PRISMATIC ? 0.5 : M_PI;
         const double lower = fmax(e->lower, -free), range = fmin(e->upper, free) - lower;
         q[j] = lower + range * (0.02 + 0.96 * mukca_random_uniform(random));
     }

@@ -2,7 +2,7 @@
  * candidates against evidence with their columns really added. */
 #include <stdlib.h>
 
-#include "diagnose/folds.h"
+#include "diagnose/held_out.h"
 #include "diagnose/ripple.h"
 #include "diagnose/scan.h"
 #include "diagnose/screening.h"
@@ -376,7 +376,7 @@ TEST(scales)
     for (int i = 0; i < 4; i++)
         for (int k = 0; k < 4; k++) {
             static const double angles[] = {1e-3, 2.5e-3, 5e-3, 10e-3};
-            u->sigma_length = 0.5e-3 * (1 << i), u->sigma_angle = angles[k];
+            u->prior.length = 0.5e-3 * (1 << i), u->prior.angle = angles[k];
             mukca_unknowns_set_geometry_prior(u, &m->recording);
             const double value = mukca_regression_factor(m);
             assert_true(value <= best + 1e-9);

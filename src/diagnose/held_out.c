@@ -1,11 +1,10 @@
 /* Cross-validation: reduction of the error on held-out samples. */
-#include "diagnose/cross_validation.h"
+#include "diagnose/held_out.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "diagnose/cause.h"
-#include "diagnose/folds.h"
 
 /* Expected gain of the catalogue's best candidate on held-out rows of pure noise, percent, by the
  * number of placements: means over simulated seven-axis arms, for two placements over recorded
@@ -26,7 +25,7 @@ static bool needs_sockets(const mukca_effect *effect, const mukca_recording *rec
             !mukca_effect_has((int)effect->kind, MUKCA_TRAIT_RECORDING_FAULT));
 }
 
-double mukca_cross_validation_structure(mukca_regression *m)
+double mukca_held_out_structure(mukca_regression *m)
 {
     mukca_folds b = {.m = m};
     mukca_folds_create(&b);
@@ -157,9 +156,8 @@ static mukca_status measure_causes(measurement *s, mukca_error *error)
     return MUKCA_OK;
 }
 
-mukca_status mukca_cross_validation_run(mukca_diagnosis *d, mukca_arm_state *geometry,
-                                        mukca_regression *m, const mukca_diagnose_options *options,
-                                        mukca_error *error)
+mukca_status mukca_held_out_run(mukca_diagnosis *d, mukca_arm_state *geometry, mukca_regression *m,
+                                const mukca_diagnose_options *options, mukca_error *error)
 {
     const int rows = m->recording.data->n_rows;
     mukca_folds b = {.m = m};

@@ -1,9 +1,11 @@
-/* Folds: fits without part of the rows, predictions of that part, and comparison of the errors. */
-#ifndef MUKCA_DIAGNOSE_FOLDS_H
-#define MUKCA_DIAGNOSE_FOLDS_H
+/* Held-out errors: fits without a part of the rows (a fold) that predict it, and test data. */
+#ifndef MUKCA_DIAGNOSE_HELD_OUT_H
+#define MUKCA_DIAGNOSE_HELD_OUT_H
 
 #include "diagnose/diagnose.h"
 #include "diagnose/regression.h"
+
+/* ---- folds (folds.c) ---- */
 
 typedef struct {
     mukca_regression *m;
@@ -46,5 +48,24 @@ void mukca_folds_run(double *error, mukca_folds *b, bool by_socket);
 /* Reduction of the mean error from before[n_rows] to after[n_rows], with a bootstrap interval. */
 void mukca_folds_compare(mukca_shrink *shrink, const mukca_folds *b, const double *before,
                          const double *after);
+
+/* ---- errors of a diagnosis (held_out.c, test_data.c) ---- */
+
+/* Held-out mean error of the present model, unknown functions included, m; NaN: no folds. */
+double mukca_held_out_structure(mukca_regression *m);
+
+/* Leave one placement out (one socket if there is one placement; a fifth of the rows of a pose
+ * log): errors of the nominal model, geometry, geometry with faults excused, all causes, and all
+ * causes but one, for the diagnosis.  *geometry: fitted without causes.  Errors: MUKCA_INTERRUPTED,
+ * MUKCA_MEMORY. */
+mukca_status mukca_held_out_run(mukca_diagnosis *d, mukca_arm_state *geometry, mukca_regression *m,
+                                const mukca_diagnose_options *options, mukca_error *error);
+
+/* Predict the rows of `test`, which no fit uses, with the nominal geometry, with one fitted without
+ * causes (of_geometry[n_rows], may be NULL, receives its errors), and with the unknowns of the
+ * regression.  Errors: MUKCA_MEMORY. */
+mukca_status mukca_test_data_measure(mukca_diagnosis *d, double *of_geometry,
+                                     const mukca_regression *m, const mukca_arm_state *geometry,
+                                     const mukca_dataset *test, mukca_error *error);
 
 #endif
