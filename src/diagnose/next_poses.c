@@ -4,8 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-enum { CANDIDATES = 40 };
-
 static bool settled_by_poses(const mukca_effect *effect)
 {
     return !mukca_effect_has((int)effect->kind, MUKCA_TRAIT_RECORDING_FAULT);
@@ -41,12 +39,19 @@ static bool find_tie(mukca_next_poses *next, const mukca_diagnosis *d)
     return false;
 }
 
-bool mukca_next_poses_tie(mukca_effect effects[2], const mukca_diagnosis *diagnosis)
+bool mukca_next_poses_tie(mukca_next_poses *next, mukca_plan_options *options,
+                          mukca_effect effects[2], const mukca_diagnosis *d)
 {
-    mukca_next_poses next;
-    if (!find_tie(&next, diagnosis)) return false;
-    effects[0] = diagnosis->causes[next.cause].effect;
-    effects[1] = diagnosis->causes[next.cause].ties[next.tie].rival;
+    next->cause = next->tie = -1;
+    if (!find_tie(next, d)) return false;
+    const mukca_cause *cause = &d->causes[next->cause];
+    const mukca_tie *tie = &cause->ties[next->tie];
+    effects[0] = cause->effect;
+    effects[1] = tie->rival;
+    options->effects = effects;
+    options->n_effects = 2;
+    options->noise = d->sigma_m;
+    options->measured = cause->log_bayes_factor - tie->log_bayes_factor;
     return true;
 }
 
@@ -54,19 +59,11 @@ mukca_status mukca_next_poses_choose(mukca_next_poses *next, const mukca_diagnos
                                      const mukca_chain *chain, const mukca_dataset *data,
                                      bool (*stop)(void *context), mukca_error *error)
 {
-    memset(next, 0, sizeof *next);
-    next->cause = next->tie = -1;
-    if (!find_tie(next, d)) return MUKCA_OK;
     double theta[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS];
-    const mukca_cause *cause = &d->causes[next->cause];
-    const mukca_effect effects[2] = {cause->effect, cause->ties[next->tie].rival};
-    const mukca_plan_options options = {.rows = MUKCA_NEXT_POSES,
-                                        .candidates = CANDIDATES,
-                                        .noise = d->sigma_m,
-                                        .effects = effects,
-                                        .n_effects = 2,
-                                        .poses_only = true,
-                                        .stop = stop};
+    mukca_effect effects[2];
+    mukca_plan_options options = {.rows = MUKCA_NEXT_POSES, .poses_only = true, .stop = stop};
+    memset(next, 0, sizeof *next);
+    if (!mukca_next_poses_tie(next, &options, effects, d)) return MUKCA_OK;
     const int n = mukca_plan_sockets(next->sockets, MUKCA_PLAN_MAX_SOCKETS, &d->geometry, data);
     const mukca_plan_task task = {
         .chain = chain, .theta = theta, .data = data, .sockets = next->sockets, .n_sockets = n};

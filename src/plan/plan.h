@@ -37,8 +37,9 @@ typedef struct {
     double payload; /* of the proposed postures: kg at the tip that the model does not include */
     const mukca_effect *effects; /* causes to distinguish; NULL: plan for accuracy */
     int n_effects;               /* at least 2 unless 0 */
-    bool poses_only;             /* for causes: omit the expected errors (they are 0) */
-    bool (*stop)(void *context); /* polled during the search; may be NULL */
+    double measured; /* log Bayes factor between two causes in the data, by a diagnosis; 0: none */
+    bool poses_only; /* for causes: omit the expected errors (they are 0) */
+    bool (*stop)(void *context);                  /* polled during the search; may be NULL */
     void (*progress)(void *context, double done); /* fraction done, 0 .. 1; may be NULL */
     void *context;
 } mukca_plan_options;
@@ -54,8 +55,10 @@ typedef struct {
     int n_recorded;                         /* samples of the dataset in the plan's sockets */
     double expected_before, expected_after; /* expected mean error of the ball in other sockets due
                                                to the uncertainty of the geometry, m */
-    double evidence_before, evidence_after; /* expected log Bayes factor of the weaker cause if that
-                                               cause is the true one; NaN for accuracy */
+    double evidence_before, evidence_after; /* log Bayes factor of the weaker cause if that cause is
+                                               the true one: expected, or, if `measured`, of the
+                                               data, and with the gain by the plan, less a
+                                               measured one for the other cause; NaN for accuracy */
     int rows_to_name; /* estimated number of such samples until the evidence reaches
                          MUKCA_PLAN_NAME; 0: more than 1000, or planned for accuracy */
 } mukca_plan;

@@ -354,8 +354,7 @@ void mukca_wording_next(char text[MUKCA_WORDING], const mukca_diagnosed *r)
             "sag from compliance");
     else if (r->next && r->next->cause >= 0 && r->next->plan.n_rows > 0)
         put(text, "`mukca plan --settle` with these data writes postures that separate %s",
-            r->next->plan.evidence_after < MUKCA_PLAN_NAME ? "the alternatives in part"
-                                                           : "the alternatives");
+            d->causes[r->next->cause].n_ties > 1 ? "two of the alternatives" : "the alternatives");
     else if (r->next && r->next->cause >= 0 && r->data->n_sockets == 0)
         put(text,
             "record other postures, or (elastic causes) the same ones with another payload, to "
