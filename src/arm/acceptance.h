@@ -71,15 +71,9 @@ void mukca_acceptance_tip(char text[MUKCA_ACCEPTANCE_SENTENCE], const mukca_acce
 void mukca_acceptance_use(char text[MUKCA_ACCEPTANCE_SENTENCE], const mukca_acceptance *a,
                           bool factory);
 
-/* The basis of the verdict: "; 180 different postures; expected error of the tip ..."; empty if
- * unknown. */
-void mukca_acceptance_basis(char text[MUKCA_ACCEPTANCE_SENTENCE], const mukca_acceptance *a,
-                            bool factory);
-
-/* The verdict with its basis, as a sentence without a full stop; `factory`: the fit started from a
- * factory file instead of the URDF's origins. */
-void mukca_acceptance_sentence(char text[MUKCA_ACCEPTANCE_SENTENCE],
-                               const mukca_acceptance *acceptance, bool factory);
+/* The verdict in brief: "accepted; expected error of the tip ..." or "not accepted: ...". */
+void mukca_acceptance_brief(char text[MUKCA_ACCEPTANCE_SENTENCE],
+                            const mukca_acceptance *acceptance);
 
 /* Parse a comment line of a table; other lines are ignored. */
 void mukca_acceptance_read(mukca_acceptance *acceptance, const char *line);

@@ -34,18 +34,9 @@ void mukca_acceptance_tip(char text[MUKCA_ACCEPTANCE_SENTENCE], const mukca_acce
             text + strlen(text), MUKCA_ACCEPTANCE_SENTENCE - strlen(text),
             "; without the error of scale (socket distance known to 0.1 mm) %.2f mm and %.2f mm",
             1e3 * a->error_here_unscaled_m, 1e3 * a->error_workspace_unscaled_m);
-}
-
-void mukca_acceptance_basis(char text[MUKCA_ACCEPTANCE_SENTENCE], const mukca_acceptance *a,
-                            bool factory)
-{
-    char tip[MUKCA_ACCEPTANCE_SENTENCE];
-    mukca_acceptance_tip(tip, a, factory);
-    text[0] = '\0';
-    if (!*tip) return;
-    snprintf(text, MUKCA_ACCEPTANCE_SENTENCE, "; %.0f different postures%s%s%s; tip: %.500s",
-             a->postures, a->at_rest[0] ? ", " : "", a->at_rest,
-             a->at_rest[0] ? " did not move" : "", tip);
+    if (a->at_rest[0])
+        snprintf(text + strlen(text), MUKCA_ACCEPTANCE_SENTENCE - strlen(text), "; %s did not move",
+                 a->at_rest);
 }
 
 /* Relative change of all lengths that the distance of the sockets should explain: four standard
@@ -56,7 +47,9 @@ void mukca_acceptance_use(char text[MUKCA_ACCEPTANCE_SENTENCE], const mukca_acce
                           bool factory)
 {
     const size_t size = MUKCA_ACCEPTANCE_SENTENCE;
-    if (!a->accepted)
+    if (!a->given)
+        snprintf(text, size, "no verdict (older, or made by hand)");
+    else if (!a->accepted)
         snprintf(text, size, "no: %s", a->reason);
     else if (!isfinite(a->error_m))
         snprintf(text, size, "yes");
@@ -72,19 +65,16 @@ void mukca_acceptance_use(char text[MUKCA_ACCEPTANCE_SENTENCE], const mukca_acce
                  1e2 * fabs(a->size_change), a->size_change > 0 ? "larger" : "smaller");
 }
 
-void mukca_acceptance_sentence(char text[MUKCA_ACCEPTANCE_SENTENCE], const mukca_acceptance *a,
-                               bool factory)
+void mukca_acceptance_brief(char text[MUKCA_ACCEPTANCE_SENTENCE], const mukca_acceptance *a)
 {
     const size_t size = MUKCA_ACCEPTANCE_SENTENCE;
-    char use[MUKCA_ACCEPTANCE_SENTENCE];
-    mukca_acceptance_use(use, a, factory);
     if (!a->given)
         snprintf(text, size, "no verdict (older, or made by hand)");
+    else if (!a->accepted)
+        snprintf(text, size, "not accepted: %s", a->reason);
+    else if (!isfinite(a->error_here_low_m))
+        snprintf(text, size, "accepted");
     else
-        snprintf(text, size, "%s%.600s", a->accepted ? "accepted" : "not accepted",
-                 use + (a->accepted ? strlen("yes") : strlen("no")));
-    const size_t used = strlen(text);
-    char basis[MUKCA_ACCEPTANCE_SENTENCE];
-    mukca_acceptance_basis(basis, a, factory);
-    if (a->given) snprintf(text + used, size - used, "%s", basis);
+        snprintf(text, size, "accepted; expected error of the tip %.2f mm [%.2f, %.2f]",
+                 1e3 * a->error_here_m, 1e3 * a->error_here_low_m, 1e3 * a->error_here_high_m);
 }

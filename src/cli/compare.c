@@ -150,9 +150,7 @@ static void print(cli_call *call)
     for (int side = 0; side < 2; side++) {
         const char key[2] = {side ? 'B' : 'A'};
         char text[MUKCA_ACCEPTANCE_SENTENCE] = "";
-        if (w->verdict[side].given)
-            mukca_acceptance_sentence(text, &w->verdict[side],
-                                      w->arm[side].chain.kinematics_sha256[0] != '\0');
+        if (w->verdict[side].given) mukca_acceptance_brief(text, &w->verdict[side]);
         cli_say(call, key, "%s: %s, %d joints%s%s", call->arguments.items[side],
                 w->arm[side].chain.robot, w->arm[side].chain.n_joints, *text ? "; " : "", text);
     }

@@ -34,11 +34,8 @@ static void print(cli_call *call, const evaluate_work *w)
                : calibrated                      ? "nominal model and offsets table"
                : w->data.has_factory             ? "nominal model and factory file"
                                                  : "nominal model (no --offsets)");
-    if (calibrated) {
-        char verdict_text[MUKCA_ACCEPTANCE_SENTENCE];
-        mukca_acceptance_sentence(verdict_text, &s->model.offsets.acceptance, w->data.has_factory);
-        cli_say(call, NULL, "Table %s.", verdict_text);
-    }
+    FILE *answer = calibrated ? cli_answer_stream(call) : NULL;
+    if (answer) cli_print_acceptance(answer, &s->model.offsets.acceptance, &s->model.chain);
     cli_scores_print_header(call, calibrated);
     cli_scores_print(call, &w->data, "data", calibrated);
     if (w->read_by_eye) cli_scores_print_rows(call, &w->data, &s->data, calibrated);

@@ -125,11 +125,10 @@ void mukca_server_send_answer(mukca_server *s, const mukca_server_answer *answer
 static void add_verdict(char line[MUKCA_RECORDER_LINE], const mukca_acceptance *a)
 {
     const size_t used = strlen(line);
-    char basis[MUKCA_ACCEPTANCE_SENTENCE];
-    mukca_acceptance_basis(basis, a, false);
-    snprintf(line + used, MUKCA_RECORDER_LINE - used,
-             a->accepted ? "; accepted, for `use`%s" : "; not accepted: %s",
-             a->accepted ? basis : a->reason);
+    char verdict[MUKCA_ACCEPTANCE_SENTENCE];
+    mukca_acceptance_brief(verdict, a);
+    snprintf(line + used, MUKCA_RECORDER_LINE - used, "; %.400s%s", verdict,
+             a->accepted ? "; `use` puts it into use" : "");
 }
 
 static void report(mukca_server *s, mukca_status code)
