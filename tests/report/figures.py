@@ -114,6 +114,11 @@ def compare(name, *data):
 
 
 compare("demo", "data/demo/train.tsv", "--test", "data/demo/test.tsv")
+with open(os.path.join(folder, "demo.json")) as demo:
+    rungs = json.load(demo)
+rungs = [rungs["gap"]["geometry_m"], *(c["cumulative_m"] for c in rungs["causes"])]
+same("demo: each step of the ladder is a fit of its own", True, len(rungs) == 3 and
+     all(b < 0.9 * a for a, b in zip(rungs, rungs[1:])))
 faults = os.path.join(folder, "faults_data.tsv")
 run("simulate", "-q", *ARM, "--seed", "4", "--placements", "4", "--rows", "20", "--perturb", "2,3", "--noise", "1e-4",
     "--effect", "joint_compliance:joint_2=4e-5", "--effect", "tool_motion:p2/1@12=2e-3", "-o", faults)

@@ -120,6 +120,15 @@ expect "rx ry rz turn the target as the quaternion does" awk -F '\t' '
 refuse 3 "half.tsv:1: no column 'rz'" compensate $six --poses half.tsv
 refuse 3 "angles.tsv:1: no column 'pitch'" compensate $six --poses angles.tsv
 
+# the inertia tensors of the URDF, in MuJoCo's order: xx yy zz xy xz yz
+cat >tensor.urdf <<'URDF'
+<robot name="t"><link name="a"/><link name="b"><inertial><mass value="2"/><origin xyz="0.1 0 0"/>
+<inertia ixx="0.03" iyy="0.04" izz="0.05" ixy="0.001" ixz="0.002" iyz="0.003"/></inertial></link>
+<joint name="j" type="continuous"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/></joint></robot>
+URDF
+run export --urdf tensor.urdf -f mjcf -o tensor.xml
+expect "MJCF has the tensor of the URDF" grep -q 'mass="2" fullinertia="0.03 0.04 0.05 0.001 0.002 0.003"' tensor.xml
+
 # one's own MuJoCo model: bodies found by name, also without the prefix; the rest stays
 run simulate --urdf arm.urdf --seed 3 --placements 3 --rows 20 --perturb 2,4 --noise 1e-4 -o into.tsv
 run calibrate --urdf arm.urdf into.tsv -o into_table.tsv
