@@ -106,6 +106,13 @@ def compare(name, *data):
     table = cells(page, "Smallest effects")
     got = sorted([row[0], j, v] for row in table for j, v in zip(["", *d["joints"]], row[1:]) if v)
     same(f"{name}: detection limits", wanted, got)
+    run("evaluate", "-q", *ARM, "--offsets", base + ".tsv", *data, "--json", base + "_e.json")
+    with open(base + "_e.json") as file:
+        e = json.load(file)
+    wanted = [[f"{p['placement']} ({name}, {p['rows']} samples)", mm(p["mae_nominal_m"]), mm(p["mae_m"]),
+               mm(p["distance_error_nominal_m"]), mm(p["distance_error_m"])]
+              for name, key in (("training", "data"), ("test", "test")) for p in e[key] or []]
+    same(f"{name}: errors of the table by placement", wanted, cells(page, "Errors of the table of offsets"))
     rows = [line.rstrip("\n").split("\t") for line in open(base + ".tsv") if line[0] != "#"][1:]
     factor = {"rad/(N*m)": 1e6}
     same(f"{name}: parameters", [[f"{factor.get(r[2], 1e3) * float(r[5]):.3f}", f"{factor.get(r[2], 1e3) * float(r[6]):.3f}"
