@@ -59,7 +59,7 @@ static void print_cause(FILE *stream, const mukca_diagnosed *r, const mukca_caus
     if (first)
         put_tie(&text, r, c);
     else
-        mukca_text_put(&text, ", ");
+        mukca_text_put(&text, c->n_ties ? "; " : ", ");
     if (first) cli_print_text(stream, key, &text);
     put_amplitude(&text, c, r->chain);
     if (!first) put_tie(&text, r, c);

@@ -131,11 +131,14 @@ void mukca_report_put_placements(FILE *out, const void *content)
     mukca_html_table_end(&table);
     fputs(sockets ? "<p>Error: mean distance of the predicted ball centres of one socket from "
                     "their mean. Distortion: error of the predicted distance between two sockets. "
-                    "Training errors are those of the data that were fitted. The diagnosis above "
-                    "fits the link masses, too, the table has one coefficient per cause: its "
-                    "errors may differ a little.</p>\n"
+                    "Training errors are those of the data that were fitted.</p>\n"
                   : "<p>Error: mean distance of the predicted from the measured position.</p>\n",
           out);
+    if (r->offsets->n_effects > 0)
+        fputs(
+            "<p>The table has one coefficient per cause; the diagnosis above also fits the link "
+            "masses, and its errors may differ a little.</p>\n",
+            out);
 }
 
 /* ---- the result ---- */
