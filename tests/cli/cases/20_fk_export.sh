@@ -201,3 +201,16 @@ refuse 3 "twice.urdf: joint 'j3' is there more than once" export --urdf arm.urdf
 sed 's/xyz="0.5 0 0"/xyz="0.6 0 0"/' own.urdf >elsewhere.urdf
 refuse 3 "elsewhere.urdf: joint 'j3' is not where" export --urdf arm.urdf --offsets into_table.tsv --into elsewhere.urdf
 refuse 2 "keeps the format" export --urdf arm.urdf --into own.xml -f yaml
+
+# arrays of numpy.save, and its text with spaces
+"${PYTHON:-python3}" -c "
+import struct
+rows = [[float(x) for x in line.split(',')] for line in open('fifty.csv')]
+head = '{\'descr\': \'<f8\', \'fortran_order\': False, \'shape\': (%d, %d), }' % (len(rows), len(rows[0]))
+head = head.ljust(117) + '\n'
+data = struct.pack('<%dd' % sum(map(len, rows)), *sum(rows, []))
+open('fifty.npy', 'wb').write(b'\x93NUMPY\x01\x00' + struct.pack('<H', len(head)) + head.encode() + data)
+open('fifty.txt', 'w').writelines(' '.join('%.18e' % x for x in row) + '\n' for row in rows)"
+for each in csv npy txt; do "$MUKCA" fk --urdf arm.urdf fifty.$each -q >of_$each.tsv; done
+expect "a .npy array is the table of its numbers" sh -c 'test "$(wc -l <of_csv.tsv)" -eq 51 && cmp of_csv.tsv of_npy.tsv'
+expect "numpy's text, with spaces, too" cmp of_csv.tsv of_txt.tsv
