@@ -66,11 +66,12 @@ static mukca_status check(const mukca_chain *chain, int n_sockets, const mukca_p
 }
 
 /* Evidence before and after the plan, and the samples until it reaches MUKCA_PLAN_NAME: the
- * strength grows linearly with their number. */
+ * strength grows linearly with their number.  A measured log Bayes factor m favours the cause that
+ * is present with probability 1 / (1 + exp(-|m|)): its expectation is m tanh(m / 2). */
 static void set_evidence(mukca_plan *plan, double before, double after, double measured)
 {
     const double expected = mukca_plan_evidence(before),
-                 less = measured ? expected + fabs(measured) : 0;
+                 less = measured ? expected - measured * tanh(measured / 2) : 0;
     double wanted = 1;
     plan->evidence_before = measured ? fabs(measured) : expected;
     plan->evidence_after = mukca_plan_evidence(after) - less;

@@ -156,10 +156,12 @@ void mukca_report_put_offsets(FILE *out, const void *content)
         const mukca_offset_row *row = &r->offset[i];
         const bool elastic = strcmp(row->unit, "rad/(N*m)") == 0;
         const double factor = elastic ? 1e6 : mm;
-        mukca_html_row(&table, "%s%s %s, %s%s%s\t%.3f\t%.3f\t%.3f", row->identifiable ? "" : "(",
-                       row->joint, row->parameter, elastic ? "u" : "m", row->unit,
-                       row->identifiable ? "" : ")", row->nominal * factor, row->offset * factor,
-                       row->sigma * factor);
+        const bool plain = strcmp(row->term, "-") == 0;
+        mukca_html_row(&table, "%s%s %s%s%s, %s%s%s\t%.3f\t%.3f\t%.3f",
+                       row->identifiable ? "" : "(", strcmp(row->joint, "-") ? row->joint : "arm",
+                       row->parameter, plain ? "" : " ", plain ? "" : row->term,
+                       elastic ? "u" : "m", row->unit, row->identifiable ? "" : ")",
+                       row->nominal * factor, row->offset * factor, row->sigma * factor);
     }
     mukca_html_table_end(&table);
 }
