@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "arm/acceptance.h"
+#include "base/text.h"
 
 void mukca_acceptance_refuse(mukca_acceptance *a, const char *format, ...)
 {
@@ -16,65 +17,62 @@ void mukca_acceptance_refuse(mukca_acceptance *a, const char *format, ...)
     a->accepted = false;
 }
 
-void mukca_acceptance_tip(char text[MUKCA_ACCEPTANCE_SENTENCE], const mukca_acceptance *a,
+static const char *why(const mukca_acceptance *a)
+{
+    return a->given ? a->reason : "no verdict (older, or made by hand)";
+}
+
+void mukca_acceptance_tip(char sentence[MUKCA_ACCEPTANCE_SENTENCE], const mukca_acceptance *a,
                           bool factory)
 {
-    text[0] = '\0';
+    mukca_text text = {.at = sentence, .size = MUKCA_ACCEPTANCE_SENTENCE};
+    sentence[0] = '\0';
     if (!isfinite(a->error_here_low_m)) return;
-    snprintf(text, MUKCA_ACCEPTANCE_SENTENCE,
-             "expected error %.2f mm [%.2f, %.2f] in the joint ranges of the samples, %.2f mm "
-             "[%.2f, %.2f] within "
-             "the joint limits (%s model: %.2f mm and %.2f mm)",
-             1e3 * a->error_here_m, 1e3 * a->error_here_low_m, 1e3 * a->error_here_high_m,
-             1e3 * a->error_workspace_m, 1e3 * a->error_workspace_low_m,
-             1e3 * a->error_workspace_high_m, factory ? "factory" : "nominal",
-             1e3 * a->error_before_here_m, 1e3 * a->error_before_m);
+    mukca_text_put(
+        &text,
+        "expected error %.2f mm [%.2f, %.2f] in the joint ranges of the samples, %.2f mm "
+        "[%.2f, %.2f] within the joint limits (%s model: %.2f mm and %.2f mm)",
+        1e3 * a->error_here_m, 1e3 * a->error_here_low_m, 1e3 * a->error_here_high_m,
+        1e3 * a->error_workspace_m, 1e3 * a->error_workspace_low_m, 1e3 * a->error_workspace_high_m,
+        factory ? "factory" : "nominal", 1e3 * a->error_before_here_m, 1e3 * a->error_before_m);
     if (isfinite(a->error_here_unscaled_m))
-        snprintf(
-            text + strlen(text), MUKCA_ACCEPTANCE_SENTENCE - strlen(text),
+        mukca_text_put(
+            &text,
             "; without the error of scale (socket distance known to 0.1 mm) %.2f mm and %.2f mm",
             1e3 * a->error_here_unscaled_m, 1e3 * a->error_workspace_unscaled_m);
-    if (a->at_rest[0])
-        snprintf(text + strlen(text), MUKCA_ACCEPTANCE_SENTENCE - strlen(text), "; %s did not move",
-                 a->at_rest);
+    if (a->at_rest[0]) mukca_text_put(&text, "; %s did not move", a->at_rest);
 }
 
 /* Relative change of all lengths that the distance of the sockets should explain: four standard
  * deviations, of 0.1 mm in 50 mm and of 0.2 % in the arm. */
 static const double notable_size_change = 0.01;
 
-void mukca_acceptance_use(char text[MUKCA_ACCEPTANCE_SENTENCE], const mukca_acceptance *a,
+void mukca_acceptance_use(char sentence[MUKCA_ACCEPTANCE_SENTENCE], const mukca_acceptance *a,
                           bool factory)
 {
-    const size_t size = MUKCA_ACCEPTANCE_SENTENCE;
-    if (!a->given)
-        snprintf(text, size, "no verdict (older, or made by hand)");
-    else if (!a->accepted)
-        snprintf(text, size, "no: %s", a->reason);
-    else if (!isfinite(a->error_m))
-        snprintf(text, size, "yes");
-    else
-        snprintf(text, size,
-                 "yes: held-out error %.3f mm (%s), %s model %.3f mm; the tip moves by up to %.2f "
-                 "mm",
-                 1e3 * a->error_m, a->error_of, factory ? "factory" : "nominal",
-                 1e3 * a->error_nominal_m, 1e3 * a->tip_change_m);
+    mukca_text text = {.at = sentence, .size = MUKCA_ACCEPTANCE_SENTENCE};
+    sentence[0] = '\0';
+    mukca_text_put(&text, "%s%s", a->accepted ? "yes" : "no: ", a->accepted ? "" : why(a));
+    if (a->accepted && isfinite(a->error_m))
+        mukca_text_put(&text,
+                       ": held-out error %.3f mm (%s), %s model %.3f mm; the tip moves by up to "
+                       "%.2f mm",
+                       1e3 * a->error_m, a->error_of, factory ? "factory" : "nominal",
+                       1e3 * a->error_nominal_m, 1e3 * a->tip_change_m);
     if (a->accepted && fabs(a->size_change) > notable_size_change)
-        snprintf(text + strlen(text), size - strlen(text),
-                 "; the arm becomes %.1f %% %s than the model: measure the sockets' distance again",
-                 1e2 * fabs(a->size_change), a->size_change > 0 ? "larger" : "smaller");
+        mukca_text_put(
+            &text,
+            "; the arm becomes %.1f %% %s than the model: measure the sockets' distance again",
+            1e2 * fabs(a->size_change), a->size_change > 0 ? "larger" : "smaller");
 }
 
-void mukca_acceptance_brief(char text[MUKCA_ACCEPTANCE_SENTENCE], const mukca_acceptance *a)
+void mukca_acceptance_brief(char sentence[MUKCA_ACCEPTANCE_SENTENCE], const mukca_acceptance *a)
 {
-    const size_t size = MUKCA_ACCEPTANCE_SENTENCE;
-    if (!a->given)
-        snprintf(text, size, "no verdict (older, or made by hand)");
-    else if (!a->accepted)
-        snprintf(text, size, "not accepted: %s", a->reason);
-    else if (!isfinite(a->error_here_low_m))
-        snprintf(text, size, "accepted");
-    else
-        snprintf(text, size, "accepted; expected error of the tip %.2f mm [%.2f, %.2f]",
-                 1e3 * a->error_here_m, 1e3 * a->error_here_low_m, 1e3 * a->error_here_high_m);
+    mukca_text text = {.at = sentence, .size = MUKCA_ACCEPTANCE_SENTENCE};
+    mukca_text_put(&text, "%saccepted%s%s", a->accepted ? "" : "not ", a->accepted ? "" : ": ",
+                   a->accepted ? "" : why(a));
+    if (a->accepted && isfinite(a->error_here_low_m))
+        mukca_text_put(&text, "; expected error of the tip %.2f mm [%.2f, %.2f]",
+                       1e3 * a->error_here_m, 1e3 * a->error_here_low_m,
+                       1e3 * a->error_here_high_m);
 }

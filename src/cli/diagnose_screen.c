@@ -22,9 +22,7 @@ static void put_amplitude(mukca_text *text, const mukca_cause *c, const mukca_ch
     mukca_text_put(text, "%s, %s", amplitude, probability);
 }
 
-/* " (indistinguishable in these data; 10 more postures would decide: mukca plan --settle --rows
- * 10)"
- */
+/* " (indistinguishable in these data; 10 more postures would decide: ...)" */
 static void put_tie(mukca_text *text, const mukca_diagnosed *r, const mukca_cause *c)
 {
     const mukca_next_poses *next = r->next;

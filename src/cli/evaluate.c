@@ -34,8 +34,9 @@ static void print(cli_call *call, const evaluate_work *w)
                : calibrated                      ? "nominal model and offsets table"
                : w->data.has_factory             ? "nominal model and factory file"
                                                  : "nominal model (no --offsets)");
-    FILE *answer = calibrated ? cli_answer_stream(call) : NULL;
-    if (answer) cli_print_acceptance(answer, &s->model.offsets.acceptance, &s->model.chain);
+    if (calibrated)
+        cli_print_acceptance(cli_answer_stream(call), &s->model.offsets.acceptance,
+                             &s->model.chain);
     cli_scores_print_header(call, calibrated);
     cli_scores_print(call, &w->data, "data", calibrated);
     if (w->read_by_eye) cli_scores_print_rows(call, &w->data, &s->data, calibrated);

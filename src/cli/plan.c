@@ -245,11 +245,9 @@ static void print(plan_work *r)
                 cause[k], r->causes.effects[k].kind,
                 mukca_chain_joint_name(&r->model->chain, r->causes.effects[k].joint));
         cli_say(r->call, NULL,
-                "Separating %s from %s: log Bayes factor %.1f %s, %.1f expected with the plan (%g "
-                "decides)",
-                cause[0], cause[1], p->evidence_before,
-                o->settle ? "in these data" : "expected before", p->evidence_after,
-                MUKCA_PLAN_NAME);
+                "Separating %s from %s: log Bayes factor %.1f %s, %.1f with the plan (%g decides)",
+                cause[0], cause[1], p->evidence_before, o->settle ? "now" : "expected before",
+                p->evidence_after, MUKCA_PLAN_NAME);
         if (r->payload > 0)
             cli_say(r->call, NULL,
                     "These postures are for a payload of %g kg at the tip; as many without it "

@@ -69,9 +69,8 @@ static void print_unknowns(cli_call *call, const mukca_recalibration *f, const m
 static void print_findings(cli_call *call, const cli_recalibrated *r, const mukca_acceptance *a)
 {
     const mukca_recalibration *f = r->fit;
-    FILE *answer = cli_answer_stream(call);
     cli_answer(call, "%s: %ld measured poses\n", r->arm.robot, f->rows);
-    if (answer) cli_print_acceptance(answer, a, &r->arm);
+    cli_print_acceptance(cli_answer_stream(call), a, &r->arm);
     cli_say(call, "Result",
             "the poses contain a calibration: median position error %.4f mm nominal, %.4f mm after "
             "the fit",

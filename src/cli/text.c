@@ -88,6 +88,7 @@ void cli_print_acceptance(FILE *stream, const mukca_acceptance *a, const mukca_c
 {
     char text[MUKCA_ACCEPTANCE_SENTENCE];
     const bool factory = chain->kinematics_sha256[0] != '\0';
+    if (!stream) return;
     mukca_acceptance_tip(text, a, factory);
     if (*text && a->accepted) cli_print_keyed(stream, "Tip", text);
     mukca_acceptance_use(text, a, factory);

@@ -24,35 +24,29 @@ bool mukca_next_poses_need_readings(const mukca_cause *cause)
     return false;
 }
 
-/* The first tied cause that acts on the arm, and its closest rival that does. */
-static bool find_tie(mukca_next_poses *next, const mukca_diagnosis *d)
-{
-    for (int c = 0; c < d->n_causes; c++)
-        for (int t = 0; settled_by_poses(&d->causes[c].effect) && t < d->causes[c].n_ties; t++) {
-            const mukca_tie *tie = &d->causes[c].ties[t];
-            if (!isfinite(tie->log_bayes_factor) || !settled_by_poses(&tie->rival)) continue;
-            if (settled_by_readings(&d->causes[c].effect, &tie->rival)) continue;
-            next->cause = c;
-            next->tie = t;
-            return true;
-        }
-    return false;
-}
-
 bool mukca_next_poses_tie(mukca_next_poses *next, mukca_plan_options *options,
                           mukca_effect effects[2], const mukca_diagnosis *d)
 {
     next->cause = next->tie = -1;
-    if (!find_tie(next, d)) return false;
-    const mukca_cause *cause = &d->causes[next->cause];
-    const mukca_tie *tie = &cause->ties[next->tie];
-    effects[0] = cause->effect;
-    effects[1] = tie->rival;
-    options->effects = effects;
-    options->n_effects = 2;
-    options->noise = d->sigma_m;
-    options->measured = cause->log_bayes_factor - tie->log_bayes_factor;
-    return true;
+    for (int c = 0; c < d->n_causes; c++) {
+        const mukca_cause *cause = &d->causes[c];
+        for (int t = 0; settled_by_poses(&cause->effect) && t < cause->n_ties; t++) {
+            const mukca_tie *tie = &cause->ties[t];
+            if (!isfinite(tie->log_bayes_factor) || !settled_by_poses(&tie->rival) ||
+                settled_by_readings(&cause->effect, &tie->rival))
+                continue;
+            next->cause = c;
+            next->tie = t;
+            effects[0] = cause->effect;
+            effects[1] = tie->rival;
+            options->effects = effects;
+            options->n_effects = 2;
+            options->noise = d->sigma_m;
+            options->measured = cause->log_bayes_factor - tie->log_bayes_factor;
+            return true;
+        }
+    }
+    return false;
 }
 
 mukca_status mukca_next_poses_choose(mukca_next_poses *next, const mukca_diagnosis *d,

@@ -55,9 +55,9 @@ typedef struct {
     int n_recorded;                         /* samples of the dataset in the plan's sockets */
     double expected_before, expected_after; /* expected mean error of the ball in other sockets due
                                                to the uncertainty of the geometry, m */
-    double evidence_before, evidence_after; /* expected log Bayes factor of the weaker cause if that
-                                               cause is the true one; NaN for accuracy.  With
-                                               `measured`: its size, and with the expected gain */
+    double evidence_before, evidence_after; /* expected log Bayes factor of the weaker cause, if it
+                                               is the true one (`measured`: of the data, and with
+                                               the expected gain); NaN for accuracy */
     int rows_to_name; /* estimated number of such samples until the evidence reaches
                          MUKCA_PLAN_NAME; 0: more than 1000, or planned for accuracy */
 } mukca_plan;

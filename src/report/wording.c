@@ -354,8 +354,9 @@ void mukca_wording_next(char text[MUKCA_WORDING], const mukca_diagnosed *r)
             "record readings and commands (columns JOINT and JOINT.command): they separate servo "
             "sag from compliance");
     else if (r->next && r->next->cause >= 0 && r->next->plan.n_rows > 0)
-        put(text, "`mukca plan --settle` with these data writes postures that separate %s",
-            d->causes[r->next->cause].n_ties > 1 ? "two of the alternatives" : "the alternatives");
+        put(text,
+            "`mukca plan --settle` with these data writes postures that separate "
+            "alternatives");
     else if (r->next && r->next->cause >= 0 && r->data->n_sockets == 0)
         put(text,
             "record other postures, or (elastic causes) the same ones with another payload, to "
