@@ -83,13 +83,16 @@ class Browser:
             ["chromium", "--headless=new", "--no-sandbox", "--disable-gpu", "--hide-scrollbars",
              f"--remote-debugging-port={PORT}", "--remote-allow-origins=*", f"--user-data-dir={OUT}/profile",
              "about:blank"], stderr=subprocess.DEVNULL)
-        for _ in range(100):
+        for _ in range(300):
             try:
                 with urllib.request.urlopen(f"http://127.0.0.1:{PORT}/json") as answer:
                     tabs = [t for t in json.load(answer) if t["type"] == "page"]
                 break
             except OSError:
                 time.sleep(0.1)
+        else:
+            self.close()
+            sys.exit("verify-report: chromium does not answer")
         self.socket = module.create_connection(tabs[0]["webSocketDebuggerUrl"], timeout=60)
         self.number, self.events = 0, []
         for domain in ("Page", "Network", "Log", "Runtime"):
