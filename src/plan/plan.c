@@ -7,7 +7,7 @@
 
 #include "plan/choose.h"
 
-enum { DEFAULT_ROWS = 20, DEFAULT_CANDIDATES = 150 };
+enum { DEFAULT_ROWS = 20, CANDIDATES = 150, CANDIDATES_OF_CAUSES = 40 }; /* of each socket */
 
 /* Visit each placement once, beginning where the plate stands (that of the last sample), and each
  * socket once; within a socket, order by distance from the preceding posture. */
@@ -107,7 +107,7 @@ mukca_status mukca_plan_run(mukca_plan *plan, const mukca_plan_task *task,
     mukca_planner p;
     mukca_plan_state *s = &p.state;
     const int rows = options->rows > 0 ? options->rows : DEFAULT_ROWS;
-    const int candidates = options->candidates > 0 ? options->candidates : DEFAULT_CANDIDATES;
+    const int candidates = options->n_effects > 0 ? CANDIDATES_OF_CAUSES : CANDIDATES;
     memset(plan, 0, sizeof *plan);
     mukca_status status = check(task->chain, task->n_sockets, options, error);
     if (status != MUKCA_OK) return status;

@@ -28,8 +28,7 @@ typedef struct {
 
 /* Zeroed options mean defaults. */
 typedef struct {
-    int rows;       /* samples to propose, all sockets together; 0: 20 */
-    int candidates; /* poses drawn per socket; 0: 150 */
+    int rows; /* samples to propose, all sockets together; 0: 20 */
     uint64_t seed;
     double noise; /* standard deviation of one coordinate of a sample, m; 0: 1e-4 */
     double tilt;  /* largest tilt of the tool from straight down, rad; 0: pi / 3, or the largest in
