@@ -262,9 +262,9 @@ static mukca_status run(cli_call *call)
             status = finished;
         }
     }
-    if (status == MUKCA_OK && !s->recorder.session.file.n_rows)
-        status = cli_fail(call, MUKCA_NEGATIVE, "no sample was recorded");
-    return status;
+    if (status != MUKCA_OK || s->recorder.session.file.n_rows) return status;
+    if (!s->options->resume) unlink(s->recorder.session.file.path); /* a header alone */
+    return cli_fail(call, MUKCA_NEGATIVE, "no sample was recorded");
 }
 
 static void release(void *work)

@@ -81,6 +81,8 @@ rm -f "$dir/bad.tsv"
 bad "degrees" 3 'joint_1 reads 90: no angle in rad; convert degrees' "time_s,$joints\n1,90,0,0,0,0,0,0\n"
 ok "degrees: no file is left" test ! -e "$dir/bad.tsv"
 bad "degrees under a header that says so" 1 'now    1.5708 rad' "time_s,joint_1 [deg],${joints#*,}\n1,90,0,0,0,0,0,0\n"
+bad "degrees after a posture at zero" 1 'no sample was recorded' "time_s,$joints\n1,0,0,0,0,0,0,0\n2,90,0,0,0,0,0,0\n"
+ok "degrees later on: no file is left, either" test ! -e "$dir/bad.tsv"
 bad "no names" 2 'sends no joint names.*--map order' '{"time": 1, "position": [0, 0, 0, 0, 0, 0, 0]}\n'
 bad "order confirmed" 1 'no sample was recorded' '{"time": 1, "position": [0, 0, 0, 0, 0, 0, 0]}\n' --map order
 bad "names of a second arm" 1 'reading  1  left_joint_1  *->  joint_1 ' "time_s,left_${joints//,/,left_}\n1,0,0,0,0,0,0,0\n"
