@@ -3,9 +3,9 @@
 
     tools/dh_to_urdf.py TABLE [--format dh|mdh] [--units deg,mm] >arm.urdf
 
-The table (TSV or CSV) has the columns joint, a, alpha, d and theta, and may have type (revolute,
-continuous, prismatic, fixed; default: revolute), lower and upper. Angles may be multiples of pi. Row
-by row, the pose of the tip is the product of
+The table (separated by tabs, commas, spaces, or semicolons with decimal commas) has the columns joint, a,
+alpha, d and theta, and may have type (revolute, continuous, prismatic, fixed; default: revolute), lower and
+upper. Angles may be multiples of pi. Row by row, the pose of the tip is the product of
     standard  Rz(theta + q) Tz(d) Tx(a) Rx(alpha)
     modified  Rx(alpha) Tx(a) Rz(theta + q) Tz(d)
 A fixed row before the first joint places the base, one behind the last joint the tool. It reads
@@ -37,12 +37,16 @@ def rpy(alpha, theta):
 def read(path, units):
     """Convention (None: not stated) and rows of the table, m and rad."""
     convention, head, rows = None, None, []
-    for line in open(path):
+    for line in open(path, encoding="utf-8-sig"):
         if line.startswith("# convention: "):
             convention = line.split()[2]
         if line.startswith("#") or not line.strip():
             continue
-        cells = re.split("[\t,]", line.rstrip("\r\n"))
+        if not head:
+            separator = next((s for s in "\t;," if s in line), None)  # ;: of a spreadsheet with decimal commas
+        cells = [cell.strip() for cell in line.rstrip("\r\n").split(separator)]
+        if separator == ";":
+            cells = [cell.replace(",", ".") for cell in cells]
         if not head:
             head = [re.sub("_(m|rad)$", "", name) for name in cells]
             own = [name != cell for name, cell in zip(head, cells)]  # its unit is in its name

@@ -72,12 +72,8 @@ void mukca_acceptance_put_tip(mukca_text *text, const mukca_acceptance *a, bool 
 /* Whether to use the table: "yes: held-out error ..." or "no: ..."; no full stop. */
 void mukca_acceptance_put_use(mukca_text *text, const mukca_acceptance *a, bool factory);
 
-/* The basis of the verdict: "; 180 different postures; expected error of the tip ..."; nothing if
- * unknown. */
-void mukca_acceptance_put_basis(mukca_text *text, const mukca_acceptance *a, bool factory);
-
-/* The verdict with its basis, as a sentence without a full stop. */
-void mukca_acceptance_put(mukca_text *text, const mukca_acceptance *a, bool factory);
+/* The verdict in brief: "accepted; expected error of the tip ..." or "not accepted: ...". */
+void mukca_acceptance_put_brief(mukca_text *text, const mukca_acceptance *acceptance);
 
 /* Parse a comment line of a table; other lines are ignored. */
 void mukca_acceptance_read(mukca_acceptance *acceptance, const char *line);

@@ -17,6 +17,11 @@ void mukca_acceptance_refuse(mukca_acceptance *a, const char *format, ...)
     a->accepted = false;
 }
 
+static const char *why(const mukca_acceptance *a)
+{
+    return a->given ? a->reason : "no verdict (older, or made by hand)";
+}
+
 void mukca_acceptance_put_tip(mukca_text *text, const mukca_acceptance *a, bool factory)
 {
     if (!isfinite(a->error_here_low_m)) return;
@@ -32,27 +37,17 @@ void mukca_acceptance_put_tip(mukca_text *text, const mukca_acceptance *a, bool 
             text,
             "; without the error of scale (socket distance known to 0.1 mm) %.2f mm and %.2f mm",
             1e3 * a->error_here_unscaled_m, 1e3 * a->error_workspace_unscaled_m);
-}
-
-void mukca_acceptance_put_basis(mukca_text *text, const mukca_acceptance *a, bool factory)
-{
-    if (!isfinite(a->error_here_low_m)) return;
-    mukca_text_put(text, "; %.0f different postures", a->postures);
-    if (a->at_rest[0]) mukca_text_put(text, ", %s did not move", a->at_rest);
-    mukca_text_put(text, "; tip: ");
-    mukca_acceptance_put_tip(text, a, factory);
+    if (a->at_rest[0]) mukca_text_put(text, "; %s did not move", a->at_rest);
 }
 
 /* Relative change of all lengths that the measurement should explain, the distance of the sockets
  * or the scale of the poses. */
 static const double notable_size_change = 0.01;
 
-/* The verdict after its first word. */
-static void put_reason(mukca_text *text, const mukca_acceptance *a, bool factory)
+void mukca_acceptance_put_use(mukca_text *text, const mukca_acceptance *a, bool factory)
 {
-    if (!a->accepted)
-        mukca_text_put(text, ": %s", a->reason);
-    else if (isfinite(a->error_m))
+    mukca_text_put(text, "%s%s", a->accepted ? "yes" : "no: ", a->accepted ? "" : why(a));
+    if (a->accepted && isfinite(a->error_m))
         mukca_text_put(
             text, ": held-out error %.3f mm (%s), %s model %.3f mm; the tip moves by up to %.2f mm",
             1e3 * a->error_m, a->error_of, factory ? "factory" : "nominal",
@@ -65,18 +60,12 @@ static void put_reason(mukca_text *text, const mukca_acceptance *a, bool factory
             1e2 * fabs(a->size_change), a->size_change > 0 ? "larger" : "smaller");
 }
 
-void mukca_acceptance_put_use(mukca_text *text, const mukca_acceptance *a, bool factory)
+void mukca_acceptance_put_brief(mukca_text *text, const mukca_acceptance *a)
 {
-    mukca_text_put(text, a->accepted ? "yes" : "no");
-    put_reason(text, a, factory);
-}
-
-void mukca_acceptance_put(mukca_text *text, const mukca_acceptance *a, bool factory)
-{
-    mukca_text_put(text, !a->given     ? "no verdict (older, or made by hand)"
-                         : a->accepted ? "accepted"
-                                       : "not accepted");
-    if (!a->given) return;
-    put_reason(text, a, factory);
-    mukca_acceptance_put_basis(text, a, factory);
+    mukca_text_put(text, "%saccepted%s%s", a->accepted ? "" : "not ", a->accepted ? "" : ": ",
+                   a->accepted ? "" : why(a));
+    if (a->accepted && isfinite(a->error_here_low_m))
+        mukca_text_put(text, "; expected error of the tip %.2f mm [%.2f, %.2f]",
+                       1e3 * a->error_here_m, 1e3 * a->error_here_low_m,
+                       1e3 * a->error_here_high_m);
 }

@@ -36,9 +36,10 @@ static const cli_option options[] = {
     CLI_RANGE_OPTION(
         calibrate_options, lambda, "lambda", CLI_NUMBER, "L", 0, INFINITY,
         "weight of the regularisation towards the nominal model, per placement (default: 1e-4)"),
-    CLI_OPTION(calibrate_options, evidence, "evidence", CLI_FLAG, NULL,
-               "choose the priors by the evidence and weigh outliers down, instead of this cost "
-               "(sockets)"),
+    CLI_OPTION(
+        calibrate_options, evidence, "evidence", CLI_FLAG, NULL,
+        "choose the priors by the evidence and give outliers less weight, instead of this cost "
+        "(sockets)"),
     CLI_CHOICE_OPTION(calibrate_options, solver, "solver", "SOLVER", solvers,
                       "minimiser (default: slsqp)"),
     CLI_CHOICE_OPTION(calibrate_options, gradient, "gradient", "GRADIENT", gradients,

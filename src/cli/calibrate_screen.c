@@ -101,9 +101,8 @@ static bool fitted_poses(const mukca_dataset *data)
 static void print_verdict(cli_call *call, const calibrate_result *r)
 {
     const mukca_acceptance *a = &r->offsets->acceptance;
-    FILE *stream = cli_answer_stream(call);
     char turns[80] = "", fit[80] = "Priors by the evidence";
-    if (stream) cli_print_acceptance(stream, a, &r->fit->chain);
+    cli_print_acceptance(cli_answer_stream(call), a, &r->fit->chain);
     if (!a->accepted) return;
     if (r->train->quaternion && fitted_poses(r->train))
         snprintf(turns, sizeof turns, ", positions and orientations together (1 mrad as %g mm)",

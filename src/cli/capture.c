@@ -263,9 +263,9 @@ static mukca_status run(cli_call *call)
             status = finished;
         }
     }
-    if (status == MUKCA_OK && !s->recorder.session.file.n_rows)
-        status = cli_fail(call, MUKCA_NEGATIVE, "no sample was recorded");
-    return status;
+    if (status != MUKCA_OK || s->recorder.session.file.n_rows) return status;
+    if (!s->options->resume) unlink(s->recorder.session.file.path); /* a header alone */
+    return cli_fail(call, MUKCA_NEGATIVE, "no sample was recorded");
 }
 
 static void release(void *work)
@@ -300,15 +300,16 @@ const cli_command cli_command_capture = {
     .synopsis = "",
     .grows = true,
     .description =
-        "Listens to the joint states of the robot. A sample is recorded when you press a, on a "
-        "message on MUKCA_TRIGGER (--trigger), or when the arm stands still with its ball in a "
-        "socket (--still). It is the mean over a window of standing still; a moving arm is "
+        "Listens to the joint states of the robot. A sample is recorded when the arm stands still "
+        "with its ball in a socket (--still), when you press a, or on a message on MUKCA_TRIGGER "
+        "(--trigger). It is the mean over a window of standing still; a moving arm is "
         "refused. Each sample is on disk before it is acknowledged. A key or message is refused if "
         "the last joint state is older than a window: after a pause of the program or the stream, "
         "hold still and try again.\n\n"
         "Put the ball into socket 0 of the first placement and record some 20 postures, as "
-        "different as possible. Press s and do the same in the other socket. Then move the tool, "
-        "press n, and start again; three or four placements all around the base are enough. In a "
+        "different as possible. Do the same in the other socket (press s without --still). Then "
+        "press n, move the tool, and start again; three or four placements all around the base are "
+        "enough. In a "
         "recorded log, --still finds the placements, too. The screen shows the consistency error "
         "at this socket, which a badly seated ball raises, and when more samples there no longer "
         "help.\n\n"
@@ -320,8 +321,9 @@ const cli_command cli_command_capture = {
 #undef STATE_HELP
         "\nAny other type works with a description: --type and --position.\n\n"
         "--stdin reads joint states as lines instead: CSV with a header (time_s and the joints as "
-        "in a session), JSON lines, or what `ros2 topic echo --csv` prints. Names decide, not "
-        "their order. A line {\"trigger\": 1, \"placement\": \"front\", \"socket\": \"0\"} records "
+        "in a session; joint_1 [deg] for degrees), JSON lines, or what `ros2 topic echo --csv` "
+        "prints. Joints are identified by name, in any order. A line {\"trigger\": 1, "
+        "\"placement\": \"front\", \"socket\": \"0\"} records "
         "a sample; keys come from the terminal; --trigger listens to LCM, too. Times of a wall "
         "clock are compared with those of keys and messages: lines that a pipe holds back are "
         "refused.",

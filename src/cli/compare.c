@@ -151,8 +151,7 @@ static void print(cli_call *call)
         const char key[2] = {side ? 'B' : 'A'};
         char text[MUKCA_ACCEPTANCE_SENTENCE] = "";
         if (w->verdict[side].given)
-            mukca_acceptance_put(&(mukca_text)MUKCA_TEXT(text), &w->verdict[side],
-                                 w->arm[side].chain.kinematics_sha256[0] != '\0');
+            mukca_acceptance_put_brief(&(mukca_text)MUKCA_TEXT(text), &w->verdict[side]);
         cli_say(call, key, "%s: %s, %d joints%s%s", call->arguments.items[side],
                 w->arm[side].chain.robot, w->arm[side].chain.n_joints, *text ? "; " : "", text);
     }

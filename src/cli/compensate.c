@@ -168,7 +168,7 @@ static mukca_status correct_table(job *b, const char *path)
 
 /* ---- programs ---- */
 
-static mukca_status correct_line(job *b, const char *line, const char *path, int number)
+static void correct_line(job *b, const char *line, const char *path, int number)
 {
     const mukca_chain *chain = &b->arm.chain;
     const mukca_row_reading reading = {
@@ -182,18 +182,18 @@ static mukca_status correct_line(job *b, const char *line, const char *path, int
         refuse(b, path, number, text);
     }
     if (kind == MUKCA_LINE_OTHER) fputs(line, b->stream);
-    if (kind != MUKCA_LINE_TARGET) return MUKCA_OK;
+    if (kind != MUKCA_LINE_TARGET) return;
     double q[MUKCA_MAX_JOINTS];
     memcpy(q, t.q, sizeof q);
     for (int j = 0; j < chain->n_joints; j++)
-        if (fabs(q[j]) > 4 * M_PI) /* as in tables */
-            return mukca_fail(&b->call->error, MUKCA_INPUT,
-                              "%s:%d: joint '%s' is %g rad, more than two turns; check --from",
-                              mukca_file_shown(path), number, mukca_chain_joint_name(chain, j),
-                              q[j]);
+        if (fabs(q[j]) > 4 * M_PI) { /* as in tables */
+            snprintf(text, sizeof text, "joint '%s' is %g rad, more than two turns; check --from",
+                     mukca_chain_joint_name(chain, j), q[j]);
+            refuse(b, path, number, text);
+            return;
+        }
     const mukca_compensation c = mukca_compensate_joints(q, &b->compensator, &reading);
     if (count(b, &c, path, number)) mukca_language_replace(b->stream, b->from, chain, line, &t, q);
-    return MUKCA_OK;
 }
 
 /* Correct the program at `path`; lines that are not understood are listed. */
@@ -207,16 +207,16 @@ static mukca_status correct_program(job *b, const char *path)
     mukca_status status = mukca_file_read(&text, path, &call->error);
     if (status != MUKCA_OK) return status;
     start(b, true);
-    for (char *line = text; status == MUKCA_OK && *line && !ferror(b->stream);) {
+    for (char *line = text; *line && !ferror(b->stream) && !cli_interrupted();) {
         char *end = line + strcspn(line, "\n");
         const bool ended = *end == '\n';
         *end = '\0';
-        status = cli_interrupted() ? MUKCA_INTERRUPTED : correct_line(b, line, path, ++number);
+        correct_line(b, line, path, ++number);
         if (ended) fputc('\n', b->stream);
         line = end + ended;
     }
     free(text);
-    if (status != MUKCA_OK) return status;
+    if (cli_interrupted()) return MUKCA_INTERRUPTED;
     if (b->tally.rows > before || b->tally.refused > 0) return MUKCA_OK;
     return cli_fail(call, MUKCA_INPUT, "%s: no target in %s; check --from and --tip",
                     mukca_file_shown(path), formats[o->from]);

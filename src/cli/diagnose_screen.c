@@ -22,7 +22,7 @@ static void put_amplitude(mukca_text *text, const mukca_cause *c, const mukca_ch
     mukca_text_put(text, "%s, %s", amplitude, probability);
 }
 
-/* " (indistinguishable in these data; 10 more postures would decide: mukca plan --settle)" */
+/* " (indistinguishable in these data; 10 more postures would decide: ...)" */
 static void put_tie(mukca_text *text, const mukca_diagnosed *r, const mukca_cause *c)
 {
     const mukca_next_poses *next = r->next;
@@ -31,13 +31,12 @@ static void put_tie(mukca_text *text, const mukca_diagnosed *r, const mukca_caus
     if (mukca_next_poses_need_readings(c)) mukca_text_put(text, "; readings would decide");
     if (next && next->cause >= 0 && c == &r->diagnosis->causes[next->cause]) {
         const mukca_plan *plan = &next->plan;
-        if (plan->n_rows > 0 && plan->evidence_after >= MUKCA_PLAN_NAME)
-            mukca_text_put(text, "; %d more postures would decide: mukca plan --settle",
-                           plan->n_rows);
-        else if (plan->n_rows > 0 && plan->rows_to_name > 0)
-            mukca_text_put(text,
-                           "; some %d more postures would decide: mukca plan --settle --rows %d",
-                           plan->rows_to_name, plan->rows_to_name);
+        const int rows =
+            plan->evidence_after >= MUKCA_PLAN_NAME ? plan->n_rows : plan->rows_to_name;
+        if (rows > 0)
+            mukca_text_put(text, "; %d more postures would %s: mukca plan --settle --rows %d", rows,
+                           c->n_ties + c->or_unknown > 1 ? "separate two of these" : "decide",
+                           rows);
         else if (r->data->n_sockets > 0)
             mukca_text_put(text,
                            "; a placement far from these may decide: mukca plan --settle --place");
@@ -58,7 +57,7 @@ static void print_cause(FILE *stream, const mukca_diagnosed *r, const mukca_caus
     if (first)
         put_tie(&text, r, c);
     else
-        mukca_text_put(&text, ", ");
+        mukca_text_put(&text, c->n_ties ? "; " : ", ");
     if (first) cli_print_text(stream, key, &text);
     put_amplitude(&text, c, r->chain);
     if (!first) put_tie(&text, r, c);

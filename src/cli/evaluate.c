@@ -36,10 +36,8 @@ static void print(cli_call *call, const evaluate_work *w)
                : w->data.has_factory             ? "nominal model and factory file"
                                                  : "nominal model (no --offsets)");
     if (calibrated) {
-        char words[MUKCA_ACCEPTANCE_SENTENCE];
-        mukca_acceptance_put(&(mukca_text)MUKCA_TEXT(words), &s->model.offsets.acceptance,
-                             w->data.has_factory);
-        cli_say(call, NULL, "Table %s.", words);
+        cli_print_acceptance(cli_answer_stream(call), &s->model.offsets.acceptance,
+                             &s->model.chain);
         const mukca_score *mean = (tested ? &w->test : &w->data)->mean;
         if (mukca_data_contradict(mean[CLI_CALIBRATED].mae, s->model.offsets.acceptance.error_m,
                                   mean[CLI_NOMINAL].mae))

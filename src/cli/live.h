@@ -32,7 +32,7 @@ typedef struct {
         "LCM network, or file://LOG to replay a log (default: LCM_DEFAULT_URL, else LCM's own)"),  \
         CLI_NETWORK_OPTIONS(type, live.recorder.network),                                          \
         CLI_OPTION(type, live.recorder.key, "key", CLI_INPUT, "FILE",                              \
-                   "obey only triggers and commands signed with the key in this file "             \
+                   "accept only triggers and commands signed with the key in this file "           \
                    "(mukca-formats(5))"),                                                          \
         CLI_OPTION(type, live.recorder.channel, "channel", CLI_TEXT, "NAME",                       \
                    "channel of the joint states (default: the one that fits the arm)"),            \

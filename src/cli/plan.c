@@ -137,13 +137,13 @@ static mukca_status gather_causes(plan_work *r)
         .no_folds = true, .progress = cli_show_progress, .progress_context = r->call};
     status = mukca_diagnose(&r->diagnosis, &r->model->chain, r->data, &diagnose, error);
     if (status != MUKCA_OK) return status;
-    if (!mukca_next_poses_tie(c->effects, &r->diagnosis))
+    mukca_next_poses tie;
+    if (!mukca_next_poses_tie(&tie, &r->options, c->effects, &r->diagnosis))
         return mukca_fail(error, MUKCA_NEGATIVE,
                           "the diagnosis (%s) has no indistinguishable causes that more postures "
                           "could separate; without --settle, postures are chosen for accuracy",
                           mukca_verdict_name[r->diagnosis.verdict]);
-    c->n_effects = 2;
-    r->options.noise = r->diagnosis.sigma_m;
+    c->n_effects = r->options.n_effects;
     return MUKCA_OK;
 }
 
@@ -247,10 +247,10 @@ static void print(plan_work *r)
             mukca_wording_effect(
                 cause[k], r->causes.effects[k].kind,
                 mukca_chain_joint_name(&r->model->chain, r->causes.effects[k].joint));
-        cli_say(
-            r->call, NULL,
-            "Separating %s from %s: expected log Bayes factor %.1f before, %.1f after (%g decides)",
-            cause[0], cause[1], p->evidence_before, p->evidence_after, MUKCA_PLAN_NAME);
+        cli_say(r->call, NULL,
+                "Separating %s from %s: log Bayes factor %.1f %s, %.1f with the plan (%g decides)",
+                cause[0], cause[1], p->evidence_before, o->settle ? "now" : "expected before",
+                p->evidence_after, MUKCA_PLAN_NAME);
         if (r->payload > 0)
             cli_say(r->call, NULL,
                     "These postures are for a payload of %g kg at the tip; as many without it "
@@ -265,10 +265,10 @@ static void print(plan_work *r)
                 r->call, NULL,
                 "Not enough, and more samples here do not decide: try another placement (--place)");
     } else {
-        cli_answer(r->call,
-                   "Expected consistency error at new placements, without noise: %.3f mm before, "
-                   "%.3f mm after\n",
-                   p->expected_before * 1e3, p->expected_after * 1e3);
+        cli_say(r->call, NULL,
+                "Expected consistency error at new placements, without noise: %.3f mm before, "
+                "%.3f mm after",
+                p->expected_before * 1e3, p->expected_after * 1e3);
     }
     if (p->n_rows < o->rows)
         cli_say(r->call, NULL,

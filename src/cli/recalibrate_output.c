@@ -70,11 +70,11 @@ static void print_findings(cli_call *call, const cli_recalibrated *r, const mukc
 {
     const mukca_recalibration *f = r->fit;
     cli_answer(call, "%s: %ld measured poses\n", r->arm.robot, f->rows);
+    cli_print_acceptance(cli_answer_stream(call), a, &r->arm);
     cli_say(call, "Result",
             "the poses contain a calibration: median position error %.4f mm nominal, %.4f mm after "
             "the fit",
             1e3 * r->oracle.position_nominal, 1e3 * r->oracle.position_left);
-    if (!a->accepted) cli_say(call, "Use", "no: %s", a->reason);
     for (int j = 0; j < r->arm.n_joints; j++)
         if (never_moved(f, j))
             cli_say(call, NULL,

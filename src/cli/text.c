@@ -89,6 +89,7 @@ void cli_print_acceptance(FILE *stream, const mukca_acceptance *a, const mukca_c
     char line[MUKCA_ACCEPTANCE_SENTENCE] = "";
     mukca_text text = MUKCA_TEXT(line);
     const bool factory = chain->kinematics_sha256[0] != '\0';
+    if (!stream) return;
     if (a->accepted) mukca_acceptance_put_tip(&text, a, factory);
     cli_print_text(stream, "Tip", &text);
     mukca_acceptance_put_use(&text, a, factory);

@@ -4,8 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-enum { CANDIDATES = 40 };
-
 static bool settled_by_poses(const mukca_effect *effect)
 {
     return !mukca_effect_has((int)effect->kind, MUKCA_TRAIT_RECORDING_FAULT);
@@ -26,47 +24,40 @@ bool mukca_next_poses_need_readings(const mukca_cause *cause)
     return false;
 }
 
-/* The first tied cause that acts on the arm, and its closest rival that does. */
-static bool find_tie(mukca_next_poses *next, const mukca_diagnosis *d)
+bool mukca_next_poses_tie(mukca_next_poses *next, mukca_plan_options *options,
+                          mukca_effect effects[2], const mukca_diagnosis *d)
 {
-    for (int c = 0; c < d->n_causes; c++)
-        for (int t = 0; settled_by_poses(&d->causes[c].effect) && t < d->causes[c].n_ties; t++) {
-            const mukca_tie *tie = &d->causes[c].ties[t];
-            if (!isfinite(tie->log_bayes_factor) || !settled_by_poses(&tie->rival)) continue;
-            if (settled_by_readings(&d->causes[c].effect, &tie->rival)) continue;
+    next->cause = next->tie = -1;
+    for (int c = 0; c < d->n_causes; c++) {
+        const mukca_cause *cause = &d->causes[c];
+        for (int t = 0; settled_by_poses(&cause->effect) && t < cause->n_ties; t++) {
+            const mukca_tie *tie = &cause->ties[t];
+            if (!isfinite(tie->log_bayes_factor) || !settled_by_poses(&tie->rival) ||
+                settled_by_readings(&cause->effect, &tie->rival))
+                continue;
             next->cause = c;
             next->tie = t;
+            effects[0] = cause->effect;
+            effects[1] = tie->rival;
+            options->effects = effects;
+            options->n_effects = 2;
+            options->noise = d->sigma_m;
+            options->measured = cause->log_bayes_factor - tie->log_bayes_factor;
             return true;
         }
+    }
     return false;
-}
-
-bool mukca_next_poses_tie(mukca_effect effects[2], const mukca_diagnosis *diagnosis)
-{
-    mukca_next_poses next;
-    if (!find_tie(&next, diagnosis)) return false;
-    effects[0] = diagnosis->causes[next.cause].effect;
-    effects[1] = diagnosis->causes[next.cause].ties[next.tie].rival;
-    return true;
 }
 
 mukca_status mukca_next_poses_choose(mukca_next_poses *next, const mukca_diagnosis *d,
                                      const mukca_chain *chain, const mukca_dataset *data,
                                      bool (*stop)(void *context), mukca_error *error)
 {
-    memset(next, 0, sizeof *next);
-    next->cause = next->tie = -1;
-    if (!find_tie(next, d)) return MUKCA_OK;
     double theta[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS];
-    const mukca_cause *cause = &d->causes[next->cause];
-    const mukca_effect effects[2] = {cause->effect, cause->ties[next->tie].rival};
-    const mukca_plan_options options = {.rows = MUKCA_NEXT_POSES,
-                                        .candidates = CANDIDATES,
-                                        .noise = d->sigma_m,
-                                        .effects = effects,
-                                        .n_effects = 2,
-                                        .poses_only = true,
-                                        .stop = stop};
+    mukca_effect effects[2];
+    mukca_plan_options options = {.rows = MUKCA_NEXT_POSES, .poses_only = true, .stop = stop};
+    memset(next, 0, sizeof *next);
+    if (!mukca_next_poses_tie(next, &options, effects, d)) return MUKCA_OK;
     const int n = mukca_plan_sockets(next->sockets, MUKCA_PLAN_MAX_SOCKETS, &d->geometry, data);
     const mukca_plan_task task = {
         .chain = chain, .theta = theta, .data = data, .sockets = next->sockets, .n_sockets = n};

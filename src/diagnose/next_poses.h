@@ -20,9 +20,10 @@ typedef struct {
 mukca_status mukca_next_poses_choose(mukca_next_poses *next, const mukca_diagnosis *diagnosis,
                                      const mukca_chain *chain, const mukca_dataset *data,
                                      bool (*stop)(void *context), mukca_error *error);
-/* The first tied cause that postures can distinguish from its rival, and this rival; false: none.
- */
-bool mukca_next_poses_tie(mukca_effect effects[2], const mukca_diagnosis *diagnosis);
+/* The first tied cause that postures can distinguish from its rival, and this rival, with their
+ * measured evidence and noise, as options of a plan; false: none. */
+bool mukca_next_poses_tie(mukca_next_poses *next, mukca_plan_options *options,
+                          mukca_effect effects[2], const mukca_diagnosis *diagnosis);
 void mukca_next_poses_free(mukca_next_poses *next); /* no-op on a zeroed one */
 
 /* Would readings settle a tie of the cause, between an error of the commands and one of the arm? */

@@ -7,26 +7,32 @@
 
 #include "plan/choose.h"
 
-enum { DEFAULT_ROWS = 20, DEFAULT_CANDIDATES = 150 };
+enum { DEFAULT_ROWS = 20, CANDIDATES = 150, CANDIDATES_OF_CAUSES = 40 }; /* of each socket */
 
-/* Order by socket; within a socket, by distance from the preceding posture. */
-static void put_in_order(mukca_plan_row *rows, int n, int n_joints)
+/* Visit each placement once, beginning where the plate stands (that of the last sample), and each
+ * socket once; within a socket, order by distance from the preceding posture. */
+static void put_in_order(mukca_plan_row *rows, int n, const mukca_plan_task *task)
 {
-    for (int i = 1; i < n; i++) {
+    const mukca_dataset *data = task->data;
+    const int last = data ? data->socket[data->n_rows - 1] : -1;
+    int place = last < 0 ? 0 : data->sockets[last].placement;
+    for (int i = 0; i < n; i++) {
         double least = HUGE_VAL;
         int next = i;
         for (int k = i; k < n; k++) {
-            double far = rows[k].socket == rows[i - 1].socket ? 0 : 1e3 * (1 + rows[k].socket);
-            for (int j = 0; j < n_joints; j++)
-                far = fmax(far, fabs(rows[k].q[j] - rows[i - 1].q[j]));
-            if (far < least) {
-                least = far;
+            double turn = 0, far = task->sockets[rows[k].socket].place == place ? 0 : 1e6;
+            far += i && rows[k].socket == rows[i - 1].socket ? 0 : 1e3 * (1 + rows[k].socket);
+            for (int j = 0; i && j < task->chain->n_joints; j++)
+                turn = fmax(turn, fabs(rows[k].q[j] - rows[i - 1].q[j]));
+            if (far + turn < least) {
+                least = far + turn;
                 next = k;
             }
         }
         const mukca_plan_row swap = rows[i];
         rows[i] = rows[next];
         rows[next] = swap;
+        place = task->sockets[rows[i].socket].place;
     }
 }
 
@@ -59,15 +65,20 @@ static mukca_status check(const mukca_chain *chain, int n_sockets, const mukca_p
     return MUKCA_OK;
 }
 
-/* Samples until the evidence reaches MUKCA_PLAN_NAME: the strength grows linearly with their
- * number. */
-static int rows_to_name(double before, double after, int rows)
+/* Evidence before and after the plan, and the samples until it reaches MUKCA_PLAN_NAME: the
+ * strength grows linearly with their number.  A measured log Bayes factor m favours the cause that
+ * is present with probability 1 / (1 + exp(-|m|)): its expectation is m tanh(m / 2). */
+static void set_evidence(mukca_plan *plan, double before, double after, double measured)
 {
+    const double expected = mukca_plan_evidence(before),
+                 less = measured ? expected - measured * tanh(measured / 2) : 0;
     double wanted = 1;
-    if (!(after > before) || rows < 1) return 0;
-    while (mukca_plan_evidence(wanted) < MUKCA_PLAN_NAME) wanted *= 1.01;
-    const double needed = ceil(rows * (wanted - before) / (after - before));
-    return needed > 1000 ? 0 : (int)fmax(needed, 1);
+    plan->evidence_before = measured ? fabs(measured) : expected;
+    plan->evidence_after = mukca_plan_evidence(after) - less;
+    if (!(after > before) || plan->n_rows < 1) return;
+    while (mukca_plan_evidence(wanted) < MUKCA_PLAN_NAME + less) wanted *= 1.01;
+    const double needed = ceil(plan->n_rows * (wanted - before) / (after - before));
+    plan->rows_to_name = needed > 1000 ? 0 : (int)fmax(needed, 1);
 }
 
 /* Draw candidates for all sockets. */
@@ -96,7 +107,7 @@ mukca_status mukca_plan_run(mukca_plan *plan, const mukca_plan_task *task,
     mukca_planner p;
     mukca_plan_state *s = &p.state;
     const int rows = options->rows > 0 ? options->rows : DEFAULT_ROWS;
-    const int candidates = options->candidates > 0 ? options->candidates : DEFAULT_CANDIDATES;
+    const int candidates = options->n_effects > 0 ? CANDIDATES_OF_CAUSES : CANDIDATES;
     memset(plan, 0, sizeof *plan);
     mukca_status status = check(task->chain, task->n_sockets, options, error);
     if (status != MUKCA_OK) return status;
@@ -105,8 +116,7 @@ mukca_status mukca_plan_run(mukca_plan *plan, const mukca_plan_task *task,
     const double weak = mukca_plan_strength(s);
     *plan = (mukca_plan){.n_recorded = p.n_recorded,
                          .rows = calloc((size_t)rows, sizeof *plan->rows),
-                         .expected_before = mukca_plan_expected(s),
-                         .evidence_before = mukca_plan_evidence(weak)};
+                         .expected_before = mukca_plan_expected(s)};
     if (!plan->rows) {
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory while planning");
         goto out;
@@ -124,11 +134,9 @@ mukca_status mukca_plan_run(mukca_plan *plan, const mukca_plan_task *task,
         plan->rows[i].socket = pose->socket;
         memcpy(plan->rows[i].q, pose->q, sizeof pose->q);
     }
-    if (!p.ordered) put_in_order(plan->rows, plan->n_rows, task->chain->n_joints);
-    const double strong = mukca_plan_strength(s);
+    if (!p.ordered) put_in_order(plan->rows, plan->n_rows, task);
     plan->expected_after = mukca_plan_expected(s);
-    plan->evidence_after = mukca_plan_evidence(strong);
-    plan->rows_to_name = rows_to_name(weak, strong, plan->n_rows);
+    set_evidence(plan, weak, mukca_plan_strength(s), options->measured);
 out:
     mukca_pool_free(&s->pool);
     if (status != MUKCA_OK) mukca_plan_free(plan);

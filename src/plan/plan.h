@@ -28,8 +28,7 @@ typedef struct {
 
 /* Zeroed options mean defaults. */
 typedef struct {
-    int rows;       /* samples to propose, all sockets together; 0: 20 */
-    int candidates; /* poses drawn per socket; 0: 150 */
+    int rows; /* samples to propose, all sockets together; 0: 20 */
     uint64_t seed;
     double noise; /* standard deviation of one coordinate of a sample, m; 0: 1e-4 */
     double tilt;  /* largest tilt of the tool from straight down, rad; 0: pi / 3, or the largest in
@@ -37,8 +36,9 @@ typedef struct {
     double payload; /* of the proposed postures: kg at the tip that the model does not include */
     const mukca_effect *effects; /* causes to distinguish; NULL: plan for accuracy */
     int n_effects;               /* at least 2 unless 0 */
-    bool poses_only;             /* for causes: omit the expected errors (they are 0) */
-    bool (*stop)(void *context); /* polled during the search; may be NULL */
+    double measured; /* log Bayes factor between two causes in the data, by a diagnosis; 0: none */
+    bool poses_only; /* for causes: omit the expected errors (they are 0) */
+    bool (*stop)(void *context);                  /* polled during the search; may be NULL */
     void (*progress)(void *context, double done); /* fraction done, 0 .. 1; may be NULL */
     void *context;
 } mukca_plan_options;
@@ -54,8 +54,9 @@ typedef struct {
     int n_recorded;                         /* samples of the dataset in the plan's sockets */
     double expected_before, expected_after; /* expected mean error of the ball in other sockets due
                                                to the uncertainty of the geometry, m */
-    double evidence_before, evidence_after; /* expected log Bayes factor of the weaker cause if that
-                                               cause is the true one; NaN for accuracy */
+    double evidence_before, evidence_after; /* expected log Bayes factor of the weaker cause, if it
+                                               is the true one (`measured`: of the data, and with
+                                               the expected gain); NaN for accuracy */
     int rows_to_name; /* estimated number of such samples until the evidence reaches
                          MUKCA_PLAN_NAME; 0: more than 1000, or planned for accuracy */
 } mukca_plan;

@@ -171,7 +171,7 @@ static mukca_line_kind read_row(mukca_lcm_joints *joints, mukca_joint_lines *l, 
     for (int i = 0; i < n; i++) {
         double value;
         (void)read_cell(&value, l->cell[i]); /* the recorder checks the arm's joints */
-        good = good && put(joints, l, l->column[i], value);
+        good = good && put(joints, l, l->column[i], l->unit[i] > 0 ? l->unit[i] * value : value);
     }
     l->format = "CSV";
     if (good && joints->n) return MUKCA_LINE_JOINTS;
@@ -245,6 +245,7 @@ static mukca_line_kind parse_cells(mukca_lcm_joints *joints, mukca_joint_lines *
     if (is_header(l->cell, n)) {
         memcpy(l->header, line, strlen(line) + 1);
         mukca_cells_split(l->column, n, l->header, delimiter);
+        for (int i = 0; i < n; i++) l->unit[i] = mukca_unit_take(l->column[i]);
         l->delimiter = delimiter;
         l->n_columns = n;
         return MUKCA_LINE_NONE;

@@ -40,6 +40,7 @@ typedef struct {
     char delimiter;
     char header[MUKCA_JOINT_LINES_SIZE];
     char *column[MUKCA_JOINT_LINES_CELLS]; /* names */
+    double unit[MUKCA_JOINT_LINES_CELLS];  /* SI per unit in the header; 0: none stated */
 } mukca_joint_lines;
 
 void mukca_joint_lines_open(mukca_joint_lines *lines, int fd);

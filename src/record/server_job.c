@@ -125,8 +125,9 @@ void mukca_server_send_answer(mukca_server *s, const mukca_server_answer *answer
 static void add_verdict(char line[MUKCA_RECORDER_LINE], const mukca_acceptance *a)
 {
     mukca_text text = {.at = line, .size = MUKCA_RECORDER_LINE, .used = strlen(line)};
-    mukca_text_put(&text, a->accepted ? "; accepted, for `use`" : "; not accepted: %s", a->reason);
-    if (a->accepted) mukca_acceptance_put_basis(&text, a, false);
+    mukca_text_put(&text, "; ");
+    mukca_acceptance_put_brief(&text, a);
+    if (a->accepted) mukca_text_put(&text, "; `use` puts it into use");
 }
 
 static void report(mukca_server *s, mukca_status code)

@@ -186,9 +186,9 @@ mukca_status mukca_server_use(mukca_server *s, const char *session, mukca_error 
     snprintf(state->model_stream, sizeof state->model_stream, "%s", state->candidate_stream);
     status = mukca_server_load_model(s, error);
     if (status == MUKCA_OK) status = mukca_server_save_state(s, error);
-    char basis[MUKCA_ACCEPTANCE_SENTENCE] = "";
-    mukca_acceptance_put_basis(&(mukca_text)MUKCA_TEXT(basis), &s->pose.offsets.acceptance, false);
-    if (status == MUKCA_OK) mukca_fail(error, MUKCA_OK, "in use: %.60s%s", state->model, basis);
+    char verdict[MUKCA_ACCEPTANCE_SENTENCE] = "";
+    mukca_acceptance_put_brief(&(mukca_text)MUKCA_TEXT(verdict), &s->pose.offsets.acceptance);
+    if (status == MUKCA_OK) mukca_fail(error, MUKCA_OK, "in use: %.60s; %s", state->model, verdict);
     return status;
 }
 

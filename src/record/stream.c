@@ -13,13 +13,23 @@ static const int64_t handover_us = 500000;
 static const char two_arms[] =
     "two arms seem to send on this channel: stop one of them, or name another --channel";
 
-/* Whether q is plausible as a reading of joint j.  No arm turns a joint by two turns from zero or
- * moves one by 20 m: such values are degrees, or another field. */
-static bool plausible(const mukca_recorder *r, int j, double q)
+/* Take the mapped readings of the message.  No arm turns a joint by two turns from zero or moves
+ * one by 20 m: such values are degrees, or another field. */
+static mukca_status take_positions(mukca_recorder *r, mukca_error *error)
 {
+    mukca_stream *stream = &r->stream;
     const mukca_chain *chain = r->chain;
-    bool linear = chain->element[chain->joint_element[j]].type == MUKCA_PRISMATIC;
-    return fabs(q) <= (linear ? 20 : 4 * M_PI);
+    for (int j = 0; j < chain->n_joints; j++) {
+        const bool linear = chain->element[chain->joint_element[j]].type == MUKCA_PRISMATIC;
+        const double q = stream->last.joints.value[MUKCA_LCM_ROLE_POSITION][stream->map.reading[j]];
+        if (!(fabs(q) <= (linear ? 20 : 4 * M_PI)))
+            return mukca_fail(error, MUKCA_INPUT,
+                              "%s: %s reads %g: no angle in rad; convert degrees%s, or check --map",
+                              stream->channel, mukca_recorder_joint(r, j), q,
+                              stream->lines ? " (a header may say [deg])" : "");
+        stream->last.q[j] = q;
+    }
+    return MUKCA_OK;
 }
 
 static void copy_values(double *out, const mukca_recorder *r, mukca_lcm_role role)
@@ -157,7 +167,8 @@ static void refuse_type(mukca_recorder *r, const mukca_lcm_packet *packet, int t
 static bool map_first(mukca_recorder *r, int type)
 {
     mukca_stream *stream = &r->stream;
-    if (mukca_stream_make_map(r) != MUKCA_OK) return false;
+    if (mukca_stream_make_map(r) != MUKCA_OK || take_positions(r, &stream->problem) != MUKCA_OK)
+        return false;
     stream->type = type;
     stream->map.n = stream->last.joints.n;
     stream->map.made = true;
@@ -203,16 +214,10 @@ static bool copy_readings(mukca_recorder *r)
                               stream->channel, stream->last.joints.n, stream->map.n);
         return false;
     }
-    for (int j = 0; j < r->chain->n_joints; j++) {
-        const char *joint = mukca_recorder_joint(r, j);
-        double q = stream->last.joints.value[MUKCA_LCM_ROLE_POSITION][stream->map.reading[j]];
-        if (!plausible(r, j, q)) {
-            mukca_recorder_refuse(r, MUKCA_RECORDER_RANGE,
-                                  "%s: %s reads %g: no angle in rad (degrees? wrong --map?)",
-                                  stream->channel, joint, q);
-            return false;
-        }
-        stream->last.q[j] = q;
+    mukca_error error;
+    if (take_positions(r, &error) != MUKCA_OK) {
+        mukca_recorder_refuse(r, MUKCA_RECORDER_RANGE, "%s", error.text);
+        return false;
     }
     if (stream->last.joints.has[MUKCA_LCM_ROLE_EFFORT])
         copy_values(stream->last.effort, r, MUKCA_LCM_ROLE_EFFORT);

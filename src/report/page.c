@@ -62,7 +62,8 @@ static const char *const mukca_report_style[] = {
     ".wide,figure{overflow:visible}.plot.plot{min-width:0}.figures{grid-template-columns:repeat(4,"
     "1fr)}.view{max-width:60%}table{font-size:7.5pt}th,td{padding:.05rem "
     ".4rem}figcaption{font-size:"
-    "7.5pt}.wide:has(.parameters){columns:2}p,li{orphans:3;widows:3}}\n"};
+    "7.5pt}.wide{break-inside:avoid}.wide:has(.parameters){columns:2}.wide:has(.parameters,.files)"
+    "{break-inside:auto}p,li{orphans:3;widows:3}}\n"};
 
 static void put_head(FILE *out, const mukca_page *p)
 {

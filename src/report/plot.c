@@ -17,7 +17,7 @@ enum {
     TOP = 30,
     BOTTOM = 46,
     BOTTOM_NAMES = 92,
-    NAME = 18,
+    NAME = 16,
     LETTER = 7
 };
 

@@ -134,6 +134,11 @@ void mukca_report_put_placements(FILE *out, const void *content)
                     "Training errors are those of the data that were fitted.</p>\n"
                   : "<p>Error: mean distance of the predicted from the measured position.</p>\n",
           out);
+    if (r->offsets->n_effects > 0)
+        fputs(
+            "<p>The table has one coefficient per cause; the diagnosis above also fits the link "
+            "masses, and its errors may differ a little.</p>\n",
+            out);
 }
 
 /* ---- the result ---- */
@@ -151,10 +156,12 @@ void mukca_report_put_offsets(FILE *out, const void *content)
         const mukca_offset_row *row = &r->offset[i];
         const bool elastic = strcmp(row->unit, "rad/(N*m)") == 0;
         const double factor = elastic ? 1e6 : mm;
-        mukca_html_row(&table, "%s%s %s, %s%s%s\t%.3f\t%.3f\t%.3f", row->identifiable ? "" : "(",
-                       row->joint, row->parameter, elastic ? "u" : "m", row->unit,
-                       row->identifiable ? "" : ")", row->nominal * factor, row->offset * factor,
-                       row->sigma * factor);
+        const bool plain = strcmp(row->term, "-") == 0;
+        mukca_html_row(&table, "%s%s %s%s%s, %s%s%s\t%.3f\t%.3f\t%.3f",
+                       row->identifiable ? "" : "(", strcmp(row->joint, "-") ? row->joint : "arm",
+                       row->parameter, plain ? "" : " ", plain ? "" : row->term,
+                       elastic ? "u" : "m", row->unit, row->identifiable ? "" : ")",
+                       row->nominal * factor, row->offset * factor, row->sigma * factor);
     }
     mukca_html_table_end(&table);
 }

@@ -79,6 +79,7 @@ void mukca_report_put_view(FILE *out, const void *content)
         if (error > most) most = error;
     }
     if (!(most > 0)) return;
+    const char *const where = r->train->n_sockets > 0 ? "mean of its socket" : "measured position";
     const double scale = mukca_plot_round(0.3 * reach / most);
     fprintf(
         out,
@@ -87,8 +88,8 @@ void mukca_report_put_view(FILE *out, const void *content)
         "viewBox=\"%.0f %.0f %.0f %.0f\" data-a=\"%g\" data-b=\"%g\">\n<title id=\"view-t\">The "
         "arm and the errors of its tip</title>\n<desc id=\"view-d\">The arm in %d postures, with "
         "the error of each sample from the %s, nominal and calibrated, times %g.</desc>\n",
-        -1e3 * reach, -1e3 * reach, 2e3 * reach, 2e3 * reach, azimuth, elevation, POSTURES,
-        r->train->n_sockets > 0 ? "mean of its socket" : "measured position", scale);
+        -1e3 * reach, -1e3 * reach, 2e3 * reach, 2e3 * reach, azimuth, elevation, POSTURES, where,
+        scale);
     for (int i = 0; i < POSTURES; i++) {
         const int n = find_joints(points, r, &geometry, i * rows / POSTURES);
         put_line(out, "arm", points, n, centre);
@@ -105,8 +106,9 @@ void mukca_report_put_view(FILE *out, const void *content)
         }
     fprintf(
         out,
-        "</svg>\n<figcaption><strong>The arm in %d postures, errors times %g</strong> Nominal in "
-        "orange, calibrated in blue. Drag to turn, or use the arrow keys.</figcaption>\n"
-        "</figure>\n%s",
-        POSTURES, scale, script);
+        "</svg>\n<figcaption><strong>The arm in %d postures, errors times %g</strong> Error of "
+        "each "
+        "sample from the %s: nominal in orange, calibrated in blue. Drag to turn, or use the arrow "
+        "keys.</figcaption>\n</figure>\n%s",
+        POSTURES, scale, where, script);
 }

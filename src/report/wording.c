@@ -122,7 +122,8 @@ void mukca_wording_amplitude(char text[MUKCA_WORDING], const mukca_cause *cause,
     int digits = isfinite(half) ? (int)ceil(-log10(half)) + 1 : 3;
     digits = digits < 0 ? 0 : digits > 4 ? 4 : digits;
     text[0] = '\0';
-    put(text, "%.*f %s", digits, factor * cause->amplitude, shown);
+    put(text, "%s%.*f %s", cause->n_ties ? "the first: " : "", digits, factor * cause->amplitude,
+        shown);
     if (isfinite(cause->low) && isfinite(cause->high))
         put(text, " [%.*f, %.*f]", digits, factor * cause->low, digits, factor * cause->high);
 }
@@ -164,6 +165,7 @@ static const particular *find_particular(const mukca_cause *cause, const mukca_d
 const char *mukca_wording_mechanism(const mukca_cause *cause, const mukca_diagnosed *r)
 {
     const particular *own = find_particular(cause, r);
+    if (cause->n_ties || cause->or_unknown) return "indistinguishable in these data";
     return own ? own->mechanism : mukca_effect_table[cause->effect.kind]->sentence;
 }
 
@@ -171,6 +173,9 @@ const char *mukca_wording_remedy(const mukca_cause *cause, const mukca_diagnosed
 {
     const particular *own = find_particular(cause, r);
     if (own) return own->remedy;
+    if (cause->n_ties && mukca_wording_on_arm(cause))
+        return "compensate it with the offsets table; repair nothing before the alternatives are "
+               "separated";
     const char *text = mukca_effect_table[cause->effect.kind]->remedy;
     return text ? text : "compensate it with the offsets table; inspect the transmission";
 }
@@ -241,13 +246,9 @@ void mukca_wording_verdict(char text[MUKCA_WORDING], const mukca_diagnosed *r)
                 "measurement noise and the uncertainty of the geometry");
         if (d->verdict == MUKCA_VERDICT_TIED) put(text, " (indistinguishable in these data)");
     } else {
-        const bool tied = first->n_ties || first->or_unknown;
-        if (tied)
-            mukca_wording_rivals(words, first, r);
-        else
-            put_cause(words, first, r);
+        mukca_wording_rivals(words, first, r);
         put(text, "%s: %s (%s)", causes > 1 ? "Main cause" : "Cause", words,
-            tied ? "indistinguishable in these data" : mukca_wording_mechanism(first, r));
+            mukca_wording_mechanism(first, r));
         put_count(text, causes - 1, "further ");
     }
     if (d->unexplained && d->verdict != MUKCA_VERDICT_UNKNOWN)
@@ -353,9 +354,9 @@ void mukca_wording_next(char text[MUKCA_WORDING], const mukca_diagnosed *r)
             "record readings and commands (columns JOINT and JOINT.command): they separate servo "
             "sag from compliance");
     else if (r->next && r->next->cause >= 0 && r->next->plan.n_rows > 0)
-        put(text, "`mukca plan --settle` with these data writes postures that separate %s",
-            r->next->plan.evidence_after < MUKCA_PLAN_NAME ? "the alternatives in part"
-                                                           : "the alternatives");
+        put(text,
+            "`mukca plan --settle` with these data writes postures that separate "
+            "alternatives");
     else if (r->next && r->next->cause >= 0 && r->data->n_sockets == 0)
         put(text,
             "record other postures, or (elastic causes) the same ones with another payload, to "

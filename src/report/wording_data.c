@@ -70,7 +70,7 @@ bool mukca_wording_untestable(char words[MUKCA_WORDING], int tested, const mukca
     if (many) mukca_text_put(&text, "%d effects", kinds);
     for (int k = 0; k < MUKCA_EFFECT_COUNT; k++)
         if (kind[k] && !many)
-            mukca_text_put(&text, "%s%s", n++ ? ", " : "", mukca_effect_table[k]->name);
+            mukca_text_put(&text, "%s%s", n++ ? ", " : "", mukca_effect_table[k]->title);
     for (int j = 0, at = 0; j < r->chain->n_joints; j++)
         if (joint[j])
             mukca_text_put(&text, "%s%s", at++ ? ", " : " at ",

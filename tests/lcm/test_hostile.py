@@ -52,7 +52,7 @@ def wrong_numbers():
             for _ in range(50):
                 lc.publish(CHANNEL, m.encode())
         check("numbers: NaN is told once", s.said("no finite number") == 1, s.p.said)
-        check("numbers: degrees are told once", s.said("degrees?") == 1, s.p.said)
+        check("numbers: degrees are told once", s.said("no angle in rad") == 1, s.p.said)
         lc.publish(CHANNEL, arm.message().encode()[:-1])
         lc.publish("MUKCA_TRIGGER", mukca.trigger().encode()[:-1])
         check("numbers: malformed messages are told", s.said("malformed") > 0, s.p.said)

@@ -61,7 +61,7 @@ def main():
         client.command("start", "good")
         check("good: samples", len(take(client, arm, good)) == len(good))
         answer = client.command("calibrate")
-        check("good: accepted, and says what to do", answer.code == 0 and "accepted, for `use`" in answer.text,
+        check("good: accepted, and says what to do", answer.code == 0 and "`use` puts it into use" in answer.text,
               answer.text)
         check("a result publishes no pose", pose(client, arm) is None and client.command("result").code == 1)
         check("use of another session is refused", client.command("use", "evil").code == 1)

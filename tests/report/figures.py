@@ -106,6 +106,13 @@ def compare(name, *data):
     table = cells(page, "Smallest effects")
     got = sorted([row[0], j, v] for row in table for j, v in zip(["", *d["joints"]], row[1:]) if v)
     same(f"{name}: detection limits", wanted, got)
+    run("evaluate", "-q", *ARM, "--offsets", base + ".tsv", *data, "--json", base + "_e.json")
+    with open(base + "_e.json") as file:
+        e = json.load(file)
+    wanted = [[f"{p['placement']} ({name}, {p['rows']} samples)", mm(p["mae_nominal_m"]), mm(p["mae_m"]),
+               mm(p["distance_error_nominal_m"]), mm(p["distance_error_m"])]
+              for name, key in (("training", "data"), ("test", "test")) for p in e[key] or []]
+    same(f"{name}: errors of the table by placement", wanted, cells(page, "Errors of the table of offsets"))
     rows = [line.rstrip("\n").split("\t") for line in open(base + ".tsv") if line[0] != "#"][1:]
     factor = {"rad/(N*m)": 1e6}
     same(f"{name}: parameters", [[f"{factor.get(r[2], 1e3) * float(r[5]):.3f}", f"{factor.get(r[2], 1e3) * float(r[6]):.3f}"
@@ -114,6 +121,11 @@ def compare(name, *data):
 
 
 compare("demo", "data/demo/train.tsv", "--test", "data/demo/test.tsv")
+with open(os.path.join(folder, "demo.json")) as demo:
+    rungs = json.load(demo)
+rungs = [rungs["gap"]["geometry_m"], *(c["cumulative_m"] for c in rungs["causes"])]
+same("demo: each step of the ladder is a fit of its own", True, len(rungs) == 3 and
+     all(b < 0.9 * a for a, b in zip(rungs, rungs[1:])))
 faults = os.path.join(folder, "faults_data.tsv")
 run("simulate", "-q", *ARM, "--seed", "4", "--placements", "4", "--rows", "20", "--perturb", "2,3", "--noise", "1e-4",
     "--effect", "joint_compliance:joint_2=4e-5", "--effect", "tool_motion:p2/1@12=2e-3", "-o", faults)

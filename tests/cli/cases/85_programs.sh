@@ -46,8 +46,9 @@ expect "poses in degrees and millimetres are those in rad and m" awk -F '\t' '
     NR == FNR { q[FNR] = $1 + 0; next } FNR > 1 && !(($1 - q[FNR]) ^ 2 < 1e-14) { exit 1 }
     END { exit FNR != 2 }' from_degrees.tsv from_metres.tsv
 echo 'movej([10,20,30,40,50,60,70])' >degrees.script
-refuse 3 "degrees.script:1: joint 'joint_2' is 20 rad, more than two turns; check --from" \
-    compensate $arm --from urscript degrees.script -o new.script
+echo 'movel(pick)' >>degrees.script
+run compensate $arm --from urscript degrees.script -o new.script
+expect "angles in degrees and a pose: both lines are listed, nothing is written" test "$code,$(grep -cE "degrees.script:(1: joint 'joint_2' is 20 rad, more than two turns; check --from|2: not understood)" "$scratch/err")" = 3,2 -a ! -e new.script
 refuse 2 "poses is for tables" compensate $arm --from rapid --poses path.mod
 {
     echo '<robot name="long"><link name="l0"/>'
