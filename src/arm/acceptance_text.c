@@ -69,6 +69,7 @@ void mukca_acceptance_use(char sentence[MUKCA_ACCEPTANCE_SENTENCE], const mukca_
 void mukca_acceptance_brief(char sentence[MUKCA_ACCEPTANCE_SENTENCE], const mukca_acceptance *a)
 {
     mukca_text text = {.at = sentence, .size = MUKCA_ACCEPTANCE_SENTENCE};
+    sentence[0] = '\0';
     mukca_text_put(&text, "%saccepted%s%s", a->accepted ? "" : "not ", a->accepted ? "" : ": ",
                    a->accepted ? "" : why(a));
     if (a->accepted && isfinite(a->error_here_low_m))
