@@ -77,7 +77,7 @@ ok "nothing written then" test ! -e "$dir/none.tsv"
 ok "a mounted tool" "$mukca" recalibrate "${arm[@]}" "$dir/mounted_log.tsv" --iterate -o "$dir/found.tsv"
 cat "$dir/out" "$dir/err" >"$dir/said"
 ok "one story: what was found, what was written" sh -c "
-    grep -q '^Result' '$dir/said' && grep -q '^Written' '$dir/said' &&
+    grep -q '^Result' '$dir/said' && grep -q '^Tip ' '$dir/said' && grep -q '^Use ' '$dir/said' && grep -q '^Written' '$dir/said' &&
     ! grep -q 'saves the result\|nothing was written\|joint_3 y' '$dir/said'"
 ok "the tool's offset is the tool's alone" awk -F '\t' '
     $1 == "joint_7" && $2 == "y" { arm = $6 } $1 == "tool_joint" && $2 == "z" { tool = $6 }

@@ -35,7 +35,8 @@ accept 'note: failed.tsv: this calibration did not pass' fk $a --offsets failed.
 accept 'note: failed.tsv: this calibration did not pass' export $a --offsets failed.tsv --accept-failed
 expect 'the export says so' grep -q '^<!-- The offsets table was not accepted: moves the tip by 551 mm -->$' "$scratch/out"
 answer 'Use     no: moves the tip by 551 mm' evaluate $a --offsets failed.tsv sim.tsv -o scores.tsv
-answer 'Use     yes: held-out error' evaluate $a --offsets ok.tsv sim.tsv -o scores.tsv --force
+answer '; accepted; expected error of the tip' compare ok.tsv ok.tsv
+answer '^Use     yes: held-out error' evaluate $a --offsets ok.tsv sim.tsv -o scores.tsv --force
 sed '/^# digest/d' ok.tsv >old.tsv
 accept 'note: old.tsv: has no digest' fk $a --offsets old.tsv good/hole_0.csv
 sed -e '/^# accepted/d' -e '/^# digest/d' ok.tsv >old.tsv
