@@ -4,7 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/text.h"
 #include "fit/poses.h"
 
 static void print_identifiability(cli_call *call, const mukca_fit *fit)
