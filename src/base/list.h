@@ -11,10 +11,10 @@ static inline void *mukca_list_append(void *list, int *n, size_t size)
 {
     char *items;
     memcpy(&items, list, sizeof items);
-    if ((*n & (*n - 1)) == 0) items = realloc(items, (*n ? 2 * (size_t)*n : 1) * size);
-    if (!items) return NULL;
-    memcpy(list, &items, sizeof items);
-    return memset(items + size * (size_t)(*n)++, 0, size);
+    char *grown = *n & (*n - 1) ? items : realloc(items, (*n ? 2 * (size_t)*n : 1) * size);
+    if (!grown) return NULL;
+    memcpy(list, &grown, sizeof grown);
+    return memset(grown + size * (size_t)(*n)++, 0, size);
 }
 
 #endif

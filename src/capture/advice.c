@@ -1,7 +1,6 @@
 /* Advice while recording: the posterior of the arm after each sample, and the gain by further
  * samples. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/pool.h"

@@ -1,5 +1,4 @@
 /* mukca align: pose of one arm's base in that of another, from sessions at the same sockets. */
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -4,7 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/text.h"
 #include "fit/poses.h"
 
 static void print_identifiability(cli_call *call, const mukca_fit *fit)
@@ -207,15 +206,14 @@ json_t *calibrate_json(const calibrate_result *r, const char *solver, const char
     const mukca_fit *fit = r->fit;
     const mukca_cost_value *before = &fit->nominal, *after = &fit->calibrated;
     const mukca_difference *e = &r->evidence;
-    json_t *traits =
-        r->traits
-            ? cli_json(KEY("used", (bool)(r->traits_share > 0)), KEY("share", r->traits_share),
-                       KEY("arms", r->traits->n_arms), KEY("log_bayes_factor", r->traits_evidence))
-            : NULL;
-    json_t *by_evidence =
-        e->postures ? cli_json(KEY("error_m", e->after_m), KEY("instead_of_m", e->before_m),
-                               KEY("difference_sigma_m", e->sigma_m))
-                    : NULL;
+    json_t *traits = NULL, *by_evidence = NULL;
+    if (r->traits)
+        traits =
+            cli_json(KEY("used", (bool)(r->traits_share > 0)), KEY("share", r->traits_share),
+                     KEY("arms", r->traits->n_arms), KEY("log_bayes_factor", r->traits_evidence));
+    if (e->postures)
+        by_evidence = cli_json(KEY("error_m", e->after_m), KEY("instead_of_m", e->before_m),
+                               KEY("difference_sigma_m", e->sigma_m));
     return cli_json(
         KEY("schema", "mukca.calibrate/1"), FIELD(fit, converged),
         KEY("solver",

@@ -6,7 +6,6 @@
 #include "fit/mismatch.h"
 #include "io/summary.h"
 
-#include <math.h>
 #include <string.h>
 
 typedef struct {

@@ -1,7 +1,5 @@
 /* mukca evaluate: errors of a nominal or calibrated model on data. */
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "cli/scores.h"

@@ -1,8 +1,7 @@
 /* mukca export: the calibrated model in other formats. */
-#include <string.h>
 
-#include "cli/cli.h"
 #include "io/export.h"
+#include "cli/cli.h"
 #include "io/output.h"
 
 typedef struct {

@@ -1,9 +1,6 @@
 /* mukca fleet: pool the summaries of many arms of one model. */
 #include "cli/traits.h"
 
-#include <math.h>
-#include <string.h>
-
 #include "io/summary.h"
 #include "report/report.h"
 

@@ -9,7 +9,6 @@
 #include "cli/cli.h"
 #include "fit/evaluate.h"
 #include "io/dataset.h"
-#include "io/output.h"
 #include "io/urdf.h"
 #include "model/condense.h"
 #include "model/dataset_subset.h"

@@ -1,6 +1,5 @@
 /* mukca plan: the next postures to record, for accuracy or to distinguish two causes. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "cli/simulate.h"

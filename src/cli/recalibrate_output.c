@@ -1,7 +1,5 @@
 /* Result of a re-calibration: screen (verdict, the tables of the paper) and JSON
  * (mukca.recalibrate/1). */
-#include <math.h>
-#include <string.h>
 
 #include "cli/recalibrate.h"
 

@@ -1,5 +1,4 @@
 /* mukca report: diagnose an arm, or pool a fleet, and write one page. */
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -9,7 +8,6 @@
 #include "base/file.h"
 #include "cli/diagnose.h"
 #include "cli/traits.h"
-#include "diagnose/diagnose.h"
 #include "fit/accept.h"
 #include "fit/mismatch.h"
 #include "io/output.h"

@@ -1,6 +1,4 @@
 /* `mukca send`: one command to `mukca serve`, and its answer. */
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>

@@ -1,7 +1,6 @@
 /* mukca simulate: simulated recordings of an arm with known errors. */
 #include "cli/simulate.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -2,7 +2,6 @@
  * Also interrupts. */
 #include <signal.h>
 #include <stdarg.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 

@@ -2,7 +2,6 @@
 #include "diagnose/cause.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "diagnose/ripple.h"

@@ -6,7 +6,6 @@
 #include "diagnose/scan.h"
 
 #include <math.h>
-#include <string.h>
 
 #include "base/hash.h"
 #include "math/dense.h"

@@ -2,7 +2,6 @@
 #include "diagnose/streams.h"
 
 #include <math.h>
-#include <string.h>
 
 #include "math/stats.h"
 

@@ -1,6 +1,5 @@
 /* Angle errors that are functions of angles: scale, coupling, encoder eccentricity and transmission
  * ripple. */
-#include <math.h>
 
 #include "base/print.h"
 #include "effect/catalogue.h"

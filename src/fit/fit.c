@@ -1,7 +1,6 @@
 /* A whole fit: free parameters, cost, solver, verdict, identifiability. */
 #include "fit/fit.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -5,6 +5,7 @@
 #include "fit/posterior.h"
 #include "math/dense.h"
 #include "model/dataset_subset.h"
+#include "model/prior.h"
 
 enum { MOST_ROWS = 5000 }; /* as in diagnose */
 

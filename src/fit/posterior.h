@@ -13,7 +13,6 @@
 #include "arm/tip_change.h"
 #include "base/pool.h"
 #include "fit/parameters.h"
-#include "model/prior.h"
 
 /* An arm at which the tip is differentiated by the default parameters. */
 typedef struct {

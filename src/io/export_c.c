@@ -1,6 +1,5 @@
 /* The calibrated chain as const arrays in a C header. */
 #include <ctype.h>
-#include <math.h>
 #include <string.h>
 
 #include "io/export.h"

@@ -5,7 +5,6 @@
  * was never acknowledged. */
 #include "io/session_append.h"
 
-#include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>

@@ -2,9 +2,6 @@
 #ifndef MUKCA_IO_URDF_H
 #define MUKCA_IO_URDF_H
 
-#include <stdbool.h>
-#include <stddef.h>
-
 #include "mukca/chain.h"
 
 typedef struct {

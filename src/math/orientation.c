@@ -1,6 +1,5 @@
 /* Rotations as angles, rotation vectors and quaternions. */
 #include <math.h>
-#include <string.h>
 
 #include "math/sincos.h"
 #include "mukca/rotation.h"

@@ -4,7 +4,6 @@
 #define MUKCA_MODEL_DATASET_H
 
 #include <stdbool.h>
-#include <stddef.h>
 
 #include "mukca/chain.h"
 

@@ -1,6 +1,5 @@
 /* Forward kinematics of one configuration with displacements by effects: position, pose, frames;
  * derivatives by joint angles and by parameters. */
-#include <math.h>
 #include <string.h>
 
 #include "math/sincos.h"

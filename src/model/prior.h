@@ -2,7 +2,7 @@
 #ifndef MUKCA_MODEL_PRIOR_H
 #define MUKCA_MODEL_PRIOR_H
 
-#include "mukca/chain.h"
+#include <stdbool.h>
 
 typedef struct {
     double length, angle; /* of each axis, m and rad */

@@ -1,7 +1,6 @@
 /* Least squares for re-calibration, row by row. */
 #include "recalibrate/recalibrate.h"
 
-#include <float.h>
 #include <math.h>
 #include <string.h>
 

@@ -1,7 +1,6 @@
 /* The recorder's session: samples on disk before they are acknowledged, labels, status. */
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "io/dataset.h"

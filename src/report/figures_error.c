@@ -1,6 +1,5 @@
 /* Figures of the remaining error over the angle of each joint. */
 #include <math.h>
-#include <string.h>
 
 #include "base/text.h"
 #include "report/report.h"

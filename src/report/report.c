@@ -1,8 +1,6 @@
 /* The report: its numbers, computed from the arm, the data and the results; its sections in reading
  * order. */
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "fit/align.h"
 #include "report/report.h"

@@ -1,6 +1,5 @@
 /* Placements of a simulated tool: reachable in many postures, far from each other. */
 #include <math.h>
-#include <string.h>
 
 #include "arm/inverse.h"
 #include "simulate/simulate.h"
