@@ -12,7 +12,7 @@
 #include "math/random.h"
 #include "math/stats.h"
 
-enum { DRAWS = 400 };
+enum { LEAST_POSES = 3, DRAWS = 400 }; /* three determine a frame */
 
 void mukca_folds_create(mukca_folds *b)
 {
@@ -47,7 +47,7 @@ int mukca_folds_assign(int *fold, const mukca_regression *m, bool by_socket)
         if (data->socket[row] < 0) continue;
         fold[row] = sockets ? data->socket[row] : m->recording.placement[row];
     }
-    return n + poses;
+    return n + (poses > LEAST_POSES ? poses : 0);
 }
 
 /* The known motion of the tool in a socket; NULL: none. */
