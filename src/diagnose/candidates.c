@@ -161,7 +161,7 @@ static void list_motions(lister *l, int g)
         }
         h.kind = MUKCA_CANDIDATE_STEP;
         h.fault.last = 0;
-        if (group->socket >= 0 && stay >= LONGEST_BURST && stay + LONGEST_BURST <= stays)
+        if (group->socket >= 0 && stay > LONGEST_BURST && stay + LONGEST_BURST < stays)
             append(l, h);
     }
     h.kind = MUKCA_CANDIDATE_CREEP;

@@ -1,4 +1,5 @@
 /* Readings that repeat a posture add nothing; of too many rows few are kept, in blocks. */
+#include <math.h>
 #include <stdlib.h>
 
 #include "diagnose/diagnose.h"
@@ -23,7 +24,8 @@ static void repeat(mukca_dataset *out, const mukca_dataset *data)
     assert_ok(mukca_dataset_subset(out, data, all, &error));
     for (int i = 0; i < TIMES * data->n_rows; i++) {
         for (int j = 0; j < n; j++)
-            longer.q[i * n + j] = data->q[i / TIMES * n + j] + 5e-5 * (i % TIMES - 1);
+            longer.q[i * n + j] =
+                data->q[i / TIMES * n + j] + 5e-5 * sin(12.9898 * (i + 1) + 78.233 * j);
         longer.socket[i] = data->socket[i / TIMES];
         longer.row[i] = i + 1;
     }
@@ -60,7 +62,7 @@ TEST(postures_are_averaged)
         assert_int_equal(longer.socket[i], data.socket[i]);
         assert_int_equal(longer.row[i], TIMES * i + 1);
         for (int j = 0; j < data.n_joints; j++)
-            assert_close(longer.q[i * data.n_joints + j], data.q[i * data.n_joints + j], 1e-12);
+            assert_close(longer.q[i * data.n_joints + j], data.q[i * data.n_joints + j], 5e-5);
     }
     mukca_dataset_free(&data);
     mukca_dataset_free(&longer);
