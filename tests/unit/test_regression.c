@@ -352,8 +352,9 @@ TEST(reinstated)
     free(d);
 }
 
-/* Of two poses beside sockets, each is a fold of its own. */
-TEST(few_poses)
+/* Two poses beside sockets are too few for folds of their own: they are always fitted, and so no
+ * error of theirs is a left-out one. */
+TEST(never_left_out)
 {
     enum { POSES = 2 };
     const mukca_recording_options options = {.mass_spread = 0.1, .distance_sigma = 1e-4};
@@ -374,10 +375,8 @@ TEST(few_poses)
     assert_false(m.pool.failed);
     for (int i = 0; i < 3 * data.n_rows; i++) b.position[i] = 1; /* what came before */
     mukca_folds_run(b.error, &b, false);
-    for (int row = 0; row < data.n_rows; row++) {
-        assert_true(isfinite(b.error[row]));
-        assert_int_equal(b.fold[row] >= b.n_folds - POSES, row < POSES);
-    }
+    for (int row = 0; row < data.n_rows; row++)
+        assert_int_equal(isfinite(b.error[row]) != 0, row >= POSES);
     mukca_regression_free(&m);
     mukca_dataset_free(&data);
 }
