@@ -54,7 +54,7 @@ void mukca_folds_compare(mukca_shrink *shrink, const mukca_folds *b, const doubl
 /* Held-out mean error of the present model, unknown functions included, m; NaN: no folds. */
 double mukca_held_out_structure(mukca_regression *m);
 
-/* Leave one placement out (one socket if there is one placement; a fifth of the rows of a pose
+/* Leave one placement out (one socket if there is one placement; a tenth of the rows of a pose
  * log): errors of the nominal model, geometry, geometry with faults excused, all causes, and all
  * causes but one, for the diagnosis.  *geometry: fitted without causes.  Errors: MUKCA_INTERRUPTED,
  * MUKCA_MEMORY. */
