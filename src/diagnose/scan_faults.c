@@ -90,7 +90,7 @@ static void multiply(double G[9], const fault_sums *f, const double *white)
     memset(G, 0, sizeof(double[9]));
     for (int i = group->start; i < group->start + group->count && f->whitening.shape.mean; i++) {
         const int m = f->whitening.family.shared > 0 ? f->samples.readings[i] : 1;
-        const size_t at = (size_t)(i * d * d);
+        const size_t at = (size_t)i * (size_t)(d * d);
         double mean = 0, square = 0;
         for (int k = i; k >= 0 && m; k = m > 1 ? next[k] : -1) mean += white[k] / m;
         for (int k = i; k >= 0 && m > 1; k = next[k])

@@ -91,7 +91,7 @@ MUKCA_INLINE void divide_by_shape(double *x, int n, int ld, bool transpose,
     const int d = s->dim;
     for (int i = block->start; i < block->start + block->count; i++) {
         const int m = w->family.shared > 0 ? s->readings[i] : 1;
-        const size_t at = (size_t)(i * d * d);
+        const size_t at = (size_t)i * (size_t)(d * d);
         if (m == 1)
             divide(x + (size_t)(i * d) * (size_t)ld, n, (size_t)ld, w->shape.mean + at, d,
                    transpose);
@@ -167,7 +167,7 @@ static double log_det_of_shape(const mukca_whitening *w, const mukca_samples *s)
     for (int i = 0; i < s->n_samples && w->shape.mean; i++) {
         const int m = w->family.shared > 0 ? s->readings[i] : 1;
         for (int c = 0; c < d && m; c++) {
-            const size_t at = (size_t)((i * d + c) * d + c);
+            const size_t at = (size_t)(i * d + c) * (size_t)d + (size_t)c;
             sum += log(w->shape.mean[at]);
             if (m > 1) sum += (m - 1) * log(w->shape.deviation[at]);
         }
@@ -185,7 +185,7 @@ void mukca_whitening_set(mukca_whitening *w, const mukca_samples *s, mukca_noise
     w->shape = shape;
     w->log_det = -log_det_of_shape(w, s);
     w->dof = 0;
-    memset(w->one, 0, sizeof *w->one * (size_t)(s->n_samples * d * d));
+    memset(w->one, 0, sizeof *w->one * (size_t)s->n_samples * (size_t)(d * d));
     for (int i = 0; i < s->n_samples; i++)
         for (int c = 0; c < d; c++) w->one[(i * d + c) * d + c] = 1;
     for (int b = 0; b < s->n_blocks; b++) {
@@ -260,11 +260,12 @@ MUKCA_CLONES void mukca_whitening_apply(const mukca_whitened *x, const mukca_whi
                                         const mukca_samples *s)
 {
     const size_t ld = (size_t)x->ld, step = (size_t)s->dim * ld;
-    for (int b = 0; b < s->n_blocks; b++)
-        for (int i = 0; i < s->block[b].count * s->dim; i++) {
-            const size_t at = (size_t)(s->block[b].start * s->dim + i) * ld;
-            memcpy(x->white + at, x->x + at, sizeof *x->white * (size_t)x->n);
-        }
+    for (int b = 0; b < s->n_blocks; b++) {
+        const mukca_block *block = &s->block[b];
+        for (int i = block->start * s->dim; i < (block->start + block->count) * s->dim; i++)
+            memcpy(x->white + (size_t)i * ld, x->x + (size_t)i * ld,
+                   sizeof *x->white * (size_t)x->n);
+    }
     whiten(x->white, x->n, x->ld, w, s);
     for (int b = 0; b < s->n_blocks; b++)
         for (int start = 0; start < x->n && s->block[b].free_mean && s->block[b].count;
