@@ -186,6 +186,7 @@ static int angular_share(const double *y, const double *freedom, const mukca_rec
                 square += x[c] * x[c], log_det += freedom[i] * log(L[c * d + c]);
             all += freedom[i] * d;
         }
+        if (!(square > 0)) return 0; /* exact readings */
         const double value = -log_det - 0.5 * all * log(square);
         if (value > best) best = value, chosen = a;
     }
