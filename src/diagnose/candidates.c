@@ -292,27 +292,38 @@ static bool is_between(const mukca_candidate *h, const mukca_recording *r)
            h->fault.first == r->order[r->groups[h->fault.group].start];
 }
 
-/* Prior odds: equal per class, then per joint, then per variant; a quarter of tool motions creep,
- * another quarter happens between two sockets,
- * half of the outliers are bursts, half of the unknown functions have another argument than the
- * joint's own angle alone.  Unlisted causes are a class of their own, equal per kind. */
+/* Parts of the outliers and of the tool's motions, each with a share of its class. */
+typedef enum { SINGLE, BURST, CREEP, BETWEEN, STEP, PARTS } fault_part;
+
+static fault_part part_of(const mukca_candidate *h, const mukca_recording *r)
+{
+    if (h->kind == MUKCA_CANDIDATE_OUTLIER) return h->fault.last == h->fault.first ? SINGLE : BURST;
+    if (h->kind == MUKCA_CANDIDATE_CREEP) return CREEP;
+    return is_between(h, r) ? BETWEEN : STEP;
+}
+
+/* Prior odds: equal per class, then per joint, then per variant; half of the outliers are bursts, a
+ * quarter of tool motions creep, another quarter happens between two sockets, half of the unknown
+ * functions have another argument than the joint's own angle alone.  Unlisted causes are a class of
+ * their own, equal per kind. */
 static void set_priors(mukca_candidates *all, const mukca_recording *r)
 {
     int variants[MUKCA_CLASSES][MUKCA_MAX_JOINTS + 1] = {{0}}, crossed[MUKCA_MAX_JOINTS + 1] = {0};
-    int joints[MUKCA_CLASSES] = {0}, kinds[MUKCA_CANDIDATE_KINDS] = {0}, single = 0, between = 0;
+    int joints[MUKCA_CLASSES] = {0}, kinds[MUKCA_CANDIDATE_KINDS] = {0}, parts[PARTS] = {0};
     for (int i = 0; i < all->first_unlisted; i++) {
         const mukca_candidate *h = &all->list[i];
         const int class = mukca_candidate_class(h), slot = h->joint + 1;
         const bool cross = class == MUKCA_CLASS_UNKNOWN && h->kind != MUKCA_CANDIDATE_OWN_ANGLE;
         if (class == MUKCA_EFFECT_GEAR_HARMONIC) continue; /* by order: ripple.c */
-        between += is_between(h, r);
-        single += h->kind == MUKCA_CANDIDATE_OUTLIER && h->fault.last == h->fault.first;
+        if (mukca_candidate_is_fault(h)) parts[part_of(h, r)]++;
         all->enabled[class] = true;
         kinds[h->kind]++;
         if (!variants[class][slot] && !(class == MUKCA_CLASS_UNKNOWN && crossed[slot]))
             joints[class]++;
         ++*(cross ? &crossed[slot] : &variants[class][slot]);
     }
+    double of_part[PARTS] = {0.5, 0.5, parts[CREEP] ? 0.25 : 0, parts[BETWEEN] ? 0.25 : 0, 1};
+    of_part[STEP] -= of_part[CREEP] + of_part[BETWEEN];
     all->classes = all->harmonics;
     for (int c = 0; c < MUKCA_CLASSES; c++) all->classes += all->enabled[c];
     for (int i = 0; i < all->first_unlisted; i++) {
@@ -323,18 +334,9 @@ static void set_priors(mukca_candidates *all, const mukca_recording *r)
             continue;
         }
         double share = 1.0 / joints[class]; /* of the class */
-        if (h->kind == MUKCA_CANDIDATE_OUTLIER) {
-            const bool burst = h->fault.last != h->fault.first;
-            share = 0.5 / (burst ? kinds[h->kind] - single : single);
-        } else if (mukca_candidate_is_fault(h)) {
-            const bool moved = is_between(h, r);
-            const int creeps = kinds[MUKCA_CANDIDATE_CREEP];
-            share = 1.0 / (moved                              ? between
-                           : h->kind == MUKCA_CANDIDATE_CREEP ? creeps
-                                                              : kinds[h->kind] - between);
-            share *= moved || h->kind == MUKCA_CANDIDATE_CREEP
-                         ? 0.25
-                         : 1 - 0.25 * (creeps > 0) - 0.25 * (between > 0);
+        if (mukca_candidate_is_fault(h)) {
+            const fault_part part = part_of(h, r);
+            share = of_part[part] / parts[part];
         } else if (class == MUKCA_CLASS_UNKNOWN && crossed[slot] && variants[class][slot]) {
             share *= 0.5 /
                      (h->kind == MUKCA_CANDIDATE_OWN_ANGLE ? variants[class][slot] : crossed[slot]);
