@@ -22,7 +22,8 @@ enum { SEVERAL = 3, LEAST_POSTURES = 3 };
 static const double contradiction = 10, left = 0.5;
 
 /* Largest relative change of all lengths: three standard deviations of 0.7 %, the size of arms of
- * which each length has the prior of posterior.h.  Of eleven published arms it is at most 0.6 %. */
+ * which each length has the prior of model/prior.h.  Of eleven published arms it is at most 0.6 %.
+ */
 static const double most_size_change = 0.02;
 
 /* Largest distance of the ball from its place in the URDF, m: three of its prior sigmas. */
