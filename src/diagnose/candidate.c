@@ -23,32 +23,43 @@ enum {
 
 #define COUNT(array) ((int)(sizeof(array) / sizeof *(array)))
 
+typedef void fill_fn(const mukca_candidate *h, const mukca_recording *recording);
+static fill_fn fill_effect, fill_bumps, fill_polynomials, fill_slip;
+
+/* Each kind: its class (-1: that of its effect), terms and components of a term (0: see
+ * set_shape()), and its basis (NULL: none). */
+static const struct {
+    int class, terms, width;
+    fill_fn *fill;
+} kinds[MUKCA_CANDIDATE_KINDS] = {
+    [MUKCA_CANDIDATE_EFFECT] = {-1, 0, 0, fill_effect},
+    [MUKCA_CANDIDATE_DISTANCE] = {MUKCA_EFFECT_SOCKET_DISTANCE, 1, 1, NULL},
+    [MUKCA_CANDIDATE_STEP] = {MUKCA_EFFECT_TOOL_MOTION, 3, 3, NULL},
+    [MUKCA_CANDIDATE_CREEP] = {MUKCA_EFFECT_TOOL_MOTION, 3, 3, NULL},
+    [MUKCA_CANDIDATE_OUTLIER] = {MUKCA_CLASS_OUTLIER, 3, 3, NULL},
+    [MUKCA_CANDIDATE_OWN_ANGLE] = {MUKCA_CLASS_UNKNOWN, 0, 1, fill_bumps},
+    [MUKCA_CANDIDATE_OTHER_ANGLE] = {MUKCA_CLASS_UNKNOWN, POWERS, 1, fill_polynomials},
+    [MUKCA_CANDIDATE_ANGLE_PRODUCT] = {MUKCA_CLASS_UNKNOWN, PRODUCTS, 1, fill_polynomials},
+    [MUKCA_CANDIDATE_TIME] = {MUKCA_CLASS_UNKNOWN, TIME_BUMPS, 1, fill_bumps},
+    [MUKCA_CANDIDATE_SLIP] = {MUKCA_CLASS_UNKNOWN, 1, 1, fill_slip},
+    [MUKCA_CANDIDATE_UNLISTED_ANGLE] = {MUKCA_CLASS_UNKNOWN, 0, 1, mukca_unlisted_fill},
+    [MUKCA_CANDIDATE_UNLISTED_FRAME] = {MUKCA_CLASS_UNKNOWN, 0, 1, mukca_unlisted_fill},
+    [MUKCA_CANDIDATE_UNLISTED_TILT] = {MUKCA_CLASS_UNKNOWN, 3, 3, NULL},
+    [MUKCA_CANDIDATE_UNLISTED_PAIR] = {MUKCA_CLASS_UNKNOWN, 1, 1, NULL}};
+
+int mukca_candidate_class(const mukca_candidate *h)
+{
+    return h->kind == MUKCA_CANDIDATE_EFFECT ? (int)h->effect.kind : kinds[h->kind].class;
+}
+
 bool mukca_candidate_is_fault(const mukca_candidate *h)
 {
-    return h->kind == MUKCA_CANDIDATE_STEP || h->kind == MUKCA_CANDIDATE_CREEP ||
-           h->kind == MUKCA_CANDIDATE_OUTLIER;
+    return h->kind >= MUKCA_CANDIDATE_STEP && h->kind <= MUKCA_CANDIDATE_OUTLIER;
 }
 
 bool mukca_candidate_is_unlisted(const mukca_candidate *h)
 {
     return h->kind >= MUKCA_CANDIDATE_UNLISTED_ANGLE;
-}
-
-int mukca_candidate_class(const mukca_candidate *h)
-{
-    switch (h->kind) {
-        case MUKCA_CANDIDATE_EFFECT:
-            return (int)h->effect.kind;
-        case MUKCA_CANDIDATE_DISTANCE:
-            return MUKCA_EFFECT_SOCKET_DISTANCE;
-        case MUKCA_CANDIDATE_STEP:
-        case MUKCA_CANDIDATE_CREEP:
-            return MUKCA_EFFECT_TOOL_MOTION;
-        case MUKCA_CANDIDATE_OUTLIER:
-            return MUKCA_CLASS_OUTLIER;
-        default:
-            return MUKCA_CLASS_UNKNOWN;
-    }
 }
 
 mukca_effect mukca_candidate_effect(const mukca_candidate *h)
@@ -70,8 +81,7 @@ mukca_effect_site mukca_candidate_site(const mukca_candidate *h)
 
 bool mukca_candidate_moves_arm(const mukca_candidate *h)
 {
-    return h->basis && h->kind != MUKCA_CANDIDATE_STRETCH &&
-           h->kind != MUKCA_CANDIDATE_UNLISTED_FRAME;
+    return h->basis && h->kind != MUKCA_CANDIDATE_UNLISTED_FRAME;
 }
 
 int mukca_candidate_own_terms(const mukca_candidate *h)
@@ -217,14 +227,15 @@ static void chebyshev(double *T, int degree, double x)
     for (int k = 2; k <= degree; k++) T[k] = 2 * x * T[k - 1] - T[k - 2];
 }
 
-/* Gaussian bumps of `width` on a grid over the range of x[n_rows][columns]. */
-static void fill_bumps(const mukca_candidate *h, const mukca_recording *recording, const double *x,
-                       int columns, int column)
+/* Gaussian bumps of `width` on a grid over the range of the joint's angle, or of time. */
+static void fill_bumps(const mukca_candidate *h, const mukca_recording *recording)
 {
+    const bool timed = h->kind == MUKCA_CANDIDATE_TIME;
+    const double *x = timed ? recording->time : recording->q;
+    const int columns = timed ? 1 : recording->chain->n_joints, column = timed ? 0 : h->joint;
     double range[2];
     mukca_recording_range(range, recording, x, columns, column);
-    const double width =
-        h->kind == MUKCA_CANDIDATE_TIME ? (range[1] - range[0]) / (h->terms - 1) : h->width;
+    const double width = timed ? (range[1] - range[0]) / (h->terms - 1) : h->width;
     for (int row = 0; row < recording->data->n_rows; row++)
         for (int t = 0; t < h->terms; t++) {
             const double u = (x[row * columns + column] - range[0] - t * width) / width;
@@ -256,14 +267,9 @@ static void fill_polynomials(const mukca_candidate *h, const mukca_recording *re
     }
 }
 
-static void fill_stretch(const mukca_candidate *h, const mukca_recording *recording)
+static void fill_slip(const mukca_candidate *h, const mukca_recording *recording)
 {
-    double range[2];
-    mukca_recording_range(range, recording, recording->time, 1, 0);
-    for (int row = 0; row < recording->data->n_rows; row++)
-        for (int t = 0; t < 3; t++)
-            h->basis[3 * row + t] =
-                (float)(1 - exp(-(recording->time[row] - range[0]) / h->stretch.time_constant));
+    for (int row = 0; row < recording->data->n_rows; row++) h->basis[row] = row >= h->row;
 }
 
 /* Basis of an effect; additional terms of an elastic effect: under the load of each single body. */
@@ -330,80 +336,29 @@ static void set_units(double *unit, const mukca_candidate *h, const mukca_record
     for (int t = 1; t < h->terms && mukca_candidate_is_unlisted(h); t++) unit[t] = unit[0];
 }
 
-/* Number of terms of a candidate, and components of a term. */
+/* Number of terms of a candidate, and components of a term, where they depend on the recording. */
 static void set_shape(mukca_candidate *h, const mukca_recording *recording)
 {
     double range[2];
-    h->terms = h->width_of_term = 1;
-    switch (h->kind) {
-        case MUKCA_CANDIDATE_EFFECT: {
-            const mukca_effect_site site = mukca_effect_table[h->effect.kind]->site;
-            h->width_of_term = site == MUKCA_SITE_ANGLE    ? 1
-                               : site == MUKCA_SITE_ANGLES ? recording->chain->n_joints
-                                                           : 3;
-            h->terms = h->effect.terms = mukca_effect_terms(&h->effect);
-            if (is_elastic(h) && recording->options.mass_spread > 0 && recording->n_bodies > 0)
-                h->terms = 1 + recording->n_bodies;
-            break;
-        }
-        case MUKCA_CANDIDATE_STEP:
-        case MUKCA_CANDIDATE_CREEP:
-        case MUKCA_CANDIDATE_OUTLIER:
-        case MUKCA_CANDIDATE_UNLISTED_TILT:
-            h->terms = h->width_of_term = 3;
-            break;
-        case MUKCA_CANDIDATE_OWN_ANGLE:
-            mukca_recording_range(range, recording, recording->q, recording->chain->n_joints,
-                                  h->joint);
-            h->terms = (int)fmin(ceil((range[1] - range[0]) / h->width) + 1, MUKCA_MAX_COLUMNS);
-            break;
-        case MUKCA_CANDIDATE_OTHER_ANGLE:
-            h->terms = POWERS;
-            break;
-        case MUKCA_CANDIDATE_ANGLE_PRODUCT:
-            h->terms = PRODUCTS;
-            break;
-        case MUKCA_CANDIDATE_TIME:
-            h->terms = TIME_BUMPS;
-            break;
-        case MUKCA_CANDIDATE_STRETCH:
-            h->terms = 3;
-            break;
-        case MUKCA_CANDIDATE_UNLISTED_ANGLE:
-        case MUKCA_CANDIDATE_UNLISTED_FRAME:
-            h->terms = mukca_unlisted_terms(h);
-            break;
-        default:
-            break;
+    if (h->kind == MUKCA_CANDIDATE_EFFECT) {
+        const mukca_effect_site site = mukca_effect_table[h->effect.kind]->site;
+        h->width_of_term = site == MUKCA_SITE_ANGLE    ? 1
+                           : site == MUKCA_SITE_ANGLES ? recording->chain->n_joints
+                                                       : 3;
+        h->terms = h->effect.terms = mukca_effect_terms(&h->effect);
+        if (is_elastic(h) && recording->options.mass_spread > 0 && recording->n_bodies > 0)
+            h->terms = 1 + recording->n_bodies;
+    } else if (h->kind == MUKCA_CANDIDATE_OWN_ANGLE) {
+        mukca_recording_range(range, recording, recording->q, recording->chain->n_joints, h->joint);
+        h->terms = (int)fmin(ceil((range[1] - range[0]) / h->width) + 1, MUKCA_MAX_COLUMNS);
+    } else {
+        h->terms = mukca_unlisted_terms(h);
     }
 }
 
 void mukca_candidate_fill(const mukca_candidate *h, const mukca_recording *recording)
 {
-    switch (h->kind) {
-        case MUKCA_CANDIDATE_EFFECT:
-            fill_effect(h, recording);
-            break;
-        case MUKCA_CANDIDATE_OWN_ANGLE:
-            fill_bumps(h, recording, recording->q, recording->chain->n_joints, h->joint);
-            break;
-        case MUKCA_CANDIDATE_TIME:
-            fill_bumps(h, recording, recording->time, 1, 0);
-            break;
-        case MUKCA_CANDIDATE_SLIP:
-            for (int row = 0; row < recording->data->n_rows; row++) h->basis[row] = row >= h->row;
-            break;
-        case MUKCA_CANDIDATE_STRETCH:
-            fill_stretch(h, recording);
-            break;
-        case MUKCA_CANDIDATE_UNLISTED_ANGLE:
-        case MUKCA_CANDIDATE_UNLISTED_FRAME:
-            mukca_unlisted_fill(h, recording);
-            break;
-        default:
-            fill_polynomials(h, recording);
-            break;
-    }
+    kinds[h->kind].fill(h, recording);
 }
 
 bool mukca_candidate_prepare(mukca_candidate *h, mukca_pool *pool, const mukca_recording *recording)
@@ -411,10 +366,10 @@ bool mukca_candidate_prepare(mukca_candidate *h, mukca_pool *pool, const mukca_r
     const int rows = recording->data->n_rows;
     static const double metres[3] = {1, 1, 1};
     h->unit = metres;
-    set_shape(h, recording);
-    if (mukca_candidate_is_fault(h) || h->kind == MUKCA_CANDIDATE_DISTANCE ||
-        h->kind == MUKCA_CANDIDATE_UNLISTED_TILT || h->kind == MUKCA_CANDIDATE_UNLISTED_PAIR)
-        return true;
+    h->terms = kinds[h->kind].terms;
+    h->width_of_term = kinds[h->kind].width;
+    if (!h->terms) set_shape(h, recording);
+    if (!kinds[h->kind].fill) return true;
     double *unit = MUKCA_TAKE(pool, double, h->terms);
     /* three spare entries: it is read four at a time */
     h->basis = MUKCA_TAKE(pool, float, (size_t)rows *(size_t)(h->terms * h->width_of_term) + 3);

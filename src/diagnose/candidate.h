@@ -27,7 +27,6 @@ typedef enum {
     MUKCA_CANDIDATE_ANGLE_PRODUCT, /* unknown: ... of both angles together */
     MUKCA_CANDIDATE_TIME,          /* unknown: ... of time */
     MUKCA_CANDIDATE_SLIP,          /* unknown: the joint slips once, before a sample */
-    MUKCA_CANDIDATE_STRETCH,       /* unknown: a link's length changes with time */
     /* Unlisted: simple causes outside the catalogue, without a name */
     MUKCA_CANDIDATE_UNLISTED_ANGLE, /* joint error, a function of an argument */
     MUKCA_CANDIDATE_UNLISTED_FRAME, /* shift or rotation of a frame by it */
@@ -70,10 +69,6 @@ typedef struct {
         int other;    /* OTHER_ANGLE, ANGLE_PRODUCT: the other joint */
         int row;      /* SLIP: first row of the dataset after it */
         struct {
-            int slot;             /* STRETCH: of the unknowns */
-            double time_constant; /* s */
-        } stretch;
-        struct {
             mukca_argument argument;
             int other, slot; /* joint of the argument, TILT: axis of the tip; FRAME: of the
                                 unknowns */
@@ -95,7 +90,7 @@ bool mukca_candidate_is_fault(const mukca_candidate *candidate);
 /* Is it an unlisted cause? */
 bool mukca_candidate_is_unlisted(const mukca_candidate *candidate);
 
-/* Does it displace the arm's joints or tip?  Faults, distances and stretched links do not. */
+/* Does it displace the arm's joints or tip?  Faults, distances and moved frames do not. */
 bool mukca_candidate_moves_arm(const mukca_candidate *candidate);
 
 /* Is it fitted with one factor per mass: first a term of all masses, then one term for each? */
