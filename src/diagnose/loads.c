@@ -33,9 +33,9 @@ static double *torques(const mukca_recording *r, int row, int body)
 static void estimate_masses(mukca_recording *r)
 {
     const int k = r->n_bodies, n_joints = r->chain->n_joints;
-    enum { MOST = MUKCA_MAX_ELEMENTS + 1 };
-    double normal[MOST * MOST] = {0}, right[MOST] = {0};
+    double *normal = r->normal, right[MUKCA_MAX_ELEMENTS + 1] = {0};
     const double weight = 1 / (EFFORT_SIGMA * EFFORT_SIGMA);
+    memset(normal, 0, sizeof *normal * (size_t)(k * k));
     for (int row = 0; row < r->data->n_rows; row++)
         for (int j = 0; j < n_joints; j++) {
             const double effort = r->data->effort[row * n_joints + j];

@@ -173,6 +173,7 @@ bool mukca_recording_create(mukca_recording *r, mukca_pool *pool, const mukca_ch
         (mukca_recording){.chain = chain, .data = data, .options = *options, .dim = observed(data)};
     list_bodies(r);
     const int bodies = r->n_bodies ? r->n_bodies : 1;
+    r->normal = MUKCA_TAKE(pool, double, bodies *bodies);
     r->moment = MUKCA_TAKE(pool, double, 3 * rows * bodies * n_joints);
     r->torque = MUKCA_TAKE(pool, double, rows *bodies *n_joints);
     r->base_moment = MUKCA_TAKE(pool, double, 3 * rows * bodies);

@@ -46,6 +46,7 @@ typedef struct {
     int payload_body;                           /* the last one; -1: payload unknown */
     double mass_factor[MUKCA_MAX_ELEMENTS + 1]; /* from measured efforts, else 1 */
     double efforts_correlation; /* cosine of measured and modelled holding torques; NaN: none */
+    double *normal;             /* [n_bodies][n_bodies] scratch */
     bool have_moments, have_torques;
     double *moment;      /* [n_rows][n_bodies][n_joints][3] in the joint frames, N m */
     double *torque;      /* [n_rows][n_bodies][n_joints] about the axes, N m */

@@ -75,22 +75,22 @@ static mukca_status predict_fold(mukca_cross_validation *r, const int *fold, int
     unsigned char *keep = MUKCA_TAKE(&pool, unsigned char, rows);
     double *errors = MUKCA_TAKE(&pool, double, 2 * rows);
     mukca_dataset part[2] = {{0}};
-    mukca_fit fit = {0};
+    mukca_fit *fit = MUKCA_TAKE(&pool, mukca_fit, 1);
     mukca_status status = pool.failed ? mukca_fail(error, MUKCA_MEMORY, "out of memory") : MUKCA_OK;
     for (int held = 0; held < 2 && status == MUKCA_OK; held++) {
         for (int i = 0; i < rows; i++) keep[i] = (fold[i] == f) == held;
         status = mukca_dataset_subset(&part[held], &r->data, keep, error);
     }
-    if (status == MUKCA_OK) status = mukca_fit_run(&fit, chain, &part[0], options, error);
+    if (status == MUKCA_OK) status = mukca_fit_run(fit, chain, &part[0], options, error);
     if (status == MUKCA_OK)
-        status = predict(errors, errors + rows, &fit, &part[0], &part[1], options, error);
+        status = predict(errors, errors + rows, fit, &part[0], &part[1], options, error);
     for (int i = 0, k = 0; i < rows && status == MUKCA_OK; i++) {
         if (fold[i] != f) continue;
         r->before[i] = errors[k];
         r->after[i] = errors[rows + k++];
     }
     for (int held = 0; held < 2; held++) mukca_dataset_free(&part[held]);
-    mukca_fit_free(&fit);
+    if (fit) mukca_fit_free(fit);
     mukca_pool_free(&pool);
     return status;
 }
