@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "fit/poses.h"
+#include "report/wording.h"
 
 static void print_identifiability(cli_call *call, const mukca_fit *fit)
 {
@@ -49,7 +50,7 @@ static void print_warnings(cli_call *call, const calibrate_result *r)
                 1e3 * nominal->distance_error, 1e3 * distance);
     for (int i = 0; i < r->train_scores.n; i++) {
         const mukca_score *poses = &r->train_scores.of[CLI_NOMINAL][i];
-        if (poses->placement < 0 && poses->mae < CLI_ECHO)
+        if (poses->placement < 0 && poses->mae < MUKCA_ECHO)
             cli_say(call, NULL,
                     "warning: the measured poses repeat the nominal model (within %.3f mm): they "
                     "seem to come from the controller, not from a tracker, and cannot calibrate it",
@@ -153,11 +154,7 @@ static void print_frames(cli_call *call, const calibrate_result *r)
 
 void calibrate_print(cli_call *call, const calibrate_result *r)
 {
-    char train[80], test[80];
-    cli_describe_data(train, r->train);
-    cli_describe_data(test, r->test);
-    cli_answer(call, "%s: %s%s%s\n", r->fit->chain.robot, train,
-               r->test_scores.n > 0 ? "; test: " : "", r->test_scores.n > 0 ? test : "");
+    cli_print_head(cli_answer_stream(call), r->fit->chain.robot, r->train, r->test);
     print_verdict(call, r);
     mukca_frame T;
     const bool foreign =

@@ -210,11 +210,14 @@ enum { CLI_WIDTH = 79 }; /* columns */
  * space are printed unchanged. */
 void cli_print_wrapped(FILE *stream, const char *text);
 
-/* "Cause   text": a bold key of 8 columns, then the wrapped text; key NULL: without. */
+/* "Cause   text": a bold key of 8 columns, then the wrapped text; key NULL: without; nothing for an
+ * empty text. */
 void cli_print_keyed(FILE *stream, const char *key, const char *text);
 
-/* The same, if there is a text; clears it. */
-void cli_print_text(FILE *stream, const char *key, mukca_text *text);
+/* "panda: 180 samples, 3 placements; test: 60 samples, 1 placement"; `test` may be NULL or empty.
+ */
+void cli_print_head(FILE *stream, const char *robot, const mukca_dataset *data,
+                    const mukca_dataset *test);
 
 /* "and 3 more; --json lists them all" */
 void cli_print_more(FILE *stream, int n);
@@ -301,10 +304,6 @@ mukca_status cli_condense(cli_call *call);
 
 /* Error of the nominal model that indicates wrong units or columns, m: arms are built to 10 mm. */
 #define CLI_FAR_OFF 0.1
-
-/* Error below which the measured poses were computed from the nominal model, m: trackers measure
- * 0.05 mm at best. */
-#define CLI_ECHO 5e-5
 
 /* "180 samples, 3 placements", "1000 measured poses". */
 void cli_describe_data(char text[80], const mukca_dataset *data);

@@ -45,16 +45,4 @@ mukca_status cli_diagnosis_check(cli_call *call, cli_diagnosis *diagnosis);
  * Errors: MUKCA_UNIDENTIFIABLE (nothing was fitted), MUKCA_INPUT. */
 mukca_status cli_diagnosis_offsets(cli_call *call, cli_diagnosis *diagnosis, int *left_out);
 
-/* ---- parts of the screen (diagnose_screen_data.c) ---- */
-
-/* Frames of several pose logs or targets; readings against commands; recording faults and efforts.
- */
-void cli_screen_logs(FILE *stream, const mukca_diagnosed *diagnosed);
-void cli_screen_streams(FILE *stream, const mukca_diagnosed *diagnosed);
-void cli_screen_recording(FILE *stream, const mukca_diagnosed *diagnosed);
-
-/* Detection limits and effects not testable.  `caveat`: missing masses have been mentioned
- * already. */
-void cli_screen_limits(FILE *stream, const mukca_diagnosed *diagnosed, bool caveat);
-
 #endif
