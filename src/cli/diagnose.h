@@ -35,7 +35,7 @@ void cli_diagnosis_print(FILE *stream, const mukca_diagnosed *result);
 void cli_diagnosis_print_sets(FILE *stream, const mukca_diagnosed *result);
 
 /* Diagnose simulated recordings with the postures, the noise and the causes of a diagnosis (with
- * `applied`), and without causes: --check of each, in parallel processes.  Without testable causes,
+ * `applied`), and without causes: --check of each, in parallel threads.  Without testable causes,
  * or if they cannot be simulated, a note says so and result.check stays NULL.  Errors:
  * MUKCA_MEMORY, MUKCA_INTERRUPTED. */
 mukca_status cli_diagnosis_check(cli_call *call, cli_diagnosis *diagnosis);
