@@ -125,8 +125,8 @@ static mukca_status write_results(cli_call *call, const calibrate_result *r)
     char comments[256];
     snprintf(comments, sizeof comments,
              "mean error on %d training samples: %.4g m nominal, %.4g m calibrated",
-             r->train->n_rows, r->train_scores.mean[CLI_NOMINAL].mae,
-             r->train_scores.mean[CLI_CALIBRATED].mae);
+             r->train->n_rows, r->scores.set[0].mean[CLI_NOMINAL].mae,
+             r->scores.set[0].mean[CLI_CALIBRATED].mae);
     mukca_status status = cli_write_offsets(call, call->common->output, r->offsets, &r->fit->chain,
                                             r->train, comments);
     if (status != MUKCA_OK || !call->common->json) return status;
@@ -146,8 +146,7 @@ typedef struct {
 static void release(void *work)
 {
     calibrate_work *w = work;
-    cli_scores_free(&w->result.train_scores);
-    cli_scores_free(&w->result.test_scores);
+    cli_scores_free(&w->result.scores);
     mukca_fit_free(&w->fit);
 }
 
@@ -205,11 +204,9 @@ static mukca_status run(cli_call *call)
     if (status == MUKCA_OK)
         status = mukca_frames_start(w->nominal, &fit->chain, r->train, o->common.free_base,
                                     o->common.free_tool, &call->error);
-    r->train_scores.nominal_theta = r->test_scores.nominal_theta = w->nominal;
+    r->scores = (cli_scores){.nominal_theta = w->nominal, .calibrated = true};
     if (status == MUKCA_OK)
-        status = cli_scores_make(call, &r->train_scores, &fit->chain, fit->theta, NULL, r->train);
-    if (status == MUKCA_OK && r->test->n_rows > 0)
-        status = cli_scores_make(call, &r->test_scores, &fit->chain, fit->theta, NULL, r->test);
+        status = cli_scores_make(call, &r->scores, &fit->chain, fit->theta, NULL, "train");
     if (status == MUKCA_OK) status = judge(call, r);
     if (status == MUKCA_OK) status = compare_evidence(call, r);
     if (status == MUKCA_OK) calibrate_add_traits(r->offsets, r);
