@@ -195,11 +195,16 @@ static json_t *frame_json(const calibrate_result *r, bool base)
     return find_frame(&T, r, base) ? cli_json_frame(&T) : NULL;
 }
 
+static json_t *cost_json(const mukca_cost_value *c)
+{
+    return cli_json(FIELD(c, total), FIELD(c, inconsistency), FIELD(c, distortion),
+                    FIELD(c, regularisation));
+}
+
 json_t *calibrate_json(const calibrate_result *r, const char *solver, const char *gradient,
                        double elapsed)
 {
     const mukca_fit *fit = r->fit;
-    const mukca_cost_value *before = &fit->nominal, *after = &fit->calibrated;
     const mukca_difference *e = &r->evidence;
     const cli_scores *s = &r->scores;
     json_t *traits = NULL, *by_evidence = NULL;
@@ -217,13 +222,8 @@ json_t *calibrate_json(const calibrate_result *r, const char *solver, const char
                      KEY("evaluations", fit->outcome.evaluations),
                      KEY("iterations", fit->outcome.iterations),
                      KEY("status", mukca_stop_text(fit->outcome.stop)), FIELD(fit, to_gain))),
-        KEY("cost",
-            cli_json(
-                KEY("nominal", cli_json(FIELD(before, total), FIELD(before, inconsistency),
-                                        FIELD(before, distortion), FIELD(before, regularisation))),
-                KEY("calibrated",
-                    cli_json(FIELD(after, total), FIELD(after, inconsistency),
-                             FIELD(after, distortion), FIELD(after, regularisation))))),
+        KEY("cost", cli_json(KEY("nominal", cost_json(&fit->nominal)),
+                             KEY("calibrated", cost_json(&fit->calibrated)))),
         KEY("train", cli_scores_json(&s->set[0], s->has_factory)),
         KEY("test", cli_scores_json(&s->set[1], s->has_factory)),
         KEY("parameters", cli_json_offsets(r->offsets, &fit->chain)),

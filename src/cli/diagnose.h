@@ -28,11 +28,8 @@ void cli_diagnosis_free(cli_diagnosis *diagnosis);
 /* The diagnosis as mukca.diagnose/1. */
 json_t *cli_diagnosis_json(const mukca_diagnosed *result);
 
-/* Print one screen of 80 columns, causes first. */
-void cli_diagnosis_print(FILE *stream, const mukca_diagnosed *result);
-
-/* Print the most probable sets of causes. */
-void cli_diagnosis_print_sets(FILE *stream, const mukca_diagnosed *result);
+/* Print one screen of 80 columns, causes first; with `sets`, the most probable sets of causes. */
+void cli_diagnosis_print(FILE *stream, const mukca_diagnosed *result, bool sets);
 
 /* Diagnose simulated recordings with the postures, the noise and the causes of a diagnosis (with
  * `applied`), and without causes: --check of each, in parallel threads.  Without testable causes,
@@ -41,8 +38,8 @@ void cli_diagnosis_print_sets(FILE *stream, const mukca_diagnosed *result);
 mukca_status cli_diagnosis_check(cli_call *call, cli_diagnosis *diagnosis);
 
 /* Offsets table of a diagnosis: geometry with standard errors, the causes that act on the arm, the
- * verdict.  *left_out: number of causes omitted because the arm lacks the masses they need.
- * Errors: MUKCA_UNIDENTIFIABLE (nothing was fitted), MUKCA_INPUT. */
-mukca_status cli_diagnosis_offsets(cli_call *call, cli_diagnosis *diagnosis, int *left_out);
+ * verdict.  Causes that need masses which the arm lacks are left out, with a note.  Errors:
+ * MUKCA_UNIDENTIFIABLE (nothing was fitted), MUKCA_INPUT. */
+mukca_status cli_diagnosis_offsets(cli_call *call, cli_diagnosis *diagnosis);
 
 #endif

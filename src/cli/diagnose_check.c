@@ -87,7 +87,7 @@ static void *work(void *context)
     mukca_diagnosis *d = calloc(1, sizeof *d);
     pthread_mutex_lock(&task->lock);
     if (!d) task->status = cli_fail(task->call, MUKCA_MEMORY, "out of memory for --check");
-    while (task->status == MUKCA_OK && task->begun < total) {
+    while (d && task->status == MUKCA_OK && task->begun < total) {
         const int index = task->begun * by + by - 1;
         outcome found = NONE;
         mukca_error error;

@@ -199,31 +199,10 @@ static void print_limits(FILE *stream, const mukca_diagnosed *r, bool caveat)
                 MUKCA_SECONDS_PER_ROW);
 }
 
-void cli_diagnosis_print(FILE *stream, const mukca_diagnosed *r)
-{
-    const char *caveat = mukca_wording_caveat(MUKCA_WORDS, r);
-    cli_print_head(stream, r->chain->robot, r->data, r->test);
-    if (r->acceptance) cli_print_acceptance(stream, r->acceptance, r->chain);
-    cli_print_wrapped(stream, caveat);
-    if (r->diagnosis->verdict == MUKCA_VERDICT_UNTESTABLE) {
-        cli_print_wrapped(stream, mukca_wording_verdict(MUKCA_WORDS, r));
-        print_recording(stream, r);
-        return;
-    }
-    fputc('\n', stream);
-    print_causes(stream, r);
-    cli_print_keyed(stream, r->data->n_targets > 1 ? "Targets" : "Logs",
-                    mukca_wording_logs(MUKCA_WORDS, r));
-    cli_print_keyed(stream, "Angles", mukca_wording_angles(MUKCA_WORDS, r));
-    print_recording(stream, r);
-    print_errors(stream, r);
-    if (r->check) fputc('\n', stream);
-    cli_print_keyed(stream, "Check", mukca_wording_check(MUKCA_WORDS, r));
-    print_limits(stream, r, *caveat);
-    cli_print_keyed(stream, "Next", mukca_wording_next(MUKCA_WORDS, r));
-}
+/* ---- the screen ---- */
 
-void cli_diagnosis_print_sets(FILE *stream, const mukca_diagnosed *r)
+/* The most probable sets of causes. */
+static void print_sets(FILE *stream, const mukca_diagnosed *r)
 {
     const mukca_diagnosis *d = r->diagnosis;
     bool printed[MUKCA_MAX_SETS] = {false};
@@ -246,4 +225,29 @@ void cli_diagnosis_print_sets(FILE *stream, const mukca_diagnosed *r)
         rest -= probability;
     }
     if (rest > 5e-4) fprintf(stream, "  %5.1f %%  other sets\n", 100 * rest);
+}
+
+void cli_diagnosis_print(FILE *stream, const mukca_diagnosed *r, bool sets)
+{
+    const char *caveat = mukca_wording_caveat(MUKCA_WORDS, r);
+    cli_print_head(stream, r->chain->robot, r->data, r->test);
+    if (r->acceptance) cli_print_acceptance(stream, r->acceptance, r->chain);
+    cli_print_wrapped(stream, caveat);
+    if (r->diagnosis->verdict == MUKCA_VERDICT_UNTESTABLE) {
+        cli_print_wrapped(stream, mukca_wording_verdict(MUKCA_WORDS, r));
+        print_recording(stream, r);
+        return;
+    }
+    fputc('\n', stream);
+    print_causes(stream, r);
+    cli_print_keyed(stream, r->data->n_targets > 1 ? "Targets" : "Logs",
+                    mukca_wording_logs(MUKCA_WORDS, r));
+    cli_print_keyed(stream, "Angles", mukca_wording_angles(MUKCA_WORDS, r));
+    print_recording(stream, r);
+    print_errors(stream, r);
+    if (r->check) fputc('\n', stream);
+    cli_print_keyed(stream, "Check", mukca_wording_check(MUKCA_WORDS, r));
+    print_limits(stream, r, *caveat);
+    cli_print_keyed(stream, "Next", mukca_wording_next(MUKCA_WORDS, r));
+    if (sets) print_sets(stream, r);
 }

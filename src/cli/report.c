@@ -38,10 +38,9 @@ typedef struct {
 static mukca_status take_offsets(cli_call *call)
 {
     report_work *w = call->work;
-    int left_out;
     if (!call->common->offsets && w->of.diagnosis.applied.fitted) {
         w->page.fitted = &w->of.chain;
-        return cli_diagnosis_offsets(call, &w->of, &left_out);
+        return cli_diagnosis_offsets(call, &w->of);
     }
     w->of.offsets = call->session->model.offsets;
     return MUKCA_OK;

@@ -54,7 +54,7 @@ mukca_page mukca_report_page(const mukca_report *report);
 
 #define MUKCA_REPORT_MM 1e3 /* mm per m */
 
-/* A figure, in figures_error.c; `content` is the report. */
+/* The figures of a joint; `content` is the report. */
 bool mukca_report_joints(mukca_plot *plot, const void *content, int index);
 
 /* Texts and tables, in tables_diagnosis.c, tables_calibration.c and view.c. */
@@ -65,9 +65,6 @@ mukca_report_text mukca_report_put_causes, mukca_report_put_faults, mukca_report
 void mukca_report_put_accuracy(FILE *out, const mukca_report *report);
 void mukca_report_put_verdict(FILE *out, const mukca_report *report);
 void mukca_report_put_steps(FILE *out, const mukca_report *report);
-
-/* Rms of a model's errors along the motion by joint j, over all samples, m. */
-double mukca_report_joint_rms(const mukca_report *report, int model, int j);
 
 /* ---- the report of a fleet, and its wording, shared with the screen (fleet_page.c) ---- */
 

@@ -1,7 +1,8 @@
-/* Texts and tables of the calibration: accuracy, errors, offsets, provenance. */
+/* Texts, tables and figures of the calibration: accuracy, errors, offsets, provenance. */
 #include <math.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "report/page.h"
 #include "report/report.h"
 
@@ -77,12 +78,15 @@ void mukca_report_put_steps(FILE *out, const mukca_report *r)
     mukca_html_table_end(&table);
 }
 
-double mukca_report_joint_rms(const mukca_report *r, int model, int j)
+/* ---- errors by joint ---- */
+
+/* Rms of a model's errors along the motion by joint j, over all samples, mm. */
+static double joint_rms(const mukca_report *r, int model, int j)
 {
     const int n = r->train->n_joints, rows = r->train->n_rows;
     double sum = 0;
     for (int i = 0; i < rows; i++) sum += pow(r->joint_error[model][i * n + j], 2) / rows;
-    return sqrt(sum);
+    return sqrt(sum) * mm;
 }
 
 void mukca_report_put_joints(FILE *out, const void *content)
@@ -96,13 +100,51 @@ void mukca_report_put_joints(FILE *out, const void *content)
                           : "joint|#nominal|#calibrated"};
     for (int j = 0; j < r->train->n_joints; j++) {
         mukca_html_row(&table, "%s\t%.3f", mukca_chain_joint_name(r->chain, j),
-                       mukca_report_joint_rms(r, MUKCA_NOMINAL, j) * mm);
-        if (causes)
-            mukca_html_cells(&table, "%.3f", mukca_report_joint_rms(r, MUKCA_RIGID, j) * mm);
-        mukca_html_cells(&table, "%.3f", mukca_report_joint_rms(r, MUKCA_CALIBRATED, j) * mm);
+                       joint_rms(r, MUKCA_NOMINAL, j));
+        if (causes) mukca_html_cells(&table, "%.3f", joint_rms(r, MUKCA_RIGID, j));
+        mukca_html_cells(&table, "%.3f", joint_rms(r, MUKCA_CALIBRATED, j));
     }
     mukca_html_table_end(&table);
 }
+
+/* The remaining error over the angle of a joint. */
+bool mukca_report_joints(mukca_plot *plot, const void *content, int index)
+{
+    const mukca_report *r = content;
+    if (index >= r->chain->n_joints) return false;
+    const int n = r->chain->n_joints, rows = r->train->n_rows;
+    const mukca_element *e = &r->chain->element[r->chain->joint_element[index]];
+    const bool turns = e->type != MUKCA_PRISMATIC, causes = r->offsets->n_effects > 0;
+    const char *coordinate = turns ? "angle" : "position";
+    const double unit = turns ? 180 / M_PI : mm;
+    mukca_text description = MUKCA_TEXT(plot->words);
+    snprintf(plot->id, sizeof plot->id, "joint-%d", index + 1);
+    snprintf(plot->title, sizeof plot->title, "Error over the %s of %s", coordinate, e->name);
+    snprintf(plot->label[0], sizeof *plot->label, "%s, %s", coordinate, turns ? "deg" : "mm");
+    snprintf(plot->label[1], sizeof *plot->label, "error along its motion, mm");
+    plot->height = 320;
+    plot->brief = true;
+    plot->key[MUKCA_PLOT_AFTER] = causes ? "with its causes" : "calibrated";
+    plot->key[MUKCA_PLOT_BEFORE] = causes ? "without them" : NULL;
+    for (int m = causes ? MUKCA_RIGID : MUKCA_CALIBRATED; m <= MUKCA_CALIBRATED; m++)
+        for (int k = index; k < n * rows; k += n) {
+            const double point[2] = {r->train->q[k] * unit, r->joint_error[m][k] * mm};
+            mukca_plot_add(plot, m == MUKCA_RIGID ? MUKCA_PLOT_BEFORE : MUKCA_PLOT_AFTER, point,
+                           NAN, NAN);
+        }
+    mukca_text_put(&description,
+                   "The part of each sample's error along which %s moves the %s, over the joint's "
+                   "%s: %.3f mm rms calibrated",
+                   e->name, r->train->n_sockets > 0 ? "ball" : "target", coordinate,
+                   joint_rms(r, MUKCA_CALIBRATED, index));
+    if (causes)
+        mukca_text_put(&description, ", %.3f mm without the causes of the table",
+                       joint_rms(r, MUKCA_RIGID, index));
+    mukca_text_put(&description, ".");
+    return true;
+}
+
+/* ---- errors by placement ---- */
 
 void mukca_report_put_placements(FILE *out, const void *content)
 {
