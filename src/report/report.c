@@ -24,43 +24,16 @@ static bool find_residuals(double *position, double *residual, const mukca_model
     return ok;
 }
 
-/* Component of each residual along the ball's motion by each joint, r . J_j / |J_j|, m,
- * [n_rows][n_joints]; NULL: out of memory. */
-static double *joint_errors(mukca_report *r, const mukca_chain *chain, const double *theta,
-                            const double *residual)
-{
-    const mukca_dataset *data = r->train;
-    const int n = data->n_joints;
-    double *errors = MUKCA_TAKE(&r->pool, double, data->n_rows *n + 1);
-    mukca_geometry geometry;
-    if (!errors || !residual) return NULL;
-    mukca_geometry_set(&geometry, chain, theta);
-    for (int i = 0; i < data->n_rows; i++) {
-        double J[6 * MUKCA_MAX_JOINTS];
-        mukca_fk_jacobian(J, NULL, &geometry, data->q + i * n, NULL);
-        for (int j = 0; j < n; j++) {
-            double dot = 0, square = 0;
-            for (int k = 0; k < 3; k++) {
-                dot += residual[3 * i + k] * J[k * n + j];
-                square += J[k * n + j] * J[k * n + j];
-            }
-            /* below 1 um per rad the joint has no effect on the ball */
-            errors[i * n + j] = square > 1e-12 && isfinite(dot) ? dot / sqrt(square) : 0;
-        }
-    }
-    return errors;
-}
-
-/* Positions, residuals and their components by joint of model m. */
+/* Positions and residuals of model m. */
 static mukca_status predict(mukca_report *r, int m, const mukca_model *model, mukca_error *error)
 {
     double *position = MUKCA_TAKE(&r->pool, double, 3 * r->train->n_rows + 1);
     double *residual = MUKCA_TAKE(&r->pool, double, 3 * r->train->n_rows + 1);
-    const bool ok = position && residual && find_residuals(position, residual, model, r->train);
     r->tip[m] = position;
     r->residual[m] = residual;
-    r->joint_error[m] = ok ? joint_errors(r, r->fitted, r->offsets->theta, residual) : NULL;
-    return r->joint_error[m] ? MUKCA_OK : mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    return position && residual && find_residuals(position, residual, model, r->train)
+               ? MUKCA_OK
+               : mukca_fail(error, MUKCA_MEMORY, "out of memory");
 }
 
 /* Score a dataset, 0: `train`, 1: `test`. */
@@ -89,6 +62,7 @@ mukca_status mukca_report_prepare(mukca_report *r, mukca_error *error)
     r->offset = MUKCA_TAKE(&r->pool, mukca_offset_row, MUKCA_MAX_OFFSET_ROWS);
     mukca_effect *effects = MUKCA_TAKE(&r->pool, mukca_effect, 2 * MUKCA_MAX_EFFECTS);
     if (r->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    mukca_geometry_set(&r->geometry, r->fitted, r->offsets->theta);
     r->n_offsets = mukca_offsets_rows(r->offset, r->offsets, r->fitted);
     for (int k = 0; k < 2 && status == MUKCA_OK; k++) {
         mukca_effect *placed = effects + k * MUKCA_MAX_EFFECTS;

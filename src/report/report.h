@@ -12,16 +12,12 @@
 /* Models: nominal; the table without its effects; the table. */
 enum { MUKCA_NOMINAL, MUKCA_RIGID, MUKCA_CALIBRATED, MUKCA_REPORT_MODELS };
 
-typedef struct {
-    const char *path, *sha256;
-} mukca_report_file;
-
 /* Content of the page. */
 typedef struct {
     /* Set by the caller, who owns the memory. */
-    const char *command;            /* command of the page */
-    const char *when;               /* UTC */
-    const mukca_report_file *files; /* URDF first, then data */
+    const char *command;      /* command of the page */
+    const char *when;         /* UTC */
+    const char *const *files; /* URDF first, then data; "-": standard input */
     int n_files;
     const mukca_chain *chain;          /* nominal arm */
     const mukca_chain *fitted;         /* chain of `offsets`: with the frames of pose logs */
@@ -33,9 +29,8 @@ typedef struct {
     const double *tip[MUKCA_REPORT_MODELS];      /* [rows of `train`][3] predicted, m */
     const double *residual[MUKCA_REPORT_MODELS]; /* [n_rows][3] tip minus its socket's mean or the
                                                     measured position; NaN: unknown */
-    const double *joint_error[MUKCA_REPORT_MODELS]; /* [n_rows][n_joints] component of the residual
-                                                       along the ball's motion by the joint, m */
-    mukca_offset_row *offset;                       /* [n_offsets] rows of `offsets` */
+    mukca_geometry geometry;                     /* of `offsets` */
+    mukca_offset_row *offset;                    /* [n_offsets] rows of `offsets` */
     int n_offsets;
     mukca_score *score[2][2]; /* of `train` and `test`, nominal and calibrated; [n_scores] each */
     int n_scores[2];

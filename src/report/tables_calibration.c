@@ -2,6 +2,8 @@
 #include <math.h>
 #include <string.h>
 
+#include <sha2.h>
+
 #include "base/text.h"
 #include "report/page.h"
 #include "report/report.h"
@@ -80,13 +82,28 @@ void mukca_report_put_steps(FILE *out, const mukca_report *r)
 
 /* ---- errors by joint ---- */
 
-/* Rms of a model's errors along the motion by joint j, over all samples, mm. */
+/* Component of a sample's residual along the ball's motion by joint j, r . J_j / |J_j|, mm. */
+static double joint_error(const mukca_report *r, int model, int row, int j)
+{
+    const int n = r->train->n_joints;
+    const double *residual = r->residual[model] + 3 * row;
+    double J[6 * MUKCA_MAX_JOINTS], dot = 0, square = 0;
+    mukca_fk_jacobian(J, NULL, &r->geometry, r->train->q + row * n, NULL);
+    for (int k = 0; k < 3; k++) {
+        dot += residual[k] * J[k * n + j];
+        square += J[k * n + j] * J[k * n + j];
+    }
+    /* below 1 um per rad the joint has no effect on the ball */
+    return square > 1e-12 && isfinite(dot) ? dot / sqrt(square) * mm : 0;
+}
+
+/* Root of their mean square over all samples, mm. */
 static double joint_rms(const mukca_report *r, int model, int j)
 {
-    const int n = r->train->n_joints, rows = r->train->n_rows;
+    const int rows = r->train->n_rows;
     double sum = 0;
-    for (int i = 0; i < rows; i++) sum += pow(r->joint_error[model][i * n + j], 2) / rows;
-    return sqrt(sum) * mm;
+    for (int i = 0; i < rows; i++) sum += pow(joint_error(r, model, i, j), 2) / rows;
+    return sqrt(sum);
 }
 
 void mukca_report_put_joints(FILE *out, const void *content)
@@ -112,7 +129,7 @@ bool mukca_report_joints(mukca_plot *plot, const void *content, int index)
 {
     const mukca_report *r = content;
     if (index >= r->chain->n_joints) return false;
-    const int n = r->chain->n_joints, rows = r->train->n_rows;
+    const int n = r->chain->n_joints;
     const mukca_element *e = &r->chain->element[r->chain->joint_element[index]];
     const bool turns = e->type != MUKCA_PRISMATIC, causes = r->offsets->n_effects > 0;
     const char *coordinate = turns ? "angle" : "position";
@@ -127,8 +144,9 @@ bool mukca_report_joints(mukca_plot *plot, const void *content, int index)
     plot->key[MUKCA_PLOT_AFTER] = causes ? "with its causes" : "calibrated";
     plot->key[MUKCA_PLOT_BEFORE] = causes ? "without them" : NULL;
     for (int m = causes ? MUKCA_RIGID : MUKCA_CALIBRATED; m <= MUKCA_CALIBRATED; m++)
-        for (int k = index; k < n * rows; k += n) {
-            const double point[2] = {r->train->q[k] * unit, r->joint_error[m][k] * mm};
+        for (int i = 0; i < r->train->n_rows; i++) {
+            const double point[2] = {r->train->q[i * n + index] * unit,
+                                     joint_error(r, m, i, index)};
             mukca_plot_add(plot, m == MUKCA_RIGID ? MUKCA_PLOT_BEFORE : MUKCA_PLOT_AFTER, point,
                            NAN, NAN);
         }
@@ -216,7 +234,13 @@ void mukca_report_put_provenance(FILE *out, const void *content)
     fprintf(out, " at %s.</p>\n", r->when);
     mukca_html_table table = {
         .out = out, .caption = "Files read", .style = "files", .columns = "file|SHA-256"};
-    for (int i = 0; i < r->n_files; i++)
-        mukca_html_row(&table, "%s\t%s", r->files[i].path, r->files[i].sha256);
+    for (int i = 0; i < r->n_files; i++) {
+        char hash[SHA256_DIGEST_STRING_LENGTH];
+        const bool file = strcmp(r->files[i], "-") != 0;
+        mukca_html_row(&table, "%s\t%s", r->files[i],
+                       !file                           ? "standard input"
+                       : SHA256File(r->files[i], hash) ? hash
+                                                       : "file no longer exists");
+    }
     mukca_html_table_end(&table);
 }
