@@ -142,7 +142,6 @@ static mukca_status write_results(cli_call *call, const calibrate_result *r)
 static void release(void *work)
 {
     calibrate_work *w = work;
-    cli_scores_free(&w->result.scores);
     mukca_fit_free(&w->fit);
     mukca_fit_free(&w->other);
 }

@@ -12,6 +12,7 @@
 #include <stddef.h>
 #include <stdio.h>
 
+#include "base/pool.h"
 #include "base/text.h"
 #include "io/kinematics.h"
 #include "io/offsets.h"
@@ -170,6 +171,7 @@ struct cli_call {
     cli_list arguments;   /* positionals */
     cli_session *session; /* zeroed, filled by cli_load; freed after the run */
     void *work;           /* zeroed memory of the command, freed after the run */
+    mukca_pool pool;      /* for its arrays, likewise */
     mukca_error error;
     double started, progressed; /* s, monotonic: the start, the last progress line */
     bool showing;               /* a progress line is on the screen */

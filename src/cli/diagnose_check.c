@@ -188,27 +188,22 @@ mukca_status cli_diagnosis_check(cli_call *call, cli_diagnosis *d)
         mukca_note_format(cli_note, call, "--check was left out: %s", obstacle);
         return MUKCA_OK;
     }
-    mukca_pool pool = {0};
-    mukca_status status;
-    check_task *task = MUKCA_TAKE(&pool, check_task, 1);
+    check_task *task = MUKCA_TAKE(&call->pool, check_task, 1);
     d->check = (mukca_check){.runs = call->common->check, .cause = main_cause(&d->diagnosis)};
-    if (task) {
-        *task = (check_task){.call = call,
-                             .check = &d->check,
-                             .result = &d->result,
-                             .options = d->options,
-                             .lock = PTHREAD_MUTEX_INITIALIZER};
-        task->options.test = NULL;
-        task->options.no_folds = true;
-        task->options.applied = task->options.mounting = false;
-        task->options.go_on = NULL;
-        task->options.progress = go_on;
-    }
-    if (task && prepare(task, &pool))
-        status = run_all(task);
-    else
-        status = cli_fail(call, MUKCA_MEMORY, "out of memory for --check");
+    if (!task) return cli_fail(call, MUKCA_MEMORY, "out of memory for --check");
+    *task = (check_task){.call = call,
+                         .check = &d->check,
+                         .result = &d->result,
+                         .options = d->options,
+                         .lock = PTHREAD_MUTEX_INITIALIZER};
+    task->options.test = NULL;
+    task->options.no_folds = true;
+    task->options.applied = task->options.mounting = false;
+    task->options.go_on = NULL;
+    task->options.progress = go_on;
+    if (!prepare(task, &call->pool))
+        return cli_fail(call, MUKCA_MEMORY, "out of memory for --check");
+    const mukca_status status = run_all(task);
     if (status == MUKCA_OK) d->result.check = &d->check;
-    mukca_pool_free(&pool);
     return status;
 }

@@ -98,11 +98,6 @@ static mukca_status load_model(cli_call *call, cli_model *model)
     return MUKCA_OK;
 }
 
-static void release(void *work)
-{
-    cli_scores_free(&((evaluate_work *)work)->scores);
-}
-
 static mukca_status run(cli_call *call)
 {
     evaluate_work *w = call->work;
@@ -148,5 +143,4 @@ const cli_command cli_command_evaluate = {
     .targets = true,
     .run = run,
     .work_size = sizeof(evaluate_work),
-    .release = release,
 };

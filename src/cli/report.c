@@ -79,7 +79,7 @@ static mukca_status provenance(cli_call *call)
                                  c->offsets, c->distances,  c->traits};
     const size_t most = sizeof given / sizeof *given;
     const mukca_dataset *sets[2] = {w->page.train, w->page.test};
-    const char **files = MUKCA_TAKE(&w->page.pool, const char *,
+    const char **files = MUKCA_TAKE(&call->pool, const char *,
                                     (size_t)sets[0]->n_files + (size_t)sets[1]->n_files + most);
     if (!files) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     for (size_t i = 0; i < most; i++)
@@ -142,7 +142,6 @@ static void release(void *work)
     report_work *w = work;
     free(w->command);
     cli_fleet_free(&w->fleet);
-    mukca_report_free(&w->page);
     cli_diagnosis_free(&w->of);
 }
 
@@ -153,7 +152,8 @@ static mukca_status prepare_arm(cli_call *call)
     report_work *w = call->work;
     call->common->accept_failed = call->common->accept_edited =
         true; /* also report on a table that was not accepted */
-    w->page = (mukca_report){.chain = &s->model.chain,
+    w->page = (mukca_report){.pool = &call->pool,
+                             .chain = &s->model.chain,
                              .fitted = &s->model.chain,
                              .offsets = &w->of.offsets,
                              .train = &s->data,

@@ -3,7 +3,6 @@
 #include "base/file.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/text.h"
@@ -23,10 +22,11 @@ static void take_urdf_theta(double *theta, const mukca_chain *chain, const mukca
 }
 
 /* False: out of memory. */
-static bool score(cli_scored *set, const mukca_model models[CLI_MODELS], bool factory)
+static bool score(cli_scored *set, mukca_pool *pool, const mukca_model models[CLI_MODELS],
+                  bool factory)
 {
     for (int m = 0; m < CLI_FACTORY + factory && set->n >= 0; m++) {
-        set->of[m] = calloc(mukca_evaluate_room(set->data), sizeof *set->of[m]);
+        set->of[m] = MUKCA_TAKE(pool, mukca_score, mukca_evaluate_room(set->data));
         set->n = set->of[m] ? mukca_evaluate(set->of[m], &set->mean[m], &models[m], set->data) : -1;
     }
     return set->n >= 0;
@@ -58,16 +58,10 @@ mukca_status cli_scores_make(cli_call *call, cli_scores *scores, const mukca_cha
                                 .effects = effects,
                                 .n_effects = offsets ? offsets->n_effects : 0,
                                 .by_log = by_log}};
-        if (!score(set, models, scores->has_factory))
+        if (!score(set, &call->pool, models, scores->has_factory))
             return cli_fail(call, MUKCA_MEMORY, "out of memory for %d rows", d->n_rows);
     }
     return MUKCA_OK;
-}
-
-void cli_scores_free(cli_scores *scores)
-{
-    for (int k = 0; k < 2; k++)
-        for (int m = 0; m < CLI_MODELS; m++) free(scores->set[k].of[m]);
 }
 
 double cli_scores_error(const cli_scores *scores)

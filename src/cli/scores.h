@@ -26,11 +26,9 @@ typedef struct {
 } cli_scores;
 
 /* Score the session's data, under this `name`, and test data at the chain's nominal parameters and
- * at theta with the effects of `offsets` (NULL: none).  Free with cli_scores_free.  Errors:
- * MUKCA_MEMORY. */
+ * at theta with the effects of `offsets` (NULL: none).  Errors: MUKCA_MEMORY. */
 mukca_status cli_scores_make(cli_call *call, cli_scores *scores, const mukca_chain *chain,
                              const double *theta, const mukca_offsets *offsets, const char *name);
-void cli_scores_free(cli_scores *scores); /* zeroed is allowed */
 
 /* Mean error of the calibrated model on the test data, else on the data, m. */
 double cli_scores_error(const cli_scores *scores);

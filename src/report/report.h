@@ -15,6 +15,7 @@ enum { MUKCA_NOMINAL, MUKCA_RIGID, MUKCA_CALIBRATED, MUKCA_REPORT_MODELS };
 /* Content of the page. */
 typedef struct {
     /* Set by the caller, who owns the memory. */
+    mukca_pool *pool;
     const char *command;      /* command of the page */
     const char *when;         /* UTC */
     const char *const *files; /* URDF first, then data; "-": standard input */
@@ -26,21 +27,16 @@ typedef struct {
     const mukca_dataset *train, *test; /* `test` may be empty */
     mukca_diagnosed diagnosed;         /* with `train` as its data */
     /* Set by mukca_report_prepare. */
-    const double *tip[MUKCA_REPORT_MODELS];      /* [rows of `train`][3] predicted, m */
-    const double *residual[MUKCA_REPORT_MODELS]; /* [n_rows][3] tip minus its socket's mean or the
-                                                    measured position; NaN: unknown */
-    mukca_geometry geometry;                     /* of `offsets` */
-    mukca_offset_row *offset;                    /* [n_offsets] rows of `offsets` */
+    mukca_evaluation of[MUKCA_REPORT_MODELS]; /* of `train` */
+    mukca_geometry geometry;                  /* of `offsets` */
+    mukca_offset_row *offset;                 /* [n_offsets] rows of `offsets` */
     int n_offsets;
     mukca_score *score[2][2]; /* of `train` and `test`, nominal and calibrated; [n_scores] each */
     int n_scores[2];
-    mukca_pool pool;
 } mukca_report;
 
-/* Compute the content of the page.  Free with mukca_report_free, also after an error.  Errors:
- * MUKCA_MEMORY. */
+/* Compute the content of the page, in its pool.  Errors: MUKCA_MEMORY. */
 mukca_status mukca_report_prepare(mukca_report *report, mukca_error *error);
-void mukca_report_free(mukca_report *report); /* harmless on a zeroed report */
 
 /* The page, whose content `report` must outlive it. */
 mukca_page mukca_report_page(const mukca_report *report);

@@ -86,11 +86,12 @@ void mukca_report_put_steps(FILE *out, const mukca_report *r)
 static double joint_error(const mukca_report *r, int model, int row, int j)
 {
     const int n = r->train->n_joints;
-    const double *residual = r->residual[model] + 3 * row;
+    const double *tip = r->of[model].tips[row].p,
+                 *centre = mukca_evaluation_centre(&r->of[model], r->train, row);
     double J[6 * MUKCA_MAX_JOINTS], dot = 0, square = 0;
     mukca_fk_jacobian(J, NULL, &r->geometry, r->train->q + row * n, NULL);
     for (int k = 0; k < 3; k++) {
-        dot += residual[k] * J[k * n + j];
+        dot += (tip[k] - centre[k]) * J[k * n + j];
         square += J[k * n + j] * J[k * n + j];
     }
     /* below 1 um per rad the joint has no effect on the ball */

@@ -71,10 +71,7 @@ void mukca_report_put_view(FILE *out, const void *content)
         reach += pow((high[k] - low[k]) / 2, 2);
     }
     reach = 1.05 * sqrt(reach);
-    for (int i = 0; i < rows; i++) {
-        const double error = mukca_norm3(r->residual[MUKCA_NOMINAL] + 3 * i);
-        if (error > most) most = error;
-    }
+    for (int i = 0; i < rows; i++) most = fmax(most, r->of[MUKCA_NOMINAL].error[i]);
     if (!(most > 0)) return;
     const char *const where = r->train->n_sockets > 0 ? "mean of its socket" : "measured position";
     const double scale = mukca_plot_round(0.3 * reach / most);
@@ -93,11 +90,12 @@ void mukca_report_put_view(FILE *out, const void *content)
     }
     for (int m = 0; m < MUKCA_REPORT_MODELS; m += MUKCA_CALIBRATED)
         for (int i = 0; i < rows; i += 1 + rows / ERRORS) {
-            const double *tip = r->tip[m] + 3 * i, *error = r->residual[m] + 3 * i;
-            if (!isfinite(error[0])) continue;
+            const double *tip = r->of[m].tips[i].p,
+                         *from = mukca_evaluation_centre(&r->of[m], r->train, i);
+            if (!isfinite(r->of[m].error[i])) continue;
             for (int k = 0; k < 3; k++) {
-                points[0][k] = tip[k] - error[k];
-                points[1][k] = tip[k] + (scale - 1) * error[k];
+                points[0][k] = from[k];
+                points[1][k] = from[k] + scale * (tip[k] - from[k]);
             }
             put_line(out, m ? "after" : "before", points, 2, centre);
         }
