@@ -221,9 +221,6 @@ void cli_print_keyed(FILE *stream, const char *key, const char *text);
 void cli_print_head(FILE *stream, const char *robot, const mukca_dataset *data,
                     const mukca_dataset *test);
 
-/* "and 3 more; --json lists them all" */
-void cli_print_more(FILE *stream, int n);
-
 /* Print the words of text[length], wrapped, from `column` on, with a line feed. */
 void cli_print_words(FILE *stream, int indent, int column, const char *text, size_t length);
 
@@ -329,7 +326,6 @@ mukca_status cli_write_json(cli_call *call, json_t *root);
 
 /* Monitor jansson's allocations, from before its first use; true if one has failed. */
 void cli_json_watch(void);
-bool cli_json_incomplete(void);
 
 /* The rows of an offsets table as JSON objects (`parameters` in the output). */
 json_t *cli_json_offsets(const mukca_offsets *offsets, const mukca_chain *chain);

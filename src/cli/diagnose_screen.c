@@ -18,6 +18,11 @@ static const double worth_reporting = 1.02;
  * not testable: no cause of a calibrated arm is that large. */
 static const double useless_limit = 30e-3;
 
+static void print_more(FILE *stream, int n)
+{
+    cli_print_keyed(stream, "", put(MUKCA_WORDS, "and %d more; --json lists them all", n));
+}
+
 /* ---- causes ---- */
 
 /* " (indistinguishable in these data; 10 more postures would decide: ...)" */
@@ -82,7 +87,7 @@ static void print_causes(FILE *stream, const mukca_diagnosed *r)
         if (printed <= MOST_CAUSES) print_cause(stream, r, &d->causes[i], printed);
         printed++;
     }
-    if (printed > MOST_CAUSES + 1) cli_print_more(stream, printed - MOST_CAUSES - 1);
+    if (printed > MOST_CAUSES + 1) print_more(stream, printed - MOST_CAUSES - 1);
     if (printed)
         cli_print_keyed(stream, "Rest", put_rest(MUKCA_WORDS, d));
     else
@@ -97,7 +102,7 @@ static void print_recording(FILE *stream, const mukca_diagnosed *r)
     for (int i = 0; i < d->n_faults && i < MOST_LINES; i++)
         cli_print_keyed(stream, i ? "" : "Faults",
                         mukca_wording_fault(MUKCA_WORDS, &d->faults[i], r));
-    if (d->n_faults > MOST_LINES) cli_print_more(stream, d->n_faults - MOST_LINES);
+    if (d->n_faults > MOST_LINES) print_more(stream, d->n_faults - MOST_LINES);
     cli_print_keyed(stream, "Poses", mukca_wording_poses(MUKCA_WORDS, r));
     cli_print_keyed(stream, "Efforts", mukca_wording_efforts(MUKCA_WORDS, r));
 }

@@ -108,10 +108,3 @@ void cli_print_acceptance(FILE *stream, const mukca_acceptance *a, const mukca_c
     cli_print_keyed(stream, "Tip", tip);
     cli_print_keyed(stream, "Use", use);
 }
-
-void cli_print_more(FILE *stream, int n)
-{
-    char line[80];
-    snprintf(line, sizeof line, "and %d more; --json lists them all", n);
-    cli_print_keyed(stream, "", line);
-}

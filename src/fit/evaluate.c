@@ -156,7 +156,8 @@ bool mukca_evaluation_make(mukca_evaluation *e, mukca_pool *pool, const mukca_mo
     e->error = MUKCA_TAKE(pool, double, data->n_rows);
     e->mean = MUKCA_TAKE(pool, double[3], data->n_sockets);
     e->count = MUKCA_TAKE(pool, int, data->n_sockets);
-    if (pool->failed || !find_tips(e->tips, model, data) || !place_tips(e->tips, data))
+    if (!e->tips || !e->error || !e->mean || !e->count || !find_tips(e->tips, model, data) ||
+        !place_tips(e->tips, data))
         return false;
     socket_means(e->mean, e->count, e->tips, data);
     for (int i = 0; i < data->n_rows; i++) {

@@ -55,7 +55,6 @@ mukca_report_text mukca_report_put_causes, mukca_report_put_faults, mukca_report
     mukca_report_put_provenance, mukca_report_put_view;
 void mukca_report_put_accuracy(FILE *out, const mukca_report *report);
 void mukca_report_put_verdict(FILE *out, const mukca_report *report);
-void mukca_report_put_steps(FILE *out, const mukca_report *report);
 
 /* ---- the report of a fleet, and its wording, shared with the screen (fleet_page.c) ---- */
 

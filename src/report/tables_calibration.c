@@ -52,34 +52,6 @@ void mukca_report_put_accuracy(FILE *out, const mukca_report *r)
     fputs(".</p>\n", out);
 }
 
-/* ---- errors ---- */
-
-void mukca_report_put_steps(FILE *out, const mukca_report *r)
-{
-    const mukca_diagnosis *d = r->diagnosed.diagnosis;
-    mukca_step steps[MUKCA_MAX_STEPS];
-    const int n = mukca_wording_steps(steps, &r->diagnosed);
-    double most = 0;
-    mukca_html_table table = {
-        .out = out,
-        .caption = d->folds > 1 ? "Mean error, mm, each line a fit of its own; cross-validated: "
-                                  "each fold predicted from the others"
-                                : "Mean error, mm, each line a fit of its own",
-        .columns = d->folds > 1 ? "model|#cross-validated|bar|#test" : "model|#training|bar|#test"};
-    const bool tested = isfinite(steps[0].test_m);
-    if (!tested)
-        table.columns = d->folds > 1 ? "model|#cross-validated|bar|" : "model|#training|bar|";
-    for (int i = 1; i < n; i++) most = fmax(most, steps[i].cross_validated_m);
-    for (int i = 0; i < n; i++) {
-        const double error = steps[i].cross_validated_m;
-        const double bar = i ? 100 * error / most : 0; /* the nominal error is off the scale */
-        if (isfinite(error))
-            mukca_html_row(&table, tested ? "%s\t%.3f\t%.0f\t%.3f" : "%s\t%.3f\t%.0f",
-                           steps[i].name, error * mm, bar, steps[i].test_m * mm);
-    }
-    mukca_html_table_end(&table);
-}
-
 /* ---- errors by joint ---- */
 
 /* Component of a sample's residual along the ball's motion by joint j, r . J_j / |J_j|, mm. */

@@ -67,6 +67,33 @@ void mukca_report_put_verdict(FILE *out, const mukca_report *r)
 
 /* ---- causes ---- */
 
+static void put_steps(FILE *out, const mukca_diagnosed *diagnosed)
+{
+    const mukca_diagnosis *d = diagnosed->diagnosis;
+    mukca_step steps[MUKCA_MAX_STEPS];
+    const int n = mukca_wording_steps(steps, diagnosed);
+    double most = 0;
+    mukca_html_table table = {
+        .out = out,
+        .caption = d->folds > 1 ? "Mean error, mm, each line a fit of its own; cross-validated: "
+                                  "each fold predicted from the others"
+                                : "Mean error, mm, each line a fit of its own",
+        .columns = d->folds > 1 ? "model|#cross-validated|bar|#test" : "model|#training|bar|#test"};
+    const bool tested = isfinite(steps[0].test_m);
+    if (!tested)
+        table.columns = d->folds > 1 ? "model|#cross-validated|bar|" : "model|#training|bar|";
+    for (int i = 1; i < n; i++) most = fmax(most, steps[i].cross_validated_m);
+    for (int i = 0; i < n; i++) {
+        const double error = steps[i].cross_validated_m;
+        const double bar = i ? 100 * error / most : 0; /* the nominal error is off the scale */
+        if (isfinite(error))
+            mukca_html_row(&table, tested ? "%s\t%.3f\t%.0f\t%.3f" : "%s\t%.3f\t%.0f",
+                           steps[i].name, error * MUKCA_REPORT_MM, bar,
+                           steps[i].test_m * MUKCA_REPORT_MM);
+    }
+    mukca_html_table_end(&table);
+}
+
 void mukca_report_put_causes(FILE *out, const void *content)
 {
     const mukca_report *r = content;
@@ -77,7 +104,7 @@ void mukca_report_put_causes(FILE *out, const void *content)
             "Causes, the largest contribution first; after \"or\": indistinguishable in these data",
         .style = "cards",
         .columns = "cause|size [95 % interval]|probability|mechanism"};
-    mukca_report_put_steps(out, r);
+    put_steps(out, d);
     for (int i = 0; i < d->diagnosis->n_causes; i++) {
         const mukca_cause *c = &d->diagnosis->causes[i];
         mukca_html_row(
