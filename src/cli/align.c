@@ -1,5 +1,4 @@
 /* mukca align: pose of one arm's base in that of another, from sessions at the same sockets. */
-#include <stdlib.h>
 #include <string.h>
 
 #include "cli/cli.h"
@@ -33,7 +32,7 @@ typedef struct {
 typedef struct {
     side side[2];
     mukca_shared_socket *shared;
-    int (*socket)[2]; /* indices of each shared socket */
+    int *socket; /* index of each shared socket in the left session */
     int n;
     mukca_two_arms result;
 } align_work;
@@ -41,12 +40,7 @@ typedef struct {
 static void release(void *work)
 {
     align_work *w = work;
-    for (int i = 0; i < 2; i++) {
-        mukca_dataset_free(&w->side[i].data);
-        mukca_pool_free(&w->side[i].of.pool);
-    }
-    free(w->shared);
-    free(w->socket);
+    for (int i = 0; i < 2; i++) mukca_dataset_free(&w->side[i].data);
 }
 
 /* Predicted ball positions: mean per socket, and variance about the means. */
@@ -60,7 +54,7 @@ static mukca_status find_means(cli_call *call, side *s)
         .chain = &s->model.chain, .theta = o->theta, .effects = effects, .n_effects = o->n_effects};
     double squares = 0;
     int freedom = 0;
-    if (!mukca_evaluation_make(&s->of, &model, d))
+    if (!mukca_evaluation_make(&s->of, &call->pool, &model, d))
         return cli_fail(call, MUKCA_MEMORY, "out of memory");
     for (int k = 0; k < d->n_sockets; k++) freedom += s->of.count[k] > 1 ? s->of.count[k] - 1 : 0;
     for (int i = 0; i < d->n_rows; i++)
@@ -101,8 +95,8 @@ static mukca_status find_shared(cli_call *call)
 {
     align_work *w = call->work;
     const side *l = &w->side[0], *r = &w->side[1];
-    w->shared = calloc((size_t)l->data.n_sockets + 1, sizeof *w->shared);
-    w->socket = calloc((size_t)l->data.n_sockets + 1, sizeof *w->socket);
+    w->shared = MUKCA_TAKE(&call->pool, mukca_shared_socket, l->data.n_sockets);
+    w->socket = MUKCA_TAKE(&call->pool, int, l->data.n_sockets);
     if (!w->shared || !w->socket) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     for (int i = 0; i < l->data.n_sockets; i++)
         for (int k = 0; k < r->data.n_sockets; k++) {
@@ -115,8 +109,7 @@ static mukca_status find_shared(cli_call *call)
             memcpy(s->at[1], r->of.mean[k], sizeof s->at[1]);
             s->variance[0] = l->variance / l->of.count[i];
             s->variance[1] = r->variance / r->of.count[k];
-            w->socket[w->n][0] = i;
-            w->socket[w->n++][1] = k;
+            w->socket[w->n++] = i;
             break;
         }
     if (w->n > 0) return MUKCA_OK;
@@ -159,8 +152,8 @@ static json_t *as_json(const cli_call *call)
         double at[3];
         mukca_mat3_vec(at, t->pose.R, w->shared[i].at[1]);
         for (int a = 0; a < 3; a++) at[a] += t->pose.p[a];
-        cli_json_append(sockets, KEY("placement", placement_of(&w->side[0], w->socket[i][0])),
-                        KEY("socket", w->side[0].data.sockets[w->socket[i][0]].label),
+        cli_json_append(sockets, KEY("placement", placement_of(&w->side[0], w->socket[i])),
+                        KEY("socket", w->side[0].data.sockets[w->socket[i]].label),
                         KEY("residual_m", mukca_distance3(at, w->shared[i].at[0])));
     }
     return cli_json(

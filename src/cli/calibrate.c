@@ -1,6 +1,5 @@
 /* mukca calibrate: fit the arm's geometry to socket data or measured poses. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "cli/calibrate.h"
@@ -82,6 +81,15 @@ static mukca_fit_options fit_options(const calibrate_options *o)
         .limits = {.stop = cli_stop}};
 }
 
+typedef struct {
+    mukca_fit fit, other; /* the other one: by the evidence */
+    mukca_offsets offsets;
+    mukca_traits traits;
+    calibrate_result result;
+    double
+        nominal[MUKCA_MAX_THETA]; /* of the chain, with free frames aligned to the training data */
+} calibrate_work;
+
 static mukca_status judge(cli_call *call, const calibrate_result *r)
 {
     const mukca_fit_options fitted = fit_options(call->options);
@@ -102,20 +110,17 @@ static mukca_status compare_evidence(cli_call *call, calibrate_result *r)
 {
     enum { MOST_ROWS = 5000 };
     const calibrate_options *o = call->options;
+    mukca_fit *other = &((calibrate_work *)call->work)->other;
     const mukca_chain *chain = &call->session->model.chain;
     mukca_fit_options both[2] = {fit_options(o), fit_options(o)};
     both[1].by_evidence = true;
     if (o->evidence || !is_default(o) || !r->offsets->acceptance.accepted ||
         r->train->n_sockets == 0 || r->train->n_rows > MOST_ROWS)
         return MUKCA_OK;
-    mukca_fit *other = calloc(1, sizeof *other);
-    if (!other) return cli_fail(call, MUKCA_MEMORY, "out of memory for another fit");
     mukca_status status = mukca_fit_run(other, chain, r->train, &both[1], &call->error);
     if (status == MUKCA_OK)
         status = mukca_fit_compare(&r->evidence, (const mukca_fit *const[]){r->fit, other}, both,
                                    chain, r->train, r->test, &call->error);
-    mukca_fit_free(other);
-    free(other);
     return status;
 }
 
@@ -125,8 +130,8 @@ static mukca_status write_results(cli_call *call, const calibrate_result *r)
     char comments[256];
     snprintf(comments, sizeof comments,
              "mean error on %d training samples: %.4g m nominal, %.4g m calibrated",
-             r->train->n_rows, r->train_scores.mean[CLI_NOMINAL].mae,
-             r->train_scores.mean[CLI_CALIBRATED].mae);
+             r->train->n_rows, r->scores.set[0].mean[CLI_NOMINAL].mae,
+             r->scores.set[0].mean[CLI_CALIBRATED].mae);
     mukca_status status = cli_write_offsets(call, call->common->output, r->offsets, &r->fit->chain,
                                             r->train, comments);
     if (status != MUKCA_OK || !call->common->json) return status;
@@ -134,21 +139,11 @@ static mukca_status write_results(cli_call *call, const calibrate_result *r)
         call, calibrate_json(r, solvers[o->solver], gradients[o->gradient], cli_elapsed(call)));
 }
 
-typedef struct {
-    mukca_fit fit;
-    mukca_offsets offsets;
-    mukca_traits traits;
-    calibrate_result result;
-    double
-        nominal[MUKCA_MAX_THETA]; /* of the chain, with free frames aligned to the training data */
-} calibrate_work;
-
 static void release(void *work)
 {
     calibrate_work *w = work;
-    cli_scores_free(&w->result.train_scores);
-    cli_scores_free(&w->result.test_scores);
     mukca_fit_free(&w->fit);
+    mukca_fit_free(&w->other);
 }
 
 /* Note that several pose logs share one frame and one target here. */
@@ -205,11 +200,9 @@ static mukca_status run(cli_call *call)
     if (status == MUKCA_OK)
         status = mukca_frames_start(w->nominal, &fit->chain, r->train, o->common.free_base,
                                     o->common.free_tool, &call->error);
-    r->train_scores.nominal_theta = r->test_scores.nominal_theta = w->nominal;
+    r->scores = (cli_scores){.nominal_theta = w->nominal, .calibrated = true};
     if (status == MUKCA_OK)
-        status = cli_scores_make(call, &r->train_scores, &fit->chain, fit->theta, NULL, r->train);
-    if (status == MUKCA_OK && r->test->n_rows > 0)
-        status = cli_scores_make(call, &r->test_scores, &fit->chain, fit->theta, NULL, r->test);
+        status = cli_scores_make(call, &r->scores, &fit->chain, fit->theta, NULL, "train");
     if (status == MUKCA_OK) status = judge(call, r);
     if (status == MUKCA_OK) status = compare_evidence(call, r);
     if (status == MUKCA_OK) calibrate_add_traits(r->offsets, r);

@@ -9,7 +9,7 @@
 typedef struct {
     const mukca_fit *fit;
     const mukca_dataset *train, *test;
-    cli_scores train_scores, test_scores;
+    cli_scores scores;
     mukca_offsets *offsets;     /* with verdict */
     const mukca_traits *traits; /* NULL: none given */
     double traits_evidence;     /* log Bayes factor of their means, or of half of them */

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "fit/poses.h"
+#include "report/wording.h"
 
 static void print_identifiability(cli_call *call, const mukca_fit *fit)
 {
@@ -26,7 +27,7 @@ static bool enough_samples(const mukca_fit *fit)
 static void print_warnings(cli_call *call, const calibrate_result *r)
 {
     const mukca_fit *fit = r->fit;
-    const mukca_score *nominal = &r->train_scores.mean[CLI_NOMINAL];
+    const mukca_score *nominal = &r->scores.set[0].mean[CLI_NOMINAL];
     const double distance = call->common->distance;
     if (!enough_samples(fit))
         cli_say(call, NULL, "warning: %d samples provide %d measured numbers for %d parameters",
@@ -47,9 +48,9 @@ static void print_warnings(cli_call *call, const calibrate_result *r)
                 "warning: by the nominal model the distance of the sockets differs by %.1f mm from "
                 "--distance, %.1f mm; measure the tool again",
                 1e3 * nominal->distance_error, 1e3 * distance);
-    for (int i = 0; i < r->train_scores.n; i++) {
-        const mukca_score *poses = &r->train_scores.of[CLI_NOMINAL][i];
-        if (poses->placement < 0 && poses->mae < CLI_ECHO)
+    for (int i = 0; i < r->scores.set[0].n; i++) {
+        const mukca_score *poses = &r->scores.set[0].of[CLI_NOMINAL][i];
+        if (poses->placement < 0 && poses->mae < MUKCA_ECHO)
             cli_say(call, NULL,
                     "warning: the measured poses repeat the nominal model (within %.3f mm): they "
                     "seem to come from the controller, not from a tracker, and cannot calibrate it",
@@ -60,15 +61,15 @@ static void print_warnings(cli_call *call, const calibrate_result *r)
 static void print_next(cli_call *call, const calibrate_result *r)
 {
     const bool sockets = r->train->n_sockets > 0;
-    const double train = r->train_scores.mean[CLI_CALIBRATED].mae,
-                 test = r->test_scores.mean[CLI_CALIBRATED].mae;
+    const double train = r->scores.set[0].mean[CLI_CALIBRATED].mae,
+                 test = cli_scores_error(&r->scores);
     const cli_common *c = call->common;
     if (!r->offsets->acceptance.accepted) return;
     if (!enough_samples(r->fit))
         cli_say(call, "Next", "record more postures%s", sockets ? ", 20 in each socket" : "");
     else if (sockets && r->train->n_placements < 2)
         cli_say(call, "Next", "move the tool and record two or three more placements");
-    else if (r->test_scores.n == 0)
+    else if (r->scores.set[1].n == 0)
         cli_say(call, "Next", "check the error elsewhere: --test with another %s",
                 sockets ? "placement" : "pose log");
     else if (test > 1.5 * train)
@@ -153,20 +154,14 @@ static void print_frames(cli_call *call, const calibrate_result *r)
 
 void calibrate_print(cli_call *call, const calibrate_result *r)
 {
-    char train[80], test[80];
-    cli_describe_data(train, r->train);
-    cli_describe_data(test, r->test);
-    cli_answer(call, "%s: %s%s%s\n", r->fit->chain.robot, train,
-               r->test_scores.n > 0 ? "; test: " : "", r->test_scores.n > 0 ? test : "");
+    cli_print_head(cli_answer_stream(call), r->fit->chain.robot, r->train, r->test);
     print_verdict(call, r);
     mukca_frame T;
     const bool foreign =
-        !r->offsets->acceptance.accepted && r->train_scores.mean[CLI_NOMINAL].mae > CLI_FAR_OFF;
+        !r->offsets->acceptance.accepted && r->scores.set[0].mean[CLI_NOMINAL].mae > CLI_FAR_OFF;
     if (!r->offsets->acceptance.accepted)
         cli_print_mismatch(call, r->train, find_frame(&T, r, true), find_frame(&T, r, false));
-    cli_scores_print_header(call, true);
-    cli_scores_print(call, &r->train_scores, "train", true);
-    if (r->test_scores.n > 0) cli_scores_print(call, &r->test_scores, "test", true);
+    cli_scores_print(call, &r->scores, false);
     if (!foreign) print_frames(call, r);
     if (!foreign) print_identifiability(call, r->fit);
     print_warnings(call, r);
@@ -200,12 +195,18 @@ static json_t *frame_json(const calibrate_result *r, bool base)
     return find_frame(&T, r, base) ? cli_json_frame(&T) : NULL;
 }
 
+static json_t *cost_json(const mukca_cost_value *c)
+{
+    return cli_json(FIELD(c, total), FIELD(c, inconsistency), FIELD(c, distortion),
+                    FIELD(c, regularisation));
+}
+
 json_t *calibrate_json(const calibrate_result *r, const char *solver, const char *gradient,
                        double elapsed)
 {
     const mukca_fit *fit = r->fit;
-    const mukca_cost_value *before = &fit->nominal, *after = &fit->calibrated;
     const mukca_difference *e = &r->evidence;
+    const cli_scores *s = &r->scores;
     json_t *traits = NULL, *by_evidence = NULL;
     if (r->traits)
         traits =
@@ -221,15 +222,10 @@ json_t *calibrate_json(const calibrate_result *r, const char *solver, const char
                      KEY("evaluations", fit->outcome.evaluations),
                      KEY("iterations", fit->outcome.iterations),
                      KEY("status", mukca_stop_text(fit->outcome.stop)), FIELD(fit, to_gain))),
-        KEY("cost",
-            cli_json(
-                KEY("nominal", cli_json(FIELD(before, total), FIELD(before, inconsistency),
-                                        FIELD(before, distortion), FIELD(before, regularisation))),
-                KEY("calibrated",
-                    cli_json(FIELD(after, total), FIELD(after, inconsistency),
-                             FIELD(after, distortion), FIELD(after, regularisation))))),
-        KEY("train", cli_scores_json(&r->train_scores, r->train)),
-        KEY("test", cli_scores_json(&r->test_scores, r->test)),
+        KEY("cost", cli_json(KEY("nominal", cost_json(&fit->nominal)),
+                             KEY("calibrated", cost_json(&fit->calibrated)))),
+        KEY("train", cli_scores_json(&s->set[0], s->has_factory)),
+        KEY("test", cli_scores_json(&s->set[1], s->has_factory)),
         KEY("parameters", cli_json_offsets(r->offsets, &fit->chain)),
         KEY("rank", fit->identification.rank), KEY("free", fit->parameters.n),
         KEY("noise_m", fit->identification.noise),

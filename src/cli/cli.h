@@ -12,6 +12,7 @@
 #include <stddef.h>
 #include <stdio.h>
 
+#include "base/pool.h"
 #include "base/text.h"
 #include "io/kinematics.h"
 #include "io/offsets.h"
@@ -170,6 +171,7 @@ struct cli_call {
     cli_list arguments;   /* positionals */
     cli_session *session; /* zeroed, filled by cli_load; freed after the run */
     void *work;           /* zeroed memory of the command, freed after the run */
+    mukca_pool pool;      /* for its arrays, likewise */
     mukca_error error;
     double started, progressed; /* s, monotonic: the start, the last progress line */
     bool showing;               /* a progress line is on the screen */
@@ -210,14 +212,14 @@ enum { CLI_WIDTH = 79 }; /* columns */
  * space are printed unchanged. */
 void cli_print_wrapped(FILE *stream, const char *text);
 
-/* "Cause   text": a bold key of 8 columns, then the wrapped text; key NULL: without. */
+/* "Cause   text": a bold key of 8 columns, then the wrapped text; key NULL: without; nothing for an
+ * empty text. */
 void cli_print_keyed(FILE *stream, const char *key, const char *text);
 
-/* The same, if there is a text; clears it. */
-void cli_print_text(FILE *stream, const char *key, mukca_text *text);
-
-/* "and 3 more; --json lists them all" */
-void cli_print_more(FILE *stream, int n);
+/* "panda: 180 samples, 3 placements; test: 60 samples, 1 placement"; `test` may be NULL or empty.
+ */
+void cli_print_head(FILE *stream, const char *robot, const mukca_dataset *data,
+                    const mukca_dataset *test);
 
 /* Print the words of text[length], wrapped, from `column` on, with a line feed. */
 void cli_print_words(FILE *stream, int indent, int column, const char *text, size_t length);
@@ -302,10 +304,6 @@ mukca_status cli_condense(cli_call *call);
 /* Error of the nominal model that indicates wrong units or columns, m: arms are built to 10 mm. */
 #define CLI_FAR_OFF 0.1
 
-/* Error below which the measured poses were computed from the nominal model, m: trackers measure
- * 0.05 mm at best. */
-#define CLI_ECHO 5e-5
-
 /* "180 samples, 3 placements", "1000 measured poses". */
 void cli_describe_data(char text[80], const mukca_dataset *data);
 
@@ -328,7 +326,6 @@ mukca_status cli_write_json(cli_call *call, json_t *root);
 
 /* Monitor jansson's allocations, from before its first use; true if one has failed. */
 void cli_json_watch(void);
-bool cli_json_incomplete(void);
 
 /* The rows of an offsets table as JSON objects (`parameters` in the output). */
 json_t *cli_json_offsets(const mukca_offsets *offsets, const mukca_chain *chain);

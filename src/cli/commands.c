@@ -53,6 +53,7 @@ mukca_status cli_run(cli_call *call)
         status = cli_fail(call, MUKCA_MEMORY, "out of memory");
     if (call->work && command->release) command->release(call->work);
     free(call->work);
+    mukca_pool_free(&call->pool);
     if (call->session) {
         mukca_dataset_free(&call->session->data);
         mukca_dataset_free(&call->session->test);

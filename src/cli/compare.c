@@ -7,22 +7,13 @@
 #include "base/file.h"
 #include "base/note.h"
 #include "cli/cli.h"
-#include "io/urdf.h"
 
 typedef struct {
+    cli_model model; /* the one that was loaded last */
     mukca_corrected arm[2];
     mukca_acceptance verdict[2]; /* not `given`: no table */
-    mukca_offsets offsets;
     mukca_comparison comparison;
 } compare_work;
-
-static mukca_status load_urdf(cli_call *call, mukca_chain *chain, const char *path)
-{
-    const cli_common *c = call->common;
-    mukca_urdf_options model = {.base = c->base, .tip = c->tip, .inertials = c->inertials};
-    memcpy(model.gravity, c->gravity, sizeof model.gravity);
-    return mukca_urdf_load(chain, path, &model, cli_note, call, &call->error);
-}
 
 static bool is_yaml(const char *path)
 {
@@ -30,48 +21,40 @@ static bool is_yaml(const char *path)
     return dot && (strcmp(dot, ".yaml") == 0 || strcmp(dot, ".yml") == 0);
 }
 
-/* Load a factory file: its origins replace those of --urdf. */
-static mukca_status load_factory(cli_call *call, mukca_chain *chain, const char *path)
-{
-    mukca_kinematics kinematics;
-    if (!call->common->urdf)
-        return cli_fail(call, MUKCA_USAGE,
-                        "%s: --urdf FILE is needed: a factory file replaces its origins",
-                        mukca_file_shown(path));
-    mukca_status status = mukca_kinematics_read(&kinematics, path, &call->error);
-    if (status == MUKCA_OK) status = load_urdf(call, chain, call->common->urdf);
-    if (status != MUKCA_OK) return status;
-    return mukca_kinematics_apply(chain, &kinematics, path, cli_note, call, &call->error);
-}
-
 /* Load a model by its kind of file: XML is a URDF, YAML a factory file; an offsets table contains
  * its chain or applies to --urdf. */
 static mukca_status load(cli_call *call, int side)
 {
     compare_work *w = call->work;
+    cli_model *m = &w->model;
     mukca_corrected *arm = &w->arm[side];
+    cli_common *c = call->common, given = *c;
     const char *path = call->arguments.items[side];
     char *text;
     mukca_status status = mukca_file_read(&text, path, &call->error);
     if (status != MUKCA_OK) return status;
-    const bool xml = text[strspn(text, " \t\r\n\xef\xbb\xbf")] == '<';
-    if (xml || is_yaml(path)) {
-        status = xml ? load_urdf(call, &arm->chain, path) : load_factory(call, &arm->chain, path);
-        mukca_offsets_init(&w->offsets, &arm->chain);
-    } else {
-        status = cli_read_offsets(call, &w->offsets, &arm->chain, NULL, path);
-        if (status != MUKCA_OK && arm->chain.n_elements == 0 && call->common->urdf) {
-            status = load_urdf(call, &arm->chain, call->common->urdf);
-            if (status == MUKCA_OK)
-                status = cli_read_offsets(call, &w->offsets, NULL, &arm->chain, path);
-        }
-    }
+    if (text[strspn(text, " \t\r\n\xef\xbb\xbf")] == '<')
+        c->urdf = path;
+    else if (is_yaml(path))
+        c->kinematics = path;
+    else
+        c->offsets = path;
     free(text);
+    if (c->kinematics && !c->urdf)
+        return cli_fail(call, MUKCA_USAGE,
+                        "%s: --urdf FILE is needed: a factory file replaces its origins",
+                        mukca_file_shown(path));
+    memset(m, 0, sizeof *m);
+    if (c->offsets) status = cli_read_offsets(call, &m->offsets, &m->chain, NULL, path);
+    if (!c->offsets || (status != MUKCA_OK && m->chain.n_elements == 0 && c->urdf))
+        status = cli_load_model(call, m);
+    *c = given;
     if (status != MUKCA_OK) return status;
-    w->verdict[side] = w->offsets.acceptance;
-    mukca_geometry_set(&arm->geometry, &arm->chain, w->offsets.theta);
-    arm->n_effects = w->offsets.n_effects;
-    memcpy(arm->effects, w->offsets.effects, sizeof arm->effects);
+    w->verdict[side] = m->offsets.acceptance;
+    arm->chain = m->chain;
+    mukca_geometry_set(&arm->geometry, &arm->chain, m->offsets.theta);
+    arm->n_effects = m->offsets.n_effects;
+    memcpy(arm->effects, m->offsets.effects, sizeof arm->effects);
     return MUKCA_OK;
 }
 

@@ -108,14 +108,11 @@ static mukca_status write_offsets(cli_call *call, cli_diagnosis *of)
 {
     const mukca_diagnosis *d = &of->diagnosis;
     char comments[512];
-    int left_out = 0;
     if (!call->common->output && !d->applied.fitted) return MUKCA_OK;
-    mukca_status status = cli_diagnosis_offsets(call, of, &left_out);
+    mukca_status status = cli_diagnosis_offsets(call, of);
     if (status != MUKCA_OK) return status;
     of->result.acceptance = &of->offsets.acceptance;
     if (!call->common->output) return MUKCA_OK;
-    if (left_out)
-        cli_note(call, "the table lacks the causes that need link masses; give --inertials FILE");
     snprintf(comments, sizeof comments,
              "diagnosis: %s; held-out mean error: %.4g m geometry, %.4g m with the effects\n"
              "sigma: standard error; identifiable: the data at least halved the prior uncertainty\n"
@@ -218,8 +215,7 @@ static mukca_status run(cli_call *call)
     if (status == MUKCA_OK) status = write_results(call);
     if (status != MUKCA_OK) return status;
     FILE *answer = cli_answer_stream(call);
-    if (answer) cli_diagnosis_print(answer, &w->of.result);
-    if (answer && call->common->verbose) cli_diagnosis_print_sets(answer, &w->of.result);
+    if (answer) cli_diagnosis_print(answer, &w->of.result, call->common->verbose);
     if (answer && d->verdict == MUKCA_VERDICT_UNTESTABLE)
         cli_print_mismatch(call, &s->data, o->common.free_base, o->common.free_tool);
     if (w->adoption.traits) cli_adoption_print(call, &w->adoption, d, &s->model.chain);

@@ -28,33 +28,18 @@ void cli_diagnosis_free(cli_diagnosis *diagnosis);
 /* The diagnosis as mukca.diagnose/1. */
 json_t *cli_diagnosis_json(const mukca_diagnosed *result);
 
-/* Print one screen of 80 columns, causes first. */
-void cli_diagnosis_print(FILE *stream, const mukca_diagnosed *result);
-
-/* Print the most probable sets of causes. */
-void cli_diagnosis_print_sets(FILE *stream, const mukca_diagnosed *result);
+/* Print one screen of 80 columns, causes first; with `sets`, the most probable sets of causes. */
+void cli_diagnosis_print(FILE *stream, const mukca_diagnosed *result, bool sets);
 
 /* Diagnose simulated recordings with the postures, the noise and the causes of a diagnosis (with
- * `applied`), and without causes: --check of each, in parallel processes.  Without testable causes,
+ * `applied`), and without causes: --check of each, in parallel threads.  Without testable causes,
  * or if they cannot be simulated, a note says so and result.check stays NULL.  Errors:
  * MUKCA_MEMORY, MUKCA_INTERRUPTED. */
 mukca_status cli_diagnosis_check(cli_call *call, cli_diagnosis *diagnosis);
 
 /* Offsets table of a diagnosis: geometry with standard errors, the causes that act on the arm, the
- * verdict.  *left_out: number of causes omitted because the arm lacks the masses they need.
- * Errors: MUKCA_UNIDENTIFIABLE (nothing was fitted), MUKCA_INPUT. */
-mukca_status cli_diagnosis_offsets(cli_call *call, cli_diagnosis *diagnosis, int *left_out);
-
-/* ---- parts of the screen (diagnose_screen_data.c) ---- */
-
-/* Frames of several pose logs or targets; readings against commands; recording faults and efforts.
- */
-void cli_screen_logs(FILE *stream, const mukca_diagnosed *diagnosed);
-void cli_screen_streams(FILE *stream, const mukca_diagnosed *diagnosed);
-void cli_screen_recording(FILE *stream, const mukca_diagnosed *diagnosed);
-
-/* Detection limits and effects not testable.  `caveat`: missing masses have been mentioned
- * already. */
-void cli_screen_limits(FILE *stream, const mukca_diagnosed *diagnosed, bool caveat);
+ * verdict.  Causes that need masses which the arm lacks are left out, with a note.  Errors:
+ * MUKCA_UNIDENTIFIABLE (nothing was fitted), MUKCA_INPUT. */
+mukca_status cli_diagnosis_offsets(cli_call *call, cli_diagnosis *diagnosis);
 
 #endif

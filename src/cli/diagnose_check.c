@@ -1,12 +1,9 @@
-/* diagnose --check: the diagnosis of simulated recordings with its own postures, noise and causes.
- *
- * Each process diagnoses every n-th recording and writes one outcome after the other to a pipe;
- * outcomes are shorter than PIPE_BUF, and therefore not mixed. */
-#include <errno.h>
+/* diagnose --check: the diagnosis of simulated recordings with its own postures, noise and causes,
+ * one after the other in as many threads as there are processors. */
 #include <math.h>
-#include <signal.h>
+#include <pthread.h>
+#include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include "base/note.h"
@@ -15,24 +12,22 @@
 #include "model/dataset_subset.h"
 #include "simulate/simulate.h"
 
-enum { MOST_PROCESSES = 64 };
+enum { MOST_THREADS = 64 };
 
 typedef enum { FOUND, TIED, OTHER, NONE, OUTCOMES } outcome;
 
 typedef struct {
-    bool with; /* the causes */
-    outcome outcome;
-    mukca_status status;
-    mukca_error error;
-} answer;
-
-typedef struct {
-    const mukca_check *check;
     const mukca_diagnosed *result;
     mukca_diagnose_options options;
-    mukca_replicate_task replicate;
-    mukca_true_arm arm;
+    mukca_replicate_task replicate[2]; /* without and with the causes */
+    mukca_true_arm arm[2];
     mukca_replicate_motion motions[MUKCA_MAX_CAUSES];
+    /* shared by the threads, under the lock */
+    pthread_mutex_t lock;
+    cli_call *call;
+    mukca_check *check;
+    int begun;
+    mukca_status status;
 } check_task;
 
 /* The main cause: the first one on the arm, else the first. */
@@ -66,92 +61,65 @@ static bool go_on(void *context, double share, const char *doing)
 }
 
 /* Simulate and diagnose recording `index`: odd ones without the causes. */
-static void run_one(answer *out, check_task *task, mukca_diagnosis *d, int index)
+static mukca_status run_one(outcome *found, const check_task *task, mukca_diagnosis *d, int index,
+                            mukca_error *error)
 {
-    const int effects = task->arm.n_effects, motions = task->replicate.n_motions;
+    const bool with = index % 2 == 0;
     mukca_dataset data;
-    *out = (answer){.with = index % 2 == 0};
-    if (!out->with) task->arm.n_effects = task->replicate.n_motions = 0;
-    out->status =
-        mukca_simulate_replicate(&data, &task->replicate, (uint64_t)index / 2 + 1, &out->error);
-    task->arm.n_effects = effects, task->replicate.n_motions = motions;
-    if (out->status != MUKCA_OK) return;
-    out->status = mukca_diagnose(d, task->result->chain, &data, &task->options, &out->error);
-    if (out->status == MUKCA_OK) out->outcome = judge(d, out->with ? task->check->cause : NULL);
+    mukca_status status =
+        mukca_simulate_replicate(&data, &task->replicate[with], (uint64_t)index / 2 + 1, error);
+    if (status != MUKCA_OK) return status;
+    status = mukca_diagnose(d, task->result->chain, &data, &task->options, error);
+    if (status == MUKCA_OK) *found = judge(d, with ? task->check->cause : NULL);
     mukca_diagnosis_free(d);
     mukca_dataset_free(&data);
+    return status;
 }
 
-/* Recordings first, first + step, ...; without a cause, only those without. */
-static void run_share(check_task *task, mukca_diagnosis *d, int pipe_end, int first, int step)
+/* Diagnose recordings until all are begun, and count the outcomes; without a cause, only those
+ * without. */
+static void *work(void *context)
 {
-    const int by = task->check->cause ? 1 : 2;
-    for (int i = first; i < 2 * task->check->runs / by; i += step) {
-        answer out;
-        run_one(&out, task, d, i * by + by - 1);
-        if (write(pipe_end, &out, sizeof out) != sizeof out || out.status != MUKCA_OK) break;
-    }
-}
-
-/* Count the outcomes until all recordings are diagnosed. */
-static mukca_status collect(cli_call *call, mukca_check *check, int pipe_end)
-{
-    const int total = check->cause ? 2 * check->runs : check->runs;
-    int *const count[OUTCOMES] = {&check->found, &check->tied, &check->other, &check->none};
-    for (int done = 0; done < total;) {
-        answer got;
-        cli_progress(call, "diagnosing simulations", done, total);
-        const ssize_t size = read(pipe_end, &got, sizeof got); /* 0: no process is left */
-        if (cli_interrupted()) return MUKCA_INTERRUPTED;
-        if (size < 0 && errno == EINTR) continue;
-        if (size != sizeof got)
-            return cli_fail(call, MUKCA_MEMORY,
-                            "--check: a process ended early, after %d of %d recordings", done,
-                            total);
-        if (got.status != MUKCA_OK) {
-            call->error = got.error;
-            return got.status;
+    check_task *task = context;
+    mukca_check *c = task->check;
+    int *const count[OUTCOMES] = {&c->found, &c->tied, &c->other, &c->none};
+    const int by = c->cause ? 1 : 2, total = 2 * c->runs / by;
+    mukca_diagnosis *d = calloc(1, sizeof *d);
+    pthread_mutex_lock(&task->lock);
+    if (!d) task->status = cli_fail(task->call, MUKCA_MEMORY, "out of memory for --check");
+    while (d && task->status == MUKCA_OK && task->begun < total) {
+        const int index = task->begun * by + by - 1;
+        outcome found = NONE;
+        mukca_error error;
+        cli_progress(task->call, "diagnosing simulations", task->begun++, total);
+        pthread_mutex_unlock(&task->lock);
+        const mukca_status status = run_one(&found, task, d, index, &error);
+        pthread_mutex_lock(&task->lock);
+        if (status != MUKCA_OK && task->status == MUKCA_OK) {
+            if (status != MUKCA_INTERRUPTED) task->call->error = error;
+            task->status = status;
         }
-        if (got.with)
-            ++*count[got.outcome];
+        if (index % 2 == 0)
+            ++*count[found];
         else
-            check->false_without += got.outcome != NONE;
-        done++;
+            c->false_without += found != NONE;
     }
-    return MUKCA_OK;
+    pthread_mutex_unlock(&task->lock);
+    free(d);
+    return NULL;
 }
 
-static mukca_status run_all(cli_call *call, mukca_check *check, check_task *task,
-                            mukca_diagnosis *scratch)
+static mukca_status run_all(check_task *task)
 {
     const long processors = sysconf(_SC_NPROCESSORS_ONLN);
-    const int n = processors < 1                ? 1
-                  : processors > MOST_PROCESSES ? MOST_PROCESSES
-                                                : (int)processors;
-    pid_t child[MOST_PROCESSES];
-    int ends[2], started = 0;
-    mukca_status status = MUKCA_OK;
-    if (pipe(ends) != 0) return cli_fail(call, MUKCA_MEMORY, "--check: %s", strerror(errno));
-    for (int k = 0; k < n && status == MUKCA_OK; k++) {
-        child[k] = fork();
-        if (child[k] == 0) {
-            close(ends[0]);
-            run_share(task, scratch, ends[1], k, n);
-            _exit(0);
-        }
-        if (child[k] < 0)
-            status = cli_fail(call, MUKCA_MEMORY, "--check: %s", strerror(errno));
-        else
-            started++;
-    }
-    close(ends[1]); /* reading then ends with the last process */
-    if (status == MUKCA_OK) status = collect(call, check, ends[0]);
-    close(ends[0]);
-    for (int k = 0; k < started; k++) {
-        if (status != MUKCA_OK) kill(child[k], SIGKILL);
-        while (waitpid(child[k], NULL, 0) < 0 && errno == EINTR) continue;
-    }
-    return status;
+    pthread_t thread[MOST_THREADS];
+    int n = 0;
+    while (n < MOST_THREADS && n < (processors > 1 ? processors : 1) &&
+           pthread_create(&thread[n], NULL, work, task) == 0)
+        n++;
+    if (n == 0) work(task);
+    while (n > 0) pthread_join(thread[--n], NULL);
+    return task->status;
 }
 
 /* Moved tools among the causes. */
@@ -161,7 +129,7 @@ static void find_motions(check_task *task)
     for (int i = 0; i < d->n_causes; i++) {
         const mukca_cause *c = &d->causes[i];
         if (mukca_wording_on_arm(c)) continue;
-        mukca_replicate_motion *m = &task->motions[task->replicate.n_motions++];
+        mukca_replicate_motion *m = &task->motions[task->replicate[1].n_motions++];
         *m = (mukca_replicate_motion){
             .socket = c->socket, .row = c->creep ? 0 : c->row, .file = c->file};
         memcpy(m->shift, c->effect.coefficient, sizeof m->shift);
@@ -189,23 +157,26 @@ static bool prepare(check_task *task, mukca_pool *pool)
     const mukca_applied *a = &d->applied;
     int *posture = MUKCA_TAKE(pool, int, r->data->n_rows);
     if (!pool->failed) mukca_postures_find(posture, pool, r->data);
-    task->arm.chain = *d->chain;
-    task->arm.geometry = a->geometry;
-    task->arm.n_effects = a->n_effects;
-    memcpy(task->arm.effects, a->effects, sizeof *a->effects * (size_t)a->n_effects);
-    for (int k = 0; k < task->arm.chain.n_elements; k++) { /* recorded angles can be outside */
-        task->arm.chain.element[k].lower = -HUGE_VAL;
-        task->arm.chain.element[k].upper = HUGE_VAL;
+    for (int with = 0; with < 2; with++) {
+        mukca_true_arm *arm = &task->arm[with];
+        arm->chain = *d->chain;
+        arm->geometry = a->geometry;
+        for (int k = 0; k < arm->chain.n_elements; k++) { /* recorded angles can be outside */
+            arm->chain.element[k].lower = -HUGE_VAL;
+            arm->chain.element[k].upper = HUGE_VAL;
+        }
+        task->replicate[with] = (mukca_replicate_task){.arm = arm,
+                                                       .data = r->data,
+                                                       .posture = posture,
+                                                       .tracker = a->tracker,
+                                                       .noise = d->sigma_m,
+                                                       .rotation = d->sigma_rotation_rad,
+                                                       .correlation = d->rho,
+                                                       .shared = d->shared,
+                                                       .motions = task->motions};
     }
-    task->replicate = (mukca_replicate_task){.arm = &task->arm,
-                                             .data = r->data,
-                                             .posture = posture,
-                                             .tracker = a->tracker,
-                                             .noise = d->sigma_m,
-                                             .rotation = d->sigma_rotation_rad,
-                                             .correlation = d->rho,
-                                             .shared = d->shared,
-                                             .motions = task->motions};
+    task->arm[1].n_effects = a->n_effects;
+    memcpy(task->arm[1].effects, a->effects, sizeof *a->effects * (size_t)a->n_effects);
     find_motions(task);
     return !pool->failed;
 }
@@ -217,24 +188,22 @@ mukca_status cli_diagnosis_check(cli_call *call, cli_diagnosis *d)
         mukca_note_format(cli_note, call, "--check was left out: %s", obstacle);
         return MUKCA_OK;
     }
-    mukca_pool pool = {0};
-    mukca_status status;
-    check_task *task = MUKCA_TAKE(&pool, check_task, 1);
-    mukca_diagnosis *scratch = MUKCA_TAKE(&pool, mukca_diagnosis, 1);
+    check_task *task = MUKCA_TAKE(&call->pool, check_task, 1);
     d->check = (mukca_check){.runs = call->common->check, .cause = main_cause(&d->diagnosis)};
-    if (task && scratch) {
-        *task = (check_task){.check = &d->check, .result = &d->result, .options = d->options};
-        task->options.test = NULL;
-        task->options.no_folds = true;
-        task->options.applied = task->options.mounting = false;
-        task->options.go_on = NULL;
-        task->options.progress = go_on;
-    }
-    if (task && scratch && prepare(task, &pool))
-        status = run_all(call, &d->check, task, scratch);
-    else
-        status = cli_fail(call, MUKCA_MEMORY, "out of memory for --check");
+    if (!task) return cli_fail(call, MUKCA_MEMORY, "out of memory for --check");
+    *task = (check_task){.call = call,
+                         .check = &d->check,
+                         .result = &d->result,
+                         .options = d->options,
+                         .lock = PTHREAD_MUTEX_INITIALIZER};
+    task->options.test = NULL;
+    task->options.no_folds = true;
+    task->options.applied = task->options.mounting = false;
+    task->options.go_on = NULL;
+    task->options.progress = go_on;
+    if (!prepare(task, &call->pool))
+        return cli_fail(call, MUKCA_MEMORY, "out of memory for --check");
+    const mukca_status status = run_all(task);
     if (status == MUKCA_OK) d->result.check = &d->check;
-    mukca_pool_free(&pool);
     return status;
 }

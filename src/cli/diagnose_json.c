@@ -3,17 +3,21 @@
 
 #include "cli/diagnose.h"
 
-static const char *placement_name(const mukca_dataset *data, int placement)
+/* Members that many objects have. */
+#define EFFECT(kind) KEY("effect", mukca_effect_table[kind]->name)
+#define JOINT(number) KEY("joint", mukca_chain_joint_name(r->chain, number))
+#define PLACEMENT(number) KEY("placement", (number) < 0 ? NULL : r->data->placements[number].name)
+#define SOCKET(number) KEY("socket", (number) < 0 ? NULL : r->data->sockets[number].label)
+
+/* An array of n objects. */
+static json_t *list(const mukca_diagnosed *r, int n, json_t *(*item)(const mukca_diagnosed *r, int))
 {
-    return placement < 0 ? NULL : data->placements[placement].name;
+    json_t *array = json_array();
+    for (int i = 0; i < n; i++) json_array_append_new(array, item(r, i));
+    return array;
 }
 
-static const char *socket_label(const mukca_dataset *data, int socket)
-{
-    return socket < 0 ? NULL : data->sockets[socket].label;
-}
-
-static json_t *shrink_object(const mukca_shrink *s)
+static json_t *shrink(const mukca_shrink *s)
 {
     if (!isfinite(s->before_m)) return NULL;
     return cli_json(FIELD(s, before_m), FIELD(s, after_m), FIELD(s, shrink_percent),
@@ -21,71 +25,84 @@ static json_t *shrink_object(const mukca_shrink *s)
                     FIELD(s, folds_better), FIELD(s, folds));
 }
 
-static json_t *sets_array(const mukca_diagnosed *r)
+static json_t *set(const mukca_diagnosed *r, int i)
 {
-    json_t *sets = json_array();
-    for (const mukca_cause_set *s = r->diagnosis->sets;
-         s < r->diagnosis->sets + r->diagnosis->n_sets; s++) {
-        json_t *causes = json_array();
-        for (int i = 0; i < s->n; i++) {
-            const mukca_effect *e = &s->member[i].effect;
-            const bool listed = e->kind < MUKCA_EFFECT_COUNT, unknown = s->member[i].unknown;
-            cli_json_append(
-                causes,
-                KEY("effect", listed    ? mukca_effect_table[e->kind]->name
-                              : unknown ? NULL
-                                        : "outlier"),
-                KEY("joint", mukca_chain_joint_name(r->chain, e->joint)),
-                KEY("order", cli_json_positive(
-                                 e->kind == MUKCA_EFFECT_GEAR_HARMONIC ? e->variant.order : 0)),
-                KEY("placement", placement_name(r->data, listed ? e->placement : -1)),
-                KEY("unknown", unknown), KEY("row", cli_json_positive(s->member[i].row)));
-        }
-        cli_json_append(sets, FIELD(s, probability), KEY("causes", causes));
+    const mukca_cause_set *s = &r->diagnosis->sets[i];
+    json_t *causes = json_array();
+    for (int k = 0; k < s->n; k++) {
+        const mukca_effect *e = &s->member[k].effect;
+        const bool listed = e->kind < MUKCA_EFFECT_COUNT, unknown = s->member[k].unknown;
+        const int order = e->kind == MUKCA_EFFECT_GEAR_HARMONIC ? e->variant.order : 0;
+        cli_json_append(causes,
+                        KEY("effect", listed    ? mukca_effect_table[e->kind]->name
+                                      : unknown ? NULL
+                                                : "outlier"),
+                        JOINT(e->joint), KEY("order", cli_json_positive(order)),
+                        PLACEMENT(listed ? e->placement : -1), KEY("unknown", unknown),
+                        KEY("row", cli_json_positive(s->member[k].row)));
     }
-    return sets;
+    return cli_json(FIELD(s, probability), KEY("causes", causes));
 }
 
-static json_t *cause_object(const mukca_cause *c, const mukca_chain *chain,
-                            const mukca_dataset *data)
+static json_t *cause_object(const mukca_diagnosed *r, const mukca_cause *c)
 {
-    const mukca_effect_info *info = mukca_effect_table[c->effect.kind];
+    const mukca_effect_site site = mukca_effect_table[c->effect.kind]->site;
+    const int *range = c->order_range;
     json_t *ties = json_array();
     for (const mukca_tie *t = c->ties; t < c->ties + c->n_ties; t++)
-        cli_json_append(ties, KEY("effect", mukca_effect_table[t->effect]->name),
-                        KEY("joint", mukca_chain_joint_name(chain, t->joint)),
+        cli_json_append(ties, EFFECT(t->effect), JOINT(t->joint),
                         KEY("order", cli_json_positive(t->rival.variant.order)),
                         FIELD(t, log_bayes_factor), FIELD(t, correlation));
     return cli_json(
-        KEY("effect", info->name), KEY("joint", mukca_chain_joint_name(chain, c->effect.joint)),
-        KEY("placement", placement_name(data, c->effect.placement)),
-        KEY("socket", socket_label(data, c->socket)), KEY("row", cli_json_positive(c->row)),
-        KEY("order",
-            cli_json_positive(info->site == MUKCA_SITE_ANGLE ? c->effect.variant.order : 0)),
-        KEY("order_interval", c->order_range[0] > 0
-                                  ? json_pack("[i, i]", c->order_range[0], c->order_range[1])
-                                  : NULL),
-        KEY("motion", info->site != MUKCA_SITE_SOCKET ? NULL
-                      : c->creep                      ? "creep"
-                                                      : "step"),
-        FIELD(c, amplitude), KEY("unit", mukca_effect_unit(&c->effect, chain)),
+        EFFECT(c->effect.kind), JOINT(c->effect.joint), PLACEMENT(c->effect.placement),
+        SOCKET(c->socket), KEY("row", cli_json_positive(c->row)),
+        KEY("order", cli_json_positive(site == MUKCA_SITE_ANGLE ? c->effect.variant.order : 0)),
+        KEY("order_interval", range[0] > 0 ? json_pack("[i, i]", range[0], range[1]) : NULL),
+        KEY("motion", site != MUKCA_SITE_SOCKET ? NULL
+                      : c->creep                ? "creep"
+                                                : "step"),
+        FIELD(c, amplitude), KEY("unit", mukca_effect_unit(&c->effect, r->chain)),
         KEY("ci95", cli_json_interval(c->low, c->high)), FIELD(c, log_bayes_factor),
         FIELD(c, probability), KEY("ties", ties), FIELD(c, or_unknown),
-        KEY("held_out", shrink_object(&c->held_out)));
+        KEY("held_out", shrink(&c->held_out)),
+        KEY("sentence", mukca_wording_rivals(MUKCA_WORDS, c, r)), KEY("cumulative_m", c->rung_m),
+        KEY("remedy", mukca_wording_remedy(c, r)));
 }
 
-static json_t *faults_array(const mukca_diagnosis *d, const mukca_dataset *data)
+static json_t *cause(const mukca_diagnosed *r, int i)
 {
-    json_t *array = json_array();
-    for (const mukca_data_fault *f = d->faults; f < d->faults + d->n_faults; f++)
-        cli_json_append(array, KEY("kind", mukca_fault_name[f->kind]),
-                        KEY("placement", placement_name(data, f->placement)),
-                        KEY("socket", socket_label(data, f->socket)), FIELD(f, row),
-                        KEY("file", data->files ? data->files[f->file] : NULL), FIELD(f, size_m));
-    return array;
+    return cause_object(r, &r->diagnosis->causes[i]);
 }
 
-static json_t *placements_array(const double *mae, int n, const mukca_dataset *data)
+static json_t *suspect(const mukca_diagnosed *r, int i)
+{
+    return cause_object(r, &r->diagnosis->suspected[i]);
+}
+
+static json_t *fault(const mukca_diagnosed *r, int i)
+{
+    const mukca_data_fault *f = &r->diagnosis->faults[i];
+    return cli_json(KEY("kind", mukca_fault_name[f->kind]), PLACEMENT(f->placement),
+                    SOCKET(f->socket), FIELD(f, row),
+                    KEY("file", r->data->files ? r->data->files[f->file] : NULL), FIELD(f, size_m));
+}
+
+static json_t *tested(const mukca_diagnosed *r, int i)
+{
+    const mukca_tested *t = &r->diagnosis->tested[i];
+    return cli_json(EFFECT(t->effect), JOINT(t->joint), FIELD(t, log_bayes_factor),
+                    FIELD(t, log_odds), KEY("detection_limit", t->limit), FIELD(t, testable),
+                    FIELD(t, why));
+}
+
+static json_t *where_joint(const mukca_diagnosed *r, int i)
+{
+    const mukca_where *w = &r->diagnosis->where[i];
+    return cli_json(JOINT(w->joint), FIELD(w, share),
+                    KEY("range_rad", cli_json_reals(w->range_rad, 2)));
+}
+
+static json_t *placements(const double *mae, int n, const mukca_dataset *data)
 {
     json_t *array = json_array();
     for (int p = 0; mae && p < n; p++)
@@ -93,27 +110,20 @@ static json_t *placements_array(const double *mae, int n, const mukca_dataset *d
     return array;
 }
 
-/* Next poses, q in the order of the chain's joints, rad or m, and the two causes that they
- * distinguish. */
-static json_t *next_poses_array(const mukca_diagnosed *r)
+/* A posture, q in the order of the chain's joints, rad or m, and the two causes that it
+ * distinguishes. */
+static json_t *next_pose(const mukca_diagnosed *r, int i)
 {
-    json_t *array = json_array();
     const mukca_next_poses *next = r->next;
-    if (!next || next->cause < 0) return array;
+    const mukca_plan_row *row = &next->plan.rows[i];
     const mukca_cause *c = &r->diagnosis->causes[next->cause];
-    const mukca_effect rivals[2] = {c->effect, c->ties[next->tie].rival};
-    for (int i = 0; i < next->plan.n_rows; i++) {
-        const mukca_plan_row *row = &next->plan.rows[i];
-        json_t *pair = json_array();
-        for (int k = 0; k < 2; k++)
-            cli_json_append(pair, KEY("effect", mukca_effect_table[rivals[k].kind]->name),
-                            KEY("joint", mukca_chain_joint_name(r->chain, rivals[k].joint)));
-        cli_json_append(array, KEY("placement", next->sockets[row->socket].placement),
-                        KEY("socket", next->sockets[row->socket].label),
-                        KEY("q", cli_json_reals(row->q, r->chain->n_joints)),
-                        KEY("tells_apart", pair));
-    }
-    return array;
+    const mukca_effect *rival = &c->ties[next->tie].rival;
+    json_t *pair = json_array();
+    cli_json_append(pair, EFFECT(c->effect.kind), JOINT(c->effect.joint));
+    cli_json_append(pair, EFFECT(rival->kind), JOINT(rival->joint));
+    return cli_json(KEY("placement", next->sockets[row->socket].placement),
+                    KEY("socket", next->sockets[row->socket].label),
+                    KEY("q", cli_json_reals(row->q, r->chain->n_joints)), KEY("tells_apart", pair));
 }
 
 /* Several pose logs: the frames that differ between them. */
@@ -127,117 +137,71 @@ static json_t *logs_object(const mukca_logs *logs)
                                      KEY("tool", evidence[2]), KEY("both", evidence[3]))));
 }
 
-/* Comparison of the two streams of angles, joint by joint. */
-static json_t *streams_object(const mukca_streams *s, const mukca_diagnosed *r)
+/* Comparison of the two streams of angles at a joint. */
+static json_t *stream(const mukca_diagnosed *r, int j)
 {
-    if (s->n_joints == 0) return NULL;
-    json_t *joints = json_array();
-    for (int j = 0; j < s->n_joints; j++) {
-        const mukca_stream *of = &s->joint[j];
-        cli_json_append(joints, KEY("joint", mukca_chain_joint_name(r->chain, j)), FIELD(of, rows),
-                        FIELD(of, mean), FIELD(of, rms), KEY("servo_sag", of->sag),
-                        KEY("ci95", cli_json_interval(of->low, of->high)),
-                        FIELD(of, log_bayes_factor));
-    }
-    return cli_json(KEY("fitted", r->data->by_command ? "command" : "reading"),
-                    FIELD(s, sigma_reading_m), FIELD(s, sigma_command_m), KEY("joints", joints));
-}
-
-static json_t *test_object(const mukca_diagnosis *d, const mukca_dataset *test)
-{
-    if (!test) return NULL;
-    return cli_json(
-        KEY("nominal_m", d->test_nominal_m), KEY("geometry_m", d->test_geometry_m),
-        KEY("explained_m", d->test_applied_m),
-        KEY("placements", placements_array(d->test_placement_mae_m, d->n_test_placements, test)));
+    const mukca_stream *of = &r->diagnosis->streams.joint[j];
+    return cli_json(JOINT(j), FIELD(of, rows), FIELD(of, mean), FIELD(of, rms),
+                    KEY("servo_sag", of->sag), KEY("ci95", cli_json_interval(of->low, of->high)),
+                    FIELD(of, log_bayes_factor));
 }
 
 static json_t *check_object(const mukca_check *c)
 {
     if (!c) return NULL;
-    json_t *counts[] = {NULL, NULL, NULL, NULL};
-    const int of[] = {c->found, c->tied, c->other, c->none};
-    for (int i = 0; i < 4 && c->cause; i++) counts[i] = json_integer(of[i]);
-    return cli_json(FIELD(c, runs), KEY("found", counts[0]), KEY("tied", counts[1]),
-                    KEY("other", counts[2]), KEY("none", counts[3]), FIELD(c, false_without));
-}
-
-static json_t *causes_array(const mukca_diagnosed *r)
-{
-    const mukca_diagnosis *d = r->diagnosis;
-    char words[MUKCA_WORDING];
-    json_t *causes = json_array();
-    for (int i = 0; i < d->n_causes; i++) {
-        json_t *cause = cause_object(&d->causes[i], r->chain, r->data);
-        mukca_wording_rivals(words, &d->causes[i], r);
-        json_object_update_new(
-            cause, cli_json(KEY("sentence", words), KEY("cumulative_m", d->causes[i].rung_m),
-                            KEY("remedy", mukca_wording_remedy(&d->causes[i], r))));
-        json_array_append_new(causes, cause);
-    }
-    return causes;
-}
-
-static json_t *where_object(const mukca_diagnosed *r)
-{
-    const mukca_diagnosis *d = r->diagnosis;
-    json_t *joints = json_array();
-    for (int i = 0; i < d->n_where; i++)
-        cli_json_append(joints, KEY("joint", mukca_chain_joint_name(r->chain, d->where[i].joint)),
-                        KEY("share", d->where[i].share),
-                        KEY("range_rad", cli_json_reals(d->where[i].range_rad, 2)));
-    return cli_json(
-        KEY("joints", joints),
-        KEY("placements", placements_array(d->placement_mae_m, r->data->n_placements, r->data)),
-        KEY("axes", cli_json_reals(d->axis_rms_m, 3)));
-}
-
-static json_t *tested_array(const mukca_diagnosed *r)
-{
-    const mukca_diagnosis *d = r->diagnosis;
-    json_t *tested = json_array();
-    for (const mukca_tested *t = d->tested; t < d->tested + d->n_tested; t++)
-        cli_json_append(tested, KEY("effect", mukca_effect_table[t->effect]->name),
-                        KEY("joint", mukca_chain_joint_name(r->chain, t->joint)),
-                        FIELD(t, log_bayes_factor), FIELD(t, log_odds),
-                        KEY("detection_limit", t->limit), FIELD(t, testable), FIELD(t, why));
-    return tested;
+    const bool any = c->cause != NULL;
+    return cli_json(FIELD(c, runs), KEY("found", any ? json_integer(c->found) : NULL),
+                    KEY("tied", any ? json_integer(c->tied) : NULL),
+                    KEY("other", any ? json_integer(c->other) : NULL),
+                    KEY("none", any ? json_integer(c->none) : NULL), FIELD(c, false_without));
 }
 
 json_t *cli_diagnosis_json(const mukca_diagnosed *r)
 {
     const mukca_diagnosis *d = r->diagnosis;
+    const mukca_streams *s = &d->streams;
     const double *g = d->gravity;
-    json_t *suspected = json_array(), *names = json_array();
-    char caveat[MUKCA_WORDING], verdict[MUKCA_WORDING];
-    for (int i = 0; i < d->n_suspected; i++)
-        json_array_append_new(suspected, cause_object(&d->suspected[i], r->chain, r->data));
+    const char *caveat = mukca_wording_caveat(MUKCA_WORDS, r);
+    json_t *names = json_array(), *test = NULL, *streams = NULL;
     for (int j = 0; j < r->chain->n_joints; j++)
         json_array_append_new(names, cli_json_text(mukca_chain_joint_name(r->chain, j)));
-    mukca_wording_caveat(caveat, r);
-    mukca_wording_verdict(verdict, r);
+    if (r->test)
+        test = cli_json(
+            KEY("nominal_m", d->test_nominal_m), KEY("geometry_m", d->test_geometry_m),
+            KEY("explained_m", d->test_applied_m),
+            KEY("placements", placements(d->test_placement_mae_m, d->n_test_placements, r->test)));
+    if (s->n_joints)
+        streams = cli_json(KEY("fitted", r->data->by_command ? "command" : "reading"),
+                           FIELD(s, sigma_reading_m), FIELD(s, sigma_command_m),
+                           KEY("joints", list(r, s->n_joints, stream)));
     return cli_json(
         KEY("schema", "mukca.diagnose/1"), KEY("verdict", mukca_verdict_name[d->verdict]),
-        FIELD(d, unexplained), KEY("causes", causes_array(r)),
-        KEY("data_faults", faults_array(d, r->data)),
-        KEY("gap",
-            cli_json(FIELD(d, nominal_m), FIELD(d, geometry_m), FIELD(d, faults_excused_m),
-                     KEY("explained_m", d->applied_m), KEY("with_unknown_m", d->structure_m),
-                     FIELD(d, surprise), FIELD(d, noise_floor_m), FIELD(d, folds),
-                     KEY("held_out", shrink_object(&d->held_out)), FIELD(d, noise_shrink_percent))),
-        KEY("test", test_object(d, r->test)), KEY("where", where_object(r)),
-        KEY("tested", tested_array(r)),
+        FIELD(d, unexplained), KEY("causes", list(r, d->n_causes, cause)),
+        KEY("data_faults", list(r, d->n_faults, fault)),
+        KEY("gap", cli_json(FIELD(d, nominal_m), FIELD(d, geometry_m), FIELD(d, faults_excused_m),
+                            KEY("explained_m", d->applied_m), KEY("with_unknown_m", d->structure_m),
+                            FIELD(d, surprise), FIELD(d, noise_floor_m), FIELD(d, folds),
+                            KEY("held_out", shrink(&d->held_out)), FIELD(d, noise_shrink_percent))),
+        KEY("test", test),
+        KEY("where", cli_json(KEY("joints", list(r, d->n_where, where_joint)),
+                              KEY("placements",
+                                  placements(d->placement_mae_m, r->data->n_placements, r->data)),
+                              KEY("axes", cli_json_reals(d->axis_rms_m, 3)))),
+        KEY("tested", list(r, d->n_tested, tested)),
         KEY("noise", cli_json(FIELD(d, sigma_m), KEY("lag_one_correlation", d->rho),
                               KEY("shared_by_posture", d->shared))),
         KEY("joints", names),
         KEY("why", d->why    ? d->why
                    : *caveat ? caveat
                              : NULL),
-        KEY("sentence", verdict), KEY("suspected", suspected), KEY("sets", sets_array(r)),
+        KEY("sentence", mukca_wording_verdict(MUKCA_WORDS, r)),
+        KEY("suspected", list(r, d->n_suspected, suspect)), KEY("sets", list(r, d->n_sets, set)),
         KEY("unexplained_log_bayes_factor", d->structure),
         KEY("unnamed_m", d->applied_m - d->structure_m),
         KEY("gravity", g[0] != 0 || g[1] != 0 || g[2] != 0 ? cli_json_reals(g, 3) : NULL),
-        FIELD(d, efforts_correlation), KEY("streams", streams_object(&d->streams, r)),
-        KEY("logs", logs_object(&d->logs)), KEY("check", check_object(r->check)),
-        KEY("next_poses", next_poses_array(r)), FIELD(d, elapsed_s));
+        FIELD(d, efforts_correlation), KEY("streams", streams), KEY("logs", logs_object(&d->logs)),
+        KEY("check", check_object(r->check)),
+        KEY("next_poses",
+            list(r, r->next && r->next->cause >= 0 ? r->next->plan.n_rows : 0, next_pose)),
+        FIELD(d, elapsed_s));
 }

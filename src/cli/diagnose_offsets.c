@@ -70,14 +70,14 @@ static mukca_status judge(cli_call *call, cli_diagnosis *of)
         &call->error);
 }
 
-mukca_status cli_diagnosis_offsets(cli_call *call, cli_diagnosis *d, int *left_out)
+mukca_status cli_diagnosis_offsets(cli_call *call, cli_diagnosis *d)
 {
     const mukca_diagnosed *r = &d->result;
     const mukca_applied *a = &d->diagnosis.applied;
     const bool base = call->common->free_base && r->data->position;
     mukca_offsets *o = &d->offsets;
     mukca_error *error = &call->error;
-    *left_out = 0;
+    int left_out = 0;
     if (!a->fitted)
         return mukca_fail(error, MUKCA_UNIDENTIFIABLE,
                           "no offsets to write: these samples are too few to fit anything");
@@ -91,11 +91,13 @@ mukca_status cli_diagnosis_offsets(cli_call *call, cli_diagnosis *d, int *left_o
     for (int e = 0; e < a->n_effects; e++) {
         if ((mukca_effect_table[a->effects[e].kind]->needs & MUKCA_NEEDS_MASSES) &&
             d->chain.n_masses == 0) {
-            ++*left_out; /* found by measured efforts, which other samples lack */
+            left_out++; /* found by measured efforts, which other samples lack */
             continue;
         }
         o->effects[o->n_effects] = a->effects[e];
         memcpy(o->effect_sigma[o->n_effects++], a->effect_sigma[e], sizeof a->effect_sigma[e]);
     }
+    if (left_out && call->common->output)
+        cli_note(call, "the table lacks the causes that need link masses; give --inertials FILE");
     return judge(call, d);
 }

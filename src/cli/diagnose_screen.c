@@ -2,210 +2,226 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/text.h"
 #include "cli/diagnose.h"
+#include "math/stats.h"
 
-/* MOST_CAUSES: causes with a separate line, on a screen of some 30 lines. */
-enum { MOST_CAUSES = 8, TEXT = 2 * MUKCA_WORDING };
+#define put mukca_wording_put /* short for this file */
+
+/* Causes, faults and reasons with a separate line, on a screen of some 30 lines. */
+enum { MOST_CAUSES = 8, MOST_LINES = 6 };
 
 /* Ratio of held-out errors to their expectation above which a sentence is printed (2 %: the
  * standard deviation of the rms of some thousand coordinates). */
 static const double worth_reporting = 1.02;
 
-/* ---- causes ---- */
+/* A joint whose effects must be larger than this to be detected (rad rms, 1.7 degrees) counts as
+ * not testable: no cause of a calibrated arm is that large. */
+static const double useless_limit = 30e-3;
 
-static void put_amplitude(mukca_text *text, const mukca_cause *c, const mukca_chain *chain)
+static void print_more(FILE *stream, int n)
 {
-    char amplitude[MUKCA_WORDING], probability[MUKCA_WORDING];
-    mukca_wording_amplitude(amplitude, c, chain);
-    mukca_wording_probability(probability, c->probability);
-    mukca_text_put(text, "%s, %s", amplitude, probability);
+    cli_print_keyed(stream, "", put(MUKCA_WORDS, "and %d more; --json lists them all", n));
 }
 
+/* ---- causes ---- */
+
 /* " (indistinguishable in these data; 10 more postures would decide: ...)" */
-static void put_tie(mukca_text *text, const mukca_diagnosed *r, const mukca_cause *c)
+static const char *put_tie(char text[MUKCA_WORDING], const mukca_diagnosed *r, const mukca_cause *c)
 {
     const mukca_next_poses *next = r->next;
-    if (!c->n_ties && !c->or_unknown) return;
-    mukca_text_put(text, " (indistinguishable in these data");
-    if (mukca_next_poses_need_readings(c)) mukca_text_put(text, "; readings would decide");
+    if (!c->n_ties && !c->or_unknown) return text;
+    put(text, " (indistinguishable in these data%s",
+        mukca_next_poses_need_readings(c) ? "; readings would decide" : "");
     if (next && next->cause >= 0 && c == &r->diagnosis->causes[next->cause]) {
         const mukca_plan *plan = &next->plan;
         const int rows =
             plan->evidence_after >= MUKCA_PLAN_NAME ? plan->n_rows : plan->rows_to_name;
         if (rows > 0)
-            mukca_text_put(text, "; %d more postures would %s: mukca plan --settle --rows %d", rows,
-                           c->n_ties + c->or_unknown > 1 ? "separate two of these" : "decide",
-                           rows);
+            put(text, "; %d more postures would %s: mukca plan --settle --rows %d", rows,
+                c->n_ties + c->or_unknown > 1 ? "separate two of these" : "decide", rows);
         else if (r->data->n_sockets > 0)
-            mukca_text_put(text,
-                           "; a placement far from these may decide: mukca plan --settle --place");
+            put(text, "; a placement far from these may decide: mukca plan --settle --place");
     }
-    mukca_text_put(text, ")");
+    return put(text, ")");
 }
 
 /* The first cause has its mechanism or tie on a line of its own. */
-static void print_cause(FILE *stream, const mukca_diagnosed *r, const mukca_cause *c,
-                        const char *key, bool first)
+static void print_cause(FILE *stream, const mukca_diagnosed *r, const mukca_cause *c, int printed)
 {
-    char line[TEXT] = "", words[MUKCA_WORDING];
-    mukca_text text = MUKCA_TEXT(line);
-    mukca_wording_rivals(words, c, r);
-    mukca_text_put(&text, "%s", words);
-    if (first && !c->n_ties && !c->or_unknown)
-        mukca_text_put(&text, ": %s", mukca_wording_mechanism(c, r));
-    if (first)
-        put_tie(&text, r, c);
-    else
-        mukca_text_put(&text, c->n_ties ? "; " : ", ");
-    if (first) cli_print_text(stream, key, &text);
-    put_amplitude(&text, c, r->chain);
-    if (!first) put_tie(&text, r, c);
-    cli_print_text(stream, first ? "" : key, &text);
+    char text[MUKCA_WORDING] = "";
+    mukca_wording_rivals(text, c, r);
+    if (printed) {
+        put(text, c->n_ties ? "; " : ", ");
+    } else {
+        if (!c->n_ties && !c->or_unknown) put(text, ": %s", mukca_wording_mechanism(c, r));
+        cli_print_keyed(stream, "Cause", put_tie(text, r, c));
+        text[0] = '\0';
+    }
+    put(text, "%s, %s", mukca_wording_amplitude(MUKCA_WORDS, c, r->chain),
+        mukca_wording_probability(MUKCA_WORDS, c->probability));
+    cli_print_keyed(stream, printed == 1 ? "Also" : "", printed ? put_tie(text, r, c) : text);
 }
 
-static void print_rest(FILE *stream, const mukca_diagnosis *d)
+static const char *put_rest(char text[MUKCA_WORDING], const mukca_diagnosis *d)
 {
-    char line[TEXT] = "";
-    mukca_text text = MUKCA_TEXT(line);
     const bool unknown = d->verdict == MUKCA_VERDICT_UNKNOWN;
-    const bool unexplained = d->unexplained && !unknown;
+    const bool large =
+        (d->unexplained || unknown) && d->surprise > worth_reporting && isfinite(d->surprise);
     if (!unknown)
-        mukca_text_put(&text, unexplained ? "unexplained structure" : "nothing above the noise");
-    if ((unexplained || unknown) && d->surprise > worth_reporting && isfinite(d->surprise))
-        mukca_text_put(&text,
-                       "%sheld-out errors are %.2f times those expected from noise and the "
-                       "uncertainty of the geometry",
-                       unexplained ? ": " : "", d->surprise);
-    cli_print_text(stream, "Rest", &text);
+        put(text, "%s%s", d->unexplained ? "unexplained structure" : "nothing above the noise",
+            large ? ": " : "");
+    if (!large) return text;
+    return put(text,
+               "held-out errors are %.2f times those expected from noise and the uncertainty of "
+               "the geometry",
+               d->surprise);
 }
 
 static void print_causes(FILE *stream, const mukca_diagnosed *r)
 {
     const mukca_diagnosis *d = r->diagnosis;
-    char words[MUKCA_WORDING];
     int printed = d->verdict == MUKCA_VERDICT_UNKNOWN;
-    if (printed) {
-        mukca_wording_unexplained(words, r);
-        cli_print_keyed(stream, "Cause", words);
-    }
+    if (printed) cli_print_keyed(stream, "Cause", mukca_wording_unexplained(MUKCA_WORDS, r));
     for (int i = 0; i < d->n_causes; i++) {
         if (!mukca_wording_on_arm(&d->causes[i])) continue;
-        const char *const key = printed == 0 ? "Cause" : printed == 1 ? "Also" : "";
-        if (printed <= MOST_CAUSES) print_cause(stream, r, &d->causes[i], key, printed == 0);
+        if (printed <= MOST_CAUSES) print_cause(stream, r, &d->causes[i], printed);
         printed++;
     }
-    if (printed > MOST_CAUSES + 1) cli_print_more(stream, printed - MOST_CAUSES - 1);
-    if (printed) {
-        print_rest(stream, d);
-        return;
-    }
-    mukca_wording_verdict(words, r);
-    cli_print_keyed(stream, "Cause", words);
+    if (printed > MOST_CAUSES + 1) print_more(stream, printed - MOST_CAUSES - 1);
+    if (printed)
+        cli_print_keyed(stream, "Rest", put_rest(MUKCA_WORDS, d));
+    else
+        cli_print_keyed(stream, "Cause", mukca_wording_verdict(MUKCA_WORDS, r));
+}
+
+/* ---- the recording ---- */
+
+static void print_recording(FILE *stream, const mukca_diagnosed *r)
+{
+    const mukca_diagnosis *d = r->diagnosis;
+    for (int i = 0; i < d->n_faults && i < MOST_LINES; i++)
+        cli_print_keyed(stream, i ? "" : "Faults",
+                        mukca_wording_fault(MUKCA_WORDS, &d->faults[i], r));
+    if (d->n_faults > MOST_LINES) print_more(stream, d->n_faults - MOST_LINES);
+    cli_print_keyed(stream, "Poses", mukca_wording_poses(MUKCA_WORDS, r));
+    cli_print_keyed(stream, "Efforts", mukca_wording_efforts(MUKCA_WORDS, r));
 }
 
 /* ---- held-out errors ---- */
 
 /* "; the causes reduce it by 36 % [30, 41], in 3 of 3 folds" */
-static void put_gain(mukca_text *text, const mukca_shrink *s)
+static void put_gain(char text[MUKCA_WORDING], const mukca_shrink *s)
 {
     if (!isfinite(s->shrink_percent)) return;
     const bool more = s->shrink_percent < 0;
-    mukca_text_put(text, "; the causes %s it by %.0f %%", more ? "raise" : "reduce",
-                   fabs(s->shrink_percent));
+    put(text, "; the causes %s it by %.0f %%", more ? "raise" : "reduce", fabs(s->shrink_percent));
     if (isfinite(s->low_percent) && isfinite(s->high_percent))
-        mukca_text_put(text, " [%.0f, %.0f]%s", /* + 0: no -0 */
-                       rint(more ? -s->high_percent : s->low_percent) + 0,
-                       rint(more ? -s->low_percent : s->high_percent) + 0,
-                       s->low_percent > 0 ? "" : ", not significant");
-    mukca_text_put(text, ", in %d of %d folds", s->folds_better, s->folds);
+        put(text, " [%.0f, %.0f]%s", /* + 0: no -0 */
+            rint(more ? -s->high_percent : s->low_percent) + 0,
+            rint(more ? -s->low_percent : s->high_percent) + 0,
+            s->low_percent > 0 ? "" : ", not significant");
+    put(text, ", in %d of %d folds", s->folds_better, s->folds);
+}
+
+/* How far the errors can be trusted. */
+static void print_trust(FILE *stream, const mukca_diagnosed *r)
+{
+    const mukca_diagnosis *d = r->diagnosis;
+    char folds[MUKCA_WORDING] = "", few[MUKCA_WORDING] = "";
+    if (d->folds > 1) {
+        put(folds, "Cross-validated: each %s predicted from the others",
+            r->data->n_placements >= 2 ? "placement"
+            : r->data->n_sockets > 0   ? "socket"
+                                       : "fold of the log");
+        if (d->n_causes) put_gain(folds, &d->held_out);
+    }
+    cli_print_wrapped(stream, folds);
+    if (mukca_wording_worse(d))
+        fputs("The causes increase the error on the test data: they are uncertain.\n", stream);
+    if (r->data->n_sockets == 0 || r->data->n_placements >= 4 || !d->n_causes) return;
+    put(few, "Fewer than four placements: the reduction by the causes is uncertain");
+    if (isfinite(d->noise_shrink_percent))
+        put(few, " (on pure noise the best effect of the catalogue reduces the error by %.0f %%)",
+            d->noise_shrink_percent);
+    cli_print_wrapped(stream, few);
 }
 
 static void print_errors(FILE *stream, const mukca_diagnosed *r)
 {
     const mukca_diagnosis *d = r->diagnosis;
-    char line[TEXT] = "";
-    mukca_text text = MUKCA_TEXT(line);
     mukca_step steps[MUKCA_MAX_STEPS];
     const int n = mukca_wording_steps(steps, r);
     if (!isfinite(d->nominal_m)) return;
     fprintf(stream, "\n%sMean error, mm%s%26s%s\n", cli_bold(stream), cli_plain(stream),
             d->folds > 1 ? "cross-validated" : "training",
             isfinite(d->test_geometry_m) ? "    test" : "");
-    for (int i = 0; i < n; i++) {
-        if (!isfinite(steps[i].cross_validated_m)) continue;
-        fprintf(stream, "  %-28s %12.3f", steps[i].name, 1e3 * steps[i].cross_validated_m);
-        if (isfinite(steps[i].test_m)) fprintf(stream, " %8.3f", 1e3 * steps[i].test_m);
+    for (const mukca_step *s = steps; s < steps + n; s++) {
+        if (!isfinite(s->cross_validated_m)) continue;
+        fprintf(stream, "  %-28s %12.3f", s->name, 1e3 * s->cross_validated_m);
+        if (isfinite(s->test_m)) fprintf(stream, " %8.3f", 1e3 * s->test_m);
         fputc('\n', stream);
     }
-    if (d->folds > 1) {
-        mukca_text_put(&text, "Cross-validated: each %s predicted from the others",
-                       r->data->n_placements >= 2 ? "placement"
-                       : r->data->n_sockets > 0   ? "socket"
-                                                  : "fold of the log");
-        if (d->n_causes) put_gain(&text, &d->held_out);
-        cli_print_text(stream, NULL, &text);
-    }
-    if (mukca_wording_worse(d))
-        fputs("The causes increase the error on the test data: they are uncertain.\n", stream);
-    if (r->data->n_sockets == 0 || r->data->n_placements >= 4 || !d->n_causes) return;
-    mukca_text_put(&text, "Fewer than four placements: the reduction by the causes is uncertain");
-    if (isfinite(d->noise_shrink_percent))
-        mukca_text_put(
-            &text, " (on pure noise the best effect of the catalogue reduces the error by %.0f %%)",
-            d->noise_shrink_percent);
-    cli_print_text(stream, NULL, &text);
+    print_trust(stream, r);
 }
 
-void cli_diagnosis_print(FILE *stream, const mukca_diagnosed *r)
+/* ---- detection limits ---- */
+
+/* Median of the detection limits of a joint's effects, rad; NaN: none. */
+static double joint_limit(const mukca_diagnosis *d, int joint)
 {
-    char words[MUKCA_WORDING], test[80];
-    cli_describe_data(words, r->data);
-    if (r->test) cli_describe_data(test, r->test);
-    fprintf(stream, "%s: %s%s%s\n", r->chain->robot, words, r->test ? "; test: " : "",
-            r->test ? test : "");
-    if (r->acceptance) cli_print_acceptance(stream, r->acceptance, r->chain);
-    mukca_wording_caveat(words, r);
-    const bool caveat = *words;
-    cli_print_wrapped(stream, words);
-    if (r->diagnosis->verdict == MUKCA_VERDICT_UNTESTABLE) {
-        mukca_wording_verdict(words, r);
-        cli_print_wrapped(stream, words);
-        cli_screen_recording(stream, r);
-        return;
-    }
-    fputc('\n', stream);
-    print_causes(stream, r);
-    cli_screen_logs(stream, r);
-    cli_screen_streams(stream, r);
-    cli_screen_recording(stream, r);
-    print_errors(stream, r);
-    if (r->check) {
-        mukca_wording_check(words, r);
-        fputc('\n', stream);
-        cli_print_keyed(stream, "Check", words);
-    }
-    cli_screen_limits(stream, r, caveat);
-    mukca_wording_next(words, r);
-    if (*words) cli_print_keyed(stream, "Next", words);
+    double limit[MUKCA_EFFECT_COUNT] = {0};
+    int n = 0;
+    for (int i = 0; i < d->n_tested && n < MUKCA_EFFECT_COUNT; i++)
+        if (d->tested[i].joint == joint && isfinite(d->tested[i].limit))
+            limit[n++] = d->tested[i].limit;
+    return n ? mukca_stats_median(limit, n) : (double)NAN;
 }
 
-void cli_diagnosis_print_sets(FILE *stream, const mukca_diagnosed *r)
+/* Detection limits, and effects not testable.  `caveat`: missing masses have been mentioned
+ * already. */
+static void print_limits(FILE *stream, const mukca_diagnosed *r, bool caveat)
 {
     const mukca_diagnosis *d = r->diagnosis;
-    char row[MUKCA_WORDING], other[MUKCA_WORDING];
+    char text[MUKCA_WORDING] = "";
+    for (int j = 0; j < r->chain->n_joints; j++) {
+        const double limit = joint_limit(d, j);
+        if (limit < useless_limit)
+            put(text, "%s %s %.*f%s",
+                *text ? "," : "Detection limits, mrad rms (median over effects):",
+                mukca_chain_joint_name(r->chain, j), limit < 1e-5 ? 4 : 2, 1e3 * limit,
+                mukca_wording_slides(r->chain, j) ? " mm" : "");
+    }
+    fputc('\n', stream);
+    cli_print_wrapped(stream, text);
+    for (int i = 0, lines = 0; i < d->n_tested && lines < MOST_LINES; i++) {
+        const char *words = mukca_wording_untestable(MUKCA_WORDS, i, r, caveat);
+        if (!*words) continue;
+        cli_print_wrapped(stream, put(MUKCA_WORDS, "Not testable: %s", words));
+        lines++;
+    }
+    if (!r->data->time)
+        fprintf(stream, "joint_drift: no time_s column; %.0f s per sample assumed\n",
+                MUKCA_SECONDS_PER_ROW);
+}
+
+/* ---- the screen ---- */
+
+/* The most probable sets of causes. */
+static void print_sets(FILE *stream, const mukca_diagnosed *r)
+{
+    const mukca_diagnosis *d = r->diagnosis;
     bool printed[MUKCA_MAX_SETS] = {false};
     double rest = 1;
     if (d->n_sets == 0) return;
     fprintf(stream, "\n%sSets of causes%s by posterior probability\n", cli_bold(stream),
             cli_plain(stream));
     for (int i = 0; i < d->n_sets; i++) { /* sets of the same names are one row */
+        const char *row = mukca_wording_set(MUKCA_WORDS, &d->sets[i], r);
         double probability = 0;
         if (printed[i]) continue;
-        mukca_wording_set(row, &d->sets[i], r);
         for (int k = i; k < d->n_sets; k++) {
-            mukca_wording_set(other, &d->sets[k], r);
-            if (printed[k] || strcmp(row, other) != 0) continue;
+            if (printed[k] || strcmp(row, mukca_wording_set(MUKCA_WORDS, &d->sets[k], r)) != 0)
+                continue;
             printed[k] = true;
             probability += d->sets[k].probability;
         }
@@ -214,4 +230,29 @@ void cli_diagnosis_print_sets(FILE *stream, const mukca_diagnosed *r)
         rest -= probability;
     }
     if (rest > 5e-4) fprintf(stream, "  %5.1f %%  other sets\n", 100 * rest);
+}
+
+void cli_diagnosis_print(FILE *stream, const mukca_diagnosed *r, bool sets)
+{
+    const char *caveat = mukca_wording_caveat(MUKCA_WORDS, r);
+    cli_print_head(stream, r->chain->robot, r->data, r->test);
+    if (r->acceptance) cli_print_acceptance(stream, r->acceptance, r->chain);
+    cli_print_wrapped(stream, caveat);
+    if (r->diagnosis->verdict == MUKCA_VERDICT_UNTESTABLE) {
+        cli_print_wrapped(stream, mukca_wording_verdict(MUKCA_WORDS, r));
+        print_recording(stream, r);
+        return;
+    }
+    fputc('\n', stream);
+    print_causes(stream, r);
+    cli_print_keyed(stream, r->data->n_targets > 1 ? "Targets" : "Logs",
+                    mukca_wording_logs(MUKCA_WORDS, r));
+    cli_print_keyed(stream, "Angles", mukca_wording_angles(MUKCA_WORDS, r));
+    print_recording(stream, r);
+    print_errors(stream, r);
+    if (r->check) fputc('\n', stream);
+    cli_print_keyed(stream, "Check", mukca_wording_check(MUKCA_WORDS, r));
+    print_limits(stream, r, *caveat);
+    cli_print_keyed(stream, "Next", mukca_wording_next(MUKCA_WORDS, r));
+    if (sets) print_sets(stream, r);
 }

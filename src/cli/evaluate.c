@@ -18,36 +18,32 @@ static const cli_option options[] = {
     {.name = NULL}};
 
 typedef struct {
-    cli_scores data, test;
+    cli_scores scores;
     bool read_by_eye; /* standard output is a terminal: no table with all digits */
 } evaluate_work;
 
 static void print(cli_call *call, const evaluate_work *w)
 {
     const cli_session *s = call->session;
-    const bool calibrated = call->common->offsets != NULL, tested = w->test.n > 0;
+    const bool calibrated = w->scores.calibrated, factory = w->scores.has_factory;
     char data[80];
     cli_describe_data(data, &s->data);
     cli_answer(call, "%s: %s; %s\n", s->model.chain.robot, data,
-               calibrated && w->data.has_factory ? "nominal model, factory file and offsets table"
-               : calibrated                      ? "nominal model and offsets table"
-               : w->data.has_factory             ? "nominal model and factory file"
-                                                 : "nominal model (no --offsets)");
+               calibrated && factory ? "nominal model, factory file and offsets table"
+               : calibrated          ? "nominal model and offsets table"
+               : factory             ? "nominal model and factory file"
+                                     : "nominal model (no --offsets)");
     if (calibrated) {
         cli_print_acceptance(cli_answer_stream(call), &s->model.offsets.acceptance,
                              &s->model.chain);
-        const mukca_score *mean = (tested ? &w->test : &w->data)->mean;
+        const mukca_score *mean = w->scores.set[w->scores.set[1].n > 0].mean;
         if (mukca_data_contradict(mean[CLI_CALIBRATED].mae, s->model.offsets.acceptance.error_m,
                                   mean[CLI_NOMINAL].mae))
             cli_say(call, NULL,
                     "These data contradict the table: check for another arm, tool or tip.");
     }
-    cli_scores_print_header(call, calibrated);
-    cli_scores_print(call, &w->data, "data", calibrated);
-    if (w->read_by_eye) cli_scores_print_rows(call, &w->data, &s->data, calibrated);
-    if (tested) cli_scores_print(call, &w->test, "test", calibrated);
-    if (tested && w->read_by_eye) cli_scores_print_rows(call, &w->test, &s->test, calibrated);
-    if (!calibrated && w->data.mean[CLI_NOMINAL].mae > CLI_FAR_OFF)
+    cli_scores_print(call, &w->scores, w->read_by_eye);
+    if (!calibrated && w->scores.set[0].mean[CLI_NOMINAL].mae > CLI_FAR_OFF)
         cli_print_mismatch(call, &s->data, false, false);
     else if (!calibrated)
         cli_say(call, "Next", "mukca calibrate with these data");
@@ -56,8 +52,7 @@ static void print(cli_call *call, const evaluate_work *w)
 static mukca_status verdict(cli_call *call, const evaluate_work *w)
 {
     const evaluate_options *o = call->options;
-    const double mae =
-        w->test.n > 0 ? w->test.mean[CLI_CALIBRATED].mae : w->data.mean[CLI_CALIBRATED].mae;
+    const double mae = cli_scores_error(&w->scores);
     if (!(o->max_mae > 0) || mae <= o->max_mae) return MUKCA_OK;
     return cli_fail(call, MUKCA_NEGATIVE, "mean error %.6g m is above --max-mae %g", mae,
                     o->max_mae);
@@ -67,25 +62,22 @@ static mukca_status write_results(cli_call *call, const evaluate_work *w)
 {
     const cli_session *s = call->session;
     const cli_common *c = call->common;
+    const cli_scored *set = w->scores.set;
     mukca_output output = {0};
     mukca_status status = MUKCA_OK;
     if ((!c->json || c->output) && !w->read_by_eye) status = cli_output_open(call, &output);
-    if (status == MUKCA_OK && output.stream) {
-        cli_scores_write_header(output.stream, c->kinematics != NULL);
-        cli_scores_write_rows(output.stream, "data", &w->data, &s->data);
-        cli_scores_write_rows(output.stream, "test", &w->test, &s->test);
-    }
+    if (status == MUKCA_OK && output.stream) cli_scores_write(output.stream, &w->scores);
     status = mukca_output_finish(&output, status, &call->error);
     if (status != MUKCA_OK || !c->json) return status;
     return cli_write_json(
-        call, cli_json(KEY("schema", "mukca.evaluate/1"),
-                       KEY("acceptance",
-                           cli_json_acceptance(c->offsets ? &s->model.offsets.acceptance : NULL)),
-                       KEY("data", cli_scores_json(&w->data, &s->data)),
-                       KEY("test", cli_scores_json(&w->test, &s->test)),
-                       KEY("mae_m", w->data.mean[CLI_CALIBRATED].mae),
-                       KEY("test_mae_m",
-                           w->test.n > 0 ? w->test.mean[CLI_CALIBRATED].mae : (double)NAN)));
+        call,
+        cli_json(KEY("schema", "mukca.evaluate/1"),
+                 KEY("acceptance",
+                     cli_json_acceptance(c->offsets ? &s->model.offsets.acceptance : NULL)),
+                 KEY("data", cli_scores_json(&set[0], w->scores.has_factory)),
+                 KEY("test", cli_scores_json(&set[1], w->scores.has_factory)),
+                 KEY("mae_m", set[0].mean[CLI_CALIBRATED].mae),
+                 KEY("test_mae_m", set[1].n > 0 ? set[1].mean[CLI_CALIBRATED].mae : (double)NAN)));
 }
 
 /* The arm with its offsets, on a chain with the additional frames of measured poses (zero if the
@@ -106,13 +98,6 @@ static mukca_status load_model(cli_call *call, cli_model *model)
     return MUKCA_OK;
 }
 
-static void release(void *work)
-{
-    evaluate_work *w = work;
-    cli_scores_free(&w->data);
-    cli_scores_free(&w->test);
-}
-
 static mukca_status run(cli_call *call)
 {
     evaluate_work *w = call->work;
@@ -126,14 +111,11 @@ static mukca_status run(cli_call *call)
     if (status == MUKCA_OK) status = cli_load_data(call, &s->data, model, &call->arguments);
     if (status == MUKCA_OK && call->common->test.n)
         status = cli_load_data(call, &s->test, model, &call->common->test);
-    w->data.by_log = s->data.n_files > 1 || s->data.n_targets > 1;
-    w->test.by_log = s->test.n_files > 1 || s->test.n_targets > 1;
+    w->scores.by_log = true;
+    w->scores.calibrated = call->common->offsets != NULL;
     if (status == MUKCA_OK)
-        status = cli_scores_make(call, &w->data, &model->chain, model->offsets.theta,
-                                 &model->offsets, &s->data);
-    if (status == MUKCA_OK && s->test.n_rows > 0)
-        status = cli_scores_make(call, &w->test, &model->chain, model->offsets.theta,
-                                 &model->offsets, &s->test);
+        status = cli_scores_make(call, &w->scores, &model->chain, model->offsets.theta,
+                                 &model->offsets, "data");
     if (status == MUKCA_OK) status = write_results(call, w);
     if (status != MUKCA_OK) return status;
     print(call, w);
@@ -161,5 +143,4 @@ const cli_command cli_command_evaluate = {
     .targets = true,
     .run = run,
     .work_size = sizeof(evaluate_work),
-    .release = release,
 };

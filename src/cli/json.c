@@ -23,11 +23,6 @@ void cli_json_watch(void)
     json_set_alloc_funcs(allocate, free);
 }
 
-bool cli_json_incomplete(void)
-{
-    return incomplete;
-}
-
 json_t *cli_json_real(double value)
 {
     return isfinite(value) ? json_real(value) : json_null();
@@ -121,4 +116,25 @@ json_t *cli_json_frame(const mukca_frame *T)
     mukca_rotation_to_quaternion(q, T->R);
     return cli_json(KEY("position_m", cli_json_reals(T->p, 3)),
                     KEY("quaternion", cli_json_reals(q, 4)));
+}
+
+mukca_status cli_write_json(cli_call *call, json_t *root)
+{
+    mukca_output output = {0};
+    mukca_status status = MUKCA_OK;
+    if (!call->common->json) {
+        json_decref(root);
+        return MUKCA_OK;
+    }
+    if (!root || incomplete)
+        status = cli_fail(call, MUKCA_MEMORY, "out of memory");
+    else
+        status = mukca_output_open(&output, call->common->json, call->common->force, &call->error);
+    if (status == MUKCA_OK &&
+        (json_dumpf(root, output.stream, JSON_INDENT(2) | JSON_REAL_PRECISION(17)) != 0 ||
+         fputc('\n', output.stream) == EOF) &&
+        !ferror(output.stream)) /* mukca_output_close reports the reason */
+        status = cli_fail(call, MUKCA_MEMORY, "out of memory");
+    json_decref(root);
+    return mukca_output_finish(&output, status, &call->error);
 }

@@ -288,16 +288,6 @@ mukca_status cli_condense(cli_call *call)
     return MUKCA_OK;
 }
 
-void cli_describe_data(char text[80], const mukca_dataset *data)
-{
-    const int used =
-        snprintf(text, 80, "%d %s%s", data->n_rows, data->n_sockets ? "sample" : "measured pose",
-                 data->n_rows == 1 ? "" : "s");
-    if (data->n_placements)
-        snprintf(text + used, (size_t)(80 - used), ", %d placement%s", data->n_placements,
-                 data->n_placements == 1 ? "" : "s");
-}
-
 cli_list cli_inputs(cli_call *call)
 {
     static const char *standard[] = {"-"};

@@ -82,24 +82,3 @@ mukca_status cli_write_offsets(cli_call *call, const char *path, const mukca_off
         status = mukca_offsets_write(output.stream, offsets, chain, data, comments, &call->error);
     return mukca_output_finish(&output, status, &call->error);
 }
-
-mukca_status cli_write_json(cli_call *call, json_t *root)
-{
-    mukca_output output = {0};
-    mukca_status status = MUKCA_OK;
-    if (!call->common->json) {
-        json_decref(root);
-        return MUKCA_OK;
-    }
-    if (!root || cli_json_incomplete())
-        status = cli_fail(call, MUKCA_MEMORY, "out of memory");
-    else
-        status = mukca_output_open(&output, call->common->json, call->common->force, &call->error);
-    if (status == MUKCA_OK &&
-        (json_dumpf(root, output.stream, JSON_INDENT(2) | JSON_REAL_PRECISION(17)) != 0 ||
-         fputc('\n', output.stream) == EOF) &&
-        !ferror(output.stream)) /* mukca_output_close reports the reason */
-        status = cli_fail(call, MUKCA_MEMORY, "out of memory");
-    json_decref(root);
-    return mukca_output_finish(&output, status, &call->error);
-}

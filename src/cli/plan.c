@@ -241,15 +241,15 @@ static void print(plan_work *r)
     cli_answer(r->call, "%d postures in %d sockets; %d samples recorded\n", p->n_rows, r->n_sockets,
                p->n_recorded);
     if (r->causes.n_effects > 0) {
-        char cause[2][MUKCA_WORDING];
-        for (int k = 0; k < 2; k++)
-            mukca_wording_effect(
-                cause[k], r->causes.effects[k].kind,
-                mukca_chain_joint_name(&r->model->chain, r->causes.effects[k].joint));
-        cli_say(r->call, NULL,
-                "Separating %s from %s: log Bayes factor %.1f %s, %.1f with the plan (%g decides)",
-                cause[0], cause[1], p->evidence_before, o->settle ? "now" : "expected before",
-                p->evidence_after, MUKCA_PLAN_NAME);
+        const mukca_chain *chain = &r->model->chain;
+        const mukca_effect *e = r->causes.effects;
+        cli_say(
+            r->call, NULL,
+            "Separating %s from %s: log Bayes factor %.1f %s, %.1f with the plan (%g decides)",
+            mukca_wording_effect(MUKCA_WORDS, e->kind, mukca_chain_joint_name(chain, e->joint)),
+            mukca_wording_effect(MUKCA_WORDS, e[1].kind, mukca_chain_joint_name(chain, e[1].joint)),
+            p->evidence_before, o->settle ? "now" : "expected before", p->evidence_after,
+            MUKCA_PLAN_NAME);
         if (r->payload > 0)
             cli_say(r->call, NULL,
                     "These postures are for a payload of %g kg at the tip; as many without it "

@@ -3,8 +3,6 @@
 #include <string.h>
 #include <unistd.h>
 
-#include <sha2.h>
-
 #include "base/file.h"
 #include "cli/diagnose.h"
 #include "cli/traits.h"
@@ -27,7 +25,6 @@ static const cli_option options[] = {
 
 typedef struct {
     cli_diagnosis of;
-    mukca_pool pool;
     mukca_report page;
     cli_fleet fleet;
     mukca_fleet_page fleet_page;
@@ -38,10 +35,9 @@ typedef struct {
 static mukca_status take_offsets(cli_call *call)
 {
     report_work *w = call->work;
-    int left_out;
     if (!call->common->offsets && w->of.diagnosis.applied.fitted) {
         w->page.fitted = &w->of.chain;
-        return cli_diagnosis_offsets(call, &w->of, &left_out);
+        return cli_diagnosis_offsets(call, &w->of);
     }
     w->of.offsets = call->session->model.offsets;
     return MUKCA_OK;
@@ -74,35 +70,22 @@ static mukca_status note_command(cli_call *call)
     return cli_fail(call, MUKCA_MEMORY, "out of memory");
 }
 
-/* Add an input with its hash; NULL: none.  False: no memory. */
-static bool add_input(report_work *w, mukca_report_file *files, const char *path)
-{
-    char *hash = path ? MUKCA_TAKE(&w->pool, char, SHA256_DIGEST_STRING_LENGTH) : NULL;
-    if (!hash) return !path;
-    if (strcmp(path, "-") == 0)
-        strcpy(hash, "standard input");
-    else if (!SHA256File(path, hash))
-        strcpy(hash, "file no longer exists");
-    files[w->page.n_files++] = (mukca_report_file){path, hash};
-    return true;
-}
-
-/* Note paths and hashes of all inputs. */
+/* Note the paths of all inputs. */
 static mukca_status provenance(cli_call *call)
 {
     report_work *w = call->work;
     const cli_common *c = call->common;
-    const char *const more[] = {c->kinematics, c->inertials, c->offsets, c->distances, c->traits};
-    const int n = (int)(sizeof more / sizeof *more);
+    const char *const given[] = {c->urdf,    c->kinematics, c->inertials,
+                                 c->offsets, c->distances,  c->traits};
+    const size_t most = sizeof given / sizeof *given;
     const mukca_dataset *sets[2] = {w->page.train, w->page.test};
-    mukca_report_file *files =
-        MUKCA_TAKE(&w->pool, mukca_report_file, sets[0]->n_files + sets[1]->n_files + n + 1);
-    bool ok = files && add_input(w, files, c->urdf);
-    for (int i = 0; i < n; i++) ok = ok && add_input(w, files, more[i]);
+    const char **files = MUKCA_TAKE(&call->pool, const char *,
+                                    (size_t)sets[0]->n_files + (size_t)sets[1]->n_files + most);
+    if (!files) return cli_fail(call, MUKCA_MEMORY, "out of memory");
+    for (size_t i = 0; i < most; i++)
+        if (given[i]) files[w->page.n_files++] = given[i];
     for (int k = 0; k < 2; k++)
-        for (int f = 0; f < sets[k]->n_files; f++)
-            ok = ok && add_input(w, files, sets[k]->files[f]);
-    if (!ok) return cli_fail(call, MUKCA_MEMORY, "out of memory");
+        for (int f = 0; f < sets[k]->n_files; f++) files[w->page.n_files++] = sets[k]->files[f];
     w->page.files = files;
     w->page.when = w->when;
     w->page.command = w->command;
@@ -159,9 +142,7 @@ static void release(void *work)
     report_work *w = work;
     free(w->command);
     cli_fleet_free(&w->fleet);
-    mukca_report_free(&w->page);
     cli_diagnosis_free(&w->of);
-    mukca_pool_free(&w->pool);
 }
 
 /* Diagnose, and prepare the page of the arm. */
@@ -171,7 +152,8 @@ static mukca_status prepare_arm(cli_call *call)
     report_work *w = call->work;
     call->common->accept_failed = call->common->accept_edited =
         true; /* also report on a table that was not accepted */
-    w->page = (mukca_report){.chain = &s->model.chain,
+    w->page = (mukca_report){.pool = &call->pool,
+                             .chain = &s->model.chain,
                              .fitted = &s->model.chain,
                              .offsets = &w->of.offsets,
                              .train = &s->data,

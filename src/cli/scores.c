@@ -3,7 +3,6 @@
 #include "base/file.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/text.h"
@@ -22,43 +21,52 @@ static void take_urdf_theta(double *theta, const mukca_chain *chain, const mukca
     }
 }
 
-mukca_status cli_scores_make(cli_call *call, cli_scores *scores, const mukca_chain *chain,
-                             const double *theta, const mukca_offsets *offsets,
-                             const mukca_dataset *data)
+/* False: out of memory. */
+static bool score(cli_scored *set, mukca_pool *pool, const mukca_model models[CLI_MODELS],
+                  bool factory)
 {
-    const size_t room = mukca_evaluate_room(data);
-    const bool factory = call->common->kinematics != NULL;
+    for (int m = 0; m < CLI_FACTORY + factory && set->n >= 0; m++) {
+        set->of[m] = MUKCA_TAKE(pool, mukca_score, mukca_evaluate_room(set->data));
+        set->n = set->of[m] ? mukca_evaluate(set->of[m], &set->mean[m], &models[m], set->data) : -1;
+    }
+    return set->n >= 0;
+}
+
+mukca_status cli_scores_make(cli_call *call, cli_scores *scores, const mukca_chain *chain,
+                             const double *theta, const mukca_offsets *offsets, const char *name)
+{
+    cli_session *s = call->session;
     mukca_effect effects[MUKCA_MAX_EFFECTS];
     double urdf[MUKCA_MAX_THETA];
-    if (offsets) mukca_offsets_place_effects(effects, offsets, data);
+    scores->set[0] = (cli_scored){.name = name, .data = &s->data};
+    scores->set[1] = (cli_scored){.name = "test", .data = &s->test};
+    scores->has_factory = call->common->kinematics != NULL;
     mukca_chain_theta(urdf, chain);
     if (scores->nominal_theta)
         memcpy(urdf, scores->nominal_theta,
                MUKCA_PARAMETERS * (size_t)chain->n_elements * sizeof *urdf);
-    if (factory) take_urdf_theta(urdf, chain, &call->session->model.urdf);
-    const mukca_model models[CLI_MODELS] = {
-        [CLI_NOMINAL] = {.chain = chain, .theta = urdf, .by_log = scores->by_log},
-        [CLI_FACTORY] = {.chain = chain, .theta = scores->nominal_theta, .by_log = scores->by_log},
-        [CLI_CALIBRATED] = {.chain = chain,
-                            .theta = theta,
-                            .effects = effects,
-                            .n_effects = offsets ? offsets->n_effects : 0,
-                            .by_log = scores->by_log}};
-    scores->has_factory = factory;
-    for (int m = 0; m < CLI_FACTORY + factory && scores->n >= 0; m++) {
-        scores->of[m] = calloc(room, sizeof *scores->of[m]);
-        scores->n =
-            scores->of[m] ? mukca_evaluate(scores->of[m], &scores->mean[m], &models[m], data) : -1;
+    if (scores->has_factory) take_urdf_theta(urdf, chain, &s->model.urdf);
+    for (cli_scored *set = scores->set; set < scores->set + 2 && set->data->n_rows > 0; set++) {
+        const mukca_dataset *d = set->data;
+        const bool by_log = scores->by_log && (d->n_files > 1 || d->n_targets > 1);
+        if (offsets) mukca_offsets_place_effects(effects, offsets, d);
+        const mukca_model models[CLI_MODELS] = {
+            [CLI_NOMINAL] = {.chain = chain, .theta = urdf, .by_log = by_log},
+            [CLI_FACTORY] = {.chain = chain, .theta = scores->nominal_theta, .by_log = by_log},
+            [CLI_CALIBRATED] = {.chain = chain,
+                                .theta = theta,
+                                .effects = effects,
+                                .n_effects = offsets ? offsets->n_effects : 0,
+                                .by_log = by_log}};
+        if (!score(set, &call->pool, models, scores->has_factory))
+            return cli_fail(call, MUKCA_MEMORY, "out of memory for %d rows", d->n_rows);
     }
-    if (scores->n >= 0) return MUKCA_OK;
-    cli_scores_free(scores);
-    return cli_fail(call, MUKCA_MEMORY, "out of memory for %d rows", data->n_rows);
+    return MUKCA_OK;
 }
 
-void cli_scores_free(cli_scores *scores)
+double cli_scores_error(const cli_scores *scores)
 {
-    for (int m = 0; m < CLI_MODELS; m++) free(scores->of[m]);
-    *scores = (cli_scores){0};
+    return scores->set[scores->set[1].n > 0].mean[CLI_CALIBRATED].mae;
 }
 
 /* Write a tab and the number, empty if not finite. */
@@ -98,95 +106,87 @@ static double figure(const mukca_score *score, int k)
     return *(const double *)(const void *)((const char *)score + figures[k].offset);
 }
 
-void cli_scores_write_header(FILE *stream, bool factory)
+void cli_scores_write(FILE *stream, const cli_scores *scores)
 {
     fputs("set\tplacement\trows", stream);
     for (int k = 0; k < FIGURES; k++)
         fprintf(stream, "\t%s\t%s", figures[k].key[CLI_NOMINAL], figures[k].key[CLI_CALIBRATED]);
-    for (int k = 0; k < FIGURES && factory; k++)
+    for (int k = 0; k < FIGURES && scores->has_factory; k++)
         fprintf(stream, "\t%s", figures[k].key[CLI_FACTORY]);
     fputc('\n', stream);
-}
-
-void cli_scores_write_rows(FILE *stream, const char *set, const cli_scores *scores,
-                           const mukca_dataset *data)
-{
-    for (int i = 0; i < scores->n; i++) {
-        char name[NAME];
-        const mukca_score *after = &scores->of[CLI_CALIBRATED][i];
-        fprintf(stream, "%s\t%s\t%d", set, find_name(name, after, data), after->rows);
-        for (int k = 0; k < FIGURES; k++) {
-            write_number(stream, figure(&scores->of[CLI_NOMINAL][i], k));
-            write_number(stream, figure(after, k));
+    for (const cli_scored *set = scores->set; set < scores->set + 2; set++)
+        for (int i = 0; i < set->n; i++) {
+            char name[NAME];
+            const mukca_score *after = &set->of[CLI_CALIBRATED][i];
+            fprintf(stream, "%s\t%s\t%d", set->name, find_name(name, after, set->data),
+                    after->rows);
+            for (int k = 0; k < FIGURES; k++) {
+                write_number(stream, figure(&set->of[CLI_NOMINAL][i], k));
+                write_number(stream, figure(after, k));
+            }
+            for (int k = 0; k < FIGURES && scores->has_factory; k++)
+                write_number(stream, figure(&set->of[CLI_FACTORY][i], k));
+            fputc('\n', stream);
         }
-        for (int k = 0; k < FIGURES && scores->has_factory; k++)
-            write_number(stream, figure(&scores->of[CLI_FACTORY][i], k));
-        fputc('\n', stream);
-    }
 }
 
-json_t *cli_scores_json(const cli_scores *scores, const mukca_dataset *data)
+json_t *cli_scores_json(const cli_scored *set, bool factory)
 {
     json_t *array = json_array();
-    for (int i = 0; i < scores->n; i++) {
+    for (int i = 0; i < set->n; i++) {
         char name[NAME];
-        const mukca_score *after = &scores->of[CLI_CALIBRATED][i];
+        const mukca_score *after = &set->of[CLI_CALIBRATED][i];
         json_t *object =
-            cli_json(KEY("placement", find_name(name, after, data)), FIELD(after, rows));
-        for (int k = 0; k < FIGURES; k++) {
-            if (k == ROTATION && !isfinite(figure(after, k))) continue;
-            for (int m = 0; m < CLI_FACTORY + scores->has_factory; m++)
-                json_object_set_new(object, figures[k].key[m],
-                                    cli_json_real(figure(&scores->of[m][i], k)));
-        }
+            cli_json(KEY("placement", find_name(name, after, set->data)), FIELD(after, rows));
+        for (int k = 0; k < FIGURES; k++)
+            for (int m = 0; m < CLI_FACTORY + factory; m++)
+                if (k != ROTATION || isfinite(figure(after, k)))
+                    json_object_set_new(object, figures[k].key[m],
+                                        cli_json_real(figure(&set->of[m][i], k)));
         json_array_append_new(array, object);
     }
     return array;
 }
 
 /* A figure of the models in mm or mrad, of a placement (-1: mean over all). */
-static void print_figures(cli_call *call, const char *name, int k, const cli_scores *s, int row,
-                          bool calibrated)
+static void print_figures(cli_call *call, const char *name, int k, const cli_scores *s,
+                          const cli_scored *set, int row)
 {
     double value[CLI_MODELS] = {0};
     for (int m = 0; m < CLI_FACTORY + s->has_factory; m++)
-        value[m] = figure(row < 0 ? &s->mean[m] : &s->of[m][row], k);
+        value[m] = figure(row < 0 ? &set->mean[m] : &set->of[m][row], k);
     cli_answer(call, "  %-24s %12.3f", name, 1e3 * value[CLI_NOMINAL]);
     if (s->has_factory) cli_answer(call, " %12.3f", 1e3 * value[CLI_FACTORY]);
-    if (calibrated) cli_answer(call, " %12.3f", 1e3 * value[CLI_CALIBRATED]);
-    if (calibrated && value[CLI_NOMINAL] > 0)
+    if (s->calibrated) cli_answer(call, " %12.3f", 1e3 * value[CLI_CALIBRATED]);
+    if (s->calibrated && value[CLI_NOMINAL] > 0)
         cli_answer(call, " %+11.2f %%", 100 * (value[CLI_CALIBRATED] / value[CLI_NOMINAL] - 1));
     cli_answer(call, "\n");
 }
 
-void cli_scores_print_header(cli_call *call, bool calibrated)
+static void print_set(cli_call *call, const cli_scores *s, const cli_scored *set, bool rows)
 {
-    cli_answer(call, "  %-24s %12s%s%s\n", "Error", "nominal",
-               call->common->kinematics ? "      factory" : "", calibrated ? "   calibrated" : "");
-}
-
-void cli_scores_print(cli_call *call, const cli_scores *scores, const char *set, bool calibrated)
-{
-    const bool sockets = isfinite(scores->mean[CLI_NOMINAL].distance_error);
+    const bool sockets = isfinite(set->mean[CLI_NOMINAL].distance_error);
     const char *const kinds[FIGURES] = {sockets ? "consistency mm" : "position mm", NULL,
                                         "distortion mm", "rotation mrad"};
-    for (int k = 0; k < FIGURES; k++) {
-        char name[40];
-        if (!kinds[k] || !isfinite(figure(&scores->mean[CLI_NOMINAL], k))) continue;
-        snprintf(name, sizeof name, "%s, %s", kinds[k], set);
-        print_figures(call, name, k, scores, -1, calibrated);
+    char text[NAME + 40], name[NAME];
+    for (int k = 0; k < FIGURES && set->n > 0; k++) {
+        if (!kinds[k] || !isfinite(figure(&set->mean[CLI_NOMINAL], k))) continue;
+        snprintf(text, sizeof text, "%s, %s", kinds[k], set->name);
+        print_figures(call, text, k, s, set, -1);
+    }
+    for (int i = 0; i < set->n && set->n > 1 && rows; i++) {
+        snprintf(text, sizeof text, "  %.24s",
+                 find_name(name, &set->of[CLI_CALIBRATED][i], set->data));
+        print_figures(call, text, 0, s, set, i);
     }
 }
 
-void cli_scores_print_rows(cli_call *call, const cli_scores *scores, const mukca_dataset *data,
-                           bool calibrated)
+void cli_scores_print(cli_call *call, const cli_scores *s, bool rows)
 {
-    char name[NAME], indented[32];
-    for (int i = 0; i < scores->n && scores->n > 1; i++) {
-        snprintf(indented, sizeof indented, "  %.24s",
-                 find_name(name, &scores->of[CLI_CALIBRATED][i], data));
-        print_figures(call, indented, 0, scores, i, calibrated);
-    }
+    cli_answer(call, "  %-24s %12s%s%s\n", "Error", "nominal",
+               s->has_factory ? "      factory" : "", s->calibrated ? "   calibrated" : "");
+    print_set(call, s, &s->set[0], rows);
+    print_set(call, s, &s->set[1], rows);
 }
 
 void cli_print_mismatch(cli_call *call, const mukca_dataset *data, bool free_base, bool free_tool)

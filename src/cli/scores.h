@@ -7,40 +7,42 @@
 
 enum { CLI_NOMINAL, CLI_CALIBRATED, CLI_FACTORY, CLI_MODELS }; /* the last only by --kinematics */
 
+/* Of one of the session's datasets. */
+typedef struct {
+    const char *name; /* "data", "test" */
+    const mukca_dataset *data;
+    int n;                       /* placements with samples, plus one for poses or one per log */
+    mukca_score *of[CLI_MODELS]; /* [n] each */
+    mukca_score mean[CLI_MODELS];
+} cli_scored;
+
 typedef struct {
     const double *nominal_theta; /* input: [6 * n_elements] of the nominal model with its free
                                     frames aligned; NULL: the chain's */
     bool by_log;                 /* input: one score for each of several pose logs */
-    int n;                       /* placements with samples, plus one for poses or one per log */
-    mukca_score *of[CLI_MODELS]; /* [n] each */
-    mukca_score mean[CLI_MODELS];
-    bool has_factory; /* --kinematics: nominal is the URDF, factory the file's origins */
+    bool calibrated;             /* input: print the calibrated model, too */
+    bool has_factory;            /* --kinematics: nominal is the URDF, factory the file's origins */
+    cli_scored set[2];           /* data, and test data (n is 0: none) */
 } cli_scores;
 
-/* Score `data` at the chain's nominal parameters and at theta with the effects of `offsets`
- * (NULL: none).  Free with cli_scores_free.  Errors: MUKCA_MEMORY. */
+/* Score the session's data, under this `name`, and test data at the chain's nominal parameters and
+ * at theta with the effects of `offsets` (NULL: none).  Errors: MUKCA_MEMORY. */
 mukca_status cli_scores_make(cli_call *call, cli_scores *scores, const mukca_chain *chain,
-                             const double *theta, const mukca_offsets *offsets,
-                             const mukca_dataset *data);
-void cli_scores_free(cli_scores *scores); /* zeroed is allowed */
+                             const double *theta, const mukca_offsets *offsets, const char *name);
+
+/* Mean error of the calibrated model on the test data, else on the data, m. */
+double cli_scores_error(const cli_scores *scores);
 
 /* JSON array with one object per placement. */
-json_t *cli_scores_json(const cli_scores *scores, const mukca_dataset *data);
+json_t *cli_scores_json(const cli_scored *set, bool factory);
 
-/* The table of evaluate: its header, and one row per placement.  `set`: "data", "test". */
-void cli_scores_write_header(FILE *stream, bool factory);
-void cli_scores_write_rows(FILE *stream, const char *set, const cli_scores *scores,
-                           const mukca_dataset *data);
+/* The table of evaluate: one row per placement. */
+void cli_scores_write(FILE *stream, const cli_scores *scores);
 
 /* Print lines of the screen: "  consistency mm, train        8.278        0.168     -97.97 %", also
- * distortion and rotation if available; without `calibrated` only the nominal column.  `set`:
- * "train". */
-void cli_scores_print_header(cli_call *call, bool calibrated);
-void cli_scores_print(cli_call *call, const cli_scores *scores, const char *set, bool calibrated);
-
-/* Print the mean error of each placement or log, mm, if there are several. */
-void cli_scores_print_rows(cli_call *call, const cli_scores *scores, const mukca_dataset *data,
-                           bool calibrated);
+ * distortion and rotation if available.  `rows`: also the mean error of each placement or log, mm,
+ * if there are several. */
+void cli_scores_print(cli_call *call, const cli_scores *scores, bool rows);
 
 /* For data that do not fit the arm: print the mix-up of joint columns that explains it, if any. */
 void cli_print_mismatch(cli_call *call, const mukca_dataset *data, bool free_base, bool free_tool);

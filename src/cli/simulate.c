@@ -4,7 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/file.h"
 #include "base/list.h"
 #include "io/dataset.h"
 #include "io/output.h"
@@ -27,6 +26,7 @@ typedef struct {
     int n_places;         /* of the session; the held-out ones follow */
     mukca_place places[CLI_MAX_PLACES];
     mukca_simulate_options recording;
+    mukca_rows rows; /* of --at */
 } simulation;
 
 static const own defaults = {.recording.rows = 30};
@@ -199,10 +199,10 @@ static mukca_status prepare(cli_call *call, simulation *s)
 /* Write the origin of the recording. */
 static void describe(FILE *stream, const simulation *s, const own *o)
 {
-    fprintf(stream, "mukca %s\nrobot: %s\nstream: raw\nbase: %s\ntip: %s\n",
+    fprintf(stream, "# mukca %s\n# robot: %s\n# stream: raw\n# base: %s\n# tip: %s\n",
             s->n_places ? "session" : "pose log", s->model.chain.robot, s->model.chain.base,
             s->model.chain.tip);
-    fprintf(stream, "simulated by mukca " MUKCA_VERSION ": --seed %d", o->seed);
+    fprintf(stream, "# simulated by mukca " MUKCA_VERSION ": --seed %d", o->seed);
     if (o->perturb) fprintf(stream, " --perturb %s", o->perturb);
     for (int i = 0; i < o->effects.n; i++) fprintf(stream, " --effect %s", o->effects.items[i]);
     fprintf(stream, " --noise %g", o->recording.noise);
@@ -216,77 +216,58 @@ static mukca_status write_data(cli_call *call, const char *path, const mukca_dat
                                const simulation *s)
 {
     mukca_output output = {0};
-    char *comments = NULL;
-    size_t size = 0;
-    FILE *text = open_memstream(&comments, &size);
-    if (!text) return cli_fail(call, MUKCA_MEMORY, "out of memory");
-    describe(text, s, call->options);
-    const bool complete = mukca_file_close(text, &comments);
-    mukca_status status = complete
-                              ? mukca_output_open(&output, path, call->common->force, &call->error)
-                              : cli_fail(call, MUKCA_MEMORY, "out of memory");
-    if (status == MUKCA_OK)
-        mukca_dataset_write(output.stream, data, &s->model.chain, mukca_dataset_separator(path),
-                            comments);
-    free(comments);
+    mukca_status status = mukca_output_open(&output, path, call->common->force, &call->error);
+    if (status == MUKCA_OK) {
+        describe(output.stream, s, call->options);
+        mukca_dataset_write(output.stream, data, &s->model.chain, mukca_dataset_separator(path));
+    }
     return mukca_output_finish(&output, status, &call->error);
 }
 
 /* Record a pose log at the angles of the table --at. */
-static mukca_status record_at(cli_call *call, mukca_dataset *data, const simulation *s)
+static mukca_status record_at(cli_call *call, mukca_dataset *data, simulation *s)
 {
     const own *o = call->options;
-    const size_t n = (size_t)s->model.chain.n_joints;
+    const size_t size = (size_t)s->model.chain.n_joints * sizeof(double);
     const mukca_rows_options header = {.kind = MUKCA_EITHER};
-    mukca_rows *rows = malloc(sizeof *rows);
     double *q = NULL;
     int count = 0;
-    mukca_status status = rows
-                              ? mukca_rows_open(rows, o->at, &s->model.chain, &header, &call->error)
-                              : cli_fail(call, MUKCA_MEMORY, "out of memory");
     mukca_row row;
-    if (status == MUKCA_OK) {
-        while (status == MUKCA_OK && mukca_rows_next(rows, &row)) {
-            double *added = mukca_list_append(&q, &count, n * sizeof *q);
-            if (added)
-                memcpy(added, row.q, n * sizeof *q);
-            else
-                status = cli_fail(call, MUKCA_MEMORY, "out of memory");
-        }
-        const mukca_status read = mukca_rows_close(rows);
-        if (status == MUKCA_OK) status = read;
+    mukca_status status = mukca_rows_open(&s->rows, o->at, &s->model.chain, &header, &call->error);
+    if (status != MUKCA_OK) return status;
+    while (status == MUKCA_OK && mukca_rows_next(&s->rows, &row)) {
+        double *added = mukca_list_append(&q, &count, size);
+        if (added)
+            memcpy(added, row.q, size);
+        else
+            status = cli_fail(call, MUKCA_MEMORY, "out of memory");
     }
+    const mukca_status read = mukca_rows_close(&s->rows);
+    if (status == MUKCA_OK) status = read;
     if (status == MUKCA_OK)
         status = mukca_simulate_poses(data, &s->arm, q, count, &s->recording, &call->error);
-    free(rows);
     free(q);
     return status;
 }
 
-/* Record the session or, with `held_out`, the held-out data. */
-static mukca_status record(cli_call *call, mukca_dataset *data, const simulation *s, bool held_out)
+/* Record the session or, at last and with `held_out`, the held-out data. */
+static mukca_status record(cli_call *call, mukca_dataset *data, simulation *s, bool held_out)
 {
     const own *o = call->options;
-    mukca_simulate_options recording = s->recording;
-    if (held_out) recording.seed ^= 0x686f6c646f757421u; /* different postures and noise */
     if (o->at) return record_at(call, data, s);
+    if (held_out) s->recording.seed ^= 0x686f6c646f757421u; /* different postures and noise */
     if (o->poses)
         return mukca_simulate_poses(data, &s->arm, NULL, held_out ? o->held_out : o->poses,
-                                    &recording, &call->error);
-    mukca_true_arm *arm = malloc(sizeof *arm);
-    if (!arm) return cli_fail(call, MUKCA_MEMORY, "out of memory");
-    *arm = s->arm;
-    for (int e = 0; e < arm->n_effects && held_out; e++)
-        arm->effects[e].placement = -1; /* no effect of these placements here */
-    const mukca_simulated_session session = {.arm = arm,
+                                    &s->recording, &call->error);
+    for (int e = 0; e < s->arm.n_effects && held_out; e++)
+        s->arm.effects[e].placement = -1; /* no effect of these placements here */
+    const mukca_simulated_session session = {.arm = &s->arm,
                                              .places = s->places + (held_out ? s->n_places : 0),
                                              .n_places = held_out ? o->held_out : s->n_places,
                                              .faults = s->hidden.faults,
                                              .n_faults = held_out ? 0 : s->hidden.n_faults,
-                                             .options = &recording};
-    const mukca_status status = mukca_simulate_sockets(data, &session, &call->error);
-    free(arm);
-    return status;
+                                             .options = &s->recording};
+    return mukca_simulate_sockets(data, &session, &call->error);
 }
 
 static mukca_status run(cli_call *call)

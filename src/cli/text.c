@@ -70,35 +70,41 @@ void cli_print_wrapped(FILE *stream, const char *text)
 
 void cli_print_keyed(FILE *stream, const char *key, const char *text)
 {
-    if (!key) {
+    if (key && *text) fprintf(stream, "%s%-*s%s", cli_bold(stream), KEY, key, cli_plain(stream));
+    if (key && *text)
+        cli_print_words(stream, KEY, KEY, text, strlen(text));
+    else
         cli_print_wrapped(stream, text);
-        return;
-    }
-    fprintf(stream, "%s%-*s%s", cli_bold(stream), KEY, key, cli_plain(stream));
-    cli_print_words(stream, KEY, KEY, text, strlen(text));
 }
 
-void cli_print_text(FILE *stream, const char *key, mukca_text *text)
+void cli_describe_data(char text[80], const mukca_dataset *data)
 {
-    if (text->used) cli_print_keyed(stream, key, text->at);
-    text->at[text->used = 0] = '\0';
+    const int used =
+        snprintf(text, 80, "%d %s%s", data->n_rows, data->n_sockets ? "sample" : "measured pose",
+                 data->n_rows == 1 ? "" : "s");
+    if (data->n_placements)
+        snprintf(text + used, (size_t)(80 - used), ", %d placement%s", data->n_placements,
+                 data->n_placements == 1 ? "" : "s");
+}
+
+void cli_print_head(FILE *stream, const char *robot, const mukca_dataset *data,
+                    const mukca_dataset *test)
+{
+    char texts[2][80] = {""};
+    const bool tested = test && test->n_rows > 0;
+    if (!stream) return;
+    cli_describe_data(texts[0], data);
+    if (tested) cli_describe_data(texts[1], test);
+    fprintf(stream, "%s: %s%s%s\n", robot, texts[0], tested ? "; test: " : "", texts[1]);
 }
 
 void cli_print_acceptance(FILE *stream, const mukca_acceptance *a, const mukca_chain *chain)
 {
-    char line[MUKCA_ACCEPTANCE_SENTENCE] = "";
-    mukca_text text = MUKCA_TEXT(line);
+    char tip[MUKCA_ACCEPTANCE_SENTENCE] = "", use[MUKCA_ACCEPTANCE_SENTENCE] = "";
     const bool factory = chain->kinematics_sha256[0] != '\0';
     if (!stream) return;
-    if (a->accepted) mukca_acceptance_put_tip(&text, a, factory);
-    cli_print_text(stream, "Tip", &text);
-    mukca_acceptance_put_use(&text, a, factory);
-    cli_print_text(stream, "Use", &text);
-}
-
-void cli_print_more(FILE *stream, int n)
-{
-    char line[80];
-    snprintf(line, sizeof line, "and %d more; --json lists them all", n);
-    cli_print_keyed(stream, "", line);
+    if (a->accepted) mukca_acceptance_put_tip(&(mukca_text)MUKCA_TEXT(tip), a, factory);
+    mukca_acceptance_put_use(&(mukca_text)MUKCA_TEXT(use), a, factory);
+    cli_print_keyed(stream, "Tip", tip);
+    cli_print_keyed(stream, "Use", use);
 }

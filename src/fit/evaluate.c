@@ -79,11 +79,11 @@ static void socket_means(double (*mean)[3], int *count, const mukca_frame *tips,
 
 /* Score of the samples of one placement, of all poses, or of one log; `rows` stays 0 without
  * samples. */
-static mukca_score score_part(mukca_score score, double (*mean)[3], const int *count,
-                              const double *error, const mukca_frame *tips,
+static mukca_score score_part(mukca_score score, const mukca_evaluation *e,
                               const mukca_dataset *data)
 {
     const int placement = score.placement;
+    const double *error = e->error;
     score.distance_error = score.rotation_error = NAN;
     double sum = 0, squares = 0, angles = 0, distortion = 0;
     int rows = 0, turns = 0, pairs = 0;
@@ -97,7 +97,7 @@ static mukca_score score_part(mukca_score score, double (*mean)[3], const int *c
         if (oriented) {
             double R[9];
             mukca_rotation_from_quaternion(R, data->quaternion + 4 * i);
-            angles += mukca_rotation_between(tips[i].R, R);
+            angles += mukca_rotation_between(e->tips[i].R, R);
             turns++;
         }
         if (isfinite(error[i])) sum += error[i], squares += error[i] * error[i], rows++;
@@ -105,8 +105,9 @@ static mukca_score score_part(mukca_score score, double (*mean)[3], const int *c
     }
     for (int p = 0; p < data->n_distances; p++) {
         const mukca_distance *d = &data->distances[p];
-        if (data->sockets[d->a].placement != placement || !count[d->a] || !count[d->b]) continue;
-        distortion += fabs(mukca_distance3(mean[d->a], mean[d->b]) - d->distance), pairs++;
+        if (data->sockets[d->a].placement != placement || !e->count[d->a] || !e->count[d->b])
+            continue;
+        distortion += fabs(mukca_distance3(e->mean[d->a], e->mean[d->b]) - d->distance), pairs++;
     }
     score.mae = rows ? sum / rows : (double)NAN;
     score.std = rows ? sqrt(squares / rows) : (double)NAN;
@@ -141,20 +142,26 @@ static mukca_score mean_score(const mukca_score *scores, int n)
     return mean;
 }
 
-bool mukca_evaluation_make(mukca_evaluation *e, const mukca_model *model, const mukca_dataset *data)
+const double *mukca_evaluation_centre(const mukca_evaluation *e, const mukca_dataset *data, int row)
 {
-    *e = (mukca_evaluation){.tips = NULL};
-    e->tips = MUKCA_TAKE(&e->pool, mukca_frame, data->n_rows);
-    e->error = MUKCA_TAKE(&e->pool, double, data->n_rows);
-    e->mean = MUKCA_TAKE(&e->pool, double[3], data->n_sockets);
-    e->count = MUKCA_TAKE(&e->pool, int, data->n_sockets);
-    if (e->pool.failed || !find_tips(e->tips, model, data) || !place_tips(e->tips, data))
+    return data->socket[row] >= 0 ? e->mean[data->socket[row]]
+           : data->position       ? data->position + 3 * (size_t)row
+                                  : NULL;
+}
+
+bool mukca_evaluation_make(mukca_evaluation *e, mukca_pool *pool, const mukca_model *model,
+                           const mukca_dataset *data)
+{
+    e->tips = MUKCA_TAKE(pool, mukca_frame, data->n_rows);
+    e->error = MUKCA_TAKE(pool, double, data->n_rows);
+    e->mean = MUKCA_TAKE(pool, double[3], data->n_sockets);
+    e->count = MUKCA_TAKE(pool, int, data->n_sockets);
+    if (!e->tips || !e->error || !e->mean || !e->count || !find_tips(e->tips, model, data) ||
+        !place_tips(e->tips, data))
         return false;
     socket_means(e->mean, e->count, e->tips, data);
     for (int i = 0; i < data->n_rows; i++) {
-        const double *about = data->socket[i] >= 0 ? e->mean[data->socket[i]]
-                              : data->position     ? data->position + 3 * (size_t)i
-                                                   : NULL;
+        const double *about = mukca_evaluation_centre(e, data, i);
         e->error[i] = about ? mukca_distance3(e->tips[i].p, about) : (double)NAN;
     }
     return true;
@@ -163,9 +170,10 @@ bool mukca_evaluation_make(mukca_evaluation *e, const mukca_model *model, const 
 bool mukca_evaluate_rows(double *error, const mukca_model *model, const mukca_dataset *data)
 {
     mukca_evaluation e;
-    const bool ok = mukca_evaluation_make(&e, model, data);
+    mukca_pool pool = {0};
+    const bool ok = mukca_evaluation_make(&e, &pool, model, data);
     if (ok) memcpy(error, e.error, (size_t)data->n_rows * sizeof *error);
-    mukca_pool_free(&e.pool);
+    mukca_pool_free(&pool);
     return ok;
 }
 
@@ -173,20 +181,20 @@ int mukca_evaluate(mukca_score *scores, mukca_score *mean, const mukca_model *mo
                    const mukca_dataset *data)
 {
     mukca_evaluation e;
-    const bool ok = mukca_evaluation_make(&e, model, data);
+    mukca_pool pool = {0};
+    const bool ok = mukca_evaluation_make(&e, &pool, model, data);
     int n = 0;
     for (int p = 0; p <= data->n_placements && ok; p++) {
         const bool poses = p == data->n_placements, logs = poses && model->by_log;
         for (int f = logs ? 0 : -1; f < (logs ? data->n_files : 0); f++)
             for (int t = -1; t < (logs ? data->n_targets : 0); t++) {
-                scores[n] =
-                    score_part((mukca_score){.placement = poses ? -1 : p, .file = f, .target = t},
-                               e.mean, e.count, e.error, e.tips, data);
+                scores[n] = score_part(
+                    (mukca_score){.placement = poses ? -1 : p, .file = f, .target = t}, &e, data);
                 n += scores[n].rows > 0;
             }
     }
     if (mean && ok) *mean = mean_score(scores, n);
-    mukca_pool_free(&e.pool);
+    mukca_pool_free(&pool);
     return ok ? n : -1;
 }
 
@@ -198,9 +206,11 @@ int mukca_coincide_find(double *apart, const mukca_chain *chain, const double *t
                         const mukca_dataset *data)
 {
     mukca_evaluation e;
+    mukca_pool pool = {0};
     int found =
-        mukca_evaluation_make(&e, &(mukca_model){.chain = chain, .theta = theta}, data) ? 0 : -1;
-    double *squares = MUKCA_TAKE(&e.pool, double, data->n_sockets);
+        mukca_evaluation_make(&e, &pool, &(mukca_model){.chain = chain, .theta = theta}, data) ? 0
+                                                                                               : -1;
+    double *squares = MUKCA_TAKE(&pool, double, data->n_sockets);
     if (!squares) found = -1;
     for (int i = 0; i < data->n_rows && found == 0; i++)
         if (data->socket[i] >= 0) squares[data->socket[i]] += e.error[i] * e.error[i];
@@ -213,6 +223,6 @@ int mukca_coincide_find(double *apart, const mukca_chain *chain, const double *t
         apart[k] = same ? far : (double)NAN;
         found += same;
     }
-    mukca_pool_free(&e.pool);
+    mukca_pool_free(&pool);
     return found;
 }

@@ -32,12 +32,15 @@ typedef struct {
     double *error;     /* [n_rows] as of mukca_evaluate_rows */
     double (*mean)[3]; /* [n_sockets] of the predicted positions */
     int *count;        /* [n_sockets] samples */
-    mukca_pool pool;
 } mukca_evaluation;
 
-/* False: out of memory; free the pool in any case. */
-bool mukca_evaluation_make(mukca_evaluation *evaluation, const mukca_model *model,
+/* In memory of the pool.  False: out of memory. */
+bool mukca_evaluation_make(mukca_evaluation *evaluation, mukca_pool *pool, const mukca_model *model,
                            const mukca_dataset *data);
+
+/* What a sample is compared with: the mean of its socket, or the measured position; NULL: none. */
+const double *mukca_evaluation_centre(const mukca_evaluation *evaluation, const mukca_dataset *data,
+                                      int row);
 
 /* error[n_rows], m: distance of each sample from its socket's mean, or from the measured position;
  * NaN: none.  False: out of memory. */

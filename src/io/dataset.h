@@ -48,10 +48,9 @@ char mukca_dataset_separator(const char *path);
 
 /* Write all samples in order under a header.  The dataset must have times; if it has sockets, every
  * sample must have one.  Other optional columns are written if present and must then be complete.
- * Angles and positions get 12 decimals.  `comments` (may be NULL): complete lines, each written as
- * a `#` line.  The caller checks the stream. */
+ * Angles and positions get 12 decimals.  The caller checks the stream. */
 void mukca_dataset_write(FILE *stream, const mukca_dataset *data, const mukca_chain *chain,
-                         char separator, const char *comments);
+                         char separator);
 
 /* ---- construction, sample by sample (dataset_build.c, pose_files.c) ---- */
 

@@ -30,7 +30,7 @@ static void write_names(FILE *stream, const block *b, const mukca_chain *chain, 
 }
 
 void mukca_dataset_write(FILE *stream, const mukca_dataset *data, const mukca_chain *chain,
-                         char separator, const char *comments)
+                         char separator)
 {
     const int n = data->n_joints;
     const block blocks[COLUMNS] = {{data->q, n, 12, NULL, ""},
@@ -40,10 +40,6 @@ void mukca_dataset_write(FILE *stream, const mukca_dataset *data, const mukca_ch
                                    {data->payload, 1, 6, "|payload_kg", NULL},
                                    {data->position, 3, 12, "|x_m|y_m|z_m", NULL},
                                    {data->quaternion, 4, 14, "|qw|qx|qy|qz", NULL}};
-    for (const char *c = comments; c && *c; c++) {
-        if (c == comments || c[-1] == '\n') fputs("# ", stream);
-        fputc(*c, stream);
-    }
     if (data->n_sockets) fprintf(stream, "placement%csocket%c", separator, separator);
     fputs("time_s", stream);
     for (int b = 0; b < COLUMNS; b++)

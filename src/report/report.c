@@ -1,67 +1,7 @@
 /* The report: its numbers, computed from the arm, the data and the results; its sections in reading
  * order. */
-#include <math.h>
-
-#include "fit/align.h"
 #include "report/report.h"
-
-/* Positions of ball or target of each sample, and their residuals from their socket's mean or from
- * the measured position, both [n_rows][3].  False: out of memory. */
-static bool find_residuals(double *position, double *residual, const mukca_model *model,
-                           const mukca_dataset *data)
-{
-    mukca_evaluation e;
-    const bool ok = mukca_evaluation_make(&e, model, data);
-    for (int i = 0; i < data->n_rows && ok; i++) {
-        const int s = data->socket[i];
-        const double *about = s < 0 ? data->position + 3 * i : e.mean[s];
-        for (int k = 0; k < 3; k++) {
-            position[3 * i + k] = e.tips[i].p[k];
-            residual[3 * i + k] = e.tips[i].p[k] - about[k];
-        }
-    }
-    mukca_pool_free(&e.pool);
-    return ok;
-}
-
-/* Component of each residual along the ball's motion by each joint, r . J_j / |J_j|, m,
- * [n_rows][n_joints]; NULL: out of memory. */
-static double *joint_errors(mukca_report *r, const mukca_chain *chain, const double *theta,
-                            const double *residual)
-{
-    const mukca_dataset *data = r->train;
-    const int n = data->n_joints;
-    double *errors = MUKCA_TAKE(&r->pool, double, data->n_rows *n + 1);
-    mukca_geometry geometry;
-    if (!errors || !residual) return NULL;
-    mukca_geometry_set(&geometry, chain, theta);
-    for (int i = 0; i < data->n_rows; i++) {
-        double J[6 * MUKCA_MAX_JOINTS];
-        mukca_fk_jacobian(J, NULL, &geometry, data->q + i * n, NULL);
-        for (int j = 0; j < n; j++) {
-            double dot = 0, square = 0;
-            for (int k = 0; k < 3; k++) {
-                dot += residual[3 * i + k] * J[k * n + j];
-                square += J[k * n + j] * J[k * n + j];
-            }
-            /* below 1 um per rad the joint has no effect on the ball */
-            errors[i * n + j] = square > 1e-12 && isfinite(dot) ? dot / sqrt(square) : 0;
-        }
-    }
-    return errors;
-}
-
-/* Positions, residuals and their components by joint of model m. */
-static mukca_status predict(mukca_report *r, int m, const mukca_model *model, mukca_error *error)
-{
-    double *position = MUKCA_TAKE(&r->pool, double, 3 * r->train->n_rows + 1);
-    double *residual = MUKCA_TAKE(&r->pool, double, 3 * r->train->n_rows + 1);
-    const bool ok = position && residual && find_residuals(position, residual, model, r->train);
-    r->tip[m] = position;
-    r->residual[m] = residual;
-    r->joint_error[m] = ok ? joint_errors(r, r->fitted, r->offsets->theta, residual) : NULL;
-    return r->joint_error[m] ? MUKCA_OK : mukca_fail(error, MUKCA_MEMORY, "out of memory");
-}
+#include "fit/align.h"
 
 /* Score a dataset, 0: `train`, 1: `test`. */
 static mukca_status score(mukca_report *r, int set, const mukca_model *const models[2],
@@ -69,7 +9,7 @@ static mukca_status score(mukca_report *r, int set, const mukca_model *const mod
 {
     const mukca_dataset *data = set ? r->test : r->train;
     for (int m = 0; m < 2 && r->n_scores[set] >= 0; m++) {
-        mukca_score mean, *scores = MUKCA_TAKE(&r->pool, mukca_score, data->n_placements + 1);
+        mukca_score mean, *scores = MUKCA_TAKE(r->pool, mukca_score, data->n_placements + 1);
         r->n_scores[set] = scores ? mukca_evaluate(scores, &mean, models[m], data) : -1;
         r->score[set][m] = scores;
     }
@@ -86,9 +26,10 @@ mukca_status mukca_report_prepare(mukca_report *r, mukca_error *error)
     mukca_status status =
         mukca_frames_start(theta, r->fitted, r->train, r->free_base, r->free_tool, error);
     if (status != MUKCA_OK) return status;
-    r->offset = MUKCA_TAKE(&r->pool, mukca_offset_row, MUKCA_MAX_OFFSET_ROWS);
-    mukca_effect *effects = MUKCA_TAKE(&r->pool, mukca_effect, 2 * MUKCA_MAX_EFFECTS);
-    if (r->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    r->offset = MUKCA_TAKE(r->pool, mukca_offset_row, MUKCA_MAX_OFFSET_ROWS);
+    mukca_effect *effects = MUKCA_TAKE(r->pool, mukca_effect, 2 * MUKCA_MAX_EFFECTS);
+    if (r->pool->failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    mukca_geometry_set(&r->geometry, r->fitted, r->offsets->theta);
     r->n_offsets = mukca_offsets_rows(r->offset, r->offsets, r->fitted);
     for (int k = 0; k < 2 && status == MUKCA_OK; k++) {
         mukca_effect *placed = effects + k * MUKCA_MAX_EFFECTS;
@@ -102,13 +43,9 @@ mukca_status mukca_report_prepare(mukca_report *r, mukca_error *error)
     }
     const mukca_model *of[MUKCA_REPORT_MODELS] = {&nominal, &rigid, &models[0]};
     for (int m = 0; m < MUKCA_REPORT_MODELS && status == MUKCA_OK; m++)
-        status = predict(r, m, of[m], error);
+        if (!mukca_evaluation_make(&r->of[m], r->pool, of[m], r->train))
+            status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
     return status;
-}
-
-void mukca_report_free(mukca_report *r)
-{
-    mukca_pool_free(&r->pool);
 }
 
 /* ---- the page ---- */

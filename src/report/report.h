@@ -12,16 +12,13 @@
 /* Models: nominal; the table without its effects; the table. */
 enum { MUKCA_NOMINAL, MUKCA_RIGID, MUKCA_CALIBRATED, MUKCA_REPORT_MODELS };
 
-typedef struct {
-    const char *path, *sha256;
-} mukca_report_file;
-
 /* Content of the page. */
 typedef struct {
     /* Set by the caller, who owns the memory. */
-    const char *command;            /* command of the page */
-    const char *when;               /* UTC */
-    const mukca_report_file *files; /* URDF first, then data */
+    mukca_pool *pool;
+    const char *command;      /* command of the page */
+    const char *when;         /* UTC */
+    const char *const *files; /* URDF first, then data; "-": standard input */
     int n_files;
     const mukca_chain *chain;          /* nominal arm */
     const mukca_chain *fitted;         /* chain of `offsets`: with the frames of pose logs */
@@ -30,22 +27,16 @@ typedef struct {
     const mukca_dataset *train, *test; /* `test` may be empty */
     mukca_diagnosed diagnosed;         /* with `train` as its data */
     /* Set by mukca_report_prepare. */
-    const double *tip[MUKCA_REPORT_MODELS];      /* [rows of `train`][3] predicted, m */
-    const double *residual[MUKCA_REPORT_MODELS]; /* [n_rows][3] tip minus its socket's mean or the
-                                                    measured position; NaN: unknown */
-    const double *joint_error[MUKCA_REPORT_MODELS]; /* [n_rows][n_joints] component of the residual
-                                                       along the ball's motion by the joint, m */
-    mukca_offset_row *offset;                       /* [n_offsets] rows of `offsets` */
+    mukca_evaluation of[MUKCA_REPORT_MODELS]; /* of `train` */
+    mukca_geometry geometry;                  /* of `offsets` */
+    mukca_offset_row *offset;                 /* [n_offsets] rows of `offsets` */
     int n_offsets;
     mukca_score *score[2][2]; /* of `train` and `test`, nominal and calibrated; [n_scores] each */
     int n_scores[2];
-    mukca_pool pool;
 } mukca_report;
 
-/* Compute the content of the page.  Free with mukca_report_free, also after an error.  Errors:
- * MUKCA_MEMORY. */
+/* Compute the content of the page, in its pool.  Errors: MUKCA_MEMORY. */
 mukca_status mukca_report_prepare(mukca_report *report, mukca_error *error);
-void mukca_report_free(mukca_report *report); /* harmless on a zeroed report */
 
 /* The page, whose content `report` must outlive it. */
 mukca_page mukca_report_page(const mukca_report *report);
@@ -54,7 +45,7 @@ mukca_page mukca_report_page(const mukca_report *report);
 
 #define MUKCA_REPORT_MM 1e3 /* mm per m */
 
-/* A figure, in figures_error.c; `content` is the report. */
+/* The figures of a joint; `content` is the report. */
 bool mukca_report_joints(mukca_plot *plot, const void *content, int index);
 
 /* Texts and tables, in tables_diagnosis.c, tables_calibration.c and view.c. */
@@ -64,10 +55,6 @@ mukca_report_text mukca_report_put_causes, mukca_report_put_faults, mukca_report
     mukca_report_put_provenance, mukca_report_put_view;
 void mukca_report_put_accuracy(FILE *out, const mukca_report *report);
 void mukca_report_put_verdict(FILE *out, const mukca_report *report);
-void mukca_report_put_steps(FILE *out, const mukca_report *report);
-
-/* Rms of a model's errors along the motion by joint j, over all samples, m. */
-double mukca_report_joint_rms(const mukca_report *report, int model, int j);
 
 /* ---- the report of a fleet, and its wording, shared with the screen (fleet_page.c) ---- */
 

@@ -1,7 +1,10 @@
-/* Texts and tables of the calibration: accuracy, errors, offsets, provenance. */
+/* Texts, tables and figures of the calibration: accuracy, errors, offsets, provenance. */
 #include <math.h>
 #include <string.h>
 
+#include <sha2.h>
+
+#include "base/text.h"
 #include "report/page.h"
 #include "report/report.h"
 
@@ -49,39 +52,30 @@ void mukca_report_put_accuracy(FILE *out, const mukca_report *r)
     fputs(".</p>\n", out);
 }
 
-/* ---- errors ---- */
+/* ---- errors by joint ---- */
 
-void mukca_report_put_steps(FILE *out, const mukca_report *r)
+/* Component of a sample's residual along the ball's motion by joint j, r . J_j / |J_j|, mm. */
+static double joint_error(const mukca_report *r, int model, int row, int j)
 {
-    const mukca_diagnosis *d = r->diagnosed.diagnosis;
-    mukca_step steps[MUKCA_MAX_STEPS];
-    const int n = mukca_wording_steps(steps, &r->diagnosed);
-    double most = 0;
-    mukca_html_table table = {
-        .out = out,
-        .caption = d->folds > 1 ? "Mean error, mm, each line a fit of its own; cross-validated: "
-                                  "each fold predicted from the others"
-                                : "Mean error, mm, each line a fit of its own",
-        .columns = d->folds > 1 ? "model|#cross-validated|bar|#test" : "model|#training|bar|#test"};
-    const bool tested = isfinite(steps[0].test_m);
-    if (!tested)
-        table.columns = d->folds > 1 ? "model|#cross-validated|bar|" : "model|#training|bar|";
-    for (int i = 1; i < n; i++) most = fmax(most, steps[i].cross_validated_m);
-    for (int i = 0; i < n; i++) {
-        const double error = steps[i].cross_validated_m;
-        const double bar = i ? 100 * error / most : 0; /* the nominal error is off the scale */
-        if (isfinite(error))
-            mukca_html_row(&table, tested ? "%s\t%.3f\t%.0f\t%.3f" : "%s\t%.3f\t%.0f",
-                           steps[i].name, error * mm, bar, steps[i].test_m * mm);
+    const int n = r->train->n_joints;
+    const double *tip = r->of[model].tips[row].p,
+                 *centre = mukca_evaluation_centre(&r->of[model], r->train, row);
+    double J[6 * MUKCA_MAX_JOINTS], dot = 0, square = 0;
+    mukca_fk_jacobian(J, NULL, &r->geometry, r->train->q + row * n, NULL);
+    for (int k = 0; k < 3; k++) {
+        dot += (tip[k] - centre[k]) * J[k * n + j];
+        square += J[k * n + j] * J[k * n + j];
     }
-    mukca_html_table_end(&table);
+    /* below 1 um per rad the joint has no effect on the ball */
+    return square > 1e-12 && isfinite(dot) ? dot / sqrt(square) * mm : 0;
 }
 
-double mukca_report_joint_rms(const mukca_report *r, int model, int j)
+/* Root of their mean square over all samples, mm. */
+static double joint_rms(const mukca_report *r, int model, int j)
 {
-    const int n = r->train->n_joints, rows = r->train->n_rows;
+    const int rows = r->train->n_rows;
     double sum = 0;
-    for (int i = 0; i < rows; i++) sum += pow(r->joint_error[model][i * n + j], 2) / rows;
+    for (int i = 0; i < rows; i++) sum += pow(joint_error(r, model, i, j), 2) / rows;
     return sqrt(sum);
 }
 
@@ -96,13 +90,52 @@ void mukca_report_put_joints(FILE *out, const void *content)
                           : "joint|#nominal|#calibrated"};
     for (int j = 0; j < r->train->n_joints; j++) {
         mukca_html_row(&table, "%s\t%.3f", mukca_chain_joint_name(r->chain, j),
-                       mukca_report_joint_rms(r, MUKCA_NOMINAL, j) * mm);
-        if (causes)
-            mukca_html_cells(&table, "%.3f", mukca_report_joint_rms(r, MUKCA_RIGID, j) * mm);
-        mukca_html_cells(&table, "%.3f", mukca_report_joint_rms(r, MUKCA_CALIBRATED, j) * mm);
+                       joint_rms(r, MUKCA_NOMINAL, j));
+        if (causes) mukca_html_cells(&table, "%.3f", joint_rms(r, MUKCA_RIGID, j));
+        mukca_html_cells(&table, "%.3f", joint_rms(r, MUKCA_CALIBRATED, j));
     }
     mukca_html_table_end(&table);
 }
+
+/* The remaining error over the angle of a joint. */
+bool mukca_report_joints(mukca_plot *plot, const void *content, int index)
+{
+    const mukca_report *r = content;
+    if (index >= r->chain->n_joints) return false;
+    const int n = r->chain->n_joints;
+    const mukca_element *e = &r->chain->element[r->chain->joint_element[index]];
+    const bool turns = e->type != MUKCA_PRISMATIC, causes = r->offsets->n_effects > 0;
+    const char *coordinate = turns ? "angle" : "position";
+    const double unit = turns ? 180 / M_PI : mm;
+    mukca_text description = MUKCA_TEXT(plot->words);
+    snprintf(plot->id, sizeof plot->id, "joint-%d", index + 1);
+    snprintf(plot->title, sizeof plot->title, "Error over the %s of %s", coordinate, e->name);
+    snprintf(plot->label[0], sizeof *plot->label, "%s, %s", coordinate, turns ? "deg" : "mm");
+    snprintf(plot->label[1], sizeof *plot->label, "error along its motion, mm");
+    plot->height = 320;
+    plot->brief = true;
+    plot->key[MUKCA_PLOT_AFTER] = causes ? "with its causes" : "calibrated";
+    plot->key[MUKCA_PLOT_BEFORE] = causes ? "without them" : NULL;
+    for (int m = causes ? MUKCA_RIGID : MUKCA_CALIBRATED; m <= MUKCA_CALIBRATED; m++)
+        for (int i = 0; i < r->train->n_rows; i++) {
+            const double point[2] = {r->train->q[i * n + index] * unit,
+                                     joint_error(r, m, i, index)};
+            mukca_plot_add(plot, m == MUKCA_RIGID ? MUKCA_PLOT_BEFORE : MUKCA_PLOT_AFTER, point,
+                           NAN, NAN);
+        }
+    mukca_text_put(&description,
+                   "The part of each sample's error along which %s moves the %s, over the joint's "
+                   "%s: %.3f mm rms calibrated",
+                   e->name, r->train->n_sockets > 0 ? "ball" : "target", coordinate,
+                   joint_rms(r, MUKCA_CALIBRATED, index));
+    if (causes)
+        mukca_text_put(&description, ", %.3f mm without the causes of the table",
+                       joint_rms(r, MUKCA_RIGID, index));
+    mukca_text_put(&description, ".");
+    return true;
+}
+
+/* ---- errors by placement ---- */
 
 void mukca_report_put_placements(FILE *out, const void *content)
 {
@@ -174,7 +207,13 @@ void mukca_report_put_provenance(FILE *out, const void *content)
     fprintf(out, " at %s.</p>\n", r->when);
     mukca_html_table table = {
         .out = out, .caption = "Files read", .style = "files", .columns = "file|SHA-256"};
-    for (int i = 0; i < r->n_files; i++)
-        mukca_html_row(&table, "%s\t%s", r->files[i].path, r->files[i].sha256);
+    for (int i = 0; i < r->n_files; i++) {
+        char hash[SHA256_DIGEST_STRING_LENGTH];
+        const bool file = strcmp(r->files[i], "-") != 0;
+        mukca_html_row(&table, "%s\t%s", r->files[i],
+                       !file                           ? "standard input"
+                       : SHA256File(r->files[i], hash) ? hash
+                                                       : "file no longer exists");
+    }
     mukca_html_table_end(&table);
 }

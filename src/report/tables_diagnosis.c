@@ -14,119 +14,133 @@ static void joint_columns(char columns[COLUMNS], const char *first, const mukca_
     for (int j = 0; j < chain->n_joints; j++) used += sprintf(columns + used, "|#%d", j + 1);
 }
 
+/* Write a sentence, if there is one, between `before` and `after`. */
+static void put_sentence(FILE *out, const char *before, const char *text, const char *after)
+{
+    if (!*text) return;
+    fputs(before, out);
+    mukca_html_sentence(out, text);
+    fputs(after, out);
+}
+
 /* ---- verdict and remedies ---- */
 
 /* Write one item for each remedy, with all causes it applies to. */
 static void put_remedies(FILE *out, const mukca_diagnosed *d)
 {
-    const mukca_cause *causes = d->diagnosis->causes;
-    char text[MUKCA_WORDING];
-    for (int i = 0; i < d->diagnosis->n_causes; i++) {
-        const char *remedy = mukca_wording_remedy(&causes[i], d);
-        int first = 0;
-        while (mukca_wording_remedy(&causes[first], d) != remedy) first++;
-        if (first < i) continue;
-        fputs("<li>", out);
-        mukca_html_sentence(out, remedy);
-        fputs(" <small>(", out);
-        for (int k = i; k < d->diagnosis->n_causes; k++) {
-            if (mukca_wording_remedy(&causes[k], d) != remedy) continue;
-            fputs(k > i ? "; " : "", out);
-            mukca_wording_rivals(text, &causes[k], d);
-            mukca_html_escape(out, text);
+    const mukca_cause *first = d->diagnosis->causes, *end = first + d->diagnosis->n_causes;
+    for (const mukca_cause *c = first; c < end; c++) {
+        const char *remedy = mukca_wording_remedy(c, d);
+        const mukca_cause *same = first;
+        while (mukca_wording_remedy(same, d) != remedy) same++;
+        if (same < c) continue;
+        put_sentence(out, "<li>", remedy, " <small>(");
+        for (; same < end; same++) {
+            if (mukca_wording_remedy(same, d) != remedy) continue;
+            fputs(same > c ? "; " : "", out);
+            mukca_html_escape(out, mukca_wording_rivals(MUKCA_WORDS, same, d));
         }
         fputs(")</small></li>\n", out);
     }
 }
 
-/* Write the next step that the diagnosis recommends, else how to use its result. */
-static void put_next(FILE *out, const mukca_diagnosed *d)
-{
-    char next[MUKCA_WORDING];
-    bool on_arm = false;
-    mukca_wording_next(next, d);
-    for (int i = 0; i < d->diagnosis->n_causes; i++)
-        on_arm |= mukca_wording_on_arm(&d->diagnosis->causes[i]);
-    if (!*next)
-        snprintf(next, sizeof next,
-                 "`mukca diagnose` with these data and `-o offsets.tsv` saves the geometry%s for "
-                 "fk, evaluate, compensate and export",
-                 on_arm ? " and the causes" : "");
-    fputs("<li>", out);
-    mukca_html_sentence(out, next);
-    fputs(".</li>\n", out);
-}
-
 void mukca_report_put_verdict(FILE *out, const mukca_report *r)
 {
     const mukca_diagnosed *d = &r->diagnosed;
-    char text[MUKCA_WORDING];
+    char next[MUKCA_WORDING] = "";
+    bool on_arm = false;
+    for (int i = 0; i < d->diagnosis->n_causes; i++)
+        on_arm |= mukca_wording_on_arm(&d->diagnosis->causes[i]);
+    if (!*mukca_wording_next(next, d)) /* then how to use the result */
+        mukca_wording_put(next,
+                          "`mukca diagnose` with these data and `-o offsets.tsv` saves the "
+                          "geometry%s for fk, evaluate, compensate and export",
+                          on_arm ? " and the causes" : "");
     fprintf(out, "<p class=\"verdict %s\">", mukca_verdict_name[d->diagnosis->verdict]);
-    mukca_wording_verdict(text, d);
-    mukca_html_sentence(out, text);
-    fputs(".</p>\n", out);
-    mukca_wording_caveat(text, d);
-    if (*text) mukca_html_element(out, "p", text);
-    if (d->check) {
-        mukca_wording_check(text, d);
-        fputs("<p>Check: ", out);
-        mukca_html_sentence(out, text);
-        fputs(".</p>\n", out);
-    }
+    put_sentence(out, "", mukca_wording_verdict(MUKCA_WORDS, d), ".</p>\n");
+    put_sentence(out, "<p>", mukca_wording_caveat(MUKCA_WORDS, d), "</p>");
+    put_sentence(out, "<p>Check: ", mukca_wording_check(MUKCA_WORDS, d), ".</p>\n");
     fputs("<h2 id=\"to-do\">What to do</h2>\n<ul>\n", out);
     put_remedies(out, d);
-    put_next(out, d);
-    fputs("</ul>\n", out);
+    put_sentence(out, "<li>", next, ".</li>\n</ul>\n");
 }
 
 /* ---- causes ---- */
+
+static void put_steps(FILE *out, const mukca_diagnosed *diagnosed)
+{
+    const mukca_diagnosis *d = diagnosed->diagnosis;
+    mukca_step steps[MUKCA_MAX_STEPS];
+    const int n = mukca_wording_steps(steps, diagnosed);
+    double most = 0;
+    mukca_html_table table = {
+        .out = out,
+        .caption = d->folds > 1 ? "Mean error, mm, each line a fit of its own; cross-validated: "
+                                  "each fold predicted from the others"
+                                : "Mean error, mm, each line a fit of its own",
+        .columns = d->folds > 1 ? "model|#cross-validated|bar|#test" : "model|#training|bar|#test"};
+    const bool tested = isfinite(steps[0].test_m);
+    if (!tested)
+        table.columns = d->folds > 1 ? "model|#cross-validated|bar|" : "model|#training|bar|";
+    for (int i = 1; i < n; i++) most = fmax(most, steps[i].cross_validated_m);
+    for (int i = 0; i < n; i++) {
+        const double error = steps[i].cross_validated_m;
+        const double bar = i ? 100 * error / most : 0; /* the nominal error is off the scale */
+        if (isfinite(error))
+            mukca_html_row(&table, tested ? "%s\t%.3f\t%.0f\t%.3f" : "%s\t%.3f\t%.0f",
+                           steps[i].name, error * MUKCA_REPORT_MM, bar,
+                           steps[i].test_m * MUKCA_REPORT_MM);
+    }
+    mukca_html_table_end(&table);
+}
 
 void mukca_report_put_causes(FILE *out, const void *content)
 {
     const mukca_report *r = content;
     const mukca_diagnosed *d = &r->diagnosed;
-    char words[MUKCA_WORDING], amplitude[MUKCA_WORDING], probability[MUKCA_WORDING];
     mukca_html_table table = {
         .out = out,
         .caption =
             "Causes, the largest contribution first; after \"or\": indistinguishable in these data",
         .style = "cards",
         .columns = "cause|size [95 % interval]|probability|mechanism"};
-    mukca_report_put_steps(out, r);
+    put_steps(out, d);
     for (int i = 0; i < d->diagnosis->n_causes; i++) {
-        const mukca_cause *cause = &d->diagnosis->causes[i];
-        mukca_wording_rivals(words, cause, d);
-        mukca_wording_amplitude(amplitude, cause, d->chain);
-        mukca_wording_probability(probability, cause->probability);
-        mukca_html_row(&table, "%s\t%s\t%s\t%s", words, amplitude,
-                       probability + strlen("probability "), mukca_wording_mechanism(cause, d));
+        const mukca_cause *c = &d->diagnosis->causes[i];
+        mukca_html_row(
+            &table, "%s\t%s\t%s\t%s", mukca_wording_rivals(MUKCA_WORDS, c, d),
+            mukca_wording_amplitude(MUKCA_WORDS, c, d->chain),
+            mukca_wording_probability(MUKCA_WORDS, c->probability) + strlen("probability "),
+            mukca_wording_mechanism(c, d));
     }
     mukca_html_table_end(&table);
 }
 
-/* ---- recording faults ---- */
+/* ---- the recording ---- */
 
 void mukca_report_put_faults(FILE *out, const void *content)
 {
     const mukca_report *r = content;
     const mukca_diagnosis *d = r->diagnosed.diagnosis;
-    char words[MUKCA_WORDING];
+    mukca_wording_text *const texts[] = {mukca_wording_logs, mukca_wording_angles,
+                                         mukca_wording_poses, mukca_wording_efforts};
     fputs(d->n_faults ? "<ul>\n" : "<p>No recording fault was found.</p>\n", out);
-    for (int i = 0; i < d->n_faults; i++) {
-        mukca_wording_fault(words, &d->faults[i], &r->diagnosed);
-        mukca_html_element(out, "li", words);
-    }
+    for (int i = 0; i < d->n_faults; i++)
+        mukca_html_element(out, "li",
+                           mukca_wording_fault(MUKCA_WORDS, &d->faults[i], &r->diagnosed));
     if (d->n_faults) fputs("</ul>\n", out);
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
+        put_sentence(out, "<p>", texts[i](MUKCA_WORDS, &r->diagnosed), ".</p>\n");
 }
 
 /* ---- detection limits ---- */
 
 static void put_untestable(FILE *out, const mukca_report *r)
 {
-    char words[MUKCA_WORDING];
     int listed = 0;
     for (int i = 0; i < r->diagnosed.diagnosis->n_tested; i++) {
-        if (!mukca_wording_untestable(words, i, &r->diagnosed, false)) continue;
+        const char *words = mukca_wording_untestable(MUKCA_WORDS, i, &r->diagnosed, false);
+        if (!*words) continue;
         fputs(listed++ ? "" : "<p>Not testable with these data:</p>\n<ul>\n", out);
         mukca_html_element(out, "li", words);
     }
@@ -148,7 +162,7 @@ void mukca_report_put_limits(FILE *out, const void *content)
 {
     const mukca_report *r = content;
     const mukca_diagnosis *d = r->diagnosed.diagnosis;
-    char columns[COLUMNS], name[MUKCA_WORDING];
+    char columns[COLUMNS];
     joint_columns(columns, "effect|#arm, tool", r->chain);
     mukca_html_table table = {.out = out,
                               .caption =
@@ -160,8 +174,8 @@ void mukca_report_put_limits(FILE *out, const void *content)
         bool any = false;
         for (int j = -1; j < r->chain->n_joints; j++) any |= isfinite(limit_of(d, effect, j));
         if (!any) continue;
-        mukca_wording_effect(name, (mukca_effect_kind)effect, NULL);
-        mukca_html_row(&table, "%s", name);
+        mukca_html_row(&table, "%s",
+                       mukca_wording_effect(MUKCA_WORDS, (mukca_effect_kind)effect, NULL));
         for (int j = -1; j < r->chain->n_joints; j++)
             mukca_html_cells(&table, "%.2f", limit_of(d, effect, j) * MUKCA_REPORT_MM);
     }

@@ -43,13 +43,12 @@ static void put_line(FILE *out, const char *style, double points[][3], int n,
 }
 
 /* Joints of the arm in the posture of a sample; returns their number. */
-static int find_joints(double points[][3], const mukca_report *r, const mukca_geometry *geometry,
-                       int row)
+static int find_joints(double points[][3], const mukca_report *r, int row)
 {
     mukca_frame before[MUKCA_MAX_ELEMENTS], tip;
     const double *q = r->train->q + row * r->train->n_joints;
     const int n = r->fitted->n_elements;
-    mukca_fk_frames(before, &tip, geometry, q, NULL);
+    mukca_fk_frames(before, &tip, &r->geometry, q, NULL);
     for (int k = 0; k < n; k++) memcpy(points[k], before[k].p, sizeof points[k]);
     memcpy(points[n], tip.p, sizeof tip.p);
     return n + 1;
@@ -60,11 +59,9 @@ void mukca_report_put_view(FILE *out, const void *content)
     const mukca_report *r = content;
     const int rows = r->train->n_rows;
     double points[MUKCA_MAX_ELEMENTS + 1][3], low[3], high[3], centre[3], most = 0, reach = 0;
-    mukca_geometry geometry;
-    mukca_geometry_set(&geometry, r->fitted, r->offsets->theta);
     for (int k = 0; k < 3; k++) low[k] = HUGE_VAL, high[k] = -HUGE_VAL;
     for (int i = 0; i < POSTURES; i++)
-        for (int n = find_joints(points, r, &geometry, i * rows / POSTURES) - 1; n >= 0; n--)
+        for (int n = find_joints(points, r, i * rows / POSTURES) - 1; n >= 0; n--)
             for (int k = 0; k < 3; k++) {
                 low[k] = fmin(low[k], points[n][k]);
                 high[k] = fmax(high[k], points[n][k]);
@@ -74,10 +71,7 @@ void mukca_report_put_view(FILE *out, const void *content)
         reach += pow((high[k] - low[k]) / 2, 2);
     }
     reach = 1.05 * sqrt(reach);
-    for (int i = 0; i < rows; i++) {
-        const double error = mukca_norm3(r->residual[MUKCA_NOMINAL] + 3 * i);
-        if (error > most) most = error;
-    }
+    for (int i = 0; i < rows; i++) most = fmax(most, r->of[MUKCA_NOMINAL].error[i]);
     if (!(most > 0)) return;
     const char *const where = r->train->n_sockets > 0 ? "mean of its socket" : "measured position";
     const double scale = mukca_plot_round(0.3 * reach / most);
@@ -91,16 +85,17 @@ void mukca_report_put_view(FILE *out, const void *content)
         -1e3 * reach, -1e3 * reach, 2e3 * reach, 2e3 * reach, azimuth, elevation, POSTURES, where,
         scale);
     for (int i = 0; i < POSTURES; i++) {
-        const int n = find_joints(points, r, &geometry, i * rows / POSTURES);
+        const int n = find_joints(points, r, i * rows / POSTURES);
         put_line(out, "arm", points, n, centre);
     }
     for (int m = 0; m < MUKCA_REPORT_MODELS; m += MUKCA_CALIBRATED)
         for (int i = 0; i < rows; i += 1 + rows / ERRORS) {
-            const double *tip = r->tip[m] + 3 * i, *error = r->residual[m] + 3 * i;
-            if (!isfinite(error[0])) continue;
+            const double *tip = r->of[m].tips[i].p,
+                         *from = mukca_evaluation_centre(&r->of[m], r->train, i);
+            if (!isfinite(r->of[m].error[i])) continue;
             for (int k = 0; k < 3; k++) {
-                points[0][k] = tip[k] - error[k];
-                points[1][k] = tip[k] + (scale - 1) * error[k];
+                points[0][k] = from[k];
+                points[1][k] = from[k] + scale * (tip[k] - from[k]);
             }
             put_line(out, m ? "after" : "before", points, 2, centre);
         }

@@ -9,15 +9,17 @@
 #include "base/file.h"
 #include "math/stats.h"
 
-/* Append to a text of MUKCA_WORDING characters; longer text is truncated. */
-__attribute__((format(printf, 2, 3))) static void put(char *text, const char *format, ...)
+const char *mukca_wording_put(char text[MUKCA_WORDING], const char *format, ...)
 {
     const size_t used = strlen(text);
     va_list args;
     va_start(args, format);
     vsnprintf(text + used, MUKCA_WORDING - used, format, args);
     va_end(args);
+    return text;
 }
+
+#define put mukca_wording_put /* short for this file */
 
 /* Half width of an interval of orders that is printed with ±. */
 enum { NARROW = 3 };
@@ -34,7 +36,8 @@ bool mukca_wording_on_arm(const mukca_cause *cause)
 
 /* ---- causes ---- */
 
-void mukca_wording_effect(char text[MUKCA_WORDING], mukca_effect_kind kind, const char *joint)
+const char *mukca_wording_effect(char text[MUKCA_WORDING], mukca_effect_kind kind,
+                                 const char *joint)
 {
     const mukca_effect_info *info = mukca_effect_table[kind];
     const bool bends = info->site == MUKCA_SITE_ROTATION && info->traits & MUKCA_TRAIT_ELASTIC;
@@ -43,68 +46,76 @@ void mukca_wording_effect(char text[MUKCA_WORDING], mukca_effect_kind kind, cons
              : bends ? " before "
                      : " at ",
              joint ? joint : "");
+    return text;
+}
+
+/* " (240 per turn)", " (driven by joint_1)"; nothing for the usual variant. */
+static const char *variant(char text[MUKCA_WORDING], const mukca_effect *e,
+                           const mukca_chain *chain)
+{
+    mukca_effect_describe(text, MUKCA_WORDING, e, chain);
+    return text;
 }
 
 /* "transmission ripple at joint_2 (240 ± 1 per turn)" */
-static void put_cause(char text[MUKCA_WORDING], const mukca_cause *cause, const mukca_diagnosed *r)
+static char *put_cause(char text[MUKCA_WORDING], const mukca_cause *cause, const mukca_diagnosed *r)
 {
     const mukca_effect *e = &cause->effect;
-    mukca_wording_effect(text, e->kind, mukca_chain_joint_name(r->chain, e->joint));
-    char *end = text + strlen(text);
     const int order = e->variant.order, low = cause->order_range[0], high = cause->order_range[1];
     const int half = order - low > high - order ? order - low : high - order;
+    put(text, "%s",
+        mukca_wording_effect(MUKCA_WORDS, e->kind, mukca_chain_joint_name(r->chain, e->joint)));
     if (low == high)
-        mukca_effect_describe(end, (size_t)(text + MUKCA_WORDING - end), e, r->chain);
+        put(text, "%s", variant(MUKCA_WORDS, e, r->chain));
     else if (half <= NARROW)
         put(text, " (%d ± %d per turn)", order, half);
     else
         put(text, " (between %d and %d per turn)", low, high);
-    const int placement = e->placement;
-    if (placement >= 0) put(text, " in placement %s", r->data->placements[placement].name);
-    if (placement >= 0 && cause->socket >= 0)
+    if (e->placement >= 0) put(text, " in placement %s", r->data->placements[e->placement].name);
+    if (e->placement >= 0 && cause->socket >= 0)
         put(text, ", socket %s", r->data->sockets[cause->socket].label);
     if (cause->row > 0) put(text, ", row %d", cause->row);
+    return text;
 }
 
-void mukca_wording_rivals(char text[MUKCA_WORDING], const mukca_cause *cause,
-                          const mukca_diagnosed *r)
+const char *mukca_wording_rivals(char text[MUKCA_WORDING], const mukca_cause *cause,
+                                 const mukca_diagnosed *r)
 {
-    char rival[MUKCA_WORDING], variant[MUKCA_WORDING];
     put_cause(text, cause, r);
     for (int t = 0; t < cause->n_ties; t++) {
         const bool last = t + 1 == cause->n_ties && !cause->or_unknown;
         const mukca_tie *tie = &cause->ties[t];
-        mukca_wording_effect(rival, tie->effect, mukca_chain_joint_name(r->chain, tie->joint));
-        mukca_effect_describe(variant, sizeof variant, &tie->rival, r->chain);
-        put(text, "%s%s%s", last ? " or " : ", ", rival, variant);
+        const char *joint = mukca_chain_joint_name(r->chain, tie->joint);
+        put(text, "%s%s%s", last ? " or " : ", ",
+            mukca_wording_effect(MUKCA_WORDS, tie->effect, joint),
+            variant(MUKCA_WORDS, &tie->rival, r->chain));
     }
-    if (cause->or_unknown) put(text, " or an effect outside the catalogue");
+    return cause->or_unknown ? put(text, " or an effect outside the catalogue") : text;
 }
 
-void mukca_wording_set(char text[MUKCA_WORDING], const mukca_cause_set *set,
-                       const mukca_diagnosed *r)
+const char *mukca_wording_set(char text[MUKCA_WORDING], const mukca_cause_set *set,
+                              const mukca_diagnosed *r)
 {
-    snprintf(text, MUKCA_WORDING, "%s", set->n ? "" : "no cause");
+    put(text, "%s", set->n ? "" : "no cause");
     for (int i = 0; i < set->n; i++) {
         const mukca_effect *e = &set->member[i].effect;
         const bool listed = e->kind < MUKCA_EFFECT_COUNT;
         const char *joint = mukca_chain_joint_name(r->chain, e->joint);
-        char variant[MUKCA_WORDING] = "";
-        if (listed) mukca_effect_describe(variant, sizeof variant, e, r->chain);
         put(text, "%s%s%s%s%s", i ? " + " : "",
             listed                    ? mukca_effect_table[e->kind]->name
             : !set->member[i].unknown ? "outlier"
             : joint                   ? "unknown function at"
                                       : "unknown function",
-            joint ? " " : "", joint ? joint : "", variant);
+            joint ? " " : "", joint ? joint : "", listed ? variant(MUKCA_WORDS, e, r->chain) : "");
         if (set->member[i].row > 0 && r->data->files)
             put(text, " at %s:%d", mukca_file_name(r->data->files[set->member[i].file]),
                 set->member[i].row);
     }
+    return text;
 }
 
-void mukca_wording_amplitude(char text[MUKCA_WORDING], const mukca_cause *cause,
-                             const mukca_chain *chain)
+const char *mukca_wording_amplitude(char text[MUKCA_WORDING], const mukca_cause *cause,
+                                    const mukca_chain *chain)
 {
     static const struct {
         const char *si, *shown;
@@ -121,20 +132,17 @@ void mukca_wording_amplitude(char text[MUKCA_WORDING], const mukca_cause *cause,
     const double half = fmax(factor * fabs(cause->high - cause->amplitude), 1e-12);
     int digits = isfinite(half) ? (int)ceil(-log10(half)) + 1 : 3;
     digits = digits < 0 ? 0 : digits > 4 ? 4 : digits;
-    text[0] = '\0';
     put(text, "%s%.*f %s", cause->n_ties ? "the first: " : "", digits, factor * cause->amplitude,
         shown);
-    if (isfinite(cause->low) && isfinite(cause->high))
-        put(text, " [%.*f, %.*f]", digits, factor * cause->low, digits, factor * cause->high);
+    if (!isfinite(cause->low) || !isfinite(cause->high)) return text;
+    return put(text, " [%.*f, %.*f]", digits, factor * cause->low, digits, factor * cause->high);
 }
 
-void mukca_wording_probability(char text[MUKCA_WORDING], double probability)
+const char *mukca_wording_probability(char text[MUKCA_WORDING], double probability)
 {
     text[0] = '\0';
-    if (probability > 0.999)
-        put(text, "probability > 99.9 %%");
-    else
-        put(text, "probability %.*f %%", probability > 0.99 ? 1 : 0, 100 * probability);
+    if (probability > 0.999) return put(text, "probability > 99.9 %%");
+    return put(text, "probability %.*f %%", probability > 0.99 ? 1 : 0, 100 * probability);
 }
 
 /* Texts of a cause that differ from those of its effect. */
@@ -183,12 +191,11 @@ const char *mukca_wording_remedy(const mukca_cause *cause, const mukca_diagnosed
 /* ---- the verdict ---- */
 
 /* Names the joints that share the remaining error about equally, or one joint with its range. */
-void mukca_wording_unexplained(char text[MUKCA_WORDING], const mukca_diagnosed *r)
+const char *mukca_wording_unexplained(char text[MUKCA_WORDING], const mukca_diagnosed *r)
 {
     const mukca_diagnosis *d = r->diagnosis;
     int n = 0;
     while (n < d->n_where && d->where[n].share > 0.5 * d->where[0].share) n++;
-    text[0] = '\0';
     put(text, "unexplained structure");
     for (int i = 0; i < n; i++)
         put(text, "%s%s",
@@ -202,7 +209,7 @@ void mukca_wording_unexplained(char text[MUKCA_WORDING], const mukca_diagnosed *
         put(text, ", mainly from %.0f to %.0f %s", factor * d->where[0].range_rad[0],
             factor * d->where[0].range_rad[1], slides ? "mm" : "degrees");
     }
-    put(text, ": no effect of the catalogue describes it");
+    return put(text, ": no effect of the catalogue describes it");
 }
 
 /* "; one further cause was identified" */
@@ -212,15 +219,13 @@ static void put_count(char *text, int n, const char *what)
     if (n > 1) put(text, "; %d %scauses were identified", n, what);
 }
 
-void mukca_wording_verdict(char text[MUKCA_WORDING], const mukca_diagnosed *r)
+const char *mukca_wording_verdict(char text[MUKCA_WORDING], const mukca_diagnosed *r)
 {
     const mukca_diagnosis *d = r->diagnosis;
     const mukca_cause *first = NULL;
-    char words[MUKCA_WORDING];
     int causes = 0;
     for (int i = d->n_causes - 1; i >= 0; i--)
         if (mukca_wording_on_arm(&d->causes[i])) first = &d->causes[i], causes++;
-    text[0] = '\0';
     if (d->verdict == MUKCA_VERDICT_UNTESTABLE) {
         put(text, "Nothing can be tested: %s", d->why);
     } else if (d->verdict == MUKCA_VERDICT_UNKNOWN) {
@@ -246,51 +251,49 @@ void mukca_wording_verdict(char text[MUKCA_WORDING], const mukca_diagnosed *r)
                 "measurement noise and the uncertainty of the geometry");
         if (d->verdict == MUKCA_VERDICT_TIED) put(text, " (indistinguishable in these data)");
     } else {
-        mukca_wording_rivals(words, first, r);
-        put(text, "%s: %s (%s)", causes > 1 ? "Main cause" : "Cause", words,
-            mukca_wording_mechanism(first, r));
+        put(text, "%s: %s (%s)", causes > 1 ? "Main cause" : "Cause",
+            mukca_wording_rivals(MUKCA_WORDS, first, r), mukca_wording_mechanism(first, r));
         put_count(text, causes - 1, "further ");
     }
     if (d->unexplained && d->verdict != MUKCA_VERDICT_UNKNOWN)
         put(text, "; unexplained structure remains");
+    return text;
 }
 
-void mukca_wording_check(char text[MUKCA_WORDING], const mukca_diagnosed *r)
+const char *mukca_wording_check(char text[MUKCA_WORDING], const mukca_diagnosed *r)
 {
     const mukca_check *c = r->check;
-    char cause[MUKCA_WORDING];
-    text[0] = '\0';
+    if (!c) return text;
     put(text, "simulated with these postures and this noise: ");
     if (c->cause) {
-        put_cause(cause, c->cause, r);
-        put(text, "%s was found again in %d of %d recordings", cause, c->found, c->runs);
+        put(put_cause(text, c->cause, r), " was found again in %d of %d recordings", c->found,
+            c->runs);
         if (c->tied) put(text, ", tied in %d", c->tied);
         if (c->other) put(text, ", another cause in %d", c->other);
         if (c->none) put(text, ", nothing in %d", c->none);
         put(text, "; ");
     }
-    put(text, "without causes nothing was found in %d of %d", c->runs - c->false_without, c->runs);
+    return put(text, "without causes nothing was found in %d of %d", c->runs - c->false_without,
+               c->runs);
 }
 
 /* Append the gravity vector that explains the data better than that of the model. */
-static void put_gravity(char *text, const double g[3], const double given[3])
+static const char *put_gravity(char *text, const double g[3], const double given[3])
 {
     const bool opposite = g[0] * given[0] + g[1] * given[1] + g[2] * given[2] < 0;
-    put(text,
+    return put(
+        text,
         "Springs explain these data better under other gravity: is the arm mounted on a %s? Repeat "
         "with --gravity %g,%g,%g before you believe what follows.",
         opposite ? "ceiling, or pulled up by a hose or a balancer" : "wall", g[0], g[1], g[2]);
 }
 
-void mukca_wording_caveat(char text[MUKCA_WORDING], const mukca_diagnosed *r)
+const char *mukca_wording_caveat(char text[MUKCA_WORDING], const mukca_diagnosed *r)
 {
     const mukca_diagnosis *d = r->diagnosis;
-    text[0] = '\0';
-    if (d->gravity[0] != 0 || d->gravity[1] != 0 || d->gravity[2] != 0) {
-        put_gravity(text, d->gravity, r->chain->gravity);
-        return;
-    }
-    if (d->verdict == MUKCA_VERDICT_UNTESTABLE || r->chain->n_masses) return;
+    if (d->gravity[0] != 0 || d->gravity[1] != 0 || d->gravity[2] != 0)
+        return put_gravity(text, d->gravity, r->chain->gravity);
+    if (d->verdict == MUKCA_VERDICT_UNTESTABLE || r->chain->n_masses) return text;
     for (int i = 0; i < d->n_tested; i++)
         if (d->tested[i].effect == MUKCA_EFFECT_JOINT_COMPLIANCE && d->tested[i].joint < 0 &&
             !d->tested[i].testable)
@@ -303,6 +306,7 @@ void mukca_wording_caveat(char text[MUKCA_WORDING], const mukca_diagnosed *r)
         put(text, " It is named beside each cause that it may be.");
     else if (*text && d->unexplained)
         put(text, " The unexplained structure may be flexibility.");
+    return text;
 }
 
 int mukca_wording_steps(mukca_step steps[MUKCA_MAX_STEPS], const mukca_diagnosed *r)
@@ -312,21 +316,20 @@ int mukca_wording_steps(mukca_step steps[MUKCA_MAX_STEPS], const mukca_diagnosed
                                       "geometry and both causes", "geometry and all causes"};
     int n = 0, of_arm = 0, k = 0;
     for (int i = 0; i < d->n_causes; i++) of_arm += mukca_wording_on_arm(&d->causes[i]);
-    steps[n++] = (mukca_step){"nominal model", 0, d->nominal_m, d->test_nominal_m};
-    steps[n++] = (mukca_step){"calibrated geometry", 0, d->geometry_m, d->test_geometry_m};
-    if (d->n_faults)
-        steps[n++] = (mukca_step){"faulty samples excluded", 0, d->faults_excused_m, NAN};
+    steps[n++] = (mukca_step){"nominal model", d->nominal_m, d->test_nominal_m};
+    steps[n++] = (mukca_step){"calibrated geometry", d->geometry_m, d->test_geometry_m};
+    if (d->n_faults) steps[n++] = (mukca_step){"faulty samples excluded", d->faults_excused_m, NAN};
     for (int i = 0; i < d->n_causes; i++)
         if (mukca_wording_on_arm(&d->causes[i]) && ++k < of_arm)
             steps[n++] =
-                (mukca_step){k == 1 ? "geometry and the first cause" : "and a further cause", k,
+                (mukca_step){k == 1 ? "geometry and the first cause" : "and a further cause",
                              d->causes[i].rung_m, NAN};
     if (d->n_causes)
         steps[n++] =
-            (mukca_step){all[of_arm < 3 ? of_arm : 3], of_arm, d->explained_m, d->test_explained_m};
+            (mukca_step){all[of_arm < 3 ? of_arm : 3], d->explained_m, d->test_explained_m};
     if (d->structure_m < d->explained_m) /* if it reduces the error */
-        steps[n++] = (mukca_step){"and unexplained structure", of_arm, d->structure_m, NAN};
-    steps[n++] = (mukca_step){"noise floor", 0, d->noise_floor_m, NAN};
+        steps[n++] = (mukca_step){"and unexplained structure", d->structure_m, NAN};
+    steps[n++] = (mukca_step){"noise floor", d->noise_floor_m, NAN};
     return n;
 }
 
@@ -335,37 +338,30 @@ bool mukca_wording_worse(const mukca_diagnosis *d)
     return d->verdict == MUKCA_VERDICT_TIED && d->test_explained_m > d->test_geometry_m;
 }
 
-void mukca_wording_next(char text[MUKCA_WORDING], const mukca_diagnosed *r)
+const char *mukca_wording_next(char text[MUKCA_WORDING], const mukca_diagnosed *r)
 {
     const mukca_diagnosis *d = r->diagnosis;
-    text[0] = '\0';
-    if (d->verdict == MUKCA_VERDICT_UNTESTABLE)
-        put(text, "record again as stated, then repeat the diagnosis");
-    else if (d->verdict == MUKCA_VERDICT_UNKNOWN)
-        put(text,
-            "inspect the transmission and the bearings of the joints concerned, and record more "
-            "samples over their range");
-    else if (mukca_wording_worse(d))
-        put(text,
-            "record more samples; until these decide, -o writes the geometry alone, which predicts "
-            "the test data better");
-    else if (d->n_causes && mukca_next_poses_need_readings(&d->causes[0]))
-        put(text,
-            "record readings and commands (columns JOINT and JOINT.command): they separate servo "
-            "sag from compliance");
-    else if (r->next && r->next->cause >= 0 && r->next->plan.n_rows > 0)
-        put(text,
-            "`mukca plan --settle` with these data writes postures that separate "
-            "alternatives");
-    else if (r->next && r->next->cause >= 0 && r->data->n_sockets == 0)
-        put(text,
-            "record other postures, or (elastic causes) the same ones with another payload, to "
-            "separate the alternatives: give both logs, with --payload KG,KG");
-    else if (r->next && r->next->cause >= 0)
-        put(text, "record another placement, far from these, to separate the alternatives");
-    else if (d->n_faults)
-        put(text, "record the faulty samples again");
-    else if (d->n_causes && !r->saved)
-        put(text,
-            "-o offsets.tsv saves geometry and causes for fk, evaluate, compensate and export");
+    const bool tied = r->next && r->next->cause >= 0;
+    const char *next =
+        d->verdict == MUKCA_VERDICT_UNTESTABLE ? "record again as stated, then repeat the diagnosis"
+        : d->verdict == MUKCA_VERDICT_UNKNOWN
+            ? "inspect the transmission and the bearings of the joints concerned, and record more "
+              "samples over their range"
+        : mukca_wording_worse(d)
+            ? "record more samples; until these decide, -o writes the geometry alone, which "
+              "predicts the test data better"
+        : d->n_causes && mukca_next_poses_need_readings(&d->causes[0])
+            ? "record readings and commands (columns JOINT and JOINT.command): they separate servo "
+              "sag from compliance"
+        : tied && r->next->plan.n_rows > 0
+            ? "`mukca plan --settle` with these data writes postures that separate alternatives"
+        : tied && r->data->n_sockets == 0
+            ? "record other postures, or (elastic causes) the same ones with another payload, to "
+              "separate the alternatives: give both logs, with --payload KG,KG"
+        : tied        ? "record another placement, far from these, to separate the alternatives"
+        : d->n_faults ? "record the faulty samples again"
+        : d->n_causes && !r->saved
+            ? "-o offsets.tsv saves geometry and causes for fk, evaluate, compensate and export"
+            : "";
+    return put(text, "%s", next);
 }

@@ -1,39 +1,42 @@
-/* The wording of a diagnosis: recording faults, and effects that the data cannot test. */
+/* The wording of a diagnosis: the recording, its faults, and effects that the data cannot test. */
+#include <math.h>
 #include <string.h>
 
 #include "base/file.h"
-#include "base/text.h"
 #include "report/wording.h"
 
-void mukca_wording_fault(char words[MUKCA_WORDING], const mukca_data_fault *f,
-                         const mukca_diagnosed *r)
+#define put mukca_wording_put /* short for this file */
+
+/* The other stream of angles is recommended if its residual is below this fraction: effects of the
+ * arm account for less than a fifth. */
+static const double worth_changing = 0.8;
+
+const char *mukca_wording_fault(char text[MUKCA_WORDING], const mukca_data_fault *f,
+                                const mukca_diagnosed *r)
 {
     const mukca_dataset *data = r->data;
     const double mm = 1e3 * f->size_m;
-    mukca_text text = {.at = words, .size = MUKCA_WORDING};
     bool creep = false;
-    const char *file = data->files ? mukca_file_name(data->files[f->file]) : "the recording";
     for (int i = 0; i < r->diagnosis->n_causes; i++) {
         const mukca_cause *c = &r->diagnosis->causes[i];
         creep |= c->creep && c->socket == f->socket && c->row == f->row;
     }
-    words[0] = '\0';
-    if (f->placement >= 0) mukca_text_put(&text, "%s, ", data->placements[f->placement].name);
-    if (f->socket >= 0) mukca_text_put(&text, "socket %s, ", data->sockets[f->socket].label);
-    mukca_text_put(&text, "row %d of %s: ", f->row, file);
+    if (f->placement >= 0) put(text, "%s, ", data->placements[f->placement].name);
+    if (f->socket >= 0) put(text, "socket %s, ", data->sockets[f->socket].label);
+    put(text, "row %d of %s: ", f->row,
+        data->files ? mukca_file_name(data->files[f->file]) : "the recording");
+    if (f->kind == MUKCA_FAULT_TOOL_MOTION && creep)
+        return put(text, "the tool crept by %.2f mm from here on; record this socket again", mm);
     if (f->kind == MUKCA_FAULT_TOOL_MOTION)
-        mukca_text_put(&text,
-                       creep ? "the tool crept by %.2f mm from here on; record this socket again"
-                             : "the tool moved by %.2f mm before it, or a joint slipped; record "
-                               "this socket again",
-                       mm);
-    else if (f->kind == MUKCA_FAULT_WRONG_SOCKET)
-        mukca_text_put(&text, "the ball was in another socket (%.1f mm away); correct its label",
-                       mm);
-    else if (f->kind == MUKCA_FAULT_OUTLIER)
-        mukca_text_put(&text, "outlier of %.2f mm, not used; record it again", mm);
-    else
-        mukca_text_put(&text, "repeats the row before; record another posture");
+        return put(text,
+                   "the tool moved by %.2f mm before it, or a joint slipped; record this socket "
+                   "again",
+                   mm);
+    if (f->kind == MUKCA_FAULT_WRONG_SOCKET)
+        return put(text, "the ball was in another socket (%.1f mm away); correct its label", mm);
+    if (f->kind == MUKCA_FAULT_OUTLIER)
+        return put(text, "outlier of %.2f mm, not used; record it again", mm);
+    return put(text, "repeats the row before; record another posture");
 }
 
 /* Whether two tested effects have one reason; at joints, or of the whole arm. */
@@ -43,38 +46,95 @@ static bool same_reason(const mukca_tested *a, const mukca_tested *b)
            strcmp(a->why, b->why) == 0;
 }
 
-bool mukca_wording_untestable(char words[MUKCA_WORDING], int tested, const mukca_diagnosed *r,
-                              bool caveat)
+const char *mukca_wording_untestable(char text[MUKCA_WORDING], int tested, const mukca_diagnosed *r,
+                                     bool caveat)
 {
     const mukca_diagnosis *d = r->diagnosis;
     const mukca_tested *of = &d->tested[tested];
     const int needs = mukca_effect_table[of->effect]->needs;
     bool joint[MUKCA_MAX_JOINTS] = {false}, kind[MUKCA_EFFECT_COUNT] = {false};
     int kinds = 0, joints = 0, n = 0, first = 0;
-    mukca_text text = {.at = words, .size = MUKCA_WORDING};
     while (first < tested && !same_reason(&d->tested[first], of)) first++;
     /* with readings, errors of commands are not mentioned */
     if (of->testable || first < tested ||
         (r->data->n_sockets == 0 && mukca_effect_of_sockets(of->effect)) ||
         (needs & MUKCA_NEEDS_COMMANDS && !r->data->by_command) ||
         (caveat && of->joint < 0 && (needs & MUKCA_NEEDS_MASSES)))
-        return false;
+        return text;
     for (const mukca_tested *t = of; t < d->tested + d->n_tested; t++) {
         if (!same_reason(t, of)) continue;
         kinds += !kind[t->effect];
         kind[t->effect] = true;
         if (t->joint >= 0) joints += !joint[t->joint], joint[t->joint] = true;
     }
-    words[0] = '\0';
     const bool many = kinds > 3 && joints > 0;
-    if (many) mukca_text_put(&text, "%d effects", kinds);
+    if (many) put(text, "%d effects", kinds);
     for (int k = 0; k < MUKCA_EFFECT_COUNT; k++)
-        if (kind[k] && !many)
-            mukca_text_put(&text, "%s%s", n++ ? ", " : "", mukca_effect_table[k]->title);
+        if (kind[k] && !many) put(text, "%s%s", n++ ? ", " : "", mukca_effect_table[k]->title);
     for (int j = 0, at = 0; j < r->chain->n_joints; j++)
-        if (joint[j])
-            mukca_text_put(&text, "%s%s", at++ ? ", " : " at ",
-                           mukca_chain_joint_name(r->chain, j));
-    mukca_text_put(&text, " (%s)", of->why);
-    return true;
+        if (joint[j]) put(text, "%s%s", at++ ? ", " : " at ", mukca_chain_joint_name(r->chain, j));
+    return put(text, " (%s)", of->why);
+}
+
+/* ---- the recording ---- */
+
+const char *mukca_wording_logs(char text[MUKCA_WORDING], const mukca_diagnosed *r)
+{
+    const mukca_logs *logs = &r->diagnosis->logs;
+    const double *evidence = logs->log_evidence;
+    const int chosen = logs->base_per_log + 2 * logs->tool_per_log;
+    static const char *const own[] = {"", "a tracker's frame", "a target's offset",
+                                      "a tracker's frame and a target's offset"};
+    if (logs->n > 1 && r->data->n_targets > 1)
+        return put(text, "each of the %d targets has its own position on the tool", logs->n);
+    if (logs->n < 2 || !(isfinite(evidence[1]) || isfinite(evidence[2]))) return text;
+    if (!chosen) return put(text, "the %d pose logs share the free frames", logs->n);
+    return put(text, "each of the %d pose logs has %s of its own (log Bayes factor %.3g)", logs->n,
+               own[chosen], evidence[chosen] - evidence[0]);
+}
+
+const char *mukca_wording_angles(char text[MUKCA_WORDING], const mukca_diagnosed *r)
+{
+    const mukca_streams *s = &r->diagnosis->streams;
+    const bool command = r->data->by_command;
+    int largest = 0, n = 0;
+    for (int j = 1; j < s->n_joints; j++)
+        if (s->joint[j].rms > s->joint[largest].rms) largest = j;
+    if (s->n_joints == 0 || !(s->joint[largest].rms > 0)) return text;
+    put(text, "%s fitted; reading minus command: at most %.3f mrad rms (%s)",
+        command ? "commands" : "readings", 1e3 * s->joint[largest].rms,
+        mukca_chain_joint_name(r->chain, largest));
+    for (const mukca_stream *of = s->joint; of < s->joint + s->n_joints; of++)
+        if (of->log_bayes_factor > MUKCA_SAG_EVIDENT && of->sag > 0)
+            put(text, "%s %s %.3g urad/(N·m) [%.3g, %.3g]", n++ ? "," : "; servo sag",
+                mukca_chain_joint_name(r->chain, (int)(of - s->joint)), 1e6 * of->sag,
+                1e6 * of->low, 1e6 * of->high);
+    if (isfinite(s->sigma_command_m))
+        put(text, "; residual of the geometry: %.3f mm with readings, %.3f mm with commands",
+            1e3 * s->sigma_reading_m, 1e3 * s->sigma_command_m);
+    const double ratio = s->sigma_command_m / s->sigma_reading_m;
+    if (command ? ratio > 1 / worth_changing : ratio < worth_changing)
+        put(text, ": fit the %s (--angles %s)", command ? "readings" : "commands",
+            command ? "reading" : "command");
+    return text;
+}
+
+const char *mukca_wording_poses(char text[MUKCA_WORDING], const mukca_diagnosed *r)
+{
+    if (r->data->n_sockets > 0 || !(r->diagnosis->nominal_m < MUKCA_ECHO)) return text;
+    return put(text,
+               "the measured poses repeat the nominal model: they seem to come from the "
+               "controller, not from a tracker, and contain no error of the arm");
+}
+
+const char *mukca_wording_efforts(char text[MUKCA_WORDING], const mukca_diagnosed *r)
+{
+    const double correlation = r->diagnosis->efforts_correlation;
+    if (!(correlation < 0.5)) return text;
+    return put(text,
+               "measured efforts %s the torques that hold the arm (correlation %.2f) and were not "
+               "used; %s",
+               correlation < -0.5 ? "oppose" : "differ from", correlation,
+               correlation < -0.5 ? "write them as the torque that the joint exerts on the arm"
+                                  : "check their unit (N·m), their joints and the masses");
 }

@@ -89,7 +89,7 @@ static char *screen(const mukca_diagnosed *result)
 {
     const char *path;
     FILE *file = scratch_create(&path, "screen");
-    cli_diagnosis_print(file, result);
+    cli_diagnosis_print(file, result, false);
     fclose(file);
     char *all = scratch_read(path);
     for (const char *line = all; *line;) {

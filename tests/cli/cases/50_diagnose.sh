@@ -90,14 +90,12 @@ expect "and in the report" grep -q "Check: Simulated with .* of 2 recordings; wi
 refuse 2 "check 0: must be a whole number, 1 to 100000" $d good.tsv --check 0
 "$MUKCA" $d good.tsv -q --check 10000 -o never.tsv 2>err &
 process=$!
-until [ "$(cat /proc/$process/task/*/children | wc -w)" -gt 0 ] || ! kill -0 $process; do sleep 0.02; done
-workers=$(cat /proc/$process/task/*/children)
+until [ "$(ls /proc/$process/task | wc -l)" -gt 1 ] || ! kill -0 $process; do sleep 0.02; done
 kill -s INT $process
 wait $process
 code=$?
 expect "a check interrupted: exit 130, one line, no file" test "$code $(cat err) $(find . -name '*never*')" = \
     "130 mukca diagnose: interrupted; nothing was written "
-for worker in $workers; do expect "no process stays" sh -c "! kill -0 $worker 2>/dev/null"; done
 
 # interrupted in the middle: exit 130, one line, no file
 simulate --poses 60000 --effect joint_scale:joint_2=1e-3 -o log.tsv
