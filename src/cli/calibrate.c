@@ -136,7 +136,8 @@ static mukca_status write_results(cli_call *call, const calibrate_result *r)
                                             r->train, comments);
     if (status != MUKCA_OK || !call->common->json) return status;
     return cli_write_json(
-        call, calibrate_json(r, solvers[o->solver], gradients[o->gradient], cli_elapsed(call)));
+        call, calibrate_json(r, o->evidence ? "posterior" : solvers[o->solver],
+                             o->evidence ? NULL : gradients[o->gradient], cli_elapsed(call)));
 }
 
 static void release(void *work)
@@ -178,7 +179,7 @@ static mukca_status run(cli_call *call)
     *r =
         (calibrate_result){.fit = fit, .train = &s->data, .test = &s->test, .offsets = &w->offsets};
     const mukca_fit_options wanted = fit_options(o);
-    if (o->evidence && !is_default(o))
+    if (o->evidence && (!is_default(o) || o->solver || o->gradient))
         return cli_fail(call, MUKCA_USAGE,
                         "--evidence has its own priors and parameters; of the options of the "
                         "fit, give no other");
