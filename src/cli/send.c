@@ -133,7 +133,8 @@ static mukca_status run(cli_call *call)
     const send_options *o = call->options;
     mukca_error *error = &call->error;
     client *c = call->work;
-    char channel[64];
+    mukca_lcm_channels channels = {.all = false};
+    char *channel = channels.name[0];
     struct timespec t;
     c->call = call;
     clock_gettime(CLOCK_REALTIME, &t);
@@ -147,7 +148,7 @@ static mukca_status run(cli_call *call)
         status = mukca_fail(error, MUKCA_USAGE, "commands need a network, not a log");
     mukca_message_channel(channel, c->wants_status ? MUKCA_MESSAGE_STATUS : MUKCA_MESSAGE_RESULT,
                           o->prefix);
-    if (status == MUKCA_OK) status = mukca_lcm_link_listen(c->link, channel, error);
+    if (status == MUKCA_OK) mukca_lcm_link_listen(c->link, &channels);
     if (status == MUKCA_OK && !c->wants_status) status = send_command(c);
     double deadline = cli_elapsed(call) + o->timeout;
     while (status == MUKCA_OK && !c->answered) {

@@ -2,8 +2,6 @@
 #ifndef MUKCA_LCM_LINK_H
 #define MUKCA_LCM_LINK_H
 
-#include <stdio.h>
-
 #include "lcm/packet.h"
 #include "mukca/status.h"
 
@@ -25,13 +23,8 @@ typedef void mukca_lcm_packet_fn(void *context, const mukca_lcm_packet *packet);
 mukca_status mukca_lcm_link_open(mukca_lcm_link **link, const mukca_lcm_network *network,
                                  mukca_lcm_packet_fn *receive, void *context, mukca_error *error);
 
-/* Subscribe to a channel by its literal name; NULL: all channels.  Messages are delivered exactly
- * once, unless the receiver's queue is full (mukca_lcm_link_dropped).  Errors: MUKCA_TRANSPORT,
- * MUKCA_USAGE (invalid name; too many channels). */
-mukca_status mukca_lcm_link_listen(mukca_lcm_link *link, const char *channel, mukca_error *error);
-
-/* End the subscription to all channels; named channels stay subscribed. */
-void mukca_lcm_link_unlisten_all(mukca_lcm_link *link);
+/* Receive these channels of a network from now on; a log delivers all. */
+void mukca_lcm_link_listen(mukca_lcm_link *link, const mukca_lcm_channels *channels);
 
 /* Deliver what has arrived from a network, or some hundred events of a log.  Waits up to
  * `timeout_ms`, or until descriptor `other` (-1: none) is readable, which sets *readable (may be
@@ -59,29 +52,20 @@ void mukca_lcm_link_close(mukca_lcm_link *link);
 
 /* ---- event logs of lcm-logger, read with bounded lengths ---- */
 
-typedef struct {
-    int64_t time; /* us since 1970, time of logging */
-    char channel[64];
-    const void *data; /* valid until the next read */
-    size_t size;
-} mukca_lcm_event;
-
 /* Zeroed: closed. */
 typedef struct {
-    FILE *file;
-    const char *path;
-    int64_t length;  /* bytes of the file */
-    int64_t skipped; /* bytes outside events, or of events that are too long */
-    bool exhausted;  /* memory for an event was exhausted */
-    unsigned char *data;
-    size_t capacity;
+    const unsigned char *data; /* the file, mapped to memory */
+    size_t size, at;           /* bytes of the file; read so far */
+    int64_t skipped;           /* bytes outside events */
+    char channel[MUKCA_LCM_CHANNEL_SIZE];
 } mukca_lcm_log;
 
-/* Open a log; `path` must outlive it.  Errors: MUKCA_INPUT (cannot be opened). */
+/* Errors: MUKCA_INPUT (cannot be opened). */
 mukca_status mukca_lcm_log_open(mukca_lcm_log *log, const char *path, mukca_error *error);
 
-/* Read the next event; false at the end.  Skips damaged parts up to the next sync word. */
-bool mukca_lcm_log_read(mukca_lcm_log *log, mukca_lcm_event *event);
+/* Read the next event, which is valid until the next call; false at the end.  Skips damaged parts
+ * up to the next sync word. */
+bool mukca_lcm_log_read(mukca_lcm_packet *event, mukca_lcm_log *log);
 
 /* Harmless on a closed log. */
 void mukca_lcm_log_close(mukca_lcm_log *log);

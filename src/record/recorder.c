@@ -20,22 +20,35 @@ enum {                      /* us, our choice */
        PROBLEM_US = 1000000 /* wait for a valid message after an invalid one */
 };
 
-/* Select the channel whose messages fit the arm; more than one is an error. */
-static mukca_status choose_channel(mukca_recorder *r)
+/* Receive all channels, or only those in use. */
+static void listen_to(mukca_recorder *r, bool all)
 {
-    mukca_stream *stream = &r->stream;
-    int fits = -1;
+    mukca_lcm_channels channels = {.all = all};
+    if (!r->stream.lines) memcpy(channels.name[0], r->stream.channel, sizeof channels.name[0]);
+    if (r->options->triggers)
+        memcpy(channels.name[1], r->requests.trigger_channel, sizeof channels.name[1]);
+    if (r->hooks.command)
+        memcpy(channels.name[2], r->requests.command_channel, sizeof channels.name[2]);
+    r->stream.search.listens_to_all = all;
+    mukca_lcm_link_listen(r->link, &channels);
+}
+
+/* Select the channel whose messages fit the arm; false: more than one do. */
+static bool choose_channel(mukca_stream *stream, int n_joints)
+{
+    const mukca_stream_heard *fits = NULL;
     for (int i = 0; i < stream->search.n_heard; i++) {
-        if (stream->search.heard[i].joints < r->chain->n_joints) continue;
-        if (fits >= 0)
-            return mukca_fail(&stream->problem, MUKCA_INPUT,
-                              "%s and %s both send joint states: choose with --channel",
-                              stream->search.heard[fits].channel, stream->search.heard[i].channel);
-        fits = i;
+        const mukca_stream_heard *h = &stream->search.heard[i];
+        if (h->joints < n_joints) continue;
+        if (fits)
+            mukca_fail(&stream->problem, MUKCA_INPUT,
+                       "%s and %s both send joint states: choose with --channel", fits->channel,
+                       h->channel);
+        if (fits) return false;
+        fits = h;
     }
-    if (fits < 0) return MUKCA_OK;
-    memcpy(stream->channel, stream->search.heard[fits].channel, sizeof stream->channel);
-    return mukca_lcm_link_listen(r->link, stream->channel, &stream->problem);
+    if (fits) memcpy(stream->channel, fits->channel, sizeof stream->channel);
+    return true;
 }
 
 /* ---- requests over LCM; messages of a log have no sender and are not limited ---- */
@@ -182,19 +195,14 @@ static mukca_status open_link(mukca_recorder *r, mukca_error *error)
     stream->silence = (mukca_stream_silence){.begun = false};
     stream->last.arrival = 0;
     memset(&r->reports, 0, offsetof(mukca_recorder_reports, last_line));
-    const char *channels[] = {stream->channel[0] && !stream->lines ? stream->channel : NULL,
-                              r->options->triggers ? r->requests.trigger_channel : NULL,
-                              r->hooks.command ? r->requests.command_channel : NULL};
     mukca_lcm_network network = r->options->network;
     network.none = stream->lines && !r->options->triggers;
     mukca_status status = mukca_lcm_link_open(&r->link, &network, receive, r, error);
-    for (int i = 0; i < 3 && !status; i++)
-        if (channels[i]) status = mukca_lcm_link_listen(r->link, channels[i], error);
-    const bool search = !stream->map.made && !stream->lines;
-    if (!status && search) status = mukca_lcm_link_listen(r->link, NULL, error);
-    stream->search = (mukca_stream_search){.listens_to_all = search,
-                                           .opened = status ? 0 : mukca_lcm_link_clock(r->link)};
-    return status;
+    stream->search = (mukca_stream_search){.n_heard = 0};
+    if (status != MUKCA_OK) return status;
+    stream->search.opened = mukca_lcm_link_clock(r->link);
+    listen_to(r, !stream->map.made && !stream->lines);
+    return MUKCA_OK;
 }
 
 static mukca_status read_types(mukca_recorder *r, mukca_error *error)
@@ -316,12 +324,10 @@ static void watch(mukca_recorder *r)
     mukca_stream_silence *silence = &r->stream.silence;
     mukca_stream_search *search = &r->stream.search;
     if (r->stream.map.made && search->listens_to_all && silence->duration < listen_s) {
-        mukca_lcm_link_unlisten_all(r->link);
-        search->listens_to_all = false;
+        listen_to(r, false);
     } else if (!r->stream.lines && !search->listens_to_all && silence->duration >= listen_s) {
-        mukca_error none; /* retried at the next step */
         search->n_heard = 0;
-        search->listens_to_all = mukca_lcm_link_listen(r->link, NULL, &none) == MUKCA_OK;
+        listen_to(r, true);
     }
     if (silence->duration < silence_s) return;
     silence->begun = true;
@@ -357,9 +363,7 @@ mukca_status mukca_recorder_step(mukca_recorder *r, int timeout_ms, int other, b
     bool replays = mukca_lcm_link_replays(r->link), ended = status == MUKCA_NEGATIVE;
     if (!stream->channel[0] && stream->search.fit_heard &&
         (ended || now - stream->search.fit_heard > SEARCH_US)) {
-        mukca_status chosen = choose_channel(r);
-        if (chosen == MUKCA_TRANSPORT) *error = stream->problem;
-        if (chosen != MUKCA_OK) return chosen == MUKCA_TRANSPORT ? chosen : status;
+        if (!choose_channel(stream, r->chain->n_joints)) return status;
         if (replays) return open_link(r, error); /* restart with the known channel */
     }
     if (replays || status) return status;
