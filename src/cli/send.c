@@ -118,12 +118,10 @@ static mukca_status check_verb(cli_call *call, const char *verb)
     const char *meant = NULL;
     char text[MUKCA_SUGGEST_TEXT];
     int best = 99;
-    if (strcmp(verb, "status") == 0) return MUKCA_OK;
     for (const char *const *v = mukca_server_verbs; *v; v++) {
         if (strcmp(verb, *v) == 0) return MUKCA_OK;
         if (mukca_suggest_better(&best, verb, *v)) meant = *v;
     }
-    if (mukca_suggest_better(&best, verb, "status")) meant = "status";
     return cli_fail(call, MUKCA_USAGE, "serve has no command '%.40s'; %s", verb,
                     mukca_suggest_text(text, meant, "`mukca help serve` lists them"));
 }

@@ -185,21 +185,6 @@ static mukca_status write_header(mukca_session *session, const mukca_session_hea
     return mukca_output_close(&output, error);
 }
 
-static mukca_status prepare(mukca_session *session, const char *path,
-                            const mukca_session_head *head, mukca_error *error)
-{
-    memset(session, 0, sizeof *session);
-    size_t n = strlen(path);
-    if (n >= sizeof session->path)
-        return mukca_fail(error, MUKCA_INPUT, "%.100s...: the path is too long", path);
-    memcpy(session->path, path, n + 1);
-    session->separator = mukca_dataset_separator(path);
-    session->n_joints = head->chain->n_joints;
-    session->has_effort = head->has_effort;
-    session->has_command = head->has_command;
-    return MUKCA_OK;
-}
-
 /* Open an existing file and lock it. */
 static mukca_status open_file(mukca_session *session, mukca_error *error)
 {
@@ -216,33 +201,7 @@ static mukca_status open_file(mukca_session *session, mukca_error *error)
     return MUKCA_OK;
 }
 
-/* Create the file, or overwrite it. */
-static mukca_status begin(mukca_session *session, const mukca_session_head *head,
-                          mukca_error *error)
-{
-    mukca_status status = write_header(session, head, error);
-    if (session->open) close(session->fd);
-    session->open = false;
-    return status ? status : open_file(session, error);
-}
-
-mukca_status mukca_session_create(mukca_session *session, const char *path, bool force,
-                                  const mukca_session_head *head, mukca_error *error)
-{
-    mukca_status status = prepare(session, path, head, error);
-    const bool exists = status == MUKCA_OK && access(path, F_OK) == 0;
-    if (exists && !force)
-        status =
-            mukca_fail(error, MUKCA_INPUT,
-                       "%s: exists already; --resume continues it, --force overwrites it", path);
-    else if (exists)
-        status = open_file(session, error); /* checks that no other program records it */
-    if (status == MUKCA_OK) status = begin(session, head, error);
-    if (status != MUKCA_OK) mukca_session_close(session);
-    return status;
-}
-
-/* ---- resuming ---- */
+/* ---- opening ---- */
 
 static mukca_status check_comment(const mukca_session *session, const char *comment,
                                   const mukca_session_head *head, mukca_error *error)
@@ -290,15 +249,9 @@ static mukca_status scan(mukca_session *session, bool *has_columns, char *text,
     return MUKCA_OK;
 }
 
-/* Content of a file to be resumed. */
-typedef struct {
-    int64_t rest;     /* bytes after its last complete line */
-    bool ours;        /* it starts like a session file */
-    bool has_columns; /* it has the column line */
-} found_file;
-
-/* Read and scan the complete lines of the file; sets session->length to their bytes. */
-static mukca_status load(found_file *found, mukca_session *session, const mukca_session_head *head,
+/* Read a file to be resumed: check its header, index its rows and remove the rest of an unfinished
+ * one.  *has_columns false: it is empty, or truncated within the header. */
+static mukca_status load(mukca_session *session, bool *has_columns, const mukca_session_task *task,
                          mukca_error *error)
 {
     const int64_t length = session->length;
@@ -312,35 +265,50 @@ static mukca_status load(found_file *found, mukca_session *session, const mukca_
         goto out;
     }
     const size_t first = strlen(first_line);
-    found->ours = strncmp(text, first_line, (size_t)length < first ? (size_t)length : first) == 0;
+    const bool ours =
+        strncmp(text, first_line, (size_t)length < first ? (size_t)length : first) == 0;
     while (session->length > 0 && text[session->length - 1] != '\n') session->length--;
     text[session->length] = '\0';
-    found->rest = length - session->length;
-    status = scan(session, &found->has_columns, text, head, error);
+    status = scan(session, has_columns, text, &task->head, error);
+    if (status != MUKCA_OK) goto out;
+    if (!*has_columns && !ours)
+        status = mukca_fail(error, MUKCA_INPUT, "%s: no header of a session", session->path);
+    else if (*has_columns && session->length < length && ftruncate(session->fd, session->length))
+        status = fail(session, "cannot be mended", error);
+    else if (*has_columns && session->length < length)
+        mukca_note_format(task->note, task->context, "%s: %lld bytes of an unfinished row removed",
+                          session->path, (long long)(length - session->length));
 out:
     free(text);
     return status;
 }
 
-mukca_status mukca_session_resume(mukca_session *session, const char *path,
-                                  const mukca_session_head *head, mukca_note_fn *note,
-                                  void *note_context, mukca_error *error)
+mukca_status mukca_session_open(mukca_session *session, const mukca_session_task *task,
+                                mukca_error *error)
 {
-    found_file found = {.ours = true};
-    mukca_status status = prepare(session, path, head, error);
-    if (status == MUKCA_OK && access(path, F_OK) == 0) {
-        status = open_file(session, error);
-        if (status == MUKCA_OK) status = load(&found, session, head, error);
+    const mukca_session_head *head = &task->head;
+    mukca_status status = MUKCA_OK;
+    bool has_columns = false;
+    *session = (mukca_session){.separator = mukca_dataset_separator(task->path),
+                               .n_joints = head->chain->n_joints,
+                               .has_effort = head->has_effort,
+                               .has_command = head->has_command};
+    if (snprintf(session->path, sizeof session->path, "%s", task->path) >=
+        (int)sizeof session->path)
+        return mukca_fail(error, MUKCA_INPUT, "%.100s...: the path is too long", task->path);
+    if (access(task->path, F_OK) == 0) {
+        if (!task->resume && !task->force)
+            return mukca_fail(error, MUKCA_INPUT,
+                              "%s: exists already; --resume continues it, --force overwrites it",
+                              task->path);
+        status = open_file(session, error); /* checks that no other program records it */
+        if (status == MUKCA_OK && task->resume) status = load(session, &has_columns, task, error);
     }
-    if (status == MUKCA_OK && !found.has_columns) /* empty, or truncated within the header */
-        status = found.ours ? begin(session, head, error)
-                            : mukca_fail(error, MUKCA_INPUT, "%s: no header of a session", path);
-    else if (status == MUKCA_OK && found.rest) {
-        if (ftruncate(session->fd, session->length))
-            status = fail(session, "cannot be mended", error);
-        else
-            mukca_note_format(note, note_context, "%s: %lld bytes of an unfinished row removed",
-                              path, (long long)found.rest);
+    if (status == MUKCA_OK && !has_columns) { /* create or overwrite it */
+        status = write_header(session, head, error);
+        if (session->open) close(session->fd);
+        session->open = false;
+        if (status == MUKCA_OK) status = open_file(session, error);
     }
     if (status != MUKCA_OK) mukca_session_close(session);
     return status;

@@ -264,29 +264,10 @@ static mukca_line_kind parse_cells(mukca_lcm_joints *joints, mukca_joint_lines *
 
 /* ---- JSON: arrays as in sensor_msgs/JointState, or a member per joint ---- */
 
-/* NaN if the value is not a number. */
+/* NaN if the value is not a number; an empty object is NaN, too. */
 static double number(const json_t *value)
 {
     return json_is_number(value) ? json_number_value(value) : (double)NAN;
-}
-
-/* Replace NaN, which Python writes but JSON lacks, by null.  `to` has room for twice the line. */
-static void replace_nan(char *to, const char *from)
-{
-    bool text = false;
-    for (; *from; from++) {
-        if (text && *from == '\\' && from[1]) {
-            *to++ = *from++;
-        } else if (*from == '"') {
-            text = !text;
-        } else if (!text && strncmp(from, "NaN", 3) == 0) {
-            memcpy(to, "null", 4);
-            to += 4, from += 2;
-            continue;
-        }
-        *to++ = *from;
-    }
-    *to = '\0';
 }
 
 /* Time from header.stamp (sec, nanosec; ROS 1: secs, nsecs), us; 0: none. */
@@ -342,7 +323,9 @@ static mukca_line_kind parse_object(mukca_lcm_joints *joints, mukca_joint_lines 
 {
     json_error_t fault;
     mukca_line_kind kind = MUKCA_LINE_FAULT;
-    replace_nan(l->text, line);
+    memcpy(l->text, line, strlen(line) + 1);
+    for (char *at = l->text; (at = strstr(at + 1, "NaN"));) /* Python writes it, JSON lacks it */
+        if (strchr(" :[,", at[-1])) memcpy(at, "{} ", 3);
     json_t *root = json_loads(l->text, JSON_REJECT_DUPLICATES, &fault);
     if (!root) {
         mukca_fail(error, MUKCA_INPUT, "column %d: %.100s", fault.column, fault.text);
@@ -364,8 +347,9 @@ static mukca_line_kind parse_object(mukca_lcm_joints *joints, mukca_joint_lines 
     } else {
         json_object_foreach(message, key, value)
         {
-            if ((!json_is_number(value) && !json_is_null(value)) || (arrays && !time_unit(key)))
-                continue;
+            const bool empty =
+                json_is_null(value) || (json_is_object(value) && !json_object_size(value));
+            if ((!json_is_number(value) && !empty) || (arrays && !time_unit(key))) continue;
             good = good && put(joints, l, key, number(value));
         }
         const int64_t stamp = read_stamp(message);

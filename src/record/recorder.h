@@ -286,7 +286,7 @@ mukca_status mukca_requests_check_signature(mukca_recorder *r, const mukca_lcm_p
 mukca_status mukca_sampling_prepare(mukca_recorder *r, const double *theta, mukca_error *error);
 
 /* Create or resume the session file; its samples are loaded into the capture.  Errors: MUKCA_INPUT
- * (exists without `force`; see mukca_session_resume), MUKCA_MEMORY. */
+ * (exists without `force`; see mukca_session_open), MUKCA_MEMORY. */
 mukca_status mukca_sampling_begin(mukca_recorder *r, const char *path, bool resume, bool force,
                                   mukca_error *error);
 
