@@ -98,8 +98,8 @@ bool mukca_capture_due(int *socket, char text[MUKCA_CAPTURE_TEXT], mukca_capture
     mukca_capture_sample sample;
     mukca_error unsaid;
     text[0] = '\0';
-    if (capture->last_time - capture->checked < 0.02 || capture->socket < 0) return false;
-    capture->checked = capture->last_time;
+    if (capture->last.time - capture->checked < 0.02 || capture->socket < 0) return false;
+    capture->checked = capture->last.time;
     if (mukca_capture_take(&sample, capture, MUKCA_CAPTURE_IN_ORDER, &unsaid)) {
         capture->standing = false;
         return false;
@@ -113,7 +113,7 @@ bool mukca_capture_due(int *socket, char text[MUKCA_CAPTURE_TEXT], mukca_capture
         memcpy(capture->anchor, sample.q, sizeof capture->anchor);
     }
     /* The end of hand guiding confirms that the ball is in place. */
-    double dwell = capture->was_guided && !capture->guided ? s->window : s->dwell;
+    double dwell = capture->was_guided && !capture->last.guided ? s->window : s->dwell;
     if (capture->taken || sample.time - capture->still_since < dwell) return false;
     capture->taken = true;
     double x[3], how_far;
@@ -358,7 +358,7 @@ void mukca_capture_clear(mukca_capture *capture)
     capture->socket = -1;
     capture->count = 0;
     capture->jumps = 0;
-    capture->has_last = capture->guided = capture->was_guided = false;
+    capture->has_last = capture->last.guided = capture->was_guided = false;
     capture->standing = capture->taken = false;
     capture->checked = 0;
 }

@@ -142,11 +142,11 @@ static mukca_status run(cli_call *call)
     if (status == MUKCA_OK && o->key) status = mukca_lcm_key_read(&c->key, o->key, error);
     if (status == MUKCA_OK)
         status = mukca_lcm_link_open(&c->link, &o->network, on_packet, c, error);
-    if (status == MUKCA_OK && mukca_lcm_link_replays(c->link))
+    if (status == MUKCA_OK && c->link->replays)
         status = mukca_fail(error, MUKCA_USAGE, "commands need a network, not a log");
     mukca_message_channel(channel, c->wants_status ? MUKCA_MESSAGE_STATUS : MUKCA_MESSAGE_RESULT,
                           o->prefix);
-    if (status == MUKCA_OK) mukca_lcm_link_listen(c->link, &channels);
+    if (status == MUKCA_OK) mukca_lcm_multicast_listen(c->link->multicast, &channels);
     if (status == MUKCA_OK && !c->wants_status) status = send_command(c);
     double deadline = cli_elapsed(call) + o->timeout;
     while (status == MUKCA_OK && !c->answered) {

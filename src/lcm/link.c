@@ -18,34 +18,9 @@
 
 enum { BURST = 256 /* events of a log per call */ };
 
-struct mukca_lcm_link {
-    lcm_t *lcm;                     /* sends; NULL: nothing is sent */
-    mukca_lcm_multicast *multicast; /* receives; NULL: a log is replayed, or nothing is received */
-    bool replays;
-    mukca_lcm_packet_fn *receive;
-    void *context;
-    mukca_lcm_log log; /* replayed */
-    int64_t clock;     /* time of the last event delivered, us */
-};
-
 int64_t mukca_lcm_link_clock(const mukca_lcm_link *link)
 {
     return link->replays ? link->clock : mukca_clock_wall();
-}
-
-bool mukca_lcm_link_replays(const mukca_lcm_link *link)
-{
-    return link->replays;
-}
-
-int64_t mukca_lcm_link_skipped(const mukca_lcm_link *link)
-{
-    return link->log.skipped;
-}
-
-int64_t mukca_lcm_link_dropped(mukca_lcm_link *link, char reason[128])
-{
-    return link->multicast ? mukca_lcm_multicast_dropped(link->multicast, reason) : 0;
 }
 
 /* ---- open and close ---- */
@@ -160,11 +135,6 @@ void mukca_lcm_link_close(mukca_lcm_link *link)
     if (link->lcm) lcm_destroy(link->lcm);
     mukca_lcm_log_close(&link->log);
     free(link);
-}
-
-void mukca_lcm_link_listen(mukca_lcm_link *link, const mukca_lcm_channels *channels)
-{
-    if (link->multicast) mukca_lcm_multicast_listen(link->multicast, channels);
 }
 
 /* ---- wait ---- */

@@ -263,6 +263,7 @@ void mukca_lcm_multicast_close(mukca_lcm_multicast *m)
 
 void mukca_lcm_multicast_listen(mukca_lcm_multicast *m, const mukca_lcm_channels *channels)
 {
+    if (!m) return;
     pthread_mutex_lock(&m->lock);
     m->channels = *channels;
     pthread_mutex_unlock(&m->lock);
@@ -285,6 +286,7 @@ mukca_lcm_queued *mukca_lcm_multicast_take(mukca_lcm_multicast *m)
 
 int64_t mukca_lcm_multicast_dropped(mukca_lcm_multicast *m, char reason[128])
 {
+    if (!m) return 0;
     pthread_mutex_lock(&m->lock);
     const int64_t dropped = m->dropped;
     memcpy(reason, m->reason, sizeof m->reason);

@@ -165,7 +165,7 @@ mukca_status mukca_lcm_multicast_open(mukca_lcm_multicast **multicast,
                                       const mukca_lcm_multicast_options *options,
                                       mukca_error *error);
 
-/* Receive these channels from now on. */
+/* Receive these channels from now on.  m NULL: nothing is received. */
 void mukca_lcm_multicast_listen(mukca_lcm_multicast *m, const mukca_lcm_channels *channels);
 
 /* Descriptor for poll(2), readable while a message waits. */

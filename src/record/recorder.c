@@ -30,7 +30,7 @@ static void listen_to(mukca_recorder *r, bool all)
     if (r->hooks.command)
         memcpy(channels.name[2], r->requests.command_channel, sizeof channels.name[2]);
     r->stream.search.listens_to_all = all;
-    mukca_lcm_link_listen(r->link, &channels);
+    mukca_lcm_multicast_listen(r->link->multicast, &channels);
 }
 
 /* Select the channel whose messages fit the arm; false: more than one do. */
@@ -170,7 +170,7 @@ static void hear(mukca_recorder *r, const mukca_lcm_packet *packet)
 static void receive(void *context, const mukca_lcm_packet *packet)
 {
     mukca_recorder *r = context;
-    bool ahead = mukca_lcm_link_replays(r->link) && !r->stream.connected; /* it will be replayed */
+    bool ahead = r->link->replays && !r->stream.connected; /* it will be replayed */
     r->packet_time = packet->time;
     if (strcmp(packet->channel, r->stream.channel) == 0)
         mukca_stream_take(r, packet);
@@ -269,8 +269,7 @@ mukca_status mukca_recorder_open(mukca_recorder *r, const mukca_recorder_options
     if (options->key) status = mukca_lcm_key_read(&r->requests.key, options->key, error);
     if (status == MUKCA_OK) status = open_link(r, error);
     /* requests signed before the start may have been accepted by an earlier process */
-    if (status == MUKCA_OK && !mukca_lcm_link_replays(r->link))
-        r->requests.last_signed = r->stream.search.opened;
+    if (status == MUKCA_OK && !r->link->replays) r->requests.last_signed = r->stream.search.opened;
     return status;
 }
 
@@ -297,8 +296,7 @@ mukca_status mukca_recorder_connect(mukca_recorder *r, double wait, mukca_error 
         if (stream->problem.status && now - found > PROBLEM_US) break;
         if (r->hooks.interrupted && r->hooks.interrupted())
             return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
-        if (!mukca_lcm_link_replays(r->link) && wait >= 0 &&
-            1e-6 * (double)(now - stream->search.opened) > wait)
+        if (!r->link->replays && wait >= 0 && 1e-6 * (double)(now - stream->search.opened) > wait)
             status = MUKCA_NEGATIVE;
     }
     if (status == MUKCA_TRANSPORT) return status;
@@ -314,7 +312,7 @@ mukca_status mukca_recorder_connect(mukca_recorder *r, double wait, mukca_error 
     }
     stream->connected = true;
     /* messages read ahead from a log are recorded, too */
-    return mukca_lcm_link_replays(r->link) ? open_link(r, error) : MUKCA_OK;
+    return r->link->replays ? open_link(r, error) : MUKCA_OK;
 }
 
 /* Detect silence on a network.  It is the time of waiting: a process that was stopped, or is late,
@@ -343,7 +341,7 @@ static void watch(mukca_recorder *r)
 static void warn_dropped(mukca_recorder *r)
 {
     char reason[128], line[160];
-    int64_t dropped = mukca_lcm_link_dropped(r->link, reason);
+    int64_t dropped = mukca_lcm_multicast_dropped(r->link->multicast, reason);
     if (dropped == r->stream.count.dropped) return;
     r->stream.count.dropped = dropped;
     snprintf(line, sizeof line, "network: messages dropped: %s", reason);
@@ -360,7 +358,7 @@ mukca_status mukca_recorder_step(mukca_recorder *r, int timeout_ms, int other, b
                               ? mukca_stream_wait_lines(r, timeout_ms, other, readable, error)
                               : mukca_lcm_link_wait(r->link, timeout_ms, other, readable, error);
     int64_t now = mukca_lcm_link_clock(r->link);
-    bool replays = mukca_lcm_link_replays(r->link), ended = status == MUKCA_NEGATIVE;
+    bool replays = r->link->replays, ended = status == MUKCA_NEGATIVE;
     if (!stream->channel[0] && stream->search.fit_heard &&
         (ended || now - stream->search.fit_heard > SEARCH_US)) {
         if (!choose_channel(stream, r->chain->n_joints)) return status;

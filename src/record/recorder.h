@@ -30,7 +30,7 @@ typedef struct {
 /* The last joint state. */
 typedef struct {
     mukca_lcm_joints joints;
-    double q[MUKCA_MAX_JOINTS], effort[MUKCA_MAX_JOINTS], command[MUKCA_MAX_JOINTS];
+    double q[MUKCA_MAX_JOINTS], command[MUKCA_MAX_JOINTS];
     int64_t time;    /* us, its sender's, else its arrival */
     int64_t arrival; /* us; 0: none yet */
 } mukca_stream_last;
@@ -109,7 +109,7 @@ enum { MUKCA_LABELS = 32 };
 typedef struct {
     char store[512];
     int n;
-    const char *name[MUKCA_LABELS];
+    char *name[MUKCA_LABELS];
 } mukca_labels;
 
 typedef struct {
@@ -141,10 +141,9 @@ typedef struct {
     int n_types;
     int stream; /* index into mukca_recorder_streams */
     bool still;
-    double window, motion, dwell; /* s, rad or m, s */
-    double distance;              /* between the sockets, m; 0: 0.05 */
-    bool triggers;                /* record on messages of PREFIX_TRIGGER */
-    bool lines;                   /* read joint states as lines from standard input */
+    mukca_capture_settings capture; /* its labels: those of `sockets` */
+    bool triggers;                  /* record on messages of PREFIX_TRIGGER */
+    bool lines;                     /* read joint states as lines from standard input */
 } mukca_recorder_options;
 
 /* "raw", "corrected", NULL; and that of the options. */
@@ -255,6 +254,10 @@ mukca_status mukca_stream_wait_lines(mukca_recorder *r, int timeout_ms, int othe
 mukca_status mukca_stream_check_map(mukca_recorder *r, mukca_error *error);
 mukca_status mukca_stream_make_map(mukca_recorder *r);
 
+/* Find the mapped names in the last message, at their previous positions or elsewhere (a driver may
+ * list joints in any order, mixed with others).  False: joint *missing is not there. */
+bool mukca_stream_find_names(mukca_stream *stream, int *missing, int n_joints);
+
 /* Whether the mapping follows from the order of readings alone; and the mapping as lines, with the
  * sender's names next to the arm's. */
 bool mukca_stream_needs_confirmation(const mukca_recorder *r);
@@ -291,16 +294,15 @@ mukca_status mukca_sampling_begin(mukca_recorder *r, const char *path, bool resu
                                   mukca_error *error);
 
 /* Requests of the user; answer->text is the reply, also on success.  mukca_sampling_sample returns
- * after the sample is on disk, and sends a sample message in any case.  The others delete sample
- * `row` (from 1; 0: the last), select a socket, the next socket, or the first socket of a new
- * placement.  Errors: MUKCA_NEGATIVE (refused), MUKCA_INPUT (disk). */
+ * after the sample is on disk, and sends a sample message in any case.  mukca_sampling_delete
+ * deletes sample `row` (from 1; 0: the last).  mukca_sampling_select: `placement` NULL is the
+ * current one, "" a new one; `socket` NULL is the next one, with a placement its first.  Errors:
+ * MUKCA_NEGATIVE (refused), MUKCA_INPUT (disk). */
 mukca_status mukca_sampling_sample(mukca_recorder *r, const mukca_sample_request *request,
                                    mukca_error *answer);
 mukca_status mukca_sampling_delete(mukca_recorder *r, int row, mukca_error *answer);
 mukca_status mukca_sampling_select(mukca_recorder *r, const char *placement, const char *socket,
                                    mukca_error *answer);
-mukca_status mukca_sampling_next_socket(mukca_recorder *r, mukca_error *answer);
-mukca_status mukca_sampling_next_placement(mukca_recorder *r, mukca_error *answer);
 
 /* As mukca_sampling_sample; the reply is reported. */
 void mukca_sampling_trigger(mukca_recorder *r, const mukca_sample_request *request);

@@ -24,6 +24,9 @@ static const char *const rights[] = {MUKCA_SERVER_VERB_LIST(VERB_NAME) "status",
                                      "reopen"};
 const char *const mukca_server_verbs[] = {MUKCA_SERVER_VERB_LIST(VERB_NAME) "status", NULL};
 
+#define VERB_ARGUMENTS(name, usage, arguments, sentence) arguments,
+static const int most_arguments[] = {MUKCA_SERVER_VERB_LIST(VERB_ARGUMENTS)};
+
 /* Read --accept: bit k for rights[k]. */
 static mukca_status read_rights(mukca_server *s, mukca_error *error)
 {
@@ -72,7 +75,7 @@ static mukca_status may_start(mukca_server *s, const char *name, mukca_error *er
     struct statvfs disk;
     bool current = strcmp(name, s->state.session) == 0 && !s->state.finished[0];
     mukca_server_path(path, s, MUKCA_SERVER_SESSIONS, name, ".tsv");
-    if (current || mukca_lcm_link_replays(s->recorder.link)) return MUKCA_OK;
+    if (current || s->recorder.link->replays) return MUKCA_OK;
     if (access(path, F_OK) == 0) {
         if (s->rights >> REOPEN & 1u) return MUKCA_OK;
         return mukca_fail(error, MUKCA_NEGATIVE,
@@ -91,16 +94,6 @@ static mukca_status may_start(mukca_server *s, const char *name, mukca_error *er
 }
 
 /* ---- commands ---- */
-
-/* The answer's text is sent unless it is empty: the result was sent already, or follows later. */
-#define VERB(name)                                                                       \
-    static mukca_status do_##name(mukca_server *s, const mukca_message_command *command, \
-                                  mukca_error *answer)
-
-static const char *argument(const mukca_message_command *command, int i)
-{
-    return i < command->n ? command->argument[i] : NULL;
-}
 
 /* Store the current placement and socket for a restart. */
 static void keep_place(mukca_server *s)
@@ -135,12 +128,11 @@ static mukca_status begin(mukca_server *s, mukca_error *answer)
     return status;
 }
 
-VERB(start)
+static mukca_status start(mukca_server *s, const char *name, mukca_error *answer)
 {
     mukca_recorder *r = &s->recorder;
     mukca_error ignored;
     const mukca_server_state before = s->state;
-    const char *name = argument(command, 0) ? argument(command, 0) : "session";
     if (!mukca_server_name_ok(name))
         return mukca_fail(answer, MUKCA_USAGE,
                           "a session's name: at most 40 letters, digits, _ - and .");
@@ -164,39 +156,8 @@ VERB(start)
     return status;
 }
 
-VERB(add)
+static mukca_status finish(mukca_server *s, mukca_error *answer)
 {
-    const mukca_sample_request request = {.id = command->id,
-                                          .time = s->recorder.packet_time,
-                                          .placement = argument(command, 0),
-                                          .socket = argument(command, 1)};
-    return mukca_sampling_sample(&s->recorder, &request, answer);
-}
-
-VERB(delete)
-{
-    (void)command;
-    return mukca_sampling_delete(&s->recorder, 0, answer);
-}
-
-VERB(socket)
-{
-    const char *label = argument(command, 0);
-    return label ? mukca_sampling_select(&s->recorder, NULL, label, answer)
-                 : mukca_sampling_next_socket(&s->recorder, answer);
-}
-
-VERB(placement)
-{
-    const char *name = argument(command, 0),
-               *first = s->recorder.session.capture.settings.labels[0];
-    return name ? mukca_sampling_select(&s->recorder, name, first, answer)
-                : mukca_sampling_next_placement(&s->recorder, answer);
-}
-
-VERB(finish)
-{
-    (void)command;
     mukca_session *session = &s->recorder.session.file;
     if (!session->open) return mukca_fail(answer, MUKCA_NEGATIVE, "no session is being recorded");
     s->state.finished[0] = '1';
@@ -210,43 +171,50 @@ VERB(finish)
     return status;
 }
 
-VERB(calibrate)
-{
-    return mukca_server_start_job(s, false, command->id, answer);
-}
-
-VERB(diagnose)
-{
-    return mukca_server_start_job(s, true, command->id, answer);
-}
-
-VERB(use)
-{
-    return mukca_server_use(s, argument(command, 0), answer);
-}
-
-VERB(result)
+static mukca_status send_table(mukca_server *s, int64_t id, mukca_error *answer)
 {
     char text[MUKCA_RECORDER_LINE];
     if (!s->pose.ready)
         return mukca_fail(answer, MUKCA_NEGATIVE, "no table is in use: calibrate, then use");
     snprintf(text, sizeof text, "the table in use: %s", s->state.model);
-    const mukca_server_answer table = {
-        .id = command->id, .verb = "result", .text = text, .table = &s->pose.offsets};
-    mukca_server_send_answer(s, &table);
+    s->result = (mukca_message_result){.id = id, .verb = "result", .text = text};
+    mukca_server_answer(s, &s->pose.offsets);
     return MUKCA_OK;
 }
 
-static const struct {
-    int arguments;
-    mukca_status (*run)(mukca_server *s, const mukca_message_command *command, mukca_error *answer);
-} verbs[] = {
-#define VERB_ROW(name, usage, arguments, sentence) {arguments, do_##name},
-    MUKCA_SERVER_VERB_LIST(VERB_ROW)
-#undef VERB_ROW
-};
+static mukca_status execute(mukca_server *s, int verb, const mukca_message_command *command,
+                            mukca_error *answer)
+{
+    mukca_recorder *r = &s->recorder;
+    const char *first = command->n > 0 ? command->argument[0] : NULL;
+    const mukca_sample_request request = {.id = command->id,
+                                          .time = r->packet_time,
+                                          .placement = first,
+                                          .socket = command->n > 1 ? command->argument[1] : NULL};
+    switch (verb) {
+        case RIGHT_start:
+            return start(s, first ? first : "session", answer);
+        case RIGHT_add:
+            return mukca_sampling_sample(r, &request, answer);
+        case RIGHT_delete:
+            return mukca_sampling_delete(r, 0, answer);
+        case RIGHT_socket:
+            return mukca_sampling_select(r, NULL, first, answer);
+        case RIGHT_placement:
+            return mukca_sampling_select(r, first ? first : "", NULL, answer);
+        case RIGHT_finish:
+            return finish(s, answer);
+        case RIGHT_use:
+            return mukca_server_use(s, first, answer);
+        case RIGHT_result:
+            return send_table(s, command->id, answer);
+        default:
+            return mukca_server_start_job(s, verb == RIGHT_diagnose, command->id, answer);
+    }
+}
 
-/* Execute a command if its sender has the right to it. */
+/* Execute a command if its sender has the right to it.  The answer's text is sent unless it is
+ * empty: the result was sent already, or follows later. */
 static mukca_status obey(mukca_server *s, const mukca_lcm_packet *packet,
                          const mukca_message_command *command, mukca_error *answer)
 {
@@ -254,15 +222,15 @@ static mukca_status obey(mukca_server *s, const mukca_lcm_packet *packet,
     mukca_status status =
         mukca_requests_check_signature(&s->recorder, packet, command->utime, answer);
     if (status != MUKCA_OK) return status;
-    for (size_t i = 0; i < sizeof verbs / sizeof verbs[0]; i++) {
-        if (strcmp(verb, mukca_server_verbs[i]) != 0 || command->n > verbs[i].arguments) continue;
+    for (int i = 0; i < STATUS; i++) {
+        if (strcmp(verb, mukca_server_verbs[i]) != 0 || command->n > most_arguments[i]) continue;
         if (!(s->rights >> i & 1u))
             return mukca_fail(answer, MUKCA_NEGATIVE,
                               "not accepted: start serve with --accept naming %s", verb);
-        if (strcmp(verb, "result") != 0) status = control(s, packet, answer);
+        if (i != RIGHT_result) status = control(s, packet, answer);
         if (status != MUKCA_OK) return status;
         answer->text[0] = '\0';
-        return verbs[i].run(s, command, answer);
+        return execute(s, i, command, answer);
     }
     return mukca_fail(answer, MUKCA_USAGE, "unknown verb or too many arguments: \"%.40s\"", verb);
 }
@@ -282,9 +250,9 @@ static void on_command(void *context, const mukca_lcm_packet *packet)
     if (strcmp(command.verb, "add") != 0) /* mukca_sampling_sample counts its own failures */
         mukca_sampling_count_unwritten(r, &line);
     if (!line.text[0]) return;
-    const mukca_server_answer answer = {
-        .id = command.id, .verb = command.verb, .text = line.text, .code = status};
-    mukca_server_send_answer(s, &answer);
+    s->result = (mukca_message_result){
+        .id = command.id, .verb = command.verb, .text = line.text, .code = (int)status};
+    mukca_server_answer(s, NULL);
     mukca_recorder_report(r, "%.40s: %s", command.verb, line.text);
 }
 
@@ -328,7 +296,7 @@ mukca_status mukca_server_open(mukca_server *s, const mukca_server_options *opti
     mukca_error problem; /* serves without a model, too */
     if (mukca_server_load_model(s, &problem))
         mukca_recorder_report(&s->recorder, "no table is in use: %s", problem.text);
-    if (!mukca_lcm_link_replays(s->recorder.link)) return MUKCA_OK;
+    if (!s->recorder.link->replays) return MUKCA_OK;
     s->rights = ~0u;
     return mukca_recorder_connect(&s->recorder, -1, error);
 }

@@ -91,7 +91,7 @@ typedef struct {
     mukca_server_job job;
     mukca_server_pose pose;
     mukca_offsets candidate;     /* scratch */
-    mukca_message_result result; /* scratch */
+    mukca_message_result result; /* the last answer */
     mukca_offset_row rows[MUKCA_MAX_OFFSET_ROWS];
 } mukca_server;
 
@@ -154,15 +154,9 @@ mukca_status mukca_server_use(mukca_server *s, const char *session, mukca_error 
 /* A recorder hook: send the pose of one joint state. */
 void mukca_server_send_pose(void *server, int64_t time_us, const double *q);
 
-/* Send the result of a command; `table` (may be NULL) adds its rows, `json` (may be NULL) is sent
- * unchanged. */
-typedef struct {
-    int64_t id;
-    const char *verb, *text, *json;
-    mukca_status code;
-    const mukca_offsets *table;
-} mukca_server_answer;
-void mukca_server_send_answer(mukca_server *s, const mukca_server_answer *answer);
+/* Complete s->result, which has id, verb, text, code and JSON of an answer, and send it; `table`
+ * (may be NULL) adds its rows. */
+void mukca_server_answer(mukca_server *s, const mukca_offsets *table);
 
 /* Start calibrate or diagnose on the session; the reply follows at its end, which is waited for
  * while a log is replayed.  Errors: MUKCA_NEGATIVE (a job is running, no session), MUKCA_INPUT. */

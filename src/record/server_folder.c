@@ -7,7 +7,6 @@
  *   DIR/results/       NAME.offsets.tsv and other results of jobs
  *
  * Session names come from the network and must not collide with other files. */
-#include <ctype.h>
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -33,11 +32,10 @@ void mukca_server_path(char path[MUKCA_SERVER_PATH], const mukca_server *s, cons
 
 bool mukca_server_name_ok(const char *name)
 {
-    size_t n = strlen(name);
-    if (n < 1 || n > 40 || name[0] == '.' || name[0] == '-') return false;
-    for (const char *c = name; *c; c++)
-        if (!isalnum((unsigned char)*c) && !strchr("_-.", *c)) return false;
-    return true;
+    const size_t n = strspn(name,
+                            "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
+                            "0123456789_-.");
+    return n > 0 && n <= 40 && !name[n] && name[0] != '.' && name[0] != '-';
 }
 
 bool mukca_server_session_of(char session[MUKCA_NAME_SIZE], const char *result)
@@ -209,20 +207,16 @@ static mukca_status lock(mukca_server *s, mukca_error *error)
     return MUKCA_OK;
 }
 
-static bool ends_with(const char *name, const char *ending)
-{
-    const size_t length = strlen(name), end = strlen(ending);
-    return length > end && strcmp(name + length - end, ending) == 0;
-}
-
 /* Remove the temporary files of killed writers in DIR/folder. */
 static mukca_status tidy(const char *path, mukca_error *error)
 {
     DIR *entries = opendir(path);
     if (!entries) return fail(path, error);
-    for (const struct dirent *e; (e = readdir(entries));)
-        if (e->d_name[0] == '.' && ends_with(e->d_name, ".tmp"))
+    for (const struct dirent *e; (e = readdir(entries));) {
+        const char *ending = strrchr(e->d_name, '.');
+        if (e->d_name[0] == '.' && ending > e->d_name && strcmp(ending, ".tmp") == 0)
             (void)!unlinkat(dirfd(entries), e->d_name, 0); /* a leftover file does no harm */
+    }
     closedir(entries);
     return MUKCA_OK;
 }

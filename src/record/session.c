@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/cells.h"
 #include "io/dataset.h"
 #include "record/recorder.h"
 
@@ -13,20 +14,19 @@ static mukca_status split_labels(mukca_labels *labels, const char *list, const c
                                  mukca_error *error)
 {
     if (!list) return MUKCA_OK;
-    if (strlen(list) >= sizeof labels->store)
+    labels->n = mukca_cells_count(list, ',');
+    if (strlen(list) >= sizeof labels->store || labels->n > MUKCA_LABELS)
         return mukca_fail(error, MUKCA_USAGE, "%s: the list is too long", option);
     memcpy(labels->store, list, strlen(list) + 1);
-    for (char *at = labels->store; at;) {
-        char *comma = strchr(at, ',');
-        if (comma) *comma = '\0';
-        if (!mukca_session_label_ok(at) || labels->n == MUKCA_LABELS)
+    mukca_cells_split(labels->name, labels->n, labels->store, ',');
+    for (int i = 0; i < labels->n; i++) {
+        if (!mukca_session_label_ok(labels->name[i]))
             return mukca_fail(error, MUKCA_USAGE, "%s \"%.60s\": at most %d names, commas between",
                               option, list, MUKCA_LABELS);
-        for (int k = 0; k < labels->n; k++)
-            if (strcmp(labels->name[k], at) == 0)
-                return mukca_fail(error, MUKCA_USAGE, "%s: '%s' comes twice", option, at);
-        labels->name[labels->n++] = at;
-        at = comma ? comma + 1 : NULL;
+        for (int k = 0; k < i; k++)
+            if (strcmp(labels->name[k], labels->name[i]) == 0)
+                return mukca_fail(error, MUKCA_USAGE, "%s: '%s' comes twice", option,
+                                  labels->name[i]);
     }
     return MUKCA_OK;
 }
@@ -40,12 +40,9 @@ mukca_status mukca_sampling_prepare(mukca_recorder *r, const double *theta, mukc
     if (!status && s->sockets.n == 1)
         status = mukca_fail(error, MUKCA_USAGE, "--sockets: a tool has two or more");
     if (status != MUKCA_OK) return status;
-    mukca_capture_settings settings = {.window = o->window,
-                                       .range = o->motion,
-                                       .dwell = o->dwell,
-                                       .distance = o->distance,
-                                       .n_labels = s->sockets.n,
-                                       .labels = s->sockets.name};
+    mukca_capture_settings settings = o->capture;
+    settings.n_labels = s->sockets.n;
+    settings.labels = (const char *const *)s->sockets.name;
     return mukca_capture_init(&s->capture, r->chain, theta, &settings, error);
 }
 
@@ -77,7 +74,7 @@ static mukca_status load_rows(mukca_recorder *r, const char *path, mukca_error *
 {
     mukca_sampling *s = &r->session;
     mukca_dataset data;
-    const mukca_dataset_options options = {.distance = r->options->distance,
+    const mukca_dataset_options options = {.distance = r->options->capture.distance,
                                            .partial = true,
                                            .note = mukca_recorder_note,
                                            .context = r};
@@ -320,22 +317,17 @@ mukca_status mukca_sampling_select(mukca_recorder *r, const char *placement, con
                                    mukca_error *answer)
 {
     mukca_sampling *s = &r->session;
+    char name[MUKCA_NAME_SIZE];
     mukca_error error;
+    if (!socket && placement) socket = s->capture.settings.labels[0];
+    if (!socket) socket = mukca_capture_next_label(&s->capture);
+    if (placement && !*placement) {
+        new_placement(r, name);
+        placement = name;
+    }
     mukca_status status = complete_labels(r, &placement, &socket, &error);
     if (status == MUKCA_OK) status = mukca_capture_select(&s->capture, placement, socket, &error);
     if (status != MUKCA_OK) return mukca_fail(answer, status, "not changed: %s", error.text);
     return mukca_fail(answer, MUKCA_OK, "now placement %s, socket %s (%d samples)", placement,
                       socket, mukca_capture_count(&s->capture, s->capture.socket));
-}
-
-mukca_status mukca_sampling_next_socket(mukca_recorder *r, mukca_error *answer)
-{
-    return mukca_sampling_select(r, NULL, mukca_capture_next_label(&r->session.capture), answer);
-}
-
-mukca_status mukca_sampling_next_placement(mukca_recorder *r, mukca_error *answer)
-{
-    char name[MUKCA_NAME_SIZE];
-    new_placement(r, name);
-    return mukca_sampling_select(r, name, r->session.capture.settings.labels[0], answer);
 }

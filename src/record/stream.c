@@ -31,11 +31,11 @@ static mukca_status take_positions(mukca_recorder *r, mukca_error *error)
     return MUKCA_OK;
 }
 
-static void copy_values(double *out, const mukca_recorder *r, mukca_lcm_role role)
+static void copy_values(double *out, const mukca_stream *stream, int n, mukca_lcm_role role)
 {
-    const mukca_stream *stream = &r->stream;
-    for (int j = 0; j < r->chain->n_joints; j++)
-        out[j] = stream->last.joints.value[role][stream->map.reading[j]];
+    const mukca_lcm_joints *joints = &stream->last.joints;
+    for (int j = 0; j < n; j++)
+        out[j] = joints->has[role] ? joints->value[role][stream->map.reading[j]] : (double)NAN;
 }
 
 /* Whether joint states are from the accepted sender.  False: the message is refused. */
@@ -99,7 +99,7 @@ static void record_still(mukca_recorder *r)
     mukca_error answer;
     int socket;
     const bool due = mukca_capture_due(&socket, text, &r->session.capture);
-    const bool replay = r->stream.lines ? r->stream.lines->file : mukca_lcm_link_replays(r->link);
+    const bool replay = r->stream.lines ? r->stream.lines->file : r->link->replays;
     if (!due && !text[0]) return;
     if (!due && !replay) {
         r->session.refused++;
@@ -111,7 +111,7 @@ static void record_still(mukca_recorder *r)
         mukca_sampling_delete(r, 0, &answer);
         mukca_recorder_report(r, "%s: a rest between placements", answer.text);
     } else if (socket < 0) {
-        mukca_sampling_next_placement(r, &answer);
+        mukca_sampling_select(r, "", NULL, &answer);
     }
     mukca_sample_request request = {0};
     if (socket >= 0)
@@ -124,13 +124,12 @@ static void record_still(mukca_recorder *r)
 static void feed(mukca_recorder *r, int64_t time)
 {
     mukca_stream *stream = &r->stream;
-    mukca_capture_reading reading = {
-        .time = 1e-6 * (double)time,
-        .arrival = 1e-6 * (double)stream->last.arrival,
-        .q = stream->last.q,
-        .effort = stream->last.joints.has[MUKCA_LCM_ROLE_EFFORT] ? stream->last.effort : NULL,
-        .command = stream->last.joints.has[MUKCA_LCM_ROLE_COMMAND] ? stream->last.command : NULL,
-        .guided = stream->last.joints.guided};
+    mukca_capture_reading reading = {.time = 1e-6 * (double)time,
+                                     .arrival = 1e-6 * (double)stream->last.arrival,
+                                     .guided = stream->last.joints.guided};
+    memcpy(reading.q, stream->last.q, sizeof reading.q);
+    copy_values(reading.effort, stream, r->chain->n_joints, MUKCA_LCM_ROLE_EFFORT);
+    memcpy(reading.command, stream->last.command, sizeof reading.command);
     unsigned found = mukca_capture_feed(&r->session.capture, &reading);
     if (found & MUKCA_CAPTURE_TWO_SENDERS)
         mukca_recorder_warn(r, MUKCA_RECORDER_TWO_SENDERS, two_arms);
@@ -176,30 +175,12 @@ static bool map_first(mukca_recorder *r, int type)
     return true;
 }
 
-/* Find the mapped names in the message, at their previous positions or elsewhere (a driver may list
- * joints in any order, mixed with others). */
-static bool find_names(mukca_recorder *r)
-{
-    mukca_stream *stream = &r->stream;
-    const int n = stream->last.joints.has[MUKCA_LCM_ROLE_NAME] ? stream->last.joints.n : 0;
-    for (int j = 0; j < r->chain->n_joints; j++) {
-        const char *joint = stream->map.name[j];
-        if (stream->map.reading[j] < n &&
-            strcmp(stream->last.joints.name[stream->map.reading[j]], joint) == 0)
-            continue;
-        int k = 0;
-        while (k < n && strcmp(stream->last.joints.name[k], joint) != 0) k++;
-        if (k == n) return false;
-        stream->map.reading[j] = k;
-    }
-    return true;
-}
-
 /* Copy the message's readings to the arm's joints; false: they are not plausible. */
 static bool copy_readings(mukca_recorder *r)
 {
     mukca_stream *stream = &r->stream;
-    if (stream->map.by_name && !find_names(r)) {
+    int missing;
+    if (stream->map.by_name && !mukca_stream_find_names(stream, &missing, r->chain->n_joints)) {
         mukca_recorder_refuse(r, MUKCA_RECORDER_NAMES,
                               "%s: a message without all joints of the arm: ignored (of another "
                               "arm, or of a gripper alone?)",
@@ -218,10 +199,7 @@ static bool copy_readings(mukca_recorder *r)
         mukca_recorder_refuse(r, MUKCA_RECORDER_RANGE, "%s", error.text);
         return false;
     }
-    if (stream->last.joints.has[MUKCA_LCM_ROLE_EFFORT])
-        copy_values(stream->last.effort, r, MUKCA_LCM_ROLE_EFFORT);
-    if (stream->last.joints.has[MUKCA_LCM_ROLE_COMMAND])
-        copy_values(stream->last.command, r, MUKCA_LCM_ROLE_COMMAND);
+    copy_values(stream->last.command, stream, r->chain->n_joints, MUKCA_LCM_ROLE_COMMAND);
     return true;
 }
 
