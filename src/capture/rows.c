@@ -186,21 +186,16 @@ const char *mukca_capture_next_label(const mukca_capture *capture)
 void mukca_capture_spread(double *rms, double *last, const mukca_capture *capture, int socket)
 {
     const mukca_dataset *rows = &capture->rows;
-    double mean[3], others[3], x[3], squares = 0;
-    int n = socket_mean(mean, capture, socket, -1), latest = -1;
+    double mean[3], x[3], apart = 0, squares = 0;
+    const int n = socket_mean(mean, capture, socket, -1);
     for (int i = 0; i < rows->n_rows; i++) {
         if (rows->socket[i] != socket) continue;
         mukca_fk_position(x, &capture->model.geometry, rows->q + i * rows->n_joints, NULL);
-        squares += mukca_distance3(x, mean) * mukca_distance3(x, mean);
-        latest = i;
+        apart = mukca_distance3(x, mean);
+        squares += apart * apart;
     }
     if (rms) *rms = n < 3 ? (double)NAN : sqrt(squares / n);
-    if (!last) return;
-    *last = (double)NAN;
-    if (n < 2) return;
-    socket_mean(others, capture, socket, latest);
-    mukca_fk_position(x, &capture->model.geometry, rows->q + latest * rows->n_joints, NULL);
-    *last = mukca_distance3(x, others);
+    if (last) *last = n < 2 ? (double)NAN : apart * n / (n - 1); /* the mean contains it */
 }
 
 /* The socket in which a ball seems to be that is `off` from the current one: the nearest with

@@ -106,35 +106,24 @@ static mukca_status open_network(mukca_lcm_link *link, const char *url,
     return mukca_lcm_multicast_open(&link->multicast, &options, error);
 }
 
-mukca_status mukca_lcm_link_open(mukca_lcm_link **out, const mukca_lcm_network *network,
+mukca_status mukca_lcm_link_open(mukca_lcm_link *link, const mukca_lcm_network *network,
                                  mukca_lcm_packet_fn *receive, void *context, mukca_error *error)
 {
     const char *url = network->url ? network->url : getenv("LCM_DEFAULT_URL");
     if (url && !*url) url = NULL;
-    mukca_lcm_link *link = calloc(1, sizeof *link);
-    *out = NULL;
-    if (!link) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    link->receive = receive;
-    link->context = context;
-    link->replays = !network->none && url && strncmp(url, "file://", 7) == 0;
-    mukca_status status = network->none ? MUKCA_OK
-                          : link->replays
-                              ? mukca_lcm_log_open(&link->log, url + strlen("file://"), error)
-                              : open_network(link, url, network, error);
-    if (status != MUKCA_OK)
-        mukca_lcm_link_close(link);
-    else
-        *out = link;
-    return status;
+    *link = (mukca_lcm_link){.receive = receive,
+                             .context = context,
+                             .replays = !network->none && url && strncmp(url, "file://", 7) == 0};
+    if (link->replays) return mukca_lcm_log_open(&link->log, url + strlen("file://"), error);
+    return network->none ? MUKCA_OK : open_network(link, url, network, error);
 }
 
 void mukca_lcm_link_close(mukca_lcm_link *link)
 {
-    if (!link) return;
     mukca_lcm_multicast_close(link->multicast);
     if (link->lcm) lcm_destroy(link->lcm);
     mukca_lcm_log_close(&link->log);
-    free(link);
+    link->lcm = link->multicast = NULL;
 }
 
 /* ---- wait ---- */

@@ -23,6 +23,7 @@ typedef struct {
     char channel[MUKCA_LCM_CHANNEL_SIZE];
 } mukca_lcm_log;
 
+/* Zeroed: closed. */
 typedef struct {
     void *lcm;                      /* an lcm_t, which sends; NULL: nothing is sent */
     mukca_lcm_multicast *multicast; /* receives; NULL: a log is replayed, or nothing is received */
@@ -33,10 +34,10 @@ typedef struct {
     int64_t clock;     /* time of the last event delivered, us */
 } mukca_lcm_link;
 
-/* Connect to `network`; `receive` gets the packets.  A log is replayed as fast as possible.
- * Errors: MUKCA_TRANSPORT (no multicast route, with the
- * remedy), MUKCA_INPUT (log), MUKCA_MEMORY. */
-mukca_status mukca_lcm_link_open(mukca_lcm_link **link, const mukca_lcm_network *network,
+/* Connect to `network`; `receive` gets the packets.  A log is replayed as fast as possible.  Close
+ * it after a failure, too.  Errors: MUKCA_TRANSPORT (no multicast route, with the remedy),
+ * MUKCA_INPUT (log), MUKCA_MEMORY. */
+mukca_status mukca_lcm_link_open(mukca_lcm_link *link, const mukca_lcm_network *network,
                                  mukca_lcm_packet_fn *receive, void *context, mukca_error *error);
 
 /* Deliver what has arrived from a network, or some hundred events of a log.  Waits up to
@@ -53,7 +54,6 @@ mukca_status mukca_lcm_link_publish(mukca_lcm_link *link, const char *channel, c
 /* The time in us since 1970, in a replay that of the log. */
 int64_t mukca_lcm_link_clock(const mukca_lcm_link *link);
 
-/* NULL is harmless. */
 void mukca_lcm_link_close(mukca_lcm_link *link);
 
 /* ---- event logs of lcm-logger, read with bounded lengths ---- */

@@ -38,7 +38,6 @@ struct mukca_lcm_multicast {
     /* shared, under `lock` */
     pthread_mutex_t lock;
     mukca_lcm_queue queue;
-    bool signalled; /* a byte is in `ready` */
     mukca_lcm_channels channels;
     int64_t foreign, dropped; /* of senders that are not accepted; in all */
     char reason[128];         /* of the last one */
@@ -107,8 +106,8 @@ static void process(mukca_lcm_multicast *m, size_t size, const struct sockaddr_i
     bool whole = known && mukca_lcm_packet_take(&packet, &m->reassembly);
     pthread_mutex_lock(&m->lock);
     if (whole && is_wanted(&m->channels, packet.channel) &&
-        mukca_lcm_queue_push(&m->queue, &packet) && !m->signalled)
-        m->signalled = eventfd_write(m->ready, 1) == 0;
+        mukca_lcm_queue_push(&m->queue, &packet))
+        (void)eventfd_write(m->ready, 1);
     m->foreign += !known;
     const int64_t dropped =
         m->foreign + m->reassembly.dropped + m->queue.dropped + (int64_t)m->overflowed;
@@ -279,7 +278,7 @@ mukca_lcm_queued *mukca_lcm_multicast_take(mukca_lcm_multicast *m)
     eventfd_t count;
     pthread_mutex_lock(&m->lock);
     mukca_lcm_queued *oldest = mukca_lcm_queue_take(&m->queue);
-    if (!m->queue.first && m->signalled) m->signalled = eventfd_read(m->ready, &count) != 0;
+    if (!m->queue.first) (void)eventfd_read(m->ready, &count);
     pthread_mutex_unlock(&m->lock);
     return oldest;
 }

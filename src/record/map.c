@@ -170,5 +170,5 @@ void mukca_stream_describe_map(const mukca_recorder *r, char *lines, size_t size
     for (int j = 0; j < r->chain->n_joints; j++)
         mukca_text_put(&text, "  reading %2d  %-24s ->  %-24s now %9.4f rad\n",
                        stream->map.reading[j] + 1, stream->map.name[j], mukca_recorder_joint(r, j),
-                       stream->last.q[j]);
+                       stream->last.reading.q[j]);
 }

@@ -30,7 +30,7 @@ static void listen_to(mukca_recorder *r, bool all)
     if (r->hooks.command)
         memcpy(channels.name[2], r->requests.command_channel, sizeof channels.name[2]);
     r->stream.search.listens_to_all = all;
-    mukca_lcm_multicast_listen(r->link->multicast, &channels);
+    mukca_lcm_multicast_listen(r->link.multicast, &channels);
 }
 
 /* Select the channel whose messages fit the arm; false: more than one do. */
@@ -170,7 +170,7 @@ static void hear(mukca_recorder *r, const mukca_lcm_packet *packet)
 static void receive(void *context, const mukca_lcm_packet *packet)
 {
     mukca_recorder *r = context;
-    bool ahead = r->link->replays && !r->stream.connected; /* it will be replayed */
+    bool ahead = r->link.replays && !r->stream.connected; /* it will be replayed */
     r->packet_time = packet->time;
     if (strcmp(packet->channel, r->stream.channel) == 0)
         mukca_stream_take(r, packet);
@@ -188,8 +188,7 @@ static void receive(void *context, const mukca_lcm_packet *packet)
 static mukca_status open_link(mukca_recorder *r, mukca_error *error)
 {
     mukca_stream *stream = &r->stream;
-    mukca_lcm_link_close(r->link);
-    r->link = NULL;
+    mukca_lcm_link_close(&r->link);
     stream->count = (mukca_stream_count){.received = 0};
     stream->sender = (mukca_stream_sender){.id = 0};
     stream->silence = (mukca_stream_silence){.begun = false};
@@ -200,7 +199,7 @@ static mukca_status open_link(mukca_recorder *r, mukca_error *error)
     mukca_status status = mukca_lcm_link_open(&r->link, &network, receive, r, error);
     stream->search = (mukca_stream_search){.n_heard = 0};
     if (status != MUKCA_OK) return status;
-    stream->search.opened = mukca_lcm_link_clock(r->link);
+    stream->search.opened = mukca_lcm_link_clock(&r->link);
     listen_to(r, !stream->map.made && !stream->lines);
     return MUKCA_OK;
 }
@@ -269,7 +268,7 @@ mukca_status mukca_recorder_open(mukca_recorder *r, const mukca_recorder_options
     if (options->key) status = mukca_lcm_key_read(&r->requests.key, options->key, error);
     if (status == MUKCA_OK) status = open_link(r, error);
     /* requests signed before the start may have been accepted by an earlier process */
-    if (status == MUKCA_OK && !r->link->replays) r->requests.last_signed = r->stream.search.opened;
+    if (status == MUKCA_OK && !r->link.replays) r->requests.last_signed = r->stream.search.opened;
     return status;
 }
 
@@ -277,8 +276,7 @@ void mukca_recorder_close(mukca_recorder *r)
 {
     mukca_session_close(&r->session.file);
     mukca_capture_free(&r->session.capture);
-    mukca_lcm_link_close(r->link);
-    r->link = NULL;
+    mukca_lcm_link_close(&r->link);
     free(r->stream.lines);
     r->stream.lines = NULL;
 }
@@ -290,16 +288,15 @@ mukca_status mukca_recorder_connect(mukca_recorder *r, double wait, mukca_error 
     int64_t found = 0; /* us, time of the first problem */
     while (!status && !stream->map.made) {
         status = mukca_recorder_step(r, 100, -1, NULL, error);
-        if (!r->link || status == MUKCA_MEMORY) return status; /* reopening failed */
-        int64_t now = mukca_lcm_link_clock(r->link);
+        int64_t now = mukca_lcm_link_clock(&r->link);
         if (stream->problem.status && !found) found = now;
         if (stream->problem.status && now - found > PROBLEM_US) break;
         if (r->hooks.interrupted && r->hooks.interrupted())
             return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
-        if (!r->link->replays && wait >= 0 && 1e-6 * (double)(now - stream->search.opened) > wait)
+        if (!r->link.replays && wait >= 0 && 1e-6 * (double)(now - stream->search.opened) > wait)
             status = MUKCA_NEGATIVE;
     }
-    if (status == MUKCA_TRANSPORT) return status;
+    if (status != MUKCA_OK && status != MUKCA_NEGATIVE) return status;
     if (stream->problem.status && !stream->map.made) {
         *error = stream->problem;
         return stream->problem.status;
@@ -312,7 +309,7 @@ mukca_status mukca_recorder_connect(mukca_recorder *r, double wait, mukca_error 
     }
     stream->connected = true;
     /* messages read ahead from a log are recorded, too */
-    return r->link->replays ? open_link(r, error) : MUKCA_OK;
+    return r->link.replays ? open_link(r, error) : MUKCA_OK;
 }
 
 /* Detect silence on a network.  It is the time of waiting: a process that was stopped, or is late,
@@ -341,7 +338,7 @@ static void watch(mukca_recorder *r)
 static void warn_dropped(mukca_recorder *r)
 {
     char reason[128], line[160];
-    int64_t dropped = mukca_lcm_multicast_dropped(r->link->multicast, reason);
+    int64_t dropped = mukca_lcm_multicast_dropped(r->link.multicast, reason);
     if (dropped == r->stream.count.dropped) return;
     r->stream.count.dropped = dropped;
     snprintf(line, sizeof line, "network: messages dropped: %s", reason);
@@ -356,9 +353,9 @@ mukca_status mukca_recorder_step(mukca_recorder *r, int timeout_ms, int other, b
     const double begun = mukca_clock_seconds();
     mukca_status status = stream->lines
                               ? mukca_stream_wait_lines(r, timeout_ms, other, readable, error)
-                              : mukca_lcm_link_wait(r->link, timeout_ms, other, readable, error);
-    int64_t now = mukca_lcm_link_clock(r->link);
-    bool replays = r->link->replays, ended = status == MUKCA_NEGATIVE;
+                              : mukca_lcm_link_wait(&r->link, timeout_ms, other, readable, error);
+    int64_t now = mukca_lcm_link_clock(&r->link);
+    bool replays = r->link.replays, ended = status == MUKCA_NEGATIVE;
     if (!stream->channel[0] && stream->search.fit_heard &&
         (ended || now - stream->search.fit_heard > SEARCH_US)) {
         if (!choose_channel(stream, r->chain->n_joints)) return status;

@@ -30,9 +30,9 @@ typedef struct {
 /* The last joint state. */
 typedef struct {
     mukca_lcm_joints joints;
-    double q[MUKCA_MAX_JOINTS], command[MUKCA_MAX_JOINTS];
-    int64_t time;    /* us, its sender's, else its arrival */
-    int64_t arrival; /* us; 0: none yet */
+    mukca_capture_reading reading; /* of the arm's joints */
+    int64_t time;                  /* us, its sender's, else its arrival */
+    int64_t arrival;               /* us; 0: none yet */
 } mukca_stream_last;
 
 typedef struct {
@@ -186,7 +186,7 @@ struct mukca_recorder {
     const mukca_recorder_options *options;
     const mukca_chain *chain;
     mukca_recorder_hooks hooks;
-    mukca_lcm_link *link;
+    mukca_lcm_link link;
     int64_t packet_time; /* us, of the packet in process; 0: none */
     mukca_stream stream;
     mukca_requests requests;

@@ -75,7 +75,7 @@ static mukca_status may_start(mukca_server *s, const char *name, mukca_error *er
     struct statvfs disk;
     bool current = strcmp(name, s->state.session) == 0 && !s->state.finished[0];
     mukca_server_path(path, s, MUKCA_SERVER_SESSIONS, name, ".tsv");
-    if (current || s->recorder.link->replays) return MUKCA_OK;
+    if (current || s->recorder.link.replays) return MUKCA_OK;
     if (access(path, F_OK) == 0) {
         if (s->rights >> REOPEN & 1u) return MUKCA_OK;
         return mukca_fail(error, MUKCA_NEGATIVE,
@@ -87,8 +87,8 @@ static mukca_status may_start(mukca_server *s, const char *name, mukca_error *er
         (double)disk.f_bavail * (double)disk.f_frsize < free_bytes)
         return mukca_fail(error, MUKCA_NEGATIVE, "less than 16 MB are free in %.200s",
                           s->options->folder);
-    if (!mukca_budget_take(&s->new_sessions, mukca_lcm_link_clock(s->recorder.link), sessions_per_s,
-                           first_sessions, first_sessions))
+    if (!mukca_budget_take(&s->new_sessions, mukca_lcm_link_clock(&s->recorder.link),
+                           sessions_per_s, first_sessions, first_sessions))
         return mukca_fail(error, MUKCA_NEGATIVE, "too many new sessions: wait 10 s");
     return MUKCA_OK;
 }
@@ -296,7 +296,7 @@ mukca_status mukca_server_open(mukca_server *s, const mukca_server_options *opti
     mukca_error problem; /* serves without a model, too */
     if (mukca_server_load_model(s, &problem))
         mukca_recorder_report(&s->recorder, "no table is in use: %s", problem.text);
-    if (!s->recorder.link->replays) return MUKCA_OK;
+    if (!s->recorder.link.replays) return MUKCA_OK;
     s->rights = ~0u;
     return mukca_recorder_connect(&s->recorder, -1, error);
 }

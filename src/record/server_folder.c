@@ -19,7 +19,6 @@
 #include <unistd.h>
 
 #include "base/file.h"
-#include "base/utf8.h"
 #include "io/output.h"
 #include "record/server.h"
 
@@ -54,25 +53,8 @@ static bool is_result(const char *value)
     return mukca_server_session_of(session, value);
 }
 
-static bool is_stream(const char *value)
-{
-    for (int i = 0; mukca_recorder_streams[i]; i++)
-        if (strcmp(value, mukca_recorder_streams[i]) == 0) return true;
-    return false;
-}
-
-static bool is_count(const char *value)
-{
-    return strlen(value) < 10 && !value[strspn(value, "0123456789")];
-}
-
-static bool is_mark(const char *value)
-{
-    return strcmp(value, "1") == 0;
-}
-
-/* The fields and the check of their values; empty is always allowed.  Labels are checked again when
- * they are selected. */
+/* The fields and the check of those that become paths; empty is always allowed.  Labels are checked
+ * when they are selected. */
 #define FIELD(name, ok)                                                                        \
     {                                                                                          \
 #name, offsetof(mukca_server_state, name), sizeof(((mukca_server_state *)0)->name), ok \
@@ -82,14 +64,14 @@ static const struct {
     size_t offset, size;
     bool (*ok)(const char *value);
 } fields[] = {FIELD(session, mukca_server_name_ok),
-              FIELD(placement, mukca_utf8_valid),
-              FIELD(socket, mukca_utf8_valid),
-              FIELD(rows, is_count),
-              FIELD(finished, is_mark),
+              FIELD(placement, NULL),
+              FIELD(socket, NULL),
+              FIELD(rows, NULL),
+              FIELD(finished, NULL),
               FIELD(model, is_result),
-              FIELD(model_stream, is_stream),
+              FIELD(model_stream, NULL),
               FIELD(candidate, is_result),
-              FIELD(candidate_stream, is_stream)};
+              FIELD(candidate_stream, NULL)};
 enum { FIELDS = sizeof fields / sizeof fields[0] };
 
 /* Set a field; keys of a later version are ignored. */
@@ -97,7 +79,8 @@ static bool set_field(mukca_server_state *state, const char *key, const char *va
 {
     for (int i = 0; i < FIELDS; i++) {
         if (strcmp(key, fields[i].key) != 0) continue;
-        if (*value && (strlen(value) >= fields[i].size || !fields[i].ok(value))) return false;
+        if (strlen(value) >= fields[i].size) return false;
+        if (*value && fields[i].ok && !fields[i].ok(value)) return false;
         char *field = (char *)state + fields[i].offset;
         memset(field, 0, fields[i].size); /* states are compared bytewise */
         snprintf(field, fields[i].size, "%s", value);

@@ -93,7 +93,7 @@ void mukca_server_answer(mukca_server *s, const mukca_offsets *table)
     mukca_message_result *m = &s->result;
     const mukca_chain *chain = s->recorder.chain;
     const int n = table ? mukca_offsets_rows(s->rows, table, chain) : 0;
-    m->utime = mukca_lcm_link_clock(s->recorder.link);
+    m->utime = mukca_lcm_link_clock(&s->recorder.link);
     m->robot = chain->robot;
     m->urdf_sha256 = chain->urdf_sha256;
     m->base = chain->base;
@@ -187,7 +187,7 @@ mukca_status mukca_server_start_job(mukca_server *s, bool diagnosis, int64_t id,
     for (int i = 0; s->options->arguments[i]; i++) arguments[n++] = s->options->arguments[i];
     memcpy(arguments + n, last, sizeof last); /* the remaining elements are NULL */
     const mukca_status status = spawn(s, arguments, error);
-    if (status == MUKCA_OK && s->recorder.link->replays) mukca_server_finish_job(s, true);
+    if (status == MUKCA_OK && s->recorder.link.replays) mukca_server_finish_job(s, true);
     return status;
 }
 

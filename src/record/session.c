@@ -237,7 +237,7 @@ static const int64_t doubt_us = 1000000;
 static bool is_doubted(const mukca_recorder *r)
 {
     const mukca_stream *stream = &r->stream;
-    int64_t now = r->packet_time ? r->packet_time : mukca_lcm_link_clock(r->link);
+    int64_t now = r->packet_time ? r->packet_time : mukca_lcm_link_clock(&r->link);
     return stream->sender.second_heard && now - stream->sender.second_heard < doubt_us &&
            now - stream->sender.second_heard > -doubt_us;
 }

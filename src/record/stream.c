@@ -26,7 +26,7 @@ static mukca_status take_positions(mukca_recorder *r, mukca_error *error)
                               "%s: %s reads %g: no angle in rad; convert degrees%s, or check --map",
                               stream->channel, mukca_recorder_joint(r, j), q,
                               stream->lines ? " (a header may say [deg])" : "");
-        stream->last.q[j] = q;
+        stream->last.reading.q[j] = q;
     }
     return MUKCA_OK;
 }
@@ -99,7 +99,7 @@ static void record_still(mukca_recorder *r)
     mukca_error answer;
     int socket;
     const bool due = mukca_capture_due(&socket, text, &r->session.capture);
-    const bool replay = r->stream.lines ? r->stream.lines->file : r->link->replays;
+    const bool replay = r->stream.lines ? r->stream.lines->file : r->link.replays;
     if (!due && !text[0]) return;
     if (!due && !replay) {
         r->session.refused++;
@@ -124,13 +124,11 @@ static void record_still(mukca_recorder *r)
 static void feed(mukca_recorder *r, int64_t time)
 {
     mukca_stream *stream = &r->stream;
-    mukca_capture_reading reading = {.time = 1e-6 * (double)time,
-                                     .arrival = 1e-6 * (double)stream->last.arrival,
-                                     .guided = stream->last.joints.guided};
-    memcpy(reading.q, stream->last.q, sizeof reading.q);
-    copy_values(reading.effort, stream, r->chain->n_joints, MUKCA_LCM_ROLE_EFFORT);
-    memcpy(reading.command, stream->last.command, sizeof reading.command);
-    unsigned found = mukca_capture_feed(&r->session.capture, &reading);
+    mukca_capture_reading *reading = &stream->last.reading;
+    reading->time = 1e-6 * (double)time;
+    reading->arrival = 1e-6 * (double)stream->last.arrival;
+    reading->guided = stream->last.joints.guided;
+    unsigned found = mukca_capture_feed(&r->session.capture, reading);
     if (found & MUKCA_CAPTURE_TWO_SENDERS)
         mukca_recorder_warn(r, MUKCA_RECORDER_TWO_SENDERS, two_arms);
     else if (found & MUKCA_CAPTURE_BACKWARDS && r->session.capture.jumps < 2)
@@ -199,7 +197,8 @@ static bool copy_readings(mukca_recorder *r)
         mukca_recorder_refuse(r, MUKCA_RECORDER_RANGE, "%s", error.text);
         return false;
     }
-    copy_values(stream->last.command, stream, r->chain->n_joints, MUKCA_LCM_ROLE_COMMAND);
+    copy_values(stream->last.reading.effort, stream, r->chain->n_joints, MUKCA_LCM_ROLE_EFFORT);
+    copy_values(stream->last.reading.command, stream, r->chain->n_joints, MUKCA_LCM_ROLE_COMMAND);
     return true;
 }
 
@@ -212,7 +211,7 @@ static void take_joints(mukca_recorder *r, const mukca_lcm_packet *packet, int t
     const int64_t time = stream->last.joints.time > 0 ? stream->last.joints.time : packet->time;
     stream->last.time = time;
     bool use = stream->connected && stream->map.confirmed;
-    if (use && r->hooks.joints) r->hooks.joints(r->hooks.context, time, stream->last.q);
+    if (use && r->hooks.joints) r->hooks.joints(r->hooks.context, time, stream->last.reading.q);
     count_arrival(r, packet->time);
     if (use) feed(r, time);
 }
@@ -313,7 +312,8 @@ mukca_status mukca_stream_wait_lines(mukca_recorder *r, int timeout_ms, int othe
     }
     if (!line && l->ended) return MUKCA_NEGATIVE;
     /* while lines are buffered, poll the link without waiting */
-    mukca_status status = mukca_lcm_link_wait(r->link, line ? 0 : timeout_ms, l->fd, &ready, error);
+    mukca_status status =
+        mukca_lcm_link_wait(&r->link, line ? 0 : timeout_ms, l->fd, &ready, error);
     if (status == MUKCA_OK && ready && !line) mukca_joint_lines_fill(l);
     if (readable && other >= 0) {
         struct pollfd p = {.fd = other, .events = POLLIN};
