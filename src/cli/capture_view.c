@@ -49,7 +49,7 @@ bool cli_capture_press(cli_capture_view *v, mukca_recorder *r, char key)
     if (v->typed) {
         type_number(v, r, key, &answer);
     } else if (key == 'a') {
-        mukca_sampling_sample(r, &(mukca_sample_request){.time = mukca_clock_wall()}, &answer);
+        mukca_sampling_sample(r, &(mukca_message_trigger){.id = 0}, mukca_clock_wall(), &answer);
     } else if (key == 'd') {
         mukca_sampling_delete(r, 0, &answer);
     } else if (key == 'x') {

@@ -79,8 +79,8 @@ static mukca_status commit(mukca_session *session, const char *text, size_t leng
     return status;
 }
 
-mukca_status mukca_session_add(mukca_session *session, const mukca_session_row *row,
-                               mukca_error *error)
+mukca_status mukca_session_add(mukca_session *session, const char *placement, const char *socket,
+                               const mukca_capture_sample *sample, mukca_error *error)
 {
     char buffer[LINE_SIZE];
     mukca_text line = MUKCA_TEXT(buffer);
@@ -88,9 +88,10 @@ mukca_status mukca_session_add(mukca_session *session, const mukca_session_row *
     int n = session->n_rows;
     int64_t *place = mukca_list_append(&session->row_at, &n, sizeof *place);
     if (!place) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    mukca_text_put(&line, "%s%c%s%c%.6f", row->placement, s, row->socket, s, row->time);
-    const double *const columns[] = {row->q, row->spread, session->has_effort ? row->effort : NULL,
-                                     session->has_command ? row->command : NULL};
+    mukca_text_put(&line, "%s%c%s%c%.6f", placement, s, socket, s, sample->time);
+    const double *const columns[] = {sample->q, sample->spread,
+                                     session->has_effort ? sample->effort : NULL,
+                                     session->has_command ? sample->command : NULL};
     for (int k = 0; k < 4; k++)
         for (int j = 0; columns[k] && j < session->n_joints; j++)
             mukca_text_put(&line, isfinite(columns[k][j]) ? "%c%.17g" : "%cnan", s, columns[k][j]);

@@ -5,6 +5,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "capture/capture.h"
 #include "mukca/chain.h"
 #include "mukca/status.h"
 
@@ -16,13 +17,6 @@ typedef struct {
     const char *type;
     bool has_effort, has_command; /* optional columns */
 } mukca_session_head;
-
-/* One sample.  Arrays of n_joints in the chain's order; effort and command if the head has them. */
-typedef struct {
-    const char *placement, *socket;
-    double time; /* s */
-    const double *q, *spread, *effort, *command;
-} mukca_session_row;
 
 /* Zeroed: closed. */
 typedef struct {
@@ -55,9 +49,9 @@ typedef struct {
 mukca_status mukca_session_open(mukca_session *session, const mukca_session_task *task,
                                 mukca_error *error);
 
-/* Append a row and sync it; on failure the file is unchanged.  Errors: MUKCA_MEMORY. */
-mukca_status mukca_session_add(mukca_session *session, const mukca_session_row *row,
-                               mukca_error *error);
+/* Append a sample and sync it; on failure the file is unchanged.  Errors: MUKCA_MEMORY. */
+mukca_status mukca_session_add(mukca_session *session, const char *placement, const char *socket,
+                               const mukca_capture_sample *sample, mukca_error *error);
 
 /* Delete row `row`, from 1; 0: the last.  It becomes a comment, and a comment at the end of the
  * file records this.  Errors: MUKCA_INPUT (no such row), MUKCA_MEMORY (write failure; the row

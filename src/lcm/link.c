@@ -111,11 +111,11 @@ mukca_status mukca_lcm_link_open(mukca_lcm_link *link, const mukca_lcm_network *
 {
     const char *url = network->url ? network->url : getenv("LCM_DEFAULT_URL");
     if (url && !*url) url = NULL;
-    *link = (mukca_lcm_link){.receive = receive,
-                             .context = context,
-                             .replays = !network->none && url && strncmp(url, "file://", 7) == 0};
-    if (link->replays) return mukca_lcm_log_open(&link->log, url + strlen("file://"), error);
-    return network->none ? MUKCA_OK : open_network(link, url, network, error);
+    *link = (mukca_lcm_link){.receive = receive, .context = context};
+    if (network->none) return MUKCA_OK;
+    if (!url || strncmp(url, "file://", 7) != 0) return open_network(link, url, network, error);
+    link->replays = true;
+    return mukca_lcm_log_open(&link->log, url + strlen("file://"), error);
 }
 
 void mukca_lcm_link_close(mukca_lcm_link *link)
@@ -203,7 +203,7 @@ mukca_status mukca_lcm_log_open(mukca_lcm_log *log, const char *path, mukca_erro
 
 bool mukca_lcm_log_read(mukca_lcm_packet *event, mukca_lcm_log *log)
 {
-    while (log->size - log->at >= HEADER) {
+    while (log->data && log->size - log->at >= HEADER) {
         const unsigned char *head = log->data + log->at;
         const uint64_t left = log->size - log->at - HEADER,
                        channel = mukca_lcm_wire_get(head + 20, 4),

@@ -310,7 +310,7 @@ static mukca_line_kind parse_object(mukca_lcm_joints *joints, mukca_joint_lines 
     mukca_line_kind kind = MUKCA_LINE_FAULT;
     memcpy(l->text, line, strlen(line) + 1);
     for (char *at = l->text; (at = strstr(at + 1, "NaN"));) /* Python writes it, JSON lacks it */
-        if (strchr(" :[,", at[-1])) memcpy(at, "{} ", 3);
+        if (strchr(" :[,", at[-1])) at[0] = '{', at[1] = '}', at[2] = ' ';
     json_t *root = json_loads(l->text, JSON_REJECT_DUPLICATES, &fault);
     if (!root) {
         mukca_fail(error, MUKCA_INPUT, "column %d: %.100s", fault.column, fault.text);

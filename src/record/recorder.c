@@ -135,12 +135,7 @@ static void take_trigger(mukca_recorder *r, const mukca_lcm_packet *packet)
         mukca_recorder_publish(r, MUKCA_MESSAGE_SAMPLE, &answer);
         return;
     }
-    const mukca_sample_request request = {.id = trigger.id,
-                                          .time = packet->time,
-                                          .sent = trigger.utime,
-                                          .placement = trigger.placement,
-                                          .socket = trigger.socket};
-    mukca_sampling_trigger(r, &request);
+    mukca_sampling_trigger(r, &trigger, packet->time);
 }
 
 /* ---- the link ---- */

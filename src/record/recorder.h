@@ -123,14 +123,6 @@ typedef struct {
     mukca_error first_unwritten;
 } mukca_sampling;
 
-/* A request for a sample; labels NULL or "" mean the current ones. */
-typedef struct {
-    int64_t id;
-    int64_t time; /* us, its arrival; 0: it came in order with the joint states */
-    int64_t sent; /* us, by its sender's clock; 0: unknown */
-    const char *placement, *socket;
-} mukca_sample_request;
-
 /* Zeroed options mean defaults; `mukca help capture` describes them.  All texts must outlive the
  * recorder. */
 typedef struct {
@@ -294,18 +286,20 @@ mukca_status mukca_sampling_begin(mukca_recorder *r, const char *path, bool resu
                                   mukca_error *error);
 
 /* Requests of the user; answer->text is the reply, also on success.  mukca_sampling_sample returns
- * after the sample is on disk, and sends a sample message in any case.  mukca_sampling_delete
+ * after the sample is on disk, and sends a sample message in any case; labels NULL or "" mean the
+ * current ones, utime 0: unknown; `time` is the request's arrival, us, 0: in order with the joint
+ * states.  mukca_sampling_delete
  * deletes sample `row` (from 1; 0: the last).  mukca_sampling_select: `placement` NULL is the
  * current one, "" a new one; `socket` NULL is the next one, with a placement its first.  Errors:
  * MUKCA_NEGATIVE (refused), MUKCA_INPUT (disk). */
-mukca_status mukca_sampling_sample(mukca_recorder *r, const mukca_sample_request *request,
-                                   mukca_error *answer);
+mukca_status mukca_sampling_sample(mukca_recorder *r, const mukca_message_trigger *request,
+                                   int64_t time, mukca_error *answer);
 mukca_status mukca_sampling_delete(mukca_recorder *r, int row, mukca_error *answer);
 mukca_status mukca_sampling_select(mukca_recorder *r, const char *placement, const char *socket,
                                    mukca_error *answer);
 
 /* As mukca_sampling_sample; the reply is reported. */
-void mukca_sampling_trigger(mukca_recorder *r, const mukca_sample_request *request);
+void mukca_sampling_trigger(mukca_recorder *r, const mukca_message_trigger *request, int64_t time);
 
 /* Count a failure with status MUKCA_MEMORY, for the exit code. */
 void mukca_sampling_count_unwritten(mukca_recorder *r, const mukca_error *error);

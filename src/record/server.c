@@ -187,15 +187,14 @@ static mukca_status execute(mukca_server *s, int verb, const mukca_message_comma
 {
     mukca_recorder *r = &s->recorder;
     const char *first = command->n > 0 ? command->argument[0] : NULL;
-    const mukca_sample_request request = {.id = command->id,
-                                          .time = r->packet_time,
-                                          .placement = first,
-                                          .socket = command->n > 1 ? command->argument[1] : NULL};
+    const mukca_message_trigger trigger = {.id = command->id,
+                                           .placement = first,
+                                           .socket = command->n > 1 ? command->argument[1] : NULL};
     switch (verb) {
         case RIGHT_start:
             return start(s, first ? first : "session", answer);
         case RIGHT_add:
-            return mukca_sampling_sample(r, &request, answer);
+            return mukca_sampling_sample(r, &trigger, r->packet_time, answer);
         case RIGHT_delete:
             return mukca_sampling_delete(r, 0, answer);
         case RIGHT_socket:

@@ -169,13 +169,6 @@ static mukca_status store(mukca_recorder *r, const mukca_capture_sample *sample,
     mukca_sampling *s = &r->session;
     mukca_capture *c = &s->capture;
     const int socket_before = c->socket;
-    const mukca_session_row row = {.placement = placement,
-                                   .socket = socket,
-                                   .time = sample->time,
-                                   .q = sample->q,
-                                   .spread = sample->spread,
-                                   .effort = sample->effort,
-                                   .command = sample->command};
     if (mukca_capture_repeats(c, sample->q))
         return mukca_fail(
             error, MUKCA_NEGATIVE,
@@ -186,7 +179,7 @@ static mukca_status store(mukca_recorder *r, const mukca_capture_sample *sample,
         return mukca_fail(error, MUKCA_INPUT, "the session is full: begin another one");
     mukca_status status = mukca_capture_select(c, placement, socket, error);
     if (status != MUKCA_OK) return status;
-    status = mukca_session_add(&s->file, &row, error);
+    status = mukca_session_add(&s->file, placement, socket, sample, error);
     if (status == MUKCA_OK) return mukca_capture_keep(remark, c, sample->q, error);
     c->socket = socket_before;
     mukca_sampling_count_unwritten(r, error);
@@ -197,16 +190,15 @@ static mukca_status store(mukca_recorder *r, const mukca_capture_sample *sample,
  * this program: if their times are those of a wall clock, they are compared with the request's.
  * Errors: MUKCA_NEGATIVE. */
 static mukca_status age_at(double *age, const mukca_recorder *r,
-                           const mukca_sample_request *request, mukca_error *error)
+                           const mukca_message_trigger *request, int64_t time, mukca_error *error)
 {
     const mukca_stream *stream = &r->stream;
     const double longest_lag = 3600; /* s; beyond it the times are not of the same kind of clock */
-    const int64_t sent = request->sent > 0 ? request->sent : request->time;
+    const int64_t sent = request->utime > 0 ? request->utime : time;
     const double lag = 1e-6 * (double)(sent - stream->last.time);
-    *age = request->time ? fmax(1e-6 * (double)(request->time - stream->last.arrival), 0)
-                         : MUKCA_CAPTURE_IN_ORDER;
-    if (!stream->lines || !request->time || !stream->last.time ||
-        lag < r->session.capture.settings.window || lag > longest_lag)
+    *age = time ? fmax(1e-6 * (double)(time - stream->last.arrival), 0) : MUKCA_CAPTURE_IN_ORDER;
+    if (!stream->lines || !time || !stream->last.time || lag < r->session.capture.settings.window ||
+        lag > longest_lag)
         return MUKCA_OK;
     return mukca_fail(error, MUKCA_NEGATIVE,
                       "the last line is %.1f s older than the request: run the program before it "
@@ -242,8 +234,8 @@ static bool is_doubted(const mukca_recorder *r)
            now - stream->sender.second_heard > -doubt_us;
 }
 
-mukca_status mukca_sampling_sample(mukca_recorder *r, const mukca_sample_request *request,
-                                   mukca_error *answer)
+mukca_status mukca_sampling_sample(mukca_recorder *r, const mukca_message_trigger *request,
+                                   int64_t time, mukca_error *answer)
 {
     mukca_sampling *s = &r->session;
     mukca_capture_sample sample = {.time = 0};
@@ -254,7 +246,7 @@ mukca_status mukca_sampling_sample(mukca_recorder *r, const mukca_sample_request
     mukca_status status = complete_labels(r, &placement, &socket, &error);
     if (!status && is_doubted(r))
         status = mukca_fail(&error, MUKCA_NEGATIVE, "two arms seem to send on this channel");
-    if (status == MUKCA_OK) status = age_at(&age, r, request, &error);
+    if (status == MUKCA_OK) status = age_at(&age, r, request, time, &error);
     if (status == MUKCA_OK) status = mukca_capture_take(&sample, &s->capture, age, &error);
     if (status == MUKCA_OK) status = store(r, &sample, placement, socket, remark, &error);
     mukca_message_sample message = {.utime = (int64_t)llround(1e6 * sample.time),
@@ -283,10 +275,10 @@ mukca_status mukca_sampling_sample(mukca_recorder *r, const mukca_sample_request
     return MUKCA_OK;
 }
 
-void mukca_sampling_trigger(mukca_recorder *r, const mukca_sample_request *request)
+void mukca_sampling_trigger(mukca_recorder *r, const mukca_message_trigger *request, int64_t time)
 {
     mukca_error answer;
-    (void)mukca_sampling_sample(r, request, &answer);
+    (void)mukca_sampling_sample(r, request, time, &answer);
     mukca_recorder_report(r, "%s", answer.text);
 }
 

@@ -113,12 +113,12 @@ static void record_still(mukca_recorder *r)
     } else if (socket < 0) {
         mukca_sampling_select(r, "", NULL, &answer);
     }
-    mukca_sample_request request = {0};
-    if (socket >= 0)
-        request = (mukca_sample_request){
-            .placement = rows->placements[rows->sockets[socket].placement].name,
-            .socket = rows->sockets[socket].label};
-    mukca_sampling_trigger(r, &request);
+    mukca_message_trigger trigger = {.id = 0};
+    if (socket >= 0) {
+        trigger.placement = rows->placements[rows->sockets[socket].placement].name;
+        trigger.socket = rows->sockets[socket].label;
+    }
+    mukca_sampling_trigger(r, &trigger, 0);
 }
 
 static void feed(mukca_recorder *r, int64_t time)
@@ -279,8 +279,10 @@ static bool process_line(mukca_recorder *r, const char *line)
         case MUKCA_LINE_TRIGGER:
             if (s->connected)
                 mukca_sampling_trigger(
-                    r, &(mukca_sample_request){
-                           .id = l->id, .placement = l->placement, .socket = l->socket});
+                    r,
+                    &(mukca_message_trigger){
+                        .id = l->id, .placement = l->placement, .socket = l->socket},
+                    0);
             break;
         case MUKCA_LINE_FAULT:
             refuse(r, error.text);

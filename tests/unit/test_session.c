@@ -52,14 +52,11 @@ static mukca_status begin(mukca_session *s, how h, mukca_session_head with)
 
 static mukca_status add(int i)
 {
-    double q[3] = {i / 3., -i, 1e-17}, spread[3] = {1e-5, 0, 2}, effort[3] = {i, 0.5, -1};
-    mukca_session_row row = {.placement = "front left",
-                             .socket = i % 2 ? "1" : "0",
-                             .time = 1700000000 + i,
-                             .q = q,
-                             .spread = spread,
-                             .effort = effort};
-    return mukca_session_add(&session, &row, &error);
+    const mukca_capture_sample sample = {.time = 1700000000 + i,
+                                         .q = {i / 3., -i, 1e-17},
+                                         .spread = {1e-5, 0, 2},
+                                         .effort = {i, 0.5, -1}};
+    return mukca_session_add(&session, "front left", i % 2 ? "1" : "0", &sample, &error);
 }
 
 /* Rows of the file as the project's reader of tables sees them: A1 of row i is expected[i] / 3. */
