@@ -130,20 +130,20 @@ mukca_status mukca_session_delete(mukca_session *session, int row, const char *p
 /* ---- header ---- */
 
 static void format_columns(mukca_text *line, const mukca_session *session,
-                           const mukca_session_head *head)
+                           const mukca_session_task *task)
 {
     const struct {
         const char *suffix;
         bool there;
     } groups[] = {{"", true},
                   {".spread", true},
-                  {".effort", head->has_effort},
-                  {".command", head->has_command}};
+                  {".effort", task->has_effort},
+                  {".command", task->has_command}};
     char s = session->separator;
     mukca_text_put(line, "placement%csocket%ctime_s", s, s);
     for (int g = 0; g < 4; g++)
         for (int j = 0; groups[g].there && j < session->n_joints; j++)
-            mukca_text_put(line, "%c%s%s", s, mukca_chain_joint_name(head->chain, j),
+            mukca_text_put(line, "%c%s%s", s, mukca_chain_joint_name(task->chain, j),
                            groups[g].suffix);
     mukca_text_put(line, "\n");
 }
@@ -157,29 +157,29 @@ static const struct {
 };
 enum { ORIGINS = sizeof origins / sizeof *origins };
 
-static const char *origin(const mukca_session_head *head, int k)
+static const char *origin(const mukca_session_task *task, int k)
 {
-    return k ? head->stream : head->chain->urdf_sha256;
+    return k ? task->stream : task->chain->urdf_sha256;
 }
 
 static const char first_line[] = "# mukca session\n";
 
 /* Write the header atomically to a new file, or over an existing one. */
-static mukca_status write_header(mukca_session *session, const mukca_session_head *head,
+static mukca_status write_header(mukca_session *session, const mukca_session_task *task,
                                  mukca_error *error)
 {
     char buffer[LINE_SIZE];
     mukca_text line = MUKCA_TEXT(buffer);
     mukca_output output;
-    mukca_text_put(&line, "%s# robot: %s\n# base: %s\n# tip: %s\n", first_line, head->chain->robot,
-                   head->chain->base, head->chain->tip);
+    mukca_text_put(&line, "%s# robot: %s\n# base: %s\n# tip: %s\n", first_line, task->chain->robot,
+                   task->chain->base, task->chain->tip);
     for (int k = 0; k < ORIGINS; k++)
-        mukca_text_put(&line, "%s%s\n", origins[k].key, origin(head, k));
-    mukca_text_put(&line, "# channel: %s (%s)\n", head->channel, head->type);
+        mukca_text_put(&line, "%s%s\n", origins[k].key, origin(task, k));
+    mukca_text_put(&line, "# channel: %s (%s)\n", task->channel, task->type);
     mukca_text_put(
         &line,
         "# a row is the mean of a still window; .spread is the standard deviation within it\n");
-    format_columns(&line, session, head);
+    format_columns(&line, session, task);
     mukca_status status = mukca_output_open(&output, session->path, true, error);
     if (status != MUKCA_OK) return status;
     fputs(line.at, output.stream); /* mukca_output_close detects failures */
@@ -205,11 +205,11 @@ static mukca_status open_file(mukca_session *session, mukca_error *error)
 /* ---- opening ---- */
 
 static mukca_status check_comment(const mukca_session *session, const char *comment,
-                                  const mukca_session_head *head, mukca_error *error)
+                                  const mukca_session_task *task, mukca_error *error)
 {
     for (int k = 0; k < ORIGINS; k++) {
         const size_t n = strlen(origins[k].key);
-        if (strncmp(comment, origins[k].key, n) == 0 && strcmp(comment + n, origin(head, k)) != 0)
+        if (strncmp(comment, origins[k].key, n) == 0 && strcmp(comment + n, origin(task, k)) != 0)
             return mukca_fail(error, MUKCA_INPUT, "%s: %s %.16s", session->path, origins[k].refusal,
                               comment + n);
     }
@@ -219,11 +219,11 @@ static mukca_status check_comment(const mukca_session *session, const char *comm
 /* Check the comments, look for the column line, and index the rows.  text, which is split into
  * lines, is empty or ends in a newline. */
 static mukca_status scan(mukca_session *session, bool *has_columns, char *text,
-                         const mukca_session_head *head, mukca_error *error)
+                         const mukca_session_task *task, mukca_error *error)
 {
     char buffer[LINE_SIZE];
     mukca_text columns = MUKCA_TEXT(buffer);
-    format_columns(&columns, session, head);
+    format_columns(&columns, session, task);
     columns.at[columns.used - 1] = '\0';
     *has_columns = false;
     for (char *at = text, *end; *at; at = end + 1) {
@@ -232,7 +232,7 @@ static mukca_status scan(mukca_session *session, bool *has_columns, char *text,
         *end = '\0';
         if (end > at && end[-1] == '\r') end[-1] = '\0';
         if (at[0] == '#') {
-            mukca_status status = check_comment(session, at, head, error);
+            mukca_status status = check_comment(session, at, task, error);
             if (status != MUKCA_OK) return status;
         } else if (at[0] && !*has_columns) {
             if (strcmp(at, columns.at) != 0)
@@ -270,7 +270,7 @@ static mukca_status load(mukca_session *session, bool *has_columns, const mukca_
         strncmp(text, first_line, (size_t)length < first ? (size_t)length : first) == 0;
     while (session->length > 0 && text[session->length - 1] != '\n') session->length--;
     text[session->length] = '\0';
-    status = scan(session, has_columns, text, &task->head, error);
+    status = scan(session, has_columns, text, task, error);
     if (status != MUKCA_OK) goto out;
     if (!*has_columns && !ours)
         status = mukca_fail(error, MUKCA_INPUT, "%s: no header of a session", session->path);
@@ -287,13 +287,12 @@ out:
 mukca_status mukca_session_open(mukca_session *session, const mukca_session_task *task,
                                 mukca_error *error)
 {
-    const mukca_session_head *head = &task->head;
     mukca_status status = MUKCA_OK;
     bool has_columns = false;
     *session = (mukca_session){.separator = mukca_dataset_separator(task->path),
-                               .n_joints = head->chain->n_joints,
-                               .has_effort = head->has_effort,
-                               .has_command = head->has_command};
+                               .n_joints = task->chain->n_joints,
+                               .has_effort = task->has_effort,
+                               .has_command = task->has_command};
     if (snprintf(session->path, sizeof session->path, "%s", task->path) >=
         (int)sizeof session->path)
         return mukca_fail(error, MUKCA_INPUT, "%.100s...: the path is too long", task->path);
@@ -306,7 +305,7 @@ mukca_status mukca_session_open(mukca_session *session, const mukca_session_task
         if (status == MUKCA_OK && task->resume) status = load(session, &has_columns, task, error);
     }
     if (status == MUKCA_OK && !has_columns) { /* create or overwrite it */
-        status = write_header(session, head, error);
+        status = write_header(session, task, error);
         if (session->open) close(session->fd);
         session->open = false;
         if (status == MUKCA_OK) status = open_file(session, error);

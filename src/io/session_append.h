@@ -9,15 +9,6 @@
 #include "mukca/chain.h"
 #include "mukca/status.h"
 
-/* The header of a session. */
-typedef struct {
-    const mukca_chain *chain;
-    const char *stream;  /* "raw" or "corrected" */
-    const char *channel; /* source of the joint states */
-    const char *type;
-    bool has_effort, has_command; /* optional columns */
-} mukca_session_head;
-
 /* Zeroed: closed. */
 typedef struct {
     bool open;
@@ -38,8 +29,11 @@ typedef struct {
 typedef struct {
     const char *path;
     bool resume, force;
-    mukca_session_head head;
-    mukca_note_fn *note; /* may be NULL */
+    const mukca_chain *chain;
+    const char *stream;           /* "raw" or "corrected" */
+    const char *channel, *type;   /* source of the joint states */
+    bool has_effort, has_command; /* optional columns */
+    mukca_note_fn *note;          /* may be NULL */
     void *context;
 } mukca_session_task;
 

@@ -97,18 +97,17 @@ mukca_status mukca_sampling_begin(mukca_recorder *r, const char *path, bool resu
 {
     mukca_sampling *s = &r->session;
     mukca_stream *stream = &r->stream;
-    const mukca_session_task task = {
-        .path = path,
-        .resume = resume,
-        .force = force,
-        .head = {.chain = r->chain,
-                 .stream = mukca_recorder_stream(r),
-                 .channel = stream->channel,
-                 .type = mukca_stream_type(r),
-                 .has_effort = stream->last.joints.has[MUKCA_LCM_ROLE_EFFORT],
-                 .has_command = stream->last.joints.has[MUKCA_LCM_ROLE_COMMAND]},
-        .note = mukca_recorder_note,
-        .context = r};
+    const mukca_session_task task = {.path = path,
+                                     .resume = resume,
+                                     .force = force,
+                                     .chain = r->chain,
+                                     .stream = mukca_recorder_stream(r),
+                                     .channel = stream->channel,
+                                     .type = mukca_stream_type(r),
+                                     .has_effort = stream->last.joints.has[MUKCA_LCM_ROLE_EFFORT],
+                                     .has_command = stream->last.joints.has[MUKCA_LCM_ROLE_COMMAND],
+                                     .note = mukca_recorder_note,
+                                     .context = r};
     mukca_capture_clear(&s->capture);
     mukca_session_close(&s->file);
     mukca_status status = mukca_session_open(&s->file, &task, error);

@@ -14,10 +14,12 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     mukca_session session;
     mukca_error error = {MUKCA_OK, ""};
     struct stat before, after;
-    const mukca_session_task task = {
-        .path = memory_file(bytes, size),
-        .resume = true,
-        .head = {.chain = &chain, .stream = "raw", .channel = "C", .type = "t"}};
+    const mukca_session_task task = {.path = memory_file(bytes, size),
+                                     .resume = true,
+                                     .chain = &chain,
+                                     .stream = "raw",
+                                     .channel = "C",
+                                     .type = "t"};
     if (stat(task.path, &before)) abort();
     mukca_status status = mukca_session_open(&session, &task, &error);
     if (stat(task.path, &after)) abort();

@@ -22,9 +22,9 @@ static int setup(void **state)
     return 0;
 }
 
-static mukca_session_head head(const char *stream)
+static mukca_session_task head(const char *stream)
 {
-    return (mukca_session_head){
+    return (mukca_session_task){
         .chain = &chain, .stream = stream, .channel = "ARM", .type = "t", .has_effort = true};
 }
 
@@ -38,16 +38,14 @@ static void count_note(void *context, const char *text)
 
 typedef enum { NEW, FORCE, RESUME } how;
 
-static mukca_status begin(mukca_session *s, how h, mukca_session_head with)
+static mukca_status begin(mukca_session *s, how h, mukca_session_task task)
 {
-    return mukca_session_open(s,
-                              &(mukca_session_task){.path = path,
-                                                    .resume = h == RESUME,
-                                                    .force = h == FORCE,
-                                                    .head = with,
-                                                    .note = count_note,
-                                                    .context = &noted},
-                              &error);
+    task.path = path;
+    task.resume = h == RESUME;
+    task.force = h == FORCE;
+    task.note = count_note;
+    task.context = &noted;
+    return mukca_session_open(s, &task, &error);
 }
 
 static mukca_status add(int i)
@@ -84,7 +82,7 @@ static void append_text(const char *text)
 TEST(rows_are_added_undone_and_resumed)
 {
     mukca_session second;
-    mukca_session_head h = head("raw"), corrected = head("corrected"), columns = head("raw");
+    mukca_session_task h = head("raw"), corrected = head("corrected"), columns = head("raw");
     unlink(path);
     assert_ok(begin(&session, NEW, h));
     assert_int_equal(mukca_session_delete(&session, 0, "p", "s", &error), MUKCA_INPUT);
@@ -127,7 +125,7 @@ TEST(rows_are_added_undone_and_resumed)
 TEST(any_beginning_can_be_resumed)
 {
     static char whole[8192], cut[8192];
-    mukca_session_head h = head("raw");
+    mukca_session_task h = head("raw");
     assert_ok(begin(&session, FORCE, h));
     int64_t after[4] = {session.length};
     for (int i = 0; i < 3; i++) {
@@ -170,7 +168,7 @@ TEST(any_beginning_can_be_resumed)
 /* Disk full in mid-session: the row is refused, the others stay, and later ones go on. */
 TEST(full_disk_refuses_the_row_only)
 {
-    mukca_session_head h = head("raw");
+    mukca_session_task h = head("raw");
     struct rlimit old, small;
     assert_ok(begin(&session, FORCE, h));
     assert_ok(add(1));
