@@ -30,17 +30,11 @@ typedef struct {
 
 /* One joint state. */
 typedef struct {
-    double time;                        /* s, the sender's clock */
-    double arrival;                     /* s, this machine's clock */
-    const double *q, *effort, *command; /* [n_joints]; the last two may be NULL */
-    bool guided;                        /* the arm is being guided by hand */
-} mukca_capture_reading;
-
-/* The same, stored. */
-typedef struct {
-    double time, arrival;
+    double time;    /* s, the sender's clock */
+    double arrival; /* s, this machine's clock */
+    bool guided;    /* the arm is being guided by hand */
     double q[MUKCA_MAX_JOINTS], effort[MUKCA_MAX_JOINTS], command[MUKCA_MAX_JOINTS]; /* NaN: none */
-} mukca_capture_stored;
+} mukca_capture_reading;
 
 /* Events reported by mukca_capture_feed (bits). */
 enum {
@@ -68,11 +62,10 @@ typedef struct {
     double noise;                 /* measurement noise of one coordinate, m */
     double *factor;               /* [n][n] L of mukca_arm_posterior */
     /* Stream. */
-    int head, count;            /* ring buffer: next index to write, number stored */
-    mukca_capture_stored *ring; /* [RING] */
-    double last_time;
-    double last_q[MUKCA_MAX_JOINTS], before_q[MUKCA_MAX_JOINTS]; /* last reading, the one before */
-    bool has_last, guided, was_guided;
+    int head, count;                    /* ring buffer: next index to write, number stored */
+    mukca_capture_reading *ring;        /* [RING] */
+    mukca_capture_reading last, before; /* last reading, the one before */
+    bool has_last, was_guided;
     double jumps; /* decaying count of impossible motions */
     /* Standstill. */
     bool standing, taken;

@@ -98,8 +98,8 @@ bool mukca_capture_due(int *socket, char text[MUKCA_CAPTURE_TEXT], mukca_capture
     mukca_capture_sample sample;
     mukca_error unsaid;
     text[0] = '\0';
-    if (capture->last_time - capture->checked < 0.02 || capture->socket < 0) return false;
-    capture->checked = capture->last_time;
+    if (capture->last.time - capture->checked < 0.02 || capture->socket < 0) return false;
+    capture->checked = capture->last.time;
     if (mukca_capture_take(&sample, capture, MUKCA_CAPTURE_IN_ORDER, &unsaid)) {
         capture->standing = false;
         return false;
@@ -113,7 +113,7 @@ bool mukca_capture_due(int *socket, char text[MUKCA_CAPTURE_TEXT], mukca_capture
         memcpy(capture->anchor, sample.q, sizeof capture->anchor);
     }
     /* The end of hand guiding confirms that the ball is in place. */
-    double dwell = capture->was_guided && !capture->guided ? s->window : s->dwell;
+    double dwell = capture->was_guided && !capture->last.guided ? s->window : s->dwell;
     if (capture->taken || sample.time - capture->still_since < dwell) return false;
     capture->taken = true;
     double x[3], how_far;
@@ -186,21 +186,16 @@ const char *mukca_capture_next_label(const mukca_capture *capture)
 void mukca_capture_spread(double *rms, double *last, const mukca_capture *capture, int socket)
 {
     const mukca_dataset *rows = &capture->rows;
-    double mean[3], others[3], x[3], squares = 0;
-    int n = socket_mean(mean, capture, socket, -1), latest = -1;
+    double mean[3], x[3], apart = 0, squares = 0;
+    const int n = socket_mean(mean, capture, socket, -1);
     for (int i = 0; i < rows->n_rows; i++) {
         if (rows->socket[i] != socket) continue;
         mukca_fk_position(x, &capture->model.geometry, rows->q + i * rows->n_joints, NULL);
-        squares += mukca_distance3(x, mean) * mukca_distance3(x, mean);
-        latest = i;
+        apart = mukca_distance3(x, mean);
+        squares += apart * apart;
     }
     if (rms) *rms = n < 3 ? (double)NAN : sqrt(squares / n);
-    if (!last) return;
-    *last = (double)NAN;
-    if (n < 2) return;
-    socket_mean(others, capture, socket, latest);
-    mukca_fk_position(x, &capture->model.geometry, rows->q + latest * rows->n_joints, NULL);
-    *last = mukca_distance3(x, others);
+    if (last) *last = n < 2 ? (double)NAN : apart * n / (n - 1); /* the mean contains it */
 }
 
 /* The socket in which a ball seems to be that is `off` from the current one: the nearest with
@@ -358,7 +353,7 @@ void mukca_capture_clear(mukca_capture *capture)
     capture->socket = -1;
     capture->count = 0;
     capture->jumps = 0;
-    capture->has_last = capture->guided = capture->was_guided = false;
+    capture->has_last = capture->last.guided = capture->was_guided = false;
     capture->standing = capture->taken = false;
     capture->checked = 0;
 }

@@ -11,7 +11,7 @@ enum { MIN_READINGS = 3 }; /* the minimum for a spread */
 /* ---- readings ---- */
 
 /* The reading `back` before the last. */
-static const mukca_capture_stored *stored(const mukca_capture *capture, int back)
+static const mukca_capture_reading *stored(const mukca_capture *capture, int back)
 {
     return &capture->ring[(capture->head - 1 - back + 2 * MUKCA_CAPTURE_RING) % MUKCA_CAPTURE_RING];
 }
@@ -19,11 +19,11 @@ static const mukca_capture_stored *stored(const mukca_capture *capture, int back
 /* Two arms on one channel: readings or clocks that jump away and back. */
 static bool jumped(const mukca_capture *capture, const mukca_capture_reading *reading)
 {
-    double step = reading->time - capture->last_time;
+    double step = reading->time - capture->last.time;
     if (step < 0) return true;
     for (int j = 0; j < capture->chain->n_joints; j++) {
-        double leap = fabs(reading->q[j] - capture->last_q[j]);
-        if (leap > 0.05 + 10 * step && fabs(reading->q[j] - capture->before_q[j]) < 0.2 * leap)
+        double leap = fabs(reading->q[j] - capture->last.q[j]);
+        if (leap > 0.05 + 10 * step && fabs(reading->q[j] - capture->before.q[j]) < 0.2 * leap)
             return true;
     }
     return false;
@@ -32,9 +32,8 @@ static bool jumped(const mukca_capture *capture, const mukca_capture_reading *re
 unsigned mukca_capture_feed(mukca_capture *capture, const mukca_capture_reading *reading)
 {
     const mukca_capture_settings *s = &capture->settings;
-    size_t bytes = (size_t)capture->chain->n_joints * sizeof *reading->q;
     unsigned found = 0;
-    double step = reading->time - capture->last_time;
+    double step = reading->time - capture->last.time;
     if (capture->has_last) {
         double before = capture->jumps;
         capture->jumps = jumped(capture, reading) ? before + 1 : before * 0.98;
@@ -46,24 +45,15 @@ unsigned mukca_capture_feed(mukca_capture *capture, const mukca_capture_reading 
             capture->checked = reading->time;
         }
     }
-    memcpy(capture->before_q, capture->last_q, bytes);
-    memcpy(capture->last_q, reading->q, bytes);
-    capture->last_time = reading->time;
+    capture->was_guided = capture->was_guided || (capture->last.guided && !reading->guided);
+    capture->before = capture->last;
+    capture->last = *reading;
     capture->has_last = true;
-    if (capture->guided && !reading->guided) capture->was_guided = true;
-    capture->guided = reading->guided;
     /* Drop readings of fast streams: a window always fits the ring buffer. */
     if (capture->count &&
         reading->time - stored(capture, 0)->time < s->window / (0.5 * MUKCA_CAPTURE_RING))
         return found;
-    mukca_capture_stored *to = &capture->ring[capture->head];
-    to->time = reading->time;
-    to->arrival = reading->arrival;
-    for (int j = 0; j < capture->chain->n_joints; j++) {
-        to->q[j] = reading->q[j];
-        to->effort[j] = reading->effort ? reading->effort[j] : (double)NAN;
-        to->command[j] = reading->command ? reading->command[j] : (double)NAN;
-    }
+    capture->ring[capture->head] = *reading;
     capture->head = (capture->head + 1) % MUKCA_CAPTURE_RING;
     if (capture->count < MUKCA_CAPTURE_RING) capture->count++;
     return found;

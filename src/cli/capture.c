@@ -168,9 +168,9 @@ static void print_next(const session *s)
 static void conclude(session *s)
 {
     const mukca_recorder *r = &s->recorder;
-    if (mukca_lcm_link_skipped(r->link))
+    if (r->link.log.skipped)
         cli_log(s->call, "the log is damaged: %lld bytes of it were skipped\n",
-                (long long)mukca_lcm_link_skipped(r->link));
+                (long long)r->link.log.skipped);
     cli_say(s->call, NULL,
             "%d sample%s in %s; %lld joint states received, %lld refused, longest pause %.3f s",
             r->session.file.n_rows, r->session.file.n_rows == 1 ? "" : "s", r->session.file.path,

@@ -49,16 +49,16 @@ bool cli_capture_press(cli_capture_view *v, mukca_recorder *r, char key)
     if (v->typed) {
         type_number(v, r, key, &answer);
     } else if (key == 'a') {
-        mukca_sampling_sample(r, &(mukca_sample_request){.time = mukca_clock_wall()}, &answer);
+        mukca_sampling_sample(r, &(mukca_message_trigger){.id = 0}, mukca_clock_wall(), &answer);
     } else if (key == 'd') {
         mukca_sampling_delete(r, 0, &answer);
     } else if (key == 'x') {
         v->typed = 1;
         mukca_fail(&answer, MUKCA_OK, "number of the sample to delete, then Enter");
     } else if (key == 's') {
-        mukca_sampling_next_socket(r, &answer);
+        mukca_sampling_select(r, NULL, NULL, &answer);
     } else if (key == 'n') {
-        mukca_sampling_next_placement(r, &answer);
+        mukca_sampling_select(r, "", NULL, &answer);
     } else if (key == '?') {
         mukca_fail(&answer, MUKCA_OK, CLI_CAPTURE_KEYS);
     } else {
@@ -116,42 +116,38 @@ __attribute__((format(printf, 2, 3))) static void draw(screen *s, const char *fo
     s->lines++;
 }
 
-/* Samples by placement and socket, the latest first. */
-static void draw_counts(screen *s, const mukca_capture *c)
+/* Samples by placement and socket, the latest first; and where the operator is, in bold: 20 samples
+ * in each socket of four placements are a session. */
+static void draw_counts(screen *s, const mukca_recorder *r)
 {
+    const mukca_capture *c = &r->session.capture;
+    const mukca_socket *sockets = c->rows.sockets;
     char line[512] = "";
     mukca_text text = MUKCA_TEXT(line);
-    int placement = -1;
-    for (int k = c->rows.n_sockets - 1; k >= 0; k--) {
-        int n = mukca_capture_count(c, k), p = c->rows.sockets[k].placement;
+    const int here = c->socket < 0 ? 1 : 1 + sockets[c->socket].placement;
+    const int wanted = r->session.placements.n > here ? r->session.placements.n : 4;
+    mukca_text_put(&s->text, "\033[1m");
+    draw(s, "socket %.16s \302\267 %d of 20 \302\267 placement %d of %d (%.24s)",
+         mukca_capture_socket(c), mukca_capture_count(c, c->socket), here,
+         wanted > here ? wanted : here, mukca_capture_placement(c));
+    mukca_text_put(&s->text, "\033[0m");
+    for (int k = c->rows.n_sockets - 1, placement = -1; k >= 0; k--) {
+        const int n = mukca_capture_count(c, k), p = sockets[k].placement;
         if (!n && k != c->socket) continue;
         if (p != placement)
             mukca_text_put(&text, "%s%.40s:", text.used ? " | " : "", c->rows.placements[p].name);
         placement = p;
-        mukca_text_put(&text, " %.16s=%d", c->rows.sockets[k].label, n);
+        mukca_text_put(&text, " %.16s=%d", sockets[k].label, n);
     }
     draw(s, "samples      %d: %s", c->rows.n_rows, line);
 }
 
-/* Where the operator is, in bold: 20 samples in each socket of four placements are a session. */
-static void draw_progress(screen *s, const mukca_recorder *r)
-{
-    const mukca_capture *c = &r->session.capture;
-    const int enough = 20, named = r->session.placements.n;
-    const int place = 1 + (c->socket < 0 ? 0 : c->rows.sockets[c->socket].placement);
-    mukca_text_put(&s->text, "\033[1m");
-    draw(s, "socket %.16s \302\267 %d of %d \302\267 placement %d of %d (%.24s)",
-         mukca_capture_socket(c), mukca_capture_count(c, c->socket), enough, place,
-         named > place ? named
-         : place > 4   ? place
-                       : 4,
-         mukca_capture_placement(c));
-    mukca_text_put(&s->text, "\033[0m");
-}
-
 static void draw_accuracy(screen *s, const mukca_recorder *r)
 {
-    double rms, last;
+    const mukca_capture_advice *advice = &r->session.advice;
+    double rms, last, coverage[MUKCA_MAX_JOINTS];
+    char line[128] = "";
+    mukca_text text = MUKCA_TEXT(line);
     mukca_capture_spread(&rms, &last, &r->session.capture, r->session.capture.socket);
     if (isnan(rms))
         draw(s, "this socket  too few samples to judge");
@@ -159,19 +155,12 @@ static void draw_accuracy(screen *s, const mukca_recorder *r)
         draw(s, "this socket  consistency error %.2f mm; last sample %.2f mm from the others",
              1e3 * rms, 1e3 * last);
     const double nominal = 0.01; /* m: arms are built to it; more is the prior's width */
-    if (!(r->session.advice.expected <= nominal))
+    if (!(advice->expected <= nominal))
         draw(s, "accuracy     too few samples to predict");
     else
         draw(s, "accuracy     %.2f mm expected, %.2f mm after ten more here%s",
-             1e3 * r->session.advice.expected, 1e3 * r->session.advice.expected_more,
-             r->session.advice.more_rows_help ? "" : ": continue elsewhere");
-}
-
-static void draw_coverage(screen *s, const mukca_recorder *r)
-{
-    double coverage[MUKCA_MAX_JOINTS];
-    char line[128] = "";
-    mukca_text text = MUKCA_TEXT(line);
+             1e3 * advice->expected, 1e3 * advice->expected_more,
+             advice->more_rows_help ? "" : ": continue elsewhere");
     mukca_capture_coverage(coverage, &r->session.capture);
     for (int j = 0; j < r->chain->n_joints; j++) mukca_text_put(&text, "%.0f ", 100 * coverage[j]);
     draw(s, "coverage     %s%% of the joint ranges, base to tip", line);
@@ -179,7 +168,6 @@ static void draw_coverage(screen *s, const mukca_recorder *r)
 
 void cli_capture_draw(cli_capture_view *v, const mukca_recorder *r)
 {
-    const mukca_capture *c = &r->session.capture;
     struct winsize size = {.ws_col = 80};
     char text[PIPE_BUF];
     if (!cli_relay_idle(&v->relay)) return;
@@ -189,11 +177,9 @@ void cli_capture_draw(cli_capture_view *v, const mukca_recorder *r)
     erase(&s.text, v);
     draw(&s, "stream       %s %.0f Hz, age %.3f s, %s: %s%s", r->stream.channel,
          age > 1 ? 0 : r->stream.count.rate, age < 1e6 ? age : 0, mukca_recorder_stream(r),
-         mukca_sampling_state(r), c->guided ? ", guided by hand" : "");
-    draw_progress(&s, r);
-    draw_counts(&s, c);
+         mukca_sampling_state(r), r->session.capture.last.guided ? ", guided by hand" : "");
+    draw_counts(&s, r);
     draw_accuracy(&s, r);
-    draw_coverage(&s, r);
     if (v->raw)
         draw(&s, "keys         a add  d delete last  s socket  n placement  q finish  ? more");
     v->drawn = s.lines;

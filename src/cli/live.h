@@ -50,11 +50,11 @@ typedef struct {
                           "offsets; recorded in the session (default: raw)"),                      \
         CLI_OPTION(type, live.recorder.still, "still", CLI_FLAG, NULL,                             \
                    "record a sample whenever the arm stands still in a socket in a new posture"),  \
-        CLI_OPTION(type, live.recorder.dwell, "dwell", CLI_POSITIVE, "S",                          \
+        CLI_OPTION(type, live.recorder.capture.dwell, "dwell", CLI_POSITIVE, "S",                  \
                    "time of standing still for --still, s (default: 1)"),                          \
-        CLI_OPTION(type, live.recorder.window, "window", CLI_POSITIVE, "S",                        \
+        CLI_OPTION(type, live.recorder.capture.window, "window", CLI_POSITIVE, "S",                \
                    "a sample is the mean over this time, s (default: 0.2)"),                       \
-        CLI_OPTION(type, live.recorder.motion, "motion", CLI_POSITIVE, "RAD",                      \
+        CLI_OPTION(type, live.recorder.capture.range, "motion", CLI_POSITIVE, "RAD",               \
                    "largest motion of a joint within the window, rad or m (default: 0.001)"),      \
         CLI_OPTION(                                                                                \
             type, live.recorder.placements, "placement", CLI_TEXT, "LIST",                         \
@@ -78,7 +78,7 @@ static inline void cli_live_complete(cli_live *live, const cli_common *common)
 {
     live->recorder.types = live->types.items;
     live->recorder.n_types = live->types.n;
-    live->recorder.distance = common->distance;
+    live->recorder.capture.distance = common->distance;
 }
 
 /* ---- standard error of a live recording (live.c) ----

@@ -17,7 +17,7 @@ typedef struct {
 
 typedef struct {
     cli_call *call;
-    mukca_lcm_link *link;
+    mukca_lcm_link link;
     mukca_lcm_key key;
     int64_t id;
     bool wants_status;
@@ -96,7 +96,7 @@ static mukca_status send_command(client *c)
     char channel[64];
     unsigned char buffer[4096 + MUKCA_LCM_SIGNATURE];
     mukca_message_command command = {
-        .utime = mukca_lcm_link_clock(c->link), .id = c->id, .verb = words->items[0]};
+        .utime = mukca_lcm_link_clock(&c->link), .id = c->id, .verb = words->items[0]};
     if (words->n - 1 > MUKCA_MESSAGE_ARGUMENTS)
         return mukca_fail(&c->call->error, MUKCA_USAGE, "at most %d arguments",
                           MUKCA_MESSAGE_ARGUMENTS);
@@ -110,7 +110,7 @@ static mukca_status send_command(client *c)
         mukca_lcm_signature_make(buffer + size, &c->key, &packet);
         size += MUKCA_LCM_SIGNATURE;
     }
-    return mukca_lcm_link_publish(c->link, channel, buffer, size, &c->call->error);
+    return mukca_lcm_link_publish(&c->link, channel, buffer, size, &c->call->error);
 }
 
 static mukca_status check_verb(cli_call *call, const char *verb)
@@ -118,12 +118,10 @@ static mukca_status check_verb(cli_call *call, const char *verb)
     const char *meant = NULL;
     char text[MUKCA_SUGGEST_TEXT];
     int best = 99;
-    if (strcmp(verb, "status") == 0) return MUKCA_OK;
     for (const char *const *v = mukca_server_verbs; *v; v++) {
         if (strcmp(verb, *v) == 0) return MUKCA_OK;
         if (mukca_suggest_better(&best, verb, *v)) meant = *v;
     }
-    if (mukca_suggest_better(&best, verb, "status")) meant = "status";
     return cli_fail(call, MUKCA_USAGE, "serve has no command '%.40s'; %s", verb,
                     mukca_suggest_text(text, meant, "`mukca help serve` lists them"));
 }
@@ -133,7 +131,8 @@ static mukca_status run(cli_call *call)
     const send_options *o = call->options;
     mukca_error *error = &call->error;
     client *c = call->work;
-    char channel[64];
+    mukca_lcm_channels channels = {.all = false};
+    char *channel = channels.name[0];
     struct timespec t;
     c->call = call;
     clock_gettime(CLOCK_REALTIME, &t);
@@ -143,15 +142,15 @@ static mukca_status run(cli_call *call)
     if (status == MUKCA_OK && o->key) status = mukca_lcm_key_read(&c->key, o->key, error);
     if (status == MUKCA_OK)
         status = mukca_lcm_link_open(&c->link, &o->network, on_packet, c, error);
-    if (status == MUKCA_OK && mukca_lcm_link_replays(c->link))
+    if (status == MUKCA_OK && c->link.replays)
         status = mukca_fail(error, MUKCA_USAGE, "commands need a network, not a log");
     mukca_message_channel(channel, c->wants_status ? MUKCA_MESSAGE_STATUS : MUKCA_MESSAGE_RESULT,
                           o->prefix);
-    if (status == MUKCA_OK) status = mukca_lcm_link_listen(c->link, channel, error);
+    if (status == MUKCA_OK) mukca_lcm_multicast_listen(c->link.multicast, &channels);
     if (status == MUKCA_OK && !c->wants_status) status = send_command(c);
     double deadline = cli_elapsed(call) + o->timeout;
     while (status == MUKCA_OK && !c->answered) {
-        status = mukca_lcm_link_wait(c->link, 100, -1, NULL, error);
+        status = mukca_lcm_link_wait(&c->link, 100, -1, NULL, error);
         if (cli_interrupted())
             return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted; serve completes the command");
         if (status == MUKCA_OK && !c->answered && cli_elapsed(call) > deadline)
@@ -166,7 +165,7 @@ static mukca_status run(cli_call *call)
 static void release(void *work)
 {
     client *c = work;
-    mukca_lcm_link_close(c->link);
+    mukca_lcm_link_close(&c->link);
 }
 
 static const cli_option options[] = {

@@ -79,8 +79,8 @@ static mukca_status commit(mukca_session *session, const char *text, size_t leng
     return status;
 }
 
-mukca_status mukca_session_add(mukca_session *session, const mukca_session_row *row,
-                               mukca_error *error)
+mukca_status mukca_session_add(mukca_session *session, const char *placement, const char *socket,
+                               const mukca_capture_sample *sample, mukca_error *error)
 {
     char buffer[LINE_SIZE];
     mukca_text line = MUKCA_TEXT(buffer);
@@ -88,9 +88,10 @@ mukca_status mukca_session_add(mukca_session *session, const mukca_session_row *
     int n = session->n_rows;
     int64_t *place = mukca_list_append(&session->row_at, &n, sizeof *place);
     if (!place) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    mukca_text_put(&line, "%s%c%s%c%.6f", row->placement, s, row->socket, s, row->time);
-    const double *const columns[] = {row->q, row->spread, session->has_effort ? row->effort : NULL,
-                                     session->has_command ? row->command : NULL};
+    mukca_text_put(&line, "%s%c%s%c%.6f", placement, s, socket, s, sample->time);
+    const double *const columns[] = {sample->q, sample->spread,
+                                     session->has_effort ? sample->effort : NULL,
+                                     session->has_command ? sample->command : NULL};
     for (int k = 0; k < 4; k++)
         for (int j = 0; columns[k] && j < session->n_joints; j++)
             mukca_text_put(&line, isfinite(columns[k][j]) ? "%c%.17g" : "%cnan", s, columns[k][j]);
@@ -129,20 +130,20 @@ mukca_status mukca_session_delete(mukca_session *session, int row, const char *p
 /* ---- header ---- */
 
 static void format_columns(mukca_text *line, const mukca_session *session,
-                           const mukca_session_head *head)
+                           const mukca_session_task *task)
 {
     const struct {
         const char *suffix;
         bool there;
     } groups[] = {{"", true},
                   {".spread", true},
-                  {".effort", head->has_effort},
-                  {".command", head->has_command}};
+                  {".effort", task->has_effort},
+                  {".command", task->has_command}};
     char s = session->separator;
     mukca_text_put(line, "placement%csocket%ctime_s", s, s);
     for (int g = 0; g < 4; g++)
         for (int j = 0; groups[g].there && j < session->n_joints; j++)
-            mukca_text_put(line, "%c%s%s", s, mukca_chain_joint_name(head->chain, j),
+            mukca_text_put(line, "%c%s%s", s, mukca_chain_joint_name(task->chain, j),
                            groups[g].suffix);
     mukca_text_put(line, "\n");
 }
@@ -156,48 +157,33 @@ static const struct {
 };
 enum { ORIGINS = sizeof origins / sizeof *origins };
 
-static const char *origin(const mukca_session_head *head, int k)
+static const char *origin(const mukca_session_task *task, int k)
 {
-    return k ? head->stream : head->chain->urdf_sha256;
+    return k ? task->stream : task->chain->urdf_sha256;
 }
 
 static const char first_line[] = "# mukca session\n";
 
 /* Write the header atomically to a new file, or over an existing one. */
-static mukca_status write_header(mukca_session *session, const mukca_session_head *head,
+static mukca_status write_header(mukca_session *session, const mukca_session_task *task,
                                  mukca_error *error)
 {
     char buffer[LINE_SIZE];
     mukca_text line = MUKCA_TEXT(buffer);
     mukca_output output;
-    mukca_text_put(&line, "%s# robot: %s\n# base: %s\n# tip: %s\n", first_line, head->chain->robot,
-                   head->chain->base, head->chain->tip);
+    mukca_text_put(&line, "%s# robot: %s\n# base: %s\n# tip: %s\n", first_line, task->chain->robot,
+                   task->chain->base, task->chain->tip);
     for (int k = 0; k < ORIGINS; k++)
-        mukca_text_put(&line, "%s%s\n", origins[k].key, origin(head, k));
-    mukca_text_put(&line, "# channel: %s (%s)\n", head->channel, head->type);
+        mukca_text_put(&line, "%s%s\n", origins[k].key, origin(task, k));
+    mukca_text_put(&line, "# channel: %s (%s)\n", task->channel, task->type);
     mukca_text_put(
         &line,
         "# a row is the mean of a still window; .spread is the standard deviation within it\n");
-    format_columns(&line, session, head);
+    format_columns(&line, session, task);
     mukca_status status = mukca_output_open(&output, session->path, true, error);
     if (status != MUKCA_OK) return status;
     fputs(line.at, output.stream); /* mukca_output_close detects failures */
     return mukca_output_close(&output, error);
-}
-
-static mukca_status prepare(mukca_session *session, const char *path,
-                            const mukca_session_head *head, mukca_error *error)
-{
-    memset(session, 0, sizeof *session);
-    size_t n = strlen(path);
-    if (n >= sizeof session->path)
-        return mukca_fail(error, MUKCA_INPUT, "%.100s...: the path is too long", path);
-    memcpy(session->path, path, n + 1);
-    session->separator = mukca_dataset_separator(path);
-    session->n_joints = head->chain->n_joints;
-    session->has_effort = head->has_effort;
-    session->has_command = head->has_command;
-    return MUKCA_OK;
 }
 
 /* Open an existing file and lock it. */
@@ -216,40 +202,14 @@ static mukca_status open_file(mukca_session *session, mukca_error *error)
     return MUKCA_OK;
 }
 
-/* Create the file, or overwrite it. */
-static mukca_status begin(mukca_session *session, const mukca_session_head *head,
-                          mukca_error *error)
-{
-    mukca_status status = write_header(session, head, error);
-    if (session->open) close(session->fd);
-    session->open = false;
-    return status ? status : open_file(session, error);
-}
-
-mukca_status mukca_session_create(mukca_session *session, const char *path, bool force,
-                                  const mukca_session_head *head, mukca_error *error)
-{
-    mukca_status status = prepare(session, path, head, error);
-    const bool exists = status == MUKCA_OK && access(path, F_OK) == 0;
-    if (exists && !force)
-        status =
-            mukca_fail(error, MUKCA_INPUT,
-                       "%s: exists already; --resume continues it, --force overwrites it", path);
-    else if (exists)
-        status = open_file(session, error); /* checks that no other program records it */
-    if (status == MUKCA_OK) status = begin(session, head, error);
-    if (status != MUKCA_OK) mukca_session_close(session);
-    return status;
-}
-
-/* ---- resuming ---- */
+/* ---- opening ---- */
 
 static mukca_status check_comment(const mukca_session *session, const char *comment,
-                                  const mukca_session_head *head, mukca_error *error)
+                                  const mukca_session_task *task, mukca_error *error)
 {
     for (int k = 0; k < ORIGINS; k++) {
         const size_t n = strlen(origins[k].key);
-        if (strncmp(comment, origins[k].key, n) == 0 && strcmp(comment + n, origin(head, k)) != 0)
+        if (strncmp(comment, origins[k].key, n) == 0 && strcmp(comment + n, origin(task, k)) != 0)
             return mukca_fail(error, MUKCA_INPUT, "%s: %s %.16s", session->path, origins[k].refusal,
                               comment + n);
     }
@@ -259,11 +219,11 @@ static mukca_status check_comment(const mukca_session *session, const char *comm
 /* Check the comments, look for the column line, and index the rows.  text, which is split into
  * lines, is empty or ends in a newline. */
 static mukca_status scan(mukca_session *session, bool *has_columns, char *text,
-                         const mukca_session_head *head, mukca_error *error)
+                         const mukca_session_task *task, mukca_error *error)
 {
     char buffer[LINE_SIZE];
     mukca_text columns = MUKCA_TEXT(buffer);
-    format_columns(&columns, session, head);
+    format_columns(&columns, session, task);
     columns.at[columns.used - 1] = '\0';
     *has_columns = false;
     for (char *at = text, *end; *at; at = end + 1) {
@@ -272,7 +232,7 @@ static mukca_status scan(mukca_session *session, bool *has_columns, char *text,
         *end = '\0';
         if (end > at && end[-1] == '\r') end[-1] = '\0';
         if (at[0] == '#') {
-            mukca_status status = check_comment(session, at, head, error);
+            mukca_status status = check_comment(session, at, task, error);
             if (status != MUKCA_OK) return status;
         } else if (at[0] && !*has_columns) {
             if (strcmp(at, columns.at) != 0)
@@ -290,15 +250,9 @@ static mukca_status scan(mukca_session *session, bool *has_columns, char *text,
     return MUKCA_OK;
 }
 
-/* Content of a file to be resumed. */
-typedef struct {
-    int64_t rest;     /* bytes after its last complete line */
-    bool ours;        /* it starts like a session file */
-    bool has_columns; /* it has the column line */
-} found_file;
-
-/* Read and scan the complete lines of the file; sets session->length to their bytes. */
-static mukca_status load(found_file *found, mukca_session *session, const mukca_session_head *head,
+/* Read a file to be resumed: check its header, index its rows and remove the rest of an unfinished
+ * one.  *has_columns false: it is empty, or truncated within the header. */
+static mukca_status load(mukca_session *session, bool *has_columns, const mukca_session_task *task,
                          mukca_error *error)
 {
     const int64_t length = session->length;
@@ -312,35 +266,49 @@ static mukca_status load(found_file *found, mukca_session *session, const mukca_
         goto out;
     }
     const size_t first = strlen(first_line);
-    found->ours = strncmp(text, first_line, (size_t)length < first ? (size_t)length : first) == 0;
+    const bool ours =
+        strncmp(text, first_line, (size_t)length < first ? (size_t)length : first) == 0;
     while (session->length > 0 && text[session->length - 1] != '\n') session->length--;
     text[session->length] = '\0';
-    found->rest = length - session->length;
-    status = scan(session, &found->has_columns, text, head, error);
+    status = scan(session, has_columns, text, task, error);
+    if (status != MUKCA_OK) goto out;
+    if (!*has_columns && !ours)
+        status = mukca_fail(error, MUKCA_INPUT, "%s: no header of a session", session->path);
+    else if (*has_columns && session->length < length && ftruncate(session->fd, session->length))
+        status = fail(session, "cannot be mended", error);
+    else if (*has_columns && session->length < length)
+        mukca_note_format(task->note, task->context, "%s: %lld bytes of an unfinished row removed",
+                          session->path, (long long)(length - session->length));
 out:
     free(text);
     return status;
 }
 
-mukca_status mukca_session_resume(mukca_session *session, const char *path,
-                                  const mukca_session_head *head, mukca_note_fn *note,
-                                  void *note_context, mukca_error *error)
+mukca_status mukca_session_open(mukca_session *session, const mukca_session_task *task,
+                                mukca_error *error)
 {
-    found_file found = {.ours = true};
-    mukca_status status = prepare(session, path, head, error);
-    if (status == MUKCA_OK && access(path, F_OK) == 0) {
-        status = open_file(session, error);
-        if (status == MUKCA_OK) status = load(&found, session, head, error);
+    mukca_status status = MUKCA_OK;
+    bool has_columns = false;
+    *session = (mukca_session){.separator = mukca_dataset_separator(task->path),
+                               .n_joints = task->chain->n_joints,
+                               .has_effort = task->has_effort,
+                               .has_command = task->has_command};
+    if (snprintf(session->path, sizeof session->path, "%s", task->path) >=
+        (int)sizeof session->path)
+        return mukca_fail(error, MUKCA_INPUT, "%.100s...: the path is too long", task->path);
+    if (access(task->path, F_OK) == 0) {
+        if (!task->resume && !task->force)
+            return mukca_fail(error, MUKCA_INPUT,
+                              "%s: exists already; --resume continues it, --force overwrites it",
+                              task->path);
+        status = open_file(session, error); /* checks that no other program records it */
+        if (status == MUKCA_OK && task->resume) status = load(session, &has_columns, task, error);
     }
-    if (status == MUKCA_OK && !found.has_columns) /* empty, or truncated within the header */
-        status = found.ours ? begin(session, head, error)
-                            : mukca_fail(error, MUKCA_INPUT, "%s: no header of a session", path);
-    else if (status == MUKCA_OK && found.rest) {
-        if (ftruncate(session->fd, session->length))
-            status = fail(session, "cannot be mended", error);
-        else
-            mukca_note_format(note, note_context, "%s: %lld bytes of an unfinished row removed",
-                              path, (long long)found.rest);
+    if (status == MUKCA_OK && !has_columns) { /* create or overwrite it */
+        status = write_header(session, task, error);
+        if (session->open) close(session->fd);
+        session->open = false;
+        if (status == MUKCA_OK) status = open_file(session, error);
     }
     if (status != MUKCA_OK) mukca_session_close(session);
     return status;

@@ -5,24 +5,9 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "capture/capture.h"
 #include "mukca/chain.h"
 #include "mukca/status.h"
-
-/* The header of a session. */
-typedef struct {
-    const mukca_chain *chain;
-    const char *stream;  /* "raw" or "corrected" */
-    const char *channel; /* source of the joint states */
-    const char *type;
-    bool has_effort, has_command; /* optional columns */
-} mukca_session_head;
-
-/* One sample.  Arrays of n_joints in the chain's order; effort and command if the head has them. */
-typedef struct {
-    const char *placement, *socket;
-    double time; /* s */
-    const double *q, *spread, *effort, *command;
-} mukca_session_row;
 
 /* Zeroed: closed. */
 typedef struct {
@@ -38,22 +23,29 @@ typedef struct {
     int64_t *row_at; /* [n_rows] byte offsets of the rows */
 } mukca_session;
 
-/* Create a session file; an existing one is refused without `force`.  A name that ends in .csv
- * selects commas, any other tabs.  Errors: MUKCA_INPUT (exists, cannot be written, in use by
- * another program), MUKCA_MEMORY (also: incomplete). */
-mukca_status mukca_session_create(mukca_session *session, const char *path, bool force,
-                                  const mukca_session_head *head, mukca_error *error);
+/* What to open: a session file, which exists already only with `resume` (a partial row, left by a
+ * crash or a power cut, is removed with a `note`) or `force` (it is overwritten).  A name that ends
+ * in .csv selects commas, any other tabs. */
+typedef struct {
+    const char *path;
+    bool resume, force;
+    const mukca_chain *chain;
+    const char *stream;           /* "raw" or "corrected" */
+    const char *channel, *type;   /* source of the joint states */
+    bool has_effort, has_command; /* optional columns */
+    mukca_note_fn *note;          /* may be NULL */
+    void *context;
+} mukca_session_task;
 
-/* Continue a session file; a missing or empty one is created.  An unacknowledged partial row, left
- * by a crash or a power cut, is removed with a `note`.  Errors: as above; of another robot, other
- * columns, the other kind of stream. */
-mukca_status mukca_session_resume(mukca_session *session, const char *path,
-                                  const mukca_session_head *head, mukca_note_fn *note,
-                                  void *note_context, mukca_error *error);
+/* Errors: MUKCA_INPUT (exists, cannot be written, in use by another program; to be resumed, but of
+ * another robot, with other columns or of the other kind of stream), MUKCA_MEMORY (also:
+ * incomplete). */
+mukca_status mukca_session_open(mukca_session *session, const mukca_session_task *task,
+                                mukca_error *error);
 
-/* Append a row and sync it; on failure the file is unchanged.  Errors: MUKCA_MEMORY. */
-mukca_status mukca_session_add(mukca_session *session, const mukca_session_row *row,
-                               mukca_error *error);
+/* Append a sample and sync it; on failure the file is unchanged.  Errors: MUKCA_MEMORY. */
+mukca_status mukca_session_add(mukca_session *session, const char *placement, const char *socket,
+                               const mukca_capture_sample *sample, mukca_error *error);
 
 /* Delete row `row`, from 1; 0: the last.  It becomes a comment, and a comment at the end of the
  * file records this.  Errors: MUKCA_INPUT (no such row), MUKCA_MEMORY (write failure; the row

@@ -2,7 +2,6 @@
  * fingerprints as lcm-gen computes them. */
 #include "lcm/type.h"
 
-#include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -99,7 +98,7 @@ enum { TOKEN_SIZE = 96 };
 
 /* State of the parser.  After an error the token is empty and nothing more is read. */
 typedef struct {
-    const char *text, *at, *end, *file;
+    const char *text, *at, *file;
     const char *token_at;   /* start of the token */
     char token[TOKEN_SIZE]; /* empty: end of the text */
     char package[MUKCA_LCM_NAME_SIZE];
@@ -120,48 +119,38 @@ static void fail(reader *r, const char *what)
     r->status = mukca_fail(r->error, MUKCA_INPUT, "%s:%d:%d: %s at %s%.60s%s", r->file, line,
                            column, what, quote, r->token[0] ? r->token : "the end", quote);
     r->token[0] = '\0';
-    r->at = r->end;
-}
-
-static bool starts(const reader *r, const char *two)
-{
-    return r->end - r->at >= 2 && strncmp(r->at, two, 2) == 0;
+    r->at += strlen(r->at);
 }
 
 static void skip_blank(reader *r)
 {
     for (;;) {
-        if (starts(r, "//")) {
-            while (r->at < r->end && *r->at != '\n') r->at++;
-        } else if (starts(r, "/*")) {
-            while (r->at < r->end && !starts(r, "*/")) r->at++;
-            if (r->at < r->end) r->at += 2;
-        } else if (r->at < r->end && isspace((unsigned char)*r->at)) {
-            r->at++;
+        r->at += strspn(r->at, " \t\r\n\v\f");
+        if (strncmp(r->at, "//", 2) == 0) {
+            r->at += strcspn(r->at, "\n");
+        } else if (strncmp(r->at, "/*", 2) == 0) {
+            const char *end = strstr(r->at, "*/");
+            r->at = end ? end + 2 : r->at + strlen(r->at);
         } else {
             return;
         }
     }
 }
 
-static bool is_word(char c)
-{
-    return isalnum((unsigned char)c) || c == '_' || c == '.' || c == '-' || c == '+';
-}
+#define LETTERS "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_"
+#define DIGITS "0123456789"
 
 /* Read the next token: a word (name, number) or one other character. */
 static void next(reader *r)
 {
     skip_blank(r);
     r->token_at = r->at;
-    size_t n = r->at < r->end;
-    while (n && is_word(*r->at) && r->at + n < r->end && is_word(r->at[n])) n++;
-    bool fits = n < TOKEN_SIZE;
-    size_t kept = fits ? n : TOKEN_SIZE - 1;
+    const size_t word = strspn(r->at, LETTERS DIGITS ".-+"), n = word ? word : *r->at != '\0';
+    const size_t kept = n < TOKEN_SIZE ? n : TOKEN_SIZE - 1;
     memcpy(r->token, r->at, kept);
     r->token[kept] = '\0';
     r->at += n;
-    if (!fits) fail(r, "name too long");
+    if (kept < n) fail(r, "name too long");
 }
 
 static bool is(const reader *r, const char *text)
@@ -187,14 +176,13 @@ static void expect(reader *r, const char *text)
 /* Copy and consume the token, which must be a name (dots are allowed with `dots`). */
 static void read_name(reader *r, char *name, size_t size, bool dots)
 {
-    bool good = isalpha((unsigned char)r->token[0]) || r->token[0] == '_';
-    for (const char *c = r->token; *c; c++)
-        good = good && (isalnum((unsigned char)*c) || *c == '_' || (dots && *c == '.'));
-    if (!good || strlen(r->token) >= size) {
+    const size_t n = strspn(r->token, dots ? LETTERS DIGITS "." : LETTERS DIGITS);
+    const bool good = n && strchr(LETTERS, r->token[0]) && !r->token[n];
+    if (!good || n >= size) {
         fail(r, "expected a name");
         return;
     }
-    memcpy(name, r->token, strlen(r->token) + 1);
+    memcpy(name, r->token, n + 1);
     next(r);
 }
 
@@ -217,7 +205,7 @@ static void parse_dimension(reader *r, mukca_lcm_field *field, const mukca_lcm_t
     mukca_lcm_dimension *d = &field->dimension[field->n_dimensions++];
     memcpy(d->text, r->token, strlen(r->token) + 1);
     d->field = -1;
-    if (isdigit((unsigned char)r->token[0])) {
+    if (strspn(r->token, DIGITS)) {
         char *end;
         long count = strtol(r->token, &end, 0);
         if (*end || count <= 0 || count > 1 << 20) fail(r, "bad array size");
@@ -299,16 +287,11 @@ static void parse_struct(reader *r)
     types->n_types++;
 }
 
-mukca_status mukca_lcm_types_parse(mukca_lcm_types *types, const char *text, size_t length,
-                                   const char *file, mukca_error *error)
+mukca_status mukca_lcm_types_parse(mukca_lcm_types *types, const char *text, const char *file,
+                                   mukca_error *error)
 {
     const int n_types = types->n_types, n_fields = types->n_fields;
-    reader r = {.text = text,
-                .at = text,
-                .end = text + length,
-                .file = file,
-                .types = types,
-                .error = error};
+    reader r = {.text = text, .at = text, .file = file, .types = types, .error = error};
     next(&r);
     while (r.token[0]) {
         if (consume(&r, "package")) {
@@ -336,7 +319,7 @@ mukca_status mukca_lcm_types_read(mukca_lcm_types *types, const char *path, mukc
 {
     char *text;
     mukca_status status = mukca_file_read(&text, path, error);
-    if (status == MUKCA_OK) status = mukca_lcm_types_parse(types, text, strlen(text), path, error);
+    if (status == MUKCA_OK) status = mukca_lcm_types_parse(types, text, path, error);
     free(text);
     return status;
 }

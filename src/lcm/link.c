@@ -9,6 +9,8 @@
 #include <poll.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/clock.h"
@@ -16,42 +18,9 @@
 
 enum { BURST = 256 /* events of a log per call */ };
 
-struct mukca_lcm_link {
-    lcm_t *lcm;                     /* sends; NULL: nothing is sent */
-    mukca_lcm_multicast *multicast; /* receives; NULL: a log is replayed, or nothing is received */
-    bool replays;
-    mukca_lcm_channels channels;
-    mukca_lcm_packet_fn *receive;
-    void *context;
-    mukca_lcm_log log; /* replayed */
-    int64_t clock;     /* time of the last event delivered, us */
-};
-
 int64_t mukca_lcm_link_clock(const mukca_lcm_link *link)
 {
     return link->replays ? link->clock : mukca_clock_wall();
-}
-
-bool mukca_lcm_link_replays(const mukca_lcm_link *link)
-{
-    return link->replays;
-}
-
-int64_t mukca_lcm_link_skipped(const mukca_lcm_link *link)
-{
-    return link->log.skipped;
-}
-
-int64_t mukca_lcm_link_dropped(mukca_lcm_link *link, char reason[128])
-{
-    return link->multicast ? mukca_lcm_multicast_dropped(link->multicast, reason) : 0;
-}
-
-/* Deliver a message that is subscribed. */
-static void deliver(mukca_lcm_link *link, const mukca_lcm_packet *packet)
-{
-    if (link->channels.all || mukca_lcm_channels_name(&link->channels, packet->channel))
-        link->receive(link->context, packet);
 }
 
 /* ---- open and close ---- */
@@ -137,76 +106,35 @@ static mukca_status open_network(mukca_lcm_link *link, const char *url,
     return mukca_lcm_multicast_open(&link->multicast, &options, error);
 }
 
-mukca_status mukca_lcm_link_open(mukca_lcm_link **out, const mukca_lcm_network *network,
+mukca_status mukca_lcm_link_open(mukca_lcm_link *link, const mukca_lcm_network *network,
                                  mukca_lcm_packet_fn *receive, void *context, mukca_error *error)
 {
     const char *url = network->url ? network->url : getenv("LCM_DEFAULT_URL");
     if (url && !*url) url = NULL;
-    mukca_lcm_link *link = calloc(1, sizeof *link);
-    *out = NULL;
-    if (!link) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    link->receive = receive;
-    link->context = context;
-    link->replays = !network->none && url && strncmp(url, "file://", 7) == 0;
-    mukca_status status = network->none ? MUKCA_OK
-                          : link->replays
-                              ? mukca_lcm_log_open(&link->log, url + strlen("file://"), error)
-                              : open_network(link, url, network, error);
-    if (status != MUKCA_OK)
-        mukca_lcm_link_close(link);
-    else
-        *out = link;
-    return status;
+    *link = (mukca_lcm_link){.receive = receive, .context = context};
+    if (network->none) return MUKCA_OK;
+    if (!url || strncmp(url, "file://", 7) != 0) return open_network(link, url, network, error);
+    link->replays = true;
+    return mukca_lcm_log_open(&link->log, url + strlen("file://"), error);
 }
 
 void mukca_lcm_link_close(mukca_lcm_link *link)
 {
-    if (!link) return;
     mukca_lcm_multicast_close(link->multicast);
     if (link->lcm) lcm_destroy(link->lcm);
     mukca_lcm_log_close(&link->log);
-    free(link);
-}
-
-/* ---- listen ---- */
-
-mukca_status mukca_lcm_link_listen(mukca_lcm_link *link, const char *channel, mukca_error *error)
-{
-    mukca_lcm_channels *channels = &link->channels;
-    if (channel ? mukca_lcm_channels_name(channels, channel) : channels->all) return MUKCA_OK;
-    if (channel && (strlen(channel) >= sizeof channels->name[0] || !channel[0]))
-        return mukca_fail(error, MUKCA_USAGE, "\"%.70s\" is no channel: 1 to 63 characters",
-                          channel);
-    if (channel && channels->n == MUKCA_LCM_MAX_NAMED)
-        return mukca_fail(error, MUKCA_USAGE, "more than %d channels", MUKCA_LCM_MAX_NAMED);
-    if (channel)
-        memcpy(channels->name[channels->n++], channel, strlen(channel) + 1);
-    else
-        channels->all = true;
-    if (link->multicast) mukca_lcm_multicast_listen(link->multicast, channels);
-    return MUKCA_OK;
-}
-
-void mukca_lcm_link_unlisten_all(mukca_lcm_link *link)
-{
-    link->channels.all = false;
-    if (link->multicast) mukca_lcm_multicast_listen(link->multicast, &link->channels);
+    link->lcm = link->multicast = NULL;
 }
 
 /* ---- wait ---- */
 
-static mukca_status replay(mukca_lcm_link *link, int other, bool *readable, mukca_error *error)
+static mukca_status replay(mukca_lcm_link *link, int other, bool *readable)
 {
-    mukca_lcm_event event;
+    mukca_lcm_packet event;
     for (int i = 0; i < BURST; i++) {
-        if (!mukca_lcm_log_read(&link->log, &event))
-            return link->log.exhausted ? mukca_fail(error, MUKCA_MEMORY,
-                                                    "LCM log %s: out of memory", link->log.path)
-                                       : MUKCA_NEGATIVE;
+        if (!mukca_lcm_log_read(&event, &link->log)) return MUKCA_NEGATIVE;
         link->clock = event.time;
-        const mukca_lcm_packet packet = {
-            .channel = event.channel, .data = event.data, .size = event.size, .time = event.time};
-        deliver(link, &packet);
+        link->receive(link->context, &event);
     }
     struct pollfd p = {.fd = other, .events = POLLIN};
     if (readable) *readable = poll(&p, 1, 0) > 0;
@@ -220,7 +148,7 @@ static void receive(mukca_lcm_link *link)
     bool later = false;
     for (mukca_lcm_queued *e; !later && (e = mukca_lcm_multicast_take(link->multicast)); free(e)) {
         later = e->packet.time >= now;
-        deliver(link, &e->packet);
+        link->receive(link->context, &e->packet);
     }
 }
 
@@ -228,7 +156,7 @@ mukca_status mukca_lcm_link_wait(mukca_lcm_link *link, int timeout_ms, int other
                                  mukca_error *error)
 {
     if (readable) *readable = false;
-    if (link->replays) return replay(link, other, readable, error);
+    if (link->replays) return replay(link, other, readable);
     const int own = link->multicast ? mukca_lcm_multicast_descriptor(link->multicast) : -1;
     struct pollfd p[2] = {{.fd = own, .events = POLLIN}, {.fd = other, .events = POLLIN}};
     int n = poll(p, 2, timeout_ms);
@@ -251,79 +179,58 @@ mukca_status mukca_lcm_link_publish(mukca_lcm_link *link, const char *channel, c
 /* ---- event logs, big-endian: sync word, number, time in us, lengths of channel and data (28
  * bytes) ---- */
 
-enum {
-    HEADER = 28,
-    MAX_DATA = 1 << 26 /* larger events cannot be joint states or mukca's own */
-};
+enum { HEADER = 28 };
 static const unsigned char sync_word[4] = {0xED, 0xA1, 0xDA, 0x01};
 
 mukca_status mukca_lcm_log_open(mukca_lcm_log *log, const char *path, mukca_error *error)
 {
-    *log = (mukca_lcm_log){.path = path};
-    log->file = fopen(path, "rb");
-    if (!log->file || fseeko(log->file, 0, SEEK_END) || (log->length = ftello(log->file)) < 0 ||
-        log->length == INT64_MAX || fseeko(log->file, 0, SEEK_SET)) {
-        int reason = errno;
-        mukca_lcm_log_close(log);
-        return mukca_fail(error, mukca_output_status(reason), "LCM log %s: %s", path,
-                          reason ? strerror(reason) : "cannot be read");
+    struct stat info;
+    const int file = open(path, O_RDONLY | O_CLOEXEC);
+    void *data = MAP_FAILED;
+    *log = (mukca_lcm_log){.data = NULL};
+    if (file >= 0 && fstat(file, &info) == 0) {
+        log->size = (size_t)info.st_size;
+        data = mmap(NULL, log->size + !log->size, PROT_READ, MAP_PRIVATE, file, 0);
     }
+    const int reason = errno;
+    if (file >= 0) close(file);
+    if (data == MAP_FAILED)
+        return mukca_fail(error, mukca_output_status(reason), "LCM log %s: %s", path,
+                          strerror(reason));
+    log->data = data;
     return MUKCA_OK;
 }
 
-bool mukca_lcm_log_read(mukca_lcm_log *log, mukca_lcm_event *event)
+bool mukca_lcm_log_read(mukca_lcm_packet *event, mukca_lcm_log *log)
 {
-    unsigned char head[HEADER] = {0};
-    size_t have = 0;
-    while (log->file) {
-        have += fread(head + have, 1, sizeof head - have, log->file);
-        if (have < sizeof head) {
-            log->skipped += (int64_t)have;
-            return false;
+    while (log->data && log->size - log->at >= HEADER) {
+        const unsigned char *head = log->data + log->at;
+        const uint64_t left = log->size - log->at - HEADER,
+                       channel = mukca_lcm_wire_get(head + 20, 4),
+                       data = mukca_lcm_wire_get(head + 24, 4);
+        if (memcmp(head, sync_word, 4) == 0 && channel > 0 && channel < sizeof log->channel &&
+            channel + data <= left) {
+            memcpy(log->channel, head + HEADER, channel);
+            log->channel[channel] = '\0';
+            *event = (mukca_lcm_packet){.channel = log->channel,
+                                        .data = head + HEADER + channel,
+                                        .size = data,
+                                        .time = (int64_t)mukca_lcm_wire_get(head + 12, 8)};
+            log->at += HEADER + channel + data;
+            return true;
         }
-        int64_t left = log->length - ftello(log->file);
-        uint64_t n_channel = mukca_lcm_wire_get(head + 20, 4),
-                 n_data = mukca_lcm_wire_get(head + 24, 4);
-        bool event_here = memcmp(head, sync_word, 4) == 0 && n_channel > 0 &&
-                          n_channel < sizeof event->channel && (int64_t)n_data <= left &&
-                          (int64_t)n_channel <= left - (int64_t)n_data;
-        if (!event_here) { /* advance to the next byte that may start a sync word */
-            unsigned char *at = memchr(head + 1, sync_word[0], sizeof head - 1);
-            size_t skip = at ? (size_t)(at - head) : sizeof head;
-            have -= skip;
-            memmove(head, head + skip, have);
-            log->skipped += (int64_t)skip;
-            continue;
-        }
-        have = 0;
-        if (n_data > MAX_DATA) {
-            if (fseeko(log->file, (off_t)(n_channel + n_data), SEEK_CUR)) return false;
-            log->skipped += (int64_t)(HEADER + n_channel + n_data);
-            continue;
-        }
-        if (n_data + 1 > log->capacity) {
-            unsigned char *more = realloc(log->data, n_data + 1);
-            if (!more) {
-                log->exhausted = true;
-                return false;
-            }
-            log->data = more;
-            log->capacity = n_data + 1;
-        }
-        event->time = (int64_t)mukca_lcm_wire_get(head + 12, 8);
-        event->data = log->data;
-        event->size = n_data;
-        memset(event->channel, 0, sizeof event->channel);
-        return fread(event->channel, 1, n_channel, log->file) == n_channel &&
-               fread(log->data, 1, n_data, log->file) == n_data;
+        const unsigned char *next = memchr(head + 1, sync_word[0], log->size - log->at - 1);
+        const size_t skip = next ? (size_t)(next - head) : log->size - log->at;
+        log->skipped += (int64_t)skip;
+        log->at += skip;
     }
+    log->skipped += (int64_t)(log->size - log->at);
+    log->at = log->size;
     return false;
 }
 
 void mukca_lcm_log_close(mukca_lcm_log *log)
 {
-    if (log->file) fclose(log->file);
-    free(log->data);
-    log->file = NULL;
+    if (log->data) munmap((void *)(uintptr_t)log->data, log->size + !log->size);
     log->data = NULL;
 }

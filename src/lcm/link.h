@@ -2,12 +2,8 @@
 #ifndef MUKCA_LCM_LINK_H
 #define MUKCA_LCM_LINK_H
 
-#include <stdio.h>
-
 #include "lcm/packet.h"
 #include "mukca/status.h"
-
-typedef struct mukca_lcm_link mukca_lcm_link;
 
 /* url NULL: LCM_DEFAULT_URL, else LCM's default.  interface: address of the receiving interface;
  * NULL: that of the multicast route, local senders only.  from: comma-separated addresses of
@@ -19,19 +15,30 @@ typedef struct {
 
 typedef void mukca_lcm_packet_fn(void *context, const mukca_lcm_packet *packet);
 
-/* Connect to `network`; `receive` gets the packets.  A log is replayed as fast as possible.
- * Errors: MUKCA_TRANSPORT (no multicast route, with the
- * remedy), MUKCA_INPUT (log), MUKCA_MEMORY. */
-mukca_status mukca_lcm_link_open(mukca_lcm_link **link, const mukca_lcm_network *network,
+/* An event log.  Zeroed: closed. */
+typedef struct {
+    const unsigned char *data; /* the file, mapped to memory */
+    size_t size, at;           /* bytes of the file; read so far */
+    int64_t skipped;           /* bytes outside events */
+    char channel[MUKCA_LCM_CHANNEL_SIZE];
+} mukca_lcm_log;
+
+/* Zeroed: closed. */
+typedef struct {
+    void *lcm;                      /* an lcm_t, which sends; NULL: nothing is sent */
+    mukca_lcm_multicast *multicast; /* receives; NULL: a log is replayed, or nothing is received */
+    bool replays;
+    mukca_lcm_packet_fn *receive;
+    void *context;
+    mukca_lcm_log log; /* replayed */
+    int64_t clock;     /* time of the last event delivered, us */
+} mukca_lcm_link;
+
+/* Connect to `network`; `receive` gets the packets.  A log is replayed as fast as possible.  Close
+ * it after a failure, too.  Errors: MUKCA_TRANSPORT (no multicast route, with the remedy),
+ * MUKCA_INPUT (log), MUKCA_MEMORY. */
+mukca_status mukca_lcm_link_open(mukca_lcm_link *link, const mukca_lcm_network *network,
                                  mukca_lcm_packet_fn *receive, void *context, mukca_error *error);
-
-/* Subscribe to a channel by its literal name; NULL: all channels.  Messages are delivered exactly
- * once, unless the receiver's queue is full (mukca_lcm_link_dropped).  Errors: MUKCA_TRANSPORT,
- * MUKCA_USAGE (invalid name; too many channels). */
-mukca_status mukca_lcm_link_listen(mukca_lcm_link *link, const char *channel, mukca_error *error);
-
-/* End the subscription to all channels; named channels stay subscribed. */
-void mukca_lcm_link_unlisten_all(mukca_lcm_link *link);
 
 /* Deliver what has arrived from a network, or some hundred events of a log.  Waits up to
  * `timeout_ms`, or until descriptor `other` (-1: none) is readable, which sets *readable (may be
@@ -44,44 +51,19 @@ mukca_status mukca_lcm_link_wait(mukca_lcm_link *link, int timeout_ms, int other
 mukca_status mukca_lcm_link_publish(mukca_lcm_link *link, const char *channel, const void *data,
                                     size_t size, mukca_error *error);
 
-/* Whether a log is replayed; and the time in us since 1970, in a replay that of the log. */
-bool mukca_lcm_link_replays(const mukca_lcm_link *link);
+/* The time in us since 1970, in a replay that of the log. */
 int64_t mukca_lcm_link_clock(const mukca_lcm_link *link);
 
-/* Bytes of the replayed log that are not part of an event. */
-int64_t mukca_lcm_link_skipped(const mukca_lcm_link *link);
-
-/* Number of network messages and datagrams dropped so far; if it has grown, `reason` is set. */
-int64_t mukca_lcm_link_dropped(mukca_lcm_link *link, char reason[128]);
-
-/* NULL is harmless. */
 void mukca_lcm_link_close(mukca_lcm_link *link);
 
 /* ---- event logs of lcm-logger, read with bounded lengths ---- */
 
-typedef struct {
-    int64_t time; /* us since 1970, time of logging */
-    char channel[64];
-    const void *data; /* valid until the next read */
-    size_t size;
-} mukca_lcm_event;
-
-/* Zeroed: closed. */
-typedef struct {
-    FILE *file;
-    const char *path;
-    int64_t length;  /* bytes of the file */
-    int64_t skipped; /* bytes outside events, or of events that are too long */
-    bool exhausted;  /* memory for an event was exhausted */
-    unsigned char *data;
-    size_t capacity;
-} mukca_lcm_log;
-
-/* Open a log; `path` must outlive it.  Errors: MUKCA_INPUT (cannot be opened). */
+/* Errors: MUKCA_INPUT (cannot be opened). */
 mukca_status mukca_lcm_log_open(mukca_lcm_log *log, const char *path, mukca_error *error);
 
-/* Read the next event; false at the end.  Skips damaged parts up to the next sync word. */
-bool mukca_lcm_log_read(mukca_lcm_log *log, mukca_lcm_event *event);
+/* Read the next event, which is valid until the next call; false at the end.  Skips damaged parts
+ * up to the next sync word. */
+bool mukca_lcm_log_read(mukca_lcm_packet *event, mukca_lcm_log *log);
 
 /* Harmless on a closed log. */
 void mukca_lcm_log_close(mukca_lcm_log *log);

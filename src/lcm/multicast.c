@@ -38,11 +38,9 @@ struct mukca_lcm_multicast {
     /* shared, under `lock` */
     pthread_mutex_t lock;
     mukca_lcm_queue queue;
-    bool signalled; /* a byte is in `ready` */
     mukca_lcm_channels channels;
-    int64_t malformed[MUKCA_LCM_DROPS], foreign, lost; /* lost: by the kernel */
-    uint32_t stranger;                                 /* address of the last foreign sender */
-    int64_t reported[MUKCA_LCM_DROPS + 2];
+    int64_t foreign, dropped; /* of senders that are not accepted; in all */
+    char reason[128];         /* of the last one */
 };
 
 /* ---- accepted senders ---- */
@@ -87,34 +85,42 @@ static bool may_send(mukca_lcm_multicast *m, uint32_t address, int64_t now)
 
 /* ---- the thread ---- */
 
-bool mukca_lcm_channels_name(const mukca_lcm_channels *channels, const char *channel)
+static bool is_wanted(const mukca_lcm_channels *channels, const char *channel)
 {
-    for (int i = 0; i < channels->n; i++)
-        if (strcmp(channels->name[i], channel) == 0) return true;
-    return false;
+    bool wanted = channels->all;
+    for (int i = 0; i < MUKCA_LCM_MAX_NAMED; i++)
+        wanted = wanted || strcmp(channels->name[i], channel) == 0;
+    return wanted;
 }
 
 static void process(mukca_lcm_multicast *m, size_t size, const struct sockaddr_in *from,
                     int64_t now)
 {
     uint32_t address = ntohl(from->sin_addr.s_addr);
-    mukca_lcm_packet packet;
-    mukca_lcm_datagram datagram = {.data = m->datagram,
-                                   .size = size,
-                                   .time = now,
-                                   .sender = (uint64_t)address << 16 | ntohs(from->sin_port)};
+    mukca_lcm_packet packet = {.data = m->datagram,
+                               .size = size,
+                               .time = now,
+                               .sender = (uint64_t)address << 16 | ntohs(from->sin_port)};
+    const int64_t malformed = m->reassembly.dropped;
     bool known = may_send(m, address, now);
-    bool whole = known && mukca_lcm_packet_take(&packet, &m->reassembly, &datagram);
+    bool whole = known && mukca_lcm_packet_take(&packet, &m->reassembly);
     pthread_mutex_lock(&m->lock);
-    if (!known) {
-        m->foreign++;
-        m->stranger = address;
-    }
-    memcpy(m->malformed, m->reassembly.dropped, sizeof m->malformed);
-    m->lost = m->overflowed;
-    if (whole && (m->channels.all || mukca_lcm_channels_name(&m->channels, packet.channel)) &&
-        mukca_lcm_queue_push(&m->queue, &packet) && !m->signalled)
-        m->signalled = eventfd_write(m->ready, 1) == 0;
+    if (whole && is_wanted(&m->channels, packet.channel) &&
+        mukca_lcm_queue_push(&m->queue, &packet))
+        (void)eventfd_write(m->ready, 1);
+    m->foreign += !known;
+    const int64_t dropped =
+        m->foreign + m->reassembly.dropped + m->queue.dropped + (int64_t)m->overflowed;
+    if (!known)
+        snprintf(m->reason, sizeof m->reason,
+                 "sent by %u.%u.%u.%u; --interface and --from accept others", address >> 24,
+                 address >> 16 & 255, address >> 8 & 255, address & 255);
+    else if (dropped != m->dropped)
+        snprintf(m->reason, sizeof m->reason, "%s",
+                 m->reassembly.dropped != malformed
+                     ? m->reassembly.reason
+                     : "more than can be handled, or this program was stopped");
+    m->dropped = dropped;
     pthread_mutex_unlock(&m->lock);
 }
 
@@ -256,6 +262,7 @@ void mukca_lcm_multicast_close(mukca_lcm_multicast *m)
 
 void mukca_lcm_multicast_listen(mukca_lcm_multicast *m, const mukca_lcm_channels *channels)
 {
+    if (!m) return;
     pthread_mutex_lock(&m->lock);
     m->channels = *channels;
     pthread_mutex_unlock(&m->lock);
@@ -271,31 +278,17 @@ mukca_lcm_queued *mukca_lcm_multicast_take(mukca_lcm_multicast *m)
     eventfd_t count;
     pthread_mutex_lock(&m->lock);
     mukca_lcm_queued *oldest = mukca_lcm_queue_take(&m->queue);
-    if (m->queue.n == 0 && m->signalled) m->signalled = eventfd_read(m->ready, &count) != 0;
+    if (!m->queue.first) (void)eventfd_read(m->ready, &count);
     pthread_mutex_unlock(&m->lock);
     return oldest;
 }
 
 int64_t mukca_lcm_multicast_dropped(mukca_lcm_multicast *m, char reason[128])
 {
-    int64_t total = 0, now[MUKCA_LCM_DROPS + 2];
+    if (!m) return 0;
     pthread_mutex_lock(&m->lock);
-    memcpy(now, m->malformed, sizeof m->malformed);
-    uint32_t stranger = m->stranger;
-    now[MUKCA_LCM_DROPS] = m->queue.dropped + m->lost;
-    now[MUKCA_LCM_DROPS + 1] = m->foreign;
+    const int64_t dropped = m->dropped;
+    memcpy(reason, m->reason, sizeof m->reason);
     pthread_mutex_unlock(&m->lock);
-    for (int i = 0; i < MUKCA_LCM_DROPS + 2; i++) {
-        total += now[i];
-        if (now[i] == m->reported[i]) continue;
-        m->reported[i] = now[i];
-        if (i < MUKCA_LCM_DROPS)
-            snprintf(reason, 128, "%s", mukca_lcm_drop_texts[i]);
-        else if (i == MUKCA_LCM_DROPS)
-            snprintf(reason, 128, "more than can be handled, or this program was stopped");
-        else
-            snprintf(reason, 128, "sent by %u.%u.%u.%u; --interface and --from accept others",
-                     stranger >> 24, stranger >> 16 & 255, stranger >> 8 & 255, stranger & 255);
-    }
-    return total;
+    return dropped;
 }

@@ -14,12 +14,12 @@ enum { /* the protocol's magic numbers and header sizes before the channel */
 
 static const int64_t expiry_us = 1000000; /* the fragments of a message are sent back to back */
 
-#define DROP_TEXT(name, text) text,
-const char *const mukca_lcm_drop_texts[MUKCA_LCM_DROPS] = {MUKCA_LCM_DROP_LIST(DROP_TEXT)};
+static const char bad_channel[] = "channel empty, too long or without end";
 
-static bool drop(mukca_lcm_reassembly *r, mukca_lcm_drop why)
+static bool drop(mukca_lcm_reassembly *r, const char *why)
 {
-    r->dropped[why]++;
+    r->dropped++;
+    r->reason = why;
     return false;
 }
 
@@ -34,86 +34,39 @@ static const char *read_channel(mukca_lcm_wire *wire)
     return channel;
 }
 
-static size_t cost(const mukca_lcm_partial *p)
+static void release(mukca_lcm_partial *p)
 {
-    return p->size + p->n * sizeof *p->piece;
-}
-
-/* Free a partial message; with `keep`, not its data. */
-static void release(mukca_lcm_reassembly *r, mukca_lcm_partial *p, bool keep)
-{
-    r->bytes -= cost(p);
     free(p->piece);
-    if (!keep) free(p->data);
+    free(p->data);
     *p = (mukca_lcm_partial){.piece = NULL};
 }
 
-/* Drop partial messages that are too old, or later than now: the clock was set back. */
-static void expire(mukca_lcm_reassembly *r, int64_t now)
+/* The message that a fragment belongs to.  Another one of its sender ends, else the one that has
+ * waited longest.  NULL: out of memory. */
+static mukca_lcm_partial *find_message(mukca_lcm_reassembly *r, const mukca_lcm_partial *wanted)
 {
-    for (mukca_lcm_partial *p = r->partial; p < r->partial + MUKCA_LCM_MAX_PARTIALS; p++) {
-        if (!p->piece || (now >= p->time && now - p->time <= expiry_us)) continue;
-        drop(r, MUKCA_LCM_DROP_EXPIRED);
-        release(r, p, false);
+    mukca_lcm_partial *p = r->partial;
+    for (int i = 0; i < MUKCA_LCM_MAX_PARTIALS && (!p->piece || p->sender != wanted->sender); i++) {
+        mukca_lcm_partial *other = &r->partial[i];
+        if (other->piece ? other->sender == wanted->sender || (p->piece && other->time < p->time)
+                         : p->piece != NULL)
+            p = other;
     }
-}
-
-/* Drop the oldest partial message of `sender` (0: of any sender). */
-static void evict(mukca_lcm_reassembly *r, uint64_t sender)
-{
-    mukca_lcm_partial *oldest = NULL;
-    for (mukca_lcm_partial *p = r->partial; p < r->partial + MUKCA_LCM_MAX_PARTIALS; p++)
-        if (p->piece && (!sender || p->sender == sender) && (!oldest || p->time < oldest->time))
-            oldest = p;
-    if (!oldest) return;
-    drop(r, MUKCA_LCM_DROP_EVICTED);
-    release(r, oldest, false);
-}
-
-static mukca_lcm_partial *find_free(mukca_lcm_reassembly *r)
-{
-    for (int i = 0; i < MUKCA_LCM_MAX_PARTIALS; i++)
-        if (!r->partial[i].piece) return &r->partial[i];
+    if (p->piece && p->sender == wanted->sender && p->sequence == wanted->sequence &&
+        p->size == wanted->size && p->n == wanted->n && llabs(wanted->time - p->time) <= expiry_us)
+        return p;
+    if (p->received < p->n) drop(r, "incomplete message");
+    release(p);
+    *p = *wanted;
+    p->piece = calloc(p->n, sizeof *p->piece);
+    p->data = malloc(p->size);
+    if (p->piece && p->data) return p;
+    release(p);
     return NULL;
 }
 
-/* Allocate a slot for a new message; NULL: out of memory. */
-static mukca_lcm_partial *begin(mukca_lcm_reassembly *r, const mukca_lcm_partial *wanted)
-{
-    int own = 0;
-    size_t own_bytes = 0;
-    for (int i = 0; i < MUKCA_LCM_MAX_PARTIALS; i++) {
-        const mukca_lcm_partial *p = &r->partial[i];
-        if (!p->piece || p->sender != wanted->sender) continue;
-        own++;
-        own_bytes += cost(p);
-    }
-    /* a sender evicts its own messages before those of others */
-    if (own >= MUKCA_LCM_SENDER_PARTIALS ||
-        (own && own_bytes + cost(wanted) > MUKCA_LCM_PARTIAL_BYTES / 2))
-        evict(r, wanted->sender);
-    while (r->bytes && r->bytes + cost(wanted) > MUKCA_LCM_PARTIAL_BYTES) evict(r, 0);
-    mukca_lcm_partial *slot = find_free(r);
-    if (!slot) {
-        evict(r, 0);
-        slot = find_free(r);
-    }
-    mukca_lcm_piece *piece = calloc(wanted->n, sizeof *piece);
-    unsigned char *data = malloc(wanted->size);
-    if (!slot || !piece || !data) {
-        free(piece);
-        free(data);
-        return NULL;
-    }
-    *slot = *wanted;
-    slot->piece = piece;
-    slot->data = data;
-    r->bytes += cost(slot);
-    return slot;
-}
-
 /* Whether the fragments cover the message without gap or overlap. */
-static bool complete(const mukca_lcm_partial *p)
+static bool is_covered(const mukca_lcm_partial *p)
 {
     uint64_t end = 0;
     for (unsigned i = 0; i < p->n; i++) {
@@ -123,156 +76,105 @@ static bool complete(const mukca_lcm_partial *p)
     return end == p->size;
 }
 
-static bool add_fragment(mukca_lcm_packet *packet, mukca_lcm_reassembly *r,
-                         const mukca_lcm_datagram *datagram)
+static bool add_fragment(mukca_lcm_packet *packet, mukca_lcm_reassembly *r)
 {
-    const unsigned char *head = datagram->data;
-    mukca_lcm_wire wire = {head + FRAGMENT_HEADER, datagram->size - FRAGMENT_HEADER};
-    mukca_lcm_partial header = {.sender = datagram->sender,
-                                .sequence = (uint32_t)mukca_lcm_wire_get(head + 4, 4),
-                                .size = (uint32_t)mukca_lcm_wire_get(head + 8, 4),
-                                .n = (unsigned)mukca_lcm_wire_get(head + 18, 2),
-                                .time = datagram->time};
-    uint64_t offset = mukca_lcm_wire_get(head + 12, 4);
-    unsigned number = (unsigned)mukca_lcm_wire_get(head + 16, 2);
+    const unsigned char *head = packet->data;
+    mukca_lcm_wire wire = {head + FRAGMENT_HEADER, packet->size - FRAGMENT_HEADER};
+    const mukca_lcm_partial wanted = {.sender = packet->sender,
+                                      .sequence = (uint32_t)mukca_lcm_wire_get(head + 4, 4),
+                                      .size = (uint32_t)mukca_lcm_wire_get(head + 8, 4),
+                                      .n = (unsigned)mukca_lcm_wire_get(head + 18, 2),
+                                      .time = packet->time};
+    const uint64_t offset = mukca_lcm_wire_get(head + 12, 4);
+    const unsigned number = (unsigned)mukca_lcm_wire_get(head + 16, 2);
     const char *channel = number == 0 ? read_channel(&wire) : "";
-    if (!channel) return drop(r, MUKCA_LCM_DROP_CHANNEL);
-    if (header.size > MUKCA_LCM_MAX_MESSAGE || offset + wire.left > header.size || !wire.left)
-        return drop(r, MUKCA_LCM_DROP_SIZE);
-    if (number >= header.n || header.n > header.size) return drop(r, MUKCA_LCM_DROP_FRAGMENT);
-    mukca_lcm_partial *p = NULL;
-    for (int i = 0; i < MUKCA_LCM_MAX_PARTIALS && !p; i++)
-        if (r->partial[i].piece && r->partial[i].sender == header.sender &&
-            r->partial[i].sequence == header.sequence)
-            p = &r->partial[i];
-    if (p && (p->size != header.size || p->n != header.n)) {
-        release(r, p, false);
-        return drop(r, MUKCA_LCM_DROP_FRAGMENT);
-    }
-    if (!p) p = begin(r, &header);
-    if (!p) return drop(r, MUKCA_LCM_DROP_EVICTED);
-    if (p->piece[number].size) return drop(r, MUKCA_LCM_DROP_DUPLICATE);
+    if (!channel) return drop(r, bad_channel);
+    if (wanted.size > MUKCA_LCM_MAX_MESSAGE || offset + wire.left > wanted.size || !wire.left ||
+        number >= wanted.n || wanted.n > wanted.size)
+        return drop(r, "message too large, or fragment outside of it");
+    mukca_lcm_partial *p = find_message(r, &wanted);
+    if (!p) return drop(r, "incomplete message");
+    if (p->piece[number].size) return drop(r, "fragment twice, or overlapping another");
     p->piece[number] = (mukca_lcm_piece){(uint32_t)offset, (uint32_t)wire.left};
-    p->time = datagram->time;
+    p->time = packet->time;
     memcpy(p->data + offset, wire.at, wire.left);
     if (number == 0) memcpy(p->channel, channel, strlen(channel) + 1);
     if (++p->received < p->n) return false;
-    bool good = complete(p);
-    if (good) {
-        memcpy(r->channel, p->channel, sizeof r->channel);
-        r->whole = p->data;
-        *packet = (mukca_lcm_packet){.channel = r->channel, .data = p->data, .size = p->size};
-    }
-    release(r, p, good);
-    return good ? true : drop(r, MUKCA_LCM_DROP_FRAGMENT);
+    packet->channel = p->channel;
+    packet->data = p->data;
+    packet->size = p->size;
+    return is_covered(p) || drop(r, "fragment twice, or overlapping another");
 }
 
-bool mukca_lcm_packet_take(mukca_lcm_packet *packet, mukca_lcm_reassembly *r,
-                           const mukca_lcm_datagram *datagram)
+bool mukca_lcm_packet_take(mukca_lcm_packet *packet, mukca_lcm_reassembly *r)
 {
-    free(r->whole);
-    r->whole = NULL;
-    if (r->bytes) expire(r, datagram->time);
-    const unsigned char *head = datagram->data;
-    uint64_t magic = datagram->size >= SMALL_HEADER ? mukca_lcm_wire_get(head, 4) : 0;
-    if (magic == SMALL) {
-        mukca_lcm_wire wire = {head + SMALL_HEADER, datagram->size - SMALL_HEADER};
-        const char *channel = read_channel(&wire);
-        if (!channel) return drop(r, MUKCA_LCM_DROP_CHANNEL);
-        *packet = (mukca_lcm_packet){.channel = channel, .data = wire.at, .size = wire.left};
-    } else if (magic == FRAGMENT && datagram->size >= FRAGMENT_HEADER) {
-        if (!add_fragment(packet, r, datagram)) return false;
-    } else {
-        return drop(r, MUKCA_LCM_DROP_SHORT);
-    }
-    packet->time = datagram->time;
-    packet->sender = datagram->sender;
-    return true;
+    const unsigned char *head = packet->data;
+    const uint64_t magic = packet->size >= SMALL_HEADER ? mukca_lcm_wire_get(head, 4) : 0;
+    if (magic == FRAGMENT && packet->size >= FRAGMENT_HEADER) return add_fragment(packet, r);
+    if (magic != SMALL) return drop(r, "too short, or not LCM");
+    mukca_lcm_wire wire = {head + SMALL_HEADER, packet->size - SMALL_HEADER};
+    packet->channel = read_channel(&wire);
+    packet->data = wire.at;
+    packet->size = wire.left;
+    return packet->channel || drop(r, bad_channel);
 }
 
 void mukca_lcm_packet_clear(mukca_lcm_reassembly *r)
 {
-    for (mukca_lcm_partial *p = r->partial; p < r->partial + MUKCA_LCM_MAX_PARTIALS; p++)
-        if (p->piece) release(r, p, false);
-    free(r->whole);
-    r->whole = NULL;
+    for (int i = 0; i < MUKCA_LCM_MAX_PARTIALS; i++) release(&r->partial[i]);
 }
 
-/* ---- one list per sender; messages are numbered, so that all lists together are one queue ---- */
+/* ---- the queue ---- */
 
-/* Slot of the sender, or a free one; NULL: too many senders. */
-static mukca_lcm_queue_sender *find_sender(mukca_lcm_queue *q, uint64_t id)
+/* Remove the oldest message of a sender, NULL: of any; there is one. */
+static mukca_lcm_queued *remove_oldest(mukca_lcm_queue *q, const mukca_lcm_queue_sender *sender)
 {
-    mukca_lcm_queue_sender *slot = NULL;
-    for (int i = 0; i < MUKCA_LCM_QUEUE_SENDERS; i++) {
-        mukca_lcm_queue_sender *s = &q->sender[i];
-        if (!s->first)
-            slot = s;
-        else if (s->first->packet.sender == id)
-            return s;
-    }
-    return slot;
-}
-
-static mukca_lcm_queued *remove_first(mukca_lcm_queue *q, mukca_lcm_queue_sender *s)
-{
-    mukca_lcm_queued *oldest = s->first;
-    s->first = oldest->next;
-    s->n--;
-    s->bytes -= oldest->size;
-    q->n--;
-    q->bytes -= oldest->size;
+    mukca_lcm_queued **at = &q->first;
+    while (sender && (*at)->sender != sender) at = &(*at)->next;
+    mukca_lcm_queued *oldest = *at;
+    *at = oldest->next;
+    if (!oldest->next) q->end = at;
+    oldest->sender->bytes -= oldest->bytes;
+    q->bytes -= oldest->bytes;
     return oldest;
 }
 
-static void drop_first(mukca_lcm_queue *q, mukca_lcm_queue_sender *s)
+static void drop_oldest(mukca_lcm_queue *q, const mukca_lcm_queue_sender *sender)
 {
-    free(remove_first(q, s));
+    free(remove_oldest(q, sender));
     q->dropped++;
-}
-
-/* The sender with most messages, or with most bytes. */
-static mukca_lcm_queue_sender *largest(mukca_lcm_queue *q, bool by_bytes)
-{
-    mukca_lcm_queue_sender *most = q->sender;
-    for (mukca_lcm_queue_sender *s = q->sender; s < q->sender + MUKCA_LCM_QUEUE_SENDERS; s++)
-        if (by_bytes ? s->bytes > most->bytes : s->n > most->n) most = s;
-    return most;
 }
 
 bool mukca_lcm_queue_push(mukca_lcm_queue *q, const mukca_lcm_packet *packet)
 {
-    const size_t name = strlen(packet->channel) + 1, size = packet->size + name;
-    mukca_lcm_queue_sender *s = find_sender(q, packet->sender);
-    mukca_lcm_queued *e = s && size <= MUKCA_LCM_QUEUE_BYTES / 2 ? malloc(sizeof *e + size) : NULL;
+    const size_t name = strlen(packet->channel) + 1, bytes = name + packet->size;
+    mukca_lcm_queue_sender *own = NULL, *most = q->sender;
+    for (mukca_lcm_queue_sender *s = q->sender; s < q->sender + MUKCA_LCM_QUEUE_SENDERS; s++) {
+        if (s->bytes ? s->id == packet->sender : !own) own = s;
+        if (s->bytes > most->bytes) most = s;
+    }
+    mukca_lcm_queued *e =
+        own && packet->size <= MUKCA_LCM_MAX_MESSAGE ? malloc(sizeof *e + bytes) : NULL;
     if (!e) {
         q->dropped++;
         return false;
     }
-    while (s->n >= MUKCA_LCM_QUEUE_SHARE || s->bytes + size > MUKCA_LCM_QUEUE_BYTES / 2)
-        drop_first(q, s);
-    while (q->n >= MUKCA_LCM_QUEUE_LENGTH) drop_first(q, largest(q, false));
-    while (q->bytes + size > MUKCA_LCM_QUEUE_BYTES) drop_first(q, largest(q, true));
-    *e = (mukca_lcm_queued){.number = q->number++, .size = size, .packet = *packet};
-    e->packet.channel = memcpy(e->bytes, packet->channel, name);
-    e->packet.data = e->bytes + name;
-    if (packet->size) memcpy(e->bytes + name, packet->data, packet->size);
-    if (s->first)
-        s->last->next = e;
-    else
-        s->first = e;
-    s->last = e;
-    s->n++;
-    s->bytes += size;
-    q->n++;
-    q->bytes += size;
+    *e =
+        (mukca_lcm_queued){.sender = own, .bytes = bytes + MUKCA_LCM_QUEUE_EACH, .packet = *packet};
+    while (own->bytes + e->bytes > MUKCA_LCM_QUEUE_BYTES / 2) drop_oldest(q, own);
+    while (q->bytes + e->bytes > MUKCA_LCM_QUEUE_BYTES) drop_oldest(q, most->bytes ? most : NULL);
+    own->id = packet->sender;
+    own->bytes += e->bytes;
+    q->bytes += e->bytes;
+    e->packet.channel = memcpy(e->content, packet->channel, name);
+    e->packet.data = e->content + name;
+    if (packet->size) memcpy(e->content + name, packet->data, packet->size);
+    *(q->first ? q->end : &q->first) = e;
+    q->end = &e->next;
     return true;
 }
 
 mukca_lcm_queued *mukca_lcm_queue_take(mukca_lcm_queue *q)
 {
-    mukca_lcm_queue_sender *oldest = NULL;
-    for (mukca_lcm_queue_sender *s = q->sender; s < q->sender + MUKCA_LCM_QUEUE_SENDERS; s++)
-        if (s->first && (!oldest || s->first->number < oldest->first->number)) oldest = s;
-    return oldest ? remove_first(q, oldest) : NULL;
+    return q->first ? remove_oldest(q, NULL) : NULL;
 }

@@ -52,14 +52,12 @@ static inline const char *mukca_lcm_wire_text(mukca_lcm_wire *wire)
 /* ---- messages from datagrams ---- */
 
 enum {
-    MUKCA_LCM_CHANNEL_SIZE = 64,       /* LCM's limit, including the NUL */
-    MUKCA_LCM_MAX_MESSAGE = 8 << 20,   /* bytes; mukca's largest is a result with JSON */
-    MUKCA_LCM_MAX_PARTIALS = 32,       /* incomplete messages of all senders */
-    MUKCA_LCM_SENDER_PARTIALS = 4,     /* of one sender; liblcm sends one at a time */
-    MUKCA_LCM_PARTIAL_BYTES = 16 << 20 /* bytes of all incomplete messages */
+    MUKCA_LCM_CHANNEL_SIZE = 64,     /* LCM's limit, including the NUL */
+    MUKCA_LCM_MAX_MESSAGE = 8 << 20, /* bytes; mukca's largest is a result with JSON */
+    MUKCA_LCM_MAX_PARTIALS = 8       /* messages in fragments; one per sender, as liblcm sends */
 };
 
-/* A complete message. */
+/* A complete message; or a datagram, whose channel is not read yet. */
 typedef struct {
     const char *channel;
     const void *data;
@@ -68,99 +66,68 @@ typedef struct {
     uint64_t sender; /* IPv4 address << 16 | port; 0: unknown */
 } mukca_lcm_packet;
 
-typedef struct {
-    const void *data;
-    size_t size;
-    int64_t time; /* us; only differences are used */
-    uint64_t sender;
-} mukca_lcm_datagram;
-
-/* Reasons for dropping datagrams and incomplete messages. */
-#define MUKCA_LCM_DROP_LIST(X)                              \
-    X(SHORT, "too short, or not LCM")                       \
-    X(CHANNEL, "channel empty, too long or without end")    \
-    X(SIZE, "message too large, or fragment outside of it") \
-    X(FRAGMENT, "fragment contradicts the others")          \
-    X(DUPLICATE, "fragment received before")                \
-    X(EXPIRED, "incomplete after one second")               \
-    X(EVICTED, "incomplete, pushed out by too many others")
-
-typedef enum {
-#define MUKCA_LCM_DROP_ENUM(name, text) MUKCA_LCM_DROP_##name,
-    MUKCA_LCM_DROP_LIST(MUKCA_LCM_DROP_ENUM)
-#undef MUKCA_LCM_DROP_ENUM
-        MUKCA_LCM_DROPS
-} mukca_lcm_drop;
-
-extern const char *const mukca_lcm_drop_texts[MUKCA_LCM_DROPS];
-
 /* Position of a fragment in its message; `size` 0: not received. */
 typedef struct {
     uint32_t offset, size;
 } mukca_lcm_piece;
 
+/* The last message in fragments of a sender; `received` n: complete. */
 typedef struct {
     uint64_t sender;
     uint32_t sequence, size; /* size: bytes of the complete payload */
     unsigned n, received;    /* numbers of fragments */
     int64_t time;            /* us, of the latest fragment */
     char channel[MUKCA_LCM_CHANNEL_SIZE];
-    mukca_lcm_piece *piece; /* [n]; NULL: the slot is free */
+    mukca_lcm_piece *piece; /* [n] */
     unsigned char *data;    /* [size] */
 } mukca_lcm_partial;
 
 /* Zeroed: no messages. */
 typedef struct {
     mukca_lcm_partial partial[MUKCA_LCM_MAX_PARTIALS];
-    size_t bytes;                         /* allocated by `partial` */
-    unsigned char *whole;                 /* the last reassembled message */
-    char channel[MUKCA_LCM_CHANNEL_SIZE]; /* its channel */
-    int64_t dropped[MUKCA_LCM_DROPS];
+    int64_t dropped;    /* datagrams and incomplete messages */
+    const char *reason; /* of the last one */
 } mukca_lcm_reassembly;
 
-/* Process one datagram of any content.  True: it completes a message; `packet` points into the
- * datagram or into `r` and is valid until the next call.  Messages of one datagram need no
- * allocation.  Only bytes that were received are delivered. */
-bool mukca_lcm_packet_take(mukca_lcm_packet *packet, mukca_lcm_reassembly *r,
-                           const mukca_lcm_datagram *datagram);
+/* Process one datagram of any content.  True: it completes a message, which replaces it in
+ * `packet`, points into the datagram or into `r`, and is valid until the next call.  Messages of
+ * one datagram need no allocation.  Only bytes that were received are delivered. */
+bool mukca_lcm_packet_take(mukca_lcm_packet *packet, mukca_lcm_reassembly *r);
 
-/* Free all memory; the counts are kept. */
+/* Free all memory; the count is kept. */
 void mukca_lcm_packet_clear(mukca_lcm_reassembly *r);
 
 /* ---- bounded queue of messages ----
  *
- * A sender that exceeds its share loses its oldest ones: its latest joint states are kept, and the
- * messages of others. */
+ * A sender that exceeds its share, half of the queue, loses its oldest ones: its latest joint
+ * states are kept, and the messages of others.  The half holds 2 s of joint states at 1 kHz. */
 
 enum {
-    MUKCA_LCM_QUEUE_BYTES = 2 * (MUKCA_LCM_MAX_MESSAGE + MUKCA_LCM_CHANNEL_SIZE),
-    MUKCA_LCM_QUEUE_LENGTH = 4096,
-    /* messages per sender: 1 s of joint states at 1 kHz, several windows of a sample */
-    MUKCA_LCM_QUEUE_SHARE = 1024,
+    MUKCA_LCM_QUEUE_EACH = 4096, /* bytes that a message counts more than its own */
+    MUKCA_LCM_QUEUE_BYTES =
+        2 * (MUKCA_LCM_MAX_MESSAGE + MUKCA_LCM_CHANNEL_SIZE + MUKCA_LCM_QUEUE_EACH),
     MUKCA_LCM_QUEUE_SENDERS = 64
 };
 
-/* A message; channel and data are in `bytes`. */
-typedef struct mukca_lcm_queued {
-    struct mukca_lcm_queued *next; /* of its sender */
-    uint64_t number;               /* in order of arrival */
-    size_t size;                   /* of `bytes` */
-    mukca_lcm_packet packet;
-    unsigned char bytes[];
-} mukca_lcm_queued;
-
 typedef struct {
-    mukca_lcm_queued *first, *last; /* NULL: the slot is free */
-    int n;
-    size_t bytes;
+    uint64_t id;
+    size_t bytes; /* in the queue; 0: the slot is free */
 } mukca_lcm_queue_sender;
+
+/* A message; channel and data are in `content`. */
+typedef struct mukca_lcm_queued {
+    struct mukca_lcm_queued *next;
+    mukca_lcm_queue_sender *sender;
+    size_t bytes; /* as counted */
+    mukca_lcm_packet packet;
+    unsigned char content[];
+} mukca_lcm_queued;
 
 /* Zeroed: empty. */
 typedef struct {
+    mukca_lcm_queued *first, **end; /* oldest first; end: the last one's `next`, if there is one */
     mukca_lcm_queue_sender sender[MUKCA_LCM_QUEUE_SENDERS];
-    int n;
     size_t bytes;
-    uint64_t number;
     int64_t dropped; /* for lack of space */
 } mukca_lcm_queue;
 
@@ -174,7 +141,7 @@ mukca_lcm_queued *mukca_lcm_queue_take(mukca_lcm_queue *q);
 
 /* ---- receiver of a UDP multicast group, read by a separate thread (multicast.c) ---- */
 
-enum { MUKCA_LCM_MAX_NAMED = 8, MUKCA_LCM_MAX_FROM = 16 };
+enum { MUKCA_LCM_MAX_NAMED = 3, MUKCA_LCM_MAX_FROM = 16 };
 
 /* IPv4 addresses in host byte order. */
 typedef struct {
@@ -185,15 +152,11 @@ typedef struct {
     uint32_t from[MUKCA_LCM_MAX_FROM]; /* accepted senders; none: see `interface` */
 } mukca_lcm_multicast_options;
 
-/* Channels that are subscribed: all, or n by name. */
+/* Channels to be received: all, or those of these names; "": none. */
 typedef struct {
     bool all;
-    int n;
     char name[MUKCA_LCM_MAX_NAMED][MUKCA_LCM_CHANNEL_SIZE];
 } mukca_lcm_channels;
-
-/* Whether a channel is among the named ones. */
-bool mukca_lcm_channels_name(const mukca_lcm_channels *channels, const char *channel);
 
 typedef struct mukca_lcm_multicast mukca_lcm_multicast;
 
@@ -202,7 +165,7 @@ mukca_status mukca_lcm_multicast_open(mukca_lcm_multicast **multicast,
                                       const mukca_lcm_multicast_options *options,
                                       mukca_error *error);
 
-/* Receive these channels from now on. */
+/* Receive these channels from now on.  m NULL: nothing is received. */
 void mukca_lcm_multicast_listen(mukca_lcm_multicast *m, const mukca_lcm_channels *channels);
 
 /* Descriptor for poll(2), readable while a message waits. */

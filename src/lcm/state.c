@@ -141,8 +141,8 @@ mukca_status mukca_lcm_types_init(mukca_lcm_types *types, mukca_error *error)
     types->n_types = types->n_fields = 0;
     for (int i = 0; i < MUKCA_LCM_STATES; i++) {
         const mukca_lcm_state *state = states[i];
-        mukca_status status = mukca_lcm_types_parse(
-            types, state->description, strlen(state->description), "the built-in table", error);
+        mukca_status status =
+            mukca_lcm_types_parse(types, state->description, "the built-in table", error);
         for (int r = 0; r < MUKCA_LCM_ROLES && !status; r++)
             if (state->role[r])
                 status =

@@ -5,6 +5,7 @@
 #include <errno.h>
 #include <jansson.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -112,32 +113,32 @@ static double time_unit(const char *name)
     return strcmp(name, "utime") == 0;
 }
 
+/* Members of a message, and endings of a column's name such as joint_1.effort, by role. */
+static const char *const role_names[] = {[MUKCA_LCM_ROLE_POSITION] = "position",
+                                         [MUKCA_LCM_ROLE_VELOCITY] = "velocity",
+                                         [MUKCA_LCM_ROLE_EFFORT] = "effort",
+                                         [MUKCA_LCM_ROLE_COMMAND] = "command"};
+
 /* Store the number of a column or member such as time_s, joint_1, joint_1.effort.  False: too many
  * joints. */
 static bool put(mukca_lcm_joints *joints, mukca_joint_lines *l, const char *name, double value)
 {
     static const char *const others[] = {"placement", "socket", "target", "temperature_c",
                                          "payload_kg"};
-    static const struct {
-        const char *suffix;
-        int role;
-    } suffixes[] = {{".velocity", MUKCA_LCM_ROLE_VELOCITY},
-                    {".effort", MUKCA_LCM_ROLE_EFFORT},
-                    {".command", MUKCA_LCM_ROLE_COMMAND},
-                    {".spread", -1}};
     const double time = time_unit(name) * value;
     const char *dot = strrchr(name, '.');
     size_t length = strlen(name);
     int role = MUKCA_LCM_ROLE_POSITION, joint = 0;
-    if (time_unit(name) > 0) joints->time = fabs(time) < 9e18 ? (int64_t)llround(time) : 0;
-    if (time_unit(name) > 0) return true;
+    if (time_unit(name) > 0) {
+        joints->time = fabs(time) < 9e18 ? (int64_t)llround(time) : 0;
+        return true;
+    }
     for (int i = 0; i < 5; i++)
         if (strcmp(name, others[i]) == 0) return true;
-    for (int i = 0; dot && i < 4; i++)
-        if (strcmp(dot, suffixes[i].suffix) == 0) {
-            role = suffixes[i].role;
-            length = (size_t)(dot - name);
-        }
+    for (int r = MUKCA_LCM_ROLE_VELOCITY; dot && r <= MUKCA_LCM_ROLE_COMMAND; r++)
+        if (strcmp(dot + 1, role_names[r]) == 0) role = r;
+    if (dot && strcmp(dot, ".spread") == 0) role = -1;
+    if (role != MUKCA_LCM_ROLE_POSITION) length = (size_t)(dot - name);
     while (joint < joints->n &&
            (strncmp(joints->name[joint], name, length) != 0 || joints->name[joint][length] != '\0'))
         joint++;
@@ -181,44 +182,35 @@ static mukca_line_kind read_row(mukca_lcm_joints *joints, mukca_joint_lines *l, 
 
 /* ---- ros2 topic echo --csv ---- */
 
-/* Parse an integer that consists of digits only. */
-static bool read_count(int64_t *value, const char *cell)
-{
-    double number;
-    const size_t length = strlen(cell);
-    if (!length || length > 15 || strspn(cell, "0123456789") != length) return false;
-    if (!mukca_number_parse(&number, cell)) return false;
-    *value = (int64_t)number;
-    return true;
-}
-
 /* Parse sec, nanosec, frame, then names, positions, velocities and efforts of
  * sensor_msgs/JointState; an empty array is one empty cell (message_to_csv of rosidl_runtime_py).
  * False: not such a line. */
 static bool read_ros(mukca_lcm_joints *joints, mukca_joint_lines *l, int n)
 {
-    static const mukca_lcm_role arrays[] = {MUKCA_LCM_ROLE_POSITION, MUKCA_LCM_ROLE_VELOCITY,
-                                            MUKCA_LCM_ROLE_EFFORT};
     enum { FIRST = 3 };
-    int64_t seconds, nanoseconds;
+    long long time[2]; /* s, ns */
     double value;
-    if (n < FIRST + 4 || !read_count(&seconds, l->cell[0]) || !read_count(&nanoseconds, l->cell[1]))
-        return false;
+    if (n < FIRST + 4) return false;
+    for (int i = 0; i < 2; i++) {
+        const size_t digits = strspn(l->cell[i], "0123456789");
+        if (!digits || digits > 15 || l->cell[i][digits]) return false;
+        time[i] = strtoll(l->cell[i], NULL, 10);
+    }
     int names = 0, at = FIRST;
     while (at < n && !read_cell(&value, l->cell[at])) at++, names++;
-    if (!names || names > MUKCA_LCM_MAX_JOINTS || seconds > INT32_MAX) return false;
+    if (!names || names > MUKCA_LCM_MAX_JOINTS || time[0] > INT32_MAX) return false;
     clear(joints, l);
-    joints->time = 1000000 * seconds + nanoseconds / 1000;
+    joints->time = 1000000 * time[0] + time[1] / 1000;
     for (int j = 0; j < names; j++)
         add_joint(joints, l, l->cell[FIRST + j], strlen(l->cell[FIRST + j]));
-    for (int a = 0; a < 3; a++) {
+    for (int r = MUKCA_LCM_ROLE_POSITION; r <= MUKCA_LCM_ROLE_EFFORT; r++) {
         /* one joint: an empty cell is an empty array or an unknown value; both mean the same */
         const bool empty = at < n && !*l->cell[at];
         const int count = empty ? 1 : names;
         if (at + count > n) return false;
         for (int j = 0; j < count && !empty; j++) {
             if (!read_cell(&value, l->cell[at + j])) return false;
-            store(joints, arrays[a], j, value);
+            store(joints, r, j, value);
         }
         at += count;
     }
@@ -264,29 +256,10 @@ static mukca_line_kind parse_cells(mukca_lcm_joints *joints, mukca_joint_lines *
 
 /* ---- JSON: arrays as in sensor_msgs/JointState, or a member per joint ---- */
 
-/* NaN if the value is not a number. */
+/* NaN if the value is not a number; an empty object is NaN, too. */
 static double number(const json_t *value)
 {
     return json_is_number(value) ? json_number_value(value) : (double)NAN;
-}
-
-/* Replace NaN, which Python writes but JSON lacks, by null.  `to` has room for twice the line. */
-static void replace_nan(char *to, const char *from)
-{
-    bool text = false;
-    for (; *from; from++) {
-        if (text && *from == '\\' && from[1]) {
-            *to++ = *from++;
-        } else if (*from == '"') {
-            text = !text;
-        } else if (!text && strncmp(from, "NaN", 3) == 0) {
-            memcpy(to, "null", 4);
-            to += 4, from += 2;
-            continue;
-        }
-        *to++ = *from;
-    }
-    *to = '\0';
 }
 
 /* Time from header.stamp (sec, nanosec; ROS 1: secs, nsecs), us; 0: none. */
@@ -304,22 +277,15 @@ static int64_t read_stamp(const json_t *message)
 /* {"name": [...], "position": [...], "velocity": [...], "effort": [...]} */
 static bool read_arrays(mukca_lcm_joints *joints, mukca_joint_lines *l, const json_t *message)
 {
-    static const struct {
-        const char *key;
-        int role;
-    } arrays[] = {{"position", MUKCA_LCM_ROLE_POSITION},
-                  {"velocity", MUKCA_LCM_ROLE_VELOCITY},
-                  {"effort", MUKCA_LCM_ROLE_EFFORT},
-                  {"command", MUKCA_LCM_ROLE_COMMAND}};
     const json_t *names = json_object_get(message, "name");
     const size_t n = json_array_size(json_object_get(message, "position"));
     if (n < 1 || n > MUKCA_LCM_MAX_JOINTS) return false;
-    for (int a = 0; a < 4; a++) {
-        const json_t *array = json_object_get(message, arrays[a].key);
+    for (int r = MUKCA_LCM_ROLE_POSITION; r <= MUKCA_LCM_ROLE_COMMAND; r++) {
+        const json_t *array = json_object_get(message, role_names[r]);
         const size_t length = json_array_size(array);
         if (length != 0 && length != n) return false;
         for (size_t k = 0; k < length; k++)
-            store(joints, arrays[a].role, (int)k, number(json_array_get(array, k)));
+            store(joints, r, (int)k, number(json_array_get(array, k)));
     }
     for (size_t k = 0; k < json_array_size(names); k++) {
         const char *name = json_string_value(json_array_get(names, k));
@@ -342,7 +308,9 @@ static mukca_line_kind parse_object(mukca_lcm_joints *joints, mukca_joint_lines 
 {
     json_error_t fault;
     mukca_line_kind kind = MUKCA_LINE_FAULT;
-    replace_nan(l->text, line);
+    memcpy(l->text, line, strlen(line) + 1);
+    for (char *at = l->text; (at = strstr(at + 1, "NaN"));) /* Python writes it, JSON lacks it */
+        if (strchr(" :[,", at[-1])) at[0] = '{', at[1] = '}', at[2] = ' ';
     json_t *root = json_loads(l->text, JSON_REJECT_DUPLICATES, &fault);
     if (!root) {
         mukca_fail(error, MUKCA_INPUT, "column %d: %.100s", fault.column, fault.text);
@@ -364,8 +332,9 @@ static mukca_line_kind parse_object(mukca_lcm_joints *joints, mukca_joint_lines 
     } else {
         json_object_foreach(message, key, value)
         {
-            if ((!json_is_number(value) && !json_is_null(value)) || (arrays && !time_unit(key)))
-                continue;
+            const bool empty =
+                json_is_null(value) || (json_is_object(value) && !json_object_size(value));
+            if ((!json_is_number(value) && !empty) || (arrays && !time_unit(key))) continue;
             good = good && put(joints, l, key, number(value));
         }
         const int64_t stamp = read_stamp(message);

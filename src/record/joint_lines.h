@@ -29,7 +29,7 @@ typedef struct {
     bool overlong;      /* the rest of the line is to be discarded */
     char buffer[MUKCA_JOINT_LINES_SIZE];
     /* the current line */
-    char text[2 * MUKCA_JOINT_LINES_SIZE];
+    char text[MUKCA_JOINT_LINES_SIZE];
     char *cell[MUKCA_JOINT_LINES_CELLS];
     char placement[MUKCA_NAME_SIZE], socket[MUKCA_NAME_SIZE]; /* of a trigger, or "" */
     int64_t id;

@@ -36,6 +36,21 @@ static mukca_status parse_map(mukca_recorder *r, mukca_error *error)
     return MUKCA_OK;
 }
 
+bool mukca_stream_find_names(mukca_stream *stream, int *missing, int n_joints)
+{
+    const mukca_lcm_joints *joints = &stream->last.joints;
+    const int n = joints->has[MUKCA_LCM_ROLE_NAME] ? joints->n : 0;
+    for (int j = 0; j < n_joints; j++) {
+        int k = stream->map.reading[j];
+        if (k >= n || strcmp(joints->name[k], stream->map.name[j]) != 0)
+            for (k = 0; k < n && strcmp(joints->name[k], stream->map.name[j]) != 0;) k++;
+        *missing = j;
+        if (k == n) return false;
+        stream->map.reading[j] = k;
+    }
+    return true;
+}
+
 /* Map by the sender's names: those of the arm, or with a common prefix. */
 static mukca_status map_by_name(mukca_recorder *r)
 {
@@ -45,27 +60,24 @@ static mukca_status map_by_name(mukca_recorder *r)
     char name[MUKCA_PREFIX_NAME];
     mukca_prefix prefix;
     const int n = r->chain->n_joints;
+    int missing = 0;
     for (int j = 0; j < n; j++) wanted[j] = mukca_recorder_joint(r, j);
     const int found =
         mukca_prefix_find(&prefix, wanted, n, (const char *const *)joints->name, joints->n);
     for (int j = 0; j < n; j++) {
-        int k = 0;
         mukca_prefix_apply(name, &prefix, wanted[j]);
-        while (k < joints->n && strcmp(joints->name[k], name) != 0) k++;
-        if (found == 1 && k < joints->n) {
-            stream->map.reading[j] = k;
-        } else if (found > 1) {
-            return mukca_fail(&stream->problem, MUKCA_INPUT,
-                              "channel %s names the joints of several arms, \"%.40s\" among them: "
-                              "give the numbers of yours, as in --map 8-14",
-                              stream->channel, name);
-        } else if (k == joints->n) {
-            return mukca_fail(&stream->problem, MUKCA_INPUT,
-                              "channel %s names no joint \"%.40s\" (its first is \"%.40s\"): check "
-                              "--urdf, or give the readings' numbers, as in --map 1-%d",
-                              stream->channel, name, joints->name[0], n);
-        }
+        snprintf(stream->map.name[j], MUKCA_NAME_SIZE, "%.*s", MUKCA_NAME_SIZE - 1, name);
     }
+    if (found > 1)
+        return mukca_fail(&stream->problem, MUKCA_INPUT,
+                          "channel %s names the joints of several arms, \"%.40s\" among them: give "
+                          "the numbers of yours, as in --map 8-14",
+                          stream->channel, stream->map.name[0]);
+    if (!mukca_stream_find_names(stream, &missing, n))
+        return mukca_fail(&stream->problem, MUKCA_INPUT,
+                          "channel %s names no joint \"%.40s\" (its first is \"%.40s\"): check "
+                          "--urdf, or give the readings' numbers, as in --map 1-%d",
+                          stream->channel, stream->map.name[missing], joints->name[0], n);
     stream->map.by_name = true;
     return MUKCA_OK;
 }
@@ -158,5 +170,5 @@ void mukca_stream_describe_map(const mukca_recorder *r, char *lines, size_t size
     for (int j = 0; j < r->chain->n_joints; j++)
         mukca_text_put(&text, "  reading %2d  %-24s ->  %-24s now %9.4f rad\n",
                        stream->map.reading[j] + 1, stream->map.name[j], mukca_recorder_joint(r, j),
-                       stream->last.q[j]);
+                       stream->last.reading.q[j]);
 }

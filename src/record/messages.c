@@ -44,7 +44,7 @@ double mukca_stream_age(const mukca_recorder *r)
 {
     const mukca_stream *stream = &r->stream;
     if (!stream->last.arrival) return HUGE_VAL;
-    double age = 1e-6 * (double)(mukca_lcm_link_clock(r->link) - stream->last.arrival);
+    double age = 1e-6 * (double)(mukca_lcm_link_clock(&r->link) - stream->last.arrival);
     return age > 0 ? age : 0;
 }
 
@@ -65,7 +65,7 @@ void mukca_recorder_note(void *context, const char *text)
 
 bool mukca_recorder_reported(const mukca_recorder *r, mukca_recorder_trouble kind)
 {
-    const int64_t ago = mukca_lcm_link_clock(r->link) - r->reports.reported[kind];
+    const int64_t ago = mukca_lcm_link_clock(&r->link) - r->reports.reported[kind];
     return r->reports.reported[kind] && ago >= 0 && ago < repeat_us;
 }
 
@@ -73,7 +73,7 @@ void mukca_recorder_warn(mukca_recorder *r, mukca_recorder_trouble kind, const c
 {
     r->reports.occurrences[kind]++;
     if (mukca_recorder_reported(r, kind)) return;
-    const int64_t now = mukca_lcm_link_clock(r->link);
+    const int64_t now = mukca_lcm_link_clock(&r->link);
     r->reports.reported[kind] = now ? now : 1;
     if (r->reports.occurrences[kind] > 1)
         mukca_recorder_report(r, "%s (%" PRId64 " times so far)", text,
@@ -130,7 +130,7 @@ bool mukca_recorder_publish(mukca_recorder *r, mukca_message_kind kind, const vo
         mukca_message_encode(large, size, kind, message);
     }
     mukca_message_channel(channel, kind, r->options->prefix);
-    bool sent = size && mukca_lcm_link_publish(r->link, channel, large ? large : r->outgoing, size,
+    bool sent = size && mukca_lcm_link_publish(&r->link, channel, large ? large : r->outgoing, size,
                                                &error) == MUKCA_OK;
     if (size && !sent) mukca_recorder_warn(r, MUKCA_RECORDER_OWN_MESSAGE, error.text);
     if (large) free(large);
@@ -156,7 +156,7 @@ void mukca_sampling_publish_status(mukca_recorder *r, const char *state)
     const char *now = mukca_sampling_state(r);
     const double age = mukca_stream_age(r);
     mukca_message_status m = {
-        .utime = mukca_lcm_link_clock(r->link),
+        .utime = mukca_lcm_link_clock(&r->link),
         .state = state ? state : now,
         .text = r->reports.last_line,
         .session = s->file.open ? s->file.path : "",
@@ -178,7 +178,7 @@ void mukca_sampling_publish_status(mukca_recorder *r, const char *state)
     };
     mukca_capture_spread(&m.spread_m, NULL, c, c->socket);
     for (int j = 0; j < r->chain->n_joints; j++) m.joint[j] = mukca_recorder_joint(r, j);
-    memcpy(m.position, stream->last.q, sizeof m.position);
+    memcpy(m.position, stream->last.reading.q, sizeof m.position);
     mukca_capture_coverage(m.coverage, c);
     mukca_recorder_publish(r, MUKCA_MESSAGE_STATUS, &m);
 }

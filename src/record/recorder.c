@@ -20,22 +20,35 @@ enum {                      /* us, our choice */
        PROBLEM_US = 1000000 /* wait for a valid message after an invalid one */
 };
 
-/* Select the channel whose messages fit the arm; more than one is an error. */
-static mukca_status choose_channel(mukca_recorder *r)
+/* Receive all channels, or only those in use. */
+static void listen_to(mukca_recorder *r, bool all)
 {
-    mukca_stream *stream = &r->stream;
-    int fits = -1;
+    mukca_lcm_channels channels = {.all = all};
+    if (!r->stream.lines) memcpy(channels.name[0], r->stream.channel, sizeof channels.name[0]);
+    if (r->options->triggers)
+        memcpy(channels.name[1], r->requests.trigger_channel, sizeof channels.name[1]);
+    if (r->hooks.command)
+        memcpy(channels.name[2], r->requests.command_channel, sizeof channels.name[2]);
+    r->stream.search.listens_to_all = all;
+    mukca_lcm_multicast_listen(r->link.multicast, &channels);
+}
+
+/* Select the channel whose messages fit the arm; false: more than one do. */
+static bool choose_channel(mukca_stream *stream, int n_joints)
+{
+    const mukca_stream_heard *fits = NULL;
     for (int i = 0; i < stream->search.n_heard; i++) {
-        if (stream->search.heard[i].joints < r->chain->n_joints) continue;
-        if (fits >= 0)
-            return mukca_fail(&stream->problem, MUKCA_INPUT,
-                              "%s and %s both send joint states: choose with --channel",
-                              stream->search.heard[fits].channel, stream->search.heard[i].channel);
-        fits = i;
+        const mukca_stream_heard *h = &stream->search.heard[i];
+        if (h->joints < n_joints) continue;
+        if (fits)
+            mukca_fail(&stream->problem, MUKCA_INPUT,
+                       "%s and %s both send joint states: choose with --channel", fits->channel,
+                       h->channel);
+        if (fits) return false;
+        fits = h;
     }
-    if (fits < 0) return MUKCA_OK;
-    memcpy(stream->channel, stream->search.heard[fits].channel, sizeof stream->channel);
-    return mukca_lcm_link_listen(r->link, stream->channel, &stream->problem);
+    if (fits) memcpy(stream->channel, fits->channel, sizeof stream->channel);
+    return true;
 }
 
 /* ---- requests over LCM; messages of a log have no sender and are not limited ---- */
@@ -122,12 +135,7 @@ static void take_trigger(mukca_recorder *r, const mukca_lcm_packet *packet)
         mukca_recorder_publish(r, MUKCA_MESSAGE_SAMPLE, &answer);
         return;
     }
-    const mukca_sample_request request = {.id = trigger.id,
-                                          .time = packet->time,
-                                          .sent = trigger.utime,
-                                          .placement = trigger.placement,
-                                          .socket = trigger.socket};
-    mukca_sampling_trigger(r, &request);
+    mukca_sampling_trigger(r, &trigger, packet->time);
 }
 
 /* ---- the link ---- */
@@ -157,7 +165,7 @@ static void hear(mukca_recorder *r, const mukca_lcm_packet *packet)
 static void receive(void *context, const mukca_lcm_packet *packet)
 {
     mukca_recorder *r = context;
-    bool ahead = mukca_lcm_link_replays(r->link) && !r->stream.connected; /* it will be replayed */
+    bool ahead = r->link.replays && !r->stream.connected; /* it will be replayed */
     r->packet_time = packet->time;
     if (strcmp(packet->channel, r->stream.channel) == 0)
         mukca_stream_take(r, packet);
@@ -175,26 +183,20 @@ static void receive(void *context, const mukca_lcm_packet *packet)
 static mukca_status open_link(mukca_recorder *r, mukca_error *error)
 {
     mukca_stream *stream = &r->stream;
-    mukca_lcm_link_close(r->link);
-    r->link = NULL;
+    mukca_lcm_link_close(&r->link);
     stream->count = (mukca_stream_count){.received = 0};
     stream->sender = (mukca_stream_sender){.id = 0};
     stream->silence = (mukca_stream_silence){.begun = false};
     stream->last.arrival = 0;
     memset(&r->reports, 0, offsetof(mukca_recorder_reports, last_line));
-    const char *channels[] = {stream->channel[0] && !stream->lines ? stream->channel : NULL,
-                              r->options->triggers ? r->requests.trigger_channel : NULL,
-                              r->hooks.command ? r->requests.command_channel : NULL};
     mukca_lcm_network network = r->options->network;
     network.none = stream->lines && !r->options->triggers;
     mukca_status status = mukca_lcm_link_open(&r->link, &network, receive, r, error);
-    for (int i = 0; i < 3 && !status; i++)
-        if (channels[i]) status = mukca_lcm_link_listen(r->link, channels[i], error);
-    const bool search = !stream->map.made && !stream->lines;
-    if (!status && search) status = mukca_lcm_link_listen(r->link, NULL, error);
-    stream->search = (mukca_stream_search){.listens_to_all = search,
-                                           .opened = status ? 0 : mukca_lcm_link_clock(r->link)};
-    return status;
+    stream->search = (mukca_stream_search){.n_heard = 0};
+    if (status != MUKCA_OK) return status;
+    stream->search.opened = mukca_lcm_link_clock(&r->link);
+    listen_to(r, !stream->map.made && !stream->lines);
+    return MUKCA_OK;
 }
 
 static mukca_status read_types(mukca_recorder *r, mukca_error *error)
@@ -261,8 +263,7 @@ mukca_status mukca_recorder_open(mukca_recorder *r, const mukca_recorder_options
     if (options->key) status = mukca_lcm_key_read(&r->requests.key, options->key, error);
     if (status == MUKCA_OK) status = open_link(r, error);
     /* requests signed before the start may have been accepted by an earlier process */
-    if (status == MUKCA_OK && !mukca_lcm_link_replays(r->link))
-        r->requests.last_signed = r->stream.search.opened;
+    if (status == MUKCA_OK && !r->link.replays) r->requests.last_signed = r->stream.search.opened;
     return status;
 }
 
@@ -270,8 +271,7 @@ void mukca_recorder_close(mukca_recorder *r)
 {
     mukca_session_close(&r->session.file);
     mukca_capture_free(&r->session.capture);
-    mukca_lcm_link_close(r->link);
-    r->link = NULL;
+    mukca_lcm_link_close(&r->link);
     free(r->stream.lines);
     r->stream.lines = NULL;
 }
@@ -283,17 +283,15 @@ mukca_status mukca_recorder_connect(mukca_recorder *r, double wait, mukca_error 
     int64_t found = 0; /* us, time of the first problem */
     while (!status && !stream->map.made) {
         status = mukca_recorder_step(r, 100, -1, NULL, error);
-        if (!r->link || status == MUKCA_MEMORY) return status; /* reopening failed */
-        int64_t now = mukca_lcm_link_clock(r->link);
+        int64_t now = mukca_lcm_link_clock(&r->link);
         if (stream->problem.status && !found) found = now;
         if (stream->problem.status && now - found > PROBLEM_US) break;
         if (r->hooks.interrupted && r->hooks.interrupted())
             return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
-        if (!mukca_lcm_link_replays(r->link) && wait >= 0 &&
-            1e-6 * (double)(now - stream->search.opened) > wait)
+        if (!r->link.replays && wait >= 0 && 1e-6 * (double)(now - stream->search.opened) > wait)
             status = MUKCA_NEGATIVE;
     }
-    if (status == MUKCA_TRANSPORT) return status;
+    if (status != MUKCA_OK && status != MUKCA_NEGATIVE) return status;
     if (stream->problem.status && !stream->map.made) {
         *error = stream->problem;
         return stream->problem.status;
@@ -306,7 +304,7 @@ mukca_status mukca_recorder_connect(mukca_recorder *r, double wait, mukca_error 
     }
     stream->connected = true;
     /* messages read ahead from a log are recorded, too */
-    return mukca_lcm_link_replays(r->link) ? open_link(r, error) : MUKCA_OK;
+    return r->link.replays ? open_link(r, error) : MUKCA_OK;
 }
 
 /* Detect silence on a network.  It is the time of waiting: a process that was stopped, or is late,
@@ -316,12 +314,10 @@ static void watch(mukca_recorder *r)
     mukca_stream_silence *silence = &r->stream.silence;
     mukca_stream_search *search = &r->stream.search;
     if (r->stream.map.made && search->listens_to_all && silence->duration < listen_s) {
-        mukca_lcm_link_unlisten_all(r->link);
-        search->listens_to_all = false;
+        listen_to(r, false);
     } else if (!r->stream.lines && !search->listens_to_all && silence->duration >= listen_s) {
-        mukca_error none; /* retried at the next step */
         search->n_heard = 0;
-        search->listens_to_all = mukca_lcm_link_listen(r->link, NULL, &none) == MUKCA_OK;
+        listen_to(r, true);
     }
     if (silence->duration < silence_s) return;
     silence->begun = true;
@@ -337,7 +333,7 @@ static void watch(mukca_recorder *r)
 static void warn_dropped(mukca_recorder *r)
 {
     char reason[128], line[160];
-    int64_t dropped = mukca_lcm_link_dropped(r->link, reason);
+    int64_t dropped = mukca_lcm_multicast_dropped(r->link.multicast, reason);
     if (dropped == r->stream.count.dropped) return;
     r->stream.count.dropped = dropped;
     snprintf(line, sizeof line, "network: messages dropped: %s", reason);
@@ -352,14 +348,12 @@ mukca_status mukca_recorder_step(mukca_recorder *r, int timeout_ms, int other, b
     const double begun = mukca_clock_seconds();
     mukca_status status = stream->lines
                               ? mukca_stream_wait_lines(r, timeout_ms, other, readable, error)
-                              : mukca_lcm_link_wait(r->link, timeout_ms, other, readable, error);
-    int64_t now = mukca_lcm_link_clock(r->link);
-    bool replays = mukca_lcm_link_replays(r->link), ended = status == MUKCA_NEGATIVE;
+                              : mukca_lcm_link_wait(&r->link, timeout_ms, other, readable, error);
+    int64_t now = mukca_lcm_link_clock(&r->link);
+    bool replays = r->link.replays, ended = status == MUKCA_NEGATIVE;
     if (!stream->channel[0] && stream->search.fit_heard &&
         (ended || now - stream->search.fit_heard > SEARCH_US)) {
-        mukca_status chosen = choose_channel(r);
-        if (chosen == MUKCA_TRANSPORT) *error = stream->problem;
-        if (chosen != MUKCA_OK) return chosen == MUKCA_TRANSPORT ? chosen : status;
+        if (!choose_channel(stream, r->chain->n_joints)) return status;
         if (replays) return open_link(r, error); /* restart with the known channel */
     }
     if (replays || status) return status;

@@ -30,9 +30,9 @@ typedef struct {
 /* The last joint state. */
 typedef struct {
     mukca_lcm_joints joints;
-    double q[MUKCA_MAX_JOINTS], effort[MUKCA_MAX_JOINTS], command[MUKCA_MAX_JOINTS];
-    int64_t time;    /* us, its sender's, else its arrival */
-    int64_t arrival; /* us; 0: none yet */
+    mukca_capture_reading reading; /* of the arm's joints */
+    int64_t time;                  /* us, its sender's, else its arrival */
+    int64_t arrival;               /* us; 0: none yet */
 } mukca_stream_last;
 
 typedef struct {
@@ -109,7 +109,7 @@ enum { MUKCA_LABELS = 32 };
 typedef struct {
     char store[512];
     int n;
-    const char *name[MUKCA_LABELS];
+    char *name[MUKCA_LABELS];
 } mukca_labels;
 
 typedef struct {
@@ -123,14 +123,6 @@ typedef struct {
     mukca_error first_unwritten;
 } mukca_sampling;
 
-/* A request for a sample; labels NULL or "" mean the current ones. */
-typedef struct {
-    int64_t id;
-    int64_t time; /* us, its arrival; 0: it came in order with the joint states */
-    int64_t sent; /* us, by its sender's clock; 0: unknown */
-    const char *placement, *socket;
-} mukca_sample_request;
-
 /* Zeroed options mean defaults; `mukca help capture` describes them.  All texts must outlive the
  * recorder. */
 typedef struct {
@@ -141,10 +133,9 @@ typedef struct {
     int n_types;
     int stream; /* index into mukca_recorder_streams */
     bool still;
-    double window, motion, dwell; /* s, rad or m, s */
-    double distance;              /* between the sockets, m; 0: 0.05 */
-    bool triggers;                /* record on messages of PREFIX_TRIGGER */
-    bool lines;                   /* read joint states as lines from standard input */
+    mukca_capture_settings capture; /* its labels: those of `sockets` */
+    bool triggers;                  /* record on messages of PREFIX_TRIGGER */
+    bool lines;                     /* read joint states as lines from standard input */
 } mukca_recorder_options;
 
 /* "raw", "corrected", NULL; and that of the options. */
@@ -187,7 +178,7 @@ struct mukca_recorder {
     const mukca_recorder_options *options;
     const mukca_chain *chain;
     mukca_recorder_hooks hooks;
-    mukca_lcm_link *link;
+    mukca_lcm_link link;
     int64_t packet_time; /* us, of the packet in process; 0: none */
     mukca_stream stream;
     mukca_requests requests;
@@ -255,6 +246,10 @@ mukca_status mukca_stream_wait_lines(mukca_recorder *r, int timeout_ms, int othe
 mukca_status mukca_stream_check_map(mukca_recorder *r, mukca_error *error);
 mukca_status mukca_stream_make_map(mukca_recorder *r);
 
+/* Find the mapped names in the last message, at their previous positions or elsewhere (a driver may
+ * list joints in any order, mixed with others).  False: joint *missing is not there. */
+bool mukca_stream_find_names(mukca_stream *stream, int *missing, int n_joints);
+
 /* Whether the mapping follows from the order of readings alone; and the mapping as lines, with the
  * sender's names next to the arm's. */
 bool mukca_stream_needs_confirmation(const mukca_recorder *r);
@@ -286,24 +281,25 @@ mukca_status mukca_requests_check_signature(mukca_recorder *r, const mukca_lcm_p
 mukca_status mukca_sampling_prepare(mukca_recorder *r, const double *theta, mukca_error *error);
 
 /* Create or resume the session file; its samples are loaded into the capture.  Errors: MUKCA_INPUT
- * (exists without `force`; see mukca_session_resume), MUKCA_MEMORY. */
+ * (exists without `force`; see mukca_session_open), MUKCA_MEMORY. */
 mukca_status mukca_sampling_begin(mukca_recorder *r, const char *path, bool resume, bool force,
                                   mukca_error *error);
 
 /* Requests of the user; answer->text is the reply, also on success.  mukca_sampling_sample returns
- * after the sample is on disk, and sends a sample message in any case.  The others delete sample
- * `row` (from 1; 0: the last), select a socket, the next socket, or the first socket of a new
- * placement.  Errors: MUKCA_NEGATIVE (refused), MUKCA_INPUT (disk). */
-mukca_status mukca_sampling_sample(mukca_recorder *r, const mukca_sample_request *request,
-                                   mukca_error *answer);
+ * after the sample is on disk, and sends a sample message in any case; labels NULL or "" mean the
+ * current ones, utime 0: unknown; `time` is the request's arrival, us, 0: in order with the joint
+ * states.  mukca_sampling_delete
+ * deletes sample `row` (from 1; 0: the last).  mukca_sampling_select: `placement` NULL is the
+ * current one, "" a new one; `socket` NULL is the next one, with a placement its first.  Errors:
+ * MUKCA_NEGATIVE (refused), MUKCA_INPUT (disk). */
+mukca_status mukca_sampling_sample(mukca_recorder *r, const mukca_message_trigger *request,
+                                   int64_t time, mukca_error *answer);
 mukca_status mukca_sampling_delete(mukca_recorder *r, int row, mukca_error *answer);
 mukca_status mukca_sampling_select(mukca_recorder *r, const char *placement, const char *socket,
                                    mukca_error *answer);
-mukca_status mukca_sampling_next_socket(mukca_recorder *r, mukca_error *answer);
-mukca_status mukca_sampling_next_placement(mukca_recorder *r, mukca_error *answer);
 
 /* As mukca_sampling_sample; the reply is reported. */
-void mukca_sampling_trigger(mukca_recorder *r, const mukca_sample_request *request);
+void mukca_sampling_trigger(mukca_recorder *r, const mukca_message_trigger *request, int64_t time);
 
 /* Count a failure with status MUKCA_MEMORY, for the exit code. */
 void mukca_sampling_count_unwritten(mukca_recorder *r, const mukca_error *error);

@@ -1,24 +1,99 @@
-/* The server: LCM commands and the main loop. */
+/* The server: rights and limits of its clients, LCM commands, the main loop. */
 #include "record/server.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
 #include "base/clock.h"
 
-/* ---- commands ---- */
+/* ---- rights and limits ---- */
 
-/* The answer's text is sent unless it is empty: the result was sent already, or follows later. */
-#define VERB(name)                                                                       \
-    static mukca_status do_##name(mukca_server *s, const mukca_message_command *command, \
-                                  mukca_error *answer)
+/* Our choice: a person starts few sessions; a sample takes some 500 bytes. */
+static const double first_sessions = 10, sessions_per_s = 0.1, free_bytes = 16e6;
 
-static const char *argument(const mukca_message_command *command, int i)
+/* Our choice, s: longer than a usual pause between two samples. */
+static const double longest_silence = 300;
+
+#define VERB_NAME(name, usage, arguments, sentence) #name,
+#define VERB_INDEX(name, usage, arguments, sentence) RIGHT_##name,
+enum { MUKCA_SERVER_VERB_LIST(VERB_INDEX) STATUS, TRIGGER, REOPEN };
+static const char *const rights[] = {MUKCA_SERVER_VERB_LIST(VERB_NAME) "status", "trigger",
+                                     "reopen"};
+const char *const mukca_server_verbs[] = {MUKCA_SERVER_VERB_LIST(VERB_NAME) "status", NULL};
+
+#define VERB_ARGUMENTS(name, usage, arguments, sentence) arguments,
+static const int most_arguments[] = {MUKCA_SERVER_VERB_LIST(VERB_ARGUMENTS)};
+
+/* Read --accept: bit k for rights[k]. */
+static mukca_status read_rights(mukca_server *s, mukca_error *error)
 {
-    return i < command->n ? command->argument[i] : NULL;
+    const char *word = s->options->accept ? s->options->accept : MUKCA_SERVER_ACCEPT;
+    for (; word; word = strchr(word, ',')) {
+        word += *word == ',';
+        const size_t n = strcspn(word, ",");
+        unsigned found = n == 3 && strncmp(word, "all", n) == 0 ? ~0u : 0;
+        for (int k = 0; k <= REOPEN; k++)
+            if (strlen(rights[k]) == n && strncmp(word, rights[k], n) == 0) found = 1u << k;
+        if (!found)
+            return mukca_fail(
+                error, MUKCA_USAGE,
+                "--accept: %.40s is no command; delete, use, reopen and all are possible "
+                "besides " MUKCA_SERVER_ACCEPT,
+                word);
+        s->rights |= found;
+    }
+    return MUKCA_OK;
 }
+
+/* Whether the packet's sender may change the open session, and becomes its controller: the sender
+ * that started it, or any sender once it is finished or its controller has been silent for long. */
+static mukca_status control(mukca_server *s, const mukca_lcm_packet *packet, mukca_error *error)
+{
+    mukca_server_controller *c = &s->controller;
+    const uint32_t address = (uint32_t)(packet->sender >> 16); /* ports differ by client */
+    const double silence = 1e-6 * (double)(packet->time - c->heard);
+    if (!packet->sender) return MUKCA_OK;
+    if (s->recorder.session.file.open && c->heard && c->address != address && silence >= 0 &&
+        silence < longest_silence)
+        return mukca_fail(
+            error, MUKCA_NEGATIVE,
+            "session %s is controlled from %u.%u.%u.%u: wait until it is finished, or "
+            "for %.0f s without a request from there",
+            s->state.session, c->address >> 24, c->address >> 16 & 255, c->address >> 8 & 255,
+            c->address & 255, longest_silence);
+    *c = (mukca_server_controller){address, packet->time};
+    return MUKCA_OK;
+}
+
+/* Whether `start` may open the session of that name. */
+static mukca_status may_start(mukca_server *s, const char *name, mukca_error *error)
+{
+    char path[MUKCA_SERVER_PATH];
+    struct statvfs disk;
+    bool current = strcmp(name, s->state.session) == 0 && !s->state.finished[0];
+    mukca_server_path(path, s, MUKCA_SERVER_SESSIONS, name, ".tsv");
+    if (current || s->recorder.link.replays) return MUKCA_OK;
+    if (access(path, F_OK) == 0) {
+        if (s->rights >> REOPEN & 1u) return MUKCA_OK;
+        return mukca_fail(error, MUKCA_NEGATIVE,
+                          "%s is finished; choose another name, or start serve with --accept "
+                          "naming reopen",
+                          name);
+    }
+    if (statvfs(s->options->folder, &disk) == 0 &&
+        (double)disk.f_bavail * (double)disk.f_frsize < free_bytes)
+        return mukca_fail(error, MUKCA_NEGATIVE, "less than 16 MB are free in %.200s",
+                          s->options->folder);
+    if (!mukca_budget_take(&s->new_sessions, mukca_lcm_link_clock(&s->recorder.link),
+                           sessions_per_s, first_sessions, first_sessions))
+        return mukca_fail(error, MUKCA_NEGATIVE, "too many new sessions: wait 10 s");
+    return MUKCA_OK;
+}
+
+/* ---- commands ---- */
 
 /* Store the current placement and socket for a restart. */
 static void keep_place(mukca_server *s)
@@ -53,12 +128,11 @@ static mukca_status begin(mukca_server *s, mukca_error *answer)
     return status;
 }
 
-VERB(start)
+static mukca_status start(mukca_server *s, const char *name, mukca_error *answer)
 {
     mukca_recorder *r = &s->recorder;
     mukca_error ignored;
     const mukca_server_state before = s->state;
-    const char *name = argument(command, 0) ? argument(command, 0) : "session";
     if (!mukca_server_name_ok(name))
         return mukca_fail(answer, MUKCA_USAGE,
                           "a session's name: at most 40 letters, digits, _ - and .");
@@ -66,7 +140,7 @@ VERB(start)
         return mukca_fail(
             answer, MUKCA_TRANSPORT, "no joint states yet: %.200s",
             r->stream.problem.status ? r->stream.problem.text : "is the robot's driver running?");
-    mukca_status allowed = mukca_server_may_start(s, name, answer);
+    mukca_status allowed = may_start(s, name, answer);
     if (allowed != MUKCA_OK) return allowed;
     memset(&s->state, 0, offsetof(mukca_server_state, model));
     snprintf(s->state.session, sizeof s->state.session, "%s", name);
@@ -82,39 +156,8 @@ VERB(start)
     return status;
 }
 
-VERB(add)
+static mukca_status finish(mukca_server *s, mukca_error *answer)
 {
-    const mukca_sample_request request = {.id = command->id,
-                                          .time = s->recorder.packet_time,
-                                          .placement = argument(command, 0),
-                                          .socket = argument(command, 1)};
-    return mukca_sampling_sample(&s->recorder, &request, answer);
-}
-
-VERB(delete)
-{
-    (void)command;
-    return mukca_sampling_delete(&s->recorder, 0, answer);
-}
-
-VERB(socket)
-{
-    const char *label = argument(command, 0);
-    return label ? mukca_sampling_select(&s->recorder, NULL, label, answer)
-                 : mukca_sampling_next_socket(&s->recorder, answer);
-}
-
-VERB(placement)
-{
-    const char *name = argument(command, 0),
-               *first = s->recorder.session.capture.settings.labels[0];
-    return name ? mukca_sampling_select(&s->recorder, name, first, answer)
-                : mukca_sampling_next_placement(&s->recorder, answer);
-}
-
-VERB(finish)
-{
-    (void)command;
     mukca_session *session = &s->recorder.session.file;
     if (!session->open) return mukca_fail(answer, MUKCA_NEGATIVE, "no session is being recorded");
     s->state.finished[0] = '1';
@@ -128,43 +171,49 @@ VERB(finish)
     return status;
 }
 
-VERB(calibrate)
-{
-    return mukca_server_start_job(s, false, command->id, answer);
-}
-
-VERB(diagnose)
-{
-    return mukca_server_start_job(s, true, command->id, answer);
-}
-
-VERB(use)
-{
-    return mukca_server_use(s, argument(command, 0), answer);
-}
-
-VERB(result)
+static mukca_status send_table(mukca_server *s, int64_t id, mukca_error *answer)
 {
     char text[MUKCA_RECORDER_LINE];
     if (!s->pose.ready)
         return mukca_fail(answer, MUKCA_NEGATIVE, "no table is in use: calibrate, then use");
     snprintf(text, sizeof text, "the table in use: %s", s->state.model);
-    const mukca_server_answer table = {
-        .id = command->id, .verb = "result", .text = text, .table = &s->pose.offsets};
-    mukca_server_send_answer(s, &table);
+    s->result = (mukca_message_result){.id = id, .verb = "result", .text = text};
+    mukca_server_answer(s, &s->pose.offsets);
     return MUKCA_OK;
 }
 
-static const struct {
-    int arguments;
-    mukca_status (*run)(mukca_server *s, const mukca_message_command *command, mukca_error *answer);
-} verbs[] = {
-#define VERB_ROW(name, usage, arguments, sentence) {arguments, do_##name},
-    MUKCA_SERVER_VERB_LIST(VERB_ROW)
-#undef VERB_ROW
-};
+static mukca_status execute(mukca_server *s, int verb, const mukca_message_command *command,
+                            mukca_error *answer)
+{
+    mukca_recorder *r = &s->recorder;
+    const char *first = command->n > 0 ? command->argument[0] : NULL;
+    const mukca_message_trigger trigger = {.id = command->id,
+                                           .placement = first,
+                                           .socket = command->n > 1 ? command->argument[1] : NULL};
+    switch (verb) {
+        case RIGHT_start:
+            return start(s, first ? first : "session", answer);
+        case RIGHT_add:
+            return mukca_sampling_sample(r, &trigger, r->packet_time, answer);
+        case RIGHT_delete:
+            return mukca_sampling_delete(r, 0, answer);
+        case RIGHT_socket:
+            return mukca_sampling_select(r, NULL, first, answer);
+        case RIGHT_placement:
+            return mukca_sampling_select(r, first ? first : "", NULL, answer);
+        case RIGHT_finish:
+            return finish(s, answer);
+        case RIGHT_use:
+            return mukca_server_use(s, first, answer);
+        case RIGHT_result:
+            return send_table(s, command->id, answer);
+        default:
+            return mukca_server_start_job(s, verb == RIGHT_diagnose, command->id, answer);
+    }
+}
 
-/* Execute a command if its sender has the right to it. */
+/* Execute a command if its sender has the right to it.  The answer's text is sent unless it is
+ * empty: the result was sent already, or follows later. */
 static mukca_status obey(mukca_server *s, const mukca_lcm_packet *packet,
                          const mukca_message_command *command, mukca_error *answer)
 {
@@ -172,15 +221,15 @@ static mukca_status obey(mukca_server *s, const mukca_lcm_packet *packet,
     mukca_status status =
         mukca_requests_check_signature(&s->recorder, packet, command->utime, answer);
     if (status != MUKCA_OK) return status;
-    for (size_t i = 0; i < sizeof verbs / sizeof verbs[0]; i++) {
-        if (strcmp(verb, mukca_server_verbs[i]) != 0 || command->n > verbs[i].arguments) continue;
-        if (!mukca_server_accepts(s, verb))
+    for (int i = 0; i < STATUS; i++) {
+        if (strcmp(verb, mukca_server_verbs[i]) != 0 || command->n > most_arguments[i]) continue;
+        if (!(s->rights >> i & 1u))
             return mukca_fail(answer, MUKCA_NEGATIVE,
                               "not accepted: start serve with --accept naming %s", verb);
-        if (strcmp(verb, "result") != 0) status = mukca_server_control(s, packet, answer);
+        if (i != RIGHT_result) status = control(s, packet, answer);
         if (status != MUKCA_OK) return status;
         answer->text[0] = '\0';
-        return verbs[i].run(s, command, answer);
+        return execute(s, i, command, answer);
     }
     return mukca_fail(answer, MUKCA_USAGE, "unknown verb or too many arguments: \"%.40s\"", verb);
 }
@@ -200,9 +249,9 @@ static void on_command(void *context, const mukca_lcm_packet *packet)
     if (strcmp(command.verb, "add") != 0) /* mukca_sampling_sample counts its own failures */
         mukca_sampling_count_unwritten(r, &line);
     if (!line.text[0]) return;
-    const mukca_server_answer answer = {
-        .id = command.id, .verb = command.verb, .text = line.text, .code = status};
-    mukca_server_send_answer(s, &answer);
+    s->result = (mukca_message_result){
+        .id = command.id, .verb = command.verb, .text = line.text, .code = (int)status};
+    mukca_server_answer(s, NULL);
     mukca_recorder_report(r, "%.40s: %s", command.verb, line.text);
 }
 
@@ -216,10 +265,11 @@ static void report(void *context, const char *line)
 
 static mukca_status may_trigger(void *context, const mukca_lcm_packet *packet, mukca_error *error)
 {
-    if (!mukca_server_accepts(context, "trigger"))
+    mukca_server *s = context;
+    if (!(s->rights >> TRIGGER & 1u))
         return mukca_fail(error, MUKCA_NEGATIVE,
                           "not accepted: start serve with --accept naming trigger");
-    return mukca_server_control(context, packet, error);
+    return control(s, packet, error);
 }
 
 mukca_status mukca_server_open(mukca_server *s, const mukca_server_options *options,
@@ -236,7 +286,7 @@ mukca_status mukca_server_open(mukca_server *s, const mukca_server_options *opti
     s->options = options;
     s->hooks = *hooks;
     mukca_row_state_stream(&s->pose.states, chain->n_joints);
-    mukca_status status = mukca_server_check_accept(s, error);
+    mukca_status status = read_rights(s, error);
     if (status == MUKCA_OK) status = mukca_server_open_folder(s, error);
     if (status == MUKCA_OK)
         status = mukca_recorder_open(&s->recorder, &options->recorder, chain, theta, &own, error);
@@ -245,9 +295,9 @@ mukca_status mukca_server_open(mukca_server *s, const mukca_server_options *opti
     mukca_error problem; /* serves without a model, too */
     if (mukca_server_load_model(s, &problem))
         mukca_recorder_report(&s->recorder, "no table is in use: %s", problem.text);
-    if (mukca_lcm_link_replays(s->recorder.link))
-        status = mukca_recorder_connect(&s->recorder, -1, error);
-    return status;
+    if (!s->recorder.link.replays) return MUKCA_OK;
+    s->rights = ~0u;
+    return mukca_recorder_connect(&s->recorder, -1, error);
 }
 
 /* Report a change of the stream's problem; `last` is the preceding report. */

@@ -28,7 +28,7 @@ enum { MUKCA_SERVER_PATH = 1024, MUKCA_SERVER_ARGUMENTS = 32 };
  * delete, use, and reopen (`start` of a session other than the current one). */
 #define MUKCA_SERVER_ACCEPT "start,add,trigger,socket,placement,finish,calibrate,diagnose,result"
 
-/* Names of the verbs, ended by NULL. */
+/* Names of the verbs, and status, ended by NULL. */
 extern const char *const mukca_server_verbs[];
 
 typedef struct {
@@ -82,6 +82,7 @@ typedef struct {
     const mukca_server_options *options;
     mukca_recorder_hooks hooks; /* of the caller */
     mukca_server_state state, saved;
+    unsigned rights; /* of --accept; all while a log is replayed */
     bool session_begun;
     bool locked;
     int lock;                  /* descriptor, if locked */
@@ -90,7 +91,7 @@ typedef struct {
     mukca_server_job job;
     mukca_server_pose pose;
     mukca_offsets candidate;     /* scratch */
-    mukca_message_result result; /* scratch */
+    mukca_message_result result; /* the last answer */
     mukca_offset_row rows[MUKCA_MAX_OFFSET_ROWS];
 } mukca_server;
 
@@ -128,22 +129,6 @@ bool mukca_server_name_ok(const char *name);
  */
 bool mukca_server_session_of(char session[MUKCA_NAME_SIZE], const char *result);
 
-/* Whether --accept lists a verb, trigger or reopen; always true while a log is replayed. */
-bool mukca_server_accepts(const mukca_server *s, const char *right);
-
-/* Errors: MUKCA_USAGE (--accept lists something else). */
-mukca_status mukca_server_check_accept(const mukca_server *s, mukca_error *error);
-
-/* Whether the packet's sender may change the open session, and becomes its controller: the sender
- * that started it, or any sender once it is finished or its controller has been silent for long.
- * Errors: MUKCA_NEGATIVE. */
-mukca_status mukca_server_control(mukca_server *s, const mukca_lcm_packet *packet,
-                                  mukca_error *error);
-
-/* Whether `start` may open the session of that name.  Errors: MUKCA_NEGATIVE (it would be reopened;
- * too many in a short time; too little disk space). */
-mukca_status mukca_server_may_start(mukca_server *s, const char *name, mukca_error *error);
-
 /* Read the state; a folder without one is new.  Errors: MUKCA_INPUT. */
 mukca_status mukca_server_load_state(mukca_server *s, mukca_error *error);
 
@@ -169,15 +154,9 @@ mukca_status mukca_server_use(mukca_server *s, const char *session, mukca_error 
 /* A recorder hook: send the pose of one joint state. */
 void mukca_server_send_pose(void *server, int64_t time_us, const double *q);
 
-/* Send the result of a command; `table` (may be NULL) adds its rows, `json` (may be NULL) is sent
- * unchanged. */
-typedef struct {
-    int64_t id;
-    const char *verb, *text, *json;
-    mukca_status code;
-    const mukca_offsets *table;
-} mukca_server_answer;
-void mukca_server_send_answer(mukca_server *s, const mukca_server_answer *answer);
+/* Complete s->result, which has id, verb, text, code and JSON of an answer, and send it; `table`
+ * (may be NULL) adds its rows. */
+void mukca_server_answer(mukca_server *s, const mukca_offsets *table);
 
 /* Start calibrate or diagnose on the session; the reply follows at its end, which is waited for
  * while a log is replayed.  Errors: MUKCA_NEGATIVE (a job is running, no session), MUKCA_INPUT. */

@@ -7,7 +7,6 @@
  *   DIR/results/       NAME.offsets.tsv and other results of jobs
  *
  * Session names come from the network and must not collide with other files. */
-#include <ctype.h>
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -20,7 +19,6 @@
 #include <unistd.h>
 
 #include "base/file.h"
-#include "base/utf8.h"
 #include "io/output.h"
 #include "record/server.h"
 
@@ -33,11 +31,10 @@ void mukca_server_path(char path[MUKCA_SERVER_PATH], const mukca_server *s, cons
 
 bool mukca_server_name_ok(const char *name)
 {
-    size_t n = strlen(name);
-    if (n < 1 || n > 40 || name[0] == '.' || name[0] == '-') return false;
-    for (const char *c = name; *c; c++)
-        if (!isalnum((unsigned char)*c) && !strchr("_-.", *c)) return false;
-    return true;
+    const size_t n = strspn(name,
+                            "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
+                            "0123456789_-.");
+    return n > 0 && n <= 40 && !name[n] && name[0] != '.' && name[0] != '-';
 }
 
 bool mukca_server_session_of(char session[MUKCA_NAME_SIZE], const char *result)
@@ -56,25 +53,8 @@ static bool is_result(const char *value)
     return mukca_server_session_of(session, value);
 }
 
-static bool is_stream(const char *value)
-{
-    for (int i = 0; mukca_recorder_streams[i]; i++)
-        if (strcmp(value, mukca_recorder_streams[i]) == 0) return true;
-    return false;
-}
-
-static bool is_count(const char *value)
-{
-    return strlen(value) < 10 && !value[strspn(value, "0123456789")];
-}
-
-static bool is_mark(const char *value)
-{
-    return strcmp(value, "1") == 0;
-}
-
-/* The fields and the check of their values; empty is always allowed.  Labels are checked again when
- * they are selected. */
+/* The fields and the check of those that become paths; empty is always allowed.  Labels are checked
+ * when they are selected. */
 #define FIELD(name, ok)                                                                        \
     {                                                                                          \
 #name, offsetof(mukca_server_state, name), sizeof(((mukca_server_state *)0)->name), ok \
@@ -84,14 +64,14 @@ static const struct {
     size_t offset, size;
     bool (*ok)(const char *value);
 } fields[] = {FIELD(session, mukca_server_name_ok),
-              FIELD(placement, mukca_utf8_valid),
-              FIELD(socket, mukca_utf8_valid),
-              FIELD(rows, is_count),
-              FIELD(finished, is_mark),
+              FIELD(placement, NULL),
+              FIELD(socket, NULL),
+              FIELD(rows, NULL),
+              FIELD(finished, NULL),
               FIELD(model, is_result),
-              FIELD(model_stream, is_stream),
+              FIELD(model_stream, NULL),
               FIELD(candidate, is_result),
-              FIELD(candidate_stream, is_stream)};
+              FIELD(candidate_stream, NULL)};
 enum { FIELDS = sizeof fields / sizeof fields[0] };
 
 /* Set a field; keys of a later version are ignored. */
@@ -99,7 +79,8 @@ static bool set_field(mukca_server_state *state, const char *key, const char *va
 {
     for (int i = 0; i < FIELDS; i++) {
         if (strcmp(key, fields[i].key) != 0) continue;
-        if (*value && (strlen(value) >= fields[i].size || !fields[i].ok(value))) return false;
+        if (strlen(value) >= fields[i].size) return false;
+        if (*value && fields[i].ok && !fields[i].ok(value)) return false;
         char *field = (char *)state + fields[i].offset;
         memset(field, 0, fields[i].size); /* states are compared bytewise */
         snprintf(field, fields[i].size, "%s", value);
@@ -209,20 +190,16 @@ static mukca_status lock(mukca_server *s, mukca_error *error)
     return MUKCA_OK;
 }
 
-static bool ends_with(const char *name, const char *ending)
-{
-    const size_t length = strlen(name), end = strlen(ending);
-    return length > end && strcmp(name + length - end, ending) == 0;
-}
-
 /* Remove the temporary files of killed writers in DIR/folder. */
 static mukca_status tidy(const char *path, mukca_error *error)
 {
     DIR *entries = opendir(path);
     if (!entries) return fail(path, error);
-    for (const struct dirent *e; (e = readdir(entries));)
-        if (e->d_name[0] == '.' && ends_with(e->d_name, ".tmp"))
+    for (const struct dirent *e; (e = readdir(entries));) {
+        const char *ending = strrchr(e->d_name, '.');
+        if (e->d_name[0] == '.' && ending > e->d_name && strcmp(ending, ".tmp") == 0)
             (void)!unlinkat(dirfd(entries), e->d_name, 0); /* a leftover file does no harm */
+    }
     closedir(entries);
     return MUKCA_OK;
 }

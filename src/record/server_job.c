@@ -88,25 +88,19 @@ static void read_error(char line[MUKCA_RECORDER_LINE], const mukca_server *s)
     unlink(s->job.errors);
 }
 
-void mukca_server_send_answer(mukca_server *s, const mukca_server_answer *answer)
+void mukca_server_answer(mukca_server *s, const mukca_offsets *table)
 {
     mukca_message_result *m = &s->result;
     const mukca_chain *chain = s->recorder.chain;
-    int n = answer->table ? mukca_offsets_rows(s->rows, answer->table, chain) : 0;
-    *m = (mukca_message_result){.utime = mukca_lcm_link_clock(s->recorder.link),
-                                .id = answer->id,
-                                .verb = answer->verb,
-                                .code = (int)answer->code,
-                                .text = answer->text,
-                                .robot = chain->robot,
-                                .urdf_sha256 = chain->urdf_sha256,
-                                .base = chain->base,
-                                .tip = chain->tip,
-                                .stream = answer->table == &s->pose.offsets
-                                              ? s->state.model_stream
-                                              : mukca_recorder_stream(&s->recorder),
-                                .n = n < MUKCA_MESSAGE_ROWS ? n : MUKCA_MESSAGE_ROWS,
-                                .json = answer->json};
+    const int n = table ? mukca_offsets_rows(s->rows, table, chain) : 0;
+    m->utime = mukca_lcm_link_clock(&s->recorder.link);
+    m->robot = chain->robot;
+    m->urdf_sha256 = chain->urdf_sha256;
+    m->base = chain->base;
+    m->tip = chain->tip;
+    m->stream =
+        table == &s->pose.offsets ? s->state.model_stream : mukca_recorder_stream(&s->recorder);
+    m->n = n < MUKCA_MESSAGE_ROWS ? n : MUKCA_MESSAGE_ROWS;
     for (int i = 0; i < m->n; i++) {
         const mukca_offset_row *row = &s->rows[i];
         m->joint[i] = row->joint;
@@ -134,28 +128,28 @@ static void report(mukca_server *s, mukca_status code)
 {
     char line[MUKCA_RECORDER_LINE], *json = NULL;
     mukca_error error;
-    mukca_server_answer answer = {
-        .id = s->job.id, .verb = verb_of(&s->job), .text = line, .code = code};
+    const mukca_offsets *table = NULL;
     read_error(line, s);
     if (code == MUKCA_OK || code == MUKCA_NEGATIVE) {
         (void)mukca_file_read(&json, s->job.json, &error);
         if (json) summarise(line, s, json);
-        mukca_status status = mukca_server_keep_result(s, &error);
-        if (status == MUKCA_OK) {
-            answer.table = &s->candidate;
+        const mukca_status kept = mukca_server_keep_result(s, &error);
+        if (kept == MUKCA_OK) {
+            table = &s->candidate;
             add_verdict(line, &s->candidate.acceptance);
         } else {
             snprintf(line, sizeof line, "%s", error.text);
-            answer.code = status;
+            code = kept;
         }
-        answer.json = json;
     }
-    if (answer.code == MUKCA_MEMORY) {
+    if (code == MUKCA_MEMORY) {
         mukca_fail(&error, MUKCA_MEMORY, "%.200s", line);
         mukca_sampling_count_unwritten(&s->recorder, &error);
     }
-    mukca_server_send_answer(s, &answer);
-    mukca_recorder_report(&s->recorder, "%s: %s", answer.verb, line);
+    s->result = (mukca_message_result){
+        .id = s->job.id, .verb = verb_of(&s->job), .text = line, .code = (int)code, .json = json};
+    mukca_server_answer(s, table);
+    mukca_recorder_report(&s->recorder, "%s: %s", verb_of(&s->job), line);
     free(json);
 }
 
@@ -193,8 +187,7 @@ mukca_status mukca_server_start_job(mukca_server *s, bool diagnosis, int64_t id,
     for (int i = 0; s->options->arguments[i]; i++) arguments[n++] = s->options->arguments[i];
     memcpy(arguments + n, last, sizeof last); /* the remaining elements are NULL */
     const mukca_status status = spawn(s, arguments, error);
-    if (status == MUKCA_OK && mukca_lcm_link_replays(s->recorder.link))
-        mukca_server_finish_job(s, true);
+    if (status == MUKCA_OK && s->recorder.link.replays) mukca_server_finish_job(s, true);
     return status;
 }
 

@@ -204,7 +204,7 @@ void mukca_server_send_pose(void *context, int64_t time_us, const double *q)
     const mukca_row_reading reading = {
         .q = q,
         .command = s->recorder.stream.last.joints.has[MUKCA_LCM_ROLE_COMMAND]
-                       ? s->recorder.stream.last.command
+                       ? s->recorder.stream.last.reading.command
                        : NULL,
         .time = (double)NAN,
         .placement = -1};
@@ -216,7 +216,7 @@ void mukca_server_send_pose(void *context, int64_t time_us, const double *q)
     mukca_rotation_to_quaternion(message.quaternion, tip.R);
     if (!mukca_recorder_publish(&s->recorder, MUKCA_MESSAGE_POSE, &message)) return;
     const double latency =
-        1e-6 * (double)(mukca_lcm_link_clock(s->recorder.link) - s->recorder.packet_time);
+        1e-6 * (double)(mukca_lcm_link_clock(&s->recorder.link) - s->recorder.packet_time);
     pose->sent++;
     pose->latency += latency;
     pose->longest_latency = fmax(pose->longest_latency, latency);

@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/cells.h"
 #include "io/dataset.h"
 #include "record/recorder.h"
 
@@ -13,20 +14,19 @@ static mukca_status split_labels(mukca_labels *labels, const char *list, const c
                                  mukca_error *error)
 {
     if (!list) return MUKCA_OK;
-    if (strlen(list) >= sizeof labels->store)
+    labels->n = mukca_cells_count(list, ',');
+    if (strlen(list) >= sizeof labels->store || labels->n > MUKCA_LABELS)
         return mukca_fail(error, MUKCA_USAGE, "%s: the list is too long", option);
     memcpy(labels->store, list, strlen(list) + 1);
-    for (char *at = labels->store; at;) {
-        char *comma = strchr(at, ',');
-        if (comma) *comma = '\0';
-        if (!mukca_session_label_ok(at) || labels->n == MUKCA_LABELS)
+    mukca_cells_split(labels->name, labels->n, labels->store, ',');
+    for (int i = 0; i < labels->n; i++) {
+        if (!mukca_session_label_ok(labels->name[i]))
             return mukca_fail(error, MUKCA_USAGE, "%s \"%.60s\": at most %d names, commas between",
                               option, list, MUKCA_LABELS);
-        for (int k = 0; k < labels->n; k++)
-            if (strcmp(labels->name[k], at) == 0)
-                return mukca_fail(error, MUKCA_USAGE, "%s: '%s' comes twice", option, at);
-        labels->name[labels->n++] = at;
-        at = comma ? comma + 1 : NULL;
+        for (int k = 0; k < i; k++)
+            if (strcmp(labels->name[k], labels->name[i]) == 0)
+                return mukca_fail(error, MUKCA_USAGE, "%s: '%s' comes twice", option,
+                                  labels->name[i]);
     }
     return MUKCA_OK;
 }
@@ -40,12 +40,9 @@ mukca_status mukca_sampling_prepare(mukca_recorder *r, const double *theta, mukc
     if (!status && s->sockets.n == 1)
         status = mukca_fail(error, MUKCA_USAGE, "--sockets: a tool has two or more");
     if (status != MUKCA_OK) return status;
-    mukca_capture_settings settings = {.window = o->window,
-                                       .range = o->motion,
-                                       .dwell = o->dwell,
-                                       .distance = o->distance,
-                                       .n_labels = s->sockets.n,
-                                       .labels = s->sockets.name};
+    mukca_capture_settings settings = o->capture;
+    settings.n_labels = s->sockets.n;
+    settings.labels = (const char *const *)s->sockets.name;
     return mukca_capture_init(&s->capture, r->chain, theta, &settings, error);
 }
 
@@ -77,7 +74,7 @@ static mukca_status load_rows(mukca_recorder *r, const char *path, mukca_error *
 {
     mukca_sampling *s = &r->session;
     mukca_dataset data;
-    const mukca_dataset_options options = {.distance = r->options->distance,
+    const mukca_dataset_options options = {.distance = r->options->capture.distance,
                                            .partial = true,
                                            .note = mukca_recorder_note,
                                            .context = r};
@@ -100,17 +97,20 @@ mukca_status mukca_sampling_begin(mukca_recorder *r, const char *path, bool resu
 {
     mukca_sampling *s = &r->session;
     mukca_stream *stream = &r->stream;
-    mukca_session_head head = {.chain = r->chain,
-                               .stream = mukca_recorder_stream(r),
-                               .channel = stream->channel,
-                               .type = mukca_stream_type(r),
-                               .has_effort = stream->last.joints.has[MUKCA_LCM_ROLE_EFFORT],
-                               .has_command = stream->last.joints.has[MUKCA_LCM_ROLE_COMMAND]};
+    const mukca_session_task task = {.path = path,
+                                     .resume = resume,
+                                     .force = force,
+                                     .chain = r->chain,
+                                     .stream = mukca_recorder_stream(r),
+                                     .channel = stream->channel,
+                                     .type = mukca_stream_type(r),
+                                     .has_effort = stream->last.joints.has[MUKCA_LCM_ROLE_EFFORT],
+                                     .has_command = stream->last.joints.has[MUKCA_LCM_ROLE_COMMAND],
+                                     .note = mukca_recorder_note,
+                                     .context = r};
     mukca_capture_clear(&s->capture);
     mukca_session_close(&s->file);
-    mukca_status status =
-        resume ? mukca_session_resume(&s->file, path, &head, mukca_recorder_note, r, error)
-               : mukca_session_create(&s->file, path, force, &head, error);
+    mukca_status status = mukca_session_open(&s->file, &task, error);
     if (!status && s->file.n_rows) status = load_rows(r, path, error);
     if (!status && !s->file.n_rows) {
         char name[MUKCA_NAME_SIZE];
@@ -168,13 +168,6 @@ static mukca_status store(mukca_recorder *r, const mukca_capture_sample *sample,
     mukca_sampling *s = &r->session;
     mukca_capture *c = &s->capture;
     const int socket_before = c->socket;
-    const mukca_session_row row = {.placement = placement,
-                                   .socket = socket,
-                                   .time = sample->time,
-                                   .q = sample->q,
-                                   .spread = sample->spread,
-                                   .effort = sample->effort,
-                                   .command = sample->command};
     if (mukca_capture_repeats(c, sample->q))
         return mukca_fail(
             error, MUKCA_NEGATIVE,
@@ -185,7 +178,7 @@ static mukca_status store(mukca_recorder *r, const mukca_capture_sample *sample,
         return mukca_fail(error, MUKCA_INPUT, "the session is full: begin another one");
     mukca_status status = mukca_capture_select(c, placement, socket, error);
     if (status != MUKCA_OK) return status;
-    status = mukca_session_add(&s->file, &row, error);
+    status = mukca_session_add(&s->file, placement, socket, sample, error);
     if (status == MUKCA_OK) return mukca_capture_keep(remark, c, sample->q, error);
     c->socket = socket_before;
     mukca_sampling_count_unwritten(r, error);
@@ -196,16 +189,15 @@ static mukca_status store(mukca_recorder *r, const mukca_capture_sample *sample,
  * this program: if their times are those of a wall clock, they are compared with the request's.
  * Errors: MUKCA_NEGATIVE. */
 static mukca_status age_at(double *age, const mukca_recorder *r,
-                           const mukca_sample_request *request, mukca_error *error)
+                           const mukca_message_trigger *request, int64_t time, mukca_error *error)
 {
     const mukca_stream *stream = &r->stream;
     const double longest_lag = 3600; /* s; beyond it the times are not of the same kind of clock */
-    const int64_t sent = request->sent > 0 ? request->sent : request->time;
+    const int64_t sent = request->utime > 0 ? request->utime : time;
     const double lag = 1e-6 * (double)(sent - stream->last.time);
-    *age = request->time ? fmax(1e-6 * (double)(request->time - stream->last.arrival), 0)
-                         : MUKCA_CAPTURE_IN_ORDER;
-    if (!stream->lines || !request->time || !stream->last.time ||
-        lag < r->session.capture.settings.window || lag > longest_lag)
+    *age = time ? fmax(1e-6 * (double)(time - stream->last.arrival), 0) : MUKCA_CAPTURE_IN_ORDER;
+    if (!stream->lines || !time || !stream->last.time || lag < r->session.capture.settings.window ||
+        lag > longest_lag)
         return MUKCA_OK;
     return mukca_fail(error, MUKCA_NEGATIVE,
                       "the last line is %.1f s older than the request: run the program before it "
@@ -236,13 +228,13 @@ static const int64_t doubt_us = 1000000;
 static bool is_doubted(const mukca_recorder *r)
 {
     const mukca_stream *stream = &r->stream;
-    int64_t now = r->packet_time ? r->packet_time : mukca_lcm_link_clock(r->link);
+    int64_t now = r->packet_time ? r->packet_time : mukca_lcm_link_clock(&r->link);
     return stream->sender.second_heard && now - stream->sender.second_heard < doubt_us &&
            now - stream->sender.second_heard > -doubt_us;
 }
 
-mukca_status mukca_sampling_sample(mukca_recorder *r, const mukca_sample_request *request,
-                                   mukca_error *answer)
+mukca_status mukca_sampling_sample(mukca_recorder *r, const mukca_message_trigger *request,
+                                   int64_t time, mukca_error *answer)
 {
     mukca_sampling *s = &r->session;
     mukca_capture_sample sample = {.time = 0};
@@ -253,7 +245,7 @@ mukca_status mukca_sampling_sample(mukca_recorder *r, const mukca_sample_request
     mukca_status status = complete_labels(r, &placement, &socket, &error);
     if (!status && is_doubted(r))
         status = mukca_fail(&error, MUKCA_NEGATIVE, "two arms seem to send on this channel");
-    if (status == MUKCA_OK) status = age_at(&age, r, request, &error);
+    if (status == MUKCA_OK) status = age_at(&age, r, request, time, &error);
     if (status == MUKCA_OK) status = mukca_capture_take(&sample, &s->capture, age, &error);
     if (status == MUKCA_OK) status = store(r, &sample, placement, socket, remark, &error);
     mukca_message_sample message = {.utime = (int64_t)llround(1e6 * sample.time),
@@ -282,10 +274,10 @@ mukca_status mukca_sampling_sample(mukca_recorder *r, const mukca_sample_request
     return MUKCA_OK;
 }
 
-void mukca_sampling_trigger(mukca_recorder *r, const mukca_sample_request *request)
+void mukca_sampling_trigger(mukca_recorder *r, const mukca_message_trigger *request, int64_t time)
 {
     mukca_error answer;
-    (void)mukca_sampling_sample(r, request, &answer);
+    (void)mukca_sampling_sample(r, request, time, &answer);
     mukca_recorder_report(r, "%s", answer.text);
 }
 
@@ -316,22 +308,17 @@ mukca_status mukca_sampling_select(mukca_recorder *r, const char *placement, con
                                    mukca_error *answer)
 {
     mukca_sampling *s = &r->session;
+    char name[MUKCA_NAME_SIZE];
     mukca_error error;
+    if (!socket && placement) socket = s->capture.settings.labels[0];
+    if (!socket) socket = mukca_capture_next_label(&s->capture);
+    if (placement && !*placement) {
+        new_placement(r, name);
+        placement = name;
+    }
     mukca_status status = complete_labels(r, &placement, &socket, &error);
     if (status == MUKCA_OK) status = mukca_capture_select(&s->capture, placement, socket, &error);
     if (status != MUKCA_OK) return mukca_fail(answer, status, "not changed: %s", error.text);
     return mukca_fail(answer, MUKCA_OK, "now placement %s, socket %s (%d samples)", placement,
                       socket, mukca_capture_count(&s->capture, s->capture.socket));
-}
-
-mukca_status mukca_sampling_next_socket(mukca_recorder *r, mukca_error *answer)
-{
-    return mukca_sampling_select(r, NULL, mukca_capture_next_label(&r->session.capture), answer);
-}
-
-mukca_status mukca_sampling_next_placement(mukca_recorder *r, mukca_error *answer)
-{
-    char name[MUKCA_NAME_SIZE];
-    new_placement(r, name);
-    return mukca_sampling_select(r, name, r->session.capture.settings.labels[0], answer);
 }

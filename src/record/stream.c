@@ -26,16 +26,16 @@ static mukca_status take_positions(mukca_recorder *r, mukca_error *error)
                               "%s: %s reads %g: no angle in rad; convert degrees%s, or check --map",
                               stream->channel, mukca_recorder_joint(r, j), q,
                               stream->lines ? " (a header may say [deg])" : "");
-        stream->last.q[j] = q;
+        stream->last.reading.q[j] = q;
     }
     return MUKCA_OK;
 }
 
-static void copy_values(double *out, const mukca_recorder *r, mukca_lcm_role role)
+static void copy_values(double *out, const mukca_stream *stream, int n, mukca_lcm_role role)
 {
-    const mukca_stream *stream = &r->stream;
-    for (int j = 0; j < r->chain->n_joints; j++)
-        out[j] = stream->last.joints.value[role][stream->map.reading[j]];
+    const mukca_lcm_joints *joints = &stream->last.joints;
+    for (int j = 0; j < n; j++)
+        out[j] = joints->has[role] ? joints->value[role][stream->map.reading[j]] : (double)NAN;
 }
 
 /* Whether joint states are from the accepted sender.  False: the message is refused. */
@@ -99,7 +99,7 @@ static void record_still(mukca_recorder *r)
     mukca_error answer;
     int socket;
     const bool due = mukca_capture_due(&socket, text, &r->session.capture);
-    const bool replay = r->stream.lines ? r->stream.lines->file : mukca_lcm_link_replays(r->link);
+    const bool replay = r->stream.lines ? r->stream.lines->file : r->link.replays;
     if (!due && !text[0]) return;
     if (!due && !replay) {
         r->session.refused++;
@@ -111,27 +111,24 @@ static void record_still(mukca_recorder *r)
         mukca_sampling_delete(r, 0, &answer);
         mukca_recorder_report(r, "%s: a rest between placements", answer.text);
     } else if (socket < 0) {
-        mukca_sampling_next_placement(r, &answer);
+        mukca_sampling_select(r, "", NULL, &answer);
     }
-    mukca_sample_request request = {0};
-    if (socket >= 0)
-        request = (mukca_sample_request){
-            .placement = rows->placements[rows->sockets[socket].placement].name,
-            .socket = rows->sockets[socket].label};
-    mukca_sampling_trigger(r, &request);
+    mukca_message_trigger trigger = {.id = 0};
+    if (socket >= 0) {
+        trigger.placement = rows->placements[rows->sockets[socket].placement].name;
+        trigger.socket = rows->sockets[socket].label;
+    }
+    mukca_sampling_trigger(r, &trigger, 0);
 }
 
 static void feed(mukca_recorder *r, int64_t time)
 {
     mukca_stream *stream = &r->stream;
-    mukca_capture_reading reading = {
-        .time = 1e-6 * (double)time,
-        .arrival = 1e-6 * (double)stream->last.arrival,
-        .q = stream->last.q,
-        .effort = stream->last.joints.has[MUKCA_LCM_ROLE_EFFORT] ? stream->last.effort : NULL,
-        .command = stream->last.joints.has[MUKCA_LCM_ROLE_COMMAND] ? stream->last.command : NULL,
-        .guided = stream->last.joints.guided};
-    unsigned found = mukca_capture_feed(&r->session.capture, &reading);
+    mukca_capture_reading *reading = &stream->last.reading;
+    reading->time = 1e-6 * (double)time;
+    reading->arrival = 1e-6 * (double)stream->last.arrival;
+    reading->guided = stream->last.joints.guided;
+    unsigned found = mukca_capture_feed(&r->session.capture, reading);
     if (found & MUKCA_CAPTURE_TWO_SENDERS)
         mukca_recorder_warn(r, MUKCA_RECORDER_TWO_SENDERS, two_arms);
     else if (found & MUKCA_CAPTURE_BACKWARDS && r->session.capture.jumps < 2)
@@ -176,30 +173,12 @@ static bool map_first(mukca_recorder *r, int type)
     return true;
 }
 
-/* Find the mapped names in the message, at their previous positions or elsewhere (a driver may list
- * joints in any order, mixed with others). */
-static bool find_names(mukca_recorder *r)
-{
-    mukca_stream *stream = &r->stream;
-    const int n = stream->last.joints.has[MUKCA_LCM_ROLE_NAME] ? stream->last.joints.n : 0;
-    for (int j = 0; j < r->chain->n_joints; j++) {
-        const char *joint = stream->map.name[j];
-        if (stream->map.reading[j] < n &&
-            strcmp(stream->last.joints.name[stream->map.reading[j]], joint) == 0)
-            continue;
-        int k = 0;
-        while (k < n && strcmp(stream->last.joints.name[k], joint) != 0) k++;
-        if (k == n) return false;
-        stream->map.reading[j] = k;
-    }
-    return true;
-}
-
 /* Copy the message's readings to the arm's joints; false: they are not plausible. */
 static bool copy_readings(mukca_recorder *r)
 {
     mukca_stream *stream = &r->stream;
-    if (stream->map.by_name && !find_names(r)) {
+    int missing;
+    if (stream->map.by_name && !mukca_stream_find_names(stream, &missing, r->chain->n_joints)) {
         mukca_recorder_refuse(r, MUKCA_RECORDER_NAMES,
                               "%s: a message without all joints of the arm: ignored (of another "
                               "arm, or of a gripper alone?)",
@@ -218,10 +197,8 @@ static bool copy_readings(mukca_recorder *r)
         mukca_recorder_refuse(r, MUKCA_RECORDER_RANGE, "%s", error.text);
         return false;
     }
-    if (stream->last.joints.has[MUKCA_LCM_ROLE_EFFORT])
-        copy_values(stream->last.effort, r, MUKCA_LCM_ROLE_EFFORT);
-    if (stream->last.joints.has[MUKCA_LCM_ROLE_COMMAND])
-        copy_values(stream->last.command, r, MUKCA_LCM_ROLE_COMMAND);
+    copy_values(stream->last.reading.effort, stream, r->chain->n_joints, MUKCA_LCM_ROLE_EFFORT);
+    copy_values(stream->last.reading.command, stream, r->chain->n_joints, MUKCA_LCM_ROLE_COMMAND);
     return true;
 }
 
@@ -234,7 +211,7 @@ static void take_joints(mukca_recorder *r, const mukca_lcm_packet *packet, int t
     const int64_t time = stream->last.joints.time > 0 ? stream->last.joints.time : packet->time;
     stream->last.time = time;
     bool use = stream->connected && stream->map.confirmed;
-    if (use && r->hooks.joints) r->hooks.joints(r->hooks.context, time, stream->last.q);
+    if (use && r->hooks.joints) r->hooks.joints(r->hooks.context, time, stream->last.reading.q);
     count_arrival(r, packet->time);
     if (use) feed(r, time);
 }
@@ -302,8 +279,10 @@ static bool process_line(mukca_recorder *r, const char *line)
         case MUKCA_LINE_TRIGGER:
             if (s->connected)
                 mukca_sampling_trigger(
-                    r, &(mukca_sample_request){
-                           .id = l->id, .placement = l->placement, .socket = l->socket});
+                    r,
+                    &(mukca_message_trigger){
+                        .id = l->id, .placement = l->placement, .socket = l->socket},
+                    0);
             break;
         case MUKCA_LINE_FAULT:
             refuse(r, error.text);
@@ -335,7 +314,8 @@ mukca_status mukca_stream_wait_lines(mukca_recorder *r, int timeout_ms, int othe
     }
     if (!line && l->ended) return MUKCA_NEGATIVE;
     /* while lines are buffered, poll the link without waiting */
-    mukca_status status = mukca_lcm_link_wait(r->link, line ? 0 : timeout_ms, l->fd, &ready, error);
+    mukca_status status =
+        mukca_lcm_link_wait(&r->link, line ? 0 : timeout_ms, l->fd, &ready, error);
     if (status == MUKCA_OK && ready && !line) mukca_joint_lines_fill(l);
     if (readable && other >= 0) {
         struct pollfd p = {.fd = other, .events = POLLIN};

@@ -18,7 +18,7 @@ static const mukca_lcm_types *get_types(void)
     mukca_error error;
     if (types.n_types) return &types;
     if (mukca_lcm_types_init(&types, &error) ||
-        mukca_lcm_types_parse(&types, description, strlen(description), "f", &error) ||
+        mukca_lcm_types_parse(&types, description, "f", &error) ||
         mukca_lcm_type_set_role(&types, types.n_types - 1, MUKCA_LCM_ROLE_POSITION, "joints.q",
                                 &error) ||
         mukca_lcm_type_set_role(&types, types.n_types - 1, MUKCA_LCM_ROLE_NAME, "joints.name",

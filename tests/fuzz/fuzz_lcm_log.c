@@ -5,11 +5,11 @@
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
     mukca_lcm_log log;
-    mukca_lcm_event event;
+    mukca_lcm_packet event;
     mukca_error error;
     if (mukca_lcm_log_open(&log, memory_file(bytes, size), &error)) abort();
     size_t used = 0;
-    while (mukca_lcm_log_read(&log, &event)) {
+    while (mukca_lcm_log_read(&event, &log)) {
         used += 28 + event.size;
         if (event.size && ((const unsigned char *)event.data)[event.size - 1] > 255) abort();
     }

@@ -10,8 +10,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     mukca_error error = {MUKCA_OK, ""};
     if (!types.n_types && mukca_lcm_types_init(&types, &error)) abort();
     int n_types = types.n_types, n_fields = types.n_fields;
-    mukca_status status =
-        mukca_lcm_types_parse(&types, (const char *)bytes, size, "fuzz.lcm", &error);
+    char *text = calloc(1, size + 1);
+    if (!text) abort();
+    memcpy(text, bytes, size);
+    mukca_status status = mukca_lcm_types_parse(&types, text, "fuzz.lcm", &error);
+    free(text);
     if (status && (types.n_types != n_types || types.n_fields != n_fields)) abort();
     if (status && !error.text[0]) abort();
     if (!status)

@@ -10,20 +10,24 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
     static mukca_chain chain;
     make_chain(&chain, "RR", NULL, "A", 3);
-    const double q[2] = {0.1, 0.2};
-    mukca_session_head head = {.chain = &chain, .stream = "raw", .channel = "C", .type = "t"};
-    mukca_session_row row = {.placement = "p", .socket = "0", .time = 1, .q = q, .spread = q};
+    const mukca_capture_sample sample = {.time = 1, .q = {0.1, 0.2}, .spread = {0.1, 0.2}};
     mukca_session session;
     mukca_error error = {MUKCA_OK, ""};
     struct stat before, after;
-    const char *path = memory_file(bytes, size);
-    if (stat(path, &before)) abort();
-    mukca_status status = mukca_session_resume(&session, path, &head, NULL, NULL, &error);
-    if (stat(path, &after)) abort();
+    const mukca_session_task task = {.path = memory_file(bytes, size),
+                                     .resume = true,
+                                     .chain = &chain,
+                                     .stream = "raw",
+                                     .channel = "C",
+                                     .type = "t"};
+    if (stat(task.path, &before)) abort();
+    mukca_status status = mukca_session_open(&session, &task, &error);
+    if (stat(task.path, &after)) abort();
     if (status && !error.text[0]) abort();
     if (!status) {
         int rows = session.n_rows;
-        if (mukca_session_add(&session, &row, &error) || session.n_rows != rows + 1) abort();
+        if (mukca_session_add(&session, "p", "0", &sample, &error) || session.n_rows != rows + 1)
+            abort();
         if (mukca_session_delete(&session, 0, "p", "0", &error) || session.n_rows != rows) abort();
         while (session.n_rows)
             if (mukca_session_delete(&session, 0, "p", "0", &error)) abort();

@@ -33,7 +33,8 @@ static int teardown(void **state)
 
 static unsigned feed(double time, const double q[3])
 {
-    mukca_capture_reading reading = {.time = time, .arrival = time, .q = q};
+    mukca_capture_reading reading = {
+        .time = time, .arrival = time, .q = {q[0], q[1], q[2]}, .effort = {(double)NAN}};
     return mukca_capture_feed(&capture, &reading);
 }
 
@@ -46,11 +47,10 @@ static bool stand(const double q[3], double seconds, double rate, bool guided, i
     bool due = false;
     char said[MUKCA_CAPTURE_TEXT];
     for (int i = 0; i < (int)(seconds * rate); i++) {
-        double noisy[3], effort[3] = {1, 2, 3};
-        for (int j = 0; j < 3; j++) noisy[j] = q[j] + 2e-5 * mukca_random_normal(&random);
         now += 1 / rate;
         mukca_capture_reading reading = {
-            .time = now, .arrival = now, .q = noisy, .effort = effort, .guided = guided};
+            .time = now, .arrival = now, .effort = {1, 2, 3}, .guided = guided};
+        for (int j = 0; j < 3; j++) reading.q[j] = q[j] + 2e-5 * mukca_random_normal(&random);
         mukca_capture_feed(&capture, &reading);
         int s;
         if (mukca_capture_due(&s, said, &capture)) {
@@ -122,8 +122,7 @@ TEST(moving_stale_and_thin_streams_are_refused)
 
 static mukca_status arrive(double time, double arrival, double age)
 {
-    const double q[3] = {0, 0, 0.1};
-    mukca_capture_reading reading = {.time = time, .arrival = arrival, .q = q};
+    mukca_capture_reading reading = {.time = time, .arrival = arrival, .q = {0, 0, 0.1}};
     mukca_capture_feed(&capture, &reading);
     return mukca_capture_take(&sample, &capture, age, &error);
 }

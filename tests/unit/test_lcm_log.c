@@ -43,16 +43,16 @@ static void write_log(int n)
 TEST(we_read_what_liblcm_writes)
 {
     mukca_lcm_log log;
-    mukca_lcm_event event;
+    mukca_lcm_packet event;
     write_log(50);
     assert_ok(mukca_lcm_log_open(&log, path, &error));
     for (int i = 0; i < 50; i++) {
-        assert_true(mukca_lcm_log_read(&log, &event));
+        assert_true(mukca_lcm_log_read(&event, &log));
         assert_int_equal(event.time, 1000 + i);
         assert_string_equal(event.channel, i % 3 ? "ARM" : "A+B");
         assert_int_equal(event.size, i % 40);
     }
-    assert_false(mukca_lcm_log_read(&log, &event));
+    assert_false(mukca_lcm_log_read(&event, &log));
     assert_int_equal(log.skipped, 0);
     mukca_lcm_log_close(&log);
 }
@@ -69,10 +69,10 @@ TEST(damage_is_skipped)
         fwrite("\x7f\xff\xff\xff\xed\xa1\xda\x01\x7f\xff\xff\xff", 1, 12, file);
         fclose(file);
         mukca_lcm_log log;
-        mukca_lcm_event event;
+        mukca_lcm_packet event;
         assert_ok(mukca_lcm_log_open(&log, path, &error));
         int n = 0;
-        while (mukca_lcm_log_read(&log, &event)) n++;
+        while (mukca_lcm_log_read(&event, &log)) n++;
         mukca_lcm_log_close(&log);
         if (!(n >= 45 && n <= 50)) fail_msg("damage at %d: %d events of 50", at, n);
     }

@@ -22,7 +22,7 @@ static int setup(void **state)
 static mukca_status describe(const char *text)
 {
     more = types;
-    return mukca_lcm_types_parse(&more, text, strlen(text), "x.lcm", &error);
+    return mukca_lcm_types_parse(&more, text, "x.lcm", &error);
 }
 
 /* What lcm-gen 1.3.1 prints for the public descriptions: the rows' own column. */

@@ -22,22 +22,39 @@ static int setup(void **state)
     return 0;
 }
 
-static mukca_session_head head(const char *stream)
+static mukca_session_task head(const char *stream)
 {
-    return (mukca_session_head){
+    return (mukca_session_task){
         .chain = &chain, .stream = stream, .channel = "ARM", .type = "t", .has_effort = true};
+}
+
+static int noted;
+
+static void count_note(void *context, const char *text)
+{
+    assert_non_null(text);
+    ++*(int *)context;
+}
+
+typedef enum { NEW, FORCE, RESUME } how;
+
+static mukca_status begin(mukca_session *s, how h, mukca_session_task task)
+{
+    task.path = path;
+    task.resume = h == RESUME;
+    task.force = h == FORCE;
+    task.note = count_note;
+    task.context = &noted;
+    return mukca_session_open(s, &task, &error);
 }
 
 static mukca_status add(int i)
 {
-    double q[3] = {i / 3., -i, 1e-17}, spread[3] = {1e-5, 0, 2}, effort[3] = {i, 0.5, -1};
-    mukca_session_row row = {.placement = "front left",
-                             .socket = i % 2 ? "1" : "0",
-                             .time = 1700000000 + i,
-                             .q = q,
-                             .spread = spread,
-                             .effort = effort};
-    return mukca_session_add(&session, &row, &error);
+    const mukca_capture_sample sample = {.time = 1700000000 + i,
+                                         .q = {i / 3., -i, 1e-17},
+                                         .spread = {1e-5, 0, 2},
+                                         .effort = {i, 0.5, -1}};
+    return mukca_session_add(&session, "front left", i % 2 ? "1" : "0", &sample, &error);
 }
 
 /* Rows of the file as the project's reader of tables sees them: A1 of row i is expected[i] / 3. */
@@ -62,19 +79,12 @@ static void append_text(const char *text)
     fclose(file);
 }
 
-static void count_note(void *context, const char *text)
-{
-    assert_non_null(text);
-    ++*(int *)context;
-}
-
 TEST(rows_are_added_undone_and_resumed)
 {
     mukca_session second;
-    mukca_session_head h = head("raw"), corrected = head("corrected"), columns = head("raw");
-    int noted = 0;
+    mukca_session_task h = head("raw"), corrected = head("corrected"), columns = head("raw");
     unlink(path);
-    assert_ok(mukca_session_create(&session, path, false, &h, &error));
+    assert_ok(begin(&session, NEW, h));
     assert_int_equal(mukca_session_delete(&session, 0, "p", "s", &error), MUKCA_INPUT);
     for (int i = 0; i < 5; i++) assert_ok(add(i));
     assert_ok(mukca_session_delete(&session, 0, "front left", "0", &error));
@@ -84,13 +94,13 @@ TEST(rows_are_added_undone_and_resumed)
     check_rows((const int[]){0, 1, 2, 9}, 4);
 
     /* one at a time; and not by accident over an old one */
-    assert_refused(mukca_session_resume(&second, path, &h, NULL, NULL, &error), "another mukca");
+    assert_refused(begin(&second, RESUME, h), "another mukca");
     mukca_session_close(&session);
-    assert_refused(mukca_session_create(&session, path, false, &h, &error), "--resume");
+    assert_refused(begin(&session, NEW, h), "--resume");
 
     /* a row that was never acknowledged is cut off */
     append_text("front left\t0\t17000");
-    assert_ok(mukca_session_resume(&session, path, &h, count_note, &noted, &error));
+    assert_ok(begin(&session, RESUME, h));
     assert_int_equal(noted, 1);
     assert_int_equal(session.n_rows, 4);
     assert_ok(add(10));
@@ -100,15 +110,13 @@ TEST(rows_are_added_undone_and_resumed)
     check_rows((const int[]){0, 1, 2}, 3);
 
     /* what does not belong together is not mixed */
-    assert_refused(mukca_session_resume(&session, path, &corrected, NULL, NULL, &error),
-                   "--stream raw");
+    assert_refused(begin(&session, RESUME, corrected), "--stream raw");
     columns.has_command = true;
-    assert_refused(mukca_session_resume(&session, path, &columns, NULL, NULL, &error),
-                   "other columns");
+    assert_refused(begin(&session, RESUME, columns), "other columns");
     chain.urdf_sha256[0] = 'x';
-    assert_refused(mukca_session_resume(&session, path, &h, NULL, NULL, &error), "another URDF");
+    assert_refused(begin(&session, RESUME, h), "another URDF");
     chain.urdf_sha256[0] = '0';
-    assert_ok(mukca_session_create(&session, path, true, &h, &error));
+    assert_ok(begin(&session, FORCE, h));
     mukca_session_close(&session);
     check_rows(NULL, 0);
 }
@@ -117,8 +125,8 @@ TEST(rows_are_added_undone_and_resumed)
 TEST(any_beginning_can_be_resumed)
 {
     static char whole[8192], cut[8192];
-    mukca_session_head h = head("raw");
-    assert_ok(mukca_session_create(&session, path, true, &h, &error));
+    mukca_session_task h = head("raw");
+    assert_ok(begin(&session, FORCE, h));
     int64_t after[4] = {session.length};
     for (int i = 0; i < 3; i++) {
         assert_ok(add(i));
@@ -135,7 +143,7 @@ TEST(any_beginning_can_be_resumed)
         memcpy(cut, whole, length);
         fwrite(cut, 1, length, file);
         fclose(file);
-        mukca_status status = mukca_session_resume(&session, path, &h, NULL, NULL, &error);
+        mukca_status status = begin(&session, RESUME, h);
         if (length > 0 && length < strlen("# mukca session\n")) {
             if (status) continue; /* could be anybody's file */
         } else if (status) {
@@ -154,15 +162,15 @@ TEST(any_beginning_can_be_resumed)
     assert_non_null(file);
     fputs("# my notes\n", file);
     fclose(file);
-    assert_refused(mukca_session_resume(&session, path, &h, NULL, NULL, &error), "no header");
+    assert_refused(begin(&session, RESUME, h), "no header");
 }
 
 /* Disk full in mid-session: the row is refused, the others stay, and later ones go on. */
 TEST(full_disk_refuses_the_row_only)
 {
-    mukca_session_head h = head("raw");
+    mukca_session_task h = head("raw");
     struct rlimit old, small;
-    assert_ok(mukca_session_create(&session, path, true, &h, &error));
+    assert_ok(begin(&session, FORCE, h));
     assert_ok(add(1));
     getrlimit(RLIMIT_FSIZE, &old);
     signal(SIGXFSZ, SIG_IGN);
