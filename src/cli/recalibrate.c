@@ -7,7 +7,7 @@
 #include <sys/stat.h>
 
 #include "fit/accept.h"
-#include "io/pose_stream.h"
+#include "io/pose_log.h"
 
 typedef struct {
     cli_common common;
@@ -24,53 +24,39 @@ static const cli_option options[] = {
     CLI_OUTPUT_OPTION("write the offsets table"),
     {.name = NULL}};
 
-/* Folders (and standard input) are kept in memory, pose logs are read as a stream. */
-typedef struct {
-    const char *files[256], *folders[256];
-    int n_files, n_folders, n_logs;
-    mukca_dataset data;
-    mukca_pose_cursor cursor;
-    mukca_pose_stream stream;
-    mukca_pose_log logs[2];
-} pose_input;
-
-static mukca_status open_input(cli_call *call, pose_input *in, const cli_model *model,
-                               const cli_list *paths)
+/* Read logs; folders (and standard input) are read as a whole, files row by row. */
+static mukca_status read_log(cli_call *call, mukca_pose_log *log, const cli_model *model,
+                             const cli_list *paths)
 {
+    const char *files[256], *folders[256];
+    mukca_pose_files logs = {.paths = files,
+                             .first_file = 1,
+                             .note = cli_note,
+                             .context = call,
+                             .stop = cli_interrupted};
+    cli_list whole = {folders, 0};
     struct stat info;
-    const int most = (int)(sizeof in->files / sizeof *in->files);
+    const int most = sizeof files / sizeof *files;
     if (paths->n > most) return cli_fail(call, MUKCA_USAGE, "more than %d data arguments", most);
     for (int i = 0; i < paths->n; i++) {
         const char *path = paths->items[i];
         const bool folder = stat(path, &info) == 0 && S_ISDIR(info.st_mode);
         if (folder || strcmp(path, "-") == 0)
-            in->folders[in->n_folders++] = path;
+            folders[whole.n++] = path;
         else
-            in->files[in->n_files++] = path;
+            files[logs.n_paths++] = path;
     }
-    if (in->n_folders > 0) {
-        const cli_list list = {in->folders, in->n_folders};
-        const mukca_status status = cli_load_data(call, &in->data, model, &list);
-        if (status != MUKCA_OK) return status;
-        mukca_pose_log_from_dataset(&in->logs[in->n_logs++], &in->cursor, &in->data);
+    mukca_status status = cli_read_format(call, &logs.format);
+    log->n_joints = model->chain.n_joints;
+    if (status == MUKCA_OK && whole.n > 0) {
+        mukca_dataset data = {0};
+        status = cli_load_data(call, &data, model, &whole);
+        if (status == MUKCA_OK) status = mukca_pose_log_add_data(log, &data, &call->error);
+        logs.first_file += data.n_files + data.n_sockets;
+        mukca_dataset_free(&data);
     }
-    mukca_rows_format format;
-    mukca_status status = cli_read_format(call, &format);
-    if (status != MUKCA_OK) return status;
-    in->stream = (mukca_pose_stream){.format = format,
-                                     .paths = in->files,
-                                     .n_paths = in->n_files,
-                                     .chain = &model->chain,
-                                     .note = cli_note,
-                                     .context = call};
-    if (in->n_files > 0) mukca_pose_stream_start(&in->logs[in->n_logs++], &in->stream);
-    return MUKCA_OK;
-}
-
-static void close_input(pose_input *in)
-{
-    mukca_pose_stream_close(&in->stream);
-    mukca_dataset_free(&in->data);
+    return status == MUKCA_OK ? mukca_pose_log_read(log, &logs, &model->chain, &call->error)
+                              : status;
 }
 
 /* Note the findings in the first rows, and end the arm at the link that the poses refer to. */
@@ -101,23 +87,22 @@ enum { MOST_JUDGED = 5000 };
 typedef struct {
     cli_recalibrated result;
     mukca_recalibrate_options fit;
-    pose_input train, test;
+    mukca_pose_log train, test;
     mukca_offsets offsets;
 } recalibrate_work;
 
 static void release(void *work)
 {
     recalibrate_work *w = work;
-    close_input(&w->train);
-    close_input(&w->test);
+    mukca_pose_log_close(&w->train);
+    mukca_pose_log_close(&w->test);
     if (w->result.robust != w->result.fit) free(w->result.robust);
     free(w->result.fit);
 }
 
-static mukca_recalibrate_task task_of(const recalibrate_work *w, const pose_input *input)
+static mukca_recalibrate_task task_of(const recalibrate_work *w, mukca_pose_log *log)
 {
-    return (mukca_recalibrate_task){
-        .chain = &w->result.arm, .logs = input->logs, .n_logs = input->n_logs, .options = &w->fit};
+    return (mukca_recalibrate_task){.chain = &w->result.arm, .log = log, .options = &w->fit};
 }
 
 /* Fit, test, and judge robustly against outliers.  Residuals with tails heavier than 1.5 times
@@ -202,8 +187,9 @@ static mukca_status take_part(mukca_dataset *part, double *errors, const mukca_r
     const mukca_pose_model *model = &fit->stage[MUKCA_WITH_BOTH];
     const int most = rows < MOST_JUDGED ? (int)rows : MOST_JUDGED;
     const long every = (rows + MOST_JUDGED - 1) / MOST_JUDGED;
-    mukca_pose_reader reader = mukca_recalibrate_reader(task);
-    mukca_status status = mukca_dataset_create(part, most, arm->n_joints, 0, 0, error);
+    const mukca_pose_row *row;
+    mukca_status status = mukca_pose_log_rewind(task->log, error);
+    if (status == MUKCA_OK) status = mukca_dataset_create(part, most, arm->n_joints, 0, 0, error);
     if (status != MUKCA_OK) return status;
     part->position = calloc(3 * (size_t)most + 1, sizeof *part->position);
     part->files = calloc(1, sizeof *part->files);
@@ -214,16 +200,16 @@ static mukca_status take_part(mukca_dataset *part, double *errors, const mukca_r
     for (long i = 0; status == MUKCA_OK && part->n_rows < most; i++) {
         mukca_pose_look look[2];
         double *q = part->q + part->n_rows * arm->n_joints, *at = part->position + 3 * part->n_rows;
-        status = mukca_pose_reader_next(&reader, error);
-        if (status != MUKCA_OK || !reader.now) break;
+        status = mukca_pose_log_next(&row, task->log, error);
+        if (status != MUKCA_OK || !row) break;
         if (i % every != 0) continue;
         for (int j = 0; j < arm->n_joints; j++)
-            q[j] = reader.now->q[j] + model->zero[j] + model->lag * reader.now->velocity[j];
+            q[j] = row->q[j] + model->zero[j] + model->lag * row->velocity[j];
         mukca_fk_position(at, &model->geometry, q, NULL);
         for (int j = 0; j < arm->n_joints; j++) q[j] -= model->zero[j];
         for (int k = 0; k < 2; k++) {
-            mukca_pose_look_at(&look[k], &fit->stage[k ? MUKCA_WITH_BOTH : MUKCA_BEFORE],
-                               reader.now, task->options->order);
+            mukca_pose_look_at(&look[k], &fit->stage[k ? MUKCA_WITH_BOTH : MUKCA_BEFORE], row,
+                               task->options->order);
             errors[k * most + part->n_rows] = mukca_norm3(look[k].position);
         }
         double local[3];
@@ -240,7 +226,7 @@ static mukca_status judge_offsets(cli_call *call, recalibrate_work *w)
 {
     const cli_recalibrated *r = &w->result;
     const mukca_recalibration *fit = r->fit;
-    const long poses = r->tested ? r->test[MUKCA_BEFORE].position.n : fit->rows;
+    const long poses = r->tested ? r->test[MUKCA_BEFORE].position.length.n : fit->rows;
     const double spare =
         r->tested ? 1 : 1 - fit->rank / (3.0 * (double)(fit->rows + fit->rotations));
     const mukca_recalibrate_task train = task_of(w, &w->train), test = task_of(w, &w->test);
@@ -308,8 +294,8 @@ static mukca_status recalibrate(cli_call *call, recalibrate_work *w)
 {
     const cli_model *model = &call->session->model;
     cli_recalibrated *r = &w->result;
-    mukca_status status = open_input(call, &w->train, model, &call->arguments);
-    if (status == MUKCA_OK) status = open_input(call, &w->test, model, &call->common->test);
+    mukca_status status = read_log(call, &w->train, model, &call->arguments);
+    if (status == MUKCA_OK) status = read_log(call, &w->test, model, &call->common->test);
     mukca_recalibrate_task task = task_of(w, &w->train);
     task.chain = &model->chain;
     if (status == MUKCA_OK) status = mukca_pose_check_run(&r->check, &task, &call->error);

@@ -23,30 +23,30 @@ static bool never_moved(const mukca_recalibration *f, int j)
 static void print_errors(cli_call *call, const char *title, const mukca_pose_errors *e,
                          bool has_angles)
 {
-    cli_answer(call, "%s (%ld poses)\n", title, e[MUKCA_BEFORE].position.n);
+    cli_answer(call, "%s (%ld poses)\n", title, e[MUKCA_BEFORE].position.length.n);
     cli_answer(call,
                "  position, mm         max   mean +- std       |x|    |y|    |z|  removed, %%\n"
                "                                                                 of max, mean\n");
     for (int s = 0; s < MUKCA_STAGES; s++) {
-        const mukca_moments *p = &e[s].position;
+        const mukca_moments *p = &e[s].position.length, *axis = e[s].position.axis;
         if (s == MUKCA_WITH_ANGLES && !has_angles) continue;
         cli_answer(call, "    %-15s %7.3f %6.3f +- %-6.3f %6.3f %6.3f %6.3f", stage_text[s],
-                   1e3 * p->max, 1e3 * p->mean, 1e3 * mukca_moments_std(p),
-                   1e3 * e[s].position_axis[0].mean, 1e3 * e[s].position_axis[1].mean,
-                   1e3 * e[s].position_axis[2].mean);
+                   1e3 * p->max, 1e3 * p->mean, 1e3 * mukca_moments_std(p), 1e3 * axis[0].mean,
+                   1e3 * axis[1].mean, 1e3 * axis[2].mean);
         if (s != MUKCA_BEFORE)
-            cli_answer(call, " %6.1f %6.1f", removed_percent(e[MUKCA_BEFORE].position.max, p->max),
-                       removed_percent(e[MUKCA_BEFORE].position.mean, p->mean));
+            cli_answer(call, " %6.1f %6.1f",
+                       removed_percent(e[MUKCA_BEFORE].position.length.max, p->max),
+                       removed_percent(e[MUKCA_BEFORE].position.length.mean, p->mean));
         cli_answer(call, "\n");
     }
-    if (e[MUKCA_BEFORE].rotation.n == 0) return;
+    if (e[MUKCA_BEFORE].rotation.length.n == 0) return;
     cli_answer(call, "  orientation, mrad |ex|: max, mean +- std   |ey|                   |ez|\n");
     for (int s = 0; s < MUKCA_STAGES; s += MUKCA_WITH_BOTH) {
         cli_answer(call, "    %-8s", s == MUKCA_BEFORE ? "before" : "after");
         for (int a = 0; a < 3; a++)
-            cli_answer(call, " %6.2f, %5.2f +-%5.2f", 1e3 * e[s].rotation_axis[a].max,
-                       1e3 * e[s].rotation_axis[a].mean,
-                       1e3 * mukca_moments_std(&e[s].rotation_axis[a]));
+            cli_answer(call, " %6.2f, %5.2f +-%5.2f", 1e3 * e[s].rotation.axis[a].max,
+                       1e3 * e[s].rotation.axis[a].mean,
+                       1e3 * mukca_moments_std(&e[s].rotation.axis[a]));
         cli_answer(call, "\n");
     }
 }
@@ -111,36 +111,32 @@ static json_t *moments_json(const mukca_moments *m, bool angle)
 }
 
 /* Moments of the errors of one stage, their median, and the moments by axis. */
-static json_t *stage_json(const mukca_moments *m, const mukca_histogram *histogram,
-                          const mukca_moments axis[3], bool angle)
+static json_t *stage_json(const mukca_vector_errors *e, bool angle)
 {
-    json_t *object = moments_json(m, angle), *axes = json_array();
-    for (int a = 0; a < 3; a++) json_array_append_new(axes, moments_json(&axis[a], angle));
-    json_object_update_new(
-        object, cli_json(KEY(angle ? "median_rad" : "median_m", mukca_histogram_median(histogram)),
-                         KEY("axes", axes)));
+    json_t *object = moments_json(&e->length, angle), *axes = json_array();
+    for (int a = 0; a < 3; a++) json_array_append_new(axes, moments_json(&e->axis[a], angle));
+    json_object_update_new(object,
+                           cli_json(KEY(angle ? "median_rad" : "median_m", mukca_errors_median(e)),
+                                    KEY("axes", axes)));
     return object;
 }
 
 static json_t *errors_json(const mukca_pose_errors *e, bool has_angles)
 {
     json_t *position = json_object(), *orientation = json_object(), *percent = json_object();
+    const mukca_moments *before = &e[MUKCA_BEFORE].position.length;
     for (int s = 0; s < MUKCA_STAGES; s++) {
+        const mukca_moments *p = &e[s].position.length;
         if (s == MUKCA_WITH_ANGLES && !has_angles) continue;
-        json_object_set_new(
-            position, stage_key[s],
-            stage_json(&e[s].position, &e[s].position_histogram, e[s].position_axis, false));
+        json_object_set_new(position, stage_key[s], stage_json(&e[s].position, false));
         if (s != MUKCA_BEFORE)
-            json_object_set_new(
-                percent, stage_key[s],
-                cli_json(KEY("max", removed_percent(e[0].position.max, e[s].position.max)),
-                         KEY("mean", removed_percent(e[0].position.mean, e[s].position.mean))));
-        if (e[s].rotation.n > 0)
-            json_object_set_new(
-                orientation, stage_key[s],
-                stage_json(&e[s].rotation, &e[s].rotation_histogram, e[s].rotation_axis, true));
+            json_object_set_new(percent, stage_key[s],
+                                cli_json(KEY("max", removed_percent(before->max, p->max)),
+                                         KEY("mean", removed_percent(before->mean, p->mean))));
+        if (e[s].rotation.length.n > 0)
+            json_object_set_new(orientation, stage_key[s], stage_json(&e[s].rotation, true));
     }
-    return cli_json(KEY("rows", e[0].position.n), KEY("position", position),
+    return cli_json(KEY("rows", before->n), KEY("position", position),
                     KEY("orientation", orientation), KEY("removed_percent", percent));
 }
 

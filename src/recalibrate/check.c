@@ -19,15 +19,16 @@ typedef struct {
     int n;
 } preview;
 
-static mukca_status load(preview *p, const mukca_recalibrate_task *task, mukca_error *error)
+static mukca_status load(preview *p, mukca_pose_log *log, mukca_error *error)
 {
-    mukca_pose_reader reader = mukca_recalibrate_reader(task);
-    while (p->n < PREVIEW) {
-        const mukca_status status = mukca_pose_reader_next(&reader, error);
-        if (status != MUKCA_OK || !reader.now) return status;
-        p->row[p->n++] = *reader.now;
+    const mukca_pose_row *row;
+    mukca_status status = mukca_pose_log_rewind(log, error);
+    while (p->n < PREVIEW && status == MUKCA_OK) {
+        status = mukca_pose_log_next(&row, log, error);
+        if (!row) break;
+        p->row[p->n++] = *row;
     }
-    return MUKCA_OK;
+    return status;
 }
 
 static bool turned(const preview *p, int row)
@@ -214,7 +215,7 @@ mukca_status mukca_pose_check_run(mukca_pose_check *check, const mukca_recalibra
                                 .tool.R = MUKCA_IDENTITY};
     p->chain = task->chain;
     mukca_geometry_set(&p->geometry, p->chain, NULL);
-    mukca_status status = load(p, task, error);
+    mukca_status status = load(p, task->log, error);
     if (status == MUKCA_OK && p->n == 0)
         status = mukca_fail(error, MUKCA_INPUT,
                             "no row has a measured position: need columns x_m y_m z_m, or "

@@ -18,12 +18,6 @@ static const double converged_step = 1e-6;
 /* A lag must reduce the median error by 5 %; outliers alone do not. */
 static const double lag_gain = 0.95;
 
-mukca_pose_reader mukca_recalibrate_reader(const mukca_recalibrate_task *task)
-{
-    return (mukca_pose_reader){
-        .logs = task->logs, .n_logs = task->n_logs, .n_joints = task->chain->n_joints};
-}
-
 typedef struct {
     mukca_recalibration *out;
     const mukca_recalibrate_task *task;
@@ -85,8 +79,8 @@ static double huber(double length, double median)
 /* Ratio of position to rotation error (medians), 0.01 to 10 m; 0 if either vanishes. */
 static double metres_per_radian(const mukca_pose_errors *errors)
 {
-    const double p = mukca_histogram_median(&errors->position_histogram);
-    const double w = mukca_histogram_median(&errors->rotation_histogram);
+    const double p = mukca_errors_median(&errors->position);
+    const double w = mukca_errors_median(&errors->rotation);
     return p > 1e-9 && w > 1e-9 ? fmin(fmax(p / w, 0.01), 10) : 0;
 }
 
@@ -104,22 +98,22 @@ static void note_range(mukca_recalibration *out, const mukca_pose_row *row, int 
 /* Read the log once with the present model: errors, and the equations of a system (or NULL). */
 static mukca_status pass(session *s, mukca_pose_system *system, mukca_error *error)
 {
-    const double position_scale = mukca_histogram_median(&s->errors.position_histogram);
-    const double rotation_scale = mukca_histogram_median(&s->errors.rotation_histogram);
+    const double position_scale = mukca_errors_median(&s->errors.position);
+    const double rotation_scale = mukca_errors_median(&s->errors.rotation);
     const mukca_recalibrate_options *options = s->task->options;
     const bool robust = options->robust && s->measured, first = s->out->passes == 0;
-    mukca_pose_reader reader = mukca_recalibrate_reader(s->task);
+    const mukca_pose_row *row;
     mukca_pose_look look;
-    mukca_status status;
+    mukca_status status = mukca_pose_log_rewind(s->task->log, error);
     if (system) mukca_pose_system_clear(system);
     memset(&s->errors, 0, sizeof s->errors);
-    for (long i = 0;; i++) {
-        status = mukca_pose_reader_next(&reader, error);
-        if (status != MUKCA_OK || !reader.now) break;
+    for (long i = 0; status == MUKCA_OK; i++) {
+        status = mukca_pose_log_next(&row, s->task->log, error);
+        if (status != MUKCA_OK || !row) break;
         if (i % 1024 == 0 && options->stop && options->stop())
             return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
-        if (first) note_range(s->out, reader.now, reader.n_joints);
-        mukca_pose_look_at(&look, &s->model, reader.now, options->order);
+        if (first) note_range(s->out, row, s->task->chain->n_joints);
+        mukca_pose_look_at(&look, &s->model, row, options->order);
         mukca_pose_errors_add(&s->errors, &look);
         double p = 1, w = 1;
         if (robust) p = sqrt(huber(mukca_norm3(look.position), position_scale));
@@ -181,8 +175,7 @@ static bool lag_shows(session *s, const mukca_pose_system *system)
 /* Median error that a lag must reduce; outliers have no effect on it. */
 static double lag_median(const session *s, const mukca_pose_system *system)
 {
-    return mukca_histogram_median(system->rotations ? &s->errors.rotation_histogram
-                                                    : &s->errors.position_histogram);
+    return mukca_errors_median(system->rotations ? &s->errors.rotation : &s->errors.position);
 }
 
 /* Repeat pass and step for one system, including its lag, until it converges; at least `least`
@@ -239,11 +232,12 @@ static mukca_status two_steps(session *s, mukca_error *error)
 /* Whether the log has orientations, by its first row. */
 static mukca_status look_ahead(bool *oriented, session *s, mukca_error *error)
 {
-    mukca_pose_reader reader = mukca_recalibrate_reader(s->task);
-    mukca_status status = mukca_pose_reader_next(&reader, error);
+    const mukca_pose_row *row = NULL;
+    mukca_status status = mukca_pose_log_rewind(s->task->log, error);
+    if (status == MUKCA_OK) status = mukca_pose_log_next(&row, s->task->log, error);
     if (status != MUKCA_OK) return status;
-    if (!reader.now) return mukca_fail(error, MUKCA_INPUT, "no row has a measured position");
-    *oriented = isfinite(reader.now->quaternion[0]);
+    if (!row) return mukca_fail(error, MUKCA_INPUT, "no row has a measured position");
+    *oriented = isfinite(row->quaternion[0]);
     return MUKCA_OK;
 }
 
@@ -258,18 +252,11 @@ static void set_systems(session *s, bool together, bool oriented)
     add_unknown(together ? offsets : angles, MUKCA_UNKNOWN_LAG, -1, 0);
 }
 
-static void start_model(mukca_pose_model *model, const mukca_chain *chain,
-                        const mukca_recalibrate_options *options)
-{
-    mukca_pose_model_set(model, chain);
-    if (mukca_dot3(options->base.R, options->base.R) > 0) model->base = options->base;
-    if (mukca_dot3(options->tool.R, options->tool.R) > 0) model->tool = options->tool;
-}
-
 /* Ratio of root mean square to median, relative to that of normal vectors, 1.126. */
-static double tail(const mukca_moments *m, const mukca_histogram *histogram)
+static double tail(const mukca_vector_errors *e)
 {
-    const double median = mukca_histogram_median(histogram);
+    const mukca_moments *m = &e->length;
+    const double median = mukca_errors_median(e);
     if (m->n < 20 || !(median > 0)) return 1;
     return sqrt(m->mean * m->mean + m->m2 / (double)m->n) / (1.126 * median);
 }
@@ -283,7 +270,7 @@ mukca_status mukca_recalibrate(mukca_recalibration *result, const mukca_recalibr
     memset(result, 0, sizeof *result);
     s->out = result;
     s->task = task;
-    start_model(&s->model, task->chain, task->options);
+    mukca_pose_model_set(&s->model, task->chain, &task->options->base, &task->options->tool);
     for (int i = 0; i < MUKCA_STAGES; i++) result->stage[i] = s->model;
 
     mukca_status status = look_ahead(&oriented, s, error);
@@ -309,8 +296,7 @@ mukca_status mukca_recalibrate(mukca_recalibration *result, const mukca_recalibr
     result->lag_found = s->model.lag != 0;
     if (status == MUKCA_OK) status = pass(s, NULL, error);
     result->errors[MUKCA_WITH_BOTH] = s->errors;
-    result->tail = fmax(tail(&s->errors.position, &s->errors.position_histogram),
-                        tail(&s->errors.rotation, &s->errors.rotation_histogram));
+    result->tail = fmax(tail(&s->errors.position), tail(&s->errors.rotation));
     free(s);
     return status;
 }
@@ -318,17 +304,19 @@ mukca_status mukca_recalibrate(mukca_recalibration *result, const mukca_recalibr
 mukca_status mukca_recalibrate_test(mukca_pose_errors *errors, const mukca_pose_model *models,
                                     int n, const mukca_recalibrate_task *task, mukca_error *error)
 {
-    mukca_pose_reader reader = mukca_recalibrate_reader(task);
+    const mukca_pose_row *row;
     mukca_pose_look look;
+    mukca_status status = mukca_pose_log_rewind(task->log, error);
     memset(errors, 0, (size_t)n * sizeof *errors);
-    for (;;) {
-        const mukca_status status = mukca_pose_reader_next(&reader, error);
-        if (status != MUKCA_OK || !reader.now) return status;
+    while (status == MUKCA_OK) {
+        status = mukca_pose_log_next(&row, task->log, error);
+        if (!row) break;
         for (int i = 0; i < n; i++) {
-            mukca_pose_look_at(&look, &models[i], reader.now, task->options->order);
+            mukca_pose_look_at(&look, &models[i], row, task->options->order);
             mukca_pose_errors_add(&errors[i], &look);
         }
     }
+    return status;
 }
 
 /* Part of a median error that the fit removes. */
@@ -342,11 +330,10 @@ void mukca_recalibrate_oracle(mukca_oracle *oracle, const mukca_recalibration *r
     static const double rounding = 1e-6; /* rounding of numbers in files, m and rad */
     const mukca_pose_errors *before = &r->errors[MUKCA_BEFORE],
                             *after = &r->errors[MUKCA_WITH_BOTH];
-    *oracle =
-        (mukca_oracle){.position_nominal = mukca_histogram_median(&before->position_histogram),
-                       .position_left = mukca_histogram_median(&after->position_histogram),
-                       .rotation_nominal = mukca_histogram_median(&before->rotation_histogram),
-                       .rotation_left = mukca_histogram_median(&after->rotation_histogram)};
+    *oracle = (mukca_oracle){.position_nominal = mukca_errors_median(&before->position),
+                             .position_left = mukca_errors_median(&after->position),
+                             .rotation_nominal = mukca_errors_median(&before->rotation),
+                             .rotation_left = mukca_errors_median(&after->rotation)};
     oracle->position_systematic = without(oracle->position_nominal, oracle->position_left);
     oracle->rotation_systematic = without(oracle->rotation_nominal, oracle->rotation_left);
     oracle->calibrated = oracle->position_systematic > fmax(oracle->position_left, rounding) ||

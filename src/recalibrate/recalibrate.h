@@ -6,52 +6,48 @@
 #ifndef MUKCA_RECALIBRATE_RECALIBRATE_H
 #define MUKCA_RECALIBRATE_RECALIBRATE_H
 
+#include <stdio.h>
+
 #include "model/dataset.h"
 
 /* ---- logs of joint angles with measured tip poses (pose_log.c) ---- */
 
 /* One row; values not recorded are NaN. */
 typedef struct {
-    double q[MUKCA_MAX_JOINTS];        /* rad or m */
-    double velocity[MUKCA_MAX_JOINTS]; /* of q, per second, or per row without times */
     double position[3];                /* m */
     double quaternion[4];              /* w first; any length except 0 */
     double time;                       /* s */
-    int file;                          /* consecutive rows of a file are in recording order */
+    double q[MUKCA_MAX_JOINTS];        /* rad or m */
+    double velocity[MUKCA_MAX_JOINTS]; /* of q, per second, or per row without times */
+    int file; /* from 1: consecutive rows of a file are in recording order; 0 in the log */
 } mukca_pose_row;
 
-/* A log; its memory is independent of its length. */
+/* Rows in a temporary file of about the size of the recorded text: its memory is independent of its
+ * length. */
 typedef struct {
-    /* The next row; at the end *more is false and there is no row. */
-    mukca_status (*next)(void *context, mukca_pose_row *row, bool *more, mukca_error *error);
-    mukca_status (*rewind)(void *context, mukca_error *error);
-    void *context;
+    int n_joints; /* of the caller; the rest zeroed */
+    FILE *stream;
+    long n, at;             /* rows; index of the next one to return */
+    mukca_pose_row last[2]; /* the last row, which is not yet stored, and the row before it */
 } mukca_pose_log;
 
-/* The samples of a dataset that have a position, as a log.  `cursor` is the log's state and must
- * outlive it. */
-typedef struct {
-    const mukca_dataset *data;
-    int at;
-} mukca_pose_cursor;
-void mukca_pose_log_from_dataset(mukca_pose_log *log, mukca_pose_cursor *cursor,
-                                 const mukca_dataset *data);
+/* Append a row with a position.  Velocities that are not recorded are differences between
+ * neighbours in time (in rows without times), 0 if neighbours are more than 0.2 rad or m apart.
+ * Errors: MUKCA_MEMORY (no space for the temporary file). */
+mukca_status mukca_pose_log_add(mukca_pose_log *log, const mukca_pose_row *row, mukca_error *error);
 
-/* Reader of several logs as one, with velocities: recorded, else by differences between neighbours
- * in time (in rows without times); 0 if neighbours are more than 0.2 rad or m apart.  Initialise
- * the three inputs, the rest zeroed. */
-typedef struct {
-    const mukca_pose_log *logs;
-    int n_logs, n_joints;
-    const mukca_pose_row *now; /* NULL after the last row */
-    bool started;
-    int log;               /* index of the log being read */
-    mukca_pose_row row[3]; /* ring of the preceding, present and following row, from row[first] */
-    int state[3], first;   /* of each row: 0 empty, else 1 + log */
-} mukca_pose_reader;
+/* Append the samples that have a position. */
+mukca_status mukca_pose_log_add_data(mukca_pose_log *log, const mukca_dataset *data,
+                                     mukca_error *error);
 
-/* Advance to the next row.  Errors: those of the logs. */
-mukca_status mukca_pose_reader_next(mukca_pose_reader *reader, mukca_error *error);
+/* Return to the first row; no row is appended afterwards. */
+mukca_status mukca_pose_log_rewind(mukca_pose_log *log, mukca_error *error);
+
+/* The next row, valid until the next call; NULL at the end. */
+mukca_status mukca_pose_log_next(const mukca_pose_row **row, mukca_pose_log *log,
+                                 mukca_error *error);
+
+void mukca_pose_log_close(mukca_pose_log *log);
 
 /* ---- unknowns: the arm's constants, the frames of its poses, a time lag (model.c) ---- */
 
@@ -90,13 +86,15 @@ bool mukca_unknown_is_angle(mukca_unknown_kind kind);
 
 /* Predicted pose = base * arm(q + zero + lag * velocity) * tool. */
 typedef struct {
-    mukca_geometry geometry;
+    mukca_geometry geometry, placed; /* placed: in the poses' frame */
     double zero[MUKCA_MAX_JOINTS];
     mukca_frame base, tool;
     double lag;
 } mukca_pose_model;
 
-void mukca_pose_model_set(mukca_pose_model *model, const mukca_chain *chain);
+/* The nominal arm; R of a frame all 0: the identity. */
+void mukca_pose_model_set(mukca_pose_model *model, const mukca_chain *chain,
+                          const mukca_frame *base, const mukca_frame *tool);
 
 /* Add `by` to the value of `unknown`. */
 void mukca_pose_model_add(mukca_pose_model *model, const mukca_unknown *unknown, double by);
@@ -145,9 +143,13 @@ typedef struct {
 } mukca_histogram;
 
 typedef struct {
-    mukca_moments position, rotation;                 /* length, m; angle, rad */
-    mukca_moments position_axis[3], rotation_axis[3]; /* absolute; rotation: vector of R'R~ - I */
-    mukca_histogram position_histogram, rotation_histogram;
+    mukca_moments length;  /* m; rad */
+    mukca_moments axis[3]; /* absolute; of a rotation: vector of R'R~ - I */
+    mukca_histogram histogram;
+} mukca_vector_errors;
+
+typedef struct {
+    mukca_vector_errors position, rotation;
 } mukca_pose_errors;
 
 void mukca_pose_errors_add(mukca_pose_errors *errors, const mukca_pose_look *look);
@@ -155,8 +157,8 @@ void mukca_pose_errors_add(mukca_pose_errors *errors, const mukca_pose_look *loo
 /* Standard deviation, 1 / (n - 1); 0 for n < 2. */
 double mukca_moments_std(const mukca_moments *moments);
 
-/* Median within 1 %; 0 for an empty histogram. */
-double mukca_histogram_median(const mukca_histogram *histogram);
+/* Median length within 1 %; 0 without errors. */
+double mukca_errors_median(const mukca_vector_errors *errors);
 
 /* ---- a linear least-squares problem built row by row (system.c) ----
  *
@@ -248,8 +250,7 @@ typedef struct {
 /* Input of a fit or a test. */
 typedef struct {
     const mukca_chain *chain;
-    const mukca_pose_log *logs;
-    int n_logs;
+    mukca_pose_log *log;
     const mukca_recalibrate_options *options;
 } mukca_recalibrate_task;
 
@@ -258,12 +259,9 @@ typedef struct {
 mukca_status mukca_recalibrate(mukca_recalibration *result, const mukca_recalibrate_task *task,
                                mukca_error *error);
 
-/* Compute the errors of models[n] on the task's logs. */
+/* Compute the errors of models[n] on the task's log. */
 mukca_status mukca_recalibrate_test(mukca_pose_errors *errors, const mukca_pose_model *models,
                                     int n, const mukca_recalibrate_task *task, mukca_error *error);
-
-/* Create a reader of the task's logs. */
-mukca_pose_reader mukca_recalibrate_reader(const mukca_recalibrate_task *task);
 
 /* Whether the poses contain a calibration: the part of the error that the fit removes must exceed
  * the remaining error (medians), in position or in orientation. */
