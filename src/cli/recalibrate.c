@@ -71,12 +71,9 @@ static void use_check(cli_call *call, cli_recalibrated *r, mukca_recalibrate_opt
     if (c->position_element != chain->n_elements - 1)
         cli_log(call, "mukca: note: the poses are those of link '%s', not of the tip '%s'\n", link,
                 chain->tip);
-    if (c->rotations && c->rotation_element != c->position_element)
+    if (c->rotation_element != c->position_element)
         cli_log(call, "mukca: note: positions are those of '%s', orientations those of '%s'\n",
                 link, chain->element[c->rotation_element].child);
-    if (c->order == MUKCA_QUATERNION_W_LAST)
-        cli_note(call, "the quaternions agree with the arm only as x y z w, and are read so");
-    o->order = c->order;
     o->base = c->base;
     o->tool = c->tool;
 }
@@ -87,14 +84,14 @@ enum { MOST_JUDGED = 5000 };
 typedef struct {
     cli_recalibrated result;
     mukca_recalibrate_options fit;
-    mukca_pose_log train, test;
+    mukca_pose_log test;
     mukca_offsets offsets;
 } recalibrate_work;
 
 static void release(void *work)
 {
     recalibrate_work *w = work;
-    mukca_pose_log_close(&w->train);
+    mukca_pose_log_close(&w->result.log);
     mukca_pose_log_close(&w->test);
     if (w->result.robust != w->result.fit) free(w->result.robust);
     free(w->result.fit);
@@ -111,7 +108,7 @@ static mukca_recalibrate_task task_of(const recalibrate_work *w, mukca_pose_log 
 static mukca_status fit_and_judge(cli_call *call, recalibrate_work *w)
 {
     cli_recalibrated *r = &w->result;
-    mukca_recalibrate_task task = task_of(w, &w->train);
+    mukca_recalibrate_task task = task_of(w, &w->result.log);
     const mukca_recalibrate_task test = task_of(w, &w->test);
     mukca_recalibrate_options robust = w->fit;
     mukca_status status = mukca_recalibrate(r->fit, &task, &call->error);
@@ -129,51 +126,28 @@ static mukca_status fit_and_judge(cli_call *call, recalibrate_work *w)
     return status;
 }
 
-/* Add the variances of a joint's roll, pitch, yaw due to a rotation with standard deviation `sigma`
- * about `axis` in its frame. */
-static void add_turn_sigma(double sigma2[3], const mukca_geometry *geometry,
-                           const mukca_chain *chain, int k, const double axis[3], double sigma)
-{
-    const double h = 1e-6;
-    double w[3], E[9], R[9], rpy[2][3];
-    for (int i = 0; i < 3; i++) w[i] = h * axis[i];
-    mukca_rotation_exp(E, w);
-    mukca_mat3_mul(R, geometry->origin[k].R, E);
-    mukca_rotation_to_rpy(rpy[0], geometry->origin[k].R, chain->element[k].rpy);
-    mukca_rotation_to_rpy(rpy[1], R, chain->element[k].rpy);
-    for (int i = 0; i < 3; i++) {
-        const double d = (rpy[1][i] - rpy[0][i]) / h * sigma;
-        sigma2[i] += d * d;
-    }
-}
-
+/* Standard errors of the table's parameters, by differences: an angle changes roll, pitch and yaw.
+ */
 static void fill_offsets(mukca_offsets *out, const mukca_recalibration *fit,
                          const mukca_chain *chain, const mukca_chain *arm)
 {
-    const mukca_geometry *geometry = &fit->stage[MUKCA_WITH_BOTH].geometry;
+    const double step = 1e-6;
+    double theta[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS];
     mukca_offsets_init(out, chain);
     mukca_pose_model_theta(out->theta, &fit->stage[MUKCA_WITH_BOTH], arm);
     for (int u = 0; u < fit->n; u++) {
         const mukca_unknown *x = &fit->unknown[u];
-        const int k = x->element, at = MUKCA_PARAMETERS * k;
-        double sigma2[3] = {0, 0, 0}, e[2][3];
-        if (x->kind == MUKCA_UNKNOWN_SHIFT) {
-            out->listed[at + x->axis] = 1;
-            out->identifiable[at + x->axis] = fit->identifiable[u];
-            out->sigma[at + x->axis] = fit->identifiable[u] ? fit->sigma[u] : HUGE_VAL;
-        }
-        if (x->kind != MUKCA_UNKNOWN_ZERO && x->kind != MUKCA_UNKNOWN_TILT) continue;
-        mukca_rotation_transverse(e[0], e[1], geometry->axis[k]);
-        add_turn_sigma(sigma2, geometry, chain, k,
-                       x->kind == MUKCA_UNKNOWN_ZERO ? geometry->axis[k] : e[x->axis],
-                       fit->sigma[u]);
-        for (int i = 3; i < 6; i++) {
-            const bool known =
-                fit->identifiable[u] && (!out->listed[at + i] || out->identifiable[at + i]);
-            const double before = out->listed[at + i] ? out->sigma[at + i] : 0;
-            out->sigma[at + i] = known ? sqrt(before * before + sigma2[i - 3]) : HUGE_VAL;
-            out->identifiable[at + i] = known;
-            out->listed[at + i] = 1;
+        const bool angle = mukca_unknown_is_angle(x->kind);
+        mukca_pose_model moved = fit->stage[MUKCA_WITH_BOTH];
+        mukca_pose_model_add(&moved, x, step);
+        mukca_pose_model_theta(theta, &moved, arm);
+        for (int i = angle ? 3 : x->axis; x->element >= 0 && i <= (angle ? 5 : x->axis); i++) {
+            const int at = MUKCA_PARAMETERS * x->element + i;
+            const double by = (theta[at] - out->theta[at]) / step * fit->sigma[u];
+            const bool known = fit->identifiable[u] && (!out->listed[at] || out->identifiable[at]);
+            out->sigma[at] = known ? hypot(out->listed[at] ? out->sigma[at] : 0, by) : HUGE_VAL;
+            out->identifiable[at] = known;
+            out->listed[at] = 1;
         }
     }
 }
@@ -181,10 +155,11 @@ static void fill_offsets(mukca_offsets *out, const mukca_recalibration *fit,
 /* Part of a log as samples in the arm's base: fitted tip plus residual; errors[2][n_rows] of the
  * nominal and the fitted model. */
 static mukca_status take_part(mukca_dataset *part, double *errors, const mukca_recalibration *fit,
-                              const mukca_recalibrate_task *task, long rows, mukca_error *error)
+                              const mukca_recalibrate_task *task, mukca_error *error)
 {
     const mukca_chain *arm = task->chain;
     const mukca_pose_model *model = &fit->stage[MUKCA_WITH_BOTH];
+    const long rows = task->log->n;
     const int most = rows < MOST_JUDGED ? (int)rows : MOST_JUDGED;
     const long every = (rows + MOST_JUDGED - 1) / MOST_JUDGED;
     const mukca_pose_row *row;
@@ -208,8 +183,7 @@ static mukca_status take_part(mukca_dataset *part, double *errors, const mukca_r
         mukca_fk_position(at, &model->geometry, q, NULL);
         for (int j = 0; j < arm->n_joints; j++) q[j] -= model->zero[j];
         for (int k = 0; k < 2; k++) {
-            mukca_pose_look_at(&look[k], &fit->stage[k ? MUKCA_WITH_BOTH : MUKCA_BEFORE], row,
-                               task->options->order);
+            mukca_pose_look_at(&look[k], &fit->stage[k ? MUKCA_WITH_BOTH : MUKCA_BEFORE], row);
             errors[k * most + part->n_rows] = mukca_norm3(look[k].position);
         }
         double local[3];
@@ -226,10 +200,9 @@ static mukca_status judge_offsets(cli_call *call, recalibrate_work *w)
 {
     const cli_recalibrated *r = &w->result;
     const mukca_recalibration *fit = r->fit;
-    const long poses = r->tested ? r->test[MUKCA_BEFORE].position.length.n : fit->rows;
-    const double spare =
-        r->tested ? 1 : 1 - fit->rank / (3.0 * (double)(fit->rows + fit->rotations));
-    const mukca_recalibrate_task train = task_of(w, &w->train), test = task_of(w, &w->test);
+    const long rows = r->log.n, poses = r->tested ? w->test.n : rows;
+    const double spare = r->tested ? 1 : 1 - fit->rank / (3.0 * (double)(rows + r->log.n_oriented));
+    const mukca_recalibrate_task train = task_of(w, &w->result.log), test = task_of(w, &w->test);
     mukca_acceptance *a = &w->offsets.acceptance;
     mukca_dataset part = {0}, held = {0};
     double *errors = calloc(2 * MOST_JUDGED, sizeof *errors);
@@ -239,9 +212,9 @@ static mukca_status judge_offsets(cli_call *call, recalibrate_work *w)
     a->converged = fit->converged;
     a->parameters = fit->n;
     a->identified = fit->rank;
-    mukca_status status = take_part(&part, errors, fit, &train, fit->rows, &call->error);
+    mukca_status status = take_part(&part, errors, fit, &train, &call->error);
     if (status == MUKCA_OK && r->tested)
-        status = take_part(&held, errors, fit, &test, poses, &call->error);
+        status = take_part(&held, errors, fit, &test, &call->error);
     const mukca_dataset *judged = r->tested ? &held : &part;
     double *after = errors + (poses < MOST_JUDGED ? poses : MOST_JUDGED);
     for (int i = 0; i < judged->n_rows && status == MUKCA_OK; i++)
@@ -294,14 +267,14 @@ static mukca_status recalibrate(cli_call *call, recalibrate_work *w)
 {
     const cli_model *model = &call->session->model;
     cli_recalibrated *r = &w->result;
-    mukca_status status = read_log(call, &w->train, model, &call->arguments);
+    mukca_status status = read_log(call, &w->result.log, model, &call->arguments);
     if (status == MUKCA_OK) status = read_log(call, &w->test, model, &call->common->test);
-    mukca_recalibrate_task task = task_of(w, &w->train);
+    mukca_recalibrate_task task = task_of(w, &w->result.log);
     task.chain = &model->chain;
     if (status == MUKCA_OK) status = mukca_pose_check_run(&r->check, &task, &call->error);
     if (status != MUKCA_OK) return status;
     use_check(call, r, &w->fit, &model->chain);
-    w->fit.tilts = r->check.rotations == 0;
+    w->fit.tilts = r->log.n_oriented == 0;
     return fit_and_judge(call, w);
 }
 

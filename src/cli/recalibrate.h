@@ -7,6 +7,7 @@
 
 typedef struct {
     mukca_chain arm; /* up to the link that the poses refer to */
+    mukca_pose_log log;
     mukca_pose_check check;
     mukca_recalibration *fit;
     bool tested; /* --test */

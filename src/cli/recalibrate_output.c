@@ -14,9 +14,9 @@ static double removed_percent(double before, double after)
 
 /* True if joint j never moves in the log: a range below 1 mrad (or mm) is noise of an encoder at
  * rest. */
-static bool never_moved(const mukca_recalibration *f, int j)
+static bool never_moved(const cli_recalibrated *r, int j)
 {
-    return f->highest[j] - f->lowest[j] < 1e-3;
+    return r->log.highest[j] - r->log.lowest[j] < 1e-3;
 }
 
 /* One data set: the paper's position table, then its orientation table. */
@@ -67,23 +67,23 @@ static void print_unknowns(cli_call *call, const mukca_recalibration *f, const m
 static void print_findings(cli_call *call, const cli_recalibrated *r, const mukca_acceptance *a)
 {
     const mukca_recalibration *f = r->fit;
-    cli_answer(call, "%s: %ld measured poses\n", r->arm.robot, f->rows);
+    cli_answer(call, "%s: %ld measured poses\n", r->arm.robot, r->log.n);
     cli_print_acceptance(cli_answer_stream(call), a, &r->arm);
     cli_say(call, "Result",
             "the poses contain a calibration: median position error %.4f mm nominal, %.4f mm after "
             "the fit",
             1e3 * r->oracle.position_nominal, 1e3 * r->oracle.position_left);
     for (int j = 0; j < r->arm.n_joints; j++)
-        if (never_moved(f, j))
+        if (never_moved(r, j))
             cli_say(call, NULL,
                     "joint '%s' never moved: its zero offset is not identifiable; it is "
                     "indistinguishable from the links before and after it",
                     mukca_chain_joint_name(&r->arm, j));
-    if (f->lag_found)
+    if (f->lag != 0)
         cli_say(call, NULL,
                 "Lag: the joint angles are %.4g %s older than the poses (%.0f standard errors); "
                 "corrected",
-                f->in_rows ? f->lag : 1e3 * f->lag, f->in_rows ? "rows" : "ms", f->lag_score);
+                r->log.timed ? 1e3 * f->lag : f->lag, r->log.timed ? "ms" : "rows", f->lag_score);
 }
 
 void cli_recalibrate_print(cli_call *call, const cli_recalibrated *r, const mukca_acceptance *a)
@@ -140,8 +140,10 @@ static json_t *errors_json(const mukca_pose_errors *e, bool has_angles)
                     KEY("orientation", orientation), KEY("removed_percent", percent));
 }
 
-static json_t *unknowns_json(const mukca_recalibration *f, const mukca_chain *arm)
+static json_t *unknowns_json(const cli_recalibrated *r)
 {
+    const mukca_recalibration *f = r->fit;
+    const mukca_chain *arm = &r->arm;
     char text[MUKCA_UNKNOWN_TEXT];
     json_t *array = json_array();
     for (int u = 0; u < f->n; u++) {
@@ -153,7 +155,7 @@ static json_t *unknowns_json(const mukca_recalibration *f, const mukca_chain *ar
             KEY("value", f->value[u]),
             KEY("unit", mukca_unknown_is_angle(f->unknown[u].kind) ? "rad" : "m"),
             KEY("sigma", f->sigma[u]),
-            KEY("identifiable", (bool)(f->identifiable[u] && !(zero && never_moved(f, j)))));
+            KEY("identifiable", (bool)(f->identifiable[u] && !(zero && never_moved(r, j)))));
     }
     return array;
 }
@@ -182,7 +184,7 @@ json_t *cli_recalibrate_json(const cli_call *call, const cli_recalibrated *r,
     json_t *model =
         cli_json(KEY("train", errors_json(f->errors, f->has_angles)),
                  KEY("test", r->tested ? errors_json(r->test, f->has_angles) : NULL),
-                 KEY("unknowns", f->n), FIELD(f, rank), KEY("offsets", unknowns_json(f, &r->arm)),
+                 KEY("unknowns", f->n), FIELD(f, rank), KEY("offsets", unknowns_json(r)),
                  KEY("not_identifiable", null_json(f, &r->arm)),
                  KEY("base", cli_json_frame(&f->stage[MUKCA_WITH_BOTH].base)),
                  KEY("tool", cli_json_frame(&f->stage[MUKCA_WITH_BOTH].tool)), FIELD(f, passes));
@@ -191,13 +193,11 @@ json_t *cli_recalibrate_json(const cli_call *call, const cli_recalibrated *r,
         KEY("verdict", o->calibrated ? "calibrated" : "nominal"),
         KEY("frame",
             cli_json(KEY("position_link", r->arm.tip),
-                     KEY("rotation_link", chain->element[r->check.rotation_element].child),
-                     KEY("quaternion",
-                         r->check.order == MUKCA_QUATERNION_W_LAST ? "w last" : "w first"))),
-        FIELD(f, rows), KEY("orientations", f->rotations),
-        KEY("lag",
-            cli_json(KEY("found", f->lag_found), KEY("value", f->lag),
-                     KEY("unit", f->in_rows ? "row" : "s"), KEY("standard_errors", f->lag_score))),
+                     KEY("rotation_link", chain->element[r->check.rotation_element].child))),
+        KEY("rows", r->log.n), KEY("orientations", r->log.n_oriented),
+        KEY("lag", cli_json(KEY("found", (bool)(f->lag != 0)), KEY("value", f->lag),
+                            KEY("unit", r->log.timed ? "s" : "row"),
+                            KEY("standard_errors", f->lag_score))),
         KEY("oracle", cli_json(FIELD(f, tail), KEY("position_nominal_m", o->position_nominal),
                                KEY("position_left_m", o->position_left),
                                KEY("position_systematic_m", o->position_systematic),

@@ -33,7 +33,6 @@ mukca_status mukca_pose_log_read(mukca_pose_log *log, const mukca_pose_files *fi
 {
     const mukca_rows_options options = {.kind = MUKCA_HEADER,
                                         .format = files->format,
-                                        .any_order = true, /* mukca_pose_check detects the order */
                                         .note = files->note,
                                         .context = files->context};
     const long before = log->n;

@@ -110,30 +110,23 @@ void mukca_pose_model_theta(double *theta, const mukca_pose_model *model, const 
     mukca_geometry_theta(theta, chain, &g);
 }
 
-bool mukca_pose_measured(double R[9], const mukca_pose_row *row, mukca_quaternion_order order)
-{
-    const double *q = row->quaternion, last[4] = {q[3], q[0], q[1], q[2]};
-    if (!isfinite(q[0])) return false;
-    mukca_rotation_from_quaternion(R, order == MUKCA_QUATERNION_W_LAST ? last : q);
-    return true;
-}
-
 void mukca_pose_look_at(mukca_pose_look *look, const mukca_pose_model *model,
-                        const mukca_pose_row *row, mukca_quaternion_order order)
+                        const mukca_pose_row *row)
 {
     const mukca_geometry *g = &model->geometry;
     double q[MUKCA_MAX_JOINTS], measured[9], off[9];
     look->model = model;
     look->row = row;
     for (int j = 0; j < g->n_joints; j++)
-        q[j] = row->q[j] + model->zero[j] + (model->lag != 0 ? model->lag * row->velocity[j] : 0);
+        q[j] = row->q[j] + model->zero[j] + model->lag * row->velocity[j];
     mukca_fk_frames(look->before, &look->flange, &model->placed, q, NULL);
     mukca_frame_multiply(&look->tip, &look->flange, &model->tool);
     for (int i = 0; i < 3; i++) {
         look->position[i] = row->position[i] - look->tip.p[i];
         look->rotation[i] = look->rotation_error[i] = NAN;
     }
-    if (!mukca_pose_measured(measured, row, order)) return;
+    if (!isfinite(row->quaternion[0])) return;
+    mukca_rotation_from_quaternion(measured, row->quaternion);
     mukca_mat3_tmul(off, look->tip.R, measured);
     look->rotation_error[0] = 0.5 * (off[7] - off[5]);
     look->rotation_error[1] = 0.5 * (off[2] - off[6]);

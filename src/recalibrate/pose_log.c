@@ -46,7 +46,15 @@ static bool store(mukca_pose_log *log, const mukca_pose_row *after)
 mukca_status mukca_pose_log_add(mukca_pose_log *log, const mukca_pose_row *row, mukca_error *error)
 {
     if (!log->stream && !(log->stream = tmpfile())) return fail(error);
-    if (log->n++ > 0 && !store(log, row)) return fail(error);
+    const bool first = log->n == 0, oriented = isfinite(row->quaternion[0]);
+    if (!first && !store(log, row)) return fail(error);
+    for (int j = 0; j < log->n_joints; j++) {
+        if (first || row->q[j] < log->lowest[j]) log->lowest[j] = row->q[j];
+        if (first || row->q[j] > log->highest[j]) log->highest[j] = row->q[j];
+    }
+    if (first) log->oriented = oriented, log->timed = isfinite(row->time);
+    log->n_oriented += oriented;
+    log->n++;
     log->last[0] = log->last[1];
     log->last[1] = *row;
     return MUKCA_OK;

@@ -84,24 +84,13 @@ static double metres_per_radian(const mukca_pose_errors *errors)
     return p > 1e-9 && w > 1e-9 ? fmin(fmax(p / w, 0.01), 10) : 0;
 }
 
-static void note_range(mukca_recalibration *out, const mukca_pose_row *row, int n)
-{
-    for (int j = 0; j < n; j++) {
-        if (out->rows == 0 || row->q[j] < out->lowest[j]) out->lowest[j] = row->q[j];
-        if (out->rows == 0 || row->q[j] > out->highest[j]) out->highest[j] = row->q[j];
-    }
-    out->in_rows |= !isfinite(row->time) && out->rows == 0;
-    out->rotations += isfinite(row->quaternion[0]);
-    out->rows++;
-}
-
 /* Read the log once with the present model: errors, and the equations of a system (or NULL). */
 static mukca_status pass(session *s, mukca_pose_system *system, mukca_error *error)
 {
     const double position_scale = mukca_errors_median(&s->errors.position);
     const double rotation_scale = mukca_errors_median(&s->errors.rotation);
     const mukca_recalibrate_options *options = s->task->options;
-    const bool robust = options->robust && s->measured, first = s->out->passes == 0;
+    const bool robust = options->robust && s->measured;
     const mukca_pose_row *row;
     mukca_pose_look look;
     mukca_status status = mukca_pose_log_rewind(s->task->log, error);
@@ -112,8 +101,7 @@ static mukca_status pass(session *s, mukca_pose_system *system, mukca_error *err
         if (status != MUKCA_OK || !row) break;
         if (i % 1024 == 0 && options->stop && options->stop())
             return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
-        if (first) note_range(s->out, row, s->task->chain->n_joints);
-        mukca_pose_look_at(&look, &s->model, row, options->order);
+        mukca_pose_look_at(&look, &s->model, row);
         mukca_pose_errors_add(&s->errors, &look);
         double p = 1, w = 1;
         if (robust) p = sqrt(huber(mukca_norm3(look.position), position_scale));
@@ -229,18 +217,6 @@ static mukca_status two_steps(session *s, mukca_error *error)
     return status;
 }
 
-/* Whether the log has orientations, by its first row. */
-static mukca_status look_ahead(bool *oriented, session *s, mukca_error *error)
-{
-    const mukca_pose_row *row = NULL;
-    mukca_status status = mukca_pose_log_rewind(s->task->log, error);
-    if (status == MUKCA_OK) status = mukca_pose_log_next(&row, s->task->log, error);
-    if (status != MUKCA_OK) return status;
-    if (!row) return mukca_fail(error, MUKCA_INPUT, "no row has a measured position");
-    *oriented = isfinite(row->quaternion[0]);
-    return MUKCA_OK;
-}
-
 /* Assign the unknowns to the systems; the lag is the last one of its system. */
 static void set_systems(session *s, bool together, bool oriented)
 {
@@ -264,7 +240,7 @@ static double tail(const mukca_vector_errors *e)
 mukca_status mukca_recalibrate(mukca_recalibration *result, const mukca_recalibrate_task *task,
                                mukca_error *error)
 {
-    bool oriented = false;
+    const bool oriented = task->log->oriented, together = task->options->joint || !oriented;
     session *s = calloc(1, sizeof *s);
     if (!s) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     memset(result, 0, sizeof *result);
@@ -273,27 +249,20 @@ mukca_status mukca_recalibrate(mukca_recalibration *result, const mukca_recalibr
     mukca_pose_model_set(&s->model, task->chain, &task->options->base, &task->options->tool);
     for (int i = 0; i < MUKCA_STAGES; i++) result->stage[i] = s->model;
 
-    mukca_status status = look_ahead(&oriented, s, error);
-    const bool together = task->options->joint || !oriented;
     set_systems(s, together, oriented);
-    if (status == MUKCA_OK && together) {
-        status = converge(s, &s->offsets, 1, error);
-        if (status == MUKCA_OK) keep(s, &s->offsets);
-    } else if (status == MUKCA_OK) {
-        status = two_steps(s, error);
-    }
+    mukca_status status = together ? converge(s, &s->offsets, 1, error) : two_steps(s, error);
+    if (status == MUKCA_OK && together) keep(s, &s->offsets);
     const int per_pose = together && oriented ? 6 : 3;
     const int unknowns = (s->offsets.n > s->angles.n ? s->offsets.n : s->angles.n) - !together;
-    const long equations = result->rows * per_pose;
+    const long equations = task->log->n * per_pose;
     if (status == MUKCA_OK && equations < unknowns)
         status = mukca_fail(error, MUKCA_UNIDENTIFIABLE,
                             "%ld poses give %ld equations for %d unknowns; record at least %d",
-                            result->rows, equations, unknowns,
+                            task->log->n, equations, unknowns,
                             (unknowns + !together + 2) / per_pose + 1);
     result->stage[MUKCA_WITH_BOTH] = s->model;
     if (!result->has_angles) result->stage[MUKCA_WITH_ANGLES] = s->model;
     result->lag = s->model.lag;
-    result->lag_found = s->model.lag != 0;
     if (status == MUKCA_OK) status = pass(s, NULL, error);
     result->errors[MUKCA_WITH_BOTH] = s->errors;
     result->tail = fmax(tail(&s->errors.position), tail(&s->errors.rotation));
@@ -312,7 +281,7 @@ mukca_status mukca_recalibrate_test(mukca_pose_errors *errors, const mukca_pose_
         status = mukca_pose_log_next(&row, task->log, error);
         if (!row) break;
         for (int i = 0; i < n; i++) {
-            mukca_pose_look_at(&look, &models[i], row, task->options->order);
+            mukca_pose_look_at(&look, &models[i], row);
             mukca_pose_errors_add(&errors[i], &look);
         }
     }

@@ -27,7 +27,9 @@ typedef struct {
 typedef struct {
     int n_joints; /* of the caller; the rest zeroed */
     FILE *stream;
-    long n, at;             /* rows; index of the next one to return */
+    long n, at, n_oriented; /* rows; index of the next one to return; rows with an orientation */
+    bool oriented, timed;   /* the first row has an orientation, a time */
+    double lowest[MUKCA_MAX_JOINTS], highest[MUKCA_MAX_JOINTS]; /* of q */
     mukca_pose_row last[2]; /* the last row, which is not yet stored, and the row before it */
 } mukca_pose_log;
 
@@ -113,14 +115,8 @@ typedef struct {
     double rotation_error[3];               /* vector of predicted' measured - I */
 } mukca_pose_look;
 
-/* Quaternion order of the log. */
-typedef enum { MUKCA_QUATERNION_W_FIRST, MUKCA_QUATERNION_W_LAST } mukca_quaternion_order;
-
-/* The measured orientation; false: none. */
-bool mukca_pose_measured(double R[9], const mukca_pose_row *row, mukca_quaternion_order order);
-
 void mukca_pose_look_at(mukca_pose_look *look, const mukca_pose_model *model,
-                        const mukca_pose_row *row, mukca_quaternion_order order);
+                        const mukca_pose_row *row);
 
 /* Derivatives of the predicted position (3 rows, m) and rotation (3 rows, about the tip's own axes)
  * by each unknown; the rows are `stride` doubles apart.  Either may be NULL. */
@@ -213,13 +209,12 @@ bool mukca_pose_system_solve(mukca_pose_solution *solution, mukca_pose_system *s
 double mukca_pose_system_last(double *value, const mukca_pose_system *system);
 
 typedef struct {
-    bool iterate;   /* repeat the linearisation until convergence */
-    bool joint;     /* both steps as one problem; implied if no pose has an orientation */
-    bool robust;    /* Huber weights; implies iterate */
-    bool tilts;     /* also fit the tilts of the joint axes */
-    bool free_base; /* the arm's base in the poses' frame is unknown */
-    bool free_tool; /* the rotation of the measured frame relative to the tip is unknown */
-    mukca_quaternion_order order;
+    bool iterate;           /* repeat the linearisation until convergence */
+    bool joint;             /* both steps as one problem; implied if no pose has an orientation */
+    bool robust;            /* Huber weights; implies iterate */
+    bool tilts;             /* also fit the tilts of the joint axes */
+    bool free_base;         /* the arm's base in the poses' frame is unknown */
+    bool free_tool;         /* the rotation of the measured frame relative to the tip is unknown */
     mukca_frame base, tool; /* of the poses: start values; R all 0: the identity */
     bool (*stop)(void);     /* true aborts with MUKCA_INTERRUPTED; may be NULL */
 } mukca_recalibrate_options;
@@ -236,12 +231,10 @@ typedef struct {
     mukca_pose_model stage[MUKCA_STAGES];
     mukca_pose_errors errors[MUKCA_STAGES]; /* on the log itself, by stage */
     bool has_angles;                        /* whether the stage "with angular offsets" exists */
-    long rows, rotations;                   /* poses, and those with an orientation */
-    double lowest[MUKCA_MAX_JOINTS], highest[MUKCA_MAX_JOINTS]; /* of q */
-    bool lag_found, in_rows; /* whether a lag was found; its unit is rows, not s */
-    double lag, lag_score;   /* score: in standard errors */
-    double tail; /* ratio of rms to median of the remaining error, 1 for normal errors; the larger
-                    of position and orientation */
+    double lag,
+        lag_score; /* lag: s, or rows without times; 0: none found; score: in standard errors */
+    double tail;   /* ratio of rms to median of the remaining error, 1 for normal errors; the larger
+                      of position and orientation */
     int passes;
     bool converged; /* the last of the repeated steps was small, or a single linear step was
                        requested */
@@ -272,12 +265,9 @@ typedef struct {
 } mukca_oracle;
 void mukca_recalibrate_oracle(mukca_oracle *oracle, const mukca_recalibration *result);
 
-/* Checks of the first rows of a log: quaternion order, and the link of the poses (check.c). */
+/* Checks of the first rows of a log: the link of the poses (check.c). */
 typedef struct {
-    int rotations;                          /* samples with a quaternion */
     int position_element, rotation_element; /* elements whose child links the poses belong to */
-    double position_median;                 /* median distance to that link in the nominal arm, m */
-    mukca_quaternion_order order;
     mukca_frame base, tool; /* start values: base in the poses' frame, tool in the tip's */
 } mukca_pose_check;
 

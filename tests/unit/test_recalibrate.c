@@ -126,7 +126,7 @@ TEST(test_paper)
     assert_int_equal(result.n, 31);
     assert_int_equal(result.rank, 7 + 17);
     assert_int_equal(result.n_null, 7);
-    assert_false(result.lag_found);
+    assert_true(result.lag == 0);
     const mukca_recalibrate_options options = {.iterate = true};
     assert_ok(run(&options));
     for (int j = 0; j < 7; j++) assert_close(zero_of(j), gen3_dq[j], 1e-12);
@@ -140,8 +140,9 @@ TEST(test_paper)
         for (int u = 0; u < result.n; u++)
             mukca_pose_model_add(&moved, &result.unknown[u], 1e-3 * (k + 1) * result.null[k][u]);
     mukca_pose_look a, b;
-    mukca_pose_look_at(&a, &moved, &test.row[7], MUKCA_QUATERNION_W_FIRST);
-    mukca_pose_look_at(&b, &result.stage[MUKCA_WITH_BOTH], &test.row[7], MUKCA_QUATERNION_W_FIRST);
+    memset(test.row[7].velocity, 0, sizeof test.row[7].velocity);
+    mukca_pose_look_at(&a, &moved, &test.row[7]);
+    mukca_pose_look_at(&b, &result.stage[MUKCA_WITH_BOTH], &test.row[7]);
     for (int i = 0; i < 3; i++) assert_close(a.tip.p[i], b.tip.p[i], 1e-9);
 }
 
@@ -243,16 +244,13 @@ TEST(test_lag)
     build_truth(1);
     record_swing(0);
     assert_ok(run(NULL));
-    assert_false(result.lag_found);
+    assert_true(result.lag == 0);
     record_swing(0.03);
     assert_ok(run(NULL));
-    assert_true(result.lag_found);
-    assert_false(result.in_rows);
     assert_close(result.lag, 0.03, 3e-4);
     for (int j = 0; j < 7; j++) assert_close(zero_of(j), gen3_dq[j], 5e-4);
     for (int i = 0; i < train.n; i++) train.row[i].time = (double)NAN;
     assert_ok(run(NULL));
-    assert_true(result.in_rows);
     assert_close(result.lag, 3, 0.03);
     for (int i = 0; i < train.n; i++) train.row[i].quaternion[0] = (double)NAN;
     const mukca_recalibrate_options tilts = {.tilts = true};

@@ -87,7 +87,7 @@ int main(int argc, char **argv)
             fprintf(stderr, "bench_recalibrate: %s\n", error.text);
             return 1;
         }
-        printf("%ld %d %.6f %d\n", result->rows, result->passes,
+        printf("%ld %d %.6f %d\n", as_log.n, result->passes,
                (double)(clock() - start) / CLOCKS_PER_SEC, result->rank);
         mukca_pose_log_close(&as_log);
     }
