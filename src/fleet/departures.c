@@ -25,7 +25,7 @@ static const mukca_mixture prior = {
 /* Comparison of an arm with its sisters. */
 typedef struct {
     const mukca_population *sisters;
-    const double *mean;        /* of the sisters */
+    double mean[T];            /* of the sisters */
     double V[T * T], P[T * T]; /* prior covariance of its coefficients, and its inverse */
     double W[T * T], r[T]; /* its information on the mean, times residual about the sisters' mean */
 } comparison;
@@ -39,9 +39,11 @@ static bool compare(comparison *c, const mukca_population *p, const mukca_fleet 
     const int n = p->n;
     const double nu = f->n_arms, wider = nu > 2 ? nu / (nu - 2) : 3;
     c->sisters = p;
-    c->mean = average ? p->average : p->mean;
     memcpy(c->V, average ? p->average_covariance : p->covariance, sizeof *c->V * (size_t)(n * n));
-    for (int i = 0; i < n; i++) c->V[i * n + i] += wider * p->spread[i] * p->spread[i];
+    for (int i = 0; i < n; i++) {
+        c->mean[i] = average ? p->average[i] : p->trait[i].mean;
+        c->V[i * n + i] += wider * p->trait[i].spread * p->trait[i].spread;
+    }
     memcpy(c->W, c->V, sizeof *c->V * (size_t)(n * n));
     memset(c->P, 0, sizeof c->P);
     for (int i = 0; i < n; i++) c->P[i * n + i] = 1;
@@ -104,43 +106,24 @@ static bool find_departures(mukca_departure *departure, mukca_departure *estimat
             if (odds[k] > odds[top]) top = k;
         }
         const double total = mukca_stats_log_sum_exp(odds, n + 1); /* odds[n] = 0: none departs */
-        departure[a] =
-            (mukca_departure){.arm = a,
-                              .effect = mukca_fleet_term(all->term[top], f->model.n_joints),
-                              .log_bayes_factor = odds[top] - each,
-                              /* of any departure; the top one is reported */
-                              .probability = 1 - exp(-total)};
+        departure[a] = (mukca_departure){.arm = a,
+                                         .effect = all->trait[top].effect,
+                                         .log_bayes_factor = odds[top] - each,
+                                         /* of any departure; the top one is reported */
+                                         .probability = 1 - exp(-total)};
         estimate(&departure[a], c, top, size[top]);
         const bool wanted = compare(c, sisters, f, a, true);
         for (int k = 0; k < n && wanted; k++) {
             mukca_departure *e = &estimates[a * n + k];
             const double share = exp(odds[k] - total);
             *e = (mukca_departure){.arm = a,
-                                   .effect = mukca_fleet_term(all->term[k], f->model.n_joints),
+                                   .effect = all->trait[k].effect,
                                    .log_bayes_factor = odds[k] - each,
                                    .probability = share};
             estimate(e, c, k, share > 0.5 ? size[k] : 0);
         }
     }
     return true;
-}
-
-static void list_traits(mukca_traits *t, const mukca_fleet_result *r)
-{
-    const mukca_population *p = &r->population;
-    for (int k = 0; k < p->n; k++)
-        t->list[t->n++] = (mukca_trait){.effect = mukca_fleet_term(p->term[k], t->model.n_joints),
-                                        .mean = p->mean[k],
-                                        .error = sqrt(p->covariance[k * p->n + k]),
-                                        .spread = p->spread[k],
-                                        .value = p->value[k],
-                                        .low = p->low[k],
-                                        .high = p->high[k],
-                                        .arms = p->arms[k],
-                                        .log_bayes_factor = p->log_bayes_factor[k],
-                                        .probability = p->probability[k]};
-    for (int j = 0; j < t->model.n_joints; j++)
-        if (r->order[j].probability >= MUKCA_SHARED) t->list[t->n++] = r->order[j];
 }
 
 mukca_status mukca_fleet_pool(mukca_fleet_result *r, mukca_fleet *f, mukca_error *error)
@@ -171,7 +154,10 @@ mukca_status mukca_fleet_pool(mukca_fleet_result *r, mukca_fleet *f, mukca_error
     t->model = f->model;
     t->n_arms = f->n_arms, t->n_sessions = f->n_sessions;
     for (int a = 0; a < f->n_arms; a++) t->n_samples += f->arm[a].samples;
-    list_traits(t, r);
+    t->n = r->population.n;
+    memcpy(t->list, r->population.trait, (size_t)t->n * sizeof *t->list);
+    for (int j = 0; j < f->model.n_joints; j++)
+        if (r->order[j].probability >= MUKCA_SHARED) t->list[t->n++] = r->order[j];
     return MUKCA_OK;
 }
 

@@ -150,19 +150,13 @@ void mukca_orders_pool(mukca_trait *order, const mukca_fleet *fleet);
 typedef struct {
     int n; /* coefficients on which at least one arm has information */
     int term[MUKCA_FLEET_TERMS];
-    int arms[MUKCA_FLEET_TERMS]; /* number of arms with information on it */
     int n_arms;
-    double spread[MUKCA_FLEET_TERMS]; /* standard deviation between arms, rad/(N m) */
+    mukca_trait trait[MUKCA_FLEET_TERMS];
     /* Of the means: information, including the arms' scatter, and information times estimate. */
     double information[MUKCA_FLEET_TERMS * MUKCA_FLEET_TERMS], vector[MUKCA_FLEET_TERMS];
-    /* Non-negative means and their covariance, with all coefficients present. */
-    double mean[MUKCA_FLEET_TERMS], covariance[MUKCA_FLEET_TERMS * MUKCA_FLEET_TERMS];
-    /* The same, averaged over the sets of nonzero means. */
+    double covariance[MUKCA_FLEET_TERMS * MUKCA_FLEET_TERMS]; /* of trait[].mean */
+    /* Non-negative means and their covariance, averaged over the sets of nonzero ones. */
     double average[MUKCA_FLEET_TERMS], average_covariance[MUKCA_FLEET_TERMS * MUKCA_FLEET_TERMS];
-    /* A mean given that it is not 0, with its 95 % interval. */
-    double value[MUKCA_FLEET_TERMS], low[MUKCA_FLEET_TERMS], high[MUKCA_FLEET_TERMS];
-    double log_bayes_factor[MUKCA_FLEET_TERMS]; /* of a mean above 0, given the other shared ones */
-    double probability[MUKCA_FLEET_TERMS];      /* that the mean is above 0 */
     double scratch[MUKCA_FLEET_TERMS * MUKCA_FLEET_TERMS];
 } mukca_population;
 
@@ -210,18 +204,19 @@ typedef struct {
 mukca_status mukca_fleet_pool(mukca_fleet_result *result, mukca_fleet *fleet, mukca_error *error);
 void mukca_fleet_result_free(mukca_fleet_result *result);
 
-/* ---- one more arm with the traits of its model as prior ---- */
-
 /* ---- correction of a recording for the traits of its model ---- */
 
-/* The means of the elastic traits as effects[MUKCA_FLEET_TERMS]; returns their number.  sigma (may
- * be NULL): standard deviation of one more arm. */
-int mukca_traits_effects(mukca_effect *effects, double *sigma, const mukca_traits *traits);
+/* A share of the means of the elastic traits as effects[MUKCA_FLEET_TERMS]; returns their number.
+ * sigma (may be NULL): standard deviation of one more arm. */
+int mukca_traits_effects(mukca_effect *effects, double *sigma, const mukca_traits *traits,
+                         double share);
 
-/* Change the recorded angles minimally to displace the nominal tip as the effects do, to first
+/* Change the recorded angles minimally to displace the nominal tip as these effects do, to first
  * order. */
-void mukca_traits_correct(mukca_dataset *data, const mukca_chain *chain,
-                          const mukca_effect *effects, int n);
+void mukca_traits_correct(mukca_dataset *data, const mukca_chain *chain, const mukca_traits *traits,
+                          double share);
+
+/* ---- one more arm with the traits of its model as prior ---- */
 
 /* A coefficient of this arm, rad/(N m). */
 typedef struct {

@@ -71,8 +71,8 @@ static void choose_terms(mukca_population *p, const mukca_fleet *f)
         for (int a = 0; a < f->n_arms; a++)
             arms += f->arm[a].information[mukca_fleet_packed(t) + t] > 0;
         if (!arms) continue;
-        p->arms[p->n] = arms;
-        p->mean[p->n] = 0, p->spread[p->n] = FIRST_SPREAD;
+        p->trait[p->n] = (mukca_trait){
+            .effect = mukca_fleet_term(t, f->model.n_joints), .spread = FIRST_SPREAD, .arms = arms};
         p->term[p->n++] = t;
     }
 }
@@ -96,7 +96,7 @@ static void solve_mean(mukca_population *p)
         if (worst < 0) break;
         held[worst] = true;
     }
-    for (int i = 0; i < n; i++) p->mean[i] = fmax(b[i], 0);
+    for (int i = 0; i < n; i++) p->trait[i].mean = fmax(b[i], 0);
 }
 
 /* Information on the mean; scatter of the arms about it: residual^2, and information on the
@@ -111,7 +111,7 @@ static void sum_arms(mukca_population *p, double *square, double *diagonal, cons
     memset(p->vector, 0, sizeof p->vector);
     p->n_arms = 0;
     for (int i = 0; i < n; i++) {
-        P[i * n + i] = 1 / (p->spread[i] * p->spread[i]);
+        P[i * n + i] = 1 / (p->trait[i].spread * p->trait[i].spread);
         square[i] = diagonal[i] = 0;
         /* coefficients identifiable only in combination are bounded by the size of springs */
         p->information[i * n + i] = 1 / (MOST_MEAN * MOST_MEAN);
@@ -121,7 +121,7 @@ static void sum_arms(mukca_population *p, double *square, double *diagonal, cons
         p->n_arms++;
         for (int i = 0; i < n; i++) {
             double r = w[i];
-            for (int k = 0; k < n; k++) r -= W[i * n + k] * p->mean[k];
+            for (int k = 0; k < n; k++) r -= W[i * n + k] * p->trait[k].mean;
             square[i] += r * r;
             diagonal[i] += W[i * n + i];
             p->vector[i] += w[i];
@@ -137,16 +137,16 @@ static double step_spread(mukca_population *p, const double *square, const doubl
 {
     double most = 0;
     for (int i = 0; i < p->n; i++) {
-        const double usual = fmax(USUAL_SCATTER * p->mean[i], USUAL_SPREAD),
-                     v = pow(p->spread[i], 2);
+        const double usual = fmax(USUAL_SCATTER * p->trait[i].mean, USUAL_SPREAD),
+                     v = pow(p->trait[i].spread, 2);
         /* correction for the fitted mean of n arms */
         const double lost = p->n_arms > 1 ? (double)p->n_arms / (p->n_arms - 1) : 1;
         const double next = sqrt((lost * square[i] * v * v + SPREAD_ARMS * usual * usual) /
                                  (diagonal[i] + SPREAD_ARMS / v));
         const double spread = fmax(sqrt(next), LEAST_SPREAD);
-        const double change = fabs(spread / p->spread[i] - 1);
+        const double change = fabs(spread / p->trait[i].spread - 1);
         if (change > most) most = change; /* fmax crashes gcc 12 for aarch64 */
-        p->spread[i] = spread;
+        p->trait[i].spread = spread;
     }
     return most;
 }
@@ -231,7 +231,7 @@ static void flip(mukca_sets *sets, mukca_population *p)
         }
         const int other = mukca_sets_insert(sets, item, NULL, n);
         const double gain = other < 0 ? 0 : sets->set[other].value - best.value;
-        p->log_bayes_factor[k] = (present ? -gain : gain) - sets->question->item[k].log_prior;
+        p->trait[k].log_bayes_factor = (present ? -gain : gain) - sets->question->item[k].log_prior;
     }
 }
 
@@ -256,9 +256,9 @@ static bool take_average(mukca_population *p)
         const double present = a.present[i], value = a.mean[i] / present;
         double *row = &p->average_covariance[i * n];
         const double half = MUKCA_SIGMAS_95 * sqrt(fmax(row[i] / present - value * value, 0));
-        p->probability[i] = present / a.total;
-        p->value[i] = fmax(value, 0);
-        p->low[i] = fmax(value - half, 0), p->high[i] = fmax(value + half, 0);
+        p->trait[i].probability = present / a.total;
+        p->trait[i].value = fmax(value, 0);
+        p->trait[i].low = fmax(value - half, 0), p->trait[i].high = fmax(value + half, 0);
         p->average[i] = fmax(a.mean[i] / a.total, 0);
         for (int j = 0; j < n; j++) row[j] = (row[j] - a.mean[i] * a.mean[j] / a.total) / a.total;
     }
@@ -283,6 +283,7 @@ bool mukca_population_fit(mukca_population *p, const mukca_fleet *f, int without
     memset(p->covariance, 0, sizeof p->covariance);
     for (int i = 0; i < p->n; i++) p->covariance[i * p->n + i] = 1;
     if (mukca_dense_solve(p->covariance, p->n, A, p->n)) p->n = 0;
+    for (int i = 0; i < p->n; i++) p->trait[i].error = sqrt(p->covariance[i * p->n + i]);
     return take_average(p);
 }
 

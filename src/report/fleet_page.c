@@ -80,21 +80,6 @@ static bool departs(const mukca_departure *d)
     return d && d->probability >= MUKCA_DEPARTS;
 }
 
-/* The coefficient of figure `index`: those of departing arms first, then the shared ones; -1:
- * none. */
-static int panel(const mukca_fleet_page *p, int index)
-{
-    const mukca_fleet_result *r = p->result;
-    for (int rank = 0; rank < 3; rank++)
-        for (int k = 0; k < r->population.n; k++) {
-            int own = r->traits.list[k].probability >= MUKCA_SHARED ? 1 : 2;
-            for (int a = 0; a < p->fleet->n_arms; a++)
-                if (departs(&r->departure[a]) && r->departure[a].k == k) own = 0;
-            if (own == rank && index-- == 0) return k;
-        }
-    return -1;
-}
-
 /* ---- texts ---- */
 
 static void put_departures(FILE *out, const mukca_fleet_page *p, int n)
@@ -205,13 +190,13 @@ static int put_points(mukca_plot *plot, const mukca_fleet_page *p, int k)
 static bool draw_coefficient(mukca_plot *plot, const void *content, int index)
 {
     const mukca_fleet_page *p = content;
-    const int k = panel(p, index), n = p->fleet->n_arms;
-    if (k < 0) return false;
-    const mukca_trait *c = &p->result->traits.list[k];
+    const int n = p->fleet->n_arms;
+    if (index == p->result->population.n) return false;
+    const mukca_trait *c = &p->result->traits.list[index];
     const double value = per * c->value, spread = MUKCA_SIGMAS_95 * per * c->spread;
     char words[MUKCA_WORDING], probability[MUKCA_WORDING];
     mukca_text description = MUKCA_TEXT(plot->words);
-    if (!put_points(plot, p, k)) return false;
+    if (!put_points(plot, p, index)) return false;
     put_effect(words, &c->effect, p->fleet);
     mukca_wording_probability(probability, c->probability);
     snprintf(plot->id, sizeof plot->id, "coefficient-%d", index + 1);
@@ -226,39 +211,15 @@ static bool draw_coefficient(mukca_plot *plot, const void *content, int index)
                    "Each arm with its 95 %% interval, its sisters as prior; dashed: mean of the "
                    "fleet, %.3g [%.3g, %.3g] if shared (%s); grey: range of 95 %% of its arms.",
                    value, per * c->low, per * c->high, probability);
-    const mukca_departure *d = next_arm(p, NULL);
-    for (int i = 0; departs(d) && i < MOST_ARMS; d = next_arm(p, d), i++)
-        if (d->k == k)
-            mukca_text_put(&description, " %s departs: %.3g [%.3g, %.3g].",
-                           p->fleet->arm[d->arm].name, per * d->value, per * d->low, per * d->high);
     if (n > MOST_ARMS)
         mukca_text_put(&description, " The %d of %d arms that are most probable to depart.",
                        MOST_ARMS, n);
     return true;
 }
 
-/* The most probable order of each joint. */
-static void put_orders(FILE *out, const void *content)
-{
-    const mukca_fleet_page *p = content;
-    mukca_html_table table = {
-        .out = out,
-        .caption = "Most probable order of each joint",
-        .columns =
-            "joint|#order, per turn|#arms that favour it|#log Bayes factor|#probability shared"};
-    for (int j = 0; j < p->fleet->model.n_joints; j++) {
-        const mukca_trait *o = &p->result->order[j];
-        if (o->effect.variant.order)
-            mukca_html_row(&table, "%s\t%d\t%d\t%.1f\t%.3f", p->fleet->model.joint[j],
-                           o->effect.variant.order, o->arms, o->log_bayes_factor, o->probability);
-    }
-    mukca_html_table_end(&table);
-}
-
 static const mukca_page_section sections[] = {
     {"arms", "Arms", NULL, put_arms},
     {"coefficients", "Elastic coefficients, arm by arm", draw_coefficient, NULL},
-    {"ripple", "Transmission ripple", NULL, put_orders},
     {"provenance", "Provenance", NULL, put_provenance},
 };
 
