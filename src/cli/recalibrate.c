@@ -135,16 +135,17 @@ static void fill_offsets(mukca_offsets *out, const mukca_recalibration *fit,
     double theta[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS];
     mukca_offsets_init(out, chain);
     mukca_pose_model_theta(out->theta, &fit->stage[MUKCA_WITH_BOTH], arm);
-    for (int u = 0; u < fit->n; u++) {
-        const mukca_unknown *x = &fit->unknown[u];
+    for (int u = 0; u < fit->found.n; u++) {
+        const mukca_unknown *x = &fit->found.unknown[u];
         const bool angle = mukca_unknown_is_angle(x->kind);
         mukca_pose_model moved = fit->stage[MUKCA_WITH_BOTH];
         mukca_pose_model_add(&moved, x, step);
         mukca_pose_model_theta(theta, &moved, arm);
         for (int i = angle ? 3 : x->axis; x->element >= 0 && i <= (angle ? 5 : x->axis); i++) {
             const int at = MUKCA_PARAMETERS * x->element + i;
-            const double by = (theta[at] - out->theta[at]) / step * fit->sigma[u];
-            const bool known = fit->identifiable[u] && (!out->listed[at] || out->identifiable[at]);
+            const double by = (theta[at] - out->theta[at]) / step * fit->found.sigma[u];
+            const bool known =
+                fit->found.identifiable[u] && (!out->listed[at] || out->identifiable[at]);
             out->sigma[at] = known ? hypot(out->listed[at] ? out->sigma[at] : 0, by) : HUGE_VAL;
             out->identifiable[at] = known;
             out->listed[at] = 1;
@@ -201,7 +202,8 @@ static mukca_status judge_offsets(cli_call *call, recalibrate_work *w)
     const cli_recalibrated *r = &w->result;
     const mukca_recalibration *fit = r->fit;
     const long rows = r->log.n, poses = r->tested ? w->test.n : rows;
-    const double spare = r->tested ? 1 : 1 - fit->rank / (3.0 * (double)(rows + r->log.n_oriented));
+    const double spare =
+        r->tested ? 1 : 1 - fit->found.rank / (3.0 * (double)(rows + r->log.n_oriented));
     const mukca_recalibrate_task train = task_of(w, &w->result.log), test = task_of(w, &w->test);
     mukca_acceptance *a = &w->offsets.acceptance;
     mukca_dataset part = {0}, held = {0};
@@ -210,8 +212,8 @@ static mukca_status judge_offsets(cli_call *call, recalibrate_work *w)
     snprintf(a->error_of, sizeof a->error_of, "%s, %ld poses",
              r->tested ? "test data" : "generalized cross-validation", poses);
     a->converged = fit->converged;
-    a->parameters = fit->n;
-    a->identified = fit->rank;
+    a->parameters = fit->found.n;
+    a->identified = fit->found.rank;
     mukca_status status = take_part(&part, errors, fit, &train, &call->error);
     if (status == MUKCA_OK && r->tested)
         status = take_part(&held, errors, fit, &test, &call->error);

@@ -55,12 +55,13 @@ static void print_unknowns(cli_call *call, const mukca_recalibration *f, const m
 {
     char text[MUKCA_UNKNOWN_TEXT];
     cli_answer(call, "Offsets (rank %d of %d; *: identifiable only in combination, see --json)\n",
-               f->rank, f->n);
-    for (int u = 0; u < f->n; u++) {
-        mukca_unknown_text(text, &f->unknown[u], arm);
-        cli_answer(call, "    %-32s %+9.4f +- %-8.4f %s%s\n", text, 1e3 * f->value[u],
-                   1e3 * f->sigma[u], mukca_unknown_is_angle(f->unknown[u].kind) ? "mrad" : "mm",
-                   f->identifiable[u] ? "" : " *");
+               f->found.rank, f->found.n);
+    for (int u = 0; u < f->found.n; u++) {
+        mukca_unknown_text(text, &f->found.unknown[u], arm);
+        cli_answer(call, "    %-32s %+9.4f +- %-8.4f %s%s\n", text, 1e3 * f->found.value[u],
+                   1e3 * f->found.sigma[u],
+                   mukca_unknown_is_angle(f->found.unknown[u].kind) ? "mrad" : "mm",
+                   f->found.identifiable[u] ? "" : " *");
     }
 }
 
@@ -92,7 +93,8 @@ void cli_recalibrate_print(cli_call *call, const cli_recalibrated *r, const mukc
     print_findings(call, r, a);
     print_errors(call, "Training data", r->fit->errors, r->fit->has_angles);
     if (r->tested) print_errors(call, "Test data", r->test, r->fit->has_angles);
-    cli_say(call, "Offsets", "%d of %d combinations identified", r->fit->rank, r->fit->n);
+    cli_say(call, "Offsets", "%d of %d combinations identified", r->fit->found.rank,
+            r->fit->found.n);
     if (call->common->verbose) print_unknowns(call, r->fit, &r->arm);
     if (output)
         cli_say(call, "Written", "%s%s", output,
@@ -146,16 +148,16 @@ static json_t *unknowns_json(const cli_recalibrated *r)
     const mukca_chain *arm = &r->arm;
     char text[MUKCA_UNKNOWN_TEXT];
     json_t *array = json_array();
-    for (int u = 0; u < f->n; u++) {
-        const int k = f->unknown[u].element, j = k < 0 ? -1 : arm->element[k].joint;
-        const bool zero = f->unknown[u].kind == MUKCA_UNKNOWN_ZERO;
-        mukca_unknown_text(text, &f->unknown[u], arm);
+    for (int u = 0; u < f->found.n; u++) {
+        const int k = f->found.unknown[u].element, j = k < 0 ? -1 : arm->element[k].joint;
+        const bool zero = f->found.unknown[u].kind == MUKCA_UNKNOWN_ZERO;
+        mukca_unknown_text(text, &f->found.unknown[u], arm);
         cli_json_append(
             array, KEY("name", text), KEY("joint", k < 0 ? NULL : arm->element[k].name),
-            KEY("value", f->value[u]),
-            KEY("unit", mukca_unknown_is_angle(f->unknown[u].kind) ? "rad" : "m"),
-            KEY("sigma", f->sigma[u]),
-            KEY("identifiable", (bool)(f->identifiable[u] && !(zero && never_moved(r, j)))));
+            KEY("value", f->found.value[u]),
+            KEY("unit", mukca_unknown_is_angle(f->found.unknown[u].kind) ? "rad" : "m"),
+            KEY("sigma", f->found.sigma[u]),
+            KEY("identifiable", (bool)(f->found.identifiable[u] && !(zero && never_moved(r, j)))));
     }
     return array;
 }
@@ -164,12 +166,12 @@ static json_t *null_json(const mukca_recalibration *f, const mukca_chain *arm)
 {
     char text[MUKCA_UNKNOWN_TEXT];
     json_t *array = json_array();
-    for (int k = 0; k < f->n_null; k++) {
+    for (int k = 0; k < f->found.n_null; k++) {
         json_t *terms = json_array();
-        for (int u = 0; u < f->n; u++) {
-            if (f->null[k][u] == 0) continue;
-            mukca_unknown_text(text, &f->unknown[u], arm);
-            cli_json_append(terms, KEY("name", text), KEY("coefficient", f->null[k][u]));
+        for (int u = 0; u < f->found.n; u++) {
+            if (f->found.null[k][u] == 0) continue;
+            mukca_unknown_text(text, &f->found.unknown[u], arm);
+            cli_json_append(terms, KEY("name", text), KEY("coefficient", f->found.null[k][u]));
         }
         json_array_append_new(array, terms);
     }
@@ -184,8 +186,8 @@ json_t *cli_recalibrate_json(const cli_call *call, const cli_recalibrated *r,
     json_t *model =
         cli_json(KEY("train", errors_json(f->errors, f->has_angles)),
                  KEY("test", r->tested ? errors_json(r->test, f->has_angles) : NULL),
-                 KEY("unknowns", f->n), FIELD(f, rank), KEY("offsets", unknowns_json(r)),
-                 KEY("not_identifiable", null_json(f, &r->arm)),
+                 KEY("unknowns", f->found.n), KEY("rank", f->found.rank),
+                 KEY("offsets", unknowns_json(r)), KEY("not_identifiable", null_json(f, &r->arm)),
                  KEY("base", cli_json_frame(&f->stage[MUKCA_WITH_BOTH].base)),
                  KEY("tool", cli_json_frame(&f->stage[MUKCA_WITH_BOTH].tool)), FIELD(f, passes));
     return cli_json(

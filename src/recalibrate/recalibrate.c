@@ -23,7 +23,7 @@ typedef struct {
     const mukca_recalibrate_task *task;
     mukca_pose_model model;
     mukca_pose_system angles, offsets; /* joint solution: all unknowns in `offsets` */
-    mukca_pose_solution solution;
+    mukca_pose_step step;
     mukca_pose_errors errors;
     bool measured;   /* `errors` are those of the last pass */
     bool lag_denied; /* a lag did not reduce the median */
@@ -113,41 +113,28 @@ static mukca_status pass(session *s, mukca_pose_system *system, mukca_error *err
     return status;
 }
 
-/* Solve for all unknowns, the lag only `with_lag`, and update the model. */
-static mukca_status step(double *size, session *s, mukca_pose_system *system, bool with_lag,
-                         mukca_error *error)
+static bool has_lag(const mukca_pose_system *s)
 {
-    int n = system->n;
-    *size = 0;
-    if (n > 0 && system->unknown[n - 1].kind == MUKCA_UNKNOWN_LAG && !with_lag) n--;
-    if (!mukca_pose_system_solve(&s->solution, system, n, loosest))
-        return mukca_fail(error, MUKCA_INPUT, "the rows contain numbers that are not finite");
-    for (int u = 0; u < n; u++) {
-        mukca_pose_model_add(&s->model, &system->unknown[u], s->solution.x[u]);
-        system->value[u] += s->solution.x[u];
-        *size = fmax(*size, fabs(s->solution.x[u]));
-    }
-    return MUKCA_OK;
+    return s->n > 0 && s->unknown[s->n - 1].kind == MUKCA_UNKNOWN_LAG;
 }
 
-/* Append a system's last solution to the result, with the accumulated values. */
-static void keep(session *s, const mukca_pose_system *system)
+/* Solve for all unknowns, the lag only `with_lag`, and update the model.  The estimates before this
+ * system are `found`. */
+static mukca_status step(double *size, session *s, mukca_pose_system *system, bool with_lag,
+                         const int found[3], mukca_error *error)
 {
-    mukca_recalibration *out = s->out;
-    const mukca_pose_solution *x = &s->solution;
-    const int n =
-        system->n - (system->n > 0 && system->unknown[system->n - 1].kind == MUKCA_UNKNOWN_LAG);
+    mukca_pose_estimates *out = &s->out->found;
+    const int n = system->n - (has_lag(system) && !with_lag);
+    *size = 0;
+    out->n = found[0], out->rank = found[1], out->n_null = found[2];
+    if (!mukca_pose_system_solve(&s->step, out, system, n, loosest))
+        return mukca_fail(error, MUKCA_INPUT, "the rows contain numbers that are not finite");
     for (int u = 0; u < n; u++) {
-        out->unknown[out->n + u] = system->unknown[u];
-        out->value[out->n + u] = system->value[u];
-        out->sigma[out->n + u] = x->sigma[u];
-        out->identifiable[out->n + u] = x->identifiable[u];
+        mukca_pose_model_add(&s->model, &system->unknown[u], s->step.x[u]);
+        if (found[0] + u < out->n) out->value[found[0] + u] += s->step.x[u];
+        *size = fmax(*size, fabs(s->step.x[u]));
     }
-    for (int k = 0; k < x->n_null; k++)
-        memcpy(&out->null[out->n_null + k][out->n], x->null[k], (size_t)n * sizeof(double));
-    out->n_null += x->n_null;
-    out->rank += x->rank;
-    out->n += n;
+    return MUKCA_OK;
 }
 
 static bool lag_shows(session *s, const mukca_pose_system *system)
@@ -166,55 +153,38 @@ static double lag_median(const session *s, const mukca_pose_system *system)
     return mukca_errors_median(system->rotations ? &s->errors.rotation : &s->errors.position);
 }
 
-/* Repeat pass and step for one system, including its lag, until it converges; at least `least`
- * times. */
-static mukca_status converge(session *s, mukca_pose_system *system, int least, mukca_error *error)
+/* Repeat pass and step for one system, including its lag, at least `least` times and, with
+ * `repeat`, until it converges.  Errors before are those of `stage`. */
+static mukca_status converge(session *s, mukca_pose_system *system, int stage, int least,
+                             bool repeat, mukca_error *error)
 {
-    const mukca_recalibrate_options *o = s->task->options;
-    const bool repeat = o->iterate || o->robust || !system->rotations;
+    const mukca_pose_estimates *out = &s->out->found;
     const int first = least - 1; /* first pass that may be the last */
+    const int found[3] = {out->n, out->rank, out->n_null};
     mukca_pose_model without = s->model;
     double size, median = 0;
     for (int i = 0;; i++) {
         mukca_status status = pass(s, system, error);
         if (status != MUKCA_OK) return status;
-        if (i == 0) s->out->errors[MUKCA_BEFORE] = s->errors;
+        if (i == 0) s->out->errors[stage] = s->errors;
         if (s->model.lag != 0 && without.lag == 0 && lag_median(s, system) > lag_gain * median) {
             s->model = without; /* repeat without the lag */
             s->lag_denied = true;
             continue;
         }
-        const bool lag = i > 0 && i < MOST_PASSES + first && lag_shows(s, system);
+        const bool lag =
+            has_lag(system) && i > 0 && i < MOST_PASSES + first && lag_shows(s, system);
         median = lag_median(s, system);
         without = s->model;
-        status = step(&size, s, system, lag, error);
+        status = step(&size, s, system, lag, found, error);
         if (status != MUKCA_OK) return status;
         const double scale = metres_per_radian(&s->errors);
         if (system->positions && scale > 0) system->metres_per_radian = scale;
         const bool enough = size < 1e-10 || i >= MOST_PASSES + first || (!lag && !repeat);
         if (i < first || !enough) continue;
-        s->out->converged = !repeat || size < converged_step;
+        s->out->converged &= !repeat || size < converged_step;
         return MUKCA_OK;
     }
-}
-
-/* Angles first, then lengths at these angles. */
-static mukca_status two_steps(session *s, mukca_error *error)
-{
-    double size = 1;
-    mukca_status status = converge(s, &s->angles, 2, error);
-    if (status != MUKCA_OK) return status;
-    s->out->stage[MUKCA_WITH_ANGLES] = s->model;
-    keep(s, &s->angles);
-    for (int i = 0; status == MUKCA_OK && i <= MOST_PASSES && !(size < 1e-9); i++) {
-        status = pass(s, &s->offsets, error);
-        if (i == 0) s->out->errors[MUKCA_WITH_ANGLES] = s->errors;
-        if (status == MUKCA_OK) status = step(&size, s, &s->offsets, false, error);
-        if (!s->task->options->robust) break;
-    }
-    if (status == MUKCA_OK) keep(s, &s->offsets);
-    s->out->has_angles = true;
-    return status;
 }
 
 /* Assign the unknowns to the systems; the lag is the last one of its system. */
@@ -240,18 +210,26 @@ static double tail(const mukca_vector_errors *e)
 mukca_status mukca_recalibrate(mukca_recalibration *result, const mukca_recalibrate_task *task,
                                mukca_error *error)
 {
-    const bool oriented = task->log->oriented, together = task->options->joint || !oriented;
+    const mukca_recalibrate_options *o = task->options;
+    const bool oriented = task->log->oriented, together = o->joint || !oriented,
+               repeat = o->iterate || o->robust || !oriented;
     session *s = calloc(1, sizeof *s);
     if (!s) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     memset(result, 0, sizeof *result);
+    result->converged = true;
     s->out = result;
     s->task = task;
-    mukca_pose_model_set(&s->model, task->chain, &task->options->base, &task->options->tool);
+    mukca_pose_model_set(&s->model, task->chain, &o->base, &o->tool);
     for (int i = 0; i < MUKCA_STAGES; i++) result->stage[i] = s->model;
-
     set_systems(s, together, oriented);
-    mukca_status status = together ? converge(s, &s->offsets, 1, error) : two_steps(s, error);
-    if (status == MUKCA_OK && together) keep(s, &s->offsets);
+    mukca_status status =
+        converge(s, together ? &s->offsets : &s->angles, MUKCA_BEFORE, 2 - together, repeat, error);
+    if (!together) { /* lengths at these angles */
+        result->has_angles = true;
+        result->stage[MUKCA_WITH_ANGLES] = s->model;
+        if (status == MUKCA_OK)
+            status = converge(s, &s->offsets, MUKCA_WITH_ANGLES, 1, o->robust, error);
+    }
     const int per_pose = together && oriented ? 6 : 3;
     const int unknowns = (s->offsets.n > s->angles.n ? s->offsets.n : s->angles.n) - !together;
     const long equations = task->log->n * per_pose;

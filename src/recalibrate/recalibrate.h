@@ -168,7 +168,6 @@ typedef struct {
     bool positions, rotations; /* equations of a pose that it uses */
     double metres_per_radian;  /* weight of rotation rows relative to position rows; 0: 1 */
     mukca_unknown unknown[MUKCA_MAX_UNKNOWNS];
-    double value[MUKCA_MAX_UNKNOWNS]; /* sum of the steps so far */
     long equations;
     double rss;                                        /* of the weighted rows */
     double R[MUKCA_MAX_UNKNOWNS * MUKCA_SYSTEM_WIDTH]; /* [n][n + 1], with Q'b */
@@ -179,18 +178,24 @@ typedef struct {
     int filled[2];
 } mukca_pose_system;
 
+/* Estimates of the unknowns of one or two systems, one after the other. */
 typedef struct {
-    int rank;
-    double x[MUKCA_MAX_UNKNOWNS]; /* step of minimum norm, first in the arm's unknowns, then in the
-                                     tool's */
+    int n, rank;
+    mukca_unknown unknown[MUKCA_MAX_UNKNOWNS];
+    double value[MUKCA_MAX_UNKNOWNS]; /* sum of the steps */
     double sigma[MUKCA_MAX_UNKNOWNS]; /* standard error within the identifiable subspace */
     bool identifiable[MUKCA_MAX_UNKNOWNS];
     int n_null;
     double null[MUKCA_MAX_UNKNOWNS][MUKCA_MAX_UNKNOWNS]; /* [n_null][n] unidentifiable; sparse */
+} mukca_pose_estimates;
+
+typedef struct {
+    double x[MUKCA_MAX_UNKNOWNS]; /* step of minimum norm, first in the arm's unknowns, then in the
+                                     tool's */
     /* scratch: factors of the equations, products of the null space */
     double U[MUKCA_MAX_UNKNOWNS * MUKCA_MAX_UNKNOWNS], V[MUKCA_MAX_UNKNOWNS * MUKCA_MAX_UNKNOWNS],
         A[MUKCA_MAX_UNKNOWNS * MUKCA_MAX_UNKNOWNS];
-} mukca_pose_solution;
+} mukca_pose_step;
 
 /* Remove all rows. */
 void mukca_pose_system_clear(mukca_pose_system *system);
@@ -199,10 +204,11 @@ void mukca_pose_system_clear(mukca_pose_system *system);
 void mukca_pose_system_add(mukca_pose_system *system, const mukca_pose_look *look, double weight,
                            double turn_weight);
 
-/* Solve for the first `n` unknowns; the others stay 0.  An unknown with a standard error above
- * `loosest` (m or rad) is not identifiable.  False: the rows are not finite. */
-bool mukca_pose_system_solve(mukca_pose_solution *solution, mukca_pose_system *system, int n,
-                             double loosest);
+/* Solve for the first `n` unknowns; the others stay 0.  Appends them to the estimates, without a
+ * lag.  An unknown with a standard error above `loosest` (m or rad) is not identifiable.  False:
+ * the rows are not finite. */
+bool mukca_pose_system_solve(mukca_pose_step *step, mukca_pose_estimates *estimates,
+                             mukca_pose_system *system, int n, double loosest);
 
 /* Value of the last unknown, and its distance from 0 in standard errors (returned); call after
  * solve. */
@@ -222,12 +228,7 @@ typedef struct {
 enum { MUKCA_BEFORE, MUKCA_WITH_ANGLES, MUKCA_WITH_BOTH, MUKCA_STAGES };
 
 typedef struct {
-    int n; /* number of unknowns */
-    mukca_unknown unknown[MUKCA_MAX_UNKNOWNS];
-    double value[MUKCA_MAX_UNKNOWNS], sigma[MUKCA_MAX_UNKNOWNS];
-    bool identifiable[MUKCA_MAX_UNKNOWNS];
-    int rank, n_null;
-    double null[MUKCA_MAX_UNKNOWNS][MUKCA_MAX_UNKNOWNS]; /* [n_null][n] unidentifiable */
+    mukca_pose_estimates found;
     mukca_pose_model stage[MUKCA_STAGES];
     mukca_pose_errors errors[MUKCA_STAGES]; /* on the log itself, by stage */
     bool has_angles;                        /* whether the stage "with angular offsets" exists */

@@ -104,9 +104,10 @@ static mukca_status check_log(mukca_pose_check *check, bool free_frames)
 
 static double zero_of(int joint)
 {
-    for (int u = 0; u < result.n; u++)
-        if (result.unknown[u].kind == MUKCA_UNKNOWN_ZERO && result.unknown[u].element == joint)
-            return result.value[u];
+    for (int u = 0; u < result.found.n; u++)
+        if (result.found.unknown[u].kind == MUKCA_UNKNOWN_ZERO &&
+            result.found.unknown[u].element == joint)
+            return result.found.value[u];
     return (double)NAN;
 }
 
@@ -123,9 +124,9 @@ TEST(test_paper)
     assert_true(result.errors[MUKCA_WITH_ANGLES].position.length.mean <
                 result.errors[MUKCA_BEFORE].position.length.mean);
     assert_true(result.errors[MUKCA_WITH_BOTH].position.length.max < 1e-6); /* one pass */
-    assert_int_equal(result.n, 31);
-    assert_int_equal(result.rank, 7 + 17);
-    assert_int_equal(result.n_null, 7);
+    assert_int_equal(result.found.n, 31);
+    assert_int_equal(result.found.rank, 7 + 17);
+    assert_int_equal(result.found.n_null, 7);
     assert_true(result.lag == 0);
     const mukca_recalibrate_options options = {.iterate = true};
     assert_ok(run(&options));
@@ -136,9 +137,10 @@ TEST(test_paper)
 
     /* Shifts that cannot be told are along the joints' own axes; adding any leaves poses alone. */
     mukca_pose_model moved = result.stage[MUKCA_WITH_BOTH];
-    for (int k = 0; k < result.n_null; k++)
-        for (int u = 0; u < result.n; u++)
-            mukca_pose_model_add(&moved, &result.unknown[u], 1e-3 * (k + 1) * result.null[k][u]);
+    for (int k = 0; k < result.found.n_null; k++)
+        for (int u = 0; u < result.found.n; u++)
+            mukca_pose_model_add(&moved, &result.found.unknown[u],
+                                 1e-3 * (k + 1) * result.found.null[k][u]);
     mukca_pose_look a, b;
     memset(test.row[7].velocity, 0, sizeof test.row[7].velocity);
     mukca_pose_look_at(&a, &moved, &test.row[7]);
@@ -189,8 +191,8 @@ TEST(test_noise)
     const mukca_recalibrate_options options = {.iterate = true};
     assert_ok(run(&options));
     for (int j = 0; j < 7; j++) {
-        assert_true(result.sigma[j] > 1e-6 && result.sigma[j] < 5e-5);
-        assert_close(zero_of(j), gen3_dq[j], 4 * result.sigma[j]);
+        assert_true(result.found.sigma[j] > 1e-6 && result.found.sigma[j] < 5e-5);
+        assert_close(zero_of(j), gen3_dq[j], 4 * result.found.sigma[j]);
     }
     assert_close(result.tail, 1, 0.1);
     mukca_recalibrate_oracle(&oracle, &result);

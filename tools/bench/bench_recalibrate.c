@@ -88,7 +88,7 @@ int main(int argc, char **argv)
             return 1;
         }
         printf("%ld %d %.6f %d\n", as_log.n, result->passes,
-               (double)(clock() - start) / CLOCKS_PER_SEC, result->rank);
+               (double)(clock() - start) / CLOCKS_PER_SEC, result->found.rank);
         mukca_pose_log_close(&as_log);
     }
     free(result);
