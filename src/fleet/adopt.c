@@ -48,19 +48,24 @@ static double fit(task *t, const mukca_fleet_prior *prior)
     return mukca_regression_score(t->m);
 }
 
+static const mukca_trait *find_trait(const mukca_traits *traits, const mukca_effect *effect)
+{
+    for (int i = 0; i < traits->n; i++)
+        if (mukca_effect_same(&traits->list[i].effect, effect)) return &traits->list[i];
+    return NULL;
+}
+
 /* Prior of the coefficients: scatter of the arms and uncertainty of the mean combined. */
 static void read_prior(task *t)
 {
     const int n = t->m->recording.chain->n_joints;
     for (int k = 0; k < mukca_fleet_terms(n); k++) {
         const mukca_effect term = mukca_fleet_term(k, n);
-        t->prior[k] = (mukca_fleet_prior){0, t->options->only ? HELD : WIDE};
-        for (int i = 0; i < t->options->traits->n; i++) {
-            const mukca_trait *trait = &t->options->traits->list[i];
-            if (!mukca_effect_same(&trait->effect, &term)) continue;
-            t->prior[k].mean = trait->mean;
-            t->prior[k].sigma = t->options->only ? HELD : hypot(trait->spread, trait->error);
-        }
+        const mukca_trait *trait = find_trait(t->options->traits, &term);
+        t->prior[k] = (mukca_fleet_prior){.mean = trait ? trait->mean : 0,
+                                          .sigma = t->options->only ? HELD
+                                                   : trait ? hypot(trait->spread, trait->error)
+                                                           : WIDE};
     }
 }
 
@@ -72,34 +77,19 @@ static void list_coefficients(task *t)
     mukca_regression_factor(t->m);
     for (int c = 0; c < u->n_causes; c++) {
         const mukca_accepted *cause = &u->cause[c];
-        for (int i = 0; i < t->options->traits->n && cause->known; i++) {
-            const mukca_trait *trait = &t->options->traits->list[i];
-            if (!mukca_effect_same(&trait->effect, &cause->candidate.effect)) continue;
-            const double value = cause->coefficient[0],
-                         sigma = mukca_regression_standard_error(t->m, mukca_unknowns_column(u, c),
-                                                                 &one, 1),
-                         kept = sigma * cause->candidate.unit[0] / cause->scale;
-            a->list[a->n++] = (mukca_inherited){.trait = trait,
-                                                .value = value,
-                                                .low = fmax(value - MUKCA_SIGMAS_95 * sigma, 0),
-                                                .high = value + MUKCA_SIGMAS_95 * sigma,
-                                                .own = fmax(1 - kept * kept, 0)};
-        }
+        const mukca_trait *trait =
+            cause->known ? find_trait(t->options->traits, &cause->candidate.effect) : NULL;
+        if (!trait) continue;
+        const double value = cause->coefficient[0],
+                     sigma = mukca_regression_standard_error(t->m, mukca_unknowns_column(u, c),
+                                                             &one, 1),
+                     kept = sigma * cause->candidate.unit[0] / cause->scale;
+        a->list[a->n++] = (mukca_inherited){.trait = trait,
+                                            .value = value,
+                                            .low = fmax(value - MUKCA_SIGMAS_95 * sigma, 0),
+                                            .high = value + MUKCA_SIGMAS_95 * sigma,
+                                            .own = fmax(1 - kept * kept, 0)};
     }
-}
-
-/* Held-out error of the present fit and, in `d` (NULL: not wanted), those of placements and rows.
- */
-static double held_out(task *t, mukca_diagnosis *d)
-{
-    mukca_folds b = {.m = t->m};
-    mukca_folds_create(&b);
-    if (t->m->pool.failed) return NAN;
-    mukca_folds_run(b.error, &b, false);
-    const int rows = t->m->recording.data->n_rows;
-    if (d) mukca_folds_by_placement(d->placement_mae_m, &t->m->recording, b.error);
-    if (d && !t->options->test) memcpy(d->after_m, b.error, sizeof *b.error * (size_t)rows);
-    return mukca_folds_mean(b.error, rows);
 }
 
 /* Effects of single placements do not transfer to other placements: keep them only if they reduce
@@ -115,9 +105,9 @@ static void choose_placement_effects(task *t, const mukca_diagnosis *d)
         if (mukca_effect_has(class, MUKCA_TRAIT_PER_PLACEMENT)) mukca_unknowns_drop(u, c);
     }
     if (u->n_causes == n) return;
-    const double with = held_out(t, NULL);
+    const double with = mukca_held_out_structure(t->m);
     mukca_regression_fit(t->m, 6, MUKCA_FIT_ALL);
-    if (held_out(t, NULL) < with) return;
+    if (mukca_held_out_structure(t->m) < with) return;
     mukca_unknowns_assign(u, &t->kept);
     mukca_regression_linearise(t->m);
 }
@@ -128,7 +118,16 @@ static mukca_status take_over(task *t, mukca_diagnosis *d, mukca_error *error)
     mukca_regression *m = t->m;
     mukca_status status = MUKCA_OK;
     d->geometry = m->unknowns.geometry;
-    if (d->folds > 1) d->applied_m = held_out(t, d);
+    if (d->folds > 1) {
+        mukca_folds b = {.m = m};
+        const int rows = m->recording.data->n_rows;
+        mukca_folds_create(&b);
+        if (m->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+        mukca_folds_run(b.error, &b, false);
+        d->applied_m = mukca_folds_mean(b.error, rows);
+        mukca_folds_by_placement(d->placement_mae_m, &m->recording, b.error);
+        if (!t->options->test) memcpy(d->after_m, b.error, sizeof *b.error * (size_t)rows);
+    }
     if (t->options->test) {
         const double own[2] = {d->test_geometry_m, d->test_explained_m}; /* of the arm by itself */
         const mukca_arm_state arm = mukca_unknowns_arm(&m->unknowns);

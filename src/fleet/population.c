@@ -36,29 +36,23 @@ enum {
 bool mukca_population_arm(double *W, double *w, const mukca_population *p, const mukca_fleet *f,
                           int arm, const double *P)
 {
-    const double *packed = f->arm[arm].information;
-    const int n = p->n;
-    double A[T * T], x[T];
+    const int n = p->n, width = n + 1;
+    double A[T * T], X[T * (T + 1)];
     for (int i = 0; i < n; i++) {
-        w[i] = x[i] = f->arm[arm].vector[p->term[i]];
         for (int j = 0; j <= i; j++)
-            W[i * n + j] = W[j * n + i] = packed[mukca_fleet_packed(p->term[i]) + p->term[j]];
+            X[i * width + j] = X[j * width + i] =
+                f->arm[arm].information[mukca_fleet_packed(p->term[i]) + p->term[j]];
+        X[i * width + n] = f->arm[arm].vector[p->term[i]];
     }
-    /* With the information L of the arm and A = P + L = R R': X = R^-1 L in W, and L - X' X. */
-    for (int i = 0; i < n * n; i++) A[i] = W[i] + P[i];
-    if (mukca_dense_cholesky(A, n)) return false;
-    mukca_dense_forward(W, n, A, n);
-    mukca_dense_forward(x, 1, A, n);
+    for (int i = 0; i < n * n; i++) A[i] = P[i] + X[i / n * width + i % n];
+    /* With the information L of the arm: L - L (P + L)^-1 L = P (P + L)^-1 L. */
+    if (mukca_dense_solve(X, width, A, n)) return false;
     for (int i = 0; i < n; i++)
-        for (int j = 0; j <= i; j++)
-            A[i * n + j] = packed[mukca_fleet_packed(p->term[i]) + p->term[j]];
-    for (int r = 0; r < n; r++)
-        for (int i = 0; i < n; i++) {
-            w[i] -= W[r * n + i] * x[r];
-            for (int j = 0; j <= i; j++) A[i * n + j] -= W[r * n + i] * W[r * n + j];
+        for (int j = 0; j < width; j++) {
+            double sum = 0;
+            for (int k = 0; k < n; k++) sum += P[i * n + k] * X[k * width + j];
+            *(j < n ? &W[i * n + j] : &w[i]) = sum;
         }
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j <= i; j++) W[i * n + j] = W[j * n + i] = A[i * n + j];
     return true;
 }
 
