@@ -25,27 +25,9 @@ enum {
  * +-2047. */
 #define MUKCA_FLEET_QUANTUM (1.0 / 16)
 
-/* Prior of a coefficient, rad/(N m). */
-typedef struct {
-    double mean, sigma;
-} mukca_fleet_prior;
-
 /* Number of coefficients, and the i-th (without value). */
 int mukca_fleet_terms(int n_joints);
 mukca_effect mukca_fleet_term(int i, int n_joints);
-
-/* Remove from the regression all elastic causes, unknown functions, which would absorb elasticity,
- * and the gear harmonics of a joint (-1: none). */
-void mukca_fleet_strip(mukca_regression *m, int joint);
-
-/* Append the elastic coefficients to the causes, with prior[terms], each with one coefficient for
- * all masses.  A coefficient without influence on this recording is omitted.  Fit afterwards.
- * False: no space. */
-bool mukca_fleet_add(mukca_regression *m, const mukca_fleet_prior *prior);
-
-/* Index of a gear harmonic among the causes; added if absent, with a prior size chosen by evidence;
- * -1: no space. */
-int mukca_fleet_add_harmonic(mukca_regression *m, int joint, int order);
 
 /* Properties common to arms of one model.  The tool is excluded: all elements after the last joint,
  * and the tip. */
@@ -159,16 +141,6 @@ typedef struct {
     double average[MUKCA_FLEET_TERMS], average_covariance[MUKCA_FLEET_TERMS * MUKCA_FLEET_TERMS];
     double scratch[MUKCA_FLEET_TERMS * MUKCA_FLEET_TERMS];
 } mukca_population;
-
-/* Fit the population to all arms but those that depart and `without` (-1: none), starting from the
- * present mean and spread if `warm`.  False: no memory. */
-bool mukca_population_fit(mukca_population *population, const mukca_fleet *fleet, int without,
-                          bool warm);
-
-/* Information W[n][n] of an arm on the population's mean, and information times estimate, if the
- * prior precision of its coefficients about the mean is P[n][n].  False: not positive definite. */
-bool mukca_population_arm(double *W, double *w, const mukca_population *population,
-                          const mukca_fleet *fleet, int arm, const double *P);
 
 /* A coefficient of an arm, from its data, compared with its sisters. */
 typedef struct {
