@@ -133,16 +133,14 @@ static void print_shared(cli_call *call, const cli_fleet *w)
 
 static void print_departures(cli_call *call, const cli_fleet *w)
 {
+    const mukca_departure *d = w->result.ranked, *const end = d + w->fleet.n_arms;
     char words[MUKCA_WORDING];
-    int shown = 0;
-    for (int a = 0; a < w->fleet.n_arms; a++) {
-        const mukca_departure *d = &w->result.departure[a];
-        if (!(d->probability >= MUKCA_DEPARTS)) continue;
-        mukca_wording_fleet_departure(words, d, &w->fleet);
-        cli_say(call, shown++ ? "" : "Departs", "%s", words);
-    }
-    if (!shown)
+    if (!(d->probability >= MUKCA_DEPARTS))
         cli_say(call, "Departs", w->fleet.n_arms < 3 ? "not testable with two arms" : "no arm");
+    for (const char *key = "Departs"; d < end && d->probability >= MUKCA_DEPARTS; d++, key = "") {
+        mukca_wording_fleet_departure(words, d, &w->fleet);
+        cli_say(call, key, "%s", words);
+    }
 }
 
 static mukca_status run(cli_call *call)

@@ -167,6 +167,7 @@ typedef struct {
     mukca_population population;
     mukca_trait order[MUKCA_MAX_JOINTS];   /* [n_joints]: the most probable; 0: none was scanned */
     mukca_departure *departure, *estimate; /* [n_arms], [n_arms][population.n] */
+    mukca_departure *ranked;               /* [n_arms] departures, the most probable first */
     mukca_traits traits;                   /* [population.n] coefficients, then the shared orders */
     mukca_pool pool;
 } mukca_fleet_result;

@@ -3,6 +3,7 @@
  * models, J. Am. Stat. Assoc. 92, 1997) which of them are shared, and their sizes; arms that
  * depart, which are excluded. */
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "fleet/fleet.h"
@@ -43,16 +44,16 @@ static bool arm_information(double *W, double *w, const mukca_population *p, con
                             int arm, const double *P)
 {
     const int n = p->n, width = n + 1;
-    double A[T * T], X[T * (T + 1)];
+    double X[T * (T + 1)];
     for (int i = 0; i < n; i++) {
         for (int j = 0; j <= i; j++)
             X[i * width + j] = X[j * width + i] =
                 f->arm[arm].information[mukca_fleet_packed(p->term[i]) + p->term[j]];
         X[i * width + n] = f->arm[arm].vector[p->term[i]];
     }
-    for (int i = 0; i < n * n; i++) A[i] = P[i] + X[i / n * width + i % n];
+    for (int i = 0; i < n * n; i++) W[i] = P[i] + X[i / n * width + i % n];
     /* With the information L of the arm: L - L (P + L)^-1 L = P (P + L)^-1 L. */
-    if (mukca_dense_solve(X, width, A, n)) return false;
+    if (mukca_dense_solve(X, width, W, n)) return false;
     for (int i = 0; i < n; i++)
         for (int j = 0; j < width; j++) {
             double sum = 0;
@@ -402,6 +403,15 @@ static bool find_departures(mukca_departure *departure, mukca_departure *estimat
     return true;
 }
 
+static int by_probability(const void *a, const void *b)
+{
+    const mukca_departure *x = a, *y = b;
+    if (x->probability != y->probability) return x->probability < y->probability ? 1 : -1;
+    if (x->log_bayes_factor != y->log_bayes_factor)
+        return x->log_bayes_factor < y->log_bayes_factor ? 1 : -1;
+    return x->arm - y->arm;
+}
+
 mukca_status mukca_fleet_pool(mukca_fleet_result *r, mukca_fleet *f, mukca_error *error)
 {
     memset(r, 0, sizeof *r);
@@ -417,6 +427,7 @@ mukca_status mukca_fleet_pool(mukca_fleet_result *r, mukca_fleet *f, mukca_error
             const size_t arms = (size_t)f->n_arms, n = (size_t)r->population.n;
             r->departure = MUKCA_TAKE(&r->pool, mukca_departure, arms);
             r->estimate = MUKCA_TAKE(&r->pool, mukca_departure, arms * (n + 1));
+            r->ranked = MUKCA_TAKE(&r->pool, mukca_departure, arms);
         }
         ok = ok && !r->pool.failed &&
              find_departures(r->departure, r->estimate, &r->pool, &r->population, f);
@@ -425,6 +436,8 @@ mukca_status mukca_fleet_pool(mukca_fleet_result *r, mukca_fleet *f, mukca_error
             any |= f->arm[a].departs = r->departure[a].probability >= MUKCA_DEPARTS;
     }
     if (!ok) return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d arms", f->n_arms);
+    memcpy(r->ranked, r->departure, sizeof *r->ranked * (size_t)f->n_arms);
+    qsort(r->ranked, (size_t)f->n_arms, sizeof *r->ranked, by_probability);
     mukca_orders_pool(r->order, f);
     mukca_traits *t = &r->traits;
     t->model = f->model;

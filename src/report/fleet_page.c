@@ -55,38 +55,18 @@ void mukca_wording_fleet_departure(char text[MUKCA_WORDING], const mukca_departu
              per * d->high, per * d->mean, probability);
 }
 
-/* ---- the order of the page ---- */
-
-/* Whether x precedes y: most probable departure first. */
-static bool precedes(const mukca_departure *x, const mukca_departure *y)
-{
-    if (x->probability != y->probability) return x->probability > y->probability;
-    if (x->log_bayes_factor != y->log_bayes_factor)
-        return x->log_bayes_factor > y->log_bayes_factor;
-    return x->arm < y->arm;
-}
-
-/* The arm that follows `last` (NULL: the first) on the page; NULL: none. */
-static const mukca_departure *next_arm(const mukca_fleet_page *p, const mukca_departure *last)
-{
-    const mukca_departure *best = NULL, *d = p->result->departure;
-    for (int a = 0; a < p->fleet->n_arms; a++, d++)
-        if ((!last || precedes(last, d)) && (!best || precedes(d, best))) best = d;
-    return best;
-}
-
 static bool departs(const mukca_departure *d)
 {
-    return d && d->probability >= MUKCA_DEPARTS;
+    return d->probability >= MUKCA_DEPARTS;
 }
 
 /* ---- texts ---- */
 
 static void put_departures(FILE *out, const mukca_fleet_page *p, int n)
 {
-    const mukca_departure *d = next_arm(p, NULL);
     char words[MUKCA_WORDING];
-    for (int i = 0; departs(d) && i < MOST_ROWS; d = next_arm(p, d), i++) {
+    for (int i = 0; i < n && i < MOST_ROWS; i++) {
+        const mukca_departure *d = &p->result->ranked[i];
         const char *remedy = mukca_effect_table[d->effect.kind]->remedy;
         mukca_wording_fleet_departure(words, d, p->fleet);
         fputs("<li>", out);
@@ -107,7 +87,7 @@ static void open_page(FILE *out, const void *content)
     int n = 0, shared = 0;
     for (int a = 0; a < f->n_arms; a++) n += departs(&p->result->departure[a]);
     if (n > 1) snprintf(words, sizeof words, "%d of %d arms depart from the fleet", n, f->n_arms);
-    if (n == 1) mukca_wording_fleet_departure(words, next_arm(p, NULL), f);
+    if (n == 1) mukca_wording_fleet_departure(words, p->result->ranked, f);
     if (f->n_arms < 3) snprintf(words, sizeof words, "Departures are not testable with two arms");
     fprintf(out, "<p class=\"verdict %s\">", n ? "unknown" : f->n_arms < 3 ? "untestable" : "none");
     mukca_html_escape(out, words);
@@ -135,14 +115,15 @@ static void open_page(FILE *out, const void *content)
 static void put_arms(FILE *out, const void *content)
 {
     const mukca_fleet_page *p = content;
-    const mukca_departure *d = next_arm(p, NULL);
+    const int n = p->fleet->n_arms;
     char words[MUKCA_WORDING];
     mukca_html_table table = {
         .out = out,
         .caption = "Arms by the probability of a departure, " MUKCA_WORDING_SPRING,
         .columns =
             "arm|#sessions|#samples|largest departure|#value|#from|#to|#sisters|#probability"};
-    for (int i = 0; d && i < MOST_ROWS; d = next_arm(p, d), i++) {
+    for (int i = 0; i < n && i < MOST_ROWS; i++) {
+        const mukca_departure *d = &p->result->ranked[i];
         const mukca_fleet_arm *arm = &p->fleet->arm[d->arm];
         snprintf(words, sizeof words, "not testable");
         if (d->k >= 0) put_effect(words, &d->effect, p->fleet);
@@ -155,7 +136,7 @@ static void put_arms(FILE *out, const void *content)
             mukca_html_cells(&table, "nan\tnan\tnan\tnan\tnan");
     }
     mukca_html_table_end(&table);
-    if (d) fprintf(out, "<p>The first %d of %d arms.</p>\n", MOST_ROWS, p->fleet->n_arms);
+    if (n > MOST_ROWS) fprintf(out, "<p>The first %d of %d arms.</p>\n", MOST_ROWS, n);
 }
 
 static void put_provenance(FILE *out, const void *content)
@@ -172,9 +153,9 @@ static void put_provenance(FILE *out, const void *content)
 static int put_points(mukca_plot *plot, const mukca_fleet_page *p, int k)
 {
     const mukca_fleet_result *r = p->result;
-    const mukca_departure *d = next_arm(p, NULL);
     int drawn = 0;
-    for (int i = 0; d && i < MOST_ARMS; d = next_arm(p, d), i++) {
+    for (int i = 0; i < p->fleet->n_arms && i < MOST_ARMS; i++) {
+        const mukca_departure *d = &r->ranked[i];
         const mukca_departure *e = &r->estimate[d->arm * r->population.n + k];
         mukca_plot_name(plot, i, p->fleet->arm[d->arm].name);
         if (d->k < 0) continue;
