@@ -133,14 +133,7 @@ static mukca_status go_on(void *context, struct mukca_regression *m, mukca_diagn
     const diagnose_options *o = call->options;
     diagnose_work *w = call->work;
     mukca_status status = MUKCA_OK;
-    if (o->summary) {
-        mukca_unknowns own;
-        if (!mukca_unknowns_clone(&own, &m->pool, &m->unknowns))
-            return mukca_fail(error, MUKCA_MEMORY, "out of memory for the summary");
-        status = mukca_summary_take(&w->summary, m, error);
-        mukca_unknowns_assign(&m->unknowns, &own);
-        mukca_regression_linearise(m);
-    }
+    if (o->summary) status = mukca_summary_take(&w->summary, m, error);
     const mukca_adopt_options adopt = {
         .traits = &w->traits,
         .test = call->session->test.n_rows ? &call->session->test : NULL,

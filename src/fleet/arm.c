@@ -200,6 +200,8 @@ mukca_status mukca_summary_take(mukca_summary *s, mukca_regression *m, mukca_err
     if (!isfinite(mukca_regression_factor(m)))
         return mukca_fail(error, MUKCA_UNIDENTIFIABLE, "the data cannot be summarised: no fit");
     marginalise(s, m);
+    mukca_unknowns_assign(&m->unknowns, own);
+    mukca_regression_linearise(m);
     return MUKCA_OK;
 }
 

@@ -63,9 +63,9 @@ void mukca_fleet_model_of(mukca_fleet_model *model, const mukca_chain *chain);
 /* Reason why summaries of the two models cannot be pooled; NULL: they can. */
 const char *mukca_fleet_model_differs(const mukca_fleet_model *a, const mukca_fleet_model *b);
 
-/* Summary of a recording from the regression of its diagnosis.  The regression keeps recording
- * faults and causes that are not elastic, and gets the elastic coefficients.  The caller sets arm
- * and data.  Errors: MUKCA_MEMORY, MUKCA_UNIDENTIFIABLE (no fit). */
+/* Summary of a recording from the regression of its diagnosis, which is fitted with the elastic
+ * coefficients in place of elastic causes and then restored.  The caller sets arm and data. Errors:
+ * MUKCA_MEMORY, MUKCA_UNIDENTIFIABLE (no fit). */
 mukca_status mukca_summary_take(mukca_summary *summary, mukca_regression *m, mukca_error *error);
 
 /* Hash of a recording: its angles, sockets and measured positions. */

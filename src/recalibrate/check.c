@@ -81,23 +81,6 @@ static mukca_status check_moving(preview *p, mukca_error *error)
     return MUKCA_OK;
 }
 
-/* Whether most predicted positions match the measured position of another row. */
-static bool shuffled(preview *p, double median)
-{
-    double *nearest = p->work;
-    int moved = 0;
-    for (int i = 0; i < p->n; i++) {
-        int best = 0;
-        for (int k = 1; k < p->n; k++)
-            if (mukca_distance3(p->nominal[i].p, p->measured[k].p) <
-                mukca_distance3(p->nominal[i].p, p->measured[best].p))
-                best = k;
-        nearest[i] = mukca_distance3(p->nominal[i].p, p->measured[best].p);
-        moved += best != i;
-    }
-    return moved > p->n / 2 && mukca_stats_median(nearest, p->n) < 0.1 * median;
-}
-
 static mukca_status check_frames(mukca_pose_check *check, preview *p, mukca_error *error)
 {
     const mukca_chain *c = p->chain;
@@ -117,15 +100,11 @@ static mukca_status check_frames(mukca_pose_check *check, preview *p, mukca_erro
     median = p->oriented ? rotation_median(p) : 0;
     if (median <= 1.5 * best_turn) /* no link fits the orientations much better */
         best_turn = median, check->rotation_element = check->position_element;
-    if (best > 0.1 && shuffled(p, best))
-        return mukca_fail(error, MUKCA_INPUT,
-                          "the poses are those of other rows' joint angles (median error %.0f mm, "
-                          "small in another order): sort both into the same order",
-                          1e3 * best);
     if (best > 0.1)
         return mukca_fail(error, MUKCA_INPUT,
                           "the poses are %.0f mm (median) from every link of this arm: another "
-                          "base frame or tool (--free-base, --free-tool), or another arm",
+                          "base frame or tool (--free-base, --free-tool), angles and poses in "
+                          "another order of rows, or another arm",
                           1e3 * best);
     if (check->position_element < joint || (best_turn < 0.1 && check->rotation_element < joint))
         return mukca_fail(error, MUKCA_INPUT,

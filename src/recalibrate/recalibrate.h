@@ -273,8 +273,8 @@ typedef struct {
 } mukca_pose_check;
 
 /* Determine these from the log.  With the task's free_base or free_tool the frames are unknown and
- * the last element is assumed.  Errors: MUKCA_INPUT with the defect (a stopped stream, poses of
- * other rows, of a link before a joint, a rotated frame), MUKCA_MEMORY, and those of the log. */
+ * the last element is assumed.  Errors: MUKCA_INPUT with the defect (a stopped stream, poses far
+ * from the arm, of a link before a joint, a rotated frame), MUKCA_MEMORY, and those of the log. */
 mukca_status mukca_pose_check_run(mukca_pose_check *check, const mukca_recalibrate_task *task,
                                   mukca_error *error);
 
