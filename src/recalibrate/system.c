@@ -56,35 +56,19 @@ void mukca_pose_system_add(mukca_pose_system *s, const mukca_pose_look *look, do
  * of 1e3 assigns 1e-6 of them to the arm. */
 static const double tool_freedom = 1e3;
 
-/* Replace the solutions v[n] in the first `rank` columns of V[n][n] by the equivalent ones of least
- * norm in units of the prior sizes: v + N c with the null directions N, the other columns, and (N'
- * W N) c = -N' W v. */
+/* Replace the solutions in the first `rank` columns of V[n][n] by the equivalent ones of least norm
+ * in units of the prior sizes: in these units orthogonal to the null directions, the other columns.
+ */
 static void prefer_tool(double *V, double *A, const mukca_pose_system *s, int n, int rank)
 {
-    double w[MUKCA_MAX_UNKNOWNS];
-    const int free = n - rank;
-    bool any = false;
+    double weight[MUKCA_MAX_UNKNOWNS];
     for (int i = 0; i < n; i++) {
-        w[i] = s->unknown[i].tool ? 1 / (tool_freedom * tool_freedom) : 1;
-        any |= s->unknown[i].tool;
+        weight[i] = s->unknown[i].tool ? 1 / tool_freedom : 1;
+        for (int k = 0; k < n; k++) A[i * n + k] = weight[i] * V[i * n + (k + rank) % n];
     }
-    if (!any || free == 0) return;
-    for (int a = 0; a < free; a++)
-        for (int b = 0; b < free; b++) {
-            A[a * free + b] = 0;
-            for (int i = 0; i < n; i++)
-                A[a * free + b] += V[i * n + rank + a] * w[i] * V[i * n + rank + b];
-        }
-    if (mukca_dense_cholesky(A, free) != 0) return;
-    for (int k = 0; k < rank; k++) {
-        double c[MUKCA_MAX_UNKNOWNS] = {0};
-        for (int a = 0; a < free; a++)
-            for (int i = 0; i < n; i++) c[a] -= V[i * n + rank + a] * w[i] * V[i * n + k];
-        mukca_dense_forward(c, 1, A, free);
-        mukca_dense_backward(c, 1, A, free);
-        for (int i = 0; i < n; i++)
-            for (int a = 0; a < free; a++) V[i * n + k] += V[i * n + rank + a] * c[a];
-    }
+    mukca_dense_project(A, n, n, 0, n - rank);
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < rank; k++) V[i * n + k] = A[i * n + n - rank + k] / weight[i];
 }
 
 bool mukca_pose_system_solve(mukca_pose_step *out, mukca_pose_estimates *to, mukca_pose_system *s,
