@@ -29,8 +29,11 @@ static void fill_velocity(mukca_pose_row *now, const mukca_pose_row *before,
 
 static mukca_status fail(mukca_error *error)
 {
-    return mukca_fail(error, MUKCA_MEMORY, "the temporary file of the pose log: %s",
-                      strerror(errno));
+    return mukca_fail(
+        error, MUKCA_MEMORY,
+        "the temporary file of the pose log: %s; it needs about the log's size in the "
+        "folder for temporary files",
+        strerror(errno));
 }
 
 /* Store the last row, which `after` follows. */
