@@ -67,21 +67,6 @@ static bool add_elastic(mukca_regression *m, const elastic_prior *prior)
     return ok;
 }
 
-/* Index of a gear harmonic among the causes; added if absent, with a prior size chosen by evidence;
- * -1: no space. */
-static int add_harmonic(mukca_regression *m, int joint, int order)
-{
-    const mukca_effect effect = {.kind = MUKCA_EFFECT_GEAR_HARMONIC,
-                                 .joint = joint,
-                                 .placement = -1,
-                                 .variant.order = order};
-    for (int c = 0; c < m->unknowns.n_causes; c++) {
-        const mukca_candidate *h = &m->unknowns.cause[c].candidate;
-        if (h->kind == MUKCA_CANDIDATE_EFFECT && mukca_effect_same(&h->effect, &effect)) return c;
-    }
-    return add(m, &effect) ? m->unknowns.n_causes - 1 : -1;
-}
-
 /* ---- summary of a recording ---- */
 
 /* True if a gear harmonic of the joint is among the causes. */
@@ -223,16 +208,20 @@ typedef struct {
     elastic_prior prior[MUKCA_FLEET_TERMS];
 } task;
 
-/* Add the orders of ripple known from the fleet. */
+/* Add the orders of ripple known from the fleet, each with a prior size chosen by evidence. */
 static bool put_orders(task *t)
 {
     mukca_unknowns *u = &t->m->unknowns;
     const mukca_traits *traits = t->options->traits;
     for (int i = 0; i < traits->n; i++) {
         const mukca_trait *known = &traits->list[i];
+        int c = 0;
         if (known->effect.kind != MUKCA_EFFECT_GEAR_HARMONIC) continue;
-        const int c = add_harmonic(t->m, known->effect.joint, known->effect.variant.order);
-        if (c < 0) return false;
+        while (c < u->n_causes &&
+               !(u->cause[c].candidate.kind == MUKCA_CANDIDATE_EFFECT &&
+                 mukca_effect_same(&u->cause[c].candidate.effect, &known->effect)))
+            c++;
+        if (c == u->n_causes && !add(t->m, &known->effect)) return false;
         u->cause[c].candidate.log_prior = log(known->probability); /* no look-elsewhere penalty */
     }
     return true;

@@ -174,14 +174,6 @@ mukca_status mukca_fleet_gather(mukca_fleet *f, mukca_error *error)
     return MUKCA_OK;
 }
 
-double mukca_fleet_ripple(const mukca_fleet *f, int arm, int joint, int order)
-{
-    int quanta = 0;
-    for (int s = f->arm[arm].first; s < f->arm[arm].end; s++)
-        quanta += f->session[s]->ripple[joint][order - 2];
-    return quanta * MUKCA_FLEET_QUANTUM;
-}
-
 void mukca_fleet_free(mukca_fleet *f)
 {
     mukca_pool_free(&f->pool);
@@ -218,6 +210,15 @@ static double add_arm(double *gear, const double *value)
     return individual;
 }
 
+/* Log Bayes factor of an order of ripple, over all sessions of an arm. */
+static double ripple_of(const mukca_fleet *f, int arm, int joint, int order)
+{
+    int quanta = 0;
+    for (int s = f->arm[arm].first; s < f->arm[arm].end; s++)
+        quanta += f->session[s]->ripple[joint][order - 2];
+    return quanta * MUKCA_FLEET_QUANTUM;
+}
+
 /* Three hypotheses of a joint: no ripple; gears of one order in all arms; an order of its own in
  * some arms.  The last keeps the fault of one arm from being attributed to the fleet.  Even odds
  * that no joint has ripple, whatever the number of joints (as in population.c); equal odds of the
@@ -229,7 +230,7 @@ static void pool_joint(mukca_trait *shared, const mukca_fleet *f, int joint)
     bool scanned = false;
     for (int a = 0; a < f->n_arms; a++) {
         for (int o = FIRST; o < ORDERS; o++) {
-            value[o] = mukca_fleet_ripple(f, a, joint, o + 2);
+            value[o] = ripple_of(f, a, joint, o + 2);
             scanned |= value[o] != 0;
             sum[o] += value[o];
         }
@@ -254,8 +255,7 @@ static void pool_joint(mukca_trait *shared, const mukca_fleet *f, int joint)
     shared->effect.variant.order = best + 2;
     shared->log_bayes_factor = sum[best];
     shared->probability = exp(gear[best] - mukca_stats_log_sum_exp(all, 3));
-    for (int a = 0; a < f->n_arms; a++)
-        shared->arms += mukca_fleet_ripple(f, a, joint, best + 2) > 0;
+    for (int a = 0; a < f->n_arms; a++) shared->arms += ripple_of(f, a, joint, best + 2) > 0;
 }
 
 void mukca_orders_pool(mukca_trait *order, const mukca_fleet *f)

@@ -117,9 +117,6 @@ mukca_status mukca_fleet_take(mukca_fleet *fleet, const mukca_summary *summary, 
  * arm.  Errors: MUKCA_INPUT (the same recording twice), MUKCA_MEMORY. */
 mukca_status mukca_fleet_gather(mukca_fleet *fleet, mukca_error *error);
 
-/* Log Bayes factor of an order of ripple, over all sessions of an arm. */
-double mukca_fleet_ripple(const mukca_fleet *fleet, int arm, int joint, int order);
-
 void mukca_fleet_free(mukca_fleet *fleet);
 
 /* order[n_joints]: the most probable order of each joint (order 0: none was scanned). */
