@@ -202,9 +202,8 @@ mukca_status mukca_summary_take(mukca_summary *s, mukca_regression *m, mukca_err
 typedef struct {
     mukca_adoption *adoption;
     mukca_regression *m;
-    const mukca_adopt_options *options;
-    mukca_unknowns own, base; /* as diagnosed; without elastic causes, with the known orders */
-    mukca_unknowns kept;      /* backup */
+    mukca_unknowns own;  /* as diagnosed; a backup once the traits are adopted */
+    mukca_unknowns base; /* without elastic causes, with the known orders */
     elastic_prior prior[MUKCA_FLEET_TERMS];
 } task;
 
@@ -212,7 +211,7 @@ typedef struct {
 static bool put_orders(task *t)
 {
     mukca_unknowns *u = &t->m->unknowns;
-    const mukca_traits *traits = t->options->traits;
+    const mukca_traits *traits = t->adoption->traits;
     for (int i = 0; i < traits->n; i++) {
         const mukca_trait *known = &traits->list[i];
         int c = 0;
@@ -249,11 +248,11 @@ static void read_prior(task *t)
     const int n = t->m->recording.chain->n_joints;
     for (int k = 0; k < mukca_fleet_terms(n); k++) {
         const mukca_effect term = mukca_fleet_term(k, n);
-        const mukca_trait *trait = find_trait(t->options->traits, &term);
+        const mukca_trait *trait = find_trait(t->adoption->traits, &term);
         t->prior[k] = (elastic_prior){.mean = trait ? trait->mean : 0,
-                                      .sigma = t->options->only ? HELD
-                                               : trait          ? hypot(trait->spread, trait->error)
-                                                                : WIDE};
+                                      .sigma = t->adoption->only ? HELD
+                                               : trait ? hypot(trait->spread, trait->error)
+                                                       : WIDE};
     }
 }
 
@@ -266,7 +265,7 @@ static void list_coefficients(task *t)
     for (int c = 0; c < u->n_causes; c++) {
         const mukca_accepted *cause = &u->cause[c];
         const mukca_trait *trait =
-            cause->known ? find_trait(t->options->traits, &cause->candidate.effect) : NULL;
+            cause->known ? find_trait(t->adoption->traits, &cause->candidate.effect) : NULL;
         if (!trait) continue;
         const double value = cause->coefficient[0],
                      sigma = mukca_regression_standard_error(t->m, mukca_unknowns_column(u, c),
@@ -287,7 +286,7 @@ static void choose_placement_effects(task *t, const mukca_diagnosis *d)
     mukca_unknowns *u = &t->m->unknowns;
     const int n = u->n_causes;
     if (d->folds < 3) return;
-    mukca_unknowns_assign(&t->kept, u);
+    mukca_unknowns_assign(&t->own, u);
     for (int c = n - 1; c >= 0; c--) {
         const int class = mukca_candidate_class(&u->cause[c].candidate);
         if (mukca_effect_has(class, MUKCA_TRAIT_PER_PLACEMENT)) mukca_unknowns_drop(u, c);
@@ -296,7 +295,7 @@ static void choose_placement_effects(task *t, const mukca_diagnosis *d)
     const double with = mukca_held_out_structure(t->m);
     mukca_regression_fit(t->m, 6, MUKCA_FIT_ALL);
     if (mukca_held_out_structure(t->m) < with) return;
-    mukca_unknowns_assign(u, &t->kept);
+    mukca_unknowns_assign(u, &t->own);
     mukca_regression_linearise(t->m);
 }
 
@@ -314,12 +313,12 @@ static mukca_status take_over(task *t, mukca_diagnosis *d, mukca_error *error)
         mukca_folds_run(b.error, &b, false);
         d->applied_m = mukca_folds_mean(b.error, rows);
         mukca_folds_by_placement(d->placement_mae_m, &m->recording, b.error);
-        if (!t->options->test) memcpy(d->after_m, b.error, sizeof *b.error * (size_t)rows);
+        if (!t->adoption->test) memcpy(d->after_m, b.error, sizeof *b.error * (size_t)rows);
     }
-    if (t->options->test) {
+    if (t->adoption->test) {
         const double own[2] = {d->test_geometry_m, d->test_explained_m}; /* of the arm by itself */
         const mukca_arm_state arm = mukca_unknowns_arm(&m->unknowns);
-        status = mukca_test_data_measure(d, NULL, m, &arm, t->options->test, error);
+        status = mukca_test_data_measure(d, NULL, m, &arm, t->adoption->test, error);
         d->test_applied_m = d->test_explained_m;
         d->test_geometry_m = own[0], d->test_explained_m = own[1];
     }
@@ -329,20 +328,18 @@ static mukca_status take_over(task *t, mukca_diagnosis *d, mukca_error *error)
 }
 
 mukca_status mukca_adopt(mukca_adoption *a, mukca_regression *m, mukca_diagnosis *d,
-                         const mukca_adopt_options *options, mukca_error *error)
+                         mukca_error *error)
 {
     task *t = MUKCA_TAKE(&m->pool, task, 1);
     elastic_prior wide[MUKCA_FLEET_TERMS];
-    *a = (mukca_adoption){.traits = options->traits, .only = options->only};
-    if (t) t->adoption = a, t->m = m, t->options = options;
+    if (t) t->adoption = a, t->m = m;
     bool ok = t && mukca_unknowns_clone(&t->own, &m->pool, &m->unknowns) &&
-              mukca_unknowns_clone(&t->base, &m->pool, &m->unknowns) &&
-              mukca_unknowns_clone(&t->kept, &m->pool, &m->unknowns);
+              mukca_unknowns_clone(&t->base, &m->pool, &m->unknowns);
     double own = mukca_regression_score(m);
     for (int k = 0; k < MUKCA_FLEET_TERMS; k++) wide[k] = (elastic_prior){0, WIDE};
     if (ok) {
         strip(m, -1);
-        ok = options->only || put_orders(t);
+        ok = a->only || put_orders(t);
         mukca_unknowns_assign(&t->base, &m->unknowns);
     }
     if (!ok || m->pool.failed)
@@ -350,7 +347,7 @@ mukca_status mukca_adopt(mukca_adoption *a, mukca_regression *m, mukca_diagnosis
     read_prior(t);
     own = fmax(own, fit(t, wide));
     a->log_evidence = fit(t, t->prior) - own;
-    a->adopted = options->only || a->log_evidence > 0;
+    a->adopted = a->only || a->log_evidence > 0;
     if (a->adopted) {
         choose_placement_effects(t, d);
         list_coefficients(t);

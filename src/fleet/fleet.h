@@ -196,25 +196,22 @@ typedef struct {
 } mukca_inherited;
 
 typedef struct {
+    /* of the caller */
     const mukca_traits *traits;
-    bool only;           /* only the traits' means, no elasticity fitted to this arm */
+    const mukca_dataset *test; /* held-out data, or NULL */
+    bool only;                 /* only the traits' means, no elasticity fitted to this arm */
+    /* results */
     bool adopted;        /* the traits' prior is in use; else the arm's own fit is better */
     double log_evidence; /* of the traits against the better of the fits without them */
     int n;
     mukca_inherited list[MUKCA_MAX_TRAITS];
 } mukca_adoption;
 
-typedef struct {
-    const mukca_traits *traits;
-    const mukca_dataset *test; /* held-out data, or NULL */
-    bool only;
-} mukca_adopt_options;
-
 /* Fit the arm with the traits as prior, in the regression of its diagnosis.  If the evidence
  * favours the traits, the errors and effects that the diagnosis applies are those of that fit;
  * otherwise the regression is restored.  Causes and verdict remain those of the arm's own data.
  * Errors: MUKCA_MEMORY. */
 mukca_status mukca_adopt(mukca_adoption *adoption, mukca_regression *m, mukca_diagnosis *diagnosis,
-                         const mukca_adopt_options *options, mukca_error *error);
+                         mukca_error *error);
 
 #endif
