@@ -258,7 +258,7 @@ static void pool_joint(mukca_trait *shared, const mukca_fleet *f, int joint)
     for (int a = 0; a < f->n_arms; a++) shared->arms += ripple_of(f, a, joint, best + 2) > 0;
 }
 
-void mukca_orders_pool(mukca_trait *order, const mukca_fleet *f)
+void mukca_orders_pool(mukca_fleet *f)
 {
-    for (int j = 0; j < f->model.n_joints; j++) pool_joint(&order[j], f, j);
+    for (int j = 0; j < f->model.n_joints; j++) pool_joint(&f->order[j], f, j);
 }

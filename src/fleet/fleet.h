@@ -73,15 +73,6 @@ uint64_t mukca_summary_hash(const mukca_dataset *data);
 
 /* ---- the fleet ---- */
 
-/* Sum of the sessions of one arm. */
-typedef struct {
-    const char *name;
-    int first, end; /* its sessions */
-    int samples;
-    bool departs;                 /* excluded from the population */
-    double *information, *vector; /* [packed], [terms] */
-} mukca_fleet_arm;
-
 /* A coefficient or (gear_harmonic) an order of ripple that arms share, whose phase differs between
  * them. */
 typedef struct {
@@ -100,27 +91,6 @@ typedef struct {
 /* Least probability for it to be called shared; for an arm to be called departing. */
 #define MUKCA_SHARED 0.5
 #define MUKCA_DEPARTS 0.95
-
-typedef struct {
-    mukca_fleet_model model; /* of the first summary */
-    int n_terms, n_sessions, n_arms, capacity;
-    mukca_summary **session; /* with n_joints rows of ripple only */
-    mukca_fleet_arm *arm;    /* set by mukca_fleet_gather */
-    mukca_pool pool;
-} mukca_fleet;
-
-/* Add a copy of a summary, whose path must outlive the fleet.  Errors: MUKCA_INPUT (another model,
- * no possible information), MUKCA_MEMORY. */
-mukca_status mukca_fleet_take(mukca_fleet *fleet, const mukca_summary *summary, mukca_error *error);
-
-/* Sort the sessions, to make results independent of the order of the files, and sum those of each
- * arm.  Errors: MUKCA_INPUT (the same recording twice), MUKCA_MEMORY. */
-mukca_status mukca_fleet_gather(mukca_fleet *fleet, mukca_error *error);
-
-void mukca_fleet_free(mukca_fleet *fleet);
-
-/* order[n_joints]: the most probable order of each joint (order 0: none was scanned). */
-void mukca_orders_pool(mukca_trait *order, const mukca_fleet *fleet);
 
 /* The population of a fleet's coefficients: those of each arm, scattered about a common mean.
  *
@@ -159,20 +129,46 @@ typedef struct {
     mukca_trait list[MUKCA_MAX_TRAITS];
 } mukca_traits;
 
-/* Results of a fleet. */
+/* One arm: the sum of its sessions, and its comparison with its sisters. */
 typedef struct {
+    const char *name;
+    int first, end; /* its sessions */
+    int samples;
+    bool departs;                 /* excluded from the population */
+    double *information, *vector; /* [packed], [terms] */
+    mukca_departure departure;    /* its most deviant coefficient */
+    mukca_departure *estimate;    /* [population.n] */
+} mukca_fleet_arm;
+
+typedef struct {
+    mukca_fleet_model model; /* of the first summary */
+    int n_terms, n_sessions, n_arms, capacity;
+    mukca_summary **session; /* with n_joints rows of ripple only */
+    mukca_fleet_arm *arm;    /* set by mukca_fleet_gather */
+    /* set by mukca_fleet_pool */
     mukca_population population;
-    mukca_trait order[MUKCA_MAX_JOINTS];   /* [n_joints]: the most probable; 0: none was scanned */
-    mukca_departure *departure, *estimate; /* [n_arms], [n_arms][population.n] */
-    mukca_departure *ranked;               /* [n_arms] departures, the most probable first */
-    mukca_traits traits;                   /* [population.n] coefficients, then the shared orders */
+    mukca_trait order[MUKCA_MAX_JOINTS]; /* [n_joints]: the most probable; 0: none was scanned */
+    mukca_departure *ranked;             /* [n_arms] the most probable first */
+    mukca_traits traits;                 /* [population.n] coefficients, then the shared orders */
     mukca_pool pool;
-} mukca_fleet_result;
+} mukca_fleet;
+
+/* Add a copy of a summary, whose path must outlive the fleet.  Errors: MUKCA_INPUT (another model,
+ * no possible information), MUKCA_MEMORY. */
+mukca_status mukca_fleet_take(mukca_fleet *fleet, const mukca_summary *summary, mukca_error *error);
+
+/* Sort the sessions, to make results independent of the order of the files, and sum those of each
+ * arm.  Errors: MUKCA_INPUT (the same recording twice), MUKCA_MEMORY. */
+mukca_status mukca_fleet_gather(mukca_fleet *fleet, mukca_error *error);
 
 /* Pool a gathered fleet.  Arms that depart are marked and excluded from its population.  Errors:
  * MUKCA_INPUT (fewer than two arms), MUKCA_MEMORY. */
-mukca_status mukca_fleet_pool(mukca_fleet_result *result, mukca_fleet *fleet, mukca_error *error);
-void mukca_fleet_result_free(mukca_fleet_result *result);
+mukca_status mukca_fleet_pool(mukca_fleet *fleet, mukca_error *error);
+
+void mukca_fleet_free(mukca_fleet *fleet);
+
+/* Find the most probable order of ripple of each joint: fleet->order. */
+void mukca_orders_pool(mukca_fleet *fleet);
 
 /* ---- correction of a recording for the traits of its model ---- */
 

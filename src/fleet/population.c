@@ -353,12 +353,12 @@ static void estimate(mukca_departure *d, const comparison *c, int k, double s2)
     d->ratio = d->mean > 0 ? d->value / d->mean : (double)INFINITY;
 }
 
-/* departure[n_arms]: the most deviant coefficient of each arm, by the posterior predictive of all
- * others; estimates[n_arms][all->n]: each arm's own coefficients with its sisters as prior.  False:
- * no memory. */
-static bool find_departures(mukca_departure *departure, mukca_departure *estimates,
-                            mukca_pool *pool, const mukca_population *all, const mukca_fleet *f)
+/* The most deviant coefficient of each arm, by the posterior predictive of all others; its own
+ * coefficients with its sisters as prior.  False: no memory. */
+static bool find_departures(mukca_fleet *f)
 {
+    const mukca_population *all = &f->population;
+    mukca_pool *pool = &f->pool;
     const int n = all->n;
     mukca_population *sisters = MUKCA_TAKE(pool, mukca_population, 1);
     comparison *c = MUKCA_TAKE(pool, comparison, 1);
@@ -371,7 +371,9 @@ static bool find_departures(mukca_departure *departure, mukca_departure *estimat
         double odds[T + 1] = {0}, size[T] = {0}, by_size[MUKCA_MOST_SIZES] = {0};
         int top = 0;
         *sisters = *all;
-        departure[a] = (mukca_departure){.arm = a, .k = -1};
+        f->arm[a].departure = (mukca_departure){.arm = a, .k = -1};
+        f->arm[a].estimate = MUKCA_TAKE(pool, mukca_departure, n + 1);
+        if (pool->failed) return false;
         if (f->n_arms < 3) continue; /* of two arms, either may depart */
         if (f->n_arms <= REFITS && !fit(sisters, f, a, true)) return false;
         if (!sisters->n || !compare(c, sisters, f, a, false)) continue;
@@ -383,15 +385,15 @@ static bool find_departures(mukca_departure *departure, mukca_departure *estimat
             if (odds[k] > odds[top]) top = k;
         }
         const double total = mukca_stats_log_sum_exp(odds, n + 1); /* odds[n] = 0: none departs */
-        departure[a] = (mukca_departure){.arm = a,
-                                         .effect = all->trait[top].effect,
-                                         .log_bayes_factor = odds[top] - each,
-                                         /* of any departure; the top one is reported */
-                                         .probability = 1 - exp(-total)};
-        estimate(&departure[a], c, top, size[top]);
+        f->arm[a].departure = (mukca_departure){.arm = a,
+                                                .effect = all->trait[top].effect,
+                                                .log_bayes_factor = odds[top] - each,
+                                                /* of any departure; the top one is reported */
+                                                .probability = 1 - exp(-total)};
+        estimate(&f->arm[a].departure, c, top, size[top]);
         const bool wanted = compare(c, sisters, f, a, true);
         for (int k = 0; k < n && wanted; k++) {
-            mukca_departure *e = &estimates[a * n + k];
+            mukca_departure *e = &f->arm[a].estimate[k];
             const double share = exp(odds[k] - total);
             *e = (mukca_departure){.arm = a,
                                    .effect = all->trait[k].effect,
@@ -412,46 +414,33 @@ static int by_probability(const void *a, const void *b)
     return x->arm - y->arm;
 }
 
-mukca_status mukca_fleet_pool(mukca_fleet_result *r, mukca_fleet *f, mukca_error *error)
+mukca_status mukca_fleet_pool(mukca_fleet *f, mukca_error *error)
 {
-    memset(r, 0, sizeof *r);
+    mukca_traits *t = &f->traits;
     if (f->n_arms < 2)
         return mukca_fail(error, MUKCA_INPUT,
                           "%s: the only arm ('%s'); a fleet needs two arms or more (label the "
                           "sessions with diagnose --arm)",
                           f->session[0]->path, f->arm[0].name);
     bool ok = true, any = true;
+    f->ranked = MUKCA_TAKE(&f->pool, mukca_departure, f->n_arms);
     for (int round = 0; round < 2 && any && ok; round++) {
-        ok = fit(&r->population, f, -1, round > 0);
-        if (round == 0) {
-            const size_t arms = (size_t)f->n_arms, n = (size_t)r->population.n;
-            r->departure = MUKCA_TAKE(&r->pool, mukca_departure, arms);
-            r->estimate = MUKCA_TAKE(&r->pool, mukca_departure, arms * (n + 1));
-            r->ranked = MUKCA_TAKE(&r->pool, mukca_departure, arms);
-        }
-        ok = ok && !r->pool.failed &&
-             find_departures(r->departure, r->estimate, &r->pool, &r->population, f);
+        ok = fit(&f->population, f, -1, round > 0) && find_departures(f);
         any = false; /* a broken arm has no information on its sisters: pool again without it */
         for (int a = 0; a < f->n_arms && ok && round == 0; a++)
-            any |= f->arm[a].departs = r->departure[a].probability >= MUKCA_DEPARTS;
+            any |= f->arm[a].departs = f->arm[a].departure.probability >= MUKCA_DEPARTS;
     }
     if (!ok) return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d arms", f->n_arms);
-    memcpy(r->ranked, r->departure, sizeof *r->ranked * (size_t)f->n_arms);
-    qsort(r->ranked, (size_t)f->n_arms, sizeof *r->ranked, by_probability);
-    mukca_orders_pool(r->order, f);
-    mukca_traits *t = &r->traits;
-    t->model = f->model;
-    t->n_arms = f->n_arms, t->n_sessions = f->n_sessions;
-    for (int a = 0; a < f->n_arms; a++) t->n_samples += f->arm[a].samples;
-    t->n = r->population.n;
-    memcpy(t->list, r->population.trait, (size_t)t->n * sizeof *t->list);
+    mukca_orders_pool(f);
+    *t = (mukca_traits){
+        .model = f->model, .n = f->population.n, .n_arms = f->n_arms, .n_sessions = f->n_sessions};
+    for (int a = 0; a < f->n_arms; a++) {
+        t->n_samples += f->arm[a].samples;
+        f->ranked[a] = f->arm[a].departure;
+    }
+    qsort(f->ranked, (size_t)f->n_arms, sizeof *f->ranked, by_probability);
+    memcpy(t->list, f->population.trait, (size_t)t->n * sizeof *t->list);
     for (int j = 0; j < f->model.n_joints; j++)
-        if (r->order[j].probability >= MUKCA_SHARED) t->list[t->n++] = r->order[j];
+        if (f->order[j].probability >= MUKCA_SHARED) t->list[t->n++] = f->order[j];
     return MUKCA_OK;
-}
-
-void mukca_fleet_result_free(mukca_fleet_result *r)
-{
-    mukca_pool_free(&r->pool);
-    memset(r, 0, sizeof *r);
 }

@@ -66,7 +66,7 @@ static void put_departures(FILE *out, const mukca_fleet_page *p, int n)
 {
     char words[MUKCA_WORDING];
     for (int i = 0; i < n && i < MOST_ROWS; i++) {
-        const mukca_departure *d = &p->result->ranked[i];
+        const mukca_departure *d = &p->fleet->ranked[i];
         const char *remedy = mukca_effect_table[d->effect.kind]->remedy;
         mukca_wording_fleet_departure(words, d, p->fleet);
         fputs("<li>", out);
@@ -82,12 +82,12 @@ static void open_page(FILE *out, const void *content)
 {
     const mukca_fleet_page *p = content;
     const mukca_fleet *f = p->fleet;
-    const mukca_traits *t = &p->result->traits;
+    const mukca_traits *t = &p->fleet->traits;
     char words[MUKCA_WORDING] = "No arm departs from the fleet";
     int n = 0, shared = 0;
-    for (int a = 0; a < f->n_arms; a++) n += departs(&p->result->departure[a]);
+    for (int a = 0; a < f->n_arms; a++) n += departs(&f->arm[a].departure);
     if (n > 1) snprintf(words, sizeof words, "%d of %d arms depart from the fleet", n, f->n_arms);
-    if (n == 1) mukca_wording_fleet_departure(words, p->result->ranked, f);
+    if (n == 1) mukca_wording_fleet_departure(words, p->fleet->ranked, f);
     if (f->n_arms < 3) snprintf(words, sizeof words, "Departures are not testable with two arms");
     fprintf(out, "<p class=\"verdict %s\">", n ? "unknown" : f->n_arms < 3 ? "untestable" : "none");
     mukca_html_escape(out, words);
@@ -123,7 +123,7 @@ static void put_arms(FILE *out, const void *content)
         .columns =
             "arm|#sessions|#samples|largest departure|#value|#from|#to|#sisters|#probability"};
     for (int i = 0; i < n && i < MOST_ROWS; i++) {
-        const mukca_departure *d = &p->result->ranked[i];
+        const mukca_departure *d = &p->fleet->ranked[i];
         const mukca_fleet_arm *arm = &p->fleet->arm[d->arm];
         snprintf(words, sizeof words, "not testable");
         if (d->k >= 0) put_effect(words, &d->effect, p->fleet);
@@ -152,11 +152,10 @@ static void put_provenance(FILE *out, const void *content)
 /* Add the arms' coefficients and names; returns the number of arms drawn. */
 static int put_points(mukca_plot *plot, const mukca_fleet_page *p, int k)
 {
-    const mukca_fleet_result *r = p->result;
     int drawn = 0;
     for (int i = 0; i < p->fleet->n_arms && i < MOST_ARMS; i++) {
-        const mukca_departure *d = &r->ranked[i];
-        const mukca_departure *e = &r->estimate[d->arm * r->population.n + k];
+        const mukca_departure *d = &p->fleet->ranked[i];
+        const mukca_departure *e = &p->fleet->arm[d->arm].estimate[k];
         mukca_plot_name(plot, i, p->fleet->arm[d->arm].name);
         if (d->k < 0) continue;
         mukca_plot_add(plot, departs(d) && d->k == k ? MUKCA_PLOT_BEFORE : MUKCA_PLOT_AFTER,
@@ -172,8 +171,8 @@ static bool draw_coefficient(mukca_plot *plot, const void *content, int index)
 {
     const mukca_fleet_page *p = content;
     const int n = p->fleet->n_arms;
-    if (index == p->result->population.n) return false;
-    const mukca_trait *c = &p->result->traits.list[index];
+    if (index == p->fleet->population.n) return false;
+    const mukca_trait *c = &p->fleet->traits.list[index];
     const double value = per * c->value, spread = MUKCA_SIGMAS_95 * per * c->spread;
     char words[MUKCA_WORDING], probability[MUKCA_WORDING];
     mukca_text description = MUKCA_TEXT(plot->words);
