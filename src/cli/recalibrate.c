@@ -122,7 +122,6 @@ static mukca_status fit_and_judge(cli_call *call, recalibrate_work *w)
         task.options = &robust;
         status = mukca_recalibrate(r->robust, &task, &call->error);
     }
-    if (status == MUKCA_OK) mukca_recalibrate_oracle(&r->oracle, r->robust);
     return status;
 }
 
@@ -255,13 +254,13 @@ static mukca_status write_offsets(cli_call *call, const mukca_offsets *offsets)
 /* Error: the poses contain no information about the arm. */
 static mukca_status refuse(cli_call *call, const cli_recalibrated *r)
 {
-    const mukca_oracle *o = &r->oracle;
+    const mukca_pose_gain *o = &r->robust->position;
     return cli_fail(call, MUKCA_UNIDENTIFIABLE,
                     "no calibration in these poses: their median error is %.4f mm with the nominal "
                     "model, %.4f mm after a fit, no gain beyond their noise; no offsets table is "
                     "written; check that angles and poses are of the same samples, use another "
                     "tracker, or calibrate from sockets",
-                    1e3 * o->position_nominal, 1e3 * o->position_left);
+                    1e3 * o->nominal, 1e3 * o->left);
 }
 
 /* Open the logs, determine what they measure, and fit. */
@@ -298,10 +297,10 @@ static mukca_status run(cli_call *call)
     if (status != MUKCA_OK) return status;
     fill_offsets(&w->offsets, r->fit, chain, &r->arm);
     status = judge_offsets(call, w);
-    if (status == MUKCA_OK && r->oracle.calibrated) status = write_offsets(call, &w->offsets);
+    if (status == MUKCA_OK && r->robust->calibrated) status = write_offsets(call, &w->offsets);
     if (status == MUKCA_OK && call->common->json)
         status = cli_write_json(call, cli_recalibrate_json(call, r, &w->offsets, chain));
-    if (status == MUKCA_OK && !r->oracle.calibrated) return refuse(call, r);
+    if (status == MUKCA_OK && !r->robust->calibrated) return refuse(call, r);
     if (status != MUKCA_OK) return status;
     cli_recalibrate_print(call, r, &w->offsets.acceptance);
     return w->offsets.acceptance.accepted ? MUKCA_OK : MUKCA_NEGATIVE;

@@ -13,7 +13,6 @@ typedef struct {
     bool tested; /* --test */
     mukca_pose_errors test[MUKCA_STAGES];
     mukca_recalibration *robust; /* basis of the verdict: fit, or a fit with Huber weights */
-    mukca_oracle oracle;
 } cli_recalibrated;
 
 /* Print one screen, after the files were written (acceptance: of the table). */

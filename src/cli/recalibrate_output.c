@@ -73,7 +73,7 @@ static void print_findings(cli_call *call, const cli_recalibrated *r, const mukc
     cli_say(call, "Result",
             "the poses contain a calibration: median position error %.4f mm nominal, %.4f mm after "
             "the fit",
-            1e3 * r->oracle.position_nominal, 1e3 * r->oracle.position_left);
+            1e3 * r->robust->position.nominal, 1e3 * r->robust->position.left);
     for (int j = 0; j < r->arm.n_joints; j++)
         if (never_moved(r, j))
             cli_say(call, NULL,
@@ -182,7 +182,7 @@ json_t *cli_recalibrate_json(const cli_call *call, const cli_recalibrated *r,
                              const mukca_offsets *offsets, const mukca_chain *chain)
 {
     const mukca_recalibration *f = r->fit;
-    const mukca_oracle *o = &r->oracle;
+    const mukca_recalibration *o = r->robust;
     json_t *model =
         cli_json(KEY("train", errors_json(f->errors, f->has_angles)),
                  KEY("test", r->tested ? errors_json(r->test, f->has_angles) : NULL),
@@ -200,12 +200,12 @@ json_t *cli_recalibrate_json(const cli_call *call, const cli_recalibrated *r,
         KEY("lag", cli_json(KEY("found", (bool)(f->lag != 0)), KEY("value", f->lag),
                             KEY("unit", r->log.timed ? "s" : "row"),
                             KEY("standard_errors", f->lag_score))),
-        KEY("oracle", cli_json(FIELD(f, tail), KEY("position_nominal_m", o->position_nominal),
-                               KEY("position_left_m", o->position_left),
-                               KEY("position_systematic_m", o->position_systematic),
-                               KEY("rotation_nominal_rad", o->rotation_nominal),
-                               KEY("rotation_left_rad", o->rotation_left),
-                               KEY("rotation_systematic_rad", o->rotation_systematic),
+        KEY("oracle", cli_json(FIELD(f, tail), KEY("position_nominal_m", o->position.nominal),
+                               KEY("position_left_m", o->position.left),
+                               KEY("position_systematic_m", o->position.systematic),
+                               KEY("rotation_nominal_rad", o->rotation.nominal),
+                               KEY("rotation_left_rad", o->rotation.left),
+                               KEY("rotation_systematic_rad", o->rotation.systematic),
                                KEY("huber_weights", (bool)(r->robust != r->fit)))),
         KEY("models", json_pack("[o]", model)), KEY("parameters", cli_json_offsets(offsets, chain)),
         KEY("acceptance", cli_json_acceptance(&offsets->acceptance)),

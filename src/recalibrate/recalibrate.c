@@ -207,6 +207,18 @@ static double tail(const mukca_vector_errors *e)
     return sqrt(m->mean * m->mean + m->m2 / (double)m->n) / (1.126 * median);
 }
 
+static mukca_pose_gain gain(const mukca_vector_errors *before, const mukca_vector_errors *after)
+{
+    const double nominal = mukca_errors_median(before), left = mukca_errors_median(after);
+    return (mukca_pose_gain){nominal, left,
+                             nominal > left ? sqrt(nominal * nominal - left * left) : 0};
+}
+
+static bool shows(const mukca_pose_gain *g)
+{
+    return g->systematic > fmax(g->left, 1e-6); /* rounding of numbers in files, m and rad */
+}
+
 mukca_status mukca_recalibrate(mukca_recalibration *result, const mukca_recalibrate_task *task,
                                mukca_error *error)
 {
@@ -243,6 +255,9 @@ mukca_status mukca_recalibrate(mukca_recalibration *result, const mukca_recalibr
     result->lag = s->model.lag;
     if (status == MUKCA_OK) status = pass(s, NULL, error);
     result->errors[MUKCA_WITH_BOTH] = s->errors;
+    result->position = gain(&result->errors[MUKCA_BEFORE].position, &s->errors.position);
+    result->rotation = gain(&result->errors[MUKCA_BEFORE].rotation, &s->errors.rotation);
+    result->calibrated = shows(&result->position) || shows(&result->rotation);
     result->tail = fmax(tail(&s->errors.position), tail(&s->errors.rotation));
     free(s);
     return status;
@@ -264,25 +279,4 @@ mukca_status mukca_recalibrate_test(mukca_pose_errors *errors, const mukca_pose_
         }
     }
     return status;
-}
-
-/* Part of a median error that the fit removes. */
-static double without(double nominal, double left)
-{
-    return nominal > left ? sqrt(nominal * nominal - left * left) : 0;
-}
-
-void mukca_recalibrate_oracle(mukca_oracle *oracle, const mukca_recalibration *r)
-{
-    static const double rounding = 1e-6; /* rounding of numbers in files, m and rad */
-    const mukca_pose_errors *before = &r->errors[MUKCA_BEFORE],
-                            *after = &r->errors[MUKCA_WITH_BOTH];
-    *oracle = (mukca_oracle){.position_nominal = mukca_errors_median(&before->position),
-                             .position_left = mukca_errors_median(&after->position),
-                             .rotation_nominal = mukca_errors_median(&before->rotation),
-                             .rotation_left = mukca_errors_median(&after->rotation)};
-    oracle->position_systematic = without(oracle->position_nominal, oracle->position_left);
-    oracle->rotation_systematic = without(oracle->rotation_nominal, oracle->rotation_left);
-    oracle->calibrated = oracle->position_systematic > fmax(oracle->position_left, rounding) ||
-                         oracle->rotation_systematic > fmax(oracle->rotation_left, rounding);
 }

@@ -227,11 +227,20 @@ typedef struct {
 
 enum { MUKCA_BEFORE, MUKCA_WITH_ANGLES, MUKCA_WITH_BOTH, MUKCA_STAGES };
 
+/* Medians of the errors of the nominal and the fitted model, m or rad, and the part that the fit
+ * removes; 0 without measurements. */
+typedef struct {
+    double nominal, left, systematic;
+} mukca_pose_gain;
+
 typedef struct {
     mukca_pose_estimates found;
     mukca_pose_model stage[MUKCA_STAGES];
     mukca_pose_errors errors[MUKCA_STAGES]; /* on the log itself, by stage */
     bool has_angles;                        /* whether the stage "with angular offsets" exists */
+    mukca_pose_gain position, rotation;
+    bool calibrated; /* the poses contain a calibration: one of the two removes more than it leaves
+                      */
     double lag,
         lag_score; /* lag: s, or rows without times; 0: none found; score: in standard errors */
     double tail;   /* ratio of rms to median of the remaining error, 1 for normal errors; the larger
@@ -256,15 +265,6 @@ mukca_status mukca_recalibrate(mukca_recalibration *result, const mukca_recalibr
 /* Compute the errors of models[n] on the task's log. */
 mukca_status mukca_recalibrate_test(mukca_pose_errors *errors, const mukca_pose_model *models,
                                     int n, const mukca_recalibrate_task *task, mukca_error *error);
-
-/* Whether the poses contain a calibration: the part of the error that the fit removes must exceed
- * the remaining error (medians), in position or in orientation. */
-typedef struct {
-    bool calibrated;
-    double position_nominal, position_left, position_systematic; /* m */
-    double rotation_nominal, rotation_left, rotation_systematic; /* rad; 0 without orientations */
-} mukca_oracle;
-void mukca_recalibrate_oracle(mukca_oracle *oracle, const mukca_recalibration *result);
 
 /* Checks of the first rows of a log: the link of the poses (check.c). */
 typedef struct {
