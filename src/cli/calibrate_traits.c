@@ -11,40 +11,15 @@
  * bare mention" (R. Kass, A. Raftery, Bayes factors, J. Am. Stat. Assoc. 90, 1995). */
 #define LEAST_EVIDENCE 1.1
 
-/* The data with their recorded angles. */
-typedef struct {
-    mukca_dataset *data[2];
-    double *angles[2];
-} recorded;
-
-static size_t size_of(const mukca_dataset *data)
-{
-    return (size_t)data->n_rows * (size_t)data->n_joints;
-}
-
-static bool keep(recorded *r, cli_session *s)
-{
-    *r = (recorded){.data = {&s->data, &s->test}};
-    for (int i = 0; i < 2; i++) {
-        const size_t size = size_of(r->data[i]);
-        r->angles[i] = malloc((size + 1) * sizeof *r->angles[i]);
-        if (!r->angles[i]) return false;
-        if (size) memcpy(r->angles[i], r->data[i]->q, size * sizeof *r->angles[i]);
-    }
-    return true;
-}
-
-/* Correct the recorded angles by a share of the traits' mean displacement. */
-static void correct(const recorded *r, const mukca_chain *chain, const mukca_traits *traits,
+/* Correct the recorded angles for a share of the traits' mean displacement. */
+static void correct(cli_session *s, double *const recorded[2], const mukca_traits *traits,
                     double share)
 {
-    mukca_effect effects[MUKCA_FLEET_TERMS];
-    const int n = mukca_traits_effects(effects, NULL, traits);
-    for (int e = 0; e < n; e++) effects[e].coefficient[0] *= share;
+    mukca_dataset *const data[2] = {&s->data, &s->test};
     for (int i = 0; i < 2; i++) {
-        const size_t size = size_of(r->data[i]);
-        if (size) memcpy(r->data[i]->q, r->angles[i], size * sizeof *r->angles[i]);
-        if (share > 0) mukca_traits_correct(r->data[i], chain, effects, n);
+        const size_t size = (size_t)data[i]->n_rows * (size_t)data[i]->n_joints;
+        if (size) memcpy(data[i]->q, recorded[i], size * sizeof *recorded[i]);
+        mukca_traits_correct(data[i], &s->model.chain, traits, share);
     }
 }
 
@@ -61,56 +36,51 @@ mukca_status calibrate_use_traits(cli_call *call, calibrate_result *r, mukca_fit
     /* Fractions of the mean to try.  An arm with less than half the mean compliance fits best with
      * none of it; half fits best in between. */
     static const double shares[] = {1, 0.5};
+    enum { SHARES = sizeof shares / sizeof *shares };
     cli_session *s = call->session;
-    const mukca_chain *chain = &s->model.chain;
-    recorded as;
-    mukca_fit *with = calloc(1, sizeof *with), *best = calloc(1, sizeof *best);
-    mukca_status status = keep(&as, s) && with && best ? MUKCA_OK : MUKCA_MEMORY;
+    const mukca_dataset *const data[2] = {&s->data, &s->test};
+    mukca_pool pool = {0};
+    mukca_fit *with = MUKCA_TAKE(&pool, mukca_fit, SHARES);
+    double *recorded[2];
+    int best = 0;
     r->traits = traits;
-    if (status != MUKCA_OK) cli_fail(call, status, "out of memory");
-    for (size_t k = 0; k < sizeof shares / sizeof *shares && status == MUKCA_OK; k++) {
-        correct(&as, chain, traits, shares[k]);
-        status = mukca_fit_run(with, chain, &s->data, options, &call->error);
+    for (int i = 0; i < 2; i++) {
+        const size_t size = (size_t)data[i]->n_rows * (size_t)data[i]->n_joints;
+        recorded[i] = MUKCA_TAKE(&pool, double, size + 1);
+        if (recorded[i] && size) memcpy(recorded[i], data[i]->q, size * sizeof *recorded[i]);
+    }
+    mukca_status status = pool.failed ? cli_fail(call, MUKCA_MEMORY, "out of memory") : MUKCA_OK;
+    for (int k = 0; k < SHARES && status == MUKCA_OK; k++) {
+        correct(s, recorded, traits, shares[k]);
+        status = mukca_fit_run(&with[k], &s->model.chain, &s->data, options, &call->error);
         if (status != MUKCA_OK) break;
-        const double evidence = log_evidence(with, fit);
-        if (k == 0 || evidence > r->traits_evidence) {
-            mukca_fit *const better = with;
-            r->traits_evidence = evidence;
-            r->traits_share = with->converged && evidence > LEAST_EVIDENCE ? shares[k] : 0;
-            with = best, best = better;
-        }
-        mukca_fit_free(with);
+        const double evidence = log_evidence(&with[k], fit);
+        if (k == 0 || evidence > r->traits_evidence) best = k, r->traits_evidence = evidence;
     }
-    if (status == MUKCA_OK) correct(&as, chain, traits, r->traits_share);
-    if (status == MUKCA_OK && r->traits_share > 0) {
-        mukca_fit_free(fit);
-        *fit = *best;
-    } else if (best) {
-        mukca_fit_free(best);
+    if (status == MUKCA_OK) {
+        const bool use = with[best].converged && r->traits_evidence > LEAST_EVIDENCE;
+        const mukca_fit own = *fit;
+        r->traits_share = use ? shares[best] : 0;
+        correct(s, recorded, traits, r->traits_share);
+        if (use) *fit = with[best], with[best] = own;
     }
-    free(with);
-    free(best);
-    free(as.angles[0]);
-    free(as.angles[1]);
+    for (int k = 0; k < SHARES && with; k++) mukca_fit_free(&with[k]);
+    mukca_pool_free(&pool);
     return status;
 }
 
 void calibrate_add_traits(mukca_offsets *to, const calibrate_result *r)
 {
     double sigma[MUKCA_FLEET_TERMS];
-    if (!(r->traits_share > 0)) return;
-    to->n_effects = mukca_traits_effects(to->effects, sigma, r->traits);
-    for (int e = 0; e < to->n_effects; e++) {
-        to->effects[e].coefficient[0] *= r->traits_share;
-        to->effect_sigma[e][0] = sigma[e];
-    }
+    to->n_effects = mukca_traits_effects(to->effects, sigma, r->traits, r->traits_share);
+    for (int e = 0; e < to->n_effects; e++) to->effect_sigma[e][0] = sigma[e];
 }
 
 void calibrate_print_traits(cli_call *call, const calibrate_result *r)
 {
     mukca_effect elastic[MUKCA_FLEET_TERMS];
     if (!r->traits) return;
-    if (mukca_traits_effects(elastic, NULL, r->traits) == 0) {
+    if (mukca_traits_effects(elastic, NULL, r->traits, 1) == 0) {
         cli_say(call, NULL, "Fleet: the traits of %d arms contain no elastic coefficient.",
                 r->traits->n_arms);
         return;

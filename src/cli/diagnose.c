@@ -130,21 +130,12 @@ static mukca_status go_on(void *context, struct mukca_regression *m, mukca_diagn
     const diagnose_options *o = call->options;
     diagnose_work *w = call->work;
     mukca_status status = MUKCA_OK;
-    if (o->summary) {
-        mukca_unknowns own;
-        if (!mukca_unknowns_clone(&own, &m->pool, &m->unknowns))
-            return mukca_fail(error, MUKCA_MEMORY, "out of memory for the summary");
-        status = mukca_summary_take(&w->summary, m, error);
-        mukca_unknowns_assign(&m->unknowns, &own);
-        mukca_regression_linearise(m);
-    }
-    const mukca_adopt_options adopt = {
-        .traits = &w->traits,
-        .test = call->session->test.n_rows ? &call->session->test : NULL,
-        .only = o->traits_only};
-    if (status == MUKCA_OK && o->common.traits)
-        status = mukca_adopt(&w->adoption, m, d, &adopt, error);
-    return status;
+    if (o->summary) status = mukca_summary_take(&w->summary, m, error);
+    if (status != MUKCA_OK || !o->common.traits) return status;
+    w->adoption = (mukca_adoption){.traits = &w->traits,
+                                   .test = call->session->test.n_rows ? &call->session->test : NULL,
+                                   .only = o->traits_only};
+    return mukca_adopt(&w->adoption, m, d, error);
 }
 
 /* Checks before the long work; reads the traits. */

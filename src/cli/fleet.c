@@ -15,37 +15,35 @@ static const cli_option options[] = {
                "join the summaries into one file (-o) for a later mukca fleet; pool nothing"),
     {.name = NULL}};
 
-void cli_fleet_free(void *work)
+static void release(void *fleet)
 {
-    cli_fleet *w = work;
-    mukca_fleet_result_free(&w->result);
-    mukca_fleet_free(&w->fleet);
+    mukca_fleet_free(fleet);
 }
 
-mukca_status cli_fleet_read(cli_call *call, cli_fleet *w)
+mukca_status cli_fleet_read(cli_call *call, mukca_fleet *f)
 {
     mukca_status status = MUKCA_OK;
     for (int i = 0; i < call->arguments.n && status == MUKCA_OK; i++) {
         if (cli_interrupted()) return cli_fail(call, MUKCA_INTERRUPTED, "interrupted");
         cli_progress(call, "reading summaries", i, call->arguments.n);
-        status = mukca_summary_read(&w->fleet, call->arguments.items[i], &call->error);
+        status = mukca_summary_read(f, call->arguments.items[i], &call->error);
     }
-    return status == MUKCA_OK ? mukca_fleet_gather(&w->fleet, &call->error) : status;
+    return status == MUKCA_OK ? mukca_fleet_gather(f, &call->error) : status;
 }
 
 static mukca_status write_output(cli_call *call)
 {
     const fleet_options *o = call->options;
-    const cli_fleet *w = call->work;
+    const mukca_fleet *f = call->work;
     mukca_output output = {0};
     if (!call->common->output) return MUKCA_OK;
     mukca_status status =
         mukca_output_open(&output, call->common->output, call->common->force, &call->error);
     if (status != MUKCA_OK) return status;
     /* the bytes of a partial file do not depend on previous merges: its lines are sorted */
-    for (int s = 0; o->partial && s < w->fleet.n_sessions && status == MUKCA_OK; s++)
-        status = mukca_summary_write(output.stream, w->fleet.session[s], &call->error);
-    if (!o->partial) mukca_traits_write(output.stream, &w->result.traits);
+    for (int s = 0; o->partial && s < f->n_sessions && status == MUKCA_OK; s++)
+        status = mukca_summary_write(output.stream, f->session[s], &call->error);
+    if (!o->partial) mukca_traits_write(output.stream, &f->traits);
     return mukca_output_finish(&output, status, &call->error);
 }
 
@@ -75,47 +73,45 @@ static json_t *departure_object(const mukca_departure *d, const mukca_fleet *f)
                     KEY("ci95", cli_json_interval(d->low, d->high)), FIELD(d, mean));
 }
 
-static json_t *arm_object(const mukca_fleet_result *r, const mukca_fleet *f, int arm)
+static json_t *arm_object(const mukca_fleet *f, int arm)
 {
     json_t *effects = json_array();
-    const int n = r->population.n;
-    for (int k = 0; k < n && r->departure[arm].k >= 0; k++)
-        json_array_append_new(effects, departure_object(&r->estimate[arm * n + k], f));
+    const int n = f->population.n;
+    for (int k = 0; k < n && f->arm[arm].departure.k >= 0; k++)
+        json_array_append_new(effects, departure_object(&f->arm[arm].estimate[k], f));
     return cli_json(KEY("arm", f->arm[arm].name),
                     KEY("sessions", f->arm[arm].end - f->arm[arm].first),
                     KEY("samples", f->arm[arm].samples), KEY("effects", effects));
 }
 
-static json_t *result_json(const cli_fleet *w)
+static json_t *result_json(const mukca_fleet *f)
 {
-    const mukca_fleet_result *r = &w->result;
-    const mukca_fleet *f = &w->fleet;
     json_t *effects = json_array(), *orders = json_array(), *departures = json_array(),
            *arms = json_array();
-    for (int i = 0; i < r->traits.n; i++)
-        json_array_append_new(effects, trait_object(&r->traits.list[i], f));
+    for (int i = 0; i < f->traits.n; i++)
+        json_array_append_new(effects, trait_object(&f->traits.list[i], f));
     for (int j = 0; j < f->model.n_joints; j++) {
-        const mukca_trait *o = &r->order[j];
+        const mukca_trait *o = &f->order[j];
         if (o->effect.variant.order)
             cli_json_append(orders, KEY("joint", joint_name(f, j)),
                             KEY("order", o->effect.variant.order), FIELD(o, probability),
                             FIELD(o, log_bayes_factor), FIELD(o, arms));
     }
     for (int a = 0; a < f->n_arms; a++) {
-        if (r->departure[a].probability >= MUKCA_DEPARTS)
-            json_array_append_new(departures, departure_object(&r->departure[a], f));
-        json_array_append_new(arms, arm_object(r, f, a));
+        if (f->arm[a].departure.probability >= MUKCA_DEPARTS)
+            json_array_append_new(departures, departure_object(&f->arm[a].departure, f));
+        json_array_append_new(arms, arm_object(f, a));
     }
     return cli_json(KEY("schema", "mukca.fleet/1"), KEY("robot", f->model.robot), FIELD(f, n_arms),
-                    KEY("samples", r->traits.n_samples), KEY("effects", effects),
+                    KEY("samples", f->traits.n_samples), KEY("effects", effects),
                     KEY("orders", orders), KEY("departures", departures), KEY("arms", arms));
 }
 
 /* ---- screen ---- */
 
-static void print_shared(cli_call *call, const cli_fleet *w)
+static void print_shared(cli_call *call, const mukca_fleet *f)
 {
-    const mukca_traits *t = &w->result.traits;
+    const mukca_traits *t = &f->traits;
     for (int ripple = 0; ripple < 2; ripple++) {
         const char *key = ripple ? "Ripple" : "Shared";
         int shown = 0;
@@ -124,44 +120,40 @@ static void print_shared(cli_call *call, const cli_fleet *w)
             if (t->list[i].probability < MUKCA_SHARED ||
                 (t->list[i].effect.variant.order > 0) != ripple)
                 continue;
-            mukca_wording_fleet_trait(words, &t->list[i], &w->fleet);
+            mukca_wording_fleet_trait(words, &t->list[i], f);
             cli_say(call, shown++ ? "" : key, "%s", words);
         }
         if (!shown) cli_say(call, key, ripple ? "no shared order" : "no elastic coefficient");
     }
 }
 
-static void print_departures(cli_call *call, const cli_fleet *w)
+static void print_departures(cli_call *call, const mukca_fleet *f)
 {
+    const mukca_departure *d = f->ranked, *const end = d + f->n_arms;
     char words[MUKCA_WORDING];
-    int shown = 0;
-    for (int a = 0; a < w->fleet.n_arms; a++) {
-        const mukca_departure *d = &w->result.departure[a];
-        if (!(d->probability >= MUKCA_DEPARTS)) continue;
-        mukca_wording_fleet_departure(words, d, &w->fleet);
-        cli_say(call, shown++ ? "" : "Departs", "%s", words);
+    if (!(d->probability >= MUKCA_DEPARTS))
+        cli_say(call, "Departs", f->n_arms < 3 ? "not testable with two arms" : "no arm");
+    for (const char *key = "Departs"; d < end && d->probability >= MUKCA_DEPARTS; d++, key = "") {
+        mukca_wording_fleet_departure(words, d, f);
+        cli_say(call, key, "%s", words);
     }
-    if (!shown)
-        cli_say(call, "Departs", w->fleet.n_arms < 3 ? "not testable with two arms" : "no arm");
 }
 
 static mukca_status run(cli_call *call)
 {
     const fleet_options *o = call->options;
-    cli_fleet *w = call->work;
+    mukca_fleet *f = call->work;
     if (o->partial && (!call->common->output || call->common->json))
         return cli_fail(call, MUKCA_USAGE, "--partial needs -o FILE and writes no JSON");
-    mukca_status status = cli_fleet_read(call, w);
-    if (status == MUKCA_OK && !o->partial)
-        status = mukca_fleet_pool(&w->result, &w->fleet, &call->error);
+    mukca_status status = cli_fleet_read(call, f);
+    if (status == MUKCA_OK && !o->partial) status = mukca_fleet_pool(f, &call->error);
     if (status == MUKCA_OK) status = write_output(call);
-    if (status == MUKCA_OK && call->common->json) status = cli_write_json(call, result_json(w));
+    if (status == MUKCA_OK && call->common->json) status = cli_write_json(call, result_json(f));
     if (status != MUKCA_OK) return status;
-    cli_answer(call, "%s: %d arms, %d sessions\n\n", w->fleet.model.robot, w->fleet.n_arms,
-               w->fleet.n_sessions);
+    cli_answer(call, "%s: %d arms, %d sessions\n\n", f->model.robot, f->n_arms, f->n_sessions);
     if (o->partial) return MUKCA_OK;
-    print_shared(call, w);
-    print_departures(call, w);
+    print_shared(call, f);
+    print_departures(call, f);
     return MUKCA_OK;
 }
 
@@ -191,6 +183,6 @@ const cli_command cli_command_fleet = {
     .options = options,
     .options_size = sizeof(fleet_options),
     .run = run,
-    .work_size = sizeof(cli_fleet),
-    .release = cli_fleet_free,
+    .work_size = sizeof(mukca_fleet),
+    .release = release,
 };

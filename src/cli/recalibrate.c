@@ -7,7 +7,7 @@
 #include <sys/stat.h>
 
 #include "fit/accept.h"
-#include "io/pose_stream.h"
+#include "io/pose_log.h"
 
 typedef struct {
     cli_common common;
@@ -24,53 +24,39 @@ static const cli_option options[] = {
     CLI_OUTPUT_OPTION("write the offsets table"),
     {.name = NULL}};
 
-/* Folders (and standard input) are kept in memory, pose logs are read as a stream. */
-typedef struct {
-    const char *files[256], *folders[256];
-    int n_files, n_folders, n_logs;
-    mukca_dataset data;
-    mukca_pose_cursor cursor;
-    mukca_pose_stream stream;
-    mukca_pose_log logs[2];
-} pose_input;
-
-static mukca_status open_input(cli_call *call, pose_input *in, const cli_model *model,
-                               const cli_list *paths)
+/* Read logs; folders (and standard input) are read as a whole, files row by row. */
+static mukca_status read_log(cli_call *call, mukca_pose_log *log, const cli_model *model,
+                             const cli_list *paths)
 {
+    const char *files[256], *folders[256];
+    mukca_pose_files logs = {.paths = files,
+                             .first_file = 1,
+                             .note = cli_note,
+                             .context = call,
+                             .stop = cli_interrupted};
+    cli_list whole = {folders, 0};
     struct stat info;
-    const int most = (int)(sizeof in->files / sizeof *in->files);
+    const int most = sizeof files / sizeof *files;
     if (paths->n > most) return cli_fail(call, MUKCA_USAGE, "more than %d data arguments", most);
     for (int i = 0; i < paths->n; i++) {
         const char *path = paths->items[i];
         const bool folder = stat(path, &info) == 0 && S_ISDIR(info.st_mode);
         if (folder || strcmp(path, "-") == 0)
-            in->folders[in->n_folders++] = path;
+            folders[whole.n++] = path;
         else
-            in->files[in->n_files++] = path;
+            files[logs.n_paths++] = path;
     }
-    if (in->n_folders > 0) {
-        const cli_list list = {in->folders, in->n_folders};
-        const mukca_status status = cli_load_data(call, &in->data, model, &list);
-        if (status != MUKCA_OK) return status;
-        mukca_pose_log_from_dataset(&in->logs[in->n_logs++], &in->cursor, &in->data);
+    mukca_status status = cli_read_format(call, &logs.format);
+    log->n_joints = model->chain.n_joints;
+    if (status == MUKCA_OK && whole.n > 0) {
+        mukca_dataset data = {0};
+        status = cli_load_data(call, &data, model, &whole);
+        if (status == MUKCA_OK) status = mukca_pose_log_add_data(log, &data, &call->error);
+        logs.first_file += data.n_files + data.n_sockets;
+        mukca_dataset_free(&data);
     }
-    mukca_rows_format format;
-    mukca_status status = cli_read_format(call, &format);
-    if (status != MUKCA_OK) return status;
-    in->stream = (mukca_pose_stream){.format = format,
-                                     .paths = in->files,
-                                     .n_paths = in->n_files,
-                                     .chain = &model->chain,
-                                     .note = cli_note,
-                                     .context = call};
-    if (in->n_files > 0) mukca_pose_stream_start(&in->logs[in->n_logs++], &in->stream);
-    return MUKCA_OK;
-}
-
-static void close_input(pose_input *in)
-{
-    mukca_pose_stream_close(&in->stream);
-    mukca_dataset_free(&in->data);
+    return status == MUKCA_OK ? mukca_pose_log_read(log, &logs, &model->chain, &call->error)
+                              : status;
 }
 
 /* Note the findings in the first rows, and end the arm at the link that the poses refer to. */
@@ -85,12 +71,9 @@ static void use_check(cli_call *call, cli_recalibrated *r, mukca_recalibrate_opt
     if (c->position_element != chain->n_elements - 1)
         cli_log(call, "mukca: note: the poses are those of link '%s', not of the tip '%s'\n", link,
                 chain->tip);
-    if (c->rotations && c->rotation_element != c->position_element)
+    if (c->rotation_element != c->position_element)
         cli_log(call, "mukca: note: positions are those of '%s', orientations those of '%s'\n",
                 link, chain->element[c->rotation_element].child);
-    if (c->order == MUKCA_QUATERNION_W_LAST)
-        cli_note(call, "the quaternions agree with the arm only as x y z w, and are read so");
-    o->order = c->order;
     o->base = c->base;
     o->tool = c->tool;
 }
@@ -101,23 +84,22 @@ enum { MOST_JUDGED = 5000 };
 typedef struct {
     cli_recalibrated result;
     mukca_recalibrate_options fit;
-    pose_input train, test;
+    mukca_pose_log test;
     mukca_offsets offsets;
 } recalibrate_work;
 
 static void release(void *work)
 {
     recalibrate_work *w = work;
-    close_input(&w->train);
-    close_input(&w->test);
+    mukca_pose_log_close(&w->result.log);
+    mukca_pose_log_close(&w->test);
     if (w->result.robust != w->result.fit) free(w->result.robust);
     free(w->result.fit);
 }
 
-static mukca_recalibrate_task task_of(const recalibrate_work *w, const pose_input *input)
+static mukca_recalibrate_task task_of(const recalibrate_work *w, mukca_pose_log *log)
 {
-    return (mukca_recalibrate_task){
-        .chain = &w->result.arm, .logs = input->logs, .n_logs = input->n_logs, .options = &w->fit};
+    return (mukca_recalibrate_task){.chain = &w->result.arm, .log = log, .options = &w->fit};
 }
 
 /* Fit, test, and judge robustly against outliers.  Residuals with tails heavier than 1.5 times
@@ -126,7 +108,7 @@ static mukca_recalibrate_task task_of(const recalibrate_work *w, const pose_inpu
 static mukca_status fit_and_judge(cli_call *call, recalibrate_work *w)
 {
     cli_recalibrated *r = &w->result;
-    mukca_recalibrate_task task = task_of(w, &w->train);
+    mukca_recalibrate_task task = task_of(w, &w->result.log);
     const mukca_recalibrate_task test = task_of(w, &w->test);
     mukca_recalibrate_options robust = w->fit;
     mukca_status status = mukca_recalibrate(r->fit, &task, &call->error);
@@ -140,55 +122,32 @@ static mukca_status fit_and_judge(cli_call *call, recalibrate_work *w)
         task.options = &robust;
         status = mukca_recalibrate(r->robust, &task, &call->error);
     }
-    if (status == MUKCA_OK) mukca_recalibrate_oracle(&r->oracle, r->robust);
     return status;
 }
 
-/* Add the variances of a joint's roll, pitch, yaw due to a rotation with standard deviation `sigma`
- * about `axis` in its frame. */
-static void add_turn_sigma(double sigma2[3], const mukca_geometry *geometry,
-                           const mukca_chain *chain, int k, const double axis[3], double sigma)
-{
-    const double h = 1e-6;
-    double w[3], E[9], R[9], rpy[2][3];
-    for (int i = 0; i < 3; i++) w[i] = h * axis[i];
-    mukca_rotation_exp(E, w);
-    mukca_mat3_mul(R, geometry->origin[k].R, E);
-    mukca_rotation_to_rpy(rpy[0], geometry->origin[k].R, chain->element[k].rpy);
-    mukca_rotation_to_rpy(rpy[1], R, chain->element[k].rpy);
-    for (int i = 0; i < 3; i++) {
-        const double d = (rpy[1][i] - rpy[0][i]) / h * sigma;
-        sigma2[i] += d * d;
-    }
-}
-
+/* Standard errors of the table's parameters, by differences: an angle changes roll, pitch and yaw.
+ */
 static void fill_offsets(mukca_offsets *out, const mukca_recalibration *fit,
                          const mukca_chain *chain, const mukca_chain *arm)
 {
-    const mukca_geometry *geometry = &fit->stage[MUKCA_WITH_BOTH].geometry;
+    const double step = 1e-6;
+    double theta[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS];
     mukca_offsets_init(out, chain);
     mukca_pose_model_theta(out->theta, &fit->stage[MUKCA_WITH_BOTH], arm);
-    for (int u = 0; u < fit->n; u++) {
-        const mukca_unknown *x = &fit->unknown[u];
-        const int k = x->element, at = MUKCA_PARAMETERS * k;
-        double sigma2[3] = {0, 0, 0}, e[2][3];
-        if (x->kind == MUKCA_UNKNOWN_SHIFT) {
-            out->listed[at + x->axis] = 1;
-            out->identifiable[at + x->axis] = fit->identifiable[u];
-            out->sigma[at + x->axis] = fit->identifiable[u] ? fit->sigma[u] : HUGE_VAL;
-        }
-        if (x->kind != MUKCA_UNKNOWN_ZERO && x->kind != MUKCA_UNKNOWN_TILT) continue;
-        mukca_rotation_transverse(e[0], e[1], geometry->axis[k]);
-        add_turn_sigma(sigma2, geometry, chain, k,
-                       x->kind == MUKCA_UNKNOWN_ZERO ? geometry->axis[k] : e[x->axis],
-                       fit->sigma[u]);
-        for (int i = 3; i < 6; i++) {
+    for (int u = 0; u < fit->found.n; u++) {
+        const mukca_unknown *x = &fit->found.unknown[u];
+        const bool angle = mukca_unknown_is_angle(x->kind);
+        mukca_pose_model moved = fit->stage[MUKCA_WITH_BOTH];
+        mukca_pose_model_add(&moved, x, step);
+        mukca_pose_model_theta(theta, &moved, arm);
+        for (int i = angle ? 3 : x->axis; x->element >= 0 && i <= (angle ? 5 : x->axis); i++) {
+            const int at = MUKCA_PARAMETERS * x->element + i;
+            const double by = (theta[at] - out->theta[at]) / step * fit->found.sigma[u];
             const bool known =
-                fit->identifiable[u] && (!out->listed[at + i] || out->identifiable[at + i]);
-            const double before = out->listed[at + i] ? out->sigma[at + i] : 0;
-            out->sigma[at + i] = known ? sqrt(before * before + sigma2[i - 3]) : HUGE_VAL;
-            out->identifiable[at + i] = known;
-            out->listed[at + i] = 1;
+                fit->found.identifiable[u] && (!out->listed[at] || out->identifiable[at]);
+            out->sigma[at] = known ? hypot(out->listed[at] ? out->sigma[at] : 0, by) : HUGE_VAL;
+            out->identifiable[at] = known;
+            out->listed[at] = 1;
         }
     }
 }
@@ -196,14 +155,16 @@ static void fill_offsets(mukca_offsets *out, const mukca_recalibration *fit,
 /* Part of a log as samples in the arm's base: fitted tip plus residual; errors[2][n_rows] of the
  * nominal and the fitted model. */
 static mukca_status take_part(mukca_dataset *part, double *errors, const mukca_recalibration *fit,
-                              const mukca_recalibrate_task *task, long rows, mukca_error *error)
+                              const mukca_recalibrate_task *task, mukca_error *error)
 {
     const mukca_chain *arm = task->chain;
     const mukca_pose_model *model = &fit->stage[MUKCA_WITH_BOTH];
+    const long rows = task->log->n;
     const int most = rows < MOST_JUDGED ? (int)rows : MOST_JUDGED;
     const long every = (rows + MOST_JUDGED - 1) / MOST_JUDGED;
-    mukca_pose_reader reader = mukca_recalibrate_reader(task);
-    mukca_status status = mukca_dataset_create(part, most, arm->n_joints, 0, 0, error);
+    const mukca_pose_row *row;
+    mukca_status status = mukca_pose_log_rewind(task->log, error);
+    if (status == MUKCA_OK) status = mukca_dataset_create(part, most, arm->n_joints, 0, 0, error);
     if (status != MUKCA_OK) return status;
     part->position = calloc(3 * (size_t)most + 1, sizeof *part->position);
     part->files = calloc(1, sizeof *part->files);
@@ -214,16 +175,15 @@ static mukca_status take_part(mukca_dataset *part, double *errors, const mukca_r
     for (long i = 0; status == MUKCA_OK && part->n_rows < most; i++) {
         mukca_pose_look look[2];
         double *q = part->q + part->n_rows * arm->n_joints, *at = part->position + 3 * part->n_rows;
-        status = mukca_pose_reader_next(&reader, error);
-        if (status != MUKCA_OK || !reader.now) break;
+        status = mukca_pose_log_next(&row, task->log, error);
+        if (status != MUKCA_OK || !row) break;
         if (i % every != 0) continue;
         for (int j = 0; j < arm->n_joints; j++)
-            q[j] = reader.now->q[j] + model->zero[j] + model->lag * reader.now->velocity[j];
+            q[j] = row->q[j] + model->zero[j] + model->lag * row->velocity[j];
         mukca_fk_position(at, &model->geometry, q, NULL);
         for (int j = 0; j < arm->n_joints; j++) q[j] -= model->zero[j];
         for (int k = 0; k < 2; k++) {
-            mukca_pose_look_at(&look[k], &fit->stage[k ? MUKCA_WITH_BOTH : MUKCA_BEFORE],
-                               reader.now, task->options->order);
+            mukca_pose_look_at(&look[k], &fit->stage[k ? MUKCA_WITH_BOTH : MUKCA_BEFORE], row);
             errors[k * most + part->n_rows] = mukca_norm3(look[k].position);
         }
         double local[3];
@@ -240,10 +200,10 @@ static mukca_status judge_offsets(cli_call *call, recalibrate_work *w)
 {
     const cli_recalibrated *r = &w->result;
     const mukca_recalibration *fit = r->fit;
-    const long poses = r->tested ? r->test[MUKCA_BEFORE].position.n : fit->rows;
+    const long rows = r->log.n, poses = r->tested ? w->test.n : rows;
     const double spare =
-        r->tested ? 1 : 1 - fit->rank / (3.0 * (double)(fit->rows + fit->rotations));
-    const mukca_recalibrate_task train = task_of(w, &w->train), test = task_of(w, &w->test);
+        r->tested ? 1 : 1 - fit->found.rank / (3.0 * (double)(rows + r->log.n_oriented));
+    const mukca_recalibrate_task train = task_of(w, &w->result.log), test = task_of(w, &w->test);
     mukca_acceptance *a = &w->offsets.acceptance;
     mukca_dataset part = {0}, held = {0};
     double *errors = calloc(2 * MOST_JUDGED, sizeof *errors);
@@ -251,11 +211,11 @@ static mukca_status judge_offsets(cli_call *call, recalibrate_work *w)
     snprintf(a->error_of, sizeof a->error_of, "%s, %ld poses",
              r->tested ? "test data" : "generalized cross-validation", poses);
     a->converged = fit->converged;
-    a->parameters = fit->n;
-    a->identified = fit->rank;
-    mukca_status status = take_part(&part, errors, fit, &train, fit->rows, &call->error);
+    a->parameters = fit->found.n;
+    a->identified = fit->found.rank;
+    mukca_status status = take_part(&part, errors, fit, &train, &call->error);
     if (status == MUKCA_OK && r->tested)
-        status = take_part(&held, errors, fit, &test, poses, &call->error);
+        status = take_part(&held, errors, fit, &test, &call->error);
     const mukca_dataset *judged = r->tested ? &held : &part;
     double *after = errors + (poses < MOST_JUDGED ? poses : MOST_JUDGED);
     for (int i = 0; i < judged->n_rows && status == MUKCA_OK; i++)
@@ -294,13 +254,13 @@ static mukca_status write_offsets(cli_call *call, const mukca_offsets *offsets)
 /* Error: the poses contain no information about the arm. */
 static mukca_status refuse(cli_call *call, const cli_recalibrated *r)
 {
-    const mukca_oracle *o = &r->oracle;
+    const mukca_pose_gain *o = &r->robust->position;
     return cli_fail(call, MUKCA_UNIDENTIFIABLE,
                     "no calibration in these poses: their median error is %.4f mm with the nominal "
                     "model, %.4f mm after a fit, no gain beyond their noise; no offsets table is "
                     "written; check that angles and poses are of the same samples, use another "
                     "tracker, or calibrate from sockets",
-                    1e3 * o->position_nominal, 1e3 * o->position_left);
+                    1e3 * o->nominal, 1e3 * o->left);
 }
 
 /* Open the logs, determine what they measure, and fit. */
@@ -308,14 +268,14 @@ static mukca_status recalibrate(cli_call *call, recalibrate_work *w)
 {
     const cli_model *model = &call->session->model;
     cli_recalibrated *r = &w->result;
-    mukca_status status = open_input(call, &w->train, model, &call->arguments);
-    if (status == MUKCA_OK) status = open_input(call, &w->test, model, &call->common->test);
-    mukca_recalibrate_task task = task_of(w, &w->train);
+    mukca_status status = read_log(call, &w->result.log, model, &call->arguments);
+    if (status == MUKCA_OK) status = read_log(call, &w->test, model, &call->common->test);
+    mukca_recalibrate_task task = task_of(w, &w->result.log);
     task.chain = &model->chain;
     if (status == MUKCA_OK) status = mukca_pose_check_run(&r->check, &task, &call->error);
     if (status != MUKCA_OK) return status;
     use_check(call, r, &w->fit, &model->chain);
-    w->fit.tilts = r->check.rotations == 0;
+    w->fit.tilts = r->log.n_oriented == 0;
     return fit_and_judge(call, w);
 }
 
@@ -337,10 +297,10 @@ static mukca_status run(cli_call *call)
     if (status != MUKCA_OK) return status;
     fill_offsets(&w->offsets, r->fit, chain, &r->arm);
     status = judge_offsets(call, w);
-    if (status == MUKCA_OK && r->oracle.calibrated) status = write_offsets(call, &w->offsets);
+    if (status == MUKCA_OK && r->robust->calibrated) status = write_offsets(call, &w->offsets);
     if (status == MUKCA_OK && call->common->json)
         status = cli_write_json(call, cli_recalibrate_json(call, r, &w->offsets, chain));
-    if (status == MUKCA_OK && !r->oracle.calibrated) return refuse(call, r);
+    if (status == MUKCA_OK && !r->robust->calibrated) return refuse(call, r);
     if (status != MUKCA_OK) return status;
     cli_recalibrate_print(call, r, &w->offsets.acceptance);
     return w->offsets.acceptance.accepted ? MUKCA_OK : MUKCA_NEGATIVE;

@@ -7,12 +7,12 @@
 
 typedef struct {
     mukca_chain arm; /* up to the link that the poses refer to */
+    mukca_pose_log log;
     mukca_pose_check check;
     mukca_recalibration *fit;
     bool tested; /* --test */
     mukca_pose_errors test[MUKCA_STAGES];
     mukca_recalibration *robust; /* basis of the verdict: fit, or a fit with Huber weights */
-    mukca_oracle oracle;
 } cli_recalibrated;
 
 /* Print one screen, after the files were written (acceptance: of the table). */

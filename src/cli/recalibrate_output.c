@@ -14,39 +14,39 @@ static double removed_percent(double before, double after)
 
 /* True if joint j never moves in the log: a range below 1 mrad (or mm) is noise of an encoder at
  * rest. */
-static bool never_moved(const mukca_recalibration *f, int j)
+static bool never_moved(const cli_recalibrated *r, int j)
 {
-    return f->highest[j] - f->lowest[j] < 1e-3;
+    return r->log.highest[j] - r->log.lowest[j] < 1e-3;
 }
 
 /* One data set: the paper's position table, then its orientation table. */
 static void print_errors(cli_call *call, const char *title, const mukca_pose_errors *e,
                          bool has_angles)
 {
-    cli_answer(call, "%s (%ld poses)\n", title, e[MUKCA_BEFORE].position.n);
+    cli_answer(call, "%s (%ld poses)\n", title, e[MUKCA_BEFORE].position.length.n);
     cli_answer(call,
                "  position, mm         max   mean +- std       |x|    |y|    |z|  removed, %%\n"
                "                                                                 of max, mean\n");
     for (int s = 0; s < MUKCA_STAGES; s++) {
-        const mukca_moments *p = &e[s].position;
+        const mukca_moments *p = &e[s].position.length, *axis = e[s].position.axis;
         if (s == MUKCA_WITH_ANGLES && !has_angles) continue;
         cli_answer(call, "    %-15s %7.3f %6.3f +- %-6.3f %6.3f %6.3f %6.3f", stage_text[s],
-                   1e3 * p->max, 1e3 * p->mean, 1e3 * mukca_moments_std(p),
-                   1e3 * e[s].position_axis[0].mean, 1e3 * e[s].position_axis[1].mean,
-                   1e3 * e[s].position_axis[2].mean);
+                   1e3 * p->max, 1e3 * p->mean, 1e3 * mukca_moments_std(p), 1e3 * axis[0].mean,
+                   1e3 * axis[1].mean, 1e3 * axis[2].mean);
         if (s != MUKCA_BEFORE)
-            cli_answer(call, " %6.1f %6.1f", removed_percent(e[MUKCA_BEFORE].position.max, p->max),
-                       removed_percent(e[MUKCA_BEFORE].position.mean, p->mean));
+            cli_answer(call, " %6.1f %6.1f",
+                       removed_percent(e[MUKCA_BEFORE].position.length.max, p->max),
+                       removed_percent(e[MUKCA_BEFORE].position.length.mean, p->mean));
         cli_answer(call, "\n");
     }
-    if (e[MUKCA_BEFORE].rotation.n == 0) return;
+    if (e[MUKCA_BEFORE].rotation.length.n == 0) return;
     cli_answer(call, "  orientation, mrad |ex|: max, mean +- std   |ey|                   |ez|\n");
     for (int s = 0; s < MUKCA_STAGES; s += MUKCA_WITH_BOTH) {
         cli_answer(call, "    %-8s", s == MUKCA_BEFORE ? "before" : "after");
         for (int a = 0; a < 3; a++)
-            cli_answer(call, " %6.2f, %5.2f +-%5.2f", 1e3 * e[s].rotation_axis[a].max,
-                       1e3 * e[s].rotation_axis[a].mean,
-                       1e3 * mukca_moments_std(&e[s].rotation_axis[a]));
+            cli_answer(call, " %6.2f, %5.2f +-%5.2f", 1e3 * e[s].rotation.axis[a].max,
+                       1e3 * e[s].rotation.axis[a].mean,
+                       1e3 * mukca_moments_std(&e[s].rotation.axis[a]));
         cli_answer(call, "\n");
     }
 }
@@ -55,35 +55,36 @@ static void print_unknowns(cli_call *call, const mukca_recalibration *f, const m
 {
     char text[MUKCA_UNKNOWN_TEXT];
     cli_answer(call, "Offsets (rank %d of %d; *: identifiable only in combination, see --json)\n",
-               f->rank, f->n);
-    for (int u = 0; u < f->n; u++) {
-        mukca_unknown_text(text, &f->unknown[u], arm);
-        cli_answer(call, "    %-32s %+9.4f +- %-8.4f %s%s\n", text, 1e3 * f->value[u],
-                   1e3 * f->sigma[u], mukca_unknown_is_angle(f->unknown[u].kind) ? "mrad" : "mm",
-                   f->identifiable[u] ? "" : " *");
+               f->found.rank, f->found.n);
+    for (int u = 0; u < f->found.n; u++) {
+        mukca_unknown_text(text, &f->found.unknown[u], arm);
+        cli_answer(call, "    %-32s %+9.4f +- %-8.4f %s%s\n", text, 1e3 * f->found.value[u],
+                   1e3 * f->found.sigma[u],
+                   mukca_unknown_is_angle(f->found.unknown[u].kind) ? "mrad" : "mm",
+                   f->found.identifiable[u] ? "" : " *");
     }
 }
 
 static void print_findings(cli_call *call, const cli_recalibrated *r, const mukca_acceptance *a)
 {
     const mukca_recalibration *f = r->fit;
-    cli_answer(call, "%s: %ld measured poses\n", r->arm.robot, f->rows);
+    cli_answer(call, "%s: %ld measured poses\n", r->arm.robot, r->log.n);
     cli_print_acceptance(cli_answer_stream(call), a, &r->arm);
     cli_say(call, "Result",
             "the poses contain a calibration: median position error %.4f mm nominal, %.4f mm after "
             "the fit",
-            1e3 * r->oracle.position_nominal, 1e3 * r->oracle.position_left);
+            1e3 * r->robust->position.nominal, 1e3 * r->robust->position.left);
     for (int j = 0; j < r->arm.n_joints; j++)
-        if (never_moved(f, j))
+        if (never_moved(r, j))
             cli_say(call, NULL,
                     "joint '%s' never moved: its zero offset is not identifiable; it is "
                     "indistinguishable from the links before and after it",
                     mukca_chain_joint_name(&r->arm, j));
-    if (f->lag_found)
+    if (f->lag != 0)
         cli_say(call, NULL,
                 "Lag: the joint angles are %.4g %s older than the poses (%.0f standard errors); "
                 "corrected",
-                f->in_rows ? f->lag : 1e3 * f->lag, f->in_rows ? "rows" : "ms", f->lag_score);
+                r->log.timed ? 1e3 * f->lag : f->lag, r->log.timed ? "ms" : "rows", f->lag_score);
 }
 
 void cli_recalibrate_print(cli_call *call, const cli_recalibrated *r, const mukca_acceptance *a)
@@ -92,7 +93,8 @@ void cli_recalibrate_print(cli_call *call, const cli_recalibrated *r, const mukc
     print_findings(call, r, a);
     print_errors(call, "Training data", r->fit->errors, r->fit->has_angles);
     if (r->tested) print_errors(call, "Test data", r->test, r->fit->has_angles);
-    cli_say(call, "Offsets", "%d of %d combinations identified", r->fit->rank, r->fit->n);
+    cli_say(call, "Offsets", "%d of %d combinations identified", r->fit->found.rank,
+            r->fit->found.n);
     if (call->common->verbose) print_unknowns(call, r->fit, &r->arm);
     if (output)
         cli_say(call, "Written", "%s%s", output,
@@ -111,53 +113,51 @@ static json_t *moments_json(const mukca_moments *m, bool angle)
 }
 
 /* Moments of the errors of one stage, their median, and the moments by axis. */
-static json_t *stage_json(const mukca_moments *m, const mukca_histogram *histogram,
-                          const mukca_moments axis[3], bool angle)
+static json_t *stage_json(const mukca_vector_errors *e, bool angle)
 {
-    json_t *object = moments_json(m, angle), *axes = json_array();
-    for (int a = 0; a < 3; a++) json_array_append_new(axes, moments_json(&axis[a], angle));
-    json_object_update_new(
-        object, cli_json(KEY(angle ? "median_rad" : "median_m", mukca_histogram_median(histogram)),
-                         KEY("axes", axes)));
+    json_t *object = moments_json(&e->length, angle), *axes = json_array();
+    for (int a = 0; a < 3; a++) json_array_append_new(axes, moments_json(&e->axis[a], angle));
+    json_object_update_new(object,
+                           cli_json(KEY(angle ? "median_rad" : "median_m", mukca_errors_median(e)),
+                                    KEY("axes", axes)));
     return object;
 }
 
 static json_t *errors_json(const mukca_pose_errors *e, bool has_angles)
 {
     json_t *position = json_object(), *orientation = json_object(), *percent = json_object();
+    const mukca_moments *before = &e[MUKCA_BEFORE].position.length;
     for (int s = 0; s < MUKCA_STAGES; s++) {
+        const mukca_moments *p = &e[s].position.length;
         if (s == MUKCA_WITH_ANGLES && !has_angles) continue;
-        json_object_set_new(
-            position, stage_key[s],
-            stage_json(&e[s].position, &e[s].position_histogram, e[s].position_axis, false));
+        json_object_set_new(position, stage_key[s], stage_json(&e[s].position, false));
         if (s != MUKCA_BEFORE)
-            json_object_set_new(
-                percent, stage_key[s],
-                cli_json(KEY("max", removed_percent(e[0].position.max, e[s].position.max)),
-                         KEY("mean", removed_percent(e[0].position.mean, e[s].position.mean))));
-        if (e[s].rotation.n > 0)
-            json_object_set_new(
-                orientation, stage_key[s],
-                stage_json(&e[s].rotation, &e[s].rotation_histogram, e[s].rotation_axis, true));
+            json_object_set_new(percent, stage_key[s],
+                                cli_json(KEY("max", removed_percent(before->max, p->max)),
+                                         KEY("mean", removed_percent(before->mean, p->mean))));
+        if (e[s].rotation.length.n > 0)
+            json_object_set_new(orientation, stage_key[s], stage_json(&e[s].rotation, true));
     }
-    return cli_json(KEY("rows", e[0].position.n), KEY("position", position),
+    return cli_json(KEY("rows", before->n), KEY("position", position),
                     KEY("orientation", orientation), KEY("removed_percent", percent));
 }
 
-static json_t *unknowns_json(const mukca_recalibration *f, const mukca_chain *arm)
+static json_t *unknowns_json(const cli_recalibrated *r)
 {
+    const mukca_recalibration *f = r->fit;
+    const mukca_chain *arm = &r->arm;
     char text[MUKCA_UNKNOWN_TEXT];
     json_t *array = json_array();
-    for (int u = 0; u < f->n; u++) {
-        const int k = f->unknown[u].element, j = k < 0 ? -1 : arm->element[k].joint;
-        const bool zero = f->unknown[u].kind == MUKCA_UNKNOWN_ZERO;
-        mukca_unknown_text(text, &f->unknown[u], arm);
+    for (int u = 0; u < f->found.n; u++) {
+        const int k = f->found.unknown[u].element, j = k < 0 ? -1 : arm->element[k].joint;
+        const bool zero = f->found.unknown[u].kind == MUKCA_UNKNOWN_ZERO;
+        mukca_unknown_text(text, &f->found.unknown[u], arm);
         cli_json_append(
             array, KEY("name", text), KEY("joint", k < 0 ? NULL : arm->element[k].name),
-            KEY("value", f->value[u]),
-            KEY("unit", mukca_unknown_is_angle(f->unknown[u].kind) ? "rad" : "m"),
-            KEY("sigma", f->sigma[u]),
-            KEY("identifiable", (bool)(f->identifiable[u] && !(zero && never_moved(f, j)))));
+            KEY("value", f->found.value[u]),
+            KEY("unit", mukca_unknown_is_angle(f->found.unknown[u].kind) ? "rad" : "m"),
+            KEY("sigma", f->found.sigma[u]),
+            KEY("identifiable", (bool)(f->found.identifiable[u] && !(zero && never_moved(r, j)))));
     }
     return array;
 }
@@ -166,12 +166,12 @@ static json_t *null_json(const mukca_recalibration *f, const mukca_chain *arm)
 {
     char text[MUKCA_UNKNOWN_TEXT];
     json_t *array = json_array();
-    for (int k = 0; k < f->n_null; k++) {
+    for (int k = 0; k < f->found.n_null; k++) {
         json_t *terms = json_array();
-        for (int u = 0; u < f->n; u++) {
-            if (f->null[k][u] == 0) continue;
-            mukca_unknown_text(text, &f->unknown[u], arm);
-            cli_json_append(terms, KEY("name", text), KEY("coefficient", f->null[k][u]));
+        for (int u = 0; u < f->found.n; u++) {
+            if (f->found.null[k][u] == 0) continue;
+            mukca_unknown_text(text, &f->found.unknown[u], arm);
+            cli_json_append(terms, KEY("name", text), KEY("coefficient", f->found.null[k][u]));
         }
         json_array_append_new(array, terms);
     }
@@ -182,12 +182,12 @@ json_t *cli_recalibrate_json(const cli_call *call, const cli_recalibrated *r,
                              const mukca_offsets *offsets, const mukca_chain *chain)
 {
     const mukca_recalibration *f = r->fit;
-    const mukca_oracle *o = &r->oracle;
+    const mukca_recalibration *o = r->robust;
     json_t *model =
         cli_json(KEY("train", errors_json(f->errors, f->has_angles)),
                  KEY("test", r->tested ? errors_json(r->test, f->has_angles) : NULL),
-                 KEY("unknowns", f->n), FIELD(f, rank), KEY("offsets", unknowns_json(f, &r->arm)),
-                 KEY("not_identifiable", null_json(f, &r->arm)),
+                 KEY("unknowns", f->found.n), KEY("rank", f->found.rank),
+                 KEY("offsets", unknowns_json(r)), KEY("not_identifiable", null_json(f, &r->arm)),
                  KEY("base", cli_json_frame(&f->stage[MUKCA_WITH_BOTH].base)),
                  KEY("tool", cli_json_frame(&f->stage[MUKCA_WITH_BOTH].tool)), FIELD(f, passes));
     return cli_json(
@@ -195,19 +195,17 @@ json_t *cli_recalibrate_json(const cli_call *call, const cli_recalibrated *r,
         KEY("verdict", o->calibrated ? "calibrated" : "nominal"),
         KEY("frame",
             cli_json(KEY("position_link", r->arm.tip),
-                     KEY("rotation_link", chain->element[r->check.rotation_element].child),
-                     KEY("quaternion",
-                         r->check.order == MUKCA_QUATERNION_W_LAST ? "w last" : "w first"))),
-        FIELD(f, rows), KEY("orientations", f->rotations),
-        KEY("lag",
-            cli_json(KEY("found", f->lag_found), KEY("value", f->lag),
-                     KEY("unit", f->in_rows ? "row" : "s"), KEY("standard_errors", f->lag_score))),
-        KEY("oracle", cli_json(FIELD(f, tail), KEY("position_nominal_m", o->position_nominal),
-                               KEY("position_left_m", o->position_left),
-                               KEY("position_systematic_m", o->position_systematic),
-                               KEY("rotation_nominal_rad", o->rotation_nominal),
-                               KEY("rotation_left_rad", o->rotation_left),
-                               KEY("rotation_systematic_rad", o->rotation_systematic),
+                     KEY("rotation_link", chain->element[r->check.rotation_element].child))),
+        KEY("rows", r->log.n), KEY("orientations", r->log.n_oriented),
+        KEY("lag", cli_json(KEY("found", (bool)(f->lag != 0)), KEY("value", f->lag),
+                            KEY("unit", r->log.timed ? "s" : "row"),
+                            KEY("standard_errors", f->lag_score))),
+        KEY("oracle", cli_json(FIELD(f, tail), KEY("position_nominal_m", o->position.nominal),
+                               KEY("position_left_m", o->position.left),
+                               KEY("position_systematic_m", o->position.systematic),
+                               KEY("rotation_nominal_rad", o->rotation.nominal),
+                               KEY("rotation_left_rad", o->rotation.left),
+                               KEY("rotation_systematic_rad", o->rotation.systematic),
                                KEY("huber_weights", (bool)(r->robust != r->fit)))),
         KEY("models", json_pack("[o]", model)), KEY("parameters", cli_json_offsets(offsets, chain)),
         KEY("acceptance", cli_json_acceptance(&offsets->acceptance)),

@@ -26,7 +26,7 @@ static const cli_option options[] = {
 typedef struct {
     cli_diagnosis of;
     mukca_report page;
-    cli_fleet fleet;
+    mukca_fleet fleet;
     mukca_fleet_page fleet_page;
     char *command, when[32];
 } report_work;
@@ -109,12 +109,8 @@ static mukca_status prepare_fleet(cli_call *call)
 {
     report_work *w = call->work;
     mukca_status status = cli_fleet_read(call, &w->fleet);
-    if (status == MUKCA_OK)
-        status = mukca_fleet_pool(&w->fleet.result, &w->fleet.fleet, &call->error);
-    w->fleet_page = (mukca_fleet_page){.command = w->command,
-                                       .when = w->when,
-                                       .fleet = &w->fleet.fleet,
-                                       .result = &w->fleet.result};
+    if (status == MUKCA_OK) status = mukca_fleet_pool(&w->fleet, &call->error);
+    w->fleet_page = (mukca_fleet_page){.command = w->command, .when = w->when, .fleet = &w->fleet};
     return status;
 }
 
@@ -141,7 +137,7 @@ static void release(void *work)
 {
     report_work *w = work;
     free(w->command);
-    cli_fleet_free(&w->fleet);
+    mukca_fleet_free(&w->fleet);
     cli_diagnosis_free(&w->of);
 }
 

@@ -15,14 +15,7 @@ void cli_adoption_print(cli_call *call, const mukca_adoption *adoption,
 json_t *cli_adoption_json(const mukca_adoption *adoption, const mukca_diagnosis *diagnosis,
                           const mukca_chain *chain);
 
-/* A fleet, for the commands fleet and report. */
-typedef struct {
-    mukca_fleet fleet;
-    mukca_fleet_result result;
-} cli_fleet;
-
-/* Read all arguments and pool the summaries. */
-mukca_status cli_fleet_read(cli_call *call, cli_fleet *fleet);
-void cli_fleet_free(void *fleet);
+/* Read the summaries of all arguments, for the commands fleet and report. */
+mukca_status cli_fleet_read(cli_call *call, mukca_fleet *fleet);
 
 #endif

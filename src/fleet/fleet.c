@@ -1,4 +1,4 @@
-/* Summaries of recordings, and their collection to a fleet. */
+/* The summaries of arms of one model, collected to a fleet; orders of ripple that they share. */
 #include "fleet/fleet.h"
 
 #include <math.h>
@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "base/hash.h"
-#include "diagnose/scan.h"
 #include "math/dense.h"
 #include "math/stats.h"
 #include "model/chain_hash.h"
@@ -43,137 +42,6 @@ const char *mukca_fleet_model_differs(const mukca_fleet_model *a, const mukca_fl
     return a->masses != b->masses ? "the link masses differ (--inertials)" : NULL;
 }
 
-uint64_t mukca_summary_hash(const mukca_dataset *data)
-{
-    const size_t rows = (size_t)data->n_rows;
-    uint64_t hash =
-        mukca_hash(MUKCA_HASH_START, data->q, rows * (size_t)data->n_joints * sizeof(double));
-    hash = mukca_hash(hash, data->socket, rows * sizeof *data->socket);
-    if (data->position) hash = mukca_hash(hash, data->position, 3 * rows * sizeof(double));
-    return hash;
-}
-
-/* True if a gear harmonic of the joint is among the causes. */
-static bool has_ripple(const mukca_unknowns *u, int joint)
-{
-    for (int c = 0; c < u->n_causes; c++) {
-        const mukca_candidate *h = &u->cause[c].candidate;
-        if (mukca_candidate_class(h) == MUKCA_EFFECT_GEAR_HARMONIC && h->joint == joint)
-            return true;
-    }
-    return false;
-}
-
-/* Share of recordings that show a gear's order at a neighbour. */
-#define STRAYS 0.1
-
-/* Orders that this recording cannot tell apart: a wave that its mounting modulates is read at a
- * neighbour less than one period away over the travel.  A neighbour's weight is the share of the
- * wave that it explains on evenly spread angles, sinc^2 of half the phase between their ends. */
-static double pool_neighbours(const double *value, int order, double travel)
-{
-    double log_odds[MUKCA_RIPPLE_ORDERS + 1] = {value[order] + log(1 - STRAYS)}, total = 0;
-    int n = 1;
-    for (int o = 2; o <= MUKCA_RIPPLE_ORDERS; o++) {
-        const double half = 0.5 * abs(o - order) * travel;
-        if (o == order || half >= acos(-1)) continue;
-        total += pow(sin(half) / half, 2);
-        log_odds[n++] = value[o] + 2 * log(sin(half) / half) + log(STRAYS);
-    }
-    for (int i = 1; i < n; i++) log_odds[i] -= log(total);
-    return n > 1 ? mukca_stats_log_sum_exp(log_odds, n) : value[order];
-}
-
-/* Log Bayes factors of all orders of one joint against the present model (-1: of all joints without
- * a gear harmonic in it). */
-static bool scan_orders(mukca_summary *s, mukca_regression *m, int only)
-{
-    const mukca_recording *r = &m->recording;
-    mukca_candidates none = {0};
-    mukca_scan scan;
-    none.capacity = 1;
-    if (!mukca_scan_create(&scan, &m->pool, m, &none)) return false;
-    mukca_scan_aim(&scan, m->unknowns.family);
-    for (int j = 0; j < r->chain->n_joints; j++) {
-        double value[MUKCA_RIPPLE_ORDERS + 1], travel[2];
-        if (only < 0 ? has_ripple(&m->unknowns, j) : j != only) continue;
-        mukca_recording_travel(travel, r, j);
-        const mukca_joint_type type = r->chain->element[r->chain->joint_element[j]].type;
-        if (!mukca_joint_turns((int)type) || travel[1] - travel[0] < MUKCA_LEAST_RANGE) continue;
-        if (!mukca_scan_orders(value, &scan, j)) return false;
-        for (int o = 0; o < MUKCA_FLEET_ORDERS; o++) {
-            const double pooled = pool_neighbours(value, o + 2, travel[1] - travel[0]),
-                         quanta = round(pooled / MUKCA_FLEET_QUANTUM);
-            s->ripple[j][o] = (int16_t)fmin(fmax(quanta, -INT16_MAX), INT16_MAX);
-        }
-    }
-    return true;
-}
-
-/* Information S on the last columns with all others marginalised: their block of the factor of the
- * scaled posterior precision is the factor of the Schur complement I + D S D, with the prior sigmas
- * D. */
-static void marginalise(mukca_summary *s, const mukca_regression *m)
-{
-    const mukca_unknowns *u = &m->unknowns;
-    const double *L = m->evidence.factor, *z = m->evidence.work, *D = m->evidence.prior;
-    const int n = m->linear.n_columns, terms = mukca_fleet_terms(s->model.n_joints);
-    int first = n, column[MUKCA_FLEET_TERMS];
-    for (int i = 0; i < terms; i++) {
-        const mukca_effect term = mukca_fleet_term(i, s->model.n_joints);
-        column[i] = -1;
-        for (int c = 0; c < u->n_causes; c++)
-            if (u->cause[c].known && mukca_effect_same(&u->cause[c].candidate.effect, &term))
-                column[i] = mukca_unknowns_column(u, c);
-        if (column[i] >= 0 && column[i] < first) first = column[i];
-    }
-    for (int i = 0; i < terms; i++) {
-        const int a = column[i];
-        double *row = s->information + mukca_fleet_packed(i);
-        s->vector[i] = 0;
-        for (int k = first; a >= 0 && k <= a; k++) s->vector[i] += L[a * n + k] * z[k] / D[a];
-        for (int j = 0; j <= i; j++) {
-            const int b = column[j];
-            row[j] = 0;
-            if (a < 0 || b < 0) continue;
-            for (int k = first; k <= b; k++) row[j] += L[a * n + k] * L[b * n + k];
-            row[j] = (row[j] - (a == b)) / (D[a] * D[b]);
-        }
-    }
-}
-
-mukca_status mukca_summary_take(mukca_summary *s, mukca_regression *m, mukca_error *error)
-{
-    /* For the linearisation, each coefficient has a prior of the size of soft gears, three times a
-     * Panda's largest.  The summary does not contain this prior. */
-    const double held = 300e-6;
-    mukca_fleet_prior prior[MUKCA_FLEET_TERMS];
-    mukca_unknowns *own = MUKCA_TAKE(&m->pool, mukca_unknowns, 1);
-    for (int i = 0; i < MUKCA_FLEET_TERMS; i++) prior[i] = (mukca_fleet_prior){0, held};
-    mukca_fleet_model_of(&s->model, m->recording.chain);
-    s->samples = m->recording.n_samples;
-    bool ok = own && mukca_unknowns_clone(own, &m->pool, &m->unknowns);
-    /* The orders of a joint are scored without the identified orders of that joint, but with those
-     * of the others: unmodelled strong ripple would appear as faint ripple elsewhere. */
-    for (int j = m->recording.chain->n_joints - 1; j >= -1 && ok; j--) {
-        if (j >= 0 && !has_ripple(own, j)) continue;
-        mukca_unknowns_assign(&m->unknowns, own);
-        mukca_fleet_strip(m, j);
-        ok = mukca_fleet_add(m, prior);
-        mukca_regression_fit(m, 4, MUKCA_FIT_INDEPENDENT);
-        if (ok) ok = scan_orders(s, m, j);
-    }
-    if (!ok || m->pool.failed)
-        return mukca_fail(error, MUKCA_MEMORY, "out of memory for the summary");
-    s->sigma_m = m->unknowns.sigma;
-    if (!isfinite(mukca_regression_factor(m)))
-        return mukca_fail(error, MUKCA_UNIDENTIFIABLE, "the data cannot be summarised: no fit");
-    marginalise(s, m);
-    return MUKCA_OK;
-}
-
-/* ---- elastic coefficients shared by arms of one model, as causes of a regression ---- */
-
 int mukca_fleet_terms(int n_joints)
 {
     return 2 * n_joints;
@@ -192,65 +60,14 @@ mukca_effect mukca_fleet_term(int i, int n_joints)
                           .terms = 1};
 }
 
-void mukca_fleet_strip(mukca_regression *m, int joint)
+uint64_t mukca_summary_hash(const mukca_dataset *data)
 {
-    for (int c = m->unknowns.n_causes - 1; c >= 0; c--) {
-        const mukca_candidate *h = &m->unknowns.cause[c].candidate;
-        const int class = mukca_candidate_class(h);
-        if (class == MUKCA_CLASS_UNKNOWN || mukca_effect_has(class, MUKCA_TRAIT_ELASTIC) ||
-            (class == MUKCA_EFFECT_GEAR_HARMONIC && h->joint == joint))
-            mukca_unknowns_drop(&m->unknowns, c);
-    }
-}
-
-static bool add(mukca_regression *m, const mukca_effect *effect)
-{
-    mukca_candidate h = {.kind = MUKCA_CANDIDATE_EFFECT,
-                         .joint = effect->joint,
-                         .placement = effect->placement,
-                         .effect = *effect};
-    return mukca_candidate_prepare(&h, &m->pool, &m->recording) &&
-           mukca_unknowns_add(&m->unknowns, &h);
-}
-
-bool mukca_fleet_add(mukca_regression *m, const mukca_fleet_prior *prior)
-{
-    mukca_unknowns *u = &m->unknowns;
-    const int n = m->recording.chain->n_joints;
-    const double spread = m->recording.options.mass_spread;
-    bool ok = true;
-    m->recording.options.mass_spread = 0; /* one coefficient instead of a factor per mass */
-    for (int i = 0; i < mukca_fleet_terms(n) && ok; i++) {
-        const mukca_effect effect = mukca_fleet_term(i, n);
-        const bool load = effect.kind == MUKCA_EFFECT_JOINT_COMPLIANCE ? m->recording.have_torques
-                                                                       : m->recording.have_moments;
-        if (!load) continue;
-        ok = add(m, &effect);
-        if (!ok) break;
-        mukca_accepted *cause = &u->cause[u->n_causes - 1];
-        if (!(cause->candidate.unit[0] > MUKCA_LEAST_TORQUE)) {
-            mukca_unknowns_drop(u, u->n_causes - 1);
-            continue;
-        }
-        cause->known = true;
-        cause->centre = cause->coefficient[0] = prior[i].mean;
-        cause->scale = prior[i].sigma * cause->candidate.unit[0];
-    }
-    m->recording.options.mass_spread = spread;
-    return ok;
-}
-
-int mukca_fleet_add_harmonic(mukca_regression *m, int joint, int order)
-{
-    const mukca_effect effect = {.kind = MUKCA_EFFECT_GEAR_HARMONIC,
-                                 .joint = joint,
-                                 .placement = -1,
-                                 .variant.order = order};
-    for (int c = 0; c < m->unknowns.n_causes; c++) {
-        const mukca_candidate *h = &m->unknowns.cause[c].candidate;
-        if (h->kind == MUKCA_CANDIDATE_EFFECT && mukca_effect_same(&h->effect, &effect)) return c;
-    }
-    return add(m, &effect) ? m->unknowns.n_causes - 1 : -1;
+    const size_t rows = (size_t)data->n_rows;
+    uint64_t hash =
+        mukca_hash(MUKCA_HASH_START, data->q, rows * (size_t)data->n_joints * sizeof(double));
+    hash = mukca_hash(hash, data->socket, rows * sizeof *data->socket);
+    if (data->position) hash = mukca_hash(hash, data->position, 3 * rows * sizeof(double));
+    return hash;
 }
 
 /* ---- collection of the summaries of arms of one model ---- */
@@ -357,7 +174,44 @@ mukca_status mukca_fleet_gather(mukca_fleet *f, mukca_error *error)
     return MUKCA_OK;
 }
 
-double mukca_fleet_ripple(const mukca_fleet *f, int arm, int joint, int order)
+void mukca_fleet_free(mukca_fleet *f)
+{
+    mukca_pool_free(&f->pool);
+    memset(f, 0, sizeof *f);
+}
+
+/* ---- orders of transmission ripple: log Bayes factors, summed over the arms ---- */
+
+/* Share of arms that do not show the order of their gear.  The gears of a model determine its
+ * orders: an individual order is a fault. */
+#define FAULTY 0.1
+
+enum {
+    ORDERS = MUKCA_FLEET_ORDERS,
+    FIRST = MUKCA_SMOOTH_ORDER - 1 /* lower ones are smooth functions, not of a gear */
+};
+
+/* Log Bayes factor of an arm's own order; add to gear[] those of the arm whose gear has each order:
+ * it shows that order or, rarely, its half (the other lobe of a wave generator), its double or one
+ * of its own. */
+static double add_arm(double *gear, const double *value)
+{
+    double own[ORDERS];
+    for (int o = FIRST; o < ORDERS; o++) own[o] = value[o] + mukca_ripple_log_prior(o + 2);
+    const double individual = mukca_stats_log_sum_exp(own + FIRST, ORDERS - FIRST),
+                 rare = log(FAULTY / 3);
+    for (int o = FIRST; o < ORDERS; o++) {
+        double shown[4] = {value[o] + log(1 - FAULTY), individual + rare};
+        int n = 2;
+        if (o % 2 == 0 && o / 2 - 1 >= FIRST) shown[n++] = value[o / 2 - 1] + rare;
+        if (2 * o + 2 < ORDERS) shown[n++] = value[2 * o + 2] + rare;
+        gear[o] += mukca_stats_log_sum_exp(shown, n);
+    }
+    return individual;
+}
+
+/* Log Bayes factor of an order of ripple, over all sessions of an arm. */
+static double ripple_of(const mukca_fleet *f, int arm, int joint, int order)
 {
     int quanta = 0;
     for (int s = f->arm[arm].first; s < f->arm[arm].end; s++)
@@ -365,8 +219,46 @@ double mukca_fleet_ripple(const mukca_fleet *f, int arm, int joint, int order)
     return quanta * MUKCA_FLEET_QUANTUM;
 }
 
-void mukca_fleet_free(mukca_fleet *f)
+/* Three hypotheses of a joint: no ripple; gears of one order in all arms; an order of its own in
+ * some arms.  The last keeps the fault of one arm from being attributed to the fleet.  Even odds
+ * that no joint has ripple, whatever the number of joints (as in population.c); equal odds of the
+ * other two. */
+static void pool_joint(mukca_trait *shared, const mukca_fleet *f, int joint)
 {
-    mukca_pool_free(&f->pool);
-    memset(f, 0, sizeof *f);
+    double gear[ORDERS] = {0}, sum[ORDERS] = {0}, value[ORDERS], each = 0;
+    int best = FIRST;
+    bool scanned = false;
+    for (int a = 0; a < f->n_arms; a++) {
+        for (int o = FIRST; o < ORDERS; o++) {
+            value[o] = ripple_of(f, a, joint, o + 2);
+            scanned |= value[o] != 0;
+            sum[o] += value[o];
+        }
+        const double own[] = {log(1 - FAULTY), log(FAULTY) + add_arm(gear, value)};
+        each += mukca_stats_log_sum_exp(own, 2);
+    }
+    *shared = (mukca_trait){
+        .effect = {.kind = MUKCA_EFFECT_GEAR_HARMONIC, .joint = joint, .placement = -1, .terms = 2},
+        .error = NAN,
+        .spread = NAN,
+        .value = NAN,
+        .low = NAN,
+        .high = NAN};
+    if (!scanned) return;
+    for (int o = FIRST; o < ORDERS; o++) {
+        gear[o] += mukca_ripple_log_prior(o + 2);
+        if (gear[o] > gear[best]) best = o;
+    }
+    const double none = pow(0.5, 1.0 / f->model.n_joints),
+                 all[] = {log(2 * none / (1 - none)), each,
+                          mukca_stats_log_sum_exp(gear + FIRST, ORDERS - FIRST)};
+    shared->effect.variant.order = best + 2;
+    shared->log_bayes_factor = sum[best];
+    shared->probability = exp(gear[best] - mukca_stats_log_sum_exp(all, 3));
+    for (int a = 0; a < f->n_arms; a++) shared->arms += ripple_of(f, a, joint, best + 2) > 0;
+}
+
+void mukca_orders_pool(mukca_fleet *f)
+{
+    for (int j = 0; j < f->model.n_joints; j++) pool_joint(&f->order[j], f, j);
 }

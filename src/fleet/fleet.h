@@ -25,27 +25,9 @@ enum {
  * +-2047. */
 #define MUKCA_FLEET_QUANTUM (1.0 / 16)
 
-/* Prior of a coefficient, rad/(N m). */
-typedef struct {
-    double mean, sigma;
-} mukca_fleet_prior;
-
 /* Number of coefficients, and the i-th (without value). */
 int mukca_fleet_terms(int n_joints);
 mukca_effect mukca_fleet_term(int i, int n_joints);
-
-/* Remove from the regression all elastic causes, unknown functions, which would absorb elasticity,
- * and the gear harmonics of a joint (-1: none). */
-void mukca_fleet_strip(mukca_regression *m, int joint);
-
-/* Append the elastic coefficients to the causes, with prior[terms], each with one coefficient for
- * all masses.  A coefficient without influence on this recording is omitted.  Fit afterwards.
- * False: no space. */
-bool mukca_fleet_add(mukca_regression *m, const mukca_fleet_prior *prior);
-
-/* Index of a gear harmonic among the causes; added if absent, with a prior size chosen by evidence;
- * -1: no space. */
-int mukca_fleet_add_harmonic(mukca_regression *m, int joint, int order);
 
 /* Properties common to arms of one model.  The tool is excluded: all elements after the last joint,
  * and the tip. */
@@ -81,24 +63,15 @@ void mukca_fleet_model_of(mukca_fleet_model *model, const mukca_chain *chain);
 /* Reason why summaries of the two models cannot be pooled; NULL: they can. */
 const char *mukca_fleet_model_differs(const mukca_fleet_model *a, const mukca_fleet_model *b);
 
-/* Summary of a recording from the regression of its diagnosis.  The regression keeps recording
- * faults and causes that are not elastic, and gets the elastic coefficients.  The caller sets arm
- * and data.  Errors: MUKCA_MEMORY, MUKCA_UNIDENTIFIABLE (no fit). */
+/* Summary of a recording from the regression of its diagnosis, which is fitted with the elastic
+ * coefficients in place of elastic causes and then restored.  The caller sets arm and data. Errors:
+ * MUKCA_MEMORY, MUKCA_UNIDENTIFIABLE (no fit). */
 mukca_status mukca_summary_take(mukca_summary *summary, mukca_regression *m, mukca_error *error);
 
 /* Hash of a recording: its angles, sockets and measured positions. */
 uint64_t mukca_summary_hash(const mukca_dataset *data);
 
 /* ---- the fleet ---- */
-
-/* Sum of the sessions of one arm. */
-typedef struct {
-    const char *name;
-    int first, end; /* its sessions */
-    int samples;
-    bool departs;                 /* excluded from the population */
-    double *information, *vector; /* [packed], [terms] */
-} mukca_fleet_arm;
 
 /* A coefficient or (gear_harmonic) an order of ripple that arms share, whose phase differs between
  * them. */
@@ -119,30 +92,6 @@ typedef struct {
 #define MUKCA_SHARED 0.5
 #define MUKCA_DEPARTS 0.95
 
-typedef struct {
-    mukca_fleet_model model; /* of the first summary */
-    int n_terms, n_sessions, n_arms, capacity;
-    mukca_summary **session; /* with n_joints rows of ripple only */
-    mukca_fleet_arm *arm;    /* set by mukca_fleet_gather */
-    mukca_pool pool;
-} mukca_fleet;
-
-/* Add a copy of a summary, whose path must outlive the fleet.  Errors: MUKCA_INPUT (another model,
- * no possible information), MUKCA_MEMORY. */
-mukca_status mukca_fleet_take(mukca_fleet *fleet, const mukca_summary *summary, mukca_error *error);
-
-/* Sort the sessions, to make results independent of the order of the files, and sum those of each
- * arm.  Errors: MUKCA_INPUT (the same recording twice), MUKCA_MEMORY. */
-mukca_status mukca_fleet_gather(mukca_fleet *fleet, mukca_error *error);
-
-/* Log Bayes factor of an order of ripple, over all sessions of an arm. */
-double mukca_fleet_ripple(const mukca_fleet *fleet, int arm, int joint, int order);
-
-void mukca_fleet_free(mukca_fleet *fleet);
-
-/* order[n_joints]: the most probable order of each joint (order 0: none was scanned). */
-void mukca_orders_pool(mukca_trait *order, const mukca_fleet *fleet);
-
 /* The population of a fleet's coefficients: those of each arm, scattered about a common mean.
  *
  * Random effects with known information per arm (N. Laird, J. Ware, Random-effects models for
@@ -150,31 +99,15 @@ void mukca_orders_pool(mukca_trait *order, const mukca_fleet *fleet);
 typedef struct {
     int n; /* coefficients on which at least one arm has information */
     int term[MUKCA_FLEET_TERMS];
-    int arms[MUKCA_FLEET_TERMS]; /* number of arms with information on it */
     int n_arms;
-    double spread[MUKCA_FLEET_TERMS]; /* standard deviation between arms, rad/(N m) */
+    mukca_trait trait[MUKCA_FLEET_TERMS];
     /* Of the means: information, including the arms' scatter, and information times estimate. */
     double information[MUKCA_FLEET_TERMS * MUKCA_FLEET_TERMS], vector[MUKCA_FLEET_TERMS];
-    /* Non-negative means and their covariance, with all coefficients present. */
-    double mean[MUKCA_FLEET_TERMS], covariance[MUKCA_FLEET_TERMS * MUKCA_FLEET_TERMS];
-    /* The same, averaged over the sets of nonzero means. */
+    double covariance[MUKCA_FLEET_TERMS * MUKCA_FLEET_TERMS]; /* of trait[].mean */
+    /* Non-negative means and their covariance, averaged over the sets of nonzero ones. */
     double average[MUKCA_FLEET_TERMS], average_covariance[MUKCA_FLEET_TERMS * MUKCA_FLEET_TERMS];
-    /* A mean given that it is not 0, with its 95 % interval. */
-    double value[MUKCA_FLEET_TERMS], low[MUKCA_FLEET_TERMS], high[MUKCA_FLEET_TERMS];
-    double log_bayes_factor[MUKCA_FLEET_TERMS]; /* of a mean above 0, given the other shared ones */
-    double probability[MUKCA_FLEET_TERMS];      /* that the mean is above 0 */
     double scratch[MUKCA_FLEET_TERMS * MUKCA_FLEET_TERMS];
 } mukca_population;
-
-/* Fit the population to all arms but those that depart and `without` (-1: none), starting from the
- * present mean and spread if `warm`.  False: no memory. */
-bool mukca_population_fit(mukca_population *population, const mukca_fleet *fleet, int without,
-                          bool warm);
-
-/* Information W[n][n] of an arm on the population's mean, and information times estimate, if the
- * prior precision of its coefficients about the mean is P[n][n].  False: not positive definite. */
-bool mukca_population_arm(double *W, double *w, const mukca_population *population,
-                          const mukca_fleet *fleet, int arm, const double *P);
 
 /* A coefficient of an arm, from its data, compared with its sisters. */
 typedef struct {
@@ -196,32 +129,60 @@ typedef struct {
     mukca_trait list[MUKCA_MAX_TRAITS];
 } mukca_traits;
 
-/* Results of a fleet. */
+/* One arm: the sum of its sessions, and its comparison with its sisters. */
 typedef struct {
+    const char *name;
+    int first, end; /* its sessions */
+    int samples;
+    bool departs;                 /* excluded from the population */
+    double *information, *vector; /* [packed], [terms] */
+    mukca_departure departure;    /* its most deviant coefficient */
+    mukca_departure *estimate;    /* [population.n] */
+} mukca_fleet_arm;
+
+typedef struct {
+    mukca_fleet_model model; /* of the first summary */
+    int n_terms, n_sessions, n_arms, capacity;
+    mukca_summary **session; /* with n_joints rows of ripple only */
+    mukca_fleet_arm *arm;    /* set by mukca_fleet_gather */
+    /* set by mukca_fleet_pool */
     mukca_population population;
-    mukca_trait order[MUKCA_MAX_JOINTS];   /* [n_joints]: the most probable; 0: none was scanned */
-    mukca_departure *departure, *estimate; /* [n_arms], [n_arms][population.n] */
-    mukca_traits traits;                   /* [population.n] coefficients, then the shared orders */
+    mukca_trait order[MUKCA_MAX_JOINTS]; /* [n_joints]: the most probable; 0: none was scanned */
+    mukca_departure *ranked;             /* [n_arms] the most probable first */
+    mukca_traits traits;                 /* [population.n] coefficients, then the shared orders */
     mukca_pool pool;
-} mukca_fleet_result;
+} mukca_fleet;
+
+/* Add a copy of a summary, whose path must outlive the fleet.  Errors: MUKCA_INPUT (another model,
+ * no possible information), MUKCA_MEMORY. */
+mukca_status mukca_fleet_take(mukca_fleet *fleet, const mukca_summary *summary, mukca_error *error);
+
+/* Sort the sessions, to make results independent of the order of the files, and sum those of each
+ * arm.  Errors: MUKCA_INPUT (the same recording twice), MUKCA_MEMORY. */
+mukca_status mukca_fleet_gather(mukca_fleet *fleet, mukca_error *error);
 
 /* Pool a gathered fleet.  Arms that depart are marked and excluded from its population.  Errors:
  * MUKCA_INPUT (fewer than two arms), MUKCA_MEMORY. */
-mukca_status mukca_fleet_pool(mukca_fleet_result *result, mukca_fleet *fleet, mukca_error *error);
-void mukca_fleet_result_free(mukca_fleet_result *result);
+mukca_status mukca_fleet_pool(mukca_fleet *fleet, mukca_error *error);
 
-/* ---- one more arm with the traits of its model as prior ---- */
+void mukca_fleet_free(mukca_fleet *fleet);
+
+/* Find the most probable order of ripple of each joint: fleet->order. */
+void mukca_orders_pool(mukca_fleet *fleet);
 
 /* ---- correction of a recording for the traits of its model ---- */
 
-/* The means of the elastic traits as effects[MUKCA_FLEET_TERMS]; returns their number.  sigma (may
- * be NULL): standard deviation of one more arm. */
-int mukca_traits_effects(mukca_effect *effects, double *sigma, const mukca_traits *traits);
+/* A share of the means of the elastic traits as effects[MUKCA_FLEET_TERMS]; returns their number.
+ * sigma (may be NULL): standard deviation of one more arm. */
+int mukca_traits_effects(mukca_effect *effects, double *sigma, const mukca_traits *traits,
+                         double share);
 
-/* Change the recorded angles minimally to displace the nominal tip as the effects do, to first
+/* Change the recorded angles minimally to displace the nominal tip as these effects do, to first
  * order. */
-void mukca_traits_correct(mukca_dataset *data, const mukca_chain *chain,
-                          const mukca_effect *effects, int n);
+void mukca_traits_correct(mukca_dataset *data, const mukca_chain *chain, const mukca_traits *traits,
+                          double share);
+
+/* ---- one more arm with the traits of its model as prior ---- */
 
 /* A coefficient of this arm, rad/(N m). */
 typedef struct {
@@ -231,25 +192,22 @@ typedef struct {
 } mukca_inherited;
 
 typedef struct {
+    /* of the caller */
     const mukca_traits *traits;
-    bool only;           /* only the traits' means, no elasticity fitted to this arm */
+    const mukca_dataset *test; /* held-out data, or NULL */
+    bool only;                 /* only the traits' means, no elasticity fitted to this arm */
+    /* results */
     bool adopted;        /* the traits' prior is in use; else the arm's own fit is better */
     double log_evidence; /* of the traits against the better of the fits without them */
     int n;
     mukca_inherited list[MUKCA_MAX_TRAITS];
 } mukca_adoption;
 
-typedef struct {
-    const mukca_traits *traits;
-    const mukca_dataset *test; /* held-out data, or NULL */
-    bool only;
-} mukca_adopt_options;
-
 /* Fit the arm with the traits as prior, in the regression of its diagnosis.  If the evidence
  * favours the traits, the errors and effects that the diagnosis applies are those of that fit;
  * otherwise the regression is restored.  Causes and verdict remain those of the arm's own data.
  * Errors: MUKCA_MEMORY. */
 mukca_status mukca_adopt(mukca_adoption *adoption, mukca_regression *m, mukca_diagnosis *diagnosis,
-                         const mukca_adopt_options *options, mukca_error *error);
+                         mukca_error *error);
 
 #endif

@@ -1,10 +1,13 @@
-/* The population of a fleet's coefficients, and by model averaging over the sets of nonzero ones
- * (A. Raftery, D. Madigan, J. Hoeting, Bayesian model averaging for linear regression models, J.
- * Am. Stat. Assoc. 92, 1997) which of them are shared, and their sizes. */
+/* Pooling of a fleet: the population of its coefficients; by model averaging over the sets of
+ * nonzero ones (A. Raftery, D. Madigan, J. Hoeting, Bayesian model averaging for linear regression
+ * models, J. Am. Stat. Assoc. 92, 1997) which of them are shared, and their sizes; arms that
+ * depart, which are excluded. */
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "fleet/fleet.h"
+#include "infer/mixture.h"
 #include "infer/sets.h"
 #include "math/dense.h"
 #include "math/stats.h"
@@ -13,6 +16,8 @@ enum {
     T = MUKCA_FLEET_TERMS,
     ROUNDS = 60,
     BUDGET = 40,      /* sets extended, or their members replaced */
+    REFITS = 64,      /* up to this number of arms the population is fitted again without each; in
+                         larger fleets one arm changes it by less than its uncertainty */
     FREEDOM = 1 << 30 /* so many degrees of freedom: the noise is known */
 };
 
@@ -33,32 +38,28 @@ enum {
 /* Of a set: negligible in a sum, and far from underflow. */
 #define LEAST_LOG_WEIGHT (-200.0)
 
-bool mukca_population_arm(double *W, double *w, const mukca_population *p, const mukca_fleet *f,
-                          int arm, const double *P)
+/* Information W[n][n] of an arm on the population's mean, and information times estimate, if the
+ * prior precision of its coefficients about the mean is P[n][n].  False: not positive definite. */
+static bool arm_information(double *W, double *w, const mukca_population *p, const mukca_fleet *f,
+                            int arm, const double *P)
 {
-    const double *packed = f->arm[arm].information;
-    const int n = p->n;
-    double A[T * T], x[T];
+    const int n = p->n, width = n + 1;
+    double X[T * (T + 1)];
     for (int i = 0; i < n; i++) {
-        w[i] = x[i] = f->arm[arm].vector[p->term[i]];
         for (int j = 0; j <= i; j++)
-            W[i * n + j] = W[j * n + i] = packed[mukca_fleet_packed(p->term[i]) + p->term[j]];
+            X[i * width + j] = X[j * width + i] =
+                f->arm[arm].information[mukca_fleet_packed(p->term[i]) + p->term[j]];
+        X[i * width + n] = f->arm[arm].vector[p->term[i]];
     }
-    /* With the information L of the arm and A = P + L = R R': X = R^-1 L in W, and L - X' X. */
-    for (int i = 0; i < n * n; i++) A[i] = W[i] + P[i];
-    if (mukca_dense_cholesky(A, n)) return false;
-    mukca_dense_forward(W, n, A, n);
-    mukca_dense_forward(x, 1, A, n);
+    for (int i = 0; i < n * n; i++) W[i] = P[i] + X[i / n * width + i % n];
+    /* With the information L of the arm: L - L (P + L)^-1 L = P (P + L)^-1 L. */
+    if (mukca_dense_solve(X, width, W, n)) return false;
     for (int i = 0; i < n; i++)
-        for (int j = 0; j <= i; j++)
-            A[i * n + j] = packed[mukca_fleet_packed(p->term[i]) + p->term[j]];
-    for (int r = 0; r < n; r++)
-        for (int i = 0; i < n; i++) {
-            w[i] -= W[r * n + i] * x[r];
-            for (int j = 0; j <= i; j++) A[i * n + j] -= W[r * n + i] * W[r * n + j];
+        for (int j = 0; j < width; j++) {
+            double sum = 0;
+            for (int k = 0; k < n; k++) sum += P[i * n + k] * X[k * width + j];
+            *(j < n ? &W[i * n + j] : &w[i]) = sum;
         }
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j <= i; j++) W[i * n + j] = W[j * n + i] = A[i * n + j];
     return true;
 }
 
@@ -71,8 +72,8 @@ static void choose_terms(mukca_population *p, const mukca_fleet *f)
         for (int a = 0; a < f->n_arms; a++)
             arms += f->arm[a].information[mukca_fleet_packed(t) + t] > 0;
         if (!arms) continue;
-        p->arms[p->n] = arms;
-        p->mean[p->n] = 0, p->spread[p->n] = FIRST_SPREAD;
+        p->trait[p->n] = (mukca_trait){
+            .effect = mukca_fleet_term(t, f->model.n_joints), .spread = FIRST_SPREAD, .arms = arms};
         p->term[p->n++] = t;
     }
 }
@@ -96,7 +97,7 @@ static void solve_mean(mukca_population *p)
         if (worst < 0) break;
         held[worst] = true;
     }
-    for (int i = 0; i < n; i++) p->mean[i] = fmax(b[i], 0);
+    for (int i = 0; i < n; i++) p->trait[i].mean = fmax(b[i], 0);
 }
 
 /* Information on the mean; scatter of the arms about it: residual^2, and information on the
@@ -111,17 +112,17 @@ static void sum_arms(mukca_population *p, double *square, double *diagonal, cons
     memset(p->vector, 0, sizeof p->vector);
     p->n_arms = 0;
     for (int i = 0; i < n; i++) {
-        P[i * n + i] = 1 / (p->spread[i] * p->spread[i]);
+        P[i * n + i] = 1 / (p->trait[i].spread * p->trait[i].spread);
         square[i] = diagonal[i] = 0;
         /* coefficients identifiable only in combination are bounded by the size of springs */
         p->information[i * n + i] = 1 / (MOST_MEAN * MOST_MEAN);
     }
     for (int a = 0; a < f->n_arms; a++) {
-        if (a == without || f->arm[a].departs || !mukca_population_arm(W, w, p, f, a, P)) continue;
+        if (a == without || f->arm[a].departs || !arm_information(W, w, p, f, a, P)) continue;
         p->n_arms++;
         for (int i = 0; i < n; i++) {
             double r = w[i];
-            for (int k = 0; k < n; k++) r -= W[i * n + k] * p->mean[k];
+            for (int k = 0; k < n; k++) r -= W[i * n + k] * p->trait[k].mean;
             square[i] += r * r;
             diagonal[i] += W[i * n + i];
             p->vector[i] += w[i];
@@ -137,16 +138,16 @@ static double step_spread(mukca_population *p, const double *square, const doubl
 {
     double most = 0;
     for (int i = 0; i < p->n; i++) {
-        const double usual = fmax(USUAL_SCATTER * p->mean[i], USUAL_SPREAD),
-                     v = pow(p->spread[i], 2);
+        const double usual = fmax(USUAL_SCATTER * p->trait[i].mean, USUAL_SPREAD),
+                     v = pow(p->trait[i].spread, 2);
         /* correction for the fitted mean of n arms */
         const double lost = p->n_arms > 1 ? (double)p->n_arms / (p->n_arms - 1) : 1;
         const double next = sqrt((lost * square[i] * v * v + SPREAD_ARMS * usual * usual) /
                                  (diagonal[i] + SPREAD_ARMS / v));
         const double spread = fmax(sqrt(next), LEAST_SPREAD);
-        const double change = fabs(spread / p->spread[i] - 1);
+        const double change = fabs(spread / p->trait[i].spread - 1);
         if (change > most) most = change; /* fmax crashes gcc 12 for aarch64 */
-        p->spread[i] = spread;
+        p->trait[i].spread = spread;
     }
     return most;
 }
@@ -231,7 +232,7 @@ static void flip(mukca_sets *sets, mukca_population *p)
         }
         const int other = mukca_sets_insert(sets, item, NULL, n);
         const double gain = other < 0 ? 0 : sets->set[other].value - best.value;
-        p->log_bayes_factor[k] = (present ? -gain : gain) - sets->question->item[k].log_prior;
+        p->trait[k].log_bayes_factor = (present ? -gain : gain) - sets->question->item[k].log_prior;
     }
 }
 
@@ -256,9 +257,9 @@ static bool take_average(mukca_population *p)
         const double present = a.present[i], value = a.mean[i] / present;
         double *row = &p->average_covariance[i * n];
         const double half = MUKCA_SIGMAS_95 * sqrt(fmax(row[i] / present - value * value, 0));
-        p->probability[i] = present / a.total;
-        p->value[i] = fmax(value, 0);
-        p->low[i] = fmax(value - half, 0), p->high[i] = fmax(value + half, 0);
+        p->trait[i].probability = present / a.total;
+        p->trait[i].value = fmax(value, 0);
+        p->trait[i].low = fmax(value - half, 0), p->trait[i].high = fmax(value + half, 0);
         p->average[i] = fmax(a.mean[i] / a.total, 0);
         for (int j = 0; j < n; j++) row[j] = (row[j] - a.mean[i] * a.mean[j] / a.total) / a.total;
     }
@@ -267,7 +268,9 @@ static bool take_average(mukca_population *p)
     return !failed;
 }
 
-bool mukca_population_fit(mukca_population *p, const mukca_fleet *f, int without, bool warm)
+/* Fit the population to all arms but those that depart and `without` (-1: none), starting from the
+ * present mean and spread if `warm`.  False: no memory. */
+static bool fit(mukca_population *p, const mukca_fleet *f, int without, bool warm)
 {
     double square[T] = {0}, diagonal[T] = {0}, *A = p->scratch;
     if (!warm) choose_terms(p, f);
@@ -283,80 +286,161 @@ bool mukca_population_fit(mukca_population *p, const mukca_fleet *f, int without
     memset(p->covariance, 0, sizeof p->covariance);
     for (int i = 0; i < p->n; i++) p->covariance[i * p->n + i] = 1;
     if (mukca_dense_solve(p->covariance, p->n, A, p->n)) p->n = 0;
+    for (int i = 0; i < p->n; i++) p->trait[i].error = sqrt(p->covariance[i * p->n + i]);
     return take_average(p);
 }
 
-/* ---- orders of transmission ripple: log Bayes factors, summed over the arms ---- */
+/* ---- arms that depart: each compared with the posterior predictive of its sisters ---- */
 
-/* Share of arms that do not show the order of their gear.  The gears of a model determine its
- * orders: an individual order is a fault. */
-#define FAULTY 0.1
+/* Prior of a departure, rad/(N m): typical sizes of mukca_sizes_spring, each as probable. */
+#define SIZES 3
+static const mukca_mixture prior = {
+    .n_sizes = SIZES,
+    .size = {30e-6, 100e-6, 300e-6},
+    .log_weight = {-1.0986122886681098, -1.0986122886681098, -1.0986122886681098}};
 
-enum {
-    ORDERS = MUKCA_FLEET_ORDERS,
-    FIRST = MUKCA_SMOOTH_ORDER - 1 /* lower ones are smooth functions, not of a gear */
-};
+/* Comparison of an arm with its sisters. */
+typedef struct {
+    const mukca_population *sisters;
+    double mean[T];            /* of the sisters */
+    double V[T * T], P[T * T]; /* prior covariance of its coefficients, and its inverse */
+    double W[T * T], r[T]; /* its information on the mean, times residual about the sisters' mean */
+} comparison;
 
-/* Log Bayes factor of an arm's own order; add to gear[] those of the arm whose gear has each order:
- * it shows that order or, rarely, its half (the other lobe of a wave generator), its double or one
- * of its own. */
-static double add_arm(double *gear, const double *value)
+/* The prior of the arm's coefficients combines the uncertainty of the mean and the scatter, widened
+ * for the small number of sisters (Student's t).  `averaged`: over the sets of nonzero
+ * means, else with all coefficients present. */
+static bool compare(comparison *c, const mukca_population *p, const mukca_fleet *f, int arm,
+                    bool averaged)
 {
-    double own[ORDERS];
-    for (int o = FIRST; o < ORDERS; o++) own[o] = value[o] + mukca_ripple_log_prior(o + 2);
-    const double individual = mukca_stats_log_sum_exp(own + FIRST, ORDERS - FIRST),
-                 rare = log(FAULTY / 3);
-    for (int o = FIRST; o < ORDERS; o++) {
-        double shown[4] = {value[o] + log(1 - FAULTY), individual + rare};
-        int n = 2;
-        if (o % 2 == 0 && o / 2 - 1 >= FIRST) shown[n++] = value[o / 2 - 1] + rare;
-        if (2 * o + 2 < ORDERS) shown[n++] = value[2 * o + 2] + rare;
-        gear[o] += mukca_stats_log_sum_exp(shown, n);
+    const int n = p->n;
+    const double nu = f->n_arms, wider = nu > 2 ? nu / (nu - 2) : 3;
+    c->sisters = p;
+    memcpy(c->V, averaged ? p->average_covariance : p->covariance, sizeof *c->V * (size_t)(n * n));
+    for (int i = 0; i < n; i++) {
+        c->mean[i] = averaged ? p->average[i] : p->trait[i].mean;
+        c->V[i * n + i] += wider * p->trait[i].spread * p->trait[i].spread;
     }
-    return individual;
+    memcpy(c->W, c->V, sizeof *c->V * (size_t)(n * n));
+    memset(c->P, 0, sizeof c->P);
+    for (int i = 0; i < n; i++) c->P[i * n + i] = 1;
+    if (mukca_dense_solve(c->P, n, c->W, n)) return false;
+    if (!arm_information(c->W, c->r, p, f, arm, c->P)) return false;
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < n; k++) c->r[i] -= c->W[i * n + k] * c->mean[k];
+    return true;
 }
 
-/* Three hypotheses of a joint: no ripple; gears of one order in all arms; an order of its own in
- * some arms.  The last keeps the fault of one arm from being attributed to the fleet.  Even odds
- * that no joint has ripple, whatever the number of joints (as in departures.c); equal odds of the
- * other two. */
-static void pool_joint(mukca_trait *shared, const mukca_fleet *f, int joint)
+/* Estimate coefficient k of the arm, with its prior variance increased by s2. */
+static void estimate(mukca_departure *d, const comparison *c, int k, double s2)
 {
-    double gear[ORDERS] = {0}, sum[ORDERS] = {0}, value[ORDERS], each = 0;
-    int best = FIRST;
-    bool scanned = false;
+    const int n = c->sisters->n;
+    const double *W = c->W, *V = c->V;
+    const double shrink = s2 / (1 + s2 * W[k * n + k]);
+    double own = 0, variance = V[k * n + k] + s2, row[T] = {0};
+    for (int i = 0; i < n; i++) {
+        row[i] = V[k * n + i] + (i == k ? s2 : 0);
+        own += row[i] * (c->r[i] - shrink * W[i * n + k] * c->r[k]);
+    }
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            variance -= row[i] * row[j] * (W[i * n + j] - shrink * W[i * n + k] * W[k * n + j]);
+    const double half = MUKCA_SIGMAS_95 * sqrt(fmax(variance, 0));
+    d->k = k;
+    d->mean = c->mean[k];
+    d->value = d->mean + own;
+    d->low = fmax(d->value - half, 0), d->high = d->value + half;
+    d->ratio = d->mean > 0 ? d->value / d->mean : (double)INFINITY;
+}
+
+/* The most deviant coefficient of each arm, by the posterior predictive of all others; its own
+ * coefficients with its sisters as prior.  False: no memory. */
+static bool find_departures(mukca_fleet *f)
+{
+    const mukca_population *all = &f->population;
+    mukca_pool *pool = &f->pool;
+    const int n = all->n;
+    mukca_population *sisters = MUKCA_TAKE(pool, mukca_population, 1);
+    comparison *c = MUKCA_TAKE(pool, comparison, 1);
+    mukca_mixture_scratch *scratch = MUKCA_TAKE(pool, mukca_mixture_scratch, 1);
+    if (pool->failed) return false;
+    /* Even odds that no arm of the fleet departs, whatever their number (J. Scott, J. Berger, Bayes
+     * and empirical-Bayes multiplicity adjustment, Ann. Stat. 38, 2010); then any coefficient. */
+    const double alone = pow(0.5, 1.0 / f->n_arms), each = log((1 - alone) / (n * alone));
     for (int a = 0; a < f->n_arms; a++) {
-        for (int o = FIRST; o < ORDERS; o++) {
-            value[o] = mukca_fleet_ripple(f, a, joint, o + 2);
-            scanned |= value[o] != 0;
-            sum[o] += value[o];
+        double odds[T + 1] = {0}, size[T] = {0}, by_size[MUKCA_MOST_SIZES] = {0};
+        int top = 0;
+        *sisters = *all;
+        f->arm[a].departure = (mukca_departure){.arm = a, .k = -1};
+        f->arm[a].estimate = MUKCA_TAKE(pool, mukca_departure, n + 1);
+        if (pool->failed) return false;
+        if (f->n_arms < 3) continue; /* of two arms, either may depart */
+        if (f->n_arms <= REFITS && !fit(sisters, f, a, true)) return false;
+        if (!sisters->n || !compare(c, sisters, f, a, false)) continue;
+        for (int k = 0; k < n; k++) {
+            odds[k] = each + mukca_mixture_evidence(by_size, &c->W[k * n + k], &c->r[k], 1, &prior,
+                                                    FREEDOM, FREEDOM, scratch);
+            for (int s = 0, best = 0; s < SIZES; s++)
+                if (by_size[s] >= by_size[best]) best = s, size[k] = pow(prior.size[s], 2);
+            if (odds[k] > odds[top]) top = k;
         }
-        const double own[] = {log(1 - FAULTY), log(FAULTY) + add_arm(gear, value)};
-        each += mukca_stats_log_sum_exp(own, 2);
+        const double total = mukca_stats_log_sum_exp(odds, n + 1); /* odds[n] = 0: none departs */
+        f->arm[a].departure = (mukca_departure){.arm = a,
+                                                .effect = all->trait[top].effect,
+                                                .log_bayes_factor = odds[top] - each,
+                                                /* of any departure; the top one is reported */
+                                                .probability = 1 - exp(-total)};
+        estimate(&f->arm[a].departure, c, top, size[top]);
+        const bool wanted = compare(c, sisters, f, a, true);
+        for (int k = 0; k < n && wanted; k++) {
+            mukca_departure *e = &f->arm[a].estimate[k];
+            const double share = exp(odds[k] - total);
+            *e = (mukca_departure){.arm = a,
+                                   .effect = all->trait[k].effect,
+                                   .log_bayes_factor = odds[k] - each,
+                                   .probability = share};
+            estimate(e, c, k, share > 0.5 ? size[k] : 0);
+        }
     }
-    *shared = (mukca_trait){
-        .effect = {.kind = MUKCA_EFFECT_GEAR_HARMONIC, .joint = joint, .placement = -1, .terms = 2},
-        .error = NAN,
-        .spread = NAN,
-        .value = NAN,
-        .low = NAN,
-        .high = NAN};
-    if (!scanned) return;
-    for (int o = FIRST; o < ORDERS; o++) {
-        gear[o] += mukca_ripple_log_prior(o + 2);
-        if (gear[o] > gear[best]) best = o;
-    }
-    const double none = pow(0.5, 1.0 / f->model.n_joints),
-                 all[] = {log(2 * none / (1 - none)), each,
-                          mukca_stats_log_sum_exp(gear + FIRST, ORDERS - FIRST)};
-    shared->effect.variant.order = best + 2;
-    shared->log_bayes_factor = sum[best];
-    shared->probability = exp(gear[best] - mukca_stats_log_sum_exp(all, 3));
-    for (int a = 0; a < f->n_arms; a++)
-        shared->arms += mukca_fleet_ripple(f, a, joint, best + 2) > 0;
+    return true;
 }
 
-void mukca_orders_pool(mukca_trait *order, const mukca_fleet *f)
+static int by_probability(const void *a, const void *b)
 {
-    for (int j = 0; j < f->model.n_joints; j++) pool_joint(&order[j], f, j);
+    const mukca_departure *x = a, *y = b;
+    if (x->probability != y->probability) return x->probability < y->probability ? 1 : -1;
+    if (x->log_bayes_factor != y->log_bayes_factor)
+        return x->log_bayes_factor < y->log_bayes_factor ? 1 : -1;
+    return x->arm - y->arm;
+}
+
+mukca_status mukca_fleet_pool(mukca_fleet *f, mukca_error *error)
+{
+    mukca_traits *t = &f->traits;
+    if (f->n_arms < 2)
+        return mukca_fail(error, MUKCA_INPUT,
+                          "%s: the only arm ('%s'); a fleet needs two arms or more (label the "
+                          "sessions with diagnose --arm)",
+                          f->session[0]->path, f->arm[0].name);
+    bool ok = true, any = true;
+    f->ranked = MUKCA_TAKE(&f->pool, mukca_departure, f->n_arms);
+    for (int round = 0; round < 2 && any && ok; round++) {
+        ok = fit(&f->population, f, -1, round > 0) && find_departures(f);
+        any = false; /* a broken arm has no information on its sisters: pool again without it */
+        for (int a = 0; a < f->n_arms && ok && round == 0; a++)
+            any |= f->arm[a].departs = f->arm[a].departure.probability >= MUKCA_DEPARTS;
+    }
+    if (!ok) return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d arms", f->n_arms);
+    mukca_orders_pool(f);
+    *t = (mukca_traits){
+        .model = f->model, .n = f->population.n, .n_arms = f->n_arms, .n_sessions = f->n_sessions};
+    for (int a = 0; a < f->n_arms; a++) {
+        t->n_samples += f->arm[a].samples;
+        f->ranked[a] = f->arm[a].departure;
+    }
+    qsort(f->ranked, (size_t)f->n_arms, sizeof *f->ranked, by_probability);
+    memcpy(t->list, f->population.trait, (size_t)t->n * sizeof *t->list);
+    for (int j = 0; j < f->model.n_joints; j++)
+        if (f->order[j].probability >= MUKCA_SHARED) t->list[t->n++] = f->order[j];
+    return MUKCA_OK;
 }

@@ -16,31 +16,28 @@ typedef struct {
     mukca_pose_row row[PREVIEW];
     mukca_frame nominal[PREVIEW], measured[PREVIEW];
     double work[PREVIEW];
-    int n;
+    int n, oriented;
 } preview;
-
-static mukca_status load(preview *p, const mukca_recalibrate_task *task, mukca_error *error)
-{
-    mukca_pose_reader reader = mukca_recalibrate_reader(task);
-    while (p->n < PREVIEW) {
-        const mukca_status status = mukca_pose_reader_next(&reader, error);
-        if (status != MUKCA_OK || !reader.now) return status;
-        p->row[p->n++] = *reader.now;
-    }
-    return MUKCA_OK;
-}
 
 static bool turned(const preview *p, int row)
 {
     return isfinite(p->row[row].quaternion[0]);
 }
 
-static void measure(preview *p, mukca_quaternion_order order)
+static mukca_status load(preview *p, mukca_pose_log *log, mukca_error *error)
 {
-    for (int i = 0; i < p->n; i++) {
-        memcpy(p->measured[i].p, p->row[i].position, sizeof p->measured[i].p);
-        mukca_pose_measured(p->measured[i].R, &p->row[i], order);
+    const mukca_pose_row *row;
+    mukca_status status = mukca_pose_log_rewind(log, error);
+    for (int i = 0; i < PREVIEW && status == MUKCA_OK; i++) {
+        status = mukca_pose_log_next(&row, log, error);
+        if (status != MUKCA_OK || !row) return status;
+        p->row[i] = *row;
+        memcpy(p->measured[i].p, row->position, sizeof row->position);
+        if (turned(p, i)) mukca_rotation_from_quaternion(p->measured[i].R, row->quaternion);
+        p->oriented += turned(p, i);
+        p->n++;
     }
+    return status;
 }
 
 /* Predict the nominal poses of the child link of `element`. */
@@ -64,18 +61,6 @@ static double rotation_median(preview *p)
     return mukca_stats_median(p->work, n);
 }
 
-/* Median error of the rotation between consecutive rows, which is independent of base and tool
- * frame. */
-static double turn_median(preview *p)
-{
-    int n = 0;
-    for (int i = 1; i < p->n; i++)
-        if (turned(p, i) && turned(p, i - 1))
-            p->work[n++] = fabs(mukca_rotation_between(p->nominal[i - 1].R, p->nominal[i].R) -
-                                mukca_rotation_between(p->measured[i - 1].R, p->measured[i].R));
-    return mukca_stats_median(p->work, n);
-}
-
 /* Length of the path through all poses, m. */
 static double path(const mukca_frame *poses, int n)
 {
@@ -96,71 +81,31 @@ static mukca_status check_moving(preview *p, mukca_error *error)
     return MUKCA_OK;
 }
 
-static void check_order(mukca_pose_check *check, preview *p, bool frames_known)
-{
-    const int last = p->chain->n_elements - 1,
-              joint = p->chain->joint_element[p->chain->n_joints - 1];
-    double score[2] = {HUGE_VAL, HUGE_VAL};
-    for (int order = 0; order < 2; order++) {
-        measure(p, (mukca_quaternion_order)order);
-        for (int k = last; k >= joint; k--) { /* try the tip and all links after the last joint */
-            predict(p, k);
-            score[order] =
-                fmin(score[order], turn_median(p) + (frames_known ? rotation_median(p) : 0));
-        }
-    }
-    check->order = score[1] < 0.5 * score[0] && score[0] > 1e-3 ? MUKCA_QUATERNION_W_LAST
-                                                                : MUKCA_QUATERNION_W_FIRST;
-    measure(p, check->order);
-}
-
-/* Whether most predicted positions match the measured position of another row. */
-static bool shuffled(preview *p, double median)
-{
-    double *nearest = p->work;
-    int moved = 0;
-    for (int i = 0; i < p->n; i++) {
-        int best = 0;
-        for (int k = 1; k < p->n; k++)
-            if (mukca_distance3(p->nominal[i].p, p->measured[k].p) <
-                mukca_distance3(p->nominal[i].p, p->measured[best].p))
-                best = k;
-        nearest[i] = mukca_distance3(p->nominal[i].p, p->measured[best].p);
-        moved += best != i;
-    }
-    return moved > p->n / 2 && mukca_stats_median(nearest, p->n) < 0.1 * median;
-}
-
 static mukca_status check_frames(mukca_pose_check *check, preview *p, mukca_error *error)
 {
     const mukca_chain *c = p->chain;
     const int last = c->n_elements - 1, joint = c->joint_element[c->n_joints - 1];
-    double best_turn = HUGE_VAL, median;
-    check->position_median = HUGE_VAL;
+    double best = HUGE_VAL, best_turn = HUGE_VAL, median;
     for (int k = last; k >= 0; k--) {
         predict(p, k);
         median = position_median(p);
         /* prefer the tip unless another link fits much better */
-        if (median < (check->position_median == HUGE_VAL ? 1 : 0.5) * check->position_median)
-            check->position_median = median, check->position_element = k;
-        median = check->rotations ? rotation_median(p) : 0;
+        if (median < (best == HUGE_VAL ? 1 : 0.5) * best)
+            best = median, check->position_element = k;
+        median = p->oriented ? rotation_median(p) : 0;
         if (median < (best_turn == HUGE_VAL ? 1 : 0.5) * best_turn)
             best_turn = median, check->rotation_element = k;
     }
     predict(p, check->position_element);
-    median = check->rotations ? rotation_median(p) : 0;
+    median = p->oriented ? rotation_median(p) : 0;
     if (median <= 1.5 * best_turn) /* no link fits the orientations much better */
         best_turn = median, check->rotation_element = check->position_element;
-    if (check->position_median > 0.1 && shuffled(p, check->position_median))
-        return mukca_fail(error, MUKCA_INPUT,
-                          "the poses are those of other rows' joint angles (median error %.0f mm, "
-                          "small in another order): sort both into the same order",
-                          1e3 * check->position_median);
-    if (check->position_median > 0.1)
+    if (best > 0.1)
         return mukca_fail(error, MUKCA_INPUT,
                           "the poses are %.0f mm (median) from every link of this arm: another "
-                          "base frame or tool (--free-base, --free-tool), or another arm",
-                          1e3 * check->position_median);
+                          "base frame or tool (--free-base, --free-tool), angles and poses in "
+                          "another order of rows, or another arm",
+                          1e3 * best);
     if (check->position_element < joint || (best_turn < 0.1 && check->rotation_element < joint))
         return mukca_fail(error, MUKCA_INPUT,
                           "the poses are those of link '%s', which joint '%s' does not move; give "
@@ -174,12 +119,14 @@ static mukca_status check_frames(mukca_pose_check *check, preview *p, mukca_erro
         predict(p, check->position_element);
         mukca_mat3_tmul(check->tool.R, p->nominal[0].R, of_rotation.R);
     }
-    if (check->rotations && best_turn > 0.1)
-        return mukca_fail(error, MUKCA_INPUT,
-                          "the orientations differ by %.3f rad (median) from those of every link, "
-                          "the positions do not: rotation and position are in different frames; "
-                          "--free-tool fits a rotated tool",
-                          best_turn);
+    if (p->oriented && best_turn > 0.1)
+        return mukca_fail(
+            error, MUKCA_INPUT,
+            "the orientations differ by %.3f rad (median) from those of every link, "
+            "the positions do not: quaternions in another order than w x y z (correct "
+            "the columns' names), or rotations in another frame (--free-tool fits a "
+            "rotated tool)",
+            best_turn);
     return MUKCA_OK;
 }
 
@@ -198,7 +145,7 @@ static void guess_frames(mukca_pose_check *check, preview *p, bool free_base, bo
         mukca_mat3_tmul(off, p->measured[i].R, R);
         for (int a = 0; a < 9; a++) tool[a] += off[a];
     }
-    if (free_tool && check->rotations) mukca_rotation_nearest(check->tool.R, tool);
+    if (free_tool && p->oriented) mukca_rotation_nearest(check->tool.R, tool);
 }
 
 mukca_status mukca_pose_check_run(mukca_pose_check *check, const mukca_recalibrate_task *task,
@@ -214,17 +161,12 @@ mukca_status mukca_pose_check_run(mukca_pose_check *check, const mukca_recalibra
                                 .tool.R = MUKCA_IDENTITY};
     p->chain = task->chain;
     mukca_geometry_set(&p->geometry, p->chain, NULL);
-    mukca_status status = load(p, task, error);
+    mukca_status status = load(p, task->log, error);
     if (status == MUKCA_OK && p->n == 0)
         status = mukca_fail(error, MUKCA_INPUT,
                             "no row has a measured position: need columns x_m y_m z_m, or "
                             "hole_*_pose.csv next to the joint files");
-    if (status == MUKCA_OK) {
-        for (int i = 0; i < p->n; i++) check->rotations += turned(p, i);
-        measure(p, MUKCA_QUATERNION_W_FIRST);
-        status = check_moving(p, error);
-    }
-    if (status == MUKCA_OK && check->rotations) check_order(check, p, !free_base && !free_tool);
+    if (status == MUKCA_OK) status = check_moving(p, error);
     if (status == MUKCA_OK && (free_base || free_tool))
         guess_frames(check, p, free_base, free_tool);
     else if (status == MUKCA_OK)

@@ -31,11 +31,24 @@ void mukca_unknown_text(char text[MUKCA_UNKNOWN_TEXT], const mukca_unknown *unkn
              *name && *axis ? " " : "", axis);
 }
 
-void mukca_pose_model_set(mukca_pose_model *model, const mukca_chain *chain)
+/* Update `placed`. */
+static void place(mukca_pose_model *model)
 {
-    memset(model, 0, sizeof *model);
+    model->placed = model->geometry;
+    mukca_frame_multiply(&model->placed.origin[0], &model->base, &model->geometry.origin[0]);
+}
+
+static mukca_frame or_identity(const mukca_frame *T)
+{
+    return mukca_dot3(T->R, T->R) > 0 ? *T : identity;
+}
+
+void mukca_pose_model_set(mukca_pose_model *model, const mukca_chain *chain,
+                          const mukca_frame *base, const mukca_frame *tool)
+{
+    *model = (mukca_pose_model){.base = or_identity(base), .tool = or_identity(tool)};
     mukca_geometry_set(&model->geometry, chain, NULL);
-    model->base = model->tool = identity;
+    place(model);
 }
 
 /* Axis of an unknown in its joint's frame, or in the frame of base or tool; `own` is storage for
@@ -83,6 +96,7 @@ void mukca_pose_model_add(mukca_pose_model *model, const mukca_unknown *unknown,
         const mukca_frame step = turn(local_axis(own, &model->geometry, unknown), by);
         mukca_frame_multiply(T, base ? &step : T, base ? T : &step);
     }
+    place(model);
 }
 
 void mukca_pose_model_theta(double *theta, const mukca_pose_model *model, const mukca_chain *chain)
@@ -96,43 +110,23 @@ void mukca_pose_model_theta(double *theta, const mukca_pose_model *model, const 
     mukca_geometry_theta(theta, chain, &g);
 }
 
-bool mukca_pose_measured(double R[9], const mukca_pose_row *row, mukca_quaternion_order order)
-{
-    const double *q = row->quaternion, last[4] = {q[3], q[0], q[1], q[2]};
-    if (!isfinite(q[0])) return false;
-    mukca_rotation_from_quaternion(R, order == MUKCA_QUATERNION_W_LAST ? last : q);
-    return true;
-}
-
-static bool is_identity(const mukca_frame *T)
-{
-    bool same = true;
-    for (int i = 0; i < 9; i++) same &= !(fabs(T->R[i] - identity.R[i]) > 0);
-    for (int i = 0; i < 3; i++) same &= !(fabs(T->p[i]) > 0);
-    return same;
-}
-
 void mukca_pose_look_at(mukca_pose_look *look, const mukca_pose_model *model,
-                        const mukca_pose_row *row, mukca_quaternion_order order)
+                        const mukca_pose_row *row)
 {
     const mukca_geometry *g = &model->geometry;
     double q[MUKCA_MAX_JOINTS], measured[9], off[9];
     look->model = model;
     look->row = row;
     for (int j = 0; j < g->n_joints; j++)
-        q[j] = row->q[j] + model->zero[j] + (model->lag != 0 ? model->lag * row->velocity[j] : 0);
-    mukca_fk_frames(look->before, &look->flange, g, q, NULL);
-    if (!is_identity(&model->base)) { /* skip the common case */
-        for (int k = 0; k < g->n_elements; k++)
-            mukca_frame_multiply(&look->before[k], &model->base, &look->before[k]);
-        mukca_frame_multiply(&look->flange, &model->base, &look->flange);
-    }
+        q[j] = row->q[j] + model->zero[j] + model->lag * row->velocity[j];
+    mukca_fk_frames(look->before, &look->flange, &model->placed, q, NULL);
     mukca_frame_multiply(&look->tip, &look->flange, &model->tool);
     for (int i = 0; i < 3; i++) {
         look->position[i] = row->position[i] - look->tip.p[i];
         look->rotation[i] = look->rotation_error[i] = NAN;
     }
-    if (!mukca_pose_measured(measured, row, order)) return;
+    if (!isfinite(row->quaternion[0])) return;
+    mukca_rotation_from_quaternion(measured, row->quaternion);
     mukca_mat3_tmul(off, look->tip.R, measured);
     look->rotation_error[0] = 0.5 * (off[7] - off[5]);
     look->rotation_error[1] = 0.5 * (off[2] - off[6]);
@@ -230,8 +224,9 @@ static void histogram_add(mukca_histogram *h, double x)
     h->total++;
 }
 
-double mukca_histogram_median(const mukca_histogram *histogram)
+double mukca_errors_median(const mukca_vector_errors *errors)
 {
+    const mukca_histogram *histogram = &errors->histogram;
     double below = 0, half = 0.5 * histogram->total;
     for (int bin = 0; bin < MUKCA_HISTOGRAM_BINS; bin++) {
         const double here = histogram->count[bin];
@@ -244,16 +239,17 @@ double mukca_histogram_median(const mukca_histogram *histogram)
     return 0;
 }
 
+static void add_error(mukca_vector_errors *errors, const double vector[3], const double axes[3])
+{
+    const double length = mukca_norm3(vector);
+    if (!isfinite(vector[0])) return;
+    moments_add(&errors->length, length);
+    histogram_add(&errors->histogram, length);
+    for (int i = 0; i < 3; i++) moments_add(&errors->axis[i], fabs(axes[i]));
+}
+
 void mukca_pose_errors_add(mukca_pose_errors *errors, const mukca_pose_look *look)
 {
-    const double length = mukca_norm3(look->position);
-    moments_add(&errors->position, length);
-    histogram_add(&errors->position_histogram, length);
-    for (int i = 0; i < 3; i++) moments_add(&errors->position_axis[i], fabs(look->position[i]));
-    if (!isfinite(look->rotation[0])) return;
-    const double angle = mukca_norm3(look->rotation);
-    moments_add(&errors->rotation, angle);
-    histogram_add(&errors->rotation_histogram, angle);
-    for (int i = 0; i < 3; i++)
-        moments_add(&errors->rotation_axis[i], fabs(look->rotation_error[i]));
+    add_error(&errors->position, look->position, look->position);
+    add_error(&errors->rotation, look->rotation, look->rotation_error);
 }

@@ -1,102 +1,115 @@
-/* Pose logs: a dataset as a log, and a reader that adds velocities. */
-#include "recalibrate/recalibrate.h"
-
+/* Pose logs: rows with velocities in a temporary file. */
+#include <errno.h>
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 
-static mukca_status cursor_next(void *context, mukca_pose_row *row, bool *more, mukca_error *error)
-{
-    mukca_pose_cursor *cursor = context;
-    const mukca_dataset *d = cursor->data;
-    (void)error;
-    while (cursor->at < d->n_rows && !(d->position && isfinite(d->position[3 * cursor->at])))
-        cursor->at++;
-    *more = cursor->at < d->n_rows;
-    if (!*more) return MUKCA_OK;
-    const int i = cursor->at++, n = d->n_joints;
-    for (int j = 0; j < n; j++) {
-        row->q[j] = d->q[i * n + j];
-        row->velocity[j] = d->velocity ? d->velocity[i * n + j] : (double)NAN;
-    }
-    memcpy(row->position, d->position + 3 * i, sizeof row->position);
-    for (int a = 0; a < 4; a++)
-        row->quaternion[a] = d->quaternion ? d->quaternion[4 * i + a] : (double)NAN;
-    row->time = d->time ? d->time[i] : (double)NAN;
-    /* Sockets are recorded one by one: treat each as a file, as no motion connects them. */
-    row->file = d->socket[i] < 0 ? d->file[i] : d->n_files + d->socket[i];
-    return MUKCA_OK;
-}
+#include "recalibrate/recalibrate.h"
 
-static mukca_status cursor_rewind(void *context, mukca_error *error)
+/* Whether two rows are consecutive in a motion. */
+static bool adjacent(const mukca_pose_row *a, const mukca_pose_row *b, int n_joints)
 {
-    (void)error;
-    ((mukca_pose_cursor *)context)->at = 0;
-    return MUKCA_OK;
-}
-
-void mukca_pose_log_from_dataset(mukca_pose_log *log, mukca_pose_cursor *cursor,
-                                 const mukca_dataset *data)
-{
-    *cursor = (mukca_pose_cursor){.data = data};
-    *log = (mukca_pose_log){.next = cursor_next, .rewind = cursor_rewind, .context = cursor};
-}
-
-/* Index in `row` and `state` of the preceding (0), present (1) or following (2) row. */
-static int place(const mukca_pose_reader *r, int i)
-{
-    return (r->first + i) % 3;
-}
-
-/* Advance the window by one row. */
-static mukca_status advance(mukca_pose_reader *r, mukca_error *error)
-{
-    r->first = place(r, 1);
-    const int after = place(r, 2);
-    r->state[after] = 0;
-    for (; r->log < r->n_logs; r->log++, r->started = false) {
-        const mukca_pose_log *log = &r->logs[r->log];
-        mukca_status status = r->started ? MUKCA_OK : log->rewind(log->context, error);
-        bool more = false;
-        r->started = true;
-        if (status == MUKCA_OK) status = log->next(log->context, &r->row[after], &more, error);
-        if (more) r->state[after] = 1 + r->log;
-        if (status != MUKCA_OK || more) return status;
-    }
-    return MUKCA_OK;
-}
-
-/* Whether the rows of the window at indices a and b are consecutive in a motion. */
-static bool adjacent(const mukca_pose_reader *r, int a, int b)
-{
-    if (!r->state[a] || r->state[a] != r->state[b] || r->row[a].file != r->row[b].file)
-        return false;
-    if (isfinite(r->row[a].time) && !(r->row[a].time < r->row[b].time)) return false;
-    for (int j = 0; j < r->n_joints; j++)
-        if (!(fabs(r->row[a].q[j] - r->row[b].q[j]) < 0.2)) return false;
+    if (a->file != b->file) return false;
+    if (isfinite(a->time) && !(a->time < b->time)) return false;
+    for (int j = 0; j < n_joints; j++)
+        if (!(fabs(a->q[j] - b->q[j]) < 0.2)) return false;
     return true;
 }
 
-static void fill_velocity(mukca_pose_reader *r)
+static void fill_velocity(mukca_pose_row *now, const mukca_pose_row *before,
+                          const mukca_pose_row *after, int n_joints)
 {
-    const int before = place(r, 0), at = place(r, 1), after = place(r, 2);
-    mukca_pose_row *now = &r->row[at];
     if (isfinite(now->velocity[0])) return;
-    const int from = adjacent(r, before, at) ? before : at,
-              to = adjacent(r, at, after) ? after : at;
-    const int rows = (to != at) + (from != at);
-    const double span = isfinite(now->time) ? r->row[to].time - r->row[from].time : rows;
-    for (int j = 0; j < r->n_joints; j++)
-        now->velocity[j] = from == to ? 0 : (r->row[to].q[j] - r->row[from].q[j]) / span;
+    const mukca_pose_row *from = adjacent(before, now, n_joints) ? before : now,
+                         *to = adjacent(now, after, n_joints) ? after : now;
+    const int rows = (to != now) + (from != now);
+    const double span = isfinite(now->time) ? to->time - from->time : rows;
+    for (int j = 0; j < n_joints; j++) now->velocity[j] = rows ? (to->q[j] - from->q[j]) / span : 0;
 }
 
-mukca_status mukca_pose_reader_next(mukca_pose_reader *r, mukca_error *error)
+static mukca_status fail(mukca_error *error)
 {
-    const bool first = !r->started && r->log == 0;
-    mukca_status status = first ? advance(r, error) : MUKCA_OK;
-    if (status == MUKCA_OK) status = advance(r, error);
-    const int at = place(r, 1);
-    r->now = r->state[at] ? &r->row[at] : NULL;
-    if (status != MUKCA_OK || !r->now) return status;
-    fill_velocity(r);
+    return mukca_fail(
+        error, MUKCA_MEMORY,
+        "the temporary file of the pose log: %s; it needs about the log's size in the "
+        "folder for temporary files",
+        strerror(errno));
+}
+
+/* Store the last row, which `after` follows. */
+static bool store(mukca_pose_log *log, const mukca_pose_row *after)
+{
+    mukca_pose_row *now = &log->last[1];
+    const size_t n = (size_t)log->n_joints, size = offsetof(mukca_pose_row, q) + n * sizeof *now->q;
+    fill_velocity(now, &log->last[0], after, log->n_joints);
+    return fwrite(now, size, 1, log->stream) == 1 &&
+           fwrite(now->velocity, sizeof *now->q, n, log->stream) == n;
+}
+
+mukca_status mukca_pose_log_add(mukca_pose_log *log, const mukca_pose_row *row, mukca_error *error)
+{
+    if (!log->stream && !(log->stream = tmpfile())) return fail(error);
+    const bool first = log->n == 0, oriented = isfinite(row->quaternion[0]);
+    if (!first && !store(log, row)) return fail(error);
+    for (int j = 0; j < log->n_joints; j++) {
+        if (first || row->q[j] < log->lowest[j]) log->lowest[j] = row->q[j];
+        if (first || row->q[j] > log->highest[j]) log->highest[j] = row->q[j];
+    }
+    if (first) log->oriented = oriented, log->timed = isfinite(row->time);
+    log->n_oriented += oriented;
+    log->n++;
+    log->last[0] = log->last[1];
+    log->last[1] = *row;
     return MUKCA_OK;
+}
+
+mukca_status mukca_pose_log_add_data(mukca_pose_log *log, const mukca_dataset *d,
+                                     mukca_error *error)
+{
+    mukca_status status = MUKCA_OK;
+    const size_t n = (size_t)d->n_joints;
+    for (size_t i = 0; i < (size_t)d->n_rows && d->position && status == MUKCA_OK; i++) {
+        if (!isfinite(d->position[3 * i])) continue;
+        /* Sockets are recorded one by one: each is a file, as no motion connects them. */
+        const int file = d->socket[i] < 0 ? d->file[i] : d->n_files + d->socket[i];
+        mukca_pose_row row = {.quaternion = {(double)NAN},
+                              .time = d->time ? d->time[i] : (double)NAN,
+                              .velocity = {(double)NAN},
+                              .file = 1 + file};
+        memcpy(row.position, d->position + 3 * i, sizeof row.position);
+        if (d->quaternion) memcpy(row.quaternion, d->quaternion + 4 * i, sizeof row.quaternion);
+        memcpy(row.q, d->q + n * i, n * sizeof *row.q);
+        if (d->velocity) memcpy(row.velocity, d->velocity + n * i, n * sizeof *row.q);
+        status = mukca_pose_log_add(log, &row, error);
+    }
+    return status;
+}
+
+mukca_status mukca_pose_log_rewind(mukca_pose_log *log, mukca_error *error)
+{
+    const mukca_pose_row none = {.file = 0};
+    if (log->last[1].file && !store(log, &none)) return fail(error);
+    log->last[1].file = 0;
+    log->at = 0;
+    return !log->n || fseek(log->stream, 0, SEEK_SET) == 0 ? MUKCA_OK : fail(error);
+}
+
+mukca_status mukca_pose_log_next(const mukca_pose_row **row, mukca_pose_log *log,
+                                 mukca_error *error)
+{
+    mukca_pose_row *now = &log->last[1];
+    const size_t n = (size_t)log->n_joints, size = offsetof(mukca_pose_row, q) + n * sizeof *now->q;
+    *row = log->at < log->n ? now : NULL;
+    if (!*row) return MUKCA_OK;
+    log->at++;
+    return fread(now, size, 1, log->stream) == 1 &&
+                   fread(now->velocity, sizeof *now->q, n, log->stream) == n
+               ? MUKCA_OK
+               : fail(error);
+}
+
+void mukca_pose_log_close(mukca_pose_log *log)
+{
+    if (log->stream) fclose(log->stream);
+    *log = (mukca_pose_log){.n_joints = log->n_joints};
 }

@@ -18,18 +18,12 @@ static const double converged_step = 1e-6;
 /* A lag must reduce the median error by 5 %; outliers alone do not. */
 static const double lag_gain = 0.95;
 
-mukca_pose_reader mukca_recalibrate_reader(const mukca_recalibrate_task *task)
-{
-    return (mukca_pose_reader){
-        .logs = task->logs, .n_logs = task->n_logs, .n_joints = task->chain->n_joints};
-}
-
 typedef struct {
     mukca_recalibration *out;
     const mukca_recalibrate_task *task;
     mukca_pose_model model;
     mukca_pose_system angles, offsets; /* joint solution: all unknowns in `offsets` */
-    mukca_pose_solution solution;
+    mukca_pose_step step;
     mukca_pose_errors errors;
     bool measured;   /* `errors` are those of the last pass */
     bool lag_denied; /* a lag did not reduce the median */
@@ -85,41 +79,29 @@ static double huber(double length, double median)
 /* Ratio of position to rotation error (medians), 0.01 to 10 m; 0 if either vanishes. */
 static double metres_per_radian(const mukca_pose_errors *errors)
 {
-    const double p = mukca_histogram_median(&errors->position_histogram);
-    const double w = mukca_histogram_median(&errors->rotation_histogram);
+    const double p = mukca_errors_median(&errors->position);
+    const double w = mukca_errors_median(&errors->rotation);
     return p > 1e-9 && w > 1e-9 ? fmin(fmax(p / w, 0.01), 10) : 0;
-}
-
-static void note_range(mukca_recalibration *out, const mukca_pose_row *row, int n)
-{
-    for (int j = 0; j < n; j++) {
-        if (out->rows == 0 || row->q[j] < out->lowest[j]) out->lowest[j] = row->q[j];
-        if (out->rows == 0 || row->q[j] > out->highest[j]) out->highest[j] = row->q[j];
-    }
-    out->in_rows |= !isfinite(row->time) && out->rows == 0;
-    out->rotations += isfinite(row->quaternion[0]);
-    out->rows++;
 }
 
 /* Read the log once with the present model: errors, and the equations of a system (or NULL). */
 static mukca_status pass(session *s, mukca_pose_system *system, mukca_error *error)
 {
-    const double position_scale = mukca_histogram_median(&s->errors.position_histogram);
-    const double rotation_scale = mukca_histogram_median(&s->errors.rotation_histogram);
+    const double position_scale = mukca_errors_median(&s->errors.position);
+    const double rotation_scale = mukca_errors_median(&s->errors.rotation);
     const mukca_recalibrate_options *options = s->task->options;
-    const bool robust = options->robust && s->measured, first = s->out->passes == 0;
-    mukca_pose_reader reader = mukca_recalibrate_reader(s->task);
+    const bool robust = options->robust && s->measured;
+    const mukca_pose_row *row;
     mukca_pose_look look;
-    mukca_status status;
+    mukca_status status = mukca_pose_log_rewind(s->task->log, error);
     if (system) mukca_pose_system_clear(system);
     memset(&s->errors, 0, sizeof s->errors);
-    for (long i = 0;; i++) {
-        status = mukca_pose_reader_next(&reader, error);
-        if (status != MUKCA_OK || !reader.now) break;
+    for (long i = 0; status == MUKCA_OK; i++) {
+        status = mukca_pose_log_next(&row, s->task->log, error);
+        if (status != MUKCA_OK || !row) break;
         if (i % 1024 == 0 && options->stop && options->stop())
             return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
-        if (first) note_range(s->out, reader.now, reader.n_joints);
-        mukca_pose_look_at(&look, &s->model, reader.now, options->order);
+        mukca_pose_look_at(&look, &s->model, row);
         mukca_pose_errors_add(&s->errors, &look);
         double p = 1, w = 1;
         if (robust) p = sqrt(huber(mukca_norm3(look.position), position_scale));
@@ -131,41 +113,28 @@ static mukca_status pass(session *s, mukca_pose_system *system, mukca_error *err
     return status;
 }
 
-/* Solve for all unknowns, the lag only `with_lag`, and update the model. */
-static mukca_status step(double *size, session *s, mukca_pose_system *system, bool with_lag,
-                         mukca_error *error)
+static bool has_lag(const mukca_pose_system *s)
 {
-    int n = system->n;
-    *size = 0;
-    if (n > 0 && system->unknown[n - 1].kind == MUKCA_UNKNOWN_LAG && !with_lag) n--;
-    if (!mukca_pose_system_solve(&s->solution, system, n, loosest))
-        return mukca_fail(error, MUKCA_INPUT, "the rows contain numbers that are not finite");
-    for (int u = 0; u < n; u++) {
-        mukca_pose_model_add(&s->model, &system->unknown[u], s->solution.x[u]);
-        system->value[u] += s->solution.x[u];
-        *size = fmax(*size, fabs(s->solution.x[u]));
-    }
-    return MUKCA_OK;
+    return s->n > 0 && s->unknown[s->n - 1].kind == MUKCA_UNKNOWN_LAG;
 }
 
-/* Append a system's last solution to the result, with the accumulated values. */
-static void keep(session *s, const mukca_pose_system *system)
+/* Solve for all unknowns, the lag only `with_lag`, and update the model.  The estimates before this
+ * system are `found`. */
+static mukca_status step(double *size, session *s, mukca_pose_system *system, bool with_lag,
+                         const int found[3], mukca_error *error)
 {
-    mukca_recalibration *out = s->out;
-    const mukca_pose_solution *x = &s->solution;
-    const int n =
-        system->n - (system->n > 0 && system->unknown[system->n - 1].kind == MUKCA_UNKNOWN_LAG);
+    mukca_pose_estimates *out = &s->out->found;
+    const int n = system->n - (has_lag(system) && !with_lag);
+    *size = 0;
+    out->n = found[0], out->rank = found[1], out->n_null = found[2];
+    if (!mukca_pose_system_solve(&s->step, out, system, n, loosest))
+        return mukca_fail(error, MUKCA_INPUT, "the rows contain numbers that are not finite");
     for (int u = 0; u < n; u++) {
-        out->unknown[out->n + u] = system->unknown[u];
-        out->value[out->n + u] = system->value[u];
-        out->sigma[out->n + u] = x->sigma[u];
-        out->identifiable[out->n + u] = x->identifiable[u];
+        mukca_pose_model_add(&s->model, &system->unknown[u], s->step.x[u]);
+        if (found[0] + u < out->n) out->value[found[0] + u] += s->step.x[u];
+        *size = fmax(*size, fabs(s->step.x[u]));
     }
-    for (int k = 0; k < x->n_null; k++)
-        memcpy(&out->null[out->n_null + k][out->n], x->null[k], (size_t)n * sizeof(double));
-    out->n_null += x->n_null;
-    out->rank += x->rank;
-    out->n += n;
+    return MUKCA_OK;
 }
 
 static bool lag_shows(session *s, const mukca_pose_system *system)
@@ -181,70 +150,41 @@ static bool lag_shows(session *s, const mukca_pose_system *system)
 /* Median error that a lag must reduce; outliers have no effect on it. */
 static double lag_median(const session *s, const mukca_pose_system *system)
 {
-    return mukca_histogram_median(system->rotations ? &s->errors.rotation_histogram
-                                                    : &s->errors.position_histogram);
+    return mukca_errors_median(system->rotations ? &s->errors.rotation : &s->errors.position);
 }
 
-/* Repeat pass and step for one system, including its lag, until it converges; at least `least`
- * times. */
-static mukca_status converge(session *s, mukca_pose_system *system, int least, mukca_error *error)
+/* Repeat pass and step for one system, including its lag, at least `least` times and, with
+ * `repeat`, until it converges.  Errors before are those of `stage`. */
+static mukca_status converge(session *s, mukca_pose_system *system, int stage, int least,
+                             bool repeat, mukca_error *error)
 {
-    const mukca_recalibrate_options *o = s->task->options;
-    const bool repeat = o->iterate || o->robust || !system->rotations;
+    const mukca_pose_estimates *out = &s->out->found;
     const int first = least - 1; /* first pass that may be the last */
+    const int found[3] = {out->n, out->rank, out->n_null};
     mukca_pose_model without = s->model;
     double size, median = 0;
     for (int i = 0;; i++) {
         mukca_status status = pass(s, system, error);
         if (status != MUKCA_OK) return status;
-        if (i == 0) s->out->errors[MUKCA_BEFORE] = s->errors;
+        if (i == 0) s->out->errors[stage] = s->errors;
         if (s->model.lag != 0 && without.lag == 0 && lag_median(s, system) > lag_gain * median) {
             s->model = without; /* repeat without the lag */
             s->lag_denied = true;
             continue;
         }
-        const bool lag = i > 0 && i < MOST_PASSES + first && lag_shows(s, system);
+        const bool lag =
+            has_lag(system) && i > 0 && i < MOST_PASSES + first && lag_shows(s, system);
         median = lag_median(s, system);
         without = s->model;
-        status = step(&size, s, system, lag, error);
+        status = step(&size, s, system, lag, found, error);
         if (status != MUKCA_OK) return status;
         const double scale = metres_per_radian(&s->errors);
         if (system->positions && scale > 0) system->metres_per_radian = scale;
         const bool enough = size < 1e-10 || i >= MOST_PASSES + first || (!lag && !repeat);
         if (i < first || !enough) continue;
-        s->out->converged = !repeat || size < converged_step;
+        s->out->converged &= !repeat || size < converged_step;
         return MUKCA_OK;
     }
-}
-
-/* Angles first, then lengths at these angles. */
-static mukca_status two_steps(session *s, mukca_error *error)
-{
-    double size = 1;
-    mukca_status status = converge(s, &s->angles, 2, error);
-    if (status != MUKCA_OK) return status;
-    s->out->stage[MUKCA_WITH_ANGLES] = s->model;
-    keep(s, &s->angles);
-    for (int i = 0; status == MUKCA_OK && i <= MOST_PASSES && !(size < 1e-9); i++) {
-        status = pass(s, &s->offsets, error);
-        if (i == 0) s->out->errors[MUKCA_WITH_ANGLES] = s->errors;
-        if (status == MUKCA_OK) status = step(&size, s, &s->offsets, false, error);
-        if (!s->task->options->robust) break;
-    }
-    if (status == MUKCA_OK) keep(s, &s->offsets);
-    s->out->has_angles = true;
-    return status;
-}
-
-/* Whether the log has orientations, by its first row. */
-static mukca_status look_ahead(bool *oriented, session *s, mukca_error *error)
-{
-    mukca_pose_reader reader = mukca_recalibrate_reader(s->task);
-    mukca_status status = mukca_pose_reader_next(&reader, error);
-    if (status != MUKCA_OK) return status;
-    if (!reader.now) return mukca_fail(error, MUKCA_INPUT, "no row has a measured position");
-    *oriented = isfinite(reader.now->quaternion[0]);
-    return MUKCA_OK;
 }
 
 /* Assign the unknowns to the systems; the lag is the last one of its system. */
@@ -258,59 +198,67 @@ static void set_systems(session *s, bool together, bool oriented)
     add_unknown(together ? offsets : angles, MUKCA_UNKNOWN_LAG, -1, 0);
 }
 
-static void start_model(mukca_pose_model *model, const mukca_chain *chain,
-                        const mukca_recalibrate_options *options)
-{
-    mukca_pose_model_set(model, chain);
-    if (mukca_dot3(options->base.R, options->base.R) > 0) model->base = options->base;
-    if (mukca_dot3(options->tool.R, options->tool.R) > 0) model->tool = options->tool;
-}
-
 /* Ratio of root mean square to median, relative to that of normal vectors, 1.126. */
-static double tail(const mukca_moments *m, const mukca_histogram *histogram)
+static double tail(const mukca_vector_errors *e)
 {
-    const double median = mukca_histogram_median(histogram);
+    const mukca_moments *m = &e->length;
+    const double median = mukca_errors_median(e);
     if (m->n < 20 || !(median > 0)) return 1;
     return sqrt(m->mean * m->mean + m->m2 / (double)m->n) / (1.126 * median);
+}
+
+static mukca_pose_gain gain(const mukca_vector_errors *before, const mukca_vector_errors *after)
+{
+    const double nominal = mukca_errors_median(before), left = mukca_errors_median(after);
+    return (mukca_pose_gain){nominal, left,
+                             nominal > left ? sqrt(nominal * nominal - left * left) : 0};
+}
+
+static bool shows(const mukca_pose_gain *g)
+{
+    return g->systematic > fmax(g->left, 1e-6); /* rounding of numbers in files, m and rad */
 }
 
 mukca_status mukca_recalibrate(mukca_recalibration *result, const mukca_recalibrate_task *task,
                                mukca_error *error)
 {
-    bool oriented = false;
+    const mukca_recalibrate_options *o = task->options;
+    const bool oriented = task->log->oriented, together = o->joint || !oriented,
+               repeat = o->iterate || o->robust || !oriented;
     session *s = calloc(1, sizeof *s);
     if (!s) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     memset(result, 0, sizeof *result);
+    result->converged = true;
     s->out = result;
     s->task = task;
-    start_model(&s->model, task->chain, task->options);
+    mukca_pose_model_set(&s->model, task->chain, &o->base, &o->tool);
     for (int i = 0; i < MUKCA_STAGES; i++) result->stage[i] = s->model;
-
-    mukca_status status = look_ahead(&oriented, s, error);
-    const bool together = task->options->joint || !oriented;
     set_systems(s, together, oriented);
-    if (status == MUKCA_OK && together) {
-        status = converge(s, &s->offsets, 1, error);
-        if (status == MUKCA_OK) keep(s, &s->offsets);
-    } else if (status == MUKCA_OK) {
-        status = two_steps(s, error);
+    mukca_status status =
+        converge(s, together ? &s->offsets : &s->angles, MUKCA_BEFORE, 2 - together, repeat, error);
+    if (!together) { /* lengths at these angles */
+        result->has_angles = true;
+        result->stage[MUKCA_WITH_ANGLES] = s->model;
+        if (status == MUKCA_OK)
+            status = converge(s, &s->offsets, MUKCA_WITH_ANGLES, 1, o->robust, error);
     }
     const int per_pose = together && oriented ? 6 : 3;
     const int unknowns = (s->offsets.n > s->angles.n ? s->offsets.n : s->angles.n) - !together;
-    const long equations = result->rows * per_pose;
+    const long equations = task->log->n * per_pose;
     if (status == MUKCA_OK && equations < unknowns)
         status = mukca_fail(error, MUKCA_UNIDENTIFIABLE,
                             "%ld poses give %ld equations for %d unknowns; record at least %d",
-                            result->rows, equations, unknowns,
+                            task->log->n, equations, unknowns,
                             (unknowns + !together + 2) / per_pose + 1);
     result->stage[MUKCA_WITH_BOTH] = s->model;
     if (!result->has_angles) result->stage[MUKCA_WITH_ANGLES] = s->model;
     result->lag = s->model.lag;
-    result->lag_found = s->model.lag != 0;
     if (status == MUKCA_OK) status = pass(s, NULL, error);
     result->errors[MUKCA_WITH_BOTH] = s->errors;
-    result->tail = fmax(tail(&s->errors.position, &s->errors.position_histogram),
-                        tail(&s->errors.rotation, &s->errors.rotation_histogram));
+    result->position = gain(&result->errors[MUKCA_BEFORE].position, &s->errors.position);
+    result->rotation = gain(&result->errors[MUKCA_BEFORE].rotation, &s->errors.rotation);
+    result->calibrated = shows(&result->position) || shows(&result->rotation);
+    result->tail = fmax(tail(&s->errors.position), tail(&s->errors.rotation));
     free(s);
     return status;
 }
@@ -318,37 +266,17 @@ mukca_status mukca_recalibrate(mukca_recalibration *result, const mukca_recalibr
 mukca_status mukca_recalibrate_test(mukca_pose_errors *errors, const mukca_pose_model *models,
                                     int n, const mukca_recalibrate_task *task, mukca_error *error)
 {
-    mukca_pose_reader reader = mukca_recalibrate_reader(task);
+    const mukca_pose_row *row;
     mukca_pose_look look;
+    mukca_status status = mukca_pose_log_rewind(task->log, error);
     memset(errors, 0, (size_t)n * sizeof *errors);
-    for (;;) {
-        const mukca_status status = mukca_pose_reader_next(&reader, error);
-        if (status != MUKCA_OK || !reader.now) return status;
+    while (status == MUKCA_OK) {
+        status = mukca_pose_log_next(&row, task->log, error);
+        if (!row) break;
         for (int i = 0; i < n; i++) {
-            mukca_pose_look_at(&look, &models[i], reader.now, task->options->order);
+            mukca_pose_look_at(&look, &models[i], row);
             mukca_pose_errors_add(&errors[i], &look);
         }
     }
-}
-
-/* Part of a median error that the fit removes. */
-static double without(double nominal, double left)
-{
-    return nominal > left ? sqrt(nominal * nominal - left * left) : 0;
-}
-
-void mukca_recalibrate_oracle(mukca_oracle *oracle, const mukca_recalibration *r)
-{
-    static const double rounding = 1e-6; /* rounding of numbers in files, m and rad */
-    const mukca_pose_errors *before = &r->errors[MUKCA_BEFORE],
-                            *after = &r->errors[MUKCA_WITH_BOTH];
-    *oracle =
-        (mukca_oracle){.position_nominal = mukca_histogram_median(&before->position_histogram),
-                       .position_left = mukca_histogram_median(&after->position_histogram),
-                       .rotation_nominal = mukca_histogram_median(&before->rotation_histogram),
-                       .rotation_left = mukca_histogram_median(&after->rotation_histogram)};
-    oracle->position_systematic = without(oracle->position_nominal, oracle->position_left);
-    oracle->rotation_systematic = without(oracle->rotation_nominal, oracle->rotation_left);
-    oracle->calibrated = oracle->position_systematic > fmax(oracle->position_left, rounding) ||
-                         oracle->rotation_systematic > fmax(oracle->rotation_left, rounding);
+    return status;
 }

@@ -6,52 +6,50 @@
 #ifndef MUKCA_RECALIBRATE_RECALIBRATE_H
 #define MUKCA_RECALIBRATE_RECALIBRATE_H
 
+#include <stdio.h>
+
 #include "model/dataset.h"
 
 /* ---- logs of joint angles with measured tip poses (pose_log.c) ---- */
 
 /* One row; values not recorded are NaN. */
 typedef struct {
-    double q[MUKCA_MAX_JOINTS];        /* rad or m */
-    double velocity[MUKCA_MAX_JOINTS]; /* of q, per second, or per row without times */
     double position[3];                /* m */
     double quaternion[4];              /* w first; any length except 0 */
     double time;                       /* s */
-    int file;                          /* consecutive rows of a file are in recording order */
+    double q[MUKCA_MAX_JOINTS];        /* rad or m */
+    double velocity[MUKCA_MAX_JOINTS]; /* of q, per second, or per row without times */
+    int file; /* from 1: consecutive rows of a file are in recording order; 0 in the log */
 } mukca_pose_row;
 
-/* A log; its memory is independent of its length. */
+/* Rows in a temporary file of about the size of the recorded text: its memory is independent of its
+ * length. */
 typedef struct {
-    /* The next row; at the end *more is false and there is no row. */
-    mukca_status (*next)(void *context, mukca_pose_row *row, bool *more, mukca_error *error);
-    mukca_status (*rewind)(void *context, mukca_error *error);
-    void *context;
+    int n_joints; /* of the caller; the rest zeroed */
+    FILE *stream;
+    long n, at, n_oriented; /* rows; index of the next one to return; rows with an orientation */
+    bool oriented, timed;   /* the first row has an orientation, a time */
+    double lowest[MUKCA_MAX_JOINTS], highest[MUKCA_MAX_JOINTS]; /* of q */
+    mukca_pose_row last[2]; /* the last row, which is not yet stored, and the row before it */
 } mukca_pose_log;
 
-/* The samples of a dataset that have a position, as a log.  `cursor` is the log's state and must
- * outlive it. */
-typedef struct {
-    const mukca_dataset *data;
-    int at;
-} mukca_pose_cursor;
-void mukca_pose_log_from_dataset(mukca_pose_log *log, mukca_pose_cursor *cursor,
-                                 const mukca_dataset *data);
+/* Append a row with a position.  Velocities that are not recorded are differences between
+ * neighbours in time (in rows without times), 0 if neighbours are more than 0.2 rad or m apart.
+ * Errors: MUKCA_MEMORY (no space for the temporary file). */
+mukca_status mukca_pose_log_add(mukca_pose_log *log, const mukca_pose_row *row, mukca_error *error);
 
-/* Reader of several logs as one, with velocities: recorded, else by differences between neighbours
- * in time (in rows without times); 0 if neighbours are more than 0.2 rad or m apart.  Initialise
- * the three inputs, the rest zeroed. */
-typedef struct {
-    const mukca_pose_log *logs;
-    int n_logs, n_joints;
-    const mukca_pose_row *now; /* NULL after the last row */
-    bool started;
-    int log;               /* index of the log being read */
-    mukca_pose_row row[3]; /* ring of the preceding, present and following row, from row[first] */
-    int state[3], first;   /* of each row: 0 empty, else 1 + log */
-} mukca_pose_reader;
+/* Append the samples that have a position. */
+mukca_status mukca_pose_log_add_data(mukca_pose_log *log, const mukca_dataset *data,
+                                     mukca_error *error);
 
-/* Advance to the next row.  Errors: those of the logs. */
-mukca_status mukca_pose_reader_next(mukca_pose_reader *reader, mukca_error *error);
+/* Return to the first row; no row is appended afterwards. */
+mukca_status mukca_pose_log_rewind(mukca_pose_log *log, mukca_error *error);
+
+/* The next row, valid until the next call; NULL at the end. */
+mukca_status mukca_pose_log_next(const mukca_pose_row **row, mukca_pose_log *log,
+                                 mukca_error *error);
+
+void mukca_pose_log_close(mukca_pose_log *log);
 
 /* ---- unknowns: the arm's constants, the frames of its poses, a time lag (model.c) ---- */
 
@@ -90,13 +88,15 @@ bool mukca_unknown_is_angle(mukca_unknown_kind kind);
 
 /* Predicted pose = base * arm(q + zero + lag * velocity) * tool. */
 typedef struct {
-    mukca_geometry geometry;
+    mukca_geometry geometry, placed; /* placed: in the poses' frame */
     double zero[MUKCA_MAX_JOINTS];
     mukca_frame base, tool;
     double lag;
 } mukca_pose_model;
 
-void mukca_pose_model_set(mukca_pose_model *model, const mukca_chain *chain);
+/* The nominal arm; R of a frame all 0: the identity. */
+void mukca_pose_model_set(mukca_pose_model *model, const mukca_chain *chain,
+                          const mukca_frame *base, const mukca_frame *tool);
 
 /* Add `by` to the value of `unknown`. */
 void mukca_pose_model_add(mukca_pose_model *model, const mukca_unknown *unknown, double by);
@@ -115,14 +115,8 @@ typedef struct {
     double rotation_error[3];               /* vector of predicted' measured - I */
 } mukca_pose_look;
 
-/* Quaternion order of the log. */
-typedef enum { MUKCA_QUATERNION_W_FIRST, MUKCA_QUATERNION_W_LAST } mukca_quaternion_order;
-
-/* The measured orientation; false: none. */
-bool mukca_pose_measured(double R[9], const mukca_pose_row *row, mukca_quaternion_order order);
-
 void mukca_pose_look_at(mukca_pose_look *look, const mukca_pose_model *model,
-                        const mukca_pose_row *row, mukca_quaternion_order order);
+                        const mukca_pose_row *row);
 
 /* Derivatives of the predicted position (3 rows, m) and rotation (3 rows, about the tip's own axes)
  * by each unknown; the rows are `stride` doubles apart.  Either may be NULL. */
@@ -145,9 +139,13 @@ typedef struct {
 } mukca_histogram;
 
 typedef struct {
-    mukca_moments position, rotation;                 /* length, m; angle, rad */
-    mukca_moments position_axis[3], rotation_axis[3]; /* absolute; rotation: vector of R'R~ - I */
-    mukca_histogram position_histogram, rotation_histogram;
+    mukca_moments length;  /* m; rad */
+    mukca_moments axis[3]; /* absolute; of a rotation: vector of R'R~ - I */
+    mukca_histogram histogram;
+} mukca_vector_errors;
+
+typedef struct {
+    mukca_vector_errors position, rotation;
 } mukca_pose_errors;
 
 void mukca_pose_errors_add(mukca_pose_errors *errors, const mukca_pose_look *look);
@@ -155,8 +153,8 @@ void mukca_pose_errors_add(mukca_pose_errors *errors, const mukca_pose_look *loo
 /* Standard deviation, 1 / (n - 1); 0 for n < 2. */
 double mukca_moments_std(const mukca_moments *moments);
 
-/* Median within 1 %; 0 for an empty histogram. */
-double mukca_histogram_median(const mukca_histogram *histogram);
+/* Median length within 1 %; 0 without errors. */
+double mukca_errors_median(const mukca_vector_errors *errors);
 
 /* ---- a linear least-squares problem built row by row (system.c) ----
  *
@@ -170,7 +168,6 @@ typedef struct {
     bool positions, rotations; /* equations of a pose that it uses */
     double metres_per_radian;  /* weight of rotation rows relative to position rows; 0: 1 */
     mukca_unknown unknown[MUKCA_MAX_UNKNOWNS];
-    double value[MUKCA_MAX_UNKNOWNS]; /* sum of the steps so far */
     long equations;
     double rss;                                        /* of the weighted rows */
     double R[MUKCA_MAX_UNKNOWNS * MUKCA_SYSTEM_WIDTH]; /* [n][n + 1], with Q'b */
@@ -181,18 +178,24 @@ typedef struct {
     int filled[2];
 } mukca_pose_system;
 
+/* Estimates of the unknowns of one or two systems, one after the other. */
 typedef struct {
-    int rank;
-    double x[MUKCA_MAX_UNKNOWNS]; /* step of minimum norm, first in the arm's unknowns, then in the
-                                     tool's */
+    int n, rank;
+    mukca_unknown unknown[MUKCA_MAX_UNKNOWNS];
+    double value[MUKCA_MAX_UNKNOWNS]; /* sum of the steps */
     double sigma[MUKCA_MAX_UNKNOWNS]; /* standard error within the identifiable subspace */
     bool identifiable[MUKCA_MAX_UNKNOWNS];
     int n_null;
     double null[MUKCA_MAX_UNKNOWNS][MUKCA_MAX_UNKNOWNS]; /* [n_null][n] unidentifiable; sparse */
+} mukca_pose_estimates;
+
+typedef struct {
+    double x[MUKCA_MAX_UNKNOWNS]; /* step of minimum norm, first in the arm's unknowns, then in the
+                                     tool's */
     /* scratch: factors of the equations, products of the null space */
     double U[MUKCA_MAX_UNKNOWNS * MUKCA_MAX_UNKNOWNS], V[MUKCA_MAX_UNKNOWNS * MUKCA_MAX_UNKNOWNS],
         A[MUKCA_MAX_UNKNOWNS * MUKCA_MAX_UNKNOWNS];
-} mukca_pose_solution;
+} mukca_pose_step;
 
 /* Remove all rows. */
 void mukca_pose_system_clear(mukca_pose_system *system);
@@ -201,45 +204,47 @@ void mukca_pose_system_clear(mukca_pose_system *system);
 void mukca_pose_system_add(mukca_pose_system *system, const mukca_pose_look *look, double weight,
                            double turn_weight);
 
-/* Solve for the first `n` unknowns; the others stay 0.  An unknown with a standard error above
- * `loosest` (m or rad) is not identifiable.  False: the rows are not finite. */
-bool mukca_pose_system_solve(mukca_pose_solution *solution, mukca_pose_system *system, int n,
-                             double loosest);
+/* Solve for the first `n` unknowns; the others stay 0.  Appends them to the estimates, without a
+ * lag.  An unknown with a standard error above `loosest` (m or rad) is not identifiable.  False:
+ * the rows are not finite. */
+bool mukca_pose_system_solve(mukca_pose_step *step, mukca_pose_estimates *estimates,
+                             mukca_pose_system *system, int n, double loosest);
 
 /* Value of the last unknown, and its distance from 0 in standard errors (returned); call after
  * solve. */
 double mukca_pose_system_last(double *value, const mukca_pose_system *system);
 
 typedef struct {
-    bool iterate;   /* repeat the linearisation until convergence */
-    bool joint;     /* both steps as one problem; implied if no pose has an orientation */
-    bool robust;    /* Huber weights; implies iterate */
-    bool tilts;     /* also fit the tilts of the joint axes */
-    bool free_base; /* the arm's base in the poses' frame is unknown */
-    bool free_tool; /* the rotation of the measured frame relative to the tip is unknown */
-    mukca_quaternion_order order;
+    bool iterate;           /* repeat the linearisation until convergence */
+    bool joint;             /* both steps as one problem; implied if no pose has an orientation */
+    bool robust;            /* Huber weights; implies iterate */
+    bool tilts;             /* also fit the tilts of the joint axes */
+    bool free_base;         /* the arm's base in the poses' frame is unknown */
+    bool free_tool;         /* the rotation of the measured frame relative to the tip is unknown */
     mukca_frame base, tool; /* of the poses: start values; R all 0: the identity */
     bool (*stop)(void);     /* true aborts with MUKCA_INTERRUPTED; may be NULL */
 } mukca_recalibrate_options;
 
 enum { MUKCA_BEFORE, MUKCA_WITH_ANGLES, MUKCA_WITH_BOTH, MUKCA_STAGES };
 
+/* Medians of the errors of the nominal and the fitted model, m or rad, and the part that the fit
+ * removes; 0 without measurements. */
 typedef struct {
-    int n; /* number of unknowns */
-    mukca_unknown unknown[MUKCA_MAX_UNKNOWNS];
-    double value[MUKCA_MAX_UNKNOWNS], sigma[MUKCA_MAX_UNKNOWNS];
-    bool identifiable[MUKCA_MAX_UNKNOWNS];
-    int rank, n_null;
-    double null[MUKCA_MAX_UNKNOWNS][MUKCA_MAX_UNKNOWNS]; /* [n_null][n] unidentifiable */
+    double nominal, left, systematic;
+} mukca_pose_gain;
+
+typedef struct {
+    mukca_pose_estimates found;
     mukca_pose_model stage[MUKCA_STAGES];
     mukca_pose_errors errors[MUKCA_STAGES]; /* on the log itself, by stage */
     bool has_angles;                        /* whether the stage "with angular offsets" exists */
-    long rows, rotations;                   /* poses, and those with an orientation */
-    double lowest[MUKCA_MAX_JOINTS], highest[MUKCA_MAX_JOINTS]; /* of q */
-    bool lag_found, in_rows; /* whether a lag was found; its unit is rows, not s */
-    double lag, lag_score;   /* score: in standard errors */
-    double tail; /* ratio of rms to median of the remaining error, 1 for normal errors; the larger
-                    of position and orientation */
+    mukca_pose_gain position, rotation;
+    bool calibrated; /* the poses contain a calibration: one of the two removes more than it leaves
+                      */
+    double lag,
+        lag_score; /* lag: s, or rows without times; 0: none found; score: in standard errors */
+    double tail;   /* ratio of rms to median of the remaining error, 1 for normal errors; the larger
+                      of position and orientation */
     int passes;
     bool converged; /* the last of the repeated steps was small, or a single linear step was
                        requested */
@@ -248,8 +253,7 @@ typedef struct {
 /* Input of a fit or a test. */
 typedef struct {
     const mukca_chain *chain;
-    const mukca_pose_log *logs;
-    int n_logs;
+    mukca_pose_log *log;
     const mukca_recalibrate_options *options;
 } mukca_recalibrate_task;
 
@@ -258,34 +262,19 @@ typedef struct {
 mukca_status mukca_recalibrate(mukca_recalibration *result, const mukca_recalibrate_task *task,
                                mukca_error *error);
 
-/* Compute the errors of models[n] on the task's logs. */
+/* Compute the errors of models[n] on the task's log. */
 mukca_status mukca_recalibrate_test(mukca_pose_errors *errors, const mukca_pose_model *models,
                                     int n, const mukca_recalibrate_task *task, mukca_error *error);
 
-/* Create a reader of the task's logs. */
-mukca_pose_reader mukca_recalibrate_reader(const mukca_recalibrate_task *task);
-
-/* Whether the poses contain a calibration: the part of the error that the fit removes must exceed
- * the remaining error (medians), in position or in orientation. */
+/* Checks of the first rows of a log: the link of the poses (check.c). */
 typedef struct {
-    bool calibrated;
-    double position_nominal, position_left, position_systematic; /* m */
-    double rotation_nominal, rotation_left, rotation_systematic; /* rad; 0 without orientations */
-} mukca_oracle;
-void mukca_recalibrate_oracle(mukca_oracle *oracle, const mukca_recalibration *result);
-
-/* Checks of the first rows of a log: quaternion order, and the link of the poses (check.c). */
-typedef struct {
-    int rotations;                          /* samples with a quaternion */
     int position_element, rotation_element; /* elements whose child links the poses belong to */
-    double position_median;                 /* median distance to that link in the nominal arm, m */
-    mukca_quaternion_order order;
     mukca_frame base, tool; /* start values: base in the poses' frame, tool in the tip's */
 } mukca_pose_check;
 
 /* Determine these from the log.  With the task's free_base or free_tool the frames are unknown and
- * the last element is assumed.  Errors: MUKCA_INPUT with the defect (a stopped stream, poses of
- * other rows, of a link before a joint, a rotated frame), MUKCA_MEMORY, and those of the log. */
+ * the last element is assumed.  Errors: MUKCA_INPUT with the defect (a stopped stream, poses far
+ * from the arm, of a link before a joint, a rotated frame), MUKCA_MEMORY, and those of the log. */
 mukca_status mukca_pose_check_run(mukca_pose_check *check, const mukca_recalibrate_task *task,
                                   mukca_error *error);
 

@@ -56,42 +56,28 @@ void mukca_pose_system_add(mukca_pose_system *s, const mukca_pose_look *look, do
  * of 1e3 assigns 1e-6 of them to the arm. */
 static const double tool_freedom = 1e3;
 
-/* Replace the solutions v[n] in the first `rank` columns of V[n][n] by the equivalent ones of least
- * norm in units of the prior sizes: v + N c with the null directions N, the other columns, and (N'
- * W N) c = -N' W v. */
+/* Replace the solutions in the first `rank` columns of V[n][n] by the equivalent ones of least norm
+ * in units of the prior sizes: in these units orthogonal to the null directions, the other columns.
+ */
 static void prefer_tool(double *V, double *A, const mukca_pose_system *s, int n, int rank)
 {
-    double w[MUKCA_MAX_UNKNOWNS];
-    const int free = n - rank;
-    bool any = false;
+    double weight[MUKCA_MAX_UNKNOWNS];
     for (int i = 0; i < n; i++) {
-        w[i] = s->unknown[i].tool ? 1 / (tool_freedom * tool_freedom) : 1;
-        any |= s->unknown[i].tool;
+        weight[i] = s->unknown[i].tool ? 1 / tool_freedom : 1;
+        for (int k = 0; k < n; k++) A[i * n + k] = weight[i] * V[i * n + (k + rank) % n];
     }
-    if (!any || free == 0) return;
-    for (int a = 0; a < free; a++)
-        for (int b = 0; b < free; b++) {
-            A[a * free + b] = 0;
-            for (int i = 0; i < n; i++)
-                A[a * free + b] += V[i * n + rank + a] * w[i] * V[i * n + rank + b];
-        }
-    if (mukca_dense_cholesky(A, free) != 0) return;
-    for (int k = 0; k < rank; k++) {
-        double c[MUKCA_MAX_UNKNOWNS] = {0};
-        for (int a = 0; a < free; a++)
-            for (int i = 0; i < n; i++) c[a] -= V[i * n + rank + a] * w[i] * V[i * n + k];
-        mukca_dense_forward(c, 1, A, free);
-        mukca_dense_backward(c, 1, A, free);
-        for (int i = 0; i < n; i++)
-            for (int a = 0; a < free; a++) V[i * n + k] += V[i * n + rank + a] * c[a];
-    }
+    mukca_dense_project(A, n, n, 0, n - rank);
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < rank; k++) V[i * n + k] = A[i * n + n - rank + k] / weight[i];
 }
 
-bool mukca_pose_system_solve(mukca_pose_solution *out, mukca_pose_system *s, int n, double loosest)
+bool mukca_pose_system_solve(mukca_pose_step *out, mukca_pose_estimates *to, mukca_pose_system *s,
+                             int n, double loosest)
 {
     const int width = s->n + 1;
     double d[MUKCA_MAX_UNKNOWNS], singular[MUKCA_MAX_UNKNOWNS];
-    double *U = out->U, *V = out->V;
+    double *U = out->U, *V = out->V, *sigma = to->sigma + to->n, (*null)[MUKCA_MAX_UNKNOWNS];
+    int rank = 0;
     for (int kind = 0; kind < 2; kind++) absorb(s, kind);
     memset(out, 0, sizeof *out);
     double left = s->rss; /* includes the square explained by the unknowns from n on */
@@ -100,40 +86,48 @@ bool mukca_pose_system_solve(mukca_pose_solution *out, mukca_pose_system *s, int
     for (int i = 0; i < n; i++) {
         memcpy(U + i * n, s->R + i * width, (size_t)n * sizeof *U);
         d[i] = s->R[i * width + width - 1];
+        sigma[i] = 0;
     }
     if (n == 0) return true;
     if (mukca_dense_svd(U, singular, V, n) || !isfinite(left)) return false;
     const long freedom = s->equations - n;
     const double noise = sqrt(left / (double)(freedom > 0 ? freedom : 1));
     const double least = fmax(1e-9 * singular[0], noise / loosest);
-    while (out->rank < n && singular[out->rank] > least) out->rank++;
-    out->n_null = n - out->rank;
-    prefer_tool(V, out->A, s, n, out->rank);
+    while (rank < n && singular[rank] > least) rank++;
+    const int n_null = n - rank;
+    null = to->null + to->n_null;
+    for (int k = 0; k < n_null; k++) memset(null[k], 0, sizeof null[k]);
+    prefer_tool(V, out->A, s, n, rank);
     for (int k = 0; k < n; k++) {
         double z = 0;
         for (int i = 0; i < n; i++) z += U[i * n + k] * d[i];
         for (int i = 0; i < n; i++) {
-            if (k < out->rank) {
+            if (k < rank) {
                 const double v = V[i * n + k] / singular[k];
                 out->x[i] += v * z;
-                out->sigma[i] += v * v;
+                sigma[i] += v * v;
             } else {
-                out->null[k - out->rank][i] = V[i * n + k];
+                null[k - rank][to->n + i] = V[i * n + k];
             }
         }
-        if (k >= out->rank) left += z * z;
+        if (k >= rank) left += z * z;
     }
-    const double variance = left / (double)(freedom > 0 ? freedom + out->n_null : 1);
+    const double variance = left / (double)(freedom > 0 ? freedom + n_null : 1);
     for (int i = 0; i < n; i++) {
         double lost = 0;
-        for (int k = 0; k < out->n_null; k++) lost += out->null[k][i] * out->null[k][i];
-        out->sigma[i] = sqrt(out->sigma[i] * variance);
-        out->identifiable[i] = lost < 1e-8;
+        for (int k = 0; k < n_null; k++) lost += null[k][to->n + i] * null[k][to->n + i];
+        sigma[i] = sqrt(sigma[i] * variance);
+        to->identifiable[to->n + i] = lost < 1e-8;
+        to->unknown[to->n + i] = s->unknown[i];
     }
-    mukca_dense_reduce(out->null[0], out->n_null, n, MUKCA_MAX_UNKNOWNS);
-    for (int k = 0; k < out->n_null; k++)
+    mukca_dense_reduce(null[0] + to->n, n_null, n, MUKCA_MAX_UNKNOWNS);
+    const int lag = s->unknown[n - 1].kind == MUKCA_UNKNOWN_LAG;
+    for (int k = 0; k < n_null; k++)
         for (int c = 0; c < n; c++)
-            if (fabs(out->null[k][c]) < 1e-6) out->null[k][c] = 0;
+            if (fabs(null[k][to->n + c]) < 1e-6 || c + lag == n) null[k][to->n + c] = 0;
+    to->n_null += n_null;
+    to->rank += rank;
+    to->n += n - lag;
     return true;
 }
 

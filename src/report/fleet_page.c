@@ -55,53 +55,18 @@ void mukca_wording_fleet_departure(char text[MUKCA_WORDING], const mukca_departu
              per * d->high, per * d->mean, probability);
 }
 
-/* ---- the order of the page ---- */
-
-/* Whether x precedes y: most probable departure first. */
-static bool precedes(const mukca_departure *x, const mukca_departure *y)
-{
-    if (x->probability != y->probability) return x->probability > y->probability;
-    if (x->log_bayes_factor != y->log_bayes_factor)
-        return x->log_bayes_factor > y->log_bayes_factor;
-    return x->arm < y->arm;
-}
-
-/* The arm that follows `last` (NULL: the first) on the page; NULL: none. */
-static const mukca_departure *next_arm(const mukca_fleet_page *p, const mukca_departure *last)
-{
-    const mukca_departure *best = NULL, *d = p->result->departure;
-    for (int a = 0; a < p->fleet->n_arms; a++, d++)
-        if ((!last || precedes(last, d)) && (!best || precedes(d, best))) best = d;
-    return best;
-}
-
 static bool departs(const mukca_departure *d)
 {
-    return d && d->probability >= MUKCA_DEPARTS;
-}
-
-/* The coefficient of figure `index`: those of departing arms first, then the shared ones; -1:
- * none. */
-static int panel(const mukca_fleet_page *p, int index)
-{
-    const mukca_fleet_result *r = p->result;
-    for (int rank = 0; rank < 3; rank++)
-        for (int k = 0; k < r->population.n; k++) {
-            int own = r->traits.list[k].probability >= MUKCA_SHARED ? 1 : 2;
-            for (int a = 0; a < p->fleet->n_arms; a++)
-                if (departs(&r->departure[a]) && r->departure[a].k == k) own = 0;
-            if (own == rank && index-- == 0) return k;
-        }
-    return -1;
+    return d->probability >= MUKCA_DEPARTS;
 }
 
 /* ---- texts ---- */
 
 static void put_departures(FILE *out, const mukca_fleet_page *p, int n)
 {
-    const mukca_departure *d = next_arm(p, NULL);
     char words[MUKCA_WORDING];
-    for (int i = 0; departs(d) && i < MOST_ROWS; d = next_arm(p, d), i++) {
+    for (int i = 0; i < n && i < MOST_ROWS; i++) {
+        const mukca_departure *d = &p->fleet->ranked[i];
         const char *remedy = mukca_effect_table[d->effect.kind]->remedy;
         mukca_wording_fleet_departure(words, d, p->fleet);
         fputs("<li>", out);
@@ -117,12 +82,12 @@ static void open_page(FILE *out, const void *content)
 {
     const mukca_fleet_page *p = content;
     const mukca_fleet *f = p->fleet;
-    const mukca_traits *t = &p->result->traits;
+    const mukca_traits *t = &p->fleet->traits;
     char words[MUKCA_WORDING] = "No arm departs from the fleet";
     int n = 0, shared = 0;
-    for (int a = 0; a < f->n_arms; a++) n += departs(&p->result->departure[a]);
+    for (int a = 0; a < f->n_arms; a++) n += departs(&f->arm[a].departure);
     if (n > 1) snprintf(words, sizeof words, "%d of %d arms depart from the fleet", n, f->n_arms);
-    if (n == 1) mukca_wording_fleet_departure(words, next_arm(p, NULL), f);
+    if (n == 1) mukca_wording_fleet_departure(words, p->fleet->ranked, f);
     if (f->n_arms < 3) snprintf(words, sizeof words, "Departures are not testable with two arms");
     fprintf(out, "<p class=\"verdict %s\">", n ? "unknown" : f->n_arms < 3 ? "untestable" : "none");
     mukca_html_escape(out, words);
@@ -150,14 +115,15 @@ static void open_page(FILE *out, const void *content)
 static void put_arms(FILE *out, const void *content)
 {
     const mukca_fleet_page *p = content;
-    const mukca_departure *d = next_arm(p, NULL);
+    const int n = p->fleet->n_arms;
     char words[MUKCA_WORDING];
     mukca_html_table table = {
         .out = out,
         .caption = "Arms by the probability of a departure, " MUKCA_WORDING_SPRING,
         .columns =
             "arm|#sessions|#samples|largest departure|#value|#from|#to|#sisters|#probability"};
-    for (int i = 0; d && i < MOST_ROWS; d = next_arm(p, d), i++) {
+    for (int i = 0; i < n && i < MOST_ROWS; i++) {
+        const mukca_departure *d = &p->fleet->ranked[i];
         const mukca_fleet_arm *arm = &p->fleet->arm[d->arm];
         snprintf(words, sizeof words, "not testable");
         if (d->k >= 0) put_effect(words, &d->effect, p->fleet);
@@ -170,7 +136,7 @@ static void put_arms(FILE *out, const void *content)
             mukca_html_cells(&table, "nan\tnan\tnan\tnan\tnan");
     }
     mukca_html_table_end(&table);
-    if (d) fprintf(out, "<p>The first %d of %d arms.</p>\n", MOST_ROWS, p->fleet->n_arms);
+    if (n > MOST_ROWS) fprintf(out, "<p>The first %d of %d arms.</p>\n", MOST_ROWS, n);
 }
 
 static void put_provenance(FILE *out, const void *content)
@@ -186,11 +152,10 @@ static void put_provenance(FILE *out, const void *content)
 /* Add the arms' coefficients and names; returns the number of arms drawn. */
 static int put_points(mukca_plot *plot, const mukca_fleet_page *p, int k)
 {
-    const mukca_fleet_result *r = p->result;
-    const mukca_departure *d = next_arm(p, NULL);
     int drawn = 0;
-    for (int i = 0; d && i < MOST_ARMS; d = next_arm(p, d), i++) {
-        const mukca_departure *e = &r->estimate[d->arm * r->population.n + k];
+    for (int i = 0; i < p->fleet->n_arms && i < MOST_ARMS; i++) {
+        const mukca_departure *d = &p->fleet->ranked[i];
+        const mukca_departure *e = &p->fleet->arm[d->arm].estimate[k];
         mukca_plot_name(plot, i, p->fleet->arm[d->arm].name);
         if (d->k < 0) continue;
         mukca_plot_add(plot, departs(d) && d->k == k ? MUKCA_PLOT_BEFORE : MUKCA_PLOT_AFTER,
@@ -205,13 +170,13 @@ static int put_points(mukca_plot *plot, const mukca_fleet_page *p, int k)
 static bool draw_coefficient(mukca_plot *plot, const void *content, int index)
 {
     const mukca_fleet_page *p = content;
-    const int k = panel(p, index), n = p->fleet->n_arms;
-    if (k < 0) return false;
-    const mukca_trait *c = &p->result->traits.list[k];
+    const int n = p->fleet->n_arms;
+    if (index == p->fleet->population.n) return false;
+    const mukca_trait *c = &p->fleet->traits.list[index];
     const double value = per * c->value, spread = MUKCA_SIGMAS_95 * per * c->spread;
     char words[MUKCA_WORDING], probability[MUKCA_WORDING];
     mukca_text description = MUKCA_TEXT(plot->words);
-    if (!put_points(plot, p, k)) return false;
+    if (!put_points(plot, p, index)) return false;
     put_effect(words, &c->effect, p->fleet);
     mukca_wording_probability(probability, c->probability);
     snprintf(plot->id, sizeof plot->id, "coefficient-%d", index + 1);
@@ -226,39 +191,15 @@ static bool draw_coefficient(mukca_plot *plot, const void *content, int index)
                    "Each arm with its 95 %% interval, its sisters as prior; dashed: mean of the "
                    "fleet, %.3g [%.3g, %.3g] if shared (%s); grey: range of 95 %% of its arms.",
                    value, per * c->low, per * c->high, probability);
-    const mukca_departure *d = next_arm(p, NULL);
-    for (int i = 0; departs(d) && i < MOST_ARMS; d = next_arm(p, d), i++)
-        if (d->k == k)
-            mukca_text_put(&description, " %s departs: %.3g [%.3g, %.3g].",
-                           p->fleet->arm[d->arm].name, per * d->value, per * d->low, per * d->high);
     if (n > MOST_ARMS)
         mukca_text_put(&description, " The %d of %d arms that are most probable to depart.",
                        MOST_ARMS, n);
     return true;
 }
 
-/* The most probable order of each joint. */
-static void put_orders(FILE *out, const void *content)
-{
-    const mukca_fleet_page *p = content;
-    mukca_html_table table = {
-        .out = out,
-        .caption = "Most probable order of each joint",
-        .columns =
-            "joint|#order, per turn|#arms that favour it|#log Bayes factor|#probability shared"};
-    for (int j = 0; j < p->fleet->model.n_joints; j++) {
-        const mukca_trait *o = &p->result->order[j];
-        if (o->effect.variant.order)
-            mukca_html_row(&table, "%s\t%d\t%d\t%.1f\t%.3f", p->fleet->model.joint[j],
-                           o->effect.variant.order, o->arms, o->log_bayes_factor, o->probability);
-    }
-    mukca_html_table_end(&table);
-}
-
 static const mukca_page_section sections[] = {
     {"arms", "Arms", NULL, put_arms},
     {"coefficients", "Elastic coefficients, arm by arm", draw_coefficient, NULL},
-    {"ripple", "Transmission ripple", NULL, put_orders},
     {"provenance", "Provenance", NULL, put_provenance},
 };
 

@@ -73,7 +73,6 @@ void mukca_wording_fleet_departure(char text[MUKCA_WORDING], const mukca_departu
 typedef struct {
     const char *command, *when; /* command of the page; UTC */
     const mukca_fleet *fleet;
-    const mukca_fleet_result *result;
 } mukca_fleet_page;
 
 /* The page, whose content `fleet` must outlive it. */

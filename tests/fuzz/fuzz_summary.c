@@ -10,12 +10,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
     mukca_error error = {MUKCA_OK, ""};
     mukca_fleet fleet = {0};
-    mukca_fleet_result result = {0};
     mukca_status status = mukca_summary_read(&fleet, memory_file(bytes, size), &error);
     if (status == MUKCA_OK) status = mukca_fleet_gather(&fleet, &error);
-    if (status == MUKCA_OK) status = mukca_fleet_pool(&result, &fleet, &error);
+    if (status == MUKCA_OK) status = mukca_fleet_pool(&fleet, &error);
     if (status && (!error.text[0] || strchr(error.text, '\n'))) abort();
-    mukca_fleet_result_free(&result);
     mukca_fleet_free(&fleet);
     return 0;
 }

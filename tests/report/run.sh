@@ -64,11 +64,9 @@ ok "report: a fleet: the verdict names the broken arm" grep -q \
     '^<p class="verdict unknown">arm &lt;c&gt;: joint compliance at joint_4 [0-9.]* times softer than 3 sisters' "$page"
 ok "report: a fleet: as mukca fleet says" grep -qF "$("$MUKCA" fleet -q "$out"/arms/*.json --json - | sed -n '/"departures"/,$p' |
     awk '/"value"/ {if (!n++) printf "%.3g urad", $2 * 1e6} END {if (!n) print "no value"}')" "$page"
-ok "report: a fleet: the broken arm and its coefficient come first" sh -c '
-    sed -n "/<tbody>/,/<.tbody>/p" "$0" | sed -n 2p | grep -q "arm &lt;c&gt;.*joint compliance at joint_4" &&
-    grep -A400 "coefficient-1-t" "$0" | grep -q "arm &lt;c&gt; departs"' "$page"
-ok "report: a fleet: the shared order is in text and table" sh -c '
-    grep -q "<li>transmission ripple at joint_2, 60 per turn" "$0" && grep -q "<td>joint_2</td><td class=.n.>60</td>" "$0"' "$page"
+ok "report: a fleet: the broken arm comes first" sh -c '
+    sed -n "/<tbody>/,/<.tbody>/p" "$0" | sed -n 2p | grep -q "arm &lt;c&gt;.*joint compliance at joint_4"' "$page"
+ok "report: a fleet: the shared order" grep -q "<li>transmission ripple at joint_2, 60 per turn" "$page"
 ok "report: a fleet: a figure for each coefficient" sh -c 'test "$(grep -c "<svg" "$0")" -ge 10' "$page"
 ok "report: a fleet: no script, nothing from elsewhere, no nan" none '<script|(src|href)=["'"'"'][^#]|>-?nan<'
 ok "report: a fleet: ids are unique" sh -c 'test -z "$(grep -oE "[ ]id=[\"'"'"'][^\"'"'"']*" "$0" | sort | uniq -d)"' "$page"

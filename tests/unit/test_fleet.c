@@ -53,27 +53,20 @@ static void make_fleet(mukca_fleet *f, double mean, double broken, uint64_t seed
     assert_ok(mukca_fleet_gather(f, NULL));
 }
 
-static void pool(mukca_fleet_result *r, mukca_fleet *f)
-{
-    assert_ok(mukca_fleet_pool(r, f, &error));
-}
-
 TEST(test_shared_is_found)
 {
     int inside = 0;
     for (uint64_t seed = 1; seed <= 20; seed++) {
         mukca_fleet f;
-        mukca_fleet_result r;
         make_fleet(&f, TRUE_MEAN, 0, seed);
-        pool(&r, &f);
-        assert_int_equal(r.population.n, TERMS);
-        assert_true(r.traits.list[SOFT].probability > 0.95);
-        assert_close(r.traits.list[SOFT].mean, TRUE_MEAN, 30e-6);
-        inside += r.traits.list[SOFT].low < TRUE_MEAN && TRUE_MEAN < r.traits.list[SOFT].high;
+        assert_ok(mukca_fleet_pool(&f, &error));
+        assert_int_equal(f.population.n, TERMS);
+        assert_true(f.traits.list[SOFT].probability > 0.95);
+        assert_close(f.traits.list[SOFT].mean, TRUE_MEAN, 30e-6);
+        inside += f.traits.list[SOFT].low < TRUE_MEAN && TRUE_MEAN < f.traits.list[SOFT].high;
         for (int k = 0; k < TERMS; k++)
-            if (k != SOFT) assert_true(r.traits.list[k].probability < 0.5);
-        for (int a = 0; a < ARMS; a++) assert_true(r.departure[a].probability < MUKCA_DEPARTS);
-        mukca_fleet_result_free(&r);
+            if (k != SOFT) assert_true(f.traits.list[k].probability < 0.5);
+        for (int a = 0; a < ARMS; a++) assert_true(f.arm[a].departure.probability < MUKCA_DEPARTS);
         mukca_fleet_free(&f);
     }
     assert_true(inside >= 17); /* of 20 at 95 %: fewer in one case of 60 */
@@ -89,7 +82,6 @@ TEST(test_interval_is_not_too_wide)
     for (uint64_t seed = 1; seed <= FLEETS; seed++) {
         static mukca_summary s[ARMS];
         mukca_fleet f = {.n_arms = 0};
-        mukca_fleet_result r;
         mukca_random random;
         mukca_random_seed(&random, 100 + seed);
         for (int a = 0; a < ARMS; a++) {
@@ -106,8 +98,8 @@ TEST(test_interval_is_not_too_wide)
             take(&f, &s[a]);
         }
         assert_ok(mukca_fleet_gather(&f, NULL));
-        pool(&r, &f);
-        const mukca_trait *soft = &r.traits.list[SOFT];
+        assert_ok(mukca_fleet_pool(&f, &error));
+        const mukca_trait *soft = &f.traits.list[SOFT];
         if (soft->probability > 0.5) {
             named++;
             inside += soft->low < TRUE_MEAN && TRUE_MEAN < soft->high;
@@ -115,12 +107,11 @@ TEST(test_interval_is_not_too_wide)
             dense += 2 * 1.96 * soft->error;
         }
         for (int k = 0; k < TERMS; k++)
-            assert_true(r.traits.list[k].low <= r.traits.list[k].value &&
-                        r.traits.list[k].value <= r.traits.list[k].high &&
-                        r.traits.list[k].high < 1e-3);
-        assert_true(r.traits.list[SOFT + 1].probability < 0.1 &&
-                    r.traits.list[SOFT + 1].value == 0);
-        mukca_fleet_result_free(&r);
+            assert_true(f.traits.list[k].low <= f.traits.list[k].value &&
+                        f.traits.list[k].value <= f.traits.list[k].high &&
+                        f.traits.list[k].high < 1e-3);
+        assert_true(f.traits.list[SOFT + 1].probability < 0.1 &&
+                    f.traits.list[SOFT + 1].value == 0);
         mukca_fleet_free(&f);
     }
     assert_true(named >= 95);
@@ -132,12 +123,10 @@ TEST(test_null_fleet)
 {
     for (uint64_t seed = 1; seed <= 30; seed++) {
         mukca_fleet f;
-        mukca_fleet_result r;
         make_fleet(&f, 0, 0, seed);
-        pool(&r, &f);
-        for (int k = 0; k < TERMS; k++) assert_true(r.traits.list[k].probability < 0.95);
-        for (int j = 0; j < JOINTS; j++) assert_int_equal(r.order[j].effect.variant.order, 0);
-        mukca_fleet_result_free(&r);
+        assert_ok(mukca_fleet_pool(&f, &error));
+        for (int k = 0; k < TERMS; k++) assert_true(f.traits.list[k].probability < 0.95);
+        for (int j = 0; j < JOINTS; j++) assert_int_equal(f.order[j].effect.variant.order, 0);
         mukca_fleet_free(&f);
     }
 }
@@ -146,14 +135,12 @@ TEST(test_broken_arm)
 {
     for (uint64_t seed = 1; seed <= 10; seed++) {
         mukca_fleet f;
-        mukca_fleet_result r;
         make_fleet(&f, TRUE_MEAN, 200e-6, seed);
-        pool(&r, &f);
+        assert_ok(mukca_fleet_pool(&f, &error));
         for (int a = 0; a < ARMS; a++)
-            assert_int_equal(r.departure[a].probability >= MUKCA_DEPARTS, a == 7);
-        assert_int_equal(r.departure[7].effect.joint, SOFT);
-        assert_true(r.departure[7].ratio > 3 && r.departure[7].ratio < 10);
-        mukca_fleet_result_free(&r);
+            assert_int_equal(f.arm[a].departure.probability >= MUKCA_DEPARTS, a == 7);
+        assert_int_equal(f.arm[7].departure.effect.joint, SOFT);
+        assert_true(f.arm[7].departure.ratio > 3 && f.arm[7].departure.ratio < 10);
         mukca_fleet_free(&f);
     }
 }
@@ -175,7 +162,7 @@ static void set_order(mukca_fleet *f, int joint, int order, int arms, double evi
 TEST(test_orders)
 {
     mukca_fleet f;
-    mukca_trait order[MUKCA_MAX_JOINTS];
+    const mukca_trait *order = f.order;
     make_fleet(&f, 0, 0, 1);
     set_order(&f, 0, 160, ARMS, 3);  /* too faint for any one arm */
     set_order(&f, 1, 137, 1, 60);    /* one arm's own fault */
@@ -184,7 +171,7 @@ TEST(test_orders)
     set_order(&f, 3, 240, ARMS, 10);
     set_order(&f, 4, 120, 1, 60); /* or half the order, far better */
     set_order(&f, 4, 240, ARMS, 10);
-    mukca_orders_pool(order, &f);
+    mukca_orders_pool(&f);
     assert_int_equal(order[0].effect.variant.order, 160);
     assert_true(order[0].probability > 0.99);
     assert_close(order[0].log_bayes_factor, 36, 1e-9);
@@ -202,7 +189,7 @@ TEST(test_sessions_add_up)
 {
     static mukca_summary s[6];
     mukca_random random;
-    mukca_fleet_result r[2];
+    mukca_traits traits[2];
     mukca_random_seed(&random, 5);
     for (int i = 0; i < 6; i++) {
         make_summary(&s[i], i, TRUE_MEAN, 10e-6, &random);
@@ -214,12 +201,12 @@ TEST(test_sessions_add_up)
         assert_ok(mukca_fleet_gather(&f, NULL));
         assert_int_equal(f.n_arms, 4);
         assert_close(f.arm[0].information[mukca_fleet_packed(SOFT) + SOFT], 3e10, 1);
-        pool(&r[turn], &f);
-        assert_int_equal(r[turn].traits.n_samples, 600);
+        assert_ok(mukca_fleet_pool(&f, &error));
+        assert_int_equal(f.traits.n_samples, 600);
+        traits[turn] = f.traits;
         mukca_fleet_free(&f);
     }
-    assert_memory_equal(r[0].traits.list, r[1].traits.list, sizeof *r[0].traits.list * TERMS);
-    for (int turn = 0; turn < 2; turn++) mukca_fleet_result_free(&r[turn]);
+    assert_memory_equal(traits[0].list, traits[1].list, sizeof *traits[0].list * TERMS);
 }
 
 static void refuse(mukca_fleet *f, const mukca_summary *s, const char *what)

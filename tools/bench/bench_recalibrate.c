@@ -17,24 +17,8 @@ enum { PERIOD = 4096 };
 
 typedef struct {
     mukca_pose_row row[PERIOD];
-    long n, at;
+    long n;
 } endless;
-
-static mukca_status next(void *context, mukca_pose_row *row, bool *more, mukca_error *error)
-{
-    endless *log = context;
-    (void)error;
-    *more = log->at < log->n;
-    if (*more) *row = log->row[log->at++ % PERIOD];
-    return MUKCA_OK;
-}
-
-static mukca_status rewind_log(void *context, mukca_error *error)
-{
-    (void)error;
-    ((endless *)context)->at = 0;
-    return MUKCA_OK;
-}
 
 /* Random postures and the poses of an arm with errors of some mm and mrad in origins and zeros, 0.1
  * mm of noise. */
@@ -52,7 +36,7 @@ static void fill(endless *log, const mukca_chain *chain)
         mukca_pose_row *row = &log->row[i];
         mukca_frame tip;
         double q[MUKCA_MAX_JOINTS];
-        *row = (mukca_pose_row){.time = (double)i};
+        *row = (mukca_pose_row){.time = (double)i, .file = 1};
         for (int j = 0; j < chain->n_joints; j++) {
             row->q[j] = 4 * mukca_random_uniform(&random) - 2;
             q[j] = row->q[j] + 2e-3 * (j % 3 - 1);
@@ -94,15 +78,18 @@ int main(int argc, char **argv)
     if (argc > 3) {
         print_log(log, chain);
     } else {
-        const mukca_pose_log as_log = {.next = next, .rewind = rewind_log, .context = log};
-        const mukca_recalibrate_task task = {chain, &as_log, 1, &options};
+        mukca_pose_log as_log = {.n_joints = chain->n_joints};
+        const mukca_recalibrate_task task = {chain, &as_log, &options};
+        for (long i = 0; i < log->n; i++)
+            if (mukca_pose_log_add(&as_log, &log->row[i % PERIOD], &error)) return 1;
         const clock_t start = clock(); /* processor time, independent of other load */
         if (mukca_recalibrate(result, &task, &error)) {
             fprintf(stderr, "bench_recalibrate: %s\n", error.text);
             return 1;
         }
-        printf("%ld %d %.6f %d\n", result->rows, result->passes,
-               (double)(clock() - start) / CLOCKS_PER_SEC, result->rank);
+        printf("%ld %d %.6f %d\n", as_log.n, result->passes,
+               (double)(clock() - start) / CLOCKS_PER_SEC, result->found.rank);
+        mukca_pose_log_close(&as_log);
     }
     free(result);
     free(chain);
