@@ -31,7 +31,7 @@ typedef struct {
     const mukca_diagnosed *result;
     mukca_diagnose_options options;
     mukca_replicate_task replicate;
-    mukca_true_arm arm;
+    mukca_corrected arm;
     mukca_replicate_motion motions[MUKCA_MAX_CAUSES];
 } check_task;
 

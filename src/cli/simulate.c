@@ -22,7 +22,7 @@ typedef struct {
 typedef struct {
     cli_model model;     /* from the user */
     mukca_offsets truth; /* the true arm */
-    mukca_true_arm arm;
+    mukca_corrected arm;
     cli_simulated hidden; /* effects and faults */
     int n_places;         /* of the session; the held-out ones follow */
     mukca_place places[CLI_MAX_PLACES];
@@ -273,7 +273,7 @@ static mukca_status record(cli_call *call, mukca_dataset *data, const simulation
     if (o->poses)
         return mukca_simulate_poses(data, &s->arm, NULL, held_out ? o->held_out : o->poses,
                                     &recording, &call->error);
-    mukca_true_arm *arm = malloc(sizeof *arm);
+    mukca_corrected *arm = malloc(sizeof *arm);
     if (!arm) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     *arm = s->arm;
     for (int e = 0; e < arm->n_effects && held_out; e++)
