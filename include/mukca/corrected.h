@@ -36,18 +36,6 @@ mukca_status mukca_corrected_parse(mukca_corrected *model, const char *text, siz
 /* The same from a file (libmukca_core).  Errors: MUKCA_INPUT, MUKCA_MEMORY. */
 mukca_status mukca_corrected_load(mukca_corrected *model, const char *path, mukca_error *error);
 
-/* Bits of `accept`: tables that are loaded, too.  Not for the control of an arm. */
-enum {
-    MUKCA_ACCEPT_FAILED = 1, /* the calibration was not accepted */
-    MUKCA_ACCEPT_EDITED = 2  /* the table was edited or cut: judged, and not accepted */
-};
-
-/* The same for more tables. */
-mukca_status mukca_corrected_parse_any(mukca_corrected *model, const char *text, size_t size,
-                                       int accept, mukca_error *error);
-mukca_status mukca_corrected_load_any(mukca_corrected *model, const char *path, int accept,
-                                      mukca_error *error);
-
 /* Tip in the base frame, m, for encoder angles q[n_joints] (rad, m).  `state`: further inputs of
  * some effects (last move, time since the start, command); NULL: none.  With effects, angles beyond
  * 2^20 rad give NaN. */

@@ -27,17 +27,11 @@ mukca_status mukca_corrected_parse_named(mukca_corrected *model, mukca_bytes tab
     return status;
 }
 
-mukca_status mukca_corrected_parse_any(mukca_corrected *model, const char *text, size_t size,
-                                       int accept, mukca_error *error)
-{
-    return mukca_corrected_parse_named(model, (mukca_bytes){text, size}, "offsets table", accept,
-                                       error);
-}
-
 mukca_status mukca_corrected_parse(mukca_corrected *model, const char *text, size_t size,
                                    mukca_error *error)
 {
-    return mukca_corrected_parse_any(model, text, size, 0, error);
+    const mukca_bytes table = {text, size};
+    return mukca_corrected_parse_named(model, table, "offsets table", 0, error);
 }
 
 /* Static equilibrium at the encoder angles q. */

@@ -132,19 +132,13 @@ mukca_status mukca_offsets_parse(mukca_offsets *offsets, mukca_offsets_origin *o
 
 /* ---- the corrected arm from a file ---- */
 
-mukca_status mukca_corrected_load_any(mukca_corrected *model, const char *path, int accept,
-                                      mukca_error *error)
+mukca_status mukca_corrected_load(mukca_corrected *model, const char *path, mukca_error *error)
 {
     char *text;
     mukca_status status = mukca_file_read(&text, path, error);
     if (status != MUKCA_OK) return status;
     status = mukca_corrected_parse_named(model, (mukca_bytes){text, strlen(text)},
-                                         mukca_file_shown(path), accept, error);
+                                         mukca_file_shown(path), 0, error);
     free(text);
     return status;
-}
-
-mukca_status mukca_corrected_load(mukca_corrected *model, const char *path, mukca_error *error)
-{
-    return mukca_corrected_load_any(model, path, 0, error);
 }

@@ -49,6 +49,12 @@ int mukca_offsets_rows(mukca_offset_row *rows, const mukca_offsets *offsets,
 void mukca_offsets_place_effects(mukca_effect *effects, const mukca_offsets *offsets,
                                  const mukca_dataset *data);
 
+/* Bits of `accept`: tables that are read, too. */
+enum {
+    MUKCA_ACCEPT_FAILED = 1, /* the calibration was not accepted */
+    MUKCA_ACCEPT_EDITED = 2  /* the table was edited or cut: judged, and not accepted */
+};
+
 /* Origin of a table. */
 typedef struct {
     const char *name; /* in: name of the table in messages */
@@ -89,7 +95,7 @@ mukca_status mukca_offsets_parse_into(const mukca_offsets_target *into,
 mukca_status mukca_offsets_parse(mukca_offsets *offsets, mukca_offsets_origin *origin,
                                  const mukca_chain *chain, const char *text, mukca_error *error);
 
-/* As mukca_corrected_parse_any, with the table's name in messages. */
+/* As mukca_corrected_parse, with the table's name in messages, and MUKCA_ACCEPT_*. */
 mukca_status mukca_corrected_parse_named(mukca_corrected *model, mukca_bytes table,
                                          const char *name, int accept, mukca_error *error);
 

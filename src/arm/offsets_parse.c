@@ -29,9 +29,6 @@ typedef struct {
     int column[COLUMNS]; /* index of each column, -1: absent */
     uint64_t digest;     /* of the lines so far */
     char stated[24];     /* digest in the comments; empty: none */
-    /* of the rows against the largest offset in the comments, m and rad: one is equal, one is
-     * larger (the first and last element may be frames of the measurement, which do not count) */
-    bool equal[2], larger;
 } reader;
 
 static mukca_status fail(const reader *r, const char *format, ...)
@@ -167,23 +164,18 @@ static mukca_status check_comments(reader *r)
     return status;
 }
 
-/* Compare all lines with the digest among them.  A table of an older version has none: its largest
- * offsets are then compared with those of its verdict. */
+/* Compare all lines with the digest among them; a table of an older version has none. */
 static mukca_status check_digest(const reader *r)
 {
     mukca_acceptance *a = r->into->acceptance;
     char digest[17] = "";
     for (int i = 0; i < 16; i++) digest[i] = "0123456789abcdef"[r->digest >> (60 - 4 * i) & 15];
     a->intact = strcmp(r->stated, digest) == 0;
-    const bool contradicts =
-        r->larger || (r->origin->ignored == 0 && ((a->largest_offset_m > 0 && !r->equal[0]) ||
-                                                  (a->largest_offset_rad > 0 && !r->equal[1])));
-    if (a->intact || !(r->stated[0] || contradicts)) return MUKCA_OK;
+    if (a->intact || !r->stated[0]) return MUKCA_OK;
     if (!(r->origin->accept & MUKCA_ACCEPT_EDITED))
         return fail(r,
-                    "was edited or cut after it was written: the %s differs; calibrate again "
-                    "(--accept-edited uses it nevertheless)",
-                    r->stated[0] ? "digest" : "largest offset");
+                    "was edited or cut after it was written: the digest differs; calibrate again "
+                    "(--accept-edited uses it nevertheless)");
     mukca_acceptance_read(a, "# accepted: no; the table was edited or cut after it was written");
     return MUKCA_OK;
 }
@@ -243,7 +235,6 @@ static mukca_status check_unit(const reader *r, const char *unit)
 static mukca_status read_parameter(reader *r, int parameter)
 {
     const mukca_offsets_target *into = r->into;
-    const mukca_acceptance *a = into->acceptance;
     const int element = mukca_chain_find_element(r->chain, r->cell[r->column[JOINT]]);
     if (element < 0 && r->chain == r->origin->own)
         return fail_cell(r, JOINT, "no such joint in its chain");
@@ -257,10 +248,6 @@ static mukca_status read_parameter(reader *r, int parameter)
     mukca_status status = check_unit(r, parameter < 3 ? "m" : "rad");
     if (status == MUKCA_OK) status = read_values(value, r);
     if (status != MUKCA_OK) return status;
-    const double ratio =
-        fabs(value[OFFSET]) / (parameter < 3 ? a->largest_offset_m : a->largest_offset_rad);
-    if (fabs(ratio - 1) <= 1e-5) r->equal[parameter / 3] = true; /* it has six digits */
-    if (ratio > 1 + 1e-5 && element > 0 && element + 1 < r->chain->n_elements) r->larger = true;
     /* here theta still has the chain's nominal value */
     into->theta[i] =
         value[NOMINAL] == into->theta[i] ? value[CALIBRATED] : into->theta[i] + value[OFFSET];

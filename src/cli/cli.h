@@ -224,12 +224,6 @@ void cli_print_head(FILE *stream, const char *robot, const mukca_dataset *data,
 /* Print the words of text[length], wrapped, from `column` on, with a line feed. */
 void cli_print_words(FILE *stream, int indent, int column, const char *text, size_t length);
 
-void cli_print_overview(FILE *stream); /* `mukca help` */
-void cli_print_start(FILE *stream);    /* `mukca` alone */
-void cli_print_command_help(FILE *stream, const cli_command *command);
-void cli_print_effects(FILE *stream); /* `mukca help effects` */
-void cli_print_options(FILE *stream); /* `mukca help options`: a table, for scripts */
-
 /* ---- terminal output (terminal.c) ---- */
 
 /* Open the output table of a command: -o, or standard output. */

@@ -20,7 +20,7 @@ typedef struct {
     const mukca_diagnosed *result;
     mukca_diagnose_options options;
     mukca_replicate_task replicate[2]; /* without and with the causes */
-    mukca_true_arm arm[2];
+    mukca_corrected arm[2];
     mukca_replicate_motion motions[MUKCA_MAX_CAUSES];
     /* shared by the threads, under the lock */
     pthread_mutex_t lock;
@@ -158,7 +158,7 @@ static bool prepare(check_task *task, mukca_pool *pool)
     int *posture = MUKCA_TAKE(pool, int, r->data->n_rows);
     if (!pool->failed) mukca_postures_find(posture, pool, r->data);
     for (int with = 0; with < 2; with++) {
-        mukca_true_arm *arm = &task->arm[with];
+        mukca_corrected *arm = &task->arm[with];
         arm->chain = *d->chain;
         arm->geometry = a->geometry;
         for (int k = 0; k < arm->chain.n_elements; k++) { /* recorded angles can be outside */

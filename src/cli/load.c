@@ -10,7 +10,6 @@
 #include "fit/evaluate.h"
 #include "io/dataset.h"
 #include "io/urdf.h"
-#include "model/condense.h"
 #include "model/dataset_subset.h"
 
 /* Of gravity: other values are in other units.  Coefficients of springs are inversely proportional.

@@ -21,7 +21,7 @@ typedef struct {
 typedef struct {
     cli_model model;     /* from the user */
     mukca_offsets truth; /* the true arm */
-    mukca_true_arm arm;
+    mukca_corrected arm;
     cli_simulated hidden; /* effects and faults */
     int n_places;         /* of the session; the held-out ones follow */
     mukca_place places[CLI_MAX_PLACES];

@@ -7,7 +7,8 @@
 typedef struct {
     const char *base;      /* link; NULL: the URDF's root */
     const char *tip;       /* link; NULL: ball_link, else ball, else the only leaf */
-    const char *inertials; /* file of link masses that override the URDF's; or NULL */
+    const char *inertials; /* table of link masses that override the URDF's (link, mass_kg, com_x_m,
+                              com_y_m, com_z_m); or NULL */
     double gravity[3];     /* m/s^2, base frame; all 0: the URDF's root is upright */
 } mukca_urdf_options;
 
@@ -17,19 +18,6 @@ typedef struct {
 mukca_status mukca_urdf_load(mukca_chain *chain, const char *path,
                              const mukca_urdf_options *options, mukca_note_fn *note, void *context,
                              mukca_error *error);
-
-/* ---- link masses (inertials.c): link, mass_kg, com_x_m, com_y_m, com_z_m ---- */
-
-typedef struct {
-    char link[MUKCA_NAME_SIZE];
-    double kg;
-    double com[3]; /* m, in the link's frame */
-} mukca_inertial;
-
-/* Read the table into a new list of *n links; free *list with free.  Errors: MUKCA_INPUT (a
- * negative or implausible mass, a duplicate link), MUKCA_MEMORY. */
-mukca_status mukca_inertials_read(mukca_inertial **list, int *n, const char *path,
-                                  mukca_error *error);
 
 /* ---- a URDF as text: checked for size, depth and xacro (urdf_text.c) ---- */
 

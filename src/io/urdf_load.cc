@@ -23,6 +23,7 @@ extern "C" {
 #include "base/number.h"
 #include "base/suggest.h"
 #include "base/utf8.h"
+#include "io/table.h"
 #include "io/urdf.h"
 }
 
@@ -377,15 +378,39 @@ struct Loader {
             mukca_rotation_from_rpy(R, rpy);
             add_turned(mass.inertia, R, I);
         }
-        if (!options_.inertials) return;
-        mukca_inertial *list;
-        int n;
-        mukca_status status = mukca_inertials_read(&list, &n, options_.inertials, error_);
-        if (status) throw Failure{status};
-        std::vector<mukca_inertial> rows(list, list + n);
-        std::free(list);
-        for (const mukca_inertial &row : rows)
-            masses_[find_link(row.link)] = {0, row.kg, {row.com[0], row.com[1], row.com[2]}, {0}};
+        if (options_.inertials) replace_masses();
+    }
+
+    // The rows of the table of --inertials.
+    void replace_masses()
+    {
+        static const char *const names[] = {"link", "mass_kg", "com_x_m", "com_y_m", "com_z_m"};
+        struct Open {
+            mukca_table table;
+            ~Open() { mukca_table_close(&table); }
+        } open;
+        mukca_table *t = &open.table;
+        std::set<std::string> seen;
+        int column[5];
+        double value[5];
+        mukca_table_open(t, options_.inertials, MUKCA_HEADER, error_);
+        for (int i = 0; i < 5; i++) column[i] = mukca_table_require(t, names[i]);
+        while (mukca_table_next(t)) {
+            const char *link = t->cell[column[0]];
+            for (int i = 1; i < 5; i++) {
+                value[i] = mukca_table_number(t, column[i]);
+                if (std::fabs(value[i]) > MUKCA_NUMBER_LARGEST)
+                    mukca_table_fail(t, column[i],
+                                     "%g is larger than any arm's; masses are in kg, lengths in m",
+                                     value[i]);
+            }
+            if (value[1] < 0) mukca_table_fail(t, column[1], "a mass cannot be negative");
+            if (!seen.insert(link).second)
+                mukca_table_fail(t, column[0], "link '%s' has a row already", link);
+            if (t->status == MUKCA_OK)
+                masses_[find_link(link)] = {0, value[1], {value[2], value[3], value[4]}, {0}};
+        }
+        if (t->status) throw Failure{t->status};
     }
 
     // Add R I R' to sum; tensors are xx yy zz xy xz yz.

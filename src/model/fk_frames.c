@@ -5,30 +5,6 @@
 #include "math/sincos.h"
 #include "model/columns.h"
 
-MUKCA_CLONES void mukca_fk_position(double position[3], const mukca_geometry *geometry,
-                                    const double *q, const mukca_displacement *displacement)
-{
-    const mukca_displacement *d = displacement;
-    double v[3] = {0, 0, 0}, u[3], R[9];
-    joint_angles at;
-    mukca_joint_angles_set(&at, geometry, q, d);
-    if (d) memcpy(v, d->tip, sizeof v);
-    for (int k = geometry->n_elements - 1; k >= 0; k--) {
-        back_vector(v, geometry, k, &at);
-        const double *w = joint_rotation(d, geometry->joint[k]);
-        if (w) {
-            mukca_rotation_exp(R, w);
-            mukca_mat3_vec(u, R, v);
-            memcpy(v, u, sizeof v);
-        }
-        place_vector(v, &geometry->origin[k]);
-    }
-    memcpy(position, v, sizeof v);
-    if (!d || !d->any_rotation) return;
-    mukca_rotation_exp(R, d->base);
-    mukca_mat3_vec(position, R, v);
-}
-
 MUKCA_CLONES void mukca_fk_frames(mukca_frame *before, mukca_frame *tip,
                                   const mukca_geometry *geometry, const double *q,
                                   const mukca_displacement *displacement)
@@ -52,6 +28,18 @@ void mukca_fk_pose(mukca_frame *T_base_tip, const mukca_geometry *geometry, cons
                    const mukca_displacement *displacement)
 {
     mukca_fk_frames(NULL, T_base_tip, geometry, q, displacement);
+}
+
+void mukca_fk_position(double position[3], const mukca_geometry *geometry, const double *q,
+                       const mukca_displacement *displacement)
+{
+    mukca_frame tip;
+    if (!displacement) {
+        mukca_fk_tip(position, geometry, q);
+        return;
+    }
+    mukca_fk_frames(NULL, &tip, geometry, q, displacement);
+    memcpy(position, tip.p, sizeof tip.p);
 }
 
 MUKCA_CLONES void mukca_fk_jacobian(double *J, mukca_frame *T_base_tip,

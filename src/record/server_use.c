@@ -9,7 +9,7 @@
 #include "fit/accept.h"
 #include "io/dataset.h"
 #include "io/output.h"
-#include "model/condense.h"
+#include "model/dataset_subset.h"
 #include "record/server.h"
 
 static mukca_status check_stream(const mukca_server *s, const char *model, const char *stream,

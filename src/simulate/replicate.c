@@ -31,7 +31,7 @@ typedef struct {
 static void displace(mukca_displacement *displacement, const double *q, void *context)
 {
     const replicate *r = context;
-    const mukca_true_arm *arm = r->task->arm;
+    const mukca_corrected *arm = r->task->arm;
     mukca_effects_displacement(displacement, arm->effects, arm->n_effects, &arm->chain,
                                &arm->geometry, q, &r->state);
 }
@@ -64,7 +64,7 @@ static void find_shift(double shift[3], const replicate *r, int row)
 /* Distance of a pair of sockets on the true arm. */
 static double true_distance(const replicate *r, const mukca_distance *pair)
 {
-    const mukca_true_arm *arm = r->task->arm;
+    const mukca_corrected *arm = r->task->arm;
     double distance = pair->distance;
     for (int e = 0; e < arm->n_effects; e++)
         if (mukca_effect_table[arm->effects[e].kind]->site == MUKCA_SITE_DISTANCE &&
@@ -127,7 +127,7 @@ static void draw(double noise[DIM], replicate *r, int row)
 /* Angles that bring the true ball into its socket, nearest to the recorded ones. */
 static void seat_ball(replicate *r, int row, const double noise[DIM])
 {
-    const mukca_true_arm *arm = r->task->arm;
+    const mukca_corrected *arm = r->task->arm;
     const mukca_inverse_options options = {.tolerance = seated, .displace = displace, .context = r};
     const size_t n = (size_t)r->data->n_joints, at = (size_t)row * n;
     double q[MUKCA_MAX_JOINTS], shift[3];

@@ -29,7 +29,7 @@ void mukca_simulate_perturb(double *theta, unsigned char *listed, const mukca_ch
     }
 }
 
-void mukca_simulate_arm(mukca_true_arm *arm, const mukca_chain *chain, const double *theta)
+void mukca_simulate_arm(mukca_corrected *arm, const mukca_chain *chain, const double *theta)
 {
     arm->chain = *chain;
     arm->n_effects = 0;
@@ -40,7 +40,7 @@ void mukca_simulate_arm(mukca_true_arm *arm, const mukca_chain *chain, const dou
 
 /* State of a recording. */
 typedef struct {
-    const mukca_true_arm *arm;
+    const mukca_corrected *arm;
     mukca_dataset *data;
     mukca_simulate_options options;
     mukca_row_state states;
@@ -136,7 +136,7 @@ static bool interrupted(const recorder *r)
 static mukca_status begin(recorder *r, mukca_dataset *data, int rows, int placements,
                           mukca_error *error)
 {
-    const mukca_true_arm *arm = r->arm;
+    const mukca_corrected *arm = r->arm;
     const size_t n = (size_t)arm->chain.n_joints, count = (size_t)rows;
     r->data = data;
     mukca_row_state_start(&r->states, arm->chain.n_joints);
@@ -174,7 +174,7 @@ static mukca_status begin(recorder *r, mukca_dataset *data, int rows, int placem
 void mukca_simulate_seat(double position[3], const mukca_simulated_session *session, int place,
                          int socket, int row)
 {
-    const mukca_true_arm *arm = session->arm;
+    const mukca_corrected *arm = session->arm;
     const mukca_frame *pose = &session->places[place].pose;
     double distance = session->options->distance, shift[3] = {0, 0, 0};
     for (int e = 0; e < arm->n_effects; e++)
@@ -277,7 +277,7 @@ out:
 
 /* ---- pose logs ---- */
 
-mukca_status mukca_simulate_poses(mukca_dataset *data, const mukca_true_arm *arm, const double *q,
+mukca_status mukca_simulate_poses(mukca_dataset *data, const mukca_corrected *arm, const double *q,
                                   int n_rows, const mukca_simulate_options *options,
                                   mukca_error *error)
 {

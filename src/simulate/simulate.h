@@ -13,6 +13,7 @@
 
 #include "math/random.h"
 #include "model/dataset.h"
+#include "mukca/corrected.h"
 #include "mukca/row_state.h"
 
 /* Purposes of random numbers. */
@@ -27,14 +28,6 @@ typedef enum {
 } mukca_draw;
 
 void mukca_simulate_seed(mukca_random *random, uint64_t seed, mukca_draw purpose);
-
-/* A simulated arm. */
-typedef struct {
-    mukca_chain chain;       /* with the true masses and the nominal origins */
-    mukca_geometry geometry; /* the true origins */
-    int n_effects;
-    mukca_effect effects[MUKCA_MAX_EFFECTS];
-} mukca_true_arm;
 
 /* A placement: two sockets on the x axis of `pose`, symmetric about its origin. */
 typedef struct {
@@ -77,8 +70,9 @@ typedef struct {
 void mukca_simulate_perturb(double *theta, unsigned char *listed, const mukca_chain *chain,
                             double shift, double turn, uint64_t seed);
 
-/* Initialise the arm with those origins; without effects. */
-void mukca_simulate_arm(mukca_true_arm *arm, const mukca_chain *chain, const double *theta);
+/* Initialise a simulated arm: `chain` has the true masses and the nominal origins, theta the true
+ * ones; without effects. */
+void mukca_simulate_arm(mukca_corrected *arm, const mukca_chain *chain, const double *theta);
 
 /* Find poses for the undetermined placements: both sockets reachable in many postures of the
  * nominal arm, above the base if possible, far from the other placements.  Errors: MUKCA_INPUT
@@ -88,7 +82,7 @@ mukca_status mukca_simulate_places(mukca_place *places, int n_places, const mukc
 
 /* Input of a recording with sockets; `faults` may be NULL. */
 typedef struct {
-    const mukca_true_arm *arm;
+    const mukca_corrected *arm;
     const mukca_place *places;
     int n_places;
     const mukca_simulated_fault *faults;
@@ -104,7 +98,7 @@ mukca_status mukca_simulate_sockets(mukca_dataset *data, const mukca_simulated_s
 
 /* Record a pose log of n_rows samples at the angles q[n_rows][n_joints] or (NULL) at simulated
  * postures.  Errors: MUKCA_MEMORY, MUKCA_INTERRUPTED. */
-mukca_status mukca_simulate_poses(mukca_dataset *data, const mukca_true_arm *arm, const double *q,
+mukca_status mukca_simulate_poses(mukca_dataset *data, const mukca_corrected *arm, const double *q,
                                   int n_rows, const mukca_simulate_options *options,
                                   mukca_error *error);
 
@@ -127,7 +121,7 @@ typedef struct {
 } mukca_replicate_motion;
 
 typedef struct {
-    const mukca_true_arm *arm;
+    const mukca_corrected *arm;
     const mukca_dataset *data; /* the existing recording */
     const int *posture;        /* [n_rows] first row of each row's posture */
     mukca_frame tracker;       /* pose logs: T_measured_base */

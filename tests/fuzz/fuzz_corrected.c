@@ -3,8 +3,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "arm/offsets.h"
 #include "memory_file.h"
-#include "mukca/corrected.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
@@ -16,8 +16,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     if (!text) return 0;
     memcpy(text, bytes, size);
     text[size] = '\0';
-    mukca_status status = mukca_corrected_parse_any(
-        &model, text, strlen(text), MUKCA_ACCEPT_FAILED | MUKCA_ACCEPT_EDITED, &error);
+    mukca_status status =
+        mukca_corrected_parse_named(&model, (mukca_bytes){text, strlen(text)}, "table",
+                                    MUKCA_ACCEPT_FAILED | MUKCA_ACCEPT_EDITED, &error);
     if (status && (!error.text[0] || strchr(error.text, '\n'))) abort();
     for (int j = 0; j < MUKCA_MAX_JOINTS; j++) q[j] = 0.3 * j - 1;
     if (status == MUKCA_OK) {

@@ -1,10 +1,9 @@
-/* Sessions, pose logs, distances and inertials: read or refused; what is read is consistent. */
+/* Sessions, pose logs and distances: read or refused; what is read is consistent. */
 #include <string.h>
 
 #include "../unit/arms.h"
 #include "dataset_check.h"
 #include "io/dataset.h"
-#include "io/urdf.h"
 #include "memory_file.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
@@ -14,8 +13,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
         "placement\tsocket\tj1\tj2\np\ta\t0\t0\np\tb\t0\t0\np\tc\t0\t0\n";
     mukca_dataset data;
     mukca_error error = {MUKCA_OK, ""};
-    mukca_inertial *list;
-    int n;
     const char *path = memory_file(bytes, size), *fixed = memory_file(session, sizeof session - 1);
     make_chain(&chain, "RR", NULL, "j", 3);
     mukca_dataset_options options = {.partial = size % 2 == 0};
@@ -27,6 +24,5 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     if (mukca_dataset_load(&data, &chain, &fixed, 1, &options, &error) == MUKCA_OK)
         dataset_check(&data);
     mukca_dataset_free(&data);
-    if (mukca_inertials_read(&list, &n, path, &error) == MUKCA_OK) free(list);
     return 0;
 }

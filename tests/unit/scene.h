@@ -13,7 +13,7 @@ enum { PLACES = 4 };
 /* An arm with 1 mm and 2 mrad of errors and the effects and faults of `text` (may be NULL). */
 typedef struct {
     mukca_chain chain;
-    mukca_true_arm arm;
+    mukca_corrected arm;
     cli_simulated hidden;
     mukca_place places[PLACES];
     mukca_simulate_options how;

@@ -3,7 +3,6 @@
 #include <stdlib.h>
 
 #include "diagnose/diagnose.h"
-#include "model/condense.h"
 #include "model/dataset_subset.h"
 #include "scene.h"
 

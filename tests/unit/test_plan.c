@@ -76,7 +76,7 @@ TEST(test_rules)
 /* A session at one place, rows per socket. */
 static void record(mukca_dataset *data, int rows, uint64_t seed)
 {
-    static mukca_true_arm arm;
+    static mukca_corrected arm;
     double theta[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS];
     mukca_place place = {
         .name = "front", .placed = true, .pose = {{0, -1, 0, 1, 0, 0, 0, 0, 1}, {0.45, 0, 0.05}}};

@@ -35,7 +35,7 @@ static void end(study *t)
 /* Positions of the true ball in a replicate, [n_rows][3]. */
 static double (*balls(const study *t, mukca_dataset *out, uint64_t seed))[3]
 {
-    const mukca_true_arm *arm = &t->s.arm;
+    const mukca_corrected *arm = &t->s.arm;
     mukca_row_state states;
     double(*ball)[3] = calloc((size_t)t->data.n_rows, sizeof *ball);
     assert_non_null(ball);

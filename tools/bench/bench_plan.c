@@ -35,7 +35,7 @@ static void fail(const char *text)
 
 static void sag(mukca_displacement *displacement, const double *q, void *context)
 {
-    const mukca_true_arm *arm = context;
+    const mukca_corrected *arm = context;
     const double still[MUKCA_MAX_JOINTS] = {0};
     const mukca_joint_state state = {.q = q, .move = still, .placement = -1};
     mukca_effects_displacement(displacement, arm->effects, arm->n_effects, &arm->chain,
@@ -43,7 +43,7 @@ static void sag(mukca_displacement *displacement, const double *q, void *context
 }
 
 /* Move the true arm from q until its ball is in the socket, up to noise. */
-static bool seat(double *q, mukca_true_arm *arm, const mukca_place *place, int socket,
+static bool seat(double *q, mukca_corrected *arm, const mukca_place *place, int socket,
                  mukca_random *random)
 {
     mukca_frame target = place->pose;
@@ -68,8 +68,8 @@ static void sockets_of(mukca_plan_socket sockets[2], const mukca_place *place, i
 
 /* Append the rows of a plan, as recorded by the true arm, to those of `base`; sockets by label. */
 static void extend(mukca_dataset *out, const mukca_dataset *base, const mukca_plan *plan,
-                   const mukca_plan_socket *sockets, mukca_true_arm *arm, const mukca_place *places,
-                   bool keep, mukca_random *random)
+                   const mukca_plan_socket *sockets, mukca_corrected *arm,
+                   const mukca_place *places, bool keep, mukca_random *random)
 {
     mukca_error error;
     const int n = base->n_joints, old = keep ? base->n_rows : 0;
@@ -120,7 +120,7 @@ static double held_out(const mukca_chain *chain, const mukca_dataset *train,
 }
 
 /* Rows of a plan at a placement, as recorded by the true arm. */
-static void follow(mukca_dataset *data, mukca_true_arm *arm, mukca_place *place, int rows,
+static void follow(mukca_dataset *data, mukca_corrected *arm, mukca_place *place, int rows,
                    const mukca_dataset *like, mukca_random *random)
 {
     mukca_plan_socket sockets[2];
@@ -153,7 +153,7 @@ static void accuracy(int arms)
         PLACES - 1, noise * 1e3, RANDOM_ROWS, PLANNED_ROWS);
     for (int a = 0; a < arms; a++) {
         static mukca_chain chain;
-        static mukca_true_arm arm;
+        static mukca_corrected arm;
         const uint64_t seed = 1000 + (uint64_t)a;
         double theta[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS], errors[WAYS];
         mukca_place places[PLACES] = {{.placed = false}};
@@ -238,7 +238,7 @@ enum { PLANNED_TEN, RANDOM_TEN, TIE_WAYS };
 
 /* Replace the rows of the plan by random ones. */
 static void shuffle(mukca_plan *plan, const mukca_plan_socket *sockets, int n,
-                    const mukca_true_arm *arm, const mukca_place *places, int n_places,
+                    const mukca_corrected *arm, const mukca_place *places, int n_places,
                     uint64_t seed)
 {
     mukca_dataset any;
@@ -269,7 +269,7 @@ static void shuffle(mukca_plan *plan, const mukca_plan_socket *sockets, int n,
 
 /* Add ten rows for the first tie of `before` and diagnose again; returns the verdict. */
 static const char *settle(outcome *sum, int way, const mukca_diagnosis *before,
-                          const mukca_dataset *data, mukca_true_arm *arm, mukca_place *places,
+                          const mukca_dataset *data, mukca_corrected *arm, mukca_place *places,
                           uint64_t seed)
 {
     static mukca_diagnosis after;
@@ -325,7 +325,7 @@ static void print_outcome(const char *what, const outcome *o, int n)
 static void ties(int wanted)
 {
     static mukca_chain chain;
-    static mukca_true_arm arm;
+    static mukca_corrected arm;
     static mukca_diagnosis before;
     outcome sums[TIE_WAYS] = {{0}};
     int found = 0, within = 0, tried = 0;

@@ -58,7 +58,7 @@ for table in edited cut; do
     answer 'Use     no: the table was edited or cut' evaluate $a --offsets $table.tsv sim.tsv -o scores.tsv --force
 done
 sed '/^# digest/d' edited.tsv >old.tsv
-refuse 3 'was edited or cut after it was written: the largest offset differs' fk $a --offsets old.tsv good/hole_0.csv
+accept 'old.tsv: has no digest (older, or edited); check it' fk $a --offsets old.tsv good/hole_0.csv
 sed 's/\tm\t/\tmm\t/' ok.tsv >units.tsv
 refuse 3 "column 'unit': is 'mm'; convert the row to m" fk $a --offsets units.tsv good/hole_0.csv
 
