@@ -59,10 +59,13 @@ mukca_status calibrate_use_traits(cli_call *call, calibrate_result *r, mukca_fit
     }
     if (status == MUKCA_OK) {
         const bool use = with[best].converged && r->traits_evidence > LEAST_EVIDENCE;
-        const mukca_fit own = *fit;
         r->traits_share = use ? shares[best] : 0;
         correct(s, recorded, traits, r->traits_share);
-        if (use) *fit = with[best], with[best] = own;
+        if (use) {
+            mukca_fit_free(fit);
+            *fit = with[best];
+            with[best].memory = NULL;
+        }
     }
     for (int k = 0; k < SHARES && with; k++) mukca_fit_free(&with[k]);
     mukca_pool_free(&pool);

@@ -64,12 +64,13 @@ static const char *const numbered[][3] = {{"actual_q_", "target_q_", "actual_qd_
                                           {"joint_", NULL, NULL}};
 enum { NUMBERED = sizeof numbered / sizeof *numbered };
 
-/* Find column `prefix``suffix`; -1: absent. */
+/* Find column `prefix``suffix`; -1: absent, or it has another meaning: joints come first. */
 static int find(header *h, const char *prefix, const char *suffix)
 {
     char name[2 * MUKCA_NAME_SIZE];
     snprintf(name, sizeof name, "%s%s", prefix, suffix);
-    return mukca_table_use(&h->rows->table, name);
+    const int column = mukca_table_find(&h->rows->table, name);
+    return column >= 0 && h->rows->table.used[column] ? -1 : mukca_table_use(&h->rows->table, name);
 }
 
 /* Find the column of the joint's position, effort, command or velocity: `suffix` of names, or a row
@@ -229,12 +230,6 @@ static void map_header(mukca_rows *rows)
     mukca_row_columns *c = &rows->column;
     header h = {.rows = rows};
     if (!rows->options.poses) find_names(&h);
-    c->placement = find(&h, "placement", "");
-    c->socket = find(&h, "socket", "");
-    c->target = find(&h, "target", "");
-    c->time = find(&h, h.numbered == 0 ? "timestamp" : "time_s", "");
-    (void)find(&h, "temperature_c", ""); /* known, not used */
-    c->payload = find(&h, "payload_kg", "");
     for (int j = 0; j < rows->chain->n_joints && !rows->options.poses; j++) {
         const char *name = mukca_chain_joint_name(rows->chain, j);
         c->joint[j] = find_joint(&h, j, "");
@@ -246,6 +241,12 @@ static void map_header(mukca_rows *rows)
         c->velocity[j] = find_joint(&h, j, ".velocity");
         rows->has_command |= c->command[j] >= 0;
     }
+    c->placement = find(&h, "placement", "");
+    c->socket = find(&h, "socket", "");
+    c->target = find(&h, "target", "");
+    c->time = find(&h, h.numbered == 0 ? "timestamp" : "time_s", "");
+    (void)find(&h, "temperature_c", ""); /* known, not used */
+    c->payload = find(&h, "payload_kg", "");
     for (int form = 0; form < FORMS; form++)
         for (int column = 0; column < rows->table.n_columns; column++) {
             if ((form == PLAIN || form == CAPITAL) && !format->units &&

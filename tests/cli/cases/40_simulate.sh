@@ -32,6 +32,12 @@ expect "its angles with the same arm give the same poses" sh -c "grep -v '^#' '$
 
 refuse 2 "no joint 'elbow' in the chain" simulate --urdf arm.urdf --effect joint_scale:elbow=1e-3
 refuse 2 "no placement 'left'; the first one is 'p1'" simulate --urdf arm.urdf --effect ball_shift:left=1e-3
+# joints that have the names of measured quantities keep their columns
+sed 's/"joint_5"/"target"/; s/"joint_6"/"yaw"/; s/"joint_4"/"roll"/; s/"joint_3"/"pitch"/' arm.urdf >rpy.urdf
+run simulate --urdf rpy.urdf --poses 9 -o rpy.tsv
+grep -v '^#' rpy.tsv | cut -f 1-11 >rpy_positions.tsv
+run evaluate --urdf rpy.urdf rpy_positions.tsv --json -
+expect "joints roll, pitch, yaw are no orientation" sh -c "grep -q 'mae_m.: [0-9.]*e-1[0-9]' '$scratch/out' && ! grep -q rotation '$scratch/out'"
 refuse 2 "a pose log has no placements and no sockets" simulate --urdf arm.urdf --poses 9 --effect tool_motion:p1/0@2=1e-3
 refuse 2 "must be MM,MRAD" simulate --urdf arm.urdf --perturb 1
 refuse 2 "must be a number, 0 to 1, in m" simulate --urdf arm.urdf --noise -1
