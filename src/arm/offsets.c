@@ -42,7 +42,7 @@ int mukca_offsets_rows(mukca_offset_row *rows, const mukca_offsets *offsets,
             *row = (mukca_offset_row){
                 .joint = effect->joint < 0 ? "-" : mukca_chain_joint_name(chain, effect->joint),
                 .parameter = info->name,
-                .unit = info->unit,
+                .unit = mukca_effect_unit(effect, chain),
                 .nominal = 0,
                 .calibrated = effect->coefficient[t],
                 .offset = effect->coefficient[t],

@@ -286,7 +286,10 @@ static mukca_status read_effect(reader *r, int kind)
     mukca_effect *effect = find_effect(into, &wanted);
     if (!effect) return fail_cell(r, PARAMETER, "too many effects");
     if (effect->coefficient[term] != 0) return fail_cell(r, PARAMETER, "comes twice");
-    mukca_status status = check_unit(r, mukca_effect_table[kind]->unit);
+    const char *unit = mukca_effect_table[kind]->unit; /* older tables: of a turning joint */
+    if (r->column[UNIT] >= 0 && strcmp(r->cell[r->column[UNIT]], unit) != 0)
+        unit = mukca_effect_unit(effect, r->chain);
+    mukca_status status = check_unit(r, unit);
     if (status == MUKCA_OK) status = read_values(value, r);
     if (status != MUKCA_OK) return status;
     effect->coefficient[term] = value[CALIBRATED];

@@ -15,7 +15,7 @@ static void print_effects(FILE *stream, const mukca_export_input *input)
             mukca_export_print(stream, joint ? "$q" : "null", joint);
             mukca_export_print(stream,
                                "\n    term: \"$s\"\n    unit: \"$s\"\n    coefficient: $n\n", term,
-                               mukca_effect_table[effect->kind]->unit, effect->coefficient[t]);
+                               mukca_effect_unit(effect, input->chain), effect->coefficient[t]);
         }
     }
 }

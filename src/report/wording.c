@@ -120,11 +120,13 @@ const char *mukca_wording_amplitude(char text[MUKCA_WORDING], const mukca_cause 
     static const struct {
         const char *si, *shown;
         double factor;
-    } table[] = {{"rad/(N*m)", "urad/(N·m)", 1e6}, {"m/N", "um/N", 1e6}, {"rad", "mrad", 1e3},
-                 {"rad/rad", "mrad/rad", 1e3},     {"m", "mm", 1e3},     {"m/m", "mm/m", 1e3}};
-    const char *unit = mukca_effect_unit(&cause->effect, chain);
-    const char *shown = unit;
-    double factor = 1;
+    } table[] = {{"rad/(N*m)", "urad/(N·m)", 1e6}, /* and of sliding joints: */
+                 {"m/N", "um/N", 1e6},
+                 {"m/m", "mm/m", 1e3},
+                 {"m", "mm", 1e3}};
+    const mukca_effect_info *info = mukca_effect_table[cause->effect.kind];
+    const char *unit = mukca_effect_unit(&cause->effect, chain), *shown = info->display_unit;
+    double factor = info->display_factor;
     for (size_t i = 0; i < sizeof table / sizeof *table; i++)
         if (strcmp(unit, table[i].si) == 0) shown = table[i].shown, factor = table[i].factor;
     if (cause->effect.variant.to_command) shown = "% of command minus reading", factor = 100;

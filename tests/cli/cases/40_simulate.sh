@@ -38,6 +38,14 @@ run simulate --urdf rpy.urdf --poses 9 -o rpy.tsv
 grep -v '^#' rpy.tsv | cut -f 1-11 >rpy_positions.tsv
 run evaluate --urdf rpy.urdf rpy_positions.tsv --json -
 expect "joints roll, pitch, yaw are no orientation" sh -c "grep -q 'mae_m.: [0-9.]*e-1[0-9]' '$scratch/out' && ! grep -q rotation '$scratch/out'"
+# a sliding joint yields by metres per newton; older tables say rad/(N*m)
+sed 's/name="joint_3" type="revolute"/name="joint_3" type="prismatic"/' arm.urdf >slide.urdf
+run simulate --urdf slide.urdf --effect joint_compliance:joint_3=1e-5 --rows 5 --truth slide_truth.tsv -o slide.tsv
+expect "the unit is m/N" grep -q 'joint_compliance	m/N' slide_truth.tsv
+sed 's#m/N#rad/(N*m)#; /^# digest/d' slide_truth.tsv >older.tsv
+for table in slide_truth older; do
+    expect "$table is read" "$MUKCA" evaluate --urdf slide.urdf --offsets $table.tsv slide.tsv --max-mae 1e-9
+done
 refuse 2 "a pose log has no placements and no sockets" simulate --urdf arm.urdf --poses 9 --effect tool_motion:p1/0@2=1e-3
 refuse 2 "must be MM,MRAD" simulate --urdf arm.urdf --perturb 1
 refuse 2 "must be a number, 0 to 1, in m" simulate --urdf arm.urdf --noise -1
