@@ -24,7 +24,7 @@ enum {
 #define COUNT(array) ((int)(sizeof(array) / sizeof *(array)))
 
 typedef void fill_fn(const mukca_candidate *h, const mukca_recording *recording);
-static fill_fn fill_effect, fill_bumps, fill_polynomials, fill_slip;
+static fill_fn fill_effect, fill_bumps, fill_polynomials, fill_slip, fill_stretch;
 
 /* Each kind: its class (-1: that of its effect), terms and components of a term (0: see
  * set_shape()), and its basis (NULL: none). */
@@ -42,6 +42,7 @@ static const struct {
     [MUKCA_CANDIDATE_ANGLE_PRODUCT] = {MUKCA_CLASS_UNKNOWN, PRODUCTS, 1, fill_polynomials},
     [MUKCA_CANDIDATE_TIME] = {MUKCA_CLASS_UNKNOWN, TIME_BUMPS, 1, fill_bumps},
     [MUKCA_CANDIDATE_SLIP] = {MUKCA_CLASS_UNKNOWN, 1, 1, fill_slip},
+    [MUKCA_CANDIDATE_STRETCH] = {MUKCA_CLASS_UNKNOWN, 3, 1, fill_stretch},
     [MUKCA_CANDIDATE_UNLISTED_ANGLE] = {MUKCA_CLASS_UNKNOWN, 0, 1, mukca_unlisted_fill},
     [MUKCA_CANDIDATE_UNLISTED_FRAME] = {MUKCA_CLASS_UNKNOWN, 0, 1, mukca_unlisted_fill},
     [MUKCA_CANDIDATE_UNLISTED_TILT] = {MUKCA_CLASS_UNKNOWN, 3, 3, NULL},
@@ -81,7 +82,8 @@ mukca_effect_site mukca_candidate_site(const mukca_candidate *h)
 
 bool mukca_candidate_moves_arm(const mukca_candidate *h)
 {
-    return h->basis && h->kind != MUKCA_CANDIDATE_UNLISTED_FRAME;
+    return h->basis && h->kind != MUKCA_CANDIDATE_STRETCH &&
+           h->kind != MUKCA_CANDIDATE_UNLISTED_FRAME;
 }
 
 int mukca_candidate_own_terms(const mukca_candidate *h)
@@ -270,6 +272,16 @@ static void fill_polynomials(const mukca_candidate *h, const mukca_recording *re
 static void fill_slip(const mukca_candidate *h, const mukca_recording *recording)
 {
     for (int row = 0; row < recording->data->n_rows; row++) h->basis[row] = row >= h->row;
+}
+
+static void fill_stretch(const mukca_candidate *h, const mukca_recording *recording)
+{
+    double range[2];
+    mukca_recording_range(range, recording, recording->time, 1, 0);
+    for (int row = 0; row < recording->data->n_rows; row++)
+        for (int t = 0; t < 3; t++)
+            h->basis[3 * row + t] =
+                (float)(1 - exp(-(recording->time[row] - range[0]) / h->stretch.time_constant));
 }
 
 /* Basis of an effect; additional terms of an elastic effect: under the load of each single body. */

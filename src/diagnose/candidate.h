@@ -27,6 +27,7 @@ typedef enum {
     MUKCA_CANDIDATE_ANGLE_PRODUCT, /* unknown: ... of both angles together */
     MUKCA_CANDIDATE_TIME,          /* unknown: ... of time */
     MUKCA_CANDIDATE_SLIP,          /* unknown: the joint slips once, before a sample */
+    MUKCA_CANDIDATE_STRETCH,       /* unknown: a link's length changes with time */
     /* Unlisted: simple causes outside the catalogue, without a name */
     MUKCA_CANDIDATE_UNLISTED_ANGLE, /* joint error, a function of an argument */
     MUKCA_CANDIDATE_UNLISTED_FRAME, /* shift or rotation of a frame by it */
@@ -68,6 +69,10 @@ typedef struct {
         double width; /* OWN_ANGLE: of a bump, rad */
         int other;    /* OTHER_ANGLE, ANGLE_PRODUCT: the other joint */
         int row;      /* SLIP: first row of the dataset after it */
+        struct {
+            int slot;             /* STRETCH: of the unknowns */
+            double time_constant; /* s */
+        } stretch;
         struct {
             mukca_argument argument;
             int other, slot; /* joint of the argument, TILT: axis of the tip; FRAME: of the

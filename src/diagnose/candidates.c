@@ -68,6 +68,7 @@ static void append_effects(lister *l, int joint)
 /* List the unknown functions at a joint of any argument but its own angle alone. */
 static void list_other_functions(lister *l, int j)
 {
+    static const double time_constants[] = {300, 1000, 3000}; /* s, as of joint_drift */
     const mukca_recording *recording = l->recording;
     const mukca_unknowns *unknowns = l->unknowns;
     const int element = recording->chain->joint_element[j], rows = recording->data->n_rows;
@@ -88,6 +89,12 @@ static void list_other_functions(lister *l, int j)
     for (h.row = LONGEST_BURST; h.row < end && unknowns->slot_element[0] <= element;
          h.row += rows / MOST_SLIPS + 1)
         append(l, h);
+    h.kind = MUKCA_CANDIDATE_STRETCH;
+    for (int k = 0; k < unknowns->n_slots; k++)
+        for (int i = 0; i < 3 && unknowns->slot_element[k] == element; i++) {
+            h.stretch.slot = k, h.stretch.time_constant = time_constants[i];
+            append(l, h);
+        }
 }
 
 /* List the unknown functions of a joint's own angle: two bumps or more, up to MUKCA_MAX_COLUMNS. */

@@ -19,7 +19,9 @@ static bool levers_of(lever_rows *out, const mukca_linearisation *linear,
 {
     const size_t d = (size_t)recording->dim, n = (size_t)recording->chain->n_joints,
                  joint = (size_t)h->joint;
-    if (!h->basis || h->kind == MUKCA_CANDIDATE_UNLISTED_FRAME) return false;
+    if (!h->basis || h->kind == MUKCA_CANDIDATE_STRETCH ||
+        h->kind == MUKCA_CANDIDATE_UNLISTED_FRAME)
+        return false;
     switch (mukca_candidate_site(h)) {
         case MUKCA_SITE_ANGLE:
             *out = (lever_rows){linear->lever + joint * d, n * d};
@@ -88,7 +90,12 @@ void mukca_linearisation_columns(double *E, int ld, const mukca_linearisation *l
                                 recording->chain->gravity);
         if (!h->basis) continue; /* a change of distance moves no sample */
         const float *basis = h->basis + (size_t)row * (size_t)(terms * width);
-        if (h->kind == MUKCA_CANDIDATE_UNLISTED_FRAME) {
+        if (h->kind == MUKCA_CANDIDATE_STRETCH) { /* along x, y and z of the slot's frame */
+            const double *slot =
+                linear->columns + (size_t)(i * d) * (size_t)ldx + 6 * h->stretch.slot;
+            for (int c = 0; c < d; c++)
+                for (int t = 0; t < 3; t++) out[c * ld + t] = slot[c * ldx + t] * (double)basis[t];
+        } else if (h->kind == MUKCA_CANDIDATE_UNLISTED_FRAME) {
             const double *slot = linear->columns + (size_t)(i * d) * (size_t)ldx +
                                  6 * h->simple.slot + (h->simple.turns ? 3 : 0);
             for (int c = 0; c < d; c++)
