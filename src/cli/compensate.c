@@ -175,7 +175,7 @@ static void correct_line(job *b, const char *line, const char *path, int number)
         .time = (double)NAN, .placement = -1, .number = (int)b->tally.rows + 1};
     char text[160];
     mukca_program_target t;
-    const mukca_line_kind kind = mukca_language_read(&t, b->from, chain, line);
+    const mukca_program_line kind = mukca_language_read(&t, b->from, chain, line);
     if (kind == MUKCA_LINE_UNKNOWN) {
         const char *words = line + strspn(line, " \t");
         snprintf(text, sizeof text, "not understood: %.*s", (int)strcspn(words, "\r"), words);

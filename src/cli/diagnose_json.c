@@ -140,7 +140,7 @@ static json_t *logs_object(const mukca_logs *logs)
 /* Comparison of the two streams of angles at a joint. */
 static json_t *stream(const mukca_diagnosed *r, int j)
 {
-    const mukca_stream *of = &r->diagnosis->streams.joint[j];
+    const mukca_stream_difference *of = &r->diagnosis->streams.joint[j];
     return cli_json(JOINT(j), FIELD(of, rows), FIELD(of, mean), FIELD(of, rms),
                     KEY("servo_sag", of->sag), KEY("ci95", cli_json_interval(of->low, of->high)),
                     FIELD(of, log_bayes_factor));

@@ -16,7 +16,7 @@ enum {
  * chance one difference in five is within it, and not twenty in a row. */
 #define WHOLE 0.1
 
-static bool contains(const mukca_identification *id, const mukca_causes *set, int name)
+static bool contains(const mukca_search *id, const mukca_causes *set, int name)
 {
     for (int i = 0; i < set->n; i++)
         if (id->name[set->candidate[i]] == name) return true;
@@ -97,7 +97,7 @@ static mukca_effect rival_effect(const mukca_candidate *h, const mukca_effect *c
 /* Largest canonical correlation of two items given the set weighed last: with Gram blocks A = L L',
  * B = M M' and their cross block C, the largest singular value of L^-1 C M'^-1 (Golub and Van Loan,
  * Matrix Computations, section 6.4.3).  Without the terms of single masses. */
-static double correlation_of(mukca_identification *id, int a, int b)
+static double correlation_of(mukca_search *id, int a, int b)
 {
     double *A = id->scan.scratch->A, *B = id->scan.scratch->B, *C = id->scan.scratch->C,
            s[MUKCA_MOST_TERMS];
@@ -148,7 +148,7 @@ static void tie_untested_flexibility(mukca_cause *out, const mukca_recording *r)
 }
 
 /* A set of the last search with these candidates, but one. */
-static mukca_set set_without(mukca_identification *id, const mukca_causes *set, int without)
+static mukca_set set_without(mukca_search *id, const mukca_causes *set, int without)
 {
     int item[MUKCA_SET_ITEMS], n = 0;
     for (int k = 0; k < id->n_kept; k++)
@@ -158,7 +158,7 @@ static mukca_set set_without(mukca_identification *id, const mukca_causes *set, 
     return id->sets.set[at < 0 ? 0 : at];
 }
 
-double mukca_cause_gain(mukca_identification *id, const mukca_causes *set, int member)
+double mukca_cause_gain(mukca_search *id, const mukca_causes *set, int member)
 {
     const mukca_set rest = set_without(id, set, member);
     const int own = mukca_identify_item(id, set->candidate[member]);
@@ -167,8 +167,8 @@ double mukca_cause_gain(mukca_identification *id, const mukca_causes *set, int m
 }
 
 /* Rivals: what replaces the cause in the sets that lack it, and is not in the best set. */
-static void add_ties(mukca_cause *out, mukca_identification *id, const mukca_causes *best,
-                     int member, const mukca_set *rest, int own)
+static void add_ties(mukca_cause *out, mukca_search *id, const mukca_causes *best, int member,
+                     const mukca_set *rest, int own)
 {
     const mukca_candidate *cause = &id->all.list[best->candidate[member]];
     const int name = id->name[best->candidate[member]];
@@ -219,7 +219,7 @@ static bool may_belong(const mukca_candidate *unknown, int order)
 
 /* A name is conditional on the catalogue.  An unknown function in the same set shows that the
  * catalogue lacks a cause of this arm: the name may be a part of that cause, with equal odds. */
-static void share_with_unknown(mukca_cause *out, const mukca_identification *id, int name)
+static void share_with_unknown(mukca_cause *out, const mukca_search *id, int name)
 {
     double beside = 0, all = 0;
     for (int i = 0; i < id->n_sets; i++) {
@@ -260,7 +260,7 @@ static double resolution_of(double *scratch, const mukca_recording *r, int joint
 
 /* Angles rounded to steps are aliased to fine ripple in chosen postures, with at most the amplitude
  * of a sawtooth, step / pi. */
-static void doubt_rounding(mukca_cause *out, mukca_identification *id)
+static void doubt_rounding(mukca_cause *out, mukca_search *id)
 {
     const double *c = out->effect.coefficient;
     double *scratch = id->scan.W;
@@ -270,7 +270,7 @@ static void doubt_rounding(mukca_cause *out, mukca_identification *id)
 }
 
 /* 95 % interval of the order of ripple. */
-static void find_orders(mukca_cause *out, const mukca_identification *id, int name)
+static void find_orders(mukca_cause *out, const mukca_search *id, int name)
 {
     double weight[MUKCA_RIPPLE_ORDERS + 1] = {0}, total = 0, below = 0;
     for (int i = 0; i < id->n_sets; i++)
@@ -287,8 +287,7 @@ static void find_orders(mukca_cause *out, const mukca_identification *id, int na
     }
 }
 
-void mukca_cause_describe(mukca_cause *out, mukca_identification *id, const mukca_causes *best,
-                          int member)
+void mukca_cause_describe(mukca_cause *out, mukca_search *id, const mukca_causes *best, int member)
 {
     const mukca_recording *recording = &id->m->recording;
     const mukca_candidate *h = &id->all.list[best->candidate[member]];

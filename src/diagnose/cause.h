@@ -13,10 +13,10 @@
 
 /* Log Bayes factor of a member of a set given its other members; -HUGE_VAL: not in the last search.
  */
-double mukca_cause_gain(mukca_identification *id, const mukca_causes *set, int member);
+double mukca_cause_gain(mukca_search *id, const mukca_causes *set, int member);
 
 /* Describe a member of the set to which the regression is fitted; needs its factor. */
-void mukca_cause_describe(mukca_cause *cause, mukca_identification *id, const mukca_causes *best,
+void mukca_cause_describe(mukca_cause *cause, mukca_search *id, const mukca_causes *best,
                           int member);
 
 /* Reserve a share of a described cause's probability for causes outside the catalogue. */
@@ -27,11 +27,11 @@ int mukca_cause_find(const mukca_regression *m, const mukca_cause *cause);
 
 /* Causes, ties, verdict, location and faults.  The regression is left fitted to a set with all
  * listed causes. */
-void mukca_verdict_reach(mukca_diagnosis *d, mukca_identification *id);
+void mukca_verdict_reach(mukca_diagnosis *d, mukca_search *id);
 
 /* List every effect and joint: candidates with their scores of the first scan, the others with the
  * reason why they are not testable. */
-void mukca_untested_list(mukca_diagnosis *d, const mukca_identification *id);
+void mukca_untested_list(mukca_diagnosis *d, const mukca_search *id);
 
 /* List all effects as not testable, for this reason. */
 void mukca_untested_all(mukca_diagnosis *d, const char *why);

@@ -72,9 +72,9 @@ static void set_untestable(mukca_diagnosis *d, mukca_regression *m, const char *
 static mukca_status identify(mukca_diagnosis *d, mukca_regression *m,
                              const mukca_diagnose_options *options, mukca_error *error)
 {
-    mukca_identification *id = MUKCA_TAKE(&m->pool, mukca_identification, 1);
+    mukca_search *id = MUKCA_TAKE(&m->pool, mukca_search, 1);
     if (!id) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the candidates");
-    *id = (mukca_identification){.m = m, .diagnosis = d, .options = options};
+    *id = (mukca_search){.m = m, .diagnosis = d, .options = options};
     const mukca_status status = mukca_identify_run(id, error);
     const mukca_noise_family *family = &m->evidence.normal[m->unknowns.family].whitening.family;
     d->score = mukca_regression_score(m);

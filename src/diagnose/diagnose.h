@@ -126,7 +126,7 @@ typedef struct {
     double mean, rms;        /* rad or m; NaN: no such row */
     double sag, low, high;   /* rad/(N m) and its 95 % interval; NaN: torque unknown */
     double log_bayes_factor; /* of a sag against none */
-} mukca_stream;
+} mukca_stream_difference;
 
 /* A sag is reported from this log Bayes factor on: 150 to 1. */
 #define MUKCA_SAG_EVIDENT 5.0
@@ -134,7 +134,7 @@ typedef struct {
 /* Comparison of commanded and read angles; n_joints 0: only one of them was recorded. */
 typedef struct {
     int n_joints;
-    mukca_stream joint[MUKCA_MAX_JOINTS];
+    mukca_stream_difference joint[MUKCA_MAX_JOINTS];
     double sigma_reading_m, sigma_command_m; /* noise of a fit of the geometry to each; NaN: none */
 } mukca_streams;
 

@@ -35,7 +35,7 @@ enum {
 #define HOPELESS (-AVERAGED)
 
 /* Set the causes of the unknowns, to be fitted. */
-static void set_causes(mukca_identification *id, const mukca_causes *set)
+static void set_causes(mukca_search *id, const mukca_causes *set)
 {
     mukca_unknowns *u = &id->m->unknowns;
     u->n_causes = 0;
@@ -44,7 +44,7 @@ static void set_causes(mukca_identification *id, const mukca_causes *set)
             u->cause[u->n_causes - 1].scale = set->scale[i], u->cause[u->n_causes - 1].sized = true;
 }
 
-void mukca_identify_fit(mukca_identification *id, const mukca_causes *set)
+void mukca_identify_fit(mukca_search *id, const mukca_causes *set)
 {
     set_causes(id, set);
     mukca_regression_fit(id->m, 3, MUKCA_FIT_ALL);
@@ -57,7 +57,7 @@ static int by_odds(const void *a, const void *b)
 }
 
 /* Add the candidates with the best scores of the last scan to those kept. */
-static void keep_best(mukca_identification *id, int most)
+static void keep_best(mukca_search *id, int most)
 {
     const mukca_scan *scan = &id->scan;
     const mukca_recording *r = &id->m->recording;
@@ -86,7 +86,7 @@ static int ascending(const void *a, const void *b)
 }
 
 /* A set of the search as candidates. */
-static mukca_causes causes_of(const mukca_identification *id, const mukca_set *set)
+static mukca_causes causes_of(const mukca_search *id, const mukca_set *set)
 {
     mukca_causes out = {.n = set->n};
     for (int i = 0; i < set->n; i++) {
@@ -113,7 +113,7 @@ static bool same_causes(const mukca_causes *a, const mukca_causes *b)
 }
 
 /* Was an earlier pass linearised at this set?  Then passes would alternate forever. */
-static bool recurs(const mukca_identification *id, const mukca_causes *set)
+static bool recurs(const mukca_search *id, const mukca_causes *set)
 {
     bool found = false;
     for (int p = 0; p < id->n_passed; p++) found |= same_causes(&id->passed[p], set);
@@ -122,7 +122,7 @@ static bool recurs(const mukca_identification *id, const mukca_causes *set)
 
 /* Search among the sets of the kept candidates, from the empty set and from the best set so far. If
  * that is settled, or in the last pass, with all of the budget.  *best: the most probable set. */
-static bool search(mukca_identification *id, mukca_causes *best, bool last)
+static bool search(mukca_search *id, mukca_causes *best, bool last)
 {
     mukca_pool *pool = &id->search_pool;
     mukca_pool_free(pool);                                            /* of the last pass */
@@ -148,7 +148,7 @@ static bool search(mukca_identification *id, mukca_causes *best, bool last)
     return !pool->failed;
 }
 
-static bool watch(const mukca_identification *id, double share, mukca_error *error)
+static bool watch(const mukca_search *id, double share, mukca_error *error)
 {
     const mukca_diagnose_options *o = id->options;
     if (!o->progress || o->progress(o->progress_context, share, "comparing sets of causes"))
@@ -163,8 +163,7 @@ static mukca_status no_memory(mukca_error *error)
 }
 
 /* A pass at the present linearisation: all candidates are scored beside the set found so far. */
-static mukca_status pass(mukca_identification *id, mukca_causes *best, bool last,
-                         mukca_error *error)
+static mukca_status pass(mukca_search *id, mukca_causes *best, bool last, mukca_error *error)
 {
     const bool first = !id->n_passed;
     set_causes(id, best);
@@ -183,7 +182,7 @@ static mukca_status pass(mukca_identification *id, mukca_causes *best, bool last
 }
 
 /* Log posterior of the first sets under another family; relative to the same of the search. */
-static bool weigh_family(double *value, mukca_identification *id, const mukca_causes *set, int n,
+static bool weigh_family(double *value, mukca_search *id, const mukca_causes *set, int n,
                          int family)
 {
     mukca_pool pool = {0};
@@ -209,8 +208,7 @@ static bool weigh_family(double *value, mukca_identification *id, const mukca_ca
 /* Weights of the n first sets, with log posteriors total[], averaged over resamplings of the data
  * (Huggins and Miller, Reproducible model selection using bagged posteriors, Bayesian Analysis 18,
  * 2023). */
-static bool average_again(mukca_identification *id, const mukca_ranked *order, const double *total,
-                          int n)
+static bool average_again(mukca_search *id, const mukca_ranked *order, const double *total, int n)
 {
     mukca_pool pool = {0};
     mukca_sets *sets = &id->sets;
@@ -235,7 +233,7 @@ static bool average_again(mukca_identification *id, const mukca_ranked *order, c
 }
 
 /* Average the posterior of the sets of the last search over the families of the noise. */
-static mukca_status average(mukca_identification *id, mukca_error *error)
+static mukca_status average(mukca_search *id, mukca_error *error)
 {
     mukca_sets *sets = &id->sets;
     const int own = id->m->unknowns.family, noises = id->m->evidence.n_noises;
@@ -289,7 +287,7 @@ static bool same_name(const mukca_candidate *a, const mukca_candidate *b, const 
 }
 
 /* Names of the candidates in the sets, and their probabilities. */
-static void find_names(mukca_identification *id)
+static void find_names(mukca_search *id)
 {
     double travel[MUKCA_MAX_JOINTS], range[2];
     unsigned char *in = MUKCA_TAKE(&id->pool, unsigned char, id->all.count);
@@ -331,7 +329,7 @@ static int by_weight(const void *a, const void *b)
 
 /* Compute the functions of the angles at the present linearisation, with the tip moved by at most
  * `most`. */
-static void seat(mukca_identification *id, double most)
+static void seat(mukca_search *id, double most)
 {
     const mukca_linearisation *linear = &id->m->linear;
     mukca_recording_seat(&id->m->recording, &id->m->pool, linear->seated, linear->distance, most);
@@ -339,7 +337,7 @@ static void seat(mukca_identification *id, double most)
         if (id->all.list[i].basis) mukca_candidate_fill(&id->all.list[i], &id->m->recording);
 }
 
-mukca_status mukca_identify_run(mukca_identification *id, mukca_error *error)
+mukca_status mukca_identify_run(mukca_search *id, mukca_error *error)
 {
     mukca_regression *m = id->m;
     mukca_causes best = {0};
@@ -379,13 +377,13 @@ mukca_status mukca_identify_run(mukca_identification *id, mukca_error *error)
     return status;
 }
 
-void mukca_identify_free(mukca_identification *id)
+void mukca_identify_free(mukca_search *id)
 {
     mukca_pool_free(&id->search_pool);
     mukca_pool_free(&id->pool);
 }
 
-int mukca_identify_item(const mukca_identification *id, int candidate)
+int mukca_identify_item(const mukca_search *id, int candidate)
 {
     for (int i = 0; i < id->n_kept; i++)
         if (id->kept[i] == candidate) return i;

@@ -50,17 +50,17 @@ typedef struct {
     mukca_ranked *ranked; /* scratch */
     unsigned char *taken;
     mukca_pool pool, search_pool; /* of all; of the last search */
-} mukca_identification;
+} mukca_search;
 
 /* List the candidates and find the most probable sets of them.  The regression is left fitted to
  * the first set.  Errors: MUKCA_MEMORY, MUKCA_INTERRUPTED. */
-mukca_status mukca_identify_run(mukca_identification *id, mukca_error *error);
-void mukca_identify_free(mukca_identification *id);
+mukca_status mukca_identify_run(mukca_search *id, mukca_error *error);
+void mukca_identify_free(mukca_search *id);
 
 /* Fit the regression to a set. */
-void mukca_identify_fit(mukca_identification *id, const mukca_causes *set);
+void mukca_identify_fit(mukca_search *id, const mukca_causes *set);
 
 /* Item of a candidate of the list in the last search, -1: none. */
-int mukca_identify_item(const mukca_identification *id, int candidate);
+int mukca_identify_item(const mukca_search *id, int candidate);
 
 #endif

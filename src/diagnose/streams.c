@@ -20,7 +20,7 @@ static double difference(const mukca_dataset *data, int row, int joint)
     return data->command ? data->q[at] - data->command[at] : (double)NAN;
 }
 
-static void compare_joint(mukca_stream *s, const mukca_recording *r, int joint)
+static void compare_joint(mukca_stream_difference *s, const mukca_recording *r, int joint)
 {
     const int n_joints = r->chain->n_joints;
     double mean = 0, load = 0, square = 0, dd = 0, tt = 0, dt = 0;
@@ -40,7 +40,7 @@ static void compare_joint(mukca_stream *s, const mukca_recording *r, int joint)
         }
         if (pass == 0 && n > 0) mean /= n, load /= n;
     }
-    *s = (mukca_stream){n, NAN, NAN, NAN, NAN, NAN, NAN};
+    *s = (mukca_stream_difference){n, NAN, NAN, NAN, NAN, NAN, NAN};
     if (n == 0) return;
     s->mean = mean;
     s->rms = sqrt(square / n);

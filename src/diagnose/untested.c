@@ -54,7 +54,7 @@ static void add_missing(mukca_diagnosis *d, const mukca_candidates *all)
     }
 }
 
-void mukca_untested_list(mukca_diagnosis *d, const mukca_identification *id)
+void mukca_untested_list(mukca_diagnosis *d, const mukca_search *id)
 {
     double most[MUKCA_MAX_TESTED] = {0}; /* information of the best member */
     d->n_tested = 0;

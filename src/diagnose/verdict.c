@@ -54,7 +54,7 @@ static int by_share(const void *a, const void *b)
 
 /* Share of each joint: in the sets with unknown functions, if these are probable, else in the
  * evidence for the listed causes. */
-static void find_where(mukca_diagnosis *d, const mukca_identification *id, bool unknown)
+static void find_where(mukca_diagnosis *d, const mukca_search *id, bool unknown)
 {
     const mukca_regression *m = id->m;
     double share[MUKCA_MAX_JOINTS] = {0}, total = 0;
@@ -89,7 +89,7 @@ static int by_evidence(const void *a, const void *b)
 }
 
 /* The first set with all causes that are more probable than not; the first one if there is none. */
-static const mukca_causes *choose_set(const mukca_identification *id)
+static const mukca_causes *choose_set(const mukca_search *id)
 {
     int wanted = 0;
     for (int n = 0; n < id->n_names; n++) wanted += id->probability[n] >= MUKCA_LISTED;
@@ -116,7 +116,7 @@ static int likeliest(const mukca_diagnosis *d)
 
 /* Probability of the sets with a member of the class, or (-1) with any but outliers: as computed,
  * and averaged over resamplings. */
-static void probability_of(double p[2], const mukca_identification *id, int class)
+static void probability_of(double p[2], const mukca_search *id, int class)
 {
     p[0] = p[1] = 0;
     for (int i = 0; i < id->n_sets; i++) {
@@ -129,7 +129,7 @@ static void probability_of(double p[2], const mukca_identification *id, int clas
     }
 }
 
-static void list_sets(mukca_diagnosis *d, const mukca_identification *id)
+static void list_sets(mukca_diagnosis *d, const mukca_search *id)
 {
     const mukca_dataset *data = id->m->recording.data;
     for (int i = 0; i < id->n_sets && i < MUKCA_MAX_SETS; i++) {
@@ -157,7 +157,7 @@ static void part_suspected(mukca_diagnosis *d)
             d->causes[d->n_causes++] = d->causes[c];
 }
 
-void mukca_verdict_reach(mukca_diagnosis *d, mukca_identification *id)
+void mukca_verdict_reach(mukca_diagnosis *d, mukca_search *id)
 {
     mukca_regression *m = id->m;
     const mukca_unknowns *u = &m->unknowns;

@@ -147,8 +147,8 @@ static bool is_linear(const mukca_chain *chain, int joint)
     return chain->element[chain->joint_element[joint]].type == MUKCA_PRISMATIC;
 }
 
-mukca_line_kind mukca_language_read(mukca_program_target *t, const mukca_language *l,
-                                    const mukca_chain *chain, const char *line)
+mukca_program_line mukca_language_read(mukca_program_target *t, const mukca_language *l,
+                                       const mukca_chain *chain, const char *line)
 {
     char joints[PATTERN], pattern[PATTERN + 32];
     number_list found = {0};

@@ -19,7 +19,7 @@ typedef enum {
     MUKCA_LINE_UNKNOWN, /* could move the arm, for all that the reader knows */
     MUKCA_LINE_TARGET,
     MUKCA_LINE_OTHER /* does not move the arm */
-} mukca_line_kind;
+} mukca_program_line;
 
 /* A target in a line. */
 typedef struct {
@@ -29,8 +29,8 @@ typedef struct {
 
 /* Read a line of a program, which moves the arm to a joint target in numbers or not at all, or
  * consists of a target alone.  Poses depend on the program's tool and frame and are unknown. */
-mukca_line_kind mukca_language_read(mukca_program_target *target, const mukca_language *language,
-                                    const mukca_chain *chain, const char *line);
+mukca_program_line mukca_language_read(mukca_program_target *target, const mukca_language *language,
+                                       const mukca_chain *chain, const char *line);
 
 /* Largest number of axes of a joint target. */
 int mukca_language_axes(const mukca_language *language);

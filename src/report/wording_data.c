@@ -104,7 +104,7 @@ const char *mukca_wording_angles(char text[MUKCA_WORDING], const mukca_diagnosed
     put(text, "%s fitted; reading minus command: at most %.3f mrad rms (%s)",
         command ? "commands" : "readings", 1e3 * s->joint[largest].rms,
         mukca_chain_joint_name(r->chain, largest));
-    for (const mukca_stream *of = s->joint; of < s->joint + s->n_joints; of++)
+    for (const mukca_stream_difference *of = s->joint; of < s->joint + s->n_joints; of++)
         if (of->log_bayes_factor > MUKCA_SAG_EVIDENT && of->sag > 0)
             put(text, "%s %s %.3g urad/(N·m) [%.3g, %.3g]", n++ ? "," : "; servo sag",
                 mukca_chain_joint_name(r->chain, (int)(of - s->joint)), 1e6 * of->sag,
