@@ -83,8 +83,7 @@ void cli_say(cli_call *call, const char *key, const char *format, ...)
     cli_print_keyed(stream, key, text);
 }
 
-/* The one mutable variable of the command line beside json.c: a signal handler has no other access
- * to state. */
+/* A signal handler has no other access to state. */
 static volatile sig_atomic_t interrupted;
 
 static void on_signal(int number)
