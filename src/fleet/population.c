@@ -51,7 +51,8 @@ static bool arm_information(double *W, double *w, const mukca_population *p, con
                 f->arm[arm].information[mukca_fleet_packed(p->term[i]) + p->term[j]];
         X[i * width + n] = f->arm[arm].vector[p->term[i]];
     }
-    for (int i = 0; i < n * n; i++) W[i] = P[i] + X[i / n * width + i % n];
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) W[i * n + j] = P[i * n + j] + X[i * width + j];
     /* With the information L of the arm: L - L (P + L)^-1 L = P (P + L)^-1 L. */
     if (mukca_dense_solve(X, width, W, n)) return false;
     for (int i = 0; i < n; i++)

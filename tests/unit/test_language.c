@@ -38,7 +38,7 @@ TEST(lines_are_understood_or_unknown)
 {
     static const struct {
         int language;
-        mukca_line_kind kind;
+        mukca_program_line kind;
         const char *line;
     } lines[] = {
         {RAPID, MUKCA_LINE_OTHER, "! [[1,2,3,4,5,6],[9E9,9E9,9E9,9E9,9E9,9E9]]"},
