@@ -203,7 +203,7 @@ const cli_command *cli_find_command(const char *name); /* NULL: none */
 /* Error for a `name` that is no effect, with a suggestion: MUKCA_USAGE. */
 mukca_status cli_fail_effect(mukca_error *error, const char *option, const char *name);
 
-/* Run the parsed command with zeroed call->session and call->work; frees both. */
+/* Run the parsed command with zeroed call->session and call->work; frees them and the pool. */
 mukca_status cli_run(cli_call *call);
 
 enum { CLI_WIDTH = 79 }; /* columns */
@@ -318,7 +318,7 @@ mukca_status cli_write_offsets(cli_call *call, const char *path, const mukca_off
  * `root` is incomplete after a failed allocation). */
 mukca_status cli_write_json(cli_call *call, json_t *root);
 
-/* Monitor jansson's allocations, from before its first use; true if one has failed. */
+/* Monitor jansson's allocations, from before its first use. */
 void cli_json_watch(void);
 
 /* The rows of an offsets table as JSON objects (`parameters` in the output). */

@@ -48,7 +48,9 @@ static mukca_lcm_partial *find_message(mukca_lcm_reassembly *r, const mukca_lcm_
     mukca_lcm_partial *p = r->partial;
     for (int i = 0; i < MUKCA_LCM_MAX_PARTIALS && (!p->piece || p->sender != wanted->sender); i++) {
         mukca_lcm_partial *other = &r->partial[i];
-        if (other->piece ? other->sender == wanted->sender || (p->piece && other->time < p->time)
+        if (other->piece ? other->sender == wanted->sender ||
+                               (p->piece &&
+                                llabs(wanted->time - other->time) > llabs(wanted->time - p->time))
                          : p->piece != NULL)
             p = other;
     }
@@ -126,7 +128,8 @@ void mukca_lcm_packet_clear(mukca_lcm_reassembly *r)
 
 /* ---- the queue ---- */
 
-/* Remove the oldest message of a sender, NULL: of any; there is one. */
+/* Remove the oldest message of a sender, NULL: of any; there is one.  It is behind those of others:
+ * at most MUKCA_LCM_QUEUE_BYTES / MUKCA_LCM_QUEUE_EACH. */
 static mukca_lcm_queued *remove_oldest(mukca_lcm_queue *q, const mukca_lcm_queue_sender *sender)
 {
     mukca_lcm_queued **at = &q->first;
@@ -145,14 +148,21 @@ static void drop_oldest(mukca_lcm_queue *q, const mukca_lcm_queue_sender *sender
     q->dropped++;
 }
 
+/* The sender with most bytes in a queue that is not empty. */
+static const mukca_lcm_queue_sender *largest(const mukca_lcm_queue *q)
+{
+    const mukca_lcm_queue_sender *most = q->sender;
+    for (int i = 1; i < MUKCA_LCM_QUEUE_SENDERS; i++)
+        if (q->sender[i].bytes > most->bytes) most = &q->sender[i];
+    return most;
+}
+
 bool mukca_lcm_queue_push(mukca_lcm_queue *q, const mukca_lcm_packet *packet)
 {
     const size_t name = strlen(packet->channel) + 1, bytes = name + packet->size;
-    mukca_lcm_queue_sender *own = NULL, *most = q->sender;
-    for (mukca_lcm_queue_sender *s = q->sender; s < q->sender + MUKCA_LCM_QUEUE_SENDERS; s++) {
+    mukca_lcm_queue_sender *own = NULL;
+    for (mukca_lcm_queue_sender *s = q->sender; s < q->sender + MUKCA_LCM_QUEUE_SENDERS; s++)
         if (s->bytes ? s->id == packet->sender : !own) own = s;
-        if (s->bytes > most->bytes) most = s;
-    }
     mukca_lcm_queued *e =
         own && packet->size <= MUKCA_LCM_MAX_MESSAGE ? malloc(sizeof *e + bytes) : NULL;
     if (!e) {
@@ -162,7 +172,7 @@ bool mukca_lcm_queue_push(mukca_lcm_queue *q, const mukca_lcm_packet *packet)
     *e =
         (mukca_lcm_queued){.sender = own, .bytes = bytes + MUKCA_LCM_QUEUE_EACH, .packet = *packet};
     while (own->bytes + e->bytes > MUKCA_LCM_QUEUE_BYTES / 2) drop_oldest(q, own);
-    while (q->bytes + e->bytes > MUKCA_LCM_QUEUE_BYTES) drop_oldest(q, most->bytes ? most : NULL);
+    while (q->bytes + e->bytes > MUKCA_LCM_QUEUE_BYTES) drop_oldest(q, largest(q));
     own->id = packet->sender;
     own->bytes += e->bytes;
     q->bytes += e->bytes;

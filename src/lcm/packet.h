@@ -100,10 +100,10 @@ void mukca_lcm_packet_clear(mukca_lcm_reassembly *r);
 /* ---- bounded queue of messages ----
  *
  * A sender that exceeds its share, half of the queue, loses its oldest ones: its latest joint
- * states are kept, and the messages of others.  The half holds 2 s of joint states at 1 kHz. */
+ * states are kept, and the messages of others.  The half holds 1 s of joint states at 1 kHz. */
 
 enum {
-    MUKCA_LCM_QUEUE_EACH = 4096, /* bytes that a message counts more than its own */
+    MUKCA_LCM_QUEUE_EACH = 8192, /* bytes that a message counts more than its own */
     MUKCA_LCM_QUEUE_BYTES =
         2 * (MUKCA_LCM_MAX_MESSAGE + MUKCA_LCM_CHANNEL_SIZE + MUKCA_LCM_QUEUE_EACH),
     MUKCA_LCM_QUEUE_SENDERS = 64

@@ -10,7 +10,7 @@
 static bool adjacent(const mukca_pose_row *a, const mukca_pose_row *b, int n_joints)
 {
     if (a->file != b->file) return false;
-    if (isfinite(a->time) && !(a->time < b->time)) return false;
+    if ((isfinite(a->time) || isfinite(b->time)) && !(a->time < b->time)) return false;
     for (int j = 0; j < n_joints; j++)
         if (!(fabs(a->q[j] - b->q[j]) < 0.2)) return false;
     return true;
@@ -19,7 +19,9 @@ static bool adjacent(const mukca_pose_row *a, const mukca_pose_row *b, int n_joi
 static void fill_velocity(mukca_pose_row *now, const mukca_pose_row *before,
                           const mukca_pose_row *after, int n_joints)
 {
-    if (isfinite(now->velocity[0])) return;
+    bool known = true;
+    for (int j = 0; j < n_joints; j++) known &= isfinite(now->velocity[j]) != 0;
+    if (known) return;
     const mukca_pose_row *from = adjacent(before, now, n_joints) ? before : now,
                          *to = adjacent(now, after, n_joints) ? after : now;
     const int rows = (to != now) + (from != now);
@@ -102,6 +104,7 @@ mukca_status mukca_pose_log_next(const mukca_pose_row **row, mukca_pose_log *log
     *row = log->at < log->n ? now : NULL;
     if (!*row) return MUKCA_OK;
     log->at++;
+    errno = EIO; /* of a short read */
     return fread(now, size, 1, log->stream) == 1 &&
                    fread(now->velocity, sizeof *now->q, n, log->stream) == n
                ? MUKCA_OK

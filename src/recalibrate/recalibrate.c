@@ -169,6 +169,8 @@ static mukca_status converge(session *s, mukca_pose_system *system, int stage, i
         if (i == 0) s->out->errors[stage] = s->errors;
         if (s->model.lag != 0 && without.lag == 0 && lag_median(s, system) > lag_gain * median) {
             s->model = without; /* repeat without the lag */
+            for (int u = 0; found[0] + u < out->n; u++)
+                s->out->found.value[found[0] + u] -= s->step.x[u];
             s->lag_denied = true;
             continue;
         }

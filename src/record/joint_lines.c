@@ -309,8 +309,11 @@ static mukca_line_kind parse_object(mukca_lcm_joints *joints, mukca_joint_lines 
     json_error_t fault;
     mukca_line_kind kind = MUKCA_LINE_FAULT;
     memcpy(l->text, line, strlen(line) + 1);
-    for (char *at = l->text; (at = strstr(at + 1, "NaN"));) /* Python writes it, JSON lacks it */
-        if (strchr(" :[,", at[-1])) at[0] = '{', at[1] = '}', at[2] = ' ';
+    bool quoted = false;
+    for (char *at = l->text; *at; at++) { /* Python writes NaN, JSON lacks it */
+        quoted ^= *at == '"' && (at == l->text || at[-1] != '\\');
+        if (!quoted && strncmp(at, "NaN", 3) == 0) memcpy(at, "[] ", 3);
+    }
     json_t *root = json_loads(l->text, JSON_REJECT_DUPLICATES, &fault);
     if (!root) {
         mukca_fail(error, MUKCA_INPUT, "column %d: %.100s", fault.column, fault.text);
@@ -333,7 +336,7 @@ static mukca_line_kind parse_object(mukca_lcm_joints *joints, mukca_joint_lines 
         json_object_foreach(message, key, value)
         {
             const bool empty =
-                json_is_null(value) || (json_is_object(value) && !json_object_size(value));
+                json_is_null(value) || (json_is_array(value) && !json_array_size(value));
             if ((!json_is_number(value) && !empty) || (arrays && !time_unit(key))) continue;
             good = good && put(joints, l, key, number(value));
         }

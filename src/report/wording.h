@@ -1,7 +1,8 @@
 /* The wording of a diagnosis, shared by screen, JSON and page.
  *
- * Each function appends its text to an empty or begun one, longer text is truncated, and returns
- * it; MUKCA_WORDS is an empty one, valid in its block.  No sentence ends with a full stop. */
+ * Each function appends its text to an empty or begun one (verdict and caveat: an empty one),
+ * longer text is truncated, and returns it; MUKCA_WORDS is an empty one, valid in its block.  No
+ * sentence ends with a full stop. */
 #ifndef MUKCA_REPORT_WORDING_H
 #define MUKCA_REPORT_WORDING_H
 
