@@ -185,24 +185,27 @@ static const unsigned char sync_word[4] = {0xED, 0xA1, 0xDA, 0x01};
 mukca_status mukca_lcm_log_open(mukca_lcm_log *log, const char *path, mukca_error *error)
 {
     struct stat info;
-    const int file = open(path, O_RDONLY | O_CLOEXEC);
     void *data = MAP_FAILED;
-    *log = (mukca_lcm_log){.data = NULL};
-    if (file >= 0 && fstat(file, &info) == 0) {
+    *log = (mukca_lcm_log){.file = open(path, O_RDONLY | O_CLOEXEC)};
+    if (log->file >= 0 && fstat(log->file, &info) == 0) {
         log->size = (size_t)info.st_size;
-        data = mmap(NULL, log->size + !log->size, PROT_READ, MAP_PRIVATE, file, 0);
+        log->mapped = log->size + !log->size;
+        data = mmap(NULL, log->mapped, PROT_READ, MAP_PRIVATE, log->file, 0);
     }
     const int reason = errno;
-    if (file >= 0) close(file);
-    if (data == MAP_FAILED)
-        return mukca_fail(error, mukca_output_status(reason), "LCM log %s: %s", path,
-                          strerror(reason));
-    log->data = data;
-    return MUKCA_OK;
+    if (data != MAP_FAILED) {
+        log->data = data;
+        return MUKCA_OK;
+    }
+    if (log->file >= 0) close(log->file);
+    return mukca_fail(error, mukca_output_status(reason), "LCM log %s: %s", path, strerror(reason));
 }
 
 bool mukca_lcm_log_read(mukca_lcm_packet *event, mukca_lcm_log *log)
 {
+    struct stat info; /* another program may have cut the file: it ends here, not by a signal */
+    if (log->data && (fstat(log->file, &info) || (size_t)info.st_size < log->size))
+        log->size = log->at;
     while (log->data && log->size - log->at >= HEADER) {
         const unsigned char *head = log->data + log->at;
         const uint64_t left = log->size - log->at - HEADER,
@@ -231,6 +234,8 @@ bool mukca_lcm_log_read(mukca_lcm_packet *event, mukca_lcm_log *log)
 
 void mukca_lcm_log_close(mukca_lcm_log *log)
 {
-    if (log->data) munmap((void *)(uintptr_t)log->data, log->size + !log->size);
+    if (!log->data) return;
+    munmap((void *)(uintptr_t)log->data, log->mapped);
+    close(log->file);
     log->data = NULL;
 }

@@ -18,8 +18,9 @@ typedef void mukca_lcm_packet_fn(void *context, const mukca_lcm_packet *packet);
 /* An event log.  Zeroed: closed. */
 typedef struct {
     const unsigned char *data; /* the file, mapped to memory */
-    size_t size, at;           /* bytes of the file; read so far */
-    int64_t skipped;           /* bytes outside events */
+    size_t mapped, size, at;   /* bytes mapped; in the file now; read so far */
+    int file;
+    int64_t skipped; /* bytes outside events */
     char channel[MUKCA_LCM_CHANNEL_SIZE];
 } mukca_lcm_log;
 

@@ -33,8 +33,7 @@ static mukca_status fail(mukca_error *error)
 {
     return mukca_fail(
         error, MUKCA_MEMORY,
-        "the temporary file of the pose log: %s; it needs about the log's size in the "
-        "folder for temporary files",
+        "the temporary file of the pose log: %s; free about the size of the log in " P_tmpdir,
         strerror(errno));
 }
 

@@ -1,4 +1,4 @@
-/* Event logs of liblcm are read; damage is skipped. */
+/* Event logs of liblcm are read; damage is skipped, and a log that is cut ends. */
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -76,6 +76,19 @@ TEST(damage_is_skipped)
         mukca_lcm_log_close(&log);
         if (!(n >= 45 && n <= 50)) fail_msg("damage at %d: %d events of 50", at, n);
     }
+}
+
+TEST(a_log_cut_while_it_is_read_ends)
+{
+    mukca_lcm_log log;
+    mukca_lcm_packet event;
+    write_log(5000); /* many pages */
+    assert_ok(mukca_lcm_log_open(&log, path, &error));
+    assert_true(mukca_lcm_log_read(&event, &log));
+    assert_int_equal(truncate(path, 0), 0);
+    assert_false(mukca_lcm_log_read(&event, &log));
+    assert_false(mukca_lcm_log_read(&event, &log));
+    mukca_lcm_log_close(&log);
 }
 
 TEST_MAIN(setup, teardown)
