@@ -20,7 +20,6 @@ typedef struct {
 
 static const calibrate_options defaults = {.lambda = MUKCA_LAMBDA};
 
-static const char *const solvers[] = {"slsqp", "lbfgs", "gauss-newton", NULL};
 static const char *const gradients[] = {"fd", "analytic", NULL};
 
 static const cli_option options[] = {
@@ -39,7 +38,7 @@ static const cli_option options[] = {
         calibrate_options, evidence, "evidence", CLI_FLAG, NULL,
         "choose the priors by the evidence and give outliers less weight, instead of this cost "
         "(sockets)"),
-    CLI_CHOICE_OPTION(calibrate_options, solver, "solver", "SOLVER", solvers,
+    CLI_CHOICE_OPTION(calibrate_options, solver, "solver", "SOLVER", mukca_solver_name,
                       "minimiser (default: slsqp)"),
     CLI_CHOICE_OPTION(calibrate_options, gradient, "gradient", "GRADIENT", gradients,
                       "central differences (default), or analytic"),
@@ -136,7 +135,7 @@ static mukca_status write_results(cli_call *call, const calibrate_result *r)
                                             r->train, comments);
     if (status != MUKCA_OK || !call->common->json) return status;
     return cli_write_json(
-        call, calibrate_json(r, o->evidence ? "posterior" : solvers[o->solver],
+        call, calibrate_json(r, o->evidence ? "posterior" : mukca_solver_name[o->solver],
                              o->evidence ? NULL : gradients[o->gradient], cli_elapsed(call)));
 }
 

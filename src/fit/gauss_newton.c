@@ -40,7 +40,7 @@ bool mukca_cost_setup(mukca_cost *cost, mukca_pool *pool, const mukca_chain *cha
     mukca_observations *o = &cost->observations;
     const int n = parameters->n;
     if (!mukca_cost_init(cost, pool, chain, parameters, data, options)) return false;
-    if (!mukca_poses_add(o, pool, data)) return false;
+    if (!mukca_poses_add(o, pool, data, n)) return false;
     const int m = o->n_residuals;
     cost->more = add;
     cost->part = options->part ? options->part : cost;
@@ -190,4 +190,4 @@ static mukca_status run(double *x, mukca_solver_outcome *outcome, mukca_cost *co
     return MUKCA_OK;
 }
 
-const mukca_solver mukca_solver_gauss_newton = {.name = "gauss-newton", .run = run};
+const mukca_solver mukca_solver_gauss_newton = {.run = run};

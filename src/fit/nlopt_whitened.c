@@ -127,7 +127,14 @@ static mukca_status run(double *x, mukca_solver_outcome *outcome, mukca_cost *co
     return status;
 }
 
-static const mukca_solver slsqp = {"slsqp", MUKCA_NLOPT_SLSQP, run};
-static const mukca_solver lbfgs = {"lbfgs", MUKCA_NLOPT_LBFGS, run};
+static const mukca_solver slsqp = {MUKCA_NLOPT_SLSQP, run};
+static const mukca_solver lbfgs = {MUKCA_NLOPT_LBFGS, run};
 
-const mukca_solver *const mukca_solver_table[] = {&slsqp, &lbfgs, &mukca_solver_gauss_newton, NULL};
+#define SOLVERS(X)     \
+    X("slsqp", &slsqp) \
+    X("lbfgs", &lbfgs) \
+    X("gauss-newton", &mukca_solver_gauss_newton)
+#define SOLVER(name, solver) solver,
+#define NAME(name, solver) name,
+const mukca_solver *const mukca_solver_table[] = {SOLVERS(SOLVER) NULL};
+const char *const mukca_solver_name[] = {SOLVERS(NAME) NULL};

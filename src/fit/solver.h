@@ -21,7 +21,6 @@ typedef struct {
 } mukca_solver_outcome;
 
 typedef struct mukca_solver {
-    const char *name;
     mukca_nlopt_method method; /* of NLopt's */
     /* Minimise from x[n] (in/out: the best point seen).  Errors: MUKCA_MEMORY (NLopt's own). */
     mukca_status (*run)(double *x, mukca_solver_outcome *outcome, mukca_cost *cost,
@@ -31,8 +30,9 @@ typedef struct mukca_solver {
 
 extern const mukca_solver mukca_solver_gauss_newton;
 
-/* "slsqp" (the default), "lbfgs", "gauss-newton"; ended by NULL.  Not part of the core library. */
+/* All solvers, the default first, and their names; ended by NULL.  Not part of the core library. */
 extern const mukca_solver *const mukca_solver_table[];
+extern const char *const mukca_solver_name[];
 
 /* For solvers: replace H[n][n] by L with L L' = H + ridge; the ridge keeps flat directions
  * solvable. */

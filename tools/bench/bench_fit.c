@@ -49,7 +49,7 @@ static void time_solvers(bench *b)
 {
     mukca_cost cost;
     double x[MUKCA_MAX_FREE];
-    for (const mukca_solver *const *solver = mukca_solver_table; *solver; solver++)
+    for (int s = 0; mukca_solver_table[s]; s++)
         for (int kind = 0; kind < 2; kind++) {
             const mukca_cost_options options = {.gradient = kind ? MUKCA_GRADIENT_ANALYTIC
                                                                  : MUKCA_GRADIENT_FD};
@@ -61,12 +61,13 @@ static void time_solvers(bench *b)
                 if (!mukca_cost_setup(&cost, &pool, &b->chain, &b->parameters, &b->data, &options))
                     abort();
                 memcpy(x, cost.nominal, (size_t)cost.n * sizeof *x);
-                (*solver)->run(x, &outcome, &cost, *solver, &(mukca_solver_options){0}, NULL);
+                mukca_solver_table[s]->run(x, &outcome, &cost, mukca_solver_table[s],
+                                           &(mukca_solver_options){0}, NULL);
                 b->times[i] = processor_seconds() - start;
                 J = mukca_cost_evaluate(NULL, NULL, &cost, x);
                 mukca_pool_free(&pool);
             }
-            printf("solve %s %s %.17g %.6g\n", (*solver)->name, kind ? "analytic" : "fd", J,
+            printf("solve %s %s %.17g %.6g\n", mukca_solver_name[s], kind ? "analytic" : "fd", J,
                    median(b->times, b->repeats));
         }
 }
