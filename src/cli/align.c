@@ -67,18 +67,17 @@ static mukca_status load_side(cli_call *call, int i)
 {
     const align_options *o = call->options;
     align_work *w = call->work;
-    cli_common *c = call->common, left = *c;
+    cli_common from = *call->common;
     side *s = &w->side[i];
     const cli_list path = {call->arguments.items + i, 1};
     if (i == 1) {
-        c->offsets = o->right_offsets;
-        if (o->right_urdf) c->urdf = o->right_urdf;
-        if (o->right_base) c->base = o->right_base;
-        if (o->right_tip) c->tip = o->right_tip;
+        from.offsets = o->right_offsets;
+        if (o->right_urdf) from.urdf = o->right_urdf;
+        if (o->right_base) from.base = o->right_base;
+        if (o->right_tip) from.tip = o->right_tip;
     }
-    mukca_status status = cli_load_model(call, &s->model);
+    mukca_status status = cli_load_model_from(call, &s->model, &from);
     if (status == MUKCA_OK) status = cli_load_data(call, &s->data, &s->model, &path);
-    *c = left;
     if (status != MUKCA_OK) return status;
     if (s->data.n_sockets == 0)
         return cli_fail(call, MUKCA_INPUT, "%.100s: no sockets; give a session", path.items[0]);

@@ -269,8 +269,10 @@ bool cli_show_progress(void *call, double share, const char *doing);
  * given.  Errors: those of the functions below. */
 mukca_status cli_load(cli_call *call);
 
-/* Errors: MUKCA_USAGE (no --urdf), MUKCA_INPUT, MUKCA_MEMORY. */
+/* The model that the common options describe, or those of `from`.  Errors: MUKCA_USAGE (no --urdf),
+ * MUKCA_INPUT, MUKCA_MEMORY. */
 mukca_status cli_load_model(cli_call *call, cli_model *model);
+mukca_status cli_load_model_from(cli_call *call, cli_model *model, const cli_common *from);
 
 /* Check that a traits table (NULL: none) is of the model.  Errors: as mukca_traits_read. */
 mukca_status cli_check_traits(cli_call *call, const char *path, const mukca_chain *chain);

@@ -28,27 +28,26 @@ static mukca_status load(cli_call *call, int side)
     compare_work *w = call->work;
     cli_model *m = &w->model;
     mukca_corrected *arm = &w->arm[side];
-    cli_common *c = call->common, given = *c;
+    cli_common from = *call->common;
     const char *path = call->arguments.items[side];
     char *text;
     mukca_status status = mukca_file_read(&text, path, &call->error);
     if (status != MUKCA_OK) return status;
     if (text[strspn(text, " \t\r\n\xef\xbb\xbf")] == '<')
-        c->urdf = path;
+        from.urdf = path;
     else if (is_yaml(path))
-        c->kinematics = path;
+        from.kinematics = path;
     else
-        c->offsets = path;
+        from.offsets = path;
     free(text);
-    if (c->kinematics && !c->urdf)
+    if (from.kinematics && !from.urdf)
         return cli_fail(call, MUKCA_USAGE,
                         "%s: --urdf FILE is needed: a factory file replaces its origins",
                         mukca_file_shown(path));
     memset(m, 0, sizeof *m);
-    if (c->offsets) status = cli_read_offsets(call, &m->offsets, &m->chain, NULL, path);
-    if (!c->offsets || (status != MUKCA_OK && m->chain.n_elements == 0 && c->urdf))
-        status = cli_load_model(call, m);
-    *c = given;
+    if (from.offsets) status = cli_read_offsets(call, &m->offsets, &m->chain, NULL, path);
+    if (!from.offsets || (status != MUKCA_OK && m->chain.n_elements == 0 && from.urdf))
+        status = cli_load_model_from(call, m, &from);
     if (status != MUKCA_OK) return status;
     w->verdict[side] = m->offsets.acceptance;
     arm->chain = m->chain;

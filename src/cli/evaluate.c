@@ -84,11 +84,10 @@ static mukca_status write_results(cli_call *call, const evaluate_work *w)
  * table has none). */
 static mukca_status load_model(cli_call *call, cli_model *model)
 {
-    cli_common *c = call->common;
-    const char *offsets = c->offsets;
-    c->offsets = NULL;
-    mukca_status status = cli_load_model(call, model);
-    c->offsets = offsets;
+    const char *offsets = call->common->offsets;
+    cli_common nominal = *call->common;
+    nominal.offsets = NULL;
+    mukca_status status = cli_load_model_from(call, model, &nominal);
     if (status != MUKCA_OK || !offsets) return status;
     mukca_chain *chain = &model->chain;
     status = mukca_chain_with_frames(chain, chain, true, true, &call->error);

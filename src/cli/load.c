@@ -37,9 +37,8 @@ mukca_status cli_read_offsets(cli_call *call, mukca_offsets *offsets, mukca_chai
     return status;
 }
 
-static mukca_status read_kinematics(cli_call *call, cli_model *model)
+static mukca_status read_kinematics(cli_call *call, cli_model *model, const char *path)
 {
-    const char *path = call->common->kinematics;
     mukca_kinematics *k = &model->kinematics;
     const mukca_status status = mukca_kinematics_read(k, path, &call->error);
     if (status != MUKCA_OK) return status;
@@ -49,9 +48,8 @@ static mukca_status read_kinematics(cli_call *call, cli_model *model)
     return mukca_kinematics_apply(&model->chain, k, path, cli_note, call, &call->error);
 }
 
-mukca_status cli_load_model(cli_call *call, cli_model *model)
+mukca_status cli_load_model_from(cli_call *call, cli_model *model, const cli_common *c)
 {
-    const cli_common *c = call->common;
     memset(model, 0, sizeof *model);
     if (!c->urdf)
         return cli_fail(call, MUKCA_USAGE, "--urdf FILE is needed: the nominal model of the arm");
@@ -69,7 +67,7 @@ mukca_status cli_load_model(cli_call *call, cli_model *model)
                 model->chain.robot, model->chain.base, model->chain.tip, model->chain.n_joints,
                 model->chain.n_masses, model->chain.urdf_sha256);
     model->urdf = model->chain;
-    if (c->kinematics) status = read_kinematics(call, model);
+    if (c->kinematics) status = read_kinematics(call, model, c->kinematics);
     if (status != MUKCA_OK) return status;
     if (c->offsets)
         status = cli_read_offsets(call, &model->offsets, NULL, &model->chain, c->offsets);
@@ -77,6 +75,11 @@ mukca_status cli_load_model(cli_call *call, cli_model *model)
         mukca_offsets_init(&model->offsets, &model->chain);
     mukca_geometry_set(&model->geometry, &model->chain, model->offsets.theta);
     return status;
+}
+
+mukca_status cli_load_model(cli_call *call, cli_model *model)
+{
+    return cli_load_model_from(call, model, call->common);
 }
 
 /* Masses of --payload, payload[all]: of DATA, then of --test. */
