@@ -175,8 +175,7 @@ void mukca_compare(mukca_comparison *c, const mukca_corrected *a, const mukca_co
     const mukca_meeting meeting = {
         .points = c->points, .n = MUKCA_COMPARED, .base = true, .tool = true, .pull = 1e-6};
     mukca_random random;
-    double R[MUKCA_MEETING_FACTOR], q[MUKCA_MAX_JOINTS], moved[MUKCA_COMPARED],
-        turned[MUKCA_COMPARED];
+    double R[MUKCA_MEETING_FACTOR], q[MUKCA_MAX_JOINTS];
     compare_axes(c->axis, &a->geometry, &b->geometry);
     mukca_random_seed(&random, 1);
     for (int i = 0; i < MUKCA_COMPARED; i++) {
@@ -198,10 +197,10 @@ void mukca_compare(mukca_comparison *c, const mukca_corrected *a, const mukca_co
         for (int i = 0; i < MUKCA_COMPARED; i++) {
             mukca_frame at;
             align(&at, c, &c->tip[1][i]);
-            moved[i] = mukca_distance3(at.p, c->tip[0][i].p);
-            turned[i] = mukca_rotation_between(at.R, c->tip[0][i].R);
+            c->moved[i] = mukca_distance3(at.p, c->tip[0][i].p);
+            c->turned[i] = mukca_rotation_between(at.R, c->tip[0][i].R);
         }
-        c->position[aligned] = sum_up(moved);
-        c->rotation[aligned] = sum_up(turned);
+        c->position[aligned] = sum_up(c->moved);
+        c->rotation[aligned] = sum_up(c->turned);
     }
 }

@@ -28,7 +28,8 @@ typedef struct {
     mukca_compared_error position[2];   /* m: without and with alignment */
     mukca_compared_error rotation[2];   /* rad, likewise */
     mukca_frame tip[2][MUKCA_COMPARED]; /* of A and B in each posture, without alignment */
-    mukca_meeting_point points[MUKCA_COMPARED]; /* scratch */
+    mukca_meeting_point points[MUKCA_COMPARED];           /* scratch */
+    double moved[MUKCA_COMPARED], turned[MUKCA_COMPARED]; /* scratch */
 } mukca_comparison;
 
 /* Compare `b` with `a`, arms with the same number of joints.  Axes are compared by geometry alone;

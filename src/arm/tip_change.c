@@ -40,7 +40,7 @@ typedef struct {
     double theta[2][MUKCA_MAX_THETA];
     mukca_geometry geometry[2];
     double J[3 * MUKCA_MAX_THETA];
-    double largest, ratio; /* so far */
+    mukca_tip_change found; /* so far */
     /* of the tips in `count` random postures, before (with the tool of `to`) and after */
     mukca_geometry same_tool;
     double mean[2][3], squares[2];
@@ -101,51 +101,69 @@ static void compare(comparison *c, const double *q)
         const double sigma = prior_sigma(c, i);
         for (int a = 0; a < 3; a++) variance += c->J[a * n + i] * c->J[a * n + i] * sigma * sigma;
     }
-    if (!(change <= c->largest)) c->largest = change; /* propagates NaN */
-    if (variance > 0 && !(change / sqrt(variance) <= c->ratio)) c->ratio = change / sqrt(variance);
+    const double ratio = change / sqrt(variance);
+    if (!(change <= c->found.m)) c->found.m = change; /* propagates NaN */
+    if (variance > 0 && !(ratio <= c->found.sigma)) c->found.sigma = ratio;
 }
 
-double mukca_tip_change(double *sigma, double *size, const mukca_tip_change_task *task)
+/* Prepare the models of both sides. */
+static void set_models(comparison *c, const mukca_tip_change_task *task)
 {
-    comparison c = {
-        .task = task, .arm = *task->chain, .skip = task->base_frame ? MUKCA_PARAMETERS : 0};
+    double theta[MUKCA_MAX_THETA];
+    c->task = task;
+    c->arm = *task->chain;
+    c->skip = task->base_frame ? MUKCA_PARAMETERS : 0;
+    if (task->base_frame) mukca_chain_remove_first(&c->arm);
+    set_theta(c);
+    for (int side = 0; side < 2; side++)
+        mukca_geometry_set(&c->geometry[side], &c->arm, c->theta[side]);
+    const int last = c->arm.n_elements - 1, tool = MUKCA_PARAMETERS * last;
+    memcpy(theta, c->theta[0], sizeof theta);
+    if (c->arm.element[last].joint < 0)
+        memcpy(theta + tool, c->theta[1] + tool, sizeof *theta * MUKCA_PARAMETERS);
+    mukca_geometry_set(&c->same_tool, &c->arm, theta);
+}
+
+mukca_status mukca_tip_change_find(mukca_tip_change *change, const mukca_tip_change_task *task,
+                                   mukca_error *error)
+{
+    mukca_pool pool = {0};
     mukca_random random;
     double q[MUKCA_MAX_JOINTS];
     const mukca_dataset *data = task->data;
     const int step = data ? data->n_rows / RECORDED + 1 : 1;
-    if (task->base_frame) mukca_chain_remove_first(&c.arm);
-    set_theta(&c);
-    for (int side = 0; side < 2; side++)
-        mukca_geometry_set(&c.geometry[side], &c.arm, c.theta[side]);
-    const int last = c.arm.n_elements - 1, tool = MUKCA_PARAMETERS * last;
-    double theta[MUKCA_MAX_THETA];
-    memcpy(theta, c.theta[0], sizeof theta);
-    if (c.arm.element[last].joint < 0)
-        memcpy(theta + tool, c.theta[1] + tool, sizeof *theta * MUKCA_PARAMETERS);
-    mukca_geometry_set(&c.same_tool, &c.arm, theta);
+    comparison *c = MUKCA_TAKE(&pool, comparison, 1);
+    if (!c) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    set_models(c, task);
     mukca_random_seed(&random, 1);
     for (int i = 0; i < DRAWN; i++) {
         mukca_posture_draw(q, task->chain, &random);
-        compare(&c, q);
-        spread(&c, q);
+        compare(c, q);
+        spread(c, q);
     }
     for (int i = 0; data && i < data->n_rows; i += step)
-        compare(&c, data->q + (size_t)i * (size_t)data->n_joints);
-    if (sigma) *sigma = c.ratio;
-    if (size) *size = sqrt(c.squares[1] / c.squares[0]) - 1;
-    return c.largest;
+        compare(c, data->q + (size_t)i * (size_t)data->n_joints);
+    *change = c->found;
+    change->size = sqrt(c->squares[1] / c->squares[0]) - 1;
+    mukca_pool_free(&pool);
+    return MUKCA_OK;
 }
 
-void mukca_tip_change_judge(mukca_offsets *to, const mukca_tip_change_task *task)
+mukca_status mukca_tip_change_judge(mukca_offsets *to, const mukca_tip_change_task *task,
+                                    mukca_error *error)
 {
     mukca_acceptance *a = &to->acceptance;
     double nominal[MUKCA_MAX_THETA];
+    mukca_tip_change change;
     mukca_chain_theta(nominal, task->chain);
-    a->tip_change_m = mukca_tip_change(&a->tip_change_sigma, &a->size_change, task);
+    const mukca_status status = mukca_tip_change_find(&change, task, error);
+    if (status != MUKCA_OK) return status;
+    a->tip_change_m = change.m, a->tip_change_sigma = change.sigma, a->size_change = change.size;
     a->largest_offset_m = a->largest_offset_rad = 0;
     for (int i = 0; i < MUKCA_PARAMETERS * task->chain->n_elements; i++) {
         double *largest = i % MUKCA_PARAMETERS < 3 ? &a->largest_offset_m : &a->largest_offset_rad;
         if (mukca_tip_change_is_frame(task, i / MUKCA_PARAMETERS)) continue;
         *largest = fmax(*largest, fabs(to->theta[i] - nominal[i]));
     }
+    return MUKCA_OK;
 }

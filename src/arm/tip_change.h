@@ -29,14 +29,21 @@ void mukca_chain_remove_first(mukca_chain *chain);
 /* Whether an element is a frame of the measurement. */
 bool mukca_tip_change_is_frame(const mukca_tip_change_task *task, int element);
 
-/* Largest displacement of the tip, m, over the postures of the data and a fixed random sample
- * within the joint limits; *sigma (may be NULL) is its largest ratio to the prior standard
- * deviation of the displacement in the same posture, *size (may be NULL) the relative change of the
- * tip's standard deviation over the random sample, with the same tool: of all lengths. */
-double mukca_tip_change(double *sigma, double *size, const mukca_tip_change_task *task);
+/* Over the postures of the data and a fixed random sample within the joint limits. */
+typedef struct {
+    double m;     /* largest displacement of the tip */
+    double sigma; /* largest ratio to its prior standard deviation in the same posture */
+    double size;  /* relative change of the tip's standard deviation over the random sample, with
+                     the same tool: of all lengths */
+} mukca_tip_change;
+
+/* Errors: MUKCA_MEMORY. */
+mukca_status mukca_tip_change_find(mukca_tip_change *change, const mukca_tip_change_task *task,
+                                   mukca_error *error);
 
 /* Set tip_change, size_change and largest_offset in to->acceptance, relative to the nominal model.
- */
-void mukca_tip_change_judge(mukca_offsets *to, const mukca_tip_change_task *task);
+ * Errors: MUKCA_MEMORY. */
+mukca_status mukca_tip_change_judge(mukca_offsets *to, const mukca_tip_change_task *task,
+                                    mukca_error *error);
 
 #endif

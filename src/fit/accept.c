@@ -189,8 +189,8 @@ mukca_status mukca_accept(mukca_offsets *table, const mukca_accept_task *task, m
     mukca_acceptance *a = &table->acceptance;
     mukca_tip_error tip;
     mukca_difference held = {.before_m = NAN, .after_m = NAN};
-    mukca_tip_change_judge(table, &task->change);
-    mukca_status status = mukca_tip_error_expect(&tip, &task->change, error);
+    mukca_status status = mukca_tip_change_judge(table, &task->change, error);
+    if (status == MUKCA_OK) status = mukca_tip_error_expect(&tip, &task->change, error);
     if (status == MUKCA_OK && task->held)
         status = mukca_difference_find(&held, task->before, task->after, task->held, error);
     if (status != MUKCA_OK) return status;

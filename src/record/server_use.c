@@ -35,11 +35,13 @@ static mukca_status read_accepted(mukca_offsets *offsets, const mukca_server *s,
     if (!a->given || !a->intact)
         return mukca_fail(error, MUKCA_INPUT, "%s has no %s: calibrate again, then use the result",
                           name, a->given ? "digest" : "verdict");
-    double sigma;
-    mukca_tip_change(&sigma, NULL,
-                     &(mukca_tip_change_task){.chain = s->recorder.chain, .to = offsets});
-    if (!(sigma <= MUKCA_MOST_TIP_SIGMA))
-        mukca_acceptance_refuse(a, "moves the tip by %.1f standard deviations of its prior", sigma);
+    mukca_tip_change change;
+    const mukca_tip_change_task task = {.chain = s->recorder.chain, .to = offsets};
+    status = mukca_tip_change_find(&change, &task, error);
+    if (status != MUKCA_OK) return status;
+    if (!(change.sigma <= MUKCA_MOST_TIP_SIGMA))
+        mukca_acceptance_refuse(a, "moves the tip by %.1f standard deviations of its prior",
+                                change.sigma);
     if (a->accepted) return MUKCA_OK;
     return mukca_fail(error, MUKCA_INPUT, "%.60s did not pass: %.150s", name, a->reason);
 }
@@ -134,16 +136,17 @@ static mukca_status check_change(mukca_server *s, mukca_error *error)
     if (status != MUKCA_OK) return status;
     const double difference = 2 * new.mean_m + old.mean_m,
                  sigma = hypot(2 * new.sigma_m, old.sigma_m);
-    const double change = mukca_tip_change(
-        NULL, NULL,
-        &(mukca_tip_change_task){
-            .chain = s->recorder.chain, .from = &s->pose.offsets, .to = &s->candidate});
+    mukca_tip_change change;
+    const mukca_tip_change_task task = {
+        .chain = s->recorder.chain, .from = &s->pose.offsets, .to = &s->candidate};
+    status = mukca_tip_change_find(&change, &task, error);
+    if (status != MUKCA_OK) return status;
     const bool worse = new.mean_m < -2 * new.sigma_m &&old.postures &&old.mean_m <= 2 * old.sigma_m;
-    if (!(change <= most) && !worse)
+    if (!(change.m <= most) && !worse)
         return mukca_fail(error, MUKCA_NEGATIVE,
                           "%s: moves the tip by %.1f mm against the table in use, at most %.1f mm "
                           "(--most-change)",
-                          s->state.candidate, 1e3 * change, 1e3 * most);
+                          s->state.candidate, 1e3 * change.m, 1e3 * most);
     if (difference <= 2 * sigma) return MUKCA_OK;
     return mukca_fail(error, MUKCA_NEGATIVE,
                       "%s: error %+.3f mm (standard error %.3f mm) against the table in use on its "

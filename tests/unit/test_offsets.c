@@ -186,17 +186,18 @@ TEST(the_tip_change_is_measured)
     mukca_offsets_init(&turned, &arm);
     turned.theta[5] = 10e-3;
     turned.listed[5] = 1;
-    double sigma, size;
+    mukca_tip_change change;
     const mukca_tip_change_task task = {.chain = &arm, .to = &turned};
-    const double change = mukca_tip_change(&sigma, &size, &task);
-    assert_true(fabs(change - 2 * 0.5 * sin(5e-3)) < 1e-12);
-    assert_true(fabs(sigma - 0.5) < 1e-4); /* of 20 mrad */
+    assert_ok(mukca_tip_change_find(&change, &task, NULL));
+    assert_true(fabs(change.m - 2 * 0.5 * sin(5e-3)) < 1e-12);
+    assert_true(fabs(change.sigma - 0.5) < 1e-4); /* of 20 mrad */
+    assert_true(fabs(change.size) < 1e-12);       /* a zero turns the workspace */
     const mukca_tip_change_task back_task = {.chain = &arm, .from = &turned, .to = &turned};
-    assert_true(mukca_tip_change(NULL, NULL, &back_task) < 1e-15);
-    assert_true(fabs(size) < 1e-12); /* a zero turns the workspace */
+    assert_ok(mukca_tip_change_find(&change, &back_task, NULL));
+    assert_true(change.m < 1e-15);
     turned.theta[MUKCA_PARAMETERS] = 0.505;
-    mukca_tip_change(NULL, &size, &task);
-    assert_true(fabs(size) < 1e-12); /* nor does a tool change the arm */
+    assert_ok(mukca_tip_change_find(&change, &task, NULL));
+    assert_true(fabs(change.size) < 1e-12); /* nor does a tool change the arm */
     mukca_chain longer = arm;
     longer.n_elements = 3, longer.n_joints = 2;
     longer.joint_element[1] = 1;
@@ -204,12 +205,13 @@ TEST(the_tip_change_is_measured)
     longer.element[1].joint = 1, longer.element[1].xyz[0] = 10;
     mukca_offsets_init(&turned, &longer);
     turned.theta[MUKCA_PARAMETERS] = 10.1;
-    mukca_tip_change(NULL, &size, &(mukca_tip_change_task){.chain = &longer, .to = &turned});
-    assert_true(fabs(size - 0.01) < 1e-3);
+    const mukca_tip_change_task longer_task = {.chain = &longer, .to = &turned};
+    assert_ok(mukca_tip_change_find(&change, &longer_task, NULL));
+    assert_true(fabs(change.size - 0.01) < 1e-3);
     mukca_offsets_init(&turned, &arm);
     turned.theta[5] = 10e-3;
     turned.listed[5] = 1;
-    mukca_tip_change_judge(&turned, &task);
+    assert_ok(mukca_tip_change_judge(&turned, &task, NULL));
     assert_true(turned.acceptance.largest_offset_rad == 10e-3);
     assert_true(turned.acceptance.largest_offset_m == 0);
 }
