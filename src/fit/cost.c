@@ -11,7 +11,7 @@ bool mukca_cost_init(mukca_cost *cost, mukca_pool *pool, const mukca_chain *chai
     mukca_chain_theta(nominal, chain);
     const int n = parameters->n, all = MUKCA_PARAMETERS * chain->n_elements;
     memset(cost, 0, sizeof *cost);
-    if (!mukca_observe_setup(&cost->observations, pool, chain, data, n)) return false;
+    if (!mukca_observe_setup(&cost->observations, pool, chain, data)) return false;
     cost->theta = MUKCA_TAKE(pool, double, all);
     cost->nominal = MUKCA_TAKE(pool, double, n);
     if (pool->failed) return false;

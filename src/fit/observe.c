@@ -13,18 +13,17 @@ static int rows_of_placement(const mukca_observations *o, const mukca_dataset *d
 
 static void load(mukca_observations *o, const mukca_dataset *data)
 {
-    double *shares = o->mean; /* of the sockets; scratch */
     for (int i = 0; i < o->n_rows; i++) {
         o->socket[i] = data->socket[i];
         if (o->socket[i] >= 0) o->count[o->socket[i]]++;
     }
     for (int p = 0; p < data->n_placements; p++) o->n_groups += rows_of_placement(o, data, p) > 0;
     for (int s = 0; s < o->n_sockets; s++) {
-        shares[s] = 1.0 / rows_of_placement(o, data, data->sockets[s].placement);
+        o->socket_share[s] = 1.0 / rows_of_placement(o, data, data->sockets[s].placement);
         if (o->count[s] > 0) o->n_measured += 3 * (int)o->count[s] - 3;
     }
     for (int i = 0; i < o->n_rows; i++)
-        if (o->socket[i] >= 0) o->share[i] = shares[o->socket[i]];
+        if (o->socket[i] >= 0) o->share[i] = o->socket_share[o->socket[i]];
     for (int d = 0; d < data->n_distances; d++) {
         const int a = data->distances[d].a, b = data->distances[d].b;
         if (!(o->count[a] > 0 && o->count[b] > 0)) continue;
@@ -37,7 +36,7 @@ static void load(mukca_observations *o, const mukca_dataset *data)
 }
 
 bool mukca_observe_setup(mukca_observations *o, mukca_pool *pool, const mukca_chain *chain,
-                         const mukca_dataset *data, int max_free)
+                         const mukca_dataset *data)
 {
     const int n = data->n_rows, sockets = data->n_sockets, pairs = data->n_distances;
     *o = (mukca_observations){.n_rows = n, .n_sockets = sockets};
@@ -46,7 +45,8 @@ bool mukca_observe_setup(mukca_observations *o, mukca_pool *pool, const mukca_ch
     o->share = MUKCA_TAKE(pool, double, n);
     o->count = MUKCA_TAKE(pool, double, sockets);
     o->mean = MUKCA_TAKE(pool, double, 3 * sockets);
-    o->mean_rows = MUKCA_TAKE(pool, double, 3 * sockets * max_free);
+    o->socket_share = MUKCA_TAKE(pool, double, sockets);
+    o->socket_adjoint = MUKCA_TAKE(pool, double, 3 * sockets);
     o->pair = MUKCA_TAKE(pool, int, 2 * pairs);
     o->pair_distance = MUKCA_TAKE(pool, double, pairs);
     o->pair_residual = MUKCA_TAKE(pool, double, pairs);
@@ -152,32 +152,30 @@ static void pair_adjoint(double add[3], const mukca_observations *o, int s)
     }
 }
 
-/* Adjoints of the positions in the open window, summed by element; socket[n_sockets][3] is the
- * contribution of the pairs. */
-static void add_positions(mukca_adjoint *adjoint, mukca_observations *o, const double *socket)
+/* Adjoints of the positions in the open window, summed by element. */
+static void add_positions(mukca_adjoint *adjoint, mukca_observations *o)
 {
     mukca_sweep *s = &o->sweep;
     const double *residual = mukca_observe_window(o->residual, s);
-    double *h = s->x; /* free: the predictions are residuals by now */
+    double *h = s->h;
     memset(h, 0, 3 * (size_t)s->padded * sizeof *h);
     for (int i = 0; i < s->rows; i++) {
         const int row = s->from + i, at = o->socket[row];
         for (int a = 0; a < 3; a++)
             h[a * s->padded + i] = 2 * o->share[row] * residual[a * s->padded + i] +
-                                   (at >= 0 ? socket[3 * at + a] : 0);
+                                   (at >= 0 ? o->socket_adjoint[3 * at + a] : 0);
     }
-    mukca_sweep_backward(adjoint, h, s);
+    mukca_sweep_backward(adjoint, s);
 }
 
 static void sum_adjoints(mukca_adjoint *adjoint, mukca_observations *o)
 {
-    double *socket = o->mean_rows; /* the Jacobian's scratch is free here */
-    for (int s = 0; s < o->n_sockets; s++) pair_adjoint(socket + 3 * s, o, s);
+    for (int s = 0; s < o->n_sockets; s++) pair_adjoint(o->socket_adjoint + 3 * s, o, s);
     memset(adjoint, 0, sizeof *adjoint);
     for (int v = 0; v < o->sweep.n_windows; v++) {
         mukca_sweep_open(&o->sweep, v);
         if (o->sweep.n_windows > 1) mukca_sweep_forward(&o->sweep); /* else still valid */
-        add_positions(adjoint, o, socket);
+        add_positions(adjoint, o);
     }
 }
 

@@ -20,14 +20,16 @@ typedef struct {
     int *socket;           /* [n_rows] -1: a pose */
     double *share;         /* [n_rows] weight of the squared residual: 1 / samples of group, or 0 */
     double *count;         /* [n_sockets] samples of each */
+    double *socket_share;  /* [n_sockets] `share` of their samples */
     double *mean;          /* [n_sockets][3] of the predictions in use */
     int *pair;             /* [n_pairs][2] */
     double *pair_distance; /* [n_pairs] known, m */
     double *pair_residual; /* [n_pairs] */
     double *pair_direction; /* [n_pairs][3] unit, from b to a */
     double *residual;       /* [windows][3][padded] */
-    double *mean_rows;      /* [n_sockets][3][max_free] scratch */
-    /* measured poses, added by mukca_poses_add; NULL: none */
+    double *socket_adjoint; /* [n_sockets][3] of the pairs, for each sample of a socket */
+    /* of mukca_poses_add; NULL: no measured poses */
+    double *mean_rows;     /* [n_sockets][3][n] means of the Jacobian */
     double *target;        /* [n_rows][3] positions */
     double *turn_share;    /* [n_rows] as `share` */
     double *aim;           /* [n_rows][9] orientations */
@@ -37,7 +39,7 @@ typedef struct {
 /* Allocate from the pool and load the samples of sockets; false: out of memory.  The dataset may be
  * freed afterwards.  Needs data->n_rows >= 1. */
 bool mukca_observe_setup(mukca_observations *observations, mukca_pool *pool,
-                         const mukca_chain *chain, const mukca_dataset *data, int max_free);
+                         const mukca_chain *chain, const mukca_dataset *data);
 
 /* Residuals of the open window, [3][padded]. */
 static inline double *mukca_observe_window(double *residual, const mukca_sweep *sweep)

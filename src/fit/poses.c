@@ -77,7 +77,7 @@ MUKCA_CLONES void mukca_sweep_jacobian(double *J, double *JO, mukca_sweep *sweep
     const int n = parameters->n, padded = sweep->padded;
     const short *index = parameters->index;
     static const double none[3] = {0, 0, 0};
-    double *v = sweep->x; /* scratch */
+    double *v = sweep->h;
     frames_start(sweep->Q, padded);
     for (int k = 0, column = 0; k < sweep->n_elements && column < n; k++) {
         double dR[3][9], M[9], omega[3];
@@ -125,15 +125,16 @@ static bool take(mukca_observations *o, mukca_pool *pool, bool oriented)
     return !pool->failed;
 }
 
-bool mukca_poses_add(mukca_observations *o, mukca_pool *pool, const mukca_dataset *data)
+bool mukca_poses_add(mukca_observations *o, mukca_pool *pool, const mukca_dataset *data, int n)
 {
     int rows = 0, poses = 0, oriented = 0;
+    o->mean_rows = MUKCA_TAKE(pool, double, 3 * o->n_sockets * n);
     for (int i = 0; i < o->n_rows; i++) {
         rows += data->socket[i] < 0;
         poses += has_position(data, i) || has_orientation(data, i);
         oriented += has_orientation(data, i);
     }
-    if (rows == 0) return true;
+    if (rows == 0) return !pool->failed;
     if (!take(o, pool, oriented > 0)) return false;
     o->n_groups += poses > 0;
     o->n_measured += 3 * oriented;
@@ -187,13 +188,13 @@ static void add_window(mukca_adjoint *adjoint, mukca_observations *o)
 {
     mukca_sweep *s = &o->sweep;
     const double *residual = mukca_observe_window(o->turn_residual, s);
-    double *h = s->x;
+    double *h = s->h;
     memset(h, 0, 3 * (size_t)s->padded * sizeof *h);
     for (int i = 0; i < s->rows; i++)
         for (int a = 0; a < 3; a++)
             h[a * s->padded + i] = 2 * o->turn_share[s->from + i] * MUKCA_METRES_PER_RADIAN *
                                    residual[a * s->padded + i];
-    mukca_sweep_backward(adjoint, h, s);
+    mukca_sweep_backward(adjoint, s);
 }
 
 void mukca_orientations_gradient(double *gradient, mukca_observations *o, const double *theta,

@@ -9,8 +9,10 @@
  * equivalent at the end of a tool of 0.1 m. */
 #define MUKCA_METRES_PER_RADIAN 0.1
 
-/* Add those of the data, if any: one more group.  False: out of memory. */
-bool mukca_poses_add(mukca_observations *observations, mukca_pool *pool, const mukca_dataset *data);
+/* Add those of the data, if any: one more group; and memory for the Jacobian of n parameters.
+ * False: out of memory. */
+bool mukca_poses_add(mukca_observations *observations, mukca_pool *pool, const mukca_dataset *data,
+                     int n);
 
 /* Without measured orientations the functions below have no effect and return 0. */
 
@@ -37,7 +39,7 @@ void mukca_observe_weights(double *weight, const mukca_observations *observation
 
 /* Jacobians with respect to the n free parameters at theta: of the tip's position, J[3 * rows][n],
  * and of its orientation (rotation vector in base coordinates), JO[3 * rows][n] or NULL. Needs
- * mukca_sweep_forward; overwrites x and Q. */
+ * mukca_sweep_forward; overwrites h and Q. */
 void mukca_sweep_jacobian(double *J, double *JO, mukca_sweep *sweep, const double *theta,
                           const mukca_parameters *parameters, mukca_gradient gradient);
 

@@ -35,6 +35,7 @@ void mukca_sweep_take(mukca_sweep *sweep, mukca_pool *pool, const mukca_chain *c
     }
     sweep->turns = MUKCA_TAKE(pool, double, 2L * joints * padded);
     sweep->x = MUKCA_TAKE(pool, double, 3 * widest);
+    sweep->h = MUKCA_TAKE(pool, double, 3 * widest);
     sweep->w = MUKCA_TAKE(pool, double, n * 3 * widest);
     sweep->Q = MUKCA_TAKE(pool, double, 9 * widest);
 }
@@ -54,7 +55,7 @@ static void load_window(mukca_sweep *sweep, const mukca_chain *chain, const doub
 {
     const int padded = sweep->padded, last = sweep->rows - 1;
     for (int j = 0; j < sweep->n_joints; j++) {
-        double *angle = sweep->x, *sine = sweep->sine + j * padded;
+        double *angle = sweep->h, *sine = sweep->sine + j * padded;
         for (int i = 0; i < padded; i++) /* padding repeats the last sample */
             angle[i] = q[(i < last ? i : last) * sweep->n_joints + j];
         if (mukca_joint_turns(sweep->type[chain->joint_element[j]]))
@@ -119,9 +120,10 @@ MUKCA_INLINE void sum_rows(double sum[3], double outer[9], const double *h, cons
     }
 }
 
-MUKCA_CLONES void mukca_sweep_backward(mukca_adjoint *adjoint, double *h, mukca_sweep *sweep)
+MUKCA_CLONES void mukca_sweep_backward(mukca_adjoint *adjoint, mukca_sweep *sweep)
 {
     const int padded = sweep->padded;
+    double *h = sweep->h;
     for (int k = 0; k < sweep->n_elements; k++) {
         double sum[3], outer[9], moved[3], half[9], Rt[9], At[9];
         sum_rows(sum, outer, h, sweep->w + 3 * k * padded, padded);

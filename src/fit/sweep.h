@@ -27,7 +27,8 @@ typedef struct {
     /* Of the open window: */
     int from, rows, padded; /* samples from, from + 1, ..., from + rows - 1 */
     double *sine, *cosine;  /* [n_joints][padded]; prismatic: sine holds q */
-    double *x;              /* [3][padded] predicted tip; scratch of mukca_sweep_jacobian */
+    double *x;              /* [3][padded] predicted tip */
+    double *h;              /* [3][padded] adjoint of x, or derivatives of a tip */
     double *w; /* [n_elements][3][padded] tip in the frame after the origin of each element */
     double *Q; /* [9][padded] of poses.c */
 } mukca_sweep;
@@ -54,9 +55,9 @@ typedef struct {
     double sum[MUKCA_MAX_ELEMENTS][3], outer[MUKCA_MAX_ELEMENTS][9];
 } mukca_adjoint;
 
-/* Propagate the adjoint h[3][padded] of the predictions from base to tip (destroyed; zero in the
- * padding), and add to the sums.  Needs mukca_sweep_forward. */
-void mukca_sweep_backward(mukca_adjoint *adjoint, double *h, mukca_sweep *sweep);
+/* Propagate the adjoint h of the predictions from base to tip (destroyed; zero in the padding), and
+ * add to the sums.  Needs mukca_sweep_forward. */
+void mukca_sweep_backward(mukca_adjoint *adjoint, mukca_sweep *sweep);
 
 /* dR[3][9]: derivatives of an element's rotation with respect to roll, pitch, yaw, analytic or by
  * central differences.  (Positions are linear in the translation, whose derivative is exact.) */
