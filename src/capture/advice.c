@@ -21,20 +21,24 @@ double mukca_capture_expected_offset(const mukca_capture *capture, int socket, c
                                      int without)
 {
     const mukca_dataset *rows = &capture->rows;
-    double J[3 * MUKCA_MAX_FREE], mean[3 * MUKCA_MAX_FREE] = {0};
-    const int n = capture->model.parameters.n;
+    const mukca_arm_point *at = &capture->model;
+    const int n = at->n, w = MUKCA_OWN + n + 1;
+    double x[3 * (MUKCA_OWN + MUKCA_MAX_FREE + 1)] = {0}, mean[sizeof x / sizeof *x] = {0};
+    mukca_joint_state state = {.placement = -1};
     int count = 0;
     for (int i = 0; i < rows->n_rows; i++) {
         if (rows->socket[i] != socket || i == without) continue;
-        mukca_arm_point_tip(J, n, NULL, &capture->model, rows->q + i * rows->n_joints);
-        for (int k = 0; k < 3 * n; k++) mean[k] += J[k];
+        state.q = rows->q + i * rows->n_joints;
+        mukca_arm_point_rows(mean, at, &at->geometry, at->theta, &state, MUKCA_OWN_SHIFT);
         count++;
     }
     if (!count) return HUGE_VAL;
-    mukca_arm_point_tip(J, n, NULL, &capture->model, q);
+    state.q = q;
+    mukca_arm_point_rows(x, at, &at->geometry, at->theta, &state, MUKCA_OWN_SHIFT);
     double sum = 3 * capture->noise * capture->noise * (1 + 1. / count);
-    for (int k = 0; k < 3 * n; k++) J[k] = (J[k] - mean[k] / count) * capture->sigma[k % n];
-    for (int k = 0; k < 3; k++) sum += mukca_dense_variance(J + k * n, capture->factor, n);
+    for (int k = 0; k < 3 * w; k++) x[k] -= mean[k] / count;
+    for (int k = 0; k < 3; k++)
+        sum += mukca_dense_variance(x + k * w + MUKCA_OWN, capture->factor, n);
     return sqrt(sum);
 }
 
@@ -42,21 +46,14 @@ double mukca_capture_expected_offset(const mukca_capture *capture, int socket, c
  * projected out.  NaN: out of memory. */
 static double expected_error(mukca_arm_posterior *p)
 {
-    const int w = p->width, m = 3 * PROBES;
-    double *X = MUKCA_TAKE(&p->pool, double, m *w), q[MUKCA_MAX_JOINTS], sum = 0;
-    const mukca_joint_state state = {.q = q, .placement = -1};
-    mukca_geometry geometry;
+    const int w = p->of.width, m = 3 * PROBES;
+    double *X = MUKCA_TAKE(&p->pool, double, m *w), sum = 0;
+    double *q = MUKCA_TAKE(&p->pool, double, PROBES * p->chain.n_joints);
     mukca_random random;
-    if (!X) return (double)NAN;
-    mukca_random_seed(&random, 1);
-    mukca_geometry_set(&geometry, &p->chain, p->theta);
-    for (int i = 0; i < PROBES; i++) {
-        mukca_posture_draw(q, &p->chain, &random);
-        memset(X + 3 * i * w, 0, 3 * (size_t)w * sizeof *X);
-        mukca_arm_posterior_add(X + 3 * i * w, p, &geometry, p->theta, &state, true);
-    }
-    mukca_dense_project(X, m, w, 0, MUKCA_NUISANCE);
-    for (int k = 0; k < m; k++) sum += mukca_dense_variance(X + k * w + MUKCA_NUISANCE, p->L, p->n);
+    if (p->pool.failed) return (double)NAN;
+    mukca_arm_posterior_probe(X, w, q, p, &p->chain, PROBES, &random);
+    mukca_dense_project(X, m, w, 0, MUKCA_OWN);
+    for (int k = 0; k < m; k++) sum += mukca_posterior_variance(X + k * w + MUKCA_OWN, &p->of.of);
     return sqrt(sum / PROBES);
 }
 
@@ -93,10 +90,11 @@ static mukca_status drop_coincident(mukca_dataset *view, double *apart,
 static void advise(mukca_capture_advice *advice, mukca_capture *capture, mukca_arm_posterior *p)
 {
     const int here = mukca_capture_count(capture, capture->socket);
-    capture->noise = p->noise;
-    memcpy(capture->sigma, p->sigma, (size_t)p->n * sizeof *p->sigma);
-    memcpy(capture->factor, p->L, (size_t)(p->n * p->n) * sizeof *p->L);
-    mukca_arm_point_move(&capture->model, p->theta);
+    const mukca_posterior *of = &p->of.of;
+    capture->noise = p->of.noise;
+    for (int i = 0; i < of->n; i++) capture->model.sigma[i] = p->at.sigma[i] * of->prior[i];
+    memcpy(capture->factor, of->factor, (size_t)(of->n * of->n) * sizeof *of->factor);
+    mukca_arm_point_move(&capture->model, p->at.theta);
     if (!p->n_list) return;
     advice->expected = expected_error(p);
     for (int i = 0; i < p->n_list; i++) /* more like the present ones */
@@ -114,7 +112,6 @@ mukca_status mukca_capture_advise(mukca_capture_advice *advice, mukca_capture *c
     const int pairs = view.n_sockets * view.n_sockets / 2 + 1;
     mukca_pool pool = {0};
     mukca_arm_posterior *p = MUKCA_TAKE(&pool, mukca_arm_posterior, 1);
-    mukca_offsets *none = MUKCA_TAKE(&pool, mukca_offsets, 1);
     double *apart = MUKCA_TAKE(&pool, double, pairs);
     view.distances = MUKCA_TAKE(&pool, mukca_distance, pairs);
     *advice = (mukca_capture_advice){(double)NAN, (double)NAN, true};
@@ -124,10 +121,8 @@ mukca_status mukca_capture_advise(mukca_capture_advice *advice, mukca_capture *c
         status = drop_coincident(&view, apart, capture, error);
     }
     if (status == MUKCA_OK) {
-        const mukca_tip_change_task task = {.chain = &capture->start, .to = none, .data = &view};
-        mukca_chain_theta(none->theta, task.chain);
-        status = mukca_arm_posterior_create(p, &task, error);
-        if (status == MUKCA_OK) status = mukca_arm_posterior_fit(p, error);
+        const mukca_tip_change_task task = {.chain = &capture->start, .data = &view};
+        status = mukca_arm_posterior_fit(p, &task, error);
         if (status == MUKCA_OK) advise(advice, capture, p);
         mukca_arm_posterior_free(p);
     }

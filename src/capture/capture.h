@@ -5,7 +5,7 @@
 
 #include <stdbool.h>
 
-#include "fit/posterior.h"
+#include "fit/arm_posterior.h"
 #include "model/dataset.h"
 #include "mukca/chain.h"
 #include "mukca/status.h"
@@ -57,10 +57,9 @@ typedef struct {
     const mukca_chain *chain;
     /* Present model (advice.c): the initial one without samples. */
     mukca_arm_point model;
-    mukca_chain start;            /* the initial one as nominal */
-    double sigma[MUKCA_MAX_FREE]; /* [n] prior, n = model.parameters.n */
-    double noise;                 /* measurement noise of one coordinate, m */
-    double *factor;               /* [n][n] L of mukca_arm_posterior */
+    mukca_chain start; /* the initial one as nominal */
+    double noise;      /* measurement noise of one coordinate, m */
+    double *factor;    /* [n][n] of the posterior, in units of model.sigma */
     /* Stream. */
     int head, count;                    /* ring buffer: next index to write, number stored */
     mukca_capture_reading *ring;        /* [RING] */

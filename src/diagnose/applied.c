@@ -64,7 +64,7 @@ static void length_sigmas(mukca_applied *a, mukca_regression *m)
             const int i = MUKCA_PARAMETERS * k + c;
             if (!(fabs(length) > 0)) continue;
             a->theta_sigma[i] = mukca_regression_standard_error(m, factor, &length, 1);
-            a->theta_prior[i] = fabs(length) * m->evidence.prior[factor];
+            a->theta_prior[i] = fabs(length) * m->evidence.posterior.prior[factor];
         }
     }
 }
@@ -81,8 +81,8 @@ static void parameter_sigmas(mukca_applied *a, mukca_regression *m)
             const int i = MUKCA_PARAMETERS * m->unknowns.slot_element[k] + p;
             double square = 0;
             for (int c = 0; c < width; c++)
-                square +=
-                    J[p][c] * J[p][c] * m->evidence.prior[6 * k + c] * m->evidence.prior[6 * k + c];
+                square += J[p][c] * J[p][c] * m->evidence.posterior.prior[6 * k + c] *
+                          m->evidence.posterior.prior[6 * k + c];
             a->theta_sigma[i] = mukca_regression_standard_error(m, 6 * k, J[p], width);
             a->theta_prior[i] = sqrt(square);
         }

@@ -1,14 +1,12 @@
 /* Evidence of the linearised model: normal equations, posterior.
  *
- * The evidence of a linear model with Gaussian priors and noise has a closed form; the means of the
- * sockets are integrated out with a flat prior.  (C. M. Bishop, Pattern Recognition and Machine
- * Learning, 2006, section 3.5.) */
+ * The evidence of a linear model with Gaussian priors and noise has a closed form
+ * (infer/posterior.h); the means of the sockets are integrated out with a flat prior. */
 #include "diagnose/evidence.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "base/clones.h"
 #include "math/dense.h"
 
 /* AR(1) coefficients up to the largest in recordings of swept postures. */
@@ -58,9 +56,7 @@ bool mukca_evidence_create(mukca_evidence *evidence, mukca_pool *pool,
     evidence->white.x = MUKCA_TAKE(pool, double, whole);
     evidence->white.mean =
         MUKCA_TAKE(pool, double, (recording->data->n_sockets + 2) * recording->dim * size);
-    evidence->work = MUKCA_TAKE(pool, double, size);
-    evidence->factor = MUKCA_TAKE(pool, double, size *size);
-    evidence->prior = MUKCA_TAKE(pool, double, capacity);
+    mukca_posterior_take(&evidence->posterior, pool, capacity);
     evidence->mean = MUKCA_TAKE(pool, double, capacity);
     return !pool->failed;
 }
@@ -281,48 +277,19 @@ mukca_normal_equations *mukca_evidence_collect(mukca_evidence *evidence, int ind
     return normal;
 }
 
-MUKCA_CLONES double mukca_evidence_evaluate(mukca_evidence *evidence,
-                                            const mukca_normal_equations *normal, double sigma,
-                                            double *mean)
+double mukca_evidence_evaluate(mukca_evidence *evidence, const mukca_normal_equations *normal,
+                               double sigma, double *mean)
 {
-    const int n = normal->n, size = n + 1;
-    const double precision = 1 / (sigma * sigma), *prior = evidence->prior;
     const double known = normal->distance_sigma * normal->distance_sigma;
-    double *L = evidence->factor, *z = evidence->work;
-    double quadratic = precision * normal->gram[size * size - 1], log_variance = 0,
-           log_diagonal = 0;
-
-    for (int i = 0; i < n; i++) {
-        for (int j = 0; j <= i; j++) L[i * n + j] = precision * normal->gram[i * size + j];
-        z[i] = precision * normal->gram[n * size + i];
-    }
+    mukca_posterior *posterior = &evidence->posterior;
+    double log_variance = 0;
+    mukca_posterior_start(posterior, normal->gram, normal->n, 1 / (sigma * sigma));
     for (int p = 0; p < normal->n_pairs; p++) {
-        const double *row = normal->distance + p * size;
-        const double variance = known + sigma * sigma * normal->variance[p], inverse = 1 / variance;
-        quadratic += inverse * row[n] * row[n];
+        const double variance = known + sigma * sigma * normal->variance[p];
+        mukca_posterior_add(posterior, normal->distance + p * (normal->n + 1), 1 / variance);
         log_variance += log(variance);
-        for (int i = 0; i < n; i++) {
-            z[i] += inverse * row[i] * row[n];
-            for (int j = 0; j <= i; j++) L[i * n + j] += inverse * row[i] * row[j];
-        }
     }
-    for (int i = 0; i < n; i++) {
-        for (int j = 0; j <= i; j++) L[i * n + j] *= prior[i] * prior[j];
-        L[i * n + i] += 1;
-        z[i] *= prior[i];
-    }
-    if (mukca_dense_cholesky(L, n)) return -HUGE_VAL;
-    mukca_dense_forward(z, 1, L, n);
-    for (int i = 0; i < n; i++) {
-        quadratic -= z[i] * z[i];
-        log_diagonal += log(L[i * n + i]);
-    }
-    evidence->quadratic = quadratic;
-    if (mean) {
-        memcpy(mean, z, sizeof *mean * (size_t)n);
-        mukca_dense_backward(mean, 1, L, n);
-        for (int i = 0; i < n; i++) mean[i] *= prior[i];
-    }
-    return -0.5 * quadratic - log_diagonal - normal->whitening.dof * log(sigma) -
+    if (!mukca_posterior_solve(posterior, NULL, mean)) return -HUGE_VAL;
+    return -0.5 * posterior->quadratic - posterior->log_det - normal->whitening.dof * log(sigma) -
            0.5 * log_variance + normal->whitening.log_det;
 }

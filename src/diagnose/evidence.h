@@ -3,6 +3,7 @@
 #define MUKCA_DIAGNOSE_EVIDENCE_H
 
 #include "diagnose/linearisation.h"
+#include "infer/posterior.h"
 
 enum { MUKCA_NOISES = 15 };
 
@@ -35,14 +36,9 @@ typedef struct {
         unsigned version; /* of the linearisation */
         double *x, *mean; /* mean[n_blocks][dim][stride] */
     } white;
-    double *prior;    /* [capacity] prior sigmas of the next evaluations */
-    double *mean;     /* [capacity] posterior mean of the last fit */
-    double *factor;   /* [n][n] Cholesky factor of the scaled posterior precision, of the last
-                         evaluation */
-    double *work;     /* [n] factor^-1 times the scaled right-hand side, of the last evaluation */
-    double best;      /* log evidence of the best coefficient in the last comparison */
-    double quadratic; /* of the last evaluation: squared residuals and deviations from the prior
-                         means, each in units of its sigma */
+    mukca_posterior posterior; /* of the last evaluation; its priors are those of the next ones */
+    double *mean;              /* [capacity] posterior mean of the last fit */
+    double best;               /* log evidence of the best coefficient in the last comparison */
 } mukca_evidence;
 
 /* Memory comes from `pool`.  False: no memory. */
@@ -79,8 +75,8 @@ const double *mukca_evidence_whiten(mukca_evidence *evidence, const mukca_normal
 void mukca_evidence_along(double *along, const double *mean, int n, int ld,
                           const mukca_recording *recording, const mukca_linearisation *linear);
 
-/* Log evidence with the priors evidence->prior and noise sigma (m); mean[n] (may be NULL) receives
- * the posterior mean.  Keeps the factor.  -HUGE_VAL: not positive definite. */
+/* Log evidence with the priors of evidence->posterior and noise sigma (m); mean[n] (may be NULL)
+ * receives the posterior mean.  -HUGE_VAL: not positive definite. */
 double mukca_evidence_evaluate(mukca_evidence *evidence, const mukca_normal_equations *normal,
                                double sigma, double *mean);
 

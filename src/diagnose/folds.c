@@ -167,13 +167,14 @@ static void cross_predict(mukca_folds *b)
     if (!mukca_unknowns_clone(&fitted, &m->pool, unknowns)) return;
     b->surprise = 0, b->freedom = 0;
     const bool whole = mukca_regression_factor(m) > -HUGE_VAL;
-    const double quadratic = evidence->quadratic;
+    const double quadratic = evidence->posterior.quadratic;
     for (int f = 0; f < b->n_folds; f++) {
         mukca_normal_equations *normal = mukca_regression_collect(m, m->unknowns.family);
         const int freedom = subtract_fold(b, normal, f);
         if (mukca_evidence_evaluate(evidence, normal, unknowns->sigma, evidence->mean) >
             -HUGE_VAL) {
-            if (whole) b->surprise += quadratic - evidence->quadratic, b->freedom += freedom;
+            if (whole)
+                b->surprise += quadratic - evidence->posterior.quadratic, b->freedom += freedom;
             mukca_unknowns_set(unknowns, evidence->mean);
             mukca_unknowns_fold_frames(unknowns);
             mukca_unknowns_set_geometry(unknowns, r->chain);

@@ -4,7 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "math/dense.h"
 #include "math/stats.h"
 
 /* Range of the search, m: from below any encoder to far above any arm. */
@@ -47,18 +46,17 @@ mukca_normal_equations *mukca_regression_collect(mukca_regression *m, int index)
 double mukca_regression_factor(mukca_regression *m)
 {
     const mukca_normal_equations *normal = mukca_regression_collect(m, m->unknowns.family);
-    mukca_unknowns_prior(m->evidence.prior, &m->unknowns);
+    mukca_unknowns_prior(m->evidence.posterior.prior, &m->unknowns);
     return mukca_evidence_evaluate(&m->evidence, normal, m->unknowns.sigma, NULL);
 }
 
 double mukca_regression_standard_error(mukca_regression *m, int column, const double *direction,
                                        int terms)
 {
-    const int n = m->linear.n_columns;
-    double *x = m->evidence.work; /* |L^-1 D direction| with the priors D */
-    memset(x, 0, sizeof *x * (size_t)n);
-    for (int t = 0; t < terms; t++) x[column + t] = direction[t] * m->evidence.prior[column + t];
-    return sqrt(mukca_dense_variance(x, m->evidence.factor, n));
+    double *x = m->evidence.posterior.work; /* scratch */
+    memset(x, 0, sizeof *x * (size_t)m->linear.n_columns);
+    memcpy(x + column, direction, sizeof *x * (size_t)terms);
+    return sqrt(mukca_posterior_variance(x, &m->evidence.posterior));
 }
 
 typedef struct {
@@ -101,12 +99,12 @@ static void choose_cause(mukca_unknowns *u, mukca_accepted *cause, mukca_evidenc
     const int n = mukca_candidate_scales(scales, weight, &cause->candidate);
     for (int i = 0; i < n; i++) {
         cause->scale = scales[i];
-        mukca_unknowns_prior(evidence->prior, u);
+        mukca_unknowns_prior(evidence->posterior.prior, u);
         const double value = weight[i] + mukca_evidence_evaluate(evidence, normal, u->sigma, NULL);
         if (value > best) best = value, chosen = scales[i];
     }
     cause->scale = chosen;
-    mukca_unknowns_prior(evidence->prior, u);
+    mukca_unknowns_prior(evidence->posterior.prior, u);
 }
 
 void mukca_scales_choose(mukca_unknowns *u, mukca_evidence *evidence,
@@ -123,7 +121,7 @@ void mukca_scales_choose(mukca_unknowns *u, mukca_evidence *evidence,
         const int k = i < N * N ? i : chosen;
         u->prior.length = lengths[k / N], u->prior.angle = angles[k % N];
         mukca_unknowns_set_geometry_prior(u, recording);
-        mukca_unknowns_prior(evidence->prior, u);
+        mukca_unknowns_prior(evidence->posterior.prior, u);
         if (i == N * N) break;
         const double value = mukca_evidence_evaluate(evidence, normal, u->sigma, NULL);
         if (value > best) best = value, chosen = k;
@@ -215,7 +213,7 @@ static double advance(mukca_regression *m)
 
 void mukca_regression_step(mukca_regression *m, mukca_fit_freedom freedom)
 {
-    mukca_unknowns_prior(m->evidence.prior, &m->unknowns);
+    mukca_unknowns_prior(m->evidence.posterior.prior, &m->unknowns);
     const mukca_normal_equations *normal = freedom == MUKCA_FIT_UNKNOWNS
                                                ? mukca_regression_collect(m, m->unknowns.family)
                                                : choose_noise(m, freedom);
@@ -233,7 +231,7 @@ void mukca_regression_fit(mukca_regression *m, int iterations, mukca_fit_freedom
         m->evidence.normal[i].behind = 0; /* compare again */
     for (int it = 0; it < iterations; it++) {
         mukca_regression_linearise(m);
-        mukca_unknowns_prior(m->evidence.prior, u);
+        mukca_unknowns_prior(m->evidence.posterior.prior, u);
         /* The weight of the orientations changes in each iteration, and the noise with it. */
         const bool weigh = m->recording.dim == 6 && !u->n_causes;
         const bool choose = freedom != MUKCA_FIT_UNKNOWNS && (it == 0 || it == 2 || weigh);
@@ -257,7 +255,7 @@ void mukca_regression_choose_share(mukca_regression *m)
     mukca_evidence *evidence = &m->evidence;
     double best, value;
     mukca_normal_equations *normal = mukca_regression_collect(m, u->family);
-    mukca_unknowns_prior(evidence->prior, u);
+    mukca_unknowns_prior(evidence->posterior.prior, u);
     mukca_evidence_evaluate(evidence, normal, u->sigma, evidence->mean);
     const int share = mukca_evidence_measure_noise(evidence, &m->recording, &m->linear),
               step = share > evidence->angular[0] ? 1 : -1;

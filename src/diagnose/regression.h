@@ -43,8 +43,8 @@ double mukca_noise_choose(mukca_evidence *evidence, const mukca_normal_equations
                           double guess, double *value);
 
 /* Maximise the evidence at the present noise over the geometry's two scales together, then over
- * that of each cause whose scale is open.  evidence->prior receives the prior sigmas of all
- * columns. */
+ * that of each cause whose scale is open.  evidence->posterior.prior receives the prior sigmas of
+ * all columns. */
 void mukca_scales_choose(mukca_unknowns *unknowns, mukca_evidence *evidence,
                          const mukca_recording *recording, const mukca_normal_equations *normal);
 

@@ -52,7 +52,7 @@ double *mukca_scan_resample(mukca_pool *pool, const mukca_scan *s, const mukca_q
         geometry[t] = s->z[t];
         for (int k = 0; k < stride; k++) geometry[t] -= T[t * stride + k] * mean[k];
     }
-    mukca_dense_backward(geometry, 1, s->m->evidence.factor, n);
+    mukca_dense_backward(geometry, 1, s->m->evidence.posterior.factor, n);
     for (int first = 0; first < rows; first += CHUNK) {
         const int count = rows - first < CHUNK ? rows - first : CHUNK;
         for (int i = 0; i < count; i++) {
@@ -73,7 +73,7 @@ double *mukca_scan_resample(mukca_pool *pool, const mukca_scan *s, const mukca_q
             delta, (mukca_columns){&question->E[(size_t)first * (size_t)stride], stride, stride}, u,
             count);
     }
-    mukca_dense_forward8(H, MUKCA_DRAWS, MUKCA_DRAWS, s->m->evidence.factor, n);
+    mukca_dense_forward8(H, MUKCA_DRAWS, MUKCA_DRAWS, s->m->evidence.posterior.factor, n);
     for (int t = 0; t < n * MUKCA_DRAWS; t++) H[t] = -H[t];
     mukca_dense_xty(delta, (mukca_columns){T, stride, stride},
                     (mukca_columns){H, MUKCA_DRAWS, MUKCA_DRAWS}, n);

@@ -60,7 +60,7 @@ bool mukca_scan_aim(mukca_scan *s, int family)
     const double sigma = m->unknowns.sigma;
     mukca_regression_return(m);
     const mukca_normal_equations *normal = mukca_regression_collect(m, family);
-    mukca_unknowns_prior(evidence->prior, &m->unknowns);
+    mukca_unknowns_prior(evidence->posterior.prior, &m->unknowns);
     const double value = mukca_evidence_evaluate(evidence, normal, sigma, NULL);
     const int n = normal->n;
     s->normal = normal;
@@ -68,10 +68,10 @@ bool mukca_scan_aim(mukca_scan *s, int family)
     s->n = n;
     s->dof = normal->whitening.dof + normal->n_pairs;
     s->precision = 1 / (sigma * sigma);
-    s->residual = fmax(evidence->quadratic, 1e-9);
+    s->residual = fmax(evidence->posterior.quadratic, 1e-9);
     s->evidence = value + 0.5 * s->residual - 0.5 * s->dof * (log(s->residual / s->dof) + 1);
-    memcpy(s->z, evidence->work, sizeof *s->z * (size_t)n);
-    memcpy(s->prior, evidence->prior, sizeof *s->prior * (size_t)n);
+    memcpy(s->z, evidence->posterior.work, sizeof *s->z * (size_t)n);
+    memcpy(s->prior, evidence->posterior.prior, sizeof *s->prior * (size_t)n);
     for (int p = 0; p < normal->n_pairs; p++) {
         s->inverse[p] = 1 / (normal->distance_sigma * normal->distance_sigma +
                              sigma * sigma * normal->variance[p]);
@@ -141,7 +141,7 @@ static void project(mukca_scan *s, const batch *b)
             for (int k = 0; k < width && w != 0; k++) out[k] += w * s->along[p * LD + k];
         }
     }
-    mukca_dense_forward8(s->T, width, LD, s->m->evidence.factor, n);
+    mukca_dense_forward8(s->T, width, LD, s->m->evidence.posterior.factor, n);
     for (int t = 0; t < n; t++)
         for (int k = 0; k < width; k++) s->g[k] -= s->T[t * LD + k] * s->z[t];
     find_near(s, width);
@@ -226,7 +226,7 @@ static void residual_products(double *u, mukca_scan *s)
     const int n = s->n, d = r->dim, ld = linear->stride;
     double *mean = s->T, *white = s->W; /* scratch */
     memcpy(mean, s->z, sizeof *mean * (size_t)n);
-    mukca_dense_backward(mean, 1, s->m->evidence.factor, n);
+    mukca_dense_backward(mean, 1, s->m->evidence.posterior.factor, n);
     for (int t = 0; t < n; t++) mean[t] *= s->prior[t];
     for (int i = 0; i < r->n_samples * d; i++) {
         const double *x = s->white + (size_t)i * (size_t)ld;

@@ -49,7 +49,7 @@ static void fill(fault_sums *f)
         mukca_whitening_transpose(turned, x, 1, 1, &f->whitening, &block);
         for (int i = 0; i < count * d; i++) Z[i] = s->prior[t] * turned[group->start * d + i];
     }
-    mukca_dense_forward8(f->Z, ld, ld, s->m->evidence.factor, n);
+    mukca_dense_forward8(f->Z, ld, ld, s->m->evidence.posterior.factor, n);
     for (int t = 0; t < n; t++)
         for (int i = d; i < count * d; i++)
             f->Z[(size_t)t * (size_t)ld + (size_t)i] +=

@@ -65,10 +65,10 @@ typedef struct {
     double tool_m;       /* displacement of the tip on its link, from the nominal one */
 } mukca_tip_error;
 
-/* Fit geometry and effects to task->data by Gauss-Newton, with the priors of posterior.h in a scale
- * chosen by the data, heavy-tailed noise, and readings of one posture as one sample; then draw arms
- * from the posterior.  The frames of the measurement are unknown, for each file and target of
- * several.  Long recordings are thinned.  Errors: MUKCA_MEMORY. */
+/* Fit geometry and effects to task->data by Gauss-Newton, with the priors of arm_posterior.h in a
+ * scale chosen by the data, heavy-tailed noise, and readings of one posture as one sample; then
+ * draw arms from the posterior.  The frames of the measurement are unknown, for each file and
+ * target of several.  Long recordings are thinned.  Errors: MUKCA_MEMORY. */
 mukca_status mukca_tip_error_expect(mukca_tip_error *expected, const mukca_tip_change_task *task,
                                     mukca_error *error);
 

@@ -1,5 +1,5 @@
 /* Posterior of an arm given samples. */
-#include "fit/posterior.h"
+#include "fit/arm_posterior.h"
 
 #include <math.h>
 #include <string.h>
@@ -24,41 +24,103 @@ static const double distance_sigma = 1e-4, wrong_label = 0.02, gross_error = 0.1
  * 1 % of 1200 joints that moved, in 200 recordings, are beyond twice this. */
 static const double spread = 0.8;
 
-double *mukca_arm_posterior_coefficient(mukca_arm_posterior *p, int c)
+enum { MOST_ROWS = 5000 }; /* as in diagnose */
+
+/* One observation for each posture of each group. */
+static void list_observations(mukca_arm_posterior *p)
 {
-    int e = 0;
-    for (; c >= p->effects[e].terms; e++) c -= p->effects[e].terms;
-    return &p->effects[e].coefficient[c];
+    const mukca_dataset *d = &p->data;
+    int *posture = MUKCA_TAKE(&p->pool, int, d->n_rows),
+        *last = MUKCA_TAKE(&p->pool, int, d->n_rows);
+    p->of_row = MUKCA_TAKE(&p->pool, int, d->n_rows);
+    p->list = MUKCA_TAKE(&p->pool, mukca_arm_observation, d->n_rows);
+    if (p->pool.failed) return;
+    p->postures = d->n_rows - mukca_postures_find(posture, &p->pool, d);
+    for (int row = 0; row < d->n_rows; row++) {
+        const int first = posture[row], target = mukca_dataset_target(d, row) + 1;
+        const int group = d->socket[row] >= 0 ? d->socket[row]
+                          : d->position && isfinite(d->position[3 * (size_t)row])
+                              ? d->n_sockets + d->file[row] * (d->n_targets + 1) + target
+                              : -1;
+        int o = first == row ? -1 : last[first];
+        if (first == row) last[row] = -1;
+        p->of_row[row] = -1;
+        if (group < 0) continue;
+        while (o >= 0 && p->list[o].group != group) o = p->list[o].next;
+        if (o < 0) {
+            o = p->n_list++;
+            p->list[o] = (mukca_arm_observation){.group = group, .next = last[first], .weight = 1};
+            last[first] = o;
+        }
+        p->list[o].rows++;
+        p->of_row[row] = o;
+    }
 }
 
-void mukca_arm_posterior_add(double *x, mukca_arm_posterior *p, const mukca_geometry *geometry,
-                             const double *theta, const mukca_joint_state *state, bool poses)
+/* Choose the unknowns, and take memory. */
+static mukca_status set_up(mukca_arm_posterior *p, mukca_error *error)
 {
-    double J[3 * MUKCA_MAX_THETA], at[3];
-    const int all = MUKCA_PARAMETERS * p->chain.n_elements, w = p->width;
-    mukca_frame rigid, tip, other;
-    mukca_fk_parameter_jacobian(J, at, geometry, theta, state->q);
-    mukca_fk_pose(&rigid, geometry, state->q, NULL); /* as the derivatives */
-    mukca_tip_pose(&tip, p->effects, p->task->to->n_effects, &p->chain, geometry, state);
-    for (int a = 0; a < 3; a++) {
-        double *row = x + a * w, *to = row + MUKCA_NUISANCE;
-        if (!poses || p->base) row[a] += 1;
-        if (poses && p->base) {
-            row[3 + (a + 1) % 3] += rigid.p[(a + 2) % 3];
-            row[3 + (a + 2) % 3] -= rigid.p[(a + 1) % 3];
+    const mukca_tip_change_task *task = p->task;
+    mukca_arm_point *at = &p->at;
+    const int last = MUKCA_PARAMETERS * (p->chain.n_elements - 1);
+    if (p->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    mukca_arm_point_init(at, &p->chain, NULL);
+    if (task->tool_frame) { /* the last parameters are of the target */
+        memcpy(at->theta + last, p->to + last, MUKCA_PARAMETERS * sizeof *at->theta);
+        at->n = at->parameters.n -= MUKCA_PARAMETERS;
+    }
+    memcpy(p->nominal, at->theta, sizeof p->nominal);
+    at->n_effects = task->to ? task->to->n_effects : 0;
+    if (task->to) mukca_offsets_place_effects(at->effects, task->to, &p->data);
+    for (int e = 0; e < at->n_effects; e++)
+        for (int t = 0; t < at->effects[e].terms; t++) {
+            double *value = &at->effects[e].coefficient[t];
+            at->sigma[at->n++] = fmax(3 * fabs(*value), 1e-12);
+            *value = 0;
         }
-        for (int k = 0; k < 3 && poses && p->tool; k++) row[6 + k] += rigid.R[3 * a + k];
-        for (int i = 0; i < p->n_geometry; i++)
-            to[i] += J[a * all + p->parameters.index[i]] * p->sigma[i];
-        to[p->n] += tip.p[a];
+    mukca_grouped_create(&p->of, &p->pool, at->n,
+                         p->data.n_sockets + p->data.n_files * (p->data.n_targets + 1),
+                         p->data.n_distances);
+    p->mean = MUKCA_TAKE(&p->pool, double, at->n + 1);
+    p->inverse = MUKCA_TAKE(&p->pool, double, at->n * at->n + 1);
+    for (int i = 0; i < p->n_list; i++)
+        p->list[i].x = MUKCA_TAKE(&p->pool, double, 3 * p->of.width);
+    if (p->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    p->of.noise = MUKCA_PRIOR_NOISE;
+    p->of.pair_noise = distance_sigma;
+    for (int k = 0; k < p->data.n_distances; k++) {
+        const mukca_distance *d = &p->data.distances[k];
+        p->of.pair[k] = (mukca_group_pair){d->a, d->b, d->distance, 0};
     }
-    for (int c = p->n_geometry; c < p->n; c++) {
-        double *value = mukca_arm_posterior_coefficient(p, c - p->n_geometry), kept = *value;
-        *value += p->sigma[c];
-        mukca_tip_pose(&other, p->effects, p->task->to->n_effects, &p->chain, geometry, state);
-        *value = kept;
-        for (int a = 0; a < 3; a++) x[a * w + MUKCA_NUISANCE + c] += other.p[a] - tip.p[a];
+    return MUKCA_OK;
+}
+
+static mukca_status create(mukca_arm_posterior *p, const mukca_tip_change_task *task,
+                           mukca_error *error)
+{
+    memset(p, 0, sizeof *p);
+    p->task = task;
+    p->scale = 1;
+    p->tracker = (mukca_frame){.R = MUKCA_IDENTITY};
+    p->chain = *task->chain;
+    p->to = task->to ? task->to->theta : NULL;
+    if (task->base_frame) { /* the frame of the measurement before the arm */
+        mukca_chain_remove_first(&p->chain);
+        p->to += MUKCA_PARAMETERS;
     }
+    mukca_status status = mukca_part_take(&p->data, task->data, MOST_ROWS, error);
+    if (status != MUKCA_OK) return status;
+    list_observations(p);
+    for (int i = 0; i < p->n_list; i++) p->poses |= p->list[i].group >= p->data.n_sockets;
+    if (task->base_frame || task->free_base || !p->poses) p->own = MUKCA_OWN_SHIFT | MUKCA_OWN_TURN;
+    if (task->tool_frame || p->data.n_targets > 0) p->own |= MUKCA_OWN_TARGET;
+    return set_up(p, error);
+}
+
+void mukca_arm_posterior_free(mukca_arm_posterior *p)
+{
+    mukca_dataset_free(&p->data);
+    mukca_pool_free(&p->pool);
 }
 
 /* Add the rows of the groups first..last - 1 with this theta. */
@@ -72,13 +134,14 @@ static void add_rows(mukca_arm_posterior *p, const double *theta, int first, int
         mukca_arm_observation *o = p->of_row[row] < 0 ? NULL : &p->list[p->of_row[row]];
         if (!o || o->group < first || o->group >= last) continue;
         const bool pose = o->group >= p->data.n_sockets;
-        mukca_arm_posterior_add(o->x, p, &geometry, theta, state, pose);
+        mukca_arm_point_rows(o->x, &p->at, &geometry, theta, state,
+                             pose ? p->own : MUKCA_OWN_SHIFT);
         if (!pose) continue;
         double m[3], at[3];
         for (int a = 0; a < 3; a++)
             m[a] = p->data.position[3 * (size_t)row + (size_t)a] - p->tracker.p[a];
         mukca_mat3_tvec(at, p->tracker.R, m);
-        for (int a = 0; a < 3; a++) o->x[(a + 1) * p->width - 1] -= at[a];
+        for (int a = 0; a < 3; a++) o->x[(a + 1) * p->of.width - 1] += at[a];
     }
 }
 
@@ -92,7 +155,7 @@ static bool align(double *theta, mukca_arm_posterior *p, int group, unsigned cha
     for (int row = 0; row < p->data.n_rows; row++)
         keep[row] = p->of_row[row] >= 0 && p->list[p->of_row[row]].group == group;
     const mukca_align_options options = {
-        .tracker = p->base, .target = p->task->tool_frame, .keep = keep};
+        .tracker = p->own & MUKCA_OWN_SHIFT, .target = p->task->tool_frame, .keep = keep};
     mukca_geometry_set(&geometry, chain, theta);
     if (!mukca_align(&found, &geometry, &p->data, &options)) return false;
     p->tracker = found.tracker;
@@ -105,236 +168,125 @@ static bool align(double *theta, mukca_arm_posterior *p, int group, unsigned cha
 /* Linearise at the present unknowns. */
 static bool linearise(mukca_arm_posterior *p)
 {
-    const bool framed = p->base || p->task->tool_frame;
+    const bool framed = (p->own & MUKCA_OWN_SHIFT) || p->task->tool_frame;
     unsigned char *keep = MUKCA_TAKE(&p->pool, unsigned char, p->data.n_rows);
     double theta[MUKCA_MAX_THETA];
     if (!keep) return false;
     for (int i = 0; i < p->n_list; i++)
-        memset(p->list[i].x, 0, 3 * (size_t)p->width * sizeof *p->list[i].x);
-    add_rows(p, p->theta, 0, framed ? p->data.n_sockets : p->n_groups);
-    for (int g = p->data.n_sockets; g < p->n_groups && framed; g++) {
-        memcpy(theta, p->theta, sizeof theta);
+        memset(p->list[i].x, 0, 3 * (size_t)p->of.width * sizeof *p->list[i].x);
+    add_rows(p, p->at.theta, 0, framed ? p->data.n_sockets : p->of.n_groups);
+    for (int g = p->data.n_sockets; g < p->of.n_groups && framed; g++) {
+        memcpy(theta, p->at.theta, sizeof theta);
         if (!align(theta, p, g, keep)) return false;
         add_rows(p, theta, g, g + 1);
     }
     for (int i = 0; i < p->n_list; i++)
-        for (int k = 0; k < 3 * p->width; k++) p->list[i].x[k] /= p->list[i].rows;
+        for (int k = 0; k < 3 * p->of.width; k++) p->list[i].x[k] /= p->list[i].rows;
     return true;
-}
-
-/* Eliminate the nuisance of a group: precision and right-hand side of the unknowns. */
-static void add_group(mukca_arm_posterior *p, int group, double *right)
-{
-    const int w = p->width, n = p->n;
-    double *G = p->gram, total = 0;
-    memset(G, 0, (size_t)(w * w) * sizeof *G);
-    for (int i = 0; i < p->n_list; i++) {
-        const mukca_arm_observation *o = &p->list[i];
-        if (o->group != group) continue;
-        total += o->weight;
-        for (int a = 0; a < 3; a++)
-            for (int r = 0; r < w; r++) {
-                const double f = o->weight * o->x[a * w + r];
-                for (int c = r; c < w && f != 0; c++) G[r * w + c] += f * o->x[a * w + c];
-            }
-    }
-    p->group_weight[group] = total;
-    for (int b = 0; b < MUKCA_NUISANCE; b++) {
-        const double pivot = G[b * w + b];
-        if (!(pivot > 1e-9 * total)) continue;
-        for (int r = b + 1; r < w; r++) {
-            const double f = G[b * w + r] / pivot;
-            for (int c = r; c < w && f != 0; c++) G[r * w + c] -= f * G[b * w + c];
-        }
-    }
-    memcpy(p->reduced + MUKCA_NUISANCE * group * w, G, (size_t)(MUKCA_NUISANCE * w) * sizeof *G);
-    for (int r = 0; r < n; r++) {
-        const double *row = G + (MUKCA_NUISANCE + r) * w + MUKCA_NUISANCE;
-        for (int c = r; c < n; c++) p->L[c * n + r] += row[c] / (p->noise * p->noise);
-        right[r] -= row[n] / (p->noise * p->noise);
-    }
-}
-
-/* Derivatives row[n] of the distance of a pair of sockets and its residual before the step;
- * variance: of the residual.  False: one has no sample. */
-static bool distance_row(double *row, double *excess, double *variance,
-                         const mukca_arm_posterior *p, const mukca_distance *d)
-{
-    const int w = p->width;
-    const double *a = p->reduced + MUKCA_NUISANCE * d->a * w;
-    const double *b = p->reduced + MUKCA_NUISANCE * d->b * w;
-    const double of_a = 1 / p->group_weight[d->a], of_b = 1 / p->group_weight[d->b];
-    double u[3];
-    if (!isfinite(of_a + of_b)) return false;
-    for (int i = 0, y = w - 1; i < 3; i++, y += w) u[i] = a[y] * of_a - b[y] * of_b;
-    const double length = mukca_norm3(u);
-    for (int c = 0; c < p->n; c++) {
-        row[c] = 0;
-        for (int i = 0, x = MUKCA_NUISANCE + c; i < 3; i++, x += w)
-            row[c] += u[i] / length * (a[x] * of_a - b[x] * of_b);
-    }
-    *excess = length - d->distance;
-    *variance = distance_sigma * distance_sigma + p->noise * p->noise * (of_a + of_b);
-    return length > 1e-6;
-}
-
-/* A smaller arm has smaller residuals from the same noise: their sum of squares over the variance,
- * p->misfit, times the logarithm of the scale is added to the likelihood. */
-static void add_distances(mukca_arm_posterior *p, double *right)
-{
-    const int n = p->n;
-    double *row = p->gram, excess, variance, pairs = 0;
-    for (int k = 0; k < p->data.n_distances; k++) pairs += p->distance_weight[k];
-    for (int k = 0; k < p->data.n_distances; k++) {
-        if (!distance_row(row, &excess, &variance, p, &p->data.distances[k])) continue;
-        const double weight = p->distance_weight[k] / variance,
-                     share = p->distance_weight[k] / fmax(pairs, 1) * p->misfit,
-                     pull = weight * excess - share / (excess + p->data.distances[k].distance);
-        for (int r = 0; r < n; r++) {
-            for (int c = r; c < n; c++) p->L[c * n + r] += weight * row[r] * row[c];
-            right[r] -= row[r] * pull;
-        }
-    }
 }
 
 /* Leave out the distances that the nominal arm misses by a wrong label, unless no other is left:
  * the arm would shrink. */
 static void choose_distances(mukca_arm_posterior *p)
 {
-    double excess, variance;
+    double variance;
     int kept = 0;
-    for (int k = 0; k < p->data.n_distances; k++)
-        if (distance_row(p->gram, &excess, &variance, p, &p->data.distances[k]) &&
-            fabs(excess) < wrong_label)
-            p->distance_weight[k] = 1, kept++;
-    for (int k = 0; k < p->data.n_distances && !kept; k++) p->distance_weight[k] = 1;
+    for (int k = 0; k < p->of.n_pairs; k++)
+        if (mukca_grouped_pair(p->of.row, &variance, &p->of, k) &&
+            fabs(p->of.row[p->at.n]) < wrong_label)
+            p->of.pair[k].weight = 1, kept++;
+    for (int k = 0; k < p->of.n_pairs && !kept; k++) p->of.pair[k].weight = 1;
 }
 
-/* The tool has a prior of its own, of one scale; that of an effect is nearly flat. */
+/* The tool has a prior of its own, of one scale; so has an effect. */
 static bool is_scaled(const mukca_arm_posterior *p, int i)
 {
-    return i < p->n_geometry &&
-           p->parameters.index[i] / MUKCA_PARAMETERS != mukca_chain_tip_element(&p->chain);
-}
-
-static double scale_of(const mukca_arm_posterior *p, int i)
-{
-    return is_scaled(p, i) ? p->scale : 1;
+    return i < p->at.parameters.n &&
+           p->at.parameters.index[i] / MUKCA_PARAMETERS != mukca_chain_tip_element(&p->chain);
 }
 
 void mukca_arm_posterior_solve(mukca_arm_posterior *p)
 {
-    const int n = p->n;
-    memset(p->L, 0, (size_t)(n * n) * sizeof *p->L);
-    for (int i = 0; i < n; i++) {
-        const double s = scale_of(p, i);
-        p->L[i * n + i] = 1 / (s * s);
-        p->step[i] = p->mean[i] / (s * s);
-    }
-    for (int g = 0; g < p->n_groups; g++) add_group(p, g, p->step);
-    add_distances(p, p->step);
-    mukca_dense_solve(p->step, 1, p->L, n); /* positive definite: every unknown has a prior */
-}
-
-/* Residual e of an observation after the last step; b[MUKCA_NUISANCE] of its group. */
-static double residual(double e[3], const mukca_arm_posterior *p, const mukca_arm_observation *o,
-                       const double *b)
-{
-    for (int a = 0; a < 3; a++) {
-        const double *x = o->x + a * p->width;
-        e[a] = x[p->width - 1];
-        for (int k = 0; k < MUKCA_NUISANCE; k++) e[a] += x[k] * b[k];
-        for (int i = 0; i < p->n; i++) e[a] += x[MUKCA_NUISANCE + i] * p->step[i];
-    }
-    return mukca_norm3(e);
-}
-
-/* Nuisance of a group after the last step; returns their number. */
-static int nuisance(double *b, const mukca_arm_posterior *p, int group)
-{
-    const int w = p->width;
-    int count = 0;
-    for (int k = MUKCA_NUISANCE - 1; k >= 0; k--) {
-        const double *row = p->reduced + (MUKCA_NUISANCE * group + k) * w;
-        double sum = row[w - 1];
-        b[k] = 0;
-        if (!(row[k] > 1e-9 * p->group_weight[group])) continue;
-        for (int j = k + 1; j < MUKCA_NUISANCE; j++) sum += row[j] * b[j];
-        for (int i = 0; i < p->n; i++) sum += row[MUKCA_NUISANCE + i] * p->step[i];
-        b[k] = -sum / row[k];
-        count++;
-    }
-    return count;
+    for (int i = 0; i < p->at.n; i++) p->of.of.prior[i] = is_scaled(p, i) ? p->scale : 1;
+    mukca_grouped_clear(&p->of);
+    for (int i = 0; i < p->n_list; i++)
+        mukca_grouped_add(&p->of, p->list[i].x, p->list[i].group, p->list[i].weight);
+    mukca_grouped_solve(&p->of, p->mean);
 }
 
 /* Weights, noise and scale of the prior from the last solution: one step of expectation and
  * maximisation, and of the evidence (MacKay 1992). */
 static void weigh(mukca_arm_posterior *p)
 {
-    const int n = p->n;
-    double b[MUKCA_NUISANCE], v[3], squares = 0, known = 0, of_arm = 0, deviation = 0;
-    int count = 0;
+    mukca_grouped *of = &p->of;
+    const int n = p->at.n, count = 3 * p->n_list - of->n_own;
+    double v[3], squares = 0, known = 0, of_arm = 0, deviation = 0;
     p->outliers = p->gross = 0;
-    p->worst_m = p->misfit = 0;
+    p->worst_m = of->misfit = 0;
     memset(p->inverse, 0, (size_t)(n * n) * sizeof *p->inverse);
     for (int i = 0; i < n; i++) p->inverse[i * n + i] = 1;
-    mukca_dense_forward(p->inverse, n, p->L, n);
+    mukca_dense_forward(p->inverse, n, of->of.factor, n);
     for (int i = 0; i < n; i++) {
-        const double s = scale_of(p, i);
-        double variance = 0;
-        for (int k = i; k < n; k++) variance += p->inverse[k * n + i] * p->inverse[k * n + i];
-        const double gain = 1 - variance / (s * s);
+        double gain = 1;
+        for (int k = i; k < n; k++) gain -= p->inverse[k * n + i] * p->inverse[k * n + i];
         known += gain;
         if (!is_scaled(p, i)) continue;
         of_arm += gain;
-        deviation += (p->step[i] - p->mean[i]) * (p->step[i] - p->mean[i]);
+        deviation += (of->mean[i] - p->mean[i]) * (of->mean[i] - p->mean[i]);
     }
-    for (int g = 0; g < p->n_groups; g++) {
-        if (!(p->group_weight[g] > 0)) continue;
-        count -= nuisance(b, p, g);
-        for (int i = 0; i < p->n_list; i++) {
-            mukca_arm_observation *o = &p->list[i];
-            if (o->group != g) continue;
-            const double e = residual(v, p, o, b), z = e / p->noise;
-            o->weight = (freedom + 3) / (freedom + z * z);
-            squares += o->weight * e * e;
-            p->outliers += z > outlier;
-            if (g < p->data.n_sockets) p->misfit += o->weight * e * e;
-            p->gross += e > gross_error;
-            p->worst_m = fmax(p->worst_m, e);
-            count += 3;
-        }
+    for (int i = 0; i < p->n_list; i++) {
+        mukca_arm_observation *o = &p->list[i];
+        const double e = mukca_grouped_residual(v, of, o->x, o->group), z = e / of->noise;
+        o->weight = (freedom + 3) / (freedom + z * z);
+        squares += o->weight * e * e;
+        p->outliers += z > outlier;
+        if (o->group < p->data.n_sockets) of->misfit += o->weight * e * e;
+        p->gross += e > gross_error;
+        p->worst_m = fmax(p->worst_m, e);
     }
-    p->noise = sqrt((noise_weight * MUKCA_PRIOR_NOISE * MUKCA_PRIOR_NOISE + squares) /
-                    (noise_weight + fmax(count - known, 0)));
-    p->misfit /= p->noise * p->noise;
+    of->noise = sqrt((noise_weight * MUKCA_PRIOR_NOISE * MUKCA_PRIOR_NOISE + squares) /
+                     (noise_weight + fmax(count - known, 0)));
+    of->misfit /= of->noise * of->noise;
     p->scale = fmin(sqrt((scale_weight + deviation) / (scale_weight + of_arm)), most_scale);
 }
 
 bool mukca_arm_posterior_turns(const mukca_arm_posterior *p, int joint)
 {
-    mukca_geometry geometry;
     mukca_frame frame[MUKCA_MAX_ELEMENTS];
-    double b[MUKCA_NUISANCE], e[3], axis[3], across = 0, along = 0;
+    double e[3], axis[3], across = 0, along = 0;
     const int element = p->chain.joint_element[joint];
     if (p->chain.element[element].type == MUKCA_PRISMATIC) return false;
-    mukca_geometry_set(&geometry, &p->chain, p->theta);
     for (int row = 0; row < p->data.n_rows; row++) {
         const mukca_arm_observation *o = p->of_row[row] < 0 ? NULL : &p->list[p->of_row[row]];
         if (!o) continue;
-        nuisance(b, p, o->group);
-        mukca_fk_frames(frame, NULL, &geometry, p->data.q + row * p->data.n_joints, NULL);
+        mukca_fk_frames(frame, NULL, &p->at.geometry, p->data.q + row * p->data.n_joints, NULL);
         mukca_mat3_vec(axis, frame[element].R, p->chain.element[element].axis);
-        const double all = residual(e, p, o, b), part = mukca_dot3(axis, e);
+        const double all = mukca_grouped_residual(e, &p->of, o->x, o->group),
+                     part = mukca_dot3(axis, e);
         along += o->weight * part * part;
         across += o->weight * (all * all - part * part) / 2;
     }
     return log(across / along) > 2 * sqrt(spread * spread + 3.0 / p->postures);
 }
 
-mukca_status mukca_arm_posterior_fit(mukca_arm_posterior *p, mukca_error *error)
+/* Set the unknowns to the posterior mean. */
+static void advance(mukca_arm_posterior *p)
 {
-    for (int step = 0; step < STEPS; step++) {
+    const double *step = p->of.mean, *sigma = p->at.sigma;
+    int c = p->at.parameters.n;
+    for (int i = 0; i < c; i++) p->at.theta[p->at.parameters.index[i]] += step[i] * sigma[i];
+    for (int e = 0; e < p->at.n_effects; e++)
+        for (int t = 0; t < p->at.effects[e].terms; t++, c++)
+            p->at.effects[e].coefficient[t] += step[c] * sigma[c];
+    for (int i = 0; i < p->at.n; i++) p->mean[i] -= step[i];
+    mukca_arm_point_move(&p->at, p->at.theta);
+}
+
+mukca_status mukca_arm_posterior_fit(mukca_arm_posterior *p, const mukca_tip_change_task *task,
+                                     mukca_error *error)
+{
+    const mukca_status status = create(p, task, error);
+    for (int step = 0; step < STEPS && status == MUKCA_OK; step++) {
         if (!linearise(p)) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
         if (step == 0) { /* without distances, for the means of the sockets */
             mukca_arm_posterior_solve(p);
@@ -345,14 +297,22 @@ mukca_status mukca_arm_posterior_fit(mukca_arm_posterior *p, mukca_error *error)
             weigh(p);
         }
         mukca_arm_posterior_solve(p);
-        for (int i = 0; i < p->n; i++) {
-            const double move = p->step[i] * p->sigma[i];
-            if (i < p->n_geometry)
-                p->theta[p->parameters.index[i]] += move;
-            else
-                *mukca_arm_posterior_coefficient(p, i - p->n_geometry) += move;
-            p->mean[i] -= p->step[i];
-        }
+        advance(p);
     }
-    return MUKCA_OK;
+    return status;
+}
+
+void mukca_arm_posterior_probe(double *X, int ld, double *q, const mukca_arm_posterior *p,
+                               const mukca_chain *range, int n, mukca_random *random)
+{
+    const int w = p->of.width;
+    double x[3 * (MUKCA_OWN + MUKCA_MOST_UNKNOWNS + 1)];
+    mukca_random_seed(random, 1);
+    for (int i = 0; i < n; i++, q += p->chain.n_joints) {
+        const mukca_joint_state state = {.q = q, .placement = -1};
+        mukca_posture_draw(q, range, random);
+        memset(x, 0, sizeof x);
+        mukca_arm_point_rows(x, &p->at, &p->at.geometry, p->at.theta, &state, p->own);
+        for (int a = 0; a < 3; a++) memcpy(X + (3 * i + a) * ld, x + a * w, (size_t)w * sizeof *x);
+    }
 }

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "fit/align.h"
-#include "fit/posterior.h"
+#include "fit/arm_posterior.h"
 #include "model/dataset_subset.h"
 
 /* ---- the user's lists of free and frozen parameters ---- */
@@ -137,22 +137,15 @@ static mukca_status take_workspace(workspace *w, mukca_fit *fit, const mukca_dat
 }
 
 /* Set fit->theta to the posterior mean. */
-static mukca_status take_posterior(mukca_fit *fit, const mukca_dataset *data, mukca_error *error)
+static mukca_status take_posterior(mukca_fit *fit, mukca_pool *pool, const mukca_dataset *data,
+                                   mukca_error *error)
 {
-    mukca_arm_posterior *p = calloc(1, sizeof *p);
-    mukca_offsets *none = calloc(1, sizeof *none);
-    const mukca_tip_change_task task = {.chain = &fit->chain, .to = none, .data = data};
-    mukca_status status = MUKCA_OK;
-    if (p && none) {
-        status = mukca_arm_posterior_create(p, &task, error);
-        if (status == MUKCA_OK) status = mukca_arm_posterior_fit(p, error);
-        if (status == MUKCA_OK) memcpy(fit->theta, p->theta, sizeof fit->theta);
-        mukca_arm_posterior_free(p);
-    } else {
-        status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    }
-    free(p);
-    free(none);
+    mukca_arm_posterior *p = MUKCA_TAKE(pool, mukca_arm_posterior, 1);
+    const mukca_tip_change_task task = {.chain = &fit->chain, .data = data};
+    if (!p) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    const mukca_status status = mukca_arm_posterior_fit(p, &task, error);
+    if (status == MUKCA_OK) memcpy(fit->theta, p->at.theta, sizeof fit->theta);
+    mukca_arm_posterior_free(p);
     return status;
 }
 
@@ -201,7 +194,8 @@ mukca_status mukca_fit_run(mukca_fit *fit, const mukca_chain *chain, const mukca
     w = calloc(1, sizeof *w);
     if (!w) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     status = take_workspace(w, fit, data, options->cost, error);
-    if (status == MUKCA_OK && options->by_evidence) status = take_posterior(fit, data, error);
+    if (status == MUKCA_OK && options->by_evidence)
+        status = take_posterior(fit, &w->pool, data, error);
     if (status == MUKCA_OK) status = minimise(fit, &w->cost, options, error);
     mukca_pool_free(&w->pool);
     mukca_dataset_free(&w->samples);

@@ -64,7 +64,7 @@ typedef struct {
     mukca_solver_options limits;
     const double *start;  /* [6 * chain.n_elements] initial values; NULL: nominal */
     bool parameters_only; /* only theta: no test of convergence, no identifiability */
-    bool by_evidence;     /* sockets only: the posterior mean (posterior.h), no solver */
+    bool by_evidence;     /* sockets only: the posterior mean (arm_posterior.h), no solver */
 } mukca_fit_options;
 
 /* Beyond this number of samples, Hessian, rank and standard errors are computed from so many

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "effect/catalogue.h"
-#include "fit/posterior.h"
+#include "fit/arm_posterior.h"
 #include "math/dense.h"
 #include "math/stats.h"
 
@@ -32,19 +32,20 @@ static void sample(mukca_tip_error *out, int where, bool projected, const mukca_
                    const double *X, mukca_random *random)
 {
     double errors[DRAWS];
-    double z[MUKCA_MAX_THETA + MUKCA_MAX_EFFECTS * MUKCA_MAX_TERMS];
-    const int n = p->n, w = p->width + 2;
+    double z[MUKCA_MOST_UNKNOWNS];
+    const int n = p->at.n, w = p->of.width + 2;
     for (int k = 0; k < DRAWS; k++) {
         double sum[2] = {0, 0};
         for (int i = 0; i < n; i++) z[i] = mukca_random_normal(random);
-        mukca_dense_backward(z, 1, p->L, n);
+        mukca_dense_backward(z, 1, p->of.of.factor, n);
+        for (int i = 0; i < n; i++) z[i] *= p->of.of.prior[i];
         for (int i = 0; i < PROBES; i++) {
             double square[2] = {0, 0};
             for (int a = 0; a < 3; a++) {
                 const double *x = X + (3 * i + a) * w;
                 double e = 0;
-                for (int c = 0; c < n; c++) e += x[MUKCA_NUISANCE + c] * z[c];
-                for (int m = 0; m < 2; m++) square[m] += pow(x[p->width + m] - e, 2);
+                for (int c = 0; c < n; c++) e += x[MUKCA_OWN + c] * z[c];
+                for (int m = 0; m < 2; m++) square[m] += pow(x[p->of.width + m] - e, 2);
             }
             for (int m = 0; m < 2; m++) sum[m] += sqrt(square[m]) / PROBES;
         }
@@ -66,33 +67,26 @@ static void sample(mukca_tip_error *out, int where, bool projected, const mukca_
 static bool draw(mukca_tip_error *out, mukca_arm_posterior *p, const mukca_chain *range, int where)
 {
     const mukca_tip_change_task *task = p->task;
-    const int w = p->width + 2, rows = 3 * PROBES;
+    const int width = p->of.width, w = width + 2, rows = 3 * PROBES, joints = p->chain.n_joints;
     double *X = MUKCA_TAKE(&p->pool, double, rows *w);
-    double *row = MUKCA_TAKE(&p->pool, double, 3 * p->width), q[MUKCA_MAX_JOINTS], tip[2][3];
-    const int skip = task->base_frame ? MUKCA_PARAMETERS : 0, scale = p->poses ? MUKCA_NUISANCE : 6;
+    double *q = MUKCA_TAKE(&p->pool, double, PROBES *joints), tip[2][3];
+    const int skip = task->base_frame ? MUKCA_PARAMETERS : 0, scale = p->poses ? MUKCA_OWN : 6;
     const double *before = task->from ? task->from->theta + skip : p->nominal;
-    const mukca_joint_state state = {.q = q, .placement = -1};
-    mukca_geometry geometry;
     mukca_random random;
     if (p->pool.failed) return false;
-    mukca_random_seed(&random, 1);
-    mukca_geometry_set(&geometry, &p->chain, p->theta);
+    mukca_arm_posterior_probe(X, w, q, p, range, PROBES, &random);
     for (int i = 0; i < PROBES; i++) {
-        mukca_posture_draw(q, range, &random);
-        memset(row, 0, 3 * (size_t)p->width * sizeof *row);
-        mukca_arm_posterior_add(row, p, &geometry, p->theta, &state, true);
-        predict(tip[0], &p->chain, task->from, before, q);
-        predict(tip[1], &p->chain, task->to, p->to, q);
+        predict(tip[0], &p->chain, task->from, before, q + i * joints);
+        predict(tip[1], &p->chain, task->to, p->to, q + i * joints);
         for (int a = 0; a < 3; a++) {
-            double *to = X + (3 * i + a) * w;
-            memcpy(to, row + a * p->width, (size_t)p->width * sizeof *to);
-            if (!p->poses) to[scale] = to[p->width - 1];
-            for (int k = 0; k < 2; k++) to[p->width + k] = tip[k][a] - to[p->width - 1];
+            double *to = X + (3 * i + a) * w, at = to[width - 1];
+            if (!p->poses) to[scale] = at;
+            for (int k = 0; k < 2; k++) to[width + k] = tip[k][a] + at;
         }
     }
     mukca_dense_project(X, rows, w, 0, scale);
     sample(out, where, false, p, X, &random);
-    mukca_dense_project(X, rows, w, scale, MUKCA_NUISANCE);
+    mukca_dense_project(X, rows, w, scale, MUKCA_OWN);
     sample(out, where, true, p, X, &random);
     if (p->poses) out->unscaled_m[where] = NAN;
     return true;
@@ -118,8 +112,7 @@ mukca_status mukca_tip_error_expect(mukca_tip_error *out, const mukca_tip_change
     mukca_arm_posterior *p = calloc(1, sizeof *p);
     *out = (mukca_tip_error){0};
     if (!p) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    mukca_status status = mukca_arm_posterior_create(p, task, error);
-    if (status == MUKCA_OK) status = mukca_arm_posterior_fit(p, error);
+    mukca_status status = mukca_arm_posterior_fit(p, task, error);
     mukca_chain *here = MUKCA_TAKE(&p->pool, mukca_chain, 1);
     if (status == MUKCA_OK && here) {
         *here = p->chain;
@@ -129,7 +122,7 @@ mukca_status mukca_tip_error_expect(mukca_tip_error *out, const mukca_tip_change
         out->gross = p->gross;
         out->worst_m = p->worst_m;
         const int tip = MUKCA_PARAMETERS * mukca_chain_tip_element(&p->chain);
-        if (tip >= 0) out->tool_m = mukca_distance3(p->theta + tip, p->nominal + tip);
+        if (tip >= 0) out->tool_m = mukca_distance3(p->at.theta + tip, p->nominal + tip);
         for (int j = 0; j < here->n_joints; j++)
             out->stuck[j] = out->at_rest[j] && mukca_arm_posterior_turns(p, j);
     }

@@ -132,7 +132,8 @@ static bool scan_orders(mukca_summary *s, mukca_regression *m, int only)
 static void marginalise(mukca_summary *s, const mukca_regression *m)
 {
     const mukca_unknowns *u = &m->unknowns;
-    const double *L = m->evidence.factor, *z = m->evidence.work, *D = m->evidence.prior;
+    const double *L = m->evidence.posterior.factor, *z = m->evidence.posterior.work,
+                 *D = m->evidence.posterior.prior;
     const int n = m->linear.n_columns, terms = mukca_fleet_terms(s->model.n_joints);
     int first = n, column[MUKCA_FLEET_TERMS];
     for (int i = 0; i < terms; i++) {

@@ -38,7 +38,7 @@ int mukca_plan_draw_candidates(mukca_planner *p, int room, int k)
         bool fresh = is_new(p, pose->q);
         for (int i = 0; i < found && fresh; i++) fresh = mukca_plan_differs(pose->q, poses[i].q, n);
         if (!fresh) continue;
-        if (!pose->H) pose->H = MUKCA_TAKE(&s->pool, double, 3 * s->n);
+        if (!pose->H) pose->H = MUKCA_TAKE(&s->pool, double, 3 * s->of.width);
         if (!pose->H) break;
         pose->socket = k;
         pose->used = false;
@@ -94,14 +94,14 @@ mukca_status mukca_planner_create(mukca_planner *p, int candidates, int rows,
     if (status != MUKCA_OK) return status;
     p->task = task;
     p->poses = MUKCA_TAKE(&s->pool, mukca_plan_pose, candidates);
-    p->spare = MUKCA_TAKE(&s->pool, double, 3 * s->n);
+    p->spare = MUKCA_TAKE(&s->pool, double, 3 * s->of.width);
     p->chosen = MUKCA_TAKE(&s->pool, int, rows + task->n_sockets);
     mukca_plan_rules_set(&p->rules, s->at.chain, &s->at.geometry, options, task->data);
-    if (!options->poses_only || s->n_effects == 0)
+    if (!options->poses_only || s->at.n_effects == 0)
         mukca_plan_look_elsewhere(s, &p->rules, options->seed);
     if (s->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory while planning");
-    for (int e = 0; e < s->n_effects; e++)
-        p->ordered |= (mukca_effect_table[s->effect[e].kind]->needs & MUKCA_NEEDS_ORDER) != 0;
+    for (int e = 0; e < s->at.n_effects; e++)
+        p->ordered |= (mukca_effect_table[s->at.effects[e].kind]->needs & MUKCA_NEEDS_ORDER) != 0;
     add_recorded(p);
     mukca_random_seed(&p->random, options->seed);
     return MUKCA_OK;
@@ -204,7 +204,7 @@ static void exchange(mukca_planner *p)
 {
     static const double spread = 0.4; /* rad */
     for (int pass = 0; pass < EXCHANGES; pass++) {
-        if (p->state.n_effects == 0) mukca_plan_state_weigh(&p->state);
+        if (p->state.at.n_effects == 0) mukca_plan_state_weigh(&p->state);
         for (int i = 0; i < p->n_chosen && !mukca_plan_stopped(p); i++) {
             mukca_plan_pose *pose = &p->poses[p->chosen[i]];
             mukca_plan_state_row(&p->state, pose->H, pose->socket, -1);

@@ -3,7 +3,7 @@
 #define MUKCA_PLAN_CHOOSE_H
 
 #include "base/pool.h"
-#include "fit/posterior.h"
+#include "fit/arm_posterior.h"
 #include "math/random.h"
 #include "plan/plan.h"
 
@@ -43,8 +43,8 @@ bool mukca_plan_differs(const double *a, const double *b, int n_joints);
 
 /* ---- information of samples (state.c) ---- */
 
-/* A pose in a socket with its design H[3][n]: derivatives of the ball's position by geometry and
- * causes, m per m, rad or unit of the cause. */
+/* A pose in a socket with its design H[3][width]: the rows of an observation, by geometry and
+ * causes per prior sigma. */
 typedef struct {
     int socket;
     bool used;
@@ -52,30 +52,20 @@ typedef struct {
     double *H;
 } mukca_plan_pose;
 
-/* The posterior of fit/posterior.h, with columns for the causes; the mean of each socket is
- * eliminated.  Sums of the samples make adding and removing one cheap. */
+/* The posterior, with columns for the causes; the sockets are its groups. */
 typedef struct {
-    mukca_arm_point at;
+    mukca_arm_point at; /* of the model in use, at causes of size 0 */
+    mukca_grouped of;
     const mukca_plan_options *options;
     const mukca_plan_socket *sockets;
-    double noise;   /* m */
-    double payload; /* of the next samples to be designed, kg */
-    int n_geometry, n_effects, n_terms, n_sockets;
-    mukca_effect effect[MUKCA_PLAN_MAX_EFFECTS];
-    int first_term[MUKCA_PLAN_MAX_EFFECTS + 1]; /* of each effect in the columns of the causes */
-    int n;                                      /* unknowns: n_geometry + n_terms */
-    double *sigma;                              /* [n] prior standard deviations */
-    double *gram;                               /* [n][n] sum of H'H over all samples */
-    double *sum;       /* [n_sockets][3][n] sum of H over the samples of a socket */
-    int *count;        /* [n_sockets] their number */
-    double *L;         /* [n][n] factor of the information */
-    double *C;         /* [n_terms][n_terms] covariance of the causes */
-    double *elsewhere; /* [n_elsewhere][3][n] derivatives of the ball's position at the evaluation
-                          postures, less the mean of their point */
+    double payload;    /* of the next samples to be designed, kg */
+    double *C;         /* [terms][terms] covariance of all causes, per prior sigma */
+    double *elsewhere; /* [n_elsewhere][3][width] designs at the evaluation postures, less the mean
+                          of their point */
     int n_elsewhere;
-    double *W;        /* [n][n] sum of J'J over them, each divided by its rms error */
-    bool accuracy;    /* gains are computed with W instead of the determinant */
-    double *work, *G; /* scratch: [n][n], [n][3] */
+    double *W;     /* [n][n] sum of J'J over them, each divided by its rms error */
+    bool accuracy; /* gains are computed with W instead of the determinant */
+    double *G;     /* [n][8] scratch */
     mukca_pool pool;
 } mukca_plan_state;
 
@@ -90,9 +80,9 @@ void mukca_plan_design(double *H, mukca_plan_state *s, const double *q, int plac
 
 /* Add a sample at `socket` (sign 1) or remove it (sign -1).  Call mukca_plan_state_refresh before
  * the next gain. */
-void mukca_plan_state_row(mukca_plan_state *s, const double *H, int socket, int sign);
+void mukca_plan_state_row(mukca_plan_state *s, double *H, int socket, int sign);
 
-/* Factorise the information of prior, samples and known distances. */
+/* Update the posterior by prior, samples and known distances. */
 void mukca_plan_state_refresh(mukca_plan_state *s);
 
 /* Information gain of a sample: the decrease of the log determinant of the covariance of the

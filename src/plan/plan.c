@@ -101,44 +101,47 @@ static mukca_status find_candidates(mukca_planner *p, int per_socket, mukca_erro
     return MUKCA_OK;
 }
 
-mukca_status mukca_plan_run(mukca_plan *plan, const mukca_plan_task *task,
-                            const mukca_plan_options *options, mukca_error *error)
+static mukca_status run(mukca_plan *plan, mukca_planner *p, const mukca_plan_task *task,
+                        const mukca_plan_options *options, mukca_error *error)
 {
-    mukca_planner p;
-    mukca_plan_state *s = &p.state;
+    mukca_plan_state *s = &p->state;
     const int rows = options->rows > 0 ? options->rows : DEFAULT_ROWS;
     const int candidates = options->n_effects > 0 ? CANDIDATES_OF_CAUSES : CANDIDATES;
-    memset(plan, 0, sizeof *plan);
-    mukca_status status = check(task->chain, task->n_sockets, options, error);
+    mukca_status status =
+        mukca_planner_create(p, task->n_sockets * candidates, rows, task, options, error);
     if (status != MUKCA_OK) return status;
-    status = mukca_planner_create(&p, task->n_sockets * candidates, rows, task, options, error);
-    if (status != MUKCA_OK) goto out;
     const double weak = mukca_plan_strength(s);
-    *plan = (mukca_plan){.n_recorded = p.n_recorded,
+    *plan = (mukca_plan){.n_recorded = p->n_recorded,
                          .rows = calloc((size_t)rows, sizeof *plan->rows),
                          .expected_before = mukca_plan_expected(s)};
-    if (!plan->rows) {
-        status = mukca_fail(error, MUKCA_MEMORY, "out of memory while planning");
-        goto out;
-    }
-    status = find_candidates(&p, candidates, error);
-    if (status != MUKCA_OK) goto out;
-    mukca_plan_choose(&p, rows);
-    if (mukca_plan_stopped(&p)) {
-        status = mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
-        goto out;
-    }
-    plan->n_rows = p.n_chosen;
+    if (!plan->rows) return mukca_fail(error, MUKCA_MEMORY, "out of memory while planning");
+    status = find_candidates(p, candidates, error);
+    if (status != MUKCA_OK) return status;
+    mukca_plan_choose(p, rows);
+    if (mukca_plan_stopped(p)) return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
+    plan->n_rows = p->n_chosen;
     for (int i = 0; i < plan->n_rows; i++) {
-        const mukca_plan_pose *pose = &p.poses[p.chosen[i]];
+        const mukca_plan_pose *pose = &p->poses[p->chosen[i]];
         plan->rows[i].socket = pose->socket;
         memcpy(plan->rows[i].q, pose->q, sizeof pose->q);
     }
-    if (!p.ordered) put_in_order(plan->rows, plan->n_rows, task);
+    if (!p->ordered) put_in_order(plan->rows, plan->n_rows, task);
     plan->expected_after = mukca_plan_expected(s);
     set_evidence(plan, weak, mukca_plan_strength(s), options->measured);
-out:
-    mukca_pool_free(&s->pool);
+    return MUKCA_OK;
+}
+
+mukca_status mukca_plan_run(mukca_plan *plan, const mukca_plan_task *task,
+                            const mukca_plan_options *options, mukca_error *error)
+{
+    memset(plan, 0, sizeof *plan);
+    mukca_status status = check(task->chain, task->n_sockets, options, error);
+    if (status != MUKCA_OK) return status;
+    mukca_planner *p = calloc(1, sizeof *p);
+    if (!p) return mukca_fail(error, MUKCA_MEMORY, "out of memory while planning");
+    status = run(plan, p, task, options, error);
+    mukca_pool_free(&p->state.pool);
+    free(p);
     if (status != MUKCA_OK) mukca_plan_free(plan);
     return status;
 }

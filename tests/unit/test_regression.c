@@ -116,11 +116,11 @@ static double evidence(mukca_regression *m, int family, double *mean, double *no
     mukca_regression_return(m);
     const mukca_normal_equations *normal = mukca_regression_collect(m, family);
     const int dof = normal->whitening.dof + normal->n_pairs;
-    mukca_unknowns_prior(m->evidence.prior, &m->unknowns);
+    mukca_unknowns_prior(m->evidence.posterior.prior, &m->unknowns);
     const double value = mukca_evidence_evaluate(&m->evidence, normal, m->unknowns.sigma, mean);
     assert_true(isfinite(value));
-    *noise = m->evidence.quadratic / dof;
-    return value + 0.5 * m->evidence.quadratic - 0.5 * dof * (log(*noise) + 1);
+    *noise = m->evidence.posterior.quadratic / dof;
+    return value + 0.5 * m->evidence.posterior.quadratic - 0.5 * dof * (log(*noise) + 1);
 }
 
 /* Log Bayes factor of a candidate whose columns are really added, averaged over its sizes. */
@@ -278,7 +278,7 @@ TEST(orders)
 TEST(noise)
 {
     mukca_regression *m = &f->m;
-    mukca_unknowns_prior(m->evidence.prior, &m->unknowns);
+    mukca_unknowns_prior(m->evidence.posterior.prior, &m->unknowns);
     for (int r = 0; r < m->evidence.n_noises; r++) {
         double value;
         mukca_normal_equations *normal = mukca_regression_collect(m, r);

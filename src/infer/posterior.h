@@ -1,0 +1,90 @@
+/* Posterior of the coefficients of a linear Gaussian model.
+ *
+ * The priors are independent Gaussians of standard deviations D.  With the precision P of the data,
+ * 1 + D P D = L L'.  (C. M. Bishop, Pattern Recognition and Machine Learning, 2006, section 3.5.)
+ */
+#ifndef MUKCA_INFER_POSTERIOR_H
+#define MUKCA_INFER_POSTERIOR_H
+
+#include <stdbool.h>
+
+#include "base/pool.h"
+
+typedef struct {
+    int n;
+    double *prior;  /* [n] D, set by the caller */
+    double *factor; /* [n][n] L */
+    double *work;   /* [n] L^-1 D times the right-hand side; the residual's row before */
+    double
+        quadratic;  /* squared residuals and deviations from the prior, in units of their sigmas */
+    double log_det; /* of L */
+} mukca_posterior;
+
+/* Memory for at most n coefficients. */
+void mukca_posterior_take(mukca_posterior *posterior, mukca_pool *pool, int n);
+
+/* Begin with the products gram[n + 1][n + 1] of rows and their values (the last column; the lower
+ * triangle is used), each row of that precision; then add single rows[n + 1]. */
+void mukca_posterior_start(mukca_posterior *posterior, const double *gram, int n, double precision);
+void mukca_posterior_add(mukca_posterior *posterior, const double *row, double precision);
+
+/* Factorise; mean[n] (may be NULL) receives the posterior mean, for prior means centre[n] (NULL:
+ * 0).  False: not positive definite. */
+bool mukca_posterior_solve(mukca_posterior *posterior, const double *centre, double *mean);
+
+/* Variance of row[n] times the coefficients; overwrites the row. */
+double mukca_posterior_variance(double *row, const mukca_posterior *posterior);
+
+/* ---- observations in groups, each with unknowns of its own without a prior: a mean, a frame ----
+ */
+
+/* Columns of a group's own unknowns, at most; the first three are its mean. */
+enum { MUKCA_OWN = 9 };
+
+/* Known distance between the means of two groups, m. */
+typedef struct {
+    int a, b;
+    double distance, weight; /* 0: not used */
+} mukca_group_pair;
+
+/* The rows x[3][width] of an observation are its own columns, those of the n coefficients, and its
+ * value, m.  Their products are summed: adding and removing one is cheap. */
+typedef struct {
+    mukca_posterior of;
+    int width, n_groups, n_pairs;
+    double noise, pair_noise; /* standard deviations of a coordinate and a distance, m */
+    double misfit; /* of observations whose residuals grow with the distances: sum of squares over
+                      the variance; times the logarithm of the scale, it is added to the likelihood,
+                      as a smaller scale has smaller residuals from the same noise; else 0 */
+    mukca_group_pair *pair; /* [n_pairs] */
+    double *gram;           /* [n + 1][n + 1] of coefficients and value, over all groups */
+    double *own;            /* [n_groups][OWN][width] of own columns with all */
+    double *weight;         /* [n_groups] of their observations */
+    double *reduced;        /* as `own`, each column without the components along those before it */
+    double *row;            /* [n + 1] scratch */
+    double *mean;           /* [n] posterior mean */
+    double *solution;       /* [n_groups][OWN] own unknowns at that mean */
+    int n_own;              /* of all groups, those that the observations determine */
+} mukca_grouped;
+
+/* Without observations, with unit priors.  False: no memory. */
+bool mukca_grouped_create(mukca_grouped *grouped, mukca_pool *pool, int n, int groups, int pairs);
+
+/* Remove all observations. */
+void mukca_grouped_clear(mukca_grouped *grouped);
+
+/* Add an observation of that weight; a negative one removes it. */
+void mukca_grouped_add(mukca_grouped *grouped, const double *x, int group, double weight);
+
+/* Solve for the coefficients (centre: their prior means, NULL: 0) and all own unknowns. */
+void mukca_grouped_solve(mukca_grouped *grouped, const double *centre);
+
+/* row[n + 1] of a pair of groups that only have means: derivatives of its distance, and the known
+ * one minus that at coefficients 0; variance: of the latter.  False: one has no observation. */
+bool mukca_grouped_pair(double *row, double *variance, const mukca_grouped *grouped, int pair);
+
+/* Residual of an observation at the solution; returns its length. */
+double mukca_grouped_residual(double residual[3], const mukca_grouped *grouped, const double *x,
+                              int group);
+
+#endif
