@@ -55,21 +55,22 @@ void mukca_given_cross(double *G, mukca_sets *s, int a, int b)
                                              : s->gram[b][k * q->stride + x->at + i];
 }
 
-bool mukca_given_integrate(mukca_sets *s, const mukca_set *set, double *log_det)
+bool mukca_given_integrate(mukca_sets *s, const mukca_set *set)
 {
     const mukca_question *q = s->question;
-    double *L = s->with.L, *G = s->scratch->A, explained = 0;
+    mukca_posterior *with = &s->with.of;
+    double *P = with->factor, *G = s->scratch->A;
     int n = 0;
-    *log_det = 0;
     for (int m = 0; m < set->n; m++) {
         const mukca_item *h = &q->item[set->item[m]];
         s->with.at[m] = n;
         for (int t = 0; t < h->terms; t++, n++) {
-            s->with.size[n] = h->prior.size[set->size[m]];
-            s->with.v[n] = s->with.size[n] * q->g[h->at + t];
+            with->prior[n] = h->prior.size[set->size[m]];
+            with->work[n] = q->g[h->at + t];
         }
     }
-    s->with.n = n;
+    with->n = n;
+    with->quadratic = q->residual;
     for (int m = 0; m < set->n; m++)
         for (int o = 0; o <= m; o++) {
             const mukca_item *h = &q->item[set->item[m]];
@@ -79,35 +80,28 @@ bool mukca_given_integrate(mukca_sets *s, const mukca_set *set, double *log_det)
             if (o < m) mukca_given_cross(G, s, set->item[m], set->item[o]);
             for (int t = 0; t < h->terms; t++)
                 for (int c = 0; c < terms; c++)
-                    L[(row + t) * n + column + c] =
-                        s->with.size[row + t] * block[t * terms + c] * s->with.size[column + c];
+                    P[(row + t) * n + column + c] = block[t * terms + c];
         }
-    for (int i = 0; i < n; i++) L[i * n + i] += 1;
-    if (mukca_dense_cholesky(L, n)) return false;
-    mukca_dense_forward(s->with.v, 1, L, n);
-    for (int i = 0; i < n; i++) {
-        explained += s->with.v[i] * s->with.v[i];
-        *log_det += log(L[i * n + i]);
-    }
-    s->with.rest = fmax(q->residual - explained, 1e-3 * q->residual);
+    if (!mukca_posterior_solve(with, NULL, NULL)) return false;
+    with->quadratic = fmax(with->quadratic, 1e-3 * q->residual);
     return true;
 }
 
 /* Row stride of the inverse factor. */
 static int padded(const mukca_sets *s)
 {
-    return (s->with.n + 7) & ~7;
+    return (s->with.of.n + 7) & ~7;
 }
 
 void mukca_given_invert(mukca_sets *s)
 {
-    const int n = s->with.n, ld = padded(s);
+    const int n = s->with.of.n, ld = padded(s);
     double *T = s->with.inverse;
     memset(T, 0, sizeof *T * (size_t)(n * ld));
     for (int i = 0; i < n; i++) T[i * ld + i] = 1;
-    mukca_dense_forward8(T, ld, ld, s->with.L, n);
-    memcpy(s->with.x, s->with.v, sizeof *T * (size_t)n);
-    mukca_dense_backward(s->with.x, 1, s->with.L, n);
+    mukca_dense_forward8(T, ld, ld, s->with.of.factor, n);
+    memcpy(s->with.x, s->with.of.work, sizeof *T * (size_t)n);
+    mukca_dense_backward(s->with.x, 1, s->with.of.factor, n);
 }
 
 mukca_columns mukca_given_inverse_of(const mukca_sets *s, int member, int terms)
@@ -121,7 +115,7 @@ bool mukca_given_leave_out(double *M, double *w, const mukca_sets *s, int member
     const mukca_columns T = mukca_given_inverse_of(s, member, terms);
     const int at = s->with.at[member];
     memset(M, 0, sizeof *M * (size_t)(terms * terms));
-    mukca_dense_symmetric(M, T, T, s->with.n - at);
+    mukca_dense_symmetric(M, T, T, s->with.of.n - at);
     if (mukca_dense_cholesky(M, terms)) return false;
     memcpy(w, s->with.x + at, sizeof *w * (size_t)terms);
     mukca_dense_forward(w, 1, M, terms);
@@ -137,9 +131,9 @@ static bool condition_all(mukca_sets *s, const mukca_set *set)
         const double *G = s->gram[set->item[m]];
         for (int t = 0; t < q->item[set->item[m]].terms; t++, row++, G += q->stride)
             for (int k = 0; k < q->stride; k++)
-                s->with.B[row * q->stride + k] = s->with.size[row] * G[k];
+                s->with.B[row * q->stride + k] = s->with.of.prior[row] * G[k];
     }
-    mukca_dense_forward8(s->with.B, q->stride, q->stride, s->with.L, s->with.n);
+    mukca_dense_forward8(s->with.B, q->stride, q->stride, s->with.of.factor, s->with.of.n);
     return true;
 }
 
@@ -151,9 +145,9 @@ MUKCA_CLONES static void project_near(double *near, double *g, const mukca_sets 
     for (int k = 0; k < width; k += 4) {
         four sum[MUKCA_GIVEN_NEAR] = {{0}}, explained = {0};
         const double *row = s->with.B + k;
-        for (int i = 0; i < s->with.n; i++, row += width) {
+        for (int i = 0; i < s->with.of.n; i++, row += width) {
             const four own = LOAD4(row);
-            explained += s->with.v[i] * own;
+            explained += s->with.of.work[i] * own;
             for (int d = 0; d < MUKCA_GIVEN_NEAR; d++) sum[d] += own * LOAD4(row + d);
         }
         STORE4(g + k, LOAD4(s->question->g + k) - explained);
@@ -169,15 +163,15 @@ static void project(double *G, const mukca_sets *s, int item)
     const mukca_columns B = {s->with.B + h->at, k, s->question->stride};
     double *explained = s->scratch->D;
     memset(explained, 0, sizeof *G * (size_t)(k * k));
-    mukca_dense_symmetric(explained, B, B, s->with.n);
+    mukca_dense_symmetric(explained, B, B, s->with.of.n);
     for (int i = 0; i < k * k; i++) G[i] = s->block[item][i] - explained[i];
 }
 
 bool mukca_given_condition(mukca_sets *s, const mukca_set *set)
 {
     const mukca_question *q = s->question;
-    double log_det, *G = s->given;
-    if (!mukca_given_integrate(s, set, &log_det) || !condition_all(s, set)) return false;
+    double *G = s->given;
+    if (!mukca_given_integrate(s, set) || !condition_all(s, set)) return false;
     project_near(s->near, s->g, s, q->stride);
     for (int i = 0; i < q->n_items; i++) {
         const mukca_item *h = &q->item[i];
@@ -199,7 +193,7 @@ void mukca_sets_gram(double *G, mukca_sets *s, int a, int b)
         memcpy(G, s->block[a], sizeof *G * (size_t)(x->terms * x->terms));
     else
         mukca_given_cross(G, s, a, b);
-    for (int r = 0; r < s->with.n; r++) {
+    for (int r = 0; r < s->with.of.n; r++) {
         const double *B = s->with.B + r * s->question->stride;
         for (int i = 0; i < x->terms; i++)
             for (int k = 0; k < y->terms; k++) G[i * y->terms + k] -= B[x->at + i] * B[y->at + k];
@@ -208,36 +202,36 @@ void mukca_sets_gram(double *G, mukca_sets *s, int a, int b)
 
 void mukca_sets_mean(double *mean, mukca_sets *s, const mukca_set *set)
 {
-    double log_det;
     memset(mean, 0, sizeof *mean * (size_t)s->question->stride);
-    if (!mukca_given_integrate(s, set, &log_det)) return;
-    mukca_dense_backward(s->with.v, 1, s->with.L, s->with.n);
+    if (!mukca_given_integrate(s, set)) return;
+    mukca_dense_backward(s->with.of.work, 1, s->with.of.factor, s->with.of.n);
     for (int m = 0, row = 0; m < set->n; m++)
         for (int t = 0; t < s->question->item[set->item[m]].terms; t++, row++)
-            mean[s->question->item[set->item[m]].at + t] = s->with.size[row] * s->with.v[row];
+            mean[s->question->item[set->item[m]].at + t] =
+                s->with.of.prior[row] * s->with.of.work[row];
 }
 
 void mukca_sets_move(double *change, mukca_sets *s, const mukca_set *set, const double *delta,
                      const double *moved)
 {
     const mukca_question *q = s->question;
-    double log_det, mean = 0, *v = s->with.inverse; /* [columns][MUKCA_DRAWS] */
+    double mean = 0, *v = s->with.inverse; /* [columns][MUKCA_DRAWS] */
     memset(change, 0, sizeof *change * MUKCA_DRAWS);
-    if (!mukca_given_integrate(s, set, &log_det)) return;
+    if (!mukca_given_integrate(s, set)) return;
     for (int m = 0, row = 0; m < set->n; m++) {
         const mukca_item *h = &q->item[set->item[m]];
         for (int t = 0; t < h->terms; t++, row++)
             for (int b = 0; b < MUKCA_DRAWS; b++)
-                v[row * MUKCA_DRAWS + b] =
-                    s->with.size[row] * (q->g[h->at + t] + delta[(h->at + t) * MUKCA_DRAWS + b]);
+                v[row * MUKCA_DRAWS + b] = s->with.of.prior[row] *
+                                           (q->g[h->at + t] + delta[(h->at + t) * MUKCA_DRAWS + b]);
     }
-    mukca_dense_forward8(v, MUKCA_DRAWS, MUKCA_DRAWS, s->with.L, s->with.n);
-    for (int i = 0; i < s->with.n; i++)
+    mukca_dense_forward8(v, MUKCA_DRAWS, MUKCA_DRAWS, s->with.of.factor, s->with.of.n);
+    for (int i = 0; i < s->with.of.n; i++)
         for (int b = 0; b < MUKCA_DRAWS; b++)
             change[b] += v[i * MUKCA_DRAWS + b] * v[i * MUKCA_DRAWS + b];
     for (int b = 0; b < MUKCA_DRAWS; b++) {
         const double rest = fmax(q->residual + moved[b] - change[b], 1e-3 * q->residual);
-        change[b] = -0.5 * q->dof * log(rest / s->with.rest);
+        change[b] = -0.5 * q->dof * log(rest / s->with.of.quadratic);
         mean += change[b] / MUKCA_DRAWS;
     }
     for (int b = 0; b < MUKCA_DRAWS; b++) change[b] -= mean;

@@ -6,8 +6,8 @@
 #ifndef MUKCA_INFER_SETS_H
 #define MUKCA_INFER_SETS_H
 
-#include "base/pool.h"
 #include "infer/mixture.h"
+#include "infer/posterior.h"
 
 enum {
     MUKCA_SET_ITEMS = 24,    /* in a set */
@@ -55,15 +55,13 @@ typedef struct {
     mukca_set *set; /* [MUKCA_MOST_SETS] */
     int *table;     /* hash table of sets */
     struct {
-        int n;
+        mukca_posterior of;      /* factor L of 1 + D G D; `quadratic`: the residual */
         int at[MUKCA_SET_ITEMS]; /* first column of each member */
-        double size[MUKCA_SET_COLUMNS];
-        double *L, *v, *B; /* factor of 1 + D G D, L^-1 D g, L^-1 D G */
-        double *inverse;   /* L^-1 */
-        double *x;         /* (1 + D G D)^-1 D g */
-        double rest;       /* residual */
-    } with;                /* the set integrated out last */
-    double *row, *left;    /* scratch of some of them: rows, columns */
+        double *B;               /* L^-1 D G */
+        double *inverse;         /* L^-1 */
+        double *x;               /* (1 + D G D)^-1 D g */
+    } with;                      /* the set integrated out last */
+    double *row, *left;          /* scratch of some of them: rows, columns */
     mukca_mixture_scratch *scratch;
     double *given;            /* blocks of all items given that set */
     double *value, *alone;    /* scratch: [n_items] scores */

@@ -29,13 +29,14 @@ static double common_factor(double shared, int m)
 enum { CHUNK = 64, MOST_ROWS = 6 }; /* columns at a time, rows of a sample */
 
 /* Readings of postures whose normalised sums z are white: replace each z by (z - rho z') / sqrt(1 -
- * rho^2) with that of the preceding posture of the block. */
-MUKCA_INLINE void correlate_postures(double *x, size_t step, int count, double rho,
+ * rho^2) with that of the preceding posture of the block; transposed, of the following one. */
+MUKCA_INLINE void correlate_postures(double *x, size_t step, int count, double rho, bool transpose,
                                      const mukca_samples *s, const mukca_block *block)
 {
     const double a = 1 / sqrt(1 - rho * rho);
-    double before[CHUNK] = {0};
-    for (int i = block->start; i < block->start + block->count; i++) {
+    double other[CHUNK] = {0};
+    for (int t = 0; t < block->count; t++) {
+        const int i = block->start + (transpose ? block->count - 1 - t : t);
         if (!s->readings[i]) continue;
         const double root = sqrt(s->readings[i]), own = i == block->start ? 1 : a;
         double z[CHUNK] = {0};
@@ -43,28 +44,8 @@ MUKCA_INLINE void correlate_postures(double *x, size_t step, int count, double r
             for (int j = 0; j < count; j++) z[j] += x[(size_t)k * step + (size_t)j] / root;
         for (int k = i; k >= 0; k = s->next[k])
             for (int j = 0; j < count; j++)
-                x[(size_t)k * step + (size_t)j] +=
-                    ((own - 1) * z[j] - (i == block->start ? 0 : a * rho * before[j])) / root;
-        for (int j = 0; j < count; j++) before[j] = z[j];
-    }
-}
-
-/* The transpose of that. */
-MUKCA_INLINE void correlate_back(double *x, size_t step, int count, double rho,
-                                 const mukca_samples *s, const mukca_block *block)
-{
-    const double a = 1 / sqrt(1 - rho * rho);
-    double after[CHUNK] = {0};
-    for (int i = block->start + block->count - 1; i >= block->start; i--) {
-        if (!s->readings[i]) continue;
-        const double root = sqrt(s->readings[i]), own = i == block->start ? 1 : a;
-        double z[CHUNK] = {0};
-        for (int k = i; k >= 0; k = s->next[k])
-            for (int j = 0; j < count; j++) z[j] += x[(size_t)k * step + (size_t)j] / root;
-        for (int k = i; k >= 0; k = s->next[k])
-            for (int j = 0; j < count; j++)
-                x[(size_t)k * step + (size_t)j] += ((own - 1) * z[j] - a * rho * after[j]) / root;
-        for (int j = 0; j < count; j++) after[j] = z[j];
+                x[(size_t)k * step + (size_t)j] += ((own - 1) * z[j] - a * rho * other[j]) / root;
+        for (int j = 0; j < count; j++) other[j] = z[j];
     }
 }
 
@@ -134,6 +115,23 @@ MUKCA_INLINE void subtract_common(double *white, size_t step, int count, const m
     }
 }
 
+/* Factors of postures; that of the readings of one posture is symmetric. */
+MUKCA_INLINE void divide_by_shared(double *x, int n, int ld, bool transpose,
+                                   const mukca_whitening *w, const mukca_samples *s,
+                                   const mukca_block *block)
+{
+    const size_t step = (size_t)s->dim * (size_t)ld;
+    const double rho = w->family.rho;
+    for (int c = 0; c < s->dim; c++)
+        for (int start = 0; start < n; start += CHUNK) {
+            const int count = n - start < CHUNK ? n - start : CHUNK;
+            double *at = x + c * ld + start;
+            if (!transpose) subtract_common(at, step, count, w, s, block);
+            if (rho > 0) correlate_postures(at, step, count, rho, transpose, s, block);
+            if (transpose) subtract_common(at, step, count, w, s, block);
+        }
+}
+
 /* x[n_samples][dim][ld] := V^-1/2 x for n columns. */
 MUKCA_INLINE void whiten(double *x, int n, int ld, const mukca_whitening *w, const mukca_samples *s)
 {
@@ -149,13 +147,7 @@ MUKCA_INLINE void whiten(double *x, int n, int ld, const mukca_whitening *w, con
                 for (int k = 0; k < n && before > 0; k++) row[k] -= before * (row - step)[k];
             }
         }
-        for (int c = 0; c < s->dim && w->family.shared > 0; c++)
-            for (int start = 0; start < n; start += CHUNK) {
-                const int count = n - start < CHUNK ? n - start : CHUNK;
-                subtract_common(x + c * ld + start, step, count, w, s, block);
-                if (w->family.rho > 0)
-                    correlate_postures(x + c * ld + start, step, count, w->family.rho, s, block);
-            }
+        if (w->family.shared > 0) divide_by_shared(x, n, ld, false, w, s, block);
     }
 }
 
@@ -289,14 +281,7 @@ MUKCA_CLONES void mukca_whitening_transpose(double *out, const double *x, int n,
                 for (int k = 0; k < n && after > 0; k++)
                     out[at + (size_t)k] -= after * x[at + step + (size_t)k];
             }
-        /* the factor of readings of one posture is symmetric */
-        for (int c = 0; c < s->dim && w->family.shared > 0; c++)
-            for (int start = 0; start < n; start += CHUNK) {
-                const int count = n - start < CHUNK ? n - start : CHUNK;
-                if (w->family.rho > 0)
-                    correlate_back(out + c * ld + start, step, count, w->family.rho, s, block);
-                subtract_common(out + c * ld + start, step, count, w, s, block);
-            }
+        if (w->family.shared > 0) divide_by_shared(out, n, ld, true, w, s, block);
     }
     for (int b = 0; b < s->n_blocks && w->shape.mean; b++)
         divide_by_shape(out, n, ld, true, w, s, &s->block[b]);
