@@ -64,7 +64,7 @@ mukca_status calibrate_use_traits(cli_call *call, calibrate_result *r, mukca_fit
         if (use) {
             mukca_fit_free(fit);
             *fit = with[best];
-            with[best].memory = NULL;
+            with[best].null_space = NULL;
         }
     }
     for (int k = 0; k < SHARES && with; k++) mukca_fit_free(&with[k]);

@@ -37,12 +37,12 @@ struct mukca_cost {
     double *nominal; /* [n] */
     /* of mukca_cost_setup; NULL: none */
     void (*more)(mukca_cost_value *parts, double *gradient, mukca_cost *cost, const double *x);
-    mukca_cost *part;       /* the owner of r, J and weight: this cost or that of the options */
-    double *r, *J;          /* [n_residuals], [n_residuals][n] scratch */
-    double *weight;         /* [n_residuals] square roots */
-    double *scratch;        /* [3][n][n] and [6][n] for solvers */
-    int n_held;             /* directions held near the start (mukca_cost_hold) */
-    double *held, *held_at; /* [n_held][n] unit vectors, [n_held] coordinates along them */
+    mukca_cost *part; /* the owner of r, J and weight: this cost or that of the options */
+    double *r, *J;    /* [n_residuals], [n_residuals][n] scratch */
+    double *weight;   /* [n_residuals] square roots */
+    double *matrix[3], *vector[4]; /* [n][n], [n] scratch of solvers */
+    int n_held;                    /* directions held near the start (mukca_cost_hold) */
+    double *held, *held_at;        /* [n_held][n] unit vectors, [n_held] coordinates along them */
 };
 
 /* Weight of the regularisation: lambda of every placement. */

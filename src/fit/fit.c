@@ -95,19 +95,19 @@ mukca_status mukca_parameters_select(mukca_parameters *parameters, const mukca_c
 
 /* ---- the fit ---- */
 
-static mukca_status analyse(mukca_fit *fit, mukca_cost *cost, const double *x, double *work,
+static mukca_status analyse(mukca_fit *fit, mukca_cost *cost, const double *x, mukca_pool *pool,
                             mukca_error *error)
 {
     const int n = cost->n;
-    double *H = cost->scratch, *g = H + 3 * n * n;
+    double *H = cost->matrix[0], *g = cost->vector[0];
     const double value = mukca_cost_evaluate(&fit->calibrated, g, cost, x);
     mukca_cost_normal(H, cost, x, false);
     mukca_solver_factorise(H, n);
-    fit->to_gain = mukca_solver_decrement(H, g, g + n, n) / (value > 0 ? value : 1);
+    fit->to_gain = mukca_solver_decrement(H, g, cost->vector[1], n) / (value > 0 ? value : 1);
     /* (1 nm)^2: rounding in a fit to data without noise */
     fit->converged = fit->to_gain * value <= 1e-9 * value + 1e-18;
     fit->n_measured = cost->observations.n_measured;
-    return mukca_identify(&fit->identification, fit->null_space, cost, x, work, error);
+    return mukca_identify(&fit->identification, fit->null_space, cost, x, pool, error);
 }
 
 /* Cost of all samples and, for a long recording, of the part from which the Hessian is computed. */
@@ -120,7 +120,6 @@ typedef struct {
 static mukca_status take_workspace(workspace *w, mukca_fit *fit, const mukca_dataset *data,
                                    mukca_cost_options options, mukca_error *error)
 {
-    const size_t n = (size_t)fit->parameters.n;
     options.theta = fit->theta;
     if (data->n_rows > MUKCA_FIT_PART) {
         const mukca_status status = mukca_part_take(&w->samples, data, MUKCA_FIT_PART, error);
@@ -130,8 +129,7 @@ static mukca_status take_workspace(workspace *w, mukca_fit *fit, const mukca_dat
         fit->n_part = w->samples.n_rows;
     }
     mukca_cost_setup(&w->cost, &w->pool, &fit->chain, &fit->parameters, data, &options);
-    fit->memory = malloc((n * n + MUKCA_IDENTIFY_WORK(n)) * sizeof *fit->memory);
-    if (!w->pool.failed && fit->memory) return MUKCA_OK;
+    if (!w->pool.failed) return MUKCA_OK;
     return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows, %d parameters", data->n_rows,
                       fit->parameters.n);
 }
@@ -149,9 +147,10 @@ static mukca_status take_posterior(mukca_fit *fit, mukca_pool *pool, const mukca
     return status;
 }
 
-static mukca_status minimise(mukca_fit *fit, mukca_cost *cost, const mukca_fit_options *options,
+static mukca_status minimise(mukca_fit *fit, workspace *w, const mukca_fit_options *options,
                              mukca_error *error)
 {
+    mukca_cost *cost = &w->cost;
     double nominal[MUKCA_MAX_FREE], x[MUKCA_MAX_FREE];
     const mukca_solver *solver = options->solver ? options->solver : &mukca_solver_gauss_newton;
     mukca_chain_theta(nominal, &fit->chain);
@@ -169,9 +168,9 @@ static mukca_status minimise(mukca_fit *fit, mukca_cost *cost, const mukca_fit_o
         mukca_parameters_unpack(fit->theta, &fit->parameters, x);
     }
     if (options->parameters_only) return MUKCA_OK;
-    fit->null_space = fit->memory;
-    const mukca_status status =
-        analyse(fit, cost, x, fit->memory + fit->parameters.n * fit->parameters.n, error);
+    fit->null_space = calloc((size_t)cost->n * (size_t)cost->n, sizeof *fit->null_space);
+    if (!fit->null_space) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    const mukca_status status = analyse(fit, cost, x, &w->pool, error);
     fit->converged |= options->by_evidence;
     return status;
 }
@@ -196,7 +195,7 @@ mukca_status mukca_fit_run(mukca_fit *fit, const mukca_chain *chain, const mukca
     status = take_workspace(w, fit, data, options->cost, error);
     if (status == MUKCA_OK && options->by_evidence)
         status = take_posterior(fit, &w->pool, data, error);
-    if (status == MUKCA_OK) status = minimise(fit, &w->cost, options, error);
+    if (status == MUKCA_OK) status = minimise(fit, w, options, error);
     mukca_pool_free(&w->pool);
     mukca_dataset_free(&w->samples);
     free(w);
@@ -206,6 +205,6 @@ mukca_status mukca_fit_run(mukca_fit *fit, const mukca_chain *chain, const mukca
 
 void mukca_fit_free(mukca_fit *fit)
 {
-    free(fit->memory);
-    fit->memory = fit->null_space = NULL;
+    free(fit->null_space);
+    fit->null_space = NULL;
 }

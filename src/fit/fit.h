@@ -44,14 +44,12 @@ typedef struct {
  * urad. */
 #define MUKCA_HIDDEN_SHARE 1e-3
 
-/* Doubles of `work` for n free parameters. */
-#define MUKCA_IDENTIFY_WORK(n) (3 * (size_t)((n) + 3) * (size_t)((n) + 3) + 32 * (size_t)((n) + 3))
-
 /* Analyse at x[n].  null_space[n][n] (may be NULL) gets n - rank rows that span the null space, in
- * reduced form: each has a parameter of its own with coefficient 1.  Errors: MUKCA_INPUT (the
- * Jacobian is not finite). */
+ * reduced form: each has a parameter of its own with coefficient 1.  Scratch comes from `pool`.
+ * Errors: MUKCA_INPUT (the Jacobian is not finite), MUKCA_MEMORY. */
 mukca_status mukca_identify(mukca_identification *identification, double *null_space,
-                            mukca_cost *cost, const double *x, double *work, mukca_error *error);
+                            mukca_cost *cost, const double *x, mukca_pool *pool,
+                            mukca_error *error);
 
 /* ---- the fit (fit.c) ---- */
 
@@ -83,8 +81,7 @@ typedef struct {
     int n_measured; /* scalar measurements less one mean per socket */
     int n_part;     /* samples used for the standard errors; 0: all */
     mukca_identification identification;
-    double *null_space; /* [n - rank][n] from mukca_identify; NULL without a fit */
-    double *memory;     /* owned */
+    double *null_space; /* [n - rank][n] from mukca_identify; owned; NULL: not analysed */
 } mukca_fit;
 
 /* Fit to `data`, from nominal.  Allocates; free with mukca_fit_free.  Errors: MUKCA_USAGE,

@@ -49,7 +49,8 @@ bool mukca_cost_setup(mukca_cost *cost, mukca_pool *pool, const mukca_chain *cha
         cost->J = MUKCA_TAKE(pool, double, m *n);
         cost->weight = MUKCA_TAKE(pool, double, m);
     }
-    cost->scratch = MUKCA_TAKE(pool, double, 3 * n * n + 6 * n);
+    for (int i = 0; i < 3; i++) cost->matrix[i] = MUKCA_TAKE(pool, double, n *n);
+    for (int i = 0; i < 4; i++) cost->vector[i] = MUKCA_TAKE(pool, double, n);
     cost->held = MUKCA_TAKE(pool, double, n *n);
     cost->held_at = MUKCA_TAKE(pool, double, n);
     if (pool->failed) return false;
@@ -62,7 +63,8 @@ void mukca_cost_hold(mukca_cost *cost, const double *x)
     int loose[MUKCA_MAX_FREE], k = 0;
     const int n = cost->n;
     const double lambda = mukca_cost_lambda(cost);
-    double *H = cost->scratch, *A = H + n * n, *V = A + n * n, curvature[MUKCA_MAX_FREE];
+    double *H = cost->matrix[0], *A = cost->matrix[1], *V = cost->matrix[2],
+           curvature[MUKCA_MAX_FREE];
     for (int i = 0; i < n; i++)
         if (!cost->parameters->regularised[i]) loose[k++] = i;
     if (k == 0 || !(lambda > 0)) return;
@@ -140,8 +142,8 @@ static mukca_status run(double *x, mukca_solver_outcome *outcome, mukca_cost *co
                         mukca_error *error)
 {
     const int n = cost->n;
-    double *H = cost->scratch, *L = H + n * n, *g = H + 3 * n * n, *step = g + n, *trial = step + n,
-           *g_trial = trial + n;
+    double *H = cost->matrix[0], *L = cost->matrix[1], *g = cost->vector[0],
+           *step = cost->vector[1], *trial = cost->vector[2], *g_trial = cost->vector[3];
     double damping = 0, value;
     mukca_cost_value parts;
     (void)solver, (void)error;

@@ -127,13 +127,16 @@ static void standard_errors(mukca_identification *id, const double *V, const dou
 }
 
 mukca_status mukca_identify(mukca_identification *id, double *null_space, mukca_cost *cost,
-                            const double *x, double *work, mukca_error *error)
+                            const double *x, mukca_pool *pool, mukca_error *error)
 {
     const int n = cost->n;
     mukca_observations *o = &cost->observations;
-    double *B = work, *R = B + n * n, *V = R + (n + 3) * (n + 3), *s = V + n * n;
+    double *B = MUKCA_TAKE(pool, double, n *n), *R = MUKCA_TAKE(pool, double, (n + 3) * (n + 3)),
+           *V = MUKCA_TAKE(pool, double, n *n), *s = MUKCA_TAKE(pool, double, n),
+           *block = MUKCA_TAKE(pool, double, BLOCK *(n + 3));
     double log_product = 0, distances;
     memset(id, 0, sizeof *id);
+    if (pool->failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d parameters", n);
     mukca_cost_normal(R, cost, x, true);
     if (cost->part != cost) {
         mukca_observe_predict(o, cost->part->theta);
@@ -142,7 +145,7 @@ mukca_status mukca_identify(mukca_identification *id, double *null_space, mukca_
     double squares =
         mukca_observe_squares(&distances, o, false) + mukca_orientations_squares(o, false);
     squares += distances;
-    factorise(R, s, cost->part);
+    factorise(R, block, cost->part);
     score_covariance(B, cost);                 /* overwrites the Jacobian */
     if (!o->target) project_out_turning(R, n); /* measured poses identify that rotation */
     for (int i = 1; i < n; i++) memmove(R + i * n, R + i * (n + 3), (size_t)n * sizeof *R);

@@ -95,18 +95,16 @@ static mukca_status run(double *x, mukca_solver_outcome *outcome, mukca_cost *co
                         const mukca_solver *solver, const mukca_solver_options *options,
                         mukca_error *error)
 {
-    const int n = cost->n;
-    double *work = cost->scratch + 3 * n * n;
     mukca_status status = MUKCA_OK;
     const double until = mukca_clock_seconds() + MUKCA_SOLVER_SECONDS;
     whitened a = {.cost = cost,
                   .options = options,
                   .outcome = outcome,
-                  .L = cost->scratch,
-                  .x = work,
-                  .g = work + n,
-                  .start = work + 2 * n,
-                  .y = work + 3 * n,
+                  .L = cost->matrix[0],
+                  .x = cost->vector[0],
+                  .g = cost->vector[1],
+                  .start = cost->vector[2],
+                  .y = cost->vector[3],
                   .best = x,
                   .best_value = HUGE_VAL,
                   .before = cost->evaluations};

@@ -2,10 +2,10 @@
 #include "fit/refit.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "arm/tip_change.h"
+#include "base/pool.h"
 #include "math/dense.h"
 
 enum {
@@ -166,21 +166,23 @@ mukca_status mukca_refit_run(mukca_refit *refit, const mukca_refit_task *task, m
     const int rows = given > 1 ? given < RECORDED ? given : RECORDED : DRAWN;
     problem p = {.task = task, .n_rows = rows, .fitted = (rows + 1) / 2};
     p.n_unknowns = task->kind == MUKCA_REFIT_ZEROS ? joints : MUKCA_PARAMETERS * joints;
-    const size_t n = (size_t)p.n_unknowns, m = (size_t)p.fitted * MARKS;
-    double *room =
-        malloc(sizeof *room * ((size_t)(rows * (joints + MARKS)) + m * n + m + n * n + n));
-    if (!room) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    p.q = room;
-    p.target = p.q + rows * joints;
-    p.J = p.target + rows * MARKS;
-    p.residual = p.J + m * n;
-    p.H = p.residual + m;
-    p.g = p.H + n * n;
+    const int n = p.n_unknowns, m = p.fitted * MARKS;
+    mukca_pool pool = {0};
+    p.q = MUKCA_TAKE(&pool, double, rows *joints);
+    p.target = MUKCA_TAKE(&pool, double, rows *MARKS);
+    p.J = MUKCA_TAKE(&pool, double, m *n);
+    p.residual = MUKCA_TAKE(&pool, double, m);
+    p.H = MUKCA_TAKE(&pool, double, n *n);
+    p.g = MUKCA_TAKE(&pool, double, n);
+    if (pool.failed) {
+        mukca_pool_free(&pool);
+        return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    }
     set_postures(&p);
     start(refit, task);
     refit->mean_before = score(&refit->largest, &p, refit);
     for (int round = 0; round < ROUNDS; round++) improve(&p, refit);
     refit->mean = score(&refit->largest, &p, refit);
-    free(room);
+    mukca_pool_free(&pool);
     return MUKCA_OK;
 }

@@ -279,7 +279,6 @@ static void compare_precision(int most)
     mukca_cost all, part, bounded;
     mukca_identification id[2];
     mukca_pool pool = {0};
-    double work[MUKCA_IDENTIFY_WORK(MUKCA_MAX_FREE)];
     assert_ok(mukca_parameters_select(&p, &chain, &(mukca_selection){0}, NULL));
     assert_ok(mukca_part_take(&samples, &data, most, NULL));
     assert_true(samples.n_rows <= most && samples.n_rows > most / 3);
@@ -287,8 +286,8 @@ static void compare_precision(int most)
     assert_true(mukca_cost_setup(&part, &pool, &chain, &p, &samples, &(mukca_cost_options){0}));
     assert_true(
         mukca_cost_setup(&bounded, &pool, &chain, &p, &data, &(mukca_cost_options){.part = &part}));
-    assert_ok(mukca_identify(&id[0], NULL, &all, all.nominal, work, NULL));
-    assert_ok(mukca_identify(&id[1], NULL, &bounded, all.nominal, work, NULL));
+    assert_ok(mukca_identify(&id[0], NULL, &all, all.nominal, &pool, NULL));
+    assert_ok(mukca_identify(&id[1], NULL, &bounded, all.nominal, &pool, NULL));
     assert_int_equal(id[0].rank, id[1].rank);
     assert_close(id[0].noise, id[1].noise, 1e-12 * id[0].noise);
     for (int i = 0; i < p.n; i++) {
@@ -346,9 +345,9 @@ TEST(test_long)
         assert_true(fit[s].converged && fit[s].n_part > 0 && fit[s].n_part <= MUKCA_FIT_PART);
         mukca_parameters_pack(x[s], &p, fit[s].theta);
         const double value = mukca_cost_evaluate(NULL, g, &cost, x[s]);
-        mukca_cost_normal(cost.scratch, &cost, x[s], false);
-        mukca_solver_factorise(cost.scratch, p.n);
-        assert_true(mukca_solver_decrement(cost.scratch, g, x[s], p.n) <= 1e-8 * value);
+        mukca_cost_normal(cost.matrix[0], &cost, x[s], false);
+        mukca_solver_factorise(cost.matrix[0], p.n);
+        assert_true(mukca_solver_decrement(cost.matrix[0], g, x[s], p.n) <= 1e-8 * value);
         mukca_fit_free(&fit[s]);
     }
     mukca_pool_free(&pool);

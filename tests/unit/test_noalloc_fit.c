@@ -18,7 +18,6 @@ TEST(test_nothing_allocated)
     mukca_parameters parameters;
     mukca_cost cost;
     mukca_random random;
-    mukca_identification identification;
     mukca_solver_outcome outcome;
     double x[MUKCA_MAX_FREE], g[MUKCA_MAX_FREE], position[3], J[6 * 7], sum = 0;
     gen3_chain(&chain);
@@ -34,9 +33,6 @@ TEST(test_nothing_allocated)
     mukca_pool pool = {0};
     assert_true(
         mukca_cost_setup(&cost, &pool, &chain, &parameters, &data, &(mukca_cost_options){0}));
-    double *work = malloc(MUKCA_IDENTIFY_WORK(parameters.n) * sizeof *work);
-    assert_non_null(work);
-
     assert_true(calls > 0); /* the wrapping works */
     calls = 0;
     memcpy(x, cost.nominal, (size_t)cost.n * sizeof *x);
@@ -44,9 +40,8 @@ TEST(test_nothing_allocated)
     sum += mukca_cost_evaluate(NULL, g, &cost, x);
     cost.gradient = MUKCA_GRADIENT_ANALYTIC;
     sum += mukca_cost_evaluate(NULL, g, &cost, x);
-    mukca_cost_normal(cost.scratch, &cost, x, false);
+    mukca_cost_normal(cost.matrix[0], &cost, x, false);
     mukca_solver_gauss_newton.run(x, &outcome, &cost, NULL, &(mukca_solver_options){0}, NULL);
-    mukca_identify(&identification, NULL, &cost, x, work, NULL);
     mukca_geometry geometry;
     mukca_geometry_set(&geometry, &chain, cost.theta);
     mukca_fk_position(position, &geometry, data.q, NULL);
@@ -54,7 +49,6 @@ TEST(test_nothing_allocated)
     assert_int_equal(calls, 0);
     assert_true(isfinite(sum));
     assert_true(outcome.iterations > 0);
-    free(work);
     mukca_pool_free(&pool);
     mukca_dataset_free(&data);
 }

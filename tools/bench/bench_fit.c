@@ -110,7 +110,7 @@ static void time_kernels(bench *b, int times)
                 if (kernel < 2)
                     mukca_cost_evaluate(NULL, kernel ? g : NULL, &cost, x);
                 else
-                    mukca_cost_normal(cost.scratch, &cost, x, false);
+                    mukca_cost_normal(cost.matrix[0], &cost, x, false);
             }
             b->times[i] = (processor_seconds() - start) / CALLS;
         }
