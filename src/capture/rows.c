@@ -36,24 +36,6 @@ static int find_posture(const mukca_capture *capture, const double *q, double li
     return -1;
 }
 
-/* Mean of the predictions at a socket, without sample `without` (-1: all); returns the number of
- * samples. */
-static int socket_mean(double mean[3], const mukca_capture *capture, int socket, int without)
-{
-    const mukca_dataset *rows = &capture->rows;
-    int n = 0;
-    memset(mean, 0, 3 * sizeof *mean);
-    for (int i = 0; i < rows->n_rows; i++) {
-        double x[3];
-        if (rows->socket[i] != socket || i == without) continue;
-        mukca_fk_position(x, &capture->model.geometry, rows->q + i * rows->n_joints, NULL);
-        for (int k = 0; k < 3; k++) mean[k] += x[k];
-        n++;
-    }
-    for (int k = 0; k < 3 && n; k++) mean[k] /= n;
-    return n;
-}
-
 /* Socket of the current placement, or of `any`, nearest to x, and its distance; -1: no samples
  * yet. */
 static int nearest_socket(double *how_far, const mukca_capture *capture, const double x[3],
@@ -66,7 +48,7 @@ static int nearest_socket(double *how_far, const mukca_capture *capture, const d
         double mean[3];
         const bool here =
             any || rows->sockets[s].placement == rows->sockets[capture->socket].placement;
-        if (!here || !socket_mean(mean, capture, s, without)) continue;
+        if (!here || !mukca_socket_mean(mean, &capture->model.geometry, rows, s, without)) continue;
         double d = mukca_distance3(x, mean);
         if (d < *how_far) {
             *how_far = d;
@@ -142,11 +124,9 @@ mukca_status mukca_capture_select(mukca_capture *capture, const char *placement,
                                   mukca_error *error)
 {
     mukca_dataset *rows = &capture->rows;
-    int p = 0, s = 0;
+    int p = 0, s = mukca_dataset_find_socket(rows, placement, socket);
     while (p < rows->n_placements && strcmp(rows->placements[p].name, placement) != 0) p++;
-    while (s < rows->n_sockets &&
-           (rows->sockets[s].placement != p || strcmp(rows->sockets[s].label, socket) != 0))
-        s++;
+    if (s < 0) s = rows->n_sockets;
     if (p == MUKCA_CAPTURE_MAX_PLACEMENTS || s == MUKCA_CAPTURE_MAX_SOCKETS)
         return mukca_fail(error, MUKCA_INPUT, "too many placements: begin another session");
     if (p == rows->n_placements) {
@@ -187,7 +167,7 @@ void mukca_capture_spread(double *rms, double *last, const mukca_capture *captur
 {
     const mukca_dataset *rows = &capture->rows;
     double mean[3], x[3], apart = 0, squares = 0;
-    const int n = socket_mean(mean, capture, socket, -1);
+    const int n = mukca_socket_mean(mean, &capture->model.geometry, rows, socket, -1);
     for (int i = 0; i < rows->n_rows; i++) {
         if (rows->socket[i] != socket) continue;
         mukca_fk_position(x, &capture->model.geometry, rows->q + i * rows->n_joints, NULL);
@@ -219,7 +199,7 @@ static void remark(char text[MUKCA_CAPTURE_TEXT], mukca_capture *capture, int tw
     text[0] = '\0';
     mukca_fk_position(x, &capture->model.geometry, q, NULL);
     int nearest = nearest_socket(&how_far, capture, x, latest, false);
-    int n = socket_mean(own, capture, capture->socket, latest);
+    int n = mukca_socket_mean(own, &capture->model.geometry, rows, capture->socket, latest);
     double off = n ? mukca_distance3(x, own) : 0;
     double usual = n ? mukca_capture_expected_offset(capture, capture->socket, q, latest) : 0;
     const mukca_socket *sockets = rows->sockets;

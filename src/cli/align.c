@@ -4,6 +4,7 @@
 #include "cli/cli.h"
 #include "fit/align.h"
 #include "fit/evaluate.h"
+#include "model/dataset_subset.h"
 
 typedef struct {
     cli_common common;
@@ -97,20 +98,17 @@ static mukca_status find_shared(cli_call *call)
     w->shared = MUKCA_TAKE(&call->pool, mukca_shared_socket, l->data.n_sockets);
     w->socket = MUKCA_TAKE(&call->pool, int, l->data.n_sockets);
     if (!w->shared || !w->socket) return cli_fail(call, MUKCA_MEMORY, "out of memory");
-    for (int i = 0; i < l->data.n_sockets; i++)
-        for (int k = 0; k < r->data.n_sockets; k++) {
-            if (!l->of.count[i] || !r->of.count[k] ||
-                strcmp(placement_of(l, i), placement_of(r, k)) != 0 ||
-                strcmp(l->data.sockets[i].label, r->data.sockets[k].label) != 0)
-                continue;
-            mukca_shared_socket *s = &w->shared[w->n];
-            memcpy(s->at[0], l->of.mean[i], sizeof s->at[0]);
-            memcpy(s->at[1], r->of.mean[k], sizeof s->at[1]);
-            s->variance[0] = l->variance / l->of.count[i];
-            s->variance[1] = r->variance / r->of.count[k];
-            w->socket[w->n++] = i;
-            break;
-        }
+    for (int i = 0; i < l->data.n_sockets; i++) {
+        const int k =
+            mukca_dataset_find_socket(&r->data, placement_of(l, i), l->data.sockets[i].label);
+        if (k < 0 || !l->of.count[i] || !r->of.count[k]) continue;
+        mukca_shared_socket *s = &w->shared[w->n];
+        memcpy(s->at[0], l->of.mean[i], sizeof s->at[0]);
+        memcpy(s->at[1], r->of.mean[k], sizeof s->at[1]);
+        s->variance[0] = l->variance / l->of.count[i];
+        s->variance[1] = r->variance / r->of.count[k];
+        w->socket[w->n++] = i;
+    }
     if (w->n > 0) return MUKCA_OK;
     return cli_fail(call, MUKCA_INPUT,
                     "the sessions share no socket: none has the same placement and label in both "

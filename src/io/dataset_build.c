@@ -9,6 +9,7 @@
 #include "base/list.h"
 #include "base/note.h"
 #include "base/utf8.h"
+#include "model/dataset_subset.h"
 
 /* Reallocate the list to count * size bytes; NULL, with the error set, if memory is exhausted. */
 static void *resize(void *list, size_t count, size_t size, const mukca_dataset_builder *builder)
@@ -226,14 +227,6 @@ mukca_status mukca_distances_set(mukca_dataset_builder *b, double distance)
     return MUKCA_OK;
 }
 
-static int find_label(const mukca_dataset *d, int placement, const char *label)
-{
-    for (int s = 0; s < d->n_sockets; s++)
-        if (d->sockets[s].placement == placement && strcmp(d->sockets[s].label, label) == 0)
-            return s;
-    return -1;
-}
-
 /* Apply one row of --distances to all placements with both sockets. */
 static void set_distance(void *context, mukca_table *t, const int *column)
 {
@@ -248,7 +241,9 @@ static void set_distance(void *context, mukca_table *t, const int *column)
         mukca_table_fail(t, column[1], "is the same socket as socket_a");
     bool used = false;
     for (int p = 0; p < d->n_placements && t->status == MUKCA_OK; p++) {
-        int a = find_label(d, p, label[0]), c = find_label(d, p, label[1]);
+        const char *name = d->placements[p].name;
+        const int a = mukca_dataset_find_socket(d, name, label[0]),
+                  c = mukca_dataset_find_socket(d, name, label[1]);
         if (a < 0 || c < 0) continue;
         const int low = a < c ? a : c, high = a < c ? c : a;
         for (int k = 0; k < d->n_distances; k++)

@@ -58,6 +58,16 @@ int mukca_postures_find(int *posture, mukca_pool *pool, const mukca_dataset *dat
 void mukca_postures_move(double *move, int *repeat, mukca_pool *pool, const int *posture,
                          const mukca_dataset *data, const double *q);
 
+/* ---- sockets (postures.c) ---- */
+
+/* Index of the socket with this label in the placement of this name; -1: none. */
+int mukca_dataset_find_socket(const mukca_dataset *data, const char *placement, const char *label);
+
+/* Mean of the predicted tips of a socket's samples but `without` (-1: of all), m; returns their
+ * number. */
+int mukca_socket_mean(double mean[3], const mukca_geometry *geometry, const mukca_dataset *data,
+                      int socket, int without);
+
 /* Draw a posture q[n_joints] within the joint limits; a joint without limits turns once, or travels
  * 1 m. */
 void mukca_posture_draw(double *q, const mukca_chain *chain, mukca_random *random);

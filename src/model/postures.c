@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "math/stats.h"
 
@@ -139,4 +140,29 @@ void mukca_posture_draw(double *q, const mukca_chain *chain, mukca_random *rando
         const double upper = isfinite(e->upper) ? e->upper : half;
         q[j] = lower + (upper - lower) * mukca_random_uniform(random);
     }
+}
+
+int mukca_dataset_find_socket(const mukca_dataset *d, const char *placement, const char *label)
+{
+    for (int s = d->n_sockets - 1; s >= 0; s--)
+        if (strcmp(d->sockets[s].label, label) == 0 &&
+            strcmp(d->placements[d->sockets[s].placement].name, placement) == 0)
+            return s;
+    return -1;
+}
+
+int mukca_socket_mean(double mean[3], const mukca_geometry *geometry, const mukca_dataset *data,
+                      int socket, int without)
+{
+    int n = 0;
+    memset(mean, 0, 3 * sizeof *mean);
+    for (int i = 0; i < data->n_rows; i++) {
+        double x[3];
+        if (data->socket[i] != socket || i == without) continue;
+        mukca_fk_position(x, geometry, data->q + i * data->n_joints, NULL);
+        for (int k = 0; k < 3; k++) mean[k] += x[k];
+        n++;
+    }
+    for (int k = 0; k < 3 && n; k++) mean[k] /= n;
+    return n;
 }

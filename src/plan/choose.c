@@ -51,30 +51,22 @@ int mukca_plan_draw_candidates(mukca_planner *p, int room, int k)
 
 /* ---- recorded samples ---- */
 
-/* Index in the plan of the socket of sample `row`; -1 for a socket outside the plan. */
-static int socket_of_row(const mukca_plan_task *task, int row)
-{
-    const int k = task->data->socket[row];
-    if (k < 0) return -1;
-    const mukca_socket *is = &task->data->sockets[k];
-    for (int i = 0; i < task->n_sockets; i++)
-        if (strcmp(task->sockets[i].label, is->label) == 0 &&
-            strcmp(task->sockets[i].placement, task->data->placements[is->placement].name) == 0)
-            return i;
-    return -1;
-}
-
 static void add_recorded(mukca_planner *p)
 {
     const mukca_dataset *data = p->task->data;
+    const mukca_plan_socket *sockets = p->task->sockets;
     const double *before = NULL;
+    int of[MUKCA_PLAN_MAX_SOCKETS]; /* sockets of the data */
+    for (int k = 0; data && k < p->task->n_sockets; k++)
+        of[k] = mukca_dataset_find_socket(data, sockets[k].placement, sockets[k].label);
     for (int r = 0; data && r < data->n_rows; r++) {
         const double *q = data->q + r * data->n_joints;
-        const int k = socket_of_row(p->task, r);
-        if (k < 0) continue;
+        int k = 0;
+        while (k < p->task->n_sockets && (of[k] < 0 || of[k] != data->socket[r])) k++;
+        if (k == p->task->n_sockets) continue;
         const double kg = data->payload ? data->payload[r] : 0;
         p->state.payload = isfinite(kg) ? kg : 0;
-        mukca_plan_design(p->spare, &p->state, q, p->task->sockets[k].place, before);
+        mukca_plan_design(p->spare, &p->state, q, sockets[k].place, before);
         mukca_plan_state_row(&p->state, p->spare, k, 1);
         before = q;
         p->recorded[k]++;

@@ -185,20 +185,13 @@ int mukca_plan_sockets(mukca_plan_socket *sockets, int room, const mukca_geometr
 {
     int n = 0;
     for (int k = 0; k < data->n_sockets && n < room; k++) {
-        double sum[3] = {0}, position[3];
-        int rows = 0;
-        for (int r = 0; r < data->n_rows; r++) {
-            if (data->socket[r] != k) continue;
-            mukca_fk_position(position, geometry, data->q + r * data->n_joints, NULL);
-            for (int i = 0; i < 3; i++) sum[i] += position[i];
-            rows++;
-        }
-        if (rows == 0) continue;
+        double centre[3];
+        if (!mukca_socket_mean(centre, geometry, data, k, -1)) continue;
         mukca_plan_socket *s = &sockets[n++];
         s->place = data->sockets[k].placement;
         memcpy(s->label, data->sockets[k].label, sizeof s->label);
         memcpy(s->placement, data->placements[s->place].name, sizeof s->placement);
-        for (int i = 0; i < 3; i++) s->centre[i] = sum[i] / rows;
+        memcpy(s->centre, centre, sizeof s->centre);
     }
     return n;
 }
