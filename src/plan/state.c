@@ -101,25 +101,16 @@ static double factor(double *A, int m)
     return sum;
 }
 
-/* g = S^-1 G_r; S holds its Cholesky factor. */
-static void solve(double g[3], const double S[9], const double *G_r)
-{
-    memcpy(g, G_r, 3 * sizeof *g);
-    mukca_dense_forward(g, 1, S, 3);
-    mukca_dense_backward(g, 1, S, 3);
-}
-
-/* Decrease of the weighted mean square error at the evaluation points, tr(W G S^-1 G'). */
-static double accuracy_gain(const mukca_plan_state *s, const double S[9])
+/* Decrease of the weighted mean square error at the evaluation points, tr(W G G'). */
+static double accuracy_gain(const mukca_plan_state *s)
 {
     double gain = 0;
     const int n = s->at.n;
     for (int r = 0; r < n; r++) {
-        double g[3], wg[3] = {0};
+        double wg[3] = {0};
         for (int c = 0; c < n; c++)
             for (int i = 0; i < 3; i++) wg[i] += s->W[r * n + c] * s->G[WIDE * c + i];
-        solve(g, S, s->G + WIDE * r);
-        gain += mukca_dot3(g, wg);
+        gain += mukca_dot3(s->G + WIDE * r, wg);
     }
     return gain;
 }
@@ -133,7 +124,7 @@ static void covariance_of(double *C, const mukca_plan_state *s, int first, int m
 }
 
 /* Sum over the causes of the decrease of their covariance's log determinant. */
-static double cause_gain(const mukca_plan_state *s, const double S[9])
+static double cause_gain(const mukca_plan_state *s)
 {
     double gain = 0;
     for (int e = 0, first = 0; e < s->at.n_effects; first += s->at.effects[e++].terms) {
@@ -141,12 +132,8 @@ static double cause_gain(const mukca_plan_state *s, const double S[9])
         const double *G = s->G + WIDE * (s->at.parameters.n + first);
         const int m = s->at.effects[e].terms;
         covariance_of(before, s, first, m);
-        for (int i = 0; i < m; i++) {
-            double g[3];
-            solve(g, S, G + WIDE * i);
-            for (int j = 0; j < m; j++)
-                after[i * m + j] = before[i * m + j] - mukca_dot3(g, G + WIDE * j);
-        }
+        for (int i = 0; i < m * m; i++)
+            after[i] = before[i] - mukca_dot3(G + WIDE * (i / m), G + WIDE * (i % m));
         gain += factor(before, m) - factor(after, m);
     }
     return gain;
@@ -173,7 +160,8 @@ double mukca_plan_gain(mukca_plan_state *s, const double *H, int socket)
     const double log_det = factor(S, 3);
     if (!s->accuracy && s->at.n_effects == 0) return log_det - 3 * log(noise);
     mukca_dense_backward(G, WIDE, of->of.factor, n);
-    return s->accuracy ? accuracy_gain(s, S) : cause_gain(s, S);
+    for (int c = 0; c < n; c++) mukca_dense_forward(G + WIDE * c, 1, S, 3);
+    return s->accuracy ? accuracy_gain(s) : cause_gain(s);
 }
 
 void mukca_plan_look_elsewhere(mukca_plan_state *s, const mukca_plan_rules *rules, uint64_t seed)
