@@ -5,6 +5,7 @@
 
 #include "base/pool.h"
 #include "close.h"
+#include "infer/posterior.h"
 #include "infer/sets.h"
 #include "infer/whitening.h"
 
@@ -250,6 +251,67 @@ static void check_shape(mukca_noise_family family)
     mukca_whitening_apply(&(mukca_whitened){1, 1, x, left, again}, &w, &l.samples);
     for (int i = 0; i < BLOCKS * DIM; i++) assert_close(again[i], 0, 1e-10);
     for (int i = 0; i < COLUMNS; i++) assert_close(left[i], turned[i], 1e-10);
+    mukca_pool_free(&pool);
+}
+
+/* Observations of three groups, the first with a mean, the others with all own unknowns, and one
+ * that is added and removed: mean, variance and residuals are those of one regression with all
+ * unknowns, of which the coefficients have priors. */
+TEST(groups)
+{
+    enum { N = 4, GROUPS = 3, ROWS = 12, WIDTH = MUKCA_OWN + N + 1, ALL = GROUPS * MUKCA_OWN + N };
+    static real A[ALL * ALL];
+    double x[ROWS][3 * WIDTH] = {{0}}, right[ALL] = {0}, unit[ALL] = {0}, row[N] = {1, 0, 0, 0};
+    const double centre[N] = {0.1, -0.2, 0, 0.3}, noise = 0.1;
+    uint64_t seed = 5;
+    mukca_pool pool = {0};
+    mukca_grouped g;
+    assert_true(mukca_grouped_create(&g, &pool, N, GROUPS, 0));
+    g.noise = noise;
+    for (int i = 0; i < N; i++) g.of.prior[i] = 0.5 + i;
+    for (int i = 0; i < ALL; i++) A[(ALL + 1) * i] = 1e-12L; /* undetermined own unknowns */
+    for (int i = 0; i < N; i++) {
+        const int at = GROUPS * MUKCA_OWN + i;
+        A[(ALL + 1) * at] = 1 / (real)(g.of.prior[i] * g.of.prior[i]);
+        right[at] = centre[i] / (g.of.prior[i] * g.of.prior[i]);
+    }
+    for (int r = 0; r < ROWS; r++) {
+        const int group = r % GROUPS, own = group ? MUKCA_OWN : 3;
+        const double weight = 1 + r % 2;
+        for (int a = 0; a < 3; a++)
+            for (int c = 0; c < WIDTH; c++)
+                x[r][a * WIDTH + c] = c < own || c >= MUKCA_OWN ? draw(&seed) : 0;
+        for (int k = 0; k < 3 - 2 * (r == 3); k++) /* the others are added, removed and added */
+            mukca_grouped_add(&g, x[r], group, k % 2 ? -weight : weight);
+        for (int a = 0; a < 3; a++)
+            for (int i = 0; i < WIDTH - 1; i++) {
+                const double *y = x[r] + a * WIDTH, by = weight / (noise * noise);
+                const int at = i < MUKCA_OWN ? group * MUKCA_OWN + i : ALL - WIDTH + 1 + i;
+                right[at] += by * y[i] * y[WIDTH - 1];
+                for (int k = 0; k < WIDTH - 1; k++)
+                    A[at * ALL + (k < MUKCA_OWN ? group * MUKCA_OWN + k : ALL - WIDTH + 1 + k)] +=
+                        by * y[i] * y[k];
+            }
+    }
+    factor(A, ALL);
+    mukca_grouped_solve(&g, centre);
+    for (int i = 0; i < N; i++) {
+        memset(unit, 0, sizeof unit);
+        unit[GROUPS * MUKCA_OWN + i] = 1;
+        assert_close(g.mean[i], (double)product(A, unit, right, ALL), 1e-9);
+        if (i == 0)
+            assert_close(mukca_posterior_variance(row, &g.of), (double)product(A, unit, unit, ALL),
+                         1e-10);
+    }
+    double e[3], sum = 0;
+    for (int i = 0; i < MUKCA_OWN; i++) {
+        memset(unit, 0, sizeof unit);
+        unit[2 * MUKCA_OWN + i] = 1;
+        sum += x[2][i] * (double)product(A, unit, right, ALL);
+    }
+    for (int i = 0; i < N; i++) sum += x[2][MUKCA_OWN + i] * g.mean[i];
+    mukca_grouped_residual(e, &g, x[2], 2);
+    assert_close(e[0], sum - x[2][WIDTH - 1], 1e-8);
     mukca_pool_free(&pool);
 }
 
