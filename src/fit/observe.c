@@ -184,14 +184,15 @@ void mukca_observe_gradient(double *gradient, mukca_observations *o, const doubl
 {
     mukca_adjoint adjoint;
     sum_adjoints(&adjoint, o);
-    for (int i = 0, element = -1; i < parameters->n; i++) {
+    for (int i = 0; i < parameters->n;) {
         const int k = parameters->index[i] / MUKCA_PARAMETERS;
-        const int parameter = parameters->index[i] % MUKCA_PARAMETERS;
         double dR[3][9];
-        if (k != element) mukca_sweep_element_derivative(dR, theta + 6 * k + 3, kind);
-        element = k;
-        gradient[i] = parameter < 3 ? adjoint.sum[k][parameter] : 0;
-        for (int c = 0; c < 9 && parameter >= 3; c++)
-            gradient[i] += dR[parameter - 3][c] * adjoint.outer[k][c];
+        mukca_sweep_element_derivative(dR, theta + 6 * k + 3, kind);
+        for (; i < parameters->n && parameters->index[i] / MUKCA_PARAMETERS == k; i++) {
+            const int parameter = parameters->index[i] % MUKCA_PARAMETERS;
+            gradient[i] = parameter < 3 ? adjoint.sum[k][parameter] : 0;
+            for (int c = 0; c < 9 && parameter >= 3; c++)
+                gradient[i] += dR[parameter - 3][c] * adjoint.outer[k][c];
+        }
     }
 }

@@ -206,18 +206,17 @@ void mukca_orientations_gradient(double *gradient, mukca_observations *o, const 
         mukca_sweep_open(&o->sweep, v);
         add_window(&adjoint, o);
     }
-    for (int i = 0, element = -1; i < parameters->n; i++) {
+    for (int i = 0; i < parameters->n;) {
         const int k = parameters->index[i] / MUKCA_PARAMETERS;
-        const int parameter = parameters->index[i] % MUKCA_PARAMETERS;
         double dR[3][9], R[9], omega[3];
-        if (parameter < 3) continue;
-        if (k != element) {
-            mukca_sweep_element_derivative(dR, theta + 6 * k + 3, kind);
-            mukca_rotation_from_rpy(R, theta + 6 * k + 3);
+        mukca_sweep_element_derivative(dR, theta + 6 * k + 3, kind);
+        mukca_rotation_from_rpy(R, theta + 6 * k + 3);
+        for (; i < parameters->n && parameters->index[i] / MUKCA_PARAMETERS == k; i++) {
+            const int parameter = parameters->index[i] % MUKCA_PARAMETERS;
+            if (parameter < 3) continue;
+            find_spin(omega, dR[parameter - 3], R);
+            gradient[i] += mukca_dot3(adjoint.sum[k], omega);
         }
-        element = k;
-        find_spin(omega, dR[parameter - 3], R);
-        gradient[i] += mukca_dot3(adjoint.sum[k], omega);
     }
 }
 
