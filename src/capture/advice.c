@@ -46,14 +46,15 @@ double mukca_capture_expected_offset(const mukca_capture *capture, int socket, c
  * projected out.  NaN: out of memory. */
 static double expected_error(mukca_arm_posterior *p)
 {
-    const int w = p->of.width, m = 3 * PROBES;
+    const int w = p->groups.width, m = 3 * PROBES;
     double *X = MUKCA_TAKE(&p->pool, double, m *w), sum = 0;
     double *q = MUKCA_TAKE(&p->pool, double, PROBES * p->chain.n_joints);
     mukca_random random;
     if (p->pool.failed) return (double)NAN;
     mukca_arm_posterior_probe(X, w, q, p, &p->chain, PROBES, &random);
     mukca_dense_project(X, m, w, 0, MUKCA_OWN);
-    for (int k = 0; k < m; k++) sum += mukca_posterior_variance(X + k * w + MUKCA_OWN, &p->of.of);
+    for (int k = 0; k < m; k++)
+        sum += mukca_posterior_variance(X + k * w + MUKCA_OWN, &p->groups.posterior);
     return sqrt(sum / PROBES);
 }
 
@@ -90,8 +91,8 @@ static mukca_status drop_coincident(mukca_dataset *view, double *apart,
 static void advise(mukca_capture_advice *advice, mukca_capture *capture, mukca_arm_posterior *p)
 {
     const int here = mukca_capture_count(capture, capture->socket);
-    const mukca_posterior *of = &p->of.of;
-    capture->noise = p->of.noise;
+    const mukca_posterior *of = &p->groups.posterior;
+    capture->noise = p->groups.noise;
     for (int i = 0; i < of->n; i++) capture->model.sigma[i] = p->at.sigma[i] * of->prior[i];
     memcpy(capture->factor, of->factor, (size_t)(of->n * of->n) * sizeof *of->factor);
     mukca_arm_point_move(&capture->model, p->at.theta);

@@ -78,19 +78,19 @@ static mukca_status set_up(mukca_arm_posterior *p, mukca_error *error)
             at->sigma[at->n++] = fmax(3 * fabs(*value), 1e-12);
             *value = 0;
         }
-    mukca_grouped_create(&p->of, &p->pool, at->n,
+    mukca_grouped_create(&p->groups, &p->pool, at->n,
                          p->data.n_sockets + p->data.n_files * (p->data.n_targets + 1),
                          p->data.n_distances);
     p->mean = MUKCA_TAKE(&p->pool, double, at->n + 1);
     p->inverse = MUKCA_TAKE(&p->pool, double, at->n * at->n + 1);
     for (int i = 0; i < p->n_list; i++)
-        p->list[i].x = MUKCA_TAKE(&p->pool, double, 3 * p->of.width);
+        p->list[i].x = MUKCA_TAKE(&p->pool, double, 3 * p->groups.width);
     if (p->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    p->of.noise = MUKCA_PRIOR_NOISE;
-    p->of.pair_noise = distance_sigma;
+    p->groups.noise = MUKCA_PRIOR_NOISE;
+    p->groups.pair_noise = distance_sigma;
     for (int k = 0; k < p->data.n_distances; k++) {
         const mukca_distance *d = &p->data.distances[k];
-        p->of.pair[k] = (mukca_group_pair){d->a, d->b, d->distance, 0};
+        p->groups.pair[k] = (mukca_group_pair){d->a, d->b, d->distance, 0};
     }
     return MUKCA_OK;
 }
@@ -141,7 +141,7 @@ static void add_rows(mukca_arm_posterior *p, const double *theta, int first, int
         for (int a = 0; a < 3; a++)
             m[a] = p->data.position[3 * (size_t)row + (size_t)a] - p->tracker.p[a];
         mukca_mat3_tvec(at, p->tracker.R, m);
-        for (int a = 0; a < 3; a++) o->x[(a + 1) * p->of.width - 1] += at[a];
+        for (int a = 0; a < 3; a++) o->x[(a + 1) * p->groups.width - 1] += at[a];
     }
 }
 
@@ -173,15 +173,15 @@ static bool linearise(mukca_arm_posterior *p)
     double theta[MUKCA_MAX_THETA];
     if (!keep) return false;
     for (int i = 0; i < p->n_list; i++)
-        memset(p->list[i].x, 0, 3 * (size_t)p->of.width * sizeof *p->list[i].x);
-    add_rows(p, p->at.theta, 0, framed ? p->data.n_sockets : p->of.n_groups);
-    for (int g = p->data.n_sockets; g < p->of.n_groups && framed; g++) {
+        memset(p->list[i].x, 0, 3 * (size_t)p->groups.width * sizeof *p->list[i].x);
+    add_rows(p, p->at.theta, 0, framed ? p->data.n_sockets : p->groups.n_groups);
+    for (int g = p->data.n_sockets; g < p->groups.n_groups && framed; g++) {
         memcpy(theta, p->at.theta, sizeof theta);
         if (!align(theta, p, g, keep)) return false;
         add_rows(p, theta, g, g + 1);
     }
     for (int i = 0; i < p->n_list; i++)
-        for (int k = 0; k < 3 * p->of.width; k++) p->list[i].x[k] /= p->list[i].rows;
+        for (int k = 0; k < 3 * p->groups.width; k++) p->list[i].x[k] /= p->list[i].rows;
     return true;
 }
 
@@ -191,11 +191,11 @@ static void choose_distances(mukca_arm_posterior *p)
 {
     double variance;
     int kept = 0;
-    for (int k = 0; k < p->of.n_pairs; k++)
-        if (mukca_grouped_pair(p->of.row, &variance, &p->of, k) &&
-            fabs(p->of.row[p->at.n]) < wrong_label)
-            p->of.pair[k].weight = 1, kept++;
-    for (int k = 0; k < p->of.n_pairs && !kept; k++) p->of.pair[k].weight = 1;
+    for (int k = 0; k < p->groups.n_pairs; k++)
+        if (mukca_grouped_pair(p->groups.row, &variance, &p->groups, k) &&
+            fabs(p->groups.row[p->at.n]) < wrong_label)
+            p->groups.pair[k].weight = 1, kept++;
+    for (int k = 0; k < p->groups.n_pairs && !kept; k++) p->groups.pair[k].weight = 1;
 }
 
 /* The tool has a prior of its own, of one scale; so has an effect. */
@@ -207,46 +207,46 @@ static bool is_scaled(const mukca_arm_posterior *p, int i)
 
 void mukca_arm_posterior_solve(mukca_arm_posterior *p)
 {
-    for (int i = 0; i < p->at.n; i++) p->of.of.prior[i] = is_scaled(p, i) ? p->scale : 1;
-    mukca_grouped_clear(&p->of);
+    for (int i = 0; i < p->at.n; i++) p->groups.posterior.prior[i] = is_scaled(p, i) ? p->scale : 1;
+    mukca_grouped_clear(&p->groups);
     for (int i = 0; i < p->n_list; i++)
-        mukca_grouped_add(&p->of, p->list[i].x, p->list[i].group, p->list[i].weight);
-    mukca_grouped_solve(&p->of, p->mean);
+        mukca_grouped_add(&p->groups, p->list[i].x, p->list[i].group, p->list[i].weight);
+    mukca_grouped_solve(&p->groups, p->mean);
 }
 
 /* Weights, noise and scale of the prior from the last solution: one step of expectation and
  * maximisation, and of the evidence (MacKay 1992). */
 static void weigh(mukca_arm_posterior *p)
 {
-    mukca_grouped *of = &p->of;
-    const int n = p->at.n, count = 3 * p->n_list - of->n_own;
+    mukca_grouped *g = &p->groups;
+    const int n = p->at.n, count = 3 * p->n_list - g->n_own;
     double v[3], squares = 0, known = 0, of_arm = 0, deviation = 0;
     p->outliers = p->gross = 0;
-    p->worst_m = of->misfit = 0;
+    p->worst_m = g->misfit = 0;
     memset(p->inverse, 0, (size_t)(n * n) * sizeof *p->inverse);
     for (int i = 0; i < n; i++) p->inverse[i * n + i] = 1;
-    mukca_dense_forward(p->inverse, n, of->of.factor, n);
+    mukca_dense_forward(p->inverse, n, g->posterior.factor, n);
     for (int i = 0; i < n; i++) {
         double gain = 1;
         for (int k = i; k < n; k++) gain -= p->inverse[k * n + i] * p->inverse[k * n + i];
         known += gain;
         if (!is_scaled(p, i)) continue;
         of_arm += gain;
-        deviation += (of->mean[i] - p->mean[i]) * (of->mean[i] - p->mean[i]);
+        deviation += (g->mean[i] - p->mean[i]) * (g->mean[i] - p->mean[i]);
     }
     for (int i = 0; i < p->n_list; i++) {
         mukca_arm_observation *o = &p->list[i];
-        const double e = mukca_grouped_residual(v, of, o->x, o->group), z = e / of->noise;
+        const double e = mukca_grouped_residual(v, g, o->x, o->group), z = e / g->noise;
         o->weight = (freedom + 3) / (freedom + z * z);
         squares += o->weight * e * e;
         p->outliers += z > outlier;
-        if (o->group < p->data.n_sockets) of->misfit += o->weight * e * e;
+        if (o->group < p->data.n_sockets) g->misfit += o->weight * e * e;
         p->gross += e > gross_error;
         p->worst_m = fmax(p->worst_m, e);
     }
-    of->noise = sqrt((noise_weight * MUKCA_PRIOR_NOISE * MUKCA_PRIOR_NOISE + squares) /
-                     (noise_weight + fmax(count - known, 0)));
-    of->misfit /= of->noise * of->noise;
+    g->noise = sqrt((noise_weight * MUKCA_PRIOR_NOISE * MUKCA_PRIOR_NOISE + squares) /
+                    (noise_weight + fmax(count - known, 0)));
+    g->misfit /= g->noise * g->noise;
     p->scale = fmin(sqrt((scale_weight + deviation) / (scale_weight + of_arm)), most_scale);
 }
 
@@ -261,7 +261,7 @@ bool mukca_arm_posterior_turns(const mukca_arm_posterior *p, int joint)
         if (!o) continue;
         mukca_fk_frames(frame, NULL, &p->at.geometry, p->data.q + row * p->data.n_joints, NULL);
         mukca_mat3_vec(axis, frame[element].R, p->chain.element[element].axis);
-        const double all = mukca_grouped_residual(e, &p->of, o->x, o->group),
+        const double all = mukca_grouped_residual(e, &p->groups, o->x, o->group),
                      part = mukca_dot3(axis, e);
         along += o->weight * part * part;
         across += o->weight * (all * all - part * part) / 2;
@@ -272,7 +272,7 @@ bool mukca_arm_posterior_turns(const mukca_arm_posterior *p, int joint)
 /* Set the unknowns to the posterior mean. */
 static void advance(mukca_arm_posterior *p)
 {
-    const double *step = p->of.mean, *sigma = p->at.sigma;
+    const double *step = p->groups.mean, *sigma = p->at.sigma;
     int c = p->at.parameters.n;
     for (int i = 0; i < c; i++) p->at.theta[p->at.parameters.index[i]] += step[i] * sigma[i];
     for (int e = 0; e < p->at.n_effects; e++)
@@ -305,7 +305,7 @@ mukca_status mukca_arm_posterior_fit(mukca_arm_posterior *p, const mukca_tip_cha
 void mukca_arm_posterior_probe(double *X, int ld, double *q, const mukca_arm_posterior *p,
                                const mukca_chain *range, int n, mukca_random *random)
 {
-    const int w = p->of.width;
+    const int w = p->groups.width;
     double x[3 * (MUKCA_OWN + MUKCA_MOST_UNKNOWNS + 1)];
     mukca_random_seed(random, 1);
     for (int i = 0; i < n; i++, q += p->chain.n_joints) {

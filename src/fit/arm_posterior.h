@@ -64,27 +64,27 @@ typedef struct {
     mukca_frame tracker; /* of the group in work */
     int n_list, postures;
     mukca_arm_observation *list;
-    int *of_row;         /* [n_rows] observation */
-    mukca_grouped of;    /* at `at`; its prior sigmas are factors of `sigma` */
-    double *mean;        /* [n] of the prior, from the present unknowns */
-    double *inverse;     /* [n][n] scratch */
-    double scale;        /* of the priors of the arm's joints */
-    int outliers, gross; /* observations beyond the noise; beyond any arm and noise */
-    double worst_m;      /* largest error of an observation */
+    int *of_row;          /* [n_rows] observation */
+    mukca_grouped groups; /* at `at`; its prior sigmas are factors of `sigma` */
+    double *mean;         /* [n] of the prior, from the present unknowns */
+    double *inverse;      /* [n][n] scratch */
+    double scale;         /* of the priors of the arm's joints */
+    int outliers, gross;  /* observations beyond the noise; beyond any arm and noise */
+    double worst_m;       /* largest error of an observation */
     mukca_pool pool;
 } mukca_arm_posterior;
 
 /* Prior of the measurement noise, m: the repeatability of a printed socket is 0.1 to 0.2 mm. */
 #define MUKCA_PRIOR_NOISE 1.5e-4
 
-/* Gauss-Newton from the nominal arm: p->of at p->at, with the effects of the task's table (NULL:
- * none).  Recordings of more than 5000 rows are thinned.  Free it also after an error.  Errors:
- * MUKCA_MEMORY. */
+/* Gauss-Newton from the nominal arm: p->groups at p->at, with the effects of the task's table
+ * (NULL: none).  Recordings of more than 5000 rows are thinned.  Free it also after an error.
+ * Errors: MUKCA_MEMORY. */
 mukca_status mukca_arm_posterior_fit(mukca_arm_posterior *p, const mukca_tip_change_task *task,
                                      mukca_error *error);
 void mukca_arm_posterior_free(mukca_arm_posterior *p);
 
-/* Set p->of with the present weights, noise and scale. */
+/* Set p->groups with the present weights, noise and scale. */
 void mukca_arm_posterior_solve(mukca_arm_posterior *p);
 
 /* After the fit: whether the residuals are those of a tip that turns about the axis of a joint

@@ -33,19 +33,19 @@ static void sample(mukca_tip_error *out, int where, bool projected, const mukca_
 {
     double errors[DRAWS];
     double z[MUKCA_MOST_UNKNOWNS];
-    const int n = p->at.n, w = p->of.width + 2;
+    const int n = p->at.n, w = p->groups.width + 2;
     for (int k = 0; k < DRAWS; k++) {
         double sum[2] = {0, 0};
         for (int i = 0; i < n; i++) z[i] = mukca_random_normal(random);
-        mukca_dense_backward(z, 1, p->of.of.factor, n);
-        for (int i = 0; i < n; i++) z[i] *= p->of.of.prior[i];
+        mukca_dense_backward(z, 1, p->groups.posterior.factor, n);
+        for (int i = 0; i < n; i++) z[i] *= p->groups.posterior.prior[i];
         for (int i = 0; i < PROBES; i++) {
             double square[2] = {0, 0};
             for (int a = 0; a < 3; a++) {
                 const double *x = X + (3 * i + a) * w;
                 double e = 0;
                 for (int c = 0; c < n; c++) e += x[MUKCA_OWN + c] * z[c];
-                for (int m = 0; m < 2; m++) square[m] += pow(x[p->of.width + m] - e, 2);
+                for (int m = 0; m < 2; m++) square[m] += pow(x[p->groups.width + m] - e, 2);
             }
             for (int m = 0; m < 2; m++) sum[m] += sqrt(square[m]) / PROBES;
         }
@@ -67,7 +67,7 @@ static void sample(mukca_tip_error *out, int where, bool projected, const mukca_
 static bool draw(mukca_tip_error *out, mukca_arm_posterior *p, const mukca_chain *range, int where)
 {
     const mukca_tip_change_task *task = p->task;
-    const int width = p->of.width, w = width + 2, rows = 3 * PROBES, joints = p->chain.n_joints;
+    const int width = p->groups.width, w = width + 2, rows = 3 * PROBES, joints = p->chain.n_joints;
     double *X = MUKCA_TAKE(&p->pool, double, rows *w);
     double *q = MUKCA_TAKE(&p->pool, double, PROBES *joints), tip[2][3];
     const int skip = task->base_frame ? MUKCA_PARAMETERS : 0, scale = p->poses ? MUKCA_OWN : 6;

@@ -58,7 +58,7 @@ void mukca_given_cross(double *G, mukca_sets *s, int a, int b)
 bool mukca_given_integrate(mukca_sets *s, const mukca_set *set)
 {
     const mukca_question *q = s->question;
-    mukca_posterior *with = &s->with.of;
+    mukca_posterior *with = &s->with.posterior;
     double *P = with->factor, *G = s->scratch->A;
     int n = 0;
     for (int m = 0; m < set->n; m++) {
@@ -90,18 +90,18 @@ bool mukca_given_integrate(mukca_sets *s, const mukca_set *set)
 /* Row stride of the inverse factor. */
 static int padded(const mukca_sets *s)
 {
-    return (s->with.of.n + 7) & ~7;
+    return (s->with.posterior.n + 7) & ~7;
 }
 
 void mukca_given_invert(mukca_sets *s)
 {
-    const int n = s->with.of.n, ld = padded(s);
+    const int n = s->with.posterior.n, ld = padded(s);
     double *T = s->with.inverse;
     memset(T, 0, sizeof *T * (size_t)(n * ld));
     for (int i = 0; i < n; i++) T[i * ld + i] = 1;
-    mukca_dense_forward8(T, ld, ld, s->with.of.factor, n);
-    memcpy(s->with.x, s->with.of.work, sizeof *T * (size_t)n);
-    mukca_dense_backward(s->with.x, 1, s->with.of.factor, n);
+    mukca_dense_forward8(T, ld, ld, s->with.posterior.factor, n);
+    memcpy(s->with.x, s->with.posterior.work, sizeof *T * (size_t)n);
+    mukca_dense_backward(s->with.x, 1, s->with.posterior.factor, n);
 }
 
 mukca_columns mukca_given_inverse_of(const mukca_sets *s, int member, int terms)
@@ -115,7 +115,7 @@ bool mukca_given_leave_out(double *M, double *w, const mukca_sets *s, int member
     const mukca_columns T = mukca_given_inverse_of(s, member, terms);
     const int at = s->with.at[member];
     memset(M, 0, sizeof *M * (size_t)(terms * terms));
-    mukca_dense_symmetric(M, T, T, s->with.of.n - at);
+    mukca_dense_symmetric(M, T, T, s->with.posterior.n - at);
     if (mukca_dense_cholesky(M, terms)) return false;
     memcpy(w, s->with.x + at, sizeof *w * (size_t)terms);
     mukca_dense_forward(w, 1, M, terms);
@@ -131,9 +131,10 @@ static bool condition_all(mukca_sets *s, const mukca_set *set)
         const double *G = s->gram[set->item[m]];
         for (int t = 0; t < q->item[set->item[m]].terms; t++, row++, G += q->stride)
             for (int k = 0; k < q->stride; k++)
-                s->with.B[row * q->stride + k] = s->with.of.prior[row] * G[k];
+                s->with.B[row * q->stride + k] = s->with.posterior.prior[row] * G[k];
     }
-    mukca_dense_forward8(s->with.B, q->stride, q->stride, s->with.of.factor, s->with.of.n);
+    mukca_dense_forward8(s->with.B, q->stride, q->stride, s->with.posterior.factor,
+                         s->with.posterior.n);
     return true;
 }
 
@@ -145,9 +146,9 @@ MUKCA_CLONES static void project_near(double *near, double *g, const mukca_sets 
     for (int k = 0; k < width; k += 4) {
         four sum[MUKCA_GIVEN_NEAR] = {{0}}, explained = {0};
         const double *row = s->with.B + k;
-        for (int i = 0; i < s->with.of.n; i++, row += width) {
+        for (int i = 0; i < s->with.posterior.n; i++, row += width) {
             const four own = LOAD4(row);
-            explained += s->with.of.work[i] * own;
+            explained += s->with.posterior.work[i] * own;
             for (int d = 0; d < MUKCA_GIVEN_NEAR; d++) sum[d] += own * LOAD4(row + d);
         }
         STORE4(g + k, LOAD4(s->question->g + k) - explained);
@@ -163,7 +164,7 @@ static void project(double *G, const mukca_sets *s, int item)
     const mukca_columns B = {s->with.B + h->at, k, s->question->stride};
     double *explained = s->scratch->D;
     memset(explained, 0, sizeof *G * (size_t)(k * k));
-    mukca_dense_symmetric(explained, B, B, s->with.of.n);
+    mukca_dense_symmetric(explained, B, B, s->with.posterior.n);
     for (int i = 0; i < k * k; i++) G[i] = s->block[item][i] - explained[i];
 }
 
@@ -193,7 +194,7 @@ void mukca_sets_gram(double *G, mukca_sets *s, int a, int b)
         memcpy(G, s->block[a], sizeof *G * (size_t)(x->terms * x->terms));
     else
         mukca_given_cross(G, s, a, b);
-    for (int r = 0; r < s->with.of.n; r++) {
+    for (int r = 0; r < s->with.posterior.n; r++) {
         const double *B = s->with.B + r * s->question->stride;
         for (int i = 0; i < x->terms; i++)
             for (int k = 0; k < y->terms; k++) G[i * y->terms + k] -= B[x->at + i] * B[y->at + k];
@@ -204,11 +205,11 @@ void mukca_sets_mean(double *mean, mukca_sets *s, const mukca_set *set)
 {
     memset(mean, 0, sizeof *mean * (size_t)s->question->stride);
     if (!mukca_given_integrate(s, set)) return;
-    mukca_dense_backward(s->with.of.work, 1, s->with.of.factor, s->with.of.n);
+    mukca_dense_backward(s->with.posterior.work, 1, s->with.posterior.factor, s->with.posterior.n);
     for (int m = 0, row = 0; m < set->n; m++)
         for (int t = 0; t < s->question->item[set->item[m]].terms; t++, row++)
             mean[s->question->item[set->item[m]].at + t] =
-                s->with.of.prior[row] * s->with.of.work[row];
+                s->with.posterior.prior[row] * s->with.posterior.work[row];
 }
 
 void mukca_sets_move(double *change, mukca_sets *s, const mukca_set *set, const double *delta,
@@ -222,16 +223,17 @@ void mukca_sets_move(double *change, mukca_sets *s, const mukca_set *set, const 
         const mukca_item *h = &q->item[set->item[m]];
         for (int t = 0; t < h->terms; t++, row++)
             for (int b = 0; b < MUKCA_DRAWS; b++)
-                v[row * MUKCA_DRAWS + b] = s->with.of.prior[row] *
+                v[row * MUKCA_DRAWS + b] = s->with.posterior.prior[row] *
                                            (q->g[h->at + t] + delta[(h->at + t) * MUKCA_DRAWS + b]);
     }
-    mukca_dense_forward8(v, MUKCA_DRAWS, MUKCA_DRAWS, s->with.of.factor, s->with.of.n);
-    for (int i = 0; i < s->with.of.n; i++)
+    mukca_dense_forward8(v, MUKCA_DRAWS, MUKCA_DRAWS, s->with.posterior.factor,
+                         s->with.posterior.n);
+    for (int i = 0; i < s->with.posterior.n; i++)
         for (int b = 0; b < MUKCA_DRAWS; b++)
             change[b] += v[i * MUKCA_DRAWS + b] * v[i * MUKCA_DRAWS + b];
     for (int b = 0; b < MUKCA_DRAWS; b++) {
         const double rest = fmax(q->residual + moved[b] - change[b], 1e-3 * q->residual);
-        change[b] = -0.5 * q->dof * log(rest / s->with.of.quadratic);
+        change[b] = -0.5 * q->dof * log(rest / s->with.posterior.quadratic);
         mean += change[b] / MUKCA_DRAWS;
     }
     for (int b = 0; b < MUKCA_DRAWS; b++) change[b] -= mean;

@@ -17,7 +17,7 @@ bool mukca_given_rows(mukca_sets *s, const unsigned short *item, int n);
 /* Gram block G[a.terms][b.terms] of two items; without memory 0. */
 void mukca_given_cross(double *G, mukca_sets *s, int a, int b);
 
-/* Integrate out a set: s->with.of.  False: not positive. */
+/* Integrate out a set: s->with.posterior.  False: not positive. */
 bool mukca_given_integrate(mukca_sets *s, const mukca_set *set);
 
 /* T := L^-1 and x := V D g of the set integrated out, V = T'T = (1 + D G D)^-1. */

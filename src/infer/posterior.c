@@ -69,7 +69,7 @@ double mukca_posterior_variance(double *row, const mukca_posterior *p)
 bool mukca_grouped_create(mukca_grouped *g, mukca_pool *pool, int n, int groups, int pairs)
 {
     const int size = n + 1, width = MUKCA_OWN + size;
-    *g = (mukca_grouped){.of.n = n,
+    *g = (mukca_grouped){.posterior.n = n,
                          .width = width,
                          .n_groups = groups,
                          .n_pairs = pairs,
@@ -81,14 +81,14 @@ bool mukca_grouped_create(mukca_grouped *g, mukca_pool *pool, int n, int groups,
                          .row = MUKCA_TAKE(pool, double, size),
                          .mean = MUKCA_TAKE(pool, double, size),
                          .solution = MUKCA_TAKE(pool, double, groups *MUKCA_OWN + 1)};
-    mukca_posterior_take(&g->of, pool, n);
-    for (int i = 0; i < n && !pool->failed; i++) g->of.prior[i] = 1;
+    mukca_posterior_take(&g->posterior, pool, n);
+    for (int i = 0; i < n && !pool->failed; i++) g->posterior.prior[i] = 1;
     return !pool->failed;
 }
 
 void mukca_grouped_clear(mukca_grouped *g)
 {
-    const int size = g->of.n + 1;
+    const int size = g->posterior.n + 1;
     memset(g->gram, 0, sizeof *g->gram * (size_t)(size * size));
     memset(g->own, 0, sizeof *g->own * (size_t)(g->n_groups * MUKCA_OWN * g->width));
     memset(g->weight, 0, sizeof *g->weight * (size_t)g->n_groups);
@@ -96,7 +96,7 @@ void mukca_grouped_clear(mukca_grouped *g)
 
 MUKCA_CLONES void mukca_grouped_add(mukca_grouped *g, const double *x, int group, double weight)
 {
-    const int w = g->width, size = g->of.n + 1;
+    const int w = g->width, size = g->posterior.n + 1;
     double *own = g->own + group * MUKCA_OWN * w;
     g->weight[group] += weight;
     for (int a = 0; a < 3; a++, x += w) {
@@ -131,14 +131,14 @@ static void eliminate(mukca_grouped *g, int group)
             const double f = by[r] / by[b];
             for (int c = r; c < w && f != 0; c++) own[r * w + c] -= f * by[c];
         }
-        mukca_posterior_add(&g->of, by + MUKCA_OWN, -1 / (by[b] * g->noise * g->noise));
+        mukca_posterior_add(&g->posterior, by + MUKCA_OWN, -1 / (by[b] * g->noise * g->noise));
     }
 }
 
 bool mukca_grouped_pair(double *row, double *variance, const mukca_grouped *g, int pair)
 {
     const mukca_group_pair *p = &g->pair[pair];
-    const int w = g->width, n = g->of.n;
+    const int w = g->width, n = g->posterior.n;
     const double *a = g->own + MUKCA_OWN * (p->a * w + 1), *b = g->own + MUKCA_OWN * (p->b * w + 1);
     const double of_a = 1 / g->weight[p->a], of_b = 1 / g->weight[p->b];
     double u[3], square = 0;
@@ -160,7 +160,7 @@ bool mukca_grouped_pair(double *row, double *variance, const mukca_grouped *g, i
 
 static void add_pairs(mukca_grouped *g)
 {
-    const int n = g->of.n;
+    const int n = g->posterior.n;
     double pairs = 0, variance;
     for (int k = 0; k < g->n_pairs; k++) pairs += g->pair[k].weight;
     for (int k = 0; k < g->n_pairs; k++) {
@@ -168,7 +168,7 @@ static void add_pairs(mukca_grouped *g)
         if (!(p->weight > 0) || !mukca_grouped_pair(g->row, &variance, g, k)) continue;
         const double length = p->distance - g->row[n];
         g->row[n] += variance / fmax(pairs, 1) * g->misfit / length;
-        mukca_posterior_add(&g->of, g->row, p->weight / variance);
+        mukca_posterior_add(&g->posterior, g->row, p->weight / variance);
     }
 }
 
@@ -183,7 +183,7 @@ static void solve_own(mukca_grouped *g, int group)
         own[k] = 0;
         if (!determined(g, group, k)) continue;
         for (int j = k + 1; j < MUKCA_OWN; j++) sum -= row[j] * own[j];
-        for (int i = 0; i < g->of.n; i++) sum -= row[MUKCA_OWN + i] * g->mean[i];
+        for (int i = 0; i < g->posterior.n; i++) sum -= row[MUKCA_OWN + i] * g->mean[i];
         own[k] = sum / row[k];
         g->n_own++;
     }
@@ -192,10 +192,10 @@ static void solve_own(mukca_grouped *g, int group)
 void mukca_grouped_solve(mukca_grouped *g, const double *centre)
 {
     memcpy(g->reduced, g->own, sizeof *g->own * (size_t)(g->n_groups * MUKCA_OWN * g->width));
-    mukca_posterior_start(&g->of, g->gram, g->of.n, 1 / (g->noise * g->noise));
+    mukca_posterior_start(&g->posterior, g->gram, g->posterior.n, 1 / (g->noise * g->noise));
     for (int k = 0; k < g->n_groups; k++) eliminate(g, k);
     add_pairs(g);
-    mukca_posterior_solve(&g->of, centre, g->mean); /* positive definite by the priors */
+    mukca_posterior_solve(&g->posterior, centre, g->mean); /* positive definite by the priors */
     g->n_own = 0;
     for (int k = 0; k < g->n_groups; k++) solve_own(g, k);
 }
@@ -207,7 +207,7 @@ double mukca_grouped_residual(double e[3], const mukca_grouped *g, const double 
     for (int a = 0; a < 3; a++, x += g->width) {
         e[a] = -x[g->width - 1];
         for (int k = 0; k < MUKCA_OWN; k++) e[a] += x[k] * own[k];
-        for (int i = 0; i < g->of.n; i++) e[a] += x[MUKCA_OWN + i] * g->mean[i];
+        for (int i = 0; i < g->posterior.n; i++) e[a] += x[MUKCA_OWN + i] * g->mean[i];
         square += e[a] * e[a];
     }
     return sqrt(square);

@@ -50,12 +50,11 @@ typedef struct {
 /* The rows x[3][width] of an observation are its own columns, those of the n coefficients, and its
  * value, m.  Their products are summed: adding and removing one is cheap. */
 typedef struct {
-    mukca_posterior of;
+    mukca_posterior posterior;
     int width, n_groups, n_pairs;
     double noise, pair_noise; /* standard deviations of a coordinate and a distance, m */
-    double misfit; /* of observations whose residuals grow with the distances: sum of squares over
-                      the variance; times the logarithm of the scale, it is added to the likelihood,
-                      as a smaller scale has smaller residuals from the same noise; else 0 */
+    double misfit; /* squares over the variance of the observations whose residuals are proportional
+                      to the distances: the likelihood of this scale; 0: none are */
     mukca_group_pair *pair; /* [n_pairs] */
     double *gram;           /* [n + 1][n + 1] of coefficients and value, over all groups */
     double *own;            /* [n_groups][OWN][width] of own columns with all */

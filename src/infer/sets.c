@@ -46,7 +46,7 @@ bool mukca_sets_create(mukca_sets *s, mukca_pool *pool, const mukca_question *q)
             .inverse = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *MUKCA_SET_COLUMNS),
             .x = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS),
             .B = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *(q->stride + 1) + MUKCA_GIVEN_NEAR)}};
-    mukca_posterior_take(&s->with.of, pool, MUKCA_SET_COLUMNS);
+    mukca_posterior_take(&s->with.posterior, pool, MUKCA_SET_COLUMNS);
     if (pool->failed) return false;
     double *block = q->block ? q->block : MUKCA_TAKE(pool, double, squares + 1);
     for (int i = 0; i < q->n_items && block; block += q->item[i].terms * q->item[i].terms, i++) {
@@ -89,8 +89,8 @@ static double score_member(double *by_size, const mukca_sets *s, const mukca_set
     for (int i = 0; i < k * k; i++) G[i] /= size * size;
     return mukca_mixture_evidence(
         by_size, G, g, k, &h->prior,
-        fmin(s->with.of.quadratic + square_of(w, k), s->question->residual), s->question->dof,
-        s->scratch);
+        fmin(s->with.posterior.quadratic + square_of(w, k), s->question->residual),
+        s->question->dof, s->scratch);
 }
 
 static int largest(const double *x, int n)
@@ -108,14 +108,15 @@ static double weigh_signs(mukca_sets *s, const mukca_set *set)
     for (int m = 0, row = 0; m < set->n; row += s->question->item[set->item[m++]].terms) {
         double mean = 0, variance = 0;
         if (!s->question->item[set->item[m]].prior.nonnegative) continue;
-        memset(first, 0, sizeof *first * (size_t)s->with.of.n);
+        memset(first, 0, sizeof *first * (size_t)s->with.posterior.n);
         first[row] = 1;
-        mukca_dense_forward(first, 1, s->with.of.factor, s->with.of.n);
-        for (int i = row; i < s->with.of.n; i++) {
-            mean += first[i] * s->with.of.work[i];
+        mukca_dense_forward(first, 1, s->with.posterior.factor, s->with.posterior.n);
+        for (int i = row; i < s->with.posterior.n; i++) {
+            mean += first[i] * s->with.posterior.work[i];
             variance += first[i] * first[i];
         }
-        sum += mukca_mixture_positive(mean, variance, s->with.of.quadratic, s->question->dof);
+        sum +=
+            mukca_mixture_positive(mean, variance, s->with.posterior.quadratic, s->question->dof);
     }
     return sum;
 }
@@ -154,8 +155,9 @@ void mukca_sets_evaluate(mukca_sets *s, int index)
             mukca_given_invert(s);
         }
     }
-    set->value = integral - s->with.of.log_det -
-                 0.5 * q->dof * log(s->with.of.quadratic / q->residual) + weigh_signs(s, set);
+    set->value = integral - s->with.posterior.log_det -
+                 0.5 * q->dof * log(s->with.posterior.quadratic / q->residual) +
+                 weigh_signs(s, set);
     for (int m = 0; m < set->n; m++)
         set->value += q->item[set->item[m]].log_prior + kinship(s, set, m, set->item[m]);
     if (!ok || isnan(set->value)) set->value = -HUGE_VAL;
@@ -291,7 +293,7 @@ MUKCA_CLONES static void score_all(mukca_sets *s, const mukca_set *set, const va
     const mukca_question *q = s->question;
     double by_size[MUKCA_MOST_SIZES] = {0}, *G = s->scratch->A, g[MUKCA_MOST_TERMS];
     const double *given = s->given, lost = square_of(v->w, v->k),
-                 rest = fmin(s->with.of.quadratic + lost, q->residual);
+                 rest = fmin(s->with.posterior.quadratic + lost, q->residual);
     for (int i = 0; i < q->n_items; given += q->item[i].terms * q->item[i].terms, i++) {
         const mukca_item *h = &q->item[i];
         const int terms = h->terms;
@@ -381,7 +383,7 @@ static void swap(mukca_sets *s, int index, bool weighed, bool pairs)
         memset(W, 0, sizeof *W * (size_t)(h->terms * q->stride)); /* the member's rows of V D G */
         mukca_dense_xty(W, mukca_given_inverse_of(s, m, h->terms),
                         (mukca_columns){s->with.B + at * q->stride, q->stride, q->stride},
-                        s->with.of.n - at);
+                        s->with.posterior.n - at);
         mukca_dense_forward(W, q->stride, M, h->terms);
         v.W = W, v.k = h->terms, v.least = pairs ? 0 : gain - WINDOW;
         score_all(s, &less, &v);

@@ -55,13 +55,13 @@ typedef struct {
     mukca_set *set; /* [MUKCA_MOST_SETS] */
     int *table;     /* hash table of sets */
     struct {
-        mukca_posterior of;      /* factor L of 1 + D G D; `quadratic`: the residual */
-        int at[MUKCA_SET_ITEMS]; /* first column of each member */
-        double *B;               /* L^-1 D G */
-        double *inverse;         /* L^-1 */
-        double *x;               /* (1 + D G D)^-1 D g */
-    } with;                      /* the set integrated out last */
-    double *row, *left;          /* scratch of some of them: rows, columns */
+        mukca_posterior posterior; /* factor L of 1 + D G D; `quadratic`: the residual */
+        int at[MUKCA_SET_ITEMS];   /* first column of each member */
+        double *B;                 /* L^-1 D G */
+        double *inverse;           /* L^-1 */
+        double *x;                 /* (1 + D G D)^-1 D g */
+    } with;                        /* the set integrated out last */
+    double *row, *left;            /* scratch of some of them: rows, columns */
     mukca_mixture_scratch *scratch;
     double *given;            /* blocks of all items given that set */
     double *value, *alone;    /* scratch: [n_items] scores */

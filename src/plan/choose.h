@@ -55,7 +55,7 @@ typedef struct {
 /* The posterior, with columns for the causes; the sockets are its groups. */
 typedef struct {
     mukca_arm_point at; /* of the model in use, at causes of size 0 */
-    mukca_grouped of;
+    mukca_grouped groups;
     const mukca_plan_options *options;
     const mukca_plan_socket *sockets;
     double payload;    /* of the next samples to be designed, kg */

@@ -46,16 +46,16 @@ mukca_status mukca_plan_state_create(mukca_plan_state *s, const mukca_plan_task 
     s->sockets = task->sockets;
     set_unknowns(s, task);
     const int n = s->at.n, terms = n - s->at.parameters.n, sockets = task->n_sockets;
-    mukca_grouped_create(&s->of, &s->pool, n, sockets, sockets * (sockets - 1) / 2);
+    mukca_grouped_create(&s->groups, &s->pool, n, sockets, sockets * (sockets - 1) / 2);
     s->W = MUKCA_TAKE(&s->pool, double, n *n);
     s->C = MUKCA_TAKE(&s->pool, double, terms *terms + 1);
     s->G = MUKCA_TAKE(&s->pool, double, WIDE *n);
     if (s->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory while planning");
-    s->of.noise = options->noise > 0 ? options->noise : 1e-4;
-    s->of.pair_noise = distance_sigma;
+    s->groups.noise = options->noise > 0 ? options->noise : 1e-4;
+    s->groups.pair_noise = distance_sigma;
     for (int a = 0, k = 0; a < sockets; a++) /* only the direction of a distance matters here */
         for (int b = a + 1; b < sockets; b++)
-            s->of.pair[k++] = (mukca_group_pair){
+            s->groups.pair[k++] = (mukca_group_pair){
                 .a = a, .b = b, .weight = task->sockets[a].place == task->sockets[b].place};
     mukca_plan_state_refresh(s);
     return MUKCA_OK;
@@ -68,23 +68,23 @@ void mukca_plan_design(double *H, mukca_plan_state *s, const double *q, int plac
     const mukca_joint_state state = {
         .q = q, .move = move, .placement = place, .payload_kg = s->payload};
     for (int j = 0; j < s->at.chain->n_joints && before; j++) move[j] = q[j] - before[j];
-    memset(H, 0, 3 * (size_t)s->of.width * sizeof *H);
+    memset(H, 0, 3 * (size_t)s->groups.width * sizeof *H);
     mukca_arm_point_rows(H, &s->at, &s->at.geometry, s->at.theta, &state, MUKCA_OWN_SHIFT);
 }
 
 void mukca_plan_state_row(mukca_plan_state *s, double *H, int socket, int sign)
 {
-    for (int a = 0; a < 3; a++) H[(a + 1) * s->of.width - 1] = -s->sockets[socket].centre[a];
-    mukca_grouped_add(&s->of, H, socket, sign);
+    for (int a = 0; a < 3; a++) H[(a + 1) * s->groups.width - 1] = -s->sockets[socket].centre[a];
+    mukca_grouped_add(&s->groups, H, socket, sign);
 }
 
 void mukca_plan_state_refresh(mukca_plan_state *s)
 {
     const int n = s->at.n, first = s->at.parameters.n, terms = n - first;
     double L[MUKCA_PLAN_MAX_EFFECTS * MUKCA_MAX_TERMS * MUKCA_PLAN_MAX_EFFECTS * MUKCA_MAX_TERMS];
-    mukca_grouped_solve(&s->of, NULL);
+    mukca_grouped_solve(&s->groups, NULL);
     for (int i = 0; i < terms * terms; i++) { /* the last unknowns need their block of L alone */
-        L[i] = s->of.of.factor[(first + i / terms) * n + first + i % terms];
+        L[i] = s->groups.posterior.factor[(first + i / terms) * n + first + i % terms];
         s->C[i] = i % (terms + 1) == 0;
     }
     mukca_dense_forward(s->C, terms, L, terms);
@@ -141,32 +141,32 @@ static double cause_gain(const mukca_plan_state *s)
 
 double mukca_plan_gain(mukca_plan_state *s, const double *H, int socket)
 {
-    const mukca_grouped *of = &s->of;
+    const mukca_grouped *g = &s->groups;
     const int n = s->at.n;
-    const double *own = of->own + socket * MUKCA_OWN * of->width, count = of->weight[socket];
+    const double *own = g->own + socket * MUKCA_OWN * g->width, count = g->weight[socket];
     double S[9], *G = s->G;
     if (!(count > 0)) return 0; /* determines the socket's position only */
     for (int c = 0; c < n; c++)
         for (int i = 0; i < 3; i++) {
-            const int at = i * of->width + MUKCA_OWN + c;
+            const int at = i * g->width + MUKCA_OWN + c;
             G[WIDE * c + i] = H[at] - own[at] / count;
         }
-    mukca_dense_forward(G, WIDE, of->of.factor, n);
-    const double noise = of->noise * of->noise * (1 + 1 / count); /* of a sample about the mean */
+    mukca_dense_forward(G, WIDE, g->posterior.factor, n);
+    const double noise = g->noise * g->noise * (1 + 1 / count); /* of a sample about the mean */
     for (int i = 0; i < 9; i++) {
         S[i] = i % 4 ? 0 : noise;
         for (int c = 0; c < n; c++) S[i] += G[WIDE * c + i / 3] * G[WIDE * c + i % 3];
     }
     const double log_det = factor(S, 3);
     if (!s->accuracy && s->at.n_effects == 0) return log_det - 3 * log(noise);
-    mukca_dense_backward(G, WIDE, of->of.factor, n);
+    mukca_dense_backward(G, WIDE, g->posterior.factor, n);
     for (int c = 0; c < n; c++) mukca_dense_forward(G + WIDE * c, 1, S, 3);
     return s->accuracy ? accuracy_gain(s) : cause_gain(s);
 }
 
 void mukca_plan_look_elsewhere(mukca_plan_state *s, const mukca_plan_rules *rules, uint64_t seed)
 {
-    const int w = s->of.width;
+    const int w = s->groups.width;
     s->elsewhere = MUKCA_TAKE(&s->pool, double, SPOTS *POSES * 3 * w);
     mukca_random random;
     mukca_random_seed(&random, seed + 1);
@@ -196,9 +196,9 @@ static double error_at(const mukca_plan_state *s, int e)
 {
     double sum = 0, J[MUKCA_MOST_UNKNOWNS];
     for (int d = 0; d < 3; d++) {
-        memcpy(J, s->elsewhere + (3 * e + d) * s->of.width + MUKCA_OWN,
+        memcpy(J, s->elsewhere + (3 * e + d) * s->groups.width + MUKCA_OWN,
                (size_t)s->at.n * sizeof *J);
-        sum += mukca_posterior_variance(J, &s->of.of);
+        sum += mukca_posterior_variance(J, &s->groups.posterior);
     }
     return sqrt(sum);
 }
@@ -219,7 +219,7 @@ void mukca_plan_state_weigh(mukca_plan_state *s)
     for (int e = 0; e < s->n_elsewhere; e++) {
         const double by = 1 / (error_at(s, e) + 1e-9);
         for (int d = 0; d < 3; d++) {
-            const double *J = s->elsewhere + (3 * e + d) * s->of.width + MUKCA_OWN;
+            const double *J = s->elsewhere + (3 * e + d) * s->groups.width + MUKCA_OWN;
             for (int a = 0; a < n; a++)
                 for (int b = 0; b < n; b++) s->W[a * n + b] += by * J[a] * J[b];
         }

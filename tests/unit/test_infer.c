@@ -254,64 +254,81 @@ static void check_shape(mukca_noise_family family)
     mukca_pool_free(&pool);
 }
 
-/* Observations of three groups, the first with a mean, the others with all own unknowns, and one
- * that is added and removed: mean, variance and residuals are those of one regression with all
+/* ---- observations in groups ---- */
+
+enum { N = 4, GROUPS = 4, ROW = MUKCA_OWN + N + 1, ALL = GROUPS * MUKCA_OWN + N };
+
+typedef struct {
+    real A[ALL * ALL];
+    double right[ALL];
+} dense;
+
+/* Add a row v[ALL] of that value and precision. */
+static void add_row(dense *d, const double *v, double value, double precision)
+{
+    for (int i = 0; i < ALL; i++) {
+        d->right[i] += precision * v[i] * value;
+        for (int k = 0; k < ALL; k++) d->A[i * ALL + k] += precision * (real)v[i] * v[k];
+    }
+}
+
+/* Two groups with means, a known distance apart, two with all own unknowns, and observations that
+ * are removed and added again: mean, variance and residuals are those of one regression with all
  * unknowns, of which the coefficients have priors. */
 TEST(groups)
 {
-    enum { N = 4, GROUPS = 3, ROWS = 12, WIDTH = MUKCA_OWN + N + 1, ALL = GROUPS * MUKCA_OWN + N };
-    static real A[ALL * ALL];
-    double x[ROWS][3 * WIDTH] = {{0}}, right[ALL] = {0}, unit[ALL] = {0}, row[N] = {1, 0, 0, 0};
+    static dense d;
+    double x[4 * GROUPS][3 * ROW] = {{0}}, v[ALL], unit[ALL], row[N] = {1}, e[3], far = 0;
     const double centre[N] = {0.1, -0.2, 0, 0.3}, noise = 0.1;
     uint64_t seed = 5;
     mukca_pool pool = {0};
     mukca_grouped g;
-    assert_true(mukca_grouped_create(&g, &pool, N, GROUPS, 0));
-    g.noise = noise;
-    for (int i = 0; i < N; i++) g.of.prior[i] = 0.5 + i;
-    for (int i = 0; i < ALL; i++) A[(ALL + 1) * i] = 1e-12L; /* undetermined own unknowns */
-    for (int i = 0; i < N; i++) {
-        const int at = GROUPS * MUKCA_OWN + i;
-        A[(ALL + 1) * at] = 1 / (real)(g.of.prior[i] * g.of.prior[i]);
-        right[at] = centre[i] / (g.of.prior[i] * g.of.prior[i]);
+    assert_true(mukca_grouped_create(&g, &pool, N, GROUPS, 1));
+    g.noise = noise, g.pair_noise = 0.02;
+    g.pair[0] = (mukca_group_pair){0, 1, 0.3, 1};
+    for (int i = 0; i < ALL; i++) {
+        const int c = i - GROUPS * MUKCA_OWN; /* own unknowns have no prior, some no observation */
+        memset(unit, 0, sizeof unit), unit[i] = 1;
+        if (c >= 0) g.posterior.prior[c] = 0.5 + c;
+        add_row(&d, unit, c < 0 ? 0 : centre[c], c < 0 ? 1e-12 : pow(g.posterior.prior[c], -2));
     }
-    for (int r = 0; r < ROWS; r++) {
-        const int group = r % GROUPS, own = group ? MUKCA_OWN : 3;
-        const double weight = 1 + r % 2;
-        for (int a = 0; a < 3; a++)
-            for (int c = 0; c < WIDTH; c++)
-                x[r][a * WIDTH + c] = c < own || c >= MUKCA_OWN ? draw(&seed) : 0;
-        for (int k = 0; k < 3 - 2 * (r == 3); k++) /* the others are added, removed and added */
+    for (int r = 0; r < 4 * GROUPS; r++) {
+        const int group = r % GROUPS;
+        const double weight = 1 + r / 12;
+        for (int i = 0; i < 3 * ROW; i++)
+            x[r][i] = group > 1 || i % ROW >= MUKCA_OWN ? draw(&seed) : i % (ROW + 1) == 0;
+        for (int k = 0; k < (r == 3 ? 1 : 3); k++)
             mukca_grouped_add(&g, x[r], group, k % 2 ? -weight : weight);
-        for (int a = 0; a < 3; a++)
-            for (int i = 0; i < WIDTH - 1; i++) {
-                const double *y = x[r] + a * WIDTH, by = weight / (noise * noise);
-                const int at = i < MUKCA_OWN ? group * MUKCA_OWN + i : ALL - WIDTH + 1 + i;
-                right[at] += by * y[i] * y[WIDTH - 1];
-                for (int k = 0; k < WIDTH - 1; k++)
-                    A[at * ALL + (k < MUKCA_OWN ? group * MUKCA_OWN + k : ALL - WIDTH + 1 + k)] +=
-                        by * y[i] * y[k];
-            }
+        for (const double *y = x[r]; y < x[r] + 3 * ROW; y += ROW) {
+            memset(v, 0, sizeof v);
+            memcpy(v + group * MUKCA_OWN, y, MUKCA_OWN * sizeof *v);
+            memcpy(v + GROUPS * MUKCA_OWN, y + MUKCA_OWN, N * sizeof *v);
+            add_row(&d, v, y[ROW - 1], weight / (noise * noise));
+        }
     }
-    factor(A, ALL);
+    memset(v, 0, sizeof v);
+    for (int a = 0; a < 3; a++) { /* along the distance at coefficients 0 */
+        for (int r = 0; r < 4 * GROUPS; r++)
+            if (r % GROUPS < 2)
+                v[a] += (r % GROUPS ? -1 : 1) * (1 + r / 12) * x[r][a * ROW + ROW - 1] / 5;
+        far = hypot(far, v[a]);
+    }
+    for (int a = 0; a < 3; a++) v[a] /= far, v[MUKCA_OWN + a] = -v[a];
+    add_row(&d, v, 0.3, 1 / (0.02 * 0.02));
+    factor(d.A, ALL);
     mukca_grouped_solve(&g, centre);
-    for (int i = 0; i < N; i++) {
-        memset(unit, 0, sizeof unit);
-        unit[GROUPS * MUKCA_OWN + i] = 1;
-        assert_close(g.mean[i], (double)product(A, unit, right, ALL), 1e-9);
-        if (i == 0)
-            assert_close(mukca_posterior_variance(row, &g.of), (double)product(A, unit, unit, ALL),
-                         1e-10);
-    }
-    double e[3], sum = 0;
-    for (int i = 0; i < MUKCA_OWN; i++) {
-        memset(unit, 0, sizeof unit);
-        unit[2 * MUKCA_OWN + i] = 1;
-        sum += x[2][i] * (double)product(A, unit, right, ALL);
-    }
-    for (int i = 0; i < N; i++) sum += x[2][MUKCA_OWN + i] * g.mean[i];
     mukca_grouped_residual(e, &g, x[2], 2);
-    assert_close(e[0], sum - x[2][WIDTH - 1], 1e-8);
+    for (int i = 0; i < N + MUKCA_OWN; i++) {
+        const int at = i < N ? GROUPS * MUKCA_OWN + i : 2 * MUKCA_OWN + i - N;
+        memset(unit, 0, sizeof unit), unit[at] = 1;
+        const double mean = (double)product(d.A, unit, d.right, ALL);
+        if (i < N) assert_close(g.mean[i], mean, 1e-9);
+        if (i == 0)
+            assert_close(mukca_posterior_variance(row, &g.posterior),
+                         (double)product(d.A, unit, unit, ALL), 1e-9);
+        e[0] -= mean * x[2][i < N ? MUKCA_OWN + i : i - N];
+    }
+    assert_close(e[0], -x[2][ROW - 1], 1e-8);
     mukca_pool_free(&pool);
 }
 

@@ -3,7 +3,6 @@
 #include "arms.h"
 #include "close.h"
 #include "io/urdf.h"
-#include "math/dense.h"
 #include "plan/choose.h"
 #include "simulate/simulate.h"
 
@@ -113,48 +112,6 @@ TEST(test_better_than_random)
         mukca_dataset_free(&random);
     }
     assert_int_equal(wins, 5);
-}
-
-/* The factor after some samples is that of the information with the sockets' means as unknowns. */
-TEST(test_information)
-{
-    const mukca_plan_options options = {.noise = 1e-3};
-    const mukca_plan_task task = {.chain = &chain, .sockets = two_sockets, .n_sockets = 2};
-    mukca_plan_state s;
-    mukca_random random;
-    assert_ok(mukca_plan_state_create(&s, &task, &options, &error));
-    const int n = s.at.n, m = n + 6, w = s.of.width;
-    double *M = MUKCA_TAKE(&s.pool, double, m *m), *H = MUKCA_TAKE(&s.pool, double, 3 * w);
-    assert_false(s.pool.failed);
-    mukca_random_seed(&random, 4);
-    for (int i = 0; i < n; i++) M[(m + 1) * (i + 6)] = 1;
-    for (int r = 0; r < 8; r++) {
-        double q[7];
-        for (int j = 0; j < 7; j++) q[j] = 2 * mukca_random_uniform(&random) - 1;
-        mukca_plan_design(H, &s, q, 0, NULL);
-        mukca_plan_state_row(&s, H, r % 2, 1);
-        for (int d = 0; d < 3; d++)
-            for (int a = 0; a < m; a++)
-                for (int b = 0; b < m; b++) {
-                    const double x = a < 6 ? -(a == 3 * (r % 2) + d) : H[d * w + MUKCA_OWN + a - 6];
-                    const double y = b < 6 ? -(b == 3 * (r % 2) + d) : H[d * w + MUKCA_OWN + b - 6];
-                    M[a * m + b] += x * y / 1e-6;
-                }
-    }
-    /* the known distance, along y */
-    for (int a = 0; a < 2; a++)
-        for (int b = 0; b < 2; b++) M[(1 + 3 * a) * m + 1 + 3 * b] += (a == b ? 1 : -1) / 2.5e-9;
-    assert_int_equal(mukca_dense_cholesky(M, m), 0);
-    for (int twice = 0; twice < 2; twice++) { /* a sample removed and added again */
-        mukca_plan_state_refresh(&s);
-        for (int a = 0; a < n; a++)
-            for (int b = 0; b <= a; b++)
-                assert_true(fabs(s.of.of.factor[a * n + b] - M[(a + 6) * m + b + 6]) <=
-                            1e-8 * s.of.of.factor[a * n + a]);
-        mukca_plan_state_row(&s, H, 1, -1);
-        mukca_plan_state_row(&s, H, 1, 1);
-    }
-    mukca_pool_free(&s.pool);
 }
 
 TEST(test_causes)
