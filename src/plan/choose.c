@@ -56,7 +56,7 @@ static void add_recorded(mukca_planner *p)
     const mukca_dataset *data = p->task->data;
     const mukca_plan_socket *sockets = p->task->sockets;
     const double *before = NULL;
-    int of[MUKCA_PLAN_MAX_SOCKETS]; /* sockets of the data */
+    int of[MUKCA_PLAN_MAX_SOCKETS] = {0}; /* sockets of the data */
     for (int k = 0; data && k < p->task->n_sockets; k++)
         of[k] = mukca_dataset_find_socket(data, sockets[k].placement, sockets[k].label);
     for (int r = 0; data && r < data->n_rows; r++) {
