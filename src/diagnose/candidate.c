@@ -10,9 +10,8 @@
 #define BUMP_NORM 1.33
 
 enum {
-    LEAST_RATIO = 20, /* of a strain-wave or cycloidal gear, halved */
-    TIME_BUMPS = 10,  /* over the whole recording */
-    POWERS = 4,       /* Chebyshev polynomials of another joint's angle, degree 1 to 4 */
+    TIME_BUMPS = 10, /* over the whole recording */
+    POWERS = 4,      /* Chebyshev polynomials of another joint's angle, degree 1 to 4 */
     PRODUCT_DEGREE = 3,
     PRODUCTS = (PRODUCT_DEGREE + 1) * (PRODUCT_DEGREE + 2) / 2 - 1
 };
@@ -26,16 +25,19 @@ enum {
 typedef void fill_fn(const mukca_candidate *h, const mukca_recording *recording);
 static fill_fn fill_effect, fill_bumps, fill_polynomials, fill_slip, fill_stretch;
 
-/* Each kind: its class (-1: that of its effect), terms and components of a term (0: see
+/* Classes of kinds: the candidate's effect; the effect that moves a socket. */
+enum { OF_EFFECT = -1, OF_SOCKET = -2 };
+
+/* Each kind: its class, terms and components of a term (0: see
  * set_shape()), and its basis (NULL: none). */
 static const struct {
     int class, terms, width;
     fill_fn *fill;
 } kinds[MUKCA_CANDIDATE_KINDS] = {
-    [MUKCA_CANDIDATE_EFFECT] = {-1, 0, 0, fill_effect},
-    [MUKCA_CANDIDATE_DISTANCE] = {MUKCA_EFFECT_SOCKET_DISTANCE, 1, 1, NULL},
-    [MUKCA_CANDIDATE_STEP] = {MUKCA_EFFECT_TOOL_MOTION, 3, 3, NULL},
-    [MUKCA_CANDIDATE_CREEP] = {MUKCA_EFFECT_TOOL_MOTION, 3, 3, NULL},
+    [MUKCA_CANDIDATE_EFFECT] = {OF_EFFECT, 0, 0, fill_effect},
+    [MUKCA_CANDIDATE_DISTANCE] = {OF_EFFECT, 1, 1, NULL},
+    [MUKCA_CANDIDATE_STEP] = {OF_SOCKET, 3, 3, NULL},
+    [MUKCA_CANDIDATE_CREEP] = {OF_SOCKET, 3, 3, NULL},
     [MUKCA_CANDIDATE_OUTLIER] = {MUKCA_CLASS_OUTLIER, 3, 3, NULL},
     [MUKCA_CANDIDATE_OWN_ANGLE] = {MUKCA_CLASS_UNKNOWN, 0, 1, fill_bumps},
     [MUKCA_CANDIDATE_OTHER_ANGLE] = {MUKCA_CLASS_UNKNOWN, POWERS, 1, fill_polynomials},
@@ -48,9 +50,21 @@ static const struct {
     [MUKCA_CANDIDATE_UNLISTED_TILT] = {MUKCA_CLASS_UNKNOWN, 3, 3, NULL},
     [MUKCA_CANDIDATE_UNLISTED_PAIR] = {MUKCA_CLASS_UNKNOWN, 1, 1, NULL}};
 
+mukca_candidate mukca_candidate_of(const mukca_effect *effect)
+{
+    const bool arm = mukca_effect_table[effect->kind]->site != MUKCA_SITE_DISTANCE;
+    return (mukca_candidate){.kind = arm ? MUKCA_CANDIDATE_EFFECT : MUKCA_CANDIDATE_DISTANCE,
+                             .joint = effect->joint,
+                             .placement = effect->placement,
+                             .effect = *effect};
+}
+
 int mukca_candidate_class(const mukca_candidate *h)
 {
-    return h->kind == MUKCA_CANDIDATE_EFFECT ? (int)h->effect.kind : kinds[h->kind].class;
+    const int class = kinds[h->kind].class;
+    return class == OF_EFFECT   ? (int)h->effect.kind
+           : class == OF_SOCKET ? (int)mukca_effect_at(MUKCA_SITE_SOCKET, 0)
+                                : class;
 }
 
 bool mukca_candidate_is_fault(const mukca_candidate *h)
@@ -190,7 +204,7 @@ int mukca_candidate_key(const mukca_candidate *h)
     int at = h->joint + 1, place = 0; /* place: what distinguishes causes of a class at a joint */
     if (mukca_candidate_is_fault(h)) {
         at = h->fault.group, place = h->fault.first;
-    } else if (class == MUKCA_EFFECT_GEAR_HARMONIC) {
+    } else if (mukca_effect_has(class, MUKCA_TRAIT_ORDERS)) {
         place = h->effect.variant.order;
     } else if (class == MUKCA_CLASS_UNKNOWN) {
         place = (int)h->kind;
@@ -205,15 +219,6 @@ int mukca_candidate_key(const mukca_candidate *h)
         place = h->placement + 1;
     }
     return (place * 2 * MUKCA_MAX_JOINTS + at) * MUKCA_CLASSES + class;
-}
-
-int mukca_candidate_kin(const mukca_candidate *h)
-{
-    int order = h->effect.variant.order;
-    if (mukca_candidate_class(h) != MUKCA_EFFECT_GEAR_HARMONIC || order < LEAST_RATIO)
-        return is_elastic(h) && !(mukca_effect_table[h->effect.kind]->needs & MUKCA_NEEDS_COMMANDS);
-    while (order % 2 == 0) order /= 2;
-    return 1 + order;
 }
 
 /* x in the range, mapped to [-1, 1]. */

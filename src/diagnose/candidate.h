@@ -61,7 +61,7 @@ typedef struct {
     mukca_candidate_kind kind;
     int joint, placement; /* that it acts on; -1: none or all */
     union {
-        mukca_effect effect; /* EFFECT: joint and placement as above */
+        mukca_effect effect; /* EFFECT, DISTANCE: joint and placement as above */
         struct {
             int group, first, last; /* STEP, CREEP, OUTLIER: rows of the dataset */
             bool settles;           /* OUTLIER: the displacement fades from `first` to `last` */
@@ -85,6 +85,9 @@ typedef struct {
     const double *unit;       /* [terms] rms rotation, rad, per unit of coefficient; shifts: 1 */
     double log_prior;
 } mukca_candidate;
+
+/* The candidate of an effect of the catalogue, to be prepared. */
+mukca_candidate mukca_candidate_of(const mukca_effect *effect);
 
 /* Class of a candidate: its effect, or one of the two rival classes. */
 int mukca_candidate_class(const mukca_candidate *candidate);
@@ -130,11 +133,6 @@ mukca_mixture mukca_candidate_mixture(const mukca_candidate *candidate);
 
 /* Key of the candidates of which a set contains one at most: variants of one cause. */
 int mukca_candidate_key(const mukca_candidate *candidate);
-
-/* Causes of one kin entail each other: the links and joints of an arm are flexible or they are not,
- * and its joints have the same gear, whose ripple has the gear's ratio, its half or its double as
- * order.  0: none. */
-int mukca_candidate_kin(const mukca_candidate *candidate);
 
 /* Fill terms, basis and units of a candidate; the other members are set.  False: no memory. */
 bool mukca_candidate_prepare(mukca_candidate *candidate, mukca_pool *pool,

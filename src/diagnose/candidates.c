@@ -4,13 +4,13 @@
 #include <math.h>
 #include <string.h>
 
-#include "diagnose/ripple.h"
 #include "diagnose/streams.h"
 #include "diagnose/unlisted.h"
 
 enum {
     LONGEST_BURST = 3,    /* successive postures with a badly seated ball */
     LONGEST_SETTLING = 8, /* samples until one has settled to a tenth */
+    MOST_ORDERS = 36,     /* of the orders of a joint that are added later */
     MOST_SLIPS = 64 /* slips tried per joint: half a step off, a slip in mid-recording loses at
                        most 3 % of its evidence */
 };
@@ -51,17 +51,11 @@ static void append(lister *l, mukca_candidate h)
 static void append_effects(lister *l, int joint)
 {
     for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++) {
-        mukca_candidate h = {.kind = mukca_effect_table[kind]->site == MUKCA_SITE_DISTANCE
-                                         ? MUKCA_CANDIDATE_DISTANCE
-                                         : MUKCA_CANDIDATE_EFFECT,
-                             .joint = joint};
-        mukca_effect *e = &h.effect;
+        mukca_effect e;
         if (mukca_effect_has_joint(kind) != (joint >= 0)) continue;
         for (int i = 0;
-             mukca_effect_candidate(e, (mukca_effect_kind)kind, joint, &l->all->survey, i); i++) {
-            h.placement = e->placement;
-            append(l, h);
-        }
+             mukca_effect_candidate(&e, (mukca_effect_kind)kind, joint, &l->all->survey, i); i++)
+            append(l, mukca_candidate_of(&e));
     }
 }
 
@@ -169,22 +163,6 @@ static void list_motions(lister *l, int g)
     if (group->socket >= 0 && stays >= 2 * LONGEST_BURST) append(l, h);
 }
 
-/* Orders of ripple of a joint that the geometry may absorb in part. */
-static void list_ripple(lister *l, int j)
-{
-    const mukca_effect_survey *survey = &l->all->survey;
-    mukca_candidate h = {
-        .kind = MUKCA_CANDIDATE_EFFECT,
-        .joint = j,
-        .placement = -1,
-        .effect = {.kind = MUKCA_EFFECT_GEAR_HARMONIC, .joint = j, .placement = -1}};
-    if (!survey->joint[j].turns || survey->joint[j].range < MUKCA_RIPPLE_TRAVEL) return;
-    for (int order = 2; order <= MUKCA_RIPPLE_LONG; order++) {
-        h.effect.variant.order = order;
-        append(l, h);
-    }
-}
-
 /* Was a socket of the same placement recorded completely before this group?  Then a tool that moved
  * in between changes their distance. */
 static bool follows_another(const mukca_recording *r, int g)
@@ -280,9 +258,10 @@ static void list_unlisted(lister *l)
     }
 }
 
-static double ripple_prior(const mukca_candidates *all, int order)
+static double order_prior(const mukca_candidates *all, const mukca_effect *e)
 {
-    return mukca_ripple_log_prior(order) - log(all->survey.n_joints) - log(all->classes);
+    return log(mukca_effect_catalogue[e->kind]->order_prior(e->variant.order)) -
+           log(all->survey.n_joints) - log(all->classes);
 }
 
 /* Does the tool move before the first sample of a socket? */
@@ -314,7 +293,8 @@ static void set_priors(mukca_candidates *all, const mukca_recording *r)
         const mukca_candidate *h = &all->list[i];
         const int class = mukca_candidate_class(h), slot = h->joint + 1;
         const bool cross = class == MUKCA_CLASS_UNKNOWN && h->kind != MUKCA_CANDIDATE_OWN_ANGLE;
-        if (class == MUKCA_EFFECT_GEAR_HARMONIC) continue; /* by order: ripple.c */
+        if (mukca_effect_has(class, MUKCA_TRAIT_ORDERS))
+            continue; /* they have priors of their own */
         if (mukca_candidate_is_fault(h)) parts[part_of(h, r)]++;
         all->enabled[class] = true;
         kinds[h->kind]++;
@@ -324,13 +304,13 @@ static void set_priors(mukca_candidates *all, const mukca_recording *r)
     }
     double of_part[PARTS] = {0.5, 0.5, parts[CREEP] ? 0.25 : 0, parts[BETWEEN] ? 0.25 : 0, 1};
     of_part[STEP] -= of_part[CREEP] + of_part[BETWEEN];
-    all->classes = all->harmonics;
+    all->classes = 0;
     for (int c = 0; c < MUKCA_CLASSES; c++) all->classes += all->enabled[c];
     for (int i = 0; i < all->first_unlisted; i++) {
         mukca_candidate *h = &all->list[i];
         const int class = mukca_candidate_class(h), slot = h->joint + 1;
-        if (class == MUKCA_EFFECT_GEAR_HARMONIC) {
-            h->log_prior = ripple_prior(all, h->effect.variant.order);
+        if (mukca_effect_has(class, MUKCA_TRAIT_ORDERS)) {
+            h->log_prior = order_prior(all, &h->effect);
             continue;
         }
         double share = 1.0 / joints[class]; /* of the class */
@@ -362,7 +342,9 @@ static void add_sag_evidence(mukca_candidates *all, const mukca_recording *recor
     mukca_streams_compare(&streams, recording);
     for (int i = 0; i < all->count; i++) {
         mukca_candidate *h = &all->list[i];
-        if (mukca_candidate_class(h) != MUKCA_EFFECT_SERVO_SAG) continue;
+        if (h->kind != MUKCA_CANDIDATE_EFFECT ||
+            !(mukca_effect_table[h->effect.kind]->needs & MUKCA_NEEDS_COMMANDS))
+            continue;
         const double evidence = streams.joint[h->joint].log_bayes_factor;
         if (isfinite(evidence)) h->log_prior += fmin(evidence, most);
     }
@@ -439,16 +421,17 @@ mukca_status mukca_candidates_list(mukca_candidates *all, mukca_pool *pool,
         append_effects(&l, j);
         list_other_functions(&l, j);
         list_own_functions(&l, j);
-        list_ripple(&l, j);
     }
     append_effects(&l, -1);
     list_faults(&l);
     all->first_unlisted = all->count;
     list_unlisted(&l);
     if (!l.ok) return no_memory(recording, error);
-    all->harmonics = !(disabled && disabled[MUKCA_EFFECT_GEAR_HARMONIC]);
+    for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++) /* whether or not a long wave is listed */
+        all->enabled[kind] =
+            mukca_effect_has(kind, MUKCA_TRAIT_ORDERS) && !(disabled && disabled[kind]);
     set_priors(all, recording);
-    const int most = all->count + MUKCA_RIPPLE_MOST * recording->chain->n_joints;
+    const int most = all->count + MOST_ORDERS * recording->chain->n_joints;
     mukca_candidate *list = MUKCA_TAKE(pool, mukca_candidate, most);
     if (!list) return no_memory(recording, error);
     memcpy(list, all->list, sizeof *list * (size_t)all->count);
@@ -456,25 +439,19 @@ mukca_status mukca_candidates_list(mukca_candidates *all, mukca_pool *pool,
     all->capacity = most;
     add_sag_evidence(all, recording);
     for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++)
-        if (!all->enabled[kind] && kind != MUKCA_EFFECT_GEAR_HARMONIC)
+        if (!all->enabled[kind])
             all->missing[kind] = disabled && disabled[kind]
                                      ? "excluded on request"
                                      : mukca_effect_missing((mukca_effect_kind)kind, &all->survey);
     return MUKCA_OK;
 }
 
-mukca_status mukca_candidates_add_ripple(mukca_candidates *all, mukca_pool *pool,
-                                         const mukca_recording *recording, int joint, int order,
-                                         mukca_error *error)
+mukca_status mukca_candidates_add_order(mukca_candidates *all, mukca_pool *pool,
+                                        const mukca_recording *recording,
+                                        const mukca_effect *effect, mukca_error *error)
 {
-    mukca_candidate h = {.kind = MUKCA_CANDIDATE_EFFECT,
-                         .joint = joint,
-                         .placement = -1,
-                         .effect = {.kind = MUKCA_EFFECT_GEAR_HARMONIC,
-                                    .joint = joint,
-                                    .placement = -1,
-                                    .variant.order = order},
-                         .log_prior = ripple_prior(all, order)};
+    mukca_candidate h = mukca_candidate_of(effect);
+    h.log_prior = order_prior(all, effect);
     if (all->count == all->capacity) return MUKCA_OK;
     if (!mukca_candidate_prepare(&h, pool, recording)) return no_memory(recording, error);
     all->list[all->count++] = h;

@@ -2,7 +2,7 @@
 #include "effect/catalogue.h"
 
 /* One coefficient, which cannot be negative: the load is gravity's. */
-#define SPRING .terms = 1, .nonnegative = true, .traits = MUKCA_TRAIT_ELASTIC, MUKCA_IN_URAD_PER_NM
+#define SPRING .terms = 1, .nonnegative = true, MUKCA_IN_URAD_PER_NM
 
 static const char loaded_alike[] =
     "gravity loads it alike in all samples: record postures with other lever arms";
@@ -24,6 +24,7 @@ const mukca_effect_ops mukca_joint_compliance_effect = {
              .title = "joint compliance",
              .site = MUKCA_SITE_ANGLE,
              SPRING,
+             .traits = MUKCA_TRAIT_ELASTIC | MUKCA_TRAIT_FLEXIBLE,
              .needs = MUKCA_NEEDS_MASSES,
              .sentence = "the transmission deflects under gravity torque"},
     .basis = spring_basis,
@@ -51,6 +52,7 @@ const mukca_effect_ops mukca_link_bending_effect = {
              .title = "link bending",
              .site = MUKCA_SITE_ROTATION,
              SPRING,
+             .traits = MUKCA_TRAIT_ELASTIC | MUKCA_TRAIT_FLEXIBLE,
              .needs = MUKCA_NEEDS_MASSES,
              .sentence = "the link before the joint bends under gravity torque",
              .remedy = "compensate it with the offsets table; check the screws between link and "
@@ -76,6 +78,7 @@ const mukca_effect_ops mukca_base_compliance_effect = {
              .title = "base compliance",
              .site = MUKCA_SITE_BASE,
              SPRING,
+             .traits = MUKCA_TRAIT_ELASTIC | MUKCA_TRAIT_FLEXIBLE,
              .needs = MUKCA_NEEDS_MASSES,
              .sentence = "the base or its table tilts under the arm's weight",
              .remedy = "stiffen the base or its table, or compensate it"},
@@ -101,6 +104,7 @@ const mukca_effect_ops mukca_servo_sag_effect = {
              .title = "servo sag",
              .site = MUKCA_SITE_ANGLE,
              SPRING,
+             .traits = MUKCA_TRAIT_ELASTIC,
              .needs = MUKCA_NEEDS_MASSES | MUKCA_NEEDS_COMMANDS,
              .sentence = "the position controller holds gravity torque by an error between "
                          "command and angle",

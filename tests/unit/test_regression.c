@@ -3,7 +3,6 @@
 #include <stdlib.h>
 
 #include "diagnose/held_out.h"
-#include "diagnose/ripple.h"
 #include "diagnose/scan.h"
 #include "diagnose/screening.h"
 #include "math/stats.h"
@@ -253,19 +252,17 @@ TEST(poses)
 /* Scores of all orders of ripple of a joint. */
 TEST(orders)
 {
-    double value[MUKCA_RIPPLE_ORDERS + 1], mean[4096];
+    double value[MUKCA_LAST_ORDER + 1], mean[4096];
     for (int joint = 1; joint < 7; joint += 2) {
-        mukca_candidate h = {.kind = MUKCA_CANDIDATE_EFFECT,
-                             .joint = joint,
-                             .placement = -1,
-                             .effect = {.kind = MUKCA_EFFECT_GEAR_HARMONIC,
-                                        .joint = joint,
-                                        .placement = -1,
-                                        .variant.order = 2}};
+        const mukca_effect ripple = {.kind = MUKCA_EFFECT_GEAR_HARMONIC,
+                                     .joint = joint,
+                                     .placement = -1,
+                                     .variant.order = 2};
+        mukca_candidate h = mukca_candidate_of(&ripple);
         assert_true(mukca_candidate_prepare(&h, &f->m.pool, &f->m.recording));
         assert_true(mukca_scan_aim(&f->scan, 1));
-        assert_true(mukca_scan_orders(value, &f->scan, joint));
-        for (int order = 2; order <= MUKCA_RIPPLE_ORDERS; order += 57) {
+        assert_true(mukca_scan_orders(value, &f->scan, &ripple));
+        for (int order = 2; order <= MUKCA_LAST_ORDER; order += 57) {
             h.effect.variant.order = order;
             mukca_candidate_fill(&h, &f->m.recording);
             mukca_regression_freeze(&f->m); /* other columns of the same candidate */
@@ -321,8 +318,8 @@ TEST(full_columns)
 TEST(priors)
 {
     double orders = 0, sum = 0;
-    for (int order = 2; order <= MUKCA_RIPPLE_ORDERS; order++)
-        orders += exp(mukca_ripple_log_prior(order));
+    for (int order = 2; order <= MUKCA_LAST_ORDER; order++)
+        orders += mukca_effect_catalogue[MUKCA_EFFECT_GEAR_HARMONIC]->order_prior(order);
     assert_close(orders, 1, 1e-12);
     for (int i = 0; i < f->all.first_unlisted; i++)
         if (mukca_candidate_class(&f->all.list[i]) != MUKCA_EFFECT_GEAR_HARMONIC)
