@@ -68,11 +68,13 @@ static void list_other_functions(lister *l, int j)
     const int element = recording->chain->joint_element[j], rows = recording->data->n_rows;
     const int *socket = recording->data->socket;
     mukca_candidate h = {.joint = j, .placement = -1};
-    for (h.other = 0; h.other < recording->chain->n_joints; h.other++)
+    for (int other = 0; other < recording->chain->n_joints; other++)
         for (int both = 0; both < 2; both++) {
             h.kind = both ? MUKCA_CANDIDATE_ANGLE_PRODUCT : MUKCA_CANDIDATE_OTHER_ANGLE;
-            if (h.other != j && l->all->survey.joint[h.other].range > 0.1) append(l, h);
+            h.of.joint = other;
+            if (other != j && l->all->survey.joint[other].range > 0.1) append(l, h);
         }
+    h.of.joint = -1;
     h.kind = MUKCA_CANDIDATE_TIME;
     append(l, h);
     /* A slip of the first joint, or in the last socket, is equivalent to a moved socket:
@@ -80,13 +82,16 @@ static void list_other_functions(lister *l, int j)
     h.kind = MUKCA_CANDIDATE_SLIP;
     int end = rows - LONGEST_BURST;
     while (end > 0 && socket[end - 1] >= 0 && socket[end - 1] == socket[rows - 1]) end--;
-    for (h.row = LONGEST_BURST; h.row < end && unknowns->slot_element[0] <= element;
-         h.row += rows / MOST_SLIPS + 1)
+    for (int row = LONGEST_BURST; row < end && unknowns->slot_element[0] <= element;
+         row += rows / MOST_SLIPS + 1) {
+        h.of.row = row;
         append(l, h);
+    }
+    h.of.row = 0;
     h.kind = MUKCA_CANDIDATE_STRETCH;
     for (int k = 0; k < unknowns->n_slots; k++)
         for (int i = 0; i < 3 && unknowns->slot_element[k] == element; i++) {
-            h.stretch.slot = k, h.stretch.time_constant = time_constants[i];
+            h.of.slot = k, h.of.size = time_constants[i];
             append(l, h);
         }
 }
@@ -101,7 +106,7 @@ static void list_own_functions(lister *l, int j)
             append(l, (mukca_candidate){.kind = MUKCA_CANDIDATE_OWN_ANGLE,
                                         .joint = j,
                                         .placement = -1,
-                                        .width = widths[i]});
+                                        .of = {.joint = j, .size = widths[i]}});
 }
 
 /* Last sample of the stay at a posture in which sample i of a group was read. */
@@ -127,7 +132,7 @@ static void list_outliers_at(lister *l, int g, int i)
     if (h.fault.last != h.fault.first) append(l, h);
     if (group->socket >= 0 && i < last) {
         h.fault.last = rows[i + LONGEST_SETTLING < last ? i + LONGEST_SETTLING : last];
-        h.fault.settles = true;
+        h.fault.shape = MUKCA_FAULT_FADING;
         append(l, h);
     }
 }
@@ -137,7 +142,7 @@ static void list_outliers_at(lister *l, int g, int i)
 static void list_motions(lister *l, int g)
 {
     const mukca_group *group = &l->recording->groups[g];
-    const int *rows = l->recording->order + group->start;
+    const int *rows = l->recording->order + group->start, last = group->count - 1;
     mukca_candidate h = {.joint = -1, .placement = group->placement, .fault.group = g};
     int stays = 0, stay = 0;
     for (int i = 0; i < group->count; i = stay_end(l->recording, g, i) + 1) stays++;
@@ -149,17 +154,16 @@ static void list_motions(lister *l, int g)
             append(l, h);
         }
         h.fault.first = rows[i];
-        if (stay + 1 < stays && stay + LONGEST_BURST >= stays) {
-            h.fault.last = rows[group->count - 1];
-            append(l, h);
-        }
-        h.kind = MUKCA_CANDIDATE_STEP;
-        h.fault.last = 0;
+        h.fault.last = rows[last];
+        if (stay + 1 < stays && stay + LONGEST_BURST >= stays) append(l, h);
+        h.kind = MUKCA_CANDIDATE_MOTION;
+        h.fault.last = l->recording->data->n_rows - 1;
         if (group->socket >= 0 && stay > LONGEST_BURST && stay + LONGEST_BURST < stays)
             append(l, h);
     }
-    h.kind = MUKCA_CANDIDATE_CREEP;
     h.fault.first = rows[0];
+    h.fault.last = rows[last];
+    h.fault.shape = MUKCA_FAULT_GROWING;
     if (group->socket >= 0 && stays >= 2 * LONGEST_BURST) append(l, h);
 }
 
@@ -184,11 +188,12 @@ static void list_faults(lister *l)
         for (int i = 0; i < group->count; i++) list_outliers_at(l, g, i);
         if (group->count) list_motions(l, g);
         if (group->count && follows_another(l->recording, g))
-            append(l, (mukca_candidate){
-                          .kind = MUKCA_CANDIDATE_STEP,
-                          .joint = -1,
-                          .placement = group->placement,
-                          .fault = {.group = g, .first = l->recording->order[group->start]}});
+            append(l, (mukca_candidate){.kind = MUKCA_CANDIDATE_MOTION,
+                                        .joint = -1,
+                                        .placement = group->placement,
+                                        .fault = {.group = g,
+                                                  .first = l->recording->order[group->start],
+                                                  .last = l->recording->data->n_rows - 1}});
     }
 }
 
@@ -217,20 +222,20 @@ static void list_unlisted(lister *l)
                 append(l, (mukca_candidate){.kind = MUKCA_CANDIDATE_UNLISTED_ANGLE,
                                             .joint = j,
                                             .placement = -1,
-                                            .simple = {(mukca_argument)a, .other = k}});
+                                            .of = {(mukca_argument)a, .joint = k}});
             }
     for (int j = 0; j < n && r->have_torques && r->n_bodies; j++)
         for (int p = -1; p < (placements ? r->data->n_placements : 0); p++)
             append(l, (mukca_candidate){.kind = MUKCA_CANDIDATE_UNLISTED_ANGLE,
                                         .joint = j,
                                         .placement = p,
-                                        .simple = {MUKCA_ARGUMENT_PAYLOAD, .other = j}});
+                                        .of = {MUKCA_ARGUMENT_PAYLOAD, .joint = j}});
     for (int axis = 0; axis < 3; axis++)
         for (int in_tool = 0; in_tool < 2; in_tool++)
             append(l, (mukca_candidate){.kind = MUKCA_CANDIDATE_UNLISTED_TILT,
                                         .joint = n - 1,
                                         .placement = -1,
-                                        .simple = {.other = axis, .turns = in_tool}});
+                                        .of = {.joint = axis, .turns = in_tool}});
     for (int p = 0; p < r->n_pairs; p++)
         append(l, (mukca_candidate){.kind = MUKCA_CANDIDATE_UNLISTED_PAIR,
                                     .joint = -1,
@@ -239,19 +244,19 @@ static void list_unlisted(lister *l)
         const int joint = r->chain->element[u->slot_element[slot]].joint;
         mukca_candidate h = {.kind = MUKCA_CANDIDATE_UNLISTED_FRAME,
                              .joint = joint < 0 ? n - 1 : joint,
-                             .simple = {.slot = slot}};
-        h.simple.other = h.joint;
+                             .of = {.slot = slot}};
+        h.of.joint = h.joint;
         for (int turns = 0; turns < 2; turns++) {
             if (turns && slot + 1 == u->n_slots && u->slot_width < 6) continue;
-            h.simple.turns = turns;
+            h.of.turns = turns;
             h.placement = -1;
-            h.simple.argument = MUKCA_ARGUMENT_WAVE;
+            h.of.argument = MUKCA_ARGUMENT_WAVE;
             append(l, h);
-            h.simple.argument = MUKCA_ARGUMENT_TIME;
+            h.of.argument = MUKCA_ARGUMENT_TIME;
             append(l, h);
-            h.simple.argument = MUKCA_ARGUMENT_MOMENT;
+            h.of.argument = MUKCA_ARGUMENT_MOMENT;
             if (r->have_moments) append(l, h);
-            h.simple.argument = MUKCA_ARGUMENT_PLACEMENT;
+            h.of.argument = MUKCA_ARGUMENT_PLACEMENT;
             for (h.placement = 0; placements && h.placement < r->data->n_placements; h.placement++)
                 append(l, h);
         }
@@ -264,21 +269,14 @@ static double order_prior(const mukca_candidates *all, const mukca_effect *e)
            log(all->survey.n_joints) - log(all->classes);
 }
 
-/* Does the tool move before the first sample of a socket? */
-static bool is_between(const mukca_candidate *h, const mukca_recording *r)
-{
-    return h->kind == MUKCA_CANDIDATE_STEP &&
-           h->fault.first == r->order[r->groups[h->fault.group].start];
-}
-
 /* Parts of the outliers and of the tool's motions, each with a share of its class. */
 typedef enum { SINGLE, BURST, CREEP, BETWEEN, STEP, PARTS } fault_part;
 
 static fault_part part_of(const mukca_candidate *h, const mukca_recording *r)
 {
     if (h->kind == MUKCA_CANDIDATE_OUTLIER) return h->fault.last == h->fault.first ? SINGLE : BURST;
-    if (h->kind == MUKCA_CANDIDATE_CREEP) return CREEP;
-    return is_between(h, r) ? BETWEEN : STEP;
+    if (h->fault.shape == MUKCA_FAULT_GROWING) return CREEP;
+    return h->fault.first == r->order[r->groups[h->fault.group].start] ? BETWEEN : STEP;
 }
 
 /* Prior odds: equal per class, then per joint, then per variant; half of the outliers are bursts, a

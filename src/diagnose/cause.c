@@ -216,7 +216,7 @@ static bool may_belong(const mukca_candidate *unknown, int order)
 {
     return mukca_candidate_class(unknown) == MUKCA_CLASS_UNKNOWN &&
            (order <= MUKCA_LONG_ORDER ||
-            (unknown->kind == MUKCA_CANDIDATE_OWN_ANGLE && unknown->width < FINE_WIDTH));
+            (unknown->kind == MUKCA_CANDIDATE_OWN_ANGLE && unknown->of.size < FINE_WIDTH));
 }
 
 /* A name is conditional on the catalogue.  An unknown function in the same set shows that the
@@ -316,7 +316,7 @@ void mukca_cause_describe(mukca_cause *out, mukca_search *id, const mukca_causes
         out->socket = recording->groups[h->fault.group].socket;
         out->row = recording->data->row[h->fault.first];
         out->file = recording->data->file[h->fault.first];
-        out->creep = h->kind == MUKCA_CANDIDATE_CREEP;
+        out->creep = h->fault.shape == MUKCA_FAULT_GROWING;
     }
     measure(out, id->m, member);
 }

@@ -66,11 +66,8 @@ static void fill(fault_sums *f, const double *u)
 static void find_samples(int *from, int *to, const mukca_recording *r, const mukca_candidate *h)
 {
     const mukca_group *group = &r->groups[h->fault.group];
-    const int *row = r->order + group->start;
-    *from = 0, *to = group->count;
-    if (h->kind == MUKCA_CANDIDATE_CREEP) return;
-    while (*from < group->count && row[*from] < h->fault.first) ++*from; /* rows ascend */
-    if (h->kind != MUKCA_CANDIDATE_OUTLIER) return;
+    const int *row = r->order + group->start; /* ascending */
+    for (*from = 0; *from < group->count && row[*from] < h->fault.first;) ++*from;
     for (*to = *from; *to < group->count && row[*to] <= h->fault.last;) ++*to;
 }
 
@@ -126,7 +123,7 @@ static void score(double *value, double *information, fault_sums *f, const mukca
     multiply(G, f, white);
     memset(T, 0, sizeof *T * (size_t)(3 * n));
     memset(g, 0, sizeof g);
-    const bool varies = h->kind == MUKCA_CANDIDATE_CREEP || h->fault.settles;
+    const bool varies = h->fault.shape != MUKCA_FAULT_STEADY;
     for (int i = varies ? from : to - 1; i < to; i++) {
         const int start = varies ? i : from;
         const double w = share[group->start + i];

@@ -78,7 +78,7 @@ TEST(effect_columns)
     bool seen[MUKCA_EFFECT_COUNT] = {false}; /* each effect, and every seventh candidate */
     for (int i = 0; i < f->all.first_unlisted; i++) {
         const mukca_candidate *h = &f->all.list[i];
-        if (!h->basis || h->kind == MUKCA_CANDIDATE_STRETCH) continue;
+        if (!mukca_candidate_moves_arm(h)) continue;
         const int kind = h->kind == MUKCA_CANDIDATE_EFFECT ? (int)h->effect.kind : -1;
         if (i % 7 && (kind < 0 || seen[kind])) continue;
         if (kind >= 0) seen[kind] = true;
@@ -213,7 +213,7 @@ TEST(repeated)
     assert_true(f->m.recording.repeats);
     for (int family = 0; family < f->m.evidence.n_noises; family += 3) check_scan(family, NULL);
     for (int i = 0; i < f->all.count; i++) /* the tool moves between postures */
-        if (f->all.list[i].kind == MUKCA_CANDIDATE_STEP)
+        if (f->all.list[i].kind == MUKCA_CANDIDATE_MOTION)
             assert_int_equal(f->all.list[i].fault.first % 2, 0);
     f->m.evidence.angular[1] = 5;
     mukca_evidence_set_share(&f->m.evidence, 2);
