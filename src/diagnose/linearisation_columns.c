@@ -64,6 +64,12 @@ MUKCA_CLONES static void turn_levers(double *E, int ld, const lever_rows *by,
             for (int c = 0; c < by->coordinates; c++, l += 3)
                 STORE4(E + c * ld + t, l[0] * x + l[1] * y + l[2] * z);
         }
+        for (; t + 4 <= terms && width == 1 && !by->term; t += 4, b += 4) {
+            const four x = {(double)b[0], (double)b[1], (double)b[2], (double)b[3]};
+            const double *l = levers;
+            for (int c = 0; c < by->coordinates; c++, l += by->coordinate)
+                STORE4(E + c * ld + t, l[0] * x);
+        }
         for (; t < terms; t++, b += width) {
             const double *l = levers + t % 3 * by->term;
             for (int c = 0; c < by->coordinates; c++, l += by->coordinate) {
