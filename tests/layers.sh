@@ -45,6 +45,11 @@ for module in $modules; do
     [ -z "$circle" ] || fail "files that use each other in a circle: $circle"
 done
 
+# What depends on an effect is a member of its definition: no other file names one.
+names=$(sed -n 's/^ *X(\([A-Z_]*\), [a-z_]*).*/\1/p' include/mukca/effect.h | paste -sd '|')
+hit=$(grep -rnwE "MUKCA_EFFECT_($names)" src | grep -v '^src/effect/')
+[ -n "$names" ] && [ -z "$hit" ] || fail "an effect is named outside src/effect: $hit"
+
 # The core needs libm and nothing else.
 sources=$(for module in $core; do find "src/$module" -name '*.[ch]' ! -name 'nlopt_*'; done)
 for pattern in nlopt lcm/ jansson libxml urdf console_bridge unistd.h sys/; do

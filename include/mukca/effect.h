@@ -55,15 +55,19 @@ enum {
 
 /* Traits of an effect that the rest of the program uses (bits). */
 enum {
-    MUKCA_TRAIT_ELASTIC = 1,          /* proportional to gravity's moment: a spring */
-    MUKCA_TRAIT_PLAY = 2,             /* free motion between two stops */
-    MUKCA_TRAIT_PERIODIC = 4,         /* sines of the joint's angle; rotary joints only */
-    MUKCA_TRAIT_OWN_ANGLE = 8,        /* a function of the joint's own angle */
-    MUKCA_TRAIT_OTHER_ANGLE = 16,     /* a function of another joint's angle */
-    MUKCA_TRAIT_OF_TIME = 32,         /* a function of time */
-    MUKCA_TRAIT_SMOOTH = 64,          /* in the angles; periodic effects: low orders only */
-    MUKCA_TRAIT_PER_PLACEMENT = 128,  /* acts in one placement */
-    MUKCA_TRAIT_RECORDING_FAULT = 256 /* of the data, not of the arm: nothing to correct */
+    MUKCA_TRAIT_ELASTIC = 1,           /* proportional to gravity's moment: a spring */
+    MUKCA_TRAIT_PLAY = 2,              /* free motion between two stops */
+    MUKCA_TRAIT_PERIODIC = 4,          /* sines of the joint's angle; rotary joints only */
+    MUKCA_TRAIT_OWN_ANGLE = 8,         /* a function of the joint's own angle */
+    MUKCA_TRAIT_OTHER_ANGLE = 16,      /* a function of another joint's angle */
+    MUKCA_TRAIT_OF_TIME = 32,          /* a function of time */
+    MUKCA_TRAIT_SMOOTH = 64,           /* in the angles; periodic effects: low orders only */
+    MUKCA_TRAIT_PER_PLACEMENT = 128,   /* acts in one placement */
+    MUKCA_TRAIT_RECORDING_FAULT = 256, /* of the data, not of the arm: nothing to correct */
+    MUKCA_TRAIT_FLEXIBLE = 512,        /* a flexible part: alike in the arms of a model */
+    /* periodic, at any order from 2 to MUKCA_LAST_ORDER, which is searched; the order is that of a
+     * gear, as in other joints and arms of the model */
+    MUKCA_TRAIT_ORDERS = 1024
 };
 
 /* Where the displacement acts. */
@@ -154,6 +158,9 @@ int mukca_effect_find(const char *name);
 
 /* Does the effect have one of these traits?  False for a kind outside the catalogue. */
 bool mukca_effect_has(int kind, int traits);
+
+/* The first effect of the catalogue at a site with all of these traits; there is one. */
+mukca_effect_kind mukca_effect_at(mukca_effect_site site, int traits);
 
 /* Does the effect act at one joint (sites ANGLE and ROTATION)? */
 bool mukca_effect_has_joint(int kind);

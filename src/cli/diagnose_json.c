@@ -32,12 +32,13 @@ static json_t *set(const mukca_diagnosed *r, int i)
     for (int k = 0; k < s->n; k++) {
         const mukca_effect *e = &s->member[k].effect;
         const bool listed = e->kind < MUKCA_EFFECT_COUNT, unknown = s->member[k].unknown;
-        const int order = e->kind == MUKCA_EFFECT_GEAR_HARMONIC ? e->variant.order : 0;
+        const bool ordered = mukca_effect_has((int)e->kind, MUKCA_TRAIT_ORDERS);
         cli_json_append(causes,
                         KEY("effect", listed    ? mukca_effect_table[e->kind]->name
                                       : unknown ? NULL
                                                 : "outlier"),
-                        JOINT(e->joint), KEY("order", cli_json_positive(order)),
+                        JOINT(e->joint),
+                        KEY("order", cli_json_positive(ordered ? e->variant.order : 0)),
                         PLACEMENT(listed ? e->placement : -1), KEY("unknown", unknown),
                         KEY("row", cli_json_positive(s->member[k].row)));
     }

@@ -38,9 +38,9 @@ typedef struct {
                    "channel of the joint states (default: the one that fits the arm)"),            \
         CLI_OPTION(type, live.types, "type", CLI_TEXTS, "FILE",                                    \
                    "a .lcm description of the joint states, for a type that mukca does not know"), \
-        CLI_OPTION(type, live.recorder.position, "position", CLI_TEXT, "FIELD",                    \
+        CLI_OPTION(type, live.recorder.types.position, "position", CLI_TEXT, "FIELD",              \
                    "the field of --type that holds the joint positions, as in q or head.q"),       \
-        CLI_OPTION(type, live.recorder.names, "names", CLI_TEXT, "FIELD",                          \
+        CLI_OPTION(type, live.recorder.types.names, "names", CLI_TEXT, "FIELD",                    \
                    "the field of --type that holds the joint names"),                              \
         CLI_OPTION(type, live.recorder.map, "map", CLI_TEXT, "MAP",                                \
                    "which reading is which joint: name, order, or numbers as in 8-14 or 1,2,4 "    \
@@ -76,8 +76,8 @@ void cli_live_arguments(cli_live_words *words, const cli_common *common);
 /* Copy common options that the recorder needs. */
 static inline void cli_live_complete(cli_live *live, const cli_common *common)
 {
-    live->recorder.types = live->types.items;
-    live->recorder.n_types = live->types.n;
+    live->recorder.types.file = live->types.items;
+    live->recorder.types.n = live->types.n;
     live->recorder.capture.distance = common->distance;
 }
 

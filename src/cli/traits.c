@@ -130,7 +130,7 @@ json_t *cli_adoption_json(const mukca_adoption *a, const mukca_diagnosis *d,
     }
     for (int i = 0; i < a->traits->n; i++) {
         const mukca_effect *e = &a->traits->list[i].effect;
-        if (e->kind != MUKCA_EFFECT_GEAR_HARMONIC) continue;
+        if (!mukca_effect_has((int)e->kind, MUKCA_TRAIT_ORDERS)) continue;
         cli_json_append(orders, KEY("joint", mukca_chain_joint_name(chain, e->joint)),
                         KEY("order", e->variant.order),
                         KEY("probability", a->traits->list[i].probability));

@@ -105,7 +105,7 @@ void mukca_applied_fit(mukca_applied *a, mukca_regression *m)
     length_sigmas(a, m);
     for (int c = 0; c < u->n_causes && a->n_effects < MUKCA_MAX_APPLIED; c++) {
         const mukca_candidate *h = &u->cause[c].candidate;
-        if (h->kind != MUKCA_CANDIDATE_EFFECT) continue;
+        if (!mukca_candidate_moves_arm(h)) continue;
         const int column = mukca_unknowns_column(u, c), i = a->n_effects++;
         const double one = 1;
         a->effects[i] = h->effect;

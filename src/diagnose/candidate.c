@@ -10,9 +10,8 @@
 #define BUMP_NORM 1.33
 
 enum {
-    LEAST_RATIO = 20, /* of a strain-wave or cycloidal gear, halved */
-    TIME_BUMPS = 10,  /* over the whole recording */
-    POWERS = 4,       /* Chebyshev polynomials of another joint's angle, degree 1 to 4 */
+    TIME_BUMPS = 10, /* over the whole recording */
+    POWERS = 4,      /* Chebyshev polynomials of another joint's angle, degree 1 to 4 */
     PRODUCT_DEGREE = 3,
     PRODUCTS = (PRODUCT_DEGREE + 1) * (PRODUCT_DEGREE + 2) / 2 - 1
 };
@@ -26,36 +25,48 @@ enum {
 typedef void fill_fn(const mukca_candidate *h, const mukca_recording *recording);
 static fill_fn fill_effect, fill_bumps, fill_polynomials, fill_slip, fill_stretch;
 
-/* Each kind: its class (-1: that of its effect), terms and components of a term (0: see
- * set_shape()), and its basis (NULL: none). */
+/* Classes of kinds: that of the candidate's effect; of the effect that moves a socket; unknown. */
+enum { OF_EFFECT = -1, OF_SOCKET = -2, UNKNOWN = MUKCA_CLASS_UNKNOWN };
+
+/* Each kind: its class and site, terms and components of a term (0: see set_shape()), and its basis
+ * (NULL: none). */
 static const struct {
-    int class, terms, width;
+    int class, site, terms, width;
     fill_fn *fill;
 } kinds[MUKCA_CANDIDATE_KINDS] = {
-    [MUKCA_CANDIDATE_EFFECT] = {-1, 0, 0, fill_effect},
-    [MUKCA_CANDIDATE_DISTANCE] = {MUKCA_EFFECT_SOCKET_DISTANCE, 1, 1, NULL},
-    [MUKCA_CANDIDATE_STEP] = {MUKCA_EFFECT_TOOL_MOTION, 3, 3, NULL},
-    [MUKCA_CANDIDATE_CREEP] = {MUKCA_EFFECT_TOOL_MOTION, 3, 3, NULL},
-    [MUKCA_CANDIDATE_OUTLIER] = {MUKCA_CLASS_OUTLIER, 3, 3, NULL},
-    [MUKCA_CANDIDATE_OWN_ANGLE] = {MUKCA_CLASS_UNKNOWN, 0, 1, fill_bumps},
-    [MUKCA_CANDIDATE_OTHER_ANGLE] = {MUKCA_CLASS_UNKNOWN, POWERS, 1, fill_polynomials},
-    [MUKCA_CANDIDATE_ANGLE_PRODUCT] = {MUKCA_CLASS_UNKNOWN, PRODUCTS, 1, fill_polynomials},
-    [MUKCA_CANDIDATE_TIME] = {MUKCA_CLASS_UNKNOWN, TIME_BUMPS, 1, fill_bumps},
-    [MUKCA_CANDIDATE_SLIP] = {MUKCA_CLASS_UNKNOWN, 1, 1, fill_slip},
-    [MUKCA_CANDIDATE_STRETCH] = {MUKCA_CLASS_UNKNOWN, 3, 1, fill_stretch},
-    [MUKCA_CANDIDATE_UNLISTED_ANGLE] = {MUKCA_CLASS_UNKNOWN, 0, 1, mukca_unlisted_fill},
-    [MUKCA_CANDIDATE_UNLISTED_FRAME] = {MUKCA_CLASS_UNKNOWN, 0, 1, mukca_unlisted_fill},
-    [MUKCA_CANDIDATE_UNLISTED_TILT] = {MUKCA_CLASS_UNKNOWN, 3, 3, NULL},
-    [MUKCA_CANDIDATE_UNLISTED_PAIR] = {MUKCA_CLASS_UNKNOWN, 1, 1, NULL}};
+    [MUKCA_CANDIDATE_EFFECT] = {OF_EFFECT, OF_EFFECT, 0, 0, fill_effect},
+    [MUKCA_CANDIDATE_MOTION] = {OF_SOCKET, MUKCA_SITE_SOCKET, 3, 3, NULL},
+    [MUKCA_CANDIDATE_OUTLIER] = {MUKCA_CLASS_OUTLIER, MUKCA_SITE_SOCKET, 3, 3, NULL},
+    [MUKCA_CANDIDATE_OWN_ANGLE] = {UNKNOWN, MUKCA_SITE_ANGLE, 0, 1, fill_bumps},
+    [MUKCA_CANDIDATE_OTHER_ANGLE] = {UNKNOWN, MUKCA_SITE_ANGLE, POWERS, 1, fill_polynomials},
+    [MUKCA_CANDIDATE_ANGLE_PRODUCT] = {UNKNOWN, MUKCA_SITE_ANGLE, PRODUCTS, 1, fill_polynomials},
+    [MUKCA_CANDIDATE_TIME] = {UNKNOWN, MUKCA_SITE_ANGLE, TIME_BUMPS, 1, fill_bumps},
+    [MUKCA_CANDIDATE_SLIP] = {UNKNOWN, MUKCA_SITE_ANGLE, 1, 1, fill_slip},
+    [MUKCA_CANDIDATE_STRETCH] = {UNKNOWN, MUKCA_SITE_FRAME, 3, 1, fill_stretch},
+    [MUKCA_CANDIDATE_UNLISTED_ANGLE] = {UNKNOWN, MUKCA_SITE_ANGLE, 0, 1, mukca_unlisted_fill},
+    [MUKCA_CANDIDATE_UNLISTED_FRAME] = {UNKNOWN, MUKCA_SITE_FRAME, 0, 1, mukca_unlisted_fill},
+    [MUKCA_CANDIDATE_UNLISTED_TILT] = {UNKNOWN, MUKCA_SITE_SEAT, 3, 3, NULL},
+    [MUKCA_CANDIDATE_UNLISTED_PAIR] = {UNKNOWN, MUKCA_SITE_DISTANCE, 1, 1, NULL}};
+
+mukca_candidate mukca_candidate_of(const mukca_effect *effect)
+{
+    return (mukca_candidate){.kind = MUKCA_CANDIDATE_EFFECT,
+                             .joint = effect->joint,
+                             .placement = effect->placement,
+                             .effect = *effect};
+}
 
 int mukca_candidate_class(const mukca_candidate *h)
 {
-    return h->kind == MUKCA_CANDIDATE_EFFECT ? (int)h->effect.kind : kinds[h->kind].class;
+    const int class = kinds[h->kind].class;
+    return class == OF_EFFECT   ? (int)h->effect.kind
+           : class == OF_SOCKET ? (int)mukca_effect_at(MUKCA_SITE_SOCKET, 0)
+                                : class;
 }
 
 bool mukca_candidate_is_fault(const mukca_candidate *h)
 {
-    return h->kind >= MUKCA_CANDIDATE_STEP && h->kind <= MUKCA_CANDIDATE_OUTLIER;
+    return kinds[h->kind].site == MUKCA_SITE_SOCKET;
 }
 
 bool mukca_candidate_is_unlisted(const mukca_candidate *h)
@@ -72,18 +83,15 @@ mukca_effect mukca_candidate_effect(const mukca_candidate *h)
                           .terms = h->terms};
 }
 
-mukca_effect_site mukca_candidate_site(const mukca_candidate *h)
+int mukca_candidate_site(const mukca_candidate *h)
 {
-    const int class = mukca_candidate_class(h);
-    return class < MUKCA_EFFECT_COUNT    ? mukca_effect_table[class]->site
-           : mukca_candidate_is_fault(h) ? MUKCA_SITE_SOCKET
-                                         : MUKCA_SITE_ANGLE;
+    const int site = kinds[h->kind].site;
+    return site == OF_EFFECT ? (int)mukca_effect_table[h->effect.kind]->site : site;
 }
 
 bool mukca_candidate_moves_arm(const mukca_candidate *h)
 {
-    return h->basis && h->kind != MUKCA_CANDIDATE_STRETCH &&
-           h->kind != MUKCA_CANDIDATE_UNLISTED_FRAME;
+    return mukca_candidate_site(h) <= MUKCA_SITE_TIP;
 }
 
 int mukca_candidate_own_terms(const mukca_candidate *h)
@@ -101,32 +109,28 @@ bool mukca_candidate_same(const mukca_candidate *a, const mukca_candidate *b)
     if (a->kind != b->kind || a->joint != b->joint || a->placement != b->placement) return false;
     if (mukca_candidate_is_fault(a))
         return a->fault.group == b->fault.group && a->fault.first == b->fault.first &&
-               a->fault.last == b->fault.last && a->fault.settles == b->fault.settles;
-    if (a->kind == MUKCA_CANDIDATE_UNLISTED_TILT)
-        return a->simple.other == b->simple.other && a->simple.turns == b->simple.turns;
+               a->fault.last == b->fault.last && a->fault.shape == b->fault.shape;
+    if (mukca_candidate_site(a) == MUKCA_SITE_SEAT)
+        return a->of.joint == b->of.joint && a->of.turns == b->of.turns;
     return a->basis == b->basis; /* of one list */
 }
 
 double mukca_candidate_fault_share(const mukca_candidate *h, const mukca_recording *recording,
                                    int row)
 {
-    const mukca_group *group = &recording->groups[h->fault.group];
-    if (recording->data->socket[row] != group->socket) return 0;
-    if (h->kind == MUKCA_CANDIDATE_STEP) return row >= h->fault.first;
-    if (h->kind == MUKCA_CANDIDATE_OUTLIER) {
-        const bool in = row >= h->fault.first && row <= h->fault.last;
-        return in && h->fault.settles ? pow(SETTLING, row - h->fault.first) : in;
-    }
-    /* creep: from 0 at the socket's first sample to 1 at its last */
-    const int first = recording->order[group->start],
-              last = recording->order[group->start + group->count - 1];
-    return last > first ? (double)(row - first) / (last - first) : 0;
+    const int first = h->fault.first, last = h->fault.last;
+    if (recording->data->socket[row] != recording->groups[h->fault.group].socket) return 0;
+    if (row < first) return 0;
+    if (h->fault.shape == MUKCA_FAULT_GROWING)
+        return row < last ? (double)(row - first) / (last - first) : 1;
+    if (row > last) return 0;
+    return h->fault.shape == MUKCA_FAULT_FADING ? pow(SETTLING, row - first) : 1;
 }
 
 bool mukca_candidate_changes_pair(const mukca_candidate *h, const mukca_recording *recording,
                                   int pair)
 {
-    return (h->kind == MUKCA_CANDIDATE_DISTANCE || h->kind == MUKCA_CANDIDATE_UNLISTED_PAIR) &&
+    return mukca_candidate_site(h) == MUKCA_SITE_DISTANCE &&
            (h->placement < 0 ||
             recording->groups[recording->pairs[pair].a].placement == h->placement);
 }
@@ -150,8 +154,6 @@ int mukca_candidate_scales(double *scale, double *log_weight, const mukca_candid
     /* Rms of an unknown function of a joint, rad: arms often show 0.1 mrad, hardly ever 10. */
     static const double unknown[] = {0.1e-3, 0.3e-3, 1e-3, 3e-3, 10e-3};
     static const double frequency[] = {1, 0.5, 0.2, 0.1, 0.03};
-    /* Deflection of a joint, rad, that an arm's own weight rarely exceeds: 2 mm at the tip. */
-    const double most_deflection = 3e-3;
     const int class = mukca_candidate_class(h);
     double total = 0;
     int n = 0;
@@ -166,8 +168,7 @@ int mukca_candidate_scales(double *scale, double *log_weight, const mukca_candid
             mukca_candidate_site(h) == MUKCA_SITE_ANGLES ? 1 : h->unit[0]; /* see sizes */
         for (int i = 0; i < MUKCA_MAX_SIZES && sizes->sigma[i] > 0; i++) {
             const bool rare = i >= sizes->usual;
-            if (rare && sizes == &mukca_sizes_spring && sizes->sigma[i] * unit > most_deflection)
-                break;
+            if (rare && sizes->most > 0 && sizes->sigma[i] * unit > sizes->most) break;
             scale[n] = sizes->sigma[i] * unit;
             total += log_weight[n++] = rare ? MUKCA_RARE_SIZE : 1;
         }
@@ -190,30 +191,15 @@ int mukca_candidate_key(const mukca_candidate *h)
     int at = h->joint + 1, place = 0; /* place: what distinguishes causes of a class at a joint */
     if (mukca_candidate_is_fault(h)) {
         at = h->fault.group, place = h->fault.first;
-    } else if (class == MUKCA_EFFECT_GEAR_HARMONIC) {
+    } else if (mukca_effect_has(class, MUKCA_TRAIT_ORDERS)) {
         place = h->effect.variant.order;
     } else if (class == MUKCA_CLASS_UNKNOWN) {
-        place = (int)h->kind;
-        if (h->kind == MUKCA_CANDIDATE_SLIP) place += MUKCA_CANDIDATE_KINDS * (1 + h->row);
-        if (h->kind == MUKCA_CANDIDATE_UNLISTED_PAIR) {
-            at = h->placement;
-        } else if (mukca_candidate_is_unlisted(h)) {
-            place += MUKCA_CANDIDATE_KINDS * (int)h->simple.argument;
-            at += MUKCA_MAX_JOINTS * h->simple.turns;
-        }
+        place = (int)h->kind + MUKCA_CANDIDATE_KINDS * ((int)h->of.argument + h->of.row);
+        at = h->joint < 0 ? h->placement : at + MUKCA_MAX_JOINTS * h->of.turns;
     } else {
         place = h->placement + 1;
     }
     return (place * 2 * MUKCA_MAX_JOINTS + at) * MUKCA_CLASSES + class;
-}
-
-int mukca_candidate_kin(const mukca_candidate *h)
-{
-    int order = h->effect.variant.order;
-    if (mukca_candidate_class(h) != MUKCA_EFFECT_GEAR_HARMONIC || order < LEAST_RATIO)
-        return is_elastic(h) && !(mukca_effect_table[h->effect.kind]->needs & MUKCA_NEEDS_COMMANDS);
-    while (order % 2 == 0) order /= 2;
-    return 1 + order;
 }
 
 /* x in the range, mapped to [-1, 1]. */
@@ -232,12 +218,12 @@ static void chebyshev(double *T, int degree, double x)
 /* Gaussian bumps of `width` on a grid over the range of the joint's angle, or of time. */
 static void fill_bumps(const mukca_candidate *h, const mukca_recording *recording)
 {
-    const bool timed = h->kind == MUKCA_CANDIDATE_TIME;
+    const bool timed = h->of.joint < 0;
     const double *x = timed ? recording->time : recording->q;
     const int columns = timed ? 1 : recording->chain->n_joints, column = timed ? 0 : h->joint;
     double range[2];
     mukca_recording_range(range, recording, x, columns, column);
-    const double width = timed ? (range[1] - range[0]) / (h->terms - 1) : h->width;
+    const double width = timed ? (range[1] - range[0]) / (h->terms - 1) : h->of.size;
     for (int row = 0; row < recording->data->n_rows; row++)
         for (int t = 0; t < h->terms; t++) {
             const double u = (x[row * columns + column] - range[0] - t * width) / width;
@@ -252,12 +238,12 @@ static void fill_polynomials(const mukca_candidate *h, const mukca_recording *re
     const int n_joints = recording->chain->n_joints;
     const double *q = recording->q;
     double range[2], own_range[2];
-    mukca_recording_range(range, recording, q, n_joints, h->other);
+    mukca_recording_range(range, recording, q, n_joints, h->of.joint);
     mukca_recording_range(own_range, recording, q, n_joints, h->joint);
     for (int row = 0; row < recording->data->n_rows; row++, q += n_joints) {
         double T[POWERS + 1], own[PRODUCT_DEGREE + 1];
         float *out = h->basis + row * h->terms;
-        chebyshev(T, POWERS, normalised(q[h->other], range));
+        chebyshev(T, POWERS, normalised(q[h->of.joint], range));
         if (h->kind == MUKCA_CANDIDATE_OTHER_ANGLE) {
             for (int t = 0; t < POWERS; t++) out[t] = (float)T[t + 1];
             continue;
@@ -271,7 +257,7 @@ static void fill_polynomials(const mukca_candidate *h, const mukca_recording *re
 
 static void fill_slip(const mukca_candidate *h, const mukca_recording *recording)
 {
-    for (int row = 0; row < recording->data->n_rows; row++) h->basis[row] = row >= h->row;
+    for (int row = 0; row < recording->data->n_rows; row++) h->basis[row] = row >= h->of.row;
 }
 
 static void fill_stretch(const mukca_candidate *h, const mukca_recording *recording)
@@ -281,7 +267,7 @@ static void fill_stretch(const mukca_candidate *h, const mukca_recording *record
     for (int row = 0; row < recording->data->n_rows; row++)
         for (int t = 0; t < 3; t++)
             h->basis[3 * row + t] =
-                (float)(1 - exp(-(recording->time[row] - range[0]) / h->stretch.time_constant));
+                (float)(1 - exp(-(recording->time[row] - range[0]) / h->of.size));
 }
 
 /* Basis of an effect; additional terms of an elastic effect: under the load of each single body. */
@@ -319,7 +305,7 @@ static void fill_effect(const mukca_candidate *h, const mukca_recording *recordi
 static void set_units(double *unit, const mukca_candidate *h, const mukca_recording *recording)
 {
     const int width = h->width_of_term;
-    const mukca_effect_site site = mukca_candidate_site(h);
+    const int site = mukca_candidate_site(h);
     const bool wave = mukca_effect_has(mukca_candidate_class(h), MUKCA_TRAIT_PERIODIC);
     for (int t = 0; t < h->terms && site != MUKCA_SITE_TIP; t++) {
         double square = 0, whole = 0;
@@ -353,8 +339,8 @@ static void set_shape(mukca_candidate *h, const mukca_recording *recording)
 {
     double range[2];
     if (h->kind == MUKCA_CANDIDATE_EFFECT) {
-        const mukca_effect_site site = mukca_effect_table[h->effect.kind]->site;
-        h->width_of_term = site == MUKCA_SITE_ANGLE    ? 1
+        const int site = mukca_candidate_site(h);
+        h->width_of_term = site == MUKCA_SITE_ANGLE || site == MUKCA_SITE_DISTANCE ? 1
                            : site == MUKCA_SITE_ANGLES ? recording->chain->n_joints
                                                        : 3;
         h->terms = h->effect.terms = mukca_effect_terms(&h->effect);
@@ -362,7 +348,7 @@ static void set_shape(mukca_candidate *h, const mukca_recording *recording)
             h->terms = 1 + recording->n_bodies;
     } else if (h->kind == MUKCA_CANDIDATE_OWN_ANGLE) {
         mukca_recording_range(range, recording, recording->q, recording->chain->n_joints, h->joint);
-        h->terms = (int)fmin(ceil((range[1] - range[0]) / h->width) + 1, MUKCA_MAX_COLUMNS);
+        h->terms = (int)fmin(ceil((range[1] - range[0]) / h->of.size) + 1, MUKCA_MAX_COLUMNS);
     } else {
         h->terms = mukca_unlisted_terms(h);
     }
@@ -381,7 +367,7 @@ bool mukca_candidate_prepare(mukca_candidate *h, mukca_pool *pool, const mukca_r
     h->terms = kinds[h->kind].terms;
     h->width_of_term = kinds[h->kind].width;
     if (!h->terms) set_shape(h, recording);
-    if (!kinds[h->kind].fill) return true;
+    if (!mukca_candidate_moves_arm(h) && mukca_candidate_site(h) != MUKCA_SITE_FRAME) return true;
     double *unit = MUKCA_TAKE(pool, double, h->terms);
     /* three spare entries: it is read four at a time */
     h->basis = MUKCA_TAKE(pool, float, (size_t)rows *(size_t)(h->terms * h->width_of_term) + 3);

@@ -17,10 +17,8 @@ enum {
 
 /* An effect of the catalogue, or a rival explanation of the structure. */
 typedef enum {
-    MUKCA_CANDIDATE_EFFECT,        /* of the catalogue, acting on the arm */
-    MUKCA_CANDIDATE_DISTANCE,      /* socket_distance */
-    MUKCA_CANDIDATE_STEP,          /* tool_motion: the socket moved once, before a sample */
-    MUKCA_CANDIDATE_CREEP,         /* tool_motion: the socket moved steadily through its samples */
+    MUKCA_CANDIDATE_EFFECT,        /* of the catalogue, but for motions of a socket */
+    MUKCA_CANDIDATE_MOTION,        /* of the catalogue: a socket moved */
     MUKCA_CANDIDATE_OUTLIER,       /* one sample displaced, or a few successive ones alike */
     MUKCA_CANDIDATE_OWN_ANGLE,     /* unknown: joint error, a smooth function of its angle */
     MUKCA_CANDIDATE_OTHER_ANGLE,   /* unknown: ... of another joint's angle */
@@ -54,6 +52,19 @@ typedef enum {
     MUKCA_ARGUMENT_MOMENT     /* about a joint's origin, three components */
 } mukca_argument;
 
+/* Where a candidate acts: a site of effects, or one of these. */
+enum {
+    MUKCA_SITE_FRAME = MUKCA_SITE_DISTANCE + 1, /* shift or rotation of a frame of the geometry */
+    MUKCA_SITE_SEAT                             /* the ball in its socket, with the tool's tilt */
+};
+
+/* Displacement of a socket by a fault, over its rows. */
+typedef enum {
+    MUKCA_FAULT_STEADY,
+    MUKCA_FAULT_FADING, /* a badly seated ball settles */
+    MUKCA_FAULT_GROWING /* from 0 to 1: the tool creeps */
+} mukca_fault_shape;
+
 /* Classes, equals in the competition: the catalogue's effects, then two rivals of all effects. */
 enum { MUKCA_CLASS_OUTLIER = MUKCA_EFFECT_COUNT, MUKCA_CLASS_UNKNOWN, MUKCA_CLASSES };
 
@@ -61,30 +72,30 @@ typedef struct {
     mukca_candidate_kind kind;
     int joint, placement; /* that it acts on; -1: none or all */
     union {
-        mukca_effect effect; /* EFFECT: joint and placement as above */
-        struct {
-            int group, first, last; /* STEP, CREEP, OUTLIER: rows of the dataset */
-            bool settles;           /* OUTLIER: the displacement fades from `first` to `last` */
+        mukca_effect effect;        /* EFFECT: joint and placement as above */
+        struct {                    /* MOTION, OUTLIER */
+            int group, first, last; /* rows of the dataset */
+            mukca_fault_shape shape;
         } fault;
-        double width; /* OWN_ANGLE: of a bump, rad */
-        int other;    /* OTHER_ANGLE, ANGLE_PRODUCT: the other joint */
-        int row;      /* SLIP: first row of the dataset after it */
-        struct {
-            int slot;             /* STRETCH: of the unknowns */
-            double time_constant; /* s */
-        } stretch;
-        struct {
-            mukca_argument argument;
-            int other, slot; /* joint of the argument, TILT: axis of the tip; FRAME: of the
-                                unknowns */
-            bool turns; /* FRAME: rotation, else shift; TILT: in the tool, else in the socket */
-        } simple;       /* UNLISTED */
+        struct {                     /* all others: what they are a function of */
+            mukca_argument argument; /* UNLISTED */
+            int joint; /* whose angle, load or move; -1: none; TILT: axis of the tip */
+            int slot;  /* site FRAME: of the unknowns */
+            int row;   /* SLIP: first row of the dataset after it */
+            bool
+                turns; /* site FRAME: rotation, else shift; TILT: in the tool, else in the socket */
+            double size; /* OWN_ANGLE: width of a bump, rad; STRETCH: time constant, s */
+        } of;
     };
     int terms, width_of_term; /* width: 1 angle, 3 of a rotation or shift, n_joints angles */
-    float *basis;             /* [n_rows][terms][width_of_term]; NULL: faults and distances */
-    const double *unit;       /* [terms] rms rotation, rad, per unit of coefficient; shifts: 1 */
+    /* [n_rows][terms][width_of_term]; NULL: sites SOCKET, DISTANCE and SEAT */
+    float *basis;
+    const double *unit; /* [terms] rms rotation, rad, per unit of coefficient; shifts: 1 */
     double log_prior;
 } mukca_candidate;
+
+/* The candidate of an effect of the catalogue, to be prepared. */
+mukca_candidate mukca_candidate_of(const mukca_effect *effect);
 
 /* Class of a candidate: its effect, or one of the two rival classes. */
 int mukca_candidate_class(const mukca_candidate *candidate);
@@ -95,7 +106,7 @@ bool mukca_candidate_is_fault(const mukca_candidate *candidate);
 /* Is it an unlisted cause? */
 bool mukca_candidate_is_unlisted(const mukca_candidate *candidate);
 
-/* Does it displace the arm's joints or tip?  Faults, distances and moved frames do not. */
+/* Does it displace the arm's joints or tip? */
 bool mukca_candidate_moves_arm(const mukca_candidate *candidate);
 
 /* Is it fitted with one factor per mass: first a term of all masses, then one term for each? */
@@ -110,8 +121,8 @@ bool mukca_candidate_same(const mukca_candidate *a, const mukca_candidate *b);
 /* Effect of a candidate that is no rival, without coefficients. */
 mukca_effect mukca_candidate_effect(const mukca_candidate *candidate);
 
-/* Where its displacement acts. */
-mukca_effect_site mukca_candidate_site(const mukca_candidate *candidate);
+/* Where it acts. */
+int mukca_candidate_site(const mukca_candidate *candidate);
 
 /* Displacement of a fault's socket at a row of the dataset, in units of its coefficients. */
 double mukca_candidate_fault_share(const mukca_candidate *candidate,
@@ -130,11 +141,6 @@ mukca_mixture mukca_candidate_mixture(const mukca_candidate *candidate);
 
 /* Key of the candidates of which a set contains one at most: variants of one cause. */
 int mukca_candidate_key(const mukca_candidate *candidate);
-
-/* Causes of one kin entail each other: the links and joints of an arm are flexible or they are not,
- * and its joints have the same gear, whose ripple has the gear's ratio, its half or its double as
- * order.  0: none. */
-int mukca_candidate_kin(const mukca_candidate *candidate);
 
 /* Fill terms, basis and units of a candidate; the other members are set.  False: no memory. */
 bool mukca_candidate_prepare(mukca_candidate *candidate, mukca_pool *pool,

@@ -4,13 +4,13 @@
 #include <math.h>
 #include <string.h>
 
-#include "diagnose/ripple.h"
 #include "diagnose/streams.h"
 #include "diagnose/unlisted.h"
 
 enum {
     LONGEST_BURST = 3,    /* successive postures with a badly seated ball */
     LONGEST_SETTLING = 8, /* samples until one has settled to a tenth */
+    MOST_ORDERS = 36,     /* of the orders of a joint that are added later */
     MOST_SLIPS = 64 /* slips tried per joint: half a step off, a slip in mid-recording loses at
                        most 3 % of its evidence */
 };
@@ -51,17 +51,11 @@ static void append(lister *l, mukca_candidate h)
 static void append_effects(lister *l, int joint)
 {
     for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++) {
-        mukca_candidate h = {.kind = mukca_effect_table[kind]->site == MUKCA_SITE_DISTANCE
-                                         ? MUKCA_CANDIDATE_DISTANCE
-                                         : MUKCA_CANDIDATE_EFFECT,
-                             .joint = joint};
-        mukca_effect *e = &h.effect;
+        mukca_effect e;
         if (mukca_effect_has_joint(kind) != (joint >= 0)) continue;
         for (int i = 0;
-             mukca_effect_candidate(e, (mukca_effect_kind)kind, joint, &l->all->survey, i); i++) {
-            h.placement = e->placement;
-            append(l, h);
-        }
+             mukca_effect_candidate(&e, (mukca_effect_kind)kind, joint, &l->all->survey, i); i++)
+            append(l, mukca_candidate_of(&e));
     }
 }
 
@@ -74,11 +68,13 @@ static void list_other_functions(lister *l, int j)
     const int element = recording->chain->joint_element[j], rows = recording->data->n_rows;
     const int *socket = recording->data->socket;
     mukca_candidate h = {.joint = j, .placement = -1};
-    for (h.other = 0; h.other < recording->chain->n_joints; h.other++)
+    for (int other = 0; other < recording->chain->n_joints; other++)
         for (int both = 0; both < 2; both++) {
             h.kind = both ? MUKCA_CANDIDATE_ANGLE_PRODUCT : MUKCA_CANDIDATE_OTHER_ANGLE;
-            if (h.other != j && l->all->survey.joint[h.other].range > 0.1) append(l, h);
+            h.of.joint = other;
+            if (other != j && l->all->survey.joint[other].range > 0.1) append(l, h);
         }
+    h.of.joint = -1;
     h.kind = MUKCA_CANDIDATE_TIME;
     append(l, h);
     /* A slip of the first joint, or in the last socket, is equivalent to a moved socket:
@@ -86,13 +82,16 @@ static void list_other_functions(lister *l, int j)
     h.kind = MUKCA_CANDIDATE_SLIP;
     int end = rows - LONGEST_BURST;
     while (end > 0 && socket[end - 1] >= 0 && socket[end - 1] == socket[rows - 1]) end--;
-    for (h.row = LONGEST_BURST; h.row < end && unknowns->slot_element[0] <= element;
-         h.row += rows / MOST_SLIPS + 1)
+    for (int row = LONGEST_BURST; row < end && unknowns->slot_element[0] <= element;
+         row += rows / MOST_SLIPS + 1) {
+        h.of.row = row;
         append(l, h);
+    }
+    h.of.row = 0;
     h.kind = MUKCA_CANDIDATE_STRETCH;
     for (int k = 0; k < unknowns->n_slots; k++)
         for (int i = 0; i < 3 && unknowns->slot_element[k] == element; i++) {
-            h.stretch.slot = k, h.stretch.time_constant = time_constants[i];
+            h.of.slot = k, h.of.size = time_constants[i];
             append(l, h);
         }
 }
@@ -107,7 +106,7 @@ static void list_own_functions(lister *l, int j)
             append(l, (mukca_candidate){.kind = MUKCA_CANDIDATE_OWN_ANGLE,
                                         .joint = j,
                                         .placement = -1,
-                                        .width = widths[i]});
+                                        .of = {.joint = j, .size = widths[i]}});
 }
 
 /* Last sample of the stay at a posture in which sample i of a group was read. */
@@ -133,7 +132,7 @@ static void list_outliers_at(lister *l, int g, int i)
     if (h.fault.last != h.fault.first) append(l, h);
     if (group->socket >= 0 && i < last) {
         h.fault.last = rows[i + LONGEST_SETTLING < last ? i + LONGEST_SETTLING : last];
-        h.fault.settles = true;
+        h.fault.shape = MUKCA_FAULT_FADING;
         append(l, h);
     }
 }
@@ -143,7 +142,7 @@ static void list_outliers_at(lister *l, int g, int i)
 static void list_motions(lister *l, int g)
 {
     const mukca_group *group = &l->recording->groups[g];
-    const int *rows = l->recording->order + group->start;
+    const int *rows = l->recording->order + group->start, last = group->count - 1;
     mukca_candidate h = {.joint = -1, .placement = group->placement, .fault.group = g};
     int stays = 0, stay = 0;
     for (int i = 0; i < group->count; i = stay_end(l->recording, g, i) + 1) stays++;
@@ -155,34 +154,17 @@ static void list_motions(lister *l, int g)
             append(l, h);
         }
         h.fault.first = rows[i];
-        if (stay + 1 < stays && stay + LONGEST_BURST >= stays) {
-            h.fault.last = rows[group->count - 1];
-            append(l, h);
-        }
-        h.kind = MUKCA_CANDIDATE_STEP;
-        h.fault.last = 0;
+        h.fault.last = rows[last];
+        if (stay + 1 < stays && stay + LONGEST_BURST >= stays) append(l, h);
+        h.kind = MUKCA_CANDIDATE_MOTION;
+        h.fault.last = l->recording->data->n_rows - 1;
         if (group->socket >= 0 && stay > LONGEST_BURST && stay + LONGEST_BURST < stays)
             append(l, h);
     }
-    h.kind = MUKCA_CANDIDATE_CREEP;
     h.fault.first = rows[0];
+    h.fault.last = rows[last];
+    h.fault.shape = MUKCA_FAULT_GROWING;
     if (group->socket >= 0 && stays >= 2 * LONGEST_BURST) append(l, h);
-}
-
-/* Orders of ripple of a joint that the geometry may absorb in part. */
-static void list_ripple(lister *l, int j)
-{
-    const mukca_effect_survey *survey = &l->all->survey;
-    mukca_candidate h = {
-        .kind = MUKCA_CANDIDATE_EFFECT,
-        .joint = j,
-        .placement = -1,
-        .effect = {.kind = MUKCA_EFFECT_GEAR_HARMONIC, .joint = j, .placement = -1}};
-    if (!survey->joint[j].turns || survey->joint[j].range < MUKCA_RIPPLE_TRAVEL) return;
-    for (int order = 2; order <= MUKCA_RIPPLE_LONG; order++) {
-        h.effect.variant.order = order;
-        append(l, h);
-    }
 }
 
 /* Was a socket of the same placement recorded completely before this group?  Then a tool that moved
@@ -206,11 +188,12 @@ static void list_faults(lister *l)
         for (int i = 0; i < group->count; i++) list_outliers_at(l, g, i);
         if (group->count) list_motions(l, g);
         if (group->count && follows_another(l->recording, g))
-            append(l, (mukca_candidate){
-                          .kind = MUKCA_CANDIDATE_STEP,
-                          .joint = -1,
-                          .placement = group->placement,
-                          .fault = {.group = g, .first = l->recording->order[group->start]}});
+            append(l, (mukca_candidate){.kind = MUKCA_CANDIDATE_MOTION,
+                                        .joint = -1,
+                                        .placement = group->placement,
+                                        .fault = {.group = g,
+                                                  .first = l->recording->order[group->start],
+                                                  .last = l->recording->data->n_rows - 1}});
     }
 }
 
@@ -239,20 +222,20 @@ static void list_unlisted(lister *l)
                 append(l, (mukca_candidate){.kind = MUKCA_CANDIDATE_UNLISTED_ANGLE,
                                             .joint = j,
                                             .placement = -1,
-                                            .simple = {(mukca_argument)a, .other = k}});
+                                            .of = {(mukca_argument)a, .joint = k}});
             }
     for (int j = 0; j < n && r->have_torques && r->n_bodies; j++)
         for (int p = -1; p < (placements ? r->data->n_placements : 0); p++)
             append(l, (mukca_candidate){.kind = MUKCA_CANDIDATE_UNLISTED_ANGLE,
                                         .joint = j,
                                         .placement = p,
-                                        .simple = {MUKCA_ARGUMENT_PAYLOAD, .other = j}});
+                                        .of = {MUKCA_ARGUMENT_PAYLOAD, .joint = j}});
     for (int axis = 0; axis < 3; axis++)
         for (int in_tool = 0; in_tool < 2; in_tool++)
             append(l, (mukca_candidate){.kind = MUKCA_CANDIDATE_UNLISTED_TILT,
                                         .joint = n - 1,
                                         .placement = -1,
-                                        .simple = {.other = axis, .turns = in_tool}});
+                                        .of = {.joint = axis, .turns = in_tool}});
     for (int p = 0; p < r->n_pairs; p++)
         append(l, (mukca_candidate){.kind = MUKCA_CANDIDATE_UNLISTED_PAIR,
                                     .joint = -1,
@@ -261,35 +244,29 @@ static void list_unlisted(lister *l)
         const int joint = r->chain->element[u->slot_element[slot]].joint;
         mukca_candidate h = {.kind = MUKCA_CANDIDATE_UNLISTED_FRAME,
                              .joint = joint < 0 ? n - 1 : joint,
-                             .simple = {.slot = slot}};
-        h.simple.other = h.joint;
+                             .of = {.slot = slot}};
+        h.of.joint = h.joint;
         for (int turns = 0; turns < 2; turns++) {
             if (turns && slot + 1 == u->n_slots && u->slot_width < 6) continue;
-            h.simple.turns = turns;
+            h.of.turns = turns;
             h.placement = -1;
-            h.simple.argument = MUKCA_ARGUMENT_WAVE;
+            h.of.argument = MUKCA_ARGUMENT_WAVE;
             append(l, h);
-            h.simple.argument = MUKCA_ARGUMENT_TIME;
+            h.of.argument = MUKCA_ARGUMENT_TIME;
             append(l, h);
-            h.simple.argument = MUKCA_ARGUMENT_MOMENT;
+            h.of.argument = MUKCA_ARGUMENT_MOMENT;
             if (r->have_moments) append(l, h);
-            h.simple.argument = MUKCA_ARGUMENT_PLACEMENT;
+            h.of.argument = MUKCA_ARGUMENT_PLACEMENT;
             for (h.placement = 0; placements && h.placement < r->data->n_placements; h.placement++)
                 append(l, h);
         }
     }
 }
 
-static double ripple_prior(const mukca_candidates *all, int order)
+static double order_prior(const mukca_candidates *all, const mukca_effect *e)
 {
-    return mukca_ripple_log_prior(order) - log(all->survey.n_joints) - log(all->classes);
-}
-
-/* Does the tool move before the first sample of a socket? */
-static bool is_between(const mukca_candidate *h, const mukca_recording *r)
-{
-    return h->kind == MUKCA_CANDIDATE_STEP &&
-           h->fault.first == r->order[r->groups[h->fault.group].start];
+    return log(mukca_effect_catalogue[e->kind]->order_prior(e->variant.order)) -
+           log(all->survey.n_joints) - log(all->classes);
 }
 
 /* Parts of the outliers and of the tool's motions, each with a share of its class. */
@@ -298,8 +275,8 @@ typedef enum { SINGLE, BURST, CREEP, BETWEEN, STEP, PARTS } fault_part;
 static fault_part part_of(const mukca_candidate *h, const mukca_recording *r)
 {
     if (h->kind == MUKCA_CANDIDATE_OUTLIER) return h->fault.last == h->fault.first ? SINGLE : BURST;
-    if (h->kind == MUKCA_CANDIDATE_CREEP) return CREEP;
-    return is_between(h, r) ? BETWEEN : STEP;
+    if (h->fault.shape == MUKCA_FAULT_GROWING) return CREEP;
+    return h->fault.first == r->order[r->groups[h->fault.group].start] ? BETWEEN : STEP;
 }
 
 /* Prior odds: equal per class, then per joint, then per variant; half of the outliers are bursts, a
@@ -314,7 +291,8 @@ static void set_priors(mukca_candidates *all, const mukca_recording *r)
         const mukca_candidate *h = &all->list[i];
         const int class = mukca_candidate_class(h), slot = h->joint + 1;
         const bool cross = class == MUKCA_CLASS_UNKNOWN && h->kind != MUKCA_CANDIDATE_OWN_ANGLE;
-        if (class == MUKCA_EFFECT_GEAR_HARMONIC) continue; /* by order: ripple.c */
+        if (mukca_effect_has(class, MUKCA_TRAIT_ORDERS))
+            continue; /* they have priors of their own */
         if (mukca_candidate_is_fault(h)) parts[part_of(h, r)]++;
         all->enabled[class] = true;
         kinds[h->kind]++;
@@ -324,13 +302,13 @@ static void set_priors(mukca_candidates *all, const mukca_recording *r)
     }
     double of_part[PARTS] = {0.5, 0.5, parts[CREEP] ? 0.25 : 0, parts[BETWEEN] ? 0.25 : 0, 1};
     of_part[STEP] -= of_part[CREEP] + of_part[BETWEEN];
-    all->classes = all->harmonics;
+    all->classes = 0;
     for (int c = 0; c < MUKCA_CLASSES; c++) all->classes += all->enabled[c];
     for (int i = 0; i < all->first_unlisted; i++) {
         mukca_candidate *h = &all->list[i];
         const int class = mukca_candidate_class(h), slot = h->joint + 1;
-        if (class == MUKCA_EFFECT_GEAR_HARMONIC) {
-            h->log_prior = ripple_prior(all, h->effect.variant.order);
+        if (mukca_effect_has(class, MUKCA_TRAIT_ORDERS)) {
+            h->log_prior = order_prior(all, &h->effect);
             continue;
         }
         double share = 1.0 / joints[class]; /* of the class */
@@ -362,7 +340,9 @@ static void add_sag_evidence(mukca_candidates *all, const mukca_recording *recor
     mukca_streams_compare(&streams, recording);
     for (int i = 0; i < all->count; i++) {
         mukca_candidate *h = &all->list[i];
-        if (mukca_candidate_class(h) != MUKCA_EFFECT_SERVO_SAG) continue;
+        if (h->kind != MUKCA_CANDIDATE_EFFECT ||
+            !(mukca_effect_table[h->effect.kind]->needs & MUKCA_NEEDS_COMMANDS))
+            continue;
         const double evidence = streams.joint[h->joint].log_bayes_factor;
         if (isfinite(evidence)) h->log_prior += fmin(evidence, most);
     }
@@ -439,16 +419,17 @@ mukca_status mukca_candidates_list(mukca_candidates *all, mukca_pool *pool,
         append_effects(&l, j);
         list_other_functions(&l, j);
         list_own_functions(&l, j);
-        list_ripple(&l, j);
     }
     append_effects(&l, -1);
     list_faults(&l);
     all->first_unlisted = all->count;
     list_unlisted(&l);
     if (!l.ok) return no_memory(recording, error);
-    all->harmonics = !(disabled && disabled[MUKCA_EFFECT_GEAR_HARMONIC]);
+    for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++) /* whether or not a long wave is listed */
+        all->enabled[kind] =
+            mukca_effect_has(kind, MUKCA_TRAIT_ORDERS) && !(disabled && disabled[kind]);
     set_priors(all, recording);
-    const int most = all->count + MUKCA_RIPPLE_MOST * recording->chain->n_joints;
+    const int most = all->count + MOST_ORDERS * recording->chain->n_joints;
     mukca_candidate *list = MUKCA_TAKE(pool, mukca_candidate, most);
     if (!list) return no_memory(recording, error);
     memcpy(list, all->list, sizeof *list * (size_t)all->count);
@@ -456,25 +437,19 @@ mukca_status mukca_candidates_list(mukca_candidates *all, mukca_pool *pool,
     all->capacity = most;
     add_sag_evidence(all, recording);
     for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++)
-        if (!all->enabled[kind] && kind != MUKCA_EFFECT_GEAR_HARMONIC)
+        if (!all->enabled[kind])
             all->missing[kind] = disabled && disabled[kind]
                                      ? "excluded on request"
                                      : mukca_effect_missing((mukca_effect_kind)kind, &all->survey);
     return MUKCA_OK;
 }
 
-mukca_status mukca_candidates_add_ripple(mukca_candidates *all, mukca_pool *pool,
-                                         const mukca_recording *recording, int joint, int order,
-                                         mukca_error *error)
+mukca_status mukca_candidates_add_order(mukca_candidates *all, mukca_pool *pool,
+                                        const mukca_recording *recording,
+                                        const mukca_effect *effect, mukca_error *error)
 {
-    mukca_candidate h = {.kind = MUKCA_CANDIDATE_EFFECT,
-                         .joint = joint,
-                         .placement = -1,
-                         .effect = {.kind = MUKCA_EFFECT_GEAR_HARMONIC,
-                                    .joint = joint,
-                                    .placement = -1,
-                                    .variant.order = order},
-                         .log_prior = ripple_prior(all, order)};
+    mukca_candidate h = mukca_candidate_of(effect);
+    h.log_prior = order_prior(all, effect);
     if (all->count == all->capacity) return MUKCA_OK;
     if (!mukca_candidate_prepare(&h, pool, recording)) return no_memory(recording, error);
     all->list[all->count++] = h;

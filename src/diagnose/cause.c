@@ -4,7 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "diagnose/ripple.h"
 #include "math/dense.h"
 #include "math/stats.h"
 
@@ -15,6 +14,9 @@ enum {
 /* Largest deviation of a difference from whole steps: rounding in the file's last digits.  By
  * chance one difference in five is within it, and not twenty in a row. */
 #define WHOLE 0.1
+/* Width of the bumps below which an unknown function resolves more than long waves, rad: half a
+ * period. */
+#define FINE_WIDTH (M_PI / MUKCA_LONG_ORDER)
 
 static bool contains(const mukca_search *id, const mukca_causes *set, int name)
 {
@@ -141,7 +143,7 @@ static void tie_untested_flexibility(mukca_cause *out, const mukca_recording *r)
     out->probability *= 0.5;
     if (out->n_ties < MUKCA_MAX_TIES) /* gravity loads the second joint most */
         out->ties[out->n_ties++] = (mukca_tie){
-            .effect = MUKCA_EFFECT_JOINT_COMPLIANCE,
+            .effect = mukca_effect_at(MUKCA_SITE_ANGLE, MUKCA_TRAIT_FLEXIBLE),
             .joint = out->effect.joint >= 0 ? out->effect.joint : r->chain->n_joints > 1,
             .log_bayes_factor = NAN,
             .correlation = NAN};
@@ -208,13 +210,13 @@ static void add_ties(mukca_cause *out, mukca_search *id, const mukca_causes *bes
     tie_untested_flexibility(out, &id->m->recording);
 }
 
-/* Can an unknown function be a part of the same cause as this name?  Ripple beyond the orders of
- * smooth functions only if it is fine, too. */
+/* Can an unknown function be a part of the same cause as this name?  Of a short wave only if it is
+ * fine, too. */
 static bool may_belong(const mukca_candidate *unknown, int order)
 {
     return mukca_candidate_class(unknown) == MUKCA_CLASS_UNKNOWN &&
-           (order <= MUKCA_RIPPLE_LONG ||
-            (unknown->kind == MUKCA_CANDIDATE_OWN_ANGLE && unknown->width < MUKCA_FINE_WIDTH));
+           (order <= MUKCA_LONG_ORDER ||
+            (unknown->kind == MUKCA_CANDIDATE_OWN_ANGLE && unknown->of.size < FINE_WIDTH));
 }
 
 /* A name is conditional on the catalogue.  An unknown function in the same set shows that the
@@ -258,21 +260,21 @@ static double resolution_of(double *scratch, const mukca_recording *r, int joint
     return 0;
 }
 
-/* Angles rounded to steps are aliased to fine ripple in chosen postures, with at most the amplitude
+/* Angles rounded to steps are aliased to fine waves in chosen postures, with at most the amplitude
  * of a sawtooth, step / pi. */
 static void doubt_rounding(mukca_cause *out, mukca_search *id)
 {
+    const mukca_recording *r = &id->m->recording;
     const double *c = out->effect.coefficient;
-    double *scratch = id->scan.W;
-    if (out->effect.kind == MUKCA_EFFECT_GEAR_HARMONIC &&
-        M_PI * hypot(c[0], c[1]) < resolution_of(scratch, &id->m->recording, out->effect.joint))
+    double *scratch = MUKCA_TAKE(&id->pool, double, r->data->n_rows);
+    if (scratch && M_PI * hypot(c[0], c[1]) < resolution_of(scratch, r, out->effect.joint))
         mukca_cause_doubt(out);
 }
 
-/* 95 % interval of the order of ripple. */
+/* 95 % interval of the order. */
 static void find_orders(mukca_cause *out, const mukca_search *id, int name)
 {
-    double weight[MUKCA_RIPPLE_ORDERS + 1] = {0}, total = 0, below = 0;
+    double weight[MUKCA_LAST_ORDER + 1] = {0}, total = 0, below = 0;
     for (int i = 0; i < id->n_sets; i++)
         for (int k = 0; k < id->set[i].n; k++) {
             const mukca_candidate *h = &id->all.list[id->set[i].candidate[k]];
@@ -280,7 +282,7 @@ static void find_orders(mukca_cause *out, const mukca_search *id, int name)
             weight[h->effect.variant.order] += id->set[i].weight;
             total += id->set[i].weight;
         }
-    for (int o = 2; o <= MUKCA_RIPPLE_ORDERS; o++) {
+    for (int o = 2; o <= MUKCA_LAST_ORDER; o++) {
         if (below <= 0.025 * total && below + weight[o] > 0.025 * total) out->order_range[0] = o;
         if (below < 0.975 * total && below + weight[o] >= 0.975 * total) out->order_range[1] = o;
         below += weight[o];
@@ -306,13 +308,15 @@ void mukca_cause_describe(mukca_cause *out, mukca_search *id, const mukca_causes
         .rung_m = NAN};
     add_ties(out, id, best, member, &rest, own);
     share_with_unknown(out, id, name);
-    doubt_rounding(out, id);
-    if (out->effect.kind == MUKCA_EFFECT_GEAR_HARMONIC) find_orders(out, id, name);
+    if (mukca_effect_has((int)out->effect.kind, MUKCA_TRAIT_ORDERS)) {
+        doubt_rounding(out, id);
+        find_orders(out, id, name);
+    }
     if (mukca_candidate_is_fault(h)) {
         out->socket = recording->groups[h->fault.group].socket;
         out->row = recording->data->row[h->fault.first];
         out->file = recording->data->file[h->fault.first];
-        out->creep = h->kind == MUKCA_CANDIDATE_CREEP;
+        out->creep = h->fault.shape == MUKCA_FAULT_GROWING;
     }
     measure(out, id->m, member);
 }

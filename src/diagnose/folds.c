@@ -55,7 +55,7 @@ static const mukca_candidate *motion_of(const mukca_regression *m, int socket)
 {
     for (int c = 0; c < m->unknowns.n_causes; c++) {
         const mukca_candidate *h = &m->unknowns.cause[c].candidate;
-        if (mukca_candidate_class(h) == MUKCA_EFFECT_TOOL_MOTION &&
+        if (mukca_candidate_is_fault(h) && mukca_candidate_class(h) < MUKCA_EFFECT_COUNT &&
             m->recording.groups[h->fault.group].socket == socket)
             return h;
     }

@@ -282,7 +282,7 @@ static bool same_name(const mukca_candidate *a, const mukca_candidate *b, const 
     if (mukca_candidate_is_fault(a))
         return a->fault.group == b->fault.group &&
                (a->kind != MUKCA_CANDIDATE_OUTLIER || a->fault.first == b->fault.first);
-    if (mukca_candidate_class(a) != MUKCA_EFFECT_GEAR_HARMONIC) return true;
+    if (!mukca_effect_has(mukca_candidate_class(a), MUKCA_TRAIT_ORDERS)) return true;
     return abs(a->effect.variant.order - b->effect.variant.order) * travel[a->joint] < turn;
 }
 

@@ -14,13 +14,14 @@ static bool loads_differ(const mukca_dataset *data)
     return false;
 }
 
-/* Add compliance of every loaded joint and of the base. */
+/* Add the springs of every loaded joint and of the base. */
 static mukca_status add_springs(mukca_regression *m, mukca_error *error)
 {
     unsigned char others[MUKCA_EFFECT_COUNT];
     mukca_candidates all;
     memset(others, 1, sizeof others);
-    others[MUKCA_EFFECT_JOINT_COMPLIANCE] = others[MUKCA_EFFECT_BASE_COMPLIANCE] = 0;
+    others[mukca_effect_at(MUKCA_SITE_ANGLE, MUKCA_TRAIT_FLEXIBLE)] = 0;
+    others[mukca_effect_at(MUKCA_SITE_BASE, MUKCA_TRAIT_FLEXIBLE)] = 0;
     const mukca_status status =
         mukca_candidates_list_springs(&all, &m->pool, &m->recording, others, error);
     for (int i = 0; i < all.count && status == MUKCA_OK; i++)

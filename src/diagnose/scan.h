@@ -12,6 +12,16 @@ enum { MUKCA_SCAN_WIDTH = 120 }; /* columns processed together */
 /* Log prior odds against each further member of a set. */
 #define MUKCA_SET_RATE 1.5
 
+/* Candidates whose columns are processed together. */
+typedef struct {
+    int n, width, at[MUKCA_SCAN_WIDTH]; /* first columns */
+    const mukca_candidate *member[MUKCA_SCAN_WIDTH];
+    double *E, *W;        /* [dim * n_samples] columns; whitened */
+    double *mean, *along; /* of the sockets; of the distances */
+    double *C, *T, *g;    /* X'E; L^-1 D X'E; projected products with the residual */
+    double *near;         /* products of each column with the next ones */
+} mukca_scan_batch;
+
 typedef struct {
     mukca_regression *m;
     mukca_candidates *all;
@@ -22,10 +32,7 @@ typedef struct {
     double precision, residual; /* 1 / sigma^2; squared residual in units of the noise */
     double evidence;            /* log evidence, with the scale of the noise at its maximum */
     double *z, *prior, *inverse, *distance; /* [n], [n], [n_pairs], [n_pairs][n + 1] */
-    /* scratch of MUKCA_SCAN_WIDTH columns */
-    double *E, *W, *mean, *along, *C, *T, *g, *near;
-    double *rows, *u;      /* [n][dim * n_samples + 8], [dim * n_samples]: for faults */
-    mukca_whitening plain; /* of scalars */
+    mukca_scan_batch batch;
     mukca_mixture_scratch *scratch;
     double *value, *information; /* [capacity] log Bayes factors, and 1/rad^2 of a unit size */
 } mukca_scan;
@@ -37,14 +44,18 @@ bool mukca_scan_create(mukca_scan *scan, mukca_pool *pool, mukca_regression *m,
 /* Project out the present unknowns under a family of the noise.  False: singular. */
 bool mukca_scan_aim(mukca_scan *scan, int family);
 
-/* Score all candidates.  `ripple`: first add the promising orders of ripple to them.  Errors:
+/* Score all candidates; `orders`: add the promising orders of periodic effects to them.  Errors:
  * MUKCA_MEMORY. */
-mukca_status mukca_scan_run(mukca_scan *scan, bool ripple, mukca_error *error);
+mukca_status mukca_scan_run(mukca_scan *scan, bool orders, mukca_error *error);
 
-/* Score all faults among the candidates; scan->u is the residual, and overwritten.  Their columns
- * are 0 but in a range of samples, and the same for each coordinate: sums over these samples
- * replace products with all columns. */
-void mukca_scan_faults(mukca_scan *scan);
+/* Score n candidates, without faults: value[n] and information[n] as of the scan. */
+void mukca_scan_score(double *value, double *information, mukca_scan *scan,
+                      const mukca_candidate *list, int n);
+
+/* Score all faults among the candidates; u[n_samples][dim]: products of the residual with columns
+ * that are not whitened.  A fault's columns are 0 but in a range of samples, and the same for each
+ * coordinate: sums over these samples replace products with all columns.  False: no memory. */
+bool mukca_scan_faults(mukca_scan *scan, const double *u);
 
 /* Columns of candidates index[n] as a question for the search among sets; memory from `pool`.
  * False: no memory. */
@@ -57,8 +68,8 @@ bool mukca_scan_question(mukca_question *question, mukca_scan *scan, mukca_pool 
 double *mukca_scan_resample(mukca_pool *pool, const mukca_scan *scan,
                             const mukca_question *question, const double *mean);
 
-/* value[MUKCA_RIPPLE_ORDERS + 1]: log Bayes factors of the orders of ripple of a joint, from 2 on.
- * False: no memory. */
-bool mukca_scan_orders(double *value, mukca_scan *scan, int joint);
+/* value[MUKCA_LAST_ORDER + 1]: log Bayes factors of the orders of an effect of the trait
+ * MUKCA_TRAIT_ORDERS at its joint, from 2 on.  False: no memory. */
+bool mukca_scan_orders(double *value, mukca_scan *scan, const mukca_effect *effect);
 
 #endif

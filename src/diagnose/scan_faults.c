@@ -14,19 +14,23 @@ typedef struct {
     double *Z; /* [n][ld] sums of L^-1 D X' of each row, by sample and coordinate, from the first
                   sample on */
     double *u; /* [count][dim] sums of the residual */
-    mukca_samples samples;            /* the group alone, one coordinate */
+    double *x, *turned;    /* [n_samples][dim] a column of the model, of which Z is made */
+    double *T;             /* [3][n] of a fault */
+    double *share, *white; /* [n_samples] displacement by it; whitened */
+    mukca_samples samples; /* the group alone, one coordinate */
     mukca_whitening whitening, plain; /* of the group; without correlation of coordinates */
 } fault_sums;
 
-/* Z: L^-1 D (A'X)', with the effect of the group's mean on the distances. */
-static void fill(fault_sums *f)
+/* Z: L^-1 D (A'X)', with the effect of the group's mean on the distances; sums of the residual u.
+ */
+static void fill(fault_sums *f, const double *u)
 {
     mukca_scan *s = f->scan;
     const mukca_recording *r = &s->m->recording;
     const mukca_linearisation *linear = &s->m->linear;
     const mukca_group *group = &r->groups[f->group];
     const int n = s->n, d = r->dim, count = group->count, ld = f->ld;
-    double *x = s->E, *turned = s->W; /* scratch */
+    double *x = f->x, *turned = f->turned;
     for (int t = 0; t < n; t++) {
         double *Z = f->Z + (size_t)t * (size_t)ld;
         memset(Z, 0, sizeof *Z * (size_t)ld);
@@ -49,6 +53,8 @@ static void fill(fault_sums *f)
         mukca_whitening_transpose(turned, x, 1, 1, &f->whitening, &block);
         for (int i = 0; i < count * d; i++) Z[i] = s->prior[t] * turned[group->start * d + i];
     }
+    for (int i = 0; i < count * d; i++)
+        f->u[i] = u[group->start * d + i] + (i < d ? 0 : f->u[i - d]);
     mukca_dense_forward8(f->Z, ld, ld, s->m->evidence.posterior.factor, n);
     for (int t = 0; t < n; t++)
         for (int i = d; i < count * d; i++)
@@ -60,11 +66,8 @@ static void fill(fault_sums *f)
 static void find_samples(int *from, int *to, const mukca_recording *r, const mukca_candidate *h)
 {
     const mukca_group *group = &r->groups[h->fault.group];
-    const int *row = r->order + group->start;
-    *from = 0, *to = group->count;
-    if (h->kind == MUKCA_CANDIDATE_CREEP) return;
-    while (*from < group->count && row[*from] < h->fault.first) ++*from; /* rows ascend */
-    if (h->kind != MUKCA_CANDIDATE_OUTLIER) return;
+    const int *row = r->order + group->start; /* ascending */
+    for (*from = 0; *from < group->count && row[*from] < h->fault.first;) ++*from;
     for (*to = *from; *to < group->count && row[*to] <= h->fault.last;) ++*to;
 }
 
@@ -109,7 +112,7 @@ static void score(double *value, double *information, fault_sums *f, const mukca
     const mukca_recording *r = &s->m->recording;
     const mukca_group *group = &r->groups[f->group];
     const int n = s->n, d = r->dim;
-    double *T = s->T, *share = s->C, *white = s->W, mean = 0, G[9], g[3];
+    double *T = f->T, *share = f->share, *white = f->white, mean = 0, G[9], g[3];
     int from, to;
     find_samples(&from, &to, r, h);
     for (int i = 0; i < group->count; i++)
@@ -120,7 +123,7 @@ static void score(double *value, double *information, fault_sums *f, const mukca
     multiply(G, f, white);
     memset(T, 0, sizeof *T * (size_t)(3 * n));
     memset(g, 0, sizeof g);
-    const bool varies = h->kind == MUKCA_CANDIDATE_CREEP || h->fault.settles;
+    const bool varies = h->fault.shape != MUKCA_FAULT_STEADY;
     for (int i = varies ? from : to - 1; i < to; i++) {
         const int start = varies ? i : from;
         const double w = share[group->start + i];
@@ -147,31 +150,41 @@ static void score(double *value, double *information, fault_sums *f, const mukca
     *value = mukca_mixture_evidence(NULL, G, g, 3, &prior, s->residual, s->dof, s->scratch);
 }
 
-void mukca_scan_faults(mukca_scan *s)
+bool mukca_scan_faults(mukca_scan *s, const double *u)
 {
     const mukca_recording *r = &s->m->recording;
-    double *u = s->u;
+    const int d = r->dim, rows = r->n_samples * d;
+    mukca_pool pool = {0};
     mukca_samples scalars = r->samples;
+    mukca_whitening plain;
+    mukca_block block;
+    fault_sums f = {.scan = s,
+                    .Z = MUKCA_TAKE(&pool, double, (size_t)(rows + 8) * (size_t)(s->n + 1)),
+                    .u = MUKCA_TAKE(&pool, double, rows),
+                    .x = MUKCA_TAKE(&pool, double, rows),
+                    .turned = MUKCA_TAKE(&pool, double, rows),
+                    .T = MUKCA_TAKE(&pool, double, 3 * (s->n + 1)),
+                    .share = MUKCA_TAKE(&pool, double, r->n_samples),
+                    .white = MUKCA_TAKE(&pool, double, r->n_samples),
+                    .samples = {.n_samples = r->n_samples,
+                                .n_blocks = 1,
+                                .dim = 1,
+                                .block = &block,
+                                .next = r->samples.next,
+                                .readings = r->samples.readings}};
+    mukca_whitening_create(&plain, &pool, r->data->n_rows, r->data->n_sockets + 2, 1);
+    const bool ok = !pool.failed;
     scalars.dim = 1;
-    mukca_whitening_set(&s->plain, &scalars, s->normal->whitening.family,
-                        (mukca_noise_shape){NULL, NULL}, NULL);
-    for (int g = 0; g < r->n_groups; g++) {
+    if (ok)
+        mukca_whitening_set(&plain, &scalars, s->normal->whitening.family,
+                            (mukca_noise_shape){NULL, NULL}, NULL);
+    for (int g = 0; g < r->n_groups && ok; g++) {
         const mukca_group *group = &r->groups[g];
-        const int d = r->dim;
-        mukca_block block = {group->start, group->count, group->socket >= 0};
-        fault_sums f = {.scan = s,
-                        .group = g,
-                        .ld = (group->count * d + 7) & ~7,
-                        .Z = s->rows,
-                        .u = u + group->start * d,
-                        .samples = {.n_samples = r->n_samples,
-                                    .n_blocks = 1,
-                                    .dim = 1,
-                                    .block = &block,
-                                    .next = r->samples.next,
-                                    .readings = r->samples.readings},
-                        .whitening = s->normal->whitening,
-                        .plain = s->plain};
+        block = (mukca_block){group->start, group->count, group->socket >= 0};
+        f.group = g;
+        f.ld = (group->count * d + 7) & ~7;
+        f.whitening = s->normal->whitening;
+        f.plain = plain;
         f.whitening.total += g * d * d;
         f.plain.total += g;
         bool filled = false;
@@ -180,12 +193,11 @@ void mukca_scan_faults(mukca_scan *s)
             if (!mukca_candidate_is_fault(h) || h->fault.group != g) continue;
             s->value[k] = -HUGE_VAL, s->information[k] = 0;
             if (!r->keep[h->fault.first] || !group->count) continue;
-            if (!filled) {
-                fill(&f);
-                for (int i = d; i < group->count * d; i++) f.u[i] += f.u[i - d];
-                filled = true;
-            }
+            if (!filled) fill(&f, u);
+            filled = true;
             score(&s->value[k], &s->information[k], &f, h);
         }
     }
+    mukca_pool_free(&pool);
+    return ok;
 }

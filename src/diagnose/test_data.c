@@ -27,7 +27,8 @@ static bool carry_causes(mukca_regression *t, const mukca_regression *m)
             cause.candidate.placement >= 0 ||
             (!test->time &&
              mukca_effect_has(mukca_candidate_class(&cause.candidate), MUKCA_TRAIT_OF_TIME));
-        cause.candidate.placement = cause.candidate.effect.placement = -1;
+        cause.candidate.placement = -1;
+        if (cause.candidate.kind == MUKCA_CANDIDATE_EFFECT) cause.candidate.effect.placement = -1;
         if (!mukca_candidate_prepare(&cause.candidate, &t->pool, &t->recording)) return false;
         if (unknown)
             take_mean(&cause.candidate, test->n_rows, &from->cause[c].candidate,

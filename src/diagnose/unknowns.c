@@ -246,7 +246,7 @@ void mukca_unknowns_displacement(mukca_displacement *d, const mukca_unknowns *u,
         if (!mukca_candidate_moves_arm(h)) continue;
         const int width = h->width_of_term;
         const float *basis = h->basis + (size_t)row * (size_t)(h->terms * width);
-        const mukca_effect_site site = mukca_candidate_site(h);
+        const int site = mukca_candidate_site(h);
         double *into = site == MUKCA_SITE_ANGLE      ? &d->q[h->joint]
                        : site == MUKCA_SITE_ROTATION ? d->rotation[h->joint]
                        : site == MUKCA_SITE_BASE     ? d->base

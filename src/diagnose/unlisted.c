@@ -24,7 +24,7 @@ static int values_of(mukca_argument argument)
 
 int mukca_unlisted_terms(const mukca_candidate *h)
 {
-    return values_of(h->simple.argument) * (h->kind == MUKCA_CANDIDATE_UNLISTED_FRAME ? 3 : 1);
+    return values_of(h->of.argument) * (h->kind == MUKCA_CANDIDATE_UNLISTED_FRAME ? 3 : 1);
 }
 
 /* Functions of the argument at a row of the dataset; `middle` of the joint's travel. */
@@ -32,8 +32,8 @@ static void evaluate(double value[3], const mukca_candidate *h, const mukca_reco
                      double middle)
 {
     const mukca_joint_state state = mukca_recording_state(r, row);
-    const int j = h->simple.other;
-    switch (h->simple.argument) {
+    const int j = h->of.joint;
+    switch (h->of.argument) {
         case MUKCA_ARGUMENT_ANGLE:
             value[0] = state.q[j];
             break;
@@ -85,9 +85,9 @@ static void evaluate(double value[3], const mukca_candidate *h, const mukca_reco
 
 void mukca_unlisted_fill(const mukca_candidate *h, const mukca_recording *r)
 {
-    const int n = values_of(h->simple.argument), axes = h->terms / n;
+    const int n = values_of(h->of.argument), axes = h->terms / n;
     double travel[2];
-    mukca_recording_travel(travel, r, h->simple.other);
+    mukca_recording_travel(travel, r, h->of.joint);
     for (int row = 0; row < r->data->n_rows; row++) {
         double value[3];
         evaluate(value, h, r, row, 0.5 * (travel[0] + travel[1]));
@@ -102,11 +102,11 @@ void mukca_unlisted_tilt(double *out, int ld, const mukca_candidate *h, const do
                          const double gravity[3])
 {
     const double g = fmax(sqrt(mukca_dot3(gravity, gravity)), 1e-9);
-    const int k = h->simple.other;
+    const int k = h->of.joint;
     double v = 0;
     for (int c = 0; c < 3; c++) v -= R[3 * c + k] * gravity[c] / g;
     for (int c = 0; c < 3; c++, out += ld) {
-        if (h->simple.turns) {
+        if (h->of.turns) {
             for (int t = 0; t < 3; t++) out[t] = v > 0 ? R[3 * c + t] : -R[3 * c + t];
             continue;
         }

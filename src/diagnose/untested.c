@@ -44,9 +44,7 @@ static void add_missing(mukca_diagnosis *d, const mukca_candidates *all)
     for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++) {
         const bool turning = mukca_effect_table[kind]->site == MUKCA_SITE_ROTATION ||
                              mukca_effect_has(kind, MUKCA_TRAIT_PERIODIC);
-        const char *why = kind == MUKCA_EFFECT_GEAR_HARMONIC && !all->harmonics
-                              ? "excluded on request"
-                              : all->missing[kind];
+        const char *why = all->missing[kind];
         if (why) add(d, kind, -1, why);
         for (int j = 0; !why && mukca_effect_has_joint(kind) && j < survey->n_joints; j++)
             if ((survey->joint[j].turns || !turning) && !listed(d, kind, j))

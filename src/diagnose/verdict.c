@@ -12,8 +12,9 @@ static void add_outlier(mukca_diagnosis *d, const mukca_regression *m, const muk
     const double size = sqrt(mukca_dot3(cause->coefficient, cause->coefficient));
     if (size > OUTLIER_SIGMAS * m->unknowns.sigma)
         for (int row = cause->candidate.fault.first;
-             row <= (cause->candidate.fault.settles ? cause->candidate.fault.first
-                                                    : cause->candidate.fault.last);
+             row <= (cause->candidate.fault.shape == MUKCA_FAULT_FADING
+                         ? cause->candidate.fault.first
+                         : cause->candidate.fault.last);
              row++)
             mukca_screening_add(d, &m->recording, MUKCA_FAULT_OUTLIER, row, size);
 }
@@ -25,11 +26,9 @@ static void widen_by_unknown(double range[2], const mukca_recording *recording,
 {
     const mukca_candidate *h = &cause->candidate;
     const int n_joints = recording->chain->n_joints;
-    const int argument =
-        h->kind == MUKCA_CANDIDATE_OWN_ANGLE ? h->joint
-        : h->kind == MUKCA_CANDIDATE_OTHER_ANGLE || h->kind == MUKCA_CANDIDATE_ANGLE_PRODUCT
-            ? h->other
-            : -1;
+    const bool known =
+        mukca_candidate_class(h) != MUKCA_CLASS_UNKNOWN || mukca_candidate_is_unlisted(h);
+    const int argument = known ? -1 : h->of.joint;
     double mean = 0, largest = 0;
     for (int pass = 0; pass < 3 && argument >= 0; pass++)
         for (int i = 0; i < recording->n_samples; i++) {

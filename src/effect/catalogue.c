@@ -32,6 +32,15 @@ bool mukca_effect_has(int kind, int traits)
            (mukca_effect_table[kind]->traits & traits) != 0;
 }
 
+mukca_effect_kind mukca_effect_at(mukca_effect_site site, int traits)
+{
+    int kind = 0;
+    while (kind + 1 < MUKCA_EFFECT_COUNT && (mukca_effect_table[kind]->site != site ||
+                                             (mukca_effect_table[kind]->traits & traits) != traits))
+        kind++;
+    return (mukca_effect_kind)kind;
+}
+
 bool mukca_effect_has_joint(int kind)
 {
     const mukca_effect_site site = mukca_effect_table[kind]->site;
@@ -97,6 +106,13 @@ bool mukca_effect_candidate(mukca_effect *effect, mukca_effect_kind kind, int jo
     if (!ops->candidate || !ops->candidate(effect, survey, i)) return false;
     effect->terms = mukca_effect_terms(effect);
     return true;
+}
+
+int mukca_effect_kin(const mukca_effect *effect)
+{
+    const mukca_effect_ops *ops = mukca_effect_catalogue[effect->kind];
+    const int gear = ops->gear ? ops->gear(effect->variant.order) : 0;
+    return gear ? 1 + gear : (ops->info.traits & MUKCA_TRAIT_FLEXIBLE) != 0;
 }
 
 const char *mukca_effect_missing(mukca_effect_kind kind, const mukca_effect_survey *survey)

@@ -34,6 +34,17 @@ const char *mukca_effect_untested(mukca_effect_kind kind, const mukca_effect_sur
                                   int joint);
 const char *mukca_effect_faint(mukca_effect_kind kind, int joint);
 
+/* Causes of one kin entail each other: the links and joints of an arm are flexible or they are not,
+ * and its joints have the same gear.  0: none. */
+int mukca_effect_kin(const mukca_effect *effect);
+
+/* Orders up to it are long waves, of which the geometry may absorb a part: candidates of every
+ * recording.  The others are listed where they promise. */
+enum { MUKCA_LONG_ORDER = 32 };
+
+/* Least travel that shows a wave, rad: half a turn of the finest order, 400. */
+#define MUKCA_WAVE_TRAVEL 1e-2
+
 /* Units of coefficients, and display units. */
 #define MUKCA_IN_MRAD .unit = "rad", .display_factor = 1e3, .display_unit = "mrad"
 #define MUKCA_IN_MM .unit = "m", .display_factor = 1e3, .display_unit = "mm"
@@ -60,13 +71,13 @@ enum { MUKCA_MAX_SIZES = 8 };
 typedef struct {
     int usual;
     double sigma[MUKCA_MAX_SIZES];
+    double most; /* of the others: largest rms rotation in a recording, rad; 0: any */
 } mukca_effect_sizes;
 
 #define MUKCA_RARE_SIZE 0.01
 
 /* Sizes common to several effects. */
-extern const mukca_effect_sizes mukca_sizes_spring, mukca_sizes_backlash, mukca_sizes_angle,
-    mukca_sizes_wobble, mukca_sizes_ripple, mukca_sizes_zero, mukca_sizes_ball, mukca_sizes_socket;
+extern const mukca_effect_sizes mukca_sizes_spring, mukca_sizes_angle, mukca_sizes_socket;
 
 /* Argument of a basis. */
 typedef struct {
@@ -98,6 +109,10 @@ typedef struct {
     void (*describe)(char *text, size_t size, const mukca_effect *effect, const mukca_chain *chain);
     /* The i-th candidate variant for a recording, at effect->joint; false: no more. */
     bool (*candidate)(mukca_effect *effect, const mukca_effect_survey *survey, int i);
+    /* MUKCA_TRAIT_ORDERS: prior probability of an order; orders of one gear yield the same number
+     * above 0, and 0 is an order of no gear */
+    double (*order_prior)(int order);
+    int (*gear)(int order);
     const char *missing;        /* reason why there is no candidate despite sufficient data */
     const char *untested;       /* reason why there is none at a joint; NULL: the general one */
     const char *faint_at_first; /* reason why it is not detectable at the first joint; NULL: the

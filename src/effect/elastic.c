@@ -2,7 +2,7 @@
 #include "effect/catalogue.h"
 
 /* One coefficient, which cannot be negative: the load is gravity's. */
-#define SPRING .terms = 1, .nonnegative = true, .traits = MUKCA_TRAIT_ELASTIC, MUKCA_IN_URAD_PER_NM
+#define SPRING .terms = 1, .nonnegative = true, MUKCA_IN_URAD_PER_NM
 
 static const char loaded_alike[] =
     "gravity loads it alike in all samples: record postures with other lever arms";
@@ -24,6 +24,7 @@ const mukca_effect_ops mukca_joint_compliance_effect = {
              .title = "joint compliance",
              .site = MUKCA_SITE_ANGLE,
              SPRING,
+             .traits = MUKCA_TRAIT_ELASTIC | MUKCA_TRAIT_FLEXIBLE,
              .needs = MUKCA_NEEDS_MASSES,
              .sentence = "the transmission deflects under gravity torque"},
     .basis = spring_basis,
@@ -51,6 +52,7 @@ const mukca_effect_ops mukca_link_bending_effect = {
              .title = "link bending",
              .site = MUKCA_SITE_ROTATION,
              SPRING,
+             .traits = MUKCA_TRAIT_ELASTIC | MUKCA_TRAIT_FLEXIBLE,
              .needs = MUKCA_NEEDS_MASSES,
              .sentence = "the link before the joint bends under gravity torque",
              .remedy = "compensate it with the offsets table; check the screws between link and "
@@ -76,6 +78,7 @@ const mukca_effect_ops mukca_base_compliance_effect = {
              .title = "base compliance",
              .site = MUKCA_SITE_BASE,
              SPRING,
+             .traits = MUKCA_TRAIT_ELASTIC | MUKCA_TRAIT_FLEXIBLE,
              .needs = MUKCA_NEEDS_MASSES,
              .sentence = "the base or its table tilts under the arm's weight",
              .remedy = "stiffen the base or its table, or compensate it"},
@@ -88,7 +91,8 @@ const mukca_effect_ops mukca_base_compliance_effect = {
 
 /* rad/(N m): the reciprocal of the position gain.  Industrial drives have integral action and are
  * accurate to the encoder's resolution; users of cheap arms report 30 mrad at a few N m. */
-static const mukca_effect_sizes sizes = {4, {30e-6, 100e-6, 300e-6, 1e-3, 3e-3, 10e-3}};
+static const mukca_effect_sizes sizes = {.usual = 4,
+                                         .sigma = {30e-6, 100e-6, 300e-6, 1e-3, 3e-3, 10e-3}};
 
 static bool candidate(mukca_effect *effect, const mukca_effect_survey *survey, int i)
 {
@@ -101,6 +105,7 @@ const mukca_effect_ops mukca_servo_sag_effect = {
              .title = "servo sag",
              .site = MUKCA_SITE_ANGLE,
              SPRING,
+             .traits = MUKCA_TRAIT_ELASTIC,
              .needs = MUKCA_NEEDS_MASSES | MUKCA_NEEDS_COMMANDS,
              .sentence = "the position controller holds gravity torque by an error between "
                          "command and angle",

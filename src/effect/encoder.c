@@ -144,7 +144,7 @@ static bool has_order(mukca_effect *effect, int n_joints)
     return effect->variant.order >= 2;
 }
 
-static const mukca_variant_ops order = {
+static const mukca_variant_ops orders = {
     .key = "order",
     .expected = "@ORDER, 2 to 400",
     .read = read_order,
@@ -159,20 +159,57 @@ static void describe_harmonic(char *text, size_t size, const mukca_effect *effec
     mukca_print(text, size, " (%d per turn)", effect->variant.order);
 }
 
-/* No candidates: the diagnosis scans all orders at once. */
+/* Ratios of strain wave and cycloidal gears in cobots, their doubles (two lobes a turn), and
+ * encoder line counts that alias onto low orders; low orders; all others. */
+static double harmonic_prior(int order)
+{
+    static const int usual[] = {50,  51,  80,  81,  100, 101, 102, 120, 121, 128,
+                                160, 161, 200, 202, 240, 242, 256, 320, 322};
+    const int n_usual = (int)(sizeof usual / sizeof *usual);
+    double p = 0.3 / (MUKCA_LAST_ORDER - 1);
+    if (order <= 6) p += 0.4 / 5;
+    for (int i = 0; i < n_usual; i++)
+        if (usual[i] == order) p += 0.3 / n_usual;
+    return p;
+}
+
+/* Ripple of a gear has its ratio, half or double of it as order. */
+static int gear_of(int order)
+{
+    const int least_ratio = 20; /* of a strain-wave or cycloidal gear, halved */
+    if (order < least_ratio) return 0;
+    while (order % 2 == 0) order /= 2;
+    return order;
+}
+
+static bool harmonic_candidate(mukca_effect *effect, const mukca_effect_survey *survey, int i)
+{
+    effect->variant.order = 2 + i;
+    return !(survey->joint[effect->joint].range < MUKCA_WAVE_TRAVEL) &&
+           effect->variant.order <= MUKCA_LONG_ORDER;
+}
+
+/* rad: makers state a transmission accuracy of 0.5 to 2 arcmin for strain wave gears. */
+static const mukca_effect_sizes ripple_sizes = {
+    .usual = 4, .sigma = {0.03e-3, 0.1e-3, 0.3e-3, 1e-3, 3e-3, 10e-3}};
+
 const mukca_effect_ops mukca_gear_harmonic_effect = {
-    .sizes = &mukca_sizes_ripple,
+    .sizes = &ripple_sizes,
     .info = {.name = "gear_harmonic",
              .title = "transmission ripple",
              .site = MUKCA_SITE_ANGLE,
              .terms = 2,
              MUKCA_IN_MRAD,
-             .traits = MUKCA_TRAIT_PERIODIC | MUKCA_TRAIT_OWN_ANGLE | MUKCA_TRAIT_SMOOTH,
+             .traits = MUKCA_TRAIT_PERIODIC | MUKCA_TRAIT_ORDERS | MUKCA_TRAIT_OWN_ANGLE |
+                       MUKCA_TRAIT_SMOOTH,
              .sentence =
                  "gear ripple: an error that repeats with each tooth or each turn of the gear"},
     .basis = wave_basis,
     .by_angle = wave_by_angle,
-    .variant = &order,
+    .variant = &orders,
     .term_name = {"sin", "cos"},
     .describe = describe_harmonic,
+    .candidate = harmonic_candidate,
+    .order_prior = harmonic_prior,
+    .gear = gear_of,
 };

@@ -15,24 +15,21 @@ typedef struct {
 } elastic_prior;
 
 /* Remove from the regression all elastic causes, unknown functions, which would absorb elasticity,
- * and the gear harmonics of a joint (-1: none). */
+ * and the orders at a joint (-1: none). */
 static void strip(mukca_regression *m, int joint)
 {
     for (int c = m->unknowns.n_causes - 1; c >= 0; c--) {
         const mukca_candidate *h = &m->unknowns.cause[c].candidate;
         const int class = mukca_candidate_class(h);
         if (class == MUKCA_CLASS_UNKNOWN || mukca_effect_has(class, MUKCA_TRAIT_ELASTIC) ||
-            (class == MUKCA_EFFECT_GEAR_HARMONIC && h->joint == joint))
+            (mukca_effect_has(class, MUKCA_TRAIT_ORDERS) && h->joint == joint))
             mukca_unknowns_drop(&m->unknowns, c);
     }
 }
 
 static bool add(mukca_regression *m, const mukca_effect *effect)
 {
-    mukca_candidate h = {.kind = MUKCA_CANDIDATE_EFFECT,
-                         .joint = effect->joint,
-                         .placement = effect->placement,
-                         .effect = *effect};
+    mukca_candidate h = mukca_candidate_of(effect);
     return mukca_candidate_prepare(&h, &m->pool, &m->recording) &&
            mukca_unknowns_add(&m->unknowns, &h);
 }
@@ -49,8 +46,8 @@ static bool add_elastic(mukca_regression *m, const elastic_prior *prior)
     m->recording.options.mass_spread = 0; /* one coefficient instead of a factor per mass */
     for (int i = 0; i < mukca_fleet_terms(n) && ok; i++) {
         const mukca_effect effect = mukca_fleet_term(i, n);
-        const bool load = effect.kind == MUKCA_EFFECT_JOINT_COMPLIANCE ? m->recording.have_torques
-                                                                       : m->recording.have_moments;
+        const bool about_axis = mukca_effect_table[effect.kind]->site == MUKCA_SITE_ANGLE;
+        const bool load = about_axis ? m->recording.have_torques : m->recording.have_moments;
         if (!load) continue;
         ok = add(m, &effect);
         if (!ok) break;
@@ -69,12 +66,12 @@ static bool add_elastic(mukca_regression *m, const elastic_prior *prior)
 
 /* ---- summary of a recording ---- */
 
-/* True if a gear harmonic of the joint is among the causes. */
+/* True if an order at the joint is among the causes. */
 static bool has_ripple(const mukca_unknowns *u, int joint)
 {
     for (int c = 0; c < u->n_causes; c++) {
         const mukca_candidate *h = &u->cause[c].candidate;
-        if (mukca_candidate_class(h) == MUKCA_EFFECT_GEAR_HARMONIC && h->joint == joint)
+        if (mukca_effect_has(mukca_candidate_class(h), MUKCA_TRAIT_ORDERS) && h->joint == joint)
             return true;
     }
     return false;
@@ -88,9 +85,9 @@ static bool has_ripple(const mukca_unknowns *u, int joint)
  * wave that it explains on evenly spread angles, sinc^2 of half the phase between their ends. */
 static double pool_neighbours(const double *value, int order, double travel)
 {
-    double log_odds[MUKCA_RIPPLE_ORDERS + 1] = {value[order] + log(1 - STRAYS)}, total = 0;
+    double log_odds[MUKCA_LAST_ORDER + 1] = {value[order] + log(1 - STRAYS)}, total = 0;
     int n = 1;
-    for (int o = 2; o <= MUKCA_RIPPLE_ORDERS; o++) {
+    for (int o = 2; o <= MUKCA_LAST_ORDER; o++) {
         const double half = 0.5 * abs(o - order) * travel;
         if (o == order || half >= acos(-1)) continue;
         total += pow(sin(half) / half, 2);
@@ -101,7 +98,7 @@ static double pool_neighbours(const double *value, int order, double travel)
 }
 
 /* Log Bayes factors of all orders of one joint against the present model (-1: of all joints without
- * a gear harmonic in it). */
+ * an order in it). */
 static bool scan_orders(mukca_summary *s, mukca_regression *m, int only)
 {
     const mukca_recording *r = &m->recording;
@@ -111,12 +108,13 @@ static bool scan_orders(mukca_summary *s, mukca_regression *m, int only)
     if (!mukca_scan_create(&scan, &m->pool, m, &none)) return false;
     mukca_scan_aim(&scan, m->unknowns.family);
     for (int j = 0; j < r->chain->n_joints; j++) {
-        double value[MUKCA_RIPPLE_ORDERS + 1], travel[2];
+        const mukca_effect wave = mukca_fleet_wave(j);
+        double value[MUKCA_LAST_ORDER + 1], travel[2];
         if (only < 0 ? has_ripple(&m->unknowns, j) : j != only) continue;
         mukca_recording_travel(travel, r, j);
         const mukca_joint_type type = r->chain->element[r->chain->joint_element[j]].type;
         if (!mukca_joint_turns((int)type) || travel[1] - travel[0] < MUKCA_LEAST_RANGE) continue;
-        if (!mukca_scan_orders(value, &scan, j)) return false;
+        if (!mukca_scan_orders(value, &scan, &wave)) return false;
         for (int o = 0; o < MUKCA_FLEET_ORDERS; o++) {
             const double pooled = pool_neighbours(value, o + 2, travel[1] - travel[0]),
                          quanta = round(pooled / MUKCA_FLEET_QUANTUM);
@@ -216,7 +214,7 @@ static bool put_orders(task *t)
     for (int i = 0; i < traits->n; i++) {
         const mukca_trait *known = &traits->list[i];
         int c = 0;
-        if (known->effect.kind != MUKCA_EFFECT_GEAR_HARMONIC) continue;
+        if (!mukca_effect_has((int)known->effect.kind, MUKCA_TRAIT_ORDERS)) continue;
         while (c < u->n_causes &&
                !(u->cause[c].candidate.kind == MUKCA_CANDIDATE_EFFECT &&
                  mukca_effect_same(&u->cause[c].candidate.effect, &known->effect)))

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/hash.h"
+#include "effect/catalogue.h"
 #include "math/dense.h"
 #include "math/stats.h"
 #include "model/chain_hash.h"
@@ -50,14 +51,23 @@ int mukca_fleet_terms(int n_joints)
 mukca_effect mukca_fleet_term(int i, int n_joints)
 {
     const bool base = i == 2 * n_joints - 1;
-    return (mukca_effect){.kind = i < n_joints ? MUKCA_EFFECT_JOINT_COMPLIANCE
-                                  : base       ? MUKCA_EFFECT_BASE_COMPLIANCE
-                                               : MUKCA_EFFECT_LINK_BENDING,
+    const mukca_effect_site site = i < n_joints ? MUKCA_SITE_ANGLE
+                                   : base       ? MUKCA_SITE_BASE
+                                                : MUKCA_SITE_ROTATION;
+    return (mukca_effect){.kind = mukca_effect_at(site, MUKCA_TRAIT_FLEXIBLE),
                           .joint = i < n_joints ? i
                                    : base       ? -1
                                                 : i - n_joints + 1,
                           .placement = -1,
                           .terms = 1};
+}
+
+mukca_effect mukca_fleet_wave(int joint)
+{
+    return (mukca_effect){.kind = mukca_effect_at(MUKCA_SITE_ANGLE, MUKCA_TRAIT_ORDERS),
+                          .joint = joint,
+                          .placement = -1,
+                          .terms = 2};
 }
 
 uint64_t mukca_summary_hash(const mukca_dataset *data)
@@ -194,10 +204,10 @@ enum {
 /* Log Bayes factor of an arm's own order; add to gear[] those of the arm whose gear has each order:
  * it shows that order or, rarely, its half (the other lobe of a wave generator), its double or one
  * of its own. */
-static double add_arm(double *gear, const double *value)
+static double add_arm(double *gear, const double *value, const double *prior)
 {
     double own[ORDERS];
-    for (int o = FIRST; o < ORDERS; o++) own[o] = value[o] + mukca_ripple_log_prior(o + 2);
+    for (int o = FIRST; o < ORDERS; o++) own[o] = value[o] + prior[o];
     const double individual = mukca_stats_log_sum_exp(own + FIRST, ORDERS - FIRST),
                  rare = log(FAULTY / 3);
     for (int o = FIRST; o < ORDERS; o++) {
@@ -225,28 +235,26 @@ static double ripple_of(const mukca_fleet *f, int arm, int joint, int order)
  * other two. */
 static void pool_joint(mukca_trait *shared, const mukca_fleet *f, int joint)
 {
-    double gear[ORDERS] = {0}, sum[ORDERS] = {0}, value[ORDERS], each = 0;
+    const mukca_effect wave = mukca_fleet_wave(joint);
+    double gear[ORDERS] = {0}, sum[ORDERS] = {0}, value[ORDERS], prior[ORDERS], each = 0;
     int best = FIRST;
     bool scanned = false;
+    for (int o = FIRST; o < ORDERS; o++)
+        prior[o] = log(mukca_effect_catalogue[wave.kind]->order_prior(o + 2));
     for (int a = 0; a < f->n_arms; a++) {
         for (int o = FIRST; o < ORDERS; o++) {
             value[o] = ripple_of(f, a, joint, o + 2);
             scanned |= value[o] != 0;
             sum[o] += value[o];
         }
-        const double own[] = {log(1 - FAULTY), log(FAULTY) + add_arm(gear, value)};
+        const double own[] = {log(1 - FAULTY), log(FAULTY) + add_arm(gear, value, prior)};
         each += mukca_stats_log_sum_exp(own, 2);
     }
     *shared = (mukca_trait){
-        .effect = {.kind = MUKCA_EFFECT_GEAR_HARMONIC, .joint = joint, .placement = -1, .terms = 2},
-        .error = NAN,
-        .spread = NAN,
-        .value = NAN,
-        .low = NAN,
-        .high = NAN};
+        .effect = wave, .error = NAN, .spread = NAN, .value = NAN, .low = NAN, .high = NAN};
     if (!scanned) return;
     for (int o = FIRST; o < ORDERS; o++) {
-        gear[o] += mukca_ripple_log_prior(o + 2);
+        gear[o] += prior[o];
         if (gear[o] > gear[best]) best = o;
     }
     const double none = pow(0.5, 1.0 / f->model.n_joints),

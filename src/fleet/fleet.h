@@ -6,7 +6,6 @@
 
 #include "diagnose/diagnose.h"
 #include "diagnose/regression.h"
-#include "diagnose/ripple.h"
 
 /* ---- summary of a recording ----
  *
@@ -17,7 +16,7 @@ enum {
     /* Compliance of each joint, link bending before each but the first, and the compliance of the
      * base, which precedes the first. */
     MUKCA_FLEET_TERMS = 2 * MUKCA_MAX_JOINTS,
-    MUKCA_FLEET_ORDERS = MUKCA_RIPPLE_ORDERS - 1, /* 2 .. 400 */
+    MUKCA_FLEET_ORDERS = MUKCA_LAST_ORDER - 1, /* 2 .. 400 */
     MUKCA_FLEET_PACKED = MUKCA_FLEET_TERMS * (MUKCA_FLEET_TERMS + 1) / 2
 };
 
@@ -28,6 +27,9 @@ enum {
 /* Number of coefficients, and the i-th (without value). */
 int mukca_fleet_terms(int n_joints);
 mukca_effect mukca_fleet_term(int i, int n_joints);
+
+/* The effect at a joint whose order arms share (without order). */
+mukca_effect mukca_fleet_wave(int joint);
 
 /* Properties common to arms of one model.  The tool is excluded: all elements after the last joint,
  * and the tip. */

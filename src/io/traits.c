@@ -52,7 +52,7 @@ void mukca_traits_write(FILE *stream, const mukca_traits *t)
         const mukca_trait *r = &t->list[i];
         char term[MUKCA_EFFECT_TEXT];
         mukca_effect_variant_text(term, &r->effect);
-        const bool order = r->effect.kind == MUKCA_EFFECT_GEAR_HARMONIC;
+        const bool order = mukca_effect_has((int)r->effect.kind, MUKCA_TRAIT_ORDERS);
         fprintf(stream, "\n%s\t%s\t%s%s\t%s", mukca_effect_table[r->effect.kind]->name,
                 r->effect.joint < 0 ? "" : m->joint[r->effect.joint], order ? "order=" : "", term,
                 mukca_effect_table[r->effect.kind]->unit);
@@ -112,10 +112,9 @@ static mukca_effect read_effect(mukca_table *table, const int *column, const muk
 {
     const char *joint = table->cell[column[JOINT]], *term = table->cell[column[TERM]];
     const int kind = mukca_effect_find(table->cell[column[EFFECT]]);
-    const bool order = kind == MUKCA_EFFECT_GEAR_HARMONIC;
+    const bool order = mukca_effect_has(kind, MUKCA_TRAIT_ORDERS);
     mukca_effect e = {.kind = (mukca_effect_kind)kind, .joint = -1, .placement = -1};
-    if (!order && (kind < 0 || !mukca_effect_has(kind, MUKCA_TRAIT_ELASTIC) ||
-                   kind == MUKCA_EFFECT_SERVO_SAG)) {
+    if (!order && !mukca_effect_has(kind, MUKCA_TRAIT_FLEXIBLE)) {
         mukca_table_fail(table, column[EFFECT],
                          "'%s' is no trait; joint_compliance, link_bending, base_compliance and "
                          "gear_harmonic are",
@@ -143,7 +142,7 @@ static void read_row(mukca_traits *t, mukca_table *table, const int *column,
                      .value = NAN,
                      .low = NAN,
                      .high = NAN};
-    const bool order = r.effect.kind == MUKCA_EFFECT_GEAR_HARMONIC;
+    const bool order = mukca_effect_has((int)r.effect.kind, MUKCA_TRAIT_ORDERS);
     for (int c = MEAN; c <= ERROR; c++) {
         if (order && (c == SPREAD || c == ERROR)) continue;
         const double value = mukca_table_number(table, column[c]);

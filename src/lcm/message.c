@@ -3,6 +3,7 @@
 
 #include <ctype.h>
 #include <sha2.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,60 +12,49 @@
 #include "base/file.h"
 #include "base/utf8.h"
 
-typedef enum { INT64, INT32, REAL, FLAG, TEXT, COUNT } member_kind;
-static const char letters[] = "qidbsn", arrays[] = "QIDBS";
+typedef enum { INT64, INT32, REAL, FLAG, TEXT, COUNT, END } member_kind;
 static const size_t wire_size[] = {8, 4, 8, 1, 4, 4}; /* of a text: size of its length */
 static const size_t member_size[] = {sizeof(int64_t), sizeof(int),    sizeof(double),
                                      sizeof(bool),    sizeof(char *), sizeof(int)};
-static const size_t alignment[] = {_Alignof(int64_t), _Alignof(int),    _Alignof(double),
-                                   _Alignof(bool),    _Alignof(char *), _Alignof(int)};
 
-/* Members of each struct, in the order of data/lcm, by `letters` or, arrays with the number of
- * elements from the n before them, by `arrays`; their capacity. */
-static const struct {
-    const char *members;
-    int most;
-} layouts[MUKCA_MESSAGES] = {
-    [MUKCA_MESSAGE_TRIGGER] = {"qqss", 0},
-    [MUKCA_MESSAGE_COMMAND] = {"qqsnS", MUKCA_MESSAGE_ARGUMENTS},
-    [MUKCA_MESSAGE_STATUS] = {"qsssssiisssddqqbddbnSDD", MUKCA_MAX_JOINTS},
-    [MUKCA_MESSAGE_SAMPLE] = {"qqbsssinSDD", MUKCA_MAX_JOINTS},
-    [MUKCA_MESSAGE_RESULT] = {"qqsissssssnSSSDDDDBs", MUKCA_MESSAGE_ROWS},
-    [MUKCA_MESSAGE_POSE] = {"qddddddd", 0}, /* position, quaternion */
-};
-
-/* A walk over the members of a message. */
 typedef struct {
-    const char *left; /* letters of the members to come */
-    int most, n;      /* of the arrays; n: as read */
-    member_kind kind; /* of the present member */
-    bool array;
-    size_t at, end; /* offset of the present member and of its end */
-} walk;
+    member_kind kind;
+    bool array; /* else values side by side */
+    int most;   /* their number, or the capacity */
+    size_t at;  /* in the struct */
+} member;
 
-static walk first_member(mukca_message_kind message)
+/* Members of a message, ended by END. */
+static const member *members_of(mukca_message_kind message)
 {
-    return (walk){.left = layouts[message].members, .most = layouts[message].most};
+#define FIRST(name, ...) name
+#define VALUES(kind, ...)                                                                 \
+    {kind, false,                                                                         \
+     sizeof(struct { mukca_message_##kind __VA_ARGS__; }) / sizeof(mukca_message_##kind), \
+     offsetof(of, FIRST(__VA_ARGS__, ))},
+#define ARRAY(kind, name, most) {kind, true, most, offsetof(of, name)},
+#define MEMBERS(channel, name, fingerprint)                                      \
+    {                                                                            \
+        typedef mukca_message_##name of;                                         \
+        static const member list[] = {                                           \
+            MUKCA_MESSAGE_##channel##_MEMBERS(VALUES, ARRAY){END, false, 0, 0}}; \
+        if (message == MUKCA_MESSAGE_##channel) return list;                     \
+    }
+    MUKCA_MESSAGE_LIST(MEMBERS)
+    return NULL;
 }
 
-static bool next(walk *w)
+/* Read n of the next arrays; false: out of range. */
+static bool read_count(int *n, const member *m, const void *at)
 {
-    const char letter = *w->left;
-    if (!letter) return false;
-    const char *of = strchr(arrays, letter);
-    w->left++;
-    w->array = of != NULL;
-    w->kind = (member_kind)(of ? of - arrays : strchr(letters, letter) - letters);
-    w->at = (w->end + alignment[w->kind] - 1) / alignment[w->kind] * alignment[w->kind];
-    w->end = w->at + member_size[w->kind] * (size_t)(w->array ? w->most : 1);
-    return true;
+    memcpy(n, at, sizeof *n);
+    return *n >= 0 && *n <= m[1].most;
 }
 
-/* Read n from a COUNT; false: out of range. */
-static bool read_count(walk *w, const void *member)
+/* Number of elements; n: as read, -1 before. */
+static int elements(const member *m, int n)
 {
-    memcpy(&w->n, member, sizeof w->n);
-    return w->n >= 0 && w->n <= w->most;
+    return m->array && n >= 0 ? n : m->most;
 }
 
 static const struct {
@@ -106,7 +96,7 @@ static void put(writer *w, const void *bytes, uint64_t number, size_t n)
     w->used += n;
 }
 
-static void put_element(writer *w, member_kind kind, const char *member)
+static void put_element(writer *w, member_kind kind, const char *at)
 {
     const char *text = NULL;
     uint64_t number = 0;
@@ -114,24 +104,26 @@ static void put_element(writer *w, member_kind kind, const char *member)
     bool flag = false;
     switch (kind) {
         case TEXT:
-            memcpy(&text, member, sizeof text);
+            memcpy(&text, at, sizeof text);
             if (!text) text = "";
             put(w, NULL, strlen(text) + 1, 4);
             put(w, text, 0, strlen(text) + 1);
             if (w->used <= w->size) mukca_utf8_mend((char *)w->at + w->used - strlen(text) - 1);
             return;
         case FLAG:
-            memcpy(&flag, member, sizeof flag);
+            memcpy(&flag, at, sizeof flag);
             number = flag;
             break;
         case INT32:
         case COUNT:
-            memcpy(&small, member, sizeof small);
+            memcpy(&small, at, sizeof small);
             number = (uint32_t)small;
             break;
         case INT64:
         case REAL:
-            memcpy(&number, member, sizeof number);
+            memcpy(&number, at, sizeof number);
+            break;
+        case END:
             break;
     }
     put(w, NULL, number, wire_size[kind]);
@@ -140,12 +132,13 @@ static void put_element(writer *w, member_kind kind, const char *member)
 size_t mukca_message_encode(void *buffer, size_t size, mukca_message_kind kind, const void *message)
 {
     writer out = {.at = buffer, .size = size};
+    int n = -1;
     put(&out, NULL, kinds[kind].fingerprint, 8);
-    for (walk w = first_member(kind); next(&w);) {
-        const char *member = (const char *)message + w.at;
-        if (w.kind == COUNT && !read_count(&w, member)) return 0;
-        for (int k = 0; k < (w.array ? w.n : 1); k++)
-            put_element(&out, w.kind, member + (size_t)k * member_size[w.kind]);
+    for (const member *m = members_of(kind); m->kind != END; m++) {
+        const char *at = (const char *)message + m->at;
+        if (m->kind == COUNT && !read_count(&n, m, at)) return 0;
+        for (int k = 0; k < elements(m, n); k++)
+            put_element(&out, m->kind, at + (size_t)k * member_size[m->kind]);
     }
     return out.used;
 }
@@ -160,11 +153,11 @@ static bool is_printable(const char *text)
     return true;
 }
 
-static bool decode_element(mukca_lcm_wire *wire, member_kind kind, char *member)
+static bool decode_element(mukca_lcm_wire *wire, member_kind kind, char *to)
 {
     if (kind == TEXT) {
         const char *text = mukca_lcm_wire_text(wire);
-        memcpy(member, &text, sizeof text);
+        memcpy(to, &text, sizeof text);
         return text && is_printable(text);
     }
     const unsigned char *at = mukca_lcm_wire_bytes(wire, wire_size[kind]);
@@ -175,7 +168,7 @@ static bool decode_element(mukca_lcm_wire *wire, member_kind kind, char *member)
     const void *value = kind == FLAG                     ? (const void *)&flag
                         : kind == INT32 || kind == COUNT ? (const void *)&small
                                                          : (const void *)&number;
-    memcpy(member, value, member_size[kind]);
+    memcpy(to, value, member_size[kind]);
     return true;
 }
 
@@ -187,11 +180,12 @@ mukca_status mukca_message_decode(void *message, mukca_message_kind kind, const 
     if (!head || mukca_lcm_wire_get(head, 8) != kinds[kind].fingerprint)
         return mukca_fail(error, MUKCA_INPUT, "not a %s message", kinds[kind].name);
     bool good = true;
-    for (walk w = first_member(kind); good && next(&w);) {
-        char *member = (char *)message + w.at;
-        for (int k = 0; k < (w.array ? w.n : 1) && good; k++)
-            good = decode_element(&wire, w.kind, member + (size_t)k * member_size[w.kind]);
-        if (good && w.kind == COUNT) good = read_count(&w, member);
+    int n = -1;
+    for (const member *m = members_of(kind); good && m->kind != END; m++) {
+        char *at = (char *)message + m->at;
+        for (int k = 0; k < elements(m, n) && good; k++)
+            good = decode_element(&wire, m->kind, at + (size_t)k * member_size[m->kind]);
+        if (good && m->kind == COUNT) good = read_count(&n, m, at);
     }
     const bool request = kind == MUKCA_MESSAGE_TRIGGER || kind == MUKCA_MESSAGE_COMMAND;
     if (request && wire.left == MUKCA_LCM_SIGNATURE) wire.left = 0;

@@ -27,63 +27,81 @@ enum {
     MUKCA_MESSAGE_ROWS = 512 /* largest number of rows of an offsets table */
 };
 
-/* data/lcm describes each field; message.c lists the members in their order.  Texts are
- * NUL-terminated; the sender owns them, or they point into the received message.  NULL is sent as
- * "". */
-typedef struct {
-    int64_t utime, id;
-    const char *placement, *socket;
-} mukca_message_trigger;
+/* The members of each message, in the order of data/lcm, which describes them: X of values, A of an
+ * array and its capacity.  Arrays have as many elements as the COUNT before them; without one, all.
+ */
+#define MUKCA_MESSAGE_TRIGGER_MEMBERS(X, A) \
+    X(INT64, utime, id)                     \
+    X(TEXT, placement, socket)
 
-typedef struct {
-    int64_t utime, id;
-    const char *verb;
-    int n;
-    const char *argument[MUKCA_MESSAGE_ARGUMENTS];
-} mukca_message_command;
+#define MUKCA_MESSAGE_COMMAND_MEMBERS(X, A) \
+    X(INT64, utime, id)                     \
+    X(TEXT, verb)                           \
+    X(COUNT, n)                             \
+    A(TEXT, argument, MUKCA_MESSAGE_ARGUMENTS)
 
-typedef struct {
-    int64_t utime;
-    const char *state, *text, *session, *placement, *socket;
-    int rows, rows_here;
-    const char *channel, *type, *stream;
-    double rate_hz, age_s;
-    int64_t received, refused;
-    bool still;
-    double spread_m, expected_m;
-    bool more_rows_help;
-    int n;
-    const char *joint[MUKCA_MAX_JOINTS];
-    double position[MUKCA_MAX_JOINTS], coverage[MUKCA_MAX_JOINTS];
-} mukca_message_status;
+#define MUKCA_MESSAGE_STATUS_MEMBERS(X, A)           \
+    X(INT64, utime)                                  \
+    X(TEXT, state, text, session, placement, socket) \
+    X(INT32, rows, rows_here)                        \
+    X(TEXT, channel, type, stream)                   \
+    X(REAL, rate_hz, age_s)                          \
+    X(INT64, received, refused)                      \
+    X(FLAG, still)                                   \
+    X(REAL, spread_m, expected_m)                    \
+    X(FLAG, more_rows_help)                          \
+    X(COUNT, n)                                      \
+    A(TEXT, joint, MUKCA_MAX_JOINTS)                 \
+    A(REAL, position, MUKCA_MAX_JOINTS)              \
+    A(REAL, coverage, MUKCA_MAX_JOINTS)
 
-typedef struct {
-    int64_t utime, id;
-    bool accepted;
-    const char *text, *placement, *socket;
-    int row, n;
-    const char *joint[MUKCA_MAX_JOINTS];
-    double position[MUKCA_MAX_JOINTS], spread[MUKCA_MAX_JOINTS];
-} mukca_message_sample;
+#define MUKCA_MESSAGE_SAMPLE_MEMBERS(X, A) \
+    X(INT64, utime, id)                    \
+    X(FLAG, accepted)                      \
+    X(TEXT, text, placement, socket)       \
+    X(INT32, row)                          \
+    X(COUNT, n)                            \
+    A(TEXT, joint, MUKCA_MAX_JOINTS)       \
+    A(REAL, position, MUKCA_MAX_JOINTS)    \
+    A(REAL, spread, MUKCA_MAX_JOINTS)
 
-typedef struct {
-    int64_t utime, id;
-    const char *verb;
-    int code;
-    const char *text, *robot, *urdf_sha256, *base, *tip, *stream;
-    int n;
-    const char *joint[MUKCA_MESSAGE_ROWS], *parameter[MUKCA_MESSAGE_ROWS],
-        *unit[MUKCA_MESSAGE_ROWS];
-    double nominal[MUKCA_MESSAGE_ROWS], calibrated[MUKCA_MESSAGE_ROWS], offset[MUKCA_MESSAGE_ROWS],
-        sigma[MUKCA_MESSAGE_ROWS];
-    bool identifiable[MUKCA_MESSAGE_ROWS];
-    const char *json;
-} mukca_message_result;
+#define MUKCA_MESSAGE_RESULT_MEMBERS(X, A)               \
+    X(INT64, utime, id)                                  \
+    X(TEXT, verb)                                        \
+    X(INT32, code)                                       \
+    X(TEXT, text, robot, urdf_sha256, base, tip, stream) \
+    X(COUNT, n)                                          \
+    A(TEXT, joint, MUKCA_MESSAGE_ROWS)                   \
+    A(TEXT, parameter, MUKCA_MESSAGE_ROWS)               \
+    A(TEXT, unit, MUKCA_MESSAGE_ROWS)                    \
+    A(REAL, nominal, MUKCA_MESSAGE_ROWS)                 \
+    A(REAL, calibrated, MUKCA_MESSAGE_ROWS)              \
+    A(REAL, offset, MUKCA_MESSAGE_ROWS)                  \
+    A(REAL, sigma, MUKCA_MESSAGE_ROWS)                   \
+    A(FLAG, identifiable, MUKCA_MESSAGE_ROWS)            \
+    X(TEXT, json)
 
-typedef struct {
-    int64_t utime;
-    double position[3], quaternion[4];
-} mukca_message_pose;
+#define MUKCA_MESSAGE_POSE_MEMBERS(X, A) \
+    X(INT64, utime)                      \
+    A(REAL, position, 3)                 \
+    A(REAL, quaternion, 4)
+
+typedef int64_t mukca_message_INT64;
+typedef int mukca_message_INT32, mukca_message_COUNT;
+typedef double mukca_message_REAL;
+typedef bool mukca_message_FLAG;
+typedef const char *mukca_message_TEXT;
+
+/* mukca_message_trigger and so on.  Texts are NUL-terminated; the sender owns them, or they point
+ * into the received message.  NULL is sent as "". */
+#define MUKCA_MESSAGE_VALUES(kind, ...) mukca_message_##kind __VA_ARGS__;
+#define MUKCA_MESSAGE_ARRAY(kind, name, most) mukca_message_##kind name[most];
+#define MUKCA_MESSAGE_STRUCT(channel, name, fingerprint)                             \
+    typedef struct {                                                                 \
+        MUKCA_MESSAGE_##channel##_MEMBERS(MUKCA_MESSAGE_VALUES, MUKCA_MESSAGE_ARRAY) \
+    } mukca_message_##name;
+MUKCA_MESSAGE_LIST(MUKCA_MESSAGE_STRUCT)
+#undef MUKCA_MESSAGE_STRUCT
 
 /* Channel of a message: PREFIX_TRIGGER and so on; `prefix` NULL means MUKCA. */
 void mukca_message_channel(char channel[64], mukca_message_kind kind, const char *prefix);

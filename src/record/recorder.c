@@ -201,19 +201,19 @@ static mukca_status open_link(mukca_recorder *r, mukca_error *error)
 
 static mukca_status read_types(mukca_recorder *r, mukca_error *error)
 {
-    const mukca_recorder_options *o = r->options;
+    const mukca_recorder_types *o = &r->options->types;
     mukca_lcm_types *types = &r->stream.types;
     mukca_status status = mukca_lcm_types_init(types, error);
     if (status != MUKCA_OK) return status;
-    if (o->n_types && !o->position)
+    if (o->n && !o->position)
         return mukca_fail(
             error, MUKCA_USAGE,
             "--type needs --position FIELD: which field contains the joint positions?");
-    if (!o->n_types && (o->position || o->names))
+    if (!o->n && (o->position || o->names))
         return mukca_fail(error, MUKCA_USAGE, "--position and --names belong to a --type FILE.lcm");
-    if (!o->n_types) return MUKCA_OK;
-    for (int i = 0; i < o->n_types && !status; i++)
-        status = mukca_lcm_types_read(types, o->types[i], error);
+    if (!o->n) return MUKCA_OK;
+    for (int i = 0; i < o->n && !status; i++)
+        status = mukca_lcm_types_read(types, o->file[i], error);
     if (status != MUKCA_OK) return status;
     /* from the last struct backwards, as nested types come first */
     int t = types->n_types;
@@ -230,7 +230,7 @@ static mukca_status read_types(mukca_recorder *r, mukca_error *error)
 static mukca_status open_lines(mukca_recorder *r, mukca_error *error)
 {
     const mukca_recorder_options *o = r->options;
-    if (o->channel || o->n_types)
+    if (o->channel || o->types.n)
         return mukca_fail(error, MUKCA_USAGE,
                           "--stdin reads lines: --channel and --type belong to LCM");
     r->stream.lines = malloc(sizeof *r->stream.lines);

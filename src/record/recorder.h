@@ -123,14 +123,20 @@ typedef struct {
     mukca_error first_unwritten;
 } mukca_sampling;
 
+/* Of --type: .lcm files, and the fields with the joints' positions and names. */
+typedef struct {
+    const char *const *file; /* [n] */
+    int n;
+    const char *position, *names;
+} mukca_recorder_types;
+
 /* Zeroed options mean defaults; `mukca help capture` describes them.  All texts must outlive the
  * recorder. */
 typedef struct {
     mukca_lcm_network network;
-    const char *channel, *prefix, *position, *names, *map, *placements, *sockets;
-    const char *key;          /* key file for signed requests; NULL: signatures are not required */
-    const char *const *types; /* [n_types] .lcm files */
-    int n_types;
+    const char *channel, *prefix, *map, *placements, *sockets;
+    const char *key; /* key file for signed requests; NULL: signatures are not required */
+    mukca_recorder_types types;
     int stream; /* index into mukca_recorder_streams */
     bool still;
     mukca_capture_settings capture; /* its labels: those of `sockets` */

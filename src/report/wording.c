@@ -36,15 +36,20 @@ bool mukca_wording_on_arm(const mukca_cause *cause)
 
 /* ---- causes ---- */
 
+/* Is it a link, which bends before its joint? */
+static bool bends(const mukca_effect_info *info)
+{
+    return info->site == MUKCA_SITE_ROTATION && info->traits & MUKCA_TRAIT_FLEXIBLE;
+}
+
 const char *mukca_wording_effect(char text[MUKCA_WORDING], mukca_effect_kind kind,
                                  const char *joint)
 {
     const mukca_effect_info *info = mukca_effect_table[kind];
-    const bool bends = info->site == MUKCA_SITE_ROTATION && info->traits & MUKCA_TRAIT_ELASTIC;
     snprintf(text, MUKCA_WORDING, "%s%s%s", info->title,
-             !joint  ? ""
-             : bends ? " before "
-                     : " at ",
+             !joint        ? ""
+             : bends(info) ? " before "
+                           : " at ",
              joint ? joint : "");
     return text;
 }
@@ -165,10 +170,10 @@ static const particular *find_particular(const mukca_cause *cause, const mukca_d
             "check that the ball's neck is free of the socket in all postures, and the screws of "
             "the tool; compensate the error only then"};
     const mukca_effect *e = &cause->effect;
+    const mukca_effect_info *info = mukca_effect_table[e->kind];
     const bool sockets = r->data->n_sockets > 0;
-    if (e->kind == MUKCA_EFFECT_SOCKET_DISTANCE && e->placement >= 0) return &moved;
-    if (e->kind == MUKCA_EFFECT_LINK_BENDING && e->joint == r->chain->n_joints - 1 && sockets)
-        return &tilted;
+    if (info->site == MUKCA_SITE_DISTANCE && e->placement >= 0) return &moved;
+    if (bends(info) && e->joint == r->chain->n_joints - 1 && sockets) return &tilted;
     return NULL;
 }
 
@@ -296,9 +301,9 @@ const char *mukca_wording_caveat(char text[MUKCA_WORDING], const mukca_diagnosed
     if (d->gravity[0] != 0 || d->gravity[1] != 0 || d->gravity[2] != 0)
         return put_gravity(text, d->gravity, r->chain->gravity);
     if (d->verdict == MUKCA_VERDICT_UNTESTABLE || r->chain->n_masses) return text;
+    const mukca_effect_kind spring = mukca_effect_at(MUKCA_SITE_ANGLE, MUKCA_TRAIT_FLEXIBLE);
     for (int i = 0; i < d->n_tested; i++)
-        if (d->tested[i].effect == MUKCA_EFFECT_JOINT_COMPLIANCE && d->tested[i].joint < 0 &&
-            !d->tested[i].testable)
+        if (d->tested[i].effect == spring && d->tested[i].joint < 0 && !d->tested[i].testable)
             put(text,
                 "Flexibility cannot be measured: the URDF has no link masses (give --inertials "
                 "FILE).");

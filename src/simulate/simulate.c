@@ -53,7 +53,7 @@ typedef struct {
 /* Displacement by the effects at angles q in the present sample. */
 static void displace(mukca_displacement *displacement, const double *q, void *context)
 {
-    const mukca_effect last_move = {.kind = MUKCA_EFFECT_READBACK_LAG};
+    const mukca_effect last_move = {.kind = mukca_effect_at(MUKCA_SITE_ANGLES, 0)};
     recorder *r = context;
     const int n = r->data->n_joints;
     double meant[MUKCA_MAX_JOINTS]; /* commands of a controller whose readings lag */
@@ -85,7 +85,7 @@ static void read_sag(recorder *r)
     mukca_effect sagging[MUKCA_MAX_EFFECTS];
     int count = 0;
     for (int e = 0; e < r->arm->n_effects; e++)
-        if (r->arm->effects[e].kind == MUKCA_EFFECT_SERVO_SAG)
+        if (mukca_effect_table[r->arm->effects[e].kind]->needs & MUKCA_NEEDS_COMMANDS)
             sagging[count++] = r->arm->effects[e];
     if (count == 0) return;
     mukca_effects_displacement(&sag, sagging, count, &r->arm->chain, &r->arm->geometry, q,

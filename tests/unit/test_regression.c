@@ -3,7 +3,6 @@
 #include <stdlib.h>
 
 #include "diagnose/held_out.h"
-#include "diagnose/ripple.h"
 #include "diagnose/scan.h"
 #include "diagnose/screening.h"
 #include "math/stats.h"
@@ -79,7 +78,7 @@ TEST(effect_columns)
     bool seen[MUKCA_EFFECT_COUNT] = {false}; /* each effect, and every seventh candidate */
     for (int i = 0; i < f->all.first_unlisted; i++) {
         const mukca_candidate *h = &f->all.list[i];
-        if (!h->basis || h->kind == MUKCA_CANDIDATE_STRETCH) continue;
+        if (!mukca_candidate_moves_arm(h)) continue;
         const int kind = h->kind == MUKCA_CANDIDATE_EFFECT ? (int)h->effect.kind : -1;
         if (i % 7 && (kind < 0 || seen[kind])) continue;
         if (kind >= 0) seen[kind] = true;
@@ -214,7 +213,7 @@ TEST(repeated)
     assert_true(f->m.recording.repeats);
     for (int family = 0; family < f->m.evidence.n_noises; family += 3) check_scan(family, NULL);
     for (int i = 0; i < f->all.count; i++) /* the tool moves between postures */
-        if (f->all.list[i].kind == MUKCA_CANDIDATE_STEP)
+        if (f->all.list[i].kind == MUKCA_CANDIDATE_MOTION)
             assert_int_equal(f->all.list[i].fault.first % 2, 0);
     f->m.evidence.angular[1] = 5;
     mukca_evidence_set_share(&f->m.evidence, 2);
@@ -253,19 +252,17 @@ TEST(poses)
 /* Scores of all orders of ripple of a joint. */
 TEST(orders)
 {
-    double value[MUKCA_RIPPLE_ORDERS + 1], mean[4096];
+    double value[MUKCA_LAST_ORDER + 1], mean[4096];
     for (int joint = 1; joint < 7; joint += 2) {
-        mukca_candidate h = {.kind = MUKCA_CANDIDATE_EFFECT,
-                             .joint = joint,
-                             .placement = -1,
-                             .effect = {.kind = MUKCA_EFFECT_GEAR_HARMONIC,
-                                        .joint = joint,
-                                        .placement = -1,
-                                        .variant.order = 2}};
+        const mukca_effect ripple = {.kind = MUKCA_EFFECT_GEAR_HARMONIC,
+                                     .joint = joint,
+                                     .placement = -1,
+                                     .variant.order = 2};
+        mukca_candidate h = mukca_candidate_of(&ripple);
         assert_true(mukca_candidate_prepare(&h, &f->m.pool, &f->m.recording));
         assert_true(mukca_scan_aim(&f->scan, 1));
-        assert_true(mukca_scan_orders(value, &f->scan, joint));
-        for (int order = 2; order <= MUKCA_RIPPLE_ORDERS; order += 57) {
+        assert_true(mukca_scan_orders(value, &f->scan, &ripple));
+        for (int order = 2; order <= MUKCA_LAST_ORDER; order += 57) {
             h.effect.variant.order = order;
             mukca_candidate_fill(&h, &f->m.recording);
             mukca_regression_freeze(&f->m); /* other columns of the same candidate */
@@ -321,8 +318,8 @@ TEST(full_columns)
 TEST(priors)
 {
     double orders = 0, sum = 0;
-    for (int order = 2; order <= MUKCA_RIPPLE_ORDERS; order++)
-        orders += exp(mukca_ripple_log_prior(order));
+    for (int order = 2; order <= MUKCA_LAST_ORDER; order++)
+        orders += mukca_effect_catalogue[MUKCA_EFFECT_GEAR_HARMONIC]->order_prior(order);
     assert_close(orders, 1, 1e-12);
     for (int i = 0; i < f->all.first_unlisted; i++)
         if (mukca_candidate_class(&f->all.list[i]) != MUKCA_EFFECT_GEAR_HARMONIC)

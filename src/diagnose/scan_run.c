@@ -1,0 +1,217 @@
+/* Scores of all candidates: those of the list, and the orders of periodic effects that promise. */
+#include "diagnose/scan.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/clones.h"
+#include "math/dense.h"
+#include "math/four.h"
+
+enum { ADDED = 12 }; /* orders of a joint in one scan */
+
+/* Log odds below which an order is not listed. */
+#define LEAST_ODDS (-5)
+
+/* u[n_samples][dim]: products of the residual with columns that are not whitened.  Out of memory:
+ * false. */
+static bool residual_products(double *u, const mukca_scan *s)
+{
+    const mukca_recording *r = &s->m->recording;
+    const mukca_linearisation *linear = &s->m->linear;
+    const mukca_whitening *w = &s->normal->whitening;
+    const int n = s->n, d = r->dim, ld = linear->stride;
+    mukca_pool pool = {0};
+    double *mean = MUKCA_TAKE(&pool, double, n + 1),
+           *white = MUKCA_TAKE(&pool, double, r->n_samples *d);
+    if (pool.failed) {
+        mukca_pool_free(&pool);
+        return false;
+    }
+    memcpy(mean, s->z, sizeof *mean * (size_t)n);
+    mukca_dense_backward(mean, 1, s->m->evidence.posterior.factor, n);
+    for (int t = 0; t < n; t++) mean[t] *= s->prior[t];
+    for (int i = 0; i < r->n_samples * d; i++) {
+        const double *x = s->white + (size_t)i * (size_t)ld;
+        white[i] = x[linear->y];
+        for (int t = 0; t < n; t++) white[i] -= x[t] * mean[t];
+        white[i] *= s->precision;
+    }
+    for (int p = 0; p < r->n_pairs; p++) {
+        const double *distance = s->distance + p * (n + 1);
+        double rest = distance[n];
+        for (int t = 0; t < n; t++) rest -= distance[t] * mean[t];
+        for (int side = 0; side < 2; side++) {
+            const int g = side ? r->pairs[p].b : r->pairs[p].a;
+            const mukca_group *group = &r->groups[g];
+            double x[6] = {0};
+            for (int c = 0; c < 3; c++)
+                x[c] = (side ? -1 : 1) * s->inverse[p] * rest * linear->direction[p][c];
+            mukca_whitening_solve(x, w, g, d);
+            for (int i = group->start * d; i < (group->start + group->count) * d; i++)
+                for (int c = 0; c < d; c++) white[i] += w->one[i * d + c] * x[c];
+        }
+    }
+    mukca_whitening_transpose(u, white, 1, 1, w, &r->samples);
+    mukca_pool_free(&pool);
+    return true;
+}
+
+/* ---- orders: waves of a joint's angle ---- */
+
+/* Sine and cosine of one order at the angles of a joint. */
+typedef struct {
+    int n;
+    double *sine, *cosine; /* [n] samples */
+    double *first;         /* [2][n] those of order 1 */
+    double *along;         /* [n] residual along the joint's motion */
+} waves;
+
+/* Order 1 of a joint. */
+static void start(waves *wave, const mukca_recording *r, int joint)
+{
+    const int n_joints = r->chain->n_joints, n = wave->n;
+    for (int i = 0; i < n; i++) {
+        const double q = r->q[r->order[i] * n_joints + joint];
+        wave->first[i] = wave->sine[i] = sin(q);
+        wave->first[n + i] = wave->cosine[i] = cos(q);
+    }
+}
+
+/* The next order, by the angle addition formulas. */
+MUKCA_CLONES static void advance(waves *wave)
+{
+    const int n = wave->n;
+    const double *restrict s1 = wave->first, *restrict c1 = s1 + n;
+    double *restrict sine = wave->sine, *restrict cosine = wave->cosine;
+    for (int i = 0; i < n; i++) {
+        const double s = sine[i], c = cosine[i];
+        sine[i] = s * c1[i] + c * s1[i];
+        cosine[i] = c * c1[i] - s * s1[i];
+    }
+}
+
+/* Log odds, but for those of the joint and the class, of the orders of an effect at a joint that
+ * are not yet listed.  The geometry absorbs little of a short wave: all have nearly the same
+ * information, and the gradient is exact.  u: residual.  False: too little travel. */
+static bool guess(double *odds, waves *wave, mukca_scan *s, mukca_effect_kind kind, int j,
+                  const double *u)
+{
+    const mukca_recording *r = &s->m->recording;
+    const mukca_whitening *w = &s->normal->whitening;
+    const int N = r->n_samples, d = r->dim;
+    double square = 0, travel[2];
+    mukca_recording_travel(travel, r, j);
+    if (!s->all->survey.joint[j].turns || travel[1] - travel[0] < MUKCA_WAVE_TRAVEL) return false;
+    for (int i = 0; i < N; i++) {
+        const double *lever = s->m->linear.lever + (i * r->chain->n_joints + j) * d,
+                     of = w->level[i];
+        wave->along[i] = 0;
+        for (int c = 0; c < d; c++) {
+            wave->along[i] += lever[c] * u[i * d + c];
+            square += s->precision * of * of * lever[c] * lever[c];
+        }
+    }
+    const double left = square * fmax(1 - (double)s->n / s->dof, 0.1); /* a wave has half, twice */
+    const mukca_mixture prior = mukca_candidate_mixture(
+        &(mukca_candidate){.kind = MUKCA_CANDIDATE_EFFECT,
+                           .effect.kind = kind,
+                           .unit = (const double[]){MUKCA_WAVE_UNIT, MUKCA_WAVE_UNIT},
+                           .terms = 2});
+    bool listed[MUKCA_LAST_ORDER + 1] = {false};
+    for (int i = 0; i < s->all->count; i++) {
+        const mukca_candidate *h = &s->all->list[i];
+        if (h->joint == j && mukca_candidate_class(h) == (int)kind)
+            listed[h->effect.variant.order] = true;
+    }
+    start(wave, r, j);
+    for (int o = 2; o <= MUKCA_LAST_ORDER; o++) {
+        advance(wave);
+        const double G[] = {left, 0, 0, left},
+                     g[] = {dot4(wave->along, wave->sine, N) / MUKCA_WAVE_UNIT,
+                            dot4(wave->along, wave->cosine, N) / MUKCA_WAVE_UNIT};
+        odds[o] = listed[o] ? -HUGE_VAL
+                            : log(mukca_effect_catalogue[kind]->order_prior(o)) +
+                                  mukca_mixture_evidence(NULL, G, g, 2, &prior, s->residual, s->dof,
+                                                         s->scratch);
+    }
+    return true;
+}
+
+/* Add the most promising orders of an effect at a joint.  odds[] is overwritten. */
+static mukca_status add(mukca_scan *s, const mukca_effect *effect, double *odds, mukca_error *error)
+{
+    const mukca_candidates *all = s->all;
+    mukca_effect best = *effect;
+    mukca_status status = MUKCA_OK;
+    for (int k = 0; k < ADDED && status == MUKCA_OK; k++) {
+        int *order = &best.variant.order;
+        *order = 2;
+        for (int o = 3; o <= MUKCA_LAST_ORDER; o++)
+            if (odds[o] > odds[*order]) *order = o;
+        if (!(odds[*order] - log(all->classes * all->survey.n_joints) > LEAST_ODDS)) break;
+        odds[*order] = -HUGE_VAL;
+        status = mukca_candidates_add_order(s->all, &s->m->pool, &s->m->recording, &best, error);
+    }
+    return status;
+}
+
+/* Add the promising orders of periodic effects to the candidates. */
+static mukca_status add_orders(mukca_scan *s, const double *u, mukca_error *error)
+{
+    const mukca_recording *r = &s->m->recording;
+    const int first = s->all->count, N = r->n_samples;
+    mukca_pool pool = {0};
+    mukca_status status = MUKCA_OK;
+    double odds[MUKCA_LAST_ORDER + 1];
+    waves wave = {.n = N,
+                  .sine = MUKCA_TAKE(&pool, double, N),
+                  .cosine = MUKCA_TAKE(&pool, double, N),
+                  .first = MUKCA_TAKE(&pool, double, 2 * N),
+                  .along = MUKCA_TAKE(&pool, double, N)};
+    if (pool.failed) status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d samples", N);
+    for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++) {
+        if (!mukca_effect_has(kind, MUKCA_TRAIT_ORDERS) || !s->all->enabled[kind]) continue;
+        for (int j = 0; j < r->chain->n_joints && status == MUKCA_OK; j++) {
+            const mukca_effect effect = {
+                .kind = (mukca_effect_kind)kind, .joint = j, .placement = -1};
+            if (guess(odds, &wave, s, effect.kind, j, u)) status = add(s, &effect, odds, error);
+        }
+    }
+    mukca_pool_free(&pool);
+    if (status == MUKCA_OK)
+        mukca_scan_score(s->value + first, s->information + first, s, s->all->list + first,
+                         s->all->count - first);
+    return status;
+}
+
+mukca_status mukca_scan_run(mukca_scan *s, bool orders, mukca_error *error)
+{
+    const mukca_recording *r = &s->m->recording;
+    const mukca_candidates *all = s->all;
+    mukca_pool pool = {0};
+    double *u = MUKCA_TAKE(&pool, double, r->n_samples * r->dim);
+    mukca_scan_score(s->value, s->information, s, all->list, all->count);
+    mukca_status status = MUKCA_OK;
+    if (!u || !residual_products(u, s) || !mukca_scan_faults(s, u))
+        status = mukca_fail(error, MUKCA_MEMORY, "out of memory for the scores of %d candidates",
+                            all->count);
+    if (status == MUKCA_OK && orders) status = add_orders(s, u, error);
+    mukca_pool_free(&pool);
+    return status;
+}
+
+bool mukca_scan_orders(double *value, mukca_scan *s, const mukca_effect *effect)
+{
+    const mukca_recording *r = &s->m->recording;
+    double information;
+    mukca_candidate h = mukca_candidate_of(effect);
+    h.effect.variant.order = 2;
+    if (!mukca_candidate_prepare(&h, &s->m->pool, r)) return false;
+    for (int o = 2; o <= MUKCA_LAST_ORDER; o++) {
+        h.effect.variant.order = o;
+        mukca_candidate_fill(&h, r);
+        mukca_scan_score(&value[o], &information, s, &h, 1);
+    }
+    return true;
+}
