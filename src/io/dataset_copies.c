@@ -30,13 +30,12 @@ static const char *label(const mukca_dataset *data, int row)
 static bool repeats(const mukca_dataset *a, int i, const mukca_dataset *b, int k)
 {
     const int n = a->n_joints;
-    return memcmp(a->q + (size_t)i * (size_t)n, b->q + (size_t)k * (size_t)n,
-                  (size_t)n * sizeof *a->q) == 0 &&
-           strcmp(label(a, i), label(b, k)) == 0 && agree(a->time, i, b->time, k, 1) &&
-           agree(a->position, i, b->position, k, 3) &&
-           agree(a->quaternion, i, b->quaternion, k, 4) && agree(a->effort, i, b->effort, k, n) &&
-           agree(a->command, i, b->command, k, n) && agree(a->velocity, i, b->velocity, k, n) &&
-           agree(a->payload, i, b->payload, k, 1);
+    bool same = memcmp(a->q + (size_t)i * (size_t)n, b->q + (size_t)k * (size_t)n,
+                       (size_t)n * sizeof *a->q) == 0 &&
+                strcmp(label(a, i), label(b, k)) == 0;
+    for (int c = 0; c < MUKCA_COLUMNS && same; c++)
+        same = agree(a->column[c], i, b->column[c], k, mukca_column_width(c, n));
+    return same;
 }
 
 /* A sample in a list sorted by joint angles; `source`: of the other dataset. */

@@ -5,7 +5,7 @@
 #define MUKCA_IO_ROWS_H
 
 #include "io/table.h"
-#include "mukca/chain.h"
+#include "model/dataset_subset.h"
 #include "mukca/row_state.h"
 
 /* Check of the order of quaternions by the arm's kinematics (rows.c); start zeroed. */
@@ -63,9 +63,9 @@ typedef struct {
 
 /* Indices of the table's columns, -1 if absent. */
 typedef struct {
-    int placement, socket, target, time, payload;
-    int joint[MUKCA_MAX_JOINTS], effort[MUKCA_MAX_JOINTS], command[MUKCA_MAX_JOINTS],
-        velocity[MUKCA_MAX_JOINTS];
+    int placement, socket, target;
+    int number[MUKCA_COLUMNS][MUKCA_MAX_JOINTS]; /* by joint; [0] of a column that is no joint's;
+                                                    those of poses are in `measured` */
     int n_measured;
     mukca_measured_columns measured[MUKCA_ROWS_TARGETS];
 } mukca_row_columns;
@@ -85,10 +85,14 @@ typedef struct {
 /* One row; missing values are NaN, missing texts NULL.  Texts are valid until the next row. */
 typedef struct {
     const char *placement, *socket, *target;
-    double q[MUKCA_MAX_JOINTS], effort[MUKCA_MAX_JOINTS], command[MUKCA_MAX_JOINTS],
-        velocity[MUKCA_MAX_JOINTS];    /* rad or m, N m, rad, rad/s */
-    double time, payload;              /* s, kg */
-    double position[3], quaternion[4]; /* m; normalised */
+    union {
+        struct {
+#define MUKCA_ROW_MEMBER(constant, member, ...) double member[MUKCA_MAX_JOINTS];
+            MUKCA_COLUMN_LIST(MUKCA_ROW_MEMBER) /* SI; as many as the column's width */
+#undef MUKCA_ROW_MEMBER
+        };
+        double number[MUKCA_COLUMNS][MUKCA_MAX_JOINTS]; /* the same */
+    };
 } mukca_row;
 
 /* Open a table and find the chain's joints, or the poses, in its header.  A joint without a column

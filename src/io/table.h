@@ -86,6 +86,12 @@ mukca_status mukca_table_read(const char *path, const char *const *names, int n,
 
 /* ---- names of columns (rows_header.c) ---- */
 
+/* Ends the names of columns by mukca capture with the standard deviations; not read. */
+#define MUKCA_COLUMNS_SPREAD ".spread"
+
+/* Whether a column of recordings has that name, which no joint may have. */
+bool mukca_columns_reserved(const char *name);
+
 /* Rename the columns of an open table by the text or file `columns`: `COLUMN=NAME,...`, or a name
  * for each column in order; a line end separates like a comma. */
 void mukca_columns_rename(mukca_table *table, const char *columns);
