@@ -27,63 +27,98 @@ enum {
     MUKCA_MESSAGE_ROWS = 512 /* largest number of rows of an offsets table */
 };
 
-/* data/lcm describes each field; message.c lists the members in their order.  Texts are
- * NUL-terminated; the sender owns them, or they point into the received message.  NULL is sent as
- * "". */
-typedef struct {
-    int64_t utime, id;
-    const char *placement, *socket;
-} mukca_message_trigger;
+/* The members of each struct in the order of data/lcm, which describes them: ONE, or MANY, an array
+ * of some capacity, of which as many elements are sent as the last int before it says, without one
+ * all.  Texts are NUL-terminated; the sender owns them, or they point into the received message.
+ * NULL is sent as "".  `of` is for the caller's macros. */
+#define MUKCA_MESSAGE_TRIGGER_LIST(ONE, MANY, of) \
+    ONE(of, int64_t, utime)                       \
+    ONE(of, int64_t, id)                          \
+    ONE(of, const char *, placement)              \
+    ONE(of, const char *, socket)
 
-typedef struct {
-    int64_t utime, id;
-    const char *verb;
-    int n;
-    const char *argument[MUKCA_MESSAGE_ARGUMENTS];
-} mukca_message_command;
+#define MUKCA_MESSAGE_COMMAND_LIST(ONE, MANY, of) \
+    ONE(of, int64_t, utime)                       \
+    ONE(of, int64_t, id)                          \
+    ONE(of, const char *, verb)                   \
+    ONE(of, int, n)                               \
+    MANY(of, const char *, argument, MUKCA_MESSAGE_ARGUMENTS)
 
-typedef struct {
-    int64_t utime;
-    const char *state, *text, *session, *placement, *socket;
-    int rows, rows_here;
-    const char *channel, *type, *stream;
-    double rate_hz, age_s;
-    int64_t received, refused;
-    bool still;
-    double spread_m, expected_m;
-    bool more_rows_help;
-    int n;
-    const char *joint[MUKCA_MAX_JOINTS];
-    double position[MUKCA_MAX_JOINTS], coverage[MUKCA_MAX_JOINTS];
-} mukca_message_status;
+#define MUKCA_MESSAGE_STATUS_LIST(ONE, MANY, of)    \
+    ONE(of, int64_t, utime)                         \
+    ONE(of, const char *, state)                    \
+    ONE(of, const char *, text)                     \
+    ONE(of, const char *, session)                  \
+    ONE(of, const char *, placement)                \
+    ONE(of, const char *, socket)                   \
+    ONE(of, int, rows)                              \
+    ONE(of, int, rows_here)                         \
+    ONE(of, const char *, channel)                  \
+    ONE(of, const char *, type)                     \
+    ONE(of, const char *, stream)                   \
+    ONE(of, double, rate_hz)                        \
+    ONE(of, double, age_s)                          \
+    ONE(of, int64_t, received)                      \
+    ONE(of, int64_t, refused)                       \
+    ONE(of, bool, still)                            \
+    ONE(of, double, spread_m)                       \
+    ONE(of, double, expected_m)                     \
+    ONE(of, bool, more_rows_help)                   \
+    ONE(of, int, n)                                 \
+    MANY(of, const char *, joint, MUKCA_MAX_JOINTS) \
+    MANY(of, double, position, MUKCA_MAX_JOINTS)    \
+    MANY(of, double, coverage, MUKCA_MAX_JOINTS)
 
-typedef struct {
-    int64_t utime, id;
-    bool accepted;
-    const char *text, *placement, *socket;
-    int row, n;
-    const char *joint[MUKCA_MAX_JOINTS];
-    double position[MUKCA_MAX_JOINTS], spread[MUKCA_MAX_JOINTS];
-} mukca_message_sample;
+#define MUKCA_MESSAGE_SAMPLE_LIST(ONE, MANY, of)    \
+    ONE(of, int64_t, utime)                         \
+    ONE(of, int64_t, id)                            \
+    ONE(of, bool, accepted)                         \
+    ONE(of, const char *, text)                     \
+    ONE(of, const char *, placement)                \
+    ONE(of, const char *, socket)                   \
+    ONE(of, int, row)                               \
+    ONE(of, int, n)                                 \
+    MANY(of, const char *, joint, MUKCA_MAX_JOINTS) \
+    MANY(of, double, position, MUKCA_MAX_JOINTS)    \
+    MANY(of, double, spread, MUKCA_MAX_JOINTS)
 
-typedef struct {
-    int64_t utime, id;
-    const char *verb;
-    int code;
-    const char *text, *robot, *urdf_sha256, *base, *tip, *stream;
-    int n;
-    const char *joint[MUKCA_MESSAGE_ROWS], *parameter[MUKCA_MESSAGE_ROWS],
-        *unit[MUKCA_MESSAGE_ROWS];
-    double nominal[MUKCA_MESSAGE_ROWS], calibrated[MUKCA_MESSAGE_ROWS], offset[MUKCA_MESSAGE_ROWS],
-        sigma[MUKCA_MESSAGE_ROWS];
-    bool identifiable[MUKCA_MESSAGE_ROWS];
-    const char *json;
-} mukca_message_result;
+#define MUKCA_MESSAGE_RESULT_LIST(ONE, MANY, of)          \
+    ONE(of, int64_t, utime)                               \
+    ONE(of, int64_t, id)                                  \
+    ONE(of, const char *, verb)                           \
+    ONE(of, int, code)                                    \
+    ONE(of, const char *, text)                           \
+    ONE(of, const char *, robot)                          \
+    ONE(of, const char *, urdf_sha256)                    \
+    ONE(of, const char *, base)                           \
+    ONE(of, const char *, tip)                            \
+    ONE(of, const char *, stream)                         \
+    ONE(of, int, n)                                       \
+    MANY(of, const char *, joint, MUKCA_MESSAGE_ROWS)     \
+    MANY(of, const char *, parameter, MUKCA_MESSAGE_ROWS) \
+    MANY(of, const char *, unit, MUKCA_MESSAGE_ROWS)      \
+    MANY(of, double, nominal, MUKCA_MESSAGE_ROWS)         \
+    MANY(of, double, calibrated, MUKCA_MESSAGE_ROWS)      \
+    MANY(of, double, offset, MUKCA_MESSAGE_ROWS)          \
+    MANY(of, double, sigma, MUKCA_MESSAGE_ROWS)           \
+    MANY(of, bool, identifiable, MUKCA_MESSAGE_ROWS)      \
+    ONE(of, const char *, json)
 
-typedef struct {
-    int64_t utime;
-    double position[3], quaternion[4];
-} mukca_message_pose;
+#define MUKCA_MESSAGE_POSE_LIST(ONE, MANY, of) \
+    ONE(of, int64_t, utime)                    \
+    MANY(of, double, position, 3)              \
+    MANY(of, double, quaternion, 4)
+
+#define MUKCA_MESSAGE_ONE(of, type, name) type name;
+#define MUKCA_MESSAGE_MANY(of, type, name, capacity) type name[capacity];
+#define MUKCA_MESSAGE_STRUCT(channel, name, fingerprint)                        \
+    typedef struct {                                                            \
+        MUKCA_MESSAGE_##channel##_LIST(MUKCA_MESSAGE_ONE, MUKCA_MESSAGE_MANY, ) \
+    } mukca_message_##name;
+MUKCA_MESSAGE_LIST(MUKCA_MESSAGE_STRUCT)
+#undef MUKCA_MESSAGE_STRUCT
+#undef MUKCA_MESSAGE_MANY
+#undef MUKCA_MESSAGE_ONE
 
 /* Channel of a message: PREFIX_TRIGGER and so on; `prefix` NULL means MUKCA. */
 void mukca_message_channel(char channel[64], mukca_message_kind kind, const char *prefix);
