@@ -186,7 +186,7 @@ static void correct_line(job *b, const char *line, const char *path, int number)
     double q[MUKCA_MAX_JOINTS];
     memcpy(q, t.q, sizeof q);
     for (int j = 0; j < chain->n_joints; j++)
-        if (fabs(q[j]) > 4 * M_PI) { /* as in tables */
+        if (!mukca_rows_plausible(&chain->element[chain->joint_element[j]], q[j])) {
             snprintf(text, sizeof text, "joint '%s' is %g rad, more than two turns; check --from",
                      mukca_chain_joint_name(chain, j), q[j]);
             refuse(b, path, number, text);

@@ -113,9 +113,6 @@ bool mukca_export_near(const mukca_frame *a, const mukca_frame *b);
 /* `holds` of a format without effects. */
 bool mukca_export_holds_none(const mukca_effect *effect);
 
-/* Print values[n] with the fewest digits that read back exactly, separated by `separator`. */
-void mukca_export_numbers(FILE *stream, const double *values, int n, const char *separator);
-
 /* Get the calibrated origin; parameters changed by less than 1e-9 m or rad are exactly those of the
  * URDF. */
 void mukca_export_get_origin(mukca_export_origin *origin, const mukca_export_input *input,

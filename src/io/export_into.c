@@ -113,12 +113,8 @@ static mukca_status write_body(patch *p, const mukca_export_tag *tag, const mukc
     }
     relate(&pose, &p->body, &p->calibrated);
     mukca_frame_multiply(&pose, &pose, &body);
-    fputs(" pos=\"", p->stream);
-    mukca_export_numbers(p->stream, pose.p, 3, " ");
-    fputs("\" quat=\"", p->stream);
     mukca_rotation_to_quaternion(quat, pose.R);
-    mukca_export_numbers(p->stream, quat, 4, " ");
-    fputc('"', p->stream);
+    mukca_export_print(p->stream, " pos=\"$b\" quat=\"$b\"", pose.p, 3, quat, 4);
     p->at = end;
     for (int i = 0; i < 3; i++) shift[i] = p->calibrated.p[i] - p->nominal.p[i];
     mukca_note_format(

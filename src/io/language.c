@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/number.h"
+#include "base/text.h"
 
 enum { ROBOT_AXES = 6, MOST_AXES = 12, PATTERN = 320, NUMBERS = 24, LINES = 16 };
 
@@ -78,17 +79,15 @@ typedef struct {
 static void joint_pattern(char pattern[PATTERN], const mukca_language *l, const mukca_chain *chain)
 {
     const int n = l->all_axes ? MOST_AXES : chain->n_joints;
-    int used = snprintf(pattern, PATTERN, "%s", l->open);
+    mukca_text text = {.at = pattern, .size = PATTERN};
+    mukca_text_put(&text, "%s", l->open);
     for (int axis = 0; axis < n; axis++) {
         const bool external = axis >= ROBOT_AXES;
         const char *separator = axis == 0 ? "" : axis == ROBOT_AXES ? l->next : ",";
-        used += snprintf(pattern + used, (size_t)(PATTERN - used), "%s", separator);
-        if (l->label[0])
-            used += snprintf(pattern + used, (size_t)(PATTERN - used), "%c%d ", l->label[external],
-                             axis - (external ? ROBOT_AXES : 0) + 1);
-        pattern[used++] = '?';
+        mukca_text_put(&text, l->label[0] ? "%s%c%d ?" : "%s?", separator, l->label[external],
+                       axis - (external ? ROBOT_AXES : 0) + 1);
     }
-    snprintf(pattern + used, (size_t)(PATTERN - used), "%s", l->close);
+    mukca_text_put(&text, "%s", l->close);
 }
 
 /* Read a number at line[at]; returns its end, 0: no number. */

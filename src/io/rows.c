@@ -9,13 +9,8 @@
 #include "io/table.h"
 #include "mukca/rotation.h"
 
-/* Larger angles, rad, are in degrees: a joint turns at most once or twice.  A value of 13 degrees
- * or less passes, but some row of a recording exceeds it. */
-static const double most_angle = 4 * M_PI + 1e-6;
-/* Larger lengths, m, are in millimetres: no arm has a reach of 50 m, no linear axis 20 m. */
-static const double most_length = 50, most_prismatic = 20;
-/* rad or m: encoders exceed the URDF's limits slightly; a larger excess is noted */
-static const double limit_tolerance = 0.05;
+/* Larger lengths, m, are in millimetres: no arm has a reach of 50 m. */
+static const double most_length = 50;
 /* Largest deviation from length 1 of a quaternion written with three decimals. */
 static const double length_tolerance = 0.01;
 
@@ -64,19 +59,16 @@ static void check_joint(mukca_rows *rows, int j, double q)
     const mukca_element *e = &rows->chain->element[rows->chain->joint_element[j]];
     const bool linear = e->type == MUKCA_PRISMATIC;
     const double unit = unit_of(rows, j);
-    if (!linear && fabs(q) > most_angle)
+    if (!mukca_rows_plausible(e, q))
         mukca_table_fail(&rows->table, rows->column.number[MUKCA_COLUMN_Q][j], "joint '%s' is %g%s",
                          e->name, q / unit,
-                         unit < 1 ? " degrees, more than two turns"
-                                  : ", more than two turns; angles are in rad (for degrees: "
-                                    "--units deg)");
-    if (linear && fabs(q) > most_prismatic)
-        mukca_table_fail(&rows->table, rows->column.number[MUKCA_COLUMN_Q][j],
-                         "joint '%s' is %g; lengths are in m (for millimetres: --units mm)",
-                         e->name, q / unit);
-    const double beyond = q > e->upper ? q - e->upper : q < e->lower ? e->lower - q : 0;
+                         linear     ? "; lengths are in m (for millimetres: --units mm)"
+                         : unit < 1 ? " degrees, more than two turns"
+                                    : ", more than two turns; angles are in rad (for degrees: "
+                                      "--units deg)");
+    const double beyond = mukca_rows_beyond(e, q);
     bool *warned = rows->options.warned ? rows->options.warned : rows->warned;
-    if (!(beyond > limit_tolerance) || warned[j] || rows->table.status != MUKCA_OK) return;
+    if (beyond == 0 || warned[j] || rows->table.status != MUKCA_OK) return;
     mukca_note_format(rows->options.note, rows->options.context,
                       "%s:%d: joint '%s' is %.3g %s beyond its limits (only the first such sample "
                       "is listed)",
@@ -248,7 +240,7 @@ static void read_turn(mukca_row *row, mukca_rows *rows, const mukca_measured_col
         mukca_table_fail(&rows->table, m->turn[0], "an orientation needs all three numbers");
     for (int i = 0; i < 3; i++) {
         if (!mukca_table_has_unit(&rows->table, m->turn[i])) v[i] *= rows->options.format.angle;
-        if (fabs(v[i]) > most_angle)
+        if (fabs(v[i]) > MUKCA_ROWS_MOST_ANGLE)
             mukca_table_fail(&rows->table, m->turn[i],
                              "is %s; angles are in rad (for degrees: --units deg)",
                              rows->table.cell[m->turn[i]]);

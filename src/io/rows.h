@@ -4,6 +4,8 @@
 #ifndef MUKCA_IO_ROWS_H
 #define MUKCA_IO_ROWS_H
 
+#include <math.h>
+
 #include "io/table.h"
 #include "model/dataset_subset.h"
 #include "mukca/row_state.h"
@@ -119,6 +121,22 @@ void mukca_rows_fail_measured(mukca_rows *rows, const char *otherwise);
 
 /* Largest payload, kg: the strongest arms carry 2.3 t. */
 #define MUKCA_ROWS_MOST_PAYLOAD 5e3
+
+/* Larger angles, rad, are in degrees: a joint turns at most once or twice.  A value of 13 degrees
+ * or less passes, but some row of a recording exceeds it.  Larger lengths of a joint, m, are in
+ * millimetres: no linear axis is 20 m long. */
+#define MUKCA_ROWS_MOST_ANGLE (4 * M_PI + 1e-6)
+static inline bool mukca_rows_plausible(const mukca_element *joint, double q)
+{
+    return fabs(q) <= (joint->type == MUKCA_PRISMATIC ? 20 : MUKCA_ROWS_MOST_ANGLE);
+}
+
+/* How far q is beyond the joint's limits; 0 up to 0.05 rad or m: encoders exceed them slightly. */
+static inline double mukca_rows_beyond(const mukca_element *joint, double q)
+{
+    const double beyond = fmax(q - joint->upper, joint->lower - q);
+    return beyond > 0.05 ? beyond : 0;
+}
 
 /* Refuse a measured length that appears to be in millimetres. */
 void mukca_rows_check_length(mukca_table *table, int column, double metres);

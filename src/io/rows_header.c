@@ -164,38 +164,45 @@ static void note_unknown_columns(header *h)
 }
 
 /* Column names of a measured pose; `length`: m per unit, 0: by --units. */
+enum { METRES, MILLIMETRES, PLAIN, CAPITAL, RTDE, MATRIX, FORMS };
 static const struct {
     const char *names[16];
     int n;
     double length;
-} forms[] = {
-    {{NULL}, 3, 0}, /* names of MUKCA_COLUMN_POSITION */
-    {{"x_mm", "y_mm", "z_mm"}, 3, 1e-3},
-    {{"x", "y", "z"}, 3, 0},
-    {{"X", "Y", "Z"}, 3, 0},
-    {{"actual_TCP_pose_0", "actual_TCP_pose_1", "actual_TCP_pose_2"}, 3, 1},
-    {{"m00", "m01", "m02", "m03", "m10", "m11", "m12", "m13", "m20", "m21", "m22", "m23"}, 12, 0}};
+} forms[FORMS] = {[METRES] = {{NULL}, 3, 0}, /* names of MUKCA_COLUMN_POSITION */
+                  [MILLIMETRES] = {{"x_mm", "y_mm", "z_mm"}, 3, 1e-3},
+                  [PLAIN] = {{"x", "y", "z"}, 3, 0},
+                  [CAPITAL] = {{"X", "Y", "Z"}, 3, 0},
+                  [RTDE] = {{"actual_TCP_pose_0", "actual_TCP_pose_1", "actual_TCP_pose_2"}, 3, 1},
+                  [MATRIX] = {{"m00", "m01", "m02", "m03", "m10", "m11", "m12", "m13", "m20", "m21",
+                               "m22", "m23"},
+                              12,
+                              0}};
 static const char *const last_row[] = {"m30", "m31", "m32", "m33"};
-enum { FORMS = sizeof forms / sizeof *forms, PLAIN = 2, CAPITAL = 3, RTDE = 4, MATRIX = 5 };
 
-/* Find the first representation of an orientation in the header; A B C only next to KUKA's X Y
- * Z. */
+/* Column names of an orientation, in the order in which they are looked for, next to positions of
+ * the form `with`, FORMS: any but RTDE. */
+static const struct {
+    mukca_turn turn;
+    int with;
+    const char *names[4];
+} turns[] = {
+    {MUKCA_QUATERNION, FORMS, {NULL}}, /* names of MUKCA_COLUMN_QUATERNION */
+    {MUKCA_ROTATION_VECTOR, FORMS, {"rx", "ry", "rz"}},
+    {MUKCA_ROLL_PITCH_YAW, FORMS, {"roll", "pitch", "yaw"}},
+    {MUKCA_ABC, CAPITAL, {"A", "B", "C"}},
+    {MUKCA_ROTATION_VECTOR, RTDE, {"actual_TCP_pose_3", "actual_TCP_pose_4", "actual_TCP_pose_5"}}};
+enum { TURNS = sizeof turns / sizeof *turns };
+
 static void find_turn(mukca_measured_columns *m, header *h, int form, const char *suffix)
 {
-    static const char *const rtde[] = {"actual_TCP_pose_3", "actual_TCP_pose_4",
-                                       "actual_TCP_pose_5"};
-    static const char *const angles[][3] = {[MUKCA_ROTATION_VECTOR] = {"rx", "ry", "rz"},
-                                            [MUKCA_ROLL_PITCH_YAW] = {"roll", "pitch", "yaw"},
-                                            [MUKCA_ABC] = {"A", "B", "C"}};
-    m->form = form == RTDE ? MUKCA_ROTATION_VECTOR : MUKCA_QUATERNION;
-    if (form == RTDE)
-        find_group(m->turn, h, rtde, 3, suffix);
-    else
-        find_group(m->turn, h, mukca_column_table[MUKCA_COLUMN_QUATERNION].name, 4, suffix);
-    for (int k = MUKCA_ROTATION_VECTOR; k <= MUKCA_ABC && m->turn[0] < 0 && form != RTDE; k++) {
-        if (k == MUKCA_ABC && form != CAPITAL) continue;
-        m->form = (mukca_turn)k;
-        find_group(m->turn, h, angles[k], 3, suffix);
+    for (int k = 0; k < TURNS && m->turn[0] < 0; k++) {
+        if (turns[k].with != (form == RTDE ? RTDE : FORMS) && turns[k].with != form) continue;
+        const bool quaternion = turns[k].turn == MUKCA_QUATERNION;
+        m->form = turns[k].turn;
+        find_group(m->turn, h,
+                   quaternion ? mukca_column_table[MUKCA_COLUMN_QUATERNION].name : turns[k].names,
+                   quaternion ? 4 : 3, suffix);
     }
 }
 
