@@ -7,8 +7,7 @@
 
 #include "base/file.h"
 #include "base/list.h"
-#include "base/note.h"
-#include "base/utf8.h"
+#include "base/text.h"
 
 /* Reallocate the list to count * size bytes; NULL, with the error set, if memory is exhausted. */
 static void *resize(void *list, size_t count, size_t size, const mukca_dataset_builder *builder)

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "base/note.h"
+#include "base/text.h"
 #include "fit/refit.h"
 
 const mukca_exporter mukca_exporters[] = {

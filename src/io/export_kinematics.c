@@ -2,7 +2,7 @@
 #include <ctype.h>
 #include <string.h>
 
-#include "base/note.h"
+#include "base/text.h"
 #include "io/export.h"
 #include "io/kinematics.h"
 

@@ -4,8 +4,8 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "base/note.h"
 #include "base/number.h"
+#include "base/text.h"
 #include "io/export.h"
 #include "io/urdf.h"
 

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "base/note.h"
+#include "base/text.h"
 #include "io/table.h"
 #include "mukca/rotation.h"
 

@@ -4,7 +4,6 @@
 
 #include "base/cells.h"
 #include "base/file.h"
-#include "base/note.h"
 #include "base/number.h"
 #include "base/suggest.h"
 #include "base/text.h"

@@ -15,9 +15,7 @@
 #include <unistd.h>
 
 #include "base/list.h"
-#include "base/note.h"
 #include "base/text.h"
-#include "base/utf8.h"
 #include "io/dataset.h"
 #include "io/output.h"
 

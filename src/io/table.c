@@ -9,7 +9,6 @@
 
 #include "base/cells.h"
 #include "base/file.h"
-#include "base/note.h"
 #include "base/number.h"
 #include "base/text.h"
 

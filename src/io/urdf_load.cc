@@ -19,10 +19,9 @@
 
 extern "C" {
 #include "base/file.h"
-#include "base/note.h"
 #include "base/number.h"
 #include "base/suggest.h"
-#include "base/utf8.h"
+#include "base/text.h"
 #include "io/table.h"
 #include "io/urdf.h"
 }

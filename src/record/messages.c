@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "base/utf8.h"
 #include "record/recorder.h"
 
 static const int64_t repeat_us = 10000000; /* of reports of the same trouble */

@@ -3,7 +3,6 @@
 #ifndef MUKCA_RECORD_RECORDER_H
 #define MUKCA_RECORD_RECORDER_H
 
-#include "base/note.h"
 #include "base/text.h"
 #include "capture/capture.h"
 #include "io/session_append.h"
