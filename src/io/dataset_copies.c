@@ -185,8 +185,7 @@ mukca_status mukca_dataset_drop_copies(mukca_dataset *data, const mukca_dataset 
         if (keep[i]) original[i] = -1;
         copies += !keep[i];
     }
-    for (int f = 0; f < data->n_files && copies; f++)
-        report(data, f, of, original, note, context);
+    for (int f = 0; f < data->n_files && copies; f++) report(data, f, of, original, note, context);
     if (copies) status = mukca_dataset_keep(data, keep, error);
 out:
     mukca_pool_free(&pool);

@@ -14,14 +14,13 @@ typedef struct {
     const char *at;                  /* written up to here */
     mukca_frame nominal, calibrated; /* from the link of the last body to the present element */
     mukca_frame body;                /* the last body in the frame of its link */
-    mukca_error *error;
 } patch;
 
 static const mukca_frame identity = {.R = MUKCA_IDENTITY};
 
 static mukca_status fail(const patch *p, const char *body, const char *what)
 {
-    return mukca_fail(p->error, MUKCA_INPUT, "%s: body '%.60s' %s",
+    return mukca_fail(p->input->error, MUKCA_INPUT, "%s: body '%.60s' %s",
                       mukca_file_shown(p->input->into), body, what);
 }
 
@@ -125,16 +124,16 @@ static mukca_status write_body(patch *p, const mukca_export_tag *tag, const mukc
     return MUKCA_OK;
 }
 
-static mukca_status write_into(FILE *stream, const mukca_export_input *input, mukca_error *error)
+static mukca_status write_into(FILE *stream, const mukca_export_input *input)
 {
     const mukca_chain *chain = input->chain;
     char *text;
-    mukca_status status = mukca_file_read(&text, input->into, error);
+    mukca_status status = mukca_file_read(&text, input->into, input->error);
     if (status != MUKCA_OK) return status;
-    patch p = {stream, input, text, identity, identity, identity, error};
+    patch p = {stream, input, text, identity, identity, identity};
     if (!strstr(text, "<mujoco")) {
         free(text);
-        return mukca_export_urdf.write(stream, input, error);
+        return mukca_export_urdf.write(stream, input);
     }
     for (int k = 0; k < chain->n_elements && status == MUKCA_OK; k++) {
         const mukca_element *e = &chain->element[k];

@@ -76,18 +76,17 @@ typedef struct {
 } number_list;
 
 /* Form the pattern of a joint target with ? for each axis. */
-static void joint_pattern(char pattern[PATTERN], const mukca_language *l, const mukca_chain *chain)
+static void joint_pattern(mukca_text *pattern, const mukca_language *l, const mukca_chain *chain)
 {
     const int n = l->all_axes ? MOST_AXES : chain->n_joints;
-    mukca_text text = {.at = pattern, .size = PATTERN};
-    mukca_text_put(&text, "%s", l->open);
+    mukca_text_put(pattern, "%s", l->open);
     for (int axis = 0; axis < n; axis++) {
         const bool external = axis >= ROBOT_AXES;
         const char *separator = axis == 0 ? "" : axis == ROBOT_AXES ? l->next : ",";
-        mukca_text_put(&text, l->label[0] ? "%s%c%d ?" : "%s?", separator, l->label[external],
+        mukca_text_put(pattern, l->label[0] ? "%s%c%d ?" : "%s?", separator, l->label[external],
                        axis - (external ? ROBOT_AXES : 0) + 1);
     }
-    mukca_text_put(&text, "%s", l->close);
+    mukca_text_put(pattern, "%s", l->close);
 }
 
 /* Read a number at line[at]; returns its end, 0: no number. */
@@ -150,8 +149,9 @@ mukca_program_line mukca_language_read(mukca_program_target *t, const mukca_lang
                                        const mukca_chain *chain, const char *line)
 {
     char joints[PATTERN], pattern[PATTERN + 32];
+    mukca_text text = MUKCA_TEXT(joints);
     number_list found = {0};
-    joint_pattern(joints, l, chain);
+    joint_pattern(&text, l, chain);
     if (matches(&found, "", line, 0, l->comment)) return MUKCA_LINE_OTHER;
     bool known = matches(&found, joints, line, 0, l->comment), target = known;
     for (int i = 0; !known && l->lines[i]; i++) {

@@ -16,17 +16,18 @@ const mukca_column mukca_column_table[] = {
  * all n; room for `kept`. */
 static bool copy_items(void *list, size_t size, int n, const unsigned char *keep, int kept)
 {
-    char *from, *copy, *to;
+    char *from;
     memcpy(&from, list, sizeof from);
     if (!from) return true;
-    copy = to = calloc((size_t)kept + 1, size);
-    for (int i = 0; i < n && copy; i++, from += size) {
+    char *to = calloc((size_t)kept + 1, size);
+    memcpy(list, &to, sizeof to);
+    if (!to) return false;
+    for (int i = 0; i < n; i++, from += size) {
         if (keep && !keep[i]) continue;
         memcpy(to, from, size);
         to += size;
     }
-    memcpy(list, &copy, sizeof copy);
-    return copy != NULL;
+    return true;
 }
 
 mukca_status mukca_dataset_subset(mukca_dataset *out, const mukca_dataset *data,
