@@ -6,7 +6,6 @@
 #include "base/file.h"
 #include "base/number.h"
 #include "base/suggest.h"
-#include "base/text.h"
 #include "io/rows.h"
 
 static void fail_header(mukca_rows *rows, const char *joint)
@@ -14,7 +13,6 @@ static void fail_header(mukca_rows *rows, const char *joint)
     mukca_table *t = &rows->table;
     const char *meant = NULL;
     char names[64] = "";
-    mukca_text list = MUKCA_TEXT(names);
     int best = 99;
     for (int c = 0; c < t->n_columns; c++) {
         double value;
@@ -28,7 +26,6 @@ static void fail_header(mukca_rows *rows, const char *joint)
         if (mukca_chain_find_joint(rows->chain, t->header[c]) < 0 &&
             (mukca_suggest_better(&best, joint, t->header[c]) || (longer && !meant)))
             meant = t->header[c];
-        mukca_text_put(&list, "%s%s", c ? ", " : "", t->header[c]);
     }
     if (meant)
         mukca_table_fail(
@@ -37,11 +34,11 @@ static void fail_header(mukca_rows *rows, const char *joint)
             "'%.40s=%s'%s",
             joint, meant, meant, joint,
             strstr(meant, "deg") ? ", and give --units deg" : ", or check --urdf and --tip");
-    mukca_table_fail(
-        t, -1,
-        "no column for joint '%s' (columns: %s%s); name them with --columns, or check --urdf "
-        "and --tip",
-        joint, names, list.used + 1 == list.size ? "..." : "");
+    mukca_table_list(&(mukca_text)MUKCA_TEXT(names), t, false);
+    mukca_table_fail(t, -1,
+                     "no column for joint '%s' (columns: %s); name them with --columns, or check "
+                     "--urdf and --tip",
+                     joint, names);
 }
 
 /* Columns of the header, and how they are named. */
@@ -52,20 +49,16 @@ typedef struct {
     int first;
 } header;
 
-/* Names of the columns of numbered joints, and others of the same source, by column. */
-static const char *const numbered[][MUKCA_COLUMNS] = {
-    {[MUKCA_COLUMN_Q] = "actual_q_", /* UR's RTDE */
-     [MUKCA_COLUMN_COMMAND] = "target_q_",
-     [MUKCA_COLUMN_VELOCITY] = "actual_qd_",
-     [MUKCA_COLUMN_TIME] = "timestamp"},
-    {[MUKCA_COLUMN_Q] = "q_"},
-    {[MUKCA_COLUMN_Q] = "q"},
-    {[MUKCA_COLUMN_Q] = "j"},
-    {[MUKCA_COLUMN_Q] = "J"},
-    {[MUKCA_COLUMN_Q] = "A"},
-    {[MUKCA_COLUMN_Q] = "joint"},
-    {[MUKCA_COLUMN_Q] = "joint_"}};
-enum { NUMBERED = sizeof numbered / sizeof *numbered };
+/* Names of the columns of numbered joints. */
+enum { NUMBERED = 8, OF_RTDE = 0 };
+static const char *const numbered[NUMBERED] = {"actual_q_", "q_", "q",     "j",
+                                               "J",         "A",  "joint", "joint_"};
+
+/* Names by UR's RTDE, with the number of the joint. */
+static const char *const rtde[MUKCA_COLUMNS] = {[MUKCA_COLUMN_Q] = "actual_q_",
+                                                [MUKCA_COLUMN_COMMAND] = "target_q_",
+                                                [MUKCA_COLUMN_VELOCITY] = "actual_qd_",
+                                                [MUKCA_COLUMN_TIME] = "timestamp"};
 
 bool mukca_columns_reserved(const char *name)
 {
@@ -90,7 +83,9 @@ static int find(header *h, const char *prefix, const char *suffix)
 static int find_number(header *h, int column, int joint)
 {
     const mukca_column *c = &mukca_column_table[column];
-    const char *alias = h->numbered < 0 ? NULL : numbered[h->numbered][column];
+    const char *alias = h->numbered == OF_RTDE                        ? rtde[column]
+                        : column == MUKCA_COLUMN_Q && h->numbered > 0 ? numbered[h->numbered]
+                                                                      : NULL;
     char name[MUKCA_PREFIX_NAME];
     if (c->width) return find(h, alias ? alias : c->name[0], "");
     if (h->numbered >= 0 && !alias) return -1;
@@ -122,7 +117,7 @@ static void find_names(header *h)
         char name[32];
         int count = 0;
         for (; count <= n; count++) {
-            snprintf(name, sizeof name, "%s%d", numbered[i / 2][MUKCA_COLUMN_Q], i % 2 + count);
+            snprintf(name, sizeof name, "%s%d", numbered[i / 2], i % 2 + count);
             if (mukca_table_find(t, name) < 0) break;
         }
         if (count != n) continue;
@@ -130,9 +125,8 @@ static void find_names(header *h)
         h->first = i % 2;
         mukca_note_format(h->rows->options.note, h->rows->options.context,
                           "%s: columns %s%d to %s%d read as the joints %s to %s in this order",
-                          mukca_file_shown(t->path), numbered[i / 2][MUKCA_COLUMN_Q], h->first,
-                          numbered[i / 2][MUKCA_COLUMN_Q], h->first + n - 1, names[0],
-                          names[n - 1]);
+                          mukca_file_shown(t->path), numbered[i / 2], h->first, numbered[i / 2],
+                          h->first + n - 1, names[0], names[n - 1]);
         return;
     }
 }
