@@ -5,9 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "base/note.h"
 #include "base/number.h"
-#include "base/utf8.h"
 
 void mukca_text_put(mukca_text *text, const char *format, ...)
 {

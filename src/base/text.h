@@ -1,8 +1,11 @@
-/* Text appended by printf in the caller's memory, truncated to its size. */
+/* Text: appended by printf in the caller's memory, truncated to its size; notes; UTF-8. */
 #ifndef MUKCA_BASE_TEXT_H
 #define MUKCA_BASE_TEXT_H
 
+#include <stdbool.h>
 #include <stddef.h>
+
+#include "mukca/status.h"
 
 typedef struct {
     char *at; /* [size], NUL-terminated after each put */
@@ -17,5 +20,19 @@ typedef struct {
 
 void mukca_text_put(mukca_text *text, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
+
+/* Call `note` (may be NULL) with a printf-formatted line, truncated to 511 characters. */
+void mukca_note_format(mukca_note_fn *note, void *context, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/* ---- UTF-8, the only encoding of JSON and HTML ---- */
+
+/* Bytes of the longest prefix of `text` of complete UTF-8 characters, at most `most`. */
+size_t mukca_utf8_fit(const char *text, size_t most);
+
+bool mukca_utf8_valid(const char *text);
+
+/* Replace each byte that is not part of a valid character by '?'. */
+void mukca_utf8_mend(char *text);
 
 #endif

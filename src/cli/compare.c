@@ -5,7 +5,7 @@
 
 #include "arm/compare.h"
 #include "base/file.h"
-#include "base/note.h"
+#include "base/text.h"
 #include "cli/cli.h"
 
 typedef struct {

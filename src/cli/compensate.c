@@ -141,7 +141,7 @@ static mukca_status correct_table(job *b, const char *path)
     if (status != MUKCA_OK) return status;
     const mukca_measured_columns *m = &rows->column.measured[0];
     const bool oriented = !poses || m->turn[0] >= 0 || m->matrix[0] >= 0;
-    const bool timed = !poses && rows->column.time >= 0;
+    const bool timed = !poses && rows->column.number[MUKCA_COLUMN_TIME][0] >= 0;
     if (poses && rows->column.n_measured == 0) mukca_rows_fail_measured(rows, "no column 'x_m'");
     start(b, oriented);
     print_header(b, timed);
@@ -159,7 +159,7 @@ static mukca_status correct_table(job *b, const char *path)
             mukca_table_fail(&rows->table, -1, "the pose is incomplete");
             break;
         }
-        if (timed) fprintf(b->stream, "%.17g\t", row.time);
+        if (timed) fprintf(b->stream, "%.17g\t", row.time[0]);
         put(b, q, &c, path, rows->table.line);
     }
     status = mukca_rows_close(rows);
@@ -186,7 +186,7 @@ static void correct_line(job *b, const char *line, const char *path, int number)
     double q[MUKCA_MAX_JOINTS];
     memcpy(q, t.q, sizeof q);
     for (int j = 0; j < chain->n_joints; j++)
-        if (fabs(q[j]) > 4 * M_PI) { /* as in tables */
+        if (!mukca_rows_plausible(&chain->element[chain->joint_element[j]], q[j])) {
             snprintf(text, sizeof text, "joint '%s' is %g rad, more than two turns; check --from",
                      mukca_chain_joint_name(chain, j), q[j]);
             refuse(b, path, number, text);

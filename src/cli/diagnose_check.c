@@ -6,7 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "base/note.h"
+#include "base/text.h"
 #include "cli/diagnose.h"
 #include "diagnose/cause.h"
 #include "model/dataset_subset.h"

@@ -59,11 +59,12 @@ static mukca_status run(cli_call *call)
                                       .n_postures = call->session->data.n_rows,
                                       .into = o->into,
                                       .note = cli_note,
-                                      .context = call};
+                                      .context = call,
+                                      .error = &call->error};
     if (status == MUKCA_OK) status = cli_output_open(call, &output);
     if (status == MUKCA_OK)
         status = mukca_export_write(output.stream, o->into ? &into : &mukca_exporters[o->format],
-                                    &input, &call->error);
+                                    &input);
     return mukca_output_finish(&output, status, &call->error);
 }
 

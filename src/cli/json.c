@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/utf8.h"
+#include "base/text.h"
 
 /* Set by any failed allocation: jansson reports failures per function, and a member that could not
  * be added is merely missing. */

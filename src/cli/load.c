@@ -5,7 +5,7 @@
 #include <unistd.h>
 
 #include "base/file.h"
-#include "base/note.h"
+#include "base/text.h"
 #include "cli/cli.h"
 #include "fit/evaluate.h"
 #include "io/dataset.h"

@@ -9,7 +9,7 @@
 #endif
 
 #include "base/suggest.h"
-#include "base/utf8.h"
+#include "base/text.h"
 #include "cli/cli.h"
 #include "mukca/effect.h"
 #include "mukca/version.h"

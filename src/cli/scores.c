@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "base/utf8.h"
 #include "fit/mismatch.h"
 
 /* Copy the parameters of the URDF to those of a chain that may have additional elements (frames of

@@ -3,7 +3,7 @@
 #ifndef MUKCA_FIT_MISMATCH_H
 #define MUKCA_FIT_MISMATCH_H
 
-#include "base/note.h"
+#include "base/text.h"
 #include "fit/evaluate.h"
 
 typedef struct {

@@ -4,7 +4,7 @@
 
 #include <stdio.h>
 
-#include "base/note.h"
+#include "base/text.h"
 #include "io/rows.h"
 #include "model/dataset.h"
 

@@ -7,8 +7,7 @@
 
 #include "base/file.h"
 #include "base/list.h"
-#include "base/note.h"
-#include "base/utf8.h"
+#include "base/text.h"
 #include "model/dataset_subset.h"
 
 /* Reallocate the list to count * size bytes; NULL, with the error set, if memory is exhausted. */
@@ -81,15 +80,6 @@ static mukca_status build_distance(mukca_dataset_builder *builder, int a, int b,
     return MUKCA_OK;
 }
 
-/* An optional list of the dataset and the values of one sample for it. */
-typedef struct {
-    double **list;
-    int width;
-    const double *values;
-} row_list;
-
-enum { OPTIONAL = 7 };
-
 /* Grow a list of samples; new ones are NaN. */
 static mukca_status resize_rows(double **list, int width, int capacity,
                                 const mukca_dataset_builder *builder)
@@ -104,39 +94,43 @@ static mukca_status resize_rows(double **list, int width, int capacity,
 }
 
 /* Make room for one more sample. */
-static mukca_status reserve(mukca_dataset_builder *builder, const row_list optional[OPTIONAL])
+static mukca_status reserve(mukca_dataset_builder *builder)
 {
     enum { FIRST = 128, MOST = 1 << 28 }; /* samples; indices are int */
     mukca_dataset *d = builder->data;
     if (d->n_rows < builder->capacity) return MUKCA_OK;
     const int capacity = builder->capacity ? 2 * builder->capacity : FIRST;
     if (capacity > MOST) return mukca_fail(builder->error, MUKCA_MEMORY, "too many rows");
-    mukca_status status = resize_rows(&d->q, d->n_joints, capacity, builder);
+    mukca_status status = MUKCA_OK;
     int **const indices[] = {&d->socket, &d->row, &d->file, &d->target};
     for (int i = 0; i < (d->target ? 4 : 3) && status == MUKCA_OK; i++) {
         int *grown = resize(*indices[i], (size_t)capacity, sizeof *grown, builder);
         if (!grown) return MUKCA_MEMORY;
         *indices[i] = grown;
     }
-    for (int i = 0; i < OPTIONAL && status == MUKCA_OK; i++)
-        if (*optional[i].list)
-            status = resize_rows(optional[i].list, optional[i].width, capacity, builder);
+    for (int c = 0; c < MUKCA_COLUMNS && status == MUKCA_OK; c++)
+        if (d->column[c] || c == MUKCA_COLUMN_Q)
+            status =
+                resize_rows(&d->column[c], mukca_column_width(c, d->n_joints), capacity, builder);
     if (status == MUKCA_OK) builder->capacity = capacity;
     return status;
 }
 
-/* Store the sample's values unless all are NaN; the first sample with a value creates the list. */
-static mukca_status set_optional(const row_list *c, mukca_dataset_builder *builder, int row)
+/* Store the sample's values of a column unless all are NaN; the first sample with a value creates
+ * the list. */
+static mukca_status set_values(mukca_dataset_builder *builder, int row, int column,
+                               const double *values)
 {
+    double **list = &builder->data->column[column];
+    const int width = mukca_column_width(column, builder->data->n_joints);
     bool any = false;
-    for (int i = 0; i < c->width; i++) any |= !isnan(c->values[i]);
+    for (int i = 0; i < width; i++) any |= !isnan(values[i]);
     if (!any) return MUKCA_OK;
     mukca_status status = MUKCA_OK;
-    if (!*c->list) status = resize_rows(c->list, c->width, builder->capacity, builder);
-    if (status != MUKCA_OK) return status;
-    memcpy(*c->list + (size_t)row * (size_t)c->width, c->values,
-           (size_t)c->width * sizeof *c->values);
-    return MUKCA_OK;
+    if (!*list) status = resize_rows(list, width, builder->capacity, builder);
+    if (status == MUKCA_OK)
+        memcpy(*list + (size_t)row * (size_t)width, values, (size_t)width * sizeof *values);
+    return status;
 }
 
 /* Set the target of sample i; the first sample with a target creates the list. */
@@ -166,32 +160,25 @@ mukca_status mukca_build_row(mukca_dataset_builder *builder, const mukca_row *ro
                              int row_in_file)
 {
     mukca_dataset *d = builder->data;
-    const int n = d->n_joints;
-    const double payload = isnan(row->payload) ? builder->payload : row->payload;
-    const row_list optional[OPTIONAL] = {
-        {&d->time, 1, &row->time},           {&d->payload, 1, &payload},
-        {&d->effort, n, row->effort},        {&d->command, n, row->command},
-        {&d->velocity, n, row->velocity},    {&d->position, 3, row->position},
-        {&d->quaternion, 4, row->quaternion}};
-    mukca_status status = reserve(builder, optional);
+    mukca_status status = reserve(builder);
     if (status != MUKCA_OK) return status;
     const int i = d->n_rows++;
-    memcpy(d->q + (size_t)i * (size_t)n, row->q, (size_t)n * sizeof *row->q);
     d->socket[i] = socket;
     d->file[i] = d->n_files - 1;
     d->row[i] = row_in_file;
     status = set_target(builder, i, row->target);
-    for (int k = 0; k < OPTIONAL && status == MUKCA_OK; k++)
-        status = set_optional(&optional[k], builder, i);
+    for (int c = 0; c < MUKCA_COLUMNS && status == MUKCA_OK; c++)
+        status = set_values(builder, i, c, row->number[c]);
+    if (status == MUKCA_OK && isnan(row->payload[0]))
+        status = set_values(builder, i, MUKCA_COLUMN_PAYLOAD, &builder->payload);
     return status;
 }
 
 mukca_status mukca_build_pose(mukca_dataset_builder *builder, int row, const double pose[7])
 {
-    mukca_dataset *d = builder->data;
-    const row_list position = {&d->position, 3, pose}, quaternion = {&d->quaternion, 4, pose + 3};
-    const mukca_status status = set_optional(&position, builder, row);
-    return status == MUKCA_OK ? set_optional(&quaternion, builder, row) : status;
+    const mukca_status status = set_values(builder, row, MUKCA_COLUMN_POSITION, pose);
+    return status == MUKCA_OK ? set_values(builder, row, MUKCA_COLUMN_QUATERNION, pose + 3)
+                              : status;
 }
 
 /* ---- known distances between the sockets of a placement ---- */

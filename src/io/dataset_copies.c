@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/pool.h"
 #include "model/dataset_subset.h"
 
 /* Largest number of comparisons among samples of equal angles: bounds the time even for an arm at
@@ -30,13 +31,12 @@ static const char *label(const mukca_dataset *data, int row)
 static bool repeats(const mukca_dataset *a, int i, const mukca_dataset *b, int k)
 {
     const int n = a->n_joints;
-    return memcmp(a->q + (size_t)i * (size_t)n, b->q + (size_t)k * (size_t)n,
-                  (size_t)n * sizeof *a->q) == 0 &&
-           strcmp(label(a, i), label(b, k)) == 0 && agree(a->time, i, b->time, k, 1) &&
-           agree(a->position, i, b->position, k, 3) &&
-           agree(a->quaternion, i, b->quaternion, k, 4) && agree(a->effort, i, b->effort, k, n) &&
-           agree(a->command, i, b->command, k, n) && agree(a->velocity, i, b->velocity, k, n) &&
-           agree(a->payload, i, b->payload, k, 1);
+    bool same = memcmp(a->q + (size_t)i * (size_t)n, b->q + (size_t)k * (size_t)n,
+                       (size_t)n * sizeof *a->q) == 0 &&
+                strcmp(label(a, i), label(b, k)) == 0;
+    for (int c = 0; c < MUKCA_COLUMNS && same; c++)
+        same = agree(a->column[c], i, b->column[c], k, mukca_column_width(c, n));
+    return same;
 }
 
 /* A sample in a list sorted by joint angles; `source`: of the other dataset. */
@@ -168,30 +168,26 @@ mukca_status mukca_dataset_drop_copies(mukca_dataset *data, const mukca_dataset 
                                        mukca_note_fn *note, void *context, mukca_error *error)
 {
     const int n = data->n_rows;
-    const size_t names = 2 * (size_t)data->n_sockets + (size_t)data->n_placements;
-    const size_t listed = (size_t)n + (of ? (size_t)of->n_rows : 0);
-    int *original = calloc((size_t)n + names + 1, sizeof *original);
-    sample *list = malloc((listed + 1) * sizeof *list);
-    unsigned char *keep = malloc((size_t)n + 1);
+    mukca_pool pool = {0};
+    int *original = MUKCA_TAKE(&pool, int, n + 1), copies = 0;
+    int *count = MUKCA_TAKE(&pool, int, 2 * data->n_sockets + 1);
+    sample *list = MUKCA_TAKE(&pool, sample, (size_t)n + 1 + (of ? (size_t)of->n_rows : 0));
+    unsigned char *keep = MUKCA_TAKE(&pool, unsigned char, n + 1);
     mukca_status status = MUKCA_OK;
-    if (!original || !list || !keep) {
+    if (pool.failed) {
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", n);
         goto out;
     }
-    int *map = original + n, copies = 0;
     find(original, data, of, list);
     for (int i = 0; i < n; i++) keep[i] = original[i] < 0;
-    if (!of) keep_dead(keep, data, map);
+    if (!of) keep_dead(keep, data, count);
     for (int i = 0; i < n; i++) {
         if (keep[i]) original[i] = -1;
         copies += !keep[i];
     }
-    if (!copies) goto out;
-    for (int f = 0; f < data->n_files; f++) report(data, f, of, original, note, context);
-    status = mukca_dataset_keep(data, keep, error);
+    for (int f = 0; f < data->n_files && copies; f++) report(data, f, of, original, note, context);
+    if (copies) status = mukca_dataset_keep(data, keep, error);
 out:
-    free(original);
-    free(list);
-    free(keep);
+    mukca_pool_free(&pool);
     return status;
 }

@@ -10,8 +10,7 @@
 
 #include "base/file.h"
 #include "base/list.h"
-#include "base/note.h"
-#include "base/utf8.h"
+#include "base/text.h"
 
 /* Bounds: published folders have two holes; a mean needs two samples, a distance two sockets; the
  * upper limits detect tables of another kind. */

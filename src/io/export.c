@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "base/note.h"
+#include "base/text.h"
 #include "fit/refit.h"
 
 const mukca_exporter mukca_exporters[] = {
@@ -82,7 +82,7 @@ static int keep_held(mukca_offsets *kept, const mukca_export_input *input,
 
 /* Fit the parameters that the format can represent to the whole arm. */
 static mukca_status replace(replacement *r, const mukca_export_input *input,
-                            const mukca_exporter *exporter, mukca_error *error)
+                            const mukca_exporter *exporter)
 {
     const bool zeros = exporter->format->zeros_only;
     r->offsets = *input->offsets;
@@ -102,7 +102,7 @@ static mukca_status replace(replacement *r, const mukca_export_input *input,
                                    .kind = zeros ? MUKCA_REFIT_ZEROS : MUKCA_REFIT_ORIGINS,
                                    .postures = input->postures,
                                    .n_postures = input->n_postures};
-    const mukca_status status = mukca_refit_run(&r->refit, &task, error);
+    const mukca_status status = mukca_refit_run(&r->refit, &task, input->error);
     if (status != MUKCA_OK) return status;
     memcpy(r->offsets.theta, r->refit.theta, sizeof r->offsets.theta);
     if (!blind) note_loss(input, exporter, &r->refit);
@@ -110,7 +110,7 @@ static mukca_status replace(replacement *r, const mukca_export_input *input,
 }
 
 mukca_status mukca_export_write(FILE *stream, const mukca_exporter *exporter,
-                                const mukca_export_input *input, mukca_error *error)
+                                const mukca_export_input *input)
 {
     const mukca_export_format *format = exporter->format;
     const mukca_offsets *o = input->offsets;
@@ -121,11 +121,11 @@ mukca_status mukca_export_write(FILE *stream, const mukca_exporter *exporter,
     mukca_status status = MUKCA_OK;
     if (!whole) {
         r = calloc(1, sizeof *r);
-        if (!r) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-        status = replace(r, input, exporter, error);
+        if (!r) return mukca_fail(input->error, MUKCA_MEMORY, "out of memory");
+        status = replace(r, input, exporter);
         input = &r->input;
     }
-    if (status == MUKCA_OK) status = format->write(stream, input, error);
+    if (status == MUKCA_OK) status = format->write(stream, input);
     if (status == MUKCA_OK) mukca_export_verdict(stream, exporter, &o->acceptance);
     free(r);
     return status;

@@ -31,6 +31,7 @@ typedef struct {
     const char *into;    /* the URDF or MuJoCo model that mukca_export_into patches */
     mukca_note_fn *note; /* may be NULL */
     void *context;
+    mukca_error *error;
 } mukca_export_input;
 
 /* Calibrated origin of an element: xyz (m), rpy (rad), and the quaternion, w first. */
@@ -40,7 +41,7 @@ typedef struct {
 
 /* All functions may fail with MUKCA_INPUT or MUKCA_MEMORY. */
 typedef struct {
-    mukca_status (*write)(FILE *stream, const mukca_export_input *input, mukca_error *error);
+    mukca_status (*write)(FILE *stream, const mukca_export_input *input);
     /* whether the format can represent an effect; NULL: all effects */
     bool (*holds)(const mukca_effect *effect);
     bool zeros_only;        /* the format has one number per joint, added to its angle */
@@ -68,7 +69,7 @@ int mukca_exporter_find(const char *path);
 /* Write to `stream`.  Effects that the format cannot represent are approximated by refitted
  * origins; the remaining error is noted. */
 mukca_status mukca_export_write(FILE *stream, const mukca_exporter *exporter,
-                                const mukca_export_input *input, mukca_error *error);
+                                const mukca_export_input *input);
 
 /* ---- shared by the formats ---- */
 
@@ -112,9 +113,6 @@ bool mukca_export_near(const mukca_frame *a, const mukca_frame *b);
 
 /* `holds` of a format without effects. */
 bool mukca_export_holds_none(const mukca_effect *effect);
-
-/* Print values[n] with the fewest digits that read back exactly, separated by `separator`. */
-void mukca_export_numbers(FILE *stream, const double *values, int n, const char *separator);
 
 /* Get the calibrated origin; parameters changed by less than 1e-9 m or rad are exactly those of the
  * URDF. */

@@ -184,11 +184,10 @@ static void print_arm(FILE *stream, const char *id, const mukca_export_input *in
     fputs("};\n#endif\n", stream);
 }
 
-static mukca_status write_c(FILE *stream, const mukca_export_input *input, mukca_error *error)
+static mukca_status write_c(FILE *stream, const mukca_export_input *input)
 {
     const mukca_chain *chain = input->chain;
     char id[MUKCA_NAME_SIZE] = "", guard[MUKCA_NAME_SIZE] = "";
-    (void)error;
     identifier(id, chain->robot);
     for (size_t i = 0; i < sizeof guard; i++) guard[i] = (char)toupper((unsigned char)id[i]);
     fputs("/* Calibrated kinematics as const arrays.\n *\n", stream);

@@ -157,17 +157,13 @@ static mukca_status write_table(FILE *stream, const mukca_export_input *input, b
     return MUKCA_OK;
 }
 
-static mukca_status write_standard(FILE *stream, const mukca_export_input *input,
-                                   mukca_error *error)
+static mukca_status write_standard(FILE *stream, const mukca_export_input *input)
 {
-    (void)error;
     return write_table(stream, input, false);
 }
 
-static mukca_status write_modified(FILE *stream, const mukca_export_input *input,
-                                   mukca_error *error)
+static mukca_status write_modified(FILE *stream, const mukca_export_input *input)
 {
-    (void)error;
     return write_table(stream, input, true);
 }
 

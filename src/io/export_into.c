@@ -4,8 +4,8 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "base/note.h"
 #include "base/number.h"
+#include "base/text.h"
 #include "io/export.h"
 
 typedef struct {
@@ -14,14 +14,13 @@ typedef struct {
     const char *at;                  /* written up to here */
     mukca_frame nominal, calibrated; /* from the link of the last body to the present element */
     mukca_frame body;                /* the last body in the frame of its link */
-    mukca_error *error;
 } patch;
 
 static const mukca_frame identity = {.R = MUKCA_IDENTITY};
 
 static mukca_status fail(const patch *p, const char *body, const char *what)
 {
-    return mukca_fail(p->error, MUKCA_INPUT, "%s: body '%.60s' %s",
+    return mukca_fail(p->input->error, MUKCA_INPUT, "%s: body '%.60s' %s",
                       mukca_file_shown(p->input->into), body, what);
 }
 
@@ -113,12 +112,8 @@ static mukca_status write_body(patch *p, const mukca_export_tag *tag, const mukc
     }
     relate(&pose, &p->body, &p->calibrated);
     mukca_frame_multiply(&pose, &pose, &body);
-    fputs(" pos=\"", p->stream);
-    mukca_export_numbers(p->stream, pose.p, 3, " ");
-    fputs("\" quat=\"", p->stream);
     mukca_rotation_to_quaternion(quat, pose.R);
-    mukca_export_numbers(p->stream, quat, 4, " ");
-    fputc('"', p->stream);
+    mukca_export_print(p->stream, " pos=\"$b\" quat=\"$b\"", pose.p, 3, quat, 4);
     p->at = end;
     for (int i = 0; i < 3; i++) shift[i] = p->calibrated.p[i] - p->nominal.p[i];
     mukca_note_format(
@@ -129,16 +124,16 @@ static mukca_status write_body(patch *p, const mukca_export_tag *tag, const mukc
     return MUKCA_OK;
 }
 
-static mukca_status write_into(FILE *stream, const mukca_export_input *input, mukca_error *error)
+static mukca_status write_into(FILE *stream, const mukca_export_input *input)
 {
     const mukca_chain *chain = input->chain;
     char *text;
-    mukca_status status = mukca_file_read(&text, input->into, error);
+    mukca_status status = mukca_file_read(&text, input->into, input->error);
     if (status != MUKCA_OK) return status;
-    patch p = {stream, input, text, identity, identity, identity, error};
+    patch p = {stream, input, text, identity, identity, identity};
     if (!strstr(text, "<mujoco")) {
         free(text);
-        return mukca_export_urdf.write(stream, input, error);
+        return mukca_export_urdf.write(stream, input);
     }
     for (int k = 0; k < chain->n_elements && status == MUKCA_OK; k++) {
         const mukca_element *e = &chain->element[k];

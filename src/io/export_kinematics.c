@@ -2,7 +2,7 @@
 #include <ctype.h>
 #include <string.h>
 
-#include "base/note.h"
+#include "base/text.h"
 #include "io/export.h"
 #include "io/kinematics.h"
 
@@ -92,13 +92,11 @@ static void write_hash(FILE *stream, const mukca_export_input *input, const mukc
     fprintf(stream, "  hash: %s\n", k->hash);
 }
 
-static mukca_status write_kinematics(FILE *stream, const mukca_export_input *input,
-                                     mukca_error *error)
+static mukca_status write_kinematics(FILE *stream, const mukca_export_input *input)
 {
     mukca_kinematics own;
     const mukca_kinematics *k = input->kinematics;
     bool written[MUKCA_MAX_ELEMENTS] = {false}, fitted = false;
-    (void)error;
     if (!k) name_entries(&own, input->chain);
     if (!k) k = &own;
     mukca_export_provenance(stream, "# ", input);

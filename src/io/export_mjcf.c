@@ -138,11 +138,10 @@ static void open_body(writer *w, const char *link, const double *pos, const doub
     w->depth++;
 }
 
-static mukca_status write_mjcf(FILE *stream, const mukca_export_input *input, mukca_error *error)
+static mukca_status write_mjcf(FILE *stream, const mukca_export_input *input)
 {
     const mukca_chain *chain = input->chain;
     writer w = {.stream = stream, .input = input, .chain = chain};
-    (void)error;
     fputs("<!--\n", stream);
     mukca_export_provenance(stream, "     ", input);
     fputs(

@@ -7,12 +7,11 @@
 
 /* Format 1.0 (numpy.lib.format): magic, version, length of the header, header, data.  The header
  * ends with a line feed; data begin at a multiple of 64 bytes. */
-static mukca_status write_npy(FILE *stream, const mukca_export_input *input, mukca_error *error)
+static mukca_status write_npy(FILE *stream, const mukca_export_input *input)
 {
     enum { PREFIX = 10, ALIGNED = 128 };
     const int n = input->chain->n_joints;
     char header[ALIGNED - PREFIX + 1];
-    (void)error;
     const int used = snprintf(header, sizeof header,
                               "{'descr': '<f8', 'fortran_order': False, 'shape': (%d,), }", n);
     memset(header + used, ' ', sizeof header - (size_t)used);

@@ -40,18 +40,11 @@ static void print_number(FILE *stream, double value)
     fputs(isfinite(value) ? text : value < 0 ? "-HUGE_VAL" : "HUGE_VAL", stream);
 }
 
-void mukca_export_numbers(FILE *stream, const double *values, int n, const char *separator)
-{
-    for (int i = 0; i < n; i++) {
-        fputs(i ? separator : "", stream);
-        print_number(stream, values[i]);
-    }
-}
-
 void mukca_export_print(FILE *stream, const char *format, ...)
 {
     va_list args;
     const double *values;
+    int n;
     va_start(args, format);
     for (const char *c = format; *c; c++) {
         if (*c != '$') {
@@ -76,7 +69,11 @@ void mukca_export_print(FILE *stream, const char *format, ...)
                 break;
             default:
                 values = va_arg(args, const double *);
-                mukca_export_numbers(stream, values, va_arg(args, int), *c == 'c' ? ", " : " ");
+                n = va_arg(args, int);
+                for (int i = 0; i < n; i++) {
+                    if (i) fputs(*c == 'c' ? ", " : " ", stream);
+                    print_number(stream, values[i]);
+                }
         }
     }
     va_end(args);

@@ -4,8 +4,8 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "base/note.h"
 #include "base/number.h"
+#include "base/text.h"
 #include "io/export.h"
 #include "io/urdf.h"
 
@@ -86,8 +86,7 @@ static int find_element(const mukca_export_input *input, const mukca_urdf_text *
 
 /* Whether a user's own URDF has each joint once, where the chain has it; the tool may be missing.
  */
-static mukca_status check_into(const mukca_urdf_text *urdf, const mukca_export_input *input,
-                               mukca_error *error)
+static mukca_status check_into(const mukca_urdf_text *urdf, const mukca_export_input *input)
 {
     for (int k = 0; k < input->chain->n_elements; k++) {
         const mukca_element *e = &input->chain->element[k];
@@ -106,7 +105,7 @@ static mukca_status check_into(const mukca_urdf_text *urdf, const mukca_export_i
             mukca_note_format(input->note, input->context,
                               "no joint '%.60s': its offsets are left out", e->name);
         else if (n > 1 || !near || (n == 0 && (e->joint >= 0 || get_changed(&origin, input, k))))
-            return mukca_fail(error, MUKCA_INPUT, "%s: joint '%s' is %s",
+            return mukca_fail(input->error, MUKCA_INPUT, "%s: joint '%s' is %s",
                               mukca_file_shown(input->into), e->name,
                               n > 1   ? "there more than once, with other prefixes"
                               : n > 0 ? "not where the URDF of --urdf has it"
@@ -155,19 +154,19 @@ static bool write_joints(FILE *stream, const mukca_urdf_text *urdf, const mukca_
     return n == urdf->n_joints;
 }
 
-static mukca_status write_urdf(FILE *stream, const mukca_export_input *input, mukca_error *error)
+static mukca_status write_urdf(FILE *stream, const mukca_export_input *input)
 {
     mukca_urdf_text urdf;
     const char *path = input->into ? input->into : input->urdf_path;
-    mukca_status status = mukca_urdf_text_read(&urdf, path, error);
+    mukca_status status = mukca_urdf_text_read(&urdf, path, input->error);
     if (status != MUKCA_OK) return status;
     if (input->into)
-        status = check_into(&urdf, input, error);
+        status = check_into(&urdf, input);
     else if (strcmp(urdf.sha256, input->chain->urdf_sha256) != 0)
-        status = mukca_fail(error, MUKCA_INPUT, "%s: changed during the export; run it again",
-                            mukca_file_shown(path));
+        status = mukca_fail(input->error, MUKCA_INPUT,
+                            "%s: changed during the export; run it again", mukca_file_shown(path));
     if (status == MUKCA_OK && !write_joints(stream, &urdf, input))
-        status = mukca_fail(error, MUKCA_INPUT,
+        status = mukca_fail(input->error, MUKCA_INPUT,
                             "%s: its joints cannot be located in this encoding; save the file as "
                             "UTF-8",
                             mukca_file_shown(path));

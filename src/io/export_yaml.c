@@ -20,10 +20,9 @@ static void print_effects(FILE *stream, const mukca_export_input *input)
     }
 }
 
-static mukca_status write_yaml(FILE *stream, const mukca_export_input *input, mukca_error *error)
+static mukca_status write_yaml(FILE *stream, const mukca_export_input *input)
 {
     const mukca_chain *chain = input->chain;
-    (void)error;
     mukca_export_provenance(stream, "# ", input);
     mukca_export_print(
         stream,

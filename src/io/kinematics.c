@@ -7,9 +7,9 @@
 #include <yaml.h>
 
 #include "base/file.h"
-#include "base/note.h"
 #include "base/number.h"
 #include "base/suggest.h"
+#include "base/text.h"
 #include "model/chain_hash.h"
 
 /* A robot's file has some 60 lines; a larger one is of another kind. */

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/number.h"
+#include "base/text.h"
 
 enum { ROBOT_AXES = 6, MOST_AXES = 12, PATTERN = 320, NUMBERS = 24, LINES = 16 };
 
@@ -75,20 +76,17 @@ typedef struct {
 } number_list;
 
 /* Form the pattern of a joint target with ? for each axis. */
-static void joint_pattern(char pattern[PATTERN], const mukca_language *l, const mukca_chain *chain)
+static void joint_pattern(mukca_text *pattern, const mukca_language *l, const mukca_chain *chain)
 {
     const int n = l->all_axes ? MOST_AXES : chain->n_joints;
-    int used = snprintf(pattern, PATTERN, "%s", l->open);
+    mukca_text_put(pattern, "%s", l->open);
     for (int axis = 0; axis < n; axis++) {
         const bool external = axis >= ROBOT_AXES;
         const char *separator = axis == 0 ? "" : axis == ROBOT_AXES ? l->next : ",";
-        used += snprintf(pattern + used, (size_t)(PATTERN - used), "%s", separator);
-        if (l->label[0])
-            used += snprintf(pattern + used, (size_t)(PATTERN - used), "%c%d ", l->label[external],
-                             axis - (external ? ROBOT_AXES : 0) + 1);
-        pattern[used++] = '?';
+        mukca_text_put(pattern, l->label[0] ? "%s%c%d ?" : "%s?", separator, l->label[external],
+                       axis - (external ? ROBOT_AXES : 0) + 1);
     }
-    snprintf(pattern + used, (size_t)(PATTERN - used), "%s", l->close);
+    mukca_text_put(pattern, "%s", l->close);
 }
 
 /* Read a number at line[at]; returns its end, 0: no number. */
@@ -151,8 +149,9 @@ mukca_program_line mukca_language_read(mukca_program_target *t, const mukca_lang
                                        const mukca_chain *chain, const char *line)
 {
     char joints[PATTERN], pattern[PATTERN + 32];
+    mukca_text text = MUKCA_TEXT(joints);
     number_list found = {0};
-    joint_pattern(joints, l, chain);
+    joint_pattern(&text, l, chain);
     if (matches(&found, "", line, 0, l->comment)) return MUKCA_LINE_OTHER;
     bool known = matches(&found, joints, line, 0, l->comment), target = known;
     for (int i = 0; !known && l->lines[i]; i++) {

@@ -9,7 +9,7 @@
 
 #include "base/file.h"
 #include "base/hash.h"
-#include "base/note.h"
+#include "base/text.h"
 #include "mukca/version.h"
 
 void mukca_offsets_time(char text[32])

@@ -6,8 +6,8 @@
 
 #include "base/file.h"
 #include "base/list.h"
-#include "base/note.h"
 #include "base/pool.h"
+#include "base/text.h"
 #include "math/stats.h"
 
 /* MOST_PAIRS limits the work space of the pairing to 600 MB, 9 bytes per pair. */

@@ -20,7 +20,7 @@ static void check_target(char target[MUKCA_NAME_SIZE], bool first, mukca_rows *r
 
 static mukca_status add(mukca_pose_log *log, const mukca_row *read, int file, mukca_error *error)
 {
-    mukca_pose_row row = {.time = read->time, .file = file};
+    mukca_pose_row row = {.time = read->time[0], .file = file};
     memcpy(row.position, read->position, sizeof row.position);
     memcpy(row.quaternion, read->quaternion, sizeof row.quaternion);
     memcpy(row.q, read->q, sizeof row.q);

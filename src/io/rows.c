@@ -5,17 +5,12 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "base/note.h"
+#include "base/text.h"
 #include "io/table.h"
 #include "mukca/rotation.h"
 
-/* Larger angles, rad, are in degrees: a joint turns at most once or twice.  A value of 13 degrees
- * or less passes, but some row of a recording exceeds it. */
-static const double most_angle = 4 * M_PI + 1e-6;
-/* Larger lengths, m, are in millimetres: no arm has a reach of 50 m, no linear axis 20 m. */
-static const double most_length = 50, most_prismatic = 20;
-/* rad or m: encoders exceed the URDF's limits slightly; a larger excess is noted */
-static const double limit_tolerance = 0.05;
+/* Larger lengths, m, are in millimetres: no arm has a reach of 50 m. */
+static const double most_length = 50;
 /* Largest deviation from length 1 of a quaternion written with three decimals. */
 static const double length_tolerance = 0.01;
 
@@ -64,19 +59,16 @@ static void check_joint(mukca_rows *rows, int j, double q)
     const mukca_element *e = &rows->chain->element[rows->chain->joint_element[j]];
     const bool linear = e->type == MUKCA_PRISMATIC;
     const double unit = unit_of(rows, j);
-    if (!linear && fabs(q) > most_angle)
-        mukca_table_fail(&rows->table, rows->column.joint[j], "joint '%s' is %g%s", e->name,
-                         q / unit,
-                         unit < 1 ? " degrees, more than two turns"
-                                  : ", more than two turns; angles are in rad (for degrees: "
-                                    "--units deg)");
-    if (linear && fabs(q) > most_prismatic)
-        mukca_table_fail(&rows->table, rows->column.joint[j],
-                         "joint '%s' is %g; lengths are in m (for millimetres: --units mm)",
-                         e->name, q / unit);
-    const double beyond = q > e->upper ? q - e->upper : q < e->lower ? e->lower - q : 0;
+    if (!mukca_rows_plausible(e, q))
+        mukca_table_fail(&rows->table, rows->column.number[MUKCA_COLUMN_Q][j], "joint '%s' is %g%s",
+                         e->name, q / unit,
+                         linear     ? "; lengths are in m (for millimetres: --units mm)"
+                         : unit < 1 ? " degrees, more than two turns"
+                                    : ", more than two turns; angles are in rad (for degrees: "
+                                      "--units deg)");
+    const double beyond = mukca_rows_beyond(e, q);
     bool *warned = rows->options.warned ? rows->options.warned : rows->warned;
-    if (!(beyond > limit_tolerance) || warned[j] || rows->table.status != MUKCA_OK) return;
+    if (beyond == 0 || warned[j] || rows->table.status != MUKCA_OK) return;
     mukca_note_format(rows->options.note, rows->options.context,
                       "%s:%d: joint '%s' is %.3g %s beyond its limits (only the first such sample "
                       "is listed)",
@@ -248,7 +240,7 @@ static void read_turn(mukca_row *row, mukca_rows *rows, const mukca_measured_col
         mukca_table_fail(&rows->table, m->turn[0], "an orientation needs all three numbers");
     for (int i = 0; i < 3; i++) {
         if (!mukca_table_has_unit(&rows->table, m->turn[i])) v[i] *= rows->options.format.angle;
-        if (fabs(v[i]) > most_angle)
+        if (fabs(v[i]) > MUKCA_ROWS_MOST_ANGLE)
             mukca_table_fail(&rows->table, m->turn[i],
                              "is %s; angles are in rad (for degrees: --units deg)",
                              rows->table.cell[m->turn[i]]);
@@ -295,28 +287,21 @@ static void read_pose(mukca_row *row, mukca_rows *rows, int target)
         mukca_table_fail(t, -1, "--inverse-poses needs orientations");
 }
 
-static void scale(double *values, const int *columns, const mukca_rows *rows)
+/* Read a column of MUKCA_COLUMN_LIST, and check it. */
+static void read_numbers(mukca_row *row, mukca_rows *rows, int column)
 {
-    for (int j = 0; j < rows->chain->n_joints; j++)
-        if (columns[j] < 0 || !mukca_table_has_unit(&rows->table, columns[j]))
-            values[j] *= unit_of(rows, j);
-}
-
-static void read_joints(mukca_row *row, mukca_rows *rows)
-{
-    mukca_table *t = &rows->table;
-    const mukca_row_columns *c = &rows->column;
-    const int n = rows->chain->n_joints;
-    for (int j = 0; j < n; j++) {
-        row->q[j] = mukca_table_number(t, c->joint[j]);
-        if (!mukca_table_has_unit(t, c->joint[j])) row->q[j] *= unit_of(rows, j);
-        check_joint(rows, j, row->q[j]);
+    const mukca_column *c = &mukca_column_table[column];
+    const int *at = rows->column.number[column];
+    for (int k = 0; k < mukca_column_width(column, rows->chain->n_joints); k++) {
+        double *value = &row->number[column][k];
+        *value = column == MUKCA_COLUMN_Q ? mukca_table_number(&rows->table, at[k])
+                                          : read_optional(rows, at[k]);
+        if (c->joint_unit && at[k] >= 0 && !mukca_table_has_unit(&rows->table, at[k]))
+            *value *= unit_of(rows, k);
+        if (column == MUKCA_COLUMN_Q) check_joint(rows, k, *value);
+        if (column == MUKCA_COLUMN_PAYLOAD && (*value < 0 || *value > MUKCA_ROWS_MOST_PAYLOAD))
+            mukca_table_fail(&rows->table, at[k], "%g is no mass in kg", *value);
     }
-    read_list(row->effort, rows, c->effort, n);
-    read_list(row->command, rows, c->command, n);
-    read_list(row->velocity, rows, c->velocity, n);
-    scale(row->command, c->command, rows);
-    scale(row->velocity, c->velocity, rows);
 }
 
 bool mukca_rows_next(mukca_rows *rows, mukca_row *row)
@@ -330,16 +315,13 @@ bool mukca_rows_next(mukca_rows *rows, mukca_row *row)
     }
     rows->measured = 1;
     if (!mukca_table_next(t)) return false;
-    if (c->joint[0] < 0 && !poses) mukca_rows_map(rows);
+    if (c->number[MUKCA_COLUMN_Q][0] < 0 && !poses) mukca_rows_map(rows);
     if (t->status != MUKCA_OK) return false;
     row->placement = c->placement < 0 ? NULL : t->cell[c->placement];
     row->socket = c->socket < 0 ? NULL : t->cell[c->socket];
     row->target = c->target < 0 || !*t->cell[c->target] ? NULL : t->cell[c->target];
-    if (!poses) read_joints(row, rows);
-    row->time = read_optional(rows, c->time);
-    row->payload = read_optional(rows, c->payload);
-    if (row->payload < 0 || row->payload > MUKCA_ROWS_MOST_PAYLOAD)
-        mukca_table_fail(t, c->payload, "%g is no mass in kg", row->payload);
+    for (int k = 0; k < MUKCA_COLUMNS && !poses; k++)
+        if (mukca_column_table[k].width < 2) read_numbers(row, rows, k);
     read_pose(row, rows, 0);
     return t->status == MUKCA_OK;
 }
@@ -348,8 +330,8 @@ mukca_row_reading mukca_row_read(const mukca_row *row, const mukca_rows *rows)
 {
     return (mukca_row_reading){.q = row->q,
                                .command = rows->has_command ? row->command : NULL,
-                               .time = row->time,
-                               .payload_kg = row->payload,
+                               .time = row->time[0],
+                               .payload_kg = row->payload[0],
                                .placement = -1,
                                .number = rows->table.row};
 }

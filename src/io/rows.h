@@ -4,8 +4,10 @@
 #ifndef MUKCA_IO_ROWS_H
 #define MUKCA_IO_ROWS_H
 
+#include <math.h>
+
 #include "io/table.h"
-#include "mukca/chain.h"
+#include "model/dataset_subset.h"
 #include "mukca/row_state.h"
 
 /* Check of the order of quaternions by the arm's kinematics (rows.c); start zeroed. */
@@ -63,9 +65,9 @@ typedef struct {
 
 /* Indices of the table's columns, -1 if absent. */
 typedef struct {
-    int placement, socket, target, time, payload;
-    int joint[MUKCA_MAX_JOINTS], effort[MUKCA_MAX_JOINTS], command[MUKCA_MAX_JOINTS],
-        velocity[MUKCA_MAX_JOINTS];
+    int placement, socket, target;
+    int number[MUKCA_COLUMNS][MUKCA_MAX_JOINTS]; /* by joint; [0] of a column that is no joint's;
+                                                    those of poses are in `measured` */
     int n_measured;
     mukca_measured_columns measured[MUKCA_ROWS_TARGETS];
 } mukca_row_columns;
@@ -85,10 +87,14 @@ typedef struct {
 /* One row; missing values are NaN, missing texts NULL.  Texts are valid until the next row. */
 typedef struct {
     const char *placement, *socket, *target;
-    double q[MUKCA_MAX_JOINTS], effort[MUKCA_MAX_JOINTS], command[MUKCA_MAX_JOINTS],
-        velocity[MUKCA_MAX_JOINTS];    /* rad or m, N m, rad, rad/s */
-    double time, payload;              /* s, kg */
-    double position[3], quaternion[4]; /* m; normalised */
+    union {
+        struct {
+#define MUKCA_ROW_MEMBER(constant, member, ...) double member[MUKCA_MAX_JOINTS];
+            MUKCA_COLUMN_LIST(MUKCA_ROW_MEMBER) /* SI; as many as the column's width */
+#undef MUKCA_ROW_MEMBER
+        };
+        double number[MUKCA_COLUMNS][MUKCA_MAX_JOINTS]; /* the same */
+    };
 } mukca_row;
 
 /* Open a table and find the chain's joints, or the poses, in its header.  A joint without a column
@@ -115,6 +121,22 @@ void mukca_rows_fail_measured(mukca_rows *rows, const char *otherwise);
 
 /* Largest payload, kg: the strongest arms carry 2.3 t. */
 #define MUKCA_ROWS_MOST_PAYLOAD 5e3
+
+/* Larger angles, rad, are in degrees: a joint turns at most once or twice.  A value of 13 degrees
+ * or less passes, but some row of a recording exceeds it.  Larger lengths of a joint, m, are in
+ * millimetres: no linear axis is 20 m long. */
+#define MUKCA_ROWS_MOST_ANGLE (4 * M_PI + 1e-6)
+static inline bool mukca_rows_plausible(const mukca_element *joint, double q)
+{
+    return fabs(q) <= (joint->type == MUKCA_PRISMATIC ? 20 : MUKCA_ROWS_MOST_ANGLE);
+}
+
+/* How far q is beyond the joint's limits; 0 up to 0.05 rad or m: encoders exceed them slightly. */
+static inline double mukca_rows_beyond(const mukca_element *joint, double q)
+{
+    const double beyond = fmax(q - joint->upper, joint->lower - q);
+    return beyond > 0.05 ? beyond : 0;
+}
 
 /* Refuse a measured length that appears to be in millimetres. */
 void mukca_rows_check_length(mukca_table *table, int column, double metres);

@@ -4,10 +4,8 @@
 
 #include "base/cells.h"
 #include "base/file.h"
-#include "base/note.h"
 #include "base/number.h"
 #include "base/suggest.h"
-#include "base/text.h"
 #include "io/rows.h"
 
 static void fail_header(mukca_rows *rows, const char *joint)
@@ -15,7 +13,6 @@ static void fail_header(mukca_rows *rows, const char *joint)
     mukca_table *t = &rows->table;
     const char *meant = NULL;
     char names[64] = "";
-    mukca_text list = MUKCA_TEXT(names);
     int best = 99;
     for (int c = 0; c < t->n_columns; c++) {
         double value;
@@ -29,7 +26,6 @@ static void fail_header(mukca_rows *rows, const char *joint)
         if (mukca_chain_find_joint(rows->chain, t->header[c]) < 0 &&
             (mukca_suggest_better(&best, joint, t->header[c]) || (longer && !meant)))
             meant = t->header[c];
-        mukca_text_put(&list, "%s%s", c ? ", " : "", t->header[c]);
     }
     if (meant)
         mukca_table_fail(
@@ -38,11 +34,11 @@ static void fail_header(mukca_rows *rows, const char *joint)
             "'%.40s=%s'%s",
             joint, meant, meant, joint,
             strstr(meant, "deg") ? ", and give --units deg" : ", or check --urdf and --tip");
-    mukca_table_fail(
-        t, -1,
-        "no column for joint '%s' (columns: %s%s); name them with --columns, or check --urdf "
-        "and --tip",
-        joint, names, list.used + 1 == list.size ? "..." : "");
+    mukca_table_list(&(mukca_text)MUKCA_TEXT(names), t, false);
+    mukca_table_fail(t, -1,
+                     "no column for joint '%s' (columns: %s); name them with --columns, or check "
+                     "--urdf and --tip",
+                     joint, names);
 }
 
 /* Columns of the header, and how they are named. */
@@ -53,16 +49,26 @@ typedef struct {
     int first;
 } header;
 
-/* Names of the columns of numbered joints: position, command, velocity. */
-static const char *const numbered[][3] = {{"actual_q_", "target_q_", "actual_qd_"}, /* UR's RTDE */
-                                          {"q_", NULL, NULL},
-                                          {"q", NULL, NULL},
-                                          {"j", NULL, NULL},
-                                          {"J", NULL, NULL},
-                                          {"A", NULL, NULL},
-                                          {"joint", NULL, NULL},
-                                          {"joint_", NULL, NULL}};
-enum { NUMBERED = sizeof numbered / sizeof *numbered };
+/* Names of the columns of numbered joints. */
+enum { NUMBERED = 8, OF_RTDE = 0 };
+static const char *const numbered[NUMBERED] = {"actual_q_", "q_", "q",     "j",
+                                               "J",         "A",  "joint", "joint_"};
+
+/* Names by UR's RTDE, with the number of the joint. */
+static const char *const rtde[MUKCA_COLUMNS] = {[MUKCA_COLUMN_Q] = "actual_q_",
+                                                [MUKCA_COLUMN_COMMAND] = "target_q_",
+                                                [MUKCA_COLUMN_VELOCITY] = "actual_qd_",
+                                                [MUKCA_COLUMN_TIME] = "timestamp"};
+
+bool mukca_columns_reserved(const char *name)
+{
+    bool found = strcmp(name, "placement") == 0 || strcmp(name, "socket") == 0 ||
+                 strcmp(name, "temperature_c") == 0; /* known, not used */
+    for (int c = 0; c < MUKCA_COLUMNS; c++)
+        for (int k = 0; k < mukca_column_table[c].width; k++)
+            found |= strcmp(name, mukca_column_table[c].name[k]) == 0;
+    return found;
+}
 
 /* Find column `prefix``suffix`; -1: absent, or it has another meaning: joints come first. */
 static int find(header *h, const char *prefix, const char *suffix)
@@ -73,20 +79,21 @@ static int find(header *h, const char *prefix, const char *suffix)
     return column >= 0 && h->rows->table.used[column] ? -1 : mukca_table_use(&h->rows->table, name);
 }
 
-/* Find the column of the joint's position, effort, command or velocity: `suffix` of names, or a row
- * of `numbered`. */
-static int find_joint(header *h, int joint, const char *suffix)
+/* Find a column of MUKCA_COLUMN_LIST, of a joint if it has one for each. */
+static int find_number(header *h, int column, int joint)
 {
-    const char *const suffixes[] = {"", ".command", ".velocity"};
+    const mukca_column *c = &mukca_column_table[column];
+    const char *alias = h->numbered == OF_RTDE                        ? rtde[column]
+                        : column == MUKCA_COLUMN_Q && h->numbered > 0 ? numbered[h->numbered]
+                                                                      : NULL;
     char name[MUKCA_PREFIX_NAME];
-    mukca_prefix_apply(name, &h->prefix, mukca_chain_joint_name(h->rows->chain, joint));
-    if (h->numbered < 0) return find(h, name, suffix);
-    for (int i = 0; i < 3; i++) {
-        if (strcmp(suffix, suffixes[i]) != 0 || !numbered[h->numbered][i]) continue;
-        snprintf(name, sizeof name, "%s%d", numbered[h->numbered][i], h->first + joint);
-        return find(h, name, "");
-    }
-    return -1;
+    if (c->width) return find(h, alias ? alias : c->name[0], "");
+    if (h->numbered >= 0 && !alias) return -1;
+    if (alias)
+        snprintf(name, sizeof name, "%s%d", alias, h->first + joint);
+    else
+        mukca_prefix_apply(name, &h->prefix, mukca_chain_joint_name(h->rows->chain, joint));
+    return find(h, name, alias ? "" : c->name[0]);
 }
 
 /* Determine how the columns name the joints: as the chain, with another prefix, or by numbers. */
@@ -110,7 +117,7 @@ static void find_names(header *h)
         char name[32];
         int count = 0;
         for (; count <= n; count++) {
-            snprintf(name, sizeof name, "%s%d", numbered[i / 2][0], i % 2 + count);
+            snprintf(name, sizeof name, "%s%d", numbered[i / 2], i % 2 + count);
             if (mukca_table_find(t, name) < 0) break;
         }
         if (count != n) continue;
@@ -118,34 +125,25 @@ static void find_names(header *h)
         h->first = i % 2;
         mukca_note_format(h->rows->options.note, h->rows->options.context,
                           "%s: columns %s%d to %s%d read as the joints %s to %s in this order",
-                          mukca_file_shown(t->path), numbered[i / 2][0], h->first,
-                          numbered[i / 2][0], h->first + n - 1, names[0], names[n - 1]);
+                          mukca_file_shown(t->path), numbered[i / 2], h->first, numbered[i / 2],
+                          h->first + n - 1, names[0], names[n - 1]);
         return;
     }
 }
 
-/* Columns required together; `suffix` ends the name of each. */
-typedef struct {
-    int n;
-    const char *const *names;
-    const char *suffix;
-} group;
-
-/* Find all columns of a group or none; an incomplete group is an error. */
-static void find_group(int *columns, const group *g, header *h)
+/* Find all columns `names``suffix` or none; an incomplete group is an error. */
+static void find_group(int *columns, header *h, const char *const *names, int n, const char *suffix)
 {
-    const char *const *names = g->names;
-    const int n = g->n;
     int found = 0;
     const char *absent = NULL;
     for (int i = 0; i < n; i++) {
-        columns[i] = find(h, names[i], g->suffix);
+        columns[i] = find(h, names[i], suffix);
         found += columns[i] >= 0;
         if (columns[i] < 0) absent = names[i];
     }
     if (found > 0 && found < n)
         mukca_table_fail(&h->rows->table, -1, "no column '%s%s'; %s to %s belong together", absent,
-                         g->suffix, names[0], names[n - 1]);
+                         suffix, names[0], names[n - 1]);
 }
 
 static void note_unknown_columns(header *h)
@@ -153,46 +151,51 @@ static void note_unknown_columns(header *h)
     const mukca_table *t = &h->rows->table;
     for (int c = 0; c < t->n_columns; c++) {
         const char *dot = strrchr(t->header[c], '.');
-        t->used[c] |= dot && strcmp(dot, ".spread") == 0; /* from mukca capture */
+        t->used[c] |= dot && strcmp(dot, MUKCA_COLUMNS_SPREAD) == 0;
     }
     mukca_table_note_unknown(t, h->rows->options.note, h->rows->options.context);
 }
 
 /* Column names of a measured pose; `length`: m per unit, 0: by --units. */
+enum { METRES, MILLIMETRES, PLAIN, CAPITAL, RTDE, MATRIX, FORMS };
 static const struct {
     const char *names[16];
     int n;
     double length;
-} forms[] = {
-    {{"x_m", "y_m", "z_m"}, 3, 0},
-    {{"x_mm", "y_mm", "z_mm"}, 3, 1e-3},
-    {{"x", "y", "z"}, 3, 0},
-    {{"X", "Y", "Z"}, 3, 0},
-    {{"actual_TCP_pose_0", "actual_TCP_pose_1", "actual_TCP_pose_2"}, 3, 1},
-    {{"m00", "m01", "m02", "m03", "m10", "m11", "m12", "m13", "m20", "m21", "m22", "m23"}, 12, 0}};
+} forms[FORMS] = {[METRES] = {{NULL}, 3, 0}, /* names of MUKCA_COLUMN_POSITION */
+                  [MILLIMETRES] = {{"x_mm", "y_mm", "z_mm"}, 3, 1e-3},
+                  [PLAIN] = {{"x", "y", "z"}, 3, 0},
+                  [CAPITAL] = {{"X", "Y", "Z"}, 3, 0},
+                  [RTDE] = {{"actual_TCP_pose_0", "actual_TCP_pose_1", "actual_TCP_pose_2"}, 3, 1},
+                  [MATRIX] = {{"m00", "m01", "m02", "m03", "m10", "m11", "m12", "m13", "m20", "m21",
+                               "m22", "m23"},
+                              12,
+                              0}};
 static const char *const last_row[] = {"m30", "m31", "m32", "m33"};
-enum { FORMS = sizeof forms / sizeof *forms, PLAIN = 2, CAPITAL = 3, RTDE = 4 };
 
-/* Columns of an orientation, in the order of mukca_turn. */
-static const group turns[] = {{4, (const char *const[]){"qw", "qx", "qy", "qz"}, NULL},
-                              {3, (const char *const[]){"rx", "ry", "rz"}, NULL},
-                              {3, (const char *const[]){"roll", "pitch", "yaw"}, NULL},
-                              {3, (const char *const[]){"A", "B", "C"}, NULL}};
-static const char *const rtde_turn[] = {"actual_TCP_pose_3", "actual_TCP_pose_4",
-                                        "actual_TCP_pose_5"};
+/* Column names of an orientation, in the order in which they are looked for, next to positions of
+ * the form `with`, FORMS: any but RTDE. */
+static const struct {
+    mukca_turn turn;
+    int with;
+    const char *names[4];
+} turns[] = {
+    {MUKCA_QUATERNION, FORMS, {NULL}}, /* names of MUKCA_COLUMN_QUATERNION */
+    {MUKCA_ROTATION_VECTOR, FORMS, {"rx", "ry", "rz"}},
+    {MUKCA_ROLL_PITCH_YAW, FORMS, {"roll", "pitch", "yaw"}},
+    {MUKCA_ABC, CAPITAL, {"A", "B", "C"}},
+    {MUKCA_ROTATION_VECTOR, RTDE, {"actual_TCP_pose_3", "actual_TCP_pose_4", "actual_TCP_pose_5"}}};
+enum { TURNS = sizeof turns / sizeof *turns };
 
-/* Find the first representation of an orientation in the header; A B C only next to KUKA's X Y
- * Z. */
 static void find_turn(mukca_measured_columns *m, header *h, int form, const char *suffix)
 {
-    if (form == RTDE) {
-        m->form = MUKCA_ROTATION_VECTOR;
-        find_group(m->turn, &(group){3, rtde_turn, suffix}, h);
-        return;
-    }
-    for (int k = 0; k < (form == CAPITAL ? 4 : 3) && m->turn[0] < 0; k++) {
-        m->form = (mukca_turn)k;
-        find_group(m->turn, &(group){turns[k].n, turns[k].names, suffix}, h);
+    for (int k = 0; k < TURNS && m->turn[0] < 0; k++) {
+        if (turns[k].with != (form == RTDE ? RTDE : FORMS) && turns[k].with != form) continue;
+        const bool quaternion = turns[k].turn == MUKCA_QUATERNION;
+        m->form = turns[k].turn;
+        find_group(m->turn, h,
+                   quaternion ? mukca_column_table[MUKCA_COLUMN_QUATERNION].name : turns[k].names,
+                   quaternion ? 4 : 3, suffix);
     }
 }
 
@@ -201,9 +204,10 @@ static void find_measured(header *h, int column, int form)
 {
     mukca_rows *rows = h->rows;
     mukca_row_columns *c = &rows->column;
-    const char *name = rows->table.header[column], *first = forms[form].names[0];
-    const char *suffix = name + strlen(first);
-    if (strncmp(name, first, strlen(first)) != 0 || (*suffix && *suffix != '.') ||
+    const char *const *names =
+        forms[form].names[0] ? forms[form].names : mukca_column_table[MUKCA_COLUMN_POSITION].name;
+    const char *name = rows->table.header[column], *suffix = name + strlen(names[0]);
+    if (strncmp(name, names[0], strlen(names[0])) != 0 || (*suffix && *suffix != '.') ||
         rows->table.used[column] || strlen(suffix) > sizeof c->measured->target)
         return;
     if (c->n_measured == MUKCA_ROWS_TARGETS) {
@@ -215,38 +219,42 @@ static void find_measured(header *h, int column, int form)
     memset(m, -1, sizeof *m);
     snprintf(m->target, sizeof m->target, "%s", *suffix ? suffix + 1 : "");
     m->length = forms[form].length > 0 ? forms[form].length : rows->options.format.length;
-    const bool matrix = forms[form].n == 12;
-    find_group(matrix ? m->matrix : m->position, &(group){forms[form].n, forms[form].names, suffix},
-               h);
-    if (matrix)
-        find_group(m->matrix + 12, &(group){4, last_row, suffix}, h);
+    find_group(form == MATRIX ? m->matrix : m->position, h, names, forms[form].n, suffix);
+    if (form == MATRIX)
+        find_group(m->matrix + 12, h, last_row, 4, suffix);
     else
         find_turn(m, h, form, suffix);
+}
+
+/* Find the columns of numbers but those of poses; commanded angles replace absent ones. */
+static void map_numbers(header *h)
+{
+    mukca_rows *rows = h->rows;
+    const int n = rows->chain->n_joints;
+    int *q = rows->column.number[MUKCA_COLUMN_Q];
+    const int *command = rows->column.number[MUKCA_COLUMN_COMMAND];
+    find_names(h);
+    for (int c = 0; c < MUKCA_COLUMNS; c++)
+        for (int k = 0; k < mukca_column_width(c, n) && mukca_column_table[c].width < 2; k++)
+            rows->column.number[c][k] = find_number(h, c, k);
+    rows->by_command = q[0] < 0 && command[0] >= 0;
+    for (int j = 0; j < n; j++) {
+        if (rows->by_command) q[j] = command[j];
+        if (q[j] < 0) fail_header(rows, mukca_chain_joint_name(rows->chain, j));
+        rows->has_command |= command[j] >= 0;
+    }
 }
 
 static void map_header(mukca_rows *rows)
 {
     const mukca_rows_format *format = &rows->options.format;
     mukca_row_columns *c = &rows->column;
-    header h = {.rows = rows};
-    if (!rows->options.poses) find_names(&h);
-    for (int j = 0; j < rows->chain->n_joints && !rows->options.poses; j++) {
-        const char *name = mukca_chain_joint_name(rows->chain, j);
-        c->joint[j] = find_joint(&h, j, "");
-        c->effort[j] = find_joint(&h, j, ".effort");
-        c->command[j] = find_joint(&h, j, ".command");
-        if (j == 0) rows->by_command = c->joint[0] < 0 && c->command[0] >= 0;
-        if (rows->by_command) c->joint[j] = c->command[j];
-        if (c->joint[j] < 0) fail_header(rows, name);
-        c->velocity[j] = find_joint(&h, j, ".velocity");
-        rows->has_command |= c->command[j] >= 0;
-    }
+    header h = {.rows = rows, .numbered = -1};
+    if (!rows->options.poses) map_numbers(&h);
     c->placement = find(&h, "placement", "");
     c->socket = find(&h, "socket", "");
     c->target = find(&h, "target", "");
-    c->time = find(&h, h.numbered == 0 ? "timestamp" : "time_s", "");
-    (void)find(&h, "temperature_c", ""); /* known, not used */
-    c->payload = find(&h, "payload_kg", "");
+    (void)find(&h, "temperature_c", "");
     for (int form = 0; form < FORMS; form++)
         for (int column = 0; column < rows->table.n_columns; column++) {
             if ((form == PLAIN || form == CAPITAL) && !format->units &&
@@ -284,7 +292,7 @@ static void map_order(mukca_rows *rows)
     mukca_row_columns *c = &rows->column;
     const int n = rows->chain->n_joints, more = t->n_columns - n;
     const bool poses = more == 3 || more == 7 || more == 12 || more == 16;
-    for (int j = 0; j < n; j++) c->joint[j] = j;
+    for (int j = 0; j < n; j++) c->number[MUKCA_COLUMN_Q][j] = j;
     if (o->kind == MUKCA_HEADER && poses && !o->format.by_order)
         mukca_table_fail(
             t, -1,

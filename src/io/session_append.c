@@ -15,9 +15,7 @@
 #include <unistd.h>
 
 #include "base/list.h"
-#include "base/note.h"
 #include "base/text.h"
-#include "base/utf8.h"
 #include "io/dataset.h"
 #include "io/output.h"
 
@@ -79,23 +77,42 @@ static mukca_status commit(mukca_session *session, const char *text, size_t leng
     return status;
 }
 
+/* Put the row of a sample, NULL: of the columns' names. */
+static void put_row(mukca_text *line, const mukca_session *session, const char *placement,
+                    const char *socket, const mukca_capture_sample *sample)
+{
+    static const mukca_capture_sample none;
+    const mukca_capture_sample *of = sample ? sample : &none;
+    const struct {
+        const char *suffix;
+        const double *values; /* NULL: absent */
+    } columns[] = {{"", of->q},
+                   {MUKCA_COLUMNS_SPREAD, of->spread},
+                   {".effort", session->has_effort ? of->effort : NULL},
+                   {".command", session->has_command ? of->command : NULL}};
+    const char s = session->separator;
+    mukca_text_put(line, sample ? "%s%c%s%c%.6f" : "%s%c%s%ctime_s", placement, s, socket, s,
+                   of->time);
+    for (int k = 0; k < 4; k++)
+        for (int j = 0; columns[k].values && j < session->chain->n_joints; j++)
+            if (!sample)
+                mukca_text_put(line, "%c%s%s", s, mukca_chain_joint_name(session->chain, j),
+                               columns[k].suffix);
+            else
+                mukca_text_put(line, isfinite(columns[k].values[j]) ? "%c%.17g" : "%cnan", s,
+                               columns[k].values[j]);
+    mukca_text_put(line, "\n");
+}
+
 mukca_status mukca_session_add(mukca_session *session, const char *placement, const char *socket,
                                const mukca_capture_sample *sample, mukca_error *error)
 {
     char buffer[LINE_SIZE];
     mukca_text line = MUKCA_TEXT(buffer);
-    char s = session->separator;
     int n = session->n_rows;
     int64_t *place = mukca_list_append(&session->row_at, &n, sizeof *place);
     if (!place) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    mukca_text_put(&line, "%s%c%s%c%.6f", placement, s, socket, s, sample->time);
-    const double *const columns[] = {sample->q, sample->spread,
-                                     session->has_effort ? sample->effort : NULL,
-                                     session->has_command ? sample->command : NULL};
-    for (int k = 0; k < 4; k++)
-        for (int j = 0; columns[k] && j < session->n_joints; j++)
-            mukca_text_put(&line, isfinite(columns[k][j]) ? "%c%.17g" : "%cnan", s, columns[k][j]);
-    mukca_text_put(&line, "\n");
+    put_row(&line, session, placement, socket, sample);
     *place = session->length;
     mukca_status status = commit(session, line.at, line.used, error);
     if (status == MUKCA_OK) session->n_rows = n;
@@ -129,25 +146,6 @@ mukca_status mukca_session_delete(mukca_session *session, int row, const char *p
 
 /* ---- header ---- */
 
-static void format_columns(mukca_text *line, const mukca_session *session,
-                           const mukca_session_task *task)
-{
-    const struct {
-        const char *suffix;
-        bool there;
-    } groups[] = {{"", true},
-                  {".spread", true},
-                  {".effort", task->has_effort},
-                  {".command", task->has_command}};
-    char s = session->separator;
-    mukca_text_put(line, "placement%csocket%ctime_s", s, s);
-    for (int g = 0; g < 4; g++)
-        for (int j = 0; groups[g].there && j < session->n_joints; j++)
-            mukca_text_put(line, "%c%s%s", s, mukca_chain_joint_name(task->chain, j),
-                           groups[g].suffix);
-    mukca_text_put(line, "\n");
-}
-
 /* "# key: value" lines whose values must be equal on resume. */
 static const struct {
     const char *key, *refusal;
@@ -179,7 +177,7 @@ static mukca_status write_header(mukca_session *session, const mukca_session_tas
     mukca_text_put(
         &line,
         "# a row is the mean of a still window; .spread is the standard deviation within it\n");
-    format_columns(&line, session, task);
+    put_row(&line, session, "placement", "socket", NULL);
     mukca_status status = mukca_output_open(&output, session->path, true, error);
     if (status != MUKCA_OK) return status;
     fputs(line.at, output.stream); /* mukca_output_close detects failures */
@@ -223,7 +221,7 @@ static mukca_status scan(mukca_session *session, bool *has_columns, char *text,
 {
     char buffer[LINE_SIZE];
     mukca_text columns = MUKCA_TEXT(buffer);
-    format_columns(&columns, session, task);
+    put_row(&columns, session, "placement", "socket", NULL);
     columns.at[columns.used - 1] = '\0';
     *has_columns = false;
     for (char *at = text, *end; *at; at = end + 1) {
@@ -290,7 +288,7 @@ mukca_status mukca_session_open(mukca_session *session, const mukca_session_task
     mukca_status status = MUKCA_OK;
     bool has_columns = false;
     *session = (mukca_session){.separator = mukca_dataset_separator(task->path),
-                               .n_joints = task->chain->n_joints,
+                               .chain = task->chain,
                                .has_effort = task->has_effort,
                                .has_command = task->has_command};
     if (snprintf(session->path, sizeof session->path, "%s", task->path) >=

@@ -15,7 +15,7 @@ typedef struct {
     int fd; /* if open */
     char path[1024];
     char separator;
-    int n_joints;
+    const mukca_chain *chain;
     bool has_effort, has_command;
     int64_t length;  /* bytes acknowledged */
     bool uncut;      /* the file may have more bytes, of a row that failed */

@@ -9,9 +9,7 @@
 
 #include "base/cells.h"
 #include "base/file.h"
-#include "base/note.h"
 #include "base/number.h"
-#include "base/text.h"
 
 /* Bytes: a longer line is of another kind of file; a header has some ten lines of comments. */
 enum { LONGEST_LINE = 1 << 20, COMMENTS = 4096 };
@@ -337,22 +335,27 @@ double mukca_table_number(mukca_table *t, int column)
     return 0;
 }
 
+int mukca_table_list(mukca_text *list, const mukca_table *table, bool unused)
+{
+    int n = 0;
+    bool more = false;
+    for (int c = 0; c < table->n_columns; c++) {
+        if (unused && table->used[c]) continue;
+        more = more || list->used + strlen(table->header[c]) + 8 >= list->size;
+        if (!more) mukca_text_put(list, "%s%s", n ? ", " : "", table->header[c]);
+        n++;
+    }
+    if (more) mukca_text_put(list, "%s...", list->used ? ", " : "");
+    return n;
+}
+
 void mukca_table_note_unknown(const mukca_table *table, mukca_note_fn *note, void *context)
 {
     char names[120] = "";
-    mukca_text list = MUKCA_TEXT(names);
-    int unknown = 0;
-    bool more = false;
-    for (int c = 0; c < table->n_columns; c++) {
-        if (table->used[c]) continue;
-        more = more || list.used + strlen(table->header[c]) + 8 >= list.size;
-        if (!more) mukca_text_put(&list, "%s%s", unknown ? ", " : "", table->header[c]);
-        unknown++;
-    }
-    if (unknown)
-        mukca_note_format(note, context, "%s: %d unknown column%s ignored: %s%s",
-                          mukca_file_shown(table->path), unknown, unknown > 1 ? "s" : "", names,
-                          more ? ", ..." : "");
+    const int n = mukca_table_list(&(mukca_text)MUKCA_TEXT(names), table, true);
+    if (n)
+        mukca_note_format(note, context, "%s: %d unknown column%s ignored: %s",
+                          mukca_file_shown(table->path), n, n > 1 ? "s" : "", names);
 }
 
 mukca_status mukca_table_read(const char *path, const char *const *names, int n,

@@ -13,7 +13,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 
-#include "mukca/status.h"
+#include "base/text.h"
 
 enum {
     MUKCA_TABLE_COLUMNS = 4096, /* largest width; a session of 16 joints has about 90 */
@@ -73,7 +73,9 @@ void mukca_table_fail(mukca_table *table, int column, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 void mukca_table_stop(mukca_table *table, mukca_status status);
 
-/* Note the columns that are not used as ignored. */
+/* Append the names of all columns, or of those not used, with dots for those that do not fit;
+ * returns their number.  Note those not used as ignored. */
+int mukca_table_list(mukca_text *list, const mukca_table *table, bool unused);
 void mukca_table_note_unknown(const mukca_table *table, mukca_note_fn *note, void *context);
 
 /* Callback for one row; column[i] is the index of the i-th required column. */
@@ -85,6 +87,12 @@ mukca_status mukca_table_read(const char *path, const char *const *names, int n,
                               mukca_table_row_fn *read, void *context, mukca_error *error);
 
 /* ---- names of columns (rows_header.c) ---- */
+
+/* Ends the names of columns by mukca capture with the standard deviations; not read. */
+#define MUKCA_COLUMNS_SPREAD ".spread"
+
+/* Whether a column of recordings has that name, which no joint may have. */
+bool mukca_columns_reserved(const char *name);
 
 /* Rename the columns of an open table by the text or file `columns`: `COLUMN=NAME,...`, or a name
  * for each column in order; a line end separates like a comma. */

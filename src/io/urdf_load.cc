@@ -19,10 +19,9 @@
 
 extern "C" {
 #include "base/file.h"
-#include "base/note.h"
 #include "base/number.h"
 #include "base/suggest.h"
-#include "base/utf8.h"
+#include "base/text.h"
 #include "io/table.h"
 #include "io/urdf.h"
 }
@@ -277,12 +276,9 @@ struct Loader {
     // Joint names are column names of recordings and must be readable.
     void check_column(const std::string &name)
     {
-        static const std::set<std::string> taken = {
-            "placement",  "socket", "time_s", "temperature_c",
-            "payload_kg", "x_m",    "y_m",    "z_m",
-            "qw",         "qx",     "qy",     "qz"};
         if (name.empty() || name.find_first_of("\t\r\n,\"") != std::string::npos ||
-            name[0] == '#' || name.front() == ' ' || name.back() == ' ' || taken.count(name))
+            name[0] == '#' || name.front() == ' ' || name.back() == ' ' ||
+            mukca_columns_reserved(name.c_str()))
             fail_joint(name, "its name cannot be the name of a column; rename it in the URDF");
     }
 

@@ -1,70 +1,52 @@
-/* mukca's own LCM messages: one layout per type drives encoding and decoding; their signatures. */
+/* mukca's own LCM messages: the lists of their members drive encoding and decoding; their
+ * signatures.
+ */
 #include "lcm/message.h"
 
 #include <ctype.h>
 #include <sha2.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
 #include "base/file.h"
-#include "base/utf8.h"
+#include "base/text.h"
+#include "lcm/type.h"
 
-typedef enum { INT64, INT32, REAL, FLAG, TEXT, COUNT, END } member_kind;
-static const size_t wire_size[] = {8, 4, 8, 1, 4, 4}; /* of a text: size of its length */
-static const size_t member_size[] = {sizeof(int64_t), sizeof(int),    sizeof(double),
-                                     sizeof(bool),    sizeof(char *), sizeof(int)};
-
+/* A member of a message's struct. */
 typedef struct {
-    member_kind kind;
-    bool array; /* else values side by side */
-    int most;   /* their number, or the capacity */
-    size_t at;  /* in the struct */
+    size_t at, size; /* offset; bytes of an element, 0: the end of the list */
+    mukca_lcm_primitive type;
+    int capacity; /* of an array, 0: none */
 } member;
 
-/* Members of a message, ended by END. */
-static const member *members_of(mukca_message_kind message)
-{
-#define FIRST(name, ...) name
-#define VALUES(kind, ...)                                                                 \
-    {kind, false,                                                                         \
-     sizeof(struct { mukca_message_##kind __VA_ARGS__; }) / sizeof(mukca_message_##kind), \
-     offsetof(of, FIRST(__VA_ARGS__, ))},
-#define ARRAY(kind, name, most) {kind, true, most, offsetof(of, name)},
-#define MEMBERS(channel, name, fingerprint)                                      \
-    {                                                                            \
-        typedef mukca_message_##name of;                                         \
-        static const member list[] = {                                           \
-            MUKCA_MESSAGE_##channel##_MEMBERS(VALUES, ARRAY){END, false, 0, 0}}; \
-        if (message == MUKCA_MESSAGE_##channel) return list;                     \
-    }
-    MUKCA_MESSAGE_LIST(MEMBERS)
-    return NULL;
-}
-
-/* Read n of the next arrays; false: out of range. */
-static bool read_count(int *n, const member *m, const void *at)
-{
-    memcpy(n, at, sizeof *n);
-    return *n >= 0 && *n <= m[1].most;
-}
-
-/* Number of elements; n: as read, -1 before. */
-static int elements(const member *m, int n)
-{
-    return m->array && n >= 0 ? n : m->most;
-}
+#define TYPE(type) \
+    _Generic((type *)NULL, int64_t *: MUKCA_LCM_INT64, int *: MUKCA_LCM_INT32, double *: MUKCA_LCM_DOUBLE, \
+             bool *: MUKCA_LCM_BOOLEAN, const char **: MUKCA_LCM_STRING)
+#define ONE(of, type, name) {offsetof(of, name), sizeof(type), TYPE(type), 0},
+#define MANY(of, type, name, capacity) {offsetof(of, name), sizeof(type), TYPE(type), capacity},
+#define MEMBERS(channel, name, fingerprint)  \
+    static const member name##_members[] = { \
+        MUKCA_MESSAGE_##channel##_LIST(ONE, MANY, mukca_message_##name){.size = 0}};
+MUKCA_MESSAGE_LIST(MEMBERS)
 
 static const struct {
     const char *channel, *name;
     uint64_t fingerprint;
+    const member *members;
 } kinds[] = {
-#define KIND(channel, name, fingerprint) {#channel, "mukca." #name, fingerprint},
+#define KIND(channel, name, fingerprint) {#channel, "mukca." #name, fingerprint, name##_members},
     MUKCA_MESSAGE_LIST(KIND)
 #undef KIND
 };
+
+/* Number of elements of a member, negative: out of range; n: the last int before it, or NULL. */
+static int count_elements(const member *m, const int *n)
+{
+    if (m->capacity == 0) return 1;
+    return !n ? m->capacity : *n <= m->capacity ? *n : -1;
+}
 
 void mukca_message_channel(char channel[64], mukca_message_kind kind, const char *prefix)
 {
@@ -96,49 +78,45 @@ static void put(writer *w, const void *bytes, uint64_t number, size_t n)
     w->used += n;
 }
 
-static void put_element(writer *w, member_kind kind, const char *at)
+static void put_element(writer *w, mukca_lcm_primitive type, const char *from)
 {
     const char *text = NULL;
     uint64_t number = 0;
     int small = 0;
     bool flag = false;
-    switch (kind) {
-        case TEXT:
-            memcpy(&text, at, sizeof text);
+    switch (type) {
+        case MUKCA_LCM_STRING:
+            memcpy(&text, from, sizeof text);
             if (!text) text = "";
             put(w, NULL, strlen(text) + 1, 4);
             put(w, text, 0, strlen(text) + 1);
             if (w->used <= w->size) mukca_utf8_mend((char *)w->at + w->used - strlen(text) - 1);
             return;
-        case FLAG:
-            memcpy(&flag, at, sizeof flag);
+        case MUKCA_LCM_BOOLEAN:
+            memcpy(&flag, from, sizeof flag);
             number = flag;
             break;
-        case INT32:
-        case COUNT:
-            memcpy(&small, at, sizeof small);
+        case MUKCA_LCM_INT32:
+            memcpy(&small, from, sizeof small);
             number = (uint32_t)small;
             break;
-        case INT64:
-        case REAL:
-            memcpy(&number, at, sizeof number);
-            break;
-        case END:
-            break;
+        default:
+            memcpy(&number, from, sizeof number);
     }
-    put(w, NULL, number, wire_size[kind]);
+    put(w, NULL, number, mukca_lcm_primitive_sizes[type]);
 }
 
 size_t mukca_message_encode(void *buffer, size_t size, mukca_message_kind kind, const void *message)
 {
     writer out = {.at = buffer, .size = size};
-    int n = -1;
     put(&out, NULL, kinds[kind].fingerprint, 8);
-    for (const member *m = members_of(kind); m->kind != END; m++) {
+    const int *n = NULL;
+    for (const member *m = kinds[kind].members; m->size; m++) {
         const char *at = (const char *)message + m->at;
-        if (m->kind == COUNT && !read_count(&n, m, at)) return 0;
-        for (int k = 0; k < elements(m, n); k++)
-            put_element(&out, m->kind, at + (size_t)k * member_size[m->kind]);
+        const int count = count_elements(m, n);
+        if (count < 0) return 0;
+        for (int k = 0; k < count; k++) put_element(&out, m->type, at + (size_t)k * m->size);
+        if (m->type == MUKCA_LCM_INT32) n = (const void *)at;
     }
     return out.used;
 }
@@ -153,22 +131,23 @@ static bool is_printable(const char *text)
     return true;
 }
 
-static bool decode_element(mukca_lcm_wire *wire, member_kind kind, char *to)
+static bool decode_element(mukca_lcm_wire *wire, const member *m, char *to)
 {
-    if (kind == TEXT) {
+    if (m->type == MUKCA_LCM_STRING) {
         const char *text = mukca_lcm_wire_text(wire);
         memcpy(to, &text, sizeof text);
         return text && is_printable(text);
     }
-    const unsigned char *at = mukca_lcm_wire_bytes(wire, wire_size[kind]);
+    const int size = mukca_lcm_primitive_sizes[m->type];
+    const unsigned char *at = mukca_lcm_wire_bytes(wire, (size_t)size);
     if (!at) return false;
-    uint64_t number = mukca_lcm_wire_get(at, (int)wire_size[kind]);
+    uint64_t number = mukca_lcm_wire_get(at, size);
     int small = (int)(uint32_t)number;
     bool flag = number != 0;
-    const void *value = kind == FLAG                     ? (const void *)&flag
-                        : kind == INT32 || kind == COUNT ? (const void *)&small
-                                                         : (const void *)&number;
-    memcpy(to, value, member_size[kind]);
+    const void *value = m->type == MUKCA_LCM_BOOLEAN ? (const void *)&flag
+                        : m->type == MUKCA_LCM_INT32 ? (const void *)&small
+                                                     : (const void *)&number;
+    memcpy(to, value, m->size);
     return true;
 }
 
@@ -180,12 +159,14 @@ mukca_status mukca_message_decode(void *message, mukca_message_kind kind, const 
     if (!head || mukca_lcm_wire_get(head, 8) != kinds[kind].fingerprint)
         return mukca_fail(error, MUKCA_INPUT, "not a %s message", kinds[kind].name);
     bool good = true;
-    int n = -1;
-    for (const member *m = members_of(kind); good && m->kind != END; m++) {
+    const int *n = NULL;
+    for (const member *m = kinds[kind].members; good && m->size; m++) {
         char *at = (char *)message + m->at;
-        for (int k = 0; k < elements(m, n) && good; k++)
-            good = decode_element(&wire, m->kind, at + (size_t)k * member_size[m->kind]);
-        if (good && m->kind == COUNT) good = read_count(&n, m, at);
+        const int count = count_elements(m, n);
+        good = count >= 0;
+        for (int k = 0; k < count && good; k++)
+            good = decode_element(&wire, m, at + (size_t)k * m->size);
+        if (m->type == MUKCA_LCM_INT32) n = (const void *)at;
     }
     const bool request = kind == MUKCA_MESSAGE_TRIGGER || kind == MUKCA_MESSAGE_COMMAND;
     if (request && wire.left == MUKCA_LCM_SIGNATURE) wire.left = 0;

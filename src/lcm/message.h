@@ -27,81 +27,98 @@ enum {
     MUKCA_MESSAGE_ROWS = 512 /* largest number of rows of an offsets table */
 };
 
-/* The members of each message, in the order of data/lcm, which describes them: X of values, A of an
- * array and its capacity.  Arrays have as many elements as the COUNT before them; without one, all.
- */
-#define MUKCA_MESSAGE_TRIGGER_MEMBERS(X, A) \
-    X(INT64, utime, id)                     \
-    X(TEXT, placement, socket)
+/* The members of each struct in the order of data/lcm, which describes them: ONE, or MANY, an array
+ * of some capacity, of which as many elements are sent as the last int before it says, without one
+ * all.  Texts are NUL-terminated; the sender owns them, or they point into the received message.
+ * NULL is sent as "".  `of` is for the caller's macros. */
+#define MUKCA_MESSAGE_TRIGGER_LIST(ONE, MANY, of) \
+    ONE(of, int64_t, utime)                       \
+    ONE(of, int64_t, id)                          \
+    ONE(of, const char *, placement)              \
+    ONE(of, const char *, socket)
 
-#define MUKCA_MESSAGE_COMMAND_MEMBERS(X, A) \
-    X(INT64, utime, id)                     \
-    X(TEXT, verb)                           \
-    X(COUNT, n)                             \
-    A(TEXT, argument, MUKCA_MESSAGE_ARGUMENTS)
+#define MUKCA_MESSAGE_COMMAND_LIST(ONE, MANY, of) \
+    ONE(of, int64_t, utime)                       \
+    ONE(of, int64_t, id)                          \
+    ONE(of, const char *, verb)                   \
+    ONE(of, int, n)                               \
+    MANY(of, const char *, argument, MUKCA_MESSAGE_ARGUMENTS)
 
-#define MUKCA_MESSAGE_STATUS_MEMBERS(X, A)           \
-    X(INT64, utime)                                  \
-    X(TEXT, state, text, session, placement, socket) \
-    X(INT32, rows, rows_here)                        \
-    X(TEXT, channel, type, stream)                   \
-    X(REAL, rate_hz, age_s)                          \
-    X(INT64, received, refused)                      \
-    X(FLAG, still)                                   \
-    X(REAL, spread_m, expected_m)                    \
-    X(FLAG, more_rows_help)                          \
-    X(COUNT, n)                                      \
-    A(TEXT, joint, MUKCA_MAX_JOINTS)                 \
-    A(REAL, position, MUKCA_MAX_JOINTS)              \
-    A(REAL, coverage, MUKCA_MAX_JOINTS)
+#define MUKCA_MESSAGE_STATUS_LIST(ONE, MANY, of)    \
+    ONE(of, int64_t, utime)                         \
+    ONE(of, const char *, state)                    \
+    ONE(of, const char *, text)                     \
+    ONE(of, const char *, session)                  \
+    ONE(of, const char *, placement)                \
+    ONE(of, const char *, socket)                   \
+    ONE(of, int, rows)                              \
+    ONE(of, int, rows_here)                         \
+    ONE(of, const char *, channel)                  \
+    ONE(of, const char *, type)                     \
+    ONE(of, const char *, stream)                   \
+    ONE(of, double, rate_hz)                        \
+    ONE(of, double, age_s)                          \
+    ONE(of, int64_t, received)                      \
+    ONE(of, int64_t, refused)                       \
+    ONE(of, bool, still)                            \
+    ONE(of, double, spread_m)                       \
+    ONE(of, double, expected_m)                     \
+    ONE(of, bool, more_rows_help)                   \
+    ONE(of, int, n)                                 \
+    MANY(of, const char *, joint, MUKCA_MAX_JOINTS) \
+    MANY(of, double, position, MUKCA_MAX_JOINTS)    \
+    MANY(of, double, coverage, MUKCA_MAX_JOINTS)
 
-#define MUKCA_MESSAGE_SAMPLE_MEMBERS(X, A) \
-    X(INT64, utime, id)                    \
-    X(FLAG, accepted)                      \
-    X(TEXT, text, placement, socket)       \
-    X(INT32, row)                          \
-    X(COUNT, n)                            \
-    A(TEXT, joint, MUKCA_MAX_JOINTS)       \
-    A(REAL, position, MUKCA_MAX_JOINTS)    \
-    A(REAL, spread, MUKCA_MAX_JOINTS)
+#define MUKCA_MESSAGE_SAMPLE_LIST(ONE, MANY, of)    \
+    ONE(of, int64_t, utime)                         \
+    ONE(of, int64_t, id)                            \
+    ONE(of, bool, accepted)                         \
+    ONE(of, const char *, text)                     \
+    ONE(of, const char *, placement)                \
+    ONE(of, const char *, socket)                   \
+    ONE(of, int, row)                               \
+    ONE(of, int, n)                                 \
+    MANY(of, const char *, joint, MUKCA_MAX_JOINTS) \
+    MANY(of, double, position, MUKCA_MAX_JOINTS)    \
+    MANY(of, double, spread, MUKCA_MAX_JOINTS)
 
-#define MUKCA_MESSAGE_RESULT_MEMBERS(X, A)               \
-    X(INT64, utime, id)                                  \
-    X(TEXT, verb)                                        \
-    X(INT32, code)                                       \
-    X(TEXT, text, robot, urdf_sha256, base, tip, stream) \
-    X(COUNT, n)                                          \
-    A(TEXT, joint, MUKCA_MESSAGE_ROWS)                   \
-    A(TEXT, parameter, MUKCA_MESSAGE_ROWS)               \
-    A(TEXT, unit, MUKCA_MESSAGE_ROWS)                    \
-    A(REAL, nominal, MUKCA_MESSAGE_ROWS)                 \
-    A(REAL, calibrated, MUKCA_MESSAGE_ROWS)              \
-    A(REAL, offset, MUKCA_MESSAGE_ROWS)                  \
-    A(REAL, sigma, MUKCA_MESSAGE_ROWS)                   \
-    A(FLAG, identifiable, MUKCA_MESSAGE_ROWS)            \
-    X(TEXT, json)
+#define MUKCA_MESSAGE_RESULT_LIST(ONE, MANY, of)          \
+    ONE(of, int64_t, utime)                               \
+    ONE(of, int64_t, id)                                  \
+    ONE(of, const char *, verb)                           \
+    ONE(of, int, code)                                    \
+    ONE(of, const char *, text)                           \
+    ONE(of, const char *, robot)                          \
+    ONE(of, const char *, urdf_sha256)                    \
+    ONE(of, const char *, base)                           \
+    ONE(of, const char *, tip)                            \
+    ONE(of, const char *, stream)                         \
+    ONE(of, int, n)                                       \
+    MANY(of, const char *, joint, MUKCA_MESSAGE_ROWS)     \
+    MANY(of, const char *, parameter, MUKCA_MESSAGE_ROWS) \
+    MANY(of, const char *, unit, MUKCA_MESSAGE_ROWS)      \
+    MANY(of, double, nominal, MUKCA_MESSAGE_ROWS)         \
+    MANY(of, double, calibrated, MUKCA_MESSAGE_ROWS)      \
+    MANY(of, double, offset, MUKCA_MESSAGE_ROWS)          \
+    MANY(of, double, sigma, MUKCA_MESSAGE_ROWS)           \
+    MANY(of, bool, identifiable, MUKCA_MESSAGE_ROWS)      \
+    ONE(of, const char *, json)
 
-#define MUKCA_MESSAGE_POSE_MEMBERS(X, A) \
-    X(INT64, utime)                      \
-    A(REAL, position, 3)                 \
-    A(REAL, quaternion, 4)
+#define MUKCA_MESSAGE_POSE_LIST(ONE, MANY, of) \
+    ONE(of, int64_t, utime)                    \
+    MANY(of, double, position, 3)              \
+    MANY(of, double, quaternion, 4)
 
-typedef int64_t mukca_message_INT64;
-typedef int mukca_message_INT32, mukca_message_COUNT;
-typedef double mukca_message_REAL;
-typedef bool mukca_message_FLAG;
-typedef const char *mukca_message_TEXT;
-
-/* mukca_message_trigger and so on.  Texts are NUL-terminated; the sender owns them, or they point
- * into the received message.  NULL is sent as "". */
-#define MUKCA_MESSAGE_VALUES(kind, ...) mukca_message_##kind __VA_ARGS__;
-#define MUKCA_MESSAGE_ARRAY(kind, name, most) mukca_message_##kind name[most];
-#define MUKCA_MESSAGE_STRUCT(channel, name, fingerprint)                             \
-    typedef struct {                                                                 \
-        MUKCA_MESSAGE_##channel##_MEMBERS(MUKCA_MESSAGE_VALUES, MUKCA_MESSAGE_ARRAY) \
+#define MUKCA_MESSAGE_ONE(of, type, name) type name;
+#define MUKCA_MESSAGE_MANY(of, type, name, capacity) type name[capacity];
+#define MUKCA_MESSAGE_STRUCT(channel, name, fingerprint)                        \
+    typedef struct {                                                            \
+        MUKCA_MESSAGE_##channel##_LIST(MUKCA_MESSAGE_ONE, MUKCA_MESSAGE_MANY, ) \
     } mukca_message_##name;
 MUKCA_MESSAGE_LIST(MUKCA_MESSAGE_STRUCT)
 #undef MUKCA_MESSAGE_STRUCT
+#undef MUKCA_MESSAGE_MANY
+#undef MUKCA_MESSAGE_ONE
 
 /* Channel of a message: PREFIX_TRIGGER and so on; `prefix` NULL means MUKCA. */
 void mukca_message_channel(char channel[64], mukca_message_kind kind, const char *prefix);

@@ -28,8 +28,7 @@ mukca_status mukca_dataset_create(mukca_dataset *data, int n_rows, int n_joints,
     if (!data->q || !data->socket || !data->row || !data->file || !data->sockets ||
         !data->placements) {
         mukca_dataset_free(data);
-        mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", n_rows);
-        return MUKCA_MEMORY;
+        return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", n_rows);
     }
     for (int i = 0; i < n_rows; i++) {
         data->row[i] = i + 1;
@@ -40,11 +39,10 @@ mukca_status mukca_dataset_create(mukca_dataset *data, int n_rows, int n_joints,
 
 void mukca_dataset_free(mukca_dataset *data)
 {
-    void *const lists[] = {data->q,          data->socket,   data->row,     data->file,
-                           data->target,     data->targets,  data->time,    data->payload,
-                           data->effort,     data->command,  data->reading, data->files,
-                           data->quaternion, data->velocity, data->sockets, data->placements,
-                           data->position,   data->distances};
+    void *const lists[] = {data->reading, data->socket,    data->row,   data->file,
+                           data->target,  data->targets,   data->files, data->distances,
+                           data->sockets, data->placements};
+    for (int c = 0; c < MUKCA_COLUMNS; c++) free(data->column[c]);
     for (size_t i = 0; i < sizeof lists / sizeof *lists; i++) free(lists[i]);
     memset(data, 0, sizeof *data);
 }

@@ -23,24 +23,44 @@ typedef struct {
     double distance;
 } mukca_distance;
 
+/* The columns of numbers in recordings: constant; member; numbers per sample, 0: one per joint; in
+ * the joint's unit (rad, m) or not; decimals written; names in files, or what follows a joint's.
+ * mukca_column_table (dataset_subset.h) has them. */
+#define MUKCA_COLUMN_LIST(X)                                                                     \
+    X(TIME, time, 1, false, 3, "time_s")                                                         \
+    X(Q, q, 0, true, 12, "")                                 /* always present */                \
+    X(EFFORT, effort, 0, false, 6, ".effort")                /* N m */                           \
+    X(COMMAND, command, 0, true, 12, ".command")             /* commanded angle */               \
+    X(VELOCITY, velocity, 0, true, 9, ".velocity")           /* per second */                    \
+    X(PAYLOAD, payload, 1, false, 6, "payload_kg")           /* at the tip beyond the model */   \
+    X(POSITION, position, 3, false, 12, "x_m", "y_m", "z_m") /* of the tip, NaN: not measured */ \
+    X(QUATERNION, quaternion, 4, false, 14, "qw", "qx", "qy", "qz") /* of the tip, likewise */
+
+enum {
+#define MUKCA_COLUMN_ENUM(constant, ...) MUKCA_COLUMN_##constant,
+    MUKCA_COLUMN_LIST(MUKCA_COLUMN_ENUM)
+#undef MUKCA_COLUMN_ENUM
+        MUKCA_COLUMNS
+};
+
 /* All arrays are owned by the dataset (mukca_dataset_free); an optional one is NULL if no file has
  * the column, and NaN in the samples of files without it. */
 typedef struct {
     int n_rows, n_joints, n_sockets, n_placements, n_distances, n_files;
-    double *q;          /* [n_rows][n_joints], rad or m, in the chain's joint order */
-    int *socket;        /* [n_rows] index into sockets, -1: sample of a pose log */
-    int *row;           /* [n_rows] 1-based number of the data row in its file */
-    int *file;          /* [n_rows] index into files */
-    int *target;        /* [n_rows] index into targets, -1: none named; or NULL */
-    double *time;       /* [n_rows] s, or NULL */
-    double *payload;    /* [n_rows] kg at the tip beyond the model, or NULL */
-    double *effort;     /* [n_rows][n_joints] N m, or NULL */
-    double *command;    /* [n_rows][n_joints] rad, or NULL */
-    double *reading;    /* [n_rows][n_joints] rad, angles read, where q are commands; or NULL */
-    bool by_command;    /* q are commanded angles */
-    double *velocity;   /* [n_rows][n_joints] rad/s, or NULL */
-    double *position;   /* [n_rows][3] measured tip, m, or NULL (NaN: not in this sample) */
-    double *quaternion; /* [n_rows][4] measured tip, w first, or NULL (NaN likewise) */
+    union {
+        struct {
+#define MUKCA_COLUMN_MEMBER(constant, member, ...) double *member; /* [n_rows][numbers] */
+            MUKCA_COLUMN_LIST(MUKCA_COLUMN_MEMBER)
+#undef MUKCA_COLUMN_MEMBER
+        };
+        double *column[MUKCA_COLUMNS]; /* the same */
+    };
+    double *reading; /* [n_rows][n_joints] angles read, where q are commands; or NULL */
+    bool by_command; /* q are commanded angles */
+    int *socket;     /* [n_rows] index into sockets, -1: sample of a pose log */
+    int *row;        /* [n_rows] 1-based number of the data row in its file */
+    int *file;       /* [n_rows] index into files */
+    int *target;     /* [n_rows] index into targets, -1: none named; or NULL */
     mukca_socket *sockets;
     mukca_placement *placements;
     mukca_distance *distances; /* every pair of sockets of a placement with a known distance */

@@ -1,53 +1,50 @@
-/* Datasets: subsets, commanded angles, states of the joints. */
+/* Datasets: columns, subsets, commanded angles, states of the joints. */
 #include "model/dataset_subset.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+const mukca_column mukca_column_table[] = {
+#define ROW(constant, member, width, joint_unit, decimals, ...) \
+    {width, joint_unit, decimals, {__VA_ARGS__}},
+    MUKCA_COLUMN_LIST(ROW)
+#undef ROW
+};
+
 /* Replace the list at `list` (NULL stays NULL) by a copy of its items with nonzero keep[], NULL:
  * all n; room for `kept`. */
 static bool copy_items(void *list, size_t size, int n, const unsigned char *keep, int kept)
 {
-    char *from, *copy, *to;
+    char *from;
     memcpy(&from, list, sizeof from);
     if (!from) return true;
-    copy = to = calloc((size_t)kept + 1, size);
-    for (int i = 0; i < n && copy; i++, from += size) {
+    char *to = calloc((size_t)kept + 1, size);
+    memcpy(list, &to, sizeof to);
+    if (!to) return false;
+    for (int i = 0; i < n; i++, from += size) {
         if (keep && !keep[i]) continue;
         memcpy(to, from, size);
         to += size;
     }
-    memcpy(list, &copy, sizeof copy);
-    return copy != NULL;
+    return true;
 }
 
 mukca_status mukca_dataset_subset(mukca_dataset *out, const mukca_dataset *data,
                                   const unsigned char *keep, mukca_error *error)
 {
     mukca_dataset d = *data;
-    const size_t one = sizeof(double), joints = (size_t)d.n_joints * one;
-    const struct {
-        void *list;
-        size_t size;
-    } of_rows[] = {{&d.q, joints},
-                   {&d.socket, sizeof *d.socket},
-                   {&d.row, sizeof *d.row},
-                   {&d.file, sizeof *d.file},
-                   {&d.target, sizeof *d.target},
-                   {&d.time, one},
-                   {&d.payload, one},
-                   {&d.effort, joints},
-                   {&d.command, joints},
-                   {&d.reading, joints},
-                   {&d.velocity, joints},
-                   {&d.position, 3 * one},
-                   {&d.quaternion, 4 * one}};
+    const int n = data->n_rows;
+    int **const indices[] = {&d.socket, &d.row, &d.file, &d.target};
     bool good = true;
     d.n_rows = 0;
-    for (int i = 0; i < data->n_rows; i++) d.n_rows += keep[i] != 0;
-    for (size_t l = 0; l < sizeof of_rows / sizeof *of_rows; l++)
-        good &= copy_items(of_rows[l].list, of_rows[l].size, data->n_rows, keep, d.n_rows);
+    for (int i = 0; i < n; i++) d.n_rows += keep[i] != 0;
+    for (int i = 0; i < 4; i++)
+        good &= copy_items(indices[i], sizeof **indices[i], n, keep, d.n_rows);
+    for (int c = 0; c < MUKCA_COLUMNS; c++)
+        good &= copy_items(&d.column[c], (size_t)mukca_column_width(c, d.n_joints) * sizeof *d.q, n,
+                           keep, d.n_rows);
+    good &= copy_items(&d.reading, (size_t)d.n_joints * sizeof *d.q, n, keep, d.n_rows);
     good &= copy_items(&d.sockets, sizeof *d.sockets, d.n_sockets, NULL, d.n_sockets);
     good &= copy_items(&d.placements, sizeof *d.placements, d.n_placements, NULL, d.n_placements);
     good &= copy_items(&d.distances, sizeof *d.distances, d.n_distances, NULL, d.n_distances);
@@ -172,15 +169,11 @@ static void average_quaternions(double *q, int first, int count)
 
 static void average_rows(mukca_dataset *d, int first, int count)
 {
-    const int n = d->n_joints;
     if (count < 2) return;
-    average(d->q, n, first, count);
-    average(d->time, 1, first, count);
-    average(d->effort, n, first, count);
-    average(d->command, n, first, count);
-    average(d->reading, n, first, count);
-    average(d->velocity, n, first, count);
-    average(d->position, 3, first, count);
+    for (int c = 0; c < MUKCA_COLUMNS; c++)
+        if (c != MUKCA_COLUMN_PAYLOAD && c != MUKCA_COLUMN_QUATERNION) /* equal; see above */
+            average(d->column[c], mukca_column_width(c, d->n_joints), first, count);
+    average(d->reading, d->n_joints, first, count);
     average_quaternions(d->quaternion, first, count);
 }
 

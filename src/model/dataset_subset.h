@@ -1,4 +1,4 @@
-/* Subsets of a dataset, commanded angles, states of the joints, postures. */
+/* Columns and subsets of a dataset, commanded angles, states of the joints, postures. */
 #ifndef MUKCA_MODEL_DATASET_SUBSET_H
 #define MUKCA_MODEL_DATASET_SUBSET_H
 
@@ -6,6 +6,22 @@
 #include "math/random.h"
 #include "model/dataset.h"
 #include "mukca/row_state.h"
+
+/* A row of MUKCA_COLUMN_LIST. */
+typedef struct {
+    int width;
+    bool joint_unit;
+    int decimals;
+    const char *name[4];
+} mukca_column;
+
+extern const mukca_column mukca_column_table[MUKCA_COLUMNS];
+
+/* Numbers of a column per sample. */
+static inline int mukca_column_width(int column, int n_joints)
+{
+    return mukca_column_table[column].width ? mukca_column_table[column].width : n_joints;
+}
 
 /* Copy of the samples with nonzero keep[row]; sockets, placements and distances are copied
  * unchanged, and their indices stay valid.  Errors: MUKCA_MEMORY. */

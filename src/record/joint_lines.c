@@ -13,7 +13,8 @@
 #include "base/cells.h"
 #include "base/clock.h"
 #include "base/number.h"
-#include "base/utf8.h"
+#include "base/text.h"
+#include "io/table.h"
 
 void mukca_joint_lines_open(mukca_joint_lines *lines, int fd)
 {
@@ -123,8 +124,6 @@ static const char *const role_names[] = {[MUKCA_LCM_ROLE_POSITION] = "position",
  * joints. */
 static bool put(mukca_lcm_joints *joints, mukca_joint_lines *l, const char *name, double value)
 {
-    static const char *const others[] = {"placement", "socket", "target", "temperature_c",
-                                         "payload_kg"};
     const double time = time_unit(name) * value;
     const char *dot = strrchr(name, '.');
     size_t length = strlen(name);
@@ -133,11 +132,10 @@ static bool put(mukca_lcm_joints *joints, mukca_joint_lines *l, const char *name
         joints->time = fabs(time) < 9e18 ? (int64_t)llround(time) : 0;
         return true;
     }
-    for (int i = 0; i < 5; i++)
-        if (strcmp(name, others[i]) == 0) return true;
+    if (mukca_columns_reserved(name) || strcmp(name, "target") == 0) return true;
     for (int r = MUKCA_LCM_ROLE_VELOCITY; dot && r <= MUKCA_LCM_ROLE_COMMAND; r++)
         if (strcmp(dot + 1, role_names[r]) == 0) role = r;
-    if (dot && strcmp(dot, ".spread") == 0) role = -1;
+    if (dot && strcmp(dot, MUKCA_COLUMNS_SPREAD) == 0) role = -1;
     if (role != MUKCA_LCM_ROLE_POSITION) length = (size_t)(dot - name);
     while (joint < joints->n &&
            (strncmp(joints->name[joint], name, length) != 0 || joints->name[joint][length] != '\0'))

@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "base/utf8.h"
 #include "record/recorder.h"
 
 static const int64_t repeat_us = 10000000; /* of reports of the same trouble */
@@ -48,19 +47,12 @@ double mukca_stream_age(const mukca_recorder *r)
     return age > 0 ? age : 0;
 }
 
-void mukca_recorder_report(mukca_recorder *r, const char *format, ...)
-{
-    va_list args;
-    va_start(args, format);
-    vsnprintf(r->reports.last_line, sizeof r->reports.last_line, format, args);
-    va_end(args);
-    make_printable(r->reports.last_line);
-    if (r->hooks.report) r->hooks.report(r->hooks.context, r->reports.last_line);
-}
-
 void mukca_recorder_note(void *context, const char *text)
 {
-    mukca_recorder_report(context, "%s", text);
+    mukca_recorder *r = context;
+    snprintf(r->reports.last_line, sizeof r->reports.last_line, "%s", text);
+    make_printable(r->reports.last_line);
+    if (r->hooks.report) r->hooks.report(r->hooks.context, r->reports.last_line);
 }
 
 bool mukca_recorder_reported(const mukca_recorder *r, mukca_recorder_trouble kind)

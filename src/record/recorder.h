@@ -219,12 +219,10 @@ mukca_status mukca_recorder_step(mukca_recorder *r, int timeout_ms, int other, b
 /* Send a message on its channel; false: it failed, which is reported. */
 bool mukca_recorder_publish(mukca_recorder *r, mukca_message_kind kind, const void *message);
 
-/* Report one line to the user and keep it for the status message. */
-void mukca_recorder_report(mukca_recorder *r, const char *format, ...)
-    __attribute__((format(printf, 2, 3)));
-
-/* The same as a mukca_note_fn; `r` is the recorder. */
+/* Report one line to the user and keep it for the status message: a mukca_note_fn, `r` is the
+ * recorder; formatted. */
 void mukca_recorder_note(void *r, const char *text);
+#define mukca_recorder_report(r, ...) mukca_note_format(mukca_recorder_note, r, __VA_ARGS__)
 
 /* Whether trouble of this kind was reported in the last ten seconds. */
 bool mukca_recorder_reported(const mukca_recorder *r, mukca_recorder_trouble kind);

@@ -208,11 +208,10 @@ static mukca_status age_at(double *age, const mukca_recorder *r,
 /* Report joints beyond the limits of the URDF, once each: the wrong arm, joint or zero. */
 static void report_limits(mukca_recorder *r, const double *q)
 {
-    const double tolerance = 0.05; /* rad or m: encoders exceed the limits slightly */
     for (int j = 0; j < r->chain->n_joints; j++) {
         const mukca_element *e = &r->chain->element[r->chain->joint_element[j]];
-        const double beyond = fmax(q[j] - e->upper, e->lower - q[j]);
-        if (!(beyond > tolerance) || r->session.beyond[j]) continue;
+        const double beyond = mukca_rows_beyond(e, q[j]);
+        if (beyond == 0 || r->session.beyond[j]) continue;
         r->session.beyond[j] = true;
         mukca_recorder_report(r,
                               "%s is %.2f %s beyond its limits in the URDF: check --urdf and --map",

@@ -4,6 +4,7 @@
 #include <poll.h>
 #include <string.h>
 
+#include "io/rows.h"
 #include "record/recorder.h"
 
 /* A restarted driver has a new port and is accepted after this silence, us. */
@@ -12,16 +13,14 @@ static const int64_t handover_us = 500000;
 static const char two_arms[] =
     "two arms seem to send on this channel: stop one of them, or name another --channel";
 
-/* Take the mapped readings of the message.  No arm turns a joint by two turns from zero or moves
- * one by 20 m: such values are degrees, or another field. */
+/* Take the mapped readings of the message.  Implausible values are degrees, or another field. */
 static mukca_status take_positions(mukca_recorder *r, mukca_error *error)
 {
     mukca_stream *stream = &r->stream;
     const mukca_chain *chain = r->chain;
     for (int j = 0; j < chain->n_joints; j++) {
-        const bool linear = chain->element[chain->joint_element[j]].type == MUKCA_PRISMATIC;
         const double q = stream->last.joints.value[MUKCA_LCM_ROLE_POSITION][stream->map.reading[j]];
-        if (!(fabs(q) <= (linear ? 20 : 4 * M_PI)))
+        if (!mukca_rows_plausible(&chain->element[chain->joint_element[j]], q))
             return mukca_fail(error, MUKCA_INPUT,
                               "%s: %s reads %g: no angle in rad; convert degrees%s, or check --map",
                               stream->channel, mukca_recorder_joint(r, j), q,

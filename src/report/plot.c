@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/list.h"
-#include "base/utf8.h"
+#include "base/text.h"
 
 /* WIDTH, px: two figures per row, legible on a phone.  Margins, px; BOTTOM_NAMES leaves room for
  * NAME characters at an angle. */

@@ -27,7 +27,7 @@ static void check_export(const char *path, const mukca_chain *chain,
             if ((k + p) % 3) offsets.theta[MUKCA_PARAMETERS * k + p] = 0.125 * (k + 1) + p;
     const mukca_export_input input = {.urdf_path = path, .chain = chain, .offsets = &offsets};
     FILE *stream = open_memstream(&text, &length);
-    mukca_status status = mukca_export_urdf.write(stream, &input, NULL);
+    mukca_status status = mukca_export_urdf.write(stream, &input);
     fclose(stream);
     if (status == MUKCA_OK) {
         const char *again = memory_file((const uint8_t *)text, length);

@@ -25,7 +25,7 @@ static void export(table *t, const mukca_chain *arm, const mukca_export_format *
     size_t size;
     FILE *stream = open_memstream(&text, &size);
     mukca_offsets_init(&nominal, arm);
-    assert_ok(format->write(stream, &input, &error));
+    assert_ok(format->write(stream, &input));
     fclose(stream);
     t->n_rows = 0;
     for (char *line = strstr(text, "upper\n") + 6, *end; *line; line = end + 1) {

@@ -33,8 +33,11 @@ static void add_effects(void)
 static mukca_export_input make_input(void)
 {
     notes[0] = '\0';
-    return (mukca_export_input){
-        .urdf_path = urdf_path(), .chain = &chain, .offsets = &offsets, .note = note};
+    return (mukca_export_input){.urdf_path = urdf_path(),
+                                .chain = &chain,
+                                .offsets = &offsets,
+                                .note = note,
+                                .error = &error};
 }
 
 /* Export to a file; its content, to be freed. */
@@ -45,7 +48,7 @@ static char *export(const char *name, mukca_status wanted)
     while (strcmp(exporter->name, name) != 0) exporter++;
     FILE *file = scratch_create(&path, "export");
     const mukca_export_input input = make_input();
-    assert_int_equal(mukca_export_write(file, exporter, &input, &error), wanted);
+    assert_int_equal(mukca_export_write(file, exporter, &input), wanted);
     fclose(file);
     return scratch_read(path);
 }

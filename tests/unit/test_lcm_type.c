@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "close.h"
 #include "lcm/message.h"
 #include "lcm/type.h"
@@ -358,7 +359,33 @@ TEST(own_messages_round_trip)
     assert_int_equal(mukca_message_encode(NULL, 0, MUKCA_MESSAGE_RESULT, &result), 0);
 }
 
-/* The tables of message.c against the installed descriptions: fingerprints, and the decoder that
+/* The members of a struct as its description in LCM's language. */
+#define LCM_NAME(type) \
+    _Generic((type *)NULL, int64_t *: "int64_t", int *: "int32_t", double *: "double",         \
+             bool *: "boolean", const char **: "string")
+#define ONE(of, type, name) mukca_text_put(text, " %s %s;", LCM_NAME(type), #name);
+#define MANY(of, type, name, capacity)                             \
+    if (counted)                                                   \
+        mukca_text_put(text, " %s %s[n];", LCM_NAME(type), #name); \
+    else                                                           \
+        mukca_text_put(text, " %s %s[%d];", LCM_NAME(type), #name, (int)(capacity));
+
+static void describe_own(mukca_text *text, mukca_message_kind kind)
+{
+    const bool counted = kind != MUKCA_MESSAGE_POSE;
+    switch (kind) {
+#define CASE(channel, name, fingerprint)                           \
+    case MUKCA_MESSAGE_##channel:                                  \
+        mukca_text_put(text, "package mukca; struct %s {", #name); \
+        MUKCA_MESSAGE_##channel##_LIST(ONE, MANY, ) break;
+        MUKCA_MESSAGE_LIST(CASE)
+        default:
+            break;
+    }
+    mukca_text_put(text, " }");
+}
+
+/* The structs of message.h against the installed descriptions: fingerprints, and the decoder that
  * goes by a description reads what the encoder wrote. */
 TEST(own_messages_are_those_of_data_lcm)
 {
@@ -383,6 +410,11 @@ TEST(own_messages_are_those_of_data_lcm)
         assert_ok(mukca_lcm_types_read(&more, files[k], &error));
         int t = more.n_types - 1;
         assert_true(more.type[t].fingerprint == expected[k]);
+        char own[2048] = "";
+        mukca_text text = MUKCA_TEXT(own);
+        describe_own(&text, (mukca_message_kind)k);
+        assert_ok(mukca_lcm_types_parse(&more, own, "message.h", &error));
+        assert_true(more.type[t + 1].fingerprint == expected[k]);
         assert_ok(mukca_lcm_type_set_role(&more, t, MUKCA_LCM_ROLE_POSITION, "utime", &error));
         memset(&zero, 0, sizeof zero);
         int64_t utime = 77 + k; /* the first member of each */
