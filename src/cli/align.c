@@ -120,7 +120,7 @@ static mukca_status find_shared(cli_call *call)
                     call->arguments.items[1]);
 }
 
-static void print(cli_call *call)
+static mukca_status print(cli_call *call)
 {
     static const char *const names[6] = {"x", "y", "z", "about x", "about y", "about z"};
     const align_work *w = call->work;
@@ -139,6 +139,7 @@ static void print(cli_call *call)
             "Distance of the sockets after the alignment: %.3f mm rms; noise alone: %.3f mm%s",
             1e3 * t->residual_m, 1e3 * t->expected_m,
             t->scale > 2 ? " (calibrate both arms first: --offsets, --right-offsets)" : "");
+    return MUKCA_OK;
 }
 
 static json_t *as_json(const cli_call *call)
@@ -157,8 +158,7 @@ static json_t *as_json(const cli_call *call)
                         KEY("residual_m", mukca_distance3(at, w->shared[i].at[0])));
     }
     return cli_json(
-        KEY("schema", "mukca.align/1"), KEY("pose", cli_json_frame(&t->pose)),
-        KEY("rpy_rad", cli_json_reals(rpy, 3)),
+        KEY("pose", cli_json_frame(&t->pose)), KEY("rpy_rad", cli_json_reals(rpy, 3)),
         KEY("sigma", cli_json(KEY("position_m", cli_json_reals(t->sigma, 3)),
                               KEY("rotation_rad", cli_json_reals(t->sigma + 3, 3)))),
         KEY("width95", cli_json(KEY("position_m", cli_json_reals(t->width95, 3)),
@@ -173,11 +173,8 @@ static mukca_status run(cli_call *call)
     mukca_status status = MUKCA_OK;
     for (int i = 0; i < 2 && status == MUKCA_OK; i++) status = load_side(call, i);
     if (status == MUKCA_OK) status = find_shared(call);
-    if (status == MUKCA_OK)
-        status = mukca_two_arms_align(&w->result, w->shared, w->n, &call->error);
-    if (status == MUKCA_OK && call->common->json) status = cli_write_json(call, as_json(call));
-    if (status == MUKCA_OK) print(call);
-    return status;
+    if (status != MUKCA_OK) return status;
+    return mukca_two_arms_align(&w->result, w->shared, w->n, &call->error);
 }
 
 const cli_command cli_command_align = {
@@ -202,6 +199,8 @@ const cli_command cli_command_align = {
     .options = options,
     .options_size = sizeof(align_options),
     .run = run,
+    .json = as_json,
+    .print = print,
     .work_size = sizeof(align_work),
     .release = release,
 };

@@ -3,12 +3,10 @@
 #include <string.h>
 
 #include "cli/calibrate.h"
-#include "cli/traits.h"
 #include "diagnose/recording.h"
 #include "fit/align.h"
 #include "fit/mismatch.h"
 #include "fit/solver.h"
-#include "io/summary.h"
 
 typedef struct {
     cli_common common;
@@ -35,10 +33,11 @@ static const cli_option options[] = {
     CLI_RANGE_OPTION(
         calibrate_options, lambda, "lambda", CLI_NUMBER, "L", 0, INFINITY,
         "weight of the regularisation towards the nominal model, per placement (default: 1e-4)"),
-    CLI_OPTION(
+    CLI_OPTION_AND(
         calibrate_options, evidence, "evidence", CLI_FLAG, NULL,
         "choose the priors by the evidence and give outliers less weight, instead of this cost "
-        "(sockets)"),
+        "(sockets)",
+        .excludes = "free freeze regularise-tip lambda solver gradient free-base free-tool traits"),
     CLI_CHOICE_OPTION(calibrate_options, solver, "solver", "SOLVER", solvers,
                       "minimiser (default: slsqp)"),
     CLI_CHOICE_OPTION(calibrate_options, gradient, "gradient", "GRADIENT", gradients,
@@ -84,7 +83,6 @@ static mukca_fit_options fit_options(const calibrate_options *o)
 typedef struct {
     mukca_fit fit, other; /* the other one: by the evidence */
     mukca_offsets offsets;
-    mukca_traits traits;
     calibrate_result result;
     double
         nominal[MUKCA_MAX_THETA]; /* of the chain, with free frames aligned to the training data */
@@ -124,20 +122,15 @@ static mukca_status compare_evidence(cli_call *call, calibrate_result *r)
     return status;
 }
 
-static mukca_status write_results(cli_call *call, const calibrate_result *r)
+static mukca_status write_offsets(cli_call *call, const calibrate_result *r)
 {
-    const calibrate_options *o = call->options;
     char comments[256];
     snprintf(comments, sizeof comments,
              "mean error on %d training samples: %.4g m nominal, %.4g m calibrated",
              r->train->n_rows, r->scores.set[0].mean[CLI_NOMINAL].mae,
              r->scores.set[0].mean[CLI_CALIBRATED].mae);
-    mukca_status status = cli_write_offsets(call, call->common->output, r->offsets, &r->fit->chain,
-                                            r->train, comments);
-    if (status != MUKCA_OK || !call->common->json) return status;
-    return cli_write_json(
-        call, calibrate_json(r, o->evidence ? "posterior" : solvers[o->solver],
-                             o->evidence ? NULL : gradients[o->gradient], cli_elapsed(call)));
+    return cli_write_offsets(call, call->common->output, r->offsets, &r->fit->chain, r->train,
+                             comments);
 }
 
 static void release(void *work)
@@ -157,18 +150,6 @@ static void note_logs(cli_call *call, const mukca_dataset *data)
                  "-o` fits separate ones if the evidence supports them");
 }
 
-static mukca_status use_traits(cli_call *call)
-{
-    const calibrate_options *o = call->options;
-    calibrate_work *w = call->work;
-    const mukca_fit_options again = fit_options(o);
-    if (!o->common.traits) return MUKCA_OK;
-    mukca_status status =
-        mukca_traits_read(&w->traits, o->common.traits, &call->session->model.chain, &call->error);
-    if (status != MUKCA_OK) return status;
-    return calibrate_use_traits(call, &w->result, &w->fit, &w->traits, &again);
-}
-
 static mukca_status run(cli_call *call)
 {
     const calibrate_options *o = call->options;
@@ -176,25 +157,19 @@ static mukca_status run(cli_call *call)
     calibrate_work *w = call->work;
     mukca_fit *fit = &w->fit;
     calibrate_result *r = &w->result;
+    const mukca_fit_options wanted = fit_options(o);
     *r =
         (calibrate_result){.fit = fit, .train = &s->data, .test = &s->test, .offsets = &w->offsets};
-    const mukca_fit_options wanted = fit_options(o);
-    if (o->evidence && (!is_default(o) || o->solver || o->gradient))
+    note_logs(call, r->train);
+    mukca_columns_note(cli_note, call, &s->model.chain, r->train);
+    if (o->evidence && r->train->n_sockets == 0)
         return cli_fail(call, MUKCA_USAGE,
-                        "--evidence has its own priors and parameters; of the options of the "
-                        "fit, give no other");
-    mukca_status status = cli_load(call);
-    if (status == MUKCA_OK) {
-        note_logs(call, r->train);
-        mukca_columns_note(cli_note, call, &s->model.chain, r->train);
-    }
-    if (status == MUKCA_OK && o->evidence && r->train->n_sockets == 0)
-        status = cli_fail(call, MUKCA_USAGE,
-                          "--evidence is for sockets; for pose logs: mukca diagnose -o");
-    if (status == MUKCA_OK) status = check_moving(call, r->train);
+                        "--evidence is for sockets; for pose logs: mukca diagnose -o");
+    mukca_status status = check_moving(call, r->train);
     if (status == MUKCA_OK)
         status = mukca_fit_run(fit, &s->model.chain, r->train, &wanted, &call->error);
-    if (status == MUKCA_OK) status = use_traits(call);
+    if (status == MUKCA_OK && o->common.traits)
+        status = calibrate_use_traits(call, r, fit, &s->traits, &wanted);
     if (status == MUKCA_OK && fit->identification.rank == 0)
         status = cli_fail(call, MUKCA_UNIDENTIFIABLE,
                           "the data identify no free parameter; record different postures");
@@ -206,12 +181,25 @@ static mukca_status run(cli_call *call)
         status = cli_scores_make(call, &r->scores, &fit->chain, fit->theta, NULL, "train");
     if (status == MUKCA_OK) status = judge(call, r);
     if (status == MUKCA_OK) status = compare_evidence(call, r);
-    if (status == MUKCA_OK) calibrate_add_traits(r->offsets, r);
-    if (status == MUKCA_OK) status = write_results(call, r);
     if (status != MUKCA_OK) return status;
+    calibrate_add_traits(r->offsets, r);
+    return write_offsets(call, r);
+}
+
+static json_t *as_json(const cli_call *call)
+{
+    const calibrate_options *o = call->options;
+    const calibrate_result *r = &((const calibrate_work *)call->work)->result;
+    return calibrate_json(r, o->evidence ? "posterior" : solvers[o->solver],
+                          o->evidence ? NULL : gradients[o->gradient], cli_elapsed(call));
+}
+
+static mukca_status print(cli_call *call)
+{
+    const calibrate_result *r = &((const calibrate_work *)call->work)->result;
     calibrate_print(call, r);
     calibrate_print_traits(call, r);
-    return w->offsets.acceptance.accepted ? MUKCA_OK : MUKCA_NEGATIVE;
+    return r->offsets->acceptance.accepted ? MUKCA_OK : MUKCA_NEGATIVE;
 }
 
 const cli_command cli_command_calibrate = {
@@ -249,7 +237,10 @@ const cli_command cli_command_calibrate = {
     .options = options,
     .options_size = sizeof(calibrate_options),
     .defaults = &defaults,
+    .reads = CLI_READS_DATA,
     .run = run,
+    .json = as_json,
+    .print = print,
     .work_size = sizeof(calibrate_work),
     .release = release,
 };

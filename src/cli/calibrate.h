@@ -28,7 +28,7 @@ void calibrate_print_traits(cli_call *call, const calibrate_result *result);
 /* Print one screen, the verdict first. */
 void calibrate_print(cli_call *call, const calibrate_result *result);
 
-/* The result as mukca.calibrate/1. */
+/* The members of mukca.calibrate/1. */
 json_t *calibrate_json(const calibrate_result *result, const char *solver, const char *gradient,
                        double elapsed);
 

@@ -216,7 +216,7 @@ json_t *calibrate_json(const calibrate_result *r, const char *solver, const char
         by_evidence = cli_json(KEY("error_m", e->after_m), KEY("instead_of_m", e->before_m),
                                KEY("difference_sigma_m", e->sigma_m));
     return cli_json(
-        KEY("schema", "mukca.calibrate/1"), FIELD(fit, converged),
+        FIELD(fit, converged),
         KEY("solver",
             cli_json(KEY("name", solver), KEY("gradient", gradient),
                      KEY("evaluations", fit->outcome.evaluations),

@@ -20,12 +20,14 @@ mukca_status cli_read_offsets(cli_call *call, mukca_offsets *offsets, mukca_chai
                               const mukca_chain *chain, const char *path)
 {
     const cli_common *c = call->common;
-    const mukca_offsets_options options = {.force = c->force,
-                                           .accept = (c->accept_failed ? MUKCA_ACCEPT_FAILED : 0) |
-                                                     (c->accept_edited ? MUKCA_ACCEPT_EDITED : 0),
-                                           .own = own,
-                                           .note = cli_note,
-                                           .context = call};
+    const bool any = call->command->any_table;
+    const mukca_offsets_options options = {
+        .force = c->force,
+        .accept = (any || c->accept_failed ? MUKCA_ACCEPT_FAILED : 0) |
+                  (any || c->accept_edited ? MUKCA_ACCEPT_EDITED : 0),
+        .own = own,
+        .note = cli_note,
+        .context = call};
     const mukca_status status = mukca_offsets_read(offsets, chain, path, &options, &call->error);
     for (int e = 0; e < offsets->n_effects && status == MUKCA_OK; e++) {
         const mukca_effect_info *info = mukca_effect_table[offsets->effects[e].kind];
@@ -76,7 +78,8 @@ mukca_status cli_load_model(cli_call *call, cli_model *model)
     else
         mukca_offsets_init(&model->offsets, &model->chain);
     mukca_geometry_set(&model->geometry, &model->chain, model->offsets.theta);
-    return status;
+    if (status != MUKCA_OK || !c->traits) return status;
+    return mukca_traits_read(&call->session->traits, c->traits, &model->chain, &call->error);
 }
 
 /* Masses of --payload, payload[all]: of DATA, then of --test. */
@@ -139,9 +142,6 @@ mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model 
 {
     const cli_common *c = call->common;
     memset(data, 0, sizeof *data);
-    if (c->distance >= 2)
-        return cli_fail(call, MUKCA_USAGE, "--distance %g looks like %s; give m, as in 0.05",
-                        c->distance, c->distance > 10 ? "millimetres" : "centimetres");
     mukca_dataset_options options = {
         .distance = c->distance, .distances = c->distances, .note = cli_note, .context = call};
     const mukca_status units = cli_read_format(call, &options.format);
@@ -246,7 +246,8 @@ static void note_unequal_sockets(cli_call *call, const mukca_dataset *data)
     }
 }
 
-mukca_status cli_load(cli_call *call)
+/* The model, DATA if there are arguments, --test if given. */
+static mukca_status load(cli_call *call)
 {
     cli_session *s = call->session;
     mukca_status status = cli_load_model(call, &s->model);
@@ -271,7 +272,8 @@ mukca_status cli_load(cli_call *call)
     return status;
 }
 
-mukca_status cli_condense(cli_call *call)
+/* Condense the session's data to the capacity of a diagnosis, with a note. */
+static mukca_status condense(cli_call *call)
 {
     mukca_condensed condensed;
     const mukca_status status =
@@ -285,6 +287,14 @@ mukca_status cli_condense(cli_call *call)
                           "%d of %d postures are used, in blocks that are evenly spread",
                           condensed.samples, condensed.postures);
     return MUKCA_OK;
+}
+
+mukca_status cli_read(cli_call *call, cli_reads what)
+{
+    if (what == CLI_READS_NOTHING) return MUKCA_OK;
+    if (what == CLI_READS_MODEL) return cli_load_model(call, &call->session->model);
+    const mukca_status status = load(call);
+    return status == MUKCA_OK && what == CLI_READS_CONDENSED ? condense(call) : status;
 }
 
 cli_list cli_inputs(cli_call *call)
