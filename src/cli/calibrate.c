@@ -8,18 +8,10 @@
 #include "fit/mismatch.h"
 #include "fit/solver.h"
 
-typedef struct {
-    cli_common common;
-    const char *free, *freeze;
-    int solver, gradient;
-    double lambda;
-    bool regularise_tip, evidence;
-} calibrate_options;
-
 static const calibrate_options defaults = {.lambda = MUKCA_LAMBDA};
 
-static const char *const solvers[] = {"slsqp", "lbfgs", "gauss-newton", NULL};
-static const char *const gradients[] = {"fd", "analytic", NULL};
+const char *const calibrate_solvers[] = {"slsqp", "lbfgs", "gauss-newton", NULL};
+const char *const calibrate_gradients[] = {"fd", "analytic", NULL};
 
 static const cli_option options[] = {
     CLI_OUTPUT_OPTION("write the offsets table"),
@@ -38,9 +30,9 @@ static const cli_option options[] = {
         "choose the priors by the evidence and give outliers less weight, instead of this cost "
         "(sockets)",
         .excludes = "free freeze regularise-tip lambda solver gradient free-base free-tool traits"),
-    CLI_CHOICE_OPTION(calibrate_options, solver, "solver", "SOLVER", solvers,
+    CLI_CHOICE_OPTION(calibrate_options, solver, "solver", "SOLVER", calibrate_solvers,
                       "minimiser (default: slsqp)"),
-    CLI_CHOICE_OPTION(calibrate_options, gradient, "gradient", "GRADIENT", gradients,
+    CLI_CHOICE_OPTION(calibrate_options, gradient, "gradient", "GRADIENT", calibrate_gradients,
                       "central differences (default), or analytic"),
     {.name = NULL}};
 
@@ -80,22 +72,6 @@ static mukca_fit_options fit_options(const calibrate_options *o)
         .limits = {.stop = cli_stop}};
 }
 
-typedef struct {
-    mukca_fit fit, other; /* the other one: by the evidence */
-    mukca_offsets offsets;
-    calibrate_result result;
-    double
-        nominal[MUKCA_MAX_THETA]; /* of the chain, with free frames aligned to the training data */
-} calibrate_work;
-
-static mukca_status judge(cli_call *call, const calibrate_result *r)
-{
-    const mukca_fit_options fitted = fit_options(call->options);
-    mukca_fit_offsets(r->offsets, r->fit);
-    return mukca_accept_fit(r->offsets, r->fit, &call->session->model.chain, r->train, r->test,
-                            &fitted, &call->error);
-}
-
 /* Whether the fit is that of the paper, which the posterior can replace. */
 static bool is_default(const calibrate_options *o)
 {
@@ -104,32 +80,33 @@ static bool is_default(const calibrate_options *o)
 }
 
 /* Compare with the geometry by the evidence.  The priors of a long recording have no weight. */
-static mukca_status compare_evidence(cli_call *call, calibrate_result *r)
+static mukca_status compare_evidence(cli_call *call)
 {
     enum { MOST_ROWS = 5000 };
     const calibrate_options *o = call->options;
-    mukca_fit *other = &((calibrate_work *)call->work)->other;
-    const mukca_chain *chain = &call->session->model.chain;
+    const cli_session *s = call->session;
+    calibrate_work *w = call->work;
     mukca_fit_options both[2] = {fit_options(o), fit_options(o)};
     both[1].by_evidence = true;
-    if (o->evidence || !is_default(o) || !r->offsets->acceptance.accepted ||
-        r->train->n_sockets == 0 || r->train->n_rows > MOST_ROWS)
+    if (o->evidence || !is_default(o) || !w->offsets.acceptance.accepted ||
+        s->data.n_sockets == 0 || s->data.n_rows > MOST_ROWS)
         return MUKCA_OK;
-    mukca_status status = mukca_fit_run(other, chain, r->train, &both[1], &call->error);
-    if (status == MUKCA_OK)
-        status = mukca_fit_compare(&r->evidence, (const mukca_fit *const[]){r->fit, other}, both,
-                                   chain, r->train, r->test, &call->error);
-    return status;
+    mukca_status status =
+        mukca_fit_run(&w->other, &s->model.chain, &s->data, &both[1], &call->error);
+    if (status != MUKCA_OK) return status;
+    return mukca_fit_compare(&w->evidence, (const mukca_fit *const[]){&w->fit, &w->other}, both,
+                             &s->model.chain, &s->data, &s->test, &call->error);
 }
 
-static mukca_status write_offsets(cli_call *call, const calibrate_result *r)
+static mukca_status write_offsets(cli_call *call)
 {
+    const calibrate_work *w = call->work;
+    const mukca_dataset *data = &call->session->data;
     char comments[256];
     snprintf(comments, sizeof comments,
-             "mean error on %d training samples: %.4g m nominal, %.4g m calibrated",
-             r->train->n_rows, r->scores.set[0].mean[CLI_NOMINAL].mae,
-             r->scores.set[0].mean[CLI_CALIBRATED].mae);
-    return cli_write_offsets(call, call->common->output, r->offsets, &r->fit->chain, r->train,
+             "mean error on %d training samples: %.4g m nominal, %.4g m calibrated", data->n_rows,
+             w->scores.set[0].mean[CLI_NOMINAL].mae, w->scores.set[0].mean[CLI_CALIBRATED].mae);
+    return cli_write_offsets(call, call->common->output, &w->offsets, &w->fit.chain, data,
                              comments);
 }
 
@@ -154,52 +131,34 @@ static mukca_status run(cli_call *call)
 {
     const calibrate_options *o = call->options;
     const cli_session *s = call->session;
+    const mukca_chain *chain = &s->model.chain;
+    const mukca_fit_options wanted = fit_options(o);
     calibrate_work *w = call->work;
     mukca_fit *fit = &w->fit;
-    calibrate_result *r = &w->result;
-    const mukca_fit_options wanted = fit_options(o);
-    *r =
-        (calibrate_result){.fit = fit, .train = &s->data, .test = &s->test, .offsets = &w->offsets};
-    note_logs(call, r->train);
-    mukca_columns_note(cli_note, call, &s->model.chain, r->train);
-    if (o->evidence && r->train->n_sockets == 0)
+    note_logs(call, &s->data);
+    mukca_columns_note(cli_note, call, chain, &s->data);
+    if (o->evidence && s->data.n_sockets == 0)
         return cli_fail(call, MUKCA_USAGE,
                         "--evidence is for sockets; for pose logs: mukca diagnose -o");
-    mukca_status status = check_moving(call, r->train);
-    if (status == MUKCA_OK)
-        status = mukca_fit_run(fit, &s->model.chain, r->train, &wanted, &call->error);
-    if (status == MUKCA_OK && o->common.traits)
-        status = calibrate_use_traits(call, r, fit, &s->traits, &wanted);
+    mukca_status status = check_moving(call, &s->data);
+    if (status == MUKCA_OK) status = mukca_fit_run(fit, chain, &s->data, &wanted, &call->error);
+    if (status == MUKCA_OK && o->common.traits) status = calibrate_use_traits(call, &wanted);
     if (status == MUKCA_OK && fit->identification.rank == 0)
         status = cli_fail(call, MUKCA_UNIDENTIFIABLE,
                           "the data identify no free parameter; record different postures");
     if (status == MUKCA_OK)
-        status = mukca_frames_start(w->nominal, &fit->chain, r->train, o->common.free_base,
+        status = mukca_frames_start(w->nominal, &fit->chain, &s->data, o->common.free_base,
                                     o->common.free_tool, &call->error);
-    r->scores = (cli_scores){.nominal_theta = w->nominal, .calibrated = true};
+    w->scores = (cli_scores){.nominal_theta = w->nominal, .calibrated = true};
     if (status == MUKCA_OK)
-        status = cli_scores_make(call, &r->scores, &fit->chain, fit->theta, NULL, "train");
-    if (status == MUKCA_OK) status = judge(call, r);
-    if (status == MUKCA_OK) status = compare_evidence(call, r);
+        status = cli_scores_make(call, &w->scores, &fit->chain, fit->theta, NULL, "train");
     if (status != MUKCA_OK) return status;
-    calibrate_add_traits(r->offsets, r);
-    return write_offsets(call, r);
-}
-
-static json_t *as_json(const cli_call *call)
-{
-    const calibrate_options *o = call->options;
-    const calibrate_result *r = &((const calibrate_work *)call->work)->result;
-    return calibrate_json(r, o->evidence ? "posterior" : solvers[o->solver],
-                          o->evidence ? NULL : gradients[o->gradient], cli_elapsed(call));
-}
-
-static mukca_status print(cli_call *call)
-{
-    const calibrate_result *r = &((const calibrate_work *)call->work)->result;
-    calibrate_print(call, r);
-    calibrate_print_traits(call, r);
-    return r->offsets->acceptance.accepted ? MUKCA_OK : MUKCA_NEGATIVE;
+    mukca_fit_offsets(&w->offsets, fit);
+    status = mukca_accept_fit(&w->offsets, fit, chain, &s->data, &s->test, &wanted, &call->error);
+    if (status == MUKCA_OK) status = compare_evidence(call);
+    if (status != MUKCA_OK) return status;
+    calibrate_add_traits(call);
+    return write_offsets(call);
 }
 
 const cli_command cli_command_calibrate = {
@@ -239,8 +198,8 @@ const cli_command cli_command_calibrate = {
     .defaults = &defaults,
     .reads = CLI_READS_DATA,
     .run = run,
-    .json = as_json,
-    .print = print,
+    .json = calibrate_json,
+    .print = calibrate_print,
     .work_size = sizeof(calibrate_work),
     .release = release,
 };
