@@ -10,9 +10,6 @@
 
 static const calibrate_options defaults = {.lambda = MUKCA_LAMBDA};
 
-const char *const calibrate_solvers[] = {"slsqp", "lbfgs", "gauss-newton", NULL};
-const char *const calibrate_gradients[] = {"fd", "analytic", NULL};
-
 static const cli_option options[] = {
     CLI_OUTPUT_OPTION("write the offsets table"),
     CLI_OPTION(calibrate_options, free, "free", CLI_TEXT, "LIST",

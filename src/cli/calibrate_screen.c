@@ -7,6 +7,9 @@
 #include "fit/poses.h"
 #include "report/wording.h"
 
+const char *const calibrate_solvers[] = {"slsqp", "lbfgs", "gauss-newton", NULL};
+const char *const calibrate_gradients[] = {"fd", "analytic", NULL};
+
 static void print_identifiability(cli_call *call, const mukca_fit *fit)
 {
     const int n = fit->parameters.n, rank = fit->identification.rank;
