@@ -48,18 +48,17 @@ static mukca_status disable(unsigned char *disabled, const char *list, mukca_err
 
 mukca_status cli_diagnosis_run(cli_call *call, cli_diagnosis *d)
 {
-    cli_common *c = call->common;
+    const cli_common *c = call->common;
     const cli_session *s = call->session;
     const mukca_chain *chain = &s->model.chain;
     mukca_error *error = &call->error;
     mukca_columns_note(cli_note, call, chain, &s->data);
-    if (s->data.n_targets > 1 && !c->free_tool && !c->offsets) {
+    const bool several = s->data.n_targets > 1 && !c->free_tool && !c->offsets;
+    if (several)
         cli_note(call, "several targets: each has its own position on the tool (--free-tool)");
-        c->free_tool = true;
-    }
     d->options.test = s->test.n_rows ? &s->test : NULL;
     d->options.free_base = c->free_base;
-    d->options.free_tool = c->free_tool;
+    d->options.free_tool = c->free_tool || several;
     d->options.applied = d->options.mounting = true;
     d->options.progress = cli_show_progress;
     d->options.progress_context = call;
@@ -184,7 +183,7 @@ static mukca_status print(cli_call *call)
     FILE *answer = cli_answer_stream(call);
     if (answer) cli_diagnosis_print(answer, &w->of.result, call->common->verbose);
     if (answer && d->verdict == MUKCA_VERDICT_UNTESTABLE)
-        cli_print_mismatch(call, &s->data, o->common.free_base, o->common.free_tool);
+        cli_print_mismatch(call, &s->data, w->of.options.free_base, w->of.options.free_tool);
     if (w->adoption.traits) cli_adoption_print(call, &w->adoption, d, &s->model.chain);
     if (call->common->output && !w->of.offsets.acceptance.accepted) return MUKCA_NEGATIVE;
     for (int i = 0; i < d->n_causes; i++)

@@ -145,7 +145,7 @@ static mukca_status prepare_arm(cli_call *call)
     if (status == MUKCA_OK) status = take_offsets(call);
     w->page.diagnosed = w->of.result;
     w->page.diagnosed.saved = true;
-    w->page.free_base = call->common->free_base, w->page.free_tool = call->common->free_tool;
+    w->page.free_base = w->of.options.free_base, w->page.free_tool = w->of.options.free_tool;
     if (status == MUKCA_OK) status = mukca_report_prepare(&w->page, &call->error);
     return status == MUKCA_OK ? provenance(call) : status;
 }
