@@ -2,7 +2,6 @@
 #include "cli/recalibrate.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
@@ -85,8 +84,6 @@ static void release(void *work)
     cli_recalibrated *r = work;
     mukca_pose_log_close(&r->log);
     mukca_pose_log_close(&r->test_log);
-    if (r->robust != r->fit) free(r->robust);
-    free(r->fit);
 }
 
 static mukca_recalibrate_task task_of(const cli_recalibrated *r, mukca_pose_log *log)
@@ -107,7 +104,7 @@ static mukca_status fit_and_judge(cli_call *call, cli_recalibrated *r)
         status = mukca_recalibrate_test(r->test, r->fit->stage, MUKCA_STAGES, &test, &call->error);
     r->robust = r->fit;
     if (status == MUKCA_OK && r->fit->tail > 1.5 && !r->options.robust) {
-        r->robust = calloc(1, sizeof *r->robust);
+        r->robust = MUKCA_TAKE(&call->pool, mukca_recalibration, 1);
         if (!r->robust) return cli_fail(call, MUKCA_MEMORY, "out of memory");
         robust.robust = true;
         task.options = &robust;
@@ -195,50 +192,41 @@ static mukca_status judge_offsets(cli_call *call, cli_recalibrated *r)
         r->tested ? 1 : 1 - fit->found.rank / (3.0 * (double)(rows + r->log.n_oriented));
     const mukca_recalibrate_task train = task_of(r, &r->log), test = task_of(r, &r->test_log);
     mukca_acceptance *a = &r->offsets.acceptance;
-    mukca_dataset part = {0}, held = {0};
-    double *errors = calloc(2 * MOST_JUDGED, sizeof *errors);
+    mukca_dataset *part = &call->session->data, *judged = r->tested ? &call->session->test : part;
+    double *errors = MUKCA_TAKE(&call->pool, double, 2 * MOST_JUDGED);
     if (!errors) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     snprintf(a->error_of, sizeof a->error_of, "%s, %ld poses",
              r->tested ? "test data" : "generalized cross-validation", poses);
     a->converged = fit->converged;
     a->parameters = fit->found.n;
     a->identified = fit->found.rank;
-    mukca_status status = take_part(&part, errors, fit, &train, &call->error);
+    mukca_status status = take_part(part, errors, fit, &train, &call->error);
     if (status == MUKCA_OK && r->tested)
-        status = take_part(&held, errors, fit, &test, &call->error);
-    const mukca_dataset *judged = r->tested ? &held : &part;
+        status = take_part(judged, errors, fit, &test, &call->error);
+    if (status != MUKCA_OK) return status;
     double *after = errors + (poses < MOST_JUDGED ? poses : MOST_JUDGED);
-    for (int i = 0; i < judged->n_rows && status == MUKCA_OK; i++)
-        after[i] = spare > 0 ? after[i] / spare : (double)NAN;
-    if (status == MUKCA_OK)
-        status = mukca_accept(&r->offsets,
-                              &(mukca_accept_task){.change = {.chain = &r->arm,
-                                                              .to = &r->offsets,
-                                                              .data = &part,
-                                                              .free_base = r->options.free_base},
-                                                   .held = judged,
-                                                   .before = errors,
-                                                   .after = after,
-                                                   .training_m = NAN},
-                              &call->error);
-    mukca_dataset_free(&part);
-    mukca_dataset_free(&held);
-    free(errors);
-    return status;
+    for (int i = 0; i < judged->n_rows; i++) after[i] = spare > 0 ? after[i] / spare : (double)NAN;
+    return mukca_accept(&r->offsets,
+                        &(mukca_accept_task){.change = {.chain = &r->arm,
+                                                        .to = &r->offsets,
+                                                        .data = part,
+                                                        .free_base = r->options.free_base},
+                                             .held = judged,
+                                             .before = errors,
+                                             .after = after,
+                                             .training_m = NAN},
+                        &call->error);
 }
 
 static mukca_status write_offsets(cli_call *call, const mukca_offsets *offsets)
 {
-    mukca_dataset names = {0};
-    names.files = calloc((size_t)call->arguments.n + 1, sizeof *names.files);
+    mukca_dataset names = {
+        .files = mukca_pool_take(&call->pool, (size_t)call->arguments.n, sizeof *names.files)};
     if (!names.files) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     for (int i = 0; i < call->arguments.n; i++)
         snprintf(names.files[names.n_files++], sizeof *names.files, "%s", call->arguments.items[i]);
-    const mukca_status status =
-        cli_write_offsets(call, call->common->output, offsets, &call->session->model.chain, &names,
-                          "method: recalibrate (poses)");
-    free(names.files);
-    return status;
+    return cli_write_offsets(call, call->common->output, offsets, &call->session->model.chain,
+                             &names, "method: recalibrate (poses)");
 }
 
 /* Open the logs, and determine what they measure. */
@@ -265,7 +253,7 @@ static mukca_status run(cli_call *call)
     r->options.free_tool = o->common.free_tool;
     r->options.stop = cli_interrupted;
     r->tested = call->common->test.n > 0;
-    r->fit = calloc(1, sizeof *r->fit);
+    r->fit = MUKCA_TAKE(&call->pool, mukca_recalibration, 1);
     if (!r->fit) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     mukca_status status = open_logs(call, r);
     if (status == MUKCA_OK) status = fit_and_judge(call, r);
