@@ -1,7 +1,6 @@
 /* calibrate --traits: correct the angles for the mean elasticity of the arm's fleet before the
  * fit. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "cli/calibrate.h"
@@ -40,16 +39,16 @@ mukca_status calibrate_use_traits(cli_call *call, const mukca_fit_options *optio
     calibrate_work *w = call->work;
     const mukca_traits *traits = &s->traits;
     const mukca_dataset *const data[2] = {&s->data, &s->test};
-    mukca_pool pool = {0};
-    mukca_fit *with = MUKCA_TAKE(&pool, mukca_fit, SHARES);
+    mukca_pool *pool = &call->pool;
+    mukca_fit *with = MUKCA_TAKE(pool, mukca_fit, SHARES);
     double *recorded[2];
     int best = 0;
     for (int i = 0; i < 2; i++) {
         const size_t size = (size_t)data[i]->n_rows * (size_t)data[i]->n_joints;
-        recorded[i] = MUKCA_TAKE(&pool, double, size + 1);
+        recorded[i] = MUKCA_TAKE(pool, double, size + 1);
         if (recorded[i] && size) memcpy(recorded[i], data[i]->q, size * sizeof *recorded[i]);
     }
-    mukca_status status = pool.failed ? cli_fail(call, MUKCA_MEMORY, "out of memory") : MUKCA_OK;
+    mukca_status status = pool->failed ? cli_fail(call, MUKCA_MEMORY, "out of memory") : MUKCA_OK;
     for (int k = 0; k < SHARES && status == MUKCA_OK; k++) {
         correct(s, recorded, traits, shares[k]);
         status = mukca_fit_run(&with[k], &s->model.chain, &s->data, options, &call->error);
@@ -68,7 +67,6 @@ mukca_status calibrate_use_traits(cli_call *call, const mukca_fit_options *optio
         }
     }
     for (int k = 0; k < SHARES && with; k++) mukca_fit_free(&with[k]);
-    mukca_pool_free(&pool);
     return status;
 }
 

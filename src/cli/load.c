@@ -1,6 +1,5 @@
 /* Loading of the arm and the data given by the common options. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -147,17 +146,14 @@ mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model 
     const mukca_status units = cli_read_format(call, &options.format);
     if (units != MUKCA_OK) return units;
     const int all = call->arguments.n + c->test.n;
-    double *payload = c->payload ? calloc((size_t)all + 1, sizeof *payload) : NULL;
+    double *payload = c->payload ? MUKCA_TAKE(&call->pool, double, all + 1) : NULL;
     mukca_status status = MUKCA_OK;
-    if (c->payload && !payload)
-        status = cli_fail(call, MUKCA_MEMORY, "out of memory");
-    else if (payload)
-        status = read_payload(payload, call, all);
+    if (call->pool.failed) return cli_fail(call, MUKCA_MEMORY, "out of memory");
+    if (payload) status = read_payload(payload, call, all);
     options.payload = payload && paths == &c->test ? payload + call->arguments.n : payload;
     if (status == MUKCA_OK)
         status =
             mukca_dataset_load(data, &model->chain, paths->items, paths->n, &options, &call->error);
-    free(payload);
     if (status == MUKCA_OK) status = check_payload(call, data, &model->chain);
     if (status == MUKCA_OK && data->n_targets > 1 && !call->command->targets)
         status =
@@ -177,7 +173,7 @@ mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model 
 /* Remove the distances of coincident sockets; without any other, the scale is undetermined. */
 static mukca_status drop_coincident(cli_call *call, mukca_dataset *data, const cli_model *model)
 {
-    double *apart = malloc(((size_t)data->n_distances + 1) * sizeof *apart);
+    double *apart = MUKCA_TAKE(&call->pool, double, data->n_distances + 1);
     const int found =
         apart ? mukca_coincide_find(apart, &model->chain, model->offsets.theta, data) : -1;
     int kept = 0;
@@ -196,7 +192,6 @@ static mukca_status drop_coincident(cli_call *call, mukca_dataset *data, const c
         mukca_note_format(cli_note, call, "%s; their distance is not used", text);
     }
     if (found > 0) data->n_distances = kept;
-    free(apart);
     if (found < 0) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     if (!found || kept) return MUKCA_OK;
     return cli_fail(call, MUKCA_INPUT, "%s; record them again in two sockets", text);

@@ -258,12 +258,10 @@ mukca_status mukca_simulate_sockets(mukca_dataset *data, const mukca_simulated_s
     recorder r = {.arm = session->arm, .options = *session->options};
     const int rows = r.options.rows, n_places = session->n_places;
     mukca_status status = begin(&r, data, 2 * rows * n_places, n_places, error);
-    if (status != MUKCA_OK) goto out;
-    data->distances = calloc((size_t)n_places, sizeof *data->distances);
-    data->n_distances = n_places;
-    if (!data->distances) {
-        status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
-        goto out;
+    if (status == MUKCA_OK) {
+        data->distances = calloc((size_t)n_places, sizeof *data->distances);
+        data->n_distances = n_places;
+        if (!data->distances) status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
     }
     for (int s = 0; s < 2 * n_places && status == MUKCA_OK; s++) {
         const int p = s / 2;
@@ -274,7 +272,6 @@ mukca_status mukca_simulate_sockets(mukca_dataset *data, const mukca_simulated_s
             status = interrupted(&r) ? MUKCA_INTERRUPTED
                                      : record_socket(&r, session, p, s % 2, row, error);
     }
-out:
     if (status != MUKCA_OK) mukca_dataset_free(data);
     return status;
 }
