@@ -7,17 +7,17 @@
 
 typedef struct {
     cli_common common;
-    const char *right_urdf, *right_base, *right_tip, *right_offsets;
+    cli_arm right; /* as far as it differs */
 } align_options;
 
 static const cli_option options[] = {
-    CLI_OPTION(align_options, right_urdf, "right-urdf", CLI_INPUT, "FILE",
+    CLI_OPTION(align_options, right.urdf, "right-urdf", CLI_INPUT, "FILE",
                "nominal model of the right arm (default: that of --urdf)"),
-    CLI_OPTION(align_options, right_base, "right-base", CLI_TEXT, "LINK",
+    CLI_OPTION(align_options, right.base, "right-base", CLI_TEXT, "LINK",
                "first link of the right arm (default: --base)"),
-    CLI_OPTION(align_options, right_tip, "right-tip", CLI_TEXT, "LINK",
+    CLI_OPTION(align_options, right.tip, "right-tip", CLI_TEXT, "LINK",
                "last link of the right arm (default: --tip)"),
-    CLI_OPTION(align_options, right_offsets, "right-offsets", CLI_INPUT, "FILE",
+    CLI_OPTION(align_options, right.offsets, "right-offsets", CLI_INPUT, "FILE",
                "offsets table of the right arm (default: none)"),
     {.name = NULL}};
 
@@ -67,18 +67,16 @@ static mukca_status load_side(cli_call *call, int i)
 {
     const align_options *o = call->options;
     align_work *w = call->work;
-    cli_common *c = call->common, left = *c;
+    const cli_arm *right = &o->right;
+    cli_arm arm = call->common->arm;
     side *s = &w->side[i];
     const cli_list path = {call->arguments.items + i, 1};
-    if (i == 1) {
-        c->offsets = o->right_offsets;
-        if (o->right_urdf) c->urdf = o->right_urdf;
-        if (o->right_base) c->base = o->right_base;
-        if (o->right_tip) c->tip = o->right_tip;
-    }
-    mukca_status status = cli_load_model(call, &s->model);
+    if (i == 1) arm.offsets = right->offsets;
+    if (i == 1 && right->urdf) arm.urdf = right->urdf;
+    if (i == 1 && right->base) arm.base = right->base;
+    if (i == 1 && right->tip) arm.tip = right->tip;
+    mukca_status status = cli_load_model(call, &s->model, &arm);
     if (status == MUKCA_OK) status = cli_load_data(call, &s->data, &s->model, &path);
-    *c = left;
     if (status != MUKCA_OK) return status;
     if (s->data.n_sockets == 0)
         return cli_fail(call, MUKCA_INPUT, "%.100s: no sockets; give a session", path.items[0]);

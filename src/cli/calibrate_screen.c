@@ -85,9 +85,9 @@ static void print_next(cli_call *call)
                 "cause with mukca diagnose",
                 test / error, sockets ? "placements" : "postures");
     else if (c->output)
-        cli_say(call, "Next", "mukca export --urdf %s%s%s --offsets %s", c->urdf,
-                c->kinematics ? " --kinematics " : "", c->kinematics ? c->kinematics : "",
-                c->output);
+        cli_say(call, "Next", "mukca export --urdf %s%s%s --offsets %s", c->arm.urdf,
+                c->arm.kinematics ? " --kinematics " : "",
+                c->arm.kinematics ? c->arm.kinematics : "", c->output);
     if (w->evidence.postures && w->evidence.mean_m < -2 * w->evidence.sigma_m)
         cli_say(call, "Better",
                 "--evidence fits a better geometry to these data: held-out error %.3f mm (%s) "

@@ -98,16 +98,21 @@ typedef struct {
 #define CLI_OUTPUT_OPTION(what) \
     CLI_OPTION_AND(cli_common, output, "output", CLI_OUTPUT, "FILE", what, .letter = 'o')
 
+/* The options that specify an arm. */
+typedef struct {
+    const char *urdf, *base, *tip, *inertials, *kinematics, *offsets;
+    double gravity[3]; /* m/s^2; all 0: upright base */
+} cli_arm;
+
 /* Options common to all commands: the first member of every command's options struct. */
 typedef struct {
-    const char *urdf, *base, *tip, *inertials, *kinematics, *offsets, *distances, *json, *output;
-    const char *payload, *units, *columns, *traits;
+    cli_arm arm;
+    const char *distances, *json, *output, *payload, *units, *columns, *traits;
     cli_list test;
-    int angles;        /* 1: commanded */
-    int map;           /* 0: by name; 1: in order; 2: in order, w last */
-    double distance;   /* m */
-    double gravity[3]; /* m/s^2; all 0: upright base */
-    int check;         /* recordings simulated by --check */
+    int angles;      /* 1: commanded */
+    int map;         /* 0: by name; 1: in order; 2: in order, w last */
+    double distance; /* m */
+    int check;       /* recordings simulated by --check */
     bool free_base, free_tool, inverse_poses, force, accept_failed, accept_edited, quiet, verbose;
 } cli_common;
 
@@ -177,7 +182,7 @@ typedef struct {
     void (*release)(void *work);           /* frees its members */
 } cli_command;
 
-/* The arm specified by --urdf, --base, --tip, --inertials, --gravity, --offsets. */
+/* An arm as it was read. */
 typedef struct {
     mukca_chain chain;
     mukca_chain urdf; /* the chain with the URDF's origins, before --kinematics */
@@ -299,8 +304,9 @@ bool cli_show_progress(void *call, double share, const char *doing);
 /* Fill call->session.  Errors: those of the functions below. */
 mukca_status cli_read(cli_call *call, cli_reads what);
 
-/* Errors: MUKCA_USAGE (no --urdf), MUKCA_INPUT, MUKCA_MEMORY. */
-mukca_status cli_load_model(cli_call *call, cli_model *model);
+/* Read an arm, for which --traits must be.  Errors: MUKCA_USAGE (no --urdf), MUKCA_INPUT,
+ * MUKCA_MEMORY. */
+mukca_status cli_load_model(cli_call *call, cli_model *model, const cli_arm *arm);
 
 /* A comment line in an output if the table of --offsets was not accepted. */
 void cli_print_verdict(const cli_call *call, FILE *stream);

@@ -28,27 +28,24 @@ static mukca_status load(cli_call *call, int side)
     compare_work *w = call->work;
     cli_model *m = &w->model;
     mukca_corrected *arm = &w->arm[side];
-    cli_common *c = call->common, given = *c;
+    cli_arm given = call->common->arm;
     const char *path = call->arguments.items[side];
     char *text;
     mukca_status status = mukca_file_read(&text, path, &call->error);
     if (status != MUKCA_OK) return status;
-    if (text[strspn(text, " \t\r\n\xef\xbb\xbf")] == '<')
-        c->urdf = path;
-    else if (is_yaml(path))
-        c->kinematics = path;
-    else
-        c->offsets = path;
+    const char **kind = text[strspn(text, " \t\r\n\xef\xbb\xbf")] == '<' ? &given.urdf
+                        : is_yaml(path)                                  ? &given.kinematics
+                                                                         : &given.offsets;
+    *kind = path;
     free(text);
-    if (c->kinematics && !c->urdf)
+    if (given.kinematics && !given.urdf)
         return cli_fail(call, MUKCA_USAGE,
                         "%s: --urdf FILE is needed: a factory file replaces its origins",
                         mukca_file_shown(path));
     memset(m, 0, sizeof *m);
-    if (c->offsets) status = cli_read_offsets(call, &m->offsets, &m->chain, NULL, path);
-    if (!c->offsets || (status != MUKCA_OK && m->chain.n_elements == 0 && c->urdf))
-        status = cli_load_model(call, m);
-    *c = given;
+    if (given.offsets) status = cli_read_offsets(call, &m->offsets, &m->chain, NULL, path);
+    if (!given.offsets || (status != MUKCA_OK && m->chain.n_elements == 0 && given.urdf))
+        status = cli_load_model(call, m, &given);
     if (status != MUKCA_OK) return status;
     w->verdict[side] = m->offsets.acceptance;
     arm->chain = m->chain;
@@ -200,7 +197,7 @@ static json_t *as_json(const cli_call *call)
 
 static mukca_status check(cli_call *call)
 {
-    if (!call->common->kinematics) return MUKCA_OK;
+    if (!call->common->arm.kinematics) return MUKCA_OK;
     return cli_fail(call, MUKCA_USAGE, "--kinematics: give the file as A or as B");
 }
 

@@ -318,7 +318,7 @@ static mukca_status run(cli_call *call)
     b->arm.geometry = model->geometry;
     b->arm.n_effects = model->offsets.n_effects;
     memcpy(b->arm.effects, model->offsets.effects, sizeof b->arm.effects);
-    if (!c->offsets)
+    if (!c->arm.offsets)
         cli_note(call, "no --offsets: targets are those of the nominal model; no correction");
     cli_writer *const correct = b->from ? correct_whole : correct_all;
     if (c->json && strcmp(c->json, "-") == 0 && !c->output)

@@ -53,7 +53,7 @@ mukca_status cli_diagnosis_run(cli_call *call, cli_diagnosis *d)
     const mukca_chain *chain = &s->model.chain;
     mukca_error *error = &call->error;
     mukca_columns_note(cli_note, call, chain, &s->data);
-    const bool several = s->data.n_targets > 1 && !c->free_tool && !c->offsets;
+    const bool several = s->data.n_targets > 1 && !c->free_tool && !c->arm.offsets;
     if (several)
         cli_note(call, "several targets: each has its own position on the tool (--free-tool)");
     d->options.test = s->test.n_rows ? &s->test : NULL;

@@ -84,11 +84,10 @@ static json_t *as_json(const cli_call *call)
  * table has none). */
 static mukca_status load_model(cli_call *call, cli_model *model)
 {
-    cli_common *c = call->common;
-    const char *offsets = c->offsets;
-    c->offsets = NULL;
-    mukca_status status = cli_load_model(call, model);
-    c->offsets = offsets;
+    cli_arm arm = call->common->arm;
+    const char *offsets = arm.offsets;
+    arm.offsets = NULL;
+    mukca_status status = cli_load_model(call, model, &arm);
     if (status != MUKCA_OK || !offsets) return status;
     mukca_chain *chain = &model->chain;
     status = mukca_chain_with_frames(chain, chain, true, true, &call->error);
@@ -109,7 +108,7 @@ static mukca_status run(cli_call *call)
         status = cli_load_data(call, &s->test, model, &call->common->test);
     if (status != MUKCA_OK) return status;
     w->scores.by_log = true;
-    w->scores.calibrated = call->common->offsets != NULL;
+    w->scores.calibrated = call->common->arm.offsets != NULL;
     return cli_scores_make(call, &w->scores, &model->chain, model->offsets.theta, &model->offsets,
                            "data");
 }

@@ -32,15 +32,19 @@ static const char other_formats[] =
 
 static const export_options defaults = {.format = -1};
 
+/* -1: unknown. */
+static int find_format(const cli_call *call)
+{
+    const export_options *o = call->options;
+    return o->into ? 0 : o->format < 0 ? mukca_exporter_find(call->common->output) : o->format;
+}
+
 static mukca_status check(cli_call *call)
 {
-    export_options *o = call->options;
-    const char *output = call->common->output;
-    if (o->format < 0) o->format = o->into ? 0 : mukca_exporter_find(output);
-    if (o->format >= 0) return MUKCA_OK;
+    if (find_format(call) >= 0) return MUKCA_OK;
     return cli_fail(call, MUKCA_USAGE,
-                    "%.100s: no format has this ending; choose one with --format (%s)", output,
-                    other_formats);
+                    "%.100s: no format has this ending; choose one with --format (%s)",
+                    call->common->output, other_formats);
 }
 
 static mukca_status run(cli_call *call)
@@ -57,7 +61,7 @@ static mukca_status write_model(cli_call *call, FILE *stream)
 {
     static const mukca_exporter into = {"the model of --into", "", &mukca_export_into};
     const export_options *o = call->options;
-    const cli_common *c = call->common;
+    const cli_arm *c = &call->common->arm;
     const cli_session *s = call->session;
     const mukca_export_input input = {.urdf_path = c->urdf,
                                       .offsets_path = c->offsets,
@@ -69,7 +73,7 @@ static mukca_status write_model(cli_call *call, FILE *stream)
                                       .into = o->into,
                                       .note = cli_note,
                                       .context = call};
-    return mukca_export_write(stream, o->into ? &into : &mukca_exporters[o->format], &input,
+    return mukca_export_write(stream, o->into ? &into : &mukca_exporters[find_format(call)], &input,
                               &call->error);
 }
 

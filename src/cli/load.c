@@ -38,9 +38,8 @@ mukca_status cli_read_offsets(cli_call *call, mukca_offsets *offsets, mukca_chai
     return status;
 }
 
-static mukca_status read_kinematics(cli_call *call, cli_model *model)
+static mukca_status read_kinematics(cli_call *call, cli_model *model, const char *path)
 {
-    const char *path = call->common->kinematics;
     mukca_kinematics *k = &model->kinematics;
     const mukca_status status = mukca_kinematics_read(k, path, &call->error);
     if (status != MUKCA_OK) return status;
@@ -50,30 +49,30 @@ static mukca_status read_kinematics(cli_call *call, cli_model *model)
     return mukca_kinematics_apply(&model->chain, k, path, cli_note, call, &call->error);
 }
 
-mukca_status cli_load_model(cli_call *call, cli_model *model)
+mukca_status cli_load_model(cli_call *call, cli_model *model, const cli_arm *arm)
 {
     const cli_common *c = call->common;
     memset(model, 0, sizeof *model);
-    if (!c->urdf)
+    if (!arm->urdf)
         return cli_fail(call, MUKCA_USAGE, "--urdf FILE is needed: the nominal model of the arm");
-    mukca_urdf_options options = {.base = c->base, .tip = c->tip, .inertials = c->inertials};
-    const double g = mukca_norm3(c->gravity);
+    mukca_urdf_options options = {.base = arm->base, .tip = arm->tip, .inertials = arm->inertials};
+    const double g = mukca_norm3(arm->gravity);
     if (g > 0 && !(fabs(g / earth - 1) < rounding))
         return cli_fail(call, MUKCA_USAGE,
                         "--gravity: %g m/s^2 is not that of the earth; give m/s^2", g);
-    memcpy(options.gravity, c->gravity, sizeof options.gravity);
+    memcpy(options.gravity, arm->gravity, sizeof options.gravity);
     mukca_status status =
-        mukca_urdf_load(&model->chain, c->urdf, &options, cli_note, call, &call->error);
+        mukca_urdf_load(&model->chain, arm->urdf, &options, cli_note, call, &call->error);
     if (status != MUKCA_OK) return status;
     if (c->verbose)
-        cli_log(call, "%s: robot %s, %s to %s, %d joints, %d masses, SHA-256 %.12s...\n", c->urdf,
+        cli_log(call, "%s: robot %s, %s to %s, %d joints, %d masses, SHA-256 %.12s...\n", arm->urdf,
                 model->chain.robot, model->chain.base, model->chain.tip, model->chain.n_joints,
                 model->chain.n_masses, model->chain.urdf_sha256);
     model->urdf = model->chain;
-    if (c->kinematics) status = read_kinematics(call, model);
+    if (arm->kinematics) status = read_kinematics(call, model, arm->kinematics);
     if (status != MUKCA_OK) return status;
-    if (c->offsets)
-        status = cli_read_offsets(call, &model->offsets, NULL, &model->chain, c->offsets);
+    if (arm->offsets)
+        status = cli_read_offsets(call, &model->offsets, NULL, &model->chain, arm->offsets);
     else
         mukca_offsets_init(&model->offsets, &model->chain);
     mukca_geometry_set(&model->geometry, &model->chain, model->offsets.theta);
@@ -245,7 +244,7 @@ static void note_unequal_sockets(cli_call *call, const mukca_dataset *data)
 static mukca_status load(cli_call *call)
 {
     cli_session *s = call->session;
-    mukca_status status = cli_load_model(call, &s->model);
+    mukca_status status = cli_load_model(call, &s->model, &call->common->arm);
     if (status == MUKCA_OK && call->arguments.n)
         status = cli_load_data(call, &s->data, &s->model, &call->arguments);
     if (status == MUKCA_OK) status = drop_coincident(call, &s->data, &s->model);
@@ -287,7 +286,8 @@ static mukca_status condense(cli_call *call)
 mukca_status cli_read(cli_call *call, cli_reads what)
 {
     if (what == CLI_READS_NOTHING) return MUKCA_OK;
-    if (what == CLI_READS_MODEL) return cli_load_model(call, &call->session->model);
+    if (what == CLI_READS_MODEL)
+        return cli_load_model(call, &call->session->model, &call->common->arm);
     const mukca_status status = load(call);
     return status == MUKCA_OK && what == CLI_READS_CONDENSED ? condense(call) : status;
 }

@@ -23,20 +23,20 @@ static const char *const maps[] = {"name", "order", "order-w-last", NULL};
                    __VA_ARGS__)
 
 static const cli_option common_options[] = {
-    COMMON(MODEL, "urdf", urdf, CLI_INPUT, "FILE", "nominal model of the arm"),
-    COMMON(MODEL, "kinematics", kinematics, CLI_INPUT, "FILE",
+    COMMON(MODEL, "urdf", arm.urdf, CLI_INPUT, "FILE", "nominal model of the arm"),
+    COMMON(MODEL, "kinematics", arm.kinematics, CLI_INPUT, "FILE",
            "YAML with the robot's own origins (Universal Robots, Franka, UFACTORY): it replaces "
            "those of the URDF"),
-    COMMON(MODEL, "base", base, CLI_TEXT, "LINK",
+    COMMON(MODEL, "base", arm.base, CLI_TEXT, "LINK",
            "first link of the chain (default: the URDF's root)"),
-    COMMON(MODEL, "tip", tip, CLI_TEXT, "LINK",
+    COMMON(MODEL, "tip", arm.tip, CLI_TEXT, "LINK",
            "last link of the chain (default: ball_link, else ball, else the only leaf)"),
-    COMMON(MODEL, "inertials", inertials, CLI_INPUT, "FILE",
+    COMMON(MODEL, "inertials", arm.inertials, CLI_INPUT, "FILE",
            "link masses (TSV: link, mass_kg, com_x_m, com_y_m, com_z_m); they replace those of the "
            "URDF"),
-    COMMON(MODEL, "gravity", gravity, CLI_VECTOR, "X,Y,Z",
+    COMMON(MODEL, "gravity", arm.gravity, CLI_VECTOR, "X,Y,Z",
            "gravity in the base frame, m/s^2 (default: 0,0,-9.80665)"),
-    COMMON(OFFSETS, "offsets", offsets, CLI_INPUT, "FILE",
+    COMMON(OFFSETS, "offsets", arm.offsets, CLI_INPUT, "FILE",
            "apply this offsets table; it must belong to the URDF (or --force)"),
     COMMON(ACCEPT, "accept-failed", accept_failed, CLI_FLAG, NULL,
            "use the offsets table even though its calibration did not pass"),

@@ -36,7 +36,7 @@ typedef struct {
 static mukca_status take_offsets(cli_call *call)
 {
     report_work *w = call->work;
-    if (!call->common->offsets && w->of.diagnosis.applied.fitted) {
+    if (!call->common->arm.offsets && w->of.diagnosis.applied.fitted) {
         w->page.fitted = &w->of.chain;
         return cli_diagnosis_offsets(call, &w->of);
     }
@@ -115,7 +115,7 @@ static mukca_status check(cli_call *call)
     if (!c->output && isatty(STDOUT_FILENO))
         return cli_fail(call, MUKCA_USAGE,
                         "-o FILE is needed: the page is HTML, not for the terminal");
-    if (c->offsets && (c->free_base || c->free_tool))
+    if (c->arm.offsets && (c->free_base || c->free_tool))
         return cli_fail(
             call, MUKCA_USAGE,
             "--offsets contains its own frames; do not give --free-base or --free-tool with it");

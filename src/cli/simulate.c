@@ -73,7 +73,7 @@ static const cli_option options[] = {
                    .needs = "held-out"),
     CLI_OPTION(own, seed, "seed", CLI_INTEGER, "N", "seed of all random numbers (default: 0)"),
     CLI_OPTION(own, truth, "truth", CLI_OUTPUT, "FILE", "write the true arm as an offsets table"),
-    CLI_OPTION(own, common.offsets, "offsets", CLI_INPUT, "FILE",
+    CLI_OPTION(own, common.arm.offsets, "offsets", CLI_INPUT, "FILE",
                "the true arm, effects included, before --perturb"),
     CLI_OUTPUT_OPTION("write the recording there (default: standard output)"),
     {.name = NULL}};

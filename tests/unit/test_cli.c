@@ -97,7 +97,7 @@ TEST(good_lines_are_understood)
     assert_ok(parse("a -qvf --gravity 0,9.8,-1e-3 --distance 0.08 -o -"));
     o = call.options;
     assert_true(o->common.quiet && o->common.verbose && o->flag);
-    assert_true(o->common.gravity[1] == 9.8 && o->common.gravity[2] == -1e-3);
+    assert_true(o->common.arm.gravity[1] == 9.8 && o->common.arm.gravity[2] == -1e-3);
     assert_true(call.common->distance == 0.08);
     assert_string_equal(call.common->output, "-");
     cli_call_free(&call);
