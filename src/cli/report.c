@@ -28,7 +28,6 @@ typedef struct {
     cli_diagnosis of;
     mukca_report page;
     mukca_fleet fleet;
-    mukca_fleet_page fleet_page;
     char *command, when[32];
 } report_work;
 
@@ -72,7 +71,7 @@ static mukca_status note_command(cli_call *call)
 }
 
 /* Note the paths of all inputs. */
-static mukca_status provenance(cli_call *call)
+static mukca_status list_files(cli_call *call)
 {
     report_work *w = call->work;
     const mukca_dataset *sets[2] = {w->page.train, w->page.test};
@@ -84,8 +83,6 @@ static mukca_status provenance(cli_call *call)
     for (int k = 0; k < 2; k++)
         for (int f = 0; f < sets[k]->n_files; f++) files[w->page.n_files++] = sets[k]->files[f];
     w->page.files = files;
-    w->page.when = w->when;
-    w->page.command = w->command;
     return MUKCA_OK;
 }
 
@@ -93,8 +90,9 @@ static mukca_status write_page(cli_call *call, FILE *stream)
 {
     const report_options *o = call->options;
     const report_work *w = call->work;
-    const mukca_page page =
-        o->fleet ? mukca_fleet_page_of(&w->fleet_page) : mukca_report_page(&w->page);
+    mukca_page page = o->fleet ? mukca_fleet_page(&w->fleet) : mukca_report_page(&w->page);
+    page.command = w->command;
+    page.when = w->when;
     mukca_page_write(stream, &page);
     return MUKCA_OK;
 }
@@ -103,10 +101,8 @@ static mukca_status write_page(cli_call *call, FILE *stream)
 static mukca_status prepare_fleet(cli_call *call)
 {
     report_work *w = call->work;
-    mukca_status status = cli_fleet_read(call, &w->fleet);
-    if (status == MUKCA_OK) status = mukca_fleet_pool(&w->fleet, &call->error);
-    w->fleet_page = (mukca_fleet_page){.command = w->command, .when = w->when, .fleet = &w->fleet};
-    return status;
+    const mukca_status status = cli_fleet_read(call, &w->fleet);
+    return status == MUKCA_OK ? mukca_fleet_pool(&w->fleet, &call->error) : status;
 }
 
 static mukca_status check(cli_call *call)
@@ -148,7 +144,7 @@ static mukca_status prepare_arm(cli_call *call)
     w->page.diagnosed.saved = true;
     w->page.free_base = w->of.options.free_base, w->page.free_tool = w->of.options.free_tool;
     if (status == MUKCA_OK) status = mukca_report_prepare(&w->page, &call->error);
-    return status == MUKCA_OK ? provenance(call) : status;
+    return status == MUKCA_OK ? list_files(call) : status;
 }
 
 static mukca_status run(cli_call *call)
@@ -176,7 +172,8 @@ const cli_command cli_command_report = {
         "table of mukca diagnose -o) or that of --offsets. It opens with the expected error of the "
         "tip, whether to use the result, the verdict and what to do. Then follow the errors step "
         "by step, the causes, a view of the arm that can be turned, errors by placement and joint, "
-        "detection limits, recording faults, parameters with standard errors, and provenance.\n\n"
+        "detection limits, recording faults, parameters with standard errors, and the files "
+        "read.\n\n"
         "--fleet writes the page of many arms of one model from their summaries, the arguments of "
         "mukca fleet: arms that depart, what the arms share, each elastic coefficient with the "
         "arms side by side, and the most probable ripple order of each joint.",

@@ -61,15 +61,15 @@ static bool departs(const mukca_departure *d)
 
 /* ---- texts ---- */
 
-static void put_departures(FILE *out, const mukca_fleet_page *p, int n)
+static void put_departures(FILE *out, const mukca_fleet *f, int n)
 {
     char words[MUKCA_WORDING];
     for (int i = 0; i < n && i < MOST_ROWS; i++) {
-        const mukca_departure *d = &p->fleet->ranked[i];
+        const mukca_departure *d = &f->ranked[i];
         const char *remedy = mukca_effect_table[d->effect.kind]->remedy;
-        mukca_wording_fleet_departure(words, d, p->fleet);
+        mukca_wording_fleet_departure(words, d, f);
         fputs("<li>", out);
-        mukca_html_escape(out, n > 1 ? words : p->fleet->arm[d->arm].name);
+        mukca_html_escape(out, n > 1 ? words : f->arm[d->arm].name);
         fputs(": ", out);
         mukca_html_escape(out, remedy ? remedy : "inspect the transmission");
         fputs("</li>\n", out);
@@ -79,14 +79,13 @@ static void put_departures(FILE *out, const mukca_fleet_page *p, int n)
 /* Verdict, shared properties, and what to do. */
 static void open_page(FILE *out, const void *content)
 {
-    const mukca_fleet_page *p = content;
-    const mukca_fleet *f = p->fleet;
-    const mukca_traits *t = &p->fleet->traits;
+    const mukca_fleet *f = content;
+    const mukca_traits *t = &f->traits;
     char words[MUKCA_WORDING] = "No arm departs from the fleet";
     int n = 0, shared = 0;
     for (int a = 0; a < f->n_arms; a++) n += departs(&f->arm[a].departure);
     if (n > 1) snprintf(words, sizeof words, "%d of %d arms depart from the fleet", n, f->n_arms);
-    if (n == 1) mukca_wording_fleet_departure(words, p->fleet->ranked, f);
+    if (n == 1) mukca_wording_fleet_departure(words, f->ranked, f);
     if (f->n_arms < 3) snprintf(words, sizeof words, "Departures are not testable with two arms");
     fprintf(out, "<p class=\"verdict %s\">", n ? "unknown" : f->n_arms < 3 ? "untestable" : "none");
     mukca_html_escape(out, words);
@@ -103,7 +102,7 @@ static void open_page(FILE *out, const void *content)
     fputs(shared ? "</ul>\n" : "<li>no elastic coefficient and no order of ripple</li></ul>\n",
           out);
     fputs("<h2 id=\"to-do\">What to do</h2>\n<ul>\n", out);
-    put_departures(out, p, n);
+    put_departures(out, f, n);
     fputs("<li>", out);
     mukca_html_sentence(out,
                         "`mukca fleet` with these summaries and `-o MODEL.traits.tsv` saves what "
@@ -113,8 +112,8 @@ static void open_page(FILE *out, const void *content)
 
 static void put_arms(FILE *out, const void *content)
 {
-    const mukca_fleet_page *p = content;
-    const int n = p->fleet->n_arms;
+    const mukca_fleet *f = content;
+    const int n = f->n_arms;
     char words[MUKCA_WORDING];
     mukca_html_table table = {
         .out = out,
@@ -122,10 +121,10 @@ static void put_arms(FILE *out, const void *content)
         .columns =
             "arm|#sessions|#samples|largest departure|#value|#from|#to|#sisters|#probability"};
     for (int i = 0; i < n && i < MOST_ROWS; i++) {
-        const mukca_departure *d = &p->fleet->ranked[i];
-        const mukca_fleet_arm *arm = &p->fleet->arm[d->arm];
+        const mukca_departure *d = &f->ranked[i];
+        const mukca_fleet_arm *arm = &f->arm[d->arm];
         snprintf(words, sizeof words, "not testable");
-        if (d->k >= 0) put_effect(words, &d->effect, p->fleet);
+        if (d->k >= 0) put_effect(words, &d->effect, f);
         mukca_html_row(&table, "%s\t%d\t%d\t%s", arm->name, arm->end - arm->first, arm->samples,
                        words);
         if (d->k >= 0)
@@ -170,7 +169,7 @@ static void put_coefficient(FILE *out, const mukca_fleet *f, int k)
 
 static void put_coefficients(FILE *out, const void *content)
 {
-    const mukca_fleet *f = ((const mukca_fleet_page *)content)->fleet;
+    const mukca_fleet *f = content;
     fputs(f->n_arms < 3 ? "<p>Not testable with two arms."
                         : "<p>Each arm with its 95 % interval, its sisters as prior, and the "
                           "probability that this coefficient departs from theirs.",
@@ -182,29 +181,19 @@ static void put_coefficients(FILE *out, const void *content)
     fputs("</div>\n", out);
 }
 
-static void put_provenance(FILE *out, const void *content)
-{
-    const mukca_fleet_page *p = content;
-    fputs("<p>Made by ", out);
-    mukca_html_element(out, "code", p->command);
-    fprintf(out, " at %s.</p>\n", p->when);
-}
-
 static const mukca_page_section sections[] = {
     {"arms", "Arms", put_arms},
     {"coefficients", "Elastic coefficients, arm by arm", put_coefficients},
-    {"provenance", "Provenance", put_provenance},
 };
 
-mukca_page mukca_fleet_page_of(const mukca_fleet_page *p)
+mukca_page mukca_fleet_page(const mukca_fleet *f)
 {
-    return (mukca_page){.robot = p->fleet->model.robot,
+    return (mukca_page){.robot = f->model.robot,
                         .kind = "fleet report",
-                        .from = p->fleet->model.base,
-                        .to = p->fleet->model.tip,
-                        .when = p->when,
+                        .from = f->model.base,
+                        .to = f->model.tip,
                         .open = open_page,
                         .sections = sections,
                         .n_sections = sizeof sections / sizeof *sections,
-                        .content = p};
+                        .content = f};
 }

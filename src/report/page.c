@@ -98,5 +98,7 @@ void mukca_page_write(FILE *out, const mukca_page *p)
         s->put(out, p->content);
         fputs("</section>\n", out);
     }
-    fputs("</main>\n</body>\n</html>\n", out);
+    fputs("</main>\n<footer>Made by ", out);
+    mukca_html_element(out, "code", p->command);
+    fprintf(out, " at %s.</footer>\n</body>\n</html>\n", p->when);
 }

@@ -75,7 +75,8 @@ typedef struct {
 } mukca_page_section;
 
 typedef struct {
-    const char *robot, *kind, *from, *to, *when; /* title "ROBOT: KIND", links, date (UTC) */
+    const char *robot, *kind, *from, *to; /* title "ROBOT: KIND", links */
+    const char *command, *when;           /* that made the page, date (UTC) */
     mukca_page_part *open;
     const mukca_page_section *sections;
     int n_sections;

@@ -59,7 +59,7 @@ static const mukca_page_section sections[] = {
     {"limits", "Detection limits", mukca_report_put_limits},
     {"faults", "Recording faults", mukca_report_put_faults},
     {"offsets", "Parameters", mukca_report_put_offsets},
-    {"provenance", "Provenance", mukca_report_put_provenance},
+    {"files", "Files read", mukca_report_put_files},
 };
 
 static void open_page(FILE *out, const void *content)
@@ -74,7 +74,6 @@ mukca_page mukca_report_page(const mukca_report *r)
                         .kind = "calibration report",
                         .from = r->free_base ? "the tracker's frame" : r->chain->base,
                         .to = r->free_tool ? "the target" : r->chain->tip,
-                        .when = r->when,
                         .open = open_page,
                         .sections = sections,
                         .n_sections = sizeof sections / sizeof *sections,

@@ -16,8 +16,6 @@ enum { MUKCA_NOMINAL, MUKCA_RIGID, MUKCA_CALIBRATED, MUKCA_REPORT_MODELS };
 typedef struct {
     /* Set by the caller, who owns the memory. */
     mukca_pool *pool;
-    const char *command;      /* command of the page */
-    const char *when;         /* UTC */
     const char *const *files; /* URDF first, then data; "-": standard input */
     int n_files;
     const mukca_chain *chain;          /* nominal arm */
@@ -49,7 +47,7 @@ mukca_page mukca_report_page(const mukca_report *report);
 
 mukca_page_part mukca_report_put_accuracy, mukca_report_put_verdict, mukca_report_put_causes,
     mukca_report_put_faults, mukca_report_put_limits, mukca_report_put_placements,
-    mukca_report_put_joints, mukca_report_put_offsets, mukca_report_put_provenance,
+    mukca_report_put_joints, mukca_report_put_offsets, mukca_report_put_files,
     mukca_report_put_view;
 
 /* ---- the report of a fleet, and its wording, shared with the screen (fleet_page.c) ---- */
@@ -66,12 +64,7 @@ void mukca_wording_fleet_trait(char text[MUKCA_WORDING], const mukca_trait *trai
 void mukca_wording_fleet_departure(char text[MUKCA_WORDING], const mukca_departure *departure,
                                    const mukca_fleet *fleet);
 
-typedef struct {
-    const char *command, *when; /* command of the page; UTC */
-    const mukca_fleet *fleet;
-} mukca_fleet_page;
-
 /* The page, whose content `fleet` must outlive it. */
-mukca_page mukca_fleet_page_of(const mukca_fleet_page *fleet);
+mukca_page mukca_fleet_page(const mukca_fleet *fleet);
 
 #endif

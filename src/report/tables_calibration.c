@@ -1,4 +1,4 @@
-/* Texts, tables and figures of the calibration: accuracy, errors, offsets, provenance. */
+/* Texts, tables and figures of the calibration: accuracy, errors, offsets, files. */
 #include <math.h>
 #include <string.h>
 
@@ -198,12 +198,9 @@ void mukca_report_put_offsets(FILE *out, const void *content)
     mukca_html_table_end(&table);
 }
 
-void mukca_report_put_provenance(FILE *out, const void *content)
+void mukca_report_put_files(FILE *out, const void *content)
 {
     const mukca_report *r = content;
-    fputs("<p>Made by ", out);
-    mukca_html_element(out, "code", r->command);
-    fprintf(out, " at %s.</p>\n", r->when);
     mukca_html_table table = {
         .out = out, .caption = "Files read", .style = "files", .columns = "file|SHA-256"};
     for (int i = 0; i < r->n_files; i++) {
