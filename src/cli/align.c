@@ -4,21 +4,20 @@
 #include "cli/cli.h"
 #include "fit/align.h"
 #include "fit/evaluate.h"
-#include "model/dataset_subset.h"
 
 typedef struct {
     cli_common common;
-    const char *right_urdf, *right_base, *right_tip, *right_offsets;
+    cli_arm right; /* as far as it differs */
 } align_options;
 
 static const cli_option options[] = {
-    CLI_OPTION(align_options, right_urdf, "right-urdf", CLI_INPUT, "FILE",
+    CLI_OPTION(align_options, right.urdf, "right-urdf", CLI_INPUT, "FILE",
                "nominal model of the right arm (default: that of --urdf)"),
-    CLI_OPTION(align_options, right_base, "right-base", CLI_TEXT, "LINK",
+    CLI_OPTION(align_options, right.base, "right-base", CLI_TEXT, "LINK",
                "first link of the right arm (default: --base)"),
-    CLI_OPTION(align_options, right_tip, "right-tip", CLI_TEXT, "LINK",
+    CLI_OPTION(align_options, right.tip, "right-tip", CLI_TEXT, "LINK",
                "last link of the right arm (default: --tip)"),
-    CLI_OPTION(align_options, right_offsets, "right-offsets", CLI_INPUT, "FILE",
+    CLI_OPTION(align_options, right.offsets, "right-offsets", CLI_INPUT, "FILE",
                "offsets table of the right arm (default: none)"),
     {.name = NULL}};
 
@@ -68,16 +67,15 @@ static mukca_status load_side(cli_call *call, int i)
 {
     const align_options *o = call->options;
     align_work *w = call->work;
-    cli_common from = *call->common;
+    const cli_arm *right = &o->right;
+    cli_arm arm = call->common->arm;
     side *s = &w->side[i];
     const cli_list path = {call->arguments.items + i, 1};
-    if (i == 1) {
-        from.offsets = o->right_offsets;
-        if (o->right_urdf) from.urdf = o->right_urdf;
-        if (o->right_base) from.base = o->right_base;
-        if (o->right_tip) from.tip = o->right_tip;
-    }
-    mukca_status status = cli_load_model_from(call, &s->model, &from);
+    if (i == 1) arm.offsets = right->offsets;
+    if (i == 1 && right->urdf) arm.urdf = right->urdf;
+    if (i == 1 && right->base) arm.base = right->base;
+    if (i == 1 && right->tip) arm.tip = right->tip;
+    mukca_status status = cli_load_model(call, &s->model, &arm);
     if (status == MUKCA_OK) status = cli_load_data(call, &s->data, &s->model, &path);
     if (status != MUKCA_OK) return status;
     if (s->data.n_sockets == 0)
@@ -98,17 +96,20 @@ static mukca_status find_shared(cli_call *call)
     w->shared = MUKCA_TAKE(&call->pool, mukca_shared_socket, l->data.n_sockets);
     w->socket = MUKCA_TAKE(&call->pool, int, l->data.n_sockets);
     if (!w->shared || !w->socket) return cli_fail(call, MUKCA_MEMORY, "out of memory");
-    for (int i = 0; i < l->data.n_sockets; i++) {
-        const int k =
-            mukca_dataset_find_socket(&r->data, placement_of(l, i), l->data.sockets[i].label);
-        if (k < 0 || !l->of.count[i] || !r->of.count[k]) continue;
-        mukca_shared_socket *s = &w->shared[w->n];
-        memcpy(s->at[0], l->of.mean[i], sizeof s->at[0]);
-        memcpy(s->at[1], r->of.mean[k], sizeof s->at[1]);
-        s->variance[0] = l->variance / l->of.count[i];
-        s->variance[1] = r->variance / r->of.count[k];
-        w->socket[w->n++] = i;
-    }
+    for (int i = 0; i < l->data.n_sockets; i++)
+        for (int k = 0; k < r->data.n_sockets; k++) {
+            if (!l->of.count[i] || !r->of.count[k] ||
+                strcmp(placement_of(l, i), placement_of(r, k)) != 0 ||
+                strcmp(l->data.sockets[i].label, r->data.sockets[k].label) != 0)
+                continue;
+            mukca_shared_socket *s = &w->shared[w->n];
+            memcpy(s->at[0], l->of.mean[i], sizeof s->at[0]);
+            memcpy(s->at[1], r->of.mean[k], sizeof s->at[1]);
+            s->variance[0] = l->variance / l->of.count[i];
+            s->variance[1] = r->variance / r->of.count[k];
+            w->socket[w->n++] = i;
+            break;
+        }
     if (w->n > 0) return MUKCA_OK;
     return cli_fail(call, MUKCA_INPUT,
                     "the sessions share no socket: none has the same placement and label in both "
@@ -117,7 +118,7 @@ static mukca_status find_shared(cli_call *call)
                     call->arguments.items[1]);
 }
 
-static void print(cli_call *call)
+static mukca_status print(cli_call *call)
 {
     static const char *const names[6] = {"x", "y", "z", "about x", "about y", "about z"};
     const align_work *w = call->work;
@@ -136,6 +137,7 @@ static void print(cli_call *call)
             "Distance of the sockets after the alignment: %.3f mm rms; noise alone: %.3f mm%s",
             1e3 * t->residual_m, 1e3 * t->expected_m,
             t->scale > 2 ? " (calibrate both arms first: --offsets, --right-offsets)" : "");
+    return MUKCA_OK;
 }
 
 static json_t *as_json(const cli_call *call)
@@ -154,8 +156,7 @@ static json_t *as_json(const cli_call *call)
                         KEY("residual_m", mukca_distance3(at, w->shared[i].at[0])));
     }
     return cli_json(
-        KEY("schema", "mukca.align/1"), KEY("pose", cli_json_frame(&t->pose)),
-        KEY("rpy_rad", cli_json_reals(rpy, 3)),
+        KEY("pose", cli_json_frame(&t->pose)), KEY("rpy_rad", cli_json_reals(rpy, 3)),
         KEY("sigma", cli_json(KEY("position_m", cli_json_reals(t->sigma, 3)),
                               KEY("rotation_rad", cli_json_reals(t->sigma + 3, 3)))),
         KEY("width95", cli_json(KEY("position_m", cli_json_reals(t->width95, 3)),
@@ -170,11 +171,8 @@ static mukca_status run(cli_call *call)
     mukca_status status = MUKCA_OK;
     for (int i = 0; i < 2 && status == MUKCA_OK; i++) status = load_side(call, i);
     if (status == MUKCA_OK) status = find_shared(call);
-    if (status == MUKCA_OK)
-        status = mukca_two_arms_align(&w->result, w->shared, w->n, &call->error);
-    if (status == MUKCA_OK && call->common->json) status = cli_write_json(call, as_json(call));
-    if (status == MUKCA_OK) print(call);
-    return status;
+    if (status != MUKCA_OK) return status;
+    return mukca_two_arms_align(&w->result, w->shared, w->n, &call->error);
 }
 
 const cli_command cli_command_align = {
@@ -199,6 +197,8 @@ const cli_command cli_command_align = {
     .options = options,
     .options_size = sizeof(align_options),
     .run = run,
+    .json = as_json,
+    .print = print,
     .work_size = sizeof(align_work),
     .release = release,
 };

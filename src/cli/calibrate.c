@@ -3,24 +3,12 @@
 #include <string.h>
 
 #include "cli/calibrate.h"
-#include "cli/traits.h"
 #include "diagnose/recording.h"
 #include "fit/align.h"
 #include "fit/mismatch.h"
 #include "fit/solver.h"
-#include "io/summary.h"
-
-typedef struct {
-    cli_common common;
-    const char *free, *freeze;
-    int solver, gradient;
-    double lambda;
-    bool regularise_tip, evidence;
-} calibrate_options;
 
 static const calibrate_options defaults = {.lambda = MUKCA_LAMBDA};
-
-static const char *const gradients[] = {"fd", "analytic", NULL};
 
 static const cli_option options[] = {
     CLI_OUTPUT_OPTION("write the offsets table"),
@@ -34,13 +22,14 @@ static const cli_option options[] = {
     CLI_RANGE_OPTION(
         calibrate_options, lambda, "lambda", CLI_NUMBER, "L", 0, INFINITY,
         "weight of the regularisation towards the nominal model, per placement (default: 1e-4)"),
-    CLI_OPTION(
+    CLI_OPTION_AND(
         calibrate_options, evidence, "evidence", CLI_FLAG, NULL,
         "choose the priors by the evidence and give outliers less weight, instead of this cost "
-        "(sockets)"),
+        "(sockets)",
+        .excludes = "free freeze regularise-tip lambda solver gradient free-base free-tool traits"),
     CLI_CHOICE_OPTION(calibrate_options, solver, "solver", "SOLVER", mukca_solver_name,
                       "minimiser (default: slsqp)"),
-    CLI_CHOICE_OPTION(calibrate_options, gradient, "gradient", "GRADIENT", gradients,
+    CLI_CHOICE_OPTION(calibrate_options, gradient, "gradient", "GRADIENT", calibrate_gradients,
                       "central differences (default), or analytic"),
     {.name = NULL}};
 
@@ -80,23 +69,6 @@ static mukca_fit_options fit_options(const calibrate_options *o)
         .limits = {.stop = cli_stop}};
 }
 
-typedef struct {
-    mukca_fit fit, other; /* the other one: by the evidence */
-    mukca_offsets offsets;
-    mukca_traits traits;
-    calibrate_result result;
-    double
-        nominal[MUKCA_MAX_THETA]; /* of the chain, with free frames aligned to the training data */
-} calibrate_work;
-
-static mukca_status judge(cli_call *call, const calibrate_result *r)
-{
-    const mukca_fit_options fitted = fit_options(call->options);
-    mukca_fit_offsets(r->offsets, r->fit);
-    return mukca_accept_fit(r->offsets, r->fit, &call->session->model.chain, r->train, r->test,
-                            &fitted, &call->error);
-}
-
 /* Whether the fit is that of the paper, which the posterior can replace. */
 static bool is_default(const calibrate_options *o)
 {
@@ -105,38 +77,34 @@ static bool is_default(const calibrate_options *o)
 }
 
 /* Compare with the geometry by the evidence.  The priors of a long recording have no weight. */
-static mukca_status compare_evidence(cli_call *call, calibrate_result *r)
+static mukca_status compare_evidence(cli_call *call)
 {
     enum { MOST_ROWS = 5000 };
     const calibrate_options *o = call->options;
-    mukca_fit *other = &((calibrate_work *)call->work)->other;
-    const mukca_chain *chain = &call->session->model.chain;
+    const cli_session *s = call->session;
+    calibrate_work *w = call->work;
     mukca_fit_options both[2] = {fit_options(o), fit_options(o)};
     both[1].by_evidence = true;
-    if (o->evidence || !is_default(o) || !r->offsets->acceptance.accepted ||
-        r->train->n_sockets == 0 || r->train->n_rows > MOST_ROWS)
+    if (o->evidence || !is_default(o) || !w->offsets.acceptance.accepted ||
+        s->data.n_sockets == 0 || s->data.n_rows > MOST_ROWS)
         return MUKCA_OK;
-    mukca_status status = mukca_fit_run(other, chain, r->train, &both[1], &call->error);
-    if (status == MUKCA_OK)
-        status = mukca_fit_compare(&r->evidence, (const mukca_fit *const[]){r->fit, other}, both,
-                                   chain, r->train, r->test, &call->error);
-    return status;
+    mukca_status status =
+        mukca_fit_run(&w->other, &s->model.chain, &s->data, &both[1], &call->error);
+    if (status != MUKCA_OK) return status;
+    return mukca_fit_compare(&w->evidence, (const mukca_fit *const[]){&w->fit, &w->other}, both,
+                             &s->model.chain, &s->data, &s->test, &call->error);
 }
 
-static mukca_status write_results(cli_call *call, const calibrate_result *r)
+static mukca_status write_offsets(cli_call *call)
 {
-    const calibrate_options *o = call->options;
+    const calibrate_work *w = call->work;
+    const mukca_dataset *data = &call->session->data;
     char comments[256];
     snprintf(comments, sizeof comments,
-             "mean error on %d training samples: %.4g m nominal, %.4g m calibrated",
-             r->train->n_rows, r->scores.set[0].mean[CLI_NOMINAL].mae,
-             r->scores.set[0].mean[CLI_CALIBRATED].mae);
-    mukca_status status = cli_write_offsets(call, call->common->output, r->offsets, &r->fit->chain,
-                                            r->train, comments);
-    if (status != MUKCA_OK || !call->common->json) return status;
-    return cli_write_json(
-        call, calibrate_json(r, o->evidence ? "posterior" : mukca_solver_name[o->solver],
-                             o->evidence ? NULL : gradients[o->gradient], cli_elapsed(call)));
+             "mean error on %d training samples: %.4g m nominal, %.4g m calibrated", data->n_rows,
+             w->scores.set[0].mean[CLI_NOMINAL].mae, w->scores.set[0].mean[CLI_CALIBRATED].mae);
+    return cli_write_offsets(call, call->common->output, &w->offsets, &w->fit.chain, data,
+                             comments);
 }
 
 static void release(void *work)
@@ -156,61 +124,38 @@ static void note_logs(cli_call *call, const mukca_dataset *data)
                  "-o` fits separate ones if the evidence supports them");
 }
 
-static mukca_status use_traits(cli_call *call)
-{
-    const calibrate_options *o = call->options;
-    calibrate_work *w = call->work;
-    const mukca_fit_options again = fit_options(o);
-    if (!o->common.traits) return MUKCA_OK;
-    mukca_status status =
-        mukca_traits_read(&w->traits, o->common.traits, &call->session->model.chain, &call->error);
-    if (status != MUKCA_OK) return status;
-    return calibrate_use_traits(call, &w->result, &w->fit, &w->traits, &again);
-}
-
 static mukca_status run(cli_call *call)
 {
     const calibrate_options *o = call->options;
     const cli_session *s = call->session;
+    const mukca_chain *chain = &s->model.chain;
+    const mukca_fit_options wanted = fit_options(o);
     calibrate_work *w = call->work;
     mukca_fit *fit = &w->fit;
-    calibrate_result *r = &w->result;
-    *r =
-        (calibrate_result){.fit = fit, .train = &s->data, .test = &s->test, .offsets = &w->offsets};
-    const mukca_fit_options wanted = fit_options(o);
-    if (o->evidence && (!is_default(o) || o->solver || o->gradient))
+    note_logs(call, &s->data);
+    mukca_columns_note(cli_note, call, chain, &s->data);
+    if (o->evidence && s->data.n_sockets == 0)
         return cli_fail(call, MUKCA_USAGE,
-                        "--evidence has its own priors and parameters; of the options of the "
-                        "fit, give no other");
-    mukca_status status = cli_load(call);
-    if (status == MUKCA_OK) {
-        note_logs(call, r->train);
-        mukca_columns_note(cli_note, call, &s->model.chain, r->train);
-    }
-    if (status == MUKCA_OK && o->evidence && r->train->n_sockets == 0)
-        status = cli_fail(call, MUKCA_USAGE,
-                          "--evidence is for sockets; for pose logs: mukca diagnose -o");
-    if (status == MUKCA_OK) status = check_moving(call, r->train);
-    if (status == MUKCA_OK)
-        status = mukca_fit_run(fit, &s->model.chain, r->train, &wanted, &call->error);
-    if (status == MUKCA_OK) status = use_traits(call);
+                        "--evidence is for sockets; for pose logs: mukca diagnose -o");
+    mukca_status status = check_moving(call, &s->data);
+    if (status == MUKCA_OK) status = mukca_fit_run(fit, chain, &s->data, &wanted, &call->error);
+    if (status == MUKCA_OK && o->common.traits) status = calibrate_use_traits(call, &wanted);
     if (status == MUKCA_OK && fit->identification.rank == 0)
         status = cli_fail(call, MUKCA_UNIDENTIFIABLE,
                           "the data identify no free parameter; record different postures");
     if (status == MUKCA_OK)
-        status = mukca_frames_start(w->nominal, &fit->chain, r->train, o->common.free_base,
+        status = mukca_frames_start(w->nominal, &fit->chain, &s->data, o->common.free_base,
                                     o->common.free_tool, &call->error);
-    r->scores = (cli_scores){.nominal_theta = w->nominal, .calibrated = true};
+    w->scores = (cli_scores){.nominal_theta = w->nominal, .calibrated = true};
     if (status == MUKCA_OK)
-        status = cli_scores_make(call, &r->scores, &fit->chain, fit->theta, NULL, "train");
-    if (status == MUKCA_OK) status = judge(call, r);
-    if (status == MUKCA_OK) status = compare_evidence(call, r);
-    if (status == MUKCA_OK) calibrate_add_traits(r->offsets, r);
-    if (status == MUKCA_OK) status = write_results(call, r);
+        status = cli_scores_make(call, &w->scores, &fit->chain, fit->theta, NULL, "train");
     if (status != MUKCA_OK) return status;
-    calibrate_print(call, r);
-    calibrate_print_traits(call, r);
-    return w->offsets.acceptance.accepted ? MUKCA_OK : MUKCA_NEGATIVE;
+    mukca_fit_offsets(&w->offsets, fit);
+    status = mukca_accept_fit(&w->offsets, fit, chain, &s->data, &s->test, &wanted, &call->error);
+    if (status == MUKCA_OK) status = compare_evidence(call);
+    if (status != MUKCA_OK) return status;
+    calibrate_add_traits(call);
+    return write_offsets(call);
 }
 
 const cli_command cli_command_calibrate = {
@@ -248,7 +193,10 @@ const cli_command cli_command_calibrate = {
     .options = options,
     .options_size = sizeof(calibrate_options),
     .defaults = &defaults,
+    .reads = CLI_READS_DATA,
     .run = run,
+    .json = calibrate_json,
+    .print = calibrate_print,
     .work_size = sizeof(calibrate_work),
     .release = release,
 };

@@ -7,6 +7,8 @@
 #include "fit/poses.h"
 #include "report/wording.h"
 
+const char *const calibrate_gradients[] = {"fd", "analytic", NULL};
+
 static void print_identifiability(cli_call *call, const mukca_fit *fit)
 {
     const int n = fit->parameters.n, rank = fit->identification.rank;
@@ -24,15 +26,17 @@ static bool enough_samples(const mukca_fit *fit)
     return fit->n_measured > fit->parameters.n;
 }
 
-static void print_warnings(cli_call *call, const calibrate_result *r)
+static void print_warnings(cli_call *call)
 {
-    const mukca_fit *fit = r->fit;
-    const mukca_score *nominal = &r->scores.set[0].mean[CLI_NOMINAL];
+    const calibrate_work *w = call->work;
+    const mukca_dataset *train = &call->session->data;
+    const mukca_fit *fit = &w->fit;
+    const mukca_score *nominal = &w->scores.set[0].mean[CLI_NOMINAL];
     const double distance = call->common->distance;
     if (!enough_samples(fit))
         cli_say(call, NULL, "warning: %d samples provide %d measured numbers for %d parameters",
-                r->train->n_rows, fit->n_measured, fit->parameters.n);
-    if (r->train->n_sockets > 0 && fit->chain.element[fit->chain.n_elements - 1].joint >= 0)
+                train->n_rows, fit->n_measured, fit->parameters.n);
+    if (train->n_sockets > 0 && fit->chain.element[fit->chain.n_elements - 1].joint >= 0)
         cli_say(call, NULL,
                 "warning: no fixed joint ends the chain at %s, so the position of the ball is not "
                 "fitted; add it to the URDF as ball_link",
@@ -48,8 +52,8 @@ static void print_warnings(cli_call *call, const calibrate_result *r)
                 "warning: by the nominal model the distance of the sockets differs by %.1f mm from "
                 "--distance, %.1f mm; measure the tool again",
                 1e3 * nominal->distance_error, 1e3 * distance);
-    for (int i = 0; i < r->scores.set[0].n; i++) {
-        const mukca_score *poses = &r->scores.set[0].of[CLI_NOMINAL][i];
+    for (int i = 0; i < w->scores.set[0].n; i++) {
+        const mukca_score *poses = &w->scores.set[0].of[CLI_NOMINAL][i];
         if (poses->placement < 0 && poses->mae < MUKCA_ECHO)
             cli_say(call, NULL,
                     "warning: the measured poses repeat the nominal model (within %.3f mm): they "
@@ -58,35 +62,37 @@ static void print_warnings(cli_call *call, const calibrate_result *r)
     }
 }
 
-static void print_next(cli_call *call, const calibrate_result *r)
+static void print_next(cli_call *call)
 {
-    const bool sockets = r->train->n_sockets > 0;
-    const double train = r->scores.set[0].mean[CLI_CALIBRATED].mae,
-                 test = cli_scores_error(&r->scores);
+    const calibrate_work *w = call->work;
+    const mukca_dataset *train = &call->session->data;
+    const bool sockets = train->n_sockets > 0;
+    const double error = w->scores.set[0].mean[CLI_CALIBRATED].mae,
+                 test = cli_scores_error(&w->scores);
     const cli_common *c = call->common;
-    if (!r->offsets->acceptance.accepted) return;
-    if (!enough_samples(r->fit))
+    if (!w->offsets.acceptance.accepted) return;
+    if (!enough_samples(&w->fit))
         cli_say(call, "Next", "record more postures%s", sockets ? ", 20 in each socket" : "");
-    else if (sockets && r->train->n_placements < 2)
+    else if (sockets && train->n_placements < 2)
         cli_say(call, "Next", "move the tool and record two or three more placements");
-    else if (r->scores.set[1].n == 0)
+    else if (w->scores.set[1].n == 0)
         cli_say(call, "Next", "check the error elsewhere: --test with another %s",
                 sockets ? "placement" : "pose log");
-    else if (test > 1.5 * train)
+    else if (test > 1.5 * error)
         cli_say(call, "Next",
                 "the test error is %.1f times the training error: record more %s, or identify the "
                 "cause with mukca diagnose",
-                test / train, sockets ? "placements" : "postures");
+                test / error, sockets ? "placements" : "postures");
     else if (c->output)
-        cli_say(call, "Next", "mukca export --urdf %s%s%s --offsets %s", c->urdf,
-                c->kinematics ? " --kinematics " : "", c->kinematics ? c->kinematics : "",
-                c->output);
-    if (r->evidence.postures && r->evidence.mean_m < -2 * r->evidence.sigma_m)
+        cli_say(call, "Next", "mukca export --urdf %s%s%s --offsets %s", c->arm.urdf,
+                c->arm.kinematics ? " --kinematics " : "",
+                c->arm.kinematics ? c->arm.kinematics : "", c->output);
+    if (w->evidence.postures && w->evidence.mean_m < -2 * w->evidence.sigma_m)
         cli_say(call, "Better",
                 "--evidence fits a better geometry to these data: held-out error %.3f mm (%s) "
                 "instead of %.3f mm",
-                1e3 * r->evidence.after_m, r->offsets->acceptance.error_of,
-                1e3 * r->evidence.before_m);
+                1e3 * w->evidence.after_m, w->offsets.acceptance.error_of,
+                1e3 * w->evidence.before_m);
     if (!c->output) cli_say(call, "Save", "-o offsets.tsv saves the result");
 }
 
@@ -98,31 +104,35 @@ static bool fitted_poses(const mukca_dataset *data)
     return any;
 }
 
-static void print_verdict(cli_call *call, const calibrate_result *r)
+static void print_verdict(cli_call *call)
 {
-    const mukca_acceptance *a = &r->offsets->acceptance;
+    const calibrate_work *w = call->work;
+    const mukca_dataset *train = &call->session->data;
+    const mukca_acceptance *a = &w->offsets.acceptance;
     char turns[80] = "", fit[80] = "Priors by the evidence";
-    cli_print_acceptance(cli_answer_stream(call), a, &r->fit->chain);
+    cli_print_acceptance(cli_answer_stream(call), a, &w->fit.chain);
     if (!a->accepted) return;
-    if (r->train->quaternion && fitted_poses(r->train))
+    if (train->quaternion && fitted_poses(train))
         snprintf(turns, sizeof turns, ", positions and orientations together (1 mrad as %g mm)",
                  MUKCA_METRES_PER_RADIAN);
-    if (r->fit->outcome.evaluations)
-        snprintf(fit, sizeof fit, "Converged after %d evaluations", r->fit->outcome.evaluations);
+    if (w->fit.outcome.evaluations)
+        snprintf(fit, sizeof fit, "Converged after %d evaluations", w->fit.outcome.evaluations);
     cli_say(call, NULL, "%s; measurement noise %.3f mm per axis%s.", fit, 1e3 * a->noise_m, turns);
 }
 
 /* A fitted frame of measured poses: the arm's base in the frame of the tracker (or of a fixed
  * board) if `base`, else the target (or camera) in the link that carries it.  False: not fitted. */
-static bool find_frame(mukca_frame *T, const calibrate_result *r, bool base)
+static bool find_frame(mukca_frame *T, const cli_call *call, bool base)
 {
-    const mukca_chain *chain = &r->fit->chain;
+    const calibrate_work *w = call->work;
+    const mukca_chain *chain = &w->fit.chain;
     const int k = base ? 0 : chain->n_elements - 1;
-    const double *theta = r->fit->theta + MUKCA_PARAMETERS * k;
+    const double *theta = w->fit.theta + MUKCA_PARAMETERS * k;
     bool fitted = false;
-    for (int i = 0; i < r->fit->parameters.n; i++)
-        fitted |= r->fit->parameters.index[i] / MUKCA_PARAMETERS == k;
-    if (!fitted || !fitted_poses(r->train) || chain->element[k].joint >= 0) return false;
+    for (int i = 0; i < w->fit.parameters.n; i++)
+        fitted |= w->fit.parameters.index[i] / MUKCA_PARAMETERS == k;
+    if (!fitted || !fitted_poses(&call->session->data) || chain->element[k].joint >= 0)
+        return false;
     if (base && strcmp(chain->element[k].name, MUKCA_BASE_FRAME) != 0) return false;
     mukca_rotation_from_rpy(T->R, theta + 3);
     memcpy(T->p, theta, sizeof T->p);
@@ -130,15 +140,16 @@ static bool find_frame(mukca_frame *T, const calibrate_result *r, bool base)
 }
 
 /* Base and target as the results of a hand-eye calibration. */
-static void print_frames(cli_call *call, const calibrate_result *r)
+static void print_frames(cli_call *call)
 {
+    const calibrate_work *w = call->work;
     static const char *const keys[2] = {"Target", "Base"};
-    const mukca_chain *chain = &r->fit->chain;
+    const mukca_chain *chain = &w->fit.chain;
     const int last = chain->n_elements - 1;
     for (int base = 1; base >= 0; base--) {
         mukca_frame T;
         double q[4], rpy[3];
-        if (!find_frame(&T, r, base)) continue;
+        if (!find_frame(&T, call, base)) continue;
         mukca_rotation_to_quaternion(q, T.R);
         mukca_rotation_to_rpy(rpy, T.R, NULL);
         cli_say(call, keys[base],
@@ -152,20 +163,24 @@ static void print_frames(cli_call *call, const calibrate_result *r)
     }
 }
 
-void calibrate_print(cli_call *call, const calibrate_result *r)
+mukca_status calibrate_print(cli_call *call)
 {
-    cli_print_head(cli_answer_stream(call), r->fit->chain.robot, r->train, r->test);
-    print_verdict(call, r);
+    const calibrate_work *w = call->work;
+    const cli_session *s = call->session;
+    const bool accepted = w->offsets.acceptance.accepted,
+               foreign = !accepted && w->scores.set[0].mean[CLI_NOMINAL].mae > CLI_FAR_OFF;
     mukca_frame T;
-    const bool foreign =
-        !r->offsets->acceptance.accepted && r->scores.set[0].mean[CLI_NOMINAL].mae > CLI_FAR_OFF;
-    if (!r->offsets->acceptance.accepted)
-        cli_print_mismatch(call, r->train, find_frame(&T, r, true), find_frame(&T, r, false));
-    cli_scores_print(call, &r->scores, false);
-    if (!foreign) print_frames(call, r);
-    if (!foreign) print_identifiability(call, r->fit);
-    print_warnings(call, r);
-    print_next(call, r);
+    cli_print_head(cli_answer_stream(call), w->fit.chain.robot, &s->data, &s->test);
+    print_verdict(call);
+    if (!accepted)
+        cli_print_mismatch(call, &s->data, find_frame(&T, call, true), find_frame(&T, call, false));
+    cli_scores_print(call, &w->scores, false);
+    if (!foreign) print_frames(call);
+    if (!foreign) print_identifiability(call, &w->fit);
+    print_warnings(call);
+    print_next(call);
+    calibrate_print_traits(call);
+    return accepted ? MUKCA_OK : MUKCA_NEGATIVE;
 }
 
 /* ---- JSON ---- */
@@ -189,10 +204,10 @@ static json_t *null_space_json(const mukca_fit *fit)
     return directions;
 }
 
-static json_t *frame_json(const calibrate_result *r, bool base)
+static json_t *frame_json(const cli_call *call, bool base)
 {
     mukca_frame T;
-    return find_frame(&T, r, base) ? cli_json_frame(&T) : NULL;
+    return find_frame(&T, call, base) ? cli_json_frame(&T) : NULL;
 }
 
 static json_t *cost_json(const mukca_cost_value *c)
@@ -201,22 +216,25 @@ static json_t *cost_json(const mukca_cost_value *c)
                     FIELD(c, regularisation));
 }
 
-json_t *calibrate_json(const calibrate_result *r, const char *solver, const char *gradient,
-                       double elapsed)
+json_t *calibrate_json(const cli_call *call)
 {
-    const mukca_fit *fit = r->fit;
-    const mukca_difference *e = &r->evidence;
-    const cli_scores *s = &r->scores;
+    const calibrate_options *o = call->options;
+    const calibrate_work *w = call->work;
+    const mukca_fit *fit = &w->fit;
+    const mukca_difference *e = &w->evidence;
+    const cli_scores *s = &w->scores;
+    const char *solver = o->evidence ? "posterior" : mukca_solver_name[o->solver],
+               *gradient = o->evidence ? NULL : calibrate_gradients[o->gradient];
     json_t *traits = NULL, *by_evidence = NULL;
-    if (r->traits)
-        traits =
-            cli_json(KEY("used", (bool)(r->traits_share > 0)), KEY("share", r->traits_share),
-                     KEY("arms", r->traits->n_arms), KEY("log_bayes_factor", r->traits_evidence));
+    if (o->common.traits)
+        traits = cli_json(KEY("used", (bool)(w->traits_share > 0)), KEY("share", w->traits_share),
+                          KEY("arms", call->session->traits.n_arms),
+                          KEY("log_bayes_factor", w->traits_evidence));
     if (e->postures)
         by_evidence = cli_json(KEY("error_m", e->after_m), KEY("instead_of_m", e->before_m),
                                KEY("difference_sigma_m", e->sigma_m));
     return cli_json(
-        KEY("schema", "mukca.calibrate/1"), FIELD(fit, converged),
+        FIELD(fit, converged),
         KEY("solver",
             cli_json(KEY("name", solver), KEY("gradient", gradient),
                      KEY("evaluations", fit->outcome.evaluations),
@@ -227,14 +245,15 @@ json_t *calibrate_json(const calibrate_result *r, const char *solver, const char
                              KEY("calibrated", cost_json(&fit->calibrated)))),
         KEY("train", cli_scores_json(&s->set[0], s->has_factory)),
         KEY("test", cli_scores_json(&s->set[1], s->has_factory)),
-        KEY("parameters", cli_json_offsets(r->offsets, &fit->chain)),
+        KEY("parameters", cli_json_offsets(&w->offsets, &fit->chain)),
         KEY("rank", fit->identification.rank), KEY("free", fit->parameters.n),
         KEY("noise_m", fit->identification.noise),
         KEY("observability", fit->identification.observability),
         KEY("null_space", null_space_json(fit)),
-        KEY("sigma_samples", fit->n_part > 0 ? fit->n_part : r->train->n_rows),
-        KEY("acceptance", cli_json_acceptance(&r->offsets->acceptance)),
+        KEY("sigma_samples", fit->n_part > 0 ? fit->n_part : call->session->data.n_rows),
+        KEY("acceptance", cli_json_acceptance(&w->offsets.acceptance)),
         KEY("frames",
-            cli_json(KEY("base", frame_json(r, true)), KEY("target", frame_json(r, false)))),
-        KEY("traits", traits), KEY("by_evidence", by_evidence), KEY("elapsed_s", elapsed));
+            cli_json(KEY("base", frame_json(call, true)), KEY("target", frame_json(call, false)))),
+        KEY("traits", traits), KEY("by_evidence", by_evidence),
+        KEY("elapsed_s", cli_elapsed(call)));
 }

@@ -124,9 +124,9 @@ static json_t *summary(const session *s)
                 sockets, KEY("placement", rows->placements[rows->sockets[k].placement].name),
                 KEY("socket", rows->sockets[k].label), KEY("rows", n), KEY("spread_m", rms));
     }
-    return cli_json(KEY("schema", "mukca.capture/1"), KEY("session", r->session.file.path),
-                    KEY("rows", r->session.file.n_rows), KEY("channel", r->stream.channel),
-                    KEY("type", mukca_stream_type(r)), KEY("stream", mukca_recorder_stream(r)),
+    return cli_json(KEY("session", r->session.file.path), KEY("rows", r->session.file.n_rows),
+                    KEY("channel", r->stream.channel), KEY("type", mukca_stream_type(r)),
+                    KEY("stream", mukca_recorder_stream(r)),
                     KEY("received", (long)r->stream.count.received),
                     KEY("refused", (long)r->stream.count.refused),
                     KEY("longest_gap_s", r->stream.count.longest_gap), KEY("sockets", sockets),
@@ -151,7 +151,7 @@ static int count_finished(const mukca_capture *c)
 /* Print the command that uses this session, with the options that specify the arm. */
 static void print_next(const session *s)
 {
-    cli_live_words words = {.word = {NULL}};
+    const char *words[MUKCA_SERVER_ARGUMENTS];
     char line[4096] = "";
     mukca_text text = MUKCA_TEXT(line);
     if (!count_finished(&s->recorder.session.capture)) {
@@ -159,8 +159,8 @@ static void print_next(const session *s)
                 "--resume continues: no placement has two sockets with two samples yet");
         return;
     }
-    cli_live_arguments(&words, s->call->common);
-    for (int i = 0; words.word[i]; i++) mukca_text_put(&text, " %s", words.word[i]);
+    cli_live_arguments(words, s->call);
+    for (int i = 0; words[i]; i++) mukca_text_put(&text, " %s", words[i]);
     cli_answer(s->call, "Next    mukca calibrate%s %s -o offsets.tsv\n", line,
                s->recorder.session.file.path);
 }
@@ -179,11 +179,23 @@ static void conclude(session *s)
     if (r->session.file.n_rows) print_next(s);
 }
 
-static mukca_status check_usage(const session *s)
+/* Keys are read from standard input, or from the terminal if standard input delivers joint
+ * states. */
+static int find_terminal(bool lines)
 {
-    const capture_options *o = s->options;
-    const cli_common *c = s->call->common;
-    mukca_error *error = &s->call->error;
+    if (!lines) return isatty(STDIN_FILENO) ? STDIN_FILENO : -1;
+    return isatty(STDERR_FILENO) ? open("/dev/tty", O_RDONLY | O_CLOEXEC) : -1;
+}
+
+static mukca_status check(cli_call *call)
+{
+    const capture_options *o = call->options;
+    const cli_common *c = call->common;
+    mukca_error *error = &call->error;
+    session *s = call->work;
+    s->call = call;
+    s->options = o;
+    s->keys = find_terminal(o->live.recorder.lines);
     if (!c->output || strcmp(c->output, "-") == 0)
         return mukca_fail(error, MUKCA_USAGE, "-o FILE is needed: the session to record");
     if (s->keys < 0 && !o->live.recorder.triggers && !o->live.recorder.still &&
@@ -202,23 +214,19 @@ static mukca_status check_usage(const session *s)
     return MUKCA_OK;
 }
 
-/* Prepare model, stream, mapping, session file and raw log. */
+/* Prepare stream, mapping, session file and raw log. */
 static mukca_status prepare(session *s)
 {
     cli_call *call = s->call;
     capture_options *o = call->options;
     const cli_common *c = call->common;
     mukca_recorder *r = &s->recorder;
-    cli_model *model = &call->session->model;
+    const cli_model *model = &call->session->model;
     const mukca_recorder_hooks hooks = {
         .report = report, .trigger = may_trigger, .interrupted = cli_interrupted, .context = s};
     cli_live_complete(&o->live, c);
-    mukca_status status = check_usage(s);
-    if (status == MUKCA_OK) status = cli_load_model(call, model);
-    if (status == MUKCA_OK) status = cli_check_traits(call, call->common->traits, &model->chain);
-    if (status == MUKCA_OK)
-        status = mukca_recorder_open(r, &o->live.recorder, &model->chain, model->offsets.theta,
-                                     &hooks, &call->error);
+    mukca_status status = mukca_recorder_open(r, &o->live.recorder, &model->chain,
+                                              model->offsets.theta, &hooks, &call->error);
     if (status == MUKCA_OK) status = mukca_recorder_connect(r, o->wait, &call->error);
     if (status == MUKCA_OK) status = confirm_map(s);
     if (status == MUKCA_OK)
@@ -226,22 +234,11 @@ static mukca_status prepare(session *s)
     return status;
 }
 
-/* Keys are read from standard input, or from the terminal if standard input delivers joint
- * states. */
-static int find_terminal(bool lines)
-{
-    if (!lines) return isatty(STDIN_FILENO) ? STDIN_FILENO : -1;
-    return isatty(STDERR_FILENO) ? open("/dev/tty", O_RDONLY | O_CLOEXEC) : -1;
-}
-
 static mukca_status run(cli_call *call)
 {
     session *s = call->work;
     const char *term = getenv("TERM");
-    s->call = call;
-    s->options = call->options;
     s->view = isatty(STDERR_FILENO) && !call->common->quiet && term && strcmp(term, "dumb") != 0;
-    s->keys = find_terminal(s->options->live.recorder.lines);
     mukca_status status = prepare(s);
     if (status != MUKCA_OK) return status;
     if (s->keys >= 0) cli_capture_enter(&s->terminal, s->keys);
@@ -253,7 +250,8 @@ static mukca_status run(cli_call *call)
     if (status == MUKCA_OK || status == MUKCA_INTERRUPTED) {
         mukca_sampling_publish_status(&s->recorder, "stopped");
         conclude(s);
-        mukca_status written = cli_write_json(call, call->common->json ? summary(s) : NULL);
+        const mukca_status written =
+            call->common->json ? cli_write_json(call, summary(s)) : MUKCA_OK;
         mukca_error lost;
         mukca_status finished = mukca_recorder_finish(&s->recorder, &lost);
         if (written != MUKCA_OK) status = written;
@@ -337,6 +335,8 @@ const cli_command cli_command_capture = {
     .options = options,
     .options_size = sizeof(capture_options),
     .defaults = &defaults,
+    .check = check,
+    .reads = CLI_READS_MODEL,
     .run = run,
     .work_size = sizeof(session),
     .release = release,

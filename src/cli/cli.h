@@ -18,6 +18,7 @@
 #include "io/offsets.h"
 #include "io/output.h"
 #include "io/rows.h"
+#include "io/summary.h"
 #include "model/dataset.h"
 #include "mukca/chain.h"
 #include "mukca/effect.h"
@@ -57,6 +58,8 @@ typedef enum {
     CLI_REST      /* cli_list; all arguments that follow, up to the next option or `--` */
 } cli_kind;
 
+enum { CLI_MOST_OPTIONS = 64 }; /* of a command */
+
 typedef struct {
     const char *name; /* without `--`; NULL ends a table */
     char letter;      /* 0: none */
@@ -65,9 +68,18 @@ typedef struct {
     const char *help;           /* one sentence without a full stop, with the default */
     const char *const *choices; /* CLI_CHOICE: names, terminated by NULL */
     double least, most;         /* range of a number; both 0: any */
+    const char *needs;          /* "poses or --at": one of them must be given, too */
+    const char *excludes;       /* "poses at": none of them may be given */
     size_t offset;              /* of the member in the command's options */
     unsigned set;               /* of a common option: CLI_WITH_...; 0: the command's own */
 } cli_option;
+
+/* An option as it was given, the last time. */
+typedef struct {
+    const cli_option *option;
+    char *const *words; /* [n_words] of the command line: its name and its value */
+    int n_words;
+} cli_given;
 
 /* Rows of option tables; `member` of the struct `type` gets the value.  The first with further
  * members of cli_option. */
@@ -86,16 +98,21 @@ typedef struct {
 #define CLI_OUTPUT_OPTION(what) \
     CLI_OPTION_AND(cli_common, output, "output", CLI_OUTPUT, "FILE", what, .letter = 'o')
 
+/* The options that specify an arm. */
+typedef struct {
+    const char *urdf, *base, *tip, *inertials, *kinematics, *offsets;
+    double gravity[3]; /* m/s^2; all 0: upright base */
+} cli_arm;
+
 /* Options common to all commands: the first member of every command's options struct. */
 typedef struct {
-    const char *urdf, *base, *tip, *inertials, *kinematics, *offsets, *distances, *json, *output;
-    const char *payload, *units, *columns, *traits;
+    cli_arm arm;
+    const char *distances, *json, *output, *payload, *units, *columns, *traits;
     cli_list test;
-    int angles;        /* 1: commanded */
-    int map;           /* 0: by name; 1: in order; 2: in order, w last */
-    double distance;   /* m */
-    double gravity[3]; /* m/s^2; all 0: upright base */
-    int check;         /* recordings simulated by --check */
+    int angles;      /* 1: commanded */
+    int map;         /* 0: by name; 1: in order; 2: in order, w last */
+    double distance; /* m */
+    int check;       /* recordings simulated by --check */
     bool free_base, free_tool, inverse_poses, force, accept_failed, accept_edited, quiet, verbose;
 } cli_common;
 
@@ -125,9 +142,20 @@ enum {
 
 typedef struct cli_call cli_call;
 
-/* Run the command.  Returns the exit code; on errors, call->error is the line to print (empty:
+/* A step of a command.  Returns the exit code; on errors, call->error is the line to print (empty:
  * none). */
-typedef mukca_status cli_run_fn(cli_call *call);
+typedef mukca_status cli_step(cli_call *call);
+
+/* Write a file, or standard output, that is open. */
+typedef mukca_status cli_writer(cli_call *call, FILE *stream);
+
+/* What is read into call->session before `run`. */
+typedef enum {
+    CLI_READS_NOTHING,
+    CLI_READS_MODEL,    /* the arm of the common options, --traits */
+    CLI_READS_DATA,     /* also DATA, if there are arguments, and --test */
+    CLI_READS_CONDENSED /* likewise, DATA condensed to the capacity of a diagnosis */
+} cli_reads;
 
 typedef struct {
     const char *name;
@@ -139,15 +167,22 @@ typedef struct {
     unsigned with;             /* common options: CLI_WITH_... */
     const cli_option *options; /* its own; NULL: none */
     size_t options_size;       /* of the options struct, first member cli_common */
+    const void *defaults;      /* an options struct, or NULL: zeroed */
     bool targets;              /* pose logs may have several targets */
     bool grows;                /* -o may exist */
-    const void *defaults;      /* an options struct, or NULL: zeroed */
-    cli_run_fn *run;
-    size_t work_size;            /* of call->work, or 0 */
-    void (*release)(void *work); /* frees its members; NULL: nothing to free */
+    bool any_table;            /* an offsets table is read whatever its verdict */
+    /* The steps of its run, in this order, until one fails; NULL: nothing to do. */
+    cli_step *check; /* of the options, before anything is read */
+    cli_reads reads;
+    cli_step *run;                         /* its work, and the files that have own options */
+    cli_writer *table;                     /* -o, else standard output unless --json is given */
+    json_t *(*json)(const cli_call *call); /* --json, without its schema */
+    cli_step *print;                       /* the answer; returns the exit code */
+    size_t work_size;                      /* of call->work, or 0 */
+    void (*release)(void *work);           /* frees its members */
 } cli_command;
 
-/* The arm specified by --urdf, --base, --tip, --inertials, --gravity, --offsets. */
+/* An arm as it was read. */
 typedef struct {
     mukca_chain chain;
     mukca_chain urdf; /* the chain with the URDF's origins, before --kinematics */
@@ -159,17 +194,20 @@ typedef struct {
 /* Inputs of a command. */
 typedef struct {
     cli_model model;
+    mukca_traits traits;      /* --traits */
     mukca_dataset data, test; /* DATA..., --test */
 } cli_session;
 
 struct cli_call {
     const cli_command *command;
-    void *options;        /* the command's options struct */
-    cli_common *common;   /* its first member */
-    int argc;             /* arguments after the command's name */
-    char **argv;          /* [argc] */
-    cli_list arguments;   /* positionals */
-    cli_session *session; /* zeroed, filled by cli_load; freed after the run */
+    void *options;                     /* the command's options struct */
+    cli_common *common;                /* its first member */
+    int argc;                          /* arguments after the command's name */
+    char **argv;                       /* [argc] */
+    cli_list arguments;                /* positionals */
+    cli_given given[CLI_MOST_OPTIONS]; /* [n_given] each option once */
+    int n_given;
+    cli_session *session; /* zeroed, filled as the command reads; freed after the run */
     void *work;           /* zeroed memory of the command, freed after the run */
     mukca_pool pool;      /* for its arrays, likewise */
     mukca_error error;
@@ -203,7 +241,8 @@ const cli_command *cli_find_command(const char *name); /* NULL: none */
 /* Error for a `name` that is no effect, with a suggestion: MUKCA_USAGE. */
 mukca_status cli_fail_effect(mukca_error *error, const char *option, const char *name);
 
-/* Run the parsed command with zeroed call->session and call->work; frees them and the pool. */
+/* Run the steps of the parsed command with zeroed call->session and call->work; frees them and the
+ * pool. */
 mukca_status cli_run(cli_call *call);
 
 enum { CLI_WIDTH = 79 }; /* columns */
@@ -226,11 +265,8 @@ void cli_print_words(FILE *stream, int indent, int column, const char *text, siz
 
 /* ---- terminal output (terminal.c) ---- */
 
-/* Open the output table of a command: -o, or standard output. */
-mukca_status cli_output_open(cli_call *call, mukca_output *output);
-
 /* Stream of the readable answer: standard output, or standard error if standard output is
- * machine-readable (--json -, -o -, or a table opened by cli_output_open).  NULL with -q.  Call it
+ * machine-readable (--json -, -o -, or a table of cli_write_table).  NULL with -q.  Call it
  * for each piece of output: it clears a progress line. */
 FILE *cli_answer_stream(cli_call *call);
 
@@ -265,17 +301,12 @@ bool cli_show_progress(void *call, double share, const char *doing);
 
 /* ---- inputs and outputs of commands (load.c, outputs.c, json.c) ---- */
 
-/* Fill call->session: the model, DATA if there are arguments, --test if
- * given.  Errors: those of the functions below. */
-mukca_status cli_load(cli_call *call);
+/* Fill call->session.  Errors: those of the functions below. */
+mukca_status cli_read(cli_call *call, cli_reads what);
 
-/* The model that the common options describe, or those of `from`.  Errors: MUKCA_USAGE (no --urdf),
- * MUKCA_INPUT, MUKCA_MEMORY. */
-mukca_status cli_load_model(cli_call *call, cli_model *model);
-mukca_status cli_load_model_from(cli_call *call, cli_model *model, const cli_common *from);
-
-/* Check that a traits table (NULL: none) is of the model.  Errors: as mukca_traits_read. */
-mukca_status cli_check_traits(cli_call *call, const char *path, const mukca_chain *chain);
+/* Read an arm, for which --traits must be.  Errors: MUKCA_USAGE (no --urdf), MUKCA_INPUT,
+ * MUKCA_MEMORY. */
+mukca_status cli_load_model(cli_call *call, cli_model *model, const cli_arm *arm);
 
 /* A comment line in an output if the table of --offsets was not accepted. */
 void cli_print_verdict(const cli_call *call, FILE *stream);
@@ -294,9 +325,6 @@ mukca_status cli_read_format(cli_call *call, mukca_rows_format *format);
 mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model *model,
                            const cli_list *paths);
 
-/* Condense the session's data to the capacity of a diagnosis, with a note. */
-mukca_status cli_condense(cli_call *call);
-
 /* Error of the nominal model that indicates wrong units or columns, m: arms are built to 10 mm. */
 #define CLI_FAR_OFF 0.1
 
@@ -306,19 +334,26 @@ void cli_describe_data(char text[80], const mukca_dataset *data);
 /* The positional arguments, or standard input if there are none, with a note at a terminal. */
 cli_list cli_inputs(cli_call *call);
 
+/* The path that was given for an option, CLI_INPUT or CLI_OUTPUT; NULL: none. */
+const char *cli_path(const cli_call *call, const cli_option *option);
+
 /* Check all outputs before any long work: each different from the others, no input (not even
  * --force overwrites a recording, which cannot be repeated), not existing without --force, folder
  * writable.  Errors: MUKCA_USAGE, MUKCA_INPUT, MUKCA_MEMORY. */
 mukca_status cli_check_outputs(cli_call *call);
+
+/* Write a file; and the table of a command: to -o, else to standard output. */
+mukca_status cli_write(cli_call *call, const char *path, cli_writer *write);
+mukca_status cli_write_table(cli_call *call, cli_writer *write);
 
 /* Write an offsets table to `path` (NULL: none); the arguments are those of mukca_offsets_write. */
 mukca_status cli_write_offsets(cli_call *call, const char *path, const mukca_offsets *offsets,
                                const mukca_chain *chain, const mukca_dataset *data,
                                const char *comments);
 
-/* Write `root` (reference stolen) to --json, if given.  Errors: MUKCA_INPUT, MUKCA_MEMORY (also if
- * `root` is incomplete after a failed allocation). */
-mukca_status cli_write_json(cli_call *call, json_t *root);
+/* Write `members` (reference stolen) to --json, after the schema "mukca.COMMAND/1".  Errors:
+ * MUKCA_INPUT, MUKCA_MEMORY (also after any allocation that failed). */
+mukca_status cli_write_json(cli_call *call, json_t *members);
 
 /* Monitor jansson's allocations, from before its first use. */
 void cli_json_watch(void);

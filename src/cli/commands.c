@@ -40,6 +40,19 @@ const cli_command *cli_find_command(const char *name)
     return NULL;
 }
 
+static mukca_status run_steps(cli_call *call)
+{
+    const cli_command *c = call->command;
+    const cli_common *given = call->common;
+    mukca_status status = c->check ? c->check(call) : MUKCA_OK;
+    if (status == MUKCA_OK) status = cli_read(call, c->reads);
+    if (status == MUKCA_OK && c->run) status = c->run(call);
+    if (status == MUKCA_OK && c->table && (given->output || !given->json))
+        status = cli_write_table(call, c->table);
+    if (status == MUKCA_OK && c->json && given->json) status = cli_write_json(call, c->json(call));
+    return status == MUKCA_OK && c->print ? c->print(call) : status;
+}
+
 mukca_status cli_run(cli_call *call)
 {
     const cli_command *command = call->command;
@@ -48,7 +61,7 @@ mukca_status cli_run(cli_call *call)
     call->session = calloc(1, sizeof *call->session);
     call->work = calloc(1, command->work_size ? command->work_size : 1);
     if (call->session && call->work)
-        status = command->run(call);
+        status = run_steps(call);
     else
         status = cli_fail(call, MUKCA_MEMORY, "out of memory");
     if (call->work && command->release) command->release(call->work);

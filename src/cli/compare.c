@@ -28,26 +28,24 @@ static mukca_status load(cli_call *call, int side)
     compare_work *w = call->work;
     cli_model *m = &w->model;
     mukca_corrected *arm = &w->arm[side];
-    cli_common from = *call->common;
+    cli_arm given = call->common->arm;
     const char *path = call->arguments.items[side];
     char *text;
     mukca_status status = mukca_file_read(&text, path, &call->error);
     if (status != MUKCA_OK) return status;
-    if (text[strspn(text, " \t\r\n\xef\xbb\xbf")] == '<')
-        from.urdf = path;
-    else if (is_yaml(path))
-        from.kinematics = path;
-    else
-        from.offsets = path;
+    const char **kind = text[strspn(text, " \t\r\n\xef\xbb\xbf")] == '<' ? &given.urdf
+                        : is_yaml(path)                                  ? &given.kinematics
+                                                                         : &given.offsets;
+    *kind = path;
     free(text);
-    if (from.kinematics && !from.urdf)
+    if (given.kinematics && !given.urdf)
         return cli_fail(call, MUKCA_USAGE,
                         "%s: --urdf FILE is needed: a factory file replaces its origins",
                         mukca_file_shown(path));
     memset(m, 0, sizeof *m);
-    if (from.offsets) status = cli_read_offsets(call, &m->offsets, &m->chain, NULL, path);
-    if (!from.offsets || (status != MUKCA_OK && m->chain.n_elements == 0 && from.urdf))
-        status = cli_load_model_from(call, m, &from);
+    if (given.offsets) status = cli_read_offsets(call, &m->offsets, &m->chain, NULL, path);
+    if (!given.offsets || (status != MUKCA_OK && m->chain.n_elements == 0 && given.urdf))
+        status = cli_load_model(call, m, &given);
     if (status != MUKCA_OK) return status;
     w->verdict[side] = m->offsets.acceptance;
     arm->chain = m->chain;
@@ -124,7 +122,7 @@ static void print_number(cli_call *call, double value)
         cli_answer(call, " %12s", "-");
 }
 
-static void print(cli_call *call)
+static mukca_status print(cli_call *call)
 {
     static const char *const row[2] = {"as they are", "base and tool aligned"};
     const compare_work *w = call->work;
@@ -158,6 +156,7 @@ static void print(cli_call *call)
         print_number(call, d->slide);
         cli_answer(call, "\n");
     }
+    return MUKCA_OK;
 }
 
 static json_t *error_json(const mukca_compared_error *e, bool angle)
@@ -189,30 +188,29 @@ static json_t *as_json(const cli_call *call)
                         KEY("distance_m", c->axis[j].distance), KEY("zero_rad", c->axis[j].zero),
                         KEY("shift_m", c->axis[j].slide),
                         KEY("joint", mukca_chain_joint_name(&w->arm[0].chain, j)));
-    return cli_json(KEY("schema", "mukca.compare/1"), KEY("models", models),
-                    KEY("postures", (int)MUKCA_COMPARED), KEY("axes", axes),
+    return cli_json(KEY("models", models), KEY("postures", (int)MUKCA_COMPARED), KEY("axes", axes),
                     KEY("position", errors_json(c->position, false)),
                     KEY("rotation", errors_json(c->rotation, true)),
                     KEY("base", cli_json_frame(&c->base)), KEY("tool", cli_json_frame(&c->tool)),
                     KEY("elapsed_s", cli_elapsed(call)));
 }
 
+static mukca_status check(cli_call *call)
+{
+    if (!call->common->arm.kinematics) return MUKCA_OK;
+    return cli_fail(call, MUKCA_USAGE, "--kinematics: give the file as A or as B");
+}
+
 static mukca_status run(cli_call *call)
 {
     compare_work *w = call->work;
-    call->common->accept_failed = call->common->accept_edited =
-        true; /* also compare a table that was not accepted */
-    if (call->common->kinematics)
-        return cli_fail(call, MUKCA_USAGE, "--kinematics: give the file as A or as B");
     mukca_status status = MUKCA_OK;
     for (int side = 0; side < 2 && status == MUKCA_OK; side++) status = load(call, side);
     if (status == MUKCA_OK) status = check_pairs(call);
     if (status != MUKCA_OK) return status;
     note_hashes(call);
     mukca_compare(&w->comparison, &w->arm[0], &w->arm[1]);
-    if (status == MUKCA_OK && call->common->json) status = cli_write_json(call, as_json(call));
-    if (status == MUKCA_OK) print(call);
-    return status;
+    return MUKCA_OK;
 }
 
 const cli_command cli_command_compare = {
@@ -233,6 +231,10 @@ const cli_command cli_command_compare = {
     .example = "  mukca compare data/demo/arm.urdf build/demo/offsets.tsv",
     .with = CLI_WITH_MODEL | CLI_WITH_JSON,
     .options_size = sizeof(cli_common),
+    .any_table = true,
+    .check = check,
     .run = run,
+    .json = as_json,
+    .print = print,
     .work_size = sizeof(compare_work),
 };

@@ -9,8 +9,6 @@
 #include "base/file.h"
 #include "cli/cli.h"
 #include "io/language.h"
-#include "io/output.h"
-#include "io/rows.h"
 
 static const char *const formats[] = {"table",
 #define FORMAT_NAME(name, description) #name,
@@ -51,8 +49,9 @@ static const cli_option options[] = {
     CLI_OPTION(compensate_options, poses, "poses", CLI_FLAG, NULL,
                "rows are poses (x_m y_m z_m, optionally qw qx qy qz or the rotation vector rx ry "
                "rz), not joint targets"),
-    CLI_CHOICE_OPTION(compensate_options, from, "from", "FORMAT", formats,
-                      "correct tables (default) or programs in this language"),
+    CLI_OPTION_AND(compensate_options, from, "from", CLI_CHOICE, "FORMAT",
+                   "correct tables (default) or programs in this language", .choices = formats,
+                   .excludes = "poses"),
     CLI_OPTION(compensate_options, position_only, "position-only", CLI_FLAG, NULL,
                "ignore the orientation (always with fewer than six joints)"),
     CLI_OUTPUT_OPTION("write the corrected targets there (default: standard output)"),
@@ -230,10 +229,12 @@ static double mean(const tally *t, const tip_errors *errors)
     return t->rows ? errors->sum / (double)t->rows : 0;
 }
 
-static void print_tally(cli_call *call, const tally *t, bool poses)
+static mukca_status print(cli_call *call)
 {
-    if (t->rows == 0) return;
-    if (poses)
+    const compensate_options *o = call->options;
+    const tally *t = &((const job *)call->work)->tally;
+    if (t->rows == 0) return MUKCA_OK;
+    if (o->poses)
         cli_answer(call, "%ld row%s: error %.6f mm (mean), %.6f mm (max)\n", t->rows,
                    t->rows == 1 ? "" : "s", 1e3 * mean(t, &t->after), 1e3 * t->after.max);
     else
@@ -244,15 +245,17 @@ static void print_tally(cli_call *call, const tally *t, bool poses)
         if (t->count[r] > 0)
             cli_answer(call, "%ld row%s '%s': %s\n", t->count[r], t->count[r] == 1 ? "" : "s",
                        mukca_reach_text[r], mukca_reach_sentence[r]);
+    return MUKCA_OK;
 }
 
-static json_t *as_json(const cli_call *call, const tally *t)
+static json_t *as_json(const cli_call *call)
 {
+    const tally *t = &((const job *)call->work)->tally;
     json_t *counts = json_object();
     for (int r = 0; r < MUKCA_REACH_COUNT; r++)
         json_object_set_new(counts, mukca_reach_text[r], json_integer((json_int_t)t->count[r]));
     return cli_json(
-        KEY("schema", "mukca.compensate/1"), FIELD(t, rows),
+        FIELD(t, rows),
         KEY("before", cli_json(KEY("mean_m", mean(t, &t->before)), KEY("max_m", t->before.max))),
         KEY("after", cli_json(KEY("mean_m", mean(t, &t->after)), KEY("max_m", t->after.max))),
         KEY("status", counts), KEY("elapsed_s", cli_elapsed(call)));
@@ -269,20 +272,36 @@ static mukca_status check_axes(cli_call *call, int format)
                     formats[format], most, n);
 }
 
-/* Close the text of a program and write it, if no line was refused. */
-static mukca_status finish_program(job *b, FILE *stream, char *const *text, mukca_status status)
+static mukca_status correct_all(cli_call *call, FILE *stream)
 {
-    const bool whole = mukca_file_close(b->stream, text);
-    if (status != MUKCA_OK) return status;
-    if (!whole)
-        return mukca_fail(&b->call->error, MUKCA_MEMORY, "not enough memory for the program");
-    if (b->tally.refused > 0)
-        return mukca_fail(&b->call->error, MUKCA_INPUT,
+    job *b = call->work;
+    const cli_list input = cli_inputs(call);
+    mukca_status status = MUKCA_OK;
+    b->stream = stream;
+    for (int i = 0; i < input.n && status == MUKCA_OK; i++)
+        status = b->from ? correct_program(b, input.items[i]) : correct_table(b, input.items[i]);
+    return status;
+}
+
+/* Write a program when all of it is known to be right: if no line was refused. */
+static mukca_status correct_whole(cli_call *call, FILE *stream)
+{
+    const tally *t = &((const job *)call->work)->tally;
+    char *text = NULL;
+    size_t size;
+    FILE *memory = open_memstream(&text, &size);
+    mukca_status status = memory ? correct_all(call, memory) : MUKCA_MEMORY;
+    const bool whole = memory && mukca_file_close(memory, &text);
+    if ((status == MUKCA_OK && !whole) || !memory)
+        status = cli_fail(call, MUKCA_MEMORY, "not enough memory for the program");
+    else if (status == MUKCA_OK && t->refused > 0)
+        status = cli_fail(call, MUKCA_INPUT,
                           "nothing written, for the %ld line%s above; a program is corrected only "
                           "if each motion in it is to joint values in numbers",
-                          b->tally.refused, b->tally.refused == 1 ? "" : "s");
-    fputs(*text, stream);
-    return MUKCA_OK;
+                          t->refused, t->refused == 1 ? "" : "s");
+    if (status == MUKCA_OK) fputs(text, stream);
+    free(text);
+    return status;
 }
 
 static mukca_status run(cli_call *call)
@@ -291,39 +310,20 @@ static mukca_status run(cli_call *call)
     const cli_common *c = call->common;
     const cli_model *model = &call->session->model;
     job *b = call->work;
-    mukca_output output = {0};
+    const mukca_status status = check_axes(call, o->from);
+    if (status != MUKCA_OK) return status;
     b->call = call;
     b->from = o->from ? mukca_languages[o->from - 1] : NULL;
-    if (o->from && o->poses)
-        return cli_fail(call, MUKCA_USAGE, "--poses is for tables, --from for programs");
-    mukca_status status = cli_load_model(call, &call->session->model);
-    if (status != MUKCA_OK) return status;
     b->arm.chain = model->chain;
     b->arm.geometry = model->geometry;
     b->arm.n_effects = model->offsets.n_effects;
     memcpy(b->arm.effects, model->offsets.effects, sizeof b->arm.effects);
-    status = check_axes(call, o->from);
-    if (status != MUKCA_OK) return status;
-    if (!c->offsets)
+    if (!c->arm.offsets)
         cli_note(call, "no --offsets: targets are those of the nominal model; no correction");
-    const bool json_only = c->json && strcmp(c->json, "-") == 0 && !c->output;
-    status = json_only ? mukca_output_open(&output, "/dev/null", true, &call->error)
-                       : cli_output_open(call, &output);
-    const cli_list input = status == MUKCA_OK ? cli_inputs(call) : (cli_list){0};
-    char *text = NULL; /* a program is written when all of it is known to be right */
-    size_t size;
-    const bool whole = o->from != 0;
-    b->stream = whole ? open_memstream(&text, &size) : output.stream;
-    if (status == MUKCA_OK && !b->stream)
-        status = cli_fail(call, MUKCA_MEMORY, "not enough memory for the program");
-    for (int i = 0; i < input.n && status == MUKCA_OK; i++)
-        status = b->from ? correct_program(b, input.items[i]) : correct_table(b, input.items[i]);
-    if (whole && b->stream) status = finish_program(b, output.stream, &text, status);
-    status = mukca_output_finish(&output, status, &call->error);
-    free(text);
-    if (status != MUKCA_OK) return status;
-    print_tally(call, &b->tally, o->poses);
-    return c->json ? cli_write_json(call, as_json(call, &b->tally)) : MUKCA_OK;
+    cli_writer *const correct = b->from ? correct_whole : correct_all;
+    if (c->json && strcmp(c->json, "-") == 0 && !c->output)
+        return cli_write(call, "/dev/null", correct);
+    return cli_write_table(call, correct);
 }
 
 #define FORMAT_LINE(name, description) "  " #name ": " description "\n"
@@ -343,6 +343,9 @@ const cli_command cli_command_compensate = {
     .with = CLI_WITH_MODEL | CLI_WITH_OFFSETS | CLI_WITH_ACCEPT | CLI_WITH_JSON | CLI_WITH_COLUMNS,
     .options = options,
     .options_size = sizeof(compensate_options),
+    .reads = CLI_READS_MODEL,
     .run = run,
+    .json = as_json,
+    .print = print,
     .work_size = sizeof(job),
 };

@@ -4,7 +4,6 @@
 #include "cli/traits.h"
 #include "diagnose/diagnose.h"
 #include "fit/mismatch.h"
-#include "io/summary.h"
 
 #include <string.h>
 
@@ -22,10 +21,12 @@ static const cli_option options[] = {
     CLI_OPTION(
         diagnose_options, summary, "summary", CLI_OUTPUT, "FILE",
         "write a summary of the data on effects shared by arms of this model (for mukca fleet)"),
-    CLI_OPTION(diagnose_options, arm, "arm", CLI_TEXT, "NAME",
-               "label of the arm in the summary (default: the name of the data's folder)"),
-    CLI_OPTION(diagnose_options, traits_only, "traits-only", CLI_FLAG, NULL,
-               "elastic coefficients: the means of --traits, nothing of this arm"),
+    CLI_OPTION_AND(diagnose_options, arm, "arm", CLI_TEXT, "NAME",
+                   "label of the arm in the summary (default: the name of the data's folder)",
+                   .needs = "summary"),
+    CLI_OPTION_AND(diagnose_options, traits_only, "traits-only", CLI_FLAG, NULL,
+                   "elastic coefficients: the means of --traits, nothing of this arm",
+                   .needs = "traits"),
     CLI_OUTPUT_OPTION("write the offsets table: geometry and causes"),
     {.name = NULL}};
 
@@ -45,29 +46,19 @@ static mukca_status disable(unsigned char *disabled, const char *list, mukca_err
 
 /* ---- shared with report ---- */
 
-mukca_status cli_diagnosis_load(cli_call *call)
-{
-    cli_common *c = call->common;
-    const cli_session *s = call->session;
-    mukca_status status = cli_load(call);
-    if (status == MUKCA_OK) status = cli_condense(call);
-    if (status != MUKCA_OK) return status;
-    mukca_columns_note(cli_note, call, &s->model.chain, &s->data);
-    if (s->data.n_targets > 1 && !c->free_tool && !c->offsets) {
-        cli_note(call, "several targets: each has its own position on the tool (--free-tool)");
-        c->free_tool = true;
-    }
-    return MUKCA_OK;
-}
-
 mukca_status cli_diagnosis_run(cli_call *call, cli_diagnosis *d)
 {
+    const cli_common *c = call->common;
     const cli_session *s = call->session;
     const mukca_chain *chain = &s->model.chain;
     mukca_error *error = &call->error;
+    mukca_columns_note(cli_note, call, chain, &s->data);
+    const bool several = s->data.n_targets > 1 && !c->free_tool && !c->arm.offsets;
+    if (several)
+        cli_note(call, "several targets: each has its own position on the tool (--free-tool)");
     d->options.test = s->test.n_rows ? &s->test : NULL;
-    d->options.free_base = call->common->free_base;
-    d->options.free_tool = call->common->free_tool;
+    d->options.free_base = c->free_base;
+    d->options.free_tool = c->free_tool || several;
     d->options.applied = d->options.mounting = true;
     d->options.progress = cli_show_progress;
     d->options.progress_context = call;
@@ -76,11 +67,11 @@ mukca_status cli_diagnosis_run(cli_call *call, cli_diagnosis *d)
                                   .data = &s->data,
                                   .test = d->options.test,
                                   .next = &d->next,
-                                  .saved = call->common->output != NULL};
+                                  .saved = c->output != NULL};
     mukca_status status = mukca_diagnose(&d->diagnosis, chain, &s->data, &d->options, error);
     if (status == MUKCA_OK)
         status = mukca_next_poses_choose(&d->next, &d->diagnosis, chain, &s->data, cli_stop, error);
-    return status == MUKCA_OK && call->common->check ? cli_diagnosis_check(call, d) : status;
+    return status == MUKCA_OK && c->check ? cli_diagnosis_check(call, d) : status;
 }
 
 void cli_diagnosis_free(cli_diagnosis *d)
@@ -94,8 +85,8 @@ void cli_diagnosis_free(cli_diagnosis *d)
 typedef struct {
     cli_diagnosis of;
     mukca_summary summary;
-    mukca_traits traits;
     mukca_adoption adoption;
+    unsigned char disabled[MUKCA_EFFECT_COUNT];
 } diagnose_work;
 
 static void release(void *work)
@@ -132,83 +123,67 @@ static mukca_status go_on(void *context, struct mukca_regression *m, mukca_diagn
     mukca_status status = MUKCA_OK;
     if (o->summary) status = mukca_summary_take(&w->summary, m, error);
     if (status != MUKCA_OK || !o->common.traits) return status;
-    w->adoption = (mukca_adoption){.traits = &w->traits,
+    w->adoption = (mukca_adoption){.traits = &call->session->traits,
                                    .test = call->session->test.n_rows ? &call->session->test : NULL,
                                    .only = o->traits_only};
     return mukca_adopt(&w->adoption, m, d, error);
 }
 
-/* Checks before the long work; reads the traits. */
-static mukca_status prepare(cli_call *call)
+static mukca_status check(cli_call *call)
 {
     const diagnose_options *o = call->options;
     diagnose_work *w = call->work;
-    if (o->traits_only && !o->common.traits)
-        return cli_fail(call, MUKCA_USAGE, "--traits-only needs --traits FILE");
-    if (o->arm && !o->summary)
-        return cli_fail(call, MUKCA_USAGE, "--arm is the label in --summary FILE");
-    mukca_status status = MUKCA_OK;
-    if (o->summary) status = cli_arm_label(call, w->summary.arm, o->arm);
-    if (status == MUKCA_OK && o->common.traits)
-        status = mukca_traits_read(&w->traits, o->common.traits, &call->session->model.chain,
-                                   &call->error);
-    return status;
+    if (o->expect && mukca_effect_find(o->expect) < 0)
+        return cli_fail_effect(&call->error, "--expect", o->expect);
+    return disable(w->disabled, o->without, &call->error);
 }
 
-static mukca_status write_summary(cli_call *call)
+static mukca_status write_summary(cli_call *call, FILE *stream)
 {
-    const diagnose_options *o = call->options;
     diagnose_work *w = call->work;
-    mukca_output output = {0};
-    if (!o->summary) return MUKCA_OK;
     if (w->of.diagnosis.why)
         return cli_fail(call, MUKCA_UNIDENTIFIABLE, "no summary to write: %s", w->of.diagnosis.why);
     w->summary.data = mukca_summary_hash(&call->session->data);
-    mukca_status status = mukca_output_open(&output, o->summary, call->common->force, &call->error);
-    if (status == MUKCA_OK) status = mukca_summary_write(output.stream, &w->summary, &call->error);
-    return mukca_output_finish(&output, status, &call->error);
-}
-
-/* Write summary, offsets table and JSON; the last two with the errors of the fit with traits, if it
- * was adopted. */
-static mukca_status write_results(cli_call *call)
-{
-    diagnose_work *w = call->work;
-    const mukca_diagnosed *r = &w->of.result;
-    mukca_status status = write_summary(call);
-    if (status == MUKCA_OK) status = write_offsets(call, &w->of);
-    if (status != MUKCA_OK || !call->common->json) return status;
-    json_t *json = cli_diagnosis_json(r);
-    json_object_update_new(
-        json, cli_json(KEY("acceptance", cli_json_acceptance(r->acceptance)),
-                       KEY("traits", w->adoption.traits
-                                         ? cli_adoption_json(&w->adoption, r->diagnosis, r->chain)
-                                         : NULL)));
-    return cli_write_json(call, json);
+    return mukca_summary_write(stream, &w->summary, &call->error);
 }
 
 static mukca_status run(cli_call *call)
 {
     const diagnose_options *o = call->options;
-    const cli_session *s = call->session;
     diagnose_work *w = call->work;
-    mukca_diagnosis *d = &w->of.diagnosis;
-    unsigned char disabled[MUKCA_EFFECT_COUNT] = {0};
-    const int expected = o->expect ? mukca_effect_find(o->expect) : -1;
-    mukca_status status = disable(disabled, o->without, &call->error);
-    if (status == MUKCA_OK && o->expect && expected < 0)
-        status = cli_fail_effect(&call->error, "--expect", o->expect);
-    if (status == MUKCA_OK) status = cli_diagnosis_load(call);
-    if (status == MUKCA_OK) status = prepare(call);
+    mukca_status status = MUKCA_OK;
+    if (o->summary) status = cli_arm_label(call, w->summary.arm, o->arm);
     w->of.options =
-        (mukca_diagnose_options){.disabled = disabled, .go_on = go_on, .go_on_context = call};
+        (mukca_diagnose_options){.disabled = w->disabled, .go_on = go_on, .go_on_context = call};
     if (status == MUKCA_OK) status = cli_diagnosis_run(call, &w->of);
-    if (status == MUKCA_OK) status = write_results(call);
-    if (status != MUKCA_OK) return status;
+    if (status == MUKCA_OK && o->summary) status = cli_write(call, o->summary, write_summary);
+    return status == MUKCA_OK ? write_offsets(call, &w->of) : status;
+}
+
+/* With the errors of the fit with traits, if it was adopted. */
+static json_t *as_json(const cli_call *call)
+{
+    const diagnose_work *w = call->work;
+    const mukca_diagnosed *r = &w->of.result;
+    const mukca_adoption *a = &w->adoption;
+    json_t *json = cli_diagnosis_json(r),
+           *traits = a->traits ? cli_adoption_json(a, r->diagnosis, r->chain) : NULL;
+    json_object_update_new(json, cli_json(KEY("acceptance", cli_json_acceptance(r->acceptance)),
+                                          KEY("traits", traits)));
+    return json;
+}
+
+static mukca_status print(cli_call *call)
+{
+    const diagnose_options *o = call->options;
+    const cli_session *s = call->session;
+    const diagnose_work *w = call->work;
+    const mukca_diagnosis *d = &w->of.diagnosis;
+    const int expected = o->expect ? mukca_effect_find(o->expect) : -1;
     FILE *answer = cli_answer_stream(call);
     if (answer) cli_diagnosis_print(answer, &w->of.result, call->common->verbose);
     if (answer && d->verdict == MUKCA_VERDICT_UNTESTABLE)
-        cli_print_mismatch(call, &s->data, o->common.free_base, o->common.free_tool);
+        cli_print_mismatch(call, &s->data, w->of.options.free_base, w->of.options.free_tool);
     if (w->adoption.traits) cli_adoption_print(call, &w->adoption, d, &s->model.chain);
     if (call->common->output && !w->of.offsets.acceptance.accepted) return MUKCA_NEGATIVE;
     for (int i = 0; i < d->n_causes; i++)
@@ -256,7 +231,11 @@ const cli_command cli_command_diagnose = {
     .options = options,
     .options_size = sizeof(diagnose_options),
     .targets = true,
+    .check = check,
+    .reads = CLI_READS_CONDENSED,
     .run = run,
+    .json = as_json,
+    .print = print,
     .work_size = sizeof(diagnose_work),
     .release = release,
 };

@@ -17,15 +17,12 @@ typedef struct {
     mukca_diagnosed result;
 } cli_diagnosis;
 
-/* Load the session, condensed to the capacity of a diagnosis. */
-mukca_status cli_diagnosis_load(cli_call *call);
-
-/* Diagnose the session, find the next poses, and simulate with --check.  Free also after an
- * error. */
+/* Diagnose the condensed session, find the next poses, and simulate with --check.  Free also after
+ * an error. */
 mukca_status cli_diagnosis_run(cli_call *call, cli_diagnosis *diagnosis);
 void cli_diagnosis_free(cli_diagnosis *diagnosis);
 
-/* The diagnosis as mukca.diagnose/1. */
+/* Members of mukca.diagnose/1. */
 json_t *cli_diagnosis_json(const mukca_diagnosed *result);
 
 /* Print one screen of 80 columns, causes first; with `sets`, the most probable sets of causes. */

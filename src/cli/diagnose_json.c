@@ -176,9 +176,8 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *r)
                            FIELD(s, sigma_reading_m), FIELD(s, sigma_command_m),
                            KEY("joints", list(r, s->n_joints, stream)));
     return cli_json(
-        KEY("schema", "mukca.diagnose/1"), KEY("verdict", mukca_verdict_name[d->verdict]),
-        FIELD(d, unexplained), KEY("causes", list(r, d->n_causes, cause)),
-        KEY("data_faults", list(r, d->n_faults, fault)),
+        KEY("verdict", mukca_verdict_name[d->verdict]), FIELD(d, unexplained),
+        KEY("causes", list(r, d->n_causes, cause)), KEY("data_faults", list(r, d->n_faults, fault)),
         KEY("gap", cli_json(FIELD(d, nominal_m), FIELD(d, geometry_m), FIELD(d, faults_excused_m),
                             KEY("explained_m", d->applied_m), KEY("with_unknown_m", d->structure_m),
                             FIELD(d, surprise), FIELD(d, noise_floor_m), FIELD(d, folds),

@@ -59,7 +59,7 @@ static mukca_status judge(cli_call *call, cli_diagnosis *of)
                                         .to = o,
                                         .data = r->data,
                                         .base_frame = d->chain->n_elements < chain->n_elements,
-                                        .tool_frame = call->common->free_tool && r->data->position},
+                                        .tool_frame = of->options.free_tool && r->data->position},
                              .held = !d->after_m ? NULL
                                      : r->test   ? r->test
                                                  : r->data,
@@ -74,7 +74,7 @@ mukca_status cli_diagnosis_offsets(cli_call *call, cli_diagnosis *d)
 {
     const mukca_diagnosed *r = &d->result;
     const mukca_applied *a = &d->diagnosis.applied;
-    const bool base = call->common->free_base && r->data->position;
+    const bool base = d->options.free_base && r->data->position;
     mukca_offsets *o = &d->offsets;
     mukca_error *error = &call->error;
     int left_out = 0;

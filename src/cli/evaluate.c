@@ -22,10 +22,13 @@ typedef struct {
     bool read_by_eye; /* standard output is a terminal: no table with all digits */
 } evaluate_work;
 
-static void print(cli_call *call, const evaluate_work *w)
+static mukca_status print(cli_call *call)
 {
+    const evaluate_options *o = call->options;
+    const evaluate_work *w = call->work;
     const cli_session *s = call->session;
     const bool calibrated = w->scores.calibrated, factory = w->scores.has_factory;
+    const double mae = cli_scores_error(&w->scores);
     char data[80];
     cli_describe_data(data, &s->data);
     cli_answer(call, "%s: %s; %s\n", s->model.chain.robot, data,
@@ -47,47 +50,44 @@ static void print(cli_call *call, const evaluate_work *w)
         cli_print_mismatch(call, &s->data, false, false);
     else if (!calibrated)
         cli_say(call, "Next", "mukca calibrate with these data");
-}
-
-static mukca_status verdict(cli_call *call, const evaluate_work *w)
-{
-    const evaluate_options *o = call->options;
-    const double mae = cli_scores_error(&w->scores);
     if (!(o->max_mae > 0) || mae <= o->max_mae) return MUKCA_OK;
     return cli_fail(call, MUKCA_NEGATIVE, "mean error %.6g m is above --max-mae %g", mae,
                     o->max_mae);
 }
 
-static mukca_status write_results(cli_call *call, const evaluate_work *w)
+static mukca_status write_table(cli_call *call, FILE *stream)
 {
-    const cli_session *s = call->session;
-    const cli_common *c = call->common;
+    evaluate_work *w = call->work;
+    w->read_by_eye = isatty(STDOUT_FILENO) && !call->common->output && !call->common->quiet;
+    if (w->read_by_eye)
+        call->printed = false;
+    else
+        cli_scores_write(stream, &w->scores);
+    return MUKCA_OK;
+}
+
+static json_t *as_json(const cli_call *call)
+{
+    const evaluate_work *w = call->work;
     const cli_scored *set = w->scores.set;
-    mukca_output output = {0};
-    mukca_status status = MUKCA_OK;
-    if ((!c->json || c->output) && !w->read_by_eye) status = cli_output_open(call, &output);
-    if (status == MUKCA_OK && output.stream) cli_scores_write(output.stream, &w->scores);
-    status = mukca_output_finish(&output, status, &call->error);
-    if (status != MUKCA_OK || !c->json) return status;
-    return cli_write_json(
-        call,
-        cli_json(KEY("schema", "mukca.evaluate/1"),
-                 KEY("acceptance",
-                     cli_json_acceptance(c->offsets ? &s->model.offsets.acceptance : NULL)),
-                 KEY("data", cli_scores_json(&set[0], w->scores.has_factory)),
-                 KEY("test", cli_scores_json(&set[1], w->scores.has_factory)),
-                 KEY("mae_m", set[0].mean[CLI_CALIBRATED].mae),
-                 KEY("test_mae_m", set[1].n > 0 ? set[1].mean[CLI_CALIBRATED].mae : (double)NAN)));
+    const bool factory = w->scores.has_factory, tested = set[1].n > 0;
+    const mukca_acceptance *acceptance =
+        w->scores.calibrated ? &call->session->model.offsets.acceptance : NULL;
+    return cli_json(KEY("acceptance", cli_json_acceptance(acceptance)),
+                    KEY("data", cli_scores_json(&set[0], factory)),
+                    KEY("test", cli_scores_json(&set[1], factory)),
+                    KEY("mae_m", set[0].mean[CLI_CALIBRATED].mae),
+                    KEY("test_mae_m", tested ? set[1].mean[CLI_CALIBRATED].mae : (double)NAN));
 }
 
 /* The arm with its offsets, on a chain with the additional frames of measured poses (zero if the
  * table has none). */
 static mukca_status load_model(cli_call *call, cli_model *model)
 {
-    const char *offsets = call->common->offsets;
-    cli_common nominal = *call->common;
-    nominal.offsets = NULL;
-    mukca_status status = cli_load_model_from(call, model, &nominal);
+    cli_arm arm = call->common->arm;
+    const char *offsets = arm.offsets;
+    arm.offsets = NULL;
+    mukca_status status = cli_load_model(call, model, &arm);
     if (status != MUKCA_OK || !offsets) return status;
     mukca_chain *chain = &model->chain;
     status = mukca_chain_with_frames(chain, chain, true, true, &call->error);
@@ -102,23 +102,15 @@ static mukca_status run(cli_call *call)
     evaluate_work *w = call->work;
     cli_session *s = call->session;
     cli_model *model = &s->model;
-    call->common->accept_failed = call->common->accept_edited =
-        true; /* also evaluate a table that was not accepted */
-    w->read_by_eye = isatty(STDOUT_FILENO) && !call->common->output && !call->common->json &&
-                     !call->common->quiet;
     mukca_status status = load_model(call, model);
     if (status == MUKCA_OK) status = cli_load_data(call, &s->data, model, &call->arguments);
     if (status == MUKCA_OK && call->common->test.n)
         status = cli_load_data(call, &s->test, model, &call->common->test);
-    w->scores.by_log = true;
-    w->scores.calibrated = call->common->offsets != NULL;
-    if (status == MUKCA_OK)
-        status = cli_scores_make(call, &w->scores, &model->chain, model->offsets.theta,
-                                 &model->offsets, "data");
-    if (status == MUKCA_OK) status = write_results(call, w);
     if (status != MUKCA_OK) return status;
-    print(call, w);
-    return verdict(call, w);
+    w->scores.by_log = true;
+    w->scores.calibrated = call->common->arm.offsets != NULL;
+    return cli_scores_make(call, &w->scores, &model->chain, model->offsets.theta, &model->offsets,
+                           "data");
 }
 
 const cli_command cli_command_evaluate = {
@@ -140,6 +132,10 @@ const cli_command cli_command_evaluate = {
     .options = options,
     .options_size = sizeof(evaluate_options),
     .targets = true,
+    .any_table = true,
     .run = run,
+    .table = write_table,
+    .json = as_json,
+    .print = print,
     .work_size = sizeof(evaluate_work),
 };

@@ -2,7 +2,6 @@
 
 #include "io/export.h"
 #include "cli/cli.h"
-#include "io/output.h"
 
 typedef struct {
     cli_common common;
@@ -20,8 +19,9 @@ static const cli_option options[] = {
     CLI_OPTION_AND(export_options, format, "format", CLI_CHOICE, "FORMAT",
                    "what to write (default: by the ending of the file's name, else urdf)",
                    .choices = formats, .letter = 'f'),
-    CLI_OPTION(export_options, into, "into", CLI_TEXT, "FILE",
-               "your own URDF or MuJoCo model: replace the poses of the arm, found by names"),
+    CLI_OPTION_AND(export_options, into, "into", CLI_TEXT, "FILE",
+                   "your own URDF or MuJoCo model: replace the poses of the arm, found by names",
+                   .excludes = "format"),
     CLI_OUTPUT_OPTION("where to write it (default: standard output)"),
     {.name = NULL}};
 
@@ -32,40 +32,50 @@ static const char other_formats[] =
 
 static const export_options defaults = {.format = -1};
 
+/* -1: unknown. */
+static int find_format(const cli_call *call)
+{
+    const export_options *o = call->options;
+    return o->into ? 0 : o->format < 0 ? mukca_exporter_find(call->common->output) : o->format;
+}
+
+static mukca_status check(cli_call *call)
+{
+    if (find_format(call) >= 0) return MUKCA_OK;
+    return cli_fail(call, MUKCA_USAGE,
+                    "%.100s: no format has this ending; choose one with --format (%s)",
+                    call->common->output, other_formats);
+}
+
 static mukca_status run(cli_call *call)
 {
-    export_options *o = call->options;
-    const cli_common *c = call->common;
+    cli_session *s = call->session;
+    mukca_status status = MUKCA_OK;
+    if (call->arguments.n) /* its chain still has the factory's origins */
+        status = cli_load_data(call, &s->data, &s->model, &call->arguments);
+    s->model.chain = s->model.urdf; /* the exported origins replace the URDF's */
+    return status;
+}
+
+static mukca_status write_model(cli_call *call, FILE *stream)
+{
     static const mukca_exporter into = {"the model of --into", "", &mukca_export_into};
-    if (o->into && o->format >= 0)
-        return cli_fail(call, MUKCA_USAGE, "--into keeps the format of its file");
-    if (o->format < 0) o->format = o->into ? 0 : mukca_exporter_find(c->output);
-    if (o->format < 0)
-        return cli_fail(call, MUKCA_USAGE,
-                        "%.100s: no format has this ending; choose one with --format (%s)",
-                        c->output, other_formats);
-    cli_model *model = &call->session->model;
-    mukca_output output = {0};
-    mukca_status status = cli_load_model(call, model);
-    if (status == MUKCA_OK && call->arguments.n) /* its chain still has the factory's origins */
-        status = cli_load_data(call, &call->session->data, model, &call->arguments);
-    model->chain = model->urdf; /* the exported origins replace the URDF's */
+    const export_options *o = call->options;
+    const cli_arm *c = &call->common->arm;
+    const cli_session *s = call->session;
     const mukca_export_input input = {.urdf_path = c->urdf,
                                       .offsets_path = c->offsets,
-                                      .chain = &model->chain,
-                                      .offsets = &model->offsets,
-                                      .kinematics = c->kinematics ? &model->kinematics : NULL,
-                                      .postures = call->session->data.q,
-                                      .n_postures = call->session->data.n_rows,
+                                      .chain = &s->model.chain,
+                                      .offsets = &s->model.offsets,
+                                      .kinematics = c->kinematics ? &s->model.kinematics : NULL,
+                                      .postures = s->data.q,
+                                      .n_postures = s->data.n_rows,
                                       .into = o->into,
                                       .note = cli_note,
                                       .context = call,
                                       .error = &call->error};
-    if (status == MUKCA_OK) status = cli_output_open(call, &output);
-    if (status == MUKCA_OK)
-        status = mukca_export_write(output.stream, o->into ? &into : &mukca_exporters[o->format],
-                                    &input);
-    return mukca_output_finish(&output, status, &call->error);
+    return mukca_export_write(stream, o->into ? &into : &mukca_exporters[find_format(call)],
+                              &input);
 }
 
 #define FORMAT_LINE(name, endings, description) "  " #name " (" endings "): " description "\n"
@@ -97,5 +107,8 @@ const cli_command cli_command_export = {
     .options = options,
     .options_size = sizeof(export_options),
     .defaults = &defaults,
+    .check = check,
+    .reads = CLI_READS_MODEL,
     .run = run,
+    .table = write_model,
 };

@@ -2,8 +2,6 @@
 #include <string.h>
 
 #include "cli/cli.h"
-#include "io/output.h"
-#include "io/rows.h"
 
 typedef struct {
     cli_common common;
@@ -39,10 +37,10 @@ static void print_row(FILE *stream, bool pose, const mukca_frame *T)
     fputc('\n', stream);
 }
 
-static mukca_status convert(cli_call *call, FILE *stream, const cli_model *model, const char *path,
-                            bool first)
+static mukca_status convert(cli_call *call, FILE *stream, const char *path, bool first)
 {
     const fk_options *o = call->options;
+    const cli_model *model = &call->session->model;
     mukca_rows *rows = call->work;
     mukca_row row;
     mukca_row_state states;
@@ -65,16 +63,13 @@ static mukca_status convert(cli_call *call, FILE *stream, const cli_model *model
     return status == MUKCA_OK && cli_interrupted() ? MUKCA_INTERRUPTED : status;
 }
 
-static mukca_status run(cli_call *call)
+static mukca_status write_tips(cli_call *call, FILE *stream)
 {
-    cli_model *model = &call->session->model;
-    mukca_output output = {0};
-    mukca_status status = cli_load_model(call, model);
-    if (status == MUKCA_OK) status = cli_output_open(call, &output);
-    const cli_list input = status == MUKCA_OK ? cli_inputs(call) : (cli_list){0};
+    const cli_list input = cli_inputs(call);
+    mukca_status status = MUKCA_OK;
     for (int i = 0; i < input.n && status == MUKCA_OK; i++)
-        status = convert(call, output.stream, model, input.items[i], i == 0);
-    return mukca_output_finish(&output, status, &call->error);
+        status = convert(call, stream, input.items[i], i == 0);
+    return status;
 }
 
 const cli_command cli_command_fk = {
@@ -92,6 +87,7 @@ const cli_command cli_command_fk = {
     .with = CLI_WITH_MODEL | CLI_WITH_OFFSETS | CLI_WITH_ACCEPT | CLI_WITH_COLUMNS,
     .options = options,
     .options_size = sizeof(fk_options),
-    .run = run,
+    .reads = CLI_READS_MODEL,
+    .table = write_tips,
     .work_size = sizeof(mukca_rows),
 };

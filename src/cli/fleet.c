@@ -1,7 +1,6 @@
 /* mukca fleet: pool the summaries of many arms of one model. */
 #include "cli/traits.h"
 
-#include "io/summary.h"
 #include "report/report.h"
 
 typedef struct {
@@ -11,8 +10,9 @@ typedef struct {
 
 static const cli_option options[] = {
     CLI_OUTPUT_OPTION("write the traits table; with --partial, the summary of summaries"),
-    CLI_OPTION(fleet_options, partial, "partial", CLI_FLAG, NULL,
-               "join the summaries into one file (-o) for a later mukca fleet; pool nothing"),
+    CLI_OPTION_AND(fleet_options, partial, "partial", CLI_FLAG, NULL,
+                   "join the summaries into one file (-o) for a later mukca fleet; pool nothing",
+                   .needs = "output", .excludes = "json"),
     {.name = NULL}};
 
 static void release(void *fleet)
@@ -31,20 +31,26 @@ mukca_status cli_fleet_read(cli_call *call, mukca_fleet *f)
     return status == MUKCA_OK ? mukca_fleet_gather(f, &call->error) : status;
 }
 
-static mukca_status write_output(cli_call *call)
+static mukca_status write_traits(cli_call *call, FILE *stream)
 {
     const fleet_options *o = call->options;
     const mukca_fleet *f = call->work;
-    mukca_output output = {0};
-    if (!call->common->output) return MUKCA_OK;
-    mukca_status status =
-        mukca_output_open(&output, call->common->output, call->common->force, &call->error);
-    if (status != MUKCA_OK) return status;
+    mukca_status status = MUKCA_OK;
     /* the bytes of a partial file do not depend on previous merges: its lines are sorted */
     for (int s = 0; o->partial && s < f->n_sessions && status == MUKCA_OK; s++)
-        status = mukca_summary_write(output.stream, f->session[s], &call->error);
-    if (!o->partial) mukca_traits_write(output.stream, &f->traits);
-    return mukca_output_finish(&output, status, &call->error);
+        status = mukca_summary_write(stream, f->session[s], &call->error);
+    if (!o->partial) mukca_traits_write(stream, &f->traits);
+    return status;
+}
+
+static mukca_status run(cli_call *call)
+{
+    const fleet_options *o = call->options;
+    const char *output = call->common->output;
+    mukca_fleet *f = call->work;
+    mukca_status status = cli_fleet_read(call, f);
+    if (status == MUKCA_OK && !o->partial) status = mukca_fleet_pool(f, &call->error);
+    return status == MUKCA_OK && output ? cli_write(call, output, write_traits) : status;
 }
 
 /* ---- JSON ---- */
@@ -84,8 +90,9 @@ static json_t *arm_object(const mukca_fleet *f, int arm)
                     KEY("samples", f->arm[arm].samples), KEY("effects", effects));
 }
 
-static json_t *result_json(const mukca_fleet *f)
+static json_t *as_json(const cli_call *call)
 {
+    const mukca_fleet *f = call->work;
     json_t *effects = json_array(), *orders = json_array(), *departures = json_array(),
            *arms = json_array();
     for (int i = 0; i < f->traits.n; i++)
@@ -102,7 +109,7 @@ static json_t *result_json(const mukca_fleet *f)
             json_array_append_new(departures, departure_object(&f->arm[a].departure, f));
         json_array_append_new(arms, arm_object(f, a));
     }
-    return cli_json(KEY("schema", "mukca.fleet/1"), KEY("robot", f->model.robot), FIELD(f, n_arms),
+    return cli_json(KEY("robot", f->model.robot), FIELD(f, n_arms),
                     KEY("samples", f->traits.n_samples), KEY("effects", effects),
                     KEY("orders", orders), KEY("departures", departures), KEY("arms", arms));
 }
@@ -139,17 +146,10 @@ static void print_departures(cli_call *call, const mukca_fleet *f)
     }
 }
 
-static mukca_status run(cli_call *call)
+static mukca_status print(cli_call *call)
 {
     const fleet_options *o = call->options;
-    mukca_fleet *f = call->work;
-    if (o->partial && (!call->common->output || call->common->json))
-        return cli_fail(call, MUKCA_USAGE, "--partial needs -o FILE and writes no JSON");
-    mukca_status status = cli_fleet_read(call, f);
-    if (status == MUKCA_OK && !o->partial) status = mukca_fleet_pool(f, &call->error);
-    if (status == MUKCA_OK) status = write_output(call);
-    if (status == MUKCA_OK && call->common->json) status = cli_write_json(call, result_json(f));
-    if (status != MUKCA_OK) return status;
+    const mukca_fleet *f = call->work;
     cli_answer(call, "%s: %d arms, %d sessions\n\n", f->model.robot, f->n_arms, f->n_sessions);
     if (o->partial) return MUKCA_OK;
     print_shared(call, f);
@@ -183,6 +183,8 @@ const cli_command cli_command_fleet = {
     .options = options,
     .options_size = sizeof(fleet_options),
     .run = run,
+    .json = as_json,
+    .print = print,
     .work_size = sizeof(mukca_fleet),
     .release = release,
 };

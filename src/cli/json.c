@@ -118,23 +118,24 @@ json_t *cli_json_frame(const mukca_frame *T)
                     KEY("quaternion", cli_json_reals(q, 4)));
 }
 
-mukca_status cli_write_json(cli_call *call, json_t *root)
+mukca_status cli_write_json(cli_call *call, json_t *members)
 {
+    const cli_common *c = call->common;
+    char schema[40];
+    snprintf(schema, sizeof schema, "mukca.%s/1", call->command->name);
+    json_t *root = cli_json(KEY("schema", (const char *)schema));
     mukca_output output = {0};
     mukca_status status = MUKCA_OK;
-    if (!call->common->json) {
-        json_decref(root);
-        return MUKCA_OK;
-    }
-    if (!root || incomplete)
+    if (json_object_update(root, members) != 0 || incomplete)
         status = cli_fail(call, MUKCA_MEMORY, "out of memory");
     else
-        status = mukca_output_open(&output, call->common->json, call->common->force, &call->error);
+        status = mukca_output_open(&output, c->json, c->force, &call->error);
     if (status == MUKCA_OK &&
         (json_dumpf(root, output.stream, JSON_INDENT(2) | JSON_REAL_PRECISION(17)) != 0 ||
          fputc('\n', output.stream) == EOF) &&
         !ferror(output.stream)) /* mukca_output_close reports the reason */
         status = cli_fail(call, MUKCA_MEMORY, "out of memory");
+    json_decref(members);
     json_decref(root);
     return mukca_output_finish(&output, status, &call->error);
 }

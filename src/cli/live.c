@@ -10,27 +10,13 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-void cli_live_arguments(cli_live_words *words, const cli_common *c)
+void cli_live_arguments(const char *words[MUKCA_SERVER_ARGUMENTS], const cli_call *call)
 {
-    const double *g = c->gravity;
-    const bool tilted = g[0] != 0 || g[1] != 0 || g[2] != 0;
-    /* 15 digits reproduce the decimal input */
-    snprintf(words->distance, sizeof words->distance, "%.15g", c->distance);
-    snprintf(words->gravity, sizeof words->gravity, "%.15g,%.15g,%.15g", g[0], g[1], g[2]);
-    const char *const options[][2] = {
-        {"--urdf", c->urdf},
-        {"--kinematics", c->kinematics},
-        {"--base", c->base},
-        {"--tip", c->tip},
-        {"--inertials", c->inertials},
-        {"--gravity", tilted ? words->gravity : NULL},
-        {"--distance", c->distance != CLI_USUAL_DISTANCE ? words->distance : NULL},
-        {"--distances", c->distances},
-        {"--traits", c->traits}};
+    const unsigned sets = CLI_WITH_MODEL | CLI_WITH_DISTANCE | CLI_WITH_DISTANCES | CLI_WITH_TRAITS;
     int n = 0;
-    for (size_t i = 0; i < sizeof options / sizeof options[0]; i++)
-        for (int k = 0; k < 2 && options[i][1]; k++) words->word[n++] = options[i][k];
-    words->word[n] = NULL;
+    for (const cli_given *g = call->given; g < call->given + call->n_given; g++)
+        for (int i = 0; g->option->set & sets && i < g->n_words; i++) words[n++] = g->words[i];
+    words[n] = NULL;
 }
 
 /* ---- standard error ---- */

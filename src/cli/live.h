@@ -7,7 +7,7 @@
 #include <termios.h>
 
 #include "cli/cli.h"
-#include "record/recorder.h"
+#include "record/server.h"
 
 /* Member `live` of the options of both commands. */
 typedef struct {
@@ -64,14 +64,9 @@ typedef struct {
         CLI_OPTION(type, live.recorder.prefix, "prefix", CLI_TEXT, "NAME",                         \
                    "prefix of mukca's own channels, as in NAME_TRIGGER (default: MUKCA)")
 
-/* Words for the command line of another command, terminated by NULL. */
-typedef struct {
-    const char *word[24];
-    char distance[32], gravity[96];
-} cli_live_words;
-
-/* The options that specify arm and tool, required to read the session. */
-void cli_live_arguments(cli_live_words *words, const cli_common *common);
+/* The words of the command line, up to NULL, that specify arm and tool: another command needs them
+ * to read the session. */
+void cli_live_arguments(const char *words[MUKCA_SERVER_ARGUMENTS], const cli_call *call);
 
 /* Copy common options that the recorder needs. */
 static inline void cli_live_complete(cli_live *live, const cli_common *common)

@@ -1,6 +1,5 @@
 /* Loading of the arm and the data given by the common options. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -20,12 +19,14 @@ mukca_status cli_read_offsets(cli_call *call, mukca_offsets *offsets, mukca_chai
                               const mukca_chain *chain, const char *path)
 {
     const cli_common *c = call->common;
-    const mukca_offsets_options options = {.force = c->force,
-                                           .accept = (c->accept_failed ? MUKCA_ACCEPT_FAILED : 0) |
-                                                     (c->accept_edited ? MUKCA_ACCEPT_EDITED : 0),
-                                           .own = own,
-                                           .note = cli_note,
-                                           .context = call};
+    const bool any = call->command->any_table;
+    const mukca_offsets_options options = {
+        .force = c->force,
+        .accept = (any || c->accept_failed ? MUKCA_ACCEPT_FAILED : 0) |
+                  (any || c->accept_edited ? MUKCA_ACCEPT_EDITED : 0),
+        .own = own,
+        .note = cli_note,
+        .context = call};
     const mukca_status status = mukca_offsets_read(offsets, chain, path, &options, &call->error);
     for (int e = 0; e < offsets->n_effects && status == MUKCA_OK; e++) {
         const mukca_effect_info *info = mukca_effect_table[offsets->effects[e].kind];
@@ -48,38 +49,35 @@ static mukca_status read_kinematics(cli_call *call, cli_model *model, const char
     return mukca_kinematics_apply(&model->chain, k, path, cli_note, call, &call->error);
 }
 
-mukca_status cli_load_model_from(cli_call *call, cli_model *model, const cli_common *c)
+mukca_status cli_load_model(cli_call *call, cli_model *model, const cli_arm *arm)
 {
+    const cli_common *c = call->common;
     memset(model, 0, sizeof *model);
-    if (!c->urdf)
+    if (!arm->urdf)
         return cli_fail(call, MUKCA_USAGE, "--urdf FILE is needed: the nominal model of the arm");
-    mukca_urdf_options options = {.base = c->base, .tip = c->tip, .inertials = c->inertials};
-    const double g = mukca_norm3(c->gravity);
+    mukca_urdf_options options = {.base = arm->base, .tip = arm->tip, .inertials = arm->inertials};
+    const double g = mukca_norm3(arm->gravity);
     if (g > 0 && !(fabs(g / earth - 1) < rounding))
         return cli_fail(call, MUKCA_USAGE,
                         "--gravity: %g m/s^2 is not that of the earth; give m/s^2", g);
-    memcpy(options.gravity, c->gravity, sizeof options.gravity);
+    memcpy(options.gravity, arm->gravity, sizeof options.gravity);
     mukca_status status =
-        mukca_urdf_load(&model->chain, c->urdf, &options, cli_note, call, &call->error);
+        mukca_urdf_load(&model->chain, arm->urdf, &options, cli_note, call, &call->error);
     if (status != MUKCA_OK) return status;
     if (c->verbose)
-        cli_log(call, "%s: robot %s, %s to %s, %d joints, %d masses, SHA-256 %.12s...\n", c->urdf,
+        cli_log(call, "%s: robot %s, %s to %s, %d joints, %d masses, SHA-256 %.12s...\n", arm->urdf,
                 model->chain.robot, model->chain.base, model->chain.tip, model->chain.n_joints,
                 model->chain.n_masses, model->chain.urdf_sha256);
     model->urdf = model->chain;
-    if (c->kinematics) status = read_kinematics(call, model, c->kinematics);
+    if (arm->kinematics) status = read_kinematics(call, model, arm->kinematics);
     if (status != MUKCA_OK) return status;
-    if (c->offsets)
-        status = cli_read_offsets(call, &model->offsets, NULL, &model->chain, c->offsets);
+    if (arm->offsets)
+        status = cli_read_offsets(call, &model->offsets, NULL, &model->chain, arm->offsets);
     else
         mukca_offsets_init(&model->offsets, &model->chain);
     mukca_geometry_set(&model->geometry, &model->chain, model->offsets.theta);
-    return status;
-}
-
-mukca_status cli_load_model(cli_call *call, cli_model *model)
-{
-    return cli_load_model_from(call, model, call->common);
+    if (status != MUKCA_OK || !c->traits) return status;
+    return mukca_traits_read(&call->session->traits, c->traits, &model->chain, &call->error);
 }
 
 /* Masses of --payload, payload[all]: of DATA, then of --test. */
@@ -142,25 +140,19 @@ mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model 
 {
     const cli_common *c = call->common;
     memset(data, 0, sizeof *data);
-    if (c->distance >= 2)
-        return cli_fail(call, MUKCA_USAGE, "--distance %g looks like %s; give m, as in 0.05",
-                        c->distance, c->distance > 10 ? "millimetres" : "centimetres");
     mukca_dataset_options options = {
         .distance = c->distance, .distances = c->distances, .note = cli_note, .context = call};
     const mukca_status units = cli_read_format(call, &options.format);
     if (units != MUKCA_OK) return units;
     const int all = call->arguments.n + c->test.n;
-    double *payload = c->payload ? calloc((size_t)all + 1, sizeof *payload) : NULL;
+    double *payload = c->payload ? MUKCA_TAKE(&call->pool, double, all + 1) : NULL;
     mukca_status status = MUKCA_OK;
-    if (c->payload && !payload)
-        status = cli_fail(call, MUKCA_MEMORY, "out of memory");
-    else if (payload)
-        status = read_payload(payload, call, all);
+    if (call->pool.failed) return cli_fail(call, MUKCA_MEMORY, "out of memory");
+    if (payload) status = read_payload(payload, call, all);
     options.payload = payload && paths == &c->test ? payload + call->arguments.n : payload;
     if (status == MUKCA_OK)
         status =
             mukca_dataset_load(data, &model->chain, paths->items, paths->n, &options, &call->error);
-    free(payload);
     if (status == MUKCA_OK) status = check_payload(call, data, &model->chain);
     if (status == MUKCA_OK && data->n_targets > 1 && !call->command->targets)
         status =
@@ -180,7 +172,7 @@ mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model 
 /* Remove the distances of coincident sockets; without any other, the scale is undetermined. */
 static mukca_status drop_coincident(cli_call *call, mukca_dataset *data, const cli_model *model)
 {
-    double *apart = malloc(((size_t)data->n_distances + 1) * sizeof *apart);
+    double *apart = MUKCA_TAKE(&call->pool, double, data->n_distances + 1);
     const int found =
         apart ? mukca_coincide_find(apart, &model->chain, model->offsets.theta, data) : -1;
     int kept = 0;
@@ -199,7 +191,6 @@ static mukca_status drop_coincident(cli_call *call, mukca_dataset *data, const c
         mukca_note_format(cli_note, call, "%s; their distance is not used", text);
     }
     if (found > 0) data->n_distances = kept;
-    free(apart);
     if (found < 0) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     if (!found || kept) return MUKCA_OK;
     return cli_fail(call, MUKCA_INPUT, "%s; record them again in two sockets", text);
@@ -249,10 +240,11 @@ static void note_unequal_sockets(cli_call *call, const mukca_dataset *data)
     }
 }
 
-mukca_status cli_load(cli_call *call)
+/* The model, DATA if there are arguments, --test if given. */
+static mukca_status load(cli_call *call)
 {
     cli_session *s = call->session;
-    mukca_status status = cli_load_model(call, &s->model);
+    mukca_status status = cli_load_model(call, &s->model, &call->common->arm);
     if (status == MUKCA_OK && call->arguments.n)
         status = cli_load_data(call, &s->data, &s->model, &call->arguments);
     if (status == MUKCA_OK) status = drop_coincident(call, &s->data, &s->model);
@@ -274,7 +266,8 @@ mukca_status cli_load(cli_call *call)
     return status;
 }
 
-mukca_status cli_condense(cli_call *call)
+/* Condense the session's data to the capacity of a diagnosis, with a note. */
+static mukca_status condense(cli_call *call)
 {
     mukca_condensed condensed;
     const mukca_status status =
@@ -288,6 +281,15 @@ mukca_status cli_condense(cli_call *call)
                           "%d of %d postures are used, in blocks that are evenly spread",
                           condensed.samples, condensed.postures);
     return MUKCA_OK;
+}
+
+mukca_status cli_read(cli_call *call, cli_reads what)
+{
+    if (what == CLI_READS_NOTHING) return MUKCA_OK;
+    if (what == CLI_READS_MODEL)
+        return cli_load_model(call, &call->session->model, &call->common->arm);
+    const mukca_status status = load(call);
+    return status == MUKCA_OK && what == CLI_READS_CONDENSED ? condense(call) : status;
 }
 
 cli_list cli_inputs(cli_call *call)

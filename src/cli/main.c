@@ -38,10 +38,13 @@ static void print_option(FILE *stream, const cli_option *option)
     fprintf(stream, "%*s", OPTION_COLUMN - column, "");
     cli_print_words(stream, OPTION_COLUMN, OPTION_COLUMN, option->help, strlen(option->help));
     if (option->kind != CLI_CHOICE) return;
-    fprintf(stream, "%*sone of:", OPTION_COLUMN, "");
+    char list[400] = "";
+    mukca_text names = MUKCA_TEXT(list);
+    mukca_text_put(&names, "one of:");
     for (int i = 0; option->choices[i]; i++)
-        fprintf(stream, "%s %s", i ? "," : "", option->choices[i]);
-    fputc('\n', stream);
+        mukca_text_put(&names, "%s %s", i ? "," : "", option->choices[i]);
+    fprintf(stream, "%*s", OPTION_COLUMN, "");
+    cli_print_words(stream, OPTION_COLUMN, OPTION_COLUMN, list, names.used);
 }
 
 static void format_usage(char *text, size_t size, const cli_command *command)

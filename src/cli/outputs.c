@@ -5,7 +5,7 @@
 #include "base/file.h"
 #include "cli/cli.h"
 
-static const char *path_of(const cli_call *call, const cli_option *option)
+const char *cli_path(const cli_call *call, const cli_option *option)
 {
     return *(const char *const *)(const void *)((const char *)call->options + option->offset);
 }
@@ -34,10 +34,10 @@ static mukca_status check_output(cli_call *call, const cli_option *output, const
     bool before = true;
     for (const cli_option *o = NULL; (o = cli_next_option(call->command, o));) {
         before &= o != output;
-        if (o->kind == CLI_INPUT) same |= is_input(path, path_of(call, o));
+        if (o->kind == CLI_INPUT) same |= is_input(path, cli_path(call, o));
         if (o->kind == CLI_REST)
             same |= is_among(path, (const cli_list *)(void *)((char *)call->options + o->offset));
-        if (o->kind == CLI_OUTPUT && before && mukca_output_same(path, path_of(call, o)))
+        if (o->kind == CLI_OUTPUT && before && mukca_output_same(path, cli_path(call, o)))
             return cli_fail(call, MUKCA_USAGE, "--%s and --%s cannot both go to %s", o->name,
                             output->name, path);
     }
@@ -52,8 +52,8 @@ mukca_status cli_check_outputs(cli_call *call)
 {
     mukca_status status = MUKCA_OK;
     for (const cli_option *o = NULL; status == MUKCA_OK && (o = cli_next_option(call->command, o));)
-        if (o->kind == CLI_OUTPUT && path_of(call, o))
-            status = check_output(call, o, path_of(call, o));
+        if (o->kind == CLI_OUTPUT && cli_path(call, o))
+            status = check_output(call, o, cli_path(call, o));
     return status;
 }
 
@@ -64,11 +64,19 @@ void cli_print_verdict(const cli_call *call, FILE *stream)
         fprintf(stream, "# the offsets table was not accepted: %s\n", a->reason);
 }
 
-mukca_status cli_output_open(cli_call *call, mukca_output *output)
+mukca_status cli_write(cli_call *call, const char *path, cli_writer *write)
 {
-    const cli_common *c = call->common;
-    call->printed = !c->output;
-    return mukca_output_open(output, c->output ? c->output : "-", c->force, &call->error);
+    mukca_output output;
+    mukca_status status = mukca_output_open(&output, path, call->common->force, &call->error);
+    if (status == MUKCA_OK) status = write(call, output.stream);
+    return mukca_output_finish(&output, status, &call->error);
+}
+
+mukca_status cli_write_table(cli_call *call, cli_writer *write)
+{
+    const char *path = call->common->output;
+    call->printed = !path;
+    return cli_write(call, path ? path : "-", write);
 }
 
 mukca_status cli_write_offsets(cli_call *call, const char *path, const mukca_offsets *offsets,

@@ -23,28 +23,28 @@ static const char *const maps[] = {"name", "order", "order-w-last", NULL};
                    __VA_ARGS__)
 
 static const cli_option common_options[] = {
-    COMMON(MODEL, "urdf", urdf, CLI_INPUT, "FILE", "nominal model of the arm"),
-    COMMON(MODEL, "kinematics", kinematics, CLI_INPUT, "FILE",
+    COMMON(MODEL, "urdf", arm.urdf, CLI_INPUT, "FILE", "nominal model of the arm"),
+    COMMON(MODEL, "kinematics", arm.kinematics, CLI_INPUT, "FILE",
            "YAML with the robot's own origins (Universal Robots, Franka, UFACTORY): it replaces "
            "those of the URDF"),
-    COMMON(MODEL, "base", base, CLI_TEXT, "LINK",
+    COMMON(MODEL, "base", arm.base, CLI_TEXT, "LINK",
            "first link of the chain (default: the URDF's root)"),
-    COMMON(MODEL, "tip", tip, CLI_TEXT, "LINK",
+    COMMON(MODEL, "tip", arm.tip, CLI_TEXT, "LINK",
            "last link of the chain (default: ball_link, else ball, else the only leaf)"),
-    COMMON(MODEL, "inertials", inertials, CLI_INPUT, "FILE",
+    COMMON(MODEL, "inertials", arm.inertials, CLI_INPUT, "FILE",
            "link masses (TSV: link, mass_kg, com_x_m, com_y_m, com_z_m); they replace those of the "
            "URDF"),
-    COMMON(MODEL, "gravity", gravity, CLI_VECTOR, "X,Y,Z",
+    COMMON(MODEL, "gravity", arm.gravity, CLI_VECTOR, "X,Y,Z",
            "gravity in the base frame, m/s^2 (default: 0,0,-9.80665)"),
-    COMMON(OFFSETS, "offsets", offsets, CLI_INPUT, "FILE",
+    COMMON(OFFSETS, "offsets", arm.offsets, CLI_INPUT, "FILE",
            "apply this offsets table; it must belong to the URDF (or --force)"),
     COMMON(ACCEPT, "accept-failed", accept_failed, CLI_FLAG, NULL,
            "use the offsets table even though its calibration did not pass"),
     COMMON(ACCEPT, "accept-edited", accept_edited, CLI_FLAG, NULL,
            "use the offsets table even though it was edited or cut after it was written"),
     COMMON(TEST, "test", test, CLI_REST, "DATA...", "held-out data: never fitted, always reported"),
-    COMMON(DISTANCE, "distance", distance, CLI_POSITIVE, "M",
-           "distance between the sockets, m (default: 0.05)"),
+    COMMON_AND(DISTANCE, "distance", distance, CLI_POSITIVE, "M",
+               "distance between the sockets, m (default: 0.05)", .most = 2),
     COMMON(DISTANCES, "distances", distances, CLI_INPUT, "FILE",
            "distances of pairs of sockets (TSV: socket_a, socket_b, distance_m)"),
     COMMON(JSON, "json", json, CLI_OUTPUT, "FILE",
@@ -258,6 +258,42 @@ static int count_plain(int argc, char **argv)
     return n;
 }
 
+/* Remember that an option is given, in these words. */
+static void note_given(cli_call *call, const cli_option *option, char *const *words, int n)
+{
+    int i = 0;
+    while (i < call->n_given && call->given[i].option != option) i++;
+    call->given[i] = (cli_given){option, words, n};
+    if (i == call->n_given) call->n_given++;
+}
+
+/* Is the name among these, as in "poses or --at"? */
+static bool is_listed(const char *names, const char *name)
+{
+    const size_t length = strlen(name);
+    for (; names && *names; names += strcspn(names, " "), names += strspn(names, " -"))
+        if (strcspn(names, " ") == length && strncmp(names, name, length) == 0) return true;
+    return false;
+}
+
+/* Check what the options that are given need and exclude. */
+static mukca_status check_given(cli_call *call)
+{
+    for (int i = 0; i < call->n_given; i++) {
+        const cli_option *o = call->given[i].option;
+        bool met = !o->needs;
+        for (int k = 0; k < call->n_given; k++) {
+            const char *other = call->given[k].option->name;
+            met |= is_listed(o->needs, other);
+            if (is_listed(o->excludes, other))
+                return cli_fail(call, MUKCA_USAGE, "--%s and --%s exclude each other", o->name,
+                                other);
+        }
+        if (!met) return cli_fail(call, MUKCA_USAGE, "--%s needs --%s", o->name, o->needs);
+    }
+    return MUKCA_OK;
+}
+
 /* One option at argv[0] with the value in `inlined` (or NULL) or in the next arguments; *used:
  * number of arguments consumed. */
 static mukca_status take_option(cli_call *call, int *used, const cli_option *option,
@@ -268,6 +304,7 @@ static mukca_status take_option(cli_call *call, int *used, const cli_option *opt
                                                 : argc > 1;
     mukca_status status = MUKCA_OK;
     *used = 1 + n;
+    note_given(call, option, argv, *used);
     if (option->kind == CLI_FLAG) {
         if (inlined) return cli_fail(call, MUKCA_USAGE, "--%s takes no value", option->name);
         *(bool *)member(call, option) = true;
@@ -292,7 +329,7 @@ static mukca_status parse_letters(cli_call *call, bool *help, int *used, int arg
         }
         if (!o) return unknown_option(call, word);
         if (o->kind != CLI_FLAG) return take_option(call, used, o, c[1] ? c + 1 : NULL, argc, argv);
-        *(bool *)member(call, o) = true;
+        take_option(call, used, o, NULL, 1, argv);
     }
     return MUKCA_OK;
 }
@@ -352,7 +389,9 @@ mukca_status cli_parse(cli_call *call, bool *help, int argc, char **argv)
         if (status != MUKCA_OK) return status;
         i += used;
     }
-    return *help ? MUKCA_OK : check_arguments(call);
+    if (*help) return MUKCA_OK;
+    const mukca_status status = check_given(call);
+    return status == MUKCA_OK ? check_arguments(call) : status;
 }
 
 void cli_call_free(cli_call *call)

@@ -4,7 +4,6 @@
 
 #include "cli/simulate.h"
 #include "diagnose/next_poses.h"
-#include "io/output.h"
 #include "report/wording.h"
 
 typedef struct {
@@ -38,8 +37,9 @@ static const cli_option options[] = {
     CLI_OPTION(plan_options, places, "place", CLI_TEXTS, "NAME=X,Y,Z[,ROLL,PITCH,YAW]",
                "a placement of the tool: middle of the sockets, which lie on its x axis, m and "
                "rad; 1 cm is accurate enough"),
-    CLI_OPTION(plan_options, settle, "settle", CLI_FLAG, NULL,
-               "diagnose DATA and separate its first indistinguishable causes"),
+    CLI_OPTION_AND(plan_options, settle, "settle", CLI_FLAG, NULL,
+                   "diagnose DATA and separate its first indistinguishable causes",
+                   .excludes = "separate"),
     CLI_OPTION(plan_options, separate, "separate", CLI_TEXTS, "EFFECT",
                "causes to separate, as in simulate --effect: NAME[:WHERE][@VARIANT]=VALUE; two or "
                "more, with commas or repeated"),
@@ -62,8 +62,6 @@ static mukca_status check(cli_call *call)
 {
     const plan_options *o = call->options;
     mukca_error *e = &call->error;
-    if (o->settle && o->separate.n > 0)
-        return mukca_fail(e, MUKCA_USAGE, "--settle and --separate exclude each other");
     if (o->settle && call->arguments.n == 0)
         return mukca_fail(e, MUKCA_USAGE,
                           "--settle needs the DATA of the indistinguishable causes");
@@ -146,9 +144,13 @@ static mukca_status gather_causes(plan_work *r)
     return MUKCA_OK;
 }
 
-static mukca_status plan(plan_work *r)
+static mukca_status run(cli_call *call)
 {
-    const plan_options *o = r->call->options;
+    const plan_options *o = call->options;
+    plan_work *r = call->work;
+    r->call = call;
+    r->model = &call->session->model;
+    r->data = &call->session->data;
     const double *theta = r->model->offsets.theta;
     double fitted[MUKCA_MAX_THETA];
     r->options = (mukca_plan_options){.rows = o->rows,
@@ -184,15 +186,10 @@ static mukca_status plan(plan_work *r)
 /* ---- output ---- */
 
 /* The postures as rows of a session file, to be recorded. */
-static mukca_status write_rows(plan_work *r)
+static mukca_status write_rows(cli_call *call, FILE *out)
 {
-    const cli_common *c = r->call->common;
+    const plan_work *r = call->work;
     const mukca_chain *chain = &r->model->chain;
-    mukca_output output = {0};
-    if (c->json && !c->output) return MUKCA_OK;
-    mukca_status status = cli_output_open(r->call, &output);
-    if (status != MUKCA_OK) return status;
-    FILE *out = output.stream;
     fprintf(out,
             "# postures proposed by mukca plan for %s, joints in rad; guide the arm there and\n"
             "# record the angles with the ball seated in its socket\n",
@@ -208,11 +205,12 @@ static mukca_status write_rows(plan_work *r)
         if (r->payload > 0) fprintf(out, "\t%g", r->payload);
         fputc('\n', out);
     }
-    return mukca_output_close(&output, &r->call->error);
+    return MUKCA_OK;
 }
 
-static json_t *as_json(const plan_work *r)
+static json_t *as_json(const cli_call *call)
 {
+    const plan_work *r = call->work;
     const mukca_chain *chain = &r->model->chain;
     json_t *rows = json_array();
     for (int i = 0; i < r->plan.n_rows; i++) {
@@ -225,57 +223,58 @@ static json_t *as_json(const plan_work *r)
     }
     const mukca_plan *p = &r->plan;
     return cli_json(
-        KEY("schema", "mukca.plan/1"), KEY("recorded_rows", p->n_recorded), KEY("poses", rows),
+        KEY("recorded_rows", p->n_recorded), KEY("poses", rows),
         KEY("expected_error_m",
             cli_json(KEY("before", p->expected_before), KEY("after", p->expected_after))),
         KEY("log_bayes_factor",
             cli_json(KEY("before", p->evidence_before), KEY("after", p->evidence_after))),
-        FIELD(p, rows_to_name), KEY("payload_kg", r->payload),
-        KEY("elapsed_s", cli_elapsed(r->call)));
+        FIELD(p, rows_to_name), KEY("payload_kg", r->payload), KEY("elapsed_s", cli_elapsed(call)));
 }
 
-static void print(plan_work *r)
+static mukca_status print(cli_call *call)
 {
-    const plan_options *o = r->call->options;
+    const plan_work *r = call->work;
+    const plan_options *o = call->options;
     const mukca_plan *p = &r->plan;
-    cli_answer(r->call, "%d postures in %d sockets; %d samples recorded\n", p->n_rows, r->n_sockets,
+    cli_answer(call, "%d postures in %d sockets; %d samples recorded\n", p->n_rows, r->n_sockets,
                p->n_recorded);
     if (r->causes.n_effects > 0) {
         const mukca_chain *chain = &r->model->chain;
         const mukca_effect *e = r->causes.effects;
         cli_say(
-            r->call, NULL,
+            call, NULL,
             "Separating %s from %s: log Bayes factor %.1f %s, %.1f with the plan (%g decides)",
             mukca_wording_effect(MUKCA_WORDS, e->kind, mukca_chain_joint_name(chain, e->joint)),
             mukca_wording_effect(MUKCA_WORDS, e[1].kind, mukca_chain_joint_name(chain, e[1].joint)),
             p->evidence_before, o->settle ? "now" : "expected before", p->evidence_after,
             MUKCA_PLAN_NAME);
         if (r->payload > 0)
-            cli_say(r->call, NULL,
+            cli_say(call, NULL,
                     "These postures are for a payload of %g kg at the tip; as many without it "
                     "reach %.1f",
                     r->payload, r->unloaded);
         if (p->evidence_after < MUKCA_PLAN_NAME && p->rows_to_name > 0)
-            cli_say(r->call, NULL,
+            cli_say(call, NULL,
                     "Not enough: some --rows %d are needed, or another placement (--place)",
                     p->rows_to_name);
         else if (p->evidence_after < MUKCA_PLAN_NAME)
             cli_say(
-                r->call, NULL,
+                call, NULL,
                 "Not enough, and more samples here do not decide: try another placement (--place)");
     } else {
-        cli_say(r->call, NULL,
+        cli_say(call, NULL,
                 "Expected consistency error at new placements, without noise: %.3f mm before, "
                 "%.3f mm after",
                 p->expected_before * 1e3, p->expected_after * 1e3);
     }
     if (p->n_rows < o->rows)
-        cli_say(r->call, NULL,
+        cli_say(call, NULL,
                 "Fewer than the requested %d: the sockets allow no more different postures",
                 o->rows);
-    cli_say(r->call, "Next",
+    cli_say(call, "Next",
             "check each posture for collisions (only joint limits, tilt and height are checked "
             "here), guide the arm there, and record it with the ball seated");
+    return MUKCA_OK;
 }
 
 static void release(void *work)
@@ -283,22 +282,6 @@ static void release(void *work)
     plan_work *r = work;
     mukca_plan_free(&r->plan);
     mukca_diagnosis_free(&r->diagnosis);
-}
-
-static mukca_status run(cli_call *call)
-{
-    plan_work *r = call->work;
-    r->call = call;
-    r->model = &call->session->model;
-    r->data = &call->session->data;
-    mukca_status status = check(call);
-    if (status == MUKCA_OK) status = cli_load(call);
-    if (status == MUKCA_OK) status = cli_condense(call);
-    if (status == MUKCA_OK) status = plan(r);
-    if (status == MUKCA_OK) status = write_rows(r);
-    if (status == MUKCA_OK && call->common->json) status = cli_write_json(call, as_json(r));
-    if (status == MUKCA_OK) print(r);
-    return status;
 }
 
 const cli_command cli_command_plan = {
@@ -323,7 +306,12 @@ const cli_command cli_command_plan = {
     .options = options,
     .options_size = sizeof(plan_options),
     .defaults = &defaults,
+    .check = check,
+    .reads = CLI_READS_CONDENSED,
     .run = run,
+    .table = write_rows,
+    .json = as_json,
+    .print = print,
     .work_size = sizeof(plan_work),
     .release = release,
 };

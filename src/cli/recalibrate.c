@@ -2,7 +2,6 @@
 #include "cli/recalibrate.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
@@ -60,8 +59,7 @@ static mukca_status read_log(cli_call *call, mukca_pose_log *log, const cli_mode
 }
 
 /* Note the findings in the first rows, and end the arm at the link that the poses refer to. */
-static void use_check(cli_call *call, cli_recalibrated *r, mukca_recalibrate_options *o,
-                      const mukca_chain *chain)
+static void use_check(cli_call *call, cli_recalibrated *r, const mukca_chain *chain)
 {
     const mukca_pose_check *c = &r->check;
     r->arm = *chain;
@@ -74,49 +72,39 @@ static void use_check(cli_call *call, cli_recalibrated *r, mukca_recalibrate_opt
     if (c->rotation_element != c->position_element)
         cli_log(call, "mukca: note: positions are those of '%s', orientations those of '%s'\n",
                 link, chain->element[c->rotation_element].child);
-    o->base = c->base;
-    o->tool = c->tool;
+    r->options.base = c->base;
+    r->options.tool = c->tool;
 }
 
 /* Rows of a log for its verdict: the mean error is known to 1 %. */
 enum { MOST_JUDGED = 5000 };
 
-typedef struct {
-    cli_recalibrated result;
-    mukca_recalibrate_options fit;
-    mukca_pose_log test;
-    mukca_offsets offsets;
-} recalibrate_work;
-
 static void release(void *work)
 {
-    recalibrate_work *w = work;
-    mukca_pose_log_close(&w->result.log);
-    mukca_pose_log_close(&w->test);
-    if (w->result.robust != w->result.fit) free(w->result.robust);
-    free(w->result.fit);
+    cli_recalibrated *r = work;
+    mukca_pose_log_close(&r->log);
+    mukca_pose_log_close(&r->test_log);
 }
 
-static mukca_recalibrate_task task_of(const recalibrate_work *w, mukca_pose_log *log)
+static mukca_recalibrate_task task_of(const cli_recalibrated *r, mukca_pose_log *log)
 {
-    return (mukca_recalibrate_task){.chain = &w->result.arm, .log = log, .options = &w->fit};
+    return (mukca_recalibrate_task){.chain = &r->arm, .log = log, .options = &r->options};
 }
 
 /* Fit, test, and judge robustly against outliers.  Residuals with tails heavier than 1.5 times
  * those of normal noise (mukca_recalibration.tail) are fitted again with Huber weights for the
  * verdict. */
-static mukca_status fit_and_judge(cli_call *call, recalibrate_work *w)
+static mukca_status fit_and_judge(cli_call *call, cli_recalibrated *r)
 {
-    cli_recalibrated *r = &w->result;
-    mukca_recalibrate_task task = task_of(w, &w->result.log);
-    const mukca_recalibrate_task test = task_of(w, &w->test);
-    mukca_recalibrate_options robust = w->fit;
+    mukca_recalibrate_task task = task_of(r, &r->log);
+    const mukca_recalibrate_task test = task_of(r, &r->test_log);
+    mukca_recalibrate_options robust = r->options;
     mukca_status status = mukca_recalibrate(r->fit, &task, &call->error);
     if (status == MUKCA_OK && r->tested)
         status = mukca_recalibrate_test(r->test, r->fit->stage, MUKCA_STAGES, &test, &call->error);
     r->robust = r->fit;
-    if (status == MUKCA_OK && r->fit->tail > 1.5 && !w->fit.robust) {
-        r->robust = calloc(1, sizeof *r->robust);
+    if (status == MUKCA_OK && r->fit->tail > 1.5 && !r->options.robust) {
+        r->robust = MUKCA_TAKE(&call->pool, mukca_recalibration, 1);
         if (!r->robust) return cli_fail(call, MUKCA_MEMORY, "out of memory");
         robust.robust = true;
         task.options = &robust;
@@ -196,114 +184,83 @@ static mukca_status take_part(mukca_dataset *part, double *errors, const mukca_r
 
 /* Judge by the errors on test data or, without these, their prediction from the log by generalised
  * cross-validation (Golub, Heath, Wahba 1979): the residual over 1 - unknowns / equations. */
-static mukca_status judge_offsets(cli_call *call, recalibrate_work *w)
+static mukca_status judge_offsets(cli_call *call, cli_recalibrated *r)
 {
-    const cli_recalibrated *r = &w->result;
     const mukca_recalibration *fit = r->fit;
-    const long rows = r->log.n, poses = r->tested ? w->test.n : rows;
+    const long rows = r->log.n, poses = r->tested ? r->test_log.n : rows;
     const double spare =
         r->tested ? 1 : 1 - fit->found.rank / (3.0 * (double)(rows + r->log.n_oriented));
-    const mukca_recalibrate_task train = task_of(w, &w->result.log), test = task_of(w, &w->test);
-    mukca_acceptance *a = &w->offsets.acceptance;
-    mukca_dataset part = {0}, held = {0};
-    double *errors = calloc(2 * MOST_JUDGED, sizeof *errors);
+    const mukca_recalibrate_task train = task_of(r, &r->log), test = task_of(r, &r->test_log);
+    mukca_acceptance *a = &r->offsets.acceptance;
+    mukca_dataset *part = &call->session->data, *judged = r->tested ? &call->session->test : part;
+    double *errors = MUKCA_TAKE(&call->pool, double, 2 * MOST_JUDGED);
     if (!errors) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     snprintf(a->error_of, sizeof a->error_of, "%s, %ld poses",
              r->tested ? "test data" : "generalized cross-validation", poses);
     a->converged = fit->converged;
     a->parameters = fit->found.n;
     a->identified = fit->found.rank;
-    mukca_status status = take_part(&part, errors, fit, &train, &call->error);
+    mukca_status status = take_part(part, errors, fit, &train, &call->error);
     if (status == MUKCA_OK && r->tested)
-        status = take_part(&held, errors, fit, &test, &call->error);
-    const mukca_dataset *judged = r->tested ? &held : &part;
+        status = take_part(judged, errors, fit, &test, &call->error);
+    if (status != MUKCA_OK) return status;
     double *after = errors + (poses < MOST_JUDGED ? poses : MOST_JUDGED);
-    for (int i = 0; i < judged->n_rows && status == MUKCA_OK; i++)
-        after[i] = spare > 0 ? after[i] / spare : (double)NAN;
-    if (status == MUKCA_OK)
-        status = mukca_accept(&w->offsets,
-                              &(mukca_accept_task){.change = {.chain = &r->arm,
-                                                              .to = &w->offsets,
-                                                              .data = &part,
-                                                              .free_base = w->fit.free_base},
-                                                   .held = judged,
-                                                   .before = errors,
-                                                   .after = after,
-                                                   .training_m = NAN},
-                              &call->error);
-    mukca_dataset_free(&part);
-    mukca_dataset_free(&held);
-    free(errors);
-    return status;
+    for (int i = 0; i < judged->n_rows; i++) after[i] = spare > 0 ? after[i] / spare : (double)NAN;
+    return mukca_accept(&r->offsets,
+                        &(mukca_accept_task){.change = {.chain = &r->arm,
+                                                        .to = &r->offsets,
+                                                        .data = part,
+                                                        .free_base = r->options.free_base},
+                                             .held = judged,
+                                             .before = errors,
+                                             .after = after,
+                                             .training_m = NAN},
+                        &call->error);
 }
 
 static mukca_status write_offsets(cli_call *call, const mukca_offsets *offsets)
 {
-    mukca_dataset names = {0};
-    names.files = calloc((size_t)call->arguments.n + 1, sizeof *names.files);
+    mukca_dataset names = {
+        .files = mukca_pool_take(&call->pool, (size_t)call->arguments.n, sizeof *names.files)};
     if (!names.files) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     for (int i = 0; i < call->arguments.n; i++)
         snprintf(names.files[names.n_files++], sizeof *names.files, "%s", call->arguments.items[i]);
-    const mukca_status status =
-        cli_write_offsets(call, call->common->output, offsets, &call->session->model.chain, &names,
-                          "method: recalibrate (poses)");
-    free(names.files);
-    return status;
+    return cli_write_offsets(call, call->common->output, offsets, &call->session->model.chain,
+                             &names, "method: recalibrate (poses)");
 }
 
-/* Error: the poses contain no information about the arm. */
-static mukca_status refuse(cli_call *call, const cli_recalibrated *r)
-{
-    const mukca_pose_gain *o = &r->robust->position;
-    return cli_fail(call, MUKCA_UNIDENTIFIABLE,
-                    "no calibration in these poses: their median error is %.4f mm with the nominal "
-                    "model, %.4f mm after a fit, no gain beyond their noise; no offsets table is "
-                    "written; check that angles and poses are of the same samples, use another "
-                    "tracker, or calibrate from sockets",
-                    1e3 * o->nominal, 1e3 * o->left);
-}
-
-/* Open the logs, determine what they measure, and fit. */
-static mukca_status recalibrate(cli_call *call, recalibrate_work *w)
+/* Open the logs, and determine what they measure. */
+static mukca_status open_logs(cli_call *call, cli_recalibrated *r)
 {
     const cli_model *model = &call->session->model;
-    cli_recalibrated *r = &w->result;
-    mukca_status status = read_log(call, &w->result.log, model, &call->arguments);
-    if (status == MUKCA_OK) status = read_log(call, &w->test, model, &call->common->test);
-    mukca_recalibrate_task task = task_of(w, &w->result.log);
+    mukca_status status = read_log(call, &r->log, model, &call->arguments);
+    if (status == MUKCA_OK) status = read_log(call, &r->test_log, model, &call->common->test);
+    mukca_recalibrate_task task = task_of(r, &r->log);
     task.chain = &model->chain;
     if (status == MUKCA_OK) status = mukca_pose_check_run(&r->check, &task, &call->error);
     if (status != MUKCA_OK) return status;
-    use_check(call, r, &w->fit, &model->chain);
-    w->fit.tilts = r->log.n_oriented == 0;
-    return fit_and_judge(call, w);
+    use_check(call, r, &model->chain);
+    r->options.tilts = r->log.n_oriented == 0;
+    return MUKCA_OK;
 }
 
 static mukca_status run(cli_call *call)
 {
     const recalibrate_options *o = call->options;
-    const mukca_chain *chain = &call->session->model.chain;
-    recalibrate_work *w = call->work;
-    cli_recalibrated *r = &w->result;
-    w->fit = o->fit;
-    w->fit.free_base = o->common.free_base;
-    w->fit.free_tool = o->common.free_tool;
-    w->fit.stop = cli_interrupted;
+    cli_recalibrated *r = call->work;
+    r->options = o->fit;
+    r->options.free_base = o->common.free_base;
+    r->options.free_tool = o->common.free_tool;
+    r->options.stop = cli_interrupted;
     r->tested = call->common->test.n > 0;
-    r->fit = calloc(1, sizeof *r->fit);
+    r->fit = MUKCA_TAKE(&call->pool, mukca_recalibration, 1);
     if (!r->fit) return cli_fail(call, MUKCA_MEMORY, "out of memory");
-    mukca_status status = cli_load_model(call, &call->session->model);
-    if (status == MUKCA_OK) status = recalibrate(call, w);
+    mukca_status status = open_logs(call, r);
+    if (status == MUKCA_OK) status = fit_and_judge(call, r);
     if (status != MUKCA_OK) return status;
-    fill_offsets(&w->offsets, r->fit, chain, &r->arm);
-    status = judge_offsets(call, w);
-    if (status == MUKCA_OK && r->robust->calibrated) status = write_offsets(call, &w->offsets);
-    if (status == MUKCA_OK && call->common->json)
-        status = cli_write_json(call, cli_recalibrate_json(call, r, &w->offsets, chain));
-    if (status == MUKCA_OK && !r->robust->calibrated) return refuse(call, r);
-    if (status != MUKCA_OK) return status;
-    cli_recalibrate_print(call, r, &w->offsets.acceptance);
-    return w->offsets.acceptance.accepted ? MUKCA_OK : MUKCA_NEGATIVE;
+    fill_offsets(&r->offsets, r->fit, &call->session->model.chain, &r->arm);
+    status = judge_offsets(call, r);
+    return status == MUKCA_OK && r->robust->calibrated ? write_offsets(call, &r->offsets) : status;
 }
 
 const cli_command cli_command_recalibrate = {
@@ -328,7 +285,10 @@ const cli_command cli_command_recalibrate = {
     .with = CLI_WITH_MODEL | CLI_WITH_TEST | CLI_WITH_JSON | CLI_WITH_FRAMES | CLI_WITH_TABLES,
     .options = options,
     .options_size = sizeof(recalibrate_options),
+    .reads = CLI_READS_MODEL,
     .run = run,
-    .work_size = sizeof(recalibrate_work),
+    .json = cli_recalibrate_json,
+    .print = cli_recalibrate_print,
+    .work_size = sizeof(cli_recalibrated),
     .release = release,
 };

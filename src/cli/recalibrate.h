@@ -5,21 +5,22 @@
 #include "cli/cli.h"
 #include "recalibrate/recalibrate.h"
 
+/* The call's work. */
 typedef struct {
+    mukca_recalibrate_options options;
     mukca_chain arm; /* up to the link that the poses refer to */
-    mukca_pose_log log;
+    mukca_pose_log log, test_log;
     mukca_pose_check check;
     mukca_recalibration *fit;
     bool tested; /* --test */
     mukca_pose_errors test[MUKCA_STAGES];
     mukca_recalibration *robust; /* basis of the verdict: fit, or a fit with Huber weights */
+    mukca_offsets offsets;       /* with verdict */
 } cli_recalibrated;
 
-/* Print one screen, after the files were written (acceptance: of the table). */
-void cli_recalibrate_print(cli_call *call, const cli_recalibrated *r,
-                           const mukca_acceptance *acceptance);
+/* Print one screen, after the files were written. */
+mukca_status cli_recalibrate_print(cli_call *call);
 
-json_t *cli_recalibrate_json(const cli_call *call, const cli_recalibrated *r,
-                             const mukca_offsets *offsets, const mukca_chain *chain);
+json_t *cli_recalibrate_json(const cli_call *call);
 
 #endif

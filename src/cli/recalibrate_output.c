@@ -87,9 +87,23 @@ static void print_findings(cli_call *call, const cli_recalibrated *r, const mukc
                 r->log.timed ? 1e3 * f->lag : f->lag, r->log.timed ? "ms" : "rows", f->lag_score);
 }
 
-void cli_recalibrate_print(cli_call *call, const cli_recalibrated *r, const mukca_acceptance *a)
+/* Error: the poses contain no information about the arm. */
+static mukca_status refuse(cli_call *call, const mukca_pose_gain *o)
 {
+    return cli_fail(call, MUKCA_UNIDENTIFIABLE,
+                    "no calibration in these poses: their median error is %.4f mm with the nominal "
+                    "model, %.4f mm after a fit, no gain beyond their noise; no offsets table is "
+                    "written; check that angles and poses are of the same samples, use another "
+                    "tracker, or calibrate from sockets",
+                    1e3 * o->nominal, 1e3 * o->left);
+}
+
+mukca_status cli_recalibrate_print(cli_call *call)
+{
+    const cli_recalibrated *r = call->work;
+    const mukca_acceptance *a = &r->offsets.acceptance;
     const char *output = call->common->output;
+    if (!r->robust->calibrated) return refuse(call, &r->robust->position);
     print_findings(call, r, a);
     print_errors(call, "Training data", r->fit->errors, r->fit->has_angles);
     if (r->tested) print_errors(call, "Test data", r->test, r->fit->has_angles);
@@ -101,6 +115,7 @@ void cli_recalibrate_print(cli_call *call, const cli_recalibrated *r, const mukc
                 a->accepted ? "" : " (other commands refuse this table)");
     else if (a->accepted)
         cli_say(call, "Next", "-o offsets.tsv saves the result; -v lists all offsets");
+    return a->accepted ? MUKCA_OK : MUKCA_NEGATIVE;
 }
 
 /* ---- JSON ---- */
@@ -178,9 +193,10 @@ static json_t *null_json(const mukca_recalibration *f, const mukca_chain *arm)
     return array;
 }
 
-json_t *cli_recalibrate_json(const cli_call *call, const cli_recalibrated *r,
-                             const mukca_offsets *offsets, const mukca_chain *chain)
+json_t *cli_recalibrate_json(const cli_call *call)
 {
+    const cli_recalibrated *r = call->work;
+    const mukca_chain *chain = &call->session->model.chain;
     const mukca_recalibration *f = r->fit;
     const mukca_recalibration *o = r->robust;
     json_t *model =
@@ -191,7 +207,6 @@ json_t *cli_recalibrate_json(const cli_call *call, const cli_recalibrated *r,
                  KEY("base", cli_json_frame(&f->stage[MUKCA_WITH_BOTH].base)),
                  KEY("tool", cli_json_frame(&f->stage[MUKCA_WITH_BOTH].tool)), FIELD(f, passes));
     return cli_json(
-        KEY("schema", "mukca.recalibrate/1"),
         KEY("verdict", o->calibrated ? "calibrated" : "nominal"),
         KEY("frame",
             cli_json(KEY("position_link", r->arm.tip),
@@ -207,7 +222,8 @@ json_t *cli_recalibrate_json(const cli_call *call, const cli_recalibrated *r,
                                KEY("rotation_left_rad", o->rotation.left),
                                KEY("rotation_systematic_rad", o->rotation.systematic),
                                KEY("huber_weights", (bool)(r->robust != r->fit)))),
-        KEY("models", json_pack("[o]", model)), KEY("parameters", cli_json_offsets(offsets, chain)),
-        KEY("acceptance", cli_json_acceptance(&offsets->acceptance)),
+        KEY("models", json_pack("[o]", model)),
+        KEY("parameters", cli_json_offsets(&r->offsets, chain)),
+        KEY("acceptance", cli_json_acceptance(&r->offsets.acceptance)),
         KEY("elapsed_s", cli_elapsed(call)));
 }

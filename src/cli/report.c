@@ -8,7 +8,6 @@
 #include "cli/traits.h"
 #include "fit/accept.h"
 #include "fit/mismatch.h"
-#include "io/output.h"
 #include "report/report.h"
 
 typedef struct {
@@ -17,9 +16,11 @@ typedef struct {
 } report_options;
 
 static const cli_option options[] = {
-    CLI_OPTION(
+    CLI_OPTION_AND(
         report_options, fleet, "fleet", CLI_FLAG, NULL,
-        "DATA are summaries of the arms of one model (diagnose --summary): the page of a fleet"),
+        "DATA are summaries of the arms of one model (diagnose --summary): the page of a fleet",
+        .excludes = "urdf kinematics inertials offsets distances payload test free-base free-tool "
+                    "check"),
     CLI_OUTPUT_OPTION("write the page there (default: standard output)"),
     {.name = NULL}};
 
@@ -27,7 +28,6 @@ typedef struct {
     cli_diagnosis of;
     mukca_report page;
     mukca_fleet fleet;
-    mukca_fleet_page fleet_page;
     char *command, when[32];
 } report_work;
 
@@ -35,7 +35,7 @@ typedef struct {
 static mukca_status take_offsets(cli_call *call)
 {
     report_work *w = call->work;
-    if (!call->common->offsets && w->of.diagnosis.applied.fitted) {
+    if (!call->common->arm.offsets && w->of.diagnosis.applied.fitted) {
         w->page.fitted = &w->of.chain;
         return cli_diagnosis_offsets(call, &w->of);
     }
@@ -71,62 +71,47 @@ static mukca_status note_command(cli_call *call)
 }
 
 /* Note the paths of all inputs. */
-static mukca_status provenance(cli_call *call)
+static mukca_status list_files(cli_call *call)
 {
     report_work *w = call->work;
-    const cli_common *c = call->common;
-    const char *const given[] = {c->urdf,    c->kinematics, c->inertials,
-                                 c->offsets, c->distances,  c->traits};
-    const size_t most = sizeof given / sizeof *given;
     const mukca_dataset *sets[2] = {w->page.train, w->page.test};
     const char **files = MUKCA_TAKE(&call->pool, const char *,
-                                    (size_t)sets[0]->n_files + (size_t)sets[1]->n_files + most);
+                                    sets[0]->n_files + sets[1]->n_files + CLI_MOST_OPTIONS);
     if (!files) return cli_fail(call, MUKCA_MEMORY, "out of memory");
-    for (size_t i = 0; i < most; i++)
-        if (given[i]) files[w->page.n_files++] = given[i];
+    for (const cli_option *o = NULL; (o = cli_next_option(call->command, o));)
+        if (o->kind == CLI_INPUT && cli_path(call, o)) files[w->page.n_files++] = cli_path(call, o);
     for (int k = 0; k < 2; k++)
         for (int f = 0; f < sets[k]->n_files; f++) files[w->page.n_files++] = sets[k]->files[f];
     w->page.files = files;
-    w->page.when = w->when;
-    w->page.command = w->command;
     return MUKCA_OK;
 }
 
-static mukca_status write_page(cli_call *call)
+static mukca_status write_page(cli_call *call, FILE *stream)
 {
     const report_options *o = call->options;
     const report_work *w = call->work;
-    const mukca_page page =
-        o->fleet ? mukca_fleet_page_of(&w->fleet_page) : mukca_report_page(&w->page);
-    mukca_output output = {0};
-    mukca_status status = cli_output_open(call, &output);
-    if (status == MUKCA_OK) status = mukca_page_write(output.stream, &page, &call->error);
-    return mukca_output_finish(&output, status, &call->error);
+    mukca_page page = o->fleet ? mukca_fleet_page(&w->fleet) : mukca_report_page(&w->page);
+    page.command = w->command;
+    page.when = w->when;
+    mukca_page_write(stream, &page);
+    return MUKCA_OK;
 }
 
 /* Read and pool the summaries. */
 static mukca_status prepare_fleet(cli_call *call)
 {
     report_work *w = call->work;
-    mukca_status status = cli_fleet_read(call, &w->fleet);
-    if (status == MUKCA_OK) status = mukca_fleet_pool(&w->fleet, &call->error);
-    w->fleet_page = (mukca_fleet_page){.command = w->command, .when = w->when, .fleet = &w->fleet};
-    return status;
+    const mukca_status status = cli_fleet_read(call, &w->fleet);
+    return status == MUKCA_OK ? mukca_fleet_pool(&w->fleet, &call->error) : status;
 }
 
 static mukca_status check(cli_call *call)
 {
-    const report_options *o = call->options;
     const cli_common *c = call->common;
-    if (o->fleet && (c->urdf || c->kinematics || c->inertials || c->offsets || c->distances ||
-                     c->payload || c->test.n || c->free_base || c->free_tool || c->check))
-        return cli_fail(call, MUKCA_USAGE,
-                        "--fleet reads summaries, which hold their model and data; only -o and "
-                        "--force go with it");
     if (!c->output && isatty(STDOUT_FILENO))
         return cli_fail(call, MUKCA_USAGE,
                         "-o FILE is needed: the page is HTML, not for the terminal");
-    if (c->offsets && (c->free_base || c->free_tool))
+    if (c->arm.offsets && (c->free_base || c->free_tool))
         return cli_fail(
             call, MUKCA_USAGE,
             "--offsets contains its own frames; do not give --free-base or --free-tool with it");
@@ -146,34 +131,34 @@ static mukca_status prepare_arm(cli_call *call)
 {
     const cli_session *s = call->session;
     report_work *w = call->work;
-    call->common->accept_failed = call->common->accept_edited =
-        true; /* also report on a table that was not accepted */
     w->page = (mukca_report){.pool = &call->pool,
                              .chain = &s->model.chain,
                              .fitted = &s->model.chain,
                              .offsets = &w->of.offsets,
                              .train = &s->data,
                              .test = &s->test};
-    mukca_status status = cli_diagnosis_load(call);
+    mukca_status status = cli_read(call, CLI_READS_CONDENSED);
     if (status == MUKCA_OK) status = cli_diagnosis_run(call, &w->of);
     if (status == MUKCA_OK) status = take_offsets(call);
     w->page.diagnosed = w->of.result;
     w->page.diagnosed.saved = true;
-    w->page.free_base = call->common->free_base, w->page.free_tool = call->common->free_tool;
+    w->page.free_base = w->of.options.free_base, w->page.free_tool = w->of.options.free_tool;
     if (status == MUKCA_OK) status = mukca_report_prepare(&w->page, &call->error);
-    return status == MUKCA_OK ? provenance(call) : status;
+    return status == MUKCA_OK ? list_files(call) : status;
 }
 
 static mukca_status run(cli_call *call)
 {
     const report_options *o = call->options;
-    mukca_status status = check(call);
-    if (status == MUKCA_OK) status = note_command(call);
-    if (status == MUKCA_OK) status = o->fleet ? prepare_fleet(call) : prepare_arm(call);
-    if (status == MUKCA_OK) status = write_page(call);
-    if (status == MUKCA_OK && call->common->output)
-        cli_answer(call, "report: %s\n", call->common->output);
-    return status;
+    const mukca_status status = note_command(call);
+    if (status != MUKCA_OK) return status;
+    return o->fleet ? prepare_fleet(call) : prepare_arm(call);
+}
+
+static mukca_status print(cli_call *call)
+{
+    if (call->common->output) cli_answer(call, "report: %s\n", call->common->output);
+    return MUKCA_OK;
 }
 
 const cli_command cli_command_report = {
@@ -187,7 +172,8 @@ const cli_command cli_command_report = {
         "table of mukca diagnose -o) or that of --offsets. It opens with the expected error of the "
         "tip, whether to use the result, the verdict and what to do. Then follow the errors step "
         "by step, the causes, a view of the arm that can be turned, errors by placement and joint, "
-        "detection limits, recording faults, parameters with standard errors, and provenance.\n\n"
+        "detection limits, recording faults, parameters with standard errors, and the files "
+        "read.\n\n"
         "--fleet writes the page of many arms of one model from their summaries, the arguments of "
         "mukca fleet: arms that depart, what the arms share, each elastic coefficient with the "
         "arms side by side, and the most probable ripple order of each joint.",
@@ -197,7 +183,11 @@ const cli_command cli_command_report = {
     .with = CLI_WITH_DATA | CLI_WITH_OFFSETS | CLI_WITH_TEST | CLI_WITH_FRAMES | CLI_WITH_CHECK,
     .options = options,
     .options_size = sizeof(report_options),
+    .any_table = true,
+    .check = check,
     .run = run,
+    .table = write_page,
+    .print = print,
     .work_size = sizeof(report_work),
     .release = release,
 };

@@ -39,7 +39,7 @@ mukca_status cli_scores_make(cli_call *call, cli_scores *scores, const mukca_cha
     double urdf[MUKCA_MAX_THETA];
     scores->set[0] = (cli_scored){.name = name, .data = &s->data};
     scores->set[1] = (cli_scored){.name = "test", .data = &s->test};
-    scores->has_factory = call->common->kinematics != NULL;
+    scores->has_factory = call->common->arm.kinematics != NULL;
     mukca_chain_theta(urdf, chain);
     if (scores->nominal_theta)
         memcpy(urdf, scores->nominal_theta,

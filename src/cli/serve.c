@@ -1,7 +1,6 @@
 /* `mukca serve`: capture, calibrate and diagnose as a daemon, driven over LCM. */
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "cli/live.h"
 #include "record/server.h"
@@ -41,31 +40,31 @@ static void conclude(cli_call *call, const mukca_server *s)
                 1e6 * s->pose.longest_latency);
 }
 
+static mukca_status check(cli_call *call)
+{
+    mukca_server_options *options = &((serve_options *)call->options)->server;
+    if (!options->folder) options->folder = getenv("STATE_DIRECTORY");
+    if (options->folder && *options->folder) return MUKCA_OK;
+    return cli_fail(call, MUKCA_USAGE,
+                    "--state DIR is needed: the folder of sessions, results and state");
+}
+
 static mukca_status run(cli_call *call)
 {
     serve_options *o = call->options;
     work *w = call->work;
     mukca_server *s = &w->server;
-    cli_model *model = &call->session->model;
-    cli_live_words words = {.word = {NULL}};
+    const cli_model *model = &call->session->model;
     mukca_server_options *options = &o->server;
     const mukca_recorder_hooks hooks = {
         .report = report, .interrupted = cli_interrupted, .context = w};
     w->quiet = call->common->quiet;
-    if (!options->folder) options->folder = getenv("STATE_DIRECTORY");
-    if (!options->folder || !*options->folder)
-        return cli_fail(call, MUKCA_USAGE,
-                        "--state DIR is needed: the folder of sessions, results and state");
     o->live.recorder.triggers = true;
     cli_live_complete(&o->live, call->common);
     options->recorder = o->live.recorder;
-    cli_live_arguments(&words, call->common);
-    memcpy(options->arguments, words.word, sizeof words.word);
-    mukca_status status = cli_load_model(call, model);
-    if (status == MUKCA_OK) status = cli_check_traits(call, call->common->traits, &model->chain);
-    if (status == MUKCA_OK)
-        status = mukca_server_open(s, options, &model->chain, model->offsets.theta, &hooks,
-                                   &call->error);
+    cli_live_arguments(options->arguments, call);
+    mukca_status status =
+        mukca_server_open(s, options, &model->chain, model->offsets.theta, &hooks, &call->error);
     if (status != MUKCA_OK) return status;
     cli_relay_open(&w->relay);
     status = mukca_server_run(s, &call->error);
@@ -124,6 +123,8 @@ const cli_command cli_command_serve = {
     .options = options,
     .options_size = sizeof(serve_options),
     .defaults = &defaults,
+    .check = check,
+    .reads = CLI_READS_MODEL,
     .run = run,
     .work_size = sizeof(work),
     .release = release,

@@ -6,7 +6,6 @@
 
 #include "base/list.h"
 #include "io/dataset.h"
-#include "io/output.h"
 #include "mukca/version.h"
 
 typedef struct {
@@ -19,8 +18,8 @@ typedef struct {
 
 /* One simulation: the true arm and its recording. */
 typedef struct {
-    cli_model model;     /* from the user */
-    mukca_offsets truth; /* the true arm */
+    const cli_model *model; /* from the user */
+    mukca_offsets truth;    /* the true arm */
     mukca_corrected arm;
     cli_simulated hidden; /* effects and faults */
     int n_places;         /* of the session; the held-out ones follow */
@@ -31,17 +30,21 @@ typedef struct {
 
 static const own defaults = {.recording.rows = 30};
 
+#define LOGS "poses or --at" /* options of a pose log */
+
 static const cli_option options[] = {
     CLI_OPTION(own, perturb, "perturb", CLI_TEXT, "MM,MRAD",
                "standard deviation of the errors of the origins, mm and mrad (default: none)"),
     CLI_OPTION(
         own, effects, "effect", CLI_TEXTS, "EFFECT",
         "NAME[:WHERE][@VARIANT]=VALUE, see above; repeatable, or several with commas between"),
-    CLI_RANGE_OPTION(own, placements, "placements", CLI_INTEGER, "N", 1, CLI_MAX_PLACES - 1,
-                     "placements of the tool, chosen at random (default: 4, or those of --place)"),
-    CLI_OPTION(own, places, "place", CLI_TEXTS, "NAME[=X,Y,Z[,ROLL,PITCH,YAW]]",
-               "name of a placement, and its pose: middle of the sockets, which lie on its x axis, "
-               "m and rad"),
+    CLI_OPTION_AND(own, placements, "placements", CLI_INTEGER, "N",
+                   "placements of the tool, chosen at random (default: 4, or those of --place)",
+                   .least = 1, .most = CLI_MAX_PLACES - 1, .excludes = LOGS),
+    CLI_OPTION_AND(own, places, "place", CLI_TEXTS, "NAME[=X,Y,Z[,ROLL,PITCH,YAW]]",
+                   "name of a placement, and its pose: middle of the sockets, which lie on its x "
+                   "axis, m and rad",
+                   .excludes = LOGS),
     CLI_RANGE_OPTION(own, recording.rows, "rows", CLI_INTEGER, "N", 2, 100000,
                      "samples in each of the two sockets (default: 30)"),
     CLI_RANGE_OPTION(own, recording.noise, "noise", CLI_NUMBER, "M", 0, 1,
@@ -55,18 +58,22 @@ static const cli_option options[] = {
                      MUKCA_ROWS_MOST_PAYLOAD, "mass at the tip beyond the model (default: none)"),
     CLI_RANGE_OPTION(own, poses, "poses", CLI_INTEGER, "N", 1, 10000000,
                      "a pose log of N samples instead of sockets"),
-    CLI_OPTION(own, at, "at", CLI_INPUT, "FILE",
-               "a pose log at the joint angles of this table, row by row"),
-    CLI_OPTION(own, recording.position_only, "position-only", CLI_FLAG, NULL,
-               "pose log without orientations"),
-    CLI_RANGE_OPTION(own, recording.rotation, "rotation-noise", CLI_NUMBER, "RAD", 0, 1,
-                     "measurement noise of the orientations in a pose log, per axis, rad"),
-    CLI_RANGE_OPTION(own, held_out, "held-out", CLI_INTEGER, "N", 1, 10000000,
-                     "further placements (or poses) of the same arm, for --test"),
-    CLI_OPTION(own, test, "test", CLI_OUTPUT, "FILE", "write the held-out data there"),
+    CLI_OPTION_AND(own, at, "at", CLI_INPUT, "FILE",
+                   "a pose log at the joint angles of this table, row by row",
+                   .excludes = "poses held-out"),
+    CLI_OPTION_AND(own, recording.position_only, "position-only", CLI_FLAG, NULL,
+                   "pose log without orientations", .needs = LOGS),
+    CLI_OPTION_AND(own, recording.rotation, "rotation-noise", CLI_NUMBER, "RAD",
+                   "measurement noise of the orientations in a pose log, per axis, rad", .most = 1,
+                   .needs = LOGS),
+    CLI_OPTION_AND(own, held_out, "held-out", CLI_INTEGER, "N",
+                   "further placements (or poses) of the same arm, for --test", .least = 1,
+                   .most = 10000000, .needs = "test"),
+    CLI_OPTION_AND(own, test, "test", CLI_OUTPUT, "FILE", "write the held-out data there",
+                   .needs = "held-out"),
     CLI_OPTION(own, seed, "seed", CLI_INTEGER, "N", "seed of all random numbers (default: 0)"),
     CLI_OPTION(own, truth, "truth", CLI_OUTPUT, "FILE", "write the true arm as an offsets table"),
-    CLI_OPTION(own, common.offsets, "offsets", CLI_INPUT, "FILE",
+    CLI_OPTION(own, common.arm.offsets, "offsets", CLI_INPUT, "FILE",
                "the true arm, effects included, before --perturb"),
     CLI_OUTPUT_OPTION("write the recording there (default: standard output)"),
     {.name = NULL}};
@@ -77,24 +84,6 @@ static const cli_option options[] = {
 static bool is_log(const own *o)
 {
     return o->poses || o->at;
-}
-
-static mukca_status check(const own *o, mukca_error *error)
-{
-    if ((o->held_out > 0) != (o->test != NULL))
-        return mukca_fail(error, MUKCA_USAGE, "--held-out N and --test FILE go together");
-    if (o->at && (o->poses || o->held_out))
-        return mukca_fail(error, MUKCA_USAGE,
-                          "--at sets the postures; omit --poses and --held-out");
-    if (is_log(o) && (o->places.n || o->placements))
-        return mukca_fail(error, MUKCA_USAGE, "a pose log has no placements");
-    if (!is_log(o) && (o->recording.position_only || o->recording.rotation > 0))
-        return mukca_fail(error, MUKCA_USAGE,
-                          "--position-only and --rotation-noise are for pose logs (--poses, --at)");
-    if (o->common.distance > 1)
-        return mukca_fail(error, MUKCA_USAGE, "--distance %g looks like millimetres; give m",
-                          o->common.distance);
-    return MUKCA_OK;
 }
 
 /* All placements: those of the session, then the held-out ones. */
@@ -122,7 +111,7 @@ static mukca_status name_places(simulation *s, const own *o, mukca_error *error)
                     mukca_fail(error, MUKCA_USAGE, "two placements have the name '%s'", p->name);
         if (status) return status;
     }
-    return mukca_simulate_places(s->places, n + held_out, &s->model.chain, s->recording.distance,
+    return mukca_simulate_places(s->places, n + held_out, &s->model->chain, s->recording.distance,
                                  s->recording.seed, error);
 }
 
@@ -130,8 +119,8 @@ static mukca_status name_places(simulation *s, const own *o, mukca_error *error)
 static mukca_status gather_effects(simulation *s, const own *o, mukca_error *error)
 {
     cli_simulated *hidden = &s->hidden;
-    const mukca_offsets *given = &s->model.offsets;
-    hidden->chain = &s->model.chain;
+    const mukca_offsets *given = &s->model->offsets;
+    hidden->chain = &s->model->chain;
     hidden->places = s->places;
     hidden->n_places = s->n_places;
     hidden->rows = o->recording.rows;
@@ -165,30 +154,28 @@ static void set_truth(simulation *s)
             s->truth.effects[s->truth.n_effects++] = s->arm.effects[e];
 }
 
-/* Fill a zeroed simulation from the options of the call. */
-static mukca_status prepare(cli_call *call, simulation *s)
+/* Fill the zeroed simulation from the options of the call. */
+static mukca_status prepare(cli_call *call)
 {
     const own *o = call->options;
+    simulation *s = call->work;
     double perturb[2] = {0, 0};
-    mukca_status status = check(o, &call->error);
-    if (status == MUKCA_OK && o->perturb && cli_read_list(perturb, 2, o->perturb) != 2)
-        status = cli_fail(call, MUKCA_USAGE, "--perturb %.40s: must be MM,MRAD, two numbers",
-                          o->perturb);
-    call->common->accept_failed = call->common->accept_edited = true; /* the true arm may be any */
-    if (status == MUKCA_OK) status = cli_load_model(call, &s->model);
-    if (status) return status;
+    s->model = &call->session->model;
+    if (o->perturb && cli_read_list(perturb, 2, o->perturb) != 2)
+        return cli_fail(call, MUKCA_USAGE, "--perturb %.40s: must be MM,MRAD, two numbers",
+                        o->perturb);
     s->recording = o->recording;
     s->recording.distance = call->common->distance;
     s->recording.seed = (uint64_t)o->seed;
     s->recording.interrupted = cli_interrupted;
-    if (s->recording.effort && !s->model.chain.n_masses)
+    if (s->recording.effort && !s->model->chain.n_masses)
         return cli_fail(call, MUKCA_USAGE, "--effort needs link masses; give --inertials FILE");
-    s->truth = s->model.offsets;
-    mukca_simulate_perturb(s->truth.theta, o->perturb ? s->truth.listed : NULL, &s->model.chain,
+    s->truth = s->model->offsets;
+    mukca_simulate_perturb(s->truth.theta, o->perturb ? s->truth.listed : NULL, &s->model->chain,
                            1e-3 * perturb[0], 1e-3 * perturb[1], s->recording.seed);
     for (int i = 0; i < MUKCA_MAX_THETA; i++) s->truth.identifiable[i] = s->truth.listed[i];
-    mukca_simulate_arm(&s->arm, &s->model.chain, s->truth.theta);
-    status = name_places(s, o, &call->error);
+    mukca_simulate_arm(&s->arm, &s->model->chain, s->truth.theta);
+    mukca_status status = name_places(s, o, &call->error);
     if (status == MUKCA_OK) status = gather_effects(s, o, &call->error);
     if (status == MUKCA_OK) set_truth(s);
     return status;
@@ -196,12 +183,15 @@ static mukca_status prepare(cli_call *call, simulation *s)
 
 /* ---- recording ---- */
 
-/* Write the origin of the recording. */
-static void describe(FILE *stream, const simulation *s, const own *o)
+/* Write a recording, after its origin. */
+static mukca_status write_data(cli_call *call, FILE *stream, const mukca_dataset *data,
+                               const char *path)
 {
+    const own *o = call->options;
+    const simulation *s = call->work;
+    const mukca_chain *chain = &s->model->chain;
     fprintf(stream, "# mukca %s\n# robot: %s\n# stream: raw\n# base: %s\n# tip: %s\n",
-            s->n_places ? "session" : "pose log", s->model.chain.robot, s->model.chain.base,
-            s->model.chain.tip);
+            s->n_places ? "session" : "pose log", chain->robot, chain->base, chain->tip);
     fprintf(stream, "# simulated by mukca " MUKCA_VERSION ": --seed %d", o->seed);
     if (o->perturb) fprintf(stream, " --perturb %s", o->perturb);
     for (int i = 0; i < o->effects.n; i++) fprintf(stream, " --effect %s", o->effects.items[i]);
@@ -209,31 +199,33 @@ static void describe(FILE *stream, const simulation *s, const own *o)
     if (o->recording.correlation > 0)
         fprintf(stream, " --correlation %g", o->recording.correlation);
     fputc('\n', stream);
+    mukca_dataset_write(stream, data, chain, mukca_dataset_separator(path));
+    return MUKCA_OK;
 }
 
-/* Write one recording. */
-static mukca_status write_data(cli_call *call, const char *path, const mukca_dataset *data,
-                               const simulation *s)
+static mukca_status write_recording(cli_call *call, FILE *stream)
 {
-    mukca_output output = {0};
-    mukca_status status = mukca_output_open(&output, path, call->common->force, &call->error);
-    if (status == MUKCA_OK) {
-        describe(output.stream, s, call->options);
-        mukca_dataset_write(output.stream, data, &s->model.chain, mukca_dataset_separator(path));
-    }
-    return mukca_output_finish(&output, status, &call->error);
+    const char *path = call->common->output;
+    return write_data(call, stream, &call->session->data, path ? path : "-");
+}
+
+static mukca_status write_test(cli_call *call, FILE *stream)
+{
+    const own *o = call->options;
+    return write_data(call, stream, &call->session->test, o->test);
 }
 
 /* Record a pose log at the angles of the table --at. */
-static mukca_status record_at(cli_call *call, mukca_dataset *data, simulation *s)
+static mukca_status record_at(cli_call *call, mukca_dataset *data)
 {
     const own *o = call->options;
-    const size_t size = (size_t)s->model.chain.n_joints * sizeof(double);
+    simulation *s = call->work;
+    const size_t size = (size_t)s->model->chain.n_joints * sizeof(double);
     const mukca_rows_options header = {.kind = MUKCA_EITHER};
     double *q = NULL;
     int count = 0;
     mukca_row row;
-    mukca_status status = mukca_rows_open(&s->rows, o->at, &s->model.chain, &header, &call->error);
+    mukca_status status = mukca_rows_open(&s->rows, o->at, &s->model->chain, &header, &call->error);
     if (status != MUKCA_OK) return status;
     while (status == MUKCA_OK && mukca_rows_next(&s->rows, &row)) {
         double *added = mukca_list_append(&q, &count, size);
@@ -251,10 +243,11 @@ static mukca_status record_at(cli_call *call, mukca_dataset *data, simulation *s
 }
 
 /* Record the session or, at last and with `held_out`, the held-out data. */
-static mukca_status record(cli_call *call, mukca_dataset *data, simulation *s, bool held_out)
+static mukca_status record(cli_call *call, mukca_dataset *data, bool held_out)
 {
     const own *o = call->options;
-    if (o->at) return record_at(call, data, s);
+    simulation *s = call->work;
+    if (o->at) return record_at(call, data);
     if (held_out) s->recording.seed ^= 0x686f6c646f757421u; /* different postures and noise */
     if (o->poses)
         return mukca_simulate_poses(data, &s->arm, NULL, held_out ? o->held_out : o->poses,
@@ -274,16 +267,13 @@ static mukca_status run(cli_call *call)
 {
     const own *o = call->options;
     simulation *s = call->work;
-    mukca_dataset *data = &call->session->data, *test = &call->session->test;
-    mukca_status status = prepare(call, s);
+    mukca_status status = prepare(call);
     s->truth.acceptance.given = s->truth.acceptance.accepted = s->truth.acceptance.converged = true;
-    if (status == MUKCA_OK) status = record(call, data, s, false);
-    if (status == MUKCA_OK && o->test) status = record(call, test, s, true);
+    if (status == MUKCA_OK) status = record(call, &call->session->data, false);
+    if (status == MUKCA_OK && o->test) status = record(call, &call->session->test, true);
+    if (status == MUKCA_OK && o->test) status = cli_write(call, o->test, write_test);
     if (status == MUKCA_OK)
-        status = write_data(call, call->common->output ? call->common->output : "-", data, s);
-    if (status == MUKCA_OK && o->test) status = write_data(call, o->test, test, s);
-    if (status == MUKCA_OK)
-        status = cli_write_offsets(call, o->truth, &s->truth, &s->model.chain, NULL,
+        status = cli_write_offsets(call, o->truth, &s->truth, &s->model->chain, NULL,
                                    "the true arm of a simulation");
     return status;
 }
@@ -319,6 +309,9 @@ const cli_command cli_command_simulate = {
     .options = options,
     .options_size = sizeof(own),
     .defaults = &defaults,
+    .any_table = true,
+    .reads = CLI_READS_MODEL,
     .run = run,
+    .table = write_recording,
     .work_size = sizeof(simulation),
 };

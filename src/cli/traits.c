@@ -11,7 +11,6 @@
 #include <unistd.h>
 
 #include "base/text.h"
-#include "io/summary.h"
 #include "report/wording.h"
 
 /* Name of the arm's folder: `path` if it contains placements, else the folder that contains it. */
@@ -45,12 +44,6 @@ mukca_status cli_arm_label(cli_call *call, char label[MUKCA_NAME_SIZE], const ch
                 call, MUKCA_USAGE,
                 "the data do not lie in one folder that could name the arm; give --arm NAME");
     return MUKCA_OK;
-}
-
-mukca_status cli_check_traits(cli_call *call, const char *path, const mukca_chain *chain)
-{
-    mukca_traits traits;
-    return path ? mukca_traits_read(&traits, path, chain, &call->error) : MUKCA_OK;
 }
 
 /* ---- screen ---- */

@@ -3,13 +3,12 @@
 
 #include <math.h>
 
-#include "base/text.h"
 #include "math/stats.h"
 #include "report/page.h"
 
 enum {
     MOST_ROWS = 200, /* largest number of rows of a table */
-    MOST_ARMS = 24   /* as many names as fit a figure */
+    MOST_ARMS = 24   /* likewise, of a coefficient */
 };
 static const double per = MUKCA_WORDING_PER_SPRING;
 
@@ -62,15 +61,15 @@ static bool departs(const mukca_departure *d)
 
 /* ---- texts ---- */
 
-static void put_departures(FILE *out, const mukca_fleet_page *p, int n)
+static void put_departures(FILE *out, const mukca_fleet *f, int n)
 {
     char words[MUKCA_WORDING];
     for (int i = 0; i < n && i < MOST_ROWS; i++) {
-        const mukca_departure *d = &p->fleet->ranked[i];
+        const mukca_departure *d = &f->ranked[i];
         const char *remedy = mukca_effect_table[d->effect.kind]->remedy;
-        mukca_wording_fleet_departure(words, d, p->fleet);
+        mukca_wording_fleet_departure(words, d, f);
         fputs("<li>", out);
-        mukca_html_escape(out, n > 1 ? words : p->fleet->arm[d->arm].name);
+        mukca_html_escape(out, n > 1 ? words : f->arm[d->arm].name);
         fputs(": ", out);
         mukca_html_escape(out, remedy ? remedy : "inspect the transmission");
         fputs("</li>\n", out);
@@ -80,14 +79,13 @@ static void put_departures(FILE *out, const mukca_fleet_page *p, int n)
 /* Verdict, shared properties, and what to do. */
 static void open_page(FILE *out, const void *content)
 {
-    const mukca_fleet_page *p = content;
-    const mukca_fleet *f = p->fleet;
-    const mukca_traits *t = &p->fleet->traits;
+    const mukca_fleet *f = content;
+    const mukca_traits *t = &f->traits;
     char words[MUKCA_WORDING] = "No arm departs from the fleet";
     int n = 0, shared = 0;
     for (int a = 0; a < f->n_arms; a++) n += departs(&f->arm[a].departure);
     if (n > 1) snprintf(words, sizeof words, "%d of %d arms depart from the fleet", n, f->n_arms);
-    if (n == 1) mukca_wording_fleet_departure(words, p->fleet->ranked, f);
+    if (n == 1) mukca_wording_fleet_departure(words, f->ranked, f);
     if (f->n_arms < 3) snprintf(words, sizeof words, "Departures are not testable with two arms");
     fprintf(out, "<p class=\"verdict %s\">", n ? "unknown" : f->n_arms < 3 ? "untestable" : "none");
     mukca_html_escape(out, words);
@@ -104,7 +102,7 @@ static void open_page(FILE *out, const void *content)
     fputs(shared ? "</ul>\n" : "<li>no elastic coefficient and no order of ripple</li></ul>\n",
           out);
     fputs("<h2 id=\"to-do\">What to do</h2>\n<ul>\n", out);
-    put_departures(out, p, n);
+    put_departures(out, f, n);
     fputs("<li>", out);
     mukca_html_sentence(out,
                         "`mukca fleet` with these summaries and `-o MODEL.traits.tsv` saves what "
@@ -114,8 +112,8 @@ static void open_page(FILE *out, const void *content)
 
 static void put_arms(FILE *out, const void *content)
 {
-    const mukca_fleet_page *p = content;
-    const int n = p->fleet->n_arms;
+    const mukca_fleet *f = content;
+    const int n = f->n_arms;
     char words[MUKCA_WORDING];
     mukca_html_table table = {
         .out = out,
@@ -123,10 +121,10 @@ static void put_arms(FILE *out, const void *content)
         .columns =
             "arm|#sessions|#samples|largest departure|#value|#from|#to|#sisters|#probability"};
     for (int i = 0; i < n && i < MOST_ROWS; i++) {
-        const mukca_departure *d = &p->fleet->ranked[i];
-        const mukca_fleet_arm *arm = &p->fleet->arm[d->arm];
+        const mukca_departure *d = &f->ranked[i];
+        const mukca_fleet_arm *arm = &f->arm[d->arm];
         snprintf(words, sizeof words, "not testable");
-        if (d->k >= 0) put_effect(words, &d->effect, p->fleet);
+        if (d->k >= 0) put_effect(words, &d->effect, f);
         mukca_html_row(&table, "%s\t%d\t%d\t%s", arm->name, arm->end - arm->first, arm->samples,
                        words);
         if (d->k >= 0)
@@ -139,79 +137,63 @@ static void put_arms(FILE *out, const void *content)
     if (n > MOST_ROWS) fprintf(out, "<p>The first %d of %d arms.</p>\n", MOST_ROWS, n);
 }
 
-static void put_provenance(FILE *out, const void *content)
+/* A coefficient of the arms side by side. */
+static void put_coefficient(FILE *out, const mukca_fleet *f, int k)
 {
-    const mukca_fleet_page *p = content;
-    fputs("<p>Made by ", out);
-    mukca_html_element(out, "code", p->command);
-    fprintf(out, " at %s.</p>\n", p->when);
-}
-
-/* ---- figures ---- */
-
-/* Add the arms' coefficients and names; returns the number of arms drawn. */
-static int put_points(mukca_plot *plot, const mukca_fleet_page *p, int k)
-{
-    int drawn = 0;
-    for (int i = 0; i < p->fleet->n_arms && i < MOST_ARMS; i++) {
-        const mukca_departure *d = &p->fleet->ranked[i];
-        const mukca_departure *e = &p->fleet->arm[d->arm].estimate[k];
-        mukca_plot_name(plot, i, p->fleet->arm[d->arm].name);
-        if (d->k < 0) continue;
-        mukca_plot_add(plot, departs(d) && d->k == k ? MUKCA_PLOT_BEFORE : MUKCA_PLOT_AFTER,
-                       (double[]){i, per * fmax(e->value, 0)}, per * fmax(e->low, 0),
-                       per * fmax(e->high, 0)); /* estimates may be negative */
-        drawn++;
+    const mukca_trait *c = &f->traits.list[k];
+    const double spread = MUKCA_SIGMAS_95 * c->spread;
+    const int n = f->n_arms < MOST_ARMS ? f->n_arms : MOST_ARMS;
+    char caption[2 * MUKCA_WORDING], words[MUKCA_WORDING], probability[MUKCA_WORDING];
+    mukca_html_table table = {
+        .out = out, .caption = caption, .columns = "arm|#value|bar|#from|#to|#departs"};
+    double most = 0;
+    put_effect(words, &c->effect, f);
+    snprintf(caption, sizeof caption,
+             "%s, " MUKCA_WORDING_SPRING
+             ": mean %.3g [%.3g, %.3g] if shared (%s), 95 %% of the arms from %.3g to %.3g",
+             words, per * c->value, per * c->low, per * c->high,
+             mukca_wording_probability(probability, c->probability),
+             per * fmax(c->value - spread, 0), per * (c->value + spread));
+    for (int i = 0; i < n; i++) most = fmax(most, f->arm[f->ranked[i].arm].estimate[k].high);
+    for (int i = 0; i < n; i++) {
+        const mukca_fleet_arm *arm = &f->arm[f->ranked[i].arm];
+        const mukca_departure *e = &arm->estimate[k];
+        const double value = fmax(e->value, 0); /* estimates may be negative */
+        if (f->ranked[i].k >= 0)
+            mukca_html_row(&table, "%s\t%.3g\t%.0f\t%.3g\t%.3g\t%.3f", arm->name, per * value,
+                           most > 0 ? 100 * value / most : 0, per * fmax(e->low, 0),
+                           per * fmax(e->high, 0), e->probability);
     }
-    return drawn;
+    mukca_html_table_end(&table);
 }
 
-/* Coefficients of the arms side by side. */
-static bool draw_coefficient(mukca_plot *plot, const void *content, int index)
+static void put_coefficients(FILE *out, const void *content)
 {
-    const mukca_fleet_page *p = content;
-    const int n = p->fleet->n_arms;
-    if (index == p->fleet->population.n) return false;
-    const mukca_trait *c = &p->fleet->traits.list[index];
-    const double value = per * c->value, spread = MUKCA_SIGMAS_95 * per * c->spread;
-    char words[MUKCA_WORDING], probability[MUKCA_WORDING];
-    mukca_text description = MUKCA_TEXT(plot->words);
-    if (!put_points(plot, p, index)) return false;
-    put_effect(words, &c->effect, p->fleet);
-    mukca_wording_probability(probability, c->probability);
-    snprintf(plot->id, sizeof plot->id, "coefficient-%d", index + 1);
-    snprintf(plot->title, sizeof plot->title, "%.150s", words);
-    snprintf(plot->label[1], sizeof *plot->label, MUKCA_WORDING_SPRING);
-    plot->height = 280;
-    plot->from_zero = true;
-    plot->band[0] = fmax(value - spread, 0);
-    plot->band[1] = value;
-    plot->band[2] = value + spread;
-    mukca_text_put(&description,
-                   "Each arm with its 95 %% interval, its sisters as prior; dashed: mean of the "
-                   "fleet, %.3g [%.3g, %.3g] if shared (%s); grey: range of 95 %% of its arms.",
-                   value, per * c->low, per * c->high, probability);
-    if (n > MOST_ARMS)
-        mukca_text_put(&description, " The %d of %d arms that are most probable to depart.",
-                       MOST_ARMS, n);
-    return true;
+    const mukca_fleet *f = content;
+    fputs(f->n_arms < 3 ? "<p>Not testable with two arms."
+                        : "<p>Each arm with its 95 % interval, its sisters as prior, and the "
+                          "probability that this coefficient departs from theirs.",
+          out);
+    if (f->n_arms > MOST_ARMS)
+        fprintf(out, " The %d of %d arms that are most probable to depart.", MOST_ARMS, f->n_arms);
+    fputs("</p>\n<div class=\"pairs\">\n", out);
+    for (int k = 0; k < f->population.n; k++) put_coefficient(out, f, k);
+    fputs("</div>\n", out);
 }
 
 static const mukca_page_section sections[] = {
-    {"arms", "Arms", NULL, put_arms},
-    {"coefficients", "Elastic coefficients, arm by arm", draw_coefficient, NULL},
-    {"provenance", "Provenance", NULL, put_provenance},
+    {"arms", "Arms", put_arms},
+    {"coefficients", "Elastic coefficients, arm by arm", put_coefficients},
 };
 
-mukca_page mukca_fleet_page_of(const mukca_fleet_page *p)
+mukca_page mukca_fleet_page(const mukca_fleet *f)
 {
-    return (mukca_page){.robot = p->fleet->model.robot,
+    return (mukca_page){.robot = f->model.robot,
                         .kind = "fleet report",
-                        .from = p->fleet->model.base,
-                        .to = p->fleet->model.tip,
-                        .when = p->when,
+                        .from = f->model.base,
+                        .to = f->model.tip,
                         .open = open_page,
                         .sections = sections,
                         .n_sections = sizeof sections / sizeof *sections,
-                        .content = p};
+                        .content = f};
 }

@@ -1,4 +1,4 @@
-/* Pages: head, list of sections, figures with their texts. */
+/* Pages: head, list of sections, sections. */
 #include "report/page.h"
 
 #include "mukca/version.h"
@@ -25,14 +25,14 @@ static const char *const mukca_report_style[] = {
     ".8rem}\n"
     ".figures{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,26rem),1fr));"
     "gap:1rem}\n"
+    ".pairs{columns:26rem}.pairs .wide{break-inside:avoid}\n"
     "figure{margin:0;min-width:0;overflow-x:auto}\n"
     "figcaption{font-size:.9rem}figcaption strong{display:block}\n"
     ".plot{display:block;width:100%;max-width:30rem;height:auto}"
     ".plot text{paint-order:stroke;stroke:var(--paper);stroke-width:3px;stroke-linejoin:round}\n"
     ".plot text{font:12px sans-serif;fill:var(--ink)}.plot path{fill:none;stroke-width:1.2}"
     ".plot .axis{stroke:var(--ink)}.plot .grid{stroke:var(--grid);stroke-width:.5;"
-    "stroke-dasharray:2 3}.plot .middle{stroke:var(--ink);stroke-dasharray:6 4}"
-    ".plot .band{fill:var(--grid);opacity:.35}\n"
+    "stroke-dasharray:2 3}\n"
     ".plot .before path{stroke:var(--before)}.plot .after path{stroke:var(--after)}"
     ".plot .after circle{fill:var(--after)}\n"
     ".wide{overflow-x:auto}table{border-collapse:collapse;font-size:.9rem;margin:.5rem 0}\n"
@@ -83,43 +83,8 @@ static void put_head(FILE *out, const mukca_page *p)
     fprintf(out, ", mukca %s, %s</p>\n</header>\n<main>\n", MUKCA_VERSION, p->when);
 }
 
-/* Write a figure with its title and description to `out`. */
-static mukca_status put_figure(FILE *out, const mukca_plot *plot, mukca_error *error)
+void mukca_page_write(FILE *out, const mukca_page *p)
 {
-    if (plot->failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the figures");
-    fputs("<figure>\n", out);
-    mukca_plot_svg(out, plot);
-    fputs("<figcaption>", out);
-    mukca_html_element(out, "strong", plot->title);
-    fputc(' ', out);
-    if (!plot->brief) mukca_html_escape(out, plot->words);
-    fputs("</figcaption>\n</figure>\n", out);
-    return MUKCA_OK;
-}
-
-static mukca_status put_section(FILE *out, const mukca_page *p, const mukca_page_section *s,
-                                mukca_error *error)
-{
-    mukca_status status = MUKCA_OK;
-    bool more = s->figure != NULL;
-    fprintf(out, "<section aria-labelledby=\"%s\">\n<h2 id=\"%s\">%s</h2>\n", s->id, s->id,
-            s->heading);
-    if (s->figure) fputs("<div class=\"figures\">\n", out);
-    for (int i = 0; more && status == MUKCA_OK; i++) {
-        mukca_plot plot = {.words = ""};
-        more = s->figure(&plot, p->content, i);
-        if (more) status = put_figure(out, &plot, error);
-        mukca_plot_free(&plot);
-    }
-    if (s->figure) fputs("</div>\n", out);
-    if (s->text) s->text(out, p->content);
-    fputs("</section>\n", out);
-    return status;
-}
-
-mukca_status mukca_page_write(FILE *out, const mukca_page *p, mukca_error *error)
-{
-    mukca_status status = MUKCA_OK;
     put_head(out, p);
     p->open(out, p->content);
     fputs("<nav aria-label=\"Sections\"><ul>\n", out);
@@ -127,8 +92,13 @@ mukca_status mukca_page_write(FILE *out, const mukca_page *p, mukca_error *error
         fprintf(out, "<li><a href=\"#%s\">%s</a></li>\n", p->sections[k].id,
                 p->sections[k].heading);
     fputs("</ul></nav>\n", out);
-    for (int k = 0; k < p->n_sections && status == MUKCA_OK; k++)
-        status = put_section(out, p, &p->sections[k], error);
-    fputs("</main>\n</body>\n</html>\n", out);
-    return status;
+    for (const mukca_page_section *s = p->sections; s < p->sections + p->n_sections; s++) {
+        fprintf(out, "<section aria-labelledby=\"%s\">\n<h2 id=\"%s\">%s</h2>\n", s->id, s->id,
+                s->heading);
+        s->put(out, p->content);
+        fputs("</section>\n", out);
+    }
+    fputs("</main>\n<footer>Made by ", out);
+    mukca_html_element(out, "code", p->command);
+    fprintf(out, " at %s.</footer>\n</body>\n</html>\n", p->when);
 }

@@ -5,8 +5,6 @@
 #include <stdbool.h>
 #include <stdio.h>
 
-#include "mukca/status.h"
-
 /* ---- elements of HTML: escaped text and tables (html.c) ---- */
 
 /* Write `text` with the reserved characters of HTML and XML escaped. */
@@ -49,62 +47,42 @@ typedef enum { MUKCA_PLOT_AFTER, MUKCA_PLOT_BEFORE, MUKCA_PLOT_SERIES } mukca_pl
 
 typedef struct {
     mukca_plot_series series;
-    double at[2], low, high; /* low, high: its interval, NaN for none */
+    double at[2];
 } mukca_plot_point;
 
-/* A name at a position of the horizontal axis, instead of its numbers. */
+/* A figure; the caption is its title: a table has the numbers. */
 typedef struct {
-    double x;
-    const char *name;
-} mukca_plot_tic;
-
-/* A figure under construction, zeroed at first; titles and names must outlive it. */
-typedef struct {
-    char words[4096]; /* the content as text */
+    char words[1024]; /* the content as text */
     char id[64];      /* letters, digits, '-'; unique on the page */
     char title[160], label[2][80];
-    int height;     /* px */
-    bool brief;     /* the caption is the title alone: a table has the numbers */
-    bool from_zero; /* the vertical axis begins at 0 */
-    double band[3]; /* lower end, middle and upper end of a range of the vertical axis; all 0:
-                       none */
     const char *key[MUKCA_PLOT_SERIES]; /* title of a series; NULL: none */
-    mukca_plot_point *points;           /* [n_points] */
-    mukca_plot_tic *tics;               /* [n_tics] */
-    int n_points, n_tics;
-    bool failed; /* out of memory */
+    mukca_plot_point *points;           /* [n_points] of the caller */
+    int n_points;
 } mukca_plot;
-
-void mukca_plot_free(mukca_plot *plot); /* harmless on a zeroed figure */
-
-/* Add a point, unless it is not finite; low, high: its interval, NaN for none. */
-void mukca_plot_add(mukca_plot *plot, mukca_plot_series series, const double at[2], double low,
-                    double high);
-void mukca_plot_name(mukca_plot *plot, double x, const char *name);
 
 /* 1, 2 or 5 times a power of ten, at most x. */
 double mukca_plot_round(double x);
 
-/* Write the figure, which has not failed, as an <svg> element. */
-void mukca_plot_svg(FILE *out, const mukca_plot *plot);
+/* Write the figure as a <figure> element. */
+void mukca_plot_put(FILE *out, const mukca_plot *plot);
 
-/* A section; `content` is that of the page. */
+/* Write a part of a page from its content. */
+typedef void mukca_page_part(FILE *out, const void *content);
+
 typedef struct {
     const char *id, *heading;
-    /* Draw figure `index` on a zeroed plot; false: there is none.  NULL: no figures. */
-    bool (*figure)(mukca_plot *plot, const void *content, int index);
-    void (*text)(FILE *out, const void *content); /* after the figures; NULL: none */
+    mukca_page_part *put;
 } mukca_page_section;
 
 typedef struct {
-    const char *robot, *kind, *from, *to, *when; /* title "ROBOT: KIND", links, date (UTC) */
-    void (*open)(FILE *out, const void *content);
+    const char *robot, *kind, *from, *to; /* title "ROBOT: KIND", links */
+    const char *command, *when;           /* that made the page, date (UTC) */
+    mukca_page_part *open;
     const mukca_page_section *sections;
     int n_sections;
     const void *content;
 } mukca_page;
 
-/* Write the page.  Errors: MUKCA_MEMORY. */
-mukca_status mukca_page_write(FILE *out, const mukca_page *page, mukca_error *error);
+void mukca_page_write(FILE *out, const mukca_page *page);
 
 #endif

@@ -2,48 +2,12 @@
 #include "report/page.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
-#include "base/list.h"
-#include "base/text.h"
-
-/* WIDTH, px: two figures per row, legible on a phone.  Margins, px; BOTTOM_NAMES leaves room for
- * NAME characters at an angle. */
-enum {
-    WIDTH = 480,
-    LEFT = 58,
-    RIGHT = 16,
-    TOP = 30,
-    BOTTOM = 46,
-    BOTTOM_NAMES = 92,
-    NAME = 16,
-    LETTER = 7
-};
+/* WIDTH, px: two figures per row, legible on a phone.  Margins, and a letter of the key, px. */
+enum { WIDTH = 480, HEIGHT = 320, LEFT = 58, RIGHT = 16, TOP = 30, BOTTOM = 46, LETTER = 7 };
 
 static const char *const series_class[MUKCA_PLOT_SERIES] = {"after", "before"};
-
-void mukca_plot_free(mukca_plot *plot)
-{
-    free(plot->points);
-    free(plot->tics);
-}
-
-void mukca_plot_add(mukca_plot *plot, mukca_plot_series series, const double at[2], double low,
-                    double high)
-{
-    if (!isfinite(at[0]) || !isfinite(at[1])) return;
-    mukca_plot_point *added = mukca_list_append(&plot->points, &plot->n_points, sizeof *added);
-    plot->failed |= !added;
-    if (added) *added = (mukca_plot_point){series, {at[0], at[1]}, low, high};
-}
-
-void mukca_plot_name(mukca_plot *plot, double x, const char *name)
-{
-    mukca_plot_tic *added = mukca_list_append(&plot->tics, &plot->n_tics, sizeof *added);
-    plot->failed |= !added;
-    if (added) *added = (mukca_plot_tic){x, name};
-}
 
 double mukca_plot_round(double x)
 {
@@ -61,23 +25,20 @@ static double place(const axis *a, double value)
     return a->from + (value - a->low) / (a->high - a->low) * (a->to - a->from);
 }
 
-/* The range of all points, intervals and the band, with a margin. */
+/* The range of all points, with a margin. */
 static axis find_axis(const mukca_plot *p, int dimension)
 {
     const bool vertical = dimension == 1;
-    const int bottom = p->n_tics ? BOTTOM_NAMES : BOTTOM;
     axis a = {.low = HUGE_VAL, .high = -HUGE_VAL};
     for (const mukca_plot_point *q = p->points; q < p->points + p->n_points; q++) {
-        a.low = fmin(a.low, vertical ? fmin(q->at[1], q->low) : q->at[0]);
-        a.high = fmax(a.high, vertical ? fmax(q->at[1], q->high) : q->at[0]);
+        a.low = fmin(a.low, q->at[dimension]);
+        a.high = fmax(a.high, q->at[dimension]);
     }
-    if (vertical && p->band[2] > 0)
-        a.low = fmin(a.low, p->band[0]), a.high = fmax(a.high, p->band[2]);
     if (!(a.low < a.high)) a.low -= 0.5, a.high += 0.5;
     const double margin = 0.04 * (a.high - a.low);
-    a.low = vertical && p->from_zero ? 0 : a.low - margin;
+    a.low -= margin;
     a.high += margin;
-    a.from = vertical ? p->height - bottom : LEFT;
+    a.from = vertical ? HEIGHT - BOTTOM : LEFT;
     a.to = vertical ? TOP : WIDTH - RIGHT;
     return a;
 }
@@ -104,40 +65,14 @@ static void put_numbers(FILE *out, const axis *a, const axis *other, bool vertic
     }
 }
 
-/* Names and grid of the horizontal axis. */
-static void put_names(FILE *out, const mukca_plot *p, const axis *x, const axis *y)
-{
-    for (int i = 0; i < p->n_tics; i++) {
-        const double at = place(x, p->tics[i].x);
-        char name[NAME + 1];
-        snprintf(name, sizeof name, "%.*s", (int)mukca_utf8_fit(p->tics[i].name, NAME),
-                 p->tics[i].name);
-        put_line(out, "grid", false, at, y);
-        fprintf(out, "<text text-anchor=\"end\" transform=\"translate(%.1f %.1f) rotate(-40)\">",
-                at + 4, y->from + 14);
-        mukca_html_escape(out, name);
-        fputs("</text>\n", out);
-    }
-}
-
 static void put_frame(FILE *out, const mukca_plot *p, const axis *x, const axis *y)
 {
-    if (p->band[2] > 0) {
-        fprintf(out,
-                "<rect class=\"band\" x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\"/>\n",
-                x->from, place(y, p->band[2]), x->to - x->from,
-                place(y, p->band[0]) - place(y, p->band[2]));
-        put_line(out, "middle", true, place(y, p->band[1]), x);
-    }
-    if (p->n_tics)
-        put_names(out, p, x, y);
-    else
-        put_numbers(out, x, y, false);
+    put_numbers(out, x, y, false);
     put_numbers(out, y, x, true);
     put_line(out, "axis", true, y->from, x);
     put_line(out, "axis", false, x->from, y);
     fprintf(out, "<text text-anchor=\"middle\" x=\"%.1f\" y=\"%d\">", (x->from + x->to) / 2,
-            p->height - 8);
+            HEIGHT - 8);
     mukca_html_escape(out, p->label[0]);
     fprintf(out,
             "</text>\n<text text-anchor=\"middle\" transform=\"translate(14 %.1f) rotate(-90)\">",
@@ -161,12 +96,8 @@ static void put_series(FILE *out, const mukca_plot *p, const axis *x, const axis
     for (int s = 0; s < MUKCA_PLOT_SERIES; s++) {
         fprintf(out, "<g class=\"%s\">\n", series_class[s]);
         for (const mukca_plot_point *q = p->points; q < p->points + p->n_points; q++) {
-            if ((int)q->series != s) continue;
-            const double at = place(x, q->at[0]);
-            put_mark(out, q->series, at, place(y, q->at[1]));
-            if (isfinite(q->low))
-                fprintf(out, "<path d=\"M%.1f %.1fV%.1f\"/>\n", at, place(y, q->low),
-                        place(y, q->high));
+            if ((int)q->series == s)
+                put_mark(out, q->series, place(x, q->at[0]), place(y, q->at[1]));
         }
         if (p->key[s]) put_mark(out, (mukca_plot_series)s, key + 6, TOP - 18);
         fputs("</g>\n", out);
@@ -176,18 +107,21 @@ static void put_series(FILE *out, const mukca_plot *p, const axis *x, const axis
     }
 }
 
-void mukca_plot_svg(FILE *out, const mukca_plot *p)
+void mukca_plot_put(FILE *out, const mukca_plot *p)
 {
     const axis x = find_axis(p, 0), y = find_axis(p, 1);
-    fprintf(out,
-            "<svg class=\"plot\" viewBox=\"0 0 %d %d\" role=\"img\" aria-labelledby=\"%s-t "
-            "%s-d\">\n<title id=\"%s-t\">",
-            WIDTH, p->height, p->id, p->id, p->id);
+    fprintf(
+        out,
+        "<figure>\n<svg class=\"plot\" viewBox=\"0 0 %d %d\" role=\"img\" aria-labelledby=\"%s-t "
+        "%s-d\">\n<title id=\"%s-t\">",
+        WIDTH, HEIGHT, p->id, p->id, p->id);
     mukca_html_escape(out, p->title);
     fprintf(out, "</title>\n<desc id=\"%s-d\">", p->id);
     mukca_html_escape(out, p->words);
     fputs("</desc>\n", out);
     put_frame(out, p, &x, &y);
     put_series(out, p, &x, &y);
-    fputs("</svg>\n", out);
+    fputs("</svg>\n<figcaption>", out);
+    mukca_html_element(out, "strong", p->title);
+    fputs("</figcaption>\n</figure>\n", out);
 }

@@ -26,6 +26,7 @@ mukca_status mukca_report_prepare(mukca_report *r, mukca_error *error)
     mukca_status status =
         mukca_frames_start(theta, r->fitted, r->train, r->free_base, r->free_tool, error);
     if (status != MUKCA_OK) return status;
+    r->points = MUKCA_TAKE(r->pool, mukca_plot_point, 2 * r->train->n_rows);
     r->offset = MUKCA_TAKE(r->pool, mukca_offset_row, MUKCA_MAX_OFFSET_ROWS);
     mukca_effect *effects = MUKCA_TAKE(r->pool, mukca_effect, 2 * MUKCA_MAX_EFFECTS);
     if (r->pool->failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
@@ -51,14 +52,14 @@ mukca_status mukca_report_prepare(mukca_report *r, mukca_error *error)
 /* ---- the page ---- */
 
 static const mukca_page_section sections[] = {
-    {"causes", "Errors and their causes", NULL, mukca_report_put_causes},
-    {"view", "The arm", NULL, mukca_report_put_view},
-    {"placements", "Errors of the result", NULL, mukca_report_put_placements},
-    {"joints", "Errors by joint", mukca_report_joints, mukca_report_put_joints},
-    {"limits", "Detection limits", NULL, mukca_report_put_limits},
-    {"faults", "Recording faults", NULL, mukca_report_put_faults},
-    {"offsets", "Parameters", NULL, mukca_report_put_offsets},
-    {"provenance", "Provenance", NULL, mukca_report_put_provenance},
+    {"causes", "Errors and their causes", mukca_report_put_causes},
+    {"view", "The arm", mukca_report_put_view},
+    {"placements", "Errors of the result", mukca_report_put_placements},
+    {"joints", "Errors by joint", mukca_report_put_joints},
+    {"limits", "Detection limits", mukca_report_put_limits},
+    {"faults", "Recording faults", mukca_report_put_faults},
+    {"offsets", "Parameters", mukca_report_put_offsets},
+    {"files", "Files read", mukca_report_put_files},
 };
 
 static void open_page(FILE *out, const void *content)
@@ -73,7 +74,6 @@ mukca_page mukca_report_page(const mukca_report *r)
                         .kind = "calibration report",
                         .from = r->free_base ? "the tracker's frame" : r->chain->base,
                         .to = r->free_tool ? "the target" : r->chain->tip,
-                        .when = r->when,
                         .open = open_page,
                         .sections = sections,
                         .n_sections = sizeof sections / sizeof *sections,

@@ -16,8 +16,6 @@ enum { MUKCA_NOMINAL, MUKCA_RIGID, MUKCA_CALIBRATED, MUKCA_REPORT_MODELS };
 typedef struct {
     /* Set by the caller, who owns the memory. */
     mukca_pool *pool;
-    const char *command;      /* command of the page */
-    const char *when;         /* UTC */
     const char *const *files; /* URDF first, then data; "-": standard input */
     int n_files;
     const mukca_chain *chain;          /* nominal arm */
@@ -31,6 +29,7 @@ typedef struct {
     mukca_geometry geometry;                  /* of `offsets` */
     mukca_offset_row *offset;                 /* [n_offsets] rows of `offsets` */
     int n_offsets;
+    mukca_plot_point *points; /* [2 * train->n_rows] scratch of a figure */
     mukca_score *score[2][2]; /* of `train` and `test`, nominal and calibrated; [n_scores] each */
     int n_scores[2];
 } mukca_report;
@@ -41,20 +40,15 @@ mukca_status mukca_report_prepare(mukca_report *report, mukca_error *error);
 /* The page, whose content `report` must outlive it. */
 mukca_page mukca_report_page(const mukca_report *report);
 
-/* ---- parts of the page, one function each ---- */
+/* ---- parts of the page, one function each, in tables_diagnosis.c, tables_calibration.c and
+ * view.c; the content is the report ---- */
 
 #define MUKCA_REPORT_MM 1e3 /* mm per m */
 
-/* The figures of a joint; `content` is the report. */
-bool mukca_report_joints(mukca_plot *plot, const void *content, int index);
-
-/* Texts and tables, in tables_diagnosis.c, tables_calibration.c and view.c. */
-typedef void mukca_report_text(FILE *out, const void *content);
-mukca_report_text mukca_report_put_causes, mukca_report_put_faults, mukca_report_put_limits,
-    mukca_report_put_placements, mukca_report_put_joints, mukca_report_put_offsets,
-    mukca_report_put_provenance, mukca_report_put_view;
-void mukca_report_put_accuracy(FILE *out, const mukca_report *report);
-void mukca_report_put_verdict(FILE *out, const mukca_report *report);
+mukca_page_part mukca_report_put_accuracy, mukca_report_put_verdict, mukca_report_put_causes,
+    mukca_report_put_faults, mukca_report_put_limits, mukca_report_put_placements,
+    mukca_report_put_joints, mukca_report_put_offsets, mukca_report_put_files,
+    mukca_report_put_view;
 
 /* ---- the report of a fleet, and its wording, shared with the screen (fleet_page.c) ---- */
 
@@ -70,12 +64,7 @@ void mukca_wording_fleet_trait(char text[MUKCA_WORDING], const mukca_trait *trai
 void mukca_wording_fleet_departure(char text[MUKCA_WORDING], const mukca_departure *departure,
                                    const mukca_fleet *fleet);
 
-typedef struct {
-    const char *command, *when; /* command of the page; UTC */
-    const mukca_fleet *fleet;
-} mukca_fleet_page;
-
 /* The page, whose content `fleet` must outlive it. */
-mukca_page mukca_fleet_page_of(const mukca_fleet_page *fleet);
+mukca_page mukca_fleet_page(const mukca_fleet *fleet);
 
 #endif

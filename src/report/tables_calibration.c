@@ -1,4 +1,4 @@
-/* Texts, tables and figures of the calibration: accuracy, errors, offsets, provenance. */
+/* Texts, tables and figures of the calibration: accuracy, errors, offsets, files. */
 #include <math.h>
 #include <string.h>
 
@@ -20,8 +20,9 @@ static void put_length(FILE *out, const char *label, double metres, double low, 
     fputs("</dd></div>\n", out);
 }
 
-void mukca_report_put_accuracy(FILE *out, const mukca_report *r)
+void mukca_report_put_accuracy(FILE *out, const void *content)
 {
+    const mukca_report *r = content;
     const mukca_acceptance *a = &r->offsets->acceptance;
     const bool factory = r->fitted->kinematics_sha256[0] != '\0';
     char text[MUKCA_ACCEPTANCE_SENTENCE];
@@ -79,10 +80,46 @@ static double joint_rms(const mukca_report *r, int model, int j)
     return sqrt(sum);
 }
 
+/* The remaining error over the angle of a joint. */
+static void put_joint(FILE *out, const mukca_report *r, int index)
+{
+    const int n = r->chain->n_joints;
+    const mukca_element *e = &r->chain->element[r->chain->joint_element[index]];
+    const bool turns = e->type != MUKCA_PRISMATIC, causes = r->offsets->n_effects > 0;
+    const char *coordinate = turns ? "angle" : "position";
+    const double unit = turns ? 180 / M_PI : mm;
+    mukca_plot plot = {.key = {[MUKCA_PLOT_AFTER] = causes ? "with its causes" : "calibrated",
+                               [MUKCA_PLOT_BEFORE] = causes ? "without them" : NULL},
+                       .points = r->points};
+    mukca_text description = MUKCA_TEXT(plot.words);
+    snprintf(plot.id, sizeof plot.id, "joint-%d", index + 1);
+    snprintf(plot.title, sizeof plot.title, "Error over the %s of %s", coordinate, e->name);
+    snprintf(plot.label[0], sizeof *plot.label, "%s, %s", coordinate, turns ? "deg" : "mm");
+    snprintf(plot.label[1], sizeof *plot.label, "error along its motion, mm");
+    for (int m = causes ? MUKCA_RIGID : MUKCA_CALIBRATED; m <= MUKCA_CALIBRATED; m++)
+        for (int i = 0; i < r->train->n_rows; i++)
+            plot.points[plot.n_points++] = (mukca_plot_point){
+                m == MUKCA_RIGID ? MUKCA_PLOT_BEFORE : MUKCA_PLOT_AFTER,
+                {r->train->q[i * n + index] * unit, joint_error(r, m, i, index)}};
+    mukca_text_put(&description,
+                   "The part of each sample's error along which %s moves the %s, over the joint's "
+                   "%s: %.3f mm rms calibrated",
+                   e->name, r->train->n_sockets > 0 ? "ball" : "target", coordinate,
+                   joint_rms(r, MUKCA_CALIBRATED, index));
+    if (causes)
+        mukca_text_put(&description, ", %.3f mm without the causes of the table",
+                       joint_rms(r, MUKCA_RIGID, index));
+    mukca_text_put(&description, ".");
+    mukca_plot_put(out, &plot);
+}
+
 void mukca_report_put_joints(FILE *out, const void *content)
 {
     const mukca_report *r = content;
     const bool causes = r->offsets->n_effects > 0;
+    fputs("<div class=\"figures\">\n", out);
+    for (int j = 0; j < r->train->n_joints; j++) put_joint(out, r, j);
+    fputs("</div>\n", out);
     mukca_html_table table = {
         .out = out,
         .caption = "Error along the motion by each joint, mm rms over the training samples",
@@ -95,44 +132,6 @@ void mukca_report_put_joints(FILE *out, const void *content)
         mukca_html_cells(&table, "%.3f", joint_rms(r, MUKCA_CALIBRATED, j));
     }
     mukca_html_table_end(&table);
-}
-
-/* The remaining error over the angle of a joint. */
-bool mukca_report_joints(mukca_plot *plot, const void *content, int index)
-{
-    const mukca_report *r = content;
-    if (index >= r->chain->n_joints) return false;
-    const int n = r->chain->n_joints;
-    const mukca_element *e = &r->chain->element[r->chain->joint_element[index]];
-    const bool turns = e->type != MUKCA_PRISMATIC, causes = r->offsets->n_effects > 0;
-    const char *coordinate = turns ? "angle" : "position";
-    const double unit = turns ? 180 / M_PI : mm;
-    mukca_text description = MUKCA_TEXT(plot->words);
-    snprintf(plot->id, sizeof plot->id, "joint-%d", index + 1);
-    snprintf(plot->title, sizeof plot->title, "Error over the %s of %s", coordinate, e->name);
-    snprintf(plot->label[0], sizeof *plot->label, "%s, %s", coordinate, turns ? "deg" : "mm");
-    snprintf(plot->label[1], sizeof *plot->label, "error along its motion, mm");
-    plot->height = 320;
-    plot->brief = true;
-    plot->key[MUKCA_PLOT_AFTER] = causes ? "with its causes" : "calibrated";
-    plot->key[MUKCA_PLOT_BEFORE] = causes ? "without them" : NULL;
-    for (int m = causes ? MUKCA_RIGID : MUKCA_CALIBRATED; m <= MUKCA_CALIBRATED; m++)
-        for (int i = 0; i < r->train->n_rows; i++) {
-            const double point[2] = {r->train->q[i * n + index] * unit,
-                                     joint_error(r, m, i, index)};
-            mukca_plot_add(plot, m == MUKCA_RIGID ? MUKCA_PLOT_BEFORE : MUKCA_PLOT_AFTER, point,
-                           NAN, NAN);
-        }
-    mukca_text_put(&description,
-                   "The part of each sample's error along which %s moves the %s, over the joint's "
-                   "%s: %.3f mm rms calibrated",
-                   e->name, r->train->n_sockets > 0 ? "ball" : "target", coordinate,
-                   joint_rms(r, MUKCA_CALIBRATED, index));
-    if (causes)
-        mukca_text_put(&description, ", %.3f mm without the causes of the table",
-                       joint_rms(r, MUKCA_RIGID, index));
-    mukca_text_put(&description, ".");
-    return true;
 }
 
 /* ---- errors by placement ---- */
@@ -199,12 +198,9 @@ void mukca_report_put_offsets(FILE *out, const void *content)
     mukca_html_table_end(&table);
 }
 
-void mukca_report_put_provenance(FILE *out, const void *content)
+void mukca_report_put_files(FILE *out, const void *content)
 {
     const mukca_report *r = content;
-    fputs("<p>Made by ", out);
-    mukca_html_element(out, "code", r->command);
-    fprintf(out, " at %s.</p>\n", r->when);
     mukca_html_table table = {
         .out = out, .caption = "Files read", .style = "files", .columns = "file|SHA-256"};
     for (int i = 0; i < r->n_files; i++) {

@@ -44,8 +44,9 @@ static void put_remedies(FILE *out, const mukca_diagnosed *d)
     }
 }
 
-void mukca_report_put_verdict(FILE *out, const mukca_report *r)
+void mukca_report_put_verdict(FILE *out, const void *content)
 {
+    const mukca_report *r = content;
     const mukca_diagnosed *d = &r->diagnosed;
     char next[MUKCA_WORDING] = "";
     bool on_arm = false;

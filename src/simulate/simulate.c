@@ -132,12 +132,20 @@ static bool interrupted(const recorder *r)
     return r->options.interrupted && r->options.interrupted();
 }
 
+/* Add a column of n numbers, if it is wanted; false: out of memory. */
+static bool add_column(double **column, bool wanted, size_t n)
+{
+    if (wanted) *column = calloc(n, sizeof **column);
+    return !wanted || *column;
+}
+
 /* Start a recording of `rows` samples; without placements it has no sockets. */
 static mukca_status begin(recorder *r, mukca_dataset *data, int rows, int placements,
                           mukca_error *error)
 {
     const mukca_corrected *arm = r->arm;
     const size_t n = (size_t)arm->chain.n_joints, count = (size_t)rows;
+    const bool loaded = r->options.payload > 0;
     r->data = data;
     mukca_row_state_start(&r->states, arm->chain.n_joints);
     const uint64_t seed = r->options.seed;
@@ -157,15 +165,11 @@ static mukca_status begin(recorder *r, mukca_dataset *data, int rows, int placem
     mukca_status status =
         mukca_dataset_create(data, rows, (int)n, 2 * placements, placements, error);
     if (status != MUKCA_OK) return status;
-    data->time = calloc(count, sizeof *data->time);
-    if (r->options.effort) data->effort = calloc(count * n, sizeof *data->effort);
-    if (r->options.command) data->command = calloc(count * n, sizeof *data->command);
-    if (r->options.payload > 0) data->payload = calloc(count, sizeof *data->payload);
-    for (size_t row = 0; data->payload && row < count; row++)
-        data->payload[row] = r->options.payload;
-    if (!data->time || (r->options.payload > 0 && !data->payload) ||
-        (r->options.effort && !data->effort) || (r->options.command && !data->command))
+    if (!add_column(&data->time, true, count) || !add_column(&data->payload, loaded, count) ||
+        !add_column(&data->effort, r->options.effort, count * n) ||
+        !add_column(&data->command, r->options.command, count * n))
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", rows);
+    for (size_t row = 0; loaded && row < count; row++) data->payload[row] = r->options.payload;
     return MUKCA_OK;
 }
 
@@ -254,12 +258,10 @@ mukca_status mukca_simulate_sockets(mukca_dataset *data, const mukca_simulated_s
     recorder r = {.arm = session->arm, .options = *session->options};
     const int rows = r.options.rows, n_places = session->n_places;
     mukca_status status = begin(&r, data, 2 * rows * n_places, n_places, error);
-    if (status != MUKCA_OK) goto out;
-    data->distances = calloc((size_t)n_places, sizeof *data->distances);
-    data->n_distances = n_places;
-    if (!data->distances) {
-        status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
-        goto out;
+    if (status == MUKCA_OK) {
+        data->distances = calloc((size_t)n_places, sizeof *data->distances);
+        data->n_distances = n_places;
+        if (!data->distances) status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
     }
     for (int s = 0; s < 2 * n_places && status == MUKCA_OK; s++) {
         const int p = s / 2;
@@ -270,7 +272,6 @@ mukca_status mukca_simulate_sockets(mukca_dataset *data, const mukca_simulated_s
             status = interrupted(&r) ? MUKCA_INTERRUPTED
                                      : record_socket(&r, session, p, s % 2, row, error);
     }
-out:
     if (status != MUKCA_OK) mukca_dataset_free(data);
     return status;
 }
@@ -284,13 +285,9 @@ mukca_status mukca_simulate_poses(mukca_dataset *data, const mukca_corrected *ar
     recorder r = {.arm = arm, .options = *options};
     const size_t n = (size_t)arm->chain.n_joints, count = (size_t)n_rows;
     mukca_status status = begin(&r, data, n_rows, 0, error);
-    if (status != MUKCA_OK) goto out;
-    data->position = calloc(3 * count, sizeof *data->position);
-    if (!r.options.position_only) data->quaternion = calloc(4 * count, sizeof *data->quaternion);
-    if (!data->position || (!r.options.position_only && !data->quaternion)) {
+    if (status == MUKCA_OK && (!add_column(&data->position, true, 3 * count) ||
+                               !add_column(&data->quaternion, !r.options.position_only, 4 * count)))
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", n_rows);
-        goto out;
-    }
     for (size_t i = 0; i < count && status == MUKCA_OK; i++) {
         mukca_displacement displacement;
         mukca_frame pose;
@@ -317,7 +314,6 @@ mukca_status mukca_simulate_poses(mukca_dataset *data, const mukca_corrected *ar
         }
         finish_row(&r);
     }
-out:
     if (status != MUKCA_OK) mukca_dataset_free(data);
     return status;
 }

@@ -16,10 +16,10 @@ typedef struct {
 
 static const char *const colours[] = {"red", "green", "blue", NULL};
 
-#define ROW(member, letter, kind, argument, choices)                  \
-    {                                                                 \
-#member, letter, kind, argument, "a " #member, choices, 0, 0, \
-            offsetof(test_options, member), 0                         \
+#define ROW(member, letter, kind, argument, choices)                              \
+    {                                                                             \
+#member, letter, kind, argument, "a " #member, choices, 0, 0, NULL, NULL, \
+            offsetof(test_options, member), 0                                     \
     }
 static const cli_option options[] = {
     ROW(flag, 'f', CLI_FLAG, NULL, NULL),
@@ -31,7 +31,8 @@ static const cli_option options[] = {
     ROW(test, 0, CLI_REST, "DATA...", NULL),
     CLI_RANGE_OPTION(test_options, some, "some", CLI_INTEGER, "N", 2, 9, "a few"),
     CLI_RANGE_OPTION(test_options, weight, "weight", CLI_NUMBER, "W", 0, INFINITY, "a weight"),
-    CLI_RANGE_OPTION(test_options, angle, "angle", CLI_POSITIVE, "DEG", 0, 180, "an angle"),
+    CLI_OPTION_AND(test_options, angle, "angle", CLI_POSITIVE, "DEG", "an angle", .most = 180,
+                   .needs = "some or --weight", .excludes = "flag text"),
     CLI_OUTPUT_OPTION("output"),
     {.name = NULL}};
 
@@ -96,12 +97,12 @@ TEST(good_lines_are_understood)
     assert_ok(parse("a -qvf --gravity 0,9.8,-1e-3 --distance 0.08 -o -"));
     o = call.options;
     assert_true(o->common.quiet && o->common.verbose && o->flag);
-    assert_true(o->common.gravity[1] == 9.8 && o->common.gravity[2] == -1e-3);
+    assert_true(o->common.arm.gravity[1] == 9.8 && o->common.arm.gravity[2] == -1e-3);
     assert_true(call.common->distance == 0.08);
     assert_string_equal(call.common->output, "-");
     cli_call_free(&call);
 
-    assert_ok(parse("a --some 2 --weight 0 --angle 180"));
+    assert_ok(parse("a --angle 180 --some 2 --weight 0"));
     o = call.options;
     assert_true(o->some == 2 && o->weight == 0 && o->angle == 180);
     cli_call_free(&call);
@@ -138,6 +139,8 @@ TEST(bad_lines_get_one_clear_line)
         {"a --weight -1", "--weight -1: must be a number, 0 or more"},
         {"a --angle 0", "--angle 0: must be a number above 0, at most 180, in degrees"},
         {"a --angle 181", "at most 180"},
+        {"a --angle 1", "--angle needs --some or --weight"},
+        {"a --weight 1 --angle 1 -f", "--angle and --flag exclude each other"},
         {"a --colour pink", "--colour pink: must be one of red, green, blue"},
         {"a --test --flag", "--test needs DATA..."},
         {"a --distance 0", "--distance 0: must be a number above 0"},

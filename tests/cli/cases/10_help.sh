@@ -38,7 +38,7 @@ _mukca
 COMP_WORDS=("$MUKCA" export --format y) COMP_CWORD=3
 _mukca
 [ "${COMPREPLY[*]}" = yaml ] || exit 1
-for typed in "export -f :urdf yaml c mjcf kinematics dh mdh npy" "help ef:effects" "send st:status start" \
+for typed in "calibrate --gradient :fd analytic" "help ef:effects" "send st:status start" \
     "diagnose --expect backl:backlash" "diagnose ye:" "diagnose --urdf ye:"; do
     IFS=" " read -ra words <<<"${typed%%:*}"
     [[ ${typed%%:*} == *" " ]] && words+=("")

@@ -200,7 +200,7 @@ sed 's/name="mount"/name="right_j3"/' own.urdf >twice.urdf
 refuse 3 "twice.urdf: joint 'j3' is there more than once" export --urdf arm.urdf --offsets into_table.tsv --into twice.urdf
 sed 's/xyz="0.5 0 0"/xyz="0.6 0 0"/' own.urdf >elsewhere.urdf
 refuse 3 "elsewhere.urdf: joint 'j3' is not where" export --urdf arm.urdf --offsets into_table.tsv --into elsewhere.urdf
-refuse 2 "keeps the format" export --urdf arm.urdf --into own.xml -f yaml
+refuse 2 "into and --format exclude each other" export --urdf arm.urdf --into own.xml -f yaml
 
 # arrays of numpy.save, and its text with spaces
 "${PYTHON:-python3}" -c "

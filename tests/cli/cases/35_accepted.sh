@@ -13,8 +13,8 @@ run simulate $a --seed 3 --placements 3 --rows 1500 --perturb 2,4 --noise 1e-4 -
 answer 'expected error 0.[0-9]* mm .0.0[0-9]' calibrate $a long.tsv # the noise of many samples does not shrink the arm
 answer 'without the error of scale' calibrate $a sim.tsv
 answer '^Use     yes: held-out error 0.218 mm' calibrate $a sim.tsv --evidence
-refuse 2 'of the options of the fit, give no other' calibrate $a sim.tsv --evidence --lambda 1e-5
-refuse 2 'of the options of the fit, give no other' calibrate $a sim.tsv --evidence --solver lbfgs
+refuse 2 'exclude each other' calibrate $a sim.tsv --evidence --lambda 1e-5
+refuse 2 'exclude each other' calibrate $a sim.tsv --evidence --solver lbfgs
 for key in accepted converged error_of error_m error_nominal_m tip_change_m tip_change_sigma \
     identified postures error_here_m error_here_low_m error_workspace_m; do
     expect "the table tells $key" grep -q "^# $key: " ok.tsv

@@ -79,9 +79,9 @@ refuse 3 "names.json: of another model than 7.json: the names of the joints diff
 sed 's/"ripple":\["...../"ripple":["*****/' 8.json >ripple.json
 refuse 3 'ripple.json:1: `ripple` is missing or damaged' fleet 7.json ripple.json
 refuse 2 "is an input of this command" fleet 7.json 8.json -o 7.json --force
-refuse 2 "partial needs -o FILE" fleet --partial 7.json 8.json
+refuse 2 "partial needs --output" fleet --partial 7.json 8.json
 refuse 2 "traits-only needs --traits" diagnose $a seven/train.tsv --traits-only
-refuse 2 "arm is the label in --summary" diagnose $a seven/train.tsv --arm x
+refuse 2 "arm needs --summary" diagnose $a seven/train.tsv --arm x
 refuse 2 "1 to 63 bytes" diagnose $a seven/train.tsv --arm "$(printf 'a\tb')" --summary new2.json
 refuse 2 "cannot both go to" diagnose $a seven/train.tsv --json x.json --summary x.json
 refuse 2 "do not lie in one folder" diagnose $a seven/train.tsv "$demo/test.tsv" --summary new2.json

@@ -49,7 +49,7 @@ echo 'movej([10,20,30,40,50,60,70])' >degrees.script
 echo 'movel(pick)' >>degrees.script
 run compensate $arm --from urscript degrees.script -o new.script
 expect "angles in degrees and a pose: both lines are listed, nothing is written" test "$code,$(grep -cE "degrees.script:(1: joint 'joint_2' is 20 rad, more than two turns; check --from|2: not understood)" "$scratch/err")" = 3,2 -a ! -e new.script
-refuse 2 "poses is for tables" compensate $arm --from rapid --poses path.mod
+refuse 2 "from and --poses exclude each other" compensate $arm --from rapid --poses path.mod
 {
     echo '<robot name="long"><link name="l0"/>'
     for i in $(seq 14); do
