@@ -70,23 +70,6 @@ static int list_distances(mukca_distance *out, const mukca_capture *capture)
     return n;
 }
 
-/* Remove the distance of two labels that appear to be one socket; apart[n_distances]: scratch. */
-static mukca_status drop_coincident(mukca_dataset *view, double *apart,
-                                    const mukca_capture *capture, mukca_error *error)
-{
-    int kept = 0;
-    if (mukca_coincide_find(apart, &capture->start, NULL, view) < 0)
-        return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    for (int k = 0; k < view->n_distances; k++) {
-        const mukca_distance d = view->distances[k];
-        const bool enough = mukca_capture_count(capture, d.a) >= LEAST_TWINS &&
-                            mukca_capture_count(capture, d.b) >= LEAST_TWINS;
-        if (isnan(apart[k]) || !enough) view->distances[kept++] = d;
-    }
-    view->n_distances = kept;
-    return MUKCA_OK;
-}
-
 /* Advice from the posterior, which the capture keeps. */
 static void advise(mukca_capture_advice *advice, mukca_capture *capture, mukca_arm_posterior *p)
 {
@@ -119,7 +102,8 @@ mukca_status mukca_capture_advise(mukca_capture_advice *advice, mukca_capture *c
     mukca_status status = pool.failed ? mukca_fail(error, MUKCA_MEMORY, "out of memory") : MUKCA_OK;
     if (status == MUKCA_OK) {
         view.n_distances = list_distances(view.distances, capture);
-        status = drop_coincident(&view, apart, capture, error);
+        if (mukca_coincide_drop(apart, &view, &capture->start, NULL, LEAST_TWINS) < 0)
+            status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
     }
     if (status == MUKCA_OK) {
         const mukca_tip_change_task task = {.chain = &capture->start, .data = &view};

@@ -174,15 +174,10 @@ static mukca_status drop_coincident(cli_call *call, mukca_dataset *data, const c
 {
     double *apart = MUKCA_TAKE(&call->pool, double, data->n_distances + 1);
     const int found =
-        apart ? mukca_coincide_find(apart, &model->chain, model->offsets.theta, data) : -1;
-    int kept = 0;
+        apart ? mukca_coincide_drop(apart, data, &model->chain, model->offsets.theta, 1) : -1;
     char text[400] = "";
-    for (int k = 0; k < data->n_distances && found > 0; k++) {
-        const mukca_distance *d = &data->distances[k];
-        if (isnan(apart[k])) {
-            data->distances[kept++] = *d;
-            continue;
-        }
+    for (int k = 0; k < found; k++) {
+        const mukca_distance *d = &data->distances[data->n_distances + k];
         snprintf(text, sizeof text,
                  "placement '%s': sockets '%s' and '%s' coincide within %.2f mm; both labels may "
                  "have been recorded in one socket",
@@ -190,9 +185,8 @@ static mukca_status drop_coincident(cli_call *call, mukca_dataset *data, const c
                  data->sockets[d->b].label, 1e3 * apart[k]);
         mukca_note_format(cli_note, call, "%s; their distance is not used", text);
     }
-    if (found > 0) data->n_distances = kept;
     if (found < 0) return cli_fail(call, MUKCA_MEMORY, "out of memory");
-    if (!found || kept) return MUKCA_OK;
+    if (!found || data->n_distances) return MUKCA_OK;
     return cli_fail(call, MUKCA_INPUT, "%s; record them again in two sockets", text);
 }
 

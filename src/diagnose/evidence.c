@@ -43,8 +43,6 @@ bool mukca_evidence_create(mukca_evidence *evidence, mukca_pool *pool,
     for (int i = 0; i < evidence->n_noises; i++) {
         mukca_normal_equations *normal = &evidence->normal[i];
         *normal = (mukca_normal_equations){.distance_sigma = recording->options.distance_sigma,
-                                           .gram = MUKCA_TAKE(pool, double, size *size),
-                                           .distance = MUKCA_TAKE(pool, double, pairs *size),
                                            .variance = MUKCA_TAKE(pool, double, pairs),
                                            .all_gram = MUKCA_TAKE(pool, double, size *size),
                                            .all_distance = MUKCA_TAKE(pool, double, pairs *size)};
@@ -99,6 +97,8 @@ static void multiply(mukca_evidence *evidence, mukca_normal_equations *normal,
     mukca_evidence_along(normal->all_distance, evidence->white.mean, n, n, r, linear);
     memset(normal->all_gram, 0, sizeof(double) * (size_t)(n * n));
     mukca_dense_syrk(normal->all_gram, n, white, r->n_samples * r->dim, n);
+    normal->all_gram[n * n - 1] += /* the rounding of further readings of a posture */
+        evidence->further * RESOLUTION * RESOLUTION / (1 - normal->whitening.family.shared);
 }
 
 /* Mean square of the levers of the joints over all samples. */
@@ -255,25 +255,14 @@ mukca_normal_equations *mukca_evidence_collect(mukca_evidence *evidence, int ind
                                                const mukca_linearisation *linear)
 {
     mukca_normal_equations *normal = &evidence->normal[index];
-    const int n = linear->n_columns, size = n + 1, ld = linear->stride;
-    const bool stale = unknowns->weight || normal->version != linear->version;
-    if (!stale && normal->n == n) return normal;
-    if (stale) {
+    if (unknowns->weight || normal->version != linear->version) {
         lay_out(evidence, index, recording, linear, unknowns->weight);
         evidence->white.of = NULL;
         normal->version = unknowns->weight ? 0 : linear->version;
         multiply(evidence, normal, recording, linear);
     }
-    normal->n = n;
-    for (int i = 0; i < size; i++)
-        for (int j = 0; j < size; j++)
-            normal->gram[i * size + j] =
-                normal->all_gram[(i < n ? i : linear->y) * ld + (j < n ? j : linear->y)];
-    normal->gram[size * size - 1] += /* the rounding of further readings of a posture */
-        evidence->further * RESOLUTION * RESOLUTION / (1 - normal->whitening.family.shared);
-    for (int p = 0; p < normal->n_pairs; p++)
-        for (int i = 0; i < size; i++)
-            normal->distance[p * size + i] = normal->all_distance[p * ld + (i < n ? i : linear->y)];
+    normal->n = linear->n_columns;
+    normal->stride = linear->stride;
     return normal;
 }
 
@@ -283,10 +272,11 @@ double mukca_evidence_evaluate(mukca_evidence *evidence, const mukca_normal_equa
     const double known = normal->distance_sigma * normal->distance_sigma;
     mukca_posterior *posterior = &evidence->posterior;
     double log_variance = 0;
-    mukca_posterior_start(posterior, normal->gram, normal->n, 1 / (sigma * sigma));
+    mukca_posterior_start(posterior, normal->all_gram, normal->n, normal->stride,
+                          1 / (sigma * sigma));
     for (int p = 0; p < normal->n_pairs; p++) {
         const double variance = known + sigma * sigma * normal->variance[p];
-        mukca_posterior_add(posterior, normal->distance + p * (normal->n + 1), 1 / variance);
+        mukca_posterior_add(posterior, normal->all_distance + p * normal->stride, 1 / variance);
         log_variance += log(variance);
     }
     if (!mukca_posterior_solve(posterior, NULL, mean)) return -HUGE_VAL;

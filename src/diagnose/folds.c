@@ -20,7 +20,8 @@ void mukca_folds_create(mukca_folds *b)
     const int rows = m->recording.data->n_rows;
     const int size = mukca_unknowns_capacity(&m->unknowns) + 1;
     b->fold = MUKCA_TAKE(&m->pool, int, rows);
-    b->gram = MUKCA_TAKE(&m->pool, double, size *size);
+    b->rest.all_gram = MUKCA_TAKE(&m->pool, double, size *size);
+    b->rest.all_distance = MUKCA_TAKE(&m->pool, double, m->recording.data->n_distances *size);
     b->position = MUKCA_TAKE(&m->pool, double, 3 * rows);
     b->error = MUKCA_TAKE(&m->pool, double, rows);
     b->all = MUKCA_TAKE(&m->pool, unsigned char, rows);
@@ -124,28 +125,29 @@ void mukca_folds_by_placement(double *mean, const mukca_recording *recording, co
         mean[p] = mean_of(error, recording->data->n_rows, recording->placement, p);
 }
 
-/* Subtract the samples of fold f, and the distances of its sockets, from the normal equations.
+/* b->rest := the normal equations without the samples of fold f and the distances of its sockets.
  * Returns the degrees of freedom of these samples. */
-static int subtract_fold(mukca_folds *b, mukca_normal_equations *normal, int f)
+static int subtract_fold(mukca_folds *b, const mukca_normal_equations *normal, int f)
 {
     const mukca_recording *r = &b->m->recording;
-    const int n = normal->n, size = n + 1, d = r->dim, ld = b->m->linear.stride, y = b->m->linear.y;
+    const int d = r->dim, ld = normal->stride;
     const double *X = mukca_evidence_whiten(&b->m->evidence, normal, r, &b->m->linear);
+    double *gram = b->rest.all_gram, *distance = b->rest.all_distance;
     int freedom = 0;
-    memset(b->gram, 0, sizeof *b->gram * (size_t)(ld * ld));
+    memset(gram, 0, sizeof *gram * (size_t)(ld * ld));
     for (int i = 0, count; i < r->n_samples; i += count ? count : 1) { /* runs of its samples */
         for (count = 0; i + count < r->n_samples && b->fold[r->order[i + count]] == f;) count++;
-        mukca_dense_syrk(b->gram, ld, X + (size_t)(i * d) * (size_t)ld, count * d, ld);
+        mukca_dense_syrk(gram, ld, X + (size_t)(i * d) * (size_t)ld, count * d, ld);
     }
-    for (int i = 0; i < size; i++)
-        for (int j = 0; j < size; j++)
-            normal->gram[i * size + j] -= b->gram[(i < n ? i : y) * ld + (j < n ? j : y)];
+    for (int i = 0; i < ld * ld; i++) gram[i] = normal->all_gram[i] - gram[i];
     for (int p = 0; p < r->n_pairs; p++) {
         const int a = r->order[r->groups[r->pairs[p].a].start];
         const int c = r->order[r->groups[r->pairs[p].b].start];
-        if (b->fold[a] == f || b->fold[c] == f)
-            memset(normal->distance + p * size, 0, sizeof *normal->distance * (size_t)size);
+        const double by = b->fold[a] == f || b->fold[c] == f ? 0 : 1;
+        for (int k = p * ld; k < (p + 1) * ld; k++) distance[k] = by * normal->all_distance[k];
     }
+    b->rest = *normal;
+    b->rest.all_gram = gram, b->rest.all_distance = distance;
     for (int g = 0; g < r->n_groups; g++) /* the socket's mean consumes those of one sample */
         for (int i = r->groups[g].socket < 0 ? 0 : 1; i < r->groups[g].count; i++)
             if (b->fold[r->order[r->groups[g].start + i]] == f) freedom += d;
@@ -169,9 +171,8 @@ static void cross_predict(mukca_folds *b)
     const bool whole = mukca_regression_factor(m) > -HUGE_VAL;
     const double quadratic = evidence->posterior.quadratic;
     for (int f = 0; f < b->n_folds; f++) {
-        mukca_normal_equations *normal = mukca_regression_collect(m, m->unknowns.family);
-        const int freedom = subtract_fold(b, normal, f);
-        if (mukca_evidence_evaluate(evidence, normal, unknowns->sigma, evidence->mean) >
+        const int freedom = subtract_fold(b, mukca_regression_collect(m, m->unknowns.family), f);
+        if (mukca_evidence_evaluate(evidence, &b->rest, unknowns->sigma, evidence->mean) >
             -HUGE_VAL) {
             if (whole)
                 b->surprise += quadratic - evidence->posterior.quadratic, b->freedom += freedom;
@@ -183,7 +184,6 @@ static void cross_predict(mukca_folds *b)
                     mukca_unknowns_predict(b->position + 3 * row, unknowns, r, row);
         }
         mukca_unknowns_assign(unknowns, &fitted);
-        normal->n = 0; /* collect again, with the fold */
     }
 }
 

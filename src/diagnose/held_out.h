@@ -10,8 +10,8 @@
 typedef struct {
     mukca_regression *m;
     int n_folds;
-    int *fold;        /* [n_rows] */
-    double *gram;     /* sum of products of one fold */
+    int *fold;                   /* [n_rows] */
+    mukca_normal_equations rest; /* without one fold */
     double *position; /* [n_rows][3] prediction of each row without its fold; NaN: a row in no fold
                          (fewer poses than folds) */
     double *error;    /* [n_rows]; NaN: not measured */

@@ -71,8 +71,9 @@ bool mukca_scan_aim(mukca_scan *s, int family)
     for (int p = 0; p < normal->n_pairs; p++) {
         s->inverse[p] = 1 / (normal->distance_sigma * normal->distance_sigma +
                              sigma * sigma * normal->variance[p]);
-        memcpy(s->distance + p * (n + 1), normal->distance + p * (n + 1),
-               sizeof *s->distance * (size_t)(n + 1));
+        const double *row = normal->all_distance + p * normal->stride;
+        memcpy(s->distance + p * (n + 1), row, sizeof *row * (size_t)n);
+        s->distance[p * (n + 1) + n] = row[normal->stride - 1];
     }
     return isfinite(value);
 }

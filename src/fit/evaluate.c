@@ -202,27 +202,33 @@ int mukca_evaluate(mukca_score *scores, mukca_score *mean, const mukca_model *mo
  * mm) are of one posture and carry no information on sockets, m. */
 static const double least_rms = 5e-5;
 
-int mukca_coincide_find(double *apart, const mukca_chain *chain, const double *theta,
-                        const mukca_dataset *data)
+int mukca_coincide_drop(double *apart, mukca_dataset *data, const mukca_chain *chain,
+                        const double *theta, int least)
 {
     mukca_evaluation e;
     mukca_pool pool = {0};
-    int found =
-        mukca_evaluation_make(&e, &pool, &(mukca_model){.chain = chain, .theta = theta}, data) ? 0
-                                                                                               : -1;
+    const mukca_model model = {.chain = chain, .theta = theta};
+    const bool made = mukca_evaluation_make(&e, &pool, &model, data);
     double *squares = MUKCA_TAKE(&pool, double, data->n_sockets);
-    if (!squares) found = -1;
-    for (int i = 0; i < data->n_rows && found == 0; i++)
+    mukca_distance *moved = MUKCA_TAKE(&pool, mukca_distance, data->n_distances);
+    const bool ok = made && !pool.failed;
+    int found = 0, kept = 0;
+    for (int i = 0; i < data->n_rows && ok; i++)
         if (data->socket[i] >= 0) squares[data->socket[i]] += e.error[i] * e.error[i];
-    for (int k = 0; k < data->n_distances && found >= 0; k++) {
-        const mukca_distance *d = &data->distances[k];
-        const double rms = sqrt((squares[d->a] + squares[d->b]) / (e.count[d->a] + e.count[d->b])),
-                     far = mukca_distance3(e.mean[d->a], e.mean[d->b]);
-        const bool same = e.count[d->a] && e.count[d->b] && far < fmax(rms, 0.08 * d->distance) &&
-                          rms > least_rms && rms < 0.25 * d->distance;
-        apart[k] = same ? far : (double)NAN;
-        found += same;
+    for (int k = 0; k < data->n_distances && ok; k++) {
+        const mukca_distance d = data->distances[k];
+        const double rms = sqrt((squares[d.a] + squares[d.b]) / (e.count[d.a] + e.count[d.b])),
+                     far = mukca_distance3(e.mean[d.a], e.mean[d.b]);
+        const bool same = e.count[d.a] >= least && e.count[d.b] >= least &&
+                          far < fmax(rms, 0.08 * d.distance) && rms > least_rms &&
+                          rms < 0.25 * d.distance;
+        if (same)
+            moved[found] = d, apart[found++] = far;
+        else
+            data->distances[kept++] = d;
     }
+    if (found) memcpy(data->distances + kept, moved, (size_t)found * sizeof *moved);
+    if (ok) data->n_distances = kept;
     mukca_pool_free(&pool);
-    return found;
+    return ok ? found : -1;
 }

@@ -61,13 +61,14 @@ int mukca_evaluate(mukca_score *scores, mukca_score *mean, const mukca_model *mo
 
 /* ---- pairs of socket labels that were recorded in one socket ---- */
 
-/* apart[n_distances]: distance between the centres of two sockets, m, if both labels appear to have
- * been recorded in one socket, else NaN.  Criterion: the distance is below the rms error of the
- * samples about the centres or below 8 % of the known distance, and that rms error is below a
- * quarter of the known distance: a model with so small an error does not misplace a socket by so
- * much.  theta[6 * n_elements] (NULL: nominal) is the model.  Returns their number, -1 when out of
- * memory. */
-int mukca_coincide_find(double *apart, const mukca_chain *chain, const double *theta,
-                        const mukca_dataset *data);
+/* Move the known distances of pairs of labels that appear to have been recorded in one socket
+ * behind the others, which data->n_distances then counts; apart[n_distances]: distances between the
+ * centres of those moved, m.  Criterion: this distance is below the rms error of the samples about
+ * the centres or below 8 % of the known distance, and that rms error is below a quarter of the
+ * known distance: a model with so small an error does not misplace a socket by so much; and each
+ * label has at least so many samples.  theta[6 * n_elements] (NULL: nominal) is the model.  Returns
+ * their number, -1 when out of memory. */
+int mukca_coincide_drop(double *apart, mukca_dataset *data, const mukca_chain *chain,
+                        const double *theta, int least);
 
 #endif

@@ -14,23 +14,26 @@ void mukca_posterior_take(mukca_posterior *p, mukca_pool *pool, int n)
     p->work = MUKCA_TAKE(pool, double, n + 1);
 }
 
-MUKCA_CLONES void mukca_posterior_start(mukca_posterior *p, const double *gram, int n,
+MUKCA_CLONES void mukca_posterior_start(mukca_posterior *p, const double *gram, int n, int width,
                                         double precision)
 {
+    const double *values = gram + (width - 1) * width;
     p->n = n;
-    p->quadratic = precision * gram[n * (n + 1) + n];
+    p->value = width - 1;
+    p->quadratic = precision * values[p->value];
     for (int i = 0; i < n; i++) {
-        for (int j = 0; j <= i; j++) p->factor[i * n + j] = precision * gram[i * (n + 1) + j];
-        p->work[i] = precision * gram[n * (n + 1) + i];
+        for (int j = 0; j <= i; j++) p->factor[i * n + j] = precision * gram[i * width + j];
+        p->work[i] = precision * values[i];
     }
 }
 
 MUKCA_CLONES void mukca_posterior_add(mukca_posterior *p, const double *row, double precision)
 {
     const int n = p->n;
-    p->quadratic += precision * row[n] * row[n];
+    const double value = row[p->value];
+    p->quadratic += precision * value * value;
     for (int i = 0; i < n; i++) {
-        p->work[i] += precision * row[i] * row[n];
+        p->work[i] += precision * row[i] * value;
         for (int j = 0; j <= i; j++) p->factor[i * n + j] += precision * row[i] * row[j];
     }
 }
@@ -192,7 +195,8 @@ static void solve_own(mukca_grouped *g, int group)
 void mukca_grouped_solve(mukca_grouped *g, const double *centre)
 {
     memcpy(g->reduced, g->own, sizeof *g->own * (size_t)(g->n_groups * MUKCA_OWN * g->width));
-    mukca_posterior_start(&g->posterior, g->gram, g->posterior.n, 1 / (g->noise * g->noise));
+    mukca_posterior_start(&g->posterior, g->gram, g->posterior.n, g->posterior.n + 1,
+                          1 / (g->noise * g->noise));
     for (int k = 0; k < g->n_groups; k++) eliminate(g, k);
     add_pairs(g);
     mukca_posterior_solve(&g->posterior, centre, g->mean); /* positive definite by the priors */

@@ -11,21 +11,22 @@
 #include "base/pool.h"
 
 typedef struct {
-    int n;
-    double *prior;  /* [n] D, set by the caller */
-    double *factor; /* [n][n] L */
-    double *work;   /* [n] L^-1 D times the right-hand side; the residual's row before */
-    double
-        quadratic;  /* squared residuals and deviations from the prior, in units of their sigmas */
-    double log_det; /* of L */
+    int n, value;     /* coefficients; column of the value in a row */
+    double *prior;    /* [n] D, set by the caller */
+    double *factor;   /* [n][n] L */
+    double *work;     /* [n] L^-1 D times the products of coefficients and value */
+    double quadratic; /* squares of residuals and of deviations from the prior over variances */
+    double log_det;   /* of L */
 } mukca_posterior;
 
 /* Memory for at most n coefficients. */
 void mukca_posterior_take(mukca_posterior *posterior, mukca_pool *pool, int n);
 
-/* Begin with the products gram[n + 1][n + 1] of rows and their values (the last column; the lower
- * triangle is used), each row of that precision; then add single rows[n + 1]. */
-void mukca_posterior_start(mukca_posterior *posterior, const double *gram, int n, double precision);
+/* Begin with the products gram[width][width] of rows of that precision (the lower triangle is
+ * used). The first n columns are of the coefficients, the last one is the value.  Then add single
+ * rows. */
+void mukca_posterior_start(mukca_posterior *posterior, const double *gram, int n, int width,
+                           double precision);
 void mukca_posterior_add(mukca_posterior *posterior, const double *row, double precision);
 
 /* Factorise; mean[n] (may be NULL) receives the posterior mean, for prior means centre[n] (NULL:
