@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/hash.h"
+#include "base/list.h"
 #include "math/dense.h"
 #include "math/stats.h"
 #include "model/chain_hash.h"
@@ -86,16 +87,6 @@ static bool is_possible(const mukca_summary *s, int terms)
     return mukca_dense_cholesky(A, terms) == 0;
 }
 
-static bool grow(mukca_fleet *f)
-{
-    if (f->n_sessions < f->capacity) return true;
-    f->capacity = f->capacity ? 2 * f->capacity : 64;
-    mukca_summary **bigger = MUKCA_TAKE(&f->pool, mukca_summary *, f->capacity);
-    for (int i = 0; bigger && i < f->n_sessions; i++) bigger[i] = f->session[i];
-    f->session = bigger;
-    return bigger != NULL;
-}
-
 mukca_status mukca_fleet_take(mukca_fleet *f, const mukca_summary *s, mukca_error *error)
 {
     if (f->n_sessions == 0) {
@@ -113,10 +104,11 @@ mukca_status mukca_fleet_take(mukca_fleet *f, const mukca_summary *s, mukca_erro
         return mukca_fail(
             error, MUKCA_INPUT,
             "%s: the information is not positive semidefinite; write the summary again", s->path);
-    mukca_summary *copy = mukca_pool_take(&f->pool, 1, size);
-    if (!copy || !grow(f)) return mukca_fail(error, MUKCA_MEMORY, "out of memory for %s", s->path);
-    memcpy(copy, s, size);
-    f->session[f->n_sessions++] = copy;
+    mukca_summary *copy = mukca_pool_take(&f->pool, 1, size),
+                  **added =
+                      copy ? mukca_list_append(&f->session, &f->n_sessions, sizeof copy) : NULL;
+    if (!added) return mukca_fail(error, MUKCA_MEMORY, "out of memory for %s", s->path);
+    *added = memcpy(copy, s, size);
     return MUKCA_OK;
 }
 
@@ -177,6 +169,7 @@ mukca_status mukca_fleet_gather(mukca_fleet *f, mukca_error *error)
 void mukca_fleet_free(mukca_fleet *f)
 {
     mukca_pool_free(&f->pool);
+    free(f->session);
     memset(f, 0, sizeof *f);
 }
 
