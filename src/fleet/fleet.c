@@ -106,7 +106,7 @@ mukca_status mukca_fleet_take(mukca_fleet *f, const mukca_summary *s, mukca_erro
             "%s: the information is not positive semidefinite; write the summary again", s->path);
     mukca_summary *copy = mukca_pool_take(&f->pool, 1, size),
                   **added =
-                      copy ? mukca_list_append(&f->session, &f->n_sessions, sizeof copy) : NULL;
+                      copy ? mukca_list_append(&f->session, &f->n_sessions, sizeof(void *)) : NULL;
     if (!added) return mukca_fail(error, MUKCA_MEMORY, "out of memory for %s", s->path);
     *added = memcpy(copy, s, size);
     return MUKCA_OK;
