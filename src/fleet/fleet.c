@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/hash.h"
+#include "base/list.h"
 #include "effect/catalogue.h"
 #include "math/dense.h"
 #include "math/stats.h"
@@ -96,16 +97,6 @@ static bool is_possible(const mukca_summary *s, int terms)
     return mukca_dense_cholesky(A, terms) == 0;
 }
 
-static bool grow(mukca_fleet *f)
-{
-    if (f->n_sessions < f->capacity) return true;
-    f->capacity = f->capacity ? 2 * f->capacity : 64;
-    mukca_summary **bigger = MUKCA_TAKE(&f->pool, mukca_summary *, f->capacity);
-    for (int i = 0; bigger && i < f->n_sessions; i++) bigger[i] = f->session[i];
-    f->session = bigger;
-    return bigger != NULL;
-}
-
 mukca_status mukca_fleet_take(mukca_fleet *f, const mukca_summary *s, mukca_error *error)
 {
     if (f->n_sessions == 0) {
@@ -123,10 +114,11 @@ mukca_status mukca_fleet_take(mukca_fleet *f, const mukca_summary *s, mukca_erro
         return mukca_fail(
             error, MUKCA_INPUT,
             "%s: the information is not positive semidefinite; write the summary again", s->path);
-    mukca_summary *copy = mukca_pool_take(&f->pool, 1, size);
-    if (!copy || !grow(f)) return mukca_fail(error, MUKCA_MEMORY, "out of memory for %s", s->path);
-    memcpy(copy, s, size);
-    f->session[f->n_sessions++] = copy;
+    mukca_summary *copy = mukca_pool_take(&f->pool, 1, size),
+                  **added =
+                      copy ? mukca_list_append(&f->session, &f->n_sessions, sizeof(void *)) : NULL;
+    if (!added) return mukca_fail(error, MUKCA_MEMORY, "out of memory for %s", s->path);
+    *added = memcpy(copy, s, size);
     return MUKCA_OK;
 }
 
@@ -187,6 +179,7 @@ mukca_status mukca_fleet_gather(mukca_fleet *f, mukca_error *error)
 void mukca_fleet_free(mukca_fleet *f)
 {
     mukca_pool_free(&f->pool);
+    free(f->session);
     memset(f, 0, sizeof *f);
 }
 

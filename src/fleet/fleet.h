@@ -144,7 +144,7 @@ typedef struct {
 
 typedef struct {
     mukca_fleet_model model; /* of the first summary */
-    int n_terms, n_sessions, n_arms, capacity;
+    int n_terms, n_sessions, n_arms;
     mukca_summary **session; /* with n_joints rows of ripple only */
     mukca_fleet_arm *arm;    /* set by mukca_fleet_gather */
     /* set by mukca_fleet_pool */

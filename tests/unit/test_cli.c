@@ -156,9 +156,23 @@ TEST(bad_lines_get_one_clear_line)
     }
 }
 
+/* Each name in "poses or --at" is an option of the command. */
+static void check_names(const cli_command *of, const char *names)
+{
+    char list[256];
+    snprintf(list, sizeof list, "%s", names ? names : "");
+    for (char *name = strtok(list, " "); name; name = strtok(NULL, " ")) {
+        name += strspn(name, "-");
+        const cli_option *o = cli_next_option(of, NULL);
+        while (o && strcmp(o->name, name) != 0) o = cli_next_option(of, o);
+        if (!o && strcmp(name, "or") != 0) fail_msg("%s has no --%s", of->name, name);
+    }
+}
+
 TEST(tables_of_options_are_consistent)
 {
     for (const cli_command *const *c = cli_commands; *c; c++) {
+        int n = 0;
         assert_true((*c)->summary[strlen((*c)->summary) - 1] != '.');
         assert_ptr_equal(cli_find_command((*c)->name), *c);
         assert_true((*c)->options_size >= sizeof(cli_common));
@@ -166,6 +180,9 @@ TEST(tables_of_options_are_consistent)
             assert_true((o->argument == NULL) == (o->kind == CLI_FLAG));
             assert_true((o->choices != NULL) == (o->kind == CLI_CHOICE));
             assert_true(o->offset < (*c)->options_size);
+            assert_true(n++ < CLI_MOST_OPTIONS);
+            check_names(*c, o->needs);
+            check_names(*c, o->excludes);
             for (const cli_option *p = NULL; (p = cli_next_option(*c, p)) != o;) {
                 assert_string_not_equal(p->name, o->name);
                 assert_true(!o->letter || o->letter != p->letter);
