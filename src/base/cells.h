@@ -33,8 +33,14 @@ bool mukca_cell_number(double *value, const char *cell, char *fault);
 
 /* ---- units in the names of columns ---- */
 
-/* Remove a unit at the end of a column's name, such as ` [deg]` or ` (mm)`; returns SI units per
- * unit, 0: none. */
-double mukca_unit_take(char *name);
+/* A unit: SI units per unit, 0: none; of an angle (a), length (l), time (t), mass (m), torque (N),
+ * temperature (C) or rate (r). */
+typedef struct {
+    double factor;
+    char of;
+} mukca_unit;
+
+/* Remove a unit at the end of a column's name, such as ` [deg]` or ` (mm)`, and return it. */
+mukca_unit mukca_unit_take(char *name);
 
 #endif

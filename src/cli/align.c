@@ -80,7 +80,9 @@ static mukca_status load_side(cli_call *call, int i)
     if (status != MUKCA_OK) return status;
     if (s->data.n_sockets == 0)
         return cli_fail(call, MUKCA_INPUT, "%.100s: no sockets; give a session", path.items[0]);
-    return find_means(call, s);
+    status = cli_check_moving(call, &s->data, false);
+    if (status == MUKCA_OK) status = cli_check_scatter(call, path.items[0], &s->model, &s->data);
+    return status == MUKCA_OK ? find_means(call, s) : status;
 }
 
 static const char *placement_of(const side *s, int socket)

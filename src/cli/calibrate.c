@@ -33,29 +33,6 @@ static const cli_option options[] = {
                       "central differences (default), or analytic"),
     {.name = NULL}};
 
-/* Refuse sockets with identical samples: the joint states had stopped while recording. */
-static mukca_status check_moving(cli_call *call, const mukca_dataset *d)
-{
-    const size_t n = (size_t)d->n_joints;
-    for (int s = 0; s < d->n_sockets; s++) {
-        const double *first = NULL;
-        int rows = 0;
-        bool same = true;
-        for (int i = 0; i < d->n_rows && same; i++) {
-            if (d->socket[i] != s) continue;
-            if (!first) first = d->q + (size_t)i * n;
-            same = memcmp(d->q + (size_t)i * n, first, n * sizeof *first) == 0;
-            rows++;
-        }
-        if (same && rows > 2)
-            return cli_fail(call, MUKCA_UNIDENTIFIABLE,
-                            "placement '%s', socket '%s': all %d samples have the same joint "
-                            "angles; the stream had stopped, record them again",
-                            d->placements[d->sockets[s].placement].name, d->sockets[s].label, rows);
-    }
-    return MUKCA_OK;
-}
-
 static mukca_fit_options fit_options(const calibrate_options *o)
 {
     return (mukca_fit_options){
@@ -137,7 +114,8 @@ static mukca_status run(cli_call *call)
     if (o->evidence && s->data.n_sockets == 0)
         return cli_fail(call, MUKCA_USAGE,
                         "--evidence is for sockets; for pose logs: mukca diagnose -o");
-    mukca_status status = check_moving(call, &s->data);
+    mukca_status status = cli_check_moving(call, &s->data, false);
+    if (status == MUKCA_OK) status = cli_check_moving(call, &s->test, false);
     if (status == MUKCA_OK) status = mukca_fit_run(fit, chain, &s->data, &wanted, &call->error);
     if (status == MUKCA_OK && o->common.traits) status = calibrate_use_traits(call, &wanted);
     if (status == MUKCA_OK && fit->identification.rank == 0)

@@ -325,6 +325,18 @@ mukca_status cli_read_format(cli_call *call, mukca_rows_format *format);
 mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model *model,
                            const cli_list *paths);
 
+/* Refuse a socket of which all samples, three or more, have identical angles, or `postures`: are of
+ * one posture.  Errors: MUKCA_UNIDENTIFIABLE, MUKCA_MEMORY. */
+mukca_status cli_check_moving(cli_call *call, const mukca_dataset *data, bool postures);
+
+/* Refuse data of another arm: the model's predictions of a socket scatter by more than
+ * CLI_FOREIGN.  Errors: MUKCA_NEGATIVE, MUKCA_MEMORY. */
+mukca_status cli_check_scatter(cli_call *call, const char *path, const cli_model *model,
+                               const mukca_dataset *data);
+
+/* m per axis: twice that of an arm whose mean error is 15 mm, the largest of calibrated arms. */
+#define CLI_FOREIGN 0.02
+
 /* Error of the nominal model that indicates wrong units or columns, m: arms are built to 10 mm. */
 #define CLI_FAR_OFF 0.1
 

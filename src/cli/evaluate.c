@@ -106,6 +106,9 @@ static mukca_status run(cli_call *call)
     if (status == MUKCA_OK) status = cli_load_data(call, &s->data, model, &call->arguments);
     if (status == MUKCA_OK && call->common->test.n)
         status = cli_load_data(call, &s->test, model, &call->common->test);
+    const bool gate = ((const evaluate_options *)call->options)->max_mae > 0;
+    if (status == MUKCA_OK) status = cli_check_moving(call, &s->data, gate);
+    if (status == MUKCA_OK) status = cli_check_moving(call, &s->test, gate);
     if (status != MUKCA_OK) return status;
     w->scores.by_log = true;
     w->scores.calibrated = call->common->arm.offsets != NULL;

@@ -263,6 +263,56 @@ static mukca_status load(cli_call *call)
     return status;
 }
 
+mukca_status cli_check_moving(cli_call *call, const mukca_dataset *d, bool postures)
+{
+    const size_t n = (size_t)d->n_joints;
+    int *posture = MUKCA_TAKE(&call->pool, int, d->n_rows + 1);
+    if (posture) mukca_postures_find(posture, &call->pool, d);
+    if (call->pool.failed) return cli_fail(call, MUKCA_MEMORY, "out of memory");
+    for (int s = 0; s < d->n_sockets; s++) {
+        int rows = 0, first = -1;
+        bool same = true;
+        for (int i = 0; i < d->n_rows; i++) {
+            if (d->socket[i] != s) continue;
+            if (rows++ == 0) first = i;
+            const double *q = d->q + (size_t)i * n, *p = d->q + (size_t)first * n;
+            same &= postures ? posture[i] == posture[first] : memcmp(q, p, n * sizeof *q) == 0;
+        }
+        if (same && rows > 2)
+            return cli_fail(call, MUKCA_UNIDENTIFIABLE,
+                            "placement '%s', socket '%s': all %d samples have the same joint "
+                            "angles; %s",
+                            d->placements[d->sockets[s].placement].name, d->sockets[s].label, rows,
+                            postures ? "record other postures"
+                                     : "the stream had stopped, record them again");
+    }
+    return MUKCA_OK;
+}
+
+mukca_status cli_check_scatter(cli_call *call, const char *path, const cli_model *m,
+                               const mukca_dataset *d)
+{
+    mukca_effect effects[MUKCA_MAX_EFFECTS];
+    const mukca_model model = {.chain = &m->chain,
+                               .theta = m->offsets.theta,
+                               .effects = effects,
+                               .n_effects = m->offsets.n_effects};
+    double *error = MUKCA_TAKE(&call->pool, double, d->n_rows + 1), squares = 0;
+    int n = 0;
+    mukca_offsets_place_effects(effects, &m->offsets, d);
+    if (!error || !mukca_evaluate_rows(error, &model, d))
+        return cli_fail(call, MUKCA_MEMORY, "out of memory");
+    for (int i = 0; i < d->n_rows; i++)
+        if (d->socket[i] >= 0) squares += error[i] * error[i], n++;
+    const double sigma = sqrt(squares / (3 * fmax(n, 1)));
+    if (!(sigma > CLI_FOREIGN)) return MUKCA_OK;
+    return cli_fail(call, MUKCA_NEGATIVE,
+                    "%.100s: the predictions of a socket scatter by %.0f mm per axis: these data "
+                    "are not of this arm; check --urdf, --tip, units, columns, and each joint's "
+                    "angles",
+                    path, 1e3 * sigma);
+}
+
 /* Condense the session's data to the capacity of a diagnosis, with a note. */
 static mukca_status condense(cli_call *call)
 {

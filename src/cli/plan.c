@@ -160,7 +160,10 @@ static mukca_status run(cli_call *call)
                                       .stop = cli_stop,
                                       .progress = progress,
                                       .context = r->call};
-    mukca_status status = gather_causes(r);
+    mukca_status status = cli_check_moving(call, r->data, false);
+    if (status == MUKCA_OK && r->data->n_sockets > 0)
+        status = cli_check_scatter(call, call->arguments.items[0], r->model, r->data);
+    if (status == MUKCA_OK) status = gather_causes(r);
     if (status != MUKCA_OK) return status;
     if (o->settle) {
         mukca_geometry_theta(fitted, &r->model->chain, &r->diagnosis.geometry);

@@ -157,7 +157,14 @@ static mukca_status run(cli_call *call)
 
 static mukca_status print(cli_call *call)
 {
+    const report_options *o = call->options;
+    const report_work *w = call->work;
     if (call->common->output) cli_answer(call, "report: %s\n", call->common->output);
+    if (o->fleet) return MUKCA_OK;
+    if (w->of.diagnosis.verdict == MUKCA_VERDICT_UNTESTABLE)
+        return cli_fail(call, MUKCA_NEGATIVE, "nothing can be tested: %s", w->of.diagnosis.why);
+    if (!w->of.offsets.acceptance.accepted)
+        return cli_fail(call, MUKCA_NEGATIVE, "the result is not accepted; the page says why");
     return MUKCA_OK;
 }
 

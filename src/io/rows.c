@@ -34,6 +34,11 @@ mukca_status mukca_rows_open(mukca_rows *rows, const char *path, const mukca_cha
 
 mukca_status mukca_rows_close(mukca_rows *rows)
 {
+    if (rows->table.cut_off && rows->table.status == MUKCA_OK)
+        mukca_note_format(rows->options.note, rows->options.context,
+                          "%s:%d: the last line has no line end; if the file was cut, its last "
+                          "number is wrong",
+                          mukca_file_shown(rows->table.path), rows->table.line);
     return mukca_table_close(&rows->table);
 }
 
@@ -296,7 +301,7 @@ static void read_numbers(mukca_row *row, mukca_rows *rows, int column)
         double *value = &row->number[column][k];
         *value = column == MUKCA_COLUMN_Q ? mukca_table_number(&rows->table, at[k])
                                           : read_optional(rows, at[k]);
-        if (c->joint_unit && at[k] >= 0 && !mukca_table_has_unit(&rows->table, at[k]))
+        if (c->of == 'j' && at[k] >= 0 && !mukca_table_has_unit(&rows->table, at[k]))
             *value *= unit_of(rows, k);
         if (column == MUKCA_COLUMN_Q) check_joint(rows, k, *value);
         if (column == MUKCA_COLUMN_PAYLOAD && (*value < 0 || *value > MUKCA_ROWS_MOST_PAYLOAD))

@@ -196,6 +196,8 @@ static void find_turn(mukca_measured_columns *m, header *h, int form, const char
         find_group(m->turn, h,
                    quaternion ? mukca_column_table[MUKCA_COLUMN_QUATERNION].name : turns[k].names,
                    quaternion ? 4 : 3, suffix);
+        for (int i = 0; i < 3 && !quaternion; i++)
+            mukca_table_expect(&h->rows->table, m->turn[i], 'a');
     }
 }
 
@@ -220,10 +222,25 @@ static void find_measured(header *h, int column, int form)
     snprintf(m->target, sizeof m->target, "%s", *suffix ? suffix + 1 : "");
     m->length = forms[form].length > 0 ? forms[form].length : rows->options.format.length;
     find_group(form == MATRIX ? m->matrix : m->position, h, names, forms[form].n, suffix);
+    for (int k = 0; k < 3; k++)
+        mukca_table_expect(&rows->table, form == MATRIX ? m->matrix[4 * k + 3] : m->position[k],
+                           'l');
     if (form == MATRIX)
         find_group(m->matrix + 12, h, last_row, 4, suffix);
     else
         find_turn(m, h, form, suffix);
+}
+
+/* Fail if a column's header states the unit of another quantity. */
+static void expect(header *h, int column, int k)
+{
+    const mukca_rows *rows = h->rows;
+    const char of = mukca_column_table[column].of;
+    const bool slides = mukca_column_table[column].width == 0 &&
+                        rows->chain->element[rows->chain->joint_element[k]].type == MUKCA_PRISMATIC;
+    if (!slides || of == 'j')
+        mukca_table_expect(&h->rows->table, rows->column.number[column][k],
+                           of != 'j' ? of : slides ? 'l' : 'a');
 }
 
 /* Find the columns of numbers but those of poses; commanded angles replace absent ones. */
@@ -236,7 +253,7 @@ static void map_numbers(header *h)
     find_names(h);
     for (int c = 0; c < MUKCA_COLUMNS; c++)
         for (int k = 0; k < mukca_column_width(c, n) && mukca_column_table[c].width < 2; k++)
-            rows->column.number[c][k] = find_number(h, c, k);
+            rows->column.number[c][k] = find_number(h, c, k), expect(h, c, k);
     rows->by_command = q[0] < 0 && command[0] >= 0;
     for (int j = 0; j < n; j++) {
         if (rows->by_command) q[j] = command[j];

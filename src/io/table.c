@@ -319,7 +319,14 @@ int mukca_table_require(mukca_table *t, const char *name)
 
 bool mukca_table_has_unit(const mukca_table *t, int column)
 {
-    return t->unit && t->unit[column] > 0;
+    return t->unit && t->unit[column].factor > 0;
+}
+
+void mukca_table_expect(mukca_table *t, int column, char of)
+{
+    if (column >= 0 && mukca_table_has_unit(t, column) && t->unit[column].of != of)
+        mukca_table_fail(t, -1, "column '%.40s' has the unit of something else; correct the header",
+                         t->header[column]);
 }
 
 double mukca_table_number(mukca_table *t, int column)
@@ -329,7 +336,7 @@ double mukca_table_number(mukca_table *t, int column)
     if (t->status != MUKCA_OK) return 0;
     if (parse_number(&value, t, t->cell[column]) ||
         mukca_cell_number(&value, t->cell[column], fault))
-        return mukca_table_has_unit(t, column) ? value * t->unit[column] : value;
+        return mukca_table_has_unit(t, column) ? value * t->unit[column].factor : value;
     mukca_table_fail(t, column, "%s%s", fault,
                      t->header || t->row > 1 ? "" : "; this file has no header line");
     return 0;

@@ -13,6 +13,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 
+#include "base/cells.h"
 #include "base/text.h"
 
 enum {
@@ -35,7 +36,7 @@ typedef struct {
     bool pending;  /* the first row was read by mukca_table_open */
     char **header; /* [n_columns], or NULL */
     char **cell;   /* [n_columns] of the current row */
-    double *unit;  /* [n_columns], SI per unit in the header, 0: none stated; or NULL */
+    mukca_unit *unit; /* [n_columns] stated in the header; or NULL */
     bool *used;    /* [n_columns], columns asked for by mukca_table_use; or NULL */
     char *buffer, *header_buffer;
     char *names;    /* of --columns */
@@ -63,6 +64,9 @@ int mukca_table_require(mukca_table *table, const char *name);
 
 /* Whether the header states the column's unit: its numbers are then in SI units. */
 bool mukca_table_has_unit(const mukca_table *table, int column);
+
+/* Fail if the header states a unit of something else than `of` (mukca_unit); column -1: none. */
+void mukca_table_expect(mukca_table *table, int column, char of);
 
 /* Parse a cell as a finite number, in SI units if the header states its unit; 0 after a failure. */
 double mukca_table_number(mukca_table *table, int column);

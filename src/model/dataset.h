@@ -23,18 +23,18 @@ typedef struct {
     double distance;
 } mukca_distance;
 
-/* The columns of numbers in recordings: constant; member; numbers per sample, 0: one per joint; in
- * the joint's unit (rad, m) or not; decimals written; names in files, or what follows a joint's.
+/* The columns of numbers in recordings: constant; member; numbers per sample, 0: one per joint;
+ * what they are (mukca_unit; j: angle or length, by the joint); decimals written; names in files, or what follows a joint's.
  * mukca_column_table (dataset_subset.h) has them. */
 #define MUKCA_COLUMN_LIST(X)                                                                     \
-    X(TIME, time, 1, false, 3, "time_s")                                                         \
-    X(Q, q, 0, true, 12, "")                                 /* always present */                \
-    X(EFFORT, effort, 0, false, 6, ".effort")                /* N m */                           \
-    X(COMMAND, command, 0, true, 12, ".command")             /* commanded angle */               \
-    X(VELOCITY, velocity, 0, true, 9, ".velocity")           /* per second */                    \
-    X(PAYLOAD, payload, 1, false, 6, "payload_kg")           /* at the tip beyond the model */   \
-    X(POSITION, position, 3, false, 12, "x_m", "y_m", "z_m") /* of the tip, NaN: not measured */ \
-    X(QUATERNION, quaternion, 4, false, 14, "qw", "qx", "qy", "qz") /* of the tip, likewise */
+    X(TIME, time, 1, 't', 3, "time_s")                                                         \
+    X(Q, q, 0, 'j', 12, "")                                 /* always present */                \
+    X(EFFORT, effort, 0, 'N', 6, ".effort")                /* N m */                           \
+    X(COMMAND, command, 0, 'j', 12, ".command")             /* commanded angle */               \
+    X(VELOCITY, velocity, 0, 'r', 9, ".velocity")           /* per second */                    \
+    X(PAYLOAD, payload, 1, 'm', 6, "payload_kg")           /* at the tip beyond the model */   \
+    X(POSITION, position, 3, 'l', 12, "x_m", "y_m", "z_m") /* of the tip, NaN: not measured */ \
+    X(QUATERNION, quaternion, 4, 0, 14, "qw", "qx", "qy", "qz") /* of the tip, likewise */
 
 enum {
 #define MUKCA_COLUMN_ENUM(constant, ...) MUKCA_COLUMN_##constant,

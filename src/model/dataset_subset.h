@@ -10,7 +10,7 @@
 /* A row of MUKCA_COLUMN_LIST. */
 typedef struct {
     int width;
-    bool joint_unit;
+    char of;
     int decimals;
     const char *name[4];
 } mukca_column;

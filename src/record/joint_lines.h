@@ -2,6 +2,7 @@
 #ifndef MUKCA_RECORD_JOINT_LINES_H
 #define MUKCA_RECORD_JOINT_LINES_H
 
+#include "base/cells.h"
 #include "lcm/type.h"
 
 enum {
@@ -40,7 +41,7 @@ typedef struct {
     char delimiter;
     char header[MUKCA_JOINT_LINES_SIZE];
     char *column[MUKCA_JOINT_LINES_CELLS]; /* names */
-    double unit[MUKCA_JOINT_LINES_CELLS];  /* SI per unit in the header; 0: none stated */
+    mukca_unit unit[MUKCA_JOINT_LINES_CELLS]; /* stated in the header */
 } mukca_joint_lines;
 
 void mukca_joint_lines_open(mukca_joint_lines *lines, int fd);

@@ -289,7 +289,20 @@ expect "no source sets the locale" sh -c "! grep -rn setlocale '$root/src'"
 # a stream that had stopped
 awk 'NR > 1 && !row { row = $3 "\t" $4 "\t" $5 } NR == 1 { print; next }
     { print $1 "\t" $2 "\t" row }' session.tsv >dead.tsv
-refuse 5 "socket '1': all 6 samples have the same joint angles" calibrate $a dead.tsv -o new.tsv
+for command in calibrate "calibrate session.tsv --test" evaluate "plan --rows 2"; do
+    refuse 5 "socket '1': all 6 samples have the same joint angles" $command $a dead.tsv -o new.tsv
+done
+# nor is there an error to test where a socket has one posture
+awk 'BEGIN { OFS = "\t" } NR > 1 { $5 += NR * 1e-5 } 1' dead.tsv >one.tsv
+refuse 5 "all 6 samples have the same joint angles; record other postures" evaluate $a --max-mae 1e-3 one.tsv
+# data of another arm
+awk 'BEGIN { OFS = "\t" } NR > 1 { $3 = $4; $4 = 0.3 } 1' session.tsv >foreign.tsv
+refuse 1 "foreign.tsv: the predictions of a socket scatter by [0-9]* mm per axis" plan --rows 2 $a foreign.tsv
+# a number that was cut is a number
+printf '%s' "$(cat session.tsv)" >cut.tsv
+accept "cut.tsv:13: the last line has no line end" evaluate $a cut.tsv
+# a unit of another quantity
+wrong_session '1s/j3/j3 [mm]/' "bad.tsv:1: column 'j3' has the unit of something else"
 
 # limits of the URDF: one note for a joint, however many files
 sed 's/upper="3"/upper="-0.5"/' arm.urdf >narrow.urdf

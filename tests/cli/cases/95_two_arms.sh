@@ -16,6 +16,8 @@ answer "^6 shared sockets" align $arm left.tsv right.tsv
 "$MUKCA" simulate $arm --place other=0.5,0,0.2 --rows 4 -q -o other.tsv
 refuse 3 "share no socket" align $arm left.tsv other.tsv
 refuse 5 "the arms share 2 sockets; three are needed" align $arm other.tsv other.tsv
+awk 'BEGIN { FS = OFS = "\t" } !/^[#p]/ || /^p[0-9]/ { $5 = 0.5 } 1' right.tsv >stands.tsv
+refuse 1 "stands.tsv: the predictions of a socket scatter" align $arm left.tsv stands.tsv
 refuse 3 "nix.tsv" align $arm left.tsv nix.tsv
 refuse 3 "two.urdf" align $arm --right-urdf two.urdf left.tsv right.tsv
 
