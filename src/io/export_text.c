@@ -217,9 +217,9 @@ void mukca_export_put_tag(FILE *stream, const mukca_export_tag *tag,
 {
     size_t at = 0, start, stop, end = tag->length - (tag->at[tag->length - 2] == '/' ? 2 : 1);
     while (strchr(" \t\r\n", tag->at[end - 1])) end--;
-    for (const mukca_export_attribute *next = set; next;) { /* the first behind `at` */
+    while (at < end) {
+        const mukca_export_attribute *next = NULL; /* the first behind `at` */
         size_t first = end, last = end;
-        next = NULL;
         for (int k = 0; k < n; k++) {
             if (!set[k].values || !mukca_export_find_attribute(&start, &stop, tag, set[k].name) ||
                 start <= at || start >= first)
