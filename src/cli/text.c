@@ -79,12 +79,12 @@ void cli_print_keyed(FILE *stream, const char *key, const char *text)
 
 void cli_describe_data(char text[80], const mukca_dataset *data)
 {
-    const int used =
-        snprintf(text, 80, "%d %s%s", data->n_rows, data->n_sockets ? "sample" : "measured pose",
-                 data->n_rows == 1 ? "" : "s");
+    mukca_text to = {.at = text, .size = 80};
+    mukca_text_put(&to, "%d %s%s", data->n_rows, data->n_sockets ? "sample" : "measured pose",
+                   data->n_rows == 1 ? "" : "s");
     if (data->n_placements)
-        snprintf(text + used, (size_t)(80 - used), ", %d placement%s", data->n_placements,
-                 data->n_placements == 1 ? "" : "s");
+        mukca_text_put(&to, ", %d placement%s", data->n_placements,
+                       data->n_placements == 1 ? "" : "s");
 }
 
 void cli_print_head(FILE *stream, const char *robot, const mukca_dataset *data,

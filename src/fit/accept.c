@@ -80,14 +80,15 @@ static bool changes_arm(const mukca_offsets *table, const mukca_tip_change_task 
 /* Refuse for lack of an improvement: say what to do. */
 static void advise(mukca_acceptance *a, const mukca_tip_error *tip, const char *otherwise)
 {
-    const size_t used = strlen(a->reason), size = sizeof a->reason - used;
+    mukca_text reason = {.at = a->reason, .size = sizeof a->reason, .used = strlen(a->reason)};
     if (tip->outliers)
-        snprintf(a->reason + used, size,
-                 "; %d of %d postures deviate%s from the others, by up to %.3g mm: correct or "
-                 "exclude these samples (mukca diagnose lists them)",
-                 tip->outliers, tip->postures, tip->outliers > 1 ? "" : "s", 1e3 * tip->worst_m);
+        mukca_text_put(
+            &reason,
+            "; %d of %d postures deviate%s from the others, by up to %.3g mm: correct or "
+            "exclude these samples (mukca diagnose lists them)",
+            tip->outliers, tip->postures, tip->outliers > 1 ? "" : "s", 1e3 * tip->worst_m);
     else
-        snprintf(a->reason + used, size, "; %s", otherwise);
+        mukca_text_put(&reason, "; %s", otherwise);
 }
 
 static bool judge_samples(mukca_acceptance *a, const mukca_accept_task *task,
@@ -260,13 +261,13 @@ mukca_status mukca_accept_fit(mukca_offsets *offsets, const mukca_fit *fit,
     a->noise_m = fit->identification.noise;
     a->parameters = fit->parameters.n;
     a->identified = fit->identification.rank;
-    const int used =
-        tested ? snprintf(a->error_of, sizeof a->error_of, "test data, %d samples", test->n_rows)
-               : snprintf(a->error_of, sizeof a->error_of, "cross-validation, %d %s", r.folds,
-                          r.placements ? "folds of placements" : "folds of consecutive samples");
-    if (!tested && r.data.n_rows < data->n_rows)
-        snprintf(a->error_of + used, sizeof a->error_of - (size_t)used, ", %d samples",
-                 r.data.n_rows);
+    mukca_text of = MUKCA_TEXT(a->error_of);
+    if (tested)
+        mukca_text_put(&of, "test data, %d samples", test->n_rows);
+    else
+        mukca_text_put(&of, "cross-validation, %d folds of %s", r.folds,
+                       r.placements ? "placements" : "consecutive samples");
+    if (!tested && r.data.n_rows < data->n_rows) mukca_text_put(&of, ", %d samples", r.data.n_rows);
     status = mukca_accept(
         offsets,
         &(mukca_accept_task){.change = {.chain = &fit->chain,

@@ -95,6 +95,16 @@ bool mukca_export_is_tag(const mukca_export_tag *tag, const char *name);
 bool mukca_export_find_attribute(size_t *start, size_t *stop, const mukca_export_tag *tag,
                                  const char *name);
 
+/* Print a tag with numbers as the values of attributes set[n], where they are or at its end.  NULL:
+ * unchanged. */
+typedef struct {
+    const char *name;
+    const double *values;
+    int n;
+} mukca_export_attribute;
+void mukca_export_put_tag(FILE *stream, const mukca_export_tag *tag,
+                          const mukca_export_attribute *set, int n);
+
 /* Print `format`, in which a directive stands for each further argument: $i an int; $s a text, $q
  * in double quotes, escaped as C, JSON and YAML require, $x as the value of an attribute in XML; $n
  * a number, and $c, $b numbers (const double *, int) with commas or blanks between, each with the

@@ -95,26 +95,15 @@ static mukca_status write_body(patch *p, const mukca_export_tag *tag, const mukc
 {
     double shift[3], quat[4];
     mukca_frame body, pose;
-    const char *end = tag->at + tag->length - (tag->at[tag->length - 2] == '/' ? 2 : 1);
     const mukca_status status = place(&body, p, tag, e);
     if (status != MUKCA_OK) return status;
-    fwrite(p->at, 1, (size_t)(tag->at - p->at), p->stream);
-    for (const char *c = tag->at; c < end;) { /* without pos and quat */
-        const size_t blank = strspn(c, " \t\r\n"), word = blank + strcspn(c + blank, " \t\r\n=/>");
-        const char *quote = c + word + strspn(c + word, " \t\r\n=");
-        const char *close = *quote == '"' || *quote == '\'' ? strchr(quote + 1, *quote) : NULL;
-        const bool ours = blank && ((word - blank == 3 && strncmp(c + blank, "pos", 3) == 0) ||
-                                    (word - blank == 4 && strncmp(c + blank, "quat", 4) == 0));
-        const char *next = close ? close + 1 : c + (word ? word : 1);
-        if (next > end) next = end;
-        if (!ours) fwrite(c, 1, (size_t)(next - c), p->stream);
-        c = next;
-    }
     relate(&pose, &p->body, &p->calibrated);
     mukca_frame_multiply(&pose, &pose, &body);
     mukca_rotation_to_quaternion(quat, pose.R);
-    mukca_export_print(p->stream, " pos=\"$b\" quat=\"$b\"", pose.p, 3, quat, 4);
-    p->at = end;
+    fwrite(p->at, 1, (size_t)(tag->at - p->at), p->stream);
+    const mukca_export_attribute changed[] = {{"pos", pose.p, 3}, {"quat", quat, 4}};
+    mukca_export_put_tag(p->stream, tag, changed, 2);
+    p->at = tag->at + tag->length;
     for (int i = 0; i < 3; i++) shift[i] = p->calibrated.p[i] - p->nominal.p[i];
     mukca_note_format(
         p->input->note, p->input->context, "body '%.60s': moved by %.3f mm, %.3f mrad", e->child,

@@ -33,7 +33,9 @@ static void name_entries(mukca_kinematics *k, const mukca_chain *chain)
         ur = ur && mukca_kinematics_find(chain, ur_names[j]) == element;
         franka = franka && short_name(chain->element[element].name);
     }
-    *k = (mukca_kinematics){.layout = &mukca_kinematics_layouts[ur ? 0 : franka ? 1 : 2]};
+    *k = (mukca_kinematics){.layout = ur       ? &mukca_kinematics_ur
+                                      : franka ? &mukca_kinematics_franka
+                                               : &mukca_kinematics_ufactory};
     for (int e = 0, j = 0; e < chain->n_elements; e++) {
         const mukca_element *element = &chain->element[e];
         const char *part = franka ? short_name(element->name) : NULL;
@@ -117,7 +119,7 @@ static mukca_status write_kinematics(FILE *stream, const mukca_export_input *inp
         print_entry(stream, k, entry->name, value);
     }
     write_hash(stream, input, k, fitted);
-    if (k->layout == &mukca_kinematics_layouts[0] && !k->hash[0])
+    if (k->layout == &mukca_kinematics_ur && !k->hash[0])
         mukca_note_format(input->note, input->context,
                           "%s the hash is missing that UR's driver compares with the robot's",
                           input->kinematics ? "the factory file has no `hash:`;"

@@ -212,6 +212,32 @@ bool mukca_export_find_attribute(size_t *start, size_t *stop, const mukca_export
     return false;
 }
 
+void mukca_export_put_tag(FILE *stream, const mukca_export_tag *tag,
+                          const mukca_export_attribute *set, int n)
+{
+    size_t at = 0, start, stop, end = tag->length - (tag->at[tag->length - 2] == '/' ? 2 : 1);
+    while (strchr(" \t\r\n", tag->at[end - 1])) end--;
+    while (at < end) {
+        const mukca_export_attribute *next = NULL; /* the first behind `at` */
+        size_t first = end, last = end;
+        for (int k = 0; k < n; k++) {
+            if (!set[k].values || !mukca_export_find_attribute(&start, &stop, tag, set[k].name) ||
+                start <= at || start >= first)
+                continue;
+            first = start;
+            last = stop;
+            next = &set[k];
+        }
+        fwrite(tag->at + at, 1, first - at, stream);
+        if (next) mukca_export_print(stream, "$b", next->values, next->n);
+        at = last;
+    }
+    for (int k = 0; k < n; k++)
+        if (set[k].values && !mukca_export_find_attribute(&start, &stop, tag, set[k].name))
+            mukca_export_print(stream, " $s=\"$b\"", set[k].name, set[k].values, set[k].n);
+    fwrite(tag->at + end, 1, tag->length - end, stream);
+}
+
 bool mukca_export_same_name(const char *name, const char *other, size_t length)
 {
     char copy[256];

@@ -9,12 +9,6 @@
 #include "io/export.h"
 #include "io/urdf.h"
 
-/* Replacement of tag[start, stop). */
-typedef struct {
-    size_t start, stop;
-    char replacement[3 * MUKCA_NUMBER_SIZE + 8];
-} edit;
-
 /* 0 and -0 differ, as their texts do. */
 static bool is_same(double a, double b)
 {
@@ -24,43 +18,6 @@ static bool is_same(double a, double b)
 static bool are_same(const double a[3], const double b[3])
 {
     return is_same(a[0], b[0]) && is_same(a[1], b[1]) && is_same(a[2], b[2]);
-}
-
-/* Change attribute `name` of the origin's tag to v. */
-static void edit_attribute(edit *e, const mukca_export_tag *tag, const char *name,
-                           const double v[3])
-{
-    char number[3][MUKCA_NUMBER_SIZE];
-    for (int i = 0; i < 3; i++) mukca_number_format(number[i], v[i]);
-    if (mukca_export_find_attribute(&e->start, &e->stop, tag, name)) {
-        snprintf(e->replacement, sizeof e->replacement, "%s %s %s", number[0], number[1],
-                 number[2]);
-        return;
-    }
-    e->start = tag->length - (tag->at[tag->length - 2] == '/' ? 2 : 1);
-    while (strchr(" \t\r\n", tag->at[e->start - 1])) e->start--;
-    e->stop = e->start;
-    snprintf(e->replacement, sizeof e->replacement, " %s=\"%s %s %s\"", name, number[0], number[1],
-             number[2]);
-}
-
-/* Write the origin's tag with the attributes that differ from xyz and rpy, which it has. */
-static void write_tag(FILE *stream, const mukca_export_tag *tag, const mukca_export_origin *origin,
-                      const double xyz[3], const double rpy[3])
-{
-    edit edits[2];
-    int n = 0;
-    size_t at = 0;
-    if (!are_same(origin->xyz, xyz)) edit_attribute(&edits[n++], tag, "xyz", origin->xyz);
-    if (!are_same(origin->rpy, rpy)) edit_attribute(&edits[n++], tag, "rpy", origin->rpy);
-    const int first = n == 2 && edits[1].start < edits[0].start;
-    for (int i = 0; i < n; i++) {
-        const edit *e = &edits[i ^ first];
-        fwrite(tag->at + at, 1, e->start - at, stream);
-        fputs(e->replacement, stream);
-        at = e->stop;
-    }
-    fwrite(tag->at + at, 1, tag->length - at, stream);
 }
 
 /* Get the origin of an element; false: identical to the URDF's. */
@@ -126,7 +83,10 @@ static const char *write_joint(FILE *stream, const char *at, const mukca_export_
     const char *start = joint->at + joint->length;
     if (found) {
         fwrite(at, 1, (size_t)(tag.at - at), stream);
-        write_tag(stream, &tag, origin, xyz, rpy);
+        const mukca_export_attribute changed[] = {
+            {"xyz", are_same(origin->xyz, xyz) ? NULL : origin->xyz, 3},
+            {"rpy", are_same(origin->rpy, rpy) ? NULL : origin->rpy, 3}};
+        mukca_export_put_tag(stream, &tag, changed, 2);
         return tag.at + tag.length;
     }
     start += strspn(start, " \t\r\n"); /* after the white space that follows the joint's tag */

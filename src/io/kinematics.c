@@ -18,10 +18,9 @@ enum { LARGEST_FILE = 1 << 20 };
 /* Differences from the URDF beyond the manufacturing tolerance of any arm: m, rad. */
 static const double most_shift = 0.02, most_turn = 0.1;
 
-const mukca_kinematics_layout mukca_kinematics_layouts[3] = {
-    {.name = "Universal Robots", .root = "kinematics"},
-    {.name = "Franka", .inner = "kinematic"},
-    {.name = "UFACTORY", .root = "kinematics"}};
+const mukca_kinematics_layout mukca_kinematics_ur = {"Universal Robots", "kinematics", NULL};
+const mukca_kinematics_layout mukca_kinematics_franka = {"Franka", NULL, "kinematic"};
+const mukca_kinematics_layout mukca_kinematics_ufactory = {"UFACTORY", "kinematics", NULL};
 
 typedef struct {
     mukca_kinematics *to;
@@ -155,9 +154,9 @@ static void parse(reader *r, const char *text, size_t size)
 /* Link names indicate Universal Robots' layout, an inner mapping Franka's. */
 static const mukca_kinematics_layout *find_layout(const mukca_kinematics *k, bool inner)
 {
-    if (inner) return &mukca_kinematics_layouts[1];
+    if (inner) return &mukca_kinematics_franka;
     const bool links = k->hash[0] || (k->n > 0 && strncmp(k->entry[0].name, "joint", 5) != 0);
-    return &mukca_kinematics_layouts[links ? 0 : 2];
+    return links ? &mukca_kinematics_ur : &mukca_kinematics_ufactory;
 }
 
 mukca_status mukca_kinematics_read(mukca_kinematics *kinematics, const char *path,

@@ -11,7 +11,8 @@ typedef struct {
     const char *name, *root, *inner;
 } mukca_kinematics_layout;
 
-extern const mukca_kinematics_layout mukca_kinematics_layouts[3]; /* UR, Franka, UFACTORY */
+extern const mukca_kinematics_layout mukca_kinematics_ur, mukca_kinematics_franka,
+    mukca_kinematics_ufactory;
 
 typedef struct {
     char name[MUKCA_NAME_SIZE];

@@ -148,7 +148,7 @@ static bool is_linear(const mukca_chain *chain, int joint)
 mukca_program_line mukca_language_read(mukca_program_target *t, const mukca_language *l,
                                        const mukca_chain *chain, const char *line)
 {
-    char joints[PATTERN], pattern[PATTERN + 32];
+    char joints[PATTERN] = "", pattern[PATTERN + 32];
     mukca_text text = MUKCA_TEXT(joints);
     number_list found = {0};
     joint_pattern(&text, l, chain);

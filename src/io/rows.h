@@ -96,6 +96,7 @@ typedef struct {
         double number[MUKCA_COLUMNS][MUKCA_MAX_JOINTS]; /* the same */
     };
 } mukca_row;
+_Static_assert(MUKCA_MAX_JOINTS >= 4, "a member has room for a quaternion");
 
 /* Open a table and find the chain's joints, or the poses, in its header.  A joint without a column
  * is an error, an unknown column is noted.  `chain` must outlive the rows. */

@@ -22,8 +22,12 @@ typedef struct {
 } member;
 
 #define TYPE(type) \
-    _Generic((type *)NULL, int64_t *: MUKCA_LCM_INT64, int *: MUKCA_LCM_INT32, double *: MUKCA_LCM_DOUBLE, \
-             bool *: MUKCA_LCM_BOOLEAN, const char **: MUKCA_LCM_STRING)
+    _Generic((type *)NULL,             \
+        int64_t *: MUKCA_LCM_INT64,    \
+        int *: MUKCA_LCM_INT32,        \
+        double *: MUKCA_LCM_DOUBLE,    \
+        bool *: MUKCA_LCM_BOOLEAN,     \
+        const char **: MUKCA_LCM_STRING)
 #define ONE(of, type, name) {offsetof(of, name), sizeof(type), TYPE(type), 0},
 #define MANY(of, type, name, capacity) {offsetof(of, name), sizeof(type), TYPE(type), capacity},
 #define MEMBERS(channel, name, fingerprint)  \

@@ -83,7 +83,7 @@ check "mukca-formats.5 describes every export format" "$(
     "$MUKCA" help export | sed -n 's/^  \([a-z]*\) (\..*/\1/p' | grep . | while read -r format; do
         grep -A1 '^\.TP' mukca-formats.5 | grep -qx ".B $format" || echo "$format"; done)"
 check "mukca-formats.5 describes every column of recordings" "$(
-    sed -n '/define MUKCA_COLUMN_LIST/,/^$/ s/.*"\(.*\)".*/\1/p' src/model/dataset.h | tr ' ' '\n' | grep . |
+    sed -n '/define MUKCA_COLUMN_LIST/,/^$/p' src/model/dataset.h | grep -o '"[^"]*"' | tr -d '"' | grep . |
         while read -r column; do grep -qwF -- "$column" mukca-formats.5 || echo "$column"; done)"
 for page in mukca.1 mukca-formats.5; do
     check "man reads $page without a complaint" "$(groff -man -Tutf8 -ww -z $page 2>&1)"
