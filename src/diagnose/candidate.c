@@ -154,8 +154,6 @@ int mukca_candidate_scales(double *scale, double *log_weight, const mukca_candid
     /* Rms of an unknown function of a joint, rad: arms often show 0.1 mrad, hardly ever 10. */
     static const double unknown[] = {0.1e-3, 0.3e-3, 1e-3, 3e-3, 10e-3};
     static const double frequency[] = {1, 0.5, 0.2, 0.1, 0.03};
-    /* Deflection of a joint, rad, that an arm's own weight rarely exceeds: 2 mm at the tip. */
-    const double most_deflection = 3e-3;
     const int class = mukca_candidate_class(h);
     double total = 0;
     int n = 0;
@@ -170,8 +168,7 @@ int mukca_candidate_scales(double *scale, double *log_weight, const mukca_candid
             mukca_candidate_site(h) == MUKCA_SITE_ANGLES ? 1 : h->unit[0]; /* see sizes */
         for (int i = 0; i < MUKCA_MAX_SIZES && sizes->sigma[i] > 0; i++) {
             const bool rare = i >= sizes->usual;
-            if (rare && sizes == &mukca_sizes_spring && sizes->sigma[i] * unit > most_deflection)
-                break;
+            if (rare && sizes->most > 0 && sizes->sigma[i] * unit > sizes->most) break;
             scale[n] = sizes->sigma[i] * unit;
             total += log_weight[n++] = rare ? MUKCA_RARE_SIZE : 1;
         }

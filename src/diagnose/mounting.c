@@ -21,13 +21,6 @@ static bool is_elastic(const mukca_cause *cause)
     return mukca_effect_has((int)cause->effect.kind, MUKCA_TRAIT_ELASTIC);
 }
 
-/* May elastic effects under another load imitate it?  Not if it moves sockets. */
-static bool has_load_as_rival(const mukca_cause *cause)
-{
-    const mukca_effect_site site = mukca_effect_table[cause->effect.kind]->site;
-    return site != MUKCA_SITE_SOCKET && site != MUKCA_SITE_DISTANCE;
-}
-
 /* Do elastic causes alone explain everything? */
 static bool all_elastic(const mukca_diagnosis *d)
 {
@@ -107,8 +100,9 @@ mukca_status mukca_mounting_compare(mukca_diagnosis *d, mukca_regression *m,
         memcpy(d->gravity, turned->gravity, sizeof d->gravity);
     }
     if (isfinite(best)) {
-        for (int i = 0; i < d->n_causes; i++)
-            if (has_load_as_rival(&d->causes[i])) mukca_cause_doubt(&d->causes[i]);
+        for (int i = 0; i < d->n_causes; i++) /* elastic effects under another load imitate it */
+            if (!mukca_effect_has((int)d->causes[i].effect.kind, MUKCA_TRAIT_RECORDING_FAULT))
+                mukca_cause_doubt(&d->causes[i]);
         if (d->verdict == MUKCA_VERDICT_NAMED) d->verdict = MUKCA_VERDICT_TIED;
     }
     return status;

@@ -71,13 +71,13 @@ enum { MUKCA_MAX_SIZES = 8 };
 typedef struct {
     int usual;
     double sigma[MUKCA_MAX_SIZES];
+    double most; /* of the others: largest rms rotation in a recording, rad; 0: any */
 } mukca_effect_sizes;
 
 #define MUKCA_RARE_SIZE 0.01
 
 /* Sizes common to several effects. */
-extern const mukca_effect_sizes mukca_sizes_spring, mukca_sizes_backlash, mukca_sizes_angle,
-    mukca_sizes_wobble, mukca_sizes_ripple, mukca_sizes_zero, mukca_sizes_ball, mukca_sizes_socket;
+extern const mukca_effect_sizes mukca_sizes_spring, mukca_sizes_angle, mukca_sizes_socket;
 
 /* Argument of a basis. */
 typedef struct {

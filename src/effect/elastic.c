@@ -91,7 +91,8 @@ const mukca_effect_ops mukca_base_compliance_effect = {
 
 /* rad/(N m): the reciprocal of the position gain.  Industrial drives have integral action and are
  * accurate to the encoder's resolution; users of cheap arms report 30 mrad at a few N m. */
-static const mukca_effect_sizes sizes = {4, {30e-6, 100e-6, 300e-6, 1e-3, 3e-3, 10e-3}};
+static const mukca_effect_sizes sizes = {.usual = 4,
+                                         .sigma = {30e-6, 100e-6, 300e-6, 1e-3, 3e-3, 10e-3}};
 
 static bool candidate(mukca_effect *effect, const mukca_effect_survey *survey, int i)
 {

@@ -189,8 +189,12 @@ static bool harmonic_candidate(mukca_effect *effect, const mukca_effect_survey *
            effect->variant.order <= MUKCA_LONG_ORDER;
 }
 
+/* rad: makers state a transmission accuracy of 0.5 to 2 arcmin for strain wave gears. */
+static const mukca_effect_sizes ripple_sizes = {
+    .usual = 4, .sigma = {0.03e-3, 0.1e-3, 0.3e-3, 1e-3, 3e-3, 10e-3}};
+
 const mukca_effect_ops mukca_gear_harmonic_effect = {
-    .sizes = &mukca_sizes_ripple,
+    .sizes = &ripple_sizes,
     .info = {.name = "gear_harmonic",
              .title = "transmission ripple",
              .site = MUKCA_SITE_ANGLE,

@@ -12,7 +12,6 @@ static void zero_basis(double basis[][3], const mukca_basis_input *in)
 }
 
 const mukca_effect_ops mukca_zero_jump_effect = {
-    .sizes = &mukca_sizes_zero,
     .info = {.name = "zero_jump",
              .title = "zero jump",
              .site = MUKCA_SITE_ANGLE,
@@ -29,13 +28,16 @@ const mukca_effect_ops mukca_zero_jump_effect = {
         "indistinguishable from a rotation of the placement; only a tracker can detect it",
 };
 
+/* m: a ball in its holder. */
+static const mukca_effect_sizes ball_sizes = {.usual = 3, .sigma = {0.05e-3, 0.2e-3, 1e-3}};
+
 static void shift_basis(double basis[][3], const mukca_basis_input *in)
 {
     for (int i = 0; i < 3; i++) basis[i][i] = acts(in);
 }
 
 const mukca_effect_ops mukca_ball_shift_effect = {
-    .sizes = &mukca_sizes_ball,
+    .sizes = &ball_sizes,
     .info = {.name = "ball_shift",
              .title = "ball shift",
              .site = MUKCA_SITE_TIP,

@@ -48,28 +48,15 @@ bool mukca_survey_loads(const mukca_effect_survey *survey, int joint)
 /* rad/(N m).  Torsional stiffness from makers' catalogues of strain wave gears: size 32 some 15,
  * size 25 some 32, size 14 some 210, size 11 some 450 urad/(N m).  Fits of published arms: Panda
  * joints 2 and 3 some 20, link bending before them 30 to 40, UR5 base 34, IRB 120 base 66, iiwa 7
- * joint 2 some 73.  Rare sizes: small wrists and printed arms. */
-const mukca_effect_sizes mukca_sizes_spring = {4,
-                                               {10e-6, 30e-6, 100e-6, 300e-6, 1e-3, 3e-3, 10e-3}};
-
-/* rad: strain wave gears below 1 arcmin (0.3 mrad), planetary ones up to 10 arcmin. */
-const mukca_effect_sizes mukca_sizes_backlash = {4, {0.1e-3, 0.3e-3, 1e-3, 3e-3, 10e-3}};
+ * joint 2 some 73.  Rare sizes: small wrists and printed arms.  An arm's own weight rarely deflects
+ * a joint by more than 2 mm at the tip. */
+const mukca_effect_sizes mukca_sizes_spring = {
+    .usual = 4, .sigma = {10e-6, 30e-6, 100e-6, 300e-6, 1e-3, 3e-3, 10e-3}, .most = 3e-3};
 
 /* rad, or rad per rad: an encoder disk of 20 mm radius with an eccentricity of 2 to 60 um has an
- * error of 0.1 to 3 mrad. */
-const mukca_effect_sizes mukca_sizes_angle = {4, {0.1e-3, 0.3e-3, 1e-3, 3e-3, 10e-3}};
-
-/* rad: a pair of bearings 50 mm apart with 5 to 150 um of run-out. */
-const mukca_effect_sizes mukca_sizes_wobble = {3, {0.1e-3, 0.3e-3, 1e-3, 3e-3}};
-
-/* rad: makers state a transmission accuracy of 0.5 to 2 arcmin for strain wave gears. */
-const mukca_effect_sizes mukca_sizes_ripple = {4, {0.03e-3, 0.1e-3, 0.3e-3, 1e-3, 3e-3, 10e-3}};
-
-/* rad: from a nudge to a wrong homing. */
-const mukca_effect_sizes mukca_sizes_zero = {4, {0.1e-3, 0.3e-3, 1e-3, 3e-3, 10e-3}};
-
-/* m: a ball in its holder. */
-const mukca_effect_sizes mukca_sizes_ball = {3, {0.05e-3, 0.2e-3, 1e-3}};
+ * error of 0.1 to 3 mrad; a zero differs by a nudge to a wrong homing. */
+const mukca_effect_sizes mukca_sizes_angle = {.usual = 4,
+                                              .sigma = {0.1e-3, 0.3e-3, 1e-3, 3e-3, 10e-3}};
 
 /* m: a socket, from a nudge to a wrong label. */
-const mukca_effect_sizes mukca_sizes_socket = {4, {0.2e-3, 1e-3, 5e-3, 20e-3}};
+const mukca_effect_sizes mukca_sizes_socket = {.usual = 4, .sigma = {0.2e-3, 1e-3, 5e-3, 20e-3}};

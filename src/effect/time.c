@@ -137,7 +137,6 @@ static bool lag_candidate(mukca_effect *effect, const mukca_effect_survey *surve
 }
 
 const mukca_effect_ops mukca_readback_lag_effect = {
-    .sizes = &mukca_sizes_zero,
     .info = {.name = "readback_lag",
              .title = "readback lag",
              .site = MUKCA_SITE_ANGLES,

@@ -104,8 +104,11 @@ static bool wobble_candidate(mukca_effect *effect, const mukca_effect_survey *su
     return true;
 }
 
+/* rad: a pair of bearings 50 mm apart with 5 to 150 um of run-out. */
+static const mukca_effect_sizes sizes = {.usual = 3, .sigma = {0.1e-3, 0.3e-3, 1e-3, 3e-3}};
+
 const mukca_effect_ops mukca_axis_wobble_effect = {
-    .sizes = &mukca_sizes_wobble,
+    .sizes = &sizes,
     .info = {.name = "axis_wobble",
              .title = "axis wobble",
              .site = MUKCA_SITE_ROTATION,
