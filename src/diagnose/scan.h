@@ -16,10 +16,10 @@ enum { MUKCA_SCAN_WIDTH = 120 }; /* columns processed together */
 typedef struct {
     int n, width, at[MUKCA_SCAN_WIDTH]; /* first columns */
     const mukca_candidate *member[MUKCA_SCAN_WIDTH];
-    double *E, *W;        /* [dim * n_samples] columns; whitened */
-    double *mean, *along; /* of the sockets; of the distances */
-    double *C, *T, *g;    /* X'E; L^-1 D X'E; projected products with the residual */
-    double *near;         /* products of each column with the next ones */
+    double *E, *W;     /* [dim * n_samples] columns; [n_rows] whitened, as `white` */
+    double *mean;      /* of the sockets */
+    double *C, *T, *g; /* X'E; L^-1 D X'E; projected products with the residual */
+    double *near;      /* products of each column with the next ones */
 } mukca_scan_batch;
 
 typedef struct {
@@ -27,11 +27,12 @@ typedef struct {
     mukca_candidates *all;
     /* the model that is projected out: geometry and the present causes */
     const mukca_normal_equations *normal;
-    const double *white; /* its whitened columns */
-    int n, dof;
+    const double *white; /* its whitened columns; a row for each coordinate of a sample, then one
+                            for each pair of sockets, also in units of sigma */
+    int n_rows, n, dof;
     double precision, residual; /* 1 / sigma^2; squared residual in units of the noise */
     double evidence;            /* log evidence, with the scale of the noise at its maximum */
-    double *z, *prior, *inverse, *distance; /* [n], [n], [n_pairs], [n_pairs][n + 1] */
+    double *z, *prior, *link;   /* [n], [n], [n_pairs] sigma over that of the pair's row */
     mukca_scan_batch batch;
     mukca_mixture_scratch *scratch;
     double *value, *information; /* [capacity] log Bayes factors, and 1/rad^2 of a unit size */

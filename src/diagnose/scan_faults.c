@@ -40,7 +40,8 @@ static void fill(fault_sums *f, const double *u)
         }
         for (int p = 0; p < r->n_pairs; p++) {
             const double sign = (r->pairs[p].a == f->group) - (r->pairs[p].b == f->group),
-                         by = sign * s->inverse[p] * s->distance[p * (n + 1) + t];
+                         *pair = s->white + (r->n_samples * d + p) * (long)linear->stride,
+                         by = sign * s->precision * s->link[p] * pair[t];
             double v[6] = {0};
             if (!(by != 0)) continue;
             for (int c = 0; c < 3; c++) v[c] = by * linear->direction[p][c];
@@ -140,7 +141,8 @@ static void score(double *value, double *information, fault_sums *f, const mukca
         for (int b = 0; b < 3; b++)
             G[3 * a + b] = s->precision * G[3 * a + b] - dot4(T + a * n, T + b * n, n);
     for (int p = 0; p < r->n_pairs; p++) {
-        const double *direction = s->m->linear.direction[p], w = s->inverse[p] * mean * mean;
+        const double *direction = s->m->linear.direction[p],
+                     w = s->precision * pow(s->link[p] * mean, 2);
         if (r->pairs[p].a != f->group && r->pairs[p].b != f->group) continue;
         for (int a = 0; a < 3; a++)
             for (int b = 0; b < 3; b++) G[3 * a + b] += w * direction[a] * direction[b];

@@ -22,8 +22,7 @@ static bool residual_products(double *u, const mukca_scan *s)
     const mukca_whitening *w = &s->normal->whitening;
     const int n = s->n, d = r->dim, ld = linear->stride;
     mukca_pool pool = {0};
-    double *mean = MUKCA_TAKE(&pool, double, n + 1),
-           *white = MUKCA_TAKE(&pool, double, r->n_samples *d);
+    double *mean = MUKCA_TAKE(&pool, double, n + 1), *white = MUKCA_TAKE(&pool, double, s->n_rows);
     if (pool.failed) {
         mukca_pool_free(&pool);
         return false;
@@ -31,22 +30,19 @@ static bool residual_products(double *u, const mukca_scan *s)
     memcpy(mean, s->z, sizeof *mean * (size_t)n);
     mukca_dense_backward(mean, 1, s->m->evidence.factor, n);
     for (int t = 0; t < n; t++) mean[t] *= s->prior[t];
-    for (int i = 0; i < r->n_samples * d; i++) {
+    for (int i = 0; i < s->n_rows; i++) {
         const double *x = s->white + (size_t)i * (size_t)ld;
         white[i] = x[linear->y];
         for (int t = 0; t < n; t++) white[i] -= x[t] * mean[t];
         white[i] *= s->precision;
     }
     for (int p = 0; p < r->n_pairs; p++) {
-        const double *distance = s->distance + p * (n + 1);
-        double rest = distance[n];
-        for (int t = 0; t < n; t++) rest -= distance[t] * mean[t];
+        const double rest = s->link[p] * white[r->n_samples * d + p];
         for (int side = 0; side < 2; side++) {
             const int g = side ? r->pairs[p].b : r->pairs[p].a;
             const mukca_group *group = &r->groups[g];
             double x[6] = {0};
-            for (int c = 0; c < 3; c++)
-                x[c] = (side ? -1 : 1) * s->inverse[p] * rest * linear->direction[p][c];
+            for (int c = 0; c < 3; c++) x[c] = (side ? -1 : 1) * rest * linear->direction[p][c];
             mukca_whitening_solve(x, w, g, d);
             for (int i = group->start * d; i < (group->start + group->count) * d; i++)
                 for (int c = 0; c < d; c++) white[i] += w->one[i * d + c] * x[c];
