@@ -3,8 +3,6 @@
 
 #include <math.h>
 
-#include "diagnose/unlisted.h"
-
 /* Root of the summed squares of Gaussian bumps one width apart, pi^(1/4): divided by it, a function
  * with independent coefficients has their standard deviation. */
 #define BUMP_NORM 1.33

@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "diagnose/streams.h"
-#include "diagnose/unlisted.h"
 
 enum {
     LONGEST_BURST = 3,    /* successive postures with a badly seated ball */
