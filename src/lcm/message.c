@@ -34,14 +34,15 @@ static const member *members_of(mukca_message_kind message)
      offsetof(of, FIRST(__VA_ARGS__, ))},
 #define ARRAY(kind, name, most) {kind, true, most, offsetof(of, name)},
 #define MEMBERS(channel, name, fingerprint)                                      \
-    {                                                                            \
+    if (message == MUKCA_MESSAGE_##channel) {                                    \
         typedef mukca_message_##name of;                                         \
         static const member list[] = {                                           \
             MUKCA_MESSAGE_##channel##_MEMBERS(VALUES, ARRAY){END, false, 0, 0}}; \
-        if (message == MUKCA_MESSAGE_##channel) return list;                     \
+        return list;                                                             \
     }
+    static const member none = {.kind = END};
     MUKCA_MESSAGE_LIST(MEMBERS)
-    return NULL;
+    return &none;
 }
 
 /* Read n of the next arrays; false: out of range. */
