@@ -71,6 +71,7 @@ enum { MUKCA_CLASS_OUTLIER = MUKCA_EFFECT_COUNT, MUKCA_CLASS_UNKNOWN, MUKCA_CLAS
 typedef struct {
     mukca_candidate_kind kind;
     int joint, placement; /* that it acts on; -1: none or all */
+    bool as_one;          /* elastic: one coefficient for all masses */
     union {
         mukca_effect effect;        /* EFFECT: joint and placement as above */
         struct {                    /* MOTION, OUTLIER */
