@@ -94,17 +94,7 @@ MUKCA_CLONES static void add_near(double *near, const double *x, int rows, int w
     }
 }
 
-/* The same for the whole batch, after the projection. */
-static void find_near(const mukca_scan *s)
-{
-    const mukca_scan_batch *b = &s->batch;
-    const int width = (b->width + 7) & ~7;
-    memset(b->near, 0, sizeof *b->near * NEAR * LD);
-    add_near(b->near, b->W, s->n_rows, width, s->precision);
-    add_near(b->near, b->T, s->n, width, -1);
-}
-
-/* C := X'E, and y'E behind it; T and g of the batch. */
+/* C := X'E, and y'E behind it; T, g and near of the batch. */
 static void project(mukca_scan *s)
 {
     const mukca_recording *r = &s->m->recording;
@@ -134,7 +124,9 @@ static void project(mukca_scan *s)
     mukca_dense_forward8(b->T, width, LD, s->m->evidence.factor, n);
     for (int t = 0; t < n; t++)
         for (int k = 0; k < width; k++) b->g[k] -= b->T[t * LD + k] * s->z[t];
-    find_near(s);
+    memset(b->near, 0, sizeof *b->near * NEAR * LD);
+    add_near(b->near, b->W, s->n_rows, width, s->precision);
+    add_near(b->near, b->T, n, width, -1);
 }
 
 /* G[k][k] of the k columns of a member of the batch; returns k. */
