@@ -55,8 +55,9 @@ void mukca_scan_score(double *value, double *information, mukca_scan *scan,
 
 /* Score all faults among the candidates; u[n_samples][dim]: products of the residual with columns
  * that are not whitened.  A fault's columns are 0 but in a range of samples, and the same for each
- * coordinate: sums over these samples replace products with all columns.  False: no memory. */
-bool mukca_scan_faults(mukca_scan *scan, const double *u);
+ * coordinate: sums over these samples replace products with all columns.  Scratch comes from
+ * `pool`.  False: no memory. */
+bool mukca_scan_faults(mukca_scan *scan, mukca_pool *pool, const double *u);
 
 /* Columns of candidates index[n] as a question for the search among sets; memory from `pool`.
  * False: no memory. */
