@@ -279,12 +279,12 @@ mukca_status cli_check_moving(cli_call *call, const mukca_dataset *d, bool postu
             same &= postures ? posture[i] == posture[first] : memcmp(q, p, n * sizeof *q) == 0;
         }
         if (same && rows > 2)
-            return cli_fail(call, MUKCA_UNIDENTIFIABLE,
-                            "placement '%s', socket '%s': all %d samples have the same joint "
-                            "angles; %s",
-                            d->placements[d->sockets[s].placement].name, d->sockets[s].label, rows,
-                            postures ? "record other postures"
-                                     : "the stream had stopped, record them again");
+            return cli_fail(
+                call, MUKCA_UNIDENTIFIABLE,
+                "placement '%s', socket '%s': all %d samples have the same joint "
+                "angles; %s",
+                d->placements[d->sockets[s].placement].name, d->sockets[s].label, rows,
+                postures ? "record other postures" : "the stream had stopped, record them again");
     }
     return MUKCA_OK;
 }

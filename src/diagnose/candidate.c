@@ -3,8 +3,6 @@
 
 #include <math.h>
 
-#include "diagnose/unlisted.h"
-
 /* Root of the summed squares of Gaussian bumps one width apart, pi^(1/4): divided by it, a function
  * with independent coefficients has their standard deviation. */
 #define BUMP_NORM 1.33
@@ -344,7 +342,7 @@ static void set_shape(mukca_candidate *h, const mukca_recording *recording)
                            : site == MUKCA_SITE_ANGLES ? recording->chain->n_joints
                                                        : 3;
         h->terms = h->effect.terms = mukca_effect_terms(&h->effect);
-        if (is_elastic(h) && recording->options.mass_spread > 0 && recording->n_bodies > 0)
+        if (is_elastic(h) && !h->as_one && recording->options.mass_spread > 0)
             h->terms = 1 + recording->n_bodies;
     } else if (h->kind == MUKCA_CANDIDATE_OWN_ANGLE) {
         mukca_recording_range(range, recording, recording->q, recording->chain->n_joints, h->joint);

@@ -71,6 +71,7 @@ enum { MUKCA_CLASS_OUTLIER = MUKCA_EFFECT_COUNT, MUKCA_CLASS_UNKNOWN, MUKCA_CLAS
 typedef struct {
     mukca_candidate_kind kind;
     int joint, placement; /* that it acts on; -1: none or all */
+    bool as_one;          /* elastic: one coefficient for all masses */
     union {
         mukca_effect effect;        /* EFFECT: joint and placement as above */
         struct {                    /* MOTION, OUTLIER */
@@ -145,6 +146,13 @@ int mukca_candidate_key(const mukca_candidate *candidate);
 /* Fill terms, basis and units of a candidate; the other members are set.  False: no memory. */
 bool mukca_candidate_prepare(mukca_candidate *candidate, mukca_pool *pool,
                              const mukca_recording *recording);
+
+/* Of unlisted candidates (unlisted.c): number of terms, basis, and columns out[3][ld], 3 wide, of a
+ * TILT for the frame R[9] of the tip. */
+int mukca_unlisted_terms(const mukca_candidate *candidate);
+void mukca_unlisted_fill(const mukca_candidate *candidate, const mukca_recording *recording);
+void mukca_unlisted_tilt(double *out, int ld, const mukca_candidate *candidate, const double *R,
+                         const double gravity[3]);
 
 /* Recompute the basis of a prepared candidate, for other angles of the same recording. */
 void mukca_candidate_fill(const mukca_candidate *candidate, const mukca_recording *recording);

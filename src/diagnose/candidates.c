@@ -4,8 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "diagnose/streams.h"
-#include "diagnose/unlisted.h"
+#include "diagnose/logs.h"
 
 enum {
     LONGEST_BURST = 3,    /* successive postures with a badly seated ball */

@@ -9,7 +9,6 @@
 #include "diagnose/held_out.h"
 #include "diagnose/identify.h"
 #include "diagnose/logs.h"
-#include "diagnose/streams.h"
 #include "fit/align.h"
 #include "math/stats.h"
 

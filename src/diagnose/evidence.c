@@ -37,7 +37,7 @@ bool mukca_evidence_create(mukca_evidence *evidence, mukca_pool *pool,
 {
     const int capacity = mukca_unknowns_capacity(unknowns), size = capacity + 1;
     const int pairs = recording->data->n_distances + 1, rows = recording->data->n_rows;
-    const size_t whole = (size_t)(rows * recording->dim) * (size_t)size;
+    const size_t whole = (size_t)(rows * recording->dim + pairs) * (size_t)size;
     evidence->n_noises = recording->repeats ? MUKCA_NOISES : INDEPENDENT_POSTURES;
     evidence->ratio = 1;
     for (int i = 0; i < evidence->n_noises; i++) {

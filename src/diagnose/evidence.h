@@ -29,7 +29,7 @@ typedef struct {
     double *shape[2]; /* [n_samples][dim][dim] factors of these covariances */
     unsigned shaped;  /* version of the linearisation of `shape`, 0: none */
     mukca_normal_equations normal[MUKCA_NOISES];
-    struct { /* whitened stored columns of one family, [n_samples][dim][stride] */
+    struct { /* whitened stored columns of one family, [n_samples][dim][stride], and n_pairs rows */
         const mukca_normal_equations *of;
         unsigned version; /* of the linearisation */
         double *x, *mean; /* mean[n_blocks][dim][stride] */

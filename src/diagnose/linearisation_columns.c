@@ -3,7 +3,6 @@
 
 #include "base/clones.h"
 #include "diagnose/linearisation.h"
-#include "diagnose/unlisted.h"
 #include "math/four.h"
 
 /* Levers of a candidate's terms at sample 0, and steps to those of the next sample, coordinate,

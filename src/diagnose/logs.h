@@ -1,4 +1,5 @@
-/* Pose logs diagnosed together: which of their frames are per log. */
+/* Compared before the diagnosis: pose logs, of which some frames are per log; commanded and read
+ * angles of one recording. */
 #ifndef MUKCA_DIAGNOSE_LOGS_H
 #define MUKCA_DIAGNOSE_LOGS_H
 
@@ -21,5 +22,16 @@ int mukca_logs_match(mukca_regression *test, const mukca_regression *training);
 /* Set the target offsets of the logs from `first` on: the mean of the measurements in the tip frame
  * of the present arm. */
 void mukca_logs_place_targets(mukca_regression *test, int first);
+
+/* ---- streams.c ---- */
+
+/* Compare the angles joint by joint: regression of the difference on the gravity torque.  `streams`
+ * stays empty if the recording has only one of them. */
+void mukca_streams_compare(mukca_streams *streams, const mukca_recording *recording);
+
+/* Noise of a fit of the geometry to each stream.  Errors: MUKCA_MEMORY. */
+mukca_status mukca_streams_fit(mukca_streams *streams, const mukca_recording_options *options,
+                               const mukca_chain *chain, const mukca_dataset *data,
+                               mukca_error *error);
 
 #endif

@@ -32,12 +32,10 @@ bool mukca_scan_create(mukca_scan *s, mukca_pool *pool, mukca_regression *m, muk
         .all = all,
         .z = MUKCA_TAKE(pool, double, n),
         .prior = MUKCA_TAKE(pool, double, n),
-        .inverse = MUKCA_TAKE(pool, double, pairs),
-        .distance = MUKCA_TAKE(pool, double, pairs *n),
+        .link = MUKCA_TAKE(pool, double, pairs),
         .batch = {.E = MUKCA_TAKE(pool, double, rows *LD),
-                  .W = MUKCA_TAKE(pool, double, rows *LD + NEAR), /* read beyond the last column */
+                  .W = MUKCA_TAKE(pool, double, (rows + pairs) * LD + NEAR), /* read beyond */
                   .mean = MUKCA_TAKE(pool, double, (r->data->n_sockets + 2) * r->dim * LD),
-                  .along = MUKCA_TAKE(pool, double, pairs *LD + NEAR),
                   .C = MUKCA_TAKE(pool, double, n *LD),
                   .T = MUKCA_TAKE(pool, double, n *LD + NEAR),
                   .g = MUKCA_TAKE(pool, double, LD),
@@ -68,12 +66,15 @@ bool mukca_scan_aim(mukca_scan *s, int family)
     s->evidence = value + 0.5 * s->residual - 0.5 * s->dof * (log(s->residual / s->dof) + 1);
     memcpy(s->z, evidence->posterior.work, sizeof *s->z * (size_t)n);
     memcpy(s->prior, evidence->posterior.prior, sizeof *s->prior * (size_t)n);
+    s->n_rows = m->recording.n_samples * m->recording.dim + normal->n_pairs;
     for (int p = 0; p < normal->n_pairs; p++) {
-        s->inverse[p] = 1 / (normal->distance_sigma * normal->distance_sigma +
-                             sigma * sigma * normal->variance[p]);
-        const double *row = normal->all_distance + p * normal->stride;
-        memcpy(s->distance + p * (n + 1), row, sizeof *row * (size_t)n);
-        s->distance[p * (n + 1) + n] = row[normal->stride - 1];
+        const double variance =
+            normal->distance_sigma * normal->distance_sigma + sigma * sigma * normal->variance[p];
+        const double *distance = normal->all_distance + p * normal->stride;
+        double *x = evidence->white.x + (s->n_rows - normal->n_pairs + p) * (long)m->linear.stride;
+        s->link[p] = sigma / sqrt(variance);
+        for (int t = 0; t < n; t++) x[t] = s->link[p] * distance[t];
+        x[m->linear.y] = s->link[p] * distance[normal->stride - 1];
     }
     return isfinite(value);
 }
@@ -93,60 +94,46 @@ MUKCA_CLONES static void add_near(double *near, const double *x, int rows, int w
     }
 }
 
-/* The same for the whole batch, after the projection. */
-static void find_near(const mukca_scan *s)
-{
-    const mukca_recording *r = &s->m->recording;
-    const mukca_scan_batch *b = &s->batch;
-    const int width = (b->width + 7) & ~7;
-    memset(b->near, 0, sizeof *b->near * NEAR * LD);
-    add_near(b->near, b->W, r->n_samples * r->dim, width, s->precision);
-    add_near(b->near, b->T, s->n, width, -1);
-    for (int p = 0; p < r->n_pairs; p++)
-        add_near(b->near, b->along + p * LD, 1, width, s->inverse[p]);
-}
-
-/* C := X'E, and y'E behind it; T and g of the batch. */
+/* C := X'E, and y'E behind it; T, g and near of the batch. */
 static void project(mukca_scan *s)
 {
     const mukca_recording *r = &s->m->recording;
     const mukca_linearisation *linear = &s->m->linear;
     const mukca_scan_batch *b = &s->batch;
-    const int width = (b->width + 7) & ~7, n = s->n, ld = linear->stride,
-              rows = r->n_samples * r->dim;
+    const int width = (b->width + 7) & ~7, n = s->n, ld = linear->stride;
     const mukca_columns E = {b->W, width, LD};
-    memset(b->along, 0, sizeof *b->along * (size_t)(r->n_pairs * LD));
+    double *along = b->W + (size_t)(s->n_rows - r->n_pairs) * LD;
+    memset(along, 0, sizeof *along * (size_t)(r->n_pairs * LD));
     mukca_whitening_apply(
         &(mukca_whitened){.n = b->width, .ld = LD, .x = b->E, .white = b->W, .mean = b->mean},
         &s->normal->whitening, &r->samples);
-    mukca_evidence_along(b->along, b->mean, b->width, LD, r, linear);
-    for (int e = 0; e < b->n; e++)
-        for (int p = 0; p < r->n_pairs; p++)
-            if (mukca_candidate_changes_pair(b->member[e], r, p)) b->along[p * LD + b->at[e]] = -1;
+    mukca_evidence_along(along, b->mean, b->width, LD, r, linear);
+    for (int p = 0; p < r->n_pairs; p++, along += LD) {
+        for (int e = 0; e < b->n; e++)
+            if (mukca_candidate_changes_pair(b->member[e], r, p)) along[b->at[e]] = -1;
+        for (int k = 0; k < width; k++) along[k] *= s->link[p];
+    }
     memset(b->C, 0, sizeof *b->C * (size_t)((n + 1) * width));
-    mukca_dense_xty(b->C, (mukca_columns){s->white, n, ld}, E, rows);
-    mukca_dense_xty(b->C + n * width, (mukca_columns){s->white + linear->y, 1, ld}, E, rows);
+    mukca_dense_xty(b->C, (mukca_columns){s->white, n, ld}, E, s->n_rows);
+    mukca_dense_xty(b->C + n * width, (mukca_columns){s->white + linear->y, 1, ld}, E, s->n_rows);
     for (int t = 0; t <= n; t++) {
         double *out = t < n ? b->T + t * LD : b->g;
         const double *C = b->C + t * width, by = t < n ? s->prior[t] : 1;
         for (int k = 0; k < width; k++) out[k] = by * s->precision * C[k];
-        for (int p = 0; p < r->n_pairs; p++) {
-            const double w = by * s->inverse[p] * s->distance[p * (n + 1) + t];
-            for (int k = 0; k < width && w != 0; k++) out[k] += w * b->along[p * LD + k];
-        }
     }
     mukca_dense_forward8(b->T, width, LD, s->m->evidence.posterior.factor, n);
     for (int t = 0; t < n; t++)
         for (int k = 0; k < width; k++) b->g[k] -= b->T[t * LD + k] * s->z[t];
-    find_near(s);
+    memset(b->near, 0, sizeof *b->near * NEAR * LD);
+    add_near(b->near, b->W, s->n_rows, width, s->precision);
+    add_near(b->near, b->T, n, width, -1);
 }
 
 /* G[k][k] of the k columns of a member of the batch; returns k. */
 static int gram_of(double *G, const mukca_scan *s, int member)
 {
-    const mukca_recording *r = &s->m->recording;
     const mukca_scan_batch *b = &s->batch;
-    const int rows = r->n_samples * r->dim, k = b->member[member]->terms, at = b->at[member];
+    const int k = b->member[member]->terms, at = b->at[member];
     for (int a = 0; a < k && k <= NEAR; a++)
         for (int c = 0; c <= a; c++) G[a * k + c] = G[c * k + a] = b->near[(a - c) * LD + at + c];
     if (k <= NEAR) return k;
@@ -154,14 +141,9 @@ static int gram_of(double *G, const mukca_scan *s, int member)
     double *explained = s->scratch->B;
     memset(G, 0, sizeof *G * (size_t)(k * k));
     memset(explained, 0, sizeof *G * (size_t)(k * k));
-    mukca_dense_symmetric(G, w, w, rows);
+    mukca_dense_symmetric(G, w, w, s->n_rows);
     mukca_dense_symmetric(explained, t, t, s->n);
     for (int a = 0; a < k * k; a++) G[a] = s->precision * G[a] - explained[a];
-    for (int p = 0; p < r->n_pairs; p++) {
-        const double *x = b->along + p * LD + at;
-        for (int a = 0; a < k; a++)
-            for (int c = 0; c < k; c++) G[a * k + c] += s->inverse[p] * x[a] * x[c];
-    }
     return k;
 }
 
@@ -221,11 +203,9 @@ void mukca_scan_score(double *value, double *information, mukca_scan *s,
 bool mukca_scan_question(mukca_question *question, mukca_scan *s, mukca_pool *pool,
                          const int *index, int n)
 {
-    const mukca_recording *r = &s->m->recording;
-    const int rows = r->n_samples * r->dim, pairs = r->n_pairs;
     int columns = 0, width = 0, squares = 0, at = 0;
     for (int i = 0; i < n; i++) columns += s->all->list[index[i]].terms;
-    const int stride = ((columns + 7) | 8) & ~7, all = rows + pairs + s->n;
+    const int stride = ((columns + 7) | 8) & ~7, all = s->n_rows + s->n;
     mukca_item *item = MUKCA_TAKE(pool, mukca_item, n + 1);
     for (int i = 0; i < n; i++)
         squares += s->all->list[index[i]].terms * s->all->list[index[i]].terms;
@@ -256,12 +236,9 @@ bool mukca_scan_question(mukca_question *question, mukca_scan *s, mukca_pool *po
         }
         for (int row = 0; row < all; row++) {
             double *out = E + (size_t)row * (size_t)stride + width;
-            const double *in = row < rows           ? b->W + row * LD
-                               : row < rows + pairs ? b->along + (row - rows) * LD
-                                                    : b->T + (row - rows - pairs) * LD,
-                         by = row < rows           ? root
-                              : row < rows + pairs ? sqrt(s->inverse[row - rows])
-                                                   : 1;
+            const bool sample = row < s->n_rows;
+            const double *in = sample ? b->W + row * LD : b->T + (row - s->n_rows) * LD,
+                         by = sample ? root : 1;
             for (int k = 0; k < b->width; k++) out[k] = by * in[k];
         }
         width += b->width;

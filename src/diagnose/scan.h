@@ -16,10 +16,10 @@ enum { MUKCA_SCAN_WIDTH = 120 }; /* columns processed together */
 typedef struct {
     int n, width, at[MUKCA_SCAN_WIDTH]; /* first columns */
     const mukca_candidate *member[MUKCA_SCAN_WIDTH];
-    double *E, *W;        /* [dim * n_samples] columns; whitened */
-    double *mean, *along; /* of the sockets; of the distances */
-    double *C, *T, *g;    /* X'E; L^-1 D X'E; projected products with the residual */
-    double *near;         /* products of each column with the next ones */
+    double *E, *W;     /* [dim * n_samples] columns; [n_rows] whitened, as `white` */
+    double *mean;      /* of the sockets */
+    double *C, *T, *g; /* X'E; L^-1 D X'E; projected products with the residual */
+    double *near;      /* products of each column with the next ones */
 } mukca_scan_batch;
 
 typedef struct {
@@ -27,11 +27,12 @@ typedef struct {
     mukca_candidates *all;
     /* the model that is projected out: geometry and the present causes */
     const mukca_normal_equations *normal;
-    const double *white; /* its whitened columns */
-    int n, dof;
+    const double *white; /* its whitened columns; a row for each coordinate of a sample, then one
+                            for each pair of sockets, also in units of sigma */
+    int n_rows, n, dof;
     double precision, residual; /* 1 / sigma^2; squared residual in units of the noise */
     double evidence;            /* log evidence, with the scale of the noise at its maximum */
-    double *z, *prior, *inverse, *distance; /* [n], [n], [n_pairs], [n_pairs][n + 1] */
+    double *z, *prior, *link;   /* [n], [n], [n_pairs] sigma over that of the pair's row */
     mukca_scan_batch batch;
     mukca_mixture_scratch *scratch;
     double *value, *information; /* [capacity] log Bayes factors, and 1/rad^2 of a unit size */
@@ -54,8 +55,9 @@ void mukca_scan_score(double *value, double *information, mukca_scan *scan,
 
 /* Score all faults among the candidates; u[n_samples][dim]: products of the residual with columns
  * that are not whitened.  A fault's columns are 0 but in a range of samples, and the same for each
- * coordinate: sums over these samples replace products with all columns.  False: no memory. */
-bool mukca_scan_faults(mukca_scan *scan, const double *u);
+ * coordinate: sums over these samples replace products with all columns.  Scratch comes from
+ * `pool`.  False: no memory. */
+bool mukca_scan_faults(mukca_scan *scan, mukca_pool *pool, const double *u);
 
 /* Columns of candidates index[n] as a question for the search among sets; memory from `pool`.
  * False: no memory. */

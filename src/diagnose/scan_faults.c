@@ -40,7 +40,8 @@ static void fill(fault_sums *f, const double *u)
         }
         for (int p = 0; p < r->n_pairs; p++) {
             const double sign = (r->pairs[p].a == f->group) - (r->pairs[p].b == f->group),
-                         by = sign * s->inverse[p] * s->distance[p * (n + 1) + t];
+                         *pair = s->white + (r->n_samples * d + p) * (long)linear->stride,
+                         by = sign * s->precision * s->link[p] * pair[t];
             double v[6] = {0};
             if (!(by != 0)) continue;
             for (int c = 0; c < 3; c++) v[c] = by * linear->direction[p][c];
@@ -140,7 +141,8 @@ static void score(double *value, double *information, fault_sums *f, const mukca
         for (int b = 0; b < 3; b++)
             G[3 * a + b] = s->precision * G[3 * a + b] - dot4(T + a * n, T + b * n, n);
     for (int p = 0; p < r->n_pairs; p++) {
-        const double *direction = s->m->linear.direction[p], w = s->inverse[p] * mean * mean;
+        const double *direction = s->m->linear.direction[p],
+                     w = s->precision * pow(s->link[p] * mean, 2);
         if (r->pairs[p].a != f->group && r->pairs[p].b != f->group) continue;
         for (int a = 0; a < 3; a++)
             for (int b = 0; b < 3; b++) G[3 * a + b] += w * direction[a] * direction[b];
@@ -150,35 +152,33 @@ static void score(double *value, double *information, fault_sums *f, const mukca
     *value = mukca_mixture_evidence(NULL, G, g, 3, &prior, s->residual, s->dof, s->scratch);
 }
 
-bool mukca_scan_faults(mukca_scan *s, const double *u)
+bool mukca_scan_faults(mukca_scan *s, mukca_pool *pool, const double *u)
 {
     const mukca_recording *r = &s->m->recording;
     const int d = r->dim, rows = r->n_samples * d;
-    mukca_pool pool = {0};
     mukca_samples scalars = r->samples;
     mukca_whitening plain;
     mukca_block block;
     fault_sums f = {.scan = s,
-                    .Z = MUKCA_TAKE(&pool, double, (size_t)(rows + 8) * (size_t)(s->n + 1)),
-                    .u = MUKCA_TAKE(&pool, double, rows),
-                    .x = MUKCA_TAKE(&pool, double, rows),
-                    .turned = MUKCA_TAKE(&pool, double, rows),
-                    .T = MUKCA_TAKE(&pool, double, 3 * (s->n + 1)),
-                    .share = MUKCA_TAKE(&pool, double, r->n_samples),
-                    .white = MUKCA_TAKE(&pool, double, r->n_samples),
+                    .Z = MUKCA_TAKE(pool, double, (size_t)(rows + 8) * (size_t)(s->n + 1)),
+                    .u = MUKCA_TAKE(pool, double, rows),
+                    .x = MUKCA_TAKE(pool, double, rows),
+                    .turned = MUKCA_TAKE(pool, double, rows),
+                    .T = MUKCA_TAKE(pool, double, 3 * (s->n + 1)),
+                    .share = MUKCA_TAKE(pool, double, r->n_samples),
+                    .white = MUKCA_TAKE(pool, double, r->n_samples),
                     .samples = {.n_samples = r->n_samples,
                                 .n_blocks = 1,
                                 .dim = 1,
                                 .block = &block,
                                 .next = r->samples.next,
                                 .readings = r->samples.readings}};
-    mukca_whitening_create(&plain, &pool, r->data->n_rows, r->data->n_sockets + 2, 1);
-    const bool ok = !pool.failed;
+    mukca_whitening_create(&plain, pool, r->data->n_rows, r->data->n_sockets + 2, 1);
+    if (pool->failed) return false;
     scalars.dim = 1;
-    if (ok)
-        mukca_whitening_set(&plain, &scalars, s->normal->whitening.family,
-                            (mukca_noise_shape){NULL, NULL}, NULL);
-    for (int g = 0; g < r->n_groups && ok; g++) {
+    mukca_whitening_set(&plain, &scalars, s->normal->whitening.family,
+                        (mukca_noise_shape){NULL, NULL}, NULL);
+    for (int g = 0; g < r->n_groups; g++) {
         const mukca_group *group = &r->groups[g];
         block = (mukca_block){group->start, group->count, group->socket >= 0};
         f.group = g;
@@ -198,6 +198,5 @@ bool mukca_scan_faults(mukca_scan *s, const double *u)
             score(&s->value[k], &s->information[k], &f, h);
         }
     }
-    mukca_pool_free(&pool);
-    return ok;
+    return true;
 }

@@ -13,47 +13,38 @@ enum { ADDED = 12 }; /* orders of a joint in one scan */
 /* Log odds below which an order is not listed. */
 #define LEAST_ODDS (-5)
 
-/* u[n_samples][dim]: products of the residual with columns that are not whitened.  Out of memory:
- * false. */
-static bool residual_products(double *u, const mukca_scan *s)
+/* u[n_samples][dim]: products of the residual with columns that are not whitened.  False: no
+ * memory. */
+static bool residual_products(double *u, mukca_pool *pool, const mukca_scan *s)
 {
     const mukca_recording *r = &s->m->recording;
     const mukca_linearisation *linear = &s->m->linear;
     const mukca_whitening *w = &s->normal->whitening;
     const int n = s->n, d = r->dim, ld = linear->stride;
-    mukca_pool pool = {0};
-    double *mean = MUKCA_TAKE(&pool, double, n + 1),
-           *white = MUKCA_TAKE(&pool, double, r->n_samples *d);
-    if (pool.failed) {
-        mukca_pool_free(&pool);
-        return false;
-    }
+    double *mean = MUKCA_TAKE(pool, double, n + 1), *white = MUKCA_TAKE(pool, double, s->n_rows);
+    if (pool->failed) return false;
     memcpy(mean, s->z, sizeof *mean * (size_t)n);
     mukca_dense_backward(mean, 1, s->m->evidence.posterior.factor, n);
     for (int t = 0; t < n; t++) mean[t] *= s->prior[t];
-    for (int i = 0; i < r->n_samples * d; i++) {
+    for (int i = 0; i < s->n_rows; i++) {
         const double *x = s->white + (size_t)i * (size_t)ld;
         white[i] = x[linear->y];
         for (int t = 0; t < n; t++) white[i] -= x[t] * mean[t];
         white[i] *= s->precision;
     }
     for (int p = 0; p < r->n_pairs; p++) {
-        const double *distance = s->distance + p * (n + 1);
-        double rest = distance[n];
-        for (int t = 0; t < n; t++) rest -= distance[t] * mean[t];
+        const double rest = s->link[p] * white[r->n_samples * d + p];
         for (int side = 0; side < 2; side++) {
             const int g = side ? r->pairs[p].b : r->pairs[p].a;
             const mukca_group *group = &r->groups[g];
             double x[6] = {0};
-            for (int c = 0; c < 3; c++)
-                x[c] = (side ? -1 : 1) * s->inverse[p] * rest * linear->direction[p][c];
+            for (int c = 0; c < 3; c++) x[c] = (side ? -1 : 1) * rest * linear->direction[p][c];
             mukca_whitening_solve(x, w, g, d);
             for (int i = group->start * d; i < (group->start + group->count) * d; i++)
                 for (int c = 0; c < d; c++) white[i] += w->one[i * d + c] * x[c];
         }
     }
     mukca_whitening_transpose(u, white, 1, 1, w, &r->samples);
-    mukca_pool_free(&pool);
     return true;
 }
 
@@ -157,19 +148,18 @@ static mukca_status add(mukca_scan *s, const mukca_effect *effect, double *odds,
 }
 
 /* Add the promising orders of periodic effects to the candidates. */
-static mukca_status add_orders(mukca_scan *s, const double *u, mukca_error *error)
+static mukca_status add_orders(mukca_scan *s, mukca_pool *pool, const double *u, mukca_error *error)
 {
     const mukca_recording *r = &s->m->recording;
     const int first = s->all->count, N = r->n_samples;
-    mukca_pool pool = {0};
     mukca_status status = MUKCA_OK;
     double odds[MUKCA_LAST_ORDER + 1];
     waves wave = {.n = N,
-                  .sine = MUKCA_TAKE(&pool, double, N),
-                  .cosine = MUKCA_TAKE(&pool, double, N),
-                  .first = MUKCA_TAKE(&pool, double, 2 * N),
-                  .along = MUKCA_TAKE(&pool, double, N)};
-    if (pool.failed) status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d samples", N);
+                  .sine = MUKCA_TAKE(pool, double, N),
+                  .cosine = MUKCA_TAKE(pool, double, N),
+                  .first = MUKCA_TAKE(pool, double, 2 * N),
+                  .along = MUKCA_TAKE(pool, double, N)};
+    if (pool->failed) status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d samples", N);
     for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++) {
         if (!mukca_effect_has(kind, MUKCA_TRAIT_ORDERS) || !s->all->enabled[kind]) continue;
         for (int j = 0; j < r->chain->n_joints && status == MUKCA_OK; j++) {
@@ -178,7 +168,6 @@ static mukca_status add_orders(mukca_scan *s, const double *u, mukca_error *erro
             if (guess(odds, &wave, s, effect.kind, j, u)) status = add(s, &effect, odds, error);
         }
     }
-    mukca_pool_free(&pool);
     if (status == MUKCA_OK)
         mukca_scan_score(s->value + first, s->information + first, s, s->all->list + first,
                          s->all->count - first);
@@ -193,10 +182,10 @@ mukca_status mukca_scan_run(mukca_scan *s, bool orders, mukca_error *error)
     double *u = MUKCA_TAKE(&pool, double, r->n_samples * r->dim);
     mukca_scan_score(s->value, s->information, s, all->list, all->count);
     mukca_status status = MUKCA_OK;
-    if (!u || !residual_products(u, s) || !mukca_scan_faults(s, u))
+    if (!u || !residual_products(u, &pool, s) || !mukca_scan_faults(s, &pool, u))
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory for the scores of %d candidates",
                             all->count);
-    if (status == MUKCA_OK && orders) status = add_orders(s, u, error);
+    if (status == MUKCA_OK && orders) status = add_orders(s, &pool, u, error);
     mukca_pool_free(&pool);
     return status;
 }

@@ -1,5 +1,5 @@
 /* Commanded and read angles of one recording, compared before any fit. */
-#include "diagnose/streams.h"
+#include "diagnose/logs.h"
 
 #include <math.h>
 

@@ -10,10 +10,10 @@
  * may be wrong for any reason: a single number distinguishes no causes.  They share the probability
  * of a name that they could replace.
  */
-#include "diagnose/unlisted.h"
-
 #include <math.h>
 #include <string.h>
+
+#include "diagnose/candidate.h"
 
 static int values_of(mukca_argument argument)
 {

@@ -30,6 +30,7 @@ static void strip(mukca_regression *m, int joint)
 static bool add(mukca_regression *m, const mukca_effect *effect)
 {
     mukca_candidate h = mukca_candidate_of(effect);
+    h.as_one = true;
     return mukca_candidate_prepare(&h, &m->pool, &m->recording) &&
            mukca_unknowns_add(&m->unknowns, &h);
 }
@@ -41,9 +42,7 @@ static bool add_elastic(mukca_regression *m, const elastic_prior *prior)
 {
     mukca_unknowns *u = &m->unknowns;
     const int n = m->recording.chain->n_joints;
-    const double spread = m->recording.options.mass_spread;
     bool ok = true;
-    m->recording.options.mass_spread = 0; /* one coefficient instead of a factor per mass */
     for (int i = 0; i < mukca_fleet_terms(n) && ok; i++) {
         const mukca_effect effect = mukca_fleet_term(i, n);
         const bool about_axis = mukca_effect_table[effect.kind]->site == MUKCA_SITE_ANGLE;
@@ -60,7 +59,6 @@ static bool add_elastic(mukca_regression *m, const elastic_prior *prior)
         cause->centre = cause->coefficient[0] = prior[i].mean;
         cause->scale = prior[i].sigma * cause->candidate.unit[0];
     }
-    m->recording.options.mass_spread = spread;
     return ok;
 }
 

@@ -240,7 +240,9 @@ static void expect(header *h, int column, int k)
                         rows->chain->element[rows->chain->joint_element[k]].type == MUKCA_PRISMATIC;
     if (!slides || of == 'j')
         mukca_table_expect(&h->rows->table, rows->column.number[column][k],
-                           of != 'j' ? of : slides ? 'l' : 'a');
+                           of != 'j' ? of
+                           : slides  ? 'l'
+                                     : 'a');
 }
 
 /* Find the columns of numbers but those of poses; commanded angles replace absent ones. */

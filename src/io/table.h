@@ -32,12 +32,12 @@ typedef struct {
     int row;       /* data rows read so far */
     int n_columns; /* 0 before the first row of a table without header */
     char delimiter;
-    bool cut_off;  /* the file does not end in a newline */
-    bool pending;  /* the first row was read by mukca_table_open */
-    char **header; /* [n_columns], or NULL */
-    char **cell;   /* [n_columns] of the current row */
+    bool cut_off;     /* the file does not end in a newline */
+    bool pending;     /* the first row was read by mukca_table_open */
+    char **header;    /* [n_columns], or NULL */
+    char **cell;      /* [n_columns] of the current row */
     mukca_unit *unit; /* [n_columns] stated in the header; or NULL */
-    bool *used;    /* [n_columns], columns asked for by mukca_table_use; or NULL */
+    bool *used;       /* [n_columns], columns asked for by mukca_table_use; or NULL */
     char *buffer, *header_buffer;
     char *names;    /* of --columns */
     char *comments; /* `#` lines before the header, as many as fit */

@@ -24,14 +24,14 @@ typedef struct {
 } mukca_distance;
 
 /* The columns of numbers in recordings: constant; member; numbers per sample, 0: one per joint;
- * what they are (mukca_unit; j: angle or length, by the joint); decimals written; names in files, or what follows a joint's.
- * mukca_column_table (dataset_subset.h) has them. */
-#define MUKCA_COLUMN_LIST(X)                                                                     \
+ * what they are (mukca_unit; j: angle or length, by the joint); decimals written; names in files,
+ * or what follows a joint's. mukca_column_table (dataset_subset.h) has them. */
+#define MUKCA_COLUMN_LIST(X)                                                                   \
     X(TIME, time, 1, 't', 3, "time_s")                                                         \
-    X(Q, q, 0, 'j', 12, "")                                 /* always present */                \
+    X(Q, q, 0, 'j', 12, "")                                /* always present */                \
     X(EFFORT, effort, 0, 'N', 6, ".effort")                /* N m */                           \
-    X(COMMAND, command, 0, 'j', 12, ".command")             /* commanded angle */               \
-    X(VELOCITY, velocity, 0, 'r', 9, ".velocity")           /* per second */                    \
+    X(COMMAND, command, 0, 'j', 12, ".command")            /* commanded angle */               \
+    X(VELOCITY, velocity, 0, 'r', 9, ".velocity")          /* per second */                    \
     X(PAYLOAD, payload, 1, 'm', 6, "payload_kg")           /* at the tip beyond the model */   \
     X(POSITION, position, 3, 'l', 12, "x_m", "y_m", "z_m") /* of the tip, NaN: not measured */ \
     X(QUATERNION, quaternion, 4, 0, 14, "qw", "qx", "qy", "qz") /* of the tip, likewise */

@@ -6,8 +6,7 @@
 #include <string.h>
 
 const mukca_column mukca_column_table[] = {
-#define ROW(constant, member, width, of, decimals, ...) \
-    {width, of, decimals, {__VA_ARGS__}},
+#define ROW(constant, member, width, of, decimals, ...) {width, of, decimals, {__VA_ARGS__}},
     MUKCA_COLUMN_LIST(ROW)
 #undef ROW
 };

@@ -170,7 +170,8 @@ static mukca_line_kind read_row(mukca_lcm_joints *joints, mukca_joint_lines *l, 
     for (int i = 0; i < n; i++) {
         double value;
         (void)read_cell(&value, l->cell[i]); /* the recorder checks the arm's joints */
-        good = good && put(joints, l, l->column[i], l->unit[i].factor > 0 ? l->unit[i].factor * value : value);
+        good = good && put(joints, l, l->column[i],
+                           l->unit[i].factor > 0 ? l->unit[i].factor * value : value);
     }
     l->format = "CSV";
     if (good && joints->n) return MUKCA_LINE_JOINTS;

@@ -40,7 +40,7 @@ typedef struct {
     int n_columns;
     char delimiter;
     char header[MUKCA_JOINT_LINES_SIZE];
-    char *column[MUKCA_JOINT_LINES_CELLS]; /* names */
+    char *column[MUKCA_JOINT_LINES_CELLS];    /* names */
     mukca_unit unit[MUKCA_JOINT_LINES_CELLS]; /* stated in the header */
 } mukca_joint_lines;
 

@@ -41,16 +41,23 @@ typedef struct {
     const char *arguments[MUKCA_SERVER_ARGUMENTS];
 } mukca_server_options;
 
-/* State that survives a restart. */
+/* State that survives a restart, as texts; "": none.  Name, size, check of those that become paths
+ * (labels are checked when they are selected). */
+#define MUKCA_SERVER_STATE_LIST(X)                                                       \
+    X(session, MUKCA_NAME_SIZE, mukca_server_name_ok) /* without ending */               \
+    X(placement, MUKCA_NAME_SIZE, NULL)               /* current label */                \
+    X(socket, MUKCA_NAME_SIZE, NULL)                                                     \
+    X(rows, 16, NULL)    /* number of samples in the session when they were saved */     \
+    X(finished, 2, NULL) /* not "": the session accepts no more samples */               \
+    X(model, MUKCA_NAME_SIZE + 16, is_result)     /* file of the offsets table in use */ \
+    X(model_stream, 16, NULL)                     /* kind of stream of its samples */    \
+    X(candidate, MUKCA_NAME_SIZE + 16, is_result) /* last result, the input of `use` */  \
+    X(candidate_stream, 16, NULL)
+
 typedef struct {
-    char session[MUKCA_NAME_SIZE];                            /* name without ending; empty: none */
-    char placement[MUKCA_NAME_SIZE], socket[MUKCA_NAME_SIZE]; /* current labels */
-    char rows[16];                    /* number of samples in the session when they were saved */
-    char finished[2];                 /* not empty: the session accepts no more samples */
-    char model[MUKCA_NAME_SIZE + 16]; /* file of the offsets table in use; empty: none */
-    char model_stream[16];            /* kind of stream of its samples */
-    char candidate[MUKCA_NAME_SIZE + 16]; /* last result, the input of `use`; empty: none */
-    char candidate_stream[16];
+#define MUKCA_SERVER_FIELD(name, size, ok) char name[size];
+    MUKCA_SERVER_STATE_LIST(MUKCA_SERVER_FIELD)
+#undef MUKCA_SERVER_FIELD
 } mukca_server_state;
 
 /* A calibration or diagnosis in a child process. */

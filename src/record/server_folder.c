@@ -53,25 +53,15 @@ static bool is_result(const char *value)
     return mukca_server_session_of(session, value);
 }
 
-/* The fields and the check of those that become paths; empty is always allowed.  Labels are checked
- * when they are selected. */
-#define FIELD(name, ok)                                                                        \
-    {                                                                                          \
-#name, offsetof(mukca_server_state, name), sizeof(((mukca_server_state *)0)->name), ok \
-    }
 static const struct {
     const char *key;
     size_t offset, size;
     bool (*ok)(const char *value);
-} fields[] = {FIELD(session, mukca_server_name_ok),
-              FIELD(placement, NULL),
-              FIELD(socket, NULL),
-              FIELD(rows, NULL),
-              FIELD(finished, NULL),
-              FIELD(model, is_result),
-              FIELD(model_stream, NULL),
-              FIELD(candidate, is_result),
-              FIELD(candidate_stream, NULL)};
+} fields[] = {
+#define FIELD(name, size, ok) {#name, offsetof(mukca_server_state, name), size, ok},
+    MUKCA_SERVER_STATE_LIST(FIELD)
+#undef FIELD
+};
 enum { FIELDS = sizeof fields / sizeof fields[0] };
 
 /* Set a field; keys of a later version are ignored. */
