@@ -87,7 +87,7 @@ expect "compensate interrupted: exit 130, one line, no file" test \
 # every command says that standard output could not be written
 for command in "help" "help fk" "help effects" "--version" "help options" "fk $a good/hole_0.csv" \
     "evaluate $a good" "calibrate $a good" "calibrate $a good -o -" "export $a" "simulate $a" \
-    "compensate $a good/hole_0.csv" "plan $a good" "diagnose $a good" "diagnose $a good --json -"; do
+    "compensate $a good/hole_0.csv" "plan $a --place p=0.5,0,0.4 --rows 2" "diagnose $a good" "diagnose $a good --json -"; do
     "$MUKCA" $command 2>err >/dev/full
     code=$?
     expect "a full standard output: $command" test "$code $(grep -c 'standard output: cannot write' err)" = "6 1"
