@@ -53,12 +53,45 @@ static bool cut(mukca_session *session)
     return true;
 }
 
+/* Write the acknowledged rows again to a path that is gone; false: it failed. */
+static bool restore(const mukca_session *session)
+{
+    char bytes[LINE_SIZE];
+    mukca_output output;
+    if (mukca_output_open(&output, session->path, false, NULL) != MUKCA_OK) return false;
+    off_t at = 0;
+    for (ssize_t n; (n = pread(session->fd, bytes, sizeof bytes, at)) > 0; at += n)
+        fwrite(bytes, 1, (size_t)n, output.stream); /* mukca_output_finish detects failures */
+    const bool whole = at >= session->length;
+    return !mukca_output_finish(&output, whole ? MUKCA_OK : MUKCA_MEMORY, NULL);
+}
+
+/* Check that the path still names the open file, with the acknowledged rows: what is written to a
+ * file that an editor has replaced is lost. */
+static mukca_status check_path(const mukca_session *session, mukca_error *error)
+{
+    struct stat named, own;
+    const bool gone = stat(session->path, &named) != 0;
+    if (!gone && fstat(session->fd, &own) == 0 && named.st_dev == own.st_dev &&
+        named.st_ino == own.st_ino &&
+        (session->uncut ? own.st_size >= session->length : own.st_size == session->length))
+        return MUKCA_OK;
+    const char *what = !gone              ? "changed"
+                       : restore(session) ? "deleted or moved, and written again,"
+                                          : "deleted or moved";
+    return mukca_fail(error, MUKCA_MEMORY,
+                      "%s was %s during the recording; finish, check the file, then resume it",
+                      session->path, what);
+}
+
 /* Append text and sync it; on failure the file is restored. */
 static mukca_status commit(mukca_session *session, const char *text, size_t length,
                            mukca_error *error)
 {
     int fd = session->fd;
     size_t done = 0;
+    mukca_status status = check_path(session, error);
+    if (status != MUKCA_OK) return status;
     if (!cut(session)) return fail_write(session, "not recorded", error);
     session->uncut = true;
     while (done < length) {
@@ -72,7 +105,7 @@ static mukca_status commit(mukca_session *session, const char *text, size_t leng
         session->uncut = false;
         return MUKCA_OK;
     }
-    mukca_status status = fail_write(session, "not recorded", error);
+    status = fail_write(session, "not recorded", error);
     (void)cut(session); /* if this fails, before the next row */
     return status;
 }
@@ -128,8 +161,10 @@ mukca_status mukca_session_delete(mukca_session *session, int row, const char *p
     int fd = session->fd;
     int64_t *place = session->row_at + row - 1;
     const int64_t at = *place;
+    mukca_status status = check_path(session, error);
+    if (status != MUKCA_OK) return status;
     if (pwrite(fd, "#", 1, at) != 1 || fsync(fd)) {
-        mukca_status status = fail_write(session, "not deleted", error);
+        status = fail_write(session, "not deleted", error);
         (void)!pwrite(fd, placement, 1, at); /* the first byte of the row */
         return status;
     }

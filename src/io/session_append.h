@@ -43,7 +43,8 @@ typedef struct {
 mukca_status mukca_session_open(mukca_session *session, const mukca_session_task *task,
                                 mukca_error *error);
 
-/* Append a sample and sync it; on failure the file is unchanged.  Errors: MUKCA_MEMORY. */
+/* Append a sample and sync it; on failure the file is unchanged.  Errors: MUKCA_MEMORY (also: the
+ * file was changed, moved or deleted; one that is gone is written again). */
 mukca_status mukca_session_add(mukca_session *session, const char *placement, const char *socket,
                                const mukca_capture_sample *sample, mukca_error *error);
 
