@@ -294,11 +294,39 @@ static bool read_arrays(mukca_lcm_joints *joints, mukca_joint_lines *l, const js
     return true;
 }
 
-static void copy_label(char label[MUKCA_NAME_SIZE], const json_t *value)
+/* Keep a label, a text or an integer, after the names of the line; both fit, as JSON is longer. */
+static const char *keep_label(mukca_joint_lines *l, const json_t *value)
 {
-    const char *text = json_string_value(value);
-    snprintf(label, MUKCA_NAME_SIZE, "%s", text ? text : "");
-    mukca_utf8_mend(label);
+    char *label = l->names + l->named;
+    const size_t room = sizeof l->names - l->named;
+    const int n =
+        json_is_integer(value)
+            ? snprintf(label, room, "%lld", (long long)json_integer_value(value))
+            : snprintf(label, room, "%s", json_is_string(value) ? json_string_value(value) : "");
+    l->named += (size_t)n + 1;
+    return label;
+}
+
+/* {"trigger": 1, "placement": "front", "socket": 0}; the labels are optional. */
+static mukca_line_kind read_trigger(mukca_joint_lines *l, json_t *message, mukca_error *error)
+{
+    const char *key;
+    json_t *value;
+    json_object_foreach(message, key, value)
+    {
+        const bool label = strcmp(key, "placement") == 0 || strcmp(key, "socket") == 0;
+        if (label ? json_is_string(value) || json_is_integer(value) || json_is_null(value)
+                  : strcmp(key, "trigger") == 0 || time_unit(key) > 0)
+            continue;
+        mukca_fail(error, MUKCA_INPUT, "%.40s: %s", key,
+                   label ? "a text or an integer is needed"
+                         : "a trigger has the members trigger, placement and socket");
+        return MUKCA_LINE_FAULT;
+    }
+    l->id = json_integer_value(json_object_get(message, "trigger"));
+    l->placement = keep_label(l, json_object_get(message, "placement"));
+    l->socket = keep_label(l, json_object_get(message, "socket"));
+    return MUKCA_LINE_TRIGGER;
 }
 
 static mukca_line_kind parse_object(mukca_lcm_joints *joints, mukca_joint_lines *l,
@@ -319,17 +347,14 @@ static mukca_line_kind parse_object(mukca_lcm_joints *joints, mukca_joint_lines 
     }
     json_t *message = json_object_get(root, "msg"); /* as a ROS bridge sends it */
     if (!json_is_object(message)) message = root;
-    const json_t *trigger = json_object_get(message, "trigger");
+    const bool trigger = json_object_get(message, "trigger") != NULL;
     const bool arrays = json_object_get(message, "position") != NULL;
     bool good = true;
     const char *key;
     json_t *value;
     clear(joints, l);
     if (trigger) {
-        l->id = json_integer_value(trigger);
-        copy_label(l->placement, json_object_get(message, "placement"));
-        copy_label(l->socket, json_object_get(message, "socket"));
-        kind = MUKCA_LINE_TRIGGER;
+        kind = read_trigger(l, message, error);
     } else {
         json_object_foreach(message, key, value)
         {
@@ -345,7 +370,7 @@ static mukca_line_kind parse_object(mukca_lcm_joints *joints, mukca_joint_lines 
         if (good) kind = MUKCA_LINE_JOINTS;
         l->format = "JSON lines";
     }
-    if (kind == MUKCA_LINE_FAULT)
+    if (kind == MUKCA_LINE_FAULT && !trigger)
         mukca_fail(
             error, MUKCA_INPUT,
             "no joint state: \"position\" must be 1 to %d numbers, and name, velocity, effort "

@@ -31,7 +31,7 @@ typedef struct {
     /* the current line */
     char text[MUKCA_JOINT_LINES_SIZE];
     char *cell[MUKCA_JOINT_LINES_CELLS];
-    char placement[MUKCA_NAME_SIZE], socket[MUKCA_NAME_SIZE]; /* of a trigger, or "" */
+    const char *placement, *socket; /* of a trigger, in `names`, or "" */
     int64_t id;
     size_t named; /* bytes used of: */
     char names[MUKCA_JOINT_LINES_SIZE];

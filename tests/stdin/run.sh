@@ -39,6 +39,15 @@ ok "placements of a recording, with rests among them" diff <(grep -v rest "$dir/
 capture --lcm-url "file://$dir/triggers.lcmlog" --trigger -o "$dir/triggers.tsv" 2>"$dir/said" || cat "$dir/said"
 ok "triggers over LCM" test "$(rows "$dir/triggers.tsv" | wc -l)" -eq 9
 ok "triggers as lines" same "$dir/triggers.json" "$dir/triggers.tsv"
+sed 's/"socket": *"\([0-9]*\)"/"socket": \1/' "$dir/triggers.json" >"$dir/numbers.json"
+ok "sockets as numbers" same "$dir/numbers.json" "$dir/triggers.tsv"
+long=$(printf 'h\303\266he %070d' 1)
+sed "s/\"socket\": *\"1\"/\"Socket\": \"1\"/; 0,/\"socket\"/! s/\"placement\": *\"[^\"]*\"/\"placement\": \"$long\"/" \
+    "$dir/triggers.json" >"$dir/misspelt.json"
+capture --stdin -o "$dir/misspelt.tsv" <"$dir/misspelt.json" >"$dir/out" 2>"$dir/said"
+ok "a misspelt member of a trigger" grep -q 'standard input:[0-9]*: Socket: a trigger has the members' "$dir/said"
+ok "a label that is too long is not cut" grep -q "not recorded: \"h.*cannot be a name (1 to 63" "$dir/said"
+ok "and neither is recorded" test "$(rows "$dir/misspelt.tsv" | wc -l)" -eq 2
 
 # the command that capture names next works, also for a session that is not finished
 next_of() { sed -n 's/^Next    //p' "$dir/answer"; }
