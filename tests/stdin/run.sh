@@ -49,6 +49,11 @@ ok "a misspelt member of a trigger" grep -q 'standard input:[0-9]*: Socket: a tr
 ok "a label that is too long is not cut" grep -q "not recorded: \"h.*cannot be a name (1 to 63" "$dir/said"
 ok "and neither is recorded" test "$(rows "$dir/misspelt.tsv" | wc -l)" -eq 2
 
+sed 's/\("position": \[[^,]*,[^,]*,[^,]*, \)[^,]*/\10.5/; s/"placement": "[^"]*"/"placement": "front"/' "$dir/triggers.json" >"$dir/stuck.json"
+capture --stdin -o "$dir/stuck.tsv" <"$dir/stuck.json" >"$dir/said" 2>&1
+ok "a joint that did not move" grep -q '^Check *did not move: joint_3$' "$dir/said"
+ok "and samples of a socket far apart" grep -q '^Check *the consistency error of a socket is [0-9]* mm, more' "$dir/said"
+
 # the command that capture names next works, also for a session that is not finished
 next_of() { sed -n 's/^Next    //p' "$dir/answer"; }
 capture --stdin --still -o "$dir/more.tsv" --tip ball_link <"$dir/empty.csv" >"$dir/answer" 2>"$dir/said"
@@ -86,6 +91,13 @@ bad "broken JSON" 3 'standard input:1: column [0-9]*: ' '{"position": [1, 2\n'
 bad "JSON without positions" 3 'standard input:1: no joint state: "position" must be' '{"position": []}\n'
 joints=joint_1,joint_2,joint_3,joint_4,joint_5,joint_6,joint_7
 bad "text for an angle" 3 'joint_2 reads nan: no angle' "time_s,$joints\n1,0,x,0,0,0,0,0\n"
+cp "$dir/still.tsv" "$dir/old.tsv"
+ln -s old.tsv "$dir/link.tsv"
+printf "time_s,$joints\n1,0,0,0,0,0,0,0\n" >"$dir/still.csv"
+refuses "nothing recorded, --force" 1 '^0 samples; 1 joint states' capture --stdin --still -o "$dir/link.tsv" --force <"$dir/still.csv"
+ok "and the old session stays" diff "$dir/still.tsv" "$dir/link.tsv"
+refuses "standard input is not overwritten" 2 'is an input of this command' capture --stdin --still -o "$dir/still.csv" --force \
+    <"$dir/still.csv"
 rm -f "$dir/bad.tsv"
 bad "degrees" 3 'joint_1 reads 90: no angle in rad; convert degrees' "time_s,$joints\n1,90,0,0,0,0,0,0\n"
 ok "degrees: no file is left" test ! -e "$dir/bad.tsv"

@@ -116,9 +116,16 @@ TEST(rows_are_added_undone_and_resumed)
     chain.urdf_sha256[0] = 'x';
     assert_refused(begin(&session, RESUME, h), "another URDF");
     chain.urdf_sha256[0] = '0';
+
+    /* without a sample the old file stays */
     assert_ok(begin(&session, FORCE, h));
     mukca_session_close(&session);
-    check_rows(NULL, 0);
+    check_rows((const int[]){0, 1, 2}, 3);
+    assert_ok(begin(&session, FORCE, h));
+    assert_ok(add(7));
+    assert_ok(add(8));
+    mukca_session_close(&session);
+    check_rows((const int[]){7, 8}, 2);
 }
 
 /* A power cut may leave any beginning of the file. */
