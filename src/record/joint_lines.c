@@ -82,6 +82,7 @@ static bool read_cell(double *value, const char *cell)
 static void clear(mukca_lcm_joints *joints, mukca_joint_lines *l)
 {
     *joints = (mukca_lcm_joints){.time = 0};
+    l->timed = false;
     for (int r = 0; r < MUKCA_LCM_ROLES; r++)
         for (int j = 0; j < MUKCA_LCM_MAX_JOINTS; j++) joints->value[r][j] = (double)NAN;
     l->named = 0;
@@ -129,7 +130,8 @@ static bool put(mukca_lcm_joints *joints, mukca_joint_lines *l, const char *name
     size_t length = strlen(name);
     int role = MUKCA_LCM_ROLE_POSITION, joint = 0;
     if (time_unit(name) > 0) {
-        joints->time = fabs(time) < 9e18 ? (int64_t)llround(time) : 0;
+        l->timed = fabs(time) < 9e18;
+        joints->time = l->timed ? (int64_t)llround(time) : 0;
         return true;
     }
     if (mukca_columns_reserved(name) || strcmp(name, "target") == 0) return true;
@@ -199,6 +201,7 @@ static bool read_ros(mukca_lcm_joints *joints, mukca_joint_lines *l, int n)
     if (!names || names > MUKCA_LCM_MAX_JOINTS || time[0] > INT32_MAX) return false;
     clear(joints, l);
     joints->time = 1000000 * time[0] + time[1] / 1000;
+    l->timed = joints->time > 0; /* a header that is not stamped is 0 */
     for (int j = 0; j < names; j++)
         add_joint(joints, l, l->cell[FIRST + j], strlen(l->cell[FIRST + j]));
     for (int r = MUKCA_LCM_ROLE_POSITION; r <= MUKCA_LCM_ROLE_EFFORT; r++) {
@@ -364,7 +367,7 @@ static mukca_line_kind parse_object(mukca_lcm_joints *joints, mukca_joint_lines 
             good = good && put(joints, l, key, number(value));
         }
         const int64_t stamp = read_stamp(message);
-        if (stamp) joints->time = stamp;
+        if (stamp) joints->time = stamp, l->timed = true;
         good = good &&
                (arrays ? read_arrays(joints, l, message) : joints->has[MUKCA_LCM_ROLE_POSITION]);
         if (good) kind = MUKCA_LINE_JOINTS;

@@ -33,6 +33,7 @@ typedef struct {
     char *cell[MUKCA_JOINT_LINES_CELLS];
     const char *placement, *socket; /* of a trigger, in `names`, or "" */
     int64_t id;
+    bool timed;   /* the joint state has a time, of any sign */
     size_t named; /* bytes used of: */
     char names[MUKCA_JOINT_LINES_SIZE];
     /* the CSV header */

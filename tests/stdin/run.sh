@@ -22,6 +22,11 @@ ok "CSV with a header" same "$dir/header.csv" "$dir/still.tsv" --still
 ok "TSV with utime" same "$dir/header.tsv" "$dir/still.tsv" --still
 ok "JSON lines with arrays, of a bridge too" same "$dir/arrays.json" "$dir/still.tsv" --still
 ok "JSON lines with members" same "$dir/members.json" "$dir/still.tsv" --still
+before=1700000101.0 # a clock that begins within the recording: times below 0, 0 and above
+awk -F, -v OFS=, -v t=$before 'NR > 1 { $1 = sprintf("%.6f", $1 - t) } { print }' "$dir/header.csv" >"$dir/zero.csv"
+capture --stdin --still -o "$dir/zero.tsv" <"$dir/zero.csv" >"$dir/said" 2>&1
+ok "times below 0" diff <(rows "$dir/zero.tsv" | cut -f 1,2) <(rows "$dir/still.tsv" | cut -f 1,2)
+ok "and the first sample is there" grep -q "^placement_1\s0\s-0.05" "$dir/zero.tsv"
 ok "a pipe" bash -c "cat $recorded | '$mukca' capture --urdf data/demo/arm.urdf --stdin --still -o '$dir/pipe.tsv' 2>'$dir/said'"
 ok "and it has the samples" test "$(rows "$dir/pipe.tsv" | wc -l)" -eq 9
 ok "messages of the gripper alone are said" grep -q 'without all joints of the arm' "$dir/said"
