@@ -39,23 +39,19 @@ void mukca_joint_lines_fill(mukca_joint_lines *l)
     l->ended = n == 0 || (n < 0 && errno != EINTR && errno != EAGAIN);
 }
 
-/* A line longer than the buffer is discarded up to its end. */
+/* A line longer than the buffer is discarded up to its end, which is returned. */
 const char *mukca_joint_lines_peek(mukca_joint_lines *l)
 {
-    for (;;) {
-        char *line = l->buffer + l->start;
-        char *end = memchr(line, '\n', l->used - l->start);
-        if (!end && l->ended && l->start < l->used) end = l->buffer + l->used;
-        if (!end && l->used - l->start == sizeof l->buffer - 1) {
-            l->start = l->used = 0;
-            l->overlong = true;
-        }
-        if (!end) return NULL;
-        *end = '\0';
-        if (!l->overlong) return line;
-        l->overlong = false;
-        mukca_joint_lines_take(l);
+    char *line = l->buffer + l->start;
+    char *end = memchr(line, '\n', l->used - l->start);
+    if (!end && l->ended && (l->start < l->used || l->overlong)) end = l->buffer + l->used;
+    if (!end && l->used - l->start == sizeof l->buffer - 1) {
+        l->start = l->used = 0;
+        l->overlong = true;
     }
+    if (!end) return NULL;
+    *end = '\0';
+    return line;
 }
 
 void mukca_joint_lines_take(mukca_joint_lines *l)
@@ -63,6 +59,7 @@ void mukca_joint_lines_take(mukca_joint_lines *l)
     l->start += strlen(l->buffer + l->start) + 1;
     if (l->start > l->used) l->start = l->used; /* the last line may lack its end */
     l->number++;
+    l->overlong = false;
 }
 
 /* ---- cells ---- */
@@ -386,6 +383,10 @@ static mukca_line_kind parse_object(mukca_lcm_joints *joints, mukca_joint_lines 
 mukca_line_kind mukca_joint_lines_parse(mukca_lcm_joints *joints, mukca_joint_lines *l,
                                         const char *line, mukca_error *error)
 {
+    if (l->overlong) {
+        mukca_fail(error, MUKCA_INPUT, "a line of more than %d bytes", MUKCA_JOINT_LINES_SIZE);
+        return MUKCA_LINE_FAULT;
+    }
     line += strspn(line, " \r");
     return *line == '{' ? parse_object(joints, l, line, error)
                         : parse_cells(joints, l, line, error);

@@ -26,7 +26,7 @@ typedef struct {
     int number;         /* of the current line, from 1 */
     int64_t arrived;    /* us, when the last bytes were read */
     size_t start, used; /* first and past-the-end index of unread bytes in `buffer` */
-    bool overlong;      /* the rest of the line is to be discarded */
+    bool overlong;      /* the beginning of the line was discarded */
     char buffer[MUKCA_JOINT_LINES_SIZE];
     /* the current line */
     char text[MUKCA_JOINT_LINES_SIZE];

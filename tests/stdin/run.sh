@@ -114,6 +114,11 @@ bad "order confirmed" 1 'no sample was recorded' '{"time": 1, "position": [0, 0,
 bad "names of a second arm" 1 'reading  1  left_joint_1  *->  joint_1 ' "time_s,left_${joints//,/,left_}\n1,0,0,0,0,0,0,0\n"
 bad "an order that contradicts the names" 3 'contradicts the names: reading 1 of standard input is "joint_2", joint 1 of the arm is "joint_1"' \
     "time_s,joint_2,joint_1,${joints#*,*,}\n1,0,0,0,0,0,0,0\n" --map order
+head -c 200000 /dev/zero | tr '\0' 1 >"$dir/text"
+refuses "a line without an end" 3 'standard input:1: a line of more than 65536 bytes' capture --stdin --still -o "$dir/bad.tsv" <"$dir/text"
+refuses "a log that is none" 3 'text: not a log of LCM messages' capture --lcm-url "file://$dir/text" --still -o "$dir/bad.tsv"
+refuses "triggers beyond --rows" 0 '^1 sample in .*received, 0' capture --lcm-url "file://$dir/triggers.lcmlog" --trigger --rows 1 -o "$dir/bad.tsv"
+rm -f "$dir/bad.tsv"
 bad "LCM's options" 2 '--channel and --type belong to LCM' '' --channel X
 printf "$joints\n0,0,0,0,0,0,0\n" >"$dir/timeless.csv"
 capture --stdin --still -o "$dir/bad.tsv" --force <"$dir/timeless.csv" >"$dir/out" 2>"$dir/said"
