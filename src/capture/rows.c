@@ -335,5 +335,5 @@ void mukca_capture_clear(mukca_capture *capture)
     capture->jumps = 0;
     capture->has_last = capture->last.guided = capture->was_guided = false;
     capture->standing = capture->taken = false;
-    capture->checked = 0;
+    capture->checked = -HUGE_VAL;
 }

@@ -1,5 +1,6 @@
 /* `mukca capture`: record a session from LCM, triggered by key, LCM message or standstill. */
 #include <fcntl.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -91,6 +92,8 @@ static mukca_status loop(session *s)
         status = mukca_recorder_step(r, s->view ? 50 : 200, s->keys, &readable, &s->call->error);
         if (status != MUKCA_OK) break;
         if (readable) read_keys(s);
+        if (cli_interrupted() && !r->session.file.n_rows)
+            return cli_fail(s->call, MUKCA_INTERRUPTED, "interrupted; no sample was recorded");
         if (cli_interrupted())
             return cli_fail(s->call, MUKCA_INTERRUPTED,
                             "interrupted; %d samples are safe in %s (--resume continues)",
@@ -165,6 +168,31 @@ static void print_next(const session *s)
                s->recorder.session.file.path);
 }
 
+/* Name joints that did not move, and samples too far apart for any arm with its ball in one
+ * socket.  False: there are such samples. */
+static bool check_samples(const session *s)
+{
+    const mukca_capture *c = &s->recorder.session.capture;
+    double coverage[MUKCA_MAX_JOINTS], largest = 0;
+    char line[1024] = "";
+    mukca_text text = MUKCA_TEXT(line);
+    mukca_capture_coverage(coverage, c);
+    for (int j = 0; j < c->chain->n_joints && c->rows.n_rows > 2; j++)
+        if (coverage[j] < 1e-3) mukca_text_put(&text, " %s", mukca_chain_joint_name(c->chain, j));
+    if (line[0]) cli_say(s->call, "Check", "did not move:%s", line);
+    for (int k = 0; k < c->rows.n_sockets; k++) {
+        double rms;
+        mukca_capture_spread(&rms, NULL, c, k);
+        largest = fmax(largest, rms); /* of NaN, too few samples, the other */
+    }
+    if (largest < 0.5 * c->settings.distance) return true;
+    cli_say(s->call, "Check",
+            "the consistency error of a socket is %.0f mm, more than half the distance between "
+            "sockets: check its labels, --map, --urdf and that all joints are read",
+            1e3 * largest);
+    return false;
+}
+
 static void conclude(session *s)
 {
     const mukca_recorder *r = &s->recorder;
@@ -172,11 +200,12 @@ static void conclude(session *s)
         cli_log(s->call, "the log is damaged: %lld bytes of it were skipped\n",
                 (long long)r->link.log.skipped);
     cli_say(s->call, NULL,
-            "%d sample%s in %s; %lld joint states received, %lld refused, longest pause %.3f s",
-            r->session.file.n_rows, r->session.file.n_rows == 1 ? "" : "s", r->session.file.path,
-            (long long)r->stream.count.received, (long long)r->stream.count.refused,
-            r->stream.count.longest_gap);
-    if (r->session.file.n_rows) print_next(s);
+            "%d sample%s%s%s; %lld joint states received, %lld refused, longest pause %.3f s",
+            r->session.file.n_rows, r->session.file.n_rows == 1 ? "" : "s",
+            r->session.file.n_rows ? " in " : "",
+            r->session.file.n_rows ? r->session.file.path : "", (long long)r->stream.count.received,
+            (long long)r->stream.count.refused, r->stream.count.longest_gap);
+    if (r->session.file.n_rows && check_samples(s)) print_next(s);
 }
 
 /* Keys are read from standard input, or from the terminal if standard input delivers joint
@@ -261,7 +290,6 @@ static mukca_status run(cli_call *call)
         }
     }
     if (status != MUKCA_OK || s->recorder.session.file.n_rows) return status;
-    if (!s->options->resume) unlink(s->recorder.session.file.path); /* a header alone */
     return cli_fail(call, MUKCA_NEGATIVE, "no sample was recorded");
 }
 
@@ -300,7 +328,10 @@ const cli_command cli_command_capture = {
         "Listens to the joint states of the robot. A sample is recorded when the arm stands still "
         "with its ball in a socket (--still), when you press a, or on a message on MUKCA_TRIGGER "
         "(--trigger). It is the mean over a window of standing still; a moving arm is "
-        "refused. Each sample is on disk before it is acknowledged. A key or message is refused if "
+        "refused. Each sample is on disk before it is acknowledged; once the file is edited, moved "
+        "or "
+        "deleted, samples are refused: finish, then edit, then --resume. A key or message is "
+        "refused if "
         "the last joint state is older than a window: after a pause of the program or the stream, "
         "hold still and try again.\n\n"
         "Put the ball into socket 0 of the first placement and record some 20 postures, as "

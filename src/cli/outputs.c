@@ -1,5 +1,6 @@
 /* Outputs of commands: checks before long work, opening, files written by several commands. */
 #include <fnmatch.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/file.h"
@@ -21,6 +22,14 @@ static bool is_input(const char *path, const char *input)
     return mukca_output_same(path, input) || mukca_output_same(path, file);
 }
 
+/* Is `path` the file that the shell opened as standard input? */
+static bool is_standard_input(const char *path)
+{
+    struct stat named, input;
+    return stat(path, &named) == 0 && fstat(STDIN_FILENO, &input) == 0 && S_ISREG(input.st_mode) &&
+           named.st_dev == input.st_dev && named.st_ino == input.st_ino;
+}
+
 static bool is_among(const char *path, const cli_list *inputs)
 {
     for (int i = 0; i < inputs->n; i++)
@@ -30,7 +39,7 @@ static bool is_among(const char *path, const cli_list *inputs)
 
 static mukca_status check_output(cli_call *call, const cli_option *output, const char *path)
 {
-    bool same = is_among(path, &call->arguments);
+    bool same = is_among(path, &call->arguments) || is_standard_input(path);
     bool before = true;
     for (const cli_option *o = NULL; (o = cli_next_option(call->command, o));) {
         before &= o != output;

@@ -1,4 +1,5 @@
 /* `mukca send`: one command to `mukca serve`, and its answer. */
+#include <math.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
@@ -51,26 +52,49 @@ static void take_result(client *c, const mukca_message_result *m)
     else
         cli_answer(c->call, "%s\n", m->text);
     const char *json = c->call->common->json;
+    mukca_status written = MUKCA_OK;
     if (!json || strcmp(json, "-") != 0) print_table(m);
-    if (!json || !m->json[0]) return;
-    mukca_output output;
-    mukca_status status = mukca_output_open(&output, json, c->call->common->force, &c->call->error);
-    if (status == MUKCA_OK) {
-        fputs(m->json, output.stream);
-        status = mukca_output_close(&output, &c->call->error);
+    if (json && m->json[0]) {
+        mukca_output output;
+        written = mukca_output_open(&output, json, c->call->common->force, &c->call->error);
+        if (written == MUKCA_OK) fputs(m->json, output.stream);
+        written = mukca_output_finish(&output, written, &c->call->error);
+    } else if (json) {
+        written = cli_write_json(c->call, cli_json(FIELD(m, verb), FIELD(m, code), FIELD(m, text)));
     }
-    if (status) c->status = status;
+    if (written) c->status = written;
 }
 
+static void print_members(json_t *members)
+{
+    const char *key;
+    json_t *value;
+    json_object_foreach(members, key, value)
+    {
+        if (json_is_string(value))
+            printf("%s\t%s\n", key, json_string_value(value));
+        else
+            printf(
+                "%s\t%.*g\n", key, json_is_real(value) ? 6 : 15,
+                json_is_null(value) ? (double)NAN : json_number_value(value) + json_is_true(value));
+    }
+}
+
+/* Print a status message: a line for each member, or JSON. */
 static void take_status(client *c, const mukca_message_status *m)
 {
+    const char *json = c->call->common->json;
+    json_t *members = cli_json(
+        FIELD(m, state), FIELD(m, session), FIELD(m, placement), FIELD(m, socket), FIELD(m, rows),
+        FIELD(m, rows_here), FIELD(m, channel), FIELD(m, type), FIELD(m, stream), FIELD(m, rate_hz),
+        FIELD(m, age_s), FIELD(m, received), FIELD(m, refused), FIELD(m, spread_m),
+        FIELD(m, expected_m), FIELD(m, more_rows_help), KEY("said", m->text));
     c->answered = true;
-    printf("state\t%s\nsession\t%s\nplacement\t%s\nsocket\t%s\nrows\t%d\nrows_here\t%d\n", m->state,
-           m->session, m->placement, m->socket, m->rows, m->rows_here);
-    printf("channel\t%s\ntype\t%s\nstream\t%s\nrate_hz\t%.6g\nage_s\t%.6g\nreceived\t%lld\n",
-           m->channel, m->type, m->stream, m->rate_hz, m->age_s, (long long)m->received);
-    printf("refused\t%lld\nspread_m\t%.6g\nexpected_m\t%.6g\nmore_rows_help\t%d\nsaid\t%s\n",
-           (long long)m->refused, m->spread_m, m->expected_m, m->more_rows_help, m->text);
+    if (!json || strcmp(json, "-") != 0) print_members(members);
+    if (json)
+        c->status = cli_write_json(c->call, members);
+    else
+        json_decref(members);
 }
 
 static void on_packet(void *context, const mukca_lcm_packet *packet)

@@ -19,7 +19,7 @@
 #include "io/dataset.h"
 #include "io/output.h"
 
-enum { LINE_SIZE = 8192, MAX_SESSION = 1 << 27 };
+enum { LINE_SIZE = MUKCA_SESSION_LINE, MAX_SESSION = 1 << 27 };
 
 static mukca_status fail(const mukca_session *session, const char *what, mukca_error *error)
 {
@@ -53,12 +53,45 @@ static bool cut(mukca_session *session)
     return true;
 }
 
+/* Write the acknowledged rows again to a path that is gone; false: it failed. */
+static bool restore(const mukca_session *session)
+{
+    char bytes[LINE_SIZE];
+    mukca_output output;
+    if (mukca_output_open(&output, session->path, false, NULL) != MUKCA_OK) return false;
+    off_t at = 0;
+    for (ssize_t n; (n = pread(session->fd, bytes, sizeof bytes, at)) > 0; at += n)
+        fwrite(bytes, 1, (size_t)n, output.stream); /* mukca_output_finish detects failures */
+    const bool whole = at >= session->length;
+    return !mukca_output_finish(&output, whole ? MUKCA_OK : MUKCA_MEMORY, NULL);
+}
+
+/* Check that the path still names the open file, with the acknowledged rows: what is written to a
+ * file that an editor has replaced is lost. */
+static mukca_status check_path(const mukca_session *session, mukca_error *error)
+{
+    struct stat named, own;
+    const bool gone = stat(session->path, &named) != 0;
+    if (!gone && fstat(session->fd, &own) == 0 && named.st_dev == own.st_dev &&
+        named.st_ino == own.st_ino &&
+        (session->uncut ? own.st_size >= session->length : own.st_size == session->length))
+        return MUKCA_OK;
+    const char *what = !gone              ? "changed"
+                       : restore(session) ? "deleted or moved, and written again,"
+                                          : "deleted or moved";
+    return mukca_fail(error, MUKCA_MEMORY,
+                      "%s was %s during the recording; finish, check the file, then resume it",
+                      session->path, what);
+}
+
 /* Append text and sync it; on failure the file is restored. */
 static mukca_status commit(mukca_session *session, const char *text, size_t length,
                            mukca_error *error)
 {
     int fd = session->fd;
     size_t done = 0;
+    mukca_status status = check_path(session, error);
+    if (status != MUKCA_OK) return status;
     if (!cut(session)) return fail_write(session, "not recorded", error);
     session->uncut = true;
     while (done < length) {
@@ -72,7 +105,7 @@ static mukca_status commit(mukca_session *session, const char *text, size_t leng
         session->uncut = false;
         return MUKCA_OK;
     }
-    mukca_status status = fail_write(session, "not recorded", error);
+    status = fail_write(session, "not recorded", error);
     (void)cut(session); /* if this fails, before the next row */
     return status;
 }
@@ -104,21 +137,6 @@ static void put_row(mukca_text *line, const mukca_session *session, const char *
     mukca_text_put(line, "\n");
 }
 
-mukca_status mukca_session_add(mukca_session *session, const char *placement, const char *socket,
-                               const mukca_capture_sample *sample, mukca_error *error)
-{
-    char buffer[LINE_SIZE];
-    mukca_text line = MUKCA_TEXT(buffer);
-    int n = session->n_rows;
-    int64_t *place = mukca_list_append(&session->row_at, &n, sizeof *place);
-    if (!place) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    put_row(&line, session, placement, socket, sample);
-    *place = session->length;
-    mukca_status status = commit(session, line.at, line.used, error);
-    if (status == MUKCA_OK) session->n_rows = n;
-    return status;
-}
-
 mukca_status mukca_session_delete(mukca_session *session, int row, const char *placement,
                                   const char *socket, mukca_error *error)
 {
@@ -128,8 +146,10 @@ mukca_status mukca_session_delete(mukca_session *session, int row, const char *p
     int fd = session->fd;
     int64_t *place = session->row_at + row - 1;
     const int64_t at = *place;
+    mukca_status status = check_path(session, error);
+    if (status != MUKCA_OK) return status;
     if (pwrite(fd, "#", 1, at) != 1 || fsync(fd)) {
-        mukca_status status = fail_write(session, "not deleted", error);
+        status = fail_write(session, "not deleted", error);
         (void)!pwrite(fd, placement, 1, at); /* the first byte of the row */
         return status;
     }
@@ -162,13 +182,9 @@ static const char *origin(const mukca_session_task *task, int k)
 
 static const char first_line[] = "# mukca session\n";
 
-/* Write the header atomically to a new file, or over an existing one. */
-static mukca_status write_header(mukca_session *session, const mukca_session_task *task,
-                                 mukca_error *error)
+static void put_header(mukca_session *session, const mukca_session_task *task)
 {
-    char buffer[LINE_SIZE];
-    mukca_text line = MUKCA_TEXT(buffer);
-    mukca_output output;
+    mukca_text line = MUKCA_TEXT(session->header);
     mukca_text_put(&line, "%s# robot: %s\n# base: %s\n# tip: %s\n", first_line, task->chain->robot,
                    task->chain->base, task->chain->tip);
     for (int k = 0; k < ORIGINS; k++)
@@ -178,10 +194,6 @@ static mukca_status write_header(mukca_session *session, const mukca_session_tas
         &line,
         "# a row is the mean of a still window; .spread is the standard deviation within it\n");
     put_row(&line, session, "placement", "socket", NULL);
-    mukca_status status = mukca_output_open(&output, session->path, true, error);
-    if (status != MUKCA_OK) return status;
-    fputs(line.at, output.stream); /* mukca_output_close detects failures */
-    return mukca_output_close(&output, error);
 }
 
 /* Open an existing file and lock it. */
@@ -189,15 +201,45 @@ static mukca_status open_file(mukca_session *session, mukca_error *error)
 {
     struct stat st;
     int fd = open(session->path, O_RDWR | O_CLOEXEC);
-    if (fd < 0) return fail(session, "cannot be written", error);
     session->fd = fd;
-    session->open = true;
+    if (fd < 0) return fail(session, "cannot be written", error);
     if (fstat(fd, &st) || !S_ISREG(st.st_mode))
         return mukca_fail(error, MUKCA_INPUT, "%s: not a regular file", session->path);
     if (!mukca_output_lock(fd))
         return mukca_fail(error, MUKCA_INPUT, "%s: another mukca is recording it", session->path);
     session->length = st.st_size;
     return MUKCA_OK;
+}
+
+/* Write header and first row atomically to a new file, or over an old one, which stays if this
+ * fails. */
+static mukca_status create(mukca_session *session, const char *row, mukca_error *error)
+{
+    mukca_output output;
+    mukca_status status = mukca_output_open(&output, session->path, session->fd >= 0, error);
+    if (status != MUKCA_OK) return status;
+    fprintf(output.stream, "%s%s", session->header, row); /* mukca_output_close detects failures */
+    status = mukca_output_close(&output, error);
+    if (status != MUKCA_OK) return status;
+    if (session->fd >= 0) close(session->fd);
+    session->header[0] = '\0';
+    return open_file(session, error);
+}
+
+mukca_status mukca_session_add(mukca_session *session, const char *placement, const char *socket,
+                               const mukca_capture_sample *sample, mukca_error *error)
+{
+    char buffer[LINE_SIZE];
+    mukca_text line = MUKCA_TEXT(buffer);
+    int n = session->n_rows;
+    int64_t *place = mukca_list_append(&session->row_at, &n, sizeof *place);
+    if (!place) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    put_row(&line, session, placement, socket, sample);
+    *place = session->header[0] ? (int64_t)strlen(session->header) : session->length;
+    mukca_status status = session->header[0] ? create(session, line.at, error)
+                                             : commit(session, line.at, line.used, error);
+    if (status == MUKCA_OK) session->n_rows = n;
+    return status;
 }
 
 /* ---- opening ---- */
@@ -287,14 +329,16 @@ mukca_status mukca_session_open(mukca_session *session, const mukca_session_task
 {
     mukca_status status = MUKCA_OK;
     bool has_columns = false;
-    *session = (mukca_session){.separator = mukca_dataset_separator(task->path),
+    *session = (mukca_session){.open = true,
+                               .fd = -1,
+                               .separator = mukca_dataset_separator(task->path),
                                .chain = task->chain,
                                .has_effort = task->has_effort,
                                .has_command = task->has_command};
     if (snprintf(session->path, sizeof session->path, "%s", task->path) >=
         (int)sizeof session->path)
-        return mukca_fail(error, MUKCA_INPUT, "%.100s...: the path is too long", task->path);
-    if (access(task->path, F_OK) == 0) {
+        status = mukca_fail(error, MUKCA_INPUT, "%.100s...: the path is too long", task->path);
+    else if (access(task->path, F_OK) == 0) {
         if (!task->resume && !task->force)
             return mukca_fail(error, MUKCA_INPUT,
                               "%s: exists already; --resume continues it, --force overwrites it",
@@ -302,11 +346,9 @@ mukca_status mukca_session_open(mukca_session *session, const mukca_session_task
         status = open_file(session, error); /* checks that no other program records it */
         if (status == MUKCA_OK && task->resume) status = load(session, &has_columns, task, error);
     }
-    if (status == MUKCA_OK && !has_columns) { /* create or overwrite it */
-        status = write_header(session, task, error);
-        if (session->open) close(session->fd);
-        session->open = false;
-        if (status == MUKCA_OK) status = open_file(session, error);
+    if (status == MUKCA_OK && !has_columns) { /* the first sample creates or overwrites it */
+        put_header(session, task);
+        status = mukca_output_check(session->path, true, error);
     }
     if (status != MUKCA_OK) mukca_session_close(session);
     return status;
@@ -314,7 +356,7 @@ mukca_status mukca_session_open(mukca_session *session, const mukca_session_task
 
 void mukca_session_close(mukca_session *session)
 {
-    if (session->open) close(session->fd);
+    if (session->open && session->fd >= 0) close(session->fd);
     free(session->row_at);
     memset(session, 0, sizeof *session);
 }

@@ -9,10 +9,13 @@
 #include "mukca/chain.h"
 #include "mukca/status.h"
 
+enum { MUKCA_SESSION_LINE = 8192 }; /* bytes of a row, or of the header */
+
 /* Zeroed: closed. */
 typedef struct {
     bool open;
-    int fd; /* if open */
+    int fd;                          /* if open; -1: the file does not exist yet */
+    char header[MUKCA_SESSION_LINE]; /* to be written with the first sample; "": it was */
     char path[1024];
     char separator;
     const mukca_chain *chain;
@@ -24,8 +27,8 @@ typedef struct {
 } mukca_session;
 
 /* What to open: a session file, which exists already only with `resume` (a partial row, left by a
- * crash or a power cut, is removed with a `note`) or `force` (it is overwritten).  A name that ends
- * in .csv selects commas, any other tabs. */
+ * crash or a power cut, is removed with a `note`) or `force` (the first sample overwrites it).  A
+ * name that ends in .csv selects commas, any other tabs. */
 typedef struct {
     const char *path;
     bool resume, force;
@@ -37,13 +40,14 @@ typedef struct {
     void *context;
 } mukca_session_task;
 
-/* Errors: MUKCA_INPUT (exists, cannot be written, in use by another program; to be resumed, but of
- * another robot, with other columns or of the other kind of stream), MUKCA_MEMORY (also:
- * incomplete). */
+/* The file is created with the first sample.  Errors: MUKCA_INPUT (exists, cannot be written, in
+ * use by another program; to be resumed, but of another robot, with other columns or of the other
+ * kind of stream), MUKCA_MEMORY (also: incomplete). */
 mukca_status mukca_session_open(mukca_session *session, const mukca_session_task *task,
                                 mukca_error *error);
 
-/* Append a sample and sync it; on failure the file is unchanged.  Errors: MUKCA_MEMORY. */
+/* Append a sample and sync it; on failure the file is unchanged.  Errors: MUKCA_MEMORY (also: the
+ * file was changed, moved or deleted; one that is gone is written again). */
 mukca_status mukca_session_add(mukca_session *session, const char *placement, const char *socket,
                                const mukca_capture_sample *sample, mukca_error *error);
 

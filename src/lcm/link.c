@@ -193,12 +193,20 @@ mukca_status mukca_lcm_log_open(mukca_lcm_log *log, const char *path, mukca_erro
         data = mmap(NULL, log->mapped, PROT_READ, MAP_PRIVATE, log->file, 0);
     }
     const int reason = errno;
-    if (data != MAP_FAILED) {
-        log->data = data;
-        return MUKCA_OK;
+    if (data == MAP_FAILED) {
+        if (log->file >= 0) close(log->file);
+        return mukca_fail(error, mukca_output_status(reason), "LCM log %s: %s", path,
+                          strerror(reason));
     }
-    if (log->file >= 0) close(log->file);
-    return mukca_fail(error, mukca_output_status(reason), "LCM log %s: %s", path, strerror(reason));
+    mukca_lcm_packet first;
+    log->data = data;
+    const bool any = mukca_lcm_log_read(&first, log);
+    log->at = 0;
+    log->skipped = 0;
+    if (any) return MUKCA_OK;
+    mukca_lcm_log_close(log);
+    return mukca_fail(error, MUKCA_INPUT, "%s: not a log of LCM messages; record it by lcm-logger",
+                      path);
 }
 
 bool mukca_lcm_log_read(mukca_lcm_packet *event, mukca_lcm_log *log)

@@ -39,23 +39,19 @@ void mukca_joint_lines_fill(mukca_joint_lines *l)
     l->ended = n == 0 || (n < 0 && errno != EINTR && errno != EAGAIN);
 }
 
-/* A line longer than the buffer is discarded up to its end. */
+/* A line longer than the buffer is discarded up to its end, which is returned. */
 const char *mukca_joint_lines_peek(mukca_joint_lines *l)
 {
-    for (;;) {
-        char *line = l->buffer + l->start;
-        char *end = memchr(line, '\n', l->used - l->start);
-        if (!end && l->ended && l->start < l->used) end = l->buffer + l->used;
-        if (!end && l->used - l->start == sizeof l->buffer - 1) {
-            l->start = l->used = 0;
-            l->overlong = true;
-        }
-        if (!end) return NULL;
-        *end = '\0';
-        if (!l->overlong) return line;
-        l->overlong = false;
-        mukca_joint_lines_take(l);
+    char *line = l->buffer + l->start;
+    char *end = memchr(line, '\n', l->used - l->start);
+    if (!end && l->ended && (l->start < l->used || l->overlong)) end = l->buffer + l->used;
+    if (!end && l->used - l->start == sizeof l->buffer - 1) {
+        l->start = l->used = 0;
+        l->overlong = true;
     }
+    if (!end) return NULL;
+    *end = '\0';
+    return line;
 }
 
 void mukca_joint_lines_take(mukca_joint_lines *l)
@@ -63,6 +59,7 @@ void mukca_joint_lines_take(mukca_joint_lines *l)
     l->start += strlen(l->buffer + l->start) + 1;
     if (l->start > l->used) l->start = l->used; /* the last line may lack its end */
     l->number++;
+    l->overlong = false;
 }
 
 /* ---- cells ---- */
@@ -82,6 +79,7 @@ static bool read_cell(double *value, const char *cell)
 static void clear(mukca_lcm_joints *joints, mukca_joint_lines *l)
 {
     *joints = (mukca_lcm_joints){.time = 0};
+    l->timed = false;
     for (int r = 0; r < MUKCA_LCM_ROLES; r++)
         for (int j = 0; j < MUKCA_LCM_MAX_JOINTS; j++) joints->value[r][j] = (double)NAN;
     l->named = 0;
@@ -129,7 +127,8 @@ static bool put(mukca_lcm_joints *joints, mukca_joint_lines *l, const char *name
     size_t length = strlen(name);
     int role = MUKCA_LCM_ROLE_POSITION, joint = 0;
     if (time_unit(name) > 0) {
-        joints->time = fabs(time) < 9e18 ? (int64_t)llround(time) : 0;
+        l->timed = fabs(time) < 9e18;
+        joints->time = l->timed ? (int64_t)llround(time) : 0;
         return true;
     }
     if (mukca_columns_reserved(name) || strcmp(name, "target") == 0) return true;
@@ -200,6 +199,7 @@ static bool read_ros(mukca_lcm_joints *joints, mukca_joint_lines *l, int n)
     if (!names || names > MUKCA_LCM_MAX_JOINTS || time[0] > INT32_MAX) return false;
     clear(joints, l);
     joints->time = 1000000 * time[0] + time[1] / 1000;
+    l->timed = joints->time > 0; /* a header that is not stamped is 0 */
     for (int j = 0; j < names; j++)
         add_joint(joints, l, l->cell[FIRST + j], strlen(l->cell[FIRST + j]));
     for (int r = MUKCA_LCM_ROLE_POSITION; r <= MUKCA_LCM_ROLE_EFFORT; r++) {
@@ -295,11 +295,39 @@ static bool read_arrays(mukca_lcm_joints *joints, mukca_joint_lines *l, const js
     return true;
 }
 
-static void copy_label(char label[MUKCA_NAME_SIZE], const json_t *value)
+/* Keep a label, a text or an integer, after the names of the line; both fit, as JSON is longer. */
+static const char *keep_label(mukca_joint_lines *l, const json_t *value)
 {
-    const char *text = json_string_value(value);
-    snprintf(label, MUKCA_NAME_SIZE, "%s", text ? text : "");
-    mukca_utf8_mend(label);
+    char *label = l->names + l->named;
+    const size_t room = sizeof l->names - l->named;
+    const int n =
+        json_is_integer(value)
+            ? snprintf(label, room, "%lld", (long long)json_integer_value(value))
+            : snprintf(label, room, "%s", json_is_string(value) ? json_string_value(value) : "");
+    l->named += (size_t)n + 1;
+    return label;
+}
+
+/* {"trigger": 1, "placement": "front", "socket": 0}; the labels are optional. */
+static mukca_line_kind read_trigger(mukca_joint_lines *l, json_t *message, mukca_error *error)
+{
+    const char *key;
+    json_t *value;
+    json_object_foreach(message, key, value)
+    {
+        const bool label = strcmp(key, "placement") == 0 || strcmp(key, "socket") == 0;
+        if (label ? json_is_string(value) || json_is_integer(value) || json_is_null(value)
+                  : strcmp(key, "trigger") == 0 || time_unit(key) > 0)
+            continue;
+        mukca_fail(error, MUKCA_INPUT, "%.40s: %s", key,
+                   label ? "a text or an integer is needed"
+                         : "a trigger has the members trigger, placement and socket");
+        return MUKCA_LINE_FAULT;
+    }
+    l->id = json_integer_value(json_object_get(message, "trigger"));
+    l->placement = keep_label(l, json_object_get(message, "placement"));
+    l->socket = keep_label(l, json_object_get(message, "socket"));
+    return MUKCA_LINE_TRIGGER;
 }
 
 static mukca_line_kind parse_object(mukca_lcm_joints *joints, mukca_joint_lines *l,
@@ -320,17 +348,14 @@ static mukca_line_kind parse_object(mukca_lcm_joints *joints, mukca_joint_lines 
     }
     json_t *message = json_object_get(root, "msg"); /* as a ROS bridge sends it */
     if (!json_is_object(message)) message = root;
-    const json_t *trigger = json_object_get(message, "trigger");
+    const bool trigger = json_object_get(message, "trigger") != NULL;
     const bool arrays = json_object_get(message, "position") != NULL;
     bool good = true;
     const char *key;
     json_t *value;
     clear(joints, l);
     if (trigger) {
-        l->id = json_integer_value(trigger);
-        copy_label(l->placement, json_object_get(message, "placement"));
-        copy_label(l->socket, json_object_get(message, "socket"));
-        kind = MUKCA_LINE_TRIGGER;
+        kind = read_trigger(l, message, error);
     } else {
         json_object_foreach(message, key, value)
         {
@@ -340,13 +365,13 @@ static mukca_line_kind parse_object(mukca_lcm_joints *joints, mukca_joint_lines 
             good = good && put(joints, l, key, number(value));
         }
         const int64_t stamp = read_stamp(message);
-        if (stamp) joints->time = stamp;
+        if (stamp) joints->time = stamp, l->timed = true;
         good = good &&
                (arrays ? read_arrays(joints, l, message) : joints->has[MUKCA_LCM_ROLE_POSITION]);
         if (good) kind = MUKCA_LINE_JOINTS;
         l->format = "JSON lines";
     }
-    if (kind == MUKCA_LINE_FAULT)
+    if (kind == MUKCA_LINE_FAULT && !trigger)
         mukca_fail(
             error, MUKCA_INPUT,
             "no joint state: \"position\" must be 1 to %d numbers, and name, velocity, effort "
@@ -359,6 +384,10 @@ static mukca_line_kind parse_object(mukca_lcm_joints *joints, mukca_joint_lines 
 mukca_line_kind mukca_joint_lines_parse(mukca_lcm_joints *joints, mukca_joint_lines *l,
                                         const char *line, mukca_error *error)
 {
+    if (l->overlong) {
+        mukca_fail(error, MUKCA_INPUT, "a line of more than %d bytes", MUKCA_JOINT_LINES_SIZE);
+        return MUKCA_LINE_FAULT;
+    }
     line += strspn(line, " \r");
     return *line == '{' ? parse_object(joints, l, line, error)
                         : parse_cells(joints, l, line, error);

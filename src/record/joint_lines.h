@@ -27,13 +27,14 @@ typedef struct {
     int number;         /* of the current line, from 1 */
     int64_t arrived;    /* us, when the last bytes were read */
     size_t start, used; /* first and past-the-end index of unread bytes in `buffer` */
-    bool overlong;      /* the rest of the line is to be discarded */
+    bool overlong;      /* the beginning of the line was discarded */
     char buffer[MUKCA_JOINT_LINES_SIZE];
     /* the current line */
     char text[MUKCA_JOINT_LINES_SIZE];
     char *cell[MUKCA_JOINT_LINES_CELLS];
-    char placement[MUKCA_NAME_SIZE], socket[MUKCA_NAME_SIZE]; /* of a trigger, or "" */
+    const char *placement, *socket; /* of a trigger, in `names`, or "" */
     int64_t id;
+    bool timed;   /* the joint state has a time, of any sign */
     size_t named; /* bytes used of: */
     char names[MUKCA_JOINT_LINES_SIZE];
     /* the CSV header */

@@ -129,7 +129,9 @@ static void take_trigger(mukca_recorder *r, const mukca_lcm_packet *packet)
     if (status == MUKCA_OK && r->hooks.trigger)
         status = r->hooks.trigger(r->hooks.context, packet, &error);
     if (status != MUKCA_OK) {
-        mukca_recorder_refuse(r, MUKCA_RECORDER_OWN_MESSAGE, "%s: %s", packet->channel, error.text);
+        char line[MUKCA_RECORDER_LINE]; /* counted as a sample, not as a message */
+        snprintf(line, sizeof line, "%s: %s", packet->channel, error.text);
+        mukca_recorder_warn(r, MUKCA_RECORDER_OWN_MESSAGE, line);
         const mukca_message_sample answer = {.id = trigger.id, .text = error.text};
         r->session.refused++;
         mukca_recorder_publish(r, MUKCA_MESSAGE_SAMPLE, &answer);

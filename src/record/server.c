@@ -163,7 +163,10 @@ static mukca_status finish(mukca_server *s, mukca_error *answer)
     s->state.finished[0] = '1';
     mukca_status status = mukca_server_save_state(s, answer);
     if (status == MUKCA_OK) {
-        mukca_fail(answer, MUKCA_OK, "%d samples in %s", session->n_rows, session->path);
+        if (session->n_rows)
+            mukca_fail(answer, MUKCA_OK, "%d samples in %s", session->n_rows, session->path);
+        else
+            mukca_fail(answer, MUKCA_OK, "no sample was recorded");
         mukca_session_close(session);
     } else {
         s->state.finished[0] = '\0';

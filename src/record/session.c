@@ -43,6 +43,7 @@ mukca_status mukca_sampling_prepare(mukca_recorder *r, const double *theta, mukc
     mukca_capture_settings settings = o->capture;
     settings.n_labels = s->sockets.n;
     settings.labels = (const char *const *)s->sockets.name;
+    s->advice.expected = (double)NAN; /* no session yet */
     return mukca_capture_init(&s->capture, r->chain, theta, &settings, error);
 }
 

@@ -266,7 +266,7 @@ static bool process_line(mukca_recorder *r, const char *line)
     l->number++;
     switch (mukca_joint_lines_parse(&s->last.joints, l, line, &error)) {
         case MUKCA_LINE_JOINTS:
-            if (l->file && s->last.joints.time <= 0) {
+            if (l->file && !l->timed) {
                 refuse(r, "no time stamp; a recorded stream needs one (column time_s)");
                 break;
             }

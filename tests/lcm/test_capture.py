@@ -129,7 +129,7 @@ def by_itself():
     """--still: the arm visits 4 postures twice; each is recorded once."""
     path, client = out(), Client()
     with Arm("panda", posture(0), 200, "PANDA_STATUS") as arm:
-        p = capture(path, "--still", "--dwell", "0.3", "--map", "order", "--distance", "3")
+        p = capture(path, "--still", "--dwell", "0.3", "--map", "order", "--distance", "2")
         client.wait_stream()
         for k in range(8):
             arm.go(posture(k % 4))

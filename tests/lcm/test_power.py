@@ -126,7 +126,8 @@ class Model:
             try:
                 header, lines = table(path)
             except (OSError, IndexError):
-                wrong.append("%s: lost with %d rows" % (name, len(rows)))
+                if rows: # the first sample creates the file
+                    wrong.append("%s: lost with %d rows" % (name, len(rows)))
                 continue
             found = [[float(x) for x in line[3:10]] for line in lines if len(line) == len(header)]
             doubt = self.doubt[0] if self.doubt and name == self.session else ""

@@ -35,6 +35,16 @@ def the_whole_job(client, arm, state):
         answer = client.command(verb, *arguments)
         check("without a session, %s %s: code %d" % (verb, " ".join(arguments), code),
               answer and answer.code == code, say_code(answer))
+    status, refused = (os.path.join(state, "%s.json" % name) for name in ("status", "refused"))
+    shown = send("status", "--json", status)
+    with open(status) as f:
+        told = json.load(f)
+    check("send status --json, before a session", shown.returncode == 0 and told["expected_m"] is None
+          and "expected_m\tnan" in shown.stdout and told["channel"] == CHANNEL and told["rows"] == 0, told)
+    code = send("add", "--json", refused).returncode
+    with open(refused) as f:
+        told = json.load(f)
+    check("send --json of a refused command", (told["verb"], told["code"], code) == ("add", 1, 1), told)
     check("start", client.command("start", "first").code == 0)
     check("a label that would break the file is refused",
           not client.trigger("a\tb", "0").accepted and client.command("socket", "x,y").code == 1)

@@ -22,6 +22,11 @@ ok "CSV with a header" same "$dir/header.csv" "$dir/still.tsv" --still
 ok "TSV with utime" same "$dir/header.tsv" "$dir/still.tsv" --still
 ok "JSON lines with arrays, of a bridge too" same "$dir/arrays.json" "$dir/still.tsv" --still
 ok "JSON lines with members" same "$dir/members.json" "$dir/still.tsv" --still
+before=1700000101.0 # a clock that begins within the recording: times below 0, 0 and above
+awk -F, -v OFS=, -v t=$before 'NR > 1 { $1 = sprintf("%.6f", $1 - t) } { print }' "$dir/header.csv" >"$dir/zero.csv"
+capture --stdin --still -o "$dir/zero.tsv" <"$dir/zero.csv" >"$dir/said" 2>&1
+ok "times below 0" diff <(rows "$dir/zero.tsv" | cut -f 1,2) <(rows "$dir/still.tsv" | cut -f 1,2)
+ok "and the first sample is there" grep -q "^placement_1\s0\s-0.05" "$dir/zero.tsv"
 ok "a pipe" bash -c "cat $recorded | '$mukca' capture --urdf data/demo/arm.urdf --stdin --still -o '$dir/pipe.tsv' 2>'$dir/said'"
 ok "and it has the samples" test "$(rows "$dir/pipe.tsv" | wc -l)" -eq 9
 ok "messages of the gripper alone are said" grep -q 'without all joints of the arm' "$dir/said"
@@ -39,6 +44,20 @@ ok "placements of a recording, with rests among them" diff <(grep -v rest "$dir/
 capture --lcm-url "file://$dir/triggers.lcmlog" --trigger -o "$dir/triggers.tsv" 2>"$dir/said" || cat "$dir/said"
 ok "triggers over LCM" test "$(rows "$dir/triggers.tsv" | wc -l)" -eq 9
 ok "triggers as lines" same "$dir/triggers.json" "$dir/triggers.tsv"
+sed 's/"socket": *"\([0-9]*\)"/"socket": \1/' "$dir/triggers.json" >"$dir/numbers.json"
+ok "sockets as numbers" same "$dir/numbers.json" "$dir/triggers.tsv"
+long=$(printf 'h\303\266he %070d' 1)
+sed "s/\"socket\": *\"1\"/\"Socket\": \"1\"/; 0,/\"socket\"/! s/\"placement\": *\"[^\"]*\"/\"placement\": \"$long\"/" \
+    "$dir/triggers.json" >"$dir/misspelt.json"
+capture --stdin -o "$dir/misspelt.tsv" <"$dir/misspelt.json" >"$dir/out" 2>"$dir/said"
+ok "a misspelt member of a trigger" grep -q 'standard input:[0-9]*: Socket: a trigger has the members' "$dir/said"
+ok "a label that is too long is not cut" grep -q "not recorded: \"h.*cannot be a name (1 to 63" "$dir/said"
+ok "and neither is recorded" test "$(rows "$dir/misspelt.tsv" | wc -l)" -eq 2
+
+sed 's/\("position": \[[^,]*,[^,]*,[^,]*, \)[^,]*/\10.5/; s/"placement": "[^"]*"/"placement": "front"/' "$dir/triggers.json" >"$dir/stuck.json"
+capture --stdin -o "$dir/stuck.tsv" <"$dir/stuck.json" >"$dir/said" 2>&1
+ok "a joint that did not move" grep -q '^Check *did not move: joint_3$' "$dir/said"
+ok "and samples of a socket far apart" grep -q '^Check *the consistency error of a socket is [0-9]* mm, more' "$dir/said"
 
 # the command that capture names next works, also for a session that is not finished
 next_of() { sed -n 's/^Next    //p' "$dir/answer"; }
@@ -77,6 +96,13 @@ bad "broken JSON" 3 'standard input:1: column [0-9]*: ' '{"position": [1, 2\n'
 bad "JSON without positions" 3 'standard input:1: no joint state: "position" must be' '{"position": []}\n'
 joints=joint_1,joint_2,joint_3,joint_4,joint_5,joint_6,joint_7
 bad "text for an angle" 3 'joint_2 reads nan: no angle' "time_s,$joints\n1,0,x,0,0,0,0,0\n"
+cp "$dir/still.tsv" "$dir/old.tsv"
+ln -s old.tsv "$dir/link.tsv"
+printf "time_s,$joints\n1,0,0,0,0,0,0,0\n" >"$dir/still.csv"
+refuses "nothing recorded, --force" 1 '^0 samples; 1 joint states' capture --stdin --still -o "$dir/link.tsv" --force <"$dir/still.csv"
+ok "and the old session stays" diff "$dir/still.tsv" "$dir/link.tsv"
+refuses "standard input is not overwritten" 2 'is an input of this command' capture --stdin --still -o "$dir/still.csv" --force \
+    <"$dir/still.csv"
 rm -f "$dir/bad.tsv"
 bad "degrees" 3 'joint_1 reads 90: no angle in rad; convert degrees' "time_s,$joints\n1,90,0,0,0,0,0,0\n"
 ok "degrees: no file is left" test ! -e "$dir/bad.tsv"
@@ -88,6 +114,11 @@ bad "order confirmed" 1 'no sample was recorded' '{"time": 1, "position": [0, 0,
 bad "names of a second arm" 1 'reading  1  left_joint_1  *->  joint_1 ' "time_s,left_${joints//,/,left_}\n1,0,0,0,0,0,0,0\n"
 bad "an order that contradicts the names" 3 'contradicts the names: reading 1 of standard input is "joint_2", joint 1 of the arm is "joint_1"' \
     "time_s,joint_2,joint_1,${joints#*,*,}\n1,0,0,0,0,0,0,0\n" --map order
+head -c 200000 /dev/zero | tr '\0' 1 >"$dir/text"
+refuses "a line without an end" 3 'standard input:1: a line of more than 65536 bytes' capture --stdin --still -o "$dir/bad.tsv" <"$dir/text"
+refuses "a log that is none" 3 'text: not a log of LCM messages' capture --lcm-url "file://$dir/text" --still -o "$dir/bad.tsv"
+refuses "triggers beyond --rows" 0 '^1 sample in .*received, 0' capture --lcm-url "file://$dir/triggers.lcmlog" --trigger --rows 1 -o "$dir/bad.tsv"
+rm -f "$dir/bad.tsv"
 bad "LCM's options" 2 '--channel and --type belong to LCM' '' --channel X
 printf "$joints\n0,0,0,0,0,0,0\n" >"$dir/timeless.csv"
 capture --stdin --still -o "$dir/bad.tsv" --force <"$dir/timeless.csv" >"$dir/out" 2>"$dir/said"

@@ -116,9 +116,16 @@ TEST(rows_are_added_undone_and_resumed)
     chain.urdf_sha256[0] = 'x';
     assert_refused(begin(&session, RESUME, h), "another URDF");
     chain.urdf_sha256[0] = '0';
+
+    /* without a sample the old file stays */
     assert_ok(begin(&session, FORCE, h));
     mukca_session_close(&session);
-    check_rows(NULL, 0);
+    check_rows((const int[]){0, 1, 2}, 3);
+    assert_ok(begin(&session, FORCE, h));
+    assert_ok(add(7));
+    assert_ok(add(8));
+    mukca_session_close(&session);
+    check_rows((const int[]){7, 8}, 2);
 }
 
 /* A power cut may leave any beginning of the file. */
@@ -187,6 +194,28 @@ TEST(full_disk_refuses_the_row_only)
     assert_ok(add(3));
     mukca_session_close(&session);
     check_rows((const int[]){1, 3}, 2);
+}
+
+/* An editor replaces the file, or it is cut or deleted: later rows are refused, as they would be
+ * written to the old file; the rows of a file that is gone are written again. */
+TEST(changed_file_refuses_the_row)
+{
+    mukca_session_task h = head("raw");
+    char other[90];
+    snprintf(other, sizeof other, "%s.other", path);
+    for (int k = 0; k < 4; k++) {
+        assert_ok(begin(&session, FORCE, h));
+        assert_ok(add(1));
+        if (k == 0) assert_int_equal(truncate(path, 0), 0);
+        if (k == 1) append_text("front left\t0\t1700000001\n");
+        if (k == 2) assert_int_equal(rename(path, other), 0);
+        if (k == 3) assert_int_equal(unlink(path), 0);
+        assert_int_equal(add(2), MUKCA_MEMORY);
+        assert_non_null(strstr(error.text, "during the recording; finish, check the file"));
+        assert_int_equal(mukca_session_delete(&session, 0, "p", "1", &error), MUKCA_MEMORY);
+        mukca_session_close(&session);
+        if (k >= 2) check_rows((const int[]){1}, 1);
+    }
 }
 
 TEST(labels)
