@@ -175,7 +175,7 @@ static void judge_tip(mukca_acceptance *a, const mukca_tip_error *tip,
                                 "different postures: no sure improvement",
                                 1e3 * a->error_here_m, 1e3 * a->error_before_here_m, a->postures);
         advise(a, tip, "record more of them");
-    } else if (!(p[MUKCA_ELSEWHERE] >= 1 - sure)) {
+    } else if (!(p[MUKCA_ELSEWHERE] >= 1 - sure && a->error_workspace_m < a->error_before_m)) {
         mukca_acceptance_refuse(a,
                                 "expected error of the tip %.2f mm within the joint limits, "
                                 "nominal %.2f mm",

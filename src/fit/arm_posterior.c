@@ -185,6 +185,12 @@ static bool linearise(mukca_arm_posterior *p)
     return true;
 }
 
+static double distance_weight(const mukca_arm_posterior *p, int pair)
+{
+    const double sigma = p->data.distances[pair].sigma;
+    return 1 / (1 + sigma * sigma / (distance_sigma * distance_sigma));
+}
+
 /* Leave out the distances that the nominal arm misses by a wrong label, unless no other is left:
  * the arm would shrink. */
 static void choose_distances(mukca_arm_posterior *p)
@@ -194,8 +200,9 @@ static void choose_distances(mukca_arm_posterior *p)
     for (int k = 0; k < p->groups.n_pairs; k++)
         if (mukca_grouped_pair(p->groups.row, &variance, &p->groups, k) &&
             fabs(p->groups.row[p->at.n]) < wrong_label)
-            p->groups.pair[k].weight = 1, kept++;
-    for (int k = 0; k < p->groups.n_pairs && !kept; k++) p->groups.pair[k].weight = 1;
+            p->groups.pair[k].weight = distance_weight(p, k), kept++;
+    for (int k = 0; k < p->groups.n_pairs && !kept; k++)
+        p->groups.pair[k].weight = distance_weight(p, k);
 }
 
 /* The tool has a prior of its own, of one scale; so has an effect. */

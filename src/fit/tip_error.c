@@ -73,6 +73,7 @@ static bool draw(mukca_tip_error *out, mukca_arm_posterior *p, const mukca_chain
     const int skip = task->base_frame ? MUKCA_PARAMETERS : 0, scale = p->poses ? MUKCA_OWN : 6;
     const double *before = task->from ? task->from->theta + skip : p->nominal;
     mukca_random random;
+    bool uncertain = p->poses; /* the scale is not that of known distances */
     if (p->pool.failed) return false;
     mukca_arm_posterior_probe(X, w, q, p, range, PROBES, &random);
     for (int i = 0; i < PROBES; i++) {
@@ -88,7 +89,8 @@ static bool draw(mukca_tip_error *out, mukca_arm_posterior *p, const mukca_chain
     sample(out, where, false, p, X, &random);
     mukca_dense_project(X, rows, w, scale, MUKCA_OWN);
     sample(out, where, true, p, X, &random);
-    if (p->poses) out->unscaled_m[where] = NAN;
+    for (int k = 0; k < p->data.n_distances; k++) uncertain |= p->data.distances[k].sigma > 0;
+    if (uncertain) out->unscaled_m[where] = NAN;
     return true;
 }
 

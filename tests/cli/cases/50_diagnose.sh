@@ -176,3 +176,8 @@ expect "a slip is not a moved tool for certain" \
 awk -F'\t' -v OFS='\t' '/^p[0-9]/ && n++ >= 50 { $3 -= 3600 } { print }' still.tsv >set.tsv
 run $d set.tsv
 expect "times that fall are noted with their row" grep -q 'row 51 of set.tsv: time_s falls by 35[0-9]* s' "$scratch/err"
+
+# a wrong --distance that is named as a cause is neither in the expected error nor in the verdict
+demo="diagnose --urdf $root/data/demo/arm.urdf $root/data/demo/train.tsv"
+answer "^Use     yes" $demo --distance 0.1
+answer "^Tip     expected error 2[.]" $demo --distance 0.052
