@@ -320,6 +320,10 @@ static mukca_status run(cli_call *call)
     memcpy(b->arm.effects, model->offsets.effects, sizeof b->arm.effects);
     if (!c->arm.offsets)
         cli_note(call, "no --offsets: targets are those of the nominal model; no correction");
+    mukca_offsets_note_history(&model->offsets, &b->arm.chain,
+                               "applied to the rows as to a recording that begins with the first, "
+                               "not to the arm in use",
+                               cli_note, call);
     cli_writer *const correct = b->from ? correct_whole : correct_all;
     if (c->json && strcmp(c->json, "-") == 0 && !c->output)
         return cli_write(call, "/dev/null", correct);
