@@ -18,6 +18,8 @@ expect "exit 1 where another cause is expected" test $code -eq 1
 
 # the table is what was diagnosed: evaluate sees the test data improve, fk moves the tip
 "$MUKCA" calibrate --urdf arm.urdf good.tsv -q -o geometry.tsv
+expect "what geometry alone leaves is in its expected error" grep -q "^# error_lacking_m: 0.000[1-9]" geometry.tsv
+expect "... and with the causes there is nothing" sh -c "! grep error_lacking_m offsets.tsv"
 run evaluate --urdf arm.urdf --offsets geometry.tsv test.tsv --max-mae 2.2e-4
 expect "geometry alone leaves a gap on other rows" test $code -eq 1
 run evaluate --urdf arm.urdf --offsets offsets.tsv test.tsv --max-mae 2.2e-4
