@@ -50,6 +50,9 @@ run evaluate "$dir/side.csv" --offsets "$dir/side.tsv" --json "$dir/side.json" >
 ok "evaluate has base compliance in the arm's base" below "$(sed -n 's/^  "mae_m": \([0-9.e-]*\),.*/\1/p' "$dir/side.json")" 1e-4
 ok "and so has the largest change of the tip" below "$(sed -n 's/^# tip_change_m: //p' "$dir/side.tsv")" 0.03
 
+run fk "$dir/side.csv" --offsets "$dir/side.tsv" --accept-failed >"$dir/tips" 2>"$dir/said"
+ok "the tracker's frame in a table is not that of another base" sh -c "test -s '$dir/tips' && ! grep 'another base' '$dir/said'"
+
 # ---- several targets
 for form in columns rows; do
     run diagnose "$dir/$form.csv" --free-base --test "$dir/test.csv" -o "$dir/$form.tsv" --json "$dir/$form.json" \

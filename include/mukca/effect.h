@@ -103,6 +103,13 @@ static inline bool mukca_effect_of_sockets(mukca_effect_kind kind)
     return (mukca_effect_table[kind]->needs & (MUKCA_NEEDS_SOCKETS | MUKCA_NEEDS_PLACEMENTS)) != 0;
 }
 
+/* True for an effect of time, of the moves before or of one placement: no function of the posture.
+ */
+static inline bool mukca_effect_of_history(mukca_effect_kind kind)
+{
+    return (mukca_effect_table[kind]->needs & (MUKCA_NEEDS_ORDER | MUKCA_NEEDS_PLACEMENTS)) != 0;
+}
+
 /* Duration of a sample without recorded time, s: recording by hand takes some 8 s per sample. */
 #define MUKCA_SECONDS_PER_ROW 8.0
 

@@ -21,6 +21,7 @@
     X(error_here_low_m) /* its 95 % interval */                                            \
     X(error_here_high_m)                                                                   \
     X(error_here_unscaled_m) /* apart from the scale, which the socket distance sets */    \
+    X(error_lacking_m)       /* part of error_here_m by effects that the table lacks */    \
     X(error_before_here_m)   /* that of the model which the table replaces */              \
     X(error_workspace_m)     /* the same within the joint limits */                        \
     X(error_workspace_low_m)                                                               \

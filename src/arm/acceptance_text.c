@@ -31,6 +31,9 @@ void mukca_acceptance_put_tip(mukca_text *text, const mukca_acceptance *a, bool 
                    1e3 * a->error_workspace_m, 1e3 * a->error_workspace_low_m,
                    1e3 * a->error_workspace_high_m, factory ? "factory" : "nominal",
                    1e3 * a->error_before_here_m, 1e3 * a->error_before_m);
+    if (isfinite(a->error_lacking_m))
+        mukca_text_put(text, "; %.2f mm of it by effects that the table lacks (mukca diagnose)",
+                       1e3 * a->error_lacking_m);
     if (isfinite(a->error_here_unscaled_m))
         mukca_text_put(
             text,

@@ -60,7 +60,8 @@ typedef struct {
     const char *name; /* in: name of the table in messages */
     bool force;  /* in: apply the offsets (not the calibrated values) of another URDF's table */
     int accept;  /* in: MUKCA_ACCEPT_* */
-    int ignored; /* out: number of rows of joints that are not in the chain (of another --tip) */
+    int ignored; /* out: number of rows of joints of the arm that are not in the chain (of another
+                    --tip) */
     bool other, other_file; /* out: made for another URDF or factory file, by SHA-256 */
     bool other_ends;        /* out: made for another base or tip */
     mukca_chain *own;       /* out: the chain in the table's comments */

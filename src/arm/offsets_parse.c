@@ -232,6 +232,15 @@ static mukca_status check_unit(const reader *r, const char *unit)
     return fail(r, "column 'unit': is '%.20s'; convert the row to %s", found, unit);
 }
 
+/* Whether the row is of a measurement's frame at an end of the chain: no part of the arm. */
+static bool is_frame(const reader *r, const char *joint)
+{
+    const mukca_chain *own = r->origin->own;
+    const int k = mukca_chain_find_element(own, joint);
+    const char *child = k < 0 ? "" : own->element[k].child;
+    return strcmp(child, r->chain->base) == 0 || strcmp(child, r->chain->tip) == 0;
+}
+
 static mukca_status read_parameter(reader *r, int parameter)
 {
     const mukca_offsets_target *into = r->into;
@@ -239,7 +248,7 @@ static mukca_status read_parameter(reader *r, int parameter)
     if (element < 0 && r->chain == r->origin->own)
         return fail_cell(r, JOINT, "no such joint in its chain");
     if (element < 0) {
-        r->origin->ignored++;
+        r->origin->ignored += !is_frame(r, r->cell[r->column[JOINT]]);
         return MUKCA_OK;
     }
     const int i = MUKCA_PARAMETERS * element + parameter;

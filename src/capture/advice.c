@@ -66,7 +66,7 @@ static int list_distances(mukca_distance *out, const mukca_capture *capture)
     for (int a = 0; a < capture->rows.n_sockets; a++)
         for (int b = a + 1; b < capture->rows.n_sockets; b++)
             if (sockets[a].placement == sockets[b].placement)
-                out[n++] = (mukca_distance){a, b, capture->settings.distance};
+                out[n++] = (mukca_distance){a, b, capture->settings.distance, 0};
     return n;
 }
 

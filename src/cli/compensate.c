@@ -138,6 +138,10 @@ static mukca_status correct_table(job *b, const char *path)
     if (status == MUKCA_OK)
         status = mukca_rows_open(rows, path, &b->arm.chain, &header, &call->error);
     if (status != MUKCA_OK) return status;
+    if (mukca_table_find(&rows->table, "error_before_m") >= 0)
+        mukca_table_fail(
+            &rows->table, -1,
+            "these targets were corrected by mukca compensate; give the intended ones");
     const mukca_measured_columns *m = &rows->column.measured[0];
     const bool oriented = !poses || m->turn[0] >= 0 || m->matrix[0] >= 0;
     const bool timed = !poses && rows->column.number[MUKCA_COLUMN_TIME][0] >= 0;
@@ -250,13 +254,16 @@ static mukca_status print(cli_call *call)
 
 static json_t *as_json(const cli_call *call)
 {
+    const bool poses = ((const compensate_options *)call->options)->poses;
     const tally *t = &((const job *)call->work)->tally;
     json_t *counts = json_object();
     for (int r = 0; r < MUKCA_REACH_COUNT; r++)
         json_object_set_new(counts, mukca_reach_text[r], json_integer((json_int_t)t->count[r]));
     return cli_json(
         FIELD(t, rows),
-        KEY("before", cli_json(KEY("mean_m", mean(t, &t->before)), KEY("max_m", t->before.max))),
+        KEY("before",
+            poses ? json_null()
+                  : cli_json(KEY("mean_m", mean(t, &t->before)), KEY("max_m", t->before.max))),
         KEY("after", cli_json(KEY("mean_m", mean(t, &t->after)), KEY("max_m", t->after.max))),
         KEY("status", counts), KEY("elapsed_s", cli_elapsed(call)));
 }
@@ -320,6 +327,10 @@ static mukca_status run(cli_call *call)
     memcpy(b->arm.effects, model->offsets.effects, sizeof b->arm.effects);
     if (!c->arm.offsets)
         cli_note(call, "no --offsets: targets are those of the nominal model; no correction");
+    mukca_offsets_note_history(&model->offsets, &b->arm.chain,
+                               "applied to the rows as to a recording that begins with the first, "
+                               "not to the arm in use",
+                               cli_note, call);
     cli_writer *const correct = b->from ? correct_whole : correct_all;
     if (c->json && strcmp(c->json, "-") == 0 && !c->output)
         return cli_write(call, "/dev/null", correct);

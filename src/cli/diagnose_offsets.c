@@ -34,10 +34,34 @@ static void fill_tracker(mukca_offsets *o, const mukca_applied *a)
     }
 }
 
+/* The distances of the judgement: where one is a cause, as the diagnosis measured it.  Its error is
+ * the same in all of these pairs. */
+static bool correct_distances(mukca_dataset *data, mukca_pool *pool, const mukca_diagnosis *d)
+{
+    mukca_distance *distances = MUKCA_TAKE(pool, mukca_distance, data->n_distances + 1);
+    for (int k = 0; k < data->n_distances && !pool->failed; k++) distances[k] = data->distances[k];
+    for (int i = 0; i < d->n_causes && !pool->failed; i++) {
+        const mukca_cause *cause = &d->causes[i];
+        const int placement = cause->effect.placement;
+        if (mukca_effect_table[cause->effect.kind]->site != MUKCA_SITE_DISTANCE) continue;
+        for (int k = 0; k < data->n_distances; k++) {
+            if (placement >= 0 && placement != data->sockets[distances[k].a].placement) continue;
+            distances[k].distance += cause->amplitude;
+            distances[k].sigma = (cause->high - cause->low) / 4 *
+                                 sqrt(placement < 0 ? (double)data->n_distances : 1);
+        }
+    }
+    data->distances = distances;
+    return !pool->failed;
+}
+
 static mukca_status judge(cli_call *call, cli_diagnosis *of)
 {
     const mukca_diagnosed *r = &of->result;
     const mukca_diagnosis *d = r->diagnosis;
+    mukca_dataset data = *r->data;
+    if (!correct_distances(&data, &call->pool, d))
+        return cli_fail(call, MUKCA_MEMORY, "out of memory");
     const mukca_chain *chain = &of->chain;
     mukca_offsets *o = &of->offsets;
     mukca_acceptance *a = &o->acceptance;
@@ -57,7 +81,7 @@ static mukca_status judge(cli_call *call, cli_diagnosis *of)
         o,
         &(mukca_accept_task){.change = {.chain = chain,
                                         .to = o,
-                                        .data = r->data,
+                                        .data = &data,
                                         .base_frame = d->chain->n_elements < chain->n_elements,
                                         .tool_frame = of->options.free_tool && r->data->position},
                              .held = !d->after_m ? NULL

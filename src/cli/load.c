@@ -140,9 +140,6 @@ mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model 
 {
     const cli_common *c = call->common;
     memset(data, 0, sizeof *data);
-    if (c->distance >= 2)
-        return cli_fail(call, MUKCA_USAGE, "--distance %g looks like %s; give m, as in 0.05",
-                        c->distance, c->distance > 10 ? "millimetres" : "centimetres");
     mukca_dataset_options options = {
         .distance = c->distance, .distances = c->distances, .note = cli_note, .context = call};
     const mukca_status units = cli_read_format(call, &options.format);

@@ -176,7 +176,7 @@ static void judge_tip(mukca_acceptance *a, const mukca_tip_error *tip,
                                 "different postures: no sure improvement",
                                 1e3 * a->error_here_m, 1e3 * a->error_before_here_m, a->postures);
         advise(a, tip, "record more of them");
-    } else if (!(p[MUKCA_ELSEWHERE] >= 1 - sure)) {
+    } else if (!(p[MUKCA_ELSEWHERE] >= 1 - sure && a->error_workspace_m < a->error_before_m)) {
         mukca_acceptance_refuse(a,
                                 "expected error of the tip %.2f mm within the joint limits, "
                                 "nominal %.2f mm",
@@ -206,6 +206,7 @@ mukca_status mukca_accept(mukca_offsets *table, const mukca_accept_task *task, m
     a->error_here_low_m = tip.low_m[MUKCA_HERE];
     a->error_here_high_m = tip.high_m[MUKCA_HERE];
     a->error_here_unscaled_m = tip.unscaled_m[MUKCA_HERE];
+    a->error_lacking_m = tip.lacking_m;
     a->error_workspace_unscaled_m = tip.unscaled_m[MUKCA_ELSEWHERE];
     a->error_workspace_m = tip.after_m[MUKCA_ELSEWHERE];
     a->error_workspace_low_m = tip.low_m[MUKCA_ELSEWHERE];

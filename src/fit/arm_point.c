@@ -29,24 +29,30 @@ void mukca_arm_point_move(mukca_arm_point *at, const double *theta)
 
 /* Columns of the coefficients. */
 static void add_effects(double *x, const mukca_arm_point *at, const mukca_geometry *geometry,
-                        const mukca_joint_state *state, const mukca_frame *tip)
+                        const mukca_joint_state *state, const mukca_frame *tip,
+                        const mukca_frame *rigid)
 {
     const int n = at->n_effects, w = MUKCA_OWN + at->n + 1;
     mukca_effect with[MUKCA_MAX_EFFECTS];
     memcpy(with, at->effects, (size_t)n * sizeof *with);
-    for (int e = 0, c = at->parameters.n; e < n; e++)
+    for (int e = 0, c = at->parameters.n; e < n; e++) {
+        const bool alone = e >= n - at->n_alone;
+        const mukca_effect *all = alone ? &with[e] : with;
+        const int count = alone ? 1 : n;
+        if (alone) memset(with[e].coefficient, 0, sizeof with[e].coefficient);
         for (int t = 0; t < with[e].terms; t++, c++) {
             double *value = &with[e].coefficient[t], kept = *value;
-            mukca_frame low = *tip, high;
+            mukca_frame low = alone ? *rigid : *tip, high;
             *value = kept + (at->span > 0 ? at->span : 1) * at->sigma[c];
-            mukca_tip_pose(&high, with, n, at->chain, geometry, state);
+            mukca_tip_pose(&high, all, count, at->chain, geometry, state);
             *value = kept - at->span * at->sigma[c];
-            if (at->span > 0) mukca_tip_pose(&low, with, n, at->chain, geometry, state);
+            if (at->span > 0) mukca_tip_pose(&low, all, count, at->chain, geometry, state);
             *value = kept;
             for (int a = 0; a < 3; a++)
                 x[a * w + MUKCA_OWN + c] +=
                     (high.p[a] - low.p[a]) / (at->span > 0 ? 2 * at->span : 1);
         }
+    }
 }
 
 void mukca_arm_point_rows(double *x, const mukca_arm_point *at, const mukca_geometry *geometry,
@@ -70,5 +76,5 @@ void mukca_arm_point_rows(double *x, const mukca_arm_point *at, const mukca_geom
             to[i] += J[a * all + at->parameters.index[i]] * at->sigma[i];
         to[at->n] -= tip.p[a];
     }
-    add_effects(x, at, geometry, state, &tip);
+    add_effects(x, at, geometry, state, &tip, &rigid);
 }

@@ -8,8 +8,8 @@
 #include "math/dense.h"
 #include "model/dataset_subset.h"
 
-/* Gauss-Newton steps; in each: weights, noise and scale. */
-enum { STEPS = 4, WEIGHINGS = 5 };
+/* Gauss-Newton steps; in each: weights, noise and scale; the same from a posterior on. */
+enum { STEPS = 4, WEIGHINGS = 5, WEIGHINGS_AGAIN = 2 };
 
 /* Weight of the noise's prior in measurements, as while recording; weight of the prior's
  * own scale in parameters, and its largest value; degrees of freedom of the noise (Student). */
@@ -71,6 +71,7 @@ static mukca_status set_up(mukca_arm_posterior *p, mukca_error *error)
     }
     memcpy(p->nominal, at->theta, sizeof p->nominal);
     at->n_effects = task->to ? task->to->n_effects : 0;
+    p->extended = MUKCA_MOST_UNKNOWNS;
     if (task->to) mukca_offsets_place_effects(at->effects, task->to, &p->data);
     for (int e = 0; e < at->n_effects; e++)
         for (int t = 0; t < at->effects[e].terms; t++) {
@@ -100,7 +101,7 @@ static mukca_status create(mukca_arm_posterior *p, const mukca_tip_change_task *
 {
     memset(p, 0, sizeof *p);
     p->task = task;
-    p->scale = 1;
+    p->scale = p->extended_scale = 1;
     p->tracker = (mukca_frame){.R = MUKCA_IDENTITY};
     p->chain = *task->chain;
     p->to = task->to ? task->to->theta : NULL;
@@ -185,6 +186,12 @@ static bool linearise(mukca_arm_posterior *p)
     return true;
 }
 
+static double distance_weight(const mukca_arm_posterior *p, int pair)
+{
+    const double sigma = p->data.distances[pair].sigma;
+    return 1 / (1 + sigma * sigma / (distance_sigma * distance_sigma));
+}
+
 /* Leave out the distances that the nominal arm misses by a wrong label, unless no other is left:
  * the arm would shrink. */
 static void choose_distances(mukca_arm_posterior *p)
@@ -194,8 +201,9 @@ static void choose_distances(mukca_arm_posterior *p)
     for (int k = 0; k < p->groups.n_pairs; k++)
         if (mukca_grouped_pair(p->groups.row, &variance, &p->groups, k) &&
             fabs(p->groups.row[p->at.n]) < wrong_label)
-            p->groups.pair[k].weight = 1, kept++;
-    for (int k = 0; k < p->groups.n_pairs && !kept; k++) p->groups.pair[k].weight = 1;
+            p->groups.pair[k].weight = distance_weight(p, k), kept++;
+    for (int k = 0; k < p->groups.n_pairs && !kept; k++)
+        p->groups.pair[k].weight = distance_weight(p, k);
 }
 
 /* The tool has a prior of its own, of one scale; so has an effect. */
@@ -207,7 +215,10 @@ static bool is_scaled(const mukca_arm_posterior *p, int i)
 
 void mukca_arm_posterior_solve(mukca_arm_posterior *p)
 {
-    for (int i = 0; i < p->at.n; i++) p->groups.posterior.prior[i] = is_scaled(p, i) ? p->scale : 1;
+    for (int i = 0; i < p->at.n; i++)
+        p->groups.posterior.prior[i] = is_scaled(p, i)    ? p->scale
+                                       : i >= p->extended ? p->extended_scale
+                                                          : 1;
     mukca_grouped_clear(&p->groups);
     for (int i = 0; i < p->n_list; i++)
         mukca_grouped_add(&p->groups, p->list[i].x, p->list[i].group, p->list[i].weight);
@@ -220,7 +231,7 @@ static void weigh(mukca_arm_posterior *p)
 {
     mukca_grouped *g = &p->groups;
     const int n = p->at.n, count = 3 * p->n_list - g->n_own;
-    double v[3], squares = 0, known = 0, of_arm = 0, deviation = 0;
+    double v[3], squares = 0, known = 0, of_arm = 0, deviation = 0, of_more = 0, size = 0;
     p->outliers = p->gross = 0;
     p->worst_m = g->misfit = 0;
     memset(p->inverse, 0, (size_t)(n * n) * sizeof *p->inverse);
@@ -230,6 +241,7 @@ static void weigh(mukca_arm_posterior *p)
         double gain = 1;
         for (int k = i; k < n; k++) gain -= p->inverse[k * n + i] * p->inverse[k * n + i];
         known += gain;
+        if (i >= p->extended) of_more += gain, size += pow(g->mean[i] - p->mean[i], 2);
         if (!is_scaled(p, i)) continue;
         of_arm += gain;
         deviation += (g->mean[i] - p->mean[i]) * (g->mean[i] - p->mean[i]);
@@ -247,6 +259,7 @@ static void weigh(mukca_arm_posterior *p)
     g->noise = sqrt((noise_weight * MUKCA_PRIOR_NOISE * MUKCA_PRIOR_NOISE + squares) /
                     (noise_weight + fmax(count - known, 0)));
     g->misfit /= g->noise * g->noise;
+    p->extended_scale = sqrt((1 + size) / (1 + of_more));
     p->scale = fmin(sqrt((scale_weight + deviation) / (scale_weight + of_arm)), most_scale);
 }
 
@@ -282,24 +295,57 @@ static void advance(mukca_arm_posterior *p)
     mukca_arm_point_move(&p->at, p->at.theta);
 }
 
+/* One step of Gauss-Newton; `first`: chooses the distances. */
+static bool improve(mukca_arm_posterior *p, bool first, int weighings)
+{
+    if (!linearise(p)) return false;
+    if (first) { /* without distances, for the means of the sockets */
+        mukca_arm_posterior_solve(p);
+        choose_distances(p);
+    }
+    for (int i = 0; i < weighings; i++) {
+        mukca_arm_posterior_solve(p);
+        weigh(p);
+    }
+    mukca_arm_posterior_solve(p);
+    advance(p);
+    return true;
+}
+
 mukca_status mukca_arm_posterior_fit(mukca_arm_posterior *p, const mukca_tip_change_task *task,
                                      mukca_error *error)
 {
     const mukca_status status = create(p, task, error);
-    for (int step = 0; step < STEPS && status == MUKCA_OK; step++) {
-        if (!linearise(p)) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-        if (step == 0) { /* without distances, for the means of the sockets */
-            mukca_arm_posterior_solve(p);
-            choose_distances(p);
-        }
-        for (int i = 0; i < WEIGHINGS; i++) {
-            mukca_arm_posterior_solve(p);
-            weigh(p);
-        }
-        mukca_arm_posterior_solve(p);
-        advance(p);
-    }
+    for (int step = 0; step < STEPS && status == MUKCA_OK; step++)
+        if (!improve(p, step == 0, WEIGHINGS))
+            return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     return status;
+}
+
+mukca_status mukca_arm_posterior_extend(mukca_arm_posterior *p, const mukca_arm_posterior *from,
+                                        const mukca_tip_change_task *task, mukca_error *error)
+{
+    const mukca_status status = create(p, task, error);
+    if (status != MUKCA_OK) return status;
+    p->extended = from->at.n;
+    p->at.n_alone = p->at.n_effects - from->at.n_effects;
+    for (int e = 0; e < from->at.n_effects; e++) p->at.effects[e] = from->at.effects[e];
+    for (int i = 0; i < from->at.n; i++) p->mean[i] = from->mean[i];
+    for (int i = 0; i < p->n_list; i++) p->list[i].weight = from->list[i].weight;
+    for (int k = 0; k < p->groups.n_pairs; k++) p->groups.pair[k] = from->groups.pair[k];
+    p->scale = from->scale;
+    p->groups.noise = from->groups.noise;
+    p->groups.misfit = from->groups.misfit;
+    mukca_arm_point_move(&p->at, from->at.theta);
+    return improve(p, false, WEIGHINGS_AGAIN) ? MUKCA_OK
+                                              : mukca_fail(error, MUKCA_MEMORY, "out of memory");
+}
+
+double mukca_arm_posterior_gain(const mukca_arm_posterior *p, const mukca_arm_posterior *from)
+{
+    const double ratio = from->groups.noise / p->groups.noise;
+    const int count = 3 * p->n_list - p->groups.n_own, more = p->at.n - from->at.n;
+    return more > 0 ? count * (ratio * ratio - 1) / sqrt(2.0 * more) : 0;
 }
 
 void mukca_arm_posterior_probe(double *X, int ld, double *q, const mukca_arm_posterior *p,

@@ -20,6 +20,7 @@ typedef struct {
     const mukca_chain *chain;
     mukca_parameters parameters;
     int n, n_effects; /* unknowns; effects */
+    int n_alone;      /* of the last ones: each is differentiated without the others */
     double theta[MUKCA_MAX_FREE];
     mukca_geometry geometry; /* of theta */
     mukca_effect effects[MUKCA_MAX_EFFECTS];
@@ -64,13 +65,15 @@ typedef struct {
     mukca_frame tracker; /* of the group in work */
     int n_list, postures;
     mukca_arm_observation *list;
-    int *of_row;          /* [n_rows] observation */
-    mukca_grouped groups; /* at `at`; its prior sigmas are factors of `sigma` */
-    double *mean;         /* [n] of the prior, from the present unknowns */
-    double *inverse;      /* [n][n] scratch */
-    double scale;         /* of the priors of the arm's joints */
-    int outliers, gross;  /* observations beyond the noise; beyond any arm and noise */
-    double worst_m;       /* largest error of an observation */
+    int *of_row;           /* [n_rows] observation */
+    mukca_grouped groups;  /* at `at`; its prior sigmas are factors of `sigma` */
+    double *mean;          /* [n] of the prior, from the present unknowns */
+    double *inverse;       /* [n][n] scratch */
+    double scale;          /* of the priors of the arm's joints */
+    int extended;          /* first unknown of mukca_arm_posterior_extend, and */
+    double extended_scale; /* the scale of their priors */
+    int outliers, gross;   /* observations beyond the noise; beyond any arm and noise */
+    double worst_m;        /* largest error of an observation */
     mukca_pool pool;
 } mukca_arm_posterior;
 
@@ -82,6 +85,14 @@ typedef struct {
  * Errors: MUKCA_MEMORY. */
 mukca_status mukca_arm_posterior_fit(mukca_arm_posterior *p, const mukca_tip_change_task *task,
                                      mukca_error *error);
+/* The same with more effects at the end of the list, by one more step from the end of `from`. */
+mukca_status mukca_arm_posterior_extend(mukca_arm_posterior *p, const mukca_arm_posterior *from,
+                                        const mukca_tip_change_task *task, mukca_error *error);
+
+/* Reduction of the residuals by the additional unknowns of `p` beyond that of pure noise, in
+ * standard deviations of the latter. */
+double mukca_arm_posterior_gain(const mukca_arm_posterior *p, const mukca_arm_posterior *from);
+
 void mukca_arm_posterior_free(mukca_arm_posterior *p);
 
 /* Set p->groups with the present weights, noise and scale. */

@@ -146,7 +146,8 @@ static void set_postures(problem *p)
     }
 }
 
-/* With MUKCA_REFIT_ZEROS the origins are nominal, except fixed ones (the tool). */
+/* With MUKCA_REFIT_ZEROS the origins are nominal; while it is fitted, except fixed ones (the tool),
+ * whose offsets no zero should take up. */
 static void start(mukca_refit *refit, const mukca_refit_task *task)
 {
     const size_t one = MUKCA_PARAMETERS * sizeof *refit->theta;
@@ -182,6 +183,7 @@ mukca_status mukca_refit_run(mukca_refit *refit, const mukca_refit_task *task, m
     start(refit, task);
     refit->mean_before = score(&refit->largest, &p, refit);
     for (int round = 0; round < ROUNDS; round++) improve(&p, refit);
+    if (task->kind == MUKCA_REFIT_ZEROS) mukca_chain_theta(refit->theta, task->chain);
     refit->mean = score(&refit->largest, &p, refit);
     mukca_pool_free(&pool);
     return MUKCA_OK;

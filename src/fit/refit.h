@@ -20,7 +20,7 @@ typedef struct {
 } mukca_refit_task;
 
 typedef struct {
-    double theta[MUKCA_MAX_THETA];  /* of the model; fixed elements as in the arm */
+    double theta[MUKCA_MAX_THETA];  /* of the model; nominal for MUKCA_REFIT_ZEROS */
     double zeros[MUKCA_MAX_JOINTS]; /* rad, m; 0 for MUKCA_REFIT_ORIGINS */
     /* Distance between the tips of model and arm, m, in held-out postures. */
     double mean, largest;

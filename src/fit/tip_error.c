@@ -13,6 +13,9 @@
 /* Postures; arms from the posterior: a probability of 95 % is known to 1.5 %. */
 enum { PROBES = 64, DRAWS = 200 };
 
+/* Of the gain by effects that the table lacks, in standard deviations of that on pure noise. */
+static const double significant = 5;
+
 /* Tip of a model in posture q, without its nuisance. */
 static void predict(double tip[3], const mukca_chain *chain, const mukca_offsets *model,
                     const double *theta, const double *q)
@@ -64,15 +67,16 @@ static void sample(mukca_tip_error *out, int where, bool projected, const mukca_
 }
 
 /* Mean errors in random postures within the limits of `range`, over arms from the posterior. */
-static bool draw(mukca_tip_error *out, mukca_arm_posterior *p, const mukca_chain *range, int where)
+static bool draw(mukca_tip_error *out, mukca_arm_posterior *p, const mukca_tip_change_task *task,
+                 const mukca_chain *range, int where)
 {
-    const mukca_tip_change_task *task = p->task;
     const int width = p->groups.width, w = width + 2, rows = 3 * PROBES, joints = p->chain.n_joints;
     double *X = MUKCA_TAKE(&p->pool, double, rows *w);
     double *q = MUKCA_TAKE(&p->pool, double, PROBES *joints), tip[2][3];
     const int skip = task->base_frame ? MUKCA_PARAMETERS : 0, scale = p->poses ? MUKCA_OWN : 6;
     const double *before = task->from ? task->from->theta + skip : p->nominal;
     mukca_random random;
+    bool uncertain = p->poses; /* the scale is not that of known distances */
     if (p->pool.failed) return false;
     mukca_arm_posterior_probe(X, w, q, p, range, PROBES, &random);
     for (int i = 0; i < PROBES; i++) {
@@ -88,7 +92,8 @@ static bool draw(mukca_tip_error *out, mukca_arm_posterior *p, const mukca_chain
     sample(out, where, false, p, X, &random);
     mukca_dense_project(X, rows, w, scale, MUKCA_OWN);
     sample(out, where, true, p, X, &random);
-    if (p->poses) out->unscaled_m[where] = NAN;
+    for (int k = 0; k < p->data.n_distances; k++) uncertain |= p->data.distances[k].sigma > 0;
+    if (uncertain) out->unscaled_m[where] = NAN;
     return true;
 }
 
@@ -106,10 +111,72 @@ static void find_ranges(mukca_tip_error *out, mukca_chain *here, const mukca_dat
     }
 }
 
+/* Add the effects that any arm may have, with their sizes: smooth functions of the posture. */
+static void add_smooth(mukca_offsets *to, const mukca_chain *chain)
+{
+    for (int k = 0; k < MUKCA_EFFECT_COUNT; k++) {
+        const mukca_effect_ops *ops = mukca_effect_catalogue[k];
+        const mukca_effect_sizes *sizes = ops->sizes ? ops->sizes : &mukca_sizes_angle;
+        const int wave = MUKCA_TRAIT_PERIODIC | MUKCA_TRAIT_SMOOTH;
+        if (!(ops->info.traits & MUKCA_TRAIT_FLEXIBLE || (ops->info.traits & wave) == wave) ||
+            (ops->info.needs & MUKCA_NEEDS_MASSES && chain->n_masses == 0))
+            continue;
+        for (int j = 0; j < (mukca_effect_has_joint(k) ? chain->n_joints : 1); j++) {
+            mukca_effect e = {.kind = (mukca_effect_kind)k, .joint = j, .placement = -1};
+            const bool turns = chain->element[chain->joint_element[j]].type != MUKCA_PRISMATIC;
+            if (!mukca_effect_has_joint(k)) e.joint = -1;
+            if ((ops->info.traits & MUKCA_TRAIT_PERIODIC && !turns) ||
+                to->n_effects == MUKCA_MAX_EFFECTS ||
+                mukca_effect_set_variant(&e, NULL, chain->n_joints))
+                continue;
+            for (int t = 0; t < e.terms; t++) e.coefficient[t] = sizes->sigma[sizes->usual - 1] / 3;
+            bool there = false;
+            for (int i = 0; i < to->n_effects; i++) there |= mukca_effect_same(&e, &to->effects[i]);
+            if (!there) to->effects[to->n_effects++] = e;
+        }
+    }
+}
+
+/* Whether the samples show such effects beyond those of the table: `wide` is then the posterior
+ * with all of them. */
+static bool widen(mukca_arm_posterior *wide, mukca_arm_posterior *p, mukca_status *status,
+                  mukca_error *error)
+{
+    mukca_offsets *to = MUKCA_TAKE(&p->pool, mukca_offsets, 1);
+    mukca_tip_change_task *task = MUKCA_TAKE(&p->pool, mukca_tip_change_task, 1);
+    if (p->pool.failed) {
+        *status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
+        return false;
+    }
+    *to = *p->task->to;
+    add_smooth(to, &p->chain);
+    *task = *p->task;
+    task->to = to;
+    *status = mukca_arm_posterior_extend(wide, p, task, error);
+    return *status == MUKCA_OK && mukca_arm_posterior_gain(wide, p) > significant;
+}
+
+/* Errors by the posterior of the table's effects, or (if `lacking`) by that of all. */
+static bool predict_all(mukca_tip_error *out, mukca_arm_posterior both[2], bool lacking,
+                        const mukca_chain *here)
+{
+    const mukca_tip_change_task *task = both->task;
+    mukca_tip_error alone = {0};
+    out->lacking_m = NAN;
+    if (!here || !draw(out, &both[lacking], task, here, MUKCA_HERE) ||
+        !draw(out, &both[lacking], task, &both->chain, MUKCA_ELSEWHERE))
+        return false;
+    if (!lacking) return true;
+    if (!draw(&alone, both, task, here, MUKCA_HERE)) return false;
+    const double all = out->after_m[MUKCA_HERE], own = alone.after_m[MUKCA_HERE];
+    out->lacking_m = sqrt(fmax(all * all - own * own, 0)); /* independent errors */
+    return true;
+}
+
 mukca_status mukca_tip_error_expect(mukca_tip_error *out, const mukca_tip_change_task *task,
                                     mukca_error *error)
 {
-    mukca_arm_posterior *p = calloc(1, sizeof *p);
+    mukca_arm_posterior *both = calloc(2, sizeof *both), *p = both;
     *out = (mukca_tip_error){0};
     if (!p) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     mukca_status status = mukca_arm_posterior_fit(p, task, error);
@@ -126,10 +193,11 @@ mukca_status mukca_tip_error_expect(mukca_tip_error *out, const mukca_tip_change
         for (int j = 0; j < here->n_joints; j++)
             out->stuck[j] = out->at_rest[j] && mukca_arm_posterior_turns(p, j);
     }
-    if (status == MUKCA_OK &&
-        (!here || !draw(out, p, here, MUKCA_HERE) || !draw(out, p, &p->chain, MUKCA_ELSEWHERE)))
+    const bool lacking = status == MUKCA_OK && widen(&both[1], p, &status, error);
+    if (status == MUKCA_OK && !predict_all(out, both, lacking, here))
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    mukca_arm_posterior_free(&both[1]);
     mukca_arm_posterior_free(p);
-    free(p);
+    free(both);
     return status;
 }

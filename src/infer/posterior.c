@@ -170,7 +170,7 @@ static void add_pairs(mukca_grouped *g)
         const mukca_group_pair *p = &g->pair[k];
         if (!(p->weight > 0) || !mukca_grouped_pair(g->row, &variance, g, k)) continue;
         const double length = p->distance - g->row[n];
-        g->row[n] += variance / fmax(pairs, 1) * g->misfit / length;
+        g->row[n] += variance / pairs * g->misfit / length;
         mukca_posterior_add(&g->posterior, g->row, p->weight / variance);
     }
 }

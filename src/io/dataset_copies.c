@@ -115,7 +115,7 @@ static void prune(mukca_dataset *d, int *map)
         const mukca_distance *old = &d->distances[k];
         if (map[old->a] >= 0 && map[old->b] >= 0)
             d->distances[d->n_distances++] =
-                (mukca_distance){map[old->a], map[old->b], old->distance};
+                (mukca_distance){map[old->a], map[old->b], old->distance, old->sigma};
     }
     memset(map, 0, (size_t)placements * sizeof *map);
     for (int s = 0; s < d->n_sockets; s++) map[d->sockets[s].placement] = 1;

@@ -57,19 +57,22 @@ static void note_loss(const mukca_export_input *input, const mukca_exporter *exp
                       held_out);
 }
 
-/* Keep the effects that the format can represent and note the others.  Returns the needs of the
- * others. */
-static int keep_held(mukca_offsets *kept, const mukca_export_input *input,
+/* Keep the effects that the format can represent and note the other functions of the posture.
+ * Returns the needs of these. */
+static int keep_held(mukca_offsets *kept, bool *lost, const mukca_export_input *input,
                      const mukca_exporter *exporter)
 {
     const mukca_offsets *o = input->offsets;
     int needs = 0;
+    *lost = exporter->format->zeros_only;
     kept->n_effects = 0;
     for (const mukca_effect *effect = o->effects; effect < o->effects + o->n_effects; effect++) {
         if (exporter->format->holds && exporter->format->holds(effect)) {
             kept->effects[kept->n_effects++] = *effect;
             continue;
         }
+        if (mukca_effect_of_history(effect->kind)) continue;
+        *lost = true;
         const char *joint = mukca_chain_joint_name(input->chain, effect->joint);
         needs |= mukca_effect_table[effect->kind]->needs;
         mukca_note_format(input->note, input->context,
@@ -89,7 +92,8 @@ static mukca_status replace(replacement *r, const mukca_export_input *input,
     r->input = *input;
     r->input.offsets = &r->offsets;
     r->input.zeros = r->refit.zeros;
-    const int needs = keep_held(&r->offsets, input, exporter);
+    bool lost;
+    const int needs = keep_held(&r->offsets, &lost, input, exporter);
     const bool blind = (needs & MUKCA_NEEDS_MASSES) && input->chain->n_masses == 0;
     if (blind)
         mukca_note_format(input->note, input->context,
@@ -105,7 +109,10 @@ static mukca_status replace(replacement *r, const mukca_export_input *input,
     const mukca_status status = mukca_refit_run(&r->refit, &task, input->error);
     if (status != MUKCA_OK) return status;
     memcpy(r->offsets.theta, r->refit.theta, sizeof r->offsets.theta);
-    if (!blind) note_loss(input, exporter, &r->refit);
+    mukca_offsets_note_history(input->offsets, input->chain,
+                               "not applied; its error is beyond any stated here", input->note,
+                               input->context);
+    if (lost && !blind) note_loss(input, exporter, &r->refit);
     return MUKCA_OK;
 }
 

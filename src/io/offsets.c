@@ -121,3 +121,23 @@ mukca_status mukca_offsets_read(mukca_offsets *offsets, const mukca_chain *chain
                           origin.name);
     return MUKCA_OK;
 }
+
+int mukca_offsets_note_history(const mukca_offsets *offsets, const mukca_chain *chain,
+                               const char *treatment, mukca_note_fn *note, void *context)
+{
+    int n = 0;
+    for (const mukca_effect *e = offsets->effects; e < offsets->effects + offsets->n_effects; e++) {
+        const char *joint = mukca_chain_joint_name(chain, e->joint);
+        char variant[120];
+        double square = 0;
+        if (!mukca_effect_of_history(e->kind)) continue;
+        for (int t = 0; t < e->terms; t++) square += e->coefficient[t] * e->coefficient[t];
+        mukca_effect_describe(variant, sizeof variant, e, chain);
+        mukca_note_format(note, context,
+                          "%s of %.60s%s, %.3g m%s, depends on time, moves or placement: %s",
+                          mukca_effect_table[e->kind]->name, joint ? joint : "the arm", variant,
+                          1e3 * sqrt(square), mukca_effect_unit(e, chain), treatment);
+        n++;
+    }
+    return n;
+}

@@ -136,6 +136,11 @@ static void read_matrix(mukca_row *row, mukca_rows *rows, const mukca_measured_c
                 t, m->matrix[0],
                 "the matrix contains no rotation; its numbers must be in row-major order");
     }
+    double third[3];
+    mukca_cross(third, R, R + 3);
+    if (mukca_dot3(third, R + 6) < 0)
+        mukca_table_fail(t, m->matrix[0],
+                         "the axes of the matrix are left-handed; turn the sign of one of them");
     mukca_rotation_to_quaternion(row->quaternion, R);
 }
 

@@ -173,8 +173,9 @@ static const char *read_line(mukca_summary *s, char text[128], const char *line,
             "a traits table, which cannot be pooled again; give the summaries it was made from, "
             "or the file in which mukca fleet --partial joined them";
     } else if (!root) {
-        reason = line[length - 1] == '\n' ? "no JSON; write the summary again"
-                                          : "the file is cut off; write the summary again";
+        reason = line[length - 1] == '\n'
+                     ? "no summary; give the files of diagnose --summary or fleet --partial"
+                     : "the file is cut off; write the summary again";
     } else if (!schema || strncmp(schema, "mukca.summary/", 14) != 0) {
         reason = "not a summary; use the files of diagnose --summary";
     } else if (strcmp(schema, SCHEMA) != 0) {

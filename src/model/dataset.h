@@ -21,6 +21,7 @@ typedef struct {
 typedef struct {
     int a, b;
     double distance;
+    double sigma; /* standard deviation beyond that of any distance, m */
 } mukca_distance;
 
 /* The columns of numbers in recordings: constant; member; numbers per sample, 0: one per joint;

@@ -184,14 +184,27 @@ const char *mukca_wording_mechanism(const mukca_cause *cause, const mukca_diagno
     return own ? own->mechanism : mukca_effect_table[cause->effect.kind]->sentence;
 }
 
+/* Whether the offsets table has the cause for other postures. */
+static bool compensates(const mukca_cause *cause, const mukca_diagnosed *r)
+{
+    const mukca_effect_kind kind = cause->effect.kind;
+    const bool weightless = r->chain->n_masses == 0;
+    return !mukca_wording_worse(r->diagnosis) && !mukca_effect_of_history(kind) &&
+           !(weightless && mukca_effect_table[kind]->needs & MUKCA_NEEDS_MASSES);
+}
+
 const char *mukca_wording_remedy(const mukca_cause *cause, const mukca_diagnosed *r)
 {
     const particular *own = find_particular(cause, r);
     if (own) return own->remedy;
+    const bool table = compensates(cause, r);
     if (cause->n_ties && mukca_wording_on_arm(cause))
-        return "compensate it with the offsets table; repair nothing before the alternatives are "
-               "separated";
+        return table ? "compensate it with the offsets table; repair nothing before the "
+                       "alternatives are separated"
+                     : "repair nothing before the alternatives are separated";
     const char *text = mukca_effect_table[cause->effect.kind]->remedy;
+    if (!table && (!text || strstr(text, "compensate it")))
+        return "inspect the part; the offsets table does not correct it";
     return text ? text : "compensate it with the offsets table; inspect the transmission";
 }
 
@@ -220,10 +233,11 @@ const char *mukca_wording_unexplained(char text[MUKCA_WORDING], const mukca_diag
 }
 
 /* "; one further cause was identified" */
-static void put_count(char *text, int n, const char *what)
+static void put_count(char *text, int n, const char *what, mukca_verdict verdict)
 {
-    if (n == 1) put(text, "; one %scause was identified", what);
-    if (n > 1) put(text, "; %d %scauses were identified", n, what);
+    const bool tied = verdict == MUKCA_VERDICT_TIED;
+    if (n == 1) put(text, "; one %scause %s", what, tied ? "is possible" : "was identified");
+    if (n > 1) put(text, "; %d %scauses %s", n, what, tied ? "are possible" : "were identified");
 }
 
 const char *mukca_wording_verdict(char text[MUKCA_WORDING], const mukca_diagnosed *r)
@@ -238,7 +252,7 @@ const char *mukca_wording_verdict(char text[MUKCA_WORDING], const mukca_diagnose
     } else if (d->verdict == MUKCA_VERDICT_UNKNOWN) {
         mukca_wording_unexplained(text, r);
         text[0] = 'U';
-        put_count(text, causes, "");
+        put_count(text, causes, "", d->verdict);
     } else if (!first) {
         const double common = sqrt(d->shared), own = sqrt(1 - d->shared);
         if (d->n_causes)
@@ -260,7 +274,7 @@ const char *mukca_wording_verdict(char text[MUKCA_WORDING], const mukca_diagnose
     } else {
         put(text, "%s: %s (%s)", causes > 1 ? "Main cause" : "Cause",
             mukca_wording_rivals(MUKCA_WORDS, first, r), mukca_wording_mechanism(first, r));
-        put_count(text, causes - 1, "further ");
+        put_count(text, causes - 1, "further ", d->verdict);
     }
     if (d->unexplained && d->verdict != MUKCA_VERDICT_UNKNOWN)
         put(text, "; unexplained structure remains");

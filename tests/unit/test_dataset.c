@@ -344,6 +344,7 @@ TEST(tables_of_others_are_read)
         {"j1,j2," MATRIX "\n0,0,1,0,0,0,0,1,0,0,0,0,1,0,.1,.2,.3,1\n", NULL,
          "t.csv:2: column 'm30': the last row of the matrix is not 0 0 0 1"},
         {"j1,j2," MATRIX "\n0,0,1,0,0,0,0,2,0,0,0,0,1,0,0,0,0,1\n", NULL, "contains no rotation"},
+        {"j1,j2," MATRIX "\n0,0,1,0,0,0,0,1,0,0,0,0,-1,0,0,0,0,1\n", NULL, "left-handed"},
         {"1,2,3\n", &few, "--columns j1,j2 names 2 columns, but the table has 3"},
         {"a,b\n1,2\n", &none, "no column 'j7', which --columns renames"},
         {"j1,j2," MATRIX "\n0,0,1,0,0,0,0,1,0,,0,0,1,0,0,0,0,1\n", NULL,

@@ -202,4 +202,20 @@ TEST(nothing_to_test)
     free(all);
 }
 
+/* The table lacks the causes of a tied verdict that raise the error of test data. */
+TEST(tied_causes_are_possible_and_no_table_corrects_them)
+{
+    mukca_diagnosis tied = {.verdict = MUKCA_VERDICT_TIED, .n_causes = 2};
+    mukca_cause *const causes = tied.causes;
+    causes[0].effect = (mukca_effect){.kind = MUKCA_EFFECT_BACKLASH, .placement = -1};
+    causes[1].effect = (mukca_effect){.kind = MUKCA_EFFECT_JOINT_SCALE, .placement = -1};
+    causes[1].n_ties = 1;
+    tied.test_geometry_m = 1e-4;
+    tied.test_explained_m = 2e-4;
+    const mukca_diagnosed r = {.diagnosis = &tied, .chain = &s.chain, .data = &data};
+    for (int i = 0; i < 2; i++)
+        assert_null(strstr(mukca_wording_remedy(&causes[i], &r), "compensate"));
+    assert_part(mukca_wording_verdict(MUKCA_WORDS, &r), "; one further cause is possible");
+}
+
 TEST_MAIN(set_up, tear_down)

@@ -153,6 +153,16 @@ TEST(yaml_and_c_hold_every_number)
     free(c);
 }
 
+TEST(effects_of_time_are_not_applied)
+{
+    calibrate();
+    offsets.n_effects = 1;
+    offsets.effects[0] = make_effect(MUKCA_EFFECT_JOINT_DRIFT, 0, 3e-3);
+    free(export("urdf", MUKCA_OK));
+    assert_part(notes, "joint_drift of a (per 1000 s), 3 mrad, depends on time");
+    assert_null(strstr(notes, "differs by"));
+}
+
 /* An effect that the format lacks moves into the origins as far as they can take it: the zero of an
  * angle that is scaled about another one. */
 TEST(origins_take_up_what_a_format_lacks)
@@ -212,6 +222,7 @@ TEST(npy_holds_the_zeros_of_the_joints)
         assert_close(zero, turned[j], 1e-9);
     }
     assert_part(notes, "npy: offsets of the joints alone were fitted");
+    assert_part(notes, "differs by 10.000 mm"); /* the tool is not exported */
     free(bytes);
 }
 

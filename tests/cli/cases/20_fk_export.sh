@@ -22,6 +22,11 @@ accept "arm.urdf: robot small, base to ball, 3 joints" fk -v --urdf arm.urdf zer
 run compensate --urdf arm.urdf --offsets offsets.tsv --json - zero.csv
 expect "compensate --json - prints JSON alone" \
     sh -c "grep -q '\"schema\": *\"mukca.compensate/1\"' '$scratch/out' && ! grep -q error_before_m '$scratch/out'"
+printf 'x_m\ty_m\tz_m\n0.6\t0\t0.2\n' >poses.tsv
+run compensate --urdf arm.urdf --offsets offsets.tsv --poses --json - poses.tsv
+expect "targets as poses have no error before" grep -q '"before": null' "$scratch/out"
+"$MUKCA" compensate -q --urdf arm.urdf --offsets offsets.tsv zero.csv -o corrected.tsv
+refuse 3 "were corrected by mukca compensate" compensate --urdf arm.urdf --offsets offsets.tsv corrected.tsv
 accept "no --offsets" compensate --urdf arm.urdf zero.csv
 
 # a time that is missing: 8 s after the row before, and never nan

@@ -18,6 +18,8 @@ expect "exit 1 where another cause is expected" test $code -eq 1
 
 # the table is what was diagnosed: evaluate sees the test data improve, fk moves the tip
 "$MUKCA" calibrate --urdf arm.urdf good.tsv -q -o geometry.tsv
+expect "what geometry alone leaves is in its expected error" grep -q "^# error_lacking_m: 0.000[1-9]" geometry.tsv
+expect "... and with the causes there is nothing" sh -c "! grep error_lacking_m offsets.tsv"
 run evaluate --urdf arm.urdf --offsets geometry.tsv test.tsv --max-mae 2.2e-4
 expect "geometry alone leaves a gap on other rows" test $code -eq 1
 run evaluate --urdf arm.urdf --offsets offsets.tsv test.tsv --max-mae 2.2e-4
@@ -176,3 +178,8 @@ expect "a slip is not a moved tool for certain" \
 awk -F'\t' -v OFS='\t' '/^p[0-9]/ && n++ >= 50 { $3 -= 3600 } { print }' still.tsv >set.tsv
 run $d set.tsv
 expect "times that fall are noted with their row" grep -q 'row 51 of set.tsv: time_s falls by 35[0-9]* s' "$scratch/err"
+
+# a wrong --distance that is named as a cause is neither in the expected error nor in the verdict
+demo="diagnose --urdf $root/data/demo/arm.urdf $root/data/demo/train.tsv"
+answer "^Use     yes" $demo --distance 0.1
+answer "^Tip     expected error 2[.]" $demo --distance 0.052

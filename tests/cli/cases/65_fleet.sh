@@ -70,6 +70,8 @@ refuse 3 "new.json:1: of another version than mukca.summary/1" fleet 7.json new.
 refuse 3 "all.traits.tsv:1: a traits table, which cannot be pooled again; give the summaries" fleet 7.json all.traits.tsv
 echo '{"schema": "other"}' >other.json
 refuse 3 "other.json:1: not a summary" fleet 7.json other.json
+"$MUKCA" fleet 7.json 8.json -q --json fleet.json
+refuse 3 "fleet.json:1: no summary; give the files of diagnose --summary" fleet 7.json fleet.json
 sed 's/"vector":\[[^,]*/"vector":[1e999/' 8.json >inf.json
 refuse 3 "inf.json:1: " fleet 7.json inf.json
 sed 's/"vector":\[[^,]*/"vector":[null/' 8.json >null.json
