@@ -182,8 +182,8 @@ fi
 # distances
 refuse 2 'distance 0: must be a number above 0' calibrate $a --distance 0 good -o new.tsv
 refuse 2 'distance -0.05: must be a number above 0' calibrate $a --distance -0.05 good
-refuse 2 'distance 50 looks like millimetres' calibrate $a --distance 50 good
-refuse 2 'distance 5 looks like centimetres' calibrate $a --distance 5 good
+refuse 2 'distance 50: must be a number above 0, at most 2, in m' calibrate $a --distance 50 good
+refuse 2 'distance 5: must be a number above 0, at most 2, in m' calibrate $a --distance 5 good
 refuse 2 'distance 50mm: must be a number above 0, in m' calibrate $a --distance 50mm good
 run simulate $a --seed 1 --rows 20 --placements 2 -o sim.tsv
 doubt 'sockets differs by 30.0' calibrate $a --distance 0.02 sim.tsv
