@@ -80,6 +80,7 @@ void cli_print_keyed(FILE *stream, const char *key, const char *text)
 void cli_describe_data(char text[80], const mukca_dataset *data)
 {
     mukca_text to = {.at = text, .size = 80};
+    text[0] = '\0';
     mukca_text_put(&to, "%d %s%s", data->n_rows, data->n_sockets ? "sample" : "measured pose",
                    data->n_rows == 1 ? "" : "s");
     if (data->n_placements)
