@@ -74,7 +74,7 @@ static mukca_status identify(mukca_diagnosis *d, mukca_regression *m,
     mukca_search *id = MUKCA_TAKE(&m->pool, mukca_search, 1);
     if (!id) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the candidates");
     *id = (mukca_search){.m = m, .diagnosis = d, .options = options};
-    const mukca_status status = mukca_identify_run(id, error);
+    mukca_status status = mukca_identify_run(id, error);
     const mukca_noise_family *family = &m->evidence.normal[m->unknowns.family].whitening.family;
     d->score = mukca_regression_score(m);
     d->sigma_m = m->unknowns.sigma;
@@ -87,6 +87,7 @@ static mukca_status identify(mukca_diagnosis *d, mukca_regression *m,
         const bool none = d->verdict == MUKCA_VERDICT_UNKNOWN;
         if (d->unexplained || none) d->structure_m = mukca_held_out_structure(m);
         keep_named(m, d);
+        if (id->pool.failed) status = mukca_fail(error, MUKCA_MEMORY, "out of memory for causes");
     } else if (status == MUKCA_OK) {
         set_untestable(d, m, does_not_fit);
     }

@@ -17,7 +17,11 @@ static const double correlations[] = {0, 0.25, 0.5, 0.75};
 static const double shared[][2] = {{0.4, 0},    {0.7, 0},    {1, 0},     {1.5, 0},
                                    {2.5, 0},    {0.7, 0.25}, {0.7, 0.5}, {0.7, 0.75},
                                    {1.5, 0.25}, {1.5, 0.5},  {1.5, 0.75}};
-enum { INDEPENDENT_POSTURES = 4 };
+enum {
+    INDEPENDENT_POSTURES = sizeof correlations / sizeof *correlations,
+    SHARED_POSTURES = sizeof shared / sizeof *shared
+};
+_Static_assert(INDEPENDENT_POSTURES + SHARED_POSTURES == MUKCA_NOISES, "families of the noise");
 
 /* Shares of the joint angles' noise. */
 static const double shares[] = {0, 0.2, 0.4, 0.6, 0.8, 0.95};

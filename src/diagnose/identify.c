@@ -369,6 +369,7 @@ mukca_status mukca_identify_run(mukca_search *id, mukca_error *error)
     if (status == MUKCA_OK) {
         qsort(id->set, (size_t)id->n_sets, sizeof *id->set, by_weight);
         find_names(id);
+        if (id->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the names");
         seat(id, 0); /* a cause acts at the recorded angles */
         mukca_evidence_set_share(&m->evidence,
                                  0); /* least squares: unexplained errors are no noise */

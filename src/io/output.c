@@ -180,6 +180,7 @@ mukca_status mukca_output_close(mukca_output *output, mukca_error *error)
         if (good) output->temporary[0] = '\0';
         good = good && mukca_output_sync_folder(output->path);
         reason = errno;
+        if (linked && !good) unlink(output->path);
     }
     mukca_output_abort(output);
     if (good) return MUKCA_OK;

@@ -306,7 +306,8 @@ static void read_numbers(mukca_row *row, mukca_rows *rows, int column)
         double *value = &row->number[column][k];
         *value = column == MUKCA_COLUMN_Q ? mukca_table_number(&rows->table, at[k])
                                           : read_optional(rows, at[k]);
-        if (c->of == 'j' && at[k] >= 0 && !mukca_table_has_unit(&rows->table, at[k]))
+        if ((c->of == 'j' || c->of == 'r') && at[k] >= 0 &&
+            !mukca_table_has_unit(&rows->table, at[k]))
             *value *= unit_of(rows, k);
         if (column == MUKCA_COLUMN_Q) check_joint(rows, k, *value);
         if (column == MUKCA_COLUMN_PAYLOAD && (*value < 0 || *value > MUKCA_ROWS_MOST_PAYLOAD))
@@ -331,7 +332,10 @@ bool mukca_rows_next(mukca_rows *rows, mukca_row *row)
     row->socket = c->socket < 0 ? NULL : t->cell[c->socket];
     row->target = c->target < 0 || !*t->cell[c->target] ? NULL : t->cell[c->target];
     for (int k = 0; k < MUKCA_COLUMNS && !poses; k++)
-        if (mukca_column_table[k].width < 2) read_numbers(row, rows, k);
+        if (mukca_column_table[k].width < 2)
+            read_numbers(row, rows, k);
+        else /* of poses: below */
+            for (int i = 0; i < mukca_column_table[k].width; i++) row->number[k][i] = (double)NAN;
     read_pose(row, rows, 0);
     return t->status == MUKCA_OK;
 }

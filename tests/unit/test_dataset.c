@@ -273,6 +273,22 @@ TEST(orientations_are_read)
     }
 }
 
+/* All columns of a joint are in its unit; rates are per second. */
+TEST(columns_of_a_joint_have_its_unit)
+{
+    mukca_dataset_options options = {
+        .format = {.angle = M_PI / 180, .length = 1e-3, .units = true}};
+    const char *text =
+        "j1,j2,j1.command,j2.command,j1.velocity,j2.velocity,x,y,z\n"
+        "90,45,90,45,18,-9,100,200,300\n";
+    assert_int_equal(load_one(scratch_file("t.csv", text), &options), MUKCA_OK);
+    for (int j = 0; j < 2; j++) {
+        assert_close(data.q[j], M_PI / (2 + 2 * j), 1e-15);
+        assert_close(data.command[j], M_PI / (2 + 2 * j), 1e-15);
+        assert_close(data.velocity[j], j ? -M_PI / 20 : M_PI / 10, 1e-15);
+    }
+}
+
 /* One posture in the ways that people write it; the pose is that of the first text. */
 TEST(tables_of_others_are_read)
 {

@@ -184,7 +184,7 @@ refuse 2 'distance 0: must be a number above 0' calibrate $a --distance 0 good -
 refuse 2 'distance -0.05: must be a number above 0' calibrate $a --distance -0.05 good
 refuse 2 'distance 50: must be a number above 0, at most 2, in m' calibrate $a --distance 50 good
 refuse 2 'distance 5: must be a number above 0, at most 2, in m' calibrate $a --distance 5 good
-refuse 2 'distance 50mm: must be a number above 0, in m' calibrate $a --distance 50mm good
+refuse 2 'distance 50mm: must be a number above 0, at most 2, in m' calibrate $a --distance 50mm good
 run simulate $a --seed 1 --rows 20 --placements 2 -o sim.tsv
 doubt 'sockets differs by 30.0' calibrate $a --distance 0.02 sim.tsv
 doubt 'no fixed joint ends the chain at hand' calibrate $a --tip hand good
