@@ -46,13 +46,11 @@ RT       := $(BUILD)/libmukca_rt.a
 WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wdouble-promotion -Wvla -Wundef \
             -Wcast-qual -Wwrite-strings -Wformat=2 $(if $(WERROR),-Werror)
 # -falign-loops: the speed of a kernel must not depend on where the linker puts it (5 % of a diagnosis).
-OPTIMISE := -O3 -g -falign-loops=32 -ffp-contract=off -fno-math-errno -ffunction-sections -fdata-sections \
-            -fstack-usage
+OPTIMISE := -O3 -g -falign-loops=32 -ffp-contract=off -fno-math-errno -ffunction-sections -fdata-sections -fstack-usage
 DEFINES  := -D_DEFAULT_SOURCE -D_XOPEN_SOURCE=700
 # `make HARDENING=` disables these flags; so does a compiler that lacks one of them.
 HARDENING ?= -fstack-protector-strong -fstack-clash-protection -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2
-HARDEN    := $(shell $(CC) -Werror -O1 $(HARDENING) -x c -c -o /dev/null /dev/null 2>/dev/null && \
-             echo '$(HARDENING)')
+HARDEN    := $(shell $(CC) -Werror -O1 $(HARDENING) -x c -c -o /dev/null /dev/null 2>/dev/null && echo '$(HARDENING)')
 C_FLAGS   = -std=c11 $(OPTIMISE) $(HARDEN) $(WARNINGS) -Wstrict-prototypes -Wmissing-prototypes $(DEFINES) \
             -Iinclude -Isrc -MMD -MP
 CXX_FLAGS = -std=c++17 $(OPTIMISE) $(HARDEN) $(WARNINGS) $(DEFINES) -Iinclude -Isrc -MMD -MP

@@ -28,8 +28,8 @@ typedef struct {
     double *pair_direction; /* [n_pairs][3] unit, from b to a */
     double *residual;       /* [windows][3][padded] */
     double *socket_adjoint; /* [n_sockets][3] of the pairs, for each sample of a socket */
+    double *mean_rows;      /* [n_sockets][3][n] means of the Jacobian */
     /* of mukca_poses_add; NULL: no measured poses */
-    double *mean_rows;     /* [n_sockets][3][n] means of the Jacobian */
     double *target;        /* [n_rows][3] positions */
     double *turn_share;    /* [n_rows] as `share` */
     double *aim;           /* [n_rows][9] orientations */

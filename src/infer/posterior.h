@@ -73,7 +73,8 @@ bool mukca_grouped_create(mukca_grouped *grouped, mukca_pool *pool, int n, int g
 /* Remove all observations. */
 void mukca_grouped_clear(mukca_grouped *grouped);
 
-/* Add an observation of that weight; a negative one removes it. */
+/* Add an observation of that weight; a negative one removes it, exactly if its own columns are 0 or
+ * 1. */
 void mukca_grouped_add(mukca_grouped *grouped, const double *x, int group, double weight);
 
 /* Solve for the coefficients (centre: their prior means, NULL: 0) and all own unknowns. */
