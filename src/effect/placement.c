@@ -11,7 +11,13 @@ static void zero_basis(double basis[][3], const mukca_basis_input *in)
     basis[0][0] = acts(in);
 }
 
+/* rad: from a nudge of the encoder to a homing that is wrong by a sixth of a motor's turn (a pole
+ * pair of its Hall sensors) through a gear of 100, 10 mrad. */
+static const mukca_effect_sizes zero_sizes = {.usual = 5,
+                                              .sigma = {0.1e-3, 0.3e-3, 1e-3, 3e-3, 10e-3}};
+
 const mukca_effect_ops mukca_zero_jump_effect = {
+    .sizes = &zero_sizes,
     .info = {.name = "zero_jump",
              .title = "zero jump",
              .site = MUKCA_SITE_ANGLE,

@@ -54,7 +54,10 @@ def draw_part(kind, arm, rng, st, joint, places):
         heavy = [j for j in np.argsort(-load)[:3] if j != joint]
         if rng.random() < 0.35:
             which = sorted(which + [int(heavy[0])])
-        return Part(kind, which, threshold=float(rng.choice([0.3, 1.0, 3.0])))
+        threshold = float(rng.choice([0.3, 1.0, 3.0]))
+        if kind == "backlash" and np.abs(st.hold[:, which]).max(axis=0).min() < threshold:
+            raise Again     # held between the flanks, a joint turns as one with a spring
+        return Part(kind, which, threshold=threshold)
     if kind == "base_compliance":
         return Part(kind)
     if kind == "readback_lag":          # of the readings of one posture, all lag or the first ones
@@ -132,6 +135,8 @@ def believable(part, st):
     if size < 1e-12:
         raise Again
     top = min(top / size, {"joint_scale": 6e-3, "joint_coupling": 6e-3}.get(part.kind, 1e9))
+    if part.kind == "backlash":                 # a gap; below its threshold it equals a spring
+        top = min(top, 2 * CAP[part.kind])
     if part.kind == "joint_compliance":         # a small joint is not softer without end
         top = min(top, 5.0 * CAP[part.kind] / np.sqrt((st.hold ** 2).mean(axis=0)).max())
     if part.kind == "gear_harmonic" and part.set["order"] > 6:
