@@ -29,6 +29,7 @@ typedef enum {
     /* Unlisted: simple causes outside the catalogue, without a name */
     MUKCA_CANDIDATE_UNLISTED_ANGLE, /* joint error, a function of an argument */
     MUKCA_CANDIDATE_UNLISTED_FRAME, /* shift or rotation of a frame by it */
+    MUKCA_CANDIDATE_UNLISTED_BASE,  /* rotation of the base by it */
     MUKCA_CANDIDATE_UNLISTED_TILT,  /* the ball shifts with the tilt of the tool */
     MUKCA_CANDIDATE_UNLISTED_PAIR,  /* the distance of a placement's sockets is wrong */
     MUKCA_CANDIDATE_KINDS
@@ -45,11 +46,14 @@ typedef enum {
     MUKCA_ARGUMENT_MOVE,      /* direction of its last move */
     MUKCA_ARGUMENT_LAG,       /* that move, with its length */
     MUKCA_ARGUMENT_RUBBING,   /* its direction times the load: friction */
+    MUKCA_ARGUMENT_CREEP,     /* the load some time ago: elastic after-effect */
     MUKCA_ARGUMENT_WEARING,   /* its direction times a decay: changing friction */
     MUKCA_ARGUMENT_TIME,
     MUKCA_ARGUMENT_PAYLOAD,   /* torque of the outermost mass, in one placement or in all */
     MUKCA_ARGUMENT_PLACEMENT, /* 1 in one placement, else 0 */
-    MUKCA_ARGUMENT_MOMENT     /* about a joint's origin, three components */
+    MUKCA_ARGUMENT_MOMENT,    /* about a joint's or the base's origin, three components */
+    MUKCA_ARGUMENT_TIPPING,   /* the side of each: a base that rocks, a bearing with play */
+    MUKCA_ARGUMENT_SEASON     /* a smooth function of time: the stand follows the room */
 } mukca_argument;
 
 /* Where a candidate acts: a site of effects, or one of these. */

@@ -200,7 +200,7 @@ static void list_faults(lister *l)
 static bool is_worth_listing(const lister *l, mukca_argument a, int j, int k)
 {
     const bool load = (a >= MUKCA_ARGUMENT_LOAD && a <= MUKCA_ARGUMENT_SOFTENING) ||
-                      a == MUKCA_ARGUMENT_RUBBING,
+                      a == MUKCA_ARGUMENT_RUBBING || a == MUKCA_ARGUMENT_CREEP,
                friction = a >= MUKCA_ARGUMENT_LAG && a <= MUKCA_ARGUMENT_WEARING;
     if (l->all->survey.joint[k].range < 0.1 || (load && !l->recording->have_torques)) return false;
     /* the masses' spread covers the loads of other joints; friction acts on its own joint */
@@ -235,6 +235,13 @@ static void list_unlisted(lister *l)
                                         .joint = n - 1,
                                         .placement = -1,
                                         .of = {.joint = axis, .turns = in_tool}});
+    static const mukca_argument of_base[] = {MUKCA_ARGUMENT_TIME, MUKCA_ARGUMENT_SEASON,
+                                             MUKCA_ARGUMENT_MOMENT, MUKCA_ARGUMENT_TIPPING};
+    for (int i = 0; i < (r->have_moments ? 4 : 2); i++)
+        append(l, (mukca_candidate){.kind = MUKCA_CANDIDATE_UNLISTED_BASE,
+                                    .joint = -1,
+                                    .placement = -1,
+                                    .of = {of_base[i]}});
     for (int p = 0; p < r->n_pairs; p++)
         append(l, (mukca_candidate){.kind = MUKCA_CANDIDATE_UNLISTED_PAIR,
                                     .joint = -1,
@@ -255,6 +262,8 @@ static void list_unlisted(lister *l)
             append(l, h);
             h.of.argument = MUKCA_ARGUMENT_MOMENT;
             if (r->have_moments) append(l, h);
+            h.of.argument = MUKCA_ARGUMENT_TIPPING;
+            if (r->have_moments && turns) append(l, h);
             h.of.argument = MUKCA_ARGUMENT_PLACEMENT;
             for (h.placement = 0; placements && h.placement < r->data->n_placements; h.placement++)
                 append(l, h);
