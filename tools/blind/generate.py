@@ -25,7 +25,7 @@ import numpy as np  # noqa: E402
 
 import arms  # noqa: E402
 from causes import (DETECTABLE, ONCE, OTHER, OUTSIDE, SINGLE, believable, choose,  # noqa: E402
-                    distance_strength, draw_part, move_tool)
+                    distance_strength, draw_part, imitators, move_tool)
 from effects import Part, State, bender, displacement, rms, unabsorbed  # noqa: E402
 from sessions import (Again, Session, drawn_places, fits, record,  # noqa: E402
                       recorded_places, smooth, write_table)
@@ -124,17 +124,21 @@ def make_case(kind, rng, hard, stock, use_real, asked):
         part, label = choose(kind, true, rng, st, ses, places, aim, sigma, want)
         parts, labels = [part], [label]
         detectable = bool(label["snr"] * np.sqrt(3 * ses.postures) >= DETECTABLE)
-    elif kind == "mixture":
+    elif kind in ("mixture", "beside"):
         names = [k for k in SINGLE if k not in ("socket_distance", "readback_lag")]
         weight = np.array([SINGLE[k] for k in names], float)
         pair = [str(k) for k in rng.choice(names, 2, p=weight / weight.sum())]
+        if kind == "beside":        # the second is in no catalogue
+            weight = np.array(list(OUTSIDE.values()), float)
+            pair[1] = str(rng.choice(list(OUTSIDE), p=weight / weight.sum()))
         if pair[0] == pair[1] and pair[0] not in ("joint_compliance", "gear_harmonic", "zero_jump"):
             raise Again
         for k in pair:
             part, label = choose(k, true, rng, st, ses, places, aim, sigma)
             parts.append(part)
             labels.append(label)
-        if rng.random() < 0.3 and parts[0].joints and parts[1].joints and pair[0] != pair[1]:
+        together = kind == "mixture" and pair[0] != pair[1] and rng.random() < 0.3
+        if together and parts[0].joints and parts[1].joints:
             geometry = true.geometry(st.sweep)      # both in one joint
             part = draw_part(pair[1], true, rng, st, parts[0].joints[0], places)
             seen = rms(unabsorbed(displacement(part, st), geometry, ses.group))
@@ -149,10 +153,13 @@ def make_case(kind, rng, hard, stock, use_real, asked):
         geometry = true.geometry(st.sweep)
         for i in (0, 1):            # each is judged by what the other cannot imitate either
             mine, other = displacement(parts[i], st), displacement(parts[1 - i], st)
-            seen = rms(unabsorbed(mine, geometry, ses.group, other[:, :, None]))
+            rest = imitators(parts[i], st)
+            other = other[:, :, None] if rest is None else np.dstack([other, rest])
+            seen = rms(unabsorbed(mine, geometry, ses.group, other))
             labels[i]["snr"] = abs(parts[i].amplitude) * seen / sigma
             labels[i]["visible_rms_m"] = labels[i]["snr"] * sigma
-        detectable = bool(max(x["snr"] for x in labels) * np.sqrt(3 * ses.postures) >= DETECTABLE)
+        seen = [x["snr"] * np.sqrt(3 * ses.postures) >= DETECTABLE for x in labels]
+        detectable = bool(any(seen) if kind == "mixture" else all(seen))
     elif kind in ("tool_motion", "tool_creep"):
         move, label = move_tool(rng, ses, sigma, hard, kind == "tool_creep")
         labels = [label]

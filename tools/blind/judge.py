@@ -195,6 +195,16 @@ class Record(dict):
             self.flag("mixtures in one joint: both found", all(hits))
         return f"{sum(hits)}/2"
 
+    def beside(self, label, r, truths, causes):
+        """An effect of the catalogue, and a cause outside it."""
+        if not label["detectable"]:
+            return "faint"
+        named = [any(right(c, truths[0]) for c in causes),
+                 r.get("verdict") == "unknown" or bool(r.get("unexplained"))]
+        self.flag("effect beside an unknown cause: effect named", named[0])
+        self.flag("effect beside an unknown cause: unknown", named[1])
+        return f"effect {named[0]}, unknown {named[1]}"
+
     def effect(self, label, r, truths, causes):
         e, top = truths[0], causes[0] if causes else {}
         named = causes[:1] + top.get("ties", [])
@@ -248,7 +258,7 @@ class Record(dict):
 def record(name, label, answer, seconds, withheld=False):
     """The record of a case; answer None: the program refused, or failed where it must not."""
     place = label.get("situation", {})
-    old = (label["kind"] if label["kind"] == "mixture" else
+    old = (label["kind"] if label["kind"] in ("mixture", "beside") else
            "none" if label["kind"].startswith("none") else
            "unknown" if label["kind"] in OLD_OUTSIDE else
            "fault" if label["kind"] in ("tool_motion", "tool_creep", "wrong_socket", "outlier",
