@@ -220,9 +220,14 @@ static bool may_belong(const mukca_candidate *unknown, int order)
 }
 
 /* A name is conditional on the catalogue.  An unknown function in the same set shows that the
- * catalogue lacks a cause of this arm: the name may be a part of that cause, with equal odds. */
+ * catalogue lacks a cause of this arm, and the name may be the remainder of that cause which the
+ * function does not follow.  A remainder is any fraction of its cause: its amplitude is below the
+ * name's share of both, the root of its share of their log evidence, with that share as
+ * probability. */
 static void share_with_unknown(mukca_cause *out, const mukca_search *id, int name)
 {
+    const double unknown_gain = id->diagnosis->structure, own = fmax(out->log_bayes_factor, 0),
+                 remainder = unknown_gain > 0 ? 1 - sqrt(own / (own + unknown_gain)) : 0.5;
     double beside = 0, all = 0;
     for (int i = 0; i < id->n_sets; i++) {
         bool unknown = false;
@@ -234,8 +239,8 @@ static void share_with_unknown(mukca_cause *out, const mukca_search *id, int nam
         if (unknown) beside += id->set[i].weight;
     }
     beside = all > 0 ? beside / all : 0;
-    out->probability *= 1 - 0.5 * beside;
-    out->or_unknown |= 0.5 * beside > MUKCA_DOUBT;
+    out->probability *= 1 - remainder * beside;
+    out->or_unknown |= remainder * beside > MUKCA_DOUBT;
 }
 
 /* Largest step of which all recorded angles of a joint are multiples, rad: of a coarse encoder, or
