@@ -1,14 +1,10 @@
 /* Simple causes outside the catalogue.
  *
  * The catalogue is incomplete.  A missing cause, like most listed ones, is a simple function of one
- * argument, and acts on one joint or frame.  Therefore every argument is tried at every joint angle
- * and at every frame, as a shift or a rotation.  The arguments: angle of a joint (linear, once per
- * turn, half of the travel), its load (linear, sign, times time, torque of an unknown payload), its
- * last move (direction, also times load or a decay; length), time, placement, and for frames the
- * moment, as of a link that bends along its length.  A ball that is not round or not held by its
- * socket, and a tool that rattles, move with the tilt of the tool.  The one distance of a placement
- * may be wrong for any reason: a single number distinguishes no causes.  They share the probability
- * of a name that they could replace.
+ * argument, and acts on one joint or frame.  Therefore every argument is tried at every joint angle,
+ * at every frame, as a shift or a rotation, and at the base (docs/method.md, section 10, lists
+ * arguments and places).  The one distance of a placement may be wrong for any reason: a single
+ * number distinguishes no causes.  They share the probability of a name that they could replace.
  */
 #include <math.h>
 #include <string.h>
