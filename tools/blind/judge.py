@@ -40,7 +40,8 @@ def alias(cause, truth):
             if p == q and (a, b) in (("joint_scale", "encoder_eccentricity"),
                                      ("backlash", "joint_compliance")):
                 return True
-            if a == "base_compliance" and b == "joint_compliance" and q == 2:
+            base = a == "base_compliance" or (a, p) == ("link_bending", 1)      # one thing
+            if base and b == "joint_compliance" and q == 2:
                 return True
             if a == "base_compliance" and b == "link_bending" and q in (1, 2):
                 return True
