@@ -223,8 +223,8 @@ static bool may_belong(const mukca_candidate *unknown, int order)
  * catalogue lacks a cause of this arm, and the name may be the remainder of that cause which the
  * function does not follow.  A remainder is any fraction of its cause: its amplitude is below the
  * name's share of both, the root of its share of their log evidence, with that share as
- * probability. */
-static void share_with_unknown(mukca_cause *out, const mukca_search *id, int name)
+ * probability, which is returned. */
+static double share_with_unknown(mukca_cause *out, const mukca_search *id, int name)
 {
     const double unknown_gain = id->diagnosis->structure, own = fmax(out->log_bayes_factor, 0),
                  remainder = unknown_gain > 0 ? 1 - sqrt(own / (own + unknown_gain)) : 0.5;
@@ -241,6 +241,7 @@ static void share_with_unknown(mukca_cause *out, const mukca_search *id, int nam
     beside = all > 0 ? beside / all : 0;
     out->probability *= 1 - remainder * beside;
     out->or_unknown |= remainder * beside > MUKCA_DOUBT;
+    return 1 - remainder * beside;
 }
 
 /* Largest step of which all recorded angles of a joint are multiples, rad: of a coarse encoder, or
@@ -294,7 +295,8 @@ static void find_orders(mukca_cause *out, const mukca_search *id, int name)
     }
 }
 
-void mukca_cause_describe(mukca_cause *out, mukca_search *id, const mukca_causes *best, int member)
+double mukca_cause_describe(mukca_cause *out, mukca_search *id, const mukca_causes *best,
+                            int member)
 {
     const mukca_recording *recording = &id->m->recording;
     const mukca_candidate *h = &id->all.list[best->candidate[member]];
@@ -312,7 +314,7 @@ void mukca_cause_describe(mukca_cause *out, mukca_search *id, const mukca_causes
         .held_out = MUKCA_SHRINK_NONE,
         .rung_m = NAN};
     add_ties(out, id, best, member, &rest, own);
-    share_with_unknown(out, id, name);
+    const double named = id->probability[name] * share_with_unknown(out, id, name);
     if (mukca_effect_has((int)out->effect.kind, MUKCA_TRAIT_ORDERS)) {
         doubt_rounding(out, id);
         find_orders(out, id, name);
@@ -324,6 +326,7 @@ void mukca_cause_describe(mukca_cause *out, mukca_search *id, const mukca_causes
         out->creep = h->fault.shape == MUKCA_FAULT_GROWING;
     }
     measure(out, id->m, member);
+    return named;
 }
 
 int mukca_cause_find(const mukca_regression *m, const mukca_cause *cause)

@@ -15,9 +15,10 @@
  */
 double mukca_cause_gain(mukca_search *id, const mukca_causes *set, int member);
 
-/* Describe a member of the set to which the regression is fitted; needs its factor. */
-void mukca_cause_describe(mukca_cause *cause, mukca_search *id, const mukca_causes *best,
-                          int member);
+/* Describe a member of the set to which the regression is fitted; needs its factor.  Returns the
+ * probability that it is an effect of the catalogue, this one or an indistinguishable rival. */
+double mukca_cause_describe(mukca_cause *cause, mukca_search *id, const mukca_causes *best,
+                            int member);
 
 /* Reserve a share of a described cause's probability for causes outside the catalogue. */
 void mukca_cause_doubt(mukca_cause *cause);

@@ -179,16 +179,12 @@ void mukca_verdict_reach(mukca_diagnosis *d, mukca_search *id)
         mukca_cause *cause = &d->causes[d->n_causes];
         const int class = mukca_candidate_class(h);
         if (class == MUKCA_CLASS_OUTLIER) add_outlier(d, m, &u->cause[c]);
-        /* with its indistinguishable rivals */
-        const double probability = id->probability[id->name[best->candidate[c]]];
-        if (class >= MUKCA_EFFECT_COUNT || d->n_causes == MUKCA_MAX_CAUSES ||
-            probability < MUKCA_SUSPECTED)
-            continue;
-        mukca_cause_describe(cause, id, best, c);
+        if (class >= MUKCA_EFFECT_COUNT || d->n_causes == MUKCA_MAX_CAUSES) continue;
+        if (mukca_cause_describe(cause, id, best, c) < MUKCA_SUSPECTED) continue;
         /* other causes may turn a sign that physics excludes */
         if (mukca_effect_table[class]->nonnegative && !(cause->amplitude > 0)) continue;
         d->n_causes++;
-        cause->suspected = probability < MUKCA_LISTED;
+        cause->suspected = id->probability[id->name[best->candidate[c]]] < MUKCA_LISTED;
         if (cause->suspected) continue;
         const bool moved = mukca_effect_table[class]->site == MUKCA_SITE_SOCKET;
         if (moved)
