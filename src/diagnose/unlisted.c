@@ -1,10 +1,11 @@
 /* Simple causes outside the catalogue.
  *
  * The catalogue is incomplete.  A missing cause, like most listed ones, is a simple function of one
- * argument, and acts on one joint or frame.  Therefore every argument is tried at every joint angle,
- * at every frame, as a shift or a rotation, and at the base (docs/method.md, section 10, lists
- * arguments and places).  The one distance of a placement may be wrong for any reason: a single
- * number distinguishes no causes.  They share the probability of a name that they could replace.
+ * argument, and acts on one joint or frame.  Therefore every argument is tried at every joint
+ * angle, at every frame, as a shift or a rotation, and at the base (docs/method.md, section 10,
+ * lists arguments and places).  The one distance of a placement may be wrong for any reason: a
+ * single number distinguishes no causes.  They share the probability of a name that they could
+ * replace.
  */
 #include <math.h>
 #include <string.h>
