@@ -14,10 +14,6 @@ enum { MOST_CAUSES = 8, MOST_LINES = 6 };
  * standard deviation of the rms of some thousand coordinates). */
 static const double worth_reporting = 1.02;
 
-/* A joint whose effects must be larger than this to be detected (rad rms, 1.7 degrees) counts as
- * not testable: no cause of a calibrated arm is that large. */
-static const double useless_limit = 30e-3;
-
 static void print_more(FILE *stream, int n)
 {
     cli_print_keyed(stream, "", put(MUKCA_WORDS, "and %d more; --json lists them all", n));
@@ -166,34 +162,13 @@ static void print_errors(FILE *stream, const mukca_diagnosed *r)
 
 /* ---- detection limits ---- */
 
-/* Median of the detection limits of a joint's effects, rad; NaN: none. */
-static double joint_limit(const mukca_diagnosis *d, int joint)
-{
-    double limit[MUKCA_EFFECT_COUNT] = {0};
-    int n = 0;
-    for (int i = 0; i < d->n_tested && n < MUKCA_EFFECT_COUNT; i++)
-        if (d->tested[i].joint == joint && isfinite(d->tested[i].limit))
-            limit[n++] = d->tested[i].limit;
-    return n ? mukca_stats_median(limit, n) : (double)NAN;
-}
-
 /* Detection limits, and effects not testable.  `caveat`: missing masses have been mentioned
  * already. */
 static void print_limits(FILE *stream, const mukca_diagnosed *r, bool caveat)
 {
-    const mukca_diagnosis *d = r->diagnosis;
-    char text[MUKCA_WORDING] = "";
-    for (int j = 0; j < r->chain->n_joints; j++) {
-        const double limit = joint_limit(d, j);
-        if (limit < useless_limit)
-            put(text, "%s %s %.*f%s",
-                *text ? "," : "Detection limits, mrad rms (median over effects):",
-                mukca_chain_joint_name(r->chain, j), limit < 1e-5 ? 4 : 2, 1e3 * limit,
-                mukca_wording_slides(r->chain, j) ? " mm" : "");
-    }
     fputc('\n', stream);
-    cli_print_wrapped(stream, text);
-    for (int i = 0, lines = 0; i < d->n_tested && lines < MOST_LINES; i++) {
+    cli_print_wrapped(stream, mukca_wording_limits(MUKCA_WORDS, r));
+    for (int i = 0, lines = 0; i < r->diagnosis->n_tested && lines < MOST_LINES; i++) {
         const char *words = mukca_wording_untestable(MUKCA_WORDS, i, r, caveat);
         if (!*words) continue;
         cli_print_wrapped(stream, put(MUKCA_WORDS, "Not testable: %s", words));

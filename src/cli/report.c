@@ -70,22 +70,6 @@ static mukca_status note_command(cli_call *call)
     return cli_fail(call, MUKCA_MEMORY, "out of memory");
 }
 
-/* Note the paths of all inputs. */
-static mukca_status list_files(cli_call *call)
-{
-    report_work *w = call->work;
-    const mukca_dataset *sets[2] = {w->page.train, w->page.test};
-    const char **files = MUKCA_TAKE(&call->pool, const char *,
-                                    sets[0]->n_files + sets[1]->n_files + CLI_MOST_OPTIONS);
-    if (!files) return cli_fail(call, MUKCA_MEMORY, "out of memory");
-    for (const cli_option *o = NULL; (o = cli_next_option(call->command, o));)
-        if (o->kind == CLI_INPUT && cli_path(call, o)) files[w->page.n_files++] = cli_path(call, o);
-    for (int k = 0; k < 2; k++)
-        for (int f = 0; f < sets[k]->n_files; f++) files[w->page.n_files++] = sets[k]->files[f];
-    w->page.files = files;
-    return MUKCA_OK;
-}
-
 static mukca_status write_page(cli_call *call, FILE *stream)
 {
     const report_options *o = call->options;
@@ -143,8 +127,7 @@ static mukca_status prepare_arm(cli_call *call)
     w->page.diagnosed = w->of.result;
     w->page.diagnosed.saved = true;
     w->page.free_base = w->of.options.free_base, w->page.free_tool = w->of.options.free_tool;
-    if (status == MUKCA_OK) status = mukca_report_prepare(&w->page, &call->error);
-    return status == MUKCA_OK ? list_files(call) : status;
+    return status == MUKCA_OK ? mukca_report_prepare(&w->page, &call->error) : status;
 }
 
 static mukca_status run(cli_call *call)
@@ -179,8 +162,7 @@ const cli_command cli_command_report = {
         "table of mukca diagnose -o) or that of --offsets. It opens with the expected error of the "
         "tip, whether to use the result, the verdict and what to do. Then follow the errors step "
         "by step, the causes, a view of the arm that can be turned, errors by placement and joint, "
-        "detection limits, recording faults, parameters with standard errors, and the files "
-        "read.\n\n"
+        "detection limits, recording faults, and parameters with standard errors.\n\n"
         "--fleet writes the page of many arms of one model from their summaries, the arguments of "
         "mukca fleet: arms that depart, what the arms share, each elastic coefficient with the "
         "arms side by side, and the most probable ripple order of each joint.",

@@ -110,33 +110,6 @@ static void open_page(FILE *out, const void *content)
     fputs(".</li>\n</ul>\n", out);
 }
 
-static void put_arms(FILE *out, const void *content)
-{
-    const mukca_fleet *f = content;
-    const int n = f->n_arms;
-    char words[MUKCA_WORDING];
-    mukca_html_table table = {
-        .out = out,
-        .caption = "Arms by the probability of a departure, " MUKCA_WORDING_SPRING,
-        .columns =
-            "arm|#sessions|#samples|largest departure|#value|#from|#to|#sisters|#probability"};
-    for (int i = 0; i < n && i < MOST_ROWS; i++) {
-        const mukca_departure *d = &f->ranked[i];
-        const mukca_fleet_arm *arm = &f->arm[d->arm];
-        snprintf(words, sizeof words, "not testable");
-        if (d->k >= 0) put_effect(words, &d->effect, f);
-        mukca_html_row(&table, "%s\t%d\t%d\t%s", arm->name, arm->end - arm->first, arm->samples,
-                       words);
-        if (d->k >= 0)
-            mukca_html_cells(&table, "%.3g\t%.3g\t%.3g\t%.3g\t%.3f", per * fmax(d->value, 0),
-                             per * d->low, per * fmax(d->high, 0), per * d->mean, d->probability);
-        else
-            mukca_html_cells(&table, "nan\tnan\tnan\tnan\tnan");
-    }
-    mukca_html_table_end(&table);
-    if (n > MOST_ROWS) fprintf(out, "<p>The first %d of %d arms.</p>\n", MOST_ROWS, n);
-}
-
 /* A coefficient of the arms side by side. */
 static void put_coefficient(FILE *out, const mukca_fleet *f, int k)
 {
@@ -182,7 +155,6 @@ static void put_coefficients(FILE *out, const void *content)
 }
 
 static const mukca_page_section sections[] = {
-    {"arms", "Arms", put_arms},
     {"coefficients", "Elastic coefficients, arm by arm", put_coefficients},
 };
 

@@ -106,34 +106,21 @@ static void put_cell(mukca_html_table *table, const char *text)
     table->at += *table->at == '|';
 }
 
-static void put_cells(mukca_html_table *table, const char *format, va_list values)
+void mukca_html_row(mukca_html_table *table, const char *format, ...)
 {
     char text[8192], *cell = text;
+    va_list values;
+    va_start(values, format);
     vsnprintf(text, sizeof text, format, values);
+    va_end(values);
+    if (!table->at) begin_table(table);
+    fputs(table->at ? "</tr>\n<tr>" : "<tr>", table->out);
+    table->at = table->columns;
     for (char *tab; (tab = strchr(cell, '\t')); cell = tab + 1) {
         *tab = '\0';
         put_cell(table, cell);
     }
     put_cell(table, cell);
-}
-
-void mukca_html_row(mukca_html_table *table, const char *format, ...)
-{
-    va_list values;
-    if (!table->at) begin_table(table);
-    fputs(table->at ? "</tr>\n<tr>" : "<tr>", table->out);
-    table->at = table->columns;
-    va_start(values, format);
-    put_cells(table, format, values);
-    va_end(values);
-}
-
-void mukca_html_cells(mukca_html_table *table, const char *format, ...)
-{
-    va_list values;
-    va_start(values, format);
-    put_cells(table, format, values);
-    va_end(values);
 }
 
 void mukca_html_table_end(mukca_html_table *table)

@@ -47,7 +47,6 @@ static const char *const mukca_report_style[] = {
     "@media screen and "
     "(max-width:40rem){body{padding:.6rem}table{font-size:.75rem;width:100%}th,td{"
     "padding:.15rem .2rem;min-width:0}td:last-child:not(.n):not(:first-child){min-width:0}}\n"
-    ".files td{overflow-wrap:anywhere}\n"
     ".bar{width:30%;min-width:3rem}.bar i{display:block;height:.7rem;margin-top:.3rem;background:"
     "var(--after)}\n"
     ".view{display:block;width:100%;max-width:34rem;touch-action:pan-y;cursor:grab}.view "
@@ -62,8 +61,8 @@ static const char *const mukca_report_style[] = {
     ".wide,figure{overflow:visible}.plot.plot{min-width:0}.figures{grid-template-columns:repeat(4,"
     "1fr)}.view{max-width:60%}table{font-size:7.5pt}th,td{padding:.05rem "
     ".4rem}figcaption{font-size:"
-    "7.5pt}.wide{break-inside:avoid}.wide:has(.parameters){columns:2}.wide:has(.parameters,.files)"
-    "{break-inside:auto}p,li{orphans:3;widows:3}}\n"};
+    "7.5pt}.wide{break-inside:avoid}.wide:has(.parameters){columns:2;break-inside:auto}"
+    "p,li{orphans:3;widows:3}}\n"};
 
 static void put_head(FILE *out, const mukca_page *p)
 {

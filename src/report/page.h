@@ -27,13 +27,9 @@ typedef struct {
     const char *at;      /* heading of the next cell; NULL before the first row */
 } mukca_html_table;
 
-/* Start a row with the cells that `format` separates by tabs, at most 8191 characters.  A number
+/* Write a row with the cells that `format` separates by tabs, at most 8191 characters.  A number
  * that is not finite becomes a dash. */
 void mukca_html_row(mukca_html_table *table, const char *format, ...)
-    __attribute__((format(printf, 2, 3)));
-
-/* Append cells to the row. */
-void mukca_html_cells(mukca_html_table *table, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
 void mukca_html_table_end(mukca_html_table *table);

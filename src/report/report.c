@@ -59,7 +59,6 @@ static const mukca_page_section sections[] = {
     {"limits", "Detection limits", mukca_report_put_limits},
     {"faults", "Recording faults", mukca_report_put_faults},
     {"offsets", "Parameters", mukca_report_put_offsets},
-    {"files", "Files read", mukca_report_put_files},
 };
 
 static void open_page(FILE *out, const void *content)

@@ -16,8 +16,6 @@ enum { MUKCA_NOMINAL, MUKCA_RIGID, MUKCA_CALIBRATED, MUKCA_REPORT_MODELS };
 typedef struct {
     /* Set by the caller, who owns the memory. */
     mukca_pool *pool;
-    const char *const *files; /* URDF first, then data; "-": standard input */
-    int n_files;
     const mukca_chain *chain;          /* nominal arm */
     const mukca_chain *fitted;         /* chain of `offsets`: with the frames of pose logs */
     const mukca_offsets *offsets;      /* geometry and effects, of the diagnosis or given */
@@ -47,8 +45,7 @@ mukca_page mukca_report_page(const mukca_report *report);
 
 mukca_page_part mukca_report_put_accuracy, mukca_report_put_verdict, mukca_report_put_causes,
     mukca_report_put_faults, mukca_report_put_limits, mukca_report_put_placements,
-    mukca_report_put_joints, mukca_report_put_offsets, mukca_report_put_files,
-    mukca_report_put_view;
+    mukca_report_put_joints, mukca_report_put_offsets, mukca_report_put_view;
 
 /* ---- the report of a fleet, and its wording, shared with the screen (fleet_page.c) ---- */
 

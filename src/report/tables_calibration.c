@@ -2,8 +2,6 @@
 #include <math.h>
 #include <string.h>
 
-#include <sha2.h>
-
 #include "base/text.h"
 #include "report/page.h"
 #include "report/report.h"
@@ -91,7 +89,6 @@ static void put_joint(FILE *out, const mukca_report *r, int index)
     mukca_plot plot = {.key = {[MUKCA_PLOT_AFTER] = causes ? "with its causes" : "calibrated",
                                [MUKCA_PLOT_BEFORE] = causes ? "without them" : NULL},
                        .points = r->points};
-    mukca_text description = MUKCA_TEXT(plot.words);
     snprintf(plot.id, sizeof plot.id, "joint-%d", index + 1);
     snprintf(plot.title, sizeof plot.title, "Error over the %s of %s", coordinate, e->name);
     snprintf(plot.label[0], sizeof *plot.label, "%s, %s", coordinate, turns ? "deg" : "mm");
@@ -101,15 +98,11 @@ static void put_joint(FILE *out, const mukca_report *r, int index)
             plot.points[plot.n_points++] = (mukca_plot_point){
                 m == MUKCA_RIGID ? MUKCA_PLOT_BEFORE : MUKCA_PLOT_AFTER,
                 {r->train->q[i * n + index] * unit, joint_error(r, m, i, index)}};
-    mukca_text_put(&description,
-                   "The part of each sample's error along which %s moves the %s, over the joint's "
-                   "%s: %.3f mm rms calibrated",
-                   e->name, r->train->n_sockets > 0 ? "ball" : "target", coordinate,
-                   joint_rms(r, MUKCA_CALIBRATED, index));
-    if (causes)
-        mukca_text_put(&description, ", %.3f mm without the causes of the table",
-                       joint_rms(r, MUKCA_RIGID, index));
-    mukca_text_put(&description, ".");
+    snprintf(plot.words, sizeof plot.words,
+             "The part of each sample's error along which %s moves the %s, over the joint's %s: "
+             "%.3f mm rms calibrated.",
+             e->name, r->train->n_sockets > 0 ? "ball" : "target", coordinate,
+             joint_rms(r, MUKCA_CALIBRATED, index));
     mukca_plot_put(out, &plot);
 }
 
@@ -123,14 +116,12 @@ void mukca_report_put_joints(FILE *out, const void *content)
     mukca_html_table table = {
         .out = out,
         .caption = "Error along the motion by each joint, mm rms over the training samples",
-        .columns = causes ? "joint|#nominal|#calibrated, without its causes|#calibrated"
+        .columns = causes ? "joint|#nominal|#calibrated|#calibrated, without its causes"
                           : "joint|#nominal|#calibrated"};
-    for (int j = 0; j < r->train->n_joints; j++) {
-        mukca_html_row(&table, "%s\t%.3f", mukca_chain_joint_name(r->chain, j),
-                       joint_rms(r, MUKCA_NOMINAL, j));
-        if (causes) mukca_html_cells(&table, "%.3f", joint_rms(r, MUKCA_RIGID, j));
-        mukca_html_cells(&table, "%.3f", joint_rms(r, MUKCA_CALIBRATED, j));
-    }
+    for (int j = 0; j < r->train->n_joints; j++)
+        mukca_html_row(&table, causes ? "%s\t%.3f\t%.3f\t%.3f" : "%s\t%.3f\t%.3f",
+                       mukca_chain_joint_name(r->chain, j), joint_rms(r, MUKCA_NOMINAL, j),
+                       joint_rms(r, MUKCA_CALIBRATED, j), joint_rms(r, MUKCA_RIGID, j));
     mukca_html_table_end(&table);
 }
 
@@ -153,12 +144,12 @@ void mukca_report_put_placements(FILE *out, const void *content)
         for (int i = 0; i < r->n_scores[set]; i++) {
             const mukca_score *a = &r->score[set][0][i], *b = &r->score[set][1][i];
             const mukca_placement *placements = (set ? r->test : r->train)->placements;
-            mukca_html_row(&table, "%s (%s, %d samples)\t%.3f\t%.3f",
+            mukca_html_row(&table,
+                           sockets ? "%s (%s, %d samples)\t%.3f\t%.3f\t%.3f\t%.3f"
+                                   : "%s (%s, %d samples)\t%.3f\t%.3f",
                            b->placement < 0 ? "poses" : placements[b->placement].name,
-                           set ? "test" : "training", b->rows, a->mae * mm, b->mae * mm);
-            if (sockets)
-                mukca_html_cells(&table, "%.3f\t%.3f", a->distance_error * mm,
-                                 b->distance_error * mm);
+                           set ? "test" : "training", b->rows, a->mae * mm, b->mae * mm,
+                           a->distance_error * mm, b->distance_error * mm);
         }
     mukca_html_table_end(&table);
     fputs(sockets ? "<p>Error: mean distance of the predicted ball centres of one socket from "
@@ -194,22 +185,6 @@ void mukca_report_put_offsets(FILE *out, const void *content)
                        row->parameter, plain ? "" : " ", plain ? "" : row->term,
                        elastic ? "u" : "m", row->unit, row->identifiable ? "" : ")",
                        row->nominal * factor, row->offset * factor, row->sigma * factor);
-    }
-    mukca_html_table_end(&table);
-}
-
-void mukca_report_put_files(FILE *out, const void *content)
-{
-    const mukca_report *r = content;
-    mukca_html_table table = {
-        .out = out, .caption = "Files read", .style = "files", .columns = "file|SHA-256"};
-    for (int i = 0; i < r->n_files; i++) {
-        char hash[SHA256_DIGEST_STRING_LENGTH];
-        const bool file = strcmp(r->files[i], "-") != 0;
-        mukca_html_row(&table, "%s\t%s", r->files[i],
-                       !file                           ? "standard input"
-                       : SHA256File(r->files[i], hash) ? hash
-                                                       : "file no longer exists");
     }
     mukca_html_table_end(&table);
 }

@@ -5,15 +5,6 @@
 #include "report/page.h"
 #include "report/report.h"
 
-enum { COLUMNS = 64 + 5 * MUKCA_MAX_JOINTS }; /* characters of headings */
-
-/* Form the headings of a table: `first` and a column of numbers for each joint, by its number. */
-static void joint_columns(char columns[COLUMNS], const char *first, const mukca_chain *chain)
-{
-    int used = sprintf(columns, "%s", first);
-    for (int j = 0; j < chain->n_joints; j++) used += sprintf(columns + used, "|#%d", j + 1);
-}
-
 /* Write a sentence, if there is one, between `before` and `after`. */
 static void put_sentence(FILE *out, const char *before, const char *text, const char *after)
 {
@@ -136,50 +127,16 @@ void mukca_report_put_faults(FILE *out, const void *content)
 
 /* ---- detection limits ---- */
 
-static void put_untestable(FILE *out, const mukca_report *r)
+void mukca_report_put_limits(FILE *out, const void *content)
 {
+    const mukca_diagnosed *d = &((const mukca_report *)content)->diagnosed;
     int listed = 0;
-    for (int i = 0; i < r->diagnosed.diagnosis->n_tested; i++) {
-        const char *words = mukca_wording_untestable(MUKCA_WORDS, i, &r->diagnosed, false);
+    put_sentence(out, "<p>", mukca_wording_limits(MUKCA_WORDS, d), ".</p>\n");
+    for (int i = 0; i < d->diagnosis->n_tested; i++) {
+        const char *words = mukca_wording_untestable(MUKCA_WORDS, i, d, false);
         if (!*words) continue;
         fputs(listed++ ? "" : "<p>Not testable with these data:</p>\n<ul>\n", out);
         mukca_html_element(out, "li", words);
     }
     if (listed) fputs("</ul>\n", out);
-}
-
-/* Smallest detection limit of an effect at a joint (-1: no joint), rad or m; NaN: not testable. */
-static double limit_of(const mukca_diagnosis *d, int effect, int joint)
-{
-    double limit = NAN;
-    for (int i = 0; i < d->n_tested; i++)
-        if ((int)d->tested[i].effect == effect && d->tested[i].joint == joint &&
-            d->tested[i].testable)
-            limit = fmin(limit, d->tested[i].limit);
-    return limit;
-}
-
-void mukca_report_put_limits(FILE *out, const void *content)
-{
-    const mukca_report *r = content;
-    const mukca_diagnosis *d = r->diagnosed.diagnosis;
-    char columns[COLUMNS];
-    joint_columns(columns, "effect|#arm, tool", r->chain);
-    mukca_html_table table = {.out = out,
-                              .caption =
-                                  "Smallest effects that these data would show, by joint from base "
-                                  "to tip, mrad rms at the joint or mm rms",
-                              .columns = columns};
-    if (d->n_tested == 0) fputs("<p>No effect was tested.</p>\n", out);
-    for (int effect = 0; effect < MUKCA_EFFECT_COUNT; effect++) {
-        bool any = false;
-        for (int j = -1; j < r->chain->n_joints; j++) any |= isfinite(limit_of(d, effect, j));
-        if (!any) continue;
-        mukca_html_row(&table, "%s",
-                       mukca_wording_effect(MUKCA_WORDS, (mukca_effect_kind)effect, NULL));
-        for (int j = -1; j < r->chain->n_joints; j++)
-            mukca_html_cells(&table, "%.2f", limit_of(d, effect, j) * MUKCA_REPORT_MM);
-    }
-    mukca_html_table_end(&table);
-    put_untestable(out, r);
 }

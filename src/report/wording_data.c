@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "math/stats.h"
 #include "report/wording.h"
 
 #define put mukca_wording_put /* short for this file */
@@ -10,6 +11,10 @@
 /* The other stream of angles is recommended if its residual is below this fraction: effects of the
  * arm account for less than a fifth. */
 static const double worth_changing = 0.8;
+
+/* A joint whose effects must be larger than this to be detected (rad rms, 1.7 degrees) counts as
+ * not testable: no cause of a calibrated arm is that large. */
+static const double useless_limit = 30e-3;
 
 const char *mukca_wording_fault(char text[MUKCA_WORDING], const mukca_data_fault *f,
                                 const mukca_diagnosed *r)
@@ -37,6 +42,32 @@ const char *mukca_wording_fault(char text[MUKCA_WORDING], const mukca_data_fault
     if (f->kind == MUKCA_FAULT_OUTLIER)
         return put(text, "outlier of %.2f mm, not used; record it again", mm);
     return put(text, "repeats the row before; record another posture");
+}
+
+/* ---- what the data can show ---- */
+
+/* Median of the detection limits of a joint's effects, rad; NaN: none. */
+static double joint_limit(const mukca_diagnosis *d, int joint)
+{
+    double limit[MUKCA_EFFECT_COUNT] = {0};
+    int n = 0;
+    for (int i = 0; i < d->n_tested && n < MUKCA_EFFECT_COUNT; i++)
+        if (d->tested[i].joint == joint && isfinite(d->tested[i].limit))
+            limit[n++] = d->tested[i].limit;
+    return n ? mukca_stats_median(limit, n) : (double)NAN;
+}
+
+const char *mukca_wording_limits(char text[MUKCA_WORDING], const mukca_diagnosed *r)
+{
+    for (int j = 0; j < r->chain->n_joints; j++) {
+        const double limit = joint_limit(r->diagnosis, j);
+        if (limit < useless_limit)
+            put(text, "%s %s %.*f%s",
+                *text ? "," : "Detection limits, mrad rms (median over effects):",
+                mukca_chain_joint_name(r->chain, j), limit < 1e-5 ? 4 : 2, 1e3 * limit,
+                mukca_wording_slides(r->chain, j) ? " mm" : "");
+    }
+    return text;
 }
 
 /* Whether two tested effects have one reason; at joints, or of the whole arm. */

@@ -65,9 +65,9 @@ ok "report: a fleet: the verdict names the broken arm" grep -q \
 ok "report: a fleet: as mukca fleet says" grep -qF "$("$MUKCA" fleet -q "$out"/arms/*.json --json - | sed -n '/"departures"/,$p' |
     awk '/"value"/ {if (!n++) printf "%.3g urad", $2 * 1e6} END {if (!n) print "no value"}')" "$page"
 ok "report: a fleet: the broken arm comes first" sh -c '
-    sed -n "/<tbody>/,/<.tbody>/p" "$0" | sed -n 2p | grep -q "arm &lt;c&gt;.*joint compliance at joint_4"' "$page"
+    sed -n "/<tbody>/,/<.tbody>/p" "$0" | sed -n 2p | grep -q "^<tr><td>arm &lt;c&gt;"' "$page"
 ok "report: a fleet: the shared order" grep -q "<li>transmission ripple at joint_2, 60 per turn" "$page"
-ok "report: a fleet: a table for each coefficient" sh -c 'test "$(grep -c "<table" "$0")" -ge 11' "$page"
+ok "report: a fleet: a table for each coefficient" sh -c 'test "$(grep -c "<table" "$0")" -ge 10' "$page"
 ok "report: a fleet: no script, nothing from elsewhere, no nan" none '<script|(src|href)=["'"'"'][^#]|>-?nan<'
 ok "report: a fleet: ids are unique" sh -c 'test -z "$(grep -oE "[ ]id=[\"'"'"'][^\"'"'"']*" "$0" | sort | uniq -d)"' "$page"
 "$MUKCA" simulate -q --urdf data/demo/arm.urdf --seed 5 --perturb 1,2 --noise 1e-4 --placements 3 --rows 15 \
