@@ -8,7 +8,7 @@
 
 typedef struct {
     cli_common common;
-    cli_list separate, places;
+    cli_list places;
     bool settle;
     int rows, seed;
     double noise, tilt;
@@ -20,9 +20,9 @@ typedef struct {
     const mukca_dataset *data; /* likewise */
     int n_sockets;
     mukca_plan_socket sockets[MUKCA_PLAN_MAX_SOCKETS];
-    mukca_place known[CLI_MAX_PLACES]; /* placements that causes may name */
-    cli_simulated causes;
+    mukca_effect tied[2]; /* of --settle */
     mukca_diagnosis diagnosis;
+    double theta[MUKCA_MAX_THETA]; /* of the model; with --settle, of the diagnosis */
     mukca_plan_options options;
     mukca_plan plan;
     double payload;  /* kg, for the proposed postures; 0: none */
@@ -37,12 +37,8 @@ static const cli_option options[] = {
     CLI_OPTION(plan_options, places, "place", CLI_TEXTS, "NAME=X,Y,Z[,ROLL,PITCH,YAW]",
                "a placement of the tool: middle of the sockets, which lie on its x axis, m and "
                "rad; 1 cm is accurate enough"),
-    CLI_OPTION_AND(plan_options, settle, "settle", CLI_FLAG, NULL,
-                   "diagnose DATA and separate its first indistinguishable causes",
-                   .excludes = "separate"),
-    CLI_OPTION(plan_options, separate, "separate", CLI_TEXTS, "EFFECT",
-               "causes to separate, as in simulate --effect: NAME[:WHERE][@VARIANT]=VALUE; two or "
-               "more, with commas or repeated"),
+    CLI_OPTION(plan_options, settle, "settle", CLI_FLAG, NULL,
+               "diagnose DATA and separate its first indistinguishable causes"),
     CLI_RANGE_OPTION(plan_options, noise, "noise", CLI_POSITIVE, "M", 0, 0.1,
                      "measurement noise of the ball per axis, m (default: 1e-4)"),
     CLI_RANGE_OPTION(
@@ -71,76 +67,67 @@ static mukca_status check(cli_call *call)
     return MUKCA_OK;
 }
 
-/* Sockets of the data, then two for each --place. */
-static mukca_status gather_sockets(plan_work *r)
+/* Add the two sockets of a --place. */
+static mukca_status add_place(plan_work *r, const char *text, int number)
 {
     mukca_error *error = &r->call->error;
     const double distance = r->call->common->distance;
-    int n = 0;
-    if (r->data->n_rows > 0) {
-        n = mukca_plan_sockets(r->sockets, MUKCA_PLAN_MAX_SOCKETS, &r->model->geometry, r->data);
-        if (n == 0)
-            return mukca_fail(error, MUKCA_INPUT,
-                              "these DATA have no sockets; plan is for socket data");
+    mukca_place at = {.placed = false};
+    mukca_status status = cli_read_place(&at, text, error);
+    if (status != MUKCA_OK) return status;
+    if (!at.placed) return mukca_fail(error, MUKCA_USAGE, "--place %s: needs NAME=X,Y,Z", at.name);
+    for (int k = 0; k < r->n_sockets; k++)
+        if (strcmp(r->sockets[k].placement, at.name) == 0)
+            return mukca_fail(error, MUKCA_USAGE,
+                              "--place %s: there is such a placement already; choose another name",
+                              at.name);
+    if (r->n_sockets + 2 > MUKCA_PLAN_MAX_SOCKETS)
+        return mukca_fail(error, MUKCA_USAGE, "more than %d sockets", MUKCA_PLAN_MAX_SOCKETS);
+    for (int side = 0; side < 2; side++) {
+        mukca_plan_socket *s = &r->sockets[r->n_sockets++];
+        s->place = number;
+        snprintf(s->label, sizeof s->label, "%d", side);
+        snprintf(s->placement, sizeof s->placement, "%s", at.name);
+        for (int a = 0; a < 3; a++)
+            s->centre[a] = at.pose.p[a] + (side - 0.5) * distance * at.pose.R[3 * a];
     }
-    for (int place = r->data->n_placements; place < r->causes.n_places; place++) {
-        const mukca_place *at = &r->known[place];
-        if (!at->placed)
-            return mukca_fail(error, MUKCA_USAGE, "--place %s: needs NAME=X,Y,Z", at->name);
-        for (int k = 0; k < n; k++)
-            if (strcmp(r->sockets[k].placement, at->name) == 0)
-                return mukca_fail(
-                    error, MUKCA_USAGE,
-                    "--place %s: there is such a placement already; choose another name", at->name);
-        if (n + 2 > MUKCA_PLAN_MAX_SOCKETS)
-            return mukca_fail(error, MUKCA_USAGE, "more than %d sockets", MUKCA_PLAN_MAX_SOCKETS);
-        for (int side = 0; side < 2; side++) {
-            mukca_plan_socket *s = &r->sockets[n++];
-            s->place = place;
-            snprintf(s->label, sizeof s->label, "%d", side);
-            snprintf(s->placement, sizeof s->placement, "%s", at->name);
-            for (int a = 0; a < 3; a++)
-                s->centre[a] = at->pose.p[a] + (side - 0.5) * distance * at->pose.R[3 * a];
-        }
-    }
-    r->n_sockets = n;
     return MUKCA_OK;
 }
 
-/* The causes of --separate, or the first tie of a diagnosis, into r->causes. */
-static mukca_status gather_causes(plan_work *r)
+/* Sockets of the data, then two for each --place. */
+static mukca_status gather_sockets(plan_work *r)
 {
     const plan_options *o = r->call->options;
-    cli_simulated *c = &r->causes;
-    mukca_error *error = &r->call->error;
     mukca_status status = MUKCA_OK;
-    c->chain = &r->model->chain;
-    c->places = r->known;
-    c->rows = r->data->n_rows;
-    for (int p = 0; p < r->data->n_placements && p < CLI_MAX_PLACES; p++)
-        snprintf(r->known[c->n_places++].name, MUKCA_NAME_SIZE, "%s", r->data->placements[p].name);
-    for (int i = 0; i < o->places.n && c->n_places < CLI_MAX_PLACES; i++) {
-        status = cli_read_place(&r->known[c->n_places++], o->places.items[i], error);
-        if (status != MUKCA_OK) return status;
+    if (r->data->n_rows > 0) {
+        r->n_sockets =
+            mukca_plan_sockets(r->sockets, MUKCA_PLAN_MAX_SOCKETS, &r->model->geometry, r->data);
+        if (r->n_sockets == 0)
+            return cli_fail(r->call, MUKCA_INPUT,
+                            "these DATA have no sockets; plan is for socket data");
     }
-    mukca_simulate_seed(&c->random, (uint64_t)o->seed, MUKCA_DRAW_EFFECTS);
-    for (int i = 0; i < o->separate.n && status == MUKCA_OK; i++)
-        status = cli_simulated_parse(c, o->separate.items[i], error);
-    if (status == MUKCA_OK && c->n_faults > 0)
-        status = mukca_fail(error, MUKCA_USAGE,
-                            "--separate: no posture can separate recording faults; record again");
-    if (status != MUKCA_OK || !o->settle) return status;
+    for (int i = 0; i < o->places.n && status == MUKCA_OK; i++)
+        status = add_place(r, o->places.items[i], r->data->n_placements + i);
+    return status;
+}
+
+/* The first tie of a diagnosis, and its geometry for the plan. */
+static mukca_status find_tie(plan_work *r)
+{
+    const mukca_chain *chain = &r->model->chain;
     const mukca_diagnose_options diagnose = {
         .no_folds = true, .progress = cli_show_progress, .progress_context = r->call};
-    status = mukca_diagnose(&r->diagnosis, &r->model->chain, r->data, &diagnose, error);
-    if (status != MUKCA_OK) return status;
     mukca_next_poses tie;
-    if (!mukca_next_poses_tie(&tie, &r->options, c->effects, &r->diagnosis))
-        return mukca_fail(error, MUKCA_NEGATIVE,
-                          "the diagnosis (%s) has no indistinguishable causes that more postures "
-                          "could separate; without --settle, postures are chosen for accuracy",
-                          mukca_verdict_name[r->diagnosis.verdict]);
-    c->n_effects = r->options.n_effects;
+    const mukca_status status =
+        mukca_diagnose(&r->diagnosis, chain, r->data, &diagnose, &r->call->error);
+    if (status != MUKCA_OK) return status;
+    if (!mukca_next_poses_tie(&tie, &r->options, r->tied, &r->diagnosis))
+        return cli_fail(r->call, MUKCA_NEGATIVE,
+                        "the diagnosis (%s) has no indistinguishable causes that more postures "
+                        "could separate; without --settle, postures are chosen for accuracy",
+                        mukca_verdict_name[r->diagnosis.verdict]);
+    mukca_geometry_theta(r->theta, chain, &r->diagnosis.geometry);
+    mukca_geometry_set(&r->model->geometry, chain, r->theta);
     return MUKCA_OK;
 }
 
@@ -151,8 +138,7 @@ static mukca_status run(cli_call *call)
     r->call = call;
     r->model = &call->session->model;
     r->data = &call->session->data;
-    const double *theta = r->model->offsets.theta;
-    double fitted[MUKCA_MAX_THETA];
+    memcpy(r->theta, r->model->offsets.theta, sizeof r->theta);
     r->options = (mukca_plan_options){.rows = o->rows,
                                       .seed = (uint64_t)o->seed,
                                       .noise = o->noise,
@@ -163,19 +149,11 @@ static mukca_status run(cli_call *call)
     mukca_status status = cli_check_moving(call, r->data, false);
     if (status == MUKCA_OK && r->data->n_sockets > 0)
         status = cli_check_scatter(call, call->arguments.items[0], r->model, r->data);
-    if (status == MUKCA_OK) status = gather_causes(r);
-    if (status != MUKCA_OK) return status;
-    if (o->settle) {
-        mukca_geometry_theta(fitted, &r->model->chain, &r->diagnosis.geometry);
-        mukca_geometry_set(&r->model->geometry, &r->model->chain, fitted);
-        theta = fitted;
-    }
-    r->options.effects = r->causes.effects;
-    r->options.n_effects = r->causes.n_effects;
-    status = gather_sockets(r);
+    if (status == MUKCA_OK && o->settle) status = find_tie(r);
+    if (status == MUKCA_OK) status = gather_sockets(r);
     if (status != MUKCA_OK) return status;
     const mukca_plan_task task = {.chain = &r->model->chain,
-                                  .theta = theta,
+                                  .theta = r->theta,
                                   .data = r->data->n_rows > 0 ? r->data : NULL,
                                   .sockets = r->sockets,
                                   .n_sockets = r->n_sockets};
@@ -241,16 +219,15 @@ static mukca_status print(cli_call *call)
     const mukca_plan *p = &r->plan;
     cli_answer(call, "%d postures in %d sockets; %d samples recorded\n", p->n_rows, r->n_sockets,
                p->n_recorded);
-    if (r->causes.n_effects > 0) {
+    if (o->settle) {
         const mukca_chain *chain = &r->model->chain;
-        const mukca_effect *e = r->causes.effects;
+        const mukca_effect *e = r->tied;
         cli_say(
             call, NULL,
-            "Separating %s from %s: log Bayes factor %.1f %s, %.1f with the plan (%g decides)",
+            "Separating %s from %s: log Bayes factor %.1f now, %.1f with the plan (%g decides)",
             mukca_wording_effect(MUKCA_WORDS, e->kind, mukca_chain_joint_name(chain, e->joint)),
             mukca_wording_effect(MUKCA_WORDS, e[1].kind, mukca_chain_joint_name(chain, e[1].joint)),
-            p->evidence_before, o->settle ? "now" : "expected before", p->evidence_after,
-            MUKCA_PLAN_NAME);
+            p->evidence_before, p->evidence_after, MUKCA_PLAN_NAME);
         if (r->payload > 0)
             cli_say(call, NULL,
                     "These postures are for a payload of %g kg at the tip; as many without it "
@@ -296,7 +273,7 @@ const cli_command cli_command_plan = {
         "Finds postures with the ball in the sockets of DATA (located by --offsets or the nominal "
         "model) and of each --place, within the joint limits and with the tool pointing down, and "
         "selects those that add most information to DATA: about the geometry (D-optimality), or, "
-        "with --settle or --separate, about which of two causes is present (T-optimality). If "
+        "with --settle, about which of two causes is present (T-optimality). If "
         "postures alone cannot separate elastic causes, the plan is for the smallest payload with "
         "which they do. Writes a session file in the order to visit. Guide the arm to these angles "
         "and record the angles at which the ball is seated.",

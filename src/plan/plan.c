@@ -42,21 +42,8 @@ static mukca_status check(const mukca_chain *chain, int n_sockets, const mukca_p
     if (n_sockets < 1 || n_sockets > MUKCA_PLAN_MAX_SOCKETS)
         return mukca_fail(error, MUKCA_USAGE, "a plan needs 1 to %d sockets, not %d",
                           MUKCA_PLAN_MAX_SOCKETS, n_sockets);
-    if (o->n_effects == 1 || o->n_effects > MUKCA_PLAN_MAX_EFFECTS)
-        return mukca_fail(error, MUKCA_USAGE, "a plan separates 2 to %d causes, not %d",
-                          MUKCA_PLAN_MAX_EFFECTS, o->n_effects);
     for (int e = 0; e < o->n_effects; e++) {
-        const mukca_effect *f = &o->effects[e];
-        const mukca_effect_info *info = mukca_effect_table[f->kind];
-        double size = 0;
-        for (int t = 0; t < f->terms; t++) size = hypot(size, f->coefficient[t]);
-        if (info->traits & MUKCA_TRAIT_RECORDING_FAULT)
-            return mukca_fail(
-                error, MUKCA_USAGE,
-                "%s is a recording fault, which no posture can separate; record again", info->name);
-        if (!(size > 0))
-            return mukca_fail(error, MUKCA_USAGE, "%s needs a size, as in %s:joint=value",
-                              info->name, info->name);
+        const mukca_effect_info *info = mukca_effect_table[o->effects[e].kind];
         if ((info->needs & MUKCA_NEEDS_MASSES) && chain->n_masses == 0)
             return mukca_fail(error, MUKCA_INPUT,
                               "%s needs the masses of the links: give --inertials FILE",

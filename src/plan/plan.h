@@ -17,7 +17,7 @@
  * correlated. */
 #define MUKCA_PLAN_NAME 6.0
 
-enum { MUKCA_PLAN_MAX_SOCKETS = 64, MUKCA_PLAN_MAX_EFFECTS = 4 };
+enum { MUKCA_PLAN_MAX_SOCKETS = 64, MUKCA_PLAN_MAX_EFFECTS = 2 };
 
 /* A socket, in the base frame of the model in use. */
 typedef struct {
@@ -35,7 +35,7 @@ typedef struct {
                      the data; > pi: any */
     double payload; /* of the proposed postures: kg at the tip that the model does not include */
     const mukca_effect *effects; /* causes to distinguish; NULL: plan for accuracy */
-    int n_effects;               /* at least 2 unless 0 */
+    int n_effects;               /* 2, or 0: plan for accuracy */
     double measured; /* log Bayes factor between two causes in the data, by a diagnosis; 0: none */
     bool poses_only; /* for causes: omit the expected errors (they are 0) */
     bool (*stop)(void *context);                  /* polled during the search; may be NULL */

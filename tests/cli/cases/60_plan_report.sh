@@ -5,10 +5,7 @@ refuse 2 "needs NAME=X,Y,Z" plan --urdf "$demo/arm.urdf" --place front
 refuse 2 "such a placement already" plan --urdf "$demo/arm.urdf" --place a=0.4,0,0.1 --place a=0.4,0.2,0.1
 refuse 2 "rows 0: must be a whole number, 1 to 1000" plan --urdf "$demo/arm.urdf" --place a=0.4,0,0.1 --rows 0
 refuse 2 "must be a number above 0, at most 180, in degrees" plan --urdf "$demo/arm.urdf" --place a=0.4,0,0.1 --tilt 200
-refuse 2 "exclude each other" plan --urdf "$demo/arm.urdf" "$demo/train.tsv" --settle --separate joint_scale:joint_2=1e-3
 refuse 2 "settle needs the DATA" plan --urdf "$demo/arm.urdf" --settle
-refuse 2 "2 to 4 causes, not 1" plan --urdf "$demo/arm.urdf" "$demo/train.tsv" --separate joint_scale:joint_2=1e-3
-refuse 2 "can separate recording faults" plan --urdf "$demo/arm.urdf" "$demo/train.tsv" --separate outlier:front/0@3=1e-3
 refuse 3 "placement far: no pose was found" plan --urdf "$demo/arm.urdf" --place far=3,0,0
 "$MUKCA" simulate -q --urdf "$demo/arm.urdf" --seed 5 --noise 1e-4 --perturb 1,2 --effect gear_harmonic:joint_4@100=5e-4 -o sure.tsv
 refuse 1 "no indistinguishable causes" plan --urdf "$demo/arm.urdf" sure.tsv --settle
@@ -18,8 +15,6 @@ expect "a plan tells its unit" grep -q '^# .*joints in rad' plan.tsv
 expect "a plan is a session file" "$MUKCA" evaluate -q --urdf "$demo/arm.urdf" plan.tsv -o planned.tsv
 # every planned row puts the nominal ball into its socket: 50 mm apart, no spread
 expect "its rows sit in the sockets" awk -F '\t' 'NR == 2 && $4 < 1e-6 && $8 < 1e-6 {good = 1} END {exit !good}' planned.tsv
-answer "Bayes factor [0-9.]* expected before" plan --urdf "$demo/arm.urdf" "$demo/train.tsv" --rows 4 \
-    --separate joint_compliance:joint_4=3e-5,link_bending:joint_3=2e-5 -o separated.tsv
 # a tie: plan --settle states the evidence that the diagnosis measured, and proposes the same postures
 "$MUKCA" capture -q --urdf "$demo/arm.urdf" --lcm-url "file://$demo/guided.lcmlog" --trigger -o tie.tsv 2>/dev/null
 run diagnose -q --urdf "$demo/arm.urdf" tie.tsv --json tie.json
