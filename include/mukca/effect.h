@@ -85,14 +85,12 @@ typedef struct {
     const char *name;  /* as in the contract, the JSON and the offsets table */
     const char *title; /* for display: "joint compliance" */
     mukca_effect_site site;
-    int terms;                /* coefficients, at most MUKCA_MAX_TERMS */
-    const char *unit;         /* of the coefficients, SI */
-    double display_factor;    /* displayed value = coefficient * display_factor, */
-    const char *display_unit; /* in this unit */
-    bool nonnegative;         /* physical only with coefficient[0] >= 0 */
-    int needs, traits;        /* MUKCA_NEEDS_*, MUKCA_TRAIT_* */
-    const char *sentence;     /* for display: the mechanism in the arm */
-    const char *remedy;       /* for display; NULL: compensate it, inspect the transmission */
+    int terms;            /* coefficients, at most MUKCA_MAX_TERMS */
+    const char *unit;     /* of the coefficients, SI */
+    bool nonnegative;     /* physical only with coefficient[0] >= 0 */
+    int needs, traits;    /* MUKCA_NEEDS_*, MUKCA_TRAIT_* */
+    const char *sentence; /* for display: the mechanism in the arm */
+    const char *remedy;   /* for display; NULL: compensate it, inspect the transmission */
 } mukca_effect_info;
 
 extern const mukca_effect_info *const mukca_effect_table[MUKCA_EFFECT_COUNT];

@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "fit/poses.h"
-#include "report/wording.h"
 
 const char *const calibrate_gradients[] = {"fd", "analytic", NULL};
 
@@ -52,14 +51,6 @@ static void print_warnings(cli_call *call)
                 "warning: by the nominal model the distance of the sockets differs by %.1f mm from "
                 "--distance, %.1f mm; measure the tool again",
                 1e3 * nominal->distance_error, 1e3 * distance);
-    for (int i = 0; i < w->scores.set[0].n; i++) {
-        const mukca_score *poses = &w->scores.set[0].of[CLI_NOMINAL][i];
-        if (poses->placement < 0 && poses->mae < MUKCA_ECHO)
-            cli_say(call, NULL,
-                    "warning: the measured poses repeat the nominal model (within %.3f mm): they "
-                    "seem to come from the controller, not from a tracker, and cannot calibrate it",
-                    1e3 * poses->mae);
-    }
 }
 
 static void print_next(cli_call *call)

@@ -123,7 +123,7 @@ static void put_gain(char text[MUKCA_WORDING], const mukca_shrink *s)
 static void print_trust(FILE *stream, const mukca_diagnosed *r)
 {
     const mukca_diagnosis *d = r->diagnosis;
-    char folds[MUKCA_WORDING] = "", few[MUKCA_WORDING] = "";
+    char folds[MUKCA_WORDING] = "";
     if (d->folds > 1) {
         put(folds, "Cross-validated: each %s predicted from the others",
             r->data->n_placements >= 2 ? "placement"
@@ -135,11 +135,7 @@ static void print_trust(FILE *stream, const mukca_diagnosed *r)
     if (mukca_wording_worse(d))
         fputs("The causes increase the error on the test data: they are uncertain.\n", stream);
     if (r->data->n_sockets == 0 || r->data->n_placements >= 4 || !d->n_causes) return;
-    put(few, "Fewer than four placements: the reduction by the causes is uncertain");
-    if (isfinite(d->noise_shrink_percent))
-        put(few, " (on pure noise the best effect of the catalogue reduces the error by %.0f %%)",
-            d->noise_shrink_percent);
-    cli_print_wrapped(stream, few);
+    fputs("Fewer than four placements: the reduction by the causes is uncertain.\n", stream);
 }
 
 static void print_errors(FILE *stream, const mukca_diagnosed *r)

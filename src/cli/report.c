@@ -43,28 +43,14 @@ static mukca_status take_offsets(cli_call *call)
     return MUKCA_OK;
 }
 
-/* Print an argument as a shell reads it back. */
-static void print_quoted(FILE *line, const char *argument)
-{
-    const bool plain = *argument && !argument[strcspn(argument, " \t\n\"'`\\$&|;<>()*?[]#~!{}")];
-    fputs(plain ? " " : " '", line);
-    for (; *argument; argument++) {
-        if (*argument == '\'')
-            fputs("'\\''", line);
-        else
-            fputc(*argument, line);
-    }
-    if (!plain) fputc('\'', line);
-}
-
-/* Note the command line that reproduces this page, and the time. */
+/* Note the command line, and the time. */
 static mukca_status note_command(cli_call *call)
 {
     report_work *w = call->work;
     size_t size;
     FILE *line = open_memstream(&w->command, &size);
     if (line) fputs("mukca report", line);
-    for (int i = 0; line && i < call->argc; i++) print_quoted(line, call->argv[i]);
+    for (int i = 0; line && i < call->argc; i++) fprintf(line, " %s", call->argv[i]);
     mukca_offsets_time(w->when);
     if (line && mukca_file_close(line, &w->command)) return MUKCA_OK;
     return cli_fail(call, MUKCA_MEMORY, "out of memory");

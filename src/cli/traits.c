@@ -56,8 +56,7 @@ static void put_coefficient(mukca_text *text, const mukca_inherited *c, const mu
 {
     char words[MUKCA_WORDING];
     const mukca_trait *t = c->trait;
-    const mukca_effect_info *info = mukca_effect_table[t->effect.kind];
-    const double f = info->display_factor;
+    const double f = 1e6; /* urad per rad */
     mukca_wording_effect(words, t->effect.kind, mukca_chain_joint_name(chain, t->effect.joint));
     mukca_text_put(
         text, "%s, %.3g urad/(N·m) [%.3g, %.3g]; fleet %.3g ± %.2g; %.0f %% from this arm", words,

@@ -178,8 +178,7 @@ typedef struct {
     double structure_m; /* explained_m with unknown functions included; NaN: none */
     double surprise; /* rms held-out error with all causes, in units of that expected from noise and
                         the uncertainty of the fit; NaN: not measurable */
-    mukca_shrink held_out;       /* from faults_excused_m to explained_m */
-    double noise_shrink_percent; /* expected gain of the catalogue's best candidate on pure noise */
+    mukca_shrink held_out; /* from faults_excused_m to explained_m */
     int folds;
     double *placement_mae_m; /* [n_placements] of applied_m, in the pool */
     /* test data (--test), m; NaN: none */

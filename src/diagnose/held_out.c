@@ -6,15 +6,6 @@
 
 #include "diagnose/cause.h"
 
-/* Expected gain of the catalogue's best candidate on held-out rows of pure noise, percent, by the
- * number of placements: means over simulated seven-axis arms, for two placements over recorded
- * postures. */
-static double noise_gain(int placements)
-{
-    static const double gain[] = {NAN, 3, 12, 4, 1};
-    return placements < (int)(sizeof gain / sizeof *gain) ? gain[placements] : (double)NAN;
-}
-
 /* Must the folds be sockets?  An effect of one placement cannot be predicted without this
  * placement.  With two placements, the geometry fitted to one is so uncertain that its error hides
  * the effect of a cause. */
@@ -178,7 +169,6 @@ mukca_status mukca_held_out_run(mukca_diagnosis *d, mukca_arm_state *geometry, m
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", rows);
     for (int row = 0; row < rows; row++) d->after_m[row] = NAN;
     d->folds = mukca_folds_assign(b.fold, m, false);
-    d->noise_shrink_percent = noise_gain(m->recording.data->n_placements);
     memcpy(kept, m->recording.keep, (size_t)rows);
     for (int c = 0; c < m->unknowns.n_causes; c++)
         if (!mukca_candidate_is_fault(&m->unknowns.cause[c].candidate))

@@ -72,7 +72,7 @@ const mukca_effect_ops mukca_backlash_effect = {
              .title = "backlash",
              .site = MUKCA_SITE_ANGLE,
              .terms = 1,
-             MUKCA_IN_MRAD,
+             .unit = "rad",
              .nonnegative = true,
              .needs = MUKCA_NEEDS_MASSES,
              .traits = MUKCA_TRAIT_PLAY,
@@ -105,7 +105,7 @@ const mukca_effect_ops mukca_approach_hysteresis_effect = {
              .title = "approach hysteresis",
              .site = MUKCA_SITE_ANGLE,
              .terms = 1,
-             MUKCA_IN_MRAD,
+             .unit = "rad",
              .nonnegative = true, /* friction holds the link back: it stops short of the motor */
              .needs = MUKCA_NEEDS_ORDER,
              .sentence = "the joint rests differently after moving up than after moving down",

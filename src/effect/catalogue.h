@@ -45,13 +45,6 @@ enum { MUKCA_LONG_ORDER = 32 };
 /* Least travel that shows a wave, rad: half a turn of the finest order, 400. */
 #define MUKCA_WAVE_TRAVEL 1e-2
 
-/* Units of coefficients, and display units. */
-#define MUKCA_IN_MRAD .unit = "rad", .display_factor = 1e3, .display_unit = "mrad"
-#define MUKCA_IN_MM .unit = "m", .display_factor = 1e3, .display_unit = "mm"
-#define MUKCA_IN_MRAD_PER_RAD .unit = "rad/rad", .display_factor = 1e3, .display_unit = "mrad/rad"
-#define MUKCA_IN_URAD_PER_NM \
-    .unit = "rad/(N*m)", .display_factor = 1e6, .display_unit = "urad/(N*m)"
-
 /* Text form and defaults of an effect's variants. */
 typedef struct {
     const char *key;      /* in the offsets table, before "="; NULL: value without key */

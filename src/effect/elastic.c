@@ -2,7 +2,7 @@
 #include "effect/catalogue.h"
 
 /* One coefficient, which cannot be negative: the load is gravity's. */
-#define SPRING .terms = 1, .nonnegative = true, MUKCA_IN_URAD_PER_NM
+#define SPRING .terms = 1, .nonnegative = true, .unit = "rad/(N*m)"
 
 static const char loaded_alike[] =
     "gravity loads it alike in all samples: record postures with other lever arms";

@@ -22,7 +22,7 @@ const mukca_effect_ops mukca_joint_scale_effect = {
              .title = "joint scale",
              .site = MUKCA_SITE_ANGLE,
              .terms = 1,
-             MUKCA_IN_MRAD_PER_RAD,
+             .unit = "rad/rad",
              .traits = MUKCA_TRAIT_OWN_ANGLE | MUKCA_TRAIT_SMOOTH,
              .sentence = "the encoder counts a little too much or too little per turn",
              .remedy = "correct the encoder's counts per turn in the controller, or compensate it"},
@@ -87,7 +87,7 @@ const mukca_effect_ops mukca_joint_coupling_effect = {
              .title = "joint coupling",
              .site = MUKCA_SITE_ANGLE,
              .terms = 1,
-             MUKCA_IN_MRAD_PER_RAD,
+             .unit = "rad/rad",
              .traits = MUKCA_TRAIT_OTHER_ANGLE | MUKCA_TRAIT_SMOOTH,
              .sentence = "the motion of a neighbouring joint also turns this joint (belt, "
                          "differential or cable drive)",
@@ -118,7 +118,7 @@ const mukca_effect_ops mukca_encoder_eccentricity_effect = {
              .title = "encoder eccentricity",
              .site = MUKCA_SITE_ANGLE,
              .terms = 2,
-             MUKCA_IN_MRAD,
+             .unit = "rad",
              .traits = MUKCA_TRAIT_PERIODIC | MUKCA_TRAIT_OWN_ANGLE | MUKCA_TRAIT_SMOOTH,
              .sentence = "the encoder disk is off centre: an error once per turn",
              .remedy = "calibrate the encoder in the controller, or compensate it"},
@@ -199,7 +199,7 @@ const mukca_effect_ops mukca_gear_harmonic_effect = {
              .title = "transmission ripple",
              .site = MUKCA_SITE_ANGLE,
              .terms = 2,
-             MUKCA_IN_MRAD,
+             .unit = "rad",
              .traits = MUKCA_TRAIT_PERIODIC | MUKCA_TRAIT_ORDERS | MUKCA_TRAIT_OWN_ANGLE |
                        MUKCA_TRAIT_SMOOTH,
              .sentence =

@@ -22,7 +22,7 @@ const mukca_effect_ops mukca_zero_jump_effect = {
              .title = "zero jump",
              .site = MUKCA_SITE_ANGLE,
              .terms = 1,
-             MUKCA_IN_MRAD,
+             .unit = "rad",
              .needs = MUKCA_NEEDS_PLACEMENTS,
              .traits = MUKCA_TRAIT_PER_PLACEMENT,
              .sentence = "the joint's zero differs in one placement from the others (slipped or "
@@ -48,7 +48,7 @@ const mukca_effect_ops mukca_ball_shift_effect = {
              .title = "ball shift",
              .site = MUKCA_SITE_TIP,
              .terms = 3,
-             MUKCA_IN_MM,
+             .unit = "m",
              .needs = MUKCA_NEEDS_PLACEMENTS,
              .traits = MUKCA_TRAIT_PER_PLACEMENT,
              .sentence = "the ball's position on the arm differs in one placement (loose or "
@@ -68,7 +68,7 @@ const mukca_effect_ops mukca_tool_motion_effect = {
              .title = "tool motion",
              .site = MUKCA_SITE_SOCKET,
              .terms = 3,
-             MUKCA_IN_MM,
+             .unit = "m",
              .needs = MUKCA_NEEDS_SOCKETS,
              .traits = MUKCA_TRAIT_RECORDING_FAULT,
              .sentence =
@@ -90,7 +90,7 @@ const mukca_effect_ops mukca_socket_distance_effect = {
              .title = "socket distance",
              .site = MUKCA_SITE_DISTANCE,
              .terms = 1,
-             MUKCA_IN_MM,
+             .unit = "m",
              .needs = MUKCA_NEEDS_SOCKETS,
              .traits = MUKCA_TRAIT_PER_PLACEMENT | MUKCA_TRAIT_RECORDING_FAULT,
              .sentence = "the sockets are not as far apart as --distance says",

@@ -56,7 +56,7 @@ const mukca_effect_ops mukca_joint_drift_effect = {
              .title = "joint drift",
              .site = MUKCA_SITE_ANGLE,
              .terms = 1,
-             MUKCA_IN_MRAD,
+             .unit = "rad",
              .needs = MUKCA_NEEDS_ORDER,
              .traits = MUKCA_TRAIT_OF_TIME,
              .sentence = "the joint's zero changes during the session, as in a warming gear",
@@ -141,7 +141,7 @@ const mukca_effect_ops mukca_readback_lag_effect = {
              .title = "readback lag",
              .site = MUKCA_SITE_ANGLES,
              .terms = 1,
-             MUKCA_IN_MRAD,
+             .unit = "rad",
              .nonnegative = true, /* a reading can be late, not early */
              .needs = MUKCA_NEEDS_ORDER,
              .sentence = "the recorded angles lag behind the true ones, along the last move",

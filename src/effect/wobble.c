@@ -113,7 +113,7 @@ const mukca_effect_ops mukca_axis_wobble_effect = {
              .title = "axis wobble",
              .site = MUKCA_SITE_ROTATION,
              .terms = 4,
-             MUKCA_IN_MRAD,
+             .unit = "rad",
              .traits = MUKCA_TRAIT_PERIODIC | MUKCA_TRAIT_SMOOTH,
              .sentence = "the joint's axis tilts as the joint turns (bearing run-out)",
              .remedy = "check the seat and the preload of the bearing, or compensate it"},

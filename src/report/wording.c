@@ -122,25 +122,18 @@ const char *mukca_wording_set(char text[MUKCA_WORDING], const mukca_cause_set *s
 const char *mukca_wording_amplitude(char text[MUKCA_WORDING], const mukca_cause *cause,
                                     const mukca_chain *chain)
 {
-    static const struct {
-        const char *si, *shown;
-        double factor;
-    } table[] = {{"rad/(N*m)", "urad/(N·m)", 1e6}, /* and of sliding joints: */
-                 {"m/N", "um/N", 1e6},
-                 {"m/m", "mm/m", 1e3},
-                 {"m", "mm", 1e3}};
-    const mukca_effect_info *info = mukca_effect_table[cause->effect.kind];
-    const char *unit = mukca_effect_unit(&cause->effect, chain), *shown = info->display_unit;
-    double factor = info->display_factor;
-    for (size_t i = 0; i < sizeof table / sizeof *table; i++)
-        if (strcmp(unit, table[i].si) == 0) shown = table[i].shown, factor = table[i].factor;
-    if (cause->effect.variant.to_command) shown = "% of command minus reading", factor = 100;
+    const char *unit = mukca_effect_unit(&cause->effect, chain);
+    const bool load = strchr(unit, 'N'), share = cause->effect.variant.to_command;
+    const double factor = share ? 100 : load ? 1e6 : 1e3;
+    char shown[32];
+    snprintf(shown, sizeof shown, "%s%s", load ? "u" : "m",
+             strcmp(unit, "rad/(N*m)") == 0 ? "rad/(N·m)" : unit);
     /* two significant digits of the interval's half width */
     const double half = fmax(factor * fabs(cause->high - cause->amplitude), 1e-12);
     int digits = isfinite(half) ? (int)ceil(-log10(half)) + 1 : 3;
     digits = digits < 0 ? 0 : digits > 4 ? 4 : digits;
     put(text, "%s%.*f %s", cause->n_ties ? "the first: " : "", digits, factor * cause->amplitude,
-        shown);
+        share ? "% of command minus reading" : shown);
     if (!isfinite(cause->low) || !isfinite(cause->high)) return text;
     return put(text, " [%.*f, %.*f]", digits, factor * cause->low, digits, factor * cause->high);
 }

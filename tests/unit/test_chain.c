@@ -276,8 +276,8 @@ TEST(catalogue)
         const mukca_effect_info *info = mukca_effect_table[kind];
         const int joint = mukca_effect_has_joint(kind) ? 1 : -1;
         mukca_effect e, other;
-        assert_true(info->name && info->title && info->unit && info->display_unit &&
-                    info->sentence && info->terms > 0 && info->terms <= MUKCA_MAX_TERMS);
+        assert_true(info->name && info->title && info->unit && info->sentence && info->terms > 0 &&
+                    info->terms <= MUKCA_MAX_TERMS);
         for (int i = 0; mukca_effect_candidate(&e, (mukca_effect_kind)kind, joint, &survey, i);
              i++) {
             char text[MUKCA_EFFECT_TEXT];
