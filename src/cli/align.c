@@ -32,7 +32,6 @@ typedef struct {
 typedef struct {
     side side[2];
     mukca_shared_socket *shared;
-    int *socket; /* index of each shared socket in the left session */
     int n;
     mukca_two_arms result;
 } align_work;
@@ -96,20 +95,18 @@ static mukca_status find_shared(cli_call *call)
     align_work *w = call->work;
     const side *l = &w->side[0], *r = &w->side[1];
     w->shared = MUKCA_TAKE(&call->pool, mukca_shared_socket, l->data.n_sockets);
-    w->socket = MUKCA_TAKE(&call->pool, int, l->data.n_sockets);
-    if (!w->shared || !w->socket) return cli_fail(call, MUKCA_MEMORY, "out of memory");
+    if (!w->shared) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     for (int i = 0; i < l->data.n_sockets; i++)
         for (int k = 0; k < r->data.n_sockets; k++) {
             if (!l->of.count[i] || !r->of.count[k] ||
                 strcmp(placement_of(l, i), placement_of(r, k)) != 0 ||
                 strcmp(l->data.sockets[i].label, r->data.sockets[k].label) != 0)
                 continue;
-            mukca_shared_socket *s = &w->shared[w->n];
+            mukca_shared_socket *s = &w->shared[w->n++];
             memcpy(s->at[0], l->of.mean[i], sizeof s->at[0]);
             memcpy(s->at[1], r->of.mean[k], sizeof s->at[1]);
             s->variance[0] = l->variance / l->of.count[i];
             s->variance[1] = r->variance / r->of.count[k];
-            w->socket[w->n++] = i;
             break;
         }
     if (w->n > 0) return MUKCA_OK;
@@ -147,23 +144,14 @@ static json_t *as_json(const cli_call *call)
     const align_work *w = call->work;
     const mukca_two_arms *t = &w->result;
     double rpy[3];
-    json_t *sockets = json_array();
     mukca_rotation_to_rpy(rpy, t->pose.R, NULL);
-    for (int i = 0; i < w->n; i++) {
-        double at[3];
-        mukca_mat3_vec(at, t->pose.R, w->shared[i].at[1]);
-        for (int a = 0; a < 3; a++) at[a] += t->pose.p[a];
-        cli_json_append(sockets, KEY("placement", placement_of(&w->side[0], w->socket[i])),
-                        KEY("socket", w->side[0].data.sockets[w->socket[i]].label),
-                        KEY("residual_m", mukca_distance3(at, w->shared[i].at[0])));
-    }
     return cli_json(
         KEY("pose", cli_json_frame(&t->pose)), KEY("rpy_rad", cli_json_reals(rpy, 3)),
         KEY("sigma", cli_json(KEY("position_m", cli_json_reals(t->sigma, 3)),
                               KEY("rotation_rad", cli_json_reals(t->sigma + 3, 3)))),
         KEY("width95", cli_json(KEY("position_m", cli_json_reals(t->width95, 3)),
                                 KEY("rotation_rad", cli_json_reals(t->width95 + 3, 3)))),
-        KEY("sockets", sockets), FIELD(t, freedom), FIELD(t, residual_m), FIELD(t, expected_m),
+        KEY("sockets", w->n), FIELD(t, freedom), FIELD(t, residual_m), FIELD(t, expected_m),
         KEY("elapsed_s", cli_elapsed(call)));
 }
 

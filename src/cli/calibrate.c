@@ -84,13 +84,6 @@ static mukca_status write_offsets(cli_call *call)
                              comments);
 }
 
-static void release(void *work)
-{
-    calibrate_work *w = work;
-    mukca_fit_free(&w->fit);
-    mukca_fit_free(&w->other);
-}
-
 /* Note that several pose logs share one frame and one target here. */
 static void note_logs(cli_call *call, const mukca_dataset *data)
 {
@@ -176,5 +169,4 @@ const cli_command cli_command_calibrate = {
     .json = calibrate_json,
     .print = calibrate_print,
     .work_size = sizeof(calibrate_work),
-    .release = release,
 };

@@ -12,9 +12,7 @@ static void print_identifiability(cli_call *call, const mukca_fit *fit)
 {
     const int n = fit->parameters.n, rank = fit->identification.rank;
     cli_say(call, NULL, "The data identify %d of %d parameter combinations%s.", rank, n,
-            rank < n ? "; the others have no effect on these samples and stay near nominal (the "
-                       "table and --json list them)"
-                     : "");
+            rank < n ? "; the others have no effect on these samples and stay near nominal" : "");
     if (fit->n_part > 0)
         cli_say(call, NULL, "Standard errors: computed from %d samples, scaled to all.",
                 fit->n_part);
@@ -176,25 +174,6 @@ mukca_status calibrate_print(cli_call *call)
 
 /* ---- JSON ---- */
 
-static json_t *null_space_json(const mukca_fit *fit)
-{
-    const int n = fit->parameters.n;
-    json_t *directions = json_array();
-    for (int r = 0; r < n - fit->identification.rank; r++) {
-        json_t *direction = json_array();
-        for (int i = 0; i < n; i++) {
-            const int at = fit->parameters.index[i];
-            const double weight = fit->null_space[r * n + i];
-            if (fabs(weight) < 1e-6) continue;
-            cli_json_append(direction, KEY("joint", fit->chain.element[at / MUKCA_PARAMETERS].name),
-                            KEY("parameter", mukca_parameter_name[at % MUKCA_PARAMETERS]),
-                            KEY("weight", weight));
-        }
-        json_array_append_new(directions, direction);
-    }
-    return directions;
-}
-
 static json_t *frame_json(const cli_call *call, bool base)
 {
     mukca_frame T;
@@ -240,7 +219,6 @@ json_t *calibrate_json(const cli_call *call)
         KEY("rank", fit->identification.rank), KEY("free", fit->parameters.n),
         KEY("noise_m", fit->identification.noise),
         KEY("observability", fit->identification.observability),
-        KEY("null_space", null_space_json(fit)),
         KEY("sigma_samples", fit->n_part > 0 ? fit->n_part : call->session->data.n_rows),
         KEY("acceptance", cli_json_acceptance(&w->offsets.acceptance)),
         KEY("frames",

@@ -60,13 +60,8 @@ mukca_status calibrate_use_traits(cli_call *call, const mukca_fit_options *optio
         const bool use = with[best].converged && w->traits_evidence > LEAST_EVIDENCE;
         w->traits_share = use ? shares[best] : 0;
         correct(s, recorded, traits, w->traits_share);
-        if (use) {
-            mukca_fit_free(&w->fit);
-            w->fit = with[best];
-            with[best].null_space = NULL;
-        }
+        if (use) w->fit = with[best];
     }
-    for (int k = 0; k < SHARES && with; k++) mukca_fit_free(&with[k]);
     return status;
 }
 

@@ -90,7 +90,6 @@ static mukca_status predict_fold(mukca_cross_validation *r, const int *fold, int
         r->after[i] = errors[rows + k++];
     }
     for (int held = 0; held < 2; held++) mukca_dataset_free(&part[held]);
-    if (fit) mukca_fit_free(fit);
     mukca_pool_free(&pool);
     return status;
 }

@@ -107,7 +107,7 @@ static mukca_status analyse(mukca_fit *fit, mukca_cost *cost, const double *x, m
     /* (1 nm)^2: rounding in a fit to data without noise */
     fit->converged = fit->to_gain * value <= 1e-9 * value + 1e-18;
     fit->n_measured = cost->observations.n_measured;
-    return mukca_identify(&fit->identification, fit->null_space, cost, x, pool, error);
+    return mukca_identify(&fit->identification, cost, x, pool, error);
 }
 
 /* Cost of all samples and, for a long recording, of the part from which the Hessian is computed. */
@@ -168,8 +168,6 @@ static mukca_status minimise(mukca_fit *fit, workspace *w, const mukca_fit_optio
         mukca_parameters_unpack(fit->theta, &fit->parameters, x);
     }
     if (options->parameters_only) return MUKCA_OK;
-    fit->null_space = calloc((size_t)cost->n * (size_t)cost->n, sizeof *fit->null_space);
-    if (!fit->null_space) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     const mukca_status status = analyse(fit, cost, x, &w->pool, error);
     fit->converged |= options->by_evidence;
     return status;
@@ -199,12 +197,5 @@ mukca_status mukca_fit_run(mukca_fit *fit, const mukca_chain *chain, const mukca
     mukca_pool_free(&w->pool);
     mukca_dataset_free(&w->samples);
     free(w);
-    if (status != MUKCA_OK) mukca_fit_free(fit);
     return status;
-}
-
-void mukca_fit_free(mukca_fit *fit)
-{
-    free(fit->null_space);
-    fit->null_space = NULL;
 }

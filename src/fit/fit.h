@@ -44,12 +44,10 @@ typedef struct {
  * urad. */
 #define MUKCA_HIDDEN_SHARE 1e-3
 
-/* Analyse at x[n].  null_space[n][n] (may be NULL) gets n - rank rows that span the null space, in
- * reduced form: each has a parameter of its own with coefficient 1.  Scratch comes from `pool`.
- * Errors: MUKCA_INPUT (the Jacobian is not finite), MUKCA_MEMORY. */
-mukca_status mukca_identify(mukca_identification *identification, double *null_space,
-                            mukca_cost *cost, const double *x, mukca_pool *pool,
-                            mukca_error *error);
+/* Analyse at x[n].  Scratch comes from `pool`.  Errors: MUKCA_INPUT (the Jacobian is not finite),
+ * MUKCA_MEMORY. */
+mukca_status mukca_identify(mukca_identification *identification, mukca_cost *cost, const double *x,
+                            mukca_pool *pool, mukca_error *error);
 
 /* ---- the fit (fit.c) ---- */
 
@@ -81,15 +79,11 @@ typedef struct {
     int n_measured; /* scalar measurements less one mean per socket */
     int n_part;     /* samples used for the standard errors; 0: all */
     mukca_identification identification;
-    double *null_space; /* [n - rank][n] from mukca_identify; owned; NULL: not analysed */
 } mukca_fit;
 
-/* Fit to `data`, from nominal.  Allocates; free with mukca_fit_free.  Errors: MUKCA_USAGE,
- * MUKCA_INPUT, MUKCA_MEMORY, MUKCA_INTERRUPTED.  Failure to converge is a result, not an error. */
+/* Fit to `data`, from nominal.  Errors: MUKCA_USAGE, MUKCA_INPUT, MUKCA_MEMORY, MUKCA_INTERRUPTED.
+ * Failure to converge is a result, not an error. */
 mukca_status mukca_fit_run(mukca_fit *fit, const mukca_chain *chain, const mukca_dataset *data,
                            const mukca_fit_options *options, mukca_error *error);
-
-/* A zeroed fit is allowed. */
-void mukca_fit_free(mukca_fit *fit);
 
 #endif

@@ -126,8 +126,8 @@ static void standard_errors(mukca_identification *id, const double *V, const dou
     }
 }
 
-mukca_status mukca_identify(mukca_identification *id, double *null_space, mukca_cost *cost,
-                            const double *x, mukca_pool *pool, mukca_error *error)
+mukca_status mukca_identify(mukca_identification *id, mukca_cost *cost, const double *x,
+                            mukca_pool *pool, mukca_error *error)
 {
     const int n = cost->n;
     mukca_observations *o = &cost->observations;
@@ -157,10 +157,5 @@ mukca_status mukca_identify(mukca_identification *id, double *null_space, mukca_
     const int spare = o->n_measured - id->rank;
     id->noise = spare > 0 ? sqrt(squares / spare) : HUGE_VAL;
     standard_errors(id, V, s, B, R, n);
-    if (null_space) {
-        for (int r = id->rank; r < n; r++)
-            for (int c = 0; c < n; c++) null_space[(r - id->rank) * n + c] = V[c * n + r];
-        mukca_dense_reduce(null_space, n - id->rank, n, n);
-    }
     return MUKCA_OK;
 }

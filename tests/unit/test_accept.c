@@ -31,7 +31,6 @@ static const mukca_acceptance *calibrate(void)
     assert_ok(mukca_fit_run(&fit, &arm.chain, &data, &options, &error));
     mukca_fit_offsets(&table, &fit);
     assert_ok(mukca_accept_fit(&table, &fit, &arm.chain, &data, NULL, &options, &error));
-    mukca_fit_free(&fit);
     return &table.acceptance;
 }
 

@@ -90,7 +90,6 @@ TEST(test_standard_errors)
         }
         parameters = free.n;
         noise += fit.identification.noise / SEEDS;
-        mukca_fit_free(&fit);
         mukca_dataset_free(&data);
     }
     print_message("mean z^2 %.4f over %d parameters, noise %.4g\n", total / parameters, parameters,

@@ -388,7 +388,6 @@ TEST(test_geometry)
         assert_true(mukca_evaluate(scores, &mean, &model, &test) > 0);
         diagnose((mukca_diagnose_options){.test = &test});
         assert_true(d->test_geometry_m < 1.05 * mean.mae);
-        mukca_fit_free(&fit);
         mukca_dataset_free(&test);
     }
 }

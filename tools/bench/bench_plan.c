@@ -115,7 +115,6 @@ static double held_out(const mukca_chain *chain, const mukca_dataset *train,
     if (mukca_fit_run(&fit, chain, train, &(mukca_fit_options){0}, &error)) fail(error.text);
     const mukca_model model = {.chain = chain, .theta = fit.theta};
     if (mukca_evaluate(scores, &mean, &model, test) < 0) fail("out of memory");
-    mukca_fit_free(&fit);
     return mean.mae;
 }
 
