@@ -99,7 +99,6 @@ static void print_recording(FILE *stream, const mukca_diagnosed *r)
         cli_print_keyed(stream, i ? "" : "Faults",
                         mukca_wording_fault(MUKCA_WORDS, &d->faults[i], r));
     if (d->n_faults > MOST_LINES) print_more(stream, d->n_faults - MOST_LINES);
-    cli_print_keyed(stream, "Poses", mukca_wording_poses(MUKCA_WORDS, r));
     cli_print_keyed(stream, "Efforts", mukca_wording_efforts(MUKCA_WORDS, r));
 }
 

@@ -10,44 +10,23 @@ static const double mm = MUKCA_REPORT_MM;
 
 /* ---- accuracy ---- */
 
-static void put_length(FILE *out, const char *label, double metres, double low, double high)
-{
-    if (!isfinite(metres)) return;
-    fprintf(out, "<div><dt>%s</dt><dd>%.2f <small>mm</small>", label, metres * mm);
-    if (isfinite(low)) fprintf(out, "<br><small>[%.2f, %.2f]</small>", low * mm, high * mm);
-    fputs("</dd></div>\n", out);
-}
-
 void mukca_report_put_accuracy(FILE *out, const void *content)
 {
     const mukca_report *r = content;
     const mukca_acceptance *a = &r->offsets->acceptance;
     const bool factory = r->fitted->kinematics_sha256[0] != '\0';
-    char text[MUKCA_ACCEPTANCE_SENTENCE];
+    char tip[MUKCA_ACCEPTANCE_SENTENCE] = "", use[MUKCA_ACCEPTANCE_SENTENCE] = "";
     if (!a->given) return;
-    mukca_acceptance_put_use(&(mukca_text)MUKCA_TEXT(text), a, factory);
-    if (a->accepted && isfinite(a->error_here_low_m)) {
-        fputs(
-            "<h2 id=\"accuracy\">Accuracy: expected error of the tip</h2>\n<dl class=\"tiles\">\n",
-            out);
-        put_length(out, "with this result, in the joint ranges of the samples", a->error_here_m,
-                   a->error_here_low_m, a->error_here_high_m);
-        put_length(out, "with this result, within the joint limits", a->error_workspace_m,
-                   a->error_workspace_low_m, a->error_workspace_high_m);
-        put_length(out, factory ? "factory model, same ranges" : "nominal model, same ranges",
-                   a->error_before_here_m, NAN, NAN);
-        put_length(out, factory ? "factory model, joint limits" : "nominal model, joint limits",
-                   a->error_before_m, NAN, NAN);
-        fputs("</dl>\n", out);
-        if (isfinite(a->error_here_unscaled_m))
-            fprintf(out,
-                    "<p>With this result, without the error of scale (socket distance known to "
-                    "0.1 mm): %.2f mm and %.2f mm.</p>\n",
-                    a->error_here_unscaled_m * mm, a->error_workspace_unscaled_m * mm);
+    if (a->accepted) mukca_acceptance_put_tip(&(mukca_text)MUKCA_TEXT(tip), a, factory);
+    mukca_acceptance_put_use(&(mukca_text)MUKCA_TEXT(use), a, factory);
+    if (*tip) {
+        fputs("<p><strong>Accuracy of the tip:</strong> ", out);
+        mukca_html_escape(out, tip);
+        fputs(".</p>\n", out);
     }
     fprintf(out, "<p class=\"verdict %s use\"><strong>Use the result?</strong> ",
             a->accepted ? "named" : "untestable");
-    mukca_html_sentence(out, text);
+    mukca_html_sentence(out, use);
     fputs(".</p>\n", out);
 }
 

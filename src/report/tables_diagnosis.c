@@ -115,7 +115,7 @@ void mukca_report_put_faults(FILE *out, const void *content)
     const mukca_report *r = content;
     const mukca_diagnosis *d = r->diagnosed.diagnosis;
     mukca_wording_text *const texts[] = {mukca_wording_logs, mukca_wording_angles,
-                                         mukca_wording_poses, mukca_wording_efforts};
+                                         mukca_wording_efforts};
     fputs(d->n_faults ? "<ul>\n" : "<p>No recording fault was found.</p>\n", out);
     for (int i = 0; i < d->n_faults; i++)
         mukca_html_element(out, "li",

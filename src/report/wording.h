@@ -12,10 +12,6 @@
 enum { MUKCA_WORDING = 2048 }; /* size of the texts below, with the NUL */
 #define MUKCA_WORDS ((char[MUKCA_WORDING]){""})
 
-/* Error below which the measured poses were computed from the nominal model, m: trackers measure
- * 0.05 mm at best. */
-#define MUKCA_ECHO 5e-5
-
 /* Diagnoses of simulated recordings: `runs` with the causes, and as many without. */
 typedef struct {
     int runs;
@@ -97,14 +93,13 @@ const char *mukca_wording_untestable(char text[MUKCA_WORDING], int i,
  * caveat: limitations of the verdict, as sentences, for example flexibility that was not testable
  * logs: free frames that several pose logs share; several targets
  * angles: readings against commands, and the stream that was fitted
- * poses: measured poses that repeat the nominal model
  * efforts: measured efforts that were not used
  * limits: "Detection limits, mrad rms (median over effects): joint_1 0.38, ..."
  * check: "simulated with these postures and this noise: ... was found again in 97 of 100 ..."
  * next: the next step */
 typedef const char *mukca_wording_text(char text[MUKCA_WORDING], const mukca_diagnosed *diagnosed);
 mukca_wording_text mukca_wording_verdict, mukca_wording_unexplained, mukca_wording_caveat,
-    mukca_wording_logs, mukca_wording_angles, mukca_wording_poses, mukca_wording_efforts,
-    mukca_wording_limits, mukca_wording_check, mukca_wording_next;
+    mukca_wording_logs, mukca_wording_angles, mukca_wording_efforts, mukca_wording_limits,
+    mukca_wording_check, mukca_wording_next;
 
 #endif

@@ -150,14 +150,6 @@ const char *mukca_wording_angles(char text[MUKCA_WORDING], const mukca_diagnosed
     return text;
 }
 
-const char *mukca_wording_poses(char text[MUKCA_WORDING], const mukca_diagnosed *r)
-{
-    if (r->data->n_sockets > 0 || !(r->diagnosis->nominal_m < MUKCA_ECHO)) return text;
-    return put(text,
-               "the measured poses repeat the nominal model: they seem to come from the "
-               "controller, not from a tracker, and contain no error of the arm");
-}
-
 const char *mukca_wording_efforts(char text[MUKCA_WORDING], const mukca_diagnosed *r)
 {
     const double correlation = r->diagnosis->efforts_correlation;

@@ -82,8 +82,8 @@ def compare(name, *data):
                                                "workspace_unscaled")]
     tip = re.search(r"^Tip .*?(?=^\S)", screen, re.M | re.S)
     same(f"{name}: accuracy on the screen", here, re.findall(r"\d+\.\d\d", tip[0]) if tip else None)
-    tiles = page[page.index('<dl class="tiles">'):page.index("Use the result?")]
-    same(f"{name}: accuracy on the page", here, re.findall(r"\d+\.\d\d", tiles))
+    accuracy = re.search(r"Accuracy of the tip:</strong> (.*?)</p>", page)[1]
+    same(f"{name}: accuracy on the page", here, re.findall(r"\d+\.\d\d", accuracy))
     use = words(re.search(r"^Use .*?(?=^\S|^$)", screen, re.M | re.S)[0])
     same(f"{name}: use on the page", use.split(": ", 1)[1] + ".",
          words(html.unescape(re.search(r"Use the result\?</strong> Yes: (.*?)</p>", page)[1])))

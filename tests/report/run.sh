@@ -33,8 +33,8 @@ ok "report: none is empty or mute" awk '$1 < 25 || $2 < 40 || $3 < 80 {bad = 1; 
 # What opens the page, and what a reader looks for.
 ok "report: the verdict is one sentence" sh -c 'test "$(sed -n "s/^<p class=.verdict [a-z]*.>\(.*\)<.p>$/\1/p" "$0" |
     grep -o "[.]" | wc -l)" -eq 1' "$page"
-ok "report: accuracy, use, verdict, then what to do" sh -c 'grep -n -e "class=.verdict" -e "id=.to-do" -e "<dl class=.tiles" "$0" | sed "s/.*\(verdict\|to-do\|tiles\).*/\1/" |
-    tr "\n" " " | grep -qx "tiles verdict verdict to-do "' "$page"
+ok "report: accuracy, use, verdict, then what to do" sh -c 'grep -n -e "class=.verdict" -e "id=.to-do" -e "Accuracy of the tip" "$0" |
+    sed "s/.*\(verdict\|to-do\|Accuracy\).*/\1/" | tr "\n" " " | grep -qx "Accuracy verdict verdict to-do "' "$page"
 mkdir "$out/figures"
 "$MUKCA" calibrate -q --urdf $arm data/demo/train.tsv --test data/demo/test.tsv -o "$out/o.tsv"
 python3 tests/report/figures.py "$out/figures" || failed=1
