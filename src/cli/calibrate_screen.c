@@ -56,8 +56,6 @@ static void print_next(cli_call *call)
     const calibrate_work *w = call->work;
     const mukca_dataset *train = &call->session->data;
     const bool sockets = train->n_sockets > 0;
-    const double error = w->scores.set[0].mean[CLI_CALIBRATED].mae,
-                 test = cli_scores_error(&w->scores);
     const cli_common *c = call->common;
     if (!w->offsets.acceptance.accepted) return;
     if (!enough_samples(&w->fit))
@@ -67,11 +65,6 @@ static void print_next(cli_call *call)
     else if (w->scores.set[1].n == 0)
         cli_say(call, "Next", "check the error elsewhere: --test with another %s",
                 sockets ? "placement" : "pose log");
-    else if (test > 1.5 * error)
-        cli_say(call, "Next",
-                "the test error is %.1f times the training error: record more %s, or identify the "
-                "cause with mukca diagnose",
-                test / error, sockets ? "placements" : "postures");
     else if (c->output)
         cli_say(call, "Next", "mukca export --urdf %s%s%s --offsets %s", c->arm.urdf,
                 c->arm.kinematics ? " --kinematics " : "",

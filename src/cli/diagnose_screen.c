@@ -157,14 +157,13 @@ static void print_errors(FILE *stream, const mukca_diagnosed *r)
 
 /* ---- detection limits ---- */
 
-/* Detection limits, and effects not testable.  `caveat`: missing masses have been mentioned
- * already. */
-static void print_limits(FILE *stream, const mukca_diagnosed *r, bool caveat)
+/* Detection limits, and effects not testable. */
+static void print_limits(FILE *stream, const mukca_diagnosed *r)
 {
     fputc('\n', stream);
     cli_print_wrapped(stream, mukca_wording_limits(MUKCA_WORDS, r));
     for (int i = 0, lines = 0; i < r->diagnosis->n_tested && lines < MOST_LINES; i++) {
-        const char *words = mukca_wording_untestable(MUKCA_WORDS, i, r, caveat);
+        const char *words = mukca_wording_untestable(MUKCA_WORDS, i, r);
         if (!*words) continue;
         cli_print_wrapped(stream, put(MUKCA_WORDS, "Not testable: %s", words));
         lines++;
@@ -204,10 +203,9 @@ static void print_sets(FILE *stream, const mukca_diagnosed *r)
 
 void cli_diagnosis_print(FILE *stream, const mukca_diagnosed *r, bool sets)
 {
-    const char *caveat = mukca_wording_caveat(MUKCA_WORDS, r);
     cli_print_head(stream, r->chain->robot, r->data, r->test);
     if (r->acceptance) cli_print_acceptance(stream, r->acceptance, r->chain);
-    cli_print_wrapped(stream, caveat);
+    cli_print_wrapped(stream, mukca_wording_caveat(MUKCA_WORDS, r));
     if (r->diagnosis->verdict == MUKCA_VERDICT_UNTESTABLE) {
         cli_print_wrapped(stream, mukca_wording_verdict(MUKCA_WORDS, r));
         print_recording(stream, r);
@@ -222,7 +220,7 @@ void cli_diagnosis_print(FILE *stream, const mukca_diagnosed *r, bool sets)
     print_errors(stream, r);
     if (r->check) fputc('\n', stream);
     cli_print_keyed(stream, "Check", mukca_wording_check(MUKCA_WORDS, r));
-    print_limits(stream, r, *caveat);
+    print_limits(stream, r);
     cli_print_keyed(stream, "Next", mukca_wording_next(MUKCA_WORDS, r));
     if (sets) print_sets(stream, r);
 }

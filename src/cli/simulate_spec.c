@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "base/number.h"
-#include "base/suggest.h"
 
 enum { TEXT = 160, MAX_VALUES = 4 };
 
@@ -79,17 +78,11 @@ static mukca_status split(piece *p, const char **text, mukca_error *error)
 static mukca_status find_joint(int *joint, const cli_simulated *s, const piece *p, const char *name,
                                mukca_error *error)
 {
-    const char *meant = NULL;
-    int best = 99;
     *joint = mukca_chain_find_joint(s->chain, name);
     if (*joint >= 0) return MUKCA_OK;
-    for (int j = 0; j < s->chain->n_joints; j++) {
-        const char *candidate = mukca_chain_joint_name(s->chain, j);
-        if (mukca_suggest_better(&best, name, candidate) || !meant) meant = candidate;
-    }
     return mukca_fail(error, MUKCA_USAGE,
-                      "--effect %.80s: no joint '%.40s' in the chain; did you mean %s?", p->text,
-                      name, meant);
+                      "--effect %.80s: no joint '%.40s' in the chain; the first one is '%s'",
+                      p->text, name, mukca_chain_joint_name(s->chain, 0));
 }
 
 static mukca_status find_placement(int *placement, const cli_simulated *s, const piece *p,

@@ -133,7 +133,7 @@ void mukca_report_put_limits(FILE *out, const void *content)
     int listed = 0;
     put_sentence(out, "<p>", mukca_wording_limits(MUKCA_WORDS, d), ".</p>\n");
     for (int i = 0; i < d->diagnosis->n_tested; i++) {
-        const char *words = mukca_wording_untestable(MUKCA_WORDS, i, d, false);
+        const char *words = mukca_wording_untestable(MUKCA_WORDS, i, d);
         if (!*words) continue;
         fputs(listed++ ? "" : "<p>Not testable with these data:</p>\n<ul>\n", out);
         mukca_html_element(out, "li", words);

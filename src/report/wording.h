@@ -83,9 +83,9 @@ const char *mukca_wording_fault(char text[MUKCA_WORDING], const mukca_data_fault
 
 /* The effects that are not testable for the same reason as diagnosis->tested[i]: "joint_drift,
  * joint_scale at joint_7 (REASON)".  Nothing if it is testable, its reason belongs to an earlier
- * one, or it is of no interest.  `caveat`: missing masses have been mentioned already. */
+ * one, or it is of no interest. */
 const char *mukca_wording_untestable(char text[MUKCA_WORDING], int i,
-                                     const mukca_diagnosed *diagnosed, bool caveat);
+                                     const mukca_diagnosed *diagnosed);
 
 /* Texts of a diagnosis, each empty if there is nothing to state:
  * verdict: one sentence for any number of causes

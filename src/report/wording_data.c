@@ -77,8 +77,7 @@ static bool same_reason(const mukca_tested *a, const mukca_tested *b)
            strcmp(a->why, b->why) == 0;
 }
 
-const char *mukca_wording_untestable(char text[MUKCA_WORDING], int tested, const mukca_diagnosed *r,
-                                     bool caveat)
+const char *mukca_wording_untestable(char text[MUKCA_WORDING], int tested, const mukca_diagnosed *r)
 {
     const mukca_diagnosis *d = r->diagnosis;
     const mukca_tested *of = &d->tested[tested];
@@ -89,8 +88,7 @@ const char *mukca_wording_untestable(char text[MUKCA_WORDING], int tested, const
     /* with readings, errors of commands are not mentioned */
     if (of->testable || first < tested ||
         (r->data->n_sockets == 0 && mukca_effect_of_sockets(of->effect)) ||
-        (needs & MUKCA_NEEDS_COMMANDS && !r->data->by_command) ||
-        (caveat && of->joint < 0 && (needs & MUKCA_NEEDS_MASSES)))
+        (needs & MUKCA_NEEDS_COMMANDS && !r->data->by_command))
         return text;
     for (const mukca_tested *t = of; t < d->tested + d->n_tested; t++) {
         if (!same_reason(t, of)) continue;
