@@ -346,9 +346,6 @@ void cli_describe_data(char text[80], const mukca_dataset *data);
 /* The positional arguments, or standard input if there are none, with a note at a terminal. */
 cli_list cli_inputs(cli_call *call);
 
-/* The path that was given for an option, CLI_INPUT or CLI_OUTPUT; NULL: none. */
-const char *cli_path(const cli_call *call, const cli_option *option);
-
 /* Check all outputs before any long work: each different from the others, no input (not even
  * --force overwrites a recording, which cannot be repeated), not existing without --force, folder
  * writable.  Errors: MUKCA_USAGE, MUKCA_INPUT, MUKCA_MEMORY. */

@@ -25,11 +25,6 @@ static const cli_option options[] = {
     CLI_OUTPUT_OPTION("where to write it (default: standard output)"),
     {.name = NULL}};
 
-#define FORMAT_ENDING(name, endings, description) #name " " endings ", "
-static const char other_formats[] =
-    MUKCA_EXPORT_LIST(FORMAT_ENDING) "or for SDF: write a URDF, then gz sdf -p FILE.urdf";
-#undef FORMAT_ENDING
-
 static const export_options defaults = {.format = -1};
 
 /* -1: unknown. */
@@ -43,8 +38,9 @@ static mukca_status check(cli_call *call)
 {
     if (find_format(call) >= 0) return MUKCA_OK;
     return cli_fail(call, MUKCA_USAGE,
-                    "%.100s: no format has this ending; choose one with --format (%s)",
-                    call->common->output, other_formats);
+                    "%.100s: no format has this ending; choose one with --format (for SDF: write a "
+                    "URDF, then gz sdf -p FILE.urdf)",
+                    call->common->output);
 }
 
 static mukca_status run(cli_call *call)

@@ -129,14 +129,6 @@ static void print_start(FILE *stream)
 
 static void print_effects(FILE *stream)
 {
-    static const struct {
-        int bit;
-        const char *text;
-    } needs[] = {{MUKCA_NEEDS_MASSES, "link masses"},
-                 {MUKCA_NEEDS_ORDER, "samples in recording order"},
-                 {MUKCA_NEEDS_PLACEMENTS, "two placements or more"},
-                 {MUKCA_NEEDS_SOCKETS, "socket data"},
-                 {MUKCA_NEEDS_COMMANDS, "commanded angles (--angles command)"}};
     cli_print_wrapped(stream,
                       "The effects that `mukca diagnose` can name and `mukca simulate --effect` "
                       "can make, with the unit of their coefficients:\n\n");
@@ -144,16 +136,6 @@ static void print_effects(FILE *stream)
         const mukca_effect_info *e = mukca_effect_table[kind];
         fprintf(stream, "%s%s%s (%s)\n    ", cli_bold(stream), e->name, cli_plain(stream), e->unit);
         cli_print_words(stream, 4, 4, e->sentence, strlen(e->sentence));
-        bool any = false;
-        for (size_t k = 0; k < sizeof needs / sizeof *needs; k++) {
-            if (!(e->needs & needs[k].bit)) continue;
-            fprintf(stream, "%s%s", any ? ", " : "    needs ", needs[k].text);
-            any = true;
-            /* a measured torque acts about the joint's own axis only */
-            if (needs[k].bit == MUKCA_NEEDS_MASSES && e->site == MUKCA_SITE_ANGLE)
-                fputs(" or measured efforts", stream);
-        }
-        if (any) fputc('\n', stream);
     }
 }
 

@@ -6,7 +6,8 @@
 #include "base/file.h"
 #include "cli/cli.h"
 
-const char *cli_path(const cli_call *call, const cli_option *option)
+/* The path that was given for an option, CLI_INPUT or CLI_OUTPUT; NULL: none. */
+static const char *path_of(const cli_call *call, const cli_option *option)
 {
     return *(const char *const *)(const void *)((const char *)call->options + option->offset);
 }
@@ -43,10 +44,10 @@ static mukca_status check_output(cli_call *call, const cli_option *output, const
     bool before = true;
     for (const cli_option *o = NULL; (o = cli_next_option(call->command, o));) {
         before &= o != output;
-        if (o->kind == CLI_INPUT) same |= is_input(path, cli_path(call, o));
+        if (o->kind == CLI_INPUT) same |= is_input(path, path_of(call, o));
         if (o->kind == CLI_REST)
             same |= is_among(path, (const cli_list *)(void *)((char *)call->options + o->offset));
-        if (o->kind == CLI_OUTPUT && before && mukca_output_same(path, cli_path(call, o)))
+        if (o->kind == CLI_OUTPUT && before && mukca_output_same(path, path_of(call, o)))
             return cli_fail(call, MUKCA_USAGE, "--%s and --%s cannot both go to %s", o->name,
                             output->name, path);
     }
@@ -61,8 +62,8 @@ mukca_status cli_check_outputs(cli_call *call)
 {
     mukca_status status = MUKCA_OK;
     for (const cli_option *o = NULL; status == MUKCA_OK && (o = cli_next_option(call->command, o));)
-        if (o->kind == CLI_OUTPUT && cli_path(call, o))
-            status = check_output(call, o, cli_path(call, o));
+        if (o->kind == CLI_OUTPUT && path_of(call, o))
+            status = check_output(call, o, path_of(call, o));
     return status;
 }
 

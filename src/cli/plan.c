@@ -233,14 +233,9 @@ static mukca_status print(cli_call *call)
                     "These postures are for a payload of %g kg at the tip; as many without it "
                     "reach %.1f",
                     r->payload, r->unloaded);
-        if (p->evidence_after < MUKCA_PLAN_NAME && p->rows_to_name > 0)
-            cli_say(call, NULL,
-                    "Not enough: some --rows %d are needed, or another placement (--place)",
-                    p->rows_to_name);
-        else if (p->evidence_after < MUKCA_PLAN_NAME)
-            cli_say(
-                call, NULL,
-                "Not enough, and more samples here do not decide: try another placement (--place)");
+        if (p->evidence_after < MUKCA_PLAN_NAME)
+            cli_say(call, NULL, "Not enough: try another placement (--place)%s",
+                    p->rows_to_name > 0 ? ", or more --rows" : "");
     } else {
         cli_say(call, NULL,
                 "Expected consistency error at new placements, without noise: %.3f mm before, "
