@@ -40,8 +40,5 @@ run plan -q --urdf "$demo/arm.urdf" --place front=0.45,0,0.05 --rows 2 --json -
 expect "plan --json - prints JSON alone" sh -c "grep -q '\"schema\": *\"mukca.plan/1\"' '$scratch/out' && ! grep -q '^#' '$scratch/out'"
 expect "its JSON has the time taken, and counts as whole numbers" sh -c \
     "grep -q '\"elapsed_s\": [0-9.e-]*' '$scratch/out' && grep -q '\"rows_to_name\": [0-9]*,' '$scratch/out'"
-sed 's/^held_out_1/%s%n/' "$demo/test.tsv" >percent.tsv
-run report -q --urdf "$demo/arm.urdf" percent.tsv -o percent.html
-expect "a placement's name is no format" grep -q '<td>%s%n (training' percent.html
 refuse 2 "contains its own frames" report --urdf "$demo/arm.urdf" "$demo/train.tsv" --offsets x.tsv --free-base -o r.html
 refuse 3 "missing.tsv" report --urdf "$demo/arm.urdf" missing.tsv -o r.html
