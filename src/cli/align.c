@@ -151,7 +151,7 @@ static json_t *as_json(const cli_call *call)
                               KEY("rotation_rad", cli_json_reals(t->sigma + 3, 3)))),
         KEY("width95", cli_json(KEY("position_m", cli_json_reals(t->width95, 3)),
                                 KEY("rotation_rad", cli_json_reals(t->width95 + 3, 3)))),
-        KEY("sockets", w->n), FIELD(t, freedom), FIELD(t, residual_m), FIELD(t, expected_m),
+        KEY("shared_sockets", w->n), FIELD(t, freedom), FIELD(t, residual_m), FIELD(t, expected_m),
         KEY("elapsed_s", cli_elapsed(call)));
 }
 

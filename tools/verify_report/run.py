@@ -37,7 +37,7 @@ LOOK = """(() => {
   for (const e of document.querySelectorAll('figure, .wide:has(.cards)'))
     if (e.scrollWidth > e.clientWidth + 1) wrong.push('scrolls sideways: ' + e.textContent.trim().slice(0, 40));
   const figures = document.querySelectorAll('figure');
-  if (figures.length < 7 && !document.querySelector('.verdict.untestable')) wrong.push('only ' + figures.length + ' figures');
+  if (figures.length < 6 && !document.querySelector('.verdict.untestable')) wrong.push('only ' + figures.length + ' figures');
   for (const f of figures) {
     const svg = f.querySelector('svg'), name = svg ? svg.getAttribute('aria-labelledby') : '?';
     if (!svg) { wrong.push('a figure without a drawing'); continue; }
