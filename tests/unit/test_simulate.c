@@ -253,7 +253,7 @@ TEST(test_grammar)
     const bad_text wrong[] = {
         {"joint_complience:joint_1=1e-5", "did you mean joint_compliance"},
         {"joint_compliance=1e-5", "needs a joint"},
-        {"joint_compliance:joint1=1e-5", "did you mean joint_1"},
+        {"joint_compliance:joint1=1e-5", "the first one is 'joint_1'"},
         {"joint_compliance:joint_1", "needs =VALUE in rad/(N*m)"},
         {"joint_compliance:joint_1=x", "a number must follow"},
         {"joint_compliance:joint_1=-1e-5", "cannot be negative"},
