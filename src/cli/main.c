@@ -4,9 +4,6 @@
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
-#ifdef __GLIBC__
-#include <malloc.h>
-#endif
 
 #include "base/suggest.h"
 #include "base/text.h"
@@ -242,18 +239,8 @@ static void occupy_standard_streams(void)
     if (file >= 0) close(file);
 }
 
-/* Fix the threshold for mmap.  Zeroed pages from the kernel cost nothing until used, but glibc
- * raises the threshold, and clears recycled memory, once a large block was freed. */
-static void keep_large_blocks_apart(void)
-{
-#ifdef __GLIBC__
-    mallopt(M_MMAP_THRESHOLD, 128 * 1024); /* glibc's initial value */
-#endif
-}
-
 int main(int argc, char **argv)
 {
-    keep_large_blocks_apart();
     occupy_standard_streams();
     cli_catch_interrupts();
     cli_json_watch();
