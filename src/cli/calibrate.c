@@ -3,7 +3,6 @@
 #include <string.h>
 
 #include "cli/calibrate.h"
-#include "diagnose/recording.h"
 #include "fit/align.h"
 #include "fit/mismatch.h"
 #include "fit/solver.h"
@@ -84,16 +83,6 @@ static mukca_status write_offsets(cli_call *call)
                              comments);
 }
 
-/* Note that several pose logs share one frame and one target here. */
-static void note_logs(cli_call *call, const mukca_dataset *data)
-{
-    const calibrate_options *o = call->options;
-    if ((o->common.free_base || o->common.free_tool) && mukca_recording_number_logs(NULL, data) > 1)
-        cli_note(call,
-                 "several pose logs: one tracker's frame and one target for all; `mukca diagnose "
-                 "-o` fits separate ones if the evidence supports them");
-}
-
 static mukca_status run(cli_call *call)
 {
     const calibrate_options *o = call->options;
@@ -102,7 +91,6 @@ static mukca_status run(cli_call *call)
     const mukca_fit_options wanted = fit_options(o);
     calibrate_work *w = call->work;
     mukca_fit *fit = &w->fit;
-    note_logs(call, &s->data);
     mukca_columns_note(cli_note, call, chain, &s->data);
     if (o->evidence && s->data.n_sockets == 0)
         return cli_fail(call, MUKCA_USAGE,
