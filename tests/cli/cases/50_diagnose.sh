@@ -97,7 +97,7 @@ kill -s INT $process
 wait $process
 code=$?
 expect "a check interrupted: exit 130, one line, no file" test "$code $(cat err) $(find . -name '*never*')" = \
-    "130 mukca diagnose: interrupted "
+    "130 mukca diagnose: interrupted; nothing was written "
 
 # interrupted in the middle: exit 130, one line, no file
 simulate --poses 60000 --effect joint_scale:joint_2=1e-3 -o log.tsv
