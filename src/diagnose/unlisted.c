@@ -86,16 +86,23 @@ static void delay(double value[2], survey *s, const mukca_recording *r, int row,
     s->seconds = r->time[row];
 }
 
+/* Moment on the base, or about the joint's origin; zero without masses. */
+static const double *moment_of(const mukca_candidate *h, const mukca_joint_state *state)
+{
+    static const double none[3] = {0};
+    const double *moment = h->kind == MUKCA_CANDIDATE_UNLISTED_BASE ? state->base_moment
+                           : state->moment                          ? state->moment[h->of.joint]
+                                                                    : NULL;
+    return moment ? moment : none;
+}
+
 /* Functions of the argument at a row of the dataset. */
 static void evaluate(double value[MOST_VALUES], const mukca_candidate *h, const mukca_recording *r,
                      int row, survey *s)
 {
     const mukca_joint_state state = mukca_recording_state(r, row);
     const int j = h->of.joint;
-    const double middle = 0.5 * (s->travel[0] + s->travel[1]),
-                 *moment = h->kind == MUKCA_CANDIDATE_UNLISTED_BASE ? state.base_moment
-                           : state.moment                           ? state.moment[j]
-                                                                    : NULL;
+    const double middle = 0.5 * (s->travel[0] + s->travel[1]), *moment = moment_of(h, &state);
     switch (h->of.argument) {
         case MUKCA_ARGUMENT_ANGLE:
             value[0] = state.q[j];
