@@ -211,11 +211,13 @@ static void add_ties(mukca_cause *out, mukca_search *id, const mukca_causes *bes
 }
 
 /* Can an unknown function be a part of the same cause as this name?  Of a short wave only if it is
- * fine, too. */
-static bool may_belong(const mukca_candidate *unknown, int order)
+ * fine, too, or if postures repeat: these are few, and what differs between them resembles waves of
+ * any length. */
+static bool may_belong(const mukca_search *id, int candidate, int order)
 {
+    const mukca_candidate *unknown = &id->all.list[candidate];
     return mukca_candidate_class(unknown) == MUKCA_CLASS_UNKNOWN &&
-           (order <= MUKCA_LONG_ORDER ||
+           (order <= MUKCA_LONG_ORDER || id->m->recording.repeats ||
             (unknown->kind == MUKCA_CANDIDATE_OWN_ANGLE && unknown->of.size < FINE_WIDTH));
 }
 
@@ -233,8 +235,7 @@ static double share_with_unknown(mukca_cause *out, const mukca_search *id, int n
         bool unknown = false;
         if (!contains(id, &id->set[i], name)) continue;
         for (int k = 0; k < id->set[i].n; k++)
-            unknown |=
-                may_belong(&id->all.list[id->set[i].candidate[k]], out->effect.variant.order);
+            unknown |= may_belong(id, id->set[i].candidate[k], out->effect.variant.order);
         all += id->set[i].weight;
         if (unknown) beside += id->set[i].weight;
     }

@@ -81,6 +81,20 @@ TEST(a_lag_settles_while_the_arm_dwells)
     assert_close(direction[0], exp(-2), 1e-15);
 }
 
+/* Rounds through eight postures 60 mrad apart, while the socket drifts by 3 mrad a round. */
+TEST(rounds_are_repeats_although_something_drifts)
+{
+    double q[40];
+    int posture[40];
+    const mukca_dataset data = {.n_rows = 40, .n_joints = 1, .q = q};
+    mukca_pool pool = {0};
+    for (int row = 0; row < 40; row++)
+        q[row] = 0.06 * (row % 8) + 4e-3 * sin(0.1 * row) + 1e-5 * (row * 7 % 5);
+    assert_int_equal(mukca_postures_find(posture, &pool, &data), 32);
+    for (int row = 0; row < 40; row++) assert_int_equal(posture[row], row % 8);
+    mukca_pool_free(&pool);
+}
+
 /* The move does not depend on how often the states come, and is kept while the arm stands. */
 TEST(streams_keep_their_direction)
 {
