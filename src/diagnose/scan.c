@@ -8,18 +8,13 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/clones.h"
 #include "math/dense.h"
-#include "math/four.h"
 
 /* Log prior odds of a further member of a kin beyond those of a first: one flexible part in 30 is
  * as measurable as the first one. */
 #define KINSHIP 3.0
 
-enum {
-    LD = MUKCA_SCAN_WIDTH,
-    NEAR = 3 /* columns of most blocks */
-};
+enum { LD = MUKCA_SCAN_WIDTH };
 
 bool mukca_scan_create(mukca_scan *s, mukca_pool *pool, mukca_regression *m, mukca_candidates *all)
 {
@@ -34,12 +29,11 @@ bool mukca_scan_create(mukca_scan *s, mukca_pool *pool, mukca_regression *m, muk
         .prior = MUKCA_TAKE(pool, double, n),
         .link = MUKCA_TAKE(pool, double, pairs),
         .batch = {.E = MUKCA_TAKE(pool, double, rows *LD),
-                  .W = MUKCA_TAKE(pool, double, (rows + pairs) * LD + NEAR), /* read beyond */
+                  .W = MUKCA_TAKE(pool, double, (rows + pairs) * LD),
                   .mean = MUKCA_TAKE(pool, double, (r->data->n_sockets + 2) * r->dim * LD),
                   .C = MUKCA_TAKE(pool, double, n *LD),
-                  .T = MUKCA_TAKE(pool, double, n *LD + NEAR),
-                  .g = MUKCA_TAKE(pool, double, LD),
-                  .near = MUKCA_TAKE(pool, double, NEAR *LD)},
+                  .T = MUKCA_TAKE(pool, double, n *LD),
+                  .g = MUKCA_TAKE(pool, double, LD)},
         .scratch = MUKCA_TAKE(pool, mukca_mixture_scratch, 1),
         .value = MUKCA_TAKE(pool, double, all->capacity),
         .information = MUKCA_TAKE(pool, double, all->capacity),
@@ -79,22 +73,7 @@ bool mukca_scan_aim(mukca_scan *s, int family)
     return isfinite(value);
 }
 
-/* near[d][c] += sign * sum of x[r][c] x[r][c + d] over the rows, for blocks of NEAR columns. */
-MUKCA_CLONES static void add_near(double *near, const double *x, int rows, int width, double by)
-{
-    for (int k = 0; k < width; k += 4) {
-        four sum[NEAR] = {{0}};
-        const double *row = x + k;
-        for (int r = 0; r < rows; r++, row += LD) {
-            const four own = LOAD4(row);
-            for (int d = 0; d < NEAR; d++) sum[d] += own * LOAD4(row + d);
-        }
-        for (int d = 0; d < NEAR; d++)
-            STORE4(near + d * LD + k, LOAD4(near + d * LD + k) + by * sum[d]);
-    }
-}
-
-/* C := X'E, and y'E behind it; T, g and near of the batch. */
+/* C := X'E, and y'E behind it; T and g of the batch. */
 static void project(mukca_scan *s)
 {
     const mukca_recording *r = &s->m->recording;
@@ -124,19 +103,13 @@ static void project(mukca_scan *s)
     mukca_dense_forward8(b->T, width, LD, s->m->evidence.posterior.factor, n);
     for (int t = 0; t < n; t++)
         for (int k = 0; k < width; k++) b->g[k] -= b->T[t * LD + k] * s->z[t];
-    memset(b->near, 0, sizeof *b->near * NEAR * LD);
-    add_near(b->near, b->W, s->n_rows, width, s->precision);
-    add_near(b->near, b->T, n, width, -1);
 }
 
-/* G[k][k] of the k columns of a member of the batch; returns k. */
-static int gram_of(double *G, const mukca_scan *s, int member)
+/* G[terms][terms] of a member of the batch. */
+static void gram_of(double *G, const mukca_scan *s, int member)
 {
     const mukca_scan_batch *b = &s->batch;
     const int k = b->member[member]->terms, at = b->at[member];
-    for (int a = 0; a < k && k <= NEAR; a++)
-        for (int c = 0; c <= a; c++) G[a * k + c] = G[c * k + a] = b->near[(a - c) * LD + at + c];
-    if (k <= NEAR) return k;
     const mukca_columns w = {b->W + at, k, LD}, t = {b->T + at, k, LD};
     double *explained = s->scratch->B;
     memset(G, 0, sizeof *G * (size_t)(k * k));
@@ -144,7 +117,6 @@ static int gram_of(double *G, const mukca_scan *s, int member)
     mukca_dense_symmetric(G, w, w, s->n_rows);
     mukca_dense_symmetric(explained, t, t, s->n);
     for (int a = 0; a < k * k; a++) G[a] = s->precision * G[a] - explained[a];
-    return k;
 }
 
 /* Append a candidate's columns, per unit size, to the batch. */
@@ -203,15 +175,12 @@ void mukca_scan_score(double *value, double *information, mukca_scan *s,
 bool mukca_scan_question(mukca_question *question, mukca_scan *s, mukca_pool *pool,
                          const int *index, int n)
 {
-    int columns = 0, width = 0, squares = 0, at = 0;
+    int columns = 0, width = 0;
     for (int i = 0; i < n; i++) columns += s->all->list[index[i]].terms;
     const int stride = ((columns + 7) | 8) & ~7, all = s->n_rows + s->n;
     mukca_item *item = MUKCA_TAKE(pool, mukca_item, n + 1);
-    for (int i = 0; i < n; i++)
-        squares += s->all->list[index[i]].terms * s->all->list[index[i]].terms;
     double *E = MUKCA_TAKE(pool, double, (size_t)all *(size_t)stride + 1),
-           *g = MUKCA_TAKE(pool, double, stride + 1),
-           *block = MUKCA_TAKE(pool, double, squares + 1);
+           *g = MUKCA_TAKE(pool, double, stride + 1);
     if (pool->failed) return false;
     const mukca_scan_batch *b = &s->batch;
     for (int i = 0; i < n; i++) {
@@ -230,10 +199,6 @@ bool mukca_scan_question(mukca_question *question, mukca_scan *s, mukca_pool *po
         project(s);
         const double root = sqrt(s->precision);
         for (int k = 0; k < b->width; k++) g[width + k] = b->g[k];
-        for (int e = 0; e < b->n; e++) {
-            const int k = gram_of(block + at, s, e);
-            at += k * k;
-        }
         for (int row = 0; row < all; row++) {
             double *out = E + (size_t)row * (size_t)stride + width;
             const bool sample = row < s->n_rows;
@@ -252,7 +217,6 @@ bool mukca_scan_question(mukca_question *question, mukca_scan *s, mukca_pool *po
                                  .item = item,
                                  .E = E,
                                  .g = g,
-                                 .block = block,
                                  .residual = s->residual,
                                  .dof = s->dof};
     return true;

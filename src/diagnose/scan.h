@@ -19,7 +19,6 @@ typedef struct {
     double *E, *W;     /* [dim * n_samples] columns; [n_rows] whitened, as `white` */
     double *mean;      /* of the sockets */
     double *C, *T, *g; /* X'E; L^-1 D X'E; projected products with the residual */
-    double *near;      /* products of each column with the next ones */
 } mukca_scan_batch;
 
 typedef struct {

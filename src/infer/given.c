@@ -4,9 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/clones.h"
-#include "math/four.h"
-
 bool mukca_given_rows(mukca_sets *s, const unsigned short *item, int n)
 {
     const mukca_question *q = s->question;
@@ -40,6 +37,27 @@ bool mukca_given_rows(mukca_sets *s, const unsigned short *item, int n)
             }
     }
     return true;
+}
+
+/* Subtract X'X from G[X.n][X.n]. */
+static void subtract_products(double *G, const mukca_sets *s, mukca_columns X, int rows)
+{
+    double *explained = s->scratch->D;
+    memset(explained, 0, sizeof *G * (size_t)(X.n * X.n));
+    mukca_dense_symmetric(explained, X, X, rows);
+    for (int i = 0; i < X.n * X.n; i++) G[i] -= explained[i];
+}
+
+void mukca_given_block(double *G, mukca_sets *s, int item)
+{
+    const mukca_question *q = s->question;
+    const mukca_item *h = &q->item[item];
+    const long rows = q->n_rows - q->n_projected;
+    const mukca_columns E = {q->E + h->at, h->terms, q->stride},
+                        T = {E.x + rows * q->stride, h->terms, q->stride};
+    memset(G, 0, sizeof *G * (size_t)(h->terms * h->terms));
+    mukca_dense_symmetric(G, E, E, (int)rows);
+    subtract_products(G, s, T, q->n_projected);
 }
 
 void mukca_given_cross(double *G, mukca_sets *s, int a, int b)
@@ -138,51 +156,21 @@ static bool condition_all(mukca_sets *s, const mukca_set *set)
     return true;
 }
 
-/* near[d][c]: products of columns c and c + d of B, and g[c] := g - B'v, for blocks of
- * MUKCA_GIVEN_NEAR columns.
- */
-MUKCA_CLONES static void project_near(double *near, double *g, const mukca_sets *s, int width)
-{
-    for (int k = 0; k < width; k += 4) {
-        four sum[MUKCA_GIVEN_NEAR] = {{0}}, explained = {0};
-        const double *row = s->with.B + k;
-        for (int i = 0; i < s->with.posterior.n; i++, row += width) {
-            const four own = LOAD4(row);
-            explained += s->with.posterior.work[i] * own;
-            for (int d = 0; d < MUKCA_GIVEN_NEAR; d++) sum[d] += own * LOAD4(row + d);
-        }
-        STORE4(g + k, LOAD4(s->question->g + k) - explained);
-        for (int d = 0; d < MUKCA_GIVEN_NEAR; d++) STORE4(near + d * width + k, sum[d]);
-    }
-}
-
-/* G[k][k] of an item given the set integrated out. */
-static void project(double *G, const mukca_sets *s, int item)
-{
-    const mukca_item *h = &s->question->item[item];
-    const int k = h->terms;
-    const mukca_columns B = {s->with.B + h->at, k, s->question->stride};
-    double *explained = s->scratch->D;
-    memset(explained, 0, sizeof *G * (size_t)(k * k));
-    mukca_dense_symmetric(explained, B, B, s->with.posterior.n);
-    for (int i = 0; i < k * k; i++) G[i] = s->block[item][i] - explained[i];
-}
-
 bool mukca_given_condition(mukca_sets *s, const mukca_set *set)
 {
     const mukca_question *q = s->question;
+    const mukca_columns B = {s->with.B, q->stride, q->stride};
     double *G = s->given;
     if (!mukca_given_integrate(s, set) || !condition_all(s, set)) return false;
-    project_near(s->near, s->g, s, q->stride);
+    memset(s->g, 0, sizeof *s->g * (size_t)q->stride);
+    mukca_dense_xty(s->g, (mukca_columns){s->with.posterior.work, 1, 1}, B, s->with.posterior.n);
+    for (int k = 0; k < q->n_columns; k++) s->g[k] = q->g[k] - s->g[k];
     for (int i = 0; i < q->n_items; i++) {
         const mukca_item *h = &q->item[i];
-        const int k = h->terms;
-        if (k > MUKCA_GIVEN_NEAR) project(G, s, i);
-        for (int a = 0; a < k && k <= MUKCA_GIVEN_NEAR; a++)
-            for (int c = 0; c <= a; c++)
-                G[a * k + c] = G[c * k + a] =
-                    s->block[i][a * k + c] - s->near[(a - c) * q->stride + h->at + c];
-        G += k * k;
+        memcpy(G, s->block[i], sizeof *G * (size_t)(h->terms * h->terms));
+        subtract_products(G, s, (mukca_columns){B.x + h->at, h->terms, q->stride},
+                          s->with.posterior.n);
+        G += h->terms * h->terms;
     }
     return true;
 }

@@ -5,14 +5,15 @@
 #include "infer/sets.h"
 #include "math/dense.h"
 
-enum {
-    MUKCA_GIVEN_TOGETHER = 72
-};                             /* columns whose rows of the Gram matrix are computed together */
-enum { MUKCA_GIVEN_NEAR = 3 }; /* columns of most blocks */
+/* Columns whose rows of the Gram matrix are computed together. */
+enum { MUKCA_GIVEN_TOGETHER = 72 };
 
 /* Compute the rows of the Gram matrix of these items, as many of them together as fit.  False: no
  * memory. */
 bool mukca_given_rows(mukca_sets *s, const unsigned short *item, int n);
+
+/* Gram block G[terms][terms] of an item with itself. */
+void mukca_given_block(double *G, mukca_sets *s, int item);
 
 /* Gram block G[a.terms][b.terms] of two items; without memory 0. */
 void mukca_given_cross(double *G, mukca_sets *s, int a, int b);

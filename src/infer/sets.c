@@ -36,24 +36,19 @@ bool mukca_sets_create(mukca_sets *s, mukca_pool *pool, const mukca_question *q)
         .value = MUKCA_TAKE(pool, double, q->n_items + 1),
         .alone = MUKCA_TAKE(pool, double, q->n_items + 1),
         .likeliest = MUKCA_TAKE(pool, unsigned char, q->n_items + 1),
-        .near = MUKCA_TAKE(pool, double, MUKCA_GIVEN_NEAR *(q->stride + 1)),
         .g = MUKCA_TAKE(pool, double, q->stride + 1),
         .given = MUKCA_TAKE(pool, double, squares + 1),
         .row = MUKCA_TAKE(pool, double, MUKCA_GIVEN_TOGETHER *(q->stride + 1)),
         .left = MUKCA_TAKE(pool, double, MUKCA_GIVEN_TOGETHER *(q->n_rows + MUKCA_SET_COLUMNS)),
         .scratch = MUKCA_TAKE(pool, mukca_mixture_scratch, 1),
-        .with = {
-            .inverse = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *MUKCA_SET_COLUMNS),
-            .x = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS),
-            .B = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *(q->stride + 1) + MUKCA_GIVEN_NEAR)}};
+        .with = {.inverse = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *MUKCA_SET_COLUMNS),
+                 .x = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS),
+                 .B = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *(q->stride + 1))}};
     mukca_posterior_take(&s->with.posterior, pool, MUKCA_SET_COLUMNS);
+    double *block = MUKCA_TAKE(pool, double, squares + 1);
     if (pool->failed) return false;
-    double *block = q->block ? q->block : MUKCA_TAKE(pool, double, squares + 1);
-    for (int i = 0; i < q->n_items && block; block += q->item[i].terms * q->item[i].terms, i++) {
-        s->block[i] = block;
-        if (!q->block) mukca_given_cross(block, s, i, i);
-    }
-    if (pool->failed) return false;
+    for (int i = 0; i < q->n_items; block += q->item[i].terms * q->item[i].terms, i++)
+        mukca_given_block(s->block[i] = block, s, i);
     memset(s->table, -1, sizeof *s->table * TABLE);
     mukca_sets_insert(s, NULL, NULL, 0);
     return true;

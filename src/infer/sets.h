@@ -33,7 +33,6 @@ typedef struct {
     int n_items, n_columns, stride, n_rows, n_projected, dof;
     const mukca_item *item;
     const double *E, *g;
-    double *block; /* blocks [terms][terms] of the Gram matrix, item by item; NULL: computed */
     double residual;
 } mukca_question;
 
@@ -65,7 +64,7 @@ typedef struct {
     mukca_mixture_scratch *scratch;
     double *given;            /* blocks of all items given that set */
     double *value, *alone;    /* scratch: [n_items] scores */
-    double *near, *g;         /* scratch: [NEAR][stride], [stride] */
+    double *g;                /* scratch: [stride] */
     unsigned char *likeliest; /* [n_items] sizes */
 } mukca_sets;
 
