@@ -180,7 +180,7 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *r)
         KEY("causes", list(r, d->n_causes, cause)), KEY("data_faults", list(r, d->n_faults, fault)),
         KEY("gap", cli_json(FIELD(d, nominal_m), FIELD(d, geometry_m), FIELD(d, faults_excused_m),
                             KEY("explained_m", d->applied_m), KEY("with_unknown_m", d->structure_m),
-                            FIELD(d, surprise), FIELD(d, noise_floor_m), FIELD(d, folds),
+                            FIELD(d, noise_floor_m), FIELD(d, folds),
                             KEY("held_out", shrink(&d->held_out)))),
         KEY("test", test),
         KEY("where", cli_json(KEY("joints", list(r, d->n_where, where_joint)),

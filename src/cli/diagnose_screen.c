@@ -10,10 +10,6 @@
 /* Causes, faults and reasons with a separate line, on a screen of some 30 lines. */
 enum { MOST_CAUSES = 8, MOST_LINES = 6 };
 
-/* Ratio of held-out errors to their expectation above which a sentence is printed (2 %: the
- * standard deviation of the rms of some thousand coordinates). */
-static const double worth_reporting = 1.02;
-
 static void print_more(FILE *stream, int n)
 {
     cli_print_keyed(stream, "", put(MUKCA_WORDS, "and %d more; --json lists them all", n));
@@ -58,21 +54,6 @@ static void print_cause(FILE *stream, const mukca_diagnosed *r, const mukca_caus
     cli_print_keyed(stream, printed == 1 ? "Also" : "", printed ? put_tie(text, r, c) : text);
 }
 
-static const char *put_rest(char text[MUKCA_WORDING], const mukca_diagnosis *d)
-{
-    const bool unknown = d->verdict == MUKCA_VERDICT_UNKNOWN;
-    const bool large =
-        (d->unexplained || unknown) && d->surprise > worth_reporting && isfinite(d->surprise);
-    if (!unknown)
-        put(text, "%s%s", d->unexplained ? "unexplained structure" : "nothing above the noise",
-            large ? ": " : "");
-    if (!large) return text;
-    return put(text,
-               "held-out errors are %.2f times those expected from noise and the uncertainty of "
-               "the geometry",
-               d->surprise);
-}
-
 static void print_causes(FILE *stream, const mukca_diagnosed *r)
 {
     const mukca_diagnosis *d = r->diagnosis;
@@ -84,10 +65,11 @@ static void print_causes(FILE *stream, const mukca_diagnosed *r)
         printed++;
     }
     if (printed > MOST_CAUSES + 1) print_more(stream, printed - MOST_CAUSES - 1);
-    if (printed)
-        cli_print_keyed(stream, "Rest", put_rest(MUKCA_WORDS, d));
-    else
+    if (!printed)
         cli_print_keyed(stream, "Cause", mukca_wording_verdict(MUKCA_WORDS, r));
+    else if (d->verdict != MUKCA_VERDICT_UNKNOWN)
+        cli_print_keyed(stream, "Rest",
+                        d->unexplained ? "unexplained structure" : "nothing above the noise");
 }
 
 /* ---- the recording ---- */

@@ -126,8 +126,7 @@ static mukca_status validate(mukca_diagnosis *d, mukca_regression *m,
 static void clear_errors(mukca_diagnosis *d)
 {
     d->nominal_m = d->geometry_m = d->faults_excused_m = d->explained_m = d->noise_floor_m =
-        d->structure_m = d->surprise = d->test_nominal_m = d->test_geometry_m =
-            d->test_explained_m = NAN;
+        d->structure_m = d->test_nominal_m = d->test_geometry_m = d->test_explained_m = NAN;
     d->held_out = MUKCA_SHRINK_NONE;
 }
 

@@ -174,10 +174,8 @@ typedef struct {
     double axis_rms_m[3]; /* remaining error of the fitted geometry, by base axis */
     /* held-out mean errors, each placement predicted from the others, m; NaN: not measurable */
     double nominal_m, geometry_m, faults_excused_m, explained_m, noise_floor_m;
-    double applied_m;   /* of the arm in the offsets table: explained_m, or a fit with traits */
-    double structure_m; /* explained_m with unknown functions included; NaN: none */
-    double surprise; /* rms held-out error with all causes, in units of that expected from noise and
-                        the uncertainty of the fit; NaN: not measurable */
+    double applied_m;      /* of the arm in the offsets table: explained_m, or a fit with traits */
+    double structure_m;    /* explained_m with unknown functions included; NaN: none */
     mukca_shrink held_out; /* from faults_excused_m to explained_m */
     int folds;
     double *placement_mae_m; /* [n_placements] of applied_m, in the pool */

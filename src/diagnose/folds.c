@@ -126,14 +126,13 @@ void mukca_folds_by_placement(double *mean, const mukca_recording *recording, co
 }
 
 /* b->rest := the normal equations without the samples of fold f and the distances of its sockets.
- * Returns the degrees of freedom of these samples. */
-static int subtract_fold(mukca_folds *b, const mukca_normal_equations *normal, int f)
+ */
+static void subtract_fold(mukca_folds *b, const mukca_normal_equations *normal, int f)
 {
     const mukca_recording *r = &b->m->recording;
     const int d = r->dim, ld = normal->stride;
     const double *X = mukca_evidence_whiten(&b->m->evidence, normal, r, &b->m->linear);
     double *gram = b->rest.all_gram, *distance = b->rest.all_distance;
-    int freedom = 0;
     memset(gram, 0, sizeof *gram * (size_t)(ld * ld));
     for (int i = 0, count; i < r->n_samples; i += count ? count : 1) { /* runs of its samples */
         for (count = 0; i + count < r->n_samples && b->fold[r->order[i + count]] == f;) count++;
@@ -148,17 +147,9 @@ static int subtract_fold(mukca_folds *b, const mukca_normal_equations *normal, i
     }
     b->rest = *normal;
     b->rest.all_gram = gram, b->rest.all_distance = distance;
-    for (int g = 0; g < r->n_groups; g++) /* the socket's mean consumes those of one sample */
-        for (int i = r->groups[g].socket < 0 ? 0 : 1; i < r->groups[g].count; i++)
-            if (b->fold[r->order[r->groups[g].start + i]] == f) freedom += d;
-    return freedom;
 }
 
-/* Fit without each fold in turn and predict it; the model must be linearised.
- *
- * For Gaussians, the quadratic part of -2 log p(fold | rest) is Q(all) - Q(rest): the squared
- * errors of the fold in units of noise and posterior uncertainty given the rest, with all
- * correlations of its rows. */
+/* Fit without each fold in turn and predict it; the model must be linearised. */
 static void cross_predict(mukca_folds *b)
 {
     mukca_regression *m = b->m;
@@ -167,15 +158,11 @@ static void cross_predict(mukca_folds *b)
     mukca_evidence *evidence = &m->evidence;
     for (int i = 0; i < 3 * r->data->n_rows; i++) b->position[i] = NAN; /* not predicted */
     if (!mukca_unknowns_clone(&fitted, &m->pool, unknowns)) return;
-    b->surprise = 0, b->freedom = 0;
-    const bool whole = mukca_regression_factor(m) > -HUGE_VAL;
-    const double quadratic = evidence->posterior.quadratic;
+    mukca_unknowns_prior(evidence->posterior.prior, unknowns);
     for (int f = 0; f < b->n_folds; f++) {
-        const int freedom = subtract_fold(b, mukca_regression_collect(m, m->unknowns.family), f);
+        subtract_fold(b, mukca_regression_collect(m, m->unknowns.family), f);
         if (mukca_evidence_evaluate(evidence, &b->rest, unknowns->sigma, evidence->mean) >
             -HUGE_VAL) {
-            if (whole)
-                b->surprise += quadratic - evidence->posterior.quadratic, b->freedom += freedom;
             mukca_unknowns_set(unknowns, evidence->mean);
             mukca_unknowns_fold_frames(unknowns);
             mukca_unknowns_set_geometry(unknowns, r->chain);

@@ -96,7 +96,6 @@ static void measure_explained(measurement *s)
     mukca_folds_run(s->full[0], b, false);
     d->explained_m = mukca_folds_mean(s->full[0], b->m->recording.data->n_rows);
     memcpy(d->after_m, s->full[0], sizeof *d->after_m * (size_t)b->m->recording.data->n_rows);
-    if (b->freedom > 0) d->surprise = sqrt(fmax(b->surprise, 0) / b->freedom);
     mukca_folds_compare(&d->held_out, b, s->excused, s->full[0]);
     mukca_folds_by_placement(d->placement_mae_m, &b->m->recording, s->full[0]);
 }

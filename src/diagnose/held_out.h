@@ -17,8 +17,6 @@ typedef struct {
     double *error;    /* [n_rows]; NaN: not measured */
     unsigned char *all; /* [n_rows] all 1 */
     int *start, *row;   /* [n_sockets + 2], [n_rows] scratch: rows by socket */
-    double surprise;    /* squared held-out errors in units of their predicted variance */
-    int freedom;        /* its expected value: degrees of freedom of the held-out rows */
 } mukca_folds;
 
 /* Allocate from b->m's pool (check pool.failed). */
@@ -42,7 +40,7 @@ void mukca_folds_by_placement(double *mean, const mukca_recording *recording, co
 double mukca_folds_mean(const double *error, int n);
 
 /* error[n_rows] of the kept rows, each predicted without its fold (placement, or by_socket socket)
- * by the linearised regression.  Sets surprise and freedom. */
+ * by the linearised regression. */
 void mukca_folds_run(double *error, mukca_folds *b, bool by_socket);
 
 /* Reduction of the mean error from before[n_rows] to after[n_rows], with a bootstrap interval. */

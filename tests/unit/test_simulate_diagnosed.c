@@ -118,32 +118,6 @@ TEST(tables_of_other_diagnoses)
     }
 }
 
-/* Left-out rows miss as far as they should when nothing is missing, and further when the truth is
- * withheld: then something is told to be unexplained, although another cause takes its place. */
-TEST(test_surprise)
-{
-    static const struct {
-        const char *text;
-        int withheld;
-        double least, most; /* surprise */
-    } cases[] = {{NULL, -1, 0.95, 1.05},
-                 {"ball_shift:right=1e-3", -1, 0.95, 1.05},
-                 /* of this seed: others are nearly what a jump of a wrist's zero does */
-                 {"ball_shift:right=1e-3", MUKCA_EFFECT_BALL_SHIFT, 1.05, 2}};
-    for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
-        unsigned char disabled[MUKCA_EFFECT_COUNT] = {0};
-        if (cases[c].withheld >= 0) disabled[cases[c].withheld] = 1;
-        simulate(cases[c].text, 9);
-        diagnose((mukca_diagnose_options){.disabled = disabled});
-        print_message("%s%s: %s, surprise %.3f\n", cases[c].text ? cases[c].text : "nothing",
-                      cases[c].withheld < 0 ? "" : " withheld", mukca_verdict_name[d->verdict],
-                      d->surprise);
-        assert_int_equal(d->unexplained || d->verdict == MUKCA_VERDICT_UNKNOWN,
-                         cases[c].withheld >= 0);
-        assert_true(d->surprise > cases[c].least && d->surprise < cases[c].most);
-    }
-}
-
 /* The coupling of a joint to its neighbour's angle is nearly a wobble of that neighbour.  Without
  * it in the catalogue the wobble must share its probability with what nobody listed. */
 TEST(test_unlisted)
