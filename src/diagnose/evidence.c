@@ -26,6 +26,9 @@ _Static_assert(INDEPENDENT_POSTURES + SHARED_POSTURES == MUKCA_NOISES, "families
 /* Shares of the joint angles' noise. */
 static const double shares[] = {0, 0.2, 0.4, 0.6, 0.8, 0.95};
 
+/* Degrees of freedom of Student's noise: of finite variance, with heavy tails. */
+#define FREEDOM 4.0
+
 /* Resolution of the positions, m: readings that agree exactly agree to this. */
 #define RESOLUTION 1e-6
 
@@ -193,21 +196,29 @@ static int angular_share(const double *y, const double *freedom, const mukca_rec
     return chosen;
 }
 
+/* y[n_samples][dim] := residuals at the last posterior mean. */
+static double *take_residuals(mukca_evidence *evidence, const mukca_samples *s,
+                              const mukca_linearisation *linear)
+{
+    double *y = evidence->white.x;
+    evidence->white.of = NULL; /* its memory is scratch here */
+    for (int i = 0; i < s->n_samples * s->dim; i++) {
+        const double *x = linear->columns + (size_t)i * (size_t)linear->stride;
+        y[i] = x[linear->y];
+        for (int k = 0; k < linear->n_columns; k++) y[i] -= x[k] * evidence->mean[k];
+    }
+    return y;
+}
+
 int mukca_evidence_measure_noise(mukca_evidence *evidence, const mukca_recording *recording,
                                  const mukca_linearisation *linear)
 {
     const mukca_samples *s = &recording->samples;
-    const int n = linear->n_columns, d = s->dim;
-    double *y = evidence->white.x, *common = y + s->n_samples * d,
+    const int d = s->dim;
+    double *y = take_residuals(evidence, s, linear), *common = y + s->n_samples * d,
            *freedom = common + s->n_samples * d, within = 0, between = 0, own = 0;
     int extra = 0, postures = 0;
-    evidence->white.of = NULL; /* its memory is scratch here */
     memset(freedom, 0, sizeof *freedom * (size_t)s->n_samples);
-    for (int i = 0; i < s->n_samples * d; i++) {
-        const double *x = linear->columns + (size_t)i * (size_t)linear->stride;
-        y[i] = x[linear->y];
-        for (int k = 0; k < n; k++) y[i] -= x[k] * evidence->mean[k];
-    }
     for (int b = 0; b < s->n_blocks; b++)
         for (int c = 0; c < d; c++) {
             const int start = s->block[b].start, end = start + s->block[b].count;
@@ -250,7 +261,41 @@ void mukca_evidence_set_share(mukca_evidence *evidence, int share)
 {
     evidence->angular[0] = share;
     evidence->shaped = 0;
+    mukca_evidence_renew(evidence);
+}
+
+void mukca_evidence_renew(mukca_evidence *evidence)
+{
     for (int i = 0; i < evidence->n_noises; i++) evidence->normal[i].version = 0;
+}
+
+double mukca_evidence_weigh_tails(double *weight, mukca_evidence *evidence,
+                                  const mukca_recording *r, const mukca_linearisation *linear,
+                                  double sigma)
+{
+    const mukca_samples *s = &r->samples;
+    const int d = s->dim;
+    const double *y = take_residuals(evidence, s, linear), nu = FREEDOM,
+                 constant = lgamma(0.5 * (nu + d)) - lgamma(0.5 * nu) - 0.5 * d * log(0.5 * nu);
+    double gain = 0;
+    for (int b = 0; b < s->n_blocks; b++) {
+        const int start = s->block[b].start, end = start + s->block[b].count;
+        double mean[6] = {0}, sum = 0;
+        for (int i = start; i < end && s->block[b].free_mean; i++) {
+            const double w = weight[r->order[i]] * weight[r->order[i]];
+            sum += w;
+            for (int c = 0; c < d; c++) mean[c] += w * (y[i * d + c] - mean[c]) / sum;
+        }
+        for (int i = start; i < end; i++) {
+            double square = 0;
+            for (int c = 0; c < d; c++) square += pow((y[i * d + c] - mean[c]) / sigma, 2);
+            const double w = (nu + d) / (nu + square);
+            weight[r->order[i]] = sqrt(w);
+            gain += constant - 0.5 * (nu + d) * log1p(square / nu) + 0.5 * w * square;
+        }
+    }
+    mukca_evidence_renew(evidence);
+    return gain;
 }
 
 mukca_normal_equations *mukca_evidence_collect(mukca_evidence *evidence, int index,
@@ -260,7 +305,8 @@ mukca_normal_equations *mukca_evidence_collect(mukca_evidence *evidence, int ind
 {
     mukca_normal_equations *normal = &evidence->normal[index];
     if (unknowns->weight || normal->version != linear->version) {
-        lay_out(evidence, index, recording, linear, unknowns->weight);
+        lay_out(evidence, index, recording, linear,
+                unknowns->weight ? unknowns->weight : unknowns->tails);
         evidence->white.of = NULL;
         normal->version = unknowns->weight ? 0 : linear->version;
         multiply(evidence, normal, recording, linear);

@@ -53,6 +53,17 @@ int mukca_evidence_measure_noise(mukca_evidence *evidence, const mukca_recording
 /* Set the share of the joint angles' noise between postures. */
 void mukca_evidence_set_share(mukca_evidence *evidence, int share);
 
+/* Log density of Student's noise of the residuals at the last posterior mean, minus that of
+ * Gaussian noise weighted so that its log density touches it from below (T. Jaakkola, M. Jordan,
+ * Bayesian parameter estimation via variational methods, Statistics and Computing 10, 2000).
+ * weight[n_rows], of the last evaluation or 1, receives these weights. */
+double mukca_evidence_weigh_tails(double *weight, mukca_evidence *evidence,
+                                  const mukca_recording *recording,
+                                  const mukca_linearisation *linear, double sigma);
+
+/* Collect all normal equations again: their weights have changed. */
+void mukca_evidence_renew(mukca_evidence *evidence);
+
 /* A family of the noise, index < n_noises. */
 mukca_noise_family mukca_evidence_family(const mukca_evidence *evidence, int index);
 

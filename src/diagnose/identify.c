@@ -337,6 +337,50 @@ static void seat(mukca_search *id, double most)
         if (id->all.list[i].basis) mukca_candidate_fill(&id->all.list[i], &id->m->recording);
 }
 
+/* Passes, from a set, until it remains.  tails (NULL: Gaussian noise): scratch of the weights. */
+static mukca_status search_all(mukca_search *id, mukca_causes *best, double *tails,
+                               mukca_error *error)
+{
+    mukca_regression *m = id->m;
+    mukca_status status = MUKCA_OK;
+    id->n_passed = id->n_kept = 0;
+    id->settled = false;
+    for (int p = 1; p <= MUKCA_PASSES && status == MUKCA_OK && !id->settled; p++) {
+        const double done = (p - 1.0) / MUKCA_PASSES;
+        if (!watch(id, 0.1 + 0.25 * (tails ? 1 + done : done), error)) return MUKCA_INTERRUPTED;
+        if (p > 1 || tails) {
+            mukca_identify_fit(id, best);
+            if (mukca_screening_reinstate(id->diagnosis, m)) mukca_identify_fit(id, best);
+            seat(id, NOISE * m->unknowns.sigma);
+            mukca_regression_freeze(m);
+        }
+        mukca_regression_choose_share(m);
+        if (tails) mukca_regression_choose_tails(m, tails);
+        status = pass(id, best, p == MUKCA_PASSES, error);
+    }
+    return status;
+}
+
+/* Is Student's noise more probable, with the set or with none? */
+static bool has_heavy_tails(mukca_search *id, const mukca_causes *set, double *tails)
+{
+    mukca_unknowns *u = &id->m->unknowns;
+    const mukca_causes *sets[] = {set, NULL};
+    const double sigma = u->sigma;
+    double value[2];
+    bool heavy[2];
+    for (int k = 0; k < 2; k++) {
+        set_causes(id, sets[k]);
+        mukca_regression_return(id->m);
+        value[k] = mukca_regression_choose_tails(id->m, tails);
+        heavy[k] = u->tails;
+        u->sigma = sigma;
+    }
+    u->tails = NULL;
+    mukca_evidence_renew(&id->m->evidence);
+    return heavy[0] || (heavy[1] && value[1] > value[0]);
+}
+
 mukca_status mukca_identify_run(mukca_search *id, mukca_error *error)
 {
     mukca_regression *m = id->m;
@@ -350,22 +394,18 @@ mukca_status mukca_identify_run(mukca_search *id, mukca_error *error)
     id->taken = MUKCA_TAKE(&id->pool, unsigned char, id->all.capacity);
     id->first_value = MUKCA_TAKE(&id->pool, double, id->all.capacity);
     id->first_information = MUKCA_TAKE(&id->pool, double, id->all.capacity);
+    double *tails = MUKCA_TAKE(&id->pool, double, m->recording.data->n_rows);
     if (!mukca_scan_create(&id->scan, &id->pool, m, &id->all))
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for the scan of %d candidates",
                           id->all.count);
     mukca_regression_freeze(m);
-    for (int p = 1; p <= MUKCA_PASSES && status == MUKCA_OK && !id->settled; p++) {
-        if (!watch(id, 0.1 + 0.5 * (p - 1) / MUKCA_PASSES, error)) return MUKCA_INTERRUPTED;
-        if (p > 1) {
-            mukca_identify_fit(id, &best);
-            if (mukca_screening_reinstate(id->diagnosis, m)) mukca_identify_fit(id, &best);
-            seat(id, NOISE * m->unknowns.sigma);
-            mukca_regression_freeze(m);
-        }
-        mukca_regression_choose_share(m);
-        status = pass(id, &best, p == MUKCA_PASSES, error);
+    status = search_all(id, &best, NULL, error);
+    if (status == MUKCA_OK && !m->recording.repeats && has_heavy_tails(id, &best, tails)) {
+        best.n = 0; /* causes that only explain large errors are not to persist */
+        status = search_all(id, &best, tails, error);
     }
     if (status == MUKCA_OK) status = average(id, error);
+    m->unknowns.tails = NULL;
     if (status == MUKCA_OK) {
         qsort(id->set, (size_t)id->n_sets, sizeof *id->set, by_weight);
         find_names(id);

@@ -273,6 +273,34 @@ void mukca_regression_choose_share(mukca_regression *m)
     }
 }
 
+double mukca_regression_choose_tails(mukca_regression *m, double *weight)
+{
+    enum { ROUNDS = 6 }; /* the weights have settled to a hundredth */
+    mukca_unknowns *u = &m->unknowns;
+    mukca_evidence *evidence = &m->evidence;
+    double gaussian, value = 0, gain = 0, sigma;
+    u->tails = NULL;
+    mukca_evidence_renew(evidence);
+    const double prior = mukca_regression_score(m) - mukca_regression_factor(m);
+    u->sigma = sigma =
+        mukca_noise_choose(evidence, mukca_regression_collect(m, u->family), u->sigma, &gaussian);
+    for (int row = 0; row < m->recording.data->n_rows; row++) weight[row] = 1;
+    for (int round = 0; round < ROUNDS; round++) {
+        mukca_evidence_evaluate(evidence, mukca_regression_collect(m, u->family), sigma,
+                                evidence->mean);
+        gain = mukca_evidence_weigh_tails(weight, evidence, &m->recording, &m->linear, sigma);
+        u->tails = weight;
+        sigma = mukca_noise_choose(evidence, mukca_regression_collect(m, u->family), sigma, &value);
+    }
+    if (value + gain > gaussian) {
+        u->sigma = sigma;
+        return prior + value + gain;
+    }
+    u->tails = NULL;
+    mukca_evidence_renew(evidence);
+    return prior + gaussian;
+}
+
 void mukca_regression_freeze(mukca_regression *m)
 {
     mukca_unknowns_fold_frames(&m->unknowns);

@@ -66,6 +66,11 @@ double mukca_regression_score(mukca_regression *m);
  * while the evidence increases.  The model must be linearised. */
 void mukca_regression_choose_share(mukca_regression *m);
 
+/* Student's or Gaussian noise, whichever is more probable at the present linearisation, where
+ * samples are independent: m->unknowns.tails, NULL or weight[n_rows].  Returns the log posterior as
+ * mukca_regression_score does. */
+double mukca_regression_choose_tails(mukca_regression *m, double *weight);
+
 /* Freeze: linearise at the present unknowns, for a search.  Return: to that linearisation with its
  * causes or with none. */
 void mukca_regression_freeze(mukca_regression *m);

@@ -56,6 +56,7 @@ typedef struct {
     int family;             /* of the noise, index of the evidence's */
     double rotation_weight; /* m per rad: converts orientations to units of position noise */
     double *weight;         /* [n_rows] robust weights, NULL: none */
+    double *tails;          /* [n_rows] weights of Student's noise, NULL: Gaussian noise */
 } mukca_unknowns;
 
 /* State of the arm for predictions: one step of the error breakdown. */

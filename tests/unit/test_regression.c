@@ -400,4 +400,71 @@ TEST(scales)
     mukca_regression_fit(m, 5, MUKCA_FIT_ALL);
 }
 
+/* Log density of Student's noise in space, four degrees of freedom, of a squared length in sigma^2;
+ * without -3 log(sigma). */
+static double student(double square)
+{
+    const double nu = 4;
+    return lgamma(0.5 * (nu + 3)) - lgamma(0.5 * nu) - 1.5 * log(nu * M_PI) -
+           0.5 * (nu + 3) * log1p(square / nu);
+}
+
+/* The weighted Gaussian touches Student's density from below; it is chosen where some samples are
+ * far off, which then have small weights, and not for Gaussian noise. */
+TEST(tails)
+{
+    mukca_regression *m = &f->m;
+    const mukca_recording *r = &m->recording;
+    const int n = m->linear.n_columns, rows = f->data.n_rows;
+    double *weight = calloc((size_t)rows, sizeof *weight), sum = 0;
+    assert_non_null(weight);
+    mukca_regression_choose_tails(m, weight);
+    assert_null(m->unknowns.tails);
+
+    const double sigma = m->unknowns.sigma;
+    for (int row = 0; row < rows; row++) weight[row] = 1;
+    const double gain = mukca_evidence_weigh_tails(weight, &m->evidence, r, &m->linear, sigma);
+    for (int g = 0; g < r->n_groups; g++) {
+        double mean[3] = {0}, y[3];
+        for (int pass = 0; pass < 2; pass++)
+            for (int i = r->groups[g].start; i < r->groups[g].start + r->groups[g].count; i++) {
+                double square = 0;
+                for (int c = 0; c < 3; c++) {
+                    const double *x = m->linear.columns + (3 * i + c) * m->linear.stride;
+                    y[c] = x[m->linear.y];
+                    for (int k = 0; k < n; k++) y[c] -= x[k] * m->evidence.mean[k];
+                    if (pass == 0) mean[c] += y[c] / r->groups[g].count;
+                    square += pow((y[c] - mean[c]) / sigma, 2);
+                }
+                if (pass == 0) continue;
+                const double w = pow(weight[r->order[i]], 2);
+                assert_close(w, 7 / (4 + square), 1e-9);
+                sum += student(square) + 1.5 * log(2 * M_PI) + 0.5 * w * square;
+                for (double other = 0; other < 100; other += 0.5)
+                    assert_true(student(other) >=
+                                student(square) - 0.5 * w * (other - square) - 1e-12);
+            }
+    }
+    assert_close(gain, sum, 1e-8);
+
+    mukca_dataset data;
+    mukca_regression heavy;
+    const mukca_recording_options options = {.mass_spread = 0.1, .distance_sigma = 1e-4};
+    record(&data, &f->s);
+    for (int row = 4; row < rows; row += 9) data.q[row * data.n_joints] += row % 2 ? 2e-3 : -2e-3;
+    assert_ok(mukca_regression_create(&heavy, &f->s.chain, &data, &options, &error));
+    mukca_regression_fit(&heavy, 5, MUKCA_FIT_ALL);
+    mukca_regression_freeze(&heavy);
+    mukca_regression_choose_tails(&heavy, weight);
+    assert_ptr_equal(heavy.unknowns.tails, weight);
+    double off = 0, all = 0; /* some sockets are near the axis: means */
+    for (int row = 0; row < rows; row++) all += weight[row] / rows;
+    for (int row = 4; row < rows; row += 9) off += weight[row] / 27;
+    assert_int_equal(rows, 240);
+    assert_true(off < 0.5 * all);
+    mukca_regression_free(&heavy);
+    mukca_dataset_free(&data);
+    free(weight);
+}
+
 TEST_MAIN(set_up, tear_down)
