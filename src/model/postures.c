@@ -14,6 +14,8 @@
 #define NEAR 0.2e-3
 #define FAR 50e-3
 
+enum { SAMPLED = 2000 }; /* rows in which the gap is searched: time linear in all rows */
+
 typedef struct {
     double q;
     int row;
@@ -25,13 +27,17 @@ static int by_angle(const void *a, const void *b)
     return x->q != y->q ? (x->q > y->q) - (x->q < y->q) : x->row - y->row;
 }
 
-/* Largest difference of a joint's angles; rows with another payload are another posture. */
-static double distance(const mukca_dataset *d, int a, int b)
+/* Largest difference of a joint's angles, or any from `limit` on; rows with another payload are
+ * another posture. */
+static double distance(const mukca_dataset *d, int a, int b, double limit)
 {
     const double *p = d->q + (size_t)a * (size_t)d->n_joints,
                  *q = d->q + (size_t)b * (size_t)d->n_joints;
     double most = 0;
-    for (int j = 0; j < d->n_joints; j++) most = fmax(most, fabs(p[j] - q[j]));
+    for (int j = 0; j < d->n_joints && most < limit; j++) {
+        const double off = fabs(p[j] - q[j]);
+        if (off > most) most = off;
+    }
     if (d->payload && d->payload[a] != d->payload[b] &&
         !(isnan(d->payload[a]) && isnan(d->payload[b])))
         return HUGE_VAL;
@@ -57,16 +63,17 @@ static void sort_rows(sorted *order, const mukca_dataset *d)
 }
 
 /* Largest distance of readings of one posture: the middle, in logarithms, of the widest gap in the
- * distances of each row to the nearest other one. */
+ * distances of some rows to the nearest other one. */
 static double find_tolerance(double *nearest, const sorted *order, const mukca_dataset *d)
 {
+    const int step = 1 + d->n_rows / SAMPLED;
     int n = 0;
-    for (int i = 0; i < d->n_rows; i++) {
+    for (int i = 0; i < d->n_rows; i += step) {
         double least = FAR;
         for (int side = -1; side <= 1; side += 2)
             for (int k = i + side; k >= 0 && k < d->n_rows && fabs(order[k].q - order[i].q) < least;
                  k += side)
-                least = fmin(least, distance(d, order[i].row, order[k].row));
+                least = fmin(least, distance(d, order[i].row, order[k].row, least));
         if (least > NEAR && least < FAR) nearest[n++] = least;
     }
     mukca_stats_sort(nearest, n);
@@ -96,7 +103,7 @@ int mukca_postures_find(int *posture, mukca_pool *pool, const mukca_dataset *d)
                  k >= 0 && k < rows && fabs(order[k].q - order[place[row]].q) < least; k += side) {
                 const int other = order[k].row;
                 if (other > row || posture[other] != other) continue;
-                const double far = distance(d, row, other);
+                const double far = distance(d, row, other, least);
                 if (far < least) least = far, first = other;
             }
         posture[row] = first;
