@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "math/dense.h"
+#include "math/stats.h"
 
 /* AR(1) coefficients up to the largest in recordings of swept postures. */
 static const double correlations[] = {0, 0.25, 0.5, 0.75};
@@ -25,9 +26,6 @@ _Static_assert(INDEPENDENT_POSTURES + SHARED_POSTURES == MUKCA_NOISES, "families
 
 /* Shares of the joint angles' noise. */
 static const double shares[] = {0, 0.2, 0.4, 0.6, 0.8, 0.95};
-
-/* Degrees of freedom of Student's noise: of finite variance, with heavy tails. */
-#define FREEDOM 4.0
 
 /* Resolution of the positions, m: readings that agree exactly agree to this. */
 #define RESOLUTION 1e-6
@@ -196,12 +194,11 @@ static int angular_share(const double *y, const double *freedom, const mukca_rec
     return chosen;
 }
 
-/* y[n_samples][dim] := residuals at the last posterior mean. */
-static double *take_residuals(mukca_evidence *evidence, const mukca_samples *s,
-                              const mukca_linearisation *linear)
+double *mukca_evidence_residuals(mukca_evidence *evidence, const mukca_samples *s,
+                                 const mukca_linearisation *linear)
 {
     double *y = evidence->white.x;
-    evidence->white.of = NULL; /* its memory is scratch here */
+    evidence->white.of = NULL;
     for (int i = 0; i < s->n_samples * s->dim; i++) {
         const double *x = linear->columns + (size_t)i * (size_t)linear->stride;
         y[i] = x[linear->y];
@@ -215,7 +212,7 @@ int mukca_evidence_measure_noise(mukca_evidence *evidence, const mukca_recording
 {
     const mukca_samples *s = &recording->samples;
     const int d = s->dim;
-    double *y = take_residuals(evidence, s, linear), *common = y + s->n_samples * d,
+    double *y = mukca_evidence_residuals(evidence, s, linear), *common = y + s->n_samples * d,
            *freedom = common + s->n_samples * d, within = 0, between = 0, own = 0;
     int extra = 0, postures = 0;
     memset(freedom, 0, sizeof *freedom * (size_t)s->n_samples);
@@ -275,7 +272,7 @@ double mukca_evidence_weigh_tails(double *weight, mukca_evidence *evidence,
 {
     const mukca_samples *s = &r->samples;
     const int d = s->dim;
-    const double *y = take_residuals(evidence, s, linear), nu = FREEDOM,
+    const double *y = mukca_evidence_residuals(evidence, s, linear), nu = MUKCA_STUDENT_FREEDOM,
                  constant = lgamma(0.5 * (nu + d)) - lgamma(0.5 * nu) - 0.5 * d * log(0.5 * nu);
     double gain = 0;
     for (int b = 0; b < s->n_blocks; b++) {

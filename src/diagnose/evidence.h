@@ -43,6 +43,10 @@ typedef struct {
 bool mukca_evidence_create(mukca_evidence *evidence, mukca_pool *pool,
                            const mukca_recording *recording, const mukca_unknowns *unknowns);
 
+/* Residuals [n_samples][dim] at the last posterior mean, in the memory of evidence->white. */
+double *mukca_evidence_residuals(mukca_evidence *evidence, const mukca_samples *samples,
+                                 const mukca_linearisation *linear);
+
 /* Measure the noise by the residuals at the last posterior mean, of these columns: the ratio of the
  * variances between postures and between readings of one, and the share of the joint angles' noise
  * in the latter; the families follow.  Returns the likeliest share between postures: the geometry

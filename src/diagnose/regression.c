@@ -171,14 +171,9 @@ static mukca_normal_equations *choose_noise(mukca_regression *m, mukca_fit_freed
 static void weigh_rotations(mukca_regression *m)
 {
     double length = 0, angle = 0;
-    const double *mean = m->evidence.mean;
-    const int size = m->linear.n_columns + 1;
-    for (int i = 0; i < m->recording.n_samples * 6; i++) {
-        const double *x = m->linear.columns + (size_t)i * (size_t)size;
-        double residual = x[size - 1];
-        for (int k = 0; k < size - 1; k++) residual -= x[k] * mean[k];
-        *(i % 6 < 3 ? &length : &angle) += residual * residual;
-    }
+    const double *y = mukca_evidence_residuals(&m->evidence, &m->recording.samples, &m->linear);
+    for (int i = 0; i < m->recording.n_samples * 6; i++)
+        *(i % 6 < 3 ? &length : &angle) += y[i] * y[i];
     if (angle > 0 && length > 0)
         m->unknowns.rotation_weight =
             fmin(fmax(m->unknowns.rotation_weight * sqrt(length / angle), 1e-2), 1e2);

@@ -6,14 +6,15 @@
 
 #include "fit/align.h"
 #include "math/dense.h"
+#include "math/stats.h"
 #include "model/dataset_subset.h"
 
 /* Gauss-Newton steps; in each: weights, noise and scale; the same from a posterior on. */
 enum { STEPS = 4, WEIGHINGS = 5, WEIGHINGS_AGAIN = 2 };
 
 /* Weight of the noise's prior in measurements, as while recording; weight of the prior's
- * own scale in parameters, and its largest value; degrees of freedom of the noise (Student). */
-static const double noise_weight = 10, scale_weight = 10, most_scale = 4, freedom = 4;
+ * own scale in parameters, and its largest value. */
+static const double noise_weight = 10, scale_weight = 10, most_scale = 4;
 
 /* Standard deviation of a socket distance, m; an error of the nominal arm's distance that is that
  * of a label, as in diagnose; an error beyond any arm and noise; a ratio to the noise of which the
@@ -249,7 +250,7 @@ static void weigh(mukca_arm_posterior *p)
     for (int i = 0; i < p->n_list; i++) {
         mukca_arm_observation *o = &p->list[i];
         const double e = mukca_grouped_residual(v, g, o->x, o->group), z = e / g->noise;
-        o->weight = (freedom + 3) / (freedom + z * z);
+        o->weight = (MUKCA_STUDENT_FREEDOM + 3) / (MUKCA_STUDENT_FREEDOM + z * z);
         squares += o->weight * e * e;
         p->outliers += z > outlier;
         if (o->group < p->data.n_sockets) g->misfit += o->weight * e * e;

@@ -8,6 +8,9 @@
 /* Half-width of a 95 % interval in sigmas: the 0.975 quantile of the normal distribution. */
 #define MUKCA_SIGMAS_95 1.959963984540054
 
+/* Degrees of freedom of Student's distribution for errors: finite variance and heavy tails. */
+#define MUKCA_STUDENT_FREEDOM 4.0
+
 void mukca_stats_sort(double *x, int n);                 /* ascending */
 double mukca_stats_median(double *x, int n);             /* reorders x; 0 for n = 0 */
 double mukca_stats_quantile(double *x, int n, double p); /* linear interpolation; reorders x */
