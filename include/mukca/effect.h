@@ -81,10 +81,29 @@ typedef enum {
     MUKCA_SITE_DISTANCE  /* distance between the sockets of a pair */
 } mukca_effect_site;
 
+/* What a displacement varies with: the family of its effect.  Constant, name in JSON. */
+#define MUKCA_VARIES_LIST(X) \
+    X(LOAD, "load")          \
+    X(SIDE, "load side")     \
+    X(MOVE, "last move")     \
+    X(ANGLE, "joint angle")  \
+    X(TIME, "time")          \
+    X(PLACEMENT, "placement")
+
+typedef enum {
+#define MUKCA_VARIES_ENUM(constant, name) MUKCA_VARIES_##constant,
+    MUKCA_VARIES_LIST(MUKCA_VARIES_ENUM)
+#undef MUKCA_VARIES_ENUM
+        MUKCA_VARIES_COUNT
+} mukca_varies;
+
+extern const char *const mukca_varies_name[MUKCA_VARIES_COUNT];
+
 typedef struct {
     const char *name;  /* as in the contract, the JSON and the offsets table */
     const char *title; /* for display: "joint compliance" */
     mukca_effect_site site;
+    mukca_varies varies_with;
     int terms;            /* coefficients, at most MUKCA_MAX_TERMS */
     const char *unit;     /* of the coefficients, SI */
     bool nonnegative;     /* physical only with coefficient[0] >= 0 */

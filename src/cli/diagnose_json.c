@@ -80,6 +80,48 @@ static json_t *suspect(const mukca_diagnosed *r, int i)
     return cause_object(r, &r->diagnosis->suspected[i]);
 }
 
+/* A position along the chain. */
+static const char *position(const mukca_diagnosed *r, int at)
+{
+    return at < 0                    ? "base"
+           : at < r->chain->n_joints ? mukca_chain_joint_name(r->chain, at)
+                                     : "tool";
+}
+
+static json_t *finding_object(const mukca_diagnosed *r, const mukca_finding *f)
+{
+    static const char *const kinds[] = {"effect", "effect", "family", "place"};
+    const mukca_finding_group *g = &f->group;
+    const int tool = r->chain->n_joints;
+    const bool place = g->kind == MUKCA_GROUP_PLACE,
+               ordered =
+                   mukca_effect_has(g->effect, MUKCA_TRAIT_ORDERS) && g->kind == MUKCA_GROUP_DETAIL;
+    const int placement = g->apart && g->from == g->to                ? g->from
+                          : g->kind == MUKCA_GROUP_DETAIL && !ordered ? g->low - 1
+                                                                      : -1;
+    const int family = g->family >= 0 || g->effect < 0
+                           ? g->family
+                           : (int)mukca_effect_table[g->effect]->varies_with;
+    return cli_json(KEY("kind", kinds[g->kind]),
+                    KEY("effect", g->effect < 0 ? NULL : mukca_effect_table[g->effect]->name),
+                    KEY("varies_with", place ? NULL : mukca_varies_name[family]),
+                    KEY("from", position(r, g->apart ? tool : g->from)),
+                    KEY("to", position(r, g->apart ? tool : g->to)), PLACEMENT(placement),
+                    KEY("order", cli_json_positive(ordered ? (g->low + g->high) / 2 : 0)),
+                    KEY("probability", g->probability), KEY("halves", g->halves), FIELD(f, size_m),
+                    FIELD(f, share));
+}
+
+static json_t *finding(const mukca_diagnosed *r, int i)
+{
+    return finding_object(r, &r->diagnosis->findings[i]);
+}
+
+static json_t *possible(const mukca_diagnosed *r, int i)
+{
+    return finding_object(r, &r->diagnosis->maybe[i]);
+}
+
 static json_t *fault(const mukca_diagnosed *r, int i)
 {
     const mukca_data_fault *f = &r->diagnosis->faults[i];
@@ -195,6 +237,8 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *r)
                    : *caveat ? caveat
                              : NULL),
         KEY("sentence", mukca_wording_verdict(MUKCA_WORDS, r)),
+        KEY("findings", list(r, d->n_findings, finding)),
+        KEY("maybe", list(r, d->n_maybe, possible)),
         KEY("suspected", list(r, d->n_suspected, suspect)), KEY("sets", list(r, d->n_sets, set)),
         KEY("unexplained_log_bayes_factor", d->structure),
         KEY("unnamed_m", d->applied_m - d->structure_m),

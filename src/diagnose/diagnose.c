@@ -6,6 +6,7 @@
 
 #include "base/clock.h"
 #include "diagnose/cause.h"
+#include "diagnose/findings.h"
 #include "diagnose/held_out.h"
 #include "diagnose/identify.h"
 #include "diagnose/logs.h"
@@ -56,7 +57,7 @@ static void set_untestable(mukca_diagnosis *d, mukca_regression *m, const char *
     d->verdict = MUKCA_VERDICT_UNTESTABLE;
     d->unexplained = false;
     d->structure = 0;
-    d->n_causes = d->n_suspected = d->n_where = d->n_sets = 0;
+    d->n_findings = d->n_maybe = d->n_causes = d->n_suspected = d->n_where = d->n_sets = 0;
     mukca_untested_all(d, why);
     if (!m) return;
     for (int f = 0; f < d->n_faults; f++)
@@ -75,6 +76,8 @@ static mukca_status identify(mukca_diagnosis *d, mukca_regression *m,
     if (!id) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the candidates");
     *id = (mukca_search){.m = m, .diagnosis = d, .options = options};
     mukca_status status = mukca_identify_run(id, error);
+    if (status == MUKCA_OK) status = mukca_findings_reach(d, id, error);
+    if (status == MUKCA_OK) mukca_identify_settle(id);
     const mukca_noise_family *family = &m->evidence.normal[m->unknowns.family].whitening.family;
     d->score = mukca_regression_score(m);
     d->sigma_m = m->unknowns.sigma;

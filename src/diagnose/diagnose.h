@@ -7,6 +7,7 @@
 #include <stdbool.h>
 
 #include "base/pool.h"
+#include "infer/findings.h"
 #include "model/dataset.h"
 #include "mukca/effect.h"
 
@@ -81,6 +82,26 @@ typedef struct {
     mukca_shrink held_out;
     double rung_m; /* cross-validated mean error with this cause and those before it; NaN: none */
 } mukca_cause;
+
+enum { MUKCA_MAX_ALTERNATIVES = 8 };
+
+/* A member of a finding. */
+typedef struct {
+    mukca_effect effect; /* kind, joint, placement, variant */
+    bool listed;         /* false: outside the catalogue; its place is that of the label */
+    int from, to;
+    double probability;
+    double amplitude, low, high; /* and 95 % interval, in the effect's unit */
+} mukca_alternative;
+
+typedef struct {
+    mukca_finding_group group;    /* positions: joints, -1 the base, n_joints the tool */
+    double size_m, low_m, high_m; /* rms displacement of the tip in the samples, 95 % interval */
+    double share;                 /* of what all causes explain */
+    mukca_shrink held_out;        /* with and without all of its members */
+    int n_alternatives;           /* by falling probability */
+    mukca_alternative alternatives[MUKCA_MAX_ALTERNATIVES];
+} mukca_finding;
 
 typedef struct {
     mukca_fault_kind kind;
@@ -162,7 +183,9 @@ typedef struct {
     mukca_verdict verdict;
     const char *why; /* reason if `untestable`, else NULL */
     bool unexplained;
-    double structure; /* largest log Bayes factor of an unknown function; -HUGE_VAL: none */
+    double structure;        /* largest log Bayes factor of an unknown function; -HUGE_VAL: none */
+    int n_findings, n_maybe; /* the largest first */
+    mukca_finding findings[MUKCA_MOST_FINDINGS], maybe[MUKCA_MOST_FINDINGS];
     int n_causes, n_suspected, n_faults, n_tested, n_where;
     mukca_cause causes[MUKCA_MAX_CAUSES];
     mukca_cause suspected[MUKCA_MAX_CAUSES]; /* less probable than not */

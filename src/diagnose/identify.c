@@ -50,7 +50,7 @@ void mukca_identify_fit(mukca_search *id, const mukca_causes *set)
     mukca_regression_fit(id->m, 3, MUKCA_FIT_ALL);
 }
 
-static int by_odds(const void *a, const void *b)
+int mukca_by_odds(const void *a, const void *b)
 {
     const mukca_ranked *x = a, *y = b;
     return x->odds != y->odds ? (x->odds < y->odds) - (x->odds > y->odds) : x->index - y->index;
@@ -70,7 +70,7 @@ static void keep_best(mukca_search *id, int most)
     }
     for (int i = 0; i < id->all.count; i++)
         order[i] = (mukca_ranked){scan->value[i] + id->all.list[i].log_prior, i};
-    qsort(order, (size_t)id->all.count, sizeof *order, by_odds);
+    qsort(order, (size_t)id->all.count, sizeof *order, mukca_by_odds);
     for (int i = 0; i < id->all.count && i < most && id->n_kept < MOST_KEPT; i++) {
         if (!(order[i].odds > HOPELESS)) break;
         if (id->taken[order[i].index]) continue;
@@ -244,15 +244,16 @@ static mukca_status average(mukca_search *id, mukca_error *error)
     if (id->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory for sets of causes");
     int n = 0;
     for (int i = 0; i < sets->n_sets; i++) order[i] = (mukca_ranked){sets->set[i].value, i};
-    qsort(order, (size_t)sets->n_sets, sizeof *order, by_odds);
+    qsort(order, (size_t)sets->n_sets, sizeof *order, mukca_by_odds);
     for (int i = 0; i < sets->n_sets; i++) {
         if (i < EVALUATED && order[i].odds > order[0].odds - AVERAGED)
             mukca_sets_evaluate(sets, order[i].index);
         order[i].odds = sets->set[order[i].index].value;
     }
-    qsort(order, (size_t)sets->n_sets, sizeof *order, by_odds);
+    qsort(order, (size_t)sets->n_sets, sizeof *order, mukca_by_odds);
     for (; n < sets->n_sets && n < SETS && order[n].odds > order[0].odds - AVERAGED; n++) {
         id->set[n] = causes_of(id, &sets->set[order[n].index]);
+        id->set[n].index = order[n].index;
         total[n] = id->scan.evidence + order[n].odds;
     }
     id->n_sets = n;
@@ -405,17 +406,21 @@ mukca_status mukca_identify_run(mukca_search *id, mukca_error *error)
         status = search_all(id, &best, tails, error);
     }
     if (status == MUKCA_OK) status = average(id, error);
-    m->unknowns.tails = NULL;
     if (status == MUKCA_OK) {
         qsort(id->set, (size_t)id->n_sets, sizeof *id->set, by_weight);
         find_names(id);
-        if (id->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the names");
-        seat(id, 0); /* a cause acts at the recorded angles */
-        mukca_evidence_set_share(&m->evidence,
-                                 0); /* least squares: unexplained errors are no noise */
-        mukca_identify_fit(id, &id->set[0]);
+        if (id->pool.failed) status = no_memory(error);
     }
     return status;
+}
+
+void mukca_identify_settle(mukca_search *id)
+{
+    mukca_regression *m = id->m;
+    m->unknowns.tails = NULL;
+    seat(id, 0); /* a cause acts at the recorded angles */
+    mukca_evidence_set_share(&m->evidence, 0); /* least squares: unexplained errors are no noise */
+    mukca_identify_fit(id, &id->set[0]);
 }
 
 void mukca_identify_free(mukca_search *id)

@@ -12,6 +12,7 @@ typedef struct {
     int candidate[MUKCA_SET_ITEMS]; /* of the list */
     double scale[MUKCA_SET_ITEMS];  /* most probable prior sizes */
     double weight;                  /* posterior probability */
+    int index;                      /* of the last search's sets */
     double again;                   /* its average over resamplings of the data */
 } mukca_causes;
 
@@ -19,6 +20,9 @@ typedef struct {
     double odds;
     int index;
 } mukca_ranked;
+
+/* Order by falling odds, for qsort(). */
+int mukca_by_odds(const void *a, const void *b);
 
 enum { MUKCA_PASSES = 6 };
 
@@ -52,9 +56,13 @@ typedef struct {
     mukca_pool pool, search_pool; /* of all; of the last search */
 } mukca_search;
 
-/* List the candidates and find the most probable sets of them.  The regression is left fitted to
- * the first set.  Errors: MUKCA_MEMORY, MUKCA_INTERRUPTED. */
+/* List the candidates and find the most probable sets of them.  Errors: MUKCA_MEMORY,
+ * MUKCA_INTERRUPTED. */
 mukca_status mukca_identify_run(mukca_search *id, mukca_error *error);
+
+/* Fit the regression to the most probable set, by least squares.  Before, the last search can be
+ * continued. */
+void mukca_identify_settle(mukca_search *id);
 void mukca_identify_free(mukca_search *id);
 
 /* Fit the regression to a set. */

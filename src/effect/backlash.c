@@ -71,6 +71,7 @@ const mukca_effect_ops mukca_backlash_effect = {
     .info = {.name = "backlash",
              .title = "backlash",
              .site = MUKCA_SITE_ANGLE,
+             .varies_with = MUKCA_VARIES_SIDE,
              .terms = 1,
              .unit = "rad",
              .nonnegative = true,
@@ -104,6 +105,7 @@ const mukca_effect_ops mukca_approach_hysteresis_effect = {
     .info = {.name = "approach_hysteresis",
              .title = "approach hysteresis",
              .site = MUKCA_SITE_ANGLE,
+             .varies_with = MUKCA_VARIES_MOVE,
              .terms = 1,
              .unit = "rad",
              .nonnegative = true, /* friction holds the link back: it stops short of the motor */

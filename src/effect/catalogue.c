@@ -19,6 +19,12 @@ const mukca_effect_info *const mukca_effect_table[MUKCA_EFFECT_COUNT] = {
 #undef ROW
 };
 
+const char *const mukca_varies_name[MUKCA_VARIES_COUNT] = {
+#define NAME(constant, name) name,
+    MUKCA_VARIES_LIST(NAME)
+#undef NAME
+};
+
 int mukca_effect_find(const char *name)
 {
     for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++)

@@ -55,6 +55,7 @@ const mukca_effect_ops mukca_joint_drift_effect = {
     .info = {.name = "joint_drift",
              .title = "joint drift",
              .site = MUKCA_SITE_ANGLE,
+             .varies_with = MUKCA_VARIES_TIME,
              .terms = 1,
              .unit = "rad",
              .needs = MUKCA_NEEDS_ORDER,
@@ -140,6 +141,7 @@ const mukca_effect_ops mukca_readback_lag_effect = {
     .info = {.name = "readback_lag",
              .title = "readback lag",
              .site = MUKCA_SITE_ANGLES,
+             .varies_with = MUKCA_VARIES_MOVE,
              .terms = 1,
              .unit = "rad",
              .nonnegative = true, /* a reading can be late, not early */

@@ -112,6 +112,7 @@ const mukca_effect_ops mukca_axis_wobble_effect = {
     .info = {.name = "axis_wobble",
              .title = "axis wobble",
              .site = MUKCA_SITE_ROTATION,
+             .varies_with = MUKCA_VARIES_ANGLE,
              .terms = 4,
              .unit = "rad",
              .traits = MUKCA_TRAIT_PERIODIC | MUKCA_TRAIT_SMOOTH,

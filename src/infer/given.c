@@ -9,7 +9,9 @@ bool mukca_given_rows(mukca_sets *s, const unsigned short *item, int n)
     const mukca_question *q = s->question;
     const int rows = q->n_rows - q->n_projected;
     const size_t stride = (size_t)q->stride;
-    for (int i = 0; i < n;) {
+    for (int i = 0; i < n && q->gram; i++)
+        s->gram[item[i]] = q->gram + (size_t)q->item[item[i]].at * stride;
+    for (int i = 0; i < n && !q->gram;) {
         int width = 0, first = i;
         for (; i < n && width + q->item[item[i]].terms <= MUKCA_GIVEN_TOGETHER; i++) {
             const mukca_item *h = &q->item[item[i]];
@@ -53,6 +55,10 @@ void mukca_given_block(double *G, mukca_sets *s, int item)
     const mukca_question *q = s->question;
     const mukca_item *h = &q->item[item];
     const long rows = q->n_rows - q->n_projected;
+    for (int i = 0; i < h->terms && q->gram; i++)
+        memcpy(G + i * h->terms, q->gram + (h->at + i) * q->stride + h->at,
+               sizeof *G * (size_t)h->terms);
+    if (q->gram) return;
     const mukca_columns E = {q->E + h->at, h->terms, q->stride},
                         T = {E.x + rows * q->stride, h->terms, q->stride};
     memset(G, 0, sizeof *G * (size_t)(h->terms * h->terms));
@@ -198,6 +204,24 @@ void mukca_sets_mean(double *mean, mukca_sets *s, const mukca_set *set)
         for (int t = 0; t < s->question->item[set->item[m]].terms; t++, row++)
             mean[s->question->item[set->item[m]].at + t] =
                 s->with.posterior.prior[row] * s->with.posterior.work[row];
+}
+
+void mukca_sets_products(double *product, double *mean, mukca_sets *s, const mukca_set *set)
+{
+    const mukca_item *item = s->question->item;
+    double *G = s->scratch->A;
+    mukca_sets_mean(mean, s, set);
+    for (int a = 0; a < set->n; a++)
+        for (int b = 0; b <= a; b++) {
+            const mukca_item *x = &item[set->item[a]], *y = &item[set->item[b]];
+            const double *block = a == b ? s->block[set->item[a]] : G;
+            double sum = 0;
+            if (a != b) mukca_given_cross(G, s, set->item[a], set->item[b]);
+            for (int i = 0; i < x->terms; i++)
+                for (int k = 0; k < y->terms; k++)
+                    sum += mean[x->at + i] * block[i * y->terms + k] * mean[y->at + k];
+            product[a * set->n + b] = product[b * set->n + a] = sum;
+        }
 }
 
 void mukca_sets_move(double *change, mukca_sets *s, const mukca_set *set, const double *delta,

@@ -30,7 +30,7 @@ bool mukca_sets_create(mukca_sets *s, mukca_pool *pool, const mukca_question *q)
         .question = q,
         .pool = pool,
         .block = MUKCA_TAKE(pool, double *, q->n_items + 1),
-        .gram = MUKCA_TAKE(pool, double *, q->n_items + 1),
+        .gram = MUKCA_TAKE(pool, const double *, q->n_items + 1),
         .set = MUKCA_TAKE(pool, mukca_set, MUKCA_MOST_SETS),
         .table = MUKCA_TAKE(pool, int, TABLE),
         .value = MUKCA_TAKE(pool, double, q->n_items + 1),

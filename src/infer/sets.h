@@ -28,11 +28,12 @@ typedef struct {
 /* Columns E[n_rows][stride], whitened, in units of the noise; the products of the last n_projected
  * rows are subtracted, as these rows are components along a model that was integrated out.  g[]:
  * products with the residual, which has the squared length `residual` and `dof` degrees of freedom.
- * The stride is a multiple of 8; unused columns are 0. */
+ * The stride is a multiple of 8; unused columns are 0.  Instead of E, gram[n_columns][stride] may
+ * be given: all products. */
 typedef struct {
     int n_items, n_columns, stride, n_rows, n_projected, dof;
     const mukca_item *item;
-    const double *E, *g;
+    const double *E, *gram, *g;
     double residual;
 } mukca_question;
 
@@ -49,7 +50,8 @@ typedef struct {
     const mukca_question *question;
     mukca_pool *pool;
     double **block; /* [n_items] diagonal blocks of the Gram matrix */
-    double **gram;  /* [n_items] rows of the Gram matrix, [terms][stride]; NULL: not yet needed */
+    const double *
+        *gram; /* [n_items] rows of the Gram matrix, [terms][stride]; NULL: not yet needed */
     int n_sets, best;
     mukca_set *set; /* [MUKCA_MOST_SETS] */
     int *table;     /* hash table of sets */
@@ -97,6 +99,10 @@ void mukca_sets_rebuild(mukca_sets *sets);
 
 /* Posterior mean of the items' coefficients in a set: mean[stride]. */
 void mukca_sets_mean(double *mean, mukca_sets *sets, const mukca_set *set);
+
+/* Products of the displacements by a set's members at their posterior mean, product[n][n], in units
+ * of the noise; mean[stride] is scratch. */
+void mukca_sets_products(double *product, double *mean, mukca_sets *sets, const mukca_set *set);
 
 /* Change of a set's log posterior where the products g change by delta[stride][MUKCA_DRAWS] and the
  * squared residual by moved[MUKCA_DRAWS], at the set's sizes.  About its mean: what noise adds to

@@ -1,0 +1,180 @@
+/* Findings of a diagnosis: the posterior over sets of causes, with labels, and sizes. */
+#include "diagnose/findings.h"
+#include "diagnose/halves.h"
+#include "math/stats.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Probability of the sets that are left out: below what any statement resolves. */
+#define LEFT_OUT 5e-4
+/* Log odds behind the best set of the sets that are averaged, as of the whole. */
+#define WINDOW 12.0
+
+enum { MOST_SETS = 400 };
+
+/* Number the labels of the items of the last search; label_of[n_kept], -1: outlier. */
+static int number_labels(mukca_label *label, int *label_of, const mukca_search *id)
+{
+    int n = 0;
+    for (int i = 0; i < id->n_kept; i++) {
+        const mukca_candidate *h = &id->all.list[id->kept[i]];
+        label_of[i] = -1;
+        if (mukca_candidate_class(h) == MUKCA_CLASS_OUTLIER) continue;
+        const mukca_label l = mukca_candidate_label(h, &id->m->recording, &id->m->unknowns);
+        int k = 0;
+        while (k < n && memcmp(&label[k], &l, sizeof l) != 0) k++;
+        label[k] = l;
+        label_of[i] = k;
+        n += k == n;
+    }
+    return n;
+}
+
+/* A set with labels: its members that are no outliers. */
+static bool label_set(mukca_labelled_set *out, mukca_pool *pool, double *scratch, mukca_sets *sets,
+                      const mukca_set *set, const int *label_of)
+{
+    double all[MUKCA_SET_ITEMS * MUKCA_SET_ITEMS];
+    unsigned short *label = MUKCA_TAKE(pool, unsigned short, set->n + 1);
+    double *product = MUKCA_TAKE(pool, double, set->n * set->n + 1);
+    int member[MUKCA_SET_ITEMS], n = 0;
+    if (pool->failed) return false;
+    mukca_sets_products(all, scratch, sets, set);
+    for (int i = 0; i < set->n; i++)
+        if (label_of[set->item[i]] >= 0) member[n++] = i;
+    for (int i = 0; i < n; i++) {
+        label[i] = (unsigned short)label_of[set->item[member[i]]];
+        for (int k = 0; k < n; k++) product[i * n + k] = all[member[i] * set->n + member[k]];
+    }
+    out->n = n;
+    out->label = label;
+    out->product = product;
+    return true;
+}
+
+typedef struct {
+    mukca_sets *sets;
+    const int *label_of;  /* [n_items] */
+    const int *index;     /* [n] of the sets, by falling weight */
+    const double *weight; /* [n] */
+    int n;
+} weighted;
+
+static bool label_posterior(mukca_labelled_sets *out, mukca_pool *pool, const weighted *w)
+{
+    mukca_labelled_set *set = MUKCA_TAKE(pool, mukca_labelled_set, MOST_SETS);
+    double *scratch = MUKCA_TAKE(pool, double, w->sets->question->stride + 1), sum = 0;
+    for (int i = 0; i < w->n && i < MOST_SETS && sum < 1 - LEFT_OUT && !pool->failed; i++) {
+        set[i].weight = w->weight[i];
+        sum += set[i].weight;
+        if (!label_set(&set[i], pool, scratch, w->sets, &w->sets->set[w->index[i]], w->label_of))
+            return false;
+        out->n_sets = i + 1;
+    }
+    out->set = set;
+    return !pool->failed;
+}
+
+/* The posterior of the whole. */
+static bool label_whole(mukca_labelled_sets *out, mukca_pool *pool, mukca_search *id,
+                        const int *label_of)
+{
+    int *index = MUKCA_TAKE(pool, int, id->n_sets + 1);
+    double *weight = MUKCA_TAKE(pool, double, id->n_sets + 1);
+    for (int i = 0; i < id->n_sets && !pool->failed; i++)
+        index[i] = id->set[i].index, weight[i] = id->set[i].weight;
+    out->least = MUKCA_FINDING_SQUARE;
+    return !pool->failed && label_posterior(out, pool,
+                                            &(weighted){.sets = &id->sets,
+                                                        .label_of = label_of,
+                                                        .index = index,
+                                                        .weight = weight,
+                                                        .n = id->n_sets});
+}
+
+/* The posterior of a half: of the sets that its search met. */
+static bool label_half(mukca_labelled_sets *out, mukca_pool *pool, mukca_half *half,
+                       const int *label_of)
+{
+    mukca_sets *sets = &half->sets;
+    mukca_ranked *order = MUKCA_TAKE(pool, mukca_ranked, sets->n_sets);
+    int *index = MUKCA_TAKE(pool, int, sets->n_sets), n = 0;
+    double *weight = MUKCA_TAKE(pool, double, sets->n_sets);
+    if (pool->failed) return false;
+    for (int k = 0; k < sets->n_sets; k++) order[k] = (mukca_ranked){sets->set[k].value, k};
+    qsort(order, (size_t)sets->n_sets, sizeof *order, mukca_by_odds);
+    for (; n < sets->n_sets && n < MOST_SETS && order[n].odds > order[0].odds - WINDOW; n++)
+        index[n] = order[n].index, weight[n] = order[n].odds;
+    const double sum = mukca_stats_log_sum_exp(weight, n);
+    for (int k = 0; k < n; k++) weight[k] = exp(weight[k] - sum);
+    out->least = MUKCA_FINDING_SQUARE / 2; /* of half the rows */
+    return label_posterior(
+        out, pool,
+        &(weighted){.sets = sets, .label_of = label_of, .index = index, .weight = weight, .n = n});
+}
+
+static int by_size(const void *a, const void *b)
+{
+    const mukca_finding *x = a, *y = b;
+    return (x->size_m < y->size_m) - (x->size_m > y->size_m);
+}
+
+static void measure(mukca_finding *f, const mukca_labelled_sets *p, double sigma, int rows)
+{
+    double weight = 0, square = 0;
+    for (int i = 0; i < p->n_sets; i++) {
+        const mukca_labelled_set *s = &p->set[i];
+        bool any = false;
+        for (int a = 0; a < s->n; a++)
+            for (int b = 0; b < s->n && mukca_finding_holds(&f->group, &p->label[s->label[a]]); b++)
+                if (mukca_finding_holds(&f->group, &p->label[s->label[b]]))
+                    square += s->weight * s->product[a * s->n + b], any = true;
+        if (any) weight += s->weight;
+    }
+    f->size_m = weight > 0 ? sigma * sqrt(square / weight / rows) : 0;
+    f->share = mukca_finding_share(&f->group, p);
+}
+
+/* Search the halves and label their sets. */
+static mukca_status label_halves(mukca_labelled_sets out[MUKCA_HALVES], int *n, mukca_pool *pool,
+                                 mukca_search *id, const int *label_of, mukca_error *error)
+{
+    mukca_halves *halves = MUKCA_TAKE(pool, mukca_halves, 1);
+    int *label = MUKCA_TAKE(pool, int, id->n_kept + 1);
+    if (pool->failed) return MUKCA_OK; /* the caller checks */
+    mukca_status status = mukca_halves_search(halves, pool, id, error);
+    for (int i = 0; i < halves->n_items; i++) label[i] = label_of[halves->item_of[i]];
+    for (*n = 0; *n < halves->n && status == MUKCA_OK && !pool->failed; ++*n)
+        label_half(&out[*n], pool, &halves->half[*n], label);
+    return status;
+}
+
+mukca_status mukca_findings_reach(mukca_diagnosis *d, mukca_search *id, mukca_error *error)
+{
+    mukca_pool pool = {0};
+    const mukca_recording *r = &id->m->recording;
+    mukca_label *label = MUKCA_TAKE(&pool, mukca_label, id->n_kept + 1);
+    int *label_of = MUKCA_TAKE(&pool, int, id->n_kept + 1), n_findings = 0, n = -1, n_halves = 0;
+    mukca_finding_group *group = MUKCA_TAKE(&pool, mukca_finding_group, 2 * MUKCA_MOST_FINDINGS);
+    mukca_labelled_sets whole = {.label = label}, half[MUKCA_HALVES];
+    mukca_status status = MUKCA_OK;
+    if (!pool.failed) whole.n_labels = number_labels(label, label_of, id);
+    for (int h = 0; h < MUKCA_HALVES; h++) half[h] = whole;
+    if (!pool.failed && label_whole(&whole, &pool, id, label_of))
+        status = label_halves(half, &n_halves, &pool, id, label_of, error);
+    if (status == MUKCA_OK && !pool.failed)
+        n = mukca_findings_choose(group, &n_findings, &pool, &whole, half, n_halves);
+    for (int i = 0; i < n; i++) {
+        mukca_finding *f = i < n_findings ? &d->findings[d->n_findings++] : &d->maybe[d->n_maybe++];
+        f->group = group[i];
+        measure(f, &whole, id->m->unknowns.sigma, r->n_samples);
+    }
+    qsort(d->findings, (size_t)d->n_findings, sizeof *d->findings, by_size);
+    qsort(d->maybe, (size_t)d->n_maybe, sizeof *d->maybe, by_size);
+    mukca_pool_free(&pool);
+    if (status == MUKCA_OK && n < 0)
+        status = mukca_fail(error, MUKCA_MEMORY, "out of memory for the findings");
+    return status;
+}

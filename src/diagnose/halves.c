@@ -1,0 +1,267 @@
+/* Posterior over sets of causes in halves of the postures, drawn at random within each socket.
+ *
+ * The rows of a half have the whole's whitened columns; free means are estimated anew.  The
+ * products of the second half are those of the whole minus the first's. */
+#include "diagnose/halves.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/hash.h"
+#include "infer/halves.h"
+#include "math/dense.h"
+
+enum {
+    PAIRS = MUKCA_HALVES / 2,
+    CHUNK = 256,        /* rows processed together */
+    MOST_COLUMNS = 320, /* of the items */
+    LEAST_POSTURES = 8, /* of a half, in all: half of them are left for a geometry */
+    BUDGET = 6,         /* sets expanded in each half: the best ones of the whole are known */
+    STARTS = 12         /* these */
+};
+
+/* Least probability of a candidate in the whole that is tried in the halves. */
+#define RELEVANT 0.002
+
+typedef struct {
+    mukca_search *id;
+    mukca_part_layout layout;
+    int width;                    /* of the columns */
+    double *whole, *part, *pairs; /* [width][width] products */
+    double *sum;     /* [n_groups][dim][width] products with the whitened ones of a half */
+    double *ones[2]; /* [n_groups][dim][dim] products of these, of the whole and of a half */
+    double *chunk;   /* [CHUNK][width] */
+    const int *item_of;
+} splitter;
+
+typedef struct {
+    uint64_t hash;
+    int sample;
+} drawn;
+
+static int by_hash(const void *a, const void *b)
+{
+    const drawn *x = a, *y = b;
+    return x->hash != y->hash ? (x->hash > y->hash) - (x->hash < y->hash) : x->sample - y->sample;
+}
+
+/* Draw half of the postures of each group, by their angles, whatever the order of the rows. */
+static void draw(unsigned char *in, drawn *posture, const mukca_recording *r, int pair)
+{
+    const mukca_samples *s = &r->samples;
+    const int n = r->chain->n_joints;
+    for (int b = 0; b < s->n_blocks; b++) {
+        const int start = s->block[b].start, end = start + s->block[b].count;
+        int count = 0;
+        for (int i = start; i < end; i++) {
+            uint64_t sum = (uint64_t)pair;
+            if (!s->readings[i]) continue;
+            for (int k = i; k >= 0; k = s->next[k]) {
+                int64_t q[MUKCA_MAX_JOINTS] = {0}; /* microradians: units of files do not matter */
+                for (int j = 0; j < n; j++) q[j] = llround(1e6 * r->data->q[r->order[k] * n + j]);
+                sum += mukca_hash(MUKCA_HASH_START + (uint64_t)pair, q, sizeof *q * (size_t)n);
+            }
+            sum = mukca_hash(MUKCA_HASH_START, &sum, sizeof sum);
+            posture[count++] = (drawn){mukca_hash(sum ^ sum >> 32, &sum, sizeof sum), i};
+        }
+        qsort(posture, (size_t)count, sizeof *posture, by_hash);
+        const int half = count / 2 + (count % 2 && posture[0].hash % 2); /* of an odd number */
+        for (int p = 0; p < count; p++)
+            for (int k = posture[p].sample; k >= 0; k = s->next[k]) in[k] = p < half;
+    }
+}
+
+/* Columns of a row, in the layout of the parts. */
+static void gather(double *out, const splitter *s, int row)
+{
+    const mukca_scan *scan = &s->id->scan;
+    const mukca_question *q = &s->id->question;
+    const mukca_linearisation *linear = &s->id->m->linear;
+    const double *x = scan->white + (size_t)row * (size_t)linear->stride,
+                 *e = q->E + (size_t)row * (size_t)q->stride, root = sqrt(scan->precision);
+    const mukca_part_layout *l = &s->layout;
+    for (int t = 0; t < l->n; t++) out[t] = root * scan->prior[t] * x[t];
+    out[l->n] = root * x[linear->y];
+    out += l->n + 1;
+    for (int i = 0; i < l->n_items; i++)
+        memcpy(out + l->item[i].at, e + q->item[s->item_of[i]].at,
+               sizeof *out * (size_t)l->item[i].terms);
+}
+
+/* Add the rows of a sample to the sums of its group. */
+static void add_means(splitter *s, double *ones, const double *rows, int sample, int group)
+{
+    const int d = s->id->m->recording.dim;
+    const double *one = s->id->scan.normal->whitening.one + sample * d * d;
+    for (int a = 0; a < d; a++)
+        for (int c = 0; c < d; c++) {
+            double *sum = s->sum + (size_t)(group * d + c) * (size_t)s->width;
+            const double by = one[a * d + c];
+            for (int k = 0; k < s->width && by != 0; k++) sum[k] += by * rows[a * s->width + k];
+            for (int b = 0; b < d; b++) ones[(group * d + c) * d + b] += by * one[a * d + b];
+        }
+}
+
+/* Products of the marked samples (NULL: all), and of their means. */
+static void multiply(splitter *s, double *gram, double *ones, const unsigned char *in)
+{
+    const mukca_samples *samples = &s->id->m->recording.samples;
+    const int d = samples->dim, groups = samples->n_blocks;
+    const size_t width = (size_t)s->width;
+    int rows = 0;
+    memset(gram, 0, sizeof *gram * width * width);
+    memset(s->sum, 0, sizeof *s->sum * (size_t)(groups * d) * width);
+    memset(ones, 0, sizeof *ones * (size_t)(groups * d * d));
+    for (int b = 0; b < groups; b++) {
+        const mukca_block *block = &samples->block[b];
+        for (int i = block->start; i < block->start + block->count; i++) {
+            if (in && !in[i]) continue;
+            for (int c = 0; c < d; c++) gather(s->chunk + (size_t)(rows + c) * width, s, i * d + c);
+            if (block->free_mean) add_means(s, ones, s->chunk + (size_t)rows * width, i, b);
+            rows += d;
+            if (rows + d <= CHUNK) continue;
+            mukca_dense_syrk(gram, s->width, s->chunk, rows, s->width);
+            rows = 0;
+        }
+    }
+    mukca_dense_syrk(gram, s->width, s->chunk, rows, s->width);
+}
+
+/* Remove the free means from the products of a half, or (other) of its complement: the whole has
+ * none, so that their sums differ in sign only. */
+static void remove_means(const splitter *s, double *gram, bool other)
+{
+    const mukca_samples *samples = &s->id->m->recording.samples;
+    const int d = samples->dim;
+    for (int b = 0; b < samples->n_blocks; b++) {
+        double L[36], *x = s->chunk;
+        if (!samples->block[b].free_mean) continue;
+        for (int i = 0; i < d * d; i++)
+            L[i] = (other ? s->ones[0][b * d * d + i] : 0) +
+                   (other ? -1.0 : 1.0) * s->ones[1][b * d * d + i];
+        memcpy(x, s->sum + (size_t)(b * d) * (size_t)s->width, sizeof *x * (size_t)(d * s->width));
+        if (!(L[0] > 1e-9) || mukca_dense_cholesky(L, d)) continue;
+        mukca_dense_forward(x, s->width, L, d);
+        for (int c = 0; c < d; c++, x += s->width)
+            for (int i = 0; i < s->width; i++)
+                for (int k = 0; k < s->width; k++) gram[i * s->width + k] -= x[i] * x[k];
+    }
+}
+
+/* Degrees of freedom of the marked samples, or (other) of those not marked. */
+static int freedom(const mukca_recording *r, const unsigned char *in, bool other)
+{
+    int rows = 0;
+    for (int b = 0; b < r->samples.n_blocks; b++) {
+        const mukca_block *block = &r->samples.block[b];
+        int count = 0;
+        for (int i = block->start; i < block->start + block->count; i++)
+            count += (in[i] != 0) != other;
+        rows += r->dim * (count - (block->free_mean && count));
+    }
+    return rows + r->n_pairs;
+}
+
+/* Search a half: from nothing, and from the best sets of the whole. */
+static bool search(mukca_half *half, mukca_pool *pool, const splitter *s, double *gram, int dof)
+{
+    const mukca_search *id = s->id;
+    const mukca_part_layout *l = &s->layout;
+    if (!mukca_part_question(&half->question, pool, gram, dof, l) ||
+        !mukca_sets_create(&half->sets, pool, &half->question))
+        return false;
+    for (int i = 0; i < id->n_sets && i < STARTS; i++) {
+        int item[MUKCA_SET_ITEMS], n = 0;
+        double size[MUKCA_SET_ITEMS];
+        for (int k = 0; k < l->n_items; k++)
+            for (int m = 0; m < id->set[i].n; m++)
+                if (id->set[i].candidate[m] == id->kept[s->item_of[k]])
+                    item[n] = k, size[n++] = id->set[i].scale[m];
+        mukca_sets_insert(&half->sets, item, size, n);
+    }
+    mukca_sets_explore(&half->sets, BUDGET, false);
+    return !pool->failed;
+}
+
+/* The items that matter, the most probable first. */
+static bool choose_items(mukca_halves *h, mukca_pool *pool, const mukca_search *id)
+{
+    double *probability = MUKCA_TAKE(pool, double, id->n_kept + 1);
+    h->item_of = MUKCA_TAKE(pool, int, id->n_kept + 1);
+    h->item = MUKCA_TAKE(pool, mukca_item, id->n_kept + 1);
+    if (pool->failed) return false;
+    for (int i = 0; i < id->n_kept; i++)
+        for (int s = 0; s < id->n_sets; s++)
+            for (int m = 0; m < id->set[s].n; m++)
+                if (id->set[s].candidate[m] == id->kept[i]) probability[i] += id->set[s].weight;
+    int columns = 0;
+    for (;;) {
+        int best = 0;
+        for (int i = 1; i < id->n_kept; i++)
+            if (probability[i] > probability[best]) best = i;
+        columns += id->question.item[best].terms;
+        if (!id->n_kept || !(probability[best] > RELEVANT) || columns > MOST_COLUMNS) break;
+        probability[best] = -1; /* taken */
+    }
+    columns = 0;
+    for (int i = 0; i < id->n_kept; i++) {
+        if (probability[i] >= 0) continue;
+        h->item_of[h->n_items] = i;
+        h->item[h->n_items] = id->question.item[i];
+        h->item[h->n_items++].at = columns;
+        columns += id->question.item[i].terms;
+    }
+    return true;
+}
+
+/* Postures of the smaller half. */
+static int count_postures(const mukca_recording *r, const unsigned char *in)
+{
+    int count[2] = {0, 0};
+    for (int i = 0; i < r->n_samples; i++)
+        if (r->samples.readings[i]) count[in[i] != 0]++;
+    return count[0] < count[1] ? count[0] : count[1];
+}
+
+mukca_status mukca_halves_search(mukca_halves *h, mukca_pool *pool, mukca_search *id,
+                                 mukca_error *error)
+{
+    const mukca_recording *r = &id->m->recording;
+    const int d = r->dim, groups = r->samples.n_blocks;
+    unsigned char *in = MUKCA_TAKE(pool, unsigned char, r->n_samples + 1);
+    drawn *posture = MUKCA_TAKE(pool, drawn, r->n_samples + 1);
+    bool ok = choose_items(h, pool, id) && mukca_scan_aim(&id->scan, id->m->unknowns.family);
+    splitter s = {.id = id, .item_of = h->item_of};
+    s.layout = (mukca_part_layout){.n = id->scan.n, .n_items = h->n_items, .item = h->item};
+    for (int i = 0; i < h->n_items; i++) s.layout.n_columns += h->item[i].terms;
+    s.width = s.layout.n + 1 + s.layout.n_columns;
+    const int square = s.width * s.width;
+    s.whole = MUKCA_TAKE(pool, double, square);
+    s.part = MUKCA_TAKE(pool, double, square);
+    s.pairs = MUKCA_TAKE(pool, double, square);
+    s.sum = MUKCA_TAKE(pool, double, (groups + 1) * d * s.width);
+    for (int k = 0; k < 2; k++) s.ones[k] = MUKCA_TAKE(pool, double, (groups + 1) * d * d);
+    s.chunk = MUKCA_TAKE(pool, double, (CHUNK + d) * s.width);
+    double *second = MUKCA_TAKE(pool, double, square);
+    ok = ok && !pool->failed;
+    if (ok) multiply(&s, s.whole, s.ones[0], NULL);
+    for (int p = 0; p < r->n_pairs && ok; p++) {
+        gather(s.chunk, &s, r->n_samples * d + p);
+        mukca_dense_syrk(s.pairs, s.width, s.chunk, 1, s.width);
+    }
+    for (int pair = 0; pair < PAIRS && ok; pair++) {
+        draw(in, posture, r, pair);
+        if (count_postures(r, in) < LEAST_POSTURES) return MUKCA_OK;
+        multiply(&s, s.part, s.ones[1], in);
+        for (int i = 0; i < square; i++) second[i] = s.whole[i] - s.part[i];
+        for (int other = 0; other < 2 && ok; other++) {
+            double *gram = other ? second : s.part;
+            remove_means(&s, gram, other);
+            for (int i = 0; i < square; i++) gram[i] += s.pairs[i];
+            ok = search(&h->half[h->n], pool, &s, gram, freedom(r, in, other != 0));
+            h->n += ok;
+        }
+    }
+    return ok ? MUKCA_OK : mukca_fail(error, MUKCA_MEMORY, "out of memory for halves of the data");
+}

@@ -1,0 +1,25 @@
+/* Posterior over sets of causes in halves of the postures. */
+#ifndef MUKCA_DIAGNOSE_HALVES_H
+#define MUKCA_DIAGNOSE_HALVES_H
+
+#include "diagnose/identify.h"
+
+/* The search in one half, which has the candidates of the last search that matter there. */
+typedef struct {
+    mukca_question question;
+    mukca_sets sets;
+} mukca_half;
+
+typedef struct {
+    int n;                 /* halves: 2 h and 2 h + 1 are complements; 0: too few postures */
+    int n_items, *item_of; /* [n_items] item of the last search */
+    mukca_item *item;
+    mukca_half half[MUKCA_HALVES];
+} mukca_halves;
+
+/* Search the halves.  They share linearisation, candidates and whitened columns with the whole; the
+ * geometry is integrated out in each.  Memory comes from `pool`.  Errors: MUKCA_MEMORY. */
+mukca_status mukca_halves_search(mukca_halves *halves, mukca_pool *pool, mukca_search *id,
+                                 mukca_error *error);
+
+#endif

@@ -1,0 +1,202 @@
+/* Findings from a posterior over sets of causes: groups, and the choice among them. */
+#include "infer/findings.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Coarseness of a kind of group in addition to positions times kinds of causes: it decides between
+ * groups with the same causes. */
+static const double coarser[] = {0, 0.01, 0.2, 0.6}, coarser_stretch[] = {0.49, 0.5, 0.3, 0.9};
+
+typedef struct {
+    mukca_finding_group group;
+    double coarseness;
+} ranked;
+
+typedef struct {
+    const mukca_labelled_sets *posterior;
+    ranked *list; /* NULL: count only */
+    int n;
+} groups;
+
+bool mukca_finding_holds(const mukca_finding_group *g, const mukca_label *l)
+{
+    if (l->from < g->from || l->to > g->to || l->apart != g->apart) return false;
+    switch (g->kind) {
+        case MUKCA_GROUP_DETAIL:
+            return l->effect == g->effect && l->detail >= g->low && l->detail <= g->high;
+        case MUKCA_GROUP_EFFECT:
+            return l->effect == g->effect;
+        case MUKCA_GROUP_FAMILY:
+            return l->family == g->family;
+        default:
+            return true;
+    }
+}
+
+/* Square that the members of a set which are in the group explain together, and (*with) the same
+ * with half of their products with the others. */
+static double square_of(double *with, const mukca_finding_group *g, const mukca_labelled_set *s,
+                        const mukca_label *label)
+{
+    double own = 0, all = 0;
+    bool in[64]; /* more than MUKCA_SET_ITEMS */
+    for (int i = 0; i < s->n; i++) in[i] = mukca_finding_holds(g, &label[s->label[i]]);
+    for (int i = 0; i < s->n; i++)
+        for (int k = 0; k < s->n && in[i]; k++) {
+            all += s->product[i * s->n + k];
+            if (in[k]) own += s->product[i * s->n + k];
+        }
+    if (with) *with = all;
+    return own;
+}
+
+double mukca_finding_probability(const mukca_finding_group *g, const mukca_labelled_sets *p)
+{
+    double sum = 0;
+    for (int i = 0; i < p->n_sets; i++)
+        if (square_of(NULL, g, &p->set[i], p->label) > p->least) sum += p->set[i].weight;
+    return fmin(sum, 1);
+}
+
+double mukca_finding_share(const mukca_finding_group *g, const mukca_labelled_sets *p)
+{
+    double part = 0, whole = 0;
+    for (int i = 0; i < p->n_sets; i++) {
+        const mukca_labelled_set *s = &p->set[i];
+        double with;
+        square_of(&with, g, s, p->label);
+        part += s->weight * with;
+        for (int k = 0; k < s->n * s->n; k++) whole += s->weight * s->product[k];
+    }
+    return whole > 0 ? part / whole : 0;
+}
+
+/* Positions times kinds of causes. */
+static double coarseness_of(const mukca_finding_group *g, const mukca_labelled_sets *p)
+{
+    int span = g->to - g->from + 1, least = span, kinds = 0;
+    for (int l = 0; l < p->n_labels; l++) {
+        bool again = false;
+        if (!mukca_finding_holds(g, &p->label[l])) continue;
+        const int extent = p->label[l].to - p->label[l].from;
+        least = extent < least ? extent : least;
+        for (int o = 0; o < l && !again; o++)
+            again = mukca_finding_holds(g, &p->label[o]) &&
+                    (p->label[o].effect == p->label[l].effect ||
+                     (p->label[o].effect < 0 && p->label[l].effect < 0));
+        kinds += !again;
+    }
+    span -= least; /* an effect of all joints is at one place */
+    return span * kinds + (span > 1 ? coarser_stretch : coarser)[g->kind];
+}
+
+static void add(groups *all, mukca_finding_group group)
+{
+    if (all->list) all->list[all->n] = (ranked){.group = group};
+    all->n++;
+}
+
+/* Add the groups of a kind for each stretch between positions of the causes like this one, if it is
+ * the first of these. */
+static void add_stretches(groups *all, mukca_group_kind kind, int label)
+{
+    const mukca_label *l = all->posterior->label;
+    const int n = all->posterior->n_labels;
+    const mukca_finding_group like = {.kind = kind,
+                                      .family = kind == MUKCA_GROUP_FAMILY ? l[label].family : -1,
+                                      .effect = kind == MUKCA_GROUP_EFFECT ? l[label].effect : -1,
+                                      .from = -1000,
+                                      .to = 1000,
+                                      .apart = l[label].apart};
+    for (int o = 0; o < label; o++)
+        if (mukca_finding_holds(&like, &l[o])) return;
+    for (int a = 0; a < n; a++) {
+        bool again = !mukca_finding_holds(&like, &l[a]);
+        for (int o = 0; o < a && !again; o++)
+            again = mukca_finding_holds(&like, &l[o]) && l[o].from == l[a].from;
+        for (int b = 0; b < n && !again; b++) {
+            bool known = !mukca_finding_holds(&like, &l[b]) || l[b].to < l[a].from;
+            for (int o = 0; o < b && !known; o++)
+                known = mukca_finding_holds(&like, &l[o]) && l[o].to == l[b].to;
+            mukca_finding_group g = like;
+            g.from = l[a].from, g.to = l[b].to;
+            if (!known && (kind != MUKCA_GROUP_PLACE || g.from == g.to)) add(all, g);
+        }
+    }
+}
+
+static void list_groups(groups *all)
+{
+    all->n = 0;
+    for (int i = 0; i < all->posterior->n_labels; i++) {
+        const mukca_label *l = &all->posterior->label[i];
+        if (l->detail)
+            add(all, (mukca_finding_group){.kind = MUKCA_GROUP_DETAIL,
+                                           .family = l->family,
+                                           .effect = l->effect,
+                                           .from = l->from,
+                                           .to = l->to,
+                                           .low = l->detail - l->blur,
+                                           .high = l->detail + l->blur,
+                                           .apart = l->apart});
+        if (l->effect >= 0) add_stretches(all, MUKCA_GROUP_EFFECT, i);
+        add_stretches(all, MUKCA_GROUP_FAMILY, i);
+        if (!l->apart) add_stretches(all, MUKCA_GROUP_PLACE, i);
+    }
+}
+
+static int by_coarseness(const void *a, const void *b)
+{
+    const ranked *x = a, *y = b;
+    if (x->coarseness != y->coarseness)
+        return (x->coarseness > y->coarseness) - (x->coarseness < y->coarseness);
+    return (x->group.probability < y->group.probability) -
+           (x->group.probability > y->group.probability);
+}
+
+/* Append the finest groups with these probabilities and causes that are not taken. */
+static int take(mukca_finding_group *out, unsigned char *taken, const groups *all, double least,
+                double stable)
+{
+    const mukca_labelled_sets *p = all->posterior;
+    int n = 0;
+    for (int i = 0; i < all->n && n < MUKCA_MOST_FINDINGS; i++) {
+        const mukca_finding_group *g = &all->list[i].group;
+        bool is_free = g->probability >= least && g->halves >= stable;
+        for (int l = 0; l < p->n_labels && is_free; l++)
+            is_free = !taken[l] || !mukca_finding_holds(g, &p->label[l]);
+        if (!is_free) continue;
+        for (int l = 0; l < p->n_labels; l++) taken[l] |= mukca_finding_holds(g, &p->label[l]);
+        out[n++] = *g;
+    }
+    return n;
+}
+
+int mukca_findings_choose(mukca_finding_group out[2 * MUKCA_MOST_FINDINGS], int *n_findings,
+                          mukca_pool *pool, const mukca_labelled_sets *posterior,
+                          const mukca_labelled_sets *halves, int n_halves)
+{
+    groups all = {.posterior = posterior};
+    int kept = 0;
+    list_groups(&all);
+    all.list = MUKCA_TAKE(pool, ranked, all.n + 1);
+    unsigned char *taken = MUKCA_TAKE(pool, unsigned char, posterior->n_labels + 1);
+    if (pool->failed) return -1;
+    list_groups(&all);
+    for (int i = 0; i < all.n; i++) {
+        ranked r = all.list[i];
+        r.group.probability = mukca_finding_probability(&r.group, posterior);
+        if (!(r.group.probability >= MUKCA_FINDING_MAYBE)) continue;
+        r.coarseness = coarseness_of(&r.group, posterior);
+        r.group.halves = n_halves ? 0 : 1;
+        for (int h = 0; h < n_halves; h++)
+            r.group.halves += mukca_finding_probability(&r.group, &halves[h]) / n_halves;
+        all.list[kept++] = r;
+    }
+    all.n = kept;
+    qsort(all.list, (size_t)all.n, sizeof *all.list, by_coarseness);
+    *n_findings = take(out, taken, &all, MUKCA_FINDING_SURE, MUKCA_FINDING_STABLE);
+    return *n_findings + take(out + *n_findings, taken, &all, MUKCA_FINDING_MAYBE, 0);
+}
