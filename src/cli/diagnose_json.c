@@ -80,36 +80,59 @@ static json_t *suspect(const mukca_diagnosed *r, int i)
     return cause_object(r, &r->diagnosis->suspected[i]);
 }
 
-/* A position along the chain. */
-static const char *position(const mukca_diagnosed *r, int at)
+static json_t *estimate(const mukca_estimate *e)
 {
-    return at < 0                    ? "base"
-           : at < r->chain->n_joints ? mukca_chain_joint_name(r->chain, at)
-                                     : "tool";
+    return isfinite(e->value) ? cli_json_interval(e->low, e->high) : NULL;
+}
+
+static json_t *alternatives(const mukca_diagnosed *r, const mukca_finding *f)
+{
+    json_t *array = json_array();
+    for (const mukca_alternative *a = f->alternatives; a < f->alternatives + f->n_alternatives;
+         a++) {
+        const bool ordered = mukca_effect_has((int)a->effect.kind, MUKCA_TRAIT_ORDERS);
+        const int joint = a->listed ? a->effect.joint : a->from == a->to ? a->from : -1;
+        cli_json_append(array,
+                        KEY("effect", a->listed ? mukca_effect_table[a->effect.kind]->name : NULL),
+                        JOINT(joint < r->chain->n_joints ? joint : -1),
+                        PLACEMENT(a->listed ? a->effect.placement : -1),
+                        KEY("order", cli_json_positive(ordered ? a->effect.variant.order : 0)),
+                        KEY("from", mukca_wording_position(r, a->from)),
+                        KEY("to", mukca_wording_position(r, a->to)), FIELD(a, probability),
+                        KEY("amplitude", a->amplitude.value),
+                        KEY("unit", a->listed ? mukca_effect_unit(&a->effect, r->chain) : NULL),
+                        KEY("ci95", estimate(&a->amplitude)));
+    }
+    return array;
+}
+
+static json_t *coefficient(const mukca_diagnosed *r, const mukca_finding *f)
+{
+    if (!isfinite(f->coefficient.value) || !f->n_alternatives) return NULL;
+    return cli_json(KEY("value", f->coefficient.value),
+                    KEY("unit", mukca_effect_unit(&f->alternatives[0].effect, r->chain)),
+                    KEY("ci95", estimate(&f->coefficient)));
 }
 
 static json_t *finding_object(const mukca_diagnosed *r, const mukca_finding *f)
 {
     static const char *const kinds[] = {"effect", "effect", "family", "place"};
     const mukca_finding_group *g = &f->group;
-    const int tool = r->chain->n_joints;
-    const bool place = g->kind == MUKCA_GROUP_PLACE,
-               ordered =
-                   mukca_effect_has(g->effect, MUKCA_TRAIT_ORDERS) && g->kind == MUKCA_GROUP_DETAIL;
-    const int placement = g->apart && g->from == g->to                ? g->from
-                          : g->kind == MUKCA_GROUP_DETAIL && !ordered ? g->low - 1
-                                                                      : -1;
-    const int family = g->family >= 0 || g->effect < 0
-                           ? g->family
-                           : (int)mukca_effect_table[g->effect]->varies_with;
-    return cli_json(KEY("kind", kinds[g->kind]),
-                    KEY("effect", g->effect < 0 ? NULL : mukca_effect_table[g->effect]->name),
-                    KEY("varies_with", place ? NULL : mukca_varies_name[family]),
-                    KEY("from", position(r, g->apart ? tool : g->from)),
-                    KEY("to", position(r, g->apart ? tool : g->to)), PLACEMENT(placement),
-                    KEY("order", cli_json_positive(ordered ? (g->low + g->high) / 2 : 0)),
-                    KEY("probability", g->probability), KEY("halves", g->halves), FIELD(f, size_m),
-                    FIELD(f, share));
+    const int at[2] = {g->apart ? r->chain->n_joints : g->from,
+                       g->apart ? r->chain->n_joints : g->to};
+    return cli_json(
+        KEY("kind", kinds[g->kind]),
+        KEY("effect", g->effect < 0 ? NULL : mukca_effect_table[g->effect]->name),
+        KEY("varies_with", g->family < 0 ? NULL : mukca_varies_name[g->family]),
+        KEY("from", mukca_wording_position(r, at[0])), KEY("to", mukca_wording_position(r, at[1])),
+        PLACEMENT(mukca_wording_finding_placement(f)),
+        KEY("order", cli_json_positive(f->order[0] ? f->alternatives[0].effect.variant.order : 0)),
+        KEY("order_ci95", f->order[0] > 0 ? json_pack("[i, i]", f->order[0], f->order[1]) : NULL),
+        KEY("probability", g->probability), KEY("halves", g->halves),
+        KEY("size_m", f->size_m.value), KEY("size_ci95_m", estimate(&f->size_m)), FIELD(f, share),
+        KEY("held_out", shrink(&f->held_out)), KEY("coefficient", coefficient(r, f)),
+        KEY("alternatives", alternatives(r, f)),
+        KEY("sentence", mukca_wording_finding(MUKCA_WORDS, f, r)));
 }
 
 static json_t *finding(const mukca_diagnosed *r, int i)

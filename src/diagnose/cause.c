@@ -1,29 +1,12 @@
 /* Description of an identified cause: probability, rivals, size. */
 #include "diagnose/cause.h"
+#include "diagnose/label.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "math/dense.h"
 #include "math/stats.h"
-
-enum {
-    LEAST_VALUES = 20, /* distinct values that make a step evident */
-    MOST_PARTS = 4     /* largest number of steps in the smallest difference */
-};
-/* Largest deviation of a difference from whole steps: rounding in the file's last digits.  By
- * chance one difference in five is within it, and not twenty in a row. */
-#define WHOLE 0.1
-/* Width of the bumps below which an unknown function resolves more than long waves, rad: half a
- * period. */
-#define FINE_WIDTH (M_PI / MUKCA_LONG_ORDER)
-
-static bool contains(const mukca_search *id, const mukca_causes *set, int name)
-{
-    for (int i = 0; i < set->n; i++)
-        if (id->name[set->candidate[i]] == name) return true;
-    return false;
-}
 
 /* Elastic causes are fitted with one factor per mass, and reported as the single coefficient
  * nearest to it in the recorded samples (least squares): sum of weight[t] coefficient[t]. */
@@ -96,59 +79,6 @@ static mukca_effect rival_effect(const mukca_candidate *h, const mukca_effect *c
     return rival;
 }
 
-/* Largest canonical correlation of two items given the set weighed last: with Gram blocks A = L L',
- * B = M M' and their cross block C, the largest singular value of L^-1 C M'^-1 (Golub and Van Loan,
- * Matrix Computations, section 6.4.3).  Without the terms of single masses. */
-static double correlation_of(mukca_search *id, int a, int b)
-{
-    double *A = id->scan.scratch->A, *B = id->scan.scratch->B, *C = id->scan.scratch->C,
-           s[MUKCA_MOST_TERMS];
-    const mukca_candidate *x = &id->all.list[id->kept[a]], *y = &id->all.list[id->kept[b]];
-    const int ka = mukca_candidate_own_terms(x), kb = mukca_candidate_own_terms(y);
-    mukca_sets_gram(A, &id->sets, a, a);
-    mukca_sets_gram(B, &id->sets, b, b);
-    mukca_sets_gram(C, &id->sets, a, b);
-    for (int i = 0; i < ka; i++) {
-        for (int k = 0; k < ka; k++) A[i * ka + k] = A[i * x->terms + k];
-        for (int k = 0; k < kb; k++) C[i * kb + k] = C[i * y->terms + k];
-        A[i * ka + i] *= 1 + 1e-9; /* singular to rounding */
-    }
-    for (int i = 0; i < kb; i++) {
-        for (int k = 0; k < kb; k++) B[i * kb + k] = B[i * y->terms + k];
-        B[i * kb + i] *= 1 + 1e-9;
-    }
-    if (mukca_dense_cholesky(A, ka) || mukca_dense_cholesky(B, kb)) return NAN;
-    mukca_dense_forward(C, kb, A, ka);
-    for (int i = 0; i < ka; i++) mukca_dense_forward(C + i * kb, 1, B, kb); /* rows times M'^-1 */
-    const int n = ka > kb ? ka : kb; /* more zeros change no other singular value */
-    for (int i = 0; i < n * n; i++) A[i] = i / n < ka && i % n < kb ? C[i / n * kb + i % n] : 0;
-    if (mukca_dense_svd(A, s, B, n)) return NAN;
-    return fmin(s[0], 1);
-}
-
-/* Does flexibility resemble the effect?  It is a smooth function of the angles, and differs between
- * placements: unlike fine ripple, readback lag and recording faults. */
-static bool resembles_flexibility(const mukca_effect *effect)
-{
-    return !mukca_effect_has((int)effect->kind, MUKCA_TRAIT_RECORDING_FAULT) &&
-           effect->variant.order <= MUKCA_SMOOTH_ORDER &&
-           mukca_effect_table[effect->kind]->site != MUKCA_SITE_ANGLES;
-}
-
-/* Without masses the load is unknown: an effect that flexibility resembles is tied with the
- * untested flexibility, and shares its probability. */
-static void tie_untested_flexibility(mukca_cause *out, const mukca_recording *r)
-{
-    if (r->have_torques || !resembles_flexibility(&out->effect)) return;
-    out->probability *= 0.5;
-    if (out->n_ties < MUKCA_MAX_TIES) /* gravity loads the second joint most */
-        out->ties[out->n_ties++] = (mukca_tie){
-            .effect = mukca_effect_at(MUKCA_SITE_ANGLE, MUKCA_TRAIT_FLEXIBLE),
-            .joint = out->effect.joint >= 0 ? out->effect.joint : r->chain->n_joints > 1,
-            .log_bayes_factor = NAN,
-            .correlation = NAN};
-}
-
 /* A set of the last search with these candidates, but one. */
 static mukca_set set_without(mukca_search *id, const mukca_causes *set, int without)
 {
@@ -168,158 +98,58 @@ double mukca_cause_gain(mukca_search *id, const mukca_causes *set, int member)
                                                           : -HUGE_VAL;
 }
 
-/* Rivals: what replaces the cause in the sets that lack it, and is not in the best set. */
-static void add_ties(mukca_cause *out, mukca_search *id, const mukca_causes *best, int member,
-                     const mukca_set *rest, int own)
+/* The finding, or what may be one, of which a candidate is a member; NULL: none. */
+static const mukca_finding *finding_of(const mukca_diagnosis *d, const mukca_label *label)
 {
-    const mukca_candidate *cause = &id->all.list[best->candidate[member]];
-    const int name = id->name[best->candidate[member]];
-    double unknown = 0;
-    memset(id->instead, 0, sizeof *id->instead * (size_t)id->n_names);
-    for (int i = 0; i < id->n_sets; i++) {
-        const mukca_causes *set = &id->set[i];
-        bool counted = false;
-        if (contains(id, set, name)) continue;
-        for (int k = 0; k < set->n; k++) {
-            const mukca_candidate *h = &id->all.list[set->candidate[k]];
-            const int of = id->name[set->candidate[k]];
-            if (contains(id, best, of)) continue;
-            if (mukca_candidate_class(h) != MUKCA_CLASS_UNKNOWN)
-                id->instead[of] += set->again;
-            else if (!counted)
-                unknown += set->again, counted = true;
-        }
-    }
-    out->or_unknown = unknown > MUKCA_DOUBT;
-    while (out->n_ties < MUKCA_MAX_TIES) {
-        int most = 0;
-        for (int n = 1; n < id->n_names; n++)
-            if (id->instead[n] > id->instead[most]) most = n;
-        if (!(id->instead[most] > MUKCA_DOUBT)) break;
-        id->instead[most] = 0;
-        const mukca_candidate *h = &id->all.list[id->of_name[most]];
-        if (mukca_candidate_class(h) >= MUKCA_EFFECT_COUNT) continue;
-        const int item = own < 0 ? -1 : mukca_identify_item(id, id->of_name[most]);
-        out->ties[out->n_ties++] = (mukca_tie){
-            .effect = (mukca_effect_kind)mukca_candidate_class(h),
-            .joint = h->joint,
-            .log_bayes_factor = item < 0 ? (double)NAN : mukca_sets_gain(&id->sets, rest, item),
-            .correlation = item < 0 ? (double)NAN : correlation_of(id, own, item),
-            .rival = rival_effect(h, &out->effect, cause->unit[0])};
-    }
-    tie_untested_flexibility(out, &id->m->recording);
+    for (int i = 0; i < d->n_findings; i++)
+        if (mukca_finding_holds(&d->findings[i].group, label)) return &d->findings[i];
+    for (int i = 0; i < d->n_maybe; i++)
+        if (mukca_finding_holds(&d->maybe[i].group, label)) return &d->maybe[i];
+    return NULL;
 }
 
-/* Can an unknown function be a part of the same cause as this name?  Of a short wave only if it is
- * fine, too, or if postures repeat: these are few, and what differs between them resembles waves of
- * any length. */
-static bool may_belong(const mukca_search *id, int candidate, int order)
+/* Rivals: the alternatives of its finding. */
+static void add_ties(mukca_cause *out, const mukca_finding *f, mukca_search *id,
+                     const mukca_candidate *cause)
 {
-    const mukca_candidate *unknown = &id->all.list[candidate];
-    return mukca_candidate_class(unknown) == MUKCA_CLASS_UNKNOWN &&
-           (order <= MUKCA_LONG_ORDER || id->m->recording.repeats ||
-            (unknown->kind == MUKCA_CANDIDATE_OWN_ANGLE && unknown->of.size < FINE_WIDTH));
-}
-
-/* A name is conditional on the catalogue.  An unknown function in the same set shows that the
- * catalogue lacks a cause of this arm, and the name may be the remainder of that cause which the
- * function does not follow.  A remainder is any fraction of its cause: its amplitude is below the
- * name's share of both, the root of its share of their log evidence, with that share as
- * probability, which is returned. */
-static double share_with_unknown(mukca_cause *out, const mukca_search *id, int name)
-{
-    const double unknown_gain = id->diagnosis->structure, own = fmax(out->log_bayes_factor, 0),
-                 remainder = unknown_gain > 0 ? 1 - sqrt(own / (own + unknown_gain)) : 0.5;
-    double beside = 0, all = 0;
-    for (int i = 0; i < id->n_sets; i++) {
-        bool unknown = false;
-        if (!contains(id, &id->set[i], name)) continue;
-        for (int k = 0; k < id->set[i].n; k++)
-            unknown |= may_belong(id, id->set[i].candidate[k], out->effect.variant.order);
-        all += id->set[i].weight;
-        if (unknown) beside += id->set[i].weight;
-    }
-    beside = all > 0 ? beside / all : 0;
-    out->probability *= 1 - remainder * beside;
-    out->or_unknown |= remainder * beside > MUKCA_DOUBT;
-    return 1 - remainder * beside;
-}
-
-/* Largest step of which all recorded angles of a joint are multiples, rad: of a coarse encoder, or
- * of the digits in the file; 0: no evident step.  scratch[n_rows] is overwritten. */
-static double resolution_of(double *scratch, const mukca_recording *r, int joint)
-{
-    const int n = r->data->n_rows, joints = r->chain->n_joints;
-    double smallest = HUGE_VAL;
-    int values = 0;
-    for (int row = 0; row < n; row++) scratch[row] = r->data->q[row * joints + joint];
-    mukca_stats_sort(scratch, n);
-    for (int i = 1; i < n; i++) { /* differences between neighbours, in place */
-        const double difference = scratch[i] - scratch[i - 1];
-        if (difference > 1e-9) smallest = fmin(smallest, scratch[values++] = difference);
-    }
-    for (int parts = 1; values >= LEAST_VALUES && parts <= MOST_PARTS; parts++) {
-        const double step = smallest / parts;
-        int i = 0;
-        while (i < values && fabs(scratch[i] / step - round(scratch[i] / step)) < WHOLE) i++;
-        if (i == values) return step;
-    }
-    return 0;
-}
-
-/* Angles rounded to steps are aliased to fine waves in chosen postures, with at most the amplitude
- * of a sawtooth, step / pi. */
-static void doubt_rounding(mukca_cause *out, mukca_search *id)
-{
-    const mukca_recording *r = &id->m->recording;
-    const double *c = out->effect.coefficient;
-    double *scratch = MUKCA_TAKE(&id->pool, double, r->data->n_rows);
-    if (scratch && M_PI * hypot(c[0], c[1]) < resolution_of(scratch, r, out->effect.joint))
-        mukca_cause_doubt(out);
-}
-
-/* 95 % interval of the order. */
-static void find_orders(mukca_cause *out, const mukca_search *id, int name)
-{
-    double weight[MUKCA_LAST_ORDER + 1] = {0}, total = 0, below = 0;
-    for (int i = 0; i < id->n_sets; i++)
-        for (int k = 0; k < id->set[i].n; k++) {
-            const mukca_candidate *h = &id->all.list[id->set[i].candidate[k]];
-            if (id->name[id->set[i].candidate[k]] != name) continue;
-            weight[h->effect.variant.order] += id->set[i].weight;
-            total += id->set[i].weight;
-        }
-    for (int o = 2; o <= MUKCA_LAST_ORDER; o++) {
-        if (below <= 0.025 * total && below + weight[o] > 0.025 * total) out->order_range[0] = o;
-        if (below < 0.975 * total && below + weight[o] >= 0.975 * total) out->order_range[1] = o;
-        below += weight[o];
+    if (!f) return;
+    memcpy(out->order_range, f->order, sizeof f->order);
+    out->or_unknown = f->outside > MUKCA_DOUBT;
+    for (int a = 0; a < f->n_alternatives && out->n_ties < MUKCA_MAX_TIES; a++) {
+        const mukca_effect *e = &f->alternatives[a].effect;
+        const bool own = e->kind == out->effect.kind && e->joint == out->effect.joint &&
+                         e->placement == out->effect.placement;
+        if (!f->alternatives[a].listed || own) continue;
+        int k = 0;
+        while (k < id->all.count && !(id->all.list[k].kind == MUKCA_CANDIDATE_EFFECT &&
+                                      mukca_effect_same(&id->all.list[k].effect, e)))
+            k++;
+        if (k == id->all.count) continue; /* a moved socket */
+        const mukca_candidate *h = &id->all.list[k];
+        out->ties[out->n_ties++] =
+            (mukca_tie){.effect = e->kind,
+                        .joint = e->joint,
+                        .log_bayes_factor = NAN,
+                        .correlation = NAN,
+                        .rival = rival_effect(h, &out->effect, cause->unit[0])};
     }
 }
 
-double mukca_cause_describe(mukca_cause *out, mukca_search *id, const mukca_causes *best,
-                            int member)
+void mukca_cause_describe(mukca_cause *out, mukca_search *id, const mukca_causes *best, int member)
 {
     const mukca_recording *recording = &id->m->recording;
     const mukca_candidate *h = &id->all.list[best->candidate[member]];
     const mukca_accepted *cause = &id->m->unknowns.cause[member];
-    const mukca_set rest = set_without(id, best, member);
-    const int name = id->name[best->candidate[member]],
-              own = mukca_sets_weigh(&id->sets, &rest)
-                        ? mukca_identify_item(id, best->candidate[member])
-                        : -1;
-    *out = (mukca_cause){
-        .effect = fitted_effect(recording, cause),
-        .socket = -1,
-        .log_bayes_factor = own < 0 ? -HUGE_VAL : mukca_sets_gain(&id->sets, &rest, own),
-        .probability = id->probability[name],
-        .held_out = MUKCA_SHRINK_NONE,
-        .rung_m = NAN};
-    add_ties(out, id, best, member, &rest, own);
-    const double named = id->probability[name] * share_with_unknown(out, id, name);
-    if (mukca_effect_has((int)out->effect.kind, MUKCA_TRAIT_ORDERS)) {
-        doubt_rounding(out, id);
-        find_orders(out, id, name);
-    }
+    const mukca_label label = mukca_candidate_label(h, recording, &id->m->unknowns);
+    const mukca_finding *f = finding_of(id->diagnosis, &label);
+    *out = (mukca_cause){.effect = fitted_effect(recording, cause),
+                         .socket = -1,
+                         .log_bayes_factor = mukca_cause_gain(id, best, member),
+                         .probability = id->probability[id->name[best->candidate[member]]],
+                         .held_out = MUKCA_SHRINK_NONE,
+                         .rung_m = NAN};
+    if (f) out->probability = fmin(out->probability, f->group.probability);
+    add_ties(out, f, id, h);
     if (mukca_candidate_is_fault(h)) {
         out->socket = recording->groups[h->fault.group].socket;
         out->row = recording->data->row[h->fault.first];
@@ -327,7 +157,6 @@ double mukca_cause_describe(mukca_cause *out, mukca_search *id, const mukca_caus
         out->creep = h->fault.shape == MUKCA_FAULT_GROWING;
     }
     measure(out, id->m, member);
-    return named;
 }
 
 int mukca_cause_find(const mukca_regression *m, const mukca_cause *cause)
@@ -341,10 +170,4 @@ int mukca_cause_find(const mukca_regression *m, const mukca_cause *cause)
             return c;
     }
     return -1;
-}
-
-void mukca_cause_doubt(mukca_cause *cause)
-{
-    cause->or_unknown = true;
-    cause->probability *= 0.5; /* the rival has equal odds */
 }

@@ -15,13 +15,9 @@
  */
 double mukca_cause_gain(mukca_search *id, const mukca_causes *set, int member);
 
-/* Describe a member of the set to which the regression is fitted; needs its factor.  Returns the
- * probability that it is an effect of the catalogue, this one or an indistinguishable rival. */
-double mukca_cause_describe(mukca_cause *cause, mukca_search *id, const mukca_causes *best,
-                            int member);
-
-/* Reserve a share of a described cause's probability for causes outside the catalogue. */
-void mukca_cause_doubt(mukca_cause *cause);
+/* Describe a member of the set to which the regression is fitted; needs its factor. */
+void mukca_cause_describe(mukca_cause *cause, mukca_search *id, const mukca_causes *best,
+                          int member);
 
 /* Index of the accepted cause of a description; -1: none. */
 int mukca_cause_find(const mukca_regression *m, const mukca_cause *cause);

@@ -85,21 +85,30 @@ typedef struct {
 
 enum { MUKCA_MAX_ALTERNATIVES = 8 };
 
+/* A value with its 95 % interval; NaN: none. */
+typedef struct {
+    double value, low, high;
+} mukca_estimate;
+
 /* A member of a finding. */
 typedef struct {
     mukca_effect effect; /* kind, joint, placement, variant */
-    bool listed;         /* false: outside the catalogue; its place is that of the label */
+    bool listed;         /* false: outside the catalogue, at these positions */
     int from, to;
     double probability;
-    double amplitude, low, high; /* and 95 % interval, in the effect's unit */
+    mukca_estimate amplitude; /* in the effect's unit */
 } mukca_alternative;
 
 typedef struct {
-    mukca_finding_group group;    /* positions: joints, -1 the base, n_joints the tool */
-    double size_m, low_m, high_m; /* rms displacement of the tip in the samples, 95 % interval */
-    double share;                 /* of what all causes explain */
-    mukca_shrink held_out;        /* with and without all of its members */
-    int n_alternatives;           /* by falling probability */
+    mukca_finding_group group;  /* positions: joints, -1 the base, n_joints the tool */
+    mukca_estimate size_m;      /* rms displacement of the tip in the samples */
+    double share;               /* of what all causes explain */
+    double outside;             /* part of the probability outside the catalogue */
+    mukca_shrink held_out;      /* with and without all of its members */
+    mukca_estimate coefficient; /* sum of members that act through one quantity, in the unit of the
+                                   first alternative */
+    int order[2];               /* 95 % interval; 0: none */
+    int n_alternatives;         /* by falling probability */
     mukca_alternative alternatives[MUKCA_MAX_ALTERNATIVES];
 } mukca_finding;
 

@@ -118,23 +118,7 @@ static bool label_half(mukca_labelled_sets *out, mukca_pool *pool, mukca_half *h
 static int by_size(const void *a, const void *b)
 {
     const mukca_finding *x = a, *y = b;
-    return (x->size_m < y->size_m) - (x->size_m > y->size_m);
-}
-
-static void measure(mukca_finding *f, const mukca_labelled_sets *p, double sigma, int rows)
-{
-    double weight = 0, square = 0;
-    for (int i = 0; i < p->n_sets; i++) {
-        const mukca_labelled_set *s = &p->set[i];
-        bool any = false;
-        for (int a = 0; a < s->n; a++)
-            for (int b = 0; b < s->n && mukca_finding_holds(&f->group, &p->label[s->label[a]]); b++)
-                if (mukca_finding_holds(&f->group, &p->label[s->label[b]]))
-                    square += s->weight * s->product[a * s->n + b], any = true;
-        if (any) weight += s->weight;
-    }
-    f->size_m = weight > 0 ? sigma * sqrt(square / weight / rows) : 0;
-    f->share = mukca_finding_share(&f->group, p);
+    return (x->size_m.value < y->size_m.value) - (x->size_m.value > y->size_m.value);
 }
 
 /* Search the halves and label their sets. */
@@ -154,23 +138,24 @@ static mukca_status label_halves(mukca_labelled_sets out[MUKCA_HALVES], int *n, 
 mukca_status mukca_findings_reach(mukca_diagnosis *d, mukca_search *id, mukca_error *error)
 {
     mukca_pool pool = {0};
-    const mukca_recording *r = &id->m->recording;
     mukca_label *label = MUKCA_TAKE(&pool, mukca_label, id->n_kept + 1);
-    int *label_of = MUKCA_TAKE(&pool, int, id->n_kept + 1), n_findings = 0, n = -1, n_halves = 0;
     mukca_finding_group *group = MUKCA_TAKE(&pool, mukca_finding_group, 2 * MUKCA_MOST_FINDINGS);
-    mukca_labelled_sets whole = {.label = label}, half[MUKCA_HALVES];
+    mukca_labelled_sets half[MUKCA_HALVES];
+    mukca_labelled_search whole = {.posterior = {.label = label},
+                                   .label_of = MUKCA_TAKE(&pool, int, id->n_kept + 1)};
     mukca_status status = MUKCA_OK;
-    if (!pool.failed) whole.n_labels = number_labels(label, label_of, id);
-    for (int h = 0; h < MUKCA_HALVES; h++) half[h] = whole;
-    if (!pool.failed && label_whole(&whole, &pool, id, label_of))
-        status = label_halves(half, &n_halves, &pool, id, label_of, error);
+    int n_findings = 0, n_halves = 0, n = -1;
+    if (!pool.failed) whole.posterior.n_labels = number_labels(label, whole.label_of, id);
+    for (int h = 0; h < MUKCA_HALVES; h++) half[h] = whole.posterior;
+    if (!pool.failed && label_whole(&whole.posterior, &pool, id, whole.label_of))
+        status = label_halves(half, &n_halves, &pool, id, whole.label_of, error);
     if (status == MUKCA_OK && !pool.failed)
-        n = mukca_findings_choose(group, &n_findings, &pool, &whole, half, n_halves);
+        n = mukca_findings_choose(group, &n_findings, &pool, &whole.posterior, half, n_halves);
     for (int i = 0; i < n; i++) {
         mukca_finding *f = i < n_findings ? &d->findings[d->n_findings++] : &d->maybe[d->n_maybe++];
-        f->group = group[i];
-        measure(f, &whole, id->m->unknowns.sigma, r->n_samples);
+        *f = (mukca_finding){.group = group[i], .held_out = MUKCA_SHRINK_NONE};
     }
+    if (status == MUKCA_OK && n >= 0 && !mukca_findings_measure(d, id, &whole)) n = -1;
     qsort(d->findings, (size_t)d->n_findings, sizeof *d->findings, by_size);
     qsort(d->maybe, (size_t)d->n_maybe, sizeof *d->maybe, by_size);
     mukca_pool_free(&pool);

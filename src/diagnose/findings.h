@@ -3,17 +3,19 @@
 #define MUKCA_DIAGNOSE_FINDINGS_H
 
 #include "diagnose/identify.h"
-#include "infer/findings.h"
+#include "diagnose/label.h"
 
-/* Positions are the joints' numbers, this, and n_joints: the tool. */
-#define MUKCA_POSITION_BASE (-1)
+/* Posterior of the last search with labels. */
+typedef struct {
+    mukca_labelled_sets posterior;
+    int *label_of; /* [n_kept] of the candidates that were searched, -1: outlier */
+} mukca_labelled_search;
 
-/* Label of a candidate that is no outlier: the position of a function of an angle is the joint
- * whose angle it is, that of all others is where they act. */
-mukca_label mukca_candidate_label(const mukca_candidate *candidate,
-                                  const mukca_recording *recording, const mukca_unknowns *unknowns);
-
-/* The findings from the sets of a search.  Errors: MUKCA_MEMORY. */
+/* Findings from the sets of the last search.  Errors: MUKCA_MEMORY. */
 mukca_status mukca_findings_reach(mukca_diagnosis *d, mukca_search *id, mukca_error *error);
+
+/* Sizes, coefficients and alternatives of all groups (finding_size.c).  Changes what the scan is
+ * aimed at.  False: no memory. */
+bool mukca_findings_measure(mukca_diagnosis *d, mukca_search *id, const mukca_labelled_search *in);
 
 #endif

@@ -205,33 +205,6 @@ static bool weigh_family(double *value, mukca_search *id, const mukca_causes *se
     return ok;
 }
 
-/* Weights of the n first sets, with log posteriors total[], averaged over resamplings of the data
- * (Huggins and Miller, Reproducible model selection using bagged posteriors, Bayesian Analysis 18,
- * 2023). */
-static bool average_again(mukca_search *id, const mukca_ranked *order, const double *total, int n)
-{
-    mukca_pool pool = {0};
-    mukca_sets *sets = &id->sets;
-    const int stride = id->question.stride;
-    double *mean = MUKCA_TAKE(&pool, double, stride + 1),
-           *change = MUKCA_TAKE(&pool, double, n *MUKCA_DRAWS),
-           *value = MUKCA_TAKE(&pool, double, n), moved[MUKCA_DRAWS] = {0};
-    bool ok = !pool.failed && mukca_scan_aim(&id->scan, id->m->unknowns.family);
-    if (ok) mukca_sets_mean(mean, sets, &sets->set[order[0].index]);
-    const double *delta = ok ? mukca_scan_resample(&pool, &id->scan, &id->question, mean) : NULL;
-    for (int k = 0; k < stride && delta; k++)
-        for (int b = 0; b < MUKCA_DRAWS; b++) moved[b] += 2 * mean[k] * delta[k * MUKCA_DRAWS + b];
-    for (int i = 0; i < n && delta; i++)
-        mukca_sets_move(&change[i * MUKCA_DRAWS], sets, &sets->set[order[i].index], delta, moved);
-    for (int b = 0; b < MUKCA_DRAWS && delta; b++) {
-        for (int i = 0; i < n; i++) value[i] = total[i] + change[i * MUKCA_DRAWS + b];
-        const double sum = mukca_stats_log_sum_exp(value, n);
-        for (int i = 0; i < n; i++) id->set[i].again += exp(value[i] - sum) / MUKCA_DRAWS;
-    }
-    mukca_pool_free(&pool);
-    return delta;
-}
-
 /* Average the posterior of the sets of the last search over the families of the noise. */
 static mukca_status average(mukca_search *id, mukca_error *error)
 {
@@ -272,7 +245,7 @@ static mukca_status average(mukca_search *id, mukca_error *error)
     }
     const double sum = mukca_stats_log_sum_exp(total, n);
     for (int i = 0; i < n; i++) id->set[i].weight = exp(total[i] - sum);
-    return average_again(id, order, total, n) ? MUKCA_OK : no_memory(error);
+    return MUKCA_OK;
 }
 
 /* Would a report call both the same? */
@@ -295,8 +268,6 @@ static void find_names(mukca_search *id)
     id->name = MUKCA_TAKE(&id->pool, int, id->all.count);
     id->of_name = MUKCA_TAKE(&id->pool, int, id->all.count);
     id->probability = MUKCA_TAKE(&id->pool, double, id->all.count);
-    id->again = MUKCA_TAKE(&id->pool, double, id->all.count);
-    id->instead = MUKCA_TAKE(&id->pool, double, id->all.count);
     if (id->pool.failed) return;
     for (int j = 0; j < id->m->recording.chain->n_joints; j++) {
         mukca_recording_travel(range, &id->m->recording, j);
@@ -314,12 +285,11 @@ static void find_names(mukca_search *id)
                 if (n == id->n_names) id->of_name[id->n_names++] = set->candidate[k], in[n] = 0;
                 *name = n;
             }
-            if (!in[*name]) id->probability[*name] += set->weight, id->again[*name] += set->again;
+            if (!in[*name]) id->probability[*name] += set->weight;
             in[*name] = 1;
         }
     }
-    for (int n = 0; n < id->n_names; n++)
-        id->probability[n] = fmin(fmin(id->probability[n], id->again[n]), 1);
+    for (int n = 0; n < id->n_names; n++) id->probability[n] = fmin(id->probability[n], 1);
 }
 
 static int by_weight(const void *a, const void *b)
@@ -418,7 +388,7 @@ void mukca_identify_settle(mukca_search *id)
 {
     mukca_regression *m = id->m;
     m->unknowns.tails = NULL;
-    seat(id, 0); /* a cause acts at the recorded angles */
+    seat(id, 0);                               /* a cause acts at the recorded angles */
     mukca_evidence_set_share(&m->evidence, 0); /* least squares: unexplained errors are no noise */
     mukca_identify_fit(id, &id->set[0]);
 }

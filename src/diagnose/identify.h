@@ -13,7 +13,6 @@ typedef struct {
     double scale[MUKCA_SET_ITEMS];  /* most probable prior sizes */
     double weight;                  /* posterior probability */
     int index;                      /* of the last search's sets */
-    double again;                   /* its average over resamplings of the data */
 } mukca_causes;
 
 typedef struct {
@@ -37,10 +36,7 @@ typedef struct {
     /* names: what a report calls the same, one effect at one joint or socket; orders of ripple that
      * a joint's travel cannot tell apart are the same */
     int n_names, *name, *of_name; /* [all.count] name of a candidate, -1: in no set; its first */
-    /* [n_names] weights of the sets that contain it: averaged over resamplings of the data
-     * (`again`), and the smaller one of that and the posterior */
-    double *probability, *again;
-    double *instead; /* [n_names] scratch */
+    double *probability;          /* [n_names] weights of the sets that contain it */
     /* the last search, under the most probable family of the noise */
     int n_kept, *kept; /* its items are these candidates */
     mukca_question question;

@@ -1,7 +1,7 @@
-/* What a candidate says: what the error varies with, which effect, and where. */
+/* Labels of candidates. */
 #include <math.h>
 
-#include "diagnose/findings.h"
+#include "diagnose/label.h"
 
 /* Families of the arguments of unlisted causes. */
 static const mukca_varies families[] = {[MUKCA_ARGUMENT_ANGLE] = MUKCA_VARIES_ANGLE,

@@ -100,9 +100,14 @@ mukca_status mukca_mounting_compare(mukca_diagnosis *d, mukca_regression *m,
         memcpy(d->gravity, turned->gravity, sizeof d->gravity);
     }
     if (isfinite(best)) {
-        for (int i = 0; i < d->n_causes; i++) /* elastic effects under another load imitate it */
-            if (!mukca_effect_has((int)d->causes[i].effect.kind, MUKCA_TRAIT_RECORDING_FAULT))
-                mukca_cause_doubt(&d->causes[i]);
+        /* elastic effects under another load imitate it: with even odds, there is no finding */
+        for (int i = 0; i < d->n_findings && d->n_maybe < MUKCA_MOST_FINDINGS; i++) {
+            d->maybe[d->n_maybe] = d->findings[i];
+            d->maybe[d->n_maybe++].group.probability *= 0.5;
+        }
+        d->n_findings = 0;
+        for (int i = 0; i < d->n_causes; i++)
+            d->causes[i].or_unknown = true, d->causes[i].probability *= 0.5;
         if (d->verdict == MUKCA_VERDICT_NAMED) d->verdict = MUKCA_VERDICT_TIED;
     }
     return status;

@@ -63,12 +63,6 @@ bool mukca_scan_faults(mukca_scan *scan, mukca_pool *pool, const double *u);
 bool mukca_scan_question(mukca_question *question, mukca_scan *scan, mukca_pool *pool,
                          const int *index, int n);
 
-/* Changes of a question's products g, delta[stride][MUKCA_DRAWS], by resamplings of the postures;
- * mean[stride]: coefficients of the set about whose residuals.  Memory comes from `pool`; NULL:
- * none. */
-double *mukca_scan_resample(mukca_pool *pool, const mukca_scan *scan,
-                            const mukca_question *question, const double *mean);
-
 /* value[MUKCA_LAST_ORDER + 1]: log Bayes factors of the orders of an effect of the trait
  * MUKCA_TRAIT_ORDERS at its joint, from 2 on.  False: no memory. */
 bool mukca_scan_orders(double *value, mukca_scan *scan, const mukca_effect *effect);

@@ -1,5 +1,6 @@
 /* The verdict on the identified sets of causes: names, unexplained structure, location. */
 #include "diagnose/cause.h"
+#include "diagnose/label.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -87,45 +88,38 @@ static int by_evidence(const void *a, const void *b)
            (x->log_bayes_factor > y->log_bayes_factor);
 }
 
-/* The first set with all causes that are more probable than not; the first one if there is none. */
-static const mukca_causes *choose_set(const mukca_search *id)
+/* The first set with a member of each finding. */
+static const mukca_causes *choose_set(const mukca_diagnosis *d, const mukca_search *id)
 {
-    int wanted = 0;
-    for (int n = 0; n < id->n_names; n++) wanted += id->probability[n] >= MUKCA_LISTED;
     for (int i = 0; i < id->n_sets; i++) {
-        int found = 0;
-        for (int k = 0; k < id->set[i].n; k++) {
-            const int name = id->name[id->set[i].candidate[k]];
-            bool again = false;
-            for (int c = 0; c < k; c++) again |= id->name[id->set[i].candidate[c]] == name;
-            found += !again && id->probability[name] >= MUKCA_LISTED;
+        bool all = true;
+        for (int f = 0; f < d->n_findings && all; f++) {
+            all = false;
+            for (int k = 0; k < id->set[i].n && !all; k++) {
+                const mukca_candidate *h = &id->all.list[id->set[i].candidate[k]];
+                if (mukca_candidate_class(h) == MUKCA_CLASS_OUTLIER) continue;
+                const mukca_label l = mukca_candidate_label(h, &id->m->recording, &id->m->unknowns);
+                all = mukca_finding_holds(&d->findings[f].group, &l);
+            }
         }
-        if (found == wanted) return &id->set[i];
+        if (all) return &id->set[i];
     }
     return &id->set[0];
 }
 
-static int likeliest(const mukca_diagnosis *d)
+/* Probability of the sets with a member of the class, or (-1) with any but outliers. */
+static double probability_of(const mukca_search *id, int class)
 {
-    int best = 0;
-    for (int i = 1; i < d->n_causes; i++)
-        if (d->causes[i].probability > d->causes[best].probability) best = i;
-    return best;
-}
-
-/* Probability of the sets with a member of the class, or (-1) with any but outliers: as computed,
- * and averaged over resamplings. */
-static void probability_of(double p[2], const mukca_search *id, int class)
-{
-    p[0] = p[1] = 0;
+    double sum = 0;
     for (int i = 0; i < id->n_sets; i++) {
         bool found = false;
         for (int k = 0; k < id->set[i].n; k++) {
             const int of = mukca_candidate_class(&id->all.list[id->set[i].candidate[k]]);
             found |= class < 0 ? of != MUKCA_CLASS_OUTLIER : of == class;
         }
-        if (found) p[0] += id->set[i].weight, p[1] += id->set[i].again;
+        if (found) sum += id->set[i].weight;
     }
+    return sum;
 }
 
 static void list_sets(mukca_diagnosis *d, const mukca_search *id)
@@ -156,53 +150,68 @@ static void part_suspected(mukca_diagnosis *d)
             d->causes[d->n_causes++] = d->causes[c];
 }
 
+/* The verdict: what makes up half of the explained part.  Without a finding, structure that is sure
+ * has no place. */
+static mukca_verdict verdict_of(const mukca_diagnosis *d, double any, double unknown)
+{
+    double named = 0;
+    if (!d->n_findings)
+        return any < MUKCA_FINDING_SURE         ? MUKCA_VERDICT_NONE
+               : unknown >= MUKCA_FINDING_MAYBE ? MUKCA_VERDICT_UNKNOWN
+                                                : MUKCA_VERDICT_TIED;
+    for (int i = 0; i < d->n_findings; i++) {
+        const mukca_finding_group *g = &d->findings[i].group;
+        const bool whole_arm = g->effect >= 0 && !mukca_effect_has_joint(g->effect);
+        if (g->effect >= 0 && (g->from == g->to || whole_arm)) named += d->findings[i].share;
+    }
+    return named >= 0.5                   ? MUKCA_VERDICT_NAMED
+           : d->findings[0].outside > 0.5 ? MUKCA_VERDICT_UNKNOWN
+                                          : MUKCA_VERDICT_TIED;
+}
+
+/* Describe the members of the set to which the regression is fitted: causes, suspected ones and
+ * faults. */
+static void list_causes(mukca_diagnosis *d, mukca_search *id, const mukca_causes *best)
+{
+    const mukca_unknowns *u = &id->m->unknowns;
+    for (int c = 0; c < u->n_causes; c++) {
+        const mukca_candidate *h = &u->cause[c].candidate;
+        mukca_cause *cause = &d->causes[d->n_causes];
+        const int class = mukca_candidate_class(h);
+        if (class == MUKCA_CLASS_OUTLIER) add_outlier(d, id->m, &u->cause[c]);
+        if (class >= MUKCA_EFFECT_COUNT || d->n_causes == MUKCA_MAX_CAUSES) continue;
+        mukca_cause_describe(cause, id, best, c);
+        const mukca_label l = mukca_candidate_label(h, &id->m->recording, u);
+        bool found = false; /* of the alternatives of a finding, that of this set is applied */
+        for (int f = 0; f < d->n_findings; f++)
+            found |= mukca_finding_holds(&d->findings[f].group, &l);
+        if (!found && cause->probability < MUKCA_SUSPECTED) continue;
+        /* other causes may turn a sign that physics excludes */
+        if (mukca_effect_table[class]->nonnegative && !(cause->amplitude > 0)) continue;
+        d->n_causes++;
+        cause->suspected = !found && cause->probability < MUKCA_LISTED;
+        if (!cause->suspected && mukca_effect_table[class]->site == MUKCA_SITE_SOCKET)
+            mukca_screening_add(d, &id->m->recording, MUKCA_FAULT_TOOL_MOTION, h->fault.first,
+                                cause->amplitude);
+    }
+    qsort(d->causes, (size_t)d->n_causes, sizeof *d->causes, by_evidence);
+    part_suspected(d);
+}
+
 void mukca_verdict_reach(mukca_diagnosis *d, mukca_search *id)
 {
     mukca_regression *m = id->m;
-    const mukca_unknowns *u = &m->unknowns;
-    const mukca_causes *best = choose_set(id);
-    double p[2], beyond[2];
-    probability_of(p, id, -1);
-    probability_of(beyond, id, MUKCA_CLASS_UNKNOWN);
-    const bool any = fmin(p[0], p[1]) >= MUKCA_LISTED,
-               unknown = fmax(beyond[0], beyond[1]) >= MUKCA_LISTED;
-    bool sure = true;
-    int listed = 0, on_arm = 0;
+    const mukca_causes *best = choose_set(d, id);
+    const double any = probability_of(id, -1), unknown = probability_of(id, MUKCA_CLASS_UNKNOWN);
     if (best != &id->set[0]) mukca_identify_fit(id, best);
     mukca_regression_factor(m); /* intervals are those of the full model */
     d->structure = -HUGE_VAL;
     for (int c = 0; c < best->n; c++)
         if (mukca_candidate_class(&id->all.list[best->candidate[c]]) == MUKCA_CLASS_UNKNOWN)
             d->structure = fmax(d->structure, mukca_cause_gain(id, best, c));
-    for (int c = 0; c < u->n_causes; c++) {
-        const mukca_candidate *h = &u->cause[c].candidate;
-        mukca_cause *cause = &d->causes[d->n_causes];
-        const int class = mukca_candidate_class(h);
-        if (class == MUKCA_CLASS_OUTLIER) add_outlier(d, m, &u->cause[c]);
-        if (class >= MUKCA_EFFECT_COUNT || d->n_causes == MUKCA_MAX_CAUSES) continue;
-        if (mukca_cause_describe(cause, id, best, c) < MUKCA_SUSPECTED) continue;
-        /* other causes may turn a sign that physics excludes */
-        if (mukca_effect_table[class]->nonnegative && !(cause->amplitude > 0)) continue;
-        d->n_causes++;
-        cause->suspected = id->probability[id->name[best->candidate[c]]] < MUKCA_LISTED;
-        if (cause->suspected) continue;
-        const bool moved = mukca_effect_table[class]->site == MUKCA_SITE_SOCKET;
-        if (moved)
-            mukca_screening_add(d, &m->recording, MUKCA_FAULT_TOOL_MOTION, h->fault.first,
-                                cause->amplitude);
-        listed++;
-        on_arm += !moved;
-        sure &= cause->probability >= 1 - MUKCA_DOUBT && !cause->n_ties && !cause->or_unknown;
-    }
-    qsort(d->causes, (size_t)d->n_causes, sizeof *d->causes, by_evidence);
-    if (any && !unknown && !listed && d->n_causes) /* one of several: the likeliest */
-        d->causes[likeliest(d)].suspected = false, listed++, sure = false;
-    find_where(d, id, unknown);
+    list_causes(d, id, best);
+    d->verdict = verdict_of(d, any, unknown);
+    find_where(d, id, unknown >= MUKCA_LISTED);
     list_sets(d, id);
-    part_suspected(d);
-    d->verdict = !any || !(listed || unknown) ? MUKCA_VERDICT_NONE
-                 : unknown && !on_arm         ? MUKCA_VERDICT_UNKNOWN
-                 : listed && sure             ? MUKCA_VERDICT_NAMED
-                                              : MUKCA_VERDICT_TIED;
-    d->unexplained = unknown && listed;
+    d->unexplained = unknown >= MUKCA_LISTED && d->n_causes;
 }

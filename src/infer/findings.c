@@ -105,7 +105,7 @@ static void add_stretches(groups *all, mukca_group_kind kind, int label)
     const mukca_label *l = all->posterior->label;
     const int n = all->posterior->n_labels;
     const mukca_finding_group like = {.kind = kind,
-                                      .family = kind == MUKCA_GROUP_FAMILY ? l[label].family : -1,
+                                      .family = kind != MUKCA_GROUP_PLACE ? l[label].family : -1,
                                       .effect = kind == MUKCA_GROUP_EFFECT ? l[label].effect : -1,
                                       .from = -1000,
                                       .to = 1000,
@@ -156,7 +156,8 @@ static int by_coarseness(const void *a, const void *b)
            (x->group.probability > y->group.probability);
 }
 
-/* Append the finest groups with these probabilities and causes that are not taken. */
+/* Append the finest groups with this probability and support in halves whose causes are not taken.
+ */
 static int take(mukca_finding_group *out, unsigned char *taken, const groups *all, double least,
                 double stable)
 {
@@ -164,7 +165,7 @@ static int take(mukca_finding_group *out, unsigned char *taken, const groups *al
     int n = 0;
     for (int i = 0; i < all->n && n < MUKCA_MOST_FINDINGS; i++) {
         const mukca_finding_group *g = &all->list[i].group;
-        bool is_free = g->probability >= least && g->halves >= stable;
+        bool is_free = g->probability >= least && !(stable > 0 && !(g->halves >= stable));
         for (int l = 0; l < p->n_labels && is_free; l++)
             is_free = !taken[l] || !mukca_finding_holds(g, &p->label[l]);
         if (!is_free) continue;
@@ -172,6 +173,15 @@ static int take(mukca_finding_group *out, unsigned char *taken, const groups *al
         out[n++] = *g;
     }
     return n;
+}
+
+/* What is no finding is as probable as the whole and its halves say on average. */
+static void discount(groups *all)
+{
+    for (int i = 0; i < all->n; i++) {
+        mukca_finding_group *g = &all->list[i].group;
+        g->probability = 0.5 * (g->probability + (isnan(g->halves) ? 0.5 : g->halves));
+    }
 }
 
 int mukca_findings_choose(mukca_finding_group out[2 * MUKCA_MOST_FINDINGS], int *n_findings,
@@ -190,7 +200,7 @@ int mukca_findings_choose(mukca_finding_group out[2 * MUKCA_MOST_FINDINGS], int 
         r.group.probability = mukca_finding_probability(&r.group, posterior);
         if (!(r.group.probability >= MUKCA_FINDING_MAYBE)) continue;
         r.coarseness = coarseness_of(&r.group, posterior);
-        r.group.halves = n_halves ? 0 : 1;
+        r.group.halves = n_halves ? 0 : NAN;
         for (int h = 0; h < n_halves; h++)
             r.group.halves += mukca_finding_probability(&r.group, &halves[h]) / n_halves;
         all.list[kept++] = r;
@@ -198,5 +208,6 @@ int mukca_findings_choose(mukca_finding_group out[2 * MUKCA_MOST_FINDINGS], int 
     all.n = kept;
     qsort(all.list, (size_t)all.n, sizeof *all.list, by_coarseness);
     *n_findings = take(out, taken, &all, MUKCA_FINDING_SURE, MUKCA_FINDING_STABLE);
+    discount(&all);
     return *n_findings + take(out + *n_findings, taken, &all, MUKCA_FINDING_MAYBE, 0);
 }

@@ -67,7 +67,8 @@ typedef struct {
     int from, to;
     int low, high; /* details */
     bool apart;
-    double probability, halves; /* posterior; mean in halves of the data, 1 without halves */
+    double probability; /* posterior; of what is no finding, averaged with that in halves */
+    double halves;      /* mean probability in halves of the data; NaN: too little data */
 } mukca_finding_group;
 
 /* Does a group contain causes with this label? */

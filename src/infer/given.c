@@ -184,10 +184,7 @@ bool mukca_given_condition(mukca_sets *s, const mukca_set *set)
 void mukca_sets_gram(double *G, mukca_sets *s, int a, int b)
 {
     const mukca_item *x = &s->question->item[a], *y = &s->question->item[b];
-    if (a == b)
-        memcpy(G, s->block[a], sizeof *G * (size_t)(x->terms * x->terms));
-    else
-        mukca_given_cross(G, s, a, b);
+    mukca_sets_products_of(G, s, a, b);
     for (int r = 0; r < s->with.posterior.n; r++) {
         const double *B = s->with.B + r * s->question->stride;
         for (int i = 0; i < x->terms; i++)
@@ -224,29 +221,22 @@ void mukca_sets_products(double *product, double *mean, mukca_sets *s, const muk
         }
 }
 
-void mukca_sets_move(double *change, mukca_sets *s, const mukca_set *set, const double *delta,
-                     const double *moved)
+void mukca_sets_products_of(double *G, mukca_sets *s, int a, int b)
 {
-    const mukca_question *q = s->question;
-    double mean = 0, *v = s->with.inverse; /* [columns][MUKCA_DRAWS] */
-    memset(change, 0, sizeof *change * MUKCA_DRAWS);
-    if (!mukca_given_integrate(s, set)) return;
-    for (int m = 0, row = 0; m < set->n; m++) {
-        const mukca_item *h = &q->item[set->item[m]];
-        for (int t = 0; t < h->terms; t++, row++)
-            for (int b = 0; b < MUKCA_DRAWS; b++)
-                v[row * MUKCA_DRAWS + b] = s->with.posterior.prior[row] *
-                                           (q->g[h->at + t] + delta[(h->at + t) * MUKCA_DRAWS + b]);
-    }
-    mukca_dense_forward8(v, MUKCA_DRAWS, MUKCA_DRAWS, s->with.posterior.factor,
-                         s->with.posterior.n);
-    for (int i = 0; i < s->with.posterior.n; i++)
-        for (int b = 0; b < MUKCA_DRAWS; b++)
-            change[b] += v[i * MUKCA_DRAWS + b] * v[i * MUKCA_DRAWS + b];
-    for (int b = 0; b < MUKCA_DRAWS; b++) {
-        const double rest = fmax(q->residual + moved[b] - change[b], 1e-3 * q->residual);
-        change[b] = -0.5 * q->dof * log(rest / s->with.posterior.quadratic);
-        mean += change[b] / MUKCA_DRAWS;
-    }
-    for (int b = 0; b < MUKCA_DRAWS; b++) change[b] -= mean;
+    const int terms = s->question->item[a].terms;
+    if (a == b)
+        memcpy(G, s->block[a], sizeof *G * (size_t)(terms * terms));
+    else
+        mukca_given_cross(G, s, a, b);
+}
+
+int mukca_sets_covariance(double *V, mukca_sets *s)
+{
+    const int n = s->with.posterior.n, ld = padded(s);
+    const double *T = s->with.inverse, *D = s->with.posterior.prior;
+    mukca_given_invert(s);
+    memset(V, 0, sizeof *V * (size_t)(n * n));
+    mukca_dense_symmetric(V, (mukca_columns){T, n, ld}, (mukca_columns){T, n, ld}, n);
+    for (int i = 0; i < n * n; i++) V[i] *= D[i / n] * D[i % n];
+    return n;
 }

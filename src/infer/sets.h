@@ -12,8 +12,7 @@
 enum {
     MUKCA_SET_ITEMS = 24,    /* in a set */
     MUKCA_SET_COLUMNS = 160, /* of them together */
-    MUKCA_MOST_SETS = 16384,
-    MUKCA_DRAWS = 64 /* resamplings of the data */
+    MUKCA_MOST_SETS = 16384
 };
 
 typedef struct {
@@ -104,10 +103,11 @@ void mukca_sets_mean(double *mean, mukca_sets *sets, const mukca_set *set);
  * of the noise; mean[stride] is scratch. */
 void mukca_sets_products(double *product, double *mean, mukca_sets *sets, const mukca_set *set);
 
-/* Change of a set's log posterior where the products g change by delta[stride][MUKCA_DRAWS] and the
- * squared residual by moved[MUKCA_DRAWS], at the set's sizes.  About its mean: what noise adds to
- * the square of an effect in these data, it adds once more in each draw. */
-void mukca_sets_move(double *change, mukca_sets *sets, const mukca_set *set, const double *delta,
-                     const double *moved);
+/* Gram block G[a.terms][b.terms] of two items; without memory 0. */
+void mukca_sets_products_of(double *G, mukca_sets *sets, int a, int b);
+
+/* Posterior covariance[n][n] of the coefficients of the set integrated out last, in the order of
+ * its members; returns n. */
+int mukca_sets_covariance(double *covariance, mukca_sets *sets);
 
 #endif

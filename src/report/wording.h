@@ -69,6 +69,22 @@ const char *mukca_wording_amplitude(char text[MUKCA_WORDING], const mukca_cause 
 const char *mukca_wording_rivals(char text[MUKCA_WORDING], const mukca_cause *cause,
                                  const mukca_diagnosed *diagnosed);
 
+/* A finding: "deflection under load, base to joint_2", "transmission ripple at joint_4, order 100
+ * [99, 101]"; its certainty and coefficient: "certain (> 99.9 %, all halves); 73 urad/(N·m) [70,
+ * 76] in all"; its members, unless it is one effect at one place. */
+const char *mukca_wording_finding(char text[MUKCA_WORDING], const mukca_finding *finding,
+                                  const mukca_diagnosed *diagnosed);
+const char *mukca_wording_certainty(char text[MUKCA_WORDING], const mukca_finding *finding,
+                                    const mukca_diagnosed *diagnosed);
+const char *mukca_wording_alternatives(char text[MUKCA_WORDING], const mukca_finding *finding,
+                                       const mukca_diagnosed *diagnosed);
+
+/* Name of a position along the chain: "base", a joint, "tool". */
+const char *mukca_wording_position(const mukca_diagnosed *diagnosed, int position);
+
+/* Index of the one placement that a finding concerns, -1: none. */
+int mukca_wording_finding_placement(const mukca_finding *finding);
+
 /* A set of causes: "joint_compliance joint_4 + outlier at session.tsv:14". */
 const char *mukca_wording_set(char text[MUKCA_WORDING], const mukca_cause_set *set,
                               const mukca_diagnosed *diagnosed);

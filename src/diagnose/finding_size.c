@@ -1,0 +1,397 @@
+/* Sizes of findings: displacement of the tip, coefficient, alternatives, each averaged over sets.
+ *
+ * In a set the coefficients c of a group's members are Gaussian, and its displacement has the
+ * square c'G c, with G of the plain displacements that the geometry does not absorb.  Its first two
+ * moments (A. Mathai, S. Provost, Quadratic Forms in Random Variables, 1992, section 3.2) give mean
+ * and deviation of the root, as of a Gaussian with the same second and fourth moments.  Over sets
+ * these are mixed with the sets' weights, so that an interval contains what no set is sure of. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "diagnose/findings.h"
+#include "math/dense.h"
+#include "math/stats.h"
+
+/* Probability of the sets that are averaged, and their largest number. */
+#define AVERAGED 0.99
+enum { MOST_SETS = 60 };
+/* Least square of the correlation with the column of one member at which all act through one
+ * quantity. */
+#define ONE_QUANTITY 0.9
+/* Least probability of an alternative. */
+#define ALTERNATIVE 0.05
+
+/* A mixture of Gaussians. */
+typedef struct {
+    int n;
+    double mean[MOST_SETS], deviation[MOST_SETS], weight[MOST_SETS];
+} mixed;
+
+typedef struct {
+    mukca_search *id;
+    const mukca_labelled_search *in;
+    mukca_question plain; /* independent noise: products are those of displacements */
+    mukca_sets plain_sets;
+    int *plain_of; /* [n_kept] item of it, -1: none */
+    /* the present set */
+    const mukca_set *set;
+    int columns, at[MUKCA_SET_ITEMS];
+    double mean[MUKCA_SET_COLUMNS], *V, *G, *product; /* [columns][columns] */
+} measured;
+
+static void put(mixed *m, double mean, double variance, double weight)
+{
+    if (!isfinite(mean) || m->n == MOST_SETS) return;
+    m->mean[m->n] = mean;
+    m->deviation[m->n] = sqrt(fmax(variance, 1e-30));
+    m->weight[m->n++] = weight;
+}
+
+static double quantile(const mixed *m, double total, double p)
+{
+    double low = HUGE_VAL, high = -HUGE_VAL;
+    for (int i = 0; i < m->n; i++) {
+        low = fmin(low, m->mean[i] - 5 * m->deviation[i]);
+        high = fmax(high, m->mean[i] + 5 * m->deviation[i]);
+    }
+    for (int step = 0; step < 60; step++) {
+        const double middle = 0.5 * (low + high);
+        double below = 0;
+        for (int i = 0; i < m->n; i++)
+            below += m->weight[i] * 0.5 *
+                     erfc((m->mean[i] - middle) / m->deviation[i] * 0.70710678118654752440);
+        *(below < p * total ? &low : &high) = middle;
+    }
+    return 0.5 * (low + high);
+}
+
+static mukca_estimate estimate(const mixed *m, double scale, bool positive)
+{
+    double total = 0, mean = 0;
+    if (m->n == 0) return (mukca_estimate){NAN, NAN, NAN};
+    for (int i = 0; i < m->n; i++) total += m->weight[i], mean += m->weight[i] * m->mean[i];
+    const double low = quantile(m, total, 0.025);
+    return (mukca_estimate){scale * mean / total, scale * (positive ? fmax(low, 0) : low),
+                            scale * quantile(m, total, 0.975)};
+}
+
+/* Means, covariance and plain products of a set's columns. */
+static bool take_set(measured *w, const mukca_set *set, double *scratch)
+{
+    const mukca_search *id = w->id;
+    mukca_sets *sets = &w->id->sets;
+    double *block = id->scan.scratch->B;
+    mukca_sets_mean(scratch, sets, set);
+    w->set = set;
+    w->columns = mukca_sets_covariance(w->V, sets);
+    for (int m = 0, row = 0; m < set->n; m++) {
+        const mukca_item *h = &id->question.item[set->item[m]];
+        w->at[m] = row;
+        for (int t = 0; t < h->terms; t++) w->mean[row++] = scratch[h->at + t];
+    }
+    for (int a = 0; a < set->n; a++)
+        for (int b = 0; b < set->n; b++) {
+            const int x = w->plain_of[set->item[a]], y = w->plain_of[set->item[b]];
+            const int ka = w->plain.item[x].terms, kb = w->plain.item[y].terms;
+            mukca_sets_products_of(block, &w->plain_sets, x, y);
+            for (int i = 0; i < ka; i++)
+                memcpy(w->G + (w->at[a] + i) * w->columns + w->at[b], block + i * kb,
+                       sizeof *block * (size_t)kb);
+        }
+    return !w->plain_sets.pool->failed;
+}
+
+/* Columns of the set's members with these labels, index[]; returns their number. */
+static int columns_of(int *index, const measured *w, const mukca_finding_group *g, int label)
+{
+    const mukca_label *l = w->in->posterior.label;
+    int n = 0;
+    for (int m = 0; m < w->set->n; m++) {
+        const int of = w->in->label_of[w->set->item[m]];
+        if (of < 0 || (label >= 0 ? of != label : !mukca_finding_holds(g, &l[of]))) continue;
+        for (int t = 0; t < w->id->question.item[w->set->item[m]].terms; t++)
+            index[n++] = w->at[m] + t;
+    }
+    return n;
+}
+
+/* Add the root of the square that some columns explain. */
+static void add_size(mixed *out, measured *w, const int *index, int n, double weight)
+{
+    double *M = w->product, square = 0, variance = 0, trace = 0;
+    memset(M, 0, sizeof *M * (size_t)(n * n));
+    for (int a = 0; a < n; a++) /* M = G V */
+        for (int k = 0; k < n; k++) {
+            const double g = w->G[index[a] * w->columns + index[k]];
+            square += w->mean[index[a]] * g * w->mean[index[k]];
+            for (int b = 0; b < n; b++) M[a * n + b] += g * w->V[index[k] * w->columns + index[b]];
+        }
+    for (int a = 0; a < n; a++) {
+        double along = 0; /* m'G V, times G m */
+        double Gm = 0;
+        for (int b = 0; b < n; b++) {
+            trace += M[a * n + b] * M[b * n + a];
+            along += w->mean[index[b]] * M[b * n + a];
+            Gm += w->G[index[a] * w->columns + index[b]] * w->mean[index[b]];
+        }
+        square += M[a * n + a];
+        variance += 4 * along * Gm;
+    }
+    variance += 2 * trace;
+    const double fourth =
+        sqrt(fmax(square * square - 0.5 * variance, 0)); /* mean of root, squared */
+    put(out, sqrt(fourth), square - fourth, weight);
+}
+
+/* Add the regression of what the columns displace on the column of an item of the last search;
+ * returns the square of the correlation. */
+static double add_coefficient(mixed *out, measured *w, const int *index, int n, int item,
+                              double weight)
+{
+    const mukca_candidate *h = &w->id->all.list[w->id->kept[item]];
+    const int reference = w->plain_of[item];
+    double *block = w->id->scan.scratch->B, part[MUKCA_SET_COLUMNS], own, mean = 0, variance = 0,
+           square = 0;
+    mukca_sets_products_of(block, &w->plain_sets, reference, reference);
+    own = fmax(block[0], 1e-30);
+    for (int m = 0; m < w->set->n; m++) {
+        const int x = w->plain_of[w->set->item[m]], terms = w->plain.item[x].terms;
+        mukca_sets_products_of(block, &w->plain_sets, reference, x);
+        for (int i = 0; i < n; i++)
+            if (index[i] >= w->at[m] && index[i] < w->at[m] + terms)
+                part[i] = block[index[i] - w->at[m]] / own;
+    }
+    for (int i = 0; i < n; i++) {
+        mean += part[i] * w->mean[index[i]];
+        for (int k = 0; k < n; k++) {
+            variance += part[i] * part[k] * w->V[index[i] * w->columns + index[k]];
+            square +=
+                w->mean[index[i]] * w->mean[index[k]] * w->G[index[i] * w->columns + index[k]];
+        }
+    }
+    put(out, mean / h->unit[0], variance / (h->unit[0] * h->unit[0]), weight);
+    return square > 0 ? mean * mean * own / square : 0;
+}
+
+/* Add the root of the squared coefficients of an effect with several. */
+static void add_norm(mixed *out, const measured *w, const int *index, const mukca_candidate *h,
+                     double weight)
+{
+    const int terms = mukca_candidate_own_terms(h);
+    double square = 0, variance = 0;
+    for (int t = 0; t < terms; t++) square += pow(w->mean[index[t]] / h->unit[t], 2);
+    for (int t = 0; t < terms && square > 0; t++)
+        for (int k = 0; k < terms; k++)
+            variance += w->mean[index[t]] * w->mean[index[k]] *
+                        w->V[index[t] * w->columns + index[k]] /
+                        (pow(h->unit[t] * h->unit[k], 2) * square);
+    put(out, sqrt(square), variance, weight);
+}
+
+/* ---- alternatives ---- */
+
+static int by_probability(const void *a, const void *b)
+{
+    const mukca_alternative *x = a, *y = b;
+    return (x->probability < y->probability) - (x->probability > y->probability);
+}
+
+/* Probability of each label, and its most probable candidate. */
+static void weigh_labels(double *probability, int *item, double *best, const measured *w)
+{
+    const mukca_search *id = w->id;
+    const mukca_labelled_sets *p = &w->in->posterior;
+    for (int s = 0; s < p->n_sets; s++) {
+        const mukca_set *set = &id->sets.set[id->set[s].index];
+        for (int m = 0; m < set->n; m++) {
+            const int label = w->in->label_of[set->item[m]];
+            bool again = label < 0;
+            for (int k = 0; k < m && !again; k++) again = w->in->label_of[set->item[k]] == label;
+            if (!again) probability[label] += p->set[s].weight;
+            if (label >= 0) best[set->item[m]] += p->set[s].weight;
+        }
+    }
+    for (int i = 0; i < id->n_kept; i++) {
+        const int label = w->in->label_of[i];
+        if (label >= 0 && (item[label] < 0 || best[i] > best[item[label]])) item[label] = i;
+    }
+}
+
+static mukca_alternative alternative_of(const measured *w, int label, int item, double probability)
+{
+    const mukca_label *l = &w->in->posterior.label[label];
+    const mukca_candidate *h = &w->id->all.list[w->id->kept[item]];
+    mukca_alternative out = {.listed = l->effect >= 0,
+                             .from = l->from,
+                             .to = l->to,
+                             .probability = fmin(probability, 1),
+                             .amplitude = {NAN, NAN, NAN}};
+    out.effect = mukca_candidate_effect(h);
+    if (!out.listed) out.effect.kind = MUKCA_EFFECT_COUNT;
+    return out;
+}
+
+/* 95 % interval of the orders of a group. */
+static void find_orders(mukca_finding *f, const measured *w, const double *probability)
+{
+    const mukca_labelled_sets *p = &w->in->posterior;
+    double total = 0, below = 0;
+    const bool ordered = f->group.effect >= 0 && f->group.from == f->group.to &&
+                         mukca_effect_has(f->group.effect, MUKCA_TRAIT_ORDERS);
+    for (int l = 0; l < p->n_labels && ordered; l++)
+        if (mukca_finding_holds(&f->group, &p->label[l])) total += probability[l];
+    for (int o = 2; o <= MUKCA_LAST_ORDER && total > 0; o++) {
+        double here = 0;
+        for (int l = 0; l < p->n_labels; l++)
+            if (p->label[l].detail == o && mukca_finding_holds(&f->group, &p->label[l]))
+                here += probability[l];
+        if (below <= 0.025 * total && below + here > 0.025 * total) f->order[0] = o;
+        if (below < 0.975 * total && below + here >= 0.975 * total) f->order[1] = o;
+        below += here;
+    }
+}
+
+/* ---- all groups ---- */
+
+typedef struct {
+    double *probability, *best, *scratch;
+    int *item;
+    mixed *size, *coefficient, *amplitude; /* [2 MOST_FINDINGS]; amplitude: of the labels */
+    double fit[2 * MUKCA_MOST_FINDINGS], weight[2 * MUKCA_MOST_FINDINGS];
+} tables;
+
+static mukca_finding *finding_at(mukca_diagnosis *d, int i)
+{
+    return i < d->n_findings ? &d->findings[i] : &d->maybe[i - d->n_findings];
+}
+
+static void describe(mukca_finding *f, const measured *w, const tables *t)
+{
+    const mukca_labelled_sets *p = &w->in->posterior;
+    mukca_alternative all[64];
+    double outside = 0, inside = 0;
+    int n = 0;
+    for (int l = 0; l < p->n_labels; l++) {
+        if (!mukca_finding_holds(&f->group, &p->label[l])) continue;
+        *(p->label[l].effect < 0 ? &outside : &inside) += t->probability[l];
+        if (t->item[l] < 0 || !(t->probability[l] >= ALTERNATIVE) || n == 64) continue;
+        all[n] = alternative_of(w, l, t->item[l], t->probability[l]);
+        if (all[n].listed)
+            all[n].amplitude =
+                estimate(&t->amplitude[l], 1, mukca_effect_table[all[n].effect.kind]->nonnegative);
+        n++;
+    }
+    qsort(all, (size_t)n, sizeof *all, by_probability);
+    f->n_alternatives = n < MUKCA_MAX_ALTERNATIVES ? n : MUKCA_MAX_ALTERNATIVES;
+    memcpy(f->alternatives, all, sizeof *all * (size_t)f->n_alternatives);
+    f->outside = outside + inside > 0 ? outside / (outside + inside) : 0;
+    f->share = mukca_finding_share(&f->group, p);
+    find_orders(f, w, t->probability);
+}
+
+/* Item whose column is the group's quantity: of its most probable effect, if that has one
+ * coefficient; -1: none. */
+static int quantity_of(const mukca_finding *f, const measured *w, const tables *t)
+{
+    const mukca_labelled_sets *p = &w->in->posterior;
+    int best = -1;
+    for (int l = 0; l < p->n_labels; l++)
+        if (t->item[l] >= 0 && mukca_finding_holds(&f->group, &p->label[l]) &&
+            (best < 0 || t->probability[l] > t->probability[best]))
+            best = l;
+    if (best < 0 || p->label[best].effect < 0) return -1;
+    const mukca_candidate *h = &w->id->all.list[w->id->kept[t->item[best]]];
+    return mukca_candidate_own_terms(h) == 1 && h->kind == MUKCA_CANDIDATE_EFFECT ? t->item[best]
+                                                                                  : -1;
+}
+
+static void add_all(measured *w, tables *t, mukca_diagnosis *d, double weight)
+{
+    const mukca_labelled_sets *p = &w->in->posterior;
+    int index[MUKCA_SET_COLUMNS];
+    for (int i = 0; i < d->n_findings + d->n_maybe; i++) {
+        const mukca_finding *f = finding_at(d, i);
+        const int n = columns_of(index, w, &f->group, -1), quantity = quantity_of(f, w, t);
+        if (!n) continue;
+        add_size(&t->size[i], w, index, n, weight);
+        if (quantity >= 0)
+            t->fit[i] +=
+                weight * add_coefficient(&t->coefficient[i], w, index, n, quantity, weight);
+        t->weight[i] += weight;
+    }
+    for (int l = 0; l < p->n_labels; l++) {
+        if (t->item[l] < 0 || p->label[l].effect < 0 || !(t->probability[l] >= ALTERNATIVE))
+            continue;
+        const mukca_candidate *h = &w->id->all.list[w->id->kept[t->item[l]]];
+        const int n = columns_of(index, w, NULL, l);
+        if (n && mukca_candidate_own_terms(h) == 1)
+            add_coefficient(&t->amplitude[l], w, index, n, t->item[l], weight);
+        else if (n)
+            add_norm(&t->amplitude[l], w, index, h, weight);
+    }
+}
+
+/* The plain products of all candidates in the sets. */
+static bool make_plain(measured *w, mukca_pool *pool, int n_sets)
+{
+    mukca_search *id = w->id;
+    int *index = MUKCA_TAKE(pool, int, id->n_kept + 1), count = 0;
+    unsigned char *used = MUKCA_TAKE(pool, unsigned char, id->n_kept + 1);
+    w->plain_of = MUKCA_TAKE(pool, int, id->n_kept + 1);
+    if (pool->failed) return false;
+    for (int s = 0; s < n_sets; s++)
+        for (int m = 0; m < id->set[s].n; m++) used[id->sets.set[id->set[s].index].item[m]] = 1;
+    for (int i = 0; i < id->n_kept; i++) {
+        w->plain_of[i] = used[i] ? count : -1;
+        if (used[i]) index[count++] = id->kept[i];
+    }
+    id->m->unknowns.tails = NULL;
+    mukca_evidence_set_share(&id->m->evidence, 0);
+    return mukca_scan_aim(&id->scan, 0) &&
+           mukca_scan_question(&w->plain, &id->scan, pool, index, count) &&
+           mukca_sets_create(&w->plain_sets, pool, &w->plain);
+}
+
+bool mukca_findings_measure(mukca_diagnosis *d, mukca_search *id, const mukca_labelled_search *in)
+{
+    mukca_pool pool = {0};
+    const mukca_labelled_sets *p = &in->posterior;
+    const int all = d->n_findings + d->n_maybe, square = MUKCA_SET_COLUMNS * MUKCA_SET_COLUMNS;
+    measured w = {.id = id, .in = in};
+    w.V = MUKCA_TAKE(&pool, double, square);
+    w.G = MUKCA_TAKE(&pool, double, square);
+    w.product = MUKCA_TAKE(&pool, double, square);
+    tables t = {.probability = MUKCA_TAKE(&pool, double, p->n_labels + 1),
+                .best = MUKCA_TAKE(&pool, double, id->n_kept + 1),
+                .scratch = MUKCA_TAKE(&pool, double, id->question.stride + 1),
+                .item = MUKCA_TAKE(&pool, int, p->n_labels + 1),
+                .size = MUKCA_TAKE(&pool, mixed, all + 1),
+                .coefficient = MUKCA_TAKE(&pool, mixed, all + 1),
+                .amplitude = MUKCA_TAKE(&pool, mixed, p->n_labels + 1)};
+    bool ok = !pool.failed;
+    double sum = 0;
+    int n_sets = 0;
+    while (n_sets < p->n_sets && n_sets < MOST_SETS && sum < AVERAGED)
+        sum += p->set[n_sets++].weight;
+    for (int l = 0; l < p->n_labels && ok; l++) t.item[l] = -1;
+    if (ok && all) weigh_labels(t.probability, t.item, t.best, &w);
+    ok = ok && (!all || make_plain(&w, &pool, n_sets));
+    for (int l = 0; l < p->n_labels && ok && all; l++)
+        if (t.item[l] >= 0 && w.plain_of[t.item[l]] < 0) t.item[l] = -1;
+    for (int s = 0; s < n_sets && ok && all; s++) {
+        ok = take_set(&w, &id->sets.set[id->set[s].index], t.scratch);
+        if (ok) add_all(&w, &t, d, p->set[s].weight);
+    }
+    const double scale = id->m->unknowns.sigma / sqrt(id->m->recording.n_samples);
+    for (int i = 0; i < all && ok; i++) {
+        mukca_finding *f = finding_at(d, i);
+        describe(f, &w, &t);
+        f->size_m = estimate(&t.size[i], scale, true);
+        f->coefficient = (mukca_estimate){NAN, NAN, NAN};
+        if (t.weight[i] > 0 && t.fit[i] > ONE_QUANTITY * t.weight[i])
+            f->coefficient = estimate(&t.coefficient[i], 1, false);
+    }
+    mukca_pool_free(&pool);
+    return ok;
+}

@@ -1,0 +1,154 @@
+/* The wording of findings: what the error varies with, where, how large, how sure. */
+#include <math.h>
+#include <string.h>
+
+#include "report/wording.h"
+
+#define put mukca_wording_put /* short for this file */
+
+/* What each family is called, before its place. */
+static const char *const families[MUKCA_VARIES_COUNT] = {
+    [MUKCA_VARIES_LOAD] = "deflection under load",
+    [MUKCA_VARIES_SIDE] = "play: differs with the side of the load",
+    [MUKCA_VARIES_MOVE] = "depends on the direction of the last move",
+    [MUKCA_VARIES_ANGLE] = "varies with the angle of",
+    [MUKCA_VARIES_TIME] = "drifts with time",
+    [MUKCA_VARIES_PLACEMENT] = "differs between placements"};
+
+/* Alternatives on one line, and halves that count as all. */
+enum { MOST_ALTERNATIVES = 3 };
+#define ALL_HALVES 0.99
+
+const char *mukca_wording_position(const mukca_diagnosed *r, int position)
+{
+    return position < 0                    ? "base"
+           : position < r->chain->n_joints ? mukca_chain_joint_name(r->chain, position)
+                                           : "tool";
+}
+
+int mukca_wording_finding_placement(const mukca_finding *f)
+{
+    const mukca_finding_group *g = &f->group;
+    if (g->apart) return g->from == g->to ? g->from : -1;
+    return g->kind == MUKCA_GROUP_DETAIL && !mukca_effect_has(g->effect, MUKCA_TRAIT_ORDERS)
+               ? g->low - 1
+               : -1;
+}
+
+/* " at joint_2", ", base to joint_2"; nothing for the whole arm. */
+static void put_place(char *text, const mukca_diagnosed *r, int from, int to)
+{
+    const int tool = r->chain->n_joints;
+    if (from < 0 && to >= tool) return;
+    if (from == to)
+        put(text, " at %s%s", from < 0 || from >= tool ? "the " : "",
+            mukca_wording_position(r, from));
+    else
+        put(text, ", %s to %s", mukca_wording_position(r, from), mukca_wording_position(r, to));
+}
+
+static void put_group(char *text, const mukca_finding *f, const mukca_diagnosed *r)
+{
+    const mukca_finding_group *g = &f->group;
+    const char *joint = g->from == g->to && g->from >= 0 && g->from < r->chain->n_joints
+                            ? mukca_chain_joint_name(r->chain, g->from)
+                            : NULL;
+    if (g->effect >= 0 && (joint || !mukca_effect_has_joint(g->effect))) {
+        put(text, "%s",
+            mukca_wording_effect(MUKCA_WORDS, (mukca_effect_kind)g->effect,
+                                 mukca_effect_has_joint(g->effect) ? joint : NULL));
+    } else if (g->effect >= 0) {
+        put(text, "%s", mukca_effect_table[g->effect]->title);
+        put_place(text, r, g->from, g->to);
+    } else if (g->kind == MUKCA_GROUP_PLACE) {
+        put(text, "an error of any kind");
+        put_place(text, r, g->from, g->to);
+    } else if (g->family == MUKCA_VARIES_ANGLE && g->to < r->chain->n_joints && g->from >= 0) {
+        put(text, "%s %s%s%s", families[g->family], mukca_wording_position(r, g->from),
+            g->from < g->to ? " to " : "", g->from < g->to ? mukca_wording_position(r, g->to) : "");
+    } else if (g->family == MUKCA_VARIES_ANGLE) {
+        put(text, "varies with the angles");
+        put_place(text, r, g->from, g->to);
+    } else {
+        put(text, "%s", families[g->family]);
+        if (!g->apart) put_place(text, r, g->from, g->to);
+    }
+}
+
+const char *mukca_wording_finding(char text[MUKCA_WORDING], const mukca_finding *f,
+                                  const mukca_diagnosed *r)
+{
+    const int placement = mukca_wording_finding_placement(f);
+    put_group(text, f, r);
+    if (f->order[0] > 0 && f->order[0] == f->order[1]) put(text, ", order %d", f->order[0]);
+    if (f->order[0] > 0 && f->order[0] < f->order[1])
+        put(text, ", order %d [%d, %d]", f->alternatives[0].effect.variant.order, f->order[0],
+            f->order[1]);
+    if (placement >= 0) put(text, " in placement %s", r->data->placements[placement].name);
+    return text;
+}
+
+/* "73 urad/(N·m) [70, 76]"; two significant digits of the interval's half width. */
+static void put_estimate(char *text, const mukca_estimate *e, const mukca_effect *effect,
+                         const mukca_diagnosed *r)
+{
+    const char *unit = mukca_effect_unit(effect, r->chain);
+    const bool load = strchr(unit, 'N'), share = effect->variant.to_command;
+    const double factor = share ? 100 : load ? 1e6 : 1e3;
+    const double half = fmax(factor * 0.5 * (e->high - e->low), 1e-12);
+    int digits = isfinite(half) ? (int)ceil(-log10(half)) + 1 : 3;
+    digits = digits < 0 ? 0 : digits > 4 ? 4 : digits;
+    put(text, "%.*f %s%s [%.*f, %.*f]", digits, factor * e->value,
+        share  ? ""
+        : load ? "u"
+               : "m",
+        share                            ? "% of command minus reading"
+        : strcmp(unit, "rad/(N*m)") == 0 ? "rad/(N·m)"
+                                         : unit,
+        digits, factor * e->low, digits, factor * e->high);
+}
+
+const char *mukca_wording_certainty(char text[MUKCA_WORDING], const mukca_finding *f,
+                                    const mukca_diagnosed *r)
+{
+    const double p = f->group.probability, halves = f->group.halves;
+    const mukca_alternative *first = f->alternatives;
+    if (p > 0.999 && halves >= ALL_HALVES)
+        put(text, "certain (> 99.9 %%, all halves)");
+    else if (p > 0.999)
+        put(text, "sure (> 99.9 %%, %.0f of %d halves)", rint(halves * MUKCA_HALVES), MUKCA_HALVES);
+    else
+        put(text, "sure (%.0f %%, %.0f of %d halves)", floor(100 * p), rint(halves * MUKCA_HALVES),
+            MUKCA_HALVES);
+    if (!f->n_alternatives || !first->listed) return text;
+    if (isfinite(f->coefficient.value)) {
+        put(text, "; ");
+        put_estimate(text, &f->coefficient, &first->effect, r);
+        if (f->n_alternatives > 1) put(text, " in all");
+    } else if (isfinite(first->amplitude.value) && f->group.effect >= 0) {
+        put(text, "; ");
+        put_estimate(text, &first->amplitude, &first->effect, r);
+    }
+    return text;
+}
+
+const char *mukca_wording_alternatives(char text[MUKCA_WORDING], const mukca_finding *f,
+                                       const mukca_diagnosed *r)
+{
+    int n = 0;
+    if (f->group.effect >= 0 && f->group.from == f->group.to) return text;
+    for (int i = 0; i < f->n_alternatives && n < MOST_ALTERNATIVES; i++) {
+        const mukca_alternative *a = &f->alternatives[i];
+        put(text, "%s", n++ ? ", " : "");
+        if (a->listed) {
+            put(text, "%s",
+                mukca_wording_effect(MUKCA_WORDS, a->effect.kind,
+                                     mukca_chain_joint_name(r->chain, a->effect.joint)));
+        } else {
+            put(text, "outside the catalogue");
+            put_place(text, r, a->from, a->to);
+        }
+        put(text, " %.0f %%", 100 * a->probability);
+    }
+    return text;
+}
