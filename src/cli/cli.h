@@ -112,7 +112,6 @@ typedef struct {
     int angles;      /* 1: commanded */
     int map;         /* 0: by name; 1: in order; 2: in order, w last */
     double distance; /* m */
-    int check;       /* recordings simulated by --check */
     bool free_base, free_tool, inverse_poses, force, accept_failed, accept_edited, quiet, verbose;
 } cli_common;
 
@@ -129,13 +128,12 @@ enum {
     CLI_WITH_ANGLES = 1 << 8,
     CLI_WITH_FRAMES = 1 << 9, /* --free-base, --free-tool */
     CLI_WITH_TRAITS = 1 << 10,
-    CLI_WITH_CHECK = 1 << 11,
-    CLI_WITH_COLUMNS = 1 << 12, /* --units, --columns */
-    CLI_WITH_MAP = 1 << 13,     /* --map, --inverse-poses */
+    CLI_WITH_COLUMNS = 1 << 11, /* --units, --columns */
+    CLI_WITH_MAP = 1 << 12,     /* --map, --inverse-poses */
     CLI_WITH_TABLES = CLI_WITH_COLUMNS | CLI_WITH_MAP,
     CLI_WITH_DATA = CLI_WITH_MODEL | CLI_WITH_DISTANCE | CLI_WITH_DISTANCES | CLI_WITH_PAYLOAD |
                     CLI_WITH_ANGLES | CLI_WITH_TABLES,
-    CLI_WITH_ALL = 1 << 14
+    CLI_WITH_ALL = 1 << 13
 };
 
 #define CLI_USUAL_DISTANCE 0.05 /* m: the tool of the MUKCa paper */

@@ -71,7 +71,7 @@ mukca_status cli_diagnosis_run(cli_call *call, cli_diagnosis *d)
     mukca_status status = mukca_diagnose(&d->diagnosis, chain, &s->data, &d->options, error);
     if (status == MUKCA_OK)
         status = mukca_next_poses_choose(&d->next, &d->diagnosis, chain, &s->data, cli_stop, error);
-    return status == MUKCA_OK && c->check ? cli_diagnosis_check(call, d) : status;
+    return status;
 }
 
 void cli_diagnosis_free(cli_diagnosis *d)
@@ -218,8 +218,7 @@ const cli_command cli_command_diagnose = {
     .example =
         "  mukca diagnose --urdf data/demo/arm.urdf data/demo/train.tsv \\\n"
         "      --test data/demo/test.tsv",
-    .with = CLI_WITH_DATA | CLI_WITH_TEST | CLI_WITH_JSON | CLI_WITH_FRAMES | CLI_WITH_TRAITS |
-            CLI_WITH_CHECK,
+    .with = CLI_WITH_DATA | CLI_WITH_TEST | CLI_WITH_JSON | CLI_WITH_FRAMES | CLI_WITH_TRAITS,
     .options = options,
     .options_size = sizeof(diagnose_options),
     .targets = true,

@@ -10,29 +10,21 @@ typedef struct {
     mukca_diagnose_options options; /* input: disabled, go_on and its context */
     mukca_diagnosis diagnosis;
     mukca_next_poses next;
-    mukca_check check;
     mukca_offsets offsets; /* of cli_diagnosis_offsets */
     mukca_chain chain;     /* of these offsets: the arm's, preceded by the tracker's frame if that
                               was fitted */
     mukca_diagnosed result;
 } cli_diagnosis;
 
-/* Diagnose the condensed session, find the next poses, and simulate with --check.  Free also after
- * an error. */
+/* Diagnose the condensed session and find the next poses.  Free also after an error. */
 mukca_status cli_diagnosis_run(cli_call *call, cli_diagnosis *diagnosis);
 void cli_diagnosis_free(cli_diagnosis *diagnosis);
 
 /* Members of mukca.diagnose/1. */
 json_t *cli_diagnosis_json(const mukca_diagnosed *result);
 
-/* Print one screen of 80 columns, causes first; with `sets`, the most probable sets of causes. */
-void cli_diagnosis_print(FILE *stream, const mukca_diagnosed *result, bool sets);
-
-/* Diagnose simulated recordings with the postures, the noise and the causes of a diagnosis (with
- * `applied`), and without causes: --check of each, in parallel threads.  Without testable causes,
- * or if they cannot be simulated, a note says so and result.check stays NULL.  Errors:
- * MUKCA_MEMORY, MUKCA_INTERRUPTED. */
-mukca_status cli_diagnosis_check(cli_call *call, cli_diagnosis *diagnosis);
+/* Print one screen of 80 columns, and with `details` errors, detection limits and probable sets. */
+void cli_diagnosis_print(FILE *stream, const mukca_diagnosed *result, bool details);
 
 /* Offsets table of a diagnosis: geometry with standard errors, the causes that act on the arm, the
  * verdict.  Causes that need masses which the arm lacks are left out, with a note.  Errors:

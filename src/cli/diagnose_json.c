@@ -212,16 +212,6 @@ static json_t *stream(const mukca_diagnosed *r, int j)
                     FIELD(of, log_bayes_factor));
 }
 
-static json_t *check_object(const mukca_check *c)
-{
-    if (!c) return NULL;
-    const bool any = c->cause != NULL;
-    return cli_json(FIELD(c, runs), KEY("found", any ? json_integer(c->found) : NULL),
-                    KEY("tied", any ? json_integer(c->tied) : NULL),
-                    KEY("other", any ? json_integer(c->other) : NULL),
-                    KEY("none", any ? json_integer(c->none) : NULL), FIELD(c, false_without));
-}
-
 json_t *cli_diagnosis_json(const mukca_diagnosed *r)
 {
     const mukca_diagnosis *d = r->diagnosis;
@@ -267,7 +257,6 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *r)
         KEY("unnamed_m", d->applied_m - d->structure_m),
         KEY("gravity", g[0] != 0 || g[1] != 0 || g[2] != 0 ? cli_json_reals(g, 3) : NULL),
         FIELD(d, efforts_correlation), KEY("streams", streams), KEY("logs", logs_object(&d->logs)),
-        KEY("check", check_object(r->check)),
         KEY("next_poses",
             list(r, r->next && r->next->cause >= 0 ? r->next->plan.n_rows : 0, next_pose)),
         FIELD(d, elapsed_s));

@@ -1,4 +1,5 @@
-/* The screen of a diagnosis: 80 columns, causes first. */
+/* The screen of a diagnosis, 80 columns: use, tip, findings, what remains, the next step; details
+ * with -v. */
 #include <math.h>
 #include <string.h>
 
@@ -7,69 +8,49 @@
 
 #define put mukca_wording_put /* short for this file */
 
-/* Causes, faults and reasons with a separate line, on a screen of some 30 lines. */
-enum { MOST_CAUSES = 8, MOST_LINES = 6 };
+/* Findings, and lines of faults and reasons, on a screen of some 20 lines. */
+enum { MOST_FOUND = 5, MOST_LINES = 3, SIZE_COLUMN = 58 };
+
+/* Least part of the explained error, rms, of a finding that is printed without -v. */
+#define RELEVANT 0.05
 
 static void print_more(FILE *stream, int n)
 {
     cli_print_keyed(stream, "", put(MUKCA_WORDS, "and %d more; --json lists them all", n));
 }
 
-/* ---- causes ---- */
+/* ---- findings ---- */
 
-/* " (indistinguishable in these data; 10 more postures would decide: ...)" */
-static const char *put_tie(char text[MUKCA_WORDING], const mukca_diagnosed *r, const mukca_cause *c)
+/* The group with its size, and below its certainty and alternatives. */
+static void print_finding(FILE *stream, const mukca_diagnosed *r, const mukca_finding *f,
+                          const char *key, bool sure)
 {
-    const mukca_next_poses *next = r->next;
-    if (!c->n_ties && !c->or_unknown) return text;
-    put(text, " (indistinguishable in these data%s",
-        mukca_next_poses_need_readings(c) ? "; readings would decide" : "");
-    if (next && next->cause >= 0 && c == &r->diagnosis->causes[next->cause]) {
-        const mukca_plan *plan = &next->plan;
-        const int rows =
-            plan->evidence_after >= MUKCA_PLAN_NAME ? plan->n_rows : plan->rows_to_name;
-        if (rows > 0)
-            put(text, "; %d more postures would %s: mukca plan --settle --rows %d", rows,
-                c->n_ties + c->or_unknown > 1 ? "separate two of these" : "decide", rows);
-        else if (r->data->n_sockets > 0)
-            put(text, "; a placement far from these may decide: mukca plan --settle --place");
-    }
-    return put(text, ")");
+    char text[MUKCA_WORDING] = "", size[48];
+    mukca_wording_finding(text, f, r);
+    if (!sure) put(text, ", %.0f %%", 100 * f->group.probability);
+    snprintf(size, sizeof size, key && sure && *key ? "%.3f of %.3f mm" : "%.3f mm",
+             1e3 * f->size_m.value, 1e3 * r->diagnosis->caused_m);
+    fprintf(stream, "%s%-8s%s%-*s  %s\n", cli_bold(stream), key, cli_plain(stream), SIZE_COLUMN - 8,
+            text, size);
+    if (!sure) return;
+    cli_print_keyed(stream, "", mukca_wording_certainty(MUKCA_WORDS, f, r));
+    cli_print_keyed(stream, "", mukca_wording_alternatives(MUKCA_WORDS, f, r));
 }
 
-/* The first cause has its mechanism or tie on a line of its own. */
-static void print_cause(FILE *stream, const mukca_diagnosed *r, const mukca_cause *c, int printed)
-{
-    char text[MUKCA_WORDING] = "";
-    mukca_wording_rivals(text, c, r);
-    if (printed) {
-        put(text, c->n_ties ? "; " : ", ");
-    } else {
-        if (!c->n_ties && !c->or_unknown) put(text, ": %s", mukca_wording_mechanism(c, r));
-        cli_print_keyed(stream, "Cause", put_tie(text, r, c));
-        text[0] = '\0';
-    }
-    put(text, "%s, %s", mukca_wording_amplitude(MUKCA_WORDS, c, r->chain),
-        mukca_wording_probability(MUKCA_WORDS, c->probability));
-    cli_print_keyed(stream, printed == 1 ? "Also" : "", printed ? put_tie(text, r, c) : text);
-}
-
-static void print_causes(FILE *stream, const mukca_diagnosed *r)
+static void print_findings(FILE *stream, const mukca_diagnosed *r, bool all)
 {
     const mukca_diagnosis *d = r->diagnosis;
-    int printed = d->verdict == MUKCA_VERDICT_UNKNOWN;
-    if (printed) cli_print_keyed(stream, "Cause", mukca_wording_unexplained(MUKCA_WORDS, r));
-    for (int i = 0; i < d->n_causes; i++) {
-        if (!mukca_wording_on_arm(&d->causes[i])) continue;
-        if (printed <= MOST_CAUSES) print_cause(stream, r, &d->causes[i], printed);
-        printed++;
+    int printed = 0;
+    for (int i = 0; i < d->n_findings; i++) {
+        const bool relevant = d->findings[i].size_m.value > RELEVANT * d->caused_m;
+        if (!all && printed && (!relevant || printed == MOST_FOUND)) continue;
+        print_finding(stream, r, &d->findings[i], printed++ ? "" : "Found", true);
     }
-    if (printed > MOST_CAUSES + 1) print_more(stream, printed - MOST_CAUSES - 1);
-    if (!printed)
-        cli_print_keyed(stream, "Cause", mukca_wording_verdict(MUKCA_WORDS, r));
-    else if (d->verdict != MUKCA_VERDICT_UNKNOWN)
-        cli_print_keyed(stream, "Rest",
-                        d->unexplained ? "unexplained structure" : "nothing above the noise");
+    if (printed < d->n_findings) print_more(stream, d->n_findings - printed);
+    if (!printed) cli_print_keyed(stream, "Found", mukca_wording_verdict(MUKCA_WORDS, r));
+    for (int i = 0; i < d->n_maybe && (all || i < 1); i++)
+        print_finding(stream, r, &d->maybe[i], i ? "" : "Maybe", false);
+    cli_print_keyed(stream, "Rest", mukca_wording_rest(MUKCA_WORDS, r));
 }
 
 /* ---- the recording ---- */
@@ -117,6 +98,27 @@ static void print_trust(FILE *stream, const mukca_diagnosed *r)
         fputs("The causes increase the error on the test data: they are uncertain.\n", stream);
     if (r->data->n_sockets == 0 || r->data->n_placements >= 4 || !d->n_causes) return;
     fputs("Fewer than four placements: the reduction by the causes is uncertain.\n", stream);
+}
+
+/* "held out: nominal 7.822, geometry 0.206, with causes 0.132, noise floor 0.130" */
+static void put_errors(char text[MUKCA_WORDING], const char *name, const double m[3])
+{
+    static const char *const models[] = {"nominal", "geometry", "with causes"};
+    put(text, "%s%s:", *text ? "; " : "mm, ", name);
+    for (int i = 0; i < 3; i++)
+        if (isfinite(m[i]) && (i < 2 || m[i] != m[1]))
+            put(text, "%s %s %.3f", i ? "," : "", models[i], 1e3 * m[i]);
+}
+
+static void print_error_line(FILE *stream, const mukca_diagnosis *d)
+{
+    char text[MUKCA_WORDING] = "";
+    const double held_out[] = {d->nominal_m, d->geometry_m, d->explained_m},
+                 test[] = {d->test_nominal_m, d->test_geometry_m, d->test_explained_m};
+    if (isfinite(d->nominal_m)) put_errors(text, d->folds > 1 ? "held out" : "training", held_out);
+    if (isfinite(d->noise_floor_m)) put(text, ", noise %.3f", 1e3 * d->noise_floor_m);
+    if (isfinite(d->test_geometry_m)) put_errors(text, "test", test);
+    cli_print_keyed(stream, "Errors", text);
 }
 
 static void print_errors(FILE *stream, const mukca_diagnosed *r)
@@ -183,7 +185,7 @@ static void print_sets(FILE *stream, const mukca_diagnosed *r)
     if (rest > 5e-4) fprintf(stream, "  %5.1f %%  other sets\n", 100 * rest);
 }
 
-void cli_diagnosis_print(FILE *stream, const mukca_diagnosed *r, bool sets)
+void cli_diagnosis_print(FILE *stream, const mukca_diagnosed *r, bool details)
 {
     cli_print_head(stream, r->chain->robot, r->data, r->test);
     if (r->acceptance) cli_print_acceptance(stream, r->acceptance, r->chain);
@@ -194,15 +196,17 @@ void cli_diagnosis_print(FILE *stream, const mukca_diagnosed *r, bool sets)
         return;
     }
     fputc('\n', stream);
-    print_causes(stream, r);
+    print_findings(stream, r, details);
+    print_error_line(stream, r->diagnosis);
     cli_print_keyed(stream, r->data->n_targets > 1 ? "Targets" : "Logs",
                     mukca_wording_logs(MUKCA_WORDS, r));
     cli_print_keyed(stream, "Angles", mukca_wording_angles(MUKCA_WORDS, r));
     print_recording(stream, r);
-    print_errors(stream, r);
-    if (r->check) fputc('\n', stream);
-    cli_print_keyed(stream, "Check", mukca_wording_check(MUKCA_WORDS, r));
-    print_limits(stream, r);
+    if (details) {
+        print_errors(stream, r);
+        print_limits(stream, r);
+        print_sets(stream, r);
+    }
+    fputc('\n', stream);
     cli_print_keyed(stream, "Next", mukca_wording_next(MUKCA_WORDS, r));
-    if (sets) print_sets(stream, r);
 }

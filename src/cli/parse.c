@@ -64,10 +64,6 @@ static const cli_option common_options[] = {
            "recalibrate: its rotation)"),
     COMMON(TRAITS, "traits", traits, CLI_INPUT, "FILE",
            "traits of the model's fleet (mukca fleet -o), as prior of calibrate and diagnose"),
-    COMMON_AND(CHECK, "check", check, CLI_INTEGER, "N",
-               "diagnose N simulated recordings with these postures, this noise and the causes "
-               "found, and N without causes",
-               .least = 1, .most = 100000),
     COMMON(COLUMNS, "units", units, CLI_TEXT, "UNITS",
            "units of the tables that are read: rad or deg, m or mm, as in deg,mm (default: rad,m); "
            "columns x, y, z are then positions, too"),

@@ -19,8 +19,7 @@ static const cli_option options[] = {
     CLI_OPTION_AND(
         report_options, fleet, "fleet", CLI_FLAG, NULL,
         "DATA are summaries of the arms of one model (diagnose --summary): the page of a fleet",
-        .excludes = "urdf kinematics inertials offsets distances payload test free-base free-tool "
-                    "check"),
+        .excludes = "urdf kinematics inertials offsets distances payload test free-base free-tool"),
     CLI_OUTPUT_OPTION("write the page there (default: standard output)"),
     {.name = NULL}};
 
@@ -155,7 +154,7 @@ const cli_command cli_command_report = {
     .example =
         "  mukca report --urdf data/demo/arm.urdf data/demo/train.tsv \\\n"
         "      --test data/demo/test.tsv -o build/demo/report.html --force",
-    .with = CLI_WITH_DATA | CLI_WITH_OFFSETS | CLI_WITH_TEST | CLI_WITH_FRAMES | CLI_WITH_CHECK,
+    .with = CLI_WITH_DATA | CLI_WITH_OFFSETS | CLI_WITH_TEST | CLI_WITH_FRAMES,
     .options = options,
     .options_size = sizeof(report_options),
     .any_table = true,

@@ -106,6 +106,6 @@ void cli_print_acceptance(FILE *stream, const mukca_acceptance *a, const mukca_c
     if (!stream) return;
     if (a->accepted) mukca_acceptance_put_tip(&(mukca_text)MUKCA_TEXT(tip), a, factory);
     mukca_acceptance_put_use(&(mukca_text)MUKCA_TEXT(use), a, factory);
-    cli_print_keyed(stream, "Tip", tip);
     cli_print_keyed(stream, "Use", use);
+    cli_print_keyed(stream, "Tip", tip);
 }

@@ -193,6 +193,7 @@ typedef struct {
     const char *why; /* reason if `untestable`, else NULL */
     bool unexplained;
     double structure;        /* largest log Bayes factor of an unknown function; -HUGE_VAL: none */
+    double caused_m;         /* rms displacement by all causes */
     int n_findings, n_maybe; /* the largest first */
     mukca_finding findings[MUKCA_MOST_FINDINGS], maybe[MUKCA_MOST_FINDINGS];
     int n_causes, n_suspected, n_faults, n_tested, n_where;

@@ -5,6 +5,7 @@
  * moments (A. Mathai, S. Provost, Quadratic Forms in Random Variables, 1992, section 3.2) give mean
  * and deviation of the root, as of a Gaussian with the same second and fourth moments.  Over sets
  * these are mixed with the sets' weights, so that an interval contains what no set is sure of. */
+#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -257,7 +258,7 @@ static void find_orders(mukca_finding *f, const measured *w, const double *proba
 typedef struct {
     double *probability, *best, *scratch;
     int *item;
-    mixed *size, *coefficient, *amplitude; /* [2 MOST_FINDINGS]; amplitude: of the labels */
+    mixed *size, *coefficient, *amplitude; /* of groups, the last size of all; of labels */
     double fit[2 * MUKCA_MOST_FINDINGS], weight[2 * MUKCA_MOST_FINDINGS];
 } tables;
 
@@ -312,19 +313,26 @@ static void add_all(measured *w, tables *t, mukca_diagnosis *d, double weight)
     int index[MUKCA_SET_COLUMNS];
     for (int i = 0; i < d->n_findings + d->n_maybe; i++) {
         const mukca_finding *f = finding_at(d, i);
-        const int n = columns_of(index, w, &f->group, -1), quantity = quantity_of(f, w, t);
-        if (!n) continue;
-        add_size(&t->size[i], w, index, n, weight);
+        const int of = columns_of(index, w, &f->group, -1), quantity = quantity_of(f, w, t);
+        if (!of) continue;
+        add_size(&t->size[i], w, index, of, weight);
         if (quantity >= 0)
             t->fit[i] +=
-                weight * add_coefficient(&t->coefficient[i], w, index, n, quantity, weight);
+                weight * add_coefficient(&t->coefficient[i], w, index, of, quantity, weight);
         t->weight[i] += weight;
     }
+    const mukca_finding_group whole = {
+        .kind = MUKCA_GROUP_PLACE, .from = INT_MIN, .to = INT_MAX, .apart = false};
+    int n = columns_of(index, w, &whole, -1);
+    mukca_finding_group apart = whole;
+    apart.apart = true;
+    n += columns_of(index + n, w, &apart, -1);
+    add_size(&t->size[d->n_findings + d->n_maybe], w, index, n, weight);
     for (int l = 0; l < p->n_labels; l++) {
         if (t->item[l] < 0 || p->label[l].effect < 0 || !(t->probability[l] >= ALTERNATIVE))
             continue;
         const mukca_candidate *h = &w->id->all.list[w->id->kept[t->item[l]]];
-        const int n = columns_of(index, w, NULL, l);
+        n = columns_of(index, w, NULL, l);
         if (n && mukca_candidate_own_terms(h) == 1)
             add_coefficient(&t->amplitude[l], w, index, n, t->item[l], weight);
         else if (n)
@@ -384,6 +392,7 @@ bool mukca_findings_measure(mukca_diagnosis *d, mukca_search *id, const mukca_la
         if (ok) add_all(&w, &t, d, p->set[s].weight);
     }
     const double scale = id->m->unknowns.sigma / sqrt(id->m->recording.n_samples);
+    if (ok) d->caused_m = all ? estimate(&t.size[all], scale, true).value : 0;
     for (int i = 0; i < all && ok; i++) {
         mukca_finding *f = finding_at(d, i);
         describe(f, &w, &t);

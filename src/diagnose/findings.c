@@ -109,7 +109,7 @@ static bool label_half(mukca_labelled_sets *out, mukca_pool *pool, mukca_half *h
         index[n] = order[n].index, weight[n] = order[n].odds;
     const double sum = mukca_stats_log_sum_exp(weight, n);
     for (int k = 0; k < n; k++) weight[k] = exp(weight[k] - sum);
-    out->least = MUKCA_FINDING_SQUARE / 2; /* of half the rows */
+    out->least = MUKCA_FINDING_SQUARE;
     return label_posterior(
         out, pool,
         &(weighted){.sets = sets, .label_of = label_of, .index = index, .weight = weight, .n = n});

@@ -1,7 +1,10 @@
 /* Posterior over sets of causes in halves of the postures, drawn at random within each socket.
  *
- * The rows of a half have the whole's whitened columns; free means are estimated anew.  The
- * products of the second half are those of the whole minus the first's. */
+ * A half counts twice: it is a replicate of the recording with other noise (P. McCarthy,
+ * Pseudo-replication: half samples, Review of the International Statistical Institute 37, 1969),
+ * whose posterior is as sharp as that of the whole, so that few rows are no evidence against a
+ * cause. The rows have the whole's whitened columns; free means are estimated anew.  The products
+ * of the second half are those of the whole minus the first's. */
 #include "diagnose/halves.h"
 
 #include <math.h>
@@ -21,8 +24,9 @@ enum {
     STARTS = 12         /* these */
 };
 
-/* Least probability of a candidate in the whole that is tried in the halves. */
-#define RELEVANT 0.002
+/* Log odds behind the best set of the whole of the sets whose candidates are tried in the halves:
+ * beyond what the noise of a replicate changes. */
+#define RELEVANT 20.0
 
 typedef struct {
     mukca_search *id;
@@ -160,7 +164,7 @@ static int freedom(const mukca_recording *r, const unsigned char *in, bool other
             count += (in[i] != 0) != other;
         rows += r->dim * (count - (block->free_mean && count));
     }
-    return rows + r->n_pairs;
+    return rows;
 }
 
 /* Search a half: from nothing, and from the best sets of the whole. */
@@ -184,33 +188,42 @@ static bool search(mukca_half *half, mukca_pool *pool, const splitter *s, double
     return !pool->failed;
 }
 
-/* The items that matter, the most probable first. */
+static int ascending(const void *a, const void *b)
+{
+    return *(const int *)a - *(const int *)b;
+}
+
+/* The items of the best sets that the whole has met. */
 static bool choose_items(mukca_halves *h, mukca_pool *pool, const mukca_search *id)
 {
-    double *probability = MUKCA_TAKE(pool, double, id->n_kept + 1);
+    const mukca_sets *sets = &id->sets;
+    double *value = MUKCA_TAKE(pool, double, id->n_kept + 1);
     h->item_of = MUKCA_TAKE(pool, int, id->n_kept + 1);
     h->item = MUKCA_TAKE(pool, mukca_item, id->n_kept + 1);
     if (pool->failed) return false;
-    for (int i = 0; i < id->n_kept; i++)
-        for (int s = 0; s < id->n_sets; s++)
-            for (int m = 0; m < id->set[s].n; m++)
-                if (id->set[s].candidate[m] == id->kept[i]) probability[i] += id->set[s].weight;
+    for (int i = 0; i < id->n_kept; i++) value[i] = -HUGE_VAL;
+    for (int s = 0; s < sets->n_sets; s++)
+        for (int m = 0; m < sets->set[s].n; m++) {
+            double *best = &value[sets->set[s].item[m]];
+            *best = fmax(*best, sets->set[s].value);
+        }
+    const double least = sets->set[sets->best].value - RELEVANT;
     int columns = 0;
     for (;;) {
         int best = 0;
         for (int i = 1; i < id->n_kept; i++)
-            if (probability[i] > probability[best]) best = i;
+            if (value[i] > value[best]) best = i;
         columns += id->question.item[best].terms;
-        if (!id->n_kept || !(probability[best] > RELEVANT) || columns > MOST_COLUMNS) break;
-        probability[best] = -1; /* taken */
+        if (!id->n_kept || !(value[best] > least) || columns > MOST_COLUMNS) break;
+        value[best] = -HUGE_VAL;
+        h->item_of[h->n_items++] = best;
     }
+    qsort(h->item_of, (size_t)h->n_items, sizeof *h->item_of, ascending);
     columns = 0;
-    for (int i = 0; i < id->n_kept; i++) {
-        if (probability[i] >= 0) continue;
-        h->item_of[h->n_items] = i;
-        h->item[h->n_items] = id->question.item[i];
-        h->item[h->n_items++].at = columns;
-        columns += id->question.item[i].terms;
+    for (int i = 0; i < h->n_items; i++) {
+        h->item[i] = id->question.item[h->item_of[i]];
+        h->item[i].at = columns;
+        columns += h->item[i].terms;
     }
     return true;
 }
@@ -258,8 +271,9 @@ mukca_status mukca_halves_search(mukca_halves *h, mukca_pool *pool, mukca_search
         for (int other = 0; other < 2 && ok; other++) {
             double *gram = other ? second : s.part;
             remove_means(&s, gram, other);
-            for (int i = 0; i < square; i++) gram[i] += s.pairs[i];
-            ok = search(&h->half[h->n], pool, &s, gram, freedom(r, in, other != 0));
+            for (int i = 0; i < square; i++) gram[i] = 2 * gram[i] + s.pairs[i];
+            ok =
+                search(&h->half[h->n], pool, &s, gram, 2 * freedom(r, in, other != 0) + r->n_pairs);
             h->n += ok;
         }
     }

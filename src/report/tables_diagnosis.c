@@ -51,7 +51,6 @@ void mukca_report_put_verdict(FILE *out, const void *content)
     fprintf(out, "<p class=\"verdict %s\">", mukca_verdict_name[d->diagnosis->verdict]);
     put_sentence(out, "", mukca_wording_verdict(MUKCA_WORDS, d), ".</p>\n");
     put_sentence(out, "<p>", mukca_wording_caveat(MUKCA_WORDS, d), "</p>");
-    put_sentence(out, "<p>Check: ", mukca_wording_check(MUKCA_WORDS, d), ".</p>\n");
     fputs("<h2 id=\"to-do\">What to do</h2>\n<ul>\n", out);
     put_remedies(out, d);
     put_sentence(out, "<li>", next, ".</li>\n</ul>\n");
@@ -92,18 +91,23 @@ void mukca_report_put_causes(FILE *out, const void *content)
     const mukca_diagnosed *d = &r->diagnosed;
     mukca_html_table table = {
         .out = out,
-        .caption =
-            "Causes, the largest contribution first; after \"or\": indistinguishable in these data",
+        .caption = "Findings, the largest first: displacement of the tip, rms in these samples",
         .style = "cards",
-        .columns = "cause|size [95 % interval]|probability|mechanism"};
+        .columns = "finding|size [95 % interval], mm|certainty|alternatives"};
+    const mukca_diagnosis *of = d->diagnosis;
     put_steps(out, d);
-    for (int i = 0; i < d->diagnosis->n_causes; i++) {
-        const mukca_cause *c = &d->diagnosis->causes[i];
-        mukca_html_row(
-            &table, "%s\t%s\t%s\t%s", mukca_wording_rivals(MUKCA_WORDS, c, d),
-            mukca_wording_amplitude(MUKCA_WORDS, c, d->chain),
-            mukca_wording_probability(MUKCA_WORDS, c->probability) + strlen("probability "),
-            mukca_wording_mechanism(c, d));
+    for (int i = 0; i < of->n_findings + of->n_maybe; i++) {
+        const bool sure = i < of->n_findings;
+        const mukca_finding *f = sure ? &of->findings[i] : &of->maybe[i - of->n_findings];
+        char certainty[MUKCA_WORDING] = "";
+        if (sure)
+            mukca_wording_certainty(certainty, f, d);
+        else
+            mukca_wording_put(certainty, "maybe, %.0f %%", 100 * f->group.probability);
+        mukca_html_row(&table, "%s\t%.3f [%.3f, %.3f]\t%s\t%s",
+                       mukca_wording_finding(MUKCA_WORDS, f, d), f->size_m.value * MUKCA_REPORT_MM,
+                       f->size_m.low * MUKCA_REPORT_MM, f->size_m.high * MUKCA_REPORT_MM, certainty,
+                       mukca_wording_alternatives(MUKCA_WORDS, f, d));
     }
     mukca_html_table_end(&table);
 }

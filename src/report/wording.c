@@ -225,70 +225,36 @@ const char *mukca_wording_unexplained(char text[MUKCA_WORDING], const mukca_diag
     return put(text, ": no effect of the catalogue describes it");
 }
 
-/* "; one further cause was identified" */
-static void put_count(char *text, int n, const char *what, mukca_verdict verdict)
-{
-    const bool tied = verdict == MUKCA_VERDICT_TIED;
-    if (n == 1) put(text, "; one %scause %s", what, tied ? "is possible" : "was identified");
-    if (n > 1) put(text, "; %d %scauses %s", n, what, tied ? "are possible" : "were identified");
-}
-
 const char *mukca_wording_verdict(char text[MUKCA_WORDING], const mukca_diagnosed *r)
 {
     const mukca_diagnosis *d = r->diagnosis;
-    const mukca_cause *first = NULL;
-    int causes = 0;
-    for (int i = d->n_causes - 1; i >= 0; i--)
-        if (mukca_wording_on_arm(&d->causes[i])) first = &d->causes[i], causes++;
-    if (d->verdict == MUKCA_VERDICT_UNTESTABLE) {
-        put(text, "Nothing can be tested: %s", d->why);
-    } else if (d->verdict == MUKCA_VERDICT_UNKNOWN) {
+    const double common = sqrt(d->shared), own = sqrt(1 - d->shared);
+    if (d->verdict == MUKCA_VERDICT_UNTESTABLE)
+        return put(text, "Nothing can be tested: %s", d->why);
+    if (d->n_findings) {
+        put(text, "Found: %s", mukca_wording_finding(MUKCA_WORDS, &d->findings[0], r));
+        if (d->n_findings > 1)
+            put(text, "; %d further finding%s", d->n_findings - 1, d->n_findings > 2 ? "s" : "");
+        return text;
+    }
+    if (d->verdict == MUKCA_VERDICT_UNKNOWN) {
         mukca_wording_unexplained(text, r);
         text[0] = 'U';
-        put_count(text, causes, "", d->verdict);
-    } else if (!first) {
-        const double common = sqrt(d->shared), own = sqrt(1 - d->shared);
-        if (d->n_causes)
-            put(text,
-                "The tool moved during the recording, or a joint slipped; no effect on the arm "
-                "beyond its geometry was identified");
-        else if (common > 2 * own) /* of a posture's readings */
-            put(text,
-                "No effect beyond the geometry was identified; readings of a posture agree to %.3f "
-                "mm, but postures differ by %.3f mm: no cause explains it, nor does the noise of "
-                "the readings",
-                1e3 * own * MUKCA_MEAN_NORM3 * d->sigma_m,
-                1e3 * common * MUKCA_MEAN_NORM3 * d->sigma_m);
-        else
-            put(text,
-                "No effect beyond the geometry was identified; the remaining error agrees with the "
-                "measurement noise and the uncertainty of the geometry");
-        if (d->verdict == MUKCA_VERDICT_TIED) put(text, " (indistinguishable in these data)");
-    } else {
-        put(text, "%s: %s (%s)", causes > 1 ? "Main cause" : "Cause",
-            mukca_wording_rivals(MUKCA_WORDS, first, r), mukca_wording_mechanism(first, r));
-        put_count(text, causes - 1, "further ", d->verdict);
+        return text;
     }
-    if (d->unexplained && d->verdict != MUKCA_VERDICT_UNKNOWN)
-        put(text, "; unexplained structure remains");
-    return text;
-}
-
-const char *mukca_wording_check(char text[MUKCA_WORDING], const mukca_diagnosed *r)
-{
-    const mukca_check *c = r->check;
-    if (!c) return text;
-    put(text, "simulated with these postures and this noise: ");
-    if (c->cause) {
-        put(put_cause(text, c->cause, r), " was found again in %d of %d recordings", c->found,
-            c->runs);
-        if (c->tied) put(text, ", tied in %d", c->tied);
-        if (c->other) put(text, ", another cause in %d", c->other);
-        if (c->none) put(text, ", nothing in %d", c->none);
-        put(text, "; ");
-    }
-    return put(text, "without causes nothing was found in %d of %d", c->runs - c->false_without,
-               c->runs);
+    if (d->verdict == MUKCA_VERDICT_TIED)
+        return put(text,
+                   "Nothing for sure: there is more than noise, and these data do not say what");
+    if (common > 2 * own) /* of a posture's readings */
+        return put(text,
+                   "Nothing beyond the geometry; readings of a posture agree to %.3f mm, but "
+                   "postures differ by %.3f mm: no cause explains it, nor does the noise of the "
+                   "readings",
+                   1e3 * own * MUKCA_MEAN_NORM3 * d->sigma_m,
+                   1e3 * common * MUKCA_MEAN_NORM3 * d->sigma_m);
+    return put(text,
+               "Nothing beyond the geometry: the remaining error agrees with the measurement "
+               "noise and the uncertainty of the geometry");
 }
 
 /* Append the gravity vector that explains the data better than that of the model. */

@@ -12,21 +12,12 @@
 enum { MUKCA_WORDING = 2048 }; /* size of the texts below, with the NUL */
 #define MUKCA_WORDS ((char[MUKCA_WORDING]){""})
 
-/* Diagnoses of simulated recordings: `runs` with the causes, and as many without. */
-typedef struct {
-    int runs;
-    const mukca_cause *cause; /* main cause, NULL: none, and only recordings without it */
-    int found, tied, other, none;
-    int false_without; /* verdicts other than `none` without the causes */
-} mukca_check;
-
 /* A diagnosis and its inputs. */
 typedef struct {
     const mukca_diagnosis *diagnosis;
     const mukca_chain *chain;
     const mukca_dataset *data, *test;   /* test: NULL without --test */
     const mukca_next_poses *next;       /* NULL: not requested */
-    const mukca_check *check;           /* NULL: not requested, or not possible */
     const mukca_acceptance *acceptance; /* of its offsets table; NULL: nothing was fitted */
     bool saved;                         /* the table was written */
 } mukca_diagnosed;
@@ -111,11 +102,11 @@ const char *mukca_wording_untestable(char text[MUKCA_WORDING], int i,
  * angles: readings against commands, and the stream that was fitted
  * efforts: measured efforts that were not used
  * limits: "Detection limits, mrad rms (median over effects): joint_1 0.38, ..."
- * check: "simulated with these postures and this noise: ... was found again in 97 of 100 ..."
+ * rest: the held-out error that remains, beside the noise
  * next: the next step */
 typedef const char *mukca_wording_text(char text[MUKCA_WORDING], const mukca_diagnosed *diagnosed);
 mukca_wording_text mukca_wording_verdict, mukca_wording_unexplained, mukca_wording_caveat,
     mukca_wording_logs, mukca_wording_angles, mukca_wording_efforts, mukca_wording_limits,
-    mukca_wording_check, mukca_wording_next;
+    mukca_wording_rest, mukca_wording_next;
 
 #endif

@@ -15,9 +15,8 @@ static const char *const families[MUKCA_VARIES_COUNT] = {
     [MUKCA_VARIES_TIME] = "drifts with time",
     [MUKCA_VARIES_PLACEMENT] = "differs between placements"};
 
-/* Alternatives on one line, and halves that count as all. */
+/* Alternatives on one line. */
 enum { MOST_ALTERNATIVES = 3 };
-#define ALL_HALVES 0.99
 
 const char *mukca_wording_position(const mukca_diagnosed *r, int position)
 {
@@ -113,13 +112,16 @@ const char *mukca_wording_certainty(char text[MUKCA_WORDING], const mukca_findin
 {
     const double p = f->group.probability, halves = f->group.halves;
     const mukca_alternative *first = f->alternatives;
-    if (p > 0.999 && halves >= ALL_HALVES)
-        put(text, "certain (> 99.9 %%, all halves)");
-    else if (p > 0.999)
-        put(text, "sure (> 99.9 %%, %.0f of %d halves)", rint(halves * MUKCA_HALVES), MUKCA_HALVES);
+    const int held = (int)rint(halves * MUKCA_HALVES);
+    put(text, "%s", p > 0.999 && held == MUKCA_HALVES ? "certain (" : "sure (");
+    if (p > 0.999)
+        put(text, "> 99.9 %%, ");
     else
-        put(text, "sure (%.0f %%, %.0f of %d halves)", floor(100 * p), rint(halves * MUKCA_HALVES),
-            MUKCA_HALVES);
+        put(text, "%.0f %%, ", floor(100 * p));
+    if (held == MUKCA_HALVES)
+        put(text, "all halves)");
+    else
+        put(text, "%d of %d halves)", held, MUKCA_HALVES);
     if (!f->n_alternatives || !first->listed) return text;
     if (isfinite(f->coefficient.value)) {
         put(text, "; ");
@@ -151,4 +153,16 @@ const char *mukca_wording_alternatives(char text[MUKCA_WORDING], const mukca_fin
         put(text, " %.0f %%", 100 * a->probability);
     }
     return text;
+}
+
+const char *mukca_wording_rest(char text[MUKCA_WORDING], const mukca_diagnosed *r)
+{
+    const mukca_diagnosis *d = r->diagnosis;
+    const double above = 1.1; /* an error of the mean of a few hundred samples */
+    if (!isfinite(d->explained_m) || !isfinite(d->noise_floor_m)) return text;
+    if (d->explained_m <= above * d->noise_floor_m)
+        return put(text, "%.3f mm held out, the level of the noise", 1e3 * d->explained_m);
+    put(text, "%.3f mm held out, %.1f times the noise", 1e3 * d->explained_m,
+        d->explained_m / d->noise_floor_m);
+    return d->unexplained ? put(text, "; a part has no name yet") : text;
 }

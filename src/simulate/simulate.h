@@ -109,34 +109,4 @@ void mukca_simulate_seat(double position[3], const mukca_simulated_session *sess
 /* Draw a random posture q[n_joints] within the limits (without limits: +- pi, +- 0.5 m). */
 void mukca_simulate_posture(double *q, const mukca_chain *chain, mukca_random *random);
 
-/* ---- replicates of a recording ----
- *
- * The postures, placements and times of an existing one, with a known arm and new noise (parametric
- * bootstrap: Efron and Tibshirani, An Introduction to the Bootstrap, 1993, section 6.5). */
-
-/* A socket that moved during its samples. */
-typedef struct {
-    int socket, row, file; /* data row of its file; 0: creep from the first to the last sample */
-    double shift[3];       /* m, base frame */
-} mukca_replicate_motion;
-
-typedef struct {
-    const mukca_corrected *arm;
-    const mukca_dataset *data; /* the existing recording */
-    const int *posture;        /* [n_rows] first row of each row's posture */
-    mukca_frame tracker;       /* pose logs: T_measured_base */
-    double noise, rotation;    /* sigma per axis, m; of orientations, rad */
-    /* correlation of successive samples of a socket or log; share of the variance that all readings
-     * of a posture have in common; one of them is 0 */
-    double correlation, shared;
-    const mukca_replicate_motion *motions;
-    int n_motions;
-} mukca_replicate_task;
-
-/* out := a replicate.  Sockets: the angles change by the noise of the ball's seat, commands and
- * other readings with them; the sockets of a pair have their known distance.  Pose logs: the
- * measured poses change.  Free with mukca_dataset_free.  Errors: MUKCA_MEMORY. */
-mukca_status mukca_simulate_replicate(mukca_dataset *out, const mukca_replicate_task *task,
-                                      uint64_t seed, mukca_error *error);
-
 #endif
