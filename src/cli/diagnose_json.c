@@ -182,11 +182,11 @@ static json_t *next_pose(const mukca_diagnosed *r, int i)
 {
     const mukca_next_poses *next = r->next;
     const mukca_plan_row *row = &next->plan.rows[i];
-    const mukca_cause *c = &r->diagnosis->causes[next->cause];
-    const mukca_effect *rival = &c->ties[next->tie].rival;
+    const mukca_alternative *a = r->diagnosis->findings[next->finding].alternatives;
     json_t *pair = json_array();
-    cli_json_append(pair, EFFECT(c->effect.kind), JOINT(c->effect.joint));
-    cli_json_append(pair, EFFECT(rival->kind), JOINT(rival->joint));
+    for (int k = 0; k < 2; k++)
+        cli_json_append(pair, EFFECT(a[next->pair[k]].effect.kind),
+                        JOINT(a[next->pair[k]].effect.joint));
     return cli_json(KEY("placement", next->sockets[row->socket].placement),
                     KEY("socket", next->sockets[row->socket].label),
                     KEY("q", cli_json_reals(row->q, r->chain->n_joints)), KEY("tells_apart", pair));
@@ -258,6 +258,6 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *r)
         KEY("gravity", g[0] != 0 || g[1] != 0 || g[2] != 0 ? cli_json_reals(g, 3) : NULL),
         FIELD(d, efforts_correlation), KEY("streams", streams), KEY("logs", logs_object(&d->logs)),
         KEY("next_poses",
-            list(r, r->next && r->next->cause >= 0 ? r->next->plan.n_rows : 0, next_pose)),
+            list(r, r->next && r->next->finding >= 0 ? r->next->plan.n_rows : 0, next_pose)),
         FIELD(d, elapsed_s));
 }

@@ -9,7 +9,7 @@
 typedef struct {
     cli_common common;
     cli_list places;
-    bool settle;
+    int split; /* --for, from 1; 0: for accuracy */
     int rows, seed;
     double noise, tilt;
 } plan_options;
@@ -20,9 +20,9 @@ typedef struct {
     const mukca_dataset *data; /* likewise */
     int n_sockets;
     mukca_plan_socket sockets[MUKCA_PLAN_MAX_SOCKETS];
-    mukca_effect tied[2]; /* of --settle */
+    mukca_effect tied[2]; /* of --for */
     mukca_diagnosis diagnosis;
-    double theta[MUKCA_MAX_THETA]; /* of the model; with --settle, of the diagnosis */
+    double theta[MUKCA_MAX_THETA]; /* of the model; with --for, of the diagnosis */
     mukca_plan_options options;
     mukca_plan plan;
     double payload;  /* kg, for the proposed postures; 0: none */
@@ -37,8 +37,9 @@ static const cli_option options[] = {
     CLI_OPTION(plan_options, places, "place", CLI_TEXTS, "NAME=X,Y,Z[,ROLL,PITCH,YAW]",
                "a placement of the tool: middle of the sockets, which lie on its x axis, m and "
                "rad; 1 cm is accurate enough"),
-    CLI_OPTION(plan_options, settle, "settle", CLI_FLAG, NULL,
-               "diagnose DATA and separate its first indistinguishable causes"),
+    CLI_RANGE_OPTION(plan_options, split, "for", CLI_INTEGER, "N", 1, MUKCA_MOST_FINDINGS,
+                     "diagnose DATA and split finding N of it: tell its two most probable "
+                     "alternatives apart"),
     CLI_RANGE_OPTION(plan_options, noise, "noise", CLI_POSITIVE, "M", 0, 0.1,
                      "measurement noise of the ball per axis, m (default: 1e-4)"),
     CLI_RANGE_OPTION(
@@ -58,9 +59,8 @@ static mukca_status check(cli_call *call)
 {
     const plan_options *o = call->options;
     mukca_error *e = &call->error;
-    if (o->settle && call->arguments.n == 0)
-        return mukca_fail(e, MUKCA_USAGE,
-                          "--settle needs the DATA of the indistinguishable causes");
+    if (o->split && call->arguments.n == 0)
+        return mukca_fail(e, MUKCA_USAGE, "--for needs the DATA of the finding");
     if (call->arguments.n == 0 && o->places.n == 0)
         return mukca_fail(e, MUKCA_USAGE,
                           "where is the tool? give recorded DATA, or --place NAME=X,Y,Z");
@@ -111,21 +111,24 @@ static mukca_status gather_sockets(plan_work *r)
     return status;
 }
 
-/* The first tie of a diagnosis, and its geometry for the plan. */
-static mukca_status find_tie(plan_work *r)
+/* The alternatives of a finding, and the diagnosed geometry for the plan. */
+static mukca_status find_pair(plan_work *r)
 {
     const mukca_chain *chain = &r->model->chain;
     const mukca_diagnose_options diagnose = {
         .no_folds = true, .progress = cli_show_progress, .progress_context = r->call};
-    mukca_next_poses tie;
+    const int finding = ((const plan_options *)r->call->options)->split - 1;
+    mukca_next_poses next;
     const mukca_status status =
         mukca_diagnose(&r->diagnosis, chain, r->data, &diagnose, &r->call->error);
     if (status != MUKCA_OK) return status;
-    if (!mukca_next_poses_tie(&tie, &r->options, r->tied, &r->diagnosis))
+    if (!mukca_next_poses_pair(&next, &r->options, r->tied, &r->diagnosis, finding))
         return cli_fail(r->call, MUKCA_NEGATIVE,
-                        "the diagnosis (%s) has no indistinguishable causes that more postures "
-                        "could separate; without --settle, postures are chosen for accuracy",
-                        mukca_verdict_name[r->diagnosis.verdict]);
+                        "%s (%d finding%s in all); without --for, postures are chosen for accuracy",
+                        finding < r->diagnosis.n_findings
+                            ? "that finding has no two alternatives that postures could separate"
+                            : "there is no such finding",
+                        r->diagnosis.n_findings, r->diagnosis.n_findings == 1 ? "" : "s");
     mukca_geometry_theta(r->theta, chain, &r->diagnosis.geometry);
     mukca_geometry_set(&r->model->geometry, chain, r->theta);
     return MUKCA_OK;
@@ -149,7 +152,7 @@ static mukca_status run(cli_call *call)
     mukca_status status = cli_check_moving(call, r->data, false);
     if (status == MUKCA_OK && r->data->n_sockets > 0)
         status = cli_check_scatter(call, call->arguments.items[0], r->model, r->data);
-    if (status == MUKCA_OK && o->settle) status = find_tie(r);
+    if (status == MUKCA_OK && o->split) status = find_pair(r);
     if (status == MUKCA_OK) status = gather_sockets(r);
     if (status != MUKCA_OK) return status;
     const mukca_plan_task task = {.chain = &r->model->chain,
@@ -219,7 +222,7 @@ static mukca_status print(cli_call *call)
     const mukca_plan *p = &r->plan;
     cli_answer(call, "%d postures in %d sockets; %d samples recorded\n", p->n_rows, r->n_sockets,
                p->n_recorded);
-    if (o->settle) {
+    if (o->split) {
         const mukca_chain *chain = &r->model->chain;
         const mukca_effect *e = r->tied;
         cli_say(
@@ -268,7 +271,7 @@ const cli_command cli_command_plan = {
         "Finds postures with the ball in the sockets of DATA (located by --offsets or the nominal "
         "model) and of each --place, within the joint limits and with the tool pointing down, and "
         "selects those that add most information to DATA: about the geometry (D-optimality), or, "
-        "with --settle, about which of two causes is present (T-optimality). If "
+        "with --for, about which of two causes is present (T-optimality). If "
         "postures alone cannot separate elastic causes, the plan is for the smallest payload with "
         "which they do. Writes a session file in the order to visit. Guide the arm to these angles "
         "and record the angles at which the ball is seated.",

@@ -113,6 +113,11 @@ static void add_ties(mukca_cause *out, const mukca_finding *f, mukca_search *id,
                      const mukca_candidate *cause)
 {
     if (!f) return;
+    double own_probability = out->probability;
+    for (int a = 0; a < f->n_alternatives; a++)
+        if (f->alternatives[a].listed &&
+            mukca_effect_same(&f->alternatives[a].effect, &out->effect))
+            own_probability = f->alternatives[a].probability;
     memcpy(out->order_range, f->order, sizeof f->order);
     out->or_unknown = f->outside > MUKCA_DOUBT;
     for (int a = 0; a < f->n_alternatives && out->n_ties < MUKCA_MAX_TIES; a++) {
@@ -126,12 +131,14 @@ static void add_ties(mukca_cause *out, const mukca_finding *f, mukca_search *id,
             k++;
         if (k == id->all.count) continue; /* a moved socket */
         const mukca_candidate *h = &id->all.list[k];
-        out->ties[out->n_ties++] =
-            (mukca_tie){.effect = e->kind,
-                        .joint = e->joint,
-                        .log_bayes_factor = NAN,
-                        .correlation = NAN,
-                        .rival = rival_effect(h, &out->effect, cause->unit[0])};
+        out->ties[out->n_ties++] = (mukca_tie){
+            .effect = e->kind,
+            .joint = e->joint,
+            .log_bayes_factor =
+                out->log_bayes_factor +
+                log(fmax(f->alternatives[a].probability, 1e-6) / fmax(own_probability, 1e-6)),
+            .correlation = NAN,
+            .rival = rival_effect(h, &out->effect, cause->unit[0])};
     }
 }
 

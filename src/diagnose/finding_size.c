@@ -278,9 +278,14 @@ static void describe(mukca_finding *f, const measured *w, const tables *t)
         *(p->label[l].effect < 0 ? &outside : &inside) += t->probability[l];
         if (t->item[l] < 0 || !(t->probability[l] >= ALTERNATIVE) || n == 64) continue;
         all[n] = alternative_of(w, l, t->item[l], t->probability[l]);
-        if (all[n].listed)
-            all[n].amplitude =
-                estimate(&t->amplitude[l], 1, mukca_effect_table[all[n].effect.kind]->nonnegative);
+        if (all[n].listed) {
+            mukca_effect *e = &all[n].effect;
+            const mukca_effect_info *info = mukca_effect_table[e->kind];
+            all[n].amplitude = estimate(&t->amplitude[l], 1, info->nonnegative);
+            e->terms = mukca_effect_terms(e);
+            for (int c = 0; c < e->terms; c++)
+                e->coefficient[c] = all[n].amplitude.value / sqrt(e->terms);
+        }
         n++;
     }
     qsort(all, (size_t)n, sizeof *all, by_probability);

@@ -73,6 +73,7 @@ static bool label_posterior(mukca_labelled_sets *out, mukca_pool *pool, const we
             return false;
         out->n_sets = i + 1;
     }
+    for (int i = 0; i < out->n_sets; i++) set[i].weight /= sum; /* the others alike */
     out->set = set;
     return !pool->failed;
 }

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "diagnose/cause.h"
+#include "diagnose/label.h"
 
 /* Must the folds be sockets?  An effect of one placement cannot be predicted without this
  * placement.  With two placements, the geometry fitted to one is so uncertain that its error hides
@@ -92,6 +93,8 @@ static void measure_explained(measurement *s)
     bool by_socket = false;
     for (int i = 0; i < s->d->n_causes; i++)
         by_socket |= needs_sockets(&s->d->causes[i].effect, &b->m->recording);
+    for (int f = 0; f < s->d->n_findings; f++)
+        by_socket |= s->d->findings[f].group.family == MUKCA_VARIES_PLACEMENT;
     if (by_socket) mukca_folds_run(s->full[1], b, true);
     mukca_folds_run(s->full[0], b, false);
     d->explained_m = mukca_folds_mean(s->full[0], b->m->recording.data->n_rows);
@@ -146,6 +149,34 @@ static mukca_status measure_causes(measurement *s, mukca_error *error)
     return MUKCA_OK;
 }
 
+/* Error without all members of each finding. */
+static void measure_findings(measurement *s)
+{
+    mukca_regression *m = s->b->m;
+    mukca_unknowns *u = &m->unknowns;
+    for (int f = 0; f < s->d->n_findings; f++) {
+        const mukca_finding_group *g = &s->d->findings[f].group;
+        int dropped = 0;
+        bool by_socket = false;
+        for (int c = u->n_causes - 1; c >= 0; c--) {
+            const mukca_candidate *h = &u->cause[c].candidate;
+            if (mukca_candidate_is_fault(h) || mukca_candidate_class(h) >= MUKCA_EFFECT_COUNT)
+                continue;
+            const mukca_label l = mukca_candidate_label(h, &m->recording, u);
+            const mukca_effect effect = mukca_candidate_effect(h);
+            if (!mukca_finding_holds(g, &l)) continue;
+            by_socket |= needs_sockets(&effect, &m->recording);
+            mukca_unknowns_drop(u, c);
+            dropped++;
+        }
+        if (!dropped) continue;
+        mukca_regression_fit(m, 3, MUKCA_FIT_UNKNOWNS);
+        mukca_folds_run(s->b->error, s->b, by_socket);
+        mukca_folds_compare(&s->d->findings[f].held_out, s->b, s->b->error, s->full[by_socket]);
+        mukca_unknowns_assign(u, s->all);
+    }
+}
+
 mukca_status mukca_held_out_run(mukca_diagnosis *d, mukca_arm_state *geometry, mukca_regression *m,
                                 const mukca_diagnose_options *options, mukca_error *error)
 {
@@ -183,6 +214,7 @@ mukca_status mukca_held_out_run(mukca_diagnosis *d, mukca_arm_state *geometry, m
         measure_explained(&s);
         mukca_unknowns_assign(s.all, &m->unknowns);
         status = measure_causes(&s, error);
+        if (status == MUKCA_OK) measure_findings(&s);
     }
     mukca_regression_linearise(m);
     return status;

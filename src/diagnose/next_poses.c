@@ -1,4 +1,4 @@
-/* Next postures of a diagnosis: those that distinguish its tied causes. */
+/* Next postures of a diagnosis: those that split a finding. */
 #include "diagnose/next_poses.h"
 
 #include <math.h>
@@ -17,34 +17,46 @@ static bool settled_by_readings(const mukca_effect *a, const mukca_effect *b)
            MUKCA_NEEDS_COMMANDS;
 }
 
-bool mukca_next_poses_need_readings(const mukca_cause *cause)
+bool mukca_next_poses_need_readings(const mukca_finding *f)
 {
-    for (int t = 0; t < cause->n_ties; t++)
-        if (settled_by_readings(&cause->effect, &cause->ties[t].rival)) return true;
+    const mukca_alternative *a = f->alternatives;
+    for (int k = 1; k < f->n_alternatives; k++)
+        if (a[0].listed && a[k].listed && settled_by_readings(&a[0].effect, &a[k].effect))
+            return true;
     return false;
 }
 
-bool mukca_next_poses_tie(mukca_next_poses *next, mukca_plan_options *options,
-                          mukca_effect effects[2], const mukca_diagnosis *d)
+/* The two most probable alternatives of a finding that postures can distinguish. */
+static bool find_pair(int pair[2], const mukca_finding *f)
 {
-    next->cause = next->tie = -1;
-    for (int c = 0; c < d->n_causes; c++) {
-        const mukca_cause *cause = &d->causes[c];
-        for (int t = 0; settled_by_poses(&cause->effect) && t < cause->n_ties; t++) {
-            const mukca_tie *tie = &cause->ties[t];
-            if (!isfinite(tie->log_bayes_factor) || !settled_by_poses(&tie->rival) ||
-                settled_by_readings(&cause->effect, &tie->rival))
-                continue;
-            next->cause = c;
-            next->tie = t;
-            effects[0] = cause->effect;
-            effects[1] = tie->rival;
+    int n = 0;
+    for (int k = 0; k < f->n_alternatives && n < 2; k++) {
+        const mukca_alternative *a = &f->alternatives[k];
+        if (!a->listed || !settled_by_poses(&a->effect) ||
+            (n && settled_by_readings(&f->alternatives[pair[0]].effect, &a->effect)))
+            continue;
+        pair[n++] = k;
+    }
+    return n == 2;
+}
+
+bool mukca_next_poses_pair(mukca_next_poses *next, mukca_plan_options *options,
+                           mukca_effect effects[2], const mukca_diagnosis *d, int finding)
+{
+    next->finding = -1;
+    for (int i = finding < 0 ? 0 : finding; i < d->n_findings; i++) {
+        const mukca_alternative *a = d->findings[i].alternatives;
+        int *pair = next->pair;
+        if (find_pair(pair, &d->findings[i])) {
+            next->finding = i;
+            for (int k = 0; k < 2; k++) effects[k] = a[pair[k]].effect;
             options->effects = effects;
             options->n_effects = 2;
             options->noise = d->sigma_m;
-            options->measured = cause->log_bayes_factor - tie->log_bayes_factor;
+            options->measured = log(a[pair[0]].probability / a[pair[1]].probability);
             return true;
         }
+        if (finding >= 0) return false;
     }
     return false;
 }
@@ -57,7 +69,7 @@ mukca_status mukca_next_poses_choose(mukca_next_poses *next, const mukca_diagnos
     mukca_effect effects[2];
     mukca_plan_options options = {.rows = MUKCA_NEXT_POSES, .poses_only = true, .stop = stop};
     memset(next, 0, sizeof *next);
-    if (!mukca_next_poses_tie(next, &options, effects, d)) return MUKCA_OK;
+    if (!mukca_next_poses_pair(next, &options, effects, d, -1)) return MUKCA_OK;
     const int n = mukca_plan_sockets(next->sockets, MUKCA_PLAN_MAX_SOCKETS, &d->geometry, data);
     const mukca_plan_task task = {
         .chain = chain, .theta = theta, .data = data, .sockets = next->sockets, .n_sockets = n};

@@ -318,10 +318,39 @@ bool mukca_wording_worse(const mukca_diagnosis *d)
     return d->verdict == MUKCA_VERDICT_TIED && d->test_explained_m > d->test_geometry_m;
 }
 
+/* "8 postures tell the base from joint_2": the alternatives of a finding that are split. */
+static const char *put_split(char *text, const mukca_diagnosed *r)
+{
+    const mukca_next_poses *next = r->next;
+    const mukca_alternative *a = r->diagnosis->findings[next->finding].alternatives;
+    const int needed =
+        next->plan.evidence_after >= MUKCA_PLAN_NAME ? next->plan.n_rows : next->plan.rows_to_name;
+    if (needed <= 0 || next->plan.n_rows == 0)
+        return put(text, "%s",
+                   r->data->n_sockets == 0
+                       ? "record other postures, or (deflection under load) the same ones "
+                         "with another payload: give both logs, with --payload KG,KG"
+                       : "record another placement, far from these, to split the findings");
+    put(text, "mukca plan --for %d%s: %d postures tell ", next->finding + 1,
+        needed > next->plan.n_rows ? " with more --rows" : "", needed);
+    for (int k = 0; k < 2; k++) {
+        const mukca_effect *e = &a[next->pair[k]].effect;
+        put(text, "%s%s", k ? " from " : "",
+            mukca_wording_effect(MUKCA_WORDS, e->kind, mukca_chain_joint_name(r->chain, e->joint)));
+    }
+    return text;
+}
+
 const char *mukca_wording_next(char text[MUKCA_WORDING], const mukca_diagnosed *r)
 {
     const mukca_diagnosis *d = r->diagnosis;
-    const bool tied = r->next && r->next->cause >= 0;
+    if (d->n_findings && mukca_next_poses_need_readings(&d->findings[0]))
+        return put(text,
+                   "record readings and commands (columns JOINT and JOINT.command): they separate "
+                   "servo sag from compliance");
+    if (d->verdict != MUKCA_VERDICT_UNTESTABLE && !mukca_wording_worse(d) && r->next &&
+        r->next->finding >= 0)
+        return put_split(text, r);
     const char *next =
         d->verdict == MUKCA_VERDICT_UNTESTABLE ? "record again as stated, then repeat the diagnosis"
         : d->verdict == MUKCA_VERDICT_UNKNOWN
@@ -330,15 +359,6 @@ const char *mukca_wording_next(char text[MUKCA_WORDING], const mukca_diagnosed *
         : mukca_wording_worse(d)
             ? "record more samples; until these decide, -o writes the geometry alone, which "
               "predicts the test data better"
-        : d->n_causes && mukca_next_poses_need_readings(&d->causes[0])
-            ? "record readings and commands (columns JOINT and JOINT.command): they separate servo "
-              "sag from compliance"
-        : tied && r->next->plan.n_rows > 0
-            ? "`mukca plan --settle` with these data writes postures that separate alternatives"
-        : tied && r->data->n_sockets == 0
-            ? "record other postures, or (elastic causes) the same ones with another payload, to "
-              "separate the alternatives: give both logs, with --payload KG,KG"
-        : tied        ? "record another placement, far from these, to separate the alternatives"
         : d->n_faults ? "record the faulty samples again"
         : d->n_causes && !r->saved
             ? "-o offsets.tsv saves geometry and causes for fk, evaluate, compensate and export"

@@ -5,6 +5,7 @@
 
 #include "base/pool.h"
 #include "close.h"
+#include "infer/halves.h"
 #include "infer/posterior.h"
 #include "infer/sets.h"
 #include "infer/whitening.h"
@@ -608,36 +609,39 @@ TEST(averages)
     mukca_pool_free(&pool);
 }
 
-/* Data that change: the same as an evaluation of the changed data. */
-TEST(moves)
+/* The question of a part from products of its columns: the same as from all of the columns. */
+TEST(parts)
 {
+    enum { COLUMNS = MODEL + 1 + WIDTH };
     static const int members[] = {1, 4, 6};
+    static double gram[COLUMNS][COLUMNS];
     mukca_pool pool = {0};
-    mukca_sets sets;
-    uint64_t seed = 9;
-    static double delta[WIDTH][MUKCA_DRAWS];
-    double moved[MUKCA_DRAWS], expected[MUKCA_DRAWS], change[MUKCA_DRAWS], sum = 0;
-    pose(&p, 1);
-    assert_true(mukca_sets_create(&sets, &pool, &p.question));
-    const double value = insert(&sets, members, 3);
-    for (int b = 0; b < MUKCA_DRAWS; b++) {
-        mukca_pool again = {0};
-        mukca_sets changed;
-        other = p;
-        for (int r = 0; r < ROWS; r++) other.y[r] += 0.5 * draw(&seed);
-        project(&other);
-        for (int k = 0; k < WIDTH; k++) delta[k][b] = other.g[k] - p.g[k];
-        moved[b] = other.question.residual - p.question.residual;
-        assert_true(mukca_sets_create(&changed, &again, &other.question));
-        expected[b] = insert(&changed, members, 3) - value -
-                      0.5 * ROWS * log(other.question.residual / p.question.residual);
-        sum += expected[b];
-        mukca_pool_free(&again);
+    mukca_question part;
+    mukca_sets sets[2];
+    double product[2][9], mean[WIDTH + 8];
+    pose(&p, 5);
+    for (int a = 0; a < COLUMNS; a++)
+        for (int b = 0; b < COLUMNS; b++) {
+            const double *x = a < MODEL    ? p.X[a]
+                              : a == MODEL ? p.y
+                                           : p.E[a - MODEL - 1],
+                         *y = b < MODEL    ? p.X[b]
+                              : b == MODEL ? p.y
+                                           : p.E[b - MODEL - 1];
+            gram[a][b] = 0;
+            for (int r = 0; r < ROWS; r++) gram[a][b] += x[r] * y[r];
+        }
+    const mukca_part_layout of = {MODEL, ITEMS, WIDTH, p.item};
+    assert_true(mukca_part_question(&part, &pool, gram[0], ROWS, &of));
+    assert_close(part.residual, p.question.residual, 1e-10 * ROWS);
+    for (int k = 0; k < WIDTH; k++) assert_close(part.g[k], p.g[k], 1e-10 * ROWS);
+    for (int k = 0; k < 2; k++) {
+        assert_true(mukca_sets_create(&sets[k], &pool, k ? &part : &p.question));
+        const int at = mukca_sets_insert(&sets[k], members, NULL, 3);
+        mukca_sets_products(product[k], mean, &sets[k], &sets[k].set[at]);
     }
-    const int at = mukca_sets_insert(&sets, members, NULL, 3);
-    mukca_sets_move(change, &sets, &sets.set[at], delta[0], moved);
-    for (int b = 0; b < MUKCA_DRAWS; b++)
-        assert_close(change[b], expected[b] - sum / MUKCA_DRAWS, 1e-9 * ROWS); /* rounding */
+    assert_close(insert(&sets[1], members, 3), insert(&sets[0], members, 3), 1e-9 * ROWS);
+    for (int i = 0; i < 9; i++) assert_close(product[1][i], product[0][i], 1e-9 * ROWS);
     mukca_pool_free(&pool);
 }
 

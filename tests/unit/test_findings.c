@@ -1,0 +1,165 @@
+/* The decision: findings from posteriors made by hand.  A threshold can be changed here with its
+ * consequences in view. */
+#include "infer/findings.h"
+
+#include "close.h"
+
+enum { LOAD, ANGLE, TIME };                 /* families */
+enum { COMPLIANCE, BENDING, BASE, RIPPLE }; /* effects */
+enum { MOST = 8 };
+
+static mukca_label labels[MOST];
+static int n_labels;
+
+typedef struct {
+    mukca_labelled_set set[MOST];
+    unsigned short member[MOST][MOST];
+    double product[MOST][MOST * MOST];
+    int n;
+} posterior;
+
+/* A label; effect -1: outside the catalogue. */
+static int label(int family, int effect, int at, int detail)
+{
+    labels[n_labels] =
+        (mukca_label){.family = family, .effect = effect, .from = at, .to = at, .detail = detail};
+    return n_labels++;
+}
+
+/* A set of up to two causes (-1: none) that explain these squares each. */
+static void add(posterior *p, double weight, int first, int second, double square)
+{
+    mukca_labelled_set *s = &p->set[p->n];
+    *s = (mukca_labelled_set){.weight = weight,
+                              .n = (first >= 0) + (second >= 0),
+                              .label = p->member[p->n],
+                              .product = p->product[p->n]};
+    p->member[p->n][0] = (unsigned short)(first >= 0 ? first : 0);
+    p->member[p->n][1] = (unsigned short)(second >= 0 ? second : 0);
+    for (int i = 0; i < s->n; i++) p->product[p->n][i * s->n + i] = square;
+    p->n++;
+}
+
+static mukca_labelled_sets of(const posterior *p)
+{
+    return (mukca_labelled_sets){n_labels, p->n, labels, p->set, MUKCA_FINDING_SQUARE};
+}
+
+static mukca_finding_group out[2 * MUKCA_MOST_FINDINGS];
+
+/* Choose with these halves (NULL: none); returns the number of findings, *all with the others. */
+static int choose(int *all, const posterior *p, const posterior *halves)
+{
+    mukca_pool pool = {0};
+    mukca_labelled_sets whole = of(p), parts[2];
+    int n = -1;
+    for (int h = 0; h < 2 && halves; h++) parts[h] = of(&halves[h]);
+    *all = mukca_findings_choose(out, &n, &pool, &whole, parts, halves ? 2 : 0);
+    mukca_pool_free(&pool);
+    return n;
+}
+
+static int setup(void **state)
+{
+    (void)state;
+    n_labels = 0;
+    return 0;
+}
+
+/* Base, joint 0 and joint 1 share one signal: none is sure, a load from the base to joint 1 is. */
+TEST(shared_signal)
+{
+    posterior p = {.n = 0}, half[2];
+    int all;
+    const int base = label(LOAD, BASE, -1, 0), first = label(LOAD, BENDING, 0, 0),
+              second = label(LOAD, COMPLIANCE, 1, 0);
+    add(&p, 0.4, base, -1, 50);
+    add(&p, 0.3, first, -1, 50);
+    add(&p, 0.29, second, -1, 50);
+    add(&p, 0.01, -1, -1, 0);
+    half[0] = half[1] = p;
+    assert_int_equal(choose(&all, &p, half), 1);
+    assert_int_equal(out[0].kind, MUKCA_GROUP_FAMILY);
+    assert_int_equal(out[0].from, -1);
+    assert_int_equal(out[0].to, 1);
+    assert_close(out[0].probability, 0.99, 1e-12);
+    assert_close(out[0].halves, 0.99, 1e-12);
+}
+
+/* One effect at one joint; its order is known within what the joint's travel resolves. */
+TEST(exact)
+{
+    posterior p = {.n = 0}, half[2];
+    int all;
+    const int low = label(ANGLE, RIPPLE, 3, 100), high = label(ANGLE, RIPPLE, 3, 101),
+              other = label(LOAD, COMPLIANCE, 1, 0);
+    labels[low].blur = labels[high].blur = 1;
+    add(&p, 0.6, low, other, 50);
+    add(&p, 0.38, high, other, 50);
+    add(&p, 0.02, other, -1, 50);
+    half[0] = half[1] = p;
+    assert_int_equal(choose(&all, &p, half), 2);
+    assert_int_equal(out[0].kind, MUKCA_GROUP_DETAIL);
+    assert_int_equal(out[0].effect, RIPPLE);
+    assert_int_equal(out[1].kind, MUKCA_GROUP_EFFECT);
+    assert_int_equal(out[1].effect, COMPLIANCE);
+    const mukca_labelled_sets whole = of(&p);
+    const double shares =
+        mukca_finding_share(&out[0], &whole) + mukca_finding_share(&out[1], &whole);
+    assert_close(shares, 1, 1e-12); /* they add up */
+}
+
+/* A named and an unlisted function of one angle: it varies with that angle. */
+TEST(outside_the_catalogue)
+{
+    posterior p = {.n = 0}, half[2];
+    int all;
+    const int named = label(ANGLE, RIPPLE, 2, 5), unlisted = label(ANGLE, -1, 2, 0);
+    add(&p, 0.5, named, -1, 50);
+    add(&p, 0.5, unlisted, -1, 50);
+    half[0] = half[1] = p;
+    assert_int_equal(choose(&all, &p, half), 1);
+    assert_int_equal(out[0].kind, MUKCA_GROUP_FAMILY);
+    assert_int_equal(out[0].family, ANGLE);
+    assert_int_equal(out[0].effect, -1);
+}
+
+/* What exists and explains no more than noise is no finding; nor is what a half denies, nor what no
+ * half was asked for. */
+TEST(refused)
+{
+    posterior p = {.n = 0}, half[2] = {{.n = 0}, {.n = 0}};
+    int all;
+    const int cause = label(TIME, COMPLIANCE, 2, 0);
+    add(&p, 1, cause, -1, MUKCA_FINDING_SQUARE - 1);
+    half[0] = half[1] = p;
+    assert_int_equal(choose(&all, &p, half), 0);
+    assert_int_equal(all, 0);
+    p.n = half[0].n = half[1].n = 0;
+    add(&p, 1, cause, -1, 50);
+    add(&half[0], 1, cause, -1, 50);
+    add(&half[1], 1, -1, -1, 0);
+    assert_int_equal(choose(&all, &p, half), 0);
+    assert_int_equal(all, 1);
+    assert_close(out[0].probability, 0.75, 1e-12);
+    assert_int_equal(choose(&all, &p, NULL), 0);
+    assert_true(isnan(out[0].halves));
+}
+
+/* Groups are disjoint: a second finding shares no cause with the first. */
+TEST(disjoint)
+{
+    posterior p = {.n = 0}, half[2];
+    int all;
+    const int a = label(LOAD, COMPLIANCE, 1, 0), b = label(LOAD, COMPLIANCE, 3, 0),
+              c = label(LOAD, BENDING, 3, 0);
+    add(&p, 0.5, a, b, 50);
+    add(&p, 0.5, a, c, 50);
+    half[0] = half[1] = p;
+    assert_int_equal(choose(&all, &p, half), 2);
+    for (int l = 0; l < n_labels; l++)
+        assert_int_equal(
+            mukca_finding_holds(&out[0], &labels[l]) + mukca_finding_holds(&out[1], &labels[l]), 1);
+}
+
+TEST_EACH(setup, NULL)
