@@ -14,6 +14,10 @@ enum {
                        most 3 % of its evidence */
 };
 
+/* Prior probability that a flexible part deflects by more than an error: each one deflects, and of
+ * the some 24 of an arm (joints, links, base) published recordings show one to three. */
+#define SHOWS (1.0 / 20)
+
 typedef struct {
     mukca_candidates *all;
     mukca_pool *pool;
@@ -287,10 +291,10 @@ static fault_part part_of(const mukca_candidate *h, const mukca_recording *r)
     return h->fault.first == r->order[r->groups[h->fault.group].start] ? BETWEEN : STEP;
 }
 
-/* Prior odds: equal per class, then per joint, then per variant; half of the outliers are bursts, a
- * quarter of tool motions creep, another quarter happens between two sockets, half of the unknown
- * functions have another argument than the joint's own angle alone.  Unlisted causes are a class of
- * their own, equal per kind. */
+/* Prior odds: those of flexible parts; else equal per class, then per joint, then per variant; half
+ * of the outliers are bursts, a quarter of tool motions creep, another quarter happens between two
+ * sockets, half of the unknown functions have another argument than the joint's own angle alone.
+ * Unlisted causes are a class of their own, equal per kind. */
 static void set_priors(mukca_candidates *all, const mukca_recording *r)
 {
     int variants[MUKCA_CLASSES][MUKCA_MAX_JOINTS + 1] = {{0}}, crossed[MUKCA_MAX_JOINTS + 1] = {0};
@@ -329,7 +333,8 @@ static void set_priors(mukca_candidates *all, const mukca_recording *r)
         } else {
             share /= variants[class][slot] + (class == MUKCA_CLASS_UNKNOWN ? crossed[slot] : 0);
         }
-        h->log_prior = log(share / all->classes);
+        h->log_prior =
+            mukca_effect_has(class, MUKCA_TRAIT_FLEXIBLE) ? log(SHOWS) : log(share / all->classes);
     }
     int listed = 0;
     for (int i = all->first_unlisted; i < all->count; i++) listed += !kinds[all->list[i].kind]++;
