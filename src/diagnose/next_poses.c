@@ -33,7 +33,9 @@ static bool find_pair(int pair[2], const mukca_finding *f)
     for (int k = 0; k < f->n_alternatives && n < 2; k++) {
         const mukca_alternative *a = &f->alternatives[k];
         if (!a->listed || !settled_by_poses(&a->effect) ||
-            (n && settled_by_readings(&f->alternatives[pair[0]].effect, &a->effect)))
+            (n && (settled_by_readings(&f->alternatives[pair[0]].effect, &a->effect) ||
+                   (f->alternatives[pair[0]].effect.kind == a->effect.kind &&
+                    f->alternatives[pair[0]].effect.joint == a->effect.joint))))
             continue;
         pair[n++] = k;
     }

@@ -83,7 +83,9 @@ const char *mukca_wording_finding(char text[MUKCA_WORDING], const mukca_finding 
     if (f->order[0] > 0 && f->order[0] < f->order[1])
         put(text, ", order %d [%d, %d]", f->alternatives[0].effect.variant.order, f->order[0],
             f->order[1]);
-    if (placement >= 0) put(text, " in placement %s", r->data->placements[placement].name);
+    if (placement >= 0)
+        put(text, "%s placement %s", f->group.effect < 0 && f->group.apart ? ":" : " in",
+            r->data->placements[placement].name);
     return text;
 }
 
@@ -138,7 +140,8 @@ const char *mukca_wording_alternatives(char text[MUKCA_WORDING], const mukca_fin
                                        const mukca_diagnosed *r)
 {
     int n = 0;
-    if (f->group.effect >= 0 && f->group.from == f->group.to) return text;
+    if (f->n_alternatives < 2 && f->group.effect >= 0) return text;
+    if (f->order[0] > 0) return text; /* they differ in their orders */
     for (int i = 0; i < f->n_alternatives && n < MOST_ALTERNATIVES; i++) {
         const mukca_alternative *a = &f->alternatives[i];
         put(text, "%s", n++ ? ", " : "");
@@ -146,6 +149,8 @@ const char *mukca_wording_alternatives(char text[MUKCA_WORDING], const mukca_fin
             put(text, "%s",
                 mukca_wording_effect(MUKCA_WORDS, a->effect.kind,
                                      mukca_chain_joint_name(r->chain, a->effect.joint)));
+            if (a->effect.placement >= 0)
+                put(text, " in %s", r->data->placements[a->effect.placement].name);
         } else {
             put(text, "outside the catalogue");
             put_place(text, r, a->from, a->to);

@@ -5,32 +5,33 @@ refuse 2 "needs NAME=X,Y,Z" plan --urdf "$demo/arm.urdf" --place front
 refuse 2 "such a placement already" plan --urdf "$demo/arm.urdf" --place a=0.4,0,0.1 --place a=0.4,0.2,0.1
 refuse 2 "rows 0: must be a whole number, 1 to 1000" plan --urdf "$demo/arm.urdf" --place a=0.4,0,0.1 --rows 0
 refuse 2 "must be a number above 0, at most 180, in degrees" plan --urdf "$demo/arm.urdf" --place a=0.4,0,0.1 --tilt 200
-refuse 2 "settle needs the DATA" plan --urdf "$demo/arm.urdf" --settle
+refuse 2 "for needs the DATA" plan --urdf "$demo/arm.urdf" --for 1
 refuse 3 "placement far: no pose was found" plan --urdf "$demo/arm.urdf" --place far=3,0,0
 "$MUKCA" simulate -q --urdf "$demo/arm.urdf" --seed 5 --noise 1e-4 --perturb 1,2 --effect gear_harmonic:joint_4@100=5e-4 -o sure.tsv
-refuse 1 "no indistinguishable causes" plan --urdf "$demo/arm.urdf" sure.tsv --settle
+refuse 1 "no two alternatives that postures could separate" plan --urdf "$demo/arm.urdf" sure.tsv --for 1
+refuse 1 "there is no such finding" plan --urdf "$demo/arm.urdf" sure.tsv --for 9
 answer "^12 postures in 2 sockets; 0 samples recorded" \
     plan --urdf "$demo/arm.urdf" --place front=0.45,0,0.05 --rows 12 -o plan.tsv
 expect "a plan tells its unit" grep -q '^# .*joints in rad' plan.tsv
 expect "a plan is a session file" "$MUKCA" evaluate -q --urdf "$demo/arm.urdf" plan.tsv -o planned.tsv
 # every planned row puts the nominal ball into its socket: 50 mm apart, no spread
 expect "its rows sit in the sockets" awk -F '\t' 'NR == 2 && $4 < 1e-6 && $8 < 1e-6 {good = 1} END {exit !good}' planned.tsv
-# a tie: plan --settle states the evidence that the diagnosis measured, and proposes the same postures
-"$MUKCA" capture -q --urdf "$demo/arm.urdf" --lcm-url "file://$demo/guided.lcmlog" --trigger -o tie.tsv 2>/dev/null
+# a finding with alternatives: plan --for proposes the postures of the diagnosis
+"$MUKCA" simulate -q --urdf "$demo/arm.urdf" --noise 2e-4 --perturb 1,2 --seed 4 --placements 2 --rows 14 \
+    --effect base_compliance=5e-5 -o tie.tsv
 run diagnose -q --urdf "$demo/arm.urdf" tie.tsv --json tie.json
-run plan -q --urdf "$demo/arm.urdf" tie.tsv --settle --rows 10 --json settle.json -o settle.tsv
-expect "plan --settle and diagnose agree" python3 -c "
-import json
-d, p = json.load(open('tie.json')), json.load(open('settle.json'))
-pair = d['next_poses'][0]['tells_apart']
-cause = next(c for c in d['causes'] if [c['effect'], c['joint']] == [*pair[0].values()])
-rival = next(t for t in cause['ties'] if [t['effect'], t['joint']] == [*pair[1].values()])
-assert abs(abs(cause['log_bayes_factor'] - rival['log_bayes_factor']) - p['log_bayes_factor']['before']) < 1e-9
+run plan -q --urdf "$demo/arm.urdf" tie.tsv --for 1 --rows 10 --json split.json -o split.tsv
+expect "plan --for and diagnose agree" python3 -c "
+import json, math
+d, p = json.load(open('tie.json')), json.load(open('split.json'))
+pair = [list(x.values()) for x in d['next_poses'][0]['tells_apart']]
+a = {(x['effect'], x['joint']): x['probability'] for x in d['findings'][0]['alternatives']}
+assert abs(math.log(a[tuple(pair[0])] / a[tuple(pair[1])]) - p['log_bayes_factor']['before']) < 1e-9
 for x, y in zip(d['next_poses'], p['poses'], strict=True):
     assert all(abs(a - b) < 1e-9 for a, b in zip(x['q'], y['joints'].values(), strict=True))"
 expect "a plan visits each placement and each socket once, first the placement where the plate is" python3 -c "
 import itertools, json
-rows = json.load(open('settle.json'))['poses']
+rows = json.load(open('split.json'))['poses']
 for keys in ['placement'], ['placement', 'socket']:
     visits = [v for v, _ in itertools.groupby([r[k] for k in keys] for r in rows)]
     assert all(visits.count(v) == 1 for v in visits), visits

@@ -4,7 +4,7 @@ demo=$root/data/demo
 a="--urdf $demo/arm.urdf" d="$demo/train.tsv"
 answer "^Converged after" calibrate $a "$d" -o offsets.tsv
 answer "^  consistency mm, data" evaluate $a "$d" -o scores.tsv
-answer "^Cause   joint compliance at joint_4" diagnose $a "$d"
+answer "^Found   joint compliance at joint_4" diagnose $a "$d"
 answer "^12 postures" plan $a --place front=0.45,0,0.05 --rows 12 -o plan.tsv
 answer "^report: page.html" report $a "$d" -o page.html
 "$MUKCA" export $a --offsets offsets.tsv -o calibrated.urdf
@@ -25,7 +25,7 @@ apart() { # PATTERN ARGS...: standard output has no text that matches, standard 
 }
 apart "^Converged" calibrate $a "$d" --json -
 apart "^Converged" calibrate $a "$d" -o -
-apart "^Cause" diagnose $a "$d" --json -
+apart "^Found" diagnose $a "$d" --json -
 apart "consistency mm" evaluate $a "$d"
 apart "consistency mm" evaluate $a "$d" --json -
 apart "^Result" recalibrate $a log.tsv --json -
