@@ -113,11 +113,14 @@ static void add_ties(mukca_cause *out, const mukca_finding *f, mukca_search *id,
                      const mukca_candidate *cause)
 {
     if (!f) return;
-    double own_probability = out->probability;
-    for (int a = 0; a < f->n_alternatives; a++)
-        if (f->alternatives[a].listed &&
-            mukca_effect_same(&f->alternatives[a].effect, &out->effect))
+    double own_probability = MUKCA_DOUBT; /* of what is no alternative */
+    for (int a = f->n_alternatives - 1; a >= 0; a--) {
+        const mukca_effect *e = &f->alternatives[a].effect;
+        if (f->alternatives[a].listed && e->kind == out->effect.kind &&
+            e->joint == out->effect.joint && e->placement == out->effect.placement)
             own_probability = f->alternatives[a].probability;
+    }
+    out->probability = fmin(out->probability, fmin(own_probability, f->group.probability));
     memcpy(out->order_range, f->order, sizeof f->order);
     out->or_unknown = f->outside > MUKCA_DOUBT;
     for (int a = 0; a < f->n_alternatives && out->n_ties < MUKCA_MAX_TIES; a++) {
@@ -125,12 +128,11 @@ static void add_ties(mukca_cause *out, const mukca_finding *f, mukca_search *id,
         const bool own = e->kind == out->effect.kind && e->joint == out->effect.joint &&
                          e->placement == out->effect.placement;
         if (!f->alternatives[a].listed || own) continue;
-        int k = 0;
+        int k = 0; /* the candidate whose columns give its size; none of a moved socket */
         while (k < id->all.count && !(id->all.list[k].kind == MUKCA_CANDIDATE_EFFECT &&
                                       mukca_effect_same(&id->all.list[k].effect, e)))
             k++;
-        if (k == id->all.count) continue; /* a moved socket */
-        const mukca_candidate *h = &id->all.list[k];
+        const mukca_candidate *h = k < id->all.count ? &id->all.list[k] : NULL;
         out->ties[out->n_ties++] = (mukca_tie){
             .effect = e->kind,
             .joint = e->joint,
@@ -138,7 +140,7 @@ static void add_ties(mukca_cause *out, const mukca_finding *f, mukca_search *id,
                 out->log_bayes_factor +
                 log(fmax(f->alternatives[a].probability, 1e-6) / fmax(own_probability, 1e-6)),
             .correlation = NAN,
-            .rival = rival_effect(h, &out->effect, cause->unit[0])};
+            .rival = h ? rival_effect(h, &out->effect, cause->unit[0]) : *e};
     }
 }
 
@@ -155,7 +157,6 @@ void mukca_cause_describe(mukca_cause *out, mukca_search *id, const mukca_causes
                          .probability = id->probability[id->name[best->candidate[member]]],
                          .held_out = MUKCA_SHRINK_NONE,
                          .rung_m = NAN};
-    if (f) out->probability = fmin(out->probability, f->group.probability);
     add_ties(out, f, id, h);
     if (mukca_candidate_is_fault(h)) {
         out->socket = recording->groups[h->fault.group].socket;

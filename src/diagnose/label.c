@@ -47,6 +47,7 @@ static void label_effect(mukca_label *l, const mukca_candidate *h, const mukca_r
     if (!mukca_effect_has(l->effect, MUKCA_TRAIT_ORDERS)) return;
     mukca_recording_travel(range, r, h->joint);
     l->detail = effect.variant.order;
+    l->fine = l->detail > MUKCA_LONG_ORDER;
     l->blur = (int)fmax(ceil(2 * M_PI / fmax(range[1] - range[0], MUKCA_WAVE_TRAVEL)) - 1, 0);
 }
 

@@ -35,28 +35,40 @@ bool mukca_finding_holds(const mukca_finding_group *g, const mukca_label *l)
     }
 }
 
-/* Square that the members of a set which are in the group explain together, and (*with) the same
- * with half of their products with the others. */
-static double square_of(double *with, const mukca_finding_group *g, const mukca_labelled_set *s,
-                        const mukca_label *label)
+/* Square that the members of a set which are in the group explain together, (*with) the same with
+ * half of their products with the others, and (*outside) the largest square of another member
+ * outside the catalogue. */
+static double square_of(double *with, double *outside, const mukca_finding_group *g,
+                        const mukca_labelled_set *s, const mukca_label *label)
 {
-    double own = 0, all = 0;
+    double own = 0;
     bool in[64]; /* more than MUKCA_SET_ITEMS */
-    for (int i = 0; i < s->n; i++) in[i] = mukca_finding_holds(g, &label[s->label[i]]);
+    *with = *outside = 0;
+    for (int i = 0; i < s->n; i++) {
+        in[i] = mukca_finding_holds(g, &label[s->label[i]]);
+        if (!in[i] && label[s->label[i]].effect < 0)
+            *outside = fmax(*outside, s->product[i * s->n + i]);
+    }
     for (int i = 0; i < s->n; i++)
         for (int k = 0; k < s->n && in[i]; k++) {
-            all += s->product[i * s->n + k];
+            *with += s->product[i * s->n + k];
             if (in[k]) own += s->product[i * s->n + k];
         }
-    if (with) *with = all;
     return own;
 }
 
+/* A name beside a cause outside the catalogue may be what the function in its place does not
+ * follow. That is a fraction of it: if every fraction is equally probable, it is smaller than the
+ * name's part of the amplitude of both with that part as probability. */
 double mukca_finding_probability(const mukca_finding_group *g, const mukca_labelled_sets *p)
 {
-    double sum = 0;
-    for (int i = 0; i < p->n_sets; i++)
-        if (square_of(NULL, g, &p->set[i], p->label) > p->least) sum += p->set[i].weight;
+    const bool name = g->kind <= MUKCA_GROUP_EFFECT && !(g->kind == MUKCA_GROUP_DETAIL && g->fine);
+    double sum = 0, with, outside;
+    for (int i = 0; i < p->n_sets; i++) {
+        const double square = square_of(&with, &outside, g, &p->set[i], p->label);
+        if (square > p->least)
+            sum += p->set[i].weight * (name ? sqrt(square / (square + outside)) : 1);
+    }
     return fmin(sum, 1);
 }
 
@@ -65,8 +77,8 @@ double mukca_finding_share(const mukca_finding_group *g, const mukca_labelled_se
     double part = 0, whole = 0;
     for (int i = 0; i < p->n_sets; i++) {
         const mukca_labelled_set *s = &p->set[i];
-        double with;
-        square_of(&with, g, s, p->label);
+        double with, outside;
+        square_of(&with, &outside, g, s, p->label);
         part += s->weight * with;
         for (int k = 0; k < s->n * s->n; k++) whole += s->weight * s->product[k];
     }
@@ -140,6 +152,7 @@ static void list_groups(groups *all)
                                            .to = l->to,
                                            .low = l->detail - l->blur,
                                            .high = l->detail + l->blur,
+                                           .fine = l->fine,
                                            .apart = l->apart});
         if (l->effect >= 0) add_stretches(all, MUKCA_GROUP_EFFECT, i);
         add_stretches(all, MUKCA_GROUP_FAMILY, i);

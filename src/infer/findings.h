@@ -37,6 +37,7 @@ typedef struct {
     int from, to; /* positions along the chain, or apart from it */
     int detail;   /* order or placement; 0: none */
     int blur;     /* details that differ by at most this are the same to the data */
+    bool fine;    /* too fine a function to be a part of a cause outside the catalogue */
     bool apart;   /* its positions are not on the chain */
 } mukca_label;
 
@@ -66,7 +67,7 @@ typedef struct {
     int family, effect; /* -1: any */
     int from, to;
     int low, high; /* details */
-    bool apart;
+    bool fine, apart;
     double probability; /* posterior; of what is no finding, averaged with that in halves */
     double halves;      /* mean probability in halves of the data; NaN: too little data */
 } mukca_finding_group;
@@ -74,7 +75,8 @@ typedef struct {
 /* Does a group contain causes with this label? */
 bool mukca_finding_holds(const mukca_finding_group *group, const mukca_label *label);
 
-/* Probability that causes of the group are present and together explain at least `least`. */
+/* Probability that causes of the group are present and together explain at least `least`; of an
+ * effect, that they are no part of a cause outside the catalogue. */
 double mukca_finding_probability(const mukca_finding_group *group,
                                  const mukca_labelled_sets *posterior);
 

@@ -612,16 +612,16 @@ TEST(averages)
 /* The question of a part from products of its columns: the same as from all of the columns. */
 TEST(parts)
 {
-    enum { COLUMNS = MODEL + 1 + WIDTH };
+    enum { EACH = MODEL + 1 + WIDTH };
     static const int members[] = {1, 4, 6};
-    static double gram[COLUMNS][COLUMNS];
+    static double gram[EACH][EACH];
     mukca_pool pool = {0};
     mukca_question part;
     mukca_sets sets[2];
     double product[2][9], mean[WIDTH + 8];
     pose(&p, 5);
-    for (int a = 0; a < COLUMNS; a++)
-        for (int b = 0; b < COLUMNS; b++) {
+    for (int a = 0; a < EACH; a++)
+        for (int b = 0; b < EACH; b++) {
             const double *x = a < MODEL    ? p.X[a]
                               : a == MODEL ? p.y
                                            : p.E[a - MODEL - 1],

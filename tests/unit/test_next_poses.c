@@ -25,9 +25,12 @@ static void set_tie(mukca_effect cause, mukca_effect rival)
     record(&t->data, &t->s);
     mukca_diagnosis *d = &t->diagnosis;
     d->verdict = MUKCA_VERDICT_TIED;
-    d->n_causes = d->causes[0].n_ties = 1;
-    d->causes[0].effect = cause;
-    d->causes[0].ties[0] = (mukca_tie){.effect = rival.kind, .joint = rival.joint, .rival = rival};
+    d->n_findings = 1;
+    d->findings[0].n_alternatives = 2;
+    d->findings[0].alternatives[0] =
+        (mukca_alternative){.effect = cause, .listed = true, .probability = 0.6};
+    d->findings[0].alternatives[1] =
+        (mukca_alternative){.effect = rival, .listed = true, .probability = 0.4};
     d->geometry = t->s.arm.geometry;
     d->sigma_m = 1e-4;
 }
@@ -54,8 +57,8 @@ TEST(poses_reach_their_sockets_and_tell)
 {
     set_tie(bending, scale);
     choose();
-    assert_int_equal(t->next.cause, 0);
-    assert_int_equal(t->next.tie, 0);
+    assert_int_equal(t->next.finding, 0);
+    assert_int_equal(t->next.pair[1], 1);
     assert_int_equal(t->next.plan.n_rows, MUKCA_NEXT_POSES);
     assert_true(t->next.plan.evidence_after > t->next.plan.evidence_before);
     for (int i = 0; i < t->next.plan.n_rows; i++) {
@@ -92,19 +95,19 @@ TEST(nothing_where_no_pose_can_settle_it)
 {
     set_tie(scale, moved); /* a recording fault */
     choose();
-    assert_int_equal(t->next.cause, -1);
+    assert_int_equal(t->next.finding, -1);
     mukca_dataset_free(&t->data);
 
     set_tie(scale, scale);
-    t->diagnosis.causes[0].n_ties = 0;
+    t->diagnosis.findings[0].n_alternatives = 1;
     choose();
-    assert_int_equal(t->next.cause, -1);
+    assert_int_equal(t->next.finding, -1);
     mukca_dataset_free(&t->data);
 
     set_tie(scale, bending);
     t->s.chain.n_masses = 0; /* nobody knows the load of other poses */
     choose();
-    assert_int_equal(t->next.cause, 0);
+    assert_int_equal(t->next.finding, 0);
     assert_int_equal(t->next.plan.n_rows, 0);
     mukca_next_poses_free(&t->next);
     mukca_dataset_free(&t->data);

@@ -314,17 +314,24 @@ TEST(full_columns)
     mukca_regression_fit(m, 4, MUKCA_FIT_ALL);
 }
 
-/* The prior odds of all listed candidates and all orders sum to one. */
+/* The prior odds of all listed candidates and all orders sum to one; flexible parts, which all arms
+ * have, have odds of their own and leave their classes empty. */
 TEST(priors)
 {
     double orders = 0, sum = 0;
+    int flexible = 0;
     for (int order = 2; order <= MUKCA_LAST_ORDER; order++)
         orders += mukca_effect_catalogue[MUKCA_EFFECT_GEAR_HARMONIC]->order_prior(order);
     assert_close(orders, 1, 1e-12);
     for (int i = 0; i < f->all.first_unlisted; i++)
-        if (mukca_candidate_class(&f->all.list[i]) != MUKCA_EFFECT_GEAR_HARMONIC)
+        if (mukca_effect_has(mukca_candidate_class(&f->all.list[i]), MUKCA_TRAIT_FLEXIBLE))
+            assert_close(f->all.list[i].log_prior, log(1.0 / 20), 1e-12);
+        else if (mukca_candidate_class(&f->all.list[i]) != MUKCA_EFFECT_GEAR_HARMONIC)
             sum += exp(f->all.list[i].log_prior);
-    assert_close(sum + 1.0 / f->all.classes, 1, 1e-9); /* few orders of ripple are listed */
+    for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++)
+        flexible += f->all.enabled[kind] && mukca_effect_has(kind, MUKCA_TRAIT_FLEXIBLE);
+    /* few orders of ripple are listed */
+    assert_close(sum + (1.0 + flexible) / f->all.classes, 1, 1e-9);
     sum = 0;
     for (int i = f->all.first_unlisted; i < f->all.count; i++)
         if (mukca_candidate_is_unlisted(&f->all.list[i])) sum += exp(f->all.list[i].log_prior);
