@@ -3,7 +3,7 @@
 
 A block of a document, from `<!-- figures NAME ...` to `<!-- end NAME -->`, is the output of one
 function below; its first line says command, date and machine. Blocks of a fenced text are written
-without marks: README's and diagnosis.md's screens of the demo. --check writes nothing and fails where
+without marks: README's screen of data/panda and diagnosis.md's of data/demo. --check writes nothing and fails where
 a deterministic figure differs (what needs the published data is left out, with a line, where they
 are not); --times PART... (make figures TIMES="fit growth") writes these parts of make bench instead, which CI cannot compare.
 """
@@ -53,14 +53,14 @@ def write(path, name, command, content):
             file.write(text[:found.start()] + stamp + content + f"<!-- end {name} -->" + text[found.end():])
 
 
-def demo(command):
-    return subprocess.run([real.MUKCA, command, "--urdf", "data/demo/arm.urdf", "data/demo/train.tsv", "--test",
-                           "data/demo/test.tsv"], capture_output=True, text=True, check=True).stdout
+def printed_by(command, data):
+    return subprocess.run([real.MUKCA, command, "--urdf", f"{data}/arm.urdf", f"{data}/train.tsv", "--test",
+                           f"{data}/test.tsv"], capture_output=True, text=True, check=True).stdout
 
 
 def sentence(path):
     """The errors of the two fits of calibrate."""
-    found = re.search(r"better geometry\s[^.]*error\s+([\d.]+ mm)\s.*instead of ([\d.]+ mm)", demo("calibrate"))
+    found = re.search(r"better geometry\s[^.]*error\s+([\d.]+ mm)\s.*instead of ([\d.]+ mm)", printed_by("calibrate", "data/demo"))
     with open(path, encoding="utf-8") as file:
         if found and f"here {found[2]} and {found[1]} on the test data" in file.read():
             print(f"ok figures: {path}: calibrate")
@@ -68,9 +68,9 @@ def sentence(path):
             differs(path, "the sentence about calibrate")
 
 
-def screen(path):
-    """The lines of a shortened screen of the demo, each as the command prints it."""
-    printed = demo("diagnose").splitlines()
+def screen(path, data):
+    """The lines of a shortened screen of a diagnosis, each as the command prints it."""
+    printed = printed_by("diagnose", data).splitlines()
     with open(path, encoding="utf-8") as file:
         text = file.read()
     for block in re.findall(r"```text\n(.*?)```", text, re.S):
@@ -136,8 +136,8 @@ def times(parts):
 if "--times" in sys.argv:
     sys.exit(times(sys.argv[sys.argv.index("--times") + 1:]))
 sentence("docs/diagnosis.md")
-for page in ("README.md", "docs/diagnosis.md"):
-    screen(page)
+screen("README.md", "data/panda")
+screen("docs/diagnosis.md", "data/demo")
 if os.path.isdir(real.DATA):
     table_one()
     if not CHECK or os.environ.get("MUKCA_LONG"):
