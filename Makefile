@@ -130,7 +130,7 @@ $(EXAMPLES): $(BUILD)/examples/%: $(BUILD)/obj/tools/%.o $(CORE)
 TEST_ENVIRONMENT := MUKCA=$(abspath $(BUILD))/mukca BUILD=$(abspath $(BUILD)) LC_ALL=C.UTF-8 \
     PYTHONDONTWRITEBYTECODE=1 HEART_SRC='$(HEART_SRC)'
 
-demo: all ## calibrate, diagnose and report the demo arm of data/ into build/demo
+demo: all ## calibrate, diagnose and report the real arm of data/panda into build/demo
 	@$(TEST_ENVIRONMENT) tools/demo/run build/demo
 
 check: programs ## build and run every test

@@ -19,6 +19,7 @@
 #define mukca_fk_frames MUKCA_SIZED(mukca_fk_frames)
 #define mukca_fk_jacobian MUKCA_SIZED(mukca_fk_jacobian)
 #define mukca_fk_parameter_jacobian MUKCA_SIZED(mukca_fk_parameter_jacobian)
+#define mukca_chain_load MUKCA_SIZED(mukca_chain_load)
 #define mukca_chain_masses MUKCA_SIZED(mukca_chain_masses)
 #define mukca_chain_moments MUKCA_SIZED(mukca_chain_moments)
 #define mukca_effects_displacement MUKCA_SIZED(mukca_effects_displacement)

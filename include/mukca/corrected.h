@@ -37,8 +37,7 @@ mukca_status mukca_corrected_parse(mukca_corrected *model, const char *text, siz
 mukca_status mukca_corrected_load(mukca_corrected *model, const char *path, mukca_error *error);
 
 /* Tip in the base frame, m, for encoder angles q[n_joints] (rad, m).  `state`: further inputs of
- * some effects (last move, time since the start, command); NULL: none.  With effects, angles beyond
- * 2^20 rad give NaN. */
+ * some effects (last move, time since the start, command); NULL: none. */
 void mukca_corrected_position(double position[3], const mukca_corrected *model, const double *q,
                               const mukca_joint_state *state);
 
@@ -46,8 +45,9 @@ void mukca_corrected_pose(mukca_frame *T_base_tip, const mukca_corrected *model,
                           const mukca_joint_state *state);
 
 /* Derivative of the pose with respect to q, J[6][n_joints] row-major: linear (m/rad, m/m), then
- * angular, in base coordinates.  The derivatives of the effects are included, exact to 1e-11; last
- * move, command and the other members of `state` are constant.  `T_base_tip` may be NULL. */
+ * angular, in base coordinates.  The derivatives of load-independent effects are included;
+ * deflections under load, last move, command and the other members of `state` are constant.
+ * `T_base_tip` may be NULL. */
 void mukca_corrected_jacobian(double *J, mukca_frame *T_base_tip, const mukca_corrected *model,
                               const double *q, const mukca_joint_state *state);
 

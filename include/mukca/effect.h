@@ -209,8 +209,8 @@ void mukca_effect_direction(double *direction, int n_joints, const mukca_effect 
                             const mukca_joint_state *state);
 
 /* Displacement by `n` effects at configuration q, with the gravity moments of the arm in static
- * equilibrium (a fixed point, to 1e-12 rad).  `state` supplies move, time, placement, command,
- * payload_kg (may be NULL: all zero). */
+ * equilibrium (rounds of a fixed point: within 0.1 um for real arms).  `state` supplies move,
+ * time, placement, command, payload_kg (may be NULL: all zero). */
 void mukca_effects_displacement(mukca_displacement *displacement, const mukca_effect *effects,
                                 int n, const mukca_chain *chain, const mukca_geometry *geometry,
                                 const double *q, const mukca_joint_state *state);

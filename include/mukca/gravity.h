@@ -16,10 +16,20 @@ typedef struct {
     double base[3];                  /* the same about the base origin, in the base frame */
 } mukca_gravity_load;
 
-/* Mass kg[n_elements] and first moment first[n_elements][3] (kg m, child frame) of the bodies that
- * move with each element; `mass_scale` and `payload_kg` as below. */
-void mukca_chain_masses(double *kg, double (*first)[3], const mukca_chain *chain,
-                        const double *mass_scale, double payload_kg);
+/* Masses of the bodies that move with each element, and their first moments (child frame). */
+typedef struct {
+    double kg[MUKCA_MAX_ELEMENTS], first[MUKCA_MAX_ELEMENTS][3]; /* kg m */
+} mukca_masses;
+
+/* `mass_scale` and `payload_kg` as below. */
+void mukca_chain_masses(mukca_masses *masses, const mukca_chain *chain, const double *mass_scale,
+                        double payload_kg);
+
+/* Static load at q[n_joints] in the displaced posture; moments in the joints' displaced frames.
+ * `displacement` may be NULL. */
+void mukca_chain_load(mukca_gravity_load *load, const mukca_chain *chain,
+                      const mukca_geometry *geometry, const double *q,
+                      const mukca_displacement *displacement, const mukca_masses *masses);
 
 /* Static load of the masses at q[n_joints].  `mass_scale` (n_masses factors) may be NULL;
  * `payload_kg` sits at the tip.  Linear in elements and masses. */

@@ -22,8 +22,8 @@ __extension__ typedef unsigned __int128 wide;
 /* m / 10^k rounded to nearest even, for m > 0 and k of 0 .. 19: by long division. */
 static double divide(uint64_t m, int k)
 {
-    uint64_t power = 1, left;
-    for (int i = 0; i < k; i++) power *= 10;
+    const uint64_t power = (uint64_t)exact_power[k];
+    uint64_t left;
     const int lead = __builtin_clzll(m);
     const wide numerator = (wide)(m << lead) << 63; /* m 2^(lead + 63) */
     const wide quotient = numerator / power;        /* 62 bits at least */

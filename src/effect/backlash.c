@@ -15,12 +15,6 @@ static void backlash_basis(double basis[][3], const mukca_basis_input *in)
         basis[0][0] = -0.5 * tanh(in->state->torque[effect->joint] / effect->variant.torque_scale);
 }
 
-static double backlash_by_load(const mukca_effect *effect, const double basis[3])
-{
-    const double side = 2 * basis[0];
-    return -0.5 * (1 - side * side) / effect->variant.torque_scale;
-}
-
 /* Torque below which friction keeps a gear between its flanks, N m, by order of magnitude: small,
  * medium and large joints of arms up to 20 kg payload. */
 static bool backlash_candidate(mukca_effect *effect, const mukca_effect_survey *survey, int i)
@@ -80,7 +74,6 @@ const mukca_effect_ops mukca_backlash_effect = {
              .sentence = "gravity decides at which end of the gear's free motion the joint rests",
              .remedy = "adjust the gear, or approach targets from one side"},
     .basis = backlash_basis,
-    .by_load = backlash_by_load,
     .variant = &torque_scale,
     .candidate = backlash_candidate,
     .untested = "gravity holds it on one side in all samples: record postures on both sides",

@@ -88,10 +88,6 @@ typedef struct {
     /* Derivative of the given basis[terms] by a joint's angle; returns the joint relative to its
      * own: 0 (always for rotations), -1 or 1.  NULL: independent of the angles. */
     int (*by_angle)(double slope[][3], const mukca_basis_input *in, const double basis[][3]);
-    /* With MUKCA_NEEDS_MASSES: derivative of the given basis[0] by the joint's torque, by the
-     * moment across its axis (rotations), or by the base's moment.  NULL: MUKCA_TRAIT_ELASTIC, the
-     * basis is the negative of these. */
-    double (*by_load)(const mukca_effect *effect, const double basis[3]);
     /* site ANGLES, instead of basis: direction[n_joints], zero on entry */
     void (*direction)(double *direction, int n_joints, const mukca_effect *effect,
                       const mukca_joint_state *state);

@@ -2,6 +2,7 @@
 #include "io/dataset.h"
 
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -28,53 +29,56 @@ static const char *label(const mukca_dataset *data, int row)
     return data->socket[row] < 0 ? "" : data->sockets[data->socket[row]].label;
 }
 
+/* Whether samples of equal joint angles agree in all else. */
 static bool repeats(const mukca_dataset *a, int i, const mukca_dataset *b, int k)
 {
-    const int n = a->n_joints;
-    bool same = memcmp(a->q + (size_t)i * (size_t)n, b->q + (size_t)k * (size_t)n,
-                       (size_t)n * sizeof *a->q) == 0 &&
-                strcmp(label(a, i), label(b, k)) == 0;
+    bool same = strcmp(label(a, i), label(b, k)) == 0;
     for (int c = 0; c < MUKCA_COLUMNS && same; c++)
-        same = agree(a->column[c], i, b->column[c], k, mukca_column_width(c, n));
+        same = agree(a->column[c], i, b->column[c], k, mukca_column_width(c, a->n_joints));
     return same;
 }
 
-/* A sample in a list sorted by joint angles; `source`: of the other dataset. */
-typedef struct {
-    const double *q;
-    size_t bytes;
-    int row;
-    bool source;
-} sample;
-
-static int compare(const void *a, const void *b)
+/* Bucket of a sample by its joint angles, bit by bit: FNV-1a of their words, whose upper half is
+ * mixed best. */
+static size_t bucket_of(const double *q, int n, int bits)
 {
-    const sample *x = a, *y = b;
-    const int order = memcmp(x->q, y->q, x->bytes);
-    return order ? order : x->source != y->source ? y->source - x->source : x->row - y->row;
+    uint64_t hash = 0xcbf29ce484222325u, word;
+    for (int j = 0; j < n; j++) {
+        memcpy(&word, &q[j], sizeof word);
+        hash = (hash ^ word ^ word >> 32) * 0x100000001b3u;
+    }
+    return (size_t)(hash * 0x9e3779b97f4a7c15u >> (64 - bits));
 }
 
 /* original[n_rows]: index of the sample of `of` (NULL: an earlier one of `data`) that each sample
- * repeats, or -1; scratch list[samples of both]. */
-static void find(int *original, const mukca_dataset *data, const mukca_dataset *of, sample *list)
+ * repeats, or -1. */
+static void find(int *original, mukca_pool *pool, const mukca_dataset *data,
+                 const mukca_dataset *of)
 {
-    const mukca_dataset *sets[2] = {of, data};
-    const size_t width = (size_t)data->n_joints, bytes = width * sizeof *data->q;
-    int n = 0, first = 0, kept = 0; /* list[first, first + kept): of these angles, to be repeated */
-    for (int s = !of; s < 2; s++)
-        for (int i = 0; i < sets[s]->n_rows; i++)
-            list[n++] = (sample){sets[s]->q + (size_t)i * width, bytes, i, s == 0};
-    qsort(list, (size_t)n, sizeof *list, compare);
-    for (int k = 0; k < n; k++) {
-        const sample now = list[k];
-        if (memcmp(list[first].q, now.q, bytes) != 0) first = k, kept = 0;
-        if (!now.source) original[now.row] = -1;
-        for (int c = kept - 1; c >= 0 && c >= kept - MOST_COMPARED && !now.source; c--)
-            if (repeats(data, now.row, of ? of : data, list[first + c].row)) {
-                original[now.row] = list[first + c].row;
-                break;
-            }
-        if (now.source || (!of && original[now.row] < 0)) list[first + kept++] = now;
+    const mukca_dataset *from = of ? of : data;
+    const int n = data->n_joints;
+    int bits = 1;
+    while (bits < 30 && 1 << bits < from->n_rows) bits++;
+    int *newest = MUKCA_TAKE(pool, int, (size_t)1 << bits); /* row + 1 of a bucket; 0: none */
+    int *before = MUKCA_TAKE(pool, int, from->n_rows + 1);  /* likewise, by row + 1 */
+    for (int i = 0; i < (of ? of->n_rows : 0) && !pool->failed; i++) {
+        int *at = &newest[bucket_of(of->q + (size_t)i * (size_t)n, n, bits)];
+        before[i + 1] = *at;
+        *at = i + 1;
+    }
+    for (int i = 0; i < data->n_rows && !pool->failed; i++) {
+        const double *q = data->q + (size_t)i * (size_t)n;
+        int *at = &newest[bucket_of(q, n, bits)], compared = 0;
+        original[i] = -1;
+        for (int k = *at; k && original[i] < 0 && compared < MOST_COMPARED; k = before[k]) {
+            if (memcmp(from->q + (size_t)(k - 1) * (size_t)n, q, (size_t)n * sizeof *q) != 0)
+                continue;
+            compared++;
+            if (repeats(data, i, from, k - 1)) original[i] = k - 1;
+        }
+        if (of || original[i] >= 0) continue;
+        before[i + 1] = *at;
+        *at = i + 1;
     }
 }
 
@@ -171,14 +175,13 @@ mukca_status mukca_dataset_drop_copies(mukca_dataset *data, const mukca_dataset 
     mukca_pool pool = {0};
     int *original = MUKCA_TAKE(&pool, int, n + 1), copies = 0;
     int *count = MUKCA_TAKE(&pool, int, 2 * data->n_sockets + 1);
-    sample *list = MUKCA_TAKE(&pool, sample, (size_t)n + 1 + (of ? (size_t)of->n_rows : 0));
     unsigned char *keep = MUKCA_TAKE(&pool, unsigned char, n + 1);
     mukca_status status = MUKCA_OK;
+    if (!pool.failed) find(original, &pool, data, of);
     if (pool.failed) {
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", n);
         goto out;
     }
-    find(original, data, of, list);
     for (int i = 0; i < n; i++) keep[i] = original[i] < 0;
     if (!of) keep_dead(keep, data, count);
     for (int i = 0; i < n; i++) {

@@ -7,22 +7,6 @@
 #include "math/four.h"
 #include "model/turn.h"
 
-/* Part of a kernel: with several lanes inline, to be compiled for each processor; with one lane a
- * separate function, as a small controller has little stack and code memory. */
-#if MUKCA_LANES > 1
-#define PART MUKCA_INLINE
-#else
-#define PART static __attribute__((noinline, unused))
-#endif
-
-/* Rotation vector of joint j's frame before its rotation; NULL: none. */
-static inline const double *joint_rotation(const mukca_displacement *displacement, int j)
-{
-    if (j < 0 || !displacement || !displacement->any_rotation) return NULL;
-    const double *w = displacement->rotation[j];
-    return w[0] != 0 || w[1] != 0 || w[2] != 0 ? w : NULL;
-}
-
 /* A frame by columns: x, y and z axes and origin, in base coordinates.  With several lanes a
  * column is one vector with 0 as its fourth component, else an array. */
 enum { ROWS = MUKCA_LANES > 1 ? 1 : 3 };
@@ -48,49 +32,6 @@ MUKCA_INLINE void columns_vector(lanes *out, const columns *F, const double v[3]
 {
     for (int r = 0; r < ROWS; r++)
         out[r] = F->column[0][r] * v[0] + F->column[1][r] * v[1] + F->column[2][r] * v[2];
-}
-
-/* c := a x b.  With several lanes in registers: a load of one component of a vector just stored,
- * or of a vector stored by components, takes as long as ten operations.  The fourth component stays
- * 0. */
-#if MUKCA_LANES > 1 && defined(__has_builtin)
-#if __has_builtin(__builtin_shufflevector)
-#define NEXT(v) __builtin_shufflevector(v, v, 1, 2, 0, 3)
-#endif
-#endif
-#ifndef NEXT
-#define NEXT(v) ((lanes){(v)[1], (v)[2], (v)[0], (v)[3]})
-#endif
-PART void columns_cross(lanes *c, const lanes *a, const lanes *b)
-{
-#if MUKCA_LANES > 1
-    const lanes turned = a[0] * NEXT(b[0]) - NEXT(a[0]) * b[0];
-    c[0] = NEXT(turned);
-#else
-    mukca_cross(c, a, b);
-#endif
-}
-
-/* c += a x b; c -= a x b; a . b of three components. */
-PART void columns_add_cross(lanes *c, const lanes *a, const lanes *b)
-{
-    lanes cross[ROWS];
-    columns_cross(cross, a, b);
-    for (int r = 0; r < ROWS; r++) c[r] += cross[r];
-}
-
-PART void columns_subtract_cross(lanes *c, const lanes *a, const lanes *b)
-{
-    lanes cross[ROWS];
-    columns_cross(cross, a, b);
-    for (int r = 0; r < ROWS; r++) c[r] -= cross[r];
-}
-
-MUKCA_INLINE double columns_dot(const lanes *a, const lanes *b)
-{
-    lanes part[ROWS];
-    for (int r = 0; r < ROWS; r++) part[r] = a[r] * b[r];
-    return XYZ(part)[0] + XYZ(part)[1] + XYZ(part)[2];
 }
 
 /* Shift the origin by v, in the frame's own coordinates. */

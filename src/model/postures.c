@@ -2,7 +2,7 @@
 #include "model/dataset_subset.h"
 
 #include <math.h>
-#include <stdlib.h>
+#include <stdint.h>
 #include <string.h>
 
 #include "math/stats.h"
@@ -14,17 +14,71 @@
 #define NEAR 0.2e-3
 #define FAR 50e-3
 
-enum { SAMPLED = 2000 }; /* rows in which the gap is searched: time linear in all rows */
+enum {
+    SAMPLED = 2000, /* rows in which the gap is searched: time linear in all rows */
+    HASHED = 8,     /* joints, the first of the arm, that determine a bucket */
+    NEAR_BUCKETS = 1 << HASHED
+};
 
+/* Rows by the hash of their angles, rounded to cells.  A cell is more than two radii wide, so that
+ * a row's neighbours are in two cells a joint at most, in 1 + 2 radii / width on average: in 3
+ * buckets in all where the width is two radii for each joint. */
 typedef struct {
-    double q;
-    int row;
-} sorted;
+    const mukca_dataset *d;
+    double per_cell;   /* 1 / width of a cell */
+    int *first, *next; /* of a bucket [1 << bits]; of a row; -1: none */
+    int joints, bits;
+} buckets;
 
-static int by_angle(const void *a, const void *b)
+static void start(buckets *b, mukca_pool *pool, const mukca_dataset *d, double radius, int rows)
 {
-    const sorted *x = a, *y = b;
-    return x->q != y->q ? (x->q > y->q) - (x->q < y->q) : x->row - y->row;
+    const int joints = d->n_joints < HASHED ? d->n_joints : HASHED;
+    *b = (buckets){.d = d, .joints = joints, .bits = 2};
+    b->per_cell = 1 / (radius * fmax(3, 2 * joints));
+    while (b->bits < 30 && 1 << (b->bits - 2) < rows) b->bits++;
+    b->first = MUKCA_TAKE(pool, int, 1 << b->bits);
+    b->next = MUKCA_TAKE(pool, int, d->n_rows);
+    for (int i = 0; i < 1 << b->bits && !pool->failed; i++) b->first[i] = -1;
+}
+
+/* The nearest integer, plus a constant: the low bits of x + 1.5 * 2^52. */
+static uint64_t to_cell(double x)
+{
+    const double shifted = x + 0x1.8p52;
+    uint64_t bits;
+    memcpy(&bits, &shifted, sizeof bits);
+    return bits;
+}
+
+/* found[NEAR_BUCKETS] := the buckets within `radius` of a row.  Returns their number.  Hash: sum of
+ * cells times odd numbers, the powers of 2^64 / golden ratio (Fibonacci hashing: Knuth, The Art of
+ * Computer Programming 3, section 6.4). */
+static int find_buckets(unsigned *found, const buckets *b, int row, double radius)
+{
+    const double *q = b->d->q + (size_t)row * (size_t)b->d->n_joints;
+    uint64_t hash[NEAR_BUCKETS], odd = 1;
+    int n = 1;
+    hash[0] = 0;
+    for (int j = 0; j < b->joints; j++) {
+        odd *= 0x9e3779b97f4a7c15u;
+        const uint64_t low = to_cell((q[j] - radius) * b->per_cell);
+        const uint64_t more = to_cell((q[j] + radius) * b->per_cell) - low;
+        for (int i = 0; i < n; i++) {
+            hash[i] += low * odd;
+            if (more) hash[n + i] = hash[i] + more * odd;
+        }
+        n += more ? n : 0;
+    }
+    for (int i = 0; i < n; i++) found[i] = (unsigned)(hash[i] >> (64 - b->bits));
+    return n;
+}
+
+static void add(buckets *b, int row)
+{
+    unsigned own;
+    find_buckets(&own, b, row, 0);
+    b->next[row] = b->first[own];
+    b->first[own] = row;
 }
 
 /* Largest difference of a joint's angles, or any from `limit` on; rows with another payload are
@@ -44,38 +98,31 @@ static double distance(const mukca_dataset *d, int a, int b, double limit)
     return most;
 }
 
-/* Rows by the joint with the widest range, so that near rows are neighbours. */
-static void sort_rows(sorted *order, const mukca_dataset *d)
-{
-    double widest = -1;
-    int joint = 0;
-    for (int j = 0; j < d->n_joints; j++) {
-        double low = HUGE_VAL, high = -HUGE_VAL;
-        for (int row = 0; row < d->n_rows; row++) {
-            low = fmin(low, d->q[row * d->n_joints + j]);
-            high = fmax(high, d->q[row * d->n_joints + j]);
-        }
-        if (high - low > widest) widest = high - low, joint = j;
-    }
-    for (int row = 0; row < d->n_rows; row++)
-        order[row] = (sorted){d->q[row * d->n_joints + joint], row};
-    qsort(order, (size_t)d->n_rows, sizeof *order, by_angle);
-}
-
 /* Largest distance of readings of one posture: the middle, in logarithms, of the widest gap in the
  * distances of some rows to the nearest other one. */
-static double find_tolerance(double *nearest, const sorted *order, const mukca_dataset *d)
+static double find_tolerance(mukca_pool *pool, const mukca_dataset *d)
 {
     const int step = 1 + d->n_rows / SAMPLED;
+    double *nearest = MUKCA_TAKE(pool, double, SAMPLED + 1);
+    unsigned near[NEAR_BUCKETS];
+    buckets b;
     int n = 0;
-    for (int i = 0; i < d->n_rows; i += step) {
-        double least = FAR;
-        for (int side = -1; side <= 1; side += 2)
-            for (int k = i + side; k >= 0 && k < d->n_rows && fabs(order[k].q - order[i].q) < least;
-                 k += side)
-                least = fmin(least, distance(d, order[i].row, order[k].row, least));
-        if (least > NEAR && least < FAR) nearest[n++] = least;
-    }
+    start(&b, pool, d, FAR, SAMPLED);
+    if (pool->failed) return 0;
+    for (int i = 0; i < d->n_rows; i += step) add(&b, i), nearest[i / step] = FAR;
+    for (int row = 0; row < d->n_rows; row++)
+        for (int k = find_buckets(near, &b, row, FAR) - 1; k >= 0; k--)
+            for (int i, *at = &b.first[near[k]]; (i = *at) >= 0;) {
+                double *least = &nearest[i / step];
+                const double far = i == row ? FAR : distance(d, i, row, *least);
+                if (far < *least) *least = far;
+                if (*least > NEAR)
+                    at = &b.next[i];
+                else
+                    *at = b.next[i];
+            }
+    for (int i = 0; i < d->n_rows; i += step)
+        if (nearest[i / step] > NEAR && nearest[i / step] < FAR) nearest[n++] = nearest[i / step];
     mukca_stats_sort(nearest, n);
     double widest = 0, tolerance = sqrt(NEAR * FAR);
     for (int i = 0; i <= n; i++) {
@@ -87,27 +134,24 @@ static double find_tolerance(double *nearest, const sorted *order, const mukca_d
 
 int mukca_postures_find(int *posture, mukca_pool *pool, const mukca_dataset *d)
 {
-    const int rows = d->n_rows;
-    sorted *order = MUKCA_TAKE(pool, sorted, rows);
-    double *nearest = MUKCA_TAKE(pool, double, rows + 1);
-    int *place = MUKCA_TAKE(pool, int, rows), repeats = 0;
+    const double tolerance = find_tolerance(pool, d);
+    unsigned near[NEAR_BUCKETS];
+    int repeats = 0;
+    buckets b;
+    if (!pool->failed) start(&b, pool, d, tolerance, d->n_rows);
     if (pool->failed) return 0;
-    sort_rows(order, d);
-    const double tolerance = find_tolerance(nearest, order, d);
-    for (int i = 0; i < rows; i++) place[order[i].row] = i, posture[i] = -1;
-    for (int row = 0; row < rows; row++) {
+    for (int row = 0; row < d->n_rows; row++) {
         double least = tolerance;
-        int first = row;
-        for (int side = -1; side <= 1; side += 2)
-            for (int k = place[row] + side;
-                 k >= 0 && k < rows && fabs(order[k].q - order[place[row]].q) < least; k += side) {
-                const int other = order[k].row;
-                if (other > row || posture[other] != other) continue;
+        posture[row] = row;
+        for (int k = find_buckets(near, &b, row, tolerance) - 1; k >= 0; k--)
+            for (int other = b.first[near[k]]; other >= 0; other = b.next[other]) {
                 const double far = distance(d, row, other, least);
-                if (far < least) least = far, first = other;
+                if (far < least) least = far, posture[row] = other;
             }
-        posture[row] = first;
-        repeats += first != row;
+        if (posture[row] == row)
+            add(&b, row);
+        else
+            repeats++;
     }
     return repeats;
 }

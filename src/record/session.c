@@ -5,7 +5,8 @@
 
 #include "base/cells.h"
 #include "io/dataset.h"
-#include "record/recorder.h"
+#include "record/messages.h"
+#include "record/session.h"
 
 /* ---- labels ---- */
 

@@ -5,7 +5,10 @@
 #include <string.h>
 
 #include "io/rows.h"
-#include "record/recorder.h"
+#include "record/map.h"
+#include "record/messages.h"
+#include "record/session.h"
+#include "record/stream.h"
 
 /* A restarted driver has a new port and is accepted after this silence, us. */
 static const int64_t handover_us = 500000;

@@ -95,6 +95,24 @@ TEST(rounds_are_repeats_although_something_drifts)
     mukca_pool_free(&pool);
 }
 
+/* More joints than a bucket has; angles at the edges of cells, and of both signs. */
+TEST(repeats_are_found_across_the_cells)
+{
+    enum { ROWS = 4000, POSTURES = 500, JOINTS = 10 };
+    static double q[ROWS * JOINTS];
+    static int posture[ROWS];
+    const mukca_dataset data = {.n_rows = ROWS, .n_joints = JOINTS, .q = q};
+    mukca_pool pool = {0};
+    for (int row = 0; row < ROWS; row++)
+        for (int j = 0; j < JOINTS; j++)
+            q[row * JOINTS + j] =
+                0.06 * ((row % POSTURES * (7 * j + 13)) % 31 - 15 + row % POSTURES * (j == 0)) +
+                1e-3 * sin(row * (j + 1.7));
+    assert_int_equal(mukca_postures_find(posture, &pool, &data), ROWS - POSTURES);
+    for (int row = 0; row < ROWS; row++) assert_int_equal(posture[row], row % POSTURES);
+    mukca_pool_free(&pool);
+}
+
 /* The move does not depend on how often the states come, and is kept while the arm stands. */
 TEST(streams_keep_their_direction)
 {
