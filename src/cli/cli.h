@@ -113,14 +113,15 @@ typedef struct {
     int map;         /* 0: by name; 1: in order; 2: in order, w last */
     double distance; /* m */
     int check;       /* recordings simulated by --check */
-    bool free_base, free_tool, inverse_poses, force, accept_failed, accept_edited, quiet, verbose;
+    bool free_base, free_tool, inverse_poses, accept_other_arm, accept_failed, accept_edited, force,
+        quiet, verbose;
 } cli_common;
 
 /* Sets of common options that a command can take.  --force, -q and -v are common to all. */
 enum {
-    CLI_WITH_MODEL = 1 << 0, /* --urdf to --gravity */
-    CLI_WITH_OFFSETS = 1 << 1,
-    CLI_WITH_ACCEPT = 1 << 2, /* --accept-failed, --accept-edited */
+    CLI_WITH_MODEL = 1 << 0,   /* --urdf to --gravity */
+    CLI_WITH_OFFSETS = 1 << 1, /* --offsets, --accept-other-arm */
+    CLI_WITH_ACCEPT = 1 << 2,  /* --accept-failed, --accept-edited */
     CLI_WITH_TEST = 1 << 3,
     CLI_WITH_DISTANCE = 1 << 4,
     CLI_WITH_DISTANCES = 1 << 5,
@@ -311,7 +312,7 @@ mukca_status cli_load_model(cli_call *call, cli_model *model, const cli_arm *arm
 /* A comment line in an output if the table of --offsets was not accepted. */
 void cli_print_verdict(const cli_call *call, FILE *stream);
 
-/* Read an offsets table, subject to --force, --accept-failed and --accept-edited.  `own` (may be
+/* Read an offsets table, subject to the options --accept-*.  `own` (may be
  * NULL) receives the chain in its comments, for which it is then read.  Errors: MUKCA_INPUT,
  * MUKCA_MEMORY. */
 mukca_status cli_read_offsets(cli_call *call, mukca_offsets *offsets, mukca_chain *own,

@@ -21,9 +21,9 @@ mukca_status cli_read_offsets(cli_call *call, mukca_offsets *offsets, mukca_chai
     const cli_common *c = call->common;
     const bool any = call->command->any_table;
     const mukca_offsets_options options = {
-        .force = c->force,
         .accept = (any || c->accept_failed ? MUKCA_ACCEPT_FAILED : 0) |
-                  (any || c->accept_edited ? MUKCA_ACCEPT_EDITED : 0),
+                  (any || c->accept_edited ? MUKCA_ACCEPT_EDITED : 0) |
+                  (c->accept_other_arm ? MUKCA_ACCEPT_OTHER : 0),
         .own = own,
         .note = cli_note,
         .context = call};

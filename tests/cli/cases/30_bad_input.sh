@@ -219,7 +219,8 @@ sed 's/\(urdf_sha256: \)./\1x/' offsets.tsv >other.tsv
 refuse 3 'other.tsv: was made for another URDF' fk $a --offsets other.tsv good/hole_0.csv -o new.tsv
 refuse 3 'other.tsv: was made for another URDF' export $a --offsets other.tsv -o new.urdf
 refuse 3 'session.tsv: no offsets table' export $a --offsets session.tsv -o new.urdf
-accept 'made for another URDF' fk $a --offsets other.tsv --force good/hole_0.csv
+refuse 3 'other.tsv: was made for another URDF.*--accept-other-arm' fk $a --offsets other.tsv --force good/hole_0.csv
+accept 'made for another URDF' fk $a --offsets other.tsv --accept-other-arm good/hole_0.csv
 
 row() { # row SED: the last row of the table, with one thing wrong, behind it
     printf 'j2\tjoint_scale\trad/rad\t0\t1e-3\t1e-3\t1e-5\t1\t-\n' | sed "$1" | cat offsets.tsv - >bad.tsv
