@@ -143,6 +143,8 @@ struct Loader {
     {
         if (name.size() >= MUKCA_NAME_SIZE)
             fail("the name '" + name.substr(0, 40) + "...' is longer than 63 characters");
+        if (!mukca_utf8_valid(name.c_str()))
+            fail("the name '" + name + "' has control characters; rename it in the URDF");
         std::memcpy(to, name.c_str(), name.size() + 1);
     }
 

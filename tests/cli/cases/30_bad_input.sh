@@ -101,6 +101,22 @@ run calibrate --urdf bad.urdf good -o named.tsv --force
 expect "a URDF in another encoding that it names" grep -q "^jü	x" named.tsv
 LC_ALL=C sed 's/"j1"/"j\xfc"/' arm.urdf >bad.urdf
 refuse 3 "bad.urdf:[0-9]*: broken XML: Input is not proper UTF-8" calibrate --urdf bad.urdf good
+# names with control characters are refused, those of files are shown without
+escape=$(printf '\033]0;x\007')
+wrong_session "2,\$s/^p/p$escape/" "bad.tsv:2: column 'placement': is not UTF-8, or has control characters"
+wrong_session "2,\$s/^p\t/p\t$(printf '\302\233')/" "bad.tsv:2: column 'socket': is not UTF-8, or has control"
+wrong_urdf 's/name="j1"/name="j\&#x9b;1"/' "bad.urdf: the name 'j??1' has control characters; rename it in the URDF"
+wrong_urdf 's/name="ball"/name="\&#x9b;ball"/; s/link="ball"/link="\&#x9b;ball"/' "bad.urdf: the name '??ball' has control"
+odd=$(printf 'a\033]0;x\007b\302\233c\342\200\256d')
+cp -r good "$odd" && cut -f 2- session.tsv >"$odd.tsv"
+for command in "evaluate -v" "diagnose -v" "calibrate -v -o $odd.out" "report -o $odd.html"; do
+    # shellcheck disable=SC2086
+    run $command $a "$odd" "$odd.tsv"
+    [ ! -f "$odd.html" ] || cat "$odd.html" >>"$scratch/out"
+    expect "$command shows no control characters" sh -c \
+        '! LC_ALL=C grep -qP "[\x01-\x08\x0b-\x1f\x7f]|\xc2[\x80-\x9f]|\xe2\x80\xae" "$@"' sh "$scratch/out" "$scratch/err"
+done
+rm -r "$odd" "$odd".*
 # a file's name is what it is, but must not cost a result, nor be cut within a letter
 latin=$(printf 'gr\374n.tsv')
 long=$(printf 'é%.0s' $(seq 40)).tsv
