@@ -101,6 +101,22 @@ run calibrate --urdf bad.urdf good -o named.tsv --force
 expect "a URDF in another encoding that it names" grep -q "^jü	x" named.tsv
 LC_ALL=C sed 's/"j1"/"j\xfc"/' arm.urdf >bad.urdf
 refuse 3 "bad.urdf:[0-9]*: broken XML: Input is not proper UTF-8" calibrate --urdf bad.urdf good
+# --columns: renames apply to the names in the file, whatever their order; units are read or refused
+sed '1s/j1/J/; 1s/j2/j1/; 1s/J/j2/' session.tsv >swapped.tsv
+run evaluate $a session.tsv -o straight.tsv
+for columns in j1=j2,j2=j1 j2=j1,j1=j2; do
+    run evaluate $a swapped.tsv --columns $columns -o swapped.out --force
+    expect "--columns $columns swaps" sh -c 'cut -f 2- straight.tsv >a; cut -f 2- swapped.out | diff - a'
+done
+refuse 3 "swapped.tsv:1: two columns are called 'j1'; rename one" evaluate $a swapped.tsv --columns j2=j1
+refuse 3 "swapped.tsv:1: no column 'j1', which --columns renames" evaluate $a swapped.tsv --columns j1=j2,j1=j3,j2=j1
+awk -F'\t' -v OFS='\t' 'NR > 1 { $3 *= 57.29577951308232 } NR == 1 { $3 = "q [grad]" } { print }' session.tsv >units.tsv
+refuse 3 "units.tsv:1: --columns: '\[grad\]' is no unit that is read; convert the column" \
+    evaluate $a units.tsv --columns 'q [grad]=j1'
+sed -i '1s/q \[grad\]/q/' units.tsv
+refuse 3 "units.tsv:1: --columns: '(turns)' is no unit that is read" evaluate $a units.tsv --columns 'q=j1 (turns)'
+run evaluate $a units.tsv --columns 'q=j1 [deg]' -o unit.out
+expect "--columns states a unit" sh -c 'test $(cut -f 3 straight.tsv unit.out | cut -c -8 | sort -u | wc -l) -eq 2'
 # names with control characters are refused, those of files are shown without
 escape=$(printf '\033]0;x\007')
 wrong_session "2,\$s/^p/p$escape/" "bad.tsv:2: column 'placement': is not UTF-8, or has control characters"
