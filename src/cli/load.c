@@ -234,6 +234,23 @@ static void note_unequal_sockets(cli_call *call, const mukca_dataset *data)
     }
 }
 
+/* Refuse options of pose logs for samples of sockets alone. */
+static mukca_status check_pose_options(cli_call *call, const mukca_dataset *data)
+{
+    const cli_common *c = call->common;
+    const char *option = c->free_base       ? "--free-base"
+                         : c->free_tool     ? "--free-tool"
+                         : c->inverse_poses ? "--inverse-poses"
+                                            : NULL;
+    int row = 0;
+    while (row < data->n_rows && data->socket[row] >= 0) row++;
+    if (!option || !data->n_rows || row < data->n_rows) return MUKCA_OK;
+    return cli_fail(call, MUKCA_USAGE,
+                    "%s is for pose logs, and these are samples of sockets: their base is the "
+                    "arm's, and the position of the ball is always free; omit it",
+                    option);
+}
+
 /* The model, DATA if there are arguments, --test if given. */
 static mukca_status load(cli_call *call)
 {
@@ -241,16 +258,13 @@ static mukca_status load(cli_call *call)
     mukca_status status = cli_load_model(call, &s->model, &call->common->arm);
     if (status == MUKCA_OK && call->arguments.n)
         status = cli_load_data(call, &s->data, &s->model, &call->arguments);
+    if (status == MUKCA_OK) status = check_pose_options(call, &s->data);
     if (status == MUKCA_OK) status = drop_coincident(call, &s->data, &s->model);
     if (status == MUKCA_OK && call->common->test.n)
         status = cli_load_data(call, &s->test, &s->model, &call->common->test);
     if (status == MUKCA_OK) status = drop_training(call, &s->test, &s->data);
     if (status != MUKCA_OK) return status;
     note_unequal_sockets(call, &s->data);
-    if (s->data.n_sockets && (call->common->free_base || call->common->free_tool))
-        cli_note(call,
-                 "--free-base and --free-tool do not concern sockets: their base is the "
-                 "arm's, and the position of the ball is always free");
     if (call->command->group != CLI_UNDERSTAND) return status;
     if (s->model.chain.n_masses == 0)
         cli_note(call,
