@@ -6,6 +6,7 @@
 #include "base/file.h"
 #include "base/text.h"
 #include "cli/cli.h"
+#include "cli/scores.h"
 #include "fit/evaluate.h"
 #include "io/dataset.h"
 #include "io/urdf.h"
@@ -154,11 +155,13 @@ mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model 
         status =
             mukca_dataset_load(data, &model->chain, paths->items, paths->n, &options, &call->error);
     if (status == MUKCA_OK) status = check_payload(call, data, &model->chain);
-    if (status == MUKCA_OK && data->n_targets > 1 && !call->command->targets)
+    if (status == MUKCA_OK && data->n_targets > 1 && !call->command->targets) {
+        cli_print_mismatch(call, data, c->free_base, true);
         status =
             cli_fail(call, MUKCA_INPUT,
                      "the pose logs have %d targets; mukca diagnose -o fits the position of each",
                      data->n_targets);
+    }
     if (status == MUKCA_OK && c->angles == 1)
         status = mukca_dataset_take_commands(data, &call->error);
     for (int f = 0; f < data->n_files && c->verbose && status == MUKCA_OK; f++) {

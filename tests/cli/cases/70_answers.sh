@@ -50,6 +50,32 @@ mixed parallel '$6 -= $5'
 mixed cycle 'x = $4; $4 = $5; $5 = $6; $6 = x'
 doubt "sign of joint_4, joint_6" calibrate $a sign.tsv
 doubt "joint_2 and joint_3 exchanged" diagnose $a exchange.tsv
+# by any angle, beside reversed joints; the frame of measured poses
+"$MUKCA" simulate $a --poses 60 --seed 4 --perturb 1,2 --noise 5e-5 | grep -v '^#' >poses.tsv
+changed() { # NAME PROGRAM: columns 2 to 8 are the joints, 9 to 11 the position
+    awk -F '\t' -v OFS='\t' "NR > 1 {$2} {print}" poses.tsv >"$1.tsv"
+}
+changed angle '$7 += 2'
+changed three '$3 = -$3; $6 = -$6; $4 -= 1.5707963267948966'
+changed turned '$9 = -$9; $10 = -$10'
+changed small '$3 += 0.8'
+sed '1s/x_m\ty_m\tz_m/x_m.a\ty_m.a\tz_m.a/' poses.tsv | cut -f 1-11 |
+    awk -F '\t' -v OFS='\t' '{ print $0, NR == 1 ? "x_m.b\ty_m.b\tz_m.b" : $9 OFS $10 OFS $11
+        }' | awk -F '\t' -v OFS='\t' 'NR > 1 { $4 -= $3 } { print }' >targets.tsv
+mixed angle_sockets '$7 -= 2'
+hints() { # COMMAND FILE PATTERN
+    # shellcheck disable=SC2086
+    run $1 $a $2
+    expect "$1 $2: $3" sh -c 'cat "$@" | tr "\n" " " | tr -s " " | grep -q -e "$0"' "$3" "$scratch/out" "$scratch/err"
+}
+for command in calibrate diagnose; do
+    hints $command angle.tsv 'with -11[345][.0-9]* degrees added to joint_6: check'
+    hints $command three.tsv 'with the opposite sign of joint_2, joint_5, and +90 degrees added to joint_3: check'
+    hints $command turned.tsv 'with the base turned by 1[78][.0-9]* degrees about (0 0 -*1) .* (or [-+]1[.0-9]* degrees added to joint_1): check --base'
+    hints $command angle_sockets.tsv 'with +11[456][.0-9]* degrees added to joint_4: check'
+    hints $command small.tsv 'with -4[56][.0-9]* degrees added to joint_2: check'
+    hints "$command --free-base --free-tool" targets.tsv 'with joint_2 added to joint_3 (as where'
+done
 for command in calibrate diagnose; do
     run $command $a parallel.tsv
     expect "$command: a controller that counts joint_3 from the horizontal" \
