@@ -326,8 +326,8 @@ mukca_status cli_read_format(cli_call *call, mukca_rows_format *format);
 mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model *model,
                            const cli_list *paths);
 
-/* Refuse a socket of which all samples, three or more, have identical angles, or `postures`: are of
- * one posture.  Errors: MUKCA_UNIDENTIFIABLE, MUKCA_MEMORY. */
+/* Refuse a socket, or measured poses, of which all samples, three or more, have identical angles,
+ * or `postures`: are of one posture.  Errors: MUKCA_UNIDENTIFIABLE, MUKCA_MEMORY. */
 mukca_status cli_check_moving(cli_call *call, const mukca_dataset *data, bool postures);
 
 /* Refuse data of another arm: the model's predictions of a socket scatter by more than

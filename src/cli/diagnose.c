@@ -68,7 +68,9 @@ mukca_status cli_diagnosis_run(cli_call *call, cli_diagnosis *d)
                                   .test = d->options.test,
                                   .next = &d->next,
                                   .saved = c->output != NULL};
-    mukca_status status = mukca_diagnose(&d->diagnosis, chain, &s->data, &d->options, error);
+    mukca_status status = cli_check_moving(call, &s->data, false);
+    if (status != MUKCA_OK) return status;
+    status = mukca_diagnose(&d->diagnosis, chain, &s->data, &d->options, error);
     if (status == MUKCA_OK)
         status = mukca_next_poses_choose(&d->next, &d->diagnosis, chain, &s->data, cli_stop, error);
     return status == MUKCA_OK && c->check ? cli_diagnosis_check(call, d) : status;

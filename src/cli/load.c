@@ -283,7 +283,8 @@ mukca_status cli_check_moving(cli_call *call, const mukca_dataset *d, bool postu
     int *posture = MUKCA_TAKE(&call->pool, int, d->n_rows + 1);
     if (posture) mukca_postures_find(posture, &call->pool, d);
     if (call->pool.failed) return cli_fail(call, MUKCA_MEMORY, "out of memory");
-    for (int s = 0; s < d->n_sockets; s++) {
+    for (int s = -1; s < d->n_sockets; s++) { /* -1: measured poses */
+        char where[2 * MUKCA_NAME_SIZE + 32] = "measured poses";
         int rows = 0, first = -1;
         bool same = true;
         for (int i = 0; i < d->n_rows; i++) {
@@ -292,13 +293,13 @@ mukca_status cli_check_moving(cli_call *call, const mukca_dataset *d, bool postu
             const double *q = d->q + (size_t)i * n, *p = d->q + (size_t)first * n;
             same &= postures ? posture[i] == posture[first] : memcmp(q, p, n * sizeof *q) == 0;
         }
-        if (same && rows > 2)
-            return cli_fail(
-                call, MUKCA_UNIDENTIFIABLE,
-                "placement '%s', socket '%s': all %d samples have the same joint "
-                "angles; %s",
-                d->placements[d->sockets[s].placement].name, d->sockets[s].label, rows,
-                postures ? "record other postures" : "the stream had stopped, record them again");
+        if (!same || rows < 3) continue;
+        if (s >= 0)
+            snprintf(where, sizeof where, "placement '%s', socket '%s'",
+                     d->placements[d->sockets[s].placement].name, d->sockets[s].label);
+        return cli_fail(
+            call, MUKCA_UNIDENTIFIABLE, "%s: all %d samples have the same joint angles; %s", where,
+            rows, postures ? "record other postures" : "the stream had stopped, record them again");
     }
     return MUKCA_OK;
 }

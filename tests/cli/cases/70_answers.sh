@@ -62,12 +62,25 @@ changed small '$3 += 0.8'
 sed '1s/x_m\ty_m\tz_m/x_m.a\ty_m.a\tz_m.a/' poses.tsv | cut -f 1-11 |
     awk -F '\t' -v OFS='\t' '{ print $0, NR == 1 ? "x_m.b\ty_m.b\tz_m.b" : $9 OFS $10 OFS $11
         }' | awk -F '\t' -v OFS='\t' 'NR > 1 { $4 -= $3 } { print }' >targets.tsv
-mixed angle_sockets '$7 -= 2'
 hints() { # COMMAND FILE PATTERN
     # shellcheck disable=SC2086
     run $1 $a $2
     expect "$1 $2: $3" sh -c 'cat "$@" | tr "\n" " " | tr -s " " | grep -q -e "$0"' "$3" "$scratch/out" "$scratch/err"
 }
+# poses that are the controller's own; one posture
+"$MUKCA" simulate $a --poses 60 --seed 5 -o own.tsv 2>/dev/null
+awk -F '\t' -v OFS='\t' 'NR == 2 { split($0, q) } NR > 1 { for (i = 2; i < 9; i++) $i = q[i] } { print }' poses.tsv >same.tsv
+for command in calibrate diagnose; do
+    hints $command own.tsv "the controller's own, not measured"
+    hints "$command --free-base --free-tool" own.tsv "the controller's own, not measured"
+done
+answer "the controller's own" evaluate $a own.tsv -o own.out
+refuse 5 'no calibration in these poses' recalibrate $a own.tsv -o new.tsv
+for command in calibrate diagnose evaluate; do
+    refuse 5 'measured poses: all 60 samples have the same joint angles' $command $a same.tsv
+done
+refuse 3 'all samples have the same joint angles' recalibrate $a same.tsv -o new.tsv
+mixed angle_sockets '$7 -= 2'
 for command in calibrate diagnose; do
     hints $command angle.tsv 'with -11[345][.0-9]* degrees added to joint_6: check'
     hints $command three.tsv 'with the opposite sign of joint_2, joint_5, and +90 degrees added to joint_3: check'
