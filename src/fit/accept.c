@@ -100,6 +100,27 @@ bool mukca_poses_repeat(const mukca_dataset *data, double nominal_m)
     return data->n_sockets == 0 && nominal_m < repeats;
 }
 
+/* State the error of test poses in a base frame of their own, if it is much smaller: a tracker that
+ * was moved between the recordings is no error of the arm. */
+static void put_realigned(mukca_acceptance *a, const mukca_accept_task *task)
+{
+    mukca_text of = {.at = a->error_of, .size = sizeof a->error_of, .used = strlen(a->error_of)},
+               reason = {.at = a->reason, .size = sizeof a->reason, .used = strlen(a->reason)};
+    mukca_alignment own = {.mean_m = NAN};
+    mukca_geometry geometry;
+    if (!task->held || !isfinite(task->training_m) || task->held->n_sockets > 0) return;
+    mukca_geometry_set(&geometry, task->change.chain, task->change.to->theta);
+    (void)mukca_align(&own, &geometry, task->held, &(mukca_align_options){.tracker = true});
+    if (!(own.mean_m < left * a->error_m)) return;
+    if (a->accepted)
+        mukca_text_put(&of, ", %.3g mm in their own frame", 1e3 * own.mean_m);
+    else
+        mukca_text_put(&reason,
+                       "; in a base frame of their own the test data agree to %.3f mm: was the "
+                       "tracker moved?",
+                       1e3 * own.mean_m);
+}
+
 static bool judge_samples(mukca_acceptance *a, const mukca_accept_task *task,
                           const mukca_tip_error *tip, bool changes)
 {
@@ -230,6 +251,7 @@ mukca_status mukca_accept(mukca_offsets *table, const mukca_accept_task *task, m
     list_joints(a->at_rest, tip.at_rest, task->change.chain);
     const bool changes = changes_arm(table, &task->change);
     if (judge_samples(a, task, &tip, changes) && changes) judge_tip(a, &tip, &task->change);
+    put_realigned(a, task);
     return MUKCA_OK;
 }
 

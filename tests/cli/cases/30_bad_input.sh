@@ -40,6 +40,10 @@ wrong_urdf 's/<axis xyz="0 0 1"\/>/<axis xyz="0 0 1"\/><mimic joint="j2"\/>/' "b
 refuse 3 "has no link 'bal' (--tip); did you mean ball?" calibrate $a --tip bal good
 refuse 3 "has no link 'wrist' (--base); links: ball, base, fore, hand, upper" calibrate $a --base wrist good
 refuse 3 "link 'upper' (--tip) is not below 'fore' (--base); the ends below it are ball" calibrate $a --tip upper --base fore good
+sed 's/<link name="base"\/>/<link name="base_link"\/><link name="base"\/>/; s/link="base"/link="base_link"/
+    s/<\/robot>/<joint name="b" type="fixed"><parent link="base_link"\/><child link="base"\/><\/joint><\/robot>/' arm.urdf >bad.urdf
+refuse 3 "link 'ball' (--tip) is not below 'base' (--base), and no link is; for this tip give --base base_link\$" \
+    calibrate --urdf bad.urdf --tip ball --base base good
 for name in placement x_m '#1' 'a,b' ' a' 'a\&#9;b' ''; do
     edit "s/name=\"j1\"/name=\"$name\"/"
     refuse 3 'bad.urdf:9: joint .*: its name cannot be the name of a column' calibrate --urdf bad.urdf good

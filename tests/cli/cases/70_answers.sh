@@ -80,6 +80,13 @@ for command in calibrate diagnose evaluate; do
     refuse 5 'measured poses: all 60 samples have the same joint angles' $command $a same.tsv
 done
 refuse 3 'all samples have the same joint angles' recalibrate $a same.tsv -o new.tsv
+# a tracker that was moved between the recordings
+changed moved '$9 += 0.05; $10 += 0.02'
+changed shifted '$9 += 0.002'
+for command in calibrate diagnose; do
+    hints "$command" "poses.tsv --test moved.tsv" 'test error 53.* mm, .*in a base frame of their own the test data agree to 0.0'
+    hints "$command" "poses.tsv --test shifted.tsv" 'held-out error [12][.0-9]* mm (test data, 60 samples, 0.0[0-9]* mm in their own frame)'
+done
 mixed angle_sockets '$7 -= 2'
 for command in calibrate diagnose; do
     hints $command angle.tsv 'with -11[345][.0-9]* degrees added to joint_6: check'
