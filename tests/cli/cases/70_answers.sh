@@ -3,6 +3,7 @@
 demo=$root/data/demo
 a="--urdf $demo/arm.urdf" d="$demo/train.tsv"
 answer "^Converged after" calibrate $a "$d" -o offsets.tsv
+expect "the next step is the diagnosis, which explains a part of the error" grep -q "^Next    mukca diagnose -o FILE" "$scratch/out"
 answer "^  consistency mm, data" evaluate $a "$d" -o scores.tsv
 answer "^Cause   joint compliance at joint_4" diagnose $a "$d"
 answer "^12 postures" plan $a --place front=0.45,0,0.05 --rows 12 -o plan.tsv
@@ -87,6 +88,9 @@ for command in calibrate diagnose; do
     hints "$command" "poses.tsv --test moved.tsv" 'test error 53.* mm, .*in a base frame of their own the test data agree to 0.0'
     hints "$command" "poses.tsv --test shifted.tsv" 'held-out error [12][.0-9]* mm (test data, 60 samples, 0.0[0-9]* mm in their own frame)'
 done
+answer '^Use     yes, frames only; the arm stays nominal: held-out error' calibrate $a poses.tsv --free-base --free-tool \
+    --free base_frame,ball_joint
+expect "frames alone change no tip" sh -c "! grep -q '^Tip' '$scratch/out'"
 mixed angle_sockets '$7 -= 2'
 for command in calibrate diagnose; do
     hints $command angle.tsv 'with -11[345][.0-9]* degrees added to joint_6: check'
