@@ -69,7 +69,9 @@ mukca_status cli_diagnosis_run(cli_call *call, cli_diagnosis *d)
                                   .next = &d->next,
                                   .saved = c->output != NULL};
     mukca_status status = cli_check_moving(call, &s->data, false);
-    if (status != MUKCA_OK) return status;
+    if (status == MUKCA_UNIDENTIFIABLE) cli_note(call, error->text); /* why it is untestable */
+    if (status == MUKCA_MEMORY) return status;
+    *error = (mukca_error){.status = MUKCA_OK};
     status = mukca_diagnose(&d->diagnosis, chain, &s->data, &d->options, error);
     if (status == MUKCA_OK)
         status = mukca_next_poses_choose(&d->next, &d->diagnosis, chain, &s->data, cli_stop, error);

@@ -16,13 +16,12 @@ static char *next_entry(char **list)
     return entry;
 }
 
-/* Take the unit of a name, if it states one; `axis (1)` states none. */
+/* Take the unit of a name, if it states one; `axis (J1)`, with a digit, states none. */
 static mukca_unit take_unit(mukca_table *t, char *name)
 {
     const mukca_unit unit = mukca_unit_take(name);
-    const char *open = name + strcspn(name, "[("), *rest = open + (*open != '\0');
-    rest += strspn(rest, "0123456789");
-    if (*rest && *rest != ']' && *rest != ')')
+    const char *open = name + strcspn(name, "[(");
+    if (*open && !open[strcspn(open, "0123456789")])
         mukca_table_fail(t, -1, "--columns: '%.40s' is no unit that is read; convert the column",
                          open);
     return unit;

@@ -77,7 +77,8 @@ for command in calibrate diagnose; do
 done
 answer "the controller's own" evaluate $a own.tsv -o own.out
 refuse 5 'no calibration in these poses' recalibrate $a own.tsv -o new.tsv
-for command in calibrate diagnose evaluate; do
+doubt 'measured poses: all 60 samples have the same joint angles' diagnose $a same.tsv
+for command in calibrate evaluate; do
     refuse 5 'measured poses: all 60 samples have the same joint angles' $command $a same.tsv
 done
 refuse 3 'all samples have the same joint angles' recalibrate $a same.tsv -o new.tsv
