@@ -21,9 +21,15 @@ static const char *why(const mukca_acceptance *a)
     return a->given ? a->reason : "no verdict (older, or made by hand)";
 }
 
+/* Whether the table has frames of the measurement only, as of a hand-eye calibration. */
+static bool frames_only(const mukca_acceptance *a)
+{
+    return a->accepted && a->tip_change_m <= 0 && a->largest_offset_m <= 0;
+}
+
 void mukca_acceptance_put_tip(mukca_text *text, const mukca_acceptance *a, bool factory)
 {
-    if (!isfinite(a->error_here_low_m)) return;
+    if (!isfinite(a->error_here_low_m) || frames_only(a)) return;
     mukca_text_put(text,
                    "expected error %.2f mm [%.2f, %.2f] in the joint ranges of the samples, %.2f "
                    "mm [%.2f, %.2f] within the joint limits (%s model: %.2f mm and %.2f mm)",
@@ -49,7 +55,10 @@ static const double notable_size_change = 0.01;
 void mukca_acceptance_put_use(mukca_text *text, const mukca_acceptance *a, bool factory)
 {
     mukca_text_put(text, "%s%s", a->accepted ? "yes" : "no: ", a->accepted ? "" : why(a));
-    if (a->accepted && isfinite(a->error_m))
+    if (frames_only(a))
+        mukca_text_put(text, ", frames only; the arm stays nominal: held-out error %.3f mm (%s)",
+                       1e3 * a->error_m, a->error_of);
+    else if (a->accepted && isfinite(a->error_m))
         mukca_text_put(
             text, ": held-out error %.3f mm (%s), %s model %.3f mm; the tip moves by up to %.2f mm",
             1e3 * a->error_m, a->error_of, factory ? "factory" : "nominal",
@@ -66,7 +75,9 @@ void mukca_acceptance_put_brief(mukca_text *text, const mukca_acceptance *a)
 {
     mukca_text_put(text, "%saccepted%s%s", a->accepted ? "" : "not ", a->accepted ? "" : ": ",
                    a->accepted ? "" : why(a));
-    if (a->accepted && isfinite(a->error_here_low_m))
+    if (frames_only(a))
+        mukca_text_put(text, ", frames only; the arm stays nominal");
+    else if (a->accepted && isfinite(a->error_here_low_m))
         mukca_text_put(text, "; expected error of the tip %.2f mm [%.2f, %.2f]",
                        1e3 * a->error_here_m, 1e3 * a->error_here_low_m,
                        1e3 * a->error_here_high_m);

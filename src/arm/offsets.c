@@ -78,14 +78,15 @@ static mukca_status check_kinematics(const mukca_offsets_origin *o, const mukca_
             o->name, with ? "with a factory file (--kinematics)" : "without --kinematics",
             with ? "the same --kinematics FILE" : "no --kinematics");
     if (strcmp(o->own->kinematics_hash, chain->kinematics_hash) != 0)
-        return mukca_fail(error, MUKCA_INPUT,
-                          "%s: is of the robot %.40s, the factory file of %.40s: another robot, or "
-                          "one calibrated anew; give the file of the table (--force takes any)",
-                          o->name, o->own->kinematics_hash, chain->kinematics_hash);
+        return mukca_fail(
+            error, MUKCA_INPUT,
+            "%s: is of the robot %.40s, the factory file of %.40s: another robot, or "
+            "one calibrated anew; give the file of the table (--accept-other-arm takes any)",
+            o->name, o->own->kinematics_hash, chain->kinematics_hash);
     return mukca_fail(
         error, MUKCA_INPUT,
         "%s: the factory file has the table's hash, %.40s, but was edited or exported "
-        "from a fit; give the file of the table (--force takes any)",
+        "from a fit; give the file of the table (--accept-other-arm takes any)",
         o->name, chain->kinematics_hash);
 }
 
@@ -100,11 +101,11 @@ static mukca_status check_origin(mukca_offsets_origin *o, const mukca_chain *cha
     o->other_file = strcmp(o->own->kinematics_sha256, chain->kinematics_sha256) != 0;
     o->other_ends = (o->own->base[0] && strcmp(o->own->base, chain->base) != 0) ||
                     (o->own->tip[0] && strcmp(o->own->tip, chain->tip) != 0);
-    if (o->force) return MUKCA_OK;
+    if (o->accept & MUKCA_ACCEPT_OTHER) return MUKCA_OK;
     if (o->other)
         return mukca_fail(error, MUKCA_INPUT,
                           "%s: was made for another URDF (robot '%.40s', SHA-256 %.12s..., not "
-                          "%.12s...); --force applies its offsets nevertheless",
+                          "%.12s...); --accept-other-arm applies its offsets nevertheless",
                           o->name, o->own->robot, sha, chain->urdf_sha256);
     return o->other_file ? check_kinematics(o, chain, error) : MUKCA_OK;
 }

@@ -52,14 +52,15 @@ void mukca_offsets_place_effects(mukca_effect *effects, const mukca_offsets *off
 /* Bits of `accept`: tables that are read, too. */
 enum {
     MUKCA_ACCEPT_FAILED = 1, /* the calibration was not accepted */
-    MUKCA_ACCEPT_EDITED = 2  /* the table was edited or cut: judged, and not accepted */
+    MUKCA_ACCEPT_EDITED = 2, /* the table was edited or cut: judged, and not accepted */
+    MUKCA_ACCEPT_OTHER = 4   /* of another URDF or factory file: its offsets are applied, not its
+                                calibrated values */
 };
 
 /* Origin of a table. */
 typedef struct {
     const char *name; /* in: name of the table in messages */
-    bool force;  /* in: apply the offsets (not the calibrated values) of another URDF's table */
-    int accept;  /* in: MUKCA_ACCEPT_* */
+    int accept;       /* in: MUKCA_ACCEPT_* */
     int ignored; /* out: number of rows of joints of the arm that are not in the chain (of another
                     --tip) */
     bool other, other_file; /* out: made for another URDF or factory file, by SHA-256 */

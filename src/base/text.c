@@ -39,11 +39,23 @@ void mukca_note_format(mukca_note_fn *note, void *context, const char *format, .
     const int length = vsnprintf(text, sizeof text, format, args);
     va_end(args);
     if (length >= (int)sizeof text) memcpy(text + sizeof text - 4, "...", 4);
+    for (char *c = text; *c; c++)
+        if (*c == '\n' || *c == '\t') *c = '?';
     mukca_utf8_mend(text);
     note(context, text);
 }
 
 /* ---- characters of UTF-8 (RFC 3629) ---- */
+
+/* Whether a character is invisible: U+0080 to U+009F control terminals, as the codes below a blank
+ * do; U+200B to U+200F, U+2028 to U+202E, U+2060 to U+206F are formats. */
+static bool is_hidden(const unsigned char *c)
+{
+    return (*c < 0x20 && *c != '\t' && *c != '\n') || *c == 0x7F || (*c == 0xC2 && c[1] < 0xA0) ||
+           (*c == 0xE2 && c[1] == 0x80 &&
+            ((c[2] >= 0x8B && c[2] <= 0x8F) || (c[2] >= 0xA8 && c[2] <= 0xAE))) ||
+           (*c == 0xE2 && c[1] == 0x81 && c[2] >= 0xA0 && c[2] <= 0xAF);
+}
 
 /* Bytes of the character at `text`; 0: invalid, or end of the text. */
 static size_t letter(const char *text)
@@ -61,7 +73,7 @@ static size_t letter(const char *text)
     if ((*c == 0xE0 && c[1] < 0xA0) || (*c == 0xED && c[1] > 0x9F) || /* overlong; surrogates */
         (*c == 0xF0 && c[1] < 0x90) || (*c == 0xF4 && c[1] > 0x8F))
         return 0;
-    return n;
+    return is_hidden(c) ? 0 : n;
 }
 
 size_t mukca_utf8_fit(const char *text, size_t most)

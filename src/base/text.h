@@ -25,9 +25,11 @@ void mukca_text_put(mukca_text *text, const char *format, ...)
 void mukca_note_format(mukca_note_fn *note, void *context, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* ---- UTF-8, the only encoding of JSON and HTML ---- */
+/* ---- UTF-8, the only encoding of JSON and HTML, without characters that control a terminal ----
 
-/* Bytes of the longest prefix of `text` of complete UTF-8 characters, at most `most`. */
+ * or change the order or the visibility of the others; tabs and line feeds are valid. */
+
+/* Bytes of the longest prefix of `text` of complete, valid characters, at most `most`. */
 size_t mukca_utf8_fit(const char *text, size_t most);
 
 bool mukca_utf8_valid(const char *text);

@@ -57,11 +57,17 @@ static void print_next(cli_call *call)
     const mukca_dataset *train = &call->session->data;
     const bool sockets = train->n_sockets > 0;
     const cli_common *c = call->common;
-    if (!w->offsets.acceptance.accepted) return;
+    const mukca_acceptance *a = &w->offsets.acceptance;
+    const double worth = 0.44; /* of the error: without it, a tenth less */
+    if (!a->accepted) return;
     if (!enough_samples(&w->fit))
         cli_say(call, "Next", "record more postures%s", sockets ? ", 20 in each socket" : "");
     else if (sockets && train->n_placements < 2)
         cli_say(call, "Next", "move the tool and record two or three more placements");
+    else if (a->error_lacking_m > worth * a->error_here_m)
+        cli_say(call, "Next",
+                "mukca diagnose -o FILE with these data: its table has the effects that this one "
+                "lacks");
     else if (w->scores.set[1].n == 0)
         cli_say(call, "Next", "check the error elsewhere: --test with another %s",
                 sockets ? "placement" : "pose log");

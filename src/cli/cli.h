@@ -112,14 +112,15 @@ typedef struct {
     int angles;      /* 1: commanded */
     int map;         /* 0: by name; 1: in order; 2: in order, w last */
     double distance; /* m */
-    bool free_base, free_tool, inverse_poses, force, accept_failed, accept_edited, quiet, verbose;
+    bool free_base, free_tool, inverse_poses, accept_other_arm, accept_failed, accept_edited, force,
+        quiet, verbose;
 } cli_common;
 
 /* Sets of common options that a command can take.  --force, -q and -v are common to all. */
 enum {
-    CLI_WITH_MODEL = 1 << 0, /* --urdf to --gravity */
-    CLI_WITH_OFFSETS = 1 << 1,
-    CLI_WITH_ACCEPT = 1 << 2, /* --accept-failed, --accept-edited */
+    CLI_WITH_MODEL = 1 << 0,   /* --urdf to --gravity */
+    CLI_WITH_OFFSETS = 1 << 1, /* --offsets, --accept-other-arm */
+    CLI_WITH_ACCEPT = 1 << 2,  /* --accept-failed, --accept-edited */
     CLI_WITH_TEST = 1 << 3,
     CLI_WITH_DISTANCE = 1 << 4,
     CLI_WITH_DISTANCES = 1 << 5,
@@ -309,7 +310,7 @@ mukca_status cli_load_model(cli_call *call, cli_model *model, const cli_arm *arm
 /* A comment line in an output if the table of --offsets was not accepted. */
 void cli_print_verdict(const cli_call *call, FILE *stream);
 
-/* Read an offsets table, subject to --force, --accept-failed and --accept-edited.  `own` (may be
+/* Read an offsets table, subject to the options --accept-*.  `own` (may be
  * NULL) receives the chain in its comments, for which it is then read.  Errors: MUKCA_INPUT,
  * MUKCA_MEMORY. */
 mukca_status cli_read_offsets(cli_call *call, mukca_offsets *offsets, mukca_chain *own,
@@ -323,8 +324,8 @@ mukca_status cli_read_format(cli_call *call, mukca_rows_format *format);
 mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model *model,
                            const cli_list *paths);
 
-/* Refuse a socket of which all samples, three or more, have identical angles, or `postures`: are of
- * one posture.  Errors: MUKCA_UNIDENTIFIABLE, MUKCA_MEMORY. */
+/* Refuse a socket, or measured poses, of which all samples, three or more, have identical angles,
+ * or `postures`: are of one posture.  Errors: MUKCA_UNIDENTIFIABLE, MUKCA_MEMORY. */
 mukca_status cli_check_moving(cli_call *call, const mukca_dataset *data, bool postures);
 
 /* Refuse data of another arm: the model's predictions of a socket scatter by more than

@@ -68,7 +68,11 @@ mukca_status cli_diagnosis_run(cli_call *call, cli_diagnosis *d)
                                   .test = d->options.test,
                                   .next = &d->next,
                                   .saved = c->output != NULL};
-    mukca_status status = mukca_diagnose(&d->diagnosis, chain, &s->data, &d->options, error);
+    mukca_status status = cli_check_moving(call, &s->data, false);
+    if (status == MUKCA_UNIDENTIFIABLE) cli_note(call, error->text); /* why it is untestable */
+    if (status == MUKCA_MEMORY) return status;
+    *error = (mukca_error){.status = MUKCA_OK};
+    status = mukca_diagnose(&d->diagnosis, chain, &s->data, &d->options, error);
     if (status == MUKCA_OK)
         status = mukca_next_poses_choose(&d->next, &d->diagnosis, chain, &s->data, cli_stop, error);
     return status;
@@ -182,7 +186,7 @@ static mukca_status print(cli_call *call)
     const int expected = o->expect ? mukca_effect_find(o->expect) : -1;
     FILE *answer = cli_answer_stream(call);
     if (answer) cli_diagnosis_print(answer, &w->of.result, call->common->verbose);
-    if (answer && d->verdict == MUKCA_VERDICT_UNTESTABLE)
+    if (answer && (d->verdict == MUKCA_VERDICT_UNTESTABLE || d->nominal_m > CLI_FAR_OFF))
         cli_print_mismatch(call, &s->data, w->of.options.free_base, w->of.options.free_tool);
     if (w->adoption.traits) cli_adoption_print(call, &w->adoption, d, &s->model.chain);
     if (call->common->output && !w->of.offsets.acceptance.accepted) return MUKCA_NEGATIVE;

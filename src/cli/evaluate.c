@@ -46,7 +46,11 @@ static mukca_status print(cli_call *call)
                     "These data contradict the table: check for another arm, tool or tip.");
     }
     cli_scores_print(call, &w->scores, w->read_by_eye);
-    if (!calibrated && w->scores.set[0].mean[CLI_NOMINAL].mae > CLI_FAR_OFF)
+    if (mukca_poses_repeat(&s->data, w->scores.set[0].mean[CLI_NOMINAL].mae))
+        cli_say(call, NULL,
+                "The model predicts the poses without a fit: they are the controller's own, not "
+                "measured.");
+    else if (!calibrated && w->scores.set[0].mean[CLI_NOMINAL].mae > CLI_FAR_OFF)
         cli_print_mismatch(call, &s->data, false, false);
     else if (!calibrated)
         cli_say(call, "Next", "mukca calibrate with these data");

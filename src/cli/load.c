@@ -6,6 +6,7 @@
 #include "base/file.h"
 #include "base/text.h"
 #include "cli/cli.h"
+#include "cli/scores.h"
 #include "fit/evaluate.h"
 #include "io/dataset.h"
 #include "io/urdf.h"
@@ -21,9 +22,9 @@ mukca_status cli_read_offsets(cli_call *call, mukca_offsets *offsets, mukca_chai
     const cli_common *c = call->common;
     const bool any = call->command->any_table;
     const mukca_offsets_options options = {
-        .force = c->force,
         .accept = (any || c->accept_failed ? MUKCA_ACCEPT_FAILED : 0) |
-                  (any || c->accept_edited ? MUKCA_ACCEPT_EDITED : 0),
+                  (any || c->accept_edited ? MUKCA_ACCEPT_EDITED : 0) |
+                  (c->accept_other_arm ? MUKCA_ACCEPT_OTHER : 0),
         .own = own,
         .note = cli_note,
         .context = call};
@@ -154,11 +155,13 @@ mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model 
         status =
             mukca_dataset_load(data, &model->chain, paths->items, paths->n, &options, &call->error);
     if (status == MUKCA_OK) status = check_payload(call, data, &model->chain);
-    if (status == MUKCA_OK && data->n_targets > 1 && !call->command->targets)
+    if (status == MUKCA_OK && data->n_targets > 1 && !call->command->targets) {
+        cli_print_mismatch(call, data, c->free_base, true);
         status =
             cli_fail(call, MUKCA_INPUT,
                      "the pose logs have %d targets; mukca diagnose -o fits the position of each",
                      data->n_targets);
+    }
     if (status == MUKCA_OK && c->angles == 1)
         status = mukca_dataset_take_commands(data, &call->error);
     for (int f = 0; f < data->n_files && c->verbose && status == MUKCA_OK; f++) {
@@ -234,6 +237,23 @@ static void note_unequal_sockets(cli_call *call, const mukca_dataset *data)
     }
 }
 
+/* Refuse options of pose logs for samples of sockets alone. */
+static mukca_status check_pose_options(cli_call *call, const mukca_dataset *data)
+{
+    const cli_common *c = call->common;
+    const char *option = c->free_base       ? "--free-base"
+                         : c->free_tool     ? "--free-tool"
+                         : c->inverse_poses ? "--inverse-poses"
+                                            : NULL;
+    int row = 0;
+    while (row < data->n_rows && data->socket[row] >= 0) row++;
+    if (!option || !data->n_rows || row < data->n_rows) return MUKCA_OK;
+    return cli_fail(call, MUKCA_USAGE,
+                    "%s is for pose logs, and these are samples of sockets: their base is the "
+                    "arm's, and the position of the ball is always free; omit it",
+                    option);
+}
+
 /* The model, DATA if there are arguments, --test if given. */
 static mukca_status load(cli_call *call)
 {
@@ -241,16 +261,13 @@ static mukca_status load(cli_call *call)
     mukca_status status = cli_load_model(call, &s->model, &call->common->arm);
     if (status == MUKCA_OK && call->arguments.n)
         status = cli_load_data(call, &s->data, &s->model, &call->arguments);
+    if (status == MUKCA_OK) status = check_pose_options(call, &s->data);
     if (status == MUKCA_OK) status = drop_coincident(call, &s->data, &s->model);
     if (status == MUKCA_OK && call->common->test.n)
         status = cli_load_data(call, &s->test, &s->model, &call->common->test);
     if (status == MUKCA_OK) status = drop_training(call, &s->test, &s->data);
     if (status != MUKCA_OK) return status;
     note_unequal_sockets(call, &s->data);
-    if (s->data.n_sockets && (call->common->free_base || call->common->free_tool))
-        cli_note(call,
-                 "--free-base and --free-tool do not concern sockets: their base is the "
-                 "arm's, and the position of the ball is always free");
     if (call->command->group != CLI_UNDERSTAND) return status;
     if (s->model.chain.n_masses == 0)
         cli_note(call,
@@ -266,7 +283,8 @@ mukca_status cli_check_moving(cli_call *call, const mukca_dataset *d, bool postu
     int *posture = MUKCA_TAKE(&call->pool, int, d->n_rows + 1);
     if (posture) mukca_postures_find(posture, &call->pool, d);
     if (call->pool.failed) return cli_fail(call, MUKCA_MEMORY, "out of memory");
-    for (int s = 0; s < d->n_sockets; s++) {
+    for (int s = -1; s < d->n_sockets; s++) { /* -1: measured poses */
+        char where[2 * MUKCA_NAME_SIZE + 32] = "measured poses";
         int rows = 0, first = -1;
         bool same = true;
         for (int i = 0; i < d->n_rows; i++) {
@@ -275,13 +293,13 @@ mukca_status cli_check_moving(cli_call *call, const mukca_dataset *d, bool postu
             const double *q = d->q + (size_t)i * n, *p = d->q + (size_t)first * n;
             same &= postures ? posture[i] == posture[first] : memcmp(q, p, n * sizeof *q) == 0;
         }
-        if (same && rows > 2)
-            return cli_fail(
-                call, MUKCA_UNIDENTIFIABLE,
-                "placement '%s', socket '%s': all %d samples have the same joint "
-                "angles; %s",
-                d->placements[d->sockets[s].placement].name, d->sockets[s].label, rows,
-                postures ? "record other postures" : "the stream had stopped, record them again");
+        if (!same || rows < 3) continue;
+        if (s >= 0)
+            snprintf(where, sizeof where, "placement '%s', socket '%s'",
+                     d->placements[d->sockets[s].placement].name, d->sockets[s].label);
+        return cli_fail(
+            call, MUKCA_UNIDENTIFIABLE, "%s: all %d samples have the same joint angles; %s", where,
+            rows, postures ? "record other postures" : "the stream had stopped, record them again");
     }
     return MUKCA_OK;
 }

@@ -3,6 +3,7 @@
 #include "base/file.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/text.h"
@@ -188,36 +189,73 @@ void cli_scores_print(cli_call *call, const cli_scores *s, bool rows)
     print_set(call, s, &s->set[1], rows);
 }
 
+/* A list of changes: "with A, and B". */
+typedef struct {
+    mukca_text text;
+    int n;
+} changes;
+
+#define put_change(list, ...)                                         \
+    (mukca_text_put(&(list)->text, (list)->n++ ? ", and " : "with "), \
+     mukca_text_put(&(list)->text, __VA_ARGS__))
+
+static void put_base(changes *list, const mukca_mixup *m, const mukca_chain *chain)
+{
+    double w[3];
+    mukca_rotation_log(w, m->base_frame.R);
+    const double turn = mukca_norm3(w);
+    for (int c = 0; c < 3; c++) w[c] = nearbyint(100 * w[c] / turn) / 100 + 0.0; /* no -0 */
+    put_change(list,
+               "the base turned by %.4g degrees about (%g %g %g) and moved by %.4g mm in the frame "
+               "of the poses",
+               turn * 180 / M_PI, w[0], w[1], w[2], 1e3 * mukca_norm3(m->base_frame.p));
+    if (m->instead != 0)
+        mukca_text_put(&list->text, " (or %+.4g degrees added to %s)", m->instead * 180 / M_PI,
+                       mukca_chain_joint_name(chain, 0));
+}
+
+static void put_mixup(changes *list, const mukca_mixup *m, const mukca_chain *chain)
+{
+    const int n = chain->n_joints;
+    const char *name[MUKCA_MAX_JOINTS];
+    for (int j = 0; j < n; j++) name[j] = mukca_chain_joint_name(chain, j);
+    for (int j = 0, k = 0; j < n; j++)
+        if (m->reversed >> j & 1 && k++)
+            mukca_text_put(&list->text, ", %s", name[j]);
+        else if (m->reversed >> j & 1)
+            put_change(list, "the opposite sign of %s", name[j]);
+    for (int j = 0; j < n; j++) {
+        const int from = m->from[j], other = abs(m->coupled[j]) - 1;
+        if (m->from[from] != j)
+            put_change(list, "the column of %s read as %s", name[from], name[j]);
+        else if (from > j)
+            put_change(list, "the columns of %s and %s exchanged", name[j], name[from]);
+        if (m->shift[j] != 0)
+            put_change(list, "%+.4g degrees added to %s", m->shift[j] * 180 / M_PI, name[j]);
+        if (other >= 0)
+            put_change(list, "%s %s %s (as where the controller counts %s from the horizontal)",
+                       name[other], m->coupled[j] > 0 ? "added to" : "subtracted from", name[j],
+                       name[j]);
+    }
+    if (m->base) put_base(list, m, chain);
+}
+
 void cli_print_mismatch(cli_call *call, const mukca_dataset *data, bool free_base, bool free_tool)
 {
     const mukca_chain *chain = &call->session->model.chain;
     mukca_mismatch m;
     mukca_error error; /* only a hint: omitted if out of memory */
-    char text[400] = "";
-    mukca_text what = MUKCA_TEXT(text);
+    char text[600] = "";
     if (mukca_mismatch_find(&m, chain, data, free_base, free_tool, &error) != MUKCA_OK || !m.found)
         return;
-    for (int j = 0; j < chain->n_joints; j++)
-        if (m.reversed >> j & 1)
-            mukca_text_put(&what, "%s%s", what.used ? ", " : "with the opposite sign of ",
-                           mukca_chain_joint_name(chain, j));
-    if (m.exchanged[0] >= 0)
-        mukca_text_put(&what, "with the columns of %s and %s exchanged",
-                       mukca_chain_joint_name(chain, m.exchanged[0]),
-                       mukca_chain_joint_name(chain, m.exchanged[1]));
-    if (m.shifted >= 0)
-        mukca_text_put(&what, "with %+.0f degrees added to %s", m.shift * 180 / M_PI,
-                       mukca_chain_joint_name(chain, m.shifted));
-    if (m.coupled >= 0)
-        mukca_text_put(
-            &what, "with %s %s %s (as where the controller counts %s from the horizontal)",
-            mukca_chain_joint_name(chain, m.with), m.sign > 0 ? "added to" : "subtracted from",
-            mukca_chain_joint_name(chain, m.coupled), mukca_chain_joint_name(chain, m.coupled));
+    put_mixup(&(changes){.text = MUKCA_TEXT(text)}, &m.mixup, chain);
     cli_say(call, NULL,
             "The data would agree with the nominal model to %.3f mm instead of %.3f mm %s: check "
-            "these columns%s and the URDF.",
-            1e3 * m.after_m, 1e3 * m.before_m, text,
-            m.reversed && data->n_sockets == 0
+            "%s%s and the URDF.",
+            1e3 * m.mixup.error_m, 1e3 * m.before_m, text,
+            m.mixup.base ? "--base (base and base_link may differ; --free-base fits it)"
+                         : "these columns",
+            m.mixup.reversed && data->n_sockets == 0
                 ? ", the order of x, y and z (an exchange mirrors the arm)"
                 : "");
 }

@@ -44,7 +44,8 @@ void cli_scores_write(FILE *stream, const cli_scores *scores);
  * if there are several. */
 void cli_scores_print(cli_call *call, const cli_scores *scores, bool rows);
 
-/* For data that do not fit the arm: print the mix-up of joint columns that explains it, if any. */
+/* For data that do not fit the arm: print the mix-up of joint columns or of the base's frame that
+ * explains it, if any. */
 void cli_print_mismatch(cli_call *call, const mukca_dataset *data, bool free_base, bool free_tool);
 
 #endif

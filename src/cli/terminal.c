@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "base/text.h"
 #include "cli/cli.h"
 
 double cli_elapsed(const cli_call *call)
@@ -27,13 +28,22 @@ void cli_note(void *context, const char *text)
     fprintf(stderr, "mukca: note: %s\n", text);
 }
 
+/* vfprintf without control characters: of file names, or of tables. */
+static void print(FILE *stream, const char *format, va_list args)
+{
+    char text[4096];
+    vsnprintf(text, sizeof text, format, args);
+    mukca_utf8_mend(text);
+    fputs(text, stream);
+}
+
 void cli_log(cli_call *call, const char *format, ...)
 {
     if (call->common && call->common->quiet) return;
     clear_progress(call);
     va_list args;
     va_start(args, format);
-    vfprintf(stderr, format, args);
+    print(stderr, format, args);
     va_end(args);
 }
 
@@ -67,7 +77,7 @@ void cli_answer(cli_call *call, const char *format, ...)
     if (!stream) return;
     va_list args;
     va_start(args, format);
-    vfprintf(stream, format, args);
+    print(stream, format, args);
     va_end(args);
 }
 
@@ -80,6 +90,7 @@ void cli_say(cli_call *call, const char *key, const char *format, ...)
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
+    mukca_utf8_mend(text);
     cli_print_keyed(stream, key, text);
 }
 

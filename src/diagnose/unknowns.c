@@ -40,8 +40,9 @@ static bool align_logs(mukca_unknowns *u, mukca_pool *pool, const mukca_recordin
     if (!keep) return false;
     for (int row = 0; row < rows; row++)
         keep[row] = r->log[row] == 0 || !(own_tracker || own_target);
-    if (!mukca_align(&first, &u->geometry, r->data,
-                     &(mukca_align_options){u->free_base, u->free_tool, keep}))
+    if (!mukca_align(
+            &first, &u->geometry, r->data,
+            &(mukca_align_options){.tracker = u->free_base, .target = u->free_tool, .keep = keep}))
         return false;
     mukca_geometry known = u->geometry; /* including the shared frames */
     if (!own_tracker) mukca_frame_multiply(&known.origin[0], &first.tracker, &known.origin[0]);
@@ -51,8 +52,9 @@ static bool align_logs(mukca_unknowns *u, mukca_pool *pool, const mukca_recordin
         for (int row = 0; row < rows; row++) keep[row] = r->log[row] == g;
         a = first;
         if (g > 0 && (own_tracker || own_target) &&
-            !mukca_align(&a, &known, r->data,
-                         &(mukca_align_options){own_tracker, own_target, keep}))
+            !mukca_align(
+                &a, &known, r->data,
+                &(mukca_align_options){.tracker = own_tracker, .target = own_target, .keep = keep}))
             return false;
         u->nominal.tracker[g] = own_tracker ? a.tracker : first.tracker;
         between(&u->nominal.shift[g], &first.target, own_target ? &a.target : &first.target);

@@ -62,6 +62,7 @@ typedef struct {
     double probability[MUKCA_RANGES]; /* that the table's mean error is the smaller one */
     double lacking_m; /* part of after_m[MUKCA_HERE] by effects that the table lacks; NaN: none */
     int outliers, gross; /* postures that deviate from a robust fit, those by more than any arm */
+    char rows[64];       /* of the former: "3, 7, 12", with the file if there are several */
     double worst_m;      /* the largest of these deviations */
     double tool_m;       /* displacement of the tip on its link, from the nominal one */
 } mukca_tip_error;
@@ -74,6 +75,10 @@ mukca_status mukca_tip_error_expect(mukca_tip_error *expected, const mukca_tip_c
                                     mukca_error *error);
 
 /* ---- the verdict ---- */
+
+/* Whether measured poses are the controller's own: its forward kinematics, not measurements.
+ * `nominal_m` is the mean error of the model without a fit, in free frames. */
+bool mukca_poses_repeat(const mukca_dataset *data, double nominal_m);
 
 /* `to` is the table; its verdict has the caller's noise_m, parameters, identified, converged and
  * error_of. */

@@ -23,6 +23,7 @@ typedef struct {
     double (*measured)[9];       /* [n] orientation; [0] NaN: none */
     double *length;              /* [n] scratch */
     int n;
+    int steps;
     bool tracker, target, turned;
     mukca_pool pool;
 } problem;
@@ -146,7 +147,7 @@ static void solve(mukca_alignment *a, problem *p, bool guess)
                             sizeof *p->points / sizeof(double), p->n);
         if (p->turned) turn_tracker(a, p);
     }
-    for (int pass = 0; pass < MOST_STEPS; pass++) {
+    for (int pass = 0; pass < p->steps; pass++) {
         const double step = mukca_frame_refine(R, &a->tracker, a->target.p, &meeting);
         weigh(a, p);
         if (step < 1e-9) break; /* 1 nm, 1 nrad */
@@ -176,7 +177,9 @@ bool mukca_align(mukca_alignment *out, const mukca_geometry *geometry, const muk
 {
     const mukca_alignment start = {
         .tracker.R = MUKCA_IDENTITY, .target.R = MUKCA_IDENTITY, .median_m = NAN, .mean_m = NAN};
-    problem p = {.tracker = options->tracker, .target = options->target};
+    problem p = {.tracker = options->tracker,
+                 .target = options->target,
+                 .steps = options->steps ? options->steps : MOST_STEPS};
     *out = start;
     if (!data->position || data->n_rows < 3 || (!p.tracker && !p.target)) return true;
     p.points = MUKCA_TAKE(&p.pool, mukca_meeting_point, data->n_rows);

@@ -15,6 +15,7 @@ typedef struct {
 typedef struct {
     bool tracker, target;      /* which frames are unknown */
     const unsigned char *keep; /* [n_rows] samples to use, NULL: all */
+    int steps;                 /* at most so many Gauss-Newton steps; 0: until they converge */
 } mukca_align_options;
 
 /* Align the measured poses of `data` (samples of sockets are ignored).  Rotations are computed from

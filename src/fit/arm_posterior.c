@@ -233,7 +233,7 @@ static void weigh(mukca_arm_posterior *p)
     mukca_grouped *g = &p->groups;
     const int n = p->at.n, count = 3 * p->n_list - g->n_own;
     double v[3], squares = 0, known = 0, of_arm = 0, deviation = 0, of_more = 0, size = 0;
-    p->outliers = p->gross = 0;
+    p->gross = 0;
     p->worst_m = g->misfit = 0;
     memset(p->inverse, 0, (size_t)(n * n) * sizeof *p->inverse);
     for (int i = 0; i < n; i++) p->inverse[i * n + i] = 1;
@@ -252,7 +252,7 @@ static void weigh(mukca_arm_posterior *p)
         const double e = mukca_grouped_residual(v, g, o->x, o->group), z = e / g->noise;
         o->weight = (MUKCA_STUDENT_FREEDOM + 3) / (MUKCA_STUDENT_FREEDOM + z * z);
         squares += o->weight * e * e;
-        p->outliers += z > outlier;
+        o->outlier = z > outlier;
         if (o->group < p->data.n_sockets) g->misfit += o->weight * e * e;
         p->gross += e > gross_error;
         p->worst_m = fmax(p->worst_m, e);

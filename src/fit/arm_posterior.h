@@ -50,6 +50,7 @@ void mukca_arm_point_rows(double *x, const mukca_arm_point *at, const mukca_geom
 /* Mean of the readings of one posture in one group: a socket, or a target of a pose log. */
 typedef struct {
     int group, rows, next; /* next: observation of the same posture, -1: none */
+    bool outlier;          /* beyond the noise */
     double weight, *x;     /* [3][width] */
 } mukca_arm_observation;
 
@@ -72,7 +73,7 @@ typedef struct {
     double scale;          /* of the priors of the arm's joints */
     int extended;          /* first unknown of mukca_arm_posterior_extend, and */
     double extended_scale; /* the scale of their priors */
-    int outliers, gross;   /* observations beyond the noise; beyond any arm and noise */
+    int gross;             /* observations beyond any arm and noise */
     double worst_m;        /* largest error of an observation */
     mukca_pool pool;
 } mukca_arm_posterior;

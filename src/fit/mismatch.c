@@ -1,108 +1,303 @@
-/* Joint columns: a mix-up that explains data that do not fit the arm; those that determine less
- * than they seem to. */
+/* A mix-up of joint columns that explains data that do not fit the arm. */
 #include "fit/mismatch.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/text.h"
-#include "effect/catalogue.h"
+#include "base/pool.h"
 #include "fit/align.h"
 #include "model/dataset_subset.h"
 
-/* Ratio of the errors after and before a change below which the change is no coincidence: real
- * errors of origins reach 1 cm at the tip, those of a wrong column 10 cm and more. */
-static const double explained = 0.2, origins = 10e-3;
-/* A less simple change must reduce the error by this factor: reversing a joint with little
+/* Ratio of the errors after and before a mix-up below which it is no coincidence: real errors of
+ * origins reach 1 cm at the tip, those of a wrong column 10 cm and more. */
+static const double explained = 0.2, origins = 10e-3; /* m per metre of the arm */
+/* A less simple mix-up must reduce the error by this factor: reversing a joint with little
  * influence on the ball changes the error by less. */
 static const double simpler = 0.5;
+/* A zero this close to a quarter turn is that, rad: joints are built to 3 degrees (MUKCA_PRIOR). */
+static const double quarter = 0.05;
 /* MOST_PATTERNS: up to this number of joints, all patterns of reversed joints are tried; beyond,
- * single joints. */
-enum { MOST_PATTERNS = 8, MOST_SAMPLES = 500 };
-
-static const mukca_mismatch none = {.exchanged = {-1, -1}, .shifted = -1, .coupled = -1};
+ * single joints.  SEARCHED: samples of the
+ * search.  BEST: number of mix-ups that further changes are added to.
+ * STEPS of the alignment: its closed form is near. */
+enum { MOST_PATTERNS = 8, MOST_SAMPLES = 500, SEARCHED = 40, BEST = 6, STEPS = 2 };
 
 typedef struct {
     const mukca_chain *chain;
+    mukca_geometry geometry;
     mukca_dataset *data;
-    const double *q; /* as recorded */
-    bool free_base, free_tool;
-    bool failed; /* out of memory */
+    mukca_align_options frames;
+    const double *q;   /* as recorded */
+    double (*x)[3];    /* [n_rows] predicted, of pose logs minus measured */
+    double (*sum)[4];  /* [n_sockets] of those, and their number */
+    mukca_mixup *best; /* [BEST] distinct ones, the smallest error first */
+    double origins;    /* error of real origins, m */
+    bool fixed;        /* the frame of measured poses is the arm's base */
+    bool failed;       /* out of memory */
 } search;
 
-/* Mean error of the nominal model, m. */
-static double measure(search *s)
+static mukca_mixup as_recorded(int n)
 {
-    if (s->data->n_sockets == 0 && (s->free_base || s->free_tool)) {
-        mukca_geometry geometry;
-        mukca_alignment alignment;
-        mukca_geometry_set(&geometry, s->chain, NULL);
-        s->failed |=
-            !mukca_align(&alignment, &geometry, s->data,
-                         &(mukca_align_options){.tracker = s->free_base, .target = s->free_tool});
-        return alignment.mean_m;
-    }
-    mukca_score mean, *scores = calloc(mukca_evaluate_room(s->data), sizeof *scores);
-    s->failed |=
-        !scores || mukca_evaluate(scores, &mean, &(mukca_model){.chain = s->chain}, s->data) < 0;
-    free(scores);
-    return s->failed ? (double)NAN : mean.mae;
+    mukca_mixup m = {.error_m = HUGE_VAL, .square = HUGE_VAL};
+    for (int j = 0; j < n; j++) m.from[j] = j;
+    return m;
 }
 
-/* Keep the change if it reduces the error by enough. */
-static void try(mukca_mismatch *best, search *s, const mukca_mismatch *change)
+/* Set the angles of row r by the mix-up. */
+static void change(search *s, const mukca_mixup *m, int r)
 {
-    const mukca_dataset *d = s->data;
+    const int n = s->data->n_joints;
+    const double *from = s->q + (size_t)r * (size_t)n;
+    double *q = s->data->q + (size_t)r * (size_t)n;
+    for (int j = 0; j < n; j++) {
+        q[j] = (m->reversed >> j & 1 ? -1 : 1) * from[m->from[j]] + m->shift[j];
+        if (m->coupled[j]) q[j] += (m->coupled[j] < 0 ? -1 : 1) * from[abs(m->coupled[j]) - 1];
+    }
+}
+
+/* Set the error of the nominal model with the mix-up: mean and mean square of the distances to the
+ * measured positions, in the frames that are free, and to the sockets' means. */
+static void measure(mukca_mixup *m, search *s)
+{
+    mukca_dataset *d = s->data;
+    const unsigned char *used = s->frames.keep;
+    mukca_alignment a = {.tracker.R = MUKCA_IDENTITY, .target.R = MUKCA_IDENTITY};
+    mukca_align_options frames = s->frames;
+    int n = 0;
+    frames.tracker |= m->base;
+    for (int r = 0; r < d->n_rows; r++)
+        if (used[r]) change(s, m, r);
+    s->failed |= d->position && !mukca_align(&a, &s->geometry, d, &frames);
+    memset(s->sum, 0, (size_t)(d->n_sockets + 1) * sizeof *s->sum);
     for (int r = 0; r < d->n_rows; r++) {
-        const double *from = s->q + r * d->n_joints;
-        double *q = d->q + r * d->n_joints;
-        for (int j = 0; j < d->n_joints; j++)
-            q[j] = (change->reversed >> j & 1 ? -1 : 1) * from[j] +
-                   (j == change->shifted ? change->shift : 0);
-        if (change->coupled >= 0) q[change->coupled] += change->sign * from[change->with];
-        if (change->exchanged[0] < 0) continue;
-        q[change->exchanged[0]] = from[change->exchanged[1]];
-        q[change->exchanged[1]] = from[change->exchanged[0]];
+        const int socket = d->socket[r];
+        mukca_frame T;
+        if (!used[r]) continue;
+        mukca_fk_pose(&T, &s->geometry, d->q + (size_t)r * (size_t)d->n_joints, NULL);
+        mukca_frame_multiply(&T, &T, &a.target);
+        mukca_frame_multiply(&T, &a.tracker, &T);
+        for (int c = 0; c < 3; c++) {
+            s->x[r][c] = socket < 0 ? T.p[c] - d->position[3 * r + c] : T.p[c];
+            if (socket >= 0) s->sum[socket][c] += T.p[c];
+        }
+        if (socket >= 0) s->sum[socket][3]++;
     }
-    const double after = measure(s);
-    if (!(after < (best->found ? simpler * best->after_m : explained * best->before_m))) return;
-    const double before = best->before_m;
-    *best = *change;
-    best->found = true;
-    best->before_m = before;
-    best->after_m = after;
+    m->square = m->error_m = 0;
+    for (int r = 0; r < d->n_rows; r++) {
+        const double *sum = d->socket[r] < 0 ? NULL : s->sum[d->socket[r]];
+        double e[3];
+        if (!used[r]) continue;
+        for (int c = 0; c < 3; c++) e[c] = s->x[r][c] - (sum ? sum[c] / sum[3] : 0);
+        const double square = mukca_dot3(e, e);
+        if (isfinite(square)) m->square += square, m->error_m += sqrt(square), n++;
+    }
+    m->square /= n, m->error_m /= n;
+    m->base_frame = a.tracker;
 }
 
-/* All changes, the simple ones first. */
-static void try_all(mukca_mismatch *best, search *s)
+/* Remember a mix-up if it is among the best. */
+static void keep(search *s, const mukca_mixup *m)
 {
-    const int n = s->chain->n_joints;
-    mukca_mismatch change = none;
-    for (int j = 0; j < n; j++, change = none) {
-        change.reversed = 1u << j;
-        try(best, s, &change);
+    int k = BEST;
+    for (int i = 0; i < BEST; i++)
+        if (fabs(m->square - s->best[i].square) <= 1e-6 * m->square) return; /* the same */
+    while (k > 0 && m->square < s->best[k - 1].square) k--;
+    if (k == BEST) return;
+    memmove(s->best + k + 1, s->best + k, (size_t)(BEST - 1 - k) * sizeof *m);
+    s->best[k] = *m;
+}
+
+/* Where the error is least by the zero of joint j alone.  Positions depend on the sine and the
+ * cosine of a joint's angle, so that squares of distances have two harmonics, which five values
+ * determine; in frames that are free, nearly. */
+static void shift_zero(mukca_mixup *m, search *s, int j)
+{
+    enum { VALUES = 5, GRID = 72 };
+    const double start = m->shift[j];
+    double wave[VALUES] = {0}, least = HUGE_VAL, best = 0;
+    mukca_mixup tried = *m;
+    for (int k = 0; k < VALUES; k++) {
+        const double t = 2 * M_PI * k / VALUES;
+        tried.shift[j] = remainder(start + t, 2 * M_PI);
+        measure(&tried, s);
+        if (tried.square < m->square) *m = tried;
+        for (int h = 0; h < VALUES; h++) /* 1, cos t, sin t, cos 2 t, sin 2 t */
+            wave[h] += 0.4 * tried.square * (h % 2 ? cos((h + 1) / 2 * t) : sin(h / 2 * t));
     }
-    for (int a = 0; a < n; a++)
-        for (int b = a + 1; b < n; b++, change = none) {
-            change.exchanged[0] = a, change.exchanged[1] = b;
-            try(best, s, &change);
+    for (int g = 0; g < GRID; g++) {
+        const double t = 2 * M_PI * g / GRID, f = wave[1] * cos(t) + wave[2] * sin(t) +
+                                                  wave[3] * cos(2 * t) + wave[4] * sin(2 * t);
+        if (f < least) least = f, best = t;
+    }
+    for (int k = 0; k < 3; k++) { /* Newton */
+        const double a = wave[1] * cos(best) + wave[2] * sin(best),
+                     b = wave[2] * cos(best) - wave[1] * sin(best),
+                     c = wave[3] * cos(2 * best) + wave[4] * sin(2 * best),
+                     d = wave[4] * cos(2 * best) - wave[3] * sin(2 * best);
+        if (a + 4 * c < 0) best += (b + 2 * d) / (a + 4 * c);
+    }
+    tried.shift[j] = remainder(start + best, 2 * M_PI);
+    measure(&tried, s);
+    if (tried.square < m->square) *m = tried;
+}
+
+/* The least error near the zero of joint j: vertices of parabolas, ever narrower. */
+static void refine_zero(mukca_mixup *m, search *s, int j)
+{
+    for (double h = 0.1; h > 1e-3; h /= 3) {
+        mukca_mixup low = *m, high = *m, tried = *m;
+        low.shift[j] -= h, high.shift[j] += h;
+        measure(&low, s);
+        measure(&high, s);
+        const double bend = low.square - 2 * m->square + high.square,
+                     step = h * (low.square - high.square) / (2 * bend);
+        if (!(bend > 0)) continue;
+        tried.shift[j] += fmin(fmax(step, -2 * h), 2 * h);
+        measure(&tried, s);
+        if (tried.square < m->square) *m = tried;
+    }
+}
+
+/* Shift the zero of the joint that reduces the error most, at most `rounds` times. */
+static void shift_zeros(search *s, mukca_mixup m, int rounds)
+{
+    for (bool better = true; better && rounds-- > 0;) {
+        const mukca_mixup start = m;
+        int best = 0;
+        for (int j = 0; j < s->data->n_joints; j++) {
+            mukca_mixup tried = start;
+            if (s->chain->element[s->chain->joint_element[j]].type == MUKCA_PRISMATIC) continue;
+            shift_zero(&tried, s, j);
+            if (tried.square < m.square) m = tried, best = j;
         }
+        if (m.shift[best] != 0) refine_zero(&m, s, best);
+        better = m.square < simpler * start.square;
+    }
+    keep(s, &m);
+}
+
+/* Try a mix-up, with `rounds` of shifted zeros. */
+static void try(search *s, mukca_mixup m, int rounds)
+{
+    measure(&m, s);
+    keep(s, &m);
+    if (rounds) shift_zeros(s, m, rounds);
+}
+
+static void exchange(mukca_mixup *m, int a, int b)
+{
+    const int from = m->from[a];
+    m->from[a] = m->from[b], m->from[b] = from;
+}
+
+/* Try all single changes of a mix-up. */
+static void try_changes(search *s, const mukca_mixup *m, int rounds)
+{
+    const int n = s->data->n_joints;
+    mukca_mixup tried = *m;
+    tried.base = s->fixed;
+    if (s->fixed && !m->base) try(s, tried, rounds);
+    for (int a = 0; a < n; a++) {
+        tried = *m, tried.reversed ^= 1u << a;
+        try(s, tried, rounds);
+        for (int b = 0; b < n; b++) {
+            tried = *m, exchange(&tried, a, b);
+            if (b > a) try(s, tried, rounds);
+            for (int sign = -1; sign <= 1 && a != b; sign += 2) {
+                tried = *m, tried.coupled[a] = sign * (b + 1);
+                try(s, tried, rounds);
+            }
+        }
+    }
+}
+
+static void try_patterns(search *s, int rounds)
+{
+    mukca_mixup m = as_recorded(s->data->n_joints);
+    if (s->data->n_joints <= MOST_PATTERNS)
+        for (; m.reversed < 1u << s->data->n_joints; m.reversed++) try(s, m, rounds);
+}
+
+/* Undo what the mix-up does not need for an error below `limit`.  The base's frame is named before
+ * the zero of a joint about the same axis, quarters of a turn before other angles. */
+static void simplify(mukca_mixup *m, search *s, double limit)
+{
+    enum { BASE, SHIFT, SIGN, COUPLED, COLUMN, FIXED, QUARTER, KINDS };
+    const int n = s->data->n_joints;
+    for (int step = 0; step < KINDS * n; step++) {
+        const int j = step % n, kind = step / n;
+        const double turns = nearbyint(m->shift[j] / (M_PI / 2)) * (M_PI / 2);
+        mukca_mixup tried = *m;
+        if (kind == BASE && s->fixed && j == 0 && m->shift[0] != 0) tried.base = true;
+        if ((kind == BASE && tried.base) || kind == SHIFT) tried.shift[j] = 0;
+        if (kind == SIGN) tried.reversed &= ~(1u << j);
+        if (kind == COUPLED) tried.coupled[j] = 0;
+        if (kind == FIXED) tried.base = false;
+        if (kind == QUARTER && fabs(m->shift[j] - turns) < quarter) tried.shift[j] = turns;
+        for (int a = 0; a < n && kind == COLUMN; a++)
+            if (tried.from[a] == j && a != j) exchange(&tried, a, j);
+        measure(&tried, s);
+        if (tried.error_m < limit) *m = tried;
+    }
+    if (!m->base) return;
+    mukca_mixup tried = *m;
+    tried.base = false;
+    measure(&tried, s);
+    shift_zero(&tried, s, 0);
+    if (tried.error_m < limit) m->instead = tried.shift[0];
+}
+
+static int count(const mukca_mixup *m, int n)
+{
+    int changes = m->base;
     for (int j = 0; j < n; j++)
-        for (int quarter = -1; quarter <= 2; quarter++, change = none) {
-            const int element = s->chain->joint_element[j];
-            if (!quarter || s->chain->element[element].type == MUKCA_PRISMATIC) continue;
-            change.shifted = j, change.shift = quarter * M_PI / 2;
-            try(best, s, &change);
+        changes += (int)(m->reversed >> j & 1) + (m->shift[j] != 0) + (m->coupled[j] != 0) +
+                   (m->from[j] > j);
+    return changes;
+}
+
+/* From few changes to many, until the error is that of real origins. */
+static void find(mukca_mismatch *mismatch, search *s)
+{
+    const int n = s->data->n_joints;
+    mukca_mixup start = as_recorded(n), better[BEST];
+    for (int i = 0; i < BEST; i++) s->best[i] = start;
+    measure(&start, s);
+    mismatch->mixup = start;
+    if (!(start.error_m > s->origins)) return;
+    for (int step = 0; step < 5 && !(s->best[0].error_m < s->origins); step++) {
+        memcpy(better, s->best, sizeof better);
+        if (step == 0) try_changes(s, &start, 0), shift_zeros(s, start, 3), try_patterns(s, 0);
+        if (step == 1) try_patterns(s, 1);
+        if (step == 2) try_changes(s, &start, 1);
+        for (int i = 0; i < BEST && step > 2; i++) {
+            if (step == 3) shift_zeros(s, better[i], n);
+            if (step == 4) try_changes(s, &better[i], 0);
         }
-    for (int pair = 0; pair < 2 * n * n; pair++, change = none) {
-        change.coupled = pair / 2 % n, change.with = pair / 2 / n, change.sign = pair % 2 ? -1 : 1;
-        if (change.coupled != change.with) try(best, s, &change);
     }
-    for (unsigned pattern = 1; n <= MOST_PATTERNS && pattern < 1u << n; pattern++) {
-        change.reversed = pattern;
-        if (pattern & (pattern - 1)) try(best, s, &change); /* several joints */
+    mukca_mixup *m = &mismatch->mixup;
+    *m = s->best[0];
+    s->frames.steps = 0;
+    measure(m, s);
+    for (int k = 0; k < 3 * n; k++)
+        if (m->shift[k % n] != 0) refine_zero(m, s, k % n);
+    simplify(m, s, fmax(m->error_m / simpler, fmin(s->origins, explained * start.error_m)));
+    mismatch->found = count(m, n) > 0 && m->error_m < explained * start.error_m &&
+                      (count(m, n) == 1 || m->error_m < s->origins);
+}
+
+/* Use some `most` samples of the first target, evenly spread by the golden section: no pattern of
+ * the recording is met. */
+static void use(unsigned char *used, const mukca_dataset *data, int most)
+{
+    int n = 0;
+    for (int r = 0; r < data->n_rows; r++) {
+        used[r] = data->n_targets < 2 || data->target[r] == data->target[0];
+        n += used[r];
     }
+    for (int r = 0; r < data->n_rows; r++)
+        used[r] = used[r] && fmod(0.6180339887 * r, 1) * n <= most;
 }
 
 mukca_status mukca_mismatch_find(mukca_mismatch *mismatch, const mukca_chain *chain,
@@ -110,108 +305,39 @@ mukca_status mukca_mismatch_find(mukca_mismatch *mismatch, const mukca_chain *ch
                                  mukca_error *error)
 {
     mukca_dataset part = {0};
-    *mismatch = none;
+    mukca_pool pool = {0};
+    *mismatch = (mukca_mismatch){.before_m = NAN};
     const mukca_status status = mukca_part_take(&part, data, MOST_SAMPLES, error);
     if (status != MUKCA_OK) return status;
-    const size_t size = (size_t)part.n_rows * (size_t)part.n_joints * sizeof *part.q;
-    double *q = malloc(size + 1);
-    search s = {.chain = chain,
-                .data = &part,
-                .q = q,
-                .free_base = free_base,
-                .free_tool = free_tool,
-                .failed = !q};
-    if (q && part.q) {
-        memcpy(q, part.q, size);
-        mismatch->before_m = measure(&s);
-        if (mismatch->before_m > origins) try_all(mismatch, &s);
+    const size_t rows = (size_t)part.n_rows;
+    search s = {
+        .chain = chain,
+        .data = &part,
+        .fixed = part.position && !free_base,
+        .frames = {.tracker = free_base, .target = free_tool || part.n_targets > 1, .steps = STEPS},
+        .x = MUKCA_TAKE(&pool, double[3], rows + 1),
+        .sum = MUKCA_TAKE(&pool, double[4], part.n_sockets + 1),
+        .best = MUKCA_TAKE(&pool, mukca_mixup, BEST)};
+    double *q = MUKCA_TAKE(&pool, double, rows *(size_t)part.n_joints + 1);
+    unsigned char *used = MUKCA_TAKE(&pool, unsigned char, rows + 1);
+    s.failed = pool.failed;
+    free(part.quaternion); /* with wrong angles, orientations determine no frame */
+    part.quaternion = NULL;
+    if (!s.failed && part.q) {
+        s.q = memcpy(q, part.q, rows * (size_t)part.n_joints * sizeof *q);
+        s.frames.keep = used;
+        mukca_geometry_set(&s.geometry, chain, NULL);
+        for (int k = 0; k < chain->n_elements; k++)
+            s.origins += origins * mukca_norm3(chain->element[k].xyz);
+        use(used, &part, SEARCHED);
+        find(mismatch, &s);
+        use(used, &part, part.n_rows);
+        mukca_mixup recorded = as_recorded(part.n_joints);
+        measure(&recorded, &s);
+        measure(&mismatch->mixup, &s);
+        mismatch->before_m = recorded.error_m;
     }
-    free(q);
+    mukca_pool_free(&pool);
     mukca_dataset_free(&part);
     return s.failed ? mukca_fail(error, MUKCA_MEMORY, "out of memory") : MUKCA_OK;
-}
-
-/* ---- columns that determine less than they seem to ---- */
-
-/* Postures of the shortest run of equal angles that is no chance; a joint moves between postures by
- * more than this, rad (m of a sliding joint). */
-enum { SHORTEST = 4 };
-static const double moved = 5e-3;
-
-/* Is q_b + factor q_a the same in all samples? */
-static bool is_constant(const mukca_dataset *data, int b, int a, double factor)
-{
-    double least = HUGE_VAL, most = -HUGE_VAL;
-    for (int row = 0; row < data->n_rows && !(most - least >= MUKCA_LEAST_RANGE); row++) {
-        const double *q = data->q + (size_t)row * (size_t)data->n_joints;
-        const double value = q[b] + factor * q[a];
-        least = fmin(least, value), most = fmax(most, value);
-    }
-    return !(most - least >= MUKCA_LEAST_RANGE);
-}
-
-/* Have the joints other than j moved between two successive samples? */
-static bool is_other_posture(const mukca_dataset *data, int row, int j)
-{
-    const double *q = data->q + (size_t)row * (size_t)data->n_joints;
-    for (int i = 0; i < data->n_joints; i++)
-        if (i != j && fabs(q[i] - q[i - data->n_joints]) > moved) return true;
-    return false;
-}
-
-/* Note a joint with the same angle, to the last digit, in one run of postures and in no two
- * successive ones elsewhere: programs that hold a joint on purpose do it more often. */
-static void note_run(mukca_note_fn *note, void *context, const mukca_chain *chain,
-                     const mukca_dataset *data, int j)
-{
-    int postures = 1, equal = 0, length = 1, most = 0, first = 0, from = 0, to = 0;
-    for (int row = 1; row < data->n_rows; row++) {
-        const double *q = data->q + (size_t)row * (size_t)data->n_joints + j;
-        const bool same = q[0] == q[-data->n_joints] && data->file[row] == data->file[row - 1];
-        const bool other = is_other_posture(data, row, j);
-        postures += other;
-        equal += same && other;
-        length = same ? length + other : 1;
-        if (!same) first = row;
-        if (length >= most) most = length, from = first, to = row;
-    }
-    if (most >= SHORTEST && equal == most - 1 && 2 * most < postures)
-        mukca_note_format(note, context,
-                          "%s reads %.6g in rows %d to %d%s%s while other joints move, and never "
-                          "the same in successive postures elsewhere; if it moved, check cable, "
-                          "encoder and drive, and remove these rows",
-                          mukca_chain_joint_name(chain, j),
-                          data->q[(size_t)to * (size_t)data->n_joints + (size_t)j], data->row[from],
-                          data->row[to], data->n_files > 1 ? " of " : "",
-                          data->n_files > 1 ? data->files[data->file[to]] : "");
-}
-
-void mukca_columns_note(mukca_note_fn *note, void *context, const mukca_chain *chain,
-                        const mukca_dataset *data)
-{
-    char still[160] = "";
-    mukca_text list = MUKCA_TEXT(still);
-    int n_still = 0;
-    for (int b = 0; b < data->n_joints; b++) {
-        if (is_constant(data, b, b, 0)) {
-            mukca_text_put(&list, "%s%s", n_still++ ? ", " : "", mukca_chain_joint_name(chain, b));
-            continue;
-        }
-        note_run(note, context, chain, data, b);
-        for (int a = 0; a < b; a++)
-            for (int sign = -1; sign <= 1; sign += 2)
-                if (is_constant(data, b, a, sign) && !is_constant(data, a, a, 0))
-                    mukca_note_format(note, context,
-                                      "the columns of %s and %s %s in all samples: a wrong column, "
-                                      "or a joint that follows the other; their offsets cannot be "
-                                      "told apart",
-                                      mukca_chain_joint_name(chain, a),
-                                      mukca_chain_joint_name(chain, b),
-                                      sign < 0 ? "differ by a constant" : "have a constant sum");
-    }
-    if (n_still && n_still < data->n_joints)
-        mukca_note_format(note, context,
-                          "did not move in any sample: %s; if it was moved, its column or encoder "
-                          "is stuck, and no result is valid",
-                          still);
 }

@@ -6,22 +6,31 @@
 #include "base/text.h"
 #include "fit/evaluate.h"
 
+/* How the angles of the arm's joints follow from the columns; zeroed but for `from`: as recorded.
+ */
+typedef struct {
+    int from[MUKCA_MAX_JOINTS];     /* joint whose column a joint reads */
+    unsigned reversed;              /* bit j: with the opposite sign */
+    double shift[MUKCA_MAX_JOINTS]; /* added to the angle, rad */
+    int coupled[MUKCA_MAX_JOINTS]; /* k + 1, -(k + 1): the angle of joint k is added, subtracted, as
+                                      where the controller counts from the horizontal; 0: none */
+    bool base;                     /* the poses are measured in another frame than the base's */
+    mukca_frame base_frame;        /* the arm's base in it */
+    double instead;                /* shift of the first joint that does the same, rad; 0: none */
+    double error_m, square;        /* mean error of the nominal model, m; mean square */
+} mukca_mixup;
+
 typedef struct {
     bool found;
-    unsigned reversed;        /* bit j: joint j is reversed */
-    int exchanged[2];         /* joints whose columns are exchanged; -1: none */
-    int shifted;              /* joint with a shifted zero; -1: none */
-    double shift;             /* correction of its angles, rad */
-    int coupled, with, sign;  /* joint that needs `sign` times the angle of `with` added, as where
-                                 the controller counts it from the horizontal; -1: none */
-    double before_m, after_m; /* mean error of the nominal model, as recorded and changed */
+    double before_m; /* mean error of the nominal model, as recorded */
+    mukca_mixup mixup;
 } mukca_mismatch;
 
-/* Search for one change of the joint columns that reduces the error of the nominal model to less
- * than a fifth: reversed joints, two exchanged columns, a zero shifted by a quarter or half a turn,
- * an angle that another joint's is part of.
- * Of several, the simplest whose error is not twice that of another.  Poses are first aligned with
- * the free frames.  At most 500 samples, evenly spread, are used.  Errors: MUKCA_MEMORY. */
+/* Search for the fewest changes of the joint columns, and of the frame of measured poses, that
+ * reduce the error of the nominal model to less than a fifth, and if several are needed to less
+ * than 1 cm: reversed joints, exchanged columns, shifted zeros, angles that another joint's is part
+ * of. Poses are first aligned with the free frames, those of several targets by the first one.  At
+ * most some 100 samples, evenly spread, are used.  Errors: MUKCA_MEMORY. */
 mukca_status mukca_mismatch_find(mukca_mismatch *mismatch, const mukca_chain *chain,
                                  const mukca_dataset *data, bool free_base, bool free_tool,
                                  mukca_error *error);

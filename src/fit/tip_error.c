@@ -2,9 +2,12 @@
 #include "fit/accept.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/file.h"
+#include "base/text.h"
 #include "effect/catalogue.h"
 #include "fit/arm_posterior.h"
 #include "math/dense.h"
@@ -173,6 +176,31 @@ static bool predict_all(mukca_tip_error *out, mukca_arm_posterior both[2], bool 
     return true;
 }
 
+/* Count the postures that deviate and list their rows, with dots for those that do not fit.  The
+ * targets of a row count once, and so do the readings of a posture. */
+static void list_outliers(mukca_tip_error *out, const mukca_arm_posterior *p)
+{
+    const mukca_dataset *d = &p->data;
+    mukca_text rows = MUKCA_TEXT(out->rows);
+    int newest = -1, last = -1;
+    for (int row = 0; row < d->n_rows; row++) {
+        const int o = p->of_row[row];
+        char name[48] = "";
+        if (o <= newest || !p->list[o].outlier || d->row[row] == last) {
+            newest = o > newest ? o : newest;
+            continue;
+        }
+        newest = o, last = d->row[row];
+        if (d->n_files > 1)
+            snprintf(name, sizeof name, "%.40s:", mukca_file_name(d->files[d->file[row]]));
+        if (rows.used + strlen(name) + 18 <= rows.size)
+            mukca_text_put(&rows, "%s%s%d", out->outliers ? ", " : "", name, last);
+        else if (rows.at[rows.used - 1] != '.')
+            mukca_text_put(&rows, ", ...");
+        out->outliers++;
+    }
+}
+
 mukca_status mukca_tip_error_expect(mukca_tip_error *out, const mukca_tip_change_task *task,
                                     mukca_error *error)
 {
@@ -185,9 +213,9 @@ mukca_status mukca_tip_error_expect(mukca_tip_error *out, const mukca_tip_change
         *here = p->chain;
         find_ranges(out, here, &p->data);
         out->postures = p->postures;
-        out->outliers = p->outliers;
         out->gross = p->gross;
         out->worst_m = p->worst_m;
+        list_outliers(out, p);
         const int tip = MUKCA_PARAMETERS * mukca_chain_tip_element(&p->chain);
         if (tip >= 0) out->tool_m = mukca_distance3(p->at.theta + tip, p->nominal + tip);
         for (int j = 0; j < here->n_joints; j++)

@@ -148,7 +148,8 @@ static void check_name(session *s, const char *name, int column)
     mukca_table *t = &s->rows.table;
     if (!*name) mukca_table_fail(t, column, "is empty");
     if (!mukca_utf8_valid(name))
-        mukca_table_fail(t, column, "is not UTF-8; save the file as UTF-8");
+        mukca_table_fail(t, column,
+                         "is not UTF-8, or has control characters; save the file as UTF-8");
     if (strlen(name) >= MUKCA_NAME_SIZE)
         mukca_table_fail(t, column, "'%.20s...' is longer than 63 characters", name);
 }

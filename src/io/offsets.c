@@ -88,10 +88,8 @@ mukca_status mukca_offsets_read(mukca_offsets *offsets, const mukca_chain *chain
                                 const mukca_offsets_options *options, mukca_error *error)
 {
     char *text;
-    mukca_offsets_origin origin = {.name = mukca_file_shown(path),
-                                   .force = options->force,
-                                   .accept = options->accept,
-                                   .own = options->own};
+    mukca_offsets_origin origin = {
+        .name = mukca_file_shown(path), .accept = options->accept, .own = options->own};
     mukca_note_fn *note = options->note;
     void *context = options->context;
     mukca_status status = mukca_file_read(&text, path, error);

@@ -14,7 +14,6 @@ mukca_status mukca_offsets_write(FILE *stream, const mukca_offsets *offsets,
 
 /* Zeroed: the table must be of this arm and accepted; no notes. */
 typedef struct {
-    bool force;       /* accept a table of another URDF */
     int accept;       /* MUKCA_ACCEPT_* */
     mukca_chain *own; /* out: the chain in the table's comments, for which it is then read */
     mukca_note_fn *note;

@@ -38,8 +38,7 @@ bool mukca_session_label_ok(const char *label)
     size_t n = strlen(label);
     if (n < 1 || n >= MUKCA_NAME_SIZE || label[0] == '#' || label[0] == ' ') return false;
     for (const char *c = label; *c; c++)
-        if ((unsigned char)*c < 32 || *c == 127 || *c == ',' || *c == ';' || *c == '"')
-            return false;
+        if (strchr("\t\n,;\"", *c)) return false;
     return label[n - 1] != ' ' && mukca_utf8_valid(label);
 }
 

@@ -90,7 +90,7 @@ mukca_status mukca_summary_write(FILE *stream, const mukca_summary *s, mukca_err
 static bool read_name(char name[MUKCA_NAME_SIZE], const json_t *value)
 {
     const char *text = json_string_value(value);
-    if (!text || strlen(text) >= MUKCA_NAME_SIZE) return false;
+    if (!text || strlen(text) >= MUKCA_NAME_SIZE || !mukca_utf8_valid(text)) return false;
     memcpy(name, text, strlen(text) + 1);
     return true;
 }

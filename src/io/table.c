@@ -119,6 +119,14 @@ static void set_shape(mukca_table *t)
     if (t->status == MUKCA_OK) t->cell = check(t, calloc((size_t)t->n_columns, sizeof *t->cell));
 }
 
+void mukca_table_check_names(mukca_table *t)
+{
+    for (int i = 0; i < t->n_columns && t->status == MUKCA_OK; i++)
+        for (int k = 0; k < i && t->header[i][0]; k++)
+            if (strcmp(t->header[i], t->header[k]) == 0)
+                mukca_table_fail(t, -1, "two columns are called '%.40s'; rename one", t->header[i]);
+}
+
 static void read_header(mukca_table *t, mukca_table_kind kind)
 {
     if (!read_content(t)) {
@@ -142,10 +150,7 @@ static void read_header(mukca_table *t, mukca_table_kind kind)
         numbers += parse_number(&value, t, t->header[i]);
         t->unit[i] = mukca_unit_take(t->header[i]);
     }
-    for (int i = 0; i < t->n_columns && numbers < t->n_columns; i++)
-        for (int k = 0; k < i && t->header[i][0]; k++)
-            if (strcmp(t->header[i], t->header[k]) == 0)
-                mukca_table_fail(t, -1, "two columns are called '%.40s'; rename one", t->header[i]);
+    if (numbers < t->n_columns) mukca_table_check_names(t);
     if (numbers < t->n_columns) return;
     if (kind == MUKCA_HEADER)
         mukca_table_fail(t, -1, "starts with numbers; the first line must name the columns");

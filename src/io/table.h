@@ -90,7 +90,7 @@ typedef void mukca_table_row_fn(void *context, mukca_table *table, const int *co
 mukca_status mukca_table_read(const char *path, const char *const *names, int n,
                               mukca_table_row_fn *read, void *context, mukca_error *error);
 
-/* ---- names of columns (rows_header.c) ---- */
+/* ---- names of columns (rows_header.c, columns.c) ---- */
 
 /* Ends the names of columns by mukca capture with the standard deviations; not read. */
 #define MUKCA_COLUMNS_SPREAD ".spread"
@@ -98,8 +98,11 @@ mukca_status mukca_table_read(const char *path, const char *const *names, int n,
 /* Whether a column of recordings has that name, which no joint may have. */
 bool mukca_columns_reserved(const char *name);
 
+/* Fail if two columns have one name. */
+void mukca_table_check_names(mukca_table *table);
+
 /* Rename the columns of an open table by the text or file `columns`: `COLUMN=NAME,...`, or a name
- * for each column in order; a line end separates like a comma. */
+ * for each column in order; a line end separates like a comma.  A NAME may state the unit. */
 void mukca_columns_rename(mukca_table *table, const char *columns);
 
 #endif

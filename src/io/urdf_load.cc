@@ -143,6 +143,8 @@ struct Loader {
     {
         if (name.size() >= MUKCA_NAME_SIZE)
             fail("the name '" + name.substr(0, 40) + "...' is longer than 63 characters");
+        if (!mukca_utf8_valid(name.c_str()))
+            fail("the name '" + name + "' has control characters; rename it in the URDF");
         std::memcpy(to, name.c_str(), name.size() + 1);
     }
 
@@ -224,10 +226,13 @@ struct Loader {
                 leaves.push_back(entry.first);
         if (options_.tip) {
             if (!model_->links_.count(options_.tip)) unknown_link("--tip", options_.tip);
-            if (!is_below(options_.tip, base) || base == options_.tip)
-                fail("link '" + std::string(options_.tip) + "' (--tip) is not below '" + base +
-                     "' (--base); the ends below it are " + join(leaves));
-            return options_.tip;
+            if (is_below(options_.tip, base) && base != options_.tip) return options_.tip;
+            urdf::LinkConstSharedPtr above = model_->getLink(base)->getParent();
+            while (above && !is_below(options_.tip, above->name)) above = above->getParent();
+            fail("link '" + std::string(options_.tip) + "' (--tip) is not below '" + base +
+                 "' (--base)" +
+                 (leaves.empty() ? ", and no link is" : "; the ends below it are " + join(leaves)) +
+                 (above ? "; for this tip give --base " + above->name : ""));
         }
         for (const char *name : {"ball_link", "ball"})
             if (model_->links_.count(name) && is_below(name, base) && base != name) return name;

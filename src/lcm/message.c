@@ -127,20 +127,12 @@ size_t mukca_message_encode(void *buffer, size_t size, mukca_message_kind kind, 
 
 /* ---- decode ---- */
 
-/* Whether a text has no characters that control a terminal. */
-static bool is_printable(const char *text)
-{
-    for (const char *c = text; *c; c++)
-        if (((unsigned char)*c < 0x20 && *c != '\t' && *c != '\n') || *c == 0x7f) return false;
-    return true;
-}
-
 static bool decode_element(mukca_lcm_wire *wire, const member *m, char *to)
 {
     if (m->type == MUKCA_LCM_STRING) {
         const char *text = mukca_lcm_wire_text(wire);
         memcpy(to, &text, sizeof text);
-        return text && is_printable(text);
+        return text && mukca_utf8_valid(text);
     }
     const int size = mukca_lcm_primitive_sizes[m->type];
     const unsigned char *at = mukca_lcm_wire_bytes(wire, (size_t)size);

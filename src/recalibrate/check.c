@@ -74,6 +74,11 @@ static mukca_status check_moving(preview *p, mukca_error *error)
 {
     predict(p, p->chain->n_elements - 1);
     const double nominal = path(p->nominal, p->n), measured = path(p->measured, p->n);
+    if (p->n > 2 && nominal <= 0)
+        return mukca_fail(
+            error, MUKCA_INPUT,
+            "all samples have the same joint angles; their stream had stopped, record "
+            "them again");
     if (nominal > 0.01 && measured < 0.001 * nominal)
         return mukca_fail(error, MUKCA_INPUT,
                           "all positions are the same while the joints move: the tracker's stream "

@@ -18,20 +18,6 @@ const char *mukca_recorder_stream(const mukca_recorder *r)
     return mukca_recorder_streams[r->options->stream];
 }
 
-/* Replace control characters: texts from the network may contain line ends and terminal escape
- * sequences. */
-static void make_printable(char *text)
-{
-    mukca_utf8_mend(text);
-    for (char *c = text; *c; c++) {
-        unsigned char byte = (unsigned char)*c;
-        bool c1 = byte == 0xc2 && (unsigned char)c[1] < 0xa0;               /* U+0080 to U+009F */
-        bool format = byte == 0xe2 && ((unsigned char)c[1] & 0xfe) == 0x80; /* U+2000 to U+207F */
-        if (byte < 0x20 || byte == 0x7f || c1 || format) *c = '?';
-    }
-    mukca_utf8_mend(text); /* characters damaged by the replacement */
-}
-
 const char *mukca_stream_type(const mukca_recorder *r)
 {
     const mukca_stream *stream = &r->stream;
@@ -51,7 +37,7 @@ void mukca_recorder_note(void *context, const char *text)
 {
     mukca_recorder *r = context;
     snprintf(r->reports.last_line, sizeof r->reports.last_line, "%s", text);
-    make_printable(r->reports.last_line);
+    mukca_utf8_mend(r->reports.last_line); /* of the network's texts */
     if (r->hooks.report) r->hooks.report(r->hooks.context, r->reports.last_line);
 }
 

@@ -96,7 +96,7 @@ class Statics:
 def compare(folder, title, effects, count):
     table, model = os.path.join(folder, "t.tsv"), os.path.join(folder, "m.xml")
     write_table(table, effects)
-    arm = ["--urdf", URDF, "--offsets", table, "--force", "-q"]
+    arm = ["--urdf", URDF, "--offsets", table, "--accept-other-arm", "--force", "-q"]
     run("export", *arm, "--format", "mjcf", "-o", model)
     random = np.random.default_rng(7)
     q = random.uniform(-2, 2, (count, 7))

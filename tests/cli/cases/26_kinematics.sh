@@ -69,7 +69,7 @@ expect "a table holds the hash of its factory file" grep -qx '# kinematics_hash:
 refuse 3 'table.tsv: is of the robot calib_12345678901234567890, the factory file of calib_987: another' \
     fk --urdf ur5e.urdf --kinematics other_robot.yaml --offsets table.tsv rows.csv
 accept 'table.tsv: made for another factory file' \
-    fk --urdf ur5e.urdf --kinematics other_robot.yaml --offsets table.tsv rows.csv --force
+    fk --urdf ur5e.urdf --kinematics other_robot.yaml --offsets table.tsv rows.csv --accept-other-arm
 refuse 3 'the factory file has the table.s hash, calib_12345678901234567890, but was edited' \
     export --urdf ur5e.urdf --kinematics edited.yaml --offsets table.tsv -f yaml
 accept 'the hash of A is calib_12345678901234567890, that of B calib_987: two robots' compare --urdf ur5e.urdf table.tsv other_robot.yaml

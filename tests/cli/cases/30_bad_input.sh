@@ -40,6 +40,10 @@ wrong_urdf 's/<axis xyz="0 0 1"\/>/<axis xyz="0 0 1"\/><mimic joint="j2"\/>/' "b
 refuse 3 "has no link 'bal' (--tip); did you mean ball?" calibrate $a --tip bal good
 refuse 3 "has no link 'wrist' (--base); links: ball, base, fore, hand, upper" calibrate $a --base wrist good
 refuse 3 "link 'upper' (--tip) is not below 'fore' (--base); the ends below it are ball" calibrate $a --tip upper --base fore good
+sed 's/<link name="base"\/>/<link name="base_link"\/><link name="base"\/>/; s/link="base"/link="base_link"/
+    s/<\/robot>/<joint name="b" type="fixed"><parent link="base_link"\/><child link="base"\/><\/joint><\/robot>/' arm.urdf >bad.urdf
+refuse 3 "link 'ball' (--tip) is not below 'base' (--base), and no link is; for this tip give --base base_link\$" \
+    calibrate --urdf bad.urdf --tip ball --base base good
 for name in placement x_m '#1' 'a,b' ' a' 'a\&#9;b' ''; do
     edit "s/name=\"j1\"/name=\"$name\"/"
     refuse 3 'bad.urdf:9: joint .*: its name cannot be the name of a column' calibrate --urdf bad.urdf good
@@ -101,6 +105,43 @@ run calibrate --urdf bad.urdf good -o named.tsv --force
 expect "a URDF in another encoding that it names" grep -q "^jü	x" named.tsv
 LC_ALL=C sed 's/"j1"/"j\xfc"/' arm.urdf >bad.urdf
 refuse 3 "bad.urdf:[0-9]*: broken XML: Input is not proper UTF-8" calibrate --urdf bad.urdf good
+# --columns: renames apply to the names in the file, whatever their order; units are read or refused
+sed '1s/j1/J/; 1s/j2/j1/; 1s/J/j2/' session.tsv >swapped.tsv
+run evaluate $a session.tsv -o straight.tsv
+for columns in j1=j2,j2=j1 j2=j1,j1=j2; do
+    run evaluate $a swapped.tsv --columns $columns -o swapped.out --force
+    expect "--columns $columns swaps" sh -c 'cut -f 2- straight.tsv >a; cut -f 2- swapped.out | diff - a'
+done
+refuse 3 "swapped.tsv:1: two columns are called 'j1'; rename one" evaluate $a swapped.tsv --columns j2=j1
+refuse 3 "swapped.tsv:1: no column 'j1', which --columns renames" evaluate $a swapped.tsv --columns j1=j2,j1=j3,j2=j1
+awk -F'\t' -v OFS='\t' 'NR > 1 { $3 *= 57.29577951308232 } NR == 1 { $3 = "q [grad]" } { print }' session.tsv >units.tsv
+refuse 3 "units.tsv:1: --columns: '\[grad\]' is no unit that is read; convert the column" \
+    evaluate $a units.tsv --columns 'q [grad]=j1'
+sed -i '1s/q \[grad\]/q/' units.tsv
+refuse 3 "units.tsv:1: --columns: '(turns)' is no unit that is read" evaluate $a units.tsv --columns 'q=j1 (turns)'
+run evaluate $a units.tsv --columns 'q=j1 [deg]' -o unit.out
+expect "--columns states a unit" sh -c 'test $(cut -f 3 straight.tsv unit.out | cut -c -8 | sort -u | wc -l) -eq 2'
+# options of pose logs
+for option in --free-base --free-tool --inverse-poses; do
+    refuse 2 "$option is for pose logs, and these are samples of sockets" calibrate $a session.tsv $option
+    refuse 2 "$option is for pose logs" diagnose $a good $option
+done
+# names with control characters are refused, those of files are shown without
+escape=$(printf '\033]0;x\007')
+wrong_session "2,\$s/^p/p$escape/" "bad.tsv:2: column 'placement': is not UTF-8, or has control characters"
+wrong_session "2,\$s/^p\t/p\t$(printf '\302\233')/" "bad.tsv:2: column 'socket': is not UTF-8, or has control"
+wrong_urdf 's/name="j1"/name="j\&#x9b;1"/' "bad.urdf: the name 'j??1' has control characters; rename it in the URDF"
+wrong_urdf 's/name="ball"/name="\&#x9b;ball"/; s/link="ball"/link="\&#x9b;ball"/' "bad.urdf: the name '??ball' has control"
+odd=$(printf 'a\033]0;x\007b\302\233c\342\200\256d')
+cp -r good "$odd" && cut -f 2- session.tsv >"$odd.tsv"
+for command in "evaluate -v" "diagnose -v" "calibrate -v -o $odd.out" "report -o $odd.html"; do
+    # shellcheck disable=SC2086
+    run $command $a "$odd" "$odd.tsv"
+    [ ! -f "$odd.html" ] || cat "$odd.html" >>"$scratch/out"
+    expect "$command shows no control characters" sh -c \
+        '! LC_ALL=C grep -qP "[\x01-\x08\x0b-\x1f\x7f]|\xc2[\x80-\x9f]|\xe2\x80\xae" "$@"' sh "$scratch/out" "$scratch/err"
+done
+rm -r "$odd" "$odd".*
 # a file's name is what it is, but must not cost a result, nor be cut within a letter
 latin=$(printf 'gr\374n.tsv')
 long=$(printf 'é%.0s' $(seq 40)).tsv
@@ -219,7 +260,8 @@ sed 's/\(urdf_sha256: \)./\1x/' offsets.tsv >other.tsv
 refuse 3 'other.tsv: was made for another URDF' fk $a --offsets other.tsv good/hole_0.csv -o new.tsv
 refuse 3 'other.tsv: was made for another URDF' export $a --offsets other.tsv -o new.urdf
 refuse 3 'session.tsv: no offsets table' export $a --offsets session.tsv -o new.urdf
-accept 'made for another URDF' fk $a --offsets other.tsv --force good/hole_0.csv
+refuse 3 'other.tsv: was made for another URDF.*--accept-other-arm' fk $a --offsets other.tsv --force good/hole_0.csv
+accept 'made for another URDF' fk $a --offsets other.tsv --accept-other-arm good/hole_0.csv
 
 row() { # row SED: the last row of the table, with one thing wrong, behind it
     printf 'j2\tjoint_scale\trad/rad\t0\t1e-3\t1e-3\t1e-5\t1\t-\n' | sed "$1" | cat offsets.tsv - >bad.tsv

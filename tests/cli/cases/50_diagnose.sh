@@ -45,7 +45,7 @@ sed 's/<mass value="[^"]*"/<mass value="0"/' arm.urdf >bare.urdf
 for command in "fk good.tsv" "compensate good.tsv" "export -f yaml"; do
     # shellcheck disable=SC2086
     refuse 3 "joint_compliance needs the masses of the links: give --inertials FILE" \
-        ${command%% *} --urdf bare.urdf --force --offsets offsets.tsv ${command#* }
+        ${command%% *} --urdf bare.urdf --accept-other-arm --offsets offsets.tsv ${command#* }
 done
 
 # faults are told with their rows

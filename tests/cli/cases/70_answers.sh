@@ -3,6 +3,7 @@
 demo=$root/data/demo
 a="--urdf $demo/arm.urdf" d="$demo/train.tsv"
 answer "^Converged after" calibrate $a "$d" -o offsets.tsv
+expect "the next step is the diagnosis, which explains a part of the error" grep -q "^Next    mukca diagnose -o FILE" "$scratch/out"
 answer "^  consistency mm, data" evaluate $a "$d" -o scores.tsv
 answer "^Found   joint compliance at joint_4" diagnose $a "$d"
 answer "^12 postures" plan $a --place front=0.45,0,0.05 --rows 12 -o plan.tsv
@@ -50,6 +51,56 @@ mixed parallel '$6 -= $5'
 mixed cycle 'x = $4; $4 = $5; $5 = $6; $6 = x'
 doubt "sign of joint_4, joint_6" calibrate $a sign.tsv
 doubt "joint_2 and joint_3 exchanged" diagnose $a exchange.tsv
+# by any angle, beside reversed joints; the frame of measured poses
+"$MUKCA" simulate $a --poses 60 --seed 4 --perturb 1,2 --noise 5e-5 | grep -v '^#' >poses.tsv
+changed() { # NAME PROGRAM: columns 2 to 8 are the joints, 9 to 11 the position
+    awk -F '\t' -v OFS='\t' "NR > 1 {$2} {print}" poses.tsv >"$1.tsv"
+}
+changed angle '$7 += 2'
+changed three '$3 = -$3; $6 = -$6; $4 -= 1.5707963267948966'
+changed turned '$9 = -$9; $10 = -$10'
+changed small '$3 += 0.8'
+sed '1s/x_m\ty_m\tz_m/x_m.a\ty_m.a\tz_m.a/' poses.tsv | cut -f 1-11 |
+    awk -F '\t' -v OFS='\t' '{ print $0, NR == 1 ? "x_m.b\ty_m.b\tz_m.b" : $9 OFS $10 OFS $11
+        }' | awk -F '\t' -v OFS='\t' 'NR > 1 { $4 -= $3 } { print }' >targets.tsv
+hints() { # COMMAND FILE PATTERN
+    # shellcheck disable=SC2086
+    run $1 $a $2
+    expect "$1 $2: $3" sh -c 'cat "$@" | tr "\n" " " | tr -s " " | grep -q -e "$0"' "$3" "$scratch/out" "$scratch/err"
+}
+# poses that are the controller's own; one posture
+"$MUKCA" simulate $a --poses 60 --seed 5 -o own.tsv 2>/dev/null
+awk -F '\t' -v OFS='\t' 'NR == 2 { split($0, q) } NR > 1 { for (i = 2; i < 9; i++) $i = q[i] } { print }' poses.tsv >same.tsv
+for command in calibrate diagnose; do
+    hints $command own.tsv "the controller's own, not measured"
+    hints "$command --free-base --free-tool" own.tsv "the controller's own, not measured"
+done
+answer "the controller's own" evaluate $a own.tsv -o own.out
+refuse 5 'no calibration in these poses' recalibrate $a own.tsv -o new.tsv
+doubt 'measured poses: all 60 samples have the same joint angles' diagnose $a same.tsv
+for command in calibrate evaluate; do
+    refuse 5 'measured poses: all 60 samples have the same joint angles' $command $a same.tsv
+done
+refuse 3 'all samples have the same joint angles' recalibrate $a same.tsv -o new.tsv
+# a tracker that was moved between the recordings
+changed moved '$9 += 0.05; $10 += 0.02'
+changed shifted '$9 += 0.002'
+for command in calibrate diagnose; do
+    hints "$command" "poses.tsv --test moved.tsv" 'test error 53.* mm, .*in a base frame of their own the test data agree to 0.0'
+    hints "$command" "poses.tsv --test shifted.tsv" 'held-out error [12][.0-9]* mm (test data, 60 samples, 0.0[0-9]* mm in their own frame)'
+done
+answer '^Use     yes, frames only; the arm stays nominal: held-out error' calibrate $a poses.tsv --free-base --free-tool \
+    --free base_frame,ball_joint
+expect "frames alone change no tip" sh -c "! grep -q '^Tip' '$scratch/out'"
+mixed angle_sockets '$7 -= 2'
+for command in calibrate diagnose; do
+    hints $command angle.tsv 'with -11[345][.0-9]* degrees added to joint_6: check'
+    hints $command three.tsv 'with the opposite sign of joint_2, joint_5, and +90 degrees added to joint_3: check'
+    hints $command turned.tsv 'with the base turned by 1[78][.0-9]* degrees about (0 0 -*1) .* (or [-+]1[.0-9]* degrees added to joint_1): check --base'
+    hints $command angle_sockets.tsv 'with +11[456][.0-9]* degrees added to joint_4: check'
+    hints $command small.tsv 'with -4[56][.0-9]* degrees added to joint_2: check'
+    hints "$command --free-base --free-tool" targets.tsv 'with joint_2 added to joint_3 (as where'
+done
 for command in calibrate diagnose; do
     run $command $a parallel.tsv
     expect "$command: a controller that counts joint_3 from the horizontal" \
