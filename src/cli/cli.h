@@ -109,10 +109,10 @@ typedef struct {
     cli_arm arm;
     const char *distances, *json, *output, *payload, *units, *columns, *traits;
     cli_list test;
-    int angles;      /* 1: commanded */
-    int map;         /* 0: by name; 1: in order; 2: in order, w last */
-    double distance; /* m */
-    int check;       /* recordings simulated by --check */
+    int angles;                   /* 1: commanded */
+    int map;                      /* 0: by name; 1: in order; 2: in order, w last */
+    double distance, distance_sd; /* m */
+    int check;                    /* recordings simulated by --check */
     bool free_base, free_tool, inverse_poses, force, accept_failed, accept_edited, quiet, verbose;
 } cli_common;
 
@@ -135,7 +135,8 @@ enum {
     CLI_WITH_TABLES = CLI_WITH_COLUMNS | CLI_WITH_MAP,
     CLI_WITH_DATA = CLI_WITH_MODEL | CLI_WITH_DISTANCE | CLI_WITH_DISTANCES | CLI_WITH_PAYLOAD |
                     CLI_WITH_ANGLES | CLI_WITH_TABLES,
-    CLI_WITH_ALL = 1 << 14
+    CLI_WITH_SD = 1 << 14, /* --distance-sd */
+    CLI_WITH_ALL = 1 << 15
 };
 
 #define CLI_USUAL_DISTANCE 0.05 /* m: the tool of the MUKCa paper */

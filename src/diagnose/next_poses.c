@@ -57,6 +57,7 @@ mukca_status mukca_next_poses_choose(mukca_next_poses *next, const mukca_diagnos
     mukca_effect effects[2];
     mukca_plan_options options = {.rows = MUKCA_NEXT_POSES, .poses_only = true, .stop = stop};
     memset(next, 0, sizeof *next);
+    if (data->n_distances) options.distance_sigma = mukca_distance_sigma(&data->distances[0]);
     if (!mukca_next_poses_tie(next, &options, effects, d)) return MUKCA_OK;
     const int n = mukca_plan_sockets(next->sockets, MUKCA_PLAN_MAX_SOCKETS, &d->geometry, data);
     const mukca_plan_task task = {

@@ -205,9 +205,8 @@ mukca_status mukca_accept(mukca_offsets *table, const mukca_accept_task *task, m
     a->error_before_here_m = tip.before_m[MUKCA_HERE];
     a->error_here_low_m = tip.low_m[MUKCA_HERE];
     a->error_here_high_m = tip.high_m[MUKCA_HERE];
-    a->error_here_unscaled_m = tip.unscaled_m[MUKCA_HERE];
+    a->error_here_distance_m = tip.distance_m;
     a->error_lacking_m = tip.lacking_m;
-    a->error_workspace_unscaled_m = tip.unscaled_m[MUKCA_ELSEWHERE];
     a->error_workspace_m = tip.after_m[MUKCA_ELSEWHERE];
     a->error_workspace_low_m = tip.low_m[MUKCA_ELSEWHERE];
     a->error_workspace_high_m = tip.high_m[MUKCA_ELSEWHERE];

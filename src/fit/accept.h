@@ -58,9 +58,10 @@ typedef struct {
     unsigned char stuck[MUKCA_MAX_JOINTS];                /* 1: nor did it, but the tip did */
     double before_m[MUKCA_RANGES], after_m[MUKCA_RANGES]; /* mean error of the tip */
     double low_m[MUKCA_RANGES], high_m[MUKCA_RANGES];     /* 95 % interval of after_m */
-    double unscaled_m[MUKCA_RANGES];  /* after_m apart from the scale that known distances set */
-    double probability[MUKCA_RANGES]; /* that the table's mean error is the smaller one */
-    double lacking_m; /* part of after_m[MUKCA_HERE] by effects that the table lacks; NaN: none */
+    double probability[MUKCA_RANGES]; /* that the table's mean error is the smaller one; HERE: if
+                                         the distances are as stated */
+    double distance_m; /* part of after_m[MUKCA_HERE] by the sockets' distances; NaN: none */
+    double lacking_m;  /* part of after_m[MUKCA_HERE] by effects that the table lacks; NaN: none */
     int outliers, gross; /* postures that deviate from a robust fit, those by more than any arm */
     double worst_m;      /* the largest of these deviations */
     double tool_m;       /* displacement of the tip on its link, from the nominal one */

@@ -21,7 +21,7 @@ static fixture *f;
 
 static void create(void)
 {
-    const mukca_recording_options options = {.mass_spread = 0.1, .distance_sigma = 1e-4};
+    const mukca_recording_options options = {.mass_spread = 0.1};
     assert_ok(mukca_regression_create(&f->m, &f->s.chain, &f->data, &options, &error));
     mukca_regression_fit(&f->m, 5, MUKCA_FIT_ALL);
     mukca_regression_freeze(&f->m);
@@ -354,7 +354,7 @@ TEST(reinstated)
 TEST(never_left_out)
 {
     enum { POSES = 2 };
-    const mukca_recording_options options = {.mass_spread = 0.1, .distance_sigma = 1e-4};
+    const mukca_recording_options options = {.mass_spread = 0.1};
     mukca_dataset data;
     mukca_regression m;
     record(&data, &f->s);
@@ -449,7 +449,7 @@ TEST(tails)
 
     mukca_dataset data;
     mukca_regression heavy;
-    const mukca_recording_options options = {.mass_spread = 0.1, .distance_sigma = 1e-4};
+    const mukca_recording_options options = {.mass_spread = 0.1};
     record(&data, &f->s);
     for (int row = 4; row < rows; row += 9) data.q[row * data.n_joints] += row % 2 ? 2e-3 : -2e-3;
     assert_ok(mukca_regression_create(&heavy, &f->s.chain, &data, &options, &error));
