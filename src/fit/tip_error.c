@@ -75,7 +75,9 @@ static bool summarise(mukca_tip_error *out, int where, mukca_arm_posterior *p, c
         out->before_m[where] += sum[0][k] / DRAWS;
         out->after_m[where] += after / DRAWS;
         out->probability[where] += (after < sum[0][k]) / (double)DRAWS;
-        sum[1][k] += mukca_random_normal(random) * sqrt(2 * (sum[2][k] - after * after) / PROBES);
+        const double scatter = sqrt((sum[2][k] - after * after) / PROBES);
+        out->scatter_m[where] += scatter / DRAWS;
+        sum[1][k] += mukca_random_normal(random) * sqrt(2) * scatter;
     }
     out->low_m[where] = mukca_stats_quantile(sum[1], DRAWS, 0.025);
     out->high_m[where] = mukca_stats_quantile(sum[1], DRAWS, 0.975);

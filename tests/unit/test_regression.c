@@ -70,6 +70,18 @@ static const mukca_candidate *find(int effect, int joint)
     return NULL;
 }
 
+/* The placements have one artefact: the error of its distance is one unknown, of which the prior of
+ * the lengths alone knows anything, however many placements there are. */
+TEST(one_error_of_the_distance)
+{
+    const mukca_unknowns *u = &f->m.unknowns;
+    const double one = 1, sigma = mukca_distance_sigma(&f->data.distances[0]);
+    assert_true(f->data.n_distances > 2 && u->n_geometry == u->first_artefact + 1);
+    assert_true(mukca_regression_factor(&f->m) > -HUGE_VAL);
+    const double error_m = mukca_regression_standard_error(&f->m, u->first_artefact, &one, 1);
+    assert_true(error_m > 0.5 * sigma && error_m < sigma);
+}
+
 /* Columns of every effect that acts on the arm against differences of the forward model. */
 TEST(effect_columns)
 {
