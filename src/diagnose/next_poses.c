@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "model/dataset_subset.h"
+
 static bool settled_by_poses(const mukca_effect *effect)
 {
     return !mukca_effect_has((int)effect->kind, MUKCA_TRAIT_RECORDING_FAULT);

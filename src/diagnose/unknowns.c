@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "model/dataset_subset.h"
+
 /* Prior sigma of a factor common to all lengths.  The priors of single lengths constrain their sum
  * weakly: without the factor, a wrong distance of the sockets would change the size of the arm. */
 #define FACTOR_SIGMA 2e-3

@@ -17,10 +17,6 @@ typedef struct {
     char name[MUKCA_NAME_SIZE];
 } mukca_placement;
 
-/* Standard deviation of the distance between two sockets, m: the tolerance of a printed or milled
- * artefact of that size. */
-#define MUKCA_DISTANCE_SIGMA 1e-4
-
 /* Known distance between two sockets of one placement (indices into `sockets`), m. */
 typedef struct {
     int a, b;
@@ -28,11 +24,6 @@ typedef struct {
     double sigma; /* standard deviation, m; 0: MUKCA_DISTANCE_SIGMA */
     int artefact; /* the pairs with this number are two sockets of one part: one error for all */
 } mukca_distance;
-
-static inline double mukca_distance_sigma(const mukca_distance *d)
-{
-    return d->sigma > 0 ? d->sigma : MUKCA_DISTANCE_SIGMA;
-}
 
 /* The columns of numbers in recordings: constant; member; numbers per sample, 0: one per joint;
  * what they are (mukca_unit; j: angle or length, by the joint); decimals written; names in files,
