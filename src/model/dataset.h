@@ -20,8 +20,7 @@ typedef struct {
 /* Known distance between two sockets of one placement (indices into `sockets`), m. */
 typedef struct {
     int a, b;
-    double distance;
-    double sigma; /* standard deviation, m; 0: MUKCA_DISTANCE_SIGMA */
+    double distance, sigma; /* sigma: standard deviation, m; 0: MUKCA_DISTANCE_SIGMA */
     int artefact; /* the pairs with this number are two sockets of one part: one error for all */
 } mukca_distance;
 
