@@ -118,6 +118,14 @@ ok "the other order is noticed: w first" grep -q 'first.csv:[0-9]*: column 14: .
 run evaluate "$dir/named.csv" --inverse-poses >"$dir/said" 2>&1
 ok "poses the other way round are noticed" grep -q "correct the columns' names, or omit --inverse-poses" "$dir/said"
 
+# ---- orientations that contradict the positions: no command accepts a table
+awk -F, -v OFS=, 'NR > 1 { $12 *= 1.6; n = sqrt($11^2 + $12^2 + $13^2 + $14^2); for (i = 11; i < 15; i++) $i = sprintf("%.12f", $i / n) } 1' \
+    "$dir/named.csv" >"$dir/bent.csv"
+for command in calibrate diagnose recalibrate; do
+    run $command "$dir/bent.csv" --free-base --free-tool >"$dir/said" 2>&1
+    ok "$command refuses orientations that contradict the positions" grep -qE '^Use +no: |no offsets table is written' "$dir/said"
+done
+
 # ---- units
 head -n 1 "$dir/named.csv" | sed 's/_m//g' >"$dir/plain.csv"
 cat "$dir/first.csv" >>"$dir/plain.csv"

@@ -20,13 +20,12 @@
     X(error_here_m)     /* expected error of the tip in the joint ranges of the samples */ \
     X(error_here_low_m) /* its 95 % interval */                                            \
     X(error_here_high_m)                                                                   \
-    X(error_here_unscaled_m) /* apart from the scale, which the socket distance sets */    \
+    X(error_here_distance_m) /* part of error_here_m by the sockets' distances */          \
     X(error_lacking_m)       /* part of error_here_m by effects that the table lacks */    \
     X(error_before_here_m)   /* that of the model which the table replaces */              \
     X(error_workspace_m)     /* the same within the joint limits */                        \
     X(error_workspace_low_m)                                                               \
     X(error_workspace_high_m)                                                              \
-    X(error_workspace_unscaled_m)                                                          \
     X(error_before_m)                                                                      \
     X(error_nominal_m)    /* mean error of the replaced model on held-out samples */       \
     X(error_m)            /* of this model on the same samples, `error_of` */              \

@@ -59,15 +59,15 @@ static double expected_error(mukca_arm_posterior *p)
 }
 
 /* Known distances: between all sockets of a placement. */
-static int list_distances(mukca_distance *out, const mukca_capture *capture)
+static void list_distances(mukca_dataset *view, const mukca_capture_settings *settings)
 {
-    const mukca_socket *sockets = capture->rows.sockets;
-    int n = 0;
-    for (int a = 0; a < capture->rows.n_sockets; a++)
-        for (int b = a + 1; b < capture->rows.n_sockets; b++)
-            if (sockets[a].placement == sockets[b].placement)
-                out[n++] = (mukca_distance){a, b, capture->settings.distance, 0};
-    return n;
+    for (int a = 0; a < view->n_sockets; a++)
+        for (int b = a + 1; b < view->n_sockets; b++) {
+            if (view->sockets[a].placement != view->sockets[b].placement) continue;
+            view->distances[view->n_distances++] =
+                (mukca_distance){a, b, settings->distance, settings->distance_sigma, 0};
+            mukca_dataset_number_distance(view);
+        }
 }
 
 /* Advice from the posterior, which the capture keeps. */
@@ -101,7 +101,7 @@ mukca_status mukca_capture_advise(mukca_capture_advice *advice, mukca_capture *c
     *advice = (mukca_capture_advice){(double)NAN, (double)NAN, true};
     mukca_status status = pool.failed ? mukca_fail(error, MUKCA_MEMORY, "out of memory") : MUKCA_OK;
     if (status == MUKCA_OK) {
-        view.n_distances = list_distances(view.distances, capture);
+        list_distances(&view, &capture->settings);
         if (mukca_coincide_drop(apart, &view, &capture->start, NULL, LEAST_TWINS) < 0)
             status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
     }

@@ -144,7 +144,7 @@ const cli_command cli_command_calibrate = {
     .example =
         "  mukca calibrate --urdf data/demo/arm.urdf data/demo/train.tsv \\\n"
         "      --test data/demo/test.tsv -o build/demo/offsets.tsv --force",
-    .with = CLI_WITH_MODEL | CLI_WITH_TEST | CLI_WITH_DISTANCE | CLI_WITH_DISTANCES |
+    .with = CLI_WITH_MODEL | CLI_WITH_TEST | CLI_WITH_DISTANCE | CLI_WITH_DISTANCES | CLI_WITH_SD |
             CLI_WITH_JSON | CLI_WITH_ANGLES | CLI_WITH_FRAMES | CLI_WITH_TRAITS | CLI_WITH_TABLES,
     .options = options,
     .options_size = sizeof(calibrate_options),

@@ -111,7 +111,7 @@ typedef struct {
     cli_list test;
     int angles;      /* 1: commanded */
     int map;         /* 0: by name; 1: in order; 2: in order, w last */
-    double distance; /* m */
+    double distance, distance_sd; /* m */
     bool free_base, free_tool, inverse_poses, accept_other_arm, accept_failed, accept_edited, force,
         quiet, verbose;
 } cli_common;
@@ -134,7 +134,8 @@ enum {
     CLI_WITH_TABLES = CLI_WITH_COLUMNS | CLI_WITH_MAP,
     CLI_WITH_DATA = CLI_WITH_MODEL | CLI_WITH_DISTANCE | CLI_WITH_DISTANCES | CLI_WITH_PAYLOAD |
                     CLI_WITH_ANGLES | CLI_WITH_TABLES,
-    CLI_WITH_ALL = 1 << 13
+    CLI_WITH_SD = 1 << 13, /* --distance-sd */
+    CLI_WITH_ALL = 1 << 14
 };
 
 #define CLI_USUAL_DISTANCE 0.05 /* m: the tool of the MUKCa paper */

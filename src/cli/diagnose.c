@@ -222,7 +222,8 @@ const cli_command cli_command_diagnose = {
     .example =
         "  mukca diagnose --urdf data/demo/arm.urdf data/demo/train.tsv \\\n"
         "      --test data/demo/test.tsv",
-    .with = CLI_WITH_DATA | CLI_WITH_TEST | CLI_WITH_JSON | CLI_WITH_FRAMES | CLI_WITH_TRAITS,
+    .with = CLI_WITH_DATA | CLI_WITH_SD | CLI_WITH_TEST | CLI_WITH_JSON | CLI_WITH_FRAMES |
+            CLI_WITH_TRAITS,
     .options = options,
     .options_size = sizeof(diagnose_options),
     .targets = true,

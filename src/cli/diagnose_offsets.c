@@ -34,11 +34,12 @@ static void fill_tracker(mukca_offsets *o, const mukca_applied *a)
     }
 }
 
-/* The distances of the judgement: where one is a cause, as the diagnosis measured it.  Its error is
- * the same in all of these pairs. */
+/* The distances of the judgement: where one is a cause, as the diagnosis measured it; in one
+ * placement, that of another artefact. */
 static bool correct_distances(mukca_dataset *data, mukca_pool *pool, const mukca_diagnosis *d)
 {
     mukca_distance *distances = MUKCA_TAKE(pool, mukca_distance, data->n_distances + 1);
+    const int other = mukca_dataset_artefacts(data);
     for (int k = 0; k < data->n_distances && !pool->failed; k++) distances[k] = data->distances[k];
     for (int i = 0; i < d->n_causes && !pool->failed; i++) {
         const mukca_cause *cause = &d->causes[i];
@@ -47,8 +48,8 @@ static bool correct_distances(mukca_dataset *data, mukca_pool *pool, const mukca
         for (int k = 0; k < data->n_distances; k++) {
             if (placement >= 0 && placement != data->sockets[distances[k].a].placement) continue;
             distances[k].distance += cause->amplitude;
-            distances[k].sigma = (cause->high - cause->low) / 4 *
-                                 sqrt(placement < 0 ? (double)data->n_distances : 1);
+            distances[k].sigma = (cause->high - cause->low) / 4;
+            if (placement >= 0) distances[k].artefact = other + k;
         }
     }
     data->distances = distances;

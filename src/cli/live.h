@@ -74,6 +74,7 @@ static inline void cli_live_complete(cli_live *live, const cli_common *common)
     live->recorder.types.file = live->types.items;
     live->recorder.types.n = live->types.n;
     live->recorder.capture.distance = common->distance;
+    live->recorder.capture.distance_sigma = common->distance_sd;
 }
 
 /* ---- standard error of a live recording (live.c) ----

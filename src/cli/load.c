@@ -141,8 +141,11 @@ mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model 
 {
     const cli_common *c = call->common;
     memset(data, 0, sizeof *data);
-    mukca_dataset_options options = {
-        .distance = c->distance, .distances = c->distances, .note = cli_note, .context = call};
+    mukca_dataset_options options = {.distance = c->distance,
+                                     .distances = c->distances,
+                                     .distance_sigma = c->distance_sd,
+                                     .note = cli_note,
+                                     .context = call};
     const mukca_status units = cli_read_format(call, &options.format);
     if (units != MUKCA_OK) return units;
     const int all = call->arguments.n + c->test.n;

@@ -50,6 +50,10 @@ static const cli_option common_options[] = {
     COMMON_AND(DISTANCES, "distances", distances, CLI_INPUT, "FILE",
                "distances of pairs of sockets (TSV: socket_a, socket_b, distance_m)",
                .excludes = "distance"),
+    COMMON_AND(SD, "distance-sd", distance_sd, CLI_POSITIVE, "M",
+               "standard deviation of the distance between two sockets, one error for all "
+               "placements, m (default: 1e-4, printed; a measured tool: that of the instrument)",
+               .most = 0.1),
     COMMON(JSON, "json", json, CLI_OUTPUT, "FILE",
            "write the result as JSON; - means standard output"),
     COMMON(PAYLOAD, "payload", payload, CLI_TEXT, "KG[,KG...]",
@@ -360,6 +364,7 @@ mukca_status cli_parse(cli_call *call, bool *help, int argc, char **argv)
     if (call->command->defaults)
         memcpy(call->options, call->command->defaults, call->command->options_size);
     call->common->distance = CLI_USUAL_DISTANCE;
+    call->common->distance_sd = MUKCA_DISTANCE_SIGMA;
     bool plain = false;
     for (int i = 0; i < argc;) {
         const char *word = argv[i];

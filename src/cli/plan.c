@@ -145,6 +145,7 @@ static mukca_status run(cli_call *call)
     r->options = (mukca_plan_options){.rows = o->rows,
                                       .seed = (uint64_t)o->seed,
                                       .noise = o->noise,
+                                      .distance_sigma = r->call->common->distance_sd,
                                       .tilt = o->tilt >= 180 ? 4 : o->tilt * M_PI / 180,
                                       .stop = cli_stop,
                                       .progress = progress,
@@ -280,7 +281,7 @@ const cli_command cli_command_plan = {
         "      --place front=0.45,0,0.05,0,0,1.57 --rows 40 \\\n"
         "      -o build/demo/plan.tsv --force",
     .with = CLI_WITH_MODEL | CLI_WITH_OFFSETS | CLI_WITH_ACCEPT | CLI_WITH_DISTANCE |
-            CLI_WITH_DISTANCES | CLI_WITH_JSON | CLI_WITH_PAYLOAD | CLI_WITH_TABLES,
+            CLI_WITH_DISTANCES | CLI_WITH_SD | CLI_WITH_JSON | CLI_WITH_PAYLOAD | CLI_WITH_TABLES,
     .options = options,
     .options_size = sizeof(plan_options),
     .defaults = &defaults,

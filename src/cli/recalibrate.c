@@ -207,14 +207,16 @@ static mukca_status judge_offsets(cli_call *call, cli_recalibrated *r)
     double *after = errors + (poses < MOST_JUDGED ? poses : MOST_JUDGED);
     for (int i = 0; i < judged->n_rows; i++) after[i] = spare > 0 ? after[i] / spare : (double)NAN;
     return mukca_accept(&r->offsets,
-                        &(mukca_accept_task){.change = {.chain = &r->arm,
-                                                        .to = &r->offsets,
-                                                        .data = part,
-                                                        .free_base = r->options.free_base},
-                                             .held = judged,
-                                             .before = errors,
-                                             .after = after,
-                                             .training_m = NAN},
+                        &(mukca_accept_task){
+                            .change = {.chain = &r->arm,
+                                       .to = &r->offsets,
+                                       .data = part,
+                                       .free_base = r->options.free_base},
+                            .held = judged,
+                            .before = errors,
+                            .after = after,
+                            .turn_rad = mukca_errors_median(&fit->errors[MUKCA_WITH_BOTH].rotation),
+                            .training_m = NAN},
                         &call->error);
 }
 

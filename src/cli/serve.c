@@ -119,7 +119,7 @@ const cli_command cli_command_serve = {
     .example =
         "  mukca serve --urdf data/demo/arm.urdf \\\n"
         "      --lcm-url file://data/demo/guided.lcmlog --state build/served",
-    .with = CLI_WITH_MODEL | CLI_WITH_DISTANCE | CLI_WITH_DISTANCES | CLI_WITH_TRAITS,
+    .with = CLI_WITH_MODEL | CLI_WITH_DISTANCE | CLI_WITH_DISTANCES | CLI_WITH_SD | CLI_WITH_TRAITS,
     .options = options,
     .options_size = sizeof(serve_options),
     .defaults = &defaults,

@@ -146,7 +146,6 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
     const double started = mukca_clock_seconds();
     mukca_recording_options recording_options = {
         .mass_spread = options->mass_spread > 0 ? options->mass_spread : 0.1,
-        .distance_sigma = MUKCA_DISTANCE_SIGMA,
         .free_base = options->free_base,
         .free_tool = options->free_tool};
     memset(diagnosis, 0, sizeof *diagnosis);

@@ -47,8 +47,7 @@ bool mukca_evidence_create(mukca_evidence *evidence, mukca_pool *pool,
     evidence->ratio = 1;
     for (int i = 0; i < evidence->n_noises; i++) {
         mukca_normal_equations *normal = &evidence->normal[i];
-        *normal = (mukca_normal_equations){.distance_sigma = recording->options.distance_sigma,
-                                           .variance = MUKCA_TAKE(pool, double, pairs),
+        *normal = (mukca_normal_equations){.variance = MUKCA_TAKE(pool, double, pairs),
                                            .all_gram = MUKCA_TAKE(pool, double, size *size),
                                            .all_distance = MUKCA_TAKE(pool, double, pairs *size)};
         mukca_whitening_create(&normal->whitening, pool, rows, recording->data->n_sockets + 2,
@@ -316,13 +315,12 @@ mukca_normal_equations *mukca_evidence_collect(mukca_evidence *evidence, int ind
 double mukca_evidence_evaluate(mukca_evidence *evidence, const mukca_normal_equations *normal,
                                double sigma, double *mean)
 {
-    const double known = normal->distance_sigma * normal->distance_sigma;
     mukca_posterior *posterior = &evidence->posterior;
     double log_variance = 0;
     mukca_posterior_start(posterior, normal->all_gram, normal->n, normal->stride,
                           1 / (sigma * sigma));
     for (int p = 0; p < normal->n_pairs; p++) {
-        const double variance = known + sigma * sigma * normal->variance[p];
+        const double variance = sigma * sigma * normal->variance[p];
         mukca_posterior_add(posterior, normal->all_distance + p * normal->stride, 1 / variance);
         log_variance += log(variance);
     }

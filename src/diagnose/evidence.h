@@ -13,11 +13,10 @@ typedef struct {
     mukca_whitening whitening;
     double behind; /* log evidence of the best family minus its own, in the last comparison */
     int n, stride, n_pairs; /* columns in use, of those stored, of which the last is y */
-    unsigned version;      /* of the linearisation with these columns; 0: none, or robust weights */
-    double distance_sigma; /* m */
-    double *all_gram;      /* [stride][stride] of all stored columns of the linearisation */
-    double *all_distance;  /* [n_pairs][stride] */
-    double *variance;      /* [n_pairs] of a distance row, in units of sigma^2 */
+    unsigned version;     /* of the linearisation with these columns; 0: none, or robust weights */
+    double *all_gram;     /* [stride][stride] of all stored columns of the linearisation */
+    double *all_distance; /* [n_pairs][stride] */
+    double *variance;     /* [n_pairs] of a distance row, in units of sigma^2 */
 } mukca_normal_equations;
 
 typedef struct {

@@ -283,8 +283,11 @@ void mukca_linearisation_update(mukca_linearisation *linear, const mukca_recordi
                         &displacement);
         }
     }
-    for (int p = 0; p < recording->n_pairs; p++)
-        memset(linear->pair_columns + p * linear->stride, 0, sizeof(double) * (size_t)n);
+    for (int p = 0; p < recording->n_pairs; p++) {
+        double *pair = linear->pair_columns + p * linear->stride;
+        memset(pair, 0, sizeof *pair * (size_t)n);
+        pair[u->first_artefact + recording->pairs[p].artefact] = -1;
+    }
     for (int c = 0, at = u->n_geometry; c < u->n_causes; c++) {
         store_cause(linear, recording, &u->cause[c].candidate, at);
         at += u->cause[c].candidate.terms;

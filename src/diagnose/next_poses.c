@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "model/dataset_subset.h"
+
 static bool settled_by_poses(const mukca_effect *effect)
 {
     return !mukca_effect_has((int)effect->kind, MUKCA_TRAIT_RECORDING_FAULT);
@@ -71,6 +73,7 @@ mukca_status mukca_next_poses_choose(mukca_next_poses *next, const mukca_diagnos
     mukca_effect effects[2];
     mukca_plan_options options = {.rows = MUKCA_NEXT_POSES, .poses_only = true, .stop = stop};
     memset(next, 0, sizeof *next);
+    if (data->n_distances) options.distance_sigma = mukca_distance_sigma(&data->distances[0]);
     if (!mukca_next_poses_pair(next, &options, effects, d, -1)) return MUKCA_OK;
     const int n = mukca_plan_sockets(next->sockets, MUKCA_PLAN_MAX_SOCKETS, &d->geometry, data);
     const mukca_plan_task task = {

@@ -76,6 +76,7 @@ void mukca_recording_regroup(mukca_recording *r)
 {
     const mukca_dataset *data = r->data;
     r->n_samples = r->n_groups = r->n_pairs = 0;
+    r->n_artefacts = mukca_dataset_artefacts(data);
     for (int s = -1; s < data->n_sockets; s++) {
         mukca_group *group = &r->groups[r->n_groups];
         *group = (mukca_group){.start = r->n_samples, .socket = s, .placement = -1};
@@ -91,7 +92,8 @@ void mukca_recording_regroup(mukca_recording *r)
     const int shift = r->groups[0].socket < 0; /* a pose log is the first group */
     for (int p = 0; p < data->n_distances; p++) {
         const mukca_distance *known = &data->distances[p];
-        const mukca_socket_pair pair = {known->a + shift, known->b + shift, known->distance};
+        const mukca_socket_pair pair = {known->a + shift, known->b + shift, known->artefact,
+                                        known->distance};
         if (r->groups[pair.a].count && r->groups[pair.b].count) r->pairs[r->n_pairs++] = pair;
     }
     fill_samples(r);

@@ -19,16 +19,12 @@ typedef struct {
 
 /* Two groups whose sockets have a known distance, m. */
 typedef struct {
-    int a, b;
+    int a, b, artefact;
     double distance;
 } mukca_socket_pair;
 
-/* tolerance of the socket distance of a printed or milled tool, m */
-#define MUKCA_DISTANCE_SIGMA 1e-4
-
 typedef struct {
     double mass_spread;        /* relative prior sigma of each mass in elastic effects; 0: exact */
-    double distance_sigma;     /* standard deviation of the sockets' distance, m */
     bool free_base, free_tool; /* pose logs: frame of the tracker, offset of the target */
     bool base_per_log, tool_per_log; /* if free: one frame, one offset per log */
     const double *mass_factor;       /* [n_bodies] fixed factors instead of estimates, or NULL */
@@ -68,7 +64,8 @@ typedef struct {
     /* samples: the rows in use, by group */
     unsigned char *keep; /* [n_rows] */
     int n_samples, n_groups, n_pairs;
-    int *order; /* [n_samples] row of the dataset */
+    int n_artefacts; /* of all distances of the dataset */
+    int *order;      /* [n_samples] row of the dataset */
     mukca_group *groups;
     mukca_samples samples; /* the same for inference */
     mukca_socket_pair *pairs;

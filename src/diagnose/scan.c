@@ -62,11 +62,9 @@ bool mukca_scan_aim(mukca_scan *s, int family)
     memcpy(s->prior, evidence->posterior.prior, sizeof *s->prior * (size_t)n);
     s->n_rows = m->recording.n_samples * m->recording.dim + normal->n_pairs;
     for (int p = 0; p < normal->n_pairs; p++) {
-        const double variance =
-            normal->distance_sigma * normal->distance_sigma + sigma * sigma * normal->variance[p];
         const double *distance = normal->all_distance + p * normal->stride;
         double *x = evidence->white.x + (s->n_rows - normal->n_pairs + p) * (long)m->linear.stride;
-        s->link[p] = sigma / sqrt(variance);
+        s->link[p] = 1 / sqrt(normal->variance[p]);
         for (int t = 0; t < n; t++) x[t] = s->link[p] * distance[t];
         x[m->linear.y] = s->link[p] * distance[normal->stride - 1];
     }

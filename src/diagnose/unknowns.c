@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "model/dataset_subset.h"
+
 /* Prior sigma of a factor common to all lengths.  The priors of single lengths constrain their sum
  * weakly: without the factor, a wrong distance of the sockets would change the size of the arm. */
 #define FACTOR_SIGMA 2e-3
@@ -89,7 +91,9 @@ bool mukca_unknowns_create(mukca_unknowns *u, mukca_pool *pool, const mukca_reco
     }
     u->first_tracker = 6 * (u->n_slots - 1) + u->slot_width + 1;
     u->first_target = u->first_tracker + 6 * u->n_trackers;
-    u->n_geometry = u->first_target + (u->n_targets > 1 ? u->slot_width * (u->n_targets - 1) : 0);
+    u->first_artefact =
+        u->first_target + (u->n_targets > 1 ? u->slot_width * (u->n_targets - 1) : 0);
+    u->n_geometry = u->first_artefact + recording->n_artefacts;
     return take_arrays(u, pool);
 }
 
@@ -194,8 +198,11 @@ void mukca_unknowns_set_geometry_prior(mukca_unknowns *u, const mukca_recording 
     u->theta_prior[u->first_tracker - 1] = FACTOR_SIGMA;
     for (int i = u->first_tracker; i < u->first_target; i++)
         u->theta_prior[i] = (i - u->first_tracker) % 6 < 3 ? FREE_LENGTH : FREE_ANGLE;
-    for (int i = u->first_target; i < u->n_geometry; i++)
+    for (int i = u->first_target; i < u->first_artefact; i++)
         u->theta_prior[i] = (i - u->first_target) % u->slot_width < 3 ? FREE_LENGTH : FREE_ANGLE;
+    for (int p = 0; p < recording->data->n_distances; p++)
+        u->theta_prior[u->first_artefact + recording->data->distances[p].artefact] =
+            mukca_distance_sigma(&recording->data->distances[p]);
 }
 
 int mukca_unknowns_column(const mukca_unknowns *u, int cause)

@@ -32,10 +32,11 @@ typedef struct {
     /* Columns of the geometry: slot k is an element with a free origin and has six, x y z and the
      * rotation vector; the last slot has slot_width.  Then one common factor of all lengths; then
      * six per free tracker frame; then slot_width per log with its own target, from the second log
-     * on. */
+     * on; then the error of each artefact's distance. */
     int n_geometry, n_slots, slot_width;
-    int n_trackers, n_targets;       /* free frames: one of all logs together (1), or one per log */
-    int first_tracker, first_target; /* first columns; the factor is at first_tracker - 1 */
+    int n_trackers, n_targets; /* free frames: one of all logs together (1), or one per log */
+    int first_tracker, first_target, first_artefact; /* first columns; the factor is at
+                                                        first_tracker - 1 */
     int slot_element[MUKCA_MAX_JOINTS + 1];
     bool free_base, free_tool;
     double *theta;       /* [n_geometry] offsets from the nominal geometry, in local frames */

@@ -26,6 +26,10 @@ static const double contradiction = 10, left = 0.5;
  */
 static const double most_size_change = 0.02;
 
+/* Mean angle, rad, between the orientations measured and those of the table at which they
+ * contradict the positions: five widest prior sigmas of an axis. */
+static const double most_turn = 0.1;
+
 /* Largest distance of the ball from its place in the URDF, m: three of its prior sigmas. */
 static const double most_tool = 0.06;
 
@@ -89,7 +93,22 @@ static void advise(mukca_acceptance *a, const mukca_tip_error *tip, const char *
             tip->outliers, tip->postures, tip->outliers > 1 ? "" : "s", 1e3 * tip->worst_m,
             strpbrk(tip->rows, ",") ? "s" : "", tip->rows);
     else
-        mukca_text_put(&reason, "; %s", otherwise);
+        mukca_text_put(&reason, "; %s",
+                       isfinite(tip->lacking_m)
+                           ? "the table lacks effects of this arm: use that of mukca diagnose"
+                           : otherwise);
+}
+
+/* Mean angle between the orientations of a pose log and those of the table, rad; NaN: none, or
+ * several logs, of which the table has the frames of one. */
+static double turned(const mukca_offsets *table, const mukca_tip_change_task *task)
+{
+    const mukca_model model = {task->chain, table->theta, table->effects, table->n_effects, false};
+    const mukca_dataset *d = task->data;
+    mukca_score score = {.rotation_error = NAN};
+    if (d->quaternion && !d->n_sockets && d->n_files < 2 && d->n_targets < 2)
+        mukca_evaluate(&score, NULL, &model, d);
+    return score.rotation_error;
 }
 
 bool mukca_poses_repeat(const mukca_dataset *data, double nominal_m)
@@ -122,7 +141,7 @@ static void put_realigned(mukca_acceptance *a, const mukca_accept_task *task)
 }
 
 static bool judge_samples(mukca_acceptance *a, const mukca_accept_task *task,
-                          const mukca_tip_error *tip, bool changes)
+                          const mukca_tip_error *tip, bool changes, double turn)
 {
     const double nominal_m = a->error_nominal_m, margin = interval * a->error_sigma_m;
     if (task->misfit)
@@ -138,6 +157,12 @@ static bool judge_samples(mukca_acceptance *a, const mukca_accept_task *task,
                                 "the samples do not fit this arm (by %.2f mm); check the URDF, the "
                                 "tip, the columns, the socket labels and the distances",
                                 1e3 * a->noise_m);
+    else if (turn > most_turn)
+        mukca_acceptance_refuse(a,
+                                "the measured orientations differ by %.0f mrad from those of the "
+                                "arm that fits; check their convention (order, axes), or give "
+                                "--free-tool",
+                                1e3 * turn);
     else if (tip->gross >= SEVERAL)
         mukca_acceptance_refuse(a,
                                 "%d postures do not fit this arm by more than 100 mm; check the "
@@ -212,7 +237,9 @@ static void judge_tip(mukca_acceptance *a, const mukca_tip_error *tip,
                                 "different postures: no sure improvement",
                                 1e3 * a->error_here_m, 1e3 * a->error_before_here_m, a->postures);
         advise(a, tip, "record more of them");
-    } else if (!(p[MUKCA_ELSEWHERE] >= 1 - sure && a->error_workspace_m < a->error_before_m)) {
+    } else if (!(p[MUKCA_ELSEWHERE] >= 1 - sure &&
+                 a->error_workspace_m <
+                     a->error_before_m + interval * tip->scatter_m[MUKCA_ELSEWHERE])) {
         mukca_acceptance_refuse(a,
                                 "expected error of the tip %.2f mm within the joint limits, "
                                 "nominal %.2f mm",
@@ -241,16 +268,16 @@ mukca_status mukca_accept(mukca_offsets *table, const mukca_accept_task *task, m
     a->error_before_here_m = tip.before_m[MUKCA_HERE];
     a->error_here_low_m = tip.low_m[MUKCA_HERE];
     a->error_here_high_m = tip.high_m[MUKCA_HERE];
-    a->error_here_unscaled_m = tip.unscaled_m[MUKCA_HERE];
+    a->error_here_distance_m = tip.distance_m;
     a->error_lacking_m = tip.lacking_m;
-    a->error_workspace_unscaled_m = tip.unscaled_m[MUKCA_ELSEWHERE];
     a->error_workspace_m = tip.after_m[MUKCA_ELSEWHERE];
     a->error_workspace_low_m = tip.low_m[MUKCA_ELSEWHERE];
     a->error_workspace_high_m = tip.high_m[MUKCA_ELSEWHERE];
     a->error_before_m = tip.before_m[MUKCA_ELSEWHERE];
     list_joints(a->at_rest, tip.at_rest, task->change.chain);
     const bool changes = changes_arm(table, &task->change);
-    if (judge_samples(a, task, &tip, changes) && changes) judge_tip(a, &tip, &task->change);
+    const double turn = task->turn_rad > 0 ? task->turn_rad : turned(table, &task->change);
+    if (judge_samples(a, task, &tip, changes, turn) && changes) judge_tip(a, &tip, &task->change);
     put_realigned(a, task);
     return MUKCA_OK;
 }

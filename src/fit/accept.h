@@ -57,10 +57,12 @@ typedef struct {
     unsigned char at_rest[MUKCA_MAX_JOINTS];              /* 1: the joint did not move */
     unsigned char stuck[MUKCA_MAX_JOINTS];                /* 1: nor did it, but the tip did */
     double before_m[MUKCA_RANGES], after_m[MUKCA_RANGES]; /* mean error of the tip */
-    double low_m[MUKCA_RANGES], high_m[MUKCA_RANGES];     /* 95 % interval of after_m */
-    double unscaled_m[MUKCA_RANGES];  /* after_m apart from the scale that known distances set */
-    double probability[MUKCA_RANGES]; /* that the table's mean error is the smaller one */
-    double lacking_m; /* part of after_m[MUKCA_HERE] by effects that the table lacks; NaN: none */
+    double scatter_m[MUKCA_RANGES]; /* standard error of after_m by the choice of the postures */
+    double low_m[MUKCA_RANGES], high_m[MUKCA_RANGES]; /* 95 % interval of after_m */
+    double probability[MUKCA_RANGES]; /* that the table's mean error is the smaller one; HERE: if
+                                         the distances are as stated */
+    double distance_m; /* part of after_m[MUKCA_HERE] by the sockets' distances; NaN: none */
+    double lacking_m;  /* part of after_m[MUKCA_HERE] by effects that the table lacks; NaN: none */
     int outliers, gross; /* postures that deviate from a robust fit, those by more than any arm */
     char rows[64];       /* of the former: "3, 7, 12", with the file if there are several */
     double worst_m;      /* the largest of these deviations */
@@ -86,9 +88,10 @@ typedef struct {
     mukca_tip_change_task change; /* the table, the model that it replaces, training samples */
     const mukca_dataset *held;    /* held-out samples; NULL: none are known */
     const double *before, *after; /* [held->n_rows] their errors by both models, m; NaN: none */
-    const char *stop;             /* the solver's reason for stopping, or NULL */
-    const char *misfit;           /* reason why the samples do not fit the arm, or NULL */
-    double training_m; /* mean error of the training samples if `held` are test data, else NaN */
+    double turn_rad;    /* error of the measured orientations, of `data` without them; 0: none */
+    const char *stop;   /* the solver's reason for stopping, or NULL */
+    const char *misfit; /* reason why the samples do not fit the arm, or NULL */
+    double training_m;  /* mean error of the training samples if `held` are test data, else NaN */
 } mukca_accept_task;
 
 /* Judge: the table is accepted if the arm that it describes is better than the one that it replaces

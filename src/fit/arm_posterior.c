@@ -16,14 +16,17 @@ enum { STEPS = 4, WEIGHINGS = 5, WEIGHINGS_AGAIN = 2 };
  * own scale in parameters, and its largest value. */
 static const double noise_weight = 10, scale_weight = 10, most_scale = 4;
 
-/* Standard deviation of a socket distance, m; an error of the nominal arm's distance that is that
- * of a label, as in diagnose; an error beyond any arm and noise; a ratio to the noise of which the
- * weight is below 0.07. */
-static const double distance_sigma = 1e-4, wrong_label = 0.02, gross_error = 0.1, outlier = 10;
+/* An error of the nominal arm's distance, m, that is that of a label, as in diagnose; an error
+ * beyond any arm and noise; a ratio to the noise of which the weight is below 0.07. */
+static const double wrong_label = 0.02, gross_error = 0.1, outlier = 10;
 
 /* Of the logarithm of the ratio of the residuals' variances across and along the axis of a joint:
  * 1 % of 1200 joints that moved, in 200 recordings, are beyond twice this. */
 static const double spread = 0.8;
+
+/* Relative change of noise and scale with which a weighing is the last one: a tenth of what 5000
+ * rows know of them. */
+static const double settled = 1e-3;
 
 enum { MOST_ROWS = 5000 }; /* as in diagnose */
 
@@ -32,9 +35,12 @@ static void list_observations(mukca_arm_posterior *p)
 {
     const mukca_dataset *d = &p->data;
     int *posture = MUKCA_TAKE(&p->pool, int, d->n_rows),
-        *last = MUKCA_TAKE(&p->pool, int, d->n_rows);
+        *last = MUKCA_TAKE(&p->pool, int, d->n_rows),     /* observation of a posture, -1: none */
+            *next = MUKCA_TAKE(&p->pool, int, d->n_rows); /* of the same posture */
     p->of_row = MUKCA_TAKE(&p->pool, int, d->n_rows);
-    p->list = MUKCA_TAKE(&p->pool, mukca_arm_observation, d->n_rows);
+    p->list = MUKCA_TAKE(&p->pool, mukca_observation, d->n_rows);
+    p->readings = MUKCA_TAKE(&p->pool, int, d->n_rows);
+    p->outlier = MUKCA_TAKE(&p->pool, bool, d->n_rows);
     if (p->pool.failed) return;
     p->postures = d->n_rows - mukca_postures_find(posture, &p->pool, d);
     for (int row = 0; row < d->n_rows; row++) {
@@ -47,13 +53,14 @@ static void list_observations(mukca_arm_posterior *p)
         if (first == row) last[row] = -1;
         p->of_row[row] = -1;
         if (group < 0) continue;
-        while (o >= 0 && p->list[o].group != group) o = p->list[o].next;
+        while (o >= 0 && p->list[o].group != group) o = next[o];
         if (o < 0) {
             o = p->n_list++;
-            p->list[o] = (mukca_arm_observation){.group = group, .next = last[first], .weight = 1};
+            p->list[o] = (mukca_observation){.group = group, .weight = 1};
+            next[o] = last[first];
             last[first] = o;
         }
-        p->list[o].rows++;
+        p->readings[o]++;
         p->of_row[row] = o;
     }
 }
@@ -89,10 +96,13 @@ static mukca_status set_up(mukca_arm_posterior *p, mukca_error *error)
         p->list[i].x = MUKCA_TAKE(&p->pool, double, 3 * p->groups.width);
     if (p->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     p->groups.noise = MUKCA_PRIOR_NOISE;
-    p->groups.pair_noise = distance_sigma;
     for (int k = 0; k < p->data.n_distances; k++) {
         const mukca_distance *d = &p->data.distances[k];
-        p->groups.pair[k] = (mukca_group_pair){d->a, d->b, d->distance, 0};
+        p->groups.pair[k] = (mukca_group_pair){.a = d->a,
+                                               .b = d->b,
+                                               .artefact = d->artefact,
+                                               .distance = d->distance,
+                                               .sigma = mukca_distance_sigma(d)};
     }
     return MUKCA_OK;
 }
@@ -133,7 +143,7 @@ static void add_rows(mukca_arm_posterior *p, const double *theta, int first, int
     mukca_geometry_set(&geometry, &p->chain, theta);
     for (int row = 0; row < p->data.n_rows; row++) {
         const mukca_joint_state *state = mukca_dataset_state(&rows, &p->data, row);
-        mukca_arm_observation *o = p->of_row[row] < 0 ? NULL : &p->list[p->of_row[row]];
+        mukca_observation *o = p->of_row[row] < 0 ? NULL : &p->list[p->of_row[row]];
         if (!o || o->group < first || o->group >= last) continue;
         const bool pose = o->group >= p->data.n_sockets;
         mukca_arm_point_rows(o->x, &p->at, &geometry, theta, state,
@@ -183,14 +193,8 @@ static bool linearise(mukca_arm_posterior *p)
         add_rows(p, theta, g, g + 1);
     }
     for (int i = 0; i < p->n_list; i++)
-        for (int k = 0; k < 3 * p->groups.width; k++) p->list[i].x[k] /= p->list[i].rows;
+        for (int k = 0; k < 3 * p->groups.width; k++) p->list[i].x[k] /= p->readings[i];
     return true;
-}
-
-static double distance_weight(const mukca_arm_posterior *p, int pair)
-{
-    const double sigma = p->data.distances[pair].sigma;
-    return 1 / (1 + sigma * sigma / (distance_sigma * distance_sigma));
 }
 
 /* Leave out the distances that the nominal arm misses by a wrong label, unless no other is left:
@@ -202,9 +206,8 @@ static void choose_distances(mukca_arm_posterior *p)
     for (int k = 0; k < p->groups.n_pairs; k++)
         if (mukca_grouped_pair(p->groups.row, &variance, &p->groups, k) &&
             fabs(p->groups.row[p->at.n]) < wrong_label)
-            p->groups.pair[k].weight = distance_weight(p, k), kept++;
-    for (int k = 0; k < p->groups.n_pairs && !kept; k++)
-        p->groups.pair[k].weight = distance_weight(p, k);
+            p->groups.pair[k].used = true, kept++;
+    for (int k = 0; k < p->groups.n_pairs && !kept; k++) p->groups.pair[k].used = true;
 }
 
 /* The tool has a prior of its own, of one scale; so has an effect. */
@@ -221,8 +224,7 @@ void mukca_arm_posterior_solve(mukca_arm_posterior *p)
                                        : i >= p->extended ? p->extended_scale
                                                           : 1;
     mukca_grouped_clear(&p->groups);
-    for (int i = 0; i < p->n_list; i++)
-        mukca_grouped_add(&p->groups, p->list[i].x, p->list[i].group, p->list[i].weight);
+    mukca_grouped_add_all(&p->groups, p->list, p->n_list);
     mukca_grouped_solve(&p->groups, p->mean);
 }
 
@@ -248,11 +250,11 @@ static void weigh(mukca_arm_posterior *p)
         deviation += (g->mean[i] - p->mean[i]) * (g->mean[i] - p->mean[i]);
     }
     for (int i = 0; i < p->n_list; i++) {
-        mukca_arm_observation *o = &p->list[i];
+        mukca_observation *o = &p->list[i];
         const double e = mukca_grouped_residual(v, g, o->x, o->group), z = e / g->noise;
         o->weight = (MUKCA_STUDENT_FREEDOM + 3) / (MUKCA_STUDENT_FREEDOM + z * z);
         squares += o->weight * e * e;
-        o->outlier = z > outlier;
+        p->outlier[i] = z > outlier;
         if (o->group < p->data.n_sockets) g->misfit += o->weight * e * e;
         p->gross += e > gross_error;
         p->worst_m = fmax(p->worst_m, e);
@@ -271,7 +273,7 @@ bool mukca_arm_posterior_turns(const mukca_arm_posterior *p, int joint)
     const int element = p->chain.joint_element[joint];
     if (p->chain.element[element].type == MUKCA_PRISMATIC) return false;
     for (int row = 0; row < p->data.n_rows; row++) {
-        const mukca_arm_observation *o = p->of_row[row] < 0 ? NULL : &p->list[p->of_row[row]];
+        const mukca_observation *o = p->of_row[row] < 0 ? NULL : &p->list[p->of_row[row]];
         if (!o) continue;
         mukca_fk_frames(frame, NULL, &p->at.geometry, p->data.q + row * p->data.n_joints, NULL);
         mukca_mat3_vec(axis, frame[element].R, p->chain.element[element].axis);
@@ -305,8 +307,10 @@ static bool improve(mukca_arm_posterior *p, bool first, int weighings)
         choose_distances(p);
     }
     for (int i = 0; i < weighings; i++) {
+        const double noise = p->groups.noise, scale = p->scale;
         mukca_arm_posterior_solve(p);
         weigh(p);
+        if (fabs(p->groups.noise / noise - 1) + fabs(p->scale / scale - 1) < settled) break;
     }
     mukca_arm_posterior_solve(p);
     advance(p);

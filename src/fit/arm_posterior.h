@@ -47,13 +47,6 @@ void mukca_arm_point_rows(double *x, const mukca_arm_point *at, const mukca_geom
 /* ---- posterior: geometry and effects, with these priors in a scale chosen by the data,
  * heavy-tailed noise, and the readings of one posture as one sample (arm_posterior.c) ---- */
 
-/* Mean of the readings of one posture in one group: a socket, or a target of a pose log. */
-typedef struct {
-    int group, rows, next; /* next: observation of the same posture, -1: none */
-    bool outlier;          /* beyond the noise */
-    double weight, *x;     /* [3][width] */
-} mukca_arm_observation;
-
 typedef struct {
     const mukca_tip_change_task *task;
     mukca_chain chain; /* without the frame of the measurement before it */
@@ -65,7 +58,10 @@ typedef struct {
     int own;
     mukca_frame tracker; /* of the group in work */
     int n_list, postures;
-    mukca_arm_observation *list;
+    mukca_observation *list; /* [n_list] means of the readings of one posture in one group: a
+                                socket, or a target of a pose log; and their numbers: */
+    int *readings;
+    bool *outlier;         /* [n_list] beyond the noise */
     int *of_row;           /* [n_rows] observation */
     mukca_grouped groups;  /* at `at`; its prior sigmas are factors of `sigma` */
     double *mean;          /* [n] of the prior, from the present unknowns */

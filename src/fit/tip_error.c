@@ -14,7 +14,7 @@
 #include "math/stats.h"
 
 /* Postures; arms from the posterior: a probability of 95 % is known to 1.5 %. */
-enum { PROBES = 64, DRAWS = 200 };
+enum { PROBES = 256, DRAWS = 200, BLOCK = 32 /* postures together */ };
 
 /* Of the gain by effects that the table lacks, in standard deviations of that on pure noise. */
 static const double significant = 5;
@@ -32,41 +32,80 @@ static void predict(double tip[3], const mukca_chain *chain, const mukca_offsets
     mukca_fk_position(tip, &geometry, q, n ? &d : NULL);
 }
 
-/* Mean errors of both models over arms from the posterior, with the interval of the table's; or (if
- * `projected`) the table's alone, and how often it is smaller. */
-static void sample(mukca_tip_error *out, int where, bool projected, const mukca_arm_posterior *p,
-                   const double *X, mukca_random *random)
+/* Mean errors over the probes of each arm from the posterior, sum[0] before and sum[1] after; the
+ * last scatter[DRAWS] is their mean square after. */
+static bool sample(double sum[3][DRAWS], mukca_arm_posterior *p, const double *X,
+                   mukca_random *random)
 {
-    double errors[DRAWS];
-    double z[MUKCA_MOST_UNKNOWNS];
+    enum { ROWS = 3 * BLOCK };
     const int n = p->at.n, w = p->groups.width + 2;
-    for (int k = 0; k < DRAWS; k++) {
-        double sum[2] = {0, 0};
-        for (int i = 0; i < n; i++) z[i] = mukca_random_normal(random);
-        mukca_dense_backward(z, 1, p->groups.posterior.factor, n);
-        for (int i = 0; i < n; i++) z[i] *= p->groups.posterior.prior[i];
-        for (int i = 0; i < PROBES; i++) {
-            double square[2] = {0, 0};
-            for (int a = 0; a < 3; a++) {
-                const double *x = X + (3 * i + a) * w;
-                double e = 0;
-                for (int c = 0; c < n; c++) e += x[MUKCA_OWN + c] * z[c];
-                for (int m = 0; m < 2; m++) square[m] += pow(x[p->groups.width + m] - e, 2);
-            }
-            for (int m = 0; m < 2; m++) sum[m] += sqrt(square[m]) / PROBES;
-        }
-        errors[k] = sum[1];
-        if (projected) {
-            out->probability[where] += (sum[1] < sum[0]) / (double)DRAWS;
-            out->unscaled_m[where] += sum[1] / DRAWS;
-            continue;
-        }
-        out->before_m[where] += sum[0] / DRAWS;
-        out->after_m[where] += sum[1] / DRAWS;
+    double *Z = MUKCA_TAKE(&p->pool, double, n *DRAWS),
+           *E = MUKCA_TAKE(&p->pool, double, ROWS *DRAWS),
+           *turned = MUKCA_TAKE(&p->pool, double, n *ROWS);
+    if (p->pool.failed) return false;
+    for (int i = 0; i < n * DRAWS; i++) Z[i] = mukca_random_normal(random);
+    mukca_dense_backward(Z, DRAWS, p->groups.posterior.factor, n);
+    for (int i = 0; i < n * DRAWS; i++) Z[i] *= p->groups.posterior.prior[i / DRAWS];
+    memset(sum, 0, sizeof(double[3][DRAWS]));
+    for (int first = 0; first < 3 * PROBES; first += ROWS, X += ROWS * w) {
+        for (int c = 0; c < n; c++)
+            for (int r = 0; r < ROWS; r++) turned[c * ROWS + r] = X[r * w + MUKCA_OWN + c];
+        memset(E, 0, sizeof *E * ROWS * DRAWS);
+        mukca_dense_xty(E, (mukca_columns){turned, ROWS, ROWS}, (mukca_columns){Z, DRAWS, DRAWS},
+                        n);
+        for (int r = 0; r < ROWS; r += 3)
+            for (int k = 0; k < DRAWS; k++)
+                for (int m = 0; m < 2; m++) {
+                    double square = 0;
+                    for (int a = r; a < r + 3; a++)
+                        square += pow(X[a * w + p->groups.width + m] - E[a * DRAWS + k], 2);
+                    sum[m][k] += sqrt(square) / PROBES;
+                    if (m) sum[2][k] += square / PROBES;
+                }
     }
-    if (projected) return;
-    out->low_m[where] = mukca_stats_quantile(errors, DRAWS, 0.025);
-    out->high_m[where] = mukca_stats_quantile(errors, DRAWS, 0.975);
+    return true;
+}
+
+/* Mean errors of both models over arms from the posterior, with the interval of the table's, for as
+ * many other postures: both means scatter by the choice of theirs. */
+static bool summarise(mukca_tip_error *out, int where, mukca_arm_posterior *p, const double *X,
+                      mukca_random *random)
+{
+    double sum[3][DRAWS];
+    if (!sample(sum, p, X, random)) return false;
+    for (int k = 0; k < DRAWS; k++) {
+        const double after = sum[1][k];
+        out->before_m[where] += sum[0][k] / DRAWS;
+        out->after_m[where] += after / DRAWS;
+        out->probability[where] += (after < sum[0][k]) / (double)DRAWS;
+        const double scatter = sqrt((sum[2][k] - after * after) / PROBES);
+        out->scatter_m[where] += scatter / DRAWS;
+        sum[1][k] += mukca_random_normal(random) * sqrt(2) * scatter;
+    }
+    out->low_m[where] = mukca_stats_quantile(sum[1], DRAWS, 0.025);
+    out->high_m[where] = mukca_stats_quantile(sum[1], DRAWS, 0.975);
+    return true;
+}
+
+/* Part of the error by that of the sockets' distances: the rest is the error if they were exact, as
+ * the table takes them; so does the question whether it is an improvement. */
+static bool split_distance(mukca_tip_error *out, mukca_arm_posterior *p, const double *X,
+                           mukca_random *random)
+{
+    mukca_tip_error exact = {0};
+    const double all = out->after_m[MUKCA_HERE];
+    out->distance_m = NAN;
+    if (!p->groups.n_pairs) return true;
+    for (int k = 0; k < p->groups.n_pairs; k++) p->groups.pair[k].sigma = 0;
+    mukca_arm_posterior_solve(p);
+    const bool done = summarise(&exact, MUKCA_HERE, p, X, random);
+    for (int k = 0; k < p->groups.n_pairs; k++)
+        p->groups.pair[k].sigma = mukca_distance_sigma(&p->data.distances[k]);
+    mukca_arm_posterior_solve(p);
+    const double rest = exact.after_m[MUKCA_HERE];
+    out->distance_m = sqrt(fmax(all * all - rest * rest, 0)); /* independent errors */
+    out->probability[MUKCA_HERE] = exact.probability[MUKCA_HERE];
+    return done;
 }
 
 /* Mean errors in random postures within the limits of `range`, over arms from the posterior. */
@@ -76,10 +115,9 @@ static bool draw(mukca_tip_error *out, mukca_arm_posterior *p, const mukca_tip_c
     const int width = p->groups.width, w = width + 2, rows = 3 * PROBES, joints = p->chain.n_joints;
     double *X = MUKCA_TAKE(&p->pool, double, rows *w);
     double *q = MUKCA_TAKE(&p->pool, double, PROBES *joints), tip[2][3];
-    const int skip = task->base_frame ? MUKCA_PARAMETERS : 0, scale = p->poses ? MUKCA_OWN : 6;
+    const int skip = task->base_frame ? MUKCA_PARAMETERS : 0;
     const double *before = task->from ? task->from->theta + skip : p->nominal;
     mukca_random random;
-    bool uncertain = p->poses; /* the scale is not that of known distances */
     if (p->pool.failed) return false;
     mukca_arm_posterior_probe(X, w, q, p, range, PROBES, &random);
     for (int i = 0; i < PROBES; i++) {
@@ -87,17 +125,12 @@ static bool draw(mukca_tip_error *out, mukca_arm_posterior *p, const mukca_tip_c
         predict(tip[1], &p->chain, task->to, p->to, q + i * joints);
         for (int a = 0; a < 3; a++) {
             double *to = X + (3 * i + a) * w, at = to[width - 1];
-            if (!p->poses) to[scale] = at;
             for (int k = 0; k < 2; k++) to[width + k] = tip[k][a] + at;
         }
     }
-    mukca_dense_project(X, rows, w, 0, scale);
-    sample(out, where, false, p, X, &random);
-    mukca_dense_project(X, rows, w, scale, MUKCA_OWN);
-    sample(out, where, true, p, X, &random);
-    for (int k = 0; k < p->data.n_distances; k++) uncertain |= p->data.distances[k].sigma > 0;
-    if (uncertain) out->unscaled_m[where] = NAN;
-    return true;
+    mukca_dense_project(X, rows, w, 0, MUKCA_OWN);
+    return summarise(out, where, p, X, &random) &&
+           (where != MUKCA_HERE || split_distance(out, p, X, &random));
 }
 
 /* The chain with the joint ranges of the samples as limits; marks the joints at rest. */
@@ -186,7 +219,7 @@ static void list_outliers(mukca_tip_error *out, const mukca_arm_posterior *p)
     for (int row = 0; row < d->n_rows; row++) {
         const int o = p->of_row[row];
         char name[48] = "";
-        if (o <= newest || !p->list[o].outlier || d->row[row] == last) {
+        if (o <= newest || !p->outlier[o] || d->row[row] == last) {
             newest = o > newest ? o : newest;
             continue;
         }

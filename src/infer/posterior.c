@@ -69,6 +69,8 @@ double mukca_posterior_variance(double *row, const mukca_posterior *p)
 
 /* ---- observations in groups ---- */
 
+enum { BLOCK = 96 }; /* rows multiplied together: they and the product stay in cache */
+
 bool mukca_grouped_create(mukca_grouped *g, mukca_pool *pool, int n, int groups, int pairs)
 {
     const int size = n + 1, width = MUKCA_OWN + size;
@@ -82,6 +84,8 @@ bool mukca_grouped_create(mukca_grouped *g, mukca_pool *pool, int n, int groups,
                          .weight = MUKCA_TAKE(pool, double, groups + 1),
                          .reduced = MUKCA_TAKE(pool, double, groups *MUKCA_OWN *width),
                          .row = MUKCA_TAKE(pool, double, size),
+                         .common = MUKCA_TAKE(pool, double, size),
+                         .block = MUKCA_TAKE(pool, double, BLOCK *size),
                          .mean = MUKCA_TAKE(pool, double, size),
                          .solution = MUKCA_TAKE(pool, double, groups *MUKCA_OWN + 1)};
     mukca_posterior_take(&g->posterior, pool, n);
@@ -97,21 +101,46 @@ void mukca_grouped_clear(mukca_grouped *g)
     memset(g->weight, 0, sizeof *g->weight * (size_t)g->n_groups);
 }
 
-MUKCA_CLONES void mukca_grouped_add(mukca_grouped *g, const double *x, int group, double weight)
+/* Add the products with the own columns. */
+MUKCA_CLONES static void add_own(mukca_grouped *g, const double *x, int group, double weight)
 {
-    const int w = g->width, size = g->posterior.n + 1;
+    const int w = g->width;
     double *own = g->own + group * MUKCA_OWN * w;
     g->weight[group] += weight;
-    for (int a = 0; a < 3; a++, x += w) {
-        const double *y = x + MUKCA_OWN;
+    for (int a = 0; a < 3; a++, x += w)
         for (int r = 0; r < MUKCA_OWN; r++) {
             const double f = weight * x[r];
             for (int c = r; c < w && f != 0; c++) own[r * w + c] += f * x[c];
         }
+}
+
+MUKCA_CLONES void mukca_grouped_add(mukca_grouped *g, const double *x, int group, double weight)
+{
+    const int size = g->posterior.n + 1;
+    add_own(g, x, group, weight);
+    for (int a = 0; a < 3; a++, x += g->width) {
+        const double *y = x + MUKCA_OWN;
         for (int r = 0; r < size; r++) {
             const double f = weight * y[r];
             for (int c = 0; c <= r && f != 0; c++) g->gram[r * size + c] += f * y[c];
         }
+    }
+}
+
+void mukca_grouped_add_all(mukca_grouped *g, const mukca_observation *list, int n)
+{
+    const int size = g->posterior.n + 1;
+    int rows = 0;
+    for (int i = 0; i < n; i++) {
+        const double root = sqrt(list[i].weight);
+        add_own(g, list[i].x, list[i].group, list[i].weight);
+        for (int a = 0; a < 3; a++, rows++) {
+            const double *y = list[i].x + a * g->width + MUKCA_OWN;
+            for (int c = 0; c < size; c++) g->block[rows * size + c] = root * y[c];
+        }
+        if (rows + 3 <= BLOCK && i + 1 < n) continue;
+        mukca_dense_syrk(g->gram, size, g->block, rows, size);
+        rows = 0;
     }
 }
 
@@ -157,22 +186,39 @@ bool mukca_grouped_pair(double *row, double *variance, const mukca_grouped *g, i
             row[c] += u[i] / length * (a[x] * of_a - b[x] * of_b);
     }
     row[n] = p->distance - length;
-    *variance = g->pair_noise * g->pair_noise + g->noise * g->noise * (of_a + of_b);
+    *variance = g->noise * g->noise * (of_a + of_b);
     return length > 1e-6;
+}
+
+/* Add the pairs of an artefact; the error that they share is eliminated. */
+static void add_artefact(mukca_grouped *g, int artefact, int pairs)
+{
+    const int n = g->posterior.n;
+    double variance, precision = 0, sigma = 0;
+    memset(g->common, 0, sizeof *g->common * (size_t)(n + 1));
+    for (int k = 0; k < g->n_pairs; k++) {
+        const mukca_group_pair *p = &g->pair[k];
+        if (!p->used || p->artefact != artefact || !mukca_grouped_pair(g->row, &variance, g, k))
+            continue;
+        const double length = p->distance - g->row[n];
+        mukca_posterior_add(&g->posterior, g->row, 1 / variance);
+        for (int c = 0; c < n; c++) g->posterior.work[c] += g->misfit / pairs / length * g->row[c];
+        for (int c = 0; c <= n; c++) g->common[c] += g->row[c] / variance;
+        precision += 1 / variance;
+        sigma = p->sigma;
+    }
+    if (sigma > 0)
+        mukca_posterior_add(&g->posterior, g->common, -1 / (precision + 1 / (sigma * sigma)));
 }
 
 static void add_pairs(mukca_grouped *g)
 {
-    const int n = g->posterior.n;
-    double pairs = 0, variance;
-    for (int k = 0; k < g->n_pairs; k++) pairs += g->pair[k].weight;
+    int pairs = 0, artefacts = 0;
     for (int k = 0; k < g->n_pairs; k++) {
-        const mukca_group_pair *p = &g->pair[k];
-        if (!(p->weight > 0) || !mukca_grouped_pair(g->row, &variance, g, k)) continue;
-        const double length = p->distance - g->row[n];
-        g->row[n] += variance / pairs * g->misfit / length;
-        mukca_posterior_add(&g->posterior, g->row, p->weight / variance);
+        pairs += g->pair[k].used;
+        if (g->pair[k].artefact >= artefacts) artefacts = g->pair[k].artefact + 1;
     }
+    for (int a = 0; a < artefacts; a++) add_artefact(g, a, pairs);
 }
 
 /* Own unknowns of a group at the mean of the coefficients. */

@@ -42,18 +42,25 @@ double mukca_posterior_variance(double *row, const mukca_posterior *posterior);
 /* Columns of a group's own unknowns, at most; the first three are its mean. */
 enum { MUKCA_OWN = 9 };
 
-/* Known distance between the means of two groups, m. */
+/* An observation x[3][width]: rows of its group's own columns, those of the n coefficients, and its
+ * value, m. */
 typedef struct {
-    int a, b;
-    double distance, weight; /* 0: not used */
+    int group;
+    double weight, *x;
+} mukca_observation;
+
+/* Known distance between the means of two groups, m; the pairs of an artefact have one error. */
+typedef struct {
+    int a, b, artefact;
+    bool used;
+    double distance, sigma; /* sigma: standard deviation of that error, 0: none */
 } mukca_group_pair;
 
-/* The rows x[3][width] of an observation are its own columns, those of the n coefficients, and its
- * value, m.  Their products are summed: adding and removing one is cheap. */
+/* Products of rows are summed: adding and removing an observation is cheap. */
 typedef struct {
     mukca_posterior posterior;
     int width, n_groups, n_pairs;
-    double noise, pair_noise; /* standard deviations of a coordinate and a distance, m */
+    double noise;  /* standard deviation of a coordinate, m */
     double misfit; /* squares over the variance of the observations whose residuals are proportional
                       to the distances: the likelihood of this scale; 0: none are */
     mukca_group_pair *pair; /* [n_pairs] */
@@ -61,7 +68,8 @@ typedef struct {
     double *own;            /* [n_groups][OWN][width] of own columns with all */
     double *weight;         /* [n_groups] of their observations */
     double *reduced;        /* as `own`, each column without the components along those before it */
-    double *row;            /* [n + 1] scratch */
+    double *row, *common;   /* [n + 1] scratch */
+    double *block;          /* [BLOCK][n + 1] scratch */
     double *mean;           /* [n] posterior mean */
     double *solution;       /* [n_groups][OWN] own unknowns at that mean */
     int n_own;              /* of all groups, those that the observations determine */
@@ -77,11 +85,15 @@ void mukca_grouped_clear(mukca_grouped *grouped);
  * 1. */
 void mukca_grouped_add(mukca_grouped *grouped, const double *x, int group, double weight);
 
+/* Add n observations: the same, by products of many rows. */
+void mukca_grouped_add_all(mukca_grouped *grouped, const mukca_observation *list, int n);
+
 /* Solve for the coefficients (centre: their prior means, NULL: 0) and all own unknowns. */
 void mukca_grouped_solve(mukca_grouped *grouped, const double *centre);
 
 /* row[n + 1] of a pair of groups that only have means: derivatives of its distance, and the known
- * one minus that at coefficients 0; variance: of the latter.  False: one has no observation. */
+ * one minus that at coefficients 0; variance: of the latter, by the observations.  False: one has
+ * no observation. */
 bool mukca_grouped_pair(double *row, double *variance, const mukca_grouped *grouped, int pair);
 
 /* Residual of an observation at the solution; returns its length. */

@@ -11,6 +11,7 @@
 typedef struct {
     double distance;       /* between any two sockets of a placement, m; 0: 0.05 */
     const char *distances; /* table of distances by socket labels, replaces `distance`; or NULL */
+    double distance_sigma; /* of each of these distances, m; 0: MUKCA_DISTANCE_SIGMA */
     const double *payload; /* [n_paths] for samples whose file has no payload, kg; or NULL */
     mukca_rows_format format; /* of the tables */
     bool partial;        /* an unfinished session: sockets may be missing or have few samples */
@@ -63,6 +64,7 @@ typedef struct {
     int capacity;                  /* samples allocated */
     mukca_rows_format format;      /* format of the files */
     bool warned[MUKCA_MAX_JOINTS]; /* a note of exceeded limits was printed */
+    double distance_sigma;         /* of the distances, m; 0: MUKCA_DISTANCE_SIGMA */
     double payload; /* default payload of samples without their own, kg; NaN: unknown */
 } mukca_dataset_builder;
 

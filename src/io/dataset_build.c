@@ -76,7 +76,8 @@ static mukca_status build_distance(mukca_dataset_builder *builder, int a, int b,
     mukca_dataset *d = builder->data;
     mukca_distance *added = append(&d->distances, &d->n_distances, sizeof *added, builder);
     if (!added) return MUKCA_MEMORY;
-    *added = (mukca_distance){.a = a, .b = b, .distance = metres};
+    *added = (mukca_distance){.a = a, .b = b, .distance = metres, .sigma = builder->distance_sigma};
+    mukca_dataset_number_distance(d);
     return MUKCA_OK;
 }
 

@@ -116,10 +116,9 @@ static void prune(mukca_dataset *d, int *map)
         if (d->socket[i] >= 0) d->socket[i] = map[d->socket[i]];
     d->n_distances = 0;
     for (int k = 0; k < distances; k++) {
-        const mukca_distance *old = &d->distances[k];
-        if (map[old->a] >= 0 && map[old->b] >= 0)
-            d->distances[d->n_distances++] =
-                (mukca_distance){map[old->a], map[old->b], old->distance, old->sigma};
+        mukca_distance known = d->distances[k];
+        known.a = map[known.a], known.b = map[known.b];
+        if (known.a >= 0 && known.b >= 0) d->distances[d->n_distances++] = known;
     }
     memset(map, 0, (size_t)placements * sizeof *map);
     for (int s = 0; s < d->n_sockets; s++) map[d->sockets[s].placement] = 1;

@@ -360,6 +360,7 @@ mukca_status mukca_dataset_load(mukca_dataset *data, const mukca_chain *chain,
                                .note = options->note,
                                .context = options->context,
                                .error = error,
+                               .distance_sigma = options->distance_sigma,
                                .payload = NAN};
     memset(data, 0, sizeof *data);
     data->n_joints = chain->n_joints;

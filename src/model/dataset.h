@@ -20,8 +20,8 @@ typedef struct {
 /* Known distance between two sockets of one placement (indices into `sockets`), m. */
 typedef struct {
     int a, b;
-    double distance;
-    double sigma; /* standard deviation beyond that of any distance, m */
+    double distance, sigma; /* sigma: standard deviation, m; 0: MUKCA_DISTANCE_SIGMA */
+    int artefact; /* the pairs with this number are two sockets of one part: one error for all */
 } mukca_distance;
 
 /* The columns of numbers in recordings: constant; member; numbers per sample, 0: one per joint;

@@ -79,6 +79,22 @@ void mukca_postures_move(double *move, int *repeat, mukca_pool *pool, const int 
 /* Index of the socket with this label in the placement of this name; -1: none. */
 int mukca_dataset_find_socket(const mukca_dataset *data, const char *placement, const char *label);
 
+/* Standard deviation of the distance between two sockets, m: the tolerance of a printed or milled
+ * artefact of that size. */
+#define MUKCA_DISTANCE_SIGMA 1e-4
+
+static inline double mukca_distance_sigma(const mukca_distance *d)
+{
+    return d->sigma > 0 ? d->sigma : MUKCA_DISTANCE_SIGMA;
+}
+
+/* Set the artefact of the last distance: that of an earlier one between sockets of the same labels,
+ * else a new one. */
+void mukca_dataset_number_distance(mukca_dataset *data);
+
+/* Artefacts of the distances are below this. */
+int mukca_dataset_artefacts(const mukca_dataset *data);
+
 /* Mean of the predicted tips of a socket's samples but `without` (-1: of all), m; returns their
  * number. */
 int mukca_socket_mean(double mean[3], const mukca_geometry *geometry, const mukca_dataset *data,

@@ -203,6 +203,33 @@ int mukca_dataset_find_socket(const mukca_dataset *d, const char *placement, con
     return -1;
 }
 
+static bool same_labels(const mukca_socket *sockets, const mukca_distance *a,
+                        const mukca_distance *b)
+{
+    return (strcmp(sockets[a->a].label, sockets[b->a].label) == 0 &&
+            strcmp(sockets[a->b].label, sockets[b->b].label) == 0) ||
+           (strcmp(sockets[a->a].label, sockets[b->b].label) == 0 &&
+            strcmp(sockets[a->b].label, sockets[b->a].label) == 0);
+}
+
+int mukca_dataset_artefacts(const mukca_dataset *d)
+{
+    int n = 0;
+    for (int k = 0; k < d->n_distances; k++)
+        if (d->distances[k].artefact >= n) n = d->distances[k].artefact + 1;
+    return n;
+}
+
+void mukca_dataset_number_distance(mukca_dataset *d)
+{
+    mukca_distance *last = &d->distances[--d->n_distances];
+    last->artefact = mukca_dataset_artefacts(d);
+    for (int k = 0; k < d->n_distances; k++)
+        if (same_labels(d->sockets, &d->distances[k], last))
+            last->artefact = d->distances[k].artefact;
+    d->n_distances++;
+}
+
 int mukca_socket_mean(double mean[3], const mukca_geometry *geometry, const mukca_dataset *data,
                       int socket, int without)
 {

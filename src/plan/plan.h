@@ -30,9 +30,11 @@ typedef struct {
 typedef struct {
     int rows; /* samples to propose, all sockets together; 0: 20 */
     uint64_t seed;
-    double noise; /* standard deviation of one coordinate of a sample, m; 0: 1e-4 */
-    double tilt;  /* largest tilt of the tool from straight down, rad; 0: pi / 3, or the largest in
-                     the data; > pi: any */
+    double noise;          /* standard deviation of one coordinate of a sample, m; 0: 1e-4 */
+    double distance_sigma; /* of the distance between two sockets of a placement, m; 0:
+                              MUKCA_DISTANCE_SIGMA */
+    double tilt; /* largest tilt of the tool from straight down, rad; 0: pi / 3, or the largest in
+                    the data; > pi: any */
     double payload; /* of the proposed postures: kg at the tip that the model does not include */
     const mukca_effect *effects; /* causes to distinguish; NULL: plan for accuracy */
     int n_effects;               /* 2, or 0: plan for accuracy */

@@ -6,8 +6,6 @@
 #include "math/stats.h"
 #include "plan/choose.h"
 
-/* Standard deviation of the distance between two sockets of the printed tool, m: a good printer. */
-static const double distance_sigma = 5e-5;
 /* Prior standard deviation of a cause relative to its stated size: wide, so that the data
  * dominate. */
 static const double prior_cause = 30;
@@ -38,6 +36,31 @@ static void set_unknowns(mukca_plan_state *s, const mukca_plan_task *task)
     }
 }
 
+/* The known distances: only their directions matter here.  An artefact is known by the labels of
+ * its sockets. */
+static void set_pairs(mukca_plan_state *s, const mukca_plan_task *task)
+{
+    const mukca_plan_socket *sockets = task->sockets;
+    const double sigma = s->options->distance_sigma;
+    mukca_group_pair *pair = s->groups.pair;
+    int n = 0;
+    for (int a = 0; a < task->n_sockets; a++)
+        for (int b = a + 1; b < task->n_sockets; b++) {
+            if (sockets[a].place != sockets[b].place) continue;
+            int same = 0;
+            while (same < n && (strcmp(sockets[pair[same].a].label, sockets[a].label) ||
+                                strcmp(sockets[pair[same].b].label, sockets[b].label)))
+                same++;
+            pair[n] = (mukca_group_pair){.a = a,
+                                         .b = b,
+                                         .artefact = same < n ? pair[same].artefact : n,
+                                         .used = true,
+                                         .sigma = sigma > 0 ? sigma : MUKCA_DISTANCE_SIGMA};
+            n++;
+        }
+    s->groups.n_pairs = n;
+}
+
 mukca_status mukca_plan_state_create(mukca_plan_state *s, const mukca_plan_task *task,
                                      const mukca_plan_options *options, mukca_error *error)
 {
@@ -52,11 +75,7 @@ mukca_status mukca_plan_state_create(mukca_plan_state *s, const mukca_plan_task 
     s->G = MUKCA_TAKE(&s->pool, double, WIDE *n);
     if (s->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory while planning");
     s->groups.noise = options->noise > 0 ? options->noise : 1e-4;
-    s->groups.pair_noise = distance_sigma;
-    for (int a = 0, k = 0; a < sockets; a++) /* only the direction of a distance matters here */
-        for (int b = a + 1; b < sockets; b++)
-            s->groups.pair[k++] = (mukca_group_pair){
-                .a = a, .b = b, .weight = task->sockets[a].place == task->sockets[b].place};
+    set_pairs(s, task);
     mukca_plan_state_refresh(s);
     return MUKCA_OK;
 }

@@ -270,7 +270,8 @@ mukca_status mukca_simulate_sockets(mukca_dataset *data, const mukca_simulated_s
         const int p = s / 2;
         memcpy(data->placements[p].name, session->places[p].name, MUKCA_NAME_SIZE);
         data->sockets[s] = (mukca_socket){.placement = p, .label = {(char)('0' + s % 2)}};
-        data->distances[p] = (mukca_distance){2 * p, 2 * p + 1, r.options.distance, 0};
+        data->distances[p] =
+            (mukca_distance){.a = 2 * p, .b = 2 * p + 1, .distance = r.options.distance};
         for (int row = 0; row < rows && status == MUKCA_OK; row++)
             status = interrupted(&r) ? MUKCA_INTERRUPTED
                                      : record_socket(&r, session, p, s % 2, row, error);

@@ -78,8 +78,7 @@ def compare(name, *data):
     same(f"{name}: errors on the screen", steps(d), [(m[1], m[2], m[3] or "") for m in shown if m])
     same(f"{name}: errors on the page", steps(d), [tuple((*row, "")[:3]) for row in cells(page, "Mean error")])
     here = [mm(a[f"error_{k}_m"], 2) for k in ("here", "here_low", "here_high", "workspace", "workspace_low",
-                                               "workspace_high", "before_here", "before", "here_unscaled",
-                                               "workspace_unscaled")]
+                                               "workspace_high", "before_here", "before", "here_distance")]
     tip = re.search(r"^Tip .*?(?=^\S)", screen, re.M | re.S)
     same(f"{name}: accuracy on the screen", here, re.findall(r"\d+\.\d\d", tip[0]) if tip else None)
     accuracy = re.search(r"Accuracy of the tip:</strong> (.*?)</p>", page)[1]

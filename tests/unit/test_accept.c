@@ -78,10 +78,31 @@ TEST(the_announced_error_is_the_true_one)
     const double after = true_error(table.theta), before = true_error(NULL);
     assert_true(a->postures == data.n_rows);
     assert_string_equal(a->at_rest, "");
+    assert_true(a->error_here_low_m < after && after < a->error_here_high_m);
     /* the distances of the tool are exact here: the scale of the arm is better than announced */
-    assert_true(after < a->error_here_m && a->error_here_m < 10 * after);
+    assert_true(after < a->error_here_m);
     assert_true(before < 2 * a->error_before_here_m && a->error_before_here_m < 2 * before);
     assert_true(a->error_workspace_m < a->error_before_m);
+}
+
+/* All placements have the same artefact: their number does not reduce the error of its distance,
+ * which scales the arm; a measured one has less, and the parts of several would. */
+TEST(the_error_of_the_distance_is_common)
+{
+    const double as_printed = calibrate()->error_here_m,
+                 part = table.acceptance.error_here_distance_m;
+    double scaled[MUKCA_MAX_THETA];
+    for (int i = 0; i < MUKCA_PARAMETERS * arm.chain.n_elements; i++)
+        scaled[i] = table.theta[i] * (i % MUKCA_PARAMETERS < 3 ? 1.002 : 1);
+    memcpy(table.theta, scaled, sizeof scaled);
+    const double of_scale = true_error(table.theta); /* 0.1 mm of 50 mm, mean of its size */
+    assert_true(part > 0.6 * of_scale && part < of_scale);
+    for (int k = 0; k < data.n_distances; k++) data.distances[k].artefact = k;
+    assert_true(calibrate()->error_here_distance_m < 0.6 * part);
+    for (int k = 0; k < data.n_distances; k++)
+        data.distances[k].artefact = 0, data.distances[k].sigma = 1e-5;
+    assert_true(calibrate()->error_here_distance_m < 0.2 * part);
+    assert_true(table.acceptance.error_here_high_m < as_printed);
 }
 
 /* The first reading of each socket again and again, with the noise of encoders. */

@@ -117,13 +117,13 @@ TEST(advice_is_what_comes_true)
     make_chain(&o.chain, "RRRRRRRF", origins, "A", 2.9);
     enum { ARMS = 10 };
     for (int arm = 0; arm < ARMS; arm++) {
-        double first = 0, plate = 0; /* distance of the sockets: known to 0.1 mm */
+        double first = 0, plate; /* distance of the sockets: known to 0.1 mm */
         mukca_random_seed(&o.random, (uint64_t)arm + 1);
         perturb(&o, 2e-3);
+        plate = 0.05 + 1e-4 * mukca_random_normal(&o.random); /* one tool for all placements */
         assert_int_equal(mukca_capture_init(&capture, &o.chain, NULL, &settings, &error), 0);
         for (int p = 0; p < 4; p++) {
             place(&o, -0.9 + 0.6 * p);
-            plate = 0.05 + 1e-4 * mukca_random_normal(&o.random);
             for (int s = 0; s < 2; s++) {
                 char name[8] = {'p', (char)('0' + p), 0};
                 mukca_capture_select(&capture, name, s ? "1" : "0", &error);
@@ -140,7 +140,7 @@ TEST(advice_is_what_comes_true)
                 helped_no_more += !advice.more_rows_help;
             }
         }
-        assert_true(advice.expected < 0.5 * first);
+        assert_true(advice.expected < 0.7 * first); /* the rest: the tool, 0.1 mm */
         ratio += pow(true_error(&o, &capture) / advice.expected, 2) / ARMS;
         double rms;
         mukca_capture_spread(&rms, NULL, &capture, capture.socket);

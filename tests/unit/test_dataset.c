@@ -148,6 +148,8 @@ TEST(distances_are_as_told)
     assert_ok(load_one(three_sockets(), &options));
     assert_int_equal(data.n_distances, 3);
     assert_close(data.distances[2].distance, 0.08, 0);
+    for (int k = 0; k < 3; k++) assert_int_equal(data.distances[k].artefact, k);
+    assert_close(mukca_distance_sigma(&data.distances[2]), MUKCA_DISTANCE_SIGMA, 0);
     assert_part(notes, "3 sockets");
     options.distances =
         scratch_file("d.tsv", "socket_a\tsocket_b\tdistance_m\nc\ta\t0.1\nb\tc\t0.07\n");

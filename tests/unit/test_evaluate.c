@@ -14,8 +14,8 @@ static void make_data(mukca_dataset *data, const double (*q)[4], const int *sock
     data->distances = calloc(2, sizeof *data->distances);
     assert_non_null(data->distances);
     data->n_distances = 2;
-    data->distances[0] = (mukca_distance){0, 1, 0.05, 0};
-    data->distances[1] = (mukca_distance){2, 3, 0.1, 0};
+    data->distances[0] = (mukca_distance){.a = 0, .b = 1, .distance = 0.05};
+    data->distances[1] = (mukca_distance){.a = 2, .b = 3, .distance = 0.1};
     memcpy(data->q, q, (size_t)rows * sizeof *q);
     memcpy(data->socket, socket, (size_t)rows * sizeof *socket);
 }

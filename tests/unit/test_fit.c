@@ -282,8 +282,8 @@ TEST(test_part)
     data.n_distances = 2;
     data.distances = calloc(2, sizeof *data.distances);
     assert_non_null(data.distances);
-    data.distances[0] = (mukca_distance){0, 1, 0.05, 0};
-    data.distances[1] = (mukca_distance){2, 3, 0.05, 0};
+    data.distances[0] = (mukca_distance){.a = 0, .b = 1, .distance = 0.05};
+    data.distances[1] = (mukca_distance){.a = 2, .b = 3, .distance = 0.05};
     compare_precision(ROWS / 3);
 }
 

@@ -44,7 +44,7 @@ static void make_data(const double *special, int rows, int poses)
 {
     static const int placement[5] = {0, 0, 0, 1, 1};
     static const mukca_distance distances[4] = {
-        {0, 1, 0.31, 0}, {1, 2, 0.22, 0}, {0, 2, 0.4, 0}, {4, 3, 0.5, 0}};
+        {0, 1, 0.31, 0, 0}, {1, 2, 0.22, 0, 0}, {0, 2, 0.4, 0, 0}, {4, 3, 0.5, 0, 0}};
     assert_ok(mukca_dataset_create(&data, rows + poses, JOINTS, 5, 2, NULL));
     for (int s = 0; s < 5; s++) data.sockets[s].placement = placement[s];
     data.distances = malloc(sizeof distances);

@@ -26,7 +26,7 @@ TEST(test_nothing_allocated)
     data.distances = calloc(1, sizeof *data.distances);
     assert_non_null(data.distances);
     data.n_distances = 1;
-    data.distances[0] = (mukca_distance){0, 1, 0.05, 0};
+    data.distances[0] = (mukca_distance){.a = 0, .b = 1, .distance = 0.05};
     for (int i = 0; i < ROWS; i++) data.socket[i] = i % 2;
     for (int i = 0; i < 7 * ROWS; i++) data.q[i] = mukca_random_normal(&random);
     assert_ok(mukca_parameters_select(&parameters, &chain, &(mukca_selection){0}, NULL));

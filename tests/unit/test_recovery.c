@@ -33,7 +33,8 @@ static void record(mukca_dataset *data, const mukca_chain *chain, const double *
         const double place[3] = {0.35 + 0.1 * (s / 2 % 2), 0.2 * (s / 2 % 3) - 0.2,
                                  0.3 + 0.12 * (s / 2 % 4)};
         data->sockets[s].placement = s / 2;
-        data->distances[s / 2] = (mukca_distance){2 * (s / 2), 2 * (s / 2) + 1, 0.05, 0};
+        data->distances[s / 2] =
+            (mukca_distance){.a = s / 2 * 2, .b = s / 2 * 2 + 1, .distance = 0.05};
         for (int row = 0; row < PER_SOCKET;) {
             mukca_frame target = {{0}, {0}};
             double *q = data->q + i * JOINTS;

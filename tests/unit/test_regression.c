@@ -21,7 +21,7 @@ static fixture *f;
 
 static void create(void)
 {
-    const mukca_recording_options options = {.mass_spread = 0.1, .distance_sigma = 1e-4};
+    const mukca_recording_options options = {.mass_spread = 0.1};
     assert_ok(mukca_regression_create(&f->m, &f->s.chain, &f->data, &options, &error));
     mukca_regression_fit(&f->m, 5, MUKCA_FIT_ALL);
     mukca_regression_freeze(&f->m);
@@ -68,6 +68,18 @@ static const mukca_candidate *find(int effect, int joint)
     }
     fail_msg("no such candidate");
     return NULL;
+}
+
+/* The placements have one artefact: the error of its distance is one unknown, of which the prior of
+ * the lengths alone knows anything, however many placements there are. */
+TEST(one_error_of_the_distance)
+{
+    const mukca_unknowns *u = &f->m.unknowns;
+    const double one = 1, sigma = mukca_distance_sigma(&f->data.distances[0]);
+    assert_true(f->data.n_distances > 2 && u->n_geometry == u->first_artefact + 1);
+    assert_true(mukca_regression_factor(&f->m) > -HUGE_VAL);
+    const double error_m = mukca_regression_standard_error(&f->m, u->first_artefact, &one, 1);
+    assert_true(error_m > 0.5 * sigma && error_m < sigma);
 }
 
 /* Columns of every effect that acts on the arm against differences of the forward model. */
@@ -361,7 +373,7 @@ TEST(reinstated)
 TEST(never_left_out)
 {
     enum { POSES = 2 };
-    const mukca_recording_options options = {.mass_spread = 0.1, .distance_sigma = 1e-4};
+    const mukca_recording_options options = {.mass_spread = 0.1};
     mukca_dataset data;
     mukca_regression m;
     record(&data, &f->s);
@@ -456,7 +468,7 @@ TEST(tails)
 
     mukca_dataset data;
     mukca_regression heavy;
-    const mukca_recording_options options = {.mass_spread = 0.1, .distance_sigma = 1e-4};
+    const mukca_recording_options options = {.mass_spread = 0.1};
     record(&data, &f->s);
     for (int row = 4; row < rows; row += 9) data.q[row * data.n_joints] += row % 2 ? 2e-3 : -2e-3;
     assert_ok(mukca_regression_create(&heavy, &f->s.chain, &data, &options, &error));

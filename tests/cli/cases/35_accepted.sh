@@ -10,9 +10,14 @@ answer '^Better  --evidence fits a better geometry to these data' calibrate $a s
 run simulate $a --seed 3 --placements 4 --rows 20 --perturb 2,4 --noise 1e-4 --held-out 1 -o four.tsv --test fifth.tsv
 answer '^Save    -o' calibrate $a four.tsv --test fifth.tsv
 run simulate $a --seed 3 --placements 3 --rows 1500 --perturb 2,4 --noise 1e-4 -o long.tsv
-answer 'expected error 0.[0-9]* mm .0.0[0-9]' calibrate $a long.tsv # the noise of many samples does not shrink the arm
-answer 'without the error of scale' calibrate $a sim.tsv
-answer '^Use     yes: held-out error 0.218 mm' calibrate $a sim.tsv --evidence
+answer 'expected error 0.[0-9]* mm .0.0[0-9]' calibrate $a long.tsv --distance-sd 1e-5 # the noise of many samples does not shrink the arm
+answer "by the uncertainty of the sockets' distance" calibrate $a sim.tsv
+answer 'expected error 0.[0-3]' calibrate $a sim.tsv --distance-sd 1e-5
+for command in calibrate diagnose; do
+    answer 'smaller than the model: check --distance first' $command $a sim.tsv --distance 0.0495
+done
+refuse 2 'sd' evaluate $a sim.tsv --distance-sd 1e-5
+answer '^Use     yes: held-out error 0.217 mm' calibrate $a sim.tsv --evidence
 refuse 2 'exclude each other' calibrate $a sim.tsv --evidence --lambda 1e-5
 refuse 2 'exclude each other' calibrate $a sim.tsv --evidence --solver lbfgs
 for key in accepted converged error_of error_m error_nominal_m tip_change_m tip_change_sigma \

@@ -43,3 +43,9 @@ expect "its JSON has the time taken, and counts as whole numbers" sh -c \
     "grep -q '\"elapsed_s\": [0-9.e-]*' '$scratch/out' && grep -q '\"rows_to_name\": [0-9]*,' '$scratch/out'"
 refuse 2 "contains its own frames" report --urdf "$demo/arm.urdf" "$demo/train.tsv" --offsets x.tsv --free-base -o r.html
 refuse 3 "missing.tsv" report --urdf "$demo/arm.urdf" missing.tsv -o r.html
+
+# a measured distance determines the arm better
+expected() { run plan --urdf "$demo/arm.urdf" "$demo/train.tsv" --rows 3 "$@" -o plan.tsv --force --json - &&
+    sed -n 's/.*"before": *\([0-9.e-]*\).*/\1/p' "$scratch/out" | head -n 1; }
+expect 'a plan uses --distance-sd' awk -v printed="$(expected)" -v measured="$(expected --distance-sd 1e-5)" \
+    'BEGIN { exit !(measured > 0 && measured < printed) }'
