@@ -74,7 +74,7 @@ def screen(path, data):
     with open(path, encoding="utf-8") as file:
         text = file.read()
     for block in re.findall(r"```text\n(.*?)```", text, re.S):
-        if "held out:" not in block:
+        if "held out (" not in block:
             continue
         keys = [re.sub(r"[\d.]+.*", "#", line) for line in printed]
         ends = [re.sub(r"[\d.]+.*", "#", line) for line in (block.splitlines()[0], block.splitlines()[-1])]

@@ -37,11 +37,12 @@ void mukca_acceptance_put_tip(mukca_text *text, const mukca_acceptance *a, bool 
     if (a->error_workspace_m > wider * a->error_here_m)
         mukca_text_put(text, "; %.2f mm beyond the joint ranges of the samples",
                        1e3 * a->error_workspace_m);
-    if (isfinite(a->error_lacking_m))
-        mukca_text_put(text, "; %.2f mm of it by effects that the table lacks",
-                       1e3 * a->error_lacking_m);
-    if (a->error_here_distance_m > 0)
-        mukca_text_put(text, "; %.2f mm of it by the sockets' distance",
+    /* of what makes it large, the larger part */
+    const double lacking = isfinite(a->error_lacking_m) ? a->error_lacking_m : 0;
+    if (lacking > 0 && !(a->error_here_distance_m > lacking))
+        mukca_text_put(text, "; %.2f mm of it effects that the table lacks", 1e3 * lacking);
+    else if (a->error_here_distance_m > 0)
+        mukca_text_put(text, "; %.2f mm of it the sockets' distance",
                        1e3 * a->error_here_distance_m);
     if (a->at_rest[0]) mukca_text_put(text, "; %s did not move", a->at_rest);
 }

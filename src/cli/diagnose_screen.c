@@ -8,8 +8,8 @@
 
 #define put mukca_wording_put /* short for this file */
 
-/* Findings, and lines of faults and reasons, on a screen of some 20 lines. */
-enum { MOST_FOUND = 5, MOST_LINES = 3, SIZE_COLUMN = 58 };
+/* Lines of findings, and of faults and reasons, on a screen of 20 lines. */
+enum { MOST_FOUND = 7, MOST_LINES = 3, SIZE_COLUMN = 58 };
 
 /* Least part of the explained error, rms, of a finding that is printed without -v. */
 #define RELEVANT 0.05
@@ -40,10 +40,11 @@ static void print_finding(FILE *stream, const mukca_diagnosed *r, const mukca_fi
 static void print_findings(FILE *stream, const mukca_diagnosed *r, bool all)
 {
     const mukca_diagnosis *d = r->diagnosis;
-    int printed = 0;
+    int printed = 0, lines = 0;
     for (int i = 0; i < d->n_findings; i++) {
         const bool relevant = d->findings[i].size_m.value > RELEVANT * d->caused_m;
-        if (!all && printed && (!relevant || printed == MOST_FOUND)) continue;
+        lines += *mukca_wording_alternatives(MUKCA_WORDS, &d->findings[i], r) ? 3 : 2;
+        if (!all && printed && (!relevant || lines > MOST_FOUND)) break;
         print_finding(stream, r, &d->findings[i], printed++ ? "" : "Found", true);
     }
     if (printed < d->n_findings) print_more(stream, d->n_findings - printed);
@@ -98,27 +99,6 @@ static void print_trust(FILE *stream, const mukca_diagnosed *r)
         fputs("The causes increase the error on the test data: they are uncertain.\n", stream);
     if (r->data->n_sockets == 0 || r->data->n_placements >= 4 || !d->n_causes) return;
     fputs("Fewer than four placements: the reduction by the causes is uncertain.\n", stream);
-}
-
-/* "held out: nominal 7.822, geometry 0.206, with causes 0.132, noise floor 0.130" */
-static void put_errors(char text[MUKCA_WORDING], const char *name, const double m[3])
-{
-    static const char *const models[] = {"nominal", "geometry", "with causes"};
-    put(text, "%s%s:", *text ? "; " : "mm, ", name);
-    for (int i = 0; i < 3; i++)
-        if (isfinite(m[i]) && (i < 2 || m[i] != m[1]))
-            put(text, "%s %s %.3f", i ? "," : "", models[i], 1e3 * m[i]);
-}
-
-static void print_error_line(FILE *stream, const mukca_diagnosis *d)
-{
-    char text[MUKCA_WORDING] = "";
-    const double held_out[] = {d->nominal_m, d->geometry_m, d->explained_m},
-                 test[] = {d->test_nominal_m, d->test_geometry_m, d->test_explained_m};
-    if (isfinite(d->nominal_m)) put_errors(text, d->folds > 1 ? "held out" : "training", held_out);
-    if (isfinite(d->noise_floor_m)) put(text, ", noise %.3f", 1e3 * d->noise_floor_m);
-    if (isfinite(d->test_geometry_m)) put_errors(text, "test", test);
-    cli_print_keyed(stream, "Errors", text);
 }
 
 static void print_errors(FILE *stream, const mukca_diagnosed *r)
@@ -197,7 +177,6 @@ void cli_diagnosis_print(FILE *stream, const mukca_diagnosed *r, bool details)
     }
     fputc('\n', stream);
     print_findings(stream, r, details);
-    print_error_line(stream, r->diagnosis);
     cli_print_keyed(stream, r->data->n_targets > 1 ? "Targets" : "Logs",
                     mukca_wording_logs(MUKCA_WORDS, r));
     cli_print_keyed(stream, "Angles", mukca_wording_angles(MUKCA_WORDS, r));

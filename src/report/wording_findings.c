@@ -146,14 +146,16 @@ const char *mukca_wording_alternatives(char text[MUKCA_WORDING], const mukca_fin
         const mukca_alternative *a = &f->alternatives[i];
         put(text, "%s", n++ ? ", " : "");
         if (a->listed) {
+            const bool here = f->group.from == f->group.to && !f->group.apart;
             put(text, "%s",
-                mukca_wording_effect(MUKCA_WORDS, a->effect.kind,
-                                     mukca_chain_joint_name(r->chain, a->effect.joint)));
+                mukca_wording_effect(
+                    MUKCA_WORDS, a->effect.kind,
+                    here ? NULL : mukca_chain_joint_name(r->chain, a->effect.joint)));
             if (a->effect.placement >= 0)
                 put(text, " in %s", r->data->placements[a->effect.placement].name);
         } else {
             put(text, "outside the catalogue");
-            put_place(text, r, a->from, a->to);
+            if (f->group.from != f->group.to) put_place(text, r, a->from, a->to);
         }
         put(text, " %.0f %%", 100 * a->probability);
     }
@@ -165,9 +167,13 @@ const char *mukca_wording_rest(char text[MUKCA_WORDING], const mukca_diagnosed *
     const mukca_diagnosis *d = r->diagnosis;
     const double above = 1.1; /* an error of the mean of a few hundred samples */
     if (!isfinite(d->explained_m) || !isfinite(d->noise_floor_m)) return text;
+    put(text, "%.3f mm held out (geometry alone %.3f), ", 1e3 * d->explained_m,
+        1e3 * d->geometry_m);
     if (d->explained_m <= above * d->noise_floor_m)
-        return put(text, "%.3f mm held out, the level of the noise", 1e3 * d->explained_m);
-    put(text, "%.3f mm held out, %.1f times the noise", 1e3 * d->explained_m,
-        d->explained_m / d->noise_floor_m);
-    return d->unexplained ? put(text, "; a part has no name yet") : text;
+        put(text, "the level of the noise");
+    else
+        put(text, "%.1f times the noise", d->explained_m / d->noise_floor_m);
+    if (isfinite(d->test_geometry_m))
+        put(text, "; test %.3f (%.3f)", 1e3 * d->test_explained_m, 1e3 * d->test_geometry_m);
+    return text;
 }

@@ -11,7 +11,7 @@ run simulate $a --seed 3 --placements 4 --rows 20 --perturb 2,4 --noise 1e-4 --h
 answer '^Save    -o' calibrate $a four.tsv --test fifth.tsv
 run simulate $a --seed 3 --placements 3 --rows 1500 --perturb 2,4 --noise 1e-4 -o long.tsv
 answer 'expected error 0.[0-9]* mm .0.0[0-9]' calibrate $a long.tsv --distance-sd 1e-5 # the noise of many samples does not shrink the arm
-answer "by the uncertainty of the sockets' distance" calibrate $a sim.tsv
+answer "it the sockets' distance" calibrate $a sim.tsv
 answer 'expected error 0.[0-3]' calibrate $a sim.tsv --distance-sd 1e-5
 for command in calibrate diagnose; do
     answer 'smaller than the model: check --distance first' $command $a sim.tsv --distance 0.0495

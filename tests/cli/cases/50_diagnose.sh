@@ -160,7 +160,7 @@ expect "the order with its interval" sh -c "tr -d ' \n' <ripple.json | grep -q '
 
 # a cause beside unexplained structure: the effect that makes it is withheld
 simulate --seed 3 --placements 4 --effect joint_coupling:joint_3=2e-3,backlash:joint_2=6e-4 -o dwarfed.tsv
-answer "backlash at joint_2" $d dwarfed.tsv --without joint_coupling
+answer "the side of the load at joint_2" $d dwarfed.tsv --without joint_coupling
 expect "... and what it varies with" grep -q "varies with the angle of joint_4" "$scratch/out"
 
 # a joint that slips between two samples is no socket that moved for certain
