@@ -6,6 +6,7 @@
 #include "base/file.h"
 #include "base/text.h"
 #include "cli/cli.h"
+#include "fit/align.h"
 #include "fit/evaluate.h"
 #include "io/dataset.h"
 #include "io/urdf.h"
@@ -234,6 +235,19 @@ static void note_unequal_sockets(cli_call *call, const mukca_dataset *data)
     }
 }
 
+/* Note what a pose log leaves open of its frames. */
+static void note_open_frames(cli_call *call, const mukca_dataset *data, const cli_model *model)
+{
+    const cli_common *c = call->common;
+    mukca_alignment found;
+    const char *open = NULL;
+    if (data->n_files == 1 && data->n_targets < 2 && !data->n_sockets &&
+        mukca_align(&found, &model->geometry, data,
+                    &(mukca_align_options){c->free_base, c->free_tool, NULL}))
+        open = mukca_alignment_open(&found);
+    if (open) cli_note(call, open);
+}
+
 /* The model, DATA if there are arguments, --test if given. */
 static mukca_status load(cli_call *call)
 {
@@ -247,6 +261,7 @@ static mukca_status load(cli_call *call)
     if (status == MUKCA_OK) status = drop_training(call, &s->test, &s->data);
     if (status != MUKCA_OK) return status;
     note_unequal_sockets(call, &s->data);
+    note_open_frames(call, &s->data, &s->model);
     if (s->data.n_sockets && (call->common->free_base || call->common->free_tool))
         cli_note(call,
                  "--free-base and --free-tool do not concern sockets: their base is the "
