@@ -65,6 +65,15 @@ run diagnose "$dir/signed.csv" -q --json - 2>/dev/null | grep -A3 '"causes"' | s
 run diagnose "$dir/turns.csv" -q --json - 2>/dev/null | grep -A3 '"causes"' | sed 's/[0-9.]*$//' >"$dir/got"
 ok "angles of 0 to 360 degrees: the same causes" sh -c "test -s '$dir/want' && cmp '$dir/want' '$dir/got'"
 
+# ---- few poses: nothing is found by chance, and the number that is missing is stated
+for n in 5 8 9; do
+    run simulate --poses $n --perturb 1,2 --noise 1e-4 --rotation-noise 1e-4 --seed 1 -q -o "$dir/few.csv" --force
+    run diagnose "$dir/few.csv" --free-base --free-tool >"$dir/few.txt" 2>"$dir/said"
+    ok "$n poses are too few" grep -q "too few different samples: record $((12 - n)) more" "$dir/few.txt"
+    run calibrate "$dir/few.csv" --free-base --free-tool >"$dir/few.txt" 2>"$dir/said"
+    ok "$n poses: no infinite error" sh -c "! grep -qw inf '$dir/few.txt'"
+done
+
 # ---- several targets
 for form in columns rows; do
     run diagnose "$dir/$form.csv" --free-base --test "$dir/test.csv" -o "$dir/$form.tsv" --json "$dir/$form.json" \

@@ -97,6 +97,10 @@ static bool judge_samples(mukca_acceptance *a, const mukca_accept_task *task,
     const double nominal_m = a->error_nominal_m, margin = interval * a->error_sigma_m;
     if (task->misfit)
         mukca_acceptance_refuse(a, "%s", task->misfit);
+    else if (isinf(a->noise_m))
+        mukca_acceptance_refuse(
+            a, "%d different postures are too few to estimate the noise; record more of them",
+            tip->postures);
     else if (a->noise_m >= foreign_noise)
         mukca_acceptance_refuse(a,
                                 "the samples do not fit this arm (by %.2f mm); check the URDF, the "
