@@ -53,6 +53,27 @@ ok "and so has the largest change of the tip" below "$(sed -n 's/^# tip_change_m
 run fk "$dir/side.csv" --offsets "$dir/side.tsv" --accept-failed >"$dir/tips" 2>"$dir/said"
 ok "the tracker's frame in a table is not that of another base" sh -c "test -s '$dir/tips' && ! grep 'another base' '$dir/said'"
 
+# ---- angles from 0 to a turn of limited joints are the same postures
+run simulate --poses 60 --seed 3 --effect joint_scale:joint_2=2e-3 --noise 5e-5 -q -o "$dir/signed.csv" --force
+awk -F, -v OFS=, '/^#/ { next } !n++ { print; next }
+    { for (j = 2; j <= 8; j++) if ($j < 0) $j = sprintf("%.12f", $j + 6.283185307179586); print }' "$dir/signed.csv" >"$dir/turns.csv"
+run evaluate "$dir/signed.csv" >"$dir/want" 2>"$dir/said"
+run evaluate "$dir/turns.csv" >"$dir/got" 2>"$dir/said"
+ok "angles of 0 to 360 degrees: noted once a joint" grep -q "turns.csv:[0-9]*: joint '.*' is .* rad; read as -.* rad, the same posture" "$dir/said"
+ok "angles of 0 to 360 degrees: none is beyond the limits" sh -c "! grep -q 'beyond its limits' '$dir/said'"
+run diagnose "$dir/signed.csv" -q --json - 2>/dev/null | grep -A3 '"causes"' | sed 's/[0-9.]*$//' >"$dir/want"
+run diagnose "$dir/turns.csv" -q --json - 2>/dev/null | grep -A3 '"causes"' | sed 's/[0-9.]*$//' >"$dir/got"
+ok "angles of 0 to 360 degrees: the same causes" sh -c "test -s '$dir/want' && cmp '$dir/want' '$dir/got'"
+
+# ---- few poses: nothing is found by chance, and the number that is missing is stated
+for n in 5 8 9; do
+    run simulate --poses $n --perturb 1,2 --noise 1e-4 --rotation-noise 1e-4 --seed 1 -q -o "$dir/few.csv" --force
+    run diagnose "$dir/few.csv" --free-base --free-tool >"$dir/few.txt" 2>"$dir/said"
+    ok "$n poses are too few" grep -q "too few different samples: record $((12 - n)) more" "$dir/few.txt"
+    run calibrate "$dir/few.csv" --free-base --free-tool >"$dir/few.txt" 2>"$dir/said"
+    ok "$n poses: no infinite error" sh -c "! grep -qw inf '$dir/few.txt'"
+done
+
 # ---- several targets
 for form in columns rows; do
     run diagnose "$dir/$form.csv" --free-base --test "$dir/test.csv" -o "$dir/$form.tsv" --json "$dir/$form.json" \

@@ -191,7 +191,7 @@ void mukca_compare(mukca_comparison *c, const mukca_corrected *a, const mukca_co
             mukca_frame_nearest(&c->base, c->tip[0]->p, c->tip[1]->p,
                                 sizeof(mukca_frame) / sizeof(double), MUKCA_COMPARED);
             for (int i = 0; i < MOST_STEPS; i++)
-                if (!(mukca_frame_refine(R, &c->base, c->tool.p, &meeting) > 1e-12)) break;
+                if (!(mukca_frame_refine(R, &c->base, &c->tool, &meeting) > 1e-12)) break;
             turn_tool(c);
         }
         for (int i = 0; i < MUKCA_COMPARED; i++) {

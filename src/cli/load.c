@@ -7,6 +7,7 @@
 #include "base/text.h"
 #include "cli/cli.h"
 #include "cli/scores.h"
+#include "fit/align.h"
 #include "fit/evaluate.h"
 #include "io/dataset.h"
 #include "io/urdf.h"
@@ -257,6 +258,19 @@ static mukca_status check_pose_options(cli_call *call, const mukca_dataset *data
                     option);
 }
 
+/* Note what a pose log leaves open of its frames. */
+static void note_open_frames(cli_call *call, const mukca_dataset *data, const cli_model *model)
+{
+    const cli_common *c = call->common;
+    mukca_alignment found;
+    const char *open = NULL;
+    if (data->n_files == 1 && data->n_targets < 2 && !data->n_sockets &&
+        mukca_align(&found, &model->geometry, data,
+                    &(mukca_align_options){.tracker = c->free_base, .target = c->free_tool}))
+        open = mukca_alignment_open(&found);
+    if (open) cli_note(call, open);
+}
+
 /* The model, DATA if there are arguments, --test if given. */
 static mukca_status load(cli_call *call)
 {
@@ -271,6 +285,7 @@ static mukca_status load(cli_call *call)
     if (status == MUKCA_OK) status = drop_training(call, &s->test, &s->data);
     if (status != MUKCA_OK) return status;
     note_unequal_sockets(call, &s->data);
+    note_open_frames(call, &s->data, &s->model);
     if (call->command->group != CLI_UNDERSTAND) return status;
     if (s->model.chain.n_masses == 0)
         cli_note(call,

@@ -2,6 +2,7 @@
 #include "diagnose/diagnose.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "base/clock.h"
@@ -29,8 +30,23 @@ static const char does_not_fit[] =
     "the samples do not fit this arm: check the URDF, the tip, the columns and their order; a "
     "tracker's log needs --free-base and --free-tool";
 
-/* Observations for the mean of a socket, and least number of others for the geometry. */
-enum { PER_GROUP = 3, LEAST_NUMBERS = 12 };
+/* Why there are too few different samples, NULL: there are not.  In measured poses, an arm's
+ * geometry has 4 numbers for each turning and 2 for each sliding joint, and 6 for base and tool
+ * (Everett et al. 1987; 3 fewer without orientations).  As many again must be left: the noise is
+ * estimated from these, and an effect is tested against it.  Of sockets: 3 for each mean, and 12.
+ */
+static const char *find_missing(mukca_diagnosis *d, const mukca_recording *r)
+{
+    const mukca_chain *chain = r->chain;
+    int unknowns = r->dim == 6 ? 6 : 3;
+    for (int j = 0; j < chain->n_joints; j++)
+        unknowns += chain->element[chain->joint_element[j]].type == MUKCA_PRISMATIC ? 2 : 4;
+    const int needed = r->groups[0].socket < 0 ? 2 * unknowns : 3 * r->n_groups + 12;
+    const int missing = (needed + r->dim - 1) / r->dim - mukca_recording_distinct(r);
+    char *why = missing > 0 ? mukca_pool_take(&d->pool, 80, 1) : NULL;
+    if (why) snprintf(why, 80, "too few different samples: record %d more", missing);
+    return why;
+}
 
 /* Keep the geometry and the named causes for evaluation and output: an unknown function fits these
  * samples, but does not predict others. */
@@ -169,10 +185,9 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
     clear_errors(diagnosis);
     const bool fits = mukca_screening_run(diagnosis, m);
     const mukca_recording *recording = &m->recording;
-    if (mukca_recording_distinct(recording) * recording->dim <
-        PER_GROUP * recording->n_groups + LEAST_NUMBERS) {
-        set_untestable(diagnosis, NULL,
-                       "too few different samples: record 20 or more for each socket");
+    const char *missing = find_missing(diagnosis, recording);
+    if (missing) {
+        set_untestable(diagnosis, NULL, missing);
     } else {
         mukca_regression_fit(m, 6, MUKCA_FIT_ALL);
         if (fits)

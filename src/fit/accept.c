@@ -152,6 +152,10 @@ static bool judge_samples(mukca_acceptance *a, const mukca_accept_task *task,
                                 "the controller's own, not measured; record them with a tracker, "
                                 "or calibrate from sockets",
                                 1e3 * nominal_m);
+    else if (isinf(a->noise_m))
+        mukca_acceptance_refuse(
+            a, "%d different postures are too few to estimate the noise; record more of them",
+            tip->postures);
     else if (a->noise_m >= foreign_noise)
         mukca_acceptance_refuse(a,
                                 "the samples do not fit this arm (by %.2f mm); check the URDF, the "

@@ -1,4 +1,4 @@
-/* Alignment of measured poses to the arm: closed form, then robust Gauss-Newton; of two arms. */
+/* Alignment of measured poses to the arm: several starts, then robust Gauss-Newton. */
 #include "fit/align.h"
 
 #include <math.h>
@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/pool.h"
+#include "fit/poses.h"
 #include "math/dense.h"
 #include "math/stats.h"
 
@@ -15,15 +16,20 @@
 #define MODEL_ERROR 5e-3
 /* A target is mounted within a hand's reach of the flange, m: matters only in directions that the
  * postures do not determine. */
-#define TARGET_REACH 0.3
-enum { MOST_STEPS = 30 };
+#define TARGET_REACH 1
+/* Steps of a search; 20 are enough but where directions are poorly determined. */
+enum { MOST_STEPS = 60, FIRST_STEPS = 15 };
+/* A frame that is not known to a fist's breadth or to three degrees is not determined, m and rad.
+ */
+static const double open_offset = 0.05, open_turn = 0.05;
+/* Relative gain of a step, below which no error changes in its third digit. */
+static const double least_gain = 1e-6;
 
 typedef struct {
     mukca_meeting_point *points; /* [n] prediction and measurement, with robust weights */
-    double (*measured)[9];       /* [n] orientation; [0] NaN: none */
     double *length;              /* [n] scratch */
     int n;
-    int steps;
+    int steps; /* of a start, at most */
     bool tracker, target, turned;
     mukca_pool pool;
 } problem;
@@ -37,9 +43,9 @@ static void turn_target(mukca_alignment *a, const problem *p)
     for (int step = 1; step <= p->n / 2 && step <= 8; step++)
         for (int i = 0; i + step < p->n; i++) {
             double tip[9], measured[9], u[3], v[3];
-            if (isnan(p->measured[i][0]) || isnan(p->measured[i + step][0])) continue;
+            if (isnan(p->points[i].turned[0]) || isnan(p->points[i + step].turned[0])) continue;
             mukca_mat3_tmul(tip, p->points[i].from.R, p->points[i + step].from.R);
-            mukca_mat3_tmul(measured, p->measured[i], p->measured[i + step]);
+            mukca_mat3_tmul(measured, p->points[i].turned, p->points[i + step].turned);
             mukca_rotation_log(u, tip);
             mukca_rotation_log(v, measured);
             /* near half a turn the axis may flip; a faulty sample has another angle */
@@ -52,20 +58,23 @@ static void turn_target(mukca_alignment *a, const problem *p)
     if (used >= 2) mukca_rotation_nearest(a->target.R, H);
 }
 
-/* Orientation of the tracker from the measured orientations; that of the target is known. */
-static void turn_tracker(mukca_alignment *a, const problem *p)
+/* Orientation of the tracker (of the target, `tool`) from the measured orientations; that of the
+ * other is known. */
+static void turn_frame(mukca_alignment *a, const problem *p, bool tool)
 {
     double H[9] = {0};
     for (int i = 0; i < p->n; i++) {
-        double R[9];
-        if (isnan(p->measured[i][0])) continue;
-        mukca_mat3_mul(R, p->points[i].from.R, a->target.R);
+        const double *F = p->points[i].from.R, *M = p->points[i].turned;
+        double known[9];
+        if (isnan(M[0])) continue;
+        mukca_mat3_mul(known, tool ? a->tracker.R : F, tool ? F : a->target.R);
         for (int r = 0; r < 3; r++)
             for (int c = 0; c < 3; c++)
-                for (int k = 0; k < 3; k++)
-                    H[3 * r + c] += R[3 * r + k] * p->measured[i][3 * c + k];
+                for (int k = 0; k < 3; k++) /* known' M, transposed; known M' */
+                    H[3 * r + c] +=
+                        tool ? M[3 * k + r] * known[3 * k + c] : known[3 * r + k] * M[3 * c + k];
     }
-    mukca_rotation_nearest(a->tracker.R, H);
+    mukca_rotation_nearest(tool ? a->target.R : a->tracker.R, H);
 }
 
 /* Position of the target in the tip's frame from positions alone: tracker' (measured - offset) =
@@ -106,52 +115,100 @@ static void place(const mukca_alignment *a, const problem *p)
     }
 }
 
-/* Robust weights from the residuals of the alignment, with the heavy-tailed weighting of the
- * screening; sets median and mean distance, m. */
-static void weigh(mukca_alignment *a, problem *p)
+/* Bring the tracker to the points; the target's position is known. */
+static void meet(mukca_alignment *a, const problem *p)
 {
+    place(a, p);
+    mukca_frame_nearest(&a->tracker, p->points->to, p->points->at,
+                        sizeof *p->points / sizeof(double), p->n);
+}
+
+/* Robust weights from the residuals of the alignment, with the heavy-tailed weighting of the
+ * screening; sets median and mean distance, m.  Returns the mean residual, and their median. */
+static double weigh(double *median, mukca_alignment *a, problem *p)
+{
+    double mean = 0;
     a->mean_m = 0;
     place(a, p);
     for (int i = 0; i < p->n; i++) {
-        double x[3];
-        mukca_mat3_vec(x, a->tracker.R, p->points[i].at);
+        double x[3], w[3] = {0};
+        mukca_meeting_point *e = &p->points[i];
+        mukca_mat3_vec(x, a->tracker.R, e->at);
         for (int c = 0; c < 3; c++) x[c] += a->tracker.p[c];
-        p->length[i] = p->points[i].weight = mukca_distance3(x, p->points[i].to);
+        p->length[i] = mukca_distance3(x, e->to);
+        if (!isnan(e->turned[0])) mukca_meeting_turn(w, &a->tracker, &a->target, e);
+        e->weight = hypot(p->length[i], MUKCA_METRES_PER_RADIAN * mukca_norm3(w));
         a->mean_m += p->length[i] / p->n;
+        mean += e->weight / p->n;
     }
     a->median_m = mukca_stats_median(p->length, p->n);
-    const double c = fmax(3 * a->median_m, 1e-6);
-    for (int i = 0; i < p->n; i++) {
-        const double x = p->points[i].weight / c;
-        p->points[i].weight = 1 / (1 + x * x);
-    }
+    for (int i = 0; i < p->n; i++) p->length[i] = p->points[i].weight;
+    *median = mukca_stats_median(p->length, p->n);
+    const double bend = fmax(3 * *median, 1e-6);
+    for (int i = 0; i < p->n; i++) p->points[i].weight = fmin(1, bend / p->points[i].weight);
+    const double far = mukca_norm3(a->target.p) / TARGET_REACH;
+    return mean + *median * far * far / p->n;
 }
 
-/* Closed form, then Gauss-Newton of the free positions and of the tracker's rotation (the target's
- * is determined by the orientations); with `guess` the target starts at the solution of the linear
- * system. */
-static void solve(mukca_alignment *a, problem *p, bool guess)
+/* Where the search starts: the target at the solution of the linear system, turned as the relative
+ * rotations say, on the flange, or a hand's reach from it along each axis.  Which of them is near
+ * enough depends on how much the tool turns and how far it moves: the best result is kept. */
+enum { LINEAR, HAND_EYE, AT_FLANGE, STARTS = AT_FLANGE + 7 };
+
+/* Start in closed form, then Gauss-Newton; returns the mean residual, m. */
+static double solve(mukca_alignment *a, problem *p, int start)
+{
+    mukca_meeting meeting = {.points = p->points,
+                             .n = p->n,
+                             .base = p->tracker,
+                             .tool = p->target,
+                             .pull = MODEL_ERROR / TARGET_REACH,
+                             .per_radian = p->turned ? MUKCA_METRES_PER_RADIAN : 0};
+    double R[MUKCA_MEETING_FACTOR], median, mean;
+    for (int i = 0; i < p->n; i++) p->points[i].weight = 1;
+    if (start == LINEAR) place_target(a, p);
+    if (start > AT_FLANGE) a->target.p[start % 3] = (start - AT_FLANGE) % 2 ? 0.3 : -0.3;
+    if (start == HAND_EYE) turn_target(a, p);
+    if (p->tracker) {
+        meet(a, p);
+        if (p->turned && (start == HAND_EYE || !p->target)) turn_frame(a, p, false);
+    }
+    if (p->turned && p->target && start != HAND_EYE) turn_frame(a, p, true);
+    mean = weigh(&median, a, p);
+    for (int pass = 0; pass < p->steps; pass++) {
+        mukca_alignment next = *a;
+        meeting.pull = fmax(median, 1e-6) / TARGET_REACH;
+        const double step = mukca_frame_refine(R, &next.tracker, &next.target, &meeting);
+        if (pass < FIRST_STEPS && p->tracker && !p->turned) meet(&next, p);
+        const double reached = weigh(&median, &next, p), gain = 1 - reached / mean;
+        if (gain > 0) {
+            *a = next, mean = reached;
+            meeting.damping /= 10;
+        } else { /* damped as Levenberg and Marquardt do, from a tenth of the points' own weight */
+            meeting.damping = fmax(0.1 * sqrt(p->n), 3 * meeting.damping);
+            mean = weigh(&median, a, p);
+        }
+        if (step < 1e-9 || (step < 1e-4 && fabs(gain) < least_gain)) break; /* 1 nm, 1 nrad */
+    }
+    return mean;
+}
+
+/* Mark what the residuals, m, leave open at the end. */
+static void find_open(mukca_alignment *a, const problem *p, double residual)
 {
     const mukca_meeting meeting = {.points = p->points,
                                    .n = p->n,
                                    .base = p->tracker,
                                    .tool = p->target,
-                                   .pull = MODEL_ERROR / TARGET_REACH};
-    double R[MUKCA_MEETING_FACTOR];
-    for (int i = 0; i < p->n; i++) p->points[i].weight = 1;
-    if (p->turned && p->target) turn_target(a, p);
-    if (guess) place_target(a, p);
-    if (p->tracker) { /* Horn; the target's position is known */
-        place(a, p);
-        mukca_frame_nearest(&a->tracker, p->points->to, p->points->at,
-                            sizeof *p->points / sizeof(double), p->n);
-        if (p->turned) turn_tracker(a, p);
-    }
-    for (int pass = 0; pass < p->steps; pass++) {
-        const double step = mukca_frame_refine(R, &a->tracker, a->target.p, &meeting);
-        weigh(a, p);
-        if (step < 1e-9) break; /* 1 nm, 1 nrad */
-    }
+                                   .pull = residual / TARGET_REACH,
+                                   .per_radian = p->turned ? MUKCA_METRES_PER_RADIAN : 0};
+    double R[MUKCA_MEETING_FACTOR], sigma[MUKCA_MEETING];
+    const bool fits = residual < 2 * MODEL_ERROR; /* else they say nothing of the frames */
+    mukca_alignment still = *a;
+    (void)mukca_frame_refine(R, &still.tracker, &still.target, &meeting);
+    mukca_meeting_errors(sigma, R, MUKCA_MEETING);
+    a->open_target = p->target && fits && residual * mukca_norm3(sigma + 6) > open_offset;
+    a->open_turn = p->tracker && fits && residual * mukca_norm3(sigma + 3) > open_turn;
 }
 
 static void collect(problem *p, const mukca_geometry *geometry, const mukca_dataset *data,
@@ -160,14 +217,13 @@ static void collect(problem *p, const mukca_geometry *geometry, const mukca_data
     for (int row = 0; row < data->n_rows; row++) {
         const double *x = data->position + 3 * (size_t)row;
         if (data->socket[row] >= 0 || !isfinite(x[0]) || (keep && !keep[row])) continue;
-        mukca_meeting_point *e = &p->points[p->n];
-        double *R = p->measured[p->n++];
+        mukca_meeting_point *e = &p->points[p->n++];
         mukca_fk_pose(&e->from, geometry, data->q + (size_t)row * (size_t)data->n_joints, NULL);
         memcpy(e->to, x, sizeof e->to);
         const double *quaternion = data->quaternion ? data->quaternion + 4 * (size_t)row : NULL;
-        R[0] = NAN;
+        e->turned[0] = NAN;
         if (!quaternion || !isfinite(quaternion[0])) continue;
-        mukca_rotation_from_quaternion(R, quaternion);
+        mukca_rotation_from_quaternion(e->turned, quaternion);
         p->turned = true;
     }
 }
@@ -180,20 +236,37 @@ bool mukca_align(mukca_alignment *out, const mukca_geometry *geometry, const muk
     problem p = {.tracker = options->tracker,
                  .target = options->target,
                  .steps = options->steps ? options->steps : MOST_STEPS};
+    const int starts = options->steps ? AT_FLANGE + 1 : STARTS;
+    double least = NAN;
     *out = start;
     if (!data->position || data->n_rows < 3 || (!p.tracker && !p.target)) return true;
     p.points = MUKCA_TAKE(&p.pool, mukca_meeting_point, data->n_rows);
-    p.measured = MUKCA_TAKE(&p.pool, double[9], data->n_rows);
     p.length = MUKCA_TAKE(&p.pool, double, data->n_rows);
     const bool failed = p.pool.failed;
     if (!failed) collect(&p, geometry, data, options->keep);
-    for (int guess = 0; p.n >= 3 && guess < 1 + p.target; guess++) {
+    for (int k = 0, agree = 0; p.n >= 3 && !failed && k < starts && agree < 3; k++) {
         mukca_alignment a = start;
-        solve(&a, &p, guess);
-        if (!(a.median_m >= out->median_m)) *out = a;
+        if (k != AT_FLANGE && (!p.target || (k == HAND_EYE && !p.turned))) continue;
+        const double mean = solve(&a, &p, k);
+        agree += fabs(mean / least - 1) < 1e-3; /* well-conditioned poses have one minimum */
+        if (!(mean >= least)) *out = a, least = mean;
     }
+    if (p.n >= 3 && !failed) find_open(out, &p, fmax(least, 1e-6));
     mukca_pool_free(&p.pool);
     return !failed;
+}
+
+const char *mukca_alignment_open(const mukca_alignment *a)
+{
+    if (a->open_turn)
+        return "the poses do not determine how the arm's base is turned in their frame (the tip "
+               "moves along a line, or hardly): that turn and all that depends on it is arbitrary; "
+               "move the tip in three dimensions";
+    if (a->open_target)
+        return "the poses do not determine the target's offset from the tip (the tool keeps its "
+               "orientation): it is held near the tip, and an error of it is one of the base's "
+               "position; turn the tool by 30 degrees or more about two axes";
+    return NULL;
 }
 
 /* ---- frames as elements of the chain ---- */
@@ -250,99 +323,5 @@ mukca_status mukca_frames_start(double *theta, const mukca_chain *chain, const m
     if (base) geometry.origin[0] = found.tracker;
     if (tool) mukca_frame_multiply(&geometry.origin[tip], &geometry.origin[tip], &found.target);
     mukca_geometry_theta(theta, chain, &geometry);
-    return MUKCA_OK;
-}
-
-/* ---- two arms: weighted absolute orientation (Horn 1987) ---- */
-
-enum { FREE = 6, SIZE = MUKCA_MEETING + 1 };
-
-/* (1 um)^2: lower bound, for simulated arms without noise. */
-static const double least_variance = 1e-12;
-/* Sockets on one line do not determine the rotation about it.  Smallest ratio of a column's
- * component orthogonal to the others and its length: a lever arm of 1 mm in 1 m. */
-static const double least_share = 1e-3;
-
-static double variance_of(const mukca_shared_socket *s)
-{
-    return fmax(s->variance[0] + s->variance[1], least_variance);
-}
-
-static bool determined(const double *R)
-{
-    for (int c = 0; c < FREE; c++) {
-        double length = 0;
-        for (int i = 0; i <= c; i++) length = hypot(length, R[i * SIZE + c]);
-        if (!(fabs(R[c * SIZE + c]) > least_share * length)) return false;
-    }
-    return true;
-}
-
-/* 97.5 % quantile of Student's t (Abramowitz and Stegun 26.7.5), to 1 % from 3 degrees of freedom
- * on. */
-static double student(int freedom)
-{
-    const double z = MUKCA_SIGMAS_95, z2 = z * z, f = freedom;
-    return z * (1 + (z2 + 1) / (4 * f) + ((5 * z2 + 16) * z2 + 3) / (96 * f * f) +
-                (((3 * z2 + 19) * z2 + 17) * z2 - 15) / (384 * f * f * f));
-}
-
-/* Standard errors and intervals of the pose from the factor R of the last step. */
-static void judge(mukca_two_arms *out, double *R, const mukca_shared_socket *s, int n)
-{
-    double chi2 = 0, squares = 0, noise = 0;
-    for (int i = 0; i < n; i++) {
-        double r[3], at[3];
-        mukca_mat3_vec(at, out->pose.R, s[i].at[1]);
-        for (int a = 0; a < 3; a++) r[a] = s[i].at[0][a] - out->pose.p[a] - at[a];
-        chi2 += mukca_dot3(r, r) / variance_of(&s[i]);
-        squares += mukca_dot3(r, r);
-        noise += 3 * variance_of(&s[i]);
-    }
-    out->freedom = 3 * n - FREE;
-    out->residual_m = sqrt(squares / n);
-    out->expected_m = sqrt(noise / n * out->freedom / (3 * n));
-    out->scale = fmax(1, sqrt(chi2 / out->freedom));
-    memset(out->sigma, 0, sizeof out->sigma);
-    for (int k = 0; k < FREE; k++) { /* columns of R^-1 */
-        double x[MUKCA_MEETING];
-        for (int i = 0; i < MUKCA_MEETING; i++) R[i * SIZE + MUKCA_MEETING] = i == k;
-        mukca_dense_qr_solve(x, R, MUKCA_MEETING);
-        for (int i = 0; i < FREE; i++) out->sigma[i] = hypot(out->sigma[i], x[i]);
-    }
-    for (int i = 0; i < FREE; i++) {
-        out->sigma[i] *= out->scale;
-        out->width95[i] =
-            (out->scale > 1 ? student(out->freedom) : student(1000000)) * out->sigma[i];
-    }
-}
-
-mukca_status mukca_two_arms_align(mukca_two_arms *out, const mukca_shared_socket *s, int n,
-                                  mukca_error *error)
-{
-    double R[MUKCA_MEETING_FACTOR], none[3] = {0};
-    if (n < 3)
-        return mukca_fail(error, MUKCA_UNIDENTIFIABLE,
-                          "the arms share %d sockets; three are needed, not on one line: record "
-                          "two placements with both arms",
-                          n);
-    mukca_pool pool = {0};
-    mukca_meeting_point *points = MUKCA_TAKE(&pool, mukca_meeting_point, n);
-    if (!points) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    const mukca_meeting meeting = {.points = points, .n = n, .base = true};
-    for (int i = 0; i < n; i++) {
-        points[i].weight = 1 / variance_of(&s[i]);
-        memcpy(points[i].to, s[i].at[0], sizeof points[i].to);
-        memcpy(points[i].from.p, s[i].at[1], sizeof points[i].from.p);
-    }
-    mukca_frame_nearest(&out->pose, s->at[0], s->at[1], sizeof *s / sizeof(double), n);
-    for (int pass = 0; pass < MOST_STEPS; pass++)
-        if (mukca_frame_refine(R, &out->pose, none, &meeting) < 1e-12) break;
-    mukca_pool_free(&pool);
-    if (!determined(R))
-        return mukca_fail(error, MUKCA_UNIDENTIFIABLE,
-                          "the sockets that the arms share lie on one line; record another "
-                          "placement off it with both arms");
-    judge(out, R, s, n);
     return MUKCA_OK;
 }

@@ -10,6 +10,8 @@
 typedef struct {
     mukca_frame tracker, target; /* identity if not free */
     double median_m, mean_m;     /* distance after the alignment, m; NaN: none */
+    bool open_target, open_turn; /* the poses do not determine the target's offset, or the tracker's
+                                    rotation */
 } mukca_alignment;
 
 typedef struct {
@@ -18,13 +20,17 @@ typedef struct {
     int steps;                 /* at most so many Gauss-Newton steps; 0: until they converge */
 } mukca_align_options;
 
-/* Align the measured poses of `data` (samples of sockets are ignored).  Rotations are computed from
- * the orientations if there are any (hand-eye equation, Park and Martin 1994), else from the
- * positions: a linear system in the target and the tracker, then Horn's absolute orientation
- * (1987).  Robust Gauss-Newton steps refine the result.  Positions alone leave the target's
+/* Align the measured poses of `data` (samples of sockets are ignored): the least squares of
+ * positions and orientations over both frames, with Huber weights, and a weak prior of the target's
+ * offset for what the poses do not determine.  Several starts: Horn's absolute orientation (1987)
+ * with the target on the flange, or at the solution of a linear system in the target and the
+ * tracker, or the hand-eye equation (Park and Martin 1994).  Positions alone leave the target's
  * rotation at identity.  Fewer than three poses, or no free frame: identity.  False: no memory. */
 bool mukca_align(mukca_alignment *alignment, const mukca_geometry *geometry,
                  const mukca_dataset *data, const mukca_align_options *options);
+
+/* What the poses leave open and what to do, NULL: nothing. */
+const char *mukca_alignment_open(const mukca_alignment *alignment);
 
 /* ---- frames of measured poses as elements of the chain ---- */
 

@@ -59,11 +59,27 @@ static double unit_of(const mukca_rows *rows, int joint)
                                                                                : f->angle;
 }
 
-static void check_joint(mukca_rows *rows, int j, double q)
+/* Note a joint's first sample of a kind. */
+static void note_joint(mukca_rows *rows, int j, const char *what)
+{
+    bool *warned = rows->options.warned ? rows->options.warned : rows->warned;
+    if (warned[j] || rows->table.status != MUKCA_OK) return;
+    mukca_note_format(rows->options.note, rows->options.context,
+                      "%s:%d: joint '%s' is %s (only the first such sample is listed)",
+                      mukca_file_shown(rows->table.path), rows->table.line,
+                      mukca_chain_joint_name(rows->chain, j), what);
+    warned[j] = true;
+}
+
+/* Check an angle or length.  Angles counted from 0 to a turn are brought within the limits of a
+ * joint that has any. */
+static double check_joint(mukca_rows *rows, int j, double q)
 {
     const mukca_element *e = &rows->chain->element[rows->chain->joint_element[j]];
     const bool linear = e->type == MUKCA_PRISMATIC;
-    const double unit = unit_of(rows, j);
+    const double unit = unit_of(rows, j), beyond = mukca_rows_beyond(e, q);
+    const double other = q + (q > e->upper ? -2 : 2) * M_PI;
+    char what[96];
     if (!mukca_rows_plausible(e, q))
         mukca_table_fail(&rows->table, rows->column.number[MUKCA_COLUMN_Q][j], "joint '%s' is %g%s",
                          e->name, q / unit,
@@ -71,15 +87,15 @@ static void check_joint(mukca_rows *rows, int j, double q)
                          : unit < 1 ? " degrees, more than two turns"
                                     : ", more than two turns; angles are in rad (for degrees: "
                                       "--units deg)");
-    const double beyond = mukca_rows_beyond(e, q);
-    bool *warned = rows->options.warned ? rows->options.warned : rows->warned;
-    if (beyond == 0 || warned[j] || rows->table.status != MUKCA_OK) return;
-    mukca_note_format(rows->options.note, rows->options.context,
-                      "%s:%d: joint '%s' is %.3g %s beyond its limits (only the first such sample "
-                      "is listed)",
-                      mukca_file_shown(rows->table.path), rows->table.line, e->name, beyond,
-                      linear ? "m" : "rad");
-    warned[j] = true;
+    if (beyond == 0) return q;
+    const bool turned = !linear && mukca_rows_beyond(e, other) == 0;
+    if (turned)
+        snprintf(what, sizeof what,
+                 "%.4g rad; read as %.4g rad, the same posture within its limits", q, other);
+    else
+        snprintf(what, sizeof what, "%.3g %s beyond its limits", beyond, linear ? "m" : "rad");
+    note_joint(rows, j, what);
+    return turned ? other : q;
 }
 
 void mukca_rows_check_length(mukca_table *table, int column, double metres)
@@ -309,7 +325,8 @@ static void read_numbers(mukca_row *row, mukca_rows *rows, int column)
         if ((c->of == 'j' || c->of == 'r') && at[k] >= 0 &&
             !mukca_table_has_unit(&rows->table, at[k]))
             *value *= unit_of(rows, k);
-        if (column == MUKCA_COLUMN_Q) check_joint(rows, k, *value);
+        if (c->of == 'j' && (column == MUKCA_COLUMN_Q || !isnan(*value)))
+            *value = check_joint(rows, k, *value);
         if (column == MUKCA_COLUMN_PAYLOAD && (*value < 0 || *value > MUKCA_ROWS_MOST_PAYLOAD))
             mukca_table_fail(&rows->table, at[k], "%g is no mass in kg", *value);
     }

@@ -67,26 +67,37 @@ void mukca_dense_qr_solve(double *x, const double *R, int n);
 void mukca_frame_nearest(mukca_frame *pose, const double *to, const double *from, int stride,
                          int n);
 
-/* A point `to` that base (from.p + from.R tool) is to meet; weight: 1 / variance. */
+/* A point `to`, with the orientation `turned` unless its first number is NaN, that base * from *
+ * tool is to meet; weight: 1 / variance. */
 typedef struct {
     mukca_frame from;
-    double to[3], weight;
+    double to[3], turned[9], weight;
     double at[3]; /* of the caller */
 } mukca_meeting_point;
 
 typedef struct {
     const mukca_meeting_point *points;
     int n;
-    bool base, tool; /* which are free */
-    double pull;     /* of the tool towards 0: root of its weight */
+    bool base, tool;   /* which are free */
+    double pull;       /* of the tool's position towards 0: root of its weight */
+    double per_radian; /* root of the weight of an orientation, m/rad; 0: none is used */
+    double damping;    /* root of the weight that holds each number where it is */
 } mukca_meeting;
 
-/* Numbers of base (translation, rotation) and tool, and of the factor of their equations. */
-enum { MUKCA_MEETING = 9, MUKCA_MEETING_FACTOR = MUKCA_MEETING * (MUKCA_MEETING + 1) };
+/* Numbers of base and tool (translation, rotation), and of the factor of their equations. */
+enum { MUKCA_MEETING = 12, MUKCA_MEETING_FACTOR = MUKCA_MEETING * (MUKCA_MEETING + 1) };
 
-/* One Gauss-Newton step of base and tool[3]; directions that no point determines stay.  R gets the
+/* One Gauss-Newton step of base and tool; directions that no point determines stay.  R gets the
  * triangular factor of the equations.  Returns the largest element of the step, 0: not finite. */
-double mukca_frame_refine(double R[MUKCA_MEETING_FACTOR], mukca_frame *base, double tool[3],
+double mukca_frame_refine(double R[MUKCA_MEETING_FACTOR], mukca_frame *base, mukca_frame *tool,
                           const mukca_meeting *meeting);
+
+/* Rotation vector of the orientation that a point still lacks, in the frame of the points `to`. */
+void mukca_meeting_turn(double w[3], const mukca_frame *base, const mukca_frame *tool,
+                        const mukca_meeting_point *point);
+
+/* Standard errors sigma[n] of the first n numbers for residuals of 1, from the factor R, whose last
+ * column it overwrites. */
+void mukca_meeting_errors(double *sigma, double *R, int n);
 
 #endif

@@ -33,36 +33,77 @@ void mukca_frame_nearest(mukca_frame *pose, const double *to, const double *from
     for (int r = 0; r < 3; r++) pose->p[r] = mean[0][r] - turned[r];
 }
 
-double mukca_frame_refine(double R[MUKCA_MEETING_FACTOR], mukca_frame *base, double tool[3],
+void mukca_meeting_turn(double w[3], const mukca_frame *base, const mukca_frame *tool,
+                        const mukca_meeting_point *p)
+{
+    double BF[9], BFT[9], off[9];
+    mukca_mat3_mul(BF, base->R, p->from.R);
+    mukca_mat3_mul(BFT, BF, tool->R);
+    for (int r = 0; r < 3; r++)
+        for (int c = 0; c < 3; c++) off[3 * r + c] = mukca_dot3(p->turned + 3 * r, BFT + 3 * c);
+    mukca_rotation_log(w, off);
+}
+
+enum { MEETING_ROW = MUKCA_MEETING + 1 };
+
+/* Equations of one point: position, then orientation. */
+static void meeting_rows(double rows[6 * MEETING_ROW], const mukca_frame *base,
+                         const mukca_frame *tool, const mukca_meeting *m,
+                         const mukca_meeting_point *p)
+{
+    const double w = sqrt(p->weight), v = isnan(p->turned[0]) ? 0 : w * m->per_radian;
+    double at[3], lever[3], BF[9], BFT[9], off[3] = {0};
+    mukca_mat3_vec(at, p->from.R, tool->p);
+    for (int k = 0; k < 3; k++) at[k] += p->from.p[k];
+    mukca_mat3_vec(lever, base->R, at);
+    mukca_mat3_mul(BF, base->R, p->from.R);
+    mukca_mat3_mul(BFT, BF, tool->R);
+    if (v > 0) mukca_meeting_turn(off, base, tool, p);
+    memset(rows, 0, 6 * MEETING_ROW * sizeof *rows);
+    for (int k = 0; k < 3; k++) {
+        double *row = rows + k * MEETING_ROW, *turn = row + 3 * MEETING_ROW;
+        if (m->base) {
+            row[k] = w;
+            row[3 + (k + 1) % 3] = w * lever[(k + 2) % 3]; /* omega x lever */
+            row[3 + (k + 2) % 3] = -w * lever[(k + 1) % 3];
+            turn[3 + k] = v;
+        }
+        for (int c = 0; c < 3 && m->tool; c++) {
+            row[6 + c] = w * BF[3 * k + c];
+            turn[9 + c] = v * BFT[3 * k + c];
+        }
+        row[MUKCA_MEETING] = w * (p->to[k] - base->p[k] - lever[k]);
+        turn[MUKCA_MEETING] = v * off[k];
+    }
+}
+
+static void turn_by(double R[9], const double w[3], bool own_axes)
+{
+    double turn[9], turned[9];
+    mukca_rotation_exp(turn, w);
+    mukca_mat3_mul(turned, own_axes ? R : turn, own_axes ? turn : R);
+    memcpy(R, turned, sizeof turned);
+}
+
+double mukca_frame_refine(double R[MUKCA_MEETING_FACTOR], mukca_frame *base, mukca_frame *tool,
                           const mukca_meeting *m)
 {
-    enum { N = MUKCA_MEETING, SIZE = N + 1 };
-    double x[N], turn[9], turned[9], largest = 0;
+    enum { N = MUKCA_MEETING };
+    double x[N], largest = 0;
     memset(R, 0, MUKCA_MEETING_FACTOR * sizeof *R);
     for (int i = 0; i < m->n; i++) {
-        const mukca_meeting_point *p = &m->points[i];
-        const double w = sqrt(p->weight);
-        double rows[3 * SIZE] = {0}, at[3], lever[3], RF[9];
-        mukca_mat3_vec(at, p->from.R, tool);
-        for (int k = 0; k < 3; k++) at[k] += p->from.p[k];
-        mukca_mat3_vec(lever, base->R, at);
-        mukca_mat3_mul(RF, base->R, p->from.R);
-        for (int k = 0; k < 3; k++) {
-            double *row = rows + k * SIZE;
-            if (m->base) {
-                row[k] = w;
-                row[3 + (k + 1) % 3] = w * lever[(k + 2) % 3]; /* omega x lever */
-                row[3 + (k + 2) % 3] = -w * lever[(k + 1) % 3];
-            }
-            for (int c = 0; c < 3 && m->tool; c++) row[6 + c] = w * RF[3 * k + c];
-            row[N] = w * (p->to[k] - base->p[k] - lever[k]);
-        }
-        mukca_dense_qr_absorb(R, NULL, rows, 3, N, 1);
+        double rows[6 * MEETING_ROW];
+        meeting_rows(rows, base, tool, m, &m->points[i]);
+        mukca_dense_qr_absorb(R, NULL, rows, m->per_radian > 0 ? 6 : 3, N, 1);
     }
     for (int c = 0; c < N; c++) {
-        double row[SIZE] = {0};
-        row[c] = c < 6 ? 1e-6 : m->pull;
-        row[N] = c < 6 ? 0 : -m->pull * tool[c - 6];
+        const bool place = c >= 6 && c < 9;
+        double row[MEETING_ROW] = {0};
+        row[c] = fmax(m->damping, 1e-6);
+        mukca_dense_qr_absorb(R, NULL, row, 1, N, 1);
+        if (!place) continue;
+        row[c] = m->pull;
+        row[N] = -m->pull * tool->p[c - 6];
         mukca_dense_qr_absorb(R, NULL, row, 1, N, 1);
     }
     mukca_dense_qr_solve(x, R, N);
@@ -70,9 +111,19 @@ double mukca_frame_refine(double R[MUKCA_MEETING_FACTOR], mukca_frame *base, dou
         if (!isfinite(x[i])) return 0;
         largest = fmax(largest, fabs(x[i]));
     }
-    mukca_rotation_exp(turn, x + 3);
-    mukca_mat3_mul(turned, turn, base->R);
-    memcpy(base->R, turned, sizeof turned);
-    for (int k = 0; k < 3; k++) base->p[k] += x[k], tool[k] += x[6 + k];
+    turn_by(base->R, x + 3, false);
+    turn_by(tool->R, x + 9, true);
+    for (int k = 0; k < 3; k++) base->p[k] += x[k], tool->p[k] += x[6 + k];
     return largest;
+}
+
+void mukca_meeting_errors(double *sigma, double *R, int n)
+{
+    memset(sigma, 0, (size_t)n * sizeof *sigma);
+    for (int k = 0; k < n; k++) { /* columns of R^-1 */
+        double x[MUKCA_MEETING];
+        for (int i = 0; i < MUKCA_MEETING; i++) R[i * (MUKCA_MEETING + 1) + MUKCA_MEETING] = i == k;
+        mukca_dense_qr_solve(x, R, MUKCA_MEETING);
+        for (int i = 0; i < n; i++) sigma[i] = hypot(sigma[i], x[i]);
+    }
 }

@@ -1,11 +1,11 @@
-/* Checks of a pose log before re-calibration, on at most its first 1000 rows. */
+/* Checks of a pose log before re-calibration, on at most 1000 rows, evenly spread. */
 #include "recalibrate/recalibrate.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "math/dense.h"
+#include "fit/align.h"
 #include "math/stats.h"
 
 enum { PREVIEW = 1000 };
@@ -16,6 +16,8 @@ typedef struct {
     mukca_pose_row row[PREVIEW];
     mukca_frame nominal[PREVIEW], measured[PREVIEW];
     double work[PREVIEW];
+    double q[PREVIEW * MUKCA_MAX_JOINTS], position[3 * PREVIEW], quaternion[4 * PREVIEW];
+    int socket[PREVIEW]; /* -1: samples of no socket */
     int n, oriented;
 } preview;
 
@@ -27,15 +29,22 @@ static bool turned(const preview *p, int row)
 static mukca_status load(preview *p, mukca_pose_log *log, mukca_error *error)
 {
     const mukca_pose_row *row;
+    const long every = (log->n + PREVIEW - 1) / PREVIEW;
+    const size_t joints = (size_t)p->chain->n_joints;
     mukca_status status = mukca_pose_log_rewind(log, error);
-    for (int i = 0; i < PREVIEW && status == MUKCA_OK; i++) {
+    for (long k = 0; status == MUKCA_OK; k++) {
         status = mukca_pose_log_next(&row, log, error);
         if (status != MUKCA_OK || !row) return status;
+        if (k % every != 0) continue;
+        const int i = p->n++;
         p->row[i] = *row;
+        p->socket[i] = -1;
+        memcpy(p->q + (size_t)i * joints, row->q, joints * sizeof *p->q);
+        memcpy(p->position + 3 * i, row->position, sizeof row->position);
+        memcpy(p->quaternion + 4 * i, row->quaternion, sizeof row->quaternion);
         memcpy(p->measured[i].p, row->position, sizeof row->position);
         if (turned(p, i)) mukca_rotation_from_quaternion(p->measured[i].R, row->quaternion);
         p->oriented += turned(p, i);
-        p->n++;
     }
     return status;
 }
@@ -135,22 +144,24 @@ static mukca_status check_frames(mukca_pose_check *check, preview *p, mukca_erro
     return MUKCA_OK;
 }
 
-/* Start values of the unknown frames from the nominal arm: measured = base nominal tool. */
-static void guess_frames(mukca_pose_check *check, preview *p, bool free_base, bool free_tool)
+/* Start values of the unknown frames: those that bring the nominal arm nearest to the poses. */
+static mukca_status align_frames(mukca_pose_check *check, preview *p, bool free_base,
+                                 bool free_tool, mukca_error *error)
 {
-    double tool[9] = {0};
-    predict(p, p->chain->n_elements - 1);
-    if (free_base)
-        mukca_frame_nearest(&check->base, p->measured->p, p->nominal->p,
-                            sizeof(mukca_frame) / sizeof(double), p->n);
-    for (int i = 0; i < p->n; i++) {
-        double R[9], off[9];
-        if (!turned(p, i)) continue;
-        mukca_mat3_mul(R, check->base.R, p->nominal[i].R);
-        mukca_mat3_tmul(off, p->measured[i].R, R);
-        for (int a = 0; a < 9; a++) tool[a] += off[a];
-    }
-    if (free_tool && p->oriented) mukca_rotation_nearest(check->tool.R, tool);
+    mukca_alignment found;
+    const mukca_dataset data = {.n_rows = p->n,
+                                .n_joints = p->chain->n_joints,
+                                .q = p->q,
+                                .position = p->position,
+                                .quaternion = p->quaternion,
+                                .socket = p->socket};
+    if (!mukca_align(&found, &p->geometry, &data,
+                     &(mukca_align_options){.tracker = free_base, .target = free_tool}))
+        return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    check->base = found.tracker;
+    check->tool = found.target;
+    check->open = mukca_alignment_open(&found);
+    return MUKCA_OK;
 }
 
 mukca_status mukca_pose_check_run(mukca_pose_check *check, const mukca_recalibrate_task *task,
@@ -173,7 +184,7 @@ mukca_status mukca_pose_check_run(mukca_pose_check *check, const mukca_recalibra
                             "hole_*_pose.csv next to the joint files");
     if (status == MUKCA_OK) status = check_moving(p, error);
     if (status == MUKCA_OK && (free_base || free_tool))
-        guess_frames(check, p, free_base, free_tool);
+        status = align_frames(check, p, free_base, free_tool, error);
     else if (status == MUKCA_OK)
         status = check_frames(check, p, error);
     free(p);

@@ -48,6 +48,12 @@ void mukca_pose_model_set(mukca_pose_model *model, const mukca_chain *chain,
 {
     *model = (mukca_pose_model){.base = or_identity(base), .tool = or_identity(tool)};
     mukca_geometry_set(&model->geometry, chain, NULL);
+    if (chain->element[chain->n_elements - 1].joint < 0) { /* has the tool's position */
+        mukca_frame *last = &model->geometry.origin[chain->n_elements - 1], shifted;
+        mukca_frame_multiply(&shifted, last, &model->tool);
+        memcpy(last->p, shifted.p, sizeof last->p);
+        memset(model->tool.p, 0, sizeof model->tool.p);
+    }
     place(model);
 }
 

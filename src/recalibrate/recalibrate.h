@@ -270,6 +270,7 @@ mukca_status mukca_recalibrate_test(mukca_pose_errors *errors, const mukca_pose_
 typedef struct {
     int position_element, rotation_element; /* elements whose child links the poses belong to */
     mukca_frame base, tool; /* start values: base in the poses' frame, tool in the tip's */
+    const char *open;       /* what the poses leave open of these, NULL: nothing */
 } mukca_pose_check;
 
 /* Determine these from the log.  With the task's free_base or free_tool the frames are unknown and
