@@ -76,7 +76,7 @@ done
 
 # ---- several targets
 for form in columns rows; do
-    run diagnose "$dir/$form.csv" --free-base --test "$dir/test.csv" -o "$dir/$form.tsv" --json "$dir/$form.json" \
+    run diagnose -v "$dir/$form.csv" --free-base --test "$dir/test.csv" -o "$dir/$form.tsv" --json "$dir/$form.json" \
         >"$dir/$form.txt" 2>"$dir/said"
     ok "$form: three targets" grep -q 'each of the 3 targets has its own position on the tool' "$dir/$form.txt"
     ok "$form: nothing is found in noise" grep -q '"verdict": "none"' "$dir/$form.json"

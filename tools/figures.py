@@ -78,7 +78,8 @@ def screen(path, data):
             continue
         keys = [re.sub(r"[\d.]+.*", "#", line) for line in printed]
         ends = [re.sub(r"[\d.]+.*", "#", line) for line in (block.splitlines()[0], block.splitlines()[-1])]
-        first, last = (keys.index(end) if end in keys else -1 for end in ends)
+        first = keys.index(ends[0]) if ends[0] in keys else -1
+        last = first + keys[first:].index(ends[1]) if first >= 0 and ends[1] in keys[first:] else -1
         lines = "\n".join(printed[first:last + 1]) + "\n"
         if lines == block:
             print(f"ok figures: {path}: screen")

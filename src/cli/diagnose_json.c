@@ -108,9 +108,9 @@ static json_t *alternatives(const mukca_diagnosed *r, const mukca_finding *f)
 
 static json_t *coefficient(const mukca_diagnosed *r, const mukca_finding *f)
 {
-    if (!isfinite(f->coefficient.value) || !f->n_alternatives) return NULL;
+    if (!isfinite(f->coefficient.value)) return NULL;
     return cli_json(KEY("value", f->coefficient.value),
-                    KEY("unit", mukca_effect_unit(&f->alternatives[0].effect, r->chain)),
+                    KEY("unit", mukca_effect_unit(&f->quantity, r->chain)),
                     KEY("ci95", estimate(&f->coefficient)));
 }
 

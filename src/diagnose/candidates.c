@@ -14,8 +14,9 @@ enum {
                        most 3 % of its evidence */
 };
 
-/* Prior probability that a flexible part deflects by more than an error: each one deflects, and of
- * the some 24 of an arm (joints, links, base) published recordings show one to three. */
+/* Prior probability that a flexible part, or a servo, deflects by more than an error: each one
+ * deflects, and of the some 24 of an arm (joints, links, base) published recordings show one to
+ * three. */
 #define SHOWS (1.0 / 20)
 
 typedef struct {
@@ -334,7 +335,7 @@ static void set_priors(mukca_candidates *all, const mukca_recording *r)
             share /= variants[class][slot] + (class == MUKCA_CLASS_UNKNOWN ? crossed[slot] : 0);
         }
         h->log_prior =
-            mukca_effect_has(class, MUKCA_TRAIT_FLEXIBLE) ? log(SHOWS) : log(share / all->classes);
+            mukca_effect_has(class, MUKCA_TRAIT_ELASTIC) ? log(SHOWS) : log(share / all->classes);
     }
     int listed = 0;
     for (int i = all->first_unlisted; i < all->count; i++) listed += !kinds[all->list[i].kind]++;

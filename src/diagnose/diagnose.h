@@ -105,8 +105,8 @@ typedef struct {
     double share;               /* of what all causes explain */
     double outside;             /* part of the probability outside the catalogue */
     mukca_shrink held_out;      /* with and without all of its members */
-    mukca_estimate coefficient; /* sum of members that act through one quantity, in the unit of the
-                                   first alternative */
+    mukca_estimate coefficient; /* sum of members that act through one quantity, */
+    mukca_effect quantity;      /* that of this effect */
     int order[2];               /* 95 % interval; 0: none */
     int n_alternatives;         /* by falling probability */
     mukca_alternative alternatives[MUKCA_MAX_ALTERNATIVES];

@@ -421,6 +421,8 @@ bool mukca_findings_measure(mukca_diagnosis *d, mukca_search *id, const mukca_la
         f->coefficient = (mukca_estimate){NAN, NAN, NAN};
         if (t.weight[i] > 0 && t.fit[i] > ONE_QUANTITY * t.weight[i])
             f->coefficient = estimate(&t.coefficient[i], 1, false);
+        const int item = quantity_of(f, &w, &t);
+        if (item >= 0) f->quantity = mukca_candidate_effect(&id->all.list[id->kept[item]]);
     }
     mukca_pool_free(&pool);
     return ok;

@@ -98,6 +98,14 @@ MUKCA_INLINE void columns_bend(columns *F, const double w[3])
     }
 }
 
+/* Rotation vector of joint j's frame before its rotation; NULL: none. */
+static inline const double *joint_rotation(const mukca_displacement *displacement, int j)
+{
+    if (j < 0 || !displacement || !displacement->any_rotation) return NULL;
+    const double *w = displacement->rotation[j];
+    return w[0] != 0 || w[1] != 0 || w[2] != 0 ? w : NULL;
+}
+
 /* Rotate F by the joint's displacement, before the joint's rotation. */
 MUKCA_INLINE void columns_displace(columns *F, int joint, const mukca_displacement *displacement)
 {

@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-#include "model/turn.h"
+#include "model/columns.h"
 #include "mukca/rotation.h"
 
 void mukca_chain_masses(mukca_masses *masses, const mukca_chain *chain, const double *mass_scale,

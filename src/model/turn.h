@@ -42,14 +42,6 @@ typedef struct {
 void mukca_joint_angles_set(joint_angles *at, const mukca_geometry *geometry, const double *q,
                             const mukca_displacement *displacement);
 
-/* Rotation vector of joint j's frame before its rotation; NULL: none. */
-static inline const double *joint_rotation(const mukca_displacement *displacement, int j)
-{
-    if (j < 0 || !displacement || !displacement->any_rotation) return NULL;
-    const double *w = displacement->rotation[j];
-    return w[0] != 0 || w[1] != 0 || w[2] != 0 ? w : NULL;
-}
-
 /* mukca_fk_position without a displacement. */
 void mukca_fk_tip(double position[3], const mukca_geometry *geometry, const double *q);
 

@@ -225,38 +225,6 @@ const char *mukca_wording_unexplained(char text[MUKCA_WORDING], const mukca_diag
     return put(text, ": no effect of the catalogue describes it");
 }
 
-const char *mukca_wording_verdict(char text[MUKCA_WORDING], const mukca_diagnosed *r)
-{
-    const mukca_diagnosis *d = r->diagnosis;
-    const double common = sqrt(d->shared), own = sqrt(1 - d->shared);
-    if (d->verdict == MUKCA_VERDICT_UNTESTABLE)
-        return put(text, "Nothing can be tested: %s", d->why);
-    if (d->n_findings) {
-        put(text, "Found: %s", mukca_wording_finding(MUKCA_WORDS, &d->findings[0], r));
-        if (d->n_findings > 1)
-            put(text, "; %d further finding%s", d->n_findings - 1, d->n_findings > 2 ? "s" : "");
-        return text;
-    }
-    if (d->verdict == MUKCA_VERDICT_UNKNOWN) {
-        mukca_wording_unexplained(text, r);
-        text[0] = 'U';
-        return text;
-    }
-    if (d->verdict == MUKCA_VERDICT_TIED)
-        return put(text,
-                   "Nothing for sure: there is more than noise, and these data do not say what");
-    if (common > 2 * own) /* of a posture's readings */
-        return put(text,
-                   "Nothing beyond the geometry; readings of a posture agree to %.3f mm, but "
-                   "postures differ by %.3f mm: no cause explains it, nor does the noise of the "
-                   "readings",
-                   1e3 * own * MUKCA_MEAN_NORM3 * d->sigma_m,
-                   1e3 * common * MUKCA_MEAN_NORM3 * d->sigma_m);
-    return put(text,
-               "Nothing beyond the geometry: the remaining error agrees with the measurement "
-               "noise and the uncertainty of the geometry");
-}
-
 /* Append the gravity vector that explains the data better than that of the model. */
 static const char *put_gravity(char *text, const double g[3], const double given[3])
 {

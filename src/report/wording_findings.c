@@ -1,7 +1,8 @@
-/* The wording of findings: what the error varies with, where, how large, how sure. */
+/* The wording of findings and verdict: what the error varies with, where, how large, how sure. */
 #include <math.h>
 #include <string.h>
 
+#include "math/stats.h"
 #include "report/wording.h"
 
 #define put mukca_wording_put /* short for this file */
@@ -124,12 +125,12 @@ const char *mukca_wording_certainty(char text[MUKCA_WORDING], const mukca_findin
         put(text, "all halves)");
     else
         put(text, "%d of %d halves)", held, MUKCA_HALVES);
-    if (!f->n_alternatives || !first->listed) return text;
     if (isfinite(f->coefficient.value)) {
         put(text, "; ");
-        put_estimate(text, &f->coefficient, &first->effect, r);
+        put_estimate(text, &f->coefficient, &f->quantity, r);
         if (f->n_alternatives > 1) put(text, " in all");
-    } else if (isfinite(first->amplitude.value) && f->group.effect >= 0) {
+    } else if (f->n_alternatives && first->listed && isfinite(first->amplitude.value) &&
+               f->group.effect >= 0) {
         put(text, "; ");
         put_estimate(text, &first->amplitude, &first->effect, r);
     }
@@ -176,4 +177,36 @@ const char *mukca_wording_rest(char text[MUKCA_WORDING], const mukca_diagnosed *
     if (isfinite(d->test_geometry_m))
         put(text, "; test %.3f (%.3f)", 1e3 * d->test_explained_m, 1e3 * d->test_geometry_m);
     return text;
+}
+
+const char *mukca_wording_verdict(char text[MUKCA_WORDING], const mukca_diagnosed *r)
+{
+    const mukca_diagnosis *d = r->diagnosis;
+    const double common = sqrt(d->shared), own = sqrt(1 - d->shared);
+    if (d->verdict == MUKCA_VERDICT_UNTESTABLE)
+        return put(text, "Nothing can be tested: %s", d->why);
+    if (d->n_findings) {
+        put(text, "Found: %s", mukca_wording_finding(MUKCA_WORDS, &d->findings[0], r));
+        if (d->n_findings > 1)
+            put(text, "; %d further finding%s", d->n_findings - 1, d->n_findings > 2 ? "s" : "");
+        return text;
+    }
+    if (d->verdict == MUKCA_VERDICT_UNKNOWN) {
+        mukca_wording_unexplained(text, r);
+        text[0] = 'U';
+        return text;
+    }
+    if (d->verdict == MUKCA_VERDICT_TIED)
+        return put(text,
+                   "Nothing for sure: there is more than noise, and these data do not say what");
+    if (common > 2 * own) /* of a posture's readings */
+        return put(text,
+                   "Nothing beyond the geometry; readings of a posture agree to %.3f mm, but "
+                   "postures differ by %.3f mm: no cause explains it, nor does the noise of the "
+                   "readings",
+                   1e3 * own * MUKCA_MEAN_NORM3 * d->sigma_m,
+                   1e3 * common * MUKCA_MEAN_NORM3 * d->sigma_m);
+    return put(text,
+               "Nothing beyond the geometry: the remaining error agrees with the measurement "
+               "noise and the uncertainty of the geometry");
 }

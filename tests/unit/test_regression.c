@@ -336,12 +336,12 @@ TEST(priors)
         orders += mukca_effect_catalogue[MUKCA_EFFECT_GEAR_HARMONIC]->order_prior(order);
     assert_close(orders, 1, 1e-12);
     for (int i = 0; i < f->all.first_unlisted; i++)
-        if (mukca_effect_has(mukca_candidate_class(&f->all.list[i]), MUKCA_TRAIT_FLEXIBLE))
+        if (mukca_effect_has(mukca_candidate_class(&f->all.list[i]), MUKCA_TRAIT_ELASTIC))
             assert_close(f->all.list[i].log_prior, log(1.0 / 20), 1e-12);
         else if (mukca_candidate_class(&f->all.list[i]) != MUKCA_EFFECT_GEAR_HARMONIC)
             sum += exp(f->all.list[i].log_prior);
     for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++)
-        flexible += f->all.enabled[kind] && mukca_effect_has(kind, MUKCA_TRAIT_FLEXIBLE);
+        flexible += f->all.enabled[kind] && mukca_effect_has(kind, MUKCA_TRAIT_ELASTIC);
     /* few orders of ripple are listed */
     assert_close(sum + (1.0 + flexible) / f->all.classes, 1, 1e-9);
     sum = 0;
