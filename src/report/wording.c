@@ -119,25 +119,6 @@ const char *mukca_wording_set(char text[MUKCA_WORDING], const mukca_cause_set *s
     return text;
 }
 
-const char *mukca_wording_amplitude(char text[MUKCA_WORDING], const mukca_cause *cause,
-                                    const mukca_chain *chain)
-{
-    const char *unit = mukca_effect_unit(&cause->effect, chain);
-    const bool load = strchr(unit, 'N'), share = cause->effect.variant.to_command;
-    const double factor = share ? 100 : load ? 1e6 : 1e3;
-    char shown[32];
-    snprintf(shown, sizeof shown, "%s%s", load ? "u" : "m",
-             strcmp(unit, "rad/(N*m)") == 0 ? "rad/(N·m)" : unit);
-    /* two significant digits of the interval's half width */
-    const double half = fmax(factor * fabs(cause->high - cause->amplitude), 1e-12);
-    int digits = isfinite(half) ? (int)ceil(-log10(half)) + 1 : 3;
-    digits = digits < 0 ? 0 : digits > 4 ? 4 : digits;
-    put(text, "%s%.*f %s", cause->n_ties ? "the first: " : "", digits, factor * cause->amplitude,
-        share ? "% of command minus reading" : shown);
-    if (!isfinite(cause->low) || !isfinite(cause->high)) return text;
-    return put(text, " [%.*f, %.*f]", digits, factor * cause->low, digits, factor * cause->high);
-}
-
 const char *mukca_wording_probability(char text[MUKCA_WORDING], double probability)
 {
     text[0] = '\0';
@@ -145,36 +126,20 @@ const char *mukca_wording_probability(char text[MUKCA_WORDING], double probabili
     return put(text, "probability %.*f %%", probability > 0.99 ? 1 : 0, 100 * probability);
 }
 
-/* Texts of a cause that differ from those of its effect. */
-typedef struct {
-    const char *mechanism, *remedy;
-} particular;
-
-/* A tool is the same in all placements: a difference means that it moved.  A load on the last link
- * acts by the link's tilt only, as does an error of the ball's seat. */
-static const particular *find_particular(const mukca_cause *cause, const mukca_diagnosed *r)
+/* Remedy of a cause that differs from that of its effect; NULL: none.  A tool is the same in all
+ * placements: a difference means that it moved.  A load on the last link acts by the link's tilt
+ * only, as does an error of the ball's seat. */
+static const char *particular_remedy(const mukca_cause *cause, const mukca_diagnosed *r)
 {
-    static const particular
-        moved = {"it differs from that of the other placements",
-                 "fasten the tool, check the joints for slip, and record this placement again"},
-        tilted = {
-            "the ball's position depends on the tilt of the last link: this link or the tool "
-            "bends, or the ball's neck touches the socket",
-            "check that the ball's neck is free of the socket in all postures, and the screws of "
-            "the tool; compensate the error only then"};
     const mukca_effect *e = &cause->effect;
     const mukca_effect_info *info = mukca_effect_table[e->kind];
     const bool sockets = r->data->n_sockets > 0;
-    if (info->site == MUKCA_SITE_DISTANCE && e->placement >= 0) return &moved;
-    if (bends(info) && e->joint == r->chain->n_joints - 1 && sockets) return &tilted;
+    if (info->site == MUKCA_SITE_DISTANCE && e->placement >= 0)
+        return "fasten the tool, check the joints for slip, and record this placement again";
+    if (bends(info) && e->joint == r->chain->n_joints - 1 && sockets)
+        return "check that the ball's neck is free of the socket in all postures, and the screws "
+               "of the tool; compensate the error only then";
     return NULL;
-}
-
-const char *mukca_wording_mechanism(const mukca_cause *cause, const mukca_diagnosed *r)
-{
-    const particular *own = find_particular(cause, r);
-    if (cause->n_ties || cause->or_unknown) return "indistinguishable in these data";
-    return own ? own->mechanism : mukca_effect_table[cause->effect.kind]->sentence;
 }
 
 /* Whether the offsets table has the cause for other postures. */
@@ -188,8 +153,8 @@ static bool compensates(const mukca_cause *cause, const mukca_diagnosed *r)
 
 const char *mukca_wording_remedy(const mukca_cause *cause, const mukca_diagnosed *r)
 {
-    const particular *own = find_particular(cause, r);
-    if (own) return own->remedy;
+    const char *particular = particular_remedy(cause, r);
+    if (particular) return particular;
     const bool table = compensates(cause, r);
     if (cause->n_ties && mukca_wording_on_arm(cause))
         return table ? "compensate it with the offsets table; repair nothing before the "

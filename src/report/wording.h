@@ -52,10 +52,6 @@ const char *mukca_wording_effect(char text[MUKCA_WORDING], mukca_effect_kind kin
                                  const char *joint);
 const char *mukca_wording_probability(char text[MUKCA_WORDING], double probability);
 
-/* Amplitude with its 95 % interval: "49.2 urad/(N·m) [44.6, 53.7]". */
-const char *mukca_wording_amplitude(char text[MUKCA_WORDING], const mukca_cause *cause,
-                                    const mukca_chain *chain);
-
 /* The cause with its variant, and all indistinguishable rivals: "A, B or C". */
 const char *mukca_wording_rivals(char text[MUKCA_WORDING], const mukca_cause *cause,
                                  const mukca_diagnosed *diagnosed);
@@ -80,8 +76,7 @@ int mukca_wording_finding_placement(const mukca_finding *finding);
 const char *mukca_wording_set(char text[MUKCA_WORDING], const mukca_cause_set *set,
                               const mukca_diagnosed *diagnosed);
 
-/* Description of a cause by its mechanism, and its remedy. */
-const char *mukca_wording_mechanism(const mukca_cause *cause, const mukca_diagnosed *diagnosed);
+/* Remedy of a cause. */
 const char *mukca_wording_remedy(const mukca_cause *cause, const mukca_diagnosed *diagnosed);
 
 /* A recording fault with its place and remedy. */
