@@ -109,8 +109,8 @@ typedef struct {
     cli_arm arm;
     const char *distances, *json, *output, *payload, *units, *columns, *traits;
     cli_list test;
-    int angles;      /* 1: commanded */
-    int map;         /* 0: by name; 1: in order; 2: in order, w last */
+    int angles;                   /* 1: commanded */
+    int map;                      /* 0: by name; 1: in order; 2: in order, w last */
     double distance, distance_sd; /* m */
     bool free_base, free_tool, inverse_poses, accept_other_arm, accept_failed, accept_edited, force,
         quiet, verbose;

@@ -152,8 +152,8 @@ static double add_coefficient(mixed *out, measured *w, const int *index, int n, 
 {
     const mukca_candidate *h = &w->id->all.list[w->id->kept[item]];
     const int reference = w->plain_of[item];
-    double *block = w->id->scan.scratch->B, part[MUKCA_SET_COLUMNS], own, mean = 0, variance = 0,
-           square = 0;
+    double *block = w->id->scan.scratch->B, part[MUKCA_SET_COLUMNS] = {0}, own, mean = 0,
+           variance = 0, square = 0;
     mukca_sets_products_of(block, &w->plain_sets, reference, reference);
     own = fmax(block[0], 1e-30);
     for (int m = 0; m < w->set->n; m++) {
@@ -288,6 +288,7 @@ static void describe(mukca_finding *f, const measured *w, const tables *t)
     mukca_alternative all[64];
     double outside = 0, inside = 0;
     int n = 0;
+    memset(all, 0, sizeof all);
     for (int l = 0; l < p->n_labels; l++) {
         if (!mukca_finding_holds(&f->group, &p->label[l])) continue;
         *(p->label[l].effect < 0 ? &outside : &inside) += t->probability[l];

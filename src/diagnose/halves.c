@@ -139,7 +139,7 @@ static void remove_means(const splitter *s, double *gram, bool other)
     const mukca_samples *samples = &s->id->m->recording.samples;
     const int d = samples->dim;
     for (int b = 0; b < samples->n_blocks; b++) {
-        double L[36], *x = s->chunk;
+        double L[36] = {0}, *x = s->chunk;
         if (!samples->block[b].free_mean) continue;
         for (int i = 0; i < d * d; i++)
             L[i] = (other ? s->ones[0][b * d * d + i] : 0) +

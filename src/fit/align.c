@@ -98,7 +98,7 @@ static void place_target(mukca_alignment *a, const problem *p)
         }
     for (int c = 0; c < 3; c++) {
         double row[SIZE] = {0};
-        row[12 + c] = 1 / TARGET_REACH;
+        row[12 + c] = 1.0 / TARGET_REACH;
         mukca_dense_qr_absorb(R, NULL, row, 1, N, 1);
     }
     mukca_dense_qr_solve(x, R, N);

@@ -78,7 +78,7 @@ static void measure(mukca_mixup *m, search *s)
         mukca_frame_multiply(&T, &T, &a.target);
         mukca_frame_multiply(&T, &a.tracker, &T);
         for (int c = 0; c < 3; c++) {
-            s->x[r][c] = socket < 0 ? T.p[c] - d->position[3 * r + c] : T.p[c];
+            s->x[r][c] = socket < 0 && d->position ? T.p[c] - d->position[3 * r + c] : T.p[c];
             if (socket >= 0) s->sum[socket][c] += T.p[c];
         }
         if (socket >= 0) s->sum[socket][3]++;
@@ -122,8 +122,10 @@ static void shift_zero(mukca_mixup *m, search *s, int j)
         tried.shift[j] = remainder(start + t, 2 * M_PI);
         measure(&tried, s);
         if (tried.square < m->square) *m = tried;
-        for (int h = 0; h < VALUES; h++) /* 1, cos t, sin t, cos 2 t, sin 2 t */
-            wave[h] += 0.4 * tried.square * (h % 2 ? cos((h + 1) / 2 * t) : sin(h / 2 * t));
+        for (int h = 0; h < VALUES; h++) { /* 1, cos t, sin t, cos 2 t, sin 2 t */
+            const int n = (h + 1) / 2;
+            wave[h] += 0.4 * tried.square * (h % 2 || !h ? cos(n * t) : sin(n * t));
+        }
     }
     for (int g = 0; g < GRID; g++) {
         const double t = 2 * M_PI * g / GRID, f = wave[1] * cos(t) + wave[2] * sin(t) +
@@ -145,7 +147,8 @@ static void shift_zero(mukca_mixup *m, search *s, int j)
 /* The least error near the zero of joint j: vertices of parabolas, ever narrower. */
 static void refine_zero(mukca_mixup *m, search *s, int j)
 {
-    for (double h = 0.1; h > 1e-3; h /= 3) {
+    double h = 0.1;
+    for (int pass = 0; pass < 5; pass++, h /= 3) { /* to a milliradian */
         mukca_mixup low = *m, high = *m, tried = *m;
         low.shift[j] -= h, high.shift[j] += h;
         measure(&low, s);

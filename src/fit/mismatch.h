@@ -9,15 +9,15 @@
 /* How the angles of the arm's joints follow from the columns; zeroed but for `from`: as recorded.
  */
 typedef struct {
-    int from[MUKCA_MAX_JOINTS];     /* joint whose column a joint reads */
-    unsigned reversed;              /* bit j: with the opposite sign */
+    mukca_frame base_frame;         /* with `base`: the arm's base in the frame of the poses */
     double shift[MUKCA_MAX_JOINTS]; /* added to the angle, rad */
+    double instead;                 /* shift of the first joint that does the same, rad; 0: none */
+    double error_m, square;         /* mean error of the nominal model, m; mean square */
+    int from[MUKCA_MAX_JOINTS];     /* joint whose column a joint reads */
     int coupled[MUKCA_MAX_JOINTS]; /* k + 1, -(k + 1): the angle of joint k is added, subtracted, as
                                       where the controller counts from the horizontal; 0: none */
+    unsigned reversed;             /* bit j: with the opposite sign */
     bool base;                     /* the poses are measured in another frame than the base's */
-    mukca_frame base_frame;        /* the arm's base in it */
-    double instead;                /* shift of the first joint that does the same, rad; 0: none */
-    double error_m, square;        /* mean error of the nominal model, m; mean square */
 } mukca_mixup;
 
 typedef struct {

@@ -47,7 +47,7 @@ static void rename_column(mukca_table *t, char **before, char *entry, char *equa
     }
     (void)take_unit(t, entry);
     int c = 0;
-    while (c < t->n_columns && strcmp(before[c], entry) != 0) c++;
+    while (c < t->n_columns && !(before[c] && strcmp(before[c], entry) == 0)) c++;
     if (c == t->n_columns) {
         mukca_table_fail(t, -1, "no column '%.60s', which --columns renames", entry);
         return;
@@ -87,10 +87,11 @@ void mukca_columns_rename(mukca_table *t, const char *columns)
     char **before = calloc(width, sizeof *before);
     if (t->status == MUKCA_OK && (!t->names || !t->header || !t->unit || !before))
         mukca_table_stop(t, mukca_fail(t->error, MUKCA_MEMORY, "out of memory"));
-    for (int c = 0; c < t->n_columns && t->status == MUKCA_OK; c++)
+    const bool ready = before && t->status == MUKCA_OK;
+    for (int c = 0; c < t->n_columns && ready; c++)
         before[c] = t->header[c] =
             t->header[c] ? t->header[c] : t->names + strlen(t->names); /* a name that nothing has */
-    const int named = t->status == MUKCA_OK ? apply(t, before) : 0;
+    const int named = ready ? apply(t, before) : 0;
     free(before);
     if (named > 0 && named != t->n_columns)
         mukca_table_fail(t, -1,
