@@ -267,21 +267,6 @@ static mukca_finding *finding_at(mukca_diagnosis *d, int i)
     return i < d->n_findings ? &d->findings[i] : &d->maybe[i - d->n_findings];
 }
 
-/* Probability of an effect at its place, as of a group. */
-static double probability_alone(const mukca_label *l, const mukca_labelled_sets *p)
-{
-    const mukca_finding_group g = {.kind = l->detail ? MUKCA_GROUP_DETAIL : MUKCA_GROUP_EFFECT,
-                                   .family = l->family,
-                                   .effect = l->effect,
-                                   .from = l->from,
-                                   .to = l->to,
-                                   .low = l->detail - l->blur,
-                                   .high = l->detail + l->blur,
-                                   .fine = l->fine,
-                                   .apart = l->apart};
-    return mukca_finding_probability(&g, p);
-}
-
 static void describe(mukca_finding *f, const measured *w, const tables *t)
 {
     const mukca_labelled_sets *p = &w->in->posterior;
@@ -295,7 +280,8 @@ static void describe(mukca_finding *f, const measured *w, const tables *t)
         if (t->item[l] < 0 || !(t->probability[l] >= ALTERNATIVE) || n == 64) continue;
         all[n] = alternative_of(w, l, t->item[l], t->probability[l]);
         if (all[n].listed) {
-            all[n].probability = fmin(all[n].probability, probability_alone(&p->label[l], p));
+            const mukca_finding_group alone = mukca_finding_alone(&p->label[l]);
+            all[n].probability = fmin(all[n].probability, mukca_finding_probability(&alone, p));
             mukca_effect *e = &all[n].effect;
             const mukca_effect_info *info = mukca_effect_table[e->kind];
             all[n].amplitude = estimate(&t->amplitude[l], 1, info->nonnegative);

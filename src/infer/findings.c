@@ -35,6 +35,19 @@ bool mukca_finding_holds(const mukca_finding_group *g, const mukca_label *l)
     }
 }
 
+mukca_finding_group mukca_finding_alone(const mukca_label *l)
+{
+    return (mukca_finding_group){.kind = l->detail ? MUKCA_GROUP_DETAIL : MUKCA_GROUP_EFFECT,
+                                 .family = l->family,
+                                 .effect = l->effect,
+                                 .from = l->from,
+                                 .to = l->to,
+                                 .low = l->detail - l->blur,
+                                 .high = l->detail + l->blur,
+                                 .fine = l->fine,
+                                 .apart = l->apart};
+}
+
 /* Square that the members of a set which are in the group explain together, (*with) the same with
  * half of their products with the others, and (*outside) the largest square of another member
  * outside the catalogue. */
@@ -144,16 +157,7 @@ static void list_groups(groups *all)
     all->n = 0;
     for (int i = 0; i < all->posterior->n_labels; i++) {
         const mukca_label *l = &all->posterior->label[i];
-        if (l->detail)
-            add(all, (mukca_finding_group){.kind = MUKCA_GROUP_DETAIL,
-                                           .family = l->family,
-                                           .effect = l->effect,
-                                           .from = l->from,
-                                           .to = l->to,
-                                           .low = l->detail - l->blur,
-                                           .high = l->detail + l->blur,
-                                           .fine = l->fine,
-                                           .apart = l->apart});
+        if (l->detail) add(all, mukca_finding_alone(l));
         if (l->effect >= 0) add_stretches(all, MUKCA_GROUP_EFFECT, i);
         add_stretches(all, MUKCA_GROUP_FAMILY, i);
         if (!l->apart) add_stretches(all, MUKCA_GROUP_PLACE, i);

@@ -72,6 +72,9 @@ typedef struct {
     double halves;      /* mean probability in halves of the data; NaN: too little data */
 } mukca_finding_group;
 
+/* The group of an effect at its place, with its detail. */
+mukca_finding_group mukca_finding_alone(const mukca_label *label);
+
 /* Does a group contain causes with this label? */
 bool mukca_finding_holds(const mukca_finding_group *group, const mukca_label *label);
 
