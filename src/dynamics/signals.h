@@ -6,6 +6,8 @@
 #ifndef MUKCA_DYNAMICS_SIGNALS_H
 #define MUKCA_DYNAMICS_SIGNALS_H
 
+#include <stddef.h>
+
 enum {
     MUKCA_LOWPASS_MOST_ORDER = 8,
     MUKCA_LOWPASS_LANES = 8 /* columns that are filtered side by side */
@@ -22,14 +24,20 @@ typedef struct {
 } mukca_lowpass;
 
 /* Low-pass of 1 .. MUKCA_LOWPASS_MOST_ORDER (SciPy: butter(order, cutoff / (rate / 2),
- * output="sos")); cutoff in Hz (-3 dB of one pass, -6 dB of mukca_lowpass_apply), rate in Hz.  A
+ * output="sos")); cutoff > 0 in Hz (-3 dB of one pass, -6 dB of mukca_lowpass_apply), rate in Hz. A
  * cutoff above 0.95 of rate / 2 is lowered to it. */
 void mukca_lowpass_set(mukca_lowpass *lowpass, int order, double cutoff, double rate);
+
+/* Doubles of scratch memory to filter so many rows. */
+static inline size_t mukca_lowpass_scratch(const mukca_lowpass *lowpass, int rows)
+{
+    return ((size_t)rows + 2 * (size_t)lowpass->pad) * MUKCA_LOWPASS_LANES;
+}
 
 /* Filter x[rows][ld] in place forwards and backwards: no phase shift, constants and straight lines
  * unchanged, ends extended oddly (SciPy: sosfiltfilt(sos, x, axis=0, padtype="odd",
  * padlen=min(pad, rows - 2))).  Fewer than 3 rows are left unchanged.
- * scratch[pad * MUKCA_LOWPASS_LANES]. */
+ * scratch[mukca_lowpass_scratch(lowpass, rows)]. */
 void mukca_lowpass_apply(double *x, int rows, int width, int ld, const mukca_lowpass *lowpass,
                          double *scratch);
 
