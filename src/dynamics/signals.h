@@ -34,8 +34,8 @@ static inline size_t mukca_lowpass_scratch(const mukca_lowpass *lowpass, int row
     return ((size_t)rows + 2 * (size_t)lowpass->pad) * MUKCA_LOWPASS_LANES;
 }
 
-/* Filter x[rows][ld] in place forwards and backwards: no phase shift, constants and straight lines
- * unchanged, ends extended oddly (SciPy: sosfiltfilt(sos, x, axis=0, padtype="odd",
+/* Filter x[rows][ld] in place forwards and backwards: no phase shift, constants unchanged,
+ * ends extended oddly (SciPy: sosfiltfilt(sos, x, axis=0, padtype="odd",
  * padlen=min(pad, rows - 2))).  Fewer than 3 rows are left unchanged.
  * scratch[mukca_lowpass_scratch(lowpass, rows)]. */
 void mukca_lowpass_apply(double *x, int rows, int width, int ld, const mukca_lowpass *lowpass,

@@ -374,9 +374,10 @@ struct Loader {
             mass = {0, inertial->mass, {p.x, p.y, p.z}, {0}};
             const double I[6] = {inertial->ixx, inertial->iyy, inertial->izz,
                                  inertial->ixy, inertial->ixz, inertial->iyz};
-            double rpy[3], R[9];
-            inertial->origin.rotation.getRPY(rpy[0], rpy[1], rpy[2]);
-            mukca_rotation_from_rpy(R, rpy);
+            const urdf::Rotation &r = inertial->origin.rotation; /* getRPY is inexact near 90 deg */
+            const double quaternion[4] = {r.w, r.x, r.y, r.z};
+            double R[9];
+            mukca_rotation_from_quaternion(R, quaternion);
             add_turned(mass.inertia, R, I);
         }
         if (options_.inertials) replace_masses();

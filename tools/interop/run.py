@@ -55,8 +55,8 @@ ODD = """<?xml version="1.0"?>
 """
 
 
-def enter_environment():
-    """Run again inside the virtual environment, which is made where it is missing."""
+def enter_environment(script):
+    """Run the script again inside the virtual environment, which is made where it is missing."""
     home = os.path.join(WORK, "venv")
     python = os.path.join(home, "bin", "python")
     if os.path.realpath(sys.prefix) == os.path.realpath(home):
@@ -70,7 +70,7 @@ def enter_environment():
             print("skip interop: Pinocchio, MuJoCo and yourdfpy cannot be installed from PyPI")
             sys.exit(77)
         open(ready, "w").close()
-    os.execv(python, [python, os.path.abspath(__file__)])
+    os.execv(python, [python, os.path.abspath(script), *sys.argv[1:]])
 
 
 def chain(urdf, tip):
@@ -236,7 +236,7 @@ def check(urdf, tip):
 
 def main():
     os.makedirs(WORK, exist_ok=True)
-    enter_environment()
+    enter_environment(__file__)
     random.seed(1)
     odd = os.path.join(WORK, "odd.urdf")
     with open(odd, "w") as f:

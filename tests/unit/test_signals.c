@@ -1,0 +1,155 @@
+/* Zero-phase filter, differences, decimation and AR(1) noise: against SciPy and closed forms. */
+#include "dynamics/signals.h"
+
+#include <stdlib.h>
+
+#include "close.h"
+#include "dynamics/noise.h"
+#include "math/random.h"
+
+enum { MOST = 200, WIDTH = 11 };
+
+static double x[MOST * WIDTH], scratch[3 * MOST * MUKCA_LOWPASS_LANES];
+
+/* The signal of the references, with a constant and a factor that differ by column. */
+static double signal(int k, int n, int column)
+{
+    return column + (1 + column) * (sin(0.3 * k) + 0.01 * k * k / n + (k * 7) % 5 * 0.1);
+}
+
+static void fill(int rows, int width)
+{
+    for (int r = 0; r < rows; r++)
+        for (int c = 0; c < width; c++) x[r * width + c] = signal(r, rows, c);
+}
+
+/* SciPy 1.17.1, rate 100 Hz: s = min(cutoff / 50, 0.95), sosfiltfilt(butter(order, s,
+ * output="sos"), x, padtype="odd", padlen=min(int(6 / s), rows - 2)); the second one's ends are cut
+ * short. */
+static const struct {
+    int order;
+    double cutoff;
+    int rows, at[5];
+    double value[5];
+} scipy[] = {
+    {3,
+     8,
+     120,
+     {0, 1, 60, 118, 119},
+     {1.67386511647702e-05, 0.352919828852186, -0.221189968416392, 0.774678873473419,
+      0.570503234746765}},
+    {4,
+     2.5,
+     40,
+     {0, 1, 20, 38, 39},
+     {-0.00752249723114067, 0.0179525455223497, 0.439955105580209, -0.0205956395715049,
+      -0.0802817341834521}},
+    {1,
+     20,
+     50,
+     {0, 1, 20, 48, 49},
+     {6.58362253602718e-14, 0.460700620414759, -0.0429152648675964, 1.63386096812528,
+      1.6259468311431}},
+    {2,
+     49,
+     30,
+     {0, 1, 15, 28, 29},
+     {0.0109730945043204, 0.487194909024612, -0.894818126526032, 1.22524282696964,
+      1.22950091392964}},
+};
+
+TEST(the_filter_is_scipys_in_each_of_many_columns)
+{
+    for (size_t i = 0; i < sizeof scipy / sizeof *scipy; i++) {
+        const int rows = scipy[i].rows;
+        mukca_lowpass lowpass;
+        fill(rows, WIDTH);
+        mukca_lowpass_set(&lowpass, scipy[i].order, scipy[i].cutoff, 100);
+        mukca_lowpass_apply(x, rows, WIDTH, WIDTH, &lowpass, scratch);
+        for (int k = 0; k < 5; k++)
+            for (int c = 0; c < WIDTH; c++)
+                assert_close(x[scipy[i].at[k] * WIDTH + c], c + (1 + c) * scipy[i].value[k], 1e-9);
+    }
+}
+
+TEST(the_filter_leaves_other_columns_and_short_signals_alone)
+{
+    mukca_lowpass lowpass;
+    mukca_lowpass_set(&lowpass, 3, 8, 100);
+    fill(50, WIDTH);
+    mukca_lowpass_apply(x, 50, 9, WIDTH, &lowpass, scratch);
+    for (int r = 0; r < 50; r++)
+        for (int c = 9; c < WIDTH; c++) assert_true(x[r * WIDTH + c] == signal(r, 50, c));
+    fill(2, WIDTH);
+    mukca_lowpass_apply(x, 2, WIDTH, WIDTH, &lowpass, scratch);
+    for (int c = 0; c < WIDTH; c++) assert_true(x[WIDTH + c] == signal(1, 2, c));
+}
+
+TEST(two_passes_halve_the_amplitude_at_the_cutoff_without_a_shift)
+{
+    mukca_lowpass lowpass;
+    mukca_lowpass_set(&lowpass, 4, 5, 100);
+    for (int r = 0; r < MOST; r++) x[r] = sin(2 * 3.14159265358979323846 * 0.05 * r);
+    mukca_lowpass_apply(x, MOST, 1, 1, &lowpass, scratch);
+    for (int r = 80; r < 120; r++)
+        assert_close(x[r], 0.5 * sin(2 * 3.14159265358979323846 * 0.05 * r), 1e-3);
+}
+
+TEST(differences_are_central_and_one_sided_at_the_ends)
+{
+    const double y[] = {0, 1, 1, 2, 4, 4, 9, 8, 16, 16}; /* two columns */
+    const double slope[] = {10, 10, 20, 15, 40, 30, 60, 60, 70, 80};
+    double dy[10];
+    mukca_differences(dy, y, 5, 2, 0.1);
+    for (int i = 0; i < 10; i++) assert_close(dy[i], slope[i], 1e-12);
+}
+
+TEST(decimation_keeps_every_nth_row)
+{
+    double y[14]; /* two columns */
+    for (int i = 0; i < 14; i++) y[i] = i;
+    assert_int_equal(mukca_decimate(y, 7, 2, 3), 3);
+    for (int r = 0; r < 3; r++) assert_true(y[2 * r] == 6 * r && y[2 * r + 1] == 6 * r + 1);
+}
+
+/* ---- noise ---- */
+
+TEST(whitening_removes_the_correlation_within_pieces_only)
+{
+    enum { ROWS = 20000 };
+    static double e[ROWS][2];
+    const int first[4] = {0, 5000, 5000, ROWS}; /* one piece is empty */
+    const mukca_pieces pieces = {3, first};
+    const double rho = 0.8, sigma = 0.3;
+    mukca_random random;
+    mukca_random_seed(&random, 3);
+    for (int r = 0; r < ROWS; r++) {
+        const double fresh = sigma * mukca_random_normal(&random);
+        const int starts = r == 0 || r == 5000;
+        e[r][0] = starts ? fresh / sqrt(1 - rho * rho) : rho * e[r - 1][0] + fresh;
+        e[r][1] = 1;
+    }
+    const double found = mukca_ar1_coefficient(e[0], 2, &pieces, 0.98);
+    assert_close(found, rho, 4 * sqrt((1 - rho * rho) / ROWS)); /* its standard error */
+    assert_true(mukca_ar1_coefficient(e[0], 2, &pieces, 0.5) == 0.5);
+    mukca_ar1_whiten(e[0], 2, 2, &pieces, rho);
+    assert_close(mukca_ar1_coefficient(e[0], 2, &pieces, 0.98), 0, 4 / sqrt(ROWS));
+    assert_close(mukca_noise_sigma(e[0], 2, ROWS, 0), sigma, 4 * sigma / sqrt(2 * ROWS));
+    for (int r = 0; r < ROWS; r++)
+        assert_close(e[r][1], r == 0 || r == 5000 ? sqrt(1 - rho * rho) : 1 - rho, 1e-15);
+    assert_close(mukca_ar1_log_determinant(&pieces, rho), log(1 - rho * rho), 1e-15);
+}
+
+TEST(noise_of_nothing_is_finite)
+{
+    const double zero[4] = {0};
+    const int first[2] = {0, 4};
+    const mukca_pieces pieces = {1, first};
+    assert_true(mukca_ar1_coefficient(zero, 1, &pieces, 0.98) == 0);
+    assert_close(mukca_noise_sigma(zero, 1, 4, 10), 0, 0);
+    const double e[4] = {1, -1, 1, -1};
+    assert_close(mukca_noise_sigma(e, 1, 4, 3), 2, 1e-15);
+    assert_true(mukca_ar1_coefficient(e, 1, &pieces, 0.98) == 0); /* never negative */
+}
+
+TEST_MAIN(NULL, NULL)
