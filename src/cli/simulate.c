@@ -14,6 +14,7 @@ typedef struct {
     cli_list effects, places;
     int placements, poses, held_out, seed;
     mukca_simulate_options recording;
+    mukca_simulated_motion motion;
 } own;
 
 /* One simulation: the true arm and its recording. */
@@ -25,10 +26,12 @@ typedef struct {
     int n_places;         /* of the session; the held-out ones follow */
     mukca_place places[CLI_MAX_PLACES];
     mukca_simulate_options recording;
+    mukca_simulated_motion motion;
     mukca_rows rows; /* of --at */
 } simulation;
 
-static const own defaults = {.recording.rows = 30};
+static const own defaults = {.recording.rows = 30,
+                             .motion = {.runs = 1, .rate = 200, .speed = 1, .band = 1}};
 
 #define LOGS "poses or --at" /* options of a pose log */
 
@@ -71,8 +74,29 @@ static const cli_option options[] = {
                    .most = 10000000, .needs = "test"),
     CLI_OPTION_AND(own, test, "test", CLI_OUTPUT, "FILE", "write the held-out data there",
                    .needs = "held-out"),
+    CLI_OPTION_AND(own, motion.seconds, "motion", CLI_NUMBER, "S",
+                   "instead, runs of the moving arm of so many seconds, with joint efforts",
+                   .least = 1, .most = 1e5,
+                   .excludes = "perturb placements place rows noise correlation effort payload "
+                               "poses at position-only rotation-noise held-out test offsets"),
+    CLI_OPTION_AND(own, motion.runs, "runs", CLI_INTEGER, "N",
+                   "runs one after the other, 10 s apart (default: 1)", .least = 1, .most = 1000,
+                   .needs = "motion"),
+    CLI_OPTION_AND(own, motion.rate, "rate", CLI_NUMBER, "HZ", "rows per second (default: 200)",
+                   .least = 10, .most = 1e5, .needs = "motion"),
+    CLI_OPTION_AND(own, motion.speed, "speed", CLI_POSITIVE, "RAD/S",
+                   "largest velocity of the joints (default: 1)", .most = 100, .needs = "motion"),
+    CLI_OPTION_AND(own, motion.band, "band", CLI_POSITIVE, "HZ",
+                   "highest frequency of the path (default: 1)", .most = 100, .needs = "motion"),
+    CLI_OPTION_AND(own, motion.step, "encoder-step", CLI_NUMBER, "RAD",
+                   "step of the joint angles (default: none)", .most = 1, .needs = "motion"),
+    CLI_OPTION_AND(own, motion.noise, "torque-noise", CLI_NUMBER, "SHARE",
+                   "measurement noise of the efforts, a share of half of each joint's range "
+                   "(default: 0)",
+                   .most = 1, .needs = "motion"),
     CLI_OPTION(own, seed, "seed", CLI_INTEGER, "N", "seed of all random numbers (default: 0)"),
-    CLI_OPTION(own, truth, "truth", CLI_OUTPUT, "FILE", "write the true arm as an offsets table"),
+    CLI_OPTION(own, truth, "truth", CLI_OUTPUT, "FILE",
+               "write the true arm as an offsets table, of a moving arm its effects"),
     CLI_OPTION(own, common.arm.offsets, "offsets", CLI_INPUT, "FILE",
                "the true arm, effects included, before --perturb"),
     CLI_OUTPUT_OPTION("write the recording there (default: standard output)"),
@@ -154,6 +178,18 @@ static void set_truth(simulation *s)
             s->truth.effects[s->truth.n_effects++] = s->arm.effects[e];
 }
 
+/* The same of a moving arm. */
+static mukca_status prepare_motion(cli_call *call)
+{
+    const own *o = call->options;
+    simulation *s = call->work;
+    s->model = &call->session->model;
+    s->motion = o->motion;
+    s->motion.seed = (uint64_t)o->seed;
+    s->hidden = (cli_simulated){.chain = &s->model->chain, .moves = true};
+    return cli_prepare_motion(&s->motion, &s->hidden, &o->effects, &call->error);
+}
+
 /* Fill the zeroed simulation from the options of the call. */
 static mukca_status prepare(cli_call *call)
 {
@@ -183,30 +219,57 @@ static mukca_status prepare(cli_call *call)
 
 /* ---- recording ---- */
 
-/* Write a recording, after its origin. */
-static mukca_status write_data(cli_call *call, FILE *stream, const mukca_dataset *data,
-                               const char *path)
+static bool moves(const own *o)
+{
+    return o->motion.seconds > 0;
+}
+
+/* Lines of where a recording is from. */
+static void write_origin(cli_call *call, FILE *stream, const char *kind)
 {
     const own *o = call->options;
     const simulation *s = call->work;
     const mukca_chain *chain = &s->model->chain;
-    fprintf(stream, "# mukca %s\n# robot: %s\n# stream: raw\n# base: %s\n# tip: %s\n",
-            s->n_places ? "session" : "pose log", chain->robot, chain->base, chain->tip);
+    fprintf(stream, "# mukca %s\n# robot: %s\n# stream: raw\n# base: %s\n# tip: %s\n", kind,
+            chain->robot, chain->base, chain->tip);
     fprintf(stream, "# simulated by mukca " MUKCA_VERSION ": --seed %d", o->seed);
     if (o->perturb) fprintf(stream, " --perturb %s", o->perturb);
     for (int i = 0; i < o->effects.n; i++) fprintf(stream, " --effect %s", o->effects.items[i]);
-    fprintf(stream, " --noise %g", o->recording.noise);
+    if (moves(o))
+        cli_write_motion_options(stream, &o->motion);
+    else
+        fprintf(stream, " --noise %g", o->recording.noise);
     if (o->recording.correlation > 0)
         fprintf(stream, " --correlation %g", o->recording.correlation);
     fputc('\n', stream);
-    mukca_dataset_write(stream, data, chain, mukca_dataset_separator(path));
+}
+
+static mukca_status write_data(cli_call *call, FILE *stream, const mukca_dataset *data,
+                               const char *path)
+{
+    const simulation *s = call->work;
+    write_origin(call, stream, s->n_places ? "session" : "pose log");
+    mukca_dataset_write(stream, data, &s->model->chain, mukca_dataset_separator(path));
+    return MUKCA_OK;
+}
+
+static mukca_status write_effects(cli_call *call, FILE *stream)
+{
+    const simulation *s = call->work;
+    write_origin(call, stream, "motion: the true effects");
+    cli_write_torques(stream, &s->motion);
     return MUKCA_OK;
 }
 
 static mukca_status write_recording(cli_call *call, FILE *stream)
 {
-    const char *path = call->common->output;
-    return write_data(call, stream, &call->session->data, path ? path : "-");
+    const own *o = call->options;
+    const simulation *s = call->work;
+    const char *path = call->common->output ? call->common->output : "-";
+    if (!moves(o)) return write_data(call, stream, &call->session->data, path);
+    write_origin(call, stream, "runs");
+    return cli_write_motion(stream, &s->motion, o->recording.command,
+                            mukca_dataset_separator(path));
 }
 
 static mukca_status write_test(cli_call *call, FILE *stream)
@@ -267,7 +330,9 @@ static mukca_status run(cli_call *call)
 {
     const own *o = call->options;
     simulation *s = call->work;
-    mukca_status status = prepare(call);
+    mukca_status status = moves(o) ? prepare_motion(call) : prepare(call);
+    if (status == MUKCA_OK && moves(o))
+        return o->truth ? cli_write(call, o->truth, write_effects) : MUKCA_OK;
     s->truth.acceptance.given = s->truth.acceptance.accepted = s->truth.acceptance.converged = true;
     if (status == MUKCA_OK) status = record(call, &call->session->data, false);
     if (status == MUKCA_OK && o->test) status = record(call, &call->session->test, true);
@@ -300,11 +365,25 @@ const cli_command cli_command_simulate = {
         "  zero_jump:JOINT/PLACE=1e-3          ball_shift:PLACE=1e-3, or =X,Y,Z\n"
         "  tool_motion:PLACE/SOCKET@12=1e-3    from its sample 12 on, or @creep\n"
         "  wrong_socket:PLACE/SOCKET@5         duplicate alike; outlier with a size\n"
-        "  socket_distance=1e-3                the sockets are farther apart than stated",
+        "  socket_distance=1e-3                the sockets are farther apart than stated\n\n"
+        "With --motion, a table of runs (time, joint angles, efforts) instead: the joints follow "
+        "sums of sines within their limits; self-collisions are ignored. Its effects:\n"
+        "  payload=KG[,X,Y,Z]                  a point mass at the tip, m from it\n"
+        "  link_mass:JOINT=KG                  of the link after JOINT, beyond the model\n"
+        "  link_centre:JOINT=X,Y,Z             its centre is moved by so many m\n"
+        "  armature:JOINT=KGM2                 coulomb, viscous, offset alike; asymmetry\n"
+        "                                      (times the speed), load_friction (a share\n"
+        "                                      of the load's torque)\n"
+        "  stribeck:JOINT@0.1=NM               velocity, rad/s\n"
+        "  spring:JOINT=NM/RAD[,ZERO]          cogging:JOINT@ORDER=A[,B]: A sin + B cos\n"
+        "  thermal_friction:JOINT@60=NM        time constant, s\n"
+        "  torque_gain[:JOINT]=SHARE           delay[:JOINT]=S: the efforts are late",
     .example =
         "  mukca simulate --urdf data/demo/arm.urdf --placements 2 --rows 5 \\\n"
         "      --seed 1 --perturb 1,2 --noise 1e-4 \\\n"
-        "      --effect gear_harmonic:joint_4@160=5e-4",
+        "      --effect gear_harmonic:joint_4@160=5e-4\n"
+        "  mukca simulate --urdf data/demo/arm.urdf --motion 10 --rate 50 \\\n"
+        "      --seed 1 --torque-noise 0.01 --effect payload=0.5,viscous:joint_3=2",
     .with = CLI_WITH_MODEL | CLI_WITH_DISTANCE,
     .options = options,
     .options_size = sizeof(own),

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/number.h"
+#include "dynamics/inverse_dynamics.h"
 
 enum { TEXT = 160, MAX_VALUES = 4 };
 
@@ -212,6 +213,52 @@ static mukca_status add_effect(cli_simulated *s, const piece *p, mukca_effect_ki
     return status;
 }
 
+/* ---- effects of a moving arm ---- */
+
+/* A link must have a mass, and must keep one. */
+static mukca_status check_mass(const cli_simulated *s, const mukca_simulated_torque *t,
+                               const piece *p, mukca_error *error)
+{
+    double inertial[MUKCA_MAX_JOINTS * MUKCA_INERTIAL];
+    if (t->joint < 0 || mukca_simulated_kinds[t->kind].stage != MUKCA_SIMULATED_MASSES)
+        return MUKCA_OK;
+    mukca_dynamics_inertials(inertial, s->chain, NULL);
+    const double kg = inertial[MUKCA_INERTIAL * t->joint];
+    if (!(kg > 0)) return wrong(error, p, "this link has no mass; give --inertials FILE");
+    return p->n_values > 1 || kg + t->value[0] > 0 ? MUKCA_OK
+                                                   : wrong(error, p, "leaves the link no mass");
+}
+
+static mukca_status add_torque(cli_simulated *s, const piece *p, mukca_error *error)
+{
+    mukca_simulated_torque t = {.kind = mukca_simulated_kind_find(p->name), .joint = -1};
+    if (t.kind < 0)
+        return wrong(error, p, "is no effect of a moving arm; `mukca simulate --help` lists them");
+    const mukca_simulated_kind *kind = &mukca_simulated_kinds[t.kind];
+    if (s->n_torques == CLI_MAX_SIMULATED_TORQUES) return wrong(error, p, "too many effects");
+    if (kind->where == MUKCA_SIMULATED_AT_TIP && p->where[0])
+        return wrong(error, p, "is at the tip: NAME=VALUE");
+    if (kind->where == MUKCA_SIMULATED_AT_JOINT && !p->where[0])
+        return wrong(error, p, "needs a joint: NAME:JOINT=VALUE");
+    mukca_status status = p->where[0] ? find_joint(&t.joint, s, p, p->where, error) : MUKCA_OK;
+    if (status) return status;
+    const mukca_simulated_value *variant = &kind->variant;
+    t.variant = kind->usual;
+    if (!variant->name && p->variant[0]) return wrong(error, p, "has no @");
+    if (variant->name && ((p->variant[0] && !mukca_number_parse(&t.variant, p->variant)) ||
+                          !(t.variant > 0 && t.variant <= MUKCA_NUMBER_LARGEST)))
+        return mukca_fail(error, MUKCA_USAGE, "--effect %.80s: @ needs its %s, above 0, in %s",
+                          p->text, variant->name, variant->unit);
+    if (p->n_values != kind->least && p->n_values != kind->most)
+        return mukca_fail(error, MUKCA_USAGE, "--effect %.80s: needs %d%s values, the first in %s",
+                          p->text, kind->least, kind->most > kind->least ? " or more" : "",
+                          kind->value[0].unit);
+    memcpy(t.value, p->value, sizeof t.value);
+    status = check_mass(s, &t, p, error);
+    if (status == MUKCA_OK) s->torques[s->n_torques++] = t;
+    return status;
+}
+
 mukca_status cli_simulated_parse(cli_simulated *s, const char *text, mukca_error *error)
 {
     mukca_status status = MUKCA_OK;
@@ -221,7 +268,8 @@ mukca_status cli_simulated_parse(cli_simulated *s, const char *text, mukca_error
         if (status) return status;
         const int kind = mukca_effect_find(p.name);
         const fault_kind *fault = find_fault(p.name);
-        status = fault       ? add_fault(s, &p, fault, error)
+        status = s->moves    ? add_torque(s, &p, error)
+                 : fault     ? add_fault(s, &p, fault, error)
                  : kind >= 0 ? add_effect(s, &p, (mukca_effect_kind)kind, error)
                              : cli_fail_effect(error, "--effect", p.name);
     } while (status == MUKCA_OK && *text);

@@ -22,12 +22,14 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     simulated.n_places = 2;
     simulated.rows = 20;
     mukca_random_seed(&simulated.random, 1);
-    for (int pass = 0; pass < 3; pass++) {
+    for (int pass = 0; pass < 4; pass++) {
+        simulated.moves = pass == 3;
         if (cli_simulated_parse(&simulated, text, &error) &&
             (!error.text[0] || strchr(error.text, '\n')))
             abort();
         if (simulated.n_effects > MUKCA_MAX_EFFECTS ||
-            simulated.n_faults > CLI_MAX_SIMULATED_FAULTS)
+            simulated.n_faults > CLI_MAX_SIMULATED_FAULTS ||
+            simulated.n_torques > CLI_MAX_SIMULATED_TORQUES)
             abort();
     }
     return 0;

@@ -59,3 +59,19 @@ refuse 2 "cannot both go to x.tsv" simulate --urdf arm.urdf -o x.tsv --truth x.t
 refuse 2 "at and --poses exclude each other" simulate --urdf arm.urdf --at angles.tsv --poses 9
 refuse 3 "does not reach socket 0" simulate --urdf arm.urdf --place far=9,0,0
 refuse 3 "session.tsv" simulate --urdf arm.urdf -o session.tsv
+
+# runs of a moving arm
+simulate --motion 10 --rate 50 --seed 1 --runs 2 --command --truth effects.tsv -o runs.tsv \
+    --effect payload=0.5,viscous:joint_3=2,stribeck:joint_2=1
+expect "two runs have their rows" test "$(grep -vc '^[#t]' runs.tsv)" -eq 1002
+expect "time, angles, efforts, commands" test "$(grep -m 1 time_s runs.tsv | wc -w)" -eq 22
+expect "the truth names effect, joint and unit" grep -q 'viscous	joint_3	damping	N\*m\*s/rad	2	0	1' effects.tsv
+run simulate --urdf arm.urdf --motion 10 --rate 50 --seed 1 --runs 2 --command \
+    --effect payload=0.5,viscous:joint_3=2,stribeck:joint_2=1
+expect "the same seed gives the same runs" cmp runs.tsv "$scratch/out"
+refuse 2 "motion and --poses exclude each other" simulate --urdf arm.urdf --motion 9 --poses 9
+refuse 2 "rate needs --motion" simulate --urdf arm.urdf --rate 100
+refuse 2 "is no effect of a moving arm" simulate --urdf arm.urdf --motion 9 --effect backlash:joint_2=1
+refuse 2 "needs a joint" simulate --urdf arm.urdf --motion 9 --effect coulomb=1
+sed '/<inertial>/,/<.inertial>/d' arm.urdf >weightless.urdf
+refuse 2 "motion needs link masses" simulate --urdf weightless.urdf --motion 9
