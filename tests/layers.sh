@@ -4,8 +4,8 @@
 # they belong.
 set -u
 cd "$(dirname "$0")/.." || exit 1
-modules='base math model dynamics effect arm infer fit recalibrate capture plan simulate diagnose fleet io lcm report record cli heart'
-core='base math model dynamics effect arm infer fit recalibrate capture plan simulate diagnose fleet'
+modules='base math model dynamics effect arm infer fit recalibrate capture plan simulate diagnose motion fleet io lcm report record cli heart'
+core='base math model dynamics effect arm infer fit recalibrate capture plan simulate diagnose motion fleet'
 build=${BUILD:-build}
 bad=0
 fail() {
@@ -17,7 +17,7 @@ for file in $(find src -name '*.[ch]' -o -name '*.cc' | sort); do
     module=${file#src/}
     module=${module%%/*}
     case " $modules " in *" $module "*) ;; *) fail "$file: src/$module is no module of this list" ;; esac
-    above=" ${modules%%"$module"*}$module "
+    above=" $modules " above="${above%%" $module "*} $module "
     for include in $(sed -n 's/^[ \t]*#[ \t]*include[ \t]*"\([^"]*\)".*/\1/p' "$file"); do
         case $include in
         mukca/*) [ -f "include/$include" ] || fail "$file includes $include, which does not exist" ;;
@@ -37,7 +37,7 @@ find "$build/obj/src" -name '*.o' ! -path '*/heart/*' -exec nm -A -P {} + 2>/dev
               print user[i], owner[symbol[i]] }' | sort -u >"$uses"
 [ -s "$uses" ] || fail "no object files below $build/obj/src: build the program first"
 while read -r user owner; do
-    above=" ${modules%%"${user%%/*}"*}${user%%/*} "
+    above=" $modules " above="${above%%" ${user%%/*} "*} ${user%%/*} "
     case $above in *" ${owner%%/*} "*) ;; *) fail "src/$user.c calls src/$owner.c, a later module" ;; esac
 done <"$uses"
 for module in $modules; do

@@ -15,6 +15,7 @@
     X(recalibrate)          \
     X(evaluate)             \
     X(diagnose)             \
+    X(motion)               \
     X(fleet)                \
     X(report)               \
     X(compare)              \

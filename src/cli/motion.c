@@ -1,0 +1,353 @@
+/* mukca motion: what separates the torques of a moving arm from its model. */
+#include <math.h>
+#include <string.h>
+
+#include "base/number.h"
+#include "cli/cli.h"
+#include "io/runs.h"
+#include "math/stats.h"
+#include "mukca/version.h"
+#include "report/wording_motion.h"
+
+#define put mukca_wording_put /* short for this file */
+
+typedef struct {
+    cli_common common;
+    const char *mjcf, *gain, *stiffness, *without;
+    cli_list reference;
+    int effort;
+} motion_options;
+
+static const char *const efforts[] = {"torque", "current", NULL};
+
+static const cli_option options[] = {
+    CLI_OPTION(
+        motion_options, reference, "reference", CLI_REST, "RUN...",
+        "earlier runs: report what has changed since, not what separates them from the model"),
+    CLI_OPTION(motion_options, mjcf, "mjcf", CLI_INPUT, "FILE",
+               "MuJoCo model with frictionloss, damping and armature of the joints (default: "
+               "<dynamics> of the URDF)"),
+    CLI_CHOICE_OPTION(motion_options, effort, "effort", "WHAT", efforts,
+                      "what JOINT.effort contains (default: torque, N m)"),
+    CLI_OPTION(motion_options, gain, "current-gain", CLI_TEXT, "JOINT=X,...",
+               "torque constants of the joints, N m/A, for currents"),
+    CLI_OPTION(motion_options, stiffness, "kp", CLI_TEXT, "JOINT=X,...",
+               "position gains, N m/rad: the efforts of runs that have commands only"),
+    CLI_OPTION(motion_options, without, "without", CLI_TEXT, "EFFECTS",
+               "exclude these effects from the catalogue (comma-separated)"),
+    CLI_OUTPUT_OPTION("write the effects as a table"),
+    {.name = NULL}};
+
+typedef struct {
+    mukca_motion_input input;
+    mukca_motion motion;
+} motion_work;
+
+/* ---- inputs ---- */
+
+/* Numbers by joint: J1=14.87,J2=...; NaN: not given. */
+static mukca_status read_by_joint(double *values, cli_call *call, const char *option,
+                                  const char *list)
+{
+    const mukca_chain *chain = &call->session->model.chain;
+    for (int j = 0; j < MUKCA_MAX_JOINTS; j++) values[j] = (double)NAN;
+    while (list && *list) {
+        const size_t length = strcspn(list, ",");
+        char name[MUKCA_NAME_SIZE + 40];
+        snprintf(name, sizeof name, "%.*s", (int)(length < 100 ? length : 100), list);
+        char *equals = strchr(name, '=');
+        if (equals) *equals = '\0';
+        const int joint = mukca_chain_find_joint(chain, name);
+        if (!equals || joint < 0 || !mukca_number_parse(&values[joint], equals + 1))
+            return cli_fail(call, MUKCA_USAGE,
+                            "--%s: '%.60s' is not JOINT=NUMBER with a joint of the chain", option,
+                            name);
+        list += length + (list[length] == ',');
+    }
+    return MUKCA_OK;
+}
+
+static mukca_status disable(bool *disabled, cli_call *call, const char *list)
+{
+    while (list && *list) {
+        const size_t length = strcspn(list, ",");
+        char name[64];
+        snprintf(name, sizeof name, "%.*s", (int)(length < 60 ? length : 60), list);
+        const int effect = mukca_torque_effect_find(name);
+        if (effect < 0)
+            return cli_fail(call, MUKCA_USAGE, "--without: there is no effect '%s' of a motion",
+                            name);
+        disabled[effect] = true;
+        list += length + (list[length] == ',');
+    }
+    return MUKCA_OK;
+}
+
+static mukca_status read_runs(cli_call *call, mukca_run *run, mukca_run_options *o)
+{
+    const cli_list *lists[] = {&((const motion_options *)call->options)->reference,
+                               &call->arguments, &call->common->test};
+    static const mukca_run_role roles[] = {MUKCA_RUN_REFERENCE, MUKCA_RUN_NEW, MUKCA_RUN_TEST};
+    motion_work *w = call->work;
+    for (int k = 0; k < 3; k++)
+        for (int i = 0; i < lists[k]->n; i++) {
+            mukca_run *next = &run[w->input.n_runs++];
+            next->role = roles[k];
+            const mukca_status status =
+                mukca_run_read(next, &call->pool, lists[k]->items[i], &call->session->model.chain,
+                               o, &call->error);
+            if (status != MUKCA_OK) return status;
+        }
+    return MUKCA_OK;
+}
+
+static mukca_status run(cli_call *call)
+{
+    const motion_options *o = call->options;
+    const cli_model *model = &call->session->model;
+    motion_work *w = call->work;
+    mukca_run_options how = {.current = o->effort == 1, .note = cli_note, .context = call};
+    const int n = call->arguments.n + o->reference.n + call->common->test.n;
+    mukca_run *runs = MUKCA_TAKE(&call->pool, mukca_run, n + 1);
+    if (!runs) return cli_fail(call, MUKCA_MEMORY, "out of memory");
+    w->input.chain = &model->chain;
+    w->input.run = runs;
+    w->input.note = cli_note;
+    w->input.context = call;
+    mukca_status status = read_by_joint(how.gain, call, "current-gain", o->gain);
+    if (status == MUKCA_OK) status = read_by_joint(how.stiffness, call, "kp", o->stiffness);
+    if (status == MUKCA_OK) status = disable(w->input.disabled, call, o->without);
+    if (status == MUKCA_OK) status = cli_read_format(call, &how.format);
+    if (status == MUKCA_OK)
+        status = mukca_drives_read(&w->input.drives, o->mjcf ? o->mjcf : call->common->arm.urdf,
+                                   &model->chain, &call->error);
+    if (status == MUKCA_OK) status = read_runs(call, runs, &how);
+    if (status != MUKCA_OK) return status;
+    w->input.current = how.current;
+    return mukca_motion_analyse(&w->motion, &w->input, &call->error);
+}
+
+static mukca_status check(cli_call *call)
+{
+    if (call->arguments.n) return MUKCA_OK;
+    return cli_fail(call, MUKCA_USAGE, "give the tables of one or more runs");
+}
+
+/* ---- screen ---- */
+
+enum { MOST_FOUND = 5, SIZE_COLUMN = 58 };
+
+static void print_finding(FILE *stream, const mukca_chain *chain, const mukca_motion_finding *f,
+                          const char *key, bool sure)
+{
+    char text[MUKCA_WORDING] = "";
+    mukca_wording_torque(text, &f->group, chain);
+    if (!sure) put(text, ", %.0f %%", 100 * f->group.probability);
+    fprintf(stream, "%s%-8s%s%-*s  %.2g N·m, %.1f %%\n", cli_bold(stream), key, cli_plain(stream),
+            SIZE_COLUMN - 8, text, f->size_nm.value, f->size_percent);
+    if (!sure) return;
+    cli_print_keyed(stream, "", mukca_wording_torque_certainty(MUKCA_WORDS, f));
+    cli_print_keyed(stream, "", mukca_wording_torque_alternatives(MUKCA_WORDS, f, chain));
+}
+
+/* Mean over the joints of an error in % of their ranges, rms. */
+static double percent(const mukca_motion *m, size_t offset)
+{
+    double sum = 0;
+    for (int j = 0; j < m->n_joints; j++) {
+        double error;
+        memcpy(&error, (const char *)&m->joint[j] + offset, sizeof error);
+        sum += pow(error / m->joint[j].range_nm, 2) / m->n_joints;
+    }
+    return 100 * sqrt(sum);
+}
+#define PERCENT(m, member) percent(m, offsetof(mukca_motion_joint, member))
+
+static void print_joints(FILE *stream, const mukca_motion *m, const mukca_chain *chain)
+{
+    fprintf(stream, "\n%sHeld-out torque error, N m rms%s\n%-24s %10s %10s %10s %10s %10s\n",
+            cli_bold(stream), cli_plain(stream), "  joint", "model", "fitted", "findings", "noise",
+            "range");
+    for (int j = 0; j < m->n_joints; j++) {
+        const mukca_motion_joint *of = &m->joint[j];
+        fprintf(stream, "  %-22.22s %10.4g %10.4g %10.4g %10.4g %10.4g\n",
+                mukca_chain_joint_name(chain, j), of->nominal_nm, of->baseline_nm, of->explained_nm,
+                of->floor_nm, of->range_nm);
+    }
+}
+
+static mukca_status print(cli_call *call)
+{
+    const motion_work *w = call->work;
+    const mukca_motion *m = &w->motion;
+    const mukca_chain *chain = &call->session->model.chain;
+    FILE *stream = cli_answer_stream(call);
+    if (!stream) return MUKCA_OK;
+    const bool all = call->common->verbose;
+    fprintf(stream, "%s: %d run%s, %.0f s of motion", chain->robot, m->n_runs,
+            m->n_runs == 1 ? "" : "s", m->seconds);
+    if (m->n_reference) fprintf(stream, "; reference: %d", m->n_reference);
+    if (m->n_test) fprintf(stream, "; test: %d", m->n_test);
+    fputs("\n\n", stream);
+    for (int i = 0; i < m->n_findings && (all || i < MOST_FOUND); i++)
+        print_finding(stream, chain, &m->finding[i], i ? "" : "Found", true);
+    if (!all && m->n_findings > MOST_FOUND)
+        cli_print_keyed(stream, "",
+                        put(MUKCA_WORDS, "and %d more; -v and --json list them all",
+                            m->n_findings - MOST_FOUND));
+    if (!m->n_findings)
+        cli_print_keyed(stream, "Found",
+                        m->n_reference
+                            ? "nothing: these runs agree with the reference"
+                            : "nothing beyond the uncertainty of the model's parameters");
+    for (int i = 0; i < m->n_maybe && (all || i < 1); i++)
+        print_finding(stream, chain, &m->maybe[i], i ? "" : "Maybe", false);
+    cli_print_keyed(stream, "Rest",
+                    put(MUKCA_WORDS,
+                        "%.1f %% of the range held out (model %.1f, with fitted parameters %.1f), "
+                        "noise %.1f %%",
+                        PERCENT(m, explained_nm), PERCENT(m, nominal_nm), PERCENT(m, baseline_nm),
+                        PERCENT(m, floor_nm)));
+    if (all) print_joints(stream, m, chain);
+    return MUKCA_OK;
+}
+
+/* ---- JSON and table ---- */
+
+static json_t *interval(const mukca_measure *m)
+{
+    return isfinite(m->value) ? cli_json_interval(m->low, m->high) : NULL;
+}
+
+static json_t *alternatives(const mukca_motion_finding *f, const mukca_chain *chain)
+{
+    json_t *array = json_array();
+    const int last = chain->n_joints - 1;
+    for (int i = 0; i < f->n_alternatives; i++) {
+        const mukca_motion_alternative *a = &f->alternative[i];
+        const mukca_torque_effect *row = a->effect < 0 ? NULL : &mukca_torque_table[a->effect];
+        const bool links = row ? row->links : mukca_wording_torque_on_links(&f->group);
+        cli_json_append(
+            array, KEY("effect", row ? row->name : NULL), KEY("on", links ? "links" : "joints"),
+            KEY("from", mukca_wording_torque_position(chain, links, a->all ? 0 : a->from)),
+            KEY("to", mukca_wording_torque_position(chain, links, a->all ? last : a->to)),
+            KEY("joint", a->all || a->from < a->to ? NULL : mukca_chain_joint_name(chain, a->to)),
+            KEY("order", cli_json_positive(a->detail)), FIELD(a, probability),
+            KEY("amplitude", row ? a->amplitude.value : (double)NAN),
+            KEY("unit", row ? row->unit : NULL), KEY("ci95", row ? interval(&a->amplitude) : NULL));
+    }
+    return array;
+}
+
+static json_t *finding(const mukca_motion_finding *f, const mukca_chain *chain)
+{
+    static const char *const kinds[] = {"effect", "effect", "family", "place"};
+    const mukca_finding_group *g = &f->group;
+    const bool links = mukca_wording_torque_on_links(g), sized = isfinite(f->coefficient.value);
+    const double shrink = 100 * (1 - f->after_nm / f->before_nm);
+    const int last = chain->n_joints - 1;
+    return cli_json(
+        KEY("kind", kinds[g->kind]),
+        KEY("effect", g->effect < 0 ? NULL : mukca_torque_table[g->effect].name),
+        KEY("varies_with", g->family < 0 ? NULL : mukca_torque_family_name[g->family]),
+        KEY("on", links ? "links" : "joints"),
+        KEY("from", mukca_wording_torque_position(chain, links, g->apart ? 0 : g->from)),
+        KEY("to", mukca_wording_torque_position(chain, links, g->apart ? last : g->to)),
+        KEY("order", cli_json_positive(f->order[0] ? f->alternative[0].detail : 0)),
+        KEY("order_ci95", f->order[0] > 0 ? json_pack("[i, i]", f->order[0], f->order[1]) : NULL),
+        KEY("probability", g->probability), KEY("halves", g->halves),
+        KEY("size_nm", f->size_nm.value), KEY("size_ci95_nm", interval(&f->size_nm)),
+        FIELD(f, size_percent), KEY("worst", mukca_chain_joint_name(chain, f->worst)),
+        FIELD(f, share),
+        KEY("held_out", f->before_nm > 0 ? cli_json(FIELD(f, before_nm), FIELD(f, after_nm),
+                                                    KEY("shrink_percent", shrink))
+                                         : NULL),
+        KEY("coefficient", sized ? cli_json(KEY("value", f->coefficient.value),
+                                            KEY("unit", mukca_torque_table[g->effect].unit),
+                                            KEY("ci95", interval(&f->coefficient)))
+                                 : NULL),
+        KEY("alternatives", alternatives(f, chain)),
+        KEY("sentence", mukca_wording_torque(MUKCA_WORDS, g, chain)));
+}
+
+static json_t *as_json(const cli_call *call)
+{
+    const motion_work *w = call->work;
+    const mukca_motion *m = &w->motion;
+    const mukca_chain *chain = &call->session->model.chain;
+    json_t *findings = json_array(), *maybe = json_array(), *joints = json_array();
+    for (int i = 0; i < m->n_findings; i++)
+        json_array_append_new(findings, finding(&m->finding[i], chain));
+    for (int i = 0; i < m->n_maybe; i++) json_array_append_new(maybe, finding(&m->maybe[i], chain));
+    for (int j = 0; j < m->n_joints; j++) {
+        const mukca_motion_joint *of = &m->joint[j];
+        cli_json_append(joints, KEY("joint", mukca_chain_joint_name(chain, j)),
+                        FIELD(of, nominal_nm), FIELD(of, baseline_nm), FIELD(of, explained_nm),
+                        FIELD(of, floor_nm), FIELD(of, range_nm), FIELD(of, moves),
+                        FIELD(of, reverses));
+    }
+    return cli_json(KEY("verdict", mukca_motion_verdict_name[m->verdict]),
+                    KEY("findings", findings), KEY("maybe", maybe), KEY("joints", joints),
+                    KEY("runs", m->n_runs), KEY("reference", m->n_reference),
+                    KEY("test", m->n_test), KEY("seconds", m->seconds), KEY("shift_s", m->shift_s),
+                    KEY("elapsed_s", cli_elapsed(call)));
+}
+
+static mukca_status write_table(cli_call *call, FILE *stream)
+{
+    const motion_work *w = call->work;
+    const mukca_chain *chain = &call->session->model.chain;
+    if (!call->common->output) { /* the screen is the answer */
+        call->printed = false;
+        return MUKCA_OK;
+    }
+    fprintf(stream, "# mukca %s\n# robot: %s\n# urdf_sha256: %s\n", MUKCA_VERSION, chain->robot,
+            chain->urdf_sha256);
+    fputs(
+        "# torque of the arm = torque of the model + effects\n"
+        "effect\tjoint\tparameter\tunit\tvalue\tsigma\tprobability\n",
+        stream);
+    for (int i = 0; i < w->motion.n_findings; i++) {
+        const mukca_motion_finding *f = &w->motion.finding[i];
+        for (int k = 0; k < f->n_alternatives; k++) {
+            const mukca_motion_alternative *a = &f->alternative[k];
+            if (a->effect < 0) continue;
+            for (int j = a->all ? 0 : a->from; j <= (a->all ? chain->n_joints - 1 : a->to); j++)
+                fprintf(stream, "%s\t%s\t%d\t%s\t%.17g\t%.17g\t%.4f\n",
+                        mukca_torque_table[a->effect].name, mukca_chain_joint_name(chain, j),
+                        a->detail, mukca_torque_table[a->effect].unit, a->amplitude.value,
+                        (a->amplitude.high - a->amplitude.low) / (2 * MUKCA_SIGMAS_95),
+                        a->probability);
+        }
+    }
+    return MUKCA_OK;
+}
+
+const cli_command cli_command_motion = {
+    .name = "motion",
+    .group = CLI_UNDERSTAND,
+    .summary = "what separates runs of a moving arm from its model, or from earlier runs",
+    .synopsis = "RUN...",
+    .description =
+        "Identifies the effects that separate the measured joint torques of a moving arm from its "
+        "model: payload, masses, friction, armature, gain, delay and others, each with its size, "
+        "probability and alternatives. With --reference: what has changed since those runs; "
+        "errors of the model that both share cancel.\n\n"
+        "A RUN is a table with time_s, the joint angles, and JOINT.effort (torque, N m) or "
+        "JOINT.current (A, with --current-gain) for each joint, 20 rows per second or more. "
+        "Motions "
+        "to and fro over the arm's range, 20 s or more, fast enough for its task, show most.",
+    .example = "  mukca simulate --urdf data/demo/arm.urdf --motion 30 --seed 1 \\\n"
+               "      --effect payload=0.5,viscous:joint_3=2 -o build/run.tsv\n"
+               "  mukca motion --urdf data/demo/arm.urdf build/run.tsv",
+    .with = CLI_WITH_MODEL | CLI_WITH_TEST | CLI_WITH_JSON | CLI_WITH_COLUMNS,
+    .options = options,
+    .options_size = sizeof(motion_options),
+    .check = check,
+    .reads = CLI_READS_MODEL,
+    .run = run,
+    .table = write_table,
+    .json = as_json,
+    .print = print,
+    .work_size = sizeof(motion_work),
+};

@@ -1,0 +1,214 @@
+/* Runs of a moving arm from tables. */
+#include "io/runs.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "base/list.h"
+#include "base/number.h"
+#include "io/export.h"
+
+/* One row of a run. */
+typedef struct {
+    double time, q[MUKCA_MAX_JOINTS], effort[MUKCA_MAX_JOINTS];
+} sample;
+
+typedef struct {
+    mukca_rows rows;
+    mukca_run_options *options;
+    sample *sample;
+    int n, incomplete, repeated;
+    bool commands; /* efforts are computed from commanded angles */
+} reader;
+
+/* Rename columns JOINT.current to JOINT.effort, after the user's own renames, if a file has no
+ * efforts.  Returns the text for --columns, to be freed; NULL: there are no currents. */
+static char *rename_currents(const char *path, const mukca_chain *chain, const char *columns)
+{
+    mukca_table table;
+    mukca_error error;
+    const size_t size =
+        strlen(columns ? columns : "") + 2 + (size_t)chain->n_joints * (2 * MUKCA_NAME_SIZE + 24);
+    char *text = NULL, name[MUKCA_NAME_SIZE + 16];
+    if (strcmp(path, "-") == 0) return NULL;
+    bool found = mukca_table_open(&table, path, MUKCA_EITHER, &error) == MUKCA_OK && table.header;
+    for (int j = 0; j < chain->n_joints && found; j++) {
+        const char *joint = mukca_chain_joint_name(chain, j);
+        snprintf(name, sizeof name, "%s.effort", joint);
+        found = mukca_table_find(&table, name) < 0;
+        snprintf(name, sizeof name, "%s.current", joint);
+        found = found && mukca_table_find(&table, name) >= 0;
+    }
+    if (found && (text = malloc(size))) {
+        size_t used = (size_t)snprintf(text, size, "%s", columns ? columns : "");
+        for (int j = 0; j < chain->n_joints; j++) {
+            const char *joint = mukca_chain_joint_name(chain, j);
+            used += (size_t)snprintf(text + used, size - used, "%s%s.current=%s.effort",
+                                     used ? "," : "", joint, joint);
+        }
+    }
+    (void)mukca_table_close(&table);
+    return text;
+}
+
+/* Check that all joints have what the efforts are made of. */
+static void check_columns(reader *r)
+{
+    mukca_table *t = &r->rows.table;
+    const mukca_chain *chain = r->rows.chain;
+    const mukca_row_columns *c = &r->rows.column;
+    const mukca_run_options *o = r->options;
+    r->commands = c->number[MUKCA_COLUMN_EFFORT][0] < 0 &&
+                  c->number[MUKCA_COLUMN_COMMAND][0] >= 0 && isfinite(o->stiffness[0]);
+    if (c->number[MUKCA_COLUMN_TIME][0] < 0)
+        mukca_table_fail(t, -1, "no column time_s: a run needs the time of each row, s");
+    if (r->rows.by_command)
+        mukca_table_fail(t, -1, "commanded angles only; a run needs the measured ones");
+    for (int j = 0; j < chain->n_joints; j++) {
+        const char *name = mukca_chain_joint_name(chain, j);
+        const bool has =
+            c->number[r->commands ? MUKCA_COLUMN_COMMAND : MUKCA_COLUMN_EFFORT][j] >= 0;
+        if (!has)
+            mukca_table_fail(t, -1,
+                             "no column %s.effort (torque, N m) or %s.current (A); record the "
+                             "efforts of the joint states",
+                             name, name);
+        else if (r->commands ? !isfinite(o->stiffness[j]) : o->current && !isfinite(o->gain[j]))
+            mukca_table_fail(t, -1, "no %s of %s; give --%s %s=VALUE",
+                             r->commands ? "position gain" : "torque constant", name,
+                             r->commands ? "kp" : "current-gain", name);
+    }
+}
+
+static mukca_status read_rows(reader *r)
+{
+    const mukca_run_options *o = r->options;
+    const int n = r->rows.chain->n_joints;
+    mukca_row row;
+    while (mukca_rows_next(&r->rows, &row)) {
+        sample s = {.time = row.time[0]};
+        bool complete = isfinite(s.time);
+        for (int j = 0; j < n; j++) {
+            s.q[j] = row.q[j];
+            s.effort[j] = r->commands ? o->stiffness[j] * (row.command[j] - row.q[j])
+                                      : row.effort[j] * (o->current ? o->gain[j] : 1);
+            complete &= isfinite(s.effort[j]) != 0;
+        }
+        const double last = r->n ? r->sample[r->n - 1].time : -HUGE_VAL;
+        if (complete && s.time < last)
+            mukca_table_fail(&r->rows.table, r->rows.column.number[MUKCA_COLUMN_TIME][0],
+                             "the time falls by %.3g s; write each run to a file of its own",
+                             last - s.time);
+        r->incomplete += !complete;
+        r->repeated += complete && s.time == last;
+        if (!complete || !(s.time > last)) continue;
+        sample *to = mukca_list_append(&r->sample, &r->n, sizeof s);
+        if (!to) return MUKCA_MEMORY;
+        *to = s;
+    }
+    return MUKCA_OK;
+}
+
+static mukca_status take_run(mukca_run *run, mukca_pool *pool, const reader *r)
+{
+    const int n = r->rows.chain->n_joints;
+    run->n = r->n;
+    run->time = MUKCA_TAKE(pool, double, r->n + 1);
+    run->q = MUKCA_TAKE(pool, double, r->n *n + 1);
+    run->effort = MUKCA_TAKE(pool, double, r->n *n + 1);
+    if (pool->failed) return MUKCA_MEMORY;
+    for (int i = 0; i < r->n; i++) {
+        run->time[i] = r->sample[i].time;
+        memcpy(run->q + i * n, r->sample[i].q, sizeof(double) * (size_t)n);
+        memcpy(run->effort + i * n, r->sample[i].effort, sizeof(double) * (size_t)n);
+    }
+    return MUKCA_OK;
+}
+
+mukca_status mukca_run_read(mukca_run *run, mukca_pool *pool, const char *path,
+                            const mukca_chain *chain, mukca_run_options *o, mukca_error *error)
+{
+    reader *r = MUKCA_TAKE(pool, reader, 1);
+    if (!r) return mukca_fail(error, MUKCA_MEMORY, "out of memory for %s", mukca_file_shown(path));
+    r->options = o;
+    mukca_rows_options options = {
+        .kind = MUKCA_HEADER, .format = o->format, .note = o->note, .context = o->context};
+    char *columns = rename_currents(path, chain, o->format.columns);
+    o->current |= columns != NULL;
+    if (columns) options.format.columns = columns;
+    mukca_status status = mukca_rows_open(&r->rows, path, chain, &options, error);
+    if (status == MUKCA_OK) {
+        check_columns(r);
+        status = read_rows(r);
+        if (status == MUKCA_OK) status = take_run(run, pool, r);
+        const mukca_status closed = mukca_rows_close(&r->rows);
+        if (closed != MUKCA_OK)
+            status = closed;
+        else if (status != MUKCA_OK)
+            status = mukca_fail(error, status, "out of memory for %s", mukca_file_shown(path));
+    }
+    free(columns);
+    free(r->sample);
+    snprintf(run->name, sizeof run->name, "%.60s", mukca_file_name(path));
+    if (status != MUKCA_OK) return status;
+    if (r->incomplete)
+        mukca_note_format(o->note, o->context, "%s: %d rows without time or efforts left out",
+                          run->name, r->incomplete);
+    if (r->repeated)
+        mukca_note_format(o->note, o->context, "%s: %d rows that repeat a time left out", run->name,
+                          r->repeated);
+    return MUKCA_OK;
+}
+
+/* ---- friction of the joints ---- */
+
+static void read_attribute(double *value, const mukca_export_tag *tag, const char *name)
+{
+    size_t start, stop;
+    char text[64];
+    double number;
+    if (!mukca_export_find_attribute(&start, &stop, tag, name)) return;
+    snprintf(text, sizeof text, "%.*s", (int)(stop - start < 63 ? stop - start : 63),
+             tag->at + start);
+    if (mukca_number_parse(&number, text) && number >= 0) *value = number;
+}
+
+/* Joint of a tag by its name; -1: none of the chain. */
+static int find_joint(const mukca_export_tag *tag, const mukca_chain *chain)
+{
+    size_t start, stop;
+    if (!mukca_export_find_attribute(&start, &stop, tag, "name")) return -1;
+    for (int j = 0; j < chain->n_joints; j++)
+        if (mukca_export_same_name(mukca_chain_joint_name(chain, j), tag->at + start, stop - start))
+            return j;
+    return -1;
+}
+
+mukca_status mukca_drives_read(mukca_drives *d, const char *path, const mukca_chain *chain,
+                               mukca_error *error)
+{
+    char *text;
+    const mukca_status status = mukca_file_read(&text, path, error);
+    double usual[3] = {0, 0, 0}; /* of a MuJoCo model's <default> */
+    int joint = -1;
+    memset(d, 0, sizeof *d);
+    if (status != MUKCA_OK) return status;
+    for (mukca_export_tag tag = {.at = text}; mukca_export_next_tag(&tag, NULL);) {
+        double *of[3] = {&usual[0], &usual[1], &usual[2]};
+        const bool is_joint = mukca_export_is_tag(&tag, "joint"),
+                   is_urdf = mukca_export_is_tag(&tag, "dynamics");
+        if (is_joint) joint = find_joint(&tag, chain);
+        if (!is_joint && !(is_urdf && joint >= 0)) continue;
+        if (joint >= 0) {
+            of[0] = &d->coulomb[joint], of[1] = &d->viscous[joint], of[2] = &d->armature[joint];
+            for (int k = 0; k < 3 && is_joint; k++) *of[k] = usual[k];
+        }
+        read_attribute(of[0], &tag, is_urdf ? "friction" : "frictionloss");
+        read_attribute(of[1], &tag, "damping");
+        read_attribute(of[2], &tag, "armature");
+    }
+    free(text);
+    return MUKCA_OK;
+}

@@ -1,0 +1,30 @@
+/* Runs of a moving arm from tables, and the friction of its joints from a URDF or MuJoCo model. */
+#ifndef MUKCA_IO_RUNS_H
+#define MUKCA_IO_RUNS_H
+
+#include "io/rows.h"
+#include "motion/motion.h"
+
+typedef struct {
+    mukca_rows_format format;
+    bool current; /* JOINT.effort contains motor currents */
+    /* [n_joints] N m/A; N m/rad, effort = gain (command - angle) where no effort is; NaN: none */
+    double gain[MUKCA_MAX_JOINTS], stiffness[MUKCA_MAX_JOINTS];
+    mukca_note_fn *note; /* may be NULL */
+    void *context;
+} mukca_run_options;
+
+/* Read a table of times, joint angles and efforts (or currents) into run->time, q and effort, whose
+ * memory comes from `pool`.  options->current is set if they are currents.  Rows without all
+ * numbers, and rows that repeat a time, are dropped with a note.  Errors: MUKCA_INPUT,
+ * MUKCA_MEMORY. */
+mukca_status mukca_run_read(mukca_run *run, mukca_pool *pool, const char *path,
+                            const mukca_chain *chain, mukca_run_options *options,
+                            mukca_error *error);
+
+/* Read friction, damping and armature of the joints: attributes of a MuJoCo model's joints, or the
+ * URDF's <dynamics>.  Joints without them have none.  Errors: MUKCA_INPUT, MUKCA_MEMORY. */
+mukca_status mukca_drives_read(mukca_drives *drives, const char *path, const mukca_chain *chain,
+                               mukca_error *error);
+
+#endif

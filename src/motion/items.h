@@ -1,0 +1,44 @@
+/* Columns of the regression as combinations of raw columns: parameters near the model's, and the
+ * items of the search. */
+#ifndef MUKCA_MOTION_ITEMS_H
+#define MUKCA_MOTION_ITEMS_H
+
+#include "infer/sets.h"
+#include "motion/raw.h"
+
+/* `weight` times a raw column of a joint. */
+typedef struct {
+    short joint, raw;
+    double weight;
+} mukca_raw_term;
+
+/* Columns: first the parameters, in units of their prior sigma, then the value, then the items'. */
+typedef struct {
+    int n_parameters, n_columns, n_terms;
+    int n_gains; /* the last ones of the parameters */
+    int *first;  /* [n_columns + 1] terms of a column */
+    mukca_raw_term *term;
+    int n_items;
+    mukca_item *item; /* `at`: column behind the value */
+    int *row;         /* [n_items] of mukca_torque_table */
+    mukca_label *label;
+    double *unit; /* [n_items] coefficient per unit of the first column's */
+} mukca_items;
+
+/* The point of linearisation: what is nonlinear in the coefficients. */
+typedef struct {
+    double delay[MUKCA_MAX_JOINTS]; /* s */
+    double gain[MUKCA_MAX_JOINTS];  /* of the torque constants, minus 1 */
+    /* raw coefficients of the arm's torque, on which a gain acts */
+    double *torque[MUKCA_MAX_JOINTS];
+} mukca_motion_point;
+
+/* The nominal torque as raw coefficients torque[width] of a joint, without the measured one. */
+void mukca_items_nominal(double *torque, const mukca_raw_model *model, const mukca_drives *drives,
+                         int joint);
+
+/* List all columns at a point; memory comes from `pool`.  False: no memory. */
+bool mukca_items_list(mukca_items *items, mukca_pool *pool, const mukca_motion_input *input,
+                      const mukca_raw_model *model, const mukca_motion_point *point);
+
+#endif

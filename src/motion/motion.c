@@ -1,0 +1,133 @@
+/* The analysis of a motion, step by step. */
+#include "motion/motion.h"
+
+#include <math.h>
+
+#include "base/text.h"
+#include "motion/findings.h"
+
+const char *const mukca_motion_verdict_name[MUKCA_MOTION_VERDICTS] = {"none", "named", "tied",
+                                                                      "unknown"};
+
+/* Spacing of the torques at neighbouring times, s: half of the filter's, so that what lies between
+ * is interpolated; the largest delay that is found is four of them. */
+#define SPACING 0.01
+/* Correlation with the model's torque that no sensor has: its sign is wrong. */
+#define OPPOSITE (-0.5)
+
+static bool has_role(const mukca_motion_input *in, mukca_run_role role)
+{
+    for (int r = 0; r < in->n_runs; r++)
+        if (in->run[r].role == role) return true;
+    return false;
+}
+
+/* Refuse torques of the wrong sign, and motions in one direction only. */
+static mukca_status check(const mukca_torques *t, const mukca_motion_input *in, mukca_error *error)
+{
+    const mukca_signals *s = t->model.signals;
+    double product = 0, model = 0, measured = 0;
+    int moving = 0, turning = 0;
+    for (const mukca_stretch *k = s->stretch; k < s->stretch + s->n; k++)
+        for (int i = 0; i < k->n; i += 1 + k->n / 500) {
+            double torque[MUKCA_MAX_JOINTS];
+            mukca_dynamics_torque(torque, &t->model.dynamics, t->model.inertial, k->q + i * t->n,
+                                  k->dq + i * t->n, k->ddq + i * t->n);
+            for (int j = 0; j < t->n; j++) {
+                const double tau = k->torque[i * t->n + j] / s->range[j];
+                torque[j] /= s->range[j];
+                product += tau * torque[j];
+                model += torque[j] * torque[j];
+                measured += tau * tau;
+            }
+        }
+    if (product < OPPOSITE * sqrt(model * measured))
+        return mukca_fail(error, MUKCA_INPUT,
+                          "the efforts have the opposite sign of the torques that hold the arm "
+                          "against gravity (correlation %.2f); reverse their sign",
+                          product / sqrt(model * measured));
+    for (int j = 0; j < t->n; j++) {
+        const char *name = mukca_chain_joint_name(in->chain, j);
+        const bool moves = s->forwards[j] || s->backwards[j];
+        moving += moves;
+        turning += s->forwards[j] && s->backwards[j];
+        if (!moves)
+            mukca_note_format(in->note, in->context,
+                              "%s does not move: its friction and inertia are not testable", name);
+        else if (!(s->forwards[j] && s->backwards[j]))
+            mukca_note_format(in->note, in->context,
+                              "%s moves in one direction only: Coulomb friction and a torque "
+                              "offset are indistinguishable",
+                              name);
+    }
+    if (turning) return MUKCA_OK;
+    return mukca_fail(error, MUKCA_UNIDENTIFIABLE,
+                      "%s in one direction only, so friction and a torque offset are "
+                      "indistinguishable; record motions to and fro",
+                      moving > 1 ? "all joints move" : "the joint moves");
+}
+
+static mukca_status prepare(mukca_torques *t, mukca_signals *signals, mukca_pool *pool,
+                            mukca_error *error)
+{
+    const mukca_motion_input *in = t->input;
+    mukca_status status = mukca_signals_make(signals, pool, in, error);
+    if (status != MUKCA_OK) return status;
+    t->model.signals = signals;
+    mukca_dynamics_set(&t->model.dynamics, in->chain, NULL);
+    mukca_dynamics_inertials(t->model.inertial, in->chain, NULL);
+    t->model.shift = (int)fmax(rint(SPACING / signals->dt), 1);
+    for (int j = 0; j < t->n; j++) {
+        t->model.scale[j] = signals->range[j];
+        t->point.torque[j] = MUKCA_TAKE(pool, double, mukca_raw_width(t->n, j));
+        if (t->point.torque[j]) mukca_items_nominal(t->point.torque[j], &t->model, &in->drives, j);
+    }
+    status = check(t, in, error);
+    if (status == MUKCA_OK) status = mukca_raw_products_make(t->part, pool, &t->model, error);
+    return status;
+}
+
+static void summarise(mukca_motion *m, const mukca_torques *t)
+{
+    const mukca_signals *s = t->model.signals;
+    for (int r = 0; r < t->input->n_runs; r++) {
+        const mukca_run_role role = t->input->run[r].role;
+        *(role == MUKCA_RUN_NEW         ? &m->n_runs
+          : role == MUKCA_RUN_REFERENCE ? &m->n_reference
+                                        : &m->n_test) += 1;
+    }
+    for (int k = 0; k < s->n; k++)
+        if (s->stretch[k].role == MUKCA_RUN_NEW) m->seconds += s->stretch[k].n * s->dt;
+    for (int j = 0; j < t->n; j++) {
+        m->joint[j].moves = s->forwards[j] || s->backwards[j];
+        m->joint[j].reverses = s->forwards[j] && s->backwards[j];
+        m->shift_s += t->point.delay[j] / t->n;
+    }
+}
+
+mukca_status mukca_motion_analyse(mukca_motion *m, const mukca_motion_input *in, mukca_error *error)
+{
+    mukca_pool pool = {0};
+    mukca_signals signals;
+    mukca_torques *t = MUKCA_TAKE(&pool, mukca_torques, 1);
+    mukca_torque_search search = {.t = t};
+    *m = (mukca_motion){.n_joints = in->chain->n_joints};
+    mukca_status status =
+        t ? MUKCA_OK : mukca_fail(error, MUKCA_MEMORY, "out of memory for the analysis");
+    if (status == MUKCA_OK) {
+        t->input = in;
+        t->n = in->chain->n_joints;
+        t->reference = has_role(in, MUKCA_RUN_REFERENCE);
+        t->test = has_role(in, MUKCA_RUN_TEST);
+        status = prepare(t, &signals, &pool, error);
+    }
+    if (status == MUKCA_OK &&
+        !mukca_items_list(&t->items, &search.columns, in, &t->model, &t->point))
+        status = mukca_fail(error, MUKCA_MEMORY, "out of memory for the effects");
+    if (status == MUKCA_OK) status = mukca_torque_search_run(&search, &pool, error);
+    if (status == MUKCA_OK) status = mukca_torque_findings(m, &search, error);
+    if (status == MUKCA_OK) summarise(m, t);
+    mukca_torque_search_free(&search);
+    mukca_pool_free(&pool);
+    return status;
+}

@@ -1,0 +1,97 @@
+/* Raw columns of a joint's torque, row by row. */
+#include "motion/raw.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Velocities at which friction at low speed has decayed, rad/s: greased gears 0.1 to 0.4, and
+ * reversals within the resolution of an encoder. */
+static const double stribeck[MUKCA_STRIBECKS] = {0.1, 0.2, 0.4}, reversal[2] = {0.025, 0.06};
+/* Time by which the reversal of friction is late for a coefficient of 1, s. */
+#define REVERSAL_TIME 0.01
+/* Acceleration below which a reversal has no direction, rad/s^2: standstill. */
+#define REVERSAL_ACCELERATION 0.1
+
+/* Weights of a piecewise linear function with `n` equidistant knots on [low, high]. */
+static void put_hats(double *x, int n, double at, double low, double high, double factor)
+{
+    const double u = fmin(fmax((at - low) / (high - low), 0), 1) * (n - 1);
+    const int k = u < n - 1 ? (int)u : n - 2;
+    memset(x, 0, sizeof *x * (size_t)n);
+    x[k] = factor * (k + 1 - u);
+    x[k + 1] = factor * (u - k);
+}
+
+static void put_waves(double *x, double angle)
+{
+    const double c = cos(angle), s = sin(angle);
+    x[0] = c, x[1] = s;
+    for (int k = 1; k < MUKCA_ORDERS; k++) {
+        x[2 * k] = c * x[2 * k - 2] - s * x[2 * k - 1];
+        x[2 * k + 1] = s * x[2 * k - 2] + c * x[2 * k - 1];
+    }
+}
+
+static void put_velocity(double *x, const mukca_stretch *s, int n, int at, int j)
+{
+    const double v = s->dq[at + j], sign = tanh(v / MUKCA_SIGN_VELOCITY);
+    x[MUKCA_RAW_ONE] = 1;
+    x[MUKCA_RAW_SIGN] = sign;
+    for (int k = 0; k < MUKCA_STRIBECKS; k++)
+        x[MUKCA_RAW_STRIBECK + k] = sign * exp(-v * v / (stribeck[k] * stribeck[k]));
+    /* early or late by a time, or by a velocity: a gear winds up, a model of friction is soft */
+    x[MUKCA_RAW_REVERSAL] =
+        (1 - sign * sign) / MUKCA_SIGN_VELOCITY * s->ddq[at + j] * REVERSAL_TIME;
+    for (int k = 0; k < 2; k++) {
+        const double near = exp(-v * v / (reversal[k] * reversal[k]));
+        x[MUKCA_RAW_REVERSAL + 1 + k] = tanh(s->ddq[at + j] / REVERSAL_ACCELERATION) * near;
+        x[MUKCA_RAW_REVERSAL + 3 + k] = sign * near;
+    }
+    memcpy(x + MUKCA_RAW_PLAY, s->play + (at + j) * MUKCA_PLAYS, sizeof *x * MUKCA_PLAYS);
+    x[MUKCA_RAW_VELOCITY] = v;
+    x[MUKCA_RAW_SPEED] = fabs(v);
+    x[MUKCA_RAW_ACCELERATION] = s->ddq[at + j];
+    for (int side = 0; side < 2; side++) {
+        const int other = side ? j + 1 : j - 1;
+        const bool is = other >= 0 && other < n;
+        const double w = is ? s->dq[at + other] : 0;
+        x[MUKCA_RAW_BESIDE + 2 * side] = tanh(w / MUKCA_SIGN_VELOCITY);
+        x[MUKCA_RAW_BESIDE + 2 * side + 1] = w;
+        x[MUKCA_RAW_ACCELERATION + 1 + side] = is ? s->ddq[at + other] : 0;
+    }
+}
+
+void mukca_raw_fill(double *x, int ld, const mukca_raw_model *m, const mukca_stretch *s,
+                    const int rows[2], int j, const double *Y)
+{
+    const mukca_signals *signals = m->signals;
+    const int n = signals->n_joints, rigid = MUKCA_INERTIAL * (n - j);
+    const double fastest = fmax(signals->fastest[j], 1e-9), end = fmax(signals->end, 1e-9);
+    for (int i = rows[0]; i < rows[1]; i++, x += ld, Y += n * n * MUKCA_INERTIAL) {
+        const int at = i * n;
+        const double t = s->start + i * signals->dt, *own = Y + (j * n + j) * MUKCA_INERTIAL;
+        double torque = 0, *local = x + rigid;
+        memcpy(x, own, sizeof *x * (size_t)rigid);
+        for (int p = 0; p < rigid; p++) torque += own[p] * m->inertial[j * MUKCA_INERTIAL + p];
+        put_velocity(local, s, n, at, j);
+        const double sign = local[MUKCA_RAW_SIGN], v = s->dq[at + j];
+        local[MUKCA_RAW_LOAD] = sign * fabs(torque);
+        local[MUKCA_RAW_LOAD + 1] = sign * torque * torque / m->scale[j];
+        local[MUKCA_RAW_LOAD + 2] = v * fabs(torque) / fastest;
+        local[MUKCA_RAW_MODEL] = torque;
+        local[MUKCA_RAW_MODEL + 1] = torque * fabs(torque) / m->scale[j];
+        local[MUKCA_RAW_ANGLE] = s->q[at + j] - 0.5 * (signals->low[j] + signals->high[j]);
+        put_waves(local + MUKCA_RAW_WAVE, s->q[at + j]);
+        put_hats(local + MUKCA_RAW_CURVE, MUKCA_HATS, v, -fastest, fastest, 1);
+        put_hats(local + MUKCA_RAW_TIME, MUKCA_HATS, t, 0, end, 1);
+        put_hats(local + MUKCA_RAW_BURST, MUKCA_BURSTS, t, 0, end, 1);
+        put_hats(local + MUKCA_RAW_DRIFT, MUKCA_HATS, t, 0, end, sign);
+        for (int k = 0; k < MUKCA_WARMINGS; k++) /* of the recording's duration: 1, 1/2, 1/4, 1/8 */
+            local[MUKCA_RAW_WARMING + k] = sign * exp(-t / (end * ldexp(1, -k)));
+        for (int k = 0; k < MUKCA_SHIFTS; k++) {
+            int from = i + (k - MUKCA_SHIFTS / 2) * m->shift;
+            from = from < 0 ? 0 : from >= s->n ? s->n - 1 : from;
+            local[MUKCA_RAW_TORQUE + k] = s->torque[from * n + j];
+        }
+    }
+}

@@ -1,0 +1,236 @@
+/* Search among sets of effects: passes of scoring, search, noise and linearisation. */
+#include "motion/search.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "math/stats.h"
+
+enum {
+    PASSES = 8,
+    KEPT = 140,     /* items of a search: the best by their scores beside the best set so far */
+    TOGETHER = 300, /* columns that are scored together */
+    QUICK = 12,     /* sets expanded in a pass; then in the last one */
+    BUDGET = 40,
+    HALF = 6, /* in a half, where the best sets are known */
+    STARTS = 12
+};
+
+/* Log odds behind the best set of the sets that are averaged, and their part that is left out. */
+#define WINDOW 12.0
+/* Delay that is settled, s: far below the step of any controller. */
+#define SETTLED 2e-4
+
+typedef struct {
+    double odds;
+    int index;
+} ranked;
+
+static int by_odds(const void *a, const void *b)
+{
+    const ranked *x = a, *y = b;
+    if (x->odds != y->odds) return (x->odds < y->odds) - (x->odds > y->odds);
+    return x->index - y->index;
+}
+
+/* Score all items beside a set that is held. */
+static bool score(ranked *out, const mukca_torques *t, const mukca_torque_set *held)
+{
+    const mukca_items *all = &t->items;
+    bool ok = true;
+    for (int first = 0; first < all->n_items && ok;) {
+        mukca_pool pool = {0};
+        mukca_question question;
+        mukca_sets *sets = MUKCA_TAKE(&pool, mukca_sets, 1);
+        int *item = MUKCA_TAKE(&pool, int, all->n_items), n = 0, columns = 0;
+        mukca_item *own = MUKCA_TAKE(&pool, mukca_item, all->n_items);
+        while (!pool.failed && first + n < all->n_items && columns < TOGETHER)
+            item[n] = first + n, columns += all->item[first + n++].terms;
+        ok = !pool.failed &&
+             mukca_torques_ask(&question, own, &pool, t, item, n, held, &mukca_torques_whole) &&
+             mukca_sets_create(sets, &pool, &question) && mukca_sets_weigh(sets, &sets->set[0]);
+        for (int i = 0; i < n && ok; i++) out[first + i] = (ranked){sets->alone[i], first + i};
+        first += n;
+        mukca_pool_free(&pool);
+    }
+    return ok;
+}
+
+static bool holds(const mukca_torque_set *set, int item)
+{
+    for (int i = 0; i < set->n; i++)
+        if (set->item[i] == item) return true;
+    return false;
+}
+
+/* Keep the best items, those of the set, and the best without a set. */
+static void keep(mukca_torque_search *s, ranked *alone, ranked *beside,
+                 const mukca_torque_set *best)
+{
+    const int n = s->t->items.n_items;
+    unsigned char *in = MUKCA_TAKE(&s->pool, unsigned char, n);
+    if (!in) return;
+    qsort(beside, (size_t)n, sizeof *beside, by_odds);
+    for (int i = 0; i < n; i++) in[beside[i].index] |= i < KEPT / 2 || holds(best, beside[i].index);
+    for (int i = 0; i < n && i < KEPT / 2; i++) in[alone[i].index] = 1;
+    s->n_kept = 0;
+    for (int i = 0; i < n; i++)
+        if (in[i]) s->kept[s->n_kept++] = i;
+}
+
+mukca_torque_set mukca_torque_set_of(const mukca_torque_search *s, int index)
+{
+    const mukca_set *set = &s->sets.set[index];
+    mukca_torque_set out = {.n = set->n};
+    for (int i = 0; i < set->n; i++) {
+        out.item[i] = s->kept[set->item[i]];
+        out.size[i] = s->item[set->item[i]].prior.size[set->size[i]];
+    }
+    return out;
+}
+
+/* Insert a set of items of t->items. */
+static void insert(mukca_torque_search *s, const mukca_torque_set *set)
+{
+    int item[MUKCA_SET_ITEMS], n = 0;
+    double size[MUKCA_SET_ITEMS];
+    for (int k = 0; k < s->n_kept; k++)
+        for (int i = 0; i < set->n; i++)
+            if (set->item[i] == s->kept[k]) item[n] = k, size[n++] = set->size[i];
+    mukca_sets_insert(&s->sets, item, size, n);
+}
+
+static bool begin(mukca_torque_search *s, const mukca_part_weights *parts)
+{
+    s->item = MUKCA_TAKE(&s->pool, mukca_item, s->n_kept + 1);
+    return !s->pool.failed &&
+           mukca_torques_ask(&s->question, s->item, &s->pool, s->t, s->kept, s->n_kept, NULL,
+                             parts) &&
+           mukca_sets_create(&s->sets, &s->pool, &s->question);
+}
+
+/* The most probable sets, with weights. */
+static void average(mukca_torque_search *s)
+{
+    mukca_sets *sets = &s->sets;
+    ranked *order = MUKCA_TAKE(&s->pool, ranked, sets->n_sets);
+    if (!order) return;
+    for (int i = 0; i < sets->n_sets; i++) order[i] = (ranked){sets->set[i].value, i};
+    qsort(order, (size_t)sets->n_sets, sizeof *order, by_odds);
+    for (int i = 0; i < sets->n_sets; i++) {
+        if (i < 2 * MUKCA_TORQUE_SETS && order[i].odds > order[0].odds - WINDOW)
+            mukca_sets_evaluate(sets, order[i].index);
+        order[i].odds = sets->set[order[i].index].value;
+    }
+    qsort(order, (size_t)sets->n_sets, sizeof *order, by_odds);
+    for (s->n_sets = 0; s->n_sets < sets->n_sets && s->n_sets < MUKCA_TORQUE_SETS &&
+                        order[s->n_sets].odds > order[0].odds - WINDOW;
+         s->n_sets++)
+        s->set[s->n_sets] = order[s->n_sets].index, s->weight[s->n_sets] = order[s->n_sets].odds;
+    const double sum = mukca_stats_log_sum_exp(s->weight, s->n_sets);
+    for (int i = 0; i < s->n_sets; i++) s->weight[i] = exp(s->weight[i] - sum);
+}
+
+static bool same(const mukca_torque_set *a, const mukca_torque_set *b)
+{
+    return a->n == b->n && memcmp(a->item, b->item, sizeof *a->item * (size_t)a->n) == 0;
+}
+
+/* Linearise at a set: its delays, and the torque on which a gain acts.  Returns the change of the
+ * delays, s. */
+static double linearise(mukca_torque_search *s, const mukca_torque_set *set)
+{
+    mukca_torques *t = s->t;
+    mukca_pool pool = {0};
+    mukca_items *all = &t->items;
+    double delay[MUKCA_MAX_JOINTS] = {0}, change = 0;
+    const mukca_torque_columns c = mukca_torque_columns_of(&pool, t, set);
+    double *mean = MUKCA_TAKE(&pool, double, c.n);
+    bool ok = !pool.failed && mukca_torques_fit(mean, t, &c, &mukca_torques_whole);
+    for (int j = 0; j < t->n && ok; j++) {
+        mukca_items_nominal(t->point.torque[j], &t->model, &t->input->drives, j);
+    }
+    for (int k = 0, at = all->n_parameters; k < set->n && ok; k++) {
+        const int item = set->item[k], row = all->row[item];
+        const mukca_label *l = &all->label[item];
+        if (mukca_torque_table[row].n == MUKCA_COLUMNS_RATE)
+            for (int j = l->apart ? 0 : l->from; j <= (l->apart ? t->n - 1 : l->to); j++)
+                delay[j] += mean[at] * set->size[k];
+        at += all->item[item].terms;
+    }
+    const int gains = all->n_parameters - all->n_gains;
+    for (int i = 0; i < gains && ok; i++)
+        for (int r = all->first[i]; r < all->first[i + 1]; r++)
+            t->point.torque[all->term[r].joint][all->term[r].raw] += mean[i] * all->term[r].weight;
+    const double most = (MUKCA_SHIFTS / 2) * t->model.shift * t->model.signals->dt;
+    for (int j = 0; j < t->n && ok; j++) {
+        delay[j] = fmin(fmax(delay[j], -most), most);
+        change = fmax(change, fabs(delay[j] - t->point.delay[j]));
+        t->point.delay[j] = delay[j];
+    }
+    mukca_pool_free(&pool);
+    return change;
+}
+
+mukca_status mukca_torque_search_run(mukca_torque_search *s, mukca_pool *pool, mukca_error *error)
+{
+    mukca_torques *t = s->t;
+    mukca_torque_set best = {0}, none = {0};
+    const int n = t->items.n_items;
+    ranked *alone = MUKCA_TAKE(pool, ranked, n), *beside = MUKCA_TAKE(pool, ranked, n);
+    s->kept = MUKCA_TAKE(pool, int, n);
+    bool ok = !pool->failed && mukca_torques_saturate(t);
+    for (int pass = 0, settled = 0; ok; pass++) {
+        const bool last = settled || pass + 1 == PASSES;
+        mukca_pool_free(&s->pool);
+        ok = score(alone, t, &none) && score(beside, t, &best);
+        if (!ok) break;
+        qsort(alone, (size_t)n, sizeof *alone, by_odds);
+        keep(s, alone, beside, &best);
+        ok = begin(s, &mukca_torques_whole);
+        if (!ok) break;
+        insert(s, &best);
+        mukca_sets_explore(&s->sets, last ? BUDGET : QUICK, last);
+        const mukca_torque_set found = mukca_torque_set_of(s, s->sets.best);
+        if (last) break;
+        mukca_pool_free(&s->pool);
+        const double change = linearise(s, &found);
+        /* the next pass has other columns */
+        mukca_pool_free(&s->columns);
+        ok = mukca_items_list(&t->items, &s->columns, t->input, &t->model, &t->point) &&
+             mukca_torques_measure_noise(t, &found);
+        settled = same(&found, &best) && change < SETTLED;
+        best = found;
+    }
+    if (ok) average(s);
+    if (ok && !s->pool.failed) return MUKCA_OK;
+    return pool->failed || s->pool.failed
+               ? mukca_fail(error, MUKCA_MEMORY, "out of memory for sets of effects")
+               : mukca_fail(error, MUKCA_UNIDENTIFIABLE, "the normal equations are singular");
+}
+
+void mukca_torque_search_free(mukca_torque_search *s)
+{
+    mukca_pool_free(&s->pool);
+    mukca_pool_free(&s->columns);
+}
+
+bool mukca_torque_search_half(mukca_torque_search *half, const mukca_torque_search *whole,
+                              int number)
+{
+    /* four balanced divisions of eight interleaved blocks: the rows of a Hadamard matrix */
+    static const int masks[MUKCA_HALVES / 2] = {1, 2, 4, 7};
+    mukca_part_weights parts = {.of = {[MUKCA_PART_REFERENCE] = 1}};
+    for (int b = 0; b < MUKCA_BLOCKS; b++)
+        parts.of[b] = 2 * ((__builtin_popcount((unsigned)(b & masks[number / 2])) + number) % 2);
+    *half = (mukca_torque_search){.t = whole->t, .n_kept = whole->n_kept, .kept = whole->kept};
+    bool ok = begin(half, &parts);
+    for (int i = 0; i < whole->n_sets && i < STARTS && ok; i++) {
+        const mukca_torque_set set = mukca_torque_set_of(whole, whole->set[i]);
+        insert(half, &set);
+    }
+    if (ok) mukca_sets_explore(&half->sets, HALF, false);
+    if (ok) average(half);
+    return ok && !half->pool.failed;
+}

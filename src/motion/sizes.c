@@ -1,0 +1,266 @@
+/* Sizes of findings: torque, coefficient, alternatives; averaged over sets. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "math/stats.h"
+#include "motion/findings.h"
+
+/* Least probability of an alternative. */
+#define ALTERNATIVE 0.05
+
+/* Moments of a mixture. */
+typedef struct {
+    double weight, mean, square;
+} moments;
+
+static void add(moments *m, double mean, double variance, double weight)
+{
+    if (!isfinite(mean)) return;
+    m->weight += weight;
+    m->mean += weight * mean;
+    m->square += weight * (mean * mean + variance);
+}
+
+/* `relative`: further uncertainty of the scale. */
+static mukca_measure measure(const moments *m, double relative)
+{
+    if (!(m->weight > 0)) return (mukca_measure){NAN, NAN, NAN};
+    const double mean = m->mean / m->weight,
+                 half = MUKCA_SIGMAS_95 * sqrt(fmax(m->square / m->weight - mean * mean, 0) +
+                                               relative * relative * mean * mean);
+    return (mukca_measure){mean, mean - half, mean + half};
+}
+
+typedef struct {
+    const mukca_torque_posterior *p;
+    double rows[MUKCA_MAX_JOINTS];
+    int columns; /* of the present set */
+    int at[MUKCA_SET_ITEMS];
+    double *V, *mean; /* covariance and mean of its columns */
+    int *plain;       /* its columns in p->plain */
+} measured;
+
+static void take_set(measured *w, const mukca_set *set, double *scratch)
+{
+    mukca_torque_search *s = w->p->search;
+    mukca_sets_mean(scratch, &s->sets, set);
+    w->columns = mukca_sets_covariance(w->V, &s->sets);
+    for (int m = 0, row = 0; m < set->n; m++) {
+        const mukca_item *h = &s->item[set->item[m]];
+        w->at[m] = row;
+        for (int t = 0; t < h->terms; t++, row++) {
+            w->mean[row] = scratch[h->at + t];
+            w->plain[row] = w->p->at[set->item[m]] + t;
+        }
+    }
+}
+
+/* Columns of some members of a set. */
+static int columns_of(int *index, const measured *w, const mukca_set *set, const int *member, int n)
+{
+    int count = 0;
+    for (int i = 0; i < n; i++)
+        for (int t = 0; t < w->p->search->item[set->item[member[i]]].terms; t++)
+            index[count++] = w->at[member[i]] + t;
+    return count;
+}
+
+/* Mean square of the torque of some columns at a joint; *variance of its root. */
+static double square_at(double *variance, const measured *w, int joint, const int *index, int n)
+{
+    const double *G = w->p->plain[joint];
+    double square = 0, along = 0, trace = 0, slope[MUKCA_SET_COLUMNS];
+    for (int a = 0; a < n; a++) {
+        slope[a] = 0;
+        for (int b = 0; b < n; b++) {
+            const double g =
+                G[w->plain[index[a]] * w->p->columns.n + w->plain[index[b]]] / w->rows[joint];
+            slope[a] += g * w->mean[index[b]];
+            trace += g * w->V[index[a] * w->columns + index[b]];
+        }
+        square += w->mean[index[a]] * slope[a];
+    }
+    for (int a = 0; a < n; a++)
+        for (int b = 0; b < n; b++)
+            along += slope[a] * slope[b] * w->V[index[a] * w->columns + index[b]];
+    *variance = square > 0 ? along / square : trace;
+    return square + trace;
+}
+
+/* Members of a set that belong to a group.  Returns their number. */
+static int members_of(int member[MUKCA_SET_ITEMS], const mukca_torque_posterior *p,
+                      const mukca_set *set, const mukca_finding_group *group)
+{
+    int n = 0;
+    for (int m = 0; m < set->n; m++)
+        if (mukca_finding_holds(group, &p->label[p->label_of[set->item[m]]])) member[n++] = m;
+    return n;
+}
+
+static mukca_motion_finding *finding_at(mukca_motion *m, int i)
+{
+    return i < m->n_findings ? &m->finding[i] : &m->maybe[i - m->n_findings];
+}
+
+/* Joint at which the group has the largest part of the range, over all sets. */
+static void find_worst(mukca_motion *motion, measured *w, double *scratch)
+{
+    const mukca_torque_search *s = w->p->search;
+    const int n = motion->n_findings + motion->n_maybe;
+    double best[2 * MUKCA_MOST_FINDINGS] = {0};
+    int index[MUKCA_SET_COLUMNS], member[MUKCA_SET_ITEMS];
+    for (int k = 0; k < s->n_sets; k++) {
+        const mukca_set *set = &s->sets.set[s->set[k]];
+        if (s->weight[k] < 0.05 && k) break;
+        take_set(w, set, scratch);
+        for (int i = 0; i < n; i++) {
+            mukca_motion_finding *f = finding_at(motion, i);
+            const int of =
+                columns_of(index, w, set, member, members_of(member, w->p, set, &f->group));
+            for (int j = 0; j < s->t->n && of; j++) {
+                double variance;
+                const double part = sqrt(fmax(square_at(&variance, w, j, index, of), 0)) /
+                                    s->t->model.signals->range[j] * s->weight[k];
+                if (part > best[i]) best[i] = part, f->worst = j;
+            }
+        }
+    }
+}
+
+static int by_probability(const void *a, const void *b)
+{
+    const mukca_motion_alternative *x = a, *y = b;
+    return (x->probability < y->probability) - (x->probability > y->probability);
+}
+
+/* Amplitude of a named effect: its first coefficient; their sum, where all columns are 1 at
+ * standstill; the root of their squares, of waves and vectors. */
+static bool amplitude_of(double *mean, double *variance, const measured *w, int at, int terms,
+                         const mukca_torque_effect *row)
+{
+    const double *x = w->mean + at;
+    const bool sum = row->raw == MUKCA_RAW_STRIBECK && row->n == MUKCA_STRIBECKS,
+               norm = row->orders || (row->links && row->raw == MUKCA_RIGID_CENTRE);
+    double square = 0;
+    const int n = sum || norm ? terms : 1;
+    *mean = *variance = 0;
+    for (int a = 0; a < n; a++) square += x[a] * x[a], *mean += x[a];
+    for (int a = 0; a < n; a++)
+        for (int b = 0; b < n; b++) {
+            const double v = w->V[(at + a) * w->columns + at + b];
+            *variance += norm ? x[a] * x[b] * v / fmax(square, 1e-300) : v;
+        }
+    if (norm) *mean = sqrt(square);
+    return row->name != NULL;
+}
+
+static void add_amplitudes(moments *label, double *probability, const measured *w,
+                           const mukca_set *set, double weight)
+{
+    const mukca_torque_search *s = w->p->search;
+    for (int m = 0; m < set->n; m++) {
+        const int of = w->p->label_of[set->item[m]], item = s->kept[set->item[m]];
+        const double unit = s->t->items.unit[item];
+        double mean, variance;
+        bool again = false;
+        for (int k = 0; k < m; k++) again |= w->p->label_of[set->item[k]] == of;
+        if (!again) probability[of] += weight;
+        if (amplitude_of(&mean, &variance, w, w->at[m], s->item[set->item[m]].terms,
+                         &mukca_torque_table[s->t->items.row[item]]))
+            add(&label[of], unit * mean, unit * unit * variance, weight);
+    }
+}
+
+/* Relative uncertainty of the scale of an effect's coefficient: all gains together are not
+ * determined by a motion, as all masses may be larger with them. */
+static double scale_of(const mukca_torque_posterior *p, int effect)
+{
+    const bool share = effect == MUKCA_MOTION_DELAY || effect == MUKCA_MOTION_TORQUE_GAIN ||
+                       effect == MUKCA_MOTION_LOAD_FRICTION || effect == MUKCA_MOTION_LINK_CENTRE;
+    return p->search->t->input->current && !share ? MUKCA_CURRENT_GAIN : 0;
+}
+
+static void describe(mukca_motion_finding *f, const measured *w, const moments *label,
+                     const double *probability)
+{
+    const mukca_torque_posterior *p = w->p;
+    mukca_motion_alternative *all = f->alternative;
+    double outside = 0, total = 0;
+    for (int l = 0; l < p->n_labels; l++) {
+        const mukca_label *of = &p->label[l];
+        if (!mukca_finding_holds(&f->group, of)) continue;
+        total += probability[l];
+        if (of->effect < 0) outside += probability[l];
+        if (!(probability[l] >= ALTERNATIVE)) continue;
+        mukca_motion_alternative a = {.effect = of->effect >= 0 ? of->effect : -1,
+                                      .from = of->from,
+                                      .to = of->to,
+                                      .detail = of->detail,
+                                      .all = of->apart,
+                                      .probability = fmin(probability[l], 1),
+                                      .amplitude = measure(&label[l], scale_of(p, of->effect))};
+        int k = f->n_alternatives < MUKCA_MOTION_ALTERNATIVES ? f->n_alternatives++ : -1;
+        if (k < 0 && all[MUKCA_MOTION_ALTERNATIVES - 1].probability < a.probability)
+            k = MUKCA_MOTION_ALTERNATIVES - 1;
+        if (k >= 0) all[k] = a;
+        qsort(all, (size_t)f->n_alternatives, sizeof *all, by_probability);
+    }
+    f->outside = total > 0 ? outside / total : 0;
+    f->coefficient = (mukca_measure){NAN, NAN, NAN};
+    if (f->group.effect >= 0 && f->n_alternatives == 1) f->coefficient = all[0].amplitude;
+    double below = 0;
+    for (int o = 1; o <= MUKCA_ORDERS && f->group.kind == MUKCA_GROUP_DETAIL; o++) {
+        double here = 0;
+        for (int l = 0; l < p->n_labels; l++)
+            if (p->label[l].detail == o && mukca_finding_holds(&f->group, &p->label[l]))
+                here += probability[l];
+        if (below <= 0.025 * total && below + here > 0.025 * total) f->order[0] = o;
+        if (below < 0.975 * total && below + here >= 0.975 * total) f->order[1] = o;
+        below += here;
+        if (f->order[0] == o || here > 0) f->order[1] = f->order[1] ? f->order[1] : o;
+    }
+}
+
+bool mukca_torque_sizes(mukca_motion *motion, mukca_pool *pool, const mukca_torque_posterior *p)
+{
+    const mukca_torque_search *s = p->search;
+    const int n = motion->n_findings + motion->n_maybe;
+    mukca_part_weights parts = mukca_torques_whole;
+    parts.of[MUKCA_PART_REFERENCE] = 0;
+    measured w = {.p = p,
+                  .V = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *MUKCA_SET_COLUMNS),
+                  .mean = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS),
+                  .plain = MUKCA_TAKE(pool, int, MUKCA_SET_COLUMNS)};
+    moments size[2 * MUKCA_MOST_FINDINGS] = {{0}},
+                     *label = MUKCA_TAKE(pool, moments, p->n_labels + 1);
+    double *probability = MUKCA_TAKE(pool, double, p->n_labels + 1),
+           *scratch = MUKCA_TAKE(pool, double, s->question.stride + 1);
+    for (int j = 0; j < s->t->n; j++) w.rows[j] = mukca_torques_rows(s->t, &parts, j);
+    if (pool->failed) return false;
+    find_worst(motion, &w, scratch);
+    for (int k = 0; k < s->n_sets; k++) {
+        const mukca_set *set = &s->sets.set[s->set[k]];
+        int index[MUKCA_SET_COLUMNS], member[MUKCA_SET_ITEMS];
+        take_set(&w, set, scratch);
+        add_amplitudes(label, probability, &w, set, s->weight[k]);
+        for (int i = 0; i < n; i++) {
+            const mukca_motion_finding *f = finding_at(motion, i);
+            double variance;
+            const int of =
+                columns_of(index, &w, set, member, members_of(member, p, set, &f->group));
+            if (!of) continue;
+            const double square = square_at(&variance, &w, f->worst, index, of);
+            add(&size[i], sqrt(fmax(square, 0)), variance, s->weight[k]);
+        }
+    }
+    for (int i = 0; i < n; i++) {
+        mukca_motion_finding *f = finding_at(motion, i);
+        f->size_nm = measure(&size[i], 0);
+        f->size_nm.low = fmax(f->size_nm.low, 0);
+        f->size_percent = 100 * f->size_nm.value / s->t->model.signals->range[f->worst];
+        f->share = mukca_finding_share(&f->group, &p->posterior);
+        describe(f, &w, label, probability);
+    }
+    return true;
+}

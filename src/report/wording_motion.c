@@ -1,0 +1,115 @@
+/* The wording of findings of a motion: what the torque varies with, where, how large, how sure. */
+#include "report/wording_motion.h"
+
+#include <math.h>
+#include <string.h>
+
+#define put mukca_wording_put /* short for this file */
+
+/* What each family is called, before its place. */
+static const char *const families[MUKCA_TORQUE_FAMILIES] = {
+    [MUKCA_TORQUE_GRAVITY] = "mass",
+    [MUKCA_TORQUE_ACCELERATION] = "torque that varies with the acceleration",
+    [MUKCA_TORQUE_DIRECTION] = "friction that depends on the direction",
+    [MUKCA_TORQUE_VELOCITY] = "torque that varies with the velocity",
+    [MUKCA_TORQUE_LOAD] = "friction that grows with the load",
+    [MUKCA_TORQUE_ANGLE] = "torque that varies with the angle",
+    [MUKCA_TORQUE_TIME] = "torque that drifts with time",
+    [MUKCA_TORQUE_SHIFT] = "torques later or earlier than the angles",
+    [MUKCA_TORQUE_TORQUE] = "scale or zero of the torque"};
+
+enum { MOST_ALTERNATIVES = 3 };
+
+bool mukca_wording_torque_on_links(const mukca_finding_group *g)
+{
+    return g->effect >= 0 ? mukca_torque_table[g->effect].links : g->family == MUKCA_TORQUE_GRAVITY;
+}
+
+const char *mukca_wording_torque_position(const mukca_chain *chain, bool link, int position)
+{
+    return link ? chain->element[chain->joint_element[position]].child
+                : mukca_chain_joint_name(chain, position);
+}
+
+static void put_place(char *text, bool links, int from, int to, const mukca_chain *chain)
+{
+    if (from < 0)
+        put(text, " of all joints alike");
+    else if (from == to)
+        put(text, " at %s", mukca_wording_torque_position(chain, links, from));
+    else
+        put(text, " at %s %s to %s", links ? "links" : "joints",
+            mukca_wording_torque_position(chain, links, from),
+            mukca_wording_torque_position(chain, links, to));
+}
+
+const char *mukca_wording_torque(char text[MUKCA_WORDING], const mukca_finding_group *g,
+                                 const mukca_chain *chain)
+{
+    put(text, "%s",
+        g->effect >= 0   ? mukca_torque_table[g->effect].title
+        : g->family >= 0 ? families[g->family]
+                         : "torque of any kind");
+    put_place(text, mukca_wording_torque_on_links(g), g->apart ? -1 : g->from, g->to, chain);
+    if (g->kind == MUKCA_GROUP_DETAIL && g->low < g->high)
+        put(text, ", orders %d to %d", g->low > 1 ? g->low : 1, g->high);
+    else if (g->kind == MUKCA_GROUP_DETAIL)
+        put(text, ", order %d", g->low);
+    return text;
+}
+
+/* A value with its interval, to two digits of the half width. */
+static void put_measure(char *text, const mukca_measure *m, const char *unit)
+{
+    const bool time = strcmp(unit, "s") == 0;
+    const double factor = time ? 1e3 : 1, half = fmax(factor * 0.5 * (m->high - m->low), 1e-12);
+    int digits = isfinite(half) ? (int)ceil(-log10(half)) + 1 : 3;
+    char shown[32] = "";
+    digits = digits < 0 ? 0 : digits > 6 ? 6 : digits;
+    for (const char *u = unit; *u && strlen(shown) + 4 < sizeof shown; u++)
+        strncat(shown, *u == '*' ? "·" : u, *u == '*' ? 2 : 1); /* a multiplication sign */
+    put(text, "%.*f%s%s [%.*f, %.*f]", digits, factor * m->value, strcmp(unit, "1") ? " " : "",
+        time                ? "ms"
+        : strcmp(unit, "1") ? shown
+                            : "",
+        digits, factor * m->low, digits, factor * m->high);
+}
+
+const char *mukca_wording_torque_certainty(char text[MUKCA_WORDING], const mukca_motion_finding *f)
+{
+    const double p = f->group.probability;
+    const int held = (int)rint(f->group.halves * MUKCA_HALVES);
+    put(text, "%s", p > 0.999 && held == MUKCA_HALVES ? "certain (" : "sure (");
+    if (p > 0.999)
+        put(text, "> 99.9 %%, ");
+    else
+        put(text, "%.0f %%, ", floor(100 * p));
+    if (held == MUKCA_HALVES)
+        put(text, "all halves)");
+    else
+        put(text, "%d of %d halves)", held, MUKCA_HALVES);
+    if (!isfinite(f->coefficient.value)) return text;
+    put(text, "; ");
+    put_measure(text, &f->coefficient, mukca_torque_table[f->group.effect].unit);
+    return text;
+}
+
+const char *mukca_wording_torque_alternatives(char text[MUKCA_WORDING],
+                                              const mukca_motion_finding *f,
+                                              const mukca_chain *chain)
+{
+    if (f->n_alternatives < 2) return text;
+    for (int i = 0; i < f->n_alternatives && i < MOST_ALTERNATIVES; i++) {
+        const mukca_motion_alternative *a = &f->alternative[i];
+        const bool listed = a->effect >= 0;
+        put(text, "%s%s", i ? ", " : "",
+            listed ? mukca_torque_table[a->effect].title : "outside the catalogue");
+        if (f->group.from != f->group.to || f->group.apart)
+            put_place(text,
+                      listed ? mukca_torque_table[a->effect].links
+                             : mukca_wording_torque_on_links(&f->group),
+                      a->all ? -1 : a->from, a->to, chain);
+        put(text, " %.0f %%", 100 * a->probability);
+    }
+    return text;
+}
