@@ -127,12 +127,6 @@ static mukca_status run(cli_call *call)
     return mukca_motion_analyse(&w->motion, &w->input, &call->error);
 }
 
-static mukca_status check(cli_call *call)
-{
-    if (call->arguments.n) return MUKCA_OK;
-    return cli_fail(call, MUKCA_USAGE, "give the tables of one or more runs");
-}
-
 /* ---- screen ---- */
 
 enum { MOST_FOUND = 5, SIZE_COLUMN = 58 };
@@ -343,7 +337,6 @@ const cli_command cli_command_motion = {
     .with = CLI_WITH_MODEL | CLI_WITH_TEST | CLI_WITH_JSON | CLI_WITH_COLUMNS,
     .options = options,
     .options_size = sizeof(motion_options),
-    .check = check,
     .reads = CLI_READS_MODEL,
     .run = run,
     .table = write_table,
