@@ -10,15 +10,10 @@
 #include "base/number.h"
 #include "io/export.h"
 
-/* One row of a run. */
-typedef struct {
-    double time, q[MUKCA_MAX_JOINTS], effort[MUKCA_MAX_JOINTS];
-} sample;
-
 typedef struct {
     mukca_rows rows;
     mukca_run_options *options;
-    sample *sample;
+    double *sample; /* [n][1 + 2 n_joints] time, angles, efforts */
     int n, incomplete, repeated;
     bool commands; /* efforts are computed from commanded angles */
 } reader;
@@ -86,27 +81,28 @@ static mukca_status read_rows(reader *r)
 {
     const mukca_run_options *o = r->options;
     const int n = r->rows.chain->n_joints;
+    const size_t width = 1 + 2 * (size_t)n;
     mukca_row row;
     while (mukca_rows_next(&r->rows, &row)) {
-        sample s = {.time = row.time[0]};
-        bool complete = isfinite(s.time);
+        double s[1 + 2 * MUKCA_MAX_JOINTS] = {row.time[0]};
+        bool complete = isfinite(s[0]);
         for (int j = 0; j < n; j++) {
-            s.q[j] = row.q[j];
-            s.effort[j] = r->commands ? o->stiffness[j] * (row.command[j] - row.q[j])
-                                      : row.effort[j] * (o->current ? o->gain[j] : 1);
-            complete &= isfinite(s.effort[j]) != 0;
+            s[1 + j] = row.q[j];
+            s[1 + n + j] = r->commands ? o->stiffness[j] * (row.command[j] - row.q[j])
+                                       : row.effort[j] * (o->current ? o->gain[j] : 1);
+            complete &= isfinite(s[1 + n + j]) != 0;
         }
-        const double last = r->n ? r->sample[r->n - 1].time : -HUGE_VAL;
-        if (complete && s.time < last)
+        const double last = r->n ? r->sample[(size_t)(r->n - 1) * width] : -HUGE_VAL;
+        if (complete && s[0] < last)
             mukca_table_fail(&r->rows.table, r->rows.column.number[MUKCA_COLUMN_TIME][0],
                              "the time falls by %.3g s; write each run to a file of its own",
-                             last - s.time);
+                             last - s[0]);
         r->incomplete += !complete;
-        r->repeated += complete && s.time == last;
-        if (!complete || !(s.time > last)) continue;
-        sample *to = mukca_list_append(&r->sample, &r->n, sizeof s);
+        r->repeated += complete && s[0] == last;
+        if (!complete || !(s[0] > last)) continue;
+        double *to = mukca_list_append(&r->sample, &r->n, sizeof *s * width);
         if (!to) return MUKCA_MEMORY;
-        *to = s;
+        memcpy(to, s, sizeof *s * width);
     }
     return MUKCA_OK;
 }
@@ -120,9 +116,10 @@ static mukca_status take_run(mukca_run *run, mukca_pool *pool, const reader *r)
     run->effort = MUKCA_TAKE(pool, double, r->n *n + 1);
     if (pool->failed) return MUKCA_MEMORY;
     for (int i = 0; i < r->n; i++) {
-        run->time[i] = r->sample[i].time;
-        memcpy(run->q + i * n, r->sample[i].q, sizeof(double) * (size_t)n);
-        memcpy(run->effort + i * n, r->sample[i].effort, sizeof(double) * (size_t)n);
+        const double *from = r->sample + (size_t)i * (1 + 2 * (size_t)n);
+        run->time[i] = from[0];
+        memcpy(run->q + i * n, from + 1, sizeof(double) * (size_t)n);
+        memcpy(run->effort + i * n, from + 1 + n, sizeof(double) * (size_t)n);
     }
     return MUKCA_OK;
 }

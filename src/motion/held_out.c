@@ -24,7 +24,7 @@ static bool evaluate(evaluated *e, const mukca_torque_columns *c, bool fit)
         mukca_part_weights fitted = mukca_torques_whole, left = {{0}};
         const int part = t->test ? MUKCA_PART_TEST : fold;
         left.of[part] = 1;
-        fitted.of[part] = 0;
+        fitted.of[part] = t->test ? 0 : -1; /* of all */
         memset(mean, 0, sizeof *mean * (size_t)c->n);
         mean[c->n - 1] = -1;
         if (fit) ok = mukca_torques_fit(mean, t, c, &fitted);

@@ -109,7 +109,7 @@ static void add_block(accumulator *a, const mukca_stretch *s, const int rows[2],
 static bool take_products(mukca_raw_products products[MUKCA_PARTS], mukca_pool *pool,
                           const mukca_signals *s)
 {
-    bool has[MUKCA_PARTS] = {0};
+    bool has[MUKCA_PARTS] = {[MUKCA_PART_NEW] = true};
     memset(products, 0, sizeof *products * MUKCA_PARTS);
     for (int k = 0; k < s->n; k++)
         for (int b = 0; b < (s->stretch[k].role == MUKCA_RUN_NEW ? MUKCA_BLOCKS : 1); b++)
@@ -163,7 +163,15 @@ mukca_status mukca_raw_products_make(mukca_raw_products products[MUKCA_PARTS], m
     if (failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the columns");
     for (int g = 0; g < MUKCA_BLOCKS; g++) {
         bool some = false;
-        for (int j = 0; j < n; j++) some |= products[g].rows[j] > 0;
+        for (int j = 0; j < n; j++) {
+            const int width = mukca_raw_width(n, j);
+            some |= products[g].rows[j] > 0;
+            products[MUKCA_PART_NEW].rows[j] += products[g].rows[j];
+            for (int i = 0; i < width * width && products[g].square[j]; i++) {
+                products[MUKCA_PART_NEW].square[j][i] += products[g].square[j][i];
+                products[MUKCA_PART_NEW].difference[j][i] += products[g].difference[j][i];
+            }
+        }
         counted += some;
     }
     if (counted == LEAST_BLOCKS) return MUKCA_OK;

@@ -85,8 +85,15 @@ typedef struct {
     double *difference[MUKCA_MAX_JOINTS]; /* of the differences of successive rows */
 } mukca_raw_products;
 
-/* Parts of the recording: new runs in interleaved blocks, reference runs, test runs. */
-enum { MUKCA_BLOCKS = 8, MUKCA_PART_REFERENCE = MUKCA_BLOCKS, MUKCA_PART_TEST, MUKCA_PARTS };
+/* Parts of the recording: new runs in interleaved blocks, and all of these; reference runs, test
+ * runs. */
+enum {
+    MUKCA_BLOCKS = 8,
+    MUKCA_PART_NEW = MUKCA_BLOCKS,
+    MUKCA_PART_REFERENCE,
+    MUKCA_PART_TEST,
+    MUKCA_PARTS
+};
 
 /* Products of all parts; memory comes from `pool`.  Errors: MUKCA_UNIDENTIFIABLE (too short),
  * MUKCA_MEMORY. */

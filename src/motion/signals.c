@@ -11,7 +11,7 @@
 /* A gap: longer than ten steps, in which the angles may do anything. */
 #define GAP 10.0
 /* The grid has this many samples per period of the cutoff, or less than one more. */
-#define OVERSAMPLED 8.0
+#define OVERSAMPLED 6.0
 /* Shortest stretch, s: one block and the transients of the filters. */
 #define SHORTEST 1.0
 /* Widths of the play operator, rad: from the windup of a gear to the sag of a cable. */

@@ -13,8 +13,7 @@
 /* Prior deviation of each raw column's torque in the saturated fit, relative to the range. */
 #define SATURATED 0.3
 
-const mukca_part_weights mukca_torques_whole = {
-    {1, 1, 1, 1, 1, 1, 1, 1, [MUKCA_PART_REFERENCE] = 1}};
+const mukca_part_weights mukca_torques_whole = {{[MUKCA_PART_NEW] = 1, [MUKCA_PART_REFERENCE] = 1}};
 
 mukca_torque_columns mukca_torque_columns_take(mukca_pool *pool, int n)
 {
@@ -127,10 +126,10 @@ bool mukca_torques_multiply(double *G, const mukca_torques *t, const mukca_torqu
             double sum = 0;
             memset(m.raw, 0, sizeof *m.raw * (size_t)(width * width));
             for (int g = 0; g < MUKCA_PARTS; g++) {
-                if ((g != MUKCA_PART_REFERENCE) != items || !(parts->of[g] > 0)) continue;
+                if ((g != MUKCA_PART_REFERENCE) != items || parts->of[g] == 0) continue;
                 mukca_raw_products_add(m.raw, &t->part[g], j, width, whitened ? t->rho[j] : 0,
                                        parts->of[g]);
-                sum += t->part[g].rows[j];
+                sum += parts->of[g] * t->part[g].rows[j];
             }
             if (!(sum > 0)) continue;
             map(&m, t, c, j, items);
@@ -175,7 +174,7 @@ static bool saturate_joint(mukca_torques *t, int j, mukca_pool *pool)
                  range = t->model.signals->range[j];
     if (pool->failed) return false;
     for (int g = 0; g < MUKCA_PARTS; g++) {
-        if (!(mukca_torques_whole.of[g] > 0)) continue;
+        if (mukca_torques_whole.of[g] == 0) continue;
         mukca_raw_products_add(S, &t->part[g], j, width, 0, 1);
         for (int i = 0; i < width * width && t->part[g].rows[j]; i++)
             D[i] += t->part[g].difference[j][i];
