@@ -12,210 +12,88 @@ const char *const mukca_torque_family_name[MUKCA_TORQUE_FAMILIES] = {
 };
 
 /* Prior sizes: multiples of 1 % of the joint's range, below which nothing matters; published
- * friction of arms is 3 to 30 % of it. */
-#define SMALL 0.01, 0.03, 0.1
-#define LARGE SMALL, 0.3
+ * friction of arms is 3 to 30 % of it.  Shares of a mass, of a load or of a gain; metres of a link;
+ * seconds of a bus. */
+#define SMALL .size = {0.01, 0.03, 0.1}
+#define LARGE .size = {0.01, 0.03, 0.1, 0.3}
+#define INERTIAS .size = {0.03, 0.1, 0.3, 1}
+#define MASSES .size = {0.05, 0.15, 0.5}
+#define GAINS .size = {0.02, 0.06, 0.2}
+#define DELAYS .size = {0.002, 0.008, 0.03}
 /* Of an unknown function's values. */
-#define FUNCTION 0.003, 0.01, 0.03, 0.1
+#define FUNCTION .size = {0.003, 0.01, 0.03, 0.1}
 /* One kind in five of what separates an arm from its model is outside the catalogue; its functions
  * are alternatives of each other. */
 #define RARE 0.2
 
-#define UNKNOWN(with, first, count, of, in)                                             \
-    {                                                                                   \
-        .name = NULL, .title = "outside the catalogue", .unit = (in), .family = (with), \
-        .raw = (first), .n = (count), .variants = 1, .scale = (of), .size = {FUNCTION}, \
-        .odds = RARE                                                                    \
+#define NAMED(called, words, in, with, first, count, options, of, ...)                           \
+    {                                                                                            \
+        .name = (called), .title = (words), .unit = (in), .family = MUKCA_TORQUE_##with,         \
+        .raw = (first), .n = (count), .variants = (options), .scale = MUKCA_PER_##of, .odds = 1, \
+        __VA_ARGS__                                                                              \
+    }
+#define UNKNOWN(with, first, count, of, in, ...)                                            \
+    {                                                                                       \
+        .title = "outside the catalogue", .unit = (in), .family = MUKCA_TORQUE_##with,      \
+        .raw = (first), .n = (count), .variants = 1, .scale = MUKCA_PER_##of, .odds = RARE, \
+        __VA_ARGS__                                                                         \
     }
 /* Orders from a to b: waves of that length. */
-#define WAVES(a, b)                                                                \
-    UNKNOWN(MUKCA_TORQUE_ANGLE, MUKCA_RAW_WAVE + 2 * ((a)-1), 2 * ((b) - (a) + 1), \
-            MUKCA_PER_RANGE, "N*m")
+#define WAVES(a, b) \
+    UNKNOWN(ANGLE, MUKCA_RAW_WAVE + 2 * ((a)-1), 2 * ((b) - (a) + 1), RANGE, "N*m", FUNCTION)
 
 const mukca_torque_effect mukca_torque_table[MUKCA_TORQUE_ROWS] = {
-    [MUKCA_MOTION_PAYLOAD] = {"payload",
-                              "payload",
-                              "kg",
-                              MUKCA_TORQUE_GRAVITY,
-                              MUKCA_RIGID_LOAD,
-                              0,
-                              1,
-                              MUKCA_PER_MASS,
-                              {SMALL, 0.3},
-                              1,
-                              .links = true},
-    [MUKCA_MOTION_LINK_MASS] = {"link_mass",
-                                "mass",
-                                "kg",
-                                MUKCA_TORQUE_GRAVITY,
-                                MUKCA_RIGID_MASS,
-                                0,
-                                1,
-                                MUKCA_PER_UNIT,
-                                {0.05, 0.15, 0.5},
-                                1,
-                                .links = true},
-    [MUKCA_MOTION_LINK_CENTRE] = {"link_centre",
-                                  "centre of mass",
-                                  "m",
-                                  MUKCA_TORQUE_GRAVITY,
-                                  MUKCA_RIGID_CENTRE,
-                                  0,
-                                  1,
-                                  MUKCA_PER_UNIT,
-                                  {0.01, 0.03, 0.1},
-                                  1,
-                                  .links = true},
-    [MUKCA_MOTION_ARMATURE] = {"armature",
-                               "armature",
-                               "kg*m^2",
-                               MUKCA_TORQUE_ACCELERATION,
-                               MUKCA_RAW_ACCELERATION,
-                               1,
-                               1,
-                               MUKCA_PER_INERTIA,
-                               {0.03, 0.1, 0.3, 1},
-                               1},
-    [MUKCA_MOTION_COULOMB] = {"coulomb",
-                              "Coulomb friction",
-                              "N*m",
-                              MUKCA_TORQUE_DIRECTION,
-                              MUKCA_RAW_SIGN,
-                              1,
-                              1,
-                              MUKCA_PER_RANGE,
-                              {LARGE},
-                              1,
-                              .nonnegative = true},
-    [MUKCA_MOTION_VISCOUS] = {"viscous",
-                              "viscous friction",
-                              "N*m*s/rad",
-                              MUKCA_TORQUE_VELOCITY,
-                              MUKCA_RAW_VELOCITY,
-                              1,
-                              1,
-                              MUKCA_PER_SPEED,
-                              {LARGE},
-                              1,
-                              .nonnegative = true},
-    [MUKCA_MOTION_STRIBECK] = {"stribeck",
-                               "Stribeck friction",
-                               "N*m",
-                               MUKCA_TORQUE_VELOCITY,
-                               MUKCA_RAW_STRIBECK,
-                               1,
-                               MUKCA_STRIBECKS,
-                               MUKCA_PER_RANGE,
-                               {SMALL},
-                               1},
-    [MUKCA_MOTION_LOAD_FRICTION] = {"load_friction",
-                                    "friction under load",
-                                    "1",
-                                    MUKCA_TORQUE_LOAD,
-                                    MUKCA_RAW_LOAD,
-                                    1,
-                                    1,
-                                    MUKCA_PER_UNIT,
-                                    {0.01, 0.03, 0.1},
-                                    1},
-    [MUKCA_MOTION_ASYMMETRY] = {"asymmetry",
-                                "asymmetric friction",
-                                "N*m*s/rad",
-                                MUKCA_TORQUE_VELOCITY,
-                                MUKCA_RAW_SPEED,
-                                1,
-                                1,
-                                MUKCA_PER_SPEED,
-                                {SMALL},
-                                1},
-    [MUKCA_MOTION_OFFSET] = {"offset",
-                             "torque offset",
-                             "N*m",
-                             MUKCA_TORQUE_TORQUE,
-                             MUKCA_RAW_ONE,
-                             1,
-                             1,
-                             MUKCA_PER_RANGE,
-                             {SMALL},
-                             1},
-    [MUKCA_MOTION_TORQUE_GAIN] = {"torque_gain",
-                                  "torque gain",
-                                  "1",
-                                  MUKCA_TORQUE_TORQUE,
-                                  0,
-                                  MUKCA_COLUMNS_MODEL,
-                                  1,
-                                  MUKCA_PER_UNIT,
-                                  {0.02, 0.06, 0.2},
-                                  1},
-    [MUKCA_MOTION_DELAY] = {"delay",
-                            "delay",
-                            "s",
-                            MUKCA_TORQUE_SHIFT,
-                            0,
-                            MUKCA_COLUMNS_RATE,
-                            1,
-                            MUKCA_PER_UNIT,
-                            {0.002, 0.008, 0.03},
-                            1},
-    [MUKCA_MOTION_SPRING] = {"spring",
-                             "spring",
-                             "N*m/rad",
-                             MUKCA_TORQUE_ANGLE,
-                             MUKCA_RAW_ANGLE,
-                             2,
-                             1,
-                             MUKCA_PER_TRAVEL,
-                             {SMALL},
-                             1},
-    [MUKCA_MOTION_COGGING] = {"cogging",
-                              "cogging",
-                              "N*m",
-                              MUKCA_TORQUE_ANGLE,
-                              MUKCA_RAW_WAVE,
-                              2,
-                              MUKCA_ORDERS,
-                              MUKCA_PER_RANGE,
-                              {SMALL},
-                              1,
-                              .orders = true},
-    [MUKCA_MOTION_THERMAL_FRICTION] = {"thermal_friction",
-                                       "friction that falls with warming",
-                                       "N*m",
-                                       MUKCA_TORQUE_TIME,
-                                       MUKCA_RAW_WARMING,
-                                       1,
-                                       MUKCA_WARMINGS,
-                                       MUKCA_PER_RANGE,
-                                       {SMALL},
-                                       1},
-    UNKNOWN(MUKCA_TORQUE_DIRECTION, MUKCA_RAW_SIGN, 3, MUKCA_PER_RANGE, "N*m"),
-    UNKNOWN(MUKCA_TORQUE_DIRECTION, MUKCA_RAW_PLAY, MUKCA_PLAYS, MUKCA_PER_RANGE, "N*m"),
-    UNKNOWN(MUKCA_TORQUE_VELOCITY, MUKCA_RAW_STRIBECK, MUKCA_STRIBECKS, MUKCA_PER_RANGE, "N*m"),
-    UNKNOWN(MUKCA_TORQUE_VELOCITY, MUKCA_RAW_CURVE, MUKCA_HATS, MUKCA_PER_RANGE, "N*m"),
-    UNKNOWN(MUKCA_TORQUE_VELOCITY, MUKCA_RAW_BESIDE, 4, MUKCA_PER_RANGE, "N*m"),
-    UNKNOWN(MUKCA_TORQUE_ACCELERATION, MUKCA_RAW_ACCELERATION, 3, MUKCA_PER_INERTIA, "kg*m^2"),
-    UNKNOWN(MUKCA_TORQUE_LOAD, MUKCA_RAW_LOAD, 3, MUKCA_PER_UNIT, "1"),
+    [MUKCA_MOTION_PAYLOAD] = NAMED("payload", "payload", "kg", GRAVITY, MUKCA_RIGID_LOAD,
+                                   MUKCA_COLUMNS_RIGID, 1, MASS, LARGE, .links = true),
+    [MUKCA_MOTION_LINK_MASS] = NAMED("link_mass", "mass", "kg", GRAVITY, MUKCA_RIGID_MASS,
+                                     MUKCA_COLUMNS_RIGID, 1, UNIT, MASSES, .links = true),
+    [MUKCA_MOTION_LINK_CENTRE] =
+        NAMED("link_centre", "centre of mass", "m", GRAVITY, MUKCA_RIGID_CENTRE,
+              MUKCA_COLUMNS_RIGID, 1, UNIT, SMALL, .links = true),
+    [MUKCA_MOTION_ARMATURE] = NAMED("armature", "armature", "kg*m^2", ACCELERATION,
+                                    MUKCA_RAW_ACCELERATION, 1, 1, INERTIA, INERTIAS),
+    [MUKCA_MOTION_COULOMB] = NAMED("coulomb", "Coulomb friction", "N*m", DIRECTION, MUKCA_RAW_SIGN,
+                                   1, 1, RANGE, LARGE, .nonnegative = true),
+    [MUKCA_MOTION_VISCOUS] = NAMED("viscous", "viscous friction", "N*m*s/rad", VELOCITY,
+                                   MUKCA_RAW_VELOCITY, 1, 1, SPEED, LARGE, .nonnegative = true),
+    [MUKCA_MOTION_STRIBECK] = NAMED("stribeck", "Stribeck friction", "N*m", VELOCITY,
+                                    MUKCA_RAW_STRIBECK, MUKCA_STRIBECKS, 1, RANGE, SMALL),
+    /* under gravity, or under all torques */
+    [MUKCA_MOTION_LOAD_FRICTION] =
+        NAMED("load_friction", "friction under load", "1", LOAD, MUKCA_RAW_LOAD, 1, 2, UNIT, SMALL),
+    [MUKCA_MOTION_ASYMMETRY] = NAMED("asymmetry", "asymmetric friction", "N*m*s/rad", VELOCITY,
+                                     MUKCA_RAW_SPEED, 1, 1, SPEED, SMALL),
+    [MUKCA_MOTION_OFFSET] =
+        NAMED("offset", "torque offset", "N*m", TORQUE, MUKCA_RAW_ONE, 1, 1, RANGE, SMALL),
+    [MUKCA_MOTION_TORQUE_GAIN] =
+        NAMED("torque_gain", "torque gain", "1", TORQUE, 0, MUKCA_COLUMNS_MODEL, 1, UNIT, GAINS),
+    [MUKCA_MOTION_DELAY] =
+        NAMED("delay", "delay", "s", SHIFT, 0, MUKCA_COLUMNS_RATE, 1, UNIT, DELAYS),
+    [MUKCA_MOTION_SPRING] =
+        NAMED("spring", "spring", "N*m/rad", ANGLE, MUKCA_RAW_ANGLE, 2, 1, TRAVEL, SMALL),
+    [MUKCA_MOTION_COGGING] = NAMED("cogging", "cogging", "N*m", ANGLE, MUKCA_RAW_WAVE, 2,
+                                   MUKCA_ORDERS, RANGE, SMALL, .orders = true),
+    [MUKCA_MOTION_THERMAL_FRICTION] =
+        NAMED("thermal_friction", "friction that falls with warming", "N*m", TIME,
+              MUKCA_RAW_WARMING, 1, MUKCA_WARMINGS, RANGE, SMALL),
+    UNKNOWN(DIRECTION, MUKCA_RAW_SIGN, 3, RANGE, "N*m", FUNCTION),
+    UNKNOWN(DIRECTION, MUKCA_RAW_PLAY, MUKCA_PLAYS, RANGE, "N*m", FUNCTION),
+    UNKNOWN(VELOCITY, MUKCA_RAW_STRIBECK, MUKCA_STRIBECKS, RANGE, "N*m", FUNCTION),
+    UNKNOWN(VELOCITY, MUKCA_RAW_CURVE, MUKCA_HATS, RANGE, "N*m", FUNCTION),
+    UNKNOWN(VELOCITY, MUKCA_RAW_BESIDE, 4, RANGE, "N*m", FUNCTION),
+    UNKNOWN(ACCELERATION, MUKCA_RAW_ACCELERATION, 3, INERTIA, "kg*m^2", FUNCTION),
+    UNKNOWN(LOAD, MUKCA_RAW_LOAD, 4, UNIT, "1", FUNCTION),
     WAVES(1, 4),
     WAVES(4, 10),
     WAVES(10, 17),
     WAVES(17, 24),
-    UNKNOWN(MUKCA_TORQUE_TIME, MUKCA_RAW_TIME, MUKCA_HATS, MUKCA_PER_RANGE, "N*m"),
-    UNKNOWN(MUKCA_TORQUE_TIME, MUKCA_RAW_BURST, MUKCA_BURSTS, MUKCA_PER_RANGE, "N*m"),
-    UNKNOWN(MUKCA_TORQUE_TIME, MUKCA_RAW_DRIFT, MUKCA_HATS, MUKCA_PER_RANGE, "N*m"),
-    UNKNOWN(MUKCA_TORQUE_TORQUE, MUKCA_RAW_MODEL, 2, MUKCA_PER_UNIT, "1"),
-    UNKNOWN(MUKCA_TORQUE_TORQUE, MUKCA_RAW_ONE, 1, MUKCA_PER_RANGE, "N*m"),
-    {.title = "outside the catalogue",
-     .unit = "kg",
-     .family = MUKCA_TORQUE_GRAVITY,
-     .raw = MUKCA_RIGID_MASS,
-     .n = MUKCA_COLUMNS_RIGID,
-     .variants = 1,
-     .scale = MUKCA_PER_UNIT,
-     .size = {0.05, 0.15, 0.5},
-     .odds = RARE,
-     .links = true},
-    UNKNOWN(MUKCA_TORQUE_SHIFT, 0, MUKCA_COLUMNS_RATE, MUKCA_PER_UNIT, "s")};
+    UNKNOWN(TIME, MUKCA_RAW_TIME, MUKCA_HATS, RANGE, "N*m", FUNCTION),
+    UNKNOWN(TIME, MUKCA_RAW_BURST, MUKCA_BURSTS, RANGE, "N*m", FUNCTION),
+    UNKNOWN(TIME, MUKCA_RAW_DRIFT, MUKCA_HATS, RANGE, "N*m", FUNCTION),
+    UNKNOWN(TORQUE, MUKCA_RAW_MODEL, 2, UNIT, "1", FUNCTION),
+    UNKNOWN(TORQUE, MUKCA_RAW_ONE, 1, RANGE, "N*m", FUNCTION),
+    UNKNOWN(GRAVITY, MUKCA_RIGID_MASS, MUKCA_COLUMNS_RIGID, UNIT, "kg", MASSES, .links = true),
+    UNKNOWN(SHIFT, 0, MUKCA_COLUMNS_RATE, UNIT, "s", DELAYS)};
 
 int mukca_torque_effect_find(const char *name)
 {

@@ -24,7 +24,7 @@ typedef struct {
     int length, step, reach; /* samples of a block, from row to row, of the filter on either side */
     double tap[2 * MOST_TAPS + 1];
     int width;
-    double *x, *rows, *pairs, *ends, *Y;
+    double *x, *rows, *pairs, *ends, *Y, *gravity;
 } accumulator;
 
 /* Successive blocks are permuted in eights: no motion has their period. */
@@ -62,14 +62,13 @@ static void filter(double *row, const double *x, int width, const accumulator *a
 
 /* Add the pairs of successive rows of a joint, at every step-th sample whose filter lies within the
  * block. */
-static void add_joint(accumulator *a, const mukca_stretch *s, const int rows[2], int j,
-                      mukca_raw_products *part)
+static void add_joint(accumulator *a, const mukca_raw_block *block, int j, mukca_raw_products *part)
 {
     const int n = a->model->signals->n_joints, width = mukca_raw_width(n, j);
     int pairs = 0, count = 0;
     double *before = NULL, *ends = a->ends;
-    for (int at = a->reach; at + a->reach < rows[1] - rows[0]; at += a->step) {
-        if (may_stick(s, n, j, rows[0] + at, 5 * a->reach / 8)) {
+    for (int at = a->reach; at + a->reach < block->last - block->first; at += a->step) {
+        if (may_stick(block->stretch, n, j, block->first + at, 5 * a->reach / 8)) {
             before = NULL;
             continue;
         }
@@ -90,19 +89,22 @@ static void add_joint(accumulator *a, const mukca_stretch *s, const int rows[2],
     part->rows[j] += pairs;
 }
 
-static void add_block(accumulator *a, const mukca_stretch *s, const int rows[2],
-                      mukca_raw_products *part)
+static void add_block(accumulator *a, const mukca_stretch *s, int first, mukca_raw_products *part)
 {
     const mukca_raw_model *m = a->model;
     const int n = m->signals->n_joints, square = n * n * MUKCA_INERTIAL;
-    for (int i = 0; i < rows[1] - rows[0]; i++) {
-        const int at = (rows[0] + i) * n;
+    const double still[MUKCA_MAX_JOINTS] = {0};
+    const mukca_raw_block block = {s, first, first + a->length, a->Y, a->gravity};
+    for (int i = 0; i < a->length; i++) {
+        const int at = (first + i) * n;
         mukca_dynamics_regressor(a->Y + i * square, &m->dynamics, s->q + at, s->dq + at,
                                  s->ddq + at);
+        mukca_dynamics_torque(a->gravity + i * n, &m->dynamics, m->inertial, s->q + at, still,
+                              still);
     }
     for (int j = 0; j < n; j++) {
-        mukca_raw_fill(a->x, mukca_raw_width(n, j), m, s, rows, j, a->Y);
-        add_joint(a, s, rows, j, part);
+        mukca_raw_fill(a->x, mukca_raw_width(n, j), m, &block, j);
+        add_joint(a, &block, j, part);
     }
 }
 
@@ -150,12 +152,12 @@ mukca_status mukca_raw_products_make(mukca_raw_products products[MUKCA_PARTS], m
     a.rows = MUKCA_TAKE(&scratch, double, a.length *a.width);
     a.pairs = MUKCA_TAKE(&scratch, double, a.length *a.width);
     a.ends = MUKCA_TAKE(&scratch, double, a.length);
+    a.gravity = MUKCA_TAKE(&scratch, double, a.length *n);
     a.Y = MUKCA_TAKE(&scratch, double, a.length *n *n *MUKCA_INERTIAL);
     if (take_products(products, pool, s) && !scratch.failed)
         for (const mukca_stretch *k = s->stretch; k < s->stretch + s->n; k++)
             for (int at = 0; at + a.length <= k->n; at += a.length) {
-                const int rows[2] = {at, at + a.length}, part = part_of(k->role, blocks);
-                add_block(&a, k, rows, &products[part]);
+                add_block(&a, k, at, &products[part_of(k->role, blocks)]);
                 blocks += k->role == MUKCA_RUN_NEW;
             }
     const bool failed = pool->failed || scratch.failed;

@@ -61,13 +61,15 @@ static void put_velocity(double *x, const mukca_stretch *s, int n, int at, int j
     }
 }
 
-void mukca_raw_fill(double *x, int ld, const mukca_raw_model *m, const mukca_stretch *s,
-                    const int rows[2], int j, const double *Y)
+void mukca_raw_fill(double *x, int ld, const mukca_raw_model *m, const mukca_raw_block *block,
+                    int j)
 {
+    const mukca_stretch *s = block->stretch;
+    const double *Y = block->Y;
     const mukca_signals *signals = m->signals;
     const int n = signals->n_joints, rigid = MUKCA_INERTIAL * (n - j);
     const double fastest = fmax(signals->fastest[j], 1e-9), end = fmax(signals->end, 1e-9);
-    for (int i = rows[0]; i < rows[1]; i++, x += ld, Y += n * n * MUKCA_INERTIAL) {
+    for (int i = block->first; i < block->last; i++, x += ld, Y += n * n * MUKCA_INERTIAL) {
         const int at = i * n;
         const double t = s->start + i * signals->dt, *own = Y + (j * n + j) * MUKCA_INERTIAL;
         double torque = 0, *local = x + rigid;
@@ -75,9 +77,10 @@ void mukca_raw_fill(double *x, int ld, const mukca_raw_model *m, const mukca_str
         for (int p = 0; p < rigid; p++) torque += own[p] * m->inertial[j * MUKCA_INERTIAL + p];
         put_velocity(local, s, n, at, j);
         const double sign = local[MUKCA_RAW_SIGN], v = s->dq[at + j];
-        local[MUKCA_RAW_LOAD] = sign * fabs(torque);
-        local[MUKCA_RAW_LOAD + 1] = sign * torque * torque / m->scale[j];
-        local[MUKCA_RAW_LOAD + 2] = v * fabs(torque) / fastest;
+        local[MUKCA_RAW_LOAD] = sign * fabs(block->gravity[(i - block->first) * n + j]);
+        local[MUKCA_RAW_LOAD + 1] = sign * fabs(torque);
+        local[MUKCA_RAW_LOAD + 2] = sign * torque * torque / m->scale[j];
+        local[MUKCA_RAW_LOAD + 3] = v * fabs(torque) / fastest;
         local[MUKCA_RAW_MODEL] = torque;
         local[MUKCA_RAW_MODEL + 1] = torque * fabs(torque) / m->scale[j];
         local[MUKCA_RAW_ANGLE] = s->q[at + j] - 0.5 * (signals->low[j] + signals->high[j]);

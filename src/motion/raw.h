@@ -28,11 +28,12 @@ enum {
     MUKCA_RAW_REVERSAL = MUKCA_RAW_STRIBECK + MUKCA_STRIBECKS,
     MUKCA_RAW_PLAY = MUKCA_RAW_REVERSAL + MUKCA_REVERSALS,
     MUKCA_RAW_VELOCITY = MUKCA_RAW_PLAY + MUKCA_PLAYS,
-    MUKCA_RAW_SPEED,                                     /* |dq| */
-    MUKCA_RAW_BESIDE,                                    /* sign and velocity of both neighbours */
-    MUKCA_RAW_ACCELERATION = MUKCA_RAW_BESIDE + 4,       /* own, and of both neighbours */
-    MUKCA_RAW_LOAD = MUKCA_RAW_ACCELERATION + 3,         /* sign |T|, sign T^2, velocity |T| */
-    MUKCA_RAW_WAVE = MUKCA_RAW_LOAD + 3,                 /* cosine, sine of each order */
+    MUKCA_RAW_SPEED,                               /* |dq| */
+    MUKCA_RAW_BESIDE,                              /* sign and velocity of both neighbours */
+    MUKCA_RAW_ACCELERATION = MUKCA_RAW_BESIDE + 4, /* own, and of both neighbours */
+    MUKCA_RAW_LOAD =
+        MUKCA_RAW_ACCELERATION + 3, /* sign |T| of gravity alone, of all; sign T^2, velocity |T| */
+    MUKCA_RAW_WAVE = MUKCA_RAW_LOAD + 4,                 /* cosine, sine of each order */
     MUKCA_RAW_CURVE = MUKCA_RAW_WAVE + 2 * MUKCA_ORDERS, /* of velocity */
     MUKCA_RAW_TIME = MUKCA_RAW_CURVE + MUKCA_HATS,
     MUKCA_RAW_BURST = MUKCA_RAW_TIME + MUKCA_HATS,    /* of time, finer */
@@ -73,10 +74,17 @@ typedef struct {
     int shift;                      /* samples between neighbouring torques */
 } mukca_raw_model;
 
-/* Rows of joint j: x[n][ld] for the samples first, first + 1, ... of a stretch; Y[n][n_joints]
- * [n_joints][MUKCA_INERTIAL]: the regressors of these samples. */
-void mukca_raw_fill(double *x, int ld, const mukca_raw_model *model, const mukca_stretch *stretch,
-                    const int rows[2], int joint, const double *Y);
+/* Samples first .. last - 1 of a stretch, with their regressors Y[last - first][n_joints][n_joints]
+ * [MUKCA_INERTIAL] and the torques of gravity alone, [last - first][n_joints]. */
+typedef struct {
+    const mukca_stretch *stretch;
+    int first, last;
+    double *Y, *gravity;
+} mukca_raw_block;
+
+/* Raw columns x[last - first][ld] of a joint. */
+void mukca_raw_fill(double *x, int ld, const mukca_raw_model *model, const mukca_raw_block *block,
+                    int joint);
 
 /* Products of filtered raw columns over the blocks of a part of the recording. */
 typedef struct {
