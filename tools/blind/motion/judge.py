@@ -7,6 +7,7 @@ its joint.  The program's JSON is kept beside each case; a case with answers is 
     accused    a finding where nothing was put in
     right      a finding at the effect's place that names it, has it among its alternatives, or (coarser) what
                its torque varies with; one that spans the whole arm must say with what
+    withheld right, misnamed: family and place, whatever it is called; and another effect at one place
     exact      a finding of the effect at its joint alone
     false      a finding that is right for no effect of its case
     misnamed   a finding of one effect at one place that is wrong
@@ -86,7 +87,7 @@ def is_right(finding, effect, truth, withheld=False):
     if not withheld and (is_exact(finding, effect, truth) or
                          any(names(a, effect, truth) and is_at(a, effect, truth) for a in finding["alternatives"])):
         return True
-    if finding["effect"] is not None and not names(finding, effect, truth):
+    if not withheld and finding["effect"] is not None and not names(finding, effect, truth):
         return False
     if finding["varies_with"] is None:
         return finding["kind"] == "place" and not whole
