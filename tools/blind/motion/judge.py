@@ -7,6 +7,7 @@ its joint.  The program's JSON is kept beside each case; a case with answers is 
     accused    a finding where nothing was put in
     right      a finding at the effect's place that names it, has it among its alternatives, or (coarser) what
                its torque varies with; one that spans the whole arm must say with what
+    withheld right, misnamed: family and place, whatever it is called; and another effect at one place
     exact      a finding of the effect at its joint alone
     false      a finding that is right for no effect of its case
     misnamed   a finding of one effect at one place that is wrong
@@ -86,7 +87,7 @@ def is_right(finding, effect, truth, withheld=False):
     if not withheld and (is_exact(finding, effect, truth) or
                          any(names(a, effect, truth) and is_at(a, effect, truth) for a in finding["alternatives"])):
         return True
-    if finding["effect"] is not None and not names(finding, effect, truth):
+    if not withheld and finding["effect"] is not None and not names(finding, effect, truth):
         return False
     if finding["varies_with"] is None:
         return finding["kind"] == "place" and not whole
@@ -139,15 +140,29 @@ def judge(score, truth, answer, withheld):
             if value and value.get("ci95") and is_exact(f, e, truth) and known_size(f, e):
                 low, high = value["ci95"]
                 score.add("covered", low <= e["size"] <= high)
+                if not low <= e["size"] <= high:
+                    report(truth, "size", [f], [])
+    if wrong or not all(right):
+        report(truth, "", findings, wrong)
     if withheld is not None:
         rest = withheld["findings"]
-        score.add("withheld right", any(is_right(f, effects[0], truth, True) for f in rest))
-        score.add("withheld misnamed", any(is_single(f, truth) and not names(f, effects[0], truth) for f in rest))
-    if wrong or not all(right):
-        print("%03d %-7s %-20s %s | %s" % (
-            truth["case"], truth["arm"], what,
-            "; ".join("%s at %s, %.3g" % (e["name"], place(e, truth), e["size"]) for e in effects) or "nothing",
-            "; ".join(f["sentence"] + (" (false)" if f in wrong else "") for f in findings) or "nothing"))
+        found = any(is_right(f, effects[0], truth, True) for f in rest)
+        named = [f for f in rest if is_single(f, truth) and not names(f, effects[0], truth)]
+        score.add("withheld right", found)
+        score.add("withheld misnamed", named)
+        if named or not found:
+            report(truth, "withheld", rest, named)
+
+
+def report(truth, what, findings, wrong):
+    """A line about a case: what was put in, and what was found."""
+    def sized(f):
+        value = f.get("coefficient") if what == "size" else None
+        return f["sentence"] + (", %.3g to %.3g" % tuple(value["ci95"]) if value else "")
+    print("%03d %-7s %-8s %s | %s" % (
+        truth["case"], truth["arm"], what,
+        "; ".join("%s at %s, %.3g" % (e["name"], place(e, truth), e["size"]) for e in truth["effects"]) or "nothing",
+        "; ".join(sized(f) + (" (false)" if f in wrong else "") for f in findings) or "nothing"))
 
 
 def place(effect, truth):

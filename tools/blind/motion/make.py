@@ -71,7 +71,6 @@ def simulate_run(arm, m, effects, at, run):
         d.qfrc_applied[:] = drive - against
         mujoco.mj_step(m, d)
     m.dof_frictionloss[:] = base
-    torque[1:] = (torque[1:] + torque[:-1]) / 2       # held for a step each: the torque at its beginning
     return np.arange(steps) * arms.STEP, q, torque
 
 
@@ -151,6 +150,7 @@ def case(index, seed, models):
     sensors = {"noise": rng.uniform(0.005, 0.015), "step": 2 * np.pi / 2 ** int(rng.choice([16, 17, 18, 20])),
                "scale": np.ptp(runs[0][2], axis=0) / 2}
     rows = [measure(*run, effects, sensors, rng) for run in runs]
+    rows = [(run * SECONDS + t, q, torque) for run, (t, q, torque) in enumerate(rows)]    # one clock
     truth = {"case": index, "situation": situation, "arm": name, "joints": arm.joints, "links": arm.links,
              "effects": effects}
     return arm, rows, truth
