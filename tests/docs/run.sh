@@ -13,7 +13,7 @@ export NO_COLOR=1 MUKCA
 failures=0
 number=0
 # Pages with examples, in the order in which they run: later ones use files of earlier ones.
-pages="README.md docs/guide.md docs/data.md docs/ros.md docs/diagnosis.md docs/method.md docs/comparison.md docs/fleet.md"
+pages="README.md docs/guide.md docs/data.md docs/ros.md docs/diagnosis.md docs/method.md docs/comparison.md docs/fleet.md docs/motion.md"
 
 check() { # NAME TEXT: passes where TEXT is empty
     if [ -z "$2" ]; then
