@@ -29,10 +29,10 @@ static const cli_option options[] = {
                "<dynamics> of the URDF)"),
     CLI_CHOICE_OPTION(motion_options, effort, "effort", "WHAT", efforts,
                       "what JOINT.effort contains (default: torque, N m)"),
-    CLI_OPTION(motion_options, gain, "current-gain", CLI_TEXT, "JOINT=X,...",
-               "torque constants of the joints, N m/A, for currents"),
-    CLI_OPTION(motion_options, stiffness, "kp", CLI_TEXT, "JOINT=X,...",
-               "position gains, N m/rad: the efforts of runs that have commands only"),
+    CLI_OPTION(motion_options, gain, "current-gain", CLI_TEXT, "GAINS",
+               "torque constants N m/A for currents, as in joint_1=14.9,joint_2=13.3"),
+    CLI_OPTION(motion_options, stiffness, "kp", CLI_TEXT, "GAINS",
+               "position gains, N m/rad, likewise: the efforts of runs with commands only"),
     CLI_OPTION(motion_options, without, "without", CLI_TEXT, "EFFECTS",
                "exclude these effects from the catalogue (comma-separated)"),
     CLI_OUTPUT_OPTION("write the effects as a table"),
@@ -320,7 +320,7 @@ static mukca_status write_table(cli_call *call, FILE *stream)
 const cli_command cli_command_motion = {
     .name = "motion",
     .group = CLI_UNDERSTAND,
-    .summary = "what separates runs of a moving arm from its model, or from earlier runs",
+    .summary = "friction, payload, delay and others of a moving arm",
     .synopsis = "RUN...",
     .description =
         "Identifies the effects that separate the measured joint torques of a moving arm from its "
@@ -331,9 +331,10 @@ const cli_command cli_command_motion = {
         "JOINT.current (A, with --current-gain) for each joint, 20 rows per second or more. "
         "Motions "
         "to and fro over the arm's range, 20 s or more, fast enough for its task, show most.",
-    .example = "  mukca simulate --urdf data/demo/arm.urdf --motion 30 --seed 1 \\\n"
-               "      --effect payload=0.5,viscous:joint_3=2 -o build/run.tsv\n"
-               "  mukca motion --urdf data/demo/arm.urdf build/run.tsv",
+    .example =
+        "  mukca simulate --urdf data/demo/arm.urdf --motion 30 --seed 1 \\\n"
+        "      --effect payload=0.5,viscous:joint_3=2 -o build/run.tsv\n"
+        "  mukca motion --urdf data/demo/arm.urdf build/run.tsv",
     .with = CLI_WITH_MODEL | CLI_WITH_TEST | CLI_WITH_JSON | CLI_WITH_COLUMNS,
     .options = options,
     .options_size = sizeof(motion_options),
