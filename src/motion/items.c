@@ -32,18 +32,15 @@
 /* An arm's mass without masses in its model, kg: half of that of common ones. */
 #define ARM_MASS 20.0
 
-enum { MOST_TERMS_OF = MUKCA_MAX_JOINTS * MUKCA_INERTIAL };
-
 typedef struct {
     mukca_items *out;
-    mukca_pool *pool;
     const mukca_motion_input *input;
     const mukca_raw_model *model;
     const mukca_motion_point *point;
-    int n, joints_terms; /* joints; capacity of terms */
+    int n; /* joints */
     int most_columns, most_terms, most_items;
     bool reference, masses;
-    double total, inertia[MUKCA_MAX_JOINTS];
+    double total; /* kg */
 } lister;
 
 /* ---- terms and columns ---- */
@@ -140,9 +137,9 @@ static void list_parameters(lister *l)
         list_local(l, j, MUKCA_RAW_ONE, range * (l->reference ? FREE_FRICTION : ZERO));
         list_local(l, j, MUKCA_RAW_SIGN, fmax(FRICTION * d->coulomb[j], free * range));
         list_local(l, j, MUKCA_RAW_VELOCITY, fmax(FRICTION * d->viscous[j], free * range / speed));
-        list_local(
-            l, j, MUKCA_RAW_ACCELERATION,
-            fmax(ARMATURE * d->armature[j], l->reference ? FREE_ARMATURE * l->inertia[j] : 0));
+        list_local(l, j, MUKCA_RAW_ACCELERATION,
+                   fmax(ARMATURE * d->armature[j],
+                        l->reference ? FREE_ARMATURE * l->model->inertia[j] : 0));
         list_local(l, j, MUKCA_RAW_STRIBECK + 1, 0.3 * free * range);
         list_local(l, j, MUKCA_RAW_SPEED, 0.3 * free * range / speed);
         list_local(l, j, MUKCA_RAW_LOAD, 0.3 * free);
@@ -161,41 +158,15 @@ static void list_parameters(lister *l)
 /* ---- the value: measured torque at the point's delay and gain, continued to none, minus the
  * nominal one ---- */
 
-/* Weights of the torques at their places k - MUKCA_SHIFTS / 2 for the torque at place x, and for
- * its derivative: Lagrange's polynomials. */
-static void interpolate(double value[MUKCA_SHIFTS], double slope[MUKCA_SHIFTS], double x)
-{
-    for (int k = 0; k < MUKCA_SHIFTS; k++) {
-        value[k] = 1, slope[k] = 0;
-        for (int i = 0; i < MUKCA_SHIFTS; i++) {
-            if (i == k) continue;
-            const double u = (x - (i - MUKCA_SHIFTS / 2)) / (k - i);
-            slope[k] = slope[k] * u + value[k] / (k - i);
-            value[k] *= u;
-        }
-    }
-}
-
 /* Put the time derivative of a joint's torque at its delay. */
 static void put_rate(lister *l, int joint, double weight)
 {
     double value[MUKCA_SHIFTS], slope[MUKCA_SHIFTS];
     const double step = l->model->shift * l->model->signals->dt;
-    interpolate(value, slope, l->point->delay[joint] / step);
+    mukca_raw_interpolate(value, slope, l->point->delay[joint] / step);
     for (int k = 0; k < MUKCA_SHIFTS; k++)
         put_local(l, joint, MUKCA_RAW_TORQUE + k,
                   weight / (1 + l->point->gain[joint]) * slope[k] / step);
-}
-
-void mukca_items_nominal(double *torque, const mukca_raw_model *m, const mukca_drives *d, int j)
-{
-    const int n = m->signals->n_joints;
-    memset(torque, 0, sizeof *torque * (size_t)mukca_raw_width(n, j));
-    for (int p = 0; p < MUKCA_INERTIAL * (n - j); p++)
-        torque[p] = m->inertial[j * MUKCA_INERTIAL + p];
-    torque[mukca_raw_local(n, j, MUKCA_RAW_SIGN)] = d->coulomb[j];
-    torque[mukca_raw_local(n, j, MUKCA_RAW_VELOCITY)] = d->viscous[j];
-    torque[mukca_raw_local(n, j, MUKCA_RAW_ACCELERATION)] = d->armature[j];
 }
 
 static void list_value(lister *l, double *scratch)
@@ -204,12 +175,12 @@ static void list_value(lister *l, double *scratch)
     for (int j = 0; j < l->n; j++) {
         double value[MUKCA_SHIFTS], slope[MUKCA_SHIFTS];
         const double x = l->point->delay[j] / step;
-        interpolate(value, slope, x);
+        mukca_raw_interpolate(value, slope, x);
         for (int k = 0; k < MUKCA_SHIFTS; k++)
             put_local(l, j, MUKCA_RAW_TORQUE + k,
                       (value[k] - x * slope[k]) / (1 + l->point->gain[j]));
         put_torque(l, j, l->point->gain[j]);
-        mukca_items_nominal(scratch, l->model, &l->input->drives, j);
+        mukca_raw_nominal(scratch, l->model, &l->input->drives, j);
         for (int r = 0; r < mukca_raw_width(l->n, j); r++) put(l, j, r, -scratch[r]);
     }
     end_column(l);
@@ -278,7 +249,7 @@ static double scale_of(const lister *l, const mukca_torque_effect *e, int joint)
         case MUKCA_PER_TRAVEL:
             return s->range[joint] / fmax(0.5 * (s->high[joint] - s->low[joint]), 1e-3);
         case MUKCA_PER_INERTIA:
-            return l->inertia[joint];
+            return l->model->inertia[joint];
         case MUKCA_PER_MASS:
             return l->total / 3;
         default:
@@ -394,29 +365,11 @@ static void list_items(lister *l)
     }
 }
 
-/* Mean inertia about each joint, without the drive's. */
-static void find_inertia(lister *l, double *M)
-{
-    const mukca_signals *s = l->model->signals;
-    const mukca_stretch *k = &s->stretch[0];
-    enum { POSTURES = 16 };
-    for (int i = 0; i < POSTURES; i++) {
-        mukca_dynamics_mass_matrix(M, &l->model->dynamics, l->model->inertial,
-                                   k->q + k->n * i / POSTURES * l->n);
-        for (int j = 0; j < l->n; j++) l->inertia[j] += M[j * l->n + j] / POSTURES;
-    }
-    for (int j = 0; j < l->n; j++) {
-        l->inertia[j] += l->input->drives.armature[j];
-        if (!(l->inertia[j] > 0))
-            l->inertia[j] = 0.1 * s->range[j] / fmax(s->acceleration[j], 1e-3);
-    }
-}
-
 bool mukca_items_list(mukca_items *items, mukca_pool *pool, const mukca_motion_input *input,
                       const mukca_raw_model *model, const mukca_motion_point *point)
 {
     const int n = model->signals->n_joints;
-    lister l = {.out = items, .pool = pool, .input = input, .model = model, .point = point, .n = n};
+    lister l = {.out = items, .input = input, .model = model, .point = point, .n = n};
     l.most_items = n * (MUKCA_TORQUE_ROWS + MUKCA_ORDERS + MUKCA_STRIBECKS + MUKCA_WARMINGS) + 8;
     l.most_columns = n * 24 + 8 + n * (2 * MUKCA_ORDERS + 200);
     l.most_terms =
@@ -427,14 +380,13 @@ bool mukca_items_list(mukca_items *items, mukca_pool *pool, const mukca_motion_i
                            .row = MUKCA_TAKE(pool, int, l.most_items),
                            .label = MUKCA_TAKE(pool, mukca_label, l.most_items),
                            .unit = MUKCA_TAKE(pool, double, l.most_items)};
-    double *scratch = MUKCA_TAKE(pool, double, mukca_raw_width(n, 0) + n * n);
+    double *scratch = MUKCA_TAKE(pool, double, mukca_raw_width(n, 0));
     if (pool->failed) return false;
     for (int r = 0; r < input->n_runs; r++)
         l.reference |= input->run[r].role == MUKCA_RUN_REFERENCE;
     for (int k = 0; k < n; k++) l.total += inertial_of(&l, k)[0];
     l.masses = l.total > 0;
     if (!l.masses) l.total = ARM_MASS;
-    find_inertia(&l, scratch);
     list_parameters(&l);
     list_value(&l, scratch);
     list_items(&l);

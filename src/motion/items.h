@@ -33,10 +33,6 @@ typedef struct {
     double *torque[MUKCA_MAX_JOINTS];
 } mukca_motion_point;
 
-/* The nominal torque as raw coefficients torque[width] of a joint, without the measured one. */
-void mukca_items_nominal(double *torque, const mukca_raw_model *model, const mukca_drives *drives,
-                         int joint);
-
 /* List all columns at a point; memory comes from `pool`.  False: no memory. */
 bool mukca_items_list(mukca_items *items, mukca_pool *pool, const mukca_motion_input *input,
                       const mukca_raw_model *model, const mukca_motion_point *point);

@@ -67,6 +67,25 @@ static mukca_status check(const mukca_torques *t, const mukca_motion_input *in, 
                       moving > 1 ? "all joints move" : "the joint moves");
 }
 
+/* Mean inertia about each joint; of an arm without masses what its torques suggest. */
+static void find_inertia(mukca_raw_model *m, const mukca_drives *drives)
+{
+    const mukca_signals *s = m->signals;
+    const int n = s->n_joints;
+    double M[MUKCA_MAX_JOINTS * MUKCA_MAX_JOINTS];
+    enum { POSTURES = 16 };
+    for (int i = 0; i < POSTURES; i++) {
+        const mukca_stretch *k = &s->stretch[0];
+        mukca_dynamics_mass_matrix(M, &m->dynamics, m->inertial, k->q + k->n * i / POSTURES * n);
+        for (int j = 0; j < n; j++) m->inertia[j] += M[j * n + j] / POSTURES;
+    }
+    for (int j = 0; j < n; j++) {
+        m->inertia[j] += drives->armature[j];
+        if (!(m->inertia[j] > 0))
+            m->inertia[j] = 0.1 * s->range[j] / fmax(s->acceleration[j], 1e-3);
+    }
+}
+
 static mukca_status prepare(mukca_torques *t, mukca_signals *signals, mukca_pool *pool,
                             mukca_error *error)
 {
@@ -80,8 +99,9 @@ static mukca_status prepare(mukca_torques *t, mukca_signals *signals, mukca_pool
     for (int j = 0; j < t->n; j++) {
         t->model.scale[j] = signals->range[j];
         t->point.torque[j] = MUKCA_TAKE(pool, double, mukca_raw_width(t->n, j));
-        if (t->point.torque[j]) mukca_items_nominal(t->point.torque[j], &t->model, &in->drives, j);
+        if (t->point.torque[j]) mukca_raw_nominal(t->point.torque[j], &t->model, &in->drives, j);
     }
+    find_inertia(&t->model, &in->drives);
     status = check(t, in, error);
     if (status == MUKCA_OK) status = mukca_raw_products_make(t->part, pool, &t->model, error);
     return status;

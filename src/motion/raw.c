@@ -98,3 +98,27 @@ void mukca_raw_fill(double *x, int ld, const mukca_raw_model *m, const mukca_raw
         }
     }
 }
+
+void mukca_raw_interpolate(double value[MUKCA_SHIFTS], double slope[MUKCA_SHIFTS], double x)
+{
+    for (int k = 0; k < MUKCA_SHIFTS; k++) {
+        value[k] = 1, slope[k] = 0;
+        for (int i = 0; i < MUKCA_SHIFTS; i++) {
+            if (i == k) continue;
+            const double u = (x - (i - MUKCA_SHIFTS / 2)) / (k - i);
+            slope[k] = slope[k] * u + value[k] / (k - i);
+            value[k] *= u;
+        }
+    }
+}
+
+void mukca_raw_nominal(double *torque, const mukca_raw_model *m, const mukca_drives *d, int j)
+{
+    const int n = m->signals->n_joints;
+    memset(torque, 0, sizeof *torque * (size_t)mukca_raw_width(n, j));
+    for (int p = 0; p < MUKCA_INERTIAL * (n - j); p++)
+        torque[p] = m->inertial[j * MUKCA_INERTIAL + p];
+    torque[mukca_raw_local(n, j, MUKCA_RAW_SIGN)] = d->coulomb[j];
+    torque[mukca_raw_local(n, j, MUKCA_RAW_VELOCITY)] = d->viscous[j];
+    torque[mukca_raw_local(n, j, MUKCA_RAW_ACCELERATION)] = d->armature[j];
+}

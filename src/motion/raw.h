@@ -70,8 +70,9 @@ typedef struct {
     const mukca_signals *signals;
     mukca_dynamics dynamics;
     double inertial[MUKCA_MAX_JOINTS * MUKCA_INERTIAL];
-    double scale[MUKCA_MAX_JOINTS]; /* of a joint's model torque, N m: its range */
-    int shift;                      /* samples between neighbouring torques */
+    double scale[MUKCA_MAX_JOINTS];   /* of a joint's model torque, N m: its range */
+    double inertia[MUKCA_MAX_JOINTS]; /* mean about each joint, with the drive's, kg m^2 */
+    int shift;                        /* samples between neighbouring torques */
 } mukca_raw_model;
 
 /* Samples first .. last - 1 of a stretch, with their regressors Y[last - first][n_joints][n_joints]
@@ -85,6 +86,14 @@ typedef struct {
 /* Raw columns x[last - first][ld] of a joint. */
 void mukca_raw_fill(double *x, int ld, const mukca_raw_model *model, const mukca_raw_block *block,
                     int joint);
+
+/* Weights of the torques at their places k - MUKCA_SHIFTS / 2 for the torque at place x, and for
+ * its derivative: Lagrange's polynomials. */
+void mukca_raw_interpolate(double value[MUKCA_SHIFTS], double slope[MUKCA_SHIFTS], double x);
+
+/* The nominal torque as raw coefficients torque[width] of a joint, without the measured one. */
+void mukca_raw_nominal(double *torque, const mukca_raw_model *model, const mukca_drives *drives,
+                       int joint);
 
 /* Products of filtered raw columns over the blocks of a part of the recording. */
 typedef struct {

@@ -149,7 +149,7 @@ static double linearise(mukca_torque_search *s, const mukca_torque_set *set)
     double *mean = MUKCA_TAKE(&pool, double, c.n);
     bool ok = !pool.failed && mukca_torques_fit(mean, t, &c, &mukca_torques_whole);
     for (int j = 0; j < t->n && ok; j++) {
-        mukca_items_nominal(t->point.torque[j], &t->model, &t->input->drives, j);
+        mukca_raw_nominal(t->point.torque[j], &t->model, &t->input->drives, j);
     }
     for (int k = 0, at = all->n_parameters; k < set->n && ok; k++) {
         const int item = set->item[k], row = all->row[item];
