@@ -157,10 +157,11 @@ static bool find_all(mukca_motion *motion, mukca_torque_search *search, mukca_po
         *f = (mukca_motion_finding){.group = group[i]};
     }
     if (n < 0 || !mukca_torque_sizes(motion, pool, &whole)) return false;
+    if (!mukca_torque_held_out(motion, &whole)) return false;
     qsort(motion->finding, (size_t)motion->n_findings, sizeof *motion->finding, by_size);
     qsort(motion->maybe, (size_t)motion->n_maybe, sizeof *motion->maybe, by_size);
     decide(motion);
-    return mukca_torque_held_out(motion, &whole);
+    return true;
 }
 
 mukca_status mukca_torque_findings(mukca_motion *motion, mukca_torque_search *search,

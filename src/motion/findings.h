@@ -23,7 +23,7 @@ mukca_status mukca_torque_findings(mukca_motion *motion, mukca_torque_search *se
 bool mukca_torque_sizes(mukca_motion *motion, mukca_pool *pool,
                         const mukca_torque_posterior *posterior);
 
-/* Held-out errors of all joints and findings.  False: no memory. */
+/* Held-out errors of all joints and findings, and what these errors refute.  False: no memory. */
 bool mukca_torque_held_out(mukca_motion *motion, const mukca_torque_posterior *posterior);
 
 #endif

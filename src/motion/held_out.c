@@ -11,8 +11,9 @@ typedef struct {
     double rows[MUKCA_MAX_JOINTS], square[MUKCA_MAX_JOINTS]; /* summed squared errors of a model */
 } evaluated;
 
-/* Errors of a fit of some columns, which end in the value; without fit: of the value alone. */
-static bool evaluate(evaluated *e, const mukca_torque_columns *c, bool fit)
+/* Errors of a fit of some columns, which end in the value, on the test runs or on the blocks;
+ * without fit: of the value alone. */
+static bool evaluate(evaluated *e, const mukca_torque_columns *c, bool fit, bool test)
 {
     const mukca_torques *t = e->t;
     mukca_pool pool = {0};
@@ -20,11 +21,11 @@ static bool evaluate(evaluated *e, const mukca_torque_columns *c, bool fit)
     bool ok = !pool.failed;
     memset(e->square, 0, sizeof e->square);
     memset(e->rows, 0, sizeof e->rows);
-    for (int fold = 0; fold < (t->test ? 1 : MUKCA_BLOCKS) && ok; fold++) {
+    for (int fold = 0; fold < (test ? 1 : MUKCA_BLOCKS) && ok; fold++) {
         mukca_part_weights fitted = mukca_torques_whole, left = {{0}};
-        const int part = t->test ? MUKCA_PART_TEST : fold;
+        const int part = test ? MUKCA_PART_TEST : fold;
         left.of[part] = 1;
-        fitted.of[part] = t->test ? 0 : -1; /* of all */
+        fitted.of[part] = test ? 0 : -1; /* of all */
         memset(mean, 0, sizeof *mean * (size_t)c->n);
         mean[c->n - 1] = -1;
         if (fit) ok = mukca_torques_fit(mean, t, c, &fitted);
@@ -69,6 +70,26 @@ static mukca_torque_columns columns_of(mukca_pool *pool, const mukca_motion *m,
     return c;
 }
 
+/* What raises the held-out error by what matters is no finding, but may be.  Neither is, beside a
+ * reference, what does not reduce it by that: the parameters are those of the reference, and
+ * imitate nothing that is new. */
+static void demote(mukca_motion *m, bool reference)
+{
+    int kept = 0;
+    for (int i = 0; i < m->n_findings; i++) {
+        mukca_motion_finding f = m->finding[i];
+        const double least = MUKCA_MOTION_RELEVANT * m->joint[f.worst].range_nm,
+                     gain = f.before_nm * f.before_nm - f.after_nm * f.after_nm;
+        if (gain >= (reference ? least * least : -least * least))
+            m->finding[kept++] = f;
+        else if (m->n_maybe < MUKCA_MOST_FINDINGS) {
+            f.group.probability *= 0.5; /* as the posterior and these errors say on average */
+            m->maybe[m->n_maybe++] = f;
+        }
+    }
+    m->n_findings = kept;
+}
+
 bool mukca_torque_held_out(mukca_motion *m, const mukca_torque_posterior *p)
 {
     mukca_pool pool = {0};
@@ -78,24 +99,27 @@ bool mukca_torque_held_out(mukca_motion *m, const mukca_torque_posterior *p)
     mukca_torque_columns value = mukca_torque_columns_take(&pool, 1);
     bool ok = !pool.failed;
     if (ok) mukca_torque_columns_value(&value, t);
-    ok = ok && evaluate(&e, &value, false);
+    ok = ok && evaluate(&e, &value, false, t->test);
     for (int j = 0; j < t->n; j++) m->joint[j].nominal_nm = rms(&e, j);
-    ok = ok && evaluate(&e, &c, true);
+    ok = ok && evaluate(&e, &c, true, t->test);
     for (int j = 0; j < t->n; j++) m->joint[j].baseline_nm = rms(&e, j);
     if (ok) c = columns_of(&pool, m, p, true, -1);
-    ok = ok && !pool.failed && evaluate(&e, &c, true);
+    ok = ok && !pool.failed && evaluate(&e, &c, true, t->test);
     for (int j = 0; j < t->n; j++) {
         m->joint[j].explained_nm = rms(&e, j);
         m->joint[j].floor_nm = t->sigma[j] / sqrt(1 - t->rho[j] * t->rho[j]);
         m->joint[j].range_nm = t->model.signals->range[j];
     }
+    evaluated with = e; /* test runs change no verdict */
+    if (t->test) ok = ok && evaluate(&with, &c, true, false);
     for (int i = 0; i < m->n_findings && ok; i++) {
         mukca_motion_finding *f = &m->finding[i];
         c = columns_of(&pool, m, p, true, i);
-        ok = !pool.failed && evaluate(&e, &c, true);
+        ok = !pool.failed && evaluate(&e, &c, true, false);
         f->before_nm = rms(&e, f->worst);
-        f->after_nm = m->joint[f->worst].explained_nm;
+        f->after_nm = rms(&with, f->worst);
     }
     mukca_pool_free(&pool);
+    if (ok) demote(m, t->reference);
     return ok;
 }
