@@ -269,7 +269,7 @@ static mukca_item *begin(lister *l, int e, int from, int to, int variant)
     *h = (mukca_item){.at = o->n_columns - o->n_parameters - 1,
                       .key = ((e * MUKCA_MAX_JOINTS + from) * 2 + (to > from)) * 64 +
                              (row->orders ? variant : 0)};
-    for (int k = 0; row->size[k] > 0 && k < 5; k++)
+    for (int k = 0; k < 5 && row->size[k] > 0; k++)
         h->prior.size[h->prior.n_sizes++] = row->size[k] * scale;
     for (int k = 0; k < h->prior.n_sizes; k++) h->prior.log_weight[k] = -log(h->prior.n_sizes);
     h->prior.nonnegative = row->nonnegative && !l->reference &&
