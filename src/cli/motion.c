@@ -129,7 +129,7 @@ static mukca_status run(cli_call *call)
 
 /* ---- screen ---- */
 
-enum { MOST_FOUND = 5, SIZE_COLUMN = 58 };
+enum { MOST_FOUND = 4, SIZE_COLUMN = 58 }; /* a screen of 20 lines */
 
 static void print_finding(FILE *stream, const mukca_chain *chain, const mukca_motion_finding *f,
                           const char *key, bool sure)
