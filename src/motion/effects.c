@@ -92,7 +92,7 @@ const mukca_torque_effect mukca_torque_table[MUKCA_TORQUE_ROWS] = {
     UNKNOWN(TIME, MUKCA_RAW_DRIFT, MUKCA_HATS, RANGE, "N*m", FUNCTION),
     UNKNOWN(TORQUE, MUKCA_RAW_MODEL, 2, UNIT, "1", FUNCTION),
     UNKNOWN(TORQUE, MUKCA_RAW_ONE, 1, RANGE, "N*m", FUNCTION),
-    UNKNOWN(GRAVITY, MUKCA_RIGID_MASS, MUKCA_COLUMNS_RIGID, UNIT, "kg", MASSES, .links = true),
+    UNKNOWN(GRAVITY, MUKCA_RIGID_ANY, MUKCA_COLUMNS_RIGID, UNIT, "kg", MASSES, .links = true),
     UNKNOWN(SHIFT, 0, MUKCA_COLUMNS_RATE, UNIT, "s", DELAYS)};
 
 int mukca_torque_effect_find(const char *name)

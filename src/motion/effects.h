@@ -69,7 +69,7 @@ typedef struct {
     bool nonnegative, links, orders;
 } mukca_torque_effect;
 
-enum { MUKCA_RIGID_LOAD, MUKCA_RIGID_MASS, MUKCA_RIGID_CENTRE };
+enum { MUKCA_RIGID_LOAD, MUKCA_RIGID_MASS, MUKCA_RIGID_CENTRE, MUKCA_RIGID_ANY };
 enum { MUKCA_COLUMNS_RIGID = 0, MUKCA_COLUMNS_MODEL = -1, MUKCA_COLUMNS_RATE = -2 };
 
 /* Prior probability that an arm has an effect of one kind at some joint: one of the catalogue's

@@ -97,7 +97,7 @@ static void put_body(lister *l, int link, double mass, double centre, double ine
         if (!(p[0] > 0)) put_link(l, link, 0, mass * m);
         end_column(l);
     }
-    for (int a = 0; a < 3; a++) {
+    for (int a = 0; a < 3 && centre > 0; a++) {
         put_link(l, link, 1 + a, m * centre);
         end_column(l);
     }
@@ -232,6 +232,9 @@ static void put_rigid(lister *l, const mukca_torque_effect *e, int link)
             break;
         case MUKCA_RIGID_CENTRE:
             put_body(l, link, 0, 1, 0);
+            break;
+        case MUKCA_RIGID_MASS: /* as the model distributes it */
+            put_body(l, link, 1, 0, 0);
             break;
         default: /* a mass anywhere on the link */
             put_body(l, link, 1, 0.15, 1);
