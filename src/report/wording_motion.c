@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/text.h"
+
 #define put mukca_wording_put /* short for this file */
 
 /* What each family is called, before its place. */
@@ -65,9 +67,10 @@ static void put_measure(char *text, const mukca_measure *m, const char *unit)
     const double factor = time ? 1e3 : 1, half = fmax(factor * 0.5 * (m->high - m->low), 1e-12);
     int digits = isfinite(half) ? (int)ceil(-log10(half)) + 1 : 3;
     char shown[32] = "";
+    mukca_text words = MUKCA_TEXT(shown);
     digits = digits < 0 ? 0 : digits > 6 ? 6 : digits;
-    for (const char *u = unit; *u && strlen(shown) + 4 < sizeof shown; u++)
-        strncat(shown, *u == '*' ? "·" : u, *u == '*' ? 2 : 1); /* a multiplication sign */
+    for (const char *u = unit; *u; u++) /* a multiplication sign for people */
+        mukca_text_put(&words, *u == '*' ? "·" : "%c", *u);
     put(text, "%.*f%s%s [%.*f, %.*f]", digits, factor * m->value, strcmp(unit, "1") ? " " : "",
         time                ? "ms"
         : strcmp(unit, "1") ? shown
