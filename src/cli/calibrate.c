@@ -55,14 +55,13 @@ static bool is_default(const calibrate_options *o)
 /* Compare with the geometry by the evidence.  The priors of a long recording have no weight. */
 static mukca_status compare_evidence(cli_call *call)
 {
-    enum { MOST_ROWS = 5000 };
     const calibrate_options *o = call->options;
     const cli_session *s = call->session;
     calibrate_work *w = call->work;
     mukca_fit_options both[2] = {fit_options(o), fit_options(o)};
     both[1].by_evidence = true;
     if (o->evidence || !is_default(o) || !w->offsets.acceptance.accepted ||
-        s->data.n_sockets == 0 || s->data.n_rows > MOST_ROWS)
+        s->data.n_sockets == 0 || s->data.n_rows > MUKCA_MOST_SAMPLES)
         return MUKCA_OK;
     mukca_status status =
         mukca_fit_run(&w->other, &s->model.chain, &s->data, &both[1], &call->error);

@@ -77,9 +77,6 @@ static void use_check(cli_call *call, cli_recalibrated *r, const mukca_chain *ch
     r->options.tool = c->tool;
 }
 
-/* Rows of a log for its verdict: the mean error is known to 1 %. */
-enum { MOST_JUDGED = 5000 };
-
 static void release(void *work)
 {
     cli_recalibrated *r = work;
@@ -149,8 +146,8 @@ static mukca_status take_part(mukca_dataset *part, double *errors, const mukca_r
     const mukca_chain *arm = task->chain;
     const mukca_pose_model *model = &fit->stage[MUKCA_WITH_BOTH];
     const long rows = task->log->n;
-    const int most = rows < MOST_JUDGED ? (int)rows : MOST_JUDGED;
-    const long every = (rows + MOST_JUDGED - 1) / MOST_JUDGED;
+    const int most = rows < MUKCA_MOST_SAMPLES ? (int)rows : MUKCA_MOST_SAMPLES;
+    const long every = (rows + MUKCA_MOST_SAMPLES - 1) / MUKCA_MOST_SAMPLES;
     const mukca_pose_row *row;
     mukca_status status = mukca_pose_log_rewind(task->log, error);
     if (status == MUKCA_OK) status = mukca_dataset_create(part, most, arm->n_joints, 0, 0, error);
@@ -194,7 +191,7 @@ static mukca_status judge_offsets(cli_call *call, cli_recalibrated *r)
     const mukca_recalibrate_task train = task_of(r, &r->log), test = task_of(r, &r->test_log);
     mukca_acceptance *a = &r->offsets.acceptance;
     mukca_dataset *part = &call->session->data, *judged = r->tested ? &call->session->test : part;
-    double *errors = MUKCA_TAKE(&call->pool, double, 2 * MOST_JUDGED);
+    double *errors = MUKCA_TAKE(&call->pool, double, 2 * MUKCA_MOST_SAMPLES);
     if (!errors) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     snprintf(a->error_of, sizeof a->error_of, "%s, %ld poses",
              r->tested ? "test data" : "generalized cross-validation", poses);
@@ -205,7 +202,7 @@ static mukca_status judge_offsets(cli_call *call, cli_recalibrated *r)
     if (status == MUKCA_OK && r->tested)
         status = take_part(judged, errors, fit, &test, &call->error);
     if (status != MUKCA_OK) return status;
-    double *after = errors + (poses < MOST_JUDGED ? poses : MOST_JUDGED);
+    double *after = errors + (poses < MUKCA_MOST_SAMPLES ? poses : MUKCA_MOST_SAMPLES);
     for (int i = 0; i < judged->n_rows; i++) after[i] = spare > 0 ? after[i] / spare : (double)NAN;
     return mukca_accept(&r->offsets,
                         &(mukca_accept_task){

@@ -28,8 +28,6 @@ static const double spread = 0.8;
  * rows know of them. */
 static const double settled = 1e-3;
 
-enum { MOST_ROWS = 5000 }; /* as in diagnose */
-
 /* One observation for each posture of each group. */
 static void list_observations(mukca_arm_posterior *p)
 {
@@ -120,7 +118,7 @@ static mukca_status create(mukca_arm_posterior *p, const mukca_tip_change_task *
         mukca_chain_remove_first(&p->chain);
         p->to += MUKCA_PARAMETERS;
     }
-    mukca_status status = mukca_part_take(&p->data, task->data, MOST_ROWS, error);
+    mukca_status status = mukca_part_take(&p->data, task->data, MUKCA_MOST_SAMPLES, error);
     if (status != MUKCA_OK) return status;
     list_observations(p);
     for (int i = 0; i < p->n_list; i++) p->poses |= p->list[i].group >= p->data.n_sockets;

@@ -237,4 +237,15 @@ TEST(mjcf_holds_springs_and_names_the_rest)
     free(text);
 }
 
+/* A stop is a joint's: an effect at none has no element to put it in, whatever its kind. */
+TEST(mjcf_refuses_play_at_no_joint)
+{
+    for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++) {
+        const mukca_effect effect = make_effect((mukca_effect_kind)kind, -1, 1e-3);
+        const bool at_base = mukca_effect_table[kind]->site == MUKCA_SITE_BASE &&
+                             (mukca_effect_table[kind]->traits & MUKCA_TRAIT_ELASTIC);
+        assert_int_equal(mukca_export_mjcf.holds(&effect), at_base);
+    }
+}
+
 TEST_MAIN(setup, scratch_teardown)
