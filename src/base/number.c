@@ -16,26 +16,46 @@ static bool is_digit(char c)
     return c >= '0' && c <= '9';
 }
 
-/* mantissa * 10^exponent, computed in twice the precision of a double: high + low (Dekker 1971).
- * The error before the last rounding is some 2^-103; decimals of 17 digits rarely lie so near to
- * the middle of two doubles, and those in the middle are exact. */
+/* The upper half of the bits of a number (Veltkamp 1968). */
+static double upper(double x)
+{
+    const double shifted = 134217729 * x; /* 2^27 + 1 */
+    return shifted - (shifted - x);
+}
+
+/* a b minus its rounded value, exactly (Dekker 1971); libraries without the instruction round fma
+ * twice. */
+static double product_rest(double a, double b)
+{
+    const double a1 = upper(a), b1 = upper(b), a2 = a - a1, b2 = b - b1;
+    return ((a1 * b1 - a * b) + a1 * b2 + a2 * b1) + a2 * b2;
+}
+
+/* mantissa * 10^exponent, computed in twice the precision of a double: high + low.  The error
+ * before the last rounding is some 2^-103; decimals of 17 digits rarely lie so near to the middle
+ * of two doubles, and those in the middle are exact. */
 static double scale(uint64_t mantissa, int exponent)
 {
-    const int raised = exponent < -LARGEST_POWER ? 256 : 0; /* by 2^256: no step is subnormal */
+    /* by 2^raised: no step is subnormal, or overflows */
+    const int raised = exponent < -LARGEST_POWER ? 256 : exponent > LARGEST_POWER ? -256 : 0;
     double high = (double)mantissa;
-    double low = ldexp((double)(int64_t)(mantissa - (uint64_t)high), raised);
-    high = ldexp(high, raised);
+    double low = scalbn((double)(int64_t)(mantissa - (uint64_t)high), raised);
+    high = scalbn(high, raised);
     while (exponent) {
         const int size = exponent < 0 ? -exponent : exponent;
         const int step = size < LARGEST_POWER ? size : LARGEST_POWER;
         const double power = exact_power[step];
-        const double scaled = exponent < 0 ? high / power : high * power;
-        low = exponent < 0 ? (fma(-scaled, power, high) + low) / power
-                           : fma(high, power, -scaled) + low * power;
-        high = scaled;
+        if (exponent < 0) {
+            const double quotient = high / power;
+            low = (high - quotient * power - product_rest(quotient, power) + low) / power;
+            high = quotient;
+        } else {
+            low = product_rest(high, power) + low * power;
+            high *= power;
+        }
         exponent += exponent < 0 ? step : -step;
     }
-    return ldexp(high + low, -raised);
+    return scalbn(high + low, -raised);
 }
 
 /* Read the power of ten after a mantissa, clamped far beyond the range of a double; false: none. */
