@@ -65,8 +65,7 @@ static json_t *cause_object(const mukca_diagnosed *r, const mukca_cause *c)
         FIELD(c, amplitude), KEY("unit", mukca_effect_unit(&c->effect, r->chain)),
         KEY("ci95", cli_json_interval(c->low, c->high)), FIELD(c, log_bayes_factor),
         FIELD(c, probability), KEY("ties", ties), FIELD(c, or_unknown),
-        KEY("held_out", shrink(&c->held_out)),
-        KEY("sentence", mukca_wording_rivals(MUKCA_WORDS, c, r)), KEY("cumulative_m", c->rung_m),
+        KEY("held_out", shrink(&c->held_out)), KEY("cumulative_m", c->rung_m),
         KEY("remedy", mukca_wording_remedy(c, r)));
 }
 

@@ -143,9 +143,11 @@ TEST(yaml_and_c_hold_every_number)
         assert_non_null(strstr(c, number));
     }
     for (int e = 0; e < offsets.n_effects; e++) {
-        const char *name = mukca_effect_table[offsets.effects[e].kind]->name;
-        assert_non_null(strstr(yaml, name));
-        assert_non_null(strstr(c, name));
+        char number[MUKCA_NUMBER_SIZE];
+        mukca_number_format(number, offsets.effects[e].coefficient[0]);
+        assert_part(yaml, mukca_effect_table[offsets.effects[e].kind]->name);
+        assert_part(yaml, number);
+        assert_part(c, number);
     }
     assert_part(yaml, "robot: \"odd & arm\"\n");
     assert_part(c, "enum { odd___arm_elements = 3, odd___arm_joints = 2 };");
