@@ -12,10 +12,11 @@
 #include "io/dataset.h"
 #include "io/urdf.h"
 #include "model/dataset_subset.h"
+#include "mukca/gravity.h"
 
-/* Of gravity: other values are in other units.  Coefficients of springs are inversely proportional.
- */
-static const double earth = 9.80665, rounding = 0.03; /* m/s^2; relative */
+/* Relative, of gravity: other values are in other units.  Coefficients of springs are inversely
+ * proportional. */
+static const double rounding = 0.03;
 
 mukca_status cli_read_offsets(cli_call *call, mukca_offsets *offsets, mukca_chain *own,
                               const mukca_chain *chain, const char *path)
@@ -59,7 +60,7 @@ mukca_status cli_load_model(cli_call *call, cli_model *model, const cli_arm *arm
         return cli_fail(call, MUKCA_USAGE, "--urdf FILE is needed: the nominal model of the arm");
     mukca_urdf_options options = {.base = arm->base, .tip = arm->tip, .inertials = arm->inertials};
     const double g = mukca_norm3(arm->gravity);
-    if (g > 0 && !(fabs(g / earth - 1) < rounding))
+    if (g > 0 && !(fabs(g / MUKCA_GRAVITY - 1) < rounding))
         return cli_fail(call, MUKCA_USAGE,
                         "--gravity: %g m/s^2 is not that of the earth; give m/s^2", g);
     memcpy(options.gravity, arm->gravity, sizeof options.gravity);

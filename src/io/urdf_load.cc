@@ -4,6 +4,7 @@
 extern "C" {
 #include "base/number.h"
 #include "io/table.h"
+#include "mukca/gravity.h"
 }
 #include "io/urdf_tree.h"
 
@@ -270,7 +271,7 @@ struct Loader : Tree {
             mukca_frame_multiply(&T, &T, &origin);
             moves |= model_->getJoint(name)->type != urdf::Joint::FIXED;
         }
-        const double down[3] = {0, 0, -9.80665};
+        const double down[3] = {0, 0, -MUKCA_GRAVITY};
         mukca_mat3_tvec(chain_->gravity, T.R, down);
         if (moves)
             add_note("joints above '" + base +

@@ -17,6 +17,9 @@ typedef struct {
     char name[MUKCA_NAME_SIZE];
 } mukca_placement;
 
+/* The usual one, m: the printed tool of the MUKCa paper. */
+#define MUKCA_DISTANCE 0.05
+
 /* Known distance between two sockets of one placement (indices into `sockets`), m. */
 typedef struct {
     int a, b;
