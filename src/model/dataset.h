@@ -17,15 +17,13 @@ typedef struct {
     char name[MUKCA_NAME_SIZE];
 } mukca_placement;
 
-/* The usual one, m: the printed tool of the MUKCa paper. */
-#define MUKCA_DISTANCE 0.05
-
 /* Known distance between two sockets of one placement (indices into `sockets`), m. */
 typedef struct {
     int a, b;
     double distance, sigma; /* sigma: standard deviation, m; 0: MUKCA_DISTANCE_SIGMA */
     int artefact; /* the pairs with this number are two sockets of one part: one error for all */
 } mukca_distance;
+#define MUKCA_DISTANCE 0.05 /* the usual one, m: the printed tool of the MUKCa paper */
 
 /* The columns of numbers in recordings: constant; member; numbers per sample, 0: one per joint;
  * what they are (mukca_unit; j: angle or length, by the joint); decimals written; names in files,
