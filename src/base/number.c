@@ -31,30 +31,39 @@ static double product_rest(double a, double b)
     return ((a1 * b1 - a * b) + a1 * b2 + a2 * b1) + a2 * b2;
 }
 
-/* mantissa * 10^exponent, computed in twice the precision of a double: high + low.  The error
- * before the last rounding is some 2^-103; decimals of 17 digits rarely lie so near to the middle
- * of two doubles, and those in the middle are exact. */
-static double scale(uint64_t mantissa, int exponent)
+/* high + low := (high + low) * 10^exponent, in steps of exact powers. */
+static void multiply(double *high, double *low, int exponent)
 {
-    /* by 2^raised: no step is subnormal, or overflows */
-    const int raised = exponent < -LARGEST_POWER ? 256 : exponent > LARGEST_POWER ? -256 : 0;
-    double high = (double)mantissa;
-    double low = scalbn((double)(int64_t)(mantissa - (uint64_t)high), raised);
-    high = scalbn(high, raised);
     while (exponent) {
         const int size = exponent < 0 ? -exponent : exponent;
         const int step = size < LARGEST_POWER ? size : LARGEST_POWER;
         const double power = exact_power[step];
         if (exponent < 0) {
-            const double quotient = high / power;
-            low = (high - quotient * power - product_rest(quotient, power) + low) / power;
-            high = quotient;
+            const double quotient = *high / power;
+            *low = (*high - quotient * power - product_rest(quotient, power) + *low) / power;
+            *high = quotient;
         } else {
-            low = product_rest(high, power) + low * power;
-            high *= power;
+            *low = product_rest(*high, power) + *low * power;
+            *high *= power;
         }
         exponent += exponent < 0 ? step : -step;
     }
+}
+
+/* mantissa * 10^exponent, computed in twice the precision of a double: high + low.  The error
+ * before the last rounding is some 2^-103; decimals of 17 digits rarely lie so near to the middle
+ * of two doubles, and those in the middle are exact. */
+static double scale(uint64_t mantissa, int exponent)
+{
+    double high = (double)mantissa, low = (double)(int64_t)(mantissa - (uint64_t)high);
+    if (exponent >= -LARGEST_POWER && exponent <= LARGEST_POWER) {
+        multiply(&high, &low, exponent);
+        return high + low;
+    }
+    const int raised = exponent < 0 ? 256 : -256; /* no step is subnormal, or overflows */
+    high = scalbn(high, raised);
+    low = scalbn(low, raised);
+    multiply(&high, &low, exponent);
     return scalbn(high + low, -raised);
 }
 
