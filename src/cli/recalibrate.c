@@ -118,15 +118,17 @@ static void fill_offsets(mukca_offsets *out, const mukca_recalibration *fit,
 {
     const double step = 1e-6;
     double theta[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS];
+    const mukca_pose_model *fitted = &fit->stage[MUKCA_WITH_BOTH];
     mukca_offsets_init(out, chain);
-    mukca_pose_model_theta(out->theta, &fit->stage[MUKCA_WITH_BOTH], arm);
+    mukca_pose_model_theta(out->theta, fitted, arm);
     for (int u = 0; u < fit->found.n; u++) {
         const mukca_unknown *x = &fit->found.unknown[u];
         const bool angle = mukca_unknown_is_angle(x->kind);
-        mukca_pose_model moved = fit->stage[MUKCA_WITH_BOTH];
+        mukca_pose_model moved = *fitted;
+        if (!mukca_unknown_element(x, arm)) continue;
         mukca_pose_model_add(&moved, x, step);
         mukca_pose_model_theta(theta, &moved, arm);
-        for (int i = angle ? 3 : x->axis; x->element >= 0 && i <= (angle ? 5 : x->axis); i++) {
+        for (int i = angle ? 3 : x->axis; i <= (angle ? 5 : x->axis); i++) {
             const int at = MUKCA_PARAMETERS * x->element + i;
             const double by = (theta[at] - out->theta[at]) / step * fit->found.sigma[u];
             const bool known =
@@ -204,18 +206,18 @@ static mukca_status judge_offsets(cli_call *call, cli_recalibrated *r)
     if (status != MUKCA_OK) return status;
     double *after = errors + (poses < MUKCA_MOST_SAMPLES ? poses : MUKCA_MOST_SAMPLES);
     for (int i = 0; i < judged->n_rows; i++) after[i] = spare > 0 ? after[i] / spare : (double)NAN;
-    return mukca_accept(&r->offsets,
-                        &(mukca_accept_task){
-                            .change = {.chain = &r->arm,
-                                       .to = &r->offsets,
-                                       .data = part,
-                                       .free_base = r->options.free_base},
-                            .held = judged,
-                            .before = errors,
-                            .after = after,
-                            .turn_rad = mukca_errors_median(&fit->errors[MUKCA_WITH_BOTH].rotation),
-                            .training_m = NAN},
-                        &call->error);
+    return mukca_accept(
+        &r->offsets,
+        &(mukca_accept_task){.change = {.chain = &r->arm,
+                                        .to = &r->offsets,
+                                        .data = part,
+                                        .free_base = r->options.free_base},
+                             .held = judged,
+                             .before = errors,
+                             .after = after,
+                             .turn_rad = fit->errors[MUKCA_WITH_BOTH].rotation.median,
+                             .training_m = NAN},
+        &call->error);
 }
 
 static mukca_status write_offsets(cli_call *call, const mukca_offsets *offsets)
