@@ -216,7 +216,6 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *r)
 {
     const mukca_diagnosis *d = r->diagnosis;
     const mukca_streams *s = &d->streams;
-    const double *g = d->gravity;
     const char *caveat = mukca_wording_caveat(MUKCA_WORDS, r);
     json_t *names = json_array(), *test = NULL, *streams = NULL;
     for (int j = 0; j < r->chain->n_joints; j++)
@@ -255,7 +254,6 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *r)
         KEY("suspected", list(r, d->n_suspected, suspect)), KEY("sets", list(r, d->n_sets, set)),
         KEY("unexplained_log_bayes_factor", d->structure),
         KEY("unnamed_m", d->applied_m - d->structure_m),
-        KEY("gravity", g[0] != 0 || g[1] != 0 || g[2] != 0 ? cli_json_reals(g, 3) : NULL),
         FIELD(d, efforts_correlation), KEY("streams", streams), KEY("logs", logs_object(&d->logs)),
         KEY("next_poses",
             list(r, r->next && r->next->finding >= 0 ? r->next->plan.n_rows : 0, next_pose)),

@@ -25,7 +25,6 @@ typedef struct {
     const mukca_recording *recording;
     const mukca_unknowns *unknowns;
     const unsigned char *disabled;
-    bool springs; /* elastic effects only */
     bool ok;
 } lister;
 
@@ -33,9 +32,7 @@ static void append(lister *l, mukca_candidate h)
 {
     mukca_candidates *all = l->all;
     const int class = mukca_candidate_class(&h);
-    if (!l->ok || (class < MUKCA_EFFECT_COUNT && l->disabled && l->disabled[class]) ||
-        (l->springs && !mukca_effect_has(class, MUKCA_TRAIT_ELASTIC)))
-        return;
+    if (!l->ok || (class < MUKCA_EFFECT_COUNT && l->disabled && l->disabled[class])) return;
     if (all->count == all->capacity) {
         const int capacity = all->capacity ? 2 * all->capacity : 2048;
         mukca_candidate *bigger = MUKCA_TAKE(l->pool, mukca_candidate, capacity);
@@ -401,7 +398,7 @@ static mukca_status no_memory(const mukca_recording *recording, mukca_error *err
                       recording->data->n_rows);
 }
 
-mukca_status mukca_candidates_list_springs(mukca_candidates *all, mukca_pool *pool,
+mukca_status mukca_candidates_list_effects(mukca_candidates *all, mukca_pool *pool,
                                            const mukca_recording *recording,
                                            const unsigned char *disabled, mukca_error *error)
 {
@@ -409,7 +406,6 @@ mukca_status mukca_candidates_list_springs(mukca_candidates *all, mukca_pool *po
                 .pool = pool,
                 .recording = recording,
                 .disabled = disabled,
-                .springs = true,
                 .ok = true};
     memset(all, 0, sizeof *all);
     survey_recording(&all->survey, recording);

@@ -27,8 +27,8 @@ mukca_status mukca_candidates_list(mukca_candidates *all, mukca_pool *pool,
                                    const mukca_recording *recording, const mukca_unknowns *unknowns,
                                    const unsigned char *disabled, mukca_error *error);
 
-/* Only the elastic effects, without prior odds. */
-mukca_status mukca_candidates_list_springs(mukca_candidates *all, mukca_pool *pool,
+/* Only the effects of the catalogue, without prior odds. */
+mukca_status mukca_candidates_list_effects(mukca_candidates *all, mukca_pool *pool,
                                            const mukca_recording *recording,
                                            const unsigned char *disabled, mukca_error *error);
 

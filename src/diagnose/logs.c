@@ -23,7 +23,7 @@ static mukca_status add_springs(mukca_regression *m, mukca_error *error)
     others[mukca_effect_at(MUKCA_SITE_ANGLE, MUKCA_TRAIT_FLEXIBLE)] = 0;
     others[mukca_effect_at(MUKCA_SITE_BASE, MUKCA_TRAIT_FLEXIBLE)] = 0;
     const mukca_status status =
-        mukca_candidates_list_springs(&all, &m->pool, &m->recording, others, error);
+        mukca_candidates_list_effects(&all, &m->pool, &m->recording, others, error);
     for (int i = 0; i < all.count && status == MUKCA_OK; i++)
         mukca_unknowns_add(&m->unknowns, &all.list[i]);
     return status;
