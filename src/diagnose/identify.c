@@ -357,8 +357,8 @@ mukca_status mukca_identify_run(mukca_search *id, mukca_error *error)
     mukca_regression *m = id->m;
     mukca_causes best = {0};
     seat(id, NOISE * m->unknowns.sigma);
-    mukca_status status = mukca_candidates_list(&id->all, &m->pool, &m->recording, &m->unknowns,
-                                                id->options->disabled, error);
+    mukca_candidates_start(&id->all, &m->pool, &m->recording, id->options->disabled);
+    mukca_status status = mukca_candidates_list(&id->all, &m->unknowns, error);
     if (status != MUKCA_OK) return status;
     id->kept = MUKCA_TAKE(&id->pool, int, MOST_KEPT);
     id->ranked = MUKCA_TAKE(&id->pool, mukca_ranked, id->all.capacity);

@@ -38,7 +38,7 @@ static bool levers_of(lever_rows *out, const mukca_linearisation *linear,
             *out = (lever_rows){linear->seated_frame, 9, 3, 3, 1, 0};
             return true;
         case MUKCA_SITE_FRAME: /* along or about x, y and z */
-            frame += 6 * h->of.slot + (h->of.turns ? 3 : 0);
+            frame += 6 * h->unlisted.slot + (h->unlisted.place == MUKCA_PLACE_TURN ? 3 : 0);
             *out = (lever_rows){frame, (size_t)d * (size_t)ld, d, ld, 0, 1};
             return true;
         default:

@@ -22,11 +22,12 @@ static mukca_status add_springs(mukca_regression *m, mukca_error *error)
     memset(others, 1, sizeof others);
     others[mukca_effect_at(MUKCA_SITE_ANGLE, MUKCA_TRAIT_FLEXIBLE)] = 0;
     others[mukca_effect_at(MUKCA_SITE_BASE, MUKCA_TRAIT_FLEXIBLE)] = 0;
-    const mukca_status status =
-        mukca_candidates_list_effects(&all, &m->pool, &m->recording, others, error);
-    for (int i = 0; i < all.count && status == MUKCA_OK; i++)
-        mukca_unknowns_add(&m->unknowns, &all.list[i]);
-    return status;
+    mukca_candidates_start(&all, &m->pool, &m->recording, others);
+    for (int j = -1; j < m->recording.chain->n_joints; j++)
+        mukca_candidates_append_effects(&all, j);
+    if (m->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the logs");
+    for (int i = 0; i < all.count; i++) mukca_unknowns_add(&m->unknowns, &all.list[i]);
+    return MUKCA_OK;
 }
 
 /* Log evidence of one case. */

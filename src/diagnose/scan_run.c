@@ -142,7 +142,7 @@ static mukca_status add(mukca_scan *s, const mukca_effect *effect, double *odds,
             if (odds[o] > odds[*order]) *order = o;
         if (!(odds[*order] - log(all->classes * all->survey.n_joints) > LEAST_ODDS)) break;
         odds[*order] = -HUGE_VAL;
-        status = mukca_candidates_add_order(s->all, &s->m->pool, &s->m->recording, &best, error);
+        status = mukca_candidates_add_order(s->all, &best, error);
     }
     return status;
 }

@@ -27,9 +27,10 @@ static void widen_by_unknown(double range[2], const mukca_recording *recording,
 {
     const mukca_candidate *h = &cause->candidate;
     const int n_joints = recording->chain->n_joints;
-    const bool known =
-        mukca_candidate_class(h) != MUKCA_CLASS_UNKNOWN || mukca_candidate_is_unlisted(h);
-    const int argument = known ? -1 : h->of.joint;
+    const bool angle =
+        h->kind == MUKCA_CANDIDATE_UNLISTED && h->unlisted.place == MUKCA_PLACE_ANGLE &&
+        mukca_unlisted_functions[h->unlisted.function].argument == MUKCA_ARGUMENT_ANGLE;
+    const int argument = angle ? h->unlisted.argument : -1;
     double mean = 0, largest = 0;
     for (int pass = 0; pass < 3 && argument >= 0; pass++)
         for (int i = 0; i < recording->n_samples; i++) {
