@@ -15,6 +15,10 @@
  */
 double mukca_cause_gain(mukca_search *id, const mukca_causes *set, int member);
 
+/* Has a set a member of a group? */
+bool mukca_cause_is_in(const mukca_search *id, const mukca_causes *set,
+                       const mukca_finding_group *group);
+
 /* Describe a member of the set to which the regression is fitted; needs its factor. */
 void mukca_cause_describe(mukca_cause *cause, mukca_search *id, const mukca_causes *best,
                           int member);

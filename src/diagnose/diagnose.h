@@ -49,8 +49,7 @@ typedef struct {
     mukca_effect_kind effect;
     int joint; /* -1: none */
     double log_bayes_factor;
-    double correlation; /* canonical, with the geometry projected out; NaN: not computed */
-    mukca_effect rival; /* with its variant, of about the cause's size */
+    mukca_effect rival; /* with its variant */
 } mukca_tie;
 
 typedef struct {

@@ -141,7 +141,6 @@ static bool search(mukca_search *id, mukca_causes *best, bool last)
                                         sets->set[before].value > found->value - SETTLED);
     id->passed[id->n_passed++] = *best;
     if (id->settled || last) {
-        mukca_sets_rebuild(&id->sets);
         mukca_sets_explore(&id->sets, BUDGET - QUICK, true);
     }
     *best = causes_of(id, &sets->set[sets->best]);
@@ -248,50 +247,6 @@ static mukca_status average(mukca_search *id, mukca_error *error)
     return MUKCA_OK;
 }
 
-/* Would a report call both the same? */
-static bool same_name(const mukca_candidate *a, const mukca_candidate *b, const double *travel)
-{
-    const double turn = 6.28318530717958647692;
-    if (mukca_candidate_class(a) != mukca_candidate_class(b) || a->joint != b->joint) return false;
-    if (mukca_candidate_is_fault(a))
-        return a->fault.group == b->fault.group &&
-               (a->kind != MUKCA_CANDIDATE_OUTLIER || a->fault.first == b->fault.first);
-    if (!mukca_effect_has(mukca_candidate_class(a), MUKCA_TRAIT_ORDERS)) return true;
-    return abs(a->effect.variant.order - b->effect.variant.order) * travel[a->joint] < turn;
-}
-
-/* Names of the candidates in the sets, and their probabilities. */
-static void find_names(mukca_search *id)
-{
-    double travel[MUKCA_MAX_JOINTS], range[2];
-    unsigned char *in = MUKCA_TAKE(&id->pool, unsigned char, id->all.count);
-    id->name = MUKCA_TAKE(&id->pool, int, id->all.count);
-    id->of_name = MUKCA_TAKE(&id->pool, int, id->all.count);
-    id->probability = MUKCA_TAKE(&id->pool, double, id->all.count);
-    if (id->pool.failed) return;
-    for (int j = 0; j < id->m->recording.chain->n_joints; j++) {
-        mukca_recording_travel(range, &id->m->recording, j);
-        travel[j] = range[1] - range[0];
-    }
-    for (int i = 0; i < id->all.count; i++) id->name[i] = -1;
-    for (int i = 0; i < id->n_sets; i++) {
-        const mukca_causes *set = &id->set[i];
-        memset(in, 0, (size_t)id->n_names);
-        for (int k = 0; k < set->n; k++) {
-            int *name = &id->name[set->candidate[k]], n = 0;
-            if (*name < 0) {
-                const mukca_candidate *h = &id->all.list[set->candidate[k]];
-                while (n < id->n_names && !same_name(h, &id->all.list[id->of_name[n]], travel)) n++;
-                if (n == id->n_names) id->of_name[id->n_names++] = set->candidate[k], in[n] = 0;
-                *name = n;
-            }
-            if (!in[*name]) id->probability[*name] += set->weight;
-            in[*name] = 1;
-        }
-    }
-    for (int n = 0; n < id->n_names; n++) id->probability[n] = fmin(id->probability[n], 1);
-}
-
 static int by_weight(const void *a, const void *b)
 {
     const mukca_causes *x = a, *y = b;
@@ -376,11 +331,7 @@ mukca_status mukca_identify_run(mukca_search *id, mukca_error *error)
         status = search_all(id, &best, tails, error);
     }
     if (status == MUKCA_OK) status = average(id, error);
-    if (status == MUKCA_OK) {
-        qsort(id->set, (size_t)id->n_sets, sizeof *id->set, by_weight);
-        find_names(id);
-        if (id->pool.failed) status = no_memory(error);
-    }
+    if (status == MUKCA_OK) qsort(id->set, (size_t)id->n_sets, sizeof *id->set, by_weight);
     return status;
 }
 

@@ -93,17 +93,9 @@ static int by_evidence(const void *a, const void *b)
 static const mukca_causes *choose_set(const mukca_diagnosis *d, const mukca_search *id)
 {
     for (int i = 0; i < id->n_sets; i++) {
-        bool all = true;
-        for (int f = 0; f < d->n_findings && all; f++) {
-            all = false;
-            for (int k = 0; k < id->set[i].n && !all; k++) {
-                const mukca_candidate *h = &id->all.list[id->set[i].candidate[k]];
-                if (mukca_candidate_class(h) == MUKCA_CLASS_OUTLIER) continue;
-                const mukca_label l = mukca_candidate_label(h, &id->m->recording, &id->m->unknowns);
-                all = mukca_finding_holds(&d->findings[f].group, &l);
-            }
-        }
-        if (all) return &id->set[i];
+        int f = 0;
+        while (f < d->n_findings && mukca_cause_is_in(id, &id->set[i], &d->findings[f].group)) f++;
+        if (f == d->n_findings) return &id->set[i];
     }
     return &id->set[0];
 }

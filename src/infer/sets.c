@@ -82,10 +82,9 @@ static double score_member(double *by_size, const mukca_sets *s, const mukca_set
         g[i] /= size;
     }
     for (int i = 0; i < k * k; i++) G[i] /= size * size;
-    return mukca_mixture_evidence(
-        by_size, G, g, k, &h->prior,
-        fmin(s->with.posterior.quadratic + square_of(w, k), s->question->residual),
-        s->question->dof, s->scratch);
+    const double rest = fmin(s->with.posterior.quadratic + square_of(w, k), s->question->residual);
+    return mukca_mixture_evidence(by_size, &(mukca_equations){G, g, k, s->question->dof, rest},
+                                  &h->prior, s->scratch);
 }
 
 static int largest(const double *x, int n)
@@ -303,9 +302,9 @@ MUKCA_CLONES static void score_all(mukca_sets *s, const mukca_set *set, const va
                 for (int c = 0; c < terms; c++) G[a * terms + c] += row[a] * row[c];
             }
         }
-        s->value[i] =
-            h->log_prior + kinship(s, set, set->n, i) +
-            mukca_mixture_evidence(by_size, G, g, terms, &h->prior, rest, q->dof, s->scratch);
+        s->value[i] = h->log_prior + kinship(s, set, set->n, i) +
+                      mukca_mixture_evidence(by_size, &(mukca_equations){G, g, terms, q->dof, rest},
+                                             &h->prior, s->scratch);
         s->likeliest[i] = (unsigned char)largest(by_size, h->prior.n_sizes);
     }
 }
@@ -413,37 +412,6 @@ void mukca_sets_explore(mukca_sets *s, int budget, bool pairs)
             last = -1;
         }
     }
-}
-
-/* Find the best set with others of its kin in place of a member and its kin: the best ones of other
- * keys, one by one, then any items. */
-static void rebuild(mukca_sets *s, mukca_set set, int member)
-{
-    const mukca_item *all = s->question->item, *out = &all[set.item[member]];
-    for (int m = set.n - 1; m >= 0; m--)
-        if (all[set.item[m]].kin == out->kin) set = reduced(&set, m);
-    for (bool any = false; mukca_sets_weigh(s, &set);) {
-        mukca_set next;
-        for (int i = 0; i < s->question->n_items; i++)
-            if (all[i].key == out->key || !(any || all[i].kin == out->kin)) s->value[i] = -HUGE_VAL;
-        const int best = largest(s->value, s->question->n_items);
-        if (!(s->value[best] > 0) || !extended(&next, s, &set, best, s->likeliest[best])) {
-            if (any) return;
-            any = true;
-            continue;
-        }
-        const int at = find(s, &next);
-        if (at < 0) return;
-        mukca_sets_evaluate(s, at);
-        set = s->set[at];
-    }
-}
-
-void mukca_sets_rebuild(mukca_sets *s)
-{
-    const mukca_set set = s->set[s->best];
-    for (int m = 0; m < set.n; m++)
-        if (s->question->item[set.item[m]].kin) rebuild(s, set, m);
 }
 
 double mukca_sets_gain(const mukca_sets *s, const mukca_set *set, int item)

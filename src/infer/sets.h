@@ -92,10 +92,6 @@ double mukca_sets_gain(const mukca_sets *sets, const mukca_set *set, int item);
 /* Projected Gram block G[a.terms][b.terms] of two items given the set weighed last. */
 void mukca_sets_gram(double *G, mukca_sets *sets, int a, int b);
 
-/* Find sets that explain by other items of a kin what the best set explains by some of them: no
- * single replacement leads there. */
-void mukca_sets_rebuild(mukca_sets *sets);
-
 /* Posterior mean of the items' coefficients in a set: mean[stride]. */
 void mukca_sets_mean(double *mean, mukca_sets *sets, const mukca_set *set);
 
