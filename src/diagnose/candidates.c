@@ -52,7 +52,7 @@ static part part_of(const mukca_candidate *h, const mukca_recording *r)
 static void set_priors(mukca_candidates *all)
 {
     int variants[PARTS][MUKCA_MAX_JOINTS + 1] = {{0}}, joints[PARTS] = {0}, sites = 0;
-    double share[PARTS];
+    double part_share[PARTS];
     for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++) /* whether or not a long wave is listed */
         all->enabled[kind] =
             mukca_effect_has(kind, MUKCA_TRAIT_ORDERS) && !(all->disabled && all->disabled[kind]);
@@ -64,19 +64,20 @@ static void set_priors(mukca_candidates *all)
     }
     for (int c = 0; c < MUKCA_CLASSES; c++) all->classes += all->enabled[c];
     for (int p = SIMPLE; p < PARTS; p++) sites += joints[p] > 0;
-    for (int p = 0; p < PARTS; p++) share[p] = p < SIMPLE ? 1 : 1.0 / sites;
-    share[SINGLE] = share[BURST] = share[OWN_ANGLE] = share[OTHER] = 0.5;
-    share[CREEP] = joints[CREEP] ? 0.25 : 0;
-    share[BETWEEN] = joints[BETWEEN] ? 0.25 : 0;
-    share[STEP] -= share[CREEP] + share[BETWEEN];
+    for (int p = 0; p < PARTS; p++) part_share[p] = p < SIMPLE ? 1 : 1.0 / sites;
+    part_share[SINGLE] = part_share[BURST] = part_share[OWN_ANGLE] = part_share[OTHER] = 0.5;
+    part_share[CREEP] = joints[CREEP] ? 0.25 : 0;
+    part_share[BETWEEN] = joints[BETWEEN] ? 0.25 : 0;
+    part_share[STEP] -= part_share[CREEP] + part_share[BETWEEN];
     for (int i = 0; i < all->count; i++) {
         mukca_candidate *h = &all->list[i];
         const int class = mukca_candidate_class(h);
         const part p = part_of(h, all->recording);
-        h->log_prior = mukca_effect_has(class, MUKCA_TRAIT_ORDERS) ? order_prior(all, &h->effect)
-                       : mukca_effect_has(class, MUKCA_TRAIT_ELASTIC)
-                           ? log(SHOWS)
-                           : log(share[p] / (joints[p] * variants[p][h->joint + 1] * all->classes));
+        h->log_prior =
+            mukca_effect_has(class, MUKCA_TRAIT_ORDERS) ? order_prior(all, &h->effect)
+            : mukca_effect_has(class, MUKCA_TRAIT_ELASTIC)
+                ? log(SHOWS)
+                : log(part_share[p] / (joints[p] * variants[p][h->joint + 1] * all->classes));
     }
 }
 

@@ -81,9 +81,9 @@ static mukca_set set_without(mukca_search *id, const mukca_causes *set, int with
 double mukca_cause_gain(mukca_search *id, const mukca_causes *set, int member)
 {
     const mukca_set rest = set_without(id, set, member);
-    const int own = mukca_identify_item(id, set->candidate[member]);
-    return own >= 0 && mukca_sets_weigh(&id->sets, &rest) ? mukca_sets_gain(&id->sets, &rest, own)
-                                                          : -HUGE_VAL;
+    const int item = mukca_identify_item(id, set->candidate[member]);
+    return item >= 0 && mukca_sets_weigh(&id->sets, &rest) ? mukca_sets_gain(&id->sets, &rest, item)
+                                                           : -HUGE_VAL;
 }
 
 bool mukca_cause_is_in(const mukca_search *id, const mukca_causes *set,
@@ -135,9 +135,9 @@ static void add_ties(mukca_cause *out, const mukca_finding *f)
     out->or_unknown = f->outside > MUKCA_DOUBT;
     for (int a = 0; a < f->n_alternatives && out->n_ties < MUKCA_MAX_TIES; a++) {
         const mukca_effect *e = &f->alternatives[a].effect;
-        const bool own = e->kind == out->effect.kind && e->joint == out->effect.joint &&
-                         e->placement == out->effect.placement;
-        if (!f->alternatives[a].listed || own) continue;
+        const bool same = e->kind == out->effect.kind && e->joint == out->effect.joint &&
+                          e->placement == out->effect.placement;
+        if (!f->alternatives[a].listed || same) continue;
         out->ties[out->n_ties++] = (mukca_tie){
             .effect = e->kind,
             .joint = e->joint,

@@ -147,10 +147,10 @@ static bool search(mukca_search *id, mukca_causes *best, bool last)
     return !pool->failed;
 }
 
-static bool watch(const mukca_search *id, double share, mukca_error *error)
+static bool watch(const mukca_search *id, double progress, mukca_error *error)
 {
     const mukca_diagnose_options *o = id->options;
-    if (!o->progress || o->progress(o->progress_context, share, "comparing sets of causes"))
+    if (!o->progress || o->progress(o->progress_context, progress, "comparing sets of causes"))
         return true;
     mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
     return false;
@@ -208,7 +208,7 @@ static bool weigh_family(double *value, mukca_search *id, const mukca_causes *se
 static mukca_status average(mukca_search *id, mukca_error *error)
 {
     mukca_sets *sets = &id->sets;
-    const int own = id->m->unknowns.family, noises = id->m->evidence.n_noises;
+    const int searched = id->m->unknowns.family, noises = id->m->evidence.n_noises;
     mukca_ranked *order = MUKCA_TAKE(&id->pool, mukca_ranked, sets->n_sets);
     double *total = MUKCA_TAKE(&id->pool, double, SETS),
            *value = MUKCA_TAKE(&id->pool, double, SETS);
@@ -233,13 +233,13 @@ static mukca_status average(mukca_search *id, mukca_error *error)
     const int fine = n < FINE_SETS ? n : FINE_SETS;
     set_causes(id, NULL);
     for (int f = 0; f < noises; f++) {
-        if (f == own || !weigh_family(value, id, id->set, 1, f) || value[0] < best - AVERAGED)
+        if (f == searched || !weigh_family(value, id, id->set, 1, f) || value[0] < best - AVERAGED)
             continue;
         if (!weigh_family(value, id, id->set, fine, f)) continue;
         for (int i = 0; i < n; i++) {
-            const double of = i < fine ? value[i] : value[0] + order[i].odds - order[0].odds;
-            const double hi = fmax(total[i], of);
-            total[i] = hi + log(exp(total[i] - hi) + exp(of - hi));
+            const double weighed = i < fine ? value[i] : value[0] + order[i].odds - order[0].odds;
+            const double hi = fmax(total[i], weighed);
+            total[i] = hi + log(exp(total[i] - hi) + exp(weighed - hi));
         }
     }
     const double sum = mukca_stats_log_sum_exp(total, n);

@@ -93,8 +93,9 @@ static int match_targets(mukca_regression *test, const mukca_regression *trainin
         if (data->socket[row] >= 0) continue;
         int log = t < 0 ? 0 : first + t;
         for (int k = 0; k < known->n_rows && log >= first; k++) {
-            const int of = mukca_dataset_target(known, k);
-            if (of >= 0 && strcmp(known->targets[of], data->targets[t]) == 0) log = from->log[k];
+            const int target = mukca_dataset_target(known, k);
+            if (target >= 0 && strcmp(known->targets[target], data->targets[t]) == 0)
+                log = from->log[k];
         }
         test->recording.log[row] = log < MUKCA_MAX_LOGS ? log : 0;
     }
@@ -139,8 +140,8 @@ int mukca_logs_match(mukca_regression *test, const mukca_regression *training)
     int match[MUKCA_MAX_LOGS] = {0};
     double least[MUKCA_MAX_LOGS];
     for (int log = 0; log < n; log++) least[log] = HUGE_VAL;
-    const bool own = from->options.base_per_log || from->options.tool_per_log;
-    for (int g = 0; own && g < from->n_logs; g++)
+    const bool per_log = from->options.base_per_log || from->options.tool_per_log;
+    for (int g = 0; per_log && g < from->n_logs; g++)
         for (int log = 0; log < n; log++) {
             int count = 0;
             double sum = 0;

@@ -62,9 +62,9 @@ static double square_along(const mukca_scan *s, const mukca_candidate *h, const 
     const mukca_group *group = &r->groups[h->fault.group];
     double along[3] = {0}, sum = 0, square = 0;
     for (int i = group->start; i < group->start + group->count; i++) {
-        const double share = mukca_candidate_fault_share(h, r, r->order[i]);
-        sum += share, square += share * share;
-        for (int c = 0; c < 3; c++) along[c] += share * u[i * r->dim + c];
+        const double displacement = mukca_candidate_fault_share(h, r, r->order[i]);
+        sum += displacement, square += displacement * displacement;
+        for (int c = 0; c < 3; c++) along[c] += displacement * u[i * r->dim + c];
     }
     if (group->socket >= 0 && group->count) square -= sum * sum / group->count;
     return square > 1e-9 ? mukca_dot3(along, along) / square : 0;
@@ -82,13 +82,13 @@ static bool choose_faults(unsigned char *skip, mukca_pool *pool, const mukca_sca
         skip[i] = mukca_candidate_is_fault(h);
         if (skip[i] && s->m->recording.keep[h->fault.first]) square[i] = square_along(s, h, u);
     }
-    for (int of = 0; of < 2 * SHAPES; of++)
+    for (int shape = 0; shape < 2 * SHAPES; shape++)
         for (int k = 0; k < FAULTS; k++) {
             int best = -1;
             for (int i = 0; i < all->count; i++) {
                 const mukca_candidate *h = &all->list[i];
                 if (!skip[i] || !(square[i] > (best < 0 ? 0 : square[best]))) continue;
-                if (SHAPES * (h->kind == MUKCA_CANDIDATE_MOTION) + (int)h->fault.shape == of)
+                if (SHAPES * (h->kind == MUKCA_CANDIDATE_MOTION) + (int)h->fault.shape == shape)
                     best = i;
             }
             if (best < 0) break;
@@ -145,11 +145,11 @@ static bool guess(double *odds, waves *wave, mukca_scan *s, mukca_effect_kind ki
     if (!s->all->survey.joint[j].turns || travel[1] - travel[0] < MUKCA_WAVE_TRAVEL) return false;
     for (int i = 0; i < N; i++) {
         const double *lever = s->m->linear.lever + (i * r->chain->n_joints + j) * d,
-                     of = w->level[i];
+                     level = w->level[i];
         wave->along[i] = 0;
         for (int c = 0; c < d; c++) {
             wave->along[i] += lever[c] * u[i * d + c];
-            square += s->precision * of * of * lever[c] * lever[c];
+            square += s->precision * level * level * lever[c] * lever[c];
         }
     }
     const double left = square * fmax(1 - (double)s->n / s->dof, 0.1); /* a wave has half, twice */

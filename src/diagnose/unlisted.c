@@ -84,10 +84,10 @@ bool mukca_unlisted_is_normalised(const mukca_candidate *h)
 
 /* What the functions need to know of the whole recording. */
 typedef struct {
-    double range[2], own_range[2], time[2]; /* of the angles of the argument and of the joint */
-    double centre[3], width[3];             /* SIDE: of the argument */
-    double axis[3];                         /* BASE: of the first joint, if it turns */
-    double late[2], seconds;                /* DELAYED: loads and time of the row before */
+    double range[2], joint_range[2], time[2]; /* of the angles of the argument and of the joint */
+    double centre[3], width[3];               /* SIDE: of the argument */
+    double axis[3];                           /* BASE: of the first joint, if it turns */
+    double late[2], seconds;                  /* DELAYED: loads and time of the row before */
 } survey;
 
 /* Axes of a place, each with a coefficient for each value of the function. */
@@ -134,7 +134,7 @@ static void survey_rows(survey *s, const mukca_candidate *h, const mukca_recordi
     mukca_recording_range(s->time, r, r->time, 1, 0);
     if (argument == MUKCA_ARGUMENT_ANGLE) {
         mukca_recording_range(s->range, r, r->q, n, j);
-        mukca_recording_range(s->own_range, r, r->q, n, h->joint);
+        mukca_recording_range(s->joint_range, r, r->q, n, h->joint);
         s->centre[0] = 0.5 * (s->range[0] + s->range[1]);
         s->width[0] = 1e-9; /* a step */
     }
@@ -219,7 +219,7 @@ static void evaluate(double *value, int n, const mukca_candidate *h, const mukca
 {
     const mukca_joint_state state = mukca_recording_state(r, row);
     const mukca_unlisted_function *f = &mukca_unlisted_functions[h->unlisted.function];
-    double x[3], T[POWERS + 1], own[PRODUCT_DEGREE + 1];
+    double x[3], T[POWERS + 1], joint[PRODUCT_DEGREE + 1];
     find_argument(x, h, r, row);
     switch (f->shape) {
         case MUKCA_SHAPE_LINEAR:
@@ -260,10 +260,10 @@ static void evaluate(double *value, int n, const mukca_candidate *h, const mukca
             break;
         case MUKCA_SHAPE_PRODUCTS: /* T_a T_b, 0 < a + b <= PRODUCT_DEGREE */
             chebyshev(T, PRODUCT_DEGREE, x[0], s->range);
-            chebyshev(own, PRODUCT_DEGREE, state.q[h->joint], s->own_range);
+            chebyshev(joint, PRODUCT_DEGREE, state.q[h->joint], s->joint_range);
             for (int a = 0; a <= PRODUCT_DEGREE; a++)
                 for (int b = 0; a + b <= PRODUCT_DEGREE; b++)
-                    if (a + b > 0) *value++ = T[a] * own[b];
+                    if (a + b > 0) *value++ = T[a] * joint[b];
             break;
         case MUKCA_SHAPE_STEP:
             value[0] = x[0] >= h->unlisted.measure;

@@ -58,26 +58,26 @@ static int by_share(const void *a, const void *b)
 static void find_where(mukca_diagnosis *d, const mukca_search *id, bool unknown)
 {
     const mukca_regression *m = id->m;
-    double share[MUKCA_MAX_JOINTS] = {0}, total = 0;
+    double weight[MUKCA_MAX_JOINTS] = {0}, total = 0;
     for (int i = 0; i < id->n_sets && unknown; i++)
         for (int k = 0; k < id->set[i].n; k++) {
             const mukca_candidate *h = &id->all.list[id->set[i].candidate[k]];
             if (mukca_candidate_class(h) == MUKCA_CLASS_UNKNOWN && h->joint >= 0)
-                share[h->joint] += id->set[i].weight;
+                weight[h->joint] += id->set[i].weight;
         }
     for (int c = 0; c < d->n_causes && !unknown; c++)
         if (d->causes[c].effect.joint >= 0)
-            share[d->causes[c].effect.joint] += fmax(d->causes[c].log_bayes_factor, 0);
-    for (int j = 0; j < m->recording.chain->n_joints; j++) total += share[j];
+            weight[d->causes[c].effect.joint] += fmax(d->causes[c].log_bayes_factor, 0);
+    for (int j = 0; j < m->recording.chain->n_joints; j++) total += weight[j];
     for (int j = 0; j < m->recording.chain->n_joints; j++) {
-        if (!(share[j] > 0)) continue;
+        if (!(weight[j] > 0)) continue;
         double range[2] = {HUGE_VAL, -HUGE_VAL};
         for (int c = 0; c < m->unknowns.n_causes; c++)
             if (m->unknowns.cause[c].candidate.joint == j)
                 widen_by_unknown(range, &m->recording, &m->unknowns.cause[c]);
         if (range[0] > range[1]) mukca_recording_travel(range, &m->recording, j);
-        d->where[d->n_where++] =
-            (mukca_where){.joint = j, .share = share[j] / total, .range_rad = {range[0], range[1]}};
+        d->where[d->n_where++] = (mukca_where){
+            .joint = j, .share = weight[j] / total, .range_rad = {range[0], range[1]}};
     }
     qsort(d->where, (size_t)d->n_where, sizeof *d->where, by_share);
 }
@@ -107,8 +107,8 @@ static double probability_of(const mukca_search *id, int class)
     for (int i = 0; i < id->n_sets; i++) {
         bool found = false;
         for (int k = 0; k < id->set[i].n; k++) {
-            const int of = mukca_candidate_class(&id->all.list[id->set[i].candidate[k]]);
-            found |= class < 0 ? of != MUKCA_CLASS_OUTLIER : of == class;
+            const int member = mukca_candidate_class(&id->all.list[id->set[i].candidate[k]]);
+            found |= class < 0 ? member != MUKCA_CLASS_OUTLIER : member == class;
         }
         if (found) sum += id->set[i].weight;
     }
