@@ -143,23 +143,21 @@ static void part_suspected(mukca_diagnosis *d)
             d->causes[d->n_causes++] = d->causes[c];
 }
 
-/* The verdict: what makes up half of the explained part.  Without a finding, structure that is sure
- * has no place. */
-static mukca_verdict verdict_of(const mukca_diagnosis *d, double any, double unknown)
+mukca_verdict mukca_verdict_of(const mukca_diagnosis *d, double any, double outside)
 {
     double named = 0;
     if (!d->n_findings)
         return any < MUKCA_FINDING_SURE         ? MUKCA_VERDICT_NONE
-               : unknown >= MUKCA_FINDING_MAYBE ? MUKCA_VERDICT_UNKNOWN
+               : outside >= MUKCA_FINDING_MAYBE ? MUKCA_VERDICT_UNKNOWN
                                                 : MUKCA_VERDICT_TIED;
     for (int i = 0; i < d->n_findings; i++) {
         const mukca_finding_group *g = &d->findings[i].group;
         const bool whole_arm = g->effect >= 0 && !mukca_effect_has_joint(g->effect);
         if (g->effect >= 0 && (g->from == g->to || whole_arm)) named += d->findings[i].share;
     }
-    return named >= 0.5                   ? MUKCA_VERDICT_NAMED
-           : d->findings[0].outside > 0.5 ? MUKCA_VERDICT_UNKNOWN
-                                          : MUKCA_VERDICT_TIED;
+    return named >= MUKCA_VERDICT_HALF                   ? MUKCA_VERDICT_NAMED
+           : d->findings[0].outside > MUKCA_VERDICT_HALF ? MUKCA_VERDICT_UNKNOWN
+                                                         : MUKCA_VERDICT_TIED;
 }
 
 /* Describe the members of the set to which the regression is fitted: causes, suspected ones and
@@ -203,7 +201,7 @@ void mukca_verdict_reach(mukca_diagnosis *d, mukca_search *id)
         if (mukca_candidate_class(&id->all.list[best->candidate[c]]) == MUKCA_CLASS_UNKNOWN)
             d->structure = fmax(d->structure, mukca_cause_gain(id, best, c));
     list_causes(d, id, best);
-    d->verdict = verdict_of(d, any, unknown);
+    d->verdict = mukca_verdict_of(d, any, unknown);
     find_where(d, id, unknown >= MUKCA_LISTED);
     list_sets(d, id);
     d->unexplained = unknown >= MUKCA_LISTED && d->n_causes;
