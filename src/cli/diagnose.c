@@ -59,7 +59,7 @@ mukca_status cli_diagnosis_run(cli_call *call, cli_diagnosis *d)
     d->options.test = s->test.n_rows ? &s->test : NULL;
     d->options.free_base = c->free_base;
     d->options.free_tool = c->free_tool || several;
-    d->options.applied = d->options.mounting = true;
+    d->options.applied = true;
     d->options.progress = cli_show_progress;
     d->options.progress_context = call;
     d->result = (mukca_diagnosed){.diagnosis = &d->diagnosis,

@@ -53,7 +53,7 @@ static json_t *cause_object(const mukca_diagnosed *r, const mukca_cause *c)
     for (const mukca_tie *t = c->ties; t < c->ties + c->n_ties; t++)
         cli_json_append(ties, EFFECT(t->effect), JOINT(t->joint),
                         KEY("order", cli_json_positive(t->rival.variant.order)),
-                        FIELD(t, log_bayes_factor), FIELD(t, correlation));
+                        FIELD(t, log_bayes_factor), KEY("correlation", (double)NAN));
     return cli_json(
         EFFECT(c->effect.kind), JOINT(c->effect.joint), PLACEMENT(c->effect.placement),
         SOCKET(c->socket), KEY("row", cli_json_positive(c->row)),
@@ -215,7 +215,6 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *r)
 {
     const mukca_diagnosis *d = r->diagnosis;
     const mukca_streams *s = &d->streams;
-    const double *g = d->gravity;
     const char *caveat = mukca_wording_caveat(MUKCA_WORDS, r);
     json_t *names = json_array(), *test = NULL, *streams = NULL;
     for (int j = 0; j < r->chain->n_joints; j++)
@@ -253,9 +252,8 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *r)
         KEY("maybe", list(r, d->n_maybe, possible)),
         KEY("suspected", list(r, d->n_suspected, suspect)), KEY("sets", list(r, d->n_sets, set)),
         KEY("unexplained_log_bayes_factor", d->structure),
-        KEY("unnamed_m", d->applied_m - d->structure_m),
-        KEY("gravity", g[0] != 0 || g[1] != 0 || g[2] != 0 ? cli_json_reals(g, 3) : NULL),
-        FIELD(d, efforts_correlation), KEY("streams", streams), KEY("logs", logs_object(&d->logs)),
+        KEY("unnamed_m", d->applied_m - d->structure_m), FIELD(d, efforts_correlation),
+        KEY("streams", streams), KEY("logs", logs_object(&d->logs)),
         KEY("next_poses",
             list(r, r->next && r->next->finding >= 0 ? r->next->plan.n_rows : 0, next_pose)),
         FIELD(d, elapsed_s));

@@ -95,7 +95,6 @@ static mukca_status identify(mukca_diagnosis *d, mukca_regression *m,
     if (status == MUKCA_OK) status = mukca_findings_reach(d, id, error);
     if (status == MUKCA_OK) mukca_identify_settle(id);
     const mukca_noise_family *family = &m->evidence.normal[m->unknowns.family].whitening.family;
-    d->score = mukca_regression_score(m);
     d->sigma_m = m->unknowns.sigma;
     d->rho = family->rho;
     d->shared = family->shared;
@@ -205,8 +204,6 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
     diagnosis->efforts_correlation = recording->efforts_correlation;
     if (status == MUKCA_OK && options->go_on && diagnosis->verdict != MUKCA_VERDICT_UNTESTABLE)
         status = options->go_on(options->go_on_context, m, diagnosis, error);
-    if (status == MUKCA_OK && options->mounting && diagnosis->verdict != MUKCA_VERDICT_UNTESTABLE)
-        status = mukca_mounting_compare(diagnosis, m, options->disabled, error);
 out:
     if (status == MUKCA_OK && (m->pool.failed || diagnosis->pool.failed))
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", data->n_rows);

@@ -29,7 +29,7 @@ typedef struct {
     unsigned shaped;  /* version of the linearisation of `shape`, 0: none */
     mukca_normal_equations normal[MUKCA_NOISES];
     struct { /* whitened stored columns of one family, [n_samples][dim][stride], and n_pairs rows */
-        const mukca_normal_equations *of;
+        const mukca_normal_equations *equations;
         unsigned version; /* of the linearisation */
         double *x, *mean; /* mean[n_blocks][dim][stride] */
     } white;
@@ -54,7 +54,7 @@ int mukca_evidence_measure_noise(mukca_evidence *evidence, const mukca_recording
                                  const mukca_linearisation *linear);
 
 /* Set the share of the joint angles' noise between postures. */
-void mukca_evidence_set_share(mukca_evidence *evidence, int share);
+void mukca_evidence_set_share(mukca_evidence *evidence, int angular_share);
 
 /* Log density of Student's noise of the residuals at the last posterior mean, minus that of
  * Gaussian noise weighted so that its log density touches it from below (T. Jaakkola, M. Jordan,

@@ -109,8 +109,7 @@ int mukca_recording_distinct(const mukca_recording *recording);
  * samples of sockets.  Returns their number; more than MUKCA_MAX_LOGS count as one. */
 int mukca_recording_number_logs(int *log, const mukca_dataset *data);
 
-/* Compute moments, torques and mass factors: part of mukca_recording_create, and repeated for a
- * chain with another gravity. */
+/* Compute moments, torques and mass factors: part of mukca_recording_create. */
 void mukca_recording_load(mukca_recording *recording);
 
 #endif

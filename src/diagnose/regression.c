@@ -137,7 +137,7 @@ static mukca_normal_equations *choose_noise(mukca_regression *m, mukca_fit_freed
 {
     mukca_unknowns *u = &m->unknowns;
     mukca_evidence *evidence = &m->evidence;
-    const int own = u->weight ? 0 : u->family;
+    const int present = u->weight ? 0 : u->family;
     mukca_normal_equations *chosen = NULL;
     const int noises = u->weight ? 1 : evidence->n_noises;
     double best = -HUGE_VAL, value[MUKCA_NOISES] = {0};
@@ -148,7 +148,7 @@ static mukca_normal_equations *choose_noise(mukca_regression *m, mukca_fit_freed
     }
     bool all = noises == evidence->n_noises; /* robust weights imply independent samples */
     for (int k = 0; k < noises; k++) {
-        const int i = (own + k) % noises;
+        const int i = (present + k) % noises;
         const bool open = freedom == MUKCA_FIT_ALL || !(mukca_evidence_family(evidence, i).rho > 0);
         if (!open || (chosen && !contends(evidence, i, best))) {
             all = false;
@@ -252,11 +252,11 @@ void mukca_regression_choose_share(mukca_regression *m)
     mukca_normal_equations *normal = mukca_regression_collect(m, u->family);
     mukca_unknowns_prior(evidence->posterior.prior, u);
     mukca_evidence_evaluate(evidence, normal, u->sigma, evidence->mean);
-    const int share = mukca_evidence_measure_noise(evidence, &m->recording, &m->linear),
-              step = share > evidence->angular[0] ? 1 : -1;
-    if (share == evidence->angular[0]) return;
+    const int proposed = mukca_evidence_measure_noise(evidence, &m->recording, &m->linear),
+              step = proposed > evidence->angular[0] ? 1 : -1;
+    if (proposed == evidence->angular[0]) return;
     mukca_noise_choose(evidence, mukca_regression_collect(m, u->family), u->sigma, &best);
-    while (evidence->angular[0] != share) {
+    while (evidence->angular[0] != proposed) {
         mukca_evidence_set_share(evidence, evidence->angular[0] + step);
         mukca_noise_choose(evidence, mukca_regression_collect(m, u->family), u->sigma, &value);
         if (value > best) {

@@ -153,17 +153,17 @@ static void finish(double *value, double *information, mukca_scan *s, const mukc
         for (int t = 0; t < mukca_candidate_own_terms(h); t++)
             most = fmax(most, G[t * h->terms + t]);
         information[h - list] = most;
-        value[h - list] = mukca_mixture_evidence(NULL, G, b->g + b->at[e], h->terms, &prior,
-                                                 s->residual, s->dof, s->scratch);
+        const mukca_equations columns = {G, b->g + b->at[e], h->terms, s->dof, s->residual};
+        value[h - list] = mukca_mixture_evidence(NULL, &columns, &prior, s->scratch);
     }
     empty(s);
 }
 
 void mukca_scan_score(double *value, double *information, mukca_scan *s,
-                      const mukca_candidate *list, int n)
+                      const mukca_candidate *list, const unsigned char *skip, int n)
 {
     for (int i = 0; i < n; i++) {
-        if (mukca_candidate_is_fault(&list[i])) continue;
+        if (skip && skip[i]) continue;
         if (s->batch.width + list[i].terms > LD) finish(value, information, s, list);
         put(s, &list[i]);
     }

@@ -48,15 +48,10 @@ bool mukca_scan_aim(mukca_scan *scan, int family);
  * MUKCA_MEMORY. */
 mukca_status mukca_scan_run(mukca_scan *scan, bool orders, mukca_error *error);
 
-/* Score n candidates, without faults: value[n] and information[n] as of the scan. */
+/* Score n candidates but those with skip[n] != 0 (NULL: none): value[n] and information[n] as of
+ * the scan. */
 void mukca_scan_score(double *value, double *information, mukca_scan *scan,
-                      const mukca_candidate *list, int n);
-
-/* Score all faults among the candidates; u[n_samples][dim]: products of the residual with columns
- * that are not whitened.  A fault's columns are 0 but in a range of samples, and the same for each
- * coordinate: sums over these samples replace products with all columns.  Scratch comes from
- * `pool`.  False: no memory. */
-bool mukca_scan_faults(mukca_scan *scan, mukca_pool *pool, const double *u);
+                      const mukca_candidate *list, const unsigned char *skip, int n);
 
 /* Columns of candidates index[n] as a question for the search among sets; memory from `pool`.
  * False: no memory. */

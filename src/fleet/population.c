@@ -379,8 +379,8 @@ static bool find_departures(mukca_fleet *f)
         if (f->n_arms <= REFITS && !fit(sisters, f, a, true)) return false;
         if (!sisters->n || !compare(c, sisters, f, a, false)) continue;
         for (int k = 0; k < n; k++) {
-            odds[k] = each + mukca_mixture_evidence(by_size, &c->W[k * n + k], &c->r[k], 1, &prior,
-                                                    FREEDOM, FREEDOM, scratch);
+            const mukca_equations one = {&c->W[k * n + k], &c->r[k], 1, FREEDOM, FREEDOM};
+            odds[k] = each + mukca_mixture_evidence(by_size, &one, &prior, scratch);
             for (int s = 0, best = 0; s < SIZES; s++)
                 if (by_size[s] >= by_size[best]) best = s, size[k] = pow(prior.size[s], 2);
             if (odds[k] > odds[top]) top = k;

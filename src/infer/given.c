@@ -82,66 +82,66 @@ void mukca_given_cross(double *G, mukca_sets *s, int a, int b)
 bool mukca_given_integrate(mukca_sets *s, const mukca_set *set)
 {
     const mukca_question *q = s->question;
-    mukca_posterior *with = &s->with.posterior;
-    double *P = with->factor, *G = s->scratch->A;
+    mukca_posterior *posterior = &s->integrated.posterior;
+    double *P = posterior->factor, *G = s->scratch->A;
     int n = 0;
     for (int m = 0; m < set->n; m++) {
         const mukca_item *h = &q->item[set->item[m]];
-        s->with.at[m] = n;
+        s->integrated.at[m] = n;
         for (int t = 0; t < h->terms; t++, n++) {
-            with->prior[n] = h->prior.size[set->size[m]];
-            with->work[n] = q->g[h->at + t];
+            posterior->prior[n] = h->prior.size[set->size[m]];
+            posterior->work[n] = q->g[h->at + t];
         }
     }
-    with->n = n;
-    with->quadratic = q->residual;
+    posterior->n = n;
+    posterior->quadratic = q->residual;
     for (int m = 0; m < set->n; m++)
         for (int o = 0; o <= m; o++) {
             const mukca_item *h = &q->item[set->item[m]];
-            const int terms = q->item[set->item[o]].terms, row = s->with.at[m],
-                      column = s->with.at[o];
+            const int terms = q->item[set->item[o]].terms, row = s->integrated.at[m],
+                      column = s->integrated.at[o];
             const double *block = o == m ? s->block[set->item[m]] : G;
             if (o < m) mukca_given_cross(G, s, set->item[m], set->item[o]);
             for (int t = 0; t < h->terms; t++)
                 for (int c = 0; c < terms; c++)
                     P[(row + t) * n + column + c] = block[t * terms + c];
         }
-    if (!mukca_posterior_solve(with, NULL, NULL)) return false;
-    with->quadratic = fmax(with->quadratic, 1e-3 * q->residual);
+    if (!mukca_posterior_solve(posterior, NULL, NULL)) return false;
+    posterior->quadratic = fmax(posterior->quadratic, 1e-3 * q->residual);
     return true;
 }
 
 /* Row stride of the inverse factor. */
 static int padded(const mukca_sets *s)
 {
-    return (s->with.posterior.n + 7) & ~7;
+    return (s->integrated.posterior.n + 7) & ~7;
 }
 
 void mukca_given_invert(mukca_sets *s)
 {
-    const int n = s->with.posterior.n, ld = padded(s);
-    double *T = s->with.inverse;
+    const int n = s->integrated.posterior.n, ld = padded(s);
+    double *T = s->integrated.inverse;
     memset(T, 0, sizeof *T * (size_t)(n * ld));
     for (int i = 0; i < n; i++) T[i * ld + i] = 1;
-    mukca_dense_forward8(T, ld, ld, s->with.posterior.factor, n);
-    memcpy(s->with.x, s->with.posterior.work, sizeof *T * (size_t)n);
-    mukca_dense_backward(s->with.x, 1, s->with.posterior.factor, n);
+    mukca_dense_forward8(T, ld, ld, s->integrated.posterior.factor, n);
+    memcpy(s->integrated.x, s->integrated.posterior.work, sizeof *T * (size_t)n);
+    mukca_dense_backward(s->integrated.x, 1, s->integrated.posterior.factor, n);
 }
 
 mukca_columns mukca_given_inverse_of(const mukca_sets *s, int member, int terms)
 {
-    const int ld = padded(s), at = s->with.at[member];
-    return (mukca_columns){s->with.inverse + at * ld + at, terms, ld};
+    const int ld = padded(s), at = s->integrated.at[member];
+    return (mukca_columns){s->integrated.inverse + at * ld + at, terms, ld};
 }
 
 bool mukca_given_leave_out(double *M, double *w, const mukca_sets *s, int member, int terms)
 {
     const mukca_columns T = mukca_given_inverse_of(s, member, terms);
-    const int at = s->with.at[member];
+    const int at = s->integrated.at[member];
     memset(M, 0, sizeof *M * (size_t)(terms * terms));
-    mukca_dense_symmetric(M, T, T, s->with.posterior.n - at);
+    mukca_dense_symmetric(M, T, T, s->integrated.posterior.n - at);
     if (mukca_dense_cholesky(M, terms)) return false;
-    memcpy(w, s->with.x + at, sizeof *w * (size_t)terms);
+    memcpy(w, s->integrated.x + at, sizeof *w * (size_t)terms);
     mukca_dense_forward(w, 1, M, terms);
     return true;
 }
@@ -155,27 +155,28 @@ static bool condition_all(mukca_sets *s, const mukca_set *set)
         const double *G = s->gram[set->item[m]];
         for (int t = 0; t < q->item[set->item[m]].terms; t++, row++, G += q->stride)
             for (int k = 0; k < q->stride; k++)
-                s->with.B[row * q->stride + k] = s->with.posterior.prior[row] * G[k];
+                s->integrated.B[row * q->stride + k] = s->integrated.posterior.prior[row] * G[k];
     }
-    mukca_dense_forward8(s->with.B, q->stride, q->stride, s->with.posterior.factor,
-                         s->with.posterior.n);
+    mukca_dense_forward8(s->integrated.B, q->stride, q->stride, s->integrated.posterior.factor,
+                         s->integrated.posterior.n);
     return true;
 }
 
 bool mukca_given_condition(mukca_sets *s, const mukca_set *set)
 {
     const mukca_question *q = s->question;
-    const mukca_columns B = {s->with.B, q->stride, q->stride};
+    const mukca_columns B = {s->integrated.B, q->stride, q->stride};
     double *G = s->given;
     if (!mukca_given_integrate(s, set) || !condition_all(s, set)) return false;
     memset(s->g, 0, sizeof *s->g * (size_t)q->stride);
-    mukca_dense_xty(s->g, (mukca_columns){s->with.posterior.work, 1, 1}, B, s->with.posterior.n);
+    mukca_dense_xty(s->g, (mukca_columns){s->integrated.posterior.work, 1, 1}, B,
+                    s->integrated.posterior.n);
     for (int k = 0; k < q->n_columns; k++) s->g[k] = q->g[k] - s->g[k];
     for (int i = 0; i < q->n_items; i++) {
         const mukca_item *h = &q->item[i];
         memcpy(G, s->block[i], sizeof *G * (size_t)(h->terms * h->terms));
         subtract_products(G, s, (mukca_columns){B.x + h->at, h->terms, q->stride},
-                          s->with.posterior.n);
+                          s->integrated.posterior.n);
         G += h->terms * h->terms;
     }
     return true;
@@ -185,8 +186,8 @@ void mukca_sets_gram(double *G, mukca_sets *s, int a, int b)
 {
     const mukca_item *x = &s->question->item[a], *y = &s->question->item[b];
     mukca_sets_products_of(G, s, a, b);
-    for (int r = 0; r < s->with.posterior.n; r++) {
-        const double *B = s->with.B + r * s->question->stride;
+    for (int r = 0; r < s->integrated.posterior.n; r++) {
+        const double *B = s->integrated.B + r * s->question->stride;
         for (int i = 0; i < x->terms; i++)
             for (int k = 0; k < y->terms; k++) G[i * y->terms + k] -= B[x->at + i] * B[y->at + k];
     }
@@ -196,11 +197,12 @@ void mukca_sets_mean(double *mean, mukca_sets *s, const mukca_set *set)
 {
     memset(mean, 0, sizeof *mean * (size_t)s->question->stride);
     if (!mukca_given_integrate(s, set)) return;
-    mukca_dense_backward(s->with.posterior.work, 1, s->with.posterior.factor, s->with.posterior.n);
+    mukca_dense_backward(s->integrated.posterior.work, 1, s->integrated.posterior.factor,
+                         s->integrated.posterior.n);
     for (int m = 0, row = 0; m < set->n; m++)
         for (int t = 0; t < s->question->item[set->item[m]].terms; t++, row++)
             mean[s->question->item[set->item[m]].at + t] =
-                s->with.posterior.prior[row] * s->with.posterior.work[row];
+                s->integrated.posterior.prior[row] * s->integrated.posterior.work[row];
 }
 
 void mukca_sets_products(double *product, double *mean, mukca_sets *s, const mukca_set *set)
@@ -232,8 +234,8 @@ void mukca_sets_products_of(double *G, mukca_sets *s, int a, int b)
 
 int mukca_sets_covariance(double *V, mukca_sets *s)
 {
-    const int n = s->with.posterior.n, ld = padded(s);
-    const double *T = s->with.inverse, *D = s->with.posterior.prior;
+    const int n = s->integrated.posterior.n, ld = padded(s);
+    const double *T = s->integrated.inverse, *D = s->integrated.posterior.prior;
     mukca_given_invert(s);
     memset(V, 0, sizeof *V * (size_t)(n * n));
     mukca_dense_symmetric(V, (mukca_columns){T, n, ld}, (mukca_columns){T, n, ld}, n);

@@ -81,10 +81,11 @@ static double log_positive(const mukca_mixture_scratch *f, int k, int lane, doub
     return mukca_mixture_positive(mean, variance, residual, dof);
 }
 
-double mukca_mixture_evidence(double *by_size, const double *G, const double *g, int k,
-                              const mukca_mixture *prior, double residual, int dof,
+double mukca_mixture_evidence(double *by_size, const mukca_equations *e, const mukca_mixture *prior,
                               mukca_mixture_scratch *f)
 {
+    const int k = e->terms, dof = e->dof;
+    const double residual = e->residual;
     /* at most this share of the residual is explained: rounding of a perfect fit */
     const double most = 0.9999;
     double value[MUKCA_MOST_SIZES];
@@ -97,8 +98,8 @@ double mukca_mixture_evidence(double *by_size, const double *G, const double *g,
             for (int l = 0; l < 4 && s + l < prior->n_sizes; l++)
                 squares[l] = prior->size[s + l] * prior->size[s + l];
             for (int i = 0; i < k; i++)
-                for (int l = 0; l < 4; l++) f->x[i][l] = g[i];
-            factor_four(f, k, G, squares);
+                for (int l = 0; l < 4; l++) f->x[i][l] = e->g[i];
+            factor_four(f, k, e->G, squares);
         }
         for (int i = 0; i < k; i++) q += s2 * f->x[i][lane] * f->x[i][lane];
         q = fmin(q, most * residual);

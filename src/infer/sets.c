@@ -34,17 +34,17 @@ bool mukca_sets_create(mukca_sets *s, mukca_pool *pool, const mukca_question *q)
         .set = MUKCA_TAKE(pool, mukca_set, MUKCA_MOST_SETS),
         .table = MUKCA_TAKE(pool, int, TABLE),
         .value = MUKCA_TAKE(pool, double, q->n_items + 1),
-        .alone = MUKCA_TAKE(pool, double, q->n_items + 1),
+        .added = MUKCA_TAKE(pool, double, q->n_items + 1),
         .likeliest = MUKCA_TAKE(pool, unsigned char, q->n_items + 1),
         .g = MUKCA_TAKE(pool, double, q->stride + 1),
         .given = MUKCA_TAKE(pool, double, squares + 1),
         .row = MUKCA_TAKE(pool, double, MUKCA_GIVEN_TOGETHER *(q->stride + 1)),
         .left = MUKCA_TAKE(pool, double, MUKCA_GIVEN_TOGETHER *(q->n_rows + MUKCA_SET_COLUMNS)),
         .scratch = MUKCA_TAKE(pool, mukca_mixture_scratch, 1),
-        .with = {.inverse = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *MUKCA_SET_COLUMNS),
-                 .x = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS),
-                 .B = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *(q->stride + 1))}};
-    mukca_posterior_take(&s->with.posterior, pool, MUKCA_SET_COLUMNS);
+        .integrated = {.inverse = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *MUKCA_SET_COLUMNS),
+                       .x = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS),
+                       .B = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *(q->stride + 1))}};
+    mukca_posterior_take(&s->integrated.posterior, pool, MUKCA_SET_COLUMNS);
     double *block = MUKCA_TAKE(pool, double, squares + 1);
     if (pool->failed) return false;
     for (int i = 0; i < q->n_items; block += q->item[i].terms * q->item[i].terms, i++)
@@ -82,10 +82,10 @@ static double score_member(double *by_size, const mukca_sets *s, const mukca_set
         g[i] /= size;
     }
     for (int i = 0; i < k * k; i++) G[i] /= size * size;
-    return mukca_mixture_evidence(
-        by_size, G, g, k, &h->prior,
-        fmin(s->with.posterior.quadratic + square_of(w, k), s->question->residual),
-        s->question->dof, s->scratch);
+    const double rest =
+        fmin(s->integrated.posterior.quadratic + square_of(w, k), s->question->residual);
+    return mukca_mixture_evidence(by_size, &(mukca_equations){G, g, k, s->question->dof, rest},
+                                  &h->prior, s->scratch);
 }
 
 static int largest(const double *x, int n)
@@ -103,15 +103,15 @@ static double weigh_signs(mukca_sets *s, const mukca_set *set)
     for (int m = 0, row = 0; m < set->n; row += s->question->item[set->item[m++]].terms) {
         double mean = 0, variance = 0;
         if (!s->question->item[set->item[m]].prior.nonnegative) continue;
-        memset(first, 0, sizeof *first * (size_t)s->with.posterior.n);
+        memset(first, 0, sizeof *first * (size_t)s->integrated.posterior.n);
         first[row] = 1;
-        mukca_dense_forward(first, 1, s->with.posterior.factor, s->with.posterior.n);
-        for (int i = row; i < s->with.posterior.n; i++) {
-            mean += first[i] * s->with.posterior.work[i];
+        mukca_dense_forward(first, 1, s->integrated.posterior.factor, s->integrated.posterior.n);
+        for (int i = row; i < s->integrated.posterior.n; i++) {
+            mean += first[i] * s->integrated.posterior.work[i];
             variance += first[i] * first[i];
         }
-        sum +=
-            mukca_mixture_positive(mean, variance, s->with.posterior.quadratic, s->question->dof);
+        sum += mukca_mixture_positive(mean, variance, s->integrated.posterior.quadratic,
+                                      s->question->dof);
     }
     return sum;
 }
@@ -150,8 +150,8 @@ void mukca_sets_evaluate(mukca_sets *s, int index)
             mukca_given_invert(s);
         }
     }
-    set->value = integral - s->with.posterior.log_det -
-                 0.5 * q->dof * log(s->with.posterior.quadratic / q->residual) +
+    set->value = integral - s->integrated.posterior.log_det -
+                 0.5 * q->dof * log(s->integrated.posterior.quadratic / q->residual) +
                  weigh_signs(s, set);
     for (int m = 0; m < set->n; m++)
         set->value += q->item[set->item[m]].log_prior + kinship(s, set, m, set->item[m]);
@@ -277,7 +277,7 @@ MUKCA_INLINE bool can_replace(const mukca_sets *s, const vacancy *v, const doubl
         }
         common += square / (given[a * h->terms + a] + square + 1e-300);
     }
-    const double beside = fmax(s->alone[item] - h->log_prior + 5, 0),
+    const double beside = fmax(s->added[item] - h->log_prior + 5, 0),
                  of = -0.5 * s->question->dof * log1p(-fmin(common, 1) * lost / rest);
     return beside + of + 2 * sqrt(beside * of) > v->least;
 }
@@ -288,7 +288,7 @@ MUKCA_CLONES static void score_all(mukca_sets *s, const mukca_set *set, const va
     const mukca_question *q = s->question;
     double by_size[MUKCA_MOST_SIZES] = {0}, *G = s->scratch->A, g[MUKCA_MOST_TERMS];
     const double *given = s->given, lost = square_of(v->w, v->k),
-                 rest = fmin(s->with.posterior.quadratic + lost, q->residual);
+                 rest = fmin(s->integrated.posterior.quadratic + lost, q->residual);
     for (int i = 0; i < q->n_items; given += q->item[i].terms * q->item[i].terms, i++) {
         const mukca_item *h = &q->item[i];
         const int terms = h->terms;
@@ -303,9 +303,9 @@ MUKCA_CLONES static void score_all(mukca_sets *s, const mukca_set *set, const va
                 for (int c = 0; c < terms; c++) G[a * terms + c] += row[a] * row[c];
             }
         }
-        s->value[i] =
-            h->log_prior + kinship(s, set, set->n, i) +
-            mukca_mixture_evidence(by_size, G, g, terms, &h->prior, rest, q->dof, s->scratch);
+        s->value[i] = h->log_prior + kinship(s, set, set->n, i) +
+                      mukca_mixture_evidence(by_size, &(mukca_equations){G, g, terms, q->dof, rest},
+                                             &h->prior, s->scratch);
         s->likeliest[i] = (unsigned char)largest(by_size, h->prior.n_sizes);
     }
 }
@@ -314,7 +314,7 @@ bool mukca_sets_weigh(mukca_sets *s, const mukca_set *set)
 {
     if (!mukca_given_condition(s, set)) return false;
     score_all(s, set, &(vacancy){0});
-    memcpy(s->alone, s->value, sizeof *s->alone * (size_t)s->question->n_items);
+    memcpy(s->added, s->value, sizeof *s->added * (size_t)s->question->n_items);
     return true;
 }
 
@@ -369,7 +369,7 @@ static void swap(mukca_sets *s, int index, bool weighed, bool pairs)
     mukca_given_invert(s);
     for (int m = 0; m < set.n; m++) {
         const mukca_item *h = &q->item[set.item[m]];
-        const int at = s->with.at[m];
+        const int at = s->integrated.at[m];
         mukca_set less = reduced(&set, m);
         if (!mukca_given_leave_out(M, v.w, s, m, h->terms)) continue;
         const double gain = score_member(by_size, s, &set, m);
@@ -377,8 +377,8 @@ static void swap(mukca_sets *s, int index, bool weighed, bool pairs)
         if (find(s, &less) < 0) return;
         memset(W, 0, sizeof *W * (size_t)(h->terms * q->stride)); /* the member's rows of V D G */
         mukca_dense_xty(W, mukca_given_inverse_of(s, m, h->terms),
-                        (mukca_columns){s->with.B + at * q->stride, q->stride, q->stride},
-                        s->with.posterior.n - at);
+                        (mukca_columns){s->integrated.B + at * q->stride, q->stride, q->stride},
+                        s->integrated.posterior.n - at);
         mukca_dense_forward(W, q->stride, M, h->terms);
         v.W = W, v.k = h->terms, v.least = pairs ? 0 : gain - WINDOW;
         score_all(s, &less, &v);
@@ -415,38 +415,7 @@ void mukca_sets_explore(mukca_sets *s, int budget, bool pairs)
     }
 }
 
-/* Find the best set with others of its kin in place of a member and its kin: the best ones of other
- * keys, one by one, then any items. */
-static void rebuild(mukca_sets *s, mukca_set set, int member)
-{
-    const mukca_item *all = s->question->item, *out = &all[set.item[member]];
-    for (int m = set.n - 1; m >= 0; m--)
-        if (all[set.item[m]].kin == out->kin) set = reduced(&set, m);
-    for (bool any = false; mukca_sets_weigh(s, &set);) {
-        mukca_set next;
-        for (int i = 0; i < s->question->n_items; i++)
-            if (all[i].key == out->key || !(any || all[i].kin == out->kin)) s->value[i] = -HUGE_VAL;
-        const int best = largest(s->value, s->question->n_items);
-        if (!(s->value[best] > 0) || !extended(&next, s, &set, best, s->likeliest[best])) {
-            if (any) return;
-            any = true;
-            continue;
-        }
-        const int at = find(s, &next);
-        if (at < 0) return;
-        mukca_sets_evaluate(s, at);
-        set = s->set[at];
-    }
-}
-
-void mukca_sets_rebuild(mukca_sets *s)
-{
-    const mukca_set set = s->set[s->best];
-    for (int m = 0; m < set.n; m++)
-        if (s->question->item[set.item[m]].kin) rebuild(s, set, m);
-}
-
 double mukca_sets_gain(const mukca_sets *s, const mukca_set *set, int item)
 {
-    return s->alone[item] - s->question->item[item].log_prior - kinship(s, set, set->n, item);
+    return s->added[item] - s->question->item[item].log_prior - kinship(s, set, set->n, item);
 }

@@ -60,11 +60,11 @@ typedef struct {
         double *B;                 /* L^-1 D G */
         double *inverse;           /* L^-1 */
         double *x;                 /* (1 + D G D)^-1 D g */
-    } with;                        /* the set integrated out last */
+    } integrated;                  /* the set integrated out last */
     double *row, *left;            /* scratch of some of them: rows, columns */
     mukca_mixture_scratch *scratch;
     double *given;            /* blocks of all items given that set */
-    double *value, *alone;    /* scratch: [n_items] scores */
+    double *value, *added;    /* scratch: [n_items] scores */
     double *g;                /* scratch: [stride] */
     unsigned char *likeliest; /* [n_items] sizes */
 } mukca_sets;
@@ -83,7 +83,7 @@ void mukca_sets_explore(mukca_sets *sets, int budget, bool pairs);
 /* Evaluate a set, if it is only estimated. */
 void mukca_sets_evaluate(mukca_sets *sets, int set);
 
-/* Score all items in addition to a set: sets->alone[].  False: no memory, or not positive. */
+/* Score all items in addition to a set: sets->added[].  False: no memory, or not positive. */
 bool mukca_sets_weigh(mukca_sets *sets, const mukca_set *set);
 
 /* Log Bayes factor of an item in addition to the set weighed last, which lacks it. */
@@ -91,10 +91,6 @@ double mukca_sets_gain(const mukca_sets *sets, const mukca_set *set, int item);
 
 /* Projected Gram block G[a.terms][b.terms] of two items given the set weighed last. */
 void mukca_sets_gram(double *G, mukca_sets *sets, int a, int b);
-
-/* Find sets that explain by other items of a kin what the best set explains by some of them: no
- * single replacement leads there. */
-void mukca_sets_rebuild(mukca_sets *sets);
 
 /* Posterior mean of the items' coefficients in a set: mean[stride]. */
 void mukca_sets_mean(double *mean, mukca_sets *sets, const mukca_set *set);

@@ -10,7 +10,7 @@
 bool mukca_whitening_create(mukca_whitening *w, mukca_pool *pool, int samples, int blocks, int dim)
 {
     const int square = dim * dim;
-    *w = (mukca_whitening){.own = MUKCA_TAKE(pool, double, samples),
+    *w = (mukca_whitening){.diagonal = MUKCA_TAKE(pool, double, samples),
                            .before = MUKCA_TAKE(pool, double, samples),
                            .common = MUKCA_TAKE(pool, double, samples),
                            .level = MUKCA_TAKE(pool, double, samples),
@@ -38,13 +38,13 @@ MUKCA_INLINE void correlate_postures(double *x, size_t step, int count, double r
     for (int t = 0; t < block->count; t++) {
         const int i = block->start + (transpose ? block->count - 1 - t : t);
         if (!s->readings[i]) continue;
-        const double root = sqrt(s->readings[i]), own = i == block->start ? 1 : a;
+        const double root = sqrt(s->readings[i]), scale = i == block->start ? 1 : a;
         double z[CHUNK] = {0};
         for (int k = i; k >= 0; k = s->next[k])
             for (int j = 0; j < count; j++) z[j] += x[(size_t)k * step + (size_t)j] / root;
         for (int k = i; k >= 0; k = s->next[k])
             for (int j = 0; j < count; j++)
-                x[(size_t)k * step + (size_t)j] += ((own - 1) * z[j] - a * rho * other[j]) / root;
+                x[(size_t)k * step + (size_t)j] += ((scale - 1) * z[j] - a * rho * other[j]) / root;
         for (int j = 0; j < count; j++) other[j] = z[j];
     }
 }
@@ -140,10 +140,10 @@ MUKCA_INLINE void whiten(double *x, int n, int ld, const mukca_whitening *w, con
         const mukca_block *block = &s->block[b];
         if (w->shape.mean) divide_by_shape(x, n, ld, false, w, s, block);
         for (int i = block->start + block->count - 1; i >= block->start; i--) {
-            const double own = w->own[i], before = w->before[i];
+            const double scale = w->diagonal[i], before = w->before[i];
             for (int c = 0; c < s->dim; c++) {
                 double *row = x + (size_t)i * step + (size_t)(c * ld);
-                for (int k = 0; k < n; k++) row[k] *= own;
+                for (int k = 0; k < n; k++) row[k] *= scale;
                 for (int k = 0; k < n && before > 0; k++) row[k] -= before * (row - step)[k];
             }
         }
@@ -189,7 +189,7 @@ void mukca_whitening_set(mukca_whitening *w, const mukca_samples *s, mukca_noise
             const bool first = i == block->start;
             const int m = s->readings[i];
             postures += m > 0;
-            w->own[i] = by * (first && rho != 0 ? 1 : scale);
+            w->diagonal[i] = by * (first && rho != 0 ? 1 : scale);
             w->before[i] = first ? 0 : by * rho * scale;
             w->common[i] = common_factor(shared, m);
             for (int k = i; k >= 0 && m; k = shared > 0 ? s->next[k] : -1)
@@ -198,7 +198,7 @@ void mukca_whitening_set(mukca_whitening *w, const mukca_samples *s, mukca_noise
                 w->log_det -= 0.5 * d * ((m - 1) * log(1 - shared) + log(1 - shared + shared * m));
         }
         for (int i = block->start; i < end; i++)
-            w->level[i] = w->own[i] * (shared > 0 ? w->level[i] : 1);
+            w->level[i] = w->diagonal[i] * (shared > 0 ? w->level[i] : 1);
         if (block->count)
             w->log_det -= 0.5 * d * (shared > 0 ? postures - 1 : block->count - 1) *
                           log(1 - family.rho * family.rho);
@@ -277,7 +277,8 @@ MUKCA_CLONES void mukca_whitening_transpose(double *out, const double *x, int n,
             for (int c = 0; c < s->dim; c++) {
                 const size_t at = (size_t)i * step + (size_t)(c * ld);
                 const double after = i + 1 < end ? w->before[i + 1] : 0;
-                for (int k = 0; k < n; k++) out[at + (size_t)k] = w->own[i] * x[at + (size_t)k];
+                for (int k = 0; k < n; k++)
+                    out[at + (size_t)k] = w->diagonal[i] * x[at + (size_t)k];
                 for (int k = 0; k < n && after > 0; k++)
                     out[at + (size_t)k] -= after * x[at + step + (size_t)k];
             }

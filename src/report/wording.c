@@ -117,22 +117,9 @@ const char *mukca_wording_unexplained(char text[MUKCA_WORDING], const mukca_diag
     return put(text, ": no effect of the catalogue describes it");
 }
 
-/* Append the gravity vector that explains the data better than that of the model. */
-static const char *put_gravity(char *text, const double g[3], const double given[3])
-{
-    const bool opposite = g[0] * given[0] + g[1] * given[1] + g[2] * given[2] < 0;
-    return put(
-        text,
-        "Springs explain these data better under other gravity: is the arm mounted on a %s? Repeat "
-        "with --gravity %g,%g,%g before you believe what follows.",
-        opposite ? "ceiling, or pulled up by a hose or a balancer" : "wall", g[0], g[1], g[2]);
-}
-
 const char *mukca_wording_caveat(char text[MUKCA_WORDING], const mukca_diagnosed *r)
 {
     const mukca_diagnosis *d = r->diagnosis;
-    if (d->gravity[0] != 0 || d->gravity[1] != 0 || d->gravity[2] != 0)
-        return put_gravity(text, d->gravity, r->chain->gravity);
     if (d->verdict == MUKCA_VERDICT_UNTESTABLE || r->chain->n_masses) return text;
     const mukca_effect_kind spring = mukca_effect_at(MUKCA_SITE_ANGLE, MUKCA_TRAIT_FLEXIBLE);
     for (int i = 0; i < d->n_tested; i++)
