@@ -111,6 +111,7 @@ typedef struct {
     cli_list test;
     int angles;                   /* 1: commanded */
     int map;                      /* 0: by name; 1: in order; 2: in order, w last */
+    int threads;                  /* 0: all cores */
     double distance, distance_sd; /* m */
     bool free_base, free_tool, inverse_poses, accept_other_arm, accept_failed, accept_edited, force,
         quiet, verbose;
@@ -135,7 +136,8 @@ enum {
     CLI_WITH_DATA = CLI_WITH_MODEL | CLI_WITH_DISTANCE | CLI_WITH_DISTANCES | CLI_WITH_PAYLOAD |
                     CLI_WITH_ANGLES | CLI_WITH_TABLES,
     CLI_WITH_SD = 1 << 13, /* --distance-sd */
-    CLI_WITH_ALL = 1 << 14
+    CLI_WITH_THREADS = 1 << 14,
+    CLI_WITH_ALL = 1 << 15
 };
 
 #define CLI_USUAL_DISTANCE 0.05 /* m: the tool of the MUKCa paper */
@@ -298,6 +300,9 @@ bool cli_interrupted(void);
 /* Callbacks for long functions of the library; the context of the second is the call. */
 bool cli_stop(void *context);
 bool cli_show_progress(void *call, double share, const char *doing);
+
+/* --threads, or one for each core that the process may use. */
+int cli_threads(const cli_call *call);
 
 /* ---- inputs and outputs of commands (load.c, outputs.c, json.c) ---- */
 

@@ -254,6 +254,7 @@ typedef struct {
     bool mounting;      /* mukca_mounting_compare, at the end */
     mukca_continue_fn *go_on;
     void *go_on_context;
+    int threads; /* 0: one */
     mukca_progress_fn *progress;
     void *progress_context;
 } mukca_diagnose_options;
