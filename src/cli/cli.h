@@ -196,6 +196,9 @@ bool cli_interrupted(void);
 bool cli_stop(void *context);
 bool cli_show_progress(void *call, double share, const char *doing);
 
+/* --threads, or one for each core that the process may use. */
+int cli_threads(const cli_call *call);
+
 /* ---- inputs and outputs of commands (load.c, outputs.c, json.c) ---- */
 
 /* Fill call->session.  Errors: those of the functions below. */

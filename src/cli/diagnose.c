@@ -60,6 +60,7 @@ mukca_status cli_diagnosis_run(cli_call *call, cli_diagnosis *d)
     d->options.free_base = c->free_base;
     d->options.free_tool = c->free_tool || several;
     d->options.applied = true;
+    d->options.threads = cli_threads(call);
     d->options.progress = cli_show_progress;
     d->options.progress_context = call;
     d->result = (mukca_diagnosed){.diagnosis = &d->diagnosis,
@@ -222,7 +223,7 @@ const cli_command cli_command_diagnose = {
         "  mukca diagnose --urdf data/demo/arm.urdf data/demo/train.tsv \\\n"
         "      --test data/demo/test.tsv",
     .with = CLI_WITH_DATA | CLI_WITH_SD | CLI_WITH_TEST | CLI_WITH_JSON | CLI_WITH_FRAMES |
-            CLI_WITH_TRAITS,
+            CLI_WITH_TRAITS | CLI_WITH_THREADS,
     .options = options,
     .options_size = sizeof(diagnose_options),
     .targets = true,

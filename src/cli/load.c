@@ -1,5 +1,7 @@
 /* Loading of the arm and the data given by the common options. */
+#define _GNU_SOURCE /* sched_getaffinity() */
 #include <math.h>
+#include <sched.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -17,6 +19,13 @@
 /* Relative, of gravity: other values are in other units.  Coefficients of springs are inversely
  * proportional. */
 static const double rounding = 0.03;
+
+int cli_threads(const cli_call *call)
+{
+    cpu_set_t set;
+    if (call->common->threads) return call->common->threads;
+    return sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 1;
+}
 
 mukca_status cli_read_offsets(cli_call *call, mukca_offsets *offsets, mukca_chain *own,
                               const mukca_chain *chain, const char *path)

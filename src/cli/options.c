@@ -1,5 +1,6 @@
 /* The table of the options common to several commands. */
 #include "cli/options.h"
+#include "base/workers.h"
 
 static const char *const angles[] = {"reading", "command", NULL};
 static const char *const maps[] = {"name", "order", "order-w-last", NULL};
@@ -73,6 +74,10 @@ const cli_option cli_common_options[] = {
     COMMON(MAP, "inverse-poses", inverse_poses, CLI_FLAG, NULL,
            "the measured poses are those of the fixed frame in the target's, as a camera on the "
            "arm sees a fixed board"),
+    COMMON_AND(THREADS, "threads", threads, CLI_INTEGER, "N",
+               "threads of the computation, the result is the same for every N (default: one for "
+               "each core)",
+               .least = 1, .most = MUKCA_MOST_WORKERS),
     COMMON(ALL, "force", force, CLI_FLAG, NULL, "overwrite existing files"),
     COMMON_AND(ALL, "quiet", quiet, CLI_FLAG, NULL, "print errors only", .letter = 'q'),
     COMMON_AND(ALL, "verbose", verbose, CLI_FLAG, NULL, "print inputs and elapsed time",

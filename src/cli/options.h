@@ -79,6 +79,7 @@ typedef struct {
     cli_list test;
     int angles;                   /* 1: commanded */
     int map;                      /* 0: by name; 1: in order; 2: in order, w last */
+    int threads;                  /* 0: all cores */
     double distance, distance_sd; /* m */
     bool free_base, free_tool, inverse_poses, accept_other_arm, accept_failed, accept_edited, force,
         quiet, verbose;
@@ -103,7 +104,8 @@ enum {
     CLI_WITH_DATA = CLI_WITH_MODEL | CLI_WITH_DISTANCE | CLI_WITH_DISTANCES | CLI_WITH_PAYLOAD |
                     CLI_WITH_ANGLES | CLI_WITH_TABLES,
     CLI_WITH_SD = 1 << 13, /* --distance-sd */
-    CLI_WITH_ALL = 1 << 14
+    CLI_WITH_THREADS = 1 << 14,
+    CLI_WITH_ALL = 1 << 15
 };
 
 /* The common options (options.c); the row that ends them has all sets. */

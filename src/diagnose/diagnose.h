@@ -250,6 +250,7 @@ typedef struct {
     bool applied;       /* fill diagnosis->applied */
     mukca_continue_fn *go_on;
     void *go_on_context;
+    int threads; /* 0: one */
     mukca_progress_fn *progress;
     void *progress_context;
 } mukca_diagnose_options;

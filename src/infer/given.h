@@ -31,7 +31,12 @@ mukca_columns mukca_given_inverse_of(const mukca_sets *s, int member, int terms)
  * integrated out.  M M' := the block of V, w := M^-1 x.  False: not positive. */
 bool mukca_given_leave_out(double *M, double *w, const mukca_sets *s, int member, int terms);
 
-/* Normal equations of all items given a set: s->given, s->g.  False: no memory, or not positive. */
+/* Integrate out a set: s->with.B, s->g.  False: no memory, or not positive. */
 bool mukca_given_condition(mukca_sets *s, const mukca_set *set);
+
+/* Block of an item, [terms][terms], of the Gram matrix given that set; `reduce` computes it, with
+ * scratch[terms][terms]. */
+double *mukca_given_of(const mukca_sets *s, int item);
+void mukca_given_reduce(const mukca_sets *s, int item, double *scratch);
 
 #endif

@@ -19,9 +19,10 @@ typedef struct {
     int n, ld;
 } mukca_columns;
 
-/* C[X.n][Y.n] += X' Y over m rows; `symmetric`: X.n equals Y.n and the product is symmetric; only
- * half of it is computed. */
+/* C[X.n][Y.n] += X' Y over m rows; `part`: the row stride of C is ldc; `symmetric`: X.n equals Y.n
+ * and the product is symmetric; only half of it is computed. */
 void mukca_dense_xty(double *C, mukca_columns X, mukca_columns Y, int m);
+void mukca_dense_xty_part(double *C, int ldc, mukca_columns X, mukca_columns Y, int m);
 void mukca_dense_symmetric(double *C, mukca_columns X, mukca_columns Y, int m);
 
 /* Cholesky A = L L' in place (lower; the upper triangle is unchanged).  Returns 0, or 1 + the
