@@ -225,6 +225,7 @@ typedef struct {
     double score;               /* log posterior of the most probable causes, up to a constant */
     double gravity[3];          /* a direction with far higher evidence, m/s^2; 0: none */
     double efforts_correlation; /* cosine of measured and modelled holding torques; NaN: none */
+    bool turned_efforts;        /* without masses: the efforts' sign is opposite, and was turned */
     mukca_geometry geometry;    /* fitted with the causes */
     mukca_frame tracker;        /* pose logs: T_measured_base, of the first log */
     mukca_logs logs;
@@ -251,6 +252,7 @@ typedef struct {
     double mass_spread; /* relative prior sigma of each mass; 0: 0.1 */
     bool no_folds;      /* skip cross-validation */
     bool applied;       /* fill diagnosis->applied */
+    int efforts;        /* without masses: their sign; 0: by the data */
     bool mounting;      /* mukca_mounting_compare, at the end */
     mukca_continue_fn *go_on;
     void *go_on_context;
@@ -264,6 +266,11 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
                             const mukca_dataset *data, const mukca_diagnose_options *options,
                             mukca_error *error);
 void mukca_diagnosis_free(mukca_diagnosis *diagnosis);
+
+/* By how much the log posterior of springs alone is higher if the measured efforts, the loads of an
+ * arm without masses, have the opposite sign.  Errors: MUKCA_MEMORY. */
+mukca_status mukca_efforts_weigh(double lead[1], struct mukca_regression *regression,
+                                 const unsigned char *disabled, mukca_error *error);
 
 /* If elastic causes under the model's gravity do not explain a recording, weigh them with gravity
  * along the other axes of the base frame.  If they are far more probable there than all causes

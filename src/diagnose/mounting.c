@@ -1,4 +1,4 @@
-/* Mounting of the arm: gravity in a direction other than the model's. */
+/* The side of the load: efforts of the opposite sign, gravity in another direction. */
 #include "diagnose/diagnose.h"
 
 #include <math.h>
@@ -72,6 +72,24 @@ static mukca_status weigh_springs(double *value, mukca_regression *m, const mukc
         *value = scan.evidence + sets.set[sets.best].value + prior;
     }
     mukca_pool_free(&pool);
+    return status;
+}
+
+mukca_status mukca_efforts_weigh(double lead[1], mukca_regression *m, const unsigned char *disabled,
+                                 mukca_error *error)
+{
+    bool *turned = &m->recording.options.turned_efforts;
+    mukca_unknowns start;
+    double written = 0, reversed = 0;
+    if (!mukca_unknowns_clone(&start, &m->pool, &m->unknowns))
+        return mukca_fail(error, MUKCA_MEMORY, "out of memory for the springs");
+    mukca_status status = weigh_springs(&written, m, &start, disabled, error);
+    *turned = true;
+    if (status == MUKCA_OK) status = weigh_springs(&reversed, m, &start, disabled, error);
+    *turned = false;
+    *lead = reversed - written;
+    mukca_recording_load(&m->recording);
+    mukca_unknowns_assign(&m->unknowns, &start);
     return status;
 }
 
