@@ -253,7 +253,8 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *r)
         KEY("suspected", list(r, d->n_suspected, suspect)), KEY("sets", list(r, d->n_sets, set)),
         KEY("unexplained_log_bayes_factor", d->structure),
         KEY("unnamed_m", d->applied_m - d->structure_m), FIELD(d, efforts_correlation),
-        KEY("streams", streams), KEY("logs", logs_object(&d->logs)),
+        KEY("efforts_turned", d->turned_efforts), KEY("streams", streams),
+        KEY("logs", logs_object(&d->logs)),
         KEY("next_poses",
             list(r, r->next && r->next->finding >= 0 ? r->next->plan.n_rows : 0, next_pose)),
         FIELD(d, elapsed_s));

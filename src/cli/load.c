@@ -117,8 +117,13 @@ mukca_status cli_read_format(cli_call *call, mukca_rows_format *format)
     *format = (mukca_rows_format){.units = c->units,
                                   .columns = c->columns,
                                   .by_order = c->map > 0,
-                                  .w_last = c->map == 2,
                                   .inverse = c->inverse_poses};
+    const char *rotation = c->rotation ? c->rotation : c->map == 2 ? "xyzw" : NULL;
+    if (rotation && !mukca_rotation_form_read(&format->rotation, rotation))
+        return cli_fail(call, MUKCA_USAGE,
+                        "--rotation %.40s: give angles as XYZ (intrinsic) or xyz (extrinsic), "
+                        "vector, wxyz, xyzw, inverse or none",
+                        rotation);
     for (const char *next = c->units; next;) {
         const size_t length = strcspn(next, ",");
         size_t k = 0;

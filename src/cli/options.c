@@ -71,6 +71,12 @@ const cli_option cli_common_options[] = {
                "joints come in the chain's order, then the pose, its quaternion with w first; "
                "order-w-last: with w last (default: name)",
                .choices = maps),
+    COMMON(
+        MAP, "rotation", rotation, CLI_TEXT, "FORM",
+        "orientations of pose logs, their columns from left to right: three angles as XYZ (or "
+        "another order; intrinsic) or xyz (extrinsic), vector, wxyz, xyzw, inverse (of the fixed "
+        "frame in the target's) or none (not read); WRONG=FORM undoes a conversion of angles "
+        "that are FORM by a convention WRONG (default: by the columns' names)"),
     COMMON(MAP, "inverse-poses", inverse_poses, CLI_FLAG, NULL,
            "the measured poses are those of the fixed frame in the target's, as a camera on the "
            "arm sees a fixed board"),

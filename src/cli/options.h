@@ -75,7 +75,7 @@ typedef struct {
 /* Options common to all commands: the first member of every command's options struct. */
 typedef struct {
     cli_arm arm;
-    const char *distances, *json, *output, *payload, *units, *columns, *traits;
+    const char *distances, *json, *output, *payload, *units, *columns, *rotation, *traits;
     cli_list test;
     int angles;                   /* 1: commanded */
     int map;                      /* 0: by name; 1: in order; 2: in order, w last */
@@ -99,7 +99,7 @@ enum {
     CLI_WITH_FRAMES = 1 << 9, /* --free-base, --free-tool */
     CLI_WITH_TRAITS = 1 << 10,
     CLI_WITH_COLUMNS = 1 << 11, /* --units, --columns */
-    CLI_WITH_MAP = 1 << 12,     /* --map, --inverse-poses */
+    CLI_WITH_MAP = 1 << 12,     /* --map, --rotation, --inverse-poses */
     CLI_WITH_TABLES = CLI_WITH_COLUMNS | CLI_WITH_MAP,
     CLI_WITH_DATA = CLI_WITH_MODEL | CLI_WITH_DISTANCE | CLI_WITH_DISTANCES | CLI_WITH_PAYLOAD |
                     CLI_WITH_ANGLES | CLI_WITH_TABLES,

@@ -1,9 +1,9 @@
 /* Posterior over sets of causes in halves of the postures, drawn at random within each socket.
  *
- * A half counts twice: it is a replicate of the recording with other noise (P. McCarthy,
- * Pseudo-replication: half samples, Review of the International Statistical Institute 37, 1969),
- * whose posterior is as sharp as that of the whole, so that few rows are no evidence against a
- * cause. The rows have the whole's whitened columns; free means are estimated anew.  The products
+ * A half is searched from nothing, as if it were all that was recorded: a group of causes that only
+ * the whole, or the sets that its search met, would find again is not stable (R. Shah and R.
+ * Samworth, Variable selection with error control, Journal of the Royal Statistical Society B 75,
+ * 2013).  The rows have the whole's whitened columns; free means are estimated anew.  The products
  * of the second half are those of the whole minus the first's. */
 #include "diagnose/halves.h"
 
@@ -20,8 +20,7 @@ enum {
     CHUNK = 256,        /* rows processed together */
     MOST_COLUMNS = 320, /* of the items */
     LEAST_POSTURES = 8, /* of a half, in all: half of them are left for a geometry */
-    BUDGET = 6,         /* sets expanded in each half: the best ones of the whole are known */
-    STARTS = 12         /* these */
+    BUDGET = 20         /* sets expanded in each half */
 };
 
 /* Log odds behind the best set of the whole of the sets whose candidates are tried in the halves:
@@ -171,23 +170,12 @@ static int freedom(const mukca_recording *r, const unsigned char *in, bool other
     return rows;
 }
 
-/* Search a half: from nothing, and from the best sets of the whole. */
-static bool search(mukca_half *half, mukca_pool *pool, const splitter *s, double *gram, int dof)
+static bool search(mukca_half *half, mukca_pool *pool, const mukca_part_layout *l, double *gram,
+                   int dof)
 {
-    const mukca_search *id = s->id;
-    const mukca_part_layout *l = &s->layout;
     if (!mukca_part_question(&half->question, pool, gram, dof, l) ||
         !mukca_sets_create(&half->sets, pool, &half->question))
         return false;
-    for (int i = 0; i < id->n_sets && i < STARTS; i++) {
-        int item[MUKCA_SET_ITEMS], n = 0;
-        double size[MUKCA_SET_ITEMS];
-        for (int k = 0; k < l->n_items; k++)
-            for (int m = 0; m < id->set[i].n; m++)
-                if (id->set[i].candidate[m] == id->kept[s->item_of[k]])
-                    item[n] = k, size[n++] = id->set[i].scale[m];
-        mukca_sets_insert(&half->sets, item, size, n);
-    }
     mukca_sets_explore(&half->sets, BUDGET, false);
     return !pool->failed;
 }
@@ -264,9 +252,9 @@ static void search_pair(void *context, int pair, int worker)
     for (int other = 0; other < 2; other++) {
         double *gram = other ? s->second : s->part;
         remove_means(s, gram, other);
-        for (int i = 0; i < square; i++) gram[i] = 2 * gram[i] + s->pairs[i];
-        if (!search(&half[other], &job->halves->pool[worker], s, gram,
-                    2 * freedom(r, s->in, other != 0) + r->n_pairs))
+        for (int i = 0; i < square; i++) gram[i] += s->pairs[i];
+        if (!search(&half[other], &job->halves->pool[worker], &s->layout, gram,
+                    freedom(r, s->in, other != 0) + r->n_pairs))
             job->outcome[pair] = FAILED;
     }
 }
