@@ -313,7 +313,7 @@ static mukca_status load(cli_call *call)
 mukca_status cli_check_moving(cli_call *call, const mukca_dataset *d, bool postures)
 {
     const size_t n = (size_t)d->n_joints;
-    int *posture = MUKCA_TAKE(&call->pool, int, d->n_rows + 1);
+    int *posture = postures ? MUKCA_TAKE(&call->pool, int, d->n_rows + 1) : NULL;
     if (posture) mukca_postures_find(posture, &call->pool, d);
     if (call->pool.failed) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     for (int s = -1; s < d->n_sockets; s++) { /* -1: measured poses */

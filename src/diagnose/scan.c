@@ -123,11 +123,10 @@ static void put(mukca_scan_batch *b, const mukca_scan *s, const mukca_candidate 
 {
     const int rows = s->m->recording.n_samples * s->m->recording.dim;
     mukca_linearisation_columns(b->E + b->width, LD, &s->m->linear, &s->m->recording, h);
-    for (int t = 0; t < h->terms; t++) {
-        const double by = 1 / h->unit[t];
-        double *column = b->E + b->width + t;
-        for (int i = 0; i < rows && by != 1; i++) column[i * LD] *= by;
-    }
+    double by[MUKCA_MOST_TERMS], *E = b->E + b->width;
+    for (int t = 0; t < h->terms; t++) by[t] = 1 / h->unit[t];
+    for (int i = 0; i < rows; i++, E += LD)
+        for (int t = 0; t < h->terms; t++) E[t] *= by[t];
     b->member[b->n] = h;
     b->at[b->n++] = b->width;
     b->width += h->terms;

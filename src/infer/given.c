@@ -151,7 +151,9 @@ void mukca_given_invert(mukca_sets *s)
     double *T = s->integrated.inverse;
     memset(T, 0, sizeof *T * (size_t)(n * ld));
     for (int i = 0; i < n; i++) T[i * ld + i] = 1;
-    mukca_dense_forward8(T, ld, ld, s->integrated.posterior.factor, n);
+    for (int k = 0; k < n; k += 8) /* above their own rows the columns are 0 */
+        mukca_dense_forward_part(T + k * ld + k, ld, s->integrated.posterior.factor + k * n + k, n,
+                                 n - k);
     memcpy(s->integrated.x, s->integrated.posterior.work, sizeof *T * (size_t)n);
     mukca_dense_backward(s->integrated.x, 1, s->integrated.posterior.factor, n);
 }

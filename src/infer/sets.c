@@ -53,7 +53,6 @@ bool mukca_sets_create(mukca_sets *s, mukca_pool *pool, const mukca_question *q)
     if (pool->failed) return false;
     for (int i = 0; i < q->n_items; block += q->item[i].terms * q->item[i].terms, i++)
         mukca_given_block(s->block[i] = block, s, i);
-    memset(s->table, -1, sizeof *s->table * TABLE);
     mukca_sets_insert(s, NULL, NULL, 0);
     return true;
 }
@@ -134,13 +133,13 @@ void mukca_sets_evaluate(mukca_sets *s, int index)
     const mukca_question *q = s->question;
     mukca_set *set = &s->set[index];
     double integral = 0;
-    bool changed = true, ok = true;
+    bool changed = true;
     if (set->exact) return;
     set->exact = true;
+    bool ok = mukca_given_integrate(s, set);
+    mukca_given_invert(s);
     for (int sweep = 0; sweep < SWEEPS && changed && ok; sweep++) {
         integral = 0, changed = false;
-        ok = mukca_given_integrate(s, set);
-        mukca_given_invert(s);
         for (int m = 0; m < set->n && ok; m++) {
             const mukca_item *h = &q->item[set->item[m]];
             double by_size[MUKCA_MOST_SIZES] = {0};
@@ -175,15 +174,16 @@ static uint32_t hash(const mukca_set *set)
 static int find(mukca_sets *s, const mukca_set *set)
 {
     uint32_t at = hash(set) % TABLE;
-    for (; s->table[at] >= 0; at = (at + 1) % TABLE) {
-        const mukca_set *other = &s->set[s->table[at]];
+    for (; s->table[at]; at = (at + 1) % TABLE) {
+        const mukca_set *other = &s->set[s->table[at] - 1];
         if (other->n == set->n &&
             memcmp(other->item, set->item, sizeof *set->item * (size_t)set->n) == 0)
-            return s->table[at];
+            return s->table[at] - 1;
     }
     if (s->n_sets == MUKCA_MOST_SETS) return -1;
     s->set[s->n_sets] = *set;
-    return s->table[at] = s->n_sets++;
+    s->table[at] = ++s->n_sets;
+    return s->n_sets - 1;
 }
 
 /* Set with another item; false: no room, or its key is in the set. */

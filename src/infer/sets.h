@@ -61,7 +61,7 @@ typedef struct {
         *gram; /* [n_items] rows of the Gram matrix, [terms][stride]; NULL: not yet needed */
     int n_sets, best;
     mukca_set *set; /* [MUKCA_MOST_SETS] */
-    int *table;     /* hash table of sets */
+    int *table;     /* hash table: 1 + index of a set, 0: none */
     struct {
         mukca_posterior posterior; /* factor L of 1 + D G D; `quadratic`: the residual */
         int at[MUKCA_SET_ITEMS];   /* first column of each member */

@@ -35,6 +35,34 @@ MUKCA_INLINE void gram4x8(double *C, int ldc, mukca_columns a, mukca_columns b, 
     ADD8(C + 3 * (long)ldc, s30, s31);
 }
 
+/* Eight doubles, for the clone whose registers hold them. */
+typedef double eight __attribute__((vector_size(64), aligned(8), may_alias));
+#define LOAD8(x) (*(const eight *)(const void *)(x))
+
+MUKCA_INLINE bool has_eight(void)
+{
+#ifdef MUKCA_CLONES_V4
+    return __builtin_cpu_supports("avx512f");
+#else
+    return false;
+#endif
+}
+
+/* C[4][16] += A' B: eight accumulators. */
+MUKCA_INLINE void gram4x16(double *C, int ldc, mukca_columns a, mukca_columns b, int m)
+{
+    const double *A = a.x, *B = b.x;
+    eight s[4][2] = {{{0}}};
+    for (int r = 0; r < m; r++, A += a.ld, B += b.ld) {
+        const eight b0 = LOAD8(B), b1 = LOAD8(B + 8);
+        for (int i = 0; i < 4; i++) s[i][0] += A[i] * b0, s[i][1] += A[i] * b1;
+    }
+    for (int i = 0; i < 4; i++, C += ldc) {
+        *(eight *)(void *)C = LOAD8(C) + s[i][0];
+        *(eight *)(void *)(C + 8) = LOAD8(C + 8) + s[i][1];
+    }
+}
+
 /* C[4][4] += A' B. */
 MUKCA_INLINE void gram4x4(double *C, int ldc, mukca_columns a, mukca_columns b, int m)
 {
@@ -94,7 +122,11 @@ MUKCA_INLINE void gram_strip(double *C, int ldc, mukca_columns X, mukca_columns 
                              bool upper)
 {
     const int n = X.n, k = Y.n, n4 = n & ~3, k8 = k & ~7, n8 = n & ~7;
-    for (int j = 0; j < k8; j += 8) /* eight columns of Y at a time: it may be wide */
+    int wide = 0;
+    for (; has_eight() && wide + 16 <= k8; wide += 16)
+        for (int i = 0; i < n4 && (!upper || (i & ~7) <= wide + 8); i += 4)
+            gram4x16(C + (long)i * ldc + wide, ldc, from(X, i), from(Y, wide), m);
+    for (int j = wide; j < k8; j += 8) /* eight columns of Y at a time: it may be wide */
         for (int i = 0; i < n4 && (!upper || (i & ~7) <= j); i += 4)
             gram4x8(C + (long)i * ldc + j, ldc, from(X, i), from(Y, j), m);
     for (int j = upper ? n4 & ~7 : 0; j < k8 && n4 < n; j += 8)
@@ -215,6 +247,11 @@ MUKCA_CLONES int mukca_dense_cholesky(double *A, int n)
         row[i] = sqrt(pivot);
     }
     return 0;
+}
+
+MUKCA_CLONES void mukca_dense_forward_part(double *b, int ld, const double *L, int ldl, int n)
+{
+    forward8(b, ld, L, ldl, n);
 }
 
 MUKCA_CLONES void mukca_dense_forward8(double *b, int k, int ld, const double *L, int n)
