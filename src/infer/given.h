@@ -34,4 +34,24 @@ bool mukca_given_leave_out(double *M, double *w, const mukca_sets *s, int member
 /* Normal equations of all items given a set: s->given, s->g.  False: no memory, or not positive. */
 bool mukca_given_condition(mukca_sets *s, const mukca_set *set);
 
+/* ---- sets (sets.c) ---- */
+
+double mukca_set_square(const double *x, int n);
+int mukca_set_largest(const double *x, int n);
+
+/* Evidence of a member given the others; by_size as in mukca_mixture_evidence(). */
+double mukca_set_score_member(double *by_size, const mukca_sets *s, const mukca_set *set,
+                              int member);
+
+/* Log prior of an item in addition to its own, given the first n members of a set. */
+double mukca_set_kinship(const mukca_sets *s, const mukca_set *set, int n, int item);
+
+/* Index of a set with these members, which is stored if it is new; -1: no room. */
+int mukca_set_find(mukca_sets *s, const mukca_set *set);
+
+/* Set with another item; false: no room, or its key is in the set.  Set without a member. */
+bool mukca_set_extend(mukca_set *out, const mukca_sets *s, const mukca_set *set, int item,
+                      int size);
+mukca_set mukca_set_reduce(const mukca_set *set, int member);
+
 #endif
