@@ -66,7 +66,11 @@ static double square_along(const mukca_scan *s, const mukca_candidate *h, const 
         sum += displacement, square += displacement * displacement;
         for (int c = 0; c < 3; c++) along[c] += displacement * u[i * r->dim + c];
     }
-    if (group->socket >= 0 && group->count) square -= sum * sum / group->count;
+    const double mean = group->socket >= 0 && group->count ? sum / group->count : 0;
+    square -= mean * sum;
+    for (int p = 0; p < r->n_pairs; p++) /* the socket's mean changes its distance from another */
+        if (r->pairs[p].a == h->fault.group || r->pairs[p].b == h->fault.group)
+            square += mean * s->link[p] * mean * s->link[p];
     return square > 1e-9 ? mukca_dot3(along, along) / square : 0;
 }
 
