@@ -161,7 +161,7 @@ TEST(effects_of_time_are_not_applied)
     offsets.n_effects = 1;
     offsets.effects[0] = make_effect(MUKCA_EFFECT_JOINT_DRIFT, 0, 3e-3);
     free(export("urdf", MUKCA_OK));
-    assert_part(notes, "joint_drift of a (per 1000 s), 3 mrad, depends on time");
+    assert_part(notes, "joint_drift@0s of a, 3 mrad, depends on time");
     assert_null(strstr(notes, "differs by"));
 }
 
