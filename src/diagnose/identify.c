@@ -214,16 +214,15 @@ static mukca_status average(mukca_search *id, mukca_error *error)
            *value = MUKCA_TAKE(&id->pool, double, SETS);
     id->set = MUKCA_TAKE(&id->pool, mukca_causes, SETS);
     if (id->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory for sets of causes");
-    int n = 0;
+    int n = 0, index[EVALUATED];
     for (int i = 0; i < sets->n_sets; i++) order[i] = (mukca_ranked){sets->set[i].value, i};
     qsort(order, (size_t)sets->n_sets, sizeof *order, mukca_by_odds);
-    for (int i = 0; i < sets->n_sets; i++) {
-        if (i < EVALUATED && order[i].odds > order[0].odds - AVERAGED)
-            mukca_sets_evaluate(sets, order[i].index);
-        order[i].odds = sets->set[order[i].index].value;
-    }
+    for (; n < sets->n_sets && n < EVALUATED && order[n].odds > order[0].odds - AVERAGED; n++)
+        index[n] = order[n].index;
+    if (!mukca_sets_evaluate_all(sets, index, n)) return no_memory(error);
+    for (int i = 0; i < sets->n_sets; i++) order[i].odds = sets->set[order[i].index].value;
     qsort(order, (size_t)sets->n_sets, sizeof *order, mukca_by_odds);
-    for (; n < sets->n_sets && n < SETS && order[n].odds > order[0].odds - AVERAGED; n++) {
+    for (n = 0; n < sets->n_sets && n < SETS && order[n].odds > order[0].odds - AVERAGED; n++) {
         id->set[n] = causes_of(id, &sets->set[order[n].index]);
         id->set[n].index = order[n].index;
         total[n] = id->scan.evidence + order[n].odds;

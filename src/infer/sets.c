@@ -8,6 +8,14 @@
 
 enum { TABLE = 4 * MUKCA_MOST_SETS, SWEEPS = 3 };
 
+/* Memory to integrate out a set. */
+static void take_integral(mukca_sets *s, mukca_pool *pool)
+{
+    mukca_posterior_take(&s->integrated.posterior, pool, MUKCA_SET_COLUMNS);
+    s->integrated.inverse = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *MUKCA_SET_COLUMNS);
+    s->integrated.x = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS);
+}
+
 bool mukca_sets_create(mukca_sets *s, mukca_pool *pool, const mukca_question *q)
 {
     int squares = 0;
@@ -23,10 +31,8 @@ bool mukca_sets_create(mukca_sets *s, mukca_pool *pool, const mukca_question *q)
         .g = MUKCA_TAKE(pool, double, q->stride + 1),
         .given = MUKCA_TAKE(pool, double, squares + 1),
         .left = MUKCA_TAKE(pool, double, MUKCA_GIVEN_TOGETHER *(q->n_rows + MUKCA_SET_COLUMNS)),
-        .integrated = {.inverse = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *MUKCA_SET_COLUMNS),
-                       .x = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS),
-                       .B = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *(q->stride + 1))}};
-    mukca_posterior_take(&s->integrated.posterior, pool, MUKCA_SET_COLUMNS);
+        .integrated.B = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *(q->stride + 1))};
+    take_integral(s, pool);
     for (int m = 0; m < MUKCA_SET_ITEMS; m++)
         s->scores[m] = (mukca_scores){MUKCA_TAKE(pool, double, q->n_items + 1),
                                       MUKCA_TAKE(pool, unsigned char, q->n_items + 1)};
@@ -147,6 +153,40 @@ void mukca_sets_evaluate(mukca_sets *s, int index)
         set->value += q->item[set->item[m]].log_prior + mukca_set_kinship(s, set, m, set->item[m]);
     if (!ok || isnan(set->value)) set->value = -HUGE_VAL;
     if (set->value > s->set[s->best].value) s->best = index;
+}
+
+typedef struct {
+    mukca_sets *of; /* of each worker: the same sets, with an integral and scratch of its own */
+    const int *index;
+} evaluating;
+
+static void evaluate_one(void *context, int block, int worker)
+{
+    const evaluating *job = context;
+    mukca_sets_evaluate(&job->of[worker], job->index[block]);
+}
+
+bool mukca_sets_evaluate_all(mukca_sets *s, const int *index, int n)
+{
+    const int workers = mukca_workers_count(s->question->workers);
+    evaluating job = {MUKCA_TAKE(s->pool, mukca_sets, workers), index};
+    for (int i = 0; i < n; i++) { /* all rows that the workers need */
+        const mukca_set *set = &s->set[index[i]];
+        for (int m = 0; m < set->n; m++)
+            for (int o = 0; o < m; o++)
+                if (!s->gram[set->item[m]] && !s->gram[set->item[o]])
+                    mukca_given_rows(s, &set->item[m], 1);
+    }
+    for (int k = 0; k < workers && !s->pool->failed; k++) {
+        job.of[k] = *s;
+        job.of[k].scratch = s->worker[k].mixture;
+        take_integral(&job.of[k], s->pool);
+    }
+    if (s->pool->failed) return false;
+    mukca_workers_run(s->question->workers, n, evaluate_one, &job);
+    for (int i = 0; i < n; i++)
+        if (s->set[index[i]].value > s->set[s->best].value) s->best = index[i];
+    return true;
 }
 
 /* FNV-1a (Fowler, Noll, Vo). */

@@ -92,8 +92,9 @@ int mukca_sets_insert(mukca_sets *sets, const int *item, const double *size, int
  * `pairs`: replace those of the best set by two items each, too. */
 void mukca_sets_explore(mukca_sets *sets, int budget, bool pairs);
 
-/* Evaluate a set, if it is only estimated. */
+/* Evaluate a set, or index[n], if it is only estimated.  False: no memory. */
 void mukca_sets_evaluate(mukca_sets *sets, int set);
+bool mukca_sets_evaluate_all(mukca_sets *sets, const int *index, int n);
 
 /* Score all items in addition to a set: sets->added[].  False: no memory, or not positive. */
 bool mukca_sets_weigh(mukca_sets *sets, const mukca_set *set);
