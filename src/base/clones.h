@@ -14,6 +14,7 @@
 #if defined(__x86_64__) && defined(__GLIBC__) && defined(__GNUC__) && !defined(__clang__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && !defined(MUKCA_NO_CLONES)
 #if __GNUC__ >= 12
+#define MUKCA_CLONES_V4
 #define MUKCA_CLONES __attribute__((target_clones("default", "avx2", "arch=x86-64-v4")))
 #else
 #define MUKCA_CLONES __attribute__((target_clones("default", "avx2")))

@@ -23,7 +23,7 @@ typedef struct {
     double window;         /* s, standstill averaged to a sample; 0: 0.2 */
     double range;          /* rad or m, motion of a joint allowed in it; 0: 0.001 */
     double dwell;          /* s, standstill that triggers a sample; 0: 1 */
-    double distance;       /* m, between the sockets; 0: 0.05 */
+    double distance;       /* m, between the sockets; 0: MUKCA_DISTANCE */
     double distance_sigma; /* its standard deviation, m; 0: MUKCA_DISTANCE_SIGMA */
     int n_labels;          /* sockets of a placement; 0: "0" and "1" */
     const char *const *labels;

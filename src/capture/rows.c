@@ -291,7 +291,7 @@ mukca_status mukca_capture_init(mukca_capture *capture, const mukca_chain *chain
     s->window = or_default(s->window, 0.2);
     s->range = or_default(s->range, 1e-3);
     s->dwell = or_default(s->dwell, 1);
-    s->distance = or_default(s->distance, 0.05);
+    s->distance = or_default(s->distance, MUKCA_DISTANCE);
     if (s->n_labels == 0) {
         s->n_labels = 2;
         s->labels = two_sockets;

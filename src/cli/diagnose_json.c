@@ -65,8 +65,7 @@ static json_t *cause_object(const mukca_diagnosed *r, const mukca_cause *c)
         FIELD(c, amplitude), KEY("unit", mukca_effect_unit(&c->effect, r->chain)),
         KEY("ci95", cli_json_interval(c->low, c->high)), FIELD(c, log_bayes_factor),
         FIELD(c, probability), KEY("ties", ties), FIELD(c, or_unknown),
-        KEY("held_out", shrink(&c->held_out)),
-        KEY("sentence", mukca_wording_rivals(MUKCA_WORDS, c, r)), KEY("cumulative_m", c->rung_m),
+        KEY("held_out", shrink(&c->held_out)), KEY("cumulative_m", c->rung_m),
         KEY("remedy", mukca_wording_remedy(c, r)));
 }
 
@@ -254,7 +253,8 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *r)
         KEY("suspected", list(r, d->n_suspected, suspect)), KEY("sets", list(r, d->n_sets, set)),
         KEY("unexplained_log_bayes_factor", d->structure),
         KEY("unnamed_m", d->applied_m - d->structure_m), FIELD(d, efforts_correlation),
-        KEY("streams", streams), KEY("logs", logs_object(&d->logs)),
+        KEY("efforts_turned", d->turned_efforts), KEY("streams", streams),
+        KEY("logs", logs_object(&d->logs)),
         KEY("next_poses",
             list(r, r->next && r->next->finding >= 0 ? r->next->plan.n_rows : 0, next_pose)),
         FIELD(d, elapsed_s));

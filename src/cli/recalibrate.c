@@ -77,9 +77,6 @@ static void use_check(cli_call *call, cli_recalibrated *r, const mukca_chain *ch
     r->options.tool = c->tool;
 }
 
-/* Rows of a log for its verdict: the mean error is known to 1 %. */
-enum { MOST_JUDGED = 5000 };
-
 static void release(void *work)
 {
     cli_recalibrated *r = work;
@@ -121,15 +118,17 @@ static void fill_offsets(mukca_offsets *out, const mukca_recalibration *fit,
 {
     const double step = 1e-6;
     double theta[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS];
+    const mukca_pose_model *fitted = &fit->stage[MUKCA_WITH_BOTH];
     mukca_offsets_init(out, chain);
-    mukca_pose_model_theta(out->theta, &fit->stage[MUKCA_WITH_BOTH], arm);
+    mukca_pose_model_theta(out->theta, fitted, arm);
     for (int u = 0; u < fit->found.n; u++) {
         const mukca_unknown *x = &fit->found.unknown[u];
         const bool angle = mukca_unknown_is_angle(x->kind);
-        mukca_pose_model moved = fit->stage[MUKCA_WITH_BOTH];
+        mukca_pose_model moved = *fitted;
+        if (!mukca_unknown_element(x, arm)) continue;
         mukca_pose_model_add(&moved, x, step);
         mukca_pose_model_theta(theta, &moved, arm);
-        for (int i = angle ? 3 : x->axis; x->element >= 0 && i <= (angle ? 5 : x->axis); i++) {
+        for (int i = angle ? 3 : x->axis; i <= (angle ? 5 : x->axis); i++) {
             const int at = MUKCA_PARAMETERS * x->element + i;
             const double by = (theta[at] - out->theta[at]) / step * fit->found.sigma[u];
             const bool known =
@@ -149,8 +148,8 @@ static mukca_status take_part(mukca_dataset *part, double *errors, const mukca_r
     const mukca_chain *arm = task->chain;
     const mukca_pose_model *model = &fit->stage[MUKCA_WITH_BOTH];
     const long rows = task->log->n;
-    const int most = rows < MOST_JUDGED ? (int)rows : MOST_JUDGED;
-    const long every = (rows + MOST_JUDGED - 1) / MOST_JUDGED;
+    const int most = rows < MUKCA_MOST_SAMPLES ? (int)rows : MUKCA_MOST_SAMPLES;
+    const long every = (rows + MUKCA_MOST_SAMPLES - 1) / MUKCA_MOST_SAMPLES;
     const mukca_pose_row *row;
     mukca_status status = mukca_pose_log_rewind(task->log, error);
     if (status == MUKCA_OK) status = mukca_dataset_create(part, most, arm->n_joints, 0, 0, error);
@@ -194,7 +193,7 @@ static mukca_status judge_offsets(cli_call *call, cli_recalibrated *r)
     const mukca_recalibrate_task train = task_of(r, &r->log), test = task_of(r, &r->test_log);
     mukca_acceptance *a = &r->offsets.acceptance;
     mukca_dataset *part = &call->session->data, *judged = r->tested ? &call->session->test : part;
-    double *errors = MUKCA_TAKE(&call->pool, double, 2 * MOST_JUDGED);
+    double *errors = MUKCA_TAKE(&call->pool, double, 2 * MUKCA_MOST_SAMPLES);
     if (!errors) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     snprintf(a->error_of, sizeof a->error_of, "%s, %ld poses",
              r->tested ? "test data" : "generalized cross-validation", poses);
@@ -205,20 +204,20 @@ static mukca_status judge_offsets(cli_call *call, cli_recalibrated *r)
     if (status == MUKCA_OK && r->tested)
         status = take_part(judged, errors, fit, &test, &call->error);
     if (status != MUKCA_OK) return status;
-    double *after = errors + (poses < MOST_JUDGED ? poses : MOST_JUDGED);
+    double *after = errors + (poses < MUKCA_MOST_SAMPLES ? poses : MUKCA_MOST_SAMPLES);
     for (int i = 0; i < judged->n_rows; i++) after[i] = spare > 0 ? after[i] / spare : (double)NAN;
-    return mukca_accept(&r->offsets,
-                        &(mukca_accept_task){
-                            .change = {.chain = &r->arm,
-                                       .to = &r->offsets,
-                                       .data = part,
-                                       .free_base = r->options.free_base},
-                            .held = judged,
-                            .before = errors,
-                            .after = after,
-                            .turn_rad = mukca_errors_median(&fit->errors[MUKCA_WITH_BOTH].rotation),
-                            .training_m = NAN},
-                        &call->error);
+    return mukca_accept(
+        &r->offsets,
+        &(mukca_accept_task){.change = {.chain = &r->arm,
+                                        .to = &r->offsets,
+                                        .data = part,
+                                        .free_base = r->options.free_base},
+                             .held = judged,
+                             .before = errors,
+                             .after = after,
+                             .turn_rad = fit->errors[MUKCA_WITH_BOTH].rotation.median,
+                             .training_m = NAN},
+        &call->error);
 }
 
 static mukca_status write_offsets(cli_call *call, const mukca_offsets *offsets)

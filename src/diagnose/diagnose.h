@@ -222,6 +222,8 @@ typedef struct {
     double shared; /* share of the variance that the readings of a posture have in common */
     double sigma_rotation_rad;  /* of measured orientations */
     double efforts_correlation; /* cosine of measured and modelled holding torques; NaN: none */
+    double score;               /* log posterior of the most probable causes, up to a constant */
+    bool turned_efforts;        /* without masses: the efforts' sign is opposite, and was turned */
     mukca_geometry geometry;    /* fitted with the causes */
     mukca_frame tracker;        /* pose logs: T_measured_base, of the first log */
     mukca_logs logs;
@@ -248,8 +250,10 @@ typedef struct {
     double mass_spread; /* relative prior sigma of each mass; 0: 0.1 */
     bool no_folds;      /* skip cross-validation */
     bool applied;       /* fill diagnosis->applied */
+    int efforts;        /* without masses: their sign; 0: by the data */
     mukca_continue_fn *go_on;
     void *go_on_context;
+    int threads; /* 0: one */
     mukca_progress_fn *progress;
     void *progress_context;
 } mukca_diagnose_options;
@@ -260,6 +264,11 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
                             const mukca_dataset *data, const mukca_diagnose_options *options,
                             mukca_error *error);
 void mukca_diagnosis_free(mukca_diagnosis *diagnosis);
+
+/* By how much the log posterior of springs alone is higher if the measured efforts, the loads of an
+ * arm without masses, have the opposite sign.  Errors: MUKCA_MEMORY. */
+mukca_status mukca_efforts_weigh(double lead[1], struct mukca_regression *regression,
+                                 const unsigned char *disabled, mukca_error *error);
 
 /* Drop unknown functions, reduce each elastic cause to one coefficient at the nominal masses, fit
  * again, and fill `applied` with the result and its standard errors.  The regression is changed. */

@@ -139,6 +139,7 @@ static mukca_status label_halves(mukca_labelled_sets out[MUKCA_HALVES], int *n, 
     for (int i = 0; i < halves->n_items; i++) label[i] = label_of[halves->item_of[i]];
     for (*n = 0; *n < halves->n && status == MUKCA_OK && !pool->failed; ++*n)
         label_half(&out[*n], pool, &halves->half[*n], label);
+    mukca_halves_free(halves);
     return status;
 }
 

@@ -28,6 +28,7 @@ typedef struct {
     bool free_base, free_tool; /* pose logs: frame of the tracker, offset of the target */
     bool base_per_log, tool_per_log; /* if free: one frame, one offset per log */
     const double *mass_factor;       /* [n_bodies] fixed factors instead of estimates, or NULL */
+    bool turned_efforts; /* without masses, measured efforts are those of the load on the joint */
 } mukca_recording_options;
 
 typedef struct {

@@ -29,6 +29,7 @@ mukca_status mukca_regression_create(mukca_regression *m, const mukca_chain *cha
 
 void mukca_regression_free(mukca_regression *m)
 {
+    mukca_workers_stop(m->workers);
     mukca_pool_free(&m->pool);
     memset(m, 0, sizeof *m);
 }

@@ -6,6 +6,7 @@
 #ifndef MUKCA_DIAGNOSE_REGRESSION_H
 #define MUKCA_DIAGNOSE_REGRESSION_H
 
+#include "base/workers.h"
 #include "diagnose/evidence.h"
 
 typedef struct mukca_regression {
@@ -13,6 +14,7 @@ typedef struct mukca_regression {
     mukca_unknowns unknowns;
     mukca_linearisation linear;
     mukca_evidence evidence;
+    mukca_workers *workers; /* NULL: the caller's thread alone */
     mukca_pool pool;
 } mukca_regression;
 

@@ -101,18 +101,9 @@ mukca_status mukca_accept(mukca_offsets *table, const mukca_accept_task *task, m
 /* Offsets table of a fit, without a verdict. */
 void mukca_fit_offsets(mukca_offsets *offsets, const mukca_fit *fit);
 
-/* Held-out errors of two fits to the same data: of fits[0] and, after, of fits[1].  Errors: those
- * of mukca_fit_run. */
-mukca_status mukca_fit_compare(mukca_difference *difference, const mukca_fit *const fits[2],
-                               const mukca_fit_options options[2], const mukca_chain *chain,
-                               const mukca_dataset *data, const mukca_dataset *test,
-                               mukca_error *error);
-
-/* Judge the table of a fit to `data`, on `test` (NULL or empty: cross-validation).  Errors: those
- * of mukca_fit_run. */
+/* Judge the table of a fit to `data` by its held-out errors.  Errors: MUKCA_MEMORY. */
 mukca_status mukca_accept_fit(mukca_offsets *offsets, const mukca_fit *fit,
-                              const mukca_chain *chain, const mukca_dataset *data,
-                              const mukca_dataset *test, const mukca_fit_options *options,
-                              mukca_error *error);
+                              const mukca_cross_validation *held, const mukca_dataset *data,
+                              const mukca_fit_options *options, mukca_error *error);
 
 #endif

@@ -1,8 +1,10 @@
 /* Derivatives of an arm's tip by its geometry and effects. */
 #include <string.h>
 
+#include "effect/apply.h"
 #include "fit/arm_posterior.h"
 #include "model/prior.h"
+#include "mukca/gravity.h"
 
 void mukca_arm_point_init(mukca_arm_point *at, const mukca_chain *chain, const double *theta)
 {
@@ -27,30 +29,31 @@ void mukca_arm_point_move(mukca_arm_point *at, const double *theta)
     mukca_geometry_set(&at->geometry, at->chain, at->theta);
 }
 
-/* Columns of the coefficients. */
+/* Columns of the coefficients: the displacement by a small part of each sigma.  The loads are those
+ * without deflections, which change them by some 1 %. */
 static void add_effects(double *x, const mukca_arm_point *at, const mukca_geometry *geometry,
-                        const mukca_joint_state *state, const mukca_frame *tip,
-                        const mukca_frame *rigid)
+                        const mukca_joint_state *state, const mukca_displacement *displacement,
+                        const mukca_frame *tip)
 {
-    const int n = at->n_effects, w = MUKCA_OWN + at->n + 1;
-    mukca_effect with[MUKCA_MAX_EFFECTS];
-    memcpy(with, at->effects, (size_t)n * sizeof *with);
-    for (int e = 0, c = at->parameters.n; e < n; e++) {
-        const bool alone = e >= n - at->n_alone;
-        const mukca_effect *all = alone ? &with[e] : with;
-        const int count = alone ? 1 : n;
-        if (alone) memset(with[e].coefficient, 0, sizeof with[e].coefficient);
-        for (int t = 0; t < with[e].terms; t++, c++) {
-            double *value = &with[e].coefficient[t], kept = *value;
-            mukca_frame low = alone ? *rigid : *tip, high;
-            *value = kept + (at->span > 0 ? at->span : 1) * at->sigma[c];
-            mukca_tip_pose(&high, all, count, at->chain, geometry, state);
-            *value = kept - at->span * at->sigma[c];
-            if (at->span > 0) mukca_tip_pose(&low, all, count, at->chain, geometry, state);
-            *value = kept;
-            for (int a = 0; a < 3; a++)
-                x[a * w + MUKCA_OWN + c] +=
-                    (high.p[a] - low.p[a]) / (at->span > 0 ? 2 * at->span : 1);
+    const double part = 1.0 / 32;
+    const int w = MUKCA_OWN + at->n + 1;
+    mukca_gravity_load load;
+    mukca_joint_state loaded = *state;
+    mukca_chain_moments(&load, at->chain, geometry, state->q, NULL, state->payload_kg);
+    loaded.torque = load.torque;
+    loaded.moment = (const double(*)[3])load.moment;
+    loaded.base_moment = load.base;
+    for (int e = 0, c = at->parameters.n; e < at->n_effects; e++) {
+        mukca_effect one = at->effects[e];
+        memset(one.coefficient, 0, sizeof one.coefficient);
+        for (int t = 0; t < one.terms; t++, c++) {
+            mukca_displacement moved = *displacement;
+            mukca_frame other;
+            one.coefficient[t] = part * at->sigma[c];
+            mukca_effect_displace(&moved, &one, at->chain, &loaded);
+            one.coefficient[t] = 0;
+            mukca_fk_pose(&other, geometry, state->q, &moved);
+            for (int a = 0; a < 3; a++) x[a * w + MUKCA_OWN + c] += (other.p[a] - tip->p[a]) / part;
         }
     }
 }
@@ -58,23 +61,26 @@ static void add_effects(double *x, const mukca_arm_point *at, const mukca_geomet
 void mukca_arm_point_rows(double *x, const mukca_arm_point *at, const mukca_geometry *geometry,
                           const double *theta, const mukca_joint_state *state, int own)
 {
-    double J[3 * MUKCA_MAX_FREE], position[3];
+    double J[3 * MUKCA_MAX_FREE];
     const int all = MUKCA_PARAMETERS * at->chain->n_elements, w = MUKCA_OWN + at->n + 1;
-    mukca_frame rigid, tip;
-    mukca_fk_parameter_jacobian(J, position, geometry, theta, state->q);
-    mukca_fk_pose(&rigid, geometry, state->q, NULL); /* as the derivatives */
-    mukca_tip_pose(&tip, at->effects, at->n_effects, at->chain, geometry, state);
+    mukca_displacement d;
+    mukca_frame tip;
+    mukca_fk_parameter_jacobian(J, NULL, geometry, theta, state->q);
+    if (at->n_effects)
+        mukca_effects_displacement(&d, at->effects, at->n_effects, at->chain, geometry, state->q,
+                                   state);
+    mukca_fk_pose(&tip, geometry, state->q, at->n_effects ? &d : NULL);
     for (int a = 0; a < 3; a++) {
         double *row = x + a * w, *to = row + MUKCA_OWN;
         if (own & MUKCA_OWN_SHIFT) row[a] += 1;
         if (own & MUKCA_OWN_TURN) {
-            row[3 + (a + 1) % 3] += rigid.p[(a + 2) % 3];
-            row[3 + (a + 2) % 3] -= rigid.p[(a + 1) % 3];
+            row[3 + (a + 1) % 3] += tip.p[(a + 2) % 3];
+            row[3 + (a + 2) % 3] -= tip.p[(a + 1) % 3];
         }
-        for (int k = 0; k < 3 && (own & MUKCA_OWN_TARGET); k++) row[6 + k] += rigid.R[3 * a + k];
+        for (int k = 0; k < 3 && (own & MUKCA_OWN_TARGET); k++) row[6 + k] += tip.R[3 * a + k];
         for (int i = 0; i < at->parameters.n; i++)
             to[i] += J[a * all + at->parameters.index[i]] * at->sigma[i];
         to[at->n] -= tip.p[a];
     }
-    add_effects(x, at, geometry, state, &tip, &rigid);
+    if (at->n_effects) add_effects(x, at, geometry, state, &d, &tip);
 }

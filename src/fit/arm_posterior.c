@@ -28,8 +28,6 @@ static const double spread = 0.8;
  * rows know of them. */
 static const double settled = 1e-3;
 
-enum { MOST_ROWS = 5000 }; /* as in diagnose */
-
 /* One observation for each posture of each group. */
 static void list_observations(mukca_arm_posterior *p)
 {
@@ -65,12 +63,38 @@ static void list_observations(mukca_arm_posterior *p)
     }
 }
 
-/* Choose the unknowns, and take memory. */
+/* Take memory for all unknowns. */
+static mukca_status take(mukca_arm_posterior *p, mukca_error *error)
+{
+    const int n = p->at.n;
+    mukca_grouped_create(&p->groups, &p->pool, n,
+                         p->data.n_sockets + p->data.n_files * (p->data.n_targets + 1),
+                         p->data.n_distances);
+    p->mean = MUKCA_TAKE(&p->pool, double, n + 1);
+    p->inverse = MUKCA_TAKE(&p->pool, double, n *n + 1);
+    for (int i = 0; i < p->n_list; i++)
+        p->list[i].x = MUKCA_TAKE(&p->pool, double, 3 * p->groups.width);
+    return p->pool.failed ? mukca_fail(error, MUKCA_MEMORY, "out of memory") : MUKCA_OK;
+}
+
+/* Unknown coefficients of an effect. */
+static void add_effect(mukca_arm_point *at, const mukca_effect *effect, double least_sigma)
+{
+    mukca_effect *e = &at->effects[at->n_effects++];
+    *e = *effect;
+    for (int t = 0; t < e->terms; t++) {
+        at->sigma[at->n++] = fmax(3 * fabs(e->coefficient[t]), least_sigma);
+        e->coefficient[t] = 0;
+    }
+}
+
+/* Choose the unknowns. */
 static mukca_status set_up(mukca_arm_posterior *p, mukca_error *error)
 {
     const mukca_tip_change_task *task = p->task;
     mukca_arm_point *at = &p->at;
     const int last = MUKCA_PARAMETERS * (p->chain.n_elements - 1);
+    mukca_effect placed[MUKCA_MAX_EFFECTS];
     if (p->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     mukca_arm_point_init(at, &p->chain, NULL);
     if (task->tool_frame) { /* the last parameters are of the target */
@@ -78,25 +102,12 @@ static mukca_status set_up(mukca_arm_posterior *p, mukca_error *error)
         at->n = at->parameters.n -= MUKCA_PARAMETERS;
     }
     memcpy(p->nominal, at->theta, sizeof p->nominal);
-    at->n_effects = task->to ? task->to->n_effects : 0;
     p->extended = MUKCA_MOST_UNKNOWNS;
-    if (task->to) mukca_offsets_place_effects(at->effects, task->to, &p->data);
-    for (int e = 0; e < at->n_effects; e++)
-        for (int t = 0; t < at->effects[e].terms; t++) {
-            double *value = &at->effects[e].coefficient[t];
-            at->sigma[at->n++] = fmax(3 * fabs(*value), 1e-12);
-            *value = 0;
-        }
-    mukca_grouped_create(&p->groups, &p->pool, at->n,
-                         p->data.n_sockets + p->data.n_files * (p->data.n_targets + 1),
-                         p->data.n_distances);
-    p->mean = MUKCA_TAKE(&p->pool, double, at->n + 1);
-    p->inverse = MUKCA_TAKE(&p->pool, double, at->n * at->n + 1);
-    for (int i = 0; i < p->n_list; i++)
-        p->list[i].x = MUKCA_TAKE(&p->pool, double, 3 * p->groups.width);
-    if (p->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    if (task->to) mukca_offsets_place_effects(placed, task->to, &p->data);
+    for (int e = 0; task->to && e < task->to->n_effects; e++) add_effect(at, &placed[e], 1e-12);
+    const mukca_status status = take(p, error);
     p->groups.noise = MUKCA_PRIOR_NOISE;
-    for (int k = 0; k < p->data.n_distances; k++) {
+    for (int k = 0; k < p->data.n_distances && status == MUKCA_OK; k++) {
         const mukca_distance *d = &p->data.distances[k];
         p->groups.pair[k] = (mukca_group_pair){.a = d->a,
                                                .b = d->b,
@@ -104,7 +115,7 @@ static mukca_status set_up(mukca_arm_posterior *p, mukca_error *error)
                                                .distance = d->distance,
                                                .sigma = mukca_distance_sigma(d)};
     }
-    return MUKCA_OK;
+    return status;
 }
 
 static mukca_status create(mukca_arm_posterior *p, const mukca_tip_change_task *task,
@@ -120,7 +131,7 @@ static mukca_status create(mukca_arm_posterior *p, const mukca_tip_change_task *
         mukca_chain_remove_first(&p->chain);
         p->to += MUKCA_PARAMETERS;
     }
-    mukca_status status = mukca_part_take(&p->data, task->data, MOST_ROWS, error);
+    mukca_status status = mukca_part_take(&p->data, task->data, MUKCA_MOST_SAMPLES, error);
     if (status != MUKCA_OK) return status;
     list_observations(p);
     for (int i = 0; i < p->n_list; i++) p->poses |= p->list[i].group >= p->data.n_sockets;
@@ -327,30 +338,25 @@ mukca_status mukca_arm_posterior_fit(mukca_arm_posterior *p, const mukca_tip_cha
     return status;
 }
 
-mukca_status mukca_arm_posterior_extend(mukca_arm_posterior *p, const mukca_arm_posterior *from,
-                                        const mukca_tip_change_task *task, mukca_error *error)
+mukca_status mukca_arm_posterior_extend(double *gain, mukca_arm_posterior *p,
+                                        const mukca_effect *effects, int n, mukca_error *error)
 {
-    const mukca_status status = create(p, task, error);
+    const mukca_grouped from = p->groups;
+    const double *mean = p->mean;
+    p->extended = p->at.n;
+    for (int i = 0; i < n; i++) add_effect(&p->at, &effects[i], 0);
+    const mukca_status status = take(p, error);
     if (status != MUKCA_OK) return status;
-    p->extended = from->at.n;
-    p->at.n_alone = p->at.n_effects - from->at.n_effects;
-    for (int e = 0; e < from->at.n_effects; e++) p->at.effects[e] = from->at.effects[e];
-    for (int i = 0; i < from->at.n; i++) p->mean[i] = from->mean[i];
-    for (int i = 0; i < p->n_list; i++) p->list[i].weight = from->list[i].weight;
-    for (int k = 0; k < p->groups.n_pairs; k++) p->groups.pair[k] = from->groups.pair[k];
-    p->scale = from->scale;
-    p->groups.noise = from->groups.noise;
-    p->groups.misfit = from->groups.misfit;
-    mukca_arm_point_move(&p->at, from->at.theta);
-    return improve(p, false, WEIGHINGS_AGAIN) ? MUKCA_OK
-                                              : mukca_fail(error, MUKCA_MEMORY, "out of memory");
-}
-
-double mukca_arm_posterior_gain(const mukca_arm_posterior *p, const mukca_arm_posterior *from)
-{
-    const double ratio = from->groups.noise / p->groups.noise;
-    const int count = 3 * p->n_list - p->groups.n_own, more = p->at.n - from->at.n;
-    return more > 0 ? count * (ratio * ratio - 1) / sqrt(2.0 * more) : 0;
+    for (int i = 0; i < p->extended; i++) p->mean[i] = mean[i];
+    p->groups.pair = from.pair;
+    p->groups.noise = from.noise;
+    p->groups.misfit = from.misfit;
+    if (!improve(p, false, WEIGHINGS_AGAIN))
+        return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    const double ratio = from.noise / p->groups.noise;
+    const int count = 3 * p->n_list - from.n_own, more = p->at.n - p->extended;
+    *gain = more > 0 ? count * (ratio * ratio - 1) / sqrt(2.0 * more) : 0;
+    return MUKCA_OK;
 }
 
 void mukca_arm_posterior_probe(double *X, int ld, double *q, const mukca_arm_posterior *p,

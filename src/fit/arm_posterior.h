@@ -20,12 +20,10 @@ typedef struct {
     const mukca_chain *chain;
     mukca_parameters parameters;
     int n, n_effects; /* unknowns; effects */
-    int n_alone;      /* of the last ones: each is differentiated without the others */
     double theta[MUKCA_MAX_FREE];
     mukca_geometry geometry; /* of theta */
     mukca_effect effects[MUKCA_MAX_EFFECTS];
     double sigma[MUKCA_MOST_UNKNOWNS]; /* prior; of parameters mukca_prior_expected */
-    double span; /* of the central differences by coefficients, in sigmas; 0: forward, by one */
 } mukca_arm_point;
 
 /* The default parameters at theta[6 * n_elements] (NULL: nominal), without effects; `chain` must
@@ -82,13 +80,10 @@ typedef struct {
  * Errors: MUKCA_MEMORY. */
 mukca_status mukca_arm_posterior_fit(mukca_arm_posterior *p, const mukca_tip_change_task *task,
                                      mukca_error *error);
-/* The same with more effects at the end of the list, by one more step from the end of `from`. */
-mukca_status mukca_arm_posterior_extend(mukca_arm_posterior *p, const mukca_arm_posterior *from,
-                                        const mukca_tip_change_task *task, mukca_error *error);
-
-/* Reduction of the residuals by the additional unknowns of `p` beyond that of pure noise, in
- * standard deviations of the latter. */
-double mukca_arm_posterior_gain(const mukca_arm_posterior *p, const mukca_arm_posterior *from);
+/* Add n effects, their sigmas three times the coefficients given, by one more step; *gain: the
+ * reduction of the residuals beyond that of pure noise, in standard deviations of the latter. */
+mukca_status mukca_arm_posterior_extend(double *gain, mukca_arm_posterior *p,
+                                        const mukca_effect *effects, int n, mukca_error *error);
 
 void mukca_arm_posterior_free(mukca_arm_posterior *p);
 

@@ -3,7 +3,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/file.h"
@@ -109,12 +108,12 @@ static bool split_distance(mukca_tip_error *out, mukca_arm_posterior *p, const d
 }
 
 /* Mean errors in random postures within the limits of `range`, over arms from the posterior. */
-static bool draw(mukca_tip_error *out, mukca_arm_posterior *p, const mukca_tip_change_task *task,
-                 const mukca_chain *range, int where)
+static bool draw(mukca_tip_error *out, mukca_arm_posterior *p, const mukca_chain *range, int where)
 {
     const int width = p->groups.width, w = width + 2, rows = 3 * PROBES, joints = p->chain.n_joints;
     double *X = MUKCA_TAKE(&p->pool, double, rows *w);
     double *q = MUKCA_TAKE(&p->pool, double, PROBES *joints), tip[2][3];
+    const mukca_tip_change_task *task = p->task;
     const int skip = task->base_frame ? MUKCA_PARAMETERS : 0;
     const double *before = task->from ? task->from->theta + skip : p->nominal;
     mukca_random random;
@@ -147,9 +146,12 @@ static void find_ranges(mukca_tip_error *out, mukca_chain *here, const mukca_dat
     }
 }
 
-/* Add the effects that any arm may have, with their sizes: smooth functions of the posture. */
-static void add_smooth(mukca_offsets *to, const mukca_chain *chain)
+/* List the effects that any arm may have and these n do not contain, with a third of their sizes:
+ * smooth functions of the posture.  Returns their number. */
+static int list_smooth(mukca_effect *list, const mukca_effect *known, int n,
+                       const mukca_chain *chain)
 {
+    int count = 0;
     for (int k = 0; k < MUKCA_EFFECT_COUNT; k++) {
         const mukca_effect_ops *ops = mukca_effect_catalogue[k];
         const mukca_effect_sizes *sizes = ops->sizes ? ops->sizes : &mukca_sizes_angle;
@@ -162,51 +164,37 @@ static void add_smooth(mukca_offsets *to, const mukca_chain *chain)
             const bool turns = chain->element[chain->joint_element[j]].type != MUKCA_PRISMATIC;
             if (!mukca_effect_has_joint(k)) e.joint = -1;
             if ((ops->info.traits & MUKCA_TRAIT_PERIODIC && !turns) ||
-                to->n_effects == MUKCA_MAX_EFFECTS ||
+                n + count == MUKCA_MAX_EFFECTS ||
                 mukca_effect_set_variant(&e, NULL, chain->n_joints))
                 continue;
             for (int t = 0; t < e.terms; t++) e.coefficient[t] = sizes->sigma[sizes->usual - 1] / 3;
             bool there = false;
-            for (int i = 0; i < to->n_effects; i++) there |= mukca_effect_same(&e, &to->effects[i]);
-            if (!there) to->effects[to->n_effects++] = e;
+            for (int i = 0; i < n; i++) there |= mukca_effect_same(&e, &known[i]);
+            if (!there) list[count++] = e;
         }
     }
+    return count;
 }
 
-/* Whether the samples show such effects beyond those of the table: `wide` is then the posterior
- * with all of them. */
-static bool widen(mukca_arm_posterior *wide, mukca_arm_posterior *p, mukca_status *status,
-                  mukca_error *error)
+/* Errors by the posterior of the table's effects or, if the samples show others, by that of all. */
+static mukca_status predict_all(mukca_tip_error *out, mukca_arm_posterior *p,
+                                const mukca_chain *here, mukca_error *error)
 {
-    mukca_offsets *to = MUKCA_TAKE(&p->pool, mukca_offsets, 1);
-    mukca_tip_change_task *task = MUKCA_TAKE(&p->pool, mukca_tip_change_task, 1);
-    if (p->pool.failed) {
-        *status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
-        return false;
-    }
-    *to = *p->task->to;
-    add_smooth(to, &p->chain);
-    *task = *p->task;
-    task->to = to;
-    *status = mukca_arm_posterior_extend(wide, p, task, error);
-    return *status == MUKCA_OK && mukca_arm_posterior_gain(wide, p) > significant;
-}
-
-/* Errors by the posterior of the table's effects, or (if `lacking`) by that of all. */
-static bool predict_all(mukca_tip_error *out, mukca_arm_posterior both[2], bool lacking,
-                        const mukca_chain *here)
-{
-    const mukca_tip_change_task *task = both->task;
-    mukca_tip_error alone = {0};
+    const mukca_tip_error facts = *out;
+    mukca_effect smooth[MUKCA_MAX_EFFECTS];
+    double gain;
+    bool drawn = draw(out, p, here, MUKCA_HERE) && draw(out, p, &p->chain, MUKCA_ELSEWHERE);
+    const int n = list_smooth(smooth, p->at.effects, p->at.n_effects, &p->chain);
+    const mukca_status status = mukca_arm_posterior_extend(&gain, p, smooth, n, error);
+    if (status != MUKCA_OK) return status;
+    const double own = out->after_m[MUKCA_HERE];
     out->lacking_m = NAN;
-    if (!here || !draw(out, &both[lacking], task, here, MUKCA_HERE) ||
-        !draw(out, &both[lacking], task, &both->chain, MUKCA_ELSEWHERE))
-        return false;
-    if (!lacking) return true;
-    if (!draw(&alone, both, task, here, MUKCA_HERE)) return false;
-    const double all = out->after_m[MUKCA_HERE], own = alone.after_m[MUKCA_HERE];
-    out->lacking_m = sqrt(fmax(all * all - own * own, 0)); /* independent errors */
-    return true;
+    if (gain > significant) {
+        *out = facts;
+        drawn &= draw(out, p, here, MUKCA_HERE) && draw(out, p, &p->chain, MUKCA_ELSEWHERE);
+        out->lacking_m = sqrt(fmax(pow(out->after_m[MUKCA_HERE], 2) - own * own, 0));
+    }
+    return drawn ? MUKCA_OK : mukca_fail(error, MUKCA_MEMORY, "out of memory");
 }
 
 /* Count the postures that deviate and list their rows, with dots for those that do not fit.  The
@@ -234,31 +222,35 @@ static void list_outliers(mukca_tip_error *out, const mukca_arm_posterior *p)
     }
 }
 
+/* What the fit says of the samples. */
+static void describe(mukca_tip_error *out, mukca_chain *here, const mukca_arm_posterior *p)
+{
+    *here = p->chain;
+    find_ranges(out, here, &p->data);
+    out->postures = p->postures;
+    out->gross = p->gross;
+    out->worst_m = p->worst_m;
+    list_outliers(out, p);
+    const int tip = MUKCA_PARAMETERS * mukca_chain_tip_element(&p->chain);
+    if (tip >= 0) out->tool_m = mukca_distance3(p->at.theta + tip, p->nominal + tip);
+    for (int j = 0; j < here->n_joints; j++)
+        out->stuck[j] = out->at_rest[j] && mukca_arm_posterior_turns(p, j);
+}
+
 mukca_status mukca_tip_error_expect(mukca_tip_error *out, const mukca_tip_change_task *task,
                                     mukca_error *error)
 {
-    mukca_arm_posterior *both = calloc(2, sizeof *both), *p = both;
+    mukca_pool pool = {0};
+    mukca_arm_posterior *p = MUKCA_TAKE(&pool, mukca_arm_posterior, 1);
+    mukca_chain *here = MUKCA_TAKE(&pool, mukca_chain, 1);
     *out = (mukca_tip_error){0};
-    if (!p) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    mukca_status status = mukca_arm_posterior_fit(p, task, error);
-    mukca_chain *here = MUKCA_TAKE(&p->pool, mukca_chain, 1);
-    if (status == MUKCA_OK && here) {
-        *here = p->chain;
-        find_ranges(out, here, &p->data);
-        out->postures = p->postures;
-        out->gross = p->gross;
-        out->worst_m = p->worst_m;
-        list_outliers(out, p);
-        const int tip = MUKCA_PARAMETERS * mukca_chain_tip_element(&p->chain);
-        if (tip >= 0) out->tool_m = mukca_distance3(p->at.theta + tip, p->nominal + tip);
-        for (int j = 0; j < here->n_joints; j++)
-            out->stuck[j] = out->at_rest[j] && mukca_arm_posterior_turns(p, j);
+    mukca_status status = pool.failed ? mukca_fail(error, MUKCA_MEMORY, "out of memory")
+                                      : mukca_arm_posterior_fit(p, task, error);
+    if (status == MUKCA_OK) {
+        describe(out, here, p);
+        status = predict_all(out, p, here, error);
     }
-    const bool lacking = status == MUKCA_OK && widen(&both[1], p, &status, error);
-    if (status == MUKCA_OK && !predict_all(out, both, lacking, here))
-        status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    mukca_arm_posterior_free(&both[1]);
-    mukca_arm_posterior_free(p);
-    free(both);
+    if (p) mukca_arm_posterior_free(p);
+    mukca_pool_free(&pool);
     return status;
 }

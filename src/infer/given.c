@@ -4,10 +4,46 @@
 #include <math.h>
 #include <string.h>
 
+enum { STRIPE = 64 }; /* columns of all items at a time */
+
+/* Columns of a stripe. */
+static int width_of(const mukca_question *q, int stripe)
+{
+    const int left = q->stride - stripe * STRIPE;
+    return left < STRIPE ? left : STRIPE;
+}
+
+static int stripes(const mukca_question *q)
+{
+    return (q->stride + STRIPE - 1) / STRIPE;
+}
+
+typedef struct {
+    const mukca_sets *sets;
+    int width; /* columns of the items, in sets->left */
+    double *G; /* [width][stride] */
+} gram_rows;
+
+static void fill_rows(void *context, int stripe, int worker)
+{
+    const gram_rows *f = context;
+    const mukca_question *q = f->sets->question;
+    const int rows = q->n_rows - q->n_projected, from = stripe * STRIPE, n = width_of(q, stripe);
+    const mukca_columns left = {f->sets->left, f->width, MUKCA_GIVEN_TOGETHER},
+                        E = {q->E + from, n, q->stride};
+    double *G = f->G + from, *less = f->sets->worker[worker].row;
+    mukca_dense_xty_part(G, q->stride, left, E, rows);
+    memset(less, 0, sizeof *less * (size_t)(f->width * n));
+    mukca_dense_xty(
+        less, (mukca_columns){left.x + rows * MUKCA_GIVEN_TOGETHER, f->width, MUKCA_GIVEN_TOGETHER},
+        (mukca_columns){E.x + (size_t)rows * (size_t)q->stride, n, q->stride}, q->n_projected);
+    for (int i = 0; i < f->width; i++)
+        for (int k = 0; k < n; k++) G[(size_t)i * (size_t)q->stride + (size_t)k] -= less[i * n + k];
+}
+
 bool mukca_given_rows(mukca_sets *s, const unsigned short *item, int n)
 {
     const mukca_question *q = s->question;
-    const int rows = q->n_rows - q->n_projected;
     const size_t stride = (size_t)q->stride;
     for (int i = 0; i < n && q->gram; i++)
         s->gram[item[i]] = q->gram + (size_t)q->item[item[i]].at * stride;
@@ -24,14 +60,7 @@ bool mukca_given_rows(mukca_sets *s, const unsigned short *item, int n)
         if (!width) continue;
         double *G = MUKCA_TAKE(s->pool, double, (size_t)width *stride);
         if (!G) return false;
-        memset(s->row, 0, sizeof *G * (size_t)width * stride);
-        mukca_dense_xty(G, (mukca_columns){s->left, width, MUKCA_GIVEN_TOGETHER},
-                        (mukca_columns){q->E, q->stride, q->stride}, rows);
-        mukca_dense_xty(
-            s->row,
-            (mukca_columns){s->left + rows * MUKCA_GIVEN_TOGETHER, width, MUKCA_GIVEN_TOGETHER},
-            (mukca_columns){q->E + (size_t)rows * stride, q->stride, q->stride}, q->n_projected);
-        for (size_t k = 0; k < (size_t)width * stride; k++) G[k] -= s->row[k];
+        mukca_workers_run(q->workers, stripes(q), fill_rows, &(gram_rows){s, width, G});
         for (; first < i; first++)
             if (!s->gram[item[first]]) {
                 s->gram[item[first]] = G;
@@ -41,10 +70,9 @@ bool mukca_given_rows(mukca_sets *s, const unsigned short *item, int n)
     return true;
 }
 
-/* Subtract X'X from G[X.n][X.n]. */
-static void subtract_products(double *G, const mukca_sets *s, mukca_columns X, int rows)
+/* Subtract X'X from G[X.n][X.n]; explained[X.n][X.n]: scratch. */
+static void subtract_products(double *G, double *explained, mukca_columns X, int rows)
 {
-    double *explained = s->scratch->D;
     memset(explained, 0, sizeof *G * (size_t)(X.n * X.n));
     mukca_dense_symmetric(explained, X, X, rows);
     for (int i = 0; i < X.n * X.n; i++) G[i] -= explained[i];
@@ -63,7 +91,7 @@ void mukca_given_block(double *G, mukca_sets *s, int item)
                         T = {E.x + rows * q->stride, h->terms, q->stride};
     memset(G, 0, sizeof *G * (size_t)(h->terms * h->terms));
     mukca_dense_symmetric(G, E, E, (int)rows);
-    subtract_products(G, s, T, q->n_projected);
+    subtract_products(G, s->scratch->D, T, q->n_projected);
 }
 
 void mukca_given_cross(double *G, mukca_sets *s, int a, int b)
@@ -123,7 +151,9 @@ void mukca_given_invert(mukca_sets *s)
     double *T = s->integrated.inverse;
     memset(T, 0, sizeof *T * (size_t)(n * ld));
     for (int i = 0; i < n; i++) T[i * ld + i] = 1;
-    mukca_dense_forward8(T, ld, ld, s->integrated.posterior.factor, n);
+    for (int k = 0; k < n; k += 8) /* above their own rows the columns are 0 */
+        mukca_dense_forward_part(T + k * ld + k, ld, s->integrated.posterior.factor + k * n + k, n,
+                                 n - k);
     memcpy(s->integrated.x, s->integrated.posterior.work, sizeof *T * (size_t)n);
     mukca_dense_backward(s->integrated.x, 1, s->integrated.posterior.factor, n);
 }
@@ -146,39 +176,54 @@ bool mukca_given_leave_out(double *M, double *w, const mukca_sets *s, int member
     return true;
 }
 
-/* B := L^-1 D G for the set integrated out and all items.  False: no memory. */
-static bool condition_all(mukca_sets *s, const mukca_set *set)
+typedef struct {
+    mukca_sets *sets;
+    const mukca_set *set;
+} conditioning;
+
+/* B := L^-1 D G for the set integrated out, and g given it, in a stripe of the columns. */
+static void condition_stripe(void *context, int stripe, int worker)
 {
+    const conditioning *c = context;
+    mukca_sets *s = c->sets;
     const mukca_question *q = s->question;
-    if (!mukca_given_rows(s, set->item, set->n)) return false;
-    for (int m = 0, row = 0; m < set->n; m++) {
-        const double *G = s->gram[set->item[m]];
-        for (int t = 0; t < q->item[set->item[m]].terms; t++, row++, G += q->stride)
-            for (int k = 0; k < q->stride; k++)
-                s->integrated.B[row * q->stride + k] = s->integrated.posterior.prior[row] * G[k];
+    const int from = stripe * STRIPE, n = width_of(q, stripe);
+    double *B = s->integrated.B + from, *g = s->g + from;
+    (void)worker;
+    for (int m = 0, row = 0; m < c->set->n; m++) {
+        const double *G = s->gram[c->set->item[m]] + from;
+        for (int t = 0; t < q->item[c->set->item[m]].terms; t++, row++, G += q->stride)
+            for (int k = 0; k < n; k++)
+                B[row * q->stride + k] = s->integrated.posterior.prior[row] * G[k];
     }
-    mukca_dense_forward8(s->integrated.B, q->stride, q->stride, s->integrated.posterior.factor,
+    mukca_dense_forward8(B, n, q->stride, s->integrated.posterior.factor,
                          s->integrated.posterior.n);
-    return true;
+    memset(g, 0, sizeof *g * (size_t)n);
+    mukca_dense_xty(g, (mukca_columns){s->integrated.posterior.work, 1, 1},
+                    (mukca_columns){B, n, q->stride}, s->integrated.posterior.n);
+    for (int k = 0; k < n && from + k < q->n_columns; k++) g[k] = q->g[from + k] - g[k];
+}
+
+double *mukca_given_of(const mukca_sets *s, int item)
+{
+    return s->given + (s->block[item] - s->block[0]);
+}
+
+void mukca_given_reduce(const mukca_sets *s, int item, double *scratch)
+{
+    const mukca_item *h = &s->question->item[item];
+    double *G = mukca_given_of(s, item);
+    memcpy(G, s->block[item], sizeof *G * (size_t)(h->terms * h->terms));
+    subtract_products(G, scratch,
+                      (mukca_columns){s->integrated.B + h->at, h->terms, s->question->stride},
+                      s->integrated.posterior.n);
 }
 
 bool mukca_given_condition(mukca_sets *s, const mukca_set *set)
 {
-    const mukca_question *q = s->question;
-    const mukca_columns B = {s->integrated.B, q->stride, q->stride};
-    double *G = s->given;
-    if (!mukca_given_integrate(s, set) || !condition_all(s, set)) return false;
-    memset(s->g, 0, sizeof *s->g * (size_t)q->stride);
-    mukca_dense_xty(s->g, (mukca_columns){s->integrated.posterior.work, 1, 1}, B,
-                    s->integrated.posterior.n);
-    for (int k = 0; k < q->n_columns; k++) s->g[k] = q->g[k] - s->g[k];
-    for (int i = 0; i < q->n_items; i++) {
-        const mukca_item *h = &q->item[i];
-        memcpy(G, s->block[i], sizeof *G * (size_t)(h->terms * h->terms));
-        subtract_products(G, s, (mukca_columns){B.x + h->at, h->terms, q->stride},
-                          s->integrated.posterior.n);
-        G += h->terms * h->terms;
-    }
+    if (!mukca_given_integrate(s, set) || !mukca_given_rows(s, set->item, set->n)) return false;
+    mukca_workers_run(s->question->workers, stripes(s->question), condition_stripe,
+                      &(conditioning){s, set});
     return true;
 }
 

@@ -19,23 +19,26 @@ bool mukca_sets_create(mukca_sets *s, mukca_pool *pool, const mukca_question *q)
         .gram = MUKCA_TAKE(pool, const double *, q->n_items + 1),
         .set = MUKCA_TAKE(pool, mukca_set, MUKCA_MOST_SETS),
         .table = MUKCA_TAKE(pool, int, TABLE),
-        .value = MUKCA_TAKE(pool, double, q->n_items + 1),
         .added = MUKCA_TAKE(pool, double, q->n_items + 1),
-        .likeliest = MUKCA_TAKE(pool, unsigned char, q->n_items + 1),
         .g = MUKCA_TAKE(pool, double, q->stride + 1),
         .given = MUKCA_TAKE(pool, double, squares + 1),
-        .row = MUKCA_TAKE(pool, double, MUKCA_GIVEN_TOGETHER *(q->stride + 1)),
         .left = MUKCA_TAKE(pool, double, MUKCA_GIVEN_TOGETHER *(q->n_rows + MUKCA_SET_COLUMNS)),
-        .scratch = MUKCA_TAKE(pool, mukca_mixture_scratch, 1),
         .integrated = {.inverse = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *MUKCA_SET_COLUMNS),
                        .x = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS),
                        .B = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *(q->stride + 1))}};
     mukca_posterior_take(&s->integrated.posterior, pool, MUKCA_SET_COLUMNS);
+    for (int m = 0; m < MUKCA_SET_ITEMS; m++)
+        s->scores[m] = (mukca_scores){MUKCA_TAKE(pool, double, q->n_items + 1),
+                                      MUKCA_TAKE(pool, unsigned char, q->n_items + 1)};
+    for (int k = 0; k < mukca_workers_count(q->workers); k++) {
+        s->worker[k].row = MUKCA_TAKE(pool, double, MUKCA_GIVEN_TOGETHER *(q->stride + 1));
+        s->worker[k].mixture = MUKCA_TAKE(pool, mukca_mixture_scratch, 1);
+    }
+    s->scratch = s->worker[0].mixture;
     double *block = MUKCA_TAKE(pool, double, squares + 1);
     if (pool->failed) return false;
     for (int i = 0; i < q->n_items; block += q->item[i].terms * q->item[i].terms, i++)
         mukca_given_block(s->block[i] = block, s, i);
-    memset(s->table, -1, sizeof *s->table * TABLE);
     mukca_sets_insert(s, NULL, NULL, 0);
     return true;
 }
@@ -47,13 +50,13 @@ double mukca_set_square(const double *x, int n)
     return sum;
 }
 
+/* Evidence of a member given the others; by_size as in mukca_mixture_evidence(). */
 double mukca_set_score_member(double *by_size, const mukca_sets *s, const mukca_set *set,
-                              int member)
+                              int member, mukca_mixture_scratch *f)
 {
     const mukca_item *h = &s->question->item[set->item[member]];
     const int k = h->terms;
-    double *M = s->scratch->A, *G = s->scratch->B, *I = s->scratch->C, w[MUKCA_MOST_TERMS],
-           g[MUKCA_MOST_TERMS];
+    double *M = f->A, *G = f->B, *I = f->C, w[MUKCA_MOST_TERMS], g[MUKCA_MOST_TERMS];
     const double size = h->prior.size[set->size[member]];
     if (!mukca_given_leave_out(M, w, s, member, k)) return -HUGE_VAL;
     memset(I, 0, sizeof *I * (size_t)(k * k));
@@ -71,7 +74,7 @@ double mukca_set_score_member(double *by_size, const mukca_sets *s, const mukca_
     const double rest =
         fmin(s->integrated.posterior.quadratic + mukca_set_square(w, k), s->question->residual);
     return mukca_mixture_evidence(by_size, &(mukca_equations){G, g, k, s->question->dof, rest},
-                                  &h->prior, s->scratch);
+                                  &h->prior, f);
 }
 
 int mukca_set_largest(const double *x, int n)
@@ -102,6 +105,7 @@ static double weigh_signs(mukca_sets *s, const mukca_set *set)
     return sum;
 }
 
+/* Log prior of an item in addition to its own, given the first n members of a set. */
 double mukca_set_kinship(const mukca_sets *s, const mukca_set *set, int n, int item)
 {
     const mukca_item *h = &s->question->item[item];
@@ -115,17 +119,17 @@ void mukca_sets_evaluate(mukca_sets *s, int index)
     const mukca_question *q = s->question;
     mukca_set *set = &s->set[index];
     double integral = 0;
-    bool changed = true, ok = true;
+    bool changed = true;
     if (set->exact) return;
     set->exact = true;
+    bool ok = mukca_given_integrate(s, set);
+    mukca_given_invert(s);
     for (int sweep = 0; sweep < SWEEPS && changed && ok; sweep++) {
         integral = 0, changed = false;
-        ok = mukca_given_integrate(s, set);
-        mukca_given_invert(s);
         for (int m = 0; m < set->n && ok; m++) {
             const mukca_item *h = &q->item[set->item[m]];
             double by_size[MUKCA_MOST_SIZES] = {0};
-            const double sum = mukca_set_score_member(by_size, s, set, m);
+            const double sum = mukca_set_score_member(by_size, s, set, m, s->scratch);
             const int best =
                 sum > -HUGE_VAL ? mukca_set_largest(by_size, h->prior.n_sizes) : set->size[m];
             integral += sum - by_size[best] + h->prior.log_weight[best];
@@ -153,20 +157,23 @@ static uint32_t hash(const mukca_set *set)
     return h ^ h >> 15;
 }
 
+/* Index of a set with these members, which is stored if it is new; -1: no room. */
 int mukca_set_find(mukca_sets *s, const mukca_set *set)
 {
     uint32_t at = hash(set) % TABLE;
-    for (; s->table[at] >= 0; at = (at + 1) % TABLE) {
-        const mukca_set *other = &s->set[s->table[at]];
+    for (; s->table[at]; at = (at + 1) % TABLE) {
+        const mukca_set *other = &s->set[s->table[at] - 1];
         if (other->n == set->n &&
             memcmp(other->item, set->item, sizeof *set->item * (size_t)set->n) == 0)
-            return s->table[at];
+            return s->table[at] - 1;
     }
     if (s->n_sets == MUKCA_MOST_SETS) return -1;
     s->set[s->n_sets] = *set;
-    return s->table[at] = s->n_sets++;
+    s->table[at] = ++s->n_sets;
+    return s->n_sets - 1;
 }
 
+/* Set with another item; false: no room, or its key is in the set. */
 bool mukca_set_extend(mukca_set *out, const mukca_sets *s, const mukca_set *set, int item, int size)
 {
     const mukca_item *all = s->question->item;

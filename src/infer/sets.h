@@ -6,6 +6,7 @@
 #ifndef MUKCA_INFER_SETS_H
 #define MUKCA_INFER_SETS_H
 
+#include "base/workers.h"
 #include "infer/mixture.h"
 #include "infer/posterior.h"
 
@@ -34,6 +35,7 @@ typedef struct {
     const mukca_item *item;
     const double *E, *gram, *g;
     double residual;
+    mukca_workers *workers; /* of the search; NULL: the caller's thread alone */
 } mukca_question;
 
 typedef struct {
@@ -45,6 +47,12 @@ typedef struct {
     bool exact, expanded, swapped;
 } mukca_set;
 
+/* Scores of all items in addition to a set: log odds, and the most probable size. */
+typedef struct {
+    double *value;
+    unsigned char *likeliest;
+} mukca_scores;
+
 typedef struct {
     const mukca_question *question;
     mukca_pool *pool;
@@ -53,7 +61,7 @@ typedef struct {
         *gram; /* [n_items] rows of the Gram matrix, [terms][stride]; NULL: not yet needed */
     int n_sets, best;
     mukca_set *set; /* [MUKCA_MOST_SETS] */
-    int *table;     /* hash table of sets */
+    int *table;     /* hash table: 1 + index of a set, 0: none */
     struct {
         mukca_posterior posterior; /* factor L of 1 + D G D; `quadratic`: the residual */
         int at[MUKCA_SET_ITEMS];   /* first column of each member */
@@ -61,12 +69,16 @@ typedef struct {
         double *inverse;           /* L^-1 */
         double *x;                 /* (1 + D G D)^-1 D g */
     } integrated;                  /* the set integrated out last */
-    double *row, *left;            /* scratch of some of them: rows, columns */
-    mukca_mixture_scratch *scratch;
-    double *given;            /* blocks of all items given that set */
-    double *value, *added;    /* scratch: [n_items] scores */
-    double *g;                /* scratch: [stride] */
-    unsigned char *likeliest; /* [n_items] sizes */
+    double *left;                  /* scratch: columns of some items */
+    struct {
+        double *row; /* rows of some items */
+        mukca_mixture_scratch *mixture;
+    } worker[MUKCA_MOST_WORKERS];         /* scratch */
+    mukca_mixture_scratch *scratch;       /* of the caller's thread */
+    double *given;                        /* blocks of all items given that set */
+    double *g;                            /* [stride] the same of the products with the residual */
+    double *added;                        /* [n_items] scores given that set */
+    mukca_scores scores[MUKCA_SET_ITEMS]; /* scratch: of each replaced member */
 } mukca_sets;
 
 /* Start with the empty set.  Memory comes from `pool`.  False: no memory. */

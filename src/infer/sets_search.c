@@ -17,20 +17,21 @@ enum {
     FROM = 3 /* best swaps that are extended by a second item */
 };
 
-/* Keep the best of all extensions of a set by their odds s->value[] and sizes s->likeliest[], at
- * most `most`; child[] receives the best `wanted`.  Returns their number. */
-static int keep(mukca_sets *s, const mukca_set *set, int most, int *child, int wanted)
+/* Keep the best of all extensions of a set by their scores, which are overwritten, at most `most`;
+ * child[] receives the best `wanted`.  Returns their number. */
+static int keep(mukca_sets *s, const mukca_set *set, const mukca_scores *scores, int most,
+                int *child, int wanted)
 {
     const mukca_question *q = s->question;
     double best = -HUGE_VAL;
     mukca_set next;
     int n = 0;
     for (int taken = 0; taken < most;) {
-        const int i = mukca_set_largest(s->value, q->n_items);
-        const double gain = s->value[i];
+        const int i = mukca_set_largest(scores->value, q->n_items);
+        const double gain = scores->value[i];
         if (!isfinite(gain) || (taken && !(gain > best - WINDOW))) break;
-        s->value[i] = -HUGE_VAL;
-        if (!mukca_set_extend(&next, s, set, i, s->likeliest[i])) continue;
+        scores->value[i] = -HUGE_VAL;
+        if (!mukca_set_extend(&next, s, set, i, scores->likeliest[i])) continue;
         best = fmax(best, gain);
         next.value = set->value + gain;
         const int at = mukca_set_find(s, &next);
@@ -65,43 +66,65 @@ MUKCA_INLINE bool can_replace(const mukca_sets *s, const vacancy *v, const doubl
         common += square / (given[a * h->terms + a] + square + 1e-300);
     }
     const double beside = fmax(s->added[item] - h->log_prior + 5, 0),
-                 replaced = -0.5 * s->question->dof * log1p(-fmin(common, 1) * lost / rest);
-    return beside + replaced + 2 * sqrt(beside * replaced) > v->least;
+                 of = -0.5 * s->question->dof * log1p(-fmin(common, 1) * lost / rest);
+    return beside + of + 2 * sqrt(beside * of) > v->least;
 }
 
-/* Score all items in addition to a set: the conditioned one, or that without a member. */
-MUKCA_CLONES static void score_all(mukca_sets *s, const mukca_set *set, const vacancy *v)
+/* Items to be scored in addition to a set: the conditioned one, or that without a member. */
+typedef struct {
+    mukca_sets *sets;
+    const mukca_set *set;
+    const vacancy *vacancy; /* NULL: none */
+    mukca_scores scores;
+} scoring;
+
+MUKCA_CLONES static void score(const scoring *of, int i, mukca_mixture_scratch *f)
 {
+    const mukca_sets *s = of->sets;
     const mukca_question *q = s->question;
-    double by_size[MUKCA_MOST_SIZES] = {0}, *G = s->scratch->A, g[MUKCA_MOST_TERMS];
-    const double *given = s->given, lost = mukca_set_square(v->w, v->k),
+    const mukca_item *h = &q->item[i];
+    const vacancy *v = of->vacancy;
+    const int terms = h->terms;
+    double by_size[MUKCA_MOST_SIZES] = {0}, *G = f->A, g[MUKCA_MOST_TERMS];
+    const double *given = mukca_given_of(s, i), lost = v ? mukca_set_square(v->w, v->k) : 0,
                  rest = fmin(s->integrated.posterior.quadratic + lost, q->residual);
-    for (int i = 0; i < q->n_items; given += q->item[i].terms * q->item[i].terms, i++) {
-        const mukca_item *h = &q->item[i];
-        const int terms = h->terms;
-        s->value[i] = -HUGE_VAL;
-        if (v->k && !can_replace(s, v, given, i, lost, rest)) continue;
-        memcpy(G, given, sizeof *G * (size_t)(terms * terms));
-        memcpy(g, s->g + h->at, sizeof *g * (size_t)terms);
-        for (int r = 0; r < v->k; r++) {
-            const double *row = v->W + r * q->stride + h->at;
-            for (int a = 0; a < terms; a++) {
-                g[a] += row[a] * v->w[r];
-                for (int c = 0; c < terms; c++) G[a * terms + c] += row[a] * row[c];
-            }
+    of->scores.value[i] = -HUGE_VAL;
+    if (v && !can_replace(s, v, given, i, lost, rest)) return;
+    memcpy(G, given, sizeof *G * (size_t)(terms * terms));
+    memcpy(g, s->g + h->at, sizeof *g * (size_t)terms);
+    for (int r = 0; v && r < v->k; r++) {
+        const double *row = v->W + r * q->stride + h->at;
+        for (int a = 0; a < terms; a++) {
+            g[a] += row[a] * v->w[r];
+            for (int c = 0; c < terms; c++) G[a * terms + c] += row[a] * row[c];
         }
-        s->value[i] = h->log_prior + mukca_set_kinship(s, set, set->n, i) +
-                      mukca_mixture_evidence(by_size, &(mukca_equations){G, g, terms, q->dof, rest},
-                                             &h->prior, s->scratch);
-        s->likeliest[i] = (unsigned char)mukca_set_largest(by_size, h->prior.n_sizes);
+    }
+    of->scores.value[i] = h->log_prior + mukca_set_kinship(s, of->set, of->set->n, i) +
+                          mukca_mixture_evidence(
+                              by_size, &(mukca_equations){G, g, terms, q->dof, rest}, &h->prior, f);
+    of->scores.likeliest[i] = (unsigned char)mukca_set_largest(by_size, h->prior.n_sizes);
+}
+
+enum { SCORED = 16 }; /* items in a block */
+
+static void score_block(void *context, int block, int worker)
+{
+    const scoring *of = context;
+    mukca_sets *s = of->sets;
+    const int end = (block + 1) * SCORED;
+    for (int i = block * SCORED; i < end && i < s->question->n_items; i++) {
+        mukca_given_reduce(s, i, s->worker[worker].mixture->D);
+        score(of, i, s->worker[worker].mixture);
     }
 }
 
 bool mukca_sets_weigh(mukca_sets *s, const mukca_set *set)
 {
+    const int n = s->question->n_items;
     if (!mukca_given_condition(s, set)) return false;
-    score_all(s, set, &(vacancy){0});
-    memcpy(s->added, s->value, sizeof *s->added * (size_t)s->question->n_items);
+    scoring of = {s, set, NULL, s->scores[0]};
+    mukca_workers_run(s->question->workers, (n + SCORED - 1) / SCORED, score_block, &of);
+    memcpy(s->added, s->scores[0].value, sizeof *s->added * (size_t)n);
     return true;
 }
 
@@ -109,7 +132,7 @@ bool mukca_sets_weigh(mukca_sets *s, const mukca_set *set)
 static void extend(mukca_sets *s, int index, int most)
 {
     const mukca_set set = s->set[index];
-    if (mukca_sets_weigh(s, &set)) keep(s, &set, most, NULL, 0);
+    if (mukca_sets_weigh(s, &set)) keep(s, &set, &s->scores[0], most, NULL, 0);
 }
 
 /* Number of expanded sets with the same keys. */
@@ -143,34 +166,58 @@ static int next_open(const mukca_sets *s)
     return open;
 }
 
+typedef struct {
+    mukca_sets *sets;
+    const mukca_set *set;
+    bool pairs;
+    struct {
+        bool possible;
+        double gain; /* evidence of the member given the others */
+    } member[MUKCA_SET_ITEMS];
+} swapping;
+
+/* Score all items in place of a member. */
+static void swap_member(void *context, int m, int worker)
+{
+    swapping *of = context;
+    mukca_sets *s = of->sets;
+    const mukca_question *q = s->question;
+    const mukca_item *h = &q->item[of->set->item[m]];
+    const int at = s->integrated.at[m];
+    double by_size[MUKCA_MOST_SIZES] = {0}, *W = s->worker[worker].row;
+    mukca_mixture_scratch *f = s->worker[worker].mixture;
+    vacancy v = {.W = W, .k = h->terms};
+    of->member[m].possible = mukca_given_leave_out(f->D, v.w, s, m, h->terms);
+    if (!of->member[m].possible) return;
+    of->member[m].gain = mukca_set_score_member(by_size, s, of->set, m, f);
+    memset(W, 0, sizeof *W * (size_t)(h->terms * q->stride)); /* the member's rows of V D G */
+    mukca_dense_xty(W, mukca_given_inverse_of(s, m, h->terms),
+                    (mukca_columns){s->integrated.B + at * q->stride, q->stride, q->stride},
+                    s->integrated.posterior.n - at);
+    mukca_dense_forward(W, q->stride, f->D, h->terms);
+    v.least = of->pairs ? 0 : of->member[m].gain - WINDOW;
+    const mukca_set less = mukca_set_reduce(of->set, m);
+    const scoring all = {s, &less, &v, s->scores[m]};
+    for (int i = 0; i < q->n_items; i++) score(&all, i, f);
+}
+
 /* Drop or replace each member of a set; `weighed`: it was extended last; `pairs`: the best
  * replacements are extended, too: one item by two. */
 static void swap(mukca_sets *s, int index, bool weighed, bool pairs)
 {
-    const mukca_question *q = s->question;
     const mukca_set set = s->set[index];
     int child[MUKCA_SET_ITEMS * FROM], n = 0;
-    double by_size[MUKCA_MOST_SIZES] = {0}, *M = s->scratch->D, *W = s->row;
-    vacancy v = {0};
+    swapping of = {.sets = s, .set = &set, .pairs = pairs};
     if (!set.n || !(weighed || mukca_sets_weigh(s, &set))) return;
     mukca_given_invert(s);
+    mukca_workers_run(s->question->workers, set.n, swap_member, &of);
     for (int m = 0; m < set.n; m++) {
-        const mukca_item *h = &q->item[set.item[m]];
-        const int at = s->integrated.at[m];
         mukca_set less = mukca_set_reduce(&set, m);
-        if (!mukca_given_leave_out(M, v.w, s, m, h->terms)) continue;
-        const double gain = mukca_set_score_member(by_size, s, &set, m);
-        less.value =
-            set.value - gain - h->log_prior - mukca_set_kinship(s, &less, less.n, set.item[m]);
+        if (!of.member[m].possible) continue;
+        less.value = set.value - of.member[m].gain - s->question->item[set.item[m]].log_prior -
+                     mukca_set_kinship(s, &less, less.n, set.item[m]);
         if (mukca_set_find(s, &less) < 0) return;
-        memset(W, 0, sizeof *W * (size_t)(h->terms * q->stride)); /* the member's rows of V D G */
-        mukca_dense_xty(W, mukca_given_inverse_of(s, m, h->terms),
-                        (mukca_columns){s->integrated.B + at * q->stride, q->stride, q->stride},
-                        s->integrated.posterior.n - at);
-        mukca_dense_forward(W, q->stride, M, h->terms);
-        v.W = W, v.k = h->terms, v.least = pairs ? 0 : gain - WINDOW;
-        score_all(s, &less, &v);
-        n += keep(s, &less, SWAPPED, child + n, FROM);
+        n += keep(s, &less, &s->scores[m], SWAPPED, child + n, FROM);
     }
     for (int c = 0; c < n && pairs; c++) {
         mukca_sets_evaluate(s, child[c]);

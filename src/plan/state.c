@@ -17,13 +17,11 @@ enum {
     POSES = 12
 }; /* points, and postures at each: enough for their mean within a few % */
 
-/* Unknowns: the geometry, and the coefficients of the causes about 0, differentiated over their
- * stated size. */
+/* Unknowns: the geometry, and the coefficients of the causes about 0. */
 static void set_unknowns(mukca_plan_state *s, const mukca_plan_task *task)
 {
     mukca_arm_point *at = &s->at;
     mukca_arm_point_init(at, task->chain, task->theta);
-    at->span = 1 / prior_cause;
     at->n_effects = s->options->n_effects;
     for (int e = 0; e < at->n_effects; e++) {
         mukca_effect *effect = &at->effects[e];

@@ -13,8 +13,6 @@ expect "it says nothing with -q" test "$code $(cat "$scratch/err")" = "0 "
 expect "the JSON names the cause" grep -q '"effect": "joint_compliance"' result.json
 expect "and what it does to other rows" grep -q '"test_placements\|"test": {' result.json
 expect "and the sets that were weighed" grep -q '"sets": \[' result.json
-run $d good.tsv -v
-expect "with -v also on the screen" grep -q "^  .* %  joint_compliance joint_2" "$scratch/out"
 run $d good.tsv --expect gear_harmonic
 expect "exit 1 where another cause is expected" test $code -eq 1
 
