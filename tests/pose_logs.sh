@@ -171,6 +171,16 @@ for command in calibrate diagnose recalibrate; do
     ok "$command: and says so" grep -q 'note: .*bent.csv: the orientations contradict the positions by [0-9]* mrad in every common convention; --rotation none' "$dir/said"
 done
 
+# ---- columns and frames that explain poses far off are named by recalibrate, too
+awk -F, -v OFS=, 'NR > 1 { $4 *= -1 } 1' "$dir/named.csv" >"$dir/sign.csv"
+awk -F, -v OFS=, 'NR > 1 { w = $11; x = $12; y = $13; $8 *= -1; $9 *= -1; $11 = -$14; $12 = -y; $13 = x; $14 = w } 1' "$dir/named.csv" >"$dir/base.csv"
+run recalibrate "$dir/sign.csv" --free-base --free-tool 2>&1 | tr '\n' ' ' >"$dir/said"
+ok "a joint of the opposite sign" grep -q 'with the opposite sign of joint_4' "$dir/said"
+run recalibrate "$dir/base.csv" 2>&1 | tr '\n' ' ' >"$dir/said"
+ok "a base frame turned by half a turn" grep -q 'with the base turned by 1[78][0-9.]* degrees' "$dir/said"
+run recalibrate "$dir/named.csv" 2>&1 | tr '\n' ' ' >"$dir/said"
+ok "nothing of a log that fits" sh -c "grep -q 'Result' '$dir/said' && ! grep -q 'would agree' '$dir/said'"
+
 # ---- units
 head -n 1 "$dir/named.csv" | sed 's/_m//g' >"$dir/plain.csv"
 cat "$dir/first.csv" >>"$dir/plain.csv"

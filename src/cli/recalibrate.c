@@ -2,9 +2,11 @@
 #include "cli/recalibrate.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
+#include "cli/scores.h"
 #include "fit/accept.h"
 #include "io/pose_log.h"
 
@@ -231,6 +233,30 @@ static mukca_status write_offsets(cli_call *call, const mukca_offsets *offsets)
                              &names, "method: recalibrate (poses)");
 }
 
+/* A log that does not fit the arm: print the mix-up of its columns or frames that explains it, from
+ * as many samples as that needs. */
+static void explain_misfit(cli_call *call, cli_recalibrated *r)
+{
+    enum { MOST = 500 }; /* fit/mismatch.c uses no more */
+    const int n_joints = call->session->model.chain.n_joints;
+    const long every = r->log.n / MOST + 1;
+    const mukca_pose_row *row;
+    mukca_dataset d = {0};
+    mukca_error error; /* only a hint */
+    bool ready = mukca_dataset_create(&d, MOST, n_joints, 0, 0, &error) == MUKCA_OK;
+    d.position = calloc(MOST, 3 * sizeof *d.position);
+    ready = ready && d.position && mukca_pose_log_rewind(&r->log, &error) == MUKCA_OK;
+    d.n_rows = 0;
+    for (long i = 0; ready && d.n_rows < MOST; i++) {
+        if (mukca_pose_log_next(&row, &r->log, &error) != MUKCA_OK || !row) break;
+        if (i % every != 0) continue;
+        memcpy(d.q + d.n_rows * n_joints, row->q, (size_t)n_joints * sizeof *d.q);
+        memcpy(d.position + 3 * d.n_rows++, row->position, sizeof row->position);
+    }
+    if (ready) cli_print_mismatch(call, &d, r->options.free_base, r->options.free_tool);
+    mukca_dataset_free(&d);
+}
+
 /* Open the logs, and determine what they measure. */
 static mukca_status open_logs(cli_call *call, cli_recalibrated *r)
 {
@@ -259,9 +285,12 @@ static mukca_status run(cli_call *call)
     if (!r->fit) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     mukca_status status = open_logs(call, r);
     if (status == MUKCA_OK) status = fit_and_judge(call, r);
+    if (status == MUKCA_INPUT && r->log.n) explain_misfit(call, r);
     if (status != MUKCA_OK) return status;
     fill_offsets(&r->offsets, r->fit, &call->session->model.chain, &r->arm);
     status = judge_offsets(call, r);
+    if (status == MUKCA_OK && !(r->robust->calibrated && r->offsets.acceptance.accepted))
+        explain_misfit(call, r);
     return status == MUKCA_OK && r->robust->calibrated ? write_offsets(call, &r->offsets) : status;
 }
 
