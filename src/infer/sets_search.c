@@ -66,8 +66,8 @@ MUKCA_INLINE bool can_replace(const mukca_sets *s, const vacancy *v, const doubl
         common += square / (given[a * h->terms + a] + square + 1e-300);
     }
     const double beside = fmax(s->added[item] - h->log_prior + 5, 0),
-                 of = -0.5 * s->question->dof * log1p(-fmin(common, 1) * lost / rest);
-    return beside + of + 2 * sqrt(beside * of) > v->least;
+                 job = -0.5 * s->question->dof * log1p(-fmin(common, 1) * lost / rest);
+    return beside + job + 2 * sqrt(beside * job) > v->least;
 }
 
 /* Items to be scored in addition to a set: the conditioned one, or that without a member. */
@@ -78,17 +78,17 @@ typedef struct {
     mukca_scores scores;
 } scoring;
 
-MUKCA_CLONES static void score(const scoring *of, int i, mukca_mixture_scratch *f)
+MUKCA_CLONES static void score(const scoring *job, int i, mukca_mixture_scratch *f)
 {
-    const mukca_sets *s = of->sets;
+    const mukca_sets *s = job->sets;
     const mukca_question *q = s->question;
     const mukca_item *h = &q->item[i];
-    const vacancy *v = of->vacancy;
+    const vacancy *v = job->vacancy;
     const int terms = h->terms;
     double by_size[MUKCA_MOST_SIZES] = {0}, *G = f->A, g[MUKCA_MOST_TERMS];
     const double *given = mukca_given_of(s, i), lost = v ? mukca_set_square(v->w, v->k) : 0,
                  rest = fmin(s->integrated.posterior.quadratic + lost, q->residual);
-    of->scores.value[i] = -HUGE_VAL;
+    job->scores.value[i] = -HUGE_VAL;
     if (v && !can_replace(s, v, given, i, lost, rest)) return;
     memcpy(G, given, sizeof *G * (size_t)(terms * terms));
     memcpy(g, s->g + h->at, sizeof *g * (size_t)terms);
@@ -99,22 +99,23 @@ MUKCA_CLONES static void score(const scoring *of, int i, mukca_mixture_scratch *
             for (int c = 0; c < terms; c++) G[a * terms + c] += row[a] * row[c];
         }
     }
-    of->scores.value[i] = h->log_prior + mukca_set_kinship(s, of->set, of->set->n, i) +
-                          mukca_mixture_evidence(
-                              by_size, &(mukca_equations){G, g, terms, q->dof, rest}, &h->prior, f);
-    of->scores.likeliest[i] = (unsigned char)mukca_set_largest(by_size, h->prior.n_sizes);
+    job->scores.value[i] =
+        h->log_prior + mukca_set_kinship(s, job->set, job->set->n, i) +
+        mukca_mixture_evidence(by_size, &(mukca_equations){G, g, terms, q->dof, rest}, &h->prior,
+                               f);
+    job->scores.likeliest[i] = (unsigned char)mukca_set_largest(by_size, h->prior.n_sizes);
 }
 
 enum { SCORED = 16 }; /* items in a block */
 
 static void score_block(void *context, int block, int worker)
 {
-    const scoring *of = context;
-    mukca_sets *s = of->sets;
+    const scoring *job = context;
+    mukca_sets *s = job->sets;
     const int end = (block + 1) * SCORED;
     for (int i = block * SCORED; i < end && i < s->question->n_items; i++) {
         mukca_given_reduce(s, i, s->worker[worker].mixture->D);
-        score(of, i, s->worker[worker].mixture);
+        score(job, i, s->worker[worker].mixture);
     }
 }
 
@@ -122,8 +123,8 @@ bool mukca_sets_weigh(mukca_sets *s, const mukca_set *set)
 {
     const int n = s->question->n_items;
     if (!mukca_given_condition(s, set)) return false;
-    scoring of = {s, set, NULL, s->scores[0]};
-    mukca_workers_run(s->question->workers, (n + SCORED - 1) / SCORED, score_block, &of);
+    scoring job = {s, set, NULL, s->scores[0]};
+    mukca_workers_run(s->question->workers, (n + SCORED - 1) / SCORED, score_block, &job);
     memcpy(s->added, s->scores[0].value, sizeof *s->added * (size_t)n);
     return true;
 }
@@ -179,24 +180,24 @@ typedef struct {
 /* Score all items in place of a member. */
 static void swap_member(void *context, int m, int worker)
 {
-    swapping *of = context;
-    mukca_sets *s = of->sets;
+    swapping *job = context;
+    mukca_sets *s = job->sets;
     const mukca_question *q = s->question;
-    const mukca_item *h = &q->item[of->set->item[m]];
+    const mukca_item *h = &q->item[job->set->item[m]];
     const int at = s->integrated.at[m];
     double by_size[MUKCA_MOST_SIZES] = {0}, *W = s->worker[worker].row;
     mukca_mixture_scratch *f = s->worker[worker].mixture;
     vacancy v = {.W = W, .k = h->terms};
-    of->member[m].possible = mukca_given_leave_out(f->D, v.w, s, m, h->terms);
-    if (!of->member[m].possible) return;
-    of->member[m].gain = mukca_set_score_member(by_size, s, of->set, m, f);
+    job->member[m].possible = mukca_given_leave_out(f->D, v.w, s, m, h->terms);
+    if (!job->member[m].possible) return;
+    job->member[m].gain = mukca_set_score_member(by_size, s, job->set, m, f);
     memset(W, 0, sizeof *W * (size_t)(h->terms * q->stride)); /* the member's rows of V D G */
     mukca_dense_xty(W, mukca_given_inverse_of(s, m, h->terms),
                     (mukca_columns){s->integrated.B + at * q->stride, q->stride, q->stride},
                     s->integrated.posterior.n - at);
     mukca_dense_forward(W, q->stride, f->D, h->terms);
-    v.least = of->pairs ? 0 : of->member[m].gain - WINDOW;
-    const mukca_set less = mukca_set_reduce(of->set, m);
+    v.least = job->pairs ? 0 : job->member[m].gain - WINDOW;
+    const mukca_set less = mukca_set_reduce(job->set, m);
     const scoring all = {s, &less, &v, s->scores[m]};
     for (int i = 0; i < q->n_items; i++) score(&all, i, f);
 }
@@ -207,14 +208,14 @@ static void swap(mukca_sets *s, int index, bool weighed, bool pairs)
 {
     const mukca_set set = s->set[index];
     int child[MUKCA_SET_ITEMS * FROM], n = 0;
-    swapping of = {.sets = s, .set = &set, .pairs = pairs};
+    swapping job = {.sets = s, .set = &set, .pairs = pairs};
     if (!set.n || !(weighed || mukca_sets_weigh(s, &set))) return;
     mukca_given_invert(s);
-    mukca_workers_run(s->question->workers, set.n, swap_member, &of);
+    mukca_workers_run(s->question->workers, set.n, swap_member, &job);
     for (int m = 0; m < set.n; m++) {
         mukca_set less = mukca_set_reduce(&set, m);
-        if (!of.member[m].possible) continue;
-        less.value = set.value - of.member[m].gain - s->question->item[set.item[m]].log_prior -
+        if (!job.member[m].possible) continue;
+        less.value = set.value - job.member[m].gain - s->question->item[set.item[m]].log_prior -
                      mukca_set_kinship(s, &less, less.n, set.item[m]);
         if (mukca_set_find(s, &less) < 0) return;
         n += keep(s, &less, &s->scores[m], SWAPPED, child + n, FROM);
