@@ -40,7 +40,7 @@ void mukca_unknown_text(char text[MUKCA_UNKNOWN_TEXT], const mukca_unknown *unkn
 }
 
 /* Update `placed`. */
-static void place(mukca_pose_model *model)
+static void place_in_poses(mukca_pose_model *model)
 {
     model->placed = model->geometry;
     mukca_frame_multiply(&model->placed.origin[0], &model->base, &model->geometry.origin[0]);
@@ -62,7 +62,7 @@ void mukca_pose_model_set(mukca_pose_model *model, const mukca_chain *chain,
         memcpy(last->p, shifted.p, sizeof last->p);
         memset(model->tool.p, 0, sizeof model->tool.p);
     }
-    place(model);
+    place_in_poses(model);
 }
 
 /* Axis of an unknown in the frame that it is a part of; `own` is storage for it. */
@@ -87,7 +87,7 @@ static inline const double *local_axis(double own[3], const mukca_geometry *g,
 }
 
 /* Turn a frame about an axis in it. */
-static void turn(mukca_frame *T, const double axis[3], double angle)
+static void turn_frame(mukca_frame *T, const double axis[3], double angle)
 {
     const double w[3] = {angle * axis[0], angle * axis[1], angle * axis[2]};
     mukca_frame step = identity;
@@ -109,15 +109,16 @@ void mukca_pose_model_add(mukca_pose_model *model, const mukca_unknown *unknown,
     else if (unknown->kind == MUKCA_UNKNOWN_SHIFT)
         T->p[unknown->axis] += by;
     else
-        turn(T, local_axis(own, g, T, unknown), by);
-    place(model);
+        turn_frame(T, local_axis(own, g, T, unknown), by);
+    place_in_poses(model);
 }
 
 void mukca_pose_model_theta(double *theta, const mukca_pose_model *model, const mukca_chain *chain)
 {
     mukca_geometry g = model->geometry;
     for (int k = 0; k < g.n_elements; k++)
-        if (mukca_joint_turns(g.type[k])) turn(&g.origin[k], g.axis[k], model->zero[g.joint[k]]);
+        if (mukca_joint_turns(g.type[k]))
+            turn_frame(&g.origin[k], g.axis[k], model->zero[g.joint[k]]);
     mukca_geometry_theta(theta, chain, &g);
 }
 
@@ -147,8 +148,9 @@ void mukca_pose_look_at(mukca_pose_look *look, const mukca_pose_model *model,
 
 /* Derivative of the tip's position, m per m or rad, and of its rotation about its own axes, by a
  * rotation about (`turning`) or a translation along an axis given in frame T. */
-static inline void motion(double position[3], double rotation[3], const mukca_pose_look *look,
-                          const mukca_frame *T, const double axis[3], bool turning)
+static inline void motion_of_tip(double position[3], double rotation[3],
+                                 const mukca_pose_look *look, const mukca_frame *T,
+                                 const double axis[3], bool turning)
 {
     if (!turning) {
         mukca_mat3_vec(position, T->R, axis);
@@ -173,7 +175,7 @@ static void lag_motion(double position[3], double rotation[3], const mukca_pose_
         if (g->joint[k] < 0) continue;
         const double rate = look->row->velocity[g->joint[k]];
         if (!(fabs(rate) > 0)) continue;
-        motion(p, w, look, &look->before[k], g->axis[k], mukca_joint_turns(g->type[k]));
+        motion_of_tip(p, w, look, &look->before[k], g->axis[k], mukca_joint_turns(g->type[k]));
         for (int i = 0; i < 3; i++) {
             position[i] += rate * p[i];
             rotation[i] += rate * w[i];
@@ -199,8 +201,9 @@ void mukca_pose_derivatives(double *position, double *rotation, int stride,
                               *in_poses = base   ? in_parent
                                           : tool ? &look->tip
                                                  : &look->before[k];
-            motion(p, w, look, in_poses, local_axis(own, &model->geometry, in_parent, unknown),
-                   kinds[unknown->kind].angle);
+            motion_of_tip(p, w, look, in_poses,
+                          local_axis(own, &model->geometry, in_parent, unknown),
+                          kinds[unknown->kind].angle);
         }
         for (int i = 0; i < 3; i++) {
             if (position) position[i * stride + u] = p[i];
@@ -226,7 +229,7 @@ double mukca_moments_std(const mukca_moments *moments)
 }
 
 /* Keep a length, or every second one of the lengths kept so far. */
-static void keep(mukca_vector_errors *e, double length)
+static void keep_length(mukca_vector_errors *e, double length)
 {
     if (!e->between) e->between = 1;
     if (e->length.n % e->between != 0) return;
@@ -242,7 +245,7 @@ static void add_error(mukca_vector_errors *errors, const double vector[3], const
 {
     const double length = mukca_norm3(vector);
     if (!isfinite(vector[0])) return;
-    keep(errors, length);
+    keep_length(errors, length);
     moments_add(&errors->length, length);
     for (int i = 0; i < 3; i++) moments_add(&errors->axis[i], fabs(axes[i]));
 }

@@ -37,7 +37,8 @@ typedef struct {
     bool lag_denied; /* a lag did not reduce the median */
 } session;
 
-static void add(mukca_pose_system *s, mukca_unknown_kind kind, int element, int axes, bool tool)
+static void add_unknowns(mukca_pose_system *s, mukca_unknown_kind kind, int element, int axes,
+                         bool tool)
 {
     for (int axis = 0; axis < axes; axis++)
         s->unknown[s->n++] =
@@ -58,21 +59,21 @@ static void choose_unknowns(mukca_pose_system *s, const mukca_recalibrate_task *
         const mukca_element *e = &chain->element[k];
         const bool fixed = e->joint < 0, turns = angles && mukca_joint_turns((int)e->type);
         if ((fixed && k < last) || (o->free_base && e->joint == 0)) continue;
-        add(s, MUKCA_UNKNOWN_SHIFT, k, lengths, fixed);
-        add(s, MUKCA_UNKNOWN_ZERO, k, turns, false);
-        add(s, MUKCA_UNKNOWN_TILT, k, turns && o->tilts ? 2 : 0, false);
+        add_unknowns(s, MUKCA_UNKNOWN_SHIFT, k, lengths, fixed);
+        add_unknowns(s, MUKCA_UNKNOWN_ZERO, k, turns, false);
+        add_unknowns(s, MUKCA_UNKNOWN_TILT, k, turns && o->tilts ? 2 : 0, false);
     }
     if (chain->element[last].joint >= 0)
-        add(s, MUKCA_UNKNOWN_SHIFT, MUKCA_UNKNOWN_TOOL, lengths, true);
-    if (o->free_base) add(s, MUKCA_UNKNOWN_SHIFT, MUKCA_UNKNOWN_BASE, lengths, false);
-    if (o->free_base) add(s, MUKCA_UNKNOWN_TURN, MUKCA_UNKNOWN_BASE, angles, false);
+        add_unknowns(s, MUKCA_UNKNOWN_SHIFT, MUKCA_UNKNOWN_TOOL, lengths, true);
+    if (o->free_base) add_unknowns(s, MUKCA_UNKNOWN_SHIFT, MUKCA_UNKNOWN_BASE, lengths, false);
+    if (o->free_base) add_unknowns(s, MUKCA_UNKNOWN_TURN, MUKCA_UNKNOWN_BASE, angles, false);
     if (o->free_tool && step->rotations)
-        add(s, MUKCA_UNKNOWN_TURN, MUKCA_UNKNOWN_TOOL, angles, true);
-    add(s, MUKCA_UNKNOWN_LAG, MUKCA_UNKNOWN_TOOL, step->angles, false);
+        add_unknowns(s, MUKCA_UNKNOWN_TURN, MUKCA_UNKNOWN_TOOL, angles, true);
+    add_unknowns(s, MUKCA_UNKNOWN_LAG, MUKCA_UNKNOWN_TOOL, step->angles, false);
 }
 
 /* Huber's weight of a residual of that length; `median` is the median length. */
-static double huber(double length, double median)
+static double huber_weight(double length, double median)
 {
     const double bend = 1.6 * median; /* 2.5 sigma: the median length of 3 normals is 1.54 */
     return length > bend && bend > 0 ? bend / length : 1;
@@ -91,7 +92,7 @@ static bool is_stopped(const mukca_recalibrate_task *task, long row)
 }
 
 /* Read the log once with the present model: errors, and the equations of the step. */
-static mukca_status pass(session *s, mukca_error *error)
+static mukca_status read_equations(session *s, mukca_error *error)
 {
     const double position_scale = s->errors.position.median;
     const double rotation_scale = s->errors.rotation.median;
@@ -108,8 +109,8 @@ static mukca_status pass(session *s, mukca_error *error)
         mukca_pose_look_at(&look, &s->model, row);
         mukca_pose_errors_add(&s->errors, &look);
         double p = 1, w = 1;
-        if (robust) p = sqrt(huber(mukca_norm3(look.position), position_scale));
-        if (robust) w = sqrt(huber(mukca_norm3(look.rotation), rotation_scale));
+        if (robust) p = sqrt(huber_weight(mukca_norm3(look.position), position_scale));
+        if (robust) w = sqrt(huber_weight(mukca_norm3(look.rotation), rotation_scale));
         mukca_pose_system_add(&s->system, &look, p, w);
     }
     mukca_pose_errors_finish(&s->errors);
@@ -119,7 +120,7 @@ static mukca_status pass(session *s, mukca_error *error)
 }
 
 /* Move by the solution of the first n unknowns, or back; their estimates start at `first`. */
-static void move(session *s, int first, int n, int sign)
+static void apply_solution(session *s, int first, int n, int sign)
 {
     mukca_pose_estimates *out = &s->out->found;
     for (int u = 0; u < n; u++) {
@@ -169,12 +170,12 @@ static mukca_status converge(session *s, const restriction *step, mukca_error *e
     for (int i = 0;; i++) {
         const int unknowns = system->n - step->angles; /* without the lag */
         const bool new_lag = lag && !(fabs(s->model.lag - system->x[unknowns]) > 0);
-        mukca_status status = pass(s, error);
+        mukca_status status = read_equations(s, error);
         if (status == MUKCA_OK) status = check_number(s, unknowns, error);
         if (status != MUKCA_OK) return status;
         if (i == 0) s->out->errors[step->stage] = s->errors;
         if (new_lag && lag_median(s) > lag_gain * median) {
-            move(s, known, unknowns + 1, -1); /* repeat without the lag */
+            apply_solution(s, known, unknowns + 1, -1); /* repeat without the lag */
             s->lag_denied = true;
             lag = false;
             continue;
@@ -184,7 +185,7 @@ static mukca_status converge(session *s, const restriction *step, mukca_error *e
         out->n = known, out->rank = rank, out->n_null = n_null;
         if (!mukca_pose_system_solve(out, system, unknowns + lag, loosest))
             return mukca_fail(error, MUKCA_INPUT, "the rows contain numbers that are not finite");
-        move(s, known, unknowns + lag, 1);
+        apply_solution(s, known, unknowns + lag, 1);
         double size = 0;
         for (int u = 0; u < unknowns + lag; u++) size = fmax(size, fabs(system->x[u]));
         const double scale = metres_per_radian(&s->errors);
@@ -197,21 +198,22 @@ static mukca_status converge(session *s, const restriction *step, mukca_error *e
 }
 
 /* Ratio of root mean square to median, relative to that of normal vectors, 1.126. */
-static double tail(const mukca_vector_errors *e)
+static double tail_ratio(const mukca_vector_errors *e)
 {
     const mukca_moments *m = &e->length;
     if (m->n < 20 || !(e->median > 0)) return 1;
     return sqrt(m->mean * m->mean + m->m2 / (double)m->n) / (1.126 * e->median);
 }
 
-static mukca_pose_gain gain(const mukca_vector_errors *before, const mukca_vector_errors *after)
+static mukca_pose_gain gain_between(const mukca_vector_errors *before,
+                                    const mukca_vector_errors *after)
 {
     const double nominal = before->median, left = after->median;
     return (mukca_pose_gain){nominal, left,
                              nominal > left ? sqrt(nominal * nominal - left * left) : 0};
 }
 
-static bool shows(const mukca_pose_gain *g)
+static bool is_systematic(const mukca_pose_gain *g)
 {
     return g->systematic > fmax(g->left, 1e-6); /* rounding of numbers in files, m and rad */
 }
@@ -254,10 +256,10 @@ mukca_status mukca_recalibrate(mukca_recalibration *result, const mukca_recalibr
     mukca_pose_errors *before = &result->errors[MUKCA_BEFORE],
                       *after = &result->errors[MUKCA_WITH_BOTH];
     if (status == MUKCA_OK) status = mukca_recalibrate_test(after, &s->model, 1, task, error);
-    result->position = gain(&before->position, &after->position);
-    result->rotation = gain(&before->rotation, &after->rotation);
-    result->calibrated = shows(&result->position) || shows(&result->rotation);
-    result->tail = fmax(tail(&after->position), tail(&after->rotation));
+    result->position = gain_between(&before->position, &after->position);
+    result->rotation = gain_between(&before->rotation, &after->rotation);
+    result->calibrated = is_systematic(&result->position) || is_systematic(&result->rotation);
+    result->tail = fmax(tail_ratio(&after->position), tail_ratio(&after->rotation));
     free(s);
     return status;
 }

@@ -14,7 +14,7 @@ void mukca_pose_system_clear(mukca_pose_system *s)
     memset(s->R, 0, sizeof *s->R * (size_t)(s->n * (s->n + 1)));
 }
 
-static void absorb(mukca_pose_system *s, int kind)
+static void absorb_block(mukca_pose_system *s, int kind)
 {
     mukca_dense_qr_absorb(s->R, &s->rss, s->block[kind], s->filled[kind], s->n, 1);
     s->filled[kind] = 0;
@@ -22,13 +22,13 @@ static void absorb(mukca_pose_system *s, int kind)
 
 static void absorb_all(mukca_pose_system *s)
 {
-    for (int kind = 0; kind < 2; kind++) absorb(s, kind);
+    for (int kind = 0; kind < 2; kind++) absorb_block(s, kind);
 }
 
 /* Allocate three more rows of positions (0) or rotations (1). */
 static double *three_rows(mukca_pose_system *s, int kind)
 {
-    if (s->filled[kind] + 3 > MUKCA_SYSTEM_BLOCK) absorb(s, kind);
+    if (s->filled[kind] + 3 > MUKCA_SYSTEM_BLOCK) absorb_block(s, kind);
     s->filled[kind] += 3;
     return s->block[kind] + (s->filled[kind] - 3) * (s->n + 1);
 }
