@@ -5,7 +5,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "fit/accept.h"
+#include "accept/accept.h"
 #include "io/pose_log.h"
 
 typedef struct {
