@@ -15,7 +15,7 @@ VERSION := $(shell sed -n 's/.*MUKCA_VERSION "\(.*\)".*/\1/p' include/mukca/vers
 
 # ---- sources, objects, products ------------------------------------------------------------------
 # modules of the core library, in the order of tests/layers.sh
-CORE_MODULES := base math model effect arm infer fit recalibrate capture plan simulate diagnose fleet
+CORE_MODULES := base math model effect arm infer fit recalibrate plan simulate diagnose accept capture fleet
 CORE_SRC := $(filter-out src/fit/nlopt_%,$(foreach module,$(CORE_MODULES),\
             $(sort $(wildcard src/$(module)/*.c))))
 # the part of these for control loops: no stdio, no allocation, no clock, no locale

@@ -4,8 +4,8 @@
 # they belong.
 set -u
 cd "$(dirname "$0")/.." || exit 1
-modules='base math model effect arm infer fit recalibrate capture plan simulate diagnose fleet io lcm report record cli heart'
-core='base math model effect arm infer fit recalibrate capture plan simulate diagnose fleet'
+modules='base math model effect arm infer fit recalibrate plan simulate diagnose accept capture fleet io lcm report record cli heart'
+core='base math model effect arm infer fit recalibrate plan simulate diagnose accept capture fleet'
 build=${BUILD:-build}
 bad=0
 fail() {

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "accept/posterior.h"
 #include "cli/calibrate.h"
 #include "fit/align.h"
 #include "fit/mismatch.h"
@@ -38,7 +39,7 @@ static mukca_fit_options fit_options(const calibrate_options *o)
         .selection = {o->free, o->freeze, o->regularise_tip},
         .free_base = o->common.free_base,
         .free_tool = o->common.free_tool,
-        .by_evidence = o->evidence,
+        .theta_of = o->evidence ? mukca_arm_posterior_theta : NULL,
         .cost = {.lambda = o->lambda > 0 ? o->lambda : -1,
                  .gradient = o->gradient == 1 ? MUKCA_GRADIENT_ANALYTIC : MUKCA_GRADIENT_FD},
         .solver = mukca_solver_table[o->solver],
@@ -60,7 +61,8 @@ static mukca_status compare_evidence(cli_call *call)
     calibrate_work *w = call->work;
     mukca_fit_options posterior = fit_options(o);
     mukca_cross_validation by;
-    posterior.by_evidence = posterior.parameters_only = true;
+    posterior.theta_of = mukca_arm_posterior_theta;
+    posterior.parameters_only = true;
     if (o->evidence || !is_default(o) || !w->offsets.acceptance.accepted ||
         s->data.n_sockets == 0 || s->data.n_rows > MUKCA_MOST_SAMPLES)
         return MUKCA_OK;

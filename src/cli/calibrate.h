@@ -2,8 +2,8 @@
 #ifndef MUKCA_CLI_CALIBRATE_H
 #define MUKCA_CLI_CALIBRATE_H
 
+#include "accept/accept.h"
 #include "cli/scores.h"
-#include "fit/accept.h"
 #include "fleet/fleet.h"
 
 typedef struct {

@@ -6,8 +6,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "accept/accept.h"
 #include "cli/scores.h"
-#include "fit/accept.h"
 #include "io/pose_log.h"
 
 typedef struct {

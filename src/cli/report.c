@@ -3,10 +3,10 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "accept/accept.h"
 #include "base/file.h"
 #include "cli/diagnose.h"
 #include "cli/traits.h"
-#include "fit/accept.h"
 #include "fit/mismatch.h"
 #include "report/report.h"
 

@@ -265,15 +265,12 @@ void mukca_evidence_renew(mukca_evidence *evidence)
     for (int i = 0; i < evidence->n_noises; i++) evidence->normal[i].version = 0;
 }
 
-double mukca_evidence_weigh_tails(double *weight, mukca_evidence *evidence,
-                                  const mukca_recording *r, const mukca_linearisation *linear,
-                                  double sigma)
+double *mukca_evidence_deviations(mukca_evidence *evidence, const mukca_recording *r,
+                                  const mukca_linearisation *linear, const double *weight)
 {
     const mukca_samples *s = &r->samples;
     const int d = s->dim;
-    const double *y = mukca_evidence_residuals(evidence, s, linear), nu = MUKCA_STUDENT_FREEDOM,
-                 constant = lgamma(0.5 * (nu + d)) - lgamma(0.5 * nu) - 0.5 * d * log(0.5 * nu);
-    double gain = 0;
+    double *y = mukca_evidence_residuals(evidence, s, linear);
     for (int b = 0; b < s->n_blocks; b++) {
         const int start = s->block[b].start, end = start + s->block[b].count;
         double mean[6] = {0}, sum = 0;
@@ -282,13 +279,27 @@ double mukca_evidence_weigh_tails(double *weight, mukca_evidence *evidence,
             sum += w;
             for (int c = 0; c < d; c++) mean[c] += w * (y[i * d + c] - mean[c]) / sum;
         }
-        for (int i = start; i < end; i++) {
-            double square = 0;
-            for (int c = 0; c < d; c++) square += pow((y[i * d + c] - mean[c]) / sigma, 2);
-            const double w = (nu + d) / (nu + square);
-            weight[r->order[i]] = sqrt(w);
-            gain += constant - 0.5 * (nu + d) * log1p(square / nu) + 0.5 * w * square;
-        }
+        for (int i = start * d; i < end * d; i++) y[i] -= mean[i % d];
+    }
+    return y;
+}
+
+double mukca_evidence_weigh_tails(double *weight, mukca_evidence *evidence,
+                                  const mukca_recording *r, const mukca_linearisation *linear,
+                                  double sigma)
+{
+    const mukca_samples *s = &r->samples;
+    const int d = s->dim;
+    const double *y = mukca_evidence_deviations(evidence, r, linear, weight),
+                 nu = MUKCA_STUDENT_FREEDOM,
+                 constant = lgamma(0.5 * (nu + d)) - lgamma(0.5 * nu) - 0.5 * d * log(0.5 * nu);
+    double gain = 0;
+    for (int i = 0; i < s->n_samples; i++) {
+        double square = 0;
+        for (int c = 0; c < d; c++) square += pow(y[i * d + c] / sigma, 2);
+        const double w = (nu + d) / (nu + square);
+        weight[r->order[i]] = sqrt(w);
+        gain += constant - 0.5 * (nu + d) * log1p(square / nu) + 0.5 * w * square;
     }
     mukca_evidence_renew(evidence);
     return gain;
@@ -324,7 +335,7 @@ double mukca_evidence_evaluate(mukca_evidence *evidence, const mukca_normal_equa
         mukca_posterior_add(posterior, normal->all_distance + p * normal->stride, 1 / variance);
         log_variance += log(variance);
     }
-    if (!mukca_posterior_solve(posterior, NULL, mean)) return -HUGE_VAL;
+    if (!mukca_posterior_solve(posterior, mean)) return -HUGE_VAL;
     return -0.5 * posterior->quadratic - posterior->log_det - normal->whitening.dof * log(sigma) -
            0.5 * log_variance + normal->whitening.log_det;
 }

@@ -36,6 +36,8 @@ typedef struct {
     mukca_posterior posterior; /* of the last evaluation; its priors are those of the next ones */
     double *mean;              /* [capacity] posterior mean of the last fit */
     double best;               /* log evidence of the best coefficient in the last comparison */
+    double
+        expected; /* weight of the usual noise and geometry (model/prior.h), in numbers; 0: none */
 } mukca_evidence;
 
 /* Memory comes from `pool`.  False: no memory. */
@@ -45,6 +47,10 @@ bool mukca_evidence_create(mukca_evidence *evidence, mukca_pool *pool,
 /* Residuals [n_samples][dim] at the last posterior mean, in the memory of evidence->white. */
 double *mukca_evidence_residuals(mukca_evidence *evidence, const mukca_samples *samples,
                                  const mukca_linearisation *linear);
+
+/* The same about the means of their groups, with weight[n_rows]. */
+double *mukca_evidence_deviations(mukca_evidence *evidence, const mukca_recording *recording,
+                                  const mukca_linearisation *linear, const double *weight);
 
 /* Measure the noise by the residuals at the last posterior mean, of these columns: the ratio of the
  * variances between postures and between readings of one, and the share of the joint angles' noise

@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "fit/accept.h"
+#include "fit/evaluate.h"
 #include "math/dense.h"
 #include "math/random.h"
 #include "math/stats.h"

@@ -60,6 +60,12 @@ double mukca_regression_standard_error(mukca_regression *m, int column, const do
     return sqrt(mukca_posterior_variance(x, &m->evidence.posterior));
 }
 
+/* Log prior of a size that is expected: as of so many numbers of it. */
+static double log_expected(double weight, double size, double expected)
+{
+    return -weight * (log(size / expected) + 0.5 * pow(expected / size, 2));
+}
+
 typedef struct {
     mukca_evidence *evidence;
     const mukca_normal_equations *normal;
@@ -68,7 +74,9 @@ typedef struct {
 static double minus_evidence(void *context, double log_sigma)
 {
     const along_noise *a = context;
-    return -mukca_evidence_evaluate(a->evidence, a->normal, exp(log_sigma), NULL);
+    const double sigma = exp(log_sigma);
+    return -mukca_evidence_evaluate(a->evidence, a->normal, sigma, NULL) -
+           log_expected(a->evidence->expected, sigma, MUKCA_PRIOR_NOISE);
 }
 
 double mukca_noise_choose(mukca_evidence *evidence, const mukca_normal_equations *normal,
@@ -124,7 +132,10 @@ void mukca_scales_choose(mukca_unknowns *u, mukca_evidence *evidence,
         mukca_unknowns_set_geometry_prior(u, recording);
         mukca_unknowns_prior(evidence->posterior.prior, u);
         if (i == N * N) break;
-        const double value = mukca_evidence_evaluate(evidence, normal, u->sigma, NULL);
+        const double value =
+            mukca_evidence_evaluate(evidence, normal, u->sigma, NULL) +
+            log_expected(evidence->expected / 2, u->prior.length, mukca_prior_expected.length) +
+            log_expected(evidence->expected / 2, u->prior.angle, mukca_prior_expected.angle);
         if (value > best) best = value, chosen = k;
     }
     for (int c = 0; c < u->n_causes; c++)
@@ -243,6 +254,36 @@ void mukca_regression_fit(mukca_regression *m, int iterations, mukca_fit_freedom
         }
     }
     mukca_regression_linearise(m);
+}
+
+void mukca_regression_fit_tails(mukca_regression *m, double *weight, int steps)
+{
+    enum { WEIGHINGS = 3 };      /* in a step; they go on in the next one */
+    const double settled = 1e-3; /* a tenth of what 5000 rows know of the noise */
+    mukca_unknowns *u = &m->unknowns;
+    mukca_evidence *evidence = &m->evidence;
+    for (int row = 0; row < m->recording.data->n_rows && !u->tails; row++) weight[row] = 1;
+    u->tails = weight;
+    mukca_unknowns_set_geometry_prior(u, &m->recording);
+    for (int step = 0; step < steps; step++) {
+        mukca_regression_linearise(m);
+        mukca_unknowns_prior(evidence->posterior.prior, u);
+        for (int k = 0; k < WEIGHINGS; k++) {
+            const double before = u->sigma;
+            const mukca_normal_equations *normal = mukca_regression_collect(m, u->family);
+            u->sigma = mukca_noise_choose(evidence, normal, before, NULL);
+            mukca_evidence_evaluate(evidence, normal, u->sigma, evidence->mean);
+            mukca_evidence_weigh_tails(weight, evidence, &m->recording, &m->linear, u->sigma);
+            if (fabs(u->sigma / before - 1) < settled) break;
+        }
+        const mukca_normal_equations *normal = mukca_regression_collect(m, u->family);
+        mukca_scales_choose(u, evidence, &m->recording, normal);
+        mukca_evidence_evaluate(evidence, normal, u->sigma, evidence->mean);
+        advance(m);
+    }
+    mukca_regression_linearise(m);
+    mukca_evidence_evaluate(evidence, mukca_regression_collect(m, u->family), u->sigma,
+                            evidence->mean);
 }
 
 void mukca_regression_choose_share(mukca_regression *m)

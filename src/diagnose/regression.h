@@ -64,6 +64,11 @@ typedef enum {
  * causes and of their sizes. */
 double mukca_regression_score(mukca_regression *m);
 
+/* Fit by so many steps with Student's noise of independent samples, whose weight[n_rows] are those
+ * of the unknowns from then on: noise, weights and prior scales in each.  m->evidence keeps mean
+ * and factor of the posterior. */
+void mukca_regression_fit_tails(mukca_regression *m, double *weight, int steps);
+
 /* Choose the share of the joint angles' noise, from the present one towards that of the residuals,
  * while the evidence increases.  The model must be linearised. */
 void mukca_regression_choose_share(mukca_regression *m);

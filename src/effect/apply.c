@@ -44,17 +44,6 @@ static void add_direction(mukca_displacement *displacement, const mukca_effect *
         displacement->q[i] += effect->coefficient[0] * direction[i];
 }
 
-void mukca_effect_displace(mukca_displacement *displacement, const mukca_effect *effect,
-                           const mukca_chain *chain, const mukca_joint_state *state)
-{
-    const mukca_effect_ops *ops = mukca_effect_catalogue[effect->kind];
-    const int k = effect->joint < 0 ? 0 : chain->joint_element[effect->joint];
-    double basis[MUKCA_MAX_TERMS][3];
-    if (ops->direction) add_direction(displacement, effect, chain, state);
-    mukca_effect_basis(basis, effect, chain->element[k].axis, state);
-    add_basis(displacement, ops->info.site, effect, (const double(*)[3])basis);
-}
-
 /* Derivatives of one effect by the joint angles, from its basis. */
 static inline void add_slopes(mukca_effect_slopes *slopes, const mukca_effect_ops *ops,
                               int n_joints, const mukca_basis_input *in, const double basis[][3])

@@ -26,8 +26,4 @@ typedef struct {
 void mukca_effects_apply(mukca_displacement *displacement, mukca_effect_slopes *slopes,
                          const mukca_effect_task *task);
 
-/* Add one effect, at the loads of `state`, to a displacement: none of a socket or its distance. */
-void mukca_effect_displace(mukca_displacement *displacement, const mukca_effect *effect,
-                           const mukca_chain *chain, const mukca_joint_state *state);
-
 #endif

@@ -134,7 +134,7 @@ bool mukca_given_integrate(mukca_sets *s, const mukca_set *set)
                 for (int c = 0; c < terms; c++)
                     P[(row + t) * n + column + c] = block[t * terms + c];
         }
-    if (!mukca_posterior_solve(posterior, NULL, NULL)) return false;
+    if (!mukca_posterior_solve(posterior, NULL)) return false;
     posterior->quadratic = fmax(posterior->quadratic, 1e-3 * q->residual);
     return true;
 }

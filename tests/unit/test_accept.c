@@ -1,6 +1,6 @@
 /* Acceptance by prediction: what a recording determines about the tip decides, repeated postures
  * count once, and the error that is announced is that of the true arm. */
-#include "fit/accept.h"
+#include "accept/accept.h"
 #include "scene.h"
 
 static scene arm;

@@ -1,5 +1,5 @@
 /* Acceptance of an offsets table, by prediction. */
-#include "fit/accept.h"
+#include "accept/accept.h"
 
 #include <math.h>
 #include <stdio.h>
