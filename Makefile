@@ -15,7 +15,7 @@ VERSION := $(shell sed -n 's/.*MUKCA_VERSION "\(.*\)".*/\1/p' include/mukca/vers
 
 # ---- sources, objects, products ------------------------------------------------------------------
 # modules of the core library, in the order of tests/layers.sh
-CORE_MODULES := base math model dynamics effect arm infer fit recalibrate capture plan simulate diagnose motion fleet
+CORE_MODULES := base math model dynamics effect arm infer fit recalibrate plan simulate diagnose accept capture motion fleet
 CORE_SRC := $(filter-out src/fit/nlopt_%,$(foreach module,$(CORE_MODULES),\
             $(sort $(wildcard src/$(module)/*.c))))
 # the part of these for control loops: no stdio, no allocation, no clock, no locale
@@ -82,7 +82,7 @@ link = $(call quietly,LD $@)mkdir -p $(@D); $(1) $(LD_FLAGS) $(LDFLAGS) -o $@ $^
         clean help FORCE
 
 all: $(PROGRAM) $(CORE) $(RT) ## the program build/mukca and the core library (default)
-core: $(CORE) $(RT) ## build/libmukca_core.a, libmukca_rt.a: C11 and libm only, cross-compile (CC=...)
+core: $(CORE) $(RT) ## build/libmukca_core.a, libmukca_rt.a: C11, libm, POSIX threads; cross-compile (CC=...)
 rt: $(RT) ## build/libmukca_rt.a for control loops: no stdio, no allocation, bare metal
 heart: $(BUILD)/heart ## build/heart: the paper's calibration alone, in 2,000 lines
 

@@ -4,8 +4,8 @@
 # they belong.
 set -u
 cd "$(dirname "$0")/.." || exit 1
-modules='base math model dynamics effect arm infer fit recalibrate capture plan simulate diagnose motion fleet io lcm report record cli heart'
-core='base math model dynamics effect arm infer fit recalibrate capture plan simulate diagnose motion fleet'
+modules='base math model dynamics effect arm infer fit recalibrate plan simulate diagnose accept capture motion fleet io lcm report record cli heart'
+core='base math model dynamics effect arm infer fit recalibrate plan simulate diagnose accept capture motion fleet'
 build=${BUILD:-build}
 bad=0
 fail() {

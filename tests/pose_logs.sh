@@ -133,19 +133,53 @@ for form in first:order last:order-w-last; do
     ok "--map ${form#*:} says what was taken, once" test "$(grep -c "${form%:*}.csv: read as 7 joints, x y z, q" "$dir/said")" = 1
 done
 run evaluate "$dir/last.csv" --map order >"$dir/said" 2>&1
-ok "the other order is noticed: w last" grep -q 'last.csv:[0-9]*: column 11: the orientations agree with the arm only as qx qy qz qw or inverse: give --map order-w-last' "$dir/said"
+ok "the other order is noticed: w last" grep -q 'last.csv:[0-9]*: column 11: the orientations contradict the positions by [0-9]* mrad; the quaternions fit as xyzw: --rotation xyzw$' "$dir/said"
 run evaluate "$dir/first.csv" --map order-w-last >"$dir/said" 2>&1
-ok "the other order is noticed: w first" grep -q 'first.csv:[0-9]*: column 14: .* only as qw qx qy qz or inverse: give --map order, or give --inverse-poses' "$dir/said"
+ok "the other order is noticed: w first" grep -q 'first.csv:[0-9]*: column 14: .* the quaternions fit as wxyz: --rotation wxyz$' "$dir/said"
 run evaluate "$dir/named.csv" --inverse-poses >"$dir/said" 2>&1
-ok "poses the other way round are noticed" grep -q "correct the columns' names, or omit --inverse-poses" "$dir/said"
+ok "poses the other way round are noticed" grep -q "the poses fit as those of the target in the fixed frame: omit --inverse-poses$" "$dir/said"
 
-# ---- orientations that contradict the positions: no command accepts a table
+# ---- angles of another convention: every command names the one that fits, and reads it
+# turns about x, y, z: as they are, the first about the fixed x (roll, pitch, yaw) or the moved one (intrinsic XYZ)
+awk -F, -v OFS=, 'NR == 1 { print $0; next } { w = $11; x = $12; y = $13; z = $14
+    s = 2 * (x * z + w * y); s = s > 1 ? 1 : s < -1 ? -1 : s
+    a = atan2(-2 * (y * z - w * x), w * w - x * x - y * y + z * z); b = atan2(s, sqrt(1 - s * s))
+    c = atan2(-2 * (x * y - w * z), w * w + x * x - y * y - z * z)
+    NF = 10; print $0, sprintf("%.12f", a), sprintf("%.12f", b), sprintf("%.12f", c) }' "$dir/named.csv" |
+    sed '1s/qw,qx,qy,qz/roll,pitch,yaw/' >"$dir/turned.csv"
+for command in calibrate diagnose recalibrate evaluate plan; do
+    run $command "$dir/turned.csv" >"$dir/out" 2>"$dir/said"
+    ok "$command names the convention that fits" grep -q "turned.csv:[0-9]*: column 'roll': .* the angles fit as intrinsic XYZ: --rotation XYZ$" "$dir/said"
+done
+run evaluate "$dir/turned.csv" --rotation XYZ -q >"$dir/scores"
+cut -f 3- "$dir/wanted" | head -n 2 >"$dir/a"
+ok "--rotation reads the angles" sh -c "cut -f 3- '$dir/scores' | head -n 2 | awk -F'\t' 'NR == FNR { for (i = 1; i <= NF; i++) a[FNR, i] = \$i; next } FNR > 1 { for (i = 1; i <= NF; i++) if (!((\$i - a[FNR, i])^2 < 1e-18)) exit 1 }' - '$dir/a'"
+run evaluate "$dir/turned.csv" --rotation none -q >"$dir/scores"
+ok "--rotation none reads the positions alone" awk -F'\t' 'NR == FNR { wanted = $5; next } FNR == 2 { found = ($5 - wanted) ^ 2 < 1e-18 && $10 == "" && $11 == "" } END { exit !found }' \
+    "$dir/wanted" "$dir/scores"
+run evaluate "$dir/turned.csv" --rotation wxyz >"$dir/said" 2>&1
+ok "three numbers are no quaternion" grep -q "column 'roll': --rotation wxyz, but the orientations are three numbers" "$dir/said"
+run evaluate "$dir/turned.csv" --rotation XXZ >"$dir/said" 2>&1
+ok "an unknown convention is an error" grep -q '^mukca evaluate: --rotation XXZ: give angles as XYZ (intrinsic)' "$dir/said"
+
+# ---- orientations that contradict the positions in every convention: a note, and no table is accepted
 awk -F, -v OFS=, 'NR > 1 { $12 *= 1.6; n = sqrt($11^2 + $12^2 + $13^2 + $14^2); for (i = 11; i < 15; i++) $i = sprintf("%.12f", $i / n) } 1' \
     "$dir/named.csv" >"$dir/bent.csv"
 for command in calibrate diagnose recalibrate; do
     run $command "$dir/bent.csv" --free-base --free-tool >"$dir/said" 2>&1
     ok "$command refuses orientations that contradict the positions" grep -qE '^Use +no: |no offsets table is written' "$dir/said"
+    ok "$command: and says so" grep -q 'note: .*bent.csv: the orientations contradict the positions by [0-9]* mrad in every common convention; --rotation none' "$dir/said"
 done
+
+# ---- columns and frames that explain poses far off are named by recalibrate, too
+awk -F, -v OFS=, 'NR > 1 { $4 *= -1 } 1' "$dir/named.csv" >"$dir/sign.csv"
+awk -F, -v OFS=, 'NR > 1 { w = $11; x = $12; y = $13; $8 *= -1; $9 *= -1; $11 = -$14; $12 = -y; $13 = x; $14 = w } 1' "$dir/named.csv" >"$dir/base.csv"
+run recalibrate "$dir/sign.csv" --free-base --free-tool 2>&1 | tr '\n' ' ' >"$dir/said"
+ok "a joint of the opposite sign" grep -q 'with the opposite sign of joint_4' "$dir/said"
+run recalibrate "$dir/base.csv" 2>&1 | tr '\n' ' ' >"$dir/said"
+ok "a base frame turned by half a turn" grep -q 'with the base turned by 1[78][0-9.]* degrees' "$dir/said"
+run recalibrate "$dir/named.csv" 2>&1 | tr '\n' ' ' >"$dir/said"
+ok "nothing of a log that fits" sh -c "grep -q 'Result' '$dir/said' && ! grep -q 'would agree' '$dir/said'"
 
 # ---- units
 head -n 1 "$dir/named.csv" | sed 's/_m//g' >"$dir/plain.csv"

@@ -57,7 +57,7 @@ refuses "another frame" 3 "free-base" "$mukca" recalibrate "${arm[@]}" "$dir/far
 refuses "too few rows" 5 "5 poses" "$mukca" recalibrate "${arm[@]}" "$dir/few.tsv"
 refuses "a cut-off last line" 3 "cut.tsv:" "$mukca" recalibrate "${arm[@]}" "$dir/cut.tsv"
 refuses "no poses at all" 3 "x_m" "$mukca" recalibrate "${arm[@]}" "$dir/joints.tsv"
-refuses "w last" 3 "quaternions in another order" "$mukca" recalibrate "${arm[@]}" "$dir/last.tsv"
+refuses "w last" 3 "the quaternions fit as xyzw: --rotation xyzw" "$mukca" recalibrate "${arm[@]}" "$dir/last.tsv"
 refuses "flipped signs do no harm" 0 "both  *0.000  *0.000" "$mukca" recalibrate "${arm[@]}" "$dir/sign.tsv"
 awk 'BEGIN { FS = OFS = "\t" } NR == 1 || $4 == 0' "$dir/plain.tsv" >"$dir/still.tsv"
 refuses "a joint that never moved" 0 "'joint_3' never moved" "$mukca" recalibrate "${arm[@]}" "$dir/still.tsv"

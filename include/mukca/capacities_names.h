@@ -23,7 +23,6 @@
 #define mukca_chain_masses MUKCA_SIZED(mukca_chain_masses)
 #define mukca_chain_moments MUKCA_SIZED(mukca_chain_moments)
 #define mukca_effects_displacement MUKCA_SIZED(mukca_effects_displacement)
-#define mukca_effect_describe MUKCA_SIZED(mukca_effect_describe)
 #define mukca_effect_unit MUKCA_SIZED(mukca_effect_unit)
 #define mukca_row_state_start MUKCA_SIZED(mukca_row_state_start)
 #define mukca_row_state_stream MUKCA_SIZED(mukca_row_state_stream)

@@ -228,10 +228,6 @@ void mukca_effect_variant_text(char text[MUKCA_EFFECT_TEXT], const mukca_effect 
 void mukca_effect_term_text(char text[MUKCA_EFFECT_TEXT], const mukca_effect *effect, int term);
 int mukca_effect_term_parse(mukca_effect *effect, const char *text, int n_joints);
 
-/* Difference of an effect from others of its kind, for display: " (240 per turn)"; "": none. */
-void mukca_effect_describe(char *text, size_t size, const mukca_effect *effect,
-                           const mukca_chain *chain);
-
 /* SI unit of an effect's coefficients at its joint: "rad", or "m" at a prismatic joint. */
 const char *mukca_effect_unit(const mukca_effect *effect, const mukca_chain *chain);
 

@@ -8,6 +8,9 @@
 extern "C" {
 #endif
 
+/* Standard gravity, m/s^2 (General Conference on Weights and Measures, 1901). */
+#define MUKCA_GRAVITY 9.80665
+
 /* Gravity load of the joints in one configuration, N m. */
 typedef struct {
     double moment[MUKCA_MAX_JOINTS]

@@ -51,8 +51,8 @@ void mukca_rotation_about(double R[9], const double axis[3], double angle);
 void mukca_rotation_to_quaternion(double q[4], const double R[9]);
 void mukca_rotation_from_quaternion(double R[9], const double q[4]);
 
-/* The rotation R that minimises sum |b - R a|^2, from H = sum a b' (Kabsch 1976); R is left
- * unchanged if the points lie on one line. */
+/* The rotation R that minimises sum |b - R a|^2, from H = sum a b' (Kabsch 1976); if the points lie
+ * on one line, that which is nearest to the R given. */
 void mukca_rotation_nearest(double R[9], const double H[9]);
 
 /* Two unit vectors e1, e2 with e1 x e2 = axis (unit), without a jump near +-z. */

@@ -1,198 +1,107 @@
-/* Numbers from text, correctly rounded, without the C library and its locale. */
+/* Numbers from text without the C library and its locale. */
 #include "base/number.h"
 
 #include <math.h>
-#include <stddef.h>
 #include <stdint.h>
 #include <string.h>
 
 /* Powers of ten that a double represents exactly. */
-static const double exact_power[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
-                                     1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
-                                     1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+enum { LARGEST_POWER = 22 };
+static const double exact_power[LARGEST_POWER + 1] = {
+    1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
+    1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
 
 static bool is_digit(char c)
 {
     return c >= '0' && c <= '9';
 }
 
-#ifdef __SIZEOF_INT128__
-__extension__ typedef unsigned __int128 wide;
-
-/* m / 10^k rounded to nearest even, for m > 0 and k of 0 .. 19: by long division. */
-static double divide(uint64_t m, int k)
+/* The upper half of the bits of a number (Veltkamp 1968). */
+static double upper(double x)
 {
-    const uint64_t power = (uint64_t)exact_power[k];
-    uint64_t left;
-    const int lead = __builtin_clzll(m);
-    const wide numerator = (wide)(m << lead) << 63; /* m 2^(lead + 63) */
-    const wide quotient = numerator / power;        /* 62 bits at least */
-    const bool rest = quotient * power != numerator;
-    const uint64_t high = (uint64_t)(quotient >> 64);
-    const int bits = high ? 128 - __builtin_clzll(high) : 64 - __builtin_clzll((uint64_t)quotient);
-    const int drop = bits - 53;
-    left = (uint64_t)(quotient >> drop);
-    const wide cut = quotient & (((wide)1 << drop) - 1), half = (wide)1 << (drop - 1);
-    if (cut > half || (cut == half && (rest || (left & 1)))) left++;
-    return scalbn((double)left, drop - lead - 63);
+    const double shifted = 134217729 * x; /* 2^27 + 1 */
+    return shifted - (shifted - x);
 }
-#endif
 
-/* Significant digits: the midpoint of two doubles has at most 768.  All further digits, if not
- * zero, are replaced by a single 1. */
-enum { MOST_DIGITS = 770, MOST_LIMBS = 120 };
-
-/* Natural number below 2^(32 * MOST_LIMBS): 10^1115, the largest divisor, has 3704 bits. */
-typedef struct {
-    int n; /* limbs in use; limb[n - 1] is not 0 */
-    uint32_t limb[MOST_LIMBS];
-} big;
-
-/* a := a * factor + summand */
-static void multiply_add(big *a, uint32_t factor, uint32_t summand)
+/* a b minus its rounded value, exactly (Dekker 1971); libraries without the instruction round fma
+ * twice. */
+static double product_rest(double a, double b)
 {
-    uint64_t carry = summand;
-    for (int i = 0; i < a->n; i++) {
-        carry += (uint64_t)a->limb[i] * factor;
-        a->limb[i] = (uint32_t)carry;
-        carry >>= 32;
+    const double a1 = upper(a), b1 = upper(b), a2 = a - a1, b2 = b - b1;
+    return ((a1 * b1 - a * b) + a1 * b2 + a2 * b1) + a2 * b2;
+}
+
+/* high + low := (high + low) * 10^exponent, in steps of exact powers. */
+static void multiply(double *high, double *low, int exponent)
+{
+    while (exponent) {
+        const int size = exponent < 0 ? -exponent : exponent;
+        const int step = size < LARGEST_POWER ? size : LARGEST_POWER;
+        const double power = exact_power[step];
+        if (exponent < 0) {
+            const double quotient = *high / power;
+            *low = (*high - quotient * power - product_rest(quotient, power) + *low) / power;
+            *high = quotient;
+        } else {
+            *low = product_rest(*high, power) + *low * power;
+            *high *= power;
+        }
+        exponent += exponent < 0 ? step : -step;
     }
-    if (carry) a->limb[a->n++] = (uint32_t)carry;
 }
 
-static void multiply_power(big *a, int exponent)
+/* mantissa * 10^exponent, computed in twice the precision of a double: high + low.  The error
+ * before the last rounding is some 2^-103; decimals of 17 digits rarely lie so near to the middle
+ * of two doubles, and those in the middle are exact. */
+static double scale(uint64_t mantissa, int exponent)
 {
-    for (; exponent >= 9; exponent -= 9) multiply_add(a, 1000000000U, 0);
-    for (; exponent > 0; exponent--) multiply_add(a, 10, 0);
-}
-
-static int bits(const big *a)
-{
-    return 32 * a->n - __builtin_clz(a->limb[a->n - 1]);
-}
-
-static void shift(big *a, int left)
-{
-    for (; left >= 31; left -= 31) multiply_add(a, UINT32_C(1) << 31, 0);
-    if (left > 0) multiply_add(a, UINT32_C(1) << left, 0);
-}
-
-static bool is_less(const big *a, const big *b)
-{
-    if (a->n != b->n) return a->n < b->n;
-    for (int i = a->n - 1; i >= 0; i--)
-        if (a->limb[i] != b->limb[i]) return a->limb[i] < b->limb[i];
-    return false;
-}
-
-/* a := a - b, for a >= b */
-static void subtract(big *a, const big *b)
-{
-    int64_t borrow = 0;
-    for (int i = 0; i < a->n; i++) {
-        borrow += (int64_t)a->limb[i] - (i < b->n ? (int64_t)b->limb[i] : 0);
-        a->limb[i] = (uint32_t)borrow;
-        borrow >>= 32;
+    double high = (double)mantissa, low = (double)(int64_t)(mantissa - (uint64_t)high);
+    if (exponent >= -LARGEST_POWER && exponent <= LARGEST_POWER) {
+        multiply(&high, &low, exponent);
+        return high + low;
     }
-    while (a->n > 0 && a->limb[a->n - 1] == 0) a->n--;
+    const int raised = exponent < 0 ? 256 : -256; /* no step is subnormal, or overflows */
+    high = scalbn(high, raised);
+    low = scalbn(low, raised);
+    multiply(&high, &low, exponent);
+    return scalbn(high + low, -raised);
 }
 
-/* a / b rounded to nearest even, for b > 0: 64 bits of the quotient by long division. */
-static double quotient(big *a, big *b)
+/* Read the power of ten after a mantissa, clamped far beyond the range of a double; false: none. */
+static bool read_exponent(int *power, const char **at)
 {
-    if (a->n == 0) return 0;
-    int top = bits(a) - bits(b); /* the quotient is at least 2^(top - 1) */
-    shift(b, top);
-    shift(a, -top);
-    if (is_less(a, b)) {
-        shift(a, 1);
-        top--;
-    }
-    uint64_t mantissa = 0;
-    for (int i = 0; i < 64; i++) {
-        const bool one = !is_less(a, b);
-        if (one) subtract(a, b);
-        mantissa = mantissa << 1 | one;
-        shift(a, 1);
-    }
-    const int kept = top < -1022 ? 53 + 1022 + top : 53; /* fewer if subnormal */
-    if (kept < 0) return 0;
-    const int drop = 64 - kept;
-    const uint64_t half = UINT64_C(1) << (drop - 1);
-    uint64_t left = kept > 0 ? mantissa >> drop : 0;
-    const uint64_t cut = kept > 0 ? mantissa & (2 * half - 1) : mantissa;
-    if (cut > half || (cut == half && (a->n > 0 || (left & 1)))) left++;
-    return scalbn((double)left, top - 63 + drop);
-}
-
-/* The decimal digits at `text` (with or without point) times 10^exponent; infinite if too large. */
-static double divide_digits(const char *text, int exponent)
-{
-    big a = {.n = 0}, b = {.n = 1, .limb = {1}};
-    int digits = 0;
-    bool rest = false;
-    for (; is_digit(*text) || *text == '.'; text++) {
-        if (*text == '.' || (digits == 0 && *text == '0')) continue;
-        if (++digits <= MOST_DIGITS)
-            multiply_add(&a, 10, (uint32_t)(*text - '0'));
-        else
-            rest = rest || *text != '0';
-    }
-    if (digits > MOST_DIGITS) exponent += digits - MOST_DIGITS, digits = MOST_DIGITS;
-    if (digits + exponent > 310) return digits ? HUGE_VAL : 0; /* 10^309 is too large */
-    if (digits + exponent < -330) return 0;                    /* 10^-324 is too small */
-    if (rest) {
-        multiply_add(&a, 10, 1);
-        exponent--;
-    }
-    multiply_power(exponent > 0 ? &a : &b, exponent > 0 ? exponent : -exponent);
-    return quotient(&a, &b);
+    const char *c = *at + 1;
+    const bool negative = *c == '-';
+    if (*c == '-' || *c == '+') c++;
+    if (!is_digit(*c)) return false;
+    for (*power = 0; is_digit(*c); c++)
+        if (*power < 10000) *power = 10 * *power + (*c - '0');
+    if (negative) *power = -*power;
+    *at = c;
+    return true;
 }
 
 bool mukca_number_parse(double *value, const char *text)
 {
+    const uint64_t full = UINT64_C(1000000000000000000); /* 19 digits; 10 times that fits */
     const char *c = text;
-    uint64_t mantissa = 0; /* meaningless beyond 19 digits */
-    int exponent = 0;
+    uint64_t mantissa = 0;
+    int exponent = 0, power = 0;
+    bool digits = false, point = false;
     const bool negative = *c == '-';
     if (*c == '-' || *c == '+') c++;
-    const char *first = c;
-    for (; is_digit(*c); c++) mantissa = 10 * mantissa + (uint64_t)(*c - '0');
-    ptrdiff_t digits = c - first;
-    if (*c == '.') {
-        const char *fraction = ++c;
-        for (; is_digit(*c); c++) mantissa = 10 * mantissa + (uint64_t)(*c - '0');
-        digits += c - fraction;
-        exponent = (int)(fraction - c);
+    for (; is_digit(*c) || (*c == '.' && !point); c++) {
+        if (*c == '.') {
+            point = true;
+            continue;
+        }
+        const bool kept = mantissa < full; /* the digits beyond 19 are cut */
+        if (kept) mantissa = 10 * mantissa + (uint64_t)(*c - '0');
+        exponent += !kept - point;
+        digits = true;
     }
-    if (digits == 0) return false;
-    const bool exact = digits <= 19; /* 10^19 < 2^64 */
-    if (*c == 'e' || *c == 'E') {
-        c++;
-        bool down = *c == '-';
-        if (*c == '-' || *c == '+') c++;
-        if (!is_digit(*c)) return false;
-        int power = 0;
-        for (; is_digit(*c); c++)
-            if (power < 10000) power = 10 * power + (*c - '0');
-        exponent += down ? -power : power;
-    }
-    if (*c) return false;
-    /* Both factors exact: a single, correct rounding (Clinger). */
-    if (exact && mantissa <= (UINT64_C(1) << 53) && exponent >= -22 && exponent <= 22) {
-        double m = (double)mantissa;
-        m = exponent < 0 ? m / exact_power[-exponent] : m * exact_power[exponent];
-        *value = negative ? -m : m;
-        return true;
-    }
-#ifdef __SIZEOF_INT128__
-    if (exact && mantissa > 0 && exponent <= 0 && exponent >= -19) { /* %.17g */
-        const double m = divide(mantissa, -exponent);
-        *value = negative ? -m : m;
-        return true;
-    }
-#endif
-    const double size = divide_digits(first, exponent);
+    if (!digits || ((*c == 'e' || *c == 'E') && !read_exponent(&power, &c)) || *c) return false;
+    const double size = mantissa ? scale(mantissa, exponent + power) : 0;
     *value = negative ? -size : size;
     return isfinite(size);
 }

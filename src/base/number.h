@@ -9,7 +9,8 @@
 #define MUKCA_NUMBER_LARGEST 1e6
 
 /* True if all of `text` is one finite decimal number ("-1.5e-3"); not for hexadecimal, nan, inf,
- * spaces and decimal commas. */
+ * spaces and decimal commas.  Rounded to nearest even; of more than 19 digits, and below 2.3e-308,
+ * to a neighbour of it at most. */
 bool mukca_number_parse(double *value, const char *text);
 
 /* Exactly n numbers separated by spaces, tabs or newlines, as in `xyz="0 0 1"`. */

@@ -1,11 +1,11 @@
 /* Advice while recording: the posterior of the arm after each sample, and the gain by further
  * samples. */
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/pool.h"
 #include "capture/capture.h"
-#include "fit/accept.h"
 #include "fit/evaluate.h"
 #include "math/dense.h"
 #include "math/random.h"
@@ -21,40 +21,42 @@ double mukca_capture_expected_offset(const mukca_capture *capture, int socket, c
                                      int without)
 {
     const mukca_dataset *rows = &capture->rows;
-    const mukca_arm_point *at = &capture->model;
-    const int n = at->n, w = MUKCA_OWN + n + 1;
-    double x[3 * (MUKCA_OWN + MUKCA_MAX_FREE + 1)] = {0}, mean[sizeof x / sizeof *x] = {0};
-    mukca_joint_state state = {.placement = -1};
+    mukca_arm_posterior *p = capture->posterior;
+    const int n = rows->n_joints, w = p ? MUKCA_RIGID + p->m.linear.n_columns + 1 : 0;
+    mukca_pool pool = {0};
+    double *all = MUKCA_TAKE(&pool, double, n *(rows->n_rows + 1)),
+           *X = MUKCA_TAKE(&pool, double, 3 * w * (rows->n_rows + 1));
     int count = 0;
-    for (int i = 0; i < rows->n_rows; i++) {
-        if (rows->socket[i] != socket || i == without) continue;
-        state.q = rows->q + i * rows->n_joints;
-        mukca_arm_point_rows(mean, at, &at->geometry, at->theta, &state, MUKCA_OWN_SHIFT);
-        count++;
-    }
-    if (!count) return HUGE_VAL;
-    state.q = q;
-    mukca_arm_point_rows(x, at, &at->geometry, at->theta, &state, MUKCA_OWN_SHIFT);
+    for (int i = 0; i < rows->n_rows && p && !pool.failed; i++)
+        if (rows->socket[i] == socket && i != without)
+            memcpy(all + n * count++, rows->q + i * n, (size_t)n * sizeof *q);
     double sum = 3 * capture->noise * capture->noise * (1 + 1. / count);
-    for (int k = 0; k < 3 * w; k++) x[k] -= mean[k] / count;
-    for (int k = 0; k < 3; k++)
-        sum += mukca_dense_variance(x + k * w + MUKCA_OWN, capture->factor, n);
-    return sqrt(sum);
+    if (count) memcpy(all + n * count, q, (size_t)n * sizeof *q);
+    const bool known = count && mukca_arm_posterior_probe(X, w, p, all, count + 1);
+    double *x = X + 3 * w * count; /* of q, without the mean of the others */
+    for (int k = 0; known && k < 3 * w; k++)
+        for (int i = 0; i < count; i++) x[k] -= X[3 * w * i + k] / count;
+    for (int k = 0; known && k < 3; k++)
+        sum += mukca_posterior_variance(x + k * w + MUKCA_RIGID, &p->m.evidence.posterior);
+    mukca_pool_free(&pool);
+    return known ? sqrt(sum) : HUGE_VAL;
 }
 
 /* Expected rms error over random configurations.  Rigid motions of the base are no error and are
  * projected out.  NaN: out of memory. */
 static double expected_error(mukca_arm_posterior *p)
 {
-    const int w = p->groups.width, m = 3 * PROBES;
-    double *X = MUKCA_TAKE(&p->pool, double, m *w), sum = 0;
-    double *q = MUKCA_TAKE(&p->pool, double, PROBES * p->chain.n_joints);
+    const int w = MUKCA_RIGID + p->m.linear.n_columns + 1, rows = 3 * PROBES, n = p->chain.n_joints;
+    double *X = MUKCA_TAKE(&p->pool, double, rows *w), sum = 0;
+    double *q = MUKCA_TAKE(&p->pool, double, PROBES *n);
     mukca_random random;
-    if (p->pool.failed) return (double)NAN;
-    mukca_arm_posterior_probe(X, w, q, p, &p->chain, PROBES, &random);
-    mukca_dense_project(X, m, w, 0, MUKCA_OWN);
-    for (int k = 0; k < m; k++)
-        sum += mukca_posterior_variance(X + k * w + MUKCA_OWN, &p->groups.posterior);
+    mukca_random_seed(&random, 1);
+    for (int i = 0; i < PROBES && !p->pool.failed; i++)
+        mukca_posture_draw(q + i * n, &p->chain, &random);
+    if (p->pool.failed || !mukca_arm_posterior_probe(X, w, p, q, PROBES)) return (double)NAN;
+    mukca_dense_project(X, rows, w, 0, MUKCA_RIGID);
+    for (int k = 0; k < rows; k++)
+        sum += mukca_posterior_variance(X + k * w + MUKCA_RIGID, &p->m.evidence.posterior);
     return sqrt(sum / PROBES);
 }
 
@@ -70,23 +72,50 @@ static void list_distances(mukca_dataset *view, const mukca_capture_settings *se
         }
 }
 
-/* Advice from the posterior, which the capture keeps. */
-static void advise(mukca_capture_advice *advice, mukca_capture *capture, mukca_arm_posterior *p)
+/* Advice from the posterior; with more samples like the present ones. */
+static void advise(mukca_capture_advice *advice, const mukca_capture *capture,
+                   mukca_arm_posterior *p)
 {
     const int here = mukca_capture_count(capture, capture->socket);
-    const mukca_posterior *of = &p->groups.posterior;
-    capture->noise = p->groups.noise;
-    for (int i = 0; i < of->n; i++) capture->model.sigma[i] = p->at.sigma[i] * of->prior[i];
-    memcpy(capture->factor, of->factor, (size_t)(of->n * of->n) * sizeof *of->factor);
-    mukca_arm_point_move(&capture->model, p->at.theta);
-    if (!p->n_list) return;
+    double *const weight = p->weight;
     advice->expected = expected_error(p);
-    for (int i = 0; i < p->n_list; i++) /* more like the present ones */
-        if (p->list[i].group == capture->socket) p->list[i].weight *= 1 + (double)MORE_ROWS / here;
-    mukca_arm_posterior_solve(p);
-    advice->expected_more = expected_error(p);
+    for (int more = 1; more >= -1; more -= 2) {
+        for (int i = 0; i < p->data.n_rows; i++)
+            if (p->data.socket[i] == capture->socket)
+                weight[i] *= pow(1 + (double)MORE_ROWS / here, 0.5 * more);
+        mukca_evidence_renew(&p->m.evidence);
+        mukca_regression_factor(&p->m);
+        if (more > 0) advice->expected_more = expected_error(p);
+    }
     advice->more_rows_help =
         here < 3 || advice->expected - advice->expected_more > 0.03 * advice->expected;
+}
+
+void mukca_capture_forget(mukca_capture *capture)
+{
+    if (capture->posterior) mukca_arm_posterior_free(capture->posterior);
+    free(capture->posterior);
+    capture->posterior = NULL;
+    capture->noise = MUKCA_PRIOR_NOISE;
+    mukca_geometry_set(&capture->geometry, &capture->start, NULL);
+}
+
+/* Fit the posterior, which the capture keeps, and advise. */
+static mukca_status renew(mukca_capture_advice *advice, mukca_capture *capture,
+                          const mukca_dataset *view, mukca_error *error)
+{
+    const mukca_tip_change_task task = {.chain = &capture->start, .data = view};
+    mukca_arm_posterior *p = capture->posterior = malloc(sizeof *p);
+    if (!p) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    const mukca_status status = mukca_arm_posterior_fit(p, &task, error);
+    if (status != MUKCA_OK) {
+        mukca_capture_forget(capture);
+        return status;
+    }
+    capture->noise = p->m.unknowns.sigma;
+    capture->geometry = p->m.unknowns.geometry;
+    advise(advice, capture, p);
+    return MUKCA_OK;
 }
 
 mukca_status mukca_capture_advise(mukca_capture_advice *advice, mukca_capture *capture,
@@ -95,21 +124,16 @@ mukca_status mukca_capture_advise(mukca_capture_advice *advice, mukca_capture *c
     mukca_dataset view = capture->rows; /* with distances; owns no memory */
     const int pairs = view.n_sockets * view.n_sockets / 2 + 1;
     mukca_pool pool = {0};
-    mukca_arm_posterior *p = MUKCA_TAKE(&pool, mukca_arm_posterior, 1);
     double *apart = MUKCA_TAKE(&pool, double, pairs);
     view.distances = MUKCA_TAKE(&pool, mukca_distance, pairs);
     *advice = (mukca_capture_advice){(double)NAN, (double)NAN, true};
     mukca_status status = pool.failed ? mukca_fail(error, MUKCA_MEMORY, "out of memory") : MUKCA_OK;
-    if (status == MUKCA_OK) {
+    mukca_capture_forget(capture);
+    if (status == MUKCA_OK && view.n_rows > 0) {
         list_distances(&view, &capture->settings);
-        if (mukca_coincide_drop(apart, &view, &capture->start, NULL, LEAST_TWINS) < 0)
-            status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    }
-    if (status == MUKCA_OK) {
-        const mukca_tip_change_task task = {.chain = &capture->start, .data = &view};
-        status = mukca_arm_posterior_fit(p, &task, error);
-        if (status == MUKCA_OK) advise(advice, capture, p);
-        mukca_arm_posterior_free(p);
+        status = mukca_coincide_drop(apart, &view, &capture->start, NULL, LEAST_TWINS) < 0
+                     ? mukca_fail(error, MUKCA_MEMORY, "out of memory")
+                     : renew(advice, capture, &view, error);
     }
     mukca_pool_free(&pool);
     return status;

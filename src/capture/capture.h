@@ -5,7 +5,7 @@
 
 #include <stdbool.h>
 
-#include "fit/arm_posterior.h"
+#include "accept/posterior.h"
 #include "model/dataset.h"
 #include "mukca/chain.h"
 #include "mukca/status.h"
@@ -23,7 +23,7 @@ typedef struct {
     double window;         /* s, standstill averaged to a sample; 0: 0.2 */
     double range;          /* rad or m, motion of a joint allowed in it; 0: 0.001 */
     double dwell;          /* s, standstill that triggers a sample; 0: 1 */
-    double distance;       /* m, between the sockets; 0: 0.05 */
+    double distance;       /* m, between the sockets; 0: MUKCA_DISTANCE */
     double distance_sigma; /* its standard deviation, m; 0: MUKCA_DISTANCE_SIGMA */
     int n_labels;          /* sockets of a placement; 0: "0" and "1" */
     const char *const *labels;
@@ -57,10 +57,10 @@ typedef struct {
     mukca_capture_settings settings;
     const mukca_chain *chain;
     /* Present model (advice.c): the initial one without samples. */
-    mukca_arm_point model;
-    mukca_chain start; /* the initial one as nominal */
-    double noise;      /* measurement noise of one coordinate, m */
-    double *factor;    /* [n][n] of the posterior, in units of model.sigma */
+    mukca_geometry geometry;
+    mukca_chain start;              /* the initial one as nominal */
+    double noise;                   /* measurement noise of one coordinate, m */
+    mukca_arm_posterior *posterior; /* NULL: without samples */
     /* Stream. */
     int head, count;                    /* ring buffer: next index to write, number stored */
     mukca_capture_reading *ring;        /* [RING] */
@@ -144,6 +144,9 @@ void mukca_capture_spread(double *rms, double *last, const mukca_capture *captur
 void mukca_capture_coverage(double *coverage, const mukca_capture *capture);
 
 /* ---- present model (advice.c) ---- */
+
+/* Return to the initial model. */
+void mukca_capture_forget(mukca_capture *capture);
 
 typedef struct {
     double expected; /* m: expected rms error of the calibrated tip over the joints' ranges, with

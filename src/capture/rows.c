@@ -48,7 +48,7 @@ static int nearest_socket(double *how_far, const mukca_capture *capture, const d
         double mean[3];
         const bool here =
             any || rows->sockets[s].placement == rows->sockets[capture->socket].placement;
-        if (!here || !mukca_socket_mean(mean, &capture->model.geometry, rows, s, without)) continue;
+        if (!here || !mukca_socket_mean(mean, &capture->geometry, rows, s, without)) continue;
         double d = mukca_distance3(x, mean);
         if (d < *how_far) {
             *how_far = d;
@@ -100,7 +100,7 @@ bool mukca_capture_due(int *socket, char text[MUKCA_CAPTURE_TEXT], mukca_capture
     capture->taken = true;
     double x[3], how_far;
     if (find_posture(capture, sample.q, least_difference) >= 0) return false;
-    mukca_fk_position(x, &capture->model.geometry, sample.q, NULL);
+    mukca_fk_position(x, &capture->geometry, sample.q, NULL);
     int nearest = nearest_socket(&how_far, capture, x, -1, false);
     const char *label = nearest < 0 || how_far < 0.5 * s->distance ? NULL : empty_label(capture);
     *socket = nearest < 0 ? capture->socket : nearest;
@@ -167,10 +167,10 @@ void mukca_capture_spread(double *rms, double *last, const mukca_capture *captur
 {
     const mukca_dataset *rows = &capture->rows;
     double mean[3], x[3], apart = 0, squares = 0;
-    const int n = mukca_socket_mean(mean, &capture->model.geometry, rows, socket, -1);
+    const int n = mukca_socket_mean(mean, &capture->geometry, rows, socket, -1);
     for (int i = 0; i < rows->n_rows; i++) {
         if (rows->socket[i] != socket) continue;
-        mukca_fk_position(x, &capture->model.geometry, rows->q + i * rows->n_joints, NULL);
+        mukca_fk_position(x, &capture->geometry, rows->q + i * rows->n_joints, NULL);
         apart = mukca_distance3(x, mean);
         squares += apart * apart;
     }
@@ -197,9 +197,9 @@ static void remark(char text[MUKCA_CAPTURE_TEXT], mukca_capture *capture, int tw
     const double *q = rows->q + latest * rows->n_joints;
     double x[3], own[3], how_far;
     text[0] = '\0';
-    mukca_fk_position(x, &capture->model.geometry, q, NULL);
+    mukca_fk_position(x, &capture->geometry, q, NULL);
     int nearest = nearest_socket(&how_far, capture, x, latest, false);
-    int n = mukca_socket_mean(own, &capture->model.geometry, rows, capture->socket, latest);
+    int n = mukca_socket_mean(own, &capture->geometry, rows, capture->socket, latest);
     double off = n ? mukca_distance3(x, own) : 0;
     double usual = n ? mukca_capture_expected_offset(capture, capture->socket, q, latest) : 0;
     const mukca_socket *sockets = rows->sockets;
@@ -291,26 +291,22 @@ mukca_status mukca_capture_init(mukca_capture *capture, const mukca_chain *chain
     s->window = or_default(s->window, 0.2);
     s->range = or_default(s->range, 1e-3);
     s->dwell = or_default(s->dwell, 1);
-    s->distance = or_default(s->distance, 0.05);
+    s->distance = or_default(s->distance, MUKCA_DISTANCE);
     if (s->n_labels == 0) {
         s->n_labels = 2;
         s->labels = two_sockets;
     }
     capture->chain = chain;
-    mukca_arm_point_init(&capture->model, chain, theta);
     capture->start = *chain;
-    for (int k = 0; k < chain->n_elements; k++) {
-        const double *origin = capture->model.theta + MUKCA_PARAMETERS * k;
-        memcpy(capture->start.element[k].xyz, origin, 3 * sizeof *origin);
-        memcpy(capture->start.element[k].rpy, origin + 3, 3 * sizeof *origin);
+    for (int k = 0; k < chain->n_elements && theta; k++, theta += MUKCA_PARAMETERS) {
+        memcpy(capture->start.element[k].xyz, theta, 3 * sizeof *theta);
+        memcpy(capture->start.element[k].rpy, theta + 3, 3 * sizeof *theta);
     }
-    size_t n_free = (size_t)capture->model.parameters.n;
-    capture->factor = calloc(n_free * n_free, sizeof *capture->factor);
     capture->ring = calloc(MUKCA_CAPTURE_RING, sizeof *capture->ring);
     mukca_status status =
         mukca_dataset_create(&capture->rows, MUKCA_CAPTURE_MAX_ROWS, chain->n_joints,
                              MUKCA_CAPTURE_MAX_SOCKETS, MUKCA_CAPTURE_MAX_PLACEMENTS, error);
-    if (status == MUKCA_OK && (!capture->ring || !capture->factor))
+    if (status == MUKCA_OK && !capture->ring)
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
     mukca_capture_clear(capture);
     mukca_capture_advice none;
@@ -322,7 +318,7 @@ mukca_status mukca_capture_init(mukca_capture *capture, const mukca_chain *chain
 void mukca_capture_free(mukca_capture *capture)
 {
     free(capture->ring);
-    free(capture->factor);
+    mukca_capture_forget(capture);
     mukca_dataset_free(&capture->rows);
     memset(capture, 0, sizeof *capture);
 }

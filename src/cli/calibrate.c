@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "accept/posterior.h"
 #include "cli/calibrate.h"
 #include "fit/align.h"
 #include "fit/mismatch.h"
@@ -38,7 +39,7 @@ static mukca_fit_options fit_options(const calibrate_options *o)
         .selection = {o->free, o->freeze, o->regularise_tip},
         .free_base = o->common.free_base,
         .free_tool = o->common.free_tool,
-        .by_evidence = o->evidence,
+        .theta_of = o->evidence ? mukca_arm_posterior_theta : NULL,
         .cost = {.lambda = o->lambda > 0 ? o->lambda : -1,
                  .gradient = o->gradient == 1 ? MUKCA_GRADIENT_ANALYTIC : MUKCA_GRADIENT_FD},
         .solver = mukca_solver_table[o->solver],
@@ -55,20 +56,26 @@ static bool is_default(const calibrate_options *o)
 /* Compare with the geometry by the evidence.  The priors of a long recording have no weight. */
 static mukca_status compare_evidence(cli_call *call)
 {
-    enum { MOST_ROWS = 5000 };
     const calibrate_options *o = call->options;
     const cli_session *s = call->session;
     calibrate_work *w = call->work;
-    mukca_fit_options both[2] = {fit_options(o), fit_options(o)};
-    both[1].by_evidence = true;
+    mukca_fit_options posterior = fit_options(o);
+    mukca_cross_validation by;
+    posterior.theta_of = mukca_arm_posterior_theta;
+    posterior.parameters_only = true;
     if (o->evidence || !is_default(o) || !w->offsets.acceptance.accepted ||
-        s->data.n_sockets == 0 || s->data.n_rows > MOST_ROWS)
+        s->data.n_sockets == 0 || s->data.n_rows > MUKCA_MOST_SAMPLES)
         return MUKCA_OK;
-    mukca_status status =
-        mukca_fit_run(&w->other, &s->model.chain, &s->data, &both[1], &call->error);
+    mukca_status status = MUKCA_OK;
+    if (s->test.n_rows > 0) /* otherwise each fold is fitted alone */
+        status = mukca_fit_run(&w->other, &s->model.chain, &s->data, &posterior, &call->error);
+    if (status == MUKCA_OK)
+        status = mukca_fit_cross_validate(&by, &w->other, &s->model.chain, &s->data, &s->test,
+                                          &posterior, &call->error);
     if (status != MUKCA_OK) return status;
-    return mukca_fit_compare(&w->evidence, (const mukca_fit *const[]){&w->fit, &w->other}, both,
-                             &s->model.chain, &s->data, &s->test, &call->error);
+    status = mukca_difference_find(&w->evidence, w->held.after, by.after, by.held, &call->error);
+    mukca_cross_validation_free(&by);
+    return status;
 }
 
 static mukca_status write_offsets(cli_call *call)
@@ -110,8 +117,12 @@ static mukca_status run(cli_call *call)
         status = cli_scores_make(call, &w->scores, &fit->chain, fit->theta, NULL, "train");
     if (status != MUKCA_OK) return status;
     mukca_fit_offsets(&w->offsets, fit);
-    status = mukca_accept_fit(&w->offsets, fit, chain, &s->data, &s->test, &wanted, &call->error);
+    status =
+        mukca_fit_cross_validate(&w->held, fit, chain, &s->data, &s->test, &wanted, &call->error);
+    if (status != MUKCA_OK) return status;
+    status = mukca_accept_fit(&w->offsets, fit, &w->held, &s->data, &wanted, &call->error);
     if (status == MUKCA_OK) status = compare_evidence(call);
+    mukca_cross_validation_free(&w->held);
     if (status != MUKCA_OK) return status;
     calibrate_add_traits(call);
     return write_offsets(call);

@@ -2,8 +2,8 @@
 #ifndef MUKCA_CLI_CALIBRATE_H
 #define MUKCA_CLI_CALIBRATE_H
 
+#include "accept/accept.h"
 #include "cli/scores.h"
-#include "fit/accept.h"
 #include "fleet/fleet.h"
 
 typedef struct {
@@ -19,6 +19,7 @@ typedef struct {
     mukca_fit fit, other;            /* the other one: by the evidence */
     double nominal[MUKCA_MAX_THETA]; /* of the chain, free frames aligned to the training data */
     cli_scores scores;
+    mukca_cross_validation held;
     mukca_offsets offsets;     /* with verdict */
     double traits_evidence;    /* log Bayes factor of their means, or of half of them */
     double traits_share;       /* fraction of the means in use, 0 to 1 */

@@ -7,13 +7,13 @@
 #ifndef MUKCA_CLI_H
 #define MUKCA_CLI_H
 
-#include <jansson.h>
 #include <stdbool.h>
-#include <stddef.h>
 #include <stdio.h>
 
 #include "base/pool.h"
 #include "base/text.h"
+#include "cli/json.h"
+#include "cli/options.h"
 #include "io/kinematics.h"
 #include "io/offsets.h"
 #include "io/output.h"
@@ -36,109 +36,6 @@ typedef enum {
     CLI_GROUP_LIST(CLI_GROUP_ENUM)
 #undef CLI_GROUP_ENUM
 } cli_group;
-
-/* Texts given in order; items point into argv. */
-typedef struct {
-    const char **items;
-    int n;
-} cli_list;
-
-/* Type of the member at `offset`, and its valid text. */
-typedef enum {
-    CLI_FLAG,     /* bool; no argument */
-    CLI_TEXT,     /* const char *; the last one given wins */
-    CLI_INPUT,    /* const char *; a file that is read */
-    CLI_OUTPUT,   /* const char *; a file that is written; checked before the command runs */
-    CLI_NUMBER,   /* double; finite */
-    CLI_INTEGER,  /* int */
-    CLI_CHOICE,   /* int; index into `choices` */
-    CLI_POSITIVE, /* double; finite, above 0 (0: not given) */
-    CLI_VECTOR,   /* double[3]; X,Y,Z, finite, not all 0 (all 0: not given) */
-    CLI_TEXTS,    /* cli_list; one text each time, repeatable */
-    CLI_REST      /* cli_list; all arguments that follow, up to the next option or `--` */
-} cli_kind;
-
-enum { CLI_MOST_OPTIONS = 64 }; /* of a command */
-
-typedef struct {
-    const char *name; /* without `--`; NULL ends a table */
-    char letter;      /* 0: none */
-    cli_kind kind;
-    const char *argument;       /* its name in help, NULL for a flag */
-    const char *help;           /* one sentence without a full stop, with the default */
-    const char *const *choices; /* CLI_CHOICE: names, terminated by NULL */
-    double least, most;         /* range of a number; both 0: any */
-    const char *needs;          /* "poses or --at": one of them must be given, too */
-    const char *excludes;       /* "poses at": none of them may be given */
-    size_t offset;              /* of the member in the command's options */
-    unsigned set;               /* of a common option: CLI_WITH_...; 0: the command's own */
-} cli_option;
-
-/* An option as it was given, the last time. */
-typedef struct {
-    const cli_option *option;
-    char *const *words; /* [n_words] of the command line: its name and its value */
-    int n_words;
-} cli_given;
-
-/* Rows of option tables; `member` of the struct `type` gets the value.  The first with further
- * members of cli_option. */
-#define CLI_OPTION_AND(type, member, option, value, metavar, text, ...)           \
-    {                                                                             \
-        .name = (option), .kind = (value), .argument = (metavar), .help = (text), \
-        .offset = offsetof(type, member), __VA_ARGS__                             \
-    }
-#define CLI_OPTION(type, member, option, value, metavar, text) \
-    CLI_OPTION_AND(type, member, option, value, metavar, text, .letter = 0)
-#define CLI_RANGE_OPTION(type, member, option, value, metavar, from, to, text) \
-    CLI_OPTION_AND(type, member, option, value, metavar, text, .least = (from), .most = (to))
-#define CLI_CHOICE_OPTION(type, member, option, metavar, list, text) \
-    CLI_OPTION_AND(type, member, option, CLI_CHOICE, metavar, text, .choices = (list))
-/* -o, whose meaning differs by command; `what`: help text. */
-#define CLI_OUTPUT_OPTION(what) \
-    CLI_OPTION_AND(cli_common, output, "output", CLI_OUTPUT, "FILE", what, .letter = 'o')
-
-/* The options that specify an arm. */
-typedef struct {
-    const char *urdf, *base, *tip, *inertials, *kinematics, *offsets;
-    double gravity[3]; /* m/s^2; all 0: upright base */
-} cli_arm;
-
-/* Options common to all commands: the first member of every command's options struct. */
-typedef struct {
-    cli_arm arm;
-    const char *distances, *json, *output, *payload, *units, *columns, *traits;
-    cli_list test;
-    int angles;                   /* 1: commanded */
-    int map;                      /* 0: by name; 1: in order; 2: in order, w last */
-    double distance, distance_sd; /* m */
-    bool free_base, free_tool, inverse_poses, accept_other_arm, accept_failed, accept_edited, force,
-        quiet, verbose;
-} cli_common;
-
-/* Sets of common options that a command can take.  --force, -q and -v are common to all. */
-enum {
-    CLI_WITH_MODEL = 1 << 0,   /* --urdf to --gravity */
-    CLI_WITH_OFFSETS = 1 << 1, /* --offsets, --accept-other-arm */
-    CLI_WITH_ACCEPT = 1 << 2,  /* --accept-failed, --accept-edited */
-    CLI_WITH_TEST = 1 << 3,
-    CLI_WITH_DISTANCE = 1 << 4,
-    CLI_WITH_DISTANCES = 1 << 5,
-    CLI_WITH_JSON = 1 << 6,
-    CLI_WITH_PAYLOAD = 1 << 7,
-    CLI_WITH_ANGLES = 1 << 8,
-    CLI_WITH_FRAMES = 1 << 9, /* --free-base, --free-tool */
-    CLI_WITH_TRAITS = 1 << 10,
-    CLI_WITH_COLUMNS = 1 << 11, /* --units, --columns */
-    CLI_WITH_MAP = 1 << 12,     /* --map, --inverse-poses */
-    CLI_WITH_TABLES = CLI_WITH_COLUMNS | CLI_WITH_MAP,
-    CLI_WITH_DATA = CLI_WITH_MODEL | CLI_WITH_DISTANCE | CLI_WITH_DISTANCES | CLI_WITH_PAYLOAD |
-                    CLI_WITH_ANGLES | CLI_WITH_TABLES,
-    CLI_WITH_SD = 1 << 13, /* --distance-sd */
-    CLI_WITH_ALL = 1 << 14
-};
-
-#define CLI_USUAL_DISTANCE 0.05 /* m: the tool of the MUKCa paper */
 
 typedef struct cli_call cli_call;
 
@@ -226,7 +123,7 @@ extern const cli_command *const cli_commands[];
  * NULL after the last. */
 const cli_option *cli_next_option(const cli_command *command, const cli_option *option);
 
-/* ---- parsing and help (parse.c, commands.c, text.c, help.c) ---- */
+/* ---- parsing and help (parse.c, options.c, commands.c, text.c) ---- */
 
 /* Fill call->options and call->arguments from argv[argc]; `*help`: -h or --help was given.  Errors:
  * MUKCA_USAGE, MUKCA_MEMORY. */
@@ -298,6 +195,9 @@ bool cli_interrupted(void);
 /* Callbacks for long functions of the library; the context of the second is the call. */
 bool cli_stop(void *context);
 bool cli_show_progress(void *call, double share, const char *doing);
+
+/* --threads, or one for each core that the process may use. */
+int cli_threads(const cli_call *call);
 
 /* ---- inputs and outputs of commands (load.c, outputs.c, json.c) ---- */
 
@@ -376,41 +276,5 @@ void cli_print_acceptance(FILE *stream, const mukca_acceptance *acceptance,
 
 /* The verdict of an offsets table as a JSON object; null for NULL. */
 json_t *cli_json_acceptance(const mukca_acceptance *acceptance);
-
-/* A JSON object: cli_json(KEY("name", text), KEY("error_m", number), ...).  The type of a value is
- * that of C: texts (NULL: null), flags, integers, numbers (null for NaN and infinity), json_t *
- * (stolen; NULL: null).  A comparison is an int: write (bool)(a > b). */
-typedef struct {
-    const char *key;
-    json_t *value;
-} cli_json_member;
-#define KEY(name, of)                        \
-    {                                        \
-        name, _Generic((of),               \
-            bool: cli_json_flag,           \
-            unsigned char: cli_json_flag,  \
-            int: json_integer,             \
-            long: json_integer,            \
-            double: cli_json_real,         \
-            char *: cli_json_text,         \
-            const char *: cli_json_text,   \
-            json_t *: cli_json_value)(of) \
-    }
-#define FIELD(from, member) KEY(#member, (from)->member) /* FIELD(plan, rows_to_name) */
-#define cli_json(...) cli_json_object((const cli_json_member[]){__VA_ARGS__, {NULL, NULL}})
-#define cli_json_append(array, ...) json_array_append_new(array, cli_json(__VA_ARGS__))
-json_t *cli_json_object(const cli_json_member *members); /* up to the key NULL */
-json_t *cli_json_flag(bool value);
-json_t *cli_json_real(double value);
-json_t *cli_json_text(const char *text);
-json_t *cli_json_value(json_t *value);
-json_t *cli_json_positive(int value);               /* NULL unless above 0 */
-json_t *cli_json_interval(double low, double high); /* NULL unless both are finite */
-
-/* Numbers; null for NaN and infinity. */
-json_t *cli_json_reals(const double *values, int n);
-
-/* A pose: position_m, and quaternion, w first. */
-json_t *cli_json_frame(const mukca_frame *frame);
 
 #endif

@@ -133,7 +133,7 @@ static mukca_status correct_table(job *b, const char *path)
     double q[MUKCA_MAX_JOINTS] = {0};
     const bool poses = ((const compensate_options *)call->options)->poses;
     mukca_rows_options header = {
-        .kind = MUKCA_EITHER, .poses = poses, .any_order = true, .note = cli_note, .context = call};
+        .kind = MUKCA_EITHER, .poses = poses, .unchecked = true, .note = cli_note, .context = call};
     mukca_status status = cli_read_format(call, &header.format);
     if (status == MUKCA_OK)
         status = mukca_rows_open(rows, path, &b->arm.chain, &header, &call->error);

@@ -59,7 +59,8 @@ mukca_status cli_diagnosis_run(cli_call *call, cli_diagnosis *d)
     d->options.test = s->test.n_rows ? &s->test : NULL;
     d->options.free_base = c->free_base;
     d->options.free_tool = c->free_tool || several;
-    d->options.applied = d->options.mounting = true;
+    d->options.applied = true;
+    d->options.threads = cli_threads(call);
     d->options.progress = cli_show_progress;
     d->options.progress_context = call;
     d->result = (mukca_diagnosed){.diagnosis = &d->diagnosis,
@@ -207,8 +208,7 @@ const cli_command cli_command_diagnose = {
         "identified), tied (the data cannot distinguish several causes), unknown (structure "
         "outside the catalogue), untestable.\n\n"
         "Held-out errors are those of each placement, predicted from the others; the noise floor "
-        "is the error of a perfect model; intervals are 95 %. -v prints the most probable sets of "
-        "causes.\n\n"
+        "is the error of a perfect model; intervals are 95 %.\n\n"
         "Readings of one posture share a part of the noise, which is estimated. Of more than 5000 "
         "rows, those of one still posture (0.2 mrad) are averaged; of more postures than that, "
         "blocks of successive ones are used, evenly spread.\n\n"
@@ -223,7 +223,7 @@ const cli_command cli_command_diagnose = {
         "  mukca diagnose --urdf data/demo/arm.urdf data/demo/train.tsv \\\n"
         "      --test data/demo/test.tsv",
     .with = CLI_WITH_DATA | CLI_WITH_SD | CLI_WITH_TEST | CLI_WITH_JSON | CLI_WITH_FRAMES |
-            CLI_WITH_TRAITS,
+            CLI_WITH_TRAITS | CLI_WITH_THREADS,
     .options = options,
     .options_size = sizeof(diagnose_options),
     .targets = true,

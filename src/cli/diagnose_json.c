@@ -9,6 +9,15 @@
 #define PLACEMENT(number) KEY("placement", (number) < 0 ? NULL : r->data->placements[number].name)
 #define SOCKET(number) KEY("socket", (number) < 0 ? NULL : r->data->sockets[number].label)
 
+/* Placement of an effect, -1: none; of two placements that differ, neither is the one that changed.
+ */
+static int placement_of(const mukca_diagnosed *r, const mukca_effect *e)
+{
+    const bool apart = mukca_effect_has((int)e->kind, MUKCA_TRAIT_PER_PLACEMENT) &&
+                       !mukca_effect_has((int)e->kind, MUKCA_TRAIT_RECORDING_FAULT);
+    return apart && r->data->n_placements == 2 ? -1 : e->placement;
+}
+
 /* An array of n objects. */
 static json_t *list(const mukca_diagnosed *r, int n, json_t *(*item)(const mukca_diagnosed *r, int))
 {
@@ -39,7 +48,7 @@ static json_t *set(const mukca_diagnosed *r, int i)
                                                 : "outlier"),
                         JOINT(e->joint),
                         KEY("order", cli_json_positive(ordered ? e->variant.order : 0)),
-                        PLACEMENT(listed ? e->placement : -1), KEY("unknown", unknown),
+                        PLACEMENT(listed ? placement_of(r, e) : -1), KEY("unknown", unknown),
                         KEY("row", cli_json_positive(s->member[k].row)));
     }
     return cli_json(FIELD(s, probability), KEY("causes", causes));
@@ -53,9 +62,9 @@ static json_t *cause_object(const mukca_diagnosed *r, const mukca_cause *c)
     for (const mukca_tie *t = c->ties; t < c->ties + c->n_ties; t++)
         cli_json_append(ties, EFFECT(t->effect), JOINT(t->joint),
                         KEY("order", cli_json_positive(t->rival.variant.order)),
-                        FIELD(t, log_bayes_factor), FIELD(t, correlation));
+                        FIELD(t, log_bayes_factor), KEY("correlation", (double)NAN));
     return cli_json(
-        EFFECT(c->effect.kind), JOINT(c->effect.joint), PLACEMENT(c->effect.placement),
+        EFFECT(c->effect.kind), JOINT(c->effect.joint), PLACEMENT(placement_of(r, &c->effect)),
         SOCKET(c->socket), KEY("row", cli_json_positive(c->row)),
         KEY("order", cli_json_positive(site == MUKCA_SITE_ANGLE ? c->effect.variant.order : 0)),
         KEY("order_interval", range[0] > 0 ? json_pack("[i, i]", range[0], range[1]) : NULL),
@@ -65,8 +74,7 @@ static json_t *cause_object(const mukca_diagnosed *r, const mukca_cause *c)
         FIELD(c, amplitude), KEY("unit", mukca_effect_unit(&c->effect, r->chain)),
         KEY("ci95", cli_json_interval(c->low, c->high)), FIELD(c, log_bayes_factor),
         FIELD(c, probability), KEY("ties", ties), FIELD(c, or_unknown),
-        KEY("held_out", shrink(&c->held_out)),
-        KEY("sentence", mukca_wording_rivals(MUKCA_WORDS, c, r)), KEY("cumulative_m", c->rung_m),
+        KEY("held_out", shrink(&c->held_out)), KEY("cumulative_m", c->rung_m),
         KEY("remedy", mukca_wording_remedy(c, r)));
 }
 
@@ -95,7 +103,7 @@ static json_t *alternatives(const mukca_diagnosed *r, const mukca_finding *f)
         cli_json_append(array,
                         KEY("effect", a->listed ? mukca_effect_table[a->effect.kind]->name : NULL),
                         JOINT(joint < r->chain->n_joints ? joint : -1),
-                        PLACEMENT(a->listed ? a->effect.placement : -1),
+                        PLACEMENT(a->listed ? placement_of(r, &a->effect) : -1),
                         KEY("order", cli_json_positive(ordered ? a->effect.variant.order : 0)),
                         KEY("from", mukca_wording_position(r, a->from)),
                         KEY("to", mukca_wording_position(r, a->to)), FIELD(a, probability),
@@ -216,7 +224,6 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *r)
 {
     const mukca_diagnosis *d = r->diagnosis;
     const mukca_streams *s = &d->streams;
-    const double *g = d->gravity;
     const char *caveat = mukca_wording_caveat(MUKCA_WORDS, r);
     json_t *names = json_array(), *test = NULL, *streams = NULL;
     for (int j = 0; j < r->chain->n_joints; j++)
@@ -254,9 +261,9 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *r)
         KEY("maybe", list(r, d->n_maybe, possible)),
         KEY("suspected", list(r, d->n_suspected, suspect)), KEY("sets", list(r, d->n_sets, set)),
         KEY("unexplained_log_bayes_factor", d->structure),
-        KEY("unnamed_m", d->applied_m - d->structure_m),
-        KEY("gravity", g[0] != 0 || g[1] != 0 || g[2] != 0 ? cli_json_reals(g, 3) : NULL),
-        FIELD(d, efforts_correlation), KEY("streams", streams), KEY("logs", logs_object(&d->logs)),
+        KEY("unnamed_m", d->applied_m - d->structure_m), FIELD(d, efforts_correlation),
+        KEY("efforts_turned", d->turned_efforts), KEY("streams", streams),
+        KEY("logs", logs_object(&d->logs)),
         KEY("next_poses",
             list(r, r->next && r->next->finding >= 0 ? r->next->plan.n_rows : 0, next_pose)),
         FIELD(d, elapsed_s));

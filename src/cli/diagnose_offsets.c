@@ -3,8 +3,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "accept/accept.h"
 #include "cli/diagnose.h"
-#include "fit/accept.h"
 #include "fit/align.h"
 
 /* A parameter counts as identifiable if the data at least halve its prior uncertainty. */

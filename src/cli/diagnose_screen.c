@@ -139,32 +139,6 @@ static void print_limits(FILE *stream, const mukca_diagnosed *r)
 
 /* ---- the screen ---- */
 
-/* The most probable sets of causes. */
-static void print_sets(FILE *stream, const mukca_diagnosed *r)
-{
-    const mukca_diagnosis *d = r->diagnosis;
-    bool printed[MUKCA_MAX_SETS] = {false};
-    double rest = 1;
-    if (d->n_sets == 0) return;
-    fprintf(stream, "\n%sSets of causes%s by posterior probability\n", cli_bold(stream),
-            cli_plain(stream));
-    for (int i = 0; i < d->n_sets; i++) { /* sets of the same names are one row */
-        const char *row = mukca_wording_set(MUKCA_WORDS, &d->sets[i], r);
-        double probability = 0;
-        if (printed[i]) continue;
-        for (int k = i; k < d->n_sets; k++) {
-            if (printed[k] || strcmp(row, mukca_wording_set(MUKCA_WORDS, &d->sets[k], r)) != 0)
-                continue;
-            printed[k] = true;
-            probability += d->sets[k].probability;
-        }
-        fprintf(stream, "  %5.1f %%  ", 100 * probability);
-        cli_print_words(stream, 11, 11, row, strlen(row));
-        rest -= probability;
-    }
-    if (rest > 5e-4) fprintf(stream, "  %5.1f %%  other sets\n", 100 * rest);
-}
-
 void cli_diagnosis_print(FILE *stream, const mukca_diagnosed *r, bool details)
 {
     cli_print_head(stream, r->chain->robot, r->data, r->test);
@@ -184,7 +158,6 @@ void cli_diagnosis_print(FILE *stream, const mukca_diagnosed *r, bool details)
     if (details) {
         print_errors(stream, r);
         print_limits(stream, r);
-        print_sets(stream, r);
     }
     fputc('\n', stream);
     cli_print_keyed(stream, "Next", mukca_wording_next(MUKCA_WORDS, r));

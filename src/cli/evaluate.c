@@ -2,8 +2,8 @@
 #include <math.h>
 #include <unistd.h>
 
+#include "accept/accept.h"
 #include "cli/scores.h"
-#include "fit/accept.h"
 #include "fit/align.h"
 
 typedef struct {

@@ -44,7 +44,7 @@ static mukca_status convert(cli_call *call, FILE *stream, const char *path, bool
     mukca_rows *rows = call->work;
     mukca_row row;
     mukca_row_state states;
-    mukca_rows_options header = {.kind = MUKCA_EITHER};
+    mukca_rows_options header = {.kind = MUKCA_EITHER, .unchecked = true};
     mukca_status status = cli_read_format(call, &header.format);
     if (status == MUKCA_OK)
         status = mukca_rows_open(rows, path, &model->chain, &header, &call->error);

@@ -2,7 +2,6 @@
 #ifndef MUKCA_CLI_LIVE_H
 #define MUKCA_CLI_LIVE_H
 
-#include <pthread.h>
 #include <stdbool.h>
 #include <termios.h>
 
@@ -77,27 +76,25 @@ static inline void cli_live_complete(cli_live *live, const cli_common *common)
     live->recorder.capture.distance_sigma = common->distance_sd;
 }
 
-/* ---- standard error of a live recording (live.c) ----
- *
- * A thread writes it, so that a stopped terminal (Ctrl-S) or a
- * slow reader does not stop the recording.  Zeroed: texts are written directly. */
+/* ---- standard error of a live recording (live.c): a stopped terminal (Ctrl-S) or a slow reader
+ * does not stop the recording ---- */
+
 typedef struct {
-    int ends[2]; /* pipe to the thread */
-    bool running;
-    pthread_t thread;
-    long lost; /* texts that did not fit the pipe */
+    int file; /* standard error opened anew, without blocking; 0: standard error itself */
+    char waiting[1 << 16];
+    size_t used; /* bytes of it */
+    long lost;   /* texts that did not fit */
 } cli_relay;
 
-/* Start the thread; and write what is left, and end it.  Harmless if it does not run. */
 void cli_relay_open(cli_relay *relay);
 void cli_relay_close(cli_relay *relay);
 
-/* Write a text of at most PIPE_BUF bytes, whole or not at all; the next one then begins with the
+/* Write a text, or keep it until it is taken; if it does not fit, the next one begins with the
  * number of texts lost. */
 void cli_relay_write(cli_relay *relay, const char *text);
 
-/* Whether all texts have been taken by the thread. */
-bool cli_relay_idle(const cli_relay *relay);
+/* Whether all texts have been taken. */
+bool cli_relay_idle(cli_relay *relay);
 
 /* ---- the terminal of capture: keys, lines, a view redrawn in place (capture_view.c) ---- */
 

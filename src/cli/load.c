@@ -1,5 +1,7 @@
 /* Loading of the arm and the data given by the common options. */
+#define _GNU_SOURCE /* sched_getaffinity() */
 #include <math.h>
+#include <sched.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -12,10 +14,18 @@
 #include "io/dataset.h"
 #include "io/urdf.h"
 #include "model/dataset_subset.h"
+#include "mukca/gravity.h"
 
-/* Of gravity: other values are in other units.  Coefficients of springs are inversely proportional.
- */
-static const double earth = 9.80665, rounding = 0.03; /* m/s^2; relative */
+/* Relative, of gravity: other values are in other units.  Coefficients of springs are inversely
+ * proportional. */
+static const double rounding = 0.03;
+
+int cli_threads(const cli_call *call)
+{
+    cpu_set_t set;
+    if (call->common->threads) return call->common->threads;
+    return sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 1;
+}
 
 mukca_status cli_read_offsets(cli_call *call, mukca_offsets *offsets, mukca_chain *own,
                               const mukca_chain *chain, const char *path)
@@ -59,7 +69,7 @@ mukca_status cli_load_model(cli_call *call, cli_model *model, const cli_arm *arm
         return cli_fail(call, MUKCA_USAGE, "--urdf FILE is needed: the nominal model of the arm");
     mukca_urdf_options options = {.base = arm->base, .tip = arm->tip, .inertials = arm->inertials};
     const double g = mukca_norm3(arm->gravity);
-    if (g > 0 && !(fabs(g / earth - 1) < rounding))
+    if (g > 0 && !(fabs(g / MUKCA_GRAVITY - 1) < rounding))
         return cli_fail(call, MUKCA_USAGE,
                         "--gravity: %g m/s^2 is not that of the earth; give m/s^2", g);
     memcpy(options.gravity, arm->gravity, sizeof options.gravity);
@@ -107,8 +117,13 @@ mukca_status cli_read_format(cli_call *call, mukca_rows_format *format)
     *format = (mukca_rows_format){.units = c->units,
                                   .columns = c->columns,
                                   .by_order = c->map > 0,
-                                  .w_last = c->map == 2,
                                   .inverse = c->inverse_poses};
+    const char *rotation = c->rotation ? c->rotation : c->map == 2 ? "xyzw" : NULL;
+    if (rotation && !mukca_rotation_form_read(&format->rotation, rotation))
+        return cli_fail(call, MUKCA_USAGE,
+                        "--rotation %.40s: give angles as XYZ (intrinsic) or xyz (extrinsic), "
+                        "vector, wxyz, xyzw, inverse or none",
+                        rotation);
     for (const char *next = c->units; next;) {
         const size_t length = strcspn(next, ",");
         size_t k = 0;
@@ -298,7 +313,7 @@ static mukca_status load(cli_call *call)
 mukca_status cli_check_moving(cli_call *call, const mukca_dataset *d, bool postures)
 {
     const size_t n = (size_t)d->n_joints;
-    int *posture = MUKCA_TAKE(&call->pool, int, d->n_rows + 1);
+    int *posture = postures ? MUKCA_TAKE(&call->pool, int, d->n_rows + 1) : NULL;
     if (posture) mukca_postures_find(posture, &call->pool, d);
     if (call->pool.failed) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     for (int s = -1; s < d->n_sockets; s++) { /* -1: measured poses */

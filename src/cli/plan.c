@@ -115,8 +115,10 @@ static mukca_status gather_sockets(plan_work *r)
 static mukca_status find_pair(plan_work *r)
 {
     const mukca_chain *chain = &r->model->chain;
-    const mukca_diagnose_options diagnose = {
-        .no_folds = true, .progress = cli_show_progress, .progress_context = r->call};
+    const mukca_diagnose_options diagnose = {.no_folds = true,
+                                             .threads = cli_threads(r->call),
+                                             .progress = cli_show_progress,
+                                             .progress_context = r->call};
     const int finding = ((const plan_options *)r->call->options)->split - 1;
     mukca_next_poses next;
     const mukca_status status =
@@ -281,7 +283,8 @@ const cli_command cli_command_plan = {
         "      --place front=0.45,0,0.05,0,0,1.57 --rows 40 \\\n"
         "      -o build/demo/plan.tsv --force",
     .with = CLI_WITH_MODEL | CLI_WITH_OFFSETS | CLI_WITH_ACCEPT | CLI_WITH_DISTANCE |
-            CLI_WITH_DISTANCES | CLI_WITH_SD | CLI_WITH_JSON | CLI_WITH_PAYLOAD | CLI_WITH_TABLES,
+            CLI_WITH_DISTANCES | CLI_WITH_SD | CLI_WITH_JSON | CLI_WITH_PAYLOAD | CLI_WITH_TABLES |
+            CLI_WITH_THREADS,
     .options = options,
     .options_size = sizeof(plan_options),
     .defaults = &defaults,

@@ -2,10 +2,12 @@
 #include "cli/recalibrate.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
-#include "fit/accept.h"
+#include "accept/accept.h"
+#include "cli/scores.h"
 #include "io/pose_log.h"
 
 typedef struct {
@@ -77,9 +79,6 @@ static void use_check(cli_call *call, cli_recalibrated *r, const mukca_chain *ch
     r->options.tool = c->tool;
 }
 
-/* Rows of a log for its verdict: the mean error is known to 1 %. */
-enum { MOST_JUDGED = 5000 };
-
 static void release(void *work)
 {
     cli_recalibrated *r = work;
@@ -121,15 +120,17 @@ static void fill_offsets(mukca_offsets *out, const mukca_recalibration *fit,
 {
     const double step = 1e-6;
     double theta[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS];
+    const mukca_pose_model *fitted = &fit->stage[MUKCA_WITH_BOTH];
     mukca_offsets_init(out, chain);
-    mukca_pose_model_theta(out->theta, &fit->stage[MUKCA_WITH_BOTH], arm);
+    mukca_pose_model_theta(out->theta, fitted, arm);
     for (int u = 0; u < fit->found.n; u++) {
         const mukca_unknown *x = &fit->found.unknown[u];
         const bool angle = mukca_unknown_is_angle(x->kind);
-        mukca_pose_model moved = fit->stage[MUKCA_WITH_BOTH];
+        mukca_pose_model moved = *fitted;
+        if (!mukca_unknown_element(x, arm)) continue;
         mukca_pose_model_add(&moved, x, step);
         mukca_pose_model_theta(theta, &moved, arm);
-        for (int i = angle ? 3 : x->axis; x->element >= 0 && i <= (angle ? 5 : x->axis); i++) {
+        for (int i = angle ? 3 : x->axis; i <= (angle ? 5 : x->axis); i++) {
             const int at = MUKCA_PARAMETERS * x->element + i;
             const double by = (theta[at] - out->theta[at]) / step * fit->found.sigma[u];
             const bool known =
@@ -149,8 +150,8 @@ static mukca_status take_part(mukca_dataset *part, double *errors, const mukca_r
     const mukca_chain *arm = task->chain;
     const mukca_pose_model *model = &fit->stage[MUKCA_WITH_BOTH];
     const long rows = task->log->n;
-    const int most = rows < MOST_JUDGED ? (int)rows : MOST_JUDGED;
-    const long every = (rows + MOST_JUDGED - 1) / MOST_JUDGED;
+    const int most = rows < MUKCA_MOST_SAMPLES ? (int)rows : MUKCA_MOST_SAMPLES;
+    const long every = (rows + MUKCA_MOST_SAMPLES - 1) / MUKCA_MOST_SAMPLES;
     const mukca_pose_row *row;
     mukca_status status = mukca_pose_log_rewind(task->log, error);
     if (status == MUKCA_OK) status = mukca_dataset_create(part, most, arm->n_joints, 0, 0, error);
@@ -194,7 +195,7 @@ static mukca_status judge_offsets(cli_call *call, cli_recalibrated *r)
     const mukca_recalibrate_task train = task_of(r, &r->log), test = task_of(r, &r->test_log);
     mukca_acceptance *a = &r->offsets.acceptance;
     mukca_dataset *part = &call->session->data, *judged = r->tested ? &call->session->test : part;
-    double *errors = MUKCA_TAKE(&call->pool, double, 2 * MOST_JUDGED);
+    double *errors = MUKCA_TAKE(&call->pool, double, 2 * MUKCA_MOST_SAMPLES);
     if (!errors) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     snprintf(a->error_of, sizeof a->error_of, "%s, %ld poses",
              r->tested ? "test data" : "generalized cross-validation", poses);
@@ -205,20 +206,20 @@ static mukca_status judge_offsets(cli_call *call, cli_recalibrated *r)
     if (status == MUKCA_OK && r->tested)
         status = take_part(judged, errors, fit, &test, &call->error);
     if (status != MUKCA_OK) return status;
-    double *after = errors + (poses < MOST_JUDGED ? poses : MOST_JUDGED);
+    double *after = errors + (poses < MUKCA_MOST_SAMPLES ? poses : MUKCA_MOST_SAMPLES);
     for (int i = 0; i < judged->n_rows; i++) after[i] = spare > 0 ? after[i] / spare : (double)NAN;
-    return mukca_accept(&r->offsets,
-                        &(mukca_accept_task){
-                            .change = {.chain = &r->arm,
-                                       .to = &r->offsets,
-                                       .data = part,
-                                       .free_base = r->options.free_base},
-                            .held = judged,
-                            .before = errors,
-                            .after = after,
-                            .turn_rad = mukca_errors_median(&fit->errors[MUKCA_WITH_BOTH].rotation),
-                            .training_m = NAN},
-                        &call->error);
+    return mukca_accept(
+        &r->offsets,
+        &(mukca_accept_task){.change = {.chain = &r->arm,
+                                        .to = &r->offsets,
+                                        .data = part,
+                                        .free_base = r->options.free_base},
+                             .held = judged,
+                             .before = errors,
+                             .after = after,
+                             .turn_rad = fit->errors[MUKCA_WITH_BOTH].rotation.median,
+                             .training_m = NAN},
+        &call->error);
 }
 
 static mukca_status write_offsets(cli_call *call, const mukca_offsets *offsets)
@@ -230,6 +231,30 @@ static mukca_status write_offsets(cli_call *call, const mukca_offsets *offsets)
         snprintf(names.files[names.n_files++], sizeof *names.files, "%s", call->arguments.items[i]);
     return cli_write_offsets(call, call->common->output, offsets, &call->session->model.chain,
                              &names, "method: recalibrate (poses)");
+}
+
+/* A log that does not fit the arm: print the mix-up of its columns or frames that explains it, from
+ * as many samples as that needs. */
+static void explain_misfit(cli_call *call, cli_recalibrated *r)
+{
+    enum { MOST = 500 }; /* fit/mismatch.c uses no more */
+    const int n_joints = call->session->model.chain.n_joints;
+    const long every = r->log.n / MOST + 1;
+    const mukca_pose_row *row;
+    mukca_dataset d = {0};
+    mukca_error error; /* only a hint */
+    bool ready = mukca_dataset_create(&d, MOST, n_joints, 0, 0, &error) == MUKCA_OK;
+    d.position = calloc(MOST, 3 * sizeof *d.position);
+    ready = ready && d.position && mukca_pose_log_rewind(&r->log, &error) == MUKCA_OK;
+    d.n_rows = 0;
+    for (long i = 0; ready && d.n_rows < MOST; i++) {
+        if (mukca_pose_log_next(&row, &r->log, &error) != MUKCA_OK || !row) break;
+        if (i % every != 0) continue;
+        memcpy(d.q + d.n_rows * n_joints, row->q, (size_t)n_joints * sizeof *d.q);
+        memcpy(d.position + 3 * d.n_rows++, row->position, sizeof row->position);
+    }
+    if (ready) cli_print_mismatch(call, &d, r->options.free_base, r->options.free_tool);
+    mukca_dataset_free(&d);
 }
 
 /* Open the logs, and determine what they measure. */
@@ -260,9 +285,12 @@ static mukca_status run(cli_call *call)
     if (!r->fit) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     mukca_status status = open_logs(call, r);
     if (status == MUKCA_OK) status = fit_and_judge(call, r);
+    if (status == MUKCA_INPUT && r->log.n) explain_misfit(call, r);
     if (status != MUKCA_OK) return status;
     fill_offsets(&r->offsets, r->fit, &call->session->model.chain, &r->arm);
     status = judge_offsets(call, r);
+    if (status == MUKCA_OK && !(r->robust->calibrated && r->offsets.acceptance.accepted))
+        explain_misfit(call, r);
     return status == MUKCA_OK && r->robust->calibrated ? write_offsets(call, &r->offsets) : status;
 }
 

@@ -132,9 +132,8 @@ static json_t *stage_json(const mukca_vector_errors *e, bool angle)
 {
     json_t *object = moments_json(&e->length, angle), *axes = json_array();
     for (int a = 0; a < 3; a++) json_array_append_new(axes, moments_json(&e->axis[a], angle));
-    json_object_update_new(object,
-                           cli_json(KEY(angle ? "median_rad" : "median_m", mukca_errors_median(e)),
-                                    KEY("axes", axes)));
+    json_object_update_new(
+        object, cli_json(KEY(angle ? "median_rad" : "median_m", e->median), KEY("axes", axes)));
     return object;
 }
 
@@ -164,15 +163,15 @@ static json_t *unknowns_json(const cli_recalibrated *r)
     char text[MUKCA_UNKNOWN_TEXT];
     json_t *array = json_array();
     for (int u = 0; u < f->found.n; u++) {
-        const int k = f->found.unknown[u].element, j = k < 0 ? -1 : arm->element[k].joint;
+        const mukca_element *e = mukca_unknown_element(&f->found.unknown[u], arm);
         const bool zero = f->found.unknown[u].kind == MUKCA_UNKNOWN_ZERO;
         mukca_unknown_text(text, &f->found.unknown[u], arm);
-        cli_json_append(
-            array, KEY("name", text), KEY("joint", k < 0 ? NULL : arm->element[k].name),
-            KEY("value", f->found.value[u]),
-            KEY("unit", mukca_unknown_is_angle(f->found.unknown[u].kind) ? "rad" : "m"),
-            KEY("sigma", f->found.sigma[u]),
-            KEY("identifiable", (bool)(f->found.identifiable[u] && !(zero && never_moved(r, j)))));
+        cli_json_append(array, KEY("name", text), KEY("joint", e ? e->name : NULL),
+                        KEY("value", f->found.value[u]),
+                        KEY("unit", mukca_unknown_is_angle(f->found.unknown[u].kind) ? "rad" : "m"),
+                        KEY("sigma", f->found.sigma[u]),
+                        KEY("identifiable", (bool)(f->found.identifiable[u] &&
+                                                   !(zero && never_moved(r, e->joint)))));
     }
     return array;
 }

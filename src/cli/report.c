@@ -3,10 +3,10 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "accept/accept.h"
 #include "base/file.h"
 #include "cli/diagnose.h"
 #include "cli/traits.h"
-#include "fit/accept.h"
 #include "fit/mismatch.h"
 #include "report/report.h"
 
@@ -154,7 +154,8 @@ const cli_command cli_command_report = {
     .example =
         "  mukca report --urdf data/demo/arm.urdf data/demo/train.tsv \\\n"
         "      --test data/demo/test.tsv -o build/demo/report.html --force",
-    .with = CLI_WITH_DATA | CLI_WITH_SD | CLI_WITH_OFFSETS | CLI_WITH_TEST | CLI_WITH_FRAMES,
+    .with = CLI_WITH_DATA | CLI_WITH_SD | CLI_WITH_OFFSETS | CLI_WITH_TEST | CLI_WITH_FRAMES |
+            CLI_WITH_THREADS,
     .options = options,
     .options_size = sizeof(report_options),
     .any_table = true,

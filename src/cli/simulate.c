@@ -284,7 +284,7 @@ static mukca_status record_at(cli_call *call, mukca_dataset *data)
     const own *o = call->options;
     simulation *s = call->work;
     const size_t size = (size_t)s->model->chain.n_joints * sizeof(double);
-    const mukca_rows_options header = {.kind = MUKCA_EITHER};
+    const mukca_rows_options header = {.kind = MUKCA_EITHER, .unchecked = true};
     double *q = NULL;
     int count = 0;
     mukca_row row;

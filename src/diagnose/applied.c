@@ -57,9 +57,9 @@ static void length_sigmas(mukca_applied *a, mukca_regression *m)
     const int factor = u->first_tracker - 1;
     const bool poses = m->recording.groups[0].socket < 0;
     for (int k = poses ? 0 : chain->joint_element[0] + 1; k < chain->n_elements; k++) {
-        bool own = false;
-        for (int s = 0; s < u->n_slots; s++) own |= u->slot_element[s] == k;
-        for (int c = 0; c < 3 && !own; c++) {
+        bool is_free = false;
+        for (int s = 0; s < u->n_slots; s++) is_free |= u->slot_element[s] == k;
+        for (int c = 0; c < 3 && !is_free; c++) {
             const double length = chain->element[k].xyz[c];
             const int i = MUKCA_PARAMETERS * k + c;
             if (!(fabs(length) > 0)) continue;

@@ -3,49 +3,11 @@
 
 #include <math.h>
 
-/* Root of the summed squares of Gaussian bumps one width apart, pi^(1/4): divided by it, a function
- * with independent coefficients has their standard deviation. */
-#define BUMP_NORM 1.33
-
-enum {
-    TIME_BUMPS = 10, /* over the whole recording */
-    POWERS = 4,      /* Chebyshev polynomials of another joint's angle, degree 1 to 4 */
-    PRODUCT_DEGREE = 3,
-    PRODUCTS = (PRODUCT_DEGREE + 1) * (PRODUCT_DEGREE + 2) / 2 - 1
-};
-
 /* Factor from sample to sample of the displacement of a badly seated ball that settles: the largest
  * correlation of successive samples in recordings. */
 #define SETTLING 0.75
 
 #define COUNT(array) ((int)(sizeof(array) / sizeof *(array)))
-
-typedef void fill_fn(const mukca_candidate *h, const mukca_recording *recording);
-static fill_fn fill_effect, fill_bumps, fill_polynomials, fill_slip, fill_stretch;
-
-/* Classes of kinds: that of the candidate's effect; of the effect that moves a socket; unknown. */
-enum { OF_EFFECT = -1, OF_SOCKET = -2, UNKNOWN = MUKCA_CLASS_UNKNOWN };
-
-/* Each kind: its class and site, terms and components of a term (0: see set_shape()), and its basis
- * (NULL: none). */
-static const struct {
-    int class, site, terms, width;
-    fill_fn *fill;
-} kinds[MUKCA_CANDIDATE_KINDS] = {
-    [MUKCA_CANDIDATE_EFFECT] = {OF_EFFECT, OF_EFFECT, 0, 0, fill_effect},
-    [MUKCA_CANDIDATE_MOTION] = {OF_SOCKET, MUKCA_SITE_SOCKET, 3, 3, NULL},
-    [MUKCA_CANDIDATE_OUTLIER] = {MUKCA_CLASS_OUTLIER, MUKCA_SITE_SOCKET, 3, 3, NULL},
-    [MUKCA_CANDIDATE_OWN_ANGLE] = {UNKNOWN, MUKCA_SITE_ANGLE, 0, 1, fill_bumps},
-    [MUKCA_CANDIDATE_OTHER_ANGLE] = {UNKNOWN, MUKCA_SITE_ANGLE, POWERS, 1, fill_polynomials},
-    [MUKCA_CANDIDATE_ANGLE_PRODUCT] = {UNKNOWN, MUKCA_SITE_ANGLE, PRODUCTS, 1, fill_polynomials},
-    [MUKCA_CANDIDATE_TIME] = {UNKNOWN, MUKCA_SITE_ANGLE, TIME_BUMPS, 1, fill_bumps},
-    [MUKCA_CANDIDATE_SLIP] = {UNKNOWN, MUKCA_SITE_ANGLE, 1, 1, fill_slip},
-    [MUKCA_CANDIDATE_STRETCH] = {UNKNOWN, MUKCA_SITE_FRAME, 3, 1, fill_stretch},
-    [MUKCA_CANDIDATE_UNLISTED_ANGLE] = {UNKNOWN, MUKCA_SITE_ANGLE, 0, 1, mukca_unlisted_fill},
-    [MUKCA_CANDIDATE_UNLISTED_FRAME] = {UNKNOWN, MUKCA_SITE_FRAME, 0, 1, mukca_unlisted_fill},
-    [MUKCA_CANDIDATE_UNLISTED_BASE] = {UNKNOWN, MUKCA_SITE_BASE, 0, 3, mukca_unlisted_fill},
-    [MUKCA_CANDIDATE_UNLISTED_TILT] = {UNKNOWN, MUKCA_SITE_SEAT, 3, 3, NULL},
-    [MUKCA_CANDIDATE_UNLISTED_PAIR] = {UNKNOWN, MUKCA_SITE_DISTANCE, 1, 1, NULL}};
 
 mukca_candidate mukca_candidate_of(const mukca_effect *effect)
 {
@@ -57,20 +19,15 @@ mukca_candidate mukca_candidate_of(const mukca_effect *effect)
 
 int mukca_candidate_class(const mukca_candidate *h)
 {
-    const int class = kinds[h->kind].class;
-    return class == OF_EFFECT   ? (int)h->effect.kind
-           : class == OF_SOCKET ? (int)mukca_effect_at(MUKCA_SITE_SOCKET, 0)
-                                : class;
+    return h->kind == MUKCA_CANDIDATE_EFFECT    ? (int)h->effect.kind
+           : h->kind == MUKCA_CANDIDATE_MOTION  ? (int)mukca_effect_at(MUKCA_SITE_SOCKET, 0)
+           : h->kind == MUKCA_CANDIDATE_OUTLIER ? (int)MUKCA_CLASS_OUTLIER
+                                                : (int)MUKCA_CLASS_UNKNOWN;
 }
 
 bool mukca_candidate_is_fault(const mukca_candidate *h)
 {
-    return kinds[h->kind].site == MUKCA_SITE_SOCKET;
-}
-
-bool mukca_candidate_is_unlisted(const mukca_candidate *h)
-{
-    return h->kind >= MUKCA_CANDIDATE_UNLISTED_ANGLE;
+    return h->kind == MUKCA_CANDIDATE_MOTION || h->kind == MUKCA_CANDIDATE_OUTLIER;
 }
 
 mukca_effect mukca_candidate_effect(const mukca_candidate *h)
@@ -84,8 +41,9 @@ mukca_effect mukca_candidate_effect(const mukca_candidate *h)
 
 int mukca_candidate_site(const mukca_candidate *h)
 {
-    const int site = kinds[h->kind].site;
-    return site == OF_EFFECT ? (int)mukca_effect_table[h->effect.kind]->site : site;
+    return h->kind == MUKCA_CANDIDATE_EFFECT     ? (int)mukca_effect_table[h->effect.kind]->site
+           : h->kind == MUKCA_CANDIDATE_UNLISTED ? mukca_unlisted_site(h)
+                                                 : (int)MUKCA_SITE_SOCKET;
 }
 
 bool mukca_candidate_moves_arm(const mukca_candidate *h)
@@ -109,8 +67,9 @@ bool mukca_candidate_same(const mukca_candidate *a, const mukca_candidate *b)
     if (mukca_candidate_is_fault(a))
         return a->fault.group == b->fault.group && a->fault.first == b->fault.first &&
                a->fault.last == b->fault.last && a->fault.shape == b->fault.shape;
-    if (mukca_candidate_site(a) == MUKCA_SITE_SEAT)
-        return a->of.joint == b->of.joint && a->of.turns == b->of.turns;
+    if (mukca_candidate_site(a) == MUKCA_SITE_SEAT && a->unlisted.argument != b->unlisted.argument)
+        return false;
+    if (a->kind == MUKCA_CANDIDATE_UNLISTED && a->unlisted.place != b->unlisted.place) return false;
     return a->basis == b->basis; /* of one list */
 }
 
@@ -193,80 +152,14 @@ int mukca_candidate_key(const mukca_candidate *h)
     } else if (mukca_effect_has(class, MUKCA_TRAIT_ORDERS)) {
         place = h->effect.variant.order;
     } else if (class == MUKCA_CLASS_UNKNOWN) {
-        place = (int)h->kind + MUKCA_CANDIDATE_KINDS * ((int)h->of.argument + h->of.row);
-        at = h->joint < 0 ? h->placement : at + MUKCA_MAX_JOINTS * h->of.turns;
+        const bool step = mukca_unlisted_functions[h->unlisted.function].shape == MUKCA_SHAPE_STEP;
+        place = h->unlisted.function * MUKCA_PLACES + (int)h->unlisted.place;
+        if (step) place = MUKCA_UNLISTED_FUNCTIONS * MUKCA_PLACES + (int)h->unlisted.measure;
+        if (h->joint < 0) at = h->placement + 1;
     } else {
         place = h->placement + 1;
     }
     return (place * 2 * MUKCA_MAX_JOINTS + at) * MUKCA_CLASSES + class;
-}
-
-/* x in the range, mapped to [-1, 1]. */
-static double normalised(double x, const double range[2])
-{
-    return range[1] > range[0] ? (2 * x - range[0] - range[1]) / (range[1] - range[0]) : 0;
-}
-
-/* T[0 .. degree] at x: Chebyshev polynomials by their recurrence. */
-static void chebyshev(double *T, int degree, double x)
-{
-    T[0] = 1, T[1] = x;
-    for (int k = 2; k <= degree; k++) T[k] = 2 * x * T[k - 1] - T[k - 2];
-}
-
-/* Gaussian bumps of `width` on a grid over the range of the joint's angle, or of time. */
-static void fill_bumps(const mukca_candidate *h, const mukca_recording *recording)
-{
-    const bool timed = h->of.joint < 0;
-    const double *x = timed ? recording->time : recording->q;
-    const int columns = timed ? 1 : recording->chain->n_joints, column = timed ? 0 : h->joint;
-    double range[2];
-    mukca_recording_range(range, recording, x, columns, column);
-    const double width = timed ? (range[1] - range[0]) / (h->terms - 1) : h->of.size;
-    for (int row = 0; row < recording->data->n_rows; row++)
-        for (int t = 0; t < h->terms; t++) {
-            const double u = (x[row * columns + column] - range[0] - t * width) / width;
-            h->basis[row * h->terms + t] = (float)(exp(-0.5 * u * u) / BUMP_NORM);
-        }
-}
-
-/* Chebyshev polynomials T_a of the other joint's angle, a >= 1; with products T_a T_b of both
- * angles, 0 < a + b <= PRODUCT_DEGREE. */
-static void fill_polynomials(const mukca_candidate *h, const mukca_recording *recording)
-{
-    const int n_joints = recording->chain->n_joints;
-    const double *q = recording->q;
-    double range[2], own_range[2];
-    mukca_recording_range(range, recording, q, n_joints, h->of.joint);
-    mukca_recording_range(own_range, recording, q, n_joints, h->joint);
-    for (int row = 0; row < recording->data->n_rows; row++, q += n_joints) {
-        double T[POWERS + 1], own[PRODUCT_DEGREE + 1];
-        float *out = h->basis + row * h->terms;
-        chebyshev(T, POWERS, normalised(q[h->of.joint], range));
-        if (h->kind == MUKCA_CANDIDATE_OTHER_ANGLE) {
-            for (int t = 0; t < POWERS; t++) out[t] = (float)T[t + 1];
-            continue;
-        }
-        chebyshev(own, PRODUCT_DEGREE, normalised(q[h->joint], own_range));
-        for (int a = 0; a <= PRODUCT_DEGREE; a++)
-            for (int b = 0; a + b <= PRODUCT_DEGREE; b++)
-                if (a + b > 0) *out++ = (float)(T[a] * own[b]);
-    }
-}
-
-static void fill_slip(const mukca_candidate *h, const mukca_recording *recording)
-{
-    for (int row = 0; row < recording->data->n_rows; row++) h->basis[row] = row >= h->of.row;
-}
-
-static void fill_stretch(const mukca_candidate *h, const mukca_recording *recording)
-{
-    double range[2];
-    mukca_recording_range(range, recording, recording->time, 1, 0);
-    for (int row = 0; row < recording->data->n_rows; row++)
-        for (int t = 0; t < 3; t++)
-            h->basis[3 * row + t] =
-                (float)(1 - exp(-(recording->time[row] - range[0]) / h->of.size));
 }
 
 /* Basis of an effect; additional terms of an elastic effect: under the load of each single body. */
@@ -328,34 +221,32 @@ static void set_units(double *unit, const mukca_candidate *h, const mukca_record
             unit[t] = unit[0] / mukca_recording_mass_spread(recording, t - 1);
     }
     /* components of one argument have one size: one that hardly varies is noise */
-    for (int t = 0; t < h->terms && mukca_candidate_is_unlisted(h); t++)
+    for (int t = 0; t < h->terms && h->kind == MUKCA_CANDIDATE_UNLISTED; t++)
         unit[0] = fmax(unit[0], unit[t]);
-    for (int t = 1; t < h->terms && mukca_candidate_is_unlisted(h); t++) unit[t] = unit[0];
+    for (int t = 1; t < h->terms && h->kind == MUKCA_CANDIDATE_UNLISTED; t++) unit[t] = unit[0];
 }
 
-/* Number of terms of a candidate, and components of a term, where they depend on the recording. */
+/* Number of terms of a candidate, and components of a term. */
 static void set_shape(mukca_candidate *h, const mukca_recording *recording)
 {
-    double range[2];
-    if (h->kind == MUKCA_CANDIDATE_EFFECT) {
-        const int site = mukca_candidate_site(h);
-        h->width_of_term = site == MUKCA_SITE_ANGLE || site == MUKCA_SITE_DISTANCE ? 1
-                           : site == MUKCA_SITE_ANGLES ? recording->chain->n_joints
-                                                       : 3;
-        h->terms = h->effect.terms = mukca_effect_terms(&h->effect);
-        if (is_elastic(h) && !h->as_one && recording->options.mass_spread > 0)
-            h->terms = 1 + recording->n_bodies;
-    } else if (h->kind == MUKCA_CANDIDATE_OWN_ANGLE) {
-        mukca_recording_range(range, recording, recording->q, recording->chain->n_joints, h->joint);
-        h->terms = (int)fmin(ceil((range[1] - range[0]) / h->of.size) + 1, MUKCA_MAX_COLUMNS);
-    } else {
-        h->terms = mukca_unlisted_terms(h);
-    }
+    const int site = mukca_candidate_site(h);
+    h->terms = h->width_of_term = 3; /* of faults */
+    if (h->kind == MUKCA_CANDIDATE_UNLISTED) mukca_unlisted_set_shape(h, recording);
+    if (h->kind != MUKCA_CANDIDATE_EFFECT) return;
+    h->width_of_term = site == MUKCA_SITE_ANGLE || site == MUKCA_SITE_DISTANCE ? 1
+                       : site == MUKCA_SITE_ANGLES ? recording->chain->n_joints
+                                                   : 3;
+    h->terms = h->effect.terms = mukca_effect_terms(&h->effect);
+    if (is_elastic(h) && !h->as_one && recording->options.mass_spread > 0)
+        h->terms = 1 + recording->n_bodies;
 }
 
 void mukca_candidate_fill(const mukca_candidate *h, const mukca_recording *recording)
 {
-    kinds[h->kind].fill(h, recording);
+    if (h->kind == MUKCA_CANDIDATE_EFFECT)
+        fill_effect(h, recording);
+    else
+        mukca_unlisted_fill(h, recording);
 }
 
 bool mukca_candidate_prepare(mukca_candidate *h, mukca_pool *pool, const mukca_recording *recording)
@@ -363,9 +254,7 @@ bool mukca_candidate_prepare(mukca_candidate *h, mukca_pool *pool, const mukca_r
     const int rows = recording->data->n_rows;
     static const double metres[3] = {1, 1, 1};
     h->unit = metres;
-    h->terms = kinds[h->kind].terms;
-    h->width_of_term = kinds[h->kind].width;
-    if (!h->terms) set_shape(h, recording);
+    set_shape(h, recording);
     if (!mukca_candidate_moves_arm(h) && mukca_candidate_site(h) != MUKCA_SITE_FRAME) return true;
     double *unit = MUKCA_TAKE(pool, double, h->terms);
     /* three spare entries: it is read four at a time */
@@ -374,7 +263,7 @@ bool mukca_candidate_prepare(mukca_candidate *h, mukca_pool *pool, const mukca_r
     for (int t = 0; t < h->terms; t++) unit[t] = 1;
     h->unit = unit;
     mukca_candidate_fill(h, recording);
-    if (h->kind == MUKCA_CANDIDATE_EFFECT || mukca_candidate_is_unlisted(h))
+    if (h->kind == MUKCA_CANDIDATE_EFFECT || !mukca_unlisted_is_normalised(h))
         set_units(unit, h, recording);
     return true;
 }

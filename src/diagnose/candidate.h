@@ -17,44 +17,55 @@ enum {
 
 /* An effect of the catalogue, or a rival explanation of the structure. */
 typedef enum {
-    MUKCA_CANDIDATE_EFFECT,        /* of the catalogue, but for motions of a socket */
-    MUKCA_CANDIDATE_MOTION,        /* of the catalogue: a socket moved */
-    MUKCA_CANDIDATE_OUTLIER,       /* one sample displaced, or a few successive ones alike */
-    MUKCA_CANDIDATE_OWN_ANGLE,     /* unknown: joint error, a smooth function of its angle */
-    MUKCA_CANDIDATE_OTHER_ANGLE,   /* unknown: ... of another joint's angle */
-    MUKCA_CANDIDATE_ANGLE_PRODUCT, /* unknown: ... of both angles together */
-    MUKCA_CANDIDATE_TIME,          /* unknown: ... of time */
-    MUKCA_CANDIDATE_SLIP,          /* unknown: the joint slips once, before a sample */
-    MUKCA_CANDIDATE_STRETCH,       /* unknown: a link's length changes with time */
-    /* Unlisted: simple causes outside the catalogue, without a name */
-    MUKCA_CANDIDATE_UNLISTED_ANGLE, /* joint error, a function of an argument */
-    MUKCA_CANDIDATE_UNLISTED_FRAME, /* shift or rotation of a frame by it */
-    MUKCA_CANDIDATE_UNLISTED_BASE,  /* rotation of the base by it */
-    MUKCA_CANDIDATE_UNLISTED_TILT,  /* the ball shifts with the tilt of the tool */
-    MUKCA_CANDIDATE_UNLISTED_PAIR,  /* the distance of a placement's sockets is wrong */
+    MUKCA_CANDIDATE_EFFECT,   /* of the catalogue, but for motions of a socket */
+    MUKCA_CANDIDATE_MOTION,   /* of the catalogue: a socket moved */
+    MUKCA_CANDIDATE_OUTLIER,  /* one sample displaced, or a few successive ones alike */
+    MUKCA_CANDIDATE_UNLISTED, /* a function of an argument: a cause outside the catalogue */
     MUKCA_CANDIDATE_KINDS
 } mukca_candidate_kind;
 
-/* Argument of an unlisted cause. */
+/* What an unlisted cause is a function of. */
 typedef enum {
-    MUKCA_ARGUMENT_ANGLE,     /* of a joint */
-    MUKCA_ARGUMENT_WAVE,      /* its sine and cosine */
-    MUKCA_ARGUMENT_HALF,      /* in which half of its travel: elbow up or down */
-    MUKCA_ARGUMENT_LOAD,      /* torque about its axis */
-    MUKCA_ARGUMENT_SIDE,      /* sign of that torque */
-    MUKCA_ARGUMENT_SOFTENING, /* that torque times time */
-    MUKCA_ARGUMENT_MOVE,      /* direction of its last move */
-    MUKCA_ARGUMENT_LAG,       /* that move, with its length */
-    MUKCA_ARGUMENT_RUBBING,   /* its direction times the load: friction */
-    MUKCA_ARGUMENT_CREEP,     /* the load some time ago: elastic after-effect */
-    MUKCA_ARGUMENT_WEARING,   /* its direction times a decay: changing friction */
+    MUKCA_ARGUMENT_ANGLE,   /* of a joint */
+    MUKCA_ARGUMENT_TORQUE,  /* about its axis */
+    MUKCA_ARGUMENT_PAYLOAD, /* the same of the outermost mass, in one placement or in all */
+    MUKCA_ARGUMENT_MOMENT,  /* about a joint's or the base's origin, three components */
+    MUKCA_ARGUMENT_MOVE,    /* last one of a joint */
     MUKCA_ARGUMENT_TIME,
-    MUKCA_ARGUMENT_PAYLOAD,   /* torque of the outermost mass, in one placement or in all */
+    MUKCA_ARGUMENT_ROW,
     MUKCA_ARGUMENT_PLACEMENT, /* 1 in one placement, else 0 */
-    MUKCA_ARGUMENT_MOMENT,    /* about a joint's or the base's origin, three components */
-    MUKCA_ARGUMENT_TIPPING,   /* the side of each: a base that rocks, a bearing with play */
-    MUKCA_ARGUMENT_SEASON     /* a smooth function of time: the stand follows the room */
+    MUKCA_ARGUMENT_TILT,      /* of an axis of the tip */
+    MUKCA_ARGUMENT_NONE
 } mukca_argument;
+
+/* Functions of an argument. */
+typedef enum {
+    MUKCA_SHAPE_LINEAR,
+    MUKCA_SHAPE_SIDE,      /* to which side of 0; of an angle, of the middle of its range */
+    MUKCA_SHAPE_WAVE,      /* sine and cosine */
+    MUKCA_SHAPE_SOFTENING, /* times time */
+    MUKCA_SHAPE_DELAYED,   /* some time ago: elastic after-effect */
+    MUKCA_SHAPE_RUBBING,   /* the side times the load: friction */
+    MUKCA_SHAPE_WEARING,   /* the side times a decay: changing friction */
+    /* of unit size */
+    MUKCA_SHAPE_BUMPS,     /* any smooth function */
+    MUKCA_SHAPE_POWERS,    /* polynomial */
+    MUKCA_SHAPE_PRODUCTS,  /* the same of two angles, the joint's own and another */
+    MUKCA_SHAPE_STEP,      /* from a row on */
+    MUKCA_SHAPE_SATURATING /* towards a limit */
+} mukca_shape;
+
+/* Where an unlisted cause acts. */
+typedef enum {
+    MUKCA_PLACE_ANGLE, /* angle of a joint */
+    MUKCA_PLACE_SHIFT, /* of a frame of the geometry */
+    MUKCA_PLACE_TURN,
+    MUKCA_PLACE_BASE,     /* rotation of the base */
+    MUKCA_PLACE_SOCKET,   /* the ball in it */
+    MUKCA_PLACE_TOOL,     /* the ball on it */
+    MUKCA_PLACE_DISTANCE, /* of a placement's sockets */
+    MUKCA_PLACES
+} mukca_unlisted_place;
 
 /* Where a candidate acts: a site of effects, or one of these. */
 enum {
@@ -82,15 +93,13 @@ typedef struct {
             int group, first, last; /* rows of the dataset */
             mukca_fault_shape shape;
         } fault;
-        struct {                     /* all others: what they are a function of */
-            mukca_argument argument; /* UNLISTED */
-            int joint; /* whose angle, load or move; -1: none; TILT: axis of the tip */
-            int slot;  /* site FRAME: of the unknowns */
-            int row;   /* SLIP: first row of the dataset after it */
-            bool
-                turns; /* site FRAME: rotation, else shift; TILT: in the tool, else in the socket */
-            double size; /* OWN_ANGLE: width of a bump, rad; STRETCH: time constant, s */
-        } of;
+        struct {          /* UNLISTED */
+            int function; /* row of mukca_unlisted_function */
+            mukca_unlisted_place place;
+            int argument;   /* joint whose angle, load or move; axis of the tip; -1: none */
+            int slot;       /* SHIFT, TURN: of the unknowns */
+            double measure; /* width of a bump, rad; first row of a step; time constant, s */
+        } unlisted;
     };
     int terms, width_of_term; /* width: 1 angle, 3 of a rotation or shift, n_joints angles */
     /* [n_rows][terms][width_of_term]; NULL: sites SOCKET, DISTANCE and SEAT */
@@ -107,9 +116,6 @@ int mukca_candidate_class(const mukca_candidate *candidate);
 
 /* Is it a fault of one socket or sample, which displaces the socket and not the arm? */
 bool mukca_candidate_is_fault(const mukca_candidate *candidate);
-
-/* Is it an unlisted cause? */
-bool mukca_candidate_is_unlisted(const mukca_candidate *candidate);
 
 /* Does it displace the arm's joints or tip? */
 bool mukca_candidate_moves_arm(const mukca_candidate *candidate);
@@ -151,10 +157,30 @@ int mukca_candidate_key(const mukca_candidate *candidate);
 bool mukca_candidate_prepare(mukca_candidate *candidate, mukca_pool *pool,
                              const mukca_recording *recording);
 
-/* Of unlisted candidates (unlisted.c): number of terms, basis, and columns out[3][ld], 3 wide, of a
- * TILT for the frame R[9] of the tip. */
-int mukca_unlisted_terms(const mukca_candidate *candidate);
+/* ---- unlisted causes (unlisted.c) ---- */
+
+/* The table of unlisted causes: each function is tried at these places. */
+typedef struct {
+    mukca_argument argument;
+    mukca_shape shape;
+    int values; /* functions; 0: of the number of bumps */
+    int places; /* bits 1 << mukca_unlisted_place */
+    mukca_varies varies_with;
+    enum { MUKCA_OF_ITSELF, MUKCA_OF_OTHERS, MUKCA_OF_ANY } joints; /* of which joint */
+} mukca_unlisted_function;
+
+enum { MUKCA_UNLISTED_FUNCTIONS = 25 };
+extern const mukca_unlisted_function mukca_unlisted_functions[MUKCA_UNLISTED_FUNCTIONS];
+
+/* Site, terms and components of a term; and the basis. */
+int mukca_unlisted_site(const mukca_candidate *candidate);
+void mukca_unlisted_set_shape(mukca_candidate *candidate, const mukca_recording *recording);
 void mukca_unlisted_fill(const mukca_candidate *candidate, const mukca_recording *recording);
+
+/* Have its values unit size?  Else they are scaled by the samples. */
+bool mukca_unlisted_is_normalised(const mukca_candidate *candidate);
+
+/* Columns out[3][ld], 3 wide, of a function of the tilt for the frame R[9] of the tip. */
 void mukca_unlisted_tilt(double *out, int ld, const mukca_candidate *candidate, const double *R,
                          const double gravity[3]);
 

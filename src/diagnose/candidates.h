@@ -8,28 +8,37 @@
 typedef struct {
     mukca_candidate *list;
     int count, capacity;
-    int first_unlisted;                 /* unlisted candidates come last */
+    mukca_pool *pool; /* of the list; check `failed` */
+    const mukca_recording *recording;
+    const unsigned char *disabled;      /* [MUKCA_EFFECT_COUNT] excluded effects, or NULL */
     mukca_effect_survey survey;         /* of the recording */
     int classes;                        /* number of competing classes */
     bool enabled[MUKCA_CLASSES];        /* classes in the competition */
     const char *missing[MUKCA_CLASSES]; /* reason why a class has no candidate, or NULL */
 } mukca_candidates;
 
+/* No candidates yet.  Memory comes from `pool`; recording and disabled must outlive them. */
+void mukca_candidates_start(mukca_candidates *all, mukca_pool *pool,
+                            const mukca_recording *recording, const unsigned char *disabled);
+
+/* Prepare and append a candidate, unless its effect is disabled. */
+void mukca_candidates_append(mukca_candidates *all, mukca_candidate candidate);
+
+/* Append the effects of the catalogue at a joint, or (-1) those without a joint. */
+void mukca_candidates_append_effects(mukca_candidates *all, int joint);
+
+/* Append the recording faults (candidates_faults.c); the causes outside the catalogue
+ * (candidates_unlisted.c). */
+void mukca_candidates_append_faults(mukca_candidates *all);
+void mukca_candidates_append_unlisted(mukca_candidates *all, const mukca_unknowns *unknowns);
+
+/* All candidates for a recording, with prior odds.  Errors: MUKCA_MEMORY. */
+mukca_status mukca_candidates_list(mukca_candidates *all, const mukca_unknowns *unknowns,
+                                   mukca_error *error);
+
 /* Append an effect of the trait MUKCA_TRAIT_ORDERS, if there is room: an order that is not listed
  * yet.  Errors: MUKCA_MEMORY. */
-mukca_status mukca_candidates_add_order(mukca_candidates *all, mukca_pool *pool,
-                                        const mukca_recording *recording,
-                                        const mukca_effect *effect, mukca_error *error);
-
-/* All candidates for a recording, except effects with disabled[effect] != 0 (NULL: none).  Memory
- * comes from `pool`.  Errors: MUKCA_MEMORY. */
-mukca_status mukca_candidates_list(mukca_candidates *all, mukca_pool *pool,
-                                   const mukca_recording *recording, const mukca_unknowns *unknowns,
-                                   const unsigned char *disabled, mukca_error *error);
-
-/* Only the elastic effects, without prior odds. */
-mukca_status mukca_candidates_list_springs(mukca_candidates *all, mukca_pool *pool,
-                                           const mukca_recording *recording,
-                                           const unsigned char *disabled, mukca_error *error);
+mukca_status mukca_candidates_add_order(mukca_candidates *all, const mukca_effect *effect,
+                                        mukca_error *error);
 
 #endif

@@ -67,18 +67,6 @@ static void measure(mukca_cause *out, mukca_regression *m, int index)
         out->low = fmax(out->low, 0);
 }
 
-/* Effect of a tied candidate; its coefficients displace the joints about as much as the cause. */
-static mukca_effect rival_effect(const mukca_candidate *h, const mukca_effect *cause, double unit)
-{
-    mukca_effect rival = mukca_candidate_effect(h);
-    double square = 0;
-    for (int t = 0; t < cause->terms; t++) square += pow(cause->coefficient[t] * unit, 2);
-    rival.terms = mukca_effect_terms(&rival);
-    for (int t = 0; t < rival.terms; t++)
-        rival.coefficient[t] = sqrt(square / rival.terms) / h->unit[0];
-    return rival;
-}
-
 /* A set of the last search with these candidates, but one. */
 static mukca_set set_without(mukca_search *id, const mukca_causes *set, int without)
 {
@@ -93,9 +81,32 @@ static mukca_set set_without(mukca_search *id, const mukca_causes *set, int with
 double mukca_cause_gain(mukca_search *id, const mukca_causes *set, int member)
 {
     const mukca_set rest = set_without(id, set, member);
-    const int own = mukca_identify_item(id, set->candidate[member]);
-    return own >= 0 && mukca_sets_weigh(&id->sets, &rest) ? mukca_sets_gain(&id->sets, &rest, own)
-                                                          : -HUGE_VAL;
+    const int item = mukca_identify_item(id, set->candidate[member]);
+    return item >= 0 && mukca_sets_weigh(&id->sets, &rest) ? mukca_sets_gain(&id->sets, &rest, item)
+                                                           : -HUGE_VAL;
+}
+
+bool mukca_cause_is_in(const mukca_search *id, const mukca_causes *set,
+                       const mukca_finding_group *group)
+{
+    for (int k = 0; k < set->n; k++) {
+        const mukca_candidate *h = &id->all.list[set->candidate[k]];
+        if (mukca_candidate_class(h) == MUKCA_CLASS_OUTLIER) continue;
+        const mukca_label label = mukca_candidate_label(h, &id->m->recording, &id->m->unknowns);
+        if (mukca_finding_holds(group, &label)) return true;
+    }
+    return false;
+}
+
+/* Weight of the sets with a cause that a report calls the same: one effect at one joint or socket;
+ * orders of ripple that a joint's travel cannot tell apart are the same. */
+static double probability_of(const mukca_search *id, const mukca_label *label)
+{
+    const mukca_finding_group same = mukca_finding_alone(label);
+    double sum = 0;
+    for (int i = 0; i < id->n_sets; i++)
+        if (mukca_cause_is_in(id, &id->set[i], &same)) sum += id->set[i].weight;
+    return fmin(sum, 1);
 }
 
 /* The finding, or what may be one, of which a candidate is a member; NULL: none. */
@@ -109,8 +120,7 @@ static const mukca_finding *finding_of(const mukca_diagnosis *d, const mukca_lab
 }
 
 /* Rivals: the alternatives of its finding. */
-static void add_ties(mukca_cause *out, const mukca_finding *f, mukca_search *id,
-                     const mukca_candidate *cause)
+static void add_ties(mukca_cause *out, const mukca_finding *f)
 {
     if (!f) return;
     double own_probability = MUKCA_DOUBT; /* of what is no alternative */
@@ -125,22 +135,16 @@ static void add_ties(mukca_cause *out, const mukca_finding *f, mukca_search *id,
     out->or_unknown = f->outside > MUKCA_DOUBT;
     for (int a = 0; a < f->n_alternatives && out->n_ties < MUKCA_MAX_TIES; a++) {
         const mukca_effect *e = &f->alternatives[a].effect;
-        const bool own = e->kind == out->effect.kind && e->joint == out->effect.joint &&
-                         e->placement == out->effect.placement;
-        if (!f->alternatives[a].listed || own) continue;
-        int k = 0; /* the candidate whose columns give its size; none of a moved socket */
-        while (k < id->all.count && !(id->all.list[k].kind == MUKCA_CANDIDATE_EFFECT &&
-                                      mukca_effect_same(&id->all.list[k].effect, e)))
-            k++;
-        const mukca_candidate *h = k < id->all.count ? &id->all.list[k] : NULL;
+        const bool same = e->kind == out->effect.kind && e->joint == out->effect.joint &&
+                          e->placement == out->effect.placement;
+        if (!f->alternatives[a].listed || same) continue;
         out->ties[out->n_ties++] = (mukca_tie){
             .effect = e->kind,
             .joint = e->joint,
             .log_bayes_factor =
                 out->log_bayes_factor +
                 log(fmax(f->alternatives[a].probability, 1e-6) / fmax(own_probability, 1e-6)),
-            .correlation = NAN,
-            .rival = h ? rival_effect(h, &out->effect, cause->unit[0]) : *e};
+            .rival = *e};
     }
 }
 
@@ -154,10 +158,10 @@ void mukca_cause_describe(mukca_cause *out, mukca_search *id, const mukca_causes
     *out = (mukca_cause){.effect = fitted_effect(recording, cause),
                          .socket = -1,
                          .log_bayes_factor = mukca_cause_gain(id, best, member),
-                         .probability = id->probability[id->name[best->candidate[member]]],
+                         .probability = probability_of(id, &label),
                          .held_out = MUKCA_SHRINK_NONE,
                          .rung_m = NAN};
-    add_ties(out, f, id, h);
+    add_ties(out, f);
     if (mukca_candidate_is_fault(h)) {
         out->socket = recording->groups[h->fault.group].socket;
         out->row = recording->data->row[h->fault.first];

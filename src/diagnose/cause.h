@@ -15,12 +15,25 @@
  */
 double mukca_cause_gain(mukca_search *id, const mukca_causes *set, int member);
 
+/* Has a set a member of a group? */
+bool mukca_cause_is_in(const mukca_search *id, const mukca_causes *set,
+                       const mukca_finding_group *group);
+
 /* Describe a member of the set to which the regression is fitted; needs its factor. */
 void mukca_cause_describe(mukca_cause *cause, mukca_search *id, const mukca_causes *best,
                           int member);
 
 /* Index of the accepted cause of a description; -1: none. */
 int mukca_cause_find(const mukca_regression *m, const mukca_cause *cause);
+
+/* Part of the explained that findings of one effect at one joint must have for `named`, and of the
+ * largest finding's probability that must lie outside the catalogue for `unknown`. */
+#define MUKCA_VERDICT_HALF 0.5
+
+/* The verdict: what makes up half of the explained part.  Without a finding, structure that is sure
+ * has no place.  any, outside: probability of the sets with any cause, and with one outside the
+ * catalogue. */
+mukca_verdict mukca_verdict_of(const mukca_diagnosis *d, double any, double outside);
 
 /* Causes, ties, verdict, location and faults.  The regression is left fitted to a set with all
  * listed causes. */

@@ -30,6 +30,10 @@ static const char does_not_fit[] =
     "the samples do not fit this arm: check the URDF, the tip, the columns and their order; a "
     "tracker's log needs --free-base and --free-tool";
 
+/* Log odds by which reversed efforts must lead: drivers of one arm in five report the torque of the
+ * load, and 20 to 1 as for every cause. */
+#define LEAD_OF_SIGN (1.6 + 3.0)
+
 /* Why there are too few different samples, NULL: there are not.  In measured poses, an arm's
  * geometry has 4 numbers for each turning and 2 for each sliding joint, and 6 for base and tool
  * (Everett et al. 1987; 3 fewer without orientations).  As many again must be left: the noise is
@@ -94,8 +98,8 @@ static mukca_status identify(mukca_diagnosis *d, mukca_regression *m,
     mukca_status status = mukca_identify_run(id, error);
     if (status == MUKCA_OK) status = mukca_findings_reach(d, id, error);
     if (status == MUKCA_OK) mukca_identify_settle(id);
-    const mukca_noise_family *family = &m->evidence.normal[m->unknowns.family].whitening.family;
     d->score = mukca_regression_score(m);
+    const mukca_noise_family *family = &m->evidence.normal[m->unknowns.family].whitening.family;
     d->sigma_m = m->unknowns.sigma;
     d->rho = family->rho;
     d->shared = family->shared;
@@ -149,6 +153,37 @@ static void clear_errors(mukca_diagnosis *d)
     d->held_out = MUKCA_SHRINK_NONE;
 }
 
+/* Without masses, measured efforts are the loads.  A spring yields to its load: if all causes with
+ * the opposite sign are far more probable, the efforts are those of the load on the joint. */
+static mukca_status choose_sign(mukca_regression *m, const mukca_diagnose_options *options,
+                                mukca_error *error)
+{
+    const mukca_recording *r = &m->recording;
+    double score[2], lead = 0;
+    if (r->n_bodies || !r->data->effort || options->efforts) return MUKCA_OK;
+    mukca_status status = mukca_efforts_weigh(&lead, m, options->disabled, error);
+    mukca_diagnosis *tried = MUKCA_TAKE(&m->pool, mukca_diagnosis, 1);
+    if (!tried) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the efforts");
+    if (status != MUKCA_OK || !(lead > LEAD_OF_SIGN)) return status; /* usually */
+    mukca_diagnose_options o = {.disabled = options->disabled,
+                                .free_base = options->free_base,
+                                .free_tool = options->free_tool,
+                                .mass_spread = options->mass_spread,
+                                .no_folds = true,
+                                .progress = options->progress,
+                                .progress_context = options->progress_context};
+    for (int i = 0; i < 2; i++) {
+        o.efforts = i ? -1 : 1;
+        status = mukca_diagnose(tried, r->chain, r->data, &o, error);
+        if (status != MUKCA_OK) return status;
+        score[i] = tried->score;
+        mukca_diagnosis_free(tried);
+    }
+    m->recording.options.turned_efforts = score[1] > score[0] + LEAD_OF_SIGN;
+    mukca_recording_load(&m->recording);
+    return MUKCA_OK;
+}
+
 void mukca_diagnosis_free(mukca_diagnosis *diagnosis)
 {
     mukca_pool_free(&diagnosis->pool);
@@ -163,7 +198,8 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
     mukca_recording_options recording_options = {
         .mass_spread = options->mass_spread > 0 ? options->mass_spread : 0.1,
         .free_base = options->free_base,
-        .free_tool = options->free_tool};
+        .free_tool = options->free_tool,
+        .turned_efforts = options->efforts < 0};
     memset(diagnosis, 0, sizeof *diagnosis);
     mukca_regression *m = MUKCA_TAKE(&diagnosis->pool, mukca_regression, 1);
     mukca_chain *arm = MUKCA_TAKE(&diagnosis->pool, mukca_chain, 1);
@@ -179,6 +215,7 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
         mukca_diagnosis_free(diagnosis);
         return status;
     }
+    m->workers = mukca_workers_start(options->threads);
     mukca_streams_compare(&diagnosis->streams, &m->recording);
     status = mukca_streams_fit(&diagnosis->streams, &recording_options, chain, data, error);
     if (status != MUKCA_OK) goto out;
@@ -190,9 +227,10 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
         set_untestable(diagnosis, NULL, missing);
     } else {
         mukca_regression_fit(m, 6, MUKCA_FIT_ALL);
-        if (fits)
+        if (fits) status = choose_sign(m, options, error);
+        if (fits && status == MUKCA_OK)
             status = identify(diagnosis, m, options, error);
-        else
+        else if (!fits)
             set_untestable(diagnosis, m, does_not_fit);
         diagnosis->geometry = m->unknowns.geometry;
         diagnosis->tracker = m->unknowns.log.tracker[0];
@@ -203,10 +241,9 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
     diagnosis->applied_m = diagnosis->explained_m;
     diagnosis->test_applied_m = diagnosis->test_explained_m;
     diagnosis->efforts_correlation = recording->efforts_correlation;
+    diagnosis->turned_efforts = recording->options.turned_efforts;
     if (status == MUKCA_OK && options->go_on && diagnosis->verdict != MUKCA_VERDICT_UNTESTABLE)
         status = options->go_on(options->go_on_context, m, diagnosis, error);
-    if (status == MUKCA_OK && options->mounting && diagnosis->verdict != MUKCA_VERDICT_UNTESTABLE)
-        status = mukca_mounting_compare(diagnosis, m, options->disabled, error);
 out:
     if (status == MUKCA_OK && (m->pool.failed || diagnosis->pool.failed))
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", data->n_rows);

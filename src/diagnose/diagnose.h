@@ -49,8 +49,7 @@ typedef struct {
     mukca_effect_kind effect;
     int joint; /* -1: none */
     double log_bayes_factor;
-    double correlation; /* canonical, with the geometry projected out; NaN: not computed */
-    mukca_effect rival; /* with its variant, of about the cause's size */
+    mukca_effect rival; /* with its variant */
 } mukca_tie;
 
 typedef struct {
@@ -222,9 +221,9 @@ typedef struct {
     double sigma_m, rho;
     double shared; /* share of the variance that the readings of a posture have in common */
     double sigma_rotation_rad;  /* of measured orientations */
-    double score;               /* log posterior of the most probable causes, up to a constant */
-    double gravity[3];          /* a direction with far higher evidence, m/s^2; 0: none */
     double efforts_correlation; /* cosine of measured and modelled holding torques; NaN: none */
+    double score;               /* log posterior of the most probable causes, up to a constant */
+    bool turned_efforts;        /* without masses: the efforts' sign is opposite, and was turned */
     mukca_geometry geometry;    /* fitted with the causes */
     mukca_frame tracker;        /* pose logs: T_measured_base, of the first log */
     mukca_logs logs;
@@ -251,9 +250,10 @@ typedef struct {
     double mass_spread; /* relative prior sigma of each mass; 0: 0.1 */
     bool no_folds;      /* skip cross-validation */
     bool applied;       /* fill diagnosis->applied */
-    bool mounting;      /* mukca_mounting_compare, at the end */
+    int efforts;        /* without masses: their sign; 0: by the data */
     mukca_continue_fn *go_on;
     void *go_on_context;
+    int threads; /* 0: one */
     mukca_progress_fn *progress;
     void *progress_context;
 } mukca_diagnose_options;
@@ -265,13 +265,10 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
                             mukca_error *error);
 void mukca_diagnosis_free(mukca_diagnosis *diagnosis);
 
-/* If elastic causes under the model's gravity do not explain a recording, weigh them with gravity
- * along the other axes of the base frame.  If they are far more probable there than all causes
- * found here, the diagnosis receives this gravity, and its causes become uncertain: an effect
- * outside the catalogue explains the data as well.  The regression is changed.  Errors:
- * MUKCA_MEMORY. */
-mukca_status mukca_mounting_compare(mukca_diagnosis *diagnosis, struct mukca_regression *regression,
-                                    const unsigned char *disabled, mukca_error *error);
+/* By how much the log posterior of springs alone is higher if the measured efforts, the loads of an
+ * arm without masses, have the opposite sign.  Errors: MUKCA_MEMORY. */
+mukca_status mukca_efforts_weigh(double lead[1], struct mukca_regression *regression,
+                                 const unsigned char *disabled, mukca_error *error);
 
 /* Drop unknown functions, reduce each elastic cause to one coefficient at the nominal masses, fit
  * again, and fill `applied` with the result and its standard errors.  The regression is changed. */

@@ -33,8 +33,8 @@ static const double shares[] = {0, 0.2, 0.4, 0.6, 0.8, 0.95};
 mukca_noise_family mukca_evidence_family(const mukca_evidence *evidence, int index)
 {
     if (index < INDEPENDENT_POSTURES) return (mukca_noise_family){.rho = correlations[index]};
-    const double *with = shared[index - INDEPENDENT_POSTURES], r = evidence->ratio * with[0];
-    return (mukca_noise_family){.rho = with[1], .shared = r / (1 + r)};
+    const double *family = shared[index - INDEPENDENT_POSTURES], r = evidence->ratio * family[0];
+    return (mukca_noise_family){.rho = family[1], .shared = r / (1 + r)};
 }
 
 bool mukca_evidence_create(mukca_evidence *evidence, mukca_pool *pool,
@@ -77,10 +77,10 @@ void mukca_evidence_along(double *along, const double *mean, int n, int ld,
 const double *mukca_evidence_whiten(mukca_evidence *evidence, const mukca_normal_equations *normal,
                                     const mukca_recording *r, const mukca_linearisation *linear)
 {
-    if (evidence->white.of == normal && evidence->white.version == normal->version &&
+    if (evidence->white.equations == normal && evidence->white.version == normal->version &&
         normal->version)
         return evidence->white.x;
-    evidence->white.of = normal;
+    evidence->white.equations = normal;
     evidence->white.version = normal->version;
     mukca_whitening_apply(&(mukca_whitened){.n = linear->stride,
                                             .ld = linear->stride,
@@ -197,7 +197,7 @@ double *mukca_evidence_residuals(mukca_evidence *evidence, const mukca_samples *
                                  const mukca_linearisation *linear)
 {
     double *y = evidence->white.x;
-    evidence->white.of = NULL;
+    evidence->white.equations = NULL;
     for (int i = 0; i < s->n_samples * s->dim; i++) {
         const double *x = linear->columns + (size_t)i * (size_t)linear->stride;
         y[i] = x[linear->y];
@@ -212,7 +212,7 @@ int mukca_evidence_measure_noise(mukca_evidence *evidence, const mukca_recording
     const mukca_samples *s = &recording->samples;
     const int d = s->dim;
     double *y = mukca_evidence_residuals(evidence, s, linear), *common = y + s->n_samples * d,
-           *freedom = common + s->n_samples * d, within = 0, between = 0, own = 0;
+           *freedom = common + s->n_samples * d, within = 0, between = 0, reading = 0;
     int extra = 0, postures = 0;
     memset(freedom, 0, sizeof *freedom * (size_t)s->n_samples);
     for (int b = 0; b < s->n_blocks; b++)
@@ -228,7 +228,7 @@ int mukca_evidence_measure_noise(mukca_evidence *evidence, const mukca_recording
                     y[k * d + c] -= mean, within += y[k * d + c] * y[k * d + c];
                 common[i * d + c] = mean;
                 if (!m) continue;
-                sum += mean, square += mean * mean, own += 1.0 / m, count++;
+                sum += mean, square += mean * mean, reading += 1.0 / m, count++;
                 extra += m - 1;
                 freedom[i] = 1;
             }
@@ -240,7 +240,7 @@ int mukca_evidence_measure_noise(mukca_evidence *evidence, const mukca_recording
     const int proposed = angular_share(common, freedom, recording, linear);
     if (extra && postures >= 2) {
         const double variance = within / extra + RESOLUTION * RESOLUTION,
-                     shared_part = between / postures - variance * own / postures;
+                     shared_part = between / postures - variance * reading / postures;
         evidence->further = extra;
         evidence->ratio = fmin(fmax(shared_part / variance, 0.1), 1e6);
         for (int i = 0; i < s->n_samples; i++) freedom[i] = 0;
@@ -253,9 +253,9 @@ int mukca_evidence_measure_noise(mukca_evidence *evidence, const mukca_recording
     return proposed;
 }
 
-void mukca_evidence_set_share(mukca_evidence *evidence, int share)
+void mukca_evidence_set_share(mukca_evidence *evidence, int angular_share)
 {
-    evidence->angular[0] = share;
+    evidence->angular[0] = angular_share;
     evidence->shaped = 0;
     mukca_evidence_renew(evidence);
 }
@@ -265,15 +265,12 @@ void mukca_evidence_renew(mukca_evidence *evidence)
     for (int i = 0; i < evidence->n_noises; i++) evidence->normal[i].version = 0;
 }
 
-double mukca_evidence_weigh_tails(double *weight, mukca_evidence *evidence,
-                                  const mukca_recording *r, const mukca_linearisation *linear,
-                                  double sigma)
+double *mukca_evidence_deviations(mukca_evidence *evidence, const mukca_recording *r,
+                                  const mukca_linearisation *linear, const double *weight)
 {
     const mukca_samples *s = &r->samples;
     const int d = s->dim;
-    const double *y = mukca_evidence_residuals(evidence, s, linear), nu = MUKCA_STUDENT_FREEDOM,
-                 constant = lgamma(0.5 * (nu + d)) - lgamma(0.5 * nu) - 0.5 * d * log(0.5 * nu);
-    double gain = 0;
+    double *y = mukca_evidence_residuals(evidence, s, linear);
     for (int b = 0; b < s->n_blocks; b++) {
         const int start = s->block[b].start, end = start + s->block[b].count;
         double mean[6] = {0}, sum = 0;
@@ -282,13 +279,27 @@ double mukca_evidence_weigh_tails(double *weight, mukca_evidence *evidence,
             sum += w;
             for (int c = 0; c < d; c++) mean[c] += w * (y[i * d + c] - mean[c]) / sum;
         }
-        for (int i = start; i < end; i++) {
-            double square = 0;
-            for (int c = 0; c < d; c++) square += pow((y[i * d + c] - mean[c]) / sigma, 2);
-            const double w = (nu + d) / (nu + square);
-            weight[r->order[i]] = sqrt(w);
-            gain += constant - 0.5 * (nu + d) * log1p(square / nu) + 0.5 * w * square;
-        }
+        for (int i = start * d; i < end * d; i++) y[i] -= mean[i % d];
+    }
+    return y;
+}
+
+double mukca_evidence_weigh_tails(double *weight, mukca_evidence *evidence,
+                                  const mukca_recording *r, const mukca_linearisation *linear,
+                                  double sigma)
+{
+    const mukca_samples *s = &r->samples;
+    const int d = s->dim;
+    const double *y = mukca_evidence_deviations(evidence, r, linear, weight),
+                 nu = MUKCA_STUDENT_FREEDOM,
+                 constant = lgamma(0.5 * (nu + d)) - lgamma(0.5 * nu) - 0.5 * d * log(0.5 * nu);
+    double gain = 0;
+    for (int i = 0; i < s->n_samples; i++) {
+        double square = 0;
+        for (int c = 0; c < d; c++) square += pow(y[i * d + c] / sigma, 2);
+        const double w = (nu + d) / (nu + square);
+        weight[r->order[i]] = sqrt(w);
+        gain += constant - 0.5 * (nu + d) * log1p(square / nu) + 0.5 * w * square;
     }
     mukca_evidence_renew(evidence);
     return gain;
@@ -303,7 +314,7 @@ mukca_normal_equations *mukca_evidence_collect(mukca_evidence *evidence, int ind
     if (unknowns->weight || normal->version != linear->version) {
         lay_out(evidence, index, recording, linear,
                 unknowns->weight ? unknowns->weight : unknowns->tails);
-        evidence->white.of = NULL;
+        evidence->white.equations = NULL;
         normal->version = unknowns->weight ? 0 : linear->version;
         multiply(evidence, normal, recording, linear);
     }
@@ -324,7 +335,7 @@ double mukca_evidence_evaluate(mukca_evidence *evidence, const mukca_normal_equa
         mukca_posterior_add(posterior, normal->all_distance + p * normal->stride, 1 / variance);
         log_variance += log(variance);
     }
-    if (!mukca_posterior_solve(posterior, NULL, mean)) return -HUGE_VAL;
+    if (!mukca_posterior_solve(posterior, mean)) return -HUGE_VAL;
     return -0.5 * posterior->quadratic - posterior->log_det - normal->whitening.dof * log(sigma) -
            0.5 * log_variance + normal->whitening.log_det;
 }

@@ -29,13 +29,15 @@ typedef struct {
     unsigned shaped;  /* version of the linearisation of `shape`, 0: none */
     mukca_normal_equations normal[MUKCA_NOISES];
     struct { /* whitened stored columns of one family, [n_samples][dim][stride], and n_pairs rows */
-        const mukca_normal_equations *of;
+        const mukca_normal_equations *equations;
         unsigned version; /* of the linearisation */
         double *x, *mean; /* mean[n_blocks][dim][stride] */
     } white;
     mukca_posterior posterior; /* of the last evaluation; its priors are those of the next ones */
     double *mean;              /* [capacity] posterior mean of the last fit */
     double best;               /* log evidence of the best coefficient in the last comparison */
+    double
+        expected; /* weight of the usual noise and geometry (model/prior.h), in numbers; 0: none */
 } mukca_evidence;
 
 /* Memory comes from `pool`.  False: no memory. */
@@ -46,6 +48,10 @@ bool mukca_evidence_create(mukca_evidence *evidence, mukca_pool *pool,
 double *mukca_evidence_residuals(mukca_evidence *evidence, const mukca_samples *samples,
                                  const mukca_linearisation *linear);
 
+/* The same about the means of their groups, with weight[n_rows]. */
+double *mukca_evidence_deviations(mukca_evidence *evidence, const mukca_recording *recording,
+                                  const mukca_linearisation *linear, const double *weight);
+
 /* Measure the noise by the residuals at the last posterior mean, of these columns: the ratio of the
  * variances between postures and between readings of one, and the share of the joint angles' noise
  * in the latter; the families follow.  Returns the likeliest share between postures: the geometry
@@ -54,7 +60,7 @@ int mukca_evidence_measure_noise(mukca_evidence *evidence, const mukca_recording
                                  const mukca_linearisation *linear);
 
 /* Set the share of the joint angles' noise between postures. */
-void mukca_evidence_set_share(mukca_evidence *evidence, int share);
+void mukca_evidence_set_share(mukca_evidence *evidence, int angular_share);
 
 /* Log density of Student's noise of the residuals at the last posterior mean, minus that of
  * Gaussian noise weighted so that its log density touches it from below (T. Jaakkola, M. Jordan,

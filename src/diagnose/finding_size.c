@@ -11,23 +11,17 @@
 #include <string.h>
 
 #include "diagnose/findings.h"
+#include "infer/gaussians.h"
 #include "math/dense.h"
 #include "math/stats.h"
 
-/* Probability of the sets that are averaged, and their largest number. */
+/* Probability of the sets that are averaged. */
 #define AVERAGED 0.99
-enum { MOST_SETS = 60 };
 /* Least square of the correlation with the column of one member at which all act through one
  * quantity. */
 #define ONE_QUANTITY 0.9
 /* Least probability of an alternative. */
 #define ALTERNATIVE 0.05
-
-/* A mixture of Gaussians. */
-typedef struct {
-    int n;
-    double mean[MOST_SETS], deviation[MOST_SETS], weight[MOST_SETS];
-} mixed;
 
 typedef struct {
     mukca_search *id;
@@ -41,40 +35,14 @@ typedef struct {
     double mean[MUKCA_SET_COLUMNS], *V, *G, *product; /* [columns][columns] */
 } measured;
 
-static void put(mixed *m, double mean, double variance, double weight)
-{
-    if (!isfinite(mean) || m->n == MOST_SETS) return;
-    m->mean[m->n] = mean;
-    m->deviation[m->n] = sqrt(fmax(variance, 1e-30));
-    m->weight[m->n++] = weight;
-}
-
-static double quantile(const mixed *m, double total, double p)
-{
-    double low = HUGE_VAL, high = -HUGE_VAL;
-    for (int i = 0; i < m->n; i++) {
-        low = fmin(low, m->mean[i] - 5 * m->deviation[i]);
-        high = fmax(high, m->mean[i] + 5 * m->deviation[i]);
-    }
-    for (int step = 0; step < 60; step++) {
-        const double middle = 0.5 * (low + high);
-        double below = 0;
-        for (int i = 0; i < m->n; i++)
-            below += m->weight[i] * 0.5 *
-                     erfc((m->mean[i] - middle) / m->deviation[i] * 0.70710678118654752440);
-        *(below < p * total ? &low : &high) = middle;
-    }
-    return 0.5 * (low + high);
-}
-
-static mukca_estimate estimate(const mixed *m, double scale, bool positive)
+static mukca_estimate estimate(const mukca_gaussians *m, double scale, bool positive)
 {
     double total = 0, mean = 0;
     if (m->n == 0) return (mukca_estimate){NAN, NAN, NAN};
     for (int i = 0; i < m->n; i++) total += m->weight[i], mean += m->weight[i] * m->mean[i];
-    const double low = quantile(m, total, 0.025);
+    const double low = mukca_gaussians_quantile(m, 0.025);
     return (mukca_estimate){scale * mean / total, scale * (positive ? fmax(low, 0) : low),
-                            scale * quantile(m, total, 0.975)};
+                            scale * mukca_gaussians_quantile(m, 0.975)};
 }
 
 /* Means, covariance and plain products of a set's columns. */
@@ -109,8 +77,9 @@ static int columns_of(int *index, const measured *w, const mukca_finding_group *
     const mukca_label *l = w->in->posterior.label;
     int n = 0;
     for (int m = 0; m < w->set->n; m++) {
-        const int of = w->in->label_of[w->set->item[m]];
-        if (of < 0 || (label >= 0 ? of != label : !mukca_finding_holds(g, &l[of]))) continue;
+        const int member = w->in->label_of[w->set->item[m]];
+        if (member < 0 || (label >= 0 ? member != label : !mukca_finding_holds(g, &l[member])))
+            continue;
         for (int t = 0; t < w->id->question.item[w->set->item[m]].terms; t++)
             index[n++] = w->at[m] + t;
     }
@@ -118,7 +87,7 @@ static int columns_of(int *index, const measured *w, const mukca_finding_group *
 }
 
 /* Add the root of the square that some columns explain. */
-static void add_size(mixed *out, measured *w, const int *index, int n, double weight)
+static void add_size(mukca_gaussians *out, measured *w, const int *index, int n, double weight)
 {
     double *M = w->product, square = 0, variance = 0, trace = 0;
     memset(M, 0, sizeof *M * (size_t)(n * n));
@@ -142,26 +111,26 @@ static void add_size(mixed *out, measured *w, const int *index, int n, double we
     variance += 2 * trace;
     const double fourth =
         sqrt(fmax(square * square - 0.5 * variance, 0)); /* mean of root, squared */
-    put(out, sqrt(fourth), square - fourth, weight);
+    mukca_gaussians_add(out, sqrt(fourth), square - fourth, weight);
 }
 
 /* Add the regression of what the columns displace on the column of an item of the last search;
  * returns the square of the correlation. */
-static double add_coefficient(mixed *out, measured *w, const int *index, int n, int item,
+static double add_coefficient(mukca_gaussians *out, measured *w, const int *index, int n, int item,
                               double weight)
 {
     const mukca_candidate *h = &w->id->all.list[w->id->kept[item]];
     const int reference = w->plain_of[item];
-    double *block = w->id->scan.scratch->B, part[MUKCA_SET_COLUMNS] = {0}, own, mean = 0,
-           variance = 0, square = 0;
+    double *block = w->id->scan.scratch->B, part[MUKCA_SET_COLUMNS] = {0}, square_of_column,
+           mean = 0, variance = 0, square = 0;
     mukca_sets_products_of(block, &w->plain_sets, reference, reference);
-    own = fmax(block[0], 1e-30);
+    square_of_column = fmax(block[0], 1e-30);
     for (int m = 0; m < w->set->n; m++) {
         const int x = w->plain_of[w->set->item[m]], terms = w->plain.item[x].terms;
         mukca_sets_products_of(block, &w->plain_sets, reference, x);
         for (int i = 0; i < n; i++)
             if (index[i] >= w->at[m] && index[i] < w->at[m] + terms)
-                part[i] = block[index[i] - w->at[m]] / own;
+                part[i] = block[index[i] - w->at[m]] / square_of_column;
     }
     for (int i = 0; i < n; i++) {
         mean += part[i] * w->mean[index[i]];
@@ -171,13 +140,13 @@ static double add_coefficient(mixed *out, measured *w, const int *index, int n, 
                 w->mean[index[i]] * w->mean[index[k]] * w->G[index[i] * w->columns + index[k]];
         }
     }
-    put(out, mean / h->unit[0], variance / (h->unit[0] * h->unit[0]), weight);
-    return square > 0 ? mean * mean * own / square : 0;
+    mukca_gaussians_add(out, mean / h->unit[0], variance / (h->unit[0] * h->unit[0]), weight);
+    return square > 0 ? mean * mean * square_of_column / square : 0;
 }
 
 /* Add the root of the squared coefficients of an effect with several. */
-static void add_norm(mixed *out, const measured *w, const int *index, const mukca_candidate *h,
-                     double weight)
+static void add_norm(mukca_gaussians *out, const measured *w, const int *index,
+                     const mukca_candidate *h, double weight)
 {
     const int terms = mukca_candidate_own_terms(h);
     double square = 0, variance = 0;
@@ -187,7 +156,7 @@ static void add_norm(mixed *out, const measured *w, const int *index, const mukc
             variance += w->mean[index[t]] * w->mean[index[k]] *
                         w->V[index[t] * w->columns + index[k]] /
                         (pow(h->unit[t] * h->unit[k], 2) * square);
-    put(out, sqrt(square), variance, weight);
+    mukca_gaussians_add(out, sqrt(square), variance, weight);
 }
 
 /* ---- alternatives ---- */
@@ -207,9 +176,10 @@ static void weigh_labels(double *probability, int *item, double *best, const mea
         const mukca_set *set = &id->sets.set[id->set[s].index];
         for (int m = 0; m < set->n; m++) {
             const int label = w->in->label_of[set->item[m]];
-            bool again = label < 0;
-            for (int k = 0; k < m && !again; k++) again = w->in->label_of[set->item[k]] == label;
-            if (!again) probability[label] += p->set[s].weight;
+            bool counted = label < 0;
+            for (int k = 0; k < m && !counted; k++)
+                counted = w->in->label_of[set->item[k]] == label;
+            if (!counted) probability[label] += p->set[s].weight;
             if (label >= 0) best[set->item[m]] += p->set[s].weight;
         }
     }
@@ -258,7 +228,8 @@ static void find_orders(mukca_finding *f, const measured *w, const double *proba
 typedef struct {
     double *probability, *best, *scratch;
     int *item;
-    mixed *size, *coefficient, *amplitude; /* of groups, the last size of all; of labels */
+    mukca_gaussians *size, *coefficient,
+        *amplitude; /* of groups, the last size of all; of labels */
     double fit[2 * MUKCA_MOST_FINDINGS], weight[2 * MUKCA_MOST_FINDINGS];
 } tables;
 
@@ -321,12 +292,12 @@ static void add_all(measured *w, tables *t, mukca_diagnosis *d, double weight)
     int index[MUKCA_SET_COLUMNS];
     for (int i = 0; i < d->n_findings + d->n_maybe; i++) {
         const mukca_finding *f = finding_at(d, i);
-        const int of = columns_of(index, w, &f->group, -1), quantity = quantity_of(f, w, t);
-        if (!of) continue;
-        add_size(&t->size[i], w, index, of, weight);
+        const int columns = columns_of(index, w, &f->group, -1), quantity = quantity_of(f, w, t);
+        if (!columns) continue;
+        add_size(&t->size[i], w, index, columns, weight);
         if (quantity >= 0)
             t->fit[i] +=
-                weight * add_coefficient(&t->coefficient[i], w, index, of, quantity, weight);
+                weight * add_coefficient(&t->coefficient[i], w, index, columns, quantity, weight);
         t->weight[i] += weight;
     }
     const mukca_finding_group whole = {
@@ -382,13 +353,13 @@ bool mukca_findings_measure(mukca_diagnosis *d, mukca_search *id, const mukca_la
                 .best = MUKCA_TAKE(&pool, double, id->n_kept + 1),
                 .scratch = MUKCA_TAKE(&pool, double, id->question.stride + 1),
                 .item = MUKCA_TAKE(&pool, int, p->n_labels + 1),
-                .size = MUKCA_TAKE(&pool, mixed, all + 1),
-                .coefficient = MUKCA_TAKE(&pool, mixed, all + 1),
-                .amplitude = MUKCA_TAKE(&pool, mixed, p->n_labels + 1)};
+                .size = MUKCA_TAKE(&pool, mukca_gaussians, all + 1),
+                .coefficient = MUKCA_TAKE(&pool, mukca_gaussians, all + 1),
+                .amplitude = MUKCA_TAKE(&pool, mukca_gaussians, p->n_labels + 1)};
     bool ok = !pool.failed;
     double sum = 0;
     int n_sets = 0;
-    while (n_sets < p->n_sets && n_sets < MOST_SETS && sum < AVERAGED)
+    while (n_sets < p->n_sets && n_sets < MUKCA_MOST_GAUSSIANS && sum < AVERAGED)
         sum += p->set[n_sets++].weight;
     for (int l = 0; l < p->n_labels && ok; l++) t.item[l] = -1;
     if (ok && all) weigh_labels(t.probability, t.item, t.best, &w);

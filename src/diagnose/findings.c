@@ -128,17 +128,31 @@ static int by_size(const void *a, const void *b)
     return (x->size_m.value < y->size_m.value) - (x->size_m.value > y->size_m.value);
 }
 
-/* Search the halves and label their sets. */
-static mukca_status label_halves(mukca_labelled_sets out[MUKCA_HALVES], int *n, mukca_pool *pool,
-                                 mukca_search *id, const int *label_of, mukca_error *error)
+typedef struct {
+    mukca_halves *halves;
+    mukca_labelled_sets *out; /* [halves->n] */
+    const int *label_of;      /* [halves->n_items] */
+} labelling;
+
+static void label_one(void *context, int half, int worker)
 {
-    mukca_halves *halves = MUKCA_TAKE(pool, mukca_halves, 1);
+    const labelling *job = context;
+    label_half(&job->out[half], &job->halves->pool[worker], &job->halves->half[half],
+               job->label_of);
+}
+
+/* Search the halves and label their sets. */
+static mukca_status label_halves(mukca_labelled_sets out[MUKCA_HALVES], mukca_halves *halves,
+                                 mukca_pool *pool, mukca_search *id, const int *label_of,
+                                 mukca_error *error)
+{
     int *label = MUKCA_TAKE(pool, int, id->n_kept + 1);
     if (pool->failed) return MUKCA_OK; /* the caller checks */
     mukca_status status = mukca_halves_search(halves, pool, id, error);
     for (int i = 0; i < halves->n_items; i++) label[i] = label_of[halves->item_of[i]];
-    for (*n = 0; *n < halves->n && status == MUKCA_OK && !pool->failed; ++*n)
-        label_half(&out[*n], pool, &halves->half[*n], label);
+    if (status == MUKCA_OK)
+        mukca_workers_run(id->m->workers, halves->n, label_one, &(labelling){halves, out, label});
+    for (int k = 0; k < MUKCA_MOST_WORKERS; k++) pool->failed |= halves->pool[k].failed;
     return status;
 }
 
@@ -148,16 +162,17 @@ mukca_status mukca_findings_reach(mukca_diagnosis *d, mukca_search *id, mukca_er
     mukca_label *label = MUKCA_TAKE(&pool, mukca_label, id->n_kept + 1);
     mukca_finding_group *group = MUKCA_TAKE(&pool, mukca_finding_group, 2 * MUKCA_MOST_FINDINGS);
     mukca_labelled_sets half[MUKCA_HALVES];
+    mukca_halves *halves = MUKCA_TAKE(&pool, mukca_halves, 1);
     mukca_labelled_search whole = {.posterior = {.label = label},
                                    .label_of = MUKCA_TAKE(&pool, int, id->n_kept + 1)};
     mukca_status status = MUKCA_OK;
-    int n_findings = 0, n_halves = 0, n = -1;
+    int n_findings = 0, n = -1;
     if (!pool.failed) whole.posterior.n_labels = number_labels(label, whole.label_of, id);
     for (int h = 0; h < MUKCA_HALVES; h++) half[h] = whole.posterior;
     if (!pool.failed && label_whole(&whole.posterior, &pool, id, whole.label_of))
-        status = label_halves(half, &n_halves, &pool, id, whole.label_of, error);
+        status = label_halves(half, halves, &pool, id, whole.label_of, error);
     if (status == MUKCA_OK && !pool.failed)
-        n = mukca_findings_choose(group, &n_findings, &pool, &whole.posterior, half, n_halves);
+        n = mukca_findings_choose(group, &n_findings, &pool, &whole.posterior, half, halves->n);
     for (int i = 0; i < n; i++) {
         mukca_finding *f = i < n_findings ? &d->findings[d->n_findings++] : &d->maybe[d->n_maybe++];
         *f = (mukca_finding){.group = group[i], .held_out = MUKCA_SHRINK_NONE};
@@ -165,6 +180,7 @@ mukca_status mukca_findings_reach(mukca_diagnosis *d, mukca_search *id, mukca_er
     if (status == MUKCA_OK && n >= 0 && !mukca_findings_measure(d, id, &whole)) n = -1;
     qsort(d->findings, (size_t)d->n_findings, sizeof *d->findings, by_size);
     qsort(d->maybe, (size_t)d->n_maybe, sizeof *d->maybe, by_size);
+    if (halves) mukca_halves_free(halves);
     mukca_pool_free(&pool);
     if (status == MUKCA_OK && n < 0)
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory for the findings");

@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "fit/accept.h"
+#include "fit/evaluate.h"
 #include "math/dense.h"
 #include "math/random.h"
 #include "math/stats.h"
@@ -63,23 +63,23 @@ static const mukca_candidate *motion_of(const mukca_regression *m, int socket)
     return NULL;
 }
 
-/* The next row of a socket, marked in `of`, after `row`; -1: none. */
-static int next_row(const mukca_dataset *data, const unsigned char *of, int socket, int row)
+/* The next row of a socket, marked in `marked`, after `row`; -1: none. */
+static int next_row(const mukca_dataset *data, const unsigned char *marked, int socket, int row)
 {
     while (++row < data->n_rows)
-        if (of[row] && data->socket[row] == socket) return row;
+        if (marked[row] && data->socket[row] == socket) return row;
     return -1;
 }
 
 /* Errors of a socket's rows about their mean, or about their line over the share of the tool's
  * motion. */
 static void socket_errors(double *error, const mukca_regression *m, const double *position,
-                          const unsigned char *of, int socket, const mukca_candidate *motion)
+                          const unsigned char *marked, int socket, const mukca_candidate *motion)
 {
     const mukca_dataset *data = m->recording.data;
     double n = 0, mean[4] = {0}, slope[3] = {0}, square = 0; /* position, share of the motion */
     for (int pass = 0; pass < 3; pass++)
-        for (int row = -1; (row = next_row(data, of, socket, row)) >= 0;) {
+        for (int row = -1; (row = next_row(data, marked, socket, row)) >= 0;) {
             double d[4];
             for (int c = 0; c < 3; c++) d[c] = position[3 * row + c] - mean[c];
             d[3] = (motion ? mukca_candidate_fault_share(motion, &m->recording, row) : 0) - mean[3];
@@ -93,24 +93,24 @@ static void socket_errors(double *error, const mukca_regression *m, const double
 }
 
 void mukca_folds_errors(double *error, const mukca_regression *m, const double *position,
-                        const unsigned char *of, bool excuse)
+                        const unsigned char *marked, bool excuse)
 {
     const mukca_dataset *data = m->recording.data;
     for (int row = 0; row < data->n_rows; row++)
-        error[row] = of[row] && data->socket[row] < 0
+        error[row] = marked[row] && data->socket[row] < 0
                          ? mukca_distance3(data->position + 3 * (size_t)row, position + 3 * row)
                          : (double)NAN;
     for (int s = 0; s < data->n_sockets; s++)
-        socket_errors(error, m, position, of, s, excuse ? motion_of(m, s) : NULL);
+        socket_errors(error, m, position, marked, s, excuse ? motion_of(m, s) : NULL);
 }
 
-/* Mean of the finite errors with key[n] equal to `of`; key NULL: of all. */
-static double mean_of(const double *error, int n, const int *key, int of)
+/* Mean of the finite errors with key[n] equal to `group`; key NULL: of all. */
+static double mean_of(const double *error, int n, const int *key, int group)
 {
     double sum = 0;
     int count = 0;
     for (int i = 0; i < n; i++)
-        if (isfinite(error[i]) && (!key || key[i] == of)) sum += error[i], count++;
+        if (isfinite(error[i]) && (!key || key[i] == group)) sum += error[i], count++;
     return count ? sum / count : (double)NAN;
 }
 

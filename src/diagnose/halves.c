@@ -1,9 +1,9 @@
 /* Posterior over sets of causes in halves of the postures, drawn at random within each socket.
  *
- * A half counts twice: it is a replicate of the recording with other noise (P. McCarthy,
- * Pseudo-replication: half samples, Review of the International Statistical Institute 37, 1969),
- * whose posterior is as sharp as that of the whole, so that few rows are no evidence against a
- * cause. The rows have the whole's whitened columns; free means are estimated anew.  The products
+ * A half is searched from nothing, as if it were all that was recorded: a group of causes that only
+ * the whole, or the sets that its search met, would find again is not stable (R. Shah and R.
+ * Samworth, Variable selection with error control, Journal of the Royal Statistical Society B 75,
+ * 2013).  The rows have the whole's whitened columns; free means are estimated anew.  The products
  * of the second half are those of the whole minus the first's. */
 #include "diagnose/halves.h"
 
@@ -20,8 +20,7 @@ enum {
     CHUNK = 256,        /* rows processed together */
     MOST_COLUMNS = 320, /* of the items */
     LEAST_POSTURES = 8, /* of a half, in all: half of them are left for a geometry */
-    BUDGET = 6,         /* sets expanded in each half: the best ones of the whole are known */
-    STARTS = 12         /* these */
+    BUDGET = 20         /* sets expanded in each half */
 };
 
 /* Log odds behind the best set of the whole of the sets whose candidates are tried in the halves:
@@ -29,20 +28,24 @@ enum {
 #define RELEVANT 20.0
 
 typedef struct {
-    mukca_search *id;
-    mukca_part_layout layout;
-    int width;                    /* of the columns */
-    double *whole, *part, *pairs; /* [width][width] products */
-    double *sum;     /* [n_groups][dim][width] products with the whitened ones of a half */
-    double *ones[2]; /* [n_groups][dim][dim] products of these, of the whole and of a half */
-    double *chunk;   /* [CHUNK][width] */
-    const int *item_of;
-} splitter;
-
-typedef struct {
     uint64_t hash;
     int sample;
 } drawn;
+
+/* What is known of the whole, and the scratch memory of a worker. */
+typedef struct {
+    mukca_search *id;
+    mukca_part_layout layout;
+    int width;             /* of the columns */
+    double *whole, *pairs; /* [width][width] products */
+    double *part, *second; /* the same of two halves */
+    double *sum;           /* [n_groups][dim][width] products with the whitened ones of a half */
+    double *ones[2];       /* [n_groups][dim][dim] products of these, of the whole and of a half */
+    double *chunk;         /* [CHUNK][width] */
+    const int *item_of;
+    unsigned char *in; /* [n_samples] of a half */
+    drawn *posture;    /* [n_samples] */
+} splitter;
 
 static int by_hash(const void *a, const void *b)
 {
@@ -167,23 +170,12 @@ static int freedom(const mukca_recording *r, const unsigned char *in, bool other
     return rows;
 }
 
-/* Search a half: from nothing, and from the best sets of the whole. */
-static bool search(mukca_half *half, mukca_pool *pool, const splitter *s, double *gram, int dof)
+static bool search(mukca_half *half, mukca_pool *pool, const mukca_part_layout *l, double *gram,
+                   int dof)
 {
-    const mukca_search *id = s->id;
-    const mukca_part_layout *l = &s->layout;
     if (!mukca_part_question(&half->question, pool, gram, dof, l) ||
         !mukca_sets_create(&half->sets, pool, &half->question))
         return false;
-    for (int i = 0; i < id->n_sets && i < STARTS; i++) {
-        int item[MUKCA_SET_ITEMS], n = 0;
-        double size[MUKCA_SET_ITEMS];
-        for (int k = 0; k < l->n_items; k++)
-            for (int m = 0; m < id->set[i].n; m++)
-                if (id->set[i].candidate[m] == id->kept[s->item_of[k]])
-                    item[n] = k, size[n++] = id->set[i].scale[m];
-        mukca_sets_insert(&half->sets, item, size, n);
-    }
     mukca_sets_explore(&half->sets, BUDGET, false);
     return !pool->failed;
 }
@@ -237,45 +229,87 @@ static int count_postures(const mukca_recording *r, const unsigned char *in)
     return count[0] < count[1] ? count[0] : count[1];
 }
 
+typedef struct {
+    mukca_halves *halves;
+    splitter worker[MUKCA_MOST_WORKERS];
+    enum { DONE = 1, TOO_FEW, FAILED } outcome[PAIRS];
+} splitting;
+
+/* Draw a pair of halves, and search both. */
+static void search_pair(void *context, int pair, int worker)
+{
+    splitting *job = context;
+    splitter *s = &job->worker[worker];
+    const mukca_recording *r = &s->id->m->recording;
+    mukca_half *half = job->halves->half + 2 * pair;
+    const int square = s->width * s->width;
+    draw(s->in, s->posture, r, pair);
+    job->outcome[pair] = TOO_FEW;
+    if (count_postures(r, s->in) < LEAST_POSTURES) return;
+    multiply(s, s->part, s->ones[1], s->in);
+    for (int i = 0; i < square; i++) s->second[i] = s->whole[i] - s->part[i];
+    job->outcome[pair] = DONE;
+    for (int other = 0; other < 2; other++) {
+        double *gram = other ? s->second : s->part;
+        remove_means(s, gram, other);
+        for (int i = 0; i < square; i++) gram[i] += s->pairs[i];
+        if (!search(&half[other], &job->halves->pool[worker], &s->layout, gram,
+                    freedom(r, s->in, other != 0) + r->n_pairs))
+            job->outcome[pair] = FAILED;
+    }
+}
+
+/* Scratch memory of a worker; false: none. */
+static bool take_scratch(splitter *s, mukca_pool *pool)
+{
+    const mukca_recording *r = &s->id->m->recording;
+    const int d = r->dim, groups = r->samples.n_blocks + 1;
+    s->in = MUKCA_TAKE(pool, unsigned char, r->n_samples + 1);
+    s->posture = MUKCA_TAKE(pool, drawn, r->n_samples + 1);
+    s->part = MUKCA_TAKE(pool, double, s->width * s->width);
+    s->second = MUKCA_TAKE(pool, double, s->width * s->width);
+    s->sum = MUKCA_TAKE(pool, double, groups *d * s->width);
+    s->ones[1] = MUKCA_TAKE(pool, double, groups *d *d);
+    s->chunk = MUKCA_TAKE(pool, double, (CHUNK + d) * s->width);
+    return !pool->failed;
+}
+
 mukca_status mukca_halves_search(mukca_halves *h, mukca_pool *pool, mukca_search *id,
                                  mukca_error *error)
 {
     const mukca_recording *r = &id->m->recording;
-    const int d = r->dim, groups = r->samples.n_blocks;
-    unsigned char *in = MUKCA_TAKE(pool, unsigned char, r->n_samples + 1);
-    drawn *posture = MUKCA_TAKE(pool, drawn, r->n_samples + 1);
+    const int d = r->dim, workers = mukca_workers_count(id->m->workers);
+    splitting job = {.halves = h};
     bool ok = choose_items(h, pool, id) && mukca_scan_aim(&id->scan, id->m->unknowns.family);
     splitter s = {.id = id, .item_of = h->item_of};
     s.layout = (mukca_part_layout){.n = id->scan.n, .n_items = h->n_items, .item = h->item};
     for (int i = 0; i < h->n_items; i++) s.layout.n_columns += h->item[i].terms;
     s.width = s.layout.n + 1 + s.layout.n_columns;
-    const int square = s.width * s.width;
-    s.whole = MUKCA_TAKE(pool, double, square);
-    s.part = MUKCA_TAKE(pool, double, square);
-    s.pairs = MUKCA_TAKE(pool, double, square);
-    s.sum = MUKCA_TAKE(pool, double, (groups + 1) * d * s.width);
-    for (int k = 0; k < 2; k++) s.ones[k] = MUKCA_TAKE(pool, double, (groups + 1) * d * d);
-    s.chunk = MUKCA_TAKE(pool, double, (CHUNK + d) * s.width);
-    double *second = MUKCA_TAKE(pool, double, square);
+    s.whole = MUKCA_TAKE(pool, double, s.width *s.width);
+    s.pairs = MUKCA_TAKE(pool, double, s.width *s.width);
+    s.ones[0] = MUKCA_TAKE(pool, double, (r->samples.n_blocks + 1) * d * d);
     ok = ok && !pool->failed;
-    if (ok) multiply(&s, s.whole, s.ones[0], NULL);
-    for (int p = 0; p < r->n_pairs && ok; p++) {
-        gather(s.chunk, &s, r->n_samples * d + p);
-        mukca_dense_syrk(s.pairs, s.width, s.chunk, 1, s.width);
+    for (int k = 0; k < workers && ok; k++) {
+        job.worker[k] = s;
+        ok = take_scratch(&job.worker[k], pool);
     }
-    for (int pair = 0; pair < PAIRS && ok; pair++) {
-        draw(in, posture, r, pair);
-        if (count_postures(r, in) < LEAST_POSTURES) return MUKCA_OK;
-        multiply(&s, s.part, s.ones[1], in);
-        for (int i = 0; i < square; i++) second[i] = s.whole[i] - s.part[i];
-        for (int other = 0; other < 2 && ok; other++) {
-            double *gram = other ? second : s.part;
-            remove_means(&s, gram, other);
-            for (int i = 0; i < square; i++) gram[i] = 2 * gram[i] + s.pairs[i];
-            ok =
-                search(&h->half[h->n], pool, &s, gram, 2 * freedom(r, in, other != 0) + r->n_pairs);
-            h->n += ok;
-        }
+    if (!ok) return mukca_fail(error, MUKCA_MEMORY, "out of memory for halves of the data");
+    splitter *own = &job.worker[0];
+    multiply(own, s.whole, s.ones[0], NULL);
+    for (int p = 0; p < r->n_pairs; p++) {
+        gather(own->chunk, own, r->n_samples * d + p);
+        mukca_dense_syrk(s.pairs, s.width, own->chunk, 1, s.width);
     }
-    return ok ? MUKCA_OK : mukca_fail(error, MUKCA_MEMORY, "out of memory for halves of the data");
+    mukca_workers_run(id->m->workers, PAIRS, search_pair, &job);
+    for (int pair = 0; pair < PAIRS && job.outcome[pair] != TOO_FEW; pair++) {
+        if (job.outcome[pair] == FAILED)
+            return mukca_fail(error, MUKCA_MEMORY, "out of memory for halves of the data");
+        h->n += 2;
+    }
+    return MUKCA_OK;
+}
+
+void mukca_halves_free(mukca_halves *h)
+{
+    for (int k = 0; k < MUKCA_MOST_WORKERS; k++) mukca_pool_free(&h->pool[k]);
 }

@@ -15,11 +15,14 @@ typedef struct {
     int n_items, *item_of; /* [n_items] item of the last search */
     mukca_item *item;
     mukca_half half[MUKCA_HALVES];
+    mukca_pool pool[MUKCA_MOST_WORKERS]; /* of the halves that each worker searched */
 } mukca_halves;
 
 /* Search the halves.  They share linearisation, candidates and whitened columns with the whole; the
- * geometry is integrated out in each.  Memory comes from `pool`.  Errors: MUKCA_MEMORY. */
+ * geometry is integrated out in each.  The items' memory comes from `pool`, the rest is to be
+ * freed, whatever is returned.  Errors: MUKCA_MEMORY. */
 mukca_status mukca_halves_search(mukca_halves *halves, mukca_pool *pool, mukca_search *id,
                                  mukca_error *error);
+void mukca_halves_free(mukca_halves *halves);
 
 #endif

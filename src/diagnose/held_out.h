@@ -27,11 +27,11 @@ void mukca_folds_create(mukca_folds *b);
 int mukca_folds_assign(int *fold, const mukca_regression *m, bool by_socket);
 
 /* error[n_rows], m: distance of each row's prediction position[n_rows][3] from its socket's mean,
- * over the rows marked in `of` (others: NaN); with `excuse` from the mean of each segment or the
- * creep line of a known fault of the tool.  For poses the distance from the measurement, in its
+ * over the rows marked in `marked` (others: NaN); with `excuse` from the mean of each segment or
+ * the creep line of a known fault of the tool.  For poses the distance from the measurement, in its
  * frame. */
 void mukca_folds_errors(double *error, const mukca_regression *m, const double *position,
-                        const unsigned char *of, bool excuse);
+                        const unsigned char *marked, bool excuse);
 
 /* mean[n_placements] of the finite errors of each placement's rows; NaN: none. */
 void mukca_folds_by_placement(double *mean, const mukca_recording *recording, const double *error);

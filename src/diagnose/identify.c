@@ -141,17 +141,16 @@ static bool search(mukca_search *id, mukca_causes *best, bool last)
                                         sets->set[before].value > found->value - SETTLED);
     id->passed[id->n_passed++] = *best;
     if (id->settled || last) {
-        mukca_sets_rebuild(&id->sets);
         mukca_sets_explore(&id->sets, BUDGET - QUICK, true);
     }
     *best = causes_of(id, &sets->set[sets->best]);
     return !pool->failed;
 }
 
-static bool watch(const mukca_search *id, double share, mukca_error *error)
+static bool watch(const mukca_search *id, double progress, mukca_error *error)
 {
     const mukca_diagnose_options *o = id->options;
-    if (!o->progress || o->progress(o->progress_context, share, "comparing sets of causes"))
+    if (!o->progress || o->progress(o->progress_context, progress, "comparing sets of causes"))
         return true;
     mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
     return false;
@@ -209,22 +208,21 @@ static bool weigh_family(double *value, mukca_search *id, const mukca_causes *se
 static mukca_status average(mukca_search *id, mukca_error *error)
 {
     mukca_sets *sets = &id->sets;
-    const int own = id->m->unknowns.family, noises = id->m->evidence.n_noises;
+    const int searched = id->m->unknowns.family, noises = id->m->evidence.n_noises;
     mukca_ranked *order = MUKCA_TAKE(&id->pool, mukca_ranked, sets->n_sets);
     double *total = MUKCA_TAKE(&id->pool, double, SETS),
            *value = MUKCA_TAKE(&id->pool, double, SETS);
     id->set = MUKCA_TAKE(&id->pool, mukca_causes, SETS);
     if (id->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory for sets of causes");
-    int n = 0;
+    int n = 0, index[EVALUATED];
     for (int i = 0; i < sets->n_sets; i++) order[i] = (mukca_ranked){sets->set[i].value, i};
     qsort(order, (size_t)sets->n_sets, sizeof *order, mukca_by_odds);
-    for (int i = 0; i < sets->n_sets; i++) {
-        if (i < EVALUATED && order[i].odds > order[0].odds - AVERAGED)
-            mukca_sets_evaluate(sets, order[i].index);
-        order[i].odds = sets->set[order[i].index].value;
-    }
+    for (; n < sets->n_sets && n < EVALUATED && order[n].odds > order[0].odds - AVERAGED; n++)
+        index[n] = order[n].index;
+    if (!mukca_sets_evaluate_all(sets, index, n)) return no_memory(error);
+    for (int i = 0; i < sets->n_sets; i++) order[i].odds = sets->set[order[i].index].value;
     qsort(order, (size_t)sets->n_sets, sizeof *order, mukca_by_odds);
-    for (; n < sets->n_sets && n < SETS && order[n].odds > order[0].odds - AVERAGED; n++) {
+    for (n = 0; n < sets->n_sets && n < SETS && order[n].odds > order[0].odds - AVERAGED; n++) {
         id->set[n] = causes_of(id, &sets->set[order[n].index]);
         id->set[n].index = order[n].index;
         total[n] = id->scan.evidence + order[n].odds;
@@ -234,62 +232,18 @@ static mukca_status average(mukca_search *id, mukca_error *error)
     const int fine = n < FINE_SETS ? n : FINE_SETS;
     set_causes(id, NULL);
     for (int f = 0; f < noises; f++) {
-        if (f == own || !weigh_family(value, id, id->set, 1, f) || value[0] < best - AVERAGED)
+        if (f == searched || !weigh_family(value, id, id->set, 1, f) || value[0] < best - AVERAGED)
             continue;
         if (!weigh_family(value, id, id->set, fine, f)) continue;
         for (int i = 0; i < n; i++) {
-            const double of = i < fine ? value[i] : value[0] + order[i].odds - order[0].odds;
-            const double hi = fmax(total[i], of);
-            total[i] = hi + log(exp(total[i] - hi) + exp(of - hi));
+            const double weighed = i < fine ? value[i] : value[0] + order[i].odds - order[0].odds;
+            const double hi = fmax(total[i], weighed);
+            total[i] = hi + log(exp(total[i] - hi) + exp(weighed - hi));
         }
     }
     const double sum = mukca_stats_log_sum_exp(total, n);
     for (int i = 0; i < n; i++) id->set[i].weight = exp(total[i] - sum);
     return MUKCA_OK;
-}
-
-/* Would a report call both the same? */
-static bool same_name(const mukca_candidate *a, const mukca_candidate *b, const double *travel)
-{
-    const double turn = 6.28318530717958647692;
-    if (mukca_candidate_class(a) != mukca_candidate_class(b) || a->joint != b->joint) return false;
-    if (mukca_candidate_is_fault(a))
-        return a->fault.group == b->fault.group &&
-               (a->kind != MUKCA_CANDIDATE_OUTLIER || a->fault.first == b->fault.first);
-    if (!mukca_effect_has(mukca_candidate_class(a), MUKCA_TRAIT_ORDERS)) return true;
-    return abs(a->effect.variant.order - b->effect.variant.order) * travel[a->joint] < turn;
-}
-
-/* Names of the candidates in the sets, and their probabilities. */
-static void find_names(mukca_search *id)
-{
-    double travel[MUKCA_MAX_JOINTS], range[2];
-    unsigned char *in = MUKCA_TAKE(&id->pool, unsigned char, id->all.count);
-    id->name = MUKCA_TAKE(&id->pool, int, id->all.count);
-    id->of_name = MUKCA_TAKE(&id->pool, int, id->all.count);
-    id->probability = MUKCA_TAKE(&id->pool, double, id->all.count);
-    if (id->pool.failed) return;
-    for (int j = 0; j < id->m->recording.chain->n_joints; j++) {
-        mukca_recording_travel(range, &id->m->recording, j);
-        travel[j] = range[1] - range[0];
-    }
-    for (int i = 0; i < id->all.count; i++) id->name[i] = -1;
-    for (int i = 0; i < id->n_sets; i++) {
-        const mukca_causes *set = &id->set[i];
-        memset(in, 0, (size_t)id->n_names);
-        for (int k = 0; k < set->n; k++) {
-            int *name = &id->name[set->candidate[k]], n = 0;
-            if (*name < 0) {
-                const mukca_candidate *h = &id->all.list[set->candidate[k]];
-                while (n < id->n_names && !same_name(h, &id->all.list[id->of_name[n]], travel)) n++;
-                if (n == id->n_names) id->of_name[id->n_names++] = set->candidate[k], in[n] = 0;
-                *name = n;
-            }
-            if (!in[*name]) id->probability[*name] += set->weight;
-            in[*name] = 1;
-        }
-    }
-    for (int n = 0; n < id->n_names; n++) id->probability[n] = fmin(id->probability[n], 1);
 }
 
 static int by_weight(const void *a, const void *b)
@@ -357,8 +311,8 @@ mukca_status mukca_identify_run(mukca_search *id, mukca_error *error)
     mukca_regression *m = id->m;
     mukca_causes best = {0};
     seat(id, NOISE * m->unknowns.sigma);
-    mukca_status status = mukca_candidates_list(&id->all, &m->pool, &m->recording, &m->unknowns,
-                                                id->options->disabled, error);
+    mukca_candidates_start(&id->all, &m->pool, &m->recording, id->options->disabled);
+    mukca_status status = mukca_candidates_list(&id->all, &m->unknowns, error);
     if (status != MUKCA_OK) return status;
     id->kept = MUKCA_TAKE(&id->pool, int, MOST_KEPT);
     id->ranked = MUKCA_TAKE(&id->pool, mukca_ranked, id->all.capacity);
@@ -376,11 +330,7 @@ mukca_status mukca_identify_run(mukca_search *id, mukca_error *error)
         status = search_all(id, &best, tails, error);
     }
     if (status == MUKCA_OK) status = average(id, error);
-    if (status == MUKCA_OK) {
-        qsort(id->set, (size_t)id->n_sets, sizeof *id->set, by_weight);
-        find_names(id);
-        if (id->pool.failed) status = no_memory(error);
-    }
+    if (status == MUKCA_OK) qsort(id->set, (size_t)id->n_sets, sizeof *id->set, by_weight);
     return status;
 }
 

@@ -33,10 +33,6 @@ typedef struct {
     mukca_scan scan;
     int n_sets;
     mukca_causes *set; /* [n_sets] by falling weight */
-    /* names: what a report calls the same, one effect at one joint or socket; orders of ripple that
-     * a joint's travel cannot tell apart are the same */
-    int n_names, *name, *of_name; /* [all.count] name of a candidate, -1: in no set; its first */
-    double *probability;          /* [n_names] weights of the sets that contain it */
     /* the last search, under the most probable family of the noise */
     int n_kept, *kept; /* its items are these candidates */
     mukca_question question;

@@ -3,25 +3,6 @@
 
 #include "diagnose/label.h"
 
-/* Families of the arguments of unlisted causes. */
-static const mukca_varies families[] = {[MUKCA_ARGUMENT_ANGLE] = MUKCA_VARIES_ANGLE,
-                                        [MUKCA_ARGUMENT_WAVE] = MUKCA_VARIES_ANGLE,
-                                        [MUKCA_ARGUMENT_HALF] = MUKCA_VARIES_ANGLE,
-                                        [MUKCA_ARGUMENT_LOAD] = MUKCA_VARIES_LOAD,
-                                        [MUKCA_ARGUMENT_SIDE] = MUKCA_VARIES_SIDE,
-                                        [MUKCA_ARGUMENT_SOFTENING] = MUKCA_VARIES_LOAD,
-                                        [MUKCA_ARGUMENT_MOVE] = MUKCA_VARIES_MOVE,
-                                        [MUKCA_ARGUMENT_LAG] = MUKCA_VARIES_MOVE,
-                                        [MUKCA_ARGUMENT_RUBBING] = MUKCA_VARIES_MOVE,
-                                        [MUKCA_ARGUMENT_CREEP] = MUKCA_VARIES_LOAD,
-                                        [MUKCA_ARGUMENT_WEARING] = MUKCA_VARIES_MOVE,
-                                        [MUKCA_ARGUMENT_TIME] = MUKCA_VARIES_TIME,
-                                        [MUKCA_ARGUMENT_PAYLOAD] = MUKCA_VARIES_LOAD,
-                                        [MUKCA_ARGUMENT_PLACEMENT] = MUKCA_VARIES_PLACEMENT,
-                                        [MUKCA_ARGUMENT_MOMENT] = MUKCA_VARIES_LOAD,
-                                        [MUKCA_ARGUMENT_TIPPING] = MUKCA_VARIES_SIDE,
-                                        [MUKCA_ARGUMENT_SEASON] = MUKCA_VARIES_TIME};
-
 /* Position of a frame of the geometry: of its joint, or the tool. */
 static int frame_position(const mukca_recording *r, const mukca_unknowns *u, int slot)
 {
@@ -54,31 +35,27 @@ static void label_effect(mukca_label *l, const mukca_candidate *h, const mukca_r
 static void label_unlisted(mukca_label *l, const mukca_candidate *h, const mukca_recording *r,
                            const mukca_unknowns *u)
 {
-    l->family = (int)families[h->of.argument];
-    l->from = l->to = h->joint;
-    if (h->kind == MUKCA_CANDIDATE_UNLISTED_FRAME)
-        l->from = l->to = frame_position(r, u, h->of.slot);
-    if (l->family == MUKCA_VARIES_ANGLE && h->of.joint >= 0) l->from = l->to = h->of.joint;
-    if (h->kind == MUKCA_CANDIDATE_UNLISTED_BASE) l->from = l->to = MUKCA_POSITION_BASE;
-    if (h->kind == MUKCA_CANDIDATE_UNLISTED_TILT) l->from = l->to = r->chain->n_joints;
-    l->apart = h->kind == MUKCA_CANDIDATE_UNLISTED_PAIR;
-    if (!l->apart) return;
-    l->family = MUKCA_VARIES_PLACEMENT;
-    l->from = l->to = h->placement;
+    const mukca_unlisted_function *f = &mukca_unlisted_functions[h->unlisted.function];
+    const int at[MUKCA_PLACES] = {[MUKCA_PLACE_ANGLE] = h->joint,
+                                  [MUKCA_PLACE_SHIFT] = frame_position(r, u, h->unlisted.slot),
+                                  [MUKCA_PLACE_TURN] = frame_position(r, u, h->unlisted.slot),
+                                  [MUKCA_PLACE_BASE] = MUKCA_POSITION_BASE,
+                                  [MUKCA_PLACE_SOCKET] = r->chain->n_joints,
+                                  [MUKCA_PLACE_TOOL] = r->chain->n_joints,
+                                  [MUKCA_PLACE_DISTANCE] = h->placement};
+    l->family = (int)f->varies_with;
+    l->apart = h->unlisted.place == MUKCA_PLACE_DISTANCE;
+    l->from = l->to =
+        f->argument == MUKCA_ARGUMENT_ANGLE ? h->unlisted.argument : at[h->unlisted.place];
 }
 
 mukca_label mukca_candidate_label(const mukca_candidate *h, const mukca_recording *r,
                                   const mukca_unknowns *u)
 {
-    mukca_label l = {.effect = -1 - (int)h->kind};
-    if (mukca_candidate_class(h) < MUKCA_EFFECT_COUNT) {
-        label_effect(&l, h, r);
-    } else if (mukca_candidate_is_unlisted(h)) {
+    mukca_label l = {.effect = -1};
+    if (h->kind == MUKCA_CANDIDATE_UNLISTED)
         label_unlisted(&l, h, r, u);
-    } else {
-        const bool angle = h->kind <= MUKCA_CANDIDATE_ANGLE_PRODUCT;
-        l.family = angle ? MUKCA_VARIES_ANGLE : MUKCA_VARIES_TIME;
-        l.from = l.to = angle ? h->of.joint : h->joint;
-    }
+    else
+        label_effect(&l, h, r);
     return l;
 }

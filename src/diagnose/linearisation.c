@@ -106,9 +106,9 @@ static void socket_error(double r[3], const mukca_linearisation *linear,
     for (int c = 0; c < unknowns->n_causes; c++) {
         const mukca_accepted *cause = &unknowns->cause[c];
         if (!mukca_candidate_is_fault(&cause->candidate)) continue;
-        const double share =
+        const double displaced =
             mukca_candidate_fault_share(&cause->candidate, recording, recording->order[i]);
-        for (int k = 0; k < 3; k++) r[k] += share * cause->coefficient[k];
+        for (int k = 0; k < 3; k++) r[k] += displaced * cause->coefficient[k];
     }
 }
 

@@ -38,7 +38,7 @@ static bool levers_of(lever_rows *out, const mukca_linearisation *linear,
             *out = (lever_rows){linear->seated_frame, 9, 3, 3, 1, 0};
             return true;
         case MUKCA_SITE_FRAME: /* along or about x, y and z */
-            frame += 6 * h->of.slot + (h->of.turns ? 3 : 0);
+            frame += 6 * h->unlisted.slot + (h->unlisted.place == MUKCA_PLACE_TURN ? 3 : 0);
             *out = (lever_rows){frame, (size_t)d * (size_t)ld, d, ld, 0, 1};
             return true;
         default:
@@ -94,8 +94,9 @@ void mukca_linearisation_columns(double *E, int ld, const mukca_linearisation *l
         double *out = E + (size_t)i * (size_t)d * (size_t)ld;
         for (int c = 0; c < d; c++) memset(out + c * ld, 0, sizeof *out * (size_t)h->terms);
         if (mukca_candidate_site(h) == MUKCA_SITE_SOCKET) {
-            const double share = mukca_candidate_fault_share(h, recording, recording->order[i]);
-            for (int c = 0; c < 3; c++) out[c * ld + c] = -share;
+            const double displacement =
+                mukca_candidate_fault_share(h, recording, recording->order[i]);
+            for (int c = 0; c < 3; c++) out[c * ld + c] = -displacement;
         } else if (mukca_candidate_site(h) == MUKCA_SITE_SEAT) {
             mukca_unlisted_tilt(out, ld, h, linear->seated_frame + 9 * i,
                                 recording->chain->gravity);

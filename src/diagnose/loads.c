@@ -134,8 +134,9 @@ void mukca_recording_load(mukca_recording *r)
                        3 * n_joints, factor);
         }
     if (!bodies && data->effort) { /* no masses: measured torques serve effects about the axis */
+        const double sign = r->options.turned_efforts ? -1 : 1;
         r->have_torques = true;
         for (size_t i = 0; i < values; i++)
-            r->total_torque[i] = isfinite(data->effort[i]) ? data->effort[i] : 0;
+            r->total_torque[i] = isfinite(data->effort[i]) ? sign * data->effort[i] : 0;
     }
 }

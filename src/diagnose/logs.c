@@ -22,11 +22,12 @@ static mukca_status add_springs(mukca_regression *m, mukca_error *error)
     memset(others, 1, sizeof others);
     others[mukca_effect_at(MUKCA_SITE_ANGLE, MUKCA_TRAIT_FLEXIBLE)] = 0;
     others[mukca_effect_at(MUKCA_SITE_BASE, MUKCA_TRAIT_FLEXIBLE)] = 0;
-    const mukca_status status =
-        mukca_candidates_list_springs(&all, &m->pool, &m->recording, others, error);
-    for (int i = 0; i < all.count && status == MUKCA_OK; i++)
-        mukca_unknowns_add(&m->unknowns, &all.list[i]);
-    return status;
+    mukca_candidates_start(&all, &m->pool, &m->recording, others);
+    for (int j = -1; j < m->recording.chain->n_joints; j++)
+        mukca_candidates_append_effects(&all, j);
+    if (m->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the logs");
+    for (int i = 0; i < all.count; i++) mukca_unknowns_add(&m->unknowns, &all.list[i]);
+    return MUKCA_OK;
 }
 
 /* Log evidence of one case. */
@@ -92,8 +93,9 @@ static int match_targets(mukca_regression *test, const mukca_regression *trainin
         if (data->socket[row] >= 0) continue;
         int log = t < 0 ? 0 : first + t;
         for (int k = 0; k < known->n_rows && log >= first; k++) {
-            const int of = mukca_dataset_target(known, k);
-            if (of >= 0 && strcmp(known->targets[of], data->targets[t]) == 0) log = from->log[k];
+            const int target = mukca_dataset_target(known, k);
+            if (target >= 0 && strcmp(known->targets[target], data->targets[t]) == 0)
+                log = from->log[k];
         }
         test->recording.log[row] = log < MUKCA_MAX_LOGS ? log : 0;
     }
@@ -138,8 +140,8 @@ int mukca_logs_match(mukca_regression *test, const mukca_regression *training)
     int match[MUKCA_MAX_LOGS] = {0};
     double least[MUKCA_MAX_LOGS];
     for (int log = 0; log < n; log++) least[log] = HUGE_VAL;
-    const bool own = from->options.base_per_log || from->options.tool_per_log;
-    for (int g = 0; own && g < from->n_logs; g++)
+    const bool per_log = from->options.base_per_log || from->options.tool_per_log;
+    for (int g = 0; per_log && g < from->n_logs; g++)
         for (int log = 0; log < n; log++) {
             int count = 0;
             double sum = 0;

@@ -28,6 +28,7 @@ typedef struct {
     bool free_base, free_tool; /* pose logs: frame of the tracker, offset of the target */
     bool base_per_log, tool_per_log; /* if free: one frame, one offset per log */
     const double *mass_factor;       /* [n_bodies] fixed factors instead of estimates, or NULL */
+    bool turned_efforts; /* without masses, measured efforts are those of the load on the joint */
 } mukca_recording_options;
 
 typedef struct {
@@ -109,8 +110,7 @@ int mukca_recording_distinct(const mukca_recording *recording);
  * samples of sockets.  Returns their number; more than MUKCA_MAX_LOGS count as one. */
 int mukca_recording_number_logs(int *log, const mukca_dataset *data);
 
-/* Compute moments, torques and mass factors: part of mukca_recording_create, and repeated for a
- * chain with another gravity. */
+/* Compute moments, torques and mass factors: part of mukca_recording_create. */
 void mukca_recording_load(mukca_recording *recording);
 
 #endif

@@ -6,6 +6,7 @@
 #ifndef MUKCA_DIAGNOSE_REGRESSION_H
 #define MUKCA_DIAGNOSE_REGRESSION_H
 
+#include "base/workers.h"
 #include "diagnose/evidence.h"
 
 typedef struct mukca_regression {
@@ -13,6 +14,7 @@ typedef struct mukca_regression {
     mukca_unknowns unknowns;
     mukca_linearisation linear;
     mukca_evidence evidence;
+    mukca_workers *workers; /* NULL: the caller's thread alone */
     mukca_pool pool;
 } mukca_regression;
 
@@ -61,6 +63,11 @@ typedef enum {
 /* Log posterior of the set of causes fitted last, up to a constant: evidence, and the priors of the
  * causes and of their sizes. */
 double mukca_regression_score(mukca_regression *m);
+
+/* Fit by so many steps with Student's noise of independent samples, whose weight[n_rows] are those
+ * of the unknowns from then on: noise, weights and prior scales in each.  m->evidence keeps mean
+ * and factor of the posterior. */
+void mukca_regression_fit_tails(mukca_regression *m, double *weight, int steps);
 
 /* Choose the share of the joint angles' noise, from the present one towards that of the residuals,
  * while the evidence increases.  The model must be linearised. */

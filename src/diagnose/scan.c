@@ -22,22 +22,25 @@ bool mukca_scan_create(mukca_scan *s, mukca_pool *pool, mukca_regression *m, muk
     const size_t rows = (size_t)r->data->n_rows * (size_t)r->dim,
                  n = (size_t)mukca_unknowns_capacity(&m->unknowns) + 1,
                  pairs = (size_t)r->data->n_distances + 1;
-    *s = (mukca_scan){
-        .m = m,
-        .all = all,
-        .z = MUKCA_TAKE(pool, double, n),
-        .prior = MUKCA_TAKE(pool, double, n),
-        .link = MUKCA_TAKE(pool, double, pairs),
-        .batch = {.E = MUKCA_TAKE(pool, double, rows *LD),
-                  .W = MUKCA_TAKE(pool, double, (rows + pairs) * LD),
-                  .mean = MUKCA_TAKE(pool, double, (r->data->n_sockets + 2) * r->dim * LD),
-                  .C = MUKCA_TAKE(pool, double, n *LD),
-                  .T = MUKCA_TAKE(pool, double, n *LD),
-                  .g = MUKCA_TAKE(pool, double, LD)},
-        .scratch = MUKCA_TAKE(pool, mukca_mixture_scratch, 1),
-        .value = MUKCA_TAKE(pool, double, all->capacity),
-        .information = MUKCA_TAKE(pool, double, all->capacity),
-    };
+    *s = (mukca_scan){.m = m,
+                      .all = all,
+                      .z = MUKCA_TAKE(pool, double, n),
+                      .prior = MUKCA_TAKE(pool, double, n),
+                      .link = MUKCA_TAKE(pool, double, pairs),
+                      .start = MUKCA_TAKE(pool, int, all->capacity + 1),
+                      .value = MUKCA_TAKE(pool, double, all->capacity),
+                      .information = MUKCA_TAKE(pool, double, all->capacity)};
+    s->batch = MUKCA_TAKE(pool, mukca_scan_batch, mukca_workers_count(m->workers));
+    for (int k = 0; k < mukca_workers_count(m->workers) && !pool->failed; k++)
+        s->batch[k] = (mukca_scan_batch){
+            .E = MUKCA_TAKE(pool, double, rows *LD),
+            .W = MUKCA_TAKE(pool, double, (rows + pairs) * LD),
+            .mean = MUKCA_TAKE(pool, double, (r->data->n_sockets + 2) * r->dim * LD),
+            .C = MUKCA_TAKE(pool, double, n *LD),
+            .T = MUKCA_TAKE(pool, double, n *LD),
+            .g = MUKCA_TAKE(pool, double, LD),
+            .scratch = MUKCA_TAKE(pool, mukca_mixture_scratch, 1)};
+    if (s->batch) s->scratch = s->batch[0].scratch;
     return !pool->failed;
 }
 
@@ -72,11 +75,10 @@ bool mukca_scan_aim(mukca_scan *s, int family)
 }
 
 /* C := X'E, and y'E behind it; T and g of the batch. */
-static void project(mukca_scan *s)
+static void project(const mukca_scan *s, const mukca_scan_batch *b)
 {
     const mukca_recording *r = &s->m->recording;
     const mukca_linearisation *linear = &s->m->linear;
-    const mukca_scan_batch *b = &s->batch;
     const int width = (b->width + 7) & ~7, n = s->n, ld = linear->stride;
     const mukca_columns E = {b->W, width, LD};
     double *along = b->W + (size_t)(s->n_rows - r->n_pairs) * LD;
@@ -104,12 +106,11 @@ static void project(mukca_scan *s)
 }
 
 /* G[terms][terms] of a member of the batch. */
-static void gram_of(double *G, const mukca_scan *s, int member)
+static void gram_of(double *G, const mukca_scan *s, const mukca_scan_batch *b, int member)
 {
-    const mukca_scan_batch *b = &s->batch;
     const int k = b->member[member]->terms, at = b->at[member];
     const mukca_columns w = {b->W + at, k, LD}, t = {b->T + at, k, LD};
-    double *explained = s->scratch->B;
+    double *explained = b->scratch->B;
     memset(G, 0, sizeof *G * (size_t)(k * k));
     memset(explained, 0, sizeof *G * (size_t)(k * k));
     mukca_dense_symmetric(G, w, w, s->n_rows);
@@ -118,104 +119,137 @@ static void gram_of(double *G, const mukca_scan *s, int member)
 }
 
 /* Append a candidate's columns, per unit size, to the batch. */
-static void put(mukca_scan *s, const mukca_candidate *h)
+static void put(mukca_scan_batch *b, const mukca_scan *s, const mukca_candidate *h)
 {
-    mukca_scan_batch *b = &s->batch;
     const int rows = s->m->recording.n_samples * s->m->recording.dim;
     mukca_linearisation_columns(b->E + b->width, LD, &s->m->linear, &s->m->recording, h);
-    for (int t = 0; t < h->terms; t++) {
-        const double by = 1 / h->unit[t];
-        double *column = b->E + b->width + t;
-        for (int i = 0; i < rows && by != 1; i++) column[i * LD] *= by;
-    }
+    double by[MUKCA_MOST_TERMS], *E = b->E + b->width;
+    for (int t = 0; t < h->terms; t++) by[t] = 1 / h->unit[t];
+    for (int i = 0; i < rows; i++, E += LD)
+        for (int t = 0; t < h->terms; t++) E[t] *= by[t];
     b->member[b->n] = h;
     b->at[b->n++] = b->width;
     b->width += h->terms;
 }
 
-static void empty(mukca_scan *s)
+/* Divide candidates, list[index[n]] or (NULL) those of list[n] that skip[] (NULL: none) does not
+ * mark, into batches, which begin at s->start[]; returns their number. */
+static int divide(const mukca_scan *s, const mukca_candidate *list, const int *index,
+                  const unsigned char *skip, int n)
 {
-    s->batch.n = s->batch.width = 0;
+    int batches = 0;
+    for (int i = 0, width = LD; i < n; i++) {
+        const mukca_candidate *h = &list[index ? index[i] : i];
+        if (skip && skip[i]) continue;
+        if (width + h->terms > LD) s->start[batches++] = i, width = 0;
+        width += h->terms;
+    }
+    s->start[batches] = n;
+    return batches;
 }
 
-/* Score the batch, whose members are of list[]. */
-static void finish(double *value, double *information, mukca_scan *s, const mukca_candidate *list)
+typedef struct {
+    mukca_scan *scan;
+    const mukca_candidate *list;
+    const unsigned char *skip;
+    double *value, *information;
+} scoring;
+
+static void score_batch(void *context, int block, int worker)
 {
-    const mukca_scan_batch *b = &s->batch;
-    double *G = s->scratch->A;
-    if (!b->n) return;
-    project(s);
+    const scoring *job = context;
+    const mukca_scan *s = job->scan;
+    mukca_scan_batch *b = &job->scan->batch[worker];
+    double *G = b->scratch->A;
+    b->n = b->width = 0;
+    for (int i = s->start[block]; i < s->start[block + 1]; i++)
+        if (!(job->skip && job->skip[i])) put(b, s, &job->list[i]);
+    project(s, b);
     for (int e = 0; e < b->n; e++) {
         const mukca_candidate *h = b->member[e];
         const mukca_mixture prior = mukca_candidate_mixture(h);
         double most = 0;
-        gram_of(G, s, e);
+        gram_of(G, s, b, e);
         for (int t = 0; t < mukca_candidate_own_terms(h); t++)
             most = fmax(most, G[t * h->terms + t]);
-        information[h - list] = most;
-        value[h - list] = mukca_mixture_evidence(NULL, G, b->g + b->at[e], h->terms, &prior,
-                                                 s->residual, s->dof, s->scratch);
+        job->information[h - job->list] = most;
+        const mukca_equations columns = {G, b->g + b->at[e], h->terms, s->dof, s->residual};
+        job->value[h - job->list] = mukca_mixture_evidence(NULL, &columns, &prior, b->scratch);
     }
-    empty(s);
 }
 
 void mukca_scan_score(double *value, double *information, mukca_scan *s,
-                      const mukca_candidate *list, int n)
+                      const mukca_candidate *list, const unsigned char *skip, int n)
 {
-    for (int i = 0; i < n; i++) {
-        if (mukca_candidate_is_fault(&list[i])) continue;
-        if (s->batch.width + list[i].terms > LD) finish(value, information, s, list);
-        put(s, &list[i]);
+    scoring job = {s, list, skip, value, information};
+    mukca_workers_run(s->m->workers, divide(s, list, NULL, skip, n), score_batch, &job);
+}
+
+typedef struct {
+    mukca_scan *scan;
+    const int *index;
+    const mukca_item *item;
+    int stride;
+    double *E, *g;
+} filling;
+
+/* Columns of a batch, whitened, in units of the noise, and behind them what the model absorbs. */
+static void fill_batch(void *context, int block, int worker)
+{
+    const filling *f = context;
+    const mukca_scan *s = f->scan;
+    mukca_scan_batch *b = &f->scan->batch[worker];
+    const double root = sqrt(s->precision);
+    const int first = s->start[block], at = f->item[first].at;
+    b->n = b->width = 0;
+    for (int i = first; i < s->start[block + 1]; i++) put(b, s, &s->all->list[f->index[i]]);
+    project(s, b);
+    memcpy(f->g + at, b->g, sizeof *b->g * (size_t)b->width);
+    for (int row = 0; row < s->n_rows + s->n; row++) {
+        double *out = f->E + (size_t)row * (size_t)f->stride + at;
+        const bool sample = row < s->n_rows;
+        const double *in = sample ? b->W + row * LD : b->T + (row - s->n_rows) * LD,
+                     by = sample ? root : 1;
+        for (int k = 0; k < b->width; k++) out[k] = by * in[k];
     }
-    finish(value, information, s, list);
 }
 
 bool mukca_scan_question(mukca_question *question, mukca_scan *s, mukca_pool *pool,
                          const int *index, int n)
 {
-    int columns = 0, width = 0;
+    int columns = 0;
     for (int i = 0; i < n; i++) columns += s->all->list[index[i]].terms;
     const int stride = ((columns + 7) | 8) & ~7, all = s->n_rows + s->n;
     mukca_item *item = MUKCA_TAKE(pool, mukca_item, n + 1);
-    double *E = MUKCA_TAKE(pool, double, (size_t)all *(size_t)stride + 1),
-           *g = MUKCA_TAKE(pool, double, stride + 1);
+    filling f = {.scan = s,
+                 .index = index,
+                 .item = item,
+                 .stride = stride,
+                 .E = MUKCA_TAKE(pool, double, (size_t)all *(size_t)stride + 1),
+                 .g = MUKCA_TAKE(pool, double, stride + 1)};
     if (pool->failed) return false;
-    const mukca_scan_batch *b = &s->batch;
-    for (int i = 0; i < n; i++) {
+    for (int i = 0, at = 0; i < n; at += item[i++].terms) {
         const mukca_candidate *h = &s->all->list[index[i]];
         item[i] = (mukca_item){
-            .at = width + b->width,
+            .at = at,
             .terms = h->terms,
             .prior = mukca_candidate_mixture(h),
             .log_prior = h->log_prior - MUKCA_SET_RATE,
             .key = mukca_candidate_key(h),
             .kin = h->kind == MUKCA_CANDIDATE_EFFECT ? mukca_effect_kin(&h->effect) : 0,
             .kinship = KINSHIP};
-        put(s, h);
-        const int next = i + 1 < n ? s->all->list[index[i + 1]].terms : LD;
-        if (b->width + next <= LD) continue;
-        project(s);
-        const double root = sqrt(s->precision);
-        for (int k = 0; k < b->width; k++) g[width + k] = b->g[k];
-        for (int row = 0; row < all; row++) {
-            double *out = E + (size_t)row * (size_t)stride + width;
-            const bool sample = row < s->n_rows;
-            const double *in = sample ? b->W + row * LD : b->T + (row - s->n_rows) * LD,
-                         by = sample ? root : 1;
-            for (int k = 0; k < b->width; k++) out[k] = by * in[k];
-        }
-        width += b->width;
-        empty(s);
     }
+    mukca_workers_run(s->m->workers, divide(s, s->all->list, index, NULL, n), fill_batch, &f);
     *question = (mukca_question){.n_items = n,
                                  .n_columns = columns,
                                  .stride = stride,
                                  .n_rows = all,
                                  .n_projected = s->n,
                                  .item = item,
-                                 .E = E,
-                                 .g = g,
+                                 .E = f.E,
+                                 .g = f.g,
                                  .residual = s->residual,
-                                 .dof = s->dof};
+                                 .dof = s->dof,
+                                 .workers = s->m->workers};
     return true;
 }

@@ -3,11 +3,12 @@
 #ifndef MUKCA_DIAGNOSE_SCAN_H
 #define MUKCA_DIAGNOSE_SCAN_H
 
+#include "base/workers.h"
 #include "diagnose/candidates.h"
 #include "diagnose/regression.h"
 #include "infer/sets.h"
 
-enum { MUKCA_SCAN_WIDTH = 120 }; /* columns processed together */
+enum { MUKCA_SCAN_WIDTH = 64 }; /* columns processed together: with their rows in cache */
 
 /* Log prior odds against each further member of a set. */
 #define MUKCA_SET_RATE 1.5
@@ -19,6 +20,7 @@ typedef struct {
     double *E, *W;     /* [dim * n_samples] columns; [n_rows] whitened, as `white` */
     double *mean;      /* of the sockets */
     double *C, *T, *g; /* X'E; L^-1 D X'E; projected products with the residual */
+    mukca_mixture_scratch *scratch;
 } mukca_scan_batch;
 
 typedef struct {
@@ -29,12 +31,13 @@ typedef struct {
     const double *white; /* its whitened columns; a row for each coordinate of a sample, then one
                             for each pair of sockets, also in units of sigma */
     int n_rows, n, dof;
-    double precision, residual; /* 1 / sigma^2; squared residual in units of the noise */
-    double evidence;            /* log evidence, with the scale of the noise at its maximum */
-    double *z, *prior, *link;   /* [n], [n], [n_pairs] sigma over that of the pair's row */
-    mukca_scan_batch batch;
-    mukca_mixture_scratch *scratch;
-    double *value, *information; /* [capacity] log Bayes factors, and 1/rad^2 of a unit size */
+    double precision, residual;     /* 1 / sigma^2; squared residual in units of the noise */
+    double evidence;                /* log evidence, with the scale of the noise at its maximum */
+    double *z, *prior, *link;       /* [n], [n], [n_pairs] sigma over that of the pair's row */
+    mukca_scan_batch *batch;        /* one for each worker of m */
+    mukca_mixture_scratch *scratch; /* of the first one */
+    int *start;                     /* [capacity + 1] scratch: first candidates of the batches */
+    double *value, *information;    /* [capacity] log Bayes factors, and 1/rad^2 of a unit size */
 } mukca_scan;
 
 /* Memory comes from `pool`.  False: no memory. */
@@ -48,15 +51,10 @@ bool mukca_scan_aim(mukca_scan *scan, int family);
  * MUKCA_MEMORY. */
 mukca_status mukca_scan_run(mukca_scan *scan, bool orders, mukca_error *error);
 
-/* Score n candidates, without faults: value[n] and information[n] as of the scan. */
+/* Score n candidates but those with skip[n] != 0 (NULL: none): value[n] and information[n] as of
+ * the scan. */
 void mukca_scan_score(double *value, double *information, mukca_scan *scan,
-                      const mukca_candidate *list, int n);
-
-/* Score all faults among the candidates; u[n_samples][dim]: products of the residual with columns
- * that are not whitened.  A fault's columns are 0 but in a range of samples, and the same for each
- * coordinate: sums over these samples replace products with all columns.  Scratch comes from
- * `pool`.  False: no memory. */
-bool mukca_scan_faults(mukca_scan *scan, mukca_pool *pool, const double *u);
+                      const mukca_candidate *list, const unsigned char *skip, int n);
 
 /* Columns of candidates index[n] as a question for the search among sets; memory from `pool`.
  * False: no memory. */

@@ -8,7 +8,11 @@
 #include "math/dense.h"
 #include "math/four.h"
 
-enum { ADDED = 12 }; /* orders of a joint in one scan */
+enum {
+    ADDED = 12,  /* orders of a joint in one scan */
+    FAULTS = 40, /* of a kind and shape that are scored: there are several for each sample */
+    SHAPES = MUKCA_FAULT_GROWING + 1
+};
 
 /* Log odds below which an order is not listed. */
 #define LEAST_ODDS (-5)
@@ -45,6 +49,55 @@ static bool residual_products(double *u, mukca_pool *pool, const mukca_scan *s)
         }
     }
     mukca_whitening_transpose(u, white, 1, 1, w, &r->samples);
+    return true;
+}
+
+/* ---- faults ---- */
+
+/* Squared residual along the columns of a fault, per unit of them, for independent samples; u:
+ * residual.  The geometry absorbs little of it. */
+static double square_along(const mukca_scan *s, const mukca_candidate *h, const double *u)
+{
+    const mukca_recording *r = &s->m->recording;
+    const mukca_group *group = &r->groups[h->fault.group];
+    double along[3] = {0}, sum = 0, square = 0;
+    for (int i = group->start; i < group->start + group->count; i++) {
+        const double displacement = mukca_candidate_fault_share(h, r, r->order[i]);
+        sum += displacement, square += displacement * displacement;
+        for (int c = 0; c < 3; c++) along[c] += displacement * u[i * r->dim + c];
+    }
+    const double mean = group->socket >= 0 && group->count ? sum / group->count : 0;
+    square -= mean * sum;
+    for (int p = 0; p < r->n_pairs; p++) /* the socket's mean changes its distance from another */
+        if (r->pairs[p].a == h->fault.group || r->pairs[p].b == h->fault.group)
+            square += mean * s->link[p] * mean * s->link[p];
+    return square > 1e-9 ? mukca_dot3(along, along) / square : 0;
+}
+
+/* Skip all faults but those of each kind and shape with the largest residuals along them. */
+static bool choose_faults(unsigned char *skip, mukca_pool *pool, const mukca_scan *s,
+                          const double *u)
+{
+    const mukca_candidates *all = s->all;
+    double *square = MUKCA_TAKE(pool, double, all->count);
+    if (!square) return false;
+    for (int i = 0; i < all->count; i++) {
+        const mukca_candidate *h = &all->list[i];
+        skip[i] = mukca_candidate_is_fault(h);
+        if (skip[i] && s->m->recording.keep[h->fault.first]) square[i] = square_along(s, h, u);
+    }
+    for (int shape = 0; shape < 2 * SHAPES; shape++)
+        for (int k = 0; k < FAULTS; k++) {
+            int best = -1;
+            for (int i = 0; i < all->count; i++) {
+                const mukca_candidate *h = &all->list[i];
+                if (!skip[i] || !(square[i] > (best < 0 ? 0 : square[best]))) continue;
+                if (SHAPES * (h->kind == MUKCA_CANDIDATE_MOTION) + (int)h->fault.shape == shape)
+                    best = i;
+            }
+            if (best < 0) break;
+            skip[best] = 0;
+        }
     return true;
 }
 
@@ -96,11 +149,11 @@ static bool guess(double *odds, waves *wave, mukca_scan *s, mukca_effect_kind ki
     if (!s->all->survey.joint[j].turns || travel[1] - travel[0] < MUKCA_WAVE_TRAVEL) return false;
     for (int i = 0; i < N; i++) {
         const double *lever = s->m->linear.lever + (i * r->chain->n_joints + j) * d,
-                     of = w->level[i];
+                     level = w->level[i];
         wave->along[i] = 0;
         for (int c = 0; c < d; c++) {
             wave->along[i] += lever[c] * u[i * d + c];
-            square += s->precision * of * of * lever[c] * lever[c];
+            square += s->precision * level * level * lever[c] * lever[c];
         }
     }
     const double left = square * fmax(1 - (double)s->n / s->dof, 0.1); /* a wave has half, twice */
@@ -121,10 +174,10 @@ static bool guess(double *odds, waves *wave, mukca_scan *s, mukca_effect_kind ki
         const double G[] = {left, 0, 0, left},
                      g[] = {dot4(wave->along, wave->sine, N) / MUKCA_WAVE_UNIT,
                             dot4(wave->along, wave->cosine, N) / MUKCA_WAVE_UNIT};
+        const mukca_equations columns = {G, g, 2, s->dof, s->residual};
         odds[o] = listed[o] ? -HUGE_VAL
                             : log(mukca_effect_catalogue[kind]->order_prior(o)) +
-                                  mukca_mixture_evidence(NULL, G, g, 2, &prior, s->residual, s->dof,
-                                                         s->scratch);
+                                  mukca_mixture_evidence(NULL, &columns, &prior, s->scratch);
     }
     return true;
 }
@@ -142,7 +195,7 @@ static mukca_status add(mukca_scan *s, const mukca_effect *effect, double *odds,
             if (odds[o] > odds[*order]) *order = o;
         if (!(odds[*order] - log(all->classes * all->survey.n_joints) > LEAST_ODDS)) break;
         odds[*order] = -HUGE_VAL;
-        status = mukca_candidates_add_order(s->all, &s->m->pool, &s->m->recording, &best, error);
+        status = mukca_candidates_add_order(s->all, &best, error);
     }
     return status;
 }
@@ -169,7 +222,7 @@ static mukca_status add_orders(mukca_scan *s, mukca_pool *pool, const double *u,
         }
     }
     if (status == MUKCA_OK)
-        mukca_scan_score(s->value + first, s->information + first, s, s->all->list + first,
+        mukca_scan_score(s->value + first, s->information + first, s, s->all->list + first, NULL,
                          s->all->count - first);
     return status;
 }
@@ -180,12 +233,17 @@ mukca_status mukca_scan_run(mukca_scan *s, bool orders, mukca_error *error)
     const mukca_candidates *all = s->all;
     mukca_pool pool = {0};
     double *u = MUKCA_TAKE(&pool, double, r->n_samples * r->dim);
-    mukca_scan_score(s->value, s->information, s, all->list, all->count);
+    unsigned char *skip = MUKCA_TAKE(&pool, unsigned char, all->count);
     mukca_status status = MUKCA_OK;
-    if (!u || !residual_products(u, &pool, s) || !mukca_scan_faults(s, &pool, u))
+    if (pool.failed || !residual_products(u, &pool, s) || !choose_faults(skip, &pool, s, u)) {
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory for the scores of %d candidates",
                             all->count);
-    if (status == MUKCA_OK && orders) status = add_orders(s, &pool, u, error);
+        orders = false;
+    }
+    for (int i = 0; i < all->count; i++) s->value[i] = -HUGE_VAL, s->information[i] = 0;
+    if (status == MUKCA_OK)
+        mukca_scan_score(s->value, s->information, s, all->list, skip, all->count);
+    if (orders) status = add_orders(s, &pool, u, error);
     mukca_pool_free(&pool);
     return status;
 }
@@ -200,7 +258,7 @@ bool mukca_scan_orders(double *value, mukca_scan *s, const mukca_effect *effect)
     for (int o = 2; o <= MUKCA_LAST_ORDER; o++) {
         h.effect.variant.order = o;
         mukca_candidate_fill(&h, r);
-        mukca_scan_score(&value[o], &information, s, &h, 1);
+        mukca_scan_score(&value[o], &information, s, &h, NULL, 1);
     }
     return true;
 }

@@ -62,9 +62,9 @@ static void wrong_labels(mukca_diagnosis *d, mukca_regression *m, double *scratc
     double(*median)[3] = group_medians(m, scratch);
     for (int g = 0; median && g < r->n_groups; g++)
         for (int i = r->groups[g].start; i < r->groups[g].start + r->groups[g].count; i++) {
-            const double own = mukca_distance3(m->linear.tip + 3 * i, median[g]);
-            if (own > 0.02 && nearest_other(m, median, g, i) < 0.4 * own)
-                exclude(d, r, MUKCA_FAULT_WRONG_SOCKET, i, own);
+            const double distance = mukca_distance3(m->linear.tip + 3 * i, median[g]);
+            if (distance > 0.02 && nearest_other(m, median, g, i) < 0.4 * distance)
+                exclude(d, r, MUKCA_FAULT_WRONG_SOCKET, i, distance);
         }
 }
 

@@ -6,9 +6,6 @@
 
 #include "model/dataset_subset.h"
 
-/* Prior sigma of a factor common to all lengths.  The priors of single lengths constrain their sum
- * weakly: without the factor, a wrong distance of the sockets would change the size of the arm. */
-#define FACTOR_SIGMA 2e-3
 /* Of an unknown frame or tool, m and rad: uninformative. */
 #define FREE_LENGTH 1.0
 #define FREE_ANGLE 3.0
@@ -189,13 +186,14 @@ void mukca_unknowns_set_geometry_prior(mukca_unknowns *u, const mukca_recording 
         for (int a = 0; a < 3; a++) {
             sigma[a] = tip ? (u->free_tool ? FREE_LENGTH : prior->tool) : prior->length;
             if (width < 6) continue;
-            const double along = element->axis[a] * element->axis[a];
-            sigma[3 + a] = tip ? (u->free_tool ? FREE_ANGLE : prior->angle)
-                               : sqrt(prior->angle * prior->angle * (1 - along) +
-                                      prior->zero * prior->zero * along);
+            const double along = element->axis[a] * element->axis[a],
+                         zero = prior->zero > 0 ? prior->zero : prior->angle;
+            sigma[3 + a] =
+                tip ? (u->free_tool ? FREE_ANGLE : prior->angle)
+                    : sqrt(prior->angle * prior->angle * (1 - along) + zero * zero * along);
         }
     }
-    u->theta_prior[u->first_tracker - 1] = FACTOR_SIGMA;
+    u->theta_prior[u->first_tracker - 1] = prior->common;
     for (int i = u->first_tracker; i < u->first_target; i++)
         u->theta_prior[i] = (i - u->first_tracker) % 6 < 3 ? FREE_LENGTH : FREE_ANGLE;
     for (int i = u->first_target; i < u->first_artefact; i++)

@@ -1,45 +1,114 @@
-/* Simple causes outside the catalogue.
+/* Causes outside the catalogue: functions of an argument, of one shape, at one place.
  *
- * The catalogue is incomplete.  A missing cause, like most listed ones, is a simple function of one
+ * The catalogue is incomplete.  A missing cause, like most listed ones, is a function of one
  * argument, and acts on one joint or frame.  Therefore every argument is tried at every joint
- * angle, at every frame, as a shift or a rotation, and at the base (docs/method.md, section 10,
- * lists arguments and places).  The one distance of a placement may be wrong for any reason: a
- * single number distinguishes no causes.  They share the probability of a name that they could
- * replace.
+ * angle, at every frame, as a shift or a rotation, and at the base: first with simple shapes, then
+ * with any smooth one.  The one distance of a placement may be wrong for any reason: a single
+ * number distinguishes no causes.  They share the probability of a name that they could replace.
  */
 #include <math.h>
 #include <string.h>
 
 #include "diagnose/candidate.h"
 
-enum { MOST_VALUES = 16 };
+/* Root of the summed squares of Gaussian bumps one width apart, pi^(1/4): divided by it, a function
+ * with independent coefficients has their standard deviation. */
+#define BUMP_NORM 1.33
+/* 20 mrad: as of backlash and hysteresis. */
+#define MOVE_WIDTH 0.02
 
-/* Functions of an argument, where there are more than one.  SEASON: bumps over the recording, three
- * for a wave of a fifth of it. */
-static const int values[] = {[MUKCA_ARGUMENT_WAVE] = 2,    [MUKCA_ARGUMENT_CREEP] = 2,
-                             [MUKCA_ARGUMENT_WEARING] = 2, [MUKCA_ARGUMENT_MOMENT] = 3,
-                             [MUKCA_ARGUMENT_TIPPING] = 3, [MUKCA_ARGUMENT_SEASON] = MOST_VALUES};
+enum {
+    MOST_VALUES = 16,
+    POWERS = 4, /* Chebyshev polynomials of another joint's angle, degree 1 to 4 */
+    PRODUCT_DEGREE = 3,
+    PRODUCTS = (PRODUCT_DEGREE + 1) * (PRODUCT_DEGREE + 2) / 2 - 1,
+    JOINT_BUMPS = 10, /* over the whole recording */
+    BASE_BUMPS = 16,  /* the same: three for a wave of a fifth of it, as of a stand in a room */
+    ANGLE = 1 << MUKCA_PLACE_ANGLE,
+    SHIFT = 1 << MUKCA_PLACE_SHIFT,
+    TURN = 1 << MUKCA_PLACE_TURN,
+    BASE = 1 << MUKCA_PLACE_BASE,
+    SEAT = 1 << MUKCA_PLACE_SOCKET | 1 << MUKCA_PLACE_TOOL,
+    DISTANCE = 1 << MUKCA_PLACE_DISTANCE
+};
 
-static int values_of(mukca_argument argument)
+#define ROW(argument, shape, values, places, family, joints)                                   \
+    {                                                                                          \
+        MUKCA_ARGUMENT_##argument, MUKCA_SHAPE_##shape, values, places, MUKCA_VARIES_##family, \
+            MUKCA_OF_##joints                                                                  \
+    }
+
+/* The masses' spread covers the loads of other joints; friction acts on its own joint. */
+const mukca_unlisted_function mukca_unlisted_functions[MUKCA_UNLISTED_FUNCTIONS] = {
+    ROW(ANGLE, BUMPS, 0, ANGLE, ANGLE, ITSELF),
+    ROW(ANGLE, POWERS, POWERS, ANGLE, ANGLE, OTHERS),
+    ROW(ANGLE, PRODUCTS, PRODUCTS, ANGLE, ANGLE, OTHERS),
+    ROW(TIME, BUMPS, JOINT_BUMPS, ANGLE, TIME, ITSELF),
+    ROW(ROW, STEP, 1, ANGLE, TIME, ITSELF),
+    ROW(TIME, SATURATING, 1, SHIFT, TIME, ITSELF),
+    ROW(ANGLE, LINEAR, 1, ANGLE, ANGLE, ANY),
+    ROW(ANGLE, WAVE, 2, ANGLE, ANGLE, ANY),
+    ROW(ANGLE, SIDE, 1, ANGLE, ANGLE, ANY),
+    ROW(ANGLE, WAVE, 2, SHIFT | TURN, ANGLE, ITSELF),
+    ROW(TORQUE, LINEAR, 1, ANGLE, LOAD, ITSELF),
+    ROW(TORQUE, SIDE, 1, ANGLE, SIDE, ITSELF),
+    ROW(TORQUE, SOFTENING, 1, ANGLE, LOAD, ITSELF),
+    ROW(TORQUE, DELAYED, 2, ANGLE, LOAD, ITSELF),
+    ROW(PAYLOAD, LINEAR, 1, ANGLE, LOAD, ITSELF),
+    ROW(MOVE, SIDE, 1, ANGLE, MOVE, ANY),
+    ROW(MOVE, LINEAR, 1, ANGLE, MOVE, ITSELF),
+    ROW(MOVE, RUBBING, 1, ANGLE, MOVE, ITSELF),
+    ROW(MOVE, WEARING, 2, ANGLE, MOVE, ITSELF),
+    ROW(TIME, LINEAR, 1, ANGLE | SHIFT | TURN | BASE, TIME, ITSELF),
+    ROW(TIME, BUMPS, BASE_BUMPS, BASE, TIME, ITSELF),
+    ROW(MOMENT, LINEAR, 3, SHIFT | TURN | BASE, LOAD, ITSELF),
+    ROW(MOMENT, SIDE, 3, TURN | BASE, SIDE, ITSELF),
+    ROW(PLACEMENT, LINEAR, 1, SHIFT | TURN | DISTANCE, PLACEMENT, ITSELF),
+    ROW(TILT, LINEAR, 3, SEAT, ANGLE, ITSELF)};
+
+int mukca_unlisted_site(const mukca_candidate *h)
 {
-    return values[argument] ? values[argument] : 1;
+    static const int sites[] = {
+        [MUKCA_PLACE_ANGLE] = MUKCA_SITE_ANGLE,      [MUKCA_PLACE_SHIFT] = MUKCA_SITE_FRAME,
+        [MUKCA_PLACE_TURN] = MUKCA_SITE_FRAME,       [MUKCA_PLACE_BASE] = MUKCA_SITE_BASE,
+        [MUKCA_PLACE_SOCKET] = MUKCA_SITE_SEAT,      [MUKCA_PLACE_TOOL] = MUKCA_SITE_SEAT,
+        [MUKCA_PLACE_DISTANCE] = MUKCA_SITE_DISTANCE};
+    return sites[h->unlisted.place];
 }
 
-int mukca_unlisted_terms(const mukca_candidate *h)
+bool mukca_unlisted_is_normalised(const mukca_candidate *h)
 {
-    return values_of(h->of.argument) * (h->kind == MUKCA_CANDIDATE_UNLISTED_ANGLE ? 1 : 3);
+    return mukca_unlisted_functions[h->unlisted.function].shape >= MUKCA_SHAPE_BUMPS &&
+           h->unlisted.place != MUKCA_PLACE_BASE;
 }
 
-/* What the functions of an argument need to know of the whole recording. */
+/* What the functions need to know of the whole recording. */
 typedef struct {
-    double travel[2], time[2]; /* ranges of the joint's angle and of time */
-    double mean[3], spread[3]; /* of the moment */
-    double axis[3];            /* BASE: of the first joint, if it turns */
-    double late[2], seconds;   /* CREEP: delayed loads and time of the row before */
+    double range[2], joint_range[2], time[2]; /* of the angles of the argument and of the joint */
+    double centre[3], width[3];               /* SIDE: of the argument */
+    double axis[3];                           /* BASE: of the first joint, if it turns */
+    double late[2], seconds;                  /* DELAYED: loads and time of the row before */
 } survey;
 
-/* Time constants of CREEP, s: as of polymer gears and rubber buffers. */
-static const double delays[2] = {30, 100};
+/* Axes of a place, each with a coefficient for each value of the function. */
+static int axes_of(const mukca_candidate *h)
+{
+    const int site = mukca_unlisted_site(h);
+    return site == MUKCA_SITE_FRAME || site == MUKCA_SITE_BASE ? 3 : 1;
+}
+
+void mukca_unlisted_set_shape(mukca_candidate *h, const mukca_recording *r)
+{
+    const int site = mukca_unlisted_site(h);
+    int values = mukca_unlisted_functions[h->unlisted.function].values;
+    double range[2];
+    mukca_recording_range(range, r, r->q, r->chain->n_joints, h->joint < 0 ? 0 : h->joint);
+    if (!values)
+        values =
+            (int)fmin(ceil((range[1] - range[0]) / h->unlisted.measure) + 1, MUKCA_MAX_COLUMNS);
+    h->terms = values * axes_of(h);
+    h->width_of_term = site == MUKCA_SITE_BASE || site == MUKCA_SITE_SEAT ? 3 : 1;
+}
 
 /* Axis of the first joint in the base frame: a turn of the base about it is one of the joint. */
 static void find_axis(double axis[3], const mukca_chain *chain)
@@ -56,129 +125,162 @@ static void find_axis(double axis[3], const mukca_chain *chain)
 
 static void survey_rows(survey *s, const mukca_candidate *h, const mukca_recording *r)
 {
-    const int j = h->of.joint, n = r->chain->n_joints, rows = r->data->n_rows;
-    const bool base = h->kind == MUKCA_CANDIDATE_UNLISTED_BASE;
-    const double *moment = base ? r->total_base : r->total_moment + 3 * j;
-    const int stride = base ? 3 : 3 * n;
-    *s = (survey){.seconds = HUGE_VAL};
+    const int n = r->chain->n_joints, rows = r->data->n_rows, j = h->unlisted.argument;
+    const bool base = h->unlisted.place == MUKCA_PLACE_BASE;
+    const mukca_argument argument = mukca_unlisted_functions[h->unlisted.function].argument;
+    *s = (survey){.width = {argument == MUKCA_ARGUMENT_MOVE ? MOVE_WIDTH : 1}, /* else 1 N m */
+                  .seconds = HUGE_VAL};
     if (base) find_axis(s->axis, r->chain);
-    mukca_recording_travel(s->travel, r, j);
     mukca_recording_range(s->time, r, r->time, 1, 0);
-    for (int k = 0; k < 3 && r->have_moments; k++) {
-        for (int row = 0; row < rows; row++) s->mean[k] += moment[stride * row + k] / rows;
+    if (argument == MUKCA_ARGUMENT_ANGLE) {
+        mukca_recording_range(s->range, r, r->q, n, j);
+        mukca_recording_range(s->joint_range, r, r->q, n, h->joint);
+        s->centre[0] = 0.5 * (s->range[0] + s->range[1]);
+        s->width[0] = 1e-9; /* a step */
+    }
+    for (int k = 0; k < 3 && argument == MUKCA_ARGUMENT_MOMENT; k++) {
+        const double *moment = base ? r->total_base : r->total_moment + 3 * j;
+        const int stride = base ? 3 : 3 * n;
+        double square = 0;
+        for (int row = 0; row < rows; row++) s->centre[k] += moment[stride * row + k] / rows;
         for (int row = 0; row < rows; row++)
-            s->spread[k] += pow(moment[stride * row + k] - s->mean[k], 2) / rows;
-        s->spread[k] = sqrt(s->spread[k]) + 1e-9;
+            square += pow(moment[stride * row + k] - s->centre[k], 2) / rows;
+        s->width[k] = 0.5 * sqrt(square) + 1e-9;
+    }
+}
+
+/* The argument x[3] at a row. */
+static void find_argument(double x[3], const mukca_candidate *h, const mukca_recording *r, int row)
+{
+    const mukca_joint_state state = mukca_recording_state(r, row);
+    const int j = h->unlisted.argument;
+    switch (mukca_unlisted_functions[h->unlisted.function].argument) {
+        case MUKCA_ARGUMENT_ANGLE:
+            x[0] = state.q[j];
+            break;
+        case MUKCA_ARGUMENT_TORQUE:
+            x[0] = state.torque[j];
+            break;
+        case MUKCA_ARGUMENT_PAYLOAD:
+            x[0] = h->placement < 0 || state.placement == h->placement
+                       ? r->torque[((row + 1) * r->n_bodies - 1) * r->chain->n_joints + j]
+                       : 0;
+            break;
+        case MUKCA_ARGUMENT_MOMENT: {
+            const bool base = h->unlisted.place == MUKCA_PLACE_BASE;
+            memcpy(x, base ? state.base_moment : state.moment[j], 3 * sizeof *x);
+            break;
+        }
+        case MUKCA_ARGUMENT_MOVE:
+            x[0] = state.move[j];
+            break;
+        case MUKCA_ARGUMENT_TIME:
+            x[0] = state.time;
+            break;
+        case MUKCA_ARGUMENT_ROW:
+            x[0] = row;
+            break;
+        default:
+            x[0] = state.placement == h->placement;
     }
 }
 
 /* The load as an elastic body with a delay sees it, which starts at rest with the file. */
-static void delay(double value[2], survey *s, const mukca_recording *r, int row, double load)
+static void delay(double value[2], survey *s, double time, double load)
 {
-    const double passed = r->time[row] - s->seconds;
+    static const double delays[2] = {30, 100}; /* s: as of polymer gears and rubber buffers */
+    const double passed = time - s->seconds;
     for (int k = 0; k < 2; k++) {
-        if (passed >= 0)
-            s->late[k] += (1 - exp(-passed / delays[k])) * (load - s->late[k]);
-        else
-            s->late[k] = load;
+        s->late[k] =
+            passed >= 0 ? s->late[k] + (1 - exp(-passed / delays[k])) * (load - s->late[k]) : load;
         value[k] = s->late[k];
     }
-    s->seconds = r->time[row];
+    s->seconds = time;
 }
 
-/* Moment on the base, or about the joint's origin; zero without masses. */
-static const double *moment_of(const mukca_candidate *h, const mukca_joint_state *state)
+/* T[0 .. degree] of x in the range: Chebyshev polynomials by their recurrence. */
+static void chebyshev(double *T, int degree, double x, const double range[2])
 {
-    static const double none[3] = {0};
-    const double *moment = h->kind == MUKCA_CANDIDATE_UNLISTED_BASE ? state->base_moment
-                           : state->moment                          ? state->moment[h->of.joint]
-                                                                    : NULL;
-    return moment ? moment : none;
+    T[0] = 1;
+    T[1] = range[1] > range[0] ? (2 * x - range[0] - range[1]) / (range[1] - range[0]) : 0;
+    for (int k = 2; k <= degree; k++) T[k] = 2 * T[1] * T[k - 1] - T[k - 2];
+}
+
+/* Gaussian bumps on a grid over the range. */
+static void bumps(double *value, int n, double x, const double range[2], double width)
+{
+    for (int k = 0; k < n; k++)
+        value[k] = exp(-0.5 * pow((x - range[0]) / width - k, 2)) / BUMP_NORM;
 }
 
 /* Functions of the argument at a row of the dataset. */
-static void evaluate(double value[MOST_VALUES], const mukca_candidate *h, const mukca_recording *r,
+static void evaluate(double *value, int n, const mukca_candidate *h, const mukca_recording *r,
                      int row, survey *s)
 {
     const mukca_joint_state state = mukca_recording_state(r, row);
-    const int j = h->of.joint;
-    const double middle = 0.5 * (s->travel[0] + s->travel[1]), *moment = moment_of(h, &state);
-    switch (h->of.argument) {
-        case MUKCA_ARGUMENT_ANGLE:
-            value[0] = state.q[j];
+    const mukca_unlisted_function *f = &mukca_unlisted_functions[h->unlisted.function];
+    double x[3], T[POWERS + 1], joint[PRODUCT_DEGREE + 1];
+    find_argument(x, h, r, row);
+    switch (f->shape) {
+        case MUKCA_SHAPE_LINEAR:
+            memcpy(value, x, sizeof *x * (size_t)n);
             break;
-        case MUKCA_ARGUMENT_WAVE: {
-            const double turn =
-                mukca_joint_turns(r->chain->element[r->chain->joint_element[j]].type)
-                    ? state.q[j]
-                    : 2 * M_PI * (state.q[j] - middle) / fmax(s->travel[1] - s->travel[0], 1e-9);
-            value[0] = sin(turn);
-            value[1] = cos(turn);
+        case MUKCA_SHAPE_SIDE:
+            for (int k = 0; k < n; k++) value[k] = tanh((x[k] - s->centre[k]) / s->width[k]);
             break;
-        }
-        case MUKCA_ARGUMENT_HALF:
-            value[0] = state.q[j] > middle ? 1 : -1;
+        case MUKCA_SHAPE_WAVE:
+            if (!mukca_joint_turns(
+                    r->chain->element[r->chain->joint_element[h->unlisted.argument]].type))
+                x[0] = 2 * M_PI * (x[0] - s->centre[0]) / fmax(s->range[1] - s->range[0], 1e-9);
+            value[0] = sin(x[0]);
+            value[1] = cos(x[0]);
             break;
-        case MUKCA_ARGUMENT_LOAD:
-            value[0] = state.torque[j];
+        case MUKCA_SHAPE_SOFTENING:
+            value[0] = x[0] * state.time;
             break;
-        case MUKCA_ARGUMENT_SIDE: /* 1 N m and 20 mrad: as of backlash and hysteresis */
-            value[0] = tanh(state.torque[j]);
+        case MUKCA_SHAPE_DELAYED:
+            delay(value, s, state.time, x[0]);
             break;
-        case MUKCA_ARGUMENT_SOFTENING:
-            value[0] = state.torque[j] * state.time;
+        case MUKCA_SHAPE_RUBBING:
+            value[0] = tanh(x[0] / MOVE_WIDTH) * fabs(state.torque[h->unlisted.argument]);
             break;
-        case MUKCA_ARGUMENT_PAYLOAD:
-            value[0] = h->placement < 0 || state.placement == h->placement
-                           ? r->torque[((row + 1) * r->n_bodies - 1) * r->chain->n_joints + j]
-                           : 0;
+        case MUKCA_SHAPE_WEARING: /* 300 and 3000 s: as of joint_drift */
+            value[0] = tanh(x[0] / MOVE_WIDTH) * exp(-state.time / 300);
+            value[1] = tanh(x[0] / MOVE_WIDTH) * exp(-state.time / 3000);
             break;
-        case MUKCA_ARGUMENT_MOVE:
-            value[0] = tanh(state.move[j] / 0.02);
+        case MUKCA_SHAPE_BUMPS:
+            if (f->argument == MUKCA_ARGUMENT_ANGLE)
+                bumps(value, n, x[0], s->range, h->unlisted.measure);
+            else
+                bumps(value, n, x[0], s->time, fmax(s->time[1] - s->time[0], 1e-9) / (n - 1));
             break;
-        case MUKCA_ARGUMENT_LAG:
-            value[0] = state.move[j];
+        case MUKCA_SHAPE_POWERS:
+            chebyshev(T, POWERS, x[0], s->range);
+            memcpy(value, T + 1, sizeof *value * POWERS);
             break;
-        case MUKCA_ARGUMENT_RUBBING:
-            value[0] = tanh(state.move[j] / 0.02) * fabs(state.torque[j]);
+        case MUKCA_SHAPE_PRODUCTS: /* T_a T_b, 0 < a + b <= PRODUCT_DEGREE */
+            chebyshev(T, PRODUCT_DEGREE, x[0], s->range);
+            chebyshev(joint, PRODUCT_DEGREE, state.q[h->joint], s->joint_range);
+            for (int a = 0; a <= PRODUCT_DEGREE; a++)
+                for (int b = 0; a + b <= PRODUCT_DEGREE; b++)
+                    if (a + b > 0) *value++ = T[a] * joint[b];
             break;
-        case MUKCA_ARGUMENT_CREEP:
-            delay(value, s, r, row, state.torque[j]);
+        case MUKCA_SHAPE_STEP:
+            value[0] = x[0] >= h->unlisted.measure;
             break;
-        case MUKCA_ARGUMENT_WEARING: /* 300 and 3000 s: as of joint_drift */
-            value[0] = tanh(state.move[j] / 0.02) * exp(-state.time / 300);
-            value[1] = tanh(state.move[j] / 0.02) * exp(-state.time / 3000);
-            break;
-        case MUKCA_ARGUMENT_TIME:
-            value[0] = state.time;
-            break;
-        case MUKCA_ARGUMENT_PLACEMENT:
-            value[0] = state.placement == h->placement;
-            break;
-        case MUKCA_ARGUMENT_MOMENT:
-            memcpy(value, moment, 3 * sizeof *moment);
-            break;
-        case MUKCA_ARGUMENT_TIPPING:
-            for (int k = 0; k < 3; k++)
-                value[k] = tanh(2 * (moment[k] - s->mean[k]) / s->spread[k]);
-            break;
-        case MUKCA_ARGUMENT_SEASON:
-            for (int k = 0; k < MOST_VALUES; k++) {
-                const double u = (state.time - s->time[0]) / fmax(s->time[1] - s->time[0], 1e-9);
-                value[k] = exp(-0.5 * pow(u * (MOST_VALUES - 1) - k, 2));
-            }
-            break;
+        case MUKCA_SHAPE_SATURATING:
+            value[0] = 1 - exp(-(x[0] - s->time[0]) / h->unlisted.measure);
     }
 }
 
 void mukca_unlisted_fill(const mukca_candidate *h, const mukca_recording *r)
 {
-    const int axes = h->terms / values_of(h->of.argument), width = h->width_of_term;
+    const int axes = axes_of(h), width = h->width_of_term;
     survey s;
     survey_rows(&s, h, r);
     for (int row = 0; row < r->data->n_rows; row++) {
-        double value[MOST_VALUES];
-        evaluate(value, h, r, row, &s);
+        double value[MUKCA_MAX_COLUMNS];
+        evaluate(value, h->terms / axes, h, r, row, &s);
         for (int t = 0; t < h->terms; t++)
             for (int i = 0; i < width; i++)
                 h->basis[(row * h->terms + t) * width + i] =
@@ -187,18 +289,18 @@ void mukca_unlisted_fill(const mukca_candidate *h, const mukca_recording *r)
     }
 }
 
-/* v: vertical component of an axis of the tip.  In the tool: a shift to either side, by the sign of
+/* v: vertical component of an axis of the tip.  On the tool: a shift to either side, by the sign of
  * v.  In the socket: upwards by v and v^2, as by an oval ball or its neck on the rim, and along the
  * axis by v. */
 void mukca_unlisted_tilt(double *out, int ld, const mukca_candidate *h, const double *R,
                          const double gravity[3])
 {
     const double g = fmax(sqrt(mukca_dot3(gravity, gravity)), 1e-9);
-    const int k = h->of.joint;
+    const int k = h->unlisted.argument;
     double v = 0;
     for (int c = 0; c < 3; c++) v -= R[3 * c + k] * gravity[c] / g;
     for (int c = 0; c < 3; c++, out += ld) {
-        if (h->of.turns) {
+        if (h->unlisted.place == MUKCA_PLACE_TOOL) {
             for (int t = 0; t < 3; t++) out[t] = v > 0 ? R[3 * c + t] : -R[3 * c + t];
             continue;
         }

@@ -66,27 +66,27 @@ void mukca_untested_list(mukca_diagnosis *d, const mukca_search *id)
                ((int)d->tested[t].effect != class || d->tested[t].joint != h->joint))
             t++;
         if (t == MUKCA_MAX_TESTED) continue;
-        mukca_tested *of = &d->tested[t];
+        mukca_tested *entry = &d->tested[t];
         if (t == d->n_tested) {
             d->n_tested++;
-            *of = (mukca_tested){.effect = (mukca_effect_kind) class,
-                                 .joint = h->joint,
-                                 .log_bayes_factor = -HUGE_VAL,
-                                 .log_odds = -HUGE_VAL};
+            *entry = (mukca_tested){.effect = (mukca_effect_kind) class,
+                                    .joint = h->joint,
+                                    .log_bayes_factor = -HUGE_VAL,
+                                    .log_odds = -HUGE_VAL};
         }
-        if (log_bayes > of->log_bayes_factor)
-            of->log_bayes_factor = log_bayes, most[t] = id->first_information[i];
-        const double hi = fmax(of->log_odds, odds), lo = fmin(of->log_odds, odds);
-        of->log_odds = lo > -HUGE_VAL ? hi + log1p(exp(lo - hi)) : hi;
+        if (log_bayes > entry->log_bayes_factor)
+            entry->log_bayes_factor = log_bayes, most[t] = id->first_information[i];
+        const double hi = fmax(entry->log_odds, odds), lo = fmin(entry->log_odds, odds);
+        entry->log_odds = lo > -HUGE_VAL ? hi + log1p(exp(lo - hi)) : hi;
     }
     for (int t = 0; t < d->n_tested; t++) {
-        mukca_tested *of = &d->tested[t];
-        const int class = (int)of->effect;
-        of->limit = sqrt(2 * LEAST_EVIDENCE / fmax(most[t], 1e-12));
+        mukca_tested *entry = &d->tested[t];
+        const int class = (int)entry->effect;
+        entry->limit = sqrt(2 * LEAST_EVIDENCE / fmax(most[t], 1e-12));
         const bool length = mukca_effect_table[class]->site == MUKCA_SITE_TIP ||
                             mukca_effect_has(class, MUKCA_TRAIT_RECORDING_FAULT);
-        of->testable = of->limit < (length ? MOST_LENGTH : MOST_ANGLE);
-        of->why = of->testable ? NULL : mukca_effect_faint(of->effect, of->joint);
+        entry->testable = entry->limit < (length ? MOST_LENGTH : MOST_ANGLE);
+        entry->why = entry->testable ? NULL : mukca_effect_faint(entry->effect, entry->joint);
     }
     qsort(d->tested, (size_t)d->n_tested, sizeof *d->tested, by_odds);
     add_missing(d, &id->all);

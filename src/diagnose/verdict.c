@@ -27,9 +27,10 @@ static void widen_by_unknown(double range[2], const mukca_recording *recording,
 {
     const mukca_candidate *h = &cause->candidate;
     const int n_joints = recording->chain->n_joints;
-    const bool known =
-        mukca_candidate_class(h) != MUKCA_CLASS_UNKNOWN || mukca_candidate_is_unlisted(h);
-    const int argument = known ? -1 : h->of.joint;
+    const bool angle =
+        h->kind == MUKCA_CANDIDATE_UNLISTED && h->unlisted.place == MUKCA_PLACE_ANGLE &&
+        mukca_unlisted_functions[h->unlisted.function].argument == MUKCA_ARGUMENT_ANGLE;
+    const int argument = angle ? h->unlisted.argument : -1;
     double mean = 0, largest = 0;
     for (int pass = 0; pass < 3 && argument >= 0; pass++)
         for (int i = 0; i < recording->n_samples; i++) {
@@ -57,26 +58,26 @@ static int by_share(const void *a, const void *b)
 static void find_where(mukca_diagnosis *d, const mukca_search *id, bool unknown)
 {
     const mukca_regression *m = id->m;
-    double share[MUKCA_MAX_JOINTS] = {0}, total = 0;
+    double weight[MUKCA_MAX_JOINTS] = {0}, total = 0;
     for (int i = 0; i < id->n_sets && unknown; i++)
         for (int k = 0; k < id->set[i].n; k++) {
             const mukca_candidate *h = &id->all.list[id->set[i].candidate[k]];
             if (mukca_candidate_class(h) == MUKCA_CLASS_UNKNOWN && h->joint >= 0)
-                share[h->joint] += id->set[i].weight;
+                weight[h->joint] += id->set[i].weight;
         }
     for (int c = 0; c < d->n_causes && !unknown; c++)
         if (d->causes[c].effect.joint >= 0)
-            share[d->causes[c].effect.joint] += fmax(d->causes[c].log_bayes_factor, 0);
-    for (int j = 0; j < m->recording.chain->n_joints; j++) total += share[j];
+            weight[d->causes[c].effect.joint] += fmax(d->causes[c].log_bayes_factor, 0);
+    for (int j = 0; j < m->recording.chain->n_joints; j++) total += weight[j];
     for (int j = 0; j < m->recording.chain->n_joints; j++) {
-        if (!(share[j] > 0)) continue;
+        if (!(weight[j] > 0)) continue;
         double range[2] = {HUGE_VAL, -HUGE_VAL};
         for (int c = 0; c < m->unknowns.n_causes; c++)
             if (m->unknowns.cause[c].candidate.joint == j)
                 widen_by_unknown(range, &m->recording, &m->unknowns.cause[c]);
         if (range[0] > range[1]) mukca_recording_travel(range, &m->recording, j);
-        d->where[d->n_where++] =
-            (mukca_where){.joint = j, .share = share[j] / total, .range_rad = {range[0], range[1]}};
+        d->where[d->n_where++] = (mukca_where){
+            .joint = j, .share = weight[j] / total, .range_rad = {range[0], range[1]}};
     }
     qsort(d->where, (size_t)d->n_where, sizeof *d->where, by_share);
 }
@@ -92,17 +93,9 @@ static int by_evidence(const void *a, const void *b)
 static const mukca_causes *choose_set(const mukca_diagnosis *d, const mukca_search *id)
 {
     for (int i = 0; i < id->n_sets; i++) {
-        bool all = true;
-        for (int f = 0; f < d->n_findings && all; f++) {
-            all = false;
-            for (int k = 0; k < id->set[i].n && !all; k++) {
-                const mukca_candidate *h = &id->all.list[id->set[i].candidate[k]];
-                if (mukca_candidate_class(h) == MUKCA_CLASS_OUTLIER) continue;
-                const mukca_label l = mukca_candidate_label(h, &id->m->recording, &id->m->unknowns);
-                all = mukca_finding_holds(&d->findings[f].group, &l);
-            }
-        }
-        if (all) return &id->set[i];
+        int f = 0;
+        while (f < d->n_findings && mukca_cause_is_in(id, &id->set[i], &d->findings[f].group)) f++;
+        if (f == d->n_findings) return &id->set[i];
     }
     return &id->set[0];
 }
@@ -114,8 +107,8 @@ static double probability_of(const mukca_search *id, int class)
     for (int i = 0; i < id->n_sets; i++) {
         bool found = false;
         for (int k = 0; k < id->set[i].n; k++) {
-            const int of = mukca_candidate_class(&id->all.list[id->set[i].candidate[k]]);
-            found |= class < 0 ? of != MUKCA_CLASS_OUTLIER : of == class;
+            const int member = mukca_candidate_class(&id->all.list[id->set[i].candidate[k]]);
+            found |= class < 0 ? member != MUKCA_CLASS_OUTLIER : member == class;
         }
         if (found) sum += id->set[i].weight;
     }
@@ -150,23 +143,21 @@ static void part_suspected(mukca_diagnosis *d)
             d->causes[d->n_causes++] = d->causes[c];
 }
 
-/* The verdict: what makes up half of the explained part.  Without a finding, structure that is sure
- * has no place. */
-static mukca_verdict verdict_of(const mukca_diagnosis *d, double any, double unknown)
+mukca_verdict mukca_verdict_of(const mukca_diagnosis *d, double any, double outside)
 {
     double named = 0;
     if (!d->n_findings)
         return any < MUKCA_FINDING_SURE         ? MUKCA_VERDICT_NONE
-               : unknown >= MUKCA_FINDING_MAYBE ? MUKCA_VERDICT_UNKNOWN
+               : outside >= MUKCA_FINDING_MAYBE ? MUKCA_VERDICT_UNKNOWN
                                                 : MUKCA_VERDICT_TIED;
     for (int i = 0; i < d->n_findings; i++) {
         const mukca_finding_group *g = &d->findings[i].group;
         const bool whole_arm = g->effect >= 0 && !mukca_effect_has_joint(g->effect);
         if (g->effect >= 0 && (g->from == g->to || whole_arm)) named += d->findings[i].share;
     }
-    return named >= 0.5                   ? MUKCA_VERDICT_NAMED
-           : d->findings[0].outside > 0.5 ? MUKCA_VERDICT_UNKNOWN
-                                          : MUKCA_VERDICT_TIED;
+    return named >= MUKCA_VERDICT_HALF                   ? MUKCA_VERDICT_NAMED
+           : d->findings[0].outside > MUKCA_VERDICT_HALF ? MUKCA_VERDICT_UNKNOWN
+                                                         : MUKCA_VERDICT_TIED;
 }
 
 /* Describe the members of the set to which the regression is fitted: causes, suspected ones and
@@ -210,7 +201,7 @@ void mukca_verdict_reach(mukca_diagnosis *d, mukca_search *id)
         if (mukca_candidate_class(&id->all.list[best->candidate[c]]) == MUKCA_CLASS_UNKNOWN)
             d->structure = fmax(d->structure, mukca_cause_gain(id, best, c));
     list_causes(d, id, best);
-    d->verdict = verdict_of(d, any, unknown);
+    d->verdict = mukca_verdict_of(d, any, unknown);
     find_where(d, id, unknown >= MUKCA_LISTED);
     list_sets(d, id);
     d->unexplained = unknown >= MUKCA_LISTED && d->n_causes;

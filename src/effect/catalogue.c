@@ -1,5 +1,4 @@
-/* The catalogue of effects: table and queries; text form of variants and terms, descriptions,
- * units. */
+/* The catalogue of effects: table and queries; text form of variants and terms; units. */
 #include "effect/catalogue.h"
 
 #include <string.h>
@@ -235,14 +234,6 @@ int mukca_effect_term_parse(mukca_effect *effect, const char *text, int n_joints
     for (int term = 0; term < effect->terms; term++)
         if (strcmp(text, names[term]) == 0) return term;
     return -1;
-}
-
-void mukca_effect_describe(char *text, size_t size, const mukca_effect *effect,
-                           const mukca_chain *chain)
-{
-    const mukca_effect_ops *ops = mukca_effect_catalogue[effect->kind];
-    text[0] = '\0';
-    if (ops->describe) ops->describe(text, size, effect, chain);
 }
 
 const char *mukca_effect_unit(const mukca_effect *effect, const mukca_chain *chain)

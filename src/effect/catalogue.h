@@ -95,7 +95,6 @@ typedef struct {
     const char *term_name[MUKCA_MAX_TERMS]; /* if several terms */
     /* the same if it depends on the variant, terminated by NULL */
     const char *const *(*variant_terms)(const mukca_effect_variant *variant);
-    void (*describe)(char *text, size_t size, const mukca_effect *effect, const mukca_chain *chain);
     /* The i-th candidate variant for a recording, at effect->joint; false: no more. */
     bool (*candidate)(mukca_effect *effect, const mukca_effect_survey *survey, int i);
     /* MUKCA_TRAIT_ORDERS: prior probability of an order; orders of one gear yield the same number

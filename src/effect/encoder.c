@@ -76,13 +76,6 @@ static const mukca_variant_ops neighbour = {
     .complete = complete_neighbour,
 };
 
-static void describe_coupling(char *text, size_t size, const mukca_effect *effect,
-                              const mukca_chain *chain)
-{
-    const int other = effect->joint + effect->variant.neighbour;
-    mukca_print(text, size, " (driven by %s)", mukca_chain_joint_name(chain, other));
-}
-
 const mukca_effect_ops mukca_joint_coupling_effect = {
     .info = {.name = "joint_coupling",
              .title = "joint coupling",
@@ -97,7 +90,6 @@ const mukca_effect_ops mukca_joint_coupling_effect = {
     .basis = coupling_basis,
     .by_angle = linear_by_angle,
     .variant = &neighbour,
-    .describe = describe_coupling,
     .candidate = coupling_candidate,
     .untested = "no neighbour of it moved: record postures that turn them",
 };
@@ -155,13 +147,6 @@ static const mukca_variant_ops orders = {
     .complete = has_order,
 };
 
-static void describe_harmonic(char *text, size_t size, const mukca_effect *effect,
-                              const mukca_chain *chain)
-{
-    (void)chain;
-    mukca_print(text, size, " (%d per turn)", effect->variant.order);
-}
-
 /* Ratios of strain wave and cycloidal gears in cobots, their doubles (two lobes a turn), and
  * encoder line counts that alias onto low orders; low orders; all others. */
 static double harmonic_prior(int order)
@@ -212,7 +197,6 @@ const mukca_effect_ops mukca_gear_harmonic_effect = {
     .by_angle = wave_by_angle,
     .variant = &orders,
     .term_name = {"sin", "cos"},
-    .describe = describe_harmonic,
     .candidate = harmonic_candidate,
     .order_prior = harmonic_prior,
     .gear = gear_of,

@@ -41,16 +41,6 @@ static const mukca_variant_ops time_constant = {
     .write = write_constant,
 };
 
-static void describe(char *text, size_t size, const mukca_effect *effect, const mukca_chain *chain)
-{
-    const double constant = effect->variant.time_constant;
-    (void)chain;
-    if (constant > 0)
-        mukca_print(text, size, " (settles within %d min)", (int)((constant + 30) / 60));
-    else
-        mukca_print(text, size, " (per 1000 s)");
-}
-
 const mukca_effect_ops mukca_joint_drift_effect = {
     .info = {.name = "joint_drift",
              .title = "joint drift",
@@ -64,7 +54,6 @@ const mukca_effect_ops mukca_joint_drift_effect = {
              .remedy = "warm the arm up before recording and before use"},
     .basis = drift_basis,
     .variant = &time_constant,
-    .describe = describe,
     .candidate = drift_candidate,
 };
 
@@ -119,15 +108,6 @@ static const mukca_variant_ops direction = {
     .write = write_direction,
 };
 
-static void describe_lag(char *text, size_t size, const mukca_effect *effect,
-                         const mukca_chain *chain)
-{
-    (void)chain;
-    mukca_print(text, size, "%s%s",
-                effect->variant.to_command ? " towards the commanded angles" : " of all joints",
-                effect->variant.time_constant > 0 ? " in the first readings of a posture" : "");
-}
-
 static bool lag_candidate(mukca_effect *effect, const mukca_effect_survey *survey, int i)
 {
     static const double settling[] = {0, 1, 3, 10}; /* readings, from one to most of a dwell */
@@ -152,6 +132,5 @@ const mukca_effect_ops mukca_readback_lag_effect = {
     .direction = lag_direction,
     .by_angle = lag_by_angle,
     .variant = &direction,
-    .describe = describe_lag,
     .candidate = lag_candidate,
 };

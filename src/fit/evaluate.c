@@ -10,7 +10,10 @@
 #include "fit/parameters.h"
 #include "model/dataset_subset.h"
 
-/* Pose of the tip in each sample: tips[n_rows].  False: out of memory. */
+enum { TOGETHER = 64 }; /* samples whose positions are computed together */
+
+/* Pose of the tip in each sample, its position alone where nothing else matters: tips[n_rows].
+ * False: out of memory. */
 static bool find_tips(mukca_frame *tips, const mukca_model *model, const mukca_dataset *data)
 {
     mukca_geometry geometry;
@@ -26,9 +29,18 @@ static bool find_tips(mukca_frame *tips, const mukca_model *model, const mukca_d
         base = geometry.origin[0];
         mukca_geometry_set(&geometry, arm, model->theta ? model->theta + MUKCA_PARAMETERS : NULL);
     }
+    const bool sockets = model->n_effects == 0 && !data->position; /* positions suffice */
+    double position[3 * TOGETHER];
     for (int row = 0; row < data->n_rows; row++) {
-        const mukca_joint_state *state = mukca_dataset_state(&rows, data, row);
-        mukca_tip_pose(&tips[row], model->effects, model->n_effects, arm, &geometry, state);
+        const int k = row % TOGETHER, left = data->n_rows - row;
+        if (sockets && k == 0)
+            mukca_fk_positions(position, &geometry, data->q + (size_t)row * (size_t)data->n_joints,
+                               left < TOGETHER ? left : TOGETHER);
+        if (sockets)
+            memcpy(tips[row].p, position + 3 * k, sizeof tips[row].p);
+        else
+            mukca_tip_pose(&tips[row], model->effects, model->n_effects, arm, &geometry,
+                           mukca_dataset_state(&rows, data, row));
         if (framed) mukca_frame_multiply(&tips[row], &base, &tips[row]);
     }
     free(arm);

@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "fit/align.h"
-#include "fit/arm_posterior.h"
 #include "model/dataset_subset.h"
 
 /* ---- the user's lists of free and frozen parameters ---- */
@@ -134,19 +133,6 @@ static mukca_status take_workspace(workspace *w, mukca_fit *fit, const mukca_dat
                       fit->parameters.n);
 }
 
-/* Set fit->theta to the posterior mean. */
-static mukca_status take_posterior(mukca_fit *fit, mukca_pool *pool, const mukca_dataset *data,
-                                   mukca_error *error)
-{
-    mukca_arm_posterior *p = MUKCA_TAKE(pool, mukca_arm_posterior, 1);
-    const mukca_tip_change_task task = {.chain = &fit->chain, .data = data};
-    if (!p) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    const mukca_status status = mukca_arm_posterior_fit(p, &task, error);
-    if (status == MUKCA_OK) memcpy(fit->theta, p->at.theta, sizeof fit->theta);
-    mukca_arm_posterior_free(p);
-    return status;
-}
-
 static mukca_status minimise(mukca_fit *fit, workspace *w, const mukca_fit_options *options,
                              mukca_error *error)
 {
@@ -159,7 +145,7 @@ static mukca_status minimise(mukca_fit *fit, workspace *w, const mukca_fit_optio
     mukca_parameters_pack(x, &fit->parameters, fit->theta);
     mukca_cost_hold(cost, x);
     if (options->start) mukca_parameters_pack(x, &fit->parameters, options->start);
-    if (!options->by_evidence) {
+    if (!options->theta_of) {
         const mukca_status status =
             solver->run(x, &fit->outcome, cost, solver, &options->limits, error);
         if (status != MUKCA_OK) return status;
@@ -169,7 +155,7 @@ static mukca_status minimise(mukca_fit *fit, workspace *w, const mukca_fit_optio
     }
     if (options->parameters_only) return MUKCA_OK;
     const mukca_status status = analyse(fit, cost, x, &w->pool, error);
-    fit->converged |= options->by_evidence;
+    fit->converged |= options->theta_of != NULL;
     return status;
 }
 
@@ -191,8 +177,8 @@ mukca_status mukca_fit_run(mukca_fit *fit, const mukca_chain *chain, const mukca
     w = calloc(1, sizeof *w);
     if (!w) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     status = take_workspace(w, fit, data, options->cost, error);
-    if (status == MUKCA_OK && options->by_evidence)
-        status = take_posterior(fit, &w->pool, data, error);
+    if (status == MUKCA_OK && options->theta_of)
+        status = options->theta_of(fit->theta, &fit->chain, data, error);
     if (status == MUKCA_OK) status = minimise(fit, w, options, error);
     mukca_pool_free(&w->pool);
     mukca_dataset_free(&w->samples);

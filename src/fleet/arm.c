@@ -16,7 +16,7 @@ typedef struct {
 
 /* Remove from the regression all elastic causes, unknown functions, which would absorb elasticity,
  * and the orders at a joint (-1: none). */
-static void strip(mukca_regression *m, int joint)
+static void drop_elastic(mukca_regression *m, int joint)
 {
     for (int c = m->unknowns.n_causes - 1; c >= 0; c--) {
         const mukca_candidate *h = &m->unknowns.cause[c].candidate;
@@ -27,7 +27,7 @@ static void strip(mukca_regression *m, int joint)
     }
 }
 
-static bool add(mukca_regression *m, const mukca_effect *effect)
+static bool add_cause(mukca_regression *m, const mukca_effect *effect)
 {
     mukca_candidate h = mukca_candidate_of(effect);
     h.as_one = true;
@@ -48,7 +48,7 @@ static bool add_elastic(mukca_regression *m, const elastic_prior *prior)
         const bool about_axis = mukca_effect_table[effect.kind]->site == MUKCA_SITE_ANGLE;
         const bool load = about_axis ? m->recording.have_torques : m->recording.have_moments;
         if (!load) continue;
-        ok = add(m, &effect);
+        ok = add_cause(m, &effect);
         if (!ok) break;
         mukca_accepted *cause = &u->cause[u->n_causes - 1];
         if (!(cause->candidate.unit[0] > MUKCA_LEAST_TORQUE)) {
@@ -171,7 +171,7 @@ mukca_status mukca_summary_take(mukca_summary *s, mukca_regression *m, mukca_err
     for (int j = m->recording.chain->n_joints - 1; j >= -1 && ok; j--) {
         if (j >= 0 && !has_ripple(own, j)) continue;
         mukca_unknowns_assign(&m->unknowns, own);
-        strip(m, j);
+        drop_elastic(m, j);
         ok = add_elastic(m, prior);
         mukca_regression_fit(m, 4, MUKCA_FIT_INDEPENDENT);
         if (ok) ok = scan_orders(s, m, j);
@@ -202,10 +202,10 @@ typedef struct {
     mukca_unknowns own;  /* as diagnosed; a backup once the traits are adopted */
     mukca_unknowns base; /* without elastic causes, with the known orders */
     elastic_prior prior[MUKCA_FLEET_TERMS];
-} task;
+} trial;
 
 /* Add the orders of ripple known from the fleet, each with a prior size chosen by evidence. */
-static bool put_orders(task *t)
+static bool put_orders(trial *t)
 {
     mukca_unknowns *u = &t->m->unknowns;
     const mukca_traits *traits = t->adoption->traits;
@@ -217,14 +217,14 @@ static bool put_orders(task *t)
                !(u->cause[c].candidate.kind == MUKCA_CANDIDATE_EFFECT &&
                  mukca_effect_same(&u->cause[c].candidate.effect, &known->effect)))
             c++;
-        if (c == u->n_causes && !add(t->m, &known->effect)) return false;
+        if (c == u->n_causes && !add_cause(t->m, &known->effect)) return false;
         u->cause[c].candidate.log_prior = log(known->probability); /* no look-elsewhere penalty */
     }
     return true;
 }
 
 /* Fit with a prior of the coefficients; returns the log posterior up to a common constant. */
-static double fit(task *t, const elastic_prior *prior)
+static double fit_with_prior(trial *t, const elastic_prior *prior)
 {
     mukca_unknowns_assign(&t->m->unknowns, &t->base);
     if (!add_elastic(t->m, prior)) return -HUGE_VAL;
@@ -240,7 +240,7 @@ static const mukca_trait *find_trait(const mukca_traits *traits, const mukca_eff
 }
 
 /* Prior of the coefficients: scatter of the arms and uncertainty of the mean combined. */
-static void read_prior(task *t)
+static void read_prior(trial *t)
 {
     const int n = t->m->recording.chain->n_joints;
     for (int k = 0; k < mukca_fleet_terms(n); k++) {
@@ -253,7 +253,7 @@ static void read_prior(task *t)
     }
 }
 
-static void list_coefficients(task *t)
+static void list_coefficients(trial *t)
 {
     mukca_adoption *a = t->adoption;
     mukca_unknowns *u = &t->m->unknowns;
@@ -278,7 +278,7 @@ static void list_coefficients(task *t)
 
 /* Effects of single placements do not transfer to other placements: keep them only if they reduce
  * the held-out error. */
-static void choose_placement_effects(task *t, const mukca_diagnosis *d)
+static void choose_placement_effects(trial *t, const mukca_diagnosis *d)
 {
     mukca_unknowns *u = &t->m->unknowns;
     const int n = u->n_causes;
@@ -297,7 +297,7 @@ static void choose_placement_effects(task *t, const mukca_diagnosis *d)
 }
 
 /* Copy errors and applicable effects from the fit with the traits. */
-static mukca_status take_over(task *t, mukca_diagnosis *d, mukca_error *error)
+static mukca_status take_over(trial *t, mukca_diagnosis *d, mukca_error *error)
 {
     mukca_regression *m = t->m;
     mukca_status status = MUKCA_OK;
@@ -327,7 +327,7 @@ static mukca_status take_over(task *t, mukca_diagnosis *d, mukca_error *error)
 mukca_status mukca_adopt(mukca_adoption *a, mukca_regression *m, mukca_diagnosis *d,
                          mukca_error *error)
 {
-    task *t = MUKCA_TAKE(&m->pool, task, 1);
+    trial *t = MUKCA_TAKE(&m->pool, trial, 1);
     elastic_prior wide[MUKCA_FLEET_TERMS];
     if (t) t->adoption = a, t->m = m;
     bool ok = t && mukca_unknowns_clone(&t->own, &m->pool, &m->unknowns) &&
@@ -335,15 +335,15 @@ mukca_status mukca_adopt(mukca_adoption *a, mukca_regression *m, mukca_diagnosis
     double own = mukca_regression_score(m);
     for (int k = 0; k < MUKCA_FLEET_TERMS; k++) wide[k] = (elastic_prior){0, WIDE};
     if (ok) {
-        strip(m, -1);
+        drop_elastic(m, -1);
         ok = a->only || put_orders(t);
         mukca_unknowns_assign(&t->base, &m->unknowns);
     }
     if (!ok || m->pool.failed)
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for the traits");
     read_prior(t);
-    own = fmax(own, fit(t, wide));
-    a->log_evidence = fit(t, t->prior) - own;
+    own = fmax(own, fit_with_prior(t, wide));
+    a->log_evidence = fit_with_prior(t, t->prior) - own;
     a->adopted = a->only || a->log_evidence > 0;
     if (a->adopted) {
         choose_placement_effects(t, d);

@@ -1,4 +1,4 @@
-/* The summaries of arms of one model, collected to a fleet; orders of ripple that they share. */
+/* The summaries of arms of one model, collected to a fleet. */
 #include "fleet/fleet.h"
 
 #include <math.h>
@@ -8,9 +8,7 @@
 
 #include "base/hash.h"
 #include "base/list.h"
-#include "effect/catalogue.h"
 #include "math/dense.h"
-#include "math/stats.h"
 #include "model/chain_hash.h"
 
 void mukca_fleet_model_of(mukca_fleet_model *model, const mukca_chain *chain)
@@ -136,7 +134,7 @@ static int by_arm(const void *a, const void *b)
 }
 
 /* Sum the sessions from `first` on that have its name. */
-static bool sum(mukca_fleet_arm *arm, mukca_fleet *f, int first)
+static bool sum_sessions(mukca_fleet_arm *arm, mukca_fleet *f, int first)
 {
     const int packed = mukca_fleet_packed(f->n_terms);
     *arm = (mukca_fleet_arm){.name = f->session[first]->arm,
@@ -170,7 +168,7 @@ mukca_status mukca_fleet_gather(mukca_fleet *f, mukca_error *error)
     f->n_arms = 0;
     f->arm = MUKCA_TAKE(&f->pool, mukca_fleet_arm, n + 1);
     for (int s = 0; s < f->n_sessions && f->arm; s = f->arm[f->n_arms++].end)
-        if (!sum(&f->arm[f->n_arms], f, s)) break;
+        if (!sum_sessions(&f->arm[f->n_arms], f, s)) break;
     if (f->pool.failed)
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d arms", f->n_arms);
     return MUKCA_OK;
@@ -181,85 +179,4 @@ void mukca_fleet_free(mukca_fleet *f)
     mukca_pool_free(&f->pool);
     free(f->session);
     memset(f, 0, sizeof *f);
-}
-
-/* ---- orders of transmission ripple: log Bayes factors, summed over the arms ---- */
-
-/* Share of arms that do not show the order of their gear.  The gears of a model determine its
- * orders: an individual order is a fault. */
-#define FAULTY 0.1
-
-enum {
-    ORDERS = MUKCA_FLEET_ORDERS,
-    FIRST = MUKCA_SMOOTH_ORDER - 1 /* lower ones are smooth functions, not of a gear */
-};
-
-/* Log Bayes factor of an arm's own order; add to gear[] those of the arm whose gear has each order:
- * it shows that order or, rarely, its half (the other lobe of a wave generator), its double or one
- * of its own. */
-static double add_arm(double *gear, const double *value, const double *prior)
-{
-    double own[ORDERS];
-    for (int o = FIRST; o < ORDERS; o++) own[o] = value[o] + prior[o];
-    const double individual = mukca_stats_log_sum_exp(own + FIRST, ORDERS - FIRST),
-                 rare = log(FAULTY / 3);
-    for (int o = FIRST; o < ORDERS; o++) {
-        double shown[4] = {value[o] + log(1 - FAULTY), individual + rare};
-        int n = 2;
-        if (o % 2 == 0 && o / 2 - 1 >= FIRST) shown[n++] = value[o / 2 - 1] + rare;
-        if (2 * o + 2 < ORDERS) shown[n++] = value[2 * o + 2] + rare;
-        gear[o] += mukca_stats_log_sum_exp(shown, n);
-    }
-    return individual;
-}
-
-/* Log Bayes factor of an order of ripple, over all sessions of an arm. */
-static double ripple_of(const mukca_fleet *f, int arm, int joint, int order)
-{
-    int quanta = 0;
-    for (int s = f->arm[arm].first; s < f->arm[arm].end; s++)
-        quanta += f->session[s]->ripple[joint][order - 2];
-    return quanta * MUKCA_FLEET_QUANTUM;
-}
-
-/* Three hypotheses of a joint: no ripple; gears of one order in all arms; an order of its own in
- * some arms.  The last keeps the fault of one arm from being attributed to the fleet.  Even odds
- * that no joint has ripple, whatever the number of joints (as in population.c); equal odds of the
- * other two. */
-static void pool_joint(mukca_trait *shared, const mukca_fleet *f, int joint)
-{
-    const mukca_effect wave = mukca_fleet_wave(joint);
-    double gear[ORDERS] = {0}, sum[ORDERS] = {0}, value[ORDERS], prior[ORDERS], each = 0;
-    int best = FIRST;
-    bool scanned = false;
-    for (int o = FIRST; o < ORDERS; o++)
-        prior[o] = log(mukca_effect_catalogue[wave.kind]->order_prior(o + 2));
-    for (int a = 0; a < f->n_arms; a++) {
-        for (int o = FIRST; o < ORDERS; o++) {
-            value[o] = ripple_of(f, a, joint, o + 2);
-            scanned |= value[o] != 0;
-            sum[o] += value[o];
-        }
-        const double own[] = {log(1 - FAULTY), log(FAULTY) + add_arm(gear, value, prior)};
-        each += mukca_stats_log_sum_exp(own, 2);
-    }
-    *shared = (mukca_trait){
-        .effect = wave, .error = NAN, .spread = NAN, .value = NAN, .low = NAN, .high = NAN};
-    if (!scanned) return;
-    for (int o = FIRST; o < ORDERS; o++) {
-        gear[o] += prior[o];
-        if (gear[o] > gear[best]) best = o;
-    }
-    const double none = pow(0.5, 1.0 / f->model.n_joints),
-                 all[] = {log(2 * none / (1 - none)), each,
-                          mukca_stats_log_sum_exp(gear + FIRST, ORDERS - FIRST)};
-    shared->effect.variant.order = best + 2;
-    shared->log_bayes_factor = sum[best];
-    shared->probability = exp(gear[best] - mukca_stats_log_sum_exp(all, 3));
-    for (int a = 0; a < f->n_arms; a++) shared->arms += ripple_of(f, a, joint, best + 2) > 0;
-}
-
-void mukca_orders_pool(mukca_fleet *f)
-{
-    for (int j = 0; j < f->model.n_joints; j++) pool_joint(&f->order[j], f, j);
 }

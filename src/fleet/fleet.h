@@ -105,7 +105,6 @@ typedef struct {
     mukca_trait trait[MUKCA_FLEET_TERMS];
     /* Of the means: information, including the arms' scatter, and information times estimate. */
     double information[MUKCA_FLEET_TERMS * MUKCA_FLEET_TERMS], vector[MUKCA_FLEET_TERMS];
-    double covariance[MUKCA_FLEET_TERMS * MUKCA_FLEET_TERMS]; /* of trait[].mean */
     /* Non-negative means and their covariance, averaged over the sets of nonzero ones. */
     double average[MUKCA_FLEET_TERMS], average_covariance[MUKCA_FLEET_TERMS * MUKCA_FLEET_TERMS];
     double scratch[MUKCA_FLEET_TERMS * MUKCA_FLEET_TERMS];
@@ -168,6 +167,10 @@ mukca_status mukca_fleet_gather(mukca_fleet *fleet, mukca_error *error);
 mukca_status mukca_fleet_pool(mukca_fleet *fleet, mukca_error *error);
 
 void mukca_fleet_free(mukca_fleet *fleet);
+
+/* Find the population of the coefficients, the departing arms, which are excluded from it, and the
+ * coefficients of all arms.  False: no memory. */
+bool mukca_population_fit(mukca_fleet *fleet);
 
 /* Find the most probable order of ripple of each joint: fleet->order. */
 void mukca_orders_pool(mukca_fleet *fleet);

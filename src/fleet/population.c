@@ -3,7 +3,6 @@
  * models, J. Am. Stat. Assoc. 92, 1997) which of them are shared, and their sizes; arms that
  * depart, which are excluded. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "fleet/fleet.h"
@@ -16,8 +15,7 @@ enum {
     T = MUKCA_FLEET_TERMS,
     ROUNDS = 60,
     BUDGET = 40,      /* sets extended, or their members replaced */
-    REFITS = 64,      /* up to this number of arms the population is fitted again without each; in
-                         larger fleets one arm changes it by less than its uncertainty */
+    REFITS = 64,      /* arms up to which one of them changes the population noticeably */
     FREEDOM = 1 << 30 /* so many degrees of freedom: the noise is known */
 };
 
@@ -107,7 +105,7 @@ static void sum_arms(mukca_population *p, double *square, double *diagonal, cons
                      int without)
 {
     const int n = p->n;
-    double *P = p->scratch, *W = p->covariance, w[T] = {0};
+    double *P = p->scratch, *W = p->average_covariance, w[T] = {0};
     memset(P, 0, sizeof p->scratch);
     memset(p->information, 0, sizeof p->information);
     memset(p->vector, 0, sizeof p->vector);
@@ -137,16 +135,15 @@ static void sum_arms(mukca_population *p, double *square, double *diagonal, cons
  * prior. */
 static double step_spread(mukca_population *p, const double *square, const double *diagonal)
 {
+    const double lost = p->n_arms > 1 ? (double)p->n_arms / (p->n_arms - 1) : 1; /* by the mean */
     double most = 0;
     for (int i = 0; i < p->n; i++) {
         const double usual = fmax(USUAL_SCATTER * p->trait[i].mean, USUAL_SPREAD),
-                     v = pow(p->trait[i].spread, 2);
-        /* correction for the fitted mean of n arms */
-        const double lost = p->n_arms > 1 ? (double)p->n_arms / (p->n_arms - 1) : 1;
-        const double next = sqrt((lost * square[i] * v * v + SPREAD_ARMS * usual * usual) /
-                                 (diagonal[i] + SPREAD_ARMS / v));
-        const double spread = fmax(sqrt(next), LEAST_SPREAD);
-        const double change = fabs(spread / p->trait[i].spread - 1);
+                     v = pow(p->trait[i].spread, 2),
+                     next = sqrt((lost * square[i] * v * v + SPREAD_ARMS * usual * usual) /
+                                 (diagonal[i] + SPREAD_ARMS / v)),
+                     spread = fmax(sqrt(next), LEAST_SPREAD),
+                     change = fabs(spread / p->trait[i].spread - 1);
         if (change > most) most = change; /* fmax crashes gcc 12 for aarch64 */
         p->trait[i].spread = spread;
     }
@@ -155,36 +152,33 @@ static double step_spread(mukca_population *p, const double *square, const doubl
 
 /* ---- which of them are not zero ---- */
 
-/* The means as items of one column, with information E'E.  False: no memory, or E does not exist.
- */
-static bool ask(mukca_question *q, mukca_pool *pool, const mukca_population *p)
+/* The means as items of one column.  False: no memory. */
+static bool ask_means(mukca_question *q, mukca_pool *pool, const mukca_population *p)
 {
     const int n = p->n, stride = (n + 7) & ~7;
-    const double each = log(0.25);
+    const double quarter = log(0.25);
     mukca_item *item = MUKCA_TAKE(pool, mukca_item, n + 1);
-    double *E = MUKCA_TAKE(pool, double, n *stride + 1), L[T * T];
-    memcpy(L, p->information, sizeof *L * (size_t)(n * n));
-    if (pool->failed || mukca_dense_cholesky(L, n)) return false;
+    double *gram = MUKCA_TAKE(pool, double, n *stride + 1);
+    if (pool->failed) return false;
     for (int k = 0; k < n; k++) {
         /* the sizes of mukca_sizes_spring; odds of any coefficient, then of which */
         item[k] = (mukca_item){.at = k,
                                .terms = 1,
                                .prior = {.n_sizes = 4,
                                          .size = {10e-6, 30e-6, 100e-6, 300e-6},
-                                         .log_weight = {each, each, each, each},
+                                         .log_weight = {quarter, quarter, quarter, quarter},
                                          .nonnegative = true},
                                .log_prior = -log(2.0 * n),
                                .key = k};
-        for (int r = 0; r <= k; r++) E[r * stride + k] = L[k * n + r];
+        memcpy(gram + k * stride, p->information + k * n, sizeof *gram * (size_t)n);
     }
     *q = (mukca_question){.n_items = n,
                           .n_columns = n,
                           .stride = stride,
-                          .n_rows = n,
                           .dof = FREEDOM,
                           .residual = FREEDOM,
                           .item = item,
-                          .E = E,
+                          .gram = gram,
                           .g = p->vector};
     return true;
 }
@@ -195,7 +189,7 @@ typedef struct {
 } average;
 
 /* Add a set: its coefficients are Gaussian, the others zero. */
-static void take(average *a, mukca_population *p, const mukca_set *set, double log_weight)
+static void add_set(average *a, mukca_population *p, const mukca_set *set, double log_weight)
 {
     const int n = p->n, m = set->n;
     const unsigned short *index = set->item;
@@ -219,21 +213,20 @@ static void take(average *a, mukca_population *p, const mukca_set *set, double l
 }
 
 /* Evaluate the most probable set with each coefficient added or dropped. */
-static void flip(mukca_sets *sets, mukca_population *p)
+static void flip_each(mukca_sets *sets, mukca_population *p)
 {
     const mukca_set best = sets->set[sets->best];
     for (int k = 0; k < p->n; k++) {
         int item[T], n = 0, at = 0;
-        bool present = false;
         for (int i = 0; i < p->n; i++) {
             const bool member = at < best.n && best.item[at] == i;
             at += member;
-            if (i == k) present = member;
             if (member != (i == k)) item[n++] = i;
         }
         const int other = mukca_sets_insert(sets, item, NULL, n);
         const double gain = other < 0 ? 0 : sets->set[other].value - best.value;
-        p->trait[k].log_bayes_factor = (present ? -gain : gain) - sets->question->item[k].log_prior;
+        p->trait[k].log_bayes_factor =
+            (n < best.n ? -gain : gain) - sets->question->item[k].log_prior;
     }
 }
 
@@ -246,13 +239,14 @@ static bool take_average(mukca_population *p)
     mukca_question question;
     mukca_sets sets;
     average a = {.total = 0};
-    const bool ok = ask(&question, &pool, p) && mukca_sets_create(&sets, &pool, &question);
+    const bool ok = ask_means(&question, &pool, p) && mukca_sets_create(&sets, &pool, &question);
     if (ok) {
         memset(p->average_covariance, 0, sizeof p->average_covariance);
         mukca_sets_explore(&sets, BUDGET, true);
-        flip(&sets, p);
+        flip_each(&sets, p);
         const double most = sets.set[sets.best].value;
-        for (int i = 0; i < sets.n_sets; i++) take(&a, p, &sets.set[i], sets.set[i].value - most);
+        for (int i = 0; i < sets.n_sets; i++)
+            add_set(&a, p, &sets.set[i], sets.set[i].value - most);
     }
     for (int i = 0; i < n && ok; i++) {
         const double present = a.present[i], value = a.mean[i] / present;
@@ -271,9 +265,9 @@ static bool take_average(mukca_population *p)
 
 /* Fit the population to all arms but those that depart and `without` (-1: none), starting from the
  * present mean and spread if `warm`.  False: no memory. */
-static bool fit(mukca_population *p, const mukca_fleet *f, int without, bool warm)
+static bool fit_population(mukca_population *p, const mukca_fleet *f, int without, bool warm)
 {
-    double square[T] = {0}, diagonal[T] = {0}, *A = p->scratch;
+    double square[T] = {0}, diagonal[T] = {0}, *A = p->scratch, *C = p->average_covariance;
     if (!warm) choose_terms(p, f);
     for (int round = 0; round < ROUNDS; round++) {
         sum_arms(p, square, diagonal, f, without);
@@ -284,72 +278,63 @@ static bool fit(mukca_population *p, const mukca_fleet *f, int without, bool war
     sum_arms(p, square, diagonal, f, without);
     solve_mean(p);
     memcpy(A, p->information, sizeof *A * (size_t)(p->n * p->n));
-    memset(p->covariance, 0, sizeof p->covariance);
-    for (int i = 0; i < p->n; i++) p->covariance[i * p->n + i] = 1;
-    if (mukca_dense_solve(p->covariance, p->n, A, p->n)) p->n = 0;
-    for (int i = 0; i < p->n; i++) p->trait[i].error = sqrt(p->covariance[i * p->n + i]);
+    memset(C, 0, sizeof p->average_covariance);
+    for (int i = 0; i < p->n; i++) C[i * p->n + i] = 1;
+    if (mukca_dense_solve(C, p->n, A, p->n)) p->n = 0;
+    for (int i = 0; i < p->n; i++) p->trait[i].error = sqrt(C[i * p->n + i]);
     return take_average(p);
 }
 
 /* ---- arms that depart: each compared with the posterior predictive of its sisters ---- */
 
 /* Prior of a departure, rad/(N m): typical sizes of mukca_sizes_spring, each as probable. */
-#define SIZES 3
-static const mukca_mixture prior = {
-    .n_sizes = SIZES,
+static const mukca_mixture departure_prior = {
+    .n_sizes = 3,
     .size = {30e-6, 100e-6, 300e-6},
     .log_weight = {-1.0986122886681098, -1.0986122886681098, -1.0986122886681098}};
 
 /* Comparison of an arm with its sisters. */
 typedef struct {
     const mukca_population *sisters;
-    double mean[T];            /* of the sisters */
-    double V[T * T], P[T * T]; /* prior covariance of its coefficients, and its inverse */
-    double W[T * T], r[T]; /* its information on the mean, times residual about the sisters' mean */
+    double mean[T], V[T * T]; /* prior of its coefficients: mean of the sisters, covariance */
+    double W[T * T], r[T];    /* its information on that mean, times residual about it */
 } comparison;
 
-/* The prior of the arm's coefficients combines the uncertainty of the mean and the scatter, widened
- * for the small number of sisters (Student's t).  `averaged`: over the sets of nonzero
- * means, else with all coefficients present. */
-static bool compare(comparison *c, const mukca_population *p, const mukca_fleet *f, int arm,
-                    bool averaged)
+/* The prior combines the uncertainty of the mean, averaged over the sets of nonzero ones, and the
+ * scatter, widened for the small number of sisters (Student's t).  Of the coefficient `departing`
+ * (-1: none) the sisters say nothing. */
+static bool compare_with_sisters(comparison *c, const mukca_fleet *f, int arm, int departing)
 {
+    const mukca_population *p = c->sisters;
     const int n = p->n;
     const double nu = f->n_arms, wider = nu > 2 ? nu / (nu - 2) : 3;
-    c->sisters = p;
-    memcpy(c->V, averaged ? p->average_covariance : p->covariance, sizeof *c->V * (size_t)(n * n));
+    double P[T * T] = {0};
+    memcpy(c->mean, p->average, sizeof c->mean);
+    memcpy(c->V, p->average_covariance, sizeof *c->V * (size_t)(n * n));
     for (int i = 0; i < n; i++) {
-        c->mean[i] = averaged ? p->average[i] : p->trait[i].mean;
         c->V[i * n + i] += wider * p->trait[i].spread * p->trait[i].spread;
+        if (i == departing) c->V[i * n + i] += MOST_MEAN * MOST_MEAN;
+        P[i * n + i] = 1;
     }
     memcpy(c->W, c->V, sizeof *c->V * (size_t)(n * n));
-    memset(c->P, 0, sizeof c->P);
-    for (int i = 0; i < n; i++) c->P[i * n + i] = 1;
-    if (mukca_dense_solve(c->P, n, c->W, n)) return false;
-    if (!arm_information(c->W, c->r, p, f, arm, c->P)) return false;
+    if (mukca_dense_solve(P, n, c->W, n) || !arm_information(c->W, c->r, p, f, arm, P))
+        return false;
     for (int i = 0; i < n; i++)
         for (int k = 0; k < n; k++) c->r[i] -= c->W[i * n + k] * c->mean[k];
     return true;
 }
 
-/* Estimate coefficient k of the arm, with its prior variance increased by s2. */
-static void estimate(mukca_departure *d, const comparison *c, int k, double s2)
+static void estimate_coefficient(mukca_departure *d, const comparison *c, int k)
 {
     const int n = c->sisters->n;
-    const double *W = c->W, *V = c->V;
-    const double shrink = s2 / (1 + s2 * W[k * n + k]);
-    double own = 0, variance = V[k * n + k] + s2, row[T] = {0};
+    const double *W = c->W, *V = c->V + k * n;
+    double variance = V[k];
+    d->mean = d->value = c->mean[k];
     for (int i = 0; i < n; i++) {
-        row[i] = V[k * n + i] + (i == k ? s2 : 0);
-        own += row[i] * (c->r[i] - shrink * W[i * n + k] * c->r[k]);
+        d->value += V[i] * c->r[i];
+        for (int j = 0; j < n; j++) variance -= V[i] * W[i * n + j] * V[j];
     }
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++)
-            variance -= row[i] * row[j] * (W[i * n + j] - shrink * W[i * n + k] * W[k * n + j]);
     const double half = MUKCA_SIGMAS_95 * sqrt(fmax(variance, 0));
-    d->k = k;
-    d->mean = c->mean[k];
-    d->value = d->mean + own;
     d->low = fmax(d->value - half, 0), d->high = d->value + half;
     d->ratio = d->mean > 0 ? d->value / d->mean : (double)INFINITY;
 }
@@ -361,87 +346,54 @@ static bool find_departures(mukca_fleet *f)
     const mukca_population *all = &f->population;
     mukca_pool *pool = &f->pool;
     const int n = all->n;
-    mukca_population *sisters = MUKCA_TAKE(pool, mukca_population, 1);
     comparison *c = MUKCA_TAKE(pool, comparison, 1);
+    mukca_population *sisters = MUKCA_TAKE(pool, mukca_population, 1);
     mukca_mixture_scratch *scratch = MUKCA_TAKE(pool, mukca_mixture_scratch, 1);
     if (pool->failed) return false;
+    c->sisters = sisters;
     /* Even odds that no arm of the fleet departs, whatever their number (J. Scott, J. Berger, Bayes
      * and empirical-Bayes multiplicity adjustment, Ann. Stat. 38, 2010); then any coefficient. */
-    const double alone = pow(0.5, 1.0 / f->n_arms), each = log((1 - alone) / (n * alone));
+    const double sound = pow(0.5, 1.0 / f->n_arms), log_prior = log((1 - sound) / (n * sound));
     for (int a = 0; a < f->n_arms; a++) {
-        double odds[T + 1] = {0}, size[T] = {0}, by_size[MUKCA_MOST_SIZES] = {0};
+        mukca_fleet_arm *arm = &f->arm[a];
+        double odds[T + 1] = {0};
         int top = 0;
         *sisters = *all;
-        f->arm[a].departure = (mukca_departure){.arm = a, .k = -1};
-        f->arm[a].estimate = MUKCA_TAKE(pool, mukca_departure, n + 1);
+        arm->departure = (mukca_departure){.arm = a, .k = -1};
+        arm->estimate = MUKCA_TAKE(pool, mukca_departure, n + 1);
         if (pool->failed) return false;
         if (f->n_arms < 3) continue; /* of two arms, either may depart */
-        if (f->n_arms <= REFITS && !fit(sisters, f, a, true)) return false;
-        if (!sisters->n || !compare(c, sisters, f, a, false)) continue;
+        if (f->n_arms <= REFITS && !fit_population(sisters, f, a, true)) return false;
+        if (!sisters->n || !compare_with_sisters(c, f, a, -1)) continue;
         for (int k = 0; k < n; k++) {
-            odds[k] = each + mukca_mixture_evidence(by_size, &c->W[k * n + k], &c->r[k], 1, &prior,
-                                                    FREEDOM, FREEDOM, scratch);
-            for (int s = 0, best = 0; s < SIZES; s++)
-                if (by_size[s] >= by_size[best]) best = s, size[k] = pow(prior.size[s], 2);
+            const mukca_equations one = {&c->W[k * n + k], &c->r[k], 1, FREEDOM, FREEDOM};
+            odds[k] = log_prior + mukca_mixture_evidence(NULL, &one, &departure_prior, scratch);
             if (odds[k] > odds[top]) top = k;
         }
         const double total = mukca_stats_log_sum_exp(odds, n + 1); /* odds[n] = 0: none departs */
-        f->arm[a].departure = (mukca_departure){.arm = a,
-                                                .effect = all->trait[top].effect,
-                                                .log_bayes_factor = odds[top] - each,
-                                                /* of any departure; the top one is reported */
-                                                .probability = 1 - exp(-total)};
-        estimate(&f->arm[a].departure, c, top, size[top]);
-        const bool wanted = compare(c, sisters, f, a, true);
-        for (int k = 0; k < n && wanted; k++) {
-            mukca_departure *e = &f->arm[a].estimate[k];
-            const double share = exp(odds[k] - total);
-            *e = (mukca_departure){.arm = a,
-                                   .effect = all->trait[k].effect,
-                                   .log_bayes_factor = odds[k] - each,
-                                   .probability = share};
-            estimate(e, c, k, share > 0.5 ? size[k] : 0);
+        if (exp(odds[top] - total) > 0.5 && !compare_with_sisters(c, f, a, top)) continue;
+        for (int k = 0; k < n; k++) {
+            arm->estimate[k] = (mukca_departure){.arm = a,
+                                                 .k = k,
+                                                 .effect = all->trait[k].effect,
+                                                 .log_bayes_factor = odds[k] - log_prior,
+                                                 .probability = exp(odds[k] - total)};
+            estimate_coefficient(&arm->estimate[k], c, k);
         }
+        arm->departure = arm->estimate[top];
+        arm->departure.probability = 1 - exp(-total); /* of any; the top one is reported */
     }
     return true;
 }
 
-static int by_probability(const void *a, const void *b)
+bool mukca_population_fit(mukca_fleet *f)
 {
-    const mukca_departure *x = a, *y = b;
-    if (x->probability != y->probability) return x->probability < y->probability ? 1 : -1;
-    if (x->log_bayes_factor != y->log_bayes_factor)
-        return x->log_bayes_factor < y->log_bayes_factor ? 1 : -1;
-    return x->arm - y->arm;
-}
-
-mukca_status mukca_fleet_pool(mukca_fleet *f, mukca_error *error)
-{
-    mukca_traits *t = &f->traits;
-    if (f->n_arms < 2)
-        return mukca_fail(error, MUKCA_INPUT,
-                          "%s: the only arm ('%s'); a fleet needs two arms or more (label the "
-                          "sessions with diagnose --arm)",
-                          f->session[0]->path, f->arm[0].name);
     bool ok = true, any = true;
-    f->ranked = MUKCA_TAKE(&f->pool, mukca_departure, f->n_arms);
     for (int round = 0; round < 2 && any && ok; round++) {
-        ok = fit(&f->population, f, -1, round > 0) && find_departures(f);
+        ok = fit_population(&f->population, f, -1, round > 0) && find_departures(f);
         any = false; /* a broken arm has no information on its sisters: pool again without it */
         for (int a = 0; a < f->n_arms && ok && round == 0; a++)
             any |= f->arm[a].departs = f->arm[a].departure.probability >= MUKCA_DEPARTS;
     }
-    if (!ok) return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d arms", f->n_arms);
-    mukca_orders_pool(f);
-    *t = (mukca_traits){
-        .model = f->model, .n = f->population.n, .n_arms = f->n_arms, .n_sessions = f->n_sessions};
-    for (int a = 0; a < f->n_arms; a++) {
-        t->n_samples += f->arm[a].samples;
-        f->ranked[a] = f->arm[a].departure;
-    }
-    qsort(f->ranked, (size_t)f->n_arms, sizeof *f->ranked, by_probability);
-    memcpy(t->list, f->population.trait, (size_t)t->n * sizeof *t->list);
-    for (int j = 0; j < f->model.n_joints; j++)
-        if (f->order[j].probability >= MUKCA_SHARED) t->list[t->n++] = f->order[j];
-    return MUKCA_OK;
+    return ok;
 }

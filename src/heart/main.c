@@ -98,8 +98,7 @@ int main(int argc, char **argv)
     mukca_status status = MUKCA_USAGE;
     if (lbfgs || (argc > 3 && strcmp(argv[1], "slsqp") == 0))
         status = mukca_heart_arm(&chain, argv[2], &error);
-    if (status == MUKCA_OK)
-        status = mukca_heart_data(&data, &chain, 0.05, argv + 3, argc - 3, &error);
+    if (status == MUKCA_OK) status = mukca_heart_data(&data, &chain, argv + 3, argc - 3, &error);
     if (status == MUKCA_OK) {
         mukca_parameters_set(&parameters, &chain, NULL, false);
         status =

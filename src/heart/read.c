@@ -62,8 +62,8 @@ static mukca_status read_socket(mukca_dataset *data, FILE *file, const char *pat
     return MUKCA_OK;
 }
 
-mukca_status mukca_heart_data(mukca_dataset *data, const mukca_chain *chain, double distance,
-                              char *const *folder, int n, mukca_error *error)
+mukca_status mukca_heart_data(mukca_dataset *data, const mukca_chain *chain, char *const *folder,
+                              int n, mukca_error *error)
 {
     char path[1024];
     FILE *file;
@@ -80,7 +80,7 @@ mukca_status mukca_heart_data(mukca_dataset *data, const mukca_chain *chain, dou
             if (!(file = fopen(path, "r"))) break;
             for (int s = first; s < data->n_sockets; s++)
                 data->distances[data->n_distances++] =
-                    (mukca_distance){s, data->n_sockets, distance, 0, 0};
+                    (mukca_distance){s, data->n_sockets, MUKCA_DISTANCE, 0, 0};
             status = read_socket(data, file, path, error);
             fclose(file);
         }

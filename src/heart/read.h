@@ -9,8 +9,8 @@
 mukca_status mukca_heart_arm(mukca_chain *chain, const char *path, mukca_error *error);
 
 /* Read placements folder[n], each with hole_0.csv, hole_1.csv, ...: joint angles, one sample per
- * line, of sockets `distance` apart.  Errors: MUKCA_INPUT, MUKCA_MEMORY. */
-mukca_status mukca_heart_data(mukca_dataset *data, const mukca_chain *chain, double distance,
-                              char *const *folder, int n, mukca_error *error);
+ * line, of sockets MUKCA_DISTANCE apart.  Errors: MUKCA_INPUT, MUKCA_MEMORY. */
+mukca_status mukca_heart_data(mukca_dataset *data, const mukca_chain *chain, char *const *folder,
+                              int n, mukca_error *error);
 
 #endif

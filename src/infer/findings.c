@@ -48,15 +48,15 @@ mukca_finding_group mukca_finding_alone(const mukca_label *l)
                                  .apart = l->apart};
 }
 
-/* Square that the members of a set which are in the group explain together, (*with) the same with
+/* Square that the members of a set which are in the group explain together, (*split) the same with
  * half of their products with the others, and (*outside) the largest square of another member
  * outside the catalogue. */
-static double square_of(double *with, double *outside, const mukca_finding_group *g,
+static double square_of(double *split, double *outside, const mukca_finding_group *g,
                         const mukca_labelled_set *s, const mukca_label *label)
 {
-    double own = 0;
+    double square = 0;
     bool in[64]; /* more than MUKCA_SET_ITEMS */
-    *with = *outside = 0;
+    *split = *outside = 0;
     for (int i = 0; i < s->n; i++) {
         in[i] = mukca_finding_holds(g, &label[s->label[i]]);
         if (!in[i] && label[s->label[i]].effect < 0)
@@ -64,10 +64,10 @@ static double square_of(double *with, double *outside, const mukca_finding_group
     }
     for (int i = 0; i < s->n; i++)
         for (int k = 0; k < s->n && in[i]; k++) {
-            *with += s->product[i * s->n + k];
-            if (in[k]) own += s->product[i * s->n + k];
+            *split += s->product[i * s->n + k];
+            if (in[k]) square += s->product[i * s->n + k];
         }
-    return own;
+    return square;
 }
 
 /* A name beside a cause outside the catalogue may be what the function in its place does not
@@ -76,9 +76,9 @@ static double square_of(double *with, double *outside, const mukca_finding_group
 double mukca_finding_probability(const mukca_finding_group *g, const mukca_labelled_sets *p)
 {
     const bool name = g->kind <= MUKCA_GROUP_EFFECT && !(g->kind == MUKCA_GROUP_DETAIL && g->fine);
-    double sum = 0, with, outside;
+    double sum = 0, split, outside;
     for (int i = 0; i < p->n_sets; i++) {
-        const double square = square_of(&with, &outside, g, &p->set[i], p->label);
+        const double square = square_of(&split, &outside, g, &p->set[i], p->label);
         if (square > p->least)
             sum += p->set[i].weight * (name ? sqrt(square / (square + outside)) : 1);
     }
@@ -90,9 +90,9 @@ double mukca_finding_share(const mukca_finding_group *g, const mukca_labelled_se
     double part = 0, whole = 0;
     for (int i = 0; i < p->n_sets; i++) {
         const mukca_labelled_set *s = &p->set[i];
-        double with, outside;
-        square_of(&with, &outside, g, s, p->label);
-        part += s->weight * with;
+        double split, outside;
+        square_of(&split, &outside, g, s, p->label);
+        part += s->weight * split;
         for (int k = 0; k < s->n * s->n; k++) whole += s->weight * s->product[k];
     }
     return whole > 0 ? part / whole : 0;
@@ -103,15 +103,15 @@ static double coarseness_of(const mukca_finding_group *g, const mukca_labelled_s
 {
     int span = g->to - g->from + 1, least = span, kinds = 0;
     for (int l = 0; l < p->n_labels; l++) {
-        bool again = false;
+        bool repeated = false;
         if (!mukca_finding_holds(g, &p->label[l])) continue;
         const int extent = p->label[l].to - p->label[l].from;
         least = extent < least ? extent : least;
-        for (int o = 0; o < l && !again; o++)
-            again = mukca_finding_holds(g, &p->label[o]) &&
-                    (p->label[o].effect == p->label[l].effect ||
-                     (p->label[o].effect < 0 && p->label[l].effect < 0));
-        kinds += !again;
+        for (int o = 0; o < l && !repeated; o++)
+            repeated = mukca_finding_holds(g, &p->label[o]) &&
+                       (p->label[o].effect == p->label[l].effect ||
+                        (p->label[o].effect < 0 && p->label[l].effect < 0));
+        kinds += !repeated;
     }
     span -= least; /* an effect of all joints is at one place */
     return span * kinds + (span > 1 ? coarser_stretch : coarser)[g->kind];
@@ -138,10 +138,10 @@ static void add_stretches(groups *all, mukca_group_kind kind, int label)
     for (int o = 0; o < label; o++)
         if (mukca_finding_holds(&like, &l[o])) return;
     for (int a = 0; a < n; a++) {
-        bool again = !mukca_finding_holds(&like, &l[a]);
-        for (int o = 0; o < a && !again; o++)
-            again = mukca_finding_holds(&like, &l[o]) && l[o].from == l[a].from;
-        for (int b = 0; b < n && !again; b++) {
+        bool repeated = !mukca_finding_holds(&like, &l[a]);
+        for (int o = 0; o < a && !repeated; o++)
+            repeated = mukca_finding_holds(&like, &l[o]) && l[o].from == l[a].from;
+        for (int b = 0; b < n && !repeated; b++) {
             bool known = !mukca_finding_holds(&like, &l[b]) || l[b].to < l[a].from;
             for (int o = 0; o < b && !known; o++)
                 known = mukca_finding_holds(&like, &l[o]) && l[o].to == l[b].to;

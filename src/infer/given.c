@@ -4,10 +4,46 @@
 #include <math.h>
 #include <string.h>
 
+enum { STRIPE = 64 }; /* columns of all items at a time */
+
+/* Columns of a stripe. */
+static int width_of(const mukca_question *q, int stripe)
+{
+    const int left = q->stride - stripe * STRIPE;
+    return left < STRIPE ? left : STRIPE;
+}
+
+static int stripes(const mukca_question *q)
+{
+    return (q->stride + STRIPE - 1) / STRIPE;
+}
+
+typedef struct {
+    const mukca_sets *sets;
+    int width; /* columns of the items, in sets->left */
+    double *G; /* [width][stride] */
+} gram_rows;
+
+static void fill_rows(void *context, int stripe, int worker)
+{
+    const gram_rows *f = context;
+    const mukca_question *q = f->sets->question;
+    const int rows = q->n_rows - q->n_projected, from = stripe * STRIPE, n = width_of(q, stripe);
+    const mukca_columns left = {f->sets->left, f->width, MUKCA_GIVEN_TOGETHER},
+                        E = {q->E + from, n, q->stride};
+    double *G = f->G + from, *less = f->sets->worker[worker].row;
+    mukca_dense_xty_part(G, q->stride, left, E, rows);
+    memset(less, 0, sizeof *less * (size_t)(f->width * n));
+    mukca_dense_xty(
+        less, (mukca_columns){left.x + rows * MUKCA_GIVEN_TOGETHER, f->width, MUKCA_GIVEN_TOGETHER},
+        (mukca_columns){E.x + (size_t)rows * (size_t)q->stride, n, q->stride}, q->n_projected);
+    for (int i = 0; i < f->width; i++)
+        for (int k = 0; k < n; k++) G[(size_t)i * (size_t)q->stride + (size_t)k] -= less[i * n + k];
+}
+
 bool mukca_given_rows(mukca_sets *s, const unsigned short *item, int n)
 {
     const mukca_question *q = s->question;
-    const int rows = q->n_rows - q->n_projected;
     const size_t stride = (size_t)q->stride;
     for (int i = 0; i < n && q->gram; i++)
         s->gram[item[i]] = q->gram + (size_t)q->item[item[i]].at * stride;
@@ -24,14 +60,7 @@ bool mukca_given_rows(mukca_sets *s, const unsigned short *item, int n)
         if (!width) continue;
         double *G = MUKCA_TAKE(s->pool, double, (size_t)width *stride);
         if (!G) return false;
-        memset(s->row, 0, sizeof *G * (size_t)width * stride);
-        mukca_dense_xty(G, (mukca_columns){s->left, width, MUKCA_GIVEN_TOGETHER},
-                        (mukca_columns){q->E, q->stride, q->stride}, rows);
-        mukca_dense_xty(
-            s->row,
-            (mukca_columns){s->left + rows * MUKCA_GIVEN_TOGETHER, width, MUKCA_GIVEN_TOGETHER},
-            (mukca_columns){q->E + (size_t)rows * stride, q->stride, q->stride}, q->n_projected);
-        for (size_t k = 0; k < (size_t)width * stride; k++) G[k] -= s->row[k];
+        mukca_workers_run(q->workers, stripes(q), fill_rows, &(gram_rows){s, width, G});
         for (; first < i; first++)
             if (!s->gram[item[first]]) {
                 s->gram[item[first]] = G;
@@ -41,10 +70,9 @@ bool mukca_given_rows(mukca_sets *s, const unsigned short *item, int n)
     return true;
 }
 
-/* Subtract X'X from G[X.n][X.n]. */
-static void subtract_products(double *G, const mukca_sets *s, mukca_columns X, int rows)
+/* Subtract X'X from G[X.n][X.n]; explained[X.n][X.n]: scratch. */
+static void subtract_products(double *G, double *explained, mukca_columns X, int rows)
 {
-    double *explained = s->scratch->D;
     memset(explained, 0, sizeof *G * (size_t)(X.n * X.n));
     mukca_dense_symmetric(explained, X, X, rows);
     for (int i = 0; i < X.n * X.n; i++) G[i] -= explained[i];
@@ -63,7 +91,7 @@ void mukca_given_block(double *G, mukca_sets *s, int item)
                         T = {E.x + rows * q->stride, h->terms, q->stride};
     memset(G, 0, sizeof *G * (size_t)(h->terms * h->terms));
     mukca_dense_symmetric(G, E, E, (int)rows);
-    subtract_products(G, s, T, q->n_projected);
+    subtract_products(G, s->scratch->D, T, q->n_projected);
 }
 
 void mukca_given_cross(double *G, mukca_sets *s, int a, int b)
@@ -82,102 +110,120 @@ void mukca_given_cross(double *G, mukca_sets *s, int a, int b)
 bool mukca_given_integrate(mukca_sets *s, const mukca_set *set)
 {
     const mukca_question *q = s->question;
-    mukca_posterior *with = &s->with.posterior;
-    double *P = with->factor, *G = s->scratch->A;
+    mukca_posterior *posterior = &s->integrated.posterior;
+    double *P = posterior->factor, *G = s->scratch->A;
     int n = 0;
     for (int m = 0; m < set->n; m++) {
         const mukca_item *h = &q->item[set->item[m]];
-        s->with.at[m] = n;
+        s->integrated.at[m] = n;
         for (int t = 0; t < h->terms; t++, n++) {
-            with->prior[n] = h->prior.size[set->size[m]];
-            with->work[n] = q->g[h->at + t];
+            posterior->prior[n] = h->prior.size[set->size[m]];
+            posterior->work[n] = q->g[h->at + t];
         }
     }
-    with->n = n;
-    with->quadratic = q->residual;
+    posterior->n = n;
+    posterior->quadratic = q->residual;
     for (int m = 0; m < set->n; m++)
         for (int o = 0; o <= m; o++) {
             const mukca_item *h = &q->item[set->item[m]];
-            const int terms = q->item[set->item[o]].terms, row = s->with.at[m],
-                      column = s->with.at[o];
+            const int terms = q->item[set->item[o]].terms, row = s->integrated.at[m],
+                      column = s->integrated.at[o];
             const double *block = o == m ? s->block[set->item[m]] : G;
             if (o < m) mukca_given_cross(G, s, set->item[m], set->item[o]);
             for (int t = 0; t < h->terms; t++)
                 for (int c = 0; c < terms; c++)
                     P[(row + t) * n + column + c] = block[t * terms + c];
         }
-    if (!mukca_posterior_solve(with, NULL, NULL)) return false;
-    with->quadratic = fmax(with->quadratic, 1e-3 * q->residual);
+    if (!mukca_posterior_solve(posterior, NULL)) return false;
+    posterior->quadratic = fmax(posterior->quadratic, 1e-3 * q->residual);
     return true;
 }
 
 /* Row stride of the inverse factor. */
 static int padded(const mukca_sets *s)
 {
-    return (s->with.posterior.n + 7) & ~7;
+    return (s->integrated.posterior.n + 7) & ~7;
 }
 
 void mukca_given_invert(mukca_sets *s)
 {
-    const int n = s->with.posterior.n, ld = padded(s);
-    double *T = s->with.inverse;
+    const int n = s->integrated.posterior.n, ld = padded(s);
+    double *T = s->integrated.inverse;
     memset(T, 0, sizeof *T * (size_t)(n * ld));
     for (int i = 0; i < n; i++) T[i * ld + i] = 1;
-    mukca_dense_forward8(T, ld, ld, s->with.posterior.factor, n);
-    memcpy(s->with.x, s->with.posterior.work, sizeof *T * (size_t)n);
-    mukca_dense_backward(s->with.x, 1, s->with.posterior.factor, n);
+    for (int k = 0; k < n; k += 8) /* above their own rows the columns are 0 */
+        mukca_dense_forward_part(T + k * ld + k, ld, s->integrated.posterior.factor + k * n + k, n,
+                                 n - k);
+    memcpy(s->integrated.x, s->integrated.posterior.work, sizeof *T * (size_t)n);
+    mukca_dense_backward(s->integrated.x, 1, s->integrated.posterior.factor, n);
 }
 
 mukca_columns mukca_given_inverse_of(const mukca_sets *s, int member, int terms)
 {
-    const int ld = padded(s), at = s->with.at[member];
-    return (mukca_columns){s->with.inverse + at * ld + at, terms, ld};
+    const int ld = padded(s), at = s->integrated.at[member];
+    return (mukca_columns){s->integrated.inverse + at * ld + at, terms, ld};
 }
 
 bool mukca_given_leave_out(double *M, double *w, const mukca_sets *s, int member, int terms)
 {
     const mukca_columns T = mukca_given_inverse_of(s, member, terms);
-    const int at = s->with.at[member];
+    const int at = s->integrated.at[member];
     memset(M, 0, sizeof *M * (size_t)(terms * terms));
-    mukca_dense_symmetric(M, T, T, s->with.posterior.n - at);
+    mukca_dense_symmetric(M, T, T, s->integrated.posterior.n - at);
     if (mukca_dense_cholesky(M, terms)) return false;
-    memcpy(w, s->with.x + at, sizeof *w * (size_t)terms);
+    memcpy(w, s->integrated.x + at, sizeof *w * (size_t)terms);
     mukca_dense_forward(w, 1, M, terms);
     return true;
 }
 
-/* B := L^-1 D G for the set integrated out and all items.  False: no memory. */
-static bool condition_all(mukca_sets *s, const mukca_set *set)
+typedef struct {
+    mukca_sets *sets;
+    const mukca_set *set;
+} conditioning;
+
+/* B := L^-1 D G for the set integrated out, and g given it, in a stripe of the columns. */
+static void condition_stripe(void *context, int stripe, int worker)
 {
+    const conditioning *c = context;
+    mukca_sets *s = c->sets;
     const mukca_question *q = s->question;
-    if (!mukca_given_rows(s, set->item, set->n)) return false;
-    for (int m = 0, row = 0; m < set->n; m++) {
-        const double *G = s->gram[set->item[m]];
-        for (int t = 0; t < q->item[set->item[m]].terms; t++, row++, G += q->stride)
-            for (int k = 0; k < q->stride; k++)
-                s->with.B[row * q->stride + k] = s->with.posterior.prior[row] * G[k];
+    const int from = stripe * STRIPE, n = width_of(q, stripe);
+    double *B = s->integrated.B + from, *g = s->g + from;
+    (void)worker;
+    for (int m = 0, row = 0; m < c->set->n; m++) {
+        const double *G = s->gram[c->set->item[m]] + from;
+        for (int t = 0; t < q->item[c->set->item[m]].terms; t++, row++, G += q->stride)
+            for (int k = 0; k < n; k++)
+                B[row * q->stride + k] = s->integrated.posterior.prior[row] * G[k];
     }
-    mukca_dense_forward8(s->with.B, q->stride, q->stride, s->with.posterior.factor,
-                         s->with.posterior.n);
-    return true;
+    mukca_dense_forward8(B, n, q->stride, s->integrated.posterior.factor,
+                         s->integrated.posterior.n);
+    memset(g, 0, sizeof *g * (size_t)n);
+    mukca_dense_xty(g, (mukca_columns){s->integrated.posterior.work, 1, 1},
+                    (mukca_columns){B, n, q->stride}, s->integrated.posterior.n);
+    for (int k = 0; k < n && from + k < q->n_columns; k++) g[k] = q->g[from + k] - g[k];
+}
+
+double *mukca_given_of(const mukca_sets *s, int item)
+{
+    return s->given + (s->block[item] - s->block[0]);
+}
+
+void mukca_given_reduce(const mukca_sets *s, int item, double *scratch)
+{
+    const mukca_item *h = &s->question->item[item];
+    double *G = mukca_given_of(s, item);
+    memcpy(G, s->block[item], sizeof *G * (size_t)(h->terms * h->terms));
+    subtract_products(G, scratch,
+                      (mukca_columns){s->integrated.B + h->at, h->terms, s->question->stride},
+                      s->integrated.posterior.n);
 }
 
 bool mukca_given_condition(mukca_sets *s, const mukca_set *set)
 {
-    const mukca_question *q = s->question;
-    const mukca_columns B = {s->with.B, q->stride, q->stride};
-    double *G = s->given;
-    if (!mukca_given_integrate(s, set) || !condition_all(s, set)) return false;
-    memset(s->g, 0, sizeof *s->g * (size_t)q->stride);
-    mukca_dense_xty(s->g, (mukca_columns){s->with.posterior.work, 1, 1}, B, s->with.posterior.n);
-    for (int k = 0; k < q->n_columns; k++) s->g[k] = q->g[k] - s->g[k];
-    for (int i = 0; i < q->n_items; i++) {
-        const mukca_item *h = &q->item[i];
-        memcpy(G, s->block[i], sizeof *G * (size_t)(h->terms * h->terms));
-        subtract_products(G, s, (mukca_columns){B.x + h->at, h->terms, q->stride},
-                          s->with.posterior.n);
-        G += h->terms * h->terms;
-    }
+    if (!mukca_given_integrate(s, set) || !mukca_given_rows(s, set->item, set->n)) return false;
+    mukca_workers_run(s->question->workers, stripes(s->question), condition_stripe,
+                      &(conditioning){s, set});
     return true;
 }
 
@@ -185,8 +231,8 @@ void mukca_sets_gram(double *G, mukca_sets *s, int a, int b)
 {
     const mukca_item *x = &s->question->item[a], *y = &s->question->item[b];
     mukca_sets_products_of(G, s, a, b);
-    for (int r = 0; r < s->with.posterior.n; r++) {
-        const double *B = s->with.B + r * s->question->stride;
+    for (int r = 0; r < s->integrated.posterior.n; r++) {
+        const double *B = s->integrated.B + r * s->question->stride;
         for (int i = 0; i < x->terms; i++)
             for (int k = 0; k < y->terms; k++) G[i * y->terms + k] -= B[x->at + i] * B[y->at + k];
     }
@@ -196,11 +242,12 @@ void mukca_sets_mean(double *mean, mukca_sets *s, const mukca_set *set)
 {
     memset(mean, 0, sizeof *mean * (size_t)s->question->stride);
     if (!mukca_given_integrate(s, set)) return;
-    mukca_dense_backward(s->with.posterior.work, 1, s->with.posterior.factor, s->with.posterior.n);
+    mukca_dense_backward(s->integrated.posterior.work, 1, s->integrated.posterior.factor,
+                         s->integrated.posterior.n);
     for (int m = 0, row = 0; m < set->n; m++)
         for (int t = 0; t < s->question->item[set->item[m]].terms; t++, row++)
             mean[s->question->item[set->item[m]].at + t] =
-                s->with.posterior.prior[row] * s->with.posterior.work[row];
+                s->integrated.posterior.prior[row] * s->integrated.posterior.work[row];
 }
 
 void mukca_sets_products(double *product, double *mean, mukca_sets *s, const mukca_set *set)
@@ -232,8 +279,8 @@ void mukca_sets_products_of(double *G, mukca_sets *s, int a, int b)
 
 int mukca_sets_covariance(double *V, mukca_sets *s)
 {
-    const int n = s->with.posterior.n, ld = padded(s);
-    const double *T = s->with.inverse, *D = s->with.posterior.prior;
+    const int n = s->integrated.posterior.n, ld = padded(s);
+    const double *T = s->integrated.inverse, *D = s->integrated.posterior.prior;
     mukca_given_invert(s);
     memset(V, 0, sizeof *V * (size_t)(n * n));
     mukca_dense_symmetric(V, (mukca_columns){T, n, ld}, (mukca_columns){T, n, ld}, n);

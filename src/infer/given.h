@@ -18,7 +18,7 @@ void mukca_given_block(double *G, mukca_sets *s, int item);
 /* Gram block G[a.terms][b.terms] of two items; without memory 0. */
 void mukca_given_cross(double *G, mukca_sets *s, int a, int b);
 
-/* Integrate out a set: s->with.posterior.  False: not positive. */
+/* Integrate out a set: s->integrated.posterior.  False: not positive. */
 bool mukca_given_integrate(mukca_sets *s, const mukca_set *set);
 
 /* T := L^-1 and x := V D g of the set integrated out, V = T'T = (1 + D G D)^-1. */
@@ -31,7 +31,32 @@ mukca_columns mukca_given_inverse_of(const mukca_sets *s, int member, int terms)
  * integrated out.  M M' := the block of V, w := M^-1 x.  False: not positive. */
 bool mukca_given_leave_out(double *M, double *w, const mukca_sets *s, int member, int terms);
 
-/* Normal equations of all items given a set: s->given, s->g.  False: no memory, or not positive. */
+/* Integrate out a set: s->integrated.B, s->g.  False: no memory, or not positive. */
 bool mukca_given_condition(mukca_sets *s, const mukca_set *set);
+
+/* Block of an item, [terms][terms], of the Gram matrix given that set; `reduce` computes it, with
+ * scratch[terms][terms]. */
+double *mukca_given_of(const mukca_sets *s, int item);
+void mukca_given_reduce(const mukca_sets *s, int item, double *scratch);
+
+/* ---- sets (sets.c) ---- */
+
+double mukca_set_square(const double *x, int n);
+int mukca_set_largest(const double *x, int n);
+
+/* Evidence of a member given the others; by_size as in mukca_mixture_evidence(). */
+double mukca_set_score_member(double *by_size, const mukca_sets *s, const mukca_set *set,
+                              int member, mukca_mixture_scratch *scratch);
+
+/* Log prior of an item in addition to its own, given the first n members of a set. */
+double mukca_set_kinship(const mukca_sets *s, const mukca_set *set, int n, int item);
+
+/* Index of a set with these members, which is stored if it is new; -1: no room. */
+int mukca_set_find(mukca_sets *s, const mukca_set *set);
+
+/* Set with another item; false: no room, or its key is in the set.  Set without a member. */
+bool mukca_set_extend(mukca_set *out, const mukca_sets *s, const mukca_set *set, int item,
+                      int size);
+mukca_set mukca_set_reduce(const mukca_set *set, int member);
 
 #endif

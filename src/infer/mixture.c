@@ -21,23 +21,59 @@ MUKCA_INLINE void solve_row(mukca_mixture_scratch *f, const double (*row)[4], in
     STORE4(f->x[i], x / LOAD4(row[i]));
 }
 
-/* A pivot that is not positive results in NaN. */
+/* Row i of L, which begins there. */
+MUKCA_INLINE double (*row_of(mukca_mixture_scratch *f, int i))[4]
+{
+    return f->L + i * (i + 1) / 2;
+}
+
+/* Entries [from, i] of row i.  A pivot that is not positive results in NaN. */
+MUKCA_INLINE void factor_row(mukca_mixture_scratch *f, int i, int from, const double *G, four s)
+{
+    double(*row)[4] = row_of(f, i);
+    for (int j = from; j <= i; j++) {
+        const double(*other)[4] = (const double(*)[4])row_of(f, j);
+        four sum = s * G[j];
+        if (i == j) sum += 1;
+        for (int c = 0; c < j; c++) sum -= LOAD4(row[c]) * LOAD4(other[c]);
+        if (i != j) sum /= LOAD4(other[j]);
+        STORE4(row[j], sum);
+    }
+    for (int l = 0; l < 4; l++) row[i][l] = sqrt(row[i][l]);
+}
+
+/* Four rows at a time: the subtractions from one sum are sequential. */
 MUKCA_CLONES static void factor_four(mukca_mixture_scratch *f, int k, const double *G,
                                      const double s2[4])
 {
     const four s = LOAD4(s2);
-    double(*row)[4] = f->L;
-    for (int i = 0; i < k; row += ++i) {
-        double(*other)[4] = f->L;
-        for (int j = 0; j <= i; other += ++j) {
-            four sum = s * G[i * k + j];
-            if (i == j) sum += 1;
-            for (int c = 0; c < j; c++) sum -= LOAD4(row[c]) * LOAD4(other[c]);
-            if (i != j) sum /= LOAD4(other[j]);
-            STORE4(row[j], sum);
+    for (int first = 0; first < k; first += 4) {
+        double(*row[4])[4];
+        const double *g[4];
+        for (int r = 0; r < 4; r++) { /* beyond the last row: the last row again */
+            const int i = first + r < k ? first + r : k - 1;
+            row[r] = row_of(f, i), g[r] = G + i * k;
         }
-        for (int l = 0; l < 4; l++) row[i][l] = sqrt(row[i][l]);
-        solve_row(f, (const double(*)[4])row, i);
+        for (int j = 0; j < first; j++) {
+            const double(*other)[4] = (const double(*)[4])row_of(f, j);
+            four a0 = s * g[0][j], a1 = s * g[1][j], a2 = s * g[2][j], a3 = s * g[3][j];
+            for (int c = 0; c < j; c++) {
+                const four o = LOAD4(other[c]);
+                a0 -= LOAD4(row[0][c]) * o;
+                a1 -= LOAD4(row[1][c]) * o;
+                a2 -= LOAD4(row[2][c]) * o;
+                a3 -= LOAD4(row[3][c]) * o;
+            }
+            const four pivot = LOAD4(other[j]);
+            STORE4(row[0][j], a0 / pivot);
+            STORE4(row[1][j], a1 / pivot);
+            STORE4(row[2][j], a2 / pivot);
+            STORE4(row[3][j], a3 / pivot);
+        }
+        for (int i = first; i < first + 4 && i < k; i++) {
+            factor_row(f, i, first, G + i * k, s);
+            solve_row(f, (const double(*)[4])row_of(f, i), i);
+        }
     }
 }
 
@@ -81,10 +117,11 @@ static double log_positive(const mukca_mixture_scratch *f, int k, int lane, doub
     return mukca_mixture_positive(mean, variance, residual, dof);
 }
 
-double mukca_mixture_evidence(double *by_size, const double *G, const double *g, int k,
-                              const mukca_mixture *prior, double residual, int dof,
+double mukca_mixture_evidence(double *by_size, const mukca_equations *e, const mukca_mixture *prior,
                               mukca_mixture_scratch *f)
 {
+    const int k = e->terms, dof = e->dof;
+    const double residual = e->residual;
     /* at most this share of the residual is explained: rounding of a perfect fit */
     const double most = 0.9999;
     double value[MUKCA_MOST_SIZES];
@@ -97,8 +134,8 @@ double mukca_mixture_evidence(double *by_size, const double *G, const double *g,
             for (int l = 0; l < 4 && s + l < prior->n_sizes; l++)
                 squares[l] = prior->size[s + l] * prior->size[s + l];
             for (int i = 0; i < k; i++)
-                for (int l = 0; l < 4; l++) f->x[i][l] = g[i];
-            factor_four(f, k, G, squares);
+                for (int l = 0; l < 4; l++) f->x[i][l] = e->g[i];
+            factor_four(f, k, e->G, squares);
         }
         for (int i = 0; i < k; i++) q += s2 * f->x[i][lane] * f->x[i][lane];
         q = fmin(q, most * residual);

@@ -20,13 +20,19 @@ typedef struct {
         C[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS], D[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS];
 } mukca_mixture_scratch;
 
-/* Log Bayes factor of k coefficients with the projected normal equations G[k][k] and g[k], averaged
- * over the sizes, with the scale of the noise profiled out: `residual` is the squared residual
- * without them in units of the noise, and `dof` its degrees of freedom.  by_size[n_sizes] (may be
- * NULL) receives the terms of the average.  Changes L and x of the scratch. */
-double mukca_mixture_evidence(double *by_size, const double *G, const double *g, int k,
-                              const mukca_mixture *prior, double residual, int dof,
-                              mukca_mixture_scratch *scratch);
+/* Projected normal equations of some columns, G[terms][terms] and g[terms]; the squared residual
+ * without them, in units of the noise, and its degrees of freedom. */
+typedef struct {
+    const double *G, *g;
+    int terms, dof;
+    double residual;
+} mukca_equations;
+
+/* Log Bayes factor of the columns' coefficients, averaged over the sizes, with the scale of the
+ * noise profiled out.  by_size[n_sizes] (may be NULL) receives the terms of the average.  Changes L
+ * and x of the scratch. */
+double mukca_mixture_evidence(double *by_size, const mukca_equations *columns,
+                              const mukca_mixture *prior, mukca_mixture_scratch *scratch);
 
 /* Log of twice the posterior probability that a coefficient with this mean and variance, in units
  * of the noise, is positive. */

@@ -6,6 +6,7 @@
 #ifndef MUKCA_INFER_SETS_H
 #define MUKCA_INFER_SETS_H
 
+#include "base/workers.h"
 #include "infer/mixture.h"
 #include "infer/posterior.h"
 
@@ -34,6 +35,7 @@ typedef struct {
     const mukca_item *item;
     const double *E, *gram, *g;
     double residual;
+    mukca_workers *workers; /* of the search; NULL: the caller's thread alone */
 } mukca_question;
 
 typedef struct {
@@ -45,6 +47,12 @@ typedef struct {
     bool exact, expanded, swapped;
 } mukca_set;
 
+/* Scores of all items in addition to a set: log odds, and the most probable size. */
+typedef struct {
+    double *value;
+    unsigned char *likeliest;
+} mukca_scores;
+
 typedef struct {
     const mukca_question *question;
     mukca_pool *pool;
@@ -53,20 +61,24 @@ typedef struct {
         *gram; /* [n_items] rows of the Gram matrix, [terms][stride]; NULL: not yet needed */
     int n_sets, best;
     mukca_set *set; /* [MUKCA_MOST_SETS] */
-    int *table;     /* hash table of sets */
+    int *table;     /* hash table: 1 + index of a set, 0: none */
     struct {
         mukca_posterior posterior; /* factor L of 1 + D G D; `quadratic`: the residual */
         int at[MUKCA_SET_ITEMS];   /* first column of each member */
         double *B;                 /* L^-1 D G */
         double *inverse;           /* L^-1 */
         double *x;                 /* (1 + D G D)^-1 D g */
-    } with;                        /* the set integrated out last */
-    double *row, *left;            /* scratch of some of them: rows, columns */
-    mukca_mixture_scratch *scratch;
-    double *given;            /* blocks of all items given that set */
-    double *value, *alone;    /* scratch: [n_items] scores */
-    double *g;                /* scratch: [stride] */
-    unsigned char *likeliest; /* [n_items] sizes */
+    } integrated;                  /* the set integrated out last */
+    double *left;                  /* scratch: columns of some items */
+    struct {
+        double *row; /* rows of some items */
+        mukca_mixture_scratch *mixture;
+    } worker[MUKCA_MOST_WORKERS];         /* scratch */
+    mukca_mixture_scratch *scratch;       /* of the caller's thread */
+    double *given;                        /* blocks of all items given that set */
+    double *g;                            /* [stride] the same of the products with the residual */
+    double *added;                        /* [n_items] scores given that set */
+    mukca_scores scores[MUKCA_SET_ITEMS]; /* scratch: of each replaced member */
 } mukca_sets;
 
 /* Start with the empty set.  Memory comes from `pool`.  False: no memory. */
@@ -80,10 +92,11 @@ int mukca_sets_insert(mukca_sets *sets, const int *item, const double *size, int
  * `pairs`: replace those of the best set by two items each, too. */
 void mukca_sets_explore(mukca_sets *sets, int budget, bool pairs);
 
-/* Evaluate a set, if it is only estimated. */
+/* Evaluate a set, or index[n], if it is only estimated.  False: no memory. */
 void mukca_sets_evaluate(mukca_sets *sets, int set);
+bool mukca_sets_evaluate_all(mukca_sets *sets, const int *index, int n);
 
-/* Score all items in addition to a set: sets->alone[].  False: no memory, or not positive. */
+/* Score all items in addition to a set: sets->added[].  False: no memory, or not positive. */
 bool mukca_sets_weigh(mukca_sets *sets, const mukca_set *set);
 
 /* Log Bayes factor of an item in addition to the set weighed last, which lacks it. */
@@ -91,10 +104,6 @@ double mukca_sets_gain(const mukca_sets *sets, const mukca_set *set, int item);
 
 /* Projected Gram block G[a.terms][b.terms] of two items given the set weighed last. */
 void mukca_sets_gram(double *G, mukca_sets *sets, int a, int b);
-
-/* Find sets that explain by other items of a kin what the best set explains by some of them: no
- * single replacement leads there. */
-void mukca_sets_rebuild(mukca_sets *sets);
 
 /* Posterior mean of the items' coefficients in a set: mean[stride]. */
 void mukca_sets_mean(double *mean, mukca_sets *sets, const mukca_set *set);

@@ -10,7 +10,7 @@
 bool mukca_whitening_create(mukca_whitening *w, mukca_pool *pool, int samples, int blocks, int dim)
 {
     const int square = dim * dim;
-    *w = (mukca_whitening){.own = MUKCA_TAKE(pool, double, samples),
+    *w = (mukca_whitening){.diagonal = MUKCA_TAKE(pool, double, samples),
                            .before = MUKCA_TAKE(pool, double, samples),
                            .common = MUKCA_TAKE(pool, double, samples),
                            .level = MUKCA_TAKE(pool, double, samples),
@@ -28,23 +28,34 @@ static double common_factor(double shared, int m)
 
 enum { CHUNK = 64, MOST_ROWS = 6 }; /* columns at a time, rows of a sample */
 
+/* Columns x[n_samples][dim][ld] that a factor of V^-1/2, or its transpose, multiplies. */
+typedef struct {
+    double *x;
+    int n, ld;
+    bool transpose;
+    const mukca_whitening *whitening;
+    const mukca_samples *samples;
+} factored;
+
 /* Readings of postures whose normalised sums z are white: replace each z by (z - rho z') / sqrt(1 -
  * rho^2) with that of the preceding posture of the block; transposed, of the following one. */
-MUKCA_INLINE void correlate_postures(double *x, size_t step, int count, double rho, bool transpose,
-                                     const mukca_samples *s, const mukca_block *block)
+MUKCA_INLINE void correlate_postures(double *x, size_t step, int count, double rho,
+                                     const factored *f, int b)
 {
+    const mukca_samples *s = f->samples;
+    const mukca_block *block = &s->block[b];
     const double a = 1 / sqrt(1 - rho * rho);
     double other[CHUNK] = {0};
     for (int t = 0; t < block->count; t++) {
-        const int i = block->start + (transpose ? block->count - 1 - t : t);
+        const int i = block->start + (f->transpose ? block->count - 1 - t : t);
         if (!s->readings[i]) continue;
-        const double root = sqrt(s->readings[i]), own = i == block->start ? 1 : a;
+        const double root = sqrt(s->readings[i]), scale = i == block->start ? 1 : a;
         double z[CHUNK] = {0};
         for (int k = i; k >= 0; k = s->next[k])
             for (int j = 0; j < count; j++) z[j] += x[(size_t)k * step + (size_t)j] / root;
         for (int k = i; k >= 0; k = s->next[k])
             for (int j = 0; j < count; j++)
-                x[(size_t)k * step + (size_t)j] += ((own - 1) * z[j] - a * rho * other[j]) / root;
+                x[(size_t)k * step + (size_t)j] += ((scale - 1) * z[j] - a * rho * other[j]) / root;
         for (int j = 0; j < count; j++) other[j] = z[j];
     }
 }
@@ -65,11 +76,14 @@ MUKCA_INLINE void divide(double *x, int n, size_t ld, const double *L, int d, bo
 }
 
 /* The same for all samples, or the means of postures and the deviations from them. */
-MUKCA_INLINE void divide_by_shape(double *x, int n, int ld, bool transpose,
-                                  const mukca_whitening *w, const mukca_samples *s,
-                                  const mukca_block *block)
+MUKCA_INLINE void divide_by_shape(const factored *f, int b)
 {
-    const int d = s->dim;
+    const mukca_whitening *w = f->whitening;
+    const mukca_samples *s = f->samples;
+    const mukca_block *block = &s->block[b];
+    const bool transpose = f->transpose;
+    const int d = s->dim, n = f->n, ld = f->ld;
+    double *x = f->x;
     for (int i = block->start; i < block->start + block->count; i++) {
         const int m = w->family.shared > 0 ? s->readings[i] : 1;
         const size_t at = (size_t)i * (size_t)(d * d);
@@ -116,19 +130,19 @@ MUKCA_INLINE void subtract_common(double *white, size_t step, int count, const m
 }
 
 /* Factors of postures; that of the readings of one posture is symmetric. */
-MUKCA_INLINE void divide_by_shared(double *x, int n, int ld, bool transpose,
-                                   const mukca_whitening *w, const mukca_samples *s,
-                                   const mukca_block *block)
+MUKCA_INLINE void divide_by_shared(const factored *f, int b)
 {
-    const size_t step = (size_t)s->dim * (size_t)ld;
+    const mukca_whitening *w = f->whitening;
+    const mukca_samples *s = f->samples;
+    const size_t step = (size_t)s->dim * (size_t)f->ld;
     const double rho = w->family.rho;
     for (int c = 0; c < s->dim; c++)
-        for (int start = 0; start < n; start += CHUNK) {
-            const int count = n - start < CHUNK ? n - start : CHUNK;
-            double *at = x + c * ld + start;
-            if (!transpose) subtract_common(at, step, count, w, s, block);
-            if (rho > 0) correlate_postures(at, step, count, rho, transpose, s, block);
-            if (transpose) subtract_common(at, step, count, w, s, block);
+        for (int start = 0; start < f->n; start += CHUNK) {
+            const int count = f->n - start < CHUNK ? f->n - start : CHUNK;
+            double *at = f->x + c * f->ld + start;
+            if (!f->transpose) subtract_common(at, step, count, w, s, &s->block[b]);
+            if (rho > 0) correlate_postures(at, step, count, rho, f, b);
+            if (f->transpose) subtract_common(at, step, count, w, s, &s->block[b]);
         }
 }
 
@@ -136,18 +150,19 @@ MUKCA_INLINE void divide_by_shared(double *x, int n, int ld, bool transpose,
 MUKCA_INLINE void whiten(double *x, int n, int ld, const mukca_whitening *w, const mukca_samples *s)
 {
     const size_t step = (size_t)s->dim * (size_t)ld;
+    const factored f = {x, n, ld, false, w, s};
     for (int b = 0; b < s->n_blocks; b++) {
         const mukca_block *block = &s->block[b];
-        if (w->shape.mean) divide_by_shape(x, n, ld, false, w, s, block);
+        if (w->shape.mean) divide_by_shape(&f, b);
         for (int i = block->start + block->count - 1; i >= block->start; i--) {
-            const double own = w->own[i], before = w->before[i];
+            const double scale = w->diagonal[i], before = w->before[i];
             for (int c = 0; c < s->dim; c++) {
                 double *row = x + (size_t)i * step + (size_t)(c * ld);
-                for (int k = 0; k < n; k++) row[k] *= own;
+                for (int k = 0; k < n; k++) row[k] *= scale;
                 for (int k = 0; k < n && before > 0; k++) row[k] -= before * (row - step)[k];
             }
         }
-        if (w->family.shared > 0) divide_by_shared(x, n, ld, false, w, s, block);
+        if (w->family.shared > 0) divide_by_shared(&f, b);
     }
 }
 
@@ -189,7 +204,7 @@ void mukca_whitening_set(mukca_whitening *w, const mukca_samples *s, mukca_noise
             const bool first = i == block->start;
             const int m = s->readings[i];
             postures += m > 0;
-            w->own[i] = by * (first && rho != 0 ? 1 : scale);
+            w->diagonal[i] = by * (first && rho != 0 ? 1 : scale);
             w->before[i] = first ? 0 : by * rho * scale;
             w->common[i] = common_factor(shared, m);
             for (int k = i; k >= 0 && m; k = shared > 0 ? s->next[k] : -1)
@@ -198,7 +213,7 @@ void mukca_whitening_set(mukca_whitening *w, const mukca_samples *s, mukca_noise
                 w->log_det -= 0.5 * d * ((m - 1) * log(1 - shared) + log(1 - shared + shared * m));
         }
         for (int i = block->start; i < end; i++)
-            w->level[i] = w->own[i] * (shared > 0 ? w->level[i] : 1);
+            w->level[i] = w->diagonal[i] * (shared > 0 ? w->level[i] : 1);
         if (block->count)
             w->log_det -= 0.5 * d * (shared > 0 ? postures - 1 : block->count - 1) *
                           log(1 - family.rho * family.rho);
@@ -225,11 +240,13 @@ void mukca_whitening_solve(double *x, const mukca_whitening *w, int block, int d
 }
 
 /* Subtract the components along the free means of a block, and return these means[d][ld]. */
-MUKCA_INLINE void centre(double *white, double *mean, int n, int ld, const mukca_whitening *w,
+MUKCA_INLINE void centre(const mukca_whitened *x, int start, const mukca_whitening *w,
                          const mukca_samples *s, int b)
 {
     const mukca_block *block = &s->block[b];
-    const int d = s->dim, first = block->start * d, last = (block->start + block->count) * d;
+    const int d = s->dim, first = block->start * d, last = (block->start + block->count) * d,
+              n = x->n - start < CHUNK ? x->n - start : CHUNK, ld = x->ld;
+    double *white = x->white + start, *mean = x->mean ? x->mean + b * d * ld + start : NULL;
     double sum[MOST_ROWS * CHUNK] = {0};
     for (int i = first; i < last; i++)
         for (int c = 0; c < d; c++) {
@@ -251,7 +268,7 @@ MUKCA_INLINE void centre(double *white, double *mean, int n, int ld, const mukca
 MUKCA_CLONES void mukca_whitening_apply(const mukca_whitened *x, const mukca_whitening *w,
                                         const mukca_samples *s)
 {
-    const size_t ld = (size_t)x->ld, step = (size_t)s->dim * ld;
+    const size_t ld = (size_t)x->ld;
     for (int b = 0; b < s->n_blocks; b++) {
         const mukca_block *block = &s->block[b];
         for (int i = block->start * s->dim; i < (block->start + block->count) * s->dim; i++)
@@ -262,14 +279,14 @@ MUKCA_CLONES void mukca_whitening_apply(const mukca_whitened *x, const mukca_whi
     for (int b = 0; b < s->n_blocks; b++)
         for (int start = 0; start < x->n && s->block[b].free_mean && s->block[b].count;
              start += CHUNK)
-            centre(x->white + start, x->mean ? x->mean + (size_t)b * step + start : NULL,
-                   x->n - start < CHUNK ? x->n - start : CHUNK, x->ld, w, s, b);
+            centre(x, start, w, s, b);
 }
 
 MUKCA_CLONES void mukca_whitening_transpose(double *out, const double *x, int n, int ld,
                                             const mukca_whitening *w, const mukca_samples *s)
 {
     const size_t step = (size_t)s->dim * (size_t)ld;
+    const factored f = {out, n, ld, true, w, s};
     for (int b = 0; b < s->n_blocks; b++) {
         const mukca_block *block = &s->block[b];
         const int end = block->start + block->count;
@@ -277,12 +294,12 @@ MUKCA_CLONES void mukca_whitening_transpose(double *out, const double *x, int n,
             for (int c = 0; c < s->dim; c++) {
                 const size_t at = (size_t)i * step + (size_t)(c * ld);
                 const double after = i + 1 < end ? w->before[i + 1] : 0;
-                for (int k = 0; k < n; k++) out[at + (size_t)k] = w->own[i] * x[at + (size_t)k];
+                for (int k = 0; k < n; k++)
+                    out[at + (size_t)k] = w->diagonal[i] * x[at + (size_t)k];
                 for (int k = 0; k < n && after > 0; k++)
                     out[at + (size_t)k] -= after * x[at + step + (size_t)k];
             }
-        if (w->family.shared > 0) divide_by_shared(out, n, ld, true, w, s, block);
+        if (w->family.shared > 0) divide_by_shared(&f, b);
     }
-    for (int b = 0; b < s->n_blocks && w->shape.mean; b++)
-        divide_by_shape(out, n, ld, true, w, s, &s->block[b]);
+    for (int b = 0; b < s->n_blocks && w->shape.mean; b++) divide_by_shape(&f, b);
 }

@@ -43,12 +43,12 @@ typedef struct {
 typedef struct {
     mukca_noise_family family;
     mukca_noise_shape shape;
-    double *own, *before; /* [n_samples] factors of a sample and its predecessor */
-    double *common;       /* [n_samples] of the sum over a posture, at its first sample */
-    double *level;        /* [n_samples] of a value that all readings of a posture have */
-    double *one;          /* [n_samples][dim][dim] whitened columns of ones, of each coordinate */
-    double *total;        /* [n_blocks][dim][dim] Cholesky factors of their products */
-    double log_det;       /* log density of the rows beyond -dof log(sigma) - squares / 2 */
+    double *diagonal, *before; /* [n_samples] factors of a sample and its predecessor */
+    double *common;            /* [n_samples] of the sum over a posture, at its first sample */
+    double *level;             /* [n_samples] of a value that all readings of a posture have */
+    double *one;    /* [n_samples][dim][dim] whitened columns of ones, of each coordinate */
+    double *total;  /* [n_blocks][dim][dim] Cholesky factors of their products */
+    double log_det; /* log density of the rows beyond -dof log(sigma) - squares / 2 */
     int dof;
 } mukca_whitening;
 

@@ -9,7 +9,7 @@
 #include "model/dataset.h"
 
 typedef struct {
-    double distance;       /* between any two sockets of a placement, m; 0: 0.05 */
+    double distance;       /* between any two sockets of a placement, m; 0: MUKCA_DISTANCE */
     const char *distances; /* table of distances by socket labels, replaces `distance`; or NULL */
     double distance_sigma; /* of each of these distances, m; 0: MUKCA_DISTANCE_SIGMA */
     const double *payload; /* [n_paths] for samples whose file has no payload, kg; or NULL */

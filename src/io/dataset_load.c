@@ -15,7 +15,6 @@
 /* Bounds: published folders have two holes; a mean needs two samples, a distance two sockets; the
  * upper limits detect tables of another kind. */
 enum { MOST_HOLES = 100, LEAST_ROWS = 2, LEAST_SOCKETS = 2, MOST_SOCKETS = 1000, LACK = 320 };
-static const double usual_distance = 0.05; /* of the published artefact, m */
 
 /* Copy the last `parts` components of a path, without trailing slashes, to `name`; at most the last
  * 63 bytes. */
@@ -376,7 +375,7 @@ mukca_status mukca_dataset_load(mukca_dataset *data, const mukca_chain *chain,
         status = options->distances
                      ? mukca_distances_read(&b, options->distances)
                      : mukca_distances_set(
-                           &b, options->distance > 0 ? options->distance : usual_distance);
+                           &b, options->distance > 0 ? options->distance : MUKCA_DISTANCE);
     if (status != MUKCA_OK) mukca_dataset_free(data);
     return status;
 }

@@ -38,29 +38,6 @@ static void print_use(FILE *stream, const char *id)
         id, id, id, id, id, id, id, id, id);
 }
 
-static void print_effects(FILE *stream, const char *id, const mukca_export_input *input)
-{
-    const mukca_offsets *o = input->offsets;
-    if (o->n_effects == 0) return;
-    fprintf(
-        stream,
-        "\n/* Effects beyond the geometry; `mukca help effects` explains them, libmukca_core "
-        "applies\n"
-        " * them.  joint: index into q, -1 where the effect has none. */\n"
-        "static const struct {\n    const char *effect;\n    int joint;\n    const char *term;\n"
-        "    double coefficient; /* SI */\n} %s_effects[] = {\n",
-        id);
-    for (int e = 0; e < o->n_effects; e++)
-        for (int t = 0; t < o->effects[e].terms; t++) {
-            char term[MUKCA_EFFECT_TEXT];
-            mukca_effect_term_text(term, &o->effects[e], t);
-            mukca_export_print(stream, "    {$q, $i, $q, $n},\n",
-                               mukca_effect_table[o->effects[e].kind]->name, o->effects[e].joint,
-                               term, o->effects[e].coefficient[t]);
-        }
-    fputs("};\n", stream);
-}
-
 /* Print arrays by element: names, origins and axes. */
 static void print_arrays(FILE *stream, const char *id, const mukca_export_input *input)
 {
@@ -197,7 +174,6 @@ static mukca_status write_c(FILE *stream, const mukca_export_input *input)
     fprintf(stream, "enum { %s_elements = %d, %s_joints = %d };\n", id, chain->n_elements, id,
             chain->n_joints);
     print_arrays(stream, id, input);
-    print_effects(stream, id, input);
     print_arm(stream, id, input);
     fputs("\n#endif\n", stream);
     return MUKCA_OK;

@@ -28,15 +28,16 @@ static void indent(const writer *w)
  * or stop behaves like it. */
 static double *equivalent(writer *w, const mukca_effect *effect)
 {
-    elasticity *joint = effect->joint < 0 ? NULL : &w->joint[effect->joint];
     const mukca_effect_site site = mukca_effect_table[effect->kind]->site;
     const int traits = mukca_effect_table[effect->kind]->traits;
+    const bool elastic = traits & MUKCA_TRAIT_ELASTIC;
     if (!(effect->coefficient[0] > 0)) return NULL;
-    if (traits & MUKCA_TRAIT_PLAY) return &joint->play;
-    if (!(traits & MUKCA_TRAIT_ELASTIC)) return NULL;
-    return site == MUKCA_SITE_BASE    ? &w->base
-           : site == MUKCA_SITE_ANGLE ? &joint->angle
-                                      : &joint->bending;
+    if (site == MUKCA_SITE_BASE && elastic) return &w->base;
+    if (effect->joint < 0) return NULL;
+    elasticity *joint = &w->joint[effect->joint];
+    if (site == MUKCA_SITE_ANGLE && (traits & MUKCA_TRAIT_PLAY)) return &joint->play;
+    if (!elastic) return NULL;
+    return site == MUKCA_SITE_ANGLE ? &joint->angle : &joint->bending;
 }
 
 static bool holds(const mukca_effect *effect)

@@ -126,15 +126,15 @@ int mukca_offsets_note_history(const mukca_offsets *offsets, const mukca_chain *
     int n = 0;
     for (const mukca_effect *e = offsets->effects; e < offsets->effects + offsets->n_effects; e++) {
         const char *joint = mukca_chain_joint_name(chain, e->joint);
-        char variant[120];
+        char variant[MUKCA_EFFECT_TEXT];
         double square = 0;
         if (!mukca_effect_of_history(e->kind)) continue;
         for (int t = 0; t < e->terms; t++) square += e->coefficient[t] * e->coefficient[t];
-        mukca_effect_describe(variant, sizeof variant, e, chain);
-        mukca_note_format(note, context,
-                          "%s of %.60s%s, %.3g m%s, depends on time, moves or placement: %s",
-                          mukca_effect_table[e->kind]->name, joint ? joint : "the arm", variant,
-                          1e3 * sqrt(square), mukca_effect_unit(e, chain), treatment);
+        mukca_effect_variant_text(variant, e);
+        mukca_note_format(
+            note, context, "%s%s%s of %.60s, %.3g m%s, depends on time, moves or placement: %s",
+            mukca_effect_table[e->kind]->name, *variant ? "@" : "", variant,
+            joint ? joint : "the arm", 1e3 * sqrt(square), mukca_effect_unit(e, chain), treatment);
         n++;
     }
     return n;

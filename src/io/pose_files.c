@@ -36,7 +36,7 @@ static void read_row(void *context, mukca_table *t, const int *column)
         pose[i] = mukca_table_number(t, i) * (i < 3 ? l->length : 1);
         if (i < 3) mukca_rows_check_length(t, i, pose[i]);
     }
-    if (!mukca_rows_normalise(pose + 3))
+    if (!mukca_rotations_normalise(pose + 3))
         mukca_table_fail(t, 3, "the quaternion's length is not 1 (order: qw,qx,qy,qz)");
 }
 

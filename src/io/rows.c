@@ -2,16 +2,18 @@
 #include "io/rows.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/file.h"
 #include "base/text.h"
 #include "io/table.h"
+#include "math/angles.h"
 #include "mukca/rotation.h"
 
 /* Larger lengths, m, are in millimetres: no arm has a reach of 50 m. */
 static const double most_length = 50;
-/* Largest deviation from length 1 of a quaternion written with three decimals. */
+/* Largest deviation from orthogonal axes of length 1 in a matrix of three decimals. */
 static const double length_tolerance = 0.01;
 
 mukca_status mukca_rows_open(mukca_rows *rows, const char *path, const mukca_chain *chain,
@@ -39,6 +41,8 @@ mukca_status mukca_rows_close(mukca_rows *rows)
                           "%s:%d: the last line has no line end; if the file was cut, its last "
                           "number is wrong",
                           mukca_file_shown(rows->table.path), rows->table.line);
+    free(rows->rotations);
+    rows->rotations = NULL;
     return mukca_table_close(&rows->table);
 }
 
@@ -105,16 +109,6 @@ void mukca_rows_check_length(mukca_table *table, int column, double metres)
                          metres);
 }
 
-bool mukca_rows_normalise(double quaternion[4])
-{
-    double square = 0;
-    for (int i = 0; i < 4; i++) square += quaternion[i] * quaternion[i];
-    const double length = sqrt(square);
-    if (!(fabs(length - 1) <= length_tolerance)) return false;
-    for (int i = 0; i < 4; i++) quaternion[i] /= length;
-    return true;
-}
-
 /* Read optional numbers of several columns; returns how many are missing. */
 static int read_list(double *values, mukca_rows *rows, const int *columns, int n)
 {
@@ -160,128 +154,61 @@ static void read_matrix(mukca_row *row, mukca_rows *rows, const mukca_measured_c
     mukca_rotation_to_quaternion(row->quaternion, R);
 }
 
-/* Replace the pose of the measuring frame in the target's frame by its inverse. */
-static void invert_pose(mukca_row *row)
-{
-    double R[9], p[3];
-    mukca_rotation_from_quaternion(R, row->quaternion);
-    mukca_mat3_tvec(p, R, row->position);
-    for (int i = 0; i < 3; i++) row->position[i] = -p[i], row->quaternion[1 + i] *= -1;
-}
-
-/* ---- order of the numbers in recorded quaternions, by the arm's kinematics ----
- *
- * measured = tracker * tip(q) * target.  The rotation between two rows, in the target's frame, is
- * that of the tip in a rotated frame: inner products of two such rotation vectors are independent
- * of the frames.  A cyclic shift of a quaternion's four numbers is an inversion between two fixed
- * rotations.  It preserves angles, and inner products of two rotations with a common row, but not
- * others.  Inverse poses behave alike. */
-/* Smaller rotations of the tip contribute little, rad; number of pairs for a verdict; thresholds
- * far above the effect of errors of the nominal arm (some 10 mrad in rotations of 1 rad).  The
- * errors of a wrong order are of the size of the rotations squared. */
-static const double least_turn = 0.2, least_error = 0.05, least_ratio = 10;
-enum { LEAST_PAIRS = 5, MOST_PAIRS = 40 };
-
-/* Rotation of quaternion[4] in the file's order, or (other) in the other order. */
-static void rotation(double R[9], const double quaternion[4], bool other, bool w_last, bool inverse)
-{
-    double q[4], T[9];
-    for (int i = 0; i < 4; i++) /* for w last, x y z w in the file: x would be w */
-        q[i] = quaternion[!other ? i : w_last ? (i + 1) % 4 : (i + 3) % 4];
-    mukca_rotation_from_quaternion(R, q);
-    memcpy(T, R, sizeof T);
-    for (int i = 0; i < 9 && inverse; i++) R[i] = T[3 * (i % 3) + i / 3];
-}
-
-/* Axis times sine of the rotation from A to B, in the frame of A: antisymmetric part of A' B.
- * Unlike the rotation vector it is continuous at half a turn. */
-static void turn_between(double w[3], const double A[9], const double B[9])
-{
-    for (int i = 0; i < 3; i++) {
-        const int a = (i + 1) % 3, b = (i + 2) % 3;
-        w[i] = 0;
-        for (int r = 0; r < 3; r++)
-            w[i] += 0.5 * (A[3 * r + b] * B[3 * r + a] - A[3 * r + a] * B[3 * r + b]);
-    }
-}
-
-/* Add an orientation as read (w first; `w_last`: it was last in the file; `inverse`: of the fixed
- * frame in the target's).  True if the orientations so far agree with the nominal arm in the other
- * order and disagree in the file's order. */
-static bool is_wrong_order(mukca_rows *rows, const mukca_row *row)
-{
-    const mukca_rows_format *f = &rows->options.format;
-    mukca_quaternion_check *o = &rows->quaternions;
-    mukca_frame tip;
-    double R[3][9], turn[3][3], product[3] = {0};
-    if (o->pairs == MOST_PAIRS) return false;
-    if (o->n == 0) mukca_geometry_set(&o->geometry, rows->chain, NULL);
-    mukca_fk_pose(&tip, &o->geometry, row->q, NULL);
-    memcpy(R[0], tip.R, sizeof R[0]);
-    for (int k = 0; k < 2; k++) rotation(R[1 + k], row->quaternion, k == 1, f->w_last, f->inverse);
-    if (o->n > 0 && mukca_rotation_between(o->last[0], R[0]) < least_turn) return false;
-    for (int k = 0; k < 3 && o->n > 0; k++) {
-        turn_between(turn[k], o->last[k], R[k]);
-        product[k] = mukca_dot3(o->turn[1][k], turn[k]);
-    }
-    if (o->n > 2) {
-        for (int k = 0; k < 2; k++) o->error[k] += fabs(product[1 + k] - product[0]);
-        o->pairs++;
-    }
-    memcpy(o->turn[1], o->turn[0], sizeof turn);
-    if (o->n > 0) memcpy(o->turn[0], turn, sizeof turn);
-    memcpy(o->last, R, sizeof R);
-    o->n++;
-    return o->pairs >= LEAST_PAIRS && o->error[0] > least_error * o->pairs &&
-           o->error[0] > least_ratio * o->error[1];
-}
-
-/* Check the quaternion's order against the arm's kinematics. */
-static void check_order(mukca_rows *rows, const mukca_row *row, int column)
-{
-    const mukca_rows_format *f = &rows->options.format;
-    if (is_wrong_order(rows, row))
-        mukca_table_fail(
-            &rows->table, column,
-            "the orientations agree with the arm only as %s or inverse: %s, or %s --inverse-poses",
-            f->w_last ? "qw qx qy qz" : "qx qy qz qw",
-            !f->by_order ? "correct the columns' names"
-            : f->w_last  ? "give --map order"
-                         : "give --map order-w-last",
-            f->inverse ? "omit" : "give");
-}
-
-/* Read the orientation of the columns `turn`; unchanged if the target was not visible. */
-static void read_turn(mukca_row *row, mukca_rows *rows, const mukca_measured_columns *m)
+/* Read the orientation of the columns `turn`, and its numbers from left to right; unchanged if the
+ * target was not visible. */
+static void read_turn(mukca_row *row, double raw[4], mukca_rows *rows,
+                      const mukca_measured_columns *m)
 {
     double v[4], R[9];
-    const int n = m->form == MUKCA_QUATERNION ? 4 : 3;
-    const int missing = read_list(v, rows, m->turn, n);
+    const int n = m->form ? 3 : 4, missing = read_list(v, rows, m->turn, n);
     if (missing == n) return;
-    if (n == 4) {
-        memcpy(row->quaternion, v, sizeof v);
-        return;
-    }
-    if (missing)
+    if (missing && n == 3)
         mukca_table_fail(&rows->table, m->turn[0], "an orientation needs all three numbers");
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3 && n == 3; i++) {
         if (!mukca_table_has_unit(&rows->table, m->turn[i])) v[i] *= rows->options.format.angle;
         if (fabs(v[i]) > MUKCA_ROWS_MOST_ANGLE)
             mukca_table_fail(&rows->table, m->turn[i],
                              "is %s; angles are in rad (for degrees: --units deg)",
                              rows->table.cell[m->turn[i]]);
     }
-    if (m->form == MUKCA_ROTATION_VECTOR)
-        mukca_rotation_exp(R, v);
-    else
-        mukca_rotation_from_rpy(R, m->form == MUKCA_ABC ? (double[]){v[2], v[1], v[0]} : v);
-    mukca_rotation_to_quaternion(row->quaternion, R);
+    for (int i = 0; i < n; i++) {
+        int rank = 0;
+        for (int k = 0; k < n; k++) rank += m->turn[k] < m->turn[i];
+        raw[rank] = v[i];
+    }
+    if (n == 3) mukca_angles_to_rotation(R, v, m->form);
+    if (n == 3) mukca_rotation_to_quaternion(v, R);
+    memcpy(row->quaternion, v, sizeof v);
+}
+
+/* Keep a pose for the check of the orientations. */
+static void keep_rotation(mukca_rows *rows, const mukca_row *row, const double raw[4])
+{
+    const mukca_measured_columns *m = rows->column.measured;
+    const double *x = row->position, *q = row->quaternion;
+    if (rows->options.unchecked || rows->table.status != MUKCA_OK) return;
+    if (!rows->rotations) {
+        rows->rotations = calloc(1, sizeof *rows->rotations);
+        if (!rows->rotations) {
+            mukca_table_stop(&rows->table,
+                             mukca_fail(rows->table.error, MUKCA_MEMORY, "out of memory"));
+            return;
+        }
+        rows->rotations->form = rows->options.format.rotation;
+        rows->rotations->inverse = rows->options.format.inverse;
+        rows->rotations->column = m->matrix[0] >= 0 ? m->matrix[0] : m->turn[0];
+        rows->rotations->numbers = m->matrix[0] >= 0 ? 0 : m->form ? 3 : 4;
+        mukca_rotations_start(rows->rotations, rows->chain);
+    }
+    mukca_rotations_keep(rows->rotations, row->q,
+                         (double[]){x[0], x[1], x[2], q[0], q[1], q[2], q[3]}, raw, row->target);
 }
 
 static void read_pose(mukca_row *row, mukca_rows *rows, int target)
 {
     const mukca_measured_columns *m = &rows->column.measured[target];
     mukca_table *t = &rows->table;
+    double raw[4] = {0};
     int missing = 0;
     for (int i = 0; i < 7; i++)
         *(i < 3 ? &row->position[i] : &row->quaternion[i - 3]) = (double)NAN;
@@ -291,7 +218,7 @@ static void read_pose(mukca_row *row, mukca_rows *rows, int target)
         read_matrix(row, rows, m);
     } else {
         missing = read_list(row->position, rows, m->position, 3);
-        read_turn(row, rows, m);
+        read_turn(row, raw, rows, m);
     }
     for (int i = 0; i < 3; i++) {
         const int column = m->matrix[0] < 0 ? m->position[i] : m->matrix[4 * i + 3];
@@ -301,14 +228,13 @@ static void read_pose(mukca_row *row, mukca_rows *rows, int target)
     if (missing % 3 != 0) mukca_table_fail(t, -1, "a position needs x_m, y_m and z_m");
     bool turned = false;
     for (int i = 0; i < 4; i++) turned |= !isnan(row->quaternion[i]);
-    if (turned && !mukca_rows_normalise(row->quaternion))
+    if (turned && !mukca_rotations_normalise(row->quaternion))
         mukca_table_fail(t, m->turn[0], "the quaternion's length is not 1 (order: qw qx qy qz)");
-    if (turned && target == 0 && m->matrix[0] < 0 && m->form == MUKCA_QUATERNION &&
-        !rows->options.any_order && t->status == MUKCA_OK)
-        check_order(rows, row, m->turn[0]);
+    if (turned && target == 0) keep_rotation(rows, row, raw);
+    if (turned) mukca_rotations_convert(row->quaternion, &rows->options.format.rotation);
     if (!rows->options.format.inverse || isnan(row->position[0])) return;
     if (turned)
-        invert_pose(row);
+        mukca_rotations_invert(row->position, row->quaternion);
     else
         mukca_table_fail(t, -1, "--inverse-poses needs orientations");
 }
@@ -342,7 +268,11 @@ bool mukca_rows_next(mukca_rows *rows, mukca_row *row)
         return t->status == MUKCA_OK;
     }
     rows->measured = 1;
-    if (!mukca_table_next(t)) return false;
+    if (!mukca_table_next(t)) {
+        if (rows->rotations)
+            mukca_rotations_judge(t, rows->rotations, rows->options.note, rows->options.context);
+        return false;
+    }
     if (c->number[MUKCA_COLUMN_Q][0] < 0 && !poses) mukca_rows_map(rows);
     if (t->status != MUKCA_OK) return false;
     row->placement = c->placement < 0 ? NULL : t->cell[c->placement];

@@ -6,19 +6,10 @@
 
 #include <math.h>
 
+#include "io/rotations.h"
 #include "io/table.h"
 #include "model/dataset_subset.h"
 #include "mukca/row_state.h"
-
-/* Check of the order of quaternions by the arm's kinematics (rows.c); start zeroed. */
-typedef struct {
-    mukca_geometry geometry;
-    int n;                /* number of orientations so far */
-    double last[3][9];    /* last orientation: predicted, in the file's order, in the other order */
-    double turn[2][3][3]; /* last two rotations between orientations, likewise */
-    double error[2];      /* sums over pairs of turns, rad^2 */
-    int pairs;
-} mukca_quaternion_check;
 
 /* Format of tables from other programs; zeroed: mukca's own. */
 typedef struct {
@@ -28,7 +19,7 @@ typedef struct {
     /* a table without header may have poses: the joints in the chain's order, then x y z, then
      * nothing or qw qx qy qz; or the 16 numbers of a matrix instead */
     bool by_order;
-    bool w_last;  /* in such a table: qx qy qz qw */
+    mukca_rotation_form rotation; /* --rotation */
     bool inverse; /* poses are those of the measuring frame in the target's frame, as of a camera on
                      the arm */
 } mukca_rows_format;
@@ -37,7 +28,7 @@ typedef struct {
     mukca_table_kind kind;
     mukca_rows_format format;
     bool poses;          /* a table of poses, which has a header and no joints */
-    bool any_order;      /* the caller checks the order of quaternions */
+    bool unchecked;      /* poses need not be those of the joints */
     mukca_note_fn *note; /* may be NULL */
     void *context;
     bool *warned; /* [MUKCA_MAX_JOINTS] joints beyond their limits in other tables; may be NULL */
@@ -45,21 +36,12 @@ typedef struct {
 
 enum { MUKCA_ROWS_TARGETS = 16 }; /* largest number of targets per line */
 
-/* Representation of an orientation: qw qx qy qz; UR's rotation vector rx ry rz; roll pitch yaw as
- * in a URDF; KUKA's A B C, the same angles in reverse order. */
-typedef enum {
-    MUKCA_QUATERNION,
-    MUKCA_ROTATION_VECTOR,
-    MUKCA_ROLL_PITCH_YAW,
-    MUKCA_ABC
-} mukca_turn;
-
 /* Columns of one measured target, -1 if absent; a matrix replaces the others. */
 typedef struct {
     char target[MUKCA_NAME_SIZE]; /* L of columns x_m.L; "" for x_m */
     double length;                /* m per unit of the positions */
-    mukca_turn form;              /* representation of `turn`: 4 columns of a quaternion, else 3 */
-    int position[3], turn[4];     /* complete or absent */
+    int position[3], turn[4];     /* complete or absent; turn: qw qx qy qz, or three numbers */
+    const char *form;             /* convention of the three (math/angles.h) */
     int matrix[16];               /* row-major; the last row may be absent */
 } mukca_measured_columns;
 
@@ -77,11 +59,11 @@ typedef struct {
     const mukca_chain *chain;
     mukca_rows_options options;
     mukca_row_columns column;
-    bool has_command;              /* of at least one joint */
-    bool by_command;               /* commanded angles only, without measured ones */
-    bool warned[MUKCA_MAX_JOINTS]; /* a note of exceeded limits was printed */
-    mukca_quaternion_check quaternions;
-    int measured; /* number of targets of the current line already returned */
+    bool has_command;                  /* of at least one joint */
+    bool by_command;                   /* commanded angles only, without measured ones */
+    bool warned[MUKCA_MAX_JOINTS];     /* a note of exceeded limits was printed */
+    mukca_rotation_samples *rotations; /* NULL: no orientation was read */
+    int measured;                      /* number of targets of the current line already returned */
 } mukca_rows;
 
 /* One row; missing values are NaN, missing texts NULL.  Texts are valid until the next row. */
@@ -141,8 +123,5 @@ static inline double mukca_rows_beyond(const mukca_element *joint, double q)
 
 /* Refuse a measured length that appears to be in millimetres. */
 void mukca_rows_check_length(mukca_table *table, int column, double metres);
-
-/* Normalise a measured quaternion; false if its length deviates from 1 by more than 1 %. */
-bool mukca_rows_normalise(double quaternion[4]);
 
 #endif

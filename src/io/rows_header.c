@@ -7,6 +7,7 @@
 #include "base/number.h"
 #include "base/suggest.h"
 #include "io/rows.h"
+#include "math/angles.h"
 
 static void fail_header(mukca_rows *rows, const char *joint)
 {
@@ -174,31 +175,31 @@ static const struct {
 static const char *const last_row[] = {"m30", "m31", "m32", "m33"};
 
 /* Column names of an orientation, in the order in which they are looked for, next to positions of
- * the form `with`, FORMS: any but RTDE. */
+ * the form `with`, FORMS: any but RTDE; and their convention, as of UR, URDF and KUKA. */
 static const struct {
-    mukca_turn turn;
+    const char *form;
     int with;
     const char *names[4];
-} turns[] = {
-    {MUKCA_QUATERNION, FORMS, {NULL}}, /* names of MUKCA_COLUMN_QUATERNION */
-    {MUKCA_ROTATION_VECTOR, FORMS, {"rx", "ry", "rz"}},
-    {MUKCA_ROLL_PITCH_YAW, FORMS, {"roll", "pitch", "yaw"}},
-    {MUKCA_ABC, CAPITAL, {"A", "B", "C"}},
-    {MUKCA_ROTATION_VECTOR, RTDE, {"actual_TCP_pose_3", "actual_TCP_pose_4", "actual_TCP_pose_5"}}};
+} turns[] = {{NULL, FORMS, {NULL}}, /* names of MUKCA_COLUMN_QUATERNION */
+             {MUKCA_VECTOR, FORMS, {"rx", "ry", "rz"}},
+             {"xyz", FORMS, {"roll", "pitch", "yaw"}},
+             {"ZYX", CAPITAL, {"A", "B", "C"}},
+             {MUKCA_VECTOR, RTDE, {"actual_TCP_pose_3", "actual_TCP_pose_4", "actual_TCP_pose_5"}}};
 enum { TURNS = sizeof turns / sizeof *turns };
 
 static void find_turn(mukca_measured_columns *m, header *h, int form, const char *suffix)
 {
     for (int k = 0; k < TURNS && m->turn[0] < 0; k++) {
         if (turns[k].with != (form == RTDE ? RTDE : FORMS) && turns[k].with != form) continue;
-        const bool quaternion = turns[k].turn == MUKCA_QUATERNION;
-        m->form = turns[k].turn;
+        const bool quaternion = !turns[k].form;
+        m->form = turns[k].form;
         find_group(m->turn, h,
                    quaternion ? mukca_column_table[MUKCA_COLUMN_QUATERNION].name : turns[k].names,
                    quaternion ? 4 : 3, suffix);
         for (int i = 0; i < 3 && !quaternion; i++)
             mukca_table_expect(&h->rows->table, m->turn[i], 'a');
     }
+    mukca_rotations_map(&h->rows->table, m->turn, &m->form, &h->rows->options.format.rotation);
 }
 
 /* Find the columns of the target whose first one is `column`, if it has that form. */
@@ -219,6 +220,7 @@ static void find_measured(header *h, int column, int form)
     }
     mukca_measured_columns *m = &c->measured[c->n_measured++];
     memset(m, -1, sizeof *m);
+    m->form = NULL;
     snprintf(m->target, sizeof m->target, "%s", *suffix ? suffix + 1 : "");
     m->length = forms[form].length > 0 ? forms[form].length : rows->options.format.length;
     find_group(form == MATRIX ? m->matrix : m->position, h, names, forms[form].n, suffix);
@@ -339,16 +341,16 @@ static void map_order(mukca_rows *rows)
     mukca_measured_columns *m = &c->measured[c->n_measured++];
     m->target[0] = '\0';
     m->length = o->format.length;
-    /* index 3 is the column of qw or of qx */
-    const int turn = o->format.w_last ? 2 : 3;
-    m->form = MUKCA_QUATERNION;
+    m->form = NULL;
     for (int i = 0; i < more; i++)
-        *(more >= 12 ? &m->matrix[i] : i < 3 ? &m->position[i] : &m->turn[(i - turn) % 4]) = n + i;
+        *(more >= 12 ? &m->matrix[i] : i < 3 ? &m->position[i] : &m->turn[i - 3]) = n + i;
+    mukca_rotations_map(t, m->turn, &m->form, &o->format.rotation);
     if (more == 7)
         mukca_note_format(o->note, o->context, "%s: read as %d joints, x y z, %s",
                           mukca_file_shown(t->path), n,
-                          o->format.w_last ? "qx qy qz qw (w first: --map order)"
-                                           : "qw qx qy qz (w last: --map order-w-last)");
+                          strcmp(o->format.rotation.as, "xyzw") == 0
+                              ? "qx qy qz qw (w first: --map order)"
+                              : "qw qx qy qz (w last: --map order-w-last)");
 }
 
 void mukca_rows_map(mukca_rows *rows)

@@ -12,7 +12,7 @@
 #include "base/number.h"
 
 /* Bytes: a longer line is of another kind of file; a header has some ten lines of comments. */
-enum { LONGEST_LINE = 1 << 20, COMMENTS = 4096 };
+enum { LONGEST_LINE = 1 << 20, COMMENTS = 4096, READ_TOGETHER = 1 << 16 };
 
 void mukca_table_fail(mukca_table *t, int column, const char *format, ...)
 {
@@ -260,6 +260,7 @@ mukca_status mukca_table_open(mukca_table *t, const char *path, mukca_table_kind
     } else {
         t->status = mukca_fail(error, MUKCA_INPUT, "%.60s...: the file name is too long", path);
     }
+    if (t->status == MUKCA_OK && !standard) setvbuf(t->stream, NULL, _IOFBF, READ_TOGETHER);
     if (t->status == MUKCA_OK) t->buffer = check(t, malloc(LONGEST_LINE));
     if (t->status == MUKCA_OK) t->comments = check(t, calloc(COMMENTS, 1));
     if (t->status == MUKCA_OK && is_array(t->stream))

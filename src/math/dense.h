@@ -19,9 +19,10 @@ typedef struct {
     int n, ld;
 } mukca_columns;
 
-/* C[X.n][Y.n] += X' Y over m rows; `symmetric`: X.n equals Y.n and the product is symmetric; only
- * half of it is computed. */
+/* C[X.n][Y.n] += X' Y over m rows; `part`: the row stride of C is ldc; `symmetric`: X.n equals Y.n
+ * and the product is symmetric; only half of it is computed. */
 void mukca_dense_xty(double *C, mukca_columns X, mukca_columns Y, int m);
+void mukca_dense_xty_part(double *C, int ldc, mukca_columns X, mukca_columns Y, int m);
 void mukca_dense_symmetric(double *C, mukca_columns X, mukca_columns Y, int m);
 
 /* Cholesky A = L L' in place (lower; the upper triangle is unchanged).  Returns 0, or 1 + the
@@ -38,8 +39,10 @@ void mukca_dense_backward(double *b, int k, const double *L, int n);
 /* |L^-1 a|^2: the variance of a' x, if L L' is the precision of x; a[n] is overwritten. */
 double mukca_dense_variance(double *a, const double *L, int n);
 
-/* Solve L x = b for the first k columns of b[n][ld], k a multiple of 8. */
+/* Solve L x = b for the first k columns of b[n][ld], k a multiple of 8; `part`: for eight, L with
+ * row stride ldl. */
 void mukca_dense_forward8(double *b, int k, int ld, const double *L, int n);
+void mukca_dense_forward_part(double *b, int ld, const double *L, int ldl, int n);
 
 /* One-sided Jacobi SVD of A[n][n] in place: A becomes U (columns with singular value > 0 are
  * orthonormal), s[n] descending, V[n][n] (A = U diag(s) V').  Of more rows: mukca_dense_qr_absorb

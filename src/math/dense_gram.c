@@ -35,6 +35,34 @@ MUKCA_INLINE void gram4x8(double *C, int ldc, mukca_columns a, mukca_columns b, 
     ADD8(C + 3 * (long)ldc, s30, s31);
 }
 
+/* Eight doubles, for the clone whose registers hold them. */
+typedef double eight __attribute__((vector_size(64), aligned(8), may_alias));
+#define LOAD8(x) (*(const eight *)(const void *)(x))
+
+MUKCA_INLINE bool has_eight(void)
+{
+#ifdef MUKCA_CLONES_V4
+    return __builtin_cpu_supports("avx512f");
+#else
+    return false;
+#endif
+}
+
+/* C[4][16] += A' B: eight accumulators. */
+MUKCA_INLINE void gram4x16(double *C, int ldc, mukca_columns a, mukca_columns b, int m)
+{
+    const double *A = a.x, *B = b.x;
+    eight s[4][2] = {{{0}}};
+    for (int r = 0; r < m; r++, A += a.ld, B += b.ld) {
+        const eight b0 = LOAD8(B), b1 = LOAD8(B + 8);
+        for (int i = 0; i < 4; i++) s[i][0] += A[i] * b0, s[i][1] += A[i] * b1;
+    }
+    for (int i = 0; i < 4; i++, C += ldc) {
+        *(eight *)(void *)C = LOAD8(C) + s[i][0];
+        *(eight *)(void *)(C + 8) = LOAD8(C + 8) + s[i][1];
+    }
+}
+
 /* C[4][4] += A' B. */
 MUKCA_INLINE void gram4x4(double *C, int ldc, mukca_columns a, mukca_columns b, int m)
 {
@@ -88,37 +116,42 @@ MUKCA_INLINE mukca_columns from(mukca_columns X, int column)
     return (mukca_columns){X.x + column, X.n - column, X.ld};
 }
 
-/* C[X.n][Y.n] += X' Y of one strip of rows; `upper`: only blocks with entries of the upper triangle
- * (symmetric product). */
-MUKCA_INLINE void gram_strip(double *C, mukca_columns X, mukca_columns Y, int m, bool upper)
+/* C[X.n][Y.n] += X' Y of one strip of rows, row stride of C: ldc; `upper`: only blocks with entries
+ * of the upper triangle (symmetric product). */
+MUKCA_INLINE void gram_strip(double *C, int ldc, mukca_columns X, mukca_columns Y, int m,
+                             bool upper)
 {
     const int n = X.n, k = Y.n, n4 = n & ~3, k8 = k & ~7, n8 = n & ~7;
-    for (int j = 0; j < k8; j += 8) /* eight columns of Y at a time: it may be wide */
+    int wide = 0;
+    for (; has_eight() && wide + 16 <= k8; wide += 16)
+        for (int i = 0; i < n4 && (!upper || (i & ~7) <= wide + 8); i += 4)
+            gram4x16(C + (long)i * ldc + wide, ldc, from(X, i), from(Y, wide), m);
+    for (int j = wide; j < k8; j += 8) /* eight columns of Y at a time: it may be wide */
         for (int i = 0; i < n4 && (!upper || (i & ~7) <= j); i += 4)
-            gram4x8(C + (long)i * k + j, k, from(X, i), from(Y, j), m);
+            gram4x8(C + (long)i * ldc + j, ldc, from(X, i), from(Y, j), m);
     for (int j = upper ? n4 & ~7 : 0; j < k8 && n4 < n; j += 8)
-        gram_rest(C + (long)n4 * k + j, k, 1, from(X, n4), from(Y, j), m, n - n4);
+        gram_rest(C + (long)n4 * ldc + j, ldc, 1, from(X, n4), from(Y, j), m, n - n4);
     int j4 = k8;
     if (k - k8 >= 4) {
         for (int i = 0; i < n8; i += 8)
-            gram4x8_turned(C + (long)i * k + k8, k, from(Y, k8), from(X, i), m);
-        if (n - n8 >= 4) gram4x4(C + (long)n8 * k + k8, k, from(X, n8), from(Y, k8), m);
+            gram4x8_turned(C + (long)i * ldc + k8, ldc, from(Y, k8), from(X, i), m);
+        if (n - n8 >= 4) gram4x4(C + (long)n8 * ldc + k8, ldc, from(X, n8), from(Y, k8), m);
         for (int i = n - n8 >= 4 ? n8 + 4 : n8; i < n; i++)
             for (int j = k8; j < k8 + 4; j++)
-                C[(long)i * k + j] += gram1x1(from(X, i), from(Y, j), m);
+                C[(long)i * ldc + j] += gram1x1(from(X, i), from(Y, j), m);
         j4 += 4;
     }
     for (int i = 0; i < n8 && j4 < k; i += 8)
-        gram_rest(C + (long)i * k + j4, 1, k, from(Y, j4), from(X, i), m, k - j4);
+        gram_rest(C + (long)i * ldc + j4, 1, ldc, from(Y, j4), from(X, i), m, k - j4);
     for (int j = j4; j < k; j++)
-        for (int i = n8; i < n; i++) C[(long)i * k + j] += gram1x1(from(X, i), from(Y, j), m);
+        for (int i = n8; i < n; i++) C[(long)i * ldc + j] += gram1x1(from(X, i), from(Y, j), m);
 }
 
 /* All strips; each stays in the first-level cache while in use. */
-MUKCA_INLINE void gram(double *C, mukca_columns X, mukca_columns Y, int m, bool upper)
+MUKCA_INLINE void gram(double *C, int ldc, mukca_columns X, mukca_columns Y, int m, bool upper)
 {
     for (int r = 0; r < m; r += STRIP) {
-        gram_strip(C, X, Y, m - r < STRIP ? m - r : STRIP, upper);
+        gram_strip(C, ldc, X, Y, m - r < STRIP ? m - r : STRIP, upper);
         X.x += (long)STRIP * X.ld;
         Y.x += (long)STRIP * Y.ld;
     }
@@ -127,7 +160,7 @@ MUKCA_INLINE void gram(double *C, mukca_columns X, mukca_columns Y, int m, bool 
 MUKCA_CLONES void mukca_dense_symmetric(double *C, mukca_columns X, mukca_columns Y, int m)
 {
     const int n = X.n;
-    gram(C, X, Y, m, true);
+    gram(C, n, X, Y, m, true);
     for (int i = 1; i < n; i++)
         for (int j = 0; j < i; j++) C[(long)i * n + j] = C[(long)j * n + i];
 }
@@ -138,9 +171,14 @@ void mukca_dense_syrk(double *C, int n, const double *X, int m, int ldx)
     mukca_dense_symmetric(C, x, x, m);
 }
 
-MUKCA_CLONES void mukca_dense_xty(double *C, mukca_columns X, mukca_columns Y, int m)
+MUKCA_CLONES void mukca_dense_xty_part(double *C, int ldc, mukca_columns X, mukca_columns Y, int m)
 {
-    gram(C, X, Y, m, false);
+    gram(C, ldc, X, Y, m, false);
+}
+
+void mukca_dense_xty(double *C, mukca_columns X, mukca_columns Y, int m)
+{
+    mukca_dense_xty_part(C, Y.n, X, Y, m);
 }
 
 /* Solve L x = b for eight right-hand sides b[n][8], row stride `ld`: four rows at a time, with sums
@@ -209,6 +247,11 @@ MUKCA_CLONES int mukca_dense_cholesky(double *A, int n)
         row[i] = sqrt(pivot);
     }
     return 0;
+}
+
+MUKCA_CLONES void mukca_dense_forward_part(double *b, int ld, const double *L, int ldl, int n)
+{
+    forward8(b, ld, L, ldl, n);
 }
 
 MUKCA_CLONES void mukca_dense_forward8(double *b, int k, int ld, const double *L, int n)

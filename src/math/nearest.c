@@ -5,13 +5,33 @@
 #include "math/dense.h"
 #include "mukca/rotation.h"
 
+/* Turn R by the least angle that takes R u to v; u and v are unit vectors. */
+static void turn_onto(double R[9], const double u[3], const double v[3])
+{
+    double w[3], axis[3], other[3], turn[9], before[9];
+    mukca_mat3_vec(w, R, u);
+    mukca_cross(axis, w, v);
+    const double sine = mukca_norm3(axis), angle = atan2(sine, mukca_dot3(w, v));
+    if (sine > 1e-9)
+        for (int i = 0; i < 3; i++) axis[i] /= sine;
+    else /* the same, or opposite: any axis */
+        mukca_rotation_transverse(axis, other, w);
+    mukca_rotation_about(turn, axis, angle);
+    memcpy(before, R, sizeof before);
+    mukca_mat3_mul(R, turn, before);
+}
+
 void mukca_rotation_nearest(double R[9], const double H[9])
 {
     double U[9], s[3], V[9], u[3][3], v[3][3]; /* columns of U and V */
     memcpy(U, H, sizeof U);
-    if (mukca_dense_svd(U, s, V, 3) || !(s[1] > 1e-9 * s[0])) return;
+    if (mukca_dense_svd(U, s, V, 3) || !(s[0] > 0)) return;
     for (int c = 0; c < 2; c++)
         for (int i = 0; i < 3; i++) u[c][i] = U[3 * i + c], v[c][i] = V[3 * i + c];
+    if (!(s[1] > 1e-9 * s[0])) {
+        turn_onto(R, u[0], v[0]);
+        return;
+    }
     mukca_cross(u[2], u[0], u[1]); /* for det R = 1 */
     mukca_cross(v[2], v[0], v[1]);
     for (int i = 0; i < 3; i++)

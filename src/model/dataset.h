@@ -23,6 +23,7 @@ typedef struct {
     double distance, sigma; /* sigma: standard deviation, m; 0: MUKCA_DISTANCE_SIGMA */
     int artefact; /* the pairs with this number are two sockets of one part: one error for all */
 } mukca_distance;
+#define MUKCA_DISTANCE 0.05 /* the usual one, m: the printed tool of the MUKCa paper */
 
 /* The columns of numbers in recordings: constant; member; numbers per sample, 0: one per joint;
  * what they are (mukca_unit; j: angle or length, by the joint); decimals written; names in files,

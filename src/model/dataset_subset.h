@@ -47,8 +47,9 @@ mukca_status mukca_part_take(mukca_dataset *part, const mukca_dataset *data, int
 
 /* ---- condensing of a recording with too many rows for a diagnosis ---- */
 
-/* Largest number of samples of a diagnosis: some 400 MB and ten seconds.  It determines the noise
- * to 1 % and detects amplitudes of a tenth of the noise. */
+/* Largest number of samples of a diagnosis, or of a verdict on a calibration: some 400 MB and ten
+ * seconds.  It determines the noise and mean errors to 1 %, and detects amplitudes of a tenth of
+ * the noise. */
 enum { MUKCA_MOST_SAMPLES = 5000 };
 
 typedef struct {

@@ -50,7 +50,7 @@ static bool score(ranked *out, const mukca_torques *t, const mukca_torque_set *h
         ok = !pool.failed &&
              mukca_torques_ask(&question, own, &pool, t, item, n, held, &mukca_torques_whole) &&
              mukca_sets_create(sets, &pool, &question) && mukca_sets_weigh(sets, &sets->set[0]);
-        for (int i = 0; i < n && ok; i++) out[first + i] = (ranked){sets->alone[i], first + i};
+        for (int i = 0; i < n && ok; i++) out[first + i] = (ranked){sets->added[i], first + i};
         first += n;
         mukca_pool_free(&pool);
     }

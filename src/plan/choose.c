@@ -38,7 +38,7 @@ int mukca_plan_draw_candidates(mukca_planner *p, int room, int k)
         bool fresh = is_new(p, pose->q);
         for (int i = 0; i < found && fresh; i++) fresh = mukca_plan_differs(pose->q, poses[i].q, n);
         if (!fresh) continue;
-        if (!pose->H) pose->H = MUKCA_TAKE(&s->pool, double, 3 * s->groups.width);
+        if (!pose->H) pose->H = MUKCA_TAKE(&s->pool, double, 3 * s->groups.size);
         if (!pose->H) break;
         pose->socket = k;
         pose->used = false;
@@ -86,7 +86,7 @@ mukca_status mukca_planner_create(mukca_planner *p, int candidates, int rows,
     if (status != MUKCA_OK) return status;
     p->task = task;
     p->poses = MUKCA_TAKE(&s->pool, mukca_plan_pose, candidates);
-    p->spare = MUKCA_TAKE(&s->pool, double, 3 * s->groups.width);
+    p->spare = MUKCA_TAKE(&s->pool, double, 3 * s->groups.size);
     p->chosen = MUKCA_TAKE(&s->pool, int, rows + task->n_sockets);
     mukca_plan_rules_set(&p->rules, s->at.chain, &s->at.geometry, options, task->data);
     if (!options->poses_only || s->at.n_effects == 0)

@@ -3,8 +3,10 @@
 #define MUKCA_PLAN_CHOOSE_H
 
 #include "base/pool.h"
-#include "fit/arm_posterior.h"
+#include "fit/parameters.h"
+#include "infer/posterior.h"
 #include "math/random.h"
+#include "model/dataset_subset.h"
 #include "plan/plan.h"
 
 /* ---- random postures with the ball in a socket, within the limits of arm and tool (poses.c) ----
@@ -41,10 +43,33 @@ bool mukca_plan_draw_near(double *q, double spread, const double centre[3],
 /* Whether two postures differ by at least 0.2 rad or m in some joint. */
 bool mukca_plan_differs(const double *a, const double *b, int n_joints);
 
+/* ---- unknowns and their derivatives (design.c) ---- */
+
+enum { MUKCA_PLAN_MOST_UNKNOWNS = MUKCA_MAX_FREE + MUKCA_MAX_EFFECTS * MUKCA_MAX_TERMS };
+
+/* Parameters of the model in use, then coefficients of the causes, which are 0. */
+typedef struct {
+    const mukca_chain *chain;
+    mukca_parameters parameters;
+    int n, n_effects; /* unknowns; effects */
+    double theta[MUKCA_MAX_FREE];
+    mukca_geometry geometry; /* of theta */
+    mukca_effect effects[MUKCA_MAX_EFFECTS];
+    double sigma[MUKCA_PLAN_MOST_UNKNOWNS]; /* prior; of parameters mukca_prior_expected */
+} mukca_plan_unknowns;
+
+/* theta[6 * n_elements] (NULL: nominal), and effects[n]; `chain` must outlive the unknowns. */
+void mukca_plan_unknowns_set(mukca_plan_unknowns *unknowns, const mukca_chain *chain,
+                             const double *theta, const mukca_effect *effects, int n);
+
+/* H[3][n + 1]: derivatives of the tip by the unknowns, per sigma, and minus its position, m. */
+void mukca_plan_derive(double *H, const mukca_plan_unknowns *unknowns,
+                       const mukca_joint_state *state);
+
 /* ---- information of samples (state.c) ---- */
 
-/* A pose in a socket with its design H[3][width]: the rows of an observation, by geometry and
- * causes per prior sigma. */
+/* A pose in a socket with its design H[3][n + 1]: the rows of a position, by geometry and causes
+ * per prior sigma. */
 typedef struct {
     int socket;
     bool used;
@@ -54,13 +79,13 @@ typedef struct {
 
 /* The posterior, with columns for the causes; the sockets are its groups. */
 typedef struct {
-    mukca_arm_point at; /* of the model in use, at causes of size 0 */
+    mukca_plan_unknowns at;
     mukca_grouped groups;
     const mukca_plan_options *options;
     const mukca_plan_socket *sockets;
     double payload;    /* of the next samples to be designed, kg */
     double *C;         /* [terms][terms] covariance of all causes, per prior sigma */
-    double *elsewhere; /* [n_elsewhere][3][width] designs at the evaluation postures, less the mean
+    double *elsewhere; /* [n_elsewhere][3][n + 1] designs at the evaluation postures, less the mean
                           of their point */
     int n_elsewhere;
     double *W;     /* [n][n] sum of J'J over them, each divided by its rms error */

@@ -6,35 +6,12 @@
 #include "math/stats.h"
 #include "plan/choose.h"
 
-/* Prior standard deviation of a cause relative to its stated size: wide, so that the data
- * dominate. */
-static const double prior_cause = 30;
-
 enum { WIDE = 8 }; /* row stride of three right-hand sides: solved as fast as two */
 
 enum {
     SPOTS = 50,
     POSES = 12
 }; /* points, and postures at each: enough for their mean within a few % */
-
-/* Unknowns: the geometry, and the coefficients of the causes about 0, differentiated over their
- * stated size. */
-static void set_unknowns(mukca_plan_state *s, const mukca_plan_task *task)
-{
-    mukca_arm_point *at = &s->at;
-    mukca_arm_point_init(at, task->chain, task->theta);
-    at->span = 1 / prior_cause;
-    at->n_effects = s->options->n_effects;
-    for (int e = 0; e < at->n_effects; e++) {
-        mukca_effect *effect = &at->effects[e];
-        double size = 0;
-        *effect = s->options->effects[e];
-        effect->terms = mukca_effect_terms(effect);
-        for (int t = 0; t < effect->terms; t++) size = hypot(size, effect->coefficient[t]);
-        for (int t = 0; t < effect->terms; t++) at->sigma[at->n++] = prior_cause * size;
-        memset(effect->coefficient, 0, sizeof effect->coefficient);
-    }
-}
 
 /* The known distances: only their directions matter here.  An artefact is known by the labels of
  * its sockets. */
@@ -54,7 +31,6 @@ static void set_pairs(mukca_plan_state *s, const mukca_plan_task *task)
             pair[n] = (mukca_group_pair){.a = a,
                                          .b = b,
                                          .artefact = same < n ? pair[same].artefact : n,
-                                         .used = true,
                                          .sigma = sigma > 0 ? sigma : MUKCA_DISTANCE_SIGMA};
             n++;
         }
@@ -67,7 +43,7 @@ mukca_status mukca_plan_state_create(mukca_plan_state *s, const mukca_plan_task 
     memset(s, 0, sizeof *s);
     s->options = options;
     s->sockets = task->sockets;
-    set_unknowns(s, task);
+    mukca_plan_unknowns_set(&s->at, task->chain, task->theta, options->effects, options->n_effects);
     const int n = s->at.n, terms = n - s->at.parameters.n, sockets = task->n_sockets;
     mukca_grouped_create(&s->groups, &s->pool, n, sockets, sockets * (sockets - 1) / 2);
     s->W = MUKCA_TAKE(&s->pool, double, n *n);
@@ -87,13 +63,12 @@ void mukca_plan_design(double *H, mukca_plan_state *s, const double *q, int plac
     const mukca_joint_state state = {
         .q = q, .move = move, .placement = place, .payload_kg = s->payload};
     for (int j = 0; j < s->at.chain->n_joints && before; j++) move[j] = q[j] - before[j];
-    memset(H, 0, 3 * (size_t)s->groups.width * sizeof *H);
-    mukca_arm_point_rows(H, &s->at, &s->at.geometry, s->at.theta, &state, MUKCA_OWN_SHIFT);
+    mukca_plan_derive(H, &s->at, &state);
 }
 
 void mukca_plan_state_row(mukca_plan_state *s, double *H, int socket, int sign)
 {
-    for (int a = 0; a < 3; a++) H[(a + 1) * s->groups.width - 1] = -s->sockets[socket].centre[a];
+    for (int a = 0; a < 3; a++) H[(a + 1) * s->groups.size - 1] = -s->sockets[socket].centre[a];
     mukca_grouped_add(&s->groups, H, socket, sign);
 }
 
@@ -101,7 +76,7 @@ void mukca_plan_state_refresh(mukca_plan_state *s)
 {
     const int n = s->at.n, first = s->at.parameters.n, terms = n - first;
     double L[MUKCA_PLAN_MAX_EFFECTS * MUKCA_MAX_TERMS * MUKCA_PLAN_MAX_EFFECTS * MUKCA_MAX_TERMS];
-    mukca_grouped_solve(&s->groups, NULL);
+    mukca_grouped_solve(&s->groups);
     for (int i = 0; i < terms * terms; i++) { /* the last unknowns need their block of L alone */
         L[i] = s->groups.posterior.factor[(first + i / terms) * n + first + i % terms];
         s->C[i] = i % (terms + 1) == 0;
@@ -162,13 +137,13 @@ double mukca_plan_gain(mukca_plan_state *s, const double *H, int socket)
 {
     const mukca_grouped *g = &s->groups;
     const int n = s->at.n;
-    const double *own = g->own + socket * MUKCA_OWN * g->width, count = g->weight[socket];
+    const double *sum = g->sum + socket * 3 * g->size, count = g->count[socket];
     double S[9], *G = s->G;
     if (!(count > 0)) return 0; /* determines the socket's position only */
     for (int c = 0; c < n; c++)
         for (int i = 0; i < 3; i++) {
-            const int at = i * g->width + MUKCA_OWN + c;
-            G[WIDE * c + i] = H[at] - own[at] / count;
+            const int at = i * g->size + c;
+            G[WIDE * c + i] = H[at] - sum[at] / count;
         }
     mukca_dense_forward(G, WIDE, g->posterior.factor, n);
     const double noise = g->noise * g->noise * (1 + 1 / count); /* of a sample about the mean */
@@ -185,7 +160,7 @@ double mukca_plan_gain(mukca_plan_state *s, const double *H, int socket)
 
 void mukca_plan_look_elsewhere(mukca_plan_state *s, const mukca_plan_rules *rules, uint64_t seed)
 {
-    const int w = s->groups.width;
+    const int w = s->groups.size;
     s->elsewhere = MUKCA_TAKE(&s->pool, double, SPOTS *POSES * 3 * w);
     mukca_random random;
     mukca_random_seed(&random, seed + 1);
@@ -200,7 +175,7 @@ void mukca_plan_look_elsewhere(mukca_plan_state *s, const mukca_plan_rules *rule
         if (found < POSES / 2) continue;
         spot++;
         for (int k = 0; k < 3 * w; k++) {
-            const bool geometry = k % w < MUKCA_OWN + s->at.parameters.n;
+            const bool geometry = k % w < s->at.parameters.n;
             double mean = 0;
             for (int f = 0; f < found; f++) mean += H[3 * w * f + k] / found;
             for (int f = 0; f < found; f++)
@@ -213,10 +188,9 @@ void mukca_plan_look_elsewhere(mukca_plan_state *s, const mukca_plan_rules *rule
 /* Rms error at evaluation posture e, m. */
 static double error_at(const mukca_plan_state *s, int e)
 {
-    double sum = 0, J[MUKCA_MOST_UNKNOWNS];
+    double sum = 0, J[MUKCA_PLAN_MOST_UNKNOWNS];
     for (int d = 0; d < 3; d++) {
-        memcpy(J, s->elsewhere + (3 * e + d) * s->groups.width + MUKCA_OWN,
-               (size_t)s->at.n * sizeof *J);
+        memcpy(J, s->elsewhere + (3 * e + d) * s->groups.size, (size_t)s->at.n * sizeof *J);
         sum += mukca_posterior_variance(J, &s->groups.posterior);
     }
     return sqrt(sum);
@@ -238,7 +212,7 @@ void mukca_plan_state_weigh(mukca_plan_state *s)
     for (int e = 0; e < s->n_elsewhere; e++) {
         const double by = 1 / (error_at(s, e) + 1e-9);
         for (int d = 0; d < 3; d++) {
-            const double *J = s->elsewhere + (3 * e + d) * s->groups.width + MUKCA_OWN;
+            const double *J = s->elsewhere + (3 * e + d) * s->groups.size;
             for (int a = 0; a < n; a++)
                 for (int b = 0; b < n; b++) s->W[a * n + b] += by * J[a] * J[b];
         }

@@ -21,12 +21,12 @@ typedef struct {
     int n, oriented;
 } preview;
 
-static bool turned(const preview *p, int row)
+static bool has_orientation(const preview *p, int row)
 {
     return isfinite(p->row[row].quaternion[0]);
 }
 
-static mukca_status load(preview *p, mukca_pose_log *log, mukca_error *error)
+static mukca_status load_preview(preview *p, mukca_pose_log *log, mukca_error *error)
 {
     const mukca_pose_row *row;
     const long every = (log->n + PREVIEW - 1) / PREVIEW;
@@ -43,14 +43,15 @@ static mukca_status load(preview *p, mukca_pose_log *log, mukca_error *error)
         memcpy(p->position + 3 * i, row->position, sizeof row->position);
         memcpy(p->quaternion + 4 * i, row->quaternion, sizeof row->quaternion);
         memcpy(p->measured[i].p, row->position, sizeof row->position);
-        if (turned(p, i)) mukca_rotation_from_quaternion(p->measured[i].R, row->quaternion);
-        p->oriented += turned(p, i);
+        if (has_orientation(p, i))
+            mukca_rotation_from_quaternion(p->measured[i].R, row->quaternion);
+        p->oriented += has_orientation(p, i);
     }
     return status;
 }
 
 /* Predict the nominal poses of the child link of `element`. */
-static void predict(preview *p, int element)
+static void predict_poses(preview *p, int element)
 {
     p->geometry.n_elements = element + 1;
     for (int i = 0; i < p->n; i++) mukca_fk_pose(&p->nominal[i], &p->geometry, p->row[i].q, NULL);
@@ -66,12 +67,13 @@ static double rotation_median(preview *p)
 {
     int n = 0;
     for (int i = 0; i < p->n; i++)
-        if (turned(p, i)) p->work[n++] = mukca_rotation_between(p->nominal[i].R, p->measured[i].R);
+        if (has_orientation(p, i))
+            p->work[n++] = mukca_rotation_between(p->nominal[i].R, p->measured[i].R);
     return mukca_stats_median(p->work, n);
 }
 
 /* Length of the path through all poses, m. */
-static double path(const mukca_frame *poses, int n)
+static double path_length(const mukca_frame *poses, int n)
 {
     double sum = 0;
     for (int i = 1; i < n; i++) sum += mukca_distance3(poses[i].p, poses[i - 1].p);
@@ -81,8 +83,8 @@ static double path(const mukca_frame *poses, int n)
 /* Refuse a stream of positions that had stopped. */
 static mukca_status check_moving(preview *p, mukca_error *error)
 {
-    predict(p, p->chain->n_elements - 1);
-    const double nominal = path(p->nominal, p->n), measured = path(p->measured, p->n);
+    predict_poses(p, p->chain->n_elements - 1);
+    const double nominal = path_length(p->nominal, p->n), measured = path_length(p->measured, p->n);
     if (p->n > 2 && nominal <= 0)
         return mukca_fail(
             error, MUKCA_INPUT,
@@ -101,7 +103,7 @@ static mukca_status check_frames(mukca_pose_check *check, preview *p, mukca_erro
     const int last = c->n_elements - 1, joint = c->joint_element[c->n_joints - 1];
     double best = HUGE_VAL, best_turn = HUGE_VAL, median;
     for (int k = last; k >= 0; k--) {
-        predict(p, k);
+        predict_poses(p, k);
         median = position_median(p);
         /* prefer the tip unless another link fits much better */
         if (median < (best == HUGE_VAL ? 1 : 0.5) * best)
@@ -110,7 +112,7 @@ static mukca_status check_frames(mukca_pose_check *check, preview *p, mukca_erro
         if (median < (best_turn == HUGE_VAL ? 1 : 0.5) * best_turn)
             best_turn = median, check->rotation_element = k;
     }
-    predict(p, check->position_element);
+    predict_poses(p, check->position_element);
     median = p->oriented ? rotation_median(p) : 0;
     if (median <= 1.5 * best_turn) /* no link fits the orientations much better */
         best_turn = median, check->rotation_element = check->position_element;
@@ -128,9 +130,9 @@ static mukca_status check_frames(mukca_pose_check *check, preview *p, mukca_erro
     if (check->rotation_element != check->position_element && best_turn < 0.1) {
         /* Positions of one link with orientations of another: a known, fixed rotation of the
          * tool. */
-        predict(p, check->rotation_element);
+        predict_poses(p, check->rotation_element);
         const mukca_frame of_rotation = p->nominal[0];
-        predict(p, check->position_element);
+        predict_poses(p, check->position_element);
         mukca_mat3_tmul(check->tool.R, p->nominal[0].R, of_rotation.R);
     }
     if (p->oriented && best_turn > 0.1)
@@ -177,7 +179,7 @@ mukca_status mukca_pose_check_run(mukca_pose_check *check, const mukca_recalibra
                                 .tool.R = MUKCA_IDENTITY};
     p->chain = task->chain;
     mukca_geometry_set(&p->geometry, p->chain, NULL);
-    mukca_status status = load(p, task->log, error);
+    mukca_status status = load_preview(p, task->log, error);
     if (status == MUKCA_OK && p->n == 0)
         status = mukca_fail(error, MUKCA_INPUT,
                             "no row has a measured position: need columns x_m y_m z_m, or "

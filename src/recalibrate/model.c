@@ -5,6 +5,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "math/stats.h"
+
 static const mukca_frame identity = {.R = MUKCA_IDENTITY};
 
 static const struct {
@@ -21,18 +23,24 @@ bool mukca_unknown_is_angle(mukca_unknown_kind kind)
     return kinds[kind].angle;
 }
 
+const mukca_element *mukca_unknown_element(const mukca_unknown *unknown, const mukca_chain *chain)
+{
+    const int k = unknown->element;
+    return k == MUKCA_UNKNOWN_BASE || k == MUKCA_UNKNOWN_TOOL ? NULL : &chain->element[k];
+}
+
 void mukca_unknown_text(char text[MUKCA_UNKNOWN_TEXT], const mukca_unknown *unknown,
                         const mukca_chain *chain)
 {
-    const char *joint = unknown->element >= 0 ? chain->element[unknown->element].name : "";
-    const char *name = kinds[unknown->kind].name, *axes = kinds[unknown->kind].axes;
-    const char axis[2] = {*axes ? axes[unknown->axis] : '\0'};
-    snprintf(text, MUKCA_UNKNOWN_TEXT, "%s%s%s%s%s", joint, *joint ? " " : "", name,
-             *name && *axis ? " " : "", axis);
+    const mukca_element *element = mukca_unknown_element(unknown, chain);
+    const char *frame = unknown->element == MUKCA_UNKNOWN_BASE ? "base" : "tool",
+               *name = kinds[unknown->kind].name, *axes = kinds[unknown->kind].axes;
+    snprintf(text, MUKCA_UNKNOWN_TEXT, "%s%s%s%s%.1s", element ? element->name : frame,
+             *name ? " " : "", name, *axes ? " " : "", *axes ? axes + unknown->axis : "");
 }
 
 /* Update `placed`. */
-static void place(mukca_pose_model *model)
+static void place_in_poses(mukca_pose_model *model)
 {
     model->placed = model->geometry;
     mukca_frame_multiply(&model->placed.origin[0], &model->base, &model->geometry.origin[0]);
@@ -54,79 +62,77 @@ void mukca_pose_model_set(mukca_pose_model *model, const mukca_chain *chain,
         memcpy(last->p, shifted.p, sizeof last->p);
         memset(model->tool.p, 0, sizeof model->tool.p);
     }
-    place(model);
+    place_in_poses(model);
 }
 
-/* Axis of an unknown in its joint's frame, or in the frame of base or tool; `own` is storage for
- * it. */
+/* Axis of an unknown in the frame that it is a part of; `own` is storage for it. */
 static inline const double *local_axis(double own[3], const mukca_geometry *g,
-                                       const mukca_unknown *u)
+                                       const mukca_frame *frame, const mukca_unknown *u)
 {
     double e[2][3];
     switch (u->kind) {
         case MUKCA_UNKNOWN_ZERO:
             return g->axis[u->element];
-        case MUKCA_UNKNOWN_SHIFT:
-            return g->origin[u->element].R + 3 * u->axis; /* from parent to joint */
         case MUKCA_UNKNOWN_TILT:
             mukca_rotation_transverse(e[0], e[1], g->axis[u->element]);
             memcpy(own, e[u->axis], sizeof e[0]);
             return own;
+        case MUKCA_UNKNOWN_TURN:
+            if (u->element == MUKCA_UNKNOWN_TOOL) return identity.R + 3 * u->axis;
+            break;
         default:
-            return identity.R + 3 * u->axis;
+            break;
     }
+    return frame->R + 3 * u->axis; /* an axis of the parent frame */
 }
 
-static mukca_frame turn(const double axis[3], double angle)
+/* Turn a frame about an axis in it. */
+static void turn_frame(mukca_frame *T, const double axis[3], double angle)
 {
     const double w[3] = {angle * axis[0], angle * axis[1], angle * axis[2]};
-    mukca_frame T = identity;
-    mukca_rotation_exp(T.R, w);
-    return T;
+    mukca_frame step = identity;
+    mukca_rotation_exp(step.R, w);
+    mukca_frame_multiply(T, T, &step);
 }
 
 void mukca_pose_model_add(mukca_pose_model *model, const mukca_unknown *unknown, double by)
 {
-    const bool base =
-        unknown->kind == MUKCA_UNKNOWN_BASE_SHIFT || unknown->kind == MUKCA_UNKNOWN_BASE_TURN;
-    mukca_frame *T = base ? &model->base : &model->tool;
-    if (unknown->element >= 0) T = &model->geometry.origin[unknown->element];
-    if (unknown->kind == MUKCA_UNKNOWN_LAG) {
+    mukca_geometry *g = &model->geometry;
+    mukca_frame *T = unknown->element == MUKCA_UNKNOWN_BASE   ? &model->base
+                     : unknown->element == MUKCA_UNKNOWN_TOOL ? &model->tool
+                                                              : g->origin + unknown->element;
+    double own[3];
+    if (unknown->kind == MUKCA_UNKNOWN_LAG)
         model->lag += by;
-    } else if (unknown->kind == MUKCA_UNKNOWN_ZERO) {
-        model->zero[model->geometry.joint[unknown->element]] += by;
-    } else if (!kinds[unknown->kind].angle) {
+    else if (unknown->kind == MUKCA_UNKNOWN_ZERO)
+        model->zero[g->joint[unknown->element]] += by;
+    else if (unknown->kind == MUKCA_UNKNOWN_SHIFT)
         T->p[unknown->axis] += by;
-    } else {
-        double own[3];
-        const mukca_frame step = turn(local_axis(own, &model->geometry, unknown), by);
-        mukca_frame_multiply(T, base ? &step : T, base ? T : &step);
-    }
-    place(model);
+    else
+        turn_frame(T, local_axis(own, g, T, unknown), by);
+    place_in_poses(model);
 }
 
 void mukca_pose_model_theta(double *theta, const mukca_pose_model *model, const mukca_chain *chain)
 {
     mukca_geometry g = model->geometry;
-    for (int k = 0; k < g.n_elements; k++) {
-        if (!mukca_joint_turns(g.type[k])) continue;
-        const mukca_frame zero = turn(g.axis[k], model->zero[g.joint[k]]);
-        mukca_frame_multiply(&g.origin[k], &g.origin[k], &zero);
-    }
+    for (int k = 0; k < g.n_elements; k++)
+        if (mukca_joint_turns(g.type[k]))
+            turn_frame(&g.origin[k], g.axis[k], model->zero[g.joint[k]]);
     mukca_geometry_theta(theta, chain, &g);
 }
 
 void mukca_pose_look_at(mukca_pose_look *look, const mukca_pose_model *model,
                         const mukca_pose_row *row)
 {
-    const mukca_geometry *g = &model->geometry;
     double q[MUKCA_MAX_JOINTS], measured[9], off[9];
+    mukca_frame flange;
     look->model = model;
     look->row = row;
-    for (int j = 0; j < g->n_joints; j++)
+    for (int j = 0; j < model->geometry.n_joints; j++)
         q[j] = row->q[j] + model->zero[j] + model->lag * row->velocity[j];
-    mukca_fk_frames(look->before, &look->flange, &model->placed, q, NULL);
-    mukca_frame_multiply(&look->tip, &look->flange, &model->tool);
+    mukca_fk_frames(look->before, &flange, &model->placed, q, NULL);
+    mukca_frame_multiply(&look->tip, &flange, &model->tool);
     for (int i = 0; i < 3; i++) {
         look->position[i] = row->position[i] - look->tip.p[i];
         look->rotation[i] = look->rotation_error[i] = NAN;
@@ -142,8 +148,9 @@ void mukca_pose_look_at(mukca_pose_look *look, const mukca_pose_model *model,
 
 /* Derivative of the tip's position, m per m or rad, and of its rotation about its own axes, by a
  * rotation about (`turning`) or a translation along an axis given in frame T. */
-static inline void motion(double position[3], double rotation[3], const mukca_pose_look *look,
-                          const mukca_frame *T, const double axis[3], bool turning)
+static inline void motion_of_tip(double position[3], double rotation[3],
+                                 const mukca_pose_look *look, const mukca_frame *T,
+                                 const double axis[3], bool turning)
 {
     if (!turning) {
         mukca_mat3_vec(position, T->R, axis);
@@ -168,7 +175,7 @@ static void lag_motion(double position[3], double rotation[3], const mukca_pose_
         if (g->joint[k] < 0) continue;
         const double rate = look->row->velocity[g->joint[k]];
         if (!(fabs(rate) > 0)) continue;
-        motion(p, w, look, &look->before[k], g->axis[k], mukca_joint_turns(g->type[k]));
+        motion_of_tip(p, w, look, &look->before[k], g->axis[k], mukca_joint_turns(g->type[k]));
         for (int i = 0; i < 3; i++) {
             position[i] += rate * p[i];
             rotation[i] += rate * w[i];
@@ -179,20 +186,24 @@ static void lag_motion(double position[3], double rotation[3], const mukca_pose_
 void mukca_pose_derivatives(double *position, double *rotation, int stride,
                             const mukca_pose_look *look, const mukca_unknown *unknowns, int n)
 {
-    const mukca_frame *const frames[] = {[MUKCA_UNKNOWN_BASE_SHIFT] = &identity,
-                                         [MUKCA_UNKNOWN_BASE_TURN] = &identity,
-                                         [MUKCA_UNKNOWN_TOOL_SHIFT] = &look->flange,
-                                         [MUKCA_UNKNOWN_TOOL_TURN] = &look->tip};
+    const mukca_pose_model *model = look->model;
     for (int u = 0; u < n; u++) {
         const mukca_unknown *unknown = &unknowns[u];
         double p[3], w[3], own[3];
         if (unknown->kind == MUKCA_UNKNOWN_LAG) {
             lag_motion(p, w, look);
         } else {
-            const mukca_frame *T =
-                unknown->element >= 0 ? &look->before[unknown->element] : frames[unknown->kind];
-            motion(p, w, look, T, local_axis(own, &look->model->geometry, unknown),
-                   kinds[unknown->kind].angle);
+            const int k = unknown->element;
+            const bool base = k == MUKCA_UNKNOWN_BASE, tool = k == MUKCA_UNKNOWN_TOOL;
+            const mukca_frame *in_parent = base   ? &model->base
+                                           : tool ? &model->tool
+                                                  : &model->geometry.origin[k],
+                              *in_poses = base   ? in_parent
+                                          : tool ? &look->tip
+                                                 : &look->before[k];
+            motion_of_tip(p, w, look, in_poses,
+                          local_axis(own, &model->geometry, in_parent, unknown),
+                          kinds[unknown->kind].angle);
         }
         for (int i = 0; i < 3; i++) {
             if (position) position[i * stride + u] = p[i];
@@ -201,7 +212,7 @@ void mukca_pose_derivatives(double *position, double *rotation, int stride,
     }
 }
 
-/* ---- statistics: Welford's algorithm, and a logarithmic histogram for medians ---- */
+/* ---- statistics: Welford's algorithm, and lengths for medians ---- */
 
 static void moments_add(mukca_moments *m, double x)
 {
@@ -217,40 +228,25 @@ double mukca_moments_std(const mukca_moments *moments)
     return moments->n > 1 ? sqrt(moments->m2 / (double)(moments->n - 1)) : 0;
 }
 
-static void histogram_add(mukca_histogram *h, double x)
+/* Keep a length, or every second one of the lengths kept so far. */
+static void keep_length(mukca_vector_errors *e, double length)
 {
-    int exponent = 0, bin = 0;
-    if (x > 0x1p-60 && x < 0x1p9) {
-        const double mantissa = frexp(x, &exponent); /* 0.5 .. 1 */
-        bin = (exponent + 60) * 32 + (int)((mantissa - 0.5) * 64);
-    } else if (x > 1) {
-        bin = MUKCA_HISTOGRAM_BINS - 1;
+    if (!e->between) e->between = 1;
+    if (e->length.n % e->between != 0) return;
+    if (e->n_kept == MUKCA_KEPT_LENGTHS) {
+        e->n_kept /= 2;
+        e->between *= 2;
+        for (int i = 0; i < e->n_kept; i++) e->kept[i] = e->kept[2 * i];
     }
-    h->count[bin]++;
-    h->total++;
-}
-
-double mukca_errors_median(const mukca_vector_errors *errors)
-{
-    const mukca_histogram *histogram = &errors->histogram;
-    double below = 0, half = 0.5 * histogram->total;
-    for (int bin = 0; bin < MUKCA_HISTOGRAM_BINS; bin++) {
-        const double here = histogram->count[bin];
-        if (here > 0 && below + here >= half) {
-            const double at = bin % 32 + (half - below) / here;
-            return bin == 0 ? 0 : ldexp(0.5 + at / 64, bin / 32 - 60);
-        }
-        below += here;
-    }
-    return 0;
+    e->kept[e->n_kept++] = length;
 }
 
 static void add_error(mukca_vector_errors *errors, const double vector[3], const double axes[3])
 {
     const double length = mukca_norm3(vector);
     if (!isfinite(vector[0])) return;
+    keep_length(errors, length);
     moments_add(&errors->length, length);
-    histogram_add(&errors->histogram, length);
     for (int i = 0; i < 3; i++) moments_add(&errors->axis[i], fabs(axes[i]));
 }
 
@@ -258,4 +254,11 @@ void mukca_pose_errors_add(mukca_pose_errors *errors, const mukca_pose_look *loo
 {
     add_error(&errors->position, look->position, look->position);
     add_error(&errors->rotation, look->rotation, look->rotation_error);
+}
+
+void mukca_pose_errors_finish(mukca_pose_errors *errors)
+{
+    mukca_vector_errors *const both[] = {&errors->position, &errors->rotation};
+    for (int i = 0; i < 2; i++)
+        both[i]->median = mukca_stats_median(both[i]->kept, both[i]->n_kept);
 }

@@ -18,59 +18,62 @@ static const double converged_step = 1e-6;
 /* A lag must reduce the median error by 5 %; outliers alone do not. */
 static const double lag_gain = 0.95;
 
+/* A step of the fit: some of the unknowns from some of the equations. */
+typedef struct {
+    bool angles, lengths;      /* the unknowns, with the lag of the angles */
+    bool rotations, positions; /* the equations */
+    int stage;                 /* of the errors before it */
+    int least;                 /* number of passes, at least */
+    bool repeat;               /* until convergence */
+} restriction;
+
 typedef struct {
     mukca_recalibration *out;
     const mukca_recalibrate_task *task;
     mukca_pose_model model;
-    mukca_pose_system angles, offsets; /* joint solution: all unknowns in `offsets` */
-    mukca_pose_step step;
+    mukca_pose_system system; /* of the present step */
     mukca_pose_errors errors;
     bool measured;   /* `errors` are those of the last pass */
     bool lag_denied; /* a lag did not reduce the median */
 } session;
 
-static void add_unknown(mukca_pose_system *s, mukca_unknown_kind kind, int element, int axis)
+static void add_unknowns(mukca_pose_system *s, mukca_unknown_kind kind, int element, int axes,
+                         bool tool)
 {
-    const bool tool = kind == MUKCA_UNKNOWN_TOOL_SHIFT || kind == MUKCA_UNKNOWN_TOOL_TURN;
-    s->unknown[s->n++] =
-        (mukca_unknown){.kind = kind, .element = element, .axis = axis, .tool = tool};
+    for (int axis = 0; axis < axes; axis++)
+        s->unknown[s->n++] =
+            (mukca_unknown){.kind = kind, .element = element, .axis = axis, .tool = tool};
 }
 
-static void add_three(mukca_pose_system *s, mukca_unknown_kind kind, int element)
+/* The unknowns of a step; the lag is the last one.  A free base replaces the first joint's origin
+ * and zero; the tip's offset is that of the last fixed element. */
+static void choose_unknowns(mukca_pose_system *s, const mukca_recalibrate_task *task,
+                            const restriction *step)
 {
-    for (int axis = 0; axis < 3; axis++) add_unknown(s, kind, element, axis);
-}
-
-/* Assign angles to `a` and lengths to `p` (the same system in the joint solution).  A free base
- * replaces the first joint's origin and zero; the tip's offset is that of the last fixed
- * element. */
-static void choose_unknowns(mukca_pose_system *a, mukca_pose_system *p, const mukca_chain *chain,
-                            const mukca_recalibrate_options *o, bool oriented)
-{
-    const int last = chain->n_elements - 1;
+    const mukca_chain *chain = task->chain;
+    const mukca_recalibrate_options *o = task->options;
+    const int last = chain->n_elements - 1, lengths = step->lengths ? 3 : 0,
+              angles = step->angles ? 3 : 0;
+    *s = (mukca_pose_system){.positions = step->positions, .rotations = step->rotations};
     for (int k = 0; k <= last; k++) {
         const mukca_element *e = &chain->element[k];
-        const bool first = o->free_base && e->joint == 0;
-        if (e->joint < 0 && k < last) continue;
-        if (!first) add_three(p, MUKCA_UNKNOWN_SHIFT, k);
-        if (e->joint < 0 || e->type == MUKCA_PRISMATIC || first) continue;
-        add_unknown(a, MUKCA_UNKNOWN_ZERO, k, 0);
-        for (int axis = 0; o->tilts && axis < 2; axis++)
-            add_unknown(a, MUKCA_UNKNOWN_TILT, k, axis);
+        const bool fixed = e->joint < 0, turns = angles && mukca_joint_turns((int)e->type);
+        if ((fixed && k < last) || (o->free_base && e->joint == 0)) continue;
+        add_unknowns(s, MUKCA_UNKNOWN_SHIFT, k, lengths, fixed);
+        add_unknowns(s, MUKCA_UNKNOWN_ZERO, k, turns, false);
+        add_unknowns(s, MUKCA_UNKNOWN_TILT, k, turns && o->tilts ? 2 : 0, false);
     }
     if (chain->element[last].joint >= 0)
-        add_three(p, MUKCA_UNKNOWN_TOOL_SHIFT, -1);
-    else
-        for (int i = p->n - 3; i < p->n; i++) p->unknown[i].tool = true;
-    if (o->free_base) {
-        add_three(p, MUKCA_UNKNOWN_BASE_SHIFT, -1);
-        add_three(a, MUKCA_UNKNOWN_BASE_TURN, -1);
-    }
-    if (o->free_tool && oriented) add_three(a, MUKCA_UNKNOWN_TOOL_TURN, -1);
+        add_unknowns(s, MUKCA_UNKNOWN_SHIFT, MUKCA_UNKNOWN_TOOL, lengths, true);
+    if (o->free_base) add_unknowns(s, MUKCA_UNKNOWN_SHIFT, MUKCA_UNKNOWN_BASE, lengths, false);
+    if (o->free_base) add_unknowns(s, MUKCA_UNKNOWN_TURN, MUKCA_UNKNOWN_BASE, angles, false);
+    if (o->free_tool && step->rotations)
+        add_unknowns(s, MUKCA_UNKNOWN_TURN, MUKCA_UNKNOWN_TOOL, angles, true);
+    add_unknowns(s, MUKCA_UNKNOWN_LAG, MUKCA_UNKNOWN_TOOL, step->angles, false);
 }
 
 /* Huber's weight of a residual of that length; `median` is the median length. */
-static double huber(double length, double median)
+static double huber_weight(double length, double median)
 {
     const double bend = 1.6 * median; /* 2.5 sigma: the median length of 3 normals is 1.54 */
     return length > bend && bend > 0 ? bend / length : 1;
@@ -79,68 +82,58 @@ static double huber(double length, double median)
 /* Ratio of position to rotation error (medians), 0.01 to 10 m; 0 if either vanishes. */
 static double metres_per_radian(const mukca_pose_errors *errors)
 {
-    const double p = mukca_errors_median(&errors->position);
-    const double w = mukca_errors_median(&errors->rotation);
+    const double p = errors->position.median, w = errors->rotation.median;
     return p > 1e-9 && w > 1e-9 ? fmin(fmax(p / w, 0.01), 10) : 0;
 }
 
-/* Read the log once with the present model: errors, and the equations of a system (or NULL). */
-static mukca_status pass(session *s, mukca_pose_system *system, mukca_error *error)
+static bool is_stopped(const mukca_recalibrate_task *task, long row)
 {
-    const double position_scale = mukca_errors_median(&s->errors.position);
-    const double rotation_scale = mukca_errors_median(&s->errors.rotation);
-    const mukca_recalibrate_options *options = s->task->options;
-    const bool robust = options->robust && s->measured;
+    return row % 1024 == 0 && task->options->stop && task->options->stop();
+}
+
+/* Read the log once with the present model: errors, and the equations of the step. */
+static mukca_status read_equations(session *s, mukca_error *error)
+{
+    const double position_scale = s->errors.position.median;
+    const double rotation_scale = s->errors.rotation.median;
+    const bool robust = s->task->options->robust && s->measured;
     const mukca_pose_row *row;
     mukca_pose_look look;
     mukca_status status = mukca_pose_log_rewind(s->task->log, error);
-    if (system) mukca_pose_system_clear(system);
+    mukca_pose_system_clear(&s->system);
     memset(&s->errors, 0, sizeof s->errors);
     for (long i = 0; status == MUKCA_OK; i++) {
         status = mukca_pose_log_next(&row, s->task->log, error);
         if (status != MUKCA_OK || !row) break;
-        if (i % 1024 == 0 && options->stop && options->stop())
-            return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
+        if (is_stopped(s->task, i)) return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
         mukca_pose_look_at(&look, &s->model, row);
         mukca_pose_errors_add(&s->errors, &look);
         double p = 1, w = 1;
-        if (robust) p = sqrt(huber(mukca_norm3(look.position), position_scale));
-        if (robust) w = sqrt(huber(mukca_norm3(look.rotation), rotation_scale));
-        if (system) mukca_pose_system_add(system, &look, p, w);
+        if (robust) p = sqrt(huber_weight(mukca_norm3(look.position), position_scale));
+        if (robust) w = sqrt(huber_weight(mukca_norm3(look.rotation), rotation_scale));
+        mukca_pose_system_add(&s->system, &look, p, w);
     }
+    mukca_pose_errors_finish(&s->errors);
     s->measured = true;
     s->out->passes++;
     return status;
 }
 
-static bool has_lag(const mukca_pose_system *s)
-{
-    return s->n > 0 && s->unknown[s->n - 1].kind == MUKCA_UNKNOWN_LAG;
-}
-
-/* Solve for all unknowns, the lag only `with_lag`, and update the model.  The estimates before this
- * system are `found`. */
-static mukca_status step(double *size, session *s, mukca_pose_system *system, bool with_lag,
-                         const int found[3], mukca_error *error)
+/* Move by the solution of the first n unknowns, or back; their estimates start at `first`. */
+static void apply_solution(session *s, int first, int n, int sign)
 {
     mukca_pose_estimates *out = &s->out->found;
-    const int n = system->n - (has_lag(system) && !with_lag);
-    *size = 0;
-    out->n = found[0], out->rank = found[1], out->n_null = found[2];
-    if (!mukca_pose_system_solve(&s->step, out, system, n, loosest))
-        return mukca_fail(error, MUKCA_INPUT, "the rows contain numbers that are not finite");
     for (int u = 0; u < n; u++) {
-        mukca_pose_model_add(&s->model, &system->unknown[u], s->step.x[u]);
-        if (found[0] + u < out->n) out->value[found[0] + u] += s->step.x[u];
-        *size = fmax(*size, fabs(s->step.x[u]));
+        const double by = sign * s->system.x[u];
+        mukca_pose_model_add(&s->model, &s->system.unknown[u], by);
+        if (first + u < out->n) out->value[first + u] += by;
     }
-    return MUKCA_OK;
 }
 
-static bool lag_shows(session *s, const mukca_pose_system *system)
+static bool lag_shows(session *s)
 {
-    double value;
-    const double score = mukca_pose_system_last(&value, system);
+    mukca_pose_system *system = &s->system;
+    const double score = mukca_pose_system_last(system);
     const double rms = score * sqrt(system->rss) / (double)(system->equations + 1);
     if (s->lag_denied || !(score > LAG_SCORE) || !(rms > 1e-7)) return false;
     s->out->lag_score = fmax(s->out->lag_score, score);
@@ -148,75 +141,79 @@ static bool lag_shows(session *s, const mukca_pose_system *system)
 }
 
 /* Median error that a lag must reduce; outliers have no effect on it. */
-static double lag_median(const session *s, const mukca_pose_system *system)
+static double lag_median(const session *s)
 {
-    return mukca_errors_median(system->rotations ? &s->errors.rotation : &s->errors.position);
+    return (s->system.rotations ? &s->errors.rotation : &s->errors.position)->median;
 }
 
-/* Repeat pass and step for one system, including its lag, at least `least` times and, with
- * `repeat`, until it converges.  Errors before are those of `stage`. */
-static mukca_status converge(session *s, mukca_pose_system *system, int stage, int least,
-                             bool repeat, mukca_error *error)
+/* Fail with fewer equations than unknowns. */
+static mukca_status check_number(const session *s, int unknowns, mukca_error *error)
 {
-    const mukca_pose_estimates *out = &s->out->found;
-    const int first = least - 1; /* first pass that may be the last */
-    const int found[3] = {out->n, out->rank, out->n_null};
-    mukca_pose_model without = s->model;
-    double size, median = 0;
+    const mukca_pose_system *system = &s->system;
+    const int per_pose = 3 * (system->positions + system->rotations);
+    if (system->equations >= unknowns) return MUKCA_OK;
+    return mukca_fail(error, MUKCA_UNIDENTIFIABLE,
+                      "%ld poses give %ld equations for %d unknowns; record at least %d",
+                      s->task->log->n, system->equations, unknowns, unknowns / per_pose + 1);
+}
+
+/* Repeat pass and solution for these unknowns, including the lag. */
+static mukca_status converge(session *s, const restriction *step, mukca_error *error)
+{
+    mukca_pose_estimates *out = &s->out->found;
+    mukca_pose_system *system = &s->system;
+    const int first = step->least - 1; /* first pass that may be the last */
+    const int known = out->n, rank = out->rank, n_null = out->n_null;
+    double median = 0;
+    bool lag = false;
+    choose_unknowns(system, s->task, step);
     for (int i = 0;; i++) {
-        mukca_status status = pass(s, system, error);
+        const int unknowns = system->n - step->angles; /* without the lag */
+        const bool new_lag = lag && !(fabs(s->model.lag - system->x[unknowns]) > 0);
+        mukca_status status = read_equations(s, error);
+        if (status == MUKCA_OK) status = check_number(s, unknowns, error);
         if (status != MUKCA_OK) return status;
-        if (i == 0) s->out->errors[stage] = s->errors;
-        if (s->model.lag != 0 && without.lag == 0 && lag_median(s, system) > lag_gain * median) {
-            s->model = without; /* repeat without the lag */
-            for (int u = 0; found[0] + u < out->n; u++)
-                s->out->found.value[found[0] + u] -= s->step.x[u];
+        if (i == 0) s->out->errors[step->stage] = s->errors;
+        if (new_lag && lag_median(s) > lag_gain * median) {
+            apply_solution(s, known, unknowns + 1, -1); /* repeat without the lag */
             s->lag_denied = true;
+            lag = false;
             continue;
         }
-        const bool lag =
-            has_lag(system) && i > 0 && i < MOST_PASSES + first && lag_shows(s, system);
-        median = lag_median(s, system);
-        without = s->model;
-        status = step(&size, s, system, lag, found, error);
-        if (status != MUKCA_OK) return status;
+        lag = step->angles && i > 0 && i < MOST_PASSES + first && lag_shows(s);
+        median = lag_median(s);
+        out->n = known, out->rank = rank, out->n_null = n_null;
+        if (!mukca_pose_system_solve(out, system, unknowns + lag, loosest))
+            return mukca_fail(error, MUKCA_INPUT, "the rows contain numbers that are not finite");
+        apply_solution(s, known, unknowns + lag, 1);
+        double size = 0;
+        for (int u = 0; u < unknowns + lag; u++) size = fmax(size, fabs(system->x[u]));
         const double scale = metres_per_radian(&s->errors);
         if (system->positions && scale > 0) system->metres_per_radian = scale;
-        const bool enough = size < 1e-10 || i >= MOST_PASSES + first || (!lag && !repeat);
+        const bool enough = size < 1e-10 || i >= MOST_PASSES + first || (!lag && !step->repeat);
         if (i < first || !enough) continue;
-        s->out->converged &= !repeat || size < converged_step;
+        s->out->converged &= !step->repeat || size < converged_step;
         return MUKCA_OK;
     }
 }
 
-/* Assign the unknowns to the systems; the lag is the last one of its system. */
-static void set_systems(session *s, bool together, bool oriented)
-{
-    mukca_pose_system *angles = &s->angles, *offsets = &s->offsets;
-    choose_unknowns(together ? offsets : angles, offsets, s->task->chain, s->task->options,
-                    oriented);
-    angles->rotations = offsets->positions = true;
-    offsets->rotations = together && oriented;
-    add_unknown(together ? offsets : angles, MUKCA_UNKNOWN_LAG, -1, 0);
-}
-
 /* Ratio of root mean square to median, relative to that of normal vectors, 1.126. */
-static double tail(const mukca_vector_errors *e)
+static double tail_ratio(const mukca_vector_errors *e)
 {
     const mukca_moments *m = &e->length;
-    const double median = mukca_errors_median(e);
-    if (m->n < 20 || !(median > 0)) return 1;
-    return sqrt(m->mean * m->mean + m->m2 / (double)m->n) / (1.126 * median);
+    if (m->n < 20 || !(e->median > 0)) return 1;
+    return sqrt(m->mean * m->mean + m->m2 / (double)m->n) / (1.126 * e->median);
 }
 
-static mukca_pose_gain gain(const mukca_vector_errors *before, const mukca_vector_errors *after)
+static mukca_pose_gain gain_between(const mukca_vector_errors *before,
+                                    const mukca_vector_errors *after)
 {
-    const double nominal = mukca_errors_median(before), left = mukca_errors_median(after);
+    const double nominal = before->median, left = after->median;
     return (mukca_pose_gain){nominal, left,
                              nominal > left ? sqrt(nominal * nominal - left * left) : 0};
 }
 
-static bool shows(const mukca_pose_gain *g)
+static bool is_systematic(const mukca_pose_gain *g)
 {
     return g->systematic > fmax(g->left, 1e-6); /* rounding of numbers in files, m and rad */
 }
@@ -225,42 +222,44 @@ mukca_status mukca_recalibrate(mukca_recalibration *result, const mukca_recalibr
                                mukca_error *error)
 {
     const mukca_recalibrate_options *o = task->options;
-    const bool oriented = task->log->oriented, together = o->joint || !oriented,
-               repeat = o->iterate || o->robust || !oriented;
+    const bool oriented = task->log->oriented, together = o->joint || !oriented;
+    /* angles from orientations, then lengths from positions at these angles; or all together */
+    const restriction steps[] = {{.angles = true,
+                                  .lengths = together,
+                                  .rotations = oriented,
+                                  .positions = together,
+                                  .stage = MUKCA_BEFORE,
+                                  .least = together ? 1 : 2,
+                                  .repeat = o->iterate || o->robust || !oriented},
+                                 {.lengths = true,
+                                  .positions = true,
+                                  .stage = MUKCA_WITH_ANGLES,
+                                  .least = 1,
+                                  .repeat = o->robust}};
+    mukca_status status = MUKCA_OK;
     session *s = calloc(1, sizeof *s);
     if (!s) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     memset(result, 0, sizeof *result);
     result->converged = true;
+    result->has_angles = !together;
     s->out = result;
     s->task = task;
     mukca_pose_model_set(&s->model, task->chain, &o->base, &o->tool);
-    for (int i = 0; i < MUKCA_STAGES; i++) result->stage[i] = s->model;
-    set_systems(s, together, oriented);
-    mukca_status status =
-        converge(s, together ? &s->offsets : &s->angles, MUKCA_BEFORE, 2 - together, repeat, error);
-    if (!together) { /* lengths at these angles */
-        result->has_angles = true;
-        result->stage[MUKCA_WITH_ANGLES] = s->model;
-        if (status == MUKCA_OK)
-            status = converge(s, &s->offsets, MUKCA_WITH_ANGLES, 1, o->robust, error);
+    result->stage[MUKCA_BEFORE] = s->model;
+    for (int k = 0; k < 2 - together && status == MUKCA_OK; k++) {
+        status = converge(s, &steps[k], error);
+        if (k == 0) result->stage[MUKCA_WITH_ANGLES] = s->model;
     }
-    const int per_pose = together && oriented ? 6 : 3;
-    const int unknowns = (s->offsets.n > s->angles.n ? s->offsets.n : s->angles.n) - !together;
-    const long equations = task->log->n * per_pose;
-    if (status == MUKCA_OK && equations < unknowns)
-        status = mukca_fail(error, MUKCA_UNIDENTIFIABLE,
-                            "%ld poses give %ld equations for %d unknowns; record at least %d",
-                            task->log->n, equations, unknowns,
-                            (unknowns + !together + 2) / per_pose + 1);
     result->stage[MUKCA_WITH_BOTH] = s->model;
-    if (!result->has_angles) result->stage[MUKCA_WITH_ANGLES] = s->model;
     result->lag = s->model.lag;
-    if (status == MUKCA_OK) status = pass(s, NULL, error);
-    result->errors[MUKCA_WITH_BOTH] = s->errors;
-    result->position = gain(&result->errors[MUKCA_BEFORE].position, &s->errors.position);
-    result->rotation = gain(&result->errors[MUKCA_BEFORE].rotation, &s->errors.rotation);
-    result->calibrated = shows(&result->position) || shows(&result->rotation);
-    result->tail = fmax(tail(&s->errors.position), tail(&s->errors.rotation));
+    result->passes++;
+    mukca_pose_errors *before = &result->errors[MUKCA_BEFORE],
+                      *after = &result->errors[MUKCA_WITH_BOTH];
+    if (status == MUKCA_OK) status = mukca_recalibrate_test(after, &s->model, 1, task, error);
+    result->position = gain_between(&before->position, &after->position);
+    result->rotation = gain_between(&before->rotation, &after->rotation);
+    result->calibrated = is_systematic(&result->position) || is_systematic(&result->rotation);
+    result->tail = fmax(tail_ratio(&after->position), tail_ratio(&after->rotation));
     free(s);
     return status;
 }
@@ -272,13 +271,15 @@ mukca_status mukca_recalibrate_test(mukca_pose_errors *errors, const mukca_pose_
     mukca_pose_look look;
     mukca_status status = mukca_pose_log_rewind(task->log, error);
     memset(errors, 0, (size_t)n * sizeof *errors);
-    while (status == MUKCA_OK) {
+    for (long i = 0; status == MUKCA_OK; i++) {
         status = mukca_pose_log_next(&row, task->log, error);
-        if (!row) break;
-        for (int i = 0; i < n; i++) {
-            mukca_pose_look_at(&look, &models[i], row);
-            mukca_pose_errors_add(&errors[i], &look);
+        if (status != MUKCA_OK || !row) break;
+        if (is_stopped(task, i)) return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
+        for (int k = 0; k < n; k++) {
+            mukca_pose_look_at(&look, &models[k], row);
+            mukca_pose_errors_add(&errors[k], &look);
         }
     }
+    for (int k = 0; k < n; k++) mukca_pose_errors_finish(&errors[k]);
     return status;
 }

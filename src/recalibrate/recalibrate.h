@@ -54,15 +54,13 @@ void mukca_pose_log_close(mukca_pose_log *log);
 /* ---- unknowns: the arm's constants, the frames of its poses, a time lag (model.c) ---- */
 
 /* kind, name, one letter per axis, whether it is an angle */
-#define MUKCA_UNKNOWN_LIST(X)                                                                      \
-    X(ZERO, "zero", "", true)              /* added to the encoder angle of a revolute joint */    \
-    X(SHIFT, "", "xyz", false)             /* of an element's origin in its parent frame */        \
-    X(TILT, "tilt", "12", true)            /* of a revolute joint's axis about a transverse one */ \
-    X(BASE_SHIFT, "base", "xyz", false)    /* of the arm's base in the poses' frame */             \
-    X(BASE_TURN, "base turn", "xyz", true) /* the same, about the axes of the poses' frame */      \
-    X(TOOL_SHIFT, "tool", "xyz", false)    /* of the measured point in the last link */            \
-    X(TOOL_TURN, "tool turn", "xyz", true) /* rotation of the measured frame about its own axes */ \
-    X(LAG, "lag", "", false)               /* s (or samples): delay of the recorded angles */
+#define MUKCA_UNKNOWN_LIST(X)                                                                  \
+    X(SHIFT, "", "xyz", false)   /* of an origin in its parent frame */                        \
+    X(ZERO, "zero", "", true)    /* added to the encoder angle of a revolute joint */          \
+    X(TILT, "tilt", "12", true)  /* of a revolute joint's axis about a transverse one */       \
+    X(TURN, "turn", "xyz", true) /* of the base about the axes of the poses, of the tool about \
+                                    its own */                                                 \
+    X(LAG, "lag", "", false)     /* s (or samples): delay of the recorded angles */
 
 typedef enum {
 #define MUKCA_UNKNOWN_ENUM(kind, name, axes, angle) MUKCA_UNKNOWN_##kind,
@@ -70,9 +68,13 @@ typedef enum {
 #undef MUKCA_UNKNOWN_ENUM
 } mukca_unknown_kind;
 
+/* Frames of the poses in place of an element: the arm's base, and the measured frame on the last
+ * link. */
+enum { MUKCA_UNKNOWN_BASE = -1, MUKCA_UNKNOWN_TOOL = MUKCA_MAX_ELEMENTS };
+
 typedef struct {
     mukca_unknown_kind kind;
-    int element; /* -1: none */
+    int element; /* whose origin it is a part of */
     int axis;    /* 0, 1 or 2; of a tilt 0 or 1 */
     bool tool;   /* of the tool, which has no nominal value */
 } mukca_unknown;
@@ -82,6 +84,9 @@ enum { MUKCA_MAX_UNKNOWNS = MUKCA_MAX_JOINTS * 6 + 3 + 12 + 1, MUKCA_UNKNOWN_TEX
 /* "joint zero", "joint x", "base turn z", ... */
 void mukca_unknown_text(char text[MUKCA_UNKNOWN_TEXT], const mukca_unknown *unknown,
                         const mukca_chain *chain);
+
+/* The element that it is a part of; NULL: a frame of the poses. */
+const mukca_element *mukca_unknown_element(const mukca_unknown *unknown, const mukca_chain *chain);
 
 /* Whether it is an angle (rad) rather than a length (m). */
 bool mukca_unknown_is_angle(mukca_unknown_kind kind);
@@ -109,10 +114,10 @@ typedef struct {
     const mukca_pose_model *model; /* of the caller, as is the row */
     const mukca_pose_row *row;
     mukca_frame before[MUKCA_MAX_ELEMENTS]; /* pose of each element before its joint's rotation */
-    mukca_frame flange, tip;                /* last element, without and with the tool */
-    double position[3];                     /* measured minus predicted, m; NaN: not measured */
-    double rotation[3];                     /* log of predicted' measured, rad; NaN: not measured */
-    double rotation_error[3];               /* vector of predicted' measured - I */
+    mukca_frame tip;
+    double position[3];       /* measured minus predicted, m; NaN: not measured */
+    double rotation[3];       /* log of predicted' measured, rad; NaN: not measured */
+    double rotation_error[3]; /* vector of predicted' measured - I */
 } mukca_pose_look;
 
 void mukca_pose_look_at(mukca_pose_look *look, const mukca_pose_model *model,
@@ -130,18 +135,16 @@ typedef struct {
     double max, mean, m2; /* m2: sum of squares about the mean */
 } mukca_moments;
 
-enum { MUKCA_HISTOGRAM_BINS = 70 * 32 };
-
-/* Counts on a logarithmic scale, 32 bins per power of two from 2^-60. */
-typedef struct {
-    double total;
-    unsigned count[MUKCA_HISTOGRAM_BINS];
-} mukca_histogram;
+/* Lengths kept for medians: evenly spread rows, which determine it to 1 %. */
+enum { MUKCA_KEPT_LENGTHS = 8192 };
 
 typedef struct {
     mukca_moments length;  /* m; rad */
     mukca_moments axis[3]; /* absolute; of a rotation: vector of R'R~ - I */
-    mukca_histogram histogram;
+    double median;         /* length; 0 without errors */
+    double kept[MUKCA_KEPT_LENGTHS];
+    int n_kept;
+    long between; /* rows from one kept length to the next; 0: none is kept yet */
 } mukca_vector_errors;
 
 typedef struct {
@@ -150,11 +153,11 @@ typedef struct {
 
 void mukca_pose_errors_add(mukca_pose_errors *errors, const mukca_pose_look *look);
 
+/* Set the medians after the last row. */
+void mukca_pose_errors_finish(mukca_pose_errors *errors);
+
 /* Standard deviation, 1 / (n - 1); 0 for n < 2. */
 double mukca_moments_std(const mukca_moments *moments);
-
-/* Median length within 1 %; 0 without errors. */
-double mukca_errors_median(const mukca_vector_errors *errors);
 
 /* ---- a linear least-squares problem built row by row (system.c) ----
  *
@@ -176,6 +179,11 @@ typedef struct {
      * first unknowns. */
     double block[2][MUKCA_SYSTEM_BLOCK * MUKCA_SYSTEM_WIDTH];
     int filled[2];
+    double x[MUKCA_MAX_UNKNOWNS]; /* solution: of minimum norm, first in the arm's unknowns, then in
+                                     the tool's */
+    /* scratch: factors of the equations, products of the null space */
+    double U[MUKCA_MAX_UNKNOWNS * MUKCA_MAX_UNKNOWNS], V[MUKCA_MAX_UNKNOWNS * MUKCA_MAX_UNKNOWNS],
+        A[MUKCA_MAX_UNKNOWNS * MUKCA_MAX_UNKNOWNS];
 } mukca_pose_system;
 
 /* Estimates of the unknowns of one or two systems, one after the other. */
@@ -189,14 +197,6 @@ typedef struct {
     double null[MUKCA_MAX_UNKNOWNS][MUKCA_MAX_UNKNOWNS]; /* [n_null][n] unidentifiable; sparse */
 } mukca_pose_estimates;
 
-typedef struct {
-    double x[MUKCA_MAX_UNKNOWNS]; /* step of minimum norm, first in the arm's unknowns, then in the
-                                     tool's */
-    /* scratch: factors of the equations, products of the null space */
-    double U[MUKCA_MAX_UNKNOWNS * MUKCA_MAX_UNKNOWNS], V[MUKCA_MAX_UNKNOWNS * MUKCA_MAX_UNKNOWNS],
-        A[MUKCA_MAX_UNKNOWNS * MUKCA_MAX_UNKNOWNS];
-} mukca_pose_step;
-
 /* Remove all rows. */
 void mukca_pose_system_clear(mukca_pose_system *system);
 
@@ -207,12 +207,11 @@ void mukca_pose_system_add(mukca_pose_system *system, const mukca_pose_look *loo
 /* Solve for the first `n` unknowns; the others stay 0.  Appends them to the estimates, without a
  * lag.  An unknown with a standard error above `loosest` (m or rad) is not identifiable.  False:
  * the rows are not finite. */
-bool mukca_pose_system_solve(mukca_pose_step *step, mukca_pose_estimates *estimates,
-                             mukca_pose_system *system, int n, double loosest);
+bool mukca_pose_system_solve(mukca_pose_estimates *estimates, mukca_pose_system *system, int n,
+                             double loosest);
 
-/* Value of the last unknown, and its distance from 0 in standard errors (returned); call after
- * solve. */
-double mukca_pose_system_last(double *value, const mukca_pose_system *system);
+/* Distance of the last unknown from 0, in standard errors. */
+double mukca_pose_system_last(mukca_pose_system *system);
 
 typedef struct {
     bool iterate;           /* repeat the linearisation until convergence */

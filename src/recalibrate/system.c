@@ -14,16 +14,21 @@ void mukca_pose_system_clear(mukca_pose_system *s)
     memset(s->R, 0, sizeof *s->R * (size_t)(s->n * (s->n + 1)));
 }
 
-static void absorb(mukca_pose_system *s, int kind)
+static void absorb_block(mukca_pose_system *s, int kind)
 {
     mukca_dense_qr_absorb(s->R, &s->rss, s->block[kind], s->filled[kind], s->n, 1);
     s->filled[kind] = 0;
 }
 
+static void absorb_all(mukca_pose_system *s)
+{
+    for (int kind = 0; kind < 2; kind++) absorb_block(s, kind);
+}
+
 /* Allocate three more rows of positions (0) or rotations (1). */
 static double *three_rows(mukca_pose_system *s, int kind)
 {
-    if (s->filled[kind] + 3 > MUKCA_SYSTEM_BLOCK) absorb(s, kind);
+    if (s->filled[kind] + 3 > MUKCA_SYSTEM_BLOCK) absorb_block(s, kind);
     s->filled[kind] += 3;
     return s->block[kind] + (s->filled[kind] - 3) * (s->n + 1);
 }
@@ -71,15 +76,14 @@ static void prefer_tool(double *V, double *A, const mukca_pose_system *s, int n,
         for (int k = 0; k < rank; k++) V[i * n + k] = A[i * n + n - rank + k] / weight[i];
 }
 
-bool mukca_pose_system_solve(mukca_pose_step *out, mukca_pose_estimates *to, mukca_pose_system *s,
-                             int n, double loosest)
+bool mukca_pose_system_solve(mukca_pose_estimates *to, mukca_pose_system *s, int n, double loosest)
 {
     const int width = s->n + 1;
     double d[MUKCA_MAX_UNKNOWNS], singular[MUKCA_MAX_UNKNOWNS];
-    double *U = out->U, *V = out->V, *sigma = to->sigma + to->n, (*null)[MUKCA_MAX_UNKNOWNS];
+    double *U = s->U, *V = s->V, *sigma = to->sigma + to->n, (*null)[MUKCA_MAX_UNKNOWNS];
     int rank = 0;
-    for (int kind = 0; kind < 2; kind++) absorb(s, kind);
-    memset(out, 0, sizeof *out);
+    absorb_all(s);
+    memset(s->x, 0, sizeof s->x);
     double left = s->rss; /* includes the square explained by the unknowns from n on */
     for (int i = n; i < s->n; i++)
         left += s->R[i * width + width - 1] * s->R[i * width + width - 1];
@@ -97,14 +101,14 @@ bool mukca_pose_system_solve(mukca_pose_step *out, mukca_pose_estimates *to, muk
     const int n_null = n - rank;
     null = to->null + to->n_null;
     for (int k = 0; k < n_null; k++) memset(null[k], 0, sizeof null[k]);
-    prefer_tool(V, out->A, s, n, rank);
+    prefer_tool(V, s->A, s, n, rank);
     for (int k = 0; k < n; k++) {
         double z = 0;
         for (int i = 0; i < n; i++) z += U[i * n + k] * d[i];
         for (int i = 0; i < n; i++) {
             if (k < rank) {
                 const double v = V[i * n + k] / singular[k];
-                out->x[i] += v * z;
+                s->x[i] += v * z;
                 sigma[i] += v * v;
             } else {
                 null[k - rank][to->n + i] = V[i * n + k];
@@ -131,14 +135,12 @@ bool mukca_pose_system_solve(mukca_pose_step *out, mukca_pose_estimates *to, muk
     return true;
 }
 
-double mukca_pose_system_last(double *value, const mukca_pose_system *s)
+double mukca_pose_system_last(mukca_pose_system *s)
 {
+    absorb_all(s);
     const int n = s->n, width = n + 1;
-    const double diagonal = s->R[(n - 1) * width + n - 1], rhs = s->R[n * width - 1];
     const long freedom = s->equations - n;
-    const double sigma = sqrt(s->rss / (double)(freedom > 0 ? freedom : 1));
-    *value = 0;
-    if (!(fabs(diagonal) > 1e-9)) return 0;
-    *value = rhs / diagonal;
-    return sigma > 0 ? fabs(rhs) / sigma : 0;
+    const double sigma = sqrt(s->rss / (double)(freedom > 0 ? freedom : 1)),
+                 known = fabs(s->R[(n - 1) * width + n - 1]), rhs = fabs(s->R[n * width - 1]);
+    return known > 1e-9 && sigma > 0 ? rhs / sigma : 0;
 }

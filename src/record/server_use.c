@@ -4,9 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "accept/accept.h"
 #include "arm/tip_change.h"
 #include "base/file.h"
-#include "fit/accept.h"
 #include "io/dataset.h"
 #include "io/output.h"
 #include "model/dataset_subset.h"

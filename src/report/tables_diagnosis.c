@@ -29,7 +29,9 @@ static void put_remedies(FILE *out, const mukca_diagnosed *d)
         for (; same < end; same++) {
             if (mukca_wording_remedy(same, d) != remedy) continue;
             fputs(same > c ? "; " : "", out);
-            mukca_html_escape(out, mukca_wording_rivals(MUKCA_WORDS, same, d));
+            mukca_html_escape(
+                out, mukca_wording_effect(MUKCA_WORDS, same->effect.kind,
+                                          mukca_chain_joint_name(d->chain, same->effect.joint)));
         }
         fputs(")</small></li>\n", out);
     }

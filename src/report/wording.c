@@ -21,9 +21,6 @@ const char *mukca_wording_put(char text[MUKCA_WORDING], const char *format, ...)
 
 #define put mukca_wording_put /* short for this file */
 
-/* Half width of an interval of orders that is printed with ±. */
-enum { NARROW = 3 };
-
 bool mukca_wording_slides(const mukca_chain *chain, int joint)
 {
     return joint >= 0 && chain->element[chain->joint_element[joint]].type == MUKCA_PRISMATIC;
@@ -51,71 +48,6 @@ const char *mukca_wording_effect(char text[MUKCA_WORDING], mukca_effect_kind kin
              : bends(info) ? " before "
                            : " at ",
              joint ? joint : "");
-    return text;
-}
-
-/* " (240 per turn)", " (driven by joint_1)"; nothing for the usual variant. */
-static const char *variant(char text[MUKCA_WORDING], const mukca_effect *e,
-                           const mukca_chain *chain)
-{
-    mukca_effect_describe(text, MUKCA_WORDING, e, chain);
-    return text;
-}
-
-/* "transmission ripple at joint_2 (240 ± 1 per turn)" */
-static char *put_cause(char text[MUKCA_WORDING], const mukca_cause *cause, const mukca_diagnosed *r)
-{
-    const mukca_effect *e = &cause->effect;
-    const int order = e->variant.order, low = cause->order_range[0], high = cause->order_range[1];
-    const int half = order - low > high - order ? order - low : high - order;
-    put(text, "%s",
-        mukca_wording_effect(MUKCA_WORDS, e->kind, mukca_chain_joint_name(r->chain, e->joint)));
-    if (low == high)
-        put(text, "%s", variant(MUKCA_WORDS, e, r->chain));
-    else if (half <= NARROW)
-        put(text, " (%d ± %d per turn)", order, half);
-    else
-        put(text, " (between %d and %d per turn)", low, high);
-    if (e->placement >= 0) put(text, " in placement %s", r->data->placements[e->placement].name);
-    if (e->placement >= 0 && cause->socket >= 0)
-        put(text, ", socket %s", r->data->sockets[cause->socket].label);
-    if (cause->row > 0) put(text, ", row %d", cause->row);
-    return text;
-}
-
-const char *mukca_wording_rivals(char text[MUKCA_WORDING], const mukca_cause *cause,
-                                 const mukca_diagnosed *r)
-{
-    put_cause(text, cause, r);
-    for (int t = 0; t < cause->n_ties; t++) {
-        const bool last = t + 1 == cause->n_ties && !cause->or_unknown;
-        const mukca_tie *tie = &cause->ties[t];
-        const char *joint = mukca_chain_joint_name(r->chain, tie->joint);
-        put(text, "%s%s%s", last ? " or " : ", ",
-            mukca_wording_effect(MUKCA_WORDS, tie->effect, joint),
-            variant(MUKCA_WORDS, &tie->rival, r->chain));
-    }
-    return cause->or_unknown ? put(text, " or an effect outside the catalogue") : text;
-}
-
-const char *mukca_wording_set(char text[MUKCA_WORDING], const mukca_cause_set *set,
-                              const mukca_diagnosed *r)
-{
-    put(text, "%s", set->n ? "" : "no cause");
-    for (int i = 0; i < set->n; i++) {
-        const mukca_effect *e = &set->member[i].effect;
-        const bool listed = e->kind < MUKCA_EFFECT_COUNT;
-        const char *joint = mukca_chain_joint_name(r->chain, e->joint);
-        put(text, "%s%s%s%s%s", i ? " + " : "",
-            listed                    ? mukca_effect_table[e->kind]->name
-            : !set->member[i].unknown ? "outlier"
-            : joint                   ? "unknown function at"
-                                      : "unknown function",
-            joint ? " " : "", joint ? joint : "", listed ? variant(MUKCA_WORDS, e, r->chain) : "");
-        if (set->member[i].row > 0 && r->data->files)
-            put(text, " at %s:%d", mukca_file_name(r->data->files[set->member[i].file]),
-                set->member[i].row);
-    }
     return text;
 }
 
@@ -155,13 +87,8 @@ const char *mukca_wording_remedy(const mukca_cause *cause, const mukca_diagnosed
 {
     const char *particular = particular_remedy(cause, r);
     if (particular) return particular;
-    const bool table = compensates(cause, r);
-    if (cause->n_ties && mukca_wording_on_arm(cause))
-        return table ? "compensate it with the offsets table; repair nothing before the "
-                       "alternatives are separated"
-                     : "repair nothing before the alternatives are separated";
     const char *text = mukca_effect_table[cause->effect.kind]->remedy;
-    if (!table && (!text || strstr(text, "compensate it")))
+    if (!compensates(cause, r) && (!text || strstr(text, "compensate it")))
         return "inspect the part; the offsets table does not correct it";
     return text ? text : "compensate it with the offsets table; inspect the transmission";
 }
@@ -190,22 +117,9 @@ const char *mukca_wording_unexplained(char text[MUKCA_WORDING], const mukca_diag
     return put(text, ": no effect of the catalogue describes it");
 }
 
-/* Append the gravity vector that explains the data better than that of the model. */
-static const char *put_gravity(char *text, const double g[3], const double given[3])
-{
-    const bool opposite = g[0] * given[0] + g[1] * given[1] + g[2] * given[2] < 0;
-    return put(
-        text,
-        "Springs explain these data better under other gravity: is the arm mounted on a %s? Repeat "
-        "with --gravity %g,%g,%g before you believe what follows.",
-        opposite ? "ceiling, or pulled up by a hose or a balancer" : "wall", g[0], g[1], g[2]);
-}
-
 const char *mukca_wording_caveat(char text[MUKCA_WORDING], const mukca_diagnosed *r)
 {
     const mukca_diagnosis *d = r->diagnosis;
-    if (d->gravity[0] != 0 || d->gravity[1] != 0 || d->gravity[2] != 0)
-        return put_gravity(text, d->gravity, r->chain->gravity);
     if (d->verdict == MUKCA_VERDICT_UNTESTABLE || r->chain->n_masses) return text;
     const mukca_effect_kind spring = mukca_effect_at(MUKCA_SITE_ANGLE, MUKCA_TRAIT_FLEXIBLE);
     for (int i = 0; i < d->n_tested; i++)

@@ -52,10 +52,6 @@ const char *mukca_wording_effect(char text[MUKCA_WORDING], mukca_effect_kind kin
                                  const char *joint);
 const char *mukca_wording_probability(char text[MUKCA_WORDING], double probability);
 
-/* The cause with its variant, and all indistinguishable rivals: "A, B or C". */
-const char *mukca_wording_rivals(char text[MUKCA_WORDING], const mukca_cause *cause,
-                                 const mukca_diagnosed *diagnosed);
-
 /* A finding: "deflection under load, base to joint_2", "transmission ripple at joint_4, order 100
  * [99, 101]"; its certainty and coefficient: "certain (> 99.9 %, all halves); 73 urad/(N·m) [70,
  * 76] in all"; its members, unless it is one effect at one place. */
@@ -71,10 +67,6 @@ const char *mukca_wording_position(const mukca_diagnosed *diagnosed, int positio
 
 /* Index of the one placement that a finding concerns, -1: none. */
 int mukca_wording_finding_placement(const mukca_finding *finding);
-
-/* A set of causes: "joint_compliance joint_4 + outlier at session.tsv:14". */
-const char *mukca_wording_set(char text[MUKCA_WORDING], const mukca_cause_set *set,
-                              const mukca_diagnosed *diagnosed);
 
 /* Remedy of a cause. */
 const char *mukca_wording_remedy(const mukca_cause *cause, const mukca_diagnosed *diagnosed);

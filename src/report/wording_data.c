@@ -151,6 +151,11 @@ const char *mukca_wording_angles(char text[MUKCA_WORDING], const mukca_diagnosed
 const char *mukca_wording_efforts(char text[MUKCA_WORDING], const mukca_diagnosed *r)
 {
     const double correlation = r->diagnosis->efforts_correlation;
+    if (r->diagnosis->turned_efforts)
+        return put(
+            text,
+            "the sign of the measured efforts was reversed: as recorded, the joints would "
+            "deflect against their load; record the torque that the joint exerts on the arm");
     if (!(correlation < 0.5)) return text;
     return put(text,
                "measured efforts %s the torques that hold the arm (correlation %.2f) and were not "

@@ -32,13 +32,24 @@ static double read_all(mukca_pose_log *log, mukca_error *error)
     }
 }
 
+/* The options of reading, by the length of the input. */
+static mukca_rows_format format_of(size_t size)
+{
+    static const char *const forms[] = {"XYZ",  "zyz",     "vector", "wxyz",
+                                        "xyzw", "inverse", "none",   "xyz=ZXZ"};
+    mukca_rows_format format = {.inverse = size / 16 % 4 == 3};
+    if (size % 16 < 8 && !mukca_rotation_form_read(&format.rotation, forms[size % 16])) abort();
+    return format;
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
     static mukca_chain chain;
     mukca_error error = {MUKCA_OK, ""};
     const char *path = memory_file(bytes, size), *const paths[2] = {path, path};
     make_chain(&chain, "RR", NULL, "j", 3);
-    const mukca_pose_files files = {.paths = paths, .n_paths = 2, .first_file = 1};
+    const mukca_pose_files files = {
+        .paths = paths, .n_paths = 2, .first_file = 1, .format = format_of(size)};
     mukca_pose_log log = {.n_joints = 2};
     if (mukca_pose_log_read(&log, &files, &chain, &error)) {
         if (!error.text[0] || strchr(error.text, '\n')) abort();

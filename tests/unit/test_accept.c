@@ -1,6 +1,6 @@
 /* Acceptance by prediction: what a recording determines about the tip decides, repeated postures
  * count once, and the error that is announced is that of the true arm. */
-#include "fit/accept.h"
+#include "accept/accept.h"
 #include "scene.h"
 
 static scene arm;
@@ -30,7 +30,10 @@ static const mukca_acceptance *calibrate(void)
     const mukca_fit_options options = {0};
     assert_ok(mukca_fit_run(&fit, &arm.chain, &data, &options, &error));
     mukca_fit_offsets(&table, &fit);
-    assert_ok(mukca_accept_fit(&table, &fit, &arm.chain, &data, NULL, &options, &error));
+    mukca_cross_validation held;
+    assert_ok(mukca_fit_cross_validate(&held, &fit, &arm.chain, &data, NULL, &options, &error));
+    assert_ok(mukca_accept_fit(&table, &fit, &held, &data, &options, &error));
+    mukca_cross_validation_free(&held);
     return &table.acceptance;
 }
 

@@ -154,6 +154,40 @@ TEST(test_constant_orientation)
 }
 
 /* Nothing to align: identity. */
+/* A tip that moves along a line, with a tool that keeps its orientation: positions alone determine
+ * the line, not the turn about it, which stays as it is. */
+TEST(points_on_one_line)
+{
+    const double from[3] = {0.6, 0, 0.8},
+                 to[4][3] = {{0, 1, 0}, {0.6, 0, 0.8}, {-0.6, 0, -0.8}, {0.8, 0, -0.6}};
+    for (int i = 0; i < 4; i++) {
+        double R[9] = MUKCA_IDENTITY, H[9], on[3], square[9];
+        for (int k = 0; k < 9; k++) H[k] = from[k / 3] * to[i][k % 3];
+        mukca_rotation_nearest(R, H);
+        mukca_mat3_vec(on, R, from);
+        for (int k = 0; k < 3; k++) assert_close(on[k], to[i][k], 1e-12);
+        mukca_mat3_tmul(square, R, R);
+        for (int k = 0; k < 9; k++) assert_close(square[k], k % 4 == 0, 1e-12);
+        assert_close(mukca_rotation_between(R, (double[9])MUKCA_IDENTITY),
+                     acos(mukca_dot3(from, to[i])), 1e-7);
+    }
+    measure((double[]){0, 0, 1}, 0);
+    p.data.quaternion = NULL;
+    mukca_chain line = p.chain; /* slides on a line: the first joint alone moves the tip */
+    line.element[line.joint_element[0]].type = MUKCA_PRISMATIC;
+    mukca_geometry_set(&p.geometry, &line, NULL);
+    for (int i = 0; i < ROWS; i++) {
+        mukca_frame pose;
+        for (int j = 1; j < 7; j++) p.q[7 * i + j] = 0.3;
+        mukca_fk_pose(&pose, &p.geometry, p.q + 7 * i, NULL);
+        mukca_frame_multiply(&pose, &p.tracker, &pose);
+        memcpy(p.position + 3 * i, pose.p, sizeof pose.p);
+    }
+    assert_true(mukca_align(&found, &p.geometry, &p.data, &both));
+    assert_true(found.mean_m < 1e-6);
+    assert_true(found.open_turn);
+}
+
 TEST(test_nothing)
 {
     const mukca_frame identity = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};

@@ -79,7 +79,7 @@ static double true_error(operator_ *o, const mukca_capture *capture)
         double q[7], y[3];
         for (int j = 0; j < 7; j++) q[j] = 2.9 * (2 * mukca_random_uniform(&random) - 1);
         mukca_fk_position(x[i], &o->truth, q, NULL);
-        mukca_fk_position(y, &capture->model.geometry, q, NULL);
+        mukca_fk_position(y, &capture->geometry, q, NULL);
         for (int k = 0; k < 3; k++) d[i][k] = y[k] - x[i][k];
     }
     for (int round = 0; round < 200; round++) { /* Gauss-Seidel on translation and rotation */

@@ -81,6 +81,32 @@ TEST(efforts_stand_in_for_masses)
     assert_int_equal(d->causes[0].effect.kind, MUKCA_EFFECT_JOINT_COMPLIANCE);
     assert_int_equal(d->causes[0].effect.joint, 1);
     assert_true(isnan(d->efforts_correlation));
+    assert_false(d->turned_efforts);
+    const double size = d->causes[0].amplitude, held_out = d->explained_m;
+    /* a spring yields to its load: efforts of the opposite sign are recognised */
+    for (int i = 0; i < data.n_rows * data.n_joints; i++) data.effort[i] = -data.effort[i];
+    check_diagnosis();
+    assert_true(d->turned_efforts);
+    assert_int_equal(d->causes[0].effect.kind, MUKCA_EFFECT_JOINT_COMPLIANCE);
+    assert_int_equal(d->causes[0].effect.joint, 1);
+    assert_close(d->causes[0].amplitude, size, 1e-12);
+    assert_close(d->explained_m, held_out, 1e-12);
+}
+
+/* Another cause that a spring of negative torque would imitate. */
+TEST(efforts_without_a_spring_keep_their_sign)
+{
+    static const char *const effects[] = {NULL, "joint_scale:joint_2=1e-3",
+                                          "joint_scale:joint_2=-1e-3"};
+    for (int i = 0; i < 3; i++) {
+        simulate(effects[i], 4);
+        s.how.rows = 25;
+        s.how.effort = true;
+        record_again();
+        s.chain.n_masses = 0;
+        check_diagnosis();
+        assert_false(d->turned_efforts);
+    }
 }
 
 TEST(efforts_of_the_wrong_sign_are_noticed)

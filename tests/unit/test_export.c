@@ -143,9 +143,11 @@ TEST(yaml_and_c_hold_every_number)
         assert_non_null(strstr(c, number));
     }
     for (int e = 0; e < offsets.n_effects; e++) {
-        const char *name = mukca_effect_table[offsets.effects[e].kind]->name;
-        assert_non_null(strstr(yaml, name));
-        assert_non_null(strstr(c, name));
+        char number[MUKCA_NUMBER_SIZE];
+        mukca_number_format(number, offsets.effects[e].coefficient[0]);
+        assert_part(yaml, mukca_effect_table[offsets.effects[e].kind]->name);
+        assert_part(yaml, number);
+        assert_part(c, number);
     }
     assert_part(yaml, "robot: \"odd & arm\"\n");
     assert_part(c, "enum { odd___arm_elements = 3, odd___arm_joints = 2 };");
@@ -159,7 +161,7 @@ TEST(effects_of_time_are_not_applied)
     offsets.n_effects = 1;
     offsets.effects[0] = make_effect(MUKCA_EFFECT_JOINT_DRIFT, 0, 3e-3);
     free(export("urdf", MUKCA_OK));
-    assert_part(notes, "joint_drift of a (per 1000 s), 3 mrad, depends on time");
+    assert_part(notes, "joint_drift@0s of a, 3 mrad, depends on time");
     assert_null(strstr(notes, "differs by"));
 }
 
@@ -235,6 +237,17 @@ TEST(mjcf_holds_springs_and_names_the_rest)
     assert_null(strstr(notes, "joint_compliance"));
     assert_part(text, "name=\"b_flex\" type=\"hinge\" axis=\"0 1 0\" stiffness=\"10000\"");
     free(text);
+}
+
+/* A stop is a joint's: an effect at none has no element to put it in, whatever its kind. */
+TEST(mjcf_refuses_play_at_no_joint)
+{
+    for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++) {
+        const mukca_effect effect = make_effect((mukca_effect_kind)kind, -1, 1e-3);
+        const bool at_base = mukca_effect_table[kind]->site == MUKCA_SITE_BASE &&
+                             (mukca_effect_table[kind]->traits & MUKCA_TRAIT_ELASTIC);
+        assert_int_equal(mukca_export_mjcf.holds(&effect), at_base);
+    }
 }
 
 TEST_MAIN(setup, scratch_teardown)

@@ -1,5 +1,8 @@
-/* The decision: findings from posteriors made by hand.  A threshold can be changed here with its
- * consequences in view. */
+/* The decision: findings from posteriors made by hand, verdicts from findings.  A threshold can be
+ * changed here with its consequences in view. */
+#include <stdlib.h>
+
+#include "diagnose/cause.h"
 #include "infer/findings.h"
 
 #include "close.h"
@@ -144,6 +147,54 @@ TEST(refused)
     assert_close(out[0].probability, 0.75, 1e-12);
     assert_int_equal(choose(&all, &p, NULL), 0);
     assert_true(isnan(out[0].halves));
+}
+
+/* Probability in the whole and in halves on either side of the thresholds. */
+TEST(thresholds)
+{
+    static const struct {
+        double whole, half;
+        int findings, others;
+    } cases[] = {{0.951, 0.701, 1, 0}, {0.949, 0.701, 0, 1}, {0.951, 0.699, 0, 1},
+                 {0.501, 0.501, 0, 1}, {0.501, 0.301, 0, 0}, {0.499, 0.999, 0, 0}};
+    const int cause = label(LOAD, COMPLIANCE, 2, 0);
+    for (int i = 0; i < 6; i++) {
+        posterior p = {.n = 0}, half[2] = {{.n = 0}, {.n = 0}};
+        int all;
+        add(&p, cases[i].whole, cause, -1, 50);
+        add(&half[0], cases[i].half, cause, -1, 50);
+        half[1] = half[0];
+        assert_int_equal(choose(&all, &p, half), cases[i].findings);
+        assert_int_equal(all, cases[i].findings + cases[i].others);
+    }
+}
+
+/* Verdicts: of findings by their shares and the catalogue's part, without one by the sets. */
+TEST(verdicts)
+{
+    static const struct {
+        double share, outside;
+        int effect, to, verdict;
+    } cases[] = {{0.51, 0.9, MUKCA_EFFECT_JOINT_COMPLIANCE, 2, MUKCA_VERDICT_NAMED},
+                 {0.49, 0.4, MUKCA_EFFECT_JOINT_COMPLIANCE, 2, MUKCA_VERDICT_TIED},
+                 {0.90, 0.4, MUKCA_EFFECT_JOINT_COMPLIANCE, 3, MUKCA_VERDICT_TIED},
+                 {0.90, 0.4, -1, 2, MUKCA_VERDICT_TIED},
+                 {0.90, 0.6, -1, 2, MUKCA_VERDICT_UNKNOWN},
+                 {0.90, 0.0, MUKCA_EFFECT_READBACK_LAG, 3, MUKCA_VERDICT_NAMED}};
+    mukca_diagnosis *d = calloc(1, sizeof *d);
+    assert_non_null(d);
+    assert_int_equal(mukca_verdict_of(d, 0.94, 0.9), MUKCA_VERDICT_NONE);
+    assert_int_equal(mukca_verdict_of(d, 0.96, 0.51), MUKCA_VERDICT_UNKNOWN);
+    assert_int_equal(mukca_verdict_of(d, 0.96, 0.49), MUKCA_VERDICT_TIED);
+    d->n_findings = 1;
+    for (int i = 0; i < 6; i++) {
+        d->findings[0] =
+            (mukca_finding){.group = {.effect = cases[i].effect, .from = 2, .to = cases[i].to},
+                            .share = cases[i].share,
+                            .outside = cases[i].outside};
+        assert_int_equal(mukca_verdict_of(d, 1, 1), cases[i].verdict);
+    }
+    free(d);
 }
 
 /* Groups are disjoint: a second finding shares no cause with the first. */

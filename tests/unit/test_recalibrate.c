@@ -200,10 +200,10 @@ TEST(test_noise)
     for (int i = 0; i < train.n; i += 20) train.row[i].position[i % 3] += 0.03;
     const mukca_recalibrate_options robust = {.robust = true};
     assert_ok(run(NULL));
-    const double plain = mukca_errors_median(&result.errors[MUKCA_WITH_BOTH].position);
+    const double plain = result.errors[MUKCA_WITH_BOTH].position.median;
     assert_true(result.tail > 2);
     assert_ok(run(&robust));
-    assert_close(mukca_errors_median(&result.errors[MUKCA_WITH_BOTH].position), 1.538e-4, 0.1e-4);
+    assert_close(result.errors[MUKCA_WITH_BOTH].position.median, 1.538e-4, 0.1e-4);
     assert_true(plain > 2e-4);
 
     build_truth(0); /* poses that only repeat the nominal model */
@@ -248,6 +248,10 @@ TEST(test_lag)
     assert_ok(run(NULL));
     assert_close(result.lag, 0.03, 3e-4);
     for (int j = 0; j < 7; j++) assert_close(zero_of(j), gen3_dq[j], 5e-4);
+    train.n = 30; /* less than a block of equations */
+    assert_ok(run(NULL));
+    assert_close(result.lag, 0.03, 3e-3);
+    train.n = MAX_ROWS;
     for (int i = 0; i < train.n; i++) train.row[i].time = (double)NAN;
     assert_ok(run(NULL));
     assert_close(result.lag, 3, 0.03);
@@ -287,6 +291,14 @@ TEST(test_frames)
     assert_ok(run(&options));
     assert_close(result.errors[MUKCA_WITH_BOTH].position.length.max, 0, 1e-8);
     assert_close(result.errors[MUKCA_WITH_BOTH].rotation.length.max, 0, 1e-8);
+    /* The base's shift is that of its own origin, not of the poses'. */
+    for (int u = 0, axis = 0; u < result.found.n; u++)
+        if (result.found.unknown[u].element == MUKCA_UNKNOWN_BASE &&
+            result.found.unknown[u].kind == MUKCA_UNKNOWN_SHIFT) {
+            assert_close(result.found.value[u],
+                         result.stage[MUKCA_WITH_BOTH].base.p[axis] - check.base.p[axis], 1e-12);
+            axis++;
+        }
 
     /* Positions of the tip, orientations of a link before it. */
     record(&train, RASTER);

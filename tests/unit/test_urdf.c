@@ -90,6 +90,21 @@ TEST(side_branches_are_folded_onto_the_chain)
     assert_int_equal(chain.mass[2].element, 3);
 }
 
+/* R I R' for a pitch of 3 mrad less than 90 degrees. */
+TEST(tensors_are_turned_exactly)
+{
+    const double pitch = 1.5677963267948966, c = cos(pitch), s = sin(pitch);
+    assert_ok(
+        load("<robot name='x'><link name='a'/><link name='b'><inertial>"
+             "<origin rpy='0 1.5677963267948966 0'/><mass value='1'/>"
+             "<inertia ixx='1' iyy='2' izz='3' ixy='0' ixz='0' iyz='0'/></inertial></link>"
+             "<joint name='j' type='continuous'><parent link='a'/><child link='b'/>"
+             "</joint></robot>",
+             NULL));
+    const double wanted[6] = {c * c + 3 * s * s, 2, s * s + 3 * c * c, 0, 2 * s * c, 0};
+    for (int i = 0; i < 6; i++) assert_close(chain.mass[0].inertia[i], wanted[i], 1e-14);
+}
+
 TEST(any_two_links_make_a_chain)
 {
     mukca_urdf_options options = {.base = "l1", .tip = "l3"};

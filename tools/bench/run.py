@@ -14,11 +14,12 @@ import diagnosis  # noqa: E402
 import growth  # noqa: E402
 import kinematics  # noqa: E402
 import recalibrate  # noqa: E402
-from common import BUILD, DATA, HERE, MUKCA, REPEATS, output, process, python_with  # noqa: E402
+from common import BUILD, DATA, HERE, MUKCA, REPEATS, goal, output, process, python_with  # noqa: E402
 
 # What the method's published program needs, measured on one thread of a machine like ours: seconds
 # and MiB of the whole process, seconds of it in IPOPT.
 PUBLISHED = {60: (5.3, 748, 0.17), 550: (53.0, 5157, 1.5)}
+START = {60: 1.2, 550: 3}  # most processor time of calibrate, in starts of python3
 CASES = [("panda_2_clean/front_center", ["panda_2_clean/front_center"]), ("panda_2, nine placements", None)]
 
 
@@ -54,6 +55,9 @@ def fit():
         _, seconds, peak = process(REPEATS, MUKCA, "calibrate", "--urdf", urdf, *paths)
         _, python_seconds, python_peak = process(max(3, REPEATS // 5), *peer, 1, *paths)
         print(f"  {'whole process, processor time':34}{milli(seconds)} {peak:8.1f} MiB   mukca calibrate")
+        _, start, _ = process(REPEATS, sys.executable, "-c", "pass")
+        print(f"  {'':34}{milli(start)}{'':14}start of python3: {seconds / start:.2f} times its time"
+              f"{goal(seconds / start, START[size])}")
         print(f"  {'':34}{milli(python_seconds)} {python_peak:8.1f} MiB   numpy: "
               f"{python_seconds / seconds:.1f} times the time, {python_peak / peak:.1f} times the memory")
         print(f"  {'':34}{milli(whole)} {mib:8.1f} MiB   published program: "

@@ -17,7 +17,7 @@ for command in calibrate diagnose; do
     answer 'smaller than the model: check --distance first' $command $a sim.tsv --distance 0.0495
 done
 refuse 2 'sd' evaluate $a sim.tsv --distance-sd 1e-5
-answer '^Use     yes: held-out error 0.217 mm' calibrate $a sim.tsv --evidence
+answer '^Use     yes: held-out error 0.194 mm' calibrate $a sim.tsv --evidence
 refuse 2 'exclude each other' calibrate $a sim.tsv --evidence --lambda 1e-5
 refuse 2 'exclude each other' calibrate $a sim.tsv --evidence --solver lbfgs
 for key in accepted converged error_of error_m error_nominal_m tip_change_m tip_change_sigma \

@@ -17,10 +17,9 @@ expect "a plan is a session file" "$MUKCA" evaluate -q --urdf "$demo/arm.urdf" p
 # every planned row puts the nominal ball into its socket: 50 mm apart, no spread
 expect "its rows sit in the sockets" awk -F '\t' 'NR == 2 && $4 < 1e-6 && $8 < 1e-6 {good = 1} END {exit !good}' planned.tsv
 # a finding with alternatives: plan --for proposes the postures of the diagnosis
-"$MUKCA" simulate -q --urdf "$demo/arm.urdf" --noise 2e-4 --perturb 1,2 --seed 4 --placements 2 --rows 14 \
-    --effect base_compliance=5e-5 -o tie.tsv
-run diagnose -q --urdf "$demo/arm.urdf" tie.tsv --json tie.json
-run plan -q --urdf "$demo/arm.urdf" tie.tsv --for 1 --rows 10 --json split.json -o split.tsv
+panda=$(dirname "$demo")/panda
+run diagnose -q --urdf "$panda/arm.urdf" "$panda/train.tsv" --json tie.json
+run plan -q --urdf "$panda/arm.urdf" "$panda/train.tsv" --for 1 --rows 10 --json split.json -o split.tsv
 expect "plan --for and diagnose agree" python3 -c "
 import json, math
 d, p = json.load(open('tie.json')), json.load(open('split.json'))
@@ -35,7 +34,7 @@ rows = json.load(open('split.json'))['poses']
 for keys in ['placement'], ['placement', 'socket']:
     visits = [v for v, _ in itertools.groupby([r[k] for k in keys] for r in rows)]
     assert all(visits.count(v) == 1 for v in visits), visits
-last = open('tie.tsv').read().split('\n')[-2].split('\t')[0]
+last = open('$panda/train.tsv').read().split('\n')[-2].split('\t')[0]
 assert rows[0]['placement'] == last or all(r['placement'] != last for r in rows)"
 run plan -q --urdf "$demo/arm.urdf" --place front=0.45,0,0.05 --rows 2 --json -
 expect "plan --json - prints JSON alone" sh -c "grep -q '\"schema\": *\"mukca.plan/1\"' '$scratch/out' && ! grep -q '^#' '$scratch/out'"

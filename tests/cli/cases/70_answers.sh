@@ -123,3 +123,8 @@ expect "evaluate names the joint whose zero is a quarter turn off" \
 run diagnose $a cycle.tsv
 expect "no hint where no single mix-up explains the data" \
     sh -c "grep -q 'do not fit this arm' '$scratch/out' && ! grep -q 'would agree' '$scratch/out'"
+
+# ---- of two placements only the difference is known: neither is blamed
+run simulate $a --seed 7 --rows 30 --placements 2 --noise 5e-5 --effect zero_jump:joint_3/p2=-4e-3 -o jump.tsv
+run diagnose $a jump.tsv --json jump.json
+expect "two placements: a jump of a zero is in neither" sh -c "tr -d ' \n' <jump.json | grep -q '\"causes\":\[{\"effect\":\"zero_jump\",\"joint\":\"joint_3\",\"placement\":null'"

@@ -1,23 +1,23 @@
 /* Expected error of the tip, from the posterior of geometry and effects. */
-#include "fit/accept.h"
+#include "accept/accept.h"
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
+#include "accept/posterior.h"
 #include "base/file.h"
 #include "base/text.h"
 #include "effect/catalogue.h"
-#include "fit/arm_posterior.h"
 #include "math/dense.h"
 #include "math/stats.h"
 
 /* Postures; arms from the posterior: a probability of 95 % is known to 1.5 %. */
 enum { PROBES = 256, DRAWS = 200, BLOCK = 32 /* postures together */ };
 
-/* Of the gain by effects that the table lacks, in standard deviations of that on pure noise. */
-static const double significant = 5;
+/* Least log Bayes factor of effects that the table lacks: as for a detection limit
+ * (diagnose/untested.c). */
+static const double least_evidence = 12;
 
 /* Tip of a model in posture q, without its nuisance. */
 static void predict(double tip[3], const mukca_chain *chain, const mukca_offsets *model,
@@ -38,18 +38,22 @@ static bool sample(double sum[3][DRAWS], mukca_arm_posterior *p, const double *X
                    mukca_random *random)
 {
     enum { ROWS = 3 * BLOCK };
-    const int n = p->at.n, w = p->groups.width + 2;
+    const int n = p->m.linear.n_columns, w = MUKCA_RIGID + n + 3;
+    const mukca_posterior *posterior = &p->m.evidence.posterior;
     double *Z = MUKCA_TAKE(&p->pool, double, n *DRAWS),
            *E = MUKCA_TAKE(&p->pool, double, ROWS *DRAWS),
            *turned = MUKCA_TAKE(&p->pool, double, n *ROWS);
     if (p->pool.failed) return false;
     for (int i = 0; i < n * DRAWS; i++) Z[i] = mukca_random_normal(random);
-    mukca_dense_backward(Z, DRAWS, p->groups.posterior.factor, n);
-    for (int i = 0; i < n * DRAWS; i++) Z[i] *= p->groups.posterior.prior[i / DRAWS];
+    mukca_dense_backward(Z, DRAWS, posterior->factor, n);
+    for (int i = 0; i < n * DRAWS; i++) {
+        const int k = i / DRAWS; /* the columns are those at the unknowns `explained` */
+        Z[i] = Z[i] * posterior->prior[k] + p->m.evidence.mean[k] - p->m.linear.explained[k];
+    }
     memset(sum, 0, sizeof(double[3][DRAWS]));
     for (int first = 0; first < 3 * PROBES; first += ROWS, X += ROWS * w) {
         for (int c = 0; c < n; c++)
-            for (int r = 0; r < ROWS; r++) turned[c * ROWS + r] = X[r * w + MUKCA_OWN + c];
+            for (int r = 0; r < ROWS; r++) turned[c * ROWS + r] = X[r * w + MUKCA_RIGID + c];
         memset(E, 0, sizeof *E * ROWS * DRAWS);
         mukca_dense_xty(E, (mukca_columns){turned, ROWS, ROWS}, (mukca_columns){Z, DRAWS, DRAWS},
                         n);
@@ -58,7 +62,7 @@ static bool sample(double sum[3][DRAWS], mukca_arm_posterior *p, const double *X
                 for (int m = 0; m < 2; m++) {
                     double square = 0;
                     for (int a = r; a < r + 3; a++)
-                        square += pow(X[a * w + p->groups.width + m] - E[a * DRAWS + k], 2);
+                        square += pow(X[a * w + w - 2 + m] - E[a * DRAWS + k], 2);
                     sum[m][k] += sqrt(square) / PROBES;
                     if (m) sum[2][k] += square / PROBES;
                 }
@@ -87,6 +91,15 @@ static bool summarise(mukca_tip_error *out, int where, mukca_arm_posterior *p, c
     return true;
 }
 
+/* Mean and factor of the posterior for the present priors. */
+static void solve(mukca_arm_posterior *p)
+{
+    mukca_regression *m = &p->m;
+    mukca_unknowns_prior(m->evidence.posterior.prior, &m->unknowns);
+    mukca_evidence_evaluate(&m->evidence, mukca_regression_collect(m, m->unknowns.family),
+                            m->unknowns.sigma, m->evidence.mean);
+}
+
 /* Part of the error by that of the sockets' distances: the rest is the error if they were exact, as
  * the table takes them; so does the question whether it is an improvement. */
 static bool split_distance(mukca_tip_error *out, mukca_arm_posterior *p, const double *X,
@@ -95,40 +108,46 @@ static bool split_distance(mukca_tip_error *out, mukca_arm_posterior *p, const d
     mukca_tip_error exact = {0};
     const double all = out->after_m[MUKCA_HERE];
     out->distance_m = NAN;
-    if (!p->groups.n_pairs) return true;
-    for (int k = 0; k < p->groups.n_pairs; k++) p->groups.pair[k].sigma = 0;
-    mukca_arm_posterior_solve(p);
+    out->exact_m = all;
+    mukca_unknowns *u = &p->m.unknowns;
+    if (!p->m.recording.n_pairs) return true;
+    for (int k = u->first_artefact; k < u->n_geometry; k++) u->theta_prior[k] = 0;
+    solve(p);
     const bool done = summarise(&exact, MUKCA_HERE, p, X, random);
-    for (int k = 0; k < p->groups.n_pairs; k++)
-        p->groups.pair[k].sigma = mukca_distance_sigma(&p->data.distances[k]);
-    mukca_arm_posterior_solve(p);
-    const double rest = exact.after_m[MUKCA_HERE];
-    out->distance_m = sqrt(fmax(all * all - rest * rest, 0)); /* independent errors */
+    mukca_unknowns_set_geometry_prior(u, &p->m.recording);
+    solve(p);
+    out->exact_m = exact.after_m[MUKCA_HERE];
+    out->distance_m =
+        sqrt(fmax(all * all - out->exact_m * out->exact_m, 0)); /* independent errors */
     out->probability[MUKCA_HERE] = exact.probability[MUKCA_HERE];
     return done;
 }
 
 /* Mean errors in random postures within the limits of `range`, over arms from the posterior. */
-static bool draw(mukca_tip_error *out, mukca_arm_posterior *p, const mukca_tip_change_task *task,
-                 const mukca_chain *range, int where)
+static bool draw(mukca_tip_error *out, mukca_arm_posterior *p, const mukca_chain *range, int where)
 {
-    const int width = p->groups.width, w = width + 2, rows = 3 * PROBES, joints = p->chain.n_joints;
+    const int at = MUKCA_RIGID + p->m.linear.n_columns, w = at + 3, rows = 3 * PROBES,
+              joints = p->chain.n_joints;
     double *X = MUKCA_TAKE(&p->pool, double, rows *w);
-    double *q = MUKCA_TAKE(&p->pool, double, PROBES *joints), tip[2][3];
+    double *q = MUKCA_TAKE(&p->pool, double, PROBES *joints), tip[2][3], nominal[MUKCA_MAX_THETA];
+    const mukca_tip_change_task *task = p->task;
     const int skip = task->base_frame ? MUKCA_PARAMETERS : 0;
-    const double *before = task->from ? task->from->theta + skip : p->nominal;
+    const double *before = task->from ? task->from->theta + skip : nominal;
     mukca_random random;
     if (p->pool.failed) return false;
-    mukca_arm_posterior_probe(X, w, q, p, range, PROBES, &random);
+    mukca_chain_theta(nominal, &p->chain);
+    mukca_random_seed(&random, 1);
+    for (int i = 0; i < PROBES; i++) mukca_posture_draw(q + i * joints, range, &random);
+    if (!mukca_arm_posterior_probe(X, w, p, q, PROBES)) return false;
     for (int i = 0; i < PROBES; i++) {
         predict(tip[0], &p->chain, task->from, before, q + i * joints);
         predict(tip[1], &p->chain, task->to, p->to, q + i * joints);
         for (int a = 0; a < 3; a++) {
-            double *to = X + (3 * i + a) * w, at = to[width - 1];
-            for (int k = 0; k < 2; k++) to[width + k] = tip[k][a] + at;
+            double *to = X + (3 * i + a) * w + at;
+            for (int k = 0; k < 2; k++) to[1 + k] = to[0] + tip[k][a];
         }
     }
-    mukca_dense_project(X, rows, w, 0, MUKCA_OWN);
+    mukca_dense_project(X, rows, w, 0, MUKCA_RIGID);
     return summarise(out, where, p, X, &random) &&
            (where != MUKCA_HERE || split_distance(out, p, X, &random));
 }
@@ -147,9 +166,12 @@ static void find_ranges(mukca_tip_error *out, mukca_chain *here, const mukca_dat
     }
 }
 
-/* Add the effects that any arm may have, with their sizes: smooth functions of the posture. */
-static void add_smooth(mukca_offsets *to, const mukca_chain *chain)
+/* List the effects that any arm may have and these n do not contain, with a third of their sizes:
+ * smooth functions of the posture.  Returns their number. */
+static int list_smooth(mukca_effect *list, const mukca_effect *known, int n,
+                       const mukca_chain *chain)
 {
+    int count = 0;
     for (int k = 0; k < MUKCA_EFFECT_COUNT; k++) {
         const mukca_effect_ops *ops = mukca_effect_catalogue[k];
         const mukca_effect_sizes *sizes = ops->sizes ? ops->sizes : &mukca_sizes_angle;
@@ -162,68 +184,51 @@ static void add_smooth(mukca_offsets *to, const mukca_chain *chain)
             const bool turns = chain->element[chain->joint_element[j]].type != MUKCA_PRISMATIC;
             if (!mukca_effect_has_joint(k)) e.joint = -1;
             if ((ops->info.traits & MUKCA_TRAIT_PERIODIC && !turns) ||
-                to->n_effects == MUKCA_MAX_EFFECTS ||
+                n + count == MUKCA_MAX_EFFECTS ||
                 mukca_effect_set_variant(&e, NULL, chain->n_joints))
                 continue;
             for (int t = 0; t < e.terms; t++) e.coefficient[t] = sizes->sigma[sizes->usual - 1] / 3;
             bool there = false;
-            for (int i = 0; i < to->n_effects; i++) there |= mukca_effect_same(&e, &to->effects[i]);
-            if (!there) to->effects[to->n_effects++] = e;
+            for (int i = 0; i < n; i++) there |= mukca_effect_same(&e, &known[i]);
+            if (!there) list[count++] = e;
         }
     }
+    return count;
 }
 
-/* Whether the samples show such effects beyond those of the table: `wide` is then the posterior
- * with all of them. */
-static bool widen(mukca_arm_posterior *wide, mukca_arm_posterior *p, mukca_status *status,
-                  mukca_error *error)
+/* Errors by the posterior of the table's effects or, if the samples show others, by that of all. */
+static mukca_status predict_all(mukca_tip_error *out, mukca_arm_posterior *p,
+                                const mukca_chain *here, mukca_error *error)
 {
-    mukca_offsets *to = MUKCA_TAKE(&p->pool, mukca_offsets, 1);
-    mukca_tip_change_task *task = MUKCA_TAKE(&p->pool, mukca_tip_change_task, 1);
-    if (p->pool.failed) {
-        *status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
-        return false;
-    }
-    *to = *p->task->to;
-    add_smooth(to, &p->chain);
-    *task = *p->task;
-    task->to = to;
-    *status = mukca_arm_posterior_extend(wide, p, task, error);
-    return *status == MUKCA_OK && mukca_arm_posterior_gain(wide, p) > significant;
-}
-
-/* Errors by the posterior of the table's effects, or (if `lacking`) by that of all. */
-static bool predict_all(mukca_tip_error *out, mukca_arm_posterior both[2], bool lacking,
-                        const mukca_chain *here)
-{
-    const mukca_tip_change_task *task = both->task;
-    mukca_tip_error alone = {0};
+    const mukca_tip_error facts = *out;
+    mukca_effect smooth[MUKCA_MAX_EFFECTS];
+    double evidence;
+    const mukca_offsets *to = p->task->to;
+    bool drawn = draw(out, p, here, MUKCA_HERE) && draw(out, p, &p->chain, MUKCA_ELSEWHERE);
+    const int n = list_smooth(smooth, to->effects, to->n_effects, &p->chain);
+    const mukca_status status = mukca_arm_posterior_extend(&evidence, p, smooth, n, error);
+    if (status != MUKCA_OK) return status;
+    const double own = out->exact_m;
     out->lacking_m = NAN;
-    if (!here || !draw(out, &both[lacking], task, here, MUKCA_HERE) ||
-        !draw(out, &both[lacking], task, &both->chain, MUKCA_ELSEWHERE))
-        return false;
-    if (!lacking) return true;
-    if (!draw(&alone, both, task, here, MUKCA_HERE)) return false;
-    const double all = out->after_m[MUKCA_HERE], own = alone.after_m[MUKCA_HERE];
-    out->lacking_m = sqrt(fmax(all * all - own * own, 0)); /* independent errors */
-    return true;
+    if (evidence > least_evidence) {
+        *out = facts;
+        drawn &= draw(out, p, here, MUKCA_HERE) && draw(out, p, &p->chain, MUKCA_ELSEWHERE);
+        out->lacking_m = sqrt(fmax(out->exact_m * out->exact_m - own * own, 0));
+    }
+    return drawn ? MUKCA_OK : mukca_fail(error, MUKCA_MEMORY, "out of memory");
 }
 
 /* Count the postures that deviate and list their rows, with dots for those that do not fit.  The
- * targets of a row count once, and so do the readings of a posture. */
+ * targets of a row count once. */
 static void list_outliers(mukca_tip_error *out, const mukca_arm_posterior *p)
 {
     const mukca_dataset *d = &p->data;
     mukca_text rows = MUKCA_TEXT(out->rows);
-    int newest = -1, last = -1;
+    int last = -1;
     for (int row = 0; row < d->n_rows; row++) {
-        const int o = p->of_row[row];
         char name[48] = "";
-        if (o <= newest || !p->outlier[o] || d->row[row] == last) {
-            newest = o > newest ? o : newest;
-            continue;
-        }
-        newest = o, last = d->row[row];
+        if (!p->outlier[row] || d->row[row] == last) continue;
+        last = d->row[row];
         if (d->n_files > 1)
             snprintf(name, sizeof name, "%.40s:", mukca_file_name(d->files[d->file[row]]));
         if (rows.used + strlen(name) + 18 <= rows.size)
@@ -234,31 +239,37 @@ static void list_outliers(mukca_tip_error *out, const mukca_arm_posterior *p)
     }
 }
 
+/* What the fit says of the samples. */
+static void describe(mukca_tip_error *out, mukca_chain *here, const mukca_arm_posterior *p)
+{
+    *here = p->chain;
+    find_ranges(out, here, &p->data);
+    out->postures = p->postures;
+    out->gross = p->gross;
+    out->worst_m = p->worst_m;
+    list_outliers(out, p);
+    const int tip = mukca_chain_tip_element(&p->chain);
+    if (tip >= 0)
+        out->tool_m =
+            mukca_distance3(p->m.unknowns.geometry.origin[tip].p, p->chain.element[tip].xyz);
+    for (int j = 0; j < here->n_joints; j++)
+        out->stuck[j] = out->at_rest[j] && mukca_arm_posterior_turns(p, j);
+}
+
 mukca_status mukca_tip_error_expect(mukca_tip_error *out, const mukca_tip_change_task *task,
                                     mukca_error *error)
 {
-    mukca_arm_posterior *both = calloc(2, sizeof *both), *p = both;
+    mukca_pool pool = {0};
+    mukca_arm_posterior *p = MUKCA_TAKE(&pool, mukca_arm_posterior, 1);
+    mukca_chain *here = MUKCA_TAKE(&pool, mukca_chain, 1);
     *out = (mukca_tip_error){0};
-    if (!p) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    mukca_status status = mukca_arm_posterior_fit(p, task, error);
-    mukca_chain *here = MUKCA_TAKE(&p->pool, mukca_chain, 1);
-    if (status == MUKCA_OK && here) {
-        *here = p->chain;
-        find_ranges(out, here, &p->data);
-        out->postures = p->postures;
-        out->gross = p->gross;
-        out->worst_m = p->worst_m;
-        list_outliers(out, p);
-        const int tip = MUKCA_PARAMETERS * mukca_chain_tip_element(&p->chain);
-        if (tip >= 0) out->tool_m = mukca_distance3(p->at.theta + tip, p->nominal + tip);
-        for (int j = 0; j < here->n_joints; j++)
-            out->stuck[j] = out->at_rest[j] && mukca_arm_posterior_turns(p, j);
+    mukca_status status = pool.failed ? mukca_fail(error, MUKCA_MEMORY, "out of memory")
+                                      : mukca_arm_posterior_fit(p, task, error);
+    if (status == MUKCA_OK) {
+        describe(out, here, p);
+        status = predict_all(out, p, here, error);
     }
-    const bool lacking = status == MUKCA_OK && widen(&both[1], p, &status, error);
-    if (status == MUKCA_OK && !predict_all(out, both, lacking, here))
-        status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    mukca_arm_posterior_free(&both[1]);
-    mukca_arm_posterior_free(p);
-    free(both);
+    if (p) mukca_arm_posterior_free(p);
+    mukca_pool_free(&pool);
     return status;
 }

@@ -1,5 +1,5 @@
 /* Held-out error of a calibration. */
-#include "fit/accept.h"
+#include "accept/accept.h"
 
 #include <math.h>
 

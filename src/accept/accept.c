@@ -1,5 +1,5 @@
 /* Acceptance of an offsets table, by prediction. */
-#include "fit/accept.h"
+#include "accept/accept.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -298,58 +298,35 @@ void mukca_fit_offsets(mukca_offsets *offsets, const mukca_fit *fit)
     }
 }
 
-mukca_status mukca_fit_compare(mukca_difference *difference, const mukca_fit *const fits[2],
-                               const mukca_fit_options options[2], const mukca_chain *chain,
-                               const mukca_dataset *data, const mukca_dataset *test,
-                               mukca_error *error)
-{
-    mukca_cross_validation r[2];
-    mukca_status status =
-        mukca_fit_cross_validate(&r[0], fits[0], chain, data, test, &options[0], error);
-    if (status != MUKCA_OK) return status;
-    status = mukca_fit_cross_validate(&r[1], fits[1], chain, data, test, &options[1], error);
-    if (status == MUKCA_OK) {
-        status = mukca_difference_find(difference, r[0].after, r[1].after, r[0].held, error);
-        mukca_cross_validation_free(&r[1]);
-    }
-    mukca_cross_validation_free(&r[0]);
-    return status;
-}
-
 mukca_status mukca_accept_fit(mukca_offsets *offsets, const mukca_fit *fit,
-                              const mukca_chain *chain, const mukca_dataset *data,
-                              const mukca_dataset *test, const mukca_fit_options *options,
-                              mukca_error *error)
+                              const mukca_cross_validation *r, const mukca_dataset *data,
+                              const mukca_fit_options *options, mukca_error *error)
 {
     mukca_acceptance *a = &offsets->acceptance;
-    mukca_cross_validation r;
-    mukca_status status = mukca_fit_cross_validate(&r, fit, chain, data, test, options, error);
-    if (status != MUKCA_OK) return status;
-    const bool tested = r.held == test;
+    const bool tested = r->held != &r->data;
     a->converged = fit->converged;
     a->noise_m = fit->identification.noise;
     a->parameters = fit->parameters.n;
     a->identified = fit->identification.rank;
     mukca_text of = MUKCA_TEXT(a->error_of);
     if (tested)
-        mukca_text_put(&of, "test data, %d samples", test->n_rows);
+        mukca_text_put(&of, "test data, %d samples", r->held->n_rows);
     else
-        mukca_text_put(&of, "cross-validation, %d folds of %s", r.folds,
-                       r.placements ? "placements" : "consecutive samples");
-    if (!tested && r.data.n_rows < data->n_rows) mukca_text_put(&of, ", %d samples", r.data.n_rows);
-    status = mukca_accept(
+        mukca_text_put(&of, "cross-validation, %d folds of %s", r->folds,
+                       r->placements ? "placements" : "consecutive samples");
+    if (!tested && r->data.n_rows < data->n_rows)
+        mukca_text_put(&of, ", %d samples", r->data.n_rows);
+    return mukca_accept(
         offsets,
         &(mukca_accept_task){.change = {.chain = &fit->chain,
                                         .to = offsets,
                                         .data = data,
                                         .base_frame = options->free_base,
                                         .tool_frame = options->free_tool},
-                             .held = r.held,
-                             .before = r.before,
-                             .after = r.after,
+                             .held = r->held,
+                             .before = r->before,
+                             .after = r->after,
                              .stop = mukca_stop_text(fit->outcome.stop),
                              .training_m = tested ? MUKCA_MEAN_NORM3 * a->noise_m : (double)NAN},
         error);
-    mukca_cross_validation_free(&r);
-    return status;
 }

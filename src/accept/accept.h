@@ -1,6 +1,6 @@
 /* Acceptance of an offsets table, by prediction: the one judgement of all commands. */
-#ifndef MUKCA_FIT_ACCEPT_H
-#define MUKCA_FIT_ACCEPT_H
+#ifndef MUKCA_ACCEPT_ACCEPT_H
+#define MUKCA_ACCEPT_ACCEPT_H
 
 #include "arm/tip_change.h"
 #include "fit/evaluate.h"
@@ -24,9 +24,6 @@ bool mukca_data_contradict(double error_m, double expected_m, double nominal_m);
 
 /* ---- held-out errors: test data, or each fold predicted by a fit to the others
  * (cross_validation.c) ---- */
-
-/* Blocks of consecutive poses, which are correlated: more leave more to the fit. */
-enum { MUKCA_POSE_FOLDS = 10 };
 
 typedef struct {
     const mukca_dataset *held; /* test data, else `data` */
@@ -61,7 +58,8 @@ typedef struct {
     double low_m[MUKCA_RANGES], high_m[MUKCA_RANGES]; /* 95 % interval of after_m */
     double probability[MUKCA_RANGES]; /* that the table's mean error is the smaller one; HERE: if
                                          the distances are as stated */
-    double distance_m; /* part of after_m[MUKCA_HERE] by the sockets' distances; NaN: none */
+    double exact_m;    /* after_m[MUKCA_HERE] if the sockets' distances were as stated, and */
+    double distance_m; /* the part of it by them; NaN: none */
     double lacking_m;  /* part of after_m[MUKCA_HERE] by effects that the table lacks; NaN: none */
     int outliers, gross; /* postures that deviate from a robust fit, those by more than any arm */
     char rows[64];       /* of the former: "3, 7, 12", with the file if there are several */
@@ -69,7 +67,7 @@ typedef struct {
     double tool_m;       /* displacement of the tip on its link, from the nominal one */
 } mukca_tip_error;
 
-/* Fit geometry and effects to task->data by Gauss-Newton, with the priors of arm_posterior.h in a
+/* Fit geometry and effects to task->data by Gauss-Newton, with the priors of posterior.h in a
  * scale chosen by the data, heavy-tailed noise, and readings of one posture as one sample; then
  * draw arms from the posterior.  The frames of the measurement are unknown, for each file and
  * target of several.  Long recordings are thinned.  Errors: MUKCA_MEMORY. */
@@ -101,18 +99,9 @@ mukca_status mukca_accept(mukca_offsets *table, const mukca_accept_task *task, m
 /* Offsets table of a fit, without a verdict. */
 void mukca_fit_offsets(mukca_offsets *offsets, const mukca_fit *fit);
 
-/* Held-out errors of two fits to the same data: of fits[0] and, after, of fits[1].  Errors: those
- * of mukca_fit_run. */
-mukca_status mukca_fit_compare(mukca_difference *difference, const mukca_fit *const fits[2],
-                               const mukca_fit_options options[2], const mukca_chain *chain,
-                               const mukca_dataset *data, const mukca_dataset *test,
-                               mukca_error *error);
-
-/* Judge the table of a fit to `data`, on `test` (NULL or empty: cross-validation).  Errors: those
- * of mukca_fit_run. */
+/* Judge the table of a fit to `data` by its held-out errors.  Errors: MUKCA_MEMORY. */
 mukca_status mukca_accept_fit(mukca_offsets *offsets, const mukca_fit *fit,
-                              const mukca_chain *chain, const mukca_dataset *data,
-                              const mukca_dataset *test, const mukca_fit_options *options,
-                              mukca_error *error);
+                              const mukca_cross_validation *held, const mukca_dataset *data,
+                              const mukca_fit_options *options, mukca_error *error);
 
 #endif

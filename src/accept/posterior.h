@@ -1,0 +1,55 @@
+/* An arm's geometry and effects: their posterior given samples, for acceptance, for the advice
+ * while recording and for calibrate --evidence.
+ *
+ * It is the regression of the diagnosis with Student's noise, one sample for each posture, and
+ * priors of noise and geometry that few samples leave as they are. */
+#ifndef MUKCA_ACCEPT_POSTERIOR_H
+#define MUKCA_ACCEPT_POSTERIOR_H
+
+#include "arm/tip_change.h"
+#include "diagnose/regression.h"
+
+typedef struct {
+    const mukca_tip_change_task *task;
+    mukca_chain chain; /* without the frame of the measurement before it */
+    const double *to;  /* theta of the table, for this chain */
+    mukca_dataset data;
+    mukca_regression m;    /* at the posterior mean, with the factor of its precision */
+    double *weight;        /* [n_rows] of Student's noise */
+    double (*residual)[3]; /* [n_rows] of the samples, m */
+    bool *outlier;         /* [n_rows] beyond the noise */
+    int postures;          /* different ones */
+    int gross;             /* samples beyond any arm and noise */
+    double worst_m;        /* largest error of a sample */
+    mukca_pool pool;
+} mukca_arm_posterior;
+
+/* Fit from the nominal arm, with the effects of the task's table (NULL: none), whose sizes are
+ * nearly free: the evidence named them.  The frames of poses are unknown, for each log and target.
+ * Recordings of more than 5000 rows are thinned.  Free it also after an error.  Errors:
+ * MUKCA_MEMORY. */
+mukca_status mukca_arm_posterior_fit(mukca_arm_posterior *p, const mukca_tip_change_task *task,
+                                     mukca_error *error);
+void mukca_arm_posterior_free(mukca_arm_posterior *p);
+
+/* Add n effects of at most three times these coefficients, and fit again; *evidence: their log
+ * Bayes factor. */
+mukca_status mukca_arm_posterior_extend(double *evidence, mukca_arm_posterior *p,
+                                        const mukca_effect *effects, int n, mukca_error *error);
+
+/* Whether the residuals are those of a tip that turns about the axis of a joint whose angles do not
+ * change. */
+bool mukca_arm_posterior_turns(const mukca_arm_posterior *p, int joint);
+
+/* Columns of base (six) and tool. */
+enum { MUKCA_RIGID = 9 };
+
+/* Rows X[3 n][ld] of the tip in postures q[n][n_joints]: columns of base and tool, those of the
+ * unknowns, and minus the tip, m.  False: no memory. */
+bool mukca_arm_posterior_probe(double *X, int ld, mukca_arm_posterior *p, const double *q, int n);
+
+/* theta[6 * n_elements] := the posterior mean given samples of sockets.  Errors: MUKCA_MEMORY. */
+mukca_status mukca_arm_posterior_theta(double *theta, const mukca_chain *chain,
+                                       const mukca_dataset *data, mukca_error *error);
+
+#endif

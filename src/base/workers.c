@@ -1,0 +1,95 @@
+/* Fixed pool of threads for the independent blocks of a loop. */
+#include "base/workers.h"
+
+#include <pthread.h>
+#include <stdbool.h>
+#include <stdlib.h>
+
+struct mukca_workers {
+    pthread_mutex_t lock; /* of all members below */
+    pthread_cond_t work, done;
+    mukca_block_fn *run;
+    void *context;
+    int blocks, next, open; /* of the loop: all, the first that nobody has taken, unfinished */
+    bool stop;
+    int n; /* threads, without the caller's */
+    struct {
+        pthread_t thread;
+        mukca_workers *pool;
+    } worker[MUKCA_MOST_WORKERS];
+};
+
+/* Take and run blocks until none is left; called and left with the lock. */
+static void run_blocks(mukca_workers *w, int worker)
+{
+    while (w->next < w->blocks) {
+        const int block = w->next++;
+        pthread_mutex_unlock(&w->lock);
+        w->run(w->context, block, worker);
+        pthread_mutex_lock(&w->lock);
+        if (--w->open == 0) pthread_cond_signal(&w->done);
+    }
+}
+
+static void *work(void *own)
+{
+    mukca_workers *w = *(mukca_workers **)own;
+    pthread_mutex_lock(&w->lock);
+    int worker = 1;
+    while ((void *)&w->worker[worker].pool != own) worker++;
+    while (!w->stop) {
+        run_blocks(w, worker);
+        if (!w->stop) pthread_cond_wait(&w->work, &w->lock);
+    }
+    pthread_mutex_unlock(&w->lock);
+    return NULL;
+}
+
+mukca_workers *mukca_workers_start(int n)
+{
+    mukca_workers *w = n > 1 ? calloc(1, sizeof *w) : NULL;
+    if (!w) return NULL;
+    if (n > MUKCA_MOST_WORKERS) n = MUKCA_MOST_WORKERS;
+    pthread_mutex_init(&w->lock, NULL);
+    pthread_cond_init(&w->work, NULL);
+    pthread_cond_init(&w->done, NULL);
+    for (int k = 1; k < n && w->n == k - 1; k++) {
+        w->worker[k].pool = w;
+        w->n += pthread_create(&w->worker[k].thread, NULL, work, &w->worker[k].pool) == 0;
+    }
+    return w;
+}
+
+void mukca_workers_stop(mukca_workers *w)
+{
+    if (!w) return;
+    pthread_mutex_lock(&w->lock);
+    w->stop = true;
+    pthread_cond_broadcast(&w->work);
+    pthread_mutex_unlock(&w->lock);
+    for (int k = 1; k <= w->n; k++) pthread_join(w->worker[k].thread, NULL);
+    pthread_cond_destroy(&w->done);
+    pthread_cond_destroy(&w->work);
+    pthread_mutex_destroy(&w->lock);
+    free(w);
+}
+
+int mukca_workers_count(const mukca_workers *w)
+{
+    return w ? 1 + w->n : 1;
+}
+
+void mukca_workers_run(mukca_workers *w, int blocks, mukca_block_fn *run, void *context)
+{
+    if (!w || blocks < 2) {
+        for (int block = 0; block < blocks; block++) run(context, block, 0);
+        return;
+    }
+    pthread_mutex_lock(&w->lock);
+    w->run = run, w->context = context;
+    w->next = 0, w->blocks = w->open = blocks;
+    pthread_cond_broadcast(&w->work);
+    run_blocks(w, 0);
+    while (w->open) pthread_cond_wait(&w->done, &w->lock);
+    pthread_mutex_unlock(&w->lock);
+}

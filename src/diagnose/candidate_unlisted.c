@@ -1,0 +1,147 @@
+/* Causes outside the catalogue as candidates: every function at every place. */
+#include <math.h>
+
+#include "diagnose/candidates.h"
+
+enum {
+    MOST_SLIPS = 64, /* slips tried per joint: half a step off, a slip in mid-recording loses at
+                        most 3 % of its evidence */
+    SLIP_ROWS = 3    /* before and after it: else a few outliers */
+};
+
+/* Least range of a joint, rad or m: a smaller one shows no function of its angle. */
+#define LEAST_RANGE 0.1
+
+#define COUNT(array) ((int)(sizeof(array) / sizeof *(array)))
+
+typedef struct {
+    mukca_candidates *all;
+    const mukca_unknowns *unknowns;
+    const mukca_unlisted_function *function;
+} lister;
+
+/* Append a function with each of its measures or placements. */
+static void append_variants(const lister *l, mukca_candidate h)
+{
+    static const double widths[] = {0.03, 0.06, 0.12, 0.25, 0.5, 1}; /* rad */
+    static const double time_constants[] = {300, 1000, 3000};        /* s, as of joint_drift */
+    const mukca_recording *r = l->all->recording;
+    const int rows = r->data->n_rows, placements = r->data->n_placements, *socket = r->data->socket;
+    const double range = l->all->survey.joint[h.joint < 0 ? 0 : h.joint].range;
+    const mukca_argument argument = l->function->argument;
+    if (l->function->shape == MUKCA_SHAPE_BUMPS && argument == MUKCA_ARGUMENT_ANGLE) {
+        for (int i = 0; l->all->survey.joint[h.joint].turns && i < COUNT(widths); i++) {
+            h.unlisted.measure = widths[i];
+            if (widths[i] <= 0.6 * range && ceil(range / widths[i]) + 1 <= MUKCA_MAX_COLUMNS)
+                mukca_candidates_append(l->all, h);
+        }
+    } else if (l->function->shape == MUKCA_SHAPE_STEP) {
+        /* in the last socket, it is equivalent to a moved socket: tool_motion */
+        int end = rows - SLIP_ROWS;
+        while (end > 0 && socket[end - 1] >= 0 && socket[end - 1] == socket[rows - 1]) end--;
+        for (int row = SLIP_ROWS; row < end; row += rows / MOST_SLIPS + 1) {
+            h.unlisted.measure = row;
+            mukca_candidates_append(l->all, h);
+        }
+    } else if (l->function->shape == MUKCA_SHAPE_SATURATING) {
+        for (int i = 0; i < COUNT(time_constants); i++) {
+            h.unlisted.measure = time_constants[i];
+            mukca_candidates_append(l->all, h);
+        }
+    } else if (argument == MUKCA_ARGUMENT_PLACEMENT || argument == MUKCA_ARGUMENT_PAYLOAD) {
+        h.placement = argument == MUKCA_ARGUMENT_PAYLOAD ? -1 : 0;
+        for (; h.placement < (placements > 1 ? placements : 0); h.placement++)
+            mukca_candidates_append(l->all, h);
+    } else {
+        mukca_candidates_append(l->all, h);
+    }
+}
+
+/* Has the recording what the function at this place needs? */
+static bool is_testable(const lister *l, const mukca_candidate *h)
+{
+    const mukca_recording *r = l->all->recording;
+    const mukca_unknowns *u = l->unknowns;
+    const mukca_argument argument = l->function->argument;
+    if (h->unlisted.place == MUKCA_PLACE_TURN && h->unlisted.slot + 1 == u->n_slots &&
+        u->slot_width < 6)
+        return false;
+    if (argument == MUKCA_ARGUMENT_MOMENT) return r->have_moments;
+    if (argument == MUKCA_ARGUMENT_PAYLOAD) return r->have_torques && r->n_bodies;
+    if (argument == MUKCA_ARGUMENT_ROW) /* a slip of the first joint is a moved socket */
+        return u->slot_element[0] <= r->chain->joint_element[h->joint];
+    if ((argument == MUKCA_ARGUMENT_TORQUE || l->function->shape == MUKCA_SHAPE_RUBBING) &&
+        !r->have_torques)
+        return false;
+    return argument == MUKCA_ARGUMENT_TILT || h->unlisted.argument < 0 ||
+           l->all->survey.joint[h->unlisted.argument].range >= LEAST_RANGE;
+}
+
+/* Append a function at a place, with each of its arguments. */
+static void append_arguments(const lister *l, mukca_candidate h)
+{
+    const int n = l->all->recording->chain->n_joints;
+    const bool others = l->function->joints != MUKCA_OF_ITSELF;
+    if (l->function->argument == MUKCA_ARGUMENT_TIME || l->function->argument == MUKCA_ARGUMENT_ROW)
+        h.unlisted.argument = -1;
+    for (int k = 0; k < (others ? n : 1); k++) {
+        if (others) h.unlisted.argument = k;
+        if (l->function->joints == MUKCA_OF_OTHERS && k == h.joint) continue;
+        if (is_testable(l, &h)) append_variants(l, h);
+    }
+}
+
+/* Append a function at each joint, frame or axis of a place. */
+static void append_at(const lister *l, mukca_candidate h)
+{
+    const mukca_recording *r = l->all->recording;
+    const int n = r->chain->n_joints;
+    switch (h.unlisted.place) {
+        case MUKCA_PLACE_ANGLE:
+            for (int j = 0; j < n; j++) {
+                h.joint = h.unlisted.argument = j;
+                append_arguments(l, h);
+            }
+            break;
+        case MUKCA_PLACE_SHIFT:
+        case MUKCA_PLACE_TURN:
+            for (int slot = 0; slot < l->unknowns->n_slots; slot++) {
+                const int joint = r->chain->element[l->unknowns->slot_element[slot]].joint;
+                h.unlisted.slot = slot;
+                h.joint = h.unlisted.argument = joint < 0 ? n - 1 : joint;
+                append_arguments(l, h);
+            }
+            break;
+        case MUKCA_PLACE_SOCKET:
+        case MUKCA_PLACE_TOOL:
+            h.joint = n - 1;
+            for (int axis = 0; axis < 3; axis++) {
+                h.unlisted.argument = axis;
+                append_arguments(l, h);
+            }
+            break;
+        case MUKCA_PLACE_DISTANCE:
+            for (int p = 0; p < r->n_pairs; p++) {
+                h.placement = r->groups[r->pairs[p].a].placement;
+                mukca_candidates_append(l->all, h);
+            }
+            break;
+        default:
+            append_arguments(l, h);
+    }
+}
+
+void mukca_candidates_append_unlisted(mukca_candidates *all, const mukca_unknowns *unknowns)
+{
+    for (int f = 0; f < MUKCA_UNLISTED_FUNCTIONS; f++)
+        for (int place = 0; place < MUKCA_PLACES; place++) {
+            const lister l = {all, unknowns, &mukca_unlisted_functions[f]};
+            if (l.function->places >> place & 1)
+                append_at(&l, (mukca_candidate){.kind = MUKCA_CANDIDATE_UNLISTED,
+                                                .joint = -1,
+                                                .placement = -1,
+                                                .unlisted = {.function = f,
+                                                             .place = (mukca_unlisted_place)place,
+                                                             .argument = -1}});
+        }
+}
