@@ -182,7 +182,7 @@ static int take(mukca_finding_group *out, unsigned char *taken, const groups *al
     int n = 0;
     for (int i = 0; i < all->n && n < MUKCA_MOST_FINDINGS; i++) {
         const mukca_finding_group *g = &all->list[i].group;
-        bool is_free = g->probability >= least && !(stable > 0 && !(g->halves >= stable));
+        bool is_free = g->probability >= least && !(stable > 0 && !(g->halves > stable));
         for (int l = 0; l < p->n_labels && is_free; l++)
             is_free = !taken[l] || !mukca_finding_holds(g, &p->label[l]);
         if (!is_free) continue;

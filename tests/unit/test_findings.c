@@ -155,7 +155,7 @@ TEST(thresholds)
     static const struct {
         double whole, half;
         int findings, others;
-    } cases[] = {{0.951, 0.701, 1, 0}, {0.949, 0.701, 0, 1}, {0.951, 0.699, 0, 1},
+    } cases[] = {{0.951, 0.501, 1, 0}, {0.949, 0.501, 0, 1}, {0.951, 0.499, 0, 1},
                  {0.501, 0.501, 0, 1}, {0.501, 0.301, 0, 0}, {0.499, 0.999, 0, 0}};
     const int cause = label(LOAD, COMPLIANCE, 2, 0);
     for (int i = 0; i < 6; i++) {
