@@ -51,7 +51,8 @@ static mukca_status take_postures(mukca_arm_posterior *p, mukca_error *error)
         for (k = *latest; k >= 0 && !same_group(d, k, row);) k = before[k];
         if (k >= 0) {
             add_to_mean(d->q + k * n, d->q + row * n, n, ++count[k]);
-            if (d->socket[row] < 0) add_to_mean(d->position + 3 * (size_t)k, position, 3, count[k]);
+            if (d->socket[row] < 0 && position)
+                add_to_mean(d->position + 3 * (size_t)k, position, 3, count[k]);
             continue;
         }
         keep[row] = 1;
@@ -179,12 +180,12 @@ mukca_status mukca_arm_posterior_extend(double *evidence, mukca_arm_posterior *p
     mukca_unknowns *u = &p->m.unknowns;
     const int first = u->n_causes;
     const double without = mukca_regression_factor(&p->m);
-    double scale[MUKCA_MAX_ACCEPTED], best = -HUGE_VAL, chosen = 1;
+    double scale[MUKCA_MAX_ACCEPTED], best = -HUGE_VAL, chosen = 1, part = 1;
     for (int i = 0; i < n; i++)
         if (!add_effect(p, &effects[i], 0)) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     for (int c = first; c < u->n_causes; c++) scale[c] = u->cause[c].scale;
     mukca_regression_linearise(&p->m);
-    for (double part = 1; part > 0.02; part /= 2) { /* of all sizes together */
+    for (int step = 0; step < 6; step++, part /= 2) { /* part of all sizes together */
         for (int c = first; c < u->n_causes; c++) u->cause[c].scale = part * scale[c];
         const double value = mukca_regression_factor(&p->m);
         if (value > best) best = value, chosen = part;

@@ -324,7 +324,8 @@ mukca_status cli_check_moving(cli_call *call, const mukca_dataset *d, bool postu
             if (d->socket[i] != s) continue;
             if (rows++ == 0) first = i;
             const double *q = d->q + (size_t)i * n, *p = d->q + (size_t)first * n;
-            same &= postures ? posture[i] == posture[first] : memcmp(q, p, n * sizeof *q) == 0;
+            same &= postures && posture ? posture[i] == posture[first]
+                                        : memcmp(q, p, n * sizeof *q) == 0;
         }
         if (!same || rows < 3) continue;
         if (s >= 0)

@@ -171,7 +171,7 @@ static json_t *unknowns_json(const cli_recalibrated *r)
                         KEY("unit", mukca_unknown_is_angle(f->found.unknown[u].kind) ? "rad" : "m"),
                         KEY("sigma", f->found.sigma[u]),
                         KEY("identifiable", (bool)(f->found.identifiable[u] &&
-                                                   !(zero && never_moved(r, e->joint)))));
+                                                   !(zero && e && never_moved(r, e->joint)))));
     }
     return array;
 }

@@ -191,6 +191,7 @@ typedef struct {
     mukca_verdict verdict;
     const char *why; /* reason if `untestable`, else NULL */
     bool unexplained;
+    bool turned_efforts;     /* without masses: the efforts' sign is opposite, and was turned */
     double structure;        /* largest log Bayes factor of an unknown function; -HUGE_VAL: none */
     double caused_m;         /* rms displacement by all causes */
     int n_findings, n_maybe; /* the largest first */
@@ -223,7 +224,6 @@ typedef struct {
     double sigma_rotation_rad;  /* of measured orientations */
     double efforts_correlation; /* cosine of measured and modelled holding torques; NaN: none */
     double score;               /* log posterior of the most probable causes, up to a constant */
-    bool turned_efforts;        /* without masses: the efforts' sign is opposite, and was turned */
     mukca_geometry geometry;    /* fitted with the causes */
     mukca_frame tracker;        /* pose logs: T_measured_base, of the first log */
     mukca_logs logs;

@@ -113,6 +113,7 @@ static void add_means(splitter *s, double *ones, const double *rows, int sample,
 /* Products of the marked samples (NULL: all), and of their means. */
 static void multiply(splitter *s, double *gram, double *ones, const unsigned char *in)
 {
+    /* NOLINTNEXTLINE(clang-analyzer-core.NullDereference): every worker has the search */
     const mukca_samples *samples = &s->id->m->recording.samples;
     const int d = samples->dim, groups = samples->n_blocks;
     const size_t width = (size_t)s->width;

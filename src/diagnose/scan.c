@@ -178,6 +178,7 @@ static void score_batch(void *context, int block, int worker)
     }
 }
 
+/* NOLINTNEXTLINE(readability-non-const-parameter): written by the workers */
 void mukca_scan_score(double *value, double *information, mukca_scan *s,
                       const mukca_candidate *list, const unsigned char *skip, int n)
 {

@@ -251,7 +251,7 @@ mukca_status mukca_scan_run(mukca_scan *s, bool orders, mukca_error *error)
 bool mukca_scan_orders(double *value, mukca_scan *s, const mukca_effect *effect)
 {
     const mukca_recording *r = &s->m->recording;
-    double information;
+    double information = 0;
     mukca_candidate h = mukca_candidate_of(effect);
     h.effect.variant.order = 2;
     if (!mukca_candidate_prepare(&h, &s->m->pool, r)) return false;

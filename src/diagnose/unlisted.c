@@ -219,7 +219,7 @@ static void evaluate(double *value, int n, const mukca_candidate *h, const mukca
 {
     const mukca_joint_state state = mukca_recording_state(r, row);
     const mukca_unlisted_function *f = &mukca_unlisted_functions[h->unlisted.function];
-    double x[3], T[POWERS + 1], joint[PRODUCT_DEGREE + 1];
+    double x[3] = {0}, T[POWERS + 1] = {0}, joint[PRODUCT_DEGREE + 1] = {0};
     find_argument(x, h, r, row);
     switch (f->shape) {
         case MUKCA_SHAPE_LINEAR:
@@ -279,7 +279,7 @@ void mukca_unlisted_fill(const mukca_candidate *h, const mukca_recording *r)
     survey s;
     survey_rows(&s, h, r);
     for (int row = 0; row < r->data->n_rows; row++) {
-        double value[MUKCA_MAX_COLUMNS];
+        double value[MUKCA_MAX_COLUMNS] = {0};
         evaluate(value, h->terms / axes, h, r, row, &s);
         for (int t = 0; t < h->terms; t++)
             for (int i = 0; i < width; i++)

@@ -144,9 +144,11 @@ void mukca_grouped_solve(mukca_grouped *g)
     const double precision = 1 / (g->noise * g->noise);
     int artefacts = 0;
     mukca_posterior_start(&g->posterior, g->gram, g->size - 1, g->size, precision);
-    for (int k = 0; k < 3 * g->n_groups; k++)
-        if (g->count[k / 3] > 0)
-            mukca_posterior_add(&g->posterior, g->sum + k * g->size, -precision / g->count[k / 3]);
+    for (int k = 0; k < 3 * g->n_groups; k++) {
+        const int group = k / 3;
+        if (g->count[group] > 0)
+            mukca_posterior_add(&g->posterior, g->sum + k * g->size, -precision / g->count[group]);
+    }
     for (int k = 0; k < g->n_pairs; k++)
         if (g->pair[k].artefact >= artefacts) artefacts = g->pair[k].artefact + 1;
     for (int a = 0; a < artefacts; a++) add_artefact(g, a);

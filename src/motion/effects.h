@@ -57,6 +57,7 @@ typedef enum {
 /* Columns of an effect at a joint: `n` raw columns from `raw` on, `n` further ones for each further
  * variant, each over its own scale if there are several; n = 0: of `rigid`, MUKCA_RIGID_...; -1:
  * the joint's model torque, -2: the time derivative of its torque. */
+/* NOLINTNEXTLINE(clang-analyzer-optin.performance.Padding): the order of the table's rows */
 typedef struct {
     const char *name;  /* in JSON; NULL: unknown function */
     const char *title; /* for people */

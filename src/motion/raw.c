@@ -105,7 +105,8 @@ void mukca_raw_interpolate(double value[MUKCA_SHIFTS], double slope[MUKCA_SHIFTS
         value[k] = 1, slope[k] = 0;
         for (int i = 0; i < MUKCA_SHIFTS; i++) {
             if (i == k) continue;
-            const double u = (x - (i - MUKCA_SHIFTS / 2)) / (k - i);
+            const int shift = i - MUKCA_SHIFTS / 2;
+            const double u = (x - shift) / (k - i);
             slope[k] = slope[k] * u + value[k] / (k - i);
             value[k] *= u;
         }

@@ -253,7 +253,7 @@ bool mukca_torques_measure_noise(mukca_torques *t, const mukca_torque_set *set)
     mukca_pool pool = {0};
     const mukca_torque_columns c = mukca_torque_columns_of(&pool, t, set);
     const int w = c.n, n = w - 1;
-    const size_t square = (size_t)(w * w);
+    const size_t square = (size_t)w * (size_t)w;
     double *G = MUKCA_TAKE(&pool, double, w *w), *L = MUKCA_TAKE(&pool, double, w *w),
            *S = MUKCA_TAKE(&pool, double, w *w), *W = MUKCA_TAKE(&pool, double, w *w),
            *scratch = MUKCA_TAKE(&pool, double, w *w), *x = MUKCA_TAKE(&pool, double, w);
