@@ -208,7 +208,7 @@ static mukca_status print(cli_call *call)
 
 /* ---- JSON and table ---- */
 
-static json_t *interval(const mukca_measure *m)
+static json_t *interval(const mukca_estimate *m)
 {
     return isfinite(m->value) ? cli_json_interval(m->low, m->high) : NULL;
 }

@@ -132,7 +132,6 @@ static void add_ties(mukca_cause *out, const mukca_finding *f)
     }
     out->probability = fmin(out->probability, fmin(own_probability, f->group.probability));
     memcpy(out->order_range, f->order, sizeof f->order);
-    out->or_unknown = f->outside > MUKCA_DOUBT;
     for (int a = 0; a < f->n_alternatives && out->n_ties < MUKCA_MAX_TIES; a++) {
         const mukca_effect *e = &f->alternatives[a].effect;
         const bool same = e->kind == out->effect.kind && e->joint == out->effect.joint &&
@@ -146,6 +145,9 @@ static void add_ties(mukca_cause *out, const mukca_finding *f)
                 log(fmax(f->alternatives[a].probability, 1e-6) / fmax(own_probability, 1e-6)),
             .rival = *e};
     }
+    /* what its name lacks of the finding's probability, and no other name has, is outside */
+    out->or_unknown = f->outside > MUKCA_DOUBT ||
+                      (!out->n_ties && f->group.probability - out->probability > MUKCA_DOUBT);
 }
 
 void mukca_cause_describe(mukca_cause *out, mukca_search *id, const mukca_causes *best, int member)

@@ -52,8 +52,8 @@ static const char *find_missing(mukca_diagnosis *d, const mukca_recording *r)
     return why;
 }
 
-/* Keep the geometry and the named causes for evaluation and output: an unknown function fits these
- * samples, but does not predict others. */
+/* Keep the geometry, the causes and the findings' members for evaluation and output: an unknown
+ * function fits these samples, but does not predict others. */
 static void keep_named(mukca_regression *m, const mukca_diagnosis *d)
 {
     bool keep[MUKCA_MAX_ACCEPTED] = {false};
@@ -61,6 +61,10 @@ static void keep_named(mukca_regression *m, const mukca_diagnosis *d)
     for (int i = 0; i < d->n_causes; i++) {
         const int c = mukca_cause_find(m, &d->causes[i]);
         if (c >= 0) keep[c] = true;
+    }
+    for (int i = 0; i < d->n_suspected; i++) {
+        const int c = mukca_cause_find(m, &d->suspected[i]);
+        if (c >= 0) keep[c] |= d->suspected[i].applied;
     }
     for (int c = n - 1; c >= 0; c--)
         if (!keep[c] && !mukca_candidate_is_fault(&m->unknowns.cause[c].candidate))
@@ -103,7 +107,6 @@ static mukca_status identify(mukca_diagnosis *d, mukca_regression *m,
     d->sigma_m = m->unknowns.sigma;
     d->rho = family->rho;
     d->shared = family->shared;
-    d->sigma_rotation_rad = d->sigma_m / m->unknowns.rotation_weight;
     if (status == MUKCA_OK && d->sigma_m < MUKCA_MOST_SIGMA) {
         mukca_verdict_reach(d, id);
         mukca_untested_list(d, id);

@@ -8,6 +8,7 @@
 
 #include "base/pool.h"
 #include "infer/findings.h"
+#include "infer/gaussians.h"
 #include "model/dataset.h"
 #include "mukca/effect.h"
 
@@ -74,7 +75,8 @@ typedef struct {
     double sigma[MUKCA_MAX_TERMS]; /* of the coefficients */
     double log_bayes_factor;
     double probability;
-    bool suspected;     /* less probable than not */
+    bool suspected;     /* less probable than not, and nothing else is in its place */
+    bool applied;       /* member of a finding */
     int order_range[2]; /* gear_harmonic: 95 % interval of the order */
     int n_ties;
     mukca_tie ties[MUKCA_MAX_TIES];
@@ -83,11 +85,6 @@ typedef struct {
 } mukca_cause;
 
 enum { MUKCA_MAX_ALTERNATIVES = 8 };
-
-/* A value with its 95 % interval; NaN: none. */
-typedef struct {
-    double value, low, high;
-} mukca_estimate;
 
 /* A member of a finding. */
 typedef struct {
@@ -221,7 +218,6 @@ typedef struct {
     int n_test_placements;
     double sigma_m, rho;
     double shared; /* share of the variance that the readings of a posture have in common */
-    double sigma_rotation_rad;  /* of measured orientations */
     double efforts_correlation; /* cosine of measured and modelled holding torques; NaN: none */
     double score;               /* log posterior of the most probable causes, up to a constant */
     mukca_geometry geometry;    /* fitted with the causes */

@@ -35,16 +35,6 @@ typedef struct {
     double mean[MUKCA_SET_COLUMNS], *V, *G, *product; /* [columns][columns] */
 } measured;
 
-static mukca_estimate estimate(const mukca_gaussians *m, double scale, bool positive)
-{
-    double total = 0, mean = 0;
-    if (m->n == 0) return (mukca_estimate){NAN, NAN, NAN};
-    for (int i = 0; i < m->n; i++) total += m->weight[i], mean += m->weight[i] * m->mean[i];
-    const double low = mukca_gaussians_quantile(m, 0.025);
-    return (mukca_estimate){scale * mean / total, scale * (positive ? fmax(low, 0) : low),
-                            scale * mukca_gaussians_quantile(m, 0.975)};
-}
-
 /* Means, covariance and plain products of a set's columns. */
 static bool take_set(measured *w, const mukca_set *set, double *scratch)
 {
@@ -203,26 +193,6 @@ static mukca_alternative alternative_of(const measured *w, int label, int item, 
     return out;
 }
 
-/* 95 % interval of the orders of a group. */
-static void find_orders(mukca_finding *f, const measured *w, const double *probability)
-{
-    const mukca_labelled_sets *p = &w->in->posterior;
-    double total = 0, below = 0;
-    const bool ordered = f->group.effect >= 0 && f->group.from == f->group.to &&
-                         mukca_effect_has(f->group.effect, MUKCA_TRAIT_ORDERS);
-    for (int l = 0; l < p->n_labels && ordered; l++)
-        if (mukca_finding_holds(&f->group, &p->label[l])) total += probability[l];
-    for (int o = 2; o <= MUKCA_LAST_ORDER && total > 0; o++) {
-        double here = 0;
-        for (int l = 0; l < p->n_labels; l++)
-            if (p->label[l].detail == o && mukca_finding_holds(&f->group, &p->label[l]))
-                here += probability[l];
-        if (below <= 0.025 * total && below + here > 0.025 * total) f->order[0] = o;
-        if (below < 0.975 * total && below + here >= 0.975 * total) f->order[1] = o;
-        below += here;
-    }
-}
-
 /* ---- all groups ---- */
 
 typedef struct {
@@ -255,7 +225,7 @@ static void describe(mukca_finding *f, const measured *w, const tables *t)
             all[n].probability = fmin(all[n].probability, mukca_finding_probability(&alone, p));
             mukca_effect *e = &all[n].effect;
             const mukca_effect_info *info = mukca_effect_table[e->kind];
-            all[n].amplitude = estimate(&t->amplitude[l], 1, info->nonnegative);
+            all[n].amplitude = mukca_gaussians_estimate(&t->amplitude[l], 1, info->nonnegative);
             e->terms = mukca_effect_terms(e);
             for (int c = 0; c < e->terms; c++)
                 e->coefficient[c] = all[n].amplitude.value / sqrt(e->terms);
@@ -267,7 +237,9 @@ static void describe(mukca_finding *f, const measured *w, const tables *t)
     memcpy(f->alternatives, all, sizeof *all * (size_t)f->n_alternatives);
     f->outside = outside + inside > 0 ? outside / (outside + inside) : 0;
     f->share = mukca_finding_share(&f->group, p);
-    find_orders(f, w, t->probability);
+    if (f->group.effect >= 0 && f->group.from == f->group.to &&
+        mukca_effect_has(f->group.effect, MUKCA_TRAIT_ORDERS))
+        mukca_finding_details(f->order, &f->group, p, t->probability);
 }
 
 /* Item whose column is the group's quantity: of its most probable effect, if that has one
@@ -371,14 +343,14 @@ bool mukca_findings_measure(mukca_diagnosis *d, mukca_search *id, const mukca_la
         if (ok) add_all(&w, &t, d, p->set[s].weight);
     }
     const double scale = id->m->unknowns.sigma / sqrt(id->m->recording.n_samples);
-    if (ok) d->caused_m = all ? estimate(&t.size[all], scale, true).value : 0;
+    if (ok) d->caused_m = all ? mukca_gaussians_estimate(&t.size[all], scale, true).value : 0;
     for (int i = 0; i < all && ok; i++) {
         mukca_finding *f = finding_at(d, i);
         describe(f, &w, &t);
-        f->size_m = estimate(&t.size[i], scale, true);
+        f->size_m = mukca_gaussians_estimate(&t.size[i], scale, true);
         f->coefficient = (mukca_estimate){NAN, NAN, NAN};
         if (t.weight[i] > 0 && t.fit[i] > ONE_QUANTITY * t.weight[i])
-            f->coefficient = estimate(&t.coefficient[i], 1, false);
+            f->coefficient = mukca_gaussians_estimate(&t.coefficient[i], 1, false);
         const int item = quantity_of(f, &w, &t);
         if (item >= 0) f->quantity = mukca_candidate_effect(&id->all.list[id->kept[item]]);
     }

@@ -14,12 +14,6 @@
 
 enum { MOST_SETS = 400 };
 
-static bool same_label(const mukca_label *a, const mukca_label *b)
-{
-    return a->family == b->family && a->effect == b->effect && a->from == b->from &&
-           a->to == b->to && a->detail == b->detail && a->apart == b->apart;
-}
-
 /* Number the labels of the items of the last search; label_of[n_kept], -1: outlier. */
 static int number_labels(mukca_label *label, int *label_of, const mukca_search *id)
 {
@@ -29,11 +23,7 @@ static int number_labels(mukca_label *label, int *label_of, const mukca_search *
         label_of[i] = -1;
         if (mukca_candidate_class(h) == MUKCA_CLASS_OUTLIER) continue;
         const mukca_label l = mukca_candidate_label(h, &id->m->recording, &id->m->unknowns);
-        int k = 0;
-        while (k < n && !same_label(&label[k], &l)) k++;
-        label[k] = l;
-        label_of[i] = k;
-        n += k == n;
+        label_of[i] = mukca_label_number(label, &n, &l);
     }
     return n;
 }

@@ -173,14 +173,16 @@ static void list_causes(mukca_diagnosis *d, mukca_search *id, const mukca_causes
         if (class >= MUKCA_EFFECT_COUNT || d->n_causes == MUKCA_MAX_CAUSES) continue;
         mukca_cause_describe(cause, id, best, c);
         const mukca_label l = mukca_candidate_label(h, &id->m->recording, u);
-        bool found = false; /* of the alternatives of a finding, that of this set is applied */
+        cause->applied = false; /* of the alternatives of a finding, that of this set is */
         for (int f = 0; f < d->n_findings; f++)
-            found |= mukca_finding_holds(&d->findings[f].group, &l);
-        if (!found && cause->probability < MUKCA_SUSPECTED) continue;
+            cause->applied |= mukca_finding_holds(&d->findings[f].group, &l);
+        if (!cause->applied && cause->probability < MUKCA_SUSPECTED) continue;
         /* other causes may turn a sign that physics excludes */
         if (mukca_effect_table[class]->nonnegative && !(cause->amplitude > 0)) continue;
         d->n_causes++;
-        cause->suspected = !found && cause->probability < MUKCA_LISTED;
+        const bool rivalled =
+            cause->n_ties || (cause->or_unknown && cause->probability >= MUKCA_SUSPECTED);
+        cause->suspected = cause->probability < MUKCA_LISTED && !(cause->applied && rivalled);
         if (!cause->suspected && mukca_effect_table[class]->site == MUKCA_SITE_SOCKET)
             mukca_screening_add(d, &id->m->recording, MUKCA_FAULT_TOOL_MOTION, h->fault.first,
                                 cause->amplitude);

@@ -302,7 +302,7 @@ typedef struct {
 
 /* The prior combines the uncertainty of the mean, averaged over the sets of nonzero ones, and the
  * scatter, widened for the small number of sisters (Student's t).  Of the coefficient `departing`
- * (-1: none) the sisters say nothing. */
+ * (n: none) the sisters say nothing. */
 static bool compare_with_sisters(comparison *c, const mukca_fleet *f, int arm, int departing)
 {
     const mukca_population *p = c->sisters;
@@ -364,7 +364,7 @@ static bool find_departures(mukca_fleet *f)
         if (pool->failed) return false;
         if (f->n_arms < 3) continue; /* of two arms, either may depart */
         if (f->n_arms <= REFITS && !fit_population(sisters, f, a, true)) return false;
-        if (!sisters->n || !compare_with_sisters(c, f, a, -1)) continue;
+        if (!sisters->n || !compare_with_sisters(c, f, a, n)) continue;
         for (int k = 0; k < n; k++) {
             const mukca_equations one = {&c->W[k * n + k], &c->r[k], 1, FREEDOM, FREEDOM};
             odds[k] = log_prior + mukca_mixture_evidence(NULL, &one, &departure_prior, scratch);

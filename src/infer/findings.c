@@ -35,6 +35,43 @@ bool mukca_finding_holds(const mukca_finding_group *g, const mukca_label *l)
     }
 }
 
+int mukca_label_number(mukca_label *labels, int *n, const mukca_label *label)
+{
+    int k = 0;
+    for (const mukca_label *l = labels; k < *n; l++, k++)
+        if (l->family == label->family && l->effect == label->effect && l->from == label->from &&
+            l->to == label->to && l->detail == label->detail && l->apart == label->apart)
+            return k;
+    labels[(*n)++] = *label;
+    return k;
+}
+
+/* Part of a group's probability with a detail below this one. */
+static double details_below(const mukca_finding_group *g, const mukca_labelled_sets *p,
+                            const double *probability, int detail)
+{
+    double below = 0, total = 0;
+    for (int l = 0; l < p->n_labels; l++) {
+        if (!mukca_finding_holds(g, &p->label[l])) continue;
+        total += probability[l];
+        if (p->label[l].detail < detail) below += probability[l];
+    }
+    return total > 0 ? below / total : 1;
+}
+
+void mukca_finding_details(int range[2], const mukca_finding_group *g, const mukca_labelled_sets *p,
+                           const double *probability)
+{
+    for (int l = 0; l < p->n_labels; l++) {
+        const int detail = p->label[l].detail;
+        if (!mukca_finding_holds(g, &p->label[l]) || !detail) continue;
+        const double below = details_below(g, p, probability, detail),
+                     upto = details_below(g, p, probability, detail + 1);
+        if (below <= 0.025 && upto > 0.025) range[0] = detail;
+        if (below < 0.975 && upto >= 0.975) range[1] = detail;
+    }
+}
+
 mukca_finding_group mukca_finding_alone(const mukca_label *l)
 {
     return (mukca_finding_group){.kind = l->detail ? MUKCA_GROUP_DETAIL : MUKCA_GROUP_EFFECT,

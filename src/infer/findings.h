@@ -73,11 +73,19 @@ typedef struct {
     double halves;      /* mean probability in halves of the data; NaN: too little data */
 } mukca_finding_group;
 
+/* Index of a label among those of label[*n], to which it is appended if it is new. */
+int mukca_label_number(mukca_label *labels, int *n, const mukca_label *label);
+
 /* The group of an effect at its place, with its detail. */
 mukca_finding_group mukca_finding_alone(const mukca_label *label);
 
 /* Does a group contain causes with this label? */
 bool mukca_finding_holds(const mukca_finding_group *group, const mukca_label *label);
+
+/* 95 % interval of the details of a group by the probabilities of the labels, [n_labels]; unchanged
+ * if none has a probability. */
+void mukca_finding_details(int range[2], const mukca_finding_group *group,
+                           const mukca_labelled_sets *posterior, const double *probability);
 
 /* Probability that causes of the group are present and together explain at least `least`; of an
  * effect, that they are no part of a cause outside the catalogue. */

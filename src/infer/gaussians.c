@@ -11,7 +11,7 @@ void mukca_gaussians_add(mukca_gaussians *m, double mean, double variance, doubl
     m->weight[m->n++] = weight;
 }
 
-double mukca_gaussians_quantile(const mukca_gaussians *m, double p)
+static double quantile(const mukca_gaussians *m, double p)
 {
     double low = HUGE_VAL, high = -HUGE_VAL, total = 0;
     for (int i = 0; i < m->n; i++) {
@@ -28,4 +28,14 @@ double mukca_gaussians_quantile(const mukca_gaussians *m, double p)
         *(below < p * total ? &low : &high) = middle;
     }
     return 0.5 * (low + high);
+}
+
+mukca_estimate mukca_gaussians_estimate(const mukca_gaussians *m, double scale, bool positive)
+{
+    double total = 0, mean = 0;
+    if (m->n == 0) return MUKCA_ESTIMATE_NONE;
+    for (int i = 0; i < m->n; i++) total += m->weight[i], mean += m->weight[i] * m->mean[i];
+    const double low = quantile(m, 0.025);
+    return (mukca_estimate){scale * mean / total, scale * (positive ? fmax(low, 0) : low),
+                            scale * quantile(m, 0.975)};
 }

@@ -2,6 +2,8 @@
 #ifndef MUKCA_INFER_GAUSSIANS_H
 #define MUKCA_INFER_GAUSSIANS_H
 
+#include <stdbool.h>
+
 enum { MUKCA_MOST_GAUSSIANS = 60 };
 
 typedef struct {
@@ -13,6 +15,14 @@ typedef struct {
 /* Add one, if its mean is finite and there is room. */
 void mukca_gaussians_add(mukca_gaussians *m, double mean, double variance, double weight);
 
-double mukca_gaussians_quantile(const mukca_gaussians *m, double p);
+/* A value with its 95 % interval; NaN: none. */
+typedef struct {
+    double value, low, high;
+} mukca_estimate;
+
+#define MUKCA_ESTIMATE_NONE ((mukca_estimate){NAN, NAN, NAN})
+
+/* Mean and 95 % interval of `scale` times the mixture; of a positive quantity none is below 0. */
+mukca_estimate mukca_gaussians_estimate(const mukca_gaussians *m, double scale, bool positive);
 
 #endif

@@ -5,23 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-static bool same_label(const mukca_label *a, const mukca_label *b)
-{
-    return a->family == b->family && a->effect == b->effect && a->from == b->from &&
-           a->to == b->to && a->detail == b->detail && a->apart == b->apart;
-}
-
 static void number_labels(mukca_torque_posterior *p)
 {
     const mukca_torque_search *s = p->search;
-    for (int i = 0; i < s->n_kept; i++) {
-        const mukca_label *l = &s->t->items.label[s->kept[i]];
-        int k = 0;
-        while (k < p->n_labels && !same_label(&p->label[k], l)) k++;
-        p->label[k] = *l;
-        p->label_of[i] = k;
-        p->n_labels += k == p->n_labels;
-    }
+    for (int i = 0; i < s->n_kept; i++)
+        p->label_of[i] = mukca_label_number(p->label, &p->n_labels, &s->t->items.label[s->kept[i]]);
 }
 
 /* Products of the torques of all items in the sets, joint by joint. */

@@ -155,8 +155,8 @@ static void list_parameters(lister *l)
     l->out->n_parameters = l->out->n_columns;
 }
 
-/* ---- the value: measured torque at the point's delay and gain, continued to none, minus the
- * nominal one ---- */
+/* ---- the value: measured torque at the point's delay, continued to none, minus the nominal one
+ * ---- */
 
 /* Put the time derivative of a joint's torque at its delay. */
 static void put_rate(lister *l, int joint, double weight)
@@ -165,8 +165,7 @@ static void put_rate(lister *l, int joint, double weight)
     const double step = l->model->shift * l->model->signals->dt;
     mukca_raw_interpolate(value, slope, l->point->delay[joint] / step);
     for (int k = 0; k < MUKCA_SHIFTS; k++)
-        put_local(l, joint, MUKCA_RAW_TORQUE + k,
-                  weight / (1 + l->point->gain[joint]) * slope[k] / step);
+        put_local(l, joint, MUKCA_RAW_TORQUE + k, weight * slope[k] / step);
 }
 
 static void list_value(lister *l, double *scratch)
@@ -177,9 +176,7 @@ static void list_value(lister *l, double *scratch)
         const double x = l->point->delay[j] / step;
         mukca_raw_interpolate(value, slope, x);
         for (int k = 0; k < MUKCA_SHIFTS; k++)
-            put_local(l, j, MUKCA_RAW_TORQUE + k,
-                      (value[k] - x * slope[k]) / (1 + l->point->gain[j]));
-        put_torque(l, j, l->point->gain[j]);
+            put_local(l, j, MUKCA_RAW_TORQUE + k, value[k] - x * slope[k]);
         mukca_raw_nominal(scratch, l->model, &l->input->drives, j);
         for (int r = 0; r < mukca_raw_width(l->n, j); r++) put(l, j, r, -scratch[r]);
     }

@@ -28,7 +28,6 @@ typedef struct {
 /* The point of linearisation: what is nonlinear in the coefficients. */
 typedef struct {
     double delay[MUKCA_MAX_JOINTS]; /* s */
-    double gain[MUKCA_MAX_JOINTS];  /* of the torque constants, minus 1 */
     /* raw coefficients of the arm's torque, on which a gain acts */
     double *torque[MUKCA_MAX_JOINTS];
 } mukca_motion_point;

@@ -8,6 +8,7 @@
 #define MUKCA_MOTION_MOTION_H
 
 #include "infer/findings.h"
+#include "infer/gaussians.h"
 #include "motion/effects.h"
 #include "mukca/chain.h"
 
@@ -48,31 +49,26 @@ typedef struct {
 /* Largest part of a joint's range, rms, of a torque that matters to nobody. */
 #define MUKCA_MOTION_RELEVANT 0.007
 
-/* Value and 95 % interval; NaN: none. */
-typedef struct {
-    double value, low, high;
-} mukca_measure;
-
 typedef struct {
     int effect; /* -1: outside the catalogue */
     int from, to, detail;
     bool all; /* joints alike: one gain, one delay */
     double probability;
-    mukca_measure amplitude;
+    mukca_estimate amplitude;
 } mukca_motion_alternative;
 
 enum { MUKCA_MOTION_ALTERNATIVES = 8 };
 
 typedef struct {
     mukca_finding_group group;
-    mukca_measure size_nm;      /* rms torque at the joint with the largest part of its range */
+    mukca_estimate size_nm;     /* rms torque at the joint with the largest part of its range */
     double size_percent;        /* of that joint's range */
     int worst;                  /* that joint */
     double share;               /* of what all causes explain */
     double before_nm, after_nm; /* held-out error at that joint without and with the finding */
     double outside;             /* part of its probability outside the catalogue */
     int order[2];               /* interval of the orders; 0: none */
-    mukca_measure coefficient;
+    mukca_estimate coefficient;
     int n_alternatives;
     mukca_motion_alternative alternative[MUKCA_MOTION_ALTERNATIVES];
 } mukca_motion_finding;

@@ -13,8 +13,7 @@ enum {
     TOGETHER = 300, /* columns that are scored together */
     QUICK = 12,     /* sets expanded in a pass; then in the last one */
     BUDGET = 40,
-    HALF = 6, /* in a half, where the best sets are known */
-    STARTS = 12
+    HALF = 20 /* in a half */
 };
 
 /* Log odds behind the best set of the sets that are averaged, and their part that is left out. */
@@ -79,7 +78,7 @@ static void keep(mukca_torque_search *s, ranked *alone, ranked *beside,
         if (in[i]) s->kept[s->n_kept++] = i;
 }
 
-mukca_torque_set mukca_torque_set_of(const mukca_torque_search *s, int index)
+static mukca_torque_set set_of(const mukca_torque_search *s, int index)
 {
     const mukca_set *set = &s->sets.set[index];
     mukca_torque_set out = {.n = set->n};
@@ -148,9 +147,8 @@ static double linearise(mukca_torque_search *s, const mukca_torque_set *set)
     const mukca_torque_columns c = mukca_torque_columns_of(&pool, t, set);
     double *mean = MUKCA_TAKE(&pool, double, c.n);
     bool ok = !pool.failed && mukca_torques_fit(mean, t, &c, &mukca_torques_whole);
-    for (int j = 0; j < t->n && ok; j++) {
+    for (int j = 0; j < t->n && ok; j++)
         mukca_raw_nominal(t->point.torque[j], &t->model, &t->input->drives, j);
-    }
     for (int k = 0, at = all->n_parameters; k < set->n && ok; k++) {
         const int item = set->item[k], row = all->row[item];
         const mukca_label *l = &all->label[item];
@@ -193,7 +191,7 @@ mukca_status mukca_torque_search_run(mukca_torque_search *s, mukca_pool *pool, m
         if (!ok) break;
         insert(s, &best);
         mukca_sets_explore(&s->sets, last ? BUDGET : QUICK, last);
-        const mukca_torque_set found = mukca_torque_set_of(s, s->sets.best);
+        const mukca_torque_set found = set_of(s, s->sets.best);
         if (last) break;
         mukca_pool_free(&s->pool);
         const double change = linearise(s, &found);
@@ -224,13 +222,9 @@ bool mukca_torque_search_half(mukca_torque_search *half, const mukca_torque_sear
     static const int masks[MUKCA_HALVES / 2] = {1, 2, 4, 7};
     mukca_part_weights parts = {.of = {[MUKCA_PART_REFERENCE] = 1}};
     for (int b = 0; b < MUKCA_BLOCKS; b++)
-        parts.of[b] = 2 * ((__builtin_popcount((unsigned)(b & masks[number / 2])) + number) % 2);
+        parts.of[b] = (__builtin_popcount((unsigned)(b & masks[number / 2])) + number) % 2;
     *half = (mukca_torque_search){.t = whole->t, .n_kept = whole->n_kept, .kept = whole->kept};
     bool ok = begin(half, &parts);
-    for (int i = 0; i < whole->n_sets && i < STARTS && ok; i++) {
-        const mukca_torque_set set = mukca_torque_set_of(whole, whole->set[i]);
-        insert(half, &set);
-    }
     if (ok) mukca_sets_explore(&half->sets, HALF, false);
     if (ok) average(half);
     return ok && !half->pool.failed;

@@ -24,11 +24,8 @@ mukca_status mukca_torque_search_run(mukca_torque_search *search, mukca_pool *po
                                      mukca_error *error);
 void mukca_torque_search_free(mukca_torque_search *search);
 
-/* The set as items of t->items. */
-mukca_torque_set mukca_torque_set_of(const mukca_torque_search *search, int set);
-
-/* Search the same items in one of MUKCA_HALVES halves of the blocks, each row counted twice. False:
- * no memory. */
+/* Search the same items, from nothing, in one of MUKCA_HALVES halves of the blocks. False: no
+ * memory. */
 bool mukca_torque_search_half(mukca_torque_search *half, const mukca_torque_search *whole,
                               int number);
 

@@ -9,29 +9,6 @@
 /* Least probability of an alternative. */
 #define ALTERNATIVE 0.05
 
-/* Moments of a mixture. */
-typedef struct {
-    double weight, mean, square;
-} moments;
-
-static void add(moments *m, double mean, double variance, double weight)
-{
-    if (!isfinite(mean)) return;
-    m->weight += weight;
-    m->mean += weight * mean;
-    m->square += weight * (mean * mean + variance);
-}
-
-/* `relative`: further uncertainty of the scale. */
-static mukca_measure measure(const moments *m, double relative)
-{
-    if (!(m->weight > 0)) return (mukca_measure){NAN, NAN, NAN};
-    const double mean = m->mean / m->weight,
-                 half = MUKCA_SIGMAS_95 * sqrt(fmax(m->square / m->weight - mean * mean, 0) +
-                                               relative * relative * mean * mean);
-    return (mukca_measure){mean, mean - half, mean + half};
-}
-
 typedef struct {
     const mukca_torque_posterior *p;
     double rows[MUKCA_MAX_JOINTS];
@@ -155,23 +132,6 @@ static bool amplitude_of(double *mean, double *variance, const measured *w, int 
     return row->name != NULL;
 }
 
-static void add_amplitudes(moments *label, double *probability, const measured *w,
-                           const mukca_set *set, double weight)
-{
-    const mukca_torque_search *s = w->p->search;
-    for (int m = 0; m < set->n; m++) {
-        const int of = w->p->label_of[set->item[m]], item = s->kept[set->item[m]];
-        const double unit = s->t->items.unit[item];
-        double mean, variance;
-        bool again = false;
-        for (int k = 0; k < m; k++) again |= w->p->label_of[set->item[k]] == of;
-        if (!again) probability[of] += weight;
-        if (amplitude_of(&mean, &variance, w, w->at[m], s->item[set->item[m]].terms,
-                         &mukca_torque_table[s->t->items.row[item]]))
-            add(&label[of], unit * mean, unit * unit * variance, weight);
-    }
-}
-
 /* Relative uncertainty of the scale of an effect's coefficient: all gains together are not
  * determined by a motion, as all masses may be larger with them. */
 static double scale_of(const mukca_torque_posterior *p, int effect)
@@ -181,7 +141,25 @@ static double scale_of(const mukca_torque_posterior *p, int effect)
     return p->search->t->input->current && !share ? MUKCA_CURRENT_GAIN : 0;
 }
 
-static void describe(mukca_motion_finding *f, const measured *w, const moments *label,
+static void add_amplitudes(mukca_gaussians *label, double *probability, const measured *w,
+                           const mukca_set *set, double weight)
+{
+    const mukca_torque_search *s = w->p->search;
+    for (int m = 0; m < set->n; m++) {
+        const int of = w->p->label_of[set->item[m]], item = s->kept[set->item[m]];
+        const double unit = s->t->items.unit[item], scale = scale_of(w->p, w->p->label[of].effect);
+        double mean, variance;
+        bool again = false;
+        for (int k = 0; k < m; k++) again |= w->p->label_of[set->item[k]] == of;
+        if (!again) probability[of] += weight;
+        if (amplitude_of(&mean, &variance, w, w->at[m], s->item[set->item[m]].terms,
+                         &mukca_torque_table[s->t->items.row[item]]))
+            mukca_gaussians_add(&label[of], unit * mean,
+                                unit * unit * (variance + scale * scale * mean * mean), weight);
+    }
+}
+
+static void describe(mukca_motion_finding *f, const measured *w, const mukca_gaussians *label,
                      const double *probability)
 {
     const mukca_torque_posterior *p = w->p;
@@ -199,7 +177,7 @@ static void describe(mukca_motion_finding *f, const measured *w, const moments *
                                       .detail = of->detail,
                                       .all = of->apart,
                                       .probability = fmin(probability[l], 1),
-                                      .amplitude = measure(&label[l], scale_of(p, of->effect))};
+                                      .amplitude = mukca_gaussians_estimate(&label[l], 1, false)};
         int k = f->n_alternatives < MUKCA_MOTION_ALTERNATIVES ? f->n_alternatives++ : -1;
         if (k < 0 && all[MUKCA_MOTION_ALTERNATIVES - 1].probability < a.probability)
             k = MUKCA_MOTION_ALTERNATIVES - 1;
@@ -207,19 +185,10 @@ static void describe(mukca_motion_finding *f, const measured *w, const moments *
         qsort(all, (size_t)f->n_alternatives, sizeof *all, by_probability);
     }
     f->outside = total > 0 ? outside / total : 0;
-    f->coefficient = (mukca_measure){NAN, NAN, NAN};
+    f->coefficient = MUKCA_ESTIMATE_NONE;
     if (f->group.effect >= 0 && f->n_alternatives == 1) f->coefficient = all[0].amplitude;
-    double below = 0;
-    for (int o = 1; o <= MUKCA_ORDERS && f->group.kind == MUKCA_GROUP_DETAIL; o++) {
-        double here = 0;
-        for (int l = 0; l < p->n_labels; l++)
-            if (p->label[l].detail == o && mukca_finding_holds(&f->group, &p->label[l]))
-                here += probability[l];
-        if (below <= 0.025 * total && below + here > 0.025 * total) f->order[0] = o;
-        if (below < 0.975 * total && below + here >= 0.975 * total) f->order[1] = o;
-        below += here;
-        if (f->order[0] == o || here > 0) f->order[1] = f->order[1] ? f->order[1] : o;
-    }
+    if (f->group.kind == MUKCA_GROUP_DETAIL)
+        mukca_finding_details(f->order, &f->group, &p->posterior, probability);
 }
 
 bool mukca_torque_sizes(mukca_motion *motion, mukca_pool *pool, const mukca_torque_posterior *p)
@@ -232,8 +201,8 @@ bool mukca_torque_sizes(mukca_motion *motion, mukca_pool *pool, const mukca_torq
                   .V = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *MUKCA_SET_COLUMNS),
                   .mean = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS),
                   .plain = MUKCA_TAKE(pool, int, MUKCA_SET_COLUMNS)};
-    moments size[2 * MUKCA_MOST_FINDINGS] = {{0}},
-                     *label = MUKCA_TAKE(pool, moments, p->n_labels + 1);
+    mukca_gaussians *size = MUKCA_TAKE(pool, mukca_gaussians, n + 1),
+                    *label = MUKCA_TAKE(pool, mukca_gaussians, p->n_labels + 1);
     double *probability = MUKCA_TAKE(pool, double, p->n_labels + 1),
            *scratch = MUKCA_TAKE(pool, double, s->question.stride + 1);
     for (int j = 0; j < s->t->n; j++) w.rows[j] = mukca_torques_rows(s->t, &parts, j);
@@ -251,13 +220,12 @@ bool mukca_torque_sizes(mukca_motion *motion, mukca_pool *pool, const mukca_torq
                 columns_of(index, &w, set, member, members_of(member, p, set, &f->group));
             if (!of) continue;
             const double square = square_at(&variance, &w, f->worst, index, of);
-            add(&size[i], sqrt(fmax(square, 0)), variance, s->weight[k]);
+            mukca_gaussians_add(&size[i], sqrt(fmax(square, 0)), variance, s->weight[k]);
         }
     }
     for (int i = 0; i < n; i++) {
         mukca_motion_finding *f = finding_at(motion, i);
-        f->size_nm = measure(&size[i], 0);
-        f->size_nm.low = fmax(f->size_nm.low, 0);
+        f->size_nm = mukca_gaussians_estimate(&size[i], 1, true);
         f->size_percent = 100 * f->size_nm.value / s->t->model.signals->range[f->worst];
         f->share = mukca_finding_share(&f->group, &p->posterior);
         describe(f, &w, label, probability);

@@ -110,12 +110,10 @@ static void put_estimate(char *text, const mukca_estimate *e, const mukca_effect
         digits, factor * e->low, digits, factor * e->high);
 }
 
-const char *mukca_wording_certainty(char text[MUKCA_WORDING], const mukca_finding *f,
-                                    const mukca_diagnosed *r)
+const char *mukca_wording_sureness(char text[MUKCA_WORDING], const mukca_finding_group *g)
 {
-    const double p = f->group.probability, halves = f->group.halves;
-    const mukca_alternative *first = f->alternatives;
-    const int held = (int)rint(halves * MUKCA_HALVES);
+    const double p = g->probability;
+    const int held = (int)rint(g->halves * MUKCA_HALVES);
     put(text, "%s", p > 0.999 && held == MUKCA_HALVES ? "certain (" : "sure (");
     if (p > 0.999)
         put(text, "> 99.9 %%, ");
@@ -125,6 +123,14 @@ const char *mukca_wording_certainty(char text[MUKCA_WORDING], const mukca_findin
         put(text, "all halves)");
     else
         put(text, "%d of %d halves)", held, MUKCA_HALVES);
+    return text;
+}
+
+const char *mukca_wording_certainty(char text[MUKCA_WORDING], const mukca_finding *f,
+                                    const mukca_diagnosed *r)
+{
+    const mukca_alternative *first = f->alternatives;
+    mukca_wording_sureness(text, &f->group);
     if (isfinite(f->coefficient.value)) {
         put(text, "; ");
         put_estimate(text, &f->coefficient, &f->quantity, r);

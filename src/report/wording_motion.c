@@ -61,7 +61,7 @@ const char *mukca_wording_torque(char text[MUKCA_WORDING], const mukca_finding_g
 }
 
 /* A value with its interval, to two digits of the half width. */
-static void put_measure(char *text, const mukca_measure *m, const char *unit)
+static void put_measure(char *text, const mukca_estimate *m, const char *unit)
 {
     const bool time = strcmp(unit, "s") == 0;
     const double factor = time ? 1e3 : 1, half = fmax(factor * 0.5 * (m->high - m->low), 1e-12);
@@ -80,17 +80,7 @@ static void put_measure(char *text, const mukca_measure *m, const char *unit)
 
 const char *mukca_wording_torque_certainty(char text[MUKCA_WORDING], const mukca_motion_finding *f)
 {
-    const double p = f->group.probability;
-    const int held = (int)rint(f->group.halves * MUKCA_HALVES);
-    put(text, "%s", p > 0.999 && held == MUKCA_HALVES ? "certain (" : "sure (");
-    if (p > 0.999)
-        put(text, "> 99.9 %%, ");
-    else
-        put(text, "%.0f %%, ", floor(100 * p));
-    if (held == MUKCA_HALVES)
-        put(text, "all halves)");
-    else
-        put(text, "%d of %d halves)", held, MUKCA_HALVES);
+    mukca_wording_sureness(text, &f->group);
     if (!isfinite(f->coefficient.value)) return text;
     put(text, "; ");
     put_measure(text, &f->coefficient, mukca_torque_table[f->group.effect].unit);
@@ -101,13 +91,15 @@ const char *mukca_wording_torque_alternatives(char text[MUKCA_WORDING],
                                               const mukca_motion_finding *f,
                                               const mukca_chain *chain)
 {
+    int outside = 0;
     if (f->n_alternatives < 2) return text;
     for (int i = 0; i < f->n_alternatives && i < MOST_ALTERNATIVES; i++) {
         const mukca_motion_alternative *a = &f->alternative[i];
-        const bool listed = a->effect >= 0;
+        const bool listed = a->effect >= 0, one_place = f->group.from == f->group.to;
+        if (!listed && one_place && !f->group.apart && outside++) continue; /* said */
         put(text, "%s%s", i ? ", " : "",
             listed ? mukca_torque_table[a->effect].title : "outside the catalogue");
-        if (f->group.from != f->group.to || f->group.apart)
+        if (!one_place || f->group.apart)
             put_place(text,
                       listed ? mukca_torque_table[a->effect].links
                              : mukca_wording_torque_on_links(&f->group),

@@ -5,7 +5,6 @@
 #include "arms.h"
 #include "close.h"
 #include "dynamics/inverse_dynamics.h"
-#include "dynamics/noise.h"
 #include "dynamics/signals.h"
 #include "io/urdf.h"
 #include "math/random.h"
@@ -151,8 +150,6 @@ TEST(a_body_and_its_halves_have_the_same_parameters)
 TEST(nothing_is_allocated)
 {
     static double Y[N * P], x[64 * 3], dx[64 * 3], scratch[(64 + 2 * 64) * MUKCA_LOWPASS_LANES];
-    const int first[2] = {0, 64};
-    const mukca_pieces pieces = {1, first};
     mukca_lowpass lowpass;
     const long before = calls;
     mukca_dynamics_set(&dynamics, &chain, NULL);
@@ -163,7 +160,6 @@ TEST(nothing_is_allocated)
     assert_true(mukca_lowpass_scratch(&lowpass, 64) <= sizeof scratch / sizeof *scratch);
     mukca_lowpass_apply(x, 64, 3, 3, &lowpass, scratch);
     mukca_differences(dx, x, 64, 3, 0.01);
-    mukca_ar1_whiten(dx, 3, 3, &pieces, mukca_ar1_coefficient(x, 3, &pieces, 0.98));
     assert_int_equal(calls, before);
 }
 

@@ -1,10 +1,9 @@
-/* Zero-phase filter, differences, decimation and AR(1) noise: against SciPy and closed forms. */
+/* Zero-phase filter, differences and decimation: against SciPy and closed forms. */
 #include "dynamics/signals.h"
 
 #include <stdlib.h>
 
 #include "close.h"
-#include "dynamics/noise.h"
 #include "math/random.h"
 
 enum { MOST = 200, WIDTH = 11 };
@@ -110,46 +109,6 @@ TEST(decimation_keeps_every_nth_row)
     for (int i = 0; i < 14; i++) y[i] = i;
     assert_int_equal(mukca_decimate(y, 7, 2, 3), 3);
     for (int r = 0; r < 3; r++) assert_true(y[2 * r] == 6 * r && y[2 * r + 1] == 6 * r + 1);
-}
-
-/* ---- noise ---- */
-
-TEST(whitening_removes_the_correlation_within_pieces_only)
-{
-    enum { ROWS = 20000 };
-    static double e[ROWS][2];
-    const int first[4] = {0, 5000, 5000, ROWS}; /* one piece is empty */
-    const mukca_pieces pieces = {3, first};
-    const double rho = 0.8, sigma = 0.3;
-    mukca_random random;
-    mukca_random_seed(&random, 3);
-    for (int r = 0; r < ROWS; r++) {
-        const double fresh = sigma * mukca_random_normal(&random);
-        const int starts = r == 0 || r == 5000;
-        e[r][0] = starts ? fresh / sqrt(1 - rho * rho) : rho * e[r - 1][0] + fresh;
-        e[r][1] = 1;
-    }
-    const double found = mukca_ar1_coefficient(e[0], 2, &pieces, 0.98);
-    assert_close(found, rho, 4 * sqrt((1 - rho * rho) / ROWS)); /* its standard error */
-    assert_true(mukca_ar1_coefficient(e[0], 2, &pieces, 0.5) == 0.5);
-    mukca_ar1_whiten(e[0], 2, 2, &pieces, rho);
-    assert_close(mukca_ar1_coefficient(e[0], 2, &pieces, 0.98), 0, 4 / sqrt(ROWS));
-    assert_close(mukca_noise_sigma(e[0], 2, ROWS, 0), sigma, 4 * sigma / sqrt(2 * ROWS));
-    for (int r = 0; r < ROWS; r++)
-        assert_close(e[r][1], r == 0 || r == 5000 ? sqrt(1 - rho * rho) : 1 - rho, 1e-15);
-    assert_close(mukca_ar1_log_determinant(&pieces, rho), log(1 - rho * rho), 1e-15);
-}
-
-TEST(noise_of_nothing_is_finite)
-{
-    const double zero[4] = {0};
-    const int first[2] = {0, 4};
-    const mukca_pieces pieces = {1, first};
-    assert_true(mukca_ar1_coefficient(zero, 1, &pieces, 0.98) == 0);
-    assert_close(mukca_noise_sigma(zero, 1, 4, 10), 0, 0);
-    const double e[4] = {1, -1, 1, -1};
-    assert_close(mukca_noise_sigma(e, 1, 4, 3), 2, 1e-15);
-    assert_true(mukca_ar1_coefficient(e, 1, &pieces, 0.98) == 0); /* never negative */
 }
 
 TEST_MAIN(NULL, NULL)
