@@ -135,7 +135,7 @@ demo: all ## calibrate, diagnose and report the real arm of data/panda into buil
 
 check: programs ## build and run every test
 	@$(TEST_ENVIRONMENT) tests/run $(TESTS) $(sort $(wildcard tests/*.sh tests/*/run.sh))
-programs: $(PROGRAM) $(TESTS) $(EXAMPLES) $(RT) $(BUILD)/heart $(BUILD)/bench/bench_recipes
+programs: $(PROGRAM) $(TESTS) $(EXAMPLES) $(RT) $(BUILD)/heart $(BENCHES)
 
 tidy: ## clang-tidy, cppcheck and gcc -fanalyzer; a finding is an error
 	@tools/tidy $(BUILD) $(filter-out -fstack-usage,$(C_FLAGS)) $(LIB_CFLAGS)

@@ -283,7 +283,7 @@ static const char *settle(outcome *sum, int way, const mukca_diagnosis *before,
     mukca_random_seed(&random, seed + 31);
     mukca_next_poses tie;
     mukca_plan_options options = {.rows = TIE_ROWS};
-    mukca_next_poses_tie(&tie, &options, rivals, before);
+    mukca_next_poses_pair(&tie, &options, rivals, before, -1);
     mukca_geometry_theta(theta, &arm->chain, &before->geometry);
     const int n = mukca_plan_sockets(sockets, MUKCA_PLAN_MAX_SOCKETS, &before->geometry, data);
     if (mukca_plan_run(&plan,
@@ -360,8 +360,8 @@ static void ties(int wanted)
         if (mukca_diagnose(&before, &chain, &data, &quick, &error)) fail(error.text);
         tried++;
         if (before.verdict == MUKCA_VERDICT_TIED &&
-            mukca_next_poses_tie(&(mukca_next_poses){0}, &(mukca_plan_options){0},
-                                 (mukca_effect[2]){{0}}, &before)) {
+            mukca_next_poses_pair(&(mukca_next_poses){0}, &(mukca_plan_options){0},
+                                  (mukca_effect[2]){{0}}, &before, -1)) {
             const char *verdict[TIE_WAYS];
             bool listed = false;
             for (int c = 0; c < before.n_causes; c++) {
