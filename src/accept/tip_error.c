@@ -95,7 +95,7 @@ static bool summarise(mukca_tip_error *out, int where, mukca_arm_posterior *p, c
 static void solve(mukca_arm_posterior *p)
 {
     mukca_regression *m = &p->m;
-    mukca_unknowns_prior(m->evidence.posterior.prior, &m->unknowns);
+    mukca_unknowns_prior(m->evidence.posterior.prior, &m->unknowns, -1);
     mukca_evidence_evaluate(&m->evidence, mukca_regression_collect(m, m->unknowns.family),
                             m->unknowns.sigma, m->evidence.mean);
 }

@@ -48,9 +48,30 @@ static void slot_jacobian(double J[6][6], mukca_regression *m, int slot, int wid
     mukca_unknowns_set_geometry(&m->unknowns, m->recording.chain);
 }
 
+/* Moments of a sum of direction[t] times the unknown column + t: first and second of the mixture of
+ * the models. */
+typedef struct {
+    double mean, square;
+} moments;
+
+static void add(moments *to, mukca_regression *m, int column, const double *direction, int terms,
+                double weight)
+{
+    double mean = 0;
+    for (int t = 0; t < terms; t++) mean += direction[t] * m->evidence.mean[column + t];
+    const double sigma = mukca_regression_standard_error(m, column, direction, terms);
+    to->mean += weight * mean;
+    to->square += weight * (mean * mean + sigma * sigma);
+}
+
+static double sigma_of(const moments *m)
+{
+    return sqrt(fmax(m->square - m->mean * m->mean, 0));
+}
+
 /* Elements without unknowns of their own scale with the factor of all lengths.  Samples of sockets
  * do not identify those before the second joint. */
-static void length_sigmas(mukca_applied *a, mukca_regression *m)
+static void add_lengths(mukca_applied *a, moments *theta, mukca_regression *m, double weight)
 {
     const mukca_unknowns *u = &m->unknowns;
     const mukca_chain *chain = m->recording.chain;
@@ -63,16 +84,14 @@ static void length_sigmas(mukca_applied *a, mukca_regression *m)
             const double length = chain->element[k].xyz[c];
             const int i = MUKCA_PARAMETERS * k + c;
             if (!(fabs(length) > 0)) continue;
-            a->theta_sigma[i] = mukca_regression_standard_error(m, factor, &length, 1);
-            a->theta_prior[i] = fabs(length) * m->evidence.posterior.prior[factor];
+            add(&theta[i], m, factor, &length, 1, weight);
+            a->theta_prior[i] = fabs(length) * u->theta_prior[factor];
         }
     }
 }
 
-static void parameter_sigmas(mukca_applied *a, mukca_regression *m)
+static void add_slots(mukca_applied *a, moments *theta, mukca_regression *m, double weight)
 {
-    for (int i = 0; i < MUKCA_PARAMETERS * m->recording.chain->n_elements; i++)
-        a->theta_sigma[i] = a->theta_prior[i] = NAN;
     for (int k = 0; k < m->unknowns.n_slots; k++) {
         const int width = k + 1 < m->unknowns.n_slots ? 6 : m->unknowns.slot_width;
         double J[6][6];
@@ -81,9 +100,8 @@ static void parameter_sigmas(mukca_applied *a, mukca_regression *m)
             const int i = MUKCA_PARAMETERS * m->unknowns.slot_element[k] + p;
             double square = 0;
             for (int c = 0; c < width; c++)
-                square += J[p][c] * J[p][c] * m->evidence.posterior.prior[6 * k + c] *
-                          m->evidence.posterior.prior[6 * k + c];
-            a->theta_sigma[i] = mukca_regression_standard_error(m, 6 * k, J[p], width);
+                square += pow(J[p][c] * m->unknowns.theta_prior[6 * k + c], 2);
+            add(&theta[i], m, 6 * k, J[p], width, weight);
             a->theta_prior[i] = sqrt(square);
         }
     }
@@ -100,19 +118,38 @@ void mukca_applied_fit(mukca_applied *a, mukca_regression *m)
             return;
     }
     mukca_regression_fit(m, 6, MUKCA_FIT_INDEPENDENT);
-    if (!(mukca_regression_factor(m) > -HUGE_VAL)) return;
-    parameter_sigmas(a, m);
-    length_sigmas(a, m);
+    const int n = MUKCA_PARAMETERS * m->recording.chain->n_elements,
+              models = u->n_models ? u->n_models : 1;
+    moments theta[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS] = {0},
+                                     effect[MUKCA_MAX_APPLIED][MUKCA_MAX_TERMS] = {0};
+    const double one = 1;
+    for (int i = 0; i < n; i++) a->theta_prior[i] = NAN;
+    for (int k = 0; k < models; k++) {
+        const double weight = u->n_models ? u->model_weight[k] : 1;
+        if (!mukca_regression_solve(m, mukca_regression_collect(m, u->family),
+                                    u->n_models ? k : -1))
+            return;
+        add_slots(a, theta, m, weight);
+        add_lengths(a, theta, m, weight);
+        for (int c = 0, i = 0; c < u->n_causes && i < MUKCA_MAX_APPLIED; c++) {
+            const mukca_candidate *h = &u->cause[c].candidate;
+            if (!mukca_candidate_moves_arm(h)) continue;
+            for (int t = 0; t < h->terms; t++)
+                add(&effect[i][t], m, mukca_unknowns_column(u, c) + t, &one, 1, weight);
+            i++;
+        }
+    }
+    for (int i = 0; i < n; i++)
+        a->theta_sigma[i] = isnan(a->theta_prior[i]) ? (double)NAN : sigma_of(&theta[i]);
     for (int c = 0; c < u->n_causes && a->n_effects < MUKCA_MAX_APPLIED; c++) {
         const mukca_candidate *h = &u->cause[c].candidate;
         if (!mukca_candidate_moves_arm(h)) continue;
-        const int column = mukca_unknowns_column(u, c), i = a->n_effects++;
-        const double one = 1;
+        const int i = a->n_effects++;
         a->effects[i] = h->effect;
         a->effects[i].terms = h->terms;
         for (int t = 0; t < h->terms; t++) {
             a->effects[i].coefficient[t] = u->cause[c].coefficient[t];
-            a->effect_sigma[i][t] = mukca_regression_standard_error(m, column + t, &one, 1);
+            a->effect_sigma[i][t] = sigma_of(&effect[i][t]);
         }
     }
     a->geometry = u->geometry;

@@ -39,6 +39,10 @@ mukca_verdict mukca_verdict_of(const mukca_diagnosis *d, double any, double outs
  * listed causes. */
 void mukca_verdict_reach(mukca_diagnosis *d, mukca_search *id);
 
+/* Fit the regression to the members of the findings and the other listed causes: the mean over the
+ * sets, of which each has some of them.  Faults stay as they are. */
+void mukca_averaged_fit(mukca_regression *m, const mukca_search *id);
+
 /* List every effect and joint: candidates with their scores of the first scan, the others with the
  * reason why they are not testable. */
 void mukca_untested_list(mukca_diagnosis *d, const mukca_search *id);

@@ -52,26 +52,6 @@ static const char *find_missing(mukca_diagnosis *d, const mukca_recording *r)
     return why;
 }
 
-/* Keep the geometry, the causes and the findings' members for evaluation and output: an unknown
- * function fits these samples, but does not predict others. */
-static void keep_named(mukca_regression *m, const mukca_diagnosis *d)
-{
-    bool keep[MUKCA_MAX_ACCEPTED] = {false};
-    const int n = m->unknowns.n_causes;
-    for (int i = 0; i < d->n_causes; i++) {
-        const int c = mukca_cause_find(m, &d->causes[i]);
-        if (c >= 0) keep[c] = true;
-    }
-    for (int i = 0; i < d->n_suspected; i++) {
-        const int c = mukca_cause_find(m, &d->suspected[i]);
-        if (c >= 0) keep[c] |= d->suspected[i].applied;
-    }
-    for (int c = n - 1; c >= 0; c--)
-        if (!keep[c] && !mukca_candidate_is_fault(&m->unknowns.cause[c].candidate))
-            mukca_unknowns_drop(&m->unknowns, c);
-    if (m->unknowns.n_causes < n) mukca_regression_fit(m, 4, MUKCA_FIT_INDEPENDENT);
-}
-
 /* Nothing can be tested; of the faults only duplicates are kept, as the others need a model that
  * fits. */
 static void set_untestable(mukca_diagnosis *d, mukca_regression *m, const char *why)
@@ -87,7 +67,7 @@ static void set_untestable(mukca_diagnosis *d, mukca_regression *m, const char *
     for (int f = 0; f < d->n_faults; f++)
         if (d->faults[f].kind == MUKCA_FAULT_DUPLICATE) d->faults[kept++] = d->faults[f];
     d->n_faults = kept;
-    m->unknowns.n_causes = 0;
+    m->unknowns.n_causes = m->unknowns.n_models = 0;
     mukca_regression_fit(m, 4, MUKCA_FIT_ALL);
     d->sigma_m = m->unknowns.sigma;
 }
@@ -112,7 +92,7 @@ static mukca_status identify(mukca_diagnosis *d, mukca_regression *m,
         mukca_untested_list(d, id);
         const bool none = d->verdict == MUKCA_VERDICT_UNKNOWN;
         if (d->unexplained || none) d->structure_m = mukca_held_out_structure(m);
-        keep_named(m, d);
+        mukca_averaged_fit(m, id);
         if (id->pool.failed) status = mukca_fail(error, MUKCA_MEMORY, "out of memory for causes");
     } else if (status == MUKCA_OK) {
         set_untestable(d, m, does_not_fit);

@@ -60,6 +60,7 @@ bool mukca_evidence_create(mukca_evidence *evidence, mukca_pool *pool,
         MUKCA_TAKE(pool, double, (recording->data->n_sockets + 2) * recording->dim * size);
     mukca_posterior_take(&evidence->posterior, pool, capacity);
     evidence->mean = MUKCA_TAKE(pool, double, capacity);
+    evidence->average = MUKCA_TAKE(pool, double, capacity);
     return !pool->failed;
 }
 

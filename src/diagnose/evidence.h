@@ -35,6 +35,7 @@ typedef struct {
     } white;
     mukca_posterior posterior; /* of the last evaluation; its priors are those of the next ones */
     double *mean;              /* [capacity] posterior mean of the last fit */
+    double *average;           /* [capacity] scratch */
     double best;               /* log evidence of the best coefficient in the last comparison */
     double
         expected; /* weight of the usual noise and geometry (model/prior.h), in numbers; 0: none */

@@ -155,15 +155,12 @@ static void cross_predict(mukca_folds *b)
     mukca_regression *m = b->m;
     const mukca_recording *r = &m->recording;
     mukca_unknowns *unknowns = &m->unknowns, fitted;
-    mukca_evidence *evidence = &m->evidence;
     for (int i = 0; i < 3 * r->data->n_rows; i++) b->position[i] = NAN; /* not predicted */
     if (!mukca_unknowns_clone(&fitted, &m->pool, unknowns)) return;
-    mukca_unknowns_prior(evidence->posterior.prior, unknowns);
     for (int f = 0; f < b->n_folds; f++) {
         subtract_fold(b, mukca_regression_collect(m, m->unknowns.family), f);
-        if (mukca_evidence_evaluate(evidence, &b->rest, unknowns->sigma, evidence->mean) >
-            -HUGE_VAL) {
-            mukca_unknowns_set(unknowns, evidence->mean);
+        if (mukca_regression_average(m, &b->rest)) {
+            mukca_unknowns_set(unknowns, m->evidence.mean);
             mukca_unknowns_fold_frames(unknowns);
             mukca_unknowns_set_geometry(unknowns, r->chain);
             for (int row = 0; row < r->data->n_rows; row++)

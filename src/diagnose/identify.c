@@ -38,7 +38,7 @@ enum {
 static void set_causes(mukca_search *id, const mukca_causes *set)
 {
     mukca_unknowns *u = &id->m->unknowns;
-    u->n_causes = 0;
+    u->n_causes = u->n_models = 0;
     for (int i = 0; set && i < set->n; i++)
         if (mukca_unknowns_add(u, &id->all.list[set->candidate[i]]))
             u->cause[u->n_causes - 1].scale = set->scale[i], u->cause[u->n_causes - 1].sized = true;

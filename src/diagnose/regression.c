@@ -47,8 +47,30 @@ mukca_normal_equations *mukca_regression_collect(mukca_regression *m, int index)
 double mukca_regression_factor(mukca_regression *m)
 {
     const mukca_normal_equations *normal = mukca_regression_collect(m, m->unknowns.family);
-    mukca_unknowns_prior(m->evidence.posterior.prior, &m->unknowns);
+    mukca_unknowns_prior(m->evidence.posterior.prior, &m->unknowns, -1);
     return mukca_evidence_evaluate(&m->evidence, normal, m->unknowns.sigma, NULL);
+}
+
+bool mukca_regression_solve(mukca_regression *m, const mukca_normal_equations *normal, int model)
+{
+    mukca_evidence *evidence = &m->evidence;
+    mukca_unknowns_prior(evidence->posterior.prior, &m->unknowns, model);
+    return mukca_evidence_evaluate(evidence, normal, m->unknowns.sigma, evidence->mean) > -HUGE_VAL;
+}
+
+bool mukca_regression_average(mukca_regression *m, const mukca_normal_equations *normal)
+{
+    const mukca_unknowns *u = &m->unknowns;
+    mukca_evidence *evidence = &m->evidence;
+    const int n = mukca_unknowns_column(u, u->n_causes);
+    if (!u->n_models || !u->n_causes) return mukca_regression_solve(m, normal, -1);
+    memset(evidence->average, 0, sizeof *evidence->average * (size_t)n);
+    for (int k = 0; k < u->n_models; k++) {
+        if (!mukca_regression_solve(m, normal, k)) return false;
+        for (int i = 0; i < n; i++) evidence->average[i] += u->model_weight[k] * evidence->mean[i];
+    }
+    memcpy(evidence->mean, evidence->average, sizeof *evidence->mean * (size_t)n);
+    return true;
 }
 
 double mukca_regression_standard_error(mukca_regression *m, int column, const double *direction,
@@ -108,12 +130,12 @@ static void choose_cause(mukca_unknowns *u, mukca_accepted *cause, mukca_evidenc
     const int n = mukca_candidate_scales(scales, weight, &cause->candidate);
     for (int i = 0; i < n; i++) {
         cause->scale = scales[i];
-        mukca_unknowns_prior(evidence->posterior.prior, u);
+        mukca_unknowns_prior(evidence->posterior.prior, u, -1);
         const double value = weight[i] + mukca_evidence_evaluate(evidence, normal, u->sigma, NULL);
         if (value > best) best = value, chosen = scales[i];
     }
     cause->scale = chosen;
-    mukca_unknowns_prior(evidence->posterior.prior, u);
+    mukca_unknowns_prior(evidence->posterior.prior, u, -1);
 }
 
 void mukca_scales_choose(mukca_unknowns *u, mukca_evidence *evidence,
@@ -130,7 +152,7 @@ void mukca_scales_choose(mukca_unknowns *u, mukca_evidence *evidence,
         const int k = i < N * N ? i : chosen;
         u->prior.length = lengths[k / N], u->prior.angle = angles[k % N];
         mukca_unknowns_set_geometry_prior(u, recording);
-        mukca_unknowns_prior(evidence->posterior.prior, u);
+        mukca_unknowns_prior(evidence->posterior.prior, u, -1);
         if (i == N * N) break;
         const double value =
             mukca_evidence_evaluate(evidence, normal, u->sigma, NULL) +
@@ -220,13 +242,11 @@ static double advance(mukca_regression *m)
 
 void mukca_regression_step(mukca_regression *m, mukca_fit_freedom freedom)
 {
-    mukca_unknowns_prior(m->evidence.posterior.prior, &m->unknowns);
+    mukca_unknowns_prior(m->evidence.posterior.prior, &m->unknowns, -1);
     const mukca_normal_equations *normal = freedom == MUKCA_FIT_UNKNOWNS
                                                ? mukca_regression_collect(m, m->unknowns.family)
                                                : choose_noise(m, freedom);
-    if (isfinite(
-            mukca_evidence_evaluate(&m->evidence, normal, m->unknowns.sigma, m->evidence.mean)))
-        advance(m);
+    if (mukca_regression_average(m, normal)) advance(m);
     mukca_regression_linearise(m);
 }
 
@@ -238,14 +258,13 @@ void mukca_regression_fit(mukca_regression *m, int iterations, mukca_fit_freedom
         m->evidence.normal[i].behind = 0; /* compare again */
     for (int it = 0; it < iterations; it++) {
         mukca_regression_linearise(m);
-        mukca_unknowns_prior(m->evidence.posterior.prior, u);
+        mukca_unknowns_prior(m->evidence.posterior.prior, u, -1);
         /* The weight of the orientations changes in each iteration, and the noise with it. */
         const bool weigh = m->recording.dim == 6 && !u->n_causes;
         const bool choose = freedom != MUKCA_FIT_UNKNOWNS && (it == 0 || it == 2 || weigh);
         const mukca_normal_equations *normal =
             choose ? choose_noise(m, freedom) : mukca_regression_collect(m, m->unknowns.family);
-        if (!isfinite(mukca_evidence_evaluate(&m->evidence, normal, u->sigma, m->evidence.mean)))
-            break;
+        if (!mukca_regression_average(m, normal)) break;
         if (weigh && it + 1 < iterations) weigh_rotations(m);
         if (advance(m) < 1e-7 && it >= 1) { /* 0.1 um and 0.1 urad: far below any noise */
             if (weigh) break;
@@ -267,7 +286,7 @@ void mukca_regression_fit_tails(mukca_regression *m, double *weight, int steps)
     mukca_unknowns_set_geometry_prior(u, &m->recording);
     for (int step = 0; step < steps; step++) {
         mukca_regression_linearise(m);
-        mukca_unknowns_prior(evidence->posterior.prior, u);
+        mukca_unknowns_prior(evidence->posterior.prior, u, -1);
         for (int k = 0; k < WEIGHINGS; k++) {
             const double before = u->sigma;
             const mukca_normal_equations *normal = mukca_regression_collect(m, u->family);
@@ -292,7 +311,7 @@ void mukca_regression_choose_share(mukca_regression *m)
     mukca_evidence *evidence = &m->evidence;
     double best, value;
     mukca_normal_equations *normal = mukca_regression_collect(m, u->family);
-    mukca_unknowns_prior(evidence->posterior.prior, u);
+    mukca_unknowns_prior(evidence->posterior.prior, u, -1);
     mukca_evidence_evaluate(evidence, normal, u->sigma, evidence->mean);
     const int proposed = mukca_evidence_measure_noise(evidence, &m->recording, &m->linear),
               step = proposed > evidence->angular[0] ? 1 : -1;

@@ -51,7 +51,7 @@ bool mukca_scan_aim(mukca_scan *s, int family)
     const double sigma = m->unknowns.sigma;
     mukca_regression_return(m);
     const mukca_normal_equations *normal = mukca_regression_collect(m, family);
-    mukca_unknowns_prior(evidence->posterior.prior, &m->unknowns);
+    mukca_unknowns_prior(evidence->posterior.prior, &m->unknowns, -1);
     const double value = mukca_evidence_evaluate(evidence, normal, sigma, NULL);
     const int n = normal->n;
     s->normal = normal;

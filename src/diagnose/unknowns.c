@@ -210,13 +210,14 @@ int mukca_unknowns_column(const mukca_unknowns *u, int cause)
     return column;
 }
 
-void mukca_unknowns_prior(double *prior, const mukca_unknowns *u)
+void mukca_unknowns_prior(double *prior, const mukca_unknowns *u, int model)
 {
+    const uint64_t in = model < 0 ? ~UINT64_C(0) : u->model[model];
     memcpy(prior, u->theta_prior, sizeof *prior * (size_t)u->n_geometry);
     prior += u->n_geometry;
     for (int c = 0; c < u->n_causes; c++)
         for (int t = 0; t < u->cause[c].candidate.terms; t++)
-            *prior++ = u->cause[c].scale / u->cause[c].candidate.unit[t];
+            *prior++ = in >> c & 1 ? u->cause[c].scale / u->cause[c].candidate.unit[t] : 0;
 }
 
 void mukca_unknowns_set(mukca_unknowns *u, const double *mean)
@@ -234,13 +235,17 @@ bool mukca_unknowns_add(mukca_unknowns *u, const mukca_candidate *candidate)
     if (u->n_causes == MUKCA_MAX_ACCEPTED || used > mukca_unknowns_capacity(u)) return false;
     double scales[MUKCA_MAX_SIZES], weight[MUKCA_MAX_SIZES];
     const int n = mukca_candidate_scales(scales, weight, candidate);
+    for (int k = 0; k < u->n_models; k++) u->model[k] |= UINT64_C(1) << u->n_causes;
     u->cause[u->n_causes++] = (mukca_accepted){.candidate = *candidate, .scale = scales[n / 2]};
     return true;
 }
 
 void mukca_unknowns_drop(mukca_unknowns *u, int cause)
 {
+    const uint64_t before = (UINT64_C(1) << cause) - 1;
     for (int c = cause; c + 1 < u->n_causes; c++) u->cause[c] = u->cause[c + 1];
+    for (int k = 0; k < u->n_models; k++)
+        u->model[k] = (u->model[k] & before) | (u->model[k] >> 1 & ~before);
     u->n_causes--;
 }
 

@@ -5,11 +5,13 @@
 #ifndef MUKCA_DIAGNOSE_UNKNOWNS_H
 #define MUKCA_DIAGNOSE_UNKNOWNS_H
 
+#include <stdint.h>
+
 #include "diagnose/candidate.h"
 #include "fit/align.h"
 #include "model/prior.h"
 
-enum { MUKCA_MAX_ACCEPTED = 64 };
+enum { MUKCA_MAX_ACCEPTED = 64, MUKCA_MOST_MODELS = 8 };
 
 /* An accepted candidate. */
 typedef struct {
@@ -52,6 +54,10 @@ typedef struct {
 
     int n_causes;
     mukca_accepted *cause; /* [MUKCA_MAX_ACCEPTED] */
+    /* A fit is the mean over models, each of which has some of the causes; 0: one, of all. */
+    int n_models;
+    uint64_t model[MUKCA_MOST_MODELS]; /* bit c: cause c */
+    double model_weight[MUKCA_MOST_MODELS];
 
     double sigma;           /* noise, m */
     int family;             /* of the noise, index of the evidence's */
@@ -92,13 +98,14 @@ void mukca_unknowns_set_geometry_prior(mukca_unknowns *unknowns, const mukca_rec
  * first column of that cause. */
 int mukca_unknowns_column(const mukca_unknowns *unknowns, int cause);
 
-/* Prior sigmas of all columns. */
-void mukca_unknowns_prior(double *prior, const mukca_unknowns *unknowns);
+/* Prior sigmas of all columns; in a model, 0 of the causes that it lacks (-1: of none). */
+void mukca_unknowns_prior(double *prior, const mukca_unknowns *unknowns, int model);
 
 /* Set the unknowns to the posterior mean of all columns. */
 void mukca_unknowns_set(mukca_unknowns *unknowns, const double *mean);
 
-/* Add a cause (to be fitted), or drop one.  Adding fails if the table or the columns are full. */
+/* Add a cause (to be fitted) to all models, or drop one.  Adding fails if the table or the columns
+ * are full. */
 bool mukca_unknowns_add(mukca_unknowns *unknowns, const mukca_candidate *candidate);
 void mukca_unknowns_drop(mukca_unknowns *unknowns, int cause);
 

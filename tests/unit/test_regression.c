@@ -129,7 +129,7 @@ static double evidence(mukca_regression *m, int family, double *mean, double *no
     mukca_regression_return(m);
     const mukca_normal_equations *normal = mukca_regression_collect(m, family);
     const int dof = normal->whitening.dof + normal->n_pairs;
-    mukca_unknowns_prior(m->evidence.posterior.prior, &m->unknowns);
+    mukca_unknowns_prior(m->evidence.posterior.prior, &m->unknowns, -1);
     const double value = mukca_evidence_evaluate(&m->evidence, normal, m->unknowns.sigma, mean);
     assert_true(isfinite(value));
     *noise = m->evidence.posterior.quadratic / dof;
@@ -291,7 +291,7 @@ TEST(orders)
 TEST(noise)
 {
     mukca_regression *m = &f->m;
-    mukca_unknowns_prior(m->evidence.posterior.prior, &m->unknowns);
+    mukca_unknowns_prior(m->evidence.posterior.prior, &m->unknowns, -1);
     for (int r = 0; r < m->evidence.n_noises; r++) {
         double value;
         mukca_normal_equations *normal = mukca_regression_collect(m, r);
@@ -491,6 +491,46 @@ TEST(tails)
     mukca_regression_free(&heavy);
     mukca_dataset_free(&data);
     free(weight);
+}
+
+/* A fit is the mean over its models, each with some of the causes, and remains so when a cause is
+ * dropped. */
+TEST(models_are_averaged)
+{
+    enum { FIRST, SECOND, BOTH };
+    mukca_regression *m = &f->m;
+    mukca_unknowns *u = &m->unknowns;
+    double *mean[3];
+    for (int i = 0; i < f->all.count && u->n_causes < 2; i++)
+        if (f->all.list[i].kind == MUKCA_CANDIDATE_EFFECT && f->all.list[i].terms == 1 &&
+            f->all.list[i].joint == 1 + u->n_causes)
+            assert_true(mukca_unknowns_add(u, &f->all.list[i]));
+    assert_int_equal(u->n_causes, 2);
+    mukca_regression_linearise(m);
+    const mukca_normal_equations *normal = mukca_regression_collect(m, u->family);
+    const int n = mukca_unknowns_column(u, 2);
+    u->model[FIRST] = 1, u->model[SECOND] = 2, u->model[BOTH] = 3;
+    for (int k = 0; k < 3; k++) {
+        mean[k] = calloc((size_t)n, sizeof(double));
+        assert_true(mukca_regression_solve(m, normal, k));
+        memcpy(mean[k], m->evidence.mean, sizeof(double) * (size_t)n);
+    }
+    assert_true(mean[FIRST][n - 1] == 0 && mean[SECOND][n - 2] == 0); /* what a model lacks */
+    assert_true(mean[BOTH][n - 1] != 0 && mean[BOTH][n - 2] != 0);
+    u->n_models = 3;
+    u->model_weight[FIRST] = 0.2, u->model_weight[SECOND] = 0.3, u->model_weight[BOTH] = 0.5;
+    assert_true(mukca_regression_average(m, normal));
+    for (int i = 0; i < n; i++) /* rounding of three products */
+        assert_close(m->evidence.mean[i],
+                     0.2 * mean[FIRST][i] + 0.3 * mean[SECOND][i] + 0.5 * mean[BOTH][i], 1e-15);
+    mukca_unknowns_drop(u, 0);
+    assert_true(u->model[FIRST] == 0 && u->model[SECOND] == 1 && u->model[BOTH] == 1);
+    mukca_regression_linearise(m);
+    assert_true(mukca_regression_average(m, mukca_regression_collect(m, u->family)));
+    /* without the first cause, BOTH is SECOND; the same columns */
+    assert_close(m->evidence.mean[n - 2], 0.8 * mean[SECOND][n - 1],
+                 1e-9 * fabs(mean[SECOND][n - 1]));
+    for (int k = 0; k < 3; k++) free(mean[k]);
 }
 
 TEST_MAIN(set_up, tear_down)

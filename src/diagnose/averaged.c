@@ -1,0 +1,145 @@
+/* What a diagnosis applies: the named causes, with the mean over the probable sets of causes. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "diagnose/cause.h"
+#include "diagnose/label.h"
+
+/* Least posterior probability of a cause, and of a set, that is averaged: less than this is no
+ * reserve either (MUKCA_DOUBT). */
+#define NEGLIGIBLE MUKCA_DOUBT
+
+enum { MOST = 200 /* different combinations of named causes */ };
+
+/* The named causes of a set, as bits of the list of all of them. */
+typedef struct {
+    uint64_t in;
+    double weight;
+} selection;
+
+typedef struct {
+    const mukca_search *id;
+    int n, candidate[MUKCA_MAX_ACCEPTED]; /* the named causes */
+    double scale[MUKCA_MAX_ACCEPTED], weight[MUKCA_MAX_ACCEPTED];
+    int n_selections;
+    selection list[MOST];
+} naming;
+
+/* Is a candidate a member of a finding, or a cause that is listed by its own probability?  Unknown
+ * functions fit these samples, but do not predict others. */
+static bool is_named(const mukca_search *id, const mukca_candidate *h)
+{
+    const mukca_diagnosis *d = id->diagnosis;
+    if (mukca_candidate_class(h) >= MUKCA_EFFECT_COUNT || mukca_candidate_is_fault(h)) return false;
+    const mukca_label label = mukca_candidate_label(h, &id->m->recording, &id->m->unknowns);
+    const mukca_effect effect = mukca_candidate_effect(h);
+    bool named = false;
+    for (int f = 0; f < d->n_findings && !named; f++)
+        named = mukca_finding_holds(&d->findings[f].group, &label);
+    for (int c = 0; c < d->n_causes && !named; c++)
+        named = mukca_effect_same(&effect, &d->causes[c].effect);
+    return named;
+}
+
+/* Bit of a named candidate, which is new or in the list; 0: no room. */
+static uint64_t bit_of(naming *all, int candidate, double scale)
+{
+    int i = 0;
+    while (i < all->n && all->candidate[i] != candidate) i++;
+    if (i == MUKCA_MAX_ACCEPTED) return 0;
+    all->candidate[i] = candidate;
+    if (i == all->n) all->scale[all->n++] = scale;
+    return UINT64_C(1) << i;
+}
+
+static void select_causes(naming *all, uint64_t in, double weight)
+{
+    int i = 0;
+    while (i < all->n_selections && all->list[i].in != in) i++;
+    if (i == MOST) return;
+    if (i == all->n_selections) all->list[all->n_selections++] = (selection){.in = in};
+    all->list[i].weight += weight;
+}
+
+static int by_weight(const void *a, const void *b)
+{
+    const selection *x = a, *y = b;
+    return (x->weight < y->weight) - (x->weight > y->weight);
+}
+
+/* Leave out improbable causes and selections. */
+static void thin(naming *all)
+{
+    const int n = all->n_selections;
+    selection before[MOST];
+    uint64_t probable = 0;
+    memcpy(before, all->list, sizeof before);
+    for (int i = 0; i < all->n; i++)
+        if (all->weight[i] >= NEGLIGIBLE) probable |= UINT64_C(1) << i;
+    all->n_selections = 0;
+    for (int i = 0; i < n; i++) select_causes(all, before[i].in & probable, before[i].weight);
+    qsort(all->list, (size_t)all->n_selections, sizeof *all->list, by_weight);
+    while (all->n_selections > 1 && (all->n_selections > MUKCA_MOST_MODELS ||
+                                     all->list[all->n_selections - 1].weight < NEGLIGIBLE))
+        all->n_selections--;
+}
+
+/* The causes of the unknowns: faults as they are, and those that are named; the models. */
+static bool set_models(mukca_unknowns *u, const naming *all)
+{
+    uint64_t faults = 0, into[MUKCA_MAX_ACCEPTED] = {0};
+    double sum = 0;
+    bool complete = true; /* does every cause remain? */
+    for (int c = u->n_causes - 1; c >= 0; c--) {
+        const mukca_candidate *h = &u->cause[c].candidate;
+        if (mukca_candidate_is_fault(h)) continue;
+        complete &= is_named(all->id, h);
+        mukca_unknowns_drop(u, c);
+    }
+    for (int c = 0; c < u->n_causes; c++) faults |= UINT64_C(1) << c;
+    for (int i = 0; i < all->n; i++) {
+        bool used = false;
+        for (int k = 0; k < all->n_selections; k++) used |= all->list[k].in >> i & 1;
+        if (!used || !mukca_unknowns_add(u, &all->id->all.list[all->candidate[i]])) continue;
+        mukca_accepted *cause = &u->cause[u->n_causes - 1];
+        cause->scale = all->scale[i];
+        cause->sized = true;
+        into[i] = UINT64_C(1) << (u->n_causes - 1);
+    }
+    for (int k = 0; k < all->n_selections; k++) {
+        u->model[k] = faults;
+        for (int i = 0; i < all->n; i++)
+            if (all->list[k].in >> i & 1) u->model[k] |= into[i];
+        sum += all->list[k].weight;
+    }
+    for (int k = 0; k < all->n_selections; k++) u->model_weight[k] = all->list[k].weight / sum;
+    u->n_models = all->n_selections;
+    return complete;
+}
+
+void mukca_averaged_fit(mukca_regression *m, const mukca_search *id)
+{
+    naming *all = MUKCA_TAKE(&m->pool, naming, 1);
+    if (!all) return; /* the pool keeps the failure */
+    all->id = id;
+    for (int s = 0; s < id->n_sets; s++) {
+        const mukca_causes *set = &id->set[s];
+        uint64_t in = 0;
+        for (int k = 0; k < set->n; k++)
+            if (is_named(id, &id->all.list[set->candidate[k]]))
+                in |= bit_of(all, set->candidate[k], set->scale[k]);
+        for (int i = 0; i < all->n; i++)
+            if (in >> i & 1) all->weight[i] += set->weight;
+        select_causes(all, in, set->weight);
+    }
+    thin(all);
+    const bool complete = set_models(&m->unknowns, all);
+    mukca_regression_fit(m, 4, complete ? MUKCA_FIT_UNKNOWNS : MUKCA_FIT_INDEPENDENT);
+    for (int c = m->unknowns.n_causes - 1; c >= 0; c--) {
+        const int class = mukca_candidate_class(&m->unknowns.cause[c].candidate);
+        if (class < MUKCA_EFFECT_COUNT && mukca_effect_table[class]->nonnegative &&
+            !(m->unknowns.cause[c].coefficient[0] > 0)) /* others may turn its sign */
+            mukca_unknowns_drop(&m->unknowns, c);
+    }
+    mukca_regression_linearise(m);
+}
