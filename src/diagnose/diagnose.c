@@ -63,7 +63,6 @@ static void set_untestable(mukca_diagnosis *d, mukca_regression *m, const char *
     d->structure = 0;
     d->n_findings = d->n_maybe = d->n_causes = d->n_suspected = d->n_where = d->n_sets = 0;
     mukca_untested_all(d, why);
-    if (!m) return;
     for (int f = 0; f < d->n_faults; f++)
         if (d->faults[f].kind == MUKCA_FAULT_DUPLICATE) d->faults[kept++] = d->faults[f];
     d->n_faults = kept;
@@ -206,21 +205,16 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
     const bool fits = mukca_screening_run(diagnosis, m);
     const mukca_recording *recording = &m->recording;
     const char *missing = find_missing(diagnosis, recording);
-    if (missing) {
-        set_untestable(diagnosis, NULL, missing);
-    } else {
-        mukca_regression_fit(m, 6, MUKCA_FIT_ALL);
-        if (fits) status = choose_sign(m, options, error);
-        if (fits && status == MUKCA_OK)
-            status = identify(diagnosis, m, options, error);
-        else if (!fits)
-            set_untestable(diagnosis, m, does_not_fit);
-        diagnosis->geometry = m->unknowns.geometry;
-        diagnosis->tracker = m->unknowns.log.tracker[0];
-        if (status == MUKCA_OK && !options->no_folds)
-            status = validate(diagnosis, m, options, error);
-        if (status == MUKCA_OK && options->applied) mukca_applied_fit(&diagnosis->applied, m);
-    }
+    mukca_regression_fit(m, 6, MUKCA_FIT_ALL);
+    if (missing || !fits)
+        set_untestable(diagnosis, m, missing ? missing : does_not_fit);
+    else if ((status = choose_sign(m, options, error)) == MUKCA_OK)
+        status = identify(diagnosis, m, options, error);
+    diagnosis->geometry = m->unknowns.geometry;
+    diagnosis->tracker = m->unknowns.log.tracker[0];
+    if (status == MUKCA_OK && !options->no_folds) status = validate(diagnosis, m, options, error);
+    if (status == MUKCA_OK && options->applied && !missing)
+        mukca_applied_fit(&diagnosis->applied, m);
     diagnosis->applied_m = diagnosis->explained_m;
     diagnosis->test_applied_m = diagnosis->test_explained_m;
     diagnosis->efforts_correlation = recording->efforts_correlation;
