@@ -1,4 +1,5 @@
-/* View of the arm with the errors of its tip, magnified: an SVG that a small script turns. */
+/* View of the arm with the errors of its tip, magnified, and the findings where they are: an SVG
+ * that a small script turns. */
 #include <math.h>
 #include <string.h>
 
@@ -6,6 +7,9 @@
 #include "report/report.h"
 
 enum { POSTURES = 5, ERRORS = 200 };
+
+/* Widths of a finding's line for none and all of what is explained, pixels. */
+static const double thin = 10, thick = 30;
 
 /* Initial direction of view, rad. */
 static const double azimuth = 0.6, elevation = 0.4;
@@ -54,6 +58,55 @@ static int find_joints(double points[][3], const mukca_report *r, int row)
     return n + 1;
 }
 
+/* Vertex of a line of the arm at a position of a finding. */
+static int vertex_at(const mukca_chain *chain, int position)
+{
+    return position < 0                  ? 0
+           : position == chain->n_joints ? chain->n_elements
+                                         : chain->joint_element[position];
+}
+
+/* Is a finding at a place of the arm that the view shows? */
+static bool is_placed(const mukca_finding *f)
+{
+    return !f->group.apart;
+}
+
+/* Draw the findings on the first posture: where, how large, and by colour what they vary with. */
+static void put_findings(FILE *out, const mukca_report *r, const double centre[3])
+{
+    const mukca_diagnosis *d = r->diagnosed.diagnosis;
+    double points[MUKCA_MAX_ELEMENTS + 1][3], stretch[MUKCA_MAX_ELEMENTS + 1][3];
+    find_joints(points, r, 0);
+    for (int i = 0; d && i < d->n_findings; i++) {
+        const mukca_finding_group *g = &d->findings[i].group;
+        char style[64];
+        int n = 0;
+        if (!is_placed(&d->findings[i])) continue;
+        for (int k = vertex_at(r->fitted, g->from); k <= vertex_at(r->fitted, g->to); k++)
+            memcpy(stretch[n++], points[k], sizeof *stretch);
+        if (n == 1) memcpy(stretch[n++], stretch[0], sizeof *stretch); /* a dot */
+        snprintf(style, sizeof style, "found v%d\" style=\"stroke-width:%.1f", g->family + 1,
+                 thin + (thick - thin) * fmin(fmax(d->findings[i].share, 0), 1));
+        put_line(out, style, stretch, n, centre);
+    }
+}
+
+/* List them below. */
+static void put_legend(FILE *out, const mukca_report *r)
+{
+    const mukca_diagnosis *d = r->diagnosed.diagnosis;
+    const char *before = " Findings, at their place in one posture, the wider the larger: ";
+    for (int i = 0; d && i < d->n_findings; i++) {
+        if (!is_placed(&d->findings[i])) continue;
+        fprintf(out, "%s<span class=\"v%d\">&#9632;</span> ", before,
+                d->findings[i].group.family + 1);
+        mukca_html_escape(out, mukca_wording_finding(MUKCA_WORDS, &d->findings[i], &r->diagnosed));
+        before = ", ";
+    }
+    if (*before == ',') fputs(".", out);
+}
+
 void mukca_report_put_view(FILE *out, const void *content)
 {
     const mukca_report *r = content;
@@ -88,6 +141,7 @@ void mukca_report_put_view(FILE *out, const void *content)
         const int n = find_joints(points, r, i * rows / POSTURES);
         put_line(out, "arm", points, n, centre);
     }
+    put_findings(out, r, centre);
     for (int m = 0; m < MUKCA_REPORT_MODELS; m += MUKCA_CALIBRATED)
         for (int i = 0; i < rows; i += 1 + rows / ERRORS) {
             const double *tip = r->of[m].tips[i].p,
@@ -104,6 +158,8 @@ void mukca_report_put_view(FILE *out, const void *content)
         "</svg>\n<figcaption><strong>The arm in %d postures, errors times %g</strong> Error of "
         "each "
         "sample from the %s: nominal in orange, calibrated in blue. Drag to turn, or use the arrow "
-        "keys.</figcaption>\n</figure>\n%s",
-        POSTURES, scale, where, script);
+        "keys.",
+        POSTURES, scale, where);
+    put_legend(out, r);
+    fprintf(out, "</figcaption>\n</figure>\n%s", script);
 }

@@ -35,6 +35,16 @@ ok "report: the verdict is one sentence" sh -c 'test "$(sed -n "s/^<p class=.ver
     grep -o "[.]" | wc -l)" -eq 1' "$page"
 ok "report: accuracy, use, verdict, then what to do" sh -c 'grep -n -e "class=.verdict" -e "id=.to-do" -e "Accuracy of the tip" "$0" |
     sed "s/.*\(verdict\|to-do\|Accuracy\).*/\1/" | tr "\n" " " | grep -qx "Accuracy verdict verdict to-do "' "$page"
+# each finding in the view, at its place and in the colour of what it varies with, and below it
+ok "report: findings are drawn on the arm" sh -c '
+    "$0" diagnose -q --urdf data/demo/arm.urdf data/demo/train.tsv --json "$1/d.json" &&
+    python3 - "$1/d.json" "$2" <<END
+import json, re, sys
+findings = [f for f in json.load(open(sys.argv[1]))["findings"] if f["varies_with"] != "placement"]
+page = open(sys.argv[2]).read()
+drawn = re.findall(r"class=\"found v(\d)\"", page)
+assert findings and len(drawn) == len(findings) == page.count("&#9632;</span>"), (len(findings), drawn)
+END' "$MUKCA" "$out" "$page"
 mkdir "$out/figures"
 "$MUKCA" calibrate -q --urdf $arm data/demo/train.tsv --test data/demo/test.tsv -o "$out/o.tsv"
 python3 tests/report/figures.py "$out/figures" || failed=1
