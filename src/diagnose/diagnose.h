@@ -104,6 +104,8 @@ typedef struct {
     mukca_estimate coefficient; /* sum of members that act through one quantity, */
     mukca_effect quantity;      /* that of this effect */
     int order[2];               /* 95 % interval; 0: none */
+    double time_constant[2];    /* of a drift, s: least and largest probable one; HUGE_VAL: linear
+                                   in time; 0: none */
     int n_alternatives;         /* by falling probability */
     mukca_alternative alternatives[MUKCA_MAX_ALTERNATIVES];
 } mukca_finding;

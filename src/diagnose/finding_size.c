@@ -208,6 +208,24 @@ static mukca_finding *finding_at(mukca_diagnosis *d, int i)
     return i < d->n_findings ? &d->findings[i] : &d->maybe[i - d->n_findings];
 }
 
+/* Time constants of the members that change with time. */
+static void find_time_constants(double range[2], const mukca_finding_group *g, const measured *w,
+                                const tables *t)
+{
+    double low = HUGE_VAL, high = 0;
+    for (int i = 0; i < w->id->n_kept; i++) {
+        const mukca_candidate *h = &w->id->all.list[w->id->kept[i]];
+        const int label = w->in->label_of[i];
+        if (label < 0 || !(t->best[i] >= ALTERNATIVE) ||
+            !mukca_finding_holds(g, &w->in->posterior.label[label]))
+            continue;
+        const double constant = h->effect.variant.time_constant;
+        low = fmin(low, constant > 0 ? constant : HUGE_VAL);
+        high = fmax(high, constant > 0 ? constant : HUGE_VAL);
+    }
+    if (high > 0) range[0] = low, range[1] = high;
+}
+
 static void describe(mukca_finding *f, const measured *w, const tables *t)
 {
     const mukca_labelled_sets *p = &w->in->posterior;
@@ -237,6 +255,8 @@ static void describe(mukca_finding *f, const measured *w, const tables *t)
     memcpy(f->alternatives, all, sizeof *all * (size_t)f->n_alternatives);
     f->outside = outside + inside > 0 ? outside / (outside + inside) : 0;
     f->share = mukca_finding_share(&f->group, p);
+    if (f->group.effect >= 0 && mukca_effect_has(f->group.effect, MUKCA_TRAIT_OF_TIME))
+        find_time_constants(f->time_constant, &f->group, w, t);
     if (f->group.effect >= 0 && f->group.from == f->group.to &&
         mukca_effect_has(f->group.effect, MUKCA_TRAIT_ORDERS))
         mukca_finding_details(f->order, &f->group, p, t->probability);

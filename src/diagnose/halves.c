@@ -254,9 +254,10 @@ static void search_pair(void *context, int pair, int worker)
         double *gram = other ? s->second : s->part;
         remove_means(s, gram, other);
         for (int i = 0; i < square; i++) gram[i] += s->pairs[i];
-        if (!search(&half[other], &job->halves->pool[worker], &s->layout, gram,
-                    freedom(r, s->in, other != 0) + r->n_pairs))
-            job->outcome[pair] = FAILED;
+        mukca_pool *pool = &job->halves->pool[worker];
+        const int dof = freedom(r, s->in, other != 0) + r->n_pairs;
+        if (!search(&half[other], pool, &s->layout, gram, dof))
+            job->outcome[pair] = pool->failed ? FAILED : TOO_FEW; /* or: singular */
     }
 }
 

@@ -75,6 +75,21 @@ static void put_group(char *text, const mukca_finding *f, const mukca_diagnosed 
     }
 }
 
+/* ", time constant 300 to 1000 s" */
+static void put_time_constant(char *text, const double range[2])
+{
+    if (isinf(range[0]))
+        put(text, ", linear in time");
+    else if (range[0] > 0)
+        put(text, ", time constant %g", range[0]);
+    if (isfinite(range[0]) && range[0] > 0)
+        put(text,
+            range[0] == range[1] ? " s"
+            : isinf(range[1])    ? " s or more"
+                                 : " to %g s",
+            range[1]);
+}
+
 const char *mukca_wording_finding(char text[MUKCA_WORDING], const mukca_finding *f,
                                   const mukca_diagnosed *r)
 {
@@ -84,6 +99,7 @@ const char *mukca_wording_finding(char text[MUKCA_WORDING], const mukca_finding 
     if (f->order[0] > 0 && f->order[0] < f->order[1])
         put(text, ", order %d [%d, %d]", f->alternatives[0].effect.variant.order, f->order[0],
             f->order[1]);
+    put_time_constant(text, f->time_constant);
     if (placement >= 0)
         put(text, "%s placement %s", f->group.effect < 0 && f->group.apart ? ":" : " in",
             r->data->placements[placement].name);

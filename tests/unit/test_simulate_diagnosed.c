@@ -91,6 +91,10 @@ TEST(what_is_hidden_is_found)
         assert_int_equal(cause->effect.kind, cases[c].kind);
         assert_int_equal(cause->effect.joint, cases[c].joint);
         if (cases[c].placement >= 0) assert_int_equal(cause->effect.placement, cases[c].placement);
+        /* among those that the data allow is the true one, s */
+        const double *seconds = d->findings[0].time_constant;
+        const bool drifts = cases[c].kind == MUKCA_EFFECT_JOINT_DRIFT;
+        assert_true(drifts ? seconds[0] <= 300 && seconds[1] >= 300 : seconds[0] == 0);
         assert_close(cause->amplitude, cases[c].size,
                      fmax(0.1 * cases[c].size, cause->high - cause->amplitude));
         if (!mukca_effect_has(cases[c].kind, MUKCA_TRAIT_RECORDING_FAULT)) check_table();
