@@ -7,7 +7,8 @@
 
 /* Coarseness of a kind of group in addition to positions times kinds of causes: it decides between
  * groups with the same causes. */
-static const double coarser[] = {0, 0.01, 0.2, 0.6}, coarser_stretch[] = {0.49, 0.5, 0.3, 0.9};
+static const double coarser[] = {0, 0.01, 0.2, 0.4, 0.6},
+                    coarser_stretch[] = {0.49, 0.5, 0.3, 0.6, 0.9};
 
 typedef struct {
     mukca_finding_group group;
@@ -22,6 +23,7 @@ typedef struct {
 
 bool mukca_finding_holds(const mukca_finding_group *g, const mukca_label *l)
 {
+    if (g->kind == MUKCA_GROUP_TIE && (l->tie != g->tie || l->apart)) return l->tie == g->tie;
     if (l->from < g->from || l->to > g->to || l->apart != g->apart) return false;
     switch (g->kind) {
         case MUKCA_GROUP_DETAIL:
@@ -30,7 +32,7 @@ bool mukca_finding_holds(const mukca_finding_group *g, const mukca_label *l)
             return l->effect == g->effect;
         case MUKCA_GROUP_FAMILY:
             return l->family == g->family;
-        default:
+        default: /* a tie, and a place */
             return true;
     }
 }
@@ -77,6 +79,7 @@ mukca_finding_group mukca_finding_alone(const mukca_label *l)
     return (mukca_finding_group){.kind = l->detail ? MUKCA_GROUP_DETAIL : MUKCA_GROUP_EFFECT,
                                  .family = l->family,
                                  .effect = l->effect,
+                                 .tie = l->tie,
                                  .from = l->from,
                                  .to = l->to,
                                  .low = l->detail - l->blur,
@@ -85,18 +88,27 @@ mukca_finding_group mukca_finding_alone(const mukca_label *l)
                                  .apart = l->apart};
 }
 
+/* Whether a cause shows in data in which the group does. */
+static bool overlaps(const mukca_finding_group *g, const mukca_label *l,
+                     const mukca_labelled_sets *p)
+{
+    return !p->separate || g->tie || l->tie || g->apart || l->apart ||
+           (l->from <= g->to && l->to >= g->from);
+}
+
 /* Square that the members of a set which are in the group explain together, (*split) the same with
  * half of their products with the others, and (*outside) the largest square of another member
- * outside the catalogue. */
+ * outside the catalogue in the same data. */
 static double square_of(double *split, double *outside, const mukca_finding_group *g,
-                        const mukca_labelled_set *s, const mukca_label *label)
+                        const mukca_labelled_set *s, const mukca_labelled_sets *p)
 {
     double square = 0;
     bool in[64]; /* more than MUKCA_SET_ITEMS */
     *split = *outside = 0;
     for (int i = 0; i < s->n; i++) {
-        in[i] = mukca_finding_holds(g, &label[s->label[i]]);
-        if (!in[i] && label[s->label[i]].effect < 0)
+        const mukca_label *l = &p->label[s->label[i]];
+        in[i] = mukca_finding_holds(g, l);
+        if (!in[i] && l->effect < 0 && overlaps(g, l, p))
             *outside = fmax(*outside, s->product[i * s->n + i]);
     }
     for (int i = 0; i < s->n; i++)
@@ -115,7 +127,7 @@ double mukca_finding_probability(const mukca_finding_group *g, const mukca_label
     const bool name = g->kind <= MUKCA_GROUP_EFFECT && !(g->kind == MUKCA_GROUP_DETAIL && g->fine);
     double sum = 0, split, outside;
     for (int i = 0; i < p->n_sets; i++) {
-        const double square = square_of(&split, &outside, g, &p->set[i], p->label);
+        const double square = square_of(&split, &outside, g, &p->set[i], p);
         if (square > p->least)
             sum += p->set[i].weight * (name ? sqrt(square / (square + outside)) : 1);
     }
@@ -128,7 +140,7 @@ double mukca_finding_share(const mukca_finding_group *g, const mukca_labelled_se
     for (int i = 0; i < p->n_sets; i++) {
         const mukca_labelled_set *s = &p->set[i];
         double split, outside;
-        square_of(&split, &outside, g, s, p->label);
+        square_of(&split, &outside, g, s, p);
         part += s->weight * split;
         for (int k = 0; k < s->n * s->n; k++) whole += s->weight * s->product[k];
     }
@@ -167,19 +179,21 @@ static void add_stretches(groups *all, mukca_group_kind kind, int label)
     const mukca_label *l = all->posterior->label;
     const int n = all->posterior->n_labels;
     const mukca_finding_group like = {.kind = kind,
-                                      .family = kind != MUKCA_GROUP_PLACE ? l[label].family : -1,
+                                      .family = kind < MUKCA_GROUP_TIE ? l[label].family : -1,
+                                      .tie = l[label].tie,
                                       .effect = kind == MUKCA_GROUP_EFFECT ? l[label].effect : -1,
                                       .from = -1000,
                                       .to = 1000,
                                       .apart = l[label].apart};
     for (int o = 0; o < label; o++)
-        if (mukca_finding_holds(&like, &l[o])) return;
+        if (mukca_finding_holds(&like, &l[o]) && l[o].apart == like.apart) return;
     for (int a = 0; a < n; a++) {
-        bool repeated = !mukca_finding_holds(&like, &l[a]);
+        bool repeated = !mukca_finding_holds(&like, &l[a]) || l[a].apart != like.apart;
         for (int o = 0; o < a && !repeated; o++)
             repeated = mukca_finding_holds(&like, &l[o]) && l[o].from == l[a].from;
         for (int b = 0; b < n && !repeated; b++) {
-            bool known = !mukca_finding_holds(&like, &l[b]) || l[b].to < l[a].from;
+            bool known = !mukca_finding_holds(&like, &l[b]) || l[b].to < l[a].from ||
+                         l[b].apart != like.apart;
             for (int o = 0; o < b && !known; o++)
                 known = mukca_finding_holds(&like, &l[o]) && l[o].to == l[b].to;
             mukca_finding_group g = like;
@@ -197,6 +211,7 @@ static void list_groups(groups *all)
         if (l->detail) add(all, mukca_finding_alone(l));
         if (l->effect >= 0) add_stretches(all, MUKCA_GROUP_EFFECT, i);
         add_stretches(all, MUKCA_GROUP_FAMILY, i);
+        if (!l->apart && l->tie) add_stretches(all, MUKCA_GROUP_TIE, i);
         if (!l->apart) add_stretches(all, MUKCA_GROUP_PLACE, i);
     }
 }

@@ -57,7 +57,7 @@ const mukca_torque_effect mukca_torque_table[MUKCA_TORQUE_ROWS] = {
     [MUKCA_MOTION_VISCOUS] = NAMED("viscous", "viscous friction", "N*m*s/rad", VELOCITY,
                                    MUKCA_RAW_VELOCITY, 1, 1, SPEED, LARGE, .nonnegative = true),
     [MUKCA_MOTION_STRIBECK] = NAMED("stribeck", "Stribeck friction", "N*m", VELOCITY,
-                                    MUKCA_RAW_STRIBECK, MUKCA_STRIBECKS, 1, RANGE, SMALL),
+                                    MUKCA_RAW_SLOW, 3, MUKCA_SLOWS, RANGE, SMALL),
     /* under gravity, or under all torques */
     [MUKCA_MOTION_LOAD_FRICTION] =
         NAMED("load_friction", "friction under load", "1", LOAD, MUKCA_RAW_LOAD, 1, 2, UNIT, SMALL),
@@ -75,10 +75,11 @@ const mukca_torque_effect mukca_torque_table[MUKCA_TORQUE_ROWS] = {
                                    MUKCA_ORDERS, RANGE, SMALL, .orders = true),
     [MUKCA_MOTION_THERMAL_FRICTION] =
         NAMED("thermal_friction", "friction that falls with warming", "N*m", TIME,
-              MUKCA_RAW_WARMING, 1, MUKCA_WARMINGS, RANGE, SMALL),
+              MUKCA_RAW_WARMING, 2, MUKCA_WARMINGS, RANGE, SMALL),
     UNKNOWN(DIRECTION, MUKCA_RAW_SIGN, 3, RANGE, "N*m", FUNCTION),
     UNKNOWN(DIRECTION, MUKCA_RAW_PLAY, MUKCA_PLAYS, RANGE, "N*m", FUNCTION),
     UNKNOWN(VELOCITY, MUKCA_RAW_STRIBECK, MUKCA_STRIBECKS, RANGE, "N*m", FUNCTION),
+    UNKNOWN(VELOCITY, MUKCA_RAW_DRAG, 2, SPEED, "N*m*s/rad", FUNCTION),
     UNKNOWN(VELOCITY, MUKCA_RAW_CURVE, MUKCA_HATS, RANGE, "N*m", FUNCTION),
     UNKNOWN(VELOCITY, MUKCA_RAW_BESIDE, 4, RANGE, "N*m", FUNCTION),
     UNKNOWN(ACCELERATION, MUKCA_RAW_ACCELERATION, 3, INERTIA, "kg*m^2", FUNCTION),
@@ -91,6 +92,7 @@ const mukca_torque_effect mukca_torque_table[MUKCA_TORQUE_ROWS] = {
     UNKNOWN(TIME, MUKCA_RAW_BURST, MUKCA_BURSTS, RANGE, "N*m", FUNCTION),
     UNKNOWN(TIME, MUKCA_RAW_DRIFT, MUKCA_HATS, RANGE, "N*m", FUNCTION),
     UNKNOWN(TORQUE, MUKCA_RAW_MODEL, 2, UNIT, "1", FUNCTION),
+    UNKNOWN(TORQUE, 0, MUKCA_COLUMNS_MODEL, UNIT, "1", GAINS),
     UNKNOWN(TORQUE, MUKCA_RAW_ONE, 1, RANGE, "N*m", FUNCTION),
     UNKNOWN(GRAVITY, MUKCA_RIGID_ANY, MUKCA_COLUMNS_RIGID, UNIT, "kg", MASSES, .links = true),
     UNKNOWN(SHIFT, 0, MUKCA_COLUMNS_RATE, UNIT, "s", DELAYS)};

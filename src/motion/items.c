@@ -6,8 +6,7 @@
 
 /* ---- prior deviations of the model's parameters ---- */
 
-/* Of a link as it was built from the CAD data of its URDF: mass, centre of mass (m), inertia. */
-#define MASS 0.03
+/* Of a link as it was built from the CAD data of its URDF: centre of mass (m), inertia. */
 #define CENTRE 0.003
 #define INERTIA 0.1
 /* Of the same where reference runs determine them: any link. */
@@ -42,8 +41,6 @@ typedef struct {
     bool reference, masses;
     double total; /* kg */
 } lister;
-
-/* ---- terms and columns ---- */
 
 static void end_column(lister *l)
 {
@@ -114,8 +111,6 @@ static void put_torque(lister *l, int joint, double weight)
         put(l, joint, r, weight * l->point->torque[joint][r]);
 }
 
-/* ---- parameters ---- */
-
 static void list_local(lister *l, int joint, int column, double sigma)
 {
     if (!(sigma > 0)) return;
@@ -130,7 +125,7 @@ static void list_parameters(lister *l)
         if (l->reference)
             put_body(l, k, FREE_MASS, FREE_CENTRE, FREE_INERTIA);
         else
-            put_body(l, k, MASS, CENTRE, INERTIA);
+            put_body(l, k, MUKCA_MASS_ERROR, CENTRE, INERTIA);
     for (int j = 0; j < l->n; j++) {
         const double range = l->model->signals->range[j], free = l->reference ? FREE_FRICTION : 0,
                      speed = fmax(l->model->signals->fastest[j], 1e-3);
@@ -155,35 +150,30 @@ static void list_parameters(lister *l)
     l->out->n_parameters = l->out->n_columns;
 }
 
-/* ---- the value: measured torque at the point's delay, continued to none, minus the nominal one
- * ---- */
+/* ---- the value: measured torque without delay, minus the nominal one ---- */
 
-/* Put the time derivative of a joint's torque at its delay. */
+/* Put the time derivative of a joint's torque; at a delay, the chord from none to it: both are then
+ * compared as they are, and not a continuation of one. */
 static void put_rate(lister *l, int joint, double weight)
 {
     double value[MUKCA_SHIFTS], slope[MUKCA_SHIFTS];
-    const double step = l->model->shift * l->model->signals->dt;
-    mukca_raw_interpolate(value, slope, l->point->delay[joint] / step);
+    const double step = l->model->shift * l->model->signals->dt, delay = l->point->delay[joint];
+    mukca_raw_interpolate(value, slope, delay / step);
+    value[MUKCA_SHIFTS / 2] -= 1;
     for (int k = 0; k < MUKCA_SHIFTS; k++)
-        put_local(l, joint, MUKCA_RAW_TORQUE + k, weight * slope[k] / step);
+        put_local(l, joint, MUKCA_RAW_TORQUE + k,
+                  weight * (delay != 0 ? value[k] / delay : slope[k] / step));
 }
 
 static void list_value(lister *l, double *scratch)
 {
-    const double step = l->model->shift * l->model->signals->dt;
     for (int j = 0; j < l->n; j++) {
-        double value[MUKCA_SHIFTS], slope[MUKCA_SHIFTS];
-        const double x = l->point->delay[j] / step;
-        mukca_raw_interpolate(value, slope, x);
-        for (int k = 0; k < MUKCA_SHIFTS; k++)
-            put_local(l, j, MUKCA_RAW_TORQUE + k, value[k] - x * slope[k]);
+        put_local(l, j, MUKCA_RAW_TORQUE + MUKCA_SHIFTS / 2, 1);
         mukca_raw_nominal(scratch, l->model, &l->input->drives, j);
         for (int r = 0; r < mukca_raw_width(l->n, j); r++) put(l, j, r, -scratch[r]);
     }
     end_column(l);
 }
-
-/* ---- items ---- */
 
 /* Columns that share their prior sizes are of the same magnitude. */
 static double normal_of(const lister *l, const mukca_torque_effect *e, int joint, int column)
@@ -279,6 +269,7 @@ static mukca_item *begin(lister *l, int e, int from, int to, int variant)
                            .effect = row->name ? e : -1 - e,
                            .from = from,
                            .to = to > from ? from : to,
+                           .tie = row->links || row->n == MUKCA_COLUMNS_MODEL,
                            .apart = to > from};
     if (row->orders) {
         label->detail = variant + 1;
@@ -370,7 +361,7 @@ bool mukca_items_list(mukca_items *items, mukca_pool *pool, const mukca_motion_i
 {
     const int n = model->signals->n_joints;
     lister l = {.out = items, .input = input, .model = model, .point = point, .n = n};
-    l.most_items = n * (MUKCA_TORQUE_ROWS + MUKCA_ORDERS + MUKCA_STRIBECKS + MUKCA_WARMINGS) + 8;
+    l.most_items = n * (MUKCA_TORQUE_ROWS + MUKCA_ORDERS + MUKCA_SLOWS + MUKCA_WARMINGS) + 8;
     l.most_columns = n * 24 + 8 + n * (2 * MUKCA_ORDERS + 200);
     l.most_terms =
         l.most_columns * 4 + n * n * MUKCA_INERTIAL * 40 + 32 * n * mukca_raw_width(n, 0);

@@ -2,6 +2,7 @@
 #include "motion/motion.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "base/text.h"
 #include "motion/findings.h"
@@ -27,7 +28,7 @@ static mukca_status check(const mukca_torques *t, const mukca_motion_input *in, 
 {
     const mukca_signals *s = t->model.signals;
     double product = 0, model = 0, measured = 0;
-    int moving = 0, turning = 0;
+    int turning = 0;
     for (const mukca_stretch *k = s->stretch; k < s->stretch + s->n; k++)
         for (int i = 0; i < k->n; i += 1 + k->n / 500) {
             double torque[MUKCA_MAX_JOINTS];
@@ -49,7 +50,6 @@ static mukca_status check(const mukca_torques *t, const mukca_motion_input *in, 
     for (int j = 0; j < t->n; j++) {
         const char *name = mukca_chain_joint_name(in->chain, j);
         const bool moves = s->forwards[j] || s->backwards[j];
-        moving += moves;
         turning += s->forwards[j] && s->backwards[j];
         if (!moves)
             mukca_note_format(in->note, in->context,
@@ -62,9 +62,8 @@ static mukca_status check(const mukca_torques *t, const mukca_motion_input *in, 
     }
     if (turning) return MUKCA_OK;
     return mukca_fail(error, MUKCA_UNIDENTIFIABLE,
-                      "%s in one direction only, so friction and a torque offset are "
-                      "indistinguishable; record motions to and fro",
-                      moving > 1 ? "all joints move" : "the joint moves");
+                      "the joints move in one direction only, so friction and a torque offset are "
+                      "indistinguishable; record motions to and fro");
 }
 
 /* Mean inertia about each joint; of an arm without masses what its torques suggest. */
@@ -72,12 +71,19 @@ static void find_inertia(mukca_raw_model *m, const mukca_drives *drives)
 {
     const mukca_signals *s = m->signals;
     const int n = s->n_joints;
-    double M[MUKCA_MAX_JOINTS * MUKCA_MAX_JOINTS];
+    const double rest[MUKCA_MAX_JOINTS] = {0};
     enum { POSTURES = 16 };
     for (int i = 0; i < POSTURES; i++) {
         const mukca_stretch *k = &s->stretch[0];
-        mukca_dynamics_mass_matrix(M, &m->dynamics, m->inertial, k->q + k->n * i / POSTURES * n);
-        for (int j = 0; j < n; j++) m->inertia[j] += M[j * n + j] / POSTURES;
+        const double *q = k->q + k->n * i / POSTURES * n;
+        double gravity[MUKCA_MAX_JOINTS], torque[MUKCA_MAX_JOINTS], unit[MUKCA_MAX_JOINTS] = {0};
+        mukca_dynamics_torque(gravity, &m->dynamics, m->inertial, q, rest, rest);
+        for (int j = 0; j < n; j++) {
+            unit[j] = 1;
+            mukca_dynamics_torque(torque, &m->dynamics, m->inertial, q, rest, unit);
+            m->inertia[j] += (torque[j] - gravity[j]) / POSTURES;
+            unit[j] = 0;
+        }
     }
     for (int j = 0; j < n; j++) {
         m->inertia[j] += drives->armature[j];
@@ -93,8 +99,8 @@ static mukca_status prepare(mukca_torques *t, mukca_signals *signals, mukca_pool
     mukca_status status = mukca_signals_make(signals, pool, in, error);
     if (status != MUKCA_OK) return status;
     t->model.signals = signals;
-    mukca_dynamics_set(&t->model.dynamics, in->chain, NULL);
-    mukca_dynamics_inertials(t->model.inertial, in->chain, NULL);
+    mukca_dynamics_set(&t->model.dynamics, in->chain);
+    mukca_dynamics_inertials(t->model.inertial, in->chain);
     t->model.shift = (int)fmax(rint(SPACING / signals->dt), 1);
     for (int j = 0; j < t->n; j++) {
         t->model.scale[j] = signals->range[j];
@@ -110,6 +116,16 @@ static mukca_status prepare(mukca_torques *t, mukca_signals *signals, mukca_pool
 static void summarise(mukca_motion *m, const mukca_torques *t)
 {
     const mukca_signals *s = t->model.signals;
+    m->fitted = m->drives = t->input->drives;
+    memcpy(m->inertial, t->model.inertial, sizeof m->inertial);
+    memcpy(m->fitted_inertial, t->model.inertial, sizeof m->inertial);
+    for (int j = 0; j < t->n && !t->reference; j++) {
+        const double *local = t->point.torque[j] + mukca_raw_local(t->n, j, 0);
+        memcpy(m->fitted_inertial[j], t->point.torque[j], sizeof *m->inertial);
+        m->fitted.coulomb[j] = local[MUKCA_RAW_SIGN];
+        m->fitted.viscous[j] = local[MUKCA_RAW_VELOCITY];
+        m->fitted.armature[j] = local[MUKCA_RAW_ACCELERATION];
+    }
     for (int r = 0; r < t->input->n_runs; r++) {
         const mukca_run_role role = t->input->run[r].role;
         *(role == MUKCA_RUN_NEW         ? &m->n_runs

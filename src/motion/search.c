@@ -2,6 +2,7 @@
 #include "motion/search.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -161,10 +162,10 @@ static double linearise(mukca_torque_search *s, const mukca_torque_set *set)
     for (int i = 0; i < gains && ok; i++)
         for (int r = all->first[i]; r < all->first[i + 1]; r++)
             t->point.torque[all->term[r].joint][all->term[r].raw] += mean[i] * all->term[r].weight;
-    const int shifts = MUKCA_SHIFTS / 2;
-    const double most = shifts * t->model.shift * t->model.signals->dt;
+    const double most = MUKCA_SHIFTS / 2 * t->model.shift * t->model.signals->dt;
     for (int j = 0; j < t->n && ok; j++) {
         delay[j] = fmin(fmax(delay[j], -most), most);
+        if (fabs(delay[j]) < SETTLED) delay[j] = 0; /* a chord has a length */
         change = fmax(change, fabs(delay[j] - t->point.delay[j]));
         t->point.delay[j] = delay[j];
     }
@@ -186,12 +187,32 @@ mukca_status mukca_torque_search_run(mukca_torque_search *s, mukca_pool *pool, m
         ok = score(alone, t, &none) && score(beside, t, &best);
         if (!ok) break;
         qsort(alone, (size_t)n, sizeof *alone, by_odds);
+        if (getenv("DBG") && last) {
+            for (int j = 0; j < t->n; j++)
+                fprintf(stderr, "noise joint %d rho %.3f sigma %.4g range %.4g\n", j, t->rho[j],
+                        t->sigma[j], t->model.signals->range[j]);
+            for (int i = 0; i < 24; i++) {
+                const mukca_label *l = &t->items.label[alone[i].index];
+                fprintf(stderr, "alone %.1f effect %d %s family %s from %d to %d detail %d\n",
+                        alone[i].odds, l->effect,
+                        l->effect >= 0 ? mukca_torque_table[l->effect].name : "?",
+                        mukca_torque_family_name[l->family], l->from, l->to, l->detail);
+            }
+        }
         keep(s, alone, beside, &best);
         ok = begin(s, &mukca_torques_whole);
         if (!ok) break;
         insert(s, &best);
         mukca_sets_explore(&s->sets, last ? BUDGET : QUICK, last);
         const mukca_torque_set found = set_of(s, s->sets.best);
+        if (getenv("DBG") && last)
+            for (int i = 0; i < found.n; i++) {
+                const mukca_label *l = &t->items.label[found.item[i]];
+                fprintf(stderr, "best effect %d %s family %s from %d to %d detail %d size %g\n",
+                        l->effect, l->effect >= 0 ? mukca_torque_table[l->effect].name : "?",
+                        mukca_torque_family_name[l->family], l->from, l->to, l->detail,
+                        found.size[i]);
+            }
         if (last) break;
         mukca_pool_free(&s->pool);
         const double change = linearise(s, &found);

@@ -9,9 +9,10 @@
 /* Least probability of an alternative. */
 #define ALTERNATIVE 0.05
 
+enum { LABEL = 1 + MUKCA_INERTIAL }; /* mixtures of a label */
+
 typedef struct {
     const mukca_torque_posterior *p;
-    double rows[MUKCA_MAX_JOINTS];
     int columns; /* of the present set */
     int at[MUKCA_SET_ITEMS];
     double *V, *mean; /* covariance and mean of its columns */
@@ -33,46 +34,48 @@ static void take_set(measured *w, const mukca_set *set, double *scratch)
     }
 }
 
-/* Columns of some members of a set. */
-static int columns_of(int *index, const measured *w, const mukca_set *set, const int *member, int n)
+/* Columns of the members of a set that belong to a group.  Returns their number. */
+static int columns_of(int *index, const measured *w, const mukca_set *set,
+                      const mukca_finding_group *group)
 {
     int count = 0;
-    for (int i = 0; i < n; i++)
-        for (int t = 0; t < w->p->search->item[set->item[member[i]]].terms; t++)
-            index[count++] = w->at[member[i]] + t;
+    for (int m = 0; m < set->n; m++)
+        for (int t = 0; t < w->p->search->item[set->item[m]].terms; t++)
+            if (mukca_finding_holds(group, &w->p->label[w->p->label_of[set->item[m]]]))
+                index[count++] = w->at[m] + t;
     return count;
+}
+
+double mukca_torque_square(double *slope, const mukca_torque_posterior *p, int joint,
+                           const int *column, const double *mean, int n)
+{
+    double square = 0;
+    for (int a = 0; a < n; a++) {
+        double sum = 0;
+        for (int b = 0; b < n; b++)
+            sum += p->plain[joint][column[a] * p->columns.n + column[b]] / p->rows[joint] * mean[b];
+        square += mean[a] * sum;
+        if (slope) slope[a] = sum;
+    }
+    return fmax(square, 0);
 }
 
 /* Mean square of the torque of some columns at a joint; *variance of its root. */
 static double square_at(double *variance, const measured *w, int joint, const int *index, int n)
 {
-    const double *G = w->p->plain[joint];
-    double square = 0, along = 0, trace = 0, slope[MUKCA_SET_COLUMNS];
-    for (int a = 0; a < n; a++) {
-        slope[a] = 0;
-        for (int b = 0; b < n; b++) {
-            const double g =
-                G[w->plain[index[a]] * w->p->columns.n + w->plain[index[b]]] / w->rows[joint];
-            slope[a] += g * w->mean[index[b]];
-            trace += g * w->V[index[a] * w->columns + index[b]];
-        }
-        square += w->mean[index[a]] * slope[a];
-    }
+    const mukca_torque_posterior *p = w->p;
+    double along = 0, trace = 0, slope[MUKCA_SET_COLUMNS], mean[MUKCA_SET_COLUMNS] = {0};
+    int column[MUKCA_SET_COLUMNS] = {0};
+    for (int a = 0; a < n; a++) column[a] = w->plain[index[a]], mean[a] = w->mean[index[a]];
+    const double square = mukca_torque_square(slope, p, joint, column, mean, n);
     for (int a = 0; a < n; a++)
-        for (int b = 0; b < n; b++)
-            along += slope[a] * slope[b] * w->V[index[a] * w->columns + index[b]];
+        for (int b = 0; b < n; b++) {
+            const double v = w->V[index[a] * w->columns + index[b]];
+            trace += p->plain[joint][column[a] * p->columns.n + column[b]] / p->rows[joint] * v;
+            along += slope[a] * slope[b] * v;
+        }
     *variance = square > 0 ? along / square : trace;
     return square + trace;
-}
-
-/* Members of a set that belong to a group.  Returns their number. */
-static int members_of(int member[MUKCA_SET_ITEMS], const mukca_torque_posterior *p,
-                      const mukca_set *set, const mukca_finding_group *group)
-{
-    int n = 0;
-    for (int m = 0; m < set->n; m++)
-        if (mukca_finding_holds(group, &p->label[p->label_of[set->item[m]]])) member[n++] = m;
-    return n;
 }
 
 static mukca_motion_finding *finding_at(mukca_motion *m, int i)
@@ -86,15 +89,14 @@ static void find_worst(mukca_motion *motion, measured *w, double *scratch)
     const mukca_torque_search *s = w->p->search;
     const int n = motion->n_findings + motion->n_maybe;
     double best[2 * MUKCA_MOST_FINDINGS] = {0};
-    int index[MUKCA_SET_COLUMNS], member[MUKCA_SET_ITEMS];
+    int index[MUKCA_SET_COLUMNS];
     for (int k = 0; k < s->n_sets; k++) {
         const mukca_set *set = &s->sets.set[s->set[k]];
         if (s->weight[k] < 0.05 && k) break;
         take_set(w, set, scratch);
         for (int i = 0; i < n; i++) {
             mukca_motion_finding *f = finding_at(motion, i);
-            const int of =
-                columns_of(index, w, set, member, members_of(member, w->p, set, &f->group));
+            const int of = columns_of(index, w, set, &f->group);
             for (int j = 0; j < s->t->n && of; j++) {
                 double variance;
                 const double part = sqrt(fmax(square_at(&variance, w, j, index, of), 0)) /
@@ -111,36 +113,69 @@ static int by_probability(const void *a, const void *b)
     return (x->probability < y->probability) - (x->probability > y->probability);
 }
 
-/* Amplitude of a named effect: its first coefficient; their sum, where all columns are 1 at
- * standstill; the root of their squares, of waves and vectors. */
-static bool amplitude_of(double *mean, double *variance, const measured *w, int at, int terms,
-                         const mukca_torque_effect *row)
+/* Amplitude of a member: the root of its squares, of waves and vectors, else its first coefficient,
+ * with the part of functions outside the catalogue of the same family along its column. */
+static void amplitude_of(double *mean, double *variance, const measured *w, const mukca_set *set,
+                         int member)
 {
-    const double *x = w->mean + at;
-    const bool sum = row->raw == MUKCA_RAW_STRIBECK && row->n == MUKCA_STRIBECKS,
-               norm = row->orders || (row->links && row->raw == MUKCA_RIGID_CENTRE);
-    double square = 0;
-    const int n = sum || norm ? terms : 1;
+    const mukca_torque_posterior *p = w->p;
+    const mukca_torque_search *s = p->search;
+    const mukca_torque_effect *row =
+        &mukca_torque_table[s->t->items.row[s->kept[set->item[member]]]];
+    const mukca_label *own = &p->label[p->label_of[set->item[member]]];
+    const int at = w->at[member], terms = s->item[set->item[member]].terms;
+    const bool norm = row->orders || (row->links && row->raw == MUKCA_RIGID_CENTRE);
+    double slope[MUKCA_SET_COLUMNS] = {[0] = 0}, square = 0;
+    for (int a = at; a < at + terms; a++) square += w->mean[a] * w->mean[a];
+    for (int a = at; a < at + terms; a++)
+        slope[a] = norm ? w->mean[a] / sqrt(fmax(square, 1e-300)) : a == at;
+    for (int m = 0; m < set->n && row->n == 1; m++) {
+        const mukca_label *l = &p->label[p->label_of[set->item[m]]];
+        const double *G = p->plain[own->to] + w->plain[at] * p->columns.n;
+        if (l->effect >= 0 || l->family != own->family || l->from != own->from || l->to != own->to)
+            continue;
+        for (int a = w->at[m]; a < w->at[m] + s->item[set->item[m]].terms; a++)
+            slope[a] = G[w->plain[a]] / G[w->plain[at]];
+    }
     *mean = *variance = 0;
-    for (int a = 0; a < n; a++) square += x[a] * x[a], *mean += x[a];
-    for (int a = 0; a < n; a++)
-        for (int b = 0; b < n; b++) {
-            const double v = w->V[(at + a) * w->columns + at + b];
-            *variance += norm ? x[a] * x[b] * v / fmax(square, 1e-300) : v;
-        }
-    if (norm) *mean = sqrt(square);
-    return row->name != NULL;
+    for (int a = 0; a < w->columns; a++) {
+        *mean += slope[a] * w->mean[a];
+        for (int b = 0; b < w->columns; b++)
+            *variance += slope[a] * slope[b] * w->V[a * w->columns + b];
+    }
 }
 
 /* Relative uncertainty of the scale of an effect's coefficient: all gains together are not
- * determined by a motion, as all masses may be larger with them. */
+ * determined by a motion, as all masses may be larger with them; a load is that of the model. */
 static double scale_of(const mukca_torque_posterior *p, int effect)
 {
-    const bool share = effect == MUKCA_MOTION_DELAY || effect == MUKCA_MOTION_TORQUE_GAIN ||
-                       effect == MUKCA_MOTION_LOAD_FRICTION || effect == MUKCA_MOTION_LINK_CENTRE;
+    const bool share = effect >= 0 && !strpbrk(mukca_torque_table[effect].unit, "Nk");
+    if (effect == MUKCA_MOTION_LOAD_FRICTION) return MUKCA_MASS_ERROR;
     return p->search->t->input->current && !share ? MUKCA_CURRENT_GAIN : 0;
 }
 
+/* What a rigid effect adds to the parameters of its link: its columns there. */
+static void add_inertial(mukca_gaussians *parameter, const measured *w, int item, int at,
+                         double weight)
+{
+    const mukca_items *all = &w->p->search->t->items;
+    const int terms = all->item[item].terms, first = all->n_parameters + 1 + all->item[item].at;
+    for (int p = 0; p < MUKCA_INERTIAL; p++) {
+        double slope[MUKCA_INERTIAL] = {0}, mean = 0, variance = 0;
+        for (int a = 0; a < terms; a++)
+            for (int k = all->first[first + a]; k < all->first[first + a + 1]; k++)
+                if (all->term[k].joint == all->label[item].to && all->term[k].raw == p)
+                    slope[a] += all->term[k].weight;
+        for (int a = 0; a < terms; a++) {
+            mean += slope[a] * w->mean[at + a];
+            for (int b = 0; b < terms; b++)
+                variance += slope[a] * slope[b] * w->V[(at + a) * w->columns + at + b];
+        }
+        mukca_gaussians_add(&parameter[p], mean, variance, weight);
+    }
+}
+
+/* `label`: amplitude, then the parameters of a link, of each label. */
 static void add_amplitudes(mukca_gaussians *label, double *probability, const measured *w,
                            const mukca_set *set, double weight)
 {
@@ -152,10 +187,11 @@ static void add_amplitudes(mukca_gaussians *label, double *probability, const me
         bool again = false;
         for (int k = 0; k < m; k++) again |= w->p->label_of[set->item[k]] == of;
         if (!again) probability[of] += weight;
-        if (amplitude_of(&mean, &variance, w, w->at[m], s->item[set->item[m]].terms,
-                         &mukca_torque_table[s->t->items.row[item]]))
-            mukca_gaussians_add(&label[of], unit * mean,
-                                unit * unit * (variance + scale * scale * mean * mean), weight);
+        amplitude_of(&mean, &variance, w, set, m);
+        mukca_gaussians_add(&label[of * LABEL], unit * mean,
+                            unit * unit * (variance + scale * scale * mean * mean), weight);
+        if (mukca_torque_table[s->t->items.row[item]].links)
+            add_inertial(&label[of * LABEL + 1], w, item, w->at[m], weight);
     }
 }
 
@@ -171,13 +207,16 @@ static void describe(mukca_motion_finding *f, const measured *w, const mukca_gau
         total += probability[l];
         if (of->effect < 0) outside += probability[l];
         if (!(probability[l] >= ALTERNATIVE)) continue;
-        mukca_motion_alternative a = {.effect = of->effect >= 0 ? of->effect : -1,
-                                      .from = of->from,
-                                      .to = of->to,
-                                      .detail = of->detail,
-                                      .all = of->apart,
-                                      .probability = fmin(probability[l], 1),
-                                      .amplitude = mukca_gaussians_estimate(&label[l], 1, false)};
+        mukca_motion_alternative a = {
+            .effect = of->effect >= 0 ? of->effect : -1,
+            .from = of->from,
+            .to = of->to,
+            .detail = of->detail,
+            .all = of->apart,
+            .probability = fmin(probability[l], 1),
+            .amplitude = mukca_gaussians_estimate(&label[l * LABEL], 1, false)};
+        for (int i = 0; i < MUKCA_INERTIAL; i++)
+            a.inertial[i] = mukca_gaussians_estimate(&label[l * LABEL + 1 + i], 1, false);
         int k = f->n_alternatives < MUKCA_MOTION_ALTERNATIVES ? f->n_alternatives++ : -1;
         if (k < 0 && all[MUKCA_MOTION_ALTERNATIVES - 1].probability < a.probability)
             k = MUKCA_MOTION_ALTERNATIVES - 1;
@@ -195,29 +234,25 @@ bool mukca_torque_sizes(mukca_motion *motion, mukca_pool *pool, const mukca_torq
 {
     const mukca_torque_search *s = p->search;
     const int n = motion->n_findings + motion->n_maybe;
-    mukca_part_weights parts = mukca_torques_whole;
-    parts.of[MUKCA_PART_REFERENCE] = 0;
     measured w = {.p = p,
                   .V = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *MUKCA_SET_COLUMNS),
                   .mean = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS),
                   .plain = MUKCA_TAKE(pool, int, MUKCA_SET_COLUMNS)};
     mukca_gaussians *size = MUKCA_TAKE(pool, mukca_gaussians, n + 1),
-                    *label = MUKCA_TAKE(pool, mukca_gaussians, p->n_labels + 1);
+                    *label = MUKCA_TAKE(pool, mukca_gaussians, LABEL * p->n_labels + 1);
     double *probability = MUKCA_TAKE(pool, double, p->n_labels + 1),
            *scratch = MUKCA_TAKE(pool, double, s->question.stride + 1);
-    for (int j = 0; j < s->t->n; j++) w.rows[j] = mukca_torques_rows(s->t, &parts, j);
     if (pool->failed) return false;
     find_worst(motion, &w, scratch);
     for (int k = 0; k < s->n_sets; k++) {
         const mukca_set *set = &s->sets.set[s->set[k]];
-        int index[MUKCA_SET_COLUMNS], member[MUKCA_SET_ITEMS];
+        int index[MUKCA_SET_COLUMNS];
         take_set(&w, set, scratch);
         add_amplitudes(label, probability, &w, set, s->weight[k]);
         for (int i = 0; i < n; i++) {
             const mukca_motion_finding *f = finding_at(motion, i);
             double variance;
-            const int of =
-                columns_of(index, &w, set, member, members_of(member, p, set, &f->group));
+            const int of = columns_of(index, &w, set, &f->group);
             if (!of) continue;
             const double square = square_at(&variance, &w, f->worst, index, of);
             mukca_gaussians_add(&size[i], sqrt(fmax(square, 0)), variance, s->weight[k]);
