@@ -145,6 +145,7 @@ static bool judge_samples(mukca_acceptance *a, const mukca_accept_task *task,
 {
     const double nominal_m = a->error_nominal_m, margin = interval * a->error_sigma_m,
                  misses = isnan(task->training_m) ? fmax(a->noise_m, a->error_m) : a->noise_m;
+    const int sockets = task->change.data->n_sockets;
     if (task->misfit)
         mukca_acceptance_refuse(a, "%s", task->misfit);
     else if (mukca_poses_repeat(task->change.data, nominal_m))
@@ -157,6 +158,10 @@ static bool judge_samples(mukca_acceptance *a, const mukca_accept_task *task,
         mukca_acceptance_refuse(
             a, "%d different postures are too few to estimate the noise; record more of them",
             tip->postures);
+    else if (tip->postures < LEAST_POSTURES + sockets)
+        mukca_acceptance_refuse(a, "the samples are of %d different %s%s; record others",
+                                tip->postures, tip->postures == 1 ? "posture" : "postures",
+                                sockets ? " in all sockets together" : "");
     else if (misses >= foreign_noise)
         mukca_acceptance_refuse(a,
                                 "the samples do not fit this arm (by %.2f mm); check the URDF, the "
@@ -183,9 +188,6 @@ static bool judge_samples(mukca_acceptance *a, const mukca_accept_task *task,
                                 "test error %.3f mm, training error %.3f mm: the data contradict "
                                 "each other; check for another arm, tool or tip",
                                 1e3 * a->error_m, 1e3 * task->training_m);
-    else if (tip->postures < LEAST_POSTURES)
-        mukca_acceptance_refuse(a, "the samples are of %d different %s; record others",
-                                tip->postures, tip->postures > 1 ? "postures" : "posture");
     else if (a->error_m < nominal_m + (changes ? -margin : margin))
         return true;
     else {
