@@ -7,7 +7,6 @@
 
 #include "base/suggest.h"
 #include "base/text.h"
-#include "base/text.h"
 #include "cli/cli.h"
 #include "mukca/effect.h"
 #include "mukca/version.h"

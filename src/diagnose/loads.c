@@ -98,20 +98,21 @@ static void load_across(mukca_recording *r, const mukca_geometry *nominal)
 {
     const mukca_dataset *data = r->data;
     const size_t n_joints = (size_t)r->chain->n_joints;
-    mukca_chain turned = *r->chain;
     mukca_gravity_load load;
     double g[3], axis[2][3];
     memcpy(g, r->chain->gravity, sizeof g);
     const int least = fabs(g[0]) <= fabs(g[1]) ? 0 : 1;
+    *r->turned = *r->chain;
     const double e[3] = {least == 0, least == 1, 0};
     mukca_cross(axis[0], g, e);
     mukca_cross(axis[1], g, axis[0]);
     for (int k = 0; k < 2; k++) {
         for (int c = 0; c < 3; c++)
-            turned.gravity[c] = axis[k][c] * mukca_norm3(g) / fmax(mukca_norm3(axis[k]), 1e-9);
+            r->turned->gravity[c] = axis[k][c] * mukca_norm3(g) / fmax(mukca_norm3(axis[k]), 1e-9);
         for (size_t row = 0; row < (size_t)data->n_rows && r->n_bodies; row++) {
-            mukca_chain_moments(&load, &turned, nominal, data->q + row * n_joints, NULL,
-                                r->payload_body >= 0 ? data->payload[row] : 0);
+            const double payload = r->payload_body >= 0 ? data->payload[row] : 0;
+            mukca_chain_moments(&load, r->turned, nominal, data->q + row * n_joints, NULL,
+                                isfinite(payload) ? payload : 0);
             for (size_t j = 0; j < n_joints; j++)
                 r->across[2 * (row * n_joints + j) + (size_t)k] = load.torque[j];
         }
