@@ -10,9 +10,9 @@
 #include "math/stats.h"
 #include "model/dataset_subset.h"
 
-/* Measurement noise and an error of the nominal model above these, m, mean that the samples are of
- * another arm: four times those of the worst of 40 published recordings.  So do several postures
- * that any arm misses (tip_error.c). */
+/* Measurement noise or cross-validated errors, and an error of the nominal model above these, m,
+ * mean that the samples are of another arm: four times those of the worst of 40 published
+ * recordings.  So do several postures that any arm misses (tip_error.c). */
 static const double foreign_noise = 10e-3, foreign_arm = 50e-3;
 enum { SEVERAL = 3, LEAST_POSTURES = 3 };
 
@@ -143,7 +143,9 @@ static void put_realigned(mukca_acceptance *a, const mukca_accept_task *task)
 static bool judge_samples(mukca_acceptance *a, const mukca_accept_task *task,
                           const mukca_tip_error *tip, bool changes, double turn)
 {
-    const double nominal_m = a->error_nominal_m, margin = interval * a->error_sigma_m;
+    const double nominal_m = a->error_nominal_m, margin = interval * a->error_sigma_m,
+                 misses = isnan(task->training_m) ? fmax(a->noise_m, a->error_m) : a->noise_m;
+    const int sockets = task->change.data->n_sockets;
     if (task->misfit)
         mukca_acceptance_refuse(a, "%s", task->misfit);
     else if (mukca_poses_repeat(task->change.data, nominal_m))
@@ -156,11 +158,15 @@ static bool judge_samples(mukca_acceptance *a, const mukca_accept_task *task,
         mukca_acceptance_refuse(
             a, "%d different postures are too few to estimate the noise; record more of them",
             tip->postures);
-    else if (a->noise_m >= foreign_noise)
+    else if (tip->postures < LEAST_POSTURES + sockets)
+        mukca_acceptance_refuse(a, "the samples are of %d different %s%s; record others",
+                                tip->postures, tip->postures == 1 ? "posture" : "postures",
+                                sockets ? " in all sockets together" : "");
+    else if (misses >= foreign_noise)
         mukca_acceptance_refuse(a,
                                 "the samples do not fit this arm (by %.2f mm); check the URDF, the "
                                 "tip, the columns, the socket labels and the distances",
-                                1e3 * a->noise_m);
+                                1e3 * misses);
     else if (turn > most_turn)
         mukca_acceptance_refuse(a,
                                 "the measured orientations differ by %.0f mrad from those of the "
@@ -182,9 +188,6 @@ static bool judge_samples(mukca_acceptance *a, const mukca_accept_task *task,
                                 "test error %.3f mm, training error %.3f mm: the data contradict "
                                 "each other; check for another arm, tool or tip",
                                 1e3 * a->error_m, 1e3 * task->training_m);
-    else if (tip->postures < LEAST_POSTURES)
-        mukca_acceptance_refuse(a, "the samples are of %d different %s; record others",
-                                tip->postures, tip->postures > 1 ? "postures" : "posture");
     else if (a->error_m < nominal_m + (changes ? -margin : margin))
         return true;
     else {
@@ -206,12 +209,26 @@ static void list_joints(char list[96], const unsigned char *which, const mukca_c
             mukca_text_put(&text, "%s%s", text.used ? ", " : "", mukca_chain_joint_name(chain, j));
 }
 
+/* Distance of the tip from the nominal one's, m, whatever is mounted on the last link. */
+static double distance_of_arm(const mukca_tip_error *tip, const mukca_tip_change_task *task)
+{
+    mukca_alignment any = {.mean_m = NAN};
+    mukca_geometry geometry;
+    if (task->data->n_sockets > 0) return tip->before_m[MUKCA_HERE] - tip->tool_m;
+    if (task->data->n_targets > 1 || task->data->n_files > 1) return tip->before_m[MUKCA_HERE];
+    mukca_geometry_set(&geometry, task->chain, NULL);
+    (void)mukca_align(&any, &geometry, task->data,
+                      &(mukca_align_options){.tracker = task->base_frame, .target = true});
+    return any.mean_m;
+}
+
 static void judge_tip(mukca_acceptance *a, const mukca_tip_error *tip,
                       const mukca_tip_change_task *task)
 {
     const mukca_chain *chain = task->chain;
     const double *p = tip->probability;
     char stuck[96];
+    const double off = distance_of_arm(tip, task);
     list_joints(stuck, tip->stuck, chain);
     if (!(fabs(a->size_change) <= most_size_change)) {
         mukca_acceptance_refuse(a,
@@ -229,12 +246,12 @@ static void judge_tip(mukca_acceptance *a, const mukca_tip_error *tip,
                                 "%s did not move, but the errors are those of a tip that turns "
                                 "about it; check the encoder and the column",
                                 stuck);
-    } else if (!(a->error_before_here_m < foreign_arm + tip->tool_m)) {
+    } else if (!(off < foreign_arm)) {
         mukca_acceptance_refuse(
             a,
             "the samples are of an arm whose tip is %.0f mm from that of the "
             "nominal model; check the URDF, joint zeros, columns, labels, distances",
-            1e3 * a->error_before_here_m);
+            1e3 * off);
     } else if (!(p[MUKCA_HERE] >= sure && a->error_here_m < a->error_before_here_m)) {
         mukca_acceptance_refuse(a,
                                 "expected error of the tip %.2f mm, nominal %.2f mm, from %.0f "

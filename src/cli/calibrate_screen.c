@@ -160,8 +160,7 @@ mukca_status calibrate_print(cli_call *call)
     mukca_frame T;
     cli_print_head(cli_answer_stream(call), w->fit.chain.robot, &s->data, &s->test);
     print_verdict(call);
-    if (!accepted)
-        cli_print_mismatch(call, &s->data, find_frame(&T, call, true), find_frame(&T, call, false));
+    cli_print_mismatch(call, &s->data, find_frame(&T, call, true), find_frame(&T, call, false));
     cli_scores_print(call, &w->scores, false);
     if (!foreign) print_frames(call);
     if (!foreign) print_identifiability(call, &w->fit);

@@ -187,7 +187,7 @@ static mukca_status print(cli_call *call)
     const int expected = o->expect ? mukca_effect_find(o->expect) : -1;
     FILE *answer = cli_answer_stream(call);
     if (answer) cli_diagnosis_print(answer, &w->of.result, call->common->verbose);
-    if (answer && (d->verdict == MUKCA_VERDICT_UNTESTABLE || d->nominal_m > CLI_FAR_OFF))
+    if (answer)
         cli_print_mismatch(call, &s->data, w->of.options.free_base, w->of.options.free_tool);
     if (w->adoption.traits) cli_adoption_print(call, &w->adoption, d, &s->model.chain);
     if (call->common->output && !w->of.offsets.acceptance.accepted) return MUKCA_NEGATIVE;

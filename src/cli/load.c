@@ -152,6 +152,24 @@ static mukca_status check_payload(cli_call *call, const mukca_dataset *data,
                     most, own);
 }
 
+/* Refuse options of pose logs for samples of sockets alone. */
+static mukca_status check_pose_options(cli_call *call, const mukca_dataset *data)
+{
+    const cli_common *c = call->common;
+    const char *option = c->free_base       ? "--free-base"
+                         : c->free_tool     ? "--free-tool"
+                         : c->inverse_poses ? "--inverse-poses"
+                         : c->rotation      ? "--rotation"
+                                            : NULL;
+    int row = 0;
+    while (row < data->n_rows && data->socket[row] >= 0) row++;
+    if (!option || !data->n_rows || row < data->n_rows) return MUKCA_OK;
+    return cli_fail(call, MUKCA_USAGE,
+                    "%s is for pose logs, and these are samples of sockets: their base is the "
+                    "arm's, and the position of the ball is always free; omit it",
+                    option);
+}
+
 mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model *model,
                            const cli_list *paths)
 {
@@ -173,6 +191,7 @@ mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model 
     if (status == MUKCA_OK)
         status =
             mukca_dataset_load(data, &model->chain, paths->items, paths->n, &options, &call->error);
+    if (status == MUKCA_OK && paths != &c->test) status = check_pose_options(call, data);
     if (status == MUKCA_OK) status = check_payload(call, data, &model->chain);
     if (status == MUKCA_OK && data->n_targets > 1 && !call->command->targets) {
         cli_print_mismatch(call, data, c->free_base, true);
@@ -227,9 +246,12 @@ static mukca_status drop_training(cli_call *call, mukca_dataset *test, const muk
 static void note_falling_time(cli_call *call, const mukca_dataset *data)
 {
     const double least = 60; /* s; drift takes minutes */
-    for (int row = 1; data->time && row < data->n_rows; row++) {
-        const double back = data->time[row - 1] - data->time[row];
-        if (data->file[row] != data->file[row - 1] || !(back > least)) continue;
+    double latest = -HUGE_VAL;
+    for (int row = 0; data->time && row < data->n_rows; row++) {
+        if (row && data->file[row] != data->file[row - 1]) latest = -HUGE_VAL;
+        latest = fmax(latest, data->time[row]);
+        const double back = latest - data->time[row];
+        if (!(back > least)) continue;
         mukca_note_format(cli_note, call,
                           "row %d of %s: time_s falls by %.0f s, and joint_drift is tested with "
                           "it; correct it, or write each session to a file of its own",
@@ -256,23 +278,6 @@ static void note_unequal_sockets(cli_call *call, const mukca_dataset *data)
     }
 }
 
-/* Refuse options of pose logs for samples of sockets alone. */
-static mukca_status check_pose_options(cli_call *call, const mukca_dataset *data)
-{
-    const cli_common *c = call->common;
-    const char *option = c->free_base       ? "--free-base"
-                         : c->free_tool     ? "--free-tool"
-                         : c->inverse_poses ? "--inverse-poses"
-                                            : NULL;
-    int row = 0;
-    while (row < data->n_rows && data->socket[row] >= 0) row++;
-    if (!option || !data->n_rows || row < data->n_rows) return MUKCA_OK;
-    return cli_fail(call, MUKCA_USAGE,
-                    "%s is for pose logs, and these are samples of sockets: their base is the "
-                    "arm's, and the position of the ball is always free; omit it",
-                    option);
-}
-
 /* Note what a pose log leaves open of its frames. */
 static void note_open_frames(cli_call *call, const mukca_dataset *data, const cli_model *model)
 {
@@ -293,7 +298,6 @@ static mukca_status load(cli_call *call)
     mukca_status status = cli_load_model(call, &s->model, &call->common->arm);
     if (status == MUKCA_OK && call->arguments.n)
         status = cli_load_data(call, &s->data, &s->model, &call->arguments);
-    if (status == MUKCA_OK) status = check_pose_options(call, &s->data);
     if (status == MUKCA_OK) status = drop_coincident(call, &s->data, &s->model);
     if (status == MUKCA_OK && call->common->test.n)
         status = cli_load_data(call, &s->test, &s->model, &call->common->test);

@@ -157,7 +157,7 @@ static void print_options(FILE *stream)
 static mukca_status unknown_command(const char *name)
 {
     static const char *const others[] = {"help", "--version", "--help"};
-    char text[MUKCA_SUGGEST_TEXT];
+    char text[MUKCA_SUGGEST_TEXT], shown[100];
     const char *meant = NULL, *what = name[0] == '-' ? "option" : "command";
     int best = 99;
     for (const cli_command *const *c = cli_commands; *c; c++)
@@ -166,7 +166,9 @@ static mukca_status unknown_command(const char *name)
         if (mukca_suggest_better(&best, name, others[i])) meant = others[i];
     if (strcmp(name, "-V") == 0 || strcmp(name, "version") == 0) meant = "--version";
     if (strncmp(name, "effect", 6) == 0) meant = "help effects";
-    fprintf(stderr, "mukca: unknown %s '%s'; %s\n", what, name,
+    snprintf(shown, sizeof shown, "%s", name);
+    mukca_utf8_mend(shown);
+    fprintf(stderr, "mukca: unknown %s '%s'; %s\n", what, shown,
             mukca_suggest_text(text, meant, "`mukca help` lists them"));
     return MUKCA_USAGE;
 }

@@ -20,14 +20,6 @@ static void clear_progress(cli_call *call)
     call->showing = false;
 }
 
-void cli_note(void *context, const char *text)
-{
-    cli_call *call = context;
-    if (call->common && call->common->quiet) return;
-    clear_progress(call);
-    fprintf(stderr, "mukca: note: %s\n", text);
-}
-
 /* vfprintf without control characters: of file names, or of tables. */
 static void print(FILE *stream, const char *format, va_list args)
 {
@@ -45,6 +37,11 @@ void cli_log(cli_call *call, const char *format, ...)
     va_start(args, format);
     print(stderr, format, args);
     va_end(args);
+}
+
+void cli_note(void *context, const char *text)
+{
+    cli_log(context, "mukca: note: %s\n", text);
 }
 
 void cli_progress(cli_call *call, const char *what, double done, double total)

@@ -28,7 +28,8 @@ typedef enum {
 typedef enum {
     MUKCA_ARGUMENT_ANGLE,   /* of a joint */
     MUKCA_ARGUMENT_TORQUE,  /* about its axis */
-    MUKCA_ARGUMENT_PAYLOAD, /* the same of the outermost mass, in one placement or in all */
+    MUKCA_ARGUMENT_ACROSS,  /* the same with gravity along two axes across the model's: a wall */
+    MUKCA_ARGUMENT_PAYLOAD, /* that of the outermost mass, in one placement or in all */
     MUKCA_ARGUMENT_MOMENT,  /* about a joint's or the base's origin, three components */
     MUKCA_ARGUMENT_MOVE,    /* last one of a joint */
     MUKCA_ARGUMENT_TIME,
@@ -169,7 +170,7 @@ typedef struct {
     enum { MUKCA_OF_ITSELF, MUKCA_OF_OTHERS, MUKCA_OF_ANY } joints; /* of which joint */
 } mukca_unlisted_function;
 
-enum { MUKCA_UNLISTED_FUNCTIONS = 25 };
+enum { MUKCA_UNLISTED_FUNCTIONS = 26 };
 extern const mukca_unlisted_function mukca_unlisted_functions[MUKCA_UNLISTED_FUNCTIONS];
 
 /* Site, terms and components of a term; and the basis. */

@@ -66,7 +66,8 @@ static bool is_testable(const lister *l, const mukca_candidate *h)
     if (h->unlisted.place == MUKCA_PLACE_TURN && h->unlisted.slot + 1 == u->n_slots &&
         u->slot_width < 6)
         return false;
-    if (argument == MUKCA_ARGUMENT_MOMENT) return r->have_moments;
+    if (argument == MUKCA_ARGUMENT_MOMENT || argument == MUKCA_ARGUMENT_ACROSS)
+        return r->have_moments;
     if (argument == MUKCA_ARGUMENT_PAYLOAD) return r->have_torques && r->n_bodies;
     if (argument == MUKCA_ARGUMENT_ROW) /* a slip of the first joint is a moved socket */
         return u->slot_element[0] <= r->chain->joint_element[h->joint];

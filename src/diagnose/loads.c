@@ -93,6 +93,32 @@ static void body_moments(mukca_recording *r, const mukca_geometry *nominal, int 
     memcpy(r->base_moment + 3 * at, load.base, sizeof load.base);
 }
 
+/* Torques with gravity along two axes across that of the model: those of an arm on a wall. */
+static void load_across(mukca_recording *r, const mukca_geometry *nominal)
+{
+    const mukca_dataset *data = r->data;
+    const size_t n_joints = (size_t)r->chain->n_joints;
+    mukca_gravity_load load;
+    double g[3], axis[2][3];
+    memcpy(g, r->chain->gravity, sizeof g);
+    const int least = fabs(g[0]) <= fabs(g[1]) ? 0 : 1;
+    *r->turned = *r->chain;
+    const double e[3] = {least == 0, least == 1, 0};
+    mukca_cross(axis[0], g, e);
+    mukca_cross(axis[1], g, axis[0]);
+    for (int k = 0; k < 2; k++) {
+        for (int c = 0; c < 3; c++)
+            r->turned->gravity[c] = axis[k][c] * mukca_norm3(g) / fmax(mukca_norm3(axis[k]), 1e-9);
+        for (size_t row = 0; row < (size_t)data->n_rows && r->n_bodies; row++) {
+            const double payload = r->payload_body >= 0 ? data->payload[row] : 0;
+            mukca_chain_moments(&load, r->turned, nominal, data->q + row * n_joints, NULL,
+                                isfinite(payload) ? payload : 0);
+            for (size_t j = 0; j < n_joints; j++)
+                r->across[2 * (row * n_joints + j) + (size_t)k] = load.torque[j];
+        }
+    }
+}
+
 /* Scale n values by a factor and add them to their total. */
 static void scale_into(double *total, double *x, size_t n, double factor)
 {
@@ -111,6 +137,7 @@ void mukca_recording_load(mukca_recording *r)
     r->efforts_correlation = NAN;
     for (int row = 0; row < data->n_rows; row++)
         for (int a = 0; a < r->n_bodies; a++) body_moments(r, &nominal, row, a);
+    load_across(r, &nominal);
     const double *given = r->options.mass_factor;
     for (size_t a = 0; a < sizeof r->mass_factor / sizeof *r->mass_factor; a++)
         r->mass_factor[a] = given ? given[a] : 1; /* test data may have a new payload */

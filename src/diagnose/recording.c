@@ -182,6 +182,8 @@ bool mukca_recording_create(mukca_recording *r, mukca_pool *pool, const mukca_ch
     r->total_moment = MUKCA_TAKE(pool, double, 3 * rows * n_joints);
     r->total_torque = MUKCA_TAKE(pool, double, rows *n_joints);
     r->total_base = MUKCA_TAKE(pool, double, 3 * rows);
+    r->turned = MUKCA_TAKE(pool, mukca_chain, 1);
+    r->across = MUKCA_TAKE(pool, double, 2 * rows * n_joints);
     r->move = MUKCA_TAKE(pool, double, rows *n_joints);
     r->command = data->command ? MUKCA_TAKE(pool, double, rows *n_joints) : NULL;
     r->time = MUKCA_TAKE(pool, double, rows);

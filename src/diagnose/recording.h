@@ -49,6 +49,8 @@ typedef struct {
     double *torque;      /* [n_rows][n_bodies][n_joints] about the axes, N m */
     double *base_moment; /* [n_rows][n_bodies][3] */
     double *total_moment, *total_torque, *total_base; /* [n_rows]... sums over the bodies */
+    mukca_chain *turned;                              /* scratch: the same with another gravity */
+    double *across; /* [n_rows][n_joints][2] torque with gravity along two axes across it, N m */
 
     /* state of each row of the dataset */
     double *q; /* [n_rows][n_joints] angles of the bases, rad: seated, see mukca_recording_seat() */

@@ -54,6 +54,7 @@ const mukca_unlisted_function mukca_unlisted_functions[MUKCA_UNLISTED_FUNCTIONS]
     ROW(TORQUE, SIDE, 1, ANGLE, SIDE, ITSELF),
     ROW(TORQUE, SOFTENING, 1, ANGLE, LOAD, ITSELF),
     ROW(TORQUE, DELAYED, 2, ANGLE, LOAD, ITSELF),
+    ROW(ACROSS, LINEAR, 2, ANGLE, LOAD, ITSELF),
     ROW(PAYLOAD, LINEAR, 1, ANGLE, LOAD, ITSELF),
     ROW(MOVE, SIDE, 1, ANGLE, MOVE, ANY),
     ROW(MOVE, LINEAR, 1, ANGLE, MOVE, ITSELF),
@@ -160,6 +161,9 @@ static void find_argument(double x[3], const mukca_candidate *h, const mukca_rec
             break;
         case MUKCA_ARGUMENT_TORQUE:
             x[0] = state.torque[j];
+            break;
+        case MUKCA_ARGUMENT_ACROSS:
+            memcpy(x, r->across + 2 * (row * r->chain->n_joints + j), 2 * sizeof *x);
             break;
         case MUKCA_ARGUMENT_PAYLOAD:
             x[0] = h->placement < 0 || state.placement == h->placement

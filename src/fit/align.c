@@ -22,6 +22,9 @@ enum { MOST_STEPS = 60, FIRST_STEPS = 15 };
 /* A frame that is not known to a fist's breadth or to three degrees is not determined, m and rad.
  */
 static const double open_offset = 0.05, open_turn = 0.05;
+/* In medians; nine standard deviations of normal noise: only wild samples have less weight, as the
+ * error of a nominal model is the least that any frames leave. */
+static const double gross = 6;
 /* Relative gain of a step, below which no error changes in its third digit. */
 static const double least_gain = 1e-6;
 
@@ -123,11 +126,11 @@ static void meet(mukca_alignment *a, const problem *p)
                         sizeof *p->points / sizeof(double), p->n);
 }
 
-/* Robust weights from the residuals of the alignment, with the heavy-tailed weighting of the
- * screening; sets median and mean distance, m.  Returns the mean residual, and their median. */
+/* Weights from the residuals of the alignment: less for gross outliers; sets median and mean
+ * distance, m.  Returns the rms residual, and their median. */
 static double weigh(double *median, mukca_alignment *a, problem *p)
 {
-    double mean = 0;
+    double square = 0;
     a->mean_m = 0;
     place(a, p);
     for (int i = 0; i < p->n; i++) {
@@ -139,15 +142,18 @@ static double weigh(double *median, mukca_alignment *a, problem *p)
         if (!isnan(e->turned[0])) mukca_meeting_turn(w, &a->tracker, &a->target, e);
         e->weight = hypot(p->length[i], MUKCA_METRES_PER_RADIAN * mukca_norm3(w));
         a->mean_m += p->length[i] / p->n;
-        mean += e->weight / p->n;
     }
     a->median_m = mukca_stats_median(p->length, p->n);
     for (int i = 0; i < p->n; i++) p->length[i] = p->points[i].weight;
     *median = mukca_stats_median(p->length, p->n);
-    const double bend = fmax(3 * *median, 1e-6);
-    for (int i = 0; i < p->n; i++) p->points[i].weight = fmin(1, bend / p->points[i].weight);
-    const double far = mukca_norm3(a->target.p) / TARGET_REACH;
-    return mean + *median * far * far / p->n;
+    const double bend = fmax(gross * *median, 1e-6);
+    for (int i = 0; i < p->n; i++) {
+        const double e = p->points[i].weight;
+        p->points[i].weight = fmin(1, bend / e);
+        square += e * fmin(e, bend);
+    }
+    const double far = *median * mukca_norm3(a->target.p) / TARGET_REACH;
+    return sqrt((square + far * far) / p->n);
 }
 
 /* Where the search starts: the target at the solution of the linear system, turned as the relative
@@ -155,7 +161,7 @@ static double weigh(double *median, mukca_alignment *a, problem *p)
  * enough depends on how much the tool turns and how far it moves: the best result is kept. */
 enum { LINEAR, HAND_EYE, AT_FLANGE, STARTS = AT_FLANGE + 7 };
 
-/* Start in closed form, then Gauss-Newton; returns the mean residual, m. */
+/* Start in closed form, then Gauss-Newton; returns the rms residual, m. */
 static double solve(mukca_alignment *a, problem *p, int start)
 {
     mukca_meeting meeting = {.points = p->points,
@@ -164,7 +170,7 @@ static double solve(mukca_alignment *a, problem *p, int start)
                              .tool = p->target,
                              .pull = MODEL_ERROR / TARGET_REACH,
                              .per_radian = p->turned ? MUKCA_METRES_PER_RADIAN : 0};
-    double R[MUKCA_MEETING_FACTOR], median, mean;
+    double R[MUKCA_MEETING_FACTOR], median, rms;
     for (int i = 0; i < p->n; i++) p->points[i].weight = 1;
     if (start == LINEAR) place_target(a, p);
     if (start > AT_FLANGE) a->target.p[start % 3] = (start - AT_FLANGE) % 2 ? 0.3 : -0.3;
@@ -174,23 +180,23 @@ static double solve(mukca_alignment *a, problem *p, int start)
         if (p->turned && (start == HAND_EYE || !p->target)) turn_frame(a, p, false);
     }
     if (p->turned && p->target && start != HAND_EYE) turn_frame(a, p, true);
-    mean = weigh(&median, a, p);
+    rms = weigh(&median, a, p);
     for (int pass = 0; pass < p->steps; pass++) {
         mukca_alignment next = *a;
         meeting.pull = fmax(median, 1e-6) / TARGET_REACH;
         const double step = mukca_frame_refine(R, &next.tracker, &next.target, &meeting);
         if (pass < FIRST_STEPS && p->tracker && !p->turned) meet(&next, p);
-        const double reached = weigh(&median, &next, p), gain = 1 - reached / mean;
+        const double reached = weigh(&median, &next, p), gain = 1 - reached / rms;
         if (gain > 0) {
-            *a = next, mean = reached;
+            *a = next, rms = reached;
             meeting.damping /= 10;
         } else { /* damped as Levenberg and Marquardt do, from a tenth of the points' own weight */
             meeting.damping = fmax(0.1 * sqrt(p->n), 3 * meeting.damping);
-            mean = weigh(&median, a, p);
+            rms = weigh(&median, a, p);
         }
         if (step < 1e-9 || (step < 1e-4 && fabs(gain) < least_gain)) break; /* 1 nm, 1 nrad */
     }
-    return mean;
+    return rms;
 }
 
 /* Mark what the residuals, m, leave open at the end. */
@@ -247,9 +253,9 @@ bool mukca_align(mukca_alignment *out, const mukca_geometry *geometry, const muk
     for (int k = 0, agree = 0; p.n >= 3 && !failed && k < starts && agree < 3; k++) {
         mukca_alignment a = start;
         if (k != AT_FLANGE && (!p.target || (k == HAND_EYE && !p.turned))) continue;
-        const double mean = solve(&a, &p, k);
-        agree += fabs(mean / least - 1) < 1e-3; /* well-conditioned poses have one minimum */
-        if (!(mean >= least)) *out = a, least = mean;
+        const double rms = solve(&a, &p, k);
+        agree += fabs(rms / least - 1) < 1e-3; /* well-conditioned poses have one minimum */
+        if (!(rms >= least)) *out = a, least = rms;
     }
     if (p.n >= 3 && !failed) find_open(out, &p, fmax(least, 1e-6));
     mukca_pool_free(&p.pool);

@@ -167,9 +167,11 @@ static void read_turn(mukca_row *row, double raw[4], mukca_rows *rows,
     for (int i = 0; i < 3 && n == 3; i++) {
         if (!mukca_table_has_unit(&rows->table, m->turn[i])) v[i] *= rows->options.format.angle;
         if (fabs(v[i]) > MUKCA_ROWS_MOST_ANGLE)
-            mukca_table_fail(&rows->table, m->turn[i],
-                             "is %s; angles are in rad (for degrees: --units deg)",
-                             rows->table.cell[m->turn[i]]);
+            mukca_table_fail(
+                &rows->table, m->turn[i],
+                "is %s; angles are in rad (for degrees: [deg] after the names of these "
+                "columns, or --units deg if the joints are in degrees, too)",
+                rows->table.cell[m->turn[i]]);
     }
     for (int i = 0; i < n; i++) {
         int rank = 0;

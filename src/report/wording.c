@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "base/file.h"
+#include "base/text.h"
 #include "math/stats.h"
 
 const char *mukca_wording_put(char text[MUKCA_WORDING], const char *format, ...)
@@ -16,6 +16,7 @@ const char *mukca_wording_put(char text[MUKCA_WORDING], const char *format, ...)
     va_start(args, format);
     vsnprintf(text + used, MUKCA_WORDING - used, format, args);
     va_end(args);
+    mukca_utf8_mend(text + used); /* names of files */
     return text;
 }
 
@@ -188,9 +189,28 @@ static const char *put_split(char *text, const mukca_diagnosed *r)
     return text;
 }
 
+/* Whether a deflection under load contradicts the modelled load: no spring explains it, or one that
+ * yields against it. */
+static bool load_is_another(const mukca_diagnosed *r)
+{
+    const mukca_diagnosis *d = r->diagnosis;
+    bool another = false;
+    for (int i = 0; i < d->n_findings; i++) {
+        const mukca_finding *f = &d->findings[i];
+        const mukca_alternative *first = f->alternatives;
+        another |= f->group.family == MUKCA_VARIES_LOAD && f->n_alternatives > 0 &&
+                   (!first->listed || f->coefficient.high < 0 || first->amplitude.high < 0);
+    }
+    return another && r->chain->n_masses > 0;
+}
+
 const char *mukca_wording_next(char text[MUKCA_WORDING], const mukca_diagnosed *r)
 {
     const mukca_diagnosis *d = r->diagnosis;
+    if (load_is_another(r))
+        return put(text,
+                   "check --gravity (is the arm on a wall or a ceiling?), the link masses and "
+                   "the payload: the load differs from the modelled one");
     if (d->n_findings && mukca_next_poses_need_readings(&d->findings[0]))
         return put(text,
                    "record readings and commands (columns JOINT and JOINT.command): they separate "

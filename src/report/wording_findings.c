@@ -93,7 +93,7 @@ static void put_time_constant(char *text, const double range[2])
 const char *mukca_wording_finding(char text[MUKCA_WORDING], const mukca_finding *f,
                                   const mukca_diagnosed *r)
 {
-    const int placement = mukca_wording_finding_placement(f);
+    const int placement = mukca_wording_finding_placement(f), n_placements = r->data->n_placements;
     put_group(text, f, r);
     if (f->order[0] > 0 && f->order[0] == f->order[1]) put(text, ", order %d", f->order[0]);
     if (f->order[0] > 0 && f->order[0] < f->order[1])
@@ -103,6 +103,10 @@ const char *mukca_wording_finding(char text[MUKCA_WORDING], const mukca_finding 
     if (placement >= 0)
         put(text, "%s placement %s", f->group.effect < 0 && f->group.apart ? ":" : " in",
             r->data->placements[placement].name);
+    const int one = f->n_alternatives ? f->alternatives[0].effect.placement : -1;
+    if (f->group.effect >= 0 && !f->group.apart && placement < 0 && one >= 0 && n_placements == 2)
+        put(text, ", %s against %s", r->data->placements[one].name,
+            r->data->placements[1 - one].name);
     return text;
 }
 

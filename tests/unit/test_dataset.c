@@ -265,7 +265,8 @@ TEST(orientations_are_read)
     }
     const char *bad[][2] = {
         {"j1,j2,x_m,y_m,z_m,rx,ry\n0,0,1,2,3,0,0\n", "no column 'rz'; rx to rz belong together"},
-        {"j1,j2,x_m,y_m,z_m,rx,ry,rz\n0,0,1,2,3,90,0,0\n", "column 'rx': is 90; angles are in rad"},
+        {"j1,j2,x_m,y_m,z_m,rx,ry,rz\n0,0,1,2,3,90,0,0\n",
+         "column 'rx': is 90; angles are in rad (for degrees: [deg] after the names"},
         {"j1,j2,x_m,y_m,z_m,rx,ry,rz\n0,0,1,2,3,1,,0\n", "an orientation needs all three numbers"},
         {"j1,j2,X,Y,Z,A,B,C\n0,0,1,2,3,0,0,0\n", "columns x, y, z without a unit"}};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {

@@ -1,5 +1,6 @@
 # Help and misspelt words.
 refuse 2 "unknown command 'calibarte'; did you mean calibrate?" calibarte
+refuse 2 "unknown command 'z?]z'" "$(printf 'z\033]z')"
 refuse 2 "unknown command 'zzz'; .mukca help. lists them" zzz
 refuse 2 "unknown command 'zzz'" help zzz
 refuse 2 "unknown command 'version'; did you mean --version?" version

@@ -122,10 +122,11 @@ refuse 3 "units.tsv:1: --columns: '(turns)' is no unit that is read" evaluate $a
 run evaluate $a units.tsv --columns 'q=j1 [deg]' -o unit.out
 expect "--columns states a unit" sh -c 'test $(cut -f 3 straight.tsv unit.out | cut -c -8 | sort -u | wc -l) -eq 2'
 # options of pose logs
-for option in --free-base --free-tool --inverse-poses; do
-    refuse 2 "$option is for pose logs, and these are samples of sockets" calibrate $a session.tsv $option
-    refuse 2 "$option is for pose logs" diagnose $a good $option
+for option in --free-base --free-tool --inverse-poses "--rotation XYZ"; do
+    refuse 2 "${option% XYZ} is for pose logs, and these are samples of sockets" calibrate $a session.tsv $option
+    refuse 2 "${option% XYZ} is for pose logs" diagnose $a good $option
 done
+refuse 2 "inverse-poses is for pose logs" evaluate $a good --inverse-poses
 # names with control characters are refused, those of files are shown without
 escape=$(printf '\033]0;x\007')
 wrong_session "2,\$s/^p/p$escape/" "bad.tsv:2: column 'placement': is not UTF-8, or has control characters"

@@ -125,6 +125,10 @@ for gravity in 0,-9.80665,0 0,0,9.80665; do
         --effect joint_compliance:joint_4=1e-4,joint_compliance:joint_2=6e-5 -o mounted.tsv --force
     run $d mounted.tsv --gravity $gravity --json -
     expect "springs under gravity that is $gravity are named" grep -q '"verdict": "named"' "$scratch/out"
+    run $d mounted.tsv
+    expect "... and without --gravity they are loads, and it is asked for" sh -c \
+        "grep -q 'deflection under load at joint_[24] \|joint compliance at joint_[24] ' '$scratch/out' &&
+        ! grep -q 'angle of\|wobble' '$scratch/out' && grep -q '^Next    check --gravity' '$scratch/out'"
 done
 
 # what the same name means in one placement of several, and at the last joint
@@ -168,6 +172,9 @@ expect "a slip is not a moved tool for certain" \
 awk -F'\t' -v OFS='\t' '/^p[0-9]/ && n++ >= 50 { $3 -= 3600 } { print }' still.tsv >set.tsv
 run $d set.tsv
 expect "times that fall are noted with their row" grep -q 'row 51 of set.tsv: time_s falls by 35[0-9]* s' "$scratch/err"
+awk -F'\t' -v OFS='\t' '/^p[0-9]/ { $3 = 9000 - $3 } { print }' still.tsv >backward.tsv
+run $d backward.tsv
+expect "times that run backward, too" grep -q 'of backward.tsv: time_s falls by [67][0-9] s' "$scratch/err"
 
 # a wrong --distance that is named as a cause is neither in the expected error nor in the verdict
 demo="diagnose --urdf $root/data/demo/arm.urdf $root/data/demo/train.tsv"

@@ -57,6 +57,8 @@ changed() { # NAME PROGRAM: columns 2 to 8 are the joints, 9 to 11 the position
     awk -F '\t' -v OFS='\t' "NR > 1 {$2} {print}" poses.tsv >"$1.tsv"
 }
 changed angle '$7 += 2'
+changed lower '$7 -= 2.05'
+changed half '$7 -= 0.5'
 changed three '$3 = -$3; $6 = -$6; $4 -= 1.5707963267948966'
 changed turned '$9 = -$9; $10 = -$10'
 changed small '$3 += 0.8'
@@ -95,6 +97,8 @@ expect "frames alone change no tip" sh -c "! grep -q '^Tip' '$scratch/out'"
 mixed angle_sockets '$7 -= 2'
 for command in calibrate diagnose; do
     hints $command angle.tsv 'with -11[345][.0-9]* degrees added to joint_6: check'
+    hints $command lower.tsv '^[^U]*Use no.* with +11[67][.0-9]* degrees added to joint_6: check'
+    hints $command half.tsv 'with +2[89][.0-9]* degrees added to joint_6: check'
     hints $command three.tsv 'with the opposite sign of joint_2, joint_5, and +90 degrees added to joint_3: check'
     hints $command turned.tsv 'with the base turned by 1[78][.0-9]* degrees about (0 0 -*1) .* (or [-+]1[.0-9]* degrees added to joint_1): check --base'
     hints $command angle_sockets.tsv 'with +11[456][.0-9]* degrees added to joint_4: check'
@@ -128,3 +132,4 @@ expect "no hint where no single mix-up explains the data" \
 run simulate $a --seed 7 --rows 30 --placements 2 --noise 5e-5 --effect zero_jump:joint_3/p2=-4e-3 -o jump.tsv
 run diagnose $a jump.tsv --json jump.json
 expect "two placements: a jump of a zero is in neither" sh -c "tr -d ' \n' <jump.json | grep -q '\"causes\":\[{\"effect\":\"zero_jump\",\"joint\":\"joint_3\",\"placement\":null'"
+expect "... and the screen states the difference" grep -q "zero jump at joint_3, p[12] against p[12] " "$scratch/out"
