@@ -161,6 +161,7 @@ class Arm:
     def reweighed(self, rng, part):
         """The same arm with masses off by a relative deviation and centres by a few mm."""
         other = copy.deepcopy(self)
+        other.urdf_masses = self.masses
         other.masses = [(link, kg * max(0.3, 1 + part * rng.standard_normal()),
                          np.asarray(c) + 0.03 * part * rng.standard_normal(3))
                         for link, kg, c in self.masses]

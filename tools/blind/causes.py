@@ -1,8 +1,10 @@
 """Hidden causes of the blind cases: which there are, how they are drawn, how strong they show."""
+import copy
+
 import numpy as np
 
 import outside
-from effects import Part, centred, displacement, rms, unabsorbed
+from effects import Part, State, centred, displacement, rms, unabsorbed
 from sessions import Again
 
 DETECTABLE = 8.0        # smallest snr * sqrt(3 rows) that the truth itself would show with certainty
@@ -165,6 +167,19 @@ def imitators(part, st):
     return np.stack(cols, axis=2)
 
 
+def by_urdf_masses(part, st, see):
+    """Factor of each joint's (or the base's) compliance that a URDF with its own masses finds: the
+    displacement that shows, regressed on that by the loads of these masses."""
+    arm = copy.copy(st.arm)
+    arm.masses = arm.urdf_masses
+    out, nominal = [], State(arm, st.q, st.time, st.place)
+    for joints in [[j] for j in part.joints] or [[]]:
+        one = Part(part.kind, joints, **part.set)
+        true, said = (see(displacement(one, x)).ravel() for x in (st, nominal))
+        out.append(float(true @ said / max(said @ said, 1e-30)))
+    return out
+
+
 def choose(kind, arm, rng, st, ses, places, aim, sigma, want=True):
     """Draw a cause of a kind whose visible part can reach the aim; amplitude set; its label."""
     geometry = arm.geometry(st.sweep)
@@ -202,6 +217,13 @@ def choose(kind, arm, rng, st, ses, places, aim, sigma, want=True):
     if part.joints:
         label["joints"] = [arm.joints[j] for j in part.joints]
         label["joint_index"] = part.joints[0]
+    see = lambda move: unabsorbed(move, geometry, ses.group)  # noqa: E731
+    if len(part.joints) > 1:    # each joint alone
+        label["visible_rms_m_of"] = [
+            amplitude * rms(see(displacement(Part(kind, [j], **part.set), st)))
+            for j in part.joints]
+    if kind in ("joint_compliance", "link_bending", "base_compliance"):
+        label["by_urdf_masses"] = by_urdf_masses(part, st, see)
     if kind in OUTSIDE:
         slip = [[e, arm.joints[j]] for e in ("zero_jump", "joint_drift") for j in part.joints]
         slip += [["tool_motion", None]]         # what a socket sees of a slip
