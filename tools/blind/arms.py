@@ -156,6 +156,7 @@ class Arm:
         other.shift = self.shift + 1e-3 * mm * rng.standard_normal(self.shift.shape)
         other.frame = self.frame @ turn(1e-3 * mrad * rng.standard_normal((self.n, 3)))
         other.ball = self.ball + 1e-3 * mm * rng.standard_normal(3)
+        other.spread = 1e-3 * mm
         return other
 
     def reweighed(self, rng, part):

@@ -4,8 +4,8 @@
 usage: sizes.py BINARY CASES [--seed S --number N] [--jobs 1] [--kinds A,B] [--keep FILE.json]
 
 CASES is made by generate.py if it is absent.  Of each right finding two statements are judged: its
-rms displacement of the tip that the geometry does not absorb (size_ci95_m), and its coefficient at
-one joint.  Two joints that hide one effect each have their own displacement.  A coefficient is
+rms displacement of the tip that a calibration leaves (size_ci95_m), and its coefficient at one
+joint.  Two joints that hide one effect each have their own displacement.  A coefficient is
 judged for the effects whose amplitude means the same to generator and program: a drift has another
 time constant, a lag a length.  The masses of the arm as built are 10 % off: a compliance in the
 physical sense differs from that which goes with the URDF's masses; both are judged.  A distance of
@@ -31,14 +31,10 @@ LINEAR = {"joint_compliance", "link_bending", "base_compliance", "joint_scale", 
 def size_of(cause, finding, n):
     """True rms displacement in m of what a finding holds of a cause."""
     low, high = (findings.position(finding[k], n) for k in ("from", "to"))
-    own = cause.get("visible_rms_m_of")
-    per_axis = cause["visible_rms_m"]
-    if own:
-        at = [int(j.rsplit("_", 1)[1]) - 1 for j in cause["joints"]]
-        inside = [s for s, j in zip(own, at) if low <= j <= high]
-        if len(inside) < len(own):
-            per_axis = sum(inside)      # of two joints, one is inside
-    return 3 ** 0.5 * per_axis
+    whole, *own = cause["left_rms_m"]
+    at = [int(j.rsplit("_", 1)[1]) - 1 for j in cause.get("joints") or []]
+    inside = [s for s, j in zip(own, at) if low <= j <= high]
+    return 3 ** 0.5 * (sum(inside) if len(inside) < len(own) else whole)
 
 
 def factor_at(cause, at):

@@ -5,7 +5,7 @@ usage: field.py PROGRAM COLUMNS CASES KEEP.json [--limit N] [--withheld N] [--ro
 
 CASES are generate.py's.  Per case, `columns` writes the whitened columns of the program's own
 search, with the geometry projected out; these methods select among them:
-  stepwise BIC        stats::step of R, both directions (select.R)
+  stepwise BIC        both directions, by items; select.R has stats::step of R, for comparison
   SuSiE               susieR, ten single effects, credible sets of 95 % (select.R)
   LASSO               scikit-learn's LassoCV, 5 folds by posture, at the least cross-validated
                       error; and at the largest penalty within one standard error of it
@@ -34,8 +34,8 @@ sys.path.insert(0, os.path.join(HERE, "..", "blind"))
 import findings  # noqa: E402
 from score import call  # noqa: E402
 
-METHODS = {"mukca": "findings of mukca", "bic": "stepwise BIC", "lasso": "LASSO, least error",
-           "lasso 1se": "LASSO, one standard error", "susie": "SuSiE"}
+METHODS = {"mukca": "findings of mukca", "bic": "stepwise BIC", "bic of R": "stats::step of R",
+           "lasso": "LASSO, least error", "lasso 1se": "LASSO, one standard error", "susie": "SuSiE"}
 BATCH = 10      # cases for one start of R: their columns take some 10 MB each
 
 
@@ -67,18 +67,25 @@ def as_findings(groups, label, n):
     return list(out.values())
 
 
+def read_rows(path, columns):
+    """Items, columns of equal squares, response and postures, without the columns for errors of the
+    masses: these methods cannot express their prior."""
+    import numpy as np
+    table = np.fromfile(path + ".f64").reshape(-1, len(columns) + 2)
+    X, y = table[:, 2:], table[:, 1]
+    size = np.sqrt((X ** 2).sum(axis=0))
+    keep = np.array([own for _, own, _ in columns]) & (size > 1e-6 * size.max())
+    item = np.array([i for i, _, _ in columns])[keep]
+    return item, X[:, keep] / size[keep] * np.sqrt(len(y)), y, table[:, 0]
+
+
 def lasso(path, columns):
     """Selected items and seconds, at the least error and within one standard error of it."""
     import numpy as np
     from sklearn.linear_model import Lasso, LassoCV
     from sklearn.model_selection import GroupKFold
     warnings.simplefilter("ignore")     # the densest models of the path need not converge
-    table = np.fromfile(path + ".f64").reshape(-1, len(columns) + 2)
-    posture, y, X = table[:, 0], table[:, 1], table[:, 2:]
-    size = np.sqrt((X ** 2).sum(axis=0))
-    keep = np.array([own for _, own, _ in columns]) & (size > 1e-6 * size.max())
-    item = np.array([i for i, _, _ in columns])[keep]
-    X = X[:, keep] / size[keep] * np.sqrt(len(y))
+    item, X, y, posture = read_rows(path, columns)
     seen, rest = np.flatnonzero(posture >= 0), np.flatnonzero(posture < 0)
     folds = [(np.concatenate([seen[a], rest]), seen[b]) for a, b in
              GroupKFold(5, shuffle=True, random_state=1).split(seen, groups=posture[seen])]
@@ -96,6 +103,52 @@ def lasso(path, columns):
     other = Lasso(alpha=sparse, fit_intercept=False).fit(X, y).coef_
     return {name: {"groups": [[int(i)] for i in np.unique(item[c != 0])], "seconds": took}
             for name, c in (("lasso", fit.coef_), ("lasso 1se", other))}
+
+
+def residuals_left(X, y, columns):
+    """Squares that columns leave of y, and their rank."""
+    if not len(columns):
+        return y @ y, 0
+    import numpy as np
+    found = np.linalg.lstsq(X[:, columns], y, rcond=1e-7)
+    rest = y - X[:, columns] @ found[0]
+    return rest @ rest, found[2]
+
+
+def stepwise(path, columns, most=12):
+    """Selected items and seconds of stepwise BIC: as stats::step of R, whose time it does not take.
+    From nothing, the item that lowers the BIC most is added or dropped, `most` times at most."""
+    import numpy as np
+    item, X, y, posture = read_rows(path, columns)
+    start, price, n = time.process_time(), np.log((posture >= 0).sum()), len(y)
+    blocks = {i: np.flatnonzero(item == i) for i in np.unique(item)}
+    chosen, left = [], X.copy()      # left: of the columns by those chosen
+    rest, rank = y.copy(), 0
+    best = n * np.log(y @ y / n)
+    for _ in range(most):
+        tried = []
+        for i, at in blocks.items():
+            if i in chosen:
+                continue
+            w, v = np.linalg.eigh(left[:, at].T @ left[:, at])
+            good = w > 1e-7 * (X[:, at] ** 2).sum() / len(at)
+            along = (v.T @ (left[:, at].T @ rest))[good]
+            squares = max(rest @ rest - (along ** 2 / w[good]).sum(), 1e-9)
+            tried.append((n * np.log(squares / n) + price * (rank + good.sum()), chosen + [i]))
+        for i in chosen:
+            less = [k for k in chosen if k != i]
+            squares, r = residuals_left(X, y, np.concatenate([blocks[k] for k in less] or [[]])
+                                        .astype(int))
+            tried.append((n * np.log(squares / n) + price * r, less))
+        value, group = min(tried, key=lambda t: t[0])
+        if value > best - 1e-7:
+            break
+        best, chosen = value, group
+        q, s, _ = np.linalg.svd(X[:, np.concatenate([blocks[k] for k in chosen] or [[]])
+                                  .astype(int)], full_matrices=False)
+        q = q[:, s > 1e-7 * s[0]] if len(s) else q
+        left, rest, rank = X - q @ (q.T @ X), y - q @ (q.T @ y), q.shape[1]
+    return {"bic": {"groups": [[int(i)] for i in chosen], "seconds": time.process_time() - start}}
 
 
 def from_r(path):
@@ -145,7 +198,8 @@ def answer_all(a, tasks, kept):
                 columns = read_labels(path)
                 label = {i: said for i, _, said in columns}
                 n = findings.joints_of(os.path.join(a.cases, tasks[key][0], "session.tsv"))
-                for name, found in {**lasso(path, columns), **from_r(path)}.items():
+                for name, found in {**from_r(path), **lasso(path, columns),
+                                    **stepwise(path, columns)}.items():
                     kept[key][name] = {"findings": as_findings(found["groups"], label, n),
                                        "seconds": found["seconds"]}
         with open(a.keep, "w") as f:
