@@ -244,10 +244,9 @@ def percent(pair):
 
 def table(a, labels, kept, tasks):
     """Markdown lines: every method."""
-    out = ["| method | findings right, % | the same without causes outside the catalogue "
-           "| detectable cases with a right finding | exact | without effect, accused "
-           "| class withheld: findings right | the same: another effect named "
-           "| findings a case | seconds, median |",
+    out = ["| method | right, % of findings | in the catalogue | detectable: a right one, % | exact, % "
+           "| no effect: accused, % | withheld: right, % | another effect named, % | findings a case "
+           "| s |",
            "| --- |" + " ---: |" * 9]
     for name, title in METHODS.items():
         mine = [k[name]["seconds"] for k in kept.values() if name in k]
