@@ -320,32 +320,6 @@ static void add_all(measured *w, tables *t, mukca_diagnosis *d, double weight)
     }
 }
 
-/* Replace the columns by what the geometry leaves of them in the samples: E - X D u with
- * u = (1 + D X'X D)^-1 D X'E = L'^-1 T.  The products G of the question are those squares, and in
- * addition the deviation of the geometry from its prior and errors of the sockets' distances, which
- * are no displacement of the tip. */
-static bool leave_displacement(mukca_question *q, const mukca_search *id, mukca_pool *pool)
-{
-    const mukca_scan *s = &id->scan;
-    const int rows = id->m->recording.n_samples * id->m->recording.dim, stride = q->stride;
-    const double root = sqrt(s->precision);
-    double *u = MUKCA_TAKE(pool, double, s->n *stride + 1), *E;
-    E = MUKCA_TAKE(pool, double, (size_t)rows *(size_t)stride + 1);
-    if (pool->failed) return false;
-    memcpy(u, q->E + (long)s->n_rows * stride, sizeof *u * (size_t)(s->n * stride));
-    mukca_dense_backward(u, stride, id->m->evidence.posterior.factor, s->n);
-    memcpy(E, q->E, sizeof *E * (size_t)rows * (size_t)stride);
-    for (long i = 0; i < rows; i++)
-        for (int t = 0; t < s->n; t++) {
-            const double x = root * s->white[i * id->m->linear.stride + t] * s->prior[t];
-            for (int k = 0; k < stride; k++) E[i * stride + k] -= x * u[t * stride + k];
-        }
-    q->E = E;
-    q->n_rows = rows;
-    q->n_projected = 0;
-    return true;
-}
-
 /* The plain products of all candidates in the sets. */
 static bool make_plain(measured *w, mukca_pool *pool, int n_sets)
 {
@@ -366,7 +340,7 @@ static bool make_plain(measured *w, mukca_pool *pool, int n_sets)
     mukca_regression_freeze(id->m);
     return mukca_scan_aim(&id->scan, 0) &&
            mukca_scan_question(&w->plain, &id->scan, pool, index, count) &&
-           leave_displacement(&w->plain, id, pool) &&
+           mukca_scan_leave(&w->plain, &id->scan, pool) &&
            mukca_sets_create(&w->plain_sets, pool, &w->plain);
 }
 
