@@ -109,23 +109,32 @@ static void add_size(mukca_gaussians *out, measured *w, const int *index, int n,
 }
 
 /* Add the regression of what the columns displace on the column of an item of the last search;
- * returns the square of the correlation. */
+ * returns the square of the correlation.  Of an elastic effect it is the coefficient by the masses
+ * of the model; the true one differs by their errors, which a single effect hardly shows.  The
+ * columns for these have the masses' prior deviations as their units. */
 static double add_coefficient(mukca_gaussians *out, measured *w, const int *index, int n, int item,
                               double weight)
 {
     const mukca_candidate *h = &w->id->all.list[w->id->kept[item]];
     const int reference = w->plain_of[item];
     double *block = w->id->scan.scratch->B, part[MUKCA_SET_COLUMNS] = {0}, square_of_column,
-           mean = 0, variance = 0, square = 0;
+           by_body[MUKCA_MOST_TERMS] = {0}, mean = 0, variance = 0, square = 0;
     mukca_sets_products_of(block, &w->plain_sets, reference, reference);
     square_of_column = fmax(block[0], 1e-30);
     for (int m = 0; m < w->set->n; m++) {
-        const int x = w->plain_of[w->set->item[m]], terms = w->plain.item[x].terms;
+        const int x = w->plain_of[w->set->item[m]], terms = w->plain.item[x].terms,
+                  own = mukca_candidate_own_terms(&w->id->all.list[w->id->kept[w->set->item[m]]]);
         mukca_sets_products_of(block, &w->plain_sets, reference, x);
+        int first = -1; /* the group's own columns of this member */
         for (int i = 0; i < n; i++)
-            if (index[i] >= w->at[m] && index[i] < w->at[m] + terms)
-                part[i] = block[index[i] - w->at[m]] / square_of_column;
+            if (index[i] >= w->at[m] && index[i] < w->at[m] + terms) {
+                const int t = index[i] - w->at[m];
+                if (t == 0) first = i;
+                part[i] = block[t] / square_of_column;
+                if (first >= 0 && t >= own) by_body[t - own] += part[i] * w->mean[index[first]];
+            }
     }
+    for (int b = 0; b < MUKCA_MOST_TERMS; b++) variance += by_body[b] * by_body[b];
     for (int i = 0; i < n; i++) {
         mean += part[i] * w->mean[index[i]];
         for (int k = 0; k < n; k++) {
@@ -331,8 +340,11 @@ static bool make_plain(measured *w, mukca_pool *pool, int n_sets)
     }
     id->m->unknowns.tails = NULL;
     mukca_evidence_set_share(&id->m->evidence, 0);
+    /* without causes: a turned frame that turns a wobble with it absorbs nothing */
+    mukca_regression_freeze(id->m);
     return mukca_scan_aim(&id->scan, 0) &&
            mukca_scan_question(&w->plain, &id->scan, pool, index, count) &&
+           mukca_scan_leave(&w->plain, &id->scan, pool) &&
            mukca_sets_create(&w->plain_sets, pool, &w->plain);
 }
 

@@ -251,3 +251,26 @@ bool mukca_scan_question(mukca_question *question, mukca_scan *s, mukca_pool *po
                                  .workers = s->m->workers};
     return true;
 }
+
+/* E - X D u with u = (1 + D X'X D)^-1 D X'E = L'^-1 T. */
+bool mukca_scan_leave(mukca_question *q, const mukca_scan *s, mukca_pool *pool)
+{
+    const mukca_recording *r = &s->m->recording;
+    const int rows = r->n_samples * r->dim, stride = q->stride;
+    const double root = sqrt(s->precision);
+    double *u = MUKCA_TAKE(pool, double, s->n *stride + 1), *E;
+    E = MUKCA_TAKE(pool, double, (size_t)rows *(size_t)stride + 1);
+    if (pool->failed) return false;
+    memcpy(u, q->E + (long)s->n_rows * stride, sizeof *u * (size_t)(s->n * stride));
+    mukca_dense_backward(u, stride, s->m->evidence.posterior.factor, s->n);
+    memcpy(E, q->E, sizeof *E * (size_t)rows * (size_t)stride);
+    for (long i = 0; i < rows; i++)
+        for (int t = 0; t < s->n; t++) {
+            const double x = root * s->white[i * s->m->linear.stride + t] * s->prior[t];
+            for (int k = 0; k < stride; k++) E[i * stride + k] -= x * u[t * stride + k];
+        }
+    q->E = E;
+    q->n_rows = rows;
+    q->n_projected = 0;
+    return true;
+}

@@ -62,6 +62,11 @@ void mukca_scan_score(double *value, double *information, mukca_scan *scan,
 bool mukca_scan_question(mukca_question *question, mukca_scan *scan, mukca_pool *pool,
                          const int *index, int n);
 
+/* Replace the question's columns by what the geometry leaves of them in the samples.  Without that
+ * its products are those squares, and in addition the deviation of the geometry from its prior and
+ * errors of the sockets' distances, which displace no tip.  False: no memory. */
+bool mukca_scan_leave(mukca_question *question, const mukca_scan *scan, mukca_pool *pool);
+
 /* value[MUKCA_LAST_ORDER + 1]: log Bayes factors of the orders of an effect of the trait
  * MUKCA_TRAIT_ORDERS at its joint, from 2 on.  False: no memory. */
 bool mukca_scan_orders(double *value, mukca_scan *scan, const mukca_effect *effect);

@@ -156,11 +156,13 @@ class Arm:
         other.shift = self.shift + 1e-3 * mm * rng.standard_normal(self.shift.shape)
         other.frame = self.frame @ turn(1e-3 * mrad * rng.standard_normal((self.n, 3)))
         other.ball = self.ball + 1e-3 * mm * rng.standard_normal(3)
+        other.spread = 1e-3 * mm
         return other
 
     def reweighed(self, rng, part):
         """The same arm with masses off by a relative deviation and centres by a few mm."""
         other = copy.deepcopy(self)
+        other.urdf_masses = self.masses
         other.masses = [(link, kg * max(0.3, 1 + part * rng.standard_normal()),
                          np.asarray(c) + 0.03 * part * rng.standard_normal(3))
                         for link, kg, c in self.masses]

@@ -1,8 +1,10 @@
 """Hidden causes of the blind cases: which there are, how they are drawn, how strong they show."""
+import copy
+
 import numpy as np
 
 import outside
-from effects import Part, centred, displacement, rms, unabsorbed
+from effects import Part, State, centred, displacement, rms, unabsorbed
 from sessions import Again
 
 DETECTABLE = 8.0        # smallest snr * sqrt(3 rows) that the truth itself would show with certainty
@@ -165,6 +167,19 @@ def imitators(part, st):
     return np.stack(cols, axis=2)
 
 
+def by_urdf_masses(part, st, see):
+    """Factor of each joint's (or the base's) compliance that a URDF with its own masses finds: the
+    displacement that shows, regressed on that by the loads of these masses."""
+    arm = copy.copy(st.arm)
+    arm.masses = arm.urdf_masses
+    out, nominal = [], State(arm, st.q, st.time, st.place)
+    for joints in [[j] for j in part.joints] or [[]]:
+        one = Part(part.kind, joints, **part.set)
+        true, said = (see(displacement(one, x)).ravel() for x in (st, nominal))
+        out.append(float(true @ said / max(said @ said, 1e-30)))
+    return out
+
+
 def choose(kind, arm, rng, st, ses, places, aim, sigma, want=True):
     """Draw a cause of a kind whose visible part can reach the aim; amplitude set; its label."""
     geometry = arm.geometry(st.sweep)
@@ -202,6 +217,14 @@ def choose(kind, arm, rng, st, ses, places, aim, sigma, want=True):
     if part.joints:
         label["joints"] = [arm.joints[j] for j in part.joints]
         label["joint_index"] = part.joints[0]
+    see = lambda move: unabsorbed(move, geometry, ses.group)  # noqa: E731
+    if kind in SINGLE and hasattr(ses, "sockets"):
+        alone = [Part(kind, [j], **part.set) for j in part.joints if len(part.joints) > 1]
+        label["left_rms_m"] = [    # and of each joint of several
+            amplitude * rms(calibrated(displacement(x, st), arm, st, ses, sigma))
+            for x in [part] + alone]
+    if kind in ("joint_compliance", "link_bending", "base_compliance"):
+        label["by_urdf_masses"] = by_urdf_masses(part, st, see)
     if kind in OUTSIDE:
         slip = [[e, arm.joints[j]] for e in ("zero_jump", "joint_drift") for j in part.joints]
         slip += [["tool_motion", None]]         # what a socket sees of a slip
@@ -230,19 +253,35 @@ def move_tool(rng, ses, sigma, hard, creep=False):
                       creep=creep, shift_m=shift.tolist(), first_row=int(ix[after]) + 1)
 
 
+def calibration(arm, st, ses, sigma, spread=3e-3):
+    """Rows of a calibration in units of their noise: samples, distances of the sockets, a prior of
+    the geometry; and the function that makes the same rows of displacements (N,3,...)."""
+    prior = np.full(arm.geometry(st.sweep).shape[2], spread)
+    prior[-3:] = 10e-3
+    mean = lambda c, p, k: c[ses.rows_of(p, k)].mean(axis=0)  # noqa: E731
+
+    def rows(c):
+        samples = centred(c, ses.group).reshape((-1,) + c.shape[2:]) / sigma
+        pairs = [(s[1] - s[0]) / np.linalg.norm(s[1] - s[0])
+                 @ (mean(c, p, 1) - mean(c, p, 0)) / 1e-4 for p, s in enumerate(ses.sockets)]
+        return np.concatenate([samples, np.array(pairs)])
+    return np.vstack([rows(arm.geometry(st.sweep)), np.diag(1 / prior)]), rows
+
+
+def calibrated(move, arm, st, ses, sigma):
+    """What a calibration leaves of a move of the ball, (N,3): one that knows the noise of a posture
+    and the spread of the arm as built."""
+    sigma = sigma * np.sqrt(ses.rows / ses.postures)
+    a, rows = calibration(arm, st, ses, sigma, arm.spread)
+    b = np.concatenate([rows(move), np.zeros(a.shape[1])])
+    rest = b - a @ np.linalg.lstsq(a, b, rcond=None)[0]
+    return sigma * rest[:move.size].reshape(-1, 3)
+
+
 def distance_strength(arm, st, ses, which, sigma):
     """Whitened visible part of a 1 m change of the sockets' distance, geometry held by a prior."""
-    geometry = arm.geometry(st.sweep)
-    mean = lambda c, p, k: c[ses.rows_of(p, k)].mean(axis=0)  # noqa: E731
-    rows, right = [], []
-    for p, s in enumerate(ses.sockets):
-        u = (s[1] - s[0]) / np.linalg.norm(s[1] - s[0])
-        rows.append(u @ (mean(geometry, p, 1) - mean(geometry, p, 0)) / 1e-4)
-        right.append(1e4 if which is None or which == p else 0.0)
-    prior = np.full(geometry.shape[2], 3e-3)
-    prior[-3:] = 10e-3
-    a = np.vstack([centred(geometry, ses.group).reshape(-1, len(prior)) / sigma, np.array(rows),
-                   np.diag(1 / prior)])
+    a, _ = calibration(arm, st, ses, sigma)
     b = np.zeros(len(a))
-    b[3 * ses.rows:3 * ses.rows + len(right)] = right
+    for p in range(len(ses.sockets)):
+        b[3 * ses.rows + p] = 1e4 if which is None or which == p else 0.0
     return np.linalg.norm(b - a @ np.linalg.lstsq(a, b, rcond=None)[0])

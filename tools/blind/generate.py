@@ -143,6 +143,8 @@ def make_case(kind, rng, hard, stock, use_real, asked):
             part = draw_part(pair[1], true, rng, st, parts[0].joints[0], places)
             seen = rms(unabsorbed(displacement(part, st), geometry, ses.group))
             part.amplitude = min(believable(part, st), aim * sigma / max(seen, 1e-12))
+            for of_another in ("left_rms_m", "by_urdf_masses"):
+                labels[1].pop(of_another, None)
             labels[1].update(joints=[true.joints[j] for j in part.joints], **part.set)
             labels[1].update(joint_index=part.joints[0], amplitude=part.amplitude,
                              full_rms_m=part.amplitude * rms(displacement(part, st)))
