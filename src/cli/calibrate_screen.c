@@ -167,7 +167,6 @@ mukca_status calibrate_print(cli_call *call)
     if (!foreign) print_identifiability(call, &w->fit);
     print_warnings(call);
     print_next(call);
-    calibrate_print_traits(call);
     return accepted ? MUKCA_OK : MUKCA_NEGATIVE;
 }
 
@@ -194,11 +193,7 @@ json_t *calibrate_json(const cli_call *call)
     const cli_scores *s = &w->scores;
     const char *solver = o->evidence ? "posterior" : mukca_solver_name[o->solver],
                *gradient = o->evidence ? NULL : calibrate_gradients[o->gradient];
-    json_t *traits = NULL, *by_evidence = NULL;
-    if (o->common.traits)
-        traits = cli_json(KEY("used", (bool)(w->traits_share > 0)), KEY("share", w->traits_share),
-                          KEY("arms", call->session->traits.n_arms),
-                          KEY("log_bayes_factor", w->traits_evidence));
+    json_t *by_evidence = NULL;
     if (e->postures)
         by_evidence = cli_json(KEY("error_m", e->after_m), KEY("instead_of_m", e->before_m),
                                KEY("difference_sigma_m", e->sigma_m));
@@ -222,6 +217,5 @@ json_t *calibrate_json(const cli_call *call)
         KEY("acceptance", cli_json_acceptance(&w->offsets.acceptance)),
         KEY("frames",
             cli_json(KEY("base", frame_json(call, true)), KEY("target", frame_json(call, false)))),
-        KEY("traits", traits), KEY("by_evidence", by_evidence),
-        KEY("elapsed_s", cli_elapsed(call)));
+        KEY("by_evidence", by_evidence), KEY("elapsed_s", cli_elapsed(call)));
 }
