@@ -10,17 +10,16 @@ typedef struct {
     const char *free, *freeze;
     int solver, gradient;
     double lambda;
-    bool regularise_tip, evidence;
+    bool regularise_tip;
 } calibrate_options;
 
 /* The call's work. */
 typedef struct {
-    mukca_fit fit, other;            /* the other one: by the evidence */
+    mukca_fit fit;
     double nominal[MUKCA_MAX_THETA]; /* of the chain, free frames aligned to the training data */
     cli_scores scores;
     mukca_cross_validation held;
-    mukca_offsets offsets;     /* with verdict */
-    mukca_difference evidence; /* from this geometry to that by the evidence; 0 postures: none */
+    mukca_offsets offsets; /* with verdict */
 } calibrate_work;
 
 /* Print one screen, the verdict first; returns the exit code. */

@@ -145,18 +145,13 @@ static mukca_status minimise(mukca_fit *fit, workspace *w, const mukca_fit_optio
     mukca_parameters_pack(x, &fit->parameters, fit->theta);
     mukca_cost_hold(cost, x);
     if (options->start) mukca_parameters_pack(x, &fit->parameters, options->start);
-    if (!options->theta_of) {
-        const mukca_status status =
-            solver->run(x, &fit->outcome, cost, solver, &options->limits, error);
-        if (status != MUKCA_OK) return status;
-        if (fit->outcome.stop == MUKCA_STOP_STOPPED)
-            return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted; nothing was written");
-        mukca_parameters_unpack(fit->theta, &fit->parameters, x);
-    }
-    if (options->parameters_only) return MUKCA_OK;
-    const mukca_status status = analyse(fit, cost, x, &w->pool, error);
-    fit->converged |= options->theta_of != NULL;
-    return status;
+    const mukca_status status =
+        solver->run(x, &fit->outcome, cost, solver, &options->limits, error);
+    if (status != MUKCA_OK) return status;
+    if (fit->outcome.stop == MUKCA_STOP_STOPPED)
+        return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted; nothing was written");
+    mukca_parameters_unpack(fit->theta, &fit->parameters, x);
+    return options->parameters_only ? MUKCA_OK : analyse(fit, cost, x, &w->pool, error);
 }
 
 mukca_status mukca_fit_run(mukca_fit *fit, const mukca_chain *chain, const mukca_dataset *data,
@@ -177,8 +172,6 @@ mukca_status mukca_fit_run(mukca_fit *fit, const mukca_chain *chain, const mukca
     w = calloc(1, sizeof *w);
     if (!w) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     status = take_workspace(w, fit, data, options->cost, error);
-    if (status == MUKCA_OK && options->theta_of)
-        status = options->theta_of(fit->theta, &fit->chain, data, error);
     if (status == MUKCA_OK) status = minimise(fit, w, options, error);
     mukca_pool_free(&w->pool);
     mukca_dataset_free(&w->samples);
