@@ -33,13 +33,10 @@ static const cli_option options[] = {
 static mukca_status disable(unsigned char *disabled, const char *list, mukca_error *error)
 {
     char name[64];
-    while (list && *list) {
-        const size_t length = strcspn(list, ",");
-        snprintf(name, sizeof name, "%.*s", (int)(length < 60 ? length : 60), list);
+    while (mukca_text_item(name, sizeof name, &list)) {
         const int kind = mukca_effect_find(name);
         if (kind < 0) return cli_fail_effect(error, "--without", name);
         disabled[kind] = 1;
-        list += length + (list[length] == ',');
     }
     return MUKCA_OK;
 }

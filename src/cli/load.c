@@ -124,16 +124,16 @@ mukca_status cli_read_format(cli_call *call, mukca_rows_format *format)
                         "--rotation %.40s: give angles as XYZ (intrinsic) or xyz (extrinsic), "
                         "vector, wxyz, xyzw, inverse or none",
                         rotation);
-    for (const char *next = c->units; next;) {
-        const size_t length = strcspn(next, ",");
+    const char *list = c->units;
+    char name[8];
+    while (mukca_text_item(name, sizeof name, &list)) {
         size_t k = 0;
-        while (k < 4 && (strncmp(units[k].name, next, length) != 0 || units[k].name[length])) k++;
+        while (k < 4 && strcmp(units[k].name, name) != 0) k++;
         double *unit = k < 2 ? &format->angle : &format->length;
         if (k == 4 || *unit > 0)
             return cli_fail(call, MUKCA_USAGE,
                             "--units %.40s: give rad or deg, and m or mm, as in deg,mm", c->units);
         *unit = k < 2 ? units[k].angle : units[k].length;
-        next = next[length] ? next + length + 1 : NULL;
     }
     return MUKCA_OK;
 }

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "fit/align.h"
 #include "model/dataset_subset.h"
 
@@ -54,18 +55,13 @@ static mukca_status mark_list(unsigned char *mark, const mukca_chain *chain, con
                               unsigned char value, mukca_error *error)
 {
     char item[512];
-    while (list) {
-        const char *comma = strchr(list, ',');
-        const size_t length = comma ? (size_t)(comma - list) : strlen(list);
-        if (length == 0 || length >= sizeof item)
+    while (mukca_text_item(item, sizeof item, &list)) {
+        if (!*item)
             return mukca_fail(error, MUKCA_USAGE,
                               "parameter list: an empty or overlong item; write "
                               "joint, parameter or joint.parameter, with commas");
-        memcpy(item, list, length);
-        item[length] = '\0';
         mukca_status status = mark_item(mark, chain, item, value, error);
         if (status != MUKCA_OK) return status;
-        list = comma ? comma + 1 : NULL;
     }
     return MUKCA_OK;
 }

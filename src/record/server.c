@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "base/text.h"
 
 /* ---- rights and limits ---- */
 
@@ -30,17 +31,16 @@ static const int most_arguments[] = {MUKCA_SERVER_VERB_LIST(VERB_ARGUMENTS)};
 /* Read --accept: bit k for rights[k]. */
 static mukca_status read_rights(mukca_server *s, mukca_error *error)
 {
-    const char *word = s->options->accept ? s->options->accept : MUKCA_SERVER_ACCEPT;
-    for (; word; word = strchr(word, ',')) {
-        word += *word == ',';
-        const size_t n = strcspn(word, ",");
-        unsigned found = n == 3 && strncmp(word, "all", n) == 0 ? ~0u : 0;
+    const char *list = s->options->accept ? s->options->accept : MUKCA_SERVER_ACCEPT;
+    char word[48];
+    while (mukca_text_item(word, sizeof word, &list)) {
+        unsigned found = strcmp(word, "all") == 0 ? ~0u : 0;
         for (int k = 0; k <= REOPEN; k++)
-            if (strlen(rights[k]) == n && strncmp(word, rights[k], n) == 0) found = 1u << k;
+            if (strcmp(word, rights[k]) == 0) found = 1u << k;
         if (!found)
             return mukca_fail(
                 error, MUKCA_USAGE,
-                "--accept: %.40s is no command; delete, use, reopen and all are possible "
+                "--accept: %s is no command; delete, use, reopen and all are possible "
                 "besides " MUKCA_SERVER_ACCEPT,
                 word);
         s->rights |= found;
