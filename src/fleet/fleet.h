@@ -181,7 +181,7 @@ void mukca_orders_pool(mukca_fleet *fleet);
 typedef struct {
     const mukca_trait *trait;
     double value, low, high; /* with the fleet as prior; 95 % */
-    double own;              /* share of its information from this arm's data, 0 .. 1 */
+    double own_share;        /* share of its information from this arm's data, 0 .. 1 */
 } mukca_inherited;
 
 typedef struct {

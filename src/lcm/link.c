@@ -157,8 +157,8 @@ mukca_status mukca_lcm_link_wait(mukca_lcm_link *link, int timeout_ms, int other
 {
     if (readable) *readable = false;
     if (link->replays) return replay(link, other, readable);
-    const int own = link->multicast ? mukca_lcm_multicast_descriptor(link->multicast) : -1;
-    struct pollfd p[2] = {{.fd = own, .events = POLLIN}, {.fd = other, .events = POLLIN}};
+    const int descriptor = link->multicast ? mukca_lcm_multicast_descriptor(link->multicast) : -1;
+    struct pollfd p[2] = {{.fd = descriptor, .events = POLLIN}, {.fd = other, .events = POLLIN}};
     int n = poll(p, 2, timeout_ms);
     if (n < 0 && errno != EINTR)
         return mukca_fail(error, MUKCA_TRANSPORT, "waiting for LCM: %s", strerror(errno));

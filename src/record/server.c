@@ -279,12 +279,12 @@ mukca_status mukca_server_open(mukca_server *s, const mukca_server_options *opti
                                const mukca_chain *chain, const double *theta,
                                const mukca_recorder_hooks *hooks, mukca_error *error)
 {
-    mukca_recorder_hooks own = {.report = report,
-                                .interrupted = hooks->interrupted,
-                                .command = on_command,
-                                .trigger = may_trigger,
-                                .joints = options->publish_pose ? mukca_server_send_pose : NULL,
-                                .context = s};
+    mukca_recorder_hooks forward = {.report = report,
+                                    .interrupted = hooks->interrupted,
+                                    .command = on_command,
+                                    .trigger = may_trigger,
+                                    .joints = options->publish_pose ? mukca_server_send_pose : NULL,
+                                    .context = s};
     memset(s, 0, sizeof *s);
     s->options = options;
     s->hooks = *hooks;
@@ -292,7 +292,8 @@ mukca_status mukca_server_open(mukca_server *s, const mukca_server_options *opti
     mukca_status status = read_rights(s, error);
     if (status == MUKCA_OK) status = mukca_server_open_folder(s, error);
     if (status == MUKCA_OK)
-        status = mukca_recorder_open(&s->recorder, &options->recorder, chain, theta, &own, error);
+        status =
+            mukca_recorder_open(&s->recorder, &options->recorder, chain, theta, &forward, error);
     if (status == MUKCA_OK) status = mukca_server_load_state(s, error);
     if (status != MUKCA_OK) return status;
     mukca_error problem; /* serves without a model, too */
