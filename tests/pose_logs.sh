@@ -97,7 +97,7 @@ done
 run calibrate "$dir/rows.csv" --free-base >"$dir/said" 2>&1
 ok "calibrate names the command for several" grep -q 'the pose logs have 3 targets; mukca diagnose -o' "$dir/said"
 run recalibrate "$dir/rows.csv" --free-base >"$dir/said" 2>&1
-ok "and so does recalibrate" grep -q "rows.csv:3: column 'target': a second target, 'B': mukca diagnose -o" "$dir/said"
+ok "and so does recalibrate" grep -q 'the pose logs have 3 targets; mukca diagnose -o' "$dir/said"
 
 # ---- several logs, one table
 run evaluate "$dir/one.csv" "$dir/two.csv" >"$dir/scores" 2>"$dir/said"

@@ -266,17 +266,3 @@ void mukca_arm_posterior_free(mukca_arm_posterior *p)
     mukca_dataset_free(&p->data);
     mukca_pool_free(&p->pool);
 }
-
-mukca_status mukca_arm_posterior_theta(double *theta, const mukca_chain *chain,
-                                       const mukca_dataset *data, mukca_error *error)
-{
-    mukca_pool pool = {0};
-    mukca_arm_posterior *p = MUKCA_TAKE(&pool, mukca_arm_posterior, 1);
-    const mukca_tip_change_task task = {.chain = chain, .data = data};
-    if (!p) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    const mukca_status status = mukca_arm_posterior_fit(p, &task, error);
-    if (status == MUKCA_OK) mukca_geometry_theta(theta, chain, &p->m.unknowns.geometry);
-    mukca_arm_posterior_free(p);
-    mukca_pool_free(&pool);
-    return status;
-}

@@ -1,5 +1,5 @@
-/* An arm's geometry and effects: their posterior given samples, for acceptance, for the advice
- * while recording and for calibrate --evidence.
+/* An arm's geometry and effects: their posterior given samples, for acceptance and for the
+ * advice while recording.
  *
  * It is the regression of the diagnosis with Student's noise, one sample for each posture, and
  * priors of noise and geometry that few samples leave as they are. */
@@ -47,9 +47,5 @@ enum { MUKCA_RIGID = 9 };
 /* Rows X[3 n][ld] of the tip in postures q[n][n_joints]: columns of base and tool, those of the
  * unknowns, and minus the tip, m.  False: no memory. */
 bool mukca_arm_posterior_probe(double *X, int ld, mukca_arm_posterior *p, const double *q, int n);
-
-/* theta[6 * n_elements] := the posterior mean given samples of sockets.  Errors: MUKCA_MEMORY. */
-mukca_status mukca_arm_posterior_theta(double *theta, const mukca_chain *chain,
-                                       const mukca_dataset *data, mukca_error *error);
 
 #endif

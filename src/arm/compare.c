@@ -32,8 +32,8 @@ static const double one_line = 0.01;
 typedef struct {
     mukca_frame a, b;
     double axis[2][3];
-    double own[3];       /* A's present axis */
-    mukca_frame carried; /* B's present frame in A's: a screw along `own` */
+    double present[3];   /* A's present axis */
+    mukca_frame carried; /* B's present frame in A's: a screw along `present` */
     bool slides;         /* the next joint is prismatic: its axis has no position */
 } pair;
 
@@ -67,8 +67,8 @@ static void apply(pair *p, double turn, double shift)
 {
     mukca_frame screw;
     double turned[3];
-    mukca_rotation_about(screw.R, p->own, turn);
-    for (int i = 0; i < 3; i++) screw.p[i] = shift * p->own[i];
+    mukca_rotation_about(screw.R, p->present, turn);
+    for (int i = 0; i < 3; i++) screw.p[i] = shift * p->present[i];
     mukca_frame_multiply(&p->b, &screw, &p->b);
     mukca_mat3_vec(turned, screw.R, p->axis[1]);
     memcpy(p->axis[1], turned, sizeof turned);
@@ -78,18 +78,18 @@ static void apply(pair *p, double turn, double shift)
 static void fit_screw(double *turn, double *shift, pair *p)
 {
     double v[3], w[3], off[3];
-    across(v, p->axis[1], p->own);
-    across(w, p->own, p->a.p);
+    across(v, p->axis[1], p->present);
+    across(w, p->present, p->a.p);
     const double slope = mukca_norm3(v);
     *turn = *shift = (double)NAN;
     if (slope > parallel)
-        *turn = turn_between(p->own, p->axis[1], p->axis[0]);
+        *turn = turn_between(p->present, p->axis[1], p->axis[0]);
     else if (!p->slides && mukca_norm3(w) > one_line)
-        *turn = turn_between(p->own, p->b.p, p->a.p);
+        *turn = turn_between(p->present, p->b.p, p->a.p);
     if (isfinite(*turn)) apply(p, *turn, 0);
     if (p->slides || !(slope > parallel)) return;
     for (int i = 0; i < 3; i++) off[i] = p->a.p[i] - p->b.p[i];
-    across(v, p->axis[1], p->own);
+    across(v, p->axis[1], p->present);
     *shift = mukca_dot3(off, v) / mukca_dot3(v, v);
     apply(p, 0, *shift);
 }
@@ -111,7 +111,7 @@ static void remove_difference(mukca_axis_difference *out, pair *p)
     if (!p->slides)
         for (int i = 0; i < 3; i++) from[i] = along * p->axis[0][i];
     mukca_mat3_tvec(p->carried.p, p->a.R, from);
-    mukca_mat3_tvec(p->own, p->a.R, p->axis[0]);
+    mukca_mat3_tvec(p->present, p->a.R, p->axis[0]);
 }
 
 /* The joint axes, each seen from the axis before it: out[n_joints]. */

@@ -15,9 +15,8 @@ const char *const mukca_reach_sentence[MUKCA_REACH_COUNT] = {MUKCA_REACH_LIST(RE
 #undef REACH_SENTENCE
 
 /* A joint step (rad, m) larger than any correction of a calibrated arm, and than any step between
- * rows of a path; poses less than path_step (m) apart are on one path.  Of the target, m and rad:
- * tolerance. */
-static const double far = 0.5, path_step = 0.05, tolerance = 1e-8;
+ * rows of a path.  Of the target, m and rad: tolerance. */
+static const double far = 0.5, tolerance = 1e-8;
 
 void mukca_compensator_start(mukca_compensator *c, const mukca_corrected *arm, bool position_only)
 {
@@ -106,35 +105,4 @@ mukca_compensation mukca_compensate_joints(double *q, mukca_compensator *c,
     memcpy(c->target, meant, (size_t)n * sizeof *q);
     end_row(c, q);
     return result;
-}
-
-mukca_compensation mukca_compensate_pose(double *q, mukca_compensator *c, const mukca_frame *target,
-                                         const mukca_row_reading *reading)
-{
-    enum { STARTS = 60 };
-    const int n = c->arm->chain.n_joints;
-    mukca_compensation best, result;
-    double tried[MUKCA_MAX_JOINTS];
-    mukca_inverse_result found;
-    mukca_random random;
-    mukca_random_seed(&random, 1);
-    if (c->on_path) memcpy(q, c->sent, (size_t)n * sizeof *q);
-    begin_row(c, q, reading);
-    found = solve(q, c, target);
-    best = outcome(&found);
-    for (int start = 0; start < STARTS && best.reach != MUKCA_REACH_OK; start++) {
-        mukca_posture_draw(tried, &c->arm->chain, &random);
-        found = solve(tried, c, target);
-        result = outcome(&found);
-        if (result.reach != MUKCA_REACH_OK && !(result.position_error < best.position_error))
-            continue;
-        best = result;
-        memcpy(q, tried, (size_t)n * sizeof *q);
-    }
-    if (best.reach == MUKCA_REACH_OK && c->on_path &&
-        mukca_distance3(target->p, c->position) < path_step && largest_step(q, c->sent, n) > far)
-        best.reach = MUKCA_REACH_JUMP;
-    memcpy(c->position, target->p, sizeof c->position);
-    end_row(c, q);
-    return best;
 }

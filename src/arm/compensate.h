@@ -26,7 +26,7 @@ extern const char *const mukca_reach_sentence[MUKCA_REACH_COUNT];
 
 typedef struct {
     mukca_reach reach;
-    double position_before;                /* m: error without correction; 0 for poses */
+    double position_before;                /* m: error without correction */
     double position_error, rotation_error; /* m, rad: error with correction */
 } mukca_compensation;
 
@@ -39,7 +39,6 @@ typedef struct {
     mukca_row_state rows;
     bool on_path;
     double target[MUKCA_MAX_JOINTS], sent[MUKCA_MAX_JOINTS];
-    double position[3];
 } mukca_compensator;
 
 /* `arm` must outlive it. */
@@ -52,11 +51,5 @@ void mukca_compensator_start(mukca_compensator *compensator, const mukca_correct
  * found. */
 mukca_compensation mukca_compensate_joints(double *q, mukca_compensator *compensator,
                                            const mukca_row_reading *reading);
-
-/* Compute q[n_joints] that bring the corrected arm to `target`, close to the last row; the first
- * row starts from q and, if that fails, from other postures. */
-mukca_compensation mukca_compensate_pose(double *q, mukca_compensator *compensator,
-                                         const mukca_frame *target,
-                                         const mukca_row_reading *reading);
 
 #endif

@@ -12,7 +12,7 @@ mukca_status mukca_corrected_parse_named(mukca_corrected *model, mukca_bytes tab
     double theta[MUKCA_MAX_THETA];
     unsigned char listed[MUKCA_MAX_THETA] = {0};
     mukca_acceptance acceptance;
-    mukca_offsets_origin origin = {.name = name, .accept = accept, .own = &model->chain};
+    mukca_offsets_origin origin = {.name = name, .accept = accept, .embedded = &model->chain};
     const mukca_offsets_target into = {.theta = theta,
                                        .listed = listed,
                                        .n_effects = &model->n_effects,

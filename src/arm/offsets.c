@@ -71,18 +71,18 @@ void mukca_offsets_place_effects(mukca_effect *effects, const mukca_offsets *off
 static mukca_status check_kinematics(const mukca_offsets_origin *o, const mukca_chain *chain,
                                      mukca_error *error)
 {
-    const bool with = o->own->kinematics_sha256[0], known = chain->kinematics_hash[0];
-    if (!known || !o->own->kinematics_hash[0])
+    const bool has_factory = o->embedded->kinematics_sha256[0], known = chain->kinematics_hash[0];
+    if (!known || !o->embedded->kinematics_hash[0])
         return mukca_fail(
             error, MUKCA_INPUT, "%s: was made %s: its offsets are added to other origins; give %s",
-            o->name, with ? "with a factory file (--kinematics)" : "without --kinematics",
-            with ? "the same --kinematics FILE" : "no --kinematics");
-    if (strcmp(o->own->kinematics_hash, chain->kinematics_hash) != 0)
+            o->name, has_factory ? "with a factory file (--kinematics)" : "without --kinematics",
+            has_factory ? "the same --kinematics FILE" : "no --kinematics");
+    if (strcmp(o->embedded->kinematics_hash, chain->kinematics_hash) != 0)
         return mukca_fail(
             error, MUKCA_INPUT,
             "%s: is of the robot %.40s, the factory file of %.40s: another robot, or "
             "one calibrated anew; give the file of the table (--accept-other-arm takes any)",
-            o->name, o->own->kinematics_hash, chain->kinematics_hash);
+            o->name, o->embedded->kinematics_hash, chain->kinematics_hash);
     return mukca_fail(
         error, MUKCA_INPUT,
         "%s: the factory file has the table's hash, %.40s, but was edited or exported "
@@ -93,20 +93,20 @@ static mukca_status check_kinematics(const mukca_offsets_origin *o, const mukca_
 static mukca_status check_origin(mukca_offsets_origin *o, const mukca_chain *chain,
                                  mukca_error *error)
 {
-    const char *sha = o->own->urdf_sha256;
+    const char *sha = o->embedded->urdf_sha256;
     if (!sha[0])
         return mukca_fail(error, MUKCA_INPUT,
                           "%s: no offsets table: the line `# urdf_sha256:` is missing", o->name);
     o->other = strcmp(sha, chain->urdf_sha256) != 0;
-    o->other_file = strcmp(o->own->kinematics_sha256, chain->kinematics_sha256) != 0;
-    o->other_ends = (o->own->base[0] && strcmp(o->own->base, chain->base) != 0) ||
-                    (o->own->tip[0] && strcmp(o->own->tip, chain->tip) != 0);
+    o->other_file = strcmp(o->embedded->kinematics_sha256, chain->kinematics_sha256) != 0;
+    o->other_ends = (o->embedded->base[0] && strcmp(o->embedded->base, chain->base) != 0) ||
+                    (o->embedded->tip[0] && strcmp(o->embedded->tip, chain->tip) != 0);
     if (o->accept & MUKCA_ACCEPT_OTHER) return MUKCA_OK;
     if (o->other)
         return mukca_fail(error, MUKCA_INPUT,
                           "%s: was made for another URDF (robot '%.40s', SHA-256 %.12s..., not "
                           "%.12s...); --accept-other-arm applies its offsets nevertheless",
-                          o->name, o->own->robot, sha, chain->urdf_sha256);
+                          o->name, o->embedded->robot, sha, chain->urdf_sha256);
     return o->other_file ? check_kinematics(o, chain, error) : MUKCA_OK;
 }
 
@@ -119,15 +119,15 @@ mukca_status mukca_offsets_parse(mukca_offsets *offsets, mukca_offsets_origin *o
                                        .effects = offsets->effects,
                                        .acceptance = &offsets->acceptance,
                                        .rest = offsets,
-                                       .check = origin->own ? NULL : check_origin};
+                                       .check = origin->embedded ? NULL : check_origin};
     const mukca_bytes table = {text, strlen(text)};
     memset(offsets, 0, sizeof *offsets);
-    if (origin->own) return mukca_offsets_parse_into(&into, origin, NULL, table, error);
-    origin->own = malloc(sizeof *origin->own);
-    if (!origin->own) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    if (origin->embedded) return mukca_offsets_parse_into(&into, origin, NULL, table, error);
+    origin->embedded = malloc(sizeof *origin->embedded);
+    if (!origin->embedded) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     const mukca_status status = mukca_offsets_parse_into(&into, origin, chain, table, error);
-    free(origin->own);
-    origin->own = NULL;
+    free(origin->embedded);
+    origin->embedded = NULL;
     return status;
 }
 

@@ -65,7 +65,7 @@ typedef struct {
                     --tip) */
     bool other, other_file; /* out: made for another URDF or factory file, by SHA-256 */
     bool other_ends;        /* out: made for another base or tip */
-    mukca_chain *own;       /* out: the chain in the table's comments */
+    mukca_chain *embedded;  /* out: the chain in the table's comments */
 } mukca_offsets_origin;
 
 /* A text of `size` bytes, not necessarily NUL-terminated. */
@@ -86,13 +86,13 @@ typedef struct {
     mukca_status (*check)(mukca_offsets_origin *, const mukca_chain *chain, mukca_error *);
 } mukca_offsets_target;
 
-/* Parse a table for the chain (NULL: origin->own). */
+/* Parse a table for the chain (NULL: origin->embedded). */
 mukca_status mukca_offsets_parse_into(const mukca_offsets_target *into,
                                       mukca_offsets_origin *origin, const mukca_chain *chain,
                                       mukca_bytes table, mukca_error *error);
 
-/* Parse a table for the chain; if origin->own is given, for the chain in the table instead. Errors:
- * MUKCA_INPUT ("name:line: column ..."; a table that was not accepted, with its verdict in
+/* Parse a table for the chain; if origin->embedded is given, for the chain in the table instead.
+ * Errors: MUKCA_INPUT ("name:line: column ..."; a table that was not accepted, with its verdict in
  * offsets->acceptance; one that was edited or cut), MUKCA_MEMORY. */
 mukca_status mukca_offsets_parse(mukca_offsets *offsets, mukca_offsets_origin *origin,
                                  const mukca_chain *chain, const char *text, mukca_error *error);

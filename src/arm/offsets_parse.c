@@ -122,7 +122,7 @@ static mukca_status read_mass(const reader *r, mukca_chain *c, int n)
 static mukca_status read_comment(reader *r)
 {
     const mukca_offsets_target *into = r->into;
-    mukca_chain *c = r->origin->own;
+    mukca_chain *c = r->origin->embedded;
     char *line = r->lines.line, placement[MUKCA_NAME_SIZE];
     comment(c->robot, sizeof c->robot, line, "# robot: ");
     comment(c->base, sizeof c->base, line, "# base: ");
@@ -235,9 +235,9 @@ static mukca_status check_unit(const reader *r, const char *unit)
 /* Whether the row is of a measurement's frame at an end of the chain: no part of the arm. */
 static bool is_frame(const reader *r, const char *joint)
 {
-    const mukca_chain *own = r->origin->own;
-    const int k = mukca_chain_find_element(own, joint);
-    const char *child = k < 0 ? "" : own->element[k].child;
+    const mukca_chain *embedded = r->origin->embedded;
+    const int k = mukca_chain_find_element(embedded, joint);
+    const char *child = k < 0 ? "" : embedded->element[k].child;
     return strcmp(child, r->chain->base) == 0 || strcmp(child, r->chain->tip) == 0;
 }
 
@@ -245,7 +245,7 @@ static mukca_status read_parameter(reader *r, int parameter)
 {
     const mukca_offsets_target *into = r->into;
     const int element = mukca_chain_find_element(r->chain, r->cell[r->column[JOINT]]);
-    if (element < 0 && r->chain == r->origin->own)
+    if (element < 0 && r->chain == r->origin->embedded)
         return fail_cell(r, JOINT, "no such joint in its chain");
     if (element < 0) {
         r->origin->ignored += !is_frame(r, r->cell[r->column[JOINT]]);
@@ -350,11 +350,11 @@ mukca_status mukca_offsets_parse_into(const mukca_offsets_target *into,
 {
     reader r = {.into = into,
                 .origin = origin,
-                .chain = chain ? chain : origin->own,
+                .chain = chain ? chain : origin->embedded,
                 .lines = {.text = table.text, .left = table.size},
                 .digest = MUKCA_HASH_START,
                 .error = error};
-    memset(origin->own, 0, sizeof *origin->own);
+    memset(origin->embedded, 0, sizeof *origin->embedded);
     *into->n_effects = 0;
     mukca_acceptance_init(into->acceptance);
     origin->ignored = 0;

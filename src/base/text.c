@@ -17,6 +17,15 @@ void mukca_text_put(mukca_text *text, const char *format, ...)
     if (text->used >= text->size) text->used = text->size - 1;
 }
 
+bool mukca_text_item(char *item, size_t size, const char **list)
+{
+    if (!*list) return false;
+    const size_t length = strcspn(*list, ",");
+    snprintf(item, size, "%.*s", length < size ? (int)length : 0, *list);
+    *list = (*list)[length] ? *list + length + 1 : NULL;
+    return true;
+}
+
 /* ---- numbers ---- */
 
 void mukca_number_format(char text[MUKCA_NUMBER_SIZE], double value)

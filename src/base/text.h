@@ -21,6 +21,10 @@ typedef struct {
 void mukca_text_put(mukca_text *text, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
+/* Copy the next item of the comma-separated *list to item[size] and advance *list, which is NULL
+ * after the last; false: *list is NULL.  An item that is too long becomes empty. */
+bool mukca_text_item(char *item, size_t size, const char **list);
+
 /* Call `note` (may be NULL) with a printf-formatted line, truncated to 511 characters. */
 void mukca_note_format(mukca_note_fn *note, void *context, const char *format, ...)
     __attribute__((format(printf, 3, 4)));

@@ -195,12 +195,12 @@ static void remark(char text[MUKCA_CAPTURE_TEXT], mukca_capture *capture, int tw
     const mukca_dataset *rows = &capture->rows;
     int latest = rows->n_rows - 1;
     const double *q = rows->q + latest * rows->n_joints;
-    double x[3], own[3], how_far;
+    double x[3], mean[3], how_far;
     text[0] = '\0';
     mukca_fk_position(x, &capture->geometry, q, NULL);
     int nearest = nearest_socket(&how_far, capture, x, latest, false);
-    int n = mukca_socket_mean(own, &capture->geometry, rows, capture->socket, latest);
-    double off = n ? mukca_distance3(x, own) : 0;
+    int n = mukca_socket_mean(mean, &capture->geometry, rows, capture->socket, latest);
+    double off = n ? mukca_distance3(x, mean) : 0;
     double usual = n ? mukca_capture_expected_offset(capture, capture->socket, q, latest) : 0;
     const mukca_socket *sockets = rows->sockets;
     const char *other = n ? other_socket(capture, off, nearest, how_far) : NULL;

@@ -25,7 +25,7 @@ static const cli_option options[] = {
 typedef struct {
     cli_model model;
     mukca_dataset data;
-    mukca_evaluation of;
+    mukca_evaluation evaluation;
     double variance; /* of a coordinate of one sample, m^2 */
 } side;
 
@@ -53,11 +53,12 @@ static mukca_status find_means(cli_call *call, side *s)
         .chain = &s->model.chain, .theta = o->theta, .effects = effects, .n_effects = o->n_effects};
     double squares = 0;
     int freedom = 0;
-    if (!mukca_evaluation_make(&s->of, &call->pool, &model, d))
+    if (!mukca_evaluation_make(&s->evaluation, &call->pool, &model, d))
         return cli_fail(call, MUKCA_MEMORY, "out of memory");
-    for (int k = 0; k < d->n_sockets; k++) freedom += s->of.count[k] > 1 ? s->of.count[k] - 1 : 0;
+    for (int k = 0; k < d->n_sockets; k++)
+        freedom += s->evaluation.count[k] > 1 ? s->evaluation.count[k] - 1 : 0;
     for (int i = 0; i < d->n_rows; i++)
-        if (d->socket[i] >= 0) squares += s->of.error[i] * s->of.error[i];
+        if (d->socket[i] >= 0) squares += s->evaluation.error[i] * s->evaluation.error[i];
     s->variance = freedom > 0 ? squares / (3 * freedom) : 0;
     return MUKCA_OK;
 }
@@ -98,15 +99,15 @@ static mukca_status find_shared(cli_call *call)
     if (!w->shared) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     for (int i = 0; i < l->data.n_sockets; i++)
         for (int k = 0; k < r->data.n_sockets; k++) {
-            if (!l->of.count[i] || !r->of.count[k] ||
+            if (!l->evaluation.count[i] || !r->evaluation.count[k] ||
                 strcmp(placement_of(l, i), placement_of(r, k)) != 0 ||
                 strcmp(l->data.sockets[i].label, r->data.sockets[k].label) != 0)
                 continue;
             mukca_shared_socket *s = &w->shared[w->n++];
-            memcpy(s->at[0], l->of.mean[i], sizeof s->at[0]);
-            memcpy(s->at[1], r->of.mean[k], sizeof s->at[1]);
-            s->variance[0] = l->variance / l->of.count[i];
-            s->variance[1] = r->variance / r->of.count[k];
+            memcpy(s->at[0], l->evaluation.mean[i], sizeof s->at[0]);
+            memcpy(s->at[1], r->evaluation.mean[k], sizeof s->at[1]);
+            s->variance[0] = l->variance / l->evaluation.count[i];
+            s->variance[1] = r->variance / r->evaluation.count[k];
             break;
         }
     if (w->n > 0) return MUKCA_OK;

@@ -2,7 +2,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "accept/posterior.h"
 #include "cli/calibrate.h"
 #include "fit/align.h"
 #include "fit/mismatch.h"
@@ -22,11 +21,6 @@ static const cli_option options[] = {
     CLI_RANGE_OPTION(
         calibrate_options, lambda, "lambda", CLI_NUMBER, "L", 0, INFINITY,
         "weight of the regularisation towards the nominal model, per placement (default: 1e-4)"),
-    CLI_OPTION_AND(
-        calibrate_options, evidence, "evidence", CLI_FLAG, NULL,
-        "choose the priors by the evidence and give outliers less weight, instead of this cost "
-        "(sockets)",
-        .excludes = "free freeze regularise-tip lambda solver gradient free-base free-tool traits"),
     CLI_CHOICE_OPTION(calibrate_options, solver, "solver", "SOLVER", mukca_solver_name,
                       "minimiser (default: slsqp)"),
     CLI_CHOICE_OPTION(calibrate_options, gradient, "gradient", "GRADIENT", calibrate_gradients,
@@ -39,43 +33,10 @@ static mukca_fit_options fit_options(const calibrate_options *o)
         .selection = {o->free, o->freeze, o->regularise_tip},
         .free_base = o->common.free_base,
         .free_tool = o->common.free_tool,
-        .theta_of = o->evidence ? mukca_arm_posterior_theta : NULL,
         .cost = {.lambda = o->lambda > 0 ? o->lambda : -1,
                  .gradient = o->gradient == 1 ? MUKCA_GRADIENT_ANALYTIC : MUKCA_GRADIENT_FD},
         .solver = mukca_solver_table[o->solver],
         .limits = {.stop = cli_stop}};
-}
-
-/* Whether the fit is that of the paper, which the posterior can replace. */
-static bool is_default(const calibrate_options *o)
-{
-    return !o->free && !o->freeze && !o->regularise_tip && o->lambda == MUKCA_LAMBDA &&
-           !o->common.free_base && !o->common.free_tool && !o->common.traits;
-}
-
-/* Compare with the geometry by the evidence.  The priors of a long recording have no weight. */
-static mukca_status compare_evidence(cli_call *call)
-{
-    const calibrate_options *o = call->options;
-    const cli_session *s = call->session;
-    calibrate_work *w = call->work;
-    mukca_fit_options posterior = fit_options(o);
-    mukca_cross_validation by;
-    posterior.theta_of = mukca_arm_posterior_theta;
-    posterior.parameters_only = true;
-    if (o->evidence || !is_default(o) || !w->offsets.acceptance.accepted ||
-        s->data.n_sockets == 0 || s->data.n_rows > MUKCA_MOST_SAMPLES)
-        return MUKCA_OK;
-    mukca_status status = MUKCA_OK;
-    if (s->test.n_rows > 0) /* otherwise each fold is fitted alone */
-        status = mukca_fit_run(&w->other, &s->model.chain, &s->data, &posterior, &call->error);
-    if (status == MUKCA_OK)
-        status = mukca_fit_cross_validate(&by, &w->other, &s->model.chain, &s->data, &s->test,
-                                          &posterior, &call->error);
-    if (status != MUKCA_OK) return status;
-    status = mukca_difference_find(&w->evidence, w->held.after, by.after, by.held, &call->error);
-    mukca_cross_validation_free(&by);
-    return status;
 }
 
 static mukca_status write_offsets(cli_call *call)
@@ -99,13 +60,9 @@ static mukca_status run(cli_call *call)
     calibrate_work *w = call->work;
     mukca_fit *fit = &w->fit;
     mukca_columns_note(cli_note, call, chain, &s->data);
-    if (o->evidence && s->data.n_sockets == 0)
-        return cli_fail(call, MUKCA_USAGE,
-                        "--evidence is for sockets; for pose logs: mukca diagnose -o");
     mukca_status status = cli_check_moving(call, &s->data, false);
     if (status == MUKCA_OK) status = cli_check_moving(call, &s->test, false);
     if (status == MUKCA_OK) status = mukca_fit_run(fit, chain, &s->data, &wanted, &call->error);
-    if (status == MUKCA_OK && o->common.traits) status = calibrate_use_traits(call, &wanted);
     if (status == MUKCA_OK && fit->identification.rank == 0)
         status = cli_fail(call, MUKCA_UNIDENTIFIABLE,
                           "the data identify no free parameter; record different postures");
@@ -121,10 +78,8 @@ static mukca_status run(cli_call *call)
         mukca_fit_cross_validate(&w->held, fit, chain, &s->data, &s->test, &wanted, &call->error);
     if (status != MUKCA_OK) return status;
     status = mukca_accept_fit(&w->offsets, fit, &w->held, &s->data, &wanted, &call->error);
-    if (status == MUKCA_OK) status = compare_evidence(call);
     mukca_cross_validation_free(&w->held);
     if (status != MUKCA_OK) return status;
-    calibrate_add_traits(call);
     return write_offsets(call);
 }
 
@@ -148,15 +103,12 @@ const cli_command cli_command_calibrate = {
         "and at the tip, whose expected error is predicted from the samples. Test data must not "
         "contradict the training data, and the change of the tip must be plausible. The other "
         "commands refuse a table that is not accepted.\n\n"
-        "--traits corrects the recorded angles for the mean elasticity of the arm's fleet before "
-        "the fit and adds it to the table, or half of it, or nothing, whichever fits the data "
-        "best.\n\n"
         "Exit code 1: not accepted; 5: the data identify nothing.",
     .example =
         "  mukca calibrate --urdf data/demo/arm.urdf data/demo/train.tsv \\\n"
         "      --test data/demo/test.tsv -o build/demo/offsets.tsv --force",
     .with = CLI_WITH_MODEL | CLI_WITH_TEST | CLI_WITH_DISTANCE | CLI_WITH_DISTANCES | CLI_WITH_SD |
-            CLI_WITH_JSON | CLI_WITH_ANGLES | CLI_WITH_FRAMES | CLI_WITH_TRAITS | CLI_WITH_TABLES,
+            CLI_WITH_JSON | CLI_WITH_ANGLES | CLI_WITH_FRAMES | CLI_WITH_TABLES,
     .options = options,
     .options_size = sizeof(calibrate_options),
     .defaults = &defaults,

@@ -75,12 +75,6 @@ static void print_next(cli_call *call)
         cli_say(call, "Next", "mukca export --urdf %s%s%s --offsets %s", c->arm.urdf,
                 c->arm.kinematics ? " --kinematics " : "",
                 c->arm.kinematics ? c->arm.kinematics : "", c->output);
-    if (w->evidence.postures && w->evidence.mean_m < -2 * w->evidence.sigma_m)
-        cli_say(call, "Better",
-                "--evidence fits a better geometry to these data: held-out error %.3f mm (%s) "
-                "instead of %.3f mm",
-                1e3 * w->evidence.after_m, w->offsets.acceptance.error_of,
-                1e3 * w->evidence.before_m);
     if (!c->output) cli_say(call, "Save", "-o offsets.tsv saves the result");
 }
 
@@ -97,15 +91,14 @@ static void print_verdict(cli_call *call)
     const calibrate_work *w = call->work;
     const mukca_dataset *train = &call->session->data;
     const mukca_acceptance *a = &w->offsets.acceptance;
-    char turns[80] = "", fit[80] = "Priors by the evidence";
+    char turns[80] = "";
     cli_print_acceptance(cli_answer_stream(call), a, &w->fit.chain);
     if (!a->accepted) return;
     if (train->quaternion && fitted_poses(train))
         snprintf(turns, sizeof turns, ", positions and orientations together (1 mrad as %g mm)",
                  MUKCA_METRES_PER_RADIAN);
-    if (w->fit.outcome.evaluations)
-        snprintf(fit, sizeof fit, "Converged after %d evaluations", w->fit.outcome.evaluations);
-    cli_say(call, NULL, "%s; measurement noise %.3f mm per axis%s.", fit, 1e3 * a->noise_m, turns);
+    cli_say(call, NULL, "Converged after %d evaluations; measurement noise %.3f mm per axis%s.",
+            w->fit.outcome.evaluations, 1e3 * a->noise_m, turns);
 }
 
 /* A fitted frame of measured poses: the arm's base in the frame of the tracker (or of a fixed
@@ -166,7 +159,6 @@ mukca_status calibrate_print(cli_call *call)
     if (!foreign) print_identifiability(call, &w->fit);
     print_warnings(call);
     print_next(call);
-    calibrate_print_traits(call);
     return accepted ? MUKCA_OK : MUKCA_NEGATIVE;
 }
 
@@ -189,26 +181,15 @@ json_t *calibrate_json(const cli_call *call)
     const calibrate_options *o = call->options;
     const calibrate_work *w = call->work;
     const mukca_fit *fit = &w->fit;
-    const mukca_difference *e = &w->evidence;
     const cli_scores *s = &w->scores;
-    const char *solver = o->evidence ? "posterior" : mukca_solver_name[o->solver],
-               *gradient = o->evidence ? NULL : calibrate_gradients[o->gradient];
-    json_t *traits = NULL, *by_evidence = NULL;
-    if (o->common.traits)
-        traits = cli_json(KEY("used", (bool)(w->traits_share > 0)), KEY("share", w->traits_share),
-                          KEY("arms", call->session->traits.n_arms),
-                          KEY("log_bayes_factor", w->traits_evidence));
-    if (e->postures)
-        by_evidence = cli_json(KEY("error_m", e->after_m), KEY("instead_of_m", e->before_m),
-                               KEY("difference_sigma_m", e->sigma_m));
     return cli_json(
         FIELD(fit, converged),
         KEY("solver",
-            cli_json(KEY("name", solver), KEY("gradient", gradient),
+            cli_json(KEY("name", mukca_solver_name[o->solver]),
+                     KEY("gradient", calibrate_gradients[o->gradient]),
                      KEY("evaluations", fit->outcome.evaluations),
                      KEY("iterations", fit->outcome.iterations),
-                     KEY("status", gradient ? mukca_stop_text(fit->outcome.stop) : "converged"),
-                     FIELD(fit, to_gain))),
+                     KEY("status", mukca_stop_text(fit->outcome.stop)), FIELD(fit, to_gain))),
         KEY("cost", cli_json(KEY("nominal", cost_json(&fit->nominal)),
                              KEY("calibrated", cost_json(&fit->calibrated)))),
         KEY("train", cli_scores_json(&s->set[0], s->has_factory)),
@@ -221,6 +202,5 @@ json_t *calibrate_json(const cli_call *call)
         KEY("acceptance", cli_json_acceptance(&w->offsets.acceptance)),
         KEY("frames",
             cli_json(KEY("base", frame_json(call, true)), KEY("target", frame_json(call, false)))),
-        KEY("traits", traits), KEY("by_evidence", by_evidence),
         KEY("elapsed_s", cli_elapsed(call)));
 }

@@ -194,7 +194,7 @@ bool cli_interrupted(void);
 
 /* Callbacks for long functions of the library; the context of the second is the call. */
 bool cli_stop(void *context);
-bool cli_show_progress(void *call, double share, const char *doing);
+bool cli_show_progress(void *call, double fraction, const char *doing);
 
 /* --threads, or one for each core that the process may use. */
 int cli_threads(const cli_call *call);
@@ -211,10 +211,10 @@ mukca_status cli_load_model(cli_call *call, cli_model *model, const cli_arm *arm
 /* A comment line in an output if the table of --offsets was not accepted. */
 void cli_print_verdict(const cli_call *call, FILE *stream);
 
-/* Read an offsets table, subject to the options --accept-*.  `own` (may be
+/* Read an offsets table, subject to the options --accept-*.  `embedded` (may be
  * NULL) receives the chain in its comments, for which it is then read.  Errors: MUKCA_INPUT,
  * MUKCA_MEMORY. */
-mukca_status cli_read_offsets(cli_call *call, mukca_offsets *offsets, mukca_chain *own,
+mukca_status cli_read_offsets(cli_call *call, mukca_offsets *offsets, mukca_chain *embedded,
                               const mukca_chain *chain, const char *path);
 
 /* Format of input tables from --units, --map and --inverse-poses.  Errors: MUKCA_USAGE. */

@@ -1,5 +1,5 @@
-/* mukca compensate: joint targets or poses in, corrected joint targets out; programs whole, or each
- * line listed that was not understood. */
+/* mukca compensate: joint targets in, corrected joint targets out; programs whole, or each line
+ * listed that was not understood. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,7 +18,7 @@ static const char *const formats[] = {"table",
 
 typedef struct {
     cli_common common;
-    bool poses, position_only;
+    bool position_only;
     int from; /* index into formats */
 } compensate_options;
 
@@ -46,12 +46,8 @@ typedef struct {
 } job;
 
 static const cli_option options[] = {
-    CLI_OPTION(compensate_options, poses, "poses", CLI_FLAG, NULL,
-               "rows are poses (x_m y_m z_m, optionally qw qx qy qz or the rotation vector rx ry "
-               "rz), not joint targets"),
     CLI_OPTION_AND(compensate_options, from, "from", CLI_CHOICE, "FORMAT",
-                   "correct tables (default) or programs in this language", .choices = formats,
-                   .excludes = "poses"),
+                   "correct tables (default) or programs in this language", .choices = formats),
     CLI_OPTION(compensate_options, position_only, "position-only", CLI_FLAG, NULL,
                "ignore the orientation (always with fewer than six joints)"),
     CLI_OUTPUT_OPTION("write the corrected targets there (default: standard output)"),
@@ -110,18 +106,10 @@ static void put(job *b, const double *q, const mukca_compensation *c, const char
 }
 
 /* Begin a path: the targets of one file. */
-static void start(job *b, bool oriented)
+static void start(job *b)
 {
     const compensate_options *o = b->call->options;
-    mukca_compensator_start(&b->compensator, &b->arm, o->position_only || !oriented);
-}
-
-/* The target of a row of poses; false: it lacks numbers that the header promises. */
-static bool read_pose(mukca_frame *target, const mukca_row *row, bool oriented)
-{
-    memcpy(target->p, row->position, sizeof target->p);
-    if (oriented) mukca_rotation_from_quaternion(target->R, row->quaternion);
-    return !isnan(row->position[0]) && !(oriented && isnan(row->quaternion[0]));
+    mukca_compensator_start(&b->compensator, &b->arm, o->position_only);
 }
 
 static mukca_status correct_table(job *b, const char *path)
@@ -129,11 +117,8 @@ static mukca_status correct_table(job *b, const char *path)
     cli_call *call = b->call;
     mukca_rows *rows = &b->rows;
     mukca_row row;
-    mukca_frame target;
-    double q[MUKCA_MAX_JOINTS] = {0};
-    const bool poses = ((const compensate_options *)call->options)->poses;
     mukca_rows_options header = {
-        .kind = MUKCA_EITHER, .poses = poses, .unchecked = true, .note = cli_note, .context = call};
+        .kind = MUKCA_EITHER, .unchecked = true, .note = cli_note, .context = call};
     mukca_status status = cli_read_format(call, &header.format);
     if (status == MUKCA_OK)
         status = mukca_rows_open(rows, path, &b->arm.chain, &header, &call->error);
@@ -142,26 +127,14 @@ static mukca_status correct_table(job *b, const char *path)
         mukca_table_fail(
             &rows->table, -1,
             "these targets were corrected by mukca compensate; give the intended ones");
-    const mukca_measured_columns *m = &rows->column.measured[0];
-    const bool oriented = !poses || m->turn[0] >= 0 || m->matrix[0] >= 0;
-    const bool timed = !poses && rows->column.number[MUKCA_COLUMN_TIME][0] >= 0;
-    if (poses && rows->column.n_measured == 0) mukca_rows_fail_measured(rows, "no column 'x_m'");
-    start(b, oriented);
+    const bool timed = rows->column.number[MUKCA_COLUMN_TIME][0] >= 0;
+    start(b);
     print_header(b, timed);
     while (!ferror(b->stream) && !cli_interrupted() && mukca_rows_next(rows, &row)) {
-        mukca_row_reading reading = {
-            .time = (double)NAN, .placement = -1, .number = rows->table.row};
-        mukca_compensation c;
-        if (!poses) {
-            reading = mukca_row_read(&row, rows);
-            memcpy(q, row.q, sizeof q);
-            c = mukca_compensate_joints(q, &b->compensator, &reading);
-        } else if (read_pose(&target, &row, oriented)) {
-            c = mukca_compensate_pose(q, &b->compensator, &target, &reading);
-        } else {
-            mukca_table_fail(&rows->table, -1, "the pose is incomplete");
-            break;
-        }
+        const mukca_row_reading reading = mukca_row_read(&row, rows);
+        double q[MUKCA_MAX_JOINTS];
+        memcpy(q, row.q, sizeof q);
+        const mukca_compensation c = mukca_compensate_joints(q, &b->compensator, &reading);
         if (timed) fprintf(b->stream, "%.17g\t", row.time[0]);
         put(b, q, &c, path, rows->table.line);
     }
@@ -209,7 +182,7 @@ static mukca_status correct_program(job *b, const char *path)
     int number = 0;
     mukca_status status = mukca_file_read(&text, path, &call->error);
     if (status != MUKCA_OK) return status;
-    start(b, true);
+    start(b);
     for (char *line = text; *line && !ferror(b->stream) && !cli_interrupted();) {
         char *end = line + strcspn(line, "\n");
         const bool ended = *end == '\n';
@@ -235,16 +208,11 @@ static double mean(const tally *t, const tip_errors *errors)
 
 static mukca_status print(cli_call *call)
 {
-    const compensate_options *o = call->options;
     const tally *t = &((const job *)call->work)->tally;
     if (t->rows == 0) return MUKCA_OK;
-    if (o->poses)
-        cli_answer(call, "%ld row%s: error %.6f mm (mean), %.6f mm (max)\n", t->rows,
-                   t->rows == 1 ? "" : "s", 1e3 * mean(t, &t->after), 1e3 * t->after.max);
-    else
-        cli_answer(call, "%ld row%s: error %.4f mm (mean), %.4f mm (max) -> %.4f mm, %.4f mm\n",
-                   t->rows, t->rows == 1 ? "" : "s", 1e3 * mean(t, &t->before), 1e3 * t->before.max,
-                   1e3 * mean(t, &t->after), 1e3 * t->after.max);
+    cli_answer(call, "%ld row%s: error %.4f mm (mean), %.4f mm (max) -> %.4f mm, %.4f mm\n",
+               t->rows, t->rows == 1 ? "" : "s", 1e3 * mean(t, &t->before), 1e3 * t->before.max,
+               1e3 * mean(t, &t->after), 1e3 * t->after.max);
     for (int r = 1; r < MUKCA_REACH_COUNT; r++)
         if (t->count[r] > 0)
             cli_answer(call, "%ld row%s '%s': %s\n", t->count[r], t->count[r] == 1 ? "" : "s",
@@ -254,16 +222,13 @@ static mukca_status print(cli_call *call)
 
 static json_t *as_json(const cli_call *call)
 {
-    const bool poses = ((const compensate_options *)call->options)->poses;
     const tally *t = &((const job *)call->work)->tally;
     json_t *counts = json_object();
     for (int r = 0; r < MUKCA_REACH_COUNT; r++)
         json_object_set_new(counts, mukca_reach_text[r], json_integer((json_int_t)t->count[r]));
     return cli_json(
         FIELD(t, rows),
-        KEY("before",
-            poses ? json_null()
-                  : cli_json(KEY("mean_m", mean(t, &t->before)), KEY("max_m", t->before.max))),
+        KEY("before", cli_json(KEY("mean_m", mean(t, &t->before)), KEY("max_m", t->before.max))),
         KEY("after", cli_json(KEY("mean_m", mean(t, &t->after)), KEY("max_m", t->after.max))),
         KEY("status", counts), KEY("elapsed_s", cli_elapsed(call)));
 }
@@ -345,7 +310,7 @@ const cli_command cli_command_compensate = {
     .summary = "correct joint targets for the identified errors",
     .synopsis = "[FILE...]",
     .description =
-        "For controllers whose model cannot be changed. Reads rows of joint targets (with --poses: of poses in the base frame) and writes corrected joint targets: with these the arm of --offsets, effects included, reaches the pose that the nominal model predicts for the given targets. Damped least squares with the smallest change of the joints, within their limits; along a path the corrections are continuous. For a target out of reach the row holds the nearest solution and its status the reason.\n\n"
+        "For controllers whose model cannot be changed. Reads rows of joint targets and writes corrected joint targets: with these the arm of --offsets, effects included, reaches the pose that the nominal model predicts for the given targets. Damped least squares with the smallest change of the joints, within their limits; along a path the corrections are continuous. For a target out of reach the row holds the nearest solution and its status the reason.\n\n"
         "--from corrects programs; joints from the seventh on are external axes:\n" MUKCA_LANGUAGE_LIST(FORMAT_LINE)
         "A program is corrected only as a whole: each line is a comment, a motion to joint values in numbers (MoveAbsJ, PTP, SPTP, movej, movel, movep, servoj), a target alone, or one of a few statements without motion. Otherwise all other lines are listed, nothing is written, and the exit code is 3; likewise if a target is out of reach.",
     .example =

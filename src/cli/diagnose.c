@@ -33,13 +33,10 @@ static const cli_option options[] = {
 static mukca_status disable(unsigned char *disabled, const char *list, mukca_error *error)
 {
     char name[64];
-    while (list && *list) {
-        const size_t length = strcspn(list, ",");
-        snprintf(name, sizeof name, "%.*s", (int)(length < 60 ? length : 60), list);
+    while (mukca_text_item(name, sizeof name, &list)) {
         const int kind = mukca_effect_find(name);
         if (kind < 0) return cli_fail_effect(error, "--without", name);
         disabled[kind] = 1;
-        list += length + (list[length] == ',');
     }
     return MUKCA_OK;
 }
@@ -88,7 +85,7 @@ void cli_diagnosis_free(cli_diagnosis *d)
 /* ---- the command ---- */
 
 typedef struct {
-    cli_diagnosis of;
+    cli_diagnosis analysis;
     mukca_summary summary;
     mukca_adoption adoption;
     unsigned char disabled[MUKCA_EFFECT_COUNT];
@@ -96,26 +93,26 @@ typedef struct {
 
 static void release(void *work)
 {
-    cli_diagnosis_free(&((diagnose_work *)work)->of);
+    cli_diagnosis_free(&((diagnose_work *)work)->analysis);
 }
 
 /* Form the offsets table and its verdict; write it to -o. */
-static mukca_status write_offsets(cli_call *call, cli_diagnosis *of)
+static mukca_status write_offsets(cli_call *call, cli_diagnosis *analysis)
 {
-    const mukca_diagnosis *d = &of->diagnosis;
+    const mukca_diagnosis *d = &analysis->diagnosis;
     char comments[512];
     if (!call->common->output && !d->applied.fitted) return MUKCA_OK;
-    mukca_status status = cli_diagnosis_offsets(call, of);
+    mukca_status status = cli_diagnosis_offsets(call, analysis);
     if (status != MUKCA_OK) return status;
-    of->result.acceptance = &of->offsets.acceptance;
+    analysis->result.acceptance = &analysis->offsets.acceptance;
     if (!call->common->output) return MUKCA_OK;
     snprintf(comments, sizeof comments,
              "diagnosis: %s; held-out mean error: %.4g m geometry, %.4g m with the effects\n"
              "sigma: standard error; identifiable: the data at least halved the prior uncertainty\n"
              "effects: the arm moves as if the joints were at the recorded angles + effects",
              mukca_verdict_name[d->verdict], d->geometry_m, d->applied_m);
-    return cli_write_offsets(call, call->common->output, &of->offsets, &of->chain, of->result.data,
-                             comments);
+    return cli_write_offsets(call, call->common->output, &analysis->offsets, &analysis->chain,
+                             analysis->result.data, comments);
 }
 
 /* Analyses that need the regression: summary and traits, with the diagnosed causes. */
@@ -146,8 +143,9 @@ static mukca_status check(cli_call *call)
 static mukca_status write_summary(cli_call *call, FILE *stream)
 {
     diagnose_work *w = call->work;
-    if (w->of.diagnosis.why)
-        return cli_fail(call, MUKCA_UNIDENTIFIABLE, "no summary to write: %s", w->of.diagnosis.why);
+    if (w->analysis.diagnosis.why)
+        return cli_fail(call, MUKCA_UNIDENTIFIABLE, "no summary to write: %s",
+                        w->analysis.diagnosis.why);
     w->summary.data = mukca_summary_hash(&call->session->data);
     return mukca_summary_write(stream, &w->summary, &call->error);
 }
@@ -158,18 +156,18 @@ static mukca_status run(cli_call *call)
     diagnose_work *w = call->work;
     mukca_status status = MUKCA_OK;
     if (o->summary) status = cli_arm_label(call, w->summary.arm, o->arm);
-    w->of.options =
+    w->analysis.options =
         (mukca_diagnose_options){.disabled = w->disabled, .go_on = go_on, .go_on_context = call};
-    if (status == MUKCA_OK) status = cli_diagnosis_run(call, &w->of);
+    if (status == MUKCA_OK) status = cli_diagnosis_run(call, &w->analysis);
     if (status == MUKCA_OK && o->summary) status = cli_write(call, o->summary, write_summary);
-    return status == MUKCA_OK ? write_offsets(call, &w->of) : status;
+    return status == MUKCA_OK ? write_offsets(call, &w->analysis) : status;
 }
 
 /* With the errors of the fit with traits, if it was adopted. */
 static json_t *as_json(const cli_call *call)
 {
     const diagnose_work *w = call->work;
-    const mukca_diagnosed *r = &w->of.result;
+    const mukca_diagnosed *r = &w->analysis.result;
     const mukca_adoption *a = &w->adoption;
     json_t *json = cli_diagnosis_json(r),
            *traits = a->traits ? cli_adoption_json(a, r->diagnosis, r->chain) : NULL;
@@ -183,14 +181,15 @@ static mukca_status print(cli_call *call)
     const diagnose_options *o = call->options;
     const cli_session *s = call->session;
     const diagnose_work *w = call->work;
-    const mukca_diagnosis *d = &w->of.diagnosis;
+    const mukca_diagnosis *d = &w->analysis.diagnosis;
     const int expected = o->expect ? mukca_effect_find(o->expect) : -1;
     FILE *answer = cli_answer_stream(call);
-    if (answer) cli_diagnosis_print(answer, &w->of.result, call->common->verbose);
+    if (answer) cli_diagnosis_print(answer, &w->analysis.result, call->common->verbose);
     if (answer)
-        cli_print_mismatch(call, &s->data, w->of.options.free_base, w->of.options.free_tool);
+        cli_print_mismatch(call, &s->data, w->analysis.options.free_base,
+                           w->analysis.options.free_tool);
     if (w->adoption.traits) cli_adoption_print(call, &w->adoption, d, &s->model.chain);
-    if (call->common->output && !w->of.offsets.acceptance.accepted) return MUKCA_NEGATIVE;
+    if (call->common->output && !w->analysis.offsets.acceptance.accepted) return MUKCA_NEGATIVE;
     for (int i = 0; i < d->n_causes; i++)
         if ((int)d->causes[i].effect.kind == expected) return MUKCA_OK;
     return expected < 0 && !d->why ? MUKCA_OK : MUKCA_NEGATIVE;

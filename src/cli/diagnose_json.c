@@ -214,10 +214,11 @@ static json_t *logs_object(const mukca_logs *logs)
 /* Comparison of the two streams of angles at a joint. */
 static json_t *stream(const mukca_diagnosed *r, int j)
 {
-    const mukca_stream_difference *of = &r->diagnosis->streams.joint[j];
-    return cli_json(JOINT(j), FIELD(of, rows), FIELD(of, mean), FIELD(of, rms),
-                    KEY("servo_sag", of->sag), KEY("ci95", cli_json_interval(of->low, of->high)),
-                    FIELD(of, log_bayes_factor));
+    const mukca_stream_difference *difference = &r->diagnosis->streams.joint[j];
+    return cli_json(JOINT(j), FIELD(difference, rows), FIELD(difference, mean),
+                    FIELD(difference, rms), KEY("servo_sag", difference->sag),
+                    KEY("ci95", cli_json_interval(difference->low, difference->high)),
+                    FIELD(difference, log_bayes_factor));
 }
 
 json_t *cli_diagnosis_json(const mukca_diagnosed *r)

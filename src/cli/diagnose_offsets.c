@@ -56,15 +56,15 @@ static bool correct_distances(mukca_dataset *data, mukca_pool *pool, const mukca
     return !pool->failed;
 }
 
-static mukca_status judge(cli_call *call, cli_diagnosis *of)
+static mukca_status judge(cli_call *call, cli_diagnosis *analysis)
 {
-    const mukca_diagnosed *r = &of->result;
+    const mukca_diagnosed *r = &analysis->result;
     const mukca_diagnosis *d = r->diagnosis;
     mukca_dataset data = *r->data;
     if (!correct_distances(&data, &call->pool, d))
         return cli_fail(call, MUKCA_MEMORY, "out of memory");
-    const mukca_chain *chain = &of->chain;
-    mukca_offsets *o = &of->offsets;
+    const mukca_chain *chain = &analysis->chain;
+    mukca_offsets *o = &analysis->offsets;
     mukca_acceptance *a = &o->acceptance;
     a->converged = true; /* otherwise nothing was fitted */
     a->noise_m = d->sigma_m;
@@ -80,18 +80,19 @@ static mukca_status judge(cli_call *call, cli_diagnosis *of)
                  d->n_faults ? ", without faulty samples" : "");
     return mukca_accept(
         o,
-        &(mukca_accept_task){.change = {.chain = chain,
-                                        .to = o,
-                                        .data = &data,
-                                        .base_frame = d->chain->n_elements < chain->n_elements,
-                                        .tool_frame = of->options.free_tool && r->data->position},
-                             .held = !d->after_m ? NULL
-                                     : r->test   ? r->test
-                                                 : r->data,
-                             .before = d->before_m,
-                             .after = d->after_m,
-                             .misfit = d->why,
-                             .training_m = r->test ? d->applied_m : (double)NAN},
+        &(mukca_accept_task){
+            .change = {.chain = chain,
+                       .to = o,
+                       .data = &data,
+                       .base_frame = d->chain->n_elements < chain->n_elements,
+                       .tool_frame = analysis->options.free_tool && r->data->position},
+            .held = !d->after_m ? NULL
+                    : r->test   ? r->test
+                                : r->data,
+            .before = d->before_m,
+            .after = d->after_m,
+            .misfit = d->why,
+            .training_m = r->test ? d->applied_m : (double)NAN},
         &call->error);
 }
 

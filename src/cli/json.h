@@ -14,9 +14,9 @@ typedef struct {
     const char *key;
     json_t *value;
 } cli_json_member;
-#define KEY(name, of)                        \
-    {                                        \
-        name, _Generic((of),               \
+#define KEY(name, value)                        \
+    {                                           \
+        name, _Generic((value),               \
             bool: cli_json_flag,           \
             unsigned char: cli_json_flag,  \
             int: json_integer,             \
@@ -24,7 +24,7 @@ typedef struct {
             double: cli_json_real,         \
             char *: cli_json_text,         \
             const char *: cli_json_text,   \
-            json_t *: cli_json_value)(of) \
+            json_t *: cli_json_value)(value) \
     }
 #define FIELD(from, member) KEY(#member, (from)->member) /* FIELD(plan, rows_to_name) */
 #define cli_json(...) cli_json_object((const cli_json_member[]){__VA_ARGS__, {NULL, NULL}})

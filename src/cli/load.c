@@ -27,7 +27,7 @@ int cli_threads(const cli_call *call)
     return sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 1;
 }
 
-mukca_status cli_read_offsets(cli_call *call, mukca_offsets *offsets, mukca_chain *own,
+mukca_status cli_read_offsets(cli_call *call, mukca_offsets *offsets, mukca_chain *embedded,
                               const mukca_chain *chain, const char *path)
 {
     const cli_common *c = call->common;
@@ -36,13 +36,13 @@ mukca_status cli_read_offsets(cli_call *call, mukca_offsets *offsets, mukca_chai
         .accept = (any || c->accept_failed ? MUKCA_ACCEPT_FAILED : 0) |
                   (any || c->accept_edited ? MUKCA_ACCEPT_EDITED : 0) |
                   (c->accept_other_arm ? MUKCA_ACCEPT_OTHER : 0),
-        .own = own,
+        .embedded = embedded,
         .note = cli_note,
         .context = call};
     const mukca_status status = mukca_offsets_read(offsets, chain, path, &options, &call->error);
     for (int e = 0; e < offsets->n_effects && status == MUKCA_OK; e++) {
         const mukca_effect_info *info = mukca_effect_table[offsets->effects[e].kind];
-        if ((info->needs & MUKCA_NEEDS_MASSES) && (chain ? chain : own)->n_masses == 0)
+        if ((info->needs & MUKCA_NEEDS_MASSES) && (chain ? chain : embedded)->n_masses == 0)
             return cli_fail(call, MUKCA_INPUT,
                             "%s: %s needs the masses of the links: give --inertials FILE",
                             mukca_file_shown(path), info->name);
@@ -124,16 +124,16 @@ mukca_status cli_read_format(cli_call *call, mukca_rows_format *format)
                         "--rotation %.40s: give angles as XYZ (intrinsic) or xyz (extrinsic), "
                         "vector, wxyz, xyzw, inverse or none",
                         rotation);
-    for (const char *next = c->units; next;) {
-        const size_t length = strcspn(next, ",");
+    const char *list = c->units;
+    char name[8];
+    while (mukca_text_item(name, sizeof name, &list)) {
         size_t k = 0;
-        while (k < 4 && (strncmp(units[k].name, next, length) != 0 || units[k].name[length])) k++;
+        while (k < 4 && strcmp(units[k].name, name) != 0) k++;
         double *unit = k < 2 ? &format->angle : &format->length;
         if (k == 4 || *unit > 0)
             return cli_fail(call, MUKCA_USAGE,
                             "--units %.40s: give rad or deg, and m or mm, as in deg,mm", c->units);
         *unit = k < 2 ? units[k].angle : units[k].length;
-        next = next[length] ? next + length + 1 : NULL;
     }
     return MUKCA_OK;
 }
@@ -142,14 +142,14 @@ mukca_status cli_read_format(cli_call *call, mukca_rows_format *format)
 static mukca_status check_payload(cli_call *call, const mukca_dataset *data,
                                   const mukca_chain *chain)
 {
-    double own = 0, most = 0;
-    for (int m = 0; m < chain->n_masses; m++) own += chain->mass[m].kg;
+    double arm_kg = 0, most = 0;
+    for (int m = 0; m < chain->n_masses; m++) arm_kg += chain->mass[m].kg;
     for (int row = 0; data->payload && row < data->n_rows; row++)
         most = fmax(most, data->payload[row]);
-    if (!(own > 0) || most <= 2 * own) return MUKCA_OK;
+    if (!(arm_kg > 0) || most <= 2 * arm_kg) return MUKCA_OK;
     return cli_fail(call, MUKCA_INPUT,
                     "a payload of %g kg on an arm of %g kg; payload_kg and --payload are in kg",
-                    most, own);
+                    most, arm_kg);
 }
 
 /* Refuse options of pose logs for samples of sockets alone. */
@@ -269,11 +269,11 @@ static void note_unequal_sockets(cli_call *call, const mukca_dataset *data)
         for (int row = 0; row < data->n_rows; row++)
             a += data->socket[row] == pair->a, b += data->socket[row] == pair->b;
         if (a < 2 * b && b < 2 * a) continue;
-        const mukca_socket *of = data->sockets;
+        const mukca_socket *sockets = data->sockets;
         mukca_note_format(cli_note, call,
                           "placement %s: %d samples of socket %s, %d of socket %s; was a file cut?",
-                          data->placements[of[pair->a].placement].name, a, of[pair->a].label, b,
-                          of[pair->b].label);
+                          data->placements[sockets[pair->a].placement].name, a,
+                          sockets[pair->a].label, b, sockets[pair->b].label);
         return;
     }
 }

@@ -47,10 +47,8 @@ static mukca_status read_by_joint(double *values, cli_call *call, const char *op
 {
     const mukca_chain *chain = &call->session->model.chain;
     for (int j = 0; j < MUKCA_MAX_JOINTS; j++) values[j] = (double)NAN;
-    while (list && *list) {
-        const size_t length = strcspn(list, ",");
-        char name[MUKCA_NAME_SIZE + 40];
-        snprintf(name, sizeof name, "%.*s", (int)(length < 100 ? length : 100), list);
+    char name[MUKCA_NAME_SIZE + 40];
+    while (mukca_text_item(name, sizeof name, &list)) {
         char *equals = strchr(name, '=');
         if (equals) *equals = '\0';
         const int joint = mukca_chain_find_joint(chain, name);
@@ -58,23 +56,19 @@ static mukca_status read_by_joint(double *values, cli_call *call, const char *op
             return cli_fail(call, MUKCA_USAGE,
                             "--%s: '%.60s' is not JOINT=NUMBER with a joint of the chain", option,
                             name);
-        list += length + (list[length] == ',');
     }
     return MUKCA_OK;
 }
 
 static mukca_status disable(bool *disabled, cli_call *call, const char *list)
 {
-    while (list && *list) {
-        const size_t length = strcspn(list, ",");
-        char name[64];
-        snprintf(name, sizeof name, "%.*s", (int)(length < 60 ? length : 60), list);
+    char name[64];
+    while (mukca_text_item(name, sizeof name, &list)) {
         const int effect = mukca_torque_effect_find(name);
         if (effect < 0)
             return cli_fail(call, MUKCA_USAGE, "--without: there is no effect '%s' of a motion",
                             name);
         disabled[effect] = true;
-        list += length + (list[length] == ',');
     }
     return MUKCA_OK;
 }

@@ -60,15 +60,9 @@ int cli_read_list(double *values, int most, const char *text)
 {
     char number[64];
     int n = 0;
-    for (;; text++) {
-        const size_t length = strcspn(text, ",");
-        if (n == most || length >= sizeof number) return -1;
-        memcpy(number, text, length);
-        number[length] = '\0';
-        if (!mukca_number_parse(&values[n++], number)) return -1;
-        text += length;
-        if (!*text) return n;
-    }
+    while (mukca_text_item(number, sizeof number, &text))
+        if (n == most || !mukca_number_parse(&values[n++], number)) return -1;
+    return n;
 }
 
 static bool append(cli_list *list, const char *item)

@@ -50,9 +50,9 @@ static const cli_option options[] = {
     CLI_OUTPUT_OPTION("write the postures there, a session file (default: standard output)"),
     {.name = NULL}};
 
-static void progress(void *context, double share)
+static void progress(void *context, double fraction)
 {
-    cli_progress(context, "trying postures", share, 1);
+    cli_progress(context, "trying postures", fraction, 1);
 }
 
 static mukca_status check(cli_call *call)

@@ -4,11 +4,9 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "accept/accept.h"
 #include "cli/scores.h"
-#include "io/pose_log.h"
 
 typedef struct {
     cli_common common;
@@ -24,41 +22,6 @@ static const cli_option options[] = {
                "give outliers less weight (Huber)"),
     CLI_OUTPUT_OPTION("write the offsets table"),
     {.name = NULL}};
-
-/* Read logs; folders (and standard input) are read as a whole, files row by row. */
-static mukca_status read_log(cli_call *call, mukca_pose_log *log, const cli_model *model,
-                             const cli_list *paths)
-{
-    const char *files[256], *folders[256];
-    mukca_pose_files logs = {.paths = files,
-                             .first_file = 1,
-                             .note = cli_note,
-                             .context = call,
-                             .stop = cli_interrupted};
-    cli_list whole = {folders, 0};
-    struct stat info;
-    const int most = sizeof files / sizeof *files;
-    if (paths->n > most) return cli_fail(call, MUKCA_USAGE, "more than %d data arguments", most);
-    for (int i = 0; i < paths->n; i++) {
-        const char *path = paths->items[i];
-        const bool folder = stat(path, &info) == 0 && S_ISDIR(info.st_mode);
-        if (folder || strcmp(path, "-") == 0)
-            folders[whole.n++] = path;
-        else
-            files[logs.n_paths++] = path;
-    }
-    mukca_status status = cli_read_format(call, &logs.format);
-    log->n_joints = model->chain.n_joints;
-    if (status == MUKCA_OK && whole.n > 0) {
-        mukca_dataset data = {0};
-        status = cli_load_data(call, &data, model, &whole);
-        if (status == MUKCA_OK) status = mukca_pose_log_add_data(log, &data, &call->error);
-        logs.first_file += data.n_files + data.n_sockets;
-        mukca_dataset_free(&data);
-    }
-    return status == MUKCA_OK ? mukca_pose_log_read(log, &logs, &model->chain, &call->error)
-                              : status;
-}
 
 /* Note the findings in the first rows, and end the arm at the link that the poses refer to. */
 static void use_check(cli_call *call, cli_recalibrated *r, const mukca_chain *chain)
@@ -82,11 +45,10 @@ static void use_check(cli_call *call, cli_recalibrated *r, const mukca_chain *ch
 static void release(void *work)
 {
     cli_recalibrated *r = work;
-    mukca_pose_log_close(&r->log);
-    mukca_pose_log_close(&r->test_log);
+    for (int k = 0; k < 2; k++) mukca_dataset_free(&r->part[k]);
 }
 
-static mukca_recalibrate_task task_of(const cli_recalibrated *r, mukca_pose_log *log)
+static mukca_recalibrate_task task_of(const cli_recalibrated *r, const mukca_dataset *log)
 {
     return (mukca_recalibrate_task){.chain = &r->arm, .log = log, .options = &r->options};
 }
@@ -96,8 +58,8 @@ static mukca_recalibrate_task task_of(const cli_recalibrated *r, mukca_pose_log 
  * verdict. */
 static mukca_status fit_and_judge(cli_call *call, cli_recalibrated *r)
 {
-    mukca_recalibrate_task task = task_of(r, &r->log);
-    const mukca_recalibrate_task test = task_of(r, &r->test_log);
+    mukca_recalibrate_task task = task_of(r, r->log);
+    const mukca_recalibrate_task test = task_of(r, r->test_log);
     mukca_recalibrate_options robust = r->options;
     mukca_status status = mukca_recalibrate(r->fit, &task, &call->error);
     if (status == MUKCA_OK && r->tested)
@@ -149,37 +111,30 @@ static mukca_status take_part(mukca_dataset *part, double *errors, const mukca_r
 {
     const mukca_chain *arm = task->chain;
     const mukca_pose_model *model = &fit->stage[MUKCA_WITH_BOTH];
-    const long rows = task->log->n;
-    const int most = rows < MUKCA_MOST_SAMPLES ? (int)rows : MUKCA_MOST_SAMPLES;
-    const long every = (rows + MUKCA_MOST_SAMPLES - 1) / MUKCA_MOST_SAMPLES;
-    const mukca_pose_row *row;
-    mukca_status status = mukca_pose_log_rewind(task->log, error);
-    if (status == MUKCA_OK) status = mukca_dataset_create(part, most, arm->n_joints, 0, 0, error);
-    if (status != MUKCA_OK) return status;
-    part->position = calloc(3 * (size_t)most + 1, sizeof *part->position);
-    part->files = calloc(1, sizeof *part->files);
-    if (!part->position || !part->files) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    const mukca_status status = mukca_part_take(part, task->log, MUKCA_MOST_SAMPLES, error);
     part->n_files = 1;
     part->n_targets = arm->element[arm->n_elements - 1].joint >= 0; /* its place is unknown */
-    part->n_rows = 0;
-    for (long i = 0; status == MUKCA_OK && part->n_rows < most; i++) {
-        mukca_pose_look look[2];
-        double *q = part->q + part->n_rows * arm->n_joints, *at = part->position + 3 * part->n_rows;
-        status = mukca_pose_log_next(&row, task->log, error);
-        if (status != MUKCA_OK || !row) break;
-        if (i % every != 0) continue;
-        for (int j = 0; j < arm->n_joints; j++)
-            q[j] = row->q[j] + model->zero[j] + model->lag * row->velocity[j];
-        mukca_fk_position(at, &model->geometry, q, NULL);
-        for (int j = 0; j < arm->n_joints; j++) q[j] -= model->zero[j];
-        for (int k = 0; k < 2; k++) {
-            mukca_pose_look_at(&look[k], &fit->stage[k ? MUKCA_WITH_BOTH : MUKCA_BEFORE], row);
-            errors[k * most + part->n_rows] = mukca_norm3(look[k].position);
+    for (int i = 0; i < part->n_rows && status == MUKCA_OK; i++) {
+        mukca_pose_look look;
+        double q[MUKCA_MAX_JOINTS], local[3], *to = part->q + i * arm->n_joints,
+                                              *at = part->position + 3 * i;
+        mukca_pose_look_at(&look, &fit->stage[MUKCA_BEFORE], part, i);
+        errors[i] = mukca_norm3(look.position);
+        mukca_pose_look_at(&look, model, part, i);
+        errors[part->n_rows + i] = mukca_norm3(look.position);
+        for (int j = 0; j < arm->n_joints; j++) {
+            to[j] += model->lag * look.velocity[j];
+            q[j] = to[j] + model->zero[j];
         }
-        double local[3];
-        mukca_mat3_tvec(local, model->base.R, look[1].position);
+        mukca_fk_position(at, &model->geometry, q, NULL);
+        mukca_mat3_tvec(local, model->base.R, look.position);
         for (int k = 0; k < 3; k++) at[k] += local[k];
-        part->n_rows++;
+        part->file[i] = 0;
+    }
+    for (int c = 0; c < MUKCA_COLUMNS; c++) { /* the others are not of the arm's base, or used */
+        if (c == MUKCA_COLUMN_Q || c == MUKCA_COLUMN_POSITION) continue;
+        free(part->column[c]);
+        part->column[c] = NULL;
     }
     return status;
 }
@@ -189,15 +144,14 @@ static mukca_status take_part(mukca_dataset *part, double *errors, const mukca_r
 static mukca_status judge_offsets(cli_call *call, cli_recalibrated *r)
 {
     const mukca_recalibration *fit = r->fit;
-    const long rows = r->log.n, poses = r->tested ? r->test_log.n : rows;
-    const double spare =
-        r->tested ? 1 : 1 - fit->found.rank / (3.0 * (double)(rows + r->log.n_oriented));
-    const mukca_recalibrate_task train = task_of(r, &r->log), test = task_of(r, &r->test_log);
+    const int rows = r->log->n_rows, poses = r->tested ? r->test_log->n_rows : rows;
+    const double spare = r->tested ? 1 : 1 - fit->found.rank / (3.0 * (rows + r->n_oriented));
+    const mukca_recalibrate_task train = task_of(r, r->log), test = task_of(r, r->test_log);
     mukca_acceptance *a = &r->offsets.acceptance;
-    mukca_dataset *part = &call->session->data, *judged = r->tested ? &call->session->test : part;
+    mukca_dataset *part = r->part, *judged = part + r->tested;
     double *errors = MUKCA_TAKE(&call->pool, double, 2 * MUKCA_MOST_SAMPLES);
     if (!errors) return cli_fail(call, MUKCA_MEMORY, "out of memory");
-    snprintf(a->error_of, sizeof a->error_of, "%s, %ld poses",
+    snprintf(a->error_of, sizeof a->error_of, "%s, %d poses",
              r->tested ? "test data" : "generalized cross-validation", poses);
     a->converged = fit->converged;
     a->parameters = fit->found.n;
@@ -206,7 +160,7 @@ static mukca_status judge_offsets(cli_call *call, cli_recalibrated *r)
     if (status == MUKCA_OK && r->tested)
         status = take_part(judged, errors, fit, &test, &call->error);
     if (status != MUKCA_OK) return status;
-    double *after = errors + (poses < MUKCA_MOST_SAMPLES ? poses : MUKCA_MOST_SAMPLES);
+    double *after = errors + judged->n_rows;
     for (int i = 0; i < judged->n_rows; i++) after[i] = spare > 0 ? after[i] / spare : (double)NAN;
     return mukca_accept(
         &r->offsets,
@@ -222,54 +176,31 @@ static mukca_status judge_offsets(cli_call *call, cli_recalibrated *r)
         &call->error);
 }
 
-static mukca_status write_offsets(cli_call *call, const mukca_offsets *offsets)
-{
-    mukca_dataset names = {
-        .files = mukca_pool_take(&call->pool, (size_t)call->arguments.n, sizeof *names.files)};
-    if (!names.files) return cli_fail(call, MUKCA_MEMORY, "out of memory");
-    for (int i = 0; i < call->arguments.n; i++)
-        snprintf(names.files[names.n_files++], sizeof *names.files, "%s", call->arguments.items[i]);
-    return cli_write_offsets(call, call->common->output, offsets, &call->session->model.chain,
-                             &names, "method: recalibrate (poses)");
-}
-
-/* A log that does not fit the arm: print the mix-up of its columns or frames that explains it, from
- * as many samples as that needs. */
-static void explain_misfit(cli_call *call, cli_recalibrated *r)
-{
-    enum { MOST = 500 }; /* fit/mismatch.c uses no more */
-    const int n_joints = call->session->model.chain.n_joints;
-    const long every = r->log.n / MOST + 1;
-    const mukca_pose_row *row;
-    mukca_dataset d = {0};
-    mukca_error error; /* only a hint */
-    bool ready = mukca_dataset_create(&d, MOST, n_joints, 0, 0, &error) == MUKCA_OK;
-    d.position = calloc(MOST, 3 * sizeof *d.position);
-    ready = ready && d.position && mukca_pose_log_rewind(&r->log, &error) == MUKCA_OK;
-    d.n_rows = 0;
-    for (long i = 0; ready && d.n_rows < MOST; i++) {
-        if (mukca_pose_log_next(&row, &r->log, &error) != MUKCA_OK || !row) break;
-        if (i % every != 0) continue;
-        memcpy(d.q + d.n_rows * n_joints, row->q, (size_t)n_joints * sizeof *d.q);
-        memcpy(d.position + 3 * d.n_rows++, row->position, sizeof row->position);
-    }
-    if (ready) cli_print_mismatch(call, &d, r->options.free_base, r->options.free_tool);
-    mukca_dataset_free(&d);
-}
-
 /* Open the logs, and determine what they measure. */
 static mukca_status open_logs(cli_call *call, cli_recalibrated *r)
 {
-    const cli_model *model = &call->session->model;
-    mukca_status status = read_log(call, &r->log, model, &call->arguments);
-    if (status == MUKCA_OK) status = read_log(call, &r->test_log, model, &call->common->test);
-    mukca_recalibrate_task task = task_of(r, &r->log);
-    task.chain = &model->chain;
+    cli_session *in = call->session;
+    mukca_status status = cli_load_data(call, &in->data, &in->model, &call->arguments);
+    r->log = &in->data;
+    r->test_log = &in->test;
+    if (status == MUKCA_OK) status = mukca_pose_log_prepare(r->log, &call->error);
+    if (status == MUKCA_OK && r->tested)
+        status = cli_load_data(call, r->test_log, &in->model, &call->common->test);
+    if (status == MUKCA_OK && r->tested) status = mukca_pose_log_prepare(r->test_log, &call->error);
+    mukca_recalibrate_task task = task_of(r, r->log);
+    task.chain = &in->model.chain;
     if (status == MUKCA_OK) status = mukca_pose_check_run(&r->check, &task, &call->error);
     if (status != MUKCA_OK) return status;
-    use_check(call, r, &model->chain);
-    r->options.tilts = r->log.n_oriented == 0;
+    use_check(call, r, &in->model.chain);
+    for (int i = 0; i < r->log->n_rows; i++) r->n_oriented += mukca_pose_oriented(r->log, i);
+    r->options.tilts = r->n_oriented == 0;
     return MUKCA_OK;
+}
+
+/* A log that does not fit the arm: print the mix-up of its columns or frames that explains it. */
+static void explain_misfit(cli_call *call, const cli_recalibrated *r)
+{
+    cli_print_mismatch(call, r->log, r->options.free_base, r->options.free_tool);
 }
 
 static mukca_status run(cli_call *call)
@@ -285,13 +216,15 @@ static mukca_status run(cli_call *call)
     if (!r->fit) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     mukca_status status = open_logs(call, r);
     if (status == MUKCA_OK) status = fit_and_judge(call, r);
-    if (status == MUKCA_INPUT && r->log.n) explain_misfit(call, r);
+    if (status == MUKCA_INPUT && r->log->n_rows) explain_misfit(call, r);
     if (status != MUKCA_OK) return status;
     fill_offsets(&r->offsets, r->fit, &call->session->model.chain, &r->arm);
     status = judge_offsets(call, r);
     if (status == MUKCA_OK && !(r->robust->calibrated && r->offsets.acceptance.accepted))
         explain_misfit(call, r);
-    return status == MUKCA_OK && r->robust->calibrated ? write_offsets(call, &r->offsets) : status;
+    if (status != MUKCA_OK || !r->robust->calibrated) return status;
+    return cli_write_offsets(call, call->common->output, &r->offsets, &call->session->model.chain,
+                             r->log, "method: recalibrate (poses)");
 }
 
 const cli_command cli_command_recalibrate = {
@@ -304,8 +237,8 @@ const cli_command cli_command_recalibrate = {
         "hole_*_pose.csv. Step one fits the joint zeros to the orientations, step two the link "
         "offsets to the positions, each by a linear regression of least norm; what the log cannot "
         "distinguish from the place of the tool goes to the tool. -v lists all offsets and those "
-        "that the log does not identify. Logs are read row by row; memory does not grow with them. "
-        "Logs without orientations are solved in one step, tilts of the axes included.\n\n"
+        "that the log does not identify. Logs without orientations are solved in one step, tilts "
+        "of the axes included.\n\n"
         "Poses that only repeat the nominal model are reported, with exit code 5; a table that is "
         "not accepted (see calibrate) with exit code 1. A lag between angles and poses is "
         "estimated and corrected.",

@@ -8,8 +8,10 @@
 /* The call's work. */
 typedef struct {
     mukca_recalibrate_options options;
-    mukca_chain arm; /* up to the link that the poses refer to */
-    mukca_pose_log log, test_log;
+    mukca_chain arm;               /* up to the link that the poses refer to */
+    mukca_dataset *log, *test_log; /* of the session */
+    mukca_dataset part[2];         /* of these, for the verdict */
+    int n_oriented;                /* rows of the log with an orientation */
     mukca_pose_check check;
     mukca_recalibration *fit;
     bool tested; /* --test */

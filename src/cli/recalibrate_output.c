@@ -16,7 +16,18 @@ static double removed_percent(double before, double after)
  * rest. */
 static bool never_moved(const cli_recalibrated *r, int j)
 {
-    return r->log.highest[j] - r->log.lowest[j] < 1e-3;
+    double low = HUGE_VAL, high = -HUGE_VAL;
+    for (int i = 0; i < r->log->n_rows; i++) {
+        const double q = r->log->q[i * r->log->n_joints + j];
+        low = fmin(low, q), high = fmax(high, q);
+    }
+    return high - low < 1e-3;
+}
+
+/* Unit of the lag. */
+static bool is_timed(const cli_recalibrated *r)
+{
+    return r->log->time && isfinite(r->log->time[0]);
 }
 
 /* One data set: the paper's position table, then its orientation table. */
@@ -68,7 +79,7 @@ static void print_unknowns(cli_call *call, const mukca_recalibration *f, const m
 static void print_findings(cli_call *call, const cli_recalibrated *r, const mukca_acceptance *a)
 {
     const mukca_recalibration *f = r->fit;
-    cli_answer(call, "%s: %ld measured poses\n", r->arm.robot, r->log.n);
+    cli_answer(call, "%s: %d measured poses\n", r->arm.robot, r->log->n_rows);
     cli_print_acceptance(cli_answer_stream(call), a, &r->arm);
     cli_say(call, "Result",
             "the poses contain a calibration: median position error %.4f mm nominal, %.4f mm after "
@@ -84,7 +95,7 @@ static void print_findings(cli_call *call, const cli_recalibrated *r, const mukc
         cli_say(call, NULL,
                 "Lag: the joint angles are %.4g %s older than the poses (%.0f standard errors); "
                 "corrected",
-                r->log.timed ? 1e3 * f->lag : f->lag, r->log.timed ? "ms" : "rows", f->lag_score);
+                is_timed(r) ? 1e3 * f->lag : f->lag, is_timed(r) ? "ms" : "rows", f->lag_score);
 }
 
 /* Error: the poses contain no information about the arm. */
@@ -210,10 +221,10 @@ json_t *cli_recalibrate_json(const cli_call *call)
         KEY("frame",
             cli_json(KEY("position_link", r->arm.tip),
                      KEY("rotation_link", chain->element[r->check.rotation_element].child))),
-        KEY("rows", r->log.n), KEY("orientations", r->log.n_oriented),
-        KEY("lag", cli_json(KEY("found", (bool)(f->lag != 0)), KEY("value", f->lag),
-                            KEY("unit", r->log.timed ? "s" : "row"),
-                            KEY("standard_errors", f->lag_score))),
+        KEY("rows", r->log->n_rows), KEY("orientations", r->n_oriented),
+        KEY("lag",
+            cli_json(KEY("found", (bool)(f->lag != 0)), KEY("value", f->lag),
+                     KEY("unit", is_timed(r) ? "s" : "row"), KEY("standard_errors", f->lag_score))),
         KEY("oracle", cli_json(FIELD(f, tail), KEY("position_nominal_m", o->position.nominal),
                                KEY("position_left_m", o->position.left),
                                KEY("position_systematic_m", o->position.systematic),

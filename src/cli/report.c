@@ -24,7 +24,7 @@ static const cli_option options[] = {
     {.name = NULL}};
 
 typedef struct {
-    cli_diagnosis of;
+    cli_diagnosis analysis;
     mukca_report page;
     mukca_fleet fleet;
     char *command, when[32];
@@ -34,11 +34,11 @@ typedef struct {
 static mukca_status take_offsets(cli_call *call)
 {
     report_work *w = call->work;
-    if (!call->common->arm.offsets && w->of.diagnosis.applied.fitted) {
-        w->page.fitted = &w->of.chain;
-        return cli_diagnosis_offsets(call, &w->of);
+    if (!call->common->arm.offsets && w->analysis.diagnosis.applied.fitted) {
+        w->page.fitted = &w->analysis.chain;
+        return cli_diagnosis_offsets(call, &w->analysis);
     }
-    w->of.offsets = call->session->model.offsets;
+    w->analysis.offsets = call->session->model.offsets;
     return MUKCA_OK;
 }
 
@@ -88,7 +88,7 @@ static void release(void *work)
     report_work *w = work;
     free(w->command);
     mukca_fleet_free(&w->fleet);
-    cli_diagnosis_free(&w->of);
+    cli_diagnosis_free(&w->analysis);
 }
 
 /* Diagnose, and prepare the page of the arm. */
@@ -99,15 +99,16 @@ static mukca_status prepare_arm(cli_call *call)
     w->page = (mukca_report){.pool = &call->pool,
                              .chain = &s->model.chain,
                              .fitted = &s->model.chain,
-                             .offsets = &w->of.offsets,
+                             .offsets = &w->analysis.offsets,
                              .train = &s->data,
                              .test = &s->test};
     mukca_status status = cli_read(call, CLI_READS_CONDENSED);
-    if (status == MUKCA_OK) status = cli_diagnosis_run(call, &w->of);
+    if (status == MUKCA_OK) status = cli_diagnosis_run(call, &w->analysis);
     if (status == MUKCA_OK) status = take_offsets(call);
-    w->page.diagnosed = w->of.result;
+    w->page.diagnosed = w->analysis.result;
     w->page.diagnosed.saved = true;
-    w->page.free_base = w->of.options.free_base, w->page.free_tool = w->of.options.free_tool;
+    w->page.free_base = w->analysis.options.free_base,
+    w->page.free_tool = w->analysis.options.free_tool;
     return status == MUKCA_OK ? mukca_report_prepare(&w->page, &call->error) : status;
 }
 
@@ -125,9 +126,10 @@ static mukca_status print(cli_call *call)
     const report_work *w = call->work;
     if (call->common->output) cli_answer(call, "report: %s\n", call->common->output);
     if (o->fleet) return MUKCA_OK;
-    if (w->of.diagnosis.verdict == MUKCA_VERDICT_UNTESTABLE)
-        return cli_fail(call, MUKCA_NEGATIVE, "nothing can be tested: %s", w->of.diagnosis.why);
-    if (!w->of.offsets.acceptance.accepted)
+    if (w->analysis.diagnosis.verdict == MUKCA_VERDICT_UNTESTABLE)
+        return cli_fail(call, MUKCA_NEGATIVE, "nothing can be tested: %s",
+                        w->analysis.diagnosis.why);
+    if (!w->analysis.offsets.acceptance.accepted)
         return cli_fail(call, MUKCA_NEGATIVE, "the result is not accepted; the page says why");
     return MUKCA_OK;
 }

@@ -26,8 +26,9 @@ static bool score(cli_scored *set, mukca_pool *pool, const mukca_model models[CL
                   bool factory)
 {
     for (int m = 0; m < CLI_FACTORY + factory && set->n >= 0; m++) {
-        set->of[m] = MUKCA_TAKE(pool, mukca_score, mukca_evaluate_room(set->data));
-        set->n = set->of[m] ? mukca_evaluate(set->of[m], &set->mean[m], &models[m], set->data) : -1;
+        set->score[m] = MUKCA_TAKE(pool, mukca_score, mukca_evaluate_room(set->data));
+        set->n = set->score[m] ? mukca_evaluate(set->score[m], &set->mean[m], &models[m], set->data)
+                               : -1;
     }
     return set->n >= 0;
 }
@@ -117,15 +118,15 @@ void cli_scores_write(FILE *stream, const cli_scores *scores)
     for (const cli_scored *set = scores->set; set < scores->set + 2; set++)
         for (int i = 0; i < set->n; i++) {
             char name[NAME];
-            const mukca_score *after = &set->of[CLI_CALIBRATED][i];
+            const mukca_score *after = &set->score[CLI_CALIBRATED][i];
             fprintf(stream, "%s\t%s\t%d", set->name, find_name(name, after, set->data),
                     after->rows);
             for (int k = 0; k < FIGURES; k++) {
-                write_number(stream, figure(&set->of[CLI_NOMINAL][i], k));
+                write_number(stream, figure(&set->score[CLI_NOMINAL][i], k));
                 write_number(stream, figure(after, k));
             }
             for (int k = 0; k < FIGURES && scores->has_factory; k++)
-                write_number(stream, figure(&set->of[CLI_FACTORY][i], k));
+                write_number(stream, figure(&set->score[CLI_FACTORY][i], k));
             fputc('\n', stream);
         }
 }
@@ -135,14 +136,14 @@ json_t *cli_scores_json(const cli_scored *set, bool factory)
     json_t *array = json_array();
     for (int i = 0; i < set->n; i++) {
         char name[NAME];
-        const mukca_score *after = &set->of[CLI_CALIBRATED][i];
+        const mukca_score *after = &set->score[CLI_CALIBRATED][i];
         json_t *object =
             cli_json(KEY("placement", find_name(name, after, set->data)), FIELD(after, rows));
         for (int k = 0; k < FIGURES; k++)
             for (int m = 0; m < CLI_FACTORY + factory; m++)
                 if (k != ROTATION || isfinite(figure(after, k)))
                     json_object_set_new(object, figures[k].key[m],
-                                        cli_json_real(figure(&set->of[m][i], k)));
+                                        cli_json_real(figure(&set->score[m][i], k)));
         json_array_append_new(array, object);
     }
     return array;
@@ -154,7 +155,7 @@ static void print_figures(cli_call *call, const char *name, int k, const cli_sco
 {
     double value[CLI_MODELS] = {0};
     for (int m = 0; m < CLI_FACTORY + s->has_factory; m++)
-        value[m] = figure(row < 0 ? &set->mean[m] : &set->of[m][row], k);
+        value[m] = figure(row < 0 ? &set->mean[m] : &set->score[m][row], k);
     cli_answer(call, "  %-24s %12.3f", name, 1e3 * value[CLI_NOMINAL]);
     if (s->has_factory) cli_answer(call, " %12.3f", 1e3 * value[CLI_FACTORY]);
     if (s->calibrated) cli_answer(call, " %12.3f", 1e3 * value[CLI_CALIBRATED]);
@@ -176,7 +177,7 @@ static void print_set(cli_call *call, const cli_scores *s, const cli_scored *set
     }
     for (int i = 0; i < set->n && set->n > 1 && rows; i++) {
         snprintf(text, sizeof text, "  %.24s",
-                 find_name(name, &set->of[CLI_CALIBRATED][i], set->data));
+                 find_name(name, &set->score[CLI_CALIBRATED][i], set->data));
         print_figures(call, text, 0, s, set, i);
     }
 }
@@ -209,9 +210,9 @@ static void put_base(changes *list, const mukca_mixup *m, const mukca_chain *cha
                "the base turned by %.4g degrees about (%g %g %g) and moved by %.4g mm in the frame "
                "of the poses",
                turn * 180 / M_PI, w[0], w[1], w[2], 1e3 * mukca_norm3(m->base_frame.p));
-    if (m->instead != 0)
-        mukca_text_put(&list->text, " (or %+.4g degrees added to %s)", m->instead * 180 / M_PI,
-                       mukca_chain_joint_name(chain, 0));
+    if (m->equivalent_shift != 0)
+        mukca_text_put(&list->text, " (or %+.4g degrees added to %s)",
+                       m->equivalent_shift * 180 / M_PI, mukca_chain_joint_name(chain, 0));
 }
 
 static void put_mixup(changes *list, const mukca_mixup *m, const mukca_chain *chain)

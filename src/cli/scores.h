@@ -11,8 +11,8 @@ enum { CLI_NOMINAL, CLI_CALIBRATED, CLI_FACTORY, CLI_MODELS }; /* the last only 
 typedef struct {
     const char *name; /* "data", "test" */
     const mukca_dataset *data;
-    int n;                       /* placements with samples, plus one for poses or one per log */
-    mukca_score *of[CLI_MODELS]; /* [n] each */
+    int n;                          /* placements with samples, plus one for poses or one per log */
+    mukca_score *score[CLI_MODELS]; /* [n] each */
     mukca_score mean[CLI_MODELS];
 } cli_scored;
 

@@ -15,7 +15,7 @@ typedef struct {
     int placements, poses, held_out, seed;
     mukca_simulate_options recording;
     mukca_simulated_motion motion;
-} own;
+} simulate_options;
 
 /* One simulation: the true arm and its recording. */
 typedef struct {
@@ -30,74 +30,76 @@ typedef struct {
     mukca_rows rows; /* of --at */
 } simulation;
 
-static const own defaults = {.recording.rows = 30,
-                             .motion = {.runs = 1, .rate = 200, .speed = 1, .band = 1}};
+static const simulate_options defaults = {
+    .recording.rows = 30, .motion = {.runs = 1, .rate = 200, .speed = 1, .band = 1}};
 
 #define LOGS "poses or --at" /* options of a pose log */
 
 static const cli_option options[] = {
-    CLI_OPTION(own, perturb, "perturb", CLI_TEXT, "MM,MRAD",
+    CLI_OPTION(simulate_options, perturb, "perturb", CLI_TEXT, "MM,MRAD",
                "standard deviation of the errors of the origins, mm and mrad (default: none)"),
     CLI_OPTION(
-        own, effects, "effect", CLI_TEXTS, "EFFECT",
+        simulate_options, effects, "effect", CLI_TEXTS, "EFFECT",
         "NAME[:WHERE][@VARIANT]=VALUE, see above; repeatable, or several with commas between"),
-    CLI_OPTION_AND(own, placements, "placements", CLI_INTEGER, "N",
+    CLI_OPTION_AND(simulate_options, placements, "placements", CLI_INTEGER, "N",
                    "placements of the tool, chosen at random (default: 4, or those of --place)",
                    .least = 1, .most = CLI_MAX_PLACES - 1, .excludes = LOGS),
-    CLI_OPTION_AND(own, places, "place", CLI_TEXTS, "NAME[=X,Y,Z[,ROLL,PITCH,YAW]]",
+    CLI_OPTION_AND(simulate_options, places, "place", CLI_TEXTS, "NAME[=X,Y,Z[,ROLL,PITCH,YAW]]",
                    "name of a placement, and its pose: middle of the sockets, which lie on its x "
                    "axis, m and rad",
                    .excludes = LOGS),
-    CLI_RANGE_OPTION(own, recording.rows, "rows", CLI_INTEGER, "N", 2, 100000,
+    CLI_RANGE_OPTION(simulate_options, recording.rows, "rows", CLI_INTEGER, "N", 2, 100000,
                      "samples in each of the two sockets (default: 30)"),
-    CLI_RANGE_OPTION(own, recording.noise, "noise", CLI_NUMBER, "M", 0, 1,
+    CLI_RANGE_OPTION(simulate_options, recording.noise, "noise", CLI_NUMBER, "M", 0, 1,
                      "measurement noise of the ball per axis, m (default: 0)"),
-    CLI_RANGE_OPTION(own, recording.correlation, "correlation", CLI_NUMBER, "RHO", 0, 0.999,
-                     "correlation of the noise with that of the sample before (default: 0)"),
-    CLI_OPTION(own, recording.effort, "effort", CLI_FLAG, NULL, "add measured joint efforts"),
-    CLI_OPTION(own, recording.command, "command", CLI_FLAG, NULL,
+    CLI_RANGE_OPTION(simulate_options, recording.correlation, "correlation", CLI_NUMBER, "RHO", 0,
+                     0.999, "correlation of the noise with that of the sample before (default: 0)"),
+    CLI_OPTION(simulate_options, recording.effort, "effort", CLI_FLAG, NULL,
+               "add measured joint efforts"),
+    CLI_OPTION(simulate_options, recording.command, "command", CLI_FLAG, NULL,
                "add commanded angles; with readback_lag the readings lag behind them"),
-    CLI_RANGE_OPTION(own, recording.payload, "payload", CLI_NUMBER, "KG", 0,
+    CLI_RANGE_OPTION(simulate_options, recording.payload, "payload", CLI_NUMBER, "KG", 0,
                      MUKCA_ROWS_MOST_PAYLOAD, "mass at the tip beyond the model (default: none)"),
-    CLI_RANGE_OPTION(own, poses, "poses", CLI_INTEGER, "N", 1, 10000000,
+    CLI_RANGE_OPTION(simulate_options, poses, "poses", CLI_INTEGER, "N", 1, 10000000,
                      "a pose log of N samples instead of sockets"),
-    CLI_OPTION_AND(own, at, "at", CLI_INPUT, "FILE",
+    CLI_OPTION_AND(simulate_options, at, "at", CLI_INPUT, "FILE",
                    "a pose log at the joint angles of this table, row by row",
                    .excludes = "poses held-out"),
-    CLI_OPTION_AND(own, recording.position_only, "position-only", CLI_FLAG, NULL,
+    CLI_OPTION_AND(simulate_options, recording.position_only, "position-only", CLI_FLAG, NULL,
                    "pose log without orientations", .needs = LOGS),
-    CLI_OPTION_AND(own, recording.rotation, "rotation-noise", CLI_NUMBER, "RAD",
+    CLI_OPTION_AND(simulate_options, recording.rotation, "rotation-noise", CLI_NUMBER, "RAD",
                    "measurement noise of the orientations in a pose log, per axis, rad", .most = 1,
                    .needs = LOGS),
-    CLI_OPTION_AND(own, held_out, "held-out", CLI_INTEGER, "N",
+    CLI_OPTION_AND(simulate_options, held_out, "held-out", CLI_INTEGER, "N",
                    "further placements (or poses) of the same arm, for --test", .least = 1,
                    .most = 10000000, .needs = "test"),
-    CLI_OPTION_AND(own, test, "test", CLI_OUTPUT, "FILE", "write the held-out data there",
-                   .needs = "held-out"),
-    CLI_OPTION_AND(own, motion.seconds, "motion", CLI_NUMBER, "S",
+    CLI_OPTION_AND(simulate_options, test, "test", CLI_OUTPUT, "FILE",
+                   "write the held-out data there", .needs = "held-out"),
+    CLI_OPTION_AND(simulate_options, motion.seconds, "motion", CLI_NUMBER, "S",
                    "instead, runs of the moving arm of so many seconds, with joint efforts",
                    .least = 1, .most = 1e5,
                    .excludes = "perturb placements place rows noise correlation effort payload "
                                "poses at position-only rotation-noise held-out test offsets"),
-    CLI_OPTION_AND(own, motion.runs, "runs", CLI_INTEGER, "N",
+    CLI_OPTION_AND(simulate_options, motion.runs, "runs", CLI_INTEGER, "N",
                    "runs one after the other, 10 s apart (default: 1)", .least = 1, .most = 1000,
                    .needs = "motion"),
-    CLI_OPTION_AND(own, motion.rate, "rate", CLI_NUMBER, "HZ", "rows per second (default: 200)",
-                   .least = 10, .most = 1e5, .needs = "motion"),
-    CLI_OPTION_AND(own, motion.speed, "speed", CLI_POSITIVE, "RAD/S",
+    CLI_OPTION_AND(simulate_options, motion.rate, "rate", CLI_NUMBER, "HZ",
+                   "rows per second (default: 200)", .least = 10, .most = 1e5, .needs = "motion"),
+    CLI_OPTION_AND(simulate_options, motion.speed, "speed", CLI_POSITIVE, "RAD/S",
                    "largest velocity of the joints (default: 1)", .most = 100, .needs = "motion"),
-    CLI_OPTION_AND(own, motion.band, "band", CLI_POSITIVE, "HZ",
+    CLI_OPTION_AND(simulate_options, motion.band, "band", CLI_POSITIVE, "HZ",
                    "highest frequency of the path (default: 1)", .most = 100, .needs = "motion"),
-    CLI_OPTION_AND(own, motion.step, "encoder-step", CLI_NUMBER, "RAD",
+    CLI_OPTION_AND(simulate_options, motion.step, "encoder-step", CLI_NUMBER, "RAD",
                    "step of the joint angles (default: none)", .most = 1, .needs = "motion"),
-    CLI_OPTION_AND(own, motion.noise, "torque-noise", CLI_NUMBER, "SHARE",
+    CLI_OPTION_AND(simulate_options, motion.noise, "torque-noise", CLI_NUMBER, "SHARE",
                    "measurement noise of the efforts, a share of half of each joint's range "
                    "(default: 0)",
                    .most = 1, .needs = "motion"),
-    CLI_OPTION(own, seed, "seed", CLI_INTEGER, "N", "seed of all random numbers (default: 0)"),
-    CLI_OPTION(own, truth, "truth", CLI_OUTPUT, "FILE",
+    CLI_OPTION(simulate_options, seed, "seed", CLI_INTEGER, "N",
+               "seed of all random numbers (default: 0)"),
+    CLI_OPTION(simulate_options, truth, "truth", CLI_OUTPUT, "FILE",
                "write the true arm as an offsets table, of a moving arm its effects"),
-    CLI_OPTION(own, common.arm.offsets, "offsets", CLI_INPUT, "FILE",
+    CLI_OPTION(simulate_options, common.arm.offsets, "offsets", CLI_INPUT, "FILE",
                "the true arm, effects included, before --perturb"),
     CLI_OUTPUT_OPTION("write the recording there (default: standard output)"),
     {.name = NULL}};
@@ -105,13 +107,13 @@ static const cli_option options[] = {
 /* ---- true arm and recording from the options ---- */
 
 /* True for a pose log instead of sockets. */
-static bool is_log(const own *o)
+static bool is_log(const simulate_options *o)
 {
     return o->poses || o->at;
 }
 
 /* All placements: those of the session, then the held-out ones. */
-static mukca_status name_places(simulation *s, const own *o, mukca_error *error)
+static mukca_status name_places(simulation *s, const simulate_options *o, mukca_error *error)
 {
     const int held_out = is_log(o) ? 0 : o->held_out;
     const int n = is_log(o) ? 0 : o->placements ? o->placements : o->places.n ? o->places.n : 4;
@@ -140,7 +142,7 @@ static mukca_status name_places(simulation *s, const own *o, mukca_error *error)
 }
 
 /* Gather the effects of --offsets, then those of --effect. */
-static mukca_status gather_effects(simulation *s, const own *o, mukca_error *error)
+static mukca_status gather_effects(simulation *s, const simulate_options *o, mukca_error *error)
 {
     cli_simulated *hidden = &s->hidden;
     const mukca_offsets *given = &s->model->offsets;
@@ -181,7 +183,7 @@ static void set_truth(simulation *s)
 /* The same of a moving arm. */
 static mukca_status prepare_motion(cli_call *call)
 {
-    const own *o = call->options;
+    const simulate_options *o = call->options;
     simulation *s = call->work;
     s->model = &call->session->model;
     s->motion = o->motion;
@@ -193,7 +195,7 @@ static mukca_status prepare_motion(cli_call *call)
 /* Fill the zeroed simulation from the options of the call. */
 static mukca_status prepare(cli_call *call)
 {
-    const own *o = call->options;
+    const simulate_options *o = call->options;
     simulation *s = call->work;
     double perturb[2] = {0, 0};
     s->model = &call->session->model;
@@ -219,7 +221,7 @@ static mukca_status prepare(cli_call *call)
 
 /* ---- recording ---- */
 
-static bool moves(const own *o)
+static bool moves(const simulate_options *o)
 {
     return o->motion.seconds > 0;
 }
@@ -227,7 +229,7 @@ static bool moves(const own *o)
 /* Lines of where a recording is from. */
 static void write_origin(cli_call *call, FILE *stream, const char *kind)
 {
-    const own *o = call->options;
+    const simulate_options *o = call->options;
     const simulation *s = call->work;
     const mukca_chain *chain = &s->model->chain;
     fprintf(stream, "# mukca %s\n# robot: %s\n# stream: raw\n# base: %s\n# tip: %s\n", kind,
@@ -263,7 +265,7 @@ static mukca_status write_effects(cli_call *call, FILE *stream)
 
 static mukca_status write_recording(cli_call *call, FILE *stream)
 {
-    const own *o = call->options;
+    const simulate_options *o = call->options;
     const simulation *s = call->work;
     const char *path = call->common->output ? call->common->output : "-";
     if (!moves(o)) return write_data(call, stream, &call->session->data, path);
@@ -274,14 +276,14 @@ static mukca_status write_recording(cli_call *call, FILE *stream)
 
 static mukca_status write_test(cli_call *call, FILE *stream)
 {
-    const own *o = call->options;
+    const simulate_options *o = call->options;
     return write_data(call, stream, &call->session->test, o->test);
 }
 
 /* Record a pose log at the angles of the table --at. */
 static mukca_status record_at(cli_call *call, mukca_dataset *data)
 {
-    const own *o = call->options;
+    const simulate_options *o = call->options;
     simulation *s = call->work;
     const size_t size = (size_t)s->model->chain.n_joints * sizeof(double);
     const mukca_rows_options header = {.kind = MUKCA_EITHER, .unchecked = true};
@@ -308,7 +310,7 @@ static mukca_status record_at(cli_call *call, mukca_dataset *data)
 /* Record the session or, at last and with `held_out`, the held-out data. */
 static mukca_status record(cli_call *call, mukca_dataset *data, bool held_out)
 {
-    const own *o = call->options;
+    const simulate_options *o = call->options;
     simulation *s = call->work;
     if (o->at) return record_at(call, data);
     if (held_out) s->recording.seed ^= 0x686f6c646f757421u; /* different postures and noise */
@@ -328,7 +330,7 @@ static mukca_status record(cli_call *call, mukca_dataset *data, bool held_out)
 
 static mukca_status run(cli_call *call)
 {
-    const own *o = call->options;
+    const simulate_options *o = call->options;
     simulation *s = call->work;
     mukca_status status = moves(o) ? prepare_motion(call) : prepare(call);
     if (status == MUKCA_OK && moves(o))
@@ -386,7 +388,7 @@ const cli_command cli_command_simulate = {
         "      --seed 1 --torque-noise 0.01 --effect payload=0.5,viscous:joint_3=2",
     .with = CLI_WITH_MODEL | CLI_WITH_DISTANCE,
     .options = options,
-    .options_size = sizeof(own),
+    .options_size = sizeof(simulate_options),
     .defaults = &defaults,
     .any_table = true,
     .reads = CLI_READS_MODEL,

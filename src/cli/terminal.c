@@ -49,10 +49,10 @@ void cli_progress(cli_call *call, const char *what, double done, double total)
     double t = cli_elapsed(call);
     if (call->common->quiet || t < 2 || t - call->progressed < 0.1 || !isatty(STDERR_FILENO))
         return;
-    double share = total > 0 ? done / total : 0;
-    int filled = share < 0 ? 0 : share > 1 ? 30 : (int)(30 * share);
+    double fraction = total > 0 ? done / total : 0;
+    int filled = fraction < 0 ? 0 : fraction > 1 ? 30 : (int)(30 * fraction);
     fprintf(stderr, "\r%-28.28s [%.*s%*s] %3.0f %%\033[K", what, filled,
-            "##############################", 30 - filled, "", 100 * share);
+            "##############################", 30 - filled, "", 100 * fraction);
     fflush(stderr);
     call->progressed = t;
     call->showing = true;
@@ -130,8 +130,8 @@ bool cli_stop(void *context)
     return cli_interrupted();
 }
 
-bool cli_show_progress(void *call, double share, const char *doing)
+bool cli_show_progress(void *call, double fraction, const char *doing)
 {
-    cli_progress(call, doing, share, 1);
+    cli_progress(call, doing, fraction, 1);
     return !cli_interrupted();
 }

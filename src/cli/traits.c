@@ -60,7 +60,7 @@ static void put_coefficient(mukca_text *text, const mukca_inherited *c, const mu
     mukca_wording_effect(words, t->effect.kind, mukca_chain_joint_name(chain, t->effect.joint));
     mukca_text_put(
         text, "%s, %.3g urad/(N·m) [%.3g, %.3g]; fleet %.3g ± %.2g; %.0f %% from this arm", words,
-        f * c->value, f * c->low, f * c->high, f * t->mean, f * t->spread, 100 * c->own);
+        f * c->value, f * c->low, f * c->high, f * t->mean, f * t->spread, 100 * c->own_share);
 }
 
 void cli_adoption_print(cli_call *call, const mukca_adoption *a, const mukca_diagnosis *d,
@@ -118,7 +118,7 @@ json_t *cli_adoption_json(const mukca_adoption *a, const mukca_diagnosis *d,
                         KEY("joint", mukca_chain_joint_name(chain, t->effect.joint)),
                         FIELD(c, value), KEY("ci95", cli_json_interval(c->low, c->high)),
                         FIELD(t, mean), FIELD(t, spread), FIELD(t, probability),
-                        KEY("own_share", c->own));
+                        FIELD(c, own_share));
     }
     for (int i = 0; i < a->traits->n; i++) {
         const mukca_effect *e = &a->traits->list[i].effect;

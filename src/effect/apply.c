@@ -98,8 +98,8 @@ static bool apply_unloaded(mukca_displacement *displacement, mukca_effect_slopes
     if (slopes) slopes->rotates = false;
     mukca_joint_angles_set(&bare, task->geometry, task->state.q, NULL);
     for (int j = 0; j < joints && slopes; j++) {
-        const double own[3] = {0, 1, 0}, none[3] = {0};
-        memcpy(slopes->angle[j], own, sizeof own);
+        const double axis[3] = {0, 1, 0}, none[3] = {0};
+        memcpy(slopes->angle[j], axis, sizeof axis);
         memcpy(slopes->rotation[j], none, sizeof none);
     }
     for (int i = 0; i <= task->n_effects; i++) {

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "fit/align.h"
 #include "model/dataset_subset.h"
 
@@ -54,18 +55,13 @@ static mukca_status mark_list(unsigned char *mark, const mukca_chain *chain, con
                               unsigned char value, mukca_error *error)
 {
     char item[512];
-    while (list) {
-        const char *comma = strchr(list, ',');
-        const size_t length = comma ? (size_t)(comma - list) : strlen(list);
-        if (length == 0 || length >= sizeof item)
+    while (mukca_text_item(item, sizeof item, &list)) {
+        if (!*item)
             return mukca_fail(error, MUKCA_USAGE,
                               "parameter list: an empty or overlong item; write "
                               "joint, parameter or joint.parameter, with commas");
-        memcpy(item, list, length);
-        item[length] = '\0';
         mukca_status status = mark_item(mark, chain, item, value, error);
         if (status != MUKCA_OK) return status;
-        list = comma ? comma + 1 : NULL;
     }
     return MUKCA_OK;
 }
@@ -145,23 +141,18 @@ static mukca_status minimise(mukca_fit *fit, workspace *w, const mukca_fit_optio
     mukca_parameters_pack(x, &fit->parameters, fit->theta);
     mukca_cost_hold(cost, x);
     if (options->start) mukca_parameters_pack(x, &fit->parameters, options->start);
-    if (!options->theta_of) {
-        mukca_status status = MUKCA_OK;
-        if (fit->n_part) { /* from the minimum of the part, few evaluations of all are left */
-            mukca_cost_hold(&w->part, x);
-            status = solver->run(x, &fit->outcome, &w->part, solver, &options->limits, error);
-        }
-        if (status == MUKCA_OK && fit->outcome.stop != MUKCA_STOP_STOPPED)
-            status = solver->run(x, &fit->outcome, cost, solver, &options->limits, error);
-        if (status != MUKCA_OK) return status;
-        if (fit->outcome.stop == MUKCA_STOP_STOPPED)
-            return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted; nothing was written");
-        mukca_parameters_unpack(fit->theta, &fit->parameters, x);
+    mukca_status status = MUKCA_OK;
+    if (fit->n_part) { /* from the minimum of the part, few evaluations of all are left */
+        mukca_cost_hold(&w->part, x);
+        status = solver->run(x, &fit->outcome, &w->part, solver, &options->limits, error);
     }
-    if (options->parameters_only) return MUKCA_OK;
-    const mukca_status status = analyse(fit, cost, x, &w->pool, error);
-    fit->converged |= options->theta_of != NULL;
-    return status;
+    if (status == MUKCA_OK && fit->outcome.stop != MUKCA_STOP_STOPPED)
+        status = solver->run(x, &fit->outcome, cost, solver, &options->limits, error);
+    if (status != MUKCA_OK) return status;
+    if (fit->outcome.stop == MUKCA_STOP_STOPPED)
+        return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted; nothing was written");
+    mukca_parameters_unpack(fit->theta, &fit->parameters, x);
+    return options->parameters_only ? MUKCA_OK : analyse(fit, cost, x, &w->pool, error);
 }
 
 mukca_status mukca_fit_run(mukca_fit *fit, const mukca_chain *chain, const mukca_dataset *data,
@@ -182,8 +173,6 @@ mukca_status mukca_fit_run(mukca_fit *fit, const mukca_chain *chain, const mukca
     w = calloc(1, sizeof *w);
     if (!w) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     status = take_workspace(w, fit, data, options->cost, error);
-    if (status == MUKCA_OK && options->theta_of)
-        status = options->theta_of(fit->theta, &fit->chain, data, error);
     if (status == MUKCA_OK) status = minimise(fit, w, options, error);
     mukca_pool_free(&w->pool);
     mukca_dataset_free(&w->samples);

@@ -60,9 +60,6 @@ typedef struct {
     mukca_solver_options limits;
     const double *start;  /* [6 * chain.n_elements] initial values; NULL: nominal */
     bool parameters_only; /* only theta: no test of convergence, no identifiability */
-    /* Instead of a solver: sets theta[6 * chain.n_elements] */
-    mukca_status (*theta_of)(double *theta, const mukca_chain *chain, const mukca_dataset *data,
-                             mukca_error *error);
 } mukca_fit_options;
 
 /* Beyond this number of samples, Hessian, rank and standard errors are computed from so many

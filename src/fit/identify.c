@@ -14,9 +14,9 @@ static double share_in_part(const mukca_cost *cost, int socket)
     const mukca_observations *all = &cost->observations, *part = &cost->part->observations;
     if (cost->part == cost) return 1;
     if (socket >= 0) return part->count[socket] / all->count[socket];
-    double poses = part->n_rows, of = all->n_rows;
-    for (int s = 0; s < all->n_sockets; s++) poses -= part->count[s], of -= all->count[s];
-    return poses / of;
+    double poses = part->n_rows, whole = all->n_rows;
+    for (int s = 0; s < all->n_sockets; s++) poses -= part->count[s], whole -= all->count[s];
+    return poses / whole;
 }
 
 /* B[n][n] = covariance of J'W r for unit noise of every coordinate of all samples: each sample acts
@@ -36,9 +36,9 @@ static void score_covariance(double *B, mukca_cost *cost)
             const int s = o->socket[i];
             const int sign = (o->pair[2 * p] == s) - (o->pair[2 * p + 1] == s);
             if (s < 0 || sign == 0) continue;
-            const double share = sqrt(share_in_part(cost, s));
+            const double weight = sqrt(share_in_part(cost, s));
             for (int a = 0; a < 3; a++) {
-                const double f = share * sign * o->pair_direction[3 * p + a] / o->count[s];
+                const double f = weight * sign * o->pair_direction[3 * p + a] / o->count[s];
                 for (int c = 0; c < n; c++)
                     part->J[(3 * i + a) * n + c] += f * part->J[(first_pair + p) * n + c];
             }

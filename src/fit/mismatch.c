@@ -248,7 +248,7 @@ static void simplify(mukca_mixup *m, search *s, double limit)
     tried.base = false;
     measure(&tried, s);
     shift_zero(&tried, s, 0);
-    if (tried.error_m < limit) m->instead = tried.shift[0];
+    if (tried.error_m < limit) m->equivalent_shift = tried.shift[0];
 }
 
 static int count(const mukca_mixup *m, int n)

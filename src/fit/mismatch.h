@@ -11,7 +11,7 @@
 typedef struct {
     mukca_frame base_frame;         /* with `base`: the arm's base in the frame of the poses */
     double shift[MUKCA_MAX_JOINTS]; /* added to the angle, rad */
-    double instead;                 /* shift of the first joint that does the same, rad; 0: none */
+    double equivalent_shift;        /* shift of the first joint that does the same, rad; 0: none */
     double error_m, square;         /* mean error of the nominal model, m; mean square */
     int from[MUKCA_MAX_JOINTS];     /* joint whose column a joint reads */
     int coupled[MUKCA_MAX_JOINTS]; /* k + 1, -(k + 1): the angle of joint k is added, subtracted, as

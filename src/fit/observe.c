@@ -19,11 +19,11 @@ static void load(mukca_observations *o, const mukca_dataset *data)
     }
     for (int p = 0; p < data->n_placements; p++) o->n_groups += rows_of_placement(o, data, p) > 0;
     for (int s = 0; s < o->n_sockets; s++) {
-        o->socket_share[s] = 1.0 / rows_of_placement(o, data, data->sockets[s].placement);
+        o->socket_weight[s] = 1.0 / rows_of_placement(o, data, data->sockets[s].placement);
         if (o->count[s] > 0) o->n_measured += 3 * (int)o->count[s] - 3;
     }
     for (int i = 0; i < o->n_rows; i++)
-        if (o->socket[i] >= 0) o->share[i] = o->socket_share[o->socket[i]];
+        if (o->socket[i] >= 0) o->row_weight[i] = o->socket_weight[o->socket[i]];
     for (int d = 0; d < data->n_distances; d++) {
         const int a = data->distances[d].a, b = data->distances[d].b;
         if (!(o->count[a] > 0 && o->count[b] > 0)) continue;
@@ -42,10 +42,10 @@ bool mukca_observe_setup(mukca_observations *o, mukca_pool *pool, const mukca_ch
     *o = (mukca_observations){.n_rows = n, .n_sockets = sockets};
     mukca_sweep_take(&o->sweep, pool, chain, n);
     o->socket = MUKCA_TAKE(pool, int, n);
-    o->share = MUKCA_TAKE(pool, double, n);
+    o->row_weight = MUKCA_TAKE(pool, double, n);
     o->count = MUKCA_TAKE(pool, double, sockets);
     o->mean = MUKCA_TAKE(pool, double, 3 * sockets);
-    o->socket_share = MUKCA_TAKE(pool, double, sockets);
+    o->socket_weight = MUKCA_TAKE(pool, double, sockets);
     o->socket_adjoint = MUKCA_TAKE(pool, double, 3 * sockets);
     o->pair = MUKCA_TAKE(pool, int, 2 * pairs);
     o->pair_distance = MUKCA_TAKE(pool, double, pairs);
@@ -95,7 +95,7 @@ static void subtract(mukca_observations *o)
         const double *about = at >= 0 ? o->mean + 3 * at : o->target ? o->target + 3L * row : NULL;
         for (int a = 0; a < 3; a++) {
             double *r = residual + a * s->padded + i;
-            *r = about && o->share[row] > 0 ? *r - about[a] : 0;
+            *r = about && o->row_weight[row] > 0 ? *r - about[a] : 0;
         }
     }
 }
@@ -118,7 +118,7 @@ void mukca_observe_predict(mukca_observations *o, const double *theta)
     predict_pairs(o);
 }
 
-double mukca_observe_sum(mukca_observations *o, double *residual, const double *share)
+double mukca_observe_sum(mukca_observations *o, double *residual, const double *weight)
 {
     mukca_sweep *s = &o->sweep;
     double sum = 0;
@@ -127,8 +127,8 @@ double mukca_observe_sum(mukca_observations *o, double *residual, const double *
         const double *r = mukca_observe_window(residual, s);
         for (int i = 0; i < s->rows; i++)
             for (int a = 0; a < 3; a++)
-                sum +=
-                    (share ? share[s->from + i] : 1) * r[a * s->padded + i] * r[a * s->padded + i];
+                sum += (weight ? weight[s->from + i] : 1) * r[a * s->padded + i] *
+                       r[a * s->padded + i];
     }
     return sum;
 }
@@ -138,7 +138,7 @@ double mukca_observe_squares(double *pairs, mukca_observations *o, bool weighted
     if (pairs) *pairs = 0;
     for (int p = 0; pairs && p < o->n_pairs; p++)
         *pairs += o->pair_residual[p] * o->pair_residual[p];
-    return mukca_observe_sum(o, o->residual, weighted ? o->share : NULL);
+    return mukca_observe_sum(o, o->residual, weighted ? o->row_weight : NULL);
 }
 
 /* Contribution of the pairs' residuals to the adjoint of each sample of socket s. */
@@ -162,7 +162,7 @@ static void add_positions(mukca_adjoint *adjoint, mukca_observations *o)
     for (int i = 0; i < s->rows; i++) {
         const int row = s->from + i, at = o->socket[row];
         for (int a = 0; a < 3; a++)
-            h[a * s->padded + i] = 2 * o->share[row] * residual[a * s->padded + i] +
+            h[a * s->padded + i] = 2 * o->row_weight[row] * residual[a * s->padded + i] +
                                    (at >= 0 ? o->socket_adjoint[3 * at + a] : 0);
     }
     mukca_sweep_backward(adjoint, s);

@@ -18,9 +18,9 @@ typedef struct {
     int n_residuals;       /* rows of the Jacobian */
     int n_measured;        /* scalar measurements less one mean per socket */
     int *socket;           /* [n_rows] -1: a pose */
-    double *share;         /* [n_rows] weight of the squared residual: 1 / samples of group, or 0 */
+    double *row_weight;    /* [n_rows] weight of the squared residual: 1 / samples of group, or 0 */
     double *count;         /* [n_sockets] samples of each */
-    double *socket_share;  /* [n_sockets] `share` of their samples */
+    double *socket_weight; /* [n_sockets] `row_weight` of their samples */
     double *mean;          /* [n_sockets][3] of the predictions in use */
     int *pair;             /* [n_pairs][2] */
     double *pair_distance; /* [n_pairs] known, m */
@@ -31,7 +31,7 @@ typedef struct {
     double *mean_rows;      /* [n_sockets][3][n] means of the Jacobian */
     /* of mukca_poses_add; NULL: no measured poses */
     double *target;        /* [n_rows][3] positions */
-    double *turn_share;    /* [n_rows] as `share` */
+    double *turn_weight;   /* [n_rows] as `row_weight` */
     double *aim;           /* [n_rows][9] orientations */
     double *turn_residual; /* [windows][3][padded] */
 } mukca_observations;
@@ -50,8 +50,8 @@ static inline double *mukca_observe_window(double *residual, const mukca_sweep *
 /* Compute the residuals at theta[6 * n_elements]; stored in `observations`. */
 void mukca_observe_predict(mukca_observations *observations, const double *theta);
 
-/* Sum of squares of residuals [windows][3][padded], weighted by share[n_rows] (NULL: not). */
-double mukca_observe_sum(mukca_observations *observations, double *residual, const double *share);
+/* Sum of squares of residuals [windows][3][padded], weighted by weight[n_rows] (NULL: not). */
+double mukca_observe_sum(mukca_observations *observations, double *residual, const double *weight);
 
 /* Sum of the squares, m^2, of the samples, weighted or not, and of the pairs (NULL: not wanted). */
 double mukca_observe_squares(double *pairs, mukca_observations *observations, bool weighted);

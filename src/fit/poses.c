@@ -118,7 +118,7 @@ static bool take(mukca_observations *o, mukca_pool *pool, bool oriented)
     const int n = o->n_rows;
     o->target = MUKCA_TAKE(pool, double, 3 * n);
     if (!oriented) return !pool->failed;
-    o->turn_share = MUKCA_TAKE(pool, double, n);
+    o->turn_weight = MUKCA_TAKE(pool, double, n);
     o->aim = MUKCA_TAKE(pool, double, 9 * n);
     o->turn_residual = MUKCA_TAKE(pool, double, 3 * (n + MUKCA_SWEEP_PADDING));
     o->n_residuals += 3 * n;
@@ -140,12 +140,12 @@ bool mukca_poses_add(mukca_observations *o, mukca_pool *pool, const mukca_datase
     o->n_measured += 3 * oriented;
     for (int i = 0; i < o->n_rows; i++) {
         if (has_position(data, i)) {
-            o->share[i] = 1.0 / poses;
+            o->row_weight[i] = 1.0 / poses;
             o->n_measured += 3;
             memcpy(o->target + 3 * i, data->position + 3 * i, 3 * sizeof *o->target);
         }
         if (has_orientation(data, i)) {
-            o->turn_share[i] = 1.0 / poses;
+            o->turn_weight[i] = 1.0 / poses;
             mukca_rotation_from_quaternion(o->aim + 9 * i, data->quaternion + 4 * i);
         }
     }
@@ -164,14 +164,14 @@ static void predict_window(mukca_observations *o)
         for (int r = 0; r < 3; r++) /* predicted times measured transposed */
             for (int c = 0; c < 3; c++)
                 off[3 * r + c] = mukca_dot3(R + 3 * r, o->aim + 9 * (s->from + i) + 3 * c);
-        if (o->turn_share[s->from + i] > 0) mukca_rotation_log(w, off);
+        if (o->turn_weight[s->from + i] > 0) mukca_rotation_log(w, off);
         for (int a = 0; a < 3; a++) residual[a * s->padded + i] = MUKCA_METRES_PER_RADIAN * w[a];
     }
 }
 
 void mukca_orientations_predict(mukca_observations *o)
 {
-    for (int v = 0; v < o->sweep.n_windows && o->turn_share; v++) {
+    for (int v = 0; v < o->sweep.n_windows && o->turn_weight; v++) {
         mukca_sweep_open(&o->sweep, v);
         predict_window(o);
     }
@@ -179,8 +179,8 @@ void mukca_orientations_predict(mukca_observations *o)
 
 double mukca_orientations_squares(mukca_observations *o, bool weighted)
 {
-    if (!o->turn_share) return 0;
-    return mukca_observe_sum(o, o->turn_residual, weighted ? o->turn_share : NULL);
+    if (!o->turn_weight) return 0;
+    return mukca_observe_sum(o, o->turn_residual, weighted ? o->turn_weight : NULL);
 }
 
 /* Adjoints in the open window, summed by element. */
@@ -192,7 +192,7 @@ static void add_window(mukca_adjoint *adjoint, mukca_observations *o)
     memset(h, 0, 3 * (size_t)s->padded * sizeof *h);
     for (int i = 0; i < s->rows; i++)
         for (int a = 0; a < 3; a++)
-            h[a * s->padded + i] = 2 * o->turn_share[s->from + i] * MUKCA_METRES_PER_RADIAN *
+            h[a * s->padded + i] = 2 * o->turn_weight[s->from + i] * MUKCA_METRES_PER_RADIAN *
                                    residual[a * s->padded + i];
     mukca_sweep_backward(adjoint, s);
 }
@@ -201,7 +201,7 @@ void mukca_orientations_gradient(double *gradient, mukca_observations *o, const 
                                  const mukca_parameters *parameters, mukca_gradient kind)
 {
     mukca_adjoint adjoint = {0};
-    if (!o->turn_share) return;
+    if (!o->turn_weight) return;
     for (int v = 0; v < o->sweep.n_windows; v++) {
         mukca_sweep_open(&o->sweep, v);
         add_window(&adjoint, o);
@@ -248,13 +248,13 @@ static void finish_rows(double *J, double *JO, const mukca_observations *o, int 
     const double *mean = o->mean_rows + 3L * o->socket[row] * n;
     if (o->socket[row] >= 0)
         for (int c = 0; c < 3 * n; c++) J[c] -= mean[c];
-    if (!(o->share[row] > 0)) memset(J, 0, 3 * (size_t)n * sizeof *J);
+    if (!(o->row_weight[row] > 0)) memset(J, 0, 3 * (size_t)n * sizeof *J);
     if (!JO) return;
     const mukca_sweep *s = &o->sweep;
     const double *turned = mukca_observe_window(o->turn_residual, s) + row - s->from;
     double w[3];
     for (int a = 0; a < 3; a++) w[a] = turned[a * s->padded] / MUKCA_METRES_PER_RADIAN;
-    if (o->turn_share[row] > 0)
+    if (o->turn_weight[row] > 0)
         turn_rows_of(JO, n, w);
     else
         memset(JO, 0, 3 * (size_t)n * sizeof *JO);
@@ -265,7 +265,7 @@ static void jacobian_of(double *J, mukca_observations *o, const double *theta,
 {
     const long n = parameters->n;
     mukca_sweep *sweep = &o->sweep;
-    double *JO = o->turn_share ? J + 3 * o->n_rows * n : NULL;
+    double *JO = o->turn_weight ? J + 3 * o->n_rows * n : NULL;
     for (int v = 0; v < sweep->n_windows; v++) {
         mukca_sweep_open(sweep, v);
         if (sweep->n_windows > 1) mukca_sweep_forward(sweep); /* else still valid */
@@ -286,7 +286,7 @@ static void jacobian_of(double *J, mukca_observations *o, const double *theta,
         for (int i = sweep->from; i < sweep->from + sweep->rows; i++)
             finish_rows(J + 3 * i * n, JO ? JO + 3 * i * n : NULL, o, parameters->n, i);
     }
-    double *row = J + (o->turn_share ? 6 : 3) * o->n_rows * n;
+    double *row = J + (o->turn_weight ? 6 : 3) * o->n_rows * n;
     for (int p = 0; p < o->n_pairs; p++, row += n) {
         const double *a = o->mean_rows + 3 * o->pair[2 * p] * n;
         const double *b = o->mean_rows + 3 * o->pair[2 * p + 1] * n;
@@ -309,11 +309,11 @@ void mukca_observe_residuals(double *r, double *J, mukca_observations *o, const 
         const double *residual = mukca_observe_window(o->residual, s);
         for (int i = 0; i < s->rows; i++)
             for (int a = 0; a < 3; a++) r[3 * (s->from + i) + a] = residual[a * s->padded + i];
-        residual = o->turn_share ? mukca_observe_window(o->turn_residual, s) : NULL;
+        residual = o->turn_weight ? mukca_observe_window(o->turn_residual, s) : NULL;
         for (int i = 0; i < s->rows && residual; i++)
             for (int a = 0; a < 3; a++) r[3 * (n + s->from + i) + a] = residual[a * s->padded + i];
     }
-    memcpy(r + (o->turn_share ? 6 : 3) * n, o->pair_residual,
+    memcpy(r + (o->turn_weight ? 6 : 3) * n, o->pair_residual,
            (size_t)o->n_pairs * sizeof *o->pair_residual);
     if (J) jacobian_of(J, o, theta, parameters, kind);
 }
@@ -322,8 +322,8 @@ void mukca_observe_weights(double *weight, const mukca_observations *o)
 {
     for (int i = 0; i < o->n_rows; i++)
         for (int a = 0; a < 3; a++) {
-            weight[3 * i + a] = sqrt(o->share[i]);
-            if (o->turn_share) weight[3 * (o->n_rows + i) + a] = sqrt(o->turn_share[i]);
+            weight[3 * i + a] = sqrt(o->row_weight[i]);
+            if (o->turn_weight) weight[3 * (o->n_rows + i) + a] = sqrt(o->turn_weight[i]);
         }
-    for (int p = 0; p < o->n_pairs; p++) weight[(o->turn_share ? 6 : 3) * o->n_rows + p] = 1;
+    for (int p = 0; p < o->n_pairs; p++) weight[(o->turn_weight ? 6 : 3) * o->n_rows + p] = 1;
 }

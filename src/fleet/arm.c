@@ -161,16 +161,16 @@ mukca_status mukca_summary_take(mukca_summary *s, mukca_regression *m, mukca_err
      * Panda's largest.  The summary does not contain this prior. */
     const double held = 300e-6;
     elastic_prior prior[MUKCA_FLEET_TERMS];
-    mukca_unknowns *own = MUKCA_TAKE(&m->pool, mukca_unknowns, 1);
+    mukca_unknowns *diagnosed = MUKCA_TAKE(&m->pool, mukca_unknowns, 1);
     for (int i = 0; i < MUKCA_FLEET_TERMS; i++) prior[i] = (elastic_prior){0, held};
     mukca_fleet_model_of(&s->model, m->recording.chain);
     s->samples = m->recording.n_samples;
-    bool ok = own && mukca_unknowns_clone(own, &m->pool, &m->unknowns);
+    bool ok = diagnosed && mukca_unknowns_clone(diagnosed, &m->pool, &m->unknowns);
     /* The orders of a joint are scored without the identified orders of that joint, but with those
      * of the others: unmodelled strong ripple would appear as faint ripple elsewhere. */
     for (int j = m->recording.chain->n_joints - 1; j >= -1 && ok; j--) {
-        if (j >= 0 && !has_ripple(own, j)) continue;
-        mukca_unknowns_assign(&m->unknowns, own);
+        if (j >= 0 && !has_ripple(diagnosed, j)) continue;
+        mukca_unknowns_assign(&m->unknowns, diagnosed);
         drop_elastic(m, j);
         ok = add_elastic(m, prior);
         mukca_regression_fit(m, 4, MUKCA_FIT_INDEPENDENT);
@@ -182,7 +182,7 @@ mukca_status mukca_summary_take(mukca_summary *s, mukca_regression *m, mukca_err
     if (!isfinite(mukca_regression_factor(m)))
         return mukca_fail(error, MUKCA_UNIDENTIFIABLE, "the data cannot be summarised: no fit");
     marginalise(s, m);
-    mukca_unknowns_assign(&m->unknowns, own);
+    mukca_unknowns_assign(&m->unknowns, diagnosed);
     mukca_regression_linearise(m);
     return MUKCA_OK;
 }
@@ -199,8 +199,8 @@ mukca_status mukca_summary_take(mukca_summary *s, mukca_regression *m, mukca_err
 typedef struct {
     mukca_adoption *adoption;
     mukca_regression *m;
-    mukca_unknowns own;  /* as diagnosed; a backup once the traits are adopted */
-    mukca_unknowns base; /* without elastic causes, with the known orders */
+    mukca_unknowns diagnosed; /* as diagnosed; a backup once the traits are adopted */
+    mukca_unknowns base;      /* without elastic causes, with the known orders */
     elastic_prior prior[MUKCA_FLEET_TERMS];
 } trial;
 
@@ -272,7 +272,7 @@ static void list_coefficients(trial *t)
                                             .value = value,
                                             .low = fmax(value - MUKCA_SIGMAS_95 * sigma, 0),
                                             .high = value + MUKCA_SIGMAS_95 * sigma,
-                                            .own = fmax(1 - kept * kept, 0)};
+                                            .own_share = fmax(1 - kept * kept, 0)};
     }
 }
 
@@ -283,16 +283,16 @@ static void choose_placement_effects(trial *t, const mukca_diagnosis *d)
     mukca_unknowns *u = &t->m->unknowns;
     const int n = u->n_causes;
     if (d->folds < 3) return;
-    mukca_unknowns_assign(&t->own, u);
+    mukca_unknowns_assign(&t->diagnosed, u);
     for (int c = n - 1; c >= 0; c--) {
         const int class = mukca_candidate_class(&u->cause[c].candidate);
         if (mukca_effect_has(class, MUKCA_TRAIT_PER_PLACEMENT)) mukca_unknowns_drop(u, c);
     }
     if (u->n_causes == n) return;
-    const double with = mukca_held_out_structure(t->m);
+    const double error_m = mukca_held_out_structure(t->m);
     mukca_regression_fit(t->m, 6, MUKCA_FIT_ALL);
-    if (mukca_held_out_structure(t->m) < with) return;
-    mukca_unknowns_assign(u, &t->own);
+    if (mukca_held_out_structure(t->m) < error_m) return;
+    mukca_unknowns_assign(u, &t->diagnosed);
     mukca_regression_linearise(t->m);
 }
 
@@ -313,11 +313,12 @@ static mukca_status take_over(trial *t, mukca_diagnosis *d, mukca_error *error)
         if (!t->adoption->test) memcpy(d->after_m, b.error, sizeof *b.error * (size_t)rows);
     }
     if (t->adoption->test) {
-        const double own[2] = {d->test_geometry_m, d->test_explained_m}; /* of the arm by itself */
+        const double of_arm[2] = {d->test_geometry_m,
+                                  d->test_explained_m}; /* of the arm by itself */
         const mukca_arm_state arm = mukca_unknowns_arm(&m->unknowns);
         status = mukca_test_data_measure(d, NULL, m, &arm, t->adoption->test, error);
         d->test_applied_m = d->test_explained_m;
-        d->test_geometry_m = own[0], d->test_explained_m = own[1];
+        d->test_geometry_m = of_arm[0], d->test_explained_m = of_arm[1];
     }
     memset(&d->applied, 0, sizeof d->applied);
     mukca_applied_fit(&d->applied, m);
@@ -330,9 +331,9 @@ mukca_status mukca_adopt(mukca_adoption *a, mukca_regression *m, mukca_diagnosis
     trial *t = MUKCA_TAKE(&m->pool, trial, 1);
     elastic_prior wide[MUKCA_FLEET_TERMS];
     if (t) t->adoption = a, t->m = m;
-    bool ok = t && mukca_unknowns_clone(&t->own, &m->pool, &m->unknowns) &&
+    bool ok = t && mukca_unknowns_clone(&t->diagnosed, &m->pool, &m->unknowns) &&
               mukca_unknowns_clone(&t->base, &m->pool, &m->unknowns);
-    double own = mukca_regression_score(m);
+    double separate = mukca_regression_score(m);
     for (int k = 0; k < MUKCA_FLEET_TERMS; k++) wide[k] = (elastic_prior){0, WIDE};
     if (ok) {
         drop_elastic(m, -1);
@@ -342,54 +343,15 @@ mukca_status mukca_adopt(mukca_adoption *a, mukca_regression *m, mukca_diagnosis
     if (!ok || m->pool.failed)
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for the traits");
     read_prior(t);
-    own = fmax(own, fit_with_prior(t, wide));
-    a->log_evidence = fit_with_prior(t, t->prior) - own;
+    separate = fmax(separate, fit_with_prior(t, wide));
+    a->log_evidence = fit_with_prior(t, t->prior) - separate;
     a->adopted = a->only || a->log_evidence > 0;
     if (a->adopted) {
         choose_placement_effects(t, d);
         list_coefficients(t);
         return take_over(t, d, error);
     }
-    mukca_unknowns_assign(&m->unknowns, &t->own);
+    mukca_unknowns_assign(&m->unknowns, &t->diagnosed);
     mukca_regression_linearise(m);
     return MUKCA_OK;
-}
-
-/* ---- correction of a recording for the traits of its model ---- */
-
-int mukca_traits_effects(mukca_effect *effects, double *sigma, const mukca_traits *traits,
-                         double share)
-{
-    int n = 0;
-    for (int i = 0; share > 0 && i < traits->n; i++) {
-        const mukca_trait *t = &traits->list[i];
-        if (!(t->mean > 0) || n == MUKCA_FLEET_TERMS) continue;
-        if (sigma) sigma[n] = hypot(t->spread, t->error);
-        effects[n] = t->effect;
-        effects[n++].coefficient[0] = share * t->mean;
-    }
-    return n;
-}
-
-void mukca_traits_correct(mukca_dataset *data, const mukca_chain *chain, const mukca_traits *traits,
-                          double share)
-{
-    static const mukca_displacement none = {0};
-    mukca_effect effects[MUKCA_FLEET_TERMS];
-    mukca_geometry nominal;
-    const int n = mukca_traits_effects(effects, NULL, traits, share);
-    mukca_geometry_set(&nominal, chain, NULL);
-    for (int row = 0; row < data->n_rows && n > 0; row++) {
-        double *q = data->q + (size_t)row * (size_t)data->n_joints, from[3], to[3];
-        const mukca_joint_state state = {
-            .q = q,
-            .payload_kg = data->payload && isfinite(data->payload[row]) ? data->payload[row] : 0,
-            .placement = -1};
-        mukca_displacement d = {0};
-        mukca_effects_displacement(&d, effects, n, chain, &nominal, q, &state);
-        mukca_fk_position(from, &nominal, q, NULL);
-        mukca_fk_position(to, &nominal, q, &d);
-        for (int c = 0; c < 3; c++) to[c] -= from[c];
-        mukca_linearisation_seat(q, to, data->n_joints, &nominal, &none);
-    }
 }

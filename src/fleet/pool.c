@@ -23,9 +23,9 @@ enum {
  * of its own. */
 static double add_arm(double *gear, const double *value, const double *prior)
 {
-    double own[ORDERS];
-    for (int o = FIRST; o < ORDERS; o++) own[o] = value[o] + prior[o];
-    const double individual = mukca_stats_log_sum_exp(own + FIRST, ORDERS - FIRST),
+    double separate[ORDERS];
+    for (int o = FIRST; o < ORDERS; o++) separate[o] = value[o] + prior[o];
+    const double individual = mukca_stats_log_sum_exp(separate + FIRST, ORDERS - FIRST),
                  rare = log(FAULTY / 3);
     for (int o = FIRST; o < ORDERS; o++) {
         double shown[4] = {value[o] + log(1 - FAULTY), individual + rare};
@@ -64,8 +64,8 @@ static void pool_joint(mukca_trait *shared, const mukca_fleet *f, int joint)
             scanned |= value[o] != 0;
             sum[o] += value[o];
         }
-        const double own[] = {log(1 - FAULTY), log(FAULTY) + add_arm(gear, value, prior)};
-        each += mukca_stats_log_sum_exp(own, 2);
+        const double separate[] = {log(1 - FAULTY), log(FAULTY) + add_arm(gear, value, prior)};
+        each += mukca_stats_log_sum_exp(separate, 2);
     }
     *shared = (mukca_trait){
         .effect = wave, .error = NAN, .spread = NAN, .value = NAN, .low = NAN, .high = NAN};

@@ -30,12 +30,12 @@ mukca_status mukca_dataset_load(mukca_dataset *data, const mukca_chain *chain,
 /* ---- duplicate samples (dataset_copies.c) ---- */
 
 /* A file given twice, its copy, rows pasted again: remove the samples of `data` that repeat a
- * sample of `of`, or if `of` is NULL an earlier sample of `data`; then sockets and placements
- * without samples.  One note per file.  Samples are duplicates if all joint angles and the label
- * are equal and all values that both have (time, measured pose, effort and so on) agree; names of
- * files and placements are not compared.  With `of` NULL, a socket that would keep one sample keeps
- * all.  Returns MUKCA_OK or MUKCA_MEMORY. */
-mukca_status mukca_dataset_drop_copies(mukca_dataset *data, const mukca_dataset *of,
+ * sample of `reference`, or if that is NULL an earlier sample of `data`; then sockets and
+ * placements without samples.  One note per file.  Samples are duplicates if all joint angles and
+ * the label are equal and all values that both have (time, measured pose, effort and so on) agree;
+ * names of files and placements are not compared.  With `reference` NULL, a socket that would keep
+ * one sample keeps all.  Returns MUKCA_OK or MUKCA_MEMORY. */
+mukca_status mukca_dataset_drop_copies(mukca_dataset *data, const mukca_dataset *reference,
                                        mukca_note_fn *note, void *context, mukca_error *error);
 
 /* Keep the samples with keep[i] != 0, and the sockets and placements that have some.  Errors:

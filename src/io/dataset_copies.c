@@ -50,19 +50,19 @@ static size_t bucket_of(const double *q, int n, int bits)
     return (size_t)(hash * 0x9e3779b97f4a7c15u >> (64 - bits));
 }
 
-/* original[n_rows]: index of the sample of `of` (NULL: an earlier one of `data`) that each sample
- * repeats, or -1. */
+/* original[n_rows]: index of the sample of `reference` (NULL: an earlier one of `data`) that each
+ * sample repeats, or -1. */
 static void find(int *original, mukca_pool *pool, const mukca_dataset *data,
-                 const mukca_dataset *of)
+                 const mukca_dataset *reference)
 {
-    const mukca_dataset *from = of ? of : data;
+    const mukca_dataset *from = reference ? reference : data;
     const int n = data->n_joints;
     int bits = 1;
     while (bits < 30 && 1 << bits < from->n_rows) bits++;
     int *newest = MUKCA_TAKE(pool, int, (size_t)1 << bits); /* row + 1 of a bucket; 0: none */
     int *before = MUKCA_TAKE(pool, int, from->n_rows + 1);  /* likewise, by row + 1 */
-    for (int i = 0; i < (of ? of->n_rows : 0) && !pool->failed; i++) {
-        int *at = &newest[bucket_of(of->q + (size_t)i * (size_t)n, n, bits)];
+    for (int i = 0; i < (reference ? reference->n_rows : 0) && !pool->failed; i++) {
+        int *at = &newest[bucket_of(reference->q + (size_t)i * (size_t)n, n, bits)];
         before[i + 1] = *at;
         *at = i + 1;
     }
@@ -76,7 +76,7 @@ static void find(int *original, mukca_pool *pool, const mukca_dataset *data,
             compared++;
             if (repeats(data, i, from, k - 1)) original[i] = k - 1;
         }
-        if (of || original[i] >= 0) continue;
+        if (reference || original[i] >= 0) continue;
         before[i + 1] = *at;
         *at = i + 1;
     }
@@ -145,10 +145,10 @@ mukca_status mukca_dataset_keep(mukca_dataset *data, const unsigned char *keep, 
 }
 
 /* Note the number of duplicates of one file. */
-static void report(const mukca_dataset *data, int file, const mukca_dataset *of,
+static void report(const mukca_dataset *data, int file, const mukca_dataset *reference,
                    const int *original, mukca_note_fn *note, void *context)
 {
-    const mukca_dataset *source = of ? of : data;
+    const mukca_dataset *source = reference ? reference : data;
     int rows = 0, copies = 0, from = -1;
     for (int i = 0; i < data->n_rows; i++) {
         if (data->file[i] != file) continue;
@@ -158,16 +158,16 @@ static void report(const mukca_dataset *data, int file, const mukca_dataset *of,
         if (from < 0) from = source->file[original[i]];
     }
     if (!copies) return;
-    const bool within = !of && from == file;
+    const bool within = !reference && from == file;
     char name[512];
     snprintf(name, sizeof name, "%s",
              within ? "others of it" : mukca_file_shown(source->files[from]));
     mukca_note_format(note, context, "%s: %d of %d rows repeat %s%s to the last digit; %s",
                       mukca_file_shown(data->files[file]), copies, rows, within ? "" : "rows of ",
-                      name, of ? "not used for testing" : "each is used once");
+                      name, reference ? "not used for testing" : "each is used once");
 }
 
-mukca_status mukca_dataset_drop_copies(mukca_dataset *data, const mukca_dataset *of,
+mukca_status mukca_dataset_drop_copies(mukca_dataset *data, const mukca_dataset *reference,
                                        mukca_note_fn *note, void *context, mukca_error *error)
 {
     const int n = data->n_rows;
@@ -176,18 +176,19 @@ mukca_status mukca_dataset_drop_copies(mukca_dataset *data, const mukca_dataset 
     int *count = MUKCA_TAKE(&pool, int, 2 * data->n_sockets + 1);
     unsigned char *keep = MUKCA_TAKE(&pool, unsigned char, n + 1);
     mukca_status status = MUKCA_OK;
-    if (!pool.failed) find(original, &pool, data, of);
+    if (!pool.failed) find(original, &pool, data, reference);
     if (pool.failed) {
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", n);
         goto out;
     }
     for (int i = 0; i < n; i++) keep[i] = original[i] < 0;
-    if (!of) keep_dead(keep, data, count);
+    if (!reference) keep_dead(keep, data, count);
     for (int i = 0; i < n; i++) {
         if (keep[i]) original[i] = -1;
         copies += !keep[i];
     }
-    for (int f = 0; f < data->n_files && copies; f++) report(data, f, of, original, note, context);
+    for (int f = 0; f < data->n_files && copies; f++)
+        report(data, f, reference, original, note, context);
     if (copies) status = mukca_dataset_keep(data, keep, error);
 out:
     mukca_pool_free(&pool);

@@ -96,11 +96,11 @@ static void write_hash(FILE *stream, const mukca_export_input *input, const mukc
 
 static mukca_status write_kinematics(FILE *stream, const mukca_export_input *input)
 {
-    mukca_kinematics own;
+    mukca_kinematics entries;
     const mukca_kinematics *k = input->kinematics;
     bool written[MUKCA_MAX_ELEMENTS] = {false}, fitted = false;
-    if (!k) name_entries(&own, input->chain);
-    if (!k) k = &own;
+    if (!k) name_entries(&entries, input->chain);
+    if (!k) k = &entries;
     mukca_export_provenance(stream, "# ", input);
     if (k->layout->root) fprintf(stream, "%s:\n", k->layout->root);
     for (int i = 0; i < k->n; i++) {

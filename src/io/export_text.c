@@ -190,24 +190,25 @@ bool mukca_export_next_tag(mukca_export_tag *tag, const char *name)
     return false;
 }
 
-bool mukca_export_find_attribute(size_t *start, size_t *stop, const mukca_export_tag *of,
+bool mukca_export_find_attribute(size_t *start, size_t *stop, const mukca_export_tag *tag,
                                  const char *name)
 {
-    const char *tag = of->at;
-    size_t at = strcspn(tag, " \t\r\n/>");
-    while (at < of->length) {
-        at += strspn(tag + at, " \t\r\n");
-        size_t name_length = strcspn(tag + at, " \t\r\n=/>");
+    const char *text = tag->at;
+    size_t at = strcspn(text, " \t\r\n/>");
+    while (at < tag->length) {
+        at += strspn(text + at, " \t\r\n");
+        size_t name_length = strcspn(text + at, " \t\r\n=/>");
         if (name_length == 0) return false;
-        const bool match = name_length == strlen(name) && strncmp(tag + at, name, name_length) == 0;
-        const char *quote = tag + at + name_length;
+        const bool match =
+            name_length == strlen(name) && strncmp(text + at, name, name_length) == 0;
+        const char *quote = text + at + name_length;
         quote += strspn(quote, " \t\r\n=");
         const char *end = *quote ? strchr(quote + 1, *quote) : NULL;
-        if (!end || end >= tag + of->length) return false;
-        *start = (size_t)(quote + 1 - tag);
-        *stop = (size_t)(end - tag);
+        if (!end || end >= text + tag->length) return false;
+        *start = (size_t)(quote + 1 - text);
+        *stop = (size_t)(end - text);
         if (match) return true;
-        at = (size_t)(end + 1 - tag);
+        at = (size_t)(end + 1 - text);
     }
     return false;
 }

@@ -53,8 +53,8 @@ static mukca_status check_into(const mukca_urdf_text *urdf, const mukca_export_i
         int n = 0;
         for (int i = 0; i < urdf->n_joints; i++) {
             if (find_element(input, urdf, urdf->joints[i].name) != k) continue;
-            const mukca_frame own = mukca_export_frame(urdf->joints[i].xyz, urdf->joints[i].rpy);
-            near = mukca_export_near(&own, &nominal);
+            const mukca_frame joint = mukca_export_frame(urdf->joints[i].xyz, urdf->joints[i].rpy);
+            near = mukca_export_near(&joint, &nominal);
             n++;
         }
         const bool tool = e->joint < 0 && k + 1 == input->chain->n_elements;

@@ -89,7 +89,7 @@ mukca_status mukca_offsets_read(mukca_offsets *offsets, const mukca_chain *chain
 {
     char *text;
     mukca_offsets_origin origin = {
-        .name = mukca_file_shown(path), .accept = options->accept, .own = options->own};
+        .name = mukca_file_shown(path), .accept = options->accept, .embedded = options->embedded};
     mukca_note_fn *note = options->note;
     void *context = options->context;
     mukca_status status = mukca_file_read(&text, path, error);

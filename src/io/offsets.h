@@ -14,8 +14,8 @@ mukca_status mukca_offsets_write(FILE *stream, const mukca_offsets *offsets,
 
 /* Zeroed: the table must be of this arm and accepted; no notes. */
 typedef struct {
-    int accept;       /* MUKCA_ACCEPT_* */
-    mukca_chain *own; /* out: the chain in the table's comments, for which it is then read */
+    int accept;            /* MUKCA_ACCEPT_* */
+    mukca_chain *embedded; /* out: the chain in the table's comments, for which it is then read */
     mukca_note_fn *note;
     void *context; /* of `note` */
 } mukca_offsets_options;

@@ -23,10 +23,7 @@ mukca_status mukca_rows_open(mukca_rows *rows, const char *path, const mukca_cha
     if (!(rows->options.format.angle > 0)) rows->options.format.angle = 1;
     if (!(rows->options.format.length > 0)) rows->options.format.length = 1;
     mukca_table *t = &rows->table;
-    mukca_table_open(t, path,
-                     options->poses                     ? MUKCA_HEADER
-                     : options->kind == MUKCA_NO_HEADER ? MUKCA_NO_HEADER
-                                                        : MUKCA_EITHER,
+    mukca_table_open(t, path, options->kind == MUKCA_NO_HEADER ? MUKCA_NO_HEADER : MUKCA_EITHER,
                      error);
     if (t->status == MUKCA_OK && options->format.columns && t->n_columns)
         mukca_columns_rename(t, options->format.columns);
@@ -264,7 +261,6 @@ bool mukca_rows_next(mukca_rows *rows, mukca_row *row)
 {
     mukca_table *t = &rows->table;
     const mukca_row_columns *c = &rows->column;
-    const bool poses = rows->options.poses;
     if (rows->measured > 0 && rows->measured < c->n_measured) { /* the next target of this line */
         read_pose(row, rows, rows->measured++);
         return t->status == MUKCA_OK;
@@ -275,12 +271,12 @@ bool mukca_rows_next(mukca_rows *rows, mukca_row *row)
             mukca_rotations_judge(t, rows->rotations, rows->options.note, rows->options.context);
         return false;
     }
-    if (c->number[MUKCA_COLUMN_Q][0] < 0 && !poses) mukca_rows_map(rows);
+    if (c->number[MUKCA_COLUMN_Q][0] < 0) mukca_rows_map(rows);
     if (t->status != MUKCA_OK) return false;
     row->placement = c->placement < 0 ? NULL : t->cell[c->placement];
     row->socket = c->socket < 0 ? NULL : t->cell[c->socket];
     row->target = c->target < 0 || !*t->cell[c->target] ? NULL : t->cell[c->target];
-    for (int k = 0; k < MUKCA_COLUMNS && !poses; k++)
+    for (int k = 0; k < MUKCA_COLUMNS; k++)
         if (mukca_column_table[k].width < 2)
             read_numbers(row, rows, k);
         else /* of poses: below */

@@ -27,7 +27,6 @@ typedef struct {
 typedef struct {
     mukca_table_kind kind;
     mukca_rows_format format;
-    bool poses;          /* a table of poses, which has a header and no joints */
     bool unchecked;      /* poses need not be those of the joints */
     mukca_note_fn *note; /* may be NULL */
     void *context;
@@ -80,7 +79,7 @@ typedef struct {
 } mukca_row;
 _Static_assert(MUKCA_MAX_JOINTS >= 4, "a member has room for a quaternion");
 
-/* Open a table and find the chain's joints, or the poses, in its header.  A joint without a column
+/* Open a table and find the chain's joints in its header.  A joint without a column
  * is an error, an unknown column is noted.  `chain` must outlive the rows. */
 mukca_status mukca_rows_open(mukca_rows *rows, const char *path, const mukca_chain *chain,
                              const mukca_rows_options *options, mukca_error *error);

@@ -271,7 +271,7 @@ static void map_header(mukca_rows *rows)
     const mukca_rows_format *format = &rows->options.format;
     mukca_row_columns *c = &rows->column;
     header h = {.rows = rows, .numbered = -1};
-    if (!rows->options.poses) map_numbers(&h);
+    map_numbers(&h);
     c->placement = find(&h, "placement", "");
     c->socket = find(&h, "socket", "");
     c->target = find(&h, "target", "");

@@ -69,11 +69,11 @@ static bool restore(const mukca_session *session)
  * file that an editor has replaced is lost. */
 static mukca_status check_path(const mukca_session *session, mukca_error *error)
 {
-    struct stat named, own;
+    struct stat named, opened;
     const bool gone = stat(session->path, &named) != 0;
-    if (!gone && fstat(session->fd, &own) == 0 && named.st_dev == own.st_dev &&
-        named.st_ino == own.st_ino &&
-        (session->uncut ? own.st_size >= session->length : own.st_size == session->length))
+    if (!gone && fstat(session->fd, &opened) == 0 && named.st_dev == opened.st_dev &&
+        named.st_ino == opened.st_ino &&
+        (session->uncut ? opened.st_size >= session->length : opened.st_size == session->length))
         return MUKCA_OK;
     const char *what = !gone              ? "changed"
                        : restore(session) ? "deleted or moved, and written again,"
@@ -114,17 +114,17 @@ static void put_row(mukca_text *line, const mukca_session *session, const char *
                     const char *socket, const mukca_capture_sample *sample)
 {
     static const mukca_capture_sample none;
-    const mukca_capture_sample *of = sample ? sample : &none;
+    const mukca_capture_sample *values = sample ? sample : &none;
     const struct {
         const char *suffix;
         const double *values; /* NULL: absent */
-    } columns[] = {{"", of->q},
-                   {MUKCA_COLUMNS_SPREAD, of->spread},
-                   {".effort", session->has_effort ? of->effort : NULL},
-                   {".command", session->has_command ? of->command : NULL}};
+    } columns[] = {{"", values->q},
+                   {MUKCA_COLUMNS_SPREAD, values->spread},
+                   {".effort", session->has_effort ? values->effort : NULL},
+                   {".command", session->has_command ? values->command : NULL}};
     const char s = session->separator;
     mukca_text_put(line, sample ? "%s%c%s%c%.6f" : "%s%c%s%ctime_s", placement, s, socket, s,
-                   of->time);
+                   values->time);
     for (int k = 0; k < 4; k++)
         for (int j = 0; columns[k].values && j < session->chain->n_joints; j++)
             if (!sample)

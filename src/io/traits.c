@@ -88,13 +88,14 @@ static bool hash(uint64_t *value, const mukca_table *table, const char *key)
 /* Check that the chain has the fleet's nominal geometry; joint names come from the chain. */
 static void check_model(mukca_traits *t, mukca_table *table, const mukca_chain *chain)
 {
-    mukca_fleet_model own;
-    mukca_fleet_model_of(&own, chain);
-    t->model = own;
-    const bool model =
+    mukca_fleet_model present;
+    mukca_fleet_model_of(&present, chain);
+    t->model = present;
+    const bool stated =
         hash(&t->model.geometry, table, "geometry") && hash(&t->model.masses, table, "masses");
-    const char *differs = mukca_fleet_model_differs(&own, &t->model), *arms = head(table, "arms");
-    if (!model)
+    const char *differs = mukca_fleet_model_differs(&present, &t->model),
+               *arms = head(table, "arms");
+    if (!stated)
         mukca_table_stop(
             table, mukca_fail(table->error, MUKCA_INPUT,
                               "%s: no traits table: `# geometry:` or `# masses:` is missing; make "

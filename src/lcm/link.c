@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "base/text.h"
 #include "io/output.h"
 
 enum { BURST = 256 /* events of a log per call */ };
@@ -76,12 +77,11 @@ static bool read_senders(mukca_lcm_multicast_options *options, const mukca_lcm_n
     const char *interface = network->interface, *from = network->from;
     if (interface && !(options->interface = read_address(interface, strlen(interface))))
         return false;
-    while (from) {
-        size_t length = strcspn(from, ",");
-        uint32_t address = read_address(from, length);
+    char item[16];
+    while (mukca_text_item(item, sizeof item, &from)) {
+        uint32_t address = read_address(item, strlen(item));
         if (!address || options->n_from == MUKCA_LCM_MAX_FROM) return false;
         options->from[options->n_from++] = address;
-        from = from[length] ? from + length + 1 : NULL;
     }
     return true;
 }
@@ -157,8 +157,8 @@ mukca_status mukca_lcm_link_wait(mukca_lcm_link *link, int timeout_ms, int other
 {
     if (readable) *readable = false;
     if (link->replays) return replay(link, other, readable);
-    const int own = link->multicast ? mukca_lcm_multicast_descriptor(link->multicast) : -1;
-    struct pollfd p[2] = {{.fd = own, .events = POLLIN}, {.fd = other, .events = POLLIN}};
+    const int descriptor = link->multicast ? mukca_lcm_multicast_descriptor(link->multicast) : -1;
+    struct pollfd p[2] = {{.fd = descriptor, .events = POLLIN}, {.fd = other, .events = POLLIN}};
     int n = poll(p, 2, timeout_ms);
     if (n < 0 && errno != EINTR)
         return mukca_fail(error, MUKCA_TRANSPORT, "waiting for LCM: %s", strerror(errno));

@@ -160,21 +160,21 @@ static const mukca_lcm_queue_sender *largest(const mukca_lcm_queue *q)
 bool mukca_lcm_queue_push(mukca_lcm_queue *q, const mukca_lcm_packet *packet)
 {
     const size_t name = strlen(packet->channel) + 1, bytes = name + packet->size;
-    mukca_lcm_queue_sender *own = NULL;
+    mukca_lcm_queue_sender *sender = NULL;
     for (mukca_lcm_queue_sender *s = q->sender; s < q->sender + MUKCA_LCM_QUEUE_SENDERS; s++)
-        if (s->bytes ? s->id == packet->sender : !own) own = s;
+        if (s->bytes ? s->id == packet->sender : !sender) sender = s;
     mukca_lcm_queued *e =
-        own && packet->size <= MUKCA_LCM_MAX_MESSAGE ? malloc(sizeof *e + bytes) : NULL;
+        sender && packet->size <= MUKCA_LCM_MAX_MESSAGE ? malloc(sizeof *e + bytes) : NULL;
     if (!e) {
         q->dropped++;
         return false;
     }
-    *e =
-        (mukca_lcm_queued){.sender = own, .bytes = bytes + MUKCA_LCM_QUEUE_EACH, .packet = *packet};
-    while (own->bytes + e->bytes > MUKCA_LCM_QUEUE_BYTES / 2) drop_oldest(q, own);
+    *e = (mukca_lcm_queued){
+        .sender = sender, .bytes = bytes + MUKCA_LCM_QUEUE_EACH, .packet = *packet};
+    while (sender->bytes + e->bytes > MUKCA_LCM_QUEUE_BYTES / 2) drop_oldest(q, sender);
     while (q->bytes + e->bytes > MUKCA_LCM_QUEUE_BYTES) drop_oldest(q, largest(q));
-    own->id = packet->sender;
-    own->bytes += e->bytes;
+    sender->id = packet->sender;
+    sender->bytes += e->bytes;
     q->bytes += e->bytes;
     e->packet.channel = memcpy(e->content, packet->channel, name);
     e->packet.data = e->content + name;

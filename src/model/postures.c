@@ -75,10 +75,10 @@ static int find_buckets(unsigned *found, const buckets *b, int row, double radiu
 
 static void add(buckets *b, int row)
 {
-    unsigned own;
-    find_buckets(&own, b, row, 0);
-    b->next[row] = b->first[own];
-    b->first[own] = row;
+    unsigned bucket;
+    find_buckets(&bucket, b, row, 0);
+    b->next[row] = b->first[bucket];
+    b->first[bucket] = row;
 }
 
 /* Largest difference of a joint's angles, or any from `limit` on; rows with another payload are
@@ -165,8 +165,8 @@ void mukca_postures_move(double *move, int *repeat, mukca_pool *pool, const int 
     if (pool->failed) return;
     for (int row = 0; row < rows; row++, count[posture[row - 1]]++)
         for (int j = 0; j < n; j++) {
-            double *of = &mean[posture[row] * n + j];
-            *of += (q[row * n + j] - *of) / (count[posture[row]] + 1);
+            double *value = &mean[posture[row] * n + j];
+            *value += (q[row * n + j] - *value) / (count[posture[row]] + 1);
         }
     for (int row = 0; row < rows; row++) {
         const bool start = row == 0 || d->file[row] != d->file[row - 1];

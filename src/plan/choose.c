@@ -56,13 +56,13 @@ static void add_recorded(mukca_planner *p)
     const mukca_dataset *data = p->task->data;
     const mukca_plan_socket *sockets = p->task->sockets;
     const double *before = NULL;
-    int of[MUKCA_PLAN_MAX_SOCKETS] = {0}; /* sockets of the data */
+    int socket[MUKCA_PLAN_MAX_SOCKETS] = {0}; /* sockets of the data */
     for (int k = 0; data && k < p->task->n_sockets; k++)
-        of[k] = mukca_dataset_find_socket(data, sockets[k].placement, sockets[k].label);
+        socket[k] = mukca_dataset_find_socket(data, sockets[k].placement, sockets[k].label);
     for (int r = 0; data && r < data->n_rows; r++) {
         const double *q = data->q + r * data->n_joints;
         int k = 0;
-        while (k < p->task->n_sockets && (of[k] < 0 || of[k] != data->socket[r])) k++;
+        while (k < p->task->n_sockets && (socket[k] < 0 || socket[k] != data->socket[r])) k++;
         if (k == p->task->n_sockets) continue;
         const double kg = data->payload ? data->payload[r] : 0;
         p->state.payload = isfinite(kg) ? kg : 0;

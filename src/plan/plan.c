@@ -138,14 +138,14 @@ mukca_status mukca_plan_payload(double *payload, mukca_plan *plan, const mukca_p
 {
     static const double masses[] = {0.5, 1, 2, 5, 10, 20, 50, 100};
     mukca_plan_options loaded = *options;
-    double own = 0;
+    double arm_kg = 0;
     bool elastic = false;
     *payload = 0;
-    for (int i = 0; i < task->chain->n_masses; i++) own += task->chain->mass[i].kg;
+    for (int i = 0; i < task->chain->n_masses; i++) arm_kg += task->chain->mass[i].kg;
     for (int e = 0; e < options->n_effects; e++)
         elastic |= mukca_effect_has((int)options->effects[e].kind, MUKCA_TRAIT_ELASTIC);
     if (!elastic || plan->evidence_after >= MUKCA_PLAN_NAME) return MUKCA_OK;
-    for (size_t i = 0; i < sizeof masses / sizeof *masses && masses[i] <= own / 3; i++) {
+    for (size_t i = 0; i < sizeof masses / sizeof *masses && masses[i] <= arm_kg / 3; i++) {
         mukca_plan tried;
         loaded.payload = masses[i];
         const mukca_status status = mukca_plan_run(&tried, task, &loaded, error);

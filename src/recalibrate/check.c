@@ -7,45 +7,28 @@
 
 #include "fit/align.h"
 #include "math/stats.h"
+#include "model/dataset_subset.h"
 
 enum { PREVIEW = 1000 };
 
 typedef struct {
     const mukca_chain *chain;
     mukca_geometry geometry;
-    mukca_pose_row row[PREVIEW];
+    mukca_dataset rows;
     mukca_frame nominal[PREVIEW], measured[PREVIEW];
     double work[PREVIEW];
-    double q[PREVIEW * MUKCA_MAX_JOINTS], position[3 * PREVIEW], quaternion[4 * PREVIEW];
-    int socket[PREVIEW]; /* -1: samples of no socket */
-    int n, oriented;
+    int oriented;
 } preview;
 
-static bool has_orientation(const preview *p, int row)
+static mukca_status load_preview(preview *p, const mukca_dataset *log, mukca_error *error)
 {
-    return isfinite(p->row[row].quaternion[0]);
-}
-
-static mukca_status load_preview(preview *p, mukca_pose_log *log, mukca_error *error)
-{
-    const mukca_pose_row *row;
-    const long every = (log->n + PREVIEW - 1) / PREVIEW;
-    const size_t joints = (size_t)p->chain->n_joints;
-    mukca_status status = mukca_pose_log_rewind(log, error);
-    for (long k = 0; status == MUKCA_OK; k++) {
-        status = mukca_pose_log_next(&row, log, error);
-        if (status != MUKCA_OK || !row) return status;
-        if (k % every != 0) continue;
-        const int i = p->n++;
-        p->row[i] = *row;
-        p->socket[i] = -1;
-        memcpy(p->q + (size_t)i * joints, row->q, joints * sizeof *p->q);
-        memcpy(p->position + 3 * i, row->position, sizeof row->position);
-        memcpy(p->quaternion + 4 * i, row->quaternion, sizeof row->quaternion);
-        memcpy(p->measured[i].p, row->position, sizeof row->position);
-        if (has_orientation(p, i))
-            mukca_rotation_from_quaternion(p->measured[i].R, row->quaternion);
-        p->oriented += has_orientation(p, i);
+    mukca_dataset *rows = &p->rows;
+    const mukca_status status = mukca_part_take(rows, log, PREVIEW, error);
+    for (int i = 0; i < rows->n_rows && status == MUKCA_OK; i++) {
+        memcpy(p->measured[i].p, rows->position + 3 * i, sizeof p->measured[i].p);
+        if (!mukca_pose_oriented(rows, i)) continue;
+        mukca_rotation_from_quaternion(p->measured[i].R, rows->quaternion + 4 * i);
+        p->oriented++;
     }
     return status;
 }
@@ -54,20 +37,22 @@ static mukca_status load_preview(preview *p, mukca_pose_log *log, mukca_error *e
 static void predict_poses(preview *p, int element)
 {
     p->geometry.n_elements = element + 1;
-    for (int i = 0; i < p->n; i++) mukca_fk_pose(&p->nominal[i], &p->geometry, p->row[i].q, NULL);
+    for (int i = 0; i < p->rows.n_rows; i++)
+        mukca_fk_pose(&p->nominal[i], &p->geometry, p->rows.q + i * p->rows.n_joints, NULL);
 }
 
 static double position_median(preview *p)
 {
-    for (int i = 0; i < p->n; i++) p->work[i] = mukca_distance3(p->nominal[i].p, p->measured[i].p);
-    return mukca_stats_median(p->work, p->n);
+    const int n = p->rows.n_rows;
+    for (int i = 0; i < n; i++) p->work[i] = mukca_distance3(p->nominal[i].p, p->measured[i].p);
+    return mukca_stats_median(p->work, n);
 }
 
 static double rotation_median(preview *p)
 {
     int n = 0;
-    for (int i = 0; i < p->n; i++)
-        if (has_orientation(p, i))
+    for (int i = 0; i < p->rows.n_rows; i++)
+        if (mukca_pose_oriented(&p->rows, i))
             p->work[n++] = mukca_rotation_between(p->nominal[i].R, p->measured[i].R);
     return mukca_stats_median(p->work, n);
 }
@@ -84,8 +69,9 @@ static double path_length(const mukca_frame *poses, int n)
 static mukca_status check_moving(preview *p, mukca_error *error)
 {
     predict_poses(p, p->chain->n_elements - 1);
-    const double nominal = path_length(p->nominal, p->n), measured = path_length(p->measured, p->n);
-    if (p->n > 2 && nominal <= 0)
+    const int n = p->rows.n_rows;
+    const double nominal = path_length(p->nominal, n), measured = path_length(p->measured, n);
+    if (n > 2 && nominal <= 0)
         return mukca_fail(
             error, MUKCA_INPUT,
             "all samples have the same joint angles; their stream had stopped, record "
@@ -151,13 +137,7 @@ static mukca_status align_frames(mukca_pose_check *check, preview *p, bool free_
                                  bool free_tool, mukca_error *error)
 {
     mukca_alignment found;
-    const mukca_dataset data = {.n_rows = p->n,
-                                .n_joints = p->chain->n_joints,
-                                .q = p->q,
-                                .position = p->position,
-                                .quaternion = p->quaternion,
-                                .socket = p->socket};
-    if (!mukca_align(&found, &p->geometry, &data,
+    if (!mukca_align(&found, &p->geometry, &p->rows,
                      &(mukca_align_options){.tracker = free_base, .target = free_tool}))
         return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     check->base = found.tracker;
@@ -180,7 +160,7 @@ mukca_status mukca_pose_check_run(mukca_pose_check *check, const mukca_recalibra
     p->chain = task->chain;
     mukca_geometry_set(&p->geometry, p->chain, NULL);
     mukca_status status = load_preview(p, task->log, error);
-    if (status == MUKCA_OK && p->n == 0)
+    if (status == MUKCA_OK && p->rows.n_rows == 0)
         status = mukca_fail(error, MUKCA_INPUT,
                             "no row has a measured position: need columns x_m y_m z_m, or "
                             "hole_*_pose.csv next to the joint files");
@@ -189,6 +169,7 @@ mukca_status mukca_pose_check_run(mukca_pose_check *check, const mukca_recalibra
         status = align_frames(check, p, free_base, free_tool, error);
     else if (status == MUKCA_OK)
         status = check_frames(check, p, error);
+    mukca_dataset_free(&p->rows);
     free(p);
     return status;
 }

@@ -65,8 +65,8 @@ void mukca_pose_model_set(mukca_pose_model *model, const mukca_chain *chain,
     place_in_poses(model);
 }
 
-/* Axis of an unknown in the frame that it is a part of; `own` is storage for it. */
-static inline const double *local_axis(double own[3], const mukca_geometry *g,
+/* Axis of an unknown in the frame that it is a part of; `axis` is storage for it. */
+static inline const double *local_axis(double axis[3], const mukca_geometry *g,
                                        const mukca_frame *frame, const mukca_unknown *u)
 {
     double e[2][3];
@@ -75,8 +75,8 @@ static inline const double *local_axis(double own[3], const mukca_geometry *g,
             return g->axis[u->element];
         case MUKCA_UNKNOWN_TILT:
             mukca_rotation_transverse(e[0], e[1], g->axis[u->element]);
-            memcpy(own, e[u->axis], sizeof e[0]);
-            return own;
+            memcpy(axis, e[u->axis], sizeof e[0]);
+            return axis;
         case MUKCA_UNKNOWN_TURN:
             if (u->element == MUKCA_UNKNOWN_TOOL) return identity.R + 3 * u->axis;
             break;
@@ -101,7 +101,7 @@ void mukca_pose_model_add(mukca_pose_model *model, const mukca_unknown *unknown,
     mukca_frame *T = unknown->element == MUKCA_UNKNOWN_BASE   ? &model->base
                      : unknown->element == MUKCA_UNKNOWN_TOOL ? &model->tool
                                                               : g->origin + unknown->element;
-    double own[3];
+    double axis[3];
     if (unknown->kind == MUKCA_UNKNOWN_LAG)
         model->lag += by;
     else if (unknown->kind == MUKCA_UNKNOWN_ZERO)
@@ -109,7 +109,7 @@ void mukca_pose_model_add(mukca_pose_model *model, const mukca_unknown *unknown,
     else if (unknown->kind == MUKCA_UNKNOWN_SHIFT)
         T->p[unknown->axis] += by;
     else
-        turn_frame(T, local_axis(own, g, T, unknown), by);
+        turn_frame(T, local_axis(axis, g, T, unknown), by);
     place_in_poses(model);
 }
 
@@ -123,22 +123,23 @@ void mukca_pose_model_theta(double *theta, const mukca_pose_model *model, const 
 }
 
 void mukca_pose_look_at(mukca_pose_look *look, const mukca_pose_model *model,
-                        const mukca_pose_row *row)
+                        const mukca_dataset *log, int row)
 {
+    const size_t first = (size_t)row * (size_t)log->n_joints;
     double q[MUKCA_MAX_JOINTS], measured[9], off[9];
     mukca_frame flange;
     look->model = model;
-    look->row = row;
+    look->velocity = log->velocity + first;
     for (int j = 0; j < model->geometry.n_joints; j++)
-        q[j] = row->q[j] + model->zero[j] + model->lag * row->velocity[j];
+        q[j] = log->q[first + (size_t)j] + model->zero[j] + model->lag * look->velocity[j];
     mukca_fk_frames(look->before, &flange, &model->placed, q, NULL);
     mukca_frame_multiply(&look->tip, &flange, &model->tool);
     for (int i = 0; i < 3; i++) {
-        look->position[i] = row->position[i] - look->tip.p[i];
+        look->position[i] = log->position[3 * (size_t)row + (size_t)i] - look->tip.p[i];
         look->rotation[i] = look->rotation_error[i] = NAN;
     }
-    if (!isfinite(row->quaternion[0])) return;
-    mukca_rotation_from_quaternion(measured, row->quaternion);
+    if (!mukca_pose_oriented(log, row)) return;
+    mukca_rotation_from_quaternion(measured, log->quaternion + 4 * (size_t)row);
     mukca_mat3_tmul(off, look->tip.R, measured);
     look->rotation_error[0] = 0.5 * (off[7] - off[5]);
     look->rotation_error[1] = 0.5 * (off[2] - off[6]);
@@ -173,7 +174,7 @@ static void lag_motion(double position[3], double rotation[3], const mukca_pose_
     for (int k = 0; k < g->n_elements; k++) {
         double p[3], w[3];
         if (g->joint[k] < 0) continue;
-        const double rate = look->row->velocity[g->joint[k]];
+        const double rate = look->velocity[g->joint[k]];
         if (!(fabs(rate) > 0)) continue;
         motion_of_tip(p, w, look, &look->before[k], g->axis[k], mukca_joint_turns(g->type[k]));
         for (int i = 0; i < 3; i++) {
@@ -189,7 +190,7 @@ void mukca_pose_derivatives(double *position, double *rotation, int stride,
     const mukca_pose_model *model = look->model;
     for (int u = 0; u < n; u++) {
         const mukca_unknown *unknown = &unknowns[u];
-        double p[3], w[3], own[3];
+        double p[3], w[3], axis[3];
         if (unknown->kind == MUKCA_UNKNOWN_LAG) {
             lag_motion(p, w, look);
         } else {
@@ -202,7 +203,7 @@ void mukca_pose_derivatives(double *position, double *rotation, int stride,
                                           : tool ? &look->tip
                                                  : &look->before[k];
             motion_of_tip(p, w, look, in_poses,
-                          local_axis(own, &model->geometry, in_parent, unknown),
+                          local_axis(axis, &model->geometry, in_parent, unknown),
                           kinds[unknown->kind].angle);
         }
         for (int i = 0; i < 3; i++) {

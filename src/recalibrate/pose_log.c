@@ -1,117 +1,71 @@
-/* Pose logs: rows with velocities in a temporary file. */
-#include <errno.h>
-#include <math.h>
-#include <stddef.h>
-#include <string.h>
+/* Pose logs: samples with a measured position, and the velocities of their joints. */
+#include <stdlib.h>
 
+#include "model/dataset_subset.h"
 #include "recalibrate/recalibrate.h"
-
-/* Whether two rows are consecutive in a motion. */
-static bool adjacent(const mukca_pose_row *a, const mukca_pose_row *b, int n_joints)
-{
-    if (a->file != b->file) return false;
-    if ((isfinite(a->time) || isfinite(b->time)) && !(a->time < b->time)) return false;
-    for (int j = 0; j < n_joints; j++)
-        if (!(fabs(a->q[j] - b->q[j]) < 0.2)) return false;
-    return true;
-}
-
-static void fill_velocity(mukca_pose_row *now, const mukca_pose_row *before,
-                          const mukca_pose_row *after, int n_joints)
-{
-    bool known = true;
-    for (int j = 0; j < n_joints; j++) known &= isfinite(now->velocity[j]) != 0;
-    if (known) return;
-    const mukca_pose_row *from = adjacent(before, now, n_joints) ? before : now,
-                         *to = adjacent(now, after, n_joints) ? after : now;
-    const int rows = (to != now) + (from != now);
-    const double span = isfinite(now->time) ? to->time - from->time : rows;
-    for (int j = 0; j < n_joints; j++) now->velocity[j] = rows ? (to->q[j] - from->q[j]) / span : 0;
-}
 
 static mukca_status fail(mukca_error *error)
 {
-    return mukca_fail(
-        error, MUKCA_MEMORY,
-        "the temporary file of the pose log: %s; free about the size of the log in " P_tmpdir,
-        strerror(errno));
+    return mukca_fail(error, MUKCA_MEMORY, "out of memory for the pose log");
 }
 
-/* Store the last row, which `after` follows. */
-static bool store(mukca_pose_log *log, const mukca_pose_row *after)
+/* Whether two rows are consecutive in a motion.  Sockets are recorded one by one. */
+static bool adjacent(const mukca_dataset *d, int a, int b)
 {
-    mukca_pose_row *now = &log->last[1];
-    const size_t n = (size_t)log->n_joints, size = offsetof(mukca_pose_row, q) + n * sizeof *now->q;
-    fill_velocity(now, &log->last[0], after, log->n_joints);
-    return fwrite(now, size, 1, log->stream) == 1 &&
-           fwrite(now->velocity, sizeof *now->q, n, log->stream) == n;
+    const double *p = d->q + (size_t)a * (size_t)d->n_joints,
+                 *q = d->q + (size_t)b * (size_t)d->n_joints;
+    if (a < 0 || b == d->n_rows || d->socket[a] != d->socket[b]) return false;
+    if (d->socket[a] < 0 && d->file[a] != d->file[b]) return false;
+    if (d->time && (isfinite(d->time[a]) || isfinite(d->time[b])) && !(d->time[a] < d->time[b]))
+        return false;
+    for (int j = 0; j < d->n_joints; j++)
+        if (!(fabs(p[j] - q[j]) < 0.2)) return false;
+    return true;
 }
 
-mukca_status mukca_pose_log_add(mukca_pose_log *log, const mukca_pose_row *row, mukca_error *error)
+static void fill_velocity(mukca_dataset *d, int row)
 {
-    if (!log->stream && !(log->stream = tmpfile())) return fail(error);
-    const bool first = log->n == 0, oriented = isfinite(row->quaternion[0]);
-    if (!first && !store(log, row)) return fail(error);
-    for (int j = 0; j < log->n_joints; j++) {
-        if (first || row->q[j] < log->lowest[j]) log->lowest[j] = row->q[j];
-        if (first || row->q[j] > log->highest[j]) log->highest[j] = row->q[j];
-    }
-    if (first) log->oriented = oriented, log->timed = isfinite(row->time);
-    log->n_oriented += oriented;
-    log->n++;
-    log->last[0] = log->last[1];
-    log->last[1] = *row;
-    return MUKCA_OK;
-}
-
-mukca_status mukca_pose_log_add_data(mukca_pose_log *log, const mukca_dataset *d,
-                                     mukca_error *error)
-{
-    mukca_status status = MUKCA_OK;
     const size_t n = (size_t)d->n_joints;
-    for (size_t i = 0; i < (size_t)d->n_rows && d->position && status == MUKCA_OK; i++) {
-        if (!isfinite(d->position[3 * i])) continue;
-        /* Sockets are recorded one by one: each is a file, as no motion connects them. */
-        const int file = d->socket[i] < 0 ? d->file[i] : d->n_files + d->socket[i];
-        mukca_pose_row row = {.quaternion = {(double)NAN},
-                              .time = d->time ? d->time[i] : (double)NAN,
-                              .velocity = {(double)NAN},
-                              .file = 1 + file};
-        memcpy(row.position, d->position + 3 * i, sizeof row.position);
-        if (d->quaternion) memcpy(row.quaternion, d->quaternion + 4 * i, sizeof row.quaternion);
-        memcpy(row.q, d->q + n * i, n * sizeof *row.q);
-        if (d->velocity) memcpy(row.velocity, d->velocity + n * i, n * sizeof *row.q);
-        status = mukca_pose_log_add(log, &row, error);
+    double *velocity = d->velocity + (size_t)row * n;
+    bool known = true;
+    for (size_t j = 0; j < n; j++) known &= isfinite(velocity[j]) != 0;
+    if (known) return;
+    const int from = row - adjacent(d, row - 1, row), to = row + adjacent(d, row, row + 1);
+    const bool timed = d->time && isfinite(d->time[row]);
+    const double span = timed ? d->time[to] - d->time[from] : to - from,
+                 *p = d->q + (size_t)from * n, *q = d->q + (size_t)to * n;
+    for (size_t j = 0; j < n; j++) velocity[j] = to > from ? (q[j] - p[j]) / span : 0;
+}
+
+static mukca_status keep_measured(mukca_dataset *d, mukca_error *error)
+{
+    mukca_dataset measured;
+    unsigned char *keep = calloc((size_t)d->n_rows + 1, 1);
+    int n = 0;
+    if (!keep) return fail(error);
+    for (int i = 0; i < d->n_rows; i++)
+        n += keep[i] = d->position && isfinite(d->position[3 * (size_t)i]);
+    mukca_status status = MUKCA_OK;
+    if (n < d->n_rows) {
+        status = mukca_dataset_subset(&measured, d, keep, error);
+        if (status == MUKCA_OK) mukca_dataset_free(d), *d = measured;
     }
+    free(keep);
     return status;
 }
 
-mukca_status mukca_pose_log_rewind(mukca_pose_log *log, mukca_error *error)
+mukca_status mukca_pose_log_prepare(mukca_dataset *d, mukca_error *error)
 {
-    const mukca_pose_row none = {.file = 0};
-    if (log->last[1].file && !store(log, &none)) return fail(error);
-    log->last[1].file = 0;
-    log->at = 0;
-    return !log->n || fseek(log->stream, 0, SEEK_SET) == 0 ? MUKCA_OK : fail(error);
-}
-
-mukca_status mukca_pose_log_next(const mukca_pose_row **row, mukca_pose_log *log,
-                                 mukca_error *error)
-{
-    mukca_pose_row *now = &log->last[1];
-    const size_t n = (size_t)log->n_joints, size = offsetof(mukca_pose_row, q) + n * sizeof *now->q;
-    *row = log->at < log->n ? now : NULL;
-    if (!*row) return MUKCA_OK;
-    log->at++;
-    errno = EIO; /* of a short read */
-    return fread(now, size, 1, log->stream) == 1 &&
-                   fread(now->velocity, sizeof *now->q, n, log->stream) == n
-               ? MUKCA_OK
-               : fail(error);
-}
-
-void mukca_pose_log_close(mukca_pose_log *log)
-{
-    if (log->stream) fclose(log->stream);
-    *log = (mukca_pose_log){.n_joints = log->n_joints};
+    const mukca_status status = keep_measured(d, error);
+    if (status != MUKCA_OK) return status;
+    const size_t count = (size_t)d->n_rows * (size_t)d->n_joints;
+    if (!d->velocity) {
+        d->velocity = malloc((count + 1) * sizeof *d->velocity);
+        if (!d->velocity) return fail(error);
+        for (size_t i = 0; i < count; i++) d->velocity[i] = (double)NAN;
+    }
+    for (int i = 0; i < d->n_rows; i++) fill_velocity(d, i);
+    for (int i = 0; i < d->n_rows; i++) d->socket[i] = -1;
+    d->n_sockets = d->n_placements = d->n_distances = 0;
+    return MUKCA_OK;
 }

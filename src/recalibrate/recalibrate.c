@@ -86,27 +86,23 @@ static double metres_per_radian(const mukca_pose_errors *errors)
     return p > 1e-9 && w > 1e-9 ? fmin(fmax(p / w, 0.01), 10) : 0;
 }
 
-static bool is_stopped(const mukca_recalibrate_task *task, long row)
+static bool is_stopped(const mukca_recalibrate_task *task, int row)
 {
     return row % 1024 == 0 && task->options->stop && task->options->stop();
 }
 
-/* Read the log once with the present model: errors, and the equations of the step. */
+/* Pass over the log with the present model: errors, and the equations of the step. */
 static mukca_status read_equations(session *s, mukca_error *error)
 {
     const double position_scale = s->errors.position.median;
     const double rotation_scale = s->errors.rotation.median;
     const bool robust = s->task->options->robust && s->measured;
-    const mukca_pose_row *row;
     mukca_pose_look look;
-    mukca_status status = mukca_pose_log_rewind(s->task->log, error);
     mukca_pose_system_clear(&s->system);
     memset(&s->errors, 0, sizeof s->errors);
-    for (long i = 0; status == MUKCA_OK; i++) {
-        status = mukca_pose_log_next(&row, s->task->log, error);
-        if (status != MUKCA_OK || !row) break;
+    for (int i = 0; i < s->task->log->n_rows; i++) {
         if (is_stopped(s->task, i)) return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
-        mukca_pose_look_at(&look, &s->model, row);
+        mukca_pose_look_at(&look, &s->model, s->task->log, i);
         mukca_pose_errors_add(&s->errors, &look);
         double p = 1, w = 1;
         if (robust) p = sqrt(huber_weight(mukca_norm3(look.position), position_scale));
@@ -116,7 +112,7 @@ static mukca_status read_equations(session *s, mukca_error *error)
     mukca_pose_errors_finish(&s->errors);
     s->measured = true;
     s->out->passes++;
-    return status;
+    return MUKCA_OK;
 }
 
 /* Move by the solution of the first n unknowns, or back; their estimates start at `first`. */
@@ -153,8 +149,8 @@ static mukca_status check_number(const session *s, int unknowns, mukca_error *er
     const int per_pose = 3 * (system->positions + system->rotations);
     if (system->equations >= unknowns) return MUKCA_OK;
     return mukca_fail(error, MUKCA_UNIDENTIFIABLE,
-                      "%ld poses give %ld equations for %d unknowns; record at least %d",
-                      s->task->log->n, system->equations, unknowns, unknowns / per_pose + 1);
+                      "%d poses give %ld equations for %d unknowns; record at least %d",
+                      s->task->log->n_rows, system->equations, unknowns, unknowns / per_pose + 1);
 }
 
 /* Repeat pass and solution for these unknowns, including the lag. */
@@ -222,7 +218,7 @@ mukca_status mukca_recalibrate(mukca_recalibration *result, const mukca_recalibr
                                mukca_error *error)
 {
     const mukca_recalibrate_options *o = task->options;
-    const bool oriented = task->log->oriented, together = o->joint || !oriented;
+    const bool oriented = mukca_pose_oriented(task->log, 0), together = o->joint || !oriented;
     /* angles from orientations, then lengths from positions at these angles; or all together */
     const restriction steps[] = {{.angles = true,
                                   .lengths = together,
@@ -267,19 +263,15 @@ mukca_status mukca_recalibrate(mukca_recalibration *result, const mukca_recalibr
 mukca_status mukca_recalibrate_test(mukca_pose_errors *errors, const mukca_pose_model *models,
                                     int n, const mukca_recalibrate_task *task, mukca_error *error)
 {
-    const mukca_pose_row *row;
     mukca_pose_look look;
-    mukca_status status = mukca_pose_log_rewind(task->log, error);
     memset(errors, 0, (size_t)n * sizeof *errors);
-    for (long i = 0; status == MUKCA_OK; i++) {
-        status = mukca_pose_log_next(&row, task->log, error);
-        if (status != MUKCA_OK || !row) break;
+    for (int i = 0; i < task->log->n_rows; i++) {
         if (is_stopped(task, i)) return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
         for (int k = 0; k < n; k++) {
-            mukca_pose_look_at(&look, &models[k], row);
+            mukca_pose_look_at(&look, &models[k], task->log, i);
             mukca_pose_errors_add(&errors[k], &look);
         }
     }
     for (int k = 0; k < n; k++) mukca_pose_errors_finish(&errors[k]);
-    return status;
+    return MUKCA_OK;
 }

@@ -1,55 +1,29 @@
 /* Fast re-calibration from measured poses (Kana et al., Sensors 2022, 22, 2295).
  *
  * Step one fits joint zeros to orientations: J_rot(q) dq = (R'R~ - I)^v, stacked; step two fits
- * link offsets to positions: dP/dp dp = P~ - P.  Each is one linear regression whose rows are
- * reduced while the log is read, once per pass. */
+ * link offsets to positions: dP/dp dp = P~ - P.  Each is one linear regression, whose rows are
+ * reduced block by block, once per pass. */
 #ifndef MUKCA_RECALIBRATE_RECALIBRATE_H
 #define MUKCA_RECALIBRATE_RECALIBRATE_H
 
-#include <stdio.h>
+#include <math.h>
+#include <stddef.h>
 
 #include "model/dataset.h"
 
 /* ---- logs of joint angles with measured tip poses (pose_log.c) ---- */
 
-/* One row; values not recorded are NaN. */
-typedef struct {
-    double position[3];                /* m */
-    double quaternion[4];              /* w first; any length except 0 */
-    double time;                       /* s */
-    double q[MUKCA_MAX_JOINTS];        /* rad or m */
-    double velocity[MUKCA_MAX_JOINTS]; /* of q, per second, or per row without times */
-    int file; /* from 1: consecutive rows of a file are in recording order; 0 in the log */
-} mukca_pose_row;
+/* Make a dataset a log: keep the samples with a measured position, as samples of no socket, and
+ * complete their velocities, per second, or per row without times: those that are not recorded are
+ * differences between neighbours, 0 if neighbours are more than 0.2 rad or m apart.  Errors:
+ * MUKCA_MEMORY. */
+mukca_status mukca_pose_log_prepare(mukca_dataset *data, mukca_error *error);
 
-/* Rows in a temporary file of about the size of the recorded text: its memory is independent of its
- * length. */
-typedef struct {
-    int n_joints; /* of the caller; the rest zeroed */
-    FILE *stream;
-    long n, at, n_oriented; /* rows; index of the next one to return; rows with an orientation */
-    bool oriented, timed;   /* the first row has an orientation, a time */
-    double lowest[MUKCA_MAX_JOINTS], highest[MUKCA_MAX_JOINTS]; /* of q */
-    mukca_pose_row last[2]; /* the last row, which is not yet stored, and the row before it */
-} mukca_pose_log;
-
-/* Append a row with a position.  Velocities that are not recorded are differences between
- * neighbours in time (in rows without times), 0 if neighbours are more than 0.2 rad or m apart.
- * Errors: MUKCA_MEMORY (no space for the temporary file). */
-mukca_status mukca_pose_log_add(mukca_pose_log *log, const mukca_pose_row *row, mukca_error *error);
-
-/* Append the samples that have a position. */
-mukca_status mukca_pose_log_add_data(mukca_pose_log *log, const mukca_dataset *data,
-                                     mukca_error *error);
-
-/* Return to the first row; no row is appended afterwards. */
-mukca_status mukca_pose_log_rewind(mukca_pose_log *log, mukca_error *error);
-
-/* The next row, valid until the next call; NULL at the end. */
-mukca_status mukca_pose_log_next(const mukca_pose_row **row, mukca_pose_log *log,
-                                 mukca_error *error);
-
-void mukca_pose_log_close(mukca_pose_log *log);
+/* Whether a row has an orientation. */
+static inline bool mukca_pose_oriented(const mukca_dataset *log, int row)
+{
+    return log->quaternion && isfinite(log->quaternion[4 * (size_t)row]);
+}
 
 /* ---- unknowns: the arm's constants, the frames of its poses, a time lag (model.c) ---- */
 
@@ -111,8 +85,8 @@ void mukca_pose_model_theta(double *theta, const mukca_pose_model *model, const 
 
 /* Frames of one pose, for residual and derivatives. */
 typedef struct {
-    const mukca_pose_model *model; /* of the caller, as is the row */
-    const mukca_pose_row *row;
+    const mukca_pose_model *model;          /* of the caller */
+    const double *velocity;                 /* likewise: of the joints in this row */
     mukca_frame before[MUKCA_MAX_ELEMENTS]; /* pose of each element before its joint's rotation */
     mukca_frame tip;
     double position[3];       /* measured minus predicted, m; NaN: not measured */
@@ -120,8 +94,9 @@ typedef struct {
     double rotation_error[3]; /* vector of predicted' measured - I */
 } mukca_pose_look;
 
+/* Row of a log that is prepared. */
 void mukca_pose_look_at(mukca_pose_look *look, const mukca_pose_model *model,
-                        const mukca_pose_row *row);
+                        const mukca_dataset *log, int row);
 
 /* Derivatives of the predicted position (3 rows, m) and rotation (3 rows, about the tip's own axes)
  * by each unknown; the rows are `stride` doubles apart.  Either may be NULL. */
@@ -252,16 +227,16 @@ typedef struct {
 /* Input of a fit or a test. */
 typedef struct {
     const mukca_chain *chain;
-    mukca_pose_log *log;
+    const mukca_dataset *log; /* prepared */
     const mukca_recalibrate_options *options;
 } mukca_recalibrate_task;
 
 /* Fit the log.  Errors: MUKCA_UNIDENTIFIABLE (fewer equations than unknowns), MUKCA_INTERRUPTED,
- * MUKCA_MEMORY, MUKCA_INPUT (numbers that are not finite), and the log's own. */
+ * MUKCA_MEMORY, MUKCA_INPUT (numbers that are not finite). */
 mukca_status mukca_recalibrate(mukca_recalibration *result, const mukca_recalibrate_task *task,
                                mukca_error *error);
 
-/* Compute the errors of models[n] on the task's log. */
+/* Compute the errors of models[n] on the task's log.  Errors: MUKCA_INTERRUPTED. */
 mukca_status mukca_recalibrate_test(mukca_pose_errors *errors, const mukca_pose_model *models,
                                     int n, const mukca_recalibrate_task *task, mukca_error *error);
 
@@ -273,8 +248,8 @@ typedef struct {
 } mukca_pose_check;
 
 /* Determine these from the log.  With the task's free_base or free_tool the frames are unknown and
- * the last element is assumed.  Errors: MUKCA_INPUT with the defect (a stopped stream, poses far
- * from the arm, of a link before a joint, a rotated frame), MUKCA_MEMORY, and those of the log. */
+ * the last element is assumed.  Errors: MUKCA_INPUT with the defect (no poses, a stopped
+ * stream, poses far from the arm, of a link before a joint, a rotated frame), MUKCA_MEMORY. */
 mukca_status mukca_pose_check_run(mukca_pose_check *check, const mukca_recalibrate_task *task,
                                   mukca_error *error);
 

@@ -89,16 +89,16 @@ static mukca_status check_names(mukca_recorder *r)
     mukca_stream *stream = &r->stream;
     const int n = r->chain->n_joints;
     for (int j = 0; j < n; j++) {
-        const char *own = mukca_recorder_joint(r, j), *sent = stream->last.joints.name[j];
+        const char *joint = mukca_recorder_joint(r, j), *sent = stream->last.joints.name[j];
         for (int k = 0; k < n; k++)
-            if (k != j && !mukca_prefix_ends(sent, own) &&
+            if (k != j && !mukca_prefix_ends(sent, joint) &&
                 mukca_prefix_ends(sent, mukca_recorder_joint(r, k)))
                 return mukca_fail(
                     &stream->problem, MUKCA_INPUT,
                     "--map order contradicts the names: reading %d of %s is "
                     "\"%.40s\", joint %d of the arm is \"%.40s\"; leave out --map, or "
                     "give numbers, as in --map 3,2,1",
-                    j + 1, stream->channel, sent, j + 1, own);
+                    j + 1, stream->channel, sent, j + 1, joint);
     }
     return MUKCA_OK;
 }

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "base/text.h"
 
 /* ---- rights and limits ---- */
 
@@ -30,17 +31,16 @@ static const int most_arguments[] = {MUKCA_SERVER_VERB_LIST(VERB_ARGUMENTS)};
 /* Read --accept: bit k for rights[k]. */
 static mukca_status read_rights(mukca_server *s, mukca_error *error)
 {
-    const char *word = s->options->accept ? s->options->accept : MUKCA_SERVER_ACCEPT;
-    for (; word; word = strchr(word, ',')) {
-        word += *word == ',';
-        const size_t n = strcspn(word, ",");
-        unsigned found = n == 3 && strncmp(word, "all", n) == 0 ? ~0u : 0;
+    const char *list = s->options->accept ? s->options->accept : MUKCA_SERVER_ACCEPT;
+    char word[48];
+    while (mukca_text_item(word, sizeof word, &list)) {
+        unsigned found = strcmp(word, "all") == 0 ? ~0u : 0;
         for (int k = 0; k <= REOPEN; k++)
-            if (strlen(rights[k]) == n && strncmp(word, rights[k], n) == 0) found = 1u << k;
+            if (strcmp(word, rights[k]) == 0) found = 1u << k;
         if (!found)
             return mukca_fail(
                 error, MUKCA_USAGE,
-                "--accept: %.40s is no command; delete, use, reopen and all are possible "
+                "--accept: %s is no command; delete, use, reopen and all are possible "
                 "besides " MUKCA_SERVER_ACCEPT,
                 word);
         s->rights |= found;
@@ -279,12 +279,12 @@ mukca_status mukca_server_open(mukca_server *s, const mukca_server_options *opti
                                const mukca_chain *chain, const double *theta,
                                const mukca_recorder_hooks *hooks, mukca_error *error)
 {
-    mukca_recorder_hooks own = {.report = report,
-                                .interrupted = hooks->interrupted,
-                                .command = on_command,
-                                .trigger = may_trigger,
-                                .joints = options->publish_pose ? mukca_server_send_pose : NULL,
-                                .context = s};
+    mukca_recorder_hooks forward = {.report = report,
+                                    .interrupted = hooks->interrupted,
+                                    .command = on_command,
+                                    .trigger = may_trigger,
+                                    .joints = options->publish_pose ? mukca_server_send_pose : NULL,
+                                    .context = s};
     memset(s, 0, sizeof *s);
     s->options = options;
     s->hooks = *hooks;
@@ -292,7 +292,8 @@ mukca_status mukca_server_open(mukca_server *s, const mukca_server_options *opti
     mukca_status status = read_rights(s, error);
     if (status == MUKCA_OK) status = mukca_server_open_folder(s, error);
     if (status == MUKCA_OK)
-        status = mukca_recorder_open(&s->recorder, &options->recorder, chain, theta, &own, error);
+        status =
+            mukca_recorder_open(&s->recorder, &options->recorder, chain, theta, &forward, error);
     if (status == MUKCA_OK) status = mukca_server_load_state(s, error);
     if (status != MUKCA_OK) return status;
     mukca_error problem; /* serves without a model, too */

@@ -145,15 +145,15 @@ static void refuse_type(mukca_recorder *r, const mukca_lcm_packet *packet, int t
 {
     mukca_stream *stream = &r->stream;
     uint64_t fingerprint = packet->size < 8 ? 0 : mukca_lcm_wire_get(packet->data, 8);
-    const char *own = mukca_message_identify(packet->data, packet->size);
+    const char *own_type = mukca_message_identify(packet->data, packet->size);
     if (stream->map.made)
         mukca_recorder_refuse(r, MUKCA_RECORDER_TYPE,
                               "%s: a message of another type: ignored (fingerprint %016" PRIx64 ")",
                               stream->channel, fingerprint);
-    else if (type >= 0 || own)
+    else if (type >= 0 || own_type)
         mukca_fail(&stream->problem, MUKCA_INPUT,
                    "%s sends %s, which has no joint positions: name another --channel",
-                   stream->channel, own ? own : stream->types.type[type].name);
+                   stream->channel, own_type ? own_type : stream->types.type[type].name);
     else
         mukca_fail(&stream->problem, MUKCA_INPUT,
                    "%s sends a type that mukca does not know (fingerprint %016" PRIx64

@@ -42,9 +42,9 @@ mukca_status mukca_report_prepare(mukca_report *r, mukca_error *error)
         if (data[k]->n_rows > 0)
             status = score(r, k, (const mukca_model *const[]){&nominal, &models[k]}, error);
     }
-    const mukca_model *of[MUKCA_REPORT_MODELS] = {&nominal, &rigid, &models[0]};
+    const mukca_model *shown[MUKCA_REPORT_MODELS] = {&nominal, &rigid, &models[0]};
     for (int m = 0; m < MUKCA_REPORT_MODELS && status == MUKCA_OK; m++)
-        if (!mukca_evaluation_make(&r->of[m], r->pool, of[m], r->train))
+        if (!mukca_evaluation_make(&r->evaluation[m], r->pool, shown[m], r->train))
             status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
     return status;
 }

@@ -23,9 +23,9 @@ typedef struct {
     const mukca_dataset *train, *test; /* `test` may be empty */
     mukca_diagnosed diagnosed;         /* with `train` as its data */
     /* Set by mukca_report_prepare. */
-    mukca_evaluation of[MUKCA_REPORT_MODELS]; /* of `train` */
-    mukca_geometry geometry;                  /* of `offsets` */
-    mukca_offset_row *offset;                 /* [n_offsets] rows of `offsets` */
+    mukca_evaluation evaluation[MUKCA_REPORT_MODELS]; /* of `train` */
+    mukca_geometry geometry;                          /* of `offsets` */
+    mukca_offset_row *offset;                         /* [n_offsets] rows of `offsets` */
     int n_offsets;
     mukca_plot_point *points; /* [2 * train->n_rows] scratch of a figure */
     mukca_score *score[2][2]; /* of `train` and `test`, nominal and calibrated; [n_scores] each */

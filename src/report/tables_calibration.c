@@ -36,8 +36,8 @@ void mukca_report_put_accuracy(FILE *out, const void *content)
 static double joint_error(const mukca_report *r, int model, int row, int j)
 {
     const int n = r->train->n_joints;
-    const double *tip = r->of[model].tips[row].p,
-                 *centre = mukca_evaluation_centre(&r->of[model], r->train, row);
+    const double *tip = r->evaluation[model].tips[row].p,
+                 *centre = mukca_evaluation_centre(&r->evaluation[model], r->train, row);
     double J[6 * MUKCA_MAX_JOINTS], dot = 0, square = 0;
     mukca_fk_jacobian(J, NULL, &r->geometry, r->train->q + row * n, NULL);
     for (int k = 0; k < 3; k++) {

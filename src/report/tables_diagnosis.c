@@ -96,11 +96,12 @@ void mukca_report_put_causes(FILE *out, const void *content)
         .caption = "Findings, the largest first: displacement of the tip, rms in these samples",
         .style = "cards",
         .columns = "finding|size [95 % interval], mm|certainty|alternatives"};
-    const mukca_diagnosis *of = d->diagnosis;
+    const mukca_diagnosis *diagnosis = d->diagnosis;
     put_steps(out, d);
-    for (int i = 0; i < of->n_findings + of->n_maybe; i++) {
-        const bool sure = i < of->n_findings;
-        const mukca_finding *f = sure ? &of->findings[i] : &of->maybe[i - of->n_findings];
+    for (int i = 0; i < diagnosis->n_findings + diagnosis->n_maybe; i++) {
+        const bool sure = i < diagnosis->n_findings;
+        const mukca_finding *f =
+            sure ? &diagnosis->findings[i] : &diagnosis->maybe[i - diagnosis->n_findings];
         char certainty[MUKCA_WORDING] = "";
         if (sure)
             mukca_wording_certainty(certainty, f, d);

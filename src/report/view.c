@@ -124,7 +124,7 @@ void mukca_report_put_view(FILE *out, const void *content)
         reach += pow((high[k] - low[k]) / 2, 2);
     }
     reach = 1.05 * sqrt(reach);
-    for (int i = 0; i < rows; i++) most = fmax(most, r->of[MUKCA_NOMINAL].error[i]);
+    for (int i = 0; i < rows; i++) most = fmax(most, r->evaluation[MUKCA_NOMINAL].error[i]);
     if (!(most > 0)) return;
     const char *const where = r->train->n_sockets > 0 ? "mean of its socket" : "measured position";
     const double scale = mukca_plot_round(0.3 * reach / most);
@@ -144,9 +144,9 @@ void mukca_report_put_view(FILE *out, const void *content)
     put_findings(out, r, centre);
     for (int m = 0; m < MUKCA_REPORT_MODELS; m += MUKCA_CALIBRATED)
         for (int i = 0; i < rows; i += 1 + rows / ERRORS) {
-            const double *tip = r->of[m].tips[i].p,
-                         *from = mukca_evaluation_centre(&r->of[m], r->train, i);
-            if (!isfinite(r->of[m].error[i])) continue;
+            const double *tip = r->evaluation[m].tips[i].p,
+                         *from = mukca_evaluation_centre(&r->evaluation[m], r->train, i);
+            if (!isfinite(r->evaluation[m].error[i])) continue;
             for (int k = 0; k < 3; k++) {
                 points[0][k] = from[k];
                 points[1][k] = from[k] + scale * (tip[k] - from[k]);

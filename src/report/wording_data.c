@@ -80,18 +80,18 @@ static bool same_reason(const mukca_tested *a, const mukca_tested *b)
 const char *mukca_wording_untestable(char text[MUKCA_WORDING], int tested, const mukca_diagnosed *r)
 {
     const mukca_diagnosis *d = r->diagnosis;
-    const mukca_tested *of = &d->tested[tested];
-    const int needs = mukca_effect_table[of->effect]->needs;
+    const mukca_tested *effect = &d->tested[tested];
+    const int needs = mukca_effect_table[effect->effect]->needs;
     bool joint[MUKCA_MAX_JOINTS] = {false}, kind[MUKCA_EFFECT_COUNT] = {false};
     int kinds = 0, joints = 0, n = 0, first = 0;
-    while (first < tested && !same_reason(&d->tested[first], of)) first++;
+    while (first < tested && !same_reason(&d->tested[first], effect)) first++;
     /* with readings, errors of commands are not mentioned */
-    if (of->testable || first < tested ||
-        (r->data->n_sockets == 0 && mukca_effect_of_sockets(of->effect)) ||
+    if (effect->testable || first < tested ||
+        (r->data->n_sockets == 0 && mukca_effect_of_sockets(effect->effect)) ||
         (needs & MUKCA_NEEDS_COMMANDS && !r->data->by_command))
         return text;
-    for (const mukca_tested *t = of; t < d->tested + d->n_tested; t++) {
-        if (!same_reason(t, of)) continue;
+    for (const mukca_tested *t = effect; t < d->tested + d->n_tested; t++) {
+        if (!same_reason(t, effect)) continue;
         kinds += !kind[t->effect];
         kind[t->effect] = true;
         if (t->joint >= 0) joints += !joint[t->joint], joint[t->joint] = true;
@@ -102,7 +102,7 @@ const char *mukca_wording_untestable(char text[MUKCA_WORDING], int tested, const
         if (kind[k] && !many) put(text, "%s%s", n++ ? ", " : "", mukca_effect_table[k]->title);
     for (int j = 0, at = 0; j < r->chain->n_joints; j++)
         if (joint[j]) put(text, "%s%s", at++ ? ", " : " at ", mukca_chain_joint_name(r->chain, j));
-    return put(text, " (%s)", of->why);
+    return put(text, " (%s)", effect->why);
 }
 
 /* ---- the recording ---- */
@@ -112,14 +112,14 @@ const char *mukca_wording_logs(char text[MUKCA_WORDING], const mukca_diagnosed *
     const mukca_logs *logs = &r->diagnosis->logs;
     const double *evidence = logs->log_evidence;
     const int chosen = logs->base_per_log + 2 * logs->tool_per_log;
-    static const char *const own[] = {"", "a tracker's frame", "a target's offset",
-                                      "a tracker's frame and a target's offset"};
+    static const char *const bias[] = {"", "a tracker's frame", "a target's offset",
+                                       "a tracker's frame and a target's offset"};
     if (logs->n > 1 && r->data->n_targets > 1)
         return put(text, "each of the %d targets has its own position on the tool", logs->n);
     if (logs->n < 2 || !(isfinite(evidence[1]) || isfinite(evidence[2]))) return text;
     if (!chosen) return put(text, "the %d pose logs share the free frames", logs->n);
     return put(text, "each of the %d pose logs has %s of its own (log Bayes factor %.3g)", logs->n,
-               own[chosen], evidence[chosen] - evidence[0]);
+               bias[chosen], evidence[chosen] - evidence[0]);
 }
 
 const char *mukca_wording_angles(char text[MUKCA_WORDING], const mukca_diagnosed *r)
@@ -133,11 +133,12 @@ const char *mukca_wording_angles(char text[MUKCA_WORDING], const mukca_diagnosed
     put(text, "%s fitted; reading minus command: at most %.3f mrad rms (%s)",
         command ? "commands" : "readings", 1e3 * s->joint[largest].rms,
         mukca_chain_joint_name(r->chain, largest));
-    for (const mukca_stream_difference *of = s->joint; of < s->joint + s->n_joints; of++)
-        if (of->log_bayes_factor > MUKCA_SAG_EVIDENT && of->sag > 0)
+    for (const mukca_stream_difference *difference = s->joint; difference < s->joint + s->n_joints;
+         difference++)
+        if (difference->log_bayes_factor > MUKCA_SAG_EVIDENT && difference->sag > 0)
             put(text, "%s %s %.3g urad/(N·m) [%.3g, %.3g]", n++ ? "," : "; servo sag",
-                mukca_chain_joint_name(r->chain, (int)(of - s->joint)), 1e6 * of->sag,
-                1e6 * of->low, 1e6 * of->high);
+                mukca_chain_joint_name(r->chain, (int)(difference - s->joint)),
+                1e6 * difference->sag, 1e6 * difference->low, 1e6 * difference->high);
     if (isfinite(s->sigma_command_m))
         put(text, "; residual of the geometry: %.3f mm with readings, %.3f mm with commands",
             1e3 * s->sigma_reading_m, 1e3 * s->sigma_command_m);

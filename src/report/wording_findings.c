@@ -115,16 +115,16 @@ static void put_estimate(char *text, const mukca_estimate *e, const mukca_effect
                          const mukca_diagnosed *r)
 {
     const char *unit = mukca_effect_unit(effect, r->chain);
-    const bool load = strchr(unit, 'N'), share = effect->variant.to_command;
-    const double factor = share ? 100 : load ? 1e6 : 1e3;
+    const bool load = strchr(unit, 'N'), relative = effect->variant.to_command;
+    const double factor = relative ? 100 : load ? 1e6 : 1e3;
     const double half = fmax(factor * 0.5 * (e->high - e->low), 1e-12);
     int digits = isfinite(half) ? (int)ceil(-log10(half)) + 1 : 3;
     digits = digits < 0 ? 0 : digits > 4 ? 4 : digits;
     put(text, "%.*f %s%s [%.*f, %.*f]", digits, factor * e->value,
-        share  ? ""
-        : load ? "u"
-               : "m",
-        share                            ? "% of command minus reading"
+        relative ? ""
+        : load   ? "u"
+                 : "m",
+        relative                         ? "% of command minus reading"
         : strcmp(unit, "rad/(N*m)") == 0 ? "rad/(N·m)"
                                          : unit,
         digits, factor * e->low, digits, factor * e->high);
@@ -208,7 +208,7 @@ const char *mukca_wording_rest(char text[MUKCA_WORDING], const mukca_diagnosed *
 const char *mukca_wording_verdict(char text[MUKCA_WORDING], const mukca_diagnosed *r)
 {
     const mukca_diagnosis *d = r->diagnosis;
-    const double common = sqrt(d->shared), own = sqrt(1 - d->shared);
+    const double common = sqrt(d->shared), individual = sqrt(1 - d->shared);
     if (d->verdict == MUKCA_VERDICT_UNTESTABLE)
         return put(text, "Nothing can be tested: %s", d->why);
     if (d->n_findings) {
@@ -225,12 +225,12 @@ const char *mukca_wording_verdict(char text[MUKCA_WORDING], const mukca_diagnose
     if (d->verdict == MUKCA_VERDICT_TIED)
         return put(text,
                    "Nothing for sure: there is more than noise, and these data do not say what");
-    if (common > 2 * own) /* of a posture's readings */
+    if (common > 2 * individual) /* of a posture's readings */
         return put(text,
                    "Nothing beyond the geometry; readings of a posture agree to %.3f mm, but "
                    "postures differ by %.3f mm: no cause explains it, nor does the noise of the "
                    "readings",
-                   1e3 * own * MUKCA_MEAN_NORM3 * d->sigma_m,
+                   1e3 * individual * MUKCA_MEAN_NORM3 * d->sigma_m,
                    1e3 * common * MUKCA_MEAN_NORM3 * d->sigma_m);
     return put(text,
                "Nothing beyond the geometry: the remaining error agrees with the measurement "

@@ -183,8 +183,8 @@ static void draw_path(path *way, const mukca_simulated_motion *motion, mukca_ran
             farthest = fmax(farthest, fabs(at.q));
             fastest = fmax(fastest, fabs(at.dq));
         }
-        const double share = slowest + (1 - slowest) * mukca_random_uniform(random);
-        const double size = fmin(share * motion->speed * (slides ? slide : 1) / fastest,
+        const double fraction = slowest + (1 - slowest) * mukca_random_uniform(random);
+        const double size = fmin(fraction * motion->speed * (slides ? slide : 1) / fastest,
                                  0.5 * travel * (upper - lower) / farthest);
         for (int k = 0; k < WAVES; k++) way->sine[j][k] *= size, way->cosine[j][k] *= size;
         const double margin = 0.5 * (upper - lower) - size * farthest;

@@ -63,7 +63,7 @@ mukca_status mukca_simulate_places(mukca_place *places, int n_places, const mukc
     mukca_random random;
     mukca_geometry geometry;
     mukca_place candidates[CANDIDATES];
-    double share[CANDIDATES], best = 0;
+    double reached[CANDIDATES], best = 0;
     bool wanted = false;
     for (int i = 0; i < n_places; i++) wanted |= !places[i].placed;
     if (!wanted) return MUKCA_OK;
@@ -74,8 +74,8 @@ mukca_status mukca_simulate_places(mukca_place *places, int n_places, const mukc
         best = 0;
         for (int c = 0; c < CANDIDATES; c++) {
             draw(&candidates[c], chain, &geometry, &random);
-            share[c] = reachable(&candidates[c], chain, &geometry, distance, &random);
-            best = fmax(best, share[c]);
+            reached[c] = reachable(&candidates[c], chain, &geometry, distance, &random);
+            best = fmax(best, reached[c]);
         }
         if (best <= 0)
             return mukca_fail(error, MUKCA_INPUT,
@@ -85,7 +85,7 @@ mukca_status mukca_simulate_places(mukca_place *places, int n_places, const mukc
         double farthest = -1;
         for (int c = 0; c < CANDIDATES; c++) {
             const double far = nearest(places, n_places, candidates[c].pose.p);
-            if (share[c] < 0.7 * best || far <= farthest) continue;
+            if (reached[c] < 0.7 * best || far <= farthest) continue;
             farthest = far;
             chosen = c;
         }

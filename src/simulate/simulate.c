@@ -188,13 +188,13 @@ void mukca_simulate_seat(double position[3], const mukca_simulated_session *sess
     for (int f = 0; f < session->n_faults; f++) {
         const mukca_simulated_fault *fault = &session->faults[f];
         if (fault->placement != place || fault->socket != socket) continue;
-        double share = 0;
+        double fraction = 0;
         if (fault->kind == MUKCA_SIMULATED_WRONG_SOCKET && fault->row == row) seat = 1 - socket;
-        if (fault->kind == MUKCA_SIMULATED_OUTLIER) share = fault->row == row;
-        if (fault->kind == MUKCA_SIMULATED_STEP) share = row >= fault->row;
+        if (fault->kind == MUKCA_SIMULATED_OUTLIER) fraction = fault->row == row;
+        if (fault->kind == MUKCA_SIMULATED_STEP) fraction = row >= fault->row;
         if (fault->kind == MUKCA_SIMULATED_CREEP && row > fault->row)
-            share = (double)(row - fault->row) / (session->options->rows - 1 - fault->row);
-        for (int a = 0; a < 3; a++) shift[a] += share * fault->shift[a];
+            fraction = (double)(row - fault->row) / (session->options->rows - 1 - fault->row);
+        for (int a = 0; a < 3; a++) shift[a] += fraction * fault->shift[a];
     }
     for (int a = 0; a < 3; a++)
         position[a] = pose->p[a] + (seat - 0.5) * distance * pose->R[3 * a] + shift[a];

@@ -14,6 +14,10 @@ static inline void dataset_check(const mukca_dataset *data)
         if (data->file[i] < 0 || data->file[i] >= data->n_files || data->row[i] < 1) abort();
         for (int j = 0; j < data->n_joints; j++)
             if (!isfinite(data->q[i * data->n_joints + j])) abort();
+        double square = 0;
+        for (int k = 0; k < 4 && data->quaternion; k++)
+            square += data->quaternion[4 * i + k] * data->quaternion[4 * i + k];
+        if (data->quaternion && fabs(square - 1) > 1e-9) abort(); /* NaN: none was measured */
     }
     for (int s = 0; s < data->n_sockets; s++)
         if (data->sockets[s].placement >= data->n_placements) abort();

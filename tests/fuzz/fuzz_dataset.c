@@ -6,6 +6,16 @@
 #include "io/dataset.h"
 #include "memory_file.h"
 
+/* The form of the orientations, by the length of the input. */
+static mukca_rows_format format_of(size_t size)
+{
+    static const char *const forms[] = {"XYZ",  "zyz",     "vector", "wxyz",
+                                        "xyzw", "inverse", "none",   "xyz=ZXZ"};
+    mukca_rows_format format = {.inverse = size / 16 % 4 == 3};
+    if (size % 16 < 8 && !mukca_rotation_form_read(&format.rotation, forms[size % 16])) abort();
+    return format;
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
     static mukca_chain chain;
@@ -15,7 +25,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     mukca_error error = {MUKCA_OK, ""};
     const char *path = memory_file(bytes, size), *fixed = memory_file(session, sizeof session - 1);
     make_chain(&chain, "RR", NULL, "j", 3);
-    mukca_dataset_options options = {.partial = size % 2 == 0};
+    mukca_dataset_options options = {.partial = size % 2 == 0, .format = format_of(size)};
     mukca_status status = mukca_dataset_load(&data, &chain, &path, 1, &options, &error);
     if (status && (!error.text[0] || strchr(error.text, '\n'))) abort();
     if (status == MUKCA_OK) dataset_check(&data);

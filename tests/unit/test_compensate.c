@@ -1,5 +1,5 @@
 /* Corrected joint targets bring the true arm to 10,000 random targets, or say why not; along
- * paths they are smooth; poses are reached. */
+ * paths they are smooth. */
 #include <string.h>
 
 #include "arm/compensate.h"
@@ -133,39 +133,6 @@ TEST(limits_and_reach_are_told)
     mukca_compensator_start(&c, &narrow, false);
     found = mukca_compensate_joints(q, &c, NULL);
     assert_int_equal(found.reach, MUKCA_REACH_LIMIT);
-}
-
-TEST(poses_become_joints)
-{
-    mukca_compensator c;
-    mukca_random random;
-    mukca_random_seed(&random, 22);
-    mukca_corrected still = arm;
-    still.n_effects = 4; /* the last one depends on the way */
-    mukca_compensator_start(&c, &still, false);
-    double q[7] = {0};
-    int reached = 0;
-    for (int i = 0; i < 100; i++) { /* strewn poses */
-        double meant[7];
-        mukca_frame target, tip;
-        random_angles(meant, &random);
-        mukca_fk_pose(&target, &nominal, meant, NULL);
-        mukca_compensation found = mukca_compensate_pose(q, &c, &target, NULL);
-        mukca_corrected_pose(&tip, &still, q, NULL);
-        assert_close(found.position_error, distance(tip.p, target.p), 1e-12);
-        if (found.reach != MUKCA_REACH_OK) continue;
-        reached++;
-        assert_close(distance(tip.p, target.p), 0, 1e-8);
-    }
-    assert_true(reached >= 95);
-    double last[7];
-    for (int i = 0; i <= 200; i++) { /* a line */
-        mukca_frame target = {{1, 0, 0, 0, -1, 0, 0, 0, -1}, {-0.2 + 0.002 * i, 0.4, 0.3}};
-        mukca_compensation found = mukca_compensate_pose(q, &c, &target, NULL);
-        assert_int_equal(found.reach, MUKCA_REACH_OK);
-        for (int j = 0; j < 7 && i > 0; j++) assert_close(q[j], last[j], 0.1);
-        memcpy(last, q, sizeof last);
-    }
 }
 
 TEST_MAIN(setup, NULL)

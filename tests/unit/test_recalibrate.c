@@ -1,32 +1,40 @@
 /* Re-calibration finds the paper's offsets to 1e-12, lag and frames besides, and no calibration
- * in noise; a log is parsed once. */
+ * in noise. */
 #include <stdlib.h>
 #include <string.h>
 
 #include "close.h"
 #include "gen3.h"
-#include "io/pose_log.h"
 #include "math/random.h"
+#include "model/dataset_subset.h"
 #include "recalibrate/recalibrate.h"
-#include "scratch.h"
 #include "simulate/simulate.h"
 
 enum { MAX_ROWS = 2000 };
 
-typedef struct {
-    mukca_pose_row row[MAX_ROWS];
-    int n;
-} memory_log;
+/* Rows as they are recorded, with n_rows of MAX_ROWS in use. */
+static mukca_dataset train, test;
 
-/* As a log, to be closed. */
-static mukca_pose_log as_log(const memory_log *rows)
+static void create(mukca_dataset *log)
 {
-    mukca_pose_log log = {.n_joints = 7};
-    for (int i = 0; i < rows->n; i++) assert_ok(mukca_pose_log_add(&log, &rows->row[i], &error));
+    mukca_dataset_free(log);
+    assert_ok(mukca_dataset_create(log, MAX_ROWS, 7, 0, 0, &error));
+    log->position = calloc(3 * MAX_ROWS, sizeof *log->position);
+    log->quaternion = calloc(4 * MAX_ROWS, sizeof *log->quaternion);
+    assert_true(log->position && log->quaternion);
+}
+
+/* As a log, to be freed. */
+static mukca_dataset as_log(const mukca_dataset *rows)
+{
+    unsigned char all[MAX_ROWS];
+    mukca_dataset log;
+    memset(all, 1, sizeof all);
+    assert_ok(mukca_dataset_subset(&log, rows, all, &error));
+    assert_ok(mukca_pose_log_prepare(&log, &error));
     return log;
 }
 
-static memory_log train, test;
 static mukca_recalibration result;
 static mukca_pose_errors errors[MUKCA_STAGES];
 static mukca_chain nominal, truth; /* truth: origins with the offsets */
@@ -44,61 +52,54 @@ static void build_truth(double scale)
 
 enum { SWEEPS, RASTER }; /* one joint after the other, the others at 0; random postures */
 
-static void record(memory_log *log, int kind)
+static void record(mukca_dataset *log, int kind)
 {
-    static double q[MAX_ROWS * 7];
     mukca_random random;
     mukca_geometry geometry;
     mukca_geometry_set(&geometry, &truth, NULL);
     mukca_random_seed(&random, 1);
-    memset(q, 0, sizeof q);
-    log->n = kind == SWEEPS ? 7 * 277 : 165;
-    for (int i = 0; i < log->n; i++) {
+    create(log);
+    log->n_rows = kind == SWEEPS ? 7 * 277 : 165;
+    for (int i = 0; i < log->n_rows; i++) {
         const int j = i / 277, at = i % 277; /* from 0 to the upper end, then to the lower end */
         const double reach = j % 2 ? M_PI / 2 : M_PI, x = 3.0 * at / 277;
         if (kind == SWEEPS)
-            q[7 * i + j] = reach * (x < 1 ? x : 2 - x);
+            log->q[7 * i + j] = reach * (x < 1 ? x : 2 - x);
         else
-            mukca_simulate_posture(q + 7 * i, &nominal, &random);
+            mukca_simulate_posture(log->q + 7 * i, &nominal, &random);
     }
-    for (int i = 0; i < log->n; i++) {
-        mukca_pose_row *row = &log->row[i];
+    for (int i = 0; i < log->n_rows; i++) {
         double moved[7];
         mukca_frame tip;
-        *row = (mukca_pose_row){.time = (double)NAN, .file = 1};
-        for (int j = 0; j < 7; j++) {
-            row->q[j] = q[i * 7 + j];
-            row->velocity[j] = (double)NAN;
-            moved[j] = row->q[j] + zeros[j];
-        }
+        for (int j = 0; j < 7; j++) moved[j] = log->q[7 * i + j] + zeros[j];
         mukca_fk_pose(&tip, &geometry, moved, NULL);
-        memcpy(row->position, tip.p, sizeof tip.p);
-        mukca_rotation_to_quaternion(row->quaternion, tip.R);
+        memcpy(log->position + 3 * i, tip.p, sizeof tip.p);
+        mukca_rotation_to_quaternion(log->quaternion + 4 * i, tip.R);
     }
 }
 
 static mukca_status run(const mukca_recalibrate_options *options)
 {
-    mukca_pose_log log = as_log(&train), check = as_log(&test);
+    mukca_dataset log = as_log(&train), check = as_log(&test);
     const mukca_recalibrate_options none = {0};
     if (!options) options = &none;
     const mukca_recalibrate_task fit = {&nominal, &log, options},
                                  held_out = {&nominal, &check, options};
     mukca_status status = mukca_recalibrate(&result, &fit, &error);
-    if (status == MUKCA_OK && test.n > 0)
+    if (status == MUKCA_OK && test.n_rows > 0)
         status = mukca_recalibrate_test(errors, result.stage, MUKCA_STAGES, &held_out, &error);
-    mukca_pose_log_close(&log);
-    mukca_pose_log_close(&check);
+    mukca_dataset_free(&log);
+    mukca_dataset_free(&check);
     return status;
 }
 
 static mukca_status check_log(mukca_pose_check *check, bool free_frames)
 {
     const mukca_recalibrate_options options = {.free_base = free_frames, .free_tool = free_frames};
-    mukca_pose_log log = as_log(&train);
+    mukca_dataset log = as_log(&train);
     const mukca_status status =
         mukca_pose_check_run(check, &(mukca_recalibrate_task){&nominal, &log, &options}, &error);
-    mukca_pose_log_close(&log);
+    mukca_dataset_free(&log);
     return status;
 }
 
@@ -142,9 +143,10 @@ TEST(test_paper)
             mukca_pose_model_add(&moved, &result.found.unknown[u],
                                  1e-3 * (k + 1) * result.found.null[k][u]);
     mukca_pose_look a, b;
-    memset(test.row[7].velocity, 0, sizeof test.row[7].velocity);
-    mukca_pose_look_at(&a, &moved, &test.row[7]);
-    mukca_pose_look_at(&b, &result.stage[MUKCA_WITH_BOTH], &test.row[7]);
+    mukca_dataset log = as_log(&test);
+    mukca_pose_look_at(&a, &moved, &log, 7);
+    mukca_pose_look_at(&b, &result.stage[MUKCA_WITH_BOTH], &log, 7);
+    mukca_dataset_free(&log);
     for (int i = 0; i < 3; i++) assert_close(a.tip.p[i], b.tip.p[i], 1e-9);
 }
 
@@ -158,26 +160,26 @@ TEST(test_joint_solution)
     assert_close(errors[MUKCA_WITH_BOTH].position.length.max, 0, 2e-9);
     assert_close(errors[MUKCA_WITH_BOTH].rotation.length.max, 0, 2e-9);
     /* Positions alone, axes free to lean. */
-    for (int i = 0; i < train.n; i++) train.row[i].quaternion[0] = (double)NAN;
+    for (int i = 0; i < train.n_rows; i++) train.quaternion[4 * i] = (double)NAN;
     const mukca_recalibrate_options tilts = {.tilts = true};
     assert_ok(run(&tilts));
     assert_close(result.errors[MUKCA_WITH_BOTH].position.length.max, 0, 1e-7);
 }
 
-static void add_noise(memory_log *log, double metres, double radians, uint64_t seed)
+static void add_noise(mukca_dataset *log, double metres, double radians, uint64_t seed)
 {
     mukca_random random;
     mukca_random_seed(&random, seed);
-    for (int i = 0; i < log->n; i++) {
+    for (int i = 0; i < log->n_rows; i++) {
         double w[3], R[9], E[9], turned[9];
         for (int a = 0; a < 3; a++) {
-            log->row[i].position[a] += metres * mukca_random_normal(&random);
+            log->position[3 * i + a] += metres * mukca_random_normal(&random);
             w[a] = radians * mukca_random_normal(&random);
         }
-        mukca_rotation_from_quaternion(R, log->row[i].quaternion);
+        mukca_rotation_from_quaternion(R, log->quaternion + 4 * i);
         mukca_rotation_exp(E, w);
         mukca_mat3_mul(turned, R, E);
-        mukca_rotation_to_quaternion(log->row[i].quaternion, turned);
+        mukca_rotation_to_quaternion(log->quaternion + 4 * i, turned);
     }
 }
 
@@ -186,7 +188,7 @@ TEST(test_noise)
     build_truth(1);
     record(&train, SWEEPS);
     add_noise(&train, 1e-4, 2e-4, 3);
-    test.n = 0;
+    test.n_rows = 0;
     const mukca_recalibrate_options options = {.iterate = true};
     assert_ok(run(&options));
     for (int j = 0; j < 7; j++) {
@@ -197,7 +199,7 @@ TEST(test_noise)
     assert_true(result.calibrated);
 
     /* Huber against one row in twenty that is centimetres off. */
-    for (int i = 0; i < train.n; i += 20) train.row[i].position[i % 3] += 0.03;
+    for (int i = 0; i < train.n_rows; i += 20) train.position[3 * i + i % 3] += 0.03;
     const mukca_recalibrate_options robust = {.robust = true};
     assert_ok(run(NULL));
     const double plain = result.errors[MUKCA_WITH_BOTH].position.median;
@@ -218,28 +220,28 @@ static void record_swing(double lag)
 {
     mukca_geometry geometry;
     mukca_geometry_set(&geometry, &truth, NULL);
-    train.n = MAX_ROWS;
-    for (int i = 0; i < train.n; i++) {
-        mukca_pose_row *row = &train.row[i];
+    create(&train);
+    train.time = calloc(MAX_ROWS, sizeof *train.time);
+    assert_non_null(train.time);
+    for (int i = 0; i < train.n_rows; i++) {
         const double t = 0.01 * i;
         double q[7];
         mukca_frame tip;
-        *row = (mukca_pose_row){.time = t, .file = 1};
+        train.time[i] = t;
         for (int j = 0; j < 7; j++) {
-            row->velocity[j] = (double)NAN;
-            row->q[j] = 1.2 * sin((0.7 + 0.13 * j) * t + j);
+            train.q[7 * i + j] = 1.2 * sin((0.7 + 0.13 * j) * t + j);
             q[j] = 1.2 * sin((0.7 + 0.13 * j) * (t + lag) + j) + zeros[j];
         }
         mukca_fk_pose(&tip, &geometry, q, NULL);
-        memcpy(row->position, tip.p, sizeof tip.p);
-        mukca_rotation_to_quaternion(row->quaternion, tip.R);
+        memcpy(train.position + 3 * i, tip.p, sizeof tip.p);
+        mukca_rotation_to_quaternion(train.quaternion + 4 * i, tip.R);
     }
     add_noise(&train, 2e-5, 2e-5, 6);
 }
 
 TEST(test_lag)
 {
-    test.n = 0;
+    test.n_rows = 0;
     build_truth(1);
     record_swing(0);
     assert_ok(run(NULL));
@@ -248,14 +250,14 @@ TEST(test_lag)
     assert_ok(run(NULL));
     assert_close(result.lag, 0.03, 3e-4);
     for (int j = 0; j < 7; j++) assert_close(zero_of(j), gen3_dq[j], 5e-4);
-    train.n = 30; /* less than a block of equations */
+    train.n_rows = 30; /* less than a block of equations */
     assert_ok(run(NULL));
     assert_close(result.lag, 0.03, 3e-3);
-    train.n = MAX_ROWS;
-    for (int i = 0; i < train.n; i++) train.row[i].time = (double)NAN;
+    train.n_rows = MAX_ROWS;
+    for (int i = 0; i < train.n_rows; i++) train.time[i] = (double)NAN;
     assert_ok(run(NULL));
     assert_close(result.lag, 3, 0.03);
-    for (int i = 0; i < train.n; i++) train.row[i].quaternion[0] = (double)NAN;
+    for (int i = 0; i < train.n_rows; i++) train.quaternion[4 * i] = (double)NAN;
     const mukca_recalibrate_options tilts = {.tilts = true};
     assert_ok(run(&tilts));
     assert_close(result.lag, 3, 0.03);
@@ -268,17 +270,17 @@ TEST(test_frames)
     const double w[3] = {0.2, -0.4, 2.0}, v[3] = {0.1, 0.2, 0.3};
     build_truth(1);
     record(&train, RASTER);
-    test.n = 0;
+    test.n_rows = 0;
     mukca_rotation_exp(base.R, w);
     mukca_rotation_exp(tool.R, v);
     base.p[0] = 1, base.p[1] = -2, base.p[2] = 0.5;
-    for (int i = 0; i < train.n; i++) {
-        mukca_rotation_from_quaternion(T.R, train.row[i].quaternion);
-        memcpy(T.p, train.row[i].position, sizeof T.p);
+    for (int i = 0; i < train.n_rows; i++) {
+        mukca_rotation_from_quaternion(T.R, train.quaternion + 4 * i);
+        memcpy(T.p, train.position + 3 * i, sizeof T.p);
         mukca_frame_multiply(&M, &base, &T);
         mukca_frame_multiply(&M, &M, &tool);
-        mukca_rotation_to_quaternion(train.row[i].quaternion, M.R);
-        memcpy(train.row[i].position, M.p, sizeof M.p);
+        mukca_rotation_to_quaternion(train.quaternion + 4 * i, M.R);
+        memcpy(train.position + 3 * i, M.p, sizeof M.p);
     }
     assert_refused(check_log(&check, false), "--free-base");
     assert_ok(check_log(&check, true));
@@ -302,11 +304,11 @@ TEST(test_frames)
 
     /* Positions of the tip, orientations of a link before it. */
     record(&train, RASTER);
-    for (int i = 0; i < train.n; i++) {
+    for (int i = 0; i < train.n_rows; i++) {
         const double half_turn[9] = {1, 0, 0, 0, -1, 0, 0, 0, -1}; /* the tip's fixed turn */
-        mukca_rotation_from_quaternion(T.R, train.row[i].quaternion);
+        mukca_rotation_from_quaternion(T.R, train.quaternion + 4 * i);
         mukca_mat3_mul(M.R, T.R, half_turn);
-        mukca_rotation_to_quaternion(train.row[i].quaternion, M.R);
+        mukca_rotation_to_quaternion(train.quaternion + 4 * i, M.R);
     }
     assert_ok(check_log(&check, false));
     assert_int_equal(check.position_element, 7);
@@ -321,63 +323,33 @@ TEST(test_bad_input)
 {
     mukca_pose_check check;
     build_truth(1);
-    test.n = 0;
+    test.n_rows = 0;
     record(&train, RASTER);
-    for (int i = 0; 2 * i + 1 < train.n; i++)
-        memcpy(train.row[i].position, train.row[train.n - 1 - i].position,
-               sizeof train.row[i].position);
-    train.n /= 2;
+    for (int i = 0; 2 * i + 1 < train.n_rows; i++)
+        memcpy(train.position + 3 * i, train.position + 3 * (train.n_rows - 1 - i),
+               3 * sizeof *train.position);
+    train.n_rows /= 2;
     assert_int_equal(check_log(&check, false), MUKCA_INPUT);
     record(&train, RASTER);
-    train.row[9].q[2] = (double)NAN;
+    train.q[7 * 9 + 2] = (double)NAN;
     assert_int_equal(run(NULL), MUKCA_INPUT);
 }
 
-/* Two files as one log, which is read twice, in part first: they are parsed once, so that they may
- * be gone by then.  No motion connects the files. */
-TEST(test_text_once)
+/* Velocities are differences of neighbours; no motion connects two files, and a row without a
+ * position is none. */
+TEST(test_velocities)
 {
-    static char text[MAX_ROWS * 160];
     build_truth(1);
     record(&train, SWEEPS);
-    size_t used = 0;
-    for (int j = 0; j < 7; j++)
-        used +=
-            (size_t)sprintf(text + used, "%s\t", nominal.element[nominal.joint_element[j]].name);
-    used += (size_t)sprintf(text + used, "x_m\ty_m\tz_m\n");
-    for (int i = 0; i < train.n; i++) {
-        for (int j = 0; j < 7; j++)
-            used += (size_t)sprintf(text + used, "%.17g\t", train.row[i].q[j]);
-        for (int a = 0; a < 3; a++)
-            used += (size_t)sprintf(text + used, "%.17g%c", train.row[i].position[a],
-                                    a < 2 ? '\t' : '\n');
+    for (int i = 0; i < train.n_rows; i++) train.file[i] = i >= 100;
+    train.position[3 * 50] = (double)NAN;
+    mukca_dataset log = as_log(&train);
+    assert_int_equal(log.n_rows, train.n_rows - 1);
+    for (int i = 1; i < 270; i++) { /* the second file begins with row 99 */
+        const int from = i - (i != 99), to = i + (i != 98);
+        assert_close(log.velocity[7 * i], (log.q[7 * to] - log.q[7 * from]) / (to - from), 1e-15);
     }
-    const char *const paths[] = {scratch_file("a.tsv", text), scratch_file("b.tsv", text)};
-    mukca_pose_log log = {.n_joints = 7};
-    const mukca_pose_files files = {.paths = paths, .n_paths = 2, .first_file = 1};
-    const mukca_pose_row *row;
-    assert_ok(mukca_pose_log_read(&log, &files, &nominal, &error));
-    assert_int_equal(log.n, 2 * train.n);
-    for (int reading = 0; reading < 3; reading++) {
-        assert_ok(mukca_pose_log_rewind(&log, &error));
-        for (int i = 0; i < 2 * train.n && (reading || i < 10); i++) {
-            const int at = i % train.n;
-            const mukca_pose_row *expected = &train.row[at];
-            const int from = at - (at > 0), to = at + (at + 1 < train.n);
-            assert_ok(mukca_pose_log_next(&row, &log, &error));
-            assert_memory_equal(row->q, expected->q, 7 * sizeof *row->q);
-            assert_memory_equal(row->position, expected->position, sizeof row->position);
-            assert_true(isnan(row->quaternion[0]) && isnan(row->time));
-            for (int j = 0; j < 7; j++) {
-                const double by = train.row[to].q[j] - train.row[from].q[j];
-                if (at % 277 && at % 277 < 276) /* one joint moves */
-                    assert_close(row->velocity[j], by / (to - from), 1e-15);
-            }
-        }
-    }
-    assert_ok(mukca_pose_log_next(&row, &log, &error));
-    assert_null(row);
-    mukca_pose_log_close(&log);
+    mukca_dataset_free(&log);
 }
 
-TEST_MAIN(scratch_setup, scratch_teardown)
+TEST_MAIN(NULL, NULL)

@@ -6,7 +6,6 @@
  */
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #include <time.h>
 
 #include "io/urdf.h"
@@ -15,84 +14,85 @@
 
 enum { PERIOD = 4096 };
 
-typedef struct {
-    mukca_pose_row row[PERIOD];
-    long n;
-} endless;
-
 /* Random postures and the poses of an arm with errors of some mm and mrad in origins and zeros, 0.1
- * mm of noise. */
-static void fill(endless *log, const mukca_chain *chain)
+ * mm of noise; after PERIOD rows they are repeated. */
+static void fill(mukca_dataset *log, const mukca_chain *chain)
 {
     double theta[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS];
     mukca_geometry geometry;
     mukca_random random;
-    mukca_random_seed(&random, 1);
+    const int n = chain->n_joints;
     mukca_chain_theta(theta, chain);
+    mukca_random_seed(&random, 1);
     for (int i = 0; i < 6 * chain->n_elements; i++)
         if (i % 6 < 3) theta[i] += 3e-3 * mukca_random_normal(&random);
     mukca_geometry_set(&geometry, chain, theta);
-    for (int i = 0; i < PERIOD; i++) {
-        mukca_pose_row *row = &log->row[i];
+    for (int i = 0; i < log->n_rows; i++) {
         mukca_frame tip;
         double q[MUKCA_MAX_JOINTS];
-        *row = (mukca_pose_row){.time = (double)i, .file = 1};
-        for (int j = 0; j < chain->n_joints; j++) {
-            row->q[j] = 4 * mukca_random_uniform(&random) - 2;
-            q[j] = row->q[j] + 2e-3 * (j % 3 - 1);
+        if (i % PERIOD == 0) mukca_random_seed(&random, 2);
+        log->time[i] = i;
+        for (int j = 0; j < n; j++) {
+            log->q[i * n + j] = 4 * mukca_random_uniform(&random) - 2;
+            q[j] = log->q[i * n + j] + 2e-3 * (j % 3 - 1);
         }
         mukca_fk_pose(&tip, &geometry, q, NULL);
         for (int a = 0; a < 3; a++)
-            row->position[a] = tip.p[a] + 1e-4 * mukca_random_normal(&random);
-        mukca_rotation_to_quaternion(row->quaternion, tip.R);
+            log->position[3 * i + a] = tip.p[a] + 1e-4 * mukca_random_normal(&random);
+        mukca_rotation_to_quaternion(log->quaternion + 4 * i, tip.R);
     }
 }
 
-static void print_log(const endless *log, const mukca_chain *chain)
+static void print_log(const mukca_dataset *log, const mukca_chain *chain)
 {
     for (int j = 0; j < chain->n_joints; j++)
         printf("%s\t", chain->element[chain->joint_element[j]].name);
     puts("x_m\ty_m\tz_m\tqw\tqx\tqy\tqz");
-    for (long i = 0; i < log->n; i++) {
-        const mukca_pose_row *row = &log->row[i % PERIOD];
-        for (int j = 0; j < chain->n_joints; j++) printf("%.9f\t", row->q[j]);
-        for (int a = 0; a < 3; a++) printf("%.9f\t", row->position[a]);
-        for (int a = 0; a < 4; a++) printf("%.9f%c", row->quaternion[a], a < 3 ? '\t' : '\n');
+    for (int i = 0; i < log->n_rows; i++) {
+        for (int j = 0; j < chain->n_joints; j++) printf("%.9f\t", log->q[i * chain->n_joints + j]);
+        for (int a = 0; a < 3; a++) printf("%.9f\t", log->position[3 * i + a]);
+        for (int a = 0; a < 4; a++)
+            printf("%.9f%c", log->quaternion[4 * i + a], a < 3 ? '\t' : '\n');
     }
+}
+
+static mukca_status run(mukca_dataset *log, const mukca_chain *chain, mukca_error *error)
+{
+    const mukca_recalibrate_options options = {.iterate = false};
+    const mukca_recalibrate_task task = {chain, log, &options};
+    mukca_recalibration *result = calloc(1, sizeof *result);
+    if (!result) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    const clock_t start = clock(); /* processor time, independent of other load */
+    mukca_status status = mukca_pose_log_prepare(log, error);
+    if (status == MUKCA_OK) status = mukca_recalibrate(result, &task, error);
+    if (status == MUKCA_OK)
+        printf("%d %d %.6f %d\n", log->n_rows, result->passes,
+               (double)(clock() - start) / CLOCKS_PER_SEC, result->found.rank);
+    free(result);
+    return status;
 }
 
 int main(int argc, char **argv)
 {
     mukca_error error;
-    endless *log = calloc(1, sizeof *log);
-    mukca_chain *chain = calloc(1, sizeof *chain);
-    mukca_recalibration *result = calloc(1, sizeof *result);
-    const mukca_recalibrate_options options = {.iterate = false};
-    if (argc < 3 || !log || !chain || !result) return 2;
-    if (mukca_urdf_load(chain, argv[1], NULL, NULL, NULL, &error)) {
-        fprintf(stderr, "bench_recalibrate: %s\n", error.text);
-        return 1;
+    mukca_dataset log = {0};
+    static mukca_chain chain;
+    if (argc < 3) return 2;
+    mukca_status status = mukca_urdf_load(&chain, argv[1], NULL, NULL, NULL, &error);
+    const int n = atoi(argv[2]);
+    if (status == MUKCA_OK) status = mukca_dataset_create(&log, n, chain.n_joints, 0, 0, &error);
+    if (status == MUKCA_OK) {
+        log.time = calloc((size_t)n, sizeof *log.time);
+        log.position = calloc((size_t)n, 3 * sizeof *log.position);
+        log.quaternion = calloc((size_t)n, 4 * sizeof *log.quaternion);
+        if (!log.time || !log.position || !log.quaternion) return 1;
+        fill(&log, &chain);
+        if (argc > 3)
+            print_log(&log, &chain);
+        else
+            status = run(&log, &chain, &error);
     }
-    log->n = atol(argv[2]);
-    fill(log, chain);
-    if (argc > 3) {
-        print_log(log, chain);
-    } else {
-        mukca_pose_log as_log = {.n_joints = chain->n_joints};
-        const mukca_recalibrate_task task = {chain, &as_log, &options};
-        for (long i = 0; i < log->n; i++)
-            if (mukca_pose_log_add(&as_log, &log->row[i % PERIOD], &error)) return 1;
-        const clock_t start = clock(); /* processor time, independent of other load */
-        if (mukca_recalibrate(result, &task, &error)) {
-            fprintf(stderr, "bench_recalibrate: %s\n", error.text);
-            return 1;
-        }
-        printf("%ld %d %.6f %d\n", as_log.n, result->passes,
-               (double)(clock() - start) / CLOCKS_PER_SEC, result->found.rank);
-        mukca_pose_log_close(&as_log);
-    }
-    free(result);
-    free(chain);
-    free(log);
-    return 0;
+    if (status != MUKCA_OK) fprintf(stderr, "bench_recalibrate: %s\n", error.text);
+    mukca_dataset_free(&log);
+    return status != MUKCA_OK;
 }

@@ -22,9 +22,6 @@ accept "arm.urdf: robot small, base to ball, 3 joints" fk -v --urdf arm.urdf zer
 run compensate --urdf arm.urdf --offsets offsets.tsv --json - zero.csv
 expect "compensate --json - prints JSON alone" \
     sh -c "grep -q '\"schema\": *\"mukca.compensate/1\"' '$scratch/out' && ! grep -q error_before_m '$scratch/out'"
-printf 'x_m\ty_m\tz_m\n0.6\t0\t0.2\n' >poses.tsv
-run compensate --urdf arm.urdf --offsets offsets.tsv --poses --json - poses.tsv
-expect "targets as poses have no error before" grep -q '"before": null' "$scratch/out"
 "$MUKCA" compensate -q --urdf arm.urdf --offsets offsets.tsv zero.csv -o corrected.tsv
 refuse 3 "were corrected by mukca compensate" compensate --urdf arm.urdf --offsets offsets.tsv corrected.tsv
 accept "no --offsets" compensate --urdf arm.urdf zero.csv
@@ -109,21 +106,6 @@ else
 fi
 refuse 2 "arm.sdf: no format has this ending; choose one with --format .*gz sdf -p" export --urdf arm.urdf -o arm.sdf
 expect "--format decides, whatever the ending" "$MUKCA" export --urdf arm.urdf --format urdf -o arm.sdf
-
-# orientations of --poses: quaternions, or rotation vectors as UR controllers have them
-printf 'x_m\ty_m\tz_m\tqw\tqx\tqy\tqz\n0.4\t0.1\t0.5\t0.5\t0.5\t0.5\t0.5\n' >quaternion.tsv
-printf 'x_m\ty_m\tz_m\trx\try\trz\n0.4\t0.1\t0.5\t1.2091995761561452\t1.2091995761561452\t1.2091995761561452\n' >vector.tsv
-printf 'x_m\ty_m\tz_m\trx\try\n0.4\t0.1\t0.5\t1\t1\n' >half.tsv
-printf 'x_m\ty_m\tz_m\troll\tyaw\n0.4\t0.1\t0.5\t1\t1\n' >angles.tsv
-six="--urdf $root/data/gen3.urdf"
-"$MUKCA" compensate $six --poses quaternion.tsv -q >with_quaternion.tsv
-"$MUKCA" compensate $six --poses vector.tsv -q >with_vector.tsv
-expect "rx ry rz turn the target as the quaternion does" awk -F '\t' '
-    { for (i = 1; i <= 7; i++) value[NR, i] = $i }
-    END { for (i = 1; i <= 7; i++) if (NR != 4 || !((value[2, i] - value[4, i]) ^ 2 < 1e-12)) exit 1 }' \
-    with_quaternion.tsv with_vector.tsv
-refuse 3 "half.tsv:1: no column 'rz'" compensate $six --poses half.tsv
-refuse 3 "angles.tsv:1: no column 'pitch'" compensate $six --poses angles.tsv
 
 # the inertia tensors of the URDF, in MuJoCo's order: xx yy zz xy xz yz
 cat >tensor.urdf <<'URDF'

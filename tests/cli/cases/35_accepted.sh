@@ -6,7 +6,6 @@ answer '^Use     yes: held-out error' calibrate $a sim.tsv -o ok.tsv
 doubt '^Use     no: the arm would be 2.8 % larger than the model' calibrate $a sim.tsv --distance 0.052
 awk -F'\t' '$1 != "p1" || $2 != "1" || n++ < 10' sim.tsv >cut.tsv
 accept 'note: placement p1: 20 samples of socket 0, 10 of socket 1; was a file cut?' calibrate $a cut.tsv
-answer '^Better  --evidence fits a better geometry to these data' calibrate $a sim.tsv
 run simulate $a --seed 3 --placements 4 --rows 20 --perturb 2,4 --noise 1e-4 --held-out 1 -o four.tsv --test fifth.tsv
 answer '^Save    -o' calibrate $a four.tsv --test fifth.tsv
 run simulate $a --seed 3 --placements 3 --rows 1500 --perturb 2,4 --noise 1e-4 -o long.tsv
@@ -17,9 +16,6 @@ for command in calibrate diagnose; do
     answer 'smaller than the model: check --distance first' $command $a sim.tsv --distance 0.0495
 done
 refuse 2 'sd' evaluate $a sim.tsv --distance-sd 1e-5
-answer '^Use     yes: held-out error 0.194 mm' calibrate $a sim.tsv --evidence
-refuse 2 'exclude each other' calibrate $a sim.tsv --evidence --lambda 1e-5
-refuse 2 'exclude each other' calibrate $a sim.tsv --evidence --solver lbfgs
 for key in accepted converged error_of error_m error_nominal_m tip_change_m tip_change_sigma \
     identified postures error_here_m error_here_low_m error_workspace_m; do
     expect "the table tells $key" grep -q "^# $key: " ok.tsv

@@ -38,18 +38,10 @@ for language in rapid krl urscript; do
     joints "new.$language" | "$MUKCA" fk $arm --offsets offsets.tsv -q >reached.tsv
     expect "the arm reaches what was meant, by a program in $language" close_to meant.tsv reached.tsv
 done
-printf 'x\ty\tz\trx\try\trz\n400\t100\t500\t69.28203230\t69.28203230\t69.28203230\n' >degrees.tsv
-printf 'x_m\ty_m\tz_m\tqw\tqx\tqy\tqz\n0.4\t0.1\t0.5\t0.5\t0.5\t0.5\t0.5\n' >metres.tsv
-"$MUKCA" compensate $arm --poses --units deg,mm degrees.tsv -q >from_degrees.tsv
-"$MUKCA" compensate $arm --poses metres.tsv -q >from_metres.tsv
-expect "poses in degrees and millimetres are those in rad and m" awk -F '\t' '
-    NR == FNR { q[FNR] = $1 + 0; next } FNR > 1 && !(($1 - q[FNR]) ^ 2 < 1e-14) { exit 1 }
-    END { exit FNR != 2 }' from_degrees.tsv from_metres.tsv
 echo 'movej([10,20,30,40,50,60,70])' >degrees.script
 echo 'movel(pick)' >>degrees.script
 run compensate $arm --from urscript degrees.script -o new.script
 expect "angles in degrees and a pose: both lines are listed, nothing is written" test "$code,$(grep -cE "degrees.script:(1: joint 'joint_2' is 20 rad, more than two turns; check --from|2: not understood)" "$scratch/err")" = 3,2 -a ! -e new.script
-refuse 2 "from and --poses exclude each other" compensate $arm --from rapid --poses path.mod
 {
     echo '<robot name="long"><link name="l0"/>'
     for i in $(seq 14); do
