@@ -255,6 +255,9 @@ mukca_status cli_check_outputs(cli_call *call);
 mukca_status cli_write(cli_call *call, const char *path, cli_writer *write);
 mukca_status cli_write_table(cli_call *call, cli_writer *write);
 
+/* The command line, to be freed; NULL: no memory. */
+char *cli_command_line(const cli_call *call);
+
 /* Write an offsets table to `path` (NULL: none); the arguments are those of mukca_offsets_write. */
 mukca_status cli_write_offsets(cli_call *call, const char *path, const mukca_offsets *offsets,
                                const mukca_chain *chain, const mukca_dataset *data,

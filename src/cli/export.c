@@ -5,7 +5,7 @@
 
 typedef struct {
     cli_common common;
-    const char *into;
+    const char *into, *motion;
     int format;
 } export_options;
 
@@ -22,6 +22,11 @@ static const cli_option options[] = {
     CLI_OPTION_AND(export_options, into, "into", CLI_TEXT, "FILE",
                    "your own URDF or MuJoCo model: replace the poses of the arm, found by names",
                    .excludes = "format"),
+    CLI_OPTION_AND(
+        export_options, motion, "motion", CLI_INPUT, "FILE",
+        "the table of mukca motion: patch friction, armature and masses, in the model of "
+        "--into (default: the URDF), instead of poses",
+        .excludes = "format offsets"),
     CLI_OUTPUT_OPTION("where to write it (default: standard output)"),
     {.name = NULL}};
 
@@ -31,7 +36,9 @@ static const export_options defaults = {.format = -1};
 static int find_format(const cli_call *call)
 {
     const export_options *o = call->options;
-    return o->into ? 0 : o->format < 0 ? mukca_exporter_find(call->common->output) : o->format;
+    return o->into || o->motion ? 0
+           : o->format < 0      ? mukca_exporter_find(call->common->output)
+                                : o->format;
 }
 
 static mukca_status check(cli_call *call)
@@ -55,7 +62,8 @@ static mukca_status run(cli_call *call)
 
 static mukca_status write_model(cli_call *call, FILE *stream)
 {
-    static const mukca_exporter into = {"the model of --into", "", &mukca_export_into};
+    static const mukca_exporter into = {"the model of --into", "", &mukca_export_into},
+                                motion = {"the model", "", &mukca_export_motion};
     const export_options *o = call->options;
     const cli_arm *c = &call->common->arm;
     const cli_session *s = call->session;
@@ -67,10 +75,15 @@ static mukca_status write_model(cli_call *call, FILE *stream)
                                       .postures = s->data.q,
                                       .n_postures = s->data.n_rows,
                                       .into = o->into,
+                                      .motion = o->motion,
+                                      .other_arm = call->common->accept_other_arm,
                                       .note = cli_note,
                                       .context = call,
                                       .error = &call->error};
-    return mukca_export_write(stream, o->into ? &into : &mukca_exporters[find_format(call)],
+    return mukca_export_write(stream,
+                              o->motion ? &motion
+                              : o->into ? &into
+                                        : &mukca_exporters[find_format(call)],
                               &input);
 }
 
@@ -92,6 +105,10 @@ const cli_command cli_command_export = {
         "missing) and the origins of the URDF's joints, or a MuJoCo model, whose bodies have the "
         "names of its links and, at zero, the axes of its joints. The frames of the bodies may "
         "differ from those of the links.\n\n"
+        "--motion sets friction and damping of the joints, in a MuJoCo model their armature too, "
+        "and the inertial of links, to the values that mukca motion found: of each finding its "
+        "most probable effect, if its probability is 50 % or more. Notes state each change, and "
+        "what the model cannot represent.\n\n"
         "A format that cannot hold an effect of the table gets origins that were fitted to the arm "
         "with its effects, over its joint ranges or over the postures of DATA; a note states what "
         "is lost. npy holds offsets of the joints' zeros alone, fitted likewise.\n\n"

@@ -1,19 +1,18 @@
 /* mukca motion: what separates the torques of a moving arm from its model. */
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/number.h"
-#include "cli/cli.h"
+#include "cli/motion.h"
 #include "io/runs.h"
-#include "math/stats.h"
-#include "mukca/version.h"
 #include "report/wording_motion.h"
 
 #define put mukca_wording_put /* short for this file */
 
 typedef struct {
     cli_common common;
-    const char *mjcf, *gain, *stiffness, *without;
+    const char *mjcf, *gain, *stiffness, *without, *report;
     cli_list reference;
     int effort;
 } motion_options;
@@ -35,13 +34,10 @@ static const cli_option options[] = {
                "position gains, N m/rad, likewise: the efforts of runs with commands only"),
     CLI_OPTION(motion_options, without, "without", CLI_TEXT, "EFFECTS",
                "exclude these effects from the catalogue (comma-separated)"),
+    CLI_OPTION(motion_options, report, "report", CLI_OUTPUT, "FILE",
+               "write a page (HTML): findings, torques over time, errors over angle and velocity"),
     CLI_OUTPUT_OPTION("write the effects as a table"),
     {.name = NULL}};
-
-typedef struct {
-    mukca_motion_input input;
-    mukca_motion motion;
-} motion_work;
 
 /* ---- inputs ---- */
 
@@ -88,7 +84,7 @@ static mukca_status read_runs(cli_call *call, mukca_run *run, mukca_run_options 
     const cli_list *lists[] = {&((const motion_options *)call->options)->reference,
                                &call->arguments, &call->common->test};
     static const mukca_run_role roles[] = {MUKCA_RUN_REFERENCE, MUKCA_RUN_NEW, MUKCA_RUN_TEST};
-    motion_work *w = call->work;
+    cli_motion *w = call->work;
     for (int k = 0; k < 3; k++)
         for (int i = 0; i < lists[k]->n; i++) {
             mukca_run *next = &run[w->input.n_runs++];
@@ -101,11 +97,44 @@ static mukca_status read_runs(cli_call *call, mukca_run *run, mukca_run_options 
     return MUKCA_OK;
 }
 
+/* ---- report ---- */
+
+static bool view(void *context, const struct mukca_torques *torques,
+                 const struct mukca_torque_columns *fitted)
+{
+    cli_call *call = context;
+    cli_motion *w = call->work;
+    return mukca_motion_trace_make(&w->trace, &call->pool, torques, fitted);
+}
+
+static mukca_status write_page(cli_call *call, FILE *stream)
+{
+    cli_motion *w = call->work;
+    char when[32];
+    mukca_motion_report r = {
+        .chain = &call->session->model.chain,
+        .motion = &w->motion,
+        .trace = &w->trace,
+        .points = MUKCA_TAKE(&call->pool, mukca_plot_point, MUKCA_TRACES * w->trace.n + 1)};
+    char *command = cli_command_line(call);
+    if (!command || !r.points) {
+        free(command);
+        return cli_fail(call, MUKCA_MEMORY, "out of memory");
+    }
+    mukca_page page = mukca_motion_page(&r);
+    mukca_offsets_time(when);
+    page.when = when;
+    page.command = command;
+    mukca_page_write(stream, &page);
+    free(command);
+    return MUKCA_OK;
+}
+
 static mukca_status run(cli_call *call)
 {
     const motion_options *o = call->options;
     const cli_model *model = &call->session->model;
-    motion_work *w = call->work;
+    cli_motion *w = call->work;
     mukca_run_options how = {.current = o->effort == 1, .note = cli_note, .context = call};
     const int n = call->arguments.n + o->reference.n + call->common->test.n;
     mukca_run *runs = MUKCA_TAKE(&call->pool, mukca_run, n + 1);
@@ -124,7 +153,9 @@ static mukca_status run(cli_call *call)
     if (status == MUKCA_OK) status = read_runs(call, runs, &how);
     if (status != MUKCA_OK) return status;
     w->input.current = how.current;
-    return mukca_motion_analyse(&w->motion, &w->input, &call->error);
+    if (o->report) w->input.view = view;
+    status = mukca_motion_analyse(&w->motion, &w->input, &call->error);
+    return status == MUKCA_OK && o->report ? cli_write(call, o->report, write_page) : status;
 }
 
 /* ---- screen ---- */
@@ -172,7 +203,7 @@ static void print_joints(FILE *stream, const mukca_motion *m, const mukca_chain 
 
 static mukca_status print(cli_call *call)
 {
-    const motion_work *w = call->work;
+    const cli_motion *w = call->work;
     const mukca_motion *m = &w->motion;
     const mukca_chain *chain = &call->session->model.chain;
     FILE *stream = cli_answer_stream(call);
@@ -206,117 +237,6 @@ static mukca_status print(cli_call *call)
     return MUKCA_OK;
 }
 
-/* ---- JSON and table ---- */
-
-static json_t *interval(const mukca_estimate *m)
-{
-    return isfinite(m->value) ? cli_json_interval(m->low, m->high) : NULL;
-}
-
-static json_t *alternatives(const mukca_motion_finding *f, const mukca_chain *chain)
-{
-    json_t *array = json_array();
-    const int last = chain->n_joints - 1;
-    for (int i = 0; i < f->n_alternatives; i++) {
-        const mukca_motion_alternative *a = &f->alternative[i];
-        const mukca_torque_effect *row = a->effect < 0 ? NULL : &mukca_torque_table[a->effect];
-        const bool links = row ? row->links : mukca_wording_torque_on_links(&f->group);
-        cli_json_append(
-            array, KEY("effect", row ? row->name : NULL), KEY("on", links ? "links" : "joints"),
-            KEY("from", mukca_wording_torque_position(chain, links, a->all ? 0 : a->from)),
-            KEY("to", mukca_wording_torque_position(chain, links, a->all ? last : a->to)),
-            KEY("joint", a->all || a->from < a->to ? NULL : mukca_chain_joint_name(chain, a->to)),
-            KEY("order", cli_json_positive(a->detail)), FIELD(a, probability),
-            KEY("amplitude", row ? a->amplitude.value : (double)NAN),
-            KEY("unit", row ? row->unit : NULL), KEY("ci95", row ? interval(&a->amplitude) : NULL));
-    }
-    return array;
-}
-
-static json_t *finding(const mukca_motion_finding *f, const mukca_chain *chain)
-{
-    static const char *const kinds[] = {"effect", "effect", "family", "place"};
-    const mukca_finding_group *g = &f->group;
-    const bool links = mukca_wording_torque_on_links(g), sized = isfinite(f->coefficient.value);
-    const double shrink = 100 * (1 - f->after_nm / f->before_nm);
-    const int last = chain->n_joints - 1;
-    return cli_json(
-        KEY("kind", kinds[g->kind]),
-        KEY("effect", g->effect < 0 ? NULL : mukca_torque_table[g->effect].name),
-        KEY("varies_with", g->family < 0 ? NULL : mukca_torque_family_name[g->family]),
-        KEY("on", links ? "links" : "joints"),
-        KEY("from", mukca_wording_torque_position(chain, links, g->apart ? 0 : g->from)),
-        KEY("to", mukca_wording_torque_position(chain, links, g->apart ? last : g->to)),
-        KEY("order", cli_json_positive(f->order[0] ? f->alternative[0].detail : 0)),
-        KEY("order_ci95", f->order[0] > 0 ? json_pack("[i, i]", f->order[0], f->order[1]) : NULL),
-        KEY("probability", g->probability), KEY("halves", g->halves),
-        KEY("size_nm", f->size_nm.value), KEY("size_ci95_nm", interval(&f->size_nm)),
-        FIELD(f, size_percent), KEY("worst", mukca_chain_joint_name(chain, f->worst)),
-        FIELD(f, share),
-        KEY("held_out", f->before_nm > 0 ? cli_json(FIELD(f, before_nm), FIELD(f, after_nm),
-                                                    KEY("shrink_percent", shrink))
-                                         : NULL),
-        KEY("coefficient", sized ? cli_json(KEY("value", f->coefficient.value),
-                                            KEY("unit", mukca_torque_table[g->effect].unit),
-                                            KEY("ci95", interval(&f->coefficient)))
-                                 : NULL),
-        KEY("alternatives", alternatives(f, chain)),
-        KEY("sentence", mukca_wording_torque(MUKCA_WORDS, g, chain)));
-}
-
-static json_t *as_json(const cli_call *call)
-{
-    const motion_work *w = call->work;
-    const mukca_motion *m = &w->motion;
-    const mukca_chain *chain = &call->session->model.chain;
-    json_t *findings = json_array(), *maybe = json_array(), *joints = json_array();
-    for (int i = 0; i < m->n_findings; i++)
-        json_array_append_new(findings, finding(&m->finding[i], chain));
-    for (int i = 0; i < m->n_maybe; i++) json_array_append_new(maybe, finding(&m->maybe[i], chain));
-    for (int j = 0; j < m->n_joints; j++) {
-        const mukca_motion_joint *of = &m->joint[j];
-        cli_json_append(joints, KEY("joint", mukca_chain_joint_name(chain, j)),
-                        FIELD(of, nominal_nm), FIELD(of, baseline_nm), FIELD(of, explained_nm),
-                        FIELD(of, floor_nm), FIELD(of, range_nm), FIELD(of, moves),
-                        FIELD(of, reverses));
-    }
-    return cli_json(KEY("verdict", mukca_motion_verdict_name[m->verdict]),
-                    KEY("findings", findings), KEY("maybe", maybe), KEY("joints", joints),
-                    KEY("runs", m->n_runs), KEY("reference", m->n_reference),
-                    KEY("test", m->n_test), KEY("seconds", m->seconds), KEY("shift_s", m->shift_s),
-                    KEY("elapsed_s", cli_elapsed(call)));
-}
-
-static mukca_status write_table(cli_call *call, FILE *stream)
-{
-    const motion_work *w = call->work;
-    const mukca_chain *chain = &call->session->model.chain;
-    if (!call->common->output) { /* the screen is the answer */
-        call->printed = false;
-        return MUKCA_OK;
-    }
-    fprintf(stream, "# mukca %s\n# robot: %s\n# urdf_sha256: %s\n", MUKCA_VERSION, chain->robot,
-            chain->urdf_sha256);
-    fputs(
-        "# torque of the arm = torque of the model + effects\n"
-        "effect\tjoint\tparameter\tunit\tvalue\tsigma\tprobability\n",
-        stream);
-    for (int i = 0; i < w->motion.n_findings; i++) {
-        const mukca_motion_finding *f = &w->motion.finding[i];
-        for (int k = 0; k < f->n_alternatives; k++) {
-            const mukca_motion_alternative *a = &f->alternative[k];
-            if (a->effect < 0) continue;
-            for (int j = a->all ? 0 : a->from; j <= (a->all ? chain->n_joints - 1 : a->to); j++)
-                fprintf(stream, "%s\t%s\t%d\t%s\t%.17g\t%.17g\t%.4f\n",
-                        mukca_torque_table[a->effect].name, mukca_chain_joint_name(chain, j),
-                        a->detail, mukca_torque_table[a->effect].unit, a->amplitude.value,
-                        (a->amplitude.high - a->amplitude.low) / (2 * MUKCA_SIGMAS_95),
-                        a->probability);
-        }
-    }
-    return MUKCA_OK;
-}
-
 const cli_command cli_command_motion = {
     .name = "motion",
     .group = CLI_UNDERSTAND,
@@ -340,8 +260,8 @@ const cli_command cli_command_motion = {
     .options_size = sizeof(motion_options),
     .reads = CLI_READS_MODEL,
     .run = run,
-    .table = write_table,
-    .json = as_json,
+    .table = cli_motion_table,
+    .json = cli_motion_json,
     .print = print,
-    .work_size = sizeof(motion_work),
+    .work_size = sizeof(cli_motion),
 };

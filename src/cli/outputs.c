@@ -100,3 +100,14 @@ mukca_status cli_write_offsets(cli_call *call, const char *path, const mukca_off
         status = mukca_offsets_write(output.stream, offsets, chain, data, comments, &call->error);
     return mukca_output_finish(&output, status, &call->error);
 }
+
+char *cli_command_line(const cli_call *call)
+{
+    char *text;
+    size_t size;
+    FILE *line = open_memstream(&text, &size);
+    if (!line) return NULL;
+    fprintf(line, "mukca %s", call->command->name);
+    for (int i = 0; i < call->argc; i++) fprintf(line, " %s", call->argv[i]);
+    return mukca_file_close(line, &text) ? text : NULL;
+}

@@ -46,13 +46,9 @@ static mukca_status take_offsets(cli_call *call)
 static mukca_status note_command(cli_call *call)
 {
     report_work *w = call->work;
-    size_t size;
-    FILE *line = open_memstream(&w->command, &size);
-    if (line) fputs("mukca report", line);
-    for (int i = 0; line && i < call->argc; i++) fprintf(line, " %s", call->argv[i]);
     mukca_offsets_time(w->when);
-    if (line && mukca_file_close(line, &w->command)) return MUKCA_OK;
-    return cli_fail(call, MUKCA_MEMORY, "out of memory");
+    w->command = cli_command_line(call);
+    return w->command ? MUKCA_OK : cli_fail(call, MUKCA_MEMORY, "out of memory");
 }
 
 static mukca_status write_page(cli_call *call, FILE *stream)

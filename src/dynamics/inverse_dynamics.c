@@ -109,11 +109,8 @@ static void link_frame(mukca_frame *T, const mukca_dynamics *dynamics, int j, do
         for (int i = 0; i < 3; i++) T->p[i] += q * mukca_dot3(origin->R + 3 * i, u);
         return;
     }
-    const double s = sin(q), c = cos(q), d = 1 - c; /* Rodrigues' formula */
-    const double turn[9] = {
-        c + d * u[0] * u[0],        d * u[0] * u[1] - s * u[2], d * u[0] * u[2] + s * u[1],
-        d * u[0] * u[1] + s * u[2], c + d * u[1] * u[1],        d * u[1] * u[2] - s * u[0],
-        d * u[0] * u[2] - s * u[1], d * u[1] * u[2] + s * u[0], c + d * u[2] * u[2]};
+    double turn[9];
+    mukca_rotation_about(turn, u, q);
     mukca_mat3_mul(T->R, origin->R, turn);
     memcpy(T->p, origin->p, sizeof T->p);
 }
@@ -221,17 +218,17 @@ static void wrench_of(double force[3], double moment[3], const motion *at, const
     }
 }
 
-/* Torques with the base accelerated by `up`, minus gravity. */
-static void recursion(double *torque, const mukca_dynamics *dynamics, const double *p,
-                      const double *const q[3], const double up[3])
+void mukca_dynamics_torque(double *torque, const mukca_dynamics *dynamics, const double *p,
+                           const double *q, const double *dq, const double *ddq)
 {
     const int n = dynamics->n_joints;
     mukca_frame T[MUKCA_MAX_JOINTS];
     double force[MUKCA_MAX_JOINTS][3], moment[MUKCA_MAX_JOINTS][3];
-    motion at = {.a = {up[0], up[1], up[2]}};
+    const double *g = dynamics->gravity;
+    motion at = {.a = {-g[0], -g[1], -g[2]}};
     for (int k = 0; k < n; k++) {
-        link_frame(&T[k], dynamics, k, q[0][k]);
-        propagate(&at, &T[k], dynamics, k, q[1][k], q[2][k]);
+        link_frame(&T[k], dynamics, k, q[k]);
+        propagate(&at, &T[k], dynamics, k, dq[k], ddq[k]);
         wrench_of(force[k], moment[k], &at, p + MUKCA_INERTIAL * k);
     }
     for (int k = n - 1; k >= 0; k--) {
@@ -245,27 +242,5 @@ static void recursion(double *torque, const mukca_dynamics *dynamics, const doub
             force[k - 1][i] += f[i];
             moment[k - 1][i] += m[i] + lever[i];
         }
-    }
-}
-
-void mukca_dynamics_torque(double *torque, const mukca_dynamics *dynamics, const double *p,
-                           const double *q, const double *dq, const double *ddq)
-{
-    const double *g = dynamics->gravity, up[3] = {-g[0], -g[1], -g[2]};
-    const double *const motions[3] = {q, dq, ddq};
-    recursion(torque, dynamics, p, motions, up);
-}
-
-void mukca_dynamics_mass_matrix(double *M, const mukca_dynamics *dynamics, const double *p,
-                                const double *q)
-{
-    const int n = dynamics->n_joints;
-    const double rest[MUKCA_MAX_JOINTS] = {0}, none[3] = {0, 0, 0};
-    double unit[MUKCA_MAX_JOINTS] = {0};
-    const double *const motions[3] = {q, rest, unit};
-    for (int j = 0; j < n; j++) { /* symmetric: row j is column j */
-        unit[j] = 1;
-        recursion(M + (size_t)j * (size_t)n, dynamics, p, motions, none);
-        unit[j] = 0;
     }
 }

@@ -25,7 +25,7 @@ typedef struct {
         origin[MUKCA_MAX_JOINTS];     /* of joint j in the frame of link j - 1 (base) at q = 0 */
     double axis[MUKCA_MAX_JOINTS][3]; /* unit, in the frame of link j */
     bool slides[MUKCA_MAX_JOINTS];    /* prismatic */
-    double gravity[3];                /* m/s^2, base frame; zero it for M(q) ddq alone */
+    double gravity[3];                /* m/s^2, base frame */
 } mukca_dynamics;
 
 /* The arm from its chain; `geometry` (may be NULL: nominal origins). */
@@ -48,9 +48,5 @@ void mukca_dynamics_regressor(double *Y, const mukca_dynamics *dynamics, const d
 /* The torques alone, torque[n_joints], for p[n_joints][MUKCA_INERTIAL]. */
 void mukca_dynamics_torque(double *torque, const mukca_dynamics *dynamics, const double *p,
                            const double *q, const double *dq, const double *ddq);
-
-/* Joint-space inertia M[n_joints][n_joints] at q, kg m^2 (kg, kg m). */
-void mukca_dynamics_mass_matrix(double *M, const mukca_dynamics *dynamics, const double *p,
-                                const double *q);
 
 #endif

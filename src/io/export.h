@@ -28,7 +28,9 @@ typedef struct {
     const double *postures; /* [n_postures][n_joints] of the arm's task; NULL: joint ranges */
     int n_postures;
     const double *zeros; /* [n_joints] refitted zero offsets for a format with zeros_only */
-    const char *into;    /* the URDF or MuJoCo model that mukca_export_into patches */
+    const char *into;    /* the URDF or MuJoCo model that is patched */
+    const char *motion;  /* table of mukca motion, for mukca_export_motion */
+    bool other_arm;      /* that may be of another URDF */
     mukca_note_fn *note; /* may be NULL */
     void *context;
     mukca_error *error;
@@ -54,6 +56,8 @@ MUKCA_EXPORT_LIST(MUKCA_EXPORT_DECLARE)
 #undef MUKCA_EXPORT_DECLARE
 /* A user's URDF or MuJoCo model with the arm's poses replaced; not in the list. */
 extern const mukca_export_format mukca_export_into;
+/* The same with friction, armature and masses of `motion`. */
+extern const mukca_export_format mukca_export_motion;
 
 typedef struct {
     const char *name, *endings;
@@ -113,6 +117,22 @@ void mukca_export_print(FILE *stream, const char *format, ...);
 
 /* Whether two names are equal, or one has a prefix: "panda_link1" and "link1". */
 bool mukca_export_same_name(const char *name, const char *other, size_t length);
+
+/* Read numbers of an attribute; without it they stay.  False: unreadable. */
+bool mukca_export_read_numbers(double *values, int n, const mukca_export_tag *tag,
+                               const char *name);
+
+/* Find the tag `kind` with a name, or else with a prefix of it, at a depth (-1: any); returns their
+ * number. */
+int mukca_export_find_named(mukca_export_tag *found, const char *text, const char *kind,
+                            const char *name, int depth);
+
+/* Get the frame of the body of an element in a MuJoCo model, in that of the element. */
+mukca_status mukca_export_body_frame(mukca_frame *body, const char *text, int element,
+                                     const mukca_export_input *input);
+
+/* Names of a link's ten inertial parameters in tables, as in inverse_dynamics.h. */
+extern const char *const mukca_export_inertial[10];
 
 mukca_frame mukca_export_frame(const double xyz[3], const double rpy[3]);
 

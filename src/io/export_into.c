@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "base/number.h"
 #include "base/text.h"
 #include "io/export.h"
 
@@ -22,32 +21,6 @@ static mukca_status fail(const patch *p, const char *body, const char *what)
 {
     return mukca_fail(p->input->error, MUKCA_INPUT, "%s: body '%.60s' %s",
                       mukca_file_shown(p->input->into), body, what);
-}
-
-/* The body of a link, by its name or else with a prefix; returns their number. */
-static int find_body(mukca_export_tag *found, const char *text, const char *link)
-{
-    size_t start, stop;
-    int n = 0;
-    for (mukca_export_tag tag = {.at = text}; mukca_export_next_tag(&tag, "body");) {
-        if (!mukca_export_find_attribute(&start, &stop, &tag, "name") ||
-            !mukca_export_same_name(link, tag.at + start, stop - start))
-            continue;
-        const bool same = stop - start == strlen(link);
-        if (same || !n++) *found = tag;
-        if (same) return 1;
-    }
-    return n;
-}
-
-/* Read numbers of an attribute; without it they stay.  False: unreadable. */
-static bool read_numbers(double *values, int n, const mukca_export_tag *tag, const char *key)
-{
-    char words[256];
-    size_t start, stop;
-    if (!mukca_export_find_attribute(&start, &stop, tag, key)) return true;
-    snprintf(words, sizeof words, "%.*s", (int)(stop - start), tag->at + start);
-    return stop - start < sizeof words && mukca_number_parse_list(values, n, words);
 }
 
 /* C = A^-1 B; C is neither. */
@@ -71,8 +44,9 @@ static mukca_status place(mukca_frame *body, const patch *p, const mukca_export_
         if (mukca_export_find_attribute(&start, &stop, tag, others[i]))
             return fail(p, e->child, "has no quat; save the model from MuJoCo, which writes it");
     const bool joint = e->joint >= 0 && mukca_export_next_tag(&inner, "joint");
-    if (!read_numbers(step.p, 3, tag, "pos") || !read_numbers(quat, 4, tag, "quat") ||
-        (joint && !read_numbers(pos, 3, &inner, "pos")))
+    if (!mukca_export_read_numbers(step.p, 3, tag, "pos") ||
+        !mukca_export_read_numbers(quat, 4, tag, "quat") ||
+        (joint && !mukca_export_read_numbers(pos, 3, &inner, "pos")))
         return fail(p, e->child, "has a pos or quat that is not numbers");
     mukca_rotation_from_quaternion(step.R, quat);
     relate(&link, &p->nominal, &p->body);
@@ -113,6 +87,39 @@ static mukca_status write_body(patch *p, const mukca_export_tag *tag, const mukc
     return MUKCA_OK;
 }
 
+/* Advance to an element, whose body's tag is found; returns the number of such bodies. */
+static int find_body(mukca_export_tag *tag, patch *p, int element)
+{
+    const mukca_element *e = &p->input->chain->element[element];
+    mukca_export_origin origin;
+    mukca_export_get_origin(&origin, p->input, element);
+    const mukca_frame nominal = mukca_export_frame(e->xyz, e->rpy),
+                      calibrated = mukca_export_frame(origin.xyz, origin.rpy);
+    mukca_frame_multiply(&p->nominal, &p->nominal, &nominal);
+    mukca_frame_multiply(&p->calibrated, &p->calibrated, &calibrated);
+    return mukca_export_find_named(tag, p->at, "body", e->child, -1);
+}
+
+mukca_status mukca_export_body_frame(mukca_frame *body, const char *text, int element,
+                                     const mukca_export_input *input)
+{
+    patch p = {NULL, input, text, identity, identity, identity};
+    for (int k = 0; k <= element; k++) {
+        mukca_export_tag tag;
+        const mukca_element *e = &input->chain->element[k];
+        if (find_body(&tag, &p, k) != 1) {
+            if (k < element) continue;
+            return fail(&p, e->child, "is missing, or there more than once");
+        }
+        const mukca_status status = place(body, &p, &tag, e);
+        if (status != MUKCA_OK) return status;
+        p.nominal = identity;
+        p.body = *body;
+        p.at = tag.at + tag.length;
+    }
+    return MUKCA_OK;
+}
+
 static mukca_status write_into(FILE *stream, const mukca_export_input *input)
 {
     const mukca_chain *chain = input->chain;
@@ -126,14 +133,8 @@ static mukca_status write_into(FILE *stream, const mukca_export_input *input)
     }
     for (int k = 0; k < chain->n_elements && status == MUKCA_OK; k++) {
         const mukca_element *e = &chain->element[k];
-        mukca_export_origin origin;
         mukca_export_tag tag;
-        mukca_export_get_origin(&origin, input, k);
-        const mukca_frame nominal = mukca_export_frame(e->xyz, e->rpy),
-                          calibrated = mukca_export_frame(origin.xyz, origin.rpy);
-        mukca_frame_multiply(&p.nominal, &p.nominal, &nominal);
-        mukca_frame_multiply(&p.calibrated, &p.calibrated, &calibrated);
-        const int n = find_body(&tag, p.at, e->child);
+        const int n = find_body(&tag, &p, k);
         if (n > 1)
             status = fail(&p, e->child, "is there more than once, with other prefixes");
         else if (n)

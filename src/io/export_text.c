@@ -212,6 +212,32 @@ bool mukca_export_find_attribute(size_t *start, size_t *stop, const mukca_export
     return false;
 }
 
+bool mukca_export_read_numbers(double *values, int n, const mukca_export_tag *tag, const char *name)
+{
+    char words[256];
+    size_t start, stop;
+    if (!mukca_export_find_attribute(&start, &stop, tag, name)) return true;
+    snprintf(words, sizeof words, "%.*s", (int)(stop - start), tag->at + start);
+    return stop - start < sizeof words && mukca_number_parse_list(values, n, words);
+}
+
+int mukca_export_find_named(mukca_export_tag *found, const char *text, const char *kind,
+                            const char *name, int depth)
+{
+    size_t start, stop;
+    int n = 0;
+    for (mukca_export_tag tag = {.at = text}; mukca_export_next_tag(&tag, kind);) {
+        if ((depth >= 0 && tag.depth != depth) ||
+            !mukca_export_find_attribute(&start, &stop, &tag, "name") ||
+            !mukca_export_same_name(name, tag.at + start, stop - start))
+            continue;
+        const bool same = stop - start == strlen(name);
+        if (same || !n++) *found = tag;
+        if (same) return 1;
+    }
+    return n;
+}
+
 void mukca_export_put_tag(FILE *stream, const mukca_export_tag *tag,
                           const mukca_export_attribute *set, int n)
 {

@@ -2,6 +2,7 @@
 #include "motion/motion.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "base/text.h"
 #include "motion/findings.h"
@@ -72,12 +73,19 @@ static void find_inertia(mukca_raw_model *m, const mukca_drives *drives)
 {
     const mukca_signals *s = m->signals;
     const int n = s->n_joints;
-    double M[MUKCA_MAX_JOINTS * MUKCA_MAX_JOINTS];
+    const double rest[MUKCA_MAX_JOINTS] = {0};
     enum { POSTURES = 16 };
     for (int i = 0; i < POSTURES; i++) {
         const mukca_stretch *k = &s->stretch[0];
-        mukca_dynamics_mass_matrix(M, &m->dynamics, m->inertial, k->q + k->n * i / POSTURES * n);
-        for (int j = 0; j < n; j++) m->inertia[j] += M[j * n + j] / POSTURES;
+        const double *q = k->q + k->n * i / POSTURES * n;
+        double gravity[MUKCA_MAX_JOINTS], torque[MUKCA_MAX_JOINTS], unit[MUKCA_MAX_JOINTS] = {0};
+        mukca_dynamics_torque(gravity, &m->dynamics, m->inertial, q, rest, rest);
+        for (int j = 0; j < n; j++) {
+            unit[j] = 1;
+            mukca_dynamics_torque(torque, &m->dynamics, m->inertial, q, rest, unit);
+            m->inertia[j] += (torque[j] - gravity[j]) / POSTURES;
+            unit[j] = 0;
+        }
     }
     for (int j = 0; j < n; j++) {
         m->inertia[j] += drives->armature[j];
@@ -110,6 +118,16 @@ static mukca_status prepare(mukca_torques *t, mukca_signals *signals, mukca_pool
 static void summarise(mukca_motion *m, const mukca_torques *t)
 {
     const mukca_signals *s = t->model.signals;
+    m->fitted = m->drives = t->input->drives;
+    memcpy(m->inertial, t->model.inertial, sizeof m->inertial);
+    memcpy(m->fitted_inertial, t->model.inertial, sizeof m->inertial);
+    for (int j = 0; j < t->n && !t->reference; j++) {
+        const double *local = t->point.torque[j] + mukca_raw_local(t->n, j, 0);
+        memcpy(m->fitted_inertial[j], t->point.torque[j], sizeof *m->inertial);
+        m->fitted.coulomb[j] = local[MUKCA_RAW_SIGN];
+        m->fitted.viscous[j] = local[MUKCA_RAW_VELOCITY];
+        m->fitted.armature[j] = local[MUKCA_RAW_ACCELERATION];
+    }
     for (int r = 0; r < t->input->n_runs; r++) {
         const mukca_run_role role = t->input->run[r].role;
         *(role == MUKCA_RUN_NEW         ? &m->n_runs

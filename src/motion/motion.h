@@ -7,6 +7,7 @@
 #ifndef MUKCA_MOTION_MOTION_H
 #define MUKCA_MOTION_MOTION_H
 
+#include "dynamics/inverse_dynamics.h"
 #include "infer/findings.h"
 #include "infer/gaussians.h"
 #include "motion/effects.h"
@@ -30,14 +31,22 @@ typedef struct {
     double armature[MUKCA_MAX_JOINTS]; /* kg m^2 */
 } mukca_drives;
 
+/* Called with the regression and the columns of its parameters and findings, to look at the fit.
+ * False: no memory. */
+struct mukca_torques;
+struct mukca_torque_columns;
+typedef bool mukca_motion_view(void *context, const struct mukca_torques *torques,
+                               const struct mukca_torque_columns *fitted);
+
 typedef struct {
     const mukca_chain *chain;
     mukca_drives drives;
     const mukca_run *run;
     int n_runs;
     bool disabled[MUKCA_MOTION_EFFECTS]; /* effects outside the catalogue of this analysis */
-    bool current; /* torques are motor currents times a nominal gain, uncertain by
-                     MUKCA_CURRENT_GAIN */
+    bool current;            /* torques are motor currents times a nominal gain, uncertain by
+                                MUKCA_CURRENT_GAIN */
+    mukca_motion_view *view; /* or NULL */
     mukca_note_fn *note;
     void *context;
 } mukca_motion_input;
@@ -55,6 +64,7 @@ typedef struct {
     bool all; /* joints alike: one gain, one delay */
     double probability;
     mukca_estimate amplitude;
+    mukca_estimate inertial[MUKCA_INERTIAL]; /* change of the link's parameters; of links */
 } mukca_motion_alternative;
 
 enum { MUKCA_MOTION_ALTERNATIVES = 8 };
@@ -101,6 +111,11 @@ typedef struct {
     int n_findings, n_maybe;
     mukca_motion_finding finding[MUKCA_MOST_FINDINGS], maybe[MUKCA_MOST_FINDINGS];
     mukca_motion_joint joint[MUKCA_MAX_JOINTS];
+    /* parameters of drives and links, in the model; fitted within their uncertainty, without the
+     * effects (with a reference: in the model, too) */
+    mukca_drives drives, fitted;
+    double inertial[MUKCA_MAX_JOINTS][MUKCA_INERTIAL];
+    double fitted_inertial[MUKCA_MAX_JOINTS][MUKCA_INERTIAL];
 } mukca_motion;
 
 /* Errors: MUKCA_INPUT (the efforts have the wrong sign), MUKCA_UNIDENTIFIABLE (no motion, too

@@ -9,6 +9,8 @@
 /* Least probability of an alternative. */
 #define ALTERNATIVE 0.05
 
+enum { LABEL = 1 + MUKCA_INERTIAL }; /* mixtures of a label */
+
 typedef struct {
     const mukca_torque_posterior *p;
     double rows[MUKCA_MAX_JOINTS];
@@ -141,6 +143,28 @@ static double scale_of(const mukca_torque_posterior *p, int effect)
     return p->search->t->input->current && !share ? MUKCA_CURRENT_GAIN : 0;
 }
 
+/* What a rigid effect adds to the parameters of its link: its columns there. */
+static void add_inertial(mukca_gaussians *parameter, const measured *w, int item, int at,
+                         double weight)
+{
+    const mukca_items *all = &w->p->search->t->items;
+    const int terms = all->item[item].terms, first = all->n_parameters + 1 + all->item[item].at;
+    for (int p = 0; p < MUKCA_INERTIAL; p++) {
+        double slope[MUKCA_INERTIAL] = {0}, mean = 0, variance = 0;
+        for (int a = 0; a < terms; a++)
+            for (int k = all->first[first + a]; k < all->first[first + a + 1]; k++)
+                if (all->term[k].joint == all->label[item].to && all->term[k].raw == p)
+                    slope[a] += all->term[k].weight;
+        for (int a = 0; a < terms; a++) {
+            mean += slope[a] * w->mean[at + a];
+            for (int b = 0; b < terms; b++)
+                variance += slope[a] * slope[b] * w->V[(at + a) * w->columns + at + b];
+        }
+        mukca_gaussians_add(&parameter[p], mean, variance, weight);
+    }
+}
+
+/* `label`: amplitude, then the parameters of a link, of each label. */
 static void add_amplitudes(mukca_gaussians *label, double *probability, const measured *w,
                            const mukca_set *set, double weight)
 {
@@ -154,8 +178,10 @@ static void add_amplitudes(mukca_gaussians *label, double *probability, const me
         if (!again) probability[of] += weight;
         if (amplitude_of(&mean, &variance, w, w->at[m], s->item[set->item[m]].terms,
                          &mukca_torque_table[s->t->items.row[item]]))
-            mukca_gaussians_add(&label[of], unit * mean,
+            mukca_gaussians_add(&label[of * LABEL], unit * mean,
                                 unit * unit * (variance + scale * scale * mean * mean), weight);
+        if (mukca_torque_table[s->t->items.row[item]].links)
+            add_inertial(&label[of * LABEL + 1], w, item, w->at[m], weight);
     }
 }
 
@@ -171,13 +197,16 @@ static void describe(mukca_motion_finding *f, const measured *w, const mukca_gau
         total += probability[l];
         if (of->effect < 0) outside += probability[l];
         if (!(probability[l] >= ALTERNATIVE)) continue;
-        mukca_motion_alternative a = {.effect = of->effect >= 0 ? of->effect : -1,
-                                      .from = of->from,
-                                      .to = of->to,
-                                      .detail = of->detail,
-                                      .all = of->apart,
-                                      .probability = fmin(probability[l], 1),
-                                      .amplitude = mukca_gaussians_estimate(&label[l], 1, false)};
+        mukca_motion_alternative a = {
+            .effect = of->effect >= 0 ? of->effect : -1,
+            .from = of->from,
+            .to = of->to,
+            .detail = of->detail,
+            .all = of->apart,
+            .probability = fmin(probability[l], 1),
+            .amplitude = mukca_gaussians_estimate(&label[l * LABEL], 1, false)};
+        for (int i = 0; i < MUKCA_INERTIAL; i++)
+            a.inertial[i] = mukca_gaussians_estimate(&label[l * LABEL + 1 + i], 1, false);
         int k = f->n_alternatives < MUKCA_MOTION_ALTERNATIVES ? f->n_alternatives++ : -1;
         if (k < 0 && all[MUKCA_MOTION_ALTERNATIVES - 1].probability < a.probability)
             k = MUKCA_MOTION_ALTERNATIVES - 1;
@@ -202,7 +231,7 @@ bool mukca_torque_sizes(mukca_motion *motion, mukca_pool *pool, const mukca_torq
                   .mean = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS),
                   .plain = MUKCA_TAKE(pool, int, MUKCA_SET_COLUMNS)};
     mukca_gaussians *size = MUKCA_TAKE(pool, mukca_gaussians, n + 1),
-                    *label = MUKCA_TAKE(pool, mukca_gaussians, p->n_labels + 1);
+                    *label = MUKCA_TAKE(pool, mukca_gaussians, LABEL * p->n_labels + 1);
     double *probability = MUKCA_TAKE(pool, double, p->n_labels + 1),
            *scratch = MUKCA_TAKE(pool, double, s->question.stride + 1);
     for (int j = 0; j < s->t->n; j++) w.rows[j] = mukca_torques_rows(s->t, &parts, j);

@@ -12,7 +12,7 @@ typedef struct {
     double size[MUKCA_SET_ITEMS];
 } mukca_torque_set;
 
-typedef struct {
+typedef struct mukca_torques {
     const mukca_motion_input *input;
     mukca_raw_model model;
     mukca_raw_products part[MUKCA_PARTS];
@@ -24,7 +24,7 @@ typedef struct {
 } mukca_torques;
 
 /* Some columns of the regression times factors. */
-typedef struct {
+typedef struct mukca_torque_columns {
     int n, *column;
     double *factor;
 } mukca_torque_columns;

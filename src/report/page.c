@@ -29,7 +29,7 @@ static const char *const mukca_report_style[] = {
     ".plot .axis{stroke:var(--ink)}.plot .grid{stroke:var(--grid);stroke-width:.5;"
     "stroke-dasharray:2 3}\n"
     ".plot .before path{stroke:var(--before)}.plot .after path{stroke:var(--after)}"
-    ".plot .after circle{fill:var(--after)}\n"
+    ".plot .after circle{fill:var(--after)}.plot .measured path{stroke:var(--line)}\n"
     ".wide{overflow-x:auto}table{border-collapse:collapse;font-size:.9rem;margin:.5rem 0}\n"
     "caption{text-align:left;font-weight:600;padding:.3rem 0}\n"
     "th,td{padding:.2rem .6rem;text-align:left;border-bottom:1px solid var(--grid);vertical-align:"

@@ -39,7 +39,12 @@ void mukca_html_table_end(mukca_html_table *table);
 /* Series of points.  Each has a colour of the page's style sheet, which distinguishes it for
  * colour-blind readers (palette of Okabe and Ito, "Color Universal Design", 2008), and a shape,
  * which distinguishes it in grey. */
-typedef enum { MUKCA_PLOT_AFTER, MUKCA_PLOT_BEFORE, MUKCA_PLOT_SERIES } mukca_plot_series;
+typedef enum {
+    MUKCA_PLOT_AFTER,
+    MUKCA_PLOT_BEFORE,
+    MUKCA_PLOT_MEASURED, /* lines only */
+    MUKCA_PLOT_SERIES
+} mukca_plot_series;
 
 typedef struct {
     mukca_plot_series series;
@@ -54,6 +59,7 @@ typedef struct {
     const char *key[MUKCA_PLOT_SERIES]; /* title of a series; NULL: none */
     mukca_plot_point *points;           /* [n_points] of the caller */
     int n_points;
+    bool lines; /* through the points of each series, in their order, without marks */
 } mukca_plot;
 
 /* 1, 2 or 5 times a power of ten, at most x. */

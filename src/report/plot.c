@@ -7,7 +7,7 @@
 /* WIDTH, px: two figures per row, legible on a phone.  Margins, and a letter of the key, px. */
 enum { WIDTH = 480, HEIGHT = 320, LEFT = 58, RIGHT = 16, TOP = 30, BOTTOM = 46, LETTER = 7 };
 
-static const char *const series_class[MUKCA_PLOT_SERIES] = {"after", "before"};
+static const char *const series_class[MUKCA_PLOT_SERIES] = {"after", "before", "measured"};
 
 double mukca_plot_round(double x)
 {
@@ -90,16 +90,33 @@ static void put_mark(FILE *out, mukca_plot_series series, double x, double y)
         fprintf(out, "<path d=\"M%.1f %.1fm-3-3l6 6m0-6l-6 6\"/>\n", x, y);
 }
 
+/* A line through the points of a series. */
+static void put_curve(FILE *out, const mukca_plot *p, int series, const axis *x, const axis *y)
+{
+    char next = 'M';
+    fputs("<path d=\"", out);
+    for (const mukca_plot_point *q = p->points; q < p->points + p->n_points; q++) {
+        if ((int)q->series != series) continue;
+        fprintf(out, "%c%.1f %.1f", next, place(x, q->at[0]), place(y, q->at[1]));
+        next = 'L';
+    }
+    fputs("\"/>\n", out);
+}
+
 static void put_series(FILE *out, const mukca_plot *p, const axis *x, const axis *y)
 {
     double key = x->from;
     for (int s = 0; s < MUKCA_PLOT_SERIES; s++) {
         fprintf(out, "<g class=\"%s\">\n", series_class[s]);
         for (const mukca_plot_point *q = p->points; q < p->points + p->n_points; q++) {
-            if ((int)q->series == s)
+            if ((int)q->series == s && !p->lines)
                 put_mark(out, q->series, place(x, q->at[0]), place(y, q->at[1]));
         }
-        if (p->key[s]) put_mark(out, (mukca_plot_series)s, key + 6, TOP - 18);
+        if (p->lines) put_curve(out, p, s, x, y);
+        if (p->key[s] && p->lines)
+            fprintf(out, "<path d=\"M%.1f %dh12\"/>\n", key, TOP - 18);
+        else if (p->key[s])
+            put_mark(out, (mukca_plot_series)s, key + 6, TOP - 18);
         fputs("</g>\n", out);
         if (!p->key[s]) continue;
         fprintf(out, "<text x=\"%.1f\" y=\"%d\">%s</text>\n", key + 14, TOP - 14, p->key[s]);

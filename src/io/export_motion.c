@@ -1,0 +1,379 @@
+/* A user's URDF or MuJoCo model with the friction, armature and masses that mukca motion found; all
+ * other bytes are unchanged. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "base/text.h"
+#include "io/body.h"
+#include "io/export.h"
+#include "io/table.h"
+
+const char *const mukca_export_inertial[10] = {"mass", "moment_x", "moment_y", "moment_z", "ixx",
+                                               "iyy",  "izz",      "ixy",      "ixz",      "iyz"};
+
+/* Parameters of a drive: effect, attributes of a MuJoCo joint and of <dynamics> (NULL: none). */
+enum { COULOMB, VISCOUS, ARMATURE, DRIVES };
+static const struct {
+    const char *effect, *mjcf, *urdf;
+} drives[DRIVES] = {{"coulomb", "frictionloss", "friction"},
+                    {"viscous", "damping", "damping"},
+                    {"armature", "armature", NULL}};
+
+typedef struct {
+    const mukca_export_input *input;
+    char *text; /* the model, as patched so far */
+    bool urdf;
+    double drive[MUKCA_MAX_JOINTS][DRIVES]; /* new values, NaN: as it is */
+    double inertial[MUKCA_MAX_JOINTS][10];  /* change of a link's parameters */
+    bool rigid[MUKCA_MAX_JOINTS];           /* whether it changes, */
+    bool tensor[MUKCA_MAX_JOINTS];          /* with its inertia */
+} patch;
+
+static mukca_status fail(const patch *p, const char *kind, const char *name, const char *what)
+{
+    return mukca_fail(p->input->error, MUKCA_INPUT, "%s: %s '%.60s' %s",
+                      mukca_file_shown(p->input->into), kind, name, what);
+}
+
+/* ---- the table ---- */
+
+enum { EFFECT, JOINT, PARAMETER, VALUE, PROBABILITY, FINDING, NOMINAL, FITTED, COLUMNS };
+static const char *const columns[COLUMNS] = {"effect",      "joint",   "parameter", "value",
+                                             "probability", "finding", "nominal",   "fitted"};
+
+typedef struct {
+    patch *p;
+    int finding;                             /* of the last row */
+    char effect[64], joint[MUKCA_NAME_SIZE]; /* of its most probable effect */
+} reader;
+
+static void note_left_out(const reader *r, double probability)
+{
+    if (probability < 0.5)
+        mukca_note_format(r->p->input->note, r->p->input->context,
+                          "finding %d, %s at '%.60s': left out, as its probability is %.0f %%",
+                          r->finding, r->effect, r->joint, 100 * probability);
+    else
+        mukca_note_format(r->p->input->note, r->p->input->context,
+                          "finding %d, %s: left out, as %s has no such parameter", r->finding,
+                          r->effect, r->p->urdf ? "a URDF" : "a joint or body of MuJoCo");
+}
+
+/* Keep a row of an effect that is more probable than not: of each finding the first one. */
+static void read_row(void *context, mukca_table *table, const int *column)
+{
+    reader *r = context;
+    patch *p = r->p;
+    char *const *cell = table->cell;
+    const char *effect = cell[column[EFFECT]], *name = cell[column[JOINT]];
+    const int joint = mukca_chain_find_joint(p->input->chain, name),
+              finding = (int)mukca_table_number(table, column[FINDING]);
+    const double value = mukca_table_number(table, column[VALUE]),
+                 nominal = mukca_table_number(table, column[NOMINAL]),
+                 fitted = mukca_table_number(table, column[FITTED]),
+                 probability = mukca_table_number(table, column[PROBABILITY]);
+    const bool first = finding != r->finding;
+    if (joint < 0) mukca_table_fail(table, column[JOINT], "'%s' is no joint of the arm", name);
+    if (table->status != MUKCA_OK) return;
+    if (first) {
+        r->finding = finding;
+        snprintf(r->effect, sizeof r->effect, "%s", effect);
+        snprintf(r->joint, sizeof r->joint, "%s", name);
+    }
+    if (strcmp(effect, r->effect) != 0 || strcmp(name, r->joint) != 0) return;
+    bool held = false;
+    for (int d = 0; d < DRIVES && probability >= 0.5; d++)
+        if (strcmp(effect, drives[d].effect) == 0 && (!p->urdf || drives[d].urdf)) {
+            p->drive[joint][d] = fmax(fitted + value, 0);
+            held = true;
+        }
+    for (int i = 0; i < 10 && probability >= 0.5; i++)
+        if (strcmp(cell[column[PARAMETER]], mukca_export_inertial[i]) == 0 &&
+            (strcmp(effect, "payload") == 0 || strncmp(effect, "link_", 5) == 0)) {
+            p->inertial[joint][i] += fitted - nominal + value;
+            p->rigid[joint] = held = true;
+            p->tensor[joint] |= i >= 4;
+        }
+    if (!held && first) note_left_out(r, probability);
+}
+
+/* Whether the table was made with the URDF of --urdf: its hash is in a comment. */
+static mukca_status check_table(const mukca_export_input *input)
+{
+    mukca_table table;
+    mukca_table_open(&table, input->motion, MUKCA_HEADER, input->error);
+    const bool known = table.comments && strstr(table.comments, input->chain->urdf_sha256);
+    const mukca_status status = mukca_table_close(&table);
+    if (status != MUKCA_OK || known || input->other_arm) return status;
+    return mukca_fail(input->error, MUKCA_INPUT,
+                      "%s: made with another URDF than --urdf; --accept-other-arm uses it "
+                      "nevertheless",
+                      mukca_file_shown(input->motion));
+}
+
+static mukca_status read_changes(patch *p)
+{
+    reader r = {.p = p};
+    for (int j = 0; j < MUKCA_MAX_JOINTS; j++)
+        for (int d = 0; d < DRIVES; d++) p->drive[j][d] = (double)NAN;
+    const mukca_status status = check_table(p->input);
+    if (status != MUKCA_OK) return status;
+    return mukca_table_read(p->input->motion, columns, COLUMNS, read_row, &r, p->input->error);
+}
+
+/* ---- links and joints ---- */
+
+/* A link's own body by the URDF of --urdf, in the frame of the link. */
+static mukca_body nominal_body(const patch *p, int joint)
+{
+    const mukca_chain *chain = p->input->chain;
+    mukca_body b = {0};
+    for (int m = 0; m < chain->n_masses; m++)
+        if (chain->mass[m].element == chain->joint_element[joint] && b.kg == 0) {
+            b.kg = chain->mass[m].kg;
+            memcpy(b.com, chain->mass[m].com, sizeof b.com);
+            memcpy(b.inertia, chain->mass[m].inertia, sizeof b.inertia);
+        }
+    return b;
+}
+
+/* ---- editing: the text up to a place, what is written instead, the text from another on ---- */
+
+typedef struct {
+    FILE *stream;
+    char *text;
+    size_t size;
+} edit;
+
+static bool begin(edit *e, const patch *p, const char *until)
+{
+    *e = (edit){0};
+    e->stream = open_memstream(&e->text, &e->size);
+    if (e->stream) fwrite(p->text, 1, (size_t)(until - p->text), e->stream);
+    return e->stream != NULL;
+}
+
+static mukca_status finish(edit *e, patch *p, const char *from)
+{
+    fputs(from, e->stream);
+    if (!mukca_file_close(e->stream, &e->text)) {
+        free(e->text);
+        return mukca_fail(p->input->error, MUKCA_MEMORY, "out of memory");
+    }
+    free(p->text);
+    p->text = e->text;
+    return MUKCA_OK;
+}
+
+/* Find the element `kind` by its name; in a URDF those of the robot alone. */
+static mukca_status find(mukca_export_tag *tag, const patch *p, const char *kind, const char *name)
+{
+    const int n = mukca_export_find_named(tag, p->text, kind, name, p->urdf ? 1 : -1);
+    return n == 1 ? MUKCA_OK : fail(p, kind, name, n ? "is there more than once" : "is missing");
+}
+
+/* Find the first element `kind` directly below a tag. */
+static bool find_below(mukca_export_tag *tag, const mukca_export_tag *of, const char *kind)
+{
+    if (of->at[of->length - 2] == '/') return false;
+    for (*tag = *of; mukca_export_next_tag(tag, NULL) && tag->depth > of->depth;)
+        if (tag->depth == of->depth + 1 && mukca_export_is_tag(tag, kind)) return true;
+    return false;
+}
+
+/* Write a tag without its `/`, or a text behind it; `kind`, its element, is then closed. */
+static const char *open_tag(FILE *stream, const mukca_export_tag *tag)
+{
+    const bool closed = tag->at[tag->length - 2] == '/';
+    fwrite(tag->at, 1, tag->length - (closed ? 2 : 1), stream);
+    fputc('>', stream);
+    return tag->at + tag->length;
+}
+
+/* Write `inner` as the first element below a tag; returns where the text continues. */
+static const char *put_below(FILE *stream, const mukca_export_tag *tag, const char *kind,
+                             const char *inner)
+{
+    const char *rest = open_tag(stream, tag);
+    fputs(inner, stream);
+    if (tag->at[tag->length - 2] == '/') fprintf(stream, "</%s>", kind);
+    return rest;
+}
+
+/* ---- joints ---- */
+
+static mukca_status patch_joint(patch *p, int joint)
+{
+    const char *name = mukca_chain_joint_name(p->input->chain, joint);
+    mukca_export_attribute set[DRIVES];
+    mukca_export_tag tag, inner;
+    edit e;
+    int n = 0;
+    mukca_status status = find(&tag, p, "joint", name);
+    if (status != MUKCA_OK) return status;
+    const bool below = p->urdf && find_below(&inner, &tag, "dynamics");
+    for (int d = 0; d < DRIVES; d++) {
+        const double *value = &p->drive[joint][d];
+        double own = 0;
+        if (!isfinite(*value)) continue;
+        set[n] = (mukca_export_attribute){p->urdf ? drives[d].urdf : drives[d].mjcf, value, 1};
+        if (below || !p->urdf)
+            mukca_export_read_numbers(&own, 1, below ? &inner : &tag, set[n].name);
+        mukca_note_format(p->input->note, p->input->context, "joint '%.60s': %s %.4g to %.4g", name,
+                          set[n].name, own, *value);
+        n++;
+    }
+    if (n == 0) return MUKCA_OK;
+    const mukca_export_tag *changed = below ? &inner : &tag;
+    if (!begin(&e, p, changed->at))
+        return mukca_fail(p->input->error, MUKCA_MEMORY, "out of memory");
+    const char *rest = changed->at + changed->length;
+    if (below || !p->urdf) {
+        mukca_export_put_tag(e.stream, changed, set, n);
+    } else {
+        const mukca_export_tag fresh = {.at = "<dynamics/>", .length = 11};
+        rest = open_tag(e.stream, &tag);
+        mukca_export_put_tag(e.stream, &fresh, set, n);
+    }
+    return finish(&e, p, rest);
+}
+
+/* ---- links ---- */
+
+/* Read the body of an <inertial> in the axes of its link or body; false: unreadable. */
+static bool read_inertial(mukca_body *b, const patch *p, const mukca_export_tag *tag)
+{
+    static const char *const tensor[6] = {"ixx", "iyy", "izz", "ixy", "ixz", "iyz"};
+    double quat[4] = {1, 0, 0, 0}, rpy[3] = {0, 0, 0}, R[9], back[9], com[3] = {0, 0, 0};
+    mukca_export_tag inner;
+    bool ok = true;
+    *b = (mukca_body){0};
+    if (p->urdf) {
+        if (find_below(&inner, tag, "origin"))
+            ok = mukca_export_read_numbers(com, 3, &inner, "xyz") &&
+                 mukca_export_read_numbers(rpy, 3, &inner, "rpy");
+        if (find_below(&inner, tag, "mass"))
+            ok &= mukca_export_read_numbers(&b->kg, 1, &inner, "value");
+        for (int i = 0; i < 6 && find_below(&inner, tag, "inertia"); i++)
+            ok &= mukca_export_read_numbers(&b->inertia[i], 1, &inner, tensor[i]);
+        mukca_rotation_from_rpy(R, rpy);
+    } else {
+        static const char *const others[] = {"euler", "axisangle", "xyaxes", "zaxis"};
+        size_t start, stop;
+        for (int i = 0; i < 4; i++)
+            ok &= !mukca_export_find_attribute(&start, &stop, tag, others[i]);
+        ok &= mukca_export_read_numbers(com, 3, tag, "pos") &&
+              mukca_export_read_numbers(quat, 4, tag, "quat") &&
+              mukca_export_read_numbers(&b->kg, 1, tag, "mass") &&
+              mukca_export_read_numbers(b->inertia, 3, tag, "diaginertia") &&
+              mukca_export_read_numbers(b->inertia, 6, tag, "fullinertia");
+        mukca_rotation_from_quaternion(R, quat);
+    }
+    for (int i = 0; i < 9; i++) back[i] = R[i % 3 * 3 + i / 3];
+    mukca_body_turn(b, b, back);
+    memcpy(b->com, com, sizeof com);
+    return ok;
+}
+
+/* The <inertial> of a body, with the tag's name, in `text`, to be freed; NULL: no memory. */
+static char *write_inertial(const patch *p, const mukca_body *b)
+{
+    static const double none[3] = {0, 0, 0};
+    char *text = NULL;
+    size_t size;
+    const double *I = b->inertia;
+    FILE *stream = open_memstream(&text, &size);
+    if (!stream) return NULL;
+    if (p->urdf)
+        mukca_export_print(stream,
+                           "<inertial><origin xyz=\"$b\" rpy=\"$b\"/><mass value=\"$n\"/>"
+                           "<inertia ixx=\"$n\" iyy=\"$n\" izz=\"$n\" ixy=\"$n\" ixz=\"$n\" "
+                           "iyz=\"$n\"/></inertial>",
+                           b->com, 3, none, 3, b->kg, I[0], I[1], I[2], I[3], I[4], I[5]);
+    else
+        mukca_export_print(stream, "<inertial pos=\"$b\" mass=\"$n\" fullinertia=\"$b\"/>", b->com,
+                           3, b->kg, I, 6);
+    return mukca_file_close(stream, &text) ? text : (free(text), NULL);
+}
+
+/* Behind the end of an element. */
+static const char *end_of(const mukca_export_tag *tag, const char *end)
+{
+    const char *at = tag->at[tag->length - 2] == '/' ? NULL : strstr(tag->at, end);
+    return at ? at + strlen(end) : tag->at + tag->length;
+}
+
+static mukca_status patch_link(patch *p, int joint)
+{
+    const mukca_chain *chain = p->input->chain;
+    const char *name = chain->element[chain->joint_element[joint]].child;
+    const char *kind = p->urdf ? "link" : "body";
+    mukca_frame frame = {.R = MUKCA_IDENTITY}, back;
+    mukca_export_tag tag, inner;
+    mukca_body b, turned;
+    edit e;
+    mukca_status status = find(&tag, p, kind, name);
+    if (status == MUKCA_OK && !p->urdf)
+        status = mukca_export_body_frame(&frame, p->text, chain->joint_element[joint], p->input);
+    if (status != MUKCA_OK) return status;
+    const bool own = find_below(&inner, &tag, "inertial");
+    for (int i = 0; i < 9; i++) back.R[i] = frame.R[i % 3 * 3 + i / 3];
+    if (own) { /* to the frame of the link, on which the change acts */
+        if (!read_inertial(&turned, p, &inner))
+            return fail(p, kind, name, "has an <inertial> that is not numbers with a quat");
+        mukca_body_turn(&b, &turned, back.R);
+        for (int i = 0; i < 3; i++) b.com[i] += frame.p[i];
+    } else {
+        b = nominal_body(p, joint);
+        mukca_note_format(p->input->note, p->input->context,
+                          "%s '%.60s' has no <inertial>; that of --urdf is the start", kind, name);
+    }
+    const double before = b.kg;
+    if (!mukca_body_change(&b, p->inertial[joint], p->tensor[joint]))
+        return fail(p, kind, name, "would have no mass; the table is of another arm");
+    mukca_note_format(p->input->note, p->input->context,
+                      "%s '%.60s': mass %.4g kg to %.4g kg, centre of mass at %.4g %.4g %.4g m",
+                      kind, name, before, b.kg, b.com[0], b.com[1], b.com[2]);
+    for (int i = 0; i < 3; i++) b.com[i] -= frame.p[i];
+    mukca_body_turn(&turned, &b, frame.R);
+    char *text = write_inertial(p, &turned);
+    if (!text || !begin(&e, p, own ? inner.at : tag.at)) {
+        free(text);
+        return mukca_fail(p->input->error, MUKCA_MEMORY, "out of memory");
+    }
+    const char *rest;
+    if (own) {
+        fputs(text, e.stream);
+        rest = end_of(&inner, "</inertial>");
+    } else {
+        rest = put_below(e.stream, &tag, kind, text);
+    }
+    free(text);
+    return finish(&e, p, rest);
+}
+
+static mukca_status write_motion(FILE *stream, const mukca_export_input *input)
+{
+    patch *p = calloc(1, sizeof *p);
+    mukca_export_input with = *input;
+    if (!p) return mukca_fail(input->error, MUKCA_MEMORY, "out of memory");
+    if (!with.into) with.into = with.urdf_path;
+    p->input = &with;
+    mukca_status status = mukca_file_read(&p->text, with.into, input->error);
+    if (status == MUKCA_OK) {
+        p->urdf = !strstr(p->text, "<mujoco");
+        status = read_changes(p);
+    }
+    for (int j = 0; j < input->chain->n_joints && status == MUKCA_OK; j++) {
+        status = patch_joint(p, j);
+        if (status == MUKCA_OK && p->rigid[j]) status = patch_link(p, j);
+    }
+    if (status == MUKCA_OK) fputs(p->text, stream);
+    free(p->text);
+    free(p);
+    return status;
+}
+
+const mukca_export_format mukca_export_motion = {.write = write_motion};
