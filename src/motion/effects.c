@@ -57,7 +57,7 @@ const mukca_torque_effect mukca_torque_table[MUKCA_TORQUE_ROWS] = {
     [MUKCA_MOTION_VISCOUS] = NAMED("viscous", "viscous friction", "N*m*s/rad", VELOCITY,
                                    MUKCA_RAW_VELOCITY, 1, 1, SPEED, LARGE, .nonnegative = true),
     [MUKCA_MOTION_STRIBECK] = NAMED("stribeck", "Stribeck friction", "N*m", VELOCITY,
-                                    MUKCA_RAW_STRIBECK, MUKCA_STRIBECKS, 1, RANGE, SMALL),
+                                    MUKCA_RAW_SLOW, 3, MUKCA_SLOWS, RANGE, SMALL),
     /* under gravity, or under all torques */
     [MUKCA_MOTION_LOAD_FRICTION] =
         NAMED("load_friction", "friction under load", "1", LOAD, MUKCA_RAW_LOAD, 1, 2, UNIT, SMALL),
@@ -75,7 +75,7 @@ const mukca_torque_effect mukca_torque_table[MUKCA_TORQUE_ROWS] = {
                                    MUKCA_ORDERS, RANGE, SMALL, .orders = true),
     [MUKCA_MOTION_THERMAL_FRICTION] =
         NAMED("thermal_friction", "friction that falls with warming", "N*m", TIME,
-              MUKCA_RAW_WARMING, 1, MUKCA_WARMINGS, RANGE, SMALL),
+              MUKCA_RAW_WARMING, 2, MUKCA_WARMINGS, RANGE, SMALL),
     UNKNOWN(DIRECTION, MUKCA_RAW_SIGN, 3, RANGE, "N*m", FUNCTION),
     UNKNOWN(DIRECTION, MUKCA_RAW_PLAY, MUKCA_PLAYS, RANGE, "N*m", FUNCTION),
     UNKNOWN(VELOCITY, MUKCA_RAW_STRIBECK, MUKCA_STRIBECKS, RANGE, "N*m", FUNCTION),

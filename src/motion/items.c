@@ -370,7 +370,7 @@ bool mukca_items_list(mukca_items *items, mukca_pool *pool, const mukca_motion_i
 {
     const int n = model->signals->n_joints;
     lister l = {.out = items, .input = input, .model = model, .point = point, .n = n};
-    l.most_items = n * (MUKCA_TORQUE_ROWS + MUKCA_ORDERS + MUKCA_STRIBECKS + MUKCA_WARMINGS) + 8;
+    l.most_items = n * (MUKCA_TORQUE_ROWS + MUKCA_ORDERS + MUKCA_SLOWS + MUKCA_WARMINGS) + 8;
     l.most_columns = n * 24 + 8 + n * (2 * MUKCA_ORDERS + 200);
     l.most_terms =
         l.most_columns * 4 + n * n * MUKCA_INERTIAL * 40 + 32 * n * mukca_raw_width(n, 0);

@@ -9,6 +9,11 @@
 static const double stribeck[MUKCA_STRIBECKS] = {0.1, 0.2, 0.4}, reversal[2] = {0.025, 0.06};
 /* Time by which the reversal of friction is late for a coefficient of 1, s. */
 #define REVERSAL_TIME 0.01
+/* Half of the step of the logarithms of time constants and velocities: 2. */
+#define BETWEEN 0.35
+/* Uncertainty of the exponent of Stribeck's curve, 2: between 0.5 and 2 (Armstrong-Helouvry 1991).
+ */
+#define EXPONENT 0.5
 /* Acceleration below which a reversal has no direction, rad/s^2: standstill. */
 #define REVERSAL_ACCELERATION 0.1
 
@@ -39,6 +44,12 @@ static void put_velocity(double *x, const mukca_stretch *s, int n, int at, int j
     x[MUKCA_RAW_SIGN] = sign;
     for (int k = 0; k < MUKCA_STRIBECKS; k++)
         x[MUKCA_RAW_STRIBECK + k] = sign * exp(-v * v / (stribeck[k] * stribeck[k]));
+    for (int k = 0; k < MUKCA_SLOWS; k++) {
+        const double u = fabs(v) / (0.4 * ldexp(1, -k)), decayed = sign * exp(-u * u);
+        x[MUKCA_RAW_SLOW + 3 * k] = decayed;
+        x[MUKCA_RAW_SLOW + 3 * k + 1] = BETWEEN * 2 * u * u * decayed;
+        x[MUKCA_RAW_SLOW + 3 * k + 2] = -EXPONENT * u * u * log(u + 1e-9) * decayed;
+    }
     /* early or late by a time, or by a velocity: a gear winds up, a model of friction is soft */
     x[MUKCA_RAW_REVERSAL] =
         (1 - sign * sign) / MUKCA_SIGN_VELOCITY * s->ddq[at + j] * REVERSAL_TIME;
@@ -89,8 +100,14 @@ void mukca_raw_fill(double *x, int ld, const mukca_raw_model *m, const mukca_raw
         put_hats(local + MUKCA_RAW_TIME, MUKCA_HATS, t, 0, end, 1);
         put_hats(local + MUKCA_RAW_BURST, MUKCA_BURSTS, t, 0, end, 1);
         put_hats(local + MUKCA_RAW_DRIFT, MUKCA_HATS, t, 0, end, sign);
-        for (int k = 0; k < MUKCA_WARMINGS; k++) /* of the recording's duration: 1, 1/2, 1/4, 1/8 */
-            local[MUKCA_RAW_WARMING + k] = sign * exp(-t / (end * ldexp(1, -k)));
+        /* of the recording's duration from 2 to 1/8; the derivative by its logarithm, for any
+         * between
+         */
+        for (int k = 0; k < MUKCA_WARMINGS; k++) {
+            const double u = t / (end * ldexp(2, -k));
+            local[MUKCA_RAW_WARMING + 2 * k] = sign * exp(-u);
+            local[MUKCA_RAW_WARMING + 2 * k + 1] = BETWEEN * sign * u * exp(-u);
+        }
         for (int k = 0; k < MUKCA_SHIFTS; k++) {
             int from = i + (k - MUKCA_SHIFTS / 2) * m->shift;
             from = from < 0 ? 0 : from >= s->n ? s->n - 1 : from;

@@ -10,11 +10,12 @@
 
 enum {
     MUKCA_STRIBECKS = 3, /* velocities of Stribeck's curve */
+    MUKCA_SLOWS = 4,     /* velocities of Stribeck's curve, one by one */
     MUKCA_REVERSALS = 5, /* shapes of friction at a reversal: three even, two odd */
     MUKCA_ORDERS = 32,   /* waves per turn */
     MUKCA_HATS = 10,     /* pieces of a piecewise linear function of velocity or time */
     MUKCA_BURSTS = 32,   /* of a finer one of time: pushes */
-    MUKCA_WARMINGS = 4,  /* time constants of friction that falls as the gear warms up */
+    MUKCA_WARMINGS = 5,  /* time constants of friction that falls as the gear warms up */
     MUKCA_SHIFTS = 9     /* torques at neighbouring times */
 };
 
@@ -25,7 +26,8 @@ enum {
     MUKCA_RAW_ONE,
     MUKCA_RAW_SIGN,     /* tanh(dq / v0) */
     MUKCA_RAW_STRIBECK, /* sign exp(-(dq / v)^2) */
-    MUKCA_RAW_REVERSAL = MUKCA_RAW_STRIBECK + MUKCA_STRIBECKS,
+    MUKCA_RAW_SLOW = MUKCA_RAW_STRIBECK + MUKCA_STRIBECKS,
+    MUKCA_RAW_REVERSAL = MUKCA_RAW_SLOW + 3 * MUKCA_SLOWS,
     MUKCA_RAW_PLAY = MUKCA_RAW_REVERSAL + MUKCA_REVERSALS,
     MUKCA_RAW_VELOCITY = MUKCA_RAW_PLAY + MUKCA_PLAYS,
     MUKCA_RAW_SPEED,                               /* |dq| */
@@ -39,7 +41,7 @@ enum {
     MUKCA_RAW_BURST = MUKCA_RAW_TIME + MUKCA_HATS,    /* of time, finer */
     MUKCA_RAW_DRIFT = MUKCA_RAW_BURST + MUKCA_BURSTS, /* of time, times sign */
     MUKCA_RAW_WARMING = MUKCA_RAW_DRIFT + MUKCA_HATS,
-    MUKCA_RAW_TORQUE = MUKCA_RAW_WARMING + MUKCA_WARMINGS, /* measured, from early to late */
+    MUKCA_RAW_TORQUE = MUKCA_RAW_WARMING + 2 * MUKCA_WARMINGS, /* measured, from early to late */
     MUKCA_RAW_LOCAL = MUKCA_RAW_TORQUE + MUKCA_SHIFTS
 };
 
