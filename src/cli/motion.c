@@ -5,7 +5,7 @@
 
 #include "base/number.h"
 #include "cli/motion.h"
-#include "io/runs.h"
+#include "record/run_states.h"
 #include "report/wording_motion.h"
 
 #define put mukca_wording_put /* short for this file */
@@ -89,9 +89,12 @@ static mukca_status read_runs(cli_call *call, mukca_run *run, mukca_run_options 
         for (int i = 0; i < lists[k]->n; i++) {
             mukca_run *next = &run[w->input.n_runs++];
             next->role = roles[k];
-            const mukca_status status =
-                mukca_run_read(next, &call->pool, lists[k]->items[i], &call->session->model.chain,
-                               o, &call->error);
+            const char *path = lists[k]->items[i];
+            const mukca_chain *chain = &call->session->model.chain;
+            bool states;
+            mukca_status status =
+                mukca_run_states_read(&states, next, &call->pool, path, chain, o, &call->error);
+            if (!states) status = mukca_run_read(next, &call->pool, path, chain, o, &call->error);
             if (status != MUKCA_OK) return status;
         }
     return MUKCA_OK;
@@ -248,9 +251,10 @@ const cli_command cli_command_motion = {
         "probability and alternatives. With --reference: what has changed since those runs; "
         "errors of the model that both share cancel.\n\n"
         "A RUN is a table with time_s, the joint angles, and JOINT.effort (torque, N m) or "
-        "JOINT.current (A, with --current-gain) for each joint, 20 rows per second or more. "
-        "Motions "
-        "to and fro over the arm's range, 20 s or more, fast enough for its task, show most.",
+        "JOINT.current (A, with --current-gain) for each joint, 20 rows per second or more; or a "
+        "log of lcm-logger, or the output of ros2 topic echo --csv, with joint states that have "
+        "efforts. Motions to and fro over the arm's range, 20 s or more, fast enough for its task, "
+        "show most.",
     .example =
         "  mukca simulate --urdf data/demo/arm.urdf --motion 30 --seed 1 \\\n"
         "      --effect payload=0.5,viscous:joint_3=2 -o build/run.tsv\n"

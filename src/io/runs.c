@@ -13,10 +13,15 @@
 typedef struct {
     mukca_rows rows;
     mukca_run_options *options;
-    double *sample; /* [n][1 + 2 n_joints] time, angles, efforts */
-    int n, incomplete, repeated;
+    mukca_run_rows samples;
     bool commands; /* efforts are computed from commanded angles */
 } reader;
+
+/* Recorded velocities differ from the derivative of the angles by more than noise and filters of
+ * drivers: by this part, rms. */
+#define VELOCITY_ERROR 0.3
+/* Steps over which the angles are differentiated on either side, s: encoder steps vanish. */
+#define VELOCITY_STEP 0.02
 
 /* Rename columns JOINT.current to JOINT.effort, after the user's own renames, if a file has no
  * efforts.  Returns the text for --columns, to be freed; NULL: there are no currents. */
@@ -77,50 +82,95 @@ static void check_columns(reader *r)
     }
 }
 
-static mukca_status read_rows(reader *r)
+double mukca_run_rows_add(mukca_run_rows *rows, const double *row, int n_joints)
+{
+    const size_t width = 1 + 3 * (size_t)n_joints;
+    const double last = rows->n ? rows->sample[(size_t)(rows->n - 1) * width] : -HUGE_VAL;
+    bool complete = isfinite(row[0]);
+    for (int j = 0; j < n_joints; j++)
+        complete = complete && isfinite(row[1 + j]) && isfinite(row[1 + 2 * n_joints + j]);
+    rows->incomplete += !complete;
+    if (complete && row[0] < last) return last - row[0];
+    rows->repeated += complete && row[0] == last;
+    if (!complete || row[0] == last) return 0;
+    double *to = mukca_list_append(&rows->sample, &rows->n, sizeof *row * width);
+    rows->failed |= !to;
+    if (to) memcpy(to, row, sizeof *row * width);
+    return 0;
+}
+
+static void read_rows(reader *r)
 {
     const mukca_run_options *o = r->options;
     const int n = r->rows.chain->n_joints;
-    const size_t width = 1 + 2 * (size_t)n;
     mukca_row row;
-    while (mukca_rows_next(&r->rows, &row)) {
-        double s[1 + 2 * MUKCA_MAX_JOINTS] = {row.time[0]};
-        bool complete = isfinite(s[0]);
+    while (mukca_rows_next(&r->rows, &row) && !r->samples.failed) {
+        double s[1 + 3 * MUKCA_MAX_JOINTS] = {row.time[0]};
         for (int j = 0; j < n; j++) {
             s[1 + j] = row.q[j];
-            s[1 + n + j] = r->commands ? o->stiffness[j] * (row.command[j] - row.q[j])
-                                       : row.effort[j] * (o->current ? o->gain[j] : 1);
-            complete &= isfinite(s[1 + n + j]) != 0;
+            s[1 + n + j] = row.velocity[j];
+            s[1 + 2 * n + j] = r->commands ? o->stiffness[j] * (row.command[j] - row.q[j])
+                                           : row.effort[j] * (o->current ? o->gain[j] : 1);
         }
-        const double last = r->n ? r->sample[(size_t)(r->n - 1) * width] : -HUGE_VAL;
-        if (complete && s[0] < last)
+        const double fell = mukca_run_rows_add(&r->samples, s, n);
+        if (fell > 0)
             mukca_table_fail(&r->rows.table, r->rows.column.number[MUKCA_COLUMN_TIME][0],
-                             "the time falls by %.3g s; write each run to a file of its own",
-                             last - s[0]);
-        r->incomplete += !complete;
-        r->repeated += complete && s[0] == last;
-        if (!complete || !(s[0] > last)) continue;
-        double *to = mukca_list_append(&r->sample, &r->n, sizeof *s * width);
-        if (!to) return MUKCA_MEMORY;
-        memcpy(to, s, sizeof *s * width);
+                             "the time falls by %.3g s; write each run to a file of its own", fell);
     }
-    return MUKCA_OK;
 }
 
-static mukca_status take_run(mukca_run *run, mukca_pool *pool, const reader *r)
+/* Compare the recorded velocities of a joint with the derivative of its angle. */
+static void compare_velocities(const mukca_run *run, const mukca_run_rows *rows, int joint,
+                               const mukca_chain *chain, const mukca_run_options *o)
 {
-    const int n = r->rows.chain->n_joints;
-    run->n = r->n;
-    run->time = MUKCA_TAKE(pool, double, r->n + 1);
-    run->q = MUKCA_TAKE(pool, double, r->n *n + 1);
-    run->effort = MUKCA_TAKE(pool, double, r->n *n + 1);
-    if (pool->failed) return MUKCA_MEMORY;
-    for (int i = 0; i < r->n; i++) {
-        const double *from = r->sample + (size_t)i * (1 + 2 * (size_t)n);
+    const int n = chain->n_joints;
+    double both = 0, own = 0, wanted = 0;
+    for (int i = 0, a = 0, b = 0; i < rows->n; i++) {
+        while (a < i && run->time[i] - run->time[a] > VELOCITY_STEP) a++;
+        while (b + 1 < rows->n && run->time[b] - run->time[i] < VELOCITY_STEP) b++;
+        const double v = rows->sample[(size_t)i * (1 + 3 * (size_t)n) + 1 + (size_t)(n + joint)],
+                     t = run->time[b] - run->time[a];
+        if (!isfinite(v) || !(t > 0) || t > 10 * VELOCITY_STEP) continue; /* a gap */
+        const double slope = (run->q[b * n + joint] - run->q[a * n + joint]) / t;
+        both += v * slope, own += v * v, wanted += slope * slope;
+    }
+    const double error = own - 2 * both + wanted, factor = both / fmax(wanted, 1e-300);
+    const char *name = mukca_chain_joint_name(chain, joint);
+    if (!(own > 0) || error < VELOCITY_ERROR * VELOCITY_ERROR * wanted) return;
+    if (both * both > 0.9 * own * wanted)
+        mukca_note_format(o->note, o->context,
+                          "%s: the velocities of %s are %.3g times the derivative of its angle; "
+                          "check the units of time_s, angles and velocities",
+                          run->name, name, factor);
+    else
+        mukca_note_format(o->note, o->context,
+                          "%s: the velocities of %s are not the derivative of its angle "
+                          "(correlation %.2f); check the columns of joints and time_s",
+                          run->name, name, both / sqrt(fmax(own * wanted, 1e-300)));
+}
+
+mukca_status mukca_run_rows_take(mukca_run *run, mukca_pool *pool, const mukca_run_rows *rows,
+                                 const mukca_chain *chain, const mukca_run_options *o)
+{
+    const int n = chain->n_joints;
+    run->n = rows->n;
+    run->time = MUKCA_TAKE(pool, double, rows->n + 1);
+    run->q = MUKCA_TAKE(pool, double, rows->n *n + 1);
+    run->effort = MUKCA_TAKE(pool, double, rows->n *n + 1);
+    if (pool->failed || rows->failed) return MUKCA_MEMORY;
+    for (int i = 0; i < rows->n; i++) {
+        const double *from = rows->sample + (size_t)i * (1 + 3 * (size_t)n);
         run->time[i] = from[0];
         memcpy(run->q + i * n, from + 1, sizeof(double) * (size_t)n);
-        memcpy(run->effort + i * n, from + 1 + n, sizeof(double) * (size_t)n);
+        memcpy(run->effort + i * n, from + 1 + 2 * n, sizeof(double) * (size_t)n);
     }
+    for (int j = 0; j < n; j++) compare_velocities(run, rows, j, chain, o);
+    if (rows->incomplete)
+        mukca_note_format(o->note, o->context, "%s: %d rows without time or efforts left out",
+                          run->name, rows->incomplete);
+    if (rows->repeated)
+        mukca_note_format(o->note, o->context, "%s: %d rows that repeat a time left out", run->name,
+                          rows->repeated);
     return MUKCA_OK;
 }
 
@@ -136,10 +186,12 @@ mukca_status mukca_run_read(mukca_run *run, mukca_pool *pool, const char *path,
     o->current |= columns != NULL;
     if (columns) options.format.columns = columns;
     mukca_status status = mukca_rows_open(&r->rows, path, chain, &options, error);
+    snprintf(run->name, sizeof run->name, "%.60s", mukca_file_name(path));
     if (status == MUKCA_OK) {
         check_columns(r);
-        status = read_rows(r);
-        if (status == MUKCA_OK) status = take_run(run, pool, r);
+        read_rows(r);
+        if (r->rows.table.status == MUKCA_OK)
+            status = mukca_run_rows_take(run, pool, &r->samples, chain, o);
         const mukca_status closed = mukca_rows_close(&r->rows);
         if (closed != MUKCA_OK)
             status = closed;
@@ -147,16 +199,8 @@ mukca_status mukca_run_read(mukca_run *run, mukca_pool *pool, const char *path,
             status = mukca_fail(error, status, "out of memory for %s", mukca_file_shown(path));
     }
     free(columns);
-    free(r->sample);
-    snprintf(run->name, sizeof run->name, "%.60s", mukca_file_name(path));
-    if (status != MUKCA_OK) return status;
-    if (r->incomplete)
-        mukca_note_format(o->note, o->context, "%s: %d rows without time or efforts left out",
-                          run->name, r->incomplete);
-    if (r->repeated)
-        mukca_note_format(o->note, o->context, "%s: %d rows that repeat a time left out", run->name,
-                          r->repeated);
-    return MUKCA_OK;
+    free(r->samples.sample);
+    return status;
 }
 
 /* ---- friction of the joints ---- */

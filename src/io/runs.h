@@ -22,6 +22,22 @@ mukca_status mukca_run_read(mukca_run *run, mukca_pool *pool, const char *path,
                             const mukca_chain *chain, mukca_run_options *options,
                             mukca_error *error);
 
+/* Rows of a run as they are read.  Zeroed: none. */
+typedef struct {
+    double *sample; /* [n][1 + 3 n_joints] s, rad, rad/s (NaN: unknown), N m; to be freed */
+    int n, incomplete, repeated;
+    bool failed; /* no memory */
+} mukca_run_rows;
+
+/* Add a row, unless it is incomplete or repeats the last time.  Returns by how much the time has
+ * fallen, s; 0: not. */
+double mukca_run_rows_add(mukca_run_rows *rows, const double *row, int n_joints);
+
+/* The run of these rows; run->name is set.  Notes what was left out, and velocities that are not
+ * the derivative of the angles.  Errors: MUKCA_MEMORY, without a message. */
+mukca_status mukca_run_rows_take(mukca_run *run, mukca_pool *pool, const mukca_run_rows *rows,
+                                 const mukca_chain *chain, const mukca_run_options *options);
+
 /* Read friction, damping and armature of the joints: attributes of a MuJoCo model's joints, or the
  * URDF's <dynamics>.  Joints without them have none.  Errors: MUKCA_INPUT, MUKCA_MEMORY. */
 mukca_status mukca_drives_read(mukca_drives *drives, const char *path, const mukca_chain *chain,

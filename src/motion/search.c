@@ -2,6 +2,7 @@
 #include "motion/search.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -179,19 +180,39 @@ mukca_status mukca_torque_search_run(mukca_torque_search *s, mukca_pool *pool, m
     const int n = t->items.n_items;
     ranked *alone = MUKCA_TAKE(pool, ranked, n), *beside = MUKCA_TAKE(pool, ranked, n);
     s->kept = MUKCA_TAKE(pool, int, n);
-    bool ok = !pool->failed && mukca_torques_saturate(t);
+    bool ok = !pool->failed && mukca_torques_measure_noise(t, &none);
     for (int pass = 0, settled = 0; ok; pass++) {
         const bool last = settled || pass + 1 == PASSES;
         mukca_pool_free(&s->pool);
         ok = score(alone, t, &none) && score(beside, t, &best);
         if (!ok) break;
         qsort(alone, (size_t)n, sizeof *alone, by_odds);
+        if (getenv("DBG") && last) {
+            for (int j = 0; j < t->n; j++)
+                fprintf(stderr, "noise joint %d rho %.3f sigma %.4g range %.4g\n", j, t->rho[j],
+                        t->sigma[j], t->model.signals->range[j]);
+            for (int i = 0; i < 24; i++) {
+                const mukca_label *l = &t->items.label[alone[i].index];
+                fprintf(stderr, "alone %.1f effect %d %s family %s from %d to %d detail %d\n",
+                        alone[i].odds, l->effect,
+                        l->effect >= 0 ? mukca_torque_table[l->effect].name : "?",
+                        mukca_torque_family_name[l->family], l->from, l->to, l->detail);
+            }
+        }
         keep(s, alone, beside, &best);
         ok = begin(s, &mukca_torques_whole);
         if (!ok) break;
         insert(s, &best);
         mukca_sets_explore(&s->sets, last ? BUDGET : QUICK, last);
         const mukca_torque_set found = set_of(s, s->sets.best);
+        if (getenv("DBG") && last)
+            for (int i = 0; i < found.n; i++) {
+                const mukca_label *l = &t->items.label[found.item[i]];
+                fprintf(stderr, "best effect %d %s family %s from %d to %d detail %d size %g\n",
+                        l->effect, l->effect >= 0 ? mukca_torque_table[l->effect].name : "?",
+                        mukca_torque_family_name[l->family], l->from, l->to, l->detail,
+                        found.size[i]);
+            }
         if (last) break;
         mukca_pool_free(&s->pool);
         const double change = linearise(s, &found);

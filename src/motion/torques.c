@@ -10,8 +10,8 @@
 #define MOST_CORRELATION 0.98
 /* Least noise, relative to the range: no drive measures its torque to better than 1 in 1000. */
 #define LEAST_NOISE 1e-3
-/* Prior deviation of each raw column's torque in the saturated fit, relative to the range. */
-#define SATURATED 0.3
+/* Noise from which it is estimated first, relative to the range. */
+#define FIRST_NOISE 0.1
 
 const mukca_part_weights mukca_torques_whole = {{[MUKCA_PART_NEW] = 1, [MUKCA_PART_REFERENCE] = 1}};
 
@@ -161,63 +161,6 @@ static double trace_of(const double *L, const double *S, int n, double *scratch)
     return sum;
 }
 
-/* A joint's torque on all its raw columns; out: coefficients with -1 for the value. */
-static bool saturate_joint(mukca_torques *t, int j, mukca_pool *pool)
-{
-    const int width = mukca_raw_width(t->n, j), n = width - MUKCA_SHIFTS,
-              value = n + MUKCA_SHIFTS / 2;
-    double *S = MUKCA_TAKE(pool, double, width *width), *D = MUKCA_TAKE(pool, double, width *width),
-           *G = MUKCA_TAKE(pool, double, n *n), *L = MUKCA_TAKE(pool, double, n *n),
-           *scratch = MUKCA_TAKE(pool, double, n *n), *x = MUKCA_TAKE(pool, double, width),
-           *scale = MUKCA_TAKE(pool, double, width);
-    const double rows = mukca_torques_rows(t, &mukca_torques_whole, j),
-                 range = t->model.signals->range[j];
-    if (pool->failed) return false;
-    for (int g = 0; g < MUKCA_PARTS; g++) {
-        if (mukca_torques_whole.of[g] == 0) continue;
-        mukca_raw_products_add(S, &t->part[g], j, width, 0, 1);
-        for (int i = 0; i < width * width && t->part[g].rows[j]; i++)
-            D[i] += t->part[g].difference[j][i];
-    }
-    for (int i = 0; i < n; i++)
-        scale[i] = SATURATED * range / sqrt(fmax(S[i * width + i] / rows, 1e-12 * range * range));
-    t->sigma[j] = 0.1 * range;
-    for (int iteration = 0; iteration < 6; iteration++) {
-        const double rho = t->rho[j], a = (1 - rho) * (1 - rho),
-                     over = 1 / (t->sigma[j] * t->sigma[j]);
-        for (int i = 0; i < n; i++) {
-            for (int k = 0; k < n; k++)
-                G[i * n + k] =
-                    over * scale[i] * scale[k] * (a * S[i * width + k] + rho * D[i * width + k]);
-            x[i] = over * scale[i] * (a * S[i * width + value] + rho * D[i * width + value]);
-        }
-        memcpy(L, G, sizeof *L * (size_t)(n * n));
-        for (int i = 0; i < n; i++) L[i * n + i] += 1;
-        if (mukca_dense_cholesky(L, n)) return false;
-        mukca_dense_forward(x, 1, L, n);
-        mukca_dense_backward(x, 1, L, n);
-        const double used = trace_of(L, G, n, scratch);
-        for (int i = 0; i < width; i++) x[i] = i < n ? scale[i] * x[i] : i == value ? -1 : 0;
-        const double squares = quadratic(S, x, width), steps = quadratic(D, x, width);
-        t->sigma[j] = sqrt(fmax(a * squares + rho * steps, 0) / fmax(rows - used, 0.2 * rows));
-        t->sigma[j] = fmax(t->sigma[j], LEAST_NOISE * range);
-        t->rho[j] = fmin(fmax(1 - 0.5 * steps / fmax(squares, 1e-300), 0), MOST_CORRELATION);
-    }
-    return true;
-}
-
-bool mukca_torques_saturate(mukca_torques *t)
-{
-    bool ok = true;
-    for (int j = 0; j < t->n && ok; j++) {
-        mukca_pool pool = {0};
-        t->rho[j] = 0;
-        ok = saturate_joint(t, j, &pool);
-        mukca_pool_free(&pool);
-    }
-    return ok;
-}
-
 mukca_torque_columns mukca_torque_columns_of(mukca_pool *pool, const mukca_torques *t,
                                              const mukca_torque_set *set)
 {
@@ -258,6 +201,8 @@ bool mukca_torques_measure_noise(mukca_torques *t, const mukca_torque_set *set)
            *S = MUKCA_TAKE(&pool, double, w *w), *W = MUKCA_TAKE(&pool, double, w *w),
            *scratch = MUKCA_TAKE(&pool, double, w *w), *x = MUKCA_TAKE(&pool, double, w);
     bool ok = !pool.failed;
+    for (int j = 0; j < t->n && !(t->sigma[j] > 0); j++)
+        t->sigma[j] = FIRST_NOISE * t->model.signals->range[j];
     for (int iteration = 0; iteration < 4 && ok; iteration++) {
         memset(G, 0, sizeof *G * square);
         ok = mukca_torques_multiply(G, t, &c, &mukca_torques_whole, -1, true) && solve(x, L, G, w);
