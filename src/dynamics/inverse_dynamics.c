@@ -22,29 +22,22 @@ static const mukca_frame identity = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
 /* Place in the 6-vector of a symmetric tensor: xx yy zz xy xz yz. */
 static const int place[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
 
-/* T := T times the origin of element k. */
-static void append_origin(mukca_frame *T, const mukca_chain *chain, const mukca_geometry *geometry,
-                          int k)
+/* T := T times the origin of an element. */
+static void append_origin(mukca_frame *T, const mukca_element *e)
 {
-    mukca_frame origin;
-    if (geometry) {
-        origin = geometry->origin[k];
-    } else {
-        mukca_rotation_from_rpy(origin.R, chain->element[k].rpy);
-        memcpy(origin.p, chain->element[k].xyz, sizeof origin.p);
-    }
+    mukca_frame origin = {.p = {e->xyz[0], e->xyz[1], e->xyz[2]}};
+    mukca_rotation_from_rpy(origin.R, e->rpy);
     mukca_frame_multiply(T, T, &origin);
 }
 
-void mukca_dynamics_set(mukca_dynamics *dynamics, const mukca_chain *chain,
-                        const mukca_geometry *geometry)
+void mukca_dynamics_set(mukca_dynamics *dynamics, const mukca_chain *chain)
 {
     mukca_frame T = identity;
     dynamics->n_joints = chain->n_joints;
     memcpy(dynamics->gravity, chain->gravity, sizeof dynamics->gravity);
     for (int k = 0; k < chain->n_elements; k++) {
         const mukca_element *e = &chain->element[k];
-        append_origin(&T, chain, geometry, k);
+        append_origin(&T, e);
         if (e->joint < 0) continue;
         dynamics->origin[e->joint] = T;
         memcpy(dynamics->axis[e->joint], e->axis, sizeof e->axis);
@@ -82,13 +75,13 @@ static void add_mass(double *p, const mukca_mass *mass, const mukca_frame *T)
     mukca_inertial_add(p, mass->kg, com, inertia);
 }
 
-void mukca_dynamics_inertials(double *p, const mukca_chain *chain, const mukca_geometry *geometry)
+void mukca_dynamics_inertials(double *p, const mukca_chain *chain)
 {
     mukca_frame T = identity;
     int link = -1; /* masses before the first joint do not move */
     memset(p, 0, sizeof *p * MUKCA_INERTIAL * (size_t)chain->n_joints);
     for (int k = 0; k < chain->n_elements; k++) {
-        append_origin(&T, chain, geometry, k);
+        append_origin(&T, &chain->element[k]);
         if (chain->element[k].joint >= 0) {
             link = chain->element[k].joint;
             T = identity;
@@ -199,48 +192,14 @@ void mukca_dynamics_regressor(double *Y, const mukca_dynamics *dynamics, const d
     }
 }
 
-/* Force and moment about the origin that a link with parameters p needs to move like `at`. */
-static void wrench_of(double force[3], double moment[3], const motion *at, const double *p)
-{
-    const double *mc = p + 1;
-    double turned[3], spin[3], twice[3], lever[3], I_w[3] = {0, 0, 0}, gyration[3];
-    mukca_cross(turned, at->dw, mc);
-    mukca_cross(spin, at->w, mc);
-    mukca_cross(twice, at->w, spin);
-    mukca_cross(lever, mc, at->a);
-    for (int a = 0; a < 3; a++)
-        for (int b = 0; b < 3; b++) I_w[a] += p[4 + place[a][b]] * at->w[b];
-    mukca_cross(gyration, at->w, I_w);
-    for (int a = 0; a < 3; a++) {
-        force[a] = p[0] * at->a[a] + turned[a] + twice[a];
-        moment[a] = lever[a] + gyration[a];
-        for (int b = 0; b < 3; b++) moment[a] += p[4 + place[a][b]] * at->dw[b];
-    }
-}
-
 void mukca_dynamics_torque(double *torque, const mukca_dynamics *dynamics, const double *p,
                            const double *q, const double *dq, const double *ddq)
 {
-    const int n = dynamics->n_joints;
-    mukca_frame T[MUKCA_MAX_JOINTS];
-    double force[MUKCA_MAX_JOINTS][3], moment[MUKCA_MAX_JOINTS][3];
-    const double *g = dynamics->gravity;
-    motion at = {.a = {-g[0], -g[1], -g[2]}};
-    for (int k = 0; k < n; k++) {
-        link_frame(&T[k], dynamics, k, q[k]);
-        propagate(&at, &T[k], dynamics, k, dq[k], ddq[k]);
-        wrench_of(force[k], moment[k], &at, p + MUKCA_INERTIAL * k);
-    }
-    for (int k = n - 1; k >= 0; k--) {
-        double f[3], m[3], lever[3];
-        torque[k] = mukca_dot3(dynamics->axis[k], dynamics->slides[k] ? force[k] : moment[k]);
-        if (k == 0) break;
-        mukca_mat3_vec(f, T[k].R, force[k]);
-        mukca_mat3_vec(m, T[k].R, moment[k]);
-        mukca_cross(lever, T[k].p, f);
-        for (int i = 0; i < 3; i++) {
-            force[k - 1][i] += f[i];
-            moment[k - 1][i] += m[i] + lever[i];
-        }
+    const int n = dynamics->n_joints, width = n * MUKCA_INERTIAL;
+    double Y[MUKCA_MAX_JOINTS * MUKCA_MAX_JOINTS * MUKCA_INERTIAL];
+    mukca_dynamics_regressor(Y, dynamics, q, dq, ddq);
+    for (int j = 0; j < n; j++) {
+        torque[j] = 0;
+        for (int i = j * MUKCA_INERTIAL; i < width; i++) torque[j] += Y[j * width + i] * p[i];
     }
 }

@@ -28,13 +28,12 @@ typedef struct {
     double gravity[3];                /* m/s^2, base frame */
 } mukca_dynamics;
 
-/* The arm from its chain; `geometry` (may be NULL: nominal origins). */
-void mukca_dynamics_set(mukca_dynamics *dynamics, const mukca_chain *chain,
-                        const mukca_geometry *geometry);
+/* The arm from its chain. */
+void mukca_dynamics_set(mukca_dynamics *dynamics, const mukca_chain *chain);
 
-/* Inertial parameters p[n_joints][MUKCA_INERTIAL] of the chain's masses, lumped per link at the
- * origins of `geometry` (may be NULL: nominal).  A link without masses has zeros. */
-void mukca_dynamics_inertials(double *p, const mukca_chain *chain, const mukca_geometry *geometry);
+/* Inertial parameters p[n_joints][MUKCA_INERTIAL] of the chain's masses, lumped per link.  A link
+ * without masses has zeros. */
+void mukca_dynamics_inertials(double *p, const mukca_chain *chain);
 
 /* Add a body to the parameters p[MUKCA_INERTIAL] of one link: com[3] in m, inertia[6] about com in
  * kg m^2 (xx yy zz xy xz yz; NULL: a point mass), both in the link's frame. */

@@ -5,6 +5,20 @@
 #include <stdlib.h>
 #include <string.h>
 
+double mukca_torque_square(double *slope, const mukca_torque_posterior *p, int joint,
+                           const int *column, const double *mean, int n)
+{
+    double square = 0;
+    for (int a = 0; a < n; a++) {
+        double sum = 0;
+        for (int b = 0; b < n; b++)
+            sum += p->plain[joint][column[a] * p->columns.n + column[b]] / p->rows[joint] * mean[b];
+        square += mean[a] * sum;
+        if (slope) slope[a] = sum;
+    }
+    return fmax(square, 0);
+}
+
 static void number_labels(mukca_torque_posterior *p)
 {
     const mukca_torque_search *s = p->search;
@@ -37,6 +51,7 @@ static bool find_products(mukca_torque_posterior *p, mukca_pool *pool)
     parts.of[MUKCA_PART_REFERENCE] = 0;
     bool ok = true;
     for (int j = 0; j < s->t->n && ok; j++) {
+        p->rows[j] = mukca_torques_rows(s->t, &parts, j);
         p->plain[j] = MUKCA_TAKE(pool, double, n *n + 1);
         ok =
             p->plain[j] && mukca_torques_multiply(p->plain[j], s->t, &p->columns, &parts, j, false);
@@ -47,20 +62,13 @@ static bool find_products(mukca_torque_posterior *p, mukca_pool *pool)
 /* Largest rms torque of an item at a joint, relative to that joint's range. */
 static double relevance(const mukca_torque_posterior *p, int item, const double *mean)
 {
-    const mukca_torques *t = p->search->t;
-    const mukca_item *h = &p->search->item[item];
-    mukca_part_weights parts = mukca_torques_whole;
-    parts.of[MUKCA_PART_REFERENCE] = 0;
     double most = 0;
-    for (int j = 0; j < t->n; j++) {
-        double square = 0;
-        for (int a = 0; a < h->terms; a++)
-            for (int b = 0; b < h->terms; b++)
-                square += mean[h->at + a] * mean[h->at + b] *
-                          p->plain[j][(p->at[item] + a) * p->columns.n + p->at[item] + b];
-        most = fmax(most, sqrt(fmax(square, 0) / mukca_torques_rows(t, &parts, j)) /
-                              t->model.signals->range[j]);
-    }
+    int index[MUKCA_SET_COLUMNS];
+    const mukca_item *h = &p->search->item[item];
+    for (int a = 0; a < h->terms; a++) index[a] = p->at[item] + a;
+    for (int j = 0; j < p->search->t->n; j++)
+        most = fmax(most, sqrt(mukca_torque_square(NULL, p, j, index, mean + h->at, h->terms)) /
+                              p->search->t->model.signals->range[j]);
     return most;
 }
 

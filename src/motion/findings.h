@@ -12,12 +12,18 @@ typedef struct {
     mukca_torque_columns columns;    /* of all items in the sets */
     int *at;                         /* [n_kept] first of these columns, -1: in no set */
     double *plain[MUKCA_MAX_JOINTS]; /* [columns][columns] products of a joint */
+    double rows[MUKCA_MAX_JOINTS];   /* in these */
     mukca_labelled_sets posterior;
 } mukca_torque_posterior;
 
 /* Set the findings of a motion.  Errors: MUKCA_MEMORY. */
 mukca_status mukca_torque_findings(mukca_motion *motion, mukca_torque_search *search,
                                    mukca_error *error);
+
+/* Mean square of the torque at a joint of columns column[n] of `plain` times mean[n]; half of its
+ * derivative, slope[n], may be NULL. */
+double mukca_torque_square(double *slope, const mukca_torque_posterior *p, int joint,
+                           const int *column, const double *mean, int n);
 
 /* Sizes, coefficients and alternatives of the groups of all findings. */
 bool mukca_torque_sizes(mukca_motion *motion, mukca_pool *pool,

@@ -155,28 +155,25 @@ static void list_parameters(lister *l)
     l->out->n_parameters = l->out->n_columns;
 }
 
-/* ---- the value: measured torque at the point's delay, continued to none, minus the nominal one
- * ---- */
+/* ---- the value: measured torque without delay, minus the nominal one ---- */
 
-/* Put the time derivative of a joint's torque at its delay. */
+/* Put the time derivative of a joint's torque; at a delay, the chord from none to it: both are then
+ * compared as they are, and not a continuation of one. */
 static void put_rate(lister *l, int joint, double weight)
 {
     double value[MUKCA_SHIFTS], slope[MUKCA_SHIFTS];
-    const double step = l->model->shift * l->model->signals->dt;
-    mukca_raw_interpolate(value, slope, l->point->delay[joint] / step);
+    const double step = l->model->shift * l->model->signals->dt, delay = l->point->delay[joint];
+    mukca_raw_interpolate(value, slope, delay / step);
+    value[MUKCA_SHIFTS / 2] -= 1;
     for (int k = 0; k < MUKCA_SHIFTS; k++)
-        put_local(l, joint, MUKCA_RAW_TORQUE + k, weight * slope[k] / step);
+        put_local(l, joint, MUKCA_RAW_TORQUE + k,
+                  weight * (delay != 0 ? value[k] / delay : slope[k] / step));
 }
 
 static void list_value(lister *l, double *scratch)
 {
-    const double step = l->model->shift * l->model->signals->dt;
     for (int j = 0; j < l->n; j++) {
-        double value[MUKCA_SHIFTS], slope[MUKCA_SHIFTS];
-        const double x = l->point->delay[j] / step;
-        mukca_raw_interpolate(value, slope, x);
-        for (int k = 0; k < MUKCA_SHIFTS; k++)
-            put_local(l, j, MUKCA_RAW_TORQUE + k, value[k] - x * slope[k]);
+        put_local(l, j, MUKCA_RAW_TORQUE + MUKCA_SHIFTS / 2, 1);
         mukca_raw_nominal(scratch, l->model, &l->input->drives, j);
         for (int r = 0; r < mukca_raw_width(l->n, j); r++) put(l, j, r, -scratch[r]);
     }

@@ -101,8 +101,8 @@ static mukca_status prepare(mukca_torques *t, mukca_signals *signals, mukca_pool
     mukca_status status = mukca_signals_make(signals, pool, in, error);
     if (status != MUKCA_OK) return status;
     t->model.signals = signals;
-    mukca_dynamics_set(&t->model.dynamics, in->chain, NULL);
-    mukca_dynamics_inertials(t->model.inertial, in->chain, NULL);
+    mukca_dynamics_set(&t->model.dynamics, in->chain);
+    mukca_dynamics_inertials(t->model.inertial, in->chain);
     t->model.shift = (int)fmax(rint(SPACING / signals->dt), 1);
     for (int j = 0; j < t->n; j++) {
         t->model.scale[j] = signals->range[j];

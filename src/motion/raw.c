@@ -88,6 +88,8 @@ void mukca_raw_fill(double *x, int ld, const mukca_raw_model *m, const mukca_raw
         for (int p = 0; p < rigid; p++) torque += own[p] * m->inertial[j * MUKCA_INERTIAL + p];
         put_velocity(local, s, n, at, j);
         const double sign = local[MUKCA_RAW_SIGN], v = s->dq[at + j];
+        local[MUKCA_RAW_DRAG] = v * fabs(v) / fastest;
+        local[MUKCA_RAW_DRAG + 1] = v * v * v / (fastest * fastest);
         local[MUKCA_RAW_LOAD] = sign * fabs(block->gravity[(i - block->first) * n + j]);
         local[MUKCA_RAW_LOAD + 1] = sign * fabs(torque);
         local[MUKCA_RAW_LOAD + 2] = sign * torque * torque / m->scale[j];

@@ -31,7 +31,8 @@ enum {
     MUKCA_RAW_PLAY = MUKCA_RAW_REVERSAL + MUKCA_REVERSALS,
     MUKCA_RAW_VELOCITY = MUKCA_RAW_PLAY + MUKCA_PLAYS,
     MUKCA_RAW_SPEED,                               /* |dq| */
-    MUKCA_RAW_BESIDE,                              /* sign and velocity of both neighbours */
+    MUKCA_RAW_DRAG,                                /* dq |dq|, dq^3, over the fastest */
+    MUKCA_RAW_BESIDE = MUKCA_RAW_DRAG + 2,         /* sign and velocity of both neighbours */
     MUKCA_RAW_ACCELERATION = MUKCA_RAW_BESIDE + 4, /* own, and of both neighbours */
     MUKCA_RAW_LOAD =
         MUKCA_RAW_ACCELERATION + 3, /* sign |T| of gravity alone, of all; sign T^2, velocity |T| */

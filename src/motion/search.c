@@ -166,6 +166,7 @@ static double linearise(mukca_torque_search *s, const mukca_torque_set *set)
     const double most = shifts * t->model.shift * t->model.signals->dt;
     for (int j = 0; j < t->n && ok; j++) {
         delay[j] = fmin(fmax(delay[j], -most), most);
+        if (fabs(delay[j]) < SETTLED) delay[j] = 0; /* a chord has a length */
         change = fmax(change, fabs(delay[j] - t->point.delay[j]));
         t->point.delay[j] = delay[j];
     }
@@ -180,7 +181,7 @@ mukca_status mukca_torque_search_run(mukca_torque_search *s, mukca_pool *pool, m
     const int n = t->items.n_items;
     ranked *alone = MUKCA_TAKE(pool, ranked, n), *beside = MUKCA_TAKE(pool, ranked, n);
     s->kept = MUKCA_TAKE(pool, int, n);
-    bool ok = !pool->failed && mukca_torques_measure_noise(t, &none);
+    bool ok = !pool->failed && mukca_torques_saturate(t);
     for (int pass = 0, settled = 0; ok; pass++) {
         const bool last = settled || pass + 1 == PASSES;
         mukca_pool_free(&s->pool);

@@ -13,7 +13,6 @@ enum { LABEL = 1 + MUKCA_INERTIAL }; /* mixtures of a label */
 
 typedef struct {
     const mukca_torque_posterior *p;
-    double rows[MUKCA_MAX_JOINTS];
     int columns; /* of the present set */
     int at[MUKCA_SET_ITEMS];
     double *V, *mean; /* covariance and mean of its columns */
@@ -48,21 +47,17 @@ static int columns_of(int *index, const measured *w, const mukca_set *set, const
 /* Mean square of the torque of some columns at a joint; *variance of its root. */
 static double square_at(double *variance, const measured *w, int joint, const int *index, int n)
 {
-    const double *G = w->p->plain[joint];
-    double square = 0, along = 0, trace = 0, slope[MUKCA_SET_COLUMNS];
-    for (int a = 0; a < n; a++) {
-        slope[a] = 0;
-        for (int b = 0; b < n; b++) {
-            const double g =
-                G[w->plain[index[a]] * w->p->columns.n + w->plain[index[b]]] / w->rows[joint];
-            slope[a] += g * w->mean[index[b]];
-            trace += g * w->V[index[a] * w->columns + index[b]];
-        }
-        square += w->mean[index[a]] * slope[a];
-    }
+    const mukca_torque_posterior *p = w->p;
+    double along = 0, trace = 0, slope[MUKCA_SET_COLUMNS], mean[MUKCA_SET_COLUMNS];
+    int column[MUKCA_SET_COLUMNS];
+    for (int a = 0; a < n; a++) column[a] = w->plain[index[a]], mean[a] = w->mean[index[a]];
+    const double square = mukca_torque_square(slope, p, joint, column, mean, n);
     for (int a = 0; a < n; a++)
-        for (int b = 0; b < n; b++)
-            along += slope[a] * slope[b] * w->V[index[a] * w->columns + index[b]];
+        for (int b = 0; b < n; b++) {
+            const double v = w->V[index[a] * w->columns + index[b]];
+            trace += p->plain[joint][column[a] * p->columns.n + column[b]] / p->rows[joint] * v;
+            along += slope[a] * slope[b] * v;
+        }
     *variance = square > 0 ? along / square : trace;
     return square + trace;
 }
@@ -224,8 +219,6 @@ bool mukca_torque_sizes(mukca_motion *motion, mukca_pool *pool, const mukca_torq
 {
     const mukca_torque_search *s = p->search;
     const int n = motion->n_findings + motion->n_maybe;
-    mukca_part_weights parts = mukca_torques_whole;
-    parts.of[MUKCA_PART_REFERENCE] = 0;
     measured w = {.p = p,
                   .V = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *MUKCA_SET_COLUMNS),
                   .mean = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS),
@@ -234,7 +227,6 @@ bool mukca_torque_sizes(mukca_motion *motion, mukca_pool *pool, const mukca_torq
                     *label = MUKCA_TAKE(pool, mukca_gaussians, LABEL * p->n_labels + 1);
     double *probability = MUKCA_TAKE(pool, double, p->n_labels + 1),
            *scratch = MUKCA_TAKE(pool, double, s->question.stride + 1);
-    for (int j = 0; j < s->t->n; j++) w.rows[j] = mukca_torques_rows(s->t, &parts, j);
     if (pool->failed) return false;
     find_worst(motion, &w, scratch);
     for (int k = 0; k < s->n_sets; k++) {

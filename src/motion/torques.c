@@ -10,8 +10,8 @@
 #define MOST_CORRELATION 0.98
 /* Least noise, relative to the range: no drive measures its torque to better than 1 in 1000. */
 #define LEAST_NOISE 1e-3
-/* Noise from which it is estimated first, relative to the range. */
-#define FIRST_NOISE 0.1
+/* Prior deviation of each raw column's torque in the saturated fit, relative to the range. */
+#define SATURATED 0.3
 
 const mukca_part_weights mukca_torques_whole = {{[MUKCA_PART_NEW] = 1, [MUKCA_PART_REFERENCE] = 1}};
 
@@ -150,31 +150,6 @@ static double quadratic(const double *G, const double *c, int n)
     return sum;
 }
 
-/* Trace of (1 + G)^-1 S, with L L' = 1 + G. */
-static double trace_of(const double *L, const double *S, int n, double *scratch)
-{
-    double sum = 0;
-    memcpy(scratch, S, sizeof *S * (size_t)(n * n));
-    mukca_dense_forward(scratch, n, L, n);
-    mukca_dense_backward(scratch, n, L, n);
-    for (int i = 0; i < n; i++) sum += scratch[i * n + i];
-    return sum;
-}
-
-mukca_torque_columns mukca_torque_columns_of(mukca_pool *pool, const mukca_torques *t,
-                                             const mukca_torque_set *set)
-{
-    int n = t->items.n_parameters + 1;
-    for (int i = 0; set && i < set->n; i++) n += t->items.item[set->item[i]].terms;
-    mukca_torque_columns c = mukca_torque_columns_take(pool, n);
-    if (pool->failed) return c;
-    mukca_torque_columns_parameters(&c, t);
-    for (int i = 0; set && i < set->n; i++)
-        mukca_torque_columns_item(&c, t, set->item[i], set->size[i]);
-    mukca_torque_columns_value(&c, t);
-    return c;
-}
-
 /* L := factor of 1 + G without the last column, which is the value; x := mean, -1 for the value. */
 static bool solve(double *x, double *L, const double *G, int width)
 {
@@ -191,38 +166,110 @@ static bool solve(double *x, double *L, const double *G, int width)
     return true;
 }
 
+/* Noise of a joint about the mean x[width] of a fit with factor L: by products S of the rows and D
+ * of their differences. */
+static void update_noise(mukca_torques *t, int j, const double *const SD[2], const double *x,
+                         const double *L, int width, double *scratch)
+{
+    const int n = width - 1;
+    const double rho = t->rho[j], a = (1 - rho) * (1 - rho),
+                 rows = mukca_torques_rows(t, &mukca_torques_whole, j);
+    const double squares = quadratic(SD[0], x, width), steps = quadratic(SD[1], x, width);
+    double used = 0; /* trace of (1 + G)^-1 G, the joint's part */
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < n; k++)
+            scratch[i * n + k] = a * SD[0][i * width + k] + rho * SD[1][i * width + k];
+    mukca_dense_forward(scratch, n, L, n);
+    mukca_dense_backward(scratch, n, L, n);
+    for (int i = 0; i < n; i++) used += scratch[i * n + i] / (t->sigma[j] * t->sigma[j]);
+    t->sigma[j] = sqrt(fmax(a * squares + rho * steps, 0) / fmax(rows - used, 0.2 * rows));
+    t->sigma[j] = fmax(t->sigma[j], LEAST_NOISE * t->model.signals->range[j]);
+    t->rho[j] = fmin(fmax(1 - 0.5 * steps / fmax(squares, 1e-300), 0), MOST_CORRELATION);
+}
+
+/* A joint's torque on all its raw columns. */
+static bool saturate_joint(mukca_torques *t, int j, mukca_pool *pool)
+{
+    const int width = mukca_raw_width(t->n, j), n = width - MUKCA_SHIFTS, w = n + 1;
+    double *S = MUKCA_TAKE(pool, double, width *width), *D = MUKCA_TAKE(pool, double, width *width),
+           *G = MUKCA_TAKE(pool, double, w *w), *L = MUKCA_TAKE(pool, double, n *n),
+           *scratch = MUKCA_TAKE(pool, double, n *n), *x = MUKCA_TAKE(pool, double, w);
+    const double rows = mukca_torques_rows(t, &mukca_torques_whole, j),
+                 range = t->model.signals->range[j], *const SD[2] = {S, D};
+    if (pool->failed) return false;
+    for (int g = 0; g < MUKCA_PARTS; g++) { /* rho 0: S; 1: D */
+        mukca_raw_products_add(S, &t->part[g], j, width, 0, mukca_torques_whole.of[g]);
+        mukca_raw_products_add(D, &t->part[g], j, width, 1, mukca_torques_whole.of[g]);
+    }
+    for (int i = 0; i < w; i++)
+        x[i] = i < n
+                   ? SATURATED * range / sqrt(fmax(S[i * width + i] / rows, 1e-12 * range * range))
+                   : 1;
+    for (int i = 0; i < w; i++) /* the value is the torque in the middle */
+        for (int k = 0; k < w; k++) {
+            const int from =
+                (i < n ? i : n + MUKCA_SHIFTS / 2) * width + (k < n ? k : n + MUKCA_SHIFTS / 2);
+            S[i * w + k] = x[i] * x[k] * S[from];
+            D[i * w + k] = x[i] * x[k] * D[from];
+        }
+    t->sigma[j] = 0.1 * range;
+    for (int iteration = 0; iteration < 6; iteration++) {
+        const double rho = t->rho[j], over = 1 / (t->sigma[j] * t->sigma[j]);
+        for (int i = 0; i < w * w; i++) G[i] = over * ((1 - rho) * (1 - rho) * S[i] + rho * D[i]);
+        if (!solve(x, L, G, w)) return false;
+        update_noise(t, j, SD, x, L, w, scratch);
+    }
+    return true;
+}
+
+bool mukca_torques_saturate(mukca_torques *t)
+{
+    bool ok = true;
+    for (int j = 0; j < t->n && ok; j++) {
+        mukca_pool pool = {0};
+        ok = saturate_joint(t, j, &pool);
+        mukca_pool_free(&pool);
+    }
+    return ok;
+}
+
+mukca_torque_columns mukca_torque_columns_of(mukca_pool *pool, const mukca_torques *t,
+                                             const mukca_torque_set *set)
+{
+    int n = t->items.n_parameters + 1;
+    for (int i = 0; set && i < set->n; i++) n += t->items.item[set->item[i]].terms;
+    mukca_torque_columns c = mukca_torque_columns_take(pool, n);
+    if (pool->failed) return c;
+    mukca_torque_columns_parameters(&c, t);
+    for (int i = 0; set && i < set->n; i++)
+        mukca_torque_columns_item(&c, t, set->item[i], set->size[i]);
+    mukca_torque_columns_value(&c, t);
+    return c;
+}
+
 bool mukca_torques_measure_noise(mukca_torques *t, const mukca_torque_set *set)
 {
     mukca_pool pool = {0};
     const mukca_torque_columns c = mukca_torque_columns_of(&pool, t, set);
-    const int w = c.n, n = w - 1;
+    const int w = c.n;
     const size_t square = (size_t)w * (size_t)w;
     double *G = MUKCA_TAKE(&pool, double, w *w), *L = MUKCA_TAKE(&pool, double, w *w),
-           *S = MUKCA_TAKE(&pool, double, w *w), *W = MUKCA_TAKE(&pool, double, w *w),
+           *S = MUKCA_TAKE(&pool, double, w *w), *D = MUKCA_TAKE(&pool, double, w *w),
            *scratch = MUKCA_TAKE(&pool, double, w *w), *x = MUKCA_TAKE(&pool, double, w);
+    const double *const SD[2] = {S, D};
     bool ok = !pool.failed;
-    for (int j = 0; j < t->n && !(t->sigma[j] > 0); j++)
-        t->sigma[j] = FIRST_NOISE * t->model.signals->range[j];
     for (int iteration = 0; iteration < 4 && ok; iteration++) {
         memset(G, 0, sizeof *G * square);
         ok = mukca_torques_multiply(G, t, &c, &mukca_torques_whole, -1, true) && solve(x, L, G, w);
         for (int j = 0; j < t->n && ok; j++) {
-            const double rho = t->rho[j], a = (1 - rho) * (1 - rho),
-                         rows = mukca_torques_rows(t, &mukca_torques_whole, j);
+            const double rho = t->rho[j];
             memset(S, 0, sizeof *S * square);
-            memset(W, 0, sizeof *W * square);
+            memset(D, 0, sizeof *D * square);
             t->rho[j] = 1; /* products of the differences */
             ok = mukca_torques_multiply(S, t, &c, &mukca_torques_whole, j, false) &&
-                 mukca_torques_multiply(W, t, &c, &mukca_torques_whole, j, true);
+                 mukca_torques_multiply(D, t, &c, &mukca_torques_whole, j, true);
             t->rho[j] = rho;
-            const double squares = quadratic(S, x, w), steps = quadratic(W, x, w),
-                         white = a * squares + rho * steps;
-            for (size_t i = 0; i < square; i++) W[i] = a * S[i] + rho * W[i];
-            for (int i = 0; i < n; i++) memmove(W + i * n, W + i * w, sizeof *W * (size_t)n);
-            const double used = trace_of(L, W, n, scratch) / (t->sigma[j] * t->sigma[j]);
-            t->sigma[j] = fmax(sqrt(fmax(white, 0) / fmax(rows - used, 0.2 * rows)),
-                               LEAST_NOISE * t->model.signals->range[j]);
-            t->rho[j] = fmin(fmax(1 - 0.5 * steps / fmax(squares, 1e-300), 0), MOST_CORRELATION);
+            update_noise(t, j, SD, x, L, w, scratch);
         }
     }
     mukca_pool_free(&pool);

@@ -55,8 +55,9 @@ bool mukca_torques_multiply(double *G, const mukca_torques *t, const mukca_torqu
 /* Rows of a joint in these parts; at least a tiny number. */
 double mukca_torques_rows(const mukca_torques *t, const mukca_part_weights *parts, int joint);
 
-/* Noise of each joint about a fit of the parameters and a set.  False: no memory, or not positive.
- */
+/* Noise of each joint: of a fit of all raw columns; of a fit of the parameters and a set, where the
+ * correlation does not fall.  False: no memory, or not positive. */
+bool mukca_torques_saturate(mukca_torques *t);
 bool mukca_torques_measure_noise(mukca_torques *t, const mukca_torque_set *set);
 
 /* Posterior mean mean[parameters and columns of the set], in units of their priors, from these

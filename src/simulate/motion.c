@@ -285,8 +285,8 @@ mukca_status mukca_simulate_motion(const mukca_simulated_motion *motion, mukca_m
 {
     state s = {.motion = motion};
     mukca_status status = MUKCA_OK;
-    mukca_dynamics_set(&s.dynamics, motion->chain, NULL);
-    mukca_dynamics_inertials(s.p, motion->chain, NULL);
+    mukca_dynamics_set(&s.dynamics, motion->chain);
+    mukca_dynamics_inertials(s.p, motion->chain);
     for (int e = 0; e < motion->n_effects; e++) change_masses(s.p, &motion->effects[e], motion);
     mukca_simulate_seed(&s.paths, motion->seed, MUKCA_DRAW_POSTURES);
     mukca_simulate_seed(&s.noise, motion->seed, MUKCA_DRAW_NOISE);

@@ -57,8 +57,8 @@ static void record(int i, mukca_run_role role, int seed, const put *p)
     mukca_random random;
     double inertial[N * MUKCA_INERTIAL];
     const double com[3] = {0.1, 0, 0};
-    mukca_dynamics_set(&arm, &chain, NULL);
-    mukca_dynamics_inertials(inertial, &chain, NULL);
+    mukca_dynamics_set(&arm, &chain);
+    mukca_dynamics_inertials(inertial, &chain);
     mukca_inertial_add(inertial + (N - 1) * MUKCA_INERTIAL, p->payload, com, NULL);
     mukca_random_seed(&random, (uint64_t)seed);
     run[i] = (mukca_run){.name = "run.tsv",

@@ -23,8 +23,8 @@ static int load(void **state)
     (void)state;
     const mukca_urdf_options options = {.tip = "ball"};
     if (mukca_urdf_load(&chain, "tests/unit/torques.urdf", &options, NULL, NULL, &error)) return 1;
-    mukca_dynamics_set(&dynamics, &chain, NULL);
-    mukca_dynamics_inertials(p, &chain, NULL);
+    mukca_dynamics_set(&dynamics, &chain);
+    mukca_dynamics_inertials(p, &chain);
     mukca_random_seed(&generator, 5);
     return 0;
 }
@@ -125,17 +125,20 @@ TEST(at_rest_the_torque_is_the_static_load_also_of_a_tilted_base)
     mukca_geometry geometry;
     double theta[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS];
     const double rest[N] = {0};
+    for (int k = 0; k < chain.n_elements; k++)
+        for (int i = 0; i < 3; i++) {
+            chain.element[k].xyz[i] += 0.05 * mukca_random_normal(&generator);
+            chain.element[k].rpy[i] += 0.05 * mukca_random_normal(&generator);
+        }
     mukca_chain_theta(theta, &chain);
-    for (int i = 0; i < MUKCA_PARAMETERS * chain.n_elements; i++)
-        theta[i] += 0.05 * mukca_random_normal(&generator);
     mukca_geometry_set(&geometry, &chain, theta);
     for (int trial = 0; trial < 5; trial++) {
         mukca_gravity_load load;
         double torque[N];
         draw_motion();
         for (int i = 0; i < 3; i++) chain.gravity[i] = 6 * mukca_random_normal(&generator);
-        mukca_dynamics_set(&dynamics, &chain, &geometry);
-        mukca_dynamics_inertials(p, &chain, &geometry);
+        mukca_dynamics_set(&dynamics, &chain);
+        mukca_dynamics_inertials(p, &chain);
         mukca_dynamics_torque(torque, &dynamics, p, q, rest, rest);
         mukca_chain_moments(&load, &chain, &geometry, q, NULL, 0);
         for (int j = 0; j < N; j++) assert_close(torque[j], load.torque[j], 1e-11);
@@ -157,8 +160,8 @@ TEST(nothing_is_allocated)
     static double Y[N * P], x[64 * 3], dx[64 * 3], scratch[(64 + 2 * 64) * MUKCA_LOWPASS_LANES];
     mukca_lowpass lowpass;
     const long before = calls;
-    mukca_dynamics_set(&dynamics, &chain, NULL);
-    mukca_dynamics_inertials(p, &chain, NULL);
+    mukca_dynamics_set(&dynamics, &chain);
+    mukca_dynamics_inertials(p, &chain);
     mukca_dynamics_regressor(Y, &dynamics, q, dq, ddq);
     mukca_dynamics_torque(Y, &dynamics, p, q, dq, ddq);
     mukca_lowpass_set(&lowpass, 3, 10, 100);

@@ -69,8 +69,8 @@ TEST(the_torque_is_that_of_the_rigid_body)
 {
     mukca_dynamics dynamics;
     double p[N * MUKCA_INERTIAL];
-    mukca_dynamics_set(&dynamics, &chain, NULL);
-    mukca_dynamics_inertials(p, &chain, NULL);
+    mukca_dynamics_set(&dynamics, &chain);
+    mukca_dynamics_inertials(p, &chain);
     assert_int_equal(n_rows, 801);
     for (int r = 1; r < n_rows - 1; r++) {
         double dq[N], ddq[N], torque[N];
