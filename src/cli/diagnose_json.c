@@ -124,7 +124,7 @@ static json_t *coefficient(const mukca_diagnosed *r, const mukca_finding *f)
 
 static json_t *finding_object(const mukca_diagnosed *r, const mukca_finding *f)
 {
-    static const char *const kinds[] = {"effect", "effect", "family", "place"};
+    static const char *const kinds[] = {"effect", "effect", "family", "tie", "place"};
     const mukca_finding_group *g = &f->group;
     const int at[2] = {g->apart ? r->chain->n_joints : g->from,
                        g->apart ? r->chain->n_joints : g->to};

@@ -33,7 +33,7 @@ static json_t *alternatives(const mukca_motion_finding *f, const mukca_chain *ch
 
 static json_t *finding(const mukca_motion_finding *f, const mukca_chain *chain)
 {
-    static const char *const kinds[] = {"effect", "effect", "family", "place"};
+    static const char *const kinds[] = {"effect", "effect", "family", "tie", "place"};
     const mukca_finding_group *g = &f->group;
     const bool links = mukca_wording_torque_on_links(g), sized = isfinite(f->coefficient.value);
     const double shrink = 100 * (1 - f->after_nm / f->before_nm);

@@ -163,8 +163,9 @@ static void row_of(double row[MUKCA_INERTIAL], const motion *at, const double v[
     }
 }
 
-void mukca_dynamics_regressor(double *Y, const mukca_dynamics *dynamics, const double *q,
-                              const double *dq, const double *ddq)
+/* Torques of unit parameters into Y, or (Y NULL) of parameters p. */
+static void find_torques(double *Y, double *torque, const mukca_dynamics *dynamics, const double *p,
+                         const double *const state[3])
 {
     const int n = dynamics->n_joints;
     const double *g = dynamics->gravity, rest[3] = {0, 0, 0};
@@ -172,8 +173,8 @@ void mukca_dynamics_regressor(double *Y, const mukca_dynamics *dynamics, const d
     motion at = {.a = {-g[0], -g[1], -g[2]}};
     for (int k = 0; k < n; k++) {
         mukca_frame T;
-        link_frame(&T, dynamics, k, q[k]);
-        propagate(&at, &T, dynamics, k, dq[k], ddq[k]);
+        link_frame(&T, dynamics, k, state[0][k]);
+        propagate(&at, &T, dynamics, k, state[1][k], state[2][k]);
         for (int i = 0; i < k; i++) {
             double before[3];
             memcpy(before, w[i], sizeof before);
@@ -183,23 +184,24 @@ void mukca_dynamics_regressor(double *Y, const mukca_dynamics *dynamics, const d
         memcpy(v[k], dynamics->slides[k] ? dynamics->axis[k] : rest, sizeof v[k]);
         memcpy(w[k], dynamics->slides[k] ? rest : dynamics->axis[k], sizeof w[k]);
         for (int i = 0; i < n; i++) {
-            double *row = Y + MUKCA_INERTIAL * ((size_t)i * (size_t)n + (size_t)k);
-            if (i <= k)
-                row_of(row, &at, v[i], w[i]);
-            else
-                memset(row, 0, MUKCA_INERTIAL * sizeof *row);
+            double row[MUKCA_INERTIAL] = {0};
+            if (i <= k) row_of(row, &at, v[i], w[i]);
+            if (Y) memcpy(Y + MUKCA_INERTIAL * (i * n + k), row, sizeof row);
+            for (int c = 0; c < MUKCA_INERTIAL && !Y; c++)
+                torque[i] += row[c] * p[k * MUKCA_INERTIAL + c];
         }
     }
+}
+
+void mukca_dynamics_regressor(double *Y, const mukca_dynamics *dynamics, const double *q,
+                              const double *dq, const double *ddq)
+{
+    find_torques(Y, NULL, dynamics, NULL, (const double *const[]){q, dq, ddq});
 }
 
 void mukca_dynamics_torque(double *torque, const mukca_dynamics *dynamics, const double *p,
                            const double *q, const double *dq, const double *ddq)
 {
-    const int n = dynamics->n_joints, width = n * MUKCA_INERTIAL;
-    double Y[MUKCA_MAX_JOINTS * MUKCA_MAX_JOINTS * MUKCA_INERTIAL];
-    mukca_dynamics_regressor(Y, dynamics, q, dq, ddq);
-    for (int j = 0; j < n; j++) {
-        torque[j] = 0;
-        for (int i = j * MUKCA_INERTIAL; i < width; i++) torque[j] += Y[j * width + i] * p[i];
-    }
+    memset(torque, 0, sizeof *torque * (size_t)dynamics->n_joints);
+    find_torques(NULL, torque, dynamics, p, (const double *const[]){q, dq, ddq});
 }

@@ -7,7 +7,8 @@
 
 /* Coarseness of a kind of group in addition to positions times kinds of causes: it decides between
  * groups with the same causes. */
-static const double coarser[] = {0, 0.01, 0.2, 0.6}, coarser_stretch[] = {0.49, 0.5, 0.3, 0.9};
+static const double coarser[] = {0, 0.01, 0.2, 0.4, 0.6},
+                    coarser_stretch[] = {0.49, 0.5, 0.3, 0.6, 0.9};
 
 typedef struct {
     mukca_finding_group group;
@@ -22,6 +23,7 @@ typedef struct {
 
 bool mukca_finding_holds(const mukca_finding_group *g, const mukca_label *l)
 {
+    if (g->kind == MUKCA_GROUP_TIE && (l->tie != g->tie || l->apart)) return l->tie == g->tie;
     if (l->from < g->from || l->to > g->to || l->apart != g->apart) return false;
     switch (g->kind) {
         case MUKCA_GROUP_DETAIL:
@@ -30,7 +32,7 @@ bool mukca_finding_holds(const mukca_finding_group *g, const mukca_label *l)
             return l->effect == g->effect;
         case MUKCA_GROUP_FAMILY:
             return l->family == g->family;
-        default:
+        default: /* a tie, and a place */
             return true;
     }
 }
@@ -167,19 +169,21 @@ static void add_stretches(groups *all, mukca_group_kind kind, int label)
     const mukca_label *l = all->posterior->label;
     const int n = all->posterior->n_labels;
     const mukca_finding_group like = {.kind = kind,
-                                      .family = kind != MUKCA_GROUP_PLACE ? l[label].family : -1,
+                                      .family = kind < MUKCA_GROUP_TIE ? l[label].family : -1,
+                                      .tie = l[label].tie,
                                       .effect = kind == MUKCA_GROUP_EFFECT ? l[label].effect : -1,
                                       .from = -1000,
                                       .to = 1000,
                                       .apart = l[label].apart};
     for (int o = 0; o < label; o++)
-        if (mukca_finding_holds(&like, &l[o])) return;
+        if (mukca_finding_holds(&like, &l[o]) && l[o].apart == like.apart) return;
     for (int a = 0; a < n; a++) {
-        bool repeated = !mukca_finding_holds(&like, &l[a]);
+        bool repeated = !mukca_finding_holds(&like, &l[a]) || l[a].apart != like.apart;
         for (int o = 0; o < a && !repeated; o++)
             repeated = mukca_finding_holds(&like, &l[o]) && l[o].from == l[a].from;
         for (int b = 0; b < n && !repeated; b++) {
-            bool known = !mukca_finding_holds(&like, &l[b]) || l[b].to < l[a].from;
+            bool known = !mukca_finding_holds(&like, &l[b]) || l[b].to < l[a].from ||
+                         l[b].apart != like.apart;
             for (int o = 0; o < b && !known; o++)
                 known = mukca_finding_holds(&like, &l[o]) && l[o].to == l[b].to;
             mukca_finding_group g = like;
@@ -197,6 +201,7 @@ static void list_groups(groups *all)
         if (l->detail) add(all, mukca_finding_alone(l));
         if (l->effect >= 0) add_stretches(all, MUKCA_GROUP_EFFECT, i);
         add_stretches(all, MUKCA_GROUP_FAMILY, i);
+        if (!l->apart && l->tie) add_stretches(all, MUKCA_GROUP_TIE, i);
         if (!l->apart) add_stretches(all, MUKCA_GROUP_PLACE, i);
     }
 }

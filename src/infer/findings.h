@@ -37,6 +37,7 @@ typedef struct {
     int effect;   /* of the catalogue; negative: outside it, kinds are counted together */
     int from, to; /* positions along the chain, or apart from it */
     int detail;   /* order or placement; 0: none */
+    int tie;      /* declared: causes with the same number may imitate each other; 0: none */
     int blur;     /* details that differ by at most this are the same to the data */
     bool fine;    /* too fine a function to be a part of a cause outside the catalogue */
     bool apart;   /* its positions are not on the chain */
@@ -60,12 +61,14 @@ typedef enum {
     MUKCA_GROUP_DETAIL, /* an effect at a position, with its order or placement */
     MUKCA_GROUP_EFFECT, /* an effect at a position or over a stretch */
     MUKCA_GROUP_FAMILY, /* all that vary with the same thing there */
+    MUKCA_GROUP_TIE,    /* all of a declared tie there, and those apart from the chain */
     MUKCA_GROUP_PLACE   /* anything there */
 } mukca_group_kind;
 
 typedef struct {
     mukca_group_kind kind;
     int family, effect; /* -1: any */
+    int tie;            /* of a tie */
     int from, to;
     int low, high; /* details */
     bool fine, apart;

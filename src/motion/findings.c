@@ -5,20 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-double mukca_torque_square(double *slope, const mukca_torque_posterior *p, int joint,
-                           const int *column, const double *mean, int n)
-{
-    double square = 0;
-    for (int a = 0; a < n; a++) {
-        double sum = 0;
-        for (int b = 0; b < n; b++)
-            sum += p->plain[joint][column[a] * p->columns.n + column[b]] / p->rows[joint] * mean[b];
-        square += mean[a] * sum;
-        if (slope) slope[a] = sum;
-    }
-    return fmax(square, 0);
-}
-
 static void number_labels(mukca_torque_posterior *p)
 {
     const mukca_torque_search *s = p->search;

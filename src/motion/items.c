@@ -114,8 +114,6 @@ static void put_torque(lister *l, int joint, double weight)
         put(l, joint, r, weight * l->point->torque[joint][r]);
 }
 
-/* ---- parameters ---- */
-
 static void list_local(lister *l, int joint, int column, double sigma)
 {
     if (!(sigma > 0)) return;
@@ -276,6 +274,7 @@ static mukca_item *begin(lister *l, int e, int from, int to, int variant)
                            .effect = row->name ? e : -1 - e,
                            .from = from,
                            .to = to > from ? from : to,
+                           .tie = row->links || row->n == MUKCA_COLUMNS_MODEL,
                            .apart = to > from};
     if (row->orders) {
         label->detail = variant + 1;

@@ -28,7 +28,7 @@ static mukca_status check(const mukca_torques *t, const mukca_motion_input *in, 
 {
     const mukca_signals *s = t->model.signals;
     double product = 0, model = 0, measured = 0;
-    int moving = 0, turning = 0;
+    int turning = 0;
     for (const mukca_stretch *k = s->stretch; k < s->stretch + s->n; k++)
         for (int i = 0; i < k->n; i += 1 + k->n / 500) {
             double torque[MUKCA_MAX_JOINTS];
@@ -50,7 +50,6 @@ static mukca_status check(const mukca_torques *t, const mukca_motion_input *in, 
     for (int j = 0; j < t->n; j++) {
         const char *name = mukca_chain_joint_name(in->chain, j);
         const bool moves = s->forwards[j] || s->backwards[j];
-        moving += moves;
         turning += s->forwards[j] && s->backwards[j];
         if (!moves)
             mukca_note_format(in->note, in->context,
@@ -63,9 +62,8 @@ static mukca_status check(const mukca_torques *t, const mukca_motion_input *in, 
     }
     if (turning) return MUKCA_OK;
     return mukca_fail(error, MUKCA_UNIDENTIFIABLE,
-                      "%s in one direction only, so friction and a torque offset are "
-                      "indistinguishable; record motions to and fro",
-                      moving > 1 ? "all joints move" : "the joint moves");
+                      "the joints move in one direction only, so friction and a torque offset are "
+                      "indistinguishable; record motions to and fro");
 }
 
 /* Mean inertia about each joint; of an arm without masses what its torques suggest. */

@@ -114,8 +114,8 @@ typedef struct {
     /* parameters of drives and links, in the model; fitted within their uncertainty, without the
      * effects (with a reference: in the model, too) */
     mukca_drives drives, fitted;
-    double inertial[MUKCA_MAX_JOINTS][MUKCA_INERTIAL];
-    double fitted_inertial[MUKCA_MAX_JOINTS][MUKCA_INERTIAL];
+    double inertial[MUKCA_MAX_JOINTS][MUKCA_INERTIAL],
+        fitted_inertial[MUKCA_MAX_JOINTS][MUKCA_INERTIAL];
 } mukca_motion;
 
 /* Errors: MUKCA_INPUT (the efforts have the wrong sign), MUKCA_UNIDENTIFIABLE (no motion, too

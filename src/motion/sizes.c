@@ -34,22 +34,38 @@ static void take_set(measured *w, const mukca_set *set, double *scratch)
     }
 }
 
-/* Columns of some members of a set. */
-static int columns_of(int *index, const measured *w, const mukca_set *set, const int *member, int n)
+/* Columns of the members of a set that belong to a group.  Returns their number. */
+static int columns_of(int *index, const measured *w, const mukca_set *set,
+                      const mukca_finding_group *group)
 {
     int count = 0;
-    for (int i = 0; i < n; i++)
-        for (int t = 0; t < w->p->search->item[set->item[member[i]]].terms; t++)
-            index[count++] = w->at[member[i]] + t;
+    for (int m = 0; m < set->n; m++)
+        for (int t = 0; t < w->p->search->item[set->item[m]].terms; t++)
+            if (mukca_finding_holds(group, &w->p->label[w->p->label_of[set->item[m]]]))
+                index[count++] = w->at[m] + t;
     return count;
+}
+
+double mukca_torque_square(double *slope, const mukca_torque_posterior *p, int joint,
+                           const int *column, const double *mean, int n)
+{
+    double square = 0;
+    for (int a = 0; a < n; a++) {
+        double sum = 0;
+        for (int b = 0; b < n; b++)
+            sum += p->plain[joint][column[a] * p->columns.n + column[b]] / p->rows[joint] * mean[b];
+        square += mean[a] * sum;
+        if (slope) slope[a] = sum;
+    }
+    return fmax(square, 0);
 }
 
 /* Mean square of the torque of some columns at a joint; *variance of its root. */
 static double square_at(double *variance, const measured *w, int joint, const int *index, int n)
 {
     const mukca_torque_posterior *p = w->p;
-    double along = 0, trace = 0, slope[MUKCA_SET_COLUMNS], mean[MUKCA_SET_COLUMNS];
-    int column[MUKCA_SET_COLUMNS];
+    double along = 0, trace = 0, slope[MUKCA_SET_COLUMNS], mean[MUKCA_SET_COLUMNS] = {0};
+    int column[MUKCA_SET_COLUMNS] = {0};
     for (int a = 0; a < n; a++) column[a] = w->plain[index[a]], mean[a] = w->mean[index[a]];
     const double square = mukca_torque_square(slope, p, joint, column, mean, n);
     for (int a = 0; a < n; a++)
@@ -60,16 +76,6 @@ static double square_at(double *variance, const measured *w, int joint, const in
         }
     *variance = square > 0 ? along / square : trace;
     return square + trace;
-}
-
-/* Members of a set that belong to a group.  Returns their number. */
-static int members_of(int member[MUKCA_SET_ITEMS], const mukca_torque_posterior *p,
-                      const mukca_set *set, const mukca_finding_group *group)
-{
-    int n = 0;
-    for (int m = 0; m < set->n; m++)
-        if (mukca_finding_holds(group, &p->label[p->label_of[set->item[m]]])) member[n++] = m;
-    return n;
 }
 
 static mukca_motion_finding *finding_at(mukca_motion *m, int i)
@@ -83,15 +89,14 @@ static void find_worst(mukca_motion *motion, measured *w, double *scratch)
     const mukca_torque_search *s = w->p->search;
     const int n = motion->n_findings + motion->n_maybe;
     double best[2 * MUKCA_MOST_FINDINGS] = {0};
-    int index[MUKCA_SET_COLUMNS], member[MUKCA_SET_ITEMS];
+    int index[MUKCA_SET_COLUMNS];
     for (int k = 0; k < s->n_sets; k++) {
         const mukca_set *set = &s->sets.set[s->set[k]];
         if (s->weight[k] < 0.05 && k) break;
         take_set(w, set, scratch);
         for (int i = 0; i < n; i++) {
             mukca_motion_finding *f = finding_at(motion, i);
-            const int of =
-                columns_of(index, w, set, member, members_of(member, w->p, set, &f->group));
+            const int of = columns_of(index, w, set, &f->group);
             for (int j = 0; j < s->t->n && of; j++) {
                 double variance;
                 const double part = sqrt(fmax(square_at(&variance, w, j, index, of), 0)) /
@@ -108,33 +113,44 @@ static int by_probability(const void *a, const void *b)
     return (x->probability < y->probability) - (x->probability > y->probability);
 }
 
-/* Amplitude of a named effect: its first coefficient; their sum, where all columns are 1 at
- * standstill; the root of their squares, of waves and vectors. */
-static bool amplitude_of(double *mean, double *variance, const measured *w, int at, int terms,
-                         const mukca_torque_effect *row)
+/* Amplitude of a member of a set: the root of its squares, of waves and vectors, else its first
+ * coefficient.  Beside other functions of what a single column varies with, their part along it is
+ * in it: what a model with this effect alone has. */
+static void amplitude_of(double *mean, double *variance, const measured *w, const mukca_set *set,
+                         int member)
 {
-    const double *x = w->mean + at;
-    const bool sum = row->raw == MUKCA_RAW_STRIBECK && row->n == MUKCA_STRIBECKS,
-               norm = row->orders || (row->links && row->raw == MUKCA_RIGID_CENTRE);
-    double square = 0;
-    const int n = sum || norm ? terms : 1;
+    const mukca_torque_posterior *p = w->p;
+    const mukca_torque_search *s = p->search;
+    const mukca_torque_effect *row =
+        &mukca_torque_table[s->t->items.row[s->kept[set->item[member]]]];
+    const mukca_label *own = &p->label[p->label_of[set->item[member]]];
+    const int at = w->at[member], terms = s->item[set->item[member]].terms;
+    const bool norm = row->orders || (row->links && row->raw == MUKCA_RIGID_CENTRE);
+    double slope[MUKCA_SET_COLUMNS] = {[0] = 0}, square = 0;
+    for (int a = at; a < at + terms; a++) square += w->mean[a] * w->mean[a];
+    for (int a = at; a < at + terms; a++)
+        slope[a] = norm ? w->mean[a] / sqrt(fmax(square, 1e-300)) : a == at;
+    for (int m = 0; m < set->n && row->n == 1; m++) {
+        const mukca_label *l = &p->label[p->label_of[set->item[m]]];
+        const double *G = p->plain[own->to] + w->plain[at] * p->columns.n;
+        if (l->effect >= 0 || l->family != own->family || l->from != own->from || l->to != own->to)
+            continue;
+        for (int a = w->at[m]; a < w->at[m] + s->item[set->item[m]].terms; a++)
+            slope[a] = G[w->plain[a]] / G[w->plain[at]];
+    }
     *mean = *variance = 0;
-    for (int a = 0; a < n; a++) square += x[a] * x[a], *mean += x[a];
-    for (int a = 0; a < n; a++)
-        for (int b = 0; b < n; b++) {
-            const double v = w->V[(at + a) * w->columns + at + b];
-            *variance += norm ? x[a] * x[b] * v / fmax(square, 1e-300) : v;
-        }
-    if (norm) *mean = sqrt(square);
-    return row->name != NULL;
+    for (int a = 0; a < w->columns; a++) {
+        *mean += slope[a] * w->mean[a];
+        for (int b = 0; b < w->columns; b++)
+            *variance += slope[a] * slope[b] * w->V[a * w->columns + b];
+    }
 }
 
 /* Relative uncertainty of the scale of an effect's coefficient: all gains together are not
  * determined by a motion, as all masses may be larger with them. */
 static double scale_of(const mukca_torque_posterior *p, int effect)
 {
-    const bool share = effect == MUKCA_MOTION_DELAY || effect == MUKCA_MOTION_TORQUE_GAIN ||
-                       effect == MUKCA_MOTION_LOAD_FRICTION || effect == MUKCA_MOTION_LINK_CENTRE;
+    const bool share = effect >= 0 && !strpbrk(mukca_torque_table[effect].unit, "Nk");
     return p->search->t->input->current && !share ? MUKCA_CURRENT_GAIN : 0;
 }
 
@@ -171,10 +187,9 @@ static void add_amplitudes(mukca_gaussians *label, double *probability, const me
         bool again = false;
         for (int k = 0; k < m; k++) again |= w->p->label_of[set->item[k]] == of;
         if (!again) probability[of] += weight;
-        if (amplitude_of(&mean, &variance, w, w->at[m], s->item[set->item[m]].terms,
-                         &mukca_torque_table[s->t->items.row[item]]))
-            mukca_gaussians_add(&label[of * LABEL], unit * mean,
-                                unit * unit * (variance + scale * scale * mean * mean), weight);
+        amplitude_of(&mean, &variance, w, set, m);
+        mukca_gaussians_add(&label[of * LABEL], unit * mean,
+                            unit * unit * (variance + scale * scale * mean * mean), weight);
         if (mukca_torque_table[s->t->items.row[item]].links)
             add_inertial(&label[of * LABEL + 1], w, item, w->at[m], weight);
     }
@@ -231,14 +246,13 @@ bool mukca_torque_sizes(mukca_motion *motion, mukca_pool *pool, const mukca_torq
     find_worst(motion, &w, scratch);
     for (int k = 0; k < s->n_sets; k++) {
         const mukca_set *set = &s->sets.set[s->set[k]];
-        int index[MUKCA_SET_COLUMNS], member[MUKCA_SET_ITEMS];
+        int index[MUKCA_SET_COLUMNS];
         take_set(&w, set, scratch);
         add_amplitudes(label, probability, &w, set, s->weight[k]);
         for (int i = 0; i < n; i++) {
             const mukca_motion_finding *f = finding_at(motion, i);
             double variance;
-            const int of =
-                columns_of(index, &w, set, member, members_of(member, p, set, &f->group));
+            const int of = columns_of(index, &w, set, &f->group);
             if (!of) continue;
             const double square = square_at(&variance, &w, f->worst, index, of);
             mukca_gaussians_add(&size[i], sqrt(fmax(square, 0)), variance, s->weight[k]);

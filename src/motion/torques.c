@@ -140,8 +140,6 @@ bool mukca_torques_multiply(double *G, const mukca_torques *t, const mukca_torqu
     return ok;
 }
 
-/* ---- noise ---- */
-
 static double quadratic(const double *G, const double *c, int n)
 {
     double sum = 0;

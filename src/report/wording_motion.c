@@ -24,7 +24,8 @@ enum { MOST_ALTERNATIVES = 3 };
 
 bool mukca_wording_torque_on_links(const mukca_finding_group *g)
 {
-    return g->effect >= 0 ? mukca_torque_table[g->effect].links : g->family == MUKCA_TORQUE_GRAVITY;
+    return g->effect >= 0 ? mukca_torque_table[g->effect].links
+                          : g->family == MUKCA_TORQUE_GRAVITY || g->kind == MUKCA_GROUP_TIE;
 }
 
 const char *mukca_wording_torque_position(const mukca_chain *chain, bool link, int position)
@@ -48,11 +49,17 @@ static void put_place(char *text, bool links, int from, int to, const mukca_chai
 const char *mukca_wording_torque(char text[MUKCA_WORDING], const mukca_finding_group *g,
                                  const mukca_chain *chain)
 {
+    const bool tie = g->kind == MUKCA_GROUP_TIE;
     put(text, "%s",
         g->effect >= 0   ? mukca_torque_table[g->effect].title
         : g->family >= 0 ? families[g->family]
+        : tie            ? "mass"
                          : "torque of any kind");
-    put_place(text, mukca_wording_torque_on_links(g), g->apart ? -1 : g->from, g->to, chain);
+    put_place(text, tie || mukca_wording_torque_on_links(g), g->apart ? -1 : g->from, g->to, chain);
+    if (tie) {
+        put(text, ", or torque gain");
+        put_place(text, false, g->from, g->to, chain);
+    }
     if (g->kind == MUKCA_GROUP_DETAIL && g->low < g->high)
         put(text, ", orders %d to %d", g->low > 1 ? g->low : 1, g->high);
     else if (g->kind == MUKCA_GROUP_DETAIL)
