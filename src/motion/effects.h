@@ -77,7 +77,7 @@ enum { MUKCA_COLUMNS_RIGID = 0, MUKCA_COLUMNS_MODEL = -1, MUKCA_COLUMNS_RATE = -
  * dozen of kinds. */
 #define MUKCA_EFFECT_ODDS (1.0 / 12)
 
-enum { MUKCA_TORQUE_ROWS = MUKCA_MOTION_EFFECTS + 19 };
+enum { MUKCA_TORQUE_ROWS = MUKCA_MOTION_EFFECTS + 20 };
 extern const mukca_torque_effect mukca_torque_table[MUKCA_TORQUE_ROWS];
 
 /* Index of an effect by its name, -1: none. */
