@@ -70,17 +70,17 @@ static mukca_torque_columns columns_of(mukca_pool *pool, const mukca_motion *m,
     return c;
 }
 
-/* What raises the held-out error by what matters is no finding, but may be.  Neither is, beside a
- * reference, what does not reduce it by that: the parameters are those of the reference, and
- * imitate nothing that is new. */
-static void demote(mukca_motion *m, bool reference)
+/* What raises the held-out errors of all joints by what matters is no finding, but may be.  Neither
+ * is, beside a reference, what does not reduce them by that: the parameters are those of the
+ * reference, and imitate nothing that is new.  gain[n_findings]: squares, in parts of the ranges.
+ */
+static void demote(mukca_motion *m, const double *gain, bool reference)
 {
+    const double least = MUKCA_MOTION_RELEVANT * MUKCA_MOTION_RELEVANT;
     int kept = 0;
     for (int i = 0; i < m->n_findings; i++) {
         mukca_motion_finding f = m->finding[i];
-        const double least = MUKCA_MOTION_RELEVANT * m->joint[f.worst].range_nm,
-                     gain = f.before_nm * f.before_nm - f.after_nm * f.after_nm;
-        if (gain >= (reference ? least * least : -least * least))
+        if (gain[i] >= (reference ? least : -least))
             m->finding[kept++] = f;
         else if (m->n_maybe < MUKCA_MOST_FINDINGS) {
             f.group.probability *= 0.5; /* as the posterior and these errors say on average */
@@ -95,6 +95,7 @@ bool mukca_torque_held_out(mukca_motion *m, const mukca_torque_posterior *p)
     mukca_pool pool = {0};
     const mukca_torques *t = p->search->t;
     evaluated e = {.p = p, .t = t};
+    double gain[MUKCA_MOST_FINDINGS] = {0};
     mukca_torque_columns c = columns_of(&pool, m, p, false, -1);
     mukca_torque_columns value = mukca_torque_columns_take(&pool, 1);
     bool ok = !pool.failed;
@@ -119,8 +120,12 @@ bool mukca_torque_held_out(mukca_motion *m, const mukca_torque_posterior *p)
         ok = !pool.failed && evaluate(&e, &c, true, false);
         f->before_nm = rms(&e, f->worst);
         f->after_nm = rms(&with, f->worst);
+        for (int j = 0; j < t->n; j++)
+            if (j == f->worst || f->group.apart)
+                gain[i] +=
+                    (pow(rms(&e, j), 2) - pow(rms(&with, j), 2)) / pow(m->joint[j].range_nm, 2);
     }
     mukca_pool_free(&pool);
-    if (ok) demote(m, t->reference);
+    if (ok) demote(m, gain, t->reference);
     return ok;
 }

@@ -31,8 +31,7 @@ typedef struct {
     double armature[MUKCA_MAX_JOINTS]; /* kg m^2 */
 } mukca_drives;
 
-/* Called with the regression and the columns of its parameters and findings, to look at the fit.
- * False: no memory. */
+/* Called with the fit of parameters and findings, to look at it.  False: no memory. */
 struct mukca_torques;
 struct mukca_torque_columns;
 typedef bool mukca_motion_view(void *context, const struct mukca_torques *torques,
@@ -111,8 +110,7 @@ typedef struct {
     int n_findings, n_maybe;
     mukca_motion_finding finding[MUKCA_MOST_FINDINGS], maybe[MUKCA_MOST_FINDINGS];
     mukca_motion_joint joint[MUKCA_MAX_JOINTS];
-    /* parameters of drives and links, in the model; fitted within their uncertainty, without the
-     * effects (with a reference: in the model, too) */
+    /* drives and links of the model; fitted within their priors, without effects or reference */
     mukca_drives drives, fitted;
     double inertial[MUKCA_MAX_JOINTS][MUKCA_INERTIAL],
         fitted_inertial[MUKCA_MAX_JOINTS][MUKCA_INERTIAL];

@@ -102,9 +102,7 @@ void mukca_raw_fill(double *x, int ld, const mukca_raw_model *m, const mukca_raw
         put_hats(local + MUKCA_RAW_TIME, MUKCA_HATS, t, 0, end, 1);
         put_hats(local + MUKCA_RAW_BURST, MUKCA_BURSTS, t, 0, end, 1);
         put_hats(local + MUKCA_RAW_DRIFT, MUKCA_HATS, t, 0, end, sign);
-        /* of the recording's duration from 2 to 1/8; the derivative by its logarithm, for any
-         * between
-         */
+        /* 2 to 1/8 of the recording, and the derivative by the logarithm */
         for (int k = 0; k < MUKCA_WARMINGS; k++) {
             const double u = t / (end * ldexp(2, -k));
             local[MUKCA_RAW_WARMING + 2 * k] = sign * exp(-u);

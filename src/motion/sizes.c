@@ -113,9 +113,8 @@ static int by_probability(const void *a, const void *b)
     return (x->probability < y->probability) - (x->probability > y->probability);
 }
 
-/* Amplitude of a member of a set: the root of its squares, of waves and vectors, else its first
- * coefficient.  Beside other functions of what a single column varies with, their part along it is
- * in it: what a model with this effect alone has. */
+/* Amplitude of a member: the root of its squares, of waves and vectors, else its first coefficient,
+ * with the part of functions outside the catalogue of the same family along its column. */
 static void amplitude_of(double *mean, double *variance, const measured *w, const mukca_set *set,
                          int member)
 {
