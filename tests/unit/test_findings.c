@@ -69,6 +69,29 @@ static int setup(void **state)
     return 0;
 }
 
+/* A mass at positions 4 and 5 and a gain at 2, or of all joints, share one signal and a declared
+ * tie: nothing finer than the tie is sure. */
+TEST(declared_tie)
+{
+    posterior p = {.n = 0}, half[2];
+    int all;
+    const int near = label(LOAD, BENDING, 4, 0), far = label(LOAD, BENDING, 5, 0),
+              gain = label(TIME, BASE, 2, 0), common = label(TIME, BASE, 0, 0);
+    for (int l = 0; l < n_labels; l++) labels[l].tie = 1;
+    labels[common].apart = true;
+    add(&p, 0.3, near, -1, 50);
+    add(&p, 0.3, far, -1, 50);
+    add(&p, 0.2, gain, -1, 50);
+    add(&p, 0.2, common, -1, 50);
+    half[0] = half[1] = p;
+    assert_int_equal(choose(&all, &p, half), 1);
+    assert_int_equal(out[0].kind, MUKCA_GROUP_TIE);
+    assert_int_equal(out[0].from, 2);
+    assert_int_equal(out[0].to, 5);
+    for (int l = 0; l < n_labels; l++) labels[l].tie = 0;
+    assert_int_equal(choose(&all, &p, half), 0);
+}
+
 /* Base, joint 0 and joint 1 share one signal: none is sure, a load from the base to joint 1 is. */
 TEST(shared_signal)
 {
