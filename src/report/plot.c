@@ -106,7 +106,8 @@ static void put_curve(FILE *out, const mukca_plot *p, int series, const axis *x,
 static void put_series(FILE *out, const mukca_plot *p, const axis *x, const axis *y)
 {
     double key = x->from;
-    for (int s = 0; s < MUKCA_PLOT_SERIES; s++) {
+    for (int k = 0; k < MUKCA_PLOT_SERIES; k++) {
+        const int s = p->lines ? MUKCA_PLOT_SERIES - 1 - k : k; /* the measured line lies below */
         fprintf(out, "<g class=\"%s\">\n", series_class[s]);
         for (const mukca_plot_point *q = p->points; q < p->points + p->n_points; q++) {
             if ((int)q->series == s && !p->lines)
