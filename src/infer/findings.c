@@ -79,6 +79,7 @@ mukca_finding_group mukca_finding_alone(const mukca_label *l)
     return (mukca_finding_group){.kind = l->detail ? MUKCA_GROUP_DETAIL : MUKCA_GROUP_EFFECT,
                                  .family = l->family,
                                  .effect = l->effect,
+                                 .tie = l->tie,
                                  .from = l->from,
                                  .to = l->to,
                                  .low = l->detail - l->blur,
@@ -87,18 +88,27 @@ mukca_finding_group mukca_finding_alone(const mukca_label *l)
                                  .apart = l->apart};
 }
 
+/* Whether a cause shows in data in which the group does. */
+static bool overlaps(const mukca_finding_group *g, const mukca_label *l,
+                     const mukca_labelled_sets *p)
+{
+    return !p->separate || g->tie || l->tie || g->apart || l->apart ||
+           (l->from <= g->to && l->to >= g->from);
+}
+
 /* Square that the members of a set which are in the group explain together, (*split) the same with
  * half of their products with the others, and (*outside) the largest square of another member
- * outside the catalogue. */
+ * outside the catalogue in the same data. */
 static double square_of(double *split, double *outside, const mukca_finding_group *g,
-                        const mukca_labelled_set *s, const mukca_label *label)
+                        const mukca_labelled_set *s, const mukca_labelled_sets *p)
 {
     double square = 0;
     bool in[64]; /* more than MUKCA_SET_ITEMS */
     *split = *outside = 0;
     for (int i = 0; i < s->n; i++) {
-        in[i] = mukca_finding_holds(g, &label[s->label[i]]);
-        if (!in[i] && label[s->label[i]].effect < 0)
+        const mukca_label *l = &p->label[s->label[i]];
+        in[i] = mukca_finding_holds(g, l);
+        if (!in[i] && l->effect < 0 && overlaps(g, l, p))
             *outside = fmax(*outside, s->product[i * s->n + i]);
     }
     for (int i = 0; i < s->n; i++)
@@ -117,7 +127,7 @@ double mukca_finding_probability(const mukca_finding_group *g, const mukca_label
     const bool name = g->kind <= MUKCA_GROUP_EFFECT && !(g->kind == MUKCA_GROUP_DETAIL && g->fine);
     double sum = 0, split, outside;
     for (int i = 0; i < p->n_sets; i++) {
-        const double square = square_of(&split, &outside, g, &p->set[i], p->label);
+        const double square = square_of(&split, &outside, g, &p->set[i], p);
         if (square > p->least)
             sum += p->set[i].weight * (name ? sqrt(square / (square + outside)) : 1);
     }
@@ -130,7 +140,7 @@ double mukca_finding_share(const mukca_finding_group *g, const mukca_labelled_se
     for (int i = 0; i < p->n_sets; i++) {
         const mukca_labelled_set *s = &p->set[i];
         double split, outside;
-        square_of(&split, &outside, g, s, p->label);
+        square_of(&split, &outside, g, s, p);
         part += s->weight * split;
         for (int k = 0; k < s->n * s->n; k++) whole += s->weight * s->product[k];
     }

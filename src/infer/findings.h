@@ -54,7 +54,8 @@ typedef struct {
     int n_labels, n_sets;
     const mukca_label *label;
     const mukca_labelled_set *set;
-    double least; /* square that a group explains in these data, at least */
+    double least;  /* square that a group explains in these data, at least */
+    bool separate; /* causes at disjoint positions show in different data, but for those of a tie */
 } mukca_labelled_sets;
 
 typedef enum {

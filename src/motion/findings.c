@@ -84,7 +84,8 @@ static bool label_sets(mukca_torque_posterior *p, mukca_pool *pool)
                                          .n_sets = s->n_sets,
                                          .label = p->label,
                                          .set = set,
-                                         .least = MUKCA_FINDING_SQUARE};
+                                         .least = MUKCA_FINDING_SQUARE,
+                                         .separate = true};
     return !pool->failed && !s->sets.pool->failed;
 }
 

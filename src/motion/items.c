@@ -43,8 +43,6 @@ typedef struct {
     double total; /* kg */
 } lister;
 
-/* ---- terms and columns ---- */
-
 static void end_column(lister *l)
 {
     mukca_items *o = l->out;

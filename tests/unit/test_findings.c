@@ -13,6 +13,7 @@ enum { MOST = 8 };
 
 static mukca_label labels[MOST];
 static int n_labels;
+static bool separate; /* positions show in different data */
 
 typedef struct {
     mukca_labelled_set set[MOST];
@@ -45,7 +46,7 @@ static void add(posterior *p, double weight, int first, int second, double squar
 
 static mukca_labelled_sets of(const posterior *p)
 {
-    return (mukca_labelled_sets){n_labels, p->n, labels, p->set, MUKCA_FINDING_SQUARE};
+    return (mukca_labelled_sets){n_labels, p->n, labels, p->set, MUKCA_FINDING_SQUARE, separate};
 }
 
 static mukca_finding_group out[2 * MUKCA_MOST_FINDINGS];
@@ -67,6 +68,24 @@ static int setup(void **state)
     (void)state;
     n_labels = 0;
     return 0;
+}
+
+/* A name beside a larger function outside the catalogue is sure where both show in different data.
+ */
+TEST(separate_positions)
+{
+    posterior p = {.n = 0}, half[2];
+    int all;
+    const int name = label(LOAD, COMPLIANCE, 1, 0), other = label(ANGLE, -1, 4, 0);
+    add(&p, 1, name, other, 50);
+    p.product[0][3] = 500;
+    half[0] = half[1] = p;
+    assert_int_equal(choose(&all, &p, half), 2);
+    for (int i = 0; i < 2; i++) assert_int_equal(out[i].kind, MUKCA_GROUP_FAMILY);
+    separate = true;
+    assert_int_equal(choose(&all, &p, half), 2);
+    assert_int_equal(out[0].kind, MUKCA_GROUP_EFFECT);
+    separate = false;
 }
 
 /* A mass at positions 4 and 5 and a gain at 2, or of all joints, share one signal and a declared
