@@ -12,14 +12,21 @@ if ! "$python" -c 'import mujoco' 2>/dev/null; then
 fi
 arm=data/demo/arm.urdf
 "$mukca" export -q --urdf $arm -f mjcf -o "$dir/plain.xml" || exit 1
-# a model of one's own: drives with friction, bodies with other names and another frame at the wrist
+# a model of one's own: drives with friction, and a last body whose frame is turned by 90 degrees about x
 "$python" - "$dir" <<'PY'
 import re, sys
 text = open(sys.argv[1] + "/plain.xml").read()
 for j, (friction, damping, armature) in enumerate([(1.5, 2, 0.1), (2, 1, 0.2), (1, 3, 0.1), (1, 0.5, 0.05)], 1):
     text = text.replace('<joint name="joint_%d"' % j, '<joint name="joint_%d" frictionloss="%g" damping="%g" armature="%g"'
                         % (j, friction, damping, armature))
-open(sys.argv[1] + "/own.xml", "w").write(text)
+head, last = text.split('<body name="link_7"')
+for before, after in (('quat="0.7071067811865476 0.7071067811865475 0 0"', 'quat="0 1 0 0"'), ('axis="0 0 1"', 'axis="0 1 0"'),
+                      ('pos="0.006 0.004 0.079"', 'pos="0.006 0.079 -0.004"'),
+                      ('fullinertia="0.00067 0.00067 0.0005', 'fullinertia="0.00067 0.0005 0.00067'),
+                      ('pos="0.058 0 0.165" quat="1 0 0 0"', 'pos="0.058 0.165 0" quat="0.7071067811865476 -0.7071067811865475 0 0"')):
+    assert before in last, before
+    last = last.replace(before, after, 1)
+open(sys.argv[1] + "/own.xml", "w").write(head + '<body name="link_7"' + last)
 PY
 "$mukca" simulate -q --urdf $arm --motion 60 --rate 100 --torque-noise 0.02 --seed 3 \
     --effect payload=0.8,0.02,0.01,0.05 --effect coulomb:joint_1=1.5,coulomb:joint_2=3.5,coulomb:joint_3=1,coulomb:joint_4=1 --effect \
@@ -27,7 +34,7 @@ PY
     armature:joint_1=0.1,armature:joint_2=0.2,armature:joint_3=0.1,armature:joint_4=0.45 \
     -o "$dir/run.tsv" --truth "$dir/truth.tsv" || exit 1
 ok "the arm's effects are found" "$mukca" motion --urdf $arm --mjcf "$dir/own.xml" "$dir/run.tsv" -o "$dir/effects.tsv"
-cat "$dir/out" | sed 's/^/# /'
+sed 's/^/# /' "$dir/out"
 ok "own.xml is patched" "$mukca" export --urdf $arm --motion "$dir/effects.tsv" --into "$dir/own.xml" -o "$dir/patched.xml"
 ok "the URDF is patched" "$mukca" export --urdf $arm --motion "$dir/effects.tsv" -o "$dir/patched.urdf"
 ok "all else is as it was" "$python" - "$dir" <<'PY'
