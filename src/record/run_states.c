@@ -114,7 +114,11 @@ static void read_lines(reader *r, int file)
             mukca_lcm_joints state;
             mukca_error error;
             const mukca_line_kind kind = mukca_joint_lines_parse(&state, lines, line, &error);
-            if (kind == MUKCA_LINE_FAULT)
+            const bool cut_off = lines->start + strlen(line) >= lines->used;
+            if (kind == MUKCA_LINE_FAULT && cut_off)
+                mukca_note_format(r->options->note, r->options->context,
+                                  "%s: the last line is cut off", mukca_file_shown(r->path));
+            else if (kind == MUKCA_LINE_FAULT)
                 r->status = mukca_fail(r->error, MUKCA_INPUT, "%s:%d: %s",
                                        mukca_file_shown(r->path), lines->number + 1, error.text);
             else if (kind == MUKCA_LINE_JOINTS && (!lines->timed || !add(r, &state, state.time)))

@@ -71,6 +71,8 @@ for each in ros.csv lines.json run.lcmlog velocities.tsv; do
     expect "$each gives the findings of the table" sh -c "grep -A 5 '^Found' '$scratch/out' | cmp - of_table"
 done
 accept "joint states of others left out" motion --urdf motion.urdf ros.csv
+head -c -40 ros.csv >cut.csv
+accept "the last line is cut off" motion --urdf motion.urdf cut.csv
 sed '1,$s/"effort"/"force"/' lines.json >effortless.json
 refuse 3 "the joint states have no efforts" motion --urdf motion.urdf effortless.json
 sed 's/joint_7/joint_9/g' ros.csv >renamed.csv
