@@ -6,8 +6,7 @@
 
 /* ---- prior deviations of the model's parameters ---- */
 
-/* Of a link as it was built from the CAD data of its URDF: mass, centre of mass (m), inertia. */
-#define MASS 0.03
+/* Of a link as it was built from the CAD data of its URDF: centre of mass (m), inertia. */
 #define CENTRE 0.003
 #define INERTIA 0.1
 /* Of the same where reference runs determine them: any link. */
@@ -126,7 +125,7 @@ static void list_parameters(lister *l)
         if (l->reference)
             put_body(l, k, FREE_MASS, FREE_CENTRE, FREE_INERTIA);
         else
-            put_body(l, k, MASS, CENTRE, INERTIA);
+            put_body(l, k, MUKCA_MASS_ERROR, CENTRE, INERTIA);
     for (int j = 0; j < l->n; j++) {
         const double range = l->model->signals->range[j], free = l->reference ? FREE_FRICTION : 0,
                      speed = fmax(l->model->signals->fastest[j], 1e-3);
@@ -175,8 +174,6 @@ static void list_value(lister *l, double *scratch)
     }
     end_column(l);
 }
-
-/* ---- items ---- */
 
 /* Columns that share their prior sizes are of the same magnitude. */
 static double normal_of(const lister *l, const mukca_torque_effect *e, int joint, int column)

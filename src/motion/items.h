@@ -6,6 +6,8 @@
 #include "infer/sets.h"
 #include "motion/raw.h"
 
+#define MUKCA_MASS_ERROR 0.03 /* of a link, relative, and so of the load that it is for a joint */
+
 /* `weight` times a raw column of a joint. */
 typedef struct {
     short joint, raw;

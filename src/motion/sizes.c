@@ -146,10 +146,11 @@ static void amplitude_of(double *mean, double *variance, const measured *w, cons
 }
 
 /* Relative uncertainty of the scale of an effect's coefficient: all gains together are not
- * determined by a motion, as all masses may be larger with them. */
+ * determined by a motion, as all masses may be larger with them; a load is that of the model. */
 static double scale_of(const mukca_torque_posterior *p, int effect)
 {
     const bool share = effect >= 0 && !strpbrk(mukca_torque_table[effect].unit, "Nk");
+    if (effect == MUKCA_MOTION_LOAD_FRICTION) return MUKCA_MASS_ERROR;
     return p->search->t->input->current && !share ? MUKCA_CURRENT_GAIN : 0;
 }
 
