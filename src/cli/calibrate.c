@@ -63,6 +63,7 @@ static mukca_status run(cli_call *call)
     mukca_status status = cli_check_moving(call, &s->data, false);
     if (status == MUKCA_OK) status = cli_check_moving(call, &s->test, false);
     if (status == MUKCA_OK) status = mukca_fit_run(fit, chain, &s->data, &wanted, &call->error);
+    if (status == MUKCA_OK && o->common.traits) status = calibrate_use_traits(call, &wanted);
     if (status == MUKCA_OK && fit->identification.rank == 0)
         status = cli_fail(call, MUKCA_UNIDENTIFIABLE,
                           "the data identify no free parameter; record different postures");
@@ -80,6 +81,7 @@ static mukca_status run(cli_call *call)
     status = mukca_accept_fit(&w->offsets, fit, &w->held, &s->data, &wanted, &call->error);
     mukca_cross_validation_free(&w->held);
     if (status != MUKCA_OK) return status;
+    calibrate_add_traits(call);
     return write_offsets(call);
 }
 
@@ -103,12 +105,15 @@ const cli_command cli_command_calibrate = {
         "and at the tip, whose expected error is predicted from the samples. Test data must not "
         "contradict the training data, and the change of the tip must be plausible. The other "
         "commands refuse a table that is not accepted.\n\n"
+        "--traits corrects the recorded angles for the mean elasticity of the arm's fleet before "
+        "the fit and adds it to the table, or half of it, or nothing, whichever fits the data "
+        "best.\n\n"
         "Exit code 1: not accepted; 5: the data identify nothing.",
     .example =
         "  mukca calibrate --urdf data/demo/arm.urdf data/demo/train.tsv \\\n"
         "      --test data/demo/test.tsv -o build/demo/offsets.tsv --force",
     .with = CLI_WITH_MODEL | CLI_WITH_TEST | CLI_WITH_DISTANCE | CLI_WITH_DISTANCES | CLI_WITH_SD |
-            CLI_WITH_JSON | CLI_WITH_ANGLES | CLI_WITH_FRAMES | CLI_WITH_TABLES,
+            CLI_WITH_JSON | CLI_WITH_ANGLES | CLI_WITH_FRAMES | CLI_WITH_TRAITS | CLI_WITH_TABLES,
     .options = options,
     .options_size = sizeof(calibrate_options),
     .defaults = &defaults,

@@ -159,6 +159,7 @@ mukca_status calibrate_print(cli_call *call)
     if (!foreign) print_identifiability(call, &w->fit);
     print_warnings(call);
     print_next(call);
+    calibrate_print_traits(call);
     return accepted ? MUKCA_OK : MUKCA_NEGATIVE;
 }
 
@@ -182,6 +183,11 @@ json_t *calibrate_json(const cli_call *call)
     const calibrate_work *w = call->work;
     const mukca_fit *fit = &w->fit;
     const cli_scores *s = &w->scores;
+    json_t *traits = NULL;
+    if (o->common.traits)
+        traits = cli_json(KEY("used", (bool)(w->traits_share > 0)), KEY("share", w->traits_share),
+                          KEY("arms", call->session->traits.n_arms),
+                          KEY("log_bayes_factor", w->traits_evidence));
     return cli_json(
         FIELD(fit, converged),
         KEY("solver",
@@ -202,5 +208,6 @@ json_t *calibrate_json(const cli_call *call)
         KEY("acceptance", cli_json_acceptance(&w->offsets.acceptance)),
         KEY("frames",
             cli_json(KEY("base", frame_json(call, true)), KEY("target", frame_json(call, false)))),
+        KEY("traits", traits),
         KEY("elapsed_s", cli_elapsed(call)));
 }

@@ -362,7 +362,7 @@ const cli_command cli_command_capture = {
         "  mukca capture --urdf data/demo/arm.urdf --stdin --still \\\n"
         "      -o build/ros.tsv --force <data/demo/joint_states.csv",
     .with = CLI_WITH_MODEL | CLI_WITH_OFFSETS | CLI_WITH_ACCEPT | CLI_WITH_DISTANCE | CLI_WITH_SD |
-            CLI_WITH_JSON,
+            CLI_WITH_JSON | CLI_WITH_TRAITS,
     .options = options,
     .options_size = sizeof(capture_options),
     .defaults = &defaults,

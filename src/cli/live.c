@@ -11,7 +11,8 @@
 
 void cli_live_arguments(const char *words[MUKCA_SERVER_ARGUMENTS], const cli_call *call)
 {
-    const unsigned sets = CLI_WITH_MODEL | CLI_WITH_DISTANCE | CLI_WITH_DISTANCES | CLI_WITH_SD;
+    const unsigned sets =
+        CLI_WITH_MODEL | CLI_WITH_DISTANCE | CLI_WITH_DISTANCES | CLI_WITH_SD | CLI_WITH_TRAITS;
     int n = 0;
     for (const cli_given *g = call->given; g < call->given + call->n_given; g++)
         for (int i = 0; g->option->set & sets && i < g->n_words; i++) words[n++] = g->words[i];

@@ -59,7 +59,7 @@ const cli_option cli_common_options[] = {
            "pose logs: fit the offset of the target (the last fixed joint, else joint tool_frame; "
            "recalibrate: its rotation)"),
     COMMON(TRAITS, "traits", traits, CLI_INPUT, "FILE",
-           "traits of the model's fleet (mukca fleet -o), as prior of a diagnosis"),
+           "traits of the model's fleet (mukca fleet -o), as prior of calibrate and diagnose"),
     COMMON(COLUMNS, "units", units, CLI_TEXT, "UNITS",
            "units of the tables that are read: rad or deg, m or mm, as in deg,mm (default: rad,m); "
            "columns x, y, z are then positions, too"),

@@ -63,7 +63,6 @@ static mukca_status run(cli_call *call)
     cli_live_complete(&o->live, call->common);
     options->recorder = o->live.recorder;
     cli_live_arguments(options->arguments, call);
-    options->traits = call->common->traits;
     mukca_status status =
         mukca_server_open(s, options, &model->chain, model->offsets.theta, &hooks, &call->error);
     if (status != MUKCA_OK) return status;

@@ -175,6 +175,18 @@ bool mukca_population_fit(mukca_fleet *fleet);
 /* Find the most probable order of ripple of each joint: fleet->order. */
 void mukca_orders_pool(mukca_fleet *fleet);
 
+/* ---- correction of a recording for the traits of its model ---- */
+
+/* A share of the means of the elastic traits as effects[MUKCA_FLEET_TERMS]; returns their number.
+ * sigma (may be NULL): standard deviation of one more arm. */
+int mukca_traits_effects(mukca_effect *effects, double *sigma, const mukca_traits *traits,
+                         double share);
+
+/* Change the recorded angles minimally to displace the nominal tip as these effects do, to first
+ * order. */
+void mukca_traits_correct(mukca_dataset *data, const mukca_chain *chain, const mukca_traits *traits,
+                          double share);
+
 /* ---- one more arm with the traits of its model as prior ---- */
 
 /* A coefficient of this arm, rad/(N m). */

@@ -39,7 +39,6 @@ typedef struct {
     const char *accept; /* comma-separated verbs, trigger and reopen; "all"; NULL: the default */
     /* model options for calibrate and diagnose, as on the command line; ended by NULL */
     const char *arguments[MUKCA_SERVER_ARGUMENTS];
-    const char *traits; /* for diagnose: --traits; NULL: none */
 } mukca_server_options;
 
 /* State that survives a restart, as texts; "": none.  Name, size, check of those that become paths

@@ -182,11 +182,9 @@ mukca_status mukca_server_start_job(mukca_server *s, bool diagnosis, int64_t id,
     mukca_server_path(job->errors, s, MUKCA_SERVER_RESULTS, session, ".errors.txt");
     const char *const last[] = {"-o",      job->offsets, "--json", job->json,
                                 "--force", "-q",         "--",     path};
-    const char *arguments[MUKCA_SERVER_ARGUMENTS + 14] = {"mukca", verb_of(job)};
+    const char *arguments[MUKCA_SERVER_ARGUMENTS + 12] = {"mukca", verb_of(job)};
     int n = 2;
     for (int i = 0; s->options->arguments[i]; i++) arguments[n++] = s->options->arguments[i];
-    if (diagnosis && s->options->traits)
-        arguments[n++] = "--traits", arguments[n++] = s->options->traits;
     memcpy(arguments + n, last, sizeof last); /* the remaining elements are NULL */
     const mukca_status status = spawn(s, arguments, error);
     if (status == MUKCA_OK && s->recorder.link.replays) mukca_server_finish_job(s, true);

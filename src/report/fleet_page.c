@@ -106,7 +106,7 @@ static void open_page(FILE *out, const void *content)
     fputs("<li>", out);
     mukca_html_sentence(out,
                         "`mukca fleet` with these summaries and `-o MODEL.traits.tsv` saves what "
-                        "the arms share as prior for `diagnose --traits`");
+                        "the arms share as prior for `diagnose --traits` and `calibrate --traits`");
     fputs(".</li>\n</ul>\n", out);
 }
 

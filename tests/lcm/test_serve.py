@@ -91,7 +91,7 @@ def the_whole_job(client, arm, state):
 
 
 def its_fleet(client, state):
-    """--traits reaches the diagnosis; a table of another model ends the server."""
+    """--traits reaches the jobs; a table of another model ends the server."""
     summary, traits = os.path.join(state, "summary.json"), os.path.join(state, "traits.tsv")
     session = os.path.join(os.path.dirname(URDF), "train.tsv")
     if not os.path.exists(session):
@@ -112,9 +112,8 @@ def its_fleet(client, state):
     answer = client.command("calibrate")
     with open(os.path.join(state, "results", "first.offsets.tsv")) as f:
         check("serve --kinematics: calibrate has it", "\n# kinematics_sha256: " in f.read(), say_code(answer))
-    answer = client.command("diagnose")
     used = answer and answer.json and json.loads(answer.json)["traits"]
-    check("serve --traits: diagnose has them", used and used["arms"] == 7, say_code(answer))
+    check("serve --traits: calibrate has them", used and used["arms"] == 7, say_code(answer))
     stop(p)
     with open(traits, "a") as f:
         f.write("backlash\tjoint_4\t\t5e-5\t1e-5\t7\t9\t0.99\t1e-6\n")

@@ -52,10 +52,15 @@ def make_traits(folder, effects, seed):
 
 
 def errors(train, test, traits):
-    """Held-out error of diagnose, without traits and with each file, mm."""
+    """Held-out error of calibrate and of diagnose, without traits and with each file, mm."""
     data = (*ARM, "-q", train, "--test", test, "--json", "-")
-    words = {name: ("--traits", traits[name]) if name != "without" else () for name in COLUMNS}
-    return {name: 1e3 * json.loads(run("diagnose", *data, *words[name]))["test"]["explained_m"] for name in COLUMNS}
+    error = {"calibrate": {}, "diagnose": {}}
+    for name in COLUMNS:
+        words = ("--traits", traits[name]) if name != "without" else ()
+        score = json.loads(run("calibrate", *data, *words))["test"]
+        error["calibrate"][name] = 1e3 * sum(p["rows"] * p["mae_m"] for p in score) / sum(p["rows"] for p in score)
+        error["diagnose"][name] = 1e3 * json.loads(run("diagnose", *data, *words))["test"]["explained_m"]
+    return error
 
 
 def needed(error, without):
@@ -71,20 +76,24 @@ def main():
     median = {}
     with tempfile.TemporaryDirectory() as folder:
         traits = {name: make_traits(folder, effects, 1000 * (i + 1)) for i, (name, effects) in enumerate(FLEETS.items())}
-        print("placements  per socket  " + " ".join("%8s" % n for n in COLUMNS))
+        print("placements  per socket  " + "   ".join(f"{c}: " + " ".join("%8s" % n for n in COLUMNS)
+                                                       for c in ("calibrate", "diagnose")))
         for placements, rows in SIZES:
             found = []
             for seed in range(1, seeds + 1):
                 train = simulate(folder, 3000 + seed, TRUE, placements, rows, "--held-out", "2", "--test",
                                  f"{folder}/test.tsv")
                 found.append(errors(train, f"{folder}/test.tsv", traits))
-            for name in COLUMNS:
-                median[name, placements, rows] = statistics.median(f[name] for f in found)
-            print("%10d  %10d  " % (placements, rows) + " ".join("%8.3f" % median[n, placements, rows] for n in COLUMNS),
-                  flush=True)
-    without = [(r, median["without", p, r]) for p, r in SIZES if p == 1]
-    print("one placement, samples per socket without traits for the error with them: " + ", ".join(
-        f"{r}: {needed(median['right', 1, r], without)}" for p, r in SIZES if p == 1))
+            for command in found[0]:
+                for name in COLUMNS:
+                    median[command, name, placements, rows] = statistics.median(f[command][name] for f in found)
+            print("%10d  %10d  " % (placements, rows) + "   ".join(
+                " " * (len(c) + 2) + " ".join("%8.3f" % median[c, n, placements, rows] for n in COLUMNS)
+                for c in found[0]), flush=True)
+    for command in ("calibrate", "diagnose"):
+        without = [(r, median[command, "without", p, r]) for p, r in SIZES if p == 1]
+        print(f"{command}, one placement, samples per socket without traits for the error with them: " + ", ".join(
+            f"{r}: {needed(median[command, 'right', 1, r], without)}" for p, r in SIZES if p == 1))
 
 
 main()

@@ -30,6 +30,17 @@ awk -F '\t' -v OFS='\t' '$1 == "joint_compliance" && $2 == "joint_4" { $5 = 0; $
     all.traits.tsv >wrong.traits.tsv
 answer "contradict this arm's data" diagnose $a seven/train.tsv --traits wrong.traits.tsv
 
+answer "Fleet: the elastic means of 3 arms are in the table" calibrate $a seven/train.tsv --traits all.traits.tsv -o with.tsv
+expect "the table has them" grep -q "^joint_4	joint_compliance	" with.tsv
+answer "Fleet: the data do not support the traits of 3 arms" calibrate $a seven/train.tsv --traits wrong.traits.tsv -o own.tsv
+expect "and has none" sh -c '! grep -q joint_compliance own.tsv'
+awk -F '\t' -v OFS='\t' '$1 == "joint_compliance" { $5 *= 2 } { print }' all.traits.tsv >soft.traits.tsv
+answer "half of the elastic means of 3 arms is in the table" calibrate $a seven/train.tsv --traits soft.traits.tsv
+"$MUKCA" evaluate -q $a seven/train.tsv --offsets with.tsv -o scores.tsv
+"$MUKCA" evaluate -q $a seven/train.tsv --offsets own.tsv -o own_scores.tsv
+expect "the corrected arm fits its raw angles better" sh -c 'awk -F "\t" "FNR > 1 { s[FILENAME] += \$5 }
+    END { exit !(s[\"scores.tsv\"] > 0 && s[\"scores.tsv\"] < s[\"own_scores.tsv\"]) }" scores.tsv own_scores.tsv'
+
 # strong ripple of one joint is no ripple of another
 mkdir ripple
 for arm in 00 01 02 03 04 05 06 07 08 09 10 11; do
@@ -40,8 +51,11 @@ done
 answer "transmission ripple at joint_2, 60 per turn" fleet ripple/*.json
 expect "and at no other joint" sh -c "test \$(grep -c 'per turn' '$scratch/out') -eq 1"
 
+run capture $a --lcm-url "file://$root/data/demo/guided.lcmlog" --trigger --traits all.traits.tsv -o live.tsv
+expect "capture names the command that uses it" grep -q "^Next    mukca calibrate .* --traits all.traits.tsv" "$scratch/out"
 # a fleet may share nothing
 awk -F '\t' '/^#/ || $1 == "effect"' all.traits.tsv >empty.traits.tsv
+answer "Fleet: the traits of 3 arms contain no elastic coefficient" calibrate $a seven/train.tsv --traits empty.traits.tsv
 answer "^Fleet   the traits table of 3 arms is empty" diagnose $a seven/train.tsv --traits empty.traits.tsv
 
 refuse 3 "missing.json: cannot read: No such file" fleet missing.json

@@ -27,7 +27,8 @@ for file in "$root"/data/traits/*.tsv; do
     expect "$(basename "$file") names source, licence and the command that made it" sh -c \
         'grep -q "^# source: .*MIT" "$0" && grep -q "^# made by: tools/fleet/make_traits" "$0"' "$file"
 done
+answer "Fleet: the elastic means of 4 arms are in the table" calibrate $p session.tsv --traits "$root/data/traits/panda.tsv"
 answer "^Fleet   the traits of 4 arms are the prior" diagnose $p session.tsv --traits "$root/data/traits/panda.tsv"
 sed 's/0.384/0.394/' panda.urdf >longer.urdf
 refuse 3 "traits of another model: the nominal geometry differs" \
-    diagnose --urdf longer.urdf --inertials "$root/data/inertials/panda.tsv" session.tsv --traits "$root/data/traits/panda.tsv"
+    calibrate --urdf longer.urdf --inertials "$root/data/inertials/panda.tsv" session.tsv --traits "$root/data/traits/panda.tsv"
