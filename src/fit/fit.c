@@ -146,8 +146,13 @@ static mukca_status minimise(mukca_fit *fit, workspace *w, const mukca_fit_optio
     mukca_cost_hold(cost, x);
     if (options->start) mukca_parameters_pack(x, &fit->parameters, options->start);
     if (!options->theta_of) {
-        const mukca_status status =
-            solver->run(x, &fit->outcome, cost, solver, &options->limits, error);
+        mukca_status status = MUKCA_OK;
+        if (fit->n_part) { /* from the minimum of the part, few evaluations of all are left */
+            mukca_cost_hold(&w->part, x);
+            status = solver->run(x, &fit->outcome, &w->part, solver, &options->limits, error);
+        }
+        if (status == MUKCA_OK && fit->outcome.stop != MUKCA_STOP_STOPPED)
+            status = solver->run(x, &fit->outcome, cost, solver, &options->limits, error);
         if (status != MUKCA_OK) return status;
         if (fit->outcome.stop == MUKCA_STOP_STOPPED)
             return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted; nothing was written");
