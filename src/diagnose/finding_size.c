@@ -32,7 +32,8 @@ typedef struct {
     /* the present set */
     const mukca_set *set;
     int columns, at[MUKCA_SET_ITEMS];
-    double mean[MUKCA_SET_COLUMNS], *V, *G, *product; /* [columns][columns] */
+    double mean[MUKCA_SET_COLUMNS], *V, *G; /* V, G [columns][columns] */
+    double *product;                        /* scratch [3][columns][columns] */
 } measured;
 
 /* Means, covariance and plain products of a set's columns. */
@@ -76,26 +77,29 @@ static int columns_of(int *index, const measured *w, const mukca_finding_group *
     return n;
 }
 
+/* out[n][n]: rows and columns index[n] of a matrix of the set's columns. */
+static void pick(double *out, const double *from, const measured *w, const int *index, int n)
+{
+    for (int a = 0; a < n; a++)
+        for (int b = 0; b < n; b++) out[a * n + b] = from[index[a] * w->columns + index[b]];
+}
+
 /* Add the root of the square that some columns explain. */
 static void add_size(mukca_gaussians *out, measured *w, const int *index, int n, double weight)
 {
-    double *M = w->product, square = 0, variance = 0, trace = 0;
+    double *M = w->product, *G = M + n * n, *V = G + n * n, square = 0, variance = 0, trace = 0;
+    pick(G, w->G, w, index, n);
+    pick(V, w->V, w, index, n);
     memset(M, 0, sizeof *M * (size_t)(n * n));
-    for (int a = 0; a < n; a++) /* M = G V */
-        for (int k = 0; k < n; k++) {
-            const double g = w->G[index[a] * w->columns + index[k]];
-            square += w->mean[index[a]] * g * w->mean[index[k]];
-            for (int b = 0; b < n; b++) M[a * n + b] += g * w->V[index[k] * w->columns + index[b]];
-        }
+    mukca_dense_xty(M, (mukca_columns){G, n, n}, (mukca_columns){V, n, n}, n); /* G is symmetric */
     for (int a = 0; a < n; a++) {
-        double along = 0; /* m'G V, times G m */
-        double Gm = 0;
+        double along = 0, Gm = 0; /* m'G V, and G m */
         for (int b = 0; b < n; b++) {
             trace += M[a * n + b] * M[b * n + a];
             along += w->mean[index[b]] * M[b * n + a];
-            Gm += w->G[index[a] * w->columns + index[b]] * w->mean[index[b]];
+            Gm += G[a * n + b] * w->mean[index[b]];
         }
-        square += M[a * n + a];
+        square += w->mean[index[a]] * Gm + M[a * n + a];
         variance += 4 * along * Gm;
     }
     variance += 2 * trace;
@@ -340,7 +344,7 @@ bool mukca_findings_measure(mukca_diagnosis *d, mukca_search *id, const mukca_la
     measured w = {.id = id, .in = in};
     w.V = MUKCA_TAKE(&pool, double, square);
     w.G = MUKCA_TAKE(&pool, double, square);
-    w.product = MUKCA_TAKE(&pool, double, square);
+    w.product = MUKCA_TAKE(&pool, double, 3 * square);
     tables t = {.probability = MUKCA_TAKE(&pool, double, p->n_labels + 1),
                 .best = MUKCA_TAKE(&pool, double, id->n_kept + 1),
                 .scratch = MUKCA_TAKE(&pool, double, id->question.stride + 1),

@@ -252,14 +252,21 @@ static int by_weight(const void *a, const void *b)
     return (x->weight < y->weight) - (x->weight > y->weight);
 }
 
+static void fill(void *context, int candidate, int worker)
+{
+    const mukca_search *id = context;
+    (void)worker;
+    if (id->all.list[candidate].basis)
+        mukca_candidate_fill(&id->all.list[candidate], &id->m->recording);
+}
+
 /* Compute the functions of the angles at the present linearisation, with the tip moved by at most
  * `most`. */
 static void seat(mukca_search *id, double most)
 {
     const mukca_linearisation *linear = &id->m->linear;
     mukca_recording_seat(&id->m->recording, &id->m->pool, linear->seated, linear->distance, most);
-    for (int i = 0; i < id->all.count; i++)
-        if (id->all.list[i].basis) mukca_candidate_fill(&id->all.list[i], &id->m->recording);
+    mukca_workers_run(id->m->workers, id->all.count, fill, id);
 }
 
 /* Passes, from a set, until it remains.  tails (NULL: Gaussian noise): scratch of the weights. */

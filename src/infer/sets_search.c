@@ -41,12 +41,12 @@ static int keep(mukca_sets *s, const mukca_set *set, const mukca_scores *scores,
     return n;
 }
 
-/* A member that is left out: k rows W of M^-1 V D G, w = M^-1 x, and the log Bayes factor below
- * which a replacement is of no interest. */
+/* A member that is left out: k rows W of M^-1 V D G, w = M^-1 x; the log Bayes factor, and the log
+ * odds, below which a replacement is of no interest. */
 typedef struct {
     int k;
     const double *W;
-    double w[MUKCA_MOST_TERMS], least;
+    double w[MUKCA_MOST_TERMS], least, least_odds;
 } vacancy;
 
 /* Can this item replace the member?  It explains at most (sqrt(a) + sqrt(b))^2, of which a is what
@@ -67,7 +67,8 @@ MUKCA_INLINE bool can_replace(const mukca_sets *s, const vacancy *v, const doubl
     }
     const double beside = fmax(s->added[item] - h->log_prior + 5, 0),
                  job = -0.5 * s->question->dof * log1p(-fmin(common, 1) * lost / rest);
-    return beside + job + 2 * sqrt(beside * job) > v->least;
+    return beside + job + 2 * sqrt(beside * job) >
+           fmax(v->least, v->least_odds - h->log_prior - fmax(h->kinship, 0));
 }
 
 /* Items to be scored in addition to a set: the conditioned one, or that without a member. */
@@ -196,8 +197,9 @@ static void swap_member(void *context, int m, int worker)
                     (mukca_columns){s->integrated.B + at * q->stride, q->stride, q->stride},
                     s->integrated.posterior.n - at);
     mukca_dense_forward(W, q->stride, f->D, h->terms);
-    v.least = job->pairs ? 0 : job->member[m].gain - WINDOW;
     const mukca_set less = mukca_set_reduce(job->set, m);
+    v.least = job->pairs ? 0 : job->member[m].gain - WINDOW;
+    v.least_odds = job->member[m].gain + h->log_prior - WINDOW; /* keep() meets the member, too */
     const scoring all = {s, &less, &v, s->scores[m]};
     for (int i = 0; i < q->n_items; i++) score(&all, i, f);
 }
