@@ -156,7 +156,7 @@ static void measure_findings(measurement *s)
     mukca_unknowns *u = &m->unknowns;
     for (int f = 0; f < s->d->n_findings; f++) {
         const mukca_finding_group *g = &s->d->findings[f].group;
-        int dropped = 0;
+        int dropped = 0, alone = -1; /* the identified cause that is dropped */
         bool by_socket = false;
         for (int c = u->n_causes - 1; c >= 0; c--) {
             const mukca_candidate *h = &u->cause[c].candidate;
@@ -166,14 +166,19 @@ static void measure_findings(measurement *s)
             const mukca_effect effect = mukca_candidate_effect(h);
             if (!mukca_finding_holds(g, &l)) continue;
             by_socket |= needs_sockets(&effect, &m->recording);
+            for (int i = 0; i < s->d->n_causes; i++)
+                if (acting(s, i) == c) alone = i;
             mukca_unknowns_drop(u, c);
             dropped++;
         }
-        if (!dropped) continue;
-        mukca_regression_fit(m, 3, MUKCA_FIT_UNKNOWNS);
-        mukca_folds_run(s->b->error, s->b, by_socket);
-        mukca_folds_compare(&s->d->findings[f].held_out, s->b, s->b->error, s->full[by_socket]);
-        mukca_unknowns_assign(u, s->all);
+        if (dropped == 1 && alone >= 0) {
+            s->d->findings[f].held_out = s->d->causes[alone].held_out;
+        } else if (dropped) {
+            mukca_regression_fit(m, 3, MUKCA_FIT_UNKNOWNS);
+            mukca_folds_run(s->b->error, s->b, by_socket);
+            mukca_folds_compare(&s->d->findings[f].held_out, s->b, s->b->error, s->full[by_socket]);
+        }
+        if (dropped) mukca_unknowns_assign(u, s->all);
     }
 }
 

@@ -33,7 +33,6 @@ bool mukca_scan_create(mukca_scan *s, mukca_pool *pool, mukca_regression *m, muk
     s->batch = MUKCA_TAKE(pool, mukca_scan_batch, mukca_workers_count(m->workers));
     for (int k = 0; k < mukca_workers_count(m->workers) && !pool->failed; k++)
         s->batch[k] = (mukca_scan_batch){
-            .E = MUKCA_TAKE(pool, double, rows *LD),
             .W = MUKCA_TAKE(pool, double, (rows + pairs) * LD),
             .mean = MUKCA_TAKE(pool, double, (r->data->n_sockets + 2) * r->dim * LD),
             .C = MUKCA_TAKE(pool, double, n *LD),
@@ -84,12 +83,13 @@ static void project(const mukca_scan *s, const mukca_scan_batch *b)
     double *along = b->W + (size_t)(s->n_rows - r->n_pairs) * LD;
     memset(along, 0, sizeof *along * (size_t)(r->n_pairs * LD));
     mukca_whitening_apply(
-        &(mukca_whitened){.n = b->width, .ld = LD, .x = b->E, .white = b->W, .mean = b->mean},
+        &(mukca_whitened){.n = b->width, .ld = LD, .x = b->W, .white = b->W, .mean = b->mean},
         &s->normal->whitening, &r->samples);
     mukca_evidence_along(along, b->mean, b->width, LD, r, linear);
     for (int p = 0; p < r->n_pairs; p++, along += LD) {
         for (int e = 0; e < b->n; e++)
-            if (mukca_candidate_changes_pair(b->member[e], r, p)) along[b->at[e]] = -1;
+            if (mukca_candidate_changes_pair(b->member[e], r, p))
+                along[b->at[e]] = -1 / b->by[b->at[e]];
         for (int k = 0; k < width; k++) along[k] *= s->link[p];
     }
     memset(b->C, 0, sizeof *b->C * (size_t)((n + 1) * width));
@@ -98,7 +98,7 @@ static void project(const mukca_scan *s, const mukca_scan_batch *b)
     for (int t = 0; t <= n; t++) {
         double *out = t < n ? b->T + t * LD : b->g;
         const double *C = b->C + t * width, by = t < n ? s->prior[t] : 1;
-        for (int k = 0; k < width; k++) out[k] = by * s->precision * C[k];
+        for (int k = 0; k < width; k++) out[k] = by * s->precision * b->by[k] * C[k];
     }
     mukca_dense_forward8(b->T, width, LD, s->m->evidence.posterior.factor, n);
     for (int t = 0; t < n; t++)
@@ -109,24 +109,22 @@ static void project(const mukca_scan *s, const mukca_scan_batch *b)
 static void gram_of(double *G, const mukca_scan *s, const mukca_scan_batch *b, int member)
 {
     const int k = b->member[member]->terms, at = b->at[member];
+    const double *by = b->by + at;
     const mukca_columns w = {b->W + at, k, LD}, t = {b->T + at, k, LD};
     double *explained = b->scratch->B;
     memset(G, 0, sizeof *G * (size_t)(k * k));
     memset(explained, 0, sizeof *G * (size_t)(k * k));
     mukca_dense_symmetric(G, w, w, s->n_rows);
     mukca_dense_symmetric(explained, t, t, s->n);
-    for (int a = 0; a < k * k; a++) G[a] = s->precision * G[a] - explained[a];
+    for (int a = 0; a < k * k; a++)
+        G[a] = s->precision * by[a / k] * by[a % k] * G[a] - explained[a];
 }
 
-/* Append a candidate's columns, per unit size, to the batch. */
+/* Append a candidate's columns to the batch. */
 static void put(mukca_scan_batch *b, const mukca_scan *s, const mukca_candidate *h)
 {
-    const int rows = s->m->recording.n_samples * s->m->recording.dim;
-    mukca_linearisation_columns(b->E + b->width, LD, &s->m->linear, &s->m->recording, h);
-    double by[MUKCA_MOST_TERMS], *E = b->E + b->width;
-    for (int t = 0; t < h->terms; t++) by[t] = 1 / h->unit[t];
-    for (int i = 0; i < rows; i++, E += LD)
-        for (int t = 0; t < h->terms; t++) E[t] *= by[t];
+    mukca_linearisation_columns(b->W + b->width, LD, &s->m->linear, &s->m->recording, h);
+    for (int t = 0; t < h->terms; t++) b->by[b->width + t] = 1 / h->unit[t];
     b->member[b->n] = h;
     b->at[b->n++] = b->width;
     b->width += h->terms;
@@ -209,9 +207,8 @@ static void fill_batch(void *context, int block, int worker)
     for (int row = 0; row < s->n_rows + s->n; row++) {
         double *out = f->E + (size_t)row * (size_t)f->stride + at;
         const bool sample = row < s->n_rows;
-        const double *in = sample ? b->W + row * LD : b->T + (row - s->n_rows) * LD,
-                     by = sample ? root : 1;
-        for (int k = 0; k < b->width; k++) out[k] = by * in[k];
+        const double *in = sample ? b->W + row * LD : b->T + (row - s->n_rows) * LD;
+        for (int k = 0; k < b->width; k++) out[k] = sample ? root * b->by[k] * in[k] : in[k];
     }
 }
 

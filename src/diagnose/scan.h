@@ -17,9 +17,10 @@ enum { MUKCA_SCAN_WIDTH = 64 }; /* columns processed together: with their rows i
 typedef struct {
     int n, width, at[MUKCA_SCAN_WIDTH]; /* first columns */
     const mukca_candidate *member[MUKCA_SCAN_WIDTH];
-    double *E, *W;     /* [dim * n_samples] columns; [n_rows] whitened, as `white` */
-    double *mean;      /* of the sockets */
-    double *C, *T, *g; /* X'E; L^-1 D X'E; projected products with the residual */
+    double by[MUKCA_SCAN_WIDTH]; /* factors of the columns: they are per unit of the coefficient */
+    double *W;                   /* [n_rows] columns, then whitened, as `white` */
+    double *mean;                /* of the sockets */
+    double *C, *T, *g;           /* X'E; L^-1 D X'E; projected products with the residual */
     mukca_mixture_scratch *scratch;
 } mukca_scan_batch;
 

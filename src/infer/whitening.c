@@ -156,6 +156,7 @@ MUKCA_INLINE void whiten(double *x, int n, int ld, const mukca_whitening *w, con
         if (w->shape.mean) divide_by_shape(&f, b);
         for (int i = block->start + block->count - 1; i >= block->start; i--) {
             const double scale = w->diagonal[i], before = w->before[i];
+            if (scale == 1 && !(before > 0)) continue;
             for (int c = 0; c < s->dim; c++) {
                 double *row = x + (size_t)i * step + (size_t)(c * ld);
                 for (int k = 0; k < n; k++) row[k] *= scale;
@@ -269,7 +270,7 @@ MUKCA_CLONES void mukca_whitening_apply(const mukca_whitened *x, const mukca_whi
                                         const mukca_samples *s)
 {
     const size_t ld = (size_t)x->ld;
-    for (int b = 0; b < s->n_blocks; b++) {
+    for (int b = 0; b < s->n_blocks && x->white != x->x; b++) {
         const mukca_block *block = &s->block[b];
         for (int i = block->start * s->dim; i < (block->start + block->count) * s->dim; i++)
             memcpy(x->white + (size_t)i * ld, x->x + (size_t)i * ld,

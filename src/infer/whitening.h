@@ -68,7 +68,7 @@ void mukca_whitening_solve(double *x, const mukca_whitening *whitening, int bloc
 typedef struct {
     int n, ld;
     const double *x; /* [n_samples][dim][ld] */
-    double *white;   /* the same shape, not x */
+    double *white;   /* the same shape; may be x */
     double *mean;    /* [n_blocks][dim][ld] estimated means of the blocks, or NULL */
 } mukca_whitened;
 
