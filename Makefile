@@ -115,8 +115,8 @@ $(BUILD)/obj/%.o: %.cc $(BUILD)/flags
 	$(call quietly,CXX $<)$(CXX) $(CXX_FLAGS) $(LIB_CFLAGS) $(CPPFLAGS) $(CFLAGS) $(CXXFLAGS) -c -o $@ $<
 
 # Dense products multiply and add in one instruction where a processor can (src/base/clones.h).
-$(call object,$(addprefix src/,math/dense_gram.c math/dense_qr.c infer/mixture.c infer/posterior.c \
-    infer/sets_search.c)): private OPTIMISE += -ffp-contract=fast
+$(call object,src/math/dense_gram.c src/infer/mixture.c src/infer/posterior.c src/infer/sets_search.c): \
+    private OPTIMISE += -ffp-contract=fast
 
 # Tests of kernels without allocation count the calls of a wrapped malloc.
 $(BUILD)/tests/test_noalloc%: LD_FLAGS += -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free

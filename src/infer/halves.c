@@ -17,7 +17,8 @@ bool mukca_part_question(mukca_question *question, mukca_pool *pool, double *gra
            *explained = MUKCA_TAKE(&scratch, double, wide *wide),
            *G = MUKCA_TAKE(pool, double, (l->n_columns + 1) * stride),
            *g = MUKCA_TAKE(pool, double, stride + 1);
-    bool ok = !pool->failed && !scratch.failed;
+    pool->failed |= scratch.failed;
+    bool ok = !pool->failed;
     for (int i = 0; i < n && ok; i++) {
         memcpy(L + i * n, gram + i * width, sizeof *L * (size_t)n);
         L[i * n + i] += 1;

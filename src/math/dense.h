@@ -29,6 +29,11 @@ void mukca_dense_symmetric(double *C, mukca_columns X, mukca_columns Y, int m);
  * index of the first pivot that is not positive (also for NaN). */
 int mukca_dense_cholesky(double *A, int n);
 
+/* Columns [0, i) of the factor's rows i to i + 7, by forward substitution with the rows as
+ * right-hand sides, and their subtraction from the next eight columns; 13 kB of stack. */
+enum { MUKCA_DENSE_WIDEST = 200 }; /* largest i */
+void mukca_dense_eight_rows(double *A, int i, int n);
+
 /* Solve A x = b in place for k right-hand sides b[n][k]; A as above.  Returns likewise. */
 int mukca_dense_solve(double *b, int k, double *A, int n);
 

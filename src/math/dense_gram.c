@@ -1,4 +1,5 @@
-/* Products X'X and X'Y, and the Cholesky factorisation with its triangular solves. */
+/* Products X'X and X'Y, and blocks of eight rows or columns of the Cholesky factorisation and its
+ * triangular solves.  The Makefile compiles this file with contraction (base/clones.h). */
 #include <math.h>
 #include <stdbool.h>
 
@@ -209,13 +210,9 @@ MUKCA_INLINE void forward8(double *b, int ld, const double *L, int ldl, int n)
     }
 }
 
-enum { WIDEST = 200 }; /* most columns to the left of a block of rows: 13 kB of stack */
-
-/* Columns [0, i) of the factor's rows i to i + 7, by forward substitution with the rows as
- * right-hand sides, and their subtraction from the next eight columns. */
-MUKCA_INLINE void eight_rows(double *A, int i, int n)
+MUKCA_CLONES void mukca_dense_eight_rows(double *A, int i, int n)
 {
-    double b[8 * WIDEST], block[64] = {0};
+    double b[8 * MUKCA_DENSE_WIDEST], block[64] = {0};
     double *row = A + (long)i * n;
     for (int r = 0; r < 8; r++)
         for (int j = 0; j < i; j++) b[8 * j + r] = row[(long)r * n + j];
@@ -229,26 +226,6 @@ MUKCA_INLINE void eight_rows(double *A, int i, int n)
     }
 }
 
-MUKCA_CLONES int mukca_dense_cholesky(double *A, int n)
-{
-    int done = 0; /* columns computed by eight_rows() */
-    for (int i = 0; i < n; i++) {
-        double *row = A + (long)i * n;
-        if (i % 8 == 0) {
-            done = i + 8 <= n && i <= WIDEST ? i : 0;
-            if (done) eight_rows(A, i, n);
-        }
-        for (int j = done; j < i; j++) {
-            const double *other = A + (long)j * n;
-            row[j] = (row[j] - dot4(row + done, other + done, j - done)) / other[j];
-        }
-        double pivot = row[i] - dot4(row + done, row + done, i - done);
-        if (!(pivot > 0) || isinf(pivot)) return 1 + i;
-        row[i] = sqrt(pivot);
-    }
-    return 0;
-}
-
 MUKCA_CLONES void mukca_dense_forward_part(double *b, int ld, const double *L, int ldl, int n)
 {
     forward8(b, ld, L, ldl, n);
@@ -257,57 +234,4 @@ MUKCA_CLONES void mukca_dense_forward_part(double *b, int ld, const double *L, i
 MUKCA_CLONES void mukca_dense_forward8(double *b, int k, int ld, const double *L, int n)
 {
     for (int done = 0; done < k; done += 8) forward8(b + done, ld, L, n, n);
-}
-
-MUKCA_CLONES void mukca_dense_forward(double *b, int k, const double *L, int n)
-{
-    int done = 0;
-    for (; done + 8 <= k; done += 8) forward8(b + done, k, L, n, n);
-    for (int i = 0; i < n && done < k; i++) {
-        const double *row = L + (long)i * n;
-        double *bi = b + (long)i * k;
-        if (k == 1) {
-            bi[0] = (bi[0] - dot4(row, b, i)) / row[i];
-            continue;
-        }
-        for (int j = 0; j < i; j++) {
-            const double *bj = b + (long)j * k;
-            for (int c = done; c < k; c++) bi[c] -= row[j] * bj[c];
-        }
-        for (int c = done; c < k; c++) bi[c] /= row[i];
-    }
-}
-
-MUKCA_CLONES void mukca_dense_backward(double *b, int k, const double *L, int n)
-{
-    for (int i = n - 1; i >= 0; i--) {
-        const double *row = L + (long)i * n;
-        const double *bi = b + (long)i * k;
-        for (int c = 0; c < k; c++) b[(long)i * k + c] /= row[i];
-        if (k == 1) {
-            for (int j = 0; j < i; j++) b[j] -= row[j] * bi[0];
-            continue;
-        }
-        for (int j = 0; j < i; j++) {
-            double *bj = b + (long)j * k;
-            for (int c = 0; c < k; c++) bj[c] -= row[j] * bi[c];
-        }
-    }
-}
-
-double mukca_dense_variance(double *a, const double *L, int n)
-{
-    double sum = 0;
-    mukca_dense_forward(a, 1, L, n);
-    for (int i = 0; i < n; i++) sum += a[i] * a[i];
-    return sum;
-}
-
-int mukca_dense_solve(double *b, int k, double *A, int n)
-{
-    const int failed = mukca_dense_cholesky(A, n);
-    if (failed) return failed;
-    mukca_dense_forward(b, k, A, n);
-    mukca_dense_backward(b, k, A, n);
-    return 0;
 }
