@@ -161,9 +161,9 @@ static mukca_status check_pose_options(cli_call *call, const mukca_dataset *data
                          : c->inverse_poses ? "--inverse-poses"
                          : c->rotation      ? "--rotation"
                                             : NULL;
-    int row = 0;
-    while (row < data->n_rows && data->socket[row] >= 0) row++;
-    if (!option || !data->n_rows || row < data->n_rows) return MUKCA_OK;
+    bool poses = data->n_rows == 0;
+    for (int row = 0; row < data->n_rows; row++) poses |= data->socket[row] < 0;
+    if (!option || poses) return MUKCA_OK;
     return cli_fail(call, MUKCA_USAGE,
                     "%s is for pose logs, and these are samples of sockets: their base is the "
                     "arm's, and the position of the ball is always free; omit it",
@@ -245,17 +245,16 @@ static mukca_status drop_training(cli_call *call, mukca_dataset *test, const muk
  * for drift. */
 static void note_falling_time(cli_call *call, const mukca_dataset *data)
 {
-    const double least = 60; /* s; drift takes minutes */
-    double latest = -HUGE_VAL;
+    double latest = 0, least = 60; /* s; drift takes minutes */
     for (int row = 0; data->time && row < data->n_rows; row++) {
-        if (row && data->file[row] != data->file[row - 1]) latest = -HUGE_VAL;
-        latest = fmax(latest, data->time[row]);
-        const double back = latest - data->time[row];
-        if (!(back > least)) continue;
+        const bool first = row == 0 || data->file[row] != data->file[row - 1];
+        latest = first ? data->time[row] : fmax(latest, data->time[row]);
+        if (!(latest - data->time[row] > least)) continue;
         mukca_note_format(cli_note, call,
                           "row %d of %s: time_s falls by %.0f s, and joint_drift is tested with "
                           "it; correct it, or write each session to a file of its own",
-                          data->row[row], mukca_file_shown(data->files[data->file[row]]), back);
+                          data->row[row], mukca_file_shown(data->files[data->file[row]]),
+                          latest - data->time[row]);
         return;
     }
 }
