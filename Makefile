@@ -69,7 +69,6 @@ $(BUILD)/config.mk: tools/deps tools/config
 
 # SYSROOT=FOLDER: headers and libraries of the target, for a cross compiler
 include $(if $(SYSROOT),tools/cross/sysroot.mk)
-
 quietly = $(if $(V),,@echo '  $(1)'; )
 # link with compiler $(1) and libraries $(2)
 link = $(call quietly,LD $@)mkdir -p $(@D); $(1) $(LD_FLAGS) $(LDFLAGS) -o $@ $^ $(2) -lm
@@ -106,17 +105,15 @@ $(BUILD)/flags: FORCE
 $(CORE_OBJ): LIB_CFLAGS :=
 # No stack protector: targets of control loops may lack the libc functions that it calls.
 $(RT_OBJ): private HARDEN :=
+# Dense products multiply and add in one instruction where a processor can (src/base/clones.h).
+$(patsubst %,$(BUILD)/obj/src/%.o,math/dense_gram infer/mixture infer/posterior infer/sets_search): \
+    private OPTIMISE += -ffp-contract=fast
 $(BUILD)/obj/%.o: %.c $(BUILD)/flags
 	@mkdir -p $(@D)
 	$(call quietly,CC $<)$(CC) $(C_FLAGS) $(LIB_CFLAGS) $(CPPFLAGS) $(CFLAGS) -c -o $@ $<
-
 $(BUILD)/obj/%.o: %.cc $(BUILD)/flags
 	@mkdir -p $(@D)
 	$(call quietly,CXX $<)$(CXX) $(CXX_FLAGS) $(LIB_CFLAGS) $(CPPFLAGS) $(CFLAGS) $(CXXFLAGS) -c -o $@ $<
-
-# Dense products multiply and add in one instruction where a processor can (src/base/clones.h).
-$(call object,src/math/dense_gram.c src/infer/mixture.c src/infer/posterior.c src/infer/sets_search.c): \
-    private OPTIMISE += -ffp-contract=fast
 
 # Tests of kernels without allocation count the calls of a wrapped malloc.
 $(BUILD)/tests/test_noalloc%: LD_FLAGS += -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free

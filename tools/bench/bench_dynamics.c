@@ -50,8 +50,8 @@ int main(int argc, char **argv)
         return 2;
     }
     const int n = chain.n_joints;
-    mukca_dynamics_set(&dynamics, &chain, NULL);
-    mukca_dynamics_inertials(p, &chain, NULL);
+    mukca_dynamics_set(&dynamics, &chain);
+    mukca_dynamics_inertials(p, &chain);
     while (rows < ROWS && scanf("%lf", &motions[rows][read]) == 1)
         if (++read == 3 * n) rows++, read = 0;
     if (rows == 0) return 2;
