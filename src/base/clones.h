@@ -2,10 +2,9 @@
  *
  * A MUKCA_CLONES function is compiled for plain x86-64, for AVX2 (by feature: "arch=haswell" would
  * exclude AMD) and, with gcc 12 or later, for x86-64-v4, which broadcasts scalars from memory
- * within an instruction; the loader selects one (ifunc).  Without contraction or reassociation all
- * yield identical bits; the dense products, which the Makefile compiles with contraction, differ by
- * their rounding.  Without ifunc (musl, other processors), under sanitizers, or with
- * -DMUKCA_NO_CLONES it is a plain function. */
+ * within an instruction; the loader selects one (ifunc).  All yield identical bits, but the dense
+ * products, which the Makefile compiles with contraction, differ by rounding.  Without ifunc (musl,
+ * other processors), under sanitizers, or with -DMUKCA_NO_CLONES it is a plain function. */
 #ifndef MUKCA_BASE_CLONES_H
 #define MUKCA_BASE_CLONES_H
 
