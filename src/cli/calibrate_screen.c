@@ -208,6 +208,5 @@ json_t *calibrate_json(const cli_call *call)
         KEY("acceptance", cli_json_acceptance(&w->offsets.acceptance)),
         KEY("frames",
             cli_json(KEY("base", frame_json(call, true)), KEY("target", frame_json(call, false)))),
-        KEY("traits", traits),
-        KEY("elapsed_s", cli_elapsed(call)));
+        KEY("traits", traits), KEY("elapsed_s", cli_elapsed(call)));
 }

@@ -34,8 +34,8 @@ mukca_normal_equations *mukca_regression_collect(mukca_regression *m, int index)
  * m->evidence keeps the factor of the posterior precision. */
 double mukca_regression_factor(mukca_regression *m);
 
-/* Posterior mean m->evidence.mean under one model of the unknowns (-1: all causes), or the mean over
- * them; false: the normal equations are singular. */
+/* Posterior mean m->evidence.mean under one model of the unknowns (-1: all causes), or the mean
+ * over them; false: the normal equations are singular. */
 bool mukca_regression_solve(mukca_regression *m, const mukca_normal_equations *normal, int model);
 bool mukca_regression_average(mukca_regression *m, const mukca_normal_equations *normal);
 
