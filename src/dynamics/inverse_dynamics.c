@@ -163,7 +163,7 @@ static void row_of(double row[MUKCA_INERTIAL], const motion *at, const double v[
     }
 }
 
-/* Torques of unit parameters into Y, or (Y NULL) of parameters p. */
+/* Torques of unit parameters into Y, or (Y NULL) those of parameters p added to `torque`. */
 static void find_torques(double *Y, double *torque, const mukca_dynamics *dynamics, const double *p,
                          const double *const state[3])
 {
@@ -187,7 +187,7 @@ static void find_torques(double *Y, double *torque, const mukca_dynamics *dynami
             double row[MUKCA_INERTIAL] = {0};
             if (i <= k) row_of(row, &at, v[i], w[i]);
             if (Y) memcpy(Y + MUKCA_INERTIAL * (i * n + k), row, sizeof row);
-            for (int c = 0; c < MUKCA_INERTIAL && !Y; c++)
+            for (int c = 0; c < MUKCA_INERTIAL && torque && p; c++)
                 torque[i] += row[c] * p[k * MUKCA_INERTIAL + c];
         }
     }

@@ -162,7 +162,8 @@ static double linearise(mukca_torque_search *s, const mukca_torque_set *set)
     for (int i = 0; i < gains && ok; i++)
         for (int r = all->first[i]; r < all->first[i + 1]; r++)
             t->point.torque[all->term[r].joint][all->term[r].raw] += mean[i] * all->term[r].weight;
-    const double most = MUKCA_SHIFTS / 2 * t->model.shift * t->model.signals->dt;
+    const int shifts = MUKCA_SHIFTS / 2; /* to either side */
+    const double most = shifts * t->model.shift * t->model.signals->dt;
     for (int j = 0; j < t->n && ok; j++) {
         delay[j] = fmin(fmax(delay[j], -most), most);
         if (fabs(delay[j]) < SETTLED) delay[j] = 0; /* a chord has a length */

@@ -80,8 +80,11 @@ static void read_log(reader *r)
     mukca_lcm_packet event;
     mukca_lcm_types *types = calloc(1, sizeof *types);
     mukca_error error;
-    r->status = types ? mukca_lcm_types_init(types, r->error)
-                      : mukca_fail(r->error, MUKCA_MEMORY, "out of memory");
+    if (!types) {
+        r->status = mukca_fail(r->error, MUKCA_MEMORY, "out of memory");
+        return;
+    }
+    r->status = mukca_lcm_types_init(types, r->error);
     if (r->status == MUKCA_OK) r->status = mukca_lcm_log_open(&log, r->path, r->error);
     while (r->status == MUKCA_OK && mukca_lcm_log_read(&event, &log)) {
         mukca_lcm_joints state;
