@@ -189,17 +189,18 @@ static const char *put_split(char *text, const mukca_diagnosed *r)
     return text;
 }
 
-/* Whether a deflection under load contradicts the modelled load: no spring explains it, or one that
- * yields against it. */
+/* Whether a deflection under load contradicts the modelled load: no spring is among its
+ * alternatives, or it yields against the load. */
 static bool load_is_another(const mukca_diagnosed *r)
 {
     const mukca_diagnosis *d = r->diagnosis;
     bool another = false;
     for (int i = 0; i < d->n_findings; i++) {
         const mukca_finding *f = &d->findings[i];
-        const mukca_alternative *first = f->alternatives;
+        int springs = 0;
+        for (int a = 0; a < f->n_alternatives; a++) springs += f->alternatives[a].listed;
         another |= f->group.family == MUKCA_VARIES_LOAD && f->n_alternatives > 0 &&
-                   (!first->listed || f->coefficient.high < 0 || first->amplitude.high < 0);
+                   (!springs || f->coefficient.high < 0 || f->alternatives[0].amplitude.high < 0);
     }
     return another && r->chain->n_masses > 0;
 }
@@ -210,7 +211,7 @@ const char *mukca_wording_next(char text[MUKCA_WORDING], const mukca_diagnosed *
     if (load_is_another(r))
         return put(text,
                    "check --gravity (is the arm on a wall or a ceiling?), the link masses and "
-                   "the payload: the load differs from the modelled one");
+                   "the payload: the load may differ from the modelled one");
     if (d->n_findings && mukca_next_poses_need_readings(&d->findings[0]))
         return put(text,
                    "record readings and commands (columns JOINT and JOINT.command): they separate "
