@@ -58,8 +58,9 @@ typedef enum {
 
 /* Where an unlisted cause acts. */
 typedef enum {
-    MUKCA_PLACE_ANGLE, /* angle of a joint */
-    MUKCA_PLACE_SHIFT, /* of a frame of the geometry */
+    MUKCA_PLACE_ANGLE,  /* angle of a joint */
+    MUKCA_PLACE_ANGLES, /* of all joints, each a function of its own argument */
+    MUKCA_PLACE_SHIFT,  /* of a frame of the geometry */
     MUKCA_PLACE_TURN,
     MUKCA_PLACE_BASE,     /* rotation of the base */
     MUKCA_PLACE_SOCKET,   /* the ball in it */
@@ -99,7 +100,8 @@ typedef struct {
             mukca_unlisted_place place;
             int argument;   /* joint whose angle, load or move; axis of the tip; -1: none */
             int slot;       /* SHIFT, TURN: of the unknowns */
-            double measure; /* width of a bump, rad; first row of a step; time constant, s */
+            double measure; /* width of a bump, rad; order of a wave; first row of a step; time
+                               constant, s */
         } unlisted;
     };
     int terms, width_of_term; /* width: 1 angle, 3 of a rotation or shift, n_joints angles */
@@ -170,7 +172,7 @@ typedef struct {
     enum { MUKCA_OF_ITSELF, MUKCA_OF_OTHERS, MUKCA_OF_ANY } joints; /* of which joint */
 } mukca_unlisted_function;
 
-enum { MUKCA_UNLISTED_FUNCTIONS = 26 };
+enum { MUKCA_UNLISTED_FUNCTIONS = 27 };
 extern const mukca_unlisted_function mukca_unlisted_functions[MUKCA_UNLISTED_FUNCTIONS];
 
 /* Site, terms and components of a term; and the basis. */

@@ -48,6 +48,9 @@ static void append_variants(const lister *l, mukca_candidate h)
             h.unlisted.measure = time_constants[i];
             mukca_candidates_append(l->all, h);
         }
+    } else if (l->function->shape == MUKCA_SHAPE_WAVE) {
+        h.unlisted.measure = 1; /* higher orders are listed where they promise */
+        mukca_candidates_append(l->all, h);
     } else if (argument == MUKCA_ARGUMENT_PLACEMENT || argument == MUKCA_ARGUMENT_PAYLOAD) {
         h.placement = argument == MUKCA_ARGUMENT_PAYLOAD ? -1 : 0;
         for (; h.placement < (placements > 1 ? placements : 0); h.placement++)

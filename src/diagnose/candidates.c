@@ -6,16 +6,19 @@
 
 #include "diagnose/logs.h"
 
-enum { MOST_ORDERS = 36 }; /* of the orders of a joint that are added later */
+enum { MOST_ORDERS = 48 }; /* of the orders of a joint that are added later */
 
 /* Prior probability that a flexible part, or a servo, deflects by more than an error: each one
  * deflects, and of the some 24 of an arm (joints, links, base) published recordings show one to
  * three. */
 #define SHOWS (1.0 / 20)
 
-static double order_prior(const mukca_candidates *all, const mukca_effect *e)
+double mukca_candidates_order_prior(const mukca_candidates *all, const mukca_candidate *h,
+                                    int order)
 {
-    return log(mukca_effect_catalogue[e->kind]->order_prior(e->variant.order)) -
+    if (h->kind == MUKCA_CANDIDATE_UNLISTED)
+        return h->log_prior - log(order * log(MUKCA_LAST_ORDER));
+    return log(mukca_effect_catalogue[h->effect.kind]->order_prior(order)) -
            log(all->survey.n_joints) - log(all->classes);
 }
 
@@ -40,6 +43,8 @@ static part part_of(const mukca_candidate *h, const mukca_recording *r)
     if (h->kind == MUKCA_CANDIDATE_OUTLIER) return h->fault.last == h->fault.first ? SINGLE : BURST;
     if (h->kind == MUKCA_CANDIDATE_UNLISTED && mukca_unlisted_is_normalised(h))
         return h->unlisted.function ? OTHER : OWN_ANGLE;
+    if (h->kind == MUKCA_CANDIDATE_UNLISTED && h->unlisted.place == MUKCA_PLACE_ANGLES)
+        return (part)(SIMPLE + MUKCA_SITE_ANGLE); /* one more joint: all of them */
     if (h->kind == MUKCA_CANDIDATE_UNLISTED) return (part)(SIMPLE + mukca_candidate_site(h));
     if (h->fault.shape == MUKCA_FAULT_GROWING) return CREEP;
     return h->fault.first == r->order[r->groups[h->fault.group].start] ? BETWEEN : STEP;
@@ -74,7 +79,8 @@ static void set_priors(mukca_candidates *all)
         const int class = mukca_candidate_class(h);
         const part p = part_of(h, all->recording);
         h->log_prior =
-            mukca_effect_has(class, MUKCA_TRAIT_ORDERS) ? order_prior(all, &h->effect)
+            mukca_effect_has(class, MUKCA_TRAIT_ORDERS)
+                ? mukca_candidates_order_prior(all, h, h->effect.variant.order)
             : mukca_effect_has(class, MUKCA_TRAIT_ELASTIC)
                 ? log(SHOWS)
                 : log(part_share[p] / (joints[p] * variants[p][h->joint + 1] * all->classes));
@@ -129,11 +135,14 @@ mukca_status mukca_candidates_list(mukca_candidates *all, const mukca_unknowns *
     return MUKCA_OK;
 }
 
-mukca_status mukca_candidates_add_order(mukca_candidates *all, const mukca_effect *effect,
+mukca_status mukca_candidates_add_order(mukca_candidates *all, mukca_candidate h, int order,
                                         mukca_error *error)
 {
-    mukca_candidate h = mukca_candidate_of(effect);
-    h.log_prior = order_prior(all, effect);
+    h.log_prior = mukca_candidates_order_prior(all, &h, order);
+    if (h.kind == MUKCA_CANDIDATE_UNLISTED)
+        h.unlisted.measure = order;
+    else
+        h.effect.variant.order = order;
     if (all->count == all->capacity) return MUKCA_OK;
     if (!mukca_candidate_prepare(&h, all->pool, all->recording))
         return no_memory(all->recording, error);

@@ -36,9 +36,14 @@ void mukca_candidates_append_unlisted(mukca_candidates *all, const mukca_unknown
 mukca_status mukca_candidates_list(mukca_candidates *all, const mukca_unknowns *unknowns,
                                    mukca_error *error);
 
-/* Append an effect of the trait MUKCA_TRAIT_ORDERS, if there is room: an order that is not listed
- * yet.  Errors: MUKCA_MEMORY. */
-mukca_status mukca_candidates_add_order(mukca_candidates *all, const mukca_effect *effect,
+/* Log prior odds of an order of a periodic candidate: an effect of the trait MUKCA_TRAIT_ORDERS, or
+ * a listed wave of order 1 outside the catalogue, of which all octaves are equally probable. */
+double mukca_candidates_order_prior(const mukca_candidates *all, const mukca_candidate *candidate,
+                                    int order);
+
+/* Append such a candidate, with an order that is not listed yet, if there is room.  Errors:
+ * MUKCA_MEMORY. */
+mukca_status mukca_candidates_add_order(mukca_candidates *all, mukca_candidate candidate, int order,
                                         mukca_error *error);
 
 #endif

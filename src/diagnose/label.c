@@ -45,6 +45,10 @@ static void label_unlisted(mukca_label *l, const mukca_candidate *h, const mukca
                                   [MUKCA_PLACE_DISTANCE] = h->placement};
     l->family = (int)f->varies_with;
     l->apart = h->unlisted.place == MUKCA_PLACE_DISTANCE;
+    if (h->unlisted.place == MUKCA_PLACE_ANGLES) {
+        l->from = MUKCA_POSITION_BASE, l->to = r->chain->n_joints;
+        return;
+    }
     l->from = l->to =
         f->argument == MUKCA_ARGUMENT_ANGLE ? h->unlisted.argument : at[h->unlisted.place];
 }

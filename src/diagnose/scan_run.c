@@ -9,8 +9,9 @@
 #include "math/four.h"
 
 enum {
-    ADDED = 12,  /* orders of a joint in one scan */
-    FAULTS = 40, /* of a kind and shape that are scored: there are several for each sample */
+    ADDED = 12,        /* orders of an effect at a joint in one scan, */
+    ADDED_OUTSIDE = 2, /* of a wave outside the catalogue */
+    FAULTS = 40,       /* of a kind and shape that are scored: there are several for each sample */
     SHAPES = MUKCA_FAULT_GROWING + 1
 };
 
@@ -103,12 +104,14 @@ static bool choose_faults(unsigned char *skip, mukca_pool *pool, const mukca_sca
 
 /* ---- orders: waves of a joint's angle ---- */
 
+enum { AXES = 3 }; /* along or about which a wave displaces, at most */
+
 /* Sine and cosine of one order at the angles of a joint. */
 typedef struct {
     int n;
     double *sine, *cosine; /* [n] samples */
     double *first;         /* [2][n] those of order 1 */
-    double *along;         /* [n] residual along the joint's motion */
+    double *along[AXES];   /* [n] residual along each axis */
 } waves;
 
 /* Order 1 of a joint. */
@@ -135,95 +138,133 @@ MUKCA_CLONES static void advance(waves *wave)
     }
 }
 
-/* Log odds, but for those of the joint and the class, of the orders of an effect at a joint that
- * are not yet listed.  The geometry absorbs little of a short wave: all have nearly the same
- * information, and the gradient is exact.  u: residual.  False: too little travel. */
-static bool guess(double *odds, waves *wave, mukca_scan *s, mukca_effect_kind kind, int j,
-                  const double *u)
+/* Order of a periodic candidate of the kind of another one at its place, 0: it is none. */
+static int order_of(const mukca_candidate *h, const mukca_candidate *like)
+{
+    if (h->kind != like->kind || h->joint != like->joint) return 0;
+    if (h->kind == MUKCA_CANDIDATE_EFFECT)
+        return h->effect.kind == like->effect.kind ? h->effect.variant.order : 0;
+    return h->unlisted.function == like->unlisted.function &&
+                   h->unlisted.place == like->unlisted.place &&
+                   h->unlisted.slot == like->unlisted.slot
+               ? (int)h->unlisted.measure
+               : 0;
+}
+
+/* Residual u along the axes of a candidate, and products of its levers with each other, K. */
+static int project_levers(double K[AXES * AXES], waves *wave, const mukca_scan *s,
+                          const mukca_candidate *h, const double *u)
 {
     const mukca_recording *r = &s->m->recording;
-    const mukca_whitening *w = &s->normal->whitening;
-    const int N = r->n_samples, d = r->dim;
-    double square = 0, travel[2];
-    mukca_recording_travel(travel, r, j);
-    if (!s->all->survey.joint[j].turns || travel[1] - travel[0] < MUKCA_WAVE_TRAVEL) return false;
-    for (int i = 0; i < N; i++) {
-        const double *lever = s->m->linear.lever + (i * r->chain->n_joints + j) * d,
-                     level = w->level[i];
-        wave->along[i] = 0;
-        for (int c = 0; c < d; c++) {
-            wave->along[i] += lever[c] * u[i * d + c];
-            square += s->precision * level * level * lever[c] * lever[c];
+    const mukca_linearisation *linear = &s->m->linear;
+    const int d = r->dim, n = r->chain->n_joints;
+    const bool frame = h->kind == MUKCA_CANDIDATE_UNLISTED;
+    const int axes = frame ? AXES : 1, step = frame ? linear->stride : 1;
+    const double *lever = frame ? linear->columns + 6 * h->unlisted.slot +
+                                      (h->unlisted.place == MUKCA_PLACE_TURN ? 3 : 0)
+                                : linear->lever + h->joint * d;
+    memset(K, 0, sizeof *K * AXES * AXES);
+    for (int i = 0; i < wave->n; i++, lever += frame ? d * step : n * d) {
+        const double level = s->normal->whitening.level[i], by = s->precision * level * level;
+        for (int a = 0; a < axes; a++) {
+            wave->along[a][i] = 0;
+            for (int c = 0; c < d; c++) {
+                wave->along[a][i] += lever[c * step + a] * u[i * d + c];
+                for (int b = 0; b < axes; b++)
+                    K[a * axes + b] += by * lever[c * step + a] * lever[c * step + b];
+            }
         }
     }
-    const double left = square * fmax(1 - (double)s->n / s->dof, 0.1); /* a wave has half, twice */
-    const mukca_mixture prior = mukca_candidate_mixture(
-        &(mukca_candidate){.kind = MUKCA_CANDIDATE_EFFECT,
-                           .effect.kind = kind,
-                           .unit = (const double[]){MUKCA_WAVE_UNIT, MUKCA_WAVE_UNIT},
-                           .terms = 2});
-    bool listed[MUKCA_LAST_ORDER + 1] = {false};
-    for (int i = 0; i < s->all->count; i++) {
-        const mukca_candidate *h = &s->all->list[i];
-        if (h->joint == j && mukca_candidate_class(h) == (int)kind)
-            listed[h->effect.variant.order] = true;
-    }
-    start(wave, r, j);
+    return axes;
+}
+
+/* Log odds of the orders of a periodic candidate that are not yet listed.  The geometry absorbs
+ * little of a short wave: all have nearly the same information, and the gradient is exact.  u:
+ * residual.  False: too little travel. */
+static bool guess(double *odds, waves *wave, mukca_scan *s, const mukca_candidate *h,
+                  const double *u)
+{
+    const mukca_candidates *all = s->all;
+    const mukca_mixture prior = mukca_candidate_mixture(h);
+    double travel[2], K[AXES * AXES], G[4 * AXES * AXES] = {0}, g[2 * AXES];
+    mukca_recording_travel(travel, &s->m->recording, h->joint);
+    if (!all->survey.joint[h->joint].turns || travel[1] - travel[0] < MUKCA_WAVE_TRAVEL)
+        return false;
+    const int axes = project_levers(K, wave, s, h, u), terms = 2 * axes;
+    for (int a = 0; a < axes; a++) /* a wave has half, its unit is as small: twice */
+        for (int b = 0; b < axes; b++)
+            G[a * terms + b] = G[(axes + a) * terms + axes + b] =
+                K[a * axes + b] * fmax(1 - (double)s->n / s->dof, 0.1);
+    const mukca_equations columns = {G, g, terms, s->dof, s->residual};
+    start(wave, &s->m->recording, h->joint);
     for (int o = 2; o <= MUKCA_LAST_ORDER; o++) {
         advance(wave);
-        const double G[] = {left, 0, 0, left},
-                     g[] = {dot4(wave->along, wave->sine, N) / MUKCA_WAVE_UNIT,
-                            dot4(wave->along, wave->cosine, N) / MUKCA_WAVE_UNIT};
-        const mukca_equations columns = {G, g, 2, s->dof, s->residual};
-        odds[o] = listed[o] ? -HUGE_VAL
-                            : log(mukca_effect_catalogue[kind]->order_prior(o)) +
-                                  mukca_mixture_evidence(NULL, &columns, &prior, s->scratch);
+        for (int a = 0; a < axes; a++) {
+            g[a] = dot4(wave->along[a], wave->sine, wave->n) / MUKCA_WAVE_UNIT;
+            g[axes + a] = dot4(wave->along[a], wave->cosine, wave->n) / MUKCA_WAVE_UNIT;
+        }
+        odds[o] = mukca_candidates_order_prior(all, h, o) +
+                  mukca_mixture_evidence(NULL, &columns, &prior, s->scratch);
+    }
+    for (int i = 0; i < all->count; i++) {
+        const int order = order_of(&all->list[i], h);
+        if (order > 1) odds[order] = -HUGE_VAL;
     }
     return true;
 }
 
-/* Add the most promising orders of an effect at a joint.  odds[] is overwritten. */
-static mukca_status add(mukca_scan *s, const mukca_effect *effect, double *odds, mukca_error *error)
+/* Add the most promising orders of a periodic candidate. */
+static mukca_status add(mukca_scan *s, waves *wave, const mukca_candidate *h, const double *u,
+                        mukca_error *error)
 {
-    const mukca_candidates *all = s->all;
-    mukca_effect best = *effect;
     mukca_status status = MUKCA_OK;
-    for (int k = 0; k < ADDED && status == MUKCA_OK; k++) {
-        int *order = &best.variant.order;
-        *order = 2;
+    double odds[MUKCA_LAST_ORDER + 1];
+    int added = h->kind == MUKCA_CANDIDATE_EFFECT ? ADDED : ADDED_OUTSIDE;
+    if (!guess(odds, wave, s, h, u)) return MUKCA_OK;
+    for (; added > 0 && status == MUKCA_OK; added--) {
+        int order = 2;
         for (int o = 3; o <= MUKCA_LAST_ORDER; o++)
-            if (odds[o] > odds[*order]) *order = o;
-        if (!(odds[*order] - log(all->classes * all->survey.n_joints) > LEAST_ODDS)) break;
-        odds[*order] = -HUGE_VAL;
-        status = mukca_candidates_add_order(s->all, &best, error);
+            if (odds[o] > odds[order]) order = o;
+        if (!(odds[order] > LEAST_ODDS)) break;
+        odds[order] = -HUGE_VAL;
+        status = mukca_candidates_add_order(s->all, *h, order, error);
     }
     return status;
 }
 
-/* Add the promising orders of periodic effects to the candidates. */
+/* Add the promising orders of periodic candidates: of the catalogue, and waves of the frames. */
 static mukca_status add_orders(mukca_scan *s, mukca_pool *pool, const double *u, mukca_error *error)
 {
-    const mukca_recording *r = &s->m->recording;
-    const int first = s->all->count, N = r->n_samples;
+    static const double unit[] = {MUKCA_WAVE_UNIT, MUKCA_WAVE_UNIT};
+    mukca_candidates *all = s->all;
+    const int first = all->count, N = s->m->recording.n_samples;
     mukca_status status = MUKCA_OK;
-    double odds[MUKCA_LAST_ORDER + 1];
     waves wave = {.n = N,
                   .sine = MUKCA_TAKE(pool, double, N),
                   .cosine = MUKCA_TAKE(pool, double, N),
-                  .first = MUKCA_TAKE(pool, double, 2 * N),
-                  .along = MUKCA_TAKE(pool, double, N)};
+                  .first = MUKCA_TAKE(pool, double, 2 * N)};
+    for (int a = 0; a < AXES; a++) wave.along[a] = MUKCA_TAKE(pool, double, N);
     if (pool->failed) status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d samples", N);
     for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++) {
-        if (!mukca_effect_has(kind, MUKCA_TRAIT_ORDERS) || !s->all->enabled[kind]) continue;
-        for (int j = 0; j < r->chain->n_joints && status == MUKCA_OK; j++) {
-            const mukca_effect effect = {
-                .kind = (mukca_effect_kind)kind, .joint = j, .placement = -1};
-            if (guess(odds, &wave, s, effect.kind, j, u)) status = add(s, &effect, odds, error);
+        if (!mukca_effect_has(kind, MUKCA_TRAIT_ORDERS) || !all->enabled[kind]) continue;
+        for (int j = 0; j < all->survey.n_joints && status == MUKCA_OK; j++) {
+            mukca_candidate h = mukca_candidate_of(
+                &(mukca_effect){.kind = (mukca_effect_kind)kind, .joint = j, .placement = -1});
+            h.unit = unit;
+            h.terms = 2;
+            status = add(s, &wave, &h, u, error);
         }
     }
+    for (int i = 0; i < first && status == MUKCA_OK; i++) {
+        const mukca_candidate *h = &all->list[i];
+        if (h->kind == MUKCA_CANDIDATE_UNLISTED && mukca_unlisted_site(h) == MUKCA_SITE_FRAME &&
+            mukca_unlisted_functions[h->unlisted.function].shape == MUKCA_SHAPE_WAVE &&
+            h->unlisted.measure == 1)
+            status = add(s, &wave, h, u, error);
+    }
     if (status == MUKCA_OK)
-        mukca_scan_score(s->value + first, s->information + first, s, s->all->list + first, NULL,
-                         s->all->count - first);
+        mukca_scan_score(s->value + first, s->information + first, s, all->list + first, NULL,
+                         all->count - first);
     return status;
 }
 

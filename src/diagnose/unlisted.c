@@ -25,6 +25,7 @@ enum {
     JOINT_BUMPS = 10, /* over the whole recording */
     BASE_BUMPS = 16,  /* the same: three for a wave of a fifth of it, as of a stand in a room */
     ANGLE = 1 << MUKCA_PLACE_ANGLE,
+    ANGLES = 1 << MUKCA_PLACE_ANGLES,
     SHIFT = 1 << MUKCA_PLACE_SHIFT,
     TURN = 1 << MUKCA_PLACE_TURN,
     BASE = 1 << MUKCA_PLACE_BASE,
@@ -58,6 +59,7 @@ const mukca_unlisted_function mukca_unlisted_functions[MUKCA_UNLISTED_FUNCTIONS]
     ROW(PAYLOAD, LINEAR, 1, ANGLE, LOAD, ITSELF),
     ROW(MOVE, SIDE, 1, ANGLE, MOVE, ANY),
     ROW(MOVE, LINEAR, 1, ANGLE, MOVE, ITSELF),
+    ROW(MOVE, LINEAR, 1, ANGLES, MOVE, ITSELF),
     ROW(MOVE, RUBBING, 1, ANGLE, MOVE, ITSELF),
     ROW(MOVE, WEARING, 2, ANGLE, MOVE, ITSELF),
     ROW(TIME, LINEAR, 1, ANGLE | SHIFT | TURN | BASE, TIME, ITSELF),
@@ -70,10 +72,10 @@ const mukca_unlisted_function mukca_unlisted_functions[MUKCA_UNLISTED_FUNCTIONS]
 int mukca_unlisted_site(const mukca_candidate *h)
 {
     static const int sites[] = {
-        [MUKCA_PLACE_ANGLE] = MUKCA_SITE_ANGLE,      [MUKCA_PLACE_SHIFT] = MUKCA_SITE_FRAME,
-        [MUKCA_PLACE_TURN] = MUKCA_SITE_FRAME,       [MUKCA_PLACE_BASE] = MUKCA_SITE_BASE,
-        [MUKCA_PLACE_SOCKET] = MUKCA_SITE_SEAT,      [MUKCA_PLACE_TOOL] = MUKCA_SITE_SEAT,
-        [MUKCA_PLACE_DISTANCE] = MUKCA_SITE_DISTANCE};
+        [MUKCA_PLACE_ANGLE] = MUKCA_SITE_ANGLE, [MUKCA_PLACE_ANGLES] = MUKCA_SITE_ANGLES,
+        [MUKCA_PLACE_SHIFT] = MUKCA_SITE_FRAME, [MUKCA_PLACE_TURN] = MUKCA_SITE_FRAME,
+        [MUKCA_PLACE_BASE] = MUKCA_SITE_BASE,   [MUKCA_PLACE_SOCKET] = MUKCA_SITE_SEAT,
+        [MUKCA_PLACE_TOOL] = MUKCA_SITE_SEAT,   [MUKCA_PLACE_DISTANCE] = MUKCA_SITE_DISTANCE};
     return sites[h->unlisted.place];
 }
 
@@ -108,7 +110,9 @@ void mukca_unlisted_set_shape(mukca_candidate *h, const mukca_recording *r)
         values =
             (int)fmin(ceil((range[1] - range[0]) / h->unlisted.measure) + 1, MUKCA_MAX_COLUMNS);
     h->terms = values * axes_of(h);
-    h->width_of_term = site == MUKCA_SITE_BASE || site == MUKCA_SITE_SEAT ? 3 : 1;
+    h->width_of_term = site == MUKCA_SITE_ANGLES                            ? r->chain->n_joints
+                       : site == MUKCA_SITE_BASE || site == MUKCA_SITE_SEAT ? 3
+                                                                            : 1;
 }
 
 /* Axis of the first joint in the base frame: a turn of the base about it is one of the joint. */
@@ -236,8 +240,8 @@ static void evaluate(double *value, int n, const mukca_candidate *h, const mukca
             if (!mukca_joint_turns(
                     r->chain->element[r->chain->joint_element[h->unlisted.argument]].type))
                 x[0] = 2 * M_PI * (x[0] - s->centre[0]) / fmax(s->range[1] - s->range[0], 1e-9);
-            value[0] = sin(x[0]);
-            value[1] = cos(x[0]);
+            value[0] = sin(h->unlisted.measure * x[0]);
+            value[1] = cos(h->unlisted.measure * x[0]);
             break;
         case MUKCA_SHAPE_SOFTENING:
             value[0] = x[0] * state.time;
@@ -277,10 +281,30 @@ static void evaluate(double *value, int n, const mukca_candidate *h, const mukca
     }
 }
 
+/* One coefficient for all joints. */
+static void fill_angles(mukca_candidate h, const mukca_recording *r)
+{
+    const int n = r->chain->n_joints;
+    for (int j = 0; j < n; j++) {
+        survey s;
+        h.unlisted.argument = j;
+        survey_rows(&s, &h, r);
+        for (int row = 0; row < r->data->n_rows; row++) {
+            double value[MUKCA_MAX_COLUMNS] = {0};
+            evaluate(value, 1, &h, r, row, &s);
+            h.basis[row * n + j] = (float)value[0];
+        }
+    }
+}
+
 void mukca_unlisted_fill(const mukca_candidate *h, const mukca_recording *r)
 {
     const int axes = axes_of(h), width = h->width_of_term;
     survey s;
+    if (h->unlisted.place == MUKCA_PLACE_ANGLES) {
+        fill_angles(*h, r);
+        return;
+    }
     survey_rows(&s, h, r);
     for (int row = 0; row < r->data->n_rows; row++) {
         double value[MUKCA_MAX_COLUMNS] = {0};

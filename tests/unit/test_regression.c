@@ -345,9 +345,11 @@ TEST(priors)
         const int class = mukca_candidate_class(h);
         if (mukca_effect_has(class, MUKCA_TRAIT_ELASTIC))
             assert_close(h->log_prior, log(1.0 / 20), 1e-12);
-        else if (class == MUKCA_CLASS_UNKNOWN && !mukca_unlisted_is_normalised(h))
-            simple += exp(h->log_prior);
-        else if (class != MUKCA_EFFECT_GEAR_HARMONIC)
+        else if (class == MUKCA_CLASS_UNKNOWN && !mukca_unlisted_is_normalised(h)) {
+            const bool wave =
+                mukca_unlisted_functions[h->unlisted.function].shape == MUKCA_SHAPE_WAVE;
+            if (!wave || h->unlisted.measure == 1) simple += exp(h->log_prior); /* as above */
+        } else if (class != MUKCA_EFFECT_GEAR_HARMONIC)
             sum += exp(h->log_prior);
     }
     for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++)

@@ -123,7 +123,7 @@ TEST(tables_of_other_diagnoses)
 }
 
 /* The coupling of a joint to its neighbour's angle is nearly a wobble of that neighbour.  Without
- * it in the catalogue the wobble must share its probability with what nobody listed. */
+ * it in the catalogue the wobble leaves a fifth of its probability to what nobody listed. */
 TEST(test_unlisted)
 {
     for (int withheld = 0; withheld < 2; withheld++) {
@@ -134,7 +134,7 @@ TEST(test_unlisted)
         const double probability = d->n_causes ? d->causes[0].probability : 0;
         print_message("coupling%s: %s, %.3f\n", withheld ? " withheld" : "",
                       mukca_verdict_name[d->verdict], probability);
-        assert_int_equal(probability > 0.75, !withheld);
+        assert_int_equal(probability > 0.8, !withheld);
         if (withheld)
             assert_true(d->verdict == MUKCA_VERDICT_TIED || d->verdict == MUKCA_VERDICT_UNKNOWN);
         else
