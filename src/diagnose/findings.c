@@ -146,23 +146,49 @@ static mukca_status label_halves(mukca_labelled_sets out[MUKCA_HALVES], mukca_ha
     return status;
 }
 
+static mukca_status no_memory(mukca_error *error)
+{
+    return mukca_fail(error, MUKCA_MEMORY, "out of memory for the findings");
+}
+
+/* Posteriors of halves of the data, under the noise of the last search. */
+typedef struct {
+    mukca_halves *halves;
+    mukca_labelled_sets half[MUKCA_HALVES];
+} half_posteriors;
+
+/* The last search with labels, and its halves. */
+static mukca_status label_search(mukca_labelled_search *whole, half_posteriors *parts,
+                                 mukca_pool *pool, mukca_search *id, mukca_error *error)
+{
+    mukca_label *label = MUKCA_TAKE(pool, mukca_label, id->n_kept + 1);
+    *whole = (mukca_labelled_search){.posterior = {.label = label},
+                                     .label_of = MUKCA_TAKE(pool, int, id->n_kept + 1)};
+    if (pool->failed) return no_memory(error);
+    whole->posterior.n_labels = number_labels(label, whole->label_of, id);
+    for (int h = 0; h < MUKCA_HALVES && parts; h++) parts->half[h] = whole->posterior;
+    if (!label_whole(&whole->posterior, pool, id, whole->label_of)) return no_memory(error);
+    if (!parts) return MUKCA_OK;
+    parts->halves = MUKCA_TAKE(pool, mukca_halves, 1);
+    if (pool->failed) return no_memory(error);
+    return label_halves(parts->half, parts->halves, pool, id, whole->label_of, error);
+}
+
 mukca_status mukca_findings_reach(mukca_diagnosis *d, mukca_search *id, mukca_error *error)
 {
     mukca_pool pool = {0};
-    mukca_label *label = MUKCA_TAKE(&pool, mukca_label, id->n_kept + 1);
     mukca_finding_group *group = MUKCA_TAKE(&pool, mukca_finding_group, 2 * MUKCA_MOST_FINDINGS);
-    mukca_labelled_sets half[MUKCA_HALVES];
-    mukca_halves *halves = MUKCA_TAKE(&pool, mukca_halves, 1);
-    mukca_labelled_search whole = {.posterior = {.label = label},
-                                   .label_of = MUKCA_TAKE(&pool, int, id->n_kept + 1)};
-    mukca_status status = MUKCA_OK;
+    mukca_labelled_search whole = {0};
+    half_posteriors parts = {0};
     int n_findings = 0, n = -1;
-    if (!pool.failed) whole.posterior.n_labels = number_labels(label, whole.label_of, id);
-    for (int h = 0; h < MUKCA_HALVES; h++) half[h] = whole.posterior;
-    if (!pool.failed && label_whole(&whole.posterior, &pool, id, whole.label_of))
-        status = label_halves(half, halves, &pool, id, whole.label_of, error);
+    mukca_status status = label_search(&whole, &parts, &pool, id, error);
+    if (status == MUKCA_OK && id->tails) {
+        status = mukca_identify_with_tails(id, error);
+        if (status == MUKCA_OK) status = label_search(&whole, NULL, &pool, id, error);
+    }
     if (status == MUKCA_OK && !pool.failed)
-        n = mukca_findings_choose(group, &n_findings, &pool, &whole.posterior, half, halves->n);
+        n = mukca_findings_choose(group, &n_findings, &pool, &whole.posterior, parts.half,
+                                  parts.halves->n);
     for (int i = 0; i < n; i++) {
         mukca_finding *f = i < n_findings ? &d->findings[d->n_findings++] : &d->maybe[d->n_maybe++];
         *f = (mukca_finding){.group = group[i], .held_out = MUKCA_SHRINK_NONE};
@@ -170,9 +196,7 @@ mukca_status mukca_findings_reach(mukca_diagnosis *d, mukca_search *id, mukca_er
     if (status == MUKCA_OK && n >= 0 && !mukca_findings_measure(d, id, &whole)) n = -1;
     qsort(d->findings, (size_t)d->n_findings, sizeof *d->findings, by_size);
     qsort(d->maybe, (size_t)d->n_maybe, sizeof *d->maybe, by_size);
-    if (halves) mukca_halves_free(halves);
+    if (parts.halves) mukca_halves_free(parts.halves);
     mukca_pool_free(&pool);
-    if (status == MUKCA_OK && n < 0)
-        status = mukca_fail(error, MUKCA_MEMORY, "out of memory for the findings");
-    return status;
+    return status == MUKCA_OK && n < 0 ? no_memory(error) : status;
 }

@@ -313,6 +313,13 @@ static bool has_heavy_tails(mukca_search *id, const mukca_causes *set, double *t
     return heavy[0] || (heavy[1] && value[1] > value[0]);
 }
 
+static mukca_status rank(mukca_search *id, mukca_error *error)
+{
+    const mukca_status status = average(id, error);
+    if (status == MUKCA_OK) qsort(id->set, (size_t)id->n_sets, sizeof *id->set, by_weight);
+    return status;
+}
+
 mukca_status mukca_identify_run(mukca_search *id, mukca_error *error)
 {
     mukca_regression *m = id->m;
@@ -332,13 +339,17 @@ mukca_status mukca_identify_run(mukca_search *id, mukca_error *error)
                           id->all.count);
     mukca_regression_freeze(m);
     status = search_all(id, &best, NULL, error);
-    if (status == MUKCA_OK && !m->recording.repeats && has_heavy_tails(id, &best, tails)) {
-        best.n = 0; /* causes that only explain large errors are not to persist */
-        status = search_all(id, &best, tails, error);
-    }
-    if (status == MUKCA_OK) status = average(id, error);
-    if (status == MUKCA_OK) qsort(id->set, (size_t)id->n_sets, sizeof *id->set, by_weight);
-    return status;
+    if (status != MUKCA_OK) return status;
+    if (!m->recording.repeats && has_heavy_tails(id, &best, tails)) id->tails = tails;
+    return rank(id, error);
+}
+
+mukca_status mukca_identify_with_tails(mukca_search *id, mukca_error *error)
+{
+    mukca_causes best = {0}; /* causes that only explain large errors are not to persist */
+    if (!id->tails) return MUKCA_OK;
+    const mukca_status status = search_all(id, &best, id->tails, error);
+    return status == MUKCA_OK ? rank(id, error) : status;
 }
 
 void mukca_identify_settle(mukca_search *id)

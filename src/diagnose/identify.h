@@ -37,7 +37,8 @@ typedef struct {
     int n_kept, *kept; /* its items are these candidates */
     mukca_question question;
     mukca_sets sets;
-    bool settled; /* the set of its linearisation was among the best, or passes alternate */
+    double *tails; /* [n_rows] of Student's noise, if this is more probable */
+    bool settled;  /* the set of its linearisation was among the best, or passes alternate */
     int n_passed;
     mukca_causes passed[MUKCA_PASSES]; /* sets of the linearisations */
     /* scores of each candidate alone */
@@ -48,9 +49,13 @@ typedef struct {
     mukca_pool pool, search_pool; /* of all; of the last search */
 } mukca_search;
 
-/* List the candidates and find the most probable sets of them.  Errors: MUKCA_MEMORY,
- * MUKCA_INTERRUPTED. */
+/* List the candidates and find the most probable sets of them, with Gaussian noise.  Errors:
+ * MUKCA_MEMORY, MUKCA_INTERRUPTED. */
 mukca_status mukca_identify_run(mukca_search *id, mukca_error *error);
+
+/* The same with Student's noise, from the empty set, if id->tails is not NULL.  Errors: as above.
+ */
+mukca_status mukca_identify_with_tails(mukca_search *id, mukca_error *error);
 
 /* Fit the regression to the most probable set, by least squares.  Before, the last search can be
  * continued. */
