@@ -15,7 +15,7 @@ static void add_point(double inertia[6], double kg, const double at[3])
             inertia[place[a][b]] += kg * ((a == b ? mukca_dot3(at, at) : 0) - at[a] * at[b]);
 }
 
-void mukca_body_turn(mukca_body *out, const mukca_body *in, const double R[9])
+void mukca_body_turn(mukca_mass *out, const mukca_mass *in, const double R[9])
 {
     const double com[3] = {in->com[0], in->com[1], in->com[2]};
     double full[9], half[9];
@@ -25,6 +25,21 @@ void mukca_body_turn(mukca_body *out, const mukca_body *in, const double R[9])
     mukca_mat3_mul(full, half, R);
     for (int a = 0; a < 9; a++) out->inertia[place[a / 3][a % 3]] = full[a];
     mukca_mat3_tvec(out->com, R, com);
+}
+
+void mukca_body_add(mukca_mass *sum, const mukca_frame *T, const mukca_mass *body)
+{
+    const double kg = sum->kg + body->kg;
+    mukca_mass turned;
+    double back[9], d[3];
+    if (body->kg == 0) return;
+    for (int i = 0; i < 9; i++) back[i] = T->R[i % 3 * 3 + i / 3];
+    mukca_body_turn(&turned, body, back);
+    for (int i = 0; i < 3; i++) d[i] = turned.com[i] + T->p[i] - sum->com[i];
+    add_point(sum->inertia, sum->kg * body->kg / kg, d); /* the reduced mass */
+    for (int i = 0; i < 6; i++) sum->inertia[i] += turned.inertia[i];
+    for (int i = 0; i < 3; i++) sum->com[i] += body->kg / kg * d[i];
+    sum->kg = kg;
 }
 
 /* Whether a distribution of mass has this inertia: half of its trace minus it is positive. */
@@ -38,9 +53,9 @@ static bool is_physical(const double I[6])
                0;
 }
 
-bool mukca_body_change(mukca_body *b, const double d[10], bool tensor)
+bool mukca_body_change(mukca_mass *b, const double d[10], bool tensor)
 {
-    const mukca_body own = *b;
+    const mukca_mass own = *b;
     double shift[3], centre[3], change[6];
     b->kg = own.kg + d[0];
     if (!(b->kg > 0)) return false;

@@ -126,17 +126,12 @@ static mukca_status read_changes(patch *p)
 /* ---- links and joints ---- */
 
 /* A link's own body by the URDF of --urdf, in the frame of the link. */
-static mukca_body nominal_body(const patch *p, int joint)
+static mukca_mass nominal_body(const patch *p, int joint)
 {
     const mukca_chain *chain = p->input->chain;
-    mukca_body b = {0};
     for (int m = 0; m < chain->n_masses; m++)
-        if (chain->mass[m].element == chain->joint_element[joint] && b.kg == 0) {
-            b.kg = chain->mass[m].kg;
-            memcpy(b.com, chain->mass[m].com, sizeof b.com);
-            memcpy(b.inertia, chain->mass[m].inertia, sizeof b.inertia);
-        }
-    return b;
+        if (chain->mass[m].element == chain->joint_element[joint]) return chain->mass[m];
+    return (mukca_mass){0};
 }
 
 /* ---- editing: the text up to a place, what is written instead, the text from another on ---- */
@@ -243,42 +238,42 @@ static mukca_status patch_joint(patch *p, int joint)
 /* ---- links ---- */
 
 /* Read the body of an <inertial> in the axes of its link or body; false: unreadable. */
-static bool read_inertial(mukca_body *b, const patch *p, const mukca_export_tag *tag)
+static bool read_inertial(mukca_mass *b, const patch *p, const mukca_export_tag *tag)
 {
     static const char *const tensor[6] = {"ixx", "iyy", "izz", "ixy", "ixz", "iyz"};
-    double quat[4] = {1, 0, 0, 0}, rpy[3] = {0, 0, 0}, R[9], back[9], com[3] = {0, 0, 0};
+    double quat[4] = {1, 0, 0, 0}, rpy[3] = {0, 0, 0};
+    mukca_frame T = {.R = MUKCA_IDENTITY};
+    mukca_mass own = {0};
     mukca_export_tag inner;
     bool ok = true;
-    *b = (mukca_body){0};
     if (p->urdf) {
         if (find_below(&inner, tag, "origin"))
-            ok = mukca_export_read_numbers(com, 3, &inner, "xyz") &&
+            ok = mukca_export_read_numbers(T.p, 3, &inner, "xyz") &&
                  mukca_export_read_numbers(rpy, 3, &inner, "rpy");
         if (find_below(&inner, tag, "mass"))
-            ok &= mukca_export_read_numbers(&b->kg, 1, &inner, "value");
+            ok &= mukca_export_read_numbers(&own.kg, 1, &inner, "value");
         for (int i = 0; i < 6 && find_below(&inner, tag, "inertia"); i++)
-            ok &= mukca_export_read_numbers(&b->inertia[i], 1, &inner, tensor[i]);
-        mukca_rotation_from_rpy(R, rpy);
+            ok &= mukca_export_read_numbers(&own.inertia[i], 1, &inner, tensor[i]);
+        mukca_rotation_from_rpy(T.R, rpy);
     } else {
         static const char *const others[] = {"euler", "axisangle", "xyaxes", "zaxis"};
         size_t start, stop;
         for (int i = 0; i < 4; i++)
             ok &= !mukca_export_find_attribute(&start, &stop, tag, others[i]);
-        ok &= mukca_export_read_numbers(com, 3, tag, "pos") &&
+        ok &= mukca_export_read_numbers(T.p, 3, tag, "pos") &&
               mukca_export_read_numbers(quat, 4, tag, "quat") &&
-              mukca_export_read_numbers(&b->kg, 1, tag, "mass") &&
-              mukca_export_read_numbers(b->inertia, 3, tag, "diaginertia") &&
-              mukca_export_read_numbers(b->inertia, 6, tag, "fullinertia");
-        mukca_rotation_from_quaternion(R, quat);
+              mukca_export_read_numbers(&own.kg, 1, tag, "mass") &&
+              mukca_export_read_numbers(own.inertia, 3, tag, "diaginertia") &&
+              mukca_export_read_numbers(own.inertia, 6, tag, "fullinertia");
+        mukca_rotation_from_quaternion(T.R, quat);
     }
-    for (int i = 0; i < 9; i++) back[i] = R[i % 3 * 3 + i / 3];
-    mukca_body_turn(b, b, back);
-    memcpy(b->com, com, sizeof com);
+    *b = (mukca_mass){0};
+    mukca_body_add(b, &T, &own);
     return ok;
 }
 
 /* The <inertial> of a body, with the tag's name, in `text`, to be freed; NULL: no memory. */
-static char *write_inertial(const patch *p, const mukca_body *b)
+static char *write_inertial(const patch *p, const mukca_mass *b)
 {
     static const double none[3] = {0, 0, 0};
     char *text = NULL;
@@ -310,21 +305,19 @@ static mukca_status patch_link(patch *p, int joint)
     const mukca_chain *chain = p->input->chain;
     const char *name = chain->element[chain->joint_element[joint]].child;
     const char *kind = p->urdf ? "link" : "body";
-    mukca_frame frame = {.R = MUKCA_IDENTITY}, back;
+    mukca_frame frame = {.R = MUKCA_IDENTITY};
     mukca_export_tag tag, inner;
-    mukca_body b, turned;
+    mukca_mass b = {0}, turned;
     edit e;
     mukca_status status = find(&tag, p, kind, name);
     if (status == MUKCA_OK && !p->urdf)
         status = mukca_export_body_frame(&frame, p->text, chain->joint_element[joint], p->input);
     if (status != MUKCA_OK) return status;
     const bool own = find_below(&inner, &tag, "inertial");
-    for (int i = 0; i < 9; i++) back.R[i] = frame.R[i % 3 * 3 + i / 3];
     if (own) { /* to the frame of the link, on which the change acts */
         if (!read_inertial(&turned, p, &inner))
             return fail(p, kind, name, "has an <inertial> that is not numbers with a quat");
-        mukca_body_turn(&b, &turned, back.R);
-        for (int i = 0; i < 3; i++) b.com[i] += frame.p[i];
+        mukca_body_add(&b, &frame, &turned);
     } else {
         b = nominal_body(p, joint);
         mukca_note_format(p->input->note, p->input->context,

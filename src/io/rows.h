@@ -28,6 +28,7 @@ typedef struct {
     mukca_table_kind kind;
     mukca_rows_format format;
     bool unchecked;      /* poses need not be those of the joints */
+    bool currents;       /* columns JOINT.current stand for absent efforts */
     mukca_note_fn *note; /* may be NULL */
     void *context;
     bool *warned; /* [MUKCA_MAX_JOINTS] joints beyond their limits in other tables; may be NULL */
@@ -59,6 +60,7 @@ typedef struct {
     mukca_rows_options options;
     mukca_row_columns column;
     bool has_command;                  /* of at least one joint */
+    bool has_current;                  /* the efforts are currents, A */
     bool by_command;                   /* commanded angles only, without measured ones */
     bool warned[MUKCA_MAX_JOINTS];     /* a note of exceeded limits was printed */
     mukca_rotation_samples *rotations; /* NULL: no orientation was read */

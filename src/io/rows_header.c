@@ -74,10 +74,17 @@ bool mukca_columns_reserved(const char *name)
 /* Find column `prefix``suffix`; -1: absent, or it has another meaning: joints come first. */
 static int find(header *h, const char *prefix, const char *suffix)
 {
-    char name[2 * MUKCA_NAME_SIZE];
+    char name[MUKCA_PREFIX_NAME + 16];
     snprintf(name, sizeof name, "%s%s", prefix, suffix);
     const int column = mukca_table_find(&h->rows->table, name);
     return column >= 0 && h->rows->table.used[column] ? -1 : mukca_table_use(&h->rows->table, name);
+}
+
+static int find_of_joint(header *h, int joint, const char *suffix)
+{
+    char name[MUKCA_PREFIX_NAME];
+    mukca_prefix_apply(name, &h->prefix, mukca_chain_joint_name(h->rows->chain, joint));
+    return find(h, name, suffix);
 }
 
 /* Find a column of MUKCA_COLUMN_LIST, of a joint if it has one for each. */
@@ -87,14 +94,11 @@ static int find_number(header *h, int column, int joint)
     const char *alias = h->numbered == OF_RTDE                        ? rtde[column]
                         : column == MUKCA_COLUMN_Q && h->numbered > 0 ? numbered[h->numbered]
                                                                       : NULL;
-    char name[MUKCA_PREFIX_NAME];
+    char number[16];
     if (c->width) return find(h, alias ? alias : c->name[0], "");
-    if (h->numbered >= 0 && !alias) return -1;
-    if (alias)
-        snprintf(name, sizeof name, "%s%d", alias, h->first + joint);
-    else
-        mukca_prefix_apply(name, &h->prefix, mukca_chain_joint_name(h->rows->chain, joint));
-    return find(h, name, alias ? "" : c->name[0]);
+    if (!alias) return h->numbered < 0 ? find_of_joint(h, joint, c->name[0]) : -1;
+    snprintf(number, sizeof number, "%d", h->first + joint);
+    return find(h, alias, number);
 }
 
 /* Determine how the columns name the joints: as the chain, with another prefix, or by numbers. */
@@ -252,12 +256,16 @@ static void map_numbers(header *h)
 {
     mukca_rows *rows = h->rows;
     const int n = rows->chain->n_joints;
-    int *q = rows->column.number[MUKCA_COLUMN_Q];
+    int *q = rows->column.number[MUKCA_COLUMN_Q],
+        *effort = rows->column.number[MUKCA_COLUMN_EFFORT];
     const int *command = rows->column.number[MUKCA_COLUMN_COMMAND];
     find_names(h);
     for (int c = 0; c < MUKCA_COLUMNS; c++)
         for (int k = 0; k < mukca_column_width(c, n) && mukca_column_table[c].width < 2; k++)
             rows->column.number[c][k] = find_number(h, c, k), expect(h, c, k);
+    const bool currents = rows->options.currents && effort[0] < 0;
+    for (int j = 0; j < n && currents; j++)
+        rows->has_current |= (effort[j] = find_of_joint(h, j, ".current")) >= 0;
     rows->by_command = q[0] < 0 && command[0] >= 0;
     for (int j = 0; j < n; j++) {
         if (rows->by_command) q[j] = command[j];

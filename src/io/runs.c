@@ -23,36 +23,6 @@ typedef struct {
 /* Steps over which the angles are differentiated on either side, s: encoder steps vanish. */
 #define VELOCITY_STEP 0.02
 
-/* Rename columns JOINT.current to JOINT.effort, after the user's own renames, if a file has no
- * efforts.  Returns the text for --columns, to be freed; NULL: there are no currents. */
-static char *rename_currents(const char *path, const mukca_chain *chain, const char *columns)
-{
-    mukca_table table;
-    mukca_error error;
-    const size_t size =
-        strlen(columns ? columns : "") + 2 + (size_t)chain->n_joints * (2 * MUKCA_NAME_SIZE + 24);
-    char *text = NULL, name[MUKCA_NAME_SIZE + 16];
-    if (strcmp(path, "-") == 0) return NULL;
-    bool found = mukca_table_open(&table, path, MUKCA_EITHER, &error) == MUKCA_OK && table.header;
-    for (int j = 0; j < chain->n_joints && found; j++) {
-        const char *joint = mukca_chain_joint_name(chain, j);
-        snprintf(name, sizeof name, "%s.effort", joint);
-        found = mukca_table_find(&table, name) < 0;
-        snprintf(name, sizeof name, "%s.current", joint);
-        found = found && mukca_table_find(&table, name) >= 0;
-    }
-    if (found && (text = malloc(size))) {
-        size_t used = (size_t)snprintf(text, size, "%s", columns ? columns : "");
-        for (int j = 0; j < chain->n_joints; j++) {
-            const char *joint = mukca_chain_joint_name(chain, j);
-            used += (size_t)snprintf(text + used, size - used, "%s%s.current=%s.effort",
-                                     used ? "," : "", joint, joint);
-        }
-    }
-    (void)mukca_table_close(&table);
-    return text;
-}
-
 /* Check that all joints have what the efforts are made of. */
 static void check_columns(reader *r)
 {
@@ -180,14 +150,15 @@ mukca_status mukca_run_read(mukca_run *run, mukca_pool *pool, const char *path,
     reader *r = MUKCA_TAKE(pool, reader, 1);
     if (!r) return mukca_fail(error, MUKCA_MEMORY, "out of memory for %s", mukca_file_shown(path));
     r->options = o;
-    mukca_rows_options options = {
-        .kind = MUKCA_HEADER, .format = o->format, .note = o->note, .context = o->context};
-    char *columns = rename_currents(path, chain, o->format.columns);
-    o->current |= columns != NULL;
-    if (columns) options.format.columns = columns;
+    const mukca_rows_options options = {.kind = MUKCA_HEADER,
+                                        .format = o->format,
+                                        .currents = true,
+                                        .note = o->note,
+                                        .context = o->context};
     mukca_status status = mukca_rows_open(&r->rows, path, chain, &options, error);
     snprintf(run->name, sizeof run->name, "%.60s", mukca_file_name(path));
     if (status == MUKCA_OK) {
+        o->current |= r->rows.has_current;
         check_columns(r);
         read_rows(r);
         if (r->rows.table.status == MUKCA_OK)
@@ -198,7 +169,6 @@ mukca_status mukca_run_read(mukca_run *run, mukca_pool *pool, const char *path,
         else if (status != MUKCA_OK)
             status = mukca_fail(error, status, "out of memory for %s", mukca_file_shown(path));
     }
-    free(columns);
     free(r->samples.sample);
     return status;
 }
@@ -207,13 +177,8 @@ mukca_status mukca_run_read(mukca_run *run, mukca_pool *pool, const char *path,
 
 static void read_attribute(double *value, const mukca_export_tag *tag, const char *name)
 {
-    size_t start, stop;
-    char text[64];
-    double number;
-    if (!mukca_export_find_attribute(&start, &stop, tag, name)) return;
-    snprintf(text, sizeof text, "%.*s", (int)(stop - start < 63 ? stop - start : 63),
-             tag->at + start);
-    if (mukca_number_parse(&number, text) && number >= 0) *value = number;
+    double number = *value;
+    if (mukca_export_read_numbers(&number, 1, tag, name) && number >= 0) *value = number;
 }
 
 /* Joint of a tag by its name; -1: none of the chain. */

@@ -3,6 +3,7 @@
 
 extern "C" {
 #include "base/number.h"
+#include "io/body.h"
 #include "io/table.h"
 #include "mukca/gravity.h"
 }
@@ -151,15 +152,16 @@ struct Loader : Tree {
                 if (!(std::fabs(value) <= MUKCA_NUMBER_LARGEST))
                     fail("link '" + entry.first +
                          "': its mass or centre of mass is larger than any arm's");
-            mukca_mass &mass = masses_[entry.first];
-            mass = {0, inertial->mass, {p.x, p.y, p.z}, {0}};
-            const double I[6] = {inertial->ixx, inertial->iyy, inertial->izz,
-                                 inertial->ixy, inertial->ixz, inertial->iyz};
+            const mukca_mass own = {0,
+                                    inertial->mass,
+                                    {0},
+                                    {inertial->ixx, inertial->iyy, inertial->izz, inertial->ixy,
+                                     inertial->ixz, inertial->iyz}};
             const urdf::Rotation &turn = inertial->origin.rotation; /* getRPY loses 2 mrad */
             const double quaternion[4] = {turn.w, turn.x, turn.y, turn.z};
-            double R[9];
-            mukca_rotation_from_quaternion(R, quaternion);
-            add_turned(mass.inertia, R, I);
+            mukca_frame T = {{0}, {p.x, p.y, p.z}};
+            mukca_rotation_from_quaternion(T.R, quaternion);
+            mukca_body_add(&masses_[entry.first], &T, &own);
         }
         if (options_.inertials) replace_masses();
     }
@@ -196,46 +198,12 @@ struct Loader : Tree {
         if (t->status) throw Failure{t->status};
     }
 
-    // Add R I R' to sum; tensors are xx yy zz xy xz yz.
-    static void add_turned(double sum[6], const double R[9], const double I[6])
-    {
-        const int at[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
-        for (int a = 0; a < 3; a++)
-            for (int b = a; b < 3; b++)
-                for (int i = 0; i < 3; i++)
-                    for (int j = 0; j < 3; j++)
-                        sum[at[a][b]] += R[3 * a + i] * I[at[i][j]] * R[3 * b + j];
-    }
-
-    // Add the tensor of a point mass at p.
-    static void add_point(double sum[6], double kg, const double p[3])
-    {
-        for (int a = 0; a < 3; a++) {
-            sum[a] += kg * (mukca_dot3(p, p) - p[a] * p[a]);
-            sum[3 + a] -= kg * p[a > 1] * p[1 + (a > 0)];
-        }
-    }
-
-    // Add a mass in frame T to the sum.
-    static void add_mass(mukca_mass *sum, const mukca_frame &T, const mukca_mass &mass)
-    {
-        if (mass.kg == 0) return;
-        const double kg = sum->kg + mass.kg;
-        double d[3];
-        mukca_mat3_vec(d, T.R, mass.com);
-        for (int i = 0; i < 3; i++) d[i] += T.p[i] - sum->com[i];
-        add_turned(sum->inertia, T.R, mass.inertia);
-        add_point(sum->inertia, sum->kg * mass.kg / kg, d); /* the reduced mass */
-        for (int i = 0; i < 3; i++) sum->com[i] += mass.kg / kg * d[i];
-        sum->kg = kg;
-    }
-
     // Add the masses of a link and its descendants except beyond the joint `next`; T is its pose.
     void fold(mukca_mass *sum, const std::string &link, const mukca_frame &T,
               const std::string &next) const
     {
         auto mass = masses_.find(link);
-        if (mass != masses_.end()) add_mass(sum, T, mass->second);
+        if (mass != masses_.end()) mukca_body_add(sum, &T, &mass->second);
         for (const auto &joint : model_->getLink(link)->child_joints) {
             if (joint->name == next) continue;
             double xyz[3], rpy[3];
