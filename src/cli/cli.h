@@ -23,6 +23,7 @@
 #include "mukca/chain.h"
 #include "mukca/effect.h"
 #include "mukca/status.h"
+#include "report/page.h"
 
 /* Groups of commands in the order of the work, with their titles in help. */
 #define CLI_GROUP_LIST(X)                                          \
@@ -255,8 +256,8 @@ mukca_status cli_check_outputs(cli_call *call);
 mukca_status cli_write(cli_call *call, const char *path, cli_writer *write);
 mukca_status cli_write_table(cli_call *call, cli_writer *write);
 
-/* The command line, to be freed; NULL: no memory. */
-char *cli_command_line(const cli_call *call);
+/* Write a page with the command line and the time.  Errors: MUKCA_MEMORY. */
+mukca_status cli_write_page(cli_call *call, FILE *stream, mukca_page page);
 
 /* Write an offsets table to `path` (NULL: none); the arguments are those of mukca_offsets_write. */
 mukca_status cli_write_offsets(cli_call *call, const char *path, const mukca_offsets *offsets,

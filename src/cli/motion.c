@@ -1,6 +1,5 @@
 /* mukca motion: what separates the torques of a moving arm from its model. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/number.h"
@@ -107,24 +106,13 @@ static bool view(void *context, const struct mukca_torques *torques,
 static mukca_status write_page(cli_call *call, FILE *stream)
 {
     cli_motion *w = call->work;
-    char when[32];
-    mukca_motion_report r = {
+    const mukca_motion_report r = {
         .chain = &call->session->model.chain,
         .motion = &w->motion,
         .trace = &w->trace,
         .points = MUKCA_TAKE(&call->pool, mukca_plot_point, MUKCA_TRACES * w->trace.n + 1)};
-    char *command = cli_command_line(call);
-    if (!command || !r.points) {
-        free(command);
-        return cli_fail(call, MUKCA_MEMORY, "out of memory");
-    }
-    mukca_page page = mukca_motion_page(&r);
-    mukca_offsets_time(when);
-    page.when = when;
-    page.command = command;
-    mukca_page_write(stream, &page);
-    free(command);
-    return MUKCA_OK;
+    if (!r.points) return cli_fail(call, MUKCA_MEMORY, "out of memory");
+    return cli_write_page(call, stream, mukca_motion_page(&r));
 }
 
 static mukca_status run(cli_call *call)

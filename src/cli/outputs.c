@@ -1,5 +1,6 @@
 /* Outputs of commands: checks before long work, opening, files written by several commands. */
 #include <fnmatch.h>
+#include <stdlib.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -101,13 +102,19 @@ mukca_status cli_write_offsets(cli_call *call, const char *path, const mukca_off
     return mukca_output_finish(&output, status, &call->error);
 }
 
-char *cli_command_line(const cli_call *call)
+mukca_status cli_write_page(cli_call *call, FILE *stream, mukca_page page)
 {
-    char *text;
+    char *command, when[32];
     size_t size;
-    FILE *line = open_memstream(&text, &size);
-    if (!line) return NULL;
+    FILE *line = open_memstream(&command, &size);
+    if (!line) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     fprintf(line, "mukca %s", call->command->name);
     for (int i = 0; i < call->argc; i++) fprintf(line, " %s", call->argv[i]);
-    return mukca_file_close(line, &text) ? text : NULL;
+    const bool whole = mukca_file_close(line, &command);
+    mukca_offsets_time(when);
+    page.command = command;
+    page.when = when;
+    if (whole) mukca_page_write(stream, &page);
+    free(command);
+    return whole ? MUKCA_OK : cli_fail(call, MUKCA_MEMORY, "out of memory");
 }

@@ -1,6 +1,4 @@
 /* mukca report: diagnose an arm, or pool a fleet, and write one page. */
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "accept/accept.h"
@@ -27,7 +25,6 @@ typedef struct {
     cli_diagnosis analysis;
     mukca_report page;
     mukca_fleet fleet;
-    char *command, when[32];
 } report_work;
 
 /* Use the table of --offsets, else that of the diagnosis, else (nothing was fitted) none. */
@@ -42,24 +39,12 @@ static mukca_status take_offsets(cli_call *call)
     return MUKCA_OK;
 }
 
-/* Note the command line, and the time. */
-static mukca_status note_command(cli_call *call)
-{
-    report_work *w = call->work;
-    mukca_offsets_time(w->when);
-    w->command = cli_command_line(call);
-    return w->command ? MUKCA_OK : cli_fail(call, MUKCA_MEMORY, "out of memory");
-}
-
 static mukca_status write_page(cli_call *call, FILE *stream)
 {
     const report_options *o = call->options;
     const report_work *w = call->work;
-    mukca_page page = o->fleet ? mukca_fleet_page(&w->fleet) : mukca_report_page(&w->page);
-    page.command = w->command;
-    page.when = w->when;
-    mukca_page_write(stream, &page);
-    return MUKCA_OK;
+    return cli_write_page(call, stream,
+                          o->fleet ? mukca_fleet_page(&w->fleet) : mukca_report_page(&w->page));
 }
 
 /* Read and pool the summaries. */
@@ -86,7 +71,6 @@ static mukca_status check(cli_call *call)
 static void release(void *work)
 {
     report_work *w = work;
-    free(w->command);
     mukca_fleet_free(&w->fleet);
     cli_diagnosis_free(&w->analysis);
 }
@@ -115,8 +99,6 @@ static mukca_status prepare_arm(cli_call *call)
 static mukca_status run(cli_call *call)
 {
     const report_options *o = call->options;
-    const mukca_status status = note_command(call);
-    if (status != MUKCA_OK) return status;
     return o->fleet ? prepare_fleet(call) : prepare_arm(call);
 }
 
