@@ -39,11 +39,11 @@ void mukca_number_format(char text[MUKCA_NUMBER_SIZE], double value)
 
 /* ---- notes ---- */
 
-void mukca_note_format(mukca_note_fn *note, void *context, const char *format, ...)
+void mukca_note_format(mukca_notes notes, const char *format, ...)
 {
     char text[512];
     va_list args;
-    if (!note) return;
+    if (!notes.write) return;
     va_start(args, format);
     const int length = vsnprintf(text, sizeof text, format, args);
     va_end(args);
@@ -51,7 +51,7 @@ void mukca_note_format(mukca_note_fn *note, void *context, const char *format, .
     for (char *c = text; *c; c++)
         if (*c == '\n' || *c == '\t') *c = '?';
     mukca_utf8_mend(text);
-    note(context, text);
+    notes.write(notes.context, text);
 }
 
 /* ---- characters of UTF-8 (RFC 3629) ---- */

@@ -25,9 +25,15 @@ void mukca_text_put(mukca_text *text, const char *format, ...)
  * after the last; false: *list is NULL.  An item that is too long becomes empty. */
 bool mukca_text_item(char *item, size_t size, const char **list);
 
-/* Call `note` (may be NULL) with a printf-formatted line, truncated to 511 characters. */
-void mukca_note_format(mukca_note_fn *note, void *context, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
+/* Receiver of notes; zeroed: none. */
+typedef struct {
+    mukca_note_fn *write;
+    void *context;
+} mukca_notes;
+
+/* Write a printf-formatted note, truncated to 511 characters. */
+void mukca_note_format(mukca_notes notes, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
 
 /* ---- UTF-8, the only encoding of JSON and HTML, without characters that control a terminal ----
 

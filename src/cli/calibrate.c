@@ -59,7 +59,7 @@ static mukca_status run(cli_call *call)
     const mukca_fit_options wanted = fit_options(o);
     calibrate_work *w = call->work;
     mukca_fit *fit = &w->fit;
-    mukca_columns_note(cli_note, call, chain, &s->data);
+    mukca_columns_note(cli_notes(call), chain, &s->data);
     mukca_status status = cli_check_moving(call, &s->data, false);
     if (status == MUKCA_OK) status = cli_check_moving(call, &s->test, false);
     if (status == MUKCA_OK) status = mukca_fit_run(fit, chain, &s->data, &wanted, &call->error);

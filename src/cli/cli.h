@@ -173,8 +173,9 @@ void cli_answer(cli_call *call, const char *format, ...) __attribute__((format(p
 void cli_say(cli_call *call, const char *key, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* A mukca_note_fn; context is the cli_call.  Silent with -q. */
-void cli_note(void *call, const char *text);
+/* Receiver of notes, and a note to it; silent with -q. */
+mukca_notes cli_notes(cli_call *call);
+#define cli_note(call, ...) mukca_note_format(cli_notes(call), __VA_ARGS__)
 
 /* printf to standard error; silent with -q. */
 void cli_log(cli_call *call, const char *format, ...) __attribute__((format(printf, 2, 3)));

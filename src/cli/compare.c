@@ -76,8 +76,7 @@ static mukca_status check_pairs(cli_call *call)
                             "they are not models of one arm",
                             x->name, mukca_file_shown(path[0]), y->name, mukca_file_shown(path[1]));
         if (strcmp(x->name, y->name) != 0) {
-            mukca_note_format(cli_note, call, "joints are paired in order: '%s' with '%s', ...",
-                              x->name, y->name);
+            cli_note(call, "joints are paired in order: '%s' with '%s', ...", x->name, y->name);
             break;
         }
     }
@@ -103,15 +102,15 @@ static void note_hashes(cli_call *call)
     const mukca_chain *a = &w->arm[0].chain, *b = &w->arm[1].chain;
     if (!a->kinematics_hash[0] || !b->kinematics_hash[0]) return;
     if (strcmp(a->kinematics_hash, b->kinematics_hash) != 0)
-        mukca_note_format(
-            cli_note, call,
+        cli_note(
+            call,
             "the hash of A is %s, that of B %s: two robots, or one that its maker calibrated anew",
             a->kinematics_hash, b->kinematics_hash);
     else if (!same_origins(a, b))
-        mukca_note_format(cli_note, call,
-                          "A and B start from other origins under the same hash, %s: one of them "
-                          "is no factory file, but edited or exported from a fit",
-                          a->kinematics_hash);
+        cli_note(call,
+                 "A and B start from other origins under the same hash, %s: one of them "
+                 "is no factory file, but edited or exported from a fit",
+                 a->kinematics_hash);
 }
 
 static void print_number(cli_call *call, double value)

@@ -117,8 +117,7 @@ static mukca_status correct_table(job *b, const char *path)
     cli_call *call = b->call;
     mukca_rows *rows = &b->rows;
     mukca_row row;
-    mukca_rows_options header = {
-        .kind = MUKCA_EITHER, .unchecked = true, .note = cli_note, .context = call};
+    mukca_rows_options header = {.kind = MUKCA_EITHER, .unchecked = true, .notes = cli_notes(call)};
     mukca_status status = cli_read_format(call, &header.format);
     if (status == MUKCA_OK)
         status = mukca_rows_open(rows, path, &b->arm.chain, &header, &call->error);
@@ -295,7 +294,7 @@ static mukca_status run(cli_call *call)
     mukca_offsets_note_history(&model->offsets, &b->arm.chain,
                                "applied to the rows as to a recording that begins with the first, "
                                "not to the arm in use",
-                               cli_note, call);
+                               cli_notes(call));
     cli_writer *const correct = b->from ? correct_whole : correct_all;
     if (c->json && strcmp(c->json, "-") == 0 && !c->output)
         return cli_write(call, "/dev/null", correct);

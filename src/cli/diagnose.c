@@ -49,7 +49,7 @@ mukca_status cli_diagnosis_run(cli_call *call, cli_diagnosis *d)
     const cli_session *s = call->session;
     const mukca_chain *chain = &s->model.chain;
     mukca_error *error = &call->error;
-    mukca_columns_note(cli_note, call, chain, &s->data);
+    mukca_columns_note(cli_notes(call), chain, &s->data);
     const bool several = s->data.n_targets > 1 && !c->free_tool && !c->arm.offsets;
     if (several)
         cli_note(call, "several targets: each has its own position on the tool (--free-tool)");
@@ -67,7 +67,8 @@ mukca_status cli_diagnosis_run(cli_call *call, cli_diagnosis *d)
                                   .next = &d->next,
                                   .saved = c->output != NULL};
     mukca_status status = cli_check_moving(call, &s->data, false);
-    if (status == MUKCA_UNIDENTIFIABLE) cli_note(call, error->text); /* why it is untestable */
+    if (status == MUKCA_UNIDENTIFIABLE)
+        cli_note(call, "%s", error->text); /* why it is untestable */
     if (status == MUKCA_MEMORY) return status;
     *error = (mukca_error){.status = MUKCA_OK};
     status = mukca_diagnose(&d->diagnosis, chain, &s->data, &d->options, error);

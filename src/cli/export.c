@@ -77,8 +77,7 @@ static mukca_status write_model(cli_call *call, FILE *stream)
                                       .into = o->into,
                                       .motion = o->motion,
                                       .other_arm = call->common->accept_other_arm,
-                                      .note = cli_note,
-                                      .context = call,
+                                      .notes = cli_notes(call),
                                       .error = &call->error};
     return mukca_export_write(stream,
                               o->motion ? &motion

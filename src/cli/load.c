@@ -37,8 +37,7 @@ mukca_status cli_read_offsets(cli_call *call, mukca_offsets *offsets, mukca_chai
                   (any || c->accept_edited ? MUKCA_ACCEPT_EDITED : 0) |
                   (c->accept_other_arm ? MUKCA_ACCEPT_OTHER : 0),
         .embedded = embedded,
-        .note = cli_note,
-        .context = call};
+        .notes = cli_notes(call)};
     const mukca_status status = mukca_offsets_read(offsets, chain, path, &options, &call->error);
     for (int e = 0; e < offsets->n_effects && status == MUKCA_OK; e++) {
         const mukca_effect_info *info = mukca_effect_table[offsets->effects[e].kind];
@@ -58,7 +57,7 @@ static mukca_status read_kinematics(cli_call *call, cli_model *model, const char
     if (call->common->verbose)
         cli_log(call, "%s: %s, %d joints%s%s\n", path, k->layout->name, k->n,
                 k->hash[0] ? ", " : "", k->hash);
-    return mukca_kinematics_apply(&model->chain, k, path, cli_note, call, &call->error);
+    return mukca_kinematics_apply(&model->chain, k, path, cli_notes(call), &call->error);
 }
 
 mukca_status cli_load_model(cli_call *call, cli_model *model, const cli_arm *arm)
@@ -67,14 +66,14 @@ mukca_status cli_load_model(cli_call *call, cli_model *model, const cli_arm *arm
     memset(model, 0, sizeof *model);
     if (!arm->urdf)
         return cli_fail(call, MUKCA_USAGE, "--urdf FILE is needed: the nominal model of the arm");
-    mukca_urdf_options options = {.base = arm->base, .tip = arm->tip, .inertials = arm->inertials};
+    mukca_urdf_options options = {
+        .base = arm->base, .tip = arm->tip, .inertials = arm->inertials, .notes = cli_notes(call)};
     const double g = mukca_norm3(arm->gravity);
     if (g > 0 && !(fabs(g / MUKCA_GRAVITY - 1) < rounding))
         return cli_fail(call, MUKCA_USAGE,
                         "--gravity: %g m/s^2 is not that of the earth; give m/s^2", g);
     memcpy(options.gravity, arm->gravity, sizeof options.gravity);
-    mukca_status status =
-        mukca_urdf_load(&model->chain, arm->urdf, &options, cli_note, call, &call->error);
+    mukca_status status = mukca_urdf_load(&model->chain, arm->urdf, &options, &call->error);
     if (status != MUKCA_OK) return status;
     if (c->verbose)
         cli_log(call, "%s: robot %s, %s to %s, %d joints, %d masses, SHA-256 %.12s...\n", arm->urdf,
@@ -178,8 +177,7 @@ mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model 
     mukca_dataset_options options = {.distance = c->distance,
                                      .distances = c->distances,
                                      .distance_sigma = c->distance_sd,
-                                     .note = cli_note,
-                                     .context = call};
+                                     .notes = cli_notes(call)};
     const mukca_status units = cli_read_format(call, &options.format);
     if (units != MUKCA_OK) return units;
     const int all = call->arguments.n + c->test.n;
@@ -224,7 +222,7 @@ static mukca_status drop_coincident(cli_call *call, mukca_dataset *data, const c
                  "have been recorded in one socket",
                  data->placements[data->sockets[d->a].placement].name, data->sockets[d->a].label,
                  data->sockets[d->b].label, 1e3 * apart[k]);
-        mukca_note_format(cli_note, call, "%s; their distance is not used", text);
+        cli_note(call, "%s; their distance is not used", text);
     }
     if (found < 0) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     if (!found || data->n_distances) return MUKCA_OK;
@@ -235,7 +233,8 @@ static mukca_status drop_coincident(cli_call *call, mukca_dataset *data, const c
 static mukca_status drop_training(cli_call *call, mukca_dataset *test, const mukca_dataset *data)
 {
     const bool any = test->n_rows > 0;
-    const mukca_status status = mukca_dataset_drop_copies(test, data, cli_note, call, &call->error);
+    const mukca_status status =
+        mukca_dataset_drop_copies(test, data, cli_notes(call), &call->error);
     if (status != MUKCA_OK || test->n_rows || !any) return status;
     return cli_fail(call, MUKCA_INPUT,
                     "--test: every row is also training data; test on other recordings");
@@ -250,11 +249,11 @@ static void note_falling_time(cli_call *call, const mukca_dataset *data)
         const bool first = row == 0 || data->file[row] != data->file[row - 1];
         latest = first ? data->time[row] : fmax(latest, data->time[row]);
         if (!(latest - data->time[row] > least)) continue;
-        mukca_note_format(cli_note, call,
-                          "row %d of %s: time_s falls by %.0f s, and joint_drift is tested with "
-                          "it; correct it, or write each session to a file of its own",
-                          data->row[row], mukca_file_shown(data->files[data->file[row]]),
-                          latest - data->time[row]);
+        cli_note(call,
+                 "row %d of %s: time_s falls by %.0f s, and joint_drift is tested with "
+                 "it; correct it, or write each session to a file of its own",
+                 data->row[row], mukca_file_shown(data->files[data->file[row]]),
+                 latest - data->time[row]);
         return;
     }
 }
@@ -269,10 +268,9 @@ static void note_unequal_sockets(cli_call *call, const mukca_dataset *data)
             a += data->socket[row] == pair->a, b += data->socket[row] == pair->b;
         if (a < 2 * b && b < 2 * a) continue;
         const mukca_socket *sockets = data->sockets;
-        mukca_note_format(cli_note, call,
-                          "placement %s: %d samples of socket %s, %d of socket %s; was a file cut?",
-                          data->placements[sockets[pair->a].placement].name, a,
-                          sockets[pair->a].label, b, sockets[pair->b].label);
+        cli_note(call, "placement %s: %d samples of socket %s, %d of socket %s; was a file cut?",
+                 data->placements[sockets[pair->a].placement].name, a, sockets[pair->a].label, b,
+                 sockets[pair->b].label);
         return;
     }
 }
@@ -287,7 +285,7 @@ static void note_open_frames(cli_call *call, const mukca_dataset *data, const cl
         mukca_align(&found, &model->geometry, data,
                     &(mukca_align_options){.tracker = c->free_base, .target = c->free_tool}))
         open = mukca_alignment_open(&found);
-    if (open) cli_note(call, open);
+    if (open) cli_note(call, "%s", open);
 }
 
 /* The model, DATA if there are arguments, --test if given. */
@@ -373,12 +371,11 @@ static mukca_status condense(cli_call *call)
         mukca_condense(&condensed, &call->session->data, MUKCA_MOST_SAMPLES, &call->error);
     if (status != MUKCA_OK || condensed.samples == condensed.rows) return status;
     if (condensed.postures < condensed.rows)
-        mukca_note_format(cli_note, call, "%d rows are %d postures; the rows of each were averaged",
-                          condensed.rows, condensed.postures);
+        cli_note(call, "%d rows are %d postures; the rows of each were averaged", condensed.rows,
+                 condensed.postures);
     if (condensed.samples < condensed.postures)
-        mukca_note_format(cli_note, call,
-                          "%d of %d postures are used, in blocks that are evenly spread",
-                          condensed.samples, condensed.postures);
+        cli_note(call, "%d of %d postures are used, in blocks that are evenly spread",
+                 condensed.samples, condensed.postures);
     return MUKCA_OK;
 }
 

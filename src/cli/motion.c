@@ -120,14 +120,13 @@ static mukca_status run(cli_call *call)
     const motion_options *o = call->options;
     const cli_model *model = &call->session->model;
     cli_motion *w = call->work;
-    mukca_run_options how = {.current = o->effort == 1, .note = cli_note, .context = call};
+    mukca_run_options how = {.current = o->effort == 1, .notes = cli_notes(call)};
     const int n = call->arguments.n + o->reference.n + call->common->test.n;
     mukca_run *runs = MUKCA_TAKE(&call->pool, mukca_run, n + 1);
     if (!runs) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     w->input.chain = &model->chain;
     w->input.run = runs;
-    w->input.note = cli_note;
-    w->input.context = call;
+    w->input.notes = cli_notes(call);
     mukca_status status = read_by_joint(how.gain, call, "current-gain", o->gain);
     if (status == MUKCA_OK) status = read_by_joint(how.stiffness, call, "kp", o->stiffness);
     if (status == MUKCA_OK) status = disable(w->input.disabled, call, o->without);

@@ -37,7 +37,7 @@ static void use_check(cli_call *call, cli_recalibrated *r, const mukca_chain *ch
     if (c->rotation_element != c->position_element)
         cli_log(call, "mukca: note: positions are those of '%s', orientations those of '%s'\n",
                 link, chain->element[c->rotation_element].child);
-    if (c->open) cli_note(call, c->open);
+    if (c->open) cli_note(call, "%s", c->open);
     r->options.base = c->base;
     r->options.tool = c->tool;
 }

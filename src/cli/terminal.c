@@ -39,9 +39,14 @@ void cli_log(cli_call *call, const char *format, ...)
     va_end(args);
 }
 
-void cli_note(void *context, const char *text)
+static void note(void *call, const char *text)
 {
-    cli_log(context, "mukca: note: %s\n", text);
+    cli_log(call, "mukca: note: %s\n", text);
+}
+
+mukca_notes cli_notes(cli_call *call)
+{
+    return (mukca_notes){note, call};
 }
 
 void cli_progress(cli_call *call, const char *what, double done, double total)

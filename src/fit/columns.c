@@ -33,8 +33,7 @@ static bool is_other_posture(const mukca_dataset *data, int row, int j)
 
 /* Note a joint with the same angle, to the last digit, in one run of postures and in no two
  * successive ones elsewhere: programs that hold a joint on purpose do it more often. */
-static void note_run(mukca_note_fn *note, void *context, const mukca_chain *chain,
-                     const mukca_dataset *data, int j)
+static void note_run(mukca_notes notes, const mukca_chain *chain, const mukca_dataset *data, int j)
 {
     int postures = 1, equal = 0, length = 1, most = 0, first = 0, from = 0, to = 0;
     for (int row = 1; row < data->n_rows; row++) {
@@ -48,7 +47,7 @@ static void note_run(mukca_note_fn *note, void *context, const mukca_chain *chai
         if (length >= most) most = length, from = first, to = row;
     }
     if (most >= SHORTEST && equal == most - 1 && 2 * most < postures)
-        mukca_note_format(note, context,
+        mukca_note_format(notes,
                           "%s reads %.6g in rows %d to %d%s%s while other joints move, and never "
                           "the same in successive postures elsewhere; if it moved, check cable, "
                           "encoder and drive, and remove these rows",
@@ -58,8 +57,7 @@ static void note_run(mukca_note_fn *note, void *context, const mukca_chain *chai
                           data->n_files > 1 ? data->files[data->file[to]] : "");
 }
 
-void mukca_columns_note(mukca_note_fn *note, void *context, const mukca_chain *chain,
-                        const mukca_dataset *data)
+void mukca_columns_note(mukca_notes notes, const mukca_chain *chain, const mukca_dataset *data)
 {
     char still[160] = "";
     mukca_text list = MUKCA_TEXT(still);
@@ -69,11 +67,11 @@ void mukca_columns_note(mukca_note_fn *note, void *context, const mukca_chain *c
             mukca_text_put(&list, "%s%s", n_still++ ? ", " : "", mukca_chain_joint_name(chain, b));
             continue;
         }
-        note_run(note, context, chain, data, b);
+        note_run(notes, chain, data, b);
         for (int a = 0; a < b; a++)
             for (int sign = -1; sign <= 1; sign += 2)
                 if (is_constant(data, b, a, sign) && !is_constant(data, a, a, 0))
-                    mukca_note_format(note, context,
+                    mukca_note_format(notes,
                                       "the columns of %s and %s %s in all samples: a wrong column, "
                                       "or a joint that follows the other; their offsets cannot be "
                                       "told apart",
@@ -82,7 +80,7 @@ void mukca_columns_note(mukca_note_fn *note, void *context, const mukca_chain *c
                                       sign < 0 ? "differ by a constant" : "have a constant sum");
     }
     if (n_still && n_still < data->n_joints)
-        mukca_note_format(note, context,
+        mukca_note_format(notes,
                           "did not move in any sample: %s; if it was moved, its column or encoder "
                           "is stuck, and no result is valid",
                           still);

@@ -37,7 +37,6 @@ mukca_status mukca_mismatch_find(mukca_mismatch *mismatch, const mukca_chain *ch
 
 /* Note the joints that did not move, in all samples or in a run of them, and the columns that
  * repeat another one. */
-void mukca_columns_note(mukca_note_fn *note, void *context, const mukca_chain *chain,
-                        const mukca_dataset *data);
+void mukca_columns_note(mukca_notes notes, const mukca_chain *chain, const mukca_dataset *data);
 
 #endif

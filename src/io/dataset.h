@@ -14,9 +14,8 @@ typedef struct {
     double distance_sigma; /* of each of these distances, m; 0: MUKCA_DISTANCE_SIGMA */
     const double *payload; /* [n_paths] for samples whose file has no payload, kg; or NULL */
     mukca_rows_format format; /* of the tables */
-    bool partial;        /* an unfinished session: sockets may be missing or have few samples */
-    mukca_note_fn *note; /* may be NULL */
-    void *context;
+    bool partial; /* an unfinished session: sockets may be missing or have few samples */
+    mukca_notes notes;
 } mukca_dataset_options;
 
 /* Read the files and folders (of a placement, or of such folders) paths[n_paths] in order into a
@@ -36,7 +35,7 @@ mukca_status mukca_dataset_load(mukca_dataset *data, const mukca_chain *chain,
  * names of files and placements are not compared.  With `reference` NULL, a socket that would keep
  * one sample keeps all.  Returns MUKCA_OK or MUKCA_MEMORY. */
 mukca_status mukca_dataset_drop_copies(mukca_dataset *data, const mukca_dataset *reference,
-                                       mukca_note_fn *note, void *context, mukca_error *error);
+                                       mukca_notes notes, mukca_error *error);
 
 /* Keep the samples with keep[i] != 0, and the sockets and placements that have some.  Errors:
  * MUKCA_MEMORY. */
@@ -58,8 +57,7 @@ void mukca_dataset_write(FILE *stream, const mukca_dataset *data, const mukca_ch
 typedef struct {
     mukca_dataset *data;
     const mukca_chain *chain;
-    mukca_note_fn *note; /* may be NULL */
-    void *context;
+    mukca_notes notes;
     mukca_error *error;
     int capacity;                  /* samples allocated */
     mukca_rows_format format;      /* format of the files */

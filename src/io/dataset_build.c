@@ -53,8 +53,8 @@ mukca_status mukca_build_placement(mukca_dataset_builder *builder, const char *w
         snprintf(name, sizeof placement.name, "%.*s#%d", (int)mukca_utf8_fit(wanted, 50), wanted,
                  k);
     if (strcmp(name, wanted) != 0)
-        mukca_note_format(builder->note, builder->context,
-                          "placement '%s' exists already; this one is called '%s'", wanted, name);
+        mukca_note_format(builder->notes, "placement '%s' exists already; this one is called '%s'",
+                          wanted, name);
     mukca_placement *added = append(&d->placements, &d->n_placements, sizeof *added, builder);
     if (!added) return MUKCA_MEMORY;
     *added = placement;
@@ -207,7 +207,7 @@ mukca_status mukca_distances_set(mukca_dataset_builder *b, double distance)
                               "give --distances FILE",
                               d->placements[p].name, sockets);
         if (sockets > 2)
-            mukca_note_format(b->note, b->context,
+            mukca_note_format(b->notes,
                               "placement '%s': %g m assumed between any two of its %d sockets; "
                               "if not, give --distances FILE",
                               d->placements[p].name, distance, sockets);
@@ -241,8 +241,7 @@ static void set_distance(void *context, mukca_table *t, const int *column)
         used = true;
     }
     if (!used && t->status == MUKCA_OK)
-        mukca_note_format(b->note, b->context,
-                          "%s:%d: no placement has sockets '%.40s' and '%.40s'",
+        mukca_note_format(b->notes, "%s:%d: no placement has sockets '%.40s' and '%.40s'",
                           mukca_file_shown(t->path), t->line, label[0], label[1]);
 }
 

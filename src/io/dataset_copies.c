@@ -146,7 +146,7 @@ mukca_status mukca_dataset_keep(mukca_dataset *data, const unsigned char *keep, 
 
 /* Note the number of duplicates of one file. */
 static void report(const mukca_dataset *data, int file, const mukca_dataset *reference,
-                   const int *original, mukca_note_fn *note, void *context)
+                   const int *original, mukca_notes notes)
 {
     const mukca_dataset *source = reference ? reference : data;
     int rows = 0, copies = 0, from = -1;
@@ -162,13 +162,13 @@ static void report(const mukca_dataset *data, int file, const mukca_dataset *ref
     char name[512];
     snprintf(name, sizeof name, "%s",
              within ? "others of it" : mukca_file_shown(source->files[from]));
-    mukca_note_format(note, context, "%s: %d of %d rows repeat %s%s to the last digit; %s",
+    mukca_note_format(notes, "%s: %d of %d rows repeat %s%s to the last digit; %s",
                       mukca_file_shown(data->files[file]), copies, rows, within ? "" : "rows of ",
                       name, reference ? "not used for testing" : "each is used once");
 }
 
 mukca_status mukca_dataset_drop_copies(mukca_dataset *data, const mukca_dataset *reference,
-                                       mukca_note_fn *note, void *context, mukca_error *error)
+                                       mukca_notes notes, mukca_error *error)
 {
     const int n = data->n_rows;
     mukca_pool pool = {0};
@@ -187,8 +187,7 @@ mukca_status mukca_dataset_drop_copies(mukca_dataset *data, const mukca_dataset 
         if (keep[i]) original[i] = -1;
         copies += !keep[i];
     }
-    for (int f = 0; f < data->n_files && copies; f++)
-        report(data, f, reference, original, note, context);
+    for (int f = 0; f < data->n_files && copies; f++) report(data, f, reference, original, notes);
     if (copies) status = mukca_dataset_keep(data, keep, error);
 out:
     mukca_pool_free(&pool);

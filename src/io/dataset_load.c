@@ -34,11 +34,8 @@ static void last_parts(char name[MUKCA_NAME_SIZE], const char *path, int parts)
 static mukca_status open_rows(mukca_rows *rows, mukca_dataset_builder *b, const char *path,
                               mukca_table_kind kind)
 {
-    const mukca_rows_options options = {.kind = kind,
-                                        .format = b->format,
-                                        .note = b->note,
-                                        .context = b->context,
-                                        .warned = b->warned};
+    const mukca_rows_options options = {
+        .kind = kind, .format = b->format, .notes = b->notes, .warned = b->warned};
     return mukca_rows_open(rows, path, b->chain, &options, b->error);
 }
 
@@ -199,7 +196,7 @@ static void check_columns(mukca_rows *rows)
 {
     const mukca_row_columns *c = &rows->column;
     if (c->socket >= 0 && c->placement < 0)
-        mukca_note_format(rows->options.note, rows->options.context,
+        mukca_note_format(rows->options.notes,
                           "%s: no column 'placement'; all samples count as one placement",
                           mukca_file_shown(rows->table.path));
     if (c->socket >= 0 || (c->n_measured > 0 && c->placement < 0)) return;
@@ -245,8 +242,8 @@ static void read_rows(mukca_dataset_builder *b, session *s)
                                        t->row == 0 ? "has a header but no rows"
                                                    : "no row has a measured position"));
     else if (unmeasured)
-        mukca_note_format(b->note, b->context, "%s: %d of %d %s ignored: no measured position",
-                          shown, unmeasured, measured + unmeasured,
+        mukca_note_format(b->notes, "%s: %d of %d %s ignored: no measured position", shown,
+                          unmeasured, measured + unmeasured,
                           s->rows.column.n_measured > 1 ? "measurements" : "rows");
 }
 
@@ -329,7 +326,7 @@ static mukca_status drop_unfinished(const mukca_dataset_builder *b)
         if (*text && left == 0)
             status = mukca_fail(b->error, MUKCA_INPUT, "%s", text);
         else if (*text)
-            mukca_note_format(b->note, b->context, "%s; %s not used", text,
+            mukca_note_format(b->notes, "%s; %s not used", text,
                               whole ? "the placement is" : "the socket is");
     }
     if (status == MUKCA_OK && left < d->n_rows) status = mukca_dataset_keep(d, keep, b->error);
@@ -356,8 +353,7 @@ mukca_status mukca_dataset_load(mukca_dataset *data, const mukca_chain *chain,
     mukca_dataset_builder b = {.data = data,
                                .chain = chain,
                                .format = options->format,
-                               .note = options->note,
-                               .context = options->context,
+                               .notes = options->notes,
                                .error = error,
                                .distance_sigma = options->distance_sigma,
                                .payload = NAN};
@@ -369,7 +365,7 @@ mukca_status mukca_dataset_load(mukca_dataset *data, const mukca_chain *chain,
         status = read_path(&b, paths[i]);
     }
     if (status == MUKCA_OK && !options->partial)
-        status = mukca_dataset_drop_copies(data, NULL, options->note, options->context, error);
+        status = mukca_dataset_drop_copies(data, NULL, options->notes, error);
     if (status == MUKCA_OK && !options->partial) status = drop_unfinished(&b);
     if (status == MUKCA_OK)
         status = options->distances

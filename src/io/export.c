@@ -41,7 +41,7 @@ static void note_loss(const mukca_export_input *input, const mukca_exporter *exp
 {
     const mukca_acceptance *a = &input->offsets->acceptance;
     char held_out[120] = "";
-    mukca_note_format(input->note, input->context,
+    mukca_note_format(input->notes,
                       "%s: %s were fitted to the arm over %s; its tip differs by %.3f mm on "
                       "average, %.3f mm at most (without the fit: %.3f mm)",
                       exporter->name,
@@ -52,7 +52,7 @@ static void note_loss(const mukca_export_input *input, const mukca_exporter *exp
         snprintf(held_out, sizeof held_out,
                  " (held-out error %.3f mm, of this export some %.3f mm)", 1e3 * a->error_m,
                  1e3 * hypot(a->error_m, refit->mean));
-    mukca_note_format(input->note, input->context,
+    mukca_note_format(input->notes,
                       "recommended: the table itself, by mukca compensate or export -f c%s",
                       held_out);
 }
@@ -75,10 +75,9 @@ static int keep_held(mukca_offsets *kept, bool *lost, const mukca_export_input *
         *lost = true;
         const char *joint = mukca_chain_joint_name(input->chain, effect->joint);
         needs |= mukca_effect_table[effect->kind]->needs;
-        mukca_note_format(input->note, input->context,
-                          "%s of %.60s is not exported: the format %s cannot represent it",
-                          mukca_effect_table[effect->kind]->name, joint ? joint : "the arm",
-                          exporter->name);
+        mukca_note_format(
+            input->notes, "%s of %.60s is not exported: the format %s cannot represent it",
+            mukca_effect_table[effect->kind]->name, joint ? joint : "the arm", exporter->name);
     }
     return needs;
 }
@@ -96,7 +95,7 @@ static mukca_status replace(replacement *r, const mukca_export_input *input,
     const int needs = keep_held(&r->offsets, &lost, input, exporter);
     const bool blind = (needs & MUKCA_NEEDS_MASSES) && input->chain->n_masses == 0;
     if (blind)
-        mukca_note_format(input->note, input->context,
+        mukca_note_format(input->notes,
                           "without link masses (--inertials FILE) the fit cannot approximate "
                           "deflection under gravity");
     const mukca_refit_task task = {.chain = input->chain,
@@ -110,8 +109,7 @@ static mukca_status replace(replacement *r, const mukca_export_input *input,
     if (status != MUKCA_OK) return status;
     memcpy(r->offsets.theta, r->refit.theta, sizeof r->offsets.theta);
     mukca_offsets_note_history(input->offsets, input->chain,
-                               "not applied; its error is beyond any stated here", input->note,
-                               input->context);
+                               "not applied; its error is beyond any stated here", input->notes);
     if (lost && !blind) note_loss(input, exporter, &r->refit);
     return MUKCA_OK;
 }

@@ -31,8 +31,7 @@ typedef struct {
     const char *into;    /* the URDF or MuJoCo model that is patched */
     const char *motion;  /* table of mukca motion, for mukca_export_motion */
     bool other_arm;      /* that may be of another URDF */
-    mukca_note_fn *note; /* may be NULL */
-    void *context;
+    mukca_notes notes;
     mukca_error *error;
 } mukca_export_input;
 

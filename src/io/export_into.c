@@ -79,9 +79,9 @@ static mukca_status write_body(patch *p, const mukca_export_tag *tag, const mukc
     mukca_export_put_tag(p->stream, tag, changed, 2);
     p->at = tag->at + tag->length;
     for (int i = 0; i < 3; i++) shift[i] = p->calibrated.p[i] - p->nominal.p[i];
-    mukca_note_format(
-        p->input->note, p->input->context, "body '%.60s': moved by %.3f mm, %.3f mrad", e->child,
-        1e3 * mukca_norm3(shift), 1e3 * mukca_rotation_between(p->calibrated.R, p->nominal.R));
+    mukca_note_format(p->input->notes, "body '%.60s': moved by %.3f mm, %.3f mrad", e->child,
+                      1e3 * mukca_norm3(shift),
+                      1e3 * mukca_rotation_between(p->calibrated.R, p->nominal.R));
     p->nominal = p->calibrated = identity;
     p->body = body;
     return MUKCA_OK;
@@ -142,9 +142,8 @@ static mukca_status write_into(FILE *stream, const mukca_export_input *input)
         else if (e->joint >= 0)
             status = fail(&p, e->child, "is missing, or not in the order of the chain");
         else if (k + 1 == chain->n_elements)
-            mukca_note_format(input->note, input->context,
-                              "no body '%.60s': the offsets of %.60s are left out", e->child,
-                              e->name);
+            mukca_note_format(input->notes, "no body '%.60s': the offsets of %.60s are left out",
+                              e->child, e->name);
     }
     if (status == MUKCA_OK) fputs(p.at, stream);
     free(text);

@@ -70,7 +70,7 @@ static void note_others(const mukca_export_input *input, const bool *written)
         for (int i = 0; i < 3; i++)
             moved |= origin.xyz[i] != nominal->xyz[i] || origin.rpy[i] != nominal->rpy[i];
         if (written[e] || !moved) continue;
-        mukca_note_format(input->note, input->context,
+        mukca_note_format(input->notes,
                           "the calibrated origin of '%s' is not exported: the file has no entry "
                           "for it; put it into the URDF",
                           nominal->name);
@@ -86,7 +86,7 @@ static void write_hash(FILE *stream, const mukca_export_input *input, const mukc
     if (fitted) {
         fputs("  # marks the robot, for its driver; the origins are fitted, not the factory's\n",
               stream);
-        mukca_note_format(input->note, input->context,
+        mukca_note_format(input->notes,
                           "hash %s marks the robot, for its driver; the origins are fitted, not "
                           "the factory's",
                           k->hash);
@@ -120,7 +120,7 @@ static mukca_status write_kinematics(FILE *stream, const mukca_export_input *inp
     }
     write_hash(stream, input, k, fitted);
     if (k->layout == &mukca_kinematics_ur && !k->hash[0])
-        mukca_note_format(input->note, input->context,
+        mukca_note_format(input->notes,
                           "%s the hash is missing that UR's driver compares with the robot's",
                           input->kinematics ? "the factory file has no `hash:`;"
                                             : "without the factory file (--kinematics)");

@@ -52,11 +52,11 @@ typedef struct {
 static void note_left_out(const reader *r, double probability)
 {
     if (probability < 0.5)
-        mukca_note_format(r->p->input->note, r->p->input->context,
+        mukca_note_format(r->p->input->notes,
                           "finding %d, %s at '%.60s': left out, as its probability is %.0f %%",
                           r->finding, r->effect, r->joint, 100 * probability);
     else
-        mukca_note_format(r->p->input->note, r->p->input->context,
+        mukca_note_format(r->p->input->notes,
                           "finding %d, %s: left out, as %s has no such parameter", r->finding,
                           r->effect, r->p->urdf ? "a URDF" : "a joint or body of MuJoCo");
 }
@@ -216,8 +216,8 @@ static mukca_status patch_joint(patch *p, int joint)
         set[n] = (mukca_export_attribute){p->urdf ? drives[d].urdf : drives[d].mjcf, value, 1};
         if (below || !p->urdf)
             mukca_export_read_numbers(&own, 1, below ? &inner : &tag, set[n].name);
-        mukca_note_format(p->input->note, p->input->context, "joint '%.60s': %s %.4g to %.4g", name,
-                          set[n].name, own, *value);
+        mukca_note_format(p->input->notes, "joint '%.60s': %s %.4g to %.4g", name, set[n].name, own,
+                          *value);
         n++;
     }
     if (n == 0) return MUKCA_OK;
@@ -320,13 +320,13 @@ static mukca_status patch_link(patch *p, int joint)
         mukca_body_add(&b, &frame, &turned);
     } else {
         b = nominal_body(p, joint);
-        mukca_note_format(p->input->note, p->input->context,
+        mukca_note_format(p->input->notes,
                           "%s '%.60s' has no <inertial>; that of --urdf is the start", kind, name);
     }
     const double before = b.kg;
     if (!mukca_body_change(&b, p->inertial[joint], p->tensor[joint]))
         return fail(p, kind, name, "would have no mass; the table is of another arm");
-    mukca_note_format(p->input->note, p->input->context,
+    mukca_note_format(p->input->notes,
                       "%s '%.60s': mass %.4g kg to %.4g kg, centre of mass at %.4g %.4g %.4g m",
                       kind, name, before, b.kg, b.com[0], b.com[1], b.com[2]);
     for (int i = 0; i < 3; i++) b.com[i] -= frame.p[i];

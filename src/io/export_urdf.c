@@ -59,8 +59,7 @@ static mukca_status check_into(const mukca_urdf_text *urdf, const mukca_export_i
         }
         const bool tool = e->joint < 0 && k + 1 == input->chain->n_elements;
         if (n == 0 && tool)
-            mukca_note_format(input->note, input->context,
-                              "no joint '%.60s': its offsets are left out", e->name);
+            mukca_note_format(input->notes, "no joint '%.60s': its offsets are left out", e->name);
         else if (n > 1 || !near || (n == 0 && (e->joint >= 0 || get_changed(&origin, input, k))))
             return mukca_fail(input->error, MUKCA_INPUT, "%s: joint '%s' is %s",
                               mukca_file_shown(input->into), e->name,

@@ -194,22 +194,21 @@ int mukca_kinematics_find(const mukca_chain *chain, const char *name)
 
 /* Note an origin that differs too much to be of the same arm. */
 static void compare(const mukca_element *e, const double *value, const char *path,
-                    mukca_note_fn *note, void *context)
+                    mukca_notes notes)
 {
     double A[9], B[9];
     mukca_rotation_from_rpy(A, e->rpy);
     mukca_rotation_from_rpy(B, value + 3);
     const double shift = mukca_distance3(e->xyz, value), turn = mukca_rotation_between(A, B);
     if (shift > most_shift || turn > most_turn)
-        mukca_note_format(note, context,
+        mukca_note_format(notes,
                           "%s: joint '%s' is %.0f mm and %.2f rad from the URDF; is it of this "
                           "arm?",
                           mukca_file_shown(path), e->name, 1e3 * shift, turn);
 }
 
 mukca_status mukca_kinematics_apply(mukca_chain *chain, const mukca_kinematics *kinematics,
-                                    const char *path, mukca_note_fn *note, void *context,
-                                    mukca_error *error)
+                                    const char *path, mukca_notes notes, mukca_error *error)
 {
     bool set[MUKCA_MAX_ELEMENTS] = {false};
     int ignored = 0;
@@ -225,7 +224,7 @@ mukca_status mukca_kinematics_apply(mukca_chain *chain, const mukca_kinematics *
         if (set[k])
             return mukca_fail(error, MUKCA_INPUT, "%s:%d: a second entry for joint '%s'",
                               mukca_file_shown(path), entry->line, e->name);
-        compare(e, entry->value, path, note, context);
+        compare(e, entry->value, path, notes);
         memcpy(e->xyz, entry->value, sizeof e->xyz);
         memcpy(e->rpy, entry->value + 3, sizeof e->rpy);
         set[k] = true;
@@ -240,7 +239,7 @@ mukca_status mukca_kinematics_apply(mukca_chain *chain, const mukca_kinematics *
                 mukca_file_shown(path), e->name, e->child);
     }
     if (ignored)
-        mukca_note_format(note, context, "%s: %d entries are not between '%s' and '%s'; ignored",
+        mukca_note_format(notes, "%s: %d entries are not between '%s' and '%s'; ignored",
                           mukca_file_shown(path), ignored, chain->base, chain->tip);
     memcpy(chain->kinematics_sha256, kinematics->sha256, sizeof chain->kinematics_sha256);
     memcpy(chain->kinematics_hash, kinematics->hash, sizeof chain->kinematics_hash);

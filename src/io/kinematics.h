@@ -3,6 +3,7 @@
 #ifndef MUKCA_IO_KINEMATICS_H
 #define MUKCA_IO_KINEMATICS_H
 
+#include "base/text.h"
 #include "mukca/chain.h"
 
 /* Layout of the YAML.  `root` is the key above the joints, `inner` the key above their numbers, or
@@ -39,7 +40,6 @@ int mukca_kinematics_find(const mukca_chain *chain, const char *name);
 /* Replace the nominal origins of `chain`; the file `path` must contain all its moving joints.
  * `note` may be NULL.  Errors: MUKCA_INPUT. */
 mukca_status mukca_kinematics_apply(mukca_chain *chain, const mukca_kinematics *kinematics,
-                                    const char *path, mukca_note_fn *note, void *context,
-                                    mukca_error *error);
+                                    const char *path, mukca_notes notes, mukca_error *error);
 
 #endif

@@ -90,38 +90,36 @@ mukca_status mukca_offsets_read(mukca_offsets *offsets, const mukca_chain *chain
     char *text;
     mukca_offsets_origin origin = {
         .name = mukca_file_shown(path), .accept = options->accept, .embedded = options->embedded};
-    mukca_note_fn *note = options->note;
-    void *context = options->context;
     mukca_status status = mukca_file_read(&text, path, error);
     if (status != MUKCA_OK) return status;
     status = mukca_offsets_parse(offsets, &origin, chain, text, error);
     free(text);
     if (status != MUKCA_OK) return status;
     if (origin.other || origin.other_file)
-        mukca_note_format(note, context, "%s: made for another %s; its offsets are added to this",
+        mukca_note_format(options->notes, "%s: made for another %s; its offsets are added to this",
                           origin.name, origin.other ? "URDF" : "factory file");
     if (origin.other_ends || origin.ignored)
-        mukca_note_format(note, context,
+        mukca_note_format(options->notes,
                           "%s: made for another base or tip than '%s' and '%s': its verdict does "
                           "not hold here, and %d rows are ignored",
                           origin.name, chain->base, chain->tip, origin.ignored);
     if (!offsets->acceptance.given)
-        mukca_note_format(note, context,
+        mukca_note_format(options->notes,
                           "%s: has no verdict (older, or made by hand); check it with mukca "
                           "evaluate",
                           origin.name);
     else if (!offsets->acceptance.accepted)
-        mukca_note_format(note, context, "%s: this calibration did not pass: %s", origin.name,
+        mukca_note_format(options->notes, "%s: this calibration did not pass: %s", origin.name,
                           offsets->acceptance.reason);
     else if (!offsets->acceptance.intact)
-        mukca_note_format(note, context,
+        mukca_note_format(options->notes,
                           "%s: has no digest (older, or edited); check it with mukca evaluate",
                           origin.name);
     return MUKCA_OK;
 }
 
 int mukca_offsets_note_history(const mukca_offsets *offsets, const mukca_chain *chain,
-                               const char *treatment, mukca_note_fn *note, void *context)
+                               const char *treatment, mukca_notes notes)
 {
     int n = 0;
     for (const mukca_effect *e = offsets->effects; e < offsets->effects + offsets->n_effects; e++) {
@@ -132,7 +130,7 @@ int mukca_offsets_note_history(const mukca_offsets *offsets, const mukca_chain *
         for (int t = 0; t < e->terms; t++) square += e->coefficient[t] * e->coefficient[t];
         mukca_effect_variant_text(variant, e);
         mukca_note_format(
-            note, context, "%s%s%s of %.60s, %.3g m%s, depends on time, moves or placement: %s",
+            notes, "%s%s%s of %.60s, %.3g m%s, depends on time, moves or placement: %s",
             mukca_effect_table[e->kind]->name, *variant ? "@" : "", variant,
             joint ? joint : "the arm", 1e3 * sqrt(square), mukca_effect_unit(e, chain), treatment);
         n++;

@@ -16,8 +16,7 @@ mukca_status mukca_offsets_write(FILE *stream, const mukca_offsets *offsets,
 typedef struct {
     int accept;            /* MUKCA_ACCEPT_* */
     mukca_chain *embedded; /* out: the chain in the table's comments, for which it is then read */
-    mukca_note_fn *note;
-    void *context; /* of `note` */
+    mukca_notes notes;
 } mukca_offsets_options;
 
 /* Read the table at `path` (mukca_offsets_parse).  Notes: made for another URDF, rows of joints
@@ -29,7 +28,7 @@ mukca_status mukca_offsets_read(mukca_offsets *offsets, const mukca_chain *chain
 /* Note each effect that is no function of the posture, with its size, and its `treatment`.  Returns
  * their number. */
 int mukca_offsets_note_history(const mukca_offsets *offsets, const mukca_chain *chain,
-                               const char *treatment, mukca_note_fn *note, void *context);
+                               const char *treatment, mukca_notes notes);
 
 /* UTC time for provenance, "2026-01-31T12:00:00Z"; SOURCE_DATE_EPOCH overrides the clock. */
 void mukca_offsets_time(char text[32]);

@@ -129,12 +129,11 @@ static void note_difference(const mukca_dataset_builder *b, const char *path, in
     path = mukca_file_shown(path);
     if (poses > rows)
         mukca_note_format(
-            b->note, b->context,
-            "%s: %d poses for %d rows; %d dropped, the rest paired by forward kinematics", path,
-            poses, rows, poses - rows);
+            b->notes, "%s: %d poses for %d rows; %d dropped, the rest paired by forward kinematics",
+            path, poses, rows, poses - rows);
     if (poses < rows)
-        mukca_note_format(b->note, b->context, "%s: %d poses for %d rows; %d rows have none", path,
-                          poses, rows, rows - poses);
+        mukca_note_format(b->notes, "%s: %d poses for %d rows; %d rows have none", path, poses,
+                          rows, rows - poses);
 }
 
 mukca_status mukca_pose_file_read(mukca_dataset_builder *b, const char *path, int first, int n)

@@ -334,8 +334,7 @@ static bool find_form(hypothesis *best, mukca_dataset *d, const mukca_rotation_s
     return true;
 }
 
-void mukca_rotations_judge(mukca_table *table, const mukca_rotation_samples *o, mukca_note_fn *note,
-                           void *context)
+void mukca_rotations_judge(mukca_table *table, const mukca_rotation_samples *o, mukca_notes notes)
 {
     mukca_dataset d = {0};
     hypothesis read = {.factor = 1}, best = {0};
@@ -358,7 +357,7 @@ void mukca_rotations_judge(mukca_table *table, const mukca_rotation_samples *o, 
             done = fit_positions(&positions, &d, o);
     }
     if (positions)
-        mukca_note_format(note, context,
+        mukca_note_format(notes,
                           "%s: the orientations contradict the positions by %.0f mrad in every "
                           "common convention; --rotation none reads the positions alone",
                           mukca_file_shown(table->path), 1e3 * read.turn);

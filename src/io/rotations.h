@@ -61,6 +61,6 @@ void mukca_rotations_keep(mukca_rotation_samples *samples, const double *q, cons
 /* At the end of a table: fail it if its orientations contradict the arm that fits its positions,
  * and name the form in which they agree.  If none does, a note says so. */
 void mukca_rotations_judge(mukca_table *table, const mukca_rotation_samples *samples,
-                           mukca_note_fn *note, void *context);
+                           mukca_notes notes);
 
 #endif

@@ -34,7 +34,7 @@ mukca_status mukca_rows_open(mukca_rows *rows, const char *path, const mukca_cha
 mukca_status mukca_rows_close(mukca_rows *rows)
 {
     if (rows->table.cut_off && rows->table.status == MUKCA_OK)
-        mukca_note_format(rows->options.note, rows->options.context,
+        mukca_note_format(rows->options.notes,
                           "%s:%d: the last line has no line end; if the file was cut, its last "
                           "number is wrong",
                           mukca_file_shown(rows->table.path), rows->table.line);
@@ -65,7 +65,7 @@ static void note_joint(mukca_rows *rows, int j, const char *what)
 {
     bool *warned = rows->options.warned ? rows->options.warned : rows->warned;
     if (warned[j] || rows->table.status != MUKCA_OK) return;
-    mukca_note_format(rows->options.note, rows->options.context,
+    mukca_note_format(rows->options.notes,
                       "%s:%d: joint '%s' is %s (only the first such sample is listed)",
                       mukca_file_shown(rows->table.path), rows->table.line,
                       mukca_chain_joint_name(rows->chain, j), what);
@@ -267,8 +267,7 @@ bool mukca_rows_next(mukca_rows *rows, mukca_row *row)
     }
     rows->measured = 1;
     if (!mukca_table_next(t)) {
-        if (rows->rotations)
-            mukca_rotations_judge(t, rows->rotations, rows->options.note, rows->options.context);
+        if (rows->rotations) mukca_rotations_judge(t, rows->rotations, rows->options.notes);
         return false;
     }
     if (c->number[MUKCA_COLUMN_Q][0] < 0) mukca_rows_map(rows);

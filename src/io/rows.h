@@ -27,10 +27,9 @@ typedef struct {
 typedef struct {
     mukca_table_kind kind;
     mukca_rows_format format;
-    bool unchecked;      /* poses need not be those of the joints */
-    bool currents;       /* columns JOINT.current stand for absent efforts */
-    mukca_note_fn *note; /* may be NULL */
-    void *context;
+    bool unchecked; /* poses need not be those of the joints */
+    bool currents;  /* columns JOINT.current stand for absent efforts */
+    mukca_notes notes;
     bool *warned; /* [MUKCA_MAX_JOINTS] joints beyond their limits in other tables; may be NULL */
 } mukca_rows_options;
 

@@ -128,7 +128,7 @@ static void find_names(header *h)
         if (count != n) continue;
         h->numbered = i / 2;
         h->first = i % 2;
-        mukca_note_format(h->rows->options.note, h->rows->options.context,
+        mukca_note_format(h->rows->options.notes,
                           "%s: columns %s%d to %s%d read as the joints %s to %s in this order",
                           mukca_file_shown(t->path), numbered[i / 2], h->first, numbered[i / 2],
                           h->first + n - 1, names[0], names[n - 1]);
@@ -158,7 +158,7 @@ static void note_unknown_columns(header *h)
         const char *dot = strrchr(t->header[c], '.');
         t->used[c] |= dot && strcmp(dot, MUKCA_COLUMNS_SPREAD) == 0;
     }
-    mukca_table_note_unknown(t, h->rows->options.note, h->rows->options.context);
+    mukca_table_note_unknown(t, h->rows->options.notes);
 }
 
 /* Column names of a measured pose; `length`: m per unit, 0: by --units. */
@@ -297,7 +297,7 @@ static void map_header(mukca_rows *rows)
     note_unknown_columns(&h);
     /* angles corrected by the driver before publication (mukca capture --stream corrected) */
     if (strstr(rows->table.comments, "# stream: corrected\n"))
-        mukca_note_format(rows->options.note, rows->options.context,
+        mukca_note_format(rows->options.notes,
                           "%s: the driver has corrected these angles already; offsets found here "
                           "add to its own",
                           mukca_file_shown(rows->table.path));
@@ -354,8 +354,8 @@ static void map_order(mukca_rows *rows)
         *(more >= 12 ? &m->matrix[i] : i < 3 ? &m->position[i] : &m->turn[i - 3]) = n + i;
     mukca_rotations_map(t, m->turn, &m->form, &o->format.rotation);
     if (more == 7)
-        mukca_note_format(o->note, o->context, "%s: read as %d joints, x y z, %s",
-                          mukca_file_shown(t->path), n,
+        mukca_note_format(o->notes, "%s: read as %d joints, x y z, %s", mukca_file_shown(t->path),
+                          n,
                           strcmp(o->format.rotation.as, "xyzw") == 0
                               ? "qx qy qz qw (w first: --map order)"
                               : "qw qx qy qz (w last: --map order-w-last)");

@@ -108,12 +108,12 @@ static void compare_velocities(const mukca_run *run, const mukca_run_rows *rows,
     const char *name = mukca_chain_joint_name(chain, joint);
     if (!(own > 0) || error < VELOCITY_ERROR * VELOCITY_ERROR * wanted) return;
     if (both * both > 0.9 * own * wanted)
-        mukca_note_format(o->note, o->context,
+        mukca_note_format(o->notes,
                           "%s: the velocities of %s are %.3g times the derivative of its angle; "
                           "check the units of time_s, angles and velocities",
                           run->name, name, factor);
     else
-        mukca_note_format(o->note, o->context,
+        mukca_note_format(o->notes,
                           "%s: the velocities of %s are not the derivative of its angle "
                           "(correlation %.2f); check the columns of joints and time_s",
                           run->name, name, both / sqrt(fmax(own * wanted, 1e-300)));
@@ -136,10 +136,10 @@ mukca_status mukca_run_rows_take(mukca_run *run, mukca_pool *pool, const mukca_r
     }
     for (int j = 0; j < n; j++) compare_velocities(run, rows, j, chain, o);
     if (rows->incomplete)
-        mukca_note_format(o->note, o->context, "%s: %d rows without time or efforts left out",
-                          run->name, rows->incomplete);
+        mukca_note_format(o->notes, "%s: %d rows without time or efforts left out", run->name,
+                          rows->incomplete);
     if (rows->repeated)
-        mukca_note_format(o->note, o->context, "%s: %d rows that repeat a time left out", run->name,
+        mukca_note_format(o->notes, "%s: %d rows that repeat a time left out", run->name,
                           rows->repeated);
     return MUKCA_OK;
 }
@@ -150,11 +150,8 @@ mukca_status mukca_run_read(mukca_run *run, mukca_pool *pool, const char *path,
     reader *r = MUKCA_TAKE(pool, reader, 1);
     if (!r) return mukca_fail(error, MUKCA_MEMORY, "out of memory for %s", mukca_file_shown(path));
     r->options = o;
-    const mukca_rows_options options = {.kind = MUKCA_HEADER,
-                                        .format = o->format,
-                                        .currents = true,
-                                        .note = o->note,
-                                        .context = o->context};
+    const mukca_rows_options options = {
+        .kind = MUKCA_HEADER, .format = o->format, .currents = true, .notes = o->notes};
     mukca_status status = mukca_rows_open(&r->rows, path, chain, &options, error);
     snprintf(run->name, sizeof run->name, "%.60s", mukca_file_name(path));
     if (status == MUKCA_OK) {

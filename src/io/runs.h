@@ -10,8 +10,7 @@ typedef struct {
     bool current; /* JOINT.effort contains motor currents */
     /* [n_joints] N m/A; N m/rad, effort = gain (command - angle) where no effort is; NaN: none */
     double gain[MUKCA_MAX_JOINTS], stiffness[MUKCA_MAX_JOINTS];
-    mukca_note_fn *note; /* may be NULL */
-    void *context;
+    mukca_notes notes;
 } mukca_run_options;
 
 /* Read a table of times, joint angles and efforts (or currents) into run->time, q and effort, whose

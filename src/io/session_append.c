@@ -316,8 +316,8 @@ static mukca_status load(mukca_session *session, bool *has_columns, const mukca_
     else if (*has_columns && session->length < length && ftruncate(session->fd, session->length))
         status = fail(session, "cannot be mended", error);
     else if (*has_columns && session->length < length)
-        mukca_note_format(task->note, task->context, "%s: %lld bytes of an unfinished row removed",
-                          session->path, (long long)(length - session->length));
+        mukca_note_format(task->notes, "%s: %lld bytes of an unfinished row removed", session->path,
+                          (long long)(length - session->length));
 out:
     free(text);
     return status;

@@ -36,8 +36,7 @@ typedef struct {
     const char *stream;           /* "raw" or "corrected" */
     const char *channel, *type;   /* source of the joint states */
     bool has_effort, has_command; /* optional columns */
-    mukca_note_fn *note;          /* may be NULL */
-    void *context;
+    mukca_notes notes;
 } mukca_session_task;
 
 /* The file is created with the first sample.  Errors: MUKCA_INPUT (exists, cannot be written, in

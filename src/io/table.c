@@ -362,12 +362,12 @@ int mukca_table_list(mukca_text *list, const mukca_table *table, bool unused)
     return n;
 }
 
-void mukca_table_note_unknown(const mukca_table *table, mukca_note_fn *note, void *context)
+void mukca_table_note_unknown(const mukca_table *table, mukca_notes notes)
 {
     char names[120] = "";
     const int n = mukca_table_list(&(mukca_text)MUKCA_TEXT(names), table, true);
     if (n)
-        mukca_note_format(note, context, "%s: %d unknown column%s ignored: %s",
+        mukca_note_format(notes, "%s: %d unknown column%s ignored: %s",
                           mukca_file_shown(table->path), n, n > 1 ? "s" : "", names);
 }
 

@@ -80,7 +80,7 @@ void mukca_table_stop(mukca_table *table, mukca_status status);
 /* Append the names of all columns, or of those not used, with dots for those that do not fit;
  * returns their number.  Note those not used as ignored. */
 int mukca_table_list(mukca_text *list, const mukca_table *table, bool unused);
-void mukca_table_note_unknown(const mukca_table *table, mukca_note_fn *note, void *context);
+void mukca_table_note_unknown(const mukca_table *table, mukca_notes notes);
 
 /* Callback for one row; column[i] is the index of the i-th required column. */
 typedef void mukca_table_row_fn(void *context, mukca_table *table, const int *column);

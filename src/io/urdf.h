@@ -2,6 +2,7 @@
 #ifndef MUKCA_IO_URDF_H
 #define MUKCA_IO_URDF_H
 
+#include "base/text.h"
 #include "mukca/chain.h"
 
 typedef struct {
@@ -10,14 +11,14 @@ typedef struct {
     const char *inertials; /* table of link masses that override the URDF's (link, mass_kg, com_x_m,
                               com_y_m, com_z_m); or NULL */
     double gravity[3];     /* m/s^2, base frame; all 0: the URDF's root is upright */
+    mukca_notes notes;
 } mukca_urdf_options;
 
 /* Read the chain from base to tip with the masses that it carries: side branches (all joints at
- * zero) are lumped with their element, one point mass per element.  `options` and `note` may be
- * NULL.  Errors: MUKCA_INPUT, MUKCA_MEMORY. */
+ * zero) are lumped with their element, one point mass per element.  `options` may be NULL.  Errors:
+ * MUKCA_INPUT, MUKCA_MEMORY. */
 mukca_status mukca_urdf_load(mukca_chain *chain, const char *path,
-                             const mukca_urdf_options *options, mukca_note_fn *note, void *context,
-                             mukca_error *error);
+                             const mukca_urdf_options *options, mukca_error *error);
 
 /* ---- a URDF as text: checked for size, depth and xacro (urdf_text.c) ---- */
 

@@ -56,7 +56,7 @@ struct Loader : Tree {
             fail_joint(joint.name, "its axis is 0 0 0; set a direction");
         const bool unit = std::fabs(length - 1) <= 1e-15;
         if (std::fabs(length - 1) > 1e-6)
-            mukca_note_format(note_, context_,
+            mukca_note_format(options_.notes,
                               "%s: joint '%s': its axis has length %.6g; normalised", path_,
                               joint.name.c_str(), length);
         for (int i = 0; i < 3; i++) e->axis[i] = unit ? axis[i] : axis[i] / length;
@@ -250,13 +250,11 @@ struct Loader : Tree {
 }  // namespace
 
 extern "C" mukca_status mukca_urdf_load(mukca_chain *chain, const char *path,
-                                        const mukca_urdf_options *options, mukca_note_fn *note,
-                                        void *context, mukca_error *error)
+                                        const mukca_urdf_options *options, mukca_error *error)
 {
     const mukca_urdf_options defaults = {};
     try {
-        Loader{{path, options ? *options : defaults, note, context, error, {}, nullptr}, chain, {}}
-            .run();
+        Loader{{path, options ? *options : defaults, error, {}, nullptr}, chain, {}}.run();
         return MUKCA_OK;
     } catch (const Failure &failure) {
         return failure.status;

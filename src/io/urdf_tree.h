@@ -76,8 +76,6 @@ std::string one_line(std::string text)
 struct Tree {
     const char *path_;
     const mukca_urdf_options &options_;
-    mukca_note_fn *note_;
-    void *context_;
     mukca_error *error_;
     mukca_urdf_text text_;
     urdf::ModelInterfaceSharedPtr model_;
@@ -114,7 +112,7 @@ struct Tree {
 
     void add_note(const std::string &what)
     {
-        mukca_note_format(note_, context_, "%s: %s", path_, what.c_str());
+        mukca_note_format(options_.notes, "%s: %s", path_, what.c_str());
     }
 
     void parse()

@@ -111,7 +111,7 @@ bool mukca_torque_held_out(mukca_motion *m, const mukca_torque_posterior *p)
         m->joint[j].floor_nm = t->sigma[j] / sqrt(1 - t->rho[j] * t->rho[j]);
         m->joint[j].range_nm = t->model.signals->range[j];
     }
-    if (ok && t->input->view) ok = t->input->view(t->input->context, t, &c);
+    if (ok && t->input->view) ok = t->input->view(t->input->notes.context, t, &c);
     evaluated with = e; /* test runs change no verdict */
     if (t->test) ok = ok && evaluate(&with, &c, true, false);
     for (int i = 0; i < m->n_findings && ok; i++) {

@@ -52,10 +52,10 @@ static mukca_status check(const mukca_torques *t, const mukca_motion_input *in, 
         const bool moves = s->forwards[j] || s->backwards[j];
         turning += s->forwards[j] && s->backwards[j];
         if (!moves)
-            mukca_note_format(in->note, in->context,
+            mukca_note_format(in->notes,
                               "%s does not move: its friction and inertia are not testable", name);
         else if (!(s->forwards[j] && s->backwards[j]))
-            mukca_note_format(in->note, in->context,
+            mukca_note_format(in->notes,
                               "%s moves in one direction only: Coulomb friction and a torque "
                               "offset are indistinguishable",
                               name);

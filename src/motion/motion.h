@@ -7,6 +7,7 @@
 #ifndef MUKCA_MOTION_MOTION_H
 #define MUKCA_MOTION_MOTION_H
 
+#include "base/text.h"
 #include "dynamics/inverse_dynamics.h"
 #include "infer/findings.h"
 #include "infer/gaussians.h"
@@ -46,8 +47,7 @@ typedef struct {
     bool current;            /* torques are motor currents times a nominal gain, uncertain by
                                 MUKCA_CURRENT_GAIN */
     mukca_motion_view *view; /* or NULL */
-    mukca_note_fn *note;
-    void *context;
+    mukca_notes notes;
 } mukca_motion_input;
 
 /* Relative uncertainty of a torque constant: the effect of its manufacture, of the temperature of

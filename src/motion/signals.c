@@ -193,8 +193,8 @@ mukca_status mukca_signals_make(mukca_signals *out, mukca_pool *pool, const mukc
         const double start = run->time[0] > end && r ? clock + run->time[0] - end : clock;
         const int gaps = add_run(&m, run, r ? start : 0);
         if (gaps)
-            mukca_note_format(in->note, in->context, "%s: cut at %d gap%s in time_s", run->name,
-                              gaps, gaps > 1 ? "s" : "");
+            mukca_note_format(in->notes, "%s: cut at %d gap%s in time_s", run->name, gaps,
+                              gaps > 1 ? "s" : "");
         end = run->time[run->n - 1];
         clock = (r ? start : 0) + end - run->time[0];
     }

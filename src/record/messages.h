@@ -14,7 +14,8 @@ bool mukca_recorder_publish(mukca_recorder *r, mukca_message_kind kind, const vo
 /* Report one line to the user and keep it for the status message: a mukca_note_fn, `r` is the
  * recorder; formatted. */
 void mukca_recorder_note(void *r, const char *text);
-#define mukca_recorder_report(r, ...) mukca_note_format(mukca_recorder_note, r, __VA_ARGS__)
+#define mukca_recorder_report(r, ...) \
+    mukca_note_format((mukca_notes){mukca_recorder_note, r}, __VA_ARGS__)
 
 /* Whether trouble of this kind was reported in the last ten seconds. */
 bool mukca_recorder_reported(const mukca_recorder *r, mukca_recorder_trouble kind);

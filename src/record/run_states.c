@@ -119,8 +119,8 @@ static void read_lines(reader *r, int file)
             const mukca_line_kind kind = mukca_joint_lines_parse(&state, lines, line, &error);
             const bool cut_off = lines->start + strlen(line) >= lines->used;
             if (kind == MUKCA_LINE_FAULT && cut_off)
-                mukca_note_format(r->options->note, r->options->context,
-                                  "%s: the last line is cut off", mukca_file_shown(r->path));
+                mukca_note_format(r->options->notes, "%s: the last line is cut off",
+                                  mukca_file_shown(r->path));
             else if (kind == MUKCA_LINE_FAULT)
                 r->status = mukca_fail(r->error, MUKCA_INPUT, "%s:%d: %s",
                                        mukca_file_shown(r->path), lines->number + 1, error.text);
@@ -169,8 +169,7 @@ mukca_status mukca_run_states_read(bool *is, mukca_run *run, mukca_pool *pool, c
         if (r.status != MUKCA_OK) mukca_fail(error, r.status, "out of memory for %s", run->name);
     }
     if (r.status == MUKCA_OK && r.others)
-        mukca_note_format(o->note, o->context, "%s: %d joint states of others left out", run->name,
-                          r.others);
+        mukca_note_format(o->notes, "%s: %d joint states of others left out", run->name, r.others);
     free(r.rows.sample);
     return r.status;
 }

@@ -78,8 +78,7 @@ static mukca_status load_rows(mukca_recorder *r, const char *path, mukca_error *
     mukca_dataset data;
     const mukca_dataset_options options = {.distance = r->options->capture.distance,
                                            .partial = true,
-                                           .note = mukca_recorder_note,
-                                           .context = r};
+                                           .notes = {mukca_recorder_note, r}};
     char text[MUKCA_RECORDER_LINE];
     mukca_status status = mukca_dataset_load(&data, r->chain, &path, 1, &options, error);
     if (status != MUKCA_OK) return status;
@@ -108,8 +107,7 @@ mukca_status mukca_sampling_begin(mukca_recorder *r, const char *path, bool resu
                                      .type = mukca_stream_type(r),
                                      .has_effort = stream->last.joints.has[MUKCA_LCM_ROLE_EFFORT],
                                      .has_command = stream->last.joints.has[MUKCA_LCM_ROLE_COMMAND],
-                                     .note = mukca_recorder_note,
-                                     .context = r};
+                                     .notes = {mukca_recorder_note, r}};
     mukca_capture_clear(&s->capture);
     mukca_session_close(&s->file);
     mukca_status status = mukca_session_open(&s->file, &task, error);

@@ -18,7 +18,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     mukca_status status = mukca_kinematics_read(&kinematics, path, &error);
     if (status == MUKCA_OK && (kinematics.n < 1 || !kinematics.layout)) abort();
     if (status == MUKCA_OK)
-        status = mukca_kinematics_apply(&chain, &kinematics, path, NULL, NULL, &error);
+        status = mukca_kinematics_apply(&chain, &kinematics, path, (mukca_notes){0}, &error);
     if (status != MUKCA_OK && (!error.text[0] || strchr(error.text, '\n'))) abort();
     for (int i = 0; i < kinematics.n && status == MUKCA_OK; i++)
         for (int p = 0; p < MUKCA_PARAMETERS; p++)

@@ -31,7 +31,7 @@ static void check_export(const char *path, const mukca_chain *chain,
     fclose(stream);
     if (status == MUKCA_OK) {
         const char *again = memory_file((const uint8_t *)text, length);
-        if (mukca_urdf_load(&patched, again, options, NULL, NULL, NULL) != MUKCA_OK) abort();
+        if (mukca_urdf_load(&patched, again, options, NULL) != MUKCA_OK) abort();
         if (patched.n_elements != chain->n_elements) abort();
         for (int k = 0; k < chain->n_elements; k++)
             for (int i = 0; i < 3; i++) /* offsets below 1e-9 count as zero */
@@ -48,7 +48,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     const char *path = memory_file(bytes, size);
     mukca_error error = {MUKCA_OK, ""};
     const mukca_urdf_options options = {.gravity = {0, 0, -9}};
-    mukca_status status = mukca_urdf_load(&chain, path, &options, NULL, NULL, &error);
+    mukca_status status = mukca_urdf_load(&chain, path, &options, &error);
     if (status && (!error.text[0] || strchr(error.text, '\n'))) abort();
     if (status == MUKCA_OK) check_export(path, &chain, &options);
     return 0;

@@ -24,7 +24,7 @@ static inline void set_scene(scene *s, const char *text, uint64_t seed)
     static const char *const names[PLACES] = {"front", "left", "right", "high"};
     double theta[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS];
     memset(s, 0, sizeof *s);
-    assert_ok(mukca_urdf_load(&s->chain, "data/demo/arm.urdf", NULL, NULL, NULL, &error));
+    assert_ok(mukca_urdf_load(&s->chain, "data/demo/arm.urdf", NULL, &error));
     s->how = (mukca_simulate_options){.rows = 30, .distance = 0.05, .seed = seed};
     mukca_chain_theta(theta, &s->chain);
     mukca_simulate_perturb(theta, NULL, &s->chain, 1e-3, 2e-3, seed);

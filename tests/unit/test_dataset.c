@@ -14,7 +14,7 @@ static mukca_status load(const char *const *paths, int n, const mukca_dataset_op
     notes[0] = error.text[0] = '\0';
     mukca_dataset_free(&data);
     mukca_dataset_options noted = options ? *options : (mukca_dataset_options){0};
-    noted.note = note;
+    noted.notes.write = note;
     return mukca_dataset_load(&data, &chain, paths, n, &noted, &error);
 }
 

@@ -19,7 +19,7 @@ static void calibrate(void)
 static int setup(void **state)
 {
     if (scratch_setup(state)) return 1;
-    return mukca_urdf_load(&chain, urdf_path(), NULL, NULL, NULL, &error) != MUKCA_OK;
+    return mukca_urdf_load(&chain, urdf_path(), NULL, &error) != MUKCA_OK;
 }
 
 /* A compliance, and one effect that no spring represents. */
@@ -36,7 +36,7 @@ static mukca_export_input make_input(void)
     return (mukca_export_input){.urdf_path = urdf_path(),
                                 .chain = &chain,
                                 .offsets = &offsets,
-                                .note = note,
+                                .notes = {note, NULL},
                                 .error = &error};
 }
 
@@ -73,7 +73,7 @@ TEST(urdf_keeps_every_other_byte)
     char *text = export("urdf", MUKCA_OK);
     const char *path = scratch_file("patched.urdf", text);
     mukca_chain patched;
-    assert_ok(mukca_urdf_load(&patched, path, NULL, NULL, NULL, &error));
+    assert_ok(mukca_urdf_load(&patched, path, NULL, &error));
     for (int k = 0; k < 3; k++)
         for (int i = 0; i < 3; i++) {
             assert_true(patched.element[k].xyz[i] == offsets.theta[6 * k + i]);
@@ -180,8 +180,7 @@ TEST(origins_take_up_what_a_format_lacks)
     assert_part(notes, "recommended: the table itself");
     mukca_chain patched;
     mukca_geometry whole, fitted;
-    assert_ok(
-        mukca_urdf_load(&patched, scratch_file("patched.urdf", text), NULL, NULL, NULL, &error));
+    assert_ok(mukca_urdf_load(&patched, scratch_file("patched.urdf", text), NULL, &error));
     mukca_geometry_set(&whole, &chain, offsets.theta);
     mukca_geometry_set(&fitted, &patched, NULL);
     double worst = 0, worst_left_out = 0;

@@ -86,7 +86,7 @@ static void record(int i, mukca_run_role role, int seed, const put *p)
 
 static mukca_status analyse(int n, const char *without)
 {
-    mukca_motion_input input = {.chain = &chain, .run = run, .n_runs = n, .note = note};
+    mukca_motion_input input = {.chain = &chain, .run = run, .n_runs = n, .notes = {note, NULL}};
     if (without) input.disabled[mukca_torque_effect_find(without)] = true;
     return mukca_motion_analyse(&motion, &input, &error);
 }

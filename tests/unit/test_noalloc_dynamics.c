@@ -22,7 +22,7 @@ static int load(void **state)
 {
     (void)state;
     const mukca_urdf_options options = {.tip = "ball"};
-    if (mukca_urdf_load(&chain, "tests/unit/torques.urdf", &options, NULL, NULL, &error)) return 1;
+    if (mukca_urdf_load(&chain, "tests/unit/torques.urdf", &options, &error)) return 1;
     mukca_dynamics_set(&dynamics, &chain);
     mukca_dynamics_inertials(p, &chain);
     mukca_random_seed(&generator, 5);

@@ -18,7 +18,7 @@ static void write_model(void)
     static mukca_chain chain;
     static mukca_offsets offsets;
     mukca_urdf_options options = {.tip = NULL};
-    assert_ok(mukca_urdf_load(&chain, urdf, &options, NULL, NULL, &error));
+    assert_ok(mukca_urdf_load(&chain, urdf, &options, &error));
     mukca_offsets_init(&offsets, &chain);
     for (int i = 0; i < 6 * chain.n_elements; i++) offsets.theta[i] += 1e-3;
     memset(offsets.listed, 1, 6 * (size_t)chain.n_elements);

@@ -11,7 +11,7 @@ static mukca_offsets offsets, back;
 static int setup(void **state)
 {
     if (scratch_setup(state)) return 1;
-    if (mukca_urdf_load(&chain, urdf_path(), NULL, NULL, NULL, &error)) return 1;
+    if (mukca_urdf_load(&chain, urdf_path(), NULL, &error)) return 1;
     mukca_random random;
     mukca_random_seed(&random, 3);
     mukca_offsets_init(&offsets, &chain);
@@ -69,7 +69,8 @@ static mukca_status read_table(const char *path, bool other)
     notes[0] = error.text[0] = '\0';
     return mukca_offsets_read(
         &back, &chain, path,
-        &(mukca_offsets_options){.accept = other ? MUKCA_ACCEPT_OTHER : 0, .note = note}, &error);
+        &(mukca_offsets_options){.accept = other ? MUKCA_ACCEPT_OTHER : 0, .notes = {note, NULL}},
+        &error);
 }
 
 TEST(tables_come_back_to_the_last_bit)

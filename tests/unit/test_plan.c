@@ -12,7 +12,7 @@ static mukca_geometry nominal;
 static int load(void **state)
 {
     (void)state;
-    if (mukca_urdf_load(&chain, "data/demo/arm.urdf", NULL, NULL, NULL, &error)) return 1;
+    if (mukca_urdf_load(&chain, "data/demo/arm.urdf", NULL, &error)) return 1;
     mukca_geometry_set(&nominal, &chain, NULL);
     return 0;
 }

@@ -161,7 +161,7 @@ static const char *write_log(writing w, const char *turned, int still)
 static mukca_status load(const char *path, const char *form, bool inverse)
 {
     mukca_dataset data = {0};
-    mukca_dataset_options options = {.note = note, .format.inverse = inverse};
+    mukca_dataset_options options = {.notes = {note, NULL}, .format.inverse = inverse};
     notes[0] = error.text[0] = '\0';
     if (form) assert_true(mukca_rotation_form_read(&options.format.rotation, form));
     const mukca_status status = mukca_dataset_load(&data, &chain, &path, 1, &options, &error);

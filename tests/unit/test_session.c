@@ -43,8 +43,7 @@ static mukca_status begin(mukca_session *s, how h, mukca_session_task task)
     task.path = path;
     task.resume = h == RESUME;
     task.force = h == FORCE;
-    task.note = count_note;
-    task.context = &noted;
+    task.notes = (mukca_notes){count_note, &noted};
     return mukca_session_open(s, &task, &error);
 }
 

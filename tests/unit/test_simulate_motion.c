@@ -48,7 +48,7 @@ static int set_up(void **state)
     (void)state;
     motion = (mukca_simulated_motion){.chain = &chain, .runs = 1, .seconds = 8, .rate = 100};
     motion.speed = 1.5, motion.band = 1, motion.seed = 3;
-    if (mukca_urdf_load(&chain, "data/demo/arm.urdf", NULL, NULL, NULL, &error)) return 1;
+    if (mukca_urdf_load(&chain, "data/demo/arm.urdf", NULL, &error)) return 1;
     record(plain, NULL);
     return 0;
 }

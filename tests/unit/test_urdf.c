@@ -9,7 +9,9 @@ static mukca_status load(const char *text, const mukca_urdf_options *options)
 {
     notes[0] = '\0';
     error.text[0] = '\0';
-    return mukca_urdf_load(&chain, scratch_file("r.urdf", text), options, note, NULL, &error);
+    mukca_urdf_options noted = options ? *options : (mukca_urdf_options){.base = NULL};
+    noted.notes.write = note;
+    return mukca_urdf_load(&chain, scratch_file("r.urdf", text), &noted, &error);
 }
 
 #define LIMIT "<limit lower='-1' upper='2' effort='1' velocity='1'/>"
@@ -189,9 +191,8 @@ TEST(bad_masses_get_one_clear_line)
 
 TEST(zero_bytes_are_refused)
 {
-    assert_refused(
-        mukca_urdf_load(&chain, scratch_bytes("r.urdf", "<robot\0>", 8), NULL, NULL, NULL, &error),
-        "zero byte");
+    assert_refused(mukca_urdf_load(&chain, scratch_bytes("r.urdf", "<robot\0>", 8), NULL, &error),
+                   "zero byte");
 }
 
 /* urdfdom's parser finds elements in what XML says is none: it must see elements only. */

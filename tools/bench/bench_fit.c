@@ -130,7 +130,7 @@ int main(int argc, char **argv)
     }
     b.repeats = atoi(argv[2]);
     if (b.repeats < 1 || b.repeats > MAX_REPEATS) b.repeats = 21;
-    if (mukca_urdf_load(&b.chain, argv[1], NULL, NULL, NULL, &error) != MUKCA_OK ||
+    if (mukca_urdf_load(&b.chain, argv[1], NULL, &error) != MUKCA_OK ||
         mukca_dataset_load(&b.data, &b.chain, (const char *const *)(argv + 3), argc - 3, NULL,
                            &error) != MUKCA_OK ||
         mukca_parameters_select(&b.parameters, &b.chain, &(mukca_selection){0}, &error) !=

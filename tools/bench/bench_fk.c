@@ -207,7 +207,7 @@ int main(int argc, char **argv)
         fputs("usage: bench_fk URDF ANGLES OFFSETS [CASADI.so]\n", stderr);
         return 2;
     }
-    if (mukca_urdf_load(&b.chain, argv[1], NULL, NULL, NULL, &error) != MUKCA_OK ||
+    if (mukca_urdf_load(&b.chain, argv[1], NULL, &error) != MUKCA_OK ||
         mukca_corrected_load(&b.arm, argv[3], &error) != MUKCA_OK) {
         fprintf(stderr, "bench_fk: %s\n", error.text);
         return 3;

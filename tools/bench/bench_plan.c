@@ -159,7 +159,7 @@ static void accuracy(int arms)
         mukca_dataset sets[WAYS], test;
         mukca_error error;
         mukca_random random;
-        if (mukca_urdf_load(&chain, urdfs[a % 2], NULL, NULL, NULL, &error)) fail(error.text);
+        if (mukca_urdf_load(&chain, urdfs[a % 2], NULL, &error)) fail(error.text);
         mukca_random_seed(&random, seed);
         mukca_chain_theta(theta, &chain);
         mukca_simulate_perturb(theta, NULL, &chain, 2e-3, 3e-3, seed);
@@ -335,7 +335,7 @@ static void ties(int wanted)
         mukca_dataset data;
         mukca_error error;
         mukca_random random;
-        if (mukca_urdf_load(&chain, urdfs[seed % 2], NULL, NULL, NULL, &error)) fail(error.text);
+        if (mukca_urdf_load(&chain, urdfs[seed % 2], NULL, &error)) fail(error.text);
         mukca_random_seed(&random, seed);
         mukca_chain_theta(theta, &chain);
         mukca_simulate_perturb(theta, NULL, &chain, 2e-3, 3e-3, seed);

@@ -78,7 +78,7 @@ int main(int argc, char **argv)
     mukca_dataset log = {0};
     static mukca_chain chain;
     if (argc < 3) return 2;
-    mukca_status status = mukca_urdf_load(&chain, argv[1], NULL, NULL, NULL, &error);
+    mukca_status status = mukca_urdf_load(&chain, argv[1], NULL, &error);
     const int n = atoi(argv[2]);
     if (status == MUKCA_OK) status = mukca_dataset_create(&log, n, chain.n_joints, 0, 0, &error);
     if (status == MUKCA_OK) {

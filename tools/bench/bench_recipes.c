@@ -129,7 +129,7 @@ int main(int argc, char **argv)
     int kind = 0;
     while (argc == 3 && kind < RECIPES && strcmp(recipes[kind].name, argv[2]) != 0) kind++;
     if (argc != 3 || kind == RECIPES) return 2;
-    if (mukca_urdf_load(&chain, argv[1], NULL, NULL, NULL, &error) != MUKCA_OK) return 3;
+    if (mukca_urdf_load(&chain, argv[1], NULL, &error) != MUKCA_OK) return 3;
     const int rows = recipes[kind].rows, n = chain.n_joints;
     double *q = calloc((size_t)(rows * n), sizeof *q);
     if (!q) return 6;
