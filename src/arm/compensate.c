@@ -68,7 +68,6 @@ static mukca_compensation outcome(const mukca_inverse_result *found)
                                 .rotation_error = found->rotation_error};
 }
 
-/* Finish a row with corrected targets q. */
 static void end_row(mukca_compensator *c, const double *q)
 {
     c->on_path = true;

@@ -51,7 +51,6 @@ static mukca_status fail(const reader *r, const char *format, ...)
     return MUKCA_INPUT;
 }
 
-/* Fail in one of the COLUMNS. */
 static mukca_status fail_cell(const reader *r, int column, const char *what)
 {
     return fail(r, "column '%s': %s", column_name[column], what);

@@ -106,7 +106,6 @@ static void compare(comparison *c, const double *q)
     if (variance > 0 && !(ratio <= c->found.sigma)) c->found.sigma = ratio;
 }
 
-/* Prepare the models of both sides. */
 static void set_models(comparison *c, const mukca_tip_change_task *task)
 {
     double theta[MUKCA_MAX_THETA];

@@ -15,7 +15,6 @@ bool mukca_capture_repeats(const mukca_capture *capture, const double *q)
     return rows && memcmp(q, capture->rows.q + (rows - 1) * n, n * sizeof *q) == 0;
 }
 
-/* Largest difference of any joint. */
 static double difference(const double *a, const double *b, int n)
 {
     double most = 0;
@@ -189,7 +188,6 @@ static const char *other_socket(const mukca_capture *capture, double off, int ne
     return fabs(off - d) < 0.3 * d ? empty_label(capture) : NULL;
 }
 
-/* Remark on the last sample. */
 static void remark(char text[MUKCA_CAPTURE_TEXT], mukca_capture *capture, int twin)
 {
     const mukca_dataset *rows = &capture->rows;

@@ -14,7 +14,6 @@ typedef struct {
     bool regularise_tip;
 } calibrate_options;
 
-/* The call's work. */
 typedef struct {
     mukca_fit fit;
     double nominal[MUKCA_MAX_THETA]; /* of the chain, free frames aligned to the training data */
@@ -24,13 +23,6 @@ typedef struct {
     double traits_evidence; /* log Bayes factor of their means, or of half of them */
     double traits_share;    /* fraction of the means in use, 0 to 1 */
 } calibrate_work;
-
-/* --traits: fit again with the means of the traits, and with half of them; keep the fraction with
- * the strongest evidence in the residuals, and correct the data by it.  The offsets table then
- * includes these effects: the geometry is valid only with them. */
-mukca_status calibrate_use_traits(cli_call *call, const mukca_fit_options *options);
-void calibrate_add_traits(cli_call *call);
-void calibrate_print_traits(cli_call *call);
 
 /* Print one screen, the verdict first; returns the exit code. */
 mukca_status calibrate_print(cli_call *call);

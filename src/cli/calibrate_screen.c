@@ -144,6 +144,28 @@ static void print_frames(cli_call *call)
     }
 }
 
+static void print_traits(cli_call *call)
+{
+    const calibrate_work *w = call->work;
+    const mukca_traits *traits = &call->session->traits;
+    mukca_effect elastic[MUKCA_FLEET_TERMS];
+    if (!call->common->traits) return;
+    if (mukca_traits_effects(elastic, NULL, traits, 1) == 0)
+        cli_say(call, NULL, "Fleet: the traits of %d arms contain no elastic coefficient.",
+                traits->n_arms);
+    else
+        cli_say(call, NULL,
+                w->traits_share == 1
+                    ? "Fleet: the elastic means of %d arms are in the table; the data agree (log "
+                      "Bayes factor %.1f)."
+                : w->traits_share > 0
+                    ? "Fleet: half of the elastic means of %d arms is in the table: the data want "
+                      "it (log Bayes factor %.1f), but not all."
+                    : "Fleet: the data do not support the traits of %d arms (log Bayes factor "
+                      "%.1f), which are not used.",
+                traits->n_arms, w->traits_evidence);
+}
+
 mukca_status calibrate_print(cli_call *call)
 {
     const calibrate_work *w = call->work;
@@ -159,7 +181,7 @@ mukca_status calibrate_print(cli_call *call)
     if (!foreign) print_identifiability(call, &w->fit);
     print_warnings(call);
     print_next(call);
-    calibrate_print_traits(call);
+    print_traits(call);
     return accepted ? MUKCA_OK : MUKCA_NEGATIVE;
 }
 

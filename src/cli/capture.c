@@ -59,7 +59,6 @@ static void read_keys(session *s)
     if (n == 0) s->keys = -1; /* hangup: reading on would spin */
 }
 
-/* Ask for confirmation of a mapping by order on the terminal. */
 static mukca_status confirm_map(session *s)
 {
     char text[4096], answer[16] = "";
@@ -243,7 +242,6 @@ static mukca_status check(cli_call *call)
     return MUKCA_OK;
 }
 
-/* Prepare stream, mapping, session file and raw log. */
 static mukca_status prepare(session *s)
 {
     cli_call *call = s->call;

@@ -82,7 +82,6 @@ void cli_capture_ring(cli_capture_view *v, const mukca_recorder *r, double now)
     v->rang = now;
 }
 
-/* Remove the view from the screen. */
 static void erase(mukca_text *screen, cli_capture_view *v)
 {
     if (v->drawn) mukca_text_put(screen, "\033[%dA\033[J", v->drawn);

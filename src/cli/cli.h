@@ -80,7 +80,6 @@ typedef struct {
     void (*release)(void *work);           /* frees its members */
 } cli_command;
 
-/* An arm as it was read. */
 typedef struct {
     mukca_chain chain;
     mukca_chain urdf; /* the chain with the URDF's origins, before --kinematics */
@@ -183,7 +182,6 @@ void cli_log(cli_call *call, const char *format, ...) __attribute__((format(prin
 /* Show progress on a terminal, from 2 s of run time on; `done` of `total`. */
 void cli_progress(cli_call *call, const char *what, double done, double total);
 
-/* Seconds since the command began. */
 double cli_elapsed(const cli_call *call);
 
 /* Escape sequences for headings, "" if the stream is no terminal or NO_COLOR is set. */

@@ -83,7 +83,6 @@ static mukca_status check_pairs(cli_call *call)
     return MUKCA_OK;
 }
 
-/* Do both chains have the same elements with the same origins? */
 static bool same_origins(const mukca_chain *a, const mukca_chain *b)
 {
     for (int k = 0; k < a->n_elements && k < b->n_elements; k++)

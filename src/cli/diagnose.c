@@ -5,8 +5,6 @@
 #include "diagnose/diagnose.h"
 #include "fit/mismatch.h"
 
-#include <string.h>
-
 typedef struct {
     cli_common common;
     const char *without, *expect, *summary, *arm;

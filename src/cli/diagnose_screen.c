@@ -1,10 +1,8 @@
 /* The screen of a diagnosis, 80 columns: use, tip, findings, what remains, the next step; details
  * with -v. */
 #include <math.h>
-#include <string.h>
 
 #include "cli/diagnose.h"
-#include "math/stats.h"
 
 #define put mukca_wording_put /* short for this file */
 

@@ -229,7 +229,6 @@ static mukca_status drop_coincident(cli_call *call, mukca_dataset *data, const c
     return cli_fail(call, MUKCA_INPUT, "%s; record them again in two sockets", text);
 }
 
-/* Remove training data from the test data. */
 static mukca_status drop_training(cli_call *call, mukca_dataset *test, const mukca_dataset *data)
 {
     const bool any = test->n_rows > 0;

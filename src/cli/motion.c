@@ -5,7 +5,6 @@
 #include "base/number.h"
 #include "cli/motion.h"
 #include "record/run_states.h"
-#include "report/wording_motion.h"
 
 #define put mukca_wording_put /* short for this file */
 

@@ -67,7 +67,6 @@ static mukca_status check(cli_call *call)
     return MUKCA_OK;
 }
 
-/* Add the two sockets of a --place. */
 static mukca_status add_place(plan_work *r, const char *text, int number)
 {
     mukca_error *error = &r->call->error;

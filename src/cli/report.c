@@ -47,7 +47,6 @@ static mukca_status write_page(cli_call *call, FILE *stream)
                           o->fleet ? mukca_fleet_page(&w->fleet) : mukca_report_page(&w->page));
 }
 
-/* Read and pool the summaries. */
 static mukca_status prepare_fleet(cli_call *call)
 {
     report_work *w = call->work;
@@ -75,7 +74,6 @@ static void release(void *work)
     cli_diagnosis_free(&w->analysis);
 }
 
-/* Diagnose, and prepare the page of the arm. */
 static mukca_status prepare_arm(cli_call *call)
 {
     const cli_session *s = call->session;

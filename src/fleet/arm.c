@@ -64,7 +64,6 @@ static bool add_elastic(mukca_regression *m, const elastic_prior *prior)
 
 /* ---- summary of a recording ---- */
 
-/* True if an order at the joint is among the causes. */
 static bool has_ripple(const mukca_unknowns *u, int joint)
 {
     for (int c = 0; c < u->n_causes; c++) {

@@ -27,7 +27,6 @@ static mukca_unit take_unit(mukca_table *t, char *name)
     return unit;
 }
 
-/* Give a column a name, which may state its unit. */
 static void name_column(mukca_table *t, int column, char *name)
 {
     const mukca_unit unit = take_unit(t, name);

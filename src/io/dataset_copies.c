@@ -144,7 +144,6 @@ mukca_status mukca_dataset_keep(mukca_dataset *data, const unsigned char *keep, 
     return status;
 }
 
-/* Note the number of duplicates of one file. */
 static void report(const mukca_dataset *data, int file, const mukca_dataset *reference,
                    const int *original, mukca_notes notes)
 {

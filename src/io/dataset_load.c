@@ -263,7 +263,6 @@ static mukca_status read_table(mukca_dataset_builder *b, const char *path)
     return mukca_rows_close(&s.rows);
 }
 
-/* Name of the file of the socket's first sample. */
 static const char *file_of(const mukca_dataset *d, int socket)
 {
     for (int i = 0; i < d->n_rows; i++)

@@ -140,7 +140,6 @@ mukca_frame mukca_export_frame(const double xyz[3], const double rpy[3]);
 #define MUKCA_EXPORT_RADIANS 5e-3
 bool mukca_export_near(const mukca_frame *a, const mukca_frame *b);
 
-/* `holds` of a format without effects. */
 bool mukca_export_holds_none(const mukca_effect *effect);
 
 /* Get the calibrated origin; parameters changed by less than 1e-9 m or rad are exactly those of the

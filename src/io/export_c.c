@@ -4,7 +4,6 @@
 
 #include "io/export.h"
 
-/* Form a C identifier from a robot's name. */
 static void identifier(char name[MUKCA_NAME_SIZE], const char *robot)
 {
     size_t n = 0;

@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "base/number.h"
 #include "base/text.h"
 #include "io/export.h"
 #include "io/urdf.h"

@@ -118,10 +118,9 @@ mukca_status mukca_offsets_read(mukca_offsets *offsets, const mukca_chain *chain
     return MUKCA_OK;
 }
 
-int mukca_offsets_note_history(const mukca_offsets *offsets, const mukca_chain *chain,
-                               const char *treatment, mukca_notes notes)
+void mukca_offsets_note_history(const mukca_offsets *offsets, const mukca_chain *chain,
+                                const char *treatment, mukca_notes notes)
 {
-    int n = 0;
     for (const mukca_effect *e = offsets->effects; e < offsets->effects + offsets->n_effects; e++) {
         const char *joint = mukca_chain_joint_name(chain, e->joint);
         char variant[MUKCA_EFFECT_TEXT];
@@ -133,7 +132,5 @@ int mukca_offsets_note_history(const mukca_offsets *offsets, const mukca_chain *
             notes, "%s%s%s of %.60s, %.3g m%s, depends on time, moves or placement: %s",
             mukca_effect_table[e->kind]->name, *variant ? "@" : "", variant,
             joint ? joint : "the arm", 1e3 * sqrt(square), mukca_effect_unit(e, chain), treatment);
-        n++;
     }
-    return n;
 }

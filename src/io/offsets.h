@@ -25,10 +25,9 @@ typedef struct {
 mukca_status mukca_offsets_read(mukca_offsets *offsets, const mukca_chain *chain, const char *path,
                                 const mukca_offsets_options *options, mukca_error *error);
 
-/* Note each effect that is no function of the posture, with its size, and its `treatment`.  Returns
- * their number. */
-int mukca_offsets_note_history(const mukca_offsets *offsets, const mukca_chain *chain,
-                               const char *treatment, mukca_notes notes);
+/* Note each effect that is no function of the posture, with its size, and its `treatment`. */
+void mukca_offsets_note_history(const mukca_offsets *offsets, const mukca_chain *chain,
+                                const char *treatment, mukca_notes notes);
 
 /* UTC time for provenance, "2026-01-31T12:00:00Z"; SOURCE_DATE_EPOCH overrides the clock. */
 void mukca_offsets_time(char text[32]);

@@ -2,7 +2,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/cells.h"
 #include "base/file.h"
 #include "base/number.h"
 #include "base/suggest.h"

@@ -23,7 +23,6 @@ typedef struct {
 /* Steps over which the angles are differentiated on either side, s: encoder steps vanish. */
 #define VELOCITY_STEP 0.02
 
-/* Check that all joints have what the efforts are made of. */
 static void check_columns(reader *r)
 {
     mukca_table *t = &r->rows.table;

@@ -68,7 +68,6 @@ static void set_evidence(mukca_plan *plan, double before, double after, double m
     plan->rows_to_name = needed > 1000 ? 0 : (int)fmax(needed, 1);
 }
 
-/* Draw candidates for all sockets. */
 static mukca_status find_candidates(mukca_planner *p, int per_socket, mukca_error *error)
 {
     const mukca_plan_options *o = p->state.options;

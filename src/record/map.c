@@ -5,8 +5,7 @@
 
 #include "base/suggest.h"
 #include "base/text.h"
-#include "record/map.h"
-#include "record/messages.h"
+#include "record/recorder.h"
 
 /* Parse --map numbers, "8-14" or "1,2,4": 1-based indices of readings. */
 static mukca_status parse_map(mukca_recorder *r, mukca_error *error)

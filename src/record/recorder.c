@@ -119,7 +119,6 @@ mukca_status mukca_requests_check_signature(mukca_recorder *r, const mukca_lcm_p
     return MUKCA_OK;
 }
 
-/* Process a message on the trigger channel. */
 static void take_trigger(mukca_recorder *r, const mukca_lcm_packet *packet)
 {
     mukca_message_trigger trigger;
@@ -142,7 +141,6 @@ static void take_trigger(mukca_recorder *r, const mukca_lcm_packet *packet)
 
 /* ---- the link ---- */
 
-/* Register other channels. */
 static void hear(mukca_recorder *r, const mukca_lcm_packet *packet)
 {
     const mukca_lcm_types *types = &r->stream.types;

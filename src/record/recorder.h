@@ -2,11 +2,8 @@
 #ifndef MUKCA_RECORD_RECORDER_H
 #define MUKCA_RECORD_RECORDER_H
 
-#include "record/map.h"
 #include "record/messages.h"
 #include "record/session.h"
-#include "record/state.h"
-#include "record/stream.h"
 
 /* Connect to LCM and prepare a recording, without starting it.  theta[6 * n_elements] (NULL:
  * nominal) is the initial model.  `r` is large: allocate it.  Everything that it points to must
@@ -43,5 +40,30 @@ bool mukca_requests_decode(void *message, mukca_recorder *r, mukca_message_kind 
  * accepted once, and only while fresh.  Errors: MUKCA_NEGATIVE. */
 mukca_status mukca_requests_check_signature(mukca_recorder *r, const mukca_lcm_packet *packet,
                                             int64_t utime, mukca_error *error);
+
+/* ---- joint states: from a message to a reading of the arm (stream.c) ---- */
+
+/* Process a message of the stream's channel. */
+void mukca_stream_take(mukca_recorder *r, const mukca_lcm_packet *packet);
+
+/* Process lines of standard input, or wait for some; as mukca_lcm_link_wait. */
+mukca_status mukca_stream_wait_lines(mukca_recorder *r, int timeout_ms, int other, bool *readable,
+                                     mukca_error *error);
+
+/* ---- which reading of a message is which joint (map.c) ---- */
+
+/* Read --map; and set the mapping from the first message, with the reason of a failure in
+ * r->stream.problem. */
+mukca_status mukca_stream_check_map(mukca_recorder *r, mukca_error *error);
+mukca_status mukca_stream_make_map(mukca_recorder *r);
+
+/* Find the mapped names in the last message, at their previous positions or elsewhere (a driver may
+ * list joints in any order, mixed with others).  False: joint *missing is not there. */
+bool mukca_stream_find_names(mukca_stream *stream, int *missing, int n_joints);
+
+/* Whether the mapping follows from the order of readings alone; and the mapping as lines, with the
+ * sender's names next to the arm's. */
+bool mukca_stream_needs_confirmation(const mukca_recorder *r);
+void mukca_stream_describe_map(const mukca_recorder *r, char *text, size_t size);
 
 #endif

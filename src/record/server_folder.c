@@ -147,7 +147,6 @@ static mukca_status fail(const char *path, mukca_error *error)
                       strerror(errno));
 }
 
-/* Create the folder `path` if it does not exist. */
 static mukca_status make_folder(const char *path, mukca_error *error)
 {
     if (mkdir(path, 0777) == 0 ? !mukca_output_sync_folder(path) : errno != EEXIST)

@@ -75,7 +75,6 @@ static void summarise(char line[MUKCA_RECORDER_LINE], const mukca_server *s, con
     json_decref(root);
 }
 
-/* Copy the last line of the command's standard error. */
 static void read_error(char line[MUKCA_RECORDER_LINE], const mukca_server *s)
 {
     char *text;
@@ -115,7 +114,6 @@ void mukca_server_answer(mukca_server *s, const mukca_offsets *table)
     (void)mukca_recorder_publish(&s->recorder, MUKCA_MESSAGE_RESULT, m);
 }
 
-/* Append the verdict of the table to the line for the user. */
 static void add_verdict(char line[MUKCA_RECORDER_LINE], const mukca_acceptance *a)
 {
     mukca_text text = {.at = line, .size = MUKCA_RECORDER_LINE, .used = strlen(line)};

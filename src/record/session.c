@@ -223,7 +223,6 @@ static void report_limits(mukca_recorder *r, const double *q)
  * averaging windows. */
 static const int64_t doubt_us = 1000000;
 
-/* Whether a second sender of joint states was heard recently. */
 static bool is_doubted(const mukca_recorder *r)
 {
     const mukca_stream *stream = &r->stream;

@@ -2,13 +2,9 @@
 #include <inttypes.h>
 #include <math.h>
 #include <poll.h>
-#include <string.h>
 
 #include "io/rows.h"
-#include "record/map.h"
-#include "record/messages.h"
-#include "record/session.h"
-#include "record/stream.h"
+#include "record/recorder.h"
 
 /* A restarted driver has a new port and is accepted after this silence, us. */
 static const int64_t handover_us = 500000;

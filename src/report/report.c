@@ -3,7 +3,6 @@
 #include "report/report.h"
 #include "fit/align.h"
 
-/* Score a dataset, 0: `train`, 1: `test`. */
 static mukca_status score(mukca_report *r, int set, const mukca_model *const models[2],
                           mukca_error *error)
 {

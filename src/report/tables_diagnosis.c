@@ -1,6 +1,5 @@
 /* Texts and tables of the diagnosis: verdict, what to do, causes, faults, detection limits. */
 #include <math.h>
-#include <string.h>
 
 #include "report/page.h"
 #include "report/report.h"

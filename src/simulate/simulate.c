@@ -227,7 +227,6 @@ static bool is_duplicate(const mukca_simulated_session *session, int place, int 
     return false;
 }
 
-/* Record one sample of a socket. */
 static mukca_status record_socket(recorder *r, const mukca_simulated_session *session, int place,
                                   int socket, int row, mukca_error *error)
 {

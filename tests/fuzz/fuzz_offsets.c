@@ -37,9 +37,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     const char *path = memory_file(bytes, size);
     mukca_status status = mukca_offsets_read(
         &offsets, &chain, path,
-        &(mukca_offsets_options){.force = size % 2,
-                                 .accept = MUKCA_ACCEPT_FAILED | MUKCA_ACCEPT_EDITED},
-        &error);
+        &(mukca_offsets_options){.accept = MUKCA_ACCEPT_FAILED | MUKCA_ACCEPT_EDITED}, &error);
     if (status && (!error.text[0] || strchr(error.text, '\n'))) abort();
     if (status == MUKCA_OK) check_round(&offsets);
     return 0;

@@ -44,8 +44,8 @@ int main(int argc, char **argv)
     static mukca_dynamics dynamics;
     mukca_error error;
     int rows = 0, read = 0;
-    if (argc != 3 || mukca_urdf_load(&chain, argv[1], &(mukca_urdf_options){.tip = argv[2]}, NULL,
-                                     NULL, &error)) {
+    const mukca_urdf_options options = {.tip = argc == 3 ? argv[2] : NULL};
+    if (argc != 3 || mukca_urdf_load(&chain, argv[1], &options, &error)) {
         fprintf(stderr, "bench_dynamics: %s\n", argc != 3 ? "needs URDF TIP" : error.text);
         return 2;
     }
