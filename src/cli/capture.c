@@ -13,7 +13,7 @@
 typedef struct {
     cli_common common;
     cli_live live;
-    bool resume, quiet_bell;
+    bool resume;
     int rows;
     double wait;
 } capture_options;
@@ -102,7 +102,7 @@ static mukca_status loop(session *s)
             mukca_sampling_publish_status(r, NULL);
             s->published = now;
         }
-        if (s->view && !s->options->quiet_bell) cli_capture_ring(&s->terminal, r, now);
+        if (s->view) cli_capture_ring(&s->terminal, r, now);
         if (s->view && now - s->redrawn >= redraw_period) {
             cli_capture_draw(&s->terminal, &s->recorder);
             s->redrawn = now;
@@ -305,8 +305,6 @@ static const cli_option options[] = {
     CLI_OPTION(capture_options, live.recorder.lines, "stdin", CLI_FLAG, NULL,
                "joint states come as lines on standard input: CSV with a header, JSON, or `ros2 "
                "topic echo --csv`"),
-    CLI_OPTION(capture_options, quiet_bell, "quiet-bell", CLI_FLAG, NULL,
-               "no bell on the terminal (one stroke: a sample; two: refused)"),
     CLI_OPTION(capture_options, resume, "resume", CLI_FLAG, NULL, "continue an existing session"),
     CLI_RANGE_OPTION(capture_options, rows, "rows", CLI_INTEGER, "N", 1, MUKCA_CAPTURE_MAX_ROWS,
                      "finish when the session has N samples"),

@@ -30,8 +30,8 @@ typedef struct {
     mukca_rows rows; /* of --at */
 } simulation;
 
-static const simulate_options defaults = {
-    .recording.rows = 30, .motion = {.runs = 1, .rate = 200, .speed = 1, .band = 1}};
+static const simulate_options defaults = {.recording.rows = 30,
+                                          .motion = {.runs = 1, .rate = 200, .speed = 1}};
 
 #define LOGS "poses or --at" /* options of a pose log */
 
@@ -52,8 +52,6 @@ static const cli_option options[] = {
                      "samples in each of the two sockets (default: 30)"),
     CLI_RANGE_OPTION(simulate_options, recording.noise, "noise", CLI_NUMBER, "M", 0, 1,
                      "measurement noise of the ball per axis, m (default: 0)"),
-    CLI_RANGE_OPTION(simulate_options, recording.correlation, "correlation", CLI_NUMBER, "RHO", 0,
-                     0.999, "correlation of the noise with that of the sample before (default: 0)"),
     CLI_OPTION(simulate_options, recording.effort, "effort", CLI_FLAG, NULL,
                "add measured joint efforts"),
     CLI_OPTION(simulate_options, recording.command, "command", CLI_FLAG, NULL,
@@ -78,7 +76,7 @@ static const cli_option options[] = {
     CLI_OPTION_AND(simulate_options, motion.seconds, "motion", CLI_NUMBER, "S",
                    "instead, runs of the moving arm of so many seconds, with joint efforts",
                    .least = 1, .most = 1e5,
-                   .excludes = "perturb placements place rows noise correlation effort payload "
+                   .excludes = "perturb placements place rows noise effort command payload "
                                "poses at position-only rotation-noise held-out test offsets"),
     CLI_OPTION_AND(simulate_options, motion.runs, "runs", CLI_INTEGER, "N",
                    "runs one after the other, 10 s apart (default: 1)", .least = 1, .most = 1000,
@@ -87,10 +85,6 @@ static const cli_option options[] = {
                    "rows per second (default: 200)", .least = 10, .most = 1e5, .needs = "motion"),
     CLI_OPTION_AND(simulate_options, motion.speed, "speed", CLI_POSITIVE, "RAD/S",
                    "largest velocity of the joints (default: 1)", .most = 100, .needs = "motion"),
-    CLI_OPTION_AND(simulate_options, motion.band, "band", CLI_POSITIVE, "HZ",
-                   "highest frequency of the path (default: 1)", .most = 100, .needs = "motion"),
-    CLI_OPTION_AND(simulate_options, motion.step, "encoder-step", CLI_NUMBER, "RAD",
-                   "step of the joint angles (default: none)", .most = 1, .needs = "motion"),
     CLI_OPTION_AND(simulate_options, motion.noise, "torque-noise", CLI_NUMBER, "SHARE",
                    "measurement noise of the efforts, a share of half of each joint's range "
                    "(default: 0)",
@@ -241,8 +235,6 @@ static void write_origin(cli_call *call, FILE *stream, const char *kind)
         cli_write_motion_options(stream, &o->motion);
     else
         fprintf(stream, " --noise %g", o->recording.noise);
-    if (o->recording.correlation > 0)
-        fprintf(stream, " --correlation %g", o->recording.correlation);
     fputc('\n', stream);
 }
 
@@ -270,8 +262,7 @@ static mukca_status write_recording(cli_call *call, FILE *stream)
     const char *path = call->common->output ? call->common->output : "-";
     if (!moves(o)) return write_data(call, stream, &call->session->data, path);
     write_origin(call, stream, "runs");
-    return cli_write_motion(stream, &s->motion, o->recording.command,
-                            mukca_dataset_separator(path));
+    return cli_write_motion(stream, &s->motion, mukca_dataset_separator(path));
 }
 
 static mukca_status write_test(cli_call *call, FILE *stream)

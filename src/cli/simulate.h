@@ -41,10 +41,8 @@ mukca_status cli_prepare_motion(mukca_simulated_motion *motion, cli_simulated *h
 /* Its options, as they were given. */
 void cli_write_motion_options(FILE *stream, const mukca_simulated_motion *motion);
 
-/* Rows of a moving arm, after a header; `command`: commanded angles, too.  Errors:
- * MUKCA_INTERRUPTED. */
-mukca_status cli_write_motion(FILE *stream, const mukca_simulated_motion *motion, bool command,
-                              char separator);
+/* Rows of a moving arm, after a header.  Errors: MUKCA_INTERRUPTED. */
+mukca_status cli_write_motion(FILE *stream, const mukca_simulated_motion *motion, char separator);
 
 /* Its effects as a table of the columns of `mukca motion -o`. */
 void cli_write_torques(FILE *stream, const mukca_simulated_motion *motion);

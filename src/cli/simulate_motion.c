@@ -20,16 +20,14 @@ mukca_status cli_prepare_motion(mukca_simulated_motion *motion, cli_simulated *h
 
 void cli_write_motion_options(FILE *stream, const mukca_simulated_motion *motion)
 {
-    fprintf(stream, " --motion %g --runs %d --rate %g --speed %g --band %g", motion->seconds,
-            motion->runs, motion->rate, motion->speed, motion->band);
-    fprintf(stream, " --encoder-step %g --torque-noise %g", motion->step, motion->noise);
+    fprintf(stream, " --motion %g --runs %d --rate %g --speed %g --torque-noise %g",
+            motion->seconds, motion->runs, motion->rate, motion->speed, motion->noise);
 }
 
 typedef struct {
     FILE *stream;
     char separator;
     int n_joints;
-    bool command;
 } table;
 
 /* Columns of the angles, or those of another name for each joint. */
@@ -39,26 +37,21 @@ static void write_names(const table *t, const mukca_chain *chain, const char *su
         fprintf(t->stream, "%c%s%s", t->separator, mukca_chain_joint_name(chain, j), suffix);
 }
 
-static void write_row(void *context, double time, const double *q, const double *effort,
-                      const double *meant)
+static void write_row(void *context, double time, const double *q, const double *effort)
 {
     const table *t = context;
     fprintf(t->stream, "%.6f", time);
     for (int j = 0; j < t->n_joints; j++) fprintf(t->stream, "%c%.9f", t->separator, q[j]);
     for (int j = 0; j < t->n_joints; j++) fprintf(t->stream, "%c%.9g", t->separator, effort[j]);
-    for (int j = 0; j < t->n_joints && t->command; j++)
-        fprintf(t->stream, "%c%.9f", t->separator, meant[j]);
     fputc('\n', t->stream);
 }
 
-mukca_status cli_write_motion(FILE *stream, const mukca_simulated_motion *motion, bool command,
-                              char separator)
+mukca_status cli_write_motion(FILE *stream, const mukca_simulated_motion *motion, char separator)
 {
-    table t = {stream, separator, motion->chain->n_joints, command};
+    table t = {stream, separator, motion->chain->n_joints};
     fputs("time_s", stream);
     write_names(&t, motion->chain, "");
     write_names(&t, motion->chain, ".effort");
-    if (command) write_names(&t, motion->chain, ".command");
     fputc('\n', stream);
     return mukca_simulate_motion(motion, write_row, &t);
 }

@@ -16,6 +16,8 @@ static const double ramp = 1.5, slide = 0.3;
 /* Parts of a joint's travel and of the largest velocity that a path uses. */
 static const double travel = 0.9, slowest = 0.7;
 
+static const double band = 1; /* Hz, highest frequency of a path */
+
 /* Path of a run: middle[j] + g(t) sum of WAVES sines. */
 typedef struct {
     double seconds, middle[N], frequency[WAVES], sine[N][WAVES], cosine[N][WAVES];
@@ -166,7 +168,7 @@ static void draw_path(path *way, const mukca_simulated_motion *motion, mukca_ran
     const mukca_chain *chain = motion->chain;
     *way = (path){.seconds = motion->seconds};
     for (int k = 0; k < WAVES; k++)
-        way->frequency[k] = motion->band * (k + mukca_random_uniform(random)) / WAVES;
+        way->frequency[k] = band * (k + mukca_random_uniform(random)) / WAVES;
     for (int j = 0; j < chain->n_joints; j++) {
         const mukca_element *e = &chain->element[chain->joint_element[j]];
         const bool slides = e->type == MUKCA_PRISMATIC;
@@ -267,15 +269,14 @@ static mukca_status write_run(state *s, double start, mukca_motion_writer *write
     const long rows = (long)(m->seconds * m->rate) + 1;
     for (long r = 0; r < rows; r++) {
         const double t = (double)r / m->rate;
-        double meant[N], q[N], effort[N];
+        double q[N], effort[N];
         if (m->interrupted && m->interrupted()) return MUKCA_INTERRUPTED;
         measured_torques(effort, s, t, start);
         for (int j = 0; j < m->chain->n_joints; j++) {
-            meant[j] = path_at(&s->way, j, t).q;
-            q[j] = m->step > 0 ? m->step * round(meant[j] / m->step) : meant[j];
+            q[j] = path_at(&s->way, j, t).q;
             effort[j] += m->noise * s->range[j] * mukca_random_normal(&s->noise);
         }
-        write(context, start + t, q, effort, meant);
+        write(context, start + t, q, effort);
     }
     return MUKCA_OK;
 }

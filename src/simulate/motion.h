@@ -54,8 +54,7 @@ typedef struct {
     int runs;                  /* one after the other, with MUKCA_RUN_PAUSE between them */
     double seconds;            /* of a run */
     double rate;               /* rows per second */
-    double speed, band;        /* largest velocity, rad/s; highest frequency, Hz */
-    double step;               /* of the encoders, rad; 0: none */
+    double speed;              /* largest velocity, rad/s */
     double noise;              /* of the torques, sigma as a part of half a joint's range */
     uint64_t seed;             /* of paths and noise */
     bool (*interrupted)(void); /* polled at each row; may be NULL */
@@ -63,9 +62,8 @@ typedef struct {
 
 #define MUKCA_RUN_PAUSE 10.0 /* s, in which the arm is brought to the start of the next run */
 
-/* A row: s, rad, N m; `meant`: the angles without the encoder's steps. */
-typedef void mukca_motion_writer(void *context, double time, const double *q, const double *effort,
-                                 const double *meant);
+/* A row: s, rad, N m. */
+typedef void mukca_motion_writer(void *context, double time, const double *q, const double *effort);
 
 /* Write all rows.  Errors: MUKCA_INTERRUPTED. */
 mukca_status mukca_simulate_motion(const mukca_simulated_motion *motion, mukca_motion_writer *write,

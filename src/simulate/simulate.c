@@ -45,8 +45,7 @@ typedef struct {
     mukca_simulate_options options;
     mukca_row_state states;
     mukca_random postures, noise, rotation, clock;
-    double ball_noise[3]; /* noise of the present sample, m */
-    double lag;           /* readback lag along the last move, rad */
+    double lag; /* readback lag along the last move, rad */
     int row;
 } recorder;
 
@@ -65,15 +64,6 @@ static void displace(mukca_displacement *displacement, const double *q, void *co
         memcpy(r->data->command + (size_t)r->row * (size_t)n, meant, (size_t)n * sizeof *meant);
     mukca_effects_displacement(displacement, r->arm->effects, r->arm->n_effects, &r->arm->chain,
                                &r->arm->geometry, q, &state);
-}
-
-static void next_noise(recorder *r, bool fresh)
-{
-    const mukca_simulate_options *o = &r->options;
-    const double rho = fresh ? 0 : o->correlation;
-    for (int a = 0; a < 3; a++)
-        r->ball_noise[a] = rho * r->ball_noise[a] +
-                           sqrt(1 - rho * rho) * o->noise * mukca_random_normal(&r->noise);
 }
 
 /* Replace the angles of the sample, the commands so far, by the readings of the sagging joints. */
@@ -234,9 +224,8 @@ static mukca_status record_socket(recorder *r, const mukca_simulated_session *se
     mukca_frame target = {{0}, {0}};
     r->data->socket[r->row] = 2 * place + socket;
     tick(r, row > 0 ? interval : socket ? 2 * interval : 10 * interval);
-    next_noise(r, row == 0);
     mukca_simulate_seat(target.p, session, place, socket, row);
-    for (int a = 0; a < 3; a++) target.p[a] += r->ball_noise[a];
+    for (int a = 0; a < 3; a++) target.p[a] += r->options.noise * mukca_random_normal(&r->noise);
     if (is_duplicate(session, place, socket, row)) {
         double *q = r->data->q + (size_t)r->row * n;
         memcpy(q, q - n, n * sizeof *q);
@@ -308,8 +297,8 @@ mukca_status mukca_simulate_poses(mukca_dataset *data, const mukca_corrected *ar
             mukca_simulate_posture(data->q + i * n, &arm->chain, &r.postures);
         displace(&displacement, data->q + i * n, &r);
         mukca_fk_pose(&pose, &arm->geometry, data->q + i * n, &displacement);
-        next_noise(&r, i == 0);
-        for (int a = 0; a < 3; a++) data->position[3 * i + (size_t)a] = pose.p[a] + r.ball_noise[a];
+        for (size_t a = 0; a < 3; a++)
+            data->position[3 * i + a] = pose.p[a] + options->noise * mukca_random_normal(&r.noise);
         if (data->quaternion) {
             double w[3], turn[9], R[9];
             for (int a = 0; a < 3; a++)

@@ -53,11 +53,10 @@ typedef struct {
 
 /* Options of a recording. */
 typedef struct {
-    int rows;           /* samples per socket */
-    double distance;    /* between the sockets of a pair, m */
-    double noise;       /* sigma per axis at the ball, m */
-    double rotation;    /* sigma per axis of measured orientations, rad (pose logs) */
-    double correlation; /* correlation of the noise of consecutive samples */
+    int rows;        /* samples per socket */
+    double distance; /* between the sockets of a pair, m */
+    double noise;    /* sigma per axis at the ball, m */
+    double rotation; /* sigma per axis of measured orientations, rad (pose logs) */
     bool effort, command;
     double payload;     /* at the tip, kg; recorded unless 0 */
     bool position_only; /* pose logs: no orientations */

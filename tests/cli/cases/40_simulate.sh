@@ -49,7 +49,6 @@ done
 refuse 2 "a pose log has no placements and no sockets" simulate --urdf arm.urdf --poses 9 --effect tool_motion:p1/0@2=1e-3
 refuse 2 "must be MM,MRAD" simulate --urdf arm.urdf --perturb 1
 refuse 2 "must be a number, 0 to 1, in m" simulate --urdf arm.urdf --noise -1
-refuse 2 "must be a number, 0 to 0.999" simulate --urdf arm.urdf --correlation 1
 refuse 2 "must be a whole number, 2 to 100000" simulate --urdf arm.urdf --rows 1
 refuse 2 "must be a whole number, 1 to" simulate --urdf arm.urdf --placements 0
 refuse 2 "held-out needs --test" simulate --urdf arm.urdf --held-out 2
@@ -61,12 +60,12 @@ refuse 3 "does not reach socket 0" simulate --urdf arm.urdf --place far=9,0,0
 refuse 3 "session.tsv" simulate --urdf arm.urdf -o session.tsv
 
 # runs of a moving arm
-simulate --motion 10 --rate 50 --seed 1 --runs 2 --command --truth effects.tsv -o runs.tsv \
+simulate --motion 10 --rate 50 --seed 1 --runs 2 --truth effects.tsv -o runs.tsv \
     --effect payload=0.5,viscous:joint_3=2,stribeck:joint_2=1
 expect "two runs have their rows" test "$(grep -vc '^[#t]' runs.tsv)" -eq 1002
-expect "time, angles, efforts, commands" test "$(grep -m 1 time_s runs.tsv | wc -w)" -eq 22
+expect "time, angles, efforts" test "$(grep -m 1 time_s runs.tsv | wc -w)" -eq 15
 expect "the truth names effect, joint and unit" grep -q 'viscous	joint_3	damping	N\*m\*s/rad	2	0	1' effects.tsv
-run simulate --urdf arm.urdf --motion 10 --rate 50 --seed 1 --runs 2 --command \
+run simulate --urdf arm.urdf --motion 10 --rate 50 --seed 1 --runs 2 \
     --effect payload=0.5,viscous:joint_3=2,stribeck:joint_2=1
 expect "the same seed gives the same runs" cmp runs.tsv "$scratch/out"
 refuse 2 "motion and --poses exclude each other" simulate --urdf arm.urdf --motion 9 --poses 9
