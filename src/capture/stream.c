@@ -129,8 +129,7 @@ mukca_status mukca_capture_take(mukca_capture_sample *sample, const mukca_captur
     if (n < MIN_READINGS || covered < LEAST_COVERED * window || pause > 0.5 * window)
         return mukca_fail(error, MUKCA_NEGATIVE,
                           "too few joint states in the last %g s (%d): hold still a little longer, "
-                          "or use a longer "
-                          "--window",
+                          "or use a longer --window",
                           window, n);
     if (!arrived)
         return mukca_fail(error, MUKCA_NEGATIVE,

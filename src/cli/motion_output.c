@@ -161,8 +161,7 @@ mukca_status cli_motion_table(cli_call *call, FILE *stream)
     fputs(
         "# torque of the arm = torque of the model + effects\n"
         "# parameter of the arm = fitted + value; nominal: in the model, fitted: within the "
-        "model's "
-        "uncertainty\n"
+        "model's uncertainty\n"
         "effect\tjoint\tparameter\tunit\tvalue\tsigma\tprobability\tfinding\tnominal\tfitted\n",
         stream);
     for (int i = 0; i < w->motion.n_findings; i++) {

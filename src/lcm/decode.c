@@ -168,9 +168,8 @@ mukca_status mukca_lcm_decode_joints(mukca_lcm_joints *joints, const mukca_lcm_t
         bool list = r != MUKCA_LCM_ROLE_TIME && r != MUKCA_LCM_ROLE_MODE;
         if (list && joints->has[r] && d.count[r] != joints->n)
             return mukca_fail(error, MUKCA_INPUT,
-                              "message with %d positions, but %d of another "
-                              "field",
-                              joints->n, d.count[r]);
+                              "message with %d positions, but %d of another field", joints->n,
+                              d.count[r]);
     }
     for (int j = 0; j < joints->n; j++) {
         if (!isfinite(joints->value[MUKCA_LCM_ROLE_POSITION][j]))

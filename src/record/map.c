@@ -94,9 +94,8 @@ static mukca_status check_names(mukca_recorder *r)
                 mukca_prefix_ends(sent, mukca_recorder_joint(r, k)))
                 return mukca_fail(
                     &stream->problem, MUKCA_INPUT,
-                    "--map order contradicts the names: reading %d of %s is "
-                    "\"%.40s\", joint %d of the arm is \"%.40s\"; leave out --map, or "
-                    "give numbers, as in --map 3,2,1",
+                    "--map order contradicts the names: reading %d of %s is \"%.40s\", joint %d of "
+                    "the arm is \"%.40s\"; leave out --map, or give numbers, as in --map 3,2,1",
                     j + 1, stream->channel, sent, j + 1, joint);
     }
     return MUKCA_OK;

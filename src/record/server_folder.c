@@ -31,9 +31,8 @@ void mukca_server_path(char path[MUKCA_SERVER_PATH], const mukca_server *s, cons
 
 bool mukca_server_name_ok(const char *name)
 {
-    const size_t n = strspn(name,
-                            "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
-                            "0123456789_-.");
+    const size_t n =
+        strspn(name, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-.");
     return n > 0 && n <= 40 && !name[n] && name[0] != '.' && name[0] != '-';
 }
 

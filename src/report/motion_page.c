@@ -226,11 +226,10 @@ static void put_findings(FILE *out, const void *content)
                        mukca_wording_torque_alternatives(MUKCA_WORDS, f, r->chain));
     }
     mukca_html_table_end(&table);
-    table = (mukca_html_table){.out = out,
-                               .caption = "Held-out torque error, N m rms",
-                               .columns =
-                                   "joint|#model|#parameters fitted|#with "
-                                   "findings|#noise|#range"};
+    table = (mukca_html_table){
+        .out = out,
+        .caption = "Held-out torque error, N m rms",
+        .columns = "joint|#model|#parameters fitted|#with findings|#noise|#range"};
     for (int j = 0; j < m->n_joints; j++) {
         const mukca_motion_joint *of = &m->joint[j];
         mukca_html_row(&table, "%s\t%.3g\t%.3g\t%.3g\t%.3g\t%.3g",

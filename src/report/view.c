@@ -156,9 +156,8 @@ void mukca_report_put_view(FILE *out, const void *content)
     fprintf(
         out,
         "</svg>\n<figcaption><strong>The arm in %d postures, errors times %g</strong> Error of "
-        "each "
-        "sample from the %s: nominal in orange, calibrated in blue. Drag to turn, or use the arrow "
-        "keys.",
+        "each sample from the %s: nominal in orange, calibrated in blue. Drag to turn, or use the "
+        "arrow keys.",
         POSTURES, scale, where);
     put_legend(out, r);
     fprintf(out, "</figcaption>\n</figure>\n%s", script);

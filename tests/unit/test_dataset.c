@@ -352,8 +352,7 @@ TEST(tables_of_others_are_read)
     } bad[] = {
         {"0.5,-1,0.1,0.2,0.3\n", NULL,
          "t.csv:1: has no header; 5 columns may be 2 joints and x y z: name them in the first "
-         "line, "
-         "or confirm that order with --map order"},
+         "line, or confirm that order with --map order"},
         {"0.5,-1,0.1,0.2\n", &order, "t.csv:1: 4 columns; --map order reads"},
         {"j1,j2,x,y,z\n0,0,1,2,3\n", NULL, "t.csv:1: columns x, y, z without a unit; give --units"},
         {"j1,j2,x_m,y_m,z_m\n400,0,0,0,0\n", &degrees, NULL},
