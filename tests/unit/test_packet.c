@@ -221,33 +221,6 @@ static uint32_t chance(void)
     return (uint32_t)(x >> 16);
 }
 
-TEST(a_million_mutations)
-{
-    size_t before = 0, sum = 0;
-    int whole = 0;
-    for (int i = 0; i < 1000000; i++) {
-        fragment f = {.sequence = chance() % 3,
-                      .size = 300,
-                      .offset = chance() % 4 * 100,
-                      .number = chance() % 4,
-                      .n = 3,
-                      .bytes = 100};
-        datagram *d = chance() % 3 ? make_fragment("ARM", &f) : small_datagram("ARM", 4, 60);
-        for (uint32_t k = chance() % 4; k > 0; k--)
-            d->bytes[chance() % 2 ? chance() % 24 : chance() % d->size] = (unsigned char)chance();
-        if (chance() % 8 == 0) d->size = chance() % (d->size + 1);
-        if (take(d, chance() % 5, i * 100)) {
-            whole++;
-            assert_true(strlen(p.channel) < MUKCA_LCM_CHANNEL_SIZE);
-            for (size_t k = 0; k < p.size; k++) sum += ((const unsigned char *)p.data)[k];
-        }
-        if (i == 100000) before = mallinfo2().uordblks;
-    }
-    assert_true(whole > 1000 && sum > 0);
-    mukca_lcm_packet_clear(&r);
-    assert_true(mallinfo2().uordblks <= before + 100000);
-}
-
 static size_t count(const mukca_lcm_queue *q)
 {
     size_t n = 0;
