@@ -6,6 +6,7 @@
 
 #include "close.h"
 #include "lcm/packet.h"
+#include "math/random.h"
 
 enum { LARGE = 200000, PAYLOAD = 65487 /* liblcm's, of one fragment */, MAX_DATAGRAM = 65535 };
 
@@ -212,15 +213,6 @@ TEST(partial_messages_are_bounded)
     }
 }
 
-static uint32_t chance(void)
-{
-    static uint64_t x = 88172645463325252u; /* xorshift64, Marsaglia 2003 */
-    x ^= x << 13;
-    x ^= x >> 7;
-    x ^= x << 17;
-    return (uint32_t)(x >> 16);
-}
-
 static size_t count(const mukca_lcm_queue *q)
 {
     size_t n = 0;
@@ -232,15 +224,18 @@ TEST(the_queue_keeps_order_and_bounds)
 {
     mukca_lcm_queue *q = calloc(1, sizeof *q);
     mukca_lcm_queued *e;
+    mukca_random random;
     assert_non_null(q);
+    mukca_random_seed(&random, 1);
     int64_t pushed = 0, taken = 0, last = -1;
     for (int i = 0; i < 200000; i++) {
-        size_t size = chance() % 50 ? chance() % 2000 : chance() % LARGE;
+        const size_t size =
+            (size_t)mukca_random_below(&random, mukca_random_below(&random, 50) ? 2000 : LARGE);
         p = (mukca_lcm_packet){
             .channel = "ARM", .data = message, .size = size, .time = i, .sender = (uint64_t)i % 7};
         pushed += mukca_lcm_queue_push(q, &p);
         assert_true(q->bytes <= MUKCA_LCM_QUEUE_BYTES);
-        if (chance() % 3 || !(e = mukca_lcm_queue_take(q))) continue;
+        if (mukca_random_below(&random, 3) || !(e = mukca_lcm_queue_take(q))) continue;
         assert_string_equal(e->packet.channel, "ARM");
         assert_true(e->packet.time > last);
         assert_memory_equal(e->packet.data, message, e->packet.size);
