@@ -6,7 +6,7 @@
 
 #include "diagnose/logs.h"
 
-enum { MOST_ORDERS = 48 }; /* of the orders of a joint that are added later */
+enum { MOST_ORDERS = 40 }; /* of the orders of a joint that are added later */
 
 /* Prior probability that a flexible part, or a servo, deflects by more than an error: each one
  * deflects, and of the some 24 of an arm (joints, links, base) published recordings show one to

@@ -9,9 +9,9 @@
 #include "math/four.h"
 
 enum {
-    ADDED = 12,        /* orders of an effect at a joint in one scan, */
-    ADDED_OUTSIDE = 2, /* of a wave outside the catalogue */
-    FAULTS = 40,       /* of a kind and shape that are scored: there are several for each sample */
+    ADDED = 12,       /* orders of an effect at a joint in one scan, */
+    ADDED_FRAMES = 8, /* and waves of frames of the arm */
+    FAULTS = 40,      /* of a kind and shape that are scored: there are several for each sample */
     SHAPES = MUKCA_FAULT_GROWING + 1
 };
 
@@ -213,38 +213,22 @@ static bool guess(double *odds, waves *wave, mukca_scan *s, const mukca_candidat
     return true;
 }
 
-/* Add the most promising orders of a periodic candidate. */
-static mukca_status add(mukca_scan *s, waves *wave, const mukca_candidate *h, const double *u,
-                        mukca_error *error)
+/* The most promising order by the odds. */
+static int best_order(const double *odds)
 {
-    mukca_status status = MUKCA_OK;
-    double odds[MUKCA_LAST_ORDER + 1];
-    int added = h->kind == MUKCA_CANDIDATE_EFFECT ? ADDED : ADDED_OUTSIDE;
-    if (!guess(odds, wave, s, h, u)) return MUKCA_OK;
-    for (; added > 0 && status == MUKCA_OK; added--) {
-        int order = 2;
-        for (int o = 3; o <= MUKCA_LAST_ORDER; o++)
-            if (odds[o] > odds[order]) order = o;
-        if (!(odds[order] > LEAST_ODDS)) break;
-        odds[order] = -HUGE_VAL;
-        status = mukca_candidates_add_order(s->all, *h, order, error);
-    }
-    return status;
+    int order = 2;
+    for (int o = 3; o <= MUKCA_LAST_ORDER; o++)
+        if (odds[o] > odds[order]) order = o;
+    return order;
 }
 
-/* Add the promising orders of periodic candidates: of the catalogue, and waves of the frames. */
-static mukca_status add_orders(mukca_scan *s, mukca_pool *pool, const double *u, mukca_error *error)
+/* Add the promising orders of the effects of the catalogue. */
+static mukca_status add_effects(mukca_scan *s, waves *wave, const double *u, mukca_error *error)
 {
     static const double unit[] = {MUKCA_WAVE_UNIT, MUKCA_WAVE_UNIT};
-    mukca_candidates *all = s->all;
-    const int first = all->count, N = s->m->recording.n_samples;
+    const mukca_candidates *all = s->all;
     mukca_status status = MUKCA_OK;
-    waves wave = {.n = N,
-                  .sine = MUKCA_TAKE(pool, double, N),
-                  .cosine = MUKCA_TAKE(pool, double, N),
-                  .first = MUKCA_TAKE(pool, double, 2 * N)};
-    for (int a = 0; a < AXES; a++) wave.along[a] = MUKCA_TAKE(pool, double, N);
-    if (pool->failed) status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d samples", N);
+    double odds[MUKCA_LAST_ORDER + 1];
     for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++) {
         if (!mukca_effect_has(kind, MUKCA_TRAIT_ORDERS) || !all->enabled[kind]) continue;
         for (int j = 0; j < all->survey.n_joints && status == MUKCA_OK; j++) {
@@ -252,16 +236,65 @@ static mukca_status add_orders(mukca_scan *s, mukca_pool *pool, const double *u,
                 &(mukca_effect){.kind = (mukca_effect_kind)kind, .joint = j, .placement = -1});
             h.unit = unit;
             h.terms = 2;
-            status = add(s, &wave, &h, u, error);
+            if (!guess(odds, wave, s, &h, u)) continue;
+            for (int k = 0; k < ADDED && status == MUKCA_OK; k++) {
+                const int order = best_order(odds);
+                if (!(odds[order] > LEAST_ODDS)) break;
+                odds[order] = -HUGE_VAL;
+                status = mukca_candidates_add_order(s->all, h, order, error);
+            }
         }
     }
-    for (int i = 0; i < first && status == MUKCA_OK; i++) {
+    return status;
+}
+
+/* Add the most promising waves of the frames of the geometry, which are outside the catalogue. */
+static mukca_status add_frames(mukca_scan *s, waves *wave, const double *u, mukca_error *error)
+{
+    const mukca_candidates *all = s->all;
+    struct {
+        double odds;
+        int order, index;
+    } best[ADDED_FRAMES];
+    mukca_status status = MUKCA_OK;
+    double odds[MUKCA_LAST_ORDER + 1];
+    for (int k = 0; k < ADDED_FRAMES; k++) best[k].odds = LEAST_ODDS;
+    for (int i = 0; i < all->count; i++) {
         const mukca_candidate *h = &all->list[i];
-        if (h->kind == MUKCA_CANDIDATE_UNLISTED && mukca_unlisted_site(h) == MUKCA_SITE_FRAME &&
-            mukca_unlisted_functions[h->unlisted.function].shape == MUKCA_SHAPE_WAVE &&
-            h->unlisted.measure == 1)
-            status = add(s, &wave, h, u, error);
+        if (h->kind != MUKCA_CANDIDATE_UNLISTED || mukca_unlisted_site(h) != MUKCA_SITE_FRAME ||
+            mukca_unlisted_functions[h->unlisted.function].shape != MUKCA_SHAPE_WAVE ||
+            h->unlisted.measure != 1 || !guess(odds, wave, s, h, u))
+            continue;
+        for (;;) {
+            const int order = best_order(odds);
+            int least = 0;
+            for (int k = 1; k < ADDED_FRAMES; k++)
+                if (best[k].odds < best[least].odds) least = k;
+            if (!(odds[order] > best[least].odds)) break;
+            best[least].odds = odds[order], best[least].order = order, best[least].index = i;
+            odds[order] = -HUGE_VAL;
+        }
     }
+    for (int k = 0; k < ADDED_FRAMES && status == MUKCA_OK; k++)
+        if (best[k].odds > LEAST_ODDS)
+            status =
+                mukca_candidates_add_order(s->all, all->list[best[k].index], best[k].order, error);
+    return status;
+}
+
+/* Add the promising orders of periodic candidates. */
+static mukca_status add_orders(mukca_scan *s, mukca_pool *pool, const double *u, mukca_error *error)
+{
+    const mukca_candidates *all = s->all;
+    const int first = all->count, N = s->m->recording.n_samples;
+    waves wave = {.n = N,
+                  .sine = MUKCA_TAKE(pool, double, N),
+                  .cosine = MUKCA_TAKE(pool, double, N),
+                  .first = MUKCA_TAKE(pool, double, 2 * N)};
+    for (int a = 0; a < AXES; a++) wave.along[a] = MUKCA_TAKE(pool, double, N);
+    if (pool->failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d samples", N);
+    mukca_status status = add_effects(s, &wave, u, error);
+    if (status == MUKCA_OK) status = add_frames(s, &wave, u, error);
     if (status == MUKCA_OK)
         mukca_scan_score(s->value + first, s->information + first, s, all->list + first, NULL,
                          all->count - first);
