@@ -3,8 +3,13 @@
 
 #include "cli/recalibrate.h"
 
-static const char *const stage_text[MUKCA_STAGES] = {"before", "angular offsets", "both"};
-static const char *const stage_key[MUKCA_STAGES] = {"before", "angles", "both"};
+#include <string.h>
+
+#include "cli/scores.h"
+
+static const char *const stage_text[MUKCA_STAGES] = {"before", "angular offsets", "both",
+                                                     "all parameters"};
+static const char *const stage_key[MUKCA_STAGES] = {"before", "angles", "both", "all"};
 
 /* Decrease from `before` to `after`, percent; 0 if `before` is 0. */
 static double removed_percent(double before, double after)
@@ -52,7 +57,7 @@ static void print_errors(cli_call *call, const char *title, const mukca_pose_err
     }
     if (e[MUKCA_BEFORE].rotation.length.n == 0) return;
     cli_answer(call, "  orientation, mrad |ex|: max, mean +- std   |ey|                   |ez|\n");
-    for (int s = 0; s < MUKCA_STAGES; s += MUKCA_WITH_BOTH) {
+    for (int s = 0; s < MUKCA_STAGES; s += MUKCA_WITH_ALL) {
         cli_answer(call, "    %-8s", s == MUKCA_BEFORE ? "before" : "after");
         for (int a = 0; a < 3; a++)
             cli_answer(call, " %6.2f, %5.2f +-%5.2f", 1e3 * e[s].rotation.axis[a].max,
@@ -62,17 +67,38 @@ static void print_errors(cli_call *call, const char *title, const mukca_pose_err
     }
 }
 
-static void print_unknowns(cli_call *call, const mukca_recalibration *f, const mukca_chain *arm)
+/* Unknown i of joint zeros and link offsets: its value and standard error, m or rad. */
+typedef struct {
+    mukca_unknown name;
+    double value, sigma;
+    bool identifiable;
+} unknown_value;
+
+static unknown_value find_unknown(const cli_recalibrated *r, int i)
 {
-    char text[MUKCA_UNKNOWN_TEXT];
-    cli_answer(call, "Offsets (rank %d of %d; *: identifiable only in combination, see --json)\n",
-               f->found.rank, f->found.n);
-    for (int u = 0; u < f->found.n; u++) {
-        mukca_unknown_text(text, &f->found.unknown[u], arm);
-        cli_answer(call, "    %-32s %+9.4f +- %-8.4f %s%s\n", text, 1e3 * f->found.value[u],
-                   1e3 * f->found.sigma[u],
-                   mukca_unknown_is_angle(f->found.unknown[u].kind) ? "mrad" : "mm",
-                   f->found.identifiable[u] ? "" : " *");
+    const mukca_fit *fit = &r->fit->lengths;
+    const mukca_identification *id = &fit->identification;
+    unknown_value u = {.sigma = id->sigma[i], .identifiable = id->identifiable[i]};
+    const int at = fit->parameters.index[i];
+    mukca_split_arm_name(&u.name, &r->fit->split, &r->arm, fit, i);
+    u.value = u.name.sign * (fit->theta[at] - r->fit->start[at]);
+    if (u.name.element >= 0 && u.name.angle) {
+        const int joint = r->arm.element[u.name.element].joint;
+        u.identifiable &= joint < 0 || !never_moved(r, joint);
+    }
+    return u;
+}
+
+static void print_unknowns(cli_call *call, const cli_recalibrated *r)
+{
+    const mukca_fit *fit = &r->fit->lengths;
+    cli_answer(call, "Offsets alone (rank %d of %d; *: not identifiable)\n",
+               fit->identification.rank, fit->parameters.n);
+    for (int i = 0; i < fit->parameters.n; i++) {
+        const unknown_value u = find_unknown(r, i);
+        cli_answer(call, "    %-32s %+9.4f", u.name.text, 1e3 * u.value);
+        if (u.identifiable) cli_answer(call, " +- %-8.4f", 1e3 * u.sigma);
+        cli_answer(call, " %s%s\n", u.name.angle ? "mrad" : "mm", u.identifiable ? "" : " *");
     }
 }
 
@@ -84,7 +110,7 @@ static void print_findings(cli_call *call, const cli_recalibrated *r, const mukc
     cli_say(call, "Result",
             "the poses contain a calibration: median position error %.4f mm nominal, %.4f mm after "
             "the fit",
-            1e3 * r->robust->position.nominal, 1e3 * r->robust->position.left);
+            1e3 * f->position.nominal, 1e3 * f->position.left);
     for (int j = 0; j < r->arm.n_joints; j++)
         if (never_moved(r, j))
             cli_say(call, NULL,
@@ -114,13 +140,13 @@ mukca_status cli_recalibrate_print(cli_call *call)
     const cli_recalibrated *r = call->work;
     const mukca_acceptance *a = &r->offsets.acceptance;
     const char *output = call->common->output;
-    if (!r->robust->calibrated) return refuse(call, &r->robust->position);
+    if (!r->fit->calibrated) return refuse(call, &r->fit->position);
     print_findings(call, r, a);
     print_errors(call, "Training data", r->fit->errors, r->fit->has_angles);
     if (r->tested) print_errors(call, "Test data", r->test, r->fit->has_angles);
-    cli_say(call, "Offsets", "%d of %d combinations identified", r->fit->found.rank,
-            r->fit->found.n);
-    if (call->common->verbose) print_unknowns(call, r->fit, &r->arm);
+    cli_say(call, "Offsets", "%d of %d combinations identified", r->fit->all.identification.rank,
+            r->fit->all.parameters.n);
+    if (call->common->verbose) print_unknowns(call, r);
     if (output)
         cli_say(call, "Written", "%s%s", output,
                 a->accepted ? "" : " (other commands refuse this table)");
@@ -169,38 +195,26 @@ static json_t *errors_json(const mukca_pose_errors *e, bool has_angles)
 
 static json_t *unknowns_json(const cli_recalibrated *r)
 {
-    const mukca_recalibration *f = r->fit;
-    const mukca_chain *arm = &r->arm;
-    char text[MUKCA_UNKNOWN_TEXT];
     json_t *array = json_array();
-    for (int u = 0; u < f->found.n; u++) {
-        const mukca_element *e = mukca_unknown_element(&f->found.unknown[u], arm);
-        const bool zero = f->found.unknown[u].kind == MUKCA_UNKNOWN_ZERO;
-        mukca_unknown_text(text, &f->found.unknown[u], arm);
-        cli_json_append(array, KEY("name", text), KEY("joint", e ? e->name : NULL),
-                        KEY("value", f->found.value[u]),
-                        KEY("unit", mukca_unknown_is_angle(f->found.unknown[u].kind) ? "rad" : "m"),
-                        KEY("sigma", f->found.sigma[u]),
-                        KEY("identifiable", (bool)(f->found.identifiable[u] &&
-                                                   !(zero && e && never_moved(r, e->joint)))));
+    for (int i = 0; i < r->fit->lengths.parameters.n; i++) {
+        const unknown_value u = find_unknown(r, i);
+        const char *joint = u.name.element < 0 ? NULL : r->arm.element[u.name.element].name;
+        cli_json_append(array, KEY("name", u.name.text), KEY("joint", joint), KEY("value", u.value),
+                        KEY("unit", u.name.angle ? "rad" : "m"), KEY("sigma", u.sigma),
+                        KEY("identifiable", u.identifiable));
     }
     return array;
 }
 
-static json_t *null_json(const mukca_recalibration *f, const mukca_chain *arm)
+/* A frame of the fit: the base's in that of the poses, or the target's. */
+static json_t *frame_json(const mukca_fit *fit, bool base)
 {
-    char text[MUKCA_UNKNOWN_TEXT];
-    json_t *array = json_array();
-    for (int k = 0; k < f->found.n_null; k++) {
-        json_t *terms = json_array();
-        for (int u = 0; u < f->found.n; u++) {
-            if (f->found.null[k][u] == 0) continue;
-            mukca_unknown_text(text, &f->found.unknown[u], arm);
-            cli_json_append(terms, KEY("name", text), KEY("coefficient", f->found.null[k][u]));
-        }
-        json_array_append_new(array, terms);
-    }
-    return array;
+    const int k = base ? 0 : fit->chain.n_elements - 1;
+    mukca_frame T;
+    if (!mukca_element_is_frame(&fit->chain.element[k])) return NULL;
+    mukca_rotation_from_rpy(T.R, fit->theta + MUKCA_PARAMETERS * k + 3);
+    memcpy(T.p, fit->theta + MUKCA_PARAMETERS * k, sizeof T.p);
+    return cli_json_frame(&T);
 }
 
 json_t *cli_recalibrate_json(const cli_call *call)
@@ -208,16 +222,14 @@ json_t *cli_recalibrate_json(const cli_call *call)
     const cli_recalibrated *r = call->work;
     const mukca_chain *chain = &call->session->model.chain;
     const mukca_recalibration *f = r->fit;
-    const mukca_recalibration *o = r->robust;
-    json_t *model =
-        cli_json(KEY("train", errors_json(f->errors, f->has_angles)),
-                 KEY("test", r->tested ? errors_json(r->test, f->has_angles) : NULL),
-                 KEY("unknowns", f->found.n), KEY("rank", f->found.rank),
-                 KEY("offsets", unknowns_json(r)), KEY("not_identifiable", null_json(f, &r->arm)),
-                 KEY("base", cli_json_frame(&f->stage[MUKCA_WITH_BOTH].base)),
-                 KEY("tool", cli_json_frame(&f->stage[MUKCA_WITH_BOTH].tool)), FIELD(f, passes));
+    json_t *model = cli_json(
+        KEY("train", errors_json(f->errors, f->has_angles)),
+        KEY("test", r->tested ? errors_json(r->test, f->has_angles) : NULL),
+        KEY("unknowns", f->lengths.parameters.n), KEY("rank", f->lengths.identification.rank),
+        KEY("offsets", unknowns_json(r)), KEY("base", frame_json(&f->all, true)),
+        KEY("tool", frame_json(&f->all, false)), KEY("passes", f->all.outcome.evaluations));
     return cli_json(
-        KEY("verdict", o->calibrated ? "calibrated" : "nominal"),
+        KEY("verdict", f->calibrated ? "calibrated" : "nominal"),
         KEY("frame",
             cli_json(KEY("position_link", r->arm.tip),
                      KEY("rotation_link", chain->element[r->check.rotation_element].child))),
@@ -225,15 +237,15 @@ json_t *cli_recalibrate_json(const cli_call *call)
         KEY("lag",
             cli_json(KEY("found", (bool)(f->lag != 0)), KEY("value", f->lag),
                      KEY("unit", is_timed(r) ? "s" : "row"), KEY("standard_errors", f->lag_score))),
-        KEY("oracle", cli_json(FIELD(f, tail), KEY("position_nominal_m", o->position.nominal),
-                               KEY("position_left_m", o->position.left),
-                               KEY("position_systematic_m", o->position.systematic),
-                               KEY("rotation_nominal_rad", o->rotation.nominal),
-                               KEY("rotation_left_rad", o->rotation.left),
-                               KEY("rotation_systematic_rad", o->rotation.systematic),
-                               KEY("huber_weights", (bool)(r->robust != r->fit)))),
+        KEY("oracle", cli_json(FIELD(f, tail), KEY("position_nominal_m", f->position.nominal),
+                               KEY("position_left_m", f->position.left),
+                               KEY("position_systematic_m", f->position.systematic),
+                               KEY("rotation_nominal_rad", f->rotation.nominal),
+                               KEY("rotation_left_rad", f->rotation.left),
+                               KEY("rotation_systematic_rad", f->rotation.systematic),
+                               KEY("without_outliers", f->trimmed))),
         KEY("models", json_pack("[o]", model)),
-        KEY("parameters", cli_json_offsets(&r->offsets, chain)),
+        KEY("parameters", cli_json_offsets(&r->offsets, r->chain)),
         KEY("acceptance", cli_json_acceptance(&r->offsets.acceptance)),
         KEY("elapsed_s", cli_elapsed(call)));
 }

@@ -19,6 +19,8 @@
 #define TARGET_REACH 1
 /* Steps of a search; 20 are enough but where directions are poorly determined. */
 enum { MOST_STEPS = 60, FIRST_STEPS = 15 };
+/* Evenly spread samples of a long log that are used: twelve unknowns to 1 % of the noise. */
+enum { MOST_POINTS = 5000 };
 /* A frame that is not known to a fist's breadth or to three degrees is not determined, m and rad.
  */
 static const double open_offset = 0.05, open_turn = 0.05;
@@ -220,9 +222,11 @@ static void find_open(mukca_alignment *a, const problem *p, double residual)
 static void collect(problem *p, const mukca_geometry *geometry, const mukca_dataset *data,
                     const unsigned char *keep)
 {
-    for (int row = 0; row < data->n_rows; row++) {
+    const int every = (data->n_rows + MOST_POINTS - 1) / MOST_POINTS;
+    for (int row = 0, seen = 0; row < data->n_rows; row++) {
         const double *x = data->position + 3 * (size_t)row;
         if (data->socket[row] >= 0 || !isfinite(x[0]) || (keep && !keep[row])) continue;
+        if (seen++ % every) continue;
         mukca_meeting_point *e = &p->points[p->n++];
         mukca_fk_pose(&e->from, geometry, data->q + (size_t)row * (size_t)data->n_joints, NULL);
         memcpy(e->to, x, sizeof e->to);
@@ -246,8 +250,9 @@ bool mukca_align(mukca_alignment *out, const mukca_geometry *geometry, const muk
     double least = NAN;
     *out = start;
     if (!data->position || data->n_rows < 3 || (!p.tracker && !p.target)) return true;
-    p.points = MUKCA_TAKE(&p.pool, mukca_meeting_point, data->n_rows);
-    p.length = MUKCA_TAKE(&p.pool, double, data->n_rows);
+    const int most = data->n_rows < MOST_POINTS ? data->n_rows : MOST_POINTS;
+    p.points = MUKCA_TAKE(&p.pool, mukca_meeting_point, most);
+    p.length = MUKCA_TAKE(&p.pool, double, most);
     const bool failed = p.pool.failed;
     if (!failed) collect(&p, geometry, data, options->keep);
     for (int k = 0, agree = 0; p.n >= 3 && !failed && k < starts && agree < 3; k++) {

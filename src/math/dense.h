@@ -57,10 +57,6 @@ int mukca_dense_svd(double *A, double *s, double *V, int n);
 /* Remove the columns first .. end - 1 of X[rows][width] from those after them (Gram-Schmidt). */
 void mukca_dense_project(double *X, int rows, int width, int first, int end);
 
-/* Gauss-Jordan with full pivoting on N[k][n] (row stride ld): each row receives a column with 1 in
- * this row and 0 in the others, which leaves few nonzero entries. */
-void mukca_dense_reduce(double *N, int k, int n, int ld);
-
 /* Sequential QR for least squares, by blocks of rows: R[n][n + k] is the upper triangular factor of
  * all rows so far, followed by Q'b; zero initially.  Absorbs the rows A[m][n + k] (destroyed).
  * rss[k] (may be NULL) accumulates the residual sums of squares.

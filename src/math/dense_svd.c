@@ -135,23 +135,3 @@ void mukca_dense_project(double *X, int rows, int w, int first, int end)
         }
     }
 }
-
-void mukca_dense_reduce(double *N, int k, int n, int ld)
-{
-    for (int step = 0; step < k; step++) {
-        double *top = N + (long)step * ld;
-        int row = step, column = 0;
-        for (int r = step; r < k; r++) /* pivot columns are 0 in these rows */
-            for (int c = 0; c < n; c++)
-                if (fabs(N[(long)r * ld + c]) > fabs(N[(long)row * ld + column]))
-                    row = r, column = c;
-        swap(top, N + (long)row * ld, 1, n);
-        const double pivot = top[column];
-        if (pivot == 0) return;
-        for (int c = 0; c < n; c++) top[c] /= pivot;
-        for (int r = 0; r < k; r++) {
-            double *other = N + (long)r * ld, f = other[column];
-            for (int c = 0; c < n && r != step; c++) other[c] -= f * top[c];
-        }
-    }
-}

@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "fit/align.h"
 #include "math/stats.h"
 #include "model/dataset_subset.h"
 
@@ -119,7 +118,7 @@ static mukca_status check_frames(mukca_pose_check *check, preview *p, mukca_erro
         predict_poses(p, check->rotation_element);
         const mukca_frame of_rotation = p->nominal[0];
         predict_poses(p, check->position_element);
-        mukca_mat3_tmul(check->tool.R, p->nominal[0].R, of_rotation.R);
+        mukca_mat3_tmul(check->turn, p->nominal[0].R, of_rotation.R);
     }
     if (p->oriented && best_turn > 0.1)
         return mukca_fail(
@@ -132,43 +131,22 @@ static mukca_status check_frames(mukca_pose_check *check, preview *p, mukca_erro
     return MUKCA_OK;
 }
 
-/* Start values of the unknown frames: those that bring the nominal arm nearest to the poses. */
-static mukca_status align_frames(mukca_pose_check *check, preview *p, bool free_base,
-                                 bool free_tool, mukca_error *error)
+mukca_status mukca_pose_check_run(mukca_pose_check *check, const mukca_chain *chain,
+                                  const mukca_dataset *log, bool free_frames, mukca_error *error)
 {
-    mukca_alignment found;
-    if (!mukca_align(&found, &p->geometry, &p->rows,
-                     &(mukca_align_options){.tracker = free_base, .target = free_tool}))
-        return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    check->base = found.tracker;
-    check->tool = found.target;
-    check->open = mukca_alignment_open(&found);
-    return MUKCA_OK;
-}
-
-mukca_status mukca_pose_check_run(mukca_pose_check *check, const mukca_recalibrate_task *task,
-                                  mukca_error *error)
-{
-    const int last = task->chain->n_elements - 1;
-    const bool free_base = task->options->free_base, free_tool = task->options->free_tool;
+    const int last = chain->n_elements - 1;
     preview *p = calloc(1, sizeof *p);
     if (!p) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    *check = (mukca_pose_check){.position_element = last,
-                                .rotation_element = last,
-                                .base.R = MUKCA_IDENTITY,
-                                .tool.R = MUKCA_IDENTITY};
-    p->chain = task->chain;
-    mukca_geometry_set(&p->geometry, p->chain, NULL);
-    mukca_status status = load_preview(p, task->log, error);
+    *check = (mukca_pose_check){last, last, MUKCA_IDENTITY};
+    p->chain = chain;
+    mukca_geometry_set(&p->geometry, chain, NULL);
+    mukca_status status = load_preview(p, log, error);
     if (status == MUKCA_OK && p->rows.n_rows == 0)
         status = mukca_fail(error, MUKCA_INPUT,
                             "no row has a measured position: need columns x_m y_m z_m, or "
                             "hole_*_pose.csv next to the joint files");
     if (status == MUKCA_OK) status = check_moving(p, error);
-    if (status == MUKCA_OK && (free_base || free_tool))
-        status = align_frames(check, p, free_base, free_tool, error);
-    else if (status == MUKCA_OK)
-        status = check_frames(check, p, error);
+    if (status == MUKCA_OK && !free_frames) status = check_frames(check, p, error);
     mukca_dataset_free(&p->rows);
     free(p);
     return status;

@@ -69,3 +69,9 @@ mukca_status mukca_pose_log_prepare(mukca_dataset *d, mukca_error *error)
     d->n_sockets = d->n_placements = d->n_distances = 0;
     return MUKCA_OK;
 }
+
+void mukca_pose_log_shift(mukca_dataset *d, double lag)
+{
+    const size_t count = (size_t)d->n_rows * (size_t)d->n_joints;
+    for (size_t i = 0; i < count; i++) d->q[i] += lag * d->velocity[i];
+}

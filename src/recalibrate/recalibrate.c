@@ -1,196 +1,121 @@
-/* Re-calibration from measured poses: passes over the log and Gauss-Newton steps. */
+/* Re-calibration from measured poses: lag, fit of all parameters, and its restrictions. */
 #include "recalibrate/recalibrate.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* An unknown with a larger standard error (m, rad) is not identifiable: arms are built to 20 mm. */
-static const double loosest = 0.02;
+#include "fit/align.h"
+#include "model/dataset_subset.h"
+#include "model/prior.h"
 
-/* Gauss-Newton converges in 3 or 4 passes from nominal.  The threshold of a lag, in standard
- * errors, allows for correlated rows, which a standard error treats as independent. */
-enum { MOST_PASSES = 10, LAG_SCORE = 8 };
+/* Characters of a parameter list: at most 16 joints of four parameters, 27 characters. */
+enum { LIST = 1024 };
 
-/* Largest last step, m and rad, of a converged fit: a hundredth of the accuracy of trackers. */
-static const double converged_step = 1e-6;
-
-/* A lag must reduce the median error by 5 %; outliers alone do not. */
-static const double lag_gain = 0.95;
-
-/* A step of the fit: some of the unknowns from some of the equations. */
-typedef struct {
-    bool angles, lengths;      /* the unknowns, with the lag of the angles */
-    bool rotations, positions; /* the equations */
-    int stage;                 /* of the errors before it */
-    int least;                 /* number of passes, at least */
-    bool repeat;               /* until convergence */
-} restriction;
+/* Samples, evenly spread, of which noise and restrictions are computed: enough for the noise to 1
+ * %. The result is of all samples. */
+enum { PART = 5000 };
 
 typedef struct {
     mukca_recalibration *out;
-    const mukca_recalibrate_task *task;
-    mukca_pose_model model;
-    mukca_pose_system system; /* of the present step */
-    mukca_pose_errors errors;
-    bool measured;   /* `errors` are those of the last pass */
-    bool lag_denied; /* a lag did not reduce the median */
+    const mukca_chain *arm;
+    const mukca_dataset *rows; /* the log, or its rows without outliers */
+    mukca_dataset part;        /* of these */
+    bool oriented;
+    char list[LIST];
 } session;
 
-static void add_unknowns(mukca_pose_system *s, mukca_unknown_kind kind, int element, int axes,
-                         bool tool)
+/* Set the free parameters of a restriction. */
+static void restrict_to(mukca_fit_options *options, session *s, bool lengths)
 {
-    for (int axis = 0; axis < axes; axis++)
-        s->unknown[s->n++] =
-            (mukca_unknown){.kind = kind, .element = element, .axis = axis, .tool = tool};
+    const bool turned = options->free_tool && s->oriented;
+    mukca_split_arm_list(s->list, sizeof s->list, &s->out->split, options->free_base, lengths,
+                         turned);
+    options->selection.free = s->list;
 }
 
-/* The unknowns of a step; the lag is the last one.  A free base replaces the first joint's origin
- * and zero; the tip's offset is that of the last fixed element. */
-static void choose_unknowns(mukca_pose_system *s, const mukca_recalibrate_task *task,
-                            const restriction *step)
+/* Joint zeros and link offsets; without `lengths` joint zeros, from the orientations alone, as the
+ * first step of the paper (the positions of the part are lost). */
+static mukca_status fit_offsets(session *s, bool lengths, mukca_error *error)
 {
-    const mukca_chain *chain = task->chain;
-    const mukca_recalibrate_options *o = task->options;
-    const int last = chain->n_elements - 1, lengths = step->lengths ? 3 : 0,
-              angles = step->angles ? 3 : 0;
-    *s = (mukca_pose_system){.positions = step->positions, .rotations = step->rotations};
-    for (int k = 0; k <= last; k++) {
-        const mukca_element *e = &chain->element[k];
-        const bool fixed = e->joint < 0, turns = angles && mukca_joint_turns((int)e->type);
-        if ((fixed && k < last) || (o->free_base && e->joint == 0)) continue;
-        add_unknowns(s, MUKCA_UNKNOWN_SHIFT, k, lengths, fixed);
-        add_unknowns(s, MUKCA_UNKNOWN_ZERO, k, turns, false);
-        add_unknowns(s, MUKCA_UNKNOWN_TILT, k, turns && o->tilts ? 2 : 0, false);
+    mukca_recalibration *out = s->out;
+    mukca_fit_options options = out->options;
+    mukca_fit *zeros = lengths ? NULL : malloc(sizeof *zeros);
+    mukca_fit *fit = lengths ? &out->lengths : zeros;
+    if (!fit) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    options.parameters_only = !lengths;
+    for (int i = 0; i < 3 * s->part.n_rows && !lengths; i++) s->part.position[i] = (double)NAN;
+    restrict_to(&options, s, lengths);
+    mukca_status status = mukca_fit_run(fit, &out->split.chain, &s->part, &options, error);
+    if (status == MUKCA_OK && lengths)
+        status = mukca_frames_start(out->start, &fit->chain, &s->part, options.free_base,
+                                    options.free_tool, error);
+    if (status == MUKCA_OK)
+        mukca_geometry_set(&out->stage[lengths ? MUKCA_WITH_LENGTHS : MUKCA_WITH_ANGLES],
+                           &fit->chain, fit->theta);
+    free(zeros);
+    return status;
+}
+
+/* Weight of the regularisation for the most probable arm: noise^2 / (samples * prior size^2). */
+static double weight_of_prior(const mukca_fit *fit, int rows)
+{
+    const double prior = mukca_prior_expected.length, noise = fit->identification.noise;
+    const double weight = pow(noise / prior, 2) / rows;
+    return weight > 1e-12 ? fmin(weight, MUKCA_LAMBDA) : 1e-12; /* without noise: rounding */
+}
+
+/* All parameters.  A part measures the noise, first with the usual regularisation, whose bias adds
+ * to it, then with that of the noise so found. */
+static mukca_status fit_all(session *s, mukca_error *error)
+{
+    mukca_recalibration *out = s->out;
+    mukca_fit *fit = &out->all;
+    mukca_fit_options *options = &out->options;
+    double nominal[MUKCA_MAX_FREE], start[MUKCA_MAX_FREE];
+    mukca_status status = MUKCA_OK;
+    for (int round = 0; round < 3 && status == MUKCA_OK; round++) {
+        mukca_fit_options warm = *options;
+        if (round) warm.start = memcpy(start, fit->theta, sizeof start);
+        status = mukca_fit_run(fit, s->arm, round < 2 ? &s->part : s->rows, &warm, error);
+        if (round < 2) options->cost.lambda = weight_of_prior(fit, s->rows->n_rows);
     }
-    if (chain->element[last].joint >= 0)
-        add_unknowns(s, MUKCA_UNKNOWN_SHIFT, MUKCA_UNKNOWN_TOOL, lengths, true);
-    if (o->free_base) add_unknowns(s, MUKCA_UNKNOWN_SHIFT, MUKCA_UNKNOWN_BASE, lengths, false);
-    if (o->free_base) add_unknowns(s, MUKCA_UNKNOWN_TURN, MUKCA_UNKNOWN_BASE, angles, false);
-    if (o->free_tool && step->rotations)
-        add_unknowns(s, MUKCA_UNKNOWN_TURN, MUKCA_UNKNOWN_TOOL, angles, true);
-    add_unknowns(s, MUKCA_UNKNOWN_LAG, MUKCA_UNKNOWN_TOOL, step->angles, false);
-}
-
-/* Huber's weight of a residual of that length; `median` is the median length. */
-static double huber_weight(double length, double median)
-{
-    const double bend = 1.6 * median; /* 2.5 sigma: the median length of 3 normals is 1.54 */
-    return length > bend && bend > 0 ? bend / length : 1;
-}
-
-/* Ratio of position to rotation error (medians), 0.01 to 10 m; 0 if either vanishes. */
-static double metres_per_radian(const mukca_pose_errors *errors)
-{
-    const double p = errors->position.median, w = errors->rotation.median;
-    return p > 1e-9 && w > 1e-9 ? fmin(fmax(p / w, 0.01), 10) : 0;
-}
-
-static bool is_stopped(const mukca_recalibrate_task *task, int row)
-{
-    return row % 1024 == 0 && task->options->stop && task->options->stop();
-}
-
-/* Pass over the log with the present model: errors, and the equations of the step. */
-static mukca_status read_equations(session *s, mukca_error *error)
-{
-    const double position_scale = s->errors.position.median;
-    const double rotation_scale = s->errors.rotation.median;
-    const bool robust = s->task->options->robust && s->measured;
-    mukca_pose_look look;
-    mukca_pose_system_clear(&s->system);
-    memset(&s->errors, 0, sizeof s->errors);
-    for (int i = 0; i < s->task->log->n_rows; i++) {
-        if (is_stopped(s->task, i)) return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
-        mukca_pose_look_at(&look, &s->model, s->task->log, i);
-        mukca_pose_errors_add(&s->errors, &look);
-        double p = 1, w = 1;
-        if (robust) p = sqrt(huber_weight(mukca_norm3(look.position), position_scale));
-        if (robust) w = sqrt(huber_weight(mukca_norm3(look.rotation), rotation_scale));
-        mukca_pose_system_add(&s->system, &look, p, w);
-    }
-    mukca_pose_errors_finish(&s->errors);
-    s->measured = true;
-    s->out->passes++;
+    if (status == MUKCA_OK)
+        status = mukca_frames_start(nominal, &fit->chain, s->rows, options->free_base,
+                                    options->free_tool, error);
+    if (status != MUKCA_OK) return status;
+    mukca_geometry_set(&out->stage[MUKCA_BEFORE], &fit->chain, nominal);
+    mukca_geometry_set(&out->stage[MUKCA_WITH_ALL], &fit->chain, fit->theta);
     return MUKCA_OK;
 }
 
-/* Move by the solution of the first n unknowns, or back; their estimates start at `first`. */
-static void apply_solution(session *s, int first, int n, int sign)
-{
-    mukca_pose_estimates *out = &s->out->found;
-    for (int u = 0; u < n; u++) {
-        const double by = sign * s->system.x[u];
-        mukca_pose_model_add(&s->model, &s->system.unknown[u], by);
-        if (first + u < out->n) out->value[first + u] += by;
-    }
-}
-
-static bool lag_shows(session *s)
-{
-    mukca_pose_system *system = &s->system;
-    const double score = mukca_pose_system_last(system);
-    const double rms = score * sqrt(system->rss) / (double)(system->equations + 1);
-    if (s->lag_denied || !(score > LAG_SCORE) || !(rms > 1e-7)) return false;
-    s->out->lag_score = fmax(s->out->lag_score, score);
-    return true;
-}
-
-/* Median error that a lag must reduce; outliers have no effect on it. */
-static double lag_median(const session *s)
-{
-    return (s->system.rotations ? &s->errors.rotation : &s->errors.position)->median;
-}
-
 /* Fail with fewer equations than unknowns. */
-static mukca_status check_number(const session *s, int unknowns, mukca_error *error)
+static mukca_status check_number(session *s, mukca_error *error)
 {
-    const mukca_pose_system *system = &s->system;
-    const int per_pose = 3 * (system->positions + system->rotations);
-    if (system->equations >= unknowns) return MUKCA_OK;
+    mukca_fit_options options = s->out->options;
+    mukca_parameters parameters;
+    const int rows = s->rows->n_rows, per_pose = s->oriented ? 6 : 3;
+    restrict_to(&options, s, true);
+    const mukca_status status =
+        mukca_parameters_select(&parameters, &s->out->split.chain, &options.selection, error);
+    if (status != MUKCA_OK || per_pose * rows >= parameters.n) return status;
     return mukca_fail(error, MUKCA_UNIDENTIFIABLE,
-                      "%d poses give %ld equations for %d unknowns; record at least %d",
-                      s->task->log->n_rows, system->equations, unknowns, unknowns / per_pose + 1);
+                      "%d poses give %d equations for %d unknowns; record at least %d", rows,
+                      per_pose * rows, parameters.n, parameters.n / per_pose + 1);
 }
 
-/* Repeat pass and solution for these unknowns, including the lag. */
-static mukca_status converge(session *s, const restriction *step, mukca_error *error)
+/* Fit the rows in use; the errors are those of the whole log. */
+static mukca_status fit_stages(session *s, const mukca_dataset *log, mukca_error *error)
 {
-    mukca_pose_estimates *out = &s->out->found;
-    mukca_pose_system *system = &s->system;
-    const int first = step->least - 1; /* first pass that may be the last */
-    const int known = out->n, rank = out->rank, n_null = out->n_null;
-    double median = 0;
-    bool lag = false;
-    choose_unknowns(system, s->task, step);
-    for (int i = 0;; i++) {
-        const int unknowns = system->n - step->angles; /* without the lag */
-        const bool new_lag = lag && !(fabs(s->model.lag - system->x[unknowns]) > 0);
-        mukca_status status = read_equations(s, error);
-        if (status == MUKCA_OK) status = check_number(s, unknowns, error);
-        if (status != MUKCA_OK) return status;
-        if (i == 0) s->out->errors[step->stage] = s->errors;
-        if (new_lag && lag_median(s) > lag_gain * median) {
-            apply_solution(s, known, unknowns + 1, -1); /* repeat without the lag */
-            s->lag_denied = true;
-            lag = false;
-            continue;
-        }
-        lag = step->angles && i > 0 && i < MOST_PASSES + first && lag_shows(s);
-        median = lag_median(s);
-        out->n = known, out->rank = rank, out->n_null = n_null;
-        if (!mukca_pose_system_solve(out, system, unknowns + lag, loosest))
-            return mukca_fail(error, MUKCA_INPUT, "the rows contain numbers that are not finite");
-        apply_solution(s, known, unknowns + lag, 1);
-        double size = 0;
-        for (int u = 0; u < unknowns + lag; u++) size = fmax(size, fabs(system->x[u]));
-        const double scale = metres_per_radian(&s->errors);
-        if (system->positions && scale > 0) system->metres_per_radian = scale;
-        const bool enough = size < 1e-10 || i >= MOST_PASSES + first || (!lag && !step->repeat);
-        if (i < first || !enough) continue;
-        s->out->converged &= !step->repeat || size < converged_step;
-        return MUKCA_OK;
-    }
+    mukca_recalibration *out = s->out;
+    mukca_status status = mukca_part_take(&s->part, s->rows, PART, error);
+    if (status == MUKCA_OK) status = fit_all(s, error);
+    if (status == MUKCA_OK) status = fit_offsets(s, true, error);
+    if (status == MUKCA_OK && s->oriented) status = fit_offsets(s, false, error);
+    for (int k = 0; k < MUKCA_STAGES && status == MUKCA_OK; k++)
+        if (k != MUKCA_WITH_ANGLES || s->oriented)
+            status = mukca_pose_errors_find(&out->errors[k], &out->stage[k], log, error);
+    mukca_dataset_free(&s->part);
+    return status;
 }
 
 /* Ratio of root mean square to median, relative to that of normal vectors, 1.126. */
@@ -214,64 +139,60 @@ static bool is_systematic(const mukca_pose_gain *g)
     return g->systematic > fmax(g->left, 1e-6); /* rounding of numbers in files, m and rad */
 }
 
-mukca_status mukca_recalibrate(mukca_recalibration *result, const mukca_recalibrate_task *task,
-                               mukca_error *error)
+static void judge(mukca_recalibration *out)
 {
-    const mukca_recalibrate_options *o = task->options;
-    const bool oriented = mukca_pose_oriented(task->log, 0), together = o->joint || !oriented;
-    /* angles from orientations, then lengths from positions at these angles; or all together */
-    const restriction steps[] = {{.angles = true,
-                                  .lengths = together,
-                                  .rotations = oriented,
-                                  .positions = together,
-                                  .stage = MUKCA_BEFORE,
-                                  .least = together ? 1 : 2,
-                                  .repeat = o->iterate || o->robust || !oriented},
-                                 {.lengths = true,
-                                  .positions = true,
-                                  .stage = MUKCA_WITH_ANGLES,
-                                  .least = 1,
-                                  .repeat = o->robust}};
-    mukca_status status = MUKCA_OK;
-    session *s = calloc(1, sizeof *s);
-    if (!s) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    memset(result, 0, sizeof *result);
-    result->converged = true;
-    result->has_angles = !together;
-    s->out = result;
-    s->task = task;
-    mukca_pose_model_set(&s->model, task->chain, &o->base, &o->tool);
-    result->stage[MUKCA_BEFORE] = s->model;
-    for (int k = 0; k < 2 - together && status == MUKCA_OK; k++) {
-        status = converge(s, &steps[k], error);
-        if (k == 0) result->stage[MUKCA_WITH_ANGLES] = s->model;
-    }
-    result->stage[MUKCA_WITH_BOTH] = s->model;
-    result->lag = s->model.lag;
-    result->passes++;
-    mukca_pose_errors *before = &result->errors[MUKCA_BEFORE],
-                      *after = &result->errors[MUKCA_WITH_BOTH];
-    if (status == MUKCA_OK) status = mukca_recalibrate_test(after, &s->model, 1, task, error);
-    result->position = gain_between(&before->position, &after->position);
-    result->rotation = gain_between(&before->rotation, &after->rotation);
-    result->calibrated = is_systematic(&result->position) || is_systematic(&result->rotation);
-    result->tail = fmax(tail_ratio(&after->position), tail_ratio(&after->rotation));
-    free(s);
+    const mukca_pose_errors *before = &out->errors[MUKCA_BEFORE],
+                            *after = &out->errors[MUKCA_WITH_ALL];
+    out->position = gain_between(&before->position, &after->position);
+    out->rotation = gain_between(&before->rotation, &after->rotation);
+    out->calibrated = is_systematic(&out->position) || is_systematic(&out->rotation);
+    out->tail = fmax(tail_ratio(&after->position), tail_ratio(&after->rotation));
+}
+
+/* Fit again without the outliers: the result if `robust`, else the basis of the verdict alone. */
+static mukca_status fit_trimmed(session *s, const mukca_dataset *log, bool robust,
+                                mukca_error *error)
+{
+    mukca_recalibration *out = s->out, *again = malloc(sizeof *again);
+    mukca_dataset kept = {0};
+    mukca_status status = again ? mukca_pose_log_trim(&kept, &out->stage[MUKCA_WITH_ALL],
+                                                      &out->errors[MUKCA_WITH_ALL], log, error)
+                                : mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    if (status != MUKCA_OK) goto out;
+    *again = *out;
+    s->out = again;
+    s->rows = &kept;
+    status = fit_stages(s, log, error);
+    if (status != MUKCA_OK) goto out;
+    judge(again);
+    again->tail = out->tail;
+    if (robust) *out = *again;
+    out->calibrated = again->calibrated;
+    out->position = again->position;
+    out->rotation = again->rotation;
+    out->trimmed = true;
+out:
+    mukca_dataset_free(&kept);
+    free(again);
     return status;
 }
 
-mukca_status mukca_recalibrate_test(mukca_pose_errors *errors, const mukca_pose_model *models,
-                                    int n, const mukca_recalibrate_task *task, mukca_error *error)
+mukca_status mukca_recalibrate(mukca_recalibration *out, const mukca_chain *arm, mukca_dataset *log,
+                               const mukca_fit_options *options, bool robust, mukca_error *error)
 {
-    mukca_pose_look look;
-    memset(errors, 0, (size_t)n * sizeof *errors);
-    for (int i = 0; i < task->log->n_rows; i++) {
-        if (is_stopped(task, i)) return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
-        for (int k = 0; k < n; k++) {
-            mukca_pose_look_at(&look, &models[k], task->log, i);
-            mukca_pose_errors_add(&errors[k], &look);
-        }
-    }
-    for (int k = 0; k < n; k++) mukca_pose_errors_finish(&errors[k]);
-    return MUKCA_OK;
+    const double tailed = 1.5; /* outliers; normal errors: 1 */
+    session s = {.out = out, .arm = arm, .rows = log, .oriented = mukca_pose_oriented(log, 0)};
+    memset(out, 0, sizeof *out);
+    out->options = *options;
+    out->has_angles = s.oriented;
+    mukca_status status = mukca_split_arm_set(&out->split, arm, error);
+    if (status == MUKCA_OK) status = check_number(&s, error);
+    if (status == MUKCA_OK)
+        status = mukca_lag_find(&out->lag, &out->lag_score, arm, log, options, error);
+    if (status != MUKCA_OK) return status;
+    mukca_pose_log_shift(log, out->lag);
+    status = fit_stages(&s, log, error);
+    if (status != MUKCA_OK) return status;
+    judge(out);
+    return robust || out->tail > tailed ? fit_trimmed(&s, log, robust, error) : MUKCA_OK;
 }

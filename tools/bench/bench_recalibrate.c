@@ -1,5 +1,4 @@
-/* Rows per second of the re-calibration without text input: a few thousand rows, repeated to the
- * length of the log.
+/* Rows per second of the re-calibration without text input.
  *
  * usage: bench_recalibrate URDF ROWS      prints "rows passes seconds rank", seconds of the
  * processor bench_recalibrate URDF ROWS -    prints a pose log of as many rows instead
@@ -12,10 +11,8 @@
 #include "math/random.h"
 #include "recalibrate/recalibrate.h"
 
-enum { PERIOD = 4096 };
-
 /* Random postures and the poses of an arm with errors of some mm and mrad in origins and zeros, 0.1
- * mm of noise; after PERIOD rows they are repeated. */
+ * mm of noise. */
 static void fill(mukca_dataset *log, const mukca_chain *chain)
 {
     double theta[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS];
@@ -30,7 +27,6 @@ static void fill(mukca_dataset *log, const mukca_chain *chain)
     for (int i = 0; i < log->n_rows; i++) {
         mukca_frame tip;
         double q[MUKCA_MAX_JOINTS];
-        if (i % PERIOD == 0) mukca_random_seed(&random, 2);
         log->time[i] = i;
         for (int j = 0; j < n; j++) {
             log->q[i * n + j] = 4 * mukca_random_uniform(&random) - 2;
@@ -58,16 +54,15 @@ static void print_log(const mukca_dataset *log, const mukca_chain *chain)
 
 static mukca_status run(mukca_dataset *log, const mukca_chain *chain, mukca_error *error)
 {
-    const mukca_recalibrate_options options = {.iterate = false};
-    const mukca_recalibrate_task task = {chain, log, &options};
+    const mukca_fit_options options = {.free_base = false};
     mukca_recalibration *result = calloc(1, sizeof *result);
     if (!result) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     const clock_t start = clock(); /* processor time, independent of other load */
     mukca_status status = mukca_pose_log_prepare(log, error);
-    if (status == MUKCA_OK) status = mukca_recalibrate(result, &task, error);
+    if (status == MUKCA_OK) status = mukca_recalibrate(result, chain, log, &options, false, error);
     if (status == MUKCA_OK)
-        printf("%d %d %.6f %d\n", log->n_rows, result->passes,
-               (double)(clock() - start) / CLOCKS_PER_SEC, result->found.rank);
+        printf("%d %d %.6f %d\n", log->n_rows, result->all.outcome.evaluations,
+               (double)(clock() - start) / CLOCKS_PER_SEC, result->lengths.identification.rank);
     free(result);
     return status;
 }
