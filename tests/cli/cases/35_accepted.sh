@@ -15,6 +15,11 @@ answer 'expected error 0.[0-3]' calibrate $a sim.tsv --distance-sd 1e-5
 for command in calibrate diagnose; do
     answer 'smaller than the model: check --distance first' $command $a sim.tsv --distance 0.0495
 done
+# the better table leaves: where the diagnosis expects a gain, it is calibrate's next step
+answer '^Next    mukca diagnose -o FILE with these data: its table has the effects that' \
+    calibrate --urdf "$root/data/demo/arm.urdf" "$root/data/demo/train.tsv"
+run calibrate $a sim.tsv
+expect "no such advice without effects" sh -c "! grep -q 'mukca diagnose' '$scratch/out'"
 refuse 2 'sd' evaluate $a sim.tsv --distance-sd 1e-5
 for key in accepted converged error_of error_m error_nominal_m tip_change_m tip_change_sigma \
     identified postures error_here_m error_here_low_m error_workspace_m; do
