@@ -93,7 +93,7 @@ static void body_moments(mukca_recording *r, const mukca_geometry *nominal, int 
     memcpy(r->base_moment + 3 * at, load.base, sizeof load.base);
 }
 
-/* Torques with gravity along two axes across that of the model: those of an arm on a wall. */
+/* Loads with gravity along two axes across that of the model: those of an arm on a wall. */
 static void load_across(mukca_recording *r, const mukca_geometry *nominal)
 {
     const mukca_dataset *data = r->data;
@@ -115,6 +115,7 @@ static void load_across(mukca_recording *r, const mukca_geometry *nominal)
                                 isfinite(payload) ? payload : 0);
             for (size_t j = 0; j < n_joints; j++)
                 r->across[2 * (row * n_joints + j) + (size_t)k] = load.torque[j];
+            memcpy(r->across_base[row][k], load.base, sizeof load.base);
         }
     }
 }

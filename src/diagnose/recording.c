@@ -184,6 +184,7 @@ bool mukca_recording_create(mukca_recording *r, mukca_pool *pool, const mukca_ch
     r->total_base = MUKCA_TAKE(pool, double, 3 * rows);
     r->turned = MUKCA_TAKE(pool, mukca_chain, 1);
     r->across = MUKCA_TAKE(pool, double, 2 * rows * n_joints);
+    r->across_base = MUKCA_TAKE(pool, double[2][3], rows);
     r->move = MUKCA_TAKE(pool, double, rows *n_joints);
     r->command = data->command ? MUKCA_TAKE(pool, double, rows *n_joints) : NULL;
     r->time = MUKCA_TAKE(pool, double, rows);

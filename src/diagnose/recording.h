@@ -51,6 +51,7 @@ typedef struct {
     double *total_moment, *total_torque, *total_base; /* [n_rows]... sums over the bodies */
     mukca_chain *turned;                              /* scratch: the same with another gravity */
     double *across; /* [n_rows][n_joints][2] torque with gravity along two axes across it, N m */
+    double (*across_base)[2][3]; /* [n_rows] moment about the base's origin with these, N m */
 
     /* state of each row of the dataset */
     double *q; /* [n_rows][n_joints] angles of the bases, rad: seated, see mukca_recording_seat() */

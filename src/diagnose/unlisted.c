@@ -55,7 +55,7 @@ const mukca_unlisted_function mukca_unlisted_functions[MUKCA_UNLISTED_FUNCTIONS]
     ROW(TORQUE, SIDE, 1, ANGLE, SIDE, ITSELF),
     ROW(TORQUE, SOFTENING, 1, ANGLE, LOAD, ITSELF),
     ROW(TORQUE, DELAYED, 2, ANGLE, LOAD, ITSELF),
-    ROW(ACROSS, LINEAR, 2, ANGLE, LOAD, ITSELF),
+    ROW(ACROSS, LINEAR, 2, ANGLE | BASE, LOAD, ITSELF),
     ROW(PAYLOAD, LINEAR, 1, ANGLE, LOAD, ITSELF),
     ROW(MOVE, SIDE, 1, ANGLE, MOVE, ANY),
     ROW(MOVE, LINEAR, 1, ANGLE, MOVE, ITSELF),
@@ -93,9 +93,17 @@ typedef struct {
     double late[2], seconds;                  /* DELAYED: loads and time of the row before */
 } survey;
 
+/* Is it the base's rotation about the moments of gravity along two other axes? */
+static bool is_moment_across(const mukca_candidate *h)
+{
+    return h->unlisted.place == MUKCA_PLACE_BASE &&
+           mukca_unlisted_functions[h->unlisted.function].argument == MUKCA_ARGUMENT_ACROSS;
+}
+
 /* Axes of a place, each with a coefficient for each value of the function. */
 static int axes_of(const mukca_candidate *h)
 {
+    if (is_moment_across(h)) return 1;
     const int site = mukca_unlisted_site(h);
     return site == MUKCA_SITE_FRAME || site == MUKCA_SITE_BASE ? 3 : 1;
 }
@@ -305,6 +313,9 @@ void mukca_unlisted_fill(const mukca_candidate *h, const mukca_recording *r)
         fill_angles(*h, r);
         return;
     }
+    for (int i = 0; is_moment_across(h) && i < 6 * r->data->n_rows; i++)
+        h->basis[i] = (float)r->across_base[i / 6][i % 6 / 3][i % 3];
+    if (is_moment_across(h)) return;
     survey_rows(&s, h, r);
     for (int row = 0; row < r->data->n_rows; row++) {
         double value[MUKCA_MAX_COLUMNS] = {0};

@@ -131,6 +131,12 @@ for gravity in 0,-9.80665,0 0,0,9.80665; do
         ! grep -q 'angle of\|wobble' '$scratch/out' && grep -q '^Next    check --gravity' '$scratch/out'"
 done
 
+simulate --seed 8 --placements 3 --rows 30 --perturb 1,2 --noise 1e-4 --gravity 9.80665,0,0 \
+    --effect base_compliance=8e-5 -o mounted.tsv --force
+run $d mounted.tsv
+expect "so is a soft base on a wall" sh -c \
+    "grep -q '^Found   deflection under load at the base' '$scratch/out' && grep -q '^Next    check --gravity' '$scratch/out'"
+
 # what the same name means in one placement of several, and at the last joint
 simulate --seed 4 --placements 4 --rows 20 --perturb 1,2 --noise 1e-4 -o kept.tsv
 simulate --seed 4 --placements 4 --rows 20 --perturb 1,2 --noise 1e-4 --effect socket_distance=1.5e-3 -o wide.tsv
