@@ -275,7 +275,8 @@ const char *mukca_alignment_open(const mukca_alignment *a)
                "move the tip in three dimensions";
     if (a->open_target)
         return "the poses do not determine the target's offset from the tip (the tool keeps its "
-               "orientation): it is held near the tip, where the nominal error is larger than with a "
+               "orientation): it is held near the tip, where the nominal error is larger than with "
+               "a "
                "target that could be anywhere, and an error of it is one of the base's position; "
                "turn the tool by 30 degrees or more about two axes";
     return NULL;
