@@ -4,6 +4,7 @@
 #ifndef MUKCA_DIAGNOSE_RECORDING_H
 #define MUKCA_DIAGNOSE_RECORDING_H
 
+#include "base/workers.h"
 #include "infer/whitening.h"
 #include "model/dataset.h"
 #include "mukca/effect.h"
@@ -35,8 +36,9 @@ typedef struct {
     const mukca_chain *chain;
     const mukca_dataset *data;
     mukca_recording_options options;
-    int dim;    /* observed values per sample: 3, or 6 with orientations (pose logs) */
-    int n_logs; /* 1 without poses */
+    mukca_workers *workers; /* of loops over its samples; NULL: the caller's thread alone */
+    int dim;                /* observed values per sample: 3, or 6 with orientations (pose logs) */
+    int n_logs;             /* 1 without poses */
 
     /* loads: a body is an element with mass, or the payload */
     int n_bodies, body_element[MUKCA_MAX_ELEMENTS + 1];

@@ -78,7 +78,7 @@ static void subtract_products(double *G, double *explained, mukca_columns X, int
     for (int i = 0; i < X.n * X.n; i++) G[i] -= explained[i];
 }
 
-void mukca_given_block(double *G, mukca_sets *s, int item)
+void mukca_given_block(double *G, const mukca_sets *s, int item, double *scratch)
 {
     const mukca_question *q = s->question;
     const mukca_item *h = &q->item[item];
@@ -91,7 +91,7 @@ void mukca_given_block(double *G, mukca_sets *s, int item)
                         T = {E.x + rows * q->stride, h->terms, q->stride};
     memset(G, 0, sizeof *G * (size_t)(h->terms * h->terms));
     mukca_dense_symmetric(G, E, E, (int)rows);
-    subtract_products(G, s->scratch->D, T, q->n_projected);
+    subtract_products(G, scratch, T, q->n_projected);
 }
 
 void mukca_given_cross(double *G, mukca_sets *s, int a, int b)

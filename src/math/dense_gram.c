@@ -15,15 +15,32 @@ typedef double eight __attribute__((vector_size(64), aligned(8), may_alias));
 #define LOAD8(x) (*(const eight *)(const void *)(x))
 #define STORE8(x, value) (*(eight *)(void *)(x) = (value))
 
-/* Does one register hold eight? */
-MUKCA_INLINE bool has_eight(void)
-{
+/* KERNEL(name, (parameters), (arguments)): name_any(parameters, wide) is compiled for processors
+ * whose registers hold eight doubles (wide), and for others; name() selects. */
 #ifdef MUKCA_CLONES_V4
-    return __builtin_cpu_supports("avx512f");
+#define KERNEL(name, parameters, ...)                                         \
+    __attribute__((target("arch=x86-64-v4"))) static void name##_8 parameters \
+    {                                                                         \
+        name##_any(__VA_ARGS__, true);                                        \
+    }                                                                         \
+    MUKCA_CLONES static void name##_4 parameters                              \
+    {                                                                         \
+        name##_any(__VA_ARGS__, false);                                       \
+    }                                                                         \
+    static void name parameters                                               \
+    {                                                                         \
+        if (__builtin_cpu_supports("x86-64-v4"))                              \
+            name##_8(__VA_ARGS__);                                            \
+        else                                                                  \
+            name##_4(__VA_ARGS__);                                            \
+    }
 #else
-    return false;
+#define KERNEL(name, parameters, ...)        \
+    MUKCA_CLONES static void name parameters \
+    {                                        \
+        name##_any(__VA_ARGS__, false);      \
+    }
 #endif
-}
 
 /* C[n][8 w] += A' B for A[m][n], B[m][8 w]: n w accumulators in registers. */
 MUKCA_INLINE void tile(double *C, int ldc, mukca_columns a, mukca_columns b, int m, int n, int w)
@@ -38,7 +55,7 @@ MUKCA_INLINE void tile(double *C, int ldc, mukca_columns a, mukca_columns b, int
         for (int v = 0; v < w; v++) STORE8(C + 8 * v, LOAD8(C + 8 * v) + s[i][v]);
 }
 
-/* The same for n <= 4 and w = 1 in registers of four doubles. */
+/* The same for n <= 4 and 8 columns in registers of four doubles. */
 MUKCA_INLINE void tile4(double *C, int ldc, mukca_columns a, mukca_columns b, int m, int n)
 {
     four s[4][2] = {{{0}}};
@@ -52,10 +69,10 @@ MUKCA_INLINE void tile4(double *C, int ldc, mukca_columns a, mukca_columns b, in
     }
 }
 
-/* The same for n <= 8 columns of A; w = 1 without registers of eight doubles. */
+/* The same for n <= 8; w = 0: 8 columns in registers of four. */
 MUKCA_INLINE void panel(double *C, int ldc, mukca_columns a, mukca_columns b, int m, int w)
 {
-    for (; !has_eight() && a.n > 0; C += 4 * (long)ldc, a.x += 4, a.n -= 4) switch (a.n) {
+    for (; !w && a.n > 0; C += 4 * (long)ldc, a.x += 4, a.n -= 4) switch (a.n) {
             case 1:
                 tile4(C, ldc, a, b, m, 1);
                 break;
@@ -68,7 +85,7 @@ MUKCA_INLINE void panel(double *C, int ldc, mukca_columns a, mukca_columns b, in
             default:
                 tile4(C, ldc, a, b, m, 4);
         }
-    if (has_eight()) switch (a.n) {
+    if (w) switch (a.n) {
             case 1:
                 tile(C, ldc, a, b, m, 1, w);
                 break;
@@ -104,18 +121,18 @@ MUKCA_INLINE mukca_columns from(mukca_columns X, int column, int most)
 
 /* The last k <= 7 columns of C, transposed: of panels of eight columns of X.  Of the last panel,
  * lanes beyond the last column are ignored; in the last rows they would be outside of X. */
-MUKCA_INLINE void gram_rest(double *C, int ldc, mukca_columns X, mukca_columns Y, int m)
+MUKCA_INLINE void gram_rest(double *C, int ldc, mukca_columns X, mukca_columns Y, int m, bool wide)
 {
     for (int i = 0; i < X.n; i += 8) {
         const mukca_columns x = from(X, i, 8);
         const long last = (long)(m - 1) * x.ld + x.n - 8;
         const int inside = x.n == 8 ? m : last < 0 ? 0 : (int)(last / x.ld) + 1;
         double block[64] = {0}, row[8] = {0};
-        panel(block, 8, Y, x, inside, 1);
+        panel(block, 8, Y, x, inside, wide);
         for (long r = inside; r < m; r++) {
             for (int c = 0; c < x.n; c++) row[c] = x.x[r * x.ld + c];
             panel(block, 8, (mukca_columns){Y.x + r * Y.ld, Y.n, Y.ld}, (mukca_columns){row, 8, 8},
-                  1, 1);
+                  1, wide);
         }
         for (int c = 0; c < x.n; c++)
             for (int j = 0; j < Y.n; j++) C[(long)(i + c) * ldc + j] += block[8 * j + c];
@@ -124,23 +141,26 @@ MUKCA_INLINE void gram_rest(double *C, int ldc, mukca_columns X, mukca_columns Y
 
 /* C[X.n][Y.n] += X' Y, row stride of C: ldc; `upper`: only blocks with entries of the upper
  * triangle (symmetric product). */
-MUKCA_CLONES static void gram(double *C, int ldc, mukca_columns X, mukca_columns Y, int m,
-                              bool upper)
+MUKCA_INLINE void gram_any(double *C, int ldc, mukca_columns X, mukca_columns Y, int m, bool upper,
+                           bool wide)
 {
-    const int k8 = Y.n & ~7, wide = has_eight() ? k8 & ~15 : 0;
+    const int k8 = Y.n & ~7, k16 = wide ? k8 & ~15 : 0;
     for (int r = 0; r < m; r += STRIP) {
         const int rows = m - r < STRIP ? m - r : STRIP;
-        for (int j = 0; j < wide; j += 16)
+        for (int j = 0; j < k16; j += 16)
             for (int i = 0; i < X.n && (!upper || i < j + 16); i += 8)
                 panel(C + (long)i * ldc + j, ldc, from(X, i, 8), from(Y, j, 16), rows, 2);
-        for (int j = wide; j < k8; j += 8)
+        for (int j = k16; j < k8; j += 8)
             for (int i = 0; i < X.n && (!upper || i <= j); i += 8)
-                panel(C + (long)i * ldc + j, ldc, from(X, i, 8), from(Y, j, 8), rows, 1);
-        if (k8 < Y.n) gram_rest(C + k8, ldc, X, from(Y, k8, 8), rows);
+                panel(C + (long)i * ldc + j, ldc, from(X, i, 8), from(Y, j, 8), rows, wide);
+        if (k8 < Y.n) gram_rest(C + k8, ldc, X, from(Y, k8, 8), rows, wide);
         X.x += (long)STRIP * X.ld;
         Y.x += (long)STRIP * Y.ld;
     }
 }
+
+KERNEL(gram, (double *C, int ldc, mukca_columns X, mukca_columns Y, int m, bool upper), C, ldc, X,
+       Y, m, upper)
 
 void mukca_dense_symmetric(double *C, mukca_columns X, mukca_columns Y, int m)
 {
@@ -218,34 +238,42 @@ MUKCA_INLINE void forward_by_four(double *b, int ld, const double *L, int ldl, i
     }
 }
 
-MUKCA_INLINE void forward8(double *b, int ld, const double *L, int ldl, int n)
+MUKCA_INLINE void forward_any(double *b, int ld, const double *L, int ldl, int n, bool wide)
 {
-    if (has_eight())
+    if (wide)
         forward_by_eight(b, ld, L, ldl, n);
     else
         forward_by_four(b, ld, L, ldl, n);
 }
 
-MUKCA_CLONES void mukca_dense_eight_rows(double *A, int i, int n)
+MUKCA_INLINE void eight_rows_any(double *A, int i, int n, bool wide)
 {
     double b[8 * MUKCA_DENSE_WIDEST], block[64] = {0};
     double *row = A + (long)i * n;
     for (int r = 0; r < 8; r++)
         for (int j = 0; j < i; j++) b[8 * j + r] = row[(long)r * n + j];
-    forward8(b, 8, A, n, i);
-    panel(block, 8, (mukca_columns){b, 8, 8}, (mukca_columns){b, 8, 8}, i, 1);
+    forward_any(b, 8, A, n, i, wide);
+    panel(block, 8, (mukca_columns){b, 8, 8}, (mukca_columns){b, 8, 8}, i, wide);
     for (int r = 0; r < 8; r++) {
         for (int j = 0; j < i; j++) row[(long)r * n + j] = b[8 * j + r];
         for (int j = 0; j <= r; j++) row[(long)r * n + i + j] -= block[8 * r + j];
     }
 }
 
-MUKCA_CLONES void mukca_dense_forward_part(double *b, int ld, const double *L, int ldl, int n)
+KERNEL(forward, (double *b, int ld, const double *L, int ldl, int n), b, ld, L, ldl, n)
+KERNEL(eight_rows, (double *A, int i, int n), A, i, n)
+
+void mukca_dense_eight_rows(double *A, int i, int n)
 {
-    forward8(b, ld, L, ldl, n);
+    eight_rows(A, i, n);
 }
 
-MUKCA_CLONES void mukca_dense_forward8(double *b, int k, int ld, const double *L, int n)
+void mukca_dense_forward_part(double *b, int ld, const double *L, int ldl, int n)
 {
-    for (int done = 0; done < k; done += 8) forward8(b + done, ld, L, n, n);
+    forward(b, ld, L, ldl, n);
+}
+
+void mukca_dense_forward8(double *b, int k, int ld, const double *L, int n)
+{
+    for (int done = 0; done < k; done += 8) forward(b + done, ld, L, n, n);
 }
