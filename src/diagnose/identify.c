@@ -256,8 +256,7 @@ static void fill(void *context, int candidate, int worker)
 {
     const mukca_search *id = context;
     (void)worker;
-    if (id->all.list[candidate].basis)
-        mukca_candidate_fill(&id->all.list[candidate], &id->m->recording);
+    mukca_candidate_fill(&id->all.list[candidate], &id->m->recording);
 }
 
 /* Compute the functions of the angles at the present linearisation, with the tip moved by at most

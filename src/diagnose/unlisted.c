@@ -105,10 +105,11 @@ void mukca_unlisted_set_shape(mukca_candidate *h, const mukca_recording *r)
     const int site = mukca_unlisted_site(h);
     int values = mukca_unlisted_functions[h->unlisted.function].values;
     double range[2];
-    mukca_recording_range(range, r, r->q, r->chain->n_joints, h->joint < 0 ? 0 : h->joint);
-    if (!values)
+    if (!values) {
+        mukca_recording_range(range, r, r->q, r->chain->n_joints, h->joint < 0 ? 0 : h->joint);
         values =
             (int)fmin(ceil((range[1] - range[0]) / h->unlisted.measure) + 1, MUKCA_MAX_COLUMNS);
+    }
     h->terms = values * axes_of(h);
     h->width_of_term = site == MUKCA_SITE_ANGLES                            ? r->chain->n_joints
                        : site == MUKCA_SITE_BASE || site == MUKCA_SITE_SEAT ? 3
