@@ -6,6 +6,9 @@
 
 enum { MUKCA_MOST_TERMS = 64, MUKCA_MOST_SIZES = 8 };
 
+/* Columns of neighbours whose Gram blocks are cut out of one product: a panel of the kernel. */
+enum { MUKCA_NEIGHBOURS = 16 };
+
 /* The coefficients are independent Gaussians of one of several standard deviations. */
 typedef struct {
     int n_sizes;

@@ -19,9 +19,8 @@ static void take_integral(mukca_sets *s, mukca_pool *pool)
 static void fill_blocks(void *context, int block, int worker)
 {
     mukca_sets *s = context;
-    const int end = (block + 1) * TOGETHER;
-    for (int i = block * TOGETHER; i < end && i < s->question->n_items; i++)
-        mukca_given_block(s->block[i], s, i, s->worker[worker].mixture->D);
+    const int n = s->question->n_items, end = (block + 1) * TOGETHER;
+    mukca_given_blocks(s, block * TOGETHER, end < n ? end : n, s->worker[worker].mixture);
 }
 
 bool mukca_sets_create(mukca_sets *s, mukca_pool *pool, const mukca_question *q)
