@@ -16,9 +16,10 @@ typedef struct {
     bool nonnegative; /* the first coefficient */
 } mukca_mixture;
 
-/* Scratch: factors of four prior sizes at a time, and matrices of the callers. */
+/* Scratch: factors for all prior sizes, and matrices of the callers. */
 typedef struct {
-    double L[MUKCA_MOST_TERMS * (MUKCA_MOST_TERMS + 1) / 2][4], x[MUKCA_MOST_TERMS][4];
+    double L[MUKCA_MOST_TERMS * (MUKCA_MOST_TERMS + 1) / 2][MUKCA_MOST_SIZES],
+        x[MUKCA_MOST_TERMS][MUKCA_MOST_SIZES];
     double A[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS], B[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS],
         C[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS], D[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS];
 } mukca_mixture_scratch;

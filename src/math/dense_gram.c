@@ -10,38 +10,6 @@
  * written rarely. */
 enum { STRIP = 64 };
 
-/* Eight doubles. */
-typedef double eight __attribute__((vector_size(64), aligned(8), may_alias));
-#define LOAD8(x) (*(const eight *)(const void *)(x))
-#define STORE8(x, value) (*(eight *)(void *)(x) = (value))
-
-/* KERNEL(name, (parameters), (arguments)): name_any(parameters, wide) is compiled for processors
- * whose registers hold eight doubles (wide), and for others; name() selects. */
-#ifdef MUKCA_CLONES_V4
-#define KERNEL(name, parameters, ...)                                         \
-    __attribute__((target("arch=x86-64-v4"))) static void name##_8 parameters \
-    {                                                                         \
-        name##_any(__VA_ARGS__, true);                                        \
-    }                                                                         \
-    MUKCA_CLONES static void name##_4 parameters                              \
-    {                                                                         \
-        name##_any(__VA_ARGS__, false);                                       \
-    }                                                                         \
-    static void name parameters                                               \
-    {                                                                         \
-        if (__builtin_cpu_supports("x86-64-v4"))                              \
-            name##_8(__VA_ARGS__);                                            \
-        else                                                                  \
-            name##_4(__VA_ARGS__);                                            \
-    }
-#else
-#define KERNEL(name, parameters, ...)        \
-    MUKCA_CLONES static void name parameters \
-    {                                        \
-        name##_any(__VA_ARGS__, false);      \
-    }
-#endif
-
 /* C[n][8 w] += A' B for A[m][n], B[m][8 w]: n w accumulators in registers. */
 MUKCA_INLINE void tile(double *C, int ldc, mukca_columns a, mukca_columns b, int m, int n, int w)
 {
@@ -159,8 +127,8 @@ MUKCA_INLINE void gram_any(double *C, int ldc, mukca_columns X, mukca_columns Y,
     }
 }
 
-KERNEL(gram, (double *C, int ldc, mukca_columns X, mukca_columns Y, int m, bool upper), C, ldc, X,
-       Y, m, upper)
+MUKCA_KERNEL(gram, (double *C, int ldc, mukca_columns X, mukca_columns Y, int m, bool upper), C,
+             ldc, X, Y, m, upper)
 
 void mukca_dense_symmetric(double *C, mukca_columns X, mukca_columns Y, int m)
 {
@@ -260,8 +228,8 @@ MUKCA_INLINE void eight_rows_any(double *A, int i, int n, bool wide)
     }
 }
 
-KERNEL(forward, (double *b, int ld, const double *L, int ldl, int n), b, ld, L, ldl, n)
-KERNEL(eight_rows, (double *A, int i, int n), A, i, n)
+MUKCA_KERNEL(forward, (double *b, int ld, const double *L, int ldl, int n), b, ld, L, ldl, n)
+MUKCA_KERNEL(eight_rows, (double *A, int i, int n), A, i, n)
 
 void mukca_dense_eight_rows(double *A, int i, int n)
 {
