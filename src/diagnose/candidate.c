@@ -249,7 +249,8 @@ static const mukca_candidate *find_same(const mukca_candidate *h, const mukca_ca
 {
     if (mukca_candidate_site(h) != MUKCA_SITE_FRAME) return NULL;
     const bool own = mukca_unlisted_functions[h->unlisted.function].shape == MUKCA_SHAPE_PRODUCTS;
-    for (const mukca_candidate *o = list + n - 1; o >= list; o--) {
+    while (n-- > 0) {
+        const mukca_candidate *o = &list[n];
         if (o->kind != h->kind || o->unlisted.function != h->unlisted.function) break;
         if (mukca_candidate_site(o) == MUKCA_SITE_FRAME && o->terms == h->terms &&
             o->unlisted.argument == h->unlisted.argument &&
