@@ -264,8 +264,9 @@ static void fill(void *context, int candidate, int worker)
 static void seat(mukca_search *id, double most)
 {
     const mukca_linearisation *linear = &id->m->linear;
-    mukca_recording_seat(&id->m->recording, &id->m->pool, linear->seated, linear->distance, most);
-    mukca_workers_run(id->m->workers, id->all.count, fill, id);
+    if (mukca_recording_seat(&id->m->recording, &id->m->pool, linear->seated, linear->distance,
+                             most))
+        mukca_workers_run(id->m->workers, id->all.count, fill, id);
 }
 
 /* Passes, from a set, until it remains.  tails (NULL: Gaussian noise): scratch of the weights. */

@@ -92,8 +92,8 @@ void mukca_recording_regroup(mukca_recording *recording);
  * own sample, and their product with the residual has a mean other than 0 (errors in variables: W.
  * A. Fuller, Measurement Error Models, 1987, section 1.1).  The tip moves by at most `most` (m), as
  * far as noise: larger distances[n_samples] are effects.  Poses are measured with noise of their
- * own, and keep the recorded angles.  Check `pool`. */
-void mukca_recording_seat(mukca_recording *recording, mukca_pool *pool, const double *seated,
+ * own, and keep the recorded angles.  True: an angle has changed.  Check `pool`. */
+bool mukca_recording_seat(mukca_recording *recording, mukca_pool *pool, const double *seated,
                           const double *distance, double most);
 
 /* State of a row of the dataset for the forward models. */
