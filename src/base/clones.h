@@ -36,30 +36,27 @@ typedef double eight __attribute__((vector_size(64), aligned(8), may_alias));
 #define LOAD8(x) (*(const eight *)(const void *)(x))
 #define STORE8(x, value) (*(eight *)(void *)(x) = (value))
 
-/* MUKCA_KERNEL(name, (parameters), (arguments)): name_any(parameters, wide) is compiled for
+/* MUKCA_KERNEL(linkage, name, (parameters), arguments): name_any(parameters, wide) is compiled for
  * processors whose registers hold eight doubles (wide), and for others; name() selects. */
 #ifdef MUKCA_CLONES_V4
-#define MUKCA_KERNEL(name, parameters, ...)                                   \
-    __attribute__((target("arch=x86-64-v4"))) static void name##_8 parameters \
-    {                                                                         \
-        name##_any(__VA_ARGS__, true);                                        \
-    }                                                                         \
-    MUKCA_CLONES static void name##_4 parameters                              \
-    {                                                                         \
-        name##_any(__VA_ARGS__, false);                                       \
-    }                                                                         \
-    static void name parameters                                               \
-    {                                                                         \
-        if (__builtin_cpu_supports("x86-64-v4"))                              \
-            name##_8(__VA_ARGS__);                                            \
-        else                                                                  \
-            name##_4(__VA_ARGS__);                                            \
+#define MUKCA_KERNEL(linkage, name, parameters, ...)                              \
+    __attribute__((target("arch=x86-64-v4"))) static void name##_8 parameters     \
+    {                                                                             \
+        name##_any(__VA_ARGS__, true);                                            \
+    }                                                                             \
+    MUKCA_CLONES static void name##_4 parameters                                  \
+    {                                                                             \
+        name##_any(__VA_ARGS__, false);                                           \
+    }                                                                             \
+    linkage void name parameters                                                  \
+    {                                                                             \
+        (__builtin_cpu_supports("x86-64-v4") ? name##_8 : name##_4)(__VA_ARGS__); \
     }
 #else
-#define MUKCA_KERNEL(name, parameters, ...)  \
-    MUKCA_CLONES static void name parameters \
-    {                                        \
-        name##_any(__VA_ARGS__, false);      \
+#define MUKCA_KERNEL(linkage, name, parameters, ...) \
+    MUKCA_CLONES linkage void name parameters        \
+    {                                                \
+        name##_any(__VA_ARGS__, false);              \
     }
 #endif
 

@@ -235,17 +235,6 @@ bool mukca_given_condition(mukca_sets *s, const mukca_set *set)
     return true;
 }
 
-void mukca_sets_gram(double *G, mukca_sets *s, int a, int b)
-{
-    const mukca_item *x = &s->question->item[a], *y = &s->question->item[b];
-    mukca_sets_products_of(G, s, a, b);
-    for (int r = 0; r < s->integrated.posterior.n; r++) {
-        const double *B = s->integrated.B + r * s->question->stride;
-        for (int i = 0; i < x->terms; i++)
-            for (int k = 0; k < y->terms; k++) G[i * y->terms + k] -= B[x->at + i] * B[y->at + k];
-    }
-}
-
 void mukca_sets_mean(double *mean, mukca_sets *s, const mukca_set *set)
 {
     memset(mean, 0, sizeof *mean * (size_t)s->question->stride);

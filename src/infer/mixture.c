@@ -39,7 +39,7 @@ MUKCA_INLINE void factor_any(mukca_mixture_scratch *f, int k, const double *G,
         for (int s = 0; s < prior->n_sizes; s += 4) factor_four(f, k, G, s2, s);
 }
 
-MUKCA_KERNEL(factor,
+MUKCA_KERNEL(static, factor,
              (mukca_mixture_scratch * f, int k, const double *G, const mukca_mixture *prior), f, k,
              G, prior)
 

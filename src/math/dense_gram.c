@@ -127,8 +127,9 @@ MUKCA_INLINE void gram_any(double *C, int ldc, mukca_columns X, mukca_columns Y,
     }
 }
 
-MUKCA_KERNEL(gram, (double *C, int ldc, mukca_columns X, mukca_columns Y, int m, bool upper), C,
-             ldc, X, Y, m, upper)
+MUKCA_KERNEL(static, gram,
+             (double *C, int ldc, mukca_columns X, mukca_columns Y, int m, bool upper), C, ldc, X,
+             Y, m, upper)
 
 void mukca_dense_symmetric(double *C, mukca_columns X, mukca_columns Y, int m)
 {
@@ -206,7 +207,8 @@ MUKCA_INLINE void forward_by_four(double *b, int ld, const double *L, int ldl, i
     }
 }
 
-MUKCA_INLINE void forward_any(double *b, int ld, const double *L, int ldl, int n, bool wide)
+MUKCA_INLINE void mukca_dense_forward_part_any(double *b, int ld, const double *L, int ldl, int n,
+                                               bool wide)
 {
     if (wide)
         forward_by_eight(b, ld, L, ldl, n);
@@ -214,13 +216,13 @@ MUKCA_INLINE void forward_any(double *b, int ld, const double *L, int ldl, int n
         forward_by_four(b, ld, L, ldl, n);
 }
 
-MUKCA_INLINE void eight_rows_any(double *A, int i, int n, bool wide)
+MUKCA_INLINE void mukca_dense_eight_rows_any(double *A, int i, int n, bool wide)
 {
     double b[8 * MUKCA_DENSE_WIDEST], block[64] = {0};
     double *row = A + (long)i * n;
     for (int r = 0; r < 8; r++)
         for (int j = 0; j < i; j++) b[8 * j + r] = row[(long)r * n + j];
-    forward_any(b, 8, A, n, i, wide);
+    mukca_dense_forward_part_any(b, 8, A, n, i, wide);
     panel(block, 8, (mukca_columns){b, 8, 8}, (mukca_columns){b, 8, 8}, i, wide);
     for (int r = 0; r < 8; r++) {
         for (int j = 0; j < i; j++) row[(long)r * n + j] = b[8 * j + r];
@@ -228,20 +230,11 @@ MUKCA_INLINE void eight_rows_any(double *A, int i, int n, bool wide)
     }
 }
 
-MUKCA_KERNEL(forward, (double *b, int ld, const double *L, int ldl, int n), b, ld, L, ldl, n)
-MUKCA_KERNEL(eight_rows, (double *A, int i, int n), A, i, n)
-
-void mukca_dense_eight_rows(double *A, int i, int n)
-{
-    eight_rows(A, i, n);
-}
-
-void mukca_dense_forward_part(double *b, int ld, const double *L, int ldl, int n)
-{
-    forward(b, ld, L, ldl, n);
-}
+MUKCA_KERNEL(, mukca_dense_forward_part, (double *b, int ld, const double *L, int ldl, int n), b,
+             ld, L, ldl, n)
+MUKCA_KERNEL(, mukca_dense_eight_rows, (double *A, int i, int n), A, i, n)
 
 void mukca_dense_forward8(double *b, int k, int ld, const double *L, int n)
 {
-    for (int done = 0; done < k; done += 8) forward(b + done, ld, L, n, n);
+    for (int done = 0; done < k; done += 8) mukca_dense_forward_part(b + done, ld, L, n, n);
 }
