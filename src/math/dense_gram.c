@@ -10,20 +10,7 @@
  * written rarely. */
 enum { STRIP = 64 };
 
-/* C[n][8 w] += A' B for A[m][n], B[m][8 w]: n w accumulators in registers. */
-MUKCA_INLINE void tile(double *C, int ldc, mukca_columns a, mukca_columns b, int m, int n, int w)
-{
-    eight s[8][2] = {{{0}}};
-    for (int r = 0; r < m; r++, a.x += a.ld, b.x += b.ld)
-        for (int v = 0; v < w; v++) {
-            const eight y = LOAD8(b.x + 8 * v);
-            for (int i = 0; i < n; i++) s[i][v] += a.x[i] * y;
-        }
-    for (int i = 0; i < n; i++, C += ldc)
-        for (int v = 0; v < w; v++) STORE8(C + 8 * v, LOAD8(C + 8 * v) + s[i][v]);
-}
-
-/* The same for n <= 4 and 8 columns in registers of four doubles. */
+/* C[n][8] += A' B for A[m][n], B[m][8], n <= 4: 2 n accumulators of four. */
 MUKCA_INLINE void tile4(double *C, int ldc, mukca_columns a, mukca_columns b, int m, int n)
 {
     four s[4][2] = {{{0}}};
@@ -37,47 +24,45 @@ MUKCA_INLINE void tile4(double *C, int ldc, mukca_columns a, mukca_columns b, in
     }
 }
 
+/* C[n][8 w] += A' B for A[m][n], B[m][8 w], n <= 8: n w accumulators of eight. */
+MUKCA_INLINE void tile8(double *C, int ldc, mukca_columns a, mukca_columns b, int m, int n, int w)
+{
+    eight s[8][2] = {{{0}}};
+    for (int r = 0; r < m; r++, a.x += a.ld, b.x += b.ld)
+        for (int v = 0; v < w; v++) {
+            const eight y = LOAD8(b.x + 8 * v);
+            for (int i = 0; i < n; i++) s[i][v] += a.x[i] * y;
+        }
+    for (int i = 0; i < n; i++, C += ldc)
+        for (int v = 0; v < w; v++) STORE8(C + 8 * v, LOAD8(C + 8 * v) + s[i][v]);
+}
+
+/* The number of rows is a constant of the kernel. */
+#define ROWS(k)                                      \
+    case k:                                          \
+        if (w)                                       \
+            tile8(C, ldc, a, b, m, k, w);            \
+        else                                         \
+            tile4(C, ldc, a, b, m, 1 + ((k)-1) % 4); \
+        break
+
 /* The same for n <= 8; w = 0: 8 columns in registers of four. */
 MUKCA_INLINE void panel(double *C, int ldc, mukca_columns a, mukca_columns b, int m, int w)
 {
-    for (; !w && a.n > 0; C += 4 * (long)ldc, a.x += 4, a.n -= 4) switch (a.n) {
-            case 1:
-                tile4(C, ldc, a, b, m, 1);
-                break;
-            case 2:
-                tile4(C, ldc, a, b, m, 2);
-                break;
-            case 3:
-                tile4(C, ldc, a, b, m, 3);
-                break;
-            default:
-                tile4(C, ldc, a, b, m, 4);
-        }
-    if (w) switch (a.n) {
-            case 1:
-                tile(C, ldc, a, b, m, 1, w);
-                break;
-            case 2:
-                tile(C, ldc, a, b, m, 2, w);
-                break;
-            case 3:
-                tile(C, ldc, a, b, m, 3, w);
-                break;
-            case 4:
-                tile(C, ldc, a, b, m, 4, w);
-                break;
-            case 5:
-                tile(C, ldc, a, b, m, 5, w);
-                break;
-            case 6:
-                tile(C, ldc, a, b, m, 6, w);
-                break;
-            case 7:
-                tile(C, ldc, a, b, m, 7, w);
-                break;
-            default:
-                tile(C, ldc, a, b, m, 8, w);
-        }
+    if (!w && a.n > 4) {
+        tile4(C, ldc, a, b, m, 4);
+        C += 4 * (long)ldc, a.x += 4, a.n -= 4;
+    }
+    switch (a.n) {
+        ROWS(1);
+        ROWS(2);
+        ROWS(3);
+        ROWS(4);
+        ROWS(5);
+        ROWS(6);
+        ROWS(7);
+        ROWS(8);
+    }
 }
 
 /* Columns from `column` on, at most `most`. */
