@@ -31,6 +31,35 @@ typedef double four __attribute__((vector_size(32), aligned(8), may_alias));
 #define LOAD4(x) (*(const four *)(const void *)(x))
 #define STORE4(x, value) (*(four *)(void *)(x) = (value))
 
+/* The same with eight. */
+typedef double eight __attribute__((vector_size(64), aligned(8), may_alias));
+#define LOAD8(x) (*(const eight *)(const void *)(x))
+#define STORE8(x, value) (*(eight *)(void *)(x) = (value))
+
+/* MUKCA_KERNEL(linkage, name, (parameters), arguments): name_any(parameters, wide) is compiled for
+ * processors whose registers hold eight doubles (wide), and for others; name() selects. */
+#ifdef MUKCA_CLONES_V4
+#define MUKCA_KERNEL(linkage, name, parameters, ...)                              \
+    __attribute__((target("arch=x86-64-v4"))) static void name##_8 parameters     \
+    {                                                                             \
+        name##_any(__VA_ARGS__, true);                                            \
+    }                                                                             \
+    MUKCA_CLONES static void name##_4 parameters                                  \
+    {                                                                             \
+        name##_any(__VA_ARGS__, false);                                           \
+    }                                                                             \
+    linkage void name parameters                                                  \
+    {                                                                             \
+        (__builtin_cpu_supports("x86-64-v4") ? name##_8 : name##_4)(__VA_ARGS__); \
+    }
+#else
+#define MUKCA_KERNEL(linkage, name, parameters, ...) \
+    MUKCA_CLONES linkage void name parameters        \
+    {                                                \
+        name##_any(__VA_ARGS__, false);              \
+    }
+#endif
+
 /* Lanes of the kernels shared with controllers: four on processors with vectors of doubles, else
  * one, which every compiler translates efficiently.  Results are bit-identical. */
 #if (defined(__x86_64__) || defined(__aarch64__)) && !defined(MUKCA_SCALAR)

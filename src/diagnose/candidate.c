@@ -69,7 +69,9 @@ bool mukca_candidate_same(const mukca_candidate *a, const mukca_candidate *b)
                a->fault.last == b->fault.last && a->fault.shape == b->fault.shape;
     if (mukca_candidate_site(a) == MUKCA_SITE_SEAT && a->unlisted.argument != b->unlisted.argument)
         return false;
-    if (a->kind == MUKCA_CANDIDATE_UNLISTED && a->unlisted.place != b->unlisted.place) return false;
+    if (a->kind == MUKCA_CANDIDATE_UNLISTED &&
+        (a->unlisted.place != b->unlisted.place || a->unlisted.slot != b->unlisted.slot))
+        return false;
     return a->basis == b->basis; /* of one list */
 }
 
@@ -241,29 +243,60 @@ static void set_shape(mukca_candidate *h, const mukca_recording *recording)
         h->terms = 1 + recording->n_bodies;
 }
 
+/* The last cause of a list with the same function of the same argument, at another frame. */
+static const mukca_candidate *find_same(const mukca_candidate *h, const mukca_candidate *list,
+                                        int n)
+{
+    if (mukca_candidate_site(h) != MUKCA_SITE_FRAME) return NULL;
+    const bool own = mukca_unlisted_functions[h->unlisted.function].shape == MUKCA_SHAPE_PRODUCTS;
+    while (n-- > 0) {
+        const mukca_candidate *o = &list[n];
+        if (o->kind != h->kind || o->unlisted.function != h->unlisted.function) break;
+        if (mukca_candidate_site(o) == MUKCA_SITE_FRAME && o->terms == h->terms &&
+            o->unlisted.argument == h->unlisted.argument &&
+            o->unlisted.measure == h->unlisted.measure && o->placement == h->placement &&
+            (o->joint == h->joint || !own))
+            return o;
+    }
+    return NULL;
+}
+
+bool mukca_candidate_take(mukca_candidate *h, mukca_pool *pool, const mukca_recording *recording,
+                          const mukca_candidate *list, int n)
+{
+    set_shape(h, recording);
+    const bool moves = mukca_candidate_moves_arm(h) || mukca_candidate_site(h) == MUKCA_SITE_FRAME;
+    const size_t rows = (size_t)recording->data->n_rows;
+    const mukca_candidate *same = moves ? find_same(h, list, n) : NULL;
+    h->shares_basis = same != NULL;
+    h->unit = same ? same->unit : MUKCA_TAKE(pool, double, h->terms);
+    h->basis = same ? same->basis : NULL;
+    for (int t = 0; t < h->terms && h->unit && !same; t++) h->unit[t] = 1;
+    if (moves && !same) /* three spare entries: it is read four at a time */
+        h->basis = MUKCA_TAKE(pool, float, rows *(size_t)(h->terms * h->width_of_term) + 3);
+    return h->unit && (h->basis || !moves);
+}
+
 void mukca_candidate_fill(const mukca_candidate *h, const mukca_recording *recording)
 {
+    if (!h->basis || h->shares_basis) return;
     if (h->kind == MUKCA_CANDIDATE_EFFECT)
         fill_effect(h, recording);
     else
         mukca_unlisted_fill(h, recording);
 }
 
+void mukca_candidate_compute(const mukca_candidate *h, const mukca_recording *recording)
+{
+    mukca_candidate_fill(h, recording);
+    if (h->basis && !h->shares_basis &&
+        (h->kind == MUKCA_CANDIDATE_EFFECT || !mukca_unlisted_is_normalised(h)))
+        set_units(h->unit, h, recording);
+}
+
 bool mukca_candidate_prepare(mukca_candidate *h, mukca_pool *pool, const mukca_recording *recording)
 {
-    const int rows = recording->data->n_rows;
-    static const double metres[3] = {1, 1, 1};
-    h->unit = metres;
-    set_shape(h, recording);
-    if (!mukca_candidate_moves_arm(h) && mukca_candidate_site(h) != MUKCA_SITE_FRAME) return true;
-    double *unit = MUKCA_TAKE(pool, double, h->terms);
-    /* three spare entries: it is read four at a time */
-    h->basis = MUKCA_TAKE(pool, float, (size_t)rows *(size_t)(h->terms * h->width_of_term) + 3);
-    if (!unit || !h->basis) return false;
-    for (int t = 0; t < h->terms; t++) unit[t] = 1;
-    h->unit = unit;
-    mukca_candidate_fill(h, recording);
-    if (h->kind == MUKCA_CANDIDATE_EFFECT || !mukca_unlisted_is_normalised(h))
-        set_units(unit, h, recording);
+    if (!mukca_candidate_take(h, pool, recording, NULL, 0)) return false;
+    mukca_candidate_compute(h, recording);
     return true;
 }

@@ -107,7 +107,8 @@ typedef struct {
     int terms, width_of_term; /* width: 1 angle, 3 of a rotation or shift, n_joints angles */
     /* [n_rows][terms][width_of_term]; NULL: sites SOCKET, DISTANCE and SEAT */
     float *basis;
-    const double *unit; /* [terms] rms rotation, rad, per unit of coefficient; shifts: 1 */
+    bool shares_basis; /* and units: those of another candidate */
+    double *unit;      /* [terms] rms rotation, rad, per unit of coefficient; shifts: 1 */
     double log_prior;
 } mukca_candidate;
 
@@ -156,7 +157,12 @@ mukca_mixture mukca_candidate_mixture(const mukca_candidate *candidate);
 /* Key of the candidates of which a set contains one at most: variants of one cause. */
 int mukca_candidate_key(const mukca_candidate *candidate);
 
-/* Fill terms, basis and units of a candidate; the other members are set.  False: no memory. */
+/* Fill terms, basis and units of a candidate; the other members are set.  In two steps: take
+ * memory, unless basis and units are those of a candidate in list[n] (from the last one on, until
+ * the function changes), and compute them.  False: no memory. */
+bool mukca_candidate_take(mukca_candidate *candidate, mukca_pool *pool,
+                          const mukca_recording *recording, const mukca_candidate *list, int n);
+void mukca_candidate_compute(const mukca_candidate *candidate, const mukca_recording *recording);
 bool mukca_candidate_prepare(mukca_candidate *candidate, mukca_pool *pool,
                              const mukca_recording *recording);
 

@@ -56,7 +56,8 @@ void mukca_candidates_append(mukca_candidates *all, mukca_candidate h)
         all->list = bigger;
         all->capacity = capacity;
     }
-    if (mukca_candidate_prepare(&h, all->pool, all->recording)) all->list[all->count++] = h;
+    if (mukca_candidate_take(&h, all->pool, all->recording, all->list, all->count))
+        all->list[all->count++] = h;
 }
 
 void mukca_candidates_append_effects(mukca_candidates *all, int joint)
@@ -68,4 +69,16 @@ void mukca_candidates_append_effects(mukca_candidates *all, int joint)
              i++)
             mukca_candidates_append(all, mukca_candidate_of(&e));
     }
+}
+
+static void compute(void *context, int block, int worker)
+{
+    const mukca_candidates *all = context;
+    (void)worker;
+    mukca_candidate_compute(&all->list[block], all->recording);
+}
+
+void mukca_candidates_compute(mukca_candidates *all)
+{
+    mukca_workers_run(all->recording->workers, all->pool->failed ? 0 : all->count, compute, all);
 }

@@ -21,7 +21,7 @@ typedef struct {
 void mukca_candidates_start(mukca_candidates *all, mukca_pool *pool,
                             const mukca_recording *recording, const unsigned char *disabled);
 
-/* Prepare and append a candidate, unless its effect is disabled. */
+/* Append a candidate, unless its effect is disabled. */
 void mukca_candidates_append(mukca_candidates *all, mukca_candidate candidate);
 
 /* Append the effects of the catalogue at a joint, or (-1) those without a joint. */
@@ -31,6 +31,9 @@ void mukca_candidates_append_effects(mukca_candidates *all, int joint);
  * (candidates_unlisted.c). */
 void mukca_candidates_append_faults(mukca_candidates *all);
 void mukca_candidates_append_unlisted(mukca_candidates *all, const mukca_unknowns *unknowns);
+
+/* Compute what the candidates appended are functions of. */
+void mukca_candidates_compute(mukca_candidates *all);
 
 /* All candidates for a recording, with prior odds.  Errors: MUKCA_MEMORY. */
 mukca_status mukca_candidates_list(mukca_candidates *all, const mukca_unknowns *unknowns,

@@ -197,7 +197,7 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
         mukca_diagnosis_free(diagnosis);
         return status;
     }
-    m->workers = mukca_workers_start(options->threads);
+    m->workers = m->recording.workers = mukca_workers_start(options->threads);
     mukca_streams_compare(&diagnosis->streams, &m->recording);
     status = mukca_streams_fit(&diagnosis->streams, &recording_options, chain, data, error);
     if (status != MUKCA_OK) goto out;

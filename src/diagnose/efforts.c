@@ -23,6 +23,7 @@ static mukca_status weigh_springs(double *value, mukca_regression *m, const mukc
     mukca_candidates_start(&springs, &pool, &m->recording, others);
     for (int j = -1; j < m->recording.chain->n_joints; j++)
         mukca_candidates_append_effects(&springs, j);
+    mukca_candidates_compute(&springs);
     int *index = MUKCA_TAKE(&pool, int, springs.count + 1);
     mukca_unknowns_assign(&m->unknowns, faults);
     mukca_regression_freeze(m); /* another load has other columns */

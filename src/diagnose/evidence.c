@@ -75,6 +75,29 @@ void mukca_evidence_along(double *along, const double *mean, int n, int ld,
         }
 }
 
+/* Whitening of the stored columns, some at a time. */
+typedef struct {
+    mukca_evidence *evidence;
+    const mukca_normal_equations *normal;
+    const mukca_recording *recording;
+    const mukca_linearisation *linear;
+} whitening;
+
+enum { TOGETHER = 32, PANEL = 16 }; /* columns of a block: whitened, multiplied */
+
+static void whiten_columns(void *context, int block, int worker)
+{
+    const whitening *c = context;
+    const int ld = c->linear->stride, from = block * TOGETHER, left = ld - from;
+    (void)worker;
+    mukca_whitening_apply(&(mukca_whitened){.n = left < TOGETHER ? left : TOGETHER,
+                                            .ld = ld,
+                                            .x = c->linear->columns + from,
+                                            .white = c->evidence->white.x + from,
+                                            .mean = c->evidence->white.mean + from},
+                          &c->normal->whitening, &c->recording->samples);
+}
+
 const double *mukca_evidence_whiten(mukca_evidence *evidence, const mukca_normal_equations *normal,
                                     const mukca_recording *r, const mukca_linearisation *linear)
 {
@@ -83,13 +106,46 @@ const double *mukca_evidence_whiten(mukca_evidence *evidence, const mukca_normal
         return evidence->white.x;
     evidence->white.equations = normal;
     evidence->white.version = normal->version;
-    mukca_whitening_apply(&(mukca_whitened){.n = linear->stride,
-                                            .ld = linear->stride,
-                                            .x = linear->columns,
-                                            .white = evidence->white.x,
-                                            .mean = evidence->white.mean},
-                          &normal->whitening, &r->samples);
+    mukca_workers_run(r->workers, (linear->stride + TOGETHER - 1) / TOGETHER, whiten_columns,
+                      &(whitening){evidence, normal, r, linear});
     return evidence->white.x;
+}
+
+typedef struct {
+    double *gram;
+    const double *X;
+    const mukca_recording *recording;
+    int n;
+    const int *fold;
+    int number;
+} multiplication;
+
+/* The upper triangle's entries of some columns; the last ones, which have most, first. */
+static void multiply_columns(void *context, int block, int worker)
+{
+    const multiplication *c = context;
+    const mukca_recording *r = c->recording;
+    const int n = c->n, d = r->dim, from = (n - 1) / PANEL * PANEL - block * PANEL,
+              end = from + PANEL < n ? from + PANEL : n;
+    (void)worker;
+    for (int i = 0, count; i < r->n_samples; i += count ? count : 1) { /* runs of samples */
+        for (count = 0;
+             i + count < r->n_samples && (!c->fold || c->fold[r->order[i + count]] == c->number);)
+            count++;
+        const double *X = c->X + (size_t)(i * d) * (size_t)n;
+        mukca_dense_xty_part(c->gram + from, n, (mukca_columns){X, end, n},
+                             (mukca_columns){X + from, end - from, n}, count * d);
+    }
+}
+
+void mukca_evidence_multiply(double *gram, const double *X, int n, const mukca_recording *r,
+                             const int *fold, int number)
+{
+    multiplication c = {gram, X, r, n, fold, number};
+    memset(gram, 0, sizeof *gram * (size_t)n * (size_t)n);
+    mukca_workers_run(r->workers, (n + PANEL - 1) / PANEL, multiply_columns, &c);
+    for (int i = 1; i < n; i++)
+        for (int j = 0; j < i; j++) gram[i * n + j] = gram[j * n + i];
 }
 
 /* Products of all stored columns. */
@@ -100,8 +156,7 @@ static void multiply(mukca_evidence *evidence, mukca_normal_equations *normal,
     const double *white = mukca_evidence_whiten(evidence, normal, r, linear);
     memcpy(normal->all_distance, linear->pair_columns, sizeof(double) * (size_t)(r->n_pairs * n));
     mukca_evidence_along(normal->all_distance, evidence->white.mean, n, n, r, linear);
-    memset(normal->all_gram, 0, sizeof(double) * (size_t)(n * n));
-    mukca_dense_syrk(normal->all_gram, n, white, r->n_samples * r->dim, n);
+    mukca_evidence_multiply(normal->all_gram, white, n, r, NULL, 0);
     normal->all_gram[n * n - 1] += /* the rounding of further readings of a posture */
         evidence->further * RESOLUTION * RESOLUTION / (1 - normal->whitening.family.shared);
 }

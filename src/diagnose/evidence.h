@@ -89,6 +89,11 @@ const double *mukca_evidence_whiten(mukca_evidence *evidence, const mukca_normal
                                     const mukca_recording *recording,
                                     const mukca_linearisation *linear);
 
+/* gram[n][n] := products X'X of whitened columns X[n_samples][dim][n] over the samples whose row
+ * has this number in fold[n_rows] (NULL: over all). */
+void mukca_evidence_multiply(double *gram, const double *X, int n, const mukca_recording *recording,
+                             const int *fold, int number);
+
 /* along[n_pairs][ld] += effect of n columns on the distances, from their means
  * mean[n_blocks][dim][ld]. */
 void mukca_evidence_along(double *along, const double *mean, int n, int ld,

@@ -130,14 +130,10 @@ void mukca_folds_by_placement(double *mean, const mukca_recording *recording, co
 static void subtract_fold(mukca_folds *b, const mukca_normal_equations *normal, int f)
 {
     const mukca_recording *r = &b->m->recording;
-    const int d = r->dim, ld = normal->stride;
+    const int ld = normal->stride;
     const double *X = mukca_evidence_whiten(&b->m->evidence, normal, r, &b->m->linear);
     double *gram = b->rest.all_gram, *distance = b->rest.all_distance;
-    memset(gram, 0, sizeof *gram * (size_t)(ld * ld));
-    for (int i = 0, count; i < r->n_samples; i += count ? count : 1) { /* runs of its samples */
-        for (count = 0; i + count < r->n_samples && b->fold[r->order[i + count]] == f;) count++;
-        mukca_dense_syrk(gram, ld, X + (size_t)(i * d) * (size_t)ld, count * d, ld);
-    }
+    mukca_evidence_multiply(gram, X, ld, r, b->fold, f);
     for (int i = 0; i < ld * ld; i++) gram[i] = normal->all_gram[i] - gram[i];
     for (int p = 0; p < r->n_pairs; p++) {
         const int a = r->order[r->groups[r->pairs[p].a].start];

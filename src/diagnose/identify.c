@@ -256,8 +256,7 @@ static void fill(void *context, int candidate, int worker)
 {
     const mukca_search *id = context;
     (void)worker;
-    if (id->all.list[candidate].basis)
-        mukca_candidate_fill(&id->all.list[candidate], &id->m->recording);
+    mukca_candidate_fill(&id->all.list[candidate], &id->m->recording);
 }
 
 /* Compute the functions of the angles at the present linearisation, with the tip moved by at most
@@ -265,8 +264,9 @@ static void fill(void *context, int candidate, int worker)
 static void seat(mukca_search *id, double most)
 {
     const mukca_linearisation *linear = &id->m->linear;
-    mukca_recording_seat(&id->m->recording, &id->m->pool, linear->seated, linear->distance, most);
-    mukca_workers_run(id->m->workers, id->all.count, fill, id);
+    if (mukca_recording_seat(&id->m->recording, &id->m->pool, linear->seated, linear->distance,
+                             most))
+        mukca_workers_run(id->m->workers, id->all.count, fill, id);
 }
 
 /* Passes, from a set, until it remains.  tails (NULL: Gaussian noise): scratch of the weights. */

@@ -58,12 +58,38 @@ static void to_target(mukca_frame *tip, const mukca_unknowns *u, int log)
     if (log > 0 && u->n_targets > 1) mukca_frame_multiply(tip, tip, shift);
 }
 
-/* Predictions of the samples. */
-static void predict(mukca_linearisation *linear, const mukca_recording *recording,
-                    const mukca_unknowns *unknowns)
+/* What is computed for samples independently, some at a time. */
+typedef struct {
+    mukca_linearisation *linear;
+    const mukca_recording *recording;
+    const mukca_unknowns *unknowns;
+} update;
+
+enum { TOGETHER = 64 };
+
+static int end_of(const mukca_recording *recording, int block)
 {
+    const int end = (block + 1) * TOGETHER;
+    return end < recording->n_samples ? end : recording->n_samples;
+}
+
+static void run(const update *u, mukca_block_fn *samples)
+{
+    update own = *u;
+    mukca_workers_run(u->recording->workers, (u->recording->n_samples + TOGETHER - 1) / TOGETHER,
+                      samples, &own);
+}
+
+/* Predictions of samples. */
+static void predict(void *context, int block, int worker)
+{
+    const update *of = context;
+    const mukca_recording *recording = of->recording;
+    const mukca_unknowns *unknowns = of->unknowns;
+    mukca_linearisation *linear = of->linear;
     const int n_joints = recording->chain->n_joints;
-    for (int i = 0; i < recording->n_samples; i++) {
+    (void)worker;
+    for (int i = block * TOGETHER; i < end_of(recording, block); i++) {
         const int row = recording->order[i];
         mukca_frame tip;
         mukca_displacement displacement;
@@ -211,32 +237,25 @@ static void fill_sample(mukca_linearisation *linear, const mukca_recording *reco
 
 /* y = measured - predicted + contribution of the present unknowns, less the centres of known
  * priors: solutions are total values. */
-static void fill_y(mukca_linearisation *linear, const mukca_recording *recording,
-                   const mukca_unknowns *u)
+static void fill_y(void *context, int block, int worker)
 {
+    const update *of = context;
+    const mukca_recording *recording = of->recording;
+    const mukca_linearisation *linear = of->linear;
     const int d = recording->dim, ld = linear->stride, n = linear->n_columns;
-    double *explained = linear->explained;
-    memcpy(explained, u->theta, sizeof *explained * (size_t)u->n_geometry);
-    for (int c = 0, k = u->n_geometry; c < u->n_causes; c++)
-        for (int t = 0; t < u->cause[c].candidate.terms; t++, k++)
-            /* A socket's fault moves the socket, not the arm: `tip` does not include it. */
-            explained[k] = mukca_candidate_moves_arm(&u->cause[c].candidate)
-                               ? u->cause[c].coefficient[t] - u->cause[c].centre
-                               : 0;
-    for (int i = 0; i < recording->n_samples; i++) {
+    (void)worker;
+    for (int i = block * TOGETHER; i < end_of(recording, block); i++) {
         double y[6] = {0}, *X = linear->columns + (size_t)i * (size_t)d * (size_t)ld;
         if (recording->data->socket[recording->order[i]] < 0)
-            pose_residual(y, linear, recording, u, i);
+            pose_residual(y, linear, recording, of->unknowns, i);
         else
             for (int c = 0; c < 3; c++) y[c] = -linear->tip[3 * i + c];
         for (int c = 0; c < d; c++) {
             double sum = y[c];
-            for (int k = 0; k < n; k++) sum += X[c * ld + k] * explained[k];
+            for (int k = 0; k < n; k++) sum += X[c * ld + k] * linear->explained[k];
             X[c * ld + n] = sum;
         }
     }
-    for (int p = 0; p < recording->n_pairs; p++)
-        linear->pair_columns[p * ld + n] = recording->pairs[p].distance;
 }
 
 /* Store the columns of a cause from column `at` on. */
@@ -252,47 +271,66 @@ static void store_cause(mukca_linearisation *linear, const mukca_recording *reco
                 mukca_candidate_changes_pair(h, recording, p) ? -1 : 0;
 }
 
+/* Levers, and columns of the geometry. */
+static void fill_geometry(void *context, int block, int worker)
+{
+    const update *of = context;
+    const mukca_recording *recording = of->recording;
+    const mukca_unknowns *u = of->unknowns;
+    mukca_linearisation *linear = of->linear;
+    const int n = recording->chain->n_joints;
+    int g = 0;
+    (void)worker;
+    for (int i = block * TOGETHER; i < end_of(recording, block); i++) {
+        while (i >= recording->groups[g].start + recording->groups[g].count) g++;
+        const bool seat = recording->groups[g].socket >= 0;
+        const int row = recording->order[i];
+        double *seated = linear->seated + i * n, r[6];
+        mukca_displacement displacement;
+        mukca_unknowns_displacement(&displacement, u, n, row);
+        memcpy(seated, recording->data->q + row * n, sizeof *seated * (size_t)n);
+        if (seat)
+            socket_error(r, linear, recording, u, g, i);
+        else
+            pose_residual(r, linear, recording, u, i);
+        linear->distance[i] = sqrt(mukca_dot3(r, r));
+        mukca_linearisation_seat(seated, r, n, &u->geometry, &displacement);
+        /* far from the solution, frames of a pose log would turn into angles */
+        fill_sample(linear, recording, u, i, seat ? seated : recording->data->q + row * n,
+                    &displacement);
+    }
+}
+
 void mukca_linearisation_update(mukca_linearisation *linear, const mukca_recording *recording,
                                 mukca_unknowns *u)
 {
-    const int n = mukca_unknowns_column(u, u->n_causes), n_joints = recording->chain->n_joints;
+    const int n = mukca_unknowns_column(u, u->n_causes);
+    const update of = {linear, recording, u};
     linear->n_columns = linear->y = n;
     linear->stride = n + 1;
     linear->n_causes = 0;
     linear->version++;
     mukca_unknowns_set_geometry(u, recording->chain);
-    predict(linear, recording, u);
+    run(&of, predict);
     find_directions(linear, recording);
-    for (int g = 0; g < recording->n_groups; g++) {
-        const mukca_group *group = &recording->groups[g];
-        for (int i = group->start; i < group->start + group->count; i++) {
-            const int row = recording->order[i];
-            double *seated = linear->seated + i * n_joints, r[6];
-            mukca_displacement displacement;
-            mukca_unknowns_displacement(&displacement, u, n_joints, row);
-            memcpy(seated, recording->data->q + row * n_joints, sizeof *seated * (size_t)n_joints);
-            if (group->socket >= 0)
-                socket_error(r, linear, recording, u, g, i);
-            else
-                pose_residual(r, linear, recording, u, i);
-            linear->distance[i] = sqrt(mukca_dot3(r, r));
-            mukca_linearisation_seat(seated, r, n_joints, &u->geometry, &displacement);
-            /* far from the solution, frames of a pose log would turn into angles */
-            fill_sample(linear, recording, u, i,
-                        group->socket >= 0 ? seated : recording->data->q + row * n_joints,
-                        &displacement);
-        }
-    }
+    run(&of, fill_geometry);
     for (int p = 0; p < recording->n_pairs; p++) {
         double *pair = linear->pair_columns + p * linear->stride;
         memset(pair, 0, sizeof *pair * (size_t)n);
         pair[u->first_artefact + recording->pairs[p].artefact] = -1;
+        pair[n] = recording->pairs[p].distance;
     }
+    memcpy(linear->explained, u->theta, sizeof *u->theta * (size_t)u->n_geometry);
     for (int c = 0, at = u->n_geometry; c < u->n_causes; c++) {
-        store_cause(linear, recording, &u->cause[c].candidate, at);
-        at += u->cause[c].candidate.terms;
+        const mukca_accepted *cause = &u->cause[c];
+        store_cause(linear, recording, &cause->candidate, at);
+        for (int t = 0; t < cause->candidate.terms; t++, at++)
+            /* A socket's fault moves the socket, not the arm: `tip` does not include it. */
+            linear->explained[at] = mukca_candidate_moves_arm(&cause->candidate)
+                                        ? cause->coefficient[t] - cause->centre
+                                        : 0;
     }
-    fill_y(linear, recording, u);
+    run(&of, fill_y);
 }
 
 bool mukca_linearisation_select(mukca_linearisation *linear, const mukca_unknowns *u)

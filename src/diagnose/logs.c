@@ -25,6 +25,7 @@ static mukca_status add_springs(mukca_regression *m, mukca_error *error)
     mukca_candidates_start(&all, &m->pool, &m->recording, others);
     for (int j = -1; j < m->recording.chain->n_joints; j++)
         mukca_candidates_append_effects(&all, j);
+    mukca_candidates_compute(&all);
     if (m->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the logs");
     for (int i = 0; i < all.count; i++) mukca_unknowns_add(&m->unknowns, &all.list[i]);
     return MUKCA_OK;

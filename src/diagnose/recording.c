@@ -216,10 +216,11 @@ bool mukca_recording_create(mukca_recording *r, mukca_pool *pool, const mukca_ch
     return true;
 }
 
-void mukca_recording_seat(mukca_recording *r, mukca_pool *pool, const double *seated,
+bool mukca_recording_seat(mukca_recording *r, mukca_pool *pool, const double *seated,
                           const double *distance, double most)
 {
     const size_t n = (size_t)r->chain->n_joints;
+    bool moved = false;
     for (int i = 0; i < r->n_samples; i++) {
         if (r->data->socket[r->order[i]] < 0)
             continue; /* noise of the tracker, not of the angles */
@@ -230,10 +231,12 @@ void mukca_recording_seat(mukca_recording *r, mukca_pool *pool, const double *se
                          q = recorded + part * (seated[(size_t)i * n + j] - recorded);
             if (r->command)
                 r->command[at + j] += q - r->q[at + j]; /* the error of following stays */
+            moved |= q != r->q[at + j];
             r->q[at + j] = q;
         }
     }
-    mukca_postures_move(r->move, r->repeat, pool, r->posture, r->data, r->q);
+    if (moved) mukca_postures_move(r->move, r->repeat, pool, r->posture, r->data, r->q);
+    return moved;
 }
 
 int mukca_recording_distinct(const mukca_recording *r)

@@ -4,6 +4,7 @@
 #ifndef MUKCA_DIAGNOSE_RECORDING_H
 #define MUKCA_DIAGNOSE_RECORDING_H
 
+#include "base/workers.h"
 #include "infer/whitening.h"
 #include "model/dataset.h"
 #include "mukca/effect.h"
@@ -35,8 +36,9 @@ typedef struct {
     const mukca_chain *chain;
     const mukca_dataset *data;
     mukca_recording_options options;
-    int dim;    /* observed values per sample: 3, or 6 with orientations (pose logs) */
-    int n_logs; /* 1 without poses */
+    mukca_workers *workers; /* of loops over its samples; NULL: the caller's thread alone */
+    int dim;                /* observed values per sample: 3, or 6 with orientations (pose logs) */
+    int n_logs;             /* 1 without poses */
 
     /* loads: a body is an element with mass, or the payload */
     int n_bodies, body_element[MUKCA_MAX_ELEMENTS + 1];
@@ -91,8 +93,8 @@ void mukca_recording_regroup(mukca_recording *recording);
  * own sample, and their product with the residual has a mean other than 0 (errors in variables: W.
  * A. Fuller, Measurement Error Models, 1987, section 1.1).  The tip moves by at most `most` (m), as
  * far as noise: larger distances[n_samples] are effects.  Poses are measured with noise of their
- * own, and keep the recorded angles.  Check `pool`. */
-void mukca_recording_seat(mukca_recording *recording, mukca_pool *pool, const double *seated,
+ * own, and keep the recorded angles.  True: an angle has changed.  Check `pool`. */
+bool mukca_recording_seat(mukca_recording *recording, mukca_pool *pool, const double *seated,
                           const double *distance, double most);
 
 /* State of a row of the dataset for the forward models. */

@@ -105,19 +105,33 @@ static void project(const mukca_scan *s, const mukca_scan_batch *b)
         for (int k = 0; k < width; k++) b->g[k] -= b->T[t * LD + k] * s->z[t];
 }
 
-/* G[terms][terms] of a member of the batch. */
-static void gram_of(double *G, const mukca_scan *s, const mukca_scan_batch *b, int member)
+/* Products of neighbouring members, from `first` on, of the batch: in b->scratch, E'E in C and T'T
+ * in D.  Returns the member behind them; *width: of their columns. */
+static int multiply(const mukca_scan *s, const mukca_scan_batch *b, int first, int *width)
 {
-    const int k = b->member[member]->terms, at = b->at[member];
-    const double *by = b->by + at;
-    const mukca_columns w = {b->W + at, k, LD}, t = {b->T + at, k, LD};
-    double *explained = b->scratch->B;
-    memset(G, 0, sizeof *G * (size_t)(k * k));
-    memset(explained, 0, sizeof *G * (size_t)(k * k));
-    mukca_dense_symmetric(G, w, w, s->n_rows);
-    mukca_dense_symmetric(explained, t, t, s->n);
-    for (int a = 0; a < k * k; a++)
-        G[a] = s->precision * by[a / k] * by[a % k] * G[a] - explained[a];
+    const int at = b->at[first];
+    int end = first;
+    *width = 0;
+    do *width += b->member[end++]->terms;
+    while (end < b->n && *width + b->member[end]->terms <= MUKCA_NEIGHBOURS);
+    const mukca_columns w = {b->W + at, *width, LD}, t = {b->T + at, *width, LD};
+    const size_t size = sizeof(double) * (size_t)(*width * *width);
+    mukca_dense_symmetric(memset(b->scratch->C, 0, size), w, w, s->n_rows);
+    mukca_dense_symmetric(memset(b->scratch->D, 0, size), t, t, s->n);
+    return end;
+}
+
+/* G[terms][terms] of a member among neighbours. */
+static void gram_of(double *G, const mukca_scan *s, const mukca_scan_batch *b, int member,
+                    int first, int width)
+{
+    const int k = b->member[member]->terms, from = b->at[member] - b->at[first];
+    const double *by = b->by + b->at[member];
+    for (int i = 0; i < k; i++)
+        for (int j = 0; j < k; j++) {
+            const int at = (from + i) * width + from + j;
+            G[i * k + j] = s->precision * by[i] * by[j] * b->scratch->C[at] - b->scratch->D[at];
+        }
 }
 
 /* Append a candidate's columns to the batch. */
@@ -163,11 +177,12 @@ static void score_batch(void *context, int block, int worker)
     for (int i = s->start[block]; i < s->start[block + 1]; i++)
         if (!(job->skip && job->skip[i])) put(b, s, &job->list[i]);
     project(s, b);
-    for (int e = 0; e < b->n; e++) {
+    for (int e = 0, first = 0, end = 0, width = 0; e < b->n; e++) {
         const mukca_candidate *h = b->member[e];
         const mukca_mixture prior = mukca_candidate_mixture(h);
         double most = 0;
-        gram_of(G, s, b, e);
+        if (e == end) end = multiply(s, b, first = e, &width);
+        gram_of(G, s, b, e, first, width);
         for (int t = 0; t < mukca_candidate_own_terms(h); t++)
             most = fmax(most, G[t * h->terms + t]);
         job->information[h - job->list] = most;

@@ -225,7 +225,7 @@ static int best_order(const double *odds)
 /* Add the promising orders of the effects of the catalogue. */
 static mukca_status add_effects(mukca_scan *s, waves *wave, const double *u, mukca_error *error)
 {
-    static const double unit[] = {MUKCA_WAVE_UNIT, MUKCA_WAVE_UNIT};
+    double unit[] = {MUKCA_WAVE_UNIT, MUKCA_WAVE_UNIT};
     const mukca_candidates *all = s->all;
     mukca_status status = MUKCA_OK;
     double odds[MUKCA_LAST_ORDER + 1];

@@ -113,10 +113,11 @@ void mukca_unlisted_set_shape(mukca_candidate *h, const mukca_recording *r)
     const int site = mukca_unlisted_site(h);
     int values = mukca_unlisted_functions[h->unlisted.function].values;
     double range[2];
-    mukca_recording_range(range, r, r->q, r->chain->n_joints, h->joint < 0 ? 0 : h->joint);
-    if (!values)
+    if (!values) {
+        mukca_recording_range(range, r, r->q, r->chain->n_joints, h->joint < 0 ? 0 : h->joint);
         values =
             (int)fmin(ceil((range[1] - range[0]) / h->unlisted.measure) + 1, MUKCA_MAX_COLUMNS);
+    }
     h->terms = values * axes_of(h);
     h->width_of_term = site == MUKCA_SITE_ANGLES                            ? r->chain->n_joints
                        : site == MUKCA_SITE_BASE || site == MUKCA_SITE_SEAT ? 3
@@ -163,41 +164,41 @@ static void survey_rows(survey *s, const mukca_candidate *h, const mukca_recordi
 }
 
 /* The argument x[3] at a row. */
-static void find_argument(double x[3], const mukca_candidate *h, const mukca_recording *r, int row)
+static void find_argument(double x[3], const mukca_candidate *h, const mukca_recording *r, int row,
+                          const mukca_joint_state *state)
 {
-    const mukca_joint_state state = mukca_recording_state(r, row);
     const int j = h->unlisted.argument;
     switch (mukca_unlisted_functions[h->unlisted.function].argument) {
         case MUKCA_ARGUMENT_ANGLE:
-            x[0] = state.q[j];
+            x[0] = state->q[j];
             break;
         case MUKCA_ARGUMENT_TORQUE:
-            x[0] = state.torque[j];
+            x[0] = state->torque[j];
             break;
         case MUKCA_ARGUMENT_ACROSS:
             memcpy(x, r->across + 2 * (row * r->chain->n_joints + j), 2 * sizeof *x);
             break;
         case MUKCA_ARGUMENT_PAYLOAD:
-            x[0] = h->placement < 0 || state.placement == h->placement
+            x[0] = h->placement < 0 || state->placement == h->placement
                        ? r->torque[((row + 1) * r->n_bodies - 1) * r->chain->n_joints + j]
                        : 0;
             break;
         case MUKCA_ARGUMENT_MOMENT: {
             const bool base = h->unlisted.place == MUKCA_PLACE_BASE;
-            memcpy(x, base ? state.base_moment : state.moment[j], 3 * sizeof *x);
+            memcpy(x, base ? state->base_moment : state->moment[j], 3 * sizeof *x);
             break;
         }
         case MUKCA_ARGUMENT_MOVE:
-            x[0] = state.move[j];
+            x[0] = state->move[j];
             break;
         case MUKCA_ARGUMENT_TIME:
-            x[0] = state.time;
+            x[0] = state->time;
             break;
         case MUKCA_ARGUMENT_ROW:
             x[0] = row;
             break;
         default:
-            x[0] = state.placement == h->placement;
+            x[0] = state->placement == h->placement;
     }
 }
 
@@ -236,7 +237,7 @@ static void evaluate(double *value, int n, const mukca_candidate *h, const mukca
     const mukca_joint_state state = mukca_recording_state(r, row);
     const mukca_unlisted_function *f = &mukca_unlisted_functions[h->unlisted.function];
     double x[3] = {0}, T[POWERS + 1] = {0}, joint[PRODUCT_DEGREE + 1] = {0};
-    find_argument(x, h, r, row);
+    find_argument(x, h, r, row, &state);
     switch (f->shape) {
         case MUKCA_SHAPE_LINEAR:
             memcpy(value, x, sizeof *x * (size_t)n);
@@ -307,7 +308,8 @@ static void fill_angles(mukca_candidate h, const mukca_recording *r)
 
 void mukca_unlisted_fill(const mukca_candidate *h, const mukca_recording *r)
 {
-    const int axes = axes_of(h), width = h->width_of_term;
+    const int axes = axes_of(h), values = h->terms / axes;
+    float *out = h->basis;
     survey s;
     if (h->unlisted.place == MUKCA_PLACE_ANGLES) {
         fill_angles(*h, r);
@@ -319,12 +321,13 @@ void mukca_unlisted_fill(const mukca_candidate *h, const mukca_recording *r)
     survey_rows(&s, h, r);
     for (int row = 0; row < r->data->n_rows; row++) {
         double value[MUKCA_MAX_COLUMNS] = {0};
-        evaluate(value, h->terms / axes, h, r, row, &s);
-        for (int t = 0; t < h->terms; t++)
-            for (int i = 0; i < width; i++)
-                h->basis[(row * h->terms + t) * width + i] =
-                    (float)(value[t / axes] *
-                            (width == 1 ? 1 : (i == t % 3) - s.axis[i] * s.axis[t % 3]));
+        evaluate(value, values, h, r, row, &s);
+        for (int k = 0; k < values; k++)
+            for (int a = 0; a < axes; a++)
+                for (int i = 0; i < h->width_of_term; i++)
+                    *out++ =
+                        (float)(value[k] *
+                                (h->width_of_term == 1 ? 1 : (i == a) - s.axis[i] * s.axis[a]));
     }
 }
 

@@ -78,20 +78,28 @@ static void subtract_products(double *G, double *explained, mukca_columns X, int
     for (int i = 0; i < X.n * X.n; i++) G[i] -= explained[i];
 }
 
-void mukca_given_block(double *G, mukca_sets *s, int item)
+void mukca_given_blocks(const mukca_sets *s, int item, int end, mukca_mixture_scratch *f)
 {
     const mukca_question *q = s->question;
-    const mukca_item *h = &q->item[item];
     const long rows = q->n_rows - q->n_projected;
-    for (int i = 0; i < h->terms && q->gram; i++)
-        memcpy(G + i * h->terms, q->gram + (h->at + i) * q->stride + h->at,
-               sizeof *G * (size_t)h->terms);
-    if (q->gram) return;
-    const mukca_columns E = {q->E + h->at, h->terms, q->stride},
-                        T = {E.x + rows * q->stride, h->terms, q->stride};
-    memset(G, 0, sizeof *G * (size_t)(h->terms * h->terms));
-    mukca_dense_symmetric(G, E, E, (int)rows);
-    subtract_products(G, s->scratch->D, T, q->n_projected);
+    while (item < end) {
+        const int first = item, at = q->item[first].at;
+        int n = 0;
+        do n += q->item[item++].terms;
+        while (item < end && n + q->item[item].terms <= MUKCA_NEIGHBOURS);
+        const mukca_columns E = {q->E + at, n, q->stride}, T = {E.x + rows * q->stride, n, E.ld};
+        if (!q->gram) {
+            mukca_dense_symmetric(memset(f->C, 0, sizeof *f->C * (size_t)(n * n)), E, E, (int)rows);
+            subtract_products(f->C, f->D, T, q->n_projected);
+        }
+        for (int i = first; i < item; i++) {
+            const mukca_item *h = &q->item[i];
+            const double *from =
+                q->gram ? q->gram + (long)h->at * q->stride + h->at : f->C + (h->at - at) * (n + 1);
+            for (int t = 0; t < h->terms; t++, from += q->gram ? q->stride : n)
+                memcpy(s->block[i] + t * h->terms, from, sizeof *from * (size_t)h->terms);
+        }
+    }
 }
 
 void mukca_given_cross(double *G, mukca_sets *s, int a, int b)
@@ -225,17 +233,6 @@ bool mukca_given_condition(mukca_sets *s, const mukca_set *set)
     mukca_workers_run(s->question->workers, stripes(s->question), condition_stripe,
                       &(conditioning){s, set});
     return true;
-}
-
-void mukca_sets_gram(double *G, mukca_sets *s, int a, int b)
-{
-    const mukca_item *x = &s->question->item[a], *y = &s->question->item[b];
-    mukca_sets_products_of(G, s, a, b);
-    for (int r = 0; r < s->integrated.posterior.n; r++) {
-        const double *B = s->integrated.B + r * s->question->stride;
-        for (int i = 0; i < x->terms; i++)
-            for (int k = 0; k < y->terms; k++) G[i * y->terms + k] -= B[x->at + i] * B[y->at + k];
-    }
 }
 
 void mukca_sets_mean(double *mean, mukca_sets *s, const mukca_set *set)

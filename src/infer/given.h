@@ -12,8 +12,8 @@ enum { MUKCA_GIVEN_TOGETHER = 72 };
  * memory. */
 bool mukca_given_rows(mukca_sets *s, const unsigned short *item, int n);
 
-/* Gram block G[terms][terms] of an item with itself. */
-void mukca_given_block(double *G, mukca_sets *s, int item);
+/* Fill s->block[] of the items from `item` to end - 1. */
+void mukca_given_blocks(const mukca_sets *s, int item, int end, mukca_mixture_scratch *scratch);
 
 /* Gram block G[a.terms][b.terms] of two items; without memory 0. */
 void mukca_given_cross(double *G, mukca_sets *s, int a, int b);

@@ -6,6 +6,9 @@
 
 enum { MUKCA_MOST_TERMS = 64, MUKCA_MOST_SIZES = 8 };
 
+/* Columns of neighbours whose Gram blocks are cut out of one product: a panel of the kernel. */
+enum { MUKCA_NEIGHBOURS = 16 };
+
 /* The coefficients are independent Gaussians of one of several standard deviations. */
 typedef struct {
     int n_sizes;
@@ -13,9 +16,10 @@ typedef struct {
     bool nonnegative; /* the first coefficient */
 } mukca_mixture;
 
-/* Scratch: factors of four prior sizes at a time, and matrices of the callers. */
+/* Scratch: factors for all prior sizes, and matrices of the callers. */
 typedef struct {
-    double L[MUKCA_MOST_TERMS * (MUKCA_MOST_TERMS + 1) / 2][4], x[MUKCA_MOST_TERMS][4];
+    double L[MUKCA_MOST_TERMS * (MUKCA_MOST_TERMS + 1) / 2][MUKCA_MOST_SIZES],
+        x[MUKCA_MOST_TERMS][MUKCA_MOST_SIZES];
     double A[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS], B[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS],
         C[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS], D[MUKCA_MOST_TERMS * MUKCA_MOST_TERMS];
 } mukca_mixture_scratch;

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { TABLE = 4 * MUKCA_MOST_SETS, SWEEPS = 3 };
+enum { TABLE = 4 * MUKCA_MOST_SETS, SWEEPS = 3, TOGETHER = 16 /* items in a block */ };
 
 /* Memory to integrate out a set. */
 static void take_integral(mukca_sets *s, mukca_pool *pool)
@@ -14,6 +14,13 @@ static void take_integral(mukca_sets *s, mukca_pool *pool)
     mukca_posterior_take(&s->integrated.posterior, pool, MUKCA_SET_COLUMNS);
     s->integrated.inverse = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS *MUKCA_SET_COLUMNS);
     s->integrated.x = MUKCA_TAKE(pool, double, MUKCA_SET_COLUMNS);
+}
+
+static void fill_blocks(void *context, int block, int worker)
+{
+    mukca_sets *s = context;
+    const int n = s->question->n_items, end = (block + 1) * TOGETHER;
+    mukca_given_blocks(s, block * TOGETHER, end < n ? end : n, s->worker[worker].mixture);
 }
 
 bool mukca_sets_create(mukca_sets *s, mukca_pool *pool, const mukca_question *q)
@@ -44,7 +51,8 @@ bool mukca_sets_create(mukca_sets *s, mukca_pool *pool, const mukca_question *q)
     double *block = MUKCA_TAKE(pool, double, squares + 1);
     if (pool->failed) return false;
     for (int i = 0; i < q->n_items; block += q->item[i].terms * q->item[i].terms, i++)
-        mukca_given_block(s->block[i] = block, s, i);
+        s->block[i] = block;
+    mukca_workers_run(q->workers, (q->n_items + TOGETHER - 1) / TOGETHER, fill_blocks, s);
     mukca_sets_insert(s, NULL, NULL, 0);
     return true;
 }

@@ -102,9 +102,6 @@ bool mukca_sets_weigh(mukca_sets *sets, const mukca_set *set);
 /* Log Bayes factor of an item in addition to the set weighed last, which lacks it. */
 double mukca_sets_gain(const mukca_sets *sets, const mukca_set *set, int item);
 
-/* Projected Gram block G[a.terms][b.terms] of two items given the set weighed last. */
-void mukca_sets_gram(double *G, mukca_sets *sets, int a, int b);
-
 /* Posterior mean of the items' coefficients in a set: mean[stride]. */
 void mukca_sets_mean(double *mean, mukca_sets *sets, const mukca_set *set);
 

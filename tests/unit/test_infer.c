@@ -545,7 +545,7 @@ TEST(values)
             const int n = numbers[i], *member = members[i];
             mukca_pool pool = {0};
             mukca_sets sets;
-            double prior = 0, rest = 0, G[16];
+            double prior = 0, rest = 0;
             p.item[member[0]].prior.nonnegative = positive;
             assert_true(mukca_sets_create(&sets, &pool, &p.question));
             real expected = dense_value(&p, member, one, n);
@@ -568,15 +568,6 @@ TEST(values)
                 assert_true(mukca_sets_weigh(&sets, &set));
                 assert_close(mukca_sets_gain(&sets, &set, last) + p.item[last].log_prior + further,
                              value - rest, 1e-9);
-                real V[ROWS * ROWS];
-                model_covariance(V, &p);
-                for (int k = 0; k < n - 1; k++) add_item(V, &p, member[k], 0);
-                factor(V, ROWS);
-                mukca_sets_gram(G, &sets, last, 3);
-                for (int t = 0; t < p.item[last].terms; t++)
-                    assert_close(
-                        G[t], (double)product(V, p.E[p.item[last].at + t], p.E[p.item[3].at], ROWS),
-                        1e-10 * ROWS);
             }
             mukca_pool_free(&pool);
         }
