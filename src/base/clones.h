@@ -25,7 +25,11 @@
 /* Helpers of such a function: always inlined, to be compiled for the same processor. */
 #define MUKCA_INLINE static inline __attribute__((always_inline))
 
-/* Four doubles.  Unaligned; on processors without such registers the compiler splits it. */
+/* Two doubles: the registers of every processor with vectors of them.  Unaligned, as those below.
+ */
+typedef double pair __attribute__((vector_size(16), aligned(8), may_alias));
+
+/* Four.  On processors without such registers the compiler splits it, and sums are in memory. */
 typedef double four __attribute__((vector_size(32), aligned(8), may_alias));
 /* Macros: functions that return wide vectors have no fixed calling convention. */
 #define LOAD4(x) (*(const four *)(const void *)(x))
@@ -36,27 +40,33 @@ typedef double eight __attribute__((vector_size(64), aligned(8), may_alias));
 #define LOAD8(x) (*(const eight *)(const void *)(x))
 #define STORE8(x, value) (*(eight *)(void *)(x) = (value))
 
-/* MUKCA_KERNEL(linkage, name, (parameters), arguments): name_any(parameters, wide) is compiled for
- * processors whose registers hold eight doubles (wide), and for others; name() selects. */
+/* MUKCA_KERNEL(linkage, name, (parameters), arguments): name_any(parameters, lanes) is compiled for
+ * registers of eight, four and two doubles; name() selects. */
+#define MUKCA_KERNEL_OF(lanes, name, parameters, ...) \
+    static void name##_##lanes parameters             \
+    {                                                 \
+        name##_any(__VA_ARGS__, lanes);               \
+    }
+#define MUKCA_KERNEL_4(name, parameters, ...) \
+    __attribute__((target("avx2"))) MUKCA_KERNEL_OF(4, name, parameters, __VA_ARGS__)
+#define MUKCA_KERNEL_8(name, parameters, ...) \
+    __attribute__((target("arch=x86-64-v4"))) MUKCA_KERNEL_OF(8, name, parameters, __VA_ARGS__)
 #ifdef MUKCA_CLONES_V4
-#define MUKCA_KERNEL(linkage, name, parameters, ...)                              \
-    __attribute__((target("arch=x86-64-v4"))) static void name##_8 parameters     \
-    {                                                                             \
-        name##_any(__VA_ARGS__, true);                                            \
-    }                                                                             \
-    MUKCA_CLONES static void name##_4 parameters                                  \
-    {                                                                             \
-        name##_any(__VA_ARGS__, false);                                           \
-    }                                                                             \
-    linkage void name parameters                                                  \
-    {                                                                             \
-        (__builtin_cpu_supports("x86-64-v4") ? name##_8 : name##_4)(__VA_ARGS__); \
+#define MUKCA_KERNEL(linkage, name, parameters, ...)                \
+    MUKCA_KERNEL_8(name, parameters, __VA_ARGS__)                   \
+    MUKCA_KERNEL_4(name, parameters, __VA_ARGS__)                   \
+    MUKCA_KERNEL_OF(2, name, parameters, __VA_ARGS__)               \
+    linkage void name parameters                                    \
+    {                                                               \
+        (__builtin_cpu_supports("x86-64-v4") ? name##_8             \
+         : __builtin_cpu_supports("avx2")    ? name##_4             \
+                                             : name##_2)(__VA_ARGS__); \
     }
 #else
 #define MUKCA_KERNEL(linkage, name, parameters, ...) \
-    MUKCA_CLONES linkage void name parameters        \
+    linkage void name parameters                     \
     {                                                \
-        name##_any(__VA_ARGS__, false);              \
+        name##_any(__VA_ARGS__, 2);                  \
     }
 #endif
 

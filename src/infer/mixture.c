@@ -16,6 +16,13 @@
 #define ROW(L, i) ((L) + (i) * ((i) + 1) / 2)
 #define LOAD(x) (*(const VECTOR *)(const void *)(x))
 #define STORE(x, value) (*(VECTOR *)(void *)(x) = (value))
+#define LANES 2
+#define VECTOR pair
+#define LANES_OF(name) name##_pair
+#include "infer/mixture_lanes.h"
+#undef LANES
+#undef VECTOR
+#undef LANES_OF
 #define LANES 4
 #define VECTOR four
 #define LANES_OF(name) name##_four
@@ -29,14 +36,16 @@
 #include "infer/mixture_lanes.h"
 
 MUKCA_INLINE void factor_any(mukca_mixture_scratch *f, int k, const double *G,
-                             const mukca_mixture *prior, bool wide)
+                             const mukca_mixture *prior, int width)
 {
     double s2[MUKCA_MOST_SIZES] = {0};
     for (int s = 0; s < prior->n_sizes; s++) s2[s] = prior->size[s] * prior->size[s];
-    if (wide && prior->n_sizes > 4)
+    if (width == 8 && prior->n_sizes > 4)
         factor_eight(f, k, G, s2, 0);
-    else
+    else if (width > 2)
         for (int s = 0; s < prior->n_sizes; s += 4) factor_four(f, k, G, s2, s);
+    else
+        for (int s = 0; s < prior->n_sizes; s += 2) factor_pair(f, k, G, s2, s);
 }
 
 MUKCA_KERNEL(static, factor,

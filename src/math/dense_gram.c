@@ -10,49 +10,48 @@
  * written rarely. */
 enum { STRIP = 64 };
 
-/* C[n][8] += A' B for A[m][n], B[m][8], n <= 4: 2 n accumulators of four. */
-MUKCA_INLINE void tile4(double *C, int ldc, mukca_columns a, mukca_columns b, int m, int n)
-{
-    four s[4][2] = {{{0}}};
-    for (int r = 0; r < m; r++, a.x += a.ld, b.x += b.ld) {
-        const four lo = LOAD4(b.x), hi = LOAD4(b.x + 4);
-        for (int i = 0; i < n; i++) s[i][0] += a.x[i] * lo, s[i][1] += a.x[i] * hi;
+/* C[n][columns] += A' B for A[m][n], B[m][columns], n <= `rows`, columns <= `registers` vectors:
+ * all sums in registers. */
+#define TILE(name, vector, rows, registers)                                                    \
+    MUKCA_INLINE void name(double *C, int ldc, mukca_columns a, mukca_columns b, int m, int n, \
+                           int columns)                                                        \
+    {                                                                                          \
+        enum { LANES = sizeof(vector) / sizeof(double) };                                      \
+        vector s[rows][registers] = {{{0}}};                                                   \
+        for (int r = 0; r < m; r++, a.x += a.ld, b.x += b.ld)                                  \
+            for (int v = 0; v < columns / LANES; v++) {                                        \
+                const vector y = *(const vector *)(const void *)(b.x + LANES * v);             \
+                for (int i = 0; i < n; i++) s[i][v] += a.x[i] * y;                             \
+            }                                                                                  \
+        for (int i = 0; i < n; i++, C += ldc)                                                  \
+            for (int v = 0; v < columns / LANES; v++)                                          \
+                *(vector *)(void *)(C + LANES * v) += s[i][v];                                 \
     }
-    for (int i = 0; i < n; i++, C += ldc) {
-        STORE4(C, LOAD4(C) + s[i][0]);
-        STORE4(C + 4, LOAD4(C + 4) + s[i][1]);
-    }
-}
 
-/* C[n][8 w] += A' B for A[m][n], B[m][8 w], n <= 8: n w accumulators of eight. */
-MUKCA_INLINE void tile8(double *C, int ldc, mukca_columns a, mukca_columns b, int m, int n, int w)
-{
-    eight s[8][2] = {{{0}}};
-    for (int r = 0; r < m; r++, a.x += a.ld, b.x += b.ld)
-        for (int v = 0; v < w; v++) {
-            const eight y = LOAD8(b.x + 8 * v);
-            for (int i = 0; i < n; i++) s[i][v] += a.x[i] * y;
-        }
-    for (int i = 0; i < n; i++, C += ldc)
-        for (int v = 0; v < w; v++) STORE8(C + 8 * v, LOAD8(C + 8 * v) + s[i][v]);
-}
+TILE(tile8, eight, 8, 2)
+TILE(tile4, four, 4, 2)
+TILE(tile2, pair, 2, 4)
 
 /* The number of rows is a constant of the kernel. */
-#define ROWS(k)                                      \
-    case k:                                          \
-        if (w)                                       \
-            tile8(C, ldc, a, b, m, k, w);            \
-        else                                         \
-            tile4(C, ldc, a, b, m, 1 + ((k)-1) % 4); \
+#define ROWS(k)                                               \
+    case k:                                                   \
+        if (width == 8)                                       \
+            tile8(C, ldc, a, b, m, k, columns);               \
+        else if (width == 4)                                  \
+            tile4(C, ldc, a, b, m, 1 + ((k)-1) % 4, columns); \
+        else                                                  \
+            tile2(C, ldc, a, b, m, 1 + ((k)-1) % 2, columns); \
         break
 
-/* The same for n <= 8; w = 0: 8 columns in registers of four. */
-MUKCA_INLINE void panel(double *C, int ldc, mukca_columns a, mukca_columns b, int m, int w)
+/* The same for n <= 8, and 8 columns, of `width` = 8 also 16. */
+MUKCA_INLINE void panel(double *C, int ldc, mukca_columns a, mukca_columns b, int m, int columns,
+                        int width)
 {
-    if (!w && a.n > 4) {
-        tile4(C, ldc, a, b, m, 4);
-        C += 4 * (long)ldc, a.x += 4, a.n -= 4;
-    }
+    for (; a.n > width; C += width * (long)ldc, a.x += width, a.n -= width)
+        if (width == 4)
+            tile4(C, ldc, a, b, m, 4, columns);
+        else
+            tile2(C, ldc, a, b, m, 2, columns);
     switch (a.n) {
         ROWS(1);
         ROWS(2);
@@ -73,19 +72,19 @@ MUKCA_INLINE mukca_columns from(mukca_columns X, int column, int most)
 }
 
 /* The last k <= 7 columns of C, transposed: of panels of eight columns of X.  Of the last panel,
- * lanes beyond the last column are ignored; in the last rows they would be outside of X. */
-MUKCA_INLINE void gram_rest(double *C, int ldc, mukca_columns X, mukca_columns Y, int m, bool wide)
+ * width beyond the last column are ignored; in the last rows they would be outside of X. */
+MUKCA_INLINE void gram_rest(double *C, int ldc, mukca_columns X, mukca_columns Y, int m, int width)
 {
     for (int i = 0; i < X.n; i += 8) {
         const mukca_columns x = from(X, i, 8);
         const long last = (long)(m - 1) * x.ld + x.n - 8;
         const int inside = x.n == 8 ? m : last < 0 ? 0 : (int)(last / x.ld) + 1;
         double block[64] = {0}, row[8] = {0};
-        panel(block, 8, Y, x, inside, wide);
+        panel(block, 8, Y, x, inside, 8, width);
         for (long r = inside; r < m; r++) {
             for (int c = 0; c < x.n; c++) row[c] = x.x[r * x.ld + c];
             panel(block, 8, (mukca_columns){Y.x + r * Y.ld, Y.n, Y.ld}, (mukca_columns){row, 8, 8},
-                  1, wide);
+                  1, 8, width);
         }
         for (int c = 0; c < x.n; c++)
             for (int j = 0; j < Y.n; j++) C[(long)(i + c) * ldc + j] += block[8 * j + c];
@@ -95,18 +94,18 @@ MUKCA_INLINE void gram_rest(double *C, int ldc, mukca_columns X, mukca_columns Y
 /* C[X.n][Y.n] += X' Y, row stride of C: ldc; `upper`: only blocks with entries of the upper
  * triangle (symmetric product). */
 MUKCA_INLINE void gram_any(double *C, int ldc, mukca_columns X, mukca_columns Y, int m, bool upper,
-                           bool wide)
+                           int width)
 {
-    const int k8 = Y.n & ~7, k16 = wide ? k8 & ~15 : 0;
+    const int k8 = Y.n & ~7, k16 = width == 8 ? k8 & ~15 : 0;
     for (int r = 0; r < m; r += STRIP) {
         const int rows = m - r < STRIP ? m - r : STRIP;
         for (int j = 0; j < k16; j += 16)
             for (int i = 0; i < X.n && (!upper || i < j + 16); i += 8)
-                panel(C + (long)i * ldc + j, ldc, from(X, i, 8), from(Y, j, 16), rows, 2);
+                panel(C + (long)i * ldc + j, ldc, from(X, i, 8), from(Y, j, 16), rows, 16, width);
         for (int j = k16; j < k8; j += 8)
             for (int i = 0; i < X.n && (!upper || i <= j); i += 8)
-                panel(C + (long)i * ldc + j, ldc, from(X, i, 8), from(Y, j, 8), rows, wide);
-        if (k8 < Y.n) gram_rest(C + k8, ldc, X, from(Y, k8, 8), rows, wide);
+                panel(C + (long)i * ldc + j, ldc, from(X, i, 8), from(Y, j, 8), rows, 8, width);
+        if (k8 < Y.n) gram_rest(C + k8, ldc, X, from(Y, k8, 8), rows, width);
         X.x += (long)STRIP * X.ld;
         Y.x += (long)STRIP * Y.ld;
     }
@@ -140,75 +139,60 @@ void mukca_dense_xty(double *C, mukca_columns X, mukca_columns Y, int m)
     mukca_dense_xty_part(C, Y.n, X, Y, m);
 }
 
-/* Solve L x = b for eight right-hand sides b[n][8], row stride `ld`: eight rows at a time, with
- * sums in registers. */
-MUKCA_INLINE void forward_by_eight(double *b, int ld, const double *L, int ldl, int n)
-{
-    for (int i = 0; i < n; i += 8) {
-        const int rows = n - i < 8 ? n - i : 8;
-        const double *l[8];
-        eight x[8];
-        for (int r = 0; r < 8; r++) { /* beyond the last row: the last row again */
-            const int row = i + (r < rows ? r : rows - 1);
-            l[r] = L + (long)row * ldl;
-            x[r] = LOAD8(b + (long)row * ld);
-        }
-        for (int j = 0; j < i; j++) {
-            const eight y = LOAD8(b + (long)j * ld);
-            for (int r = 0; r < 8; r++) x[r] -= l[r][j] * y;
-        }
-        for (int r = 0; r < rows; r++) {
-            for (int j = 0; j < r; j++) x[r] -= l[r][i + j] * x[j];
-            x[r] /= l[r][i + r];
-            STORE8(b + (long)(i + r) * ld, x[r]);
-        }
-    }
-}
+/* Register v of a row of b. */
+#define AT(vector, row, v) \
+    (*(vector *)(void *)(b + (long)(row)*ld + (int)(sizeof(vector) / sizeof *b) * (v)))
 
-/* The same in registers of four doubles: four rows at a time. */
-MUKCA_INLINE void forward_by_four(double *b, int ld, const double *L, int ldl, int n)
-{
-    for (int i = 0; i < n; i += 4) {
-        const int rows = n - i < 4 ? n - i : 4;
-        const double *l[4];
-        four x[4][2];
-        for (int r = 0; r < 4; r++) {
-            const int row = i + (r < rows ? r : rows - 1);
-            l[r] = L + (long)row * ldl;
-            x[r][0] = LOAD4(b + (long)row * ld), x[r][1] = LOAD4(b + (long)row * ld + 4);
-        }
-        const double *bj = b;
-        for (int j = 0; j < i; j++, bj += ld) {
-            const four lo = LOAD4(bj), hi = LOAD4(bj + 4);
-            for (int r = 0; r < 4; r++) x[r][0] -= l[r][j] * lo, x[r][1] -= l[r][j] * hi;
-        }
-        for (int r = 0; r < rows; r++) {
-            for (int j = 0; j < r; j++)
-                x[r][0] -= l[r][i + j] * x[j][0], x[r][1] -= l[r][i + j] * x[j][1];
-            x[r][0] /= l[r][i + r], x[r][1] /= l[r][i + r];
-            STORE4(b + (long)(i + r) * ld, x[r][0]);
-            STORE4(b + (long)(i + r) * ld + 4, x[r][1]);
-        }
+/* Solve L x = b for eight right-hand sides b[n][8], row stride `ld`: some rows at a time, with
+ * sums in registers. */
+#define FORWARD(name, vector, most, registers)                                     \
+    MUKCA_INLINE void name(double *b, int ld, const double *L, int ldl, int n)     \
+    {                                                                              \
+        for (int i = 0; i < n; i += most) {                                        \
+            const int rows = n - i < most ? n - i : most;                          \
+            const double *l[most];                                                 \
+            vector x[most][registers];                                             \
+            for (int r = 0; r < most; r++) { /* beyond the last row: that again */ \
+                const int row = i + (r < rows ? r : rows - 1);                     \
+                l[r] = L + (long)row * ldl;                                        \
+                for (int v = 0; v < registers; v++) x[r][v] = AT(vector, row, v);  \
+            }                                                                      \
+            for (int j = 0; j < i; j++)                                            \
+                for (int v = 0; v < registers; v++) {                              \
+                    const vector y = AT(vector, j, v);                             \
+                    for (int r = 0; r < most; r++) x[r][v] -= l[r][j] * y;         \
+                }                                                                  \
+            for (int r = 0; r < rows; r++)                                         \
+                for (int v = 0; v < registers; v++) {                              \
+                    for (int j = 0; j < r; j++) x[r][v] -= l[r][i + j] * x[j][v];  \
+                    x[r][v] /= l[r][i + r];                                        \
+                    AT(vector, i + r, v) = x[r][v];                                \
+                }                                                                  \
+        }                                                                          \
     }
-}
+FORWARD(forward_by_eight, eight, 8, 1)
+FORWARD(forward_by_four, four, 4, 2)
+FORWARD(forward_by_two, pair, 2, 4)
 
 MUKCA_INLINE void mukca_dense_forward_part_any(double *b, int ld, const double *L, int ldl, int n,
-                                               bool wide)
+                                               int width)
 {
-    if (wide)
+    if (width == 8)
         forward_by_eight(b, ld, L, ldl, n);
-    else
+    else if (width == 4)
         forward_by_four(b, ld, L, ldl, n);
+    else
+        forward_by_two(b, ld, L, ldl, n);
 }
 
-MUKCA_INLINE void mukca_dense_eight_rows_any(double *A, int i, int n, bool wide)
+MUKCA_INLINE void mukca_dense_eight_rows_any(double *A, int i, int n, int width)
 {
     double b[8 * MUKCA_DENSE_WIDEST], block[64] = {0};
     double *row = A + (long)i * n;
     for (int r = 0; r < 8; r++)
         for (int j = 0; j < i; j++) b[8 * j + r] = row[(long)r * n + j];
-    mukca_dense_forward_part_any(b, 8, A, n, i, wide);
-    panel(block, 8, (mukca_columns){b, 8, 8}, (mukca_columns){b, 8, 8}, i, wide);
+    mukca_dense_forward_part_any(b, 8, A, n, i, width);
+    panel(block, 8, (mukca_columns){b, 8, 8}, (mukca_columns){b, 8, 8}, i, 8, width);
     for (int r = 0; r < 8; r++) {
         for (int j = 0; j < i; j++) row[(long)r * n + j] = b[8 * j + r];
         for (int j = 0; j <= r; j++) row[(long)r * n + i + j] -= block[8 * r + j];
