@@ -29,7 +29,8 @@ typedef struct {
 
 /* The point of linearisation: what is nonlinear in the coefficients. */
 typedef struct {
-    double delay[MUKCA_MAX_JOINTS]; /* s */
+    double delay[MUKCA_MAX_JOINTS];   /* s */
+    double coulomb[MUKCA_MAX_JOINTS]; /* N m: the scale of its shape at reversals */
     /* raw coefficients of the arm's torque, on which a gain acts */
     double *torque[MUKCA_MAX_JOINTS];
 } mukca_motion_point;

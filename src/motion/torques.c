@@ -232,15 +232,22 @@ bool mukca_torques_saturate(mukca_torques *t)
 }
 
 mukca_torque_columns mukca_torque_columns_of(mukca_pool *pool, const mukca_torques *t,
-                                             const mukca_torque_set *set)
+                                             const mukca_torque_set *set, bool single)
 {
-    int n = t->items.n_parameters + 1;
-    for (int i = 0; set && i < set->n; i++) n += t->items.item[set->item[i]].terms;
+    const mukca_items *all = &t->items;
+    int n = all->n_parameters + 1 + (single ? all->n_items : 0);
+    for (int i = 0; set && i < set->n; i++) n += all->item[set->item[i]].terms;
     mukca_torque_columns c = mukca_torque_columns_take(pool, n);
     if (pool->failed) return c;
     mukca_torque_columns_parameters(&c, t);
     for (int i = 0; set && i < set->n; i++)
         mukca_torque_columns_item(&c, t, set->item[i], set->size[i]);
+    for (int i = 0; single && i < all->n_items; i++) {
+        const mukca_torque_effect *row = &mukca_torque_table[all->row[i]];
+        const mukca_mixture *prior = &all->item[i].prior;
+        if (row->name && row->n == 1)
+            mukca_torque_columns_item(&c, t, i, prior->size[prior->n_sizes - 1]);
+    }
     mukca_torque_columns_value(&c, t);
     return c;
 }
@@ -248,7 +255,7 @@ mukca_torque_columns mukca_torque_columns_of(mukca_pool *pool, const mukca_torqu
 bool mukca_torques_measure_noise(mukca_torques *t, const mukca_torque_set *set)
 {
     mukca_pool pool = {0};
-    const mukca_torque_columns c = mukca_torque_columns_of(&pool, t, set);
+    const mukca_torque_columns c = mukca_torque_columns_of(&pool, t, set, true);
     const int w = c.n;
     const size_t square = (size_t)w * (size_t)w;
     double *G = MUKCA_TAKE(&pool, double, w *w), *L = MUKCA_TAKE(&pool, double, w *w),
@@ -296,7 +303,7 @@ bool mukca_torques_ask(mukca_question *question, mukca_item *own, mukca_pool *po
         own[i].at = layout.n_columns;
         layout.n_columns += own[i].terms;
     }
-    mukca_torque_columns c = mukca_torque_columns_of(&scratch, t, held), all;
+    mukca_torque_columns c = mukca_torque_columns_of(&scratch, t, held, false), all;
     layout.n = c.n - 1;
     const int width = c.n + layout.n_columns;
     all = mukca_torque_columns_take(&scratch, width);

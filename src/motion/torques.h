@@ -37,9 +37,10 @@ void mukca_torque_columns_value(mukca_torque_columns *columns, const mukca_torqu
 void mukca_torque_columns_item(mukca_torque_columns *columns, const mukca_torques *t, int item,
                                double size);
 
-/* Parameters, items of a set (NULL: none), value.  Check pool->failed. */
+/* Parameters, items of a set (NULL: none), value; `single`: also all effects of one column at a
+ * joint.  Check pool->failed. */
 mukca_torque_columns mukca_torque_columns_of(mukca_pool *pool, const mukca_torques *t,
-                                             const mukca_torque_set *set);
+                                             const mukca_torque_set *set, bool single);
 
 /* Weights of the parts; the whole: those that are fitted. */
 typedef struct {
@@ -55,8 +56,9 @@ bool mukca_torques_multiply(double *G, const mukca_torques *t, const mukca_torqu
 /* Rows of a joint in these parts; at least a tiny number. */
 double mukca_torques_rows(const mukca_torques *t, const mukca_part_weights *parts, int joint);
 
-/* Noise of each joint: of a fit of all raw columns; of a fit of the parameters and a set, where the
- * correlation does not fall.  False: no memory, or not positive. */
+/* Noise of each joint: of a fit of all raw columns; of a fit of the parameters, a set and all
+ * effects of one column: Coulomb friction that the set lacks is constant between reversals, and
+ * would pass for noise of a correlation that hides it.  False: no memory, or not positive. */
 bool mukca_torques_saturate(mukca_torques *t);
 bool mukca_torques_measure_noise(mukca_torques *t, const mukca_torque_set *set);
 
