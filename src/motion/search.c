@@ -187,7 +187,7 @@ mukca_status mukca_torque_search_run(mukca_torque_search *s, mukca_pool *pool, m
     const int n = t->items.n_items;
     ranked *alone = MUKCA_TAKE(pool, ranked, n), *beside = MUKCA_TAKE(pool, ranked, n);
     s->kept = MUKCA_TAKE(pool, int, n);
-    bool ok = !pool->failed && mukca_torques_saturate(t);
+    bool ok = !pool->failed && mukca_torques_measure_noise(t, &none);
     for (int pass = 0, settled = 0; ok; pass++) {
         const bool last = settled || pass + 1 == PASSES;
         mukca_pool_free(&s->pool);

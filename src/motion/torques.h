@@ -56,10 +56,9 @@ bool mukca_torques_multiply(double *G, const mukca_torques *t, const mukca_torqu
 /* Rows of a joint in these parts; at least a tiny number. */
 double mukca_torques_rows(const mukca_torques *t, const mukca_part_weights *parts, int joint);
 
-/* Noise of each joint: of a fit of all raw columns; of a fit of the parameters, a set and all
- * effects of one column: Coulomb friction that the set lacks is constant between reversals, and
- * would pass for noise of a correlation that hides it.  False: no memory, or not positive. */
-bool mukca_torques_saturate(mukca_torques *t);
+/* Noise of each joint, of a fit of the parameters, a set and all effects of one column: Coulomb
+ * friction that the set lacks is constant between reversals, and would pass for noise of a
+ * correlation that hides it.  False: no memory, or not positive. */
 bool mukca_torques_measure_noise(mukca_torques *t, const mukca_torque_set *set);
 
 /* Posterior mean mean[parameters and columns of the set], in units of their priors, from these
