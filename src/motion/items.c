@@ -390,5 +390,8 @@ bool mukca_items_list(mukca_items *items, mukca_pool *pool, const mukca_motion_i
     list_parameters(&l);
     list_value(&l, scratch);
     list_items(&l);
+    items->drift = items->n_columns;
+    for (int j = 0; j < n; j++)
+        list_local(&l, j, MUKCA_RAW_WARMING, FREE_FRICTION * model->signals->range[j]);
     return items->n_columns < l.most_columns && items->n_terms < l.most_terms;
 }

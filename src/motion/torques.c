@@ -183,22 +183,23 @@ static void update_noise(mukca_torques *t, int j, const double *const SD[2], con
 }
 
 mukca_torque_columns mukca_torque_columns_of(mukca_pool *pool, const mukca_torques *t,
-                                             const mukca_torque_set *set, bool single)
+                                             const mukca_torque_set *set, bool more)
 {
     const mukca_items *all = &t->items;
-    int n = all->n_parameters + 1 + (single ? all->n_items : 0);
+    int n = all->n_parameters + 1 + (more ? all->n_items + t->n : 0);
     for (int i = 0; set && i < set->n; i++) n += all->item[set->item[i]].terms;
     mukca_torque_columns c = mukca_torque_columns_take(pool, n);
     if (pool->failed) return c;
     mukca_torque_columns_parameters(&c, t);
     for (int i = 0; set && i < set->n; i++)
         mukca_torque_columns_item(&c, t, set->item[i], set->size[i]);
-    for (int i = 0; single && i < all->n_items; i++) {
+    for (int i = 0; more && i < all->n_items; i++) {
         const mukca_torque_effect *row = &mukca_torque_table[all->row[i]];
         const mukca_mixture *prior = &all->item[i].prior;
         if (row->name && row->n == 1)
             mukca_torque_columns_item(&c, t, i, prior->size[prior->n_sizes - 1]);
     }
+    if (more) append(&c, all->drift, t->n, 1);
     mukca_torque_columns_value(&c, t);
     return c;
 }
