@@ -28,6 +28,8 @@
 #define REVERSAL_UNKNOWN 0.03
 /* Of delays, those of one joint alone: a bus transports the torques of all joints together. */
 #define OWN_DELAY 0.2
+/* Odds of friction at a joint for which the model has none: even. */
+#define OMITTED (1 / MUKCA_EFFECT_ODDS)
 /* An arm's mass without masses in its model, kg: half of that of common ones. */
 #define ARM_MASS 20.0
 
@@ -138,7 +140,8 @@ static void list_parameters(lister *l)
         list_local(l, j, MUKCA_RAW_STRIBECK + 1, 0.3 * free * range);
         list_local(l, j, MUKCA_RAW_SPEED, 0.3 * free * range / speed);
         list_local(l, j, MUKCA_RAW_LOAD, 0.3 * free);
-        const double sign = d->coulomb[j] > 0 ? d->coulomb[j] : REVERSAL_UNKNOWN * range;
+        const double sign = fmax(d->coulomb[j] > 0 ? d->coulomb[j] : REVERSAL_UNKNOWN * range,
+                                 l->point->coulomb[j]);
         for (int k = 0; k < MUKCA_REVERSALS; k++)
             list_local(l, j, MUKCA_RAW_REVERSAL + k, (k < 3 ? LATE : REVERSAL) * sign);
     }
@@ -179,8 +182,8 @@ static void list_value(lister *l, double *scratch)
 static double normal_of(const lister *l, const mukca_torque_effect *e, int joint, int column)
 {
     const mukca_signals *s = l->model->signals;
-    const int other = column == MUKCA_RAW_BESIDE + 1   ? joint - 1
-                      : column == MUKCA_RAW_BESIDE + 3 ? joint + 1
+    const int other = column == MUKCA_RAW_BESIDE       ? joint - 1
+                      : column == MUKCA_RAW_BESIDE + 4 ? joint + 1
                                                        : -1;
     if (e->n <= 1) return 1;
     if (column == MUKCA_RAW_ONE && e->scale == MUKCA_PER_TRAVEL)
@@ -247,6 +250,14 @@ static double scale_of(const lister *l, const mukca_torque_effect *e, int joint)
     }
 }
 
+/* Is it friction that the model omits?  No drive is without. */
+static bool lacks_friction(const lister *l, int e, int joint)
+{
+    const mukca_drives *d = &l->input->drives;
+    const double *of = e == MUKCA_MOTION_COULOMB ? d->coulomb : d->viscous;
+    return mukca_torque_table[e].nonnegative && !l->reference && !(of[joint] > 0);
+}
+
 /* Begin an item of row e at the joints from .. to; its columns follow. */
 static mukca_item *begin(lister *l, int e, int from, int to, int variant)
 {
@@ -262,9 +273,7 @@ static mukca_item *begin(lister *l, int e, int from, int to, int variant)
     for (int k = 0; k < 5 && row->size[k] > 0; k++)
         h->prior.size[h->prior.n_sizes++] = row->size[k] * scale;
     for (int k = 0; k < h->prior.n_sizes; k++) h->prior.log_weight[k] = -log(h->prior.n_sizes);
-    h->prior.nonnegative = row->nonnegative && !l->reference &&
-                           !((e == MUKCA_MOTION_COULOMB ? l->input->drives.coulomb
-                                                        : l->input->drives.viscous)[to] > 0);
+    h->prior.nonnegative = lacks_friction(l, e, to);
     *label = (mukca_label){.family = (int)row->family,
                            .effect = row->name ? e : -1 - e,
                            .from = from,
@@ -310,7 +319,7 @@ static void list_at(lister *l, int e, int joint)
         else
             put_columns(l, row, joint, v);
         if (row->n < 0) end_column(l);
-        finish(l, h, each);
+        finish(l, h, lacks_friction(l, e, joint) ? OMITTED : each);
     }
 }
 
@@ -381,5 +390,8 @@ bool mukca_items_list(mukca_items *items, mukca_pool *pool, const mukca_motion_i
     list_parameters(&l);
     list_value(&l, scratch);
     list_items(&l);
+    items->drift = items->n_columns;
+    for (int j = 0; j < n; j++)
+        list_local(&l, j, MUKCA_RAW_WARMING, FREE_FRICTION * model->signals->range[j]);
     return items->n_columns < l.most_columns && items->n_terms < l.most_terms;
 }

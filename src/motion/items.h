@@ -18,6 +18,7 @@ typedef struct {
 typedef struct {
     int n_parameters, n_columns, n_terms;
     int n_gains; /* the last ones of the parameters */
+    int drift;   /* the last columns: for each joint, friction that falls in the recording */
     int *first;  /* [n_columns + 1] terms of a column */
     mukca_raw_term *term;
     int n_items;
@@ -29,7 +30,8 @@ typedef struct {
 
 /* The point of linearisation: what is nonlinear in the coefficients. */
 typedef struct {
-    double delay[MUKCA_MAX_JOINTS]; /* s */
+    double delay[MUKCA_MAX_JOINTS];   /* s */
+    double coulomb[MUKCA_MAX_JOINTS]; /* N m: the scale of its shape at reversals */
     /* raw coefficients of the arm's torque, on which a gain acts */
     double *torque[MUKCA_MAX_JOINTS];
 } mukca_motion_point;

@@ -66,8 +66,10 @@ static void put_velocity(double *x, const mukca_stretch *s, int n, int at, int j
         const int other = side ? j + 1 : j - 1;
         const bool is = other >= 0 && other < n;
         const double w = is ? s->dq[at + other] : 0;
-        x[MUKCA_RAW_BESIDE + 2 * side] = tanh(w / MUKCA_SIGN_VELOCITY);
-        x[MUKCA_RAW_BESIDE + 2 * side + 1] = w;
+        double *beside = x + MUKCA_RAW_BESIDE + 4 * side;
+        beside[0] = w;
+        for (int k = -1; k < 2; k++) /* a motor of a coupled wrist turns with both */
+            beside[2 + k] = is ? tanh((w + k * v) / MUKCA_SIGN_VELOCITY) : 0;
         x[MUKCA_RAW_ACCELERATION + 1 + side] = is ? s->ddq[at + other] : 0;
     }
 }

@@ -32,8 +32,9 @@ enum {
     MUKCA_RAW_VELOCITY = MUKCA_RAW_PLAY + MUKCA_PLAYS,
     MUKCA_RAW_SPEED,                               /* |dq| */
     MUKCA_RAW_DRAG,                                /* dq |dq|, dq^3, over the fastest */
-    MUKCA_RAW_BESIDE = MUKCA_RAW_DRAG + 2,         /* sign and velocity of both neighbours */
-    MUKCA_RAW_ACCELERATION = MUKCA_RAW_BESIDE + 4, /* own, and of both neighbours */
+    MUKCA_RAW_BESIDE = MUKCA_RAW_DRAG + 2,         /* of both neighbours: velocity; sign of it minus
+                                                      the own, of it, of it plus the own */
+    MUKCA_RAW_ACCELERATION = MUKCA_RAW_BESIDE + 8, /* own, and of both neighbours */
     MUKCA_RAW_LOAD =
         MUKCA_RAW_ACCELERATION + 3, /* sign |T| of gravity alone, of all; sign T^2, velocity |T| */
     MUKCA_RAW_WAVE = MUKCA_RAW_LOAD + 4,                 /* cosine, sine of each order */

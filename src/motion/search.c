@@ -2,7 +2,6 @@
 #include "motion/search.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -137,15 +136,15 @@ static bool same(const mukca_torque_set *a, const mukca_torque_set *b)
     return a->n == b->n && memcmp(a->item, b->item, sizeof *a->item * (size_t)a->n) == 0;
 }
 
-/* Linearise at a set: its delays, and the torque on which a gain acts.  Returns the change of the
- * delays, s. */
+/* Linearise at a set: its delays, its friction, and the torque on which a gain acts.  Returns the
+ * change of the delays, s. */
 static double linearise(mukca_torque_search *s, const mukca_torque_set *set)
 {
     mukca_torques *t = s->t;
     mukca_pool pool = {0};
     mukca_items *all = &t->items;
     double delay[MUKCA_MAX_JOINTS] = {0}, change = 0;
-    const mukca_torque_columns c = mukca_torque_columns_of(&pool, t, set);
+    const mukca_torque_columns c = mukca_torque_columns_of(&pool, t, set, false);
     double *mean = MUKCA_TAKE(&pool, double, c.n);
     bool ok = !pool.failed && mukca_torques_fit(mean, t, &c, &mukca_torques_whole);
     for (int j = 0; j < t->n && ok; j++)
@@ -158,6 +157,13 @@ static double linearise(mukca_torque_search *s, const mukca_torque_set *set)
                 delay[j] += mean[at] * set->size[k];
         at += all->item[item].terms;
     }
+    memcpy(t->point.coulomb, t->input->drives.coulomb, sizeof t->point.coulomb);
+    for (int i = 0; i < c.n - 1 && ok; i++)
+        for (int r = all->first[c.column[i]]; r < all->first[c.column[i] + 1]; r++) {
+            const mukca_raw_term *of = &all->term[r];
+            if (of->raw == mukca_raw_local(t->n, of->joint, MUKCA_RAW_SIGN))
+                t->point.coulomb[of->joint] += mean[i] * c.factor[i] * of->weight;
+        }
     const int gains = all->n_parameters - all->n_gains;
     for (int i = 0; i < gains && ok; i++)
         for (int r = all->first[i]; r < all->first[i + 1]; r++)
@@ -181,39 +187,19 @@ mukca_status mukca_torque_search_run(mukca_torque_search *s, mukca_pool *pool, m
     const int n = t->items.n_items;
     ranked *alone = MUKCA_TAKE(pool, ranked, n), *beside = MUKCA_TAKE(pool, ranked, n);
     s->kept = MUKCA_TAKE(pool, int, n);
-    bool ok = !pool->failed && mukca_torques_saturate(t);
+    bool ok = !pool->failed && mukca_torques_measure_noise(t, &none);
     for (int pass = 0, settled = 0; ok; pass++) {
         const bool last = settled || pass + 1 == PASSES;
         mukca_pool_free(&s->pool);
         ok = score(alone, t, &none) && score(beside, t, &best);
         if (!ok) break;
         qsort(alone, (size_t)n, sizeof *alone, by_odds);
-        if (getenv("DBG") && last) {
-            for (int j = 0; j < t->n; j++)
-                fprintf(stderr, "noise joint %d rho %.3f sigma %.4g range %.4g\n", j, t->rho[j],
-                        t->sigma[j], t->model.signals->range[j]);
-            for (int i = 0; i < 24; i++) {
-                const mukca_label *l = &t->items.label[alone[i].index];
-                fprintf(stderr, "alone %.1f effect %d %s family %s from %d to %d detail %d\n",
-                        alone[i].odds, l->effect,
-                        l->effect >= 0 ? mukca_torque_table[l->effect].name : "?",
-                        mukca_torque_family_name[l->family], l->from, l->to, l->detail);
-            }
-        }
         keep(s, alone, beside, &best);
         ok = begin(s, &mukca_torques_whole);
         if (!ok) break;
         insert(s, &best);
         mukca_sets_explore(&s->sets, last ? BUDGET : QUICK, last);
         const mukca_torque_set found = set_of(s, s->sets.best);
-        if (getenv("DBG") && last)
-            for (int i = 0; i < found.n; i++) {
-                const mukca_label *l = &t->items.label[found.item[i]];
-                fprintf(stderr, "best effect %d %s family %s from %d to %d detail %d size %g\n",
-                        l->effect, l->effect >= 0 ? mukca_torque_table[l->effect].name : "?",
-                        mukca_torque_family_name[l->family], l->from, l->to, l->detail,
-                        found.size[i]);
-            }
         if (last) break;
         mukca_pool_free(&s->pool);
         const double change = linearise(s, &found);

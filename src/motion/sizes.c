@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "math/dense.h"
 #include "math/stats.h"
 #include "motion/findings.h"
 
@@ -113,30 +114,59 @@ static int by_probability(const void *a, const void *b)
     return (x->probability < y->probability) - (x->probability > y->probability);
 }
 
+static const mukca_torque_effect *row_of(const measured *w, const mukca_set *set, int member)
+{
+    const mukca_torque_search *s = w->p->search;
+    return &mukca_torque_table[s->t->items.row[s->kept[set->item[member]]]];
+}
+
+/* slope[columns] of the coefficient of a member in those of functions outside the catalogue of its
+ * joint's motion: the part of these that the set's effects of one column there imitate together. */
+static void project(double *slope, const measured *w, const mukca_set *set, int member)
+{
+    const mukca_torque_posterior *p = w->p;
+    const mukca_label *own = &p->label[p->label_of[set->item[member]]];
+    double L[MUKCA_SET_ITEMS * MUKCA_SET_ITEMS], x[MUKCA_SET_ITEMS];
+    int at[MUKCA_SET_ITEMS], n = 0, index = 0;
+    for (int m = 0; m < set->n; m++) {
+        const mukca_label *l = &p->label[p->label_of[set->item[m]]];
+        if (m == member) index = n;
+        if (l->effect >= 0 && l->from == own->from && l->to == own->to && row_of(w, set, m)->n == 1)
+            at[n++] = w->plain[w->at[m]];
+    }
+    for (int m = 0; m < set->n; m++) {
+        const mukca_label *l = &p->label[p->label_of[set->item[m]]];
+        if (l->effect >= 0 || l->from != own->from || l->to != own->to ||
+            row_of(w, set, m)->raw == MUKCA_RAW_BESIDE)
+            continue;
+        for (int a = w->at[m]; a < w->at[m] + p->search->item[set->item[m]].terms; a++) {
+            const double *G = p->plain[own->to];
+            for (int i = 0; i < n; i++) {
+                x[i] = G[at[i] * p->columns.n + w->plain[a]];
+                for (int k = 0; k < n; k++) L[i * n + k] = G[at[i] * p->columns.n + at[k]];
+            }
+            if (mukca_dense_cholesky(L, n)) return;
+            mukca_dense_forward(x, 1, L, n);
+            mukca_dense_backward(x, 1, L, n);
+            slope[a] = x[index];
+        }
+    }
+}
+
 /* Amplitude of a member: the root of its squares, of waves and vectors, else its first coefficient,
- * with the part of functions outside the catalogue of the same family along its column. */
+ * with its part in functions outside the catalogue. */
 static void amplitude_of(double *mean, double *variance, const measured *w, const mukca_set *set,
                          int member)
 {
-    const mukca_torque_posterior *p = w->p;
-    const mukca_torque_search *s = p->search;
-    const mukca_torque_effect *row =
-        &mukca_torque_table[s->t->items.row[s->kept[set->item[member]]]];
-    const mukca_label *own = &p->label[p->label_of[set->item[member]]];
+    const mukca_torque_search *s = w->p->search;
+    const mukca_torque_effect *row = row_of(w, set, member);
     const int at = w->at[member], terms = s->item[set->item[member]].terms;
     const bool norm = row->orders || (row->links && row->raw == MUKCA_RIGID_CENTRE);
     double slope[MUKCA_SET_COLUMNS] = {[0] = 0}, square = 0;
     for (int a = at; a < at + terms; a++) square += w->mean[a] * w->mean[a];
     for (int a = at; a < at + terms; a++)
         slope[a] = norm ? w->mean[a] / sqrt(fmax(square, 1e-300)) : a == at;
-    for (int m = 0; m < set->n && row->n == 1; m++) {
-        const mukca_label *l = &p->label[p->label_of[set->item[m]]];
-        const double *G = p->plain[own->to] + w->plain[at] * p->columns.n;
-        if (l->effect >= 0 || l->family != own->family || l->from != own->from || l->to != own->to)
-            continue;
-        for (int a = w->at[m]; a < w->at[m] + s->item[set->item[m]].terms; a++)
-            slope[a] = G[w->plain[a]] / G[w->plain[at]];
-    }
+    if (row->n == 1) project(slope, w, set, member);
     *mean = *variance = 0;
     for (int a = 0; a < w->columns; a++) {
         *mean += slope[a] * w->mean[a];

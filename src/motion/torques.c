@@ -10,9 +10,6 @@
 #define MOST_CORRELATION 0.98
 /* Least noise, relative to the range: no drive measures its torque to better than 1 in 1000. */
 #define LEAST_NOISE 1e-3
-/* Prior deviation of each raw column's torque in the saturated fit, relative to the range. */
-#define SATURATED 0.3
-
 const mukca_part_weights mukca_torques_whole = {{[MUKCA_PART_NEW] = 1, [MUKCA_PART_REFERENCE] = 1}};
 
 mukca_torque_columns mukca_torque_columns_take(mukca_pool *pool, int n)
@@ -185,62 +182,24 @@ static void update_noise(mukca_torques *t, int j, const double *const SD[2], con
     t->rho[j] = fmin(fmax(1 - 0.5 * steps / fmax(squares, 1e-300), 0), MOST_CORRELATION);
 }
 
-/* A joint's torque on all its raw columns. */
-static bool saturate_joint(mukca_torques *t, int j, mukca_pool *pool)
-{
-    const int width = mukca_raw_width(t->n, j), n = width - MUKCA_SHIFTS, w = n + 1;
-    double *S = MUKCA_TAKE(pool, double, width *width), *D = MUKCA_TAKE(pool, double, width *width),
-           *G = MUKCA_TAKE(pool, double, w *w), *L = MUKCA_TAKE(pool, double, n *n),
-           *scratch = MUKCA_TAKE(pool, double, n *n), *x = MUKCA_TAKE(pool, double, w);
-    const double rows = mukca_torques_rows(t, &mukca_torques_whole, j),
-                 range = t->model.signals->range[j], *const SD[2] = {S, D};
-    if (pool->failed) return false;
-    for (int g = 0; g < MUKCA_PARTS; g++) { /* rho 0: S; 1: D */
-        mukca_raw_products_add(S, &t->part[g], j, width, 0, mukca_torques_whole.of[g]);
-        mukca_raw_products_add(D, &t->part[g], j, width, 1, mukca_torques_whole.of[g]);
-    }
-    for (int i = 0; i < w; i++)
-        x[i] = i < n
-                   ? SATURATED * range / sqrt(fmax(S[i * width + i] / rows, 1e-12 * range * range))
-                   : 1;
-    for (int i = 0; i < w; i++) /* the value is the torque in the middle */
-        for (int k = 0; k < w; k++) {
-            const int from =
-                (i < n ? i : n + MUKCA_SHIFTS / 2) * width + (k < n ? k : n + MUKCA_SHIFTS / 2);
-            S[i * w + k] = x[i] * x[k] * S[from];
-            D[i * w + k] = x[i] * x[k] * D[from];
-        }
-    t->sigma[j] = 0.1 * range;
-    for (int iteration = 0; iteration < 6; iteration++) {
-        const double rho = t->rho[j], over = 1 / (t->sigma[j] * t->sigma[j]);
-        for (int i = 0; i < w * w; i++) G[i] = over * ((1 - rho) * (1 - rho) * S[i] + rho * D[i]);
-        if (!solve(x, L, G, w)) return false;
-        update_noise(t, j, SD, x, L, w, scratch);
-    }
-    return true;
-}
-
-bool mukca_torques_saturate(mukca_torques *t)
-{
-    bool ok = true;
-    for (int j = 0; j < t->n && ok; j++) {
-        mukca_pool pool = {0};
-        ok = saturate_joint(t, j, &pool);
-        mukca_pool_free(&pool);
-    }
-    return ok;
-}
-
 mukca_torque_columns mukca_torque_columns_of(mukca_pool *pool, const mukca_torques *t,
-                                             const mukca_torque_set *set)
+                                             const mukca_torque_set *set, bool more)
 {
-    int n = t->items.n_parameters + 1;
-    for (int i = 0; set && i < set->n; i++) n += t->items.item[set->item[i]].terms;
+    const mukca_items *all = &t->items;
+    int n = all->n_parameters + 1 + (more ? all->n_items + t->n : 0);
+    for (int i = 0; set && i < set->n; i++) n += all->item[set->item[i]].terms;
     mukca_torque_columns c = mukca_torque_columns_take(pool, n);
     if (pool->failed) return c;
     mukca_torque_columns_parameters(&c, t);
     for (int i = 0; set && i < set->n; i++)
         mukca_torque_columns_item(&c, t, set->item[i], set->size[i]);
+    for (int i = 0; more && i < all->n_items; i++) {
+        const mukca_torque_effect *row = &mukca_torque_table[all->row[i]];
+        const mukca_mixture *prior = &all->item[i].prior;
+        if (row->name && row->n == 1)
+            mukca_torque_columns_item(&c, t, i, prior->size[prior->n_sizes - 1]);
+    }
+    if (more) append(&c, all->drift, t->n, 1);
     mukca_torque_columns_value(&c, t);
     return c;
 }
@@ -248,7 +207,7 @@ mukca_torque_columns mukca_torque_columns_of(mukca_pool *pool, const mukca_torqu
 bool mukca_torques_measure_noise(mukca_torques *t, const mukca_torque_set *set)
 {
     mukca_pool pool = {0};
-    const mukca_torque_columns c = mukca_torque_columns_of(&pool, t, set);
+    const mukca_torque_columns c = mukca_torque_columns_of(&pool, t, set, true);
     const int w = c.n;
     const size_t square = (size_t)w * (size_t)w;
     double *G = MUKCA_TAKE(&pool, double, w *w), *L = MUKCA_TAKE(&pool, double, w *w),
@@ -256,6 +215,8 @@ bool mukca_torques_measure_noise(mukca_torques *t, const mukca_torque_set *set)
            *scratch = MUKCA_TAKE(&pool, double, w *w), *x = MUKCA_TAKE(&pool, double, w);
     const double *const SD[2] = {S, D};
     bool ok = !pool.failed;
+    for (int j = 0; j < t->n; j++) /* at first */
+        if (!(t->sigma[j] > 0)) t->sigma[j] = 0.1 * t->model.signals->range[j];
     for (int iteration = 0; iteration < 4 && ok; iteration++) {
         memset(G, 0, sizeof *G * square);
         ok = mukca_torques_multiply(G, t, &c, &mukca_torques_whole, -1, true) && solve(x, L, G, w);
@@ -296,7 +257,7 @@ bool mukca_torques_ask(mukca_question *question, mukca_item *own, mukca_pool *po
         own[i].at = layout.n_columns;
         layout.n_columns += own[i].terms;
     }
-    mukca_torque_columns c = mukca_torque_columns_of(&scratch, t, held), all;
+    mukca_torque_columns c = mukca_torque_columns_of(&scratch, t, held, false), all;
     layout.n = c.n - 1;
     const int width = c.n + layout.n_columns;
     all = mukca_torque_columns_take(&scratch, width);

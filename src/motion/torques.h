@@ -37,9 +37,10 @@ void mukca_torque_columns_value(mukca_torque_columns *columns, const mukca_torqu
 void mukca_torque_columns_item(mukca_torque_columns *columns, const mukca_torques *t, int item,
                                double size);
 
-/* Parameters, items of a set (NULL: none), value.  Check pool->failed. */
+/* Parameters, items of a set (NULL: none), value; `more`: also all effects of one column at
+ * a joint, and Coulomb friction that drifts.  Check pool->failed. */
 mukca_torque_columns mukca_torque_columns_of(mukca_pool *pool, const mukca_torques *t,
-                                             const mukca_torque_set *set);
+                                             const mukca_torque_set *set, bool more);
 
 /* Weights of the parts; the whole: those that are fitted. */
 typedef struct {
@@ -55,9 +56,9 @@ bool mukca_torques_multiply(double *G, const mukca_torques *t, const mukca_torqu
 /* Rows of a joint in these parts; at least a tiny number. */
 double mukca_torques_rows(const mukca_torques *t, const mukca_part_weights *parts, int joint);
 
-/* Noise of each joint: of a fit of all raw columns; of a fit of the parameters and a set, where the
- * correlation does not fall.  False: no memory, or not positive. */
-bool mukca_torques_saturate(mukca_torques *t);
+/* Noise of each joint, of a fit of the parameters, a set and more: friction that the set lacks is
+ * nearly constant between reversals, and would pass for noise of a correlation that hides it.
+ * False: no memory, or not positive. */
 bool mukca_torques_measure_noise(mukca_torques *t, const mukca_torque_set *set);
 
 /* Posterior mean mean[parameters and columns of the set], in units of their priors, from these

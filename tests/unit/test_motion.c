@@ -13,6 +13,7 @@ enum { N = 3, ROWS = 3200, RATE = 100 };
 /* What is put into the torques. */
 typedef struct {
     double payload, coulomb, viscous, delay, gain, wave; /* at joint 2 but payload, delay */
+    double coupled; /* of a motor that turns with joints 1 and 2 */
     double unknown; /* Coulomb friction of joint 1 that the model lacks */
     double sign, speed;
     bool one_way;
@@ -75,6 +76,8 @@ static void record(int i, mukca_run_role role, int seed, const put *p)
         torque[0] += p->unknown * tanh(dq[0] / MUKCA_SIGN_VELOCITY);
         torque[1] += p->coulomb * tanh(dq[1] / MUKCA_SIGN_VELOCITY) + p->viscous * dq[1] +
                      p->wave * sin(8 * q[1]);
+        for (int j = 0; j < 2; j++)
+            torque[j] += p->coupled * tanh((dq[0] + dq[1]) / MUKCA_SIGN_VELOCITY);
         torque[1] *= 1 + p->gain;
         move(run[i].q + r * N, dq, ddq, t, p);
         run[i].time[r] = t;
@@ -152,6 +155,25 @@ TEST(test_what_the_catalogue_lacks_is_unknown)
     assert_int_equal(motion.finding[0].group.from, 1);
     assert_int_equal(motion.finding[0].group.to, 1);
     assert_int_equal(motion.verdict, MUKCA_MOTION_UNKNOWN);
+}
+
+/* In 10 s, of friction that the model lacks; the friction of a coupled wrist is not the joints'. */
+TEST(test_friction_is_found_beside_that_of_a_coupled_wrist)
+{
+    double value = 0;
+    bool coupled = false;
+    record(0, MUKCA_RUN_NEW, 19, &(put){.coulomb = 0.7, .unknown = 1, .coupled = 0.8});
+    run[0].n = 1000;
+    assert_int_equal(analyse(1, NULL), MUKCA_OK);
+    for (int i = 0; i < motion.n_findings; i++) {
+        const mukca_motion_finding *f = &motion.finding[i];
+        coupled |= f->outside > 0.5 && f->group.family == MUKCA_TORQUE_VELOCITY;
+        for (int k = 0; k < f->n_alternatives; k++)
+            if (f->alternative[k].effect == MUKCA_MOTION_COULOMB && f->alternative[k].from == 1)
+                value = f->alternative[k].amplitude.value;
+    }
+    assert_true(coupled);
+    assert_true(fabs(value - 0.7) <= 0.1);
 }
 
 TEST(test_against_a_reference_only_changes_count)
