@@ -25,50 +25,11 @@
 /* Helpers of such a function: always inlined, to be compiled for the same processor. */
 #define MUKCA_INLINE static inline __attribute__((always_inline))
 
-/* Two doubles: the registers of every processor with vectors of them.  Unaligned, as those below.
- */
-typedef double pair __attribute__((vector_size(16), aligned(8), may_alias));
-
-/* Four.  On processors without such registers the compiler splits it, and sums are in memory. */
+/* Four doubles.  Unaligned; on processors without such registers the compiler splits it. */
 typedef double four __attribute__((vector_size(32), aligned(8), may_alias));
 /* Macros: functions that return wide vectors have no fixed calling convention. */
 #define LOAD4(x) (*(const four *)(const void *)(x))
 #define STORE4(x, value) (*(four *)(void *)(x) = (value))
-
-/* The same with eight. */
-typedef double eight __attribute__((vector_size(64), aligned(8), may_alias));
-#define LOAD8(x) (*(const eight *)(const void *)(x))
-#define STORE8(x, value) (*(eight *)(void *)(x) = (value))
-
-/* MUKCA_KERNEL(linkage, name, (parameters), arguments): name_any(parameters, lanes) is compiled for
- * registers of eight, four and two doubles; name() selects. */
-#define MUKCA_KERNEL_OF(lanes, name, parameters, ...) \
-    static void name##_##lanes parameters             \
-    {                                                 \
-        name##_any(__VA_ARGS__, lanes);               \
-    }
-#define MUKCA_KERNEL_4(name, parameters, ...) \
-    __attribute__((target("avx2"))) MUKCA_KERNEL_OF(4, name, parameters, __VA_ARGS__)
-#define MUKCA_KERNEL_8(name, parameters, ...) \
-    __attribute__((target("arch=x86-64-v4"))) MUKCA_KERNEL_OF(8, name, parameters, __VA_ARGS__)
-#ifdef MUKCA_CLONES_V4
-#define MUKCA_KERNEL(linkage, name, parameters, ...)                \
-    MUKCA_KERNEL_8(name, parameters, __VA_ARGS__)                   \
-    MUKCA_KERNEL_4(name, parameters, __VA_ARGS__)                   \
-    MUKCA_KERNEL_OF(2, name, parameters, __VA_ARGS__)               \
-    linkage void name parameters                                    \
-    {                                                               \
-        (__builtin_cpu_supports("x86-64-v4") ? name##_8             \
-         : __builtin_cpu_supports("avx2")    ? name##_4             \
-                                             : name##_2)(__VA_ARGS__); \
-    }
-#else
-#define MUKCA_KERNEL(linkage, name, parameters, ...) \
-    linkage void name parameters                     \
-    {                                                \
-        name##_any(__VA_ARGS__, 2);                  \
-    }
-#endif
 
 /* Lanes of the kernels shared with controllers: four on processors with vectors of doubles, else
  * one, which every compiler translates efficiently.  Results are bit-identical. */

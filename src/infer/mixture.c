@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "math/four.h"
+#include "base/kernel.h"
 #include "math/stats.h"
 
 /* Several prior sizes at a time, one per lane: 1 + s^2 G = L L', L stored by rows, and x = L^-1 g.

@@ -3,8 +3,8 @@
 #include <math.h>
 #include <stdbool.h>
 
+#include "base/kernel.h"
 #include "math/dense.h"
-#include "math/four.h"
 
 /* Rows per pass: of a wide matrix, its panels stay in the first-level cache, and the sums are
  * written rarely. */
