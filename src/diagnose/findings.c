@@ -186,7 +186,7 @@ mukca_status mukca_findings_reach(mukca_diagnosis *d, mukca_search *id, mukca_er
         status = mukca_identify_with_tails(id, error);
         if (status == MUKCA_OK) status = label_search(&whole, NULL, &pool, id, error);
     }
-    if (status == MUKCA_OK && !pool.failed)
+    if (status == MUKCA_OK && parts.halves && !pool.failed)
         n = mukca_findings_choose(group, &n_findings, &pool, &whole.posterior, parts.half,
                                   parts.halves->n);
     for (int i = 0; i < n; i++) {

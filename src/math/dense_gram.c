@@ -145,25 +145,26 @@ void mukca_dense_xty(double *C, mukca_columns X, mukca_columns Y, int m)
 
 /* Solve L x = b for eight right-hand sides b[n][8], row stride `ld`: some rows at a time, with
  * sums in registers. */
-#define FORWARD(name, vector, most, registers)                                     \
+#define FORWARD(name, vector, at_once, registers)                                  \
     MUKCA_INLINE void name(double *b, int ld, const double *L, int ldl, int n)     \
     {                                                                              \
-        for (int i = 0; i < n; i += most) {                                        \
-            const int rows = n - i < most ? n - i : most;                          \
-            const double *l[most];                                                 \
-            vector x[most][registers];                                             \
-            for (int r = 0; r < most; r++) { /* beyond the last row: that again */ \
+        enum { MOST = (at_once), REGISTERS = (registers) };                        \
+        for (int i = 0; i < n; i += MOST) {                                        \
+            const int rows = n - i < MOST ? n - i : MOST;                          \
+            const double *l[MOST];                                                 \
+            vector x[MOST][REGISTERS];                                             \
+            for (int r = 0; r < MOST; r++) { /* beyond the last row: that again */ \
                 const int row = i + (r < rows ? r : rows - 1);                     \
                 l[r] = L + (long)row * ldl;                                        \
-                for (int v = 0; v < registers; v++) x[r][v] = AT(vector, row, v);  \
+                for (int v = 0; v < REGISTERS; v++) x[r][v] = AT(vector, row, v);  \
             }                                                                      \
             for (int j = 0; j < i; j++)                                            \
-                for (int v = 0; v < registers; v++) {                              \
+                for (int v = 0; v < REGISTERS; v++) {                              \
                     const vector y = AT(vector, j, v);                             \
-                    for (int r = 0; r < most; r++) x[r][v] -= l[r][j] * y;         \
+                    for (int r = 0; r < MOST; r++) x[r][v] -= l[r][j] * y;         \
                 }                                                                  \
             for (int r = 0; r < rows; r++)                                         \
-                for (int v = 0; v < registers; v++) {                              \
+                for (int v = 0; v < REGISTERS; v++) {                              \
                     for (int j = 0; j < r; j++) x[r][v] -= l[r][i + j] * x[j][v];  \
                     x[r][v] /= l[r][i + r];                                        \
                     AT(vector, i + r, v) = x[r][v];                                \

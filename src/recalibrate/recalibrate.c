@@ -150,19 +150,20 @@ static void judge(mukca_recalibration *out)
 }
 
 /* Fit again without the outliers: the result if `robust`, else the basis of the verdict alone. */
-static mukca_status fit_trimmed(session *s, const mukca_dataset *log, bool robust,
+static mukca_status fit_trimmed(const session *s, const mukca_dataset *log, bool robust,
                                 mukca_error *error)
 {
     mukca_recalibration *out = s->out, *again = malloc(sizeof *again);
     mukca_dataset kept = {0};
-    mukca_status status = again ? mukca_pose_log_trim(&kept, &out->stage[MUKCA_WITH_ALL],
-                                                      &out->errors[MUKCA_WITH_ALL], log, error)
-                                : mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    session trimmed = *s;
+    if (!again) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    mukca_status status = mukca_pose_log_trim(&kept, &out->stage[MUKCA_WITH_ALL],
+                                              &out->errors[MUKCA_WITH_ALL], log, error);
     if (status != MUKCA_OK) goto out;
     *again = *out;
-    s->out = again;
-    s->rows = &kept;
-    status = fit_stages(s, log, error);
+    trimmed.out = again;
+    trimmed.rows = &kept;
+    status = fit_stages(&trimmed, log, error);
     if (status != MUKCA_OK) goto out;
     judge(again);
     again->tail = out->tail;
