@@ -10,7 +10,8 @@ typedef double pair __attribute__((vector_size(16), aligned(8), may_alias));
 typedef double eight __attribute__((vector_size(64), aligned(8), may_alias));
 
 /* MUKCA_KERNEL(linkage, name, (parameters), arguments): name_any(parameters, width) is compiled for
- * registers of eight, four and two doubles; name() selects. */
+ * registers of eight, four and two doubles (gcc 12 or later on x86-64, else two); name() selects.
+ */
 #define MUKCA_KERNEL_OF(width, name, parameters, ...) \
     static void name##_##width parameters             \
     {                                                 \

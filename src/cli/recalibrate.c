@@ -1,4 +1,4 @@
-/* mukca recalibrate: joint zeros and link offsets from logged poses. */
+/* mukca recalibrate: geometry, joint zeros and link offsets from logged poses. */
 #include "cli/recalibrate.h"
 
 #include <stdio.h>
@@ -96,14 +96,24 @@ static mukca_status judge_offsets(cli_call *call, cli_recalibrated *r)
     const mukca_fit *all = &r->fit->all;
     const mukca_chain *chain = &call->session->model.chain;
     const int n = MUKCA_PARAMETERS * all->chain.n_elements;
-    mukca_cross_validation held;
+    const recalibrate_options *o = call->options;
+    mukca_dataset kept = {0}, *log = r->log;
+    mukca_cross_validation held = {0};
     double nominal[MUKCA_MAX_THETA];
+    mukca_status status = MUKCA_OK;
     mukca_fit_offsets(&r->offsets, all);
-    mukca_status status = mukca_fit_cross_validate(&held, all, &r->arm, r->log, r->test_log,
-                                                   &r->fit->options, &call->error);
-    if (status != MUKCA_OK) return status;
-    status = mukca_accept_fit(&r->offsets, all, &held, r->log, &r->fit->options, &call->error);
+    if (o->robust && r->fit->trimmed) /* the samples that it was fitted to */
+        status = mukca_pose_log_trim(&kept, &r->fit->stage[MUKCA_WITH_ALL],
+                                     &r->fit->errors[MUKCA_WITH_ALL], r->log, &call->error);
+    if (kept.n_rows) log = &kept;
+    if (status == MUKCA_OK)
+        status = mukca_fit_cross_validate(&held, all, &r->arm, log, r->test_log, &r->fit->options,
+                                          &call->error);
+    if (status == MUKCA_OK)
+        status = mukca_accept_fit(&r->offsets, all, &held, log, &r->fit->options, &call->error);
     mukca_cross_validation_free(&held);
+    mukca_dataset_free(&kept);
+    if (status != MUKCA_OK) return status;
     r->chain = chain->n_elements > all->chain.n_elements ? chain : &all->chain;
     mukca_chain_theta(nominal, r->chain);
     for (int i = n; i < MUKCA_PARAMETERS * r->chain->n_elements; i++)
@@ -137,7 +147,7 @@ static mukca_status run(cli_call *call)
 const cli_command cli_command_recalibrate = {
     .name = "recalibrate",
     .group = CLI_CALIBRATE,
-    .summary = "joint zeros and link offsets from a log of measured poses",
+    .summary = "geometry and joint zeros from a log of measured poses",
     .synopsis = "DATA...",
     .description =
         "DATA are pose logs (tables with the joints and x_m y_m z_m, qw qx qy qz) or folders with "

@@ -219,14 +219,21 @@ static void find_open(mukca_alignment *a, const problem *p, double residual)
     a->open_turn = p->tracker && fits && residual * mukca_norm3(sigma + 3) > open_turn;
 }
 
+static bool is_collected(const mukca_dataset *data, const unsigned char *keep, int row)
+{
+    return data->socket[row] < 0 && isfinite(data->position[3 * (size_t)row]) &&
+           (!keep || keep[row]);
+}
+
 static void collect(problem *p, const mukca_geometry *geometry, const mukca_dataset *data,
                     const unsigned char *keep)
 {
-    const int every = (data->n_rows + MOST_POINTS - 1) / MOST_POINTS;
+    int n = 0;
+    for (int row = 0; row < data->n_rows; row++) n += is_collected(data, keep, row);
+    const int every = (n + MOST_POINTS - 1) / MOST_POINTS;
     for (int row = 0, seen = 0; row < data->n_rows; row++) {
         const double *x = data->position + 3 * (size_t)row;
-        if (data->socket[row] >= 0 || !isfinite(x[0]) || (keep && !keep[row])) continue;
-        if (seen++ % every) continue;
+        if (!is_collected(data, keep, row) || seen++ % every) continue;
         mukca_meeting_point *e = &p->points[p->n++];
         mukca_fk_pose(&e->from, geometry, data->q + (size_t)row * (size_t)data->n_joints, NULL);
         memcpy(e->to, x, sizeof e->to);
@@ -275,10 +282,9 @@ const char *mukca_alignment_open(const mukca_alignment *a)
                "move the tip in three dimensions";
     if (a->open_target)
         return "the poses do not determine the target's offset from the tip (the tool keeps its "
-               "orientation): it is held near the tip, where the nominal error is larger than with "
-               "a "
-               "target that could be anywhere, and an error of it is one of the base's position; "
-               "turn the tool by 30 degrees or more about two axes";
+               "orientation); it is held near the tip; an error of it is one of the base's "
+               "position, and the nominal error is larger than with a free target; turn the tool "
+               "by 30 degrees or more about two axes";
     return NULL;
 }
 

@@ -163,7 +163,8 @@ static mukca_status fit_trimmed(const session *s, const mukca_dataset *log, bool
     *again = *out;
     trimmed.out = again;
     trimmed.rows = &kept;
-    status = fit_stages(&trimmed, log, error);
+    status = check_number(&trimmed, error);
+    if (status == MUKCA_OK) status = fit_stages(&trimmed, log, error);
     if (status != MUKCA_OK) goto out;
     judge(again);
     again->tail = out->tail;
@@ -195,5 +196,8 @@ mukca_status mukca_recalibrate(mukca_recalibration *out, const mukca_chain *arm,
     status = fit_stages(&s, log, error);
     if (status != MUKCA_OK) return status;
     judge(out);
-    return robust || out->tail > tailed ? fit_trimmed(&s, log, robust, error) : MUKCA_OK;
+    if (!robust && !(out->tail > tailed)) return MUKCA_OK;
+    status = fit_trimmed(&s, log, robust, error);
+    /* else too few samples are left: the verdict is that of all */
+    return robust || status == MUKCA_MEMORY || status == MUKCA_INTERRUPTED ? status : MUKCA_OK;
 }

@@ -73,14 +73,14 @@ mukca_status mukca_split_arm_set(mukca_split_arm *split, const mukca_chain *arm,
     return MUKCA_OK;
 }
 
-void mukca_split_arm_list(char *list, size_t size, const mukca_split_arm *split, int first,
+void mukca_split_arm_list(char *list, size_t size, const mukca_split_arm *split, bool free_base,
                           bool lengths, bool turned_tool)
 {
     mukca_text text = {.at = list, .size = size};
     const mukca_chain *chain = &split->chain;
     const int tip = mukca_chain_tip_element(chain);
     list[0] = '\0';
-    for (int j = first; j < chain->n_joints; j++) {
+    for (int j = free_base; j < chain->n_joints; j++) { /* a free base turns joint 1 */
         const int k = split->of[chain->joint_element[j]];
         const char *comma = text.used ? "," : "";
         if (split->axis[j] >= 0)
