@@ -52,8 +52,8 @@ def judge(label, answer, n, withheld):
     if label["detectable"] and not outside:
         out.append(("said", bool(found)))
         out.append(("exact", any(ok and findings.exact(f) for f, ok in zip(found, right))))
-        seen = [e["snr"] * (3 * label["postures"]) ** 0.5 for e in label["effects"]]
-        if label["kind"] == "mixture" and min(seen) >= DETECTABLE:
+        if label["kind"] == "mixture" and DETECTABLE <= (3 * label["postures"]) ** 0.5 * min(
+                e["snr"] for e in label["effects"]):
             out.append(("both", all(any(findings.right(f, [t for t in true if t.cause is e], n)
                                         for f in found) for e in label["effects"])))
     return out, wrong
