@@ -56,6 +56,13 @@ int mukca_candidate_own_terms(const mukca_candidate *h)
     return h->kind == MUKCA_CANDIDATE_EFFECT ? mukca_effect_terms(&h->effect) : h->terms;
 }
 
+bool mukca_candidate_is_flexible(const mukca_candidate *h)
+{
+    return h->kind == MUKCA_CANDIDATE_UNLISTED
+               ? mukca_unlisted_functions[h->unlisted.function].shape == MUKCA_SHAPE_SPRING
+               : mukca_effect_has(mukca_candidate_class(h), MUKCA_TRAIT_ELASTIC);
+}
+
 bool mukca_candidate_by_mass(const mukca_candidate *h)
 {
     return h->terms > mukca_candidate_own_terms(h);

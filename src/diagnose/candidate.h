@@ -42,6 +42,7 @@ typedef enum {
 /* Functions of an argument. */
 typedef enum {
     MUKCA_SHAPE_LINEAR,
+    MUKCA_SHAPE_SPRING,    /* the same of a load, as each part deflects: about a moment's axis */
     MUKCA_SHAPE_SIDE,      /* to which side of 0; of an angle, of the middle of its range */
     MUKCA_SHAPE_WAVE,      /* sine and cosine */
     MUKCA_SHAPE_SOFTENING, /* times time */
@@ -60,6 +61,7 @@ typedef enum {
 typedef enum {
     MUKCA_PLACE_ANGLE,  /* angle of a joint */
     MUKCA_PLACE_ANGLES, /* of all joints, each a function of its own argument */
+    MUKCA_PLACE_LINK,   /* rotation of the link before a joint */
     MUKCA_PLACE_SHIFT,  /* of a frame of the geometry */
     MUKCA_PLACE_TURN,
     MUKCA_PLACE_BASE,     /* rotation of the base */
@@ -127,6 +129,9 @@ bool mukca_candidate_moves_arm(const mukca_candidate *candidate);
 /* Is it fitted with one factor per mass: first a term of all masses, then one term for each? */
 bool mukca_candidate_by_mass(const mukca_candidate *candidate);
 
+/* Is it a part that deflects in proportion to its load, or a servo, listed or not? */
+bool mukca_candidate_is_flexible(const mukca_candidate *candidate);
+
 /* Terms of the effect itself, without those for errors of the masses. */
 int mukca_candidate_own_terms(const mukca_candidate *candidate);
 
@@ -178,7 +183,7 @@ typedef struct {
     enum { MUKCA_OF_ITSELF, MUKCA_OF_OTHERS, MUKCA_OF_ANY } joints; /* of which joint */
 } mukca_unlisted_function;
 
-enum { MUKCA_UNLISTED_FUNCTIONS = 27 };
+enum { MUKCA_UNLISTED_FUNCTIONS = 28 };
 extern const mukca_unlisted_function mukca_unlisted_functions[MUKCA_UNLISTED_FUNCTIONS];
 
 /* Site, terms and components of a term; and the basis. */

@@ -6,9 +6,12 @@
 enum {
     MOST_SLIPS = 64, /* slips tried per joint: half a step off, a slip in mid-recording loses at
                         most 3 % of its evidence */
-    SLIP_ROWS = 3    /* before and after it: else a few outliers */
+    SLIP_ROWS = 3,   /* before and after it: else a few outliers */
+    COMPARED_ROWS = 64
 };
 
+/* Square of the sine between functions that are the same: of single precision, with a margin. */
+#define SAME 1e-6
 /* Least range of a joint, rad or m: a smaller one shows no function of its angle. */
 #define LEAST_RANGE 0.1
 
@@ -25,6 +28,7 @@ static void append_variants(const lister *l, mukca_candidate h)
 {
     static const double widths[] = {0.03, 0.06, 0.12, 0.25, 0.5, 1}; /* rad */
     static const double time_constants[] = {300, 1000, 3000};        /* s, as of joint_drift */
+    static const double torques[] = {0.3, 1, 3};                     /* N m, as of backlash */
     const mukca_recording *r = l->all->recording;
     const int rows = r->data->n_rows, placements = r->data->n_placements, *socket = r->data->socket;
     const double range = l->all->survey.joint[h.joint < 0 ? 0 : h.joint].range;
@@ -41,6 +45,11 @@ static void append_variants(const lister *l, mukca_candidate h)
         while (end > 0 && socket[end - 1] >= 0 && socket[end - 1] == socket[rows - 1]) end--;
         for (int row = SLIP_ROWS; row < end; row += rows / MOST_SLIPS + 1) {
             h.unlisted.measure = row;
+            mukca_candidates_append(l->all, h);
+        }
+    } else if (l->function->shape == MUKCA_SHAPE_SIDE && argument == MUKCA_ARGUMENT_TORQUE) {
+        for (int i = 0; i < COUNT(torques); i++) {
+            h.unlisted.measure = torques[i];
             mukca_candidates_append(l->all, h);
         }
     } else if (l->function->shape == MUKCA_SHAPE_SATURATING) {
@@ -102,6 +111,7 @@ static void append_at(const lister *l, mukca_candidate h)
     const int n = r->chain->n_joints;
     switch (h.unlisted.place) {
         case MUKCA_PLACE_ANGLE:
+        case MUKCA_PLACE_LINK:
             for (int j = 0; j < n; j++) {
                 h.joint = h.unlisted.argument = j;
                 append_arguments(l, h);
@@ -133,6 +143,40 @@ static void append_at(const lister *l, mukca_candidate h)
         default:
             append_arguments(l, h);
     }
+}
+
+/* Are the functions of the first terms of two candidates the same, but for a constant? */
+static bool is_same(const mukca_candidate *a, const mukca_candidate *b, int rows)
+{
+    const size_t width = (size_t)a->width_of_term;
+    const size_t step = (size_t)rows / COMPARED_ROWS + 1, la = (size_t)a->terms * width,
+                 lb = (size_t)b->terms * width;
+    double aa = 0, ab = 0, bb = 0;
+    for (size_t i = 0; i < width; i++)
+        for (size_t row = step; row < (size_t)rows; row += step) {
+            const double x = (double)(a->basis[row * la + i] - a->basis[i]),
+                         y = (double)(b->basis[row * lb + i] - b->basis[i]);
+            aa += x * x, ab += x * y, bb += y * y;
+        }
+    return ab * ab > (1 - SAME) * aa * bb && aa > 0;
+}
+
+void mukca_candidates_drop_listed(mukca_candidates *all)
+{
+    int kept = 0;
+    for (int i = 0; i < all->count; i++) {
+        const mukca_candidate *h = &all->list[i];
+        bool listed = false;
+        for (int k = 0; k < kept && !listed && h->kind == MUKCA_CANDIDATE_UNLISTED; k++) {
+            const mukca_candidate *e = &all->list[k];
+            listed = e->kind == MUKCA_CANDIDATE_EFFECT && e->joint == h->joint && e->basis &&
+                     h->basis && mukca_candidate_site(e) == mukca_candidate_site(h) &&
+                     h->terms == 1 && mukca_candidate_own_terms(e) == 1 &&
+                     is_same(e, h, all->recording->data->n_rows);
+        }
+        if (!listed) all->list[kept++] = *h;
+    }
+    all->count = kept;
 }
 
 void mukca_candidates_append_unlisted(mukca_candidates *all, const mukca_unknowns *unknowns)

@@ -9,8 +9,8 @@
 enum { MOST_ORDERS = 40 }; /* of the orders of a joint that are added later */
 
 /* Prior probability that a flexible part, or a servo, deflects by more than an error: each one
- * deflects, and of the some 24 of an arm (joints, links, base) published recordings show one to
- * three. */
+ * deflects, listed or not, and of the some 24 of an arm (joints, links, base) published recordings
+ * show one to three. */
 #define SHOWS (1.0 / 20)
 
 double mukca_candidates_order_prior(const mukca_candidates *all, const mukca_candidate *h,
@@ -65,6 +65,7 @@ static void set_priors(mukca_candidates *all)
         const mukca_candidate *h = &all->list[i];
         const part p = part_of(h, all->recording);
         all->enabled[mukca_candidate_class(h)] = true;
+        if (mukca_candidate_is_flexible(h)) continue;
         joints[p] += !variants[p][h->joint + 1]++;
     }
     for (int c = 0; c < MUKCA_CLASSES; c++) all->classes += all->enabled[c];
@@ -81,7 +82,7 @@ static void set_priors(mukca_candidates *all)
         h->log_prior =
             mukca_effect_has(class, MUKCA_TRAIT_ORDERS)
                 ? mukca_candidates_order_prior(all, h, h->effect.variant.order)
-            : mukca_effect_has(class, MUKCA_TRAIT_ELASTIC)
+            : mukca_candidate_is_flexible(h)
                 ? log(SHOWS)
                 : log(part_share[p] / (joints[p] * variants[p][h->joint + 1] * all->classes));
     }
@@ -124,6 +125,7 @@ mukca_status mukca_candidates_list(mukca_candidates *all, const mukca_unknowns *
     mukca_candidate *list = MUKCA_TAKE(all->pool, mukca_candidate, all->capacity);
     if (all->pool->failed) return no_memory(all->recording, error);
     mukca_candidates_compute(all);
+    mukca_candidates_drop_listed(all);
     memcpy(list, all->list, sizeof *list * (size_t)all->count);
     all->list = list;
     set_priors(all);

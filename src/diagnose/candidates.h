@@ -32,6 +32,10 @@ void mukca_candidates_append_effects(mukca_candidates *all, int joint);
 void mukca_candidates_append_faults(mukca_candidates *all);
 void mukca_candidates_append_unlisted(mukca_candidates *all, const mukca_unknowns *unknowns);
 
+/* Drop, after their computation, the causes outside the catalogue that are an effect in the list.
+ */
+void mukca_candidates_drop_listed(mukca_candidates *all);
+
 /* Compute what the candidates appended are functions of. */
 void mukca_candidates_compute(mukca_candidates *all);
 

@@ -37,6 +37,7 @@ static void label_unlisted(mukca_label *l, const mukca_candidate *h, const mukca
 {
     const mukca_unlisted_function *f = &mukca_unlisted_functions[h->unlisted.function];
     const int at[MUKCA_PLACES] = {[MUKCA_PLACE_ANGLE] = h->joint,
+                                  [MUKCA_PLACE_LINK] = h->joint,
                                   [MUKCA_PLACE_SHIFT] = frame_position(r, u, h->unlisted.slot),
                                   [MUKCA_PLACE_TURN] = frame_position(r, u, h->unlisted.slot),
                                   [MUKCA_PLACE_BASE] = MUKCA_POSITION_BASE,

@@ -26,6 +26,7 @@ enum {
     BASE_BUMPS = 16,  /* the same: three for a wave of a fifth of it, as of a stand in a room */
     ANGLE = 1 << MUKCA_PLACE_ANGLE,
     ANGLES = 1 << MUKCA_PLACE_ANGLES,
+    LINK = 1 << MUKCA_PLACE_LINK,
     SHIFT = 1 << MUKCA_PLACE_SHIFT,
     TURN = 1 << MUKCA_PLACE_TURN,
     BASE = 1 << MUKCA_PLACE_BASE,
@@ -51,11 +52,12 @@ const mukca_unlisted_function mukca_unlisted_functions[MUKCA_UNLISTED_FUNCTIONS]
     ROW(ANGLE, WAVE, 2, ANGLE, ANGLE, ANY),
     ROW(ANGLE, SIDE, 1, ANGLE, ANGLE, ANY),
     ROW(ANGLE, WAVE, 2, SHIFT | TURN, ANGLE, ITSELF),
-    ROW(TORQUE, LINEAR, 1, ANGLE, LOAD, ITSELF),
+    ROW(TORQUE, SPRING, 1, ANGLE, LOAD, ITSELF),
+    ROW(MOMENT, SPRING, 1, LINK | BASE, LOAD, ITSELF),
     ROW(TORQUE, SIDE, 1, ANGLE, SIDE, ITSELF),
     ROW(TORQUE, SOFTENING, 1, ANGLE, LOAD, ITSELF),
     ROW(TORQUE, DELAYED, 2, ANGLE, LOAD, ITSELF),
-    ROW(ACROSS, LINEAR, 2, ANGLE | BASE, LOAD, ITSELF),
+    ROW(ACROSS, SPRING, 2, ANGLE | BASE, LOAD, ITSELF),
     ROW(PAYLOAD, LINEAR, 1, ANGLE, LOAD, ITSELF),
     ROW(MOVE, SIDE, 1, ANGLE, MOVE, ANY),
     ROW(MOVE, LINEAR, 1, ANGLE, MOVE, ITSELF),
@@ -66,16 +68,17 @@ const mukca_unlisted_function mukca_unlisted_functions[MUKCA_UNLISTED_FUNCTIONS]
     ROW(TIME, BUMPS, BASE_BUMPS, BASE, TIME, ITSELF),
     ROW(MOMENT, LINEAR, 3, SHIFT | TURN | BASE, LOAD, ITSELF),
     ROW(MOMENT, SIDE, 3, TURN | BASE, SIDE, ITSELF),
-    ROW(PLACEMENT, LINEAR, 1, SHIFT | TURN | DISTANCE, PLACEMENT, ITSELF),
+    ROW(PLACEMENT, LINEAR, 1, ANGLE | SHIFT | TURN | DISTANCE, PLACEMENT, ITSELF),
     ROW(TILT, LINEAR, 3, SEAT, ANGLE, ITSELF)};
 
 int mukca_unlisted_site(const mukca_candidate *h)
 {
     static const int sites[] = {
-        [MUKCA_PLACE_ANGLE] = MUKCA_SITE_ANGLE, [MUKCA_PLACE_ANGLES] = MUKCA_SITE_ANGLES,
-        [MUKCA_PLACE_SHIFT] = MUKCA_SITE_FRAME, [MUKCA_PLACE_TURN] = MUKCA_SITE_FRAME,
-        [MUKCA_PLACE_BASE] = MUKCA_SITE_BASE,   [MUKCA_PLACE_SOCKET] = MUKCA_SITE_SEAT,
-        [MUKCA_PLACE_TOOL] = MUKCA_SITE_SEAT,   [MUKCA_PLACE_DISTANCE] = MUKCA_SITE_DISTANCE};
+        [MUKCA_PLACE_ANGLE] = MUKCA_SITE_ANGLE,      [MUKCA_PLACE_ANGLES] = MUKCA_SITE_ANGLES,
+        [MUKCA_PLACE_LINK] = MUKCA_SITE_ROTATION,    [MUKCA_PLACE_SHIFT] = MUKCA_SITE_FRAME,
+        [MUKCA_PLACE_TURN] = MUKCA_SITE_FRAME,       [MUKCA_PLACE_BASE] = MUKCA_SITE_BASE,
+        [MUKCA_PLACE_SOCKET] = MUKCA_SITE_SEAT,      [MUKCA_PLACE_TOOL] = MUKCA_SITE_SEAT,
+        [MUKCA_PLACE_DISTANCE] = MUKCA_SITE_DISTANCE};
     return sites[h->unlisted.place];
 }
 
@@ -93,17 +96,18 @@ typedef struct {
     double late[2], seconds;                  /* DELAYED: loads and time of the row before */
 } survey;
 
-/* Is it the base's rotation about the moments of gravity along two other axes? */
-static bool is_moment_across(const mukca_candidate *h)
+/* Is it a rotation about moments, with one coefficient each? */
+static bool is_about_moments(const mukca_candidate *h)
 {
-    return h->unlisted.place == MUKCA_PLACE_BASE &&
-           mukca_unlisted_functions[h->unlisted.function].argument == MUKCA_ARGUMENT_ACROSS;
+    const mukca_unlisted_function *f = &mukca_unlisted_functions[h->unlisted.function];
+    return (f->shape == MUKCA_SHAPE_SPRING || f->argument == MUKCA_ARGUMENT_ACROSS) &&
+           h->unlisted.place != MUKCA_PLACE_ANGLE;
 }
 
 /* Axes of a place, each with a coefficient for each value of the function. */
 static int axes_of(const mukca_candidate *h)
 {
-    if (is_moment_across(h)) return 1;
+    if (is_about_moments(h)) return 1;
     const int site = mukca_unlisted_site(h);
     return site == MUKCA_SITE_FRAME || site == MUKCA_SITE_BASE ? 3 : 1;
 }
@@ -119,9 +123,9 @@ void mukca_unlisted_set_shape(mukca_candidate *h, const mukca_recording *r)
             (int)fmin(ceil((range[1] - range[0]) / h->unlisted.measure) + 1, MUKCA_MAX_COLUMNS);
     }
     h->terms = values * axes_of(h);
-    h->width_of_term = site == MUKCA_SITE_ANGLES                            ? r->chain->n_joints
-                       : site == MUKCA_SITE_BASE || site == MUKCA_SITE_SEAT ? 3
-                                                                            : 1;
+    h->width_of_term = site == MUKCA_SITE_ANGLES                              ? r->chain->n_joints
+                       : site == MUKCA_SITE_ANGLE || site == MUKCA_SITE_FRAME ? 1
+                                                                              : 3;
 }
 
 /* Axis of the first joint in the base frame: a turn of the base about it is one of the joint. */
@@ -142,7 +146,7 @@ static void survey_rows(survey *s, const mukca_candidate *h, const mukca_recordi
     const int n = r->chain->n_joints, rows = r->data->n_rows, j = h->unlisted.argument;
     const bool base = h->unlisted.place == MUKCA_PLACE_BASE;
     const mukca_argument argument = mukca_unlisted_functions[h->unlisted.function].argument;
-    *s = (survey){.width = {argument == MUKCA_ARGUMENT_MOVE ? MOVE_WIDTH : 1}, /* else 1 N m */
+    *s = (survey){.width = {argument == MUKCA_ARGUMENT_MOVE ? MOVE_WIDTH : h->unlisted.measure},
                   .seconds = HUGE_VAL};
     if (base) find_axis(s->axis, r->chain);
     mukca_recording_range(s->time, r, r->time, 1, 0);
@@ -240,6 +244,7 @@ static void evaluate(double *value, int n, const mukca_candidate *h, const mukca
     find_argument(x, h, r, row, &state);
     switch (f->shape) {
         case MUKCA_SHAPE_LINEAR:
+        case MUKCA_SHAPE_SPRING:
             memcpy(value, x, sizeof *x * (size_t)n);
             break;
         case MUKCA_SHAPE_SIDE:
@@ -306,6 +311,19 @@ static void fill_angles(mukca_candidate h, const mukca_recording *r)
     }
 }
 
+static void fill_moments(const mukca_candidate *h, const mukca_recording *r)
+{
+    const int values = mukca_unlisted_functions[h->unlisted.function].values;
+    float *out = h->basis;
+    for (int row = 0; row < r->data->n_rows; row++) {
+        const mukca_joint_state state = mukca_recording_state(r, row);
+        const double *moment = values > 1                              ? r->across_base[row][0]
+                               : h->unlisted.place == MUKCA_PLACE_BASE ? state.base_moment
+                                                                       : state.moment[h->joint];
+        for (int i = 0; i < 3 * values; i++) *out++ = (float)moment[i];
+    }
+}
+
 void mukca_unlisted_fill(const mukca_candidate *h, const mukca_recording *r)
 {
     const int axes = axes_of(h), values = h->terms / axes;
@@ -315,9 +333,10 @@ void mukca_unlisted_fill(const mukca_candidate *h, const mukca_recording *r)
         fill_angles(*h, r);
         return;
     }
-    for (int i = 0; is_moment_across(h) && i < 6 * r->data->n_rows; i++)
-        h->basis[i] = (float)r->across_base[i / 6][i % 6 / 3][i % 3];
-    if (is_moment_across(h)) return;
+    if (is_about_moments(h)) {
+        fill_moments(h, r);
+        return;
+    }
     survey_rows(&s, h, r);
     for (int row = 0; row < r->data->n_rows; row++) {
         double value[MUKCA_MAX_COLUMNS] = {0};

@@ -343,7 +343,7 @@ TEST(priors)
     for (int i = 0; i < f->all.count; i++) {
         const mukca_candidate *h = &f->all.list[i];
         const int class = mukca_candidate_class(h);
-        if (mukca_effect_has(class, MUKCA_TRAIT_ELASTIC))
+        if (mukca_candidate_is_flexible(h))
             assert_close(h->log_prior, log(1.0 / 20), 1e-12);
         else if (class == MUKCA_CLASS_UNKNOWN && !mukca_unlisted_is_normalised(h)) {
             const bool wave =
@@ -357,6 +357,35 @@ TEST(priors)
     /* few orders of ripple are listed */
     assert_close(sum + (1.0 + flexible) / f->all.classes, 1, 1e-9);
     assert_close(simple, 1.0 / f->all.classes, 1e-9);
+}
+
+/* How many springs by the load of a joint are outside the catalogue, with these effects excluded?
+ */
+static int springs_of_joints(const unsigned char *excluded)
+{
+    mukca_candidates all;
+    mukca_pool pool = {0};
+    int n = 0;
+    mukca_candidates_start(&all, &pool, &f->m.recording, excluded);
+    assert_ok(mukca_candidates_list(&all, &f->m.unknowns, &error));
+    for (int i = 0; i < all.count; i++)
+        n += all.list[i].kind == MUKCA_CANDIDATE_UNLISTED &&
+             mukca_candidate_is_flexible(&all.list[i]) && all.list[i].terms == 1 &&
+             all.list[i].unlisted.place == MUKCA_PLACE_ANGLE;
+    mukca_pool_free(&pool);
+    return n;
+}
+
+/* A spring is outside the catalogue where its effect is not listed. */
+TEST(listed)
+{
+    int compliances = 0;
+    for (int i = 0; i < f->all.count; i++)
+        compliances += mukca_candidate_class(&f->all.list[i]) == MUKCA_EFFECT_JOINT_COMPLIANCE;
+    assert_true(compliances > 1);
+    assert_int_equal(springs_of_joints(NULL), f->s.chain.n_joints - compliances);
+    const unsigned char excluded[MUKCA_EFFECT_COUNT] = {[MUKCA_EFFECT_JOINT_COMPLIANCE] = 1};
+    assert_int_equal(springs_of_joints(excluded), f->s.chain.n_joints);
 }
 
 /* A row cut as an outlier comes back when it fits; that it repeats the one before is told still. */
