@@ -39,9 +39,11 @@ mukca_verdict mukca_verdict_of(const mukca_diagnosis *d, double any, double outs
  * listed causes. */
 void mukca_verdict_reach(mukca_diagnosis *d, mukca_search *id);
 
-/* Fit the regression to the members of the findings and the other listed causes: the mean over the
- * sets, of which each has some of them.  Faults stay as they are. */
-void mukca_averaged_fit(mukca_regression *m, const mukca_search *id);
+/* Fit the regression to what is applied, a mean over sets of which each has some of the causes: of
+ * the last search, the members of the findings and the other named causes; or, if this predicts
+ * held-out samples better, all causes of a search among those of the catalogue.  Faults stay as
+ * they are.  Errors: MUKCA_MEMORY, MUKCA_INTERRUPTED. */
+mukca_status mukca_averaged_fit(mukca_regression *m, mukca_search *id, mukca_error *error);
 
 /* List every effect and joint: candidates with their scores of the first scan, the others with the
  * reason why they are not testable. */

@@ -91,7 +91,7 @@ static mukca_status identify(mukca_diagnosis *d, mukca_regression *m,
         mukca_untested_list(d, id);
         const bool none = d->verdict == MUKCA_VERDICT_UNKNOWN;
         if (d->unexplained || none) d->structure_m = mukca_held_out_structure(m);
-        mukca_averaged_fit(m, id);
+        status = mukca_averaged_fit(m, id, error);
         if (id->pool.failed) status = mukca_fail(error, MUKCA_MEMORY, "out of memory for causes");
     } else if (status == MUKCA_OK) {
         set_untestable(d, m, does_not_fit);

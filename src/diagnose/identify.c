@@ -280,7 +280,7 @@ static mukca_status search_all(mukca_search *id, mukca_causes *best, double *tai
     for (int p = 1; p <= MUKCA_PASSES && status == MUKCA_OK && !id->settled; p++) {
         const double done = (p - 1.0) / MUKCA_PASSES;
         if (!watch(id, 0.1 + 0.25 * (tails ? 1 + done : done), error)) return MUKCA_INTERRUPTED;
-        if (p > 1 || tails) {
+        if (p > 1 || tails || id->listed) {
             mukca_identify_fit(id, best);
             if (mukca_screening_reinstate(id->diagnosis, m)) mukca_identify_fit(id, best);
             seat(id, NOISE * m->unknowns.sigma);
@@ -348,6 +348,21 @@ mukca_status mukca_identify_with_tails(mukca_search *id, mukca_error *error)
 {
     mukca_causes best = {0}; /* causes that only explain large errors are not to persist */
     if (!id->tails) return MUKCA_OK;
+    const mukca_status status = search_all(id, &best, id->tails, error);
+    return status == MUKCA_OK ? rank(id, error) : status;
+}
+
+mukca_status mukca_identify_listed(mukca_search *id, mukca_error *error)
+{
+    mukca_causes best = {0};
+    mukca_candidate *list = MUKCA_TAKE(&id->m->pool, mukca_candidate, id->all.capacity);
+    if (!list) return no_memory(error);
+    const mukca_candidates whole = id->all;
+    id->all.list = list;
+    id->all.count = 0;
+    id->listed = true;
+    for (int i = 0; i < whole.count; i++)
+        if (whole.list[i].kind != MUKCA_CANDIDATE_UNLISTED) list[id->all.count++] = whole.list[i];
     const mukca_status status = search_all(id, &best, id->tails, error);
     return status == MUKCA_OK ? rank(id, error) : status;
 }

@@ -37,6 +37,7 @@ typedef struct {
     int n_kept, *kept; /* its items are these candidates */
     mukca_question question;
     mukca_sets sets;
+    bool listed;   /* without causes outside the catalogue */
     double *tails; /* [n_rows] of Student's noise, if this is more probable */
     bool settled;  /* the set of its linearisation was among the best, or passes alternate */
     int n_passed;
@@ -56,6 +57,10 @@ mukca_status mukca_identify_run(mukca_search *id, mukca_error *error);
 /* The same with Student's noise, from the empty set, if id->tails is not NULL.  Errors: as above.
  */
 mukca_status mukca_identify_with_tails(mukca_search *id, mukca_error *error);
+
+/* The same among the sets of causes of the catalogue; from then on the list has no others.  Errors:
+ * as above. */
+mukca_status mukca_identify_listed(mukca_search *id, mukca_error *error);
 
 /* Fit the regression to the most probable set, by least squares.  Before, the last search can be
  * continued. */
