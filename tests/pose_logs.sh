@@ -86,6 +86,11 @@ done
 run evaluate "$dir/rows.csv" "$dir/test.csv" --offsets "$dir/rows.tsv" >"$dir/scores" 2>"$dir/said"
 "$mukca" diagnose -q --urdf $urdf --free-base --free-tool --json "$dir/shared.json" "$dir/shared.csv" >/dev/null 2>&1
 ok "noise that the targets of a posture share makes no cause" grep -q '"verdict": "none"' "$dir/shared.json"
+# Readings of the joints with noise of 0.3 mrad turn the targets of a posture together: they are one posture.
+awk -F, -v OFS=, 'BEGIN { srand(2) } NR > 1 { for (j = 1; j <= 7; j++) { for (i = s = 0; i < 12; i++) s += rand(); $j += 3e-4 * (s - 6) } }
+    { print }' "$dir/shared.csv" >"$dir/turned.csv"
+"$mukca" diagnose -q --urdf $urdf --free-base --free-tool --json "$dir/turned.json" "$dir/turned.csv" >/dev/null 2>&1
+ok "nor does noise that turns them together" grep -q '"verdict": "none"' "$dir/turned.json"
 ok "a row per log and target" test "$(cut -f 2 "$dir/scores" | tr '\n' ' ')" = "placement rows.csv:A rows.csv:B rows.csv:C test.csv:D "
 ok "each below 0.25 mm" awk -F'\t' 'NR > 1 && !($5 < 2.5e-4) { exit 1 }' "$dir/scores"
 run report "$dir/columns.csv" --free-base --test "$dir/test.csv" -o "$dir/targets.html" >"$dir/said" 2>&1

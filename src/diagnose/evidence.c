@@ -1,5 +1,4 @@
 /* Evidence of the linearised model: normal equations, posterior.
- *
  * The evidence of a linear model with Gaussian priors and noise has a closed form
  * (infer/posterior.h); the means of the sockets are integrated out with a flat prior. */
 #include "diagnose/evidence.h"
@@ -43,8 +42,9 @@ bool mukca_evidence_create(mukca_evidence *evidence, mukca_pool *pool,
     const int capacity = mukca_unknowns_capacity(unknowns), size = capacity + 1;
     const int pairs = recording->data->n_distances + 1, rows = recording->data->n_rows;
     const size_t whole = (size_t)(rows * recording->dim + pairs) * (size_t)size;
-    evidence->n_noises = recording->repeats ? MUKCA_NOISES : INDEPENDENT_POSTURES;
-    evidence->ratio = 1;
+    evidence->n_noises = INDEPENDENT_POSTURES;
+    if (recording->repeats) evidence->n_noises = recording->targets ? 1 : MUKCA_NOISES;
+    evidence->ratio = evidence->counted = 1;
     for (int i = 0; i < evidence->n_noises; i++) {
         mukca_normal_equations *normal = &evidence->normal[i];
         *normal = (mukca_normal_equations){.variance = MUKCA_TAKE(pool, double, pairs),
@@ -205,9 +205,12 @@ static void lay_out(mukca_evidence *evidence, int index, const mukca_recording *
 {
     mukca_normal_equations *normal = &evidence->normal[index];
     double *scratch = evidence->white.x;
-    for (int i = 0; weight && i < r->n_samples; i++) scratch[i] = weight[r->order[i]];
+    for (int i = 0; i < r->n_samples; i++) scratch[i] = weight ? weight[r->order[i]] : 1;
+    evidence->counted = mukca_recording_count_targets(scratch, r, evidence->ratio);
     mukca_whitening_set(&normal->whitening, &r->samples, mukca_evidence_family(evidence, index),
-                        shape_of(evidence, r, linear), weight ? scratch : NULL);
+                        shape_of(evidence, r, linear), scratch);
+    normal->whitening.dof = (int)(normal->whitening.dof * evidence->counted);
+    normal->whitening.log_det *= evidence->counted;
     normal->n_pairs = r->n_pairs;
     for (int p = 0; p < r->n_pairs; p++) {
         const int side[] = {r->pairs[p].a, r->pairs[p].b};

@@ -23,6 +23,7 @@ typedef struct {
     int n_noises;     /* families compared: with repeated postures also those that share errors */
     double ratio;     /* variance that readings of a posture share, over that of a reading */
     int further;      /* coordinates of readings beyond the first of their postures */
+    double counted;   /* share of the readings that they count as */
     int angular[2];   /* share of the joint angles' noise in the variance, by number: of
                          postures, and of readings within a posture */
     double *shape[2]; /* [n_samples][dim][dim] factors of these covariances */

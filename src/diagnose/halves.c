@@ -255,7 +255,8 @@ static void search_pair(void *context, int pair, int worker)
         remove_means(s, gram, other);
         for (int i = 0; i < square; i++) gram[i] += s->pairs[i];
         mukca_pool *pool = &job->halves->pool[worker];
-        const int dof = freedom(r, s->in, other != 0) + r->n_pairs;
+        const int all = freedom(r, s->in, other != 0),
+                  dof = (int)(s->id->m->evidence.counted * all) + r->n_pairs;
         if (!search(&half[other], pool, &s->layout, gram, dof))
             job->outcome[pair] = pool->failed ? FAILED : TOO_FEW; /* or: singular */
     }

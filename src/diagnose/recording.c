@@ -206,6 +206,7 @@ bool mukca_recording_create(mukca_recording *r, mukca_pool *pool, const mukca_ch
     memcpy(r->q, data->q, sizeof *r->q * (size_t)rows * (size_t)n_joints);
     fill_motion(r);
     r->repeats = mukca_postures_find(r->posture, pool, data) > FEW_REPEATS * rows;
+    r->targets = r->repeats && data->n_targets > 1;
     for (int row = 0; row < rows && !r->repeats; row++) r->posture[row] = row;
     mukca_postures_move(r->move, r->repeat, pool, r->posture, data, r->q);
     if (pool->failed) return false;
@@ -244,4 +245,19 @@ int mukca_recording_distinct(const mukca_recording *r)
     int distinct = 0;
     for (int i = 0; i < r->n_samples; i++) distinct += r->samples.readings[i] > 0;
     return distinct;
+}
+
+double mukca_recording_count_targets(double *weight, const mukca_recording *r, double ratio)
+{
+    const mukca_samples *s = &r->samples;
+    double counted = 0;
+    if (!r->targets || !s->n_samples) return 1;
+    for (int i = 0; i < s->n_samples; i++) {
+        const double power = 1 / (1 + (s->readings[i] - 1) * ratio / (1 + ratio));
+        for (int k = s->readings[i] ? i : -1; k >= 0; k = s->next[k]) {
+            weight[k] *= sqrt(power);
+            counted += power;
+        }
+    }
+    return counted / s->n_samples;
 }

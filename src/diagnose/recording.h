@@ -61,6 +61,7 @@ typedef struct {
     int *posture;    /* [n_rows] first row with these angles */
     int *repeat;     /* [n_rows] readings since the arm arrived */
     bool repeats;    /* postures are read more than once, by design */
+    bool targets;    /* these are readings of several targets, which share the posture's error */
     int *last;       /* [n_rows] scratch */
     double *command; /* [n_rows][n_joints] rad; NULL: not recorded */
     double *time;    /* [n_rows] s since the file's start */
@@ -114,6 +115,14 @@ int mukca_recording_distinct(const mukca_recording *recording);
  * mounting; or rows of one named target.  log[n_rows] (may be NULL) receives the index, 0 for
  * samples of sockets.  Returns their number; more than MUKCA_MAX_LOGS count as one. */
 int mukca_recording_number_logs(int *log, const mukca_dataset *data);
+
+/* Multiply weight[n_samples] by those of the targets of each posture, of whose errors the common
+ * part has `ratio` times the variance of the rest: as their correlation is c = ratio / (1 + ratio),
+ * the likelihood of m of them has the power of m / (1 + (m - 1) c) readings (design effect of
+ * clusters: L. Kish, Survey Sampling, 1965, section 5.4).  A covariance would take their
+ * differences, which turn with the arm, as exact.  Returns the mean power; 1 without targets. */
+double mukca_recording_count_targets(double *weight, const mukca_recording *recording,
+                                     double ratio);
 
 /* Compute moments, torques and mass factors: part of mukca_recording_create. */
 void mukca_recording_load(mukca_recording *recording);

@@ -175,7 +175,7 @@ static mukca_normal_equations *choose_noise(mukca_regression *m, mukca_fit_freed
     mukca_normal_equations *chosen = NULL;
     const int noises = u->weight ? 1 : evidence->n_noises;
     double best = -HUGE_VAL, value[MUKCA_NOISES] = {0};
-    if (noises > 1 && m->recording.repeats) {
+    if (!u->weight && m->recording.repeats) {
         mukca_evidence_evaluate(evidence, mukca_regression_collect(m, m->unknowns.family), u->sigma,
                                 evidence->mean);
         mukca_evidence_measure_noise(evidence, &m->recording, &m->linear);
@@ -292,6 +292,8 @@ void mukca_regression_fit_tails(mukca_regression *m, double *weight, int steps)
             const mukca_normal_equations *normal = mukca_regression_collect(m, u->family);
             u->sigma = mukca_noise_choose(evidence, normal, before, NULL);
             mukca_evidence_evaluate(evidence, normal, u->sigma, evidence->mean);
+            if (m->recording.targets)
+                mukca_evidence_measure_noise(evidence, &m->recording, &m->linear);
             mukca_evidence_weigh_tails(weight, evidence, &m->recording, &m->linear, u->sigma);
             if (fabs(u->sigma / before - 1) < settled) break;
         }
