@@ -244,6 +244,9 @@ def rights():
         check("rights: begins", client.wait_stream(), p.said)
         client.command("start", "a")
         check("rights: a sample", take(client, arm, ROWS[0]), p.said[-3:])
+        sample = client.trigger("p\x7f\u202e\x1b[2J", "0", seconds=2)
+        check("rights: a label with control characters is refused", sample and not sample.accepted and
+              sample.text.startswith('"p?????[2J" or "0" cannot be a name'), sample and sample.text)
         answer = client.command("delete")
         check("rights: delete must be named", answer.code == 1 and "--accept" in answer.text, answer.text)
         check("rights: the open session may be started again", client.command("start", "a").code == 0)
