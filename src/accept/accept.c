@@ -105,9 +105,13 @@ static double turned(const mukca_offsets *table, const mukca_tip_change_task *ta
 {
     const mukca_model model = {task->chain, table->theta, table->effects, table->n_effects, false};
     const mukca_dataset *d = task->data;
+    mukca_dataset part = {0};
+    mukca_error unsaid;
     mukca_score score = {.rotation_error = NAN};
-    if (d->quaternion && !d->n_sockets && d->n_files < 2 && d->n_targets < 2)
-        mukca_evaluate(&score, NULL, &model, d);
+    if (d->quaternion && !d->n_sockets && d->n_files < 2 && d->n_targets < 2 &&
+        mukca_part_take(&part, d, MUKCA_MOST_SAMPLES, &unsaid) == MUKCA_OK)
+        mukca_evaluate(&score, NULL, &model, &part);
+    mukca_dataset_free(&part);
     return score.rotation_error;
 }
 

@@ -8,10 +8,7 @@
 
 enum {
     SOCKET_BLOCKS = 5, /* errors are about the mean of a block, and vanish with its size */
-    MOST_FOLDS = 10,   /* more placements are merged */
-    /* Beyond this number only a part of the samples is fitted and predicted: enough for the
-     * parameters of any geometry, and its mean error is known to 1 %. */
-    MOST_SAMPLES = 10000
+    MOST_FOLDS = 10    /* more placements are merged */
 };
 
 /* fold[n_rows]: the placements; for a single placement and for measured poses, blocks of each
@@ -127,7 +124,7 @@ mukca_status mukca_fit_cross_validate(mukca_cross_validation *r, const mukca_fit
     inner.solver = NULL;
     inner.parameters_only = true;
     *r = (mukca_cross_validation){.held = tested ? test : &r->data};
-    if (!tested) status = mukca_part_take(&r->data, data, MOST_SAMPLES, error);
+    if (!tested) status = mukca_part_take(&r->data, data, MUKCA_MOST_SAMPLES, error);
     if (status != MUKCA_OK) return status;
     r->before = MUKCA_TAKE(&r->pool, double, r->held->n_rows);
     r->after = MUKCA_TAKE(&r->pool, double, r->held->n_rows);

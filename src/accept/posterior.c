@@ -7,7 +7,7 @@
 
 #include "model/dataset_subset.h"
 
-enum { STEPS = 4 /* of Gauss-Newton */, MOST_ROWS = MUKCA_MOST_SAMPLES };
+enum { STEPS = 4 /* of Gauss-Newton */ };
 
 /* An error of the nominal arm's distance, m, that is that of a label, as in diagnose; an error
  * beyond any arm and noise; a ratio to the noise of which the weight is below 0.07. */
@@ -139,7 +139,7 @@ static mukca_status create(mukca_arm_posterior *p, const mukca_tip_change_task *
         mukca_chain_remove_first(&p->chain);
         p->to += MUKCA_PARAMETERS;
     }
-    mukca_status status = mukca_part_take(&p->data, task->data, MOST_ROWS, error);
+    mukca_status status = mukca_part_take(&p->data, task->data, MUKCA_MOST_SAMPLES, error);
     if (status != MUKCA_OK) return status;
     free(p->data.quaternion); /* their convention may be wrong */
     free(p->data.effort);     /* the table's effects are for the model's masses */

@@ -10,6 +10,7 @@
 #include "fit/poses.h"
 #include "math/dense.h"
 #include "math/stats.h"
+#include "model/dataset_subset.h"
 
 /* Scale of the nominal model's errors (prior of the geometry: some millimetres), m; also the
  * rotation, rad, that displaces the tip by as much at an arm's length of 1 m. */
@@ -19,8 +20,6 @@
 #define TARGET_REACH 1
 /* Steps of a search; 20 are enough but where directions are poorly determined. */
 enum { MOST_STEPS = 60, FIRST_STEPS = 15 };
-/* Evenly spread samples of a long log that are used: twelve unknowns to 1 % of the noise. */
-enum { MOST_POINTS = 5000 };
 /* A frame that is not known to a fist's breadth or to three degrees is not determined, m and rad.
  */
 static const double open_offset = 0.05, open_turn = 0.05;
@@ -230,7 +229,7 @@ static void collect(problem *p, const mukca_geometry *geometry, const mukca_data
 {
     int n = 0;
     for (int row = 0; row < data->n_rows; row++) n += is_collected(data, keep, row);
-    const int every = (n + MOST_POINTS - 1) / MOST_POINTS;
+    const int every = (n + MUKCA_MOST_SAMPLES - 1) / MUKCA_MOST_SAMPLES;
     for (int row = 0, seen = 0; row < data->n_rows; row++) {
         const double *x = data->position + 3 * (size_t)row;
         if (!is_collected(data, keep, row) || seen++ % every) continue;
@@ -257,7 +256,7 @@ bool mukca_align(mukca_alignment *out, const mukca_geometry *geometry, const muk
     double least = NAN;
     *out = start;
     if (!data->position || data->n_rows < 3 || (!p.tracker && !p.target)) return true;
-    const int most = data->n_rows < MOST_POINTS ? data->n_rows : MOST_POINTS;
+    const int most = data->n_rows < MUKCA_MOST_SAMPLES ? data->n_rows : MUKCA_MOST_SAMPLES;
     p.points = MUKCA_TAKE(&p.pool, mukca_meeting_point, most);
     p.length = MUKCA_TAKE(&p.pool, double, most);
     const bool failed = p.pool.failed;

@@ -220,6 +220,7 @@ int mukca_coincide_drop(double *apart, mukca_dataset *data, const mukca_chain *c
     mukca_evaluation e;
     mukca_pool pool = {0};
     const mukca_model model = {.chain = chain, .theta = theta};
+    if (!data->n_distances) return 0;
     const bool made = mukca_evaluation_make(&e, &pool, &model, data);
     double *squares = MUKCA_TAKE(&pool, double, data->n_sockets);
     mukca_distance *moved = MUKCA_TAKE(&pool, mukca_distance, data->n_distances);

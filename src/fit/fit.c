@@ -116,8 +116,8 @@ static mukca_status take_workspace(workspace *w, mukca_fit *fit, const mukca_dat
                                    mukca_cost_options options, mukca_error *error)
 {
     options.theta = fit->theta;
-    if (data->n_rows > MUKCA_FIT_PART) {
-        const mukca_status status = mukca_part_take(&w->samples, data, MUKCA_FIT_PART, error);
+    if (data->n_rows > MUKCA_MOST_SAMPLES) {
+        const mukca_status status = mukca_part_take(&w->samples, data, MUKCA_MOST_SAMPLES, error);
         if (status != MUKCA_OK) return status;
         mukca_cost_setup(&w->part, &w->pool, &fit->chain, &fit->parameters, &w->samples, &options);
         options.part = &w->part;

@@ -62,11 +62,6 @@ typedef struct {
     bool parameters_only; /* only theta: no test of convergence, no identifiability */
 } mukca_fit_options;
 
-/* Beyond this number of samples, Hessian, rank and standard errors are computed from so many
- * (mukca_part_take): a standard error from N samples is known to some sqrt(2 / N), here 1 %, and an
- * approximate Hessian changes only the solver's steps, not the minimum. */
-enum { MUKCA_FIT_PART = 20000 };
-
 typedef struct {
     mukca_chain chain; /* as fitted: with base_frame and tool_frame if requested */
     mukca_parameters parameters;
@@ -80,7 +75,9 @@ typedef struct {
     mukca_identification identification;
 } mukca_fit;
 
-/* Fit to `data`, from nominal.  Errors: MUKCA_USAGE, MUKCA_INPUT, MUKCA_MEMORY, MUKCA_INTERRUPTED.
+/* Fit to `data`, from nominal.  Of more than MUKCA_MOST_SAMPLES samples, Hessian, rank and standard
+ * errors are computed from so many: an approximate Hessian changes only the solver's steps, not the
+ * minimum.  Errors: MUKCA_USAGE, MUKCA_INPUT, MUKCA_MEMORY, MUKCA_INTERRUPTED.
  * Failure to converge is a result, not an error. */
 mukca_status mukca_fit_run(mukca_fit *fit, const mukca_chain *chain, const mukca_dataset *data,
                            const mukca_fit_options *options, mukca_error *error);

@@ -30,10 +30,9 @@ typedef struct {
     double *socket_adjoint; /* [n_sockets][3] of the pairs, for each sample of a socket */
     double *mean_rows;      /* [n_sockets][3][n] means of the Jacobian */
     /* of mukca_poses_add; NULL: no measured poses */
-    double *target;        /* [n_rows][3] positions */
-    double *turn_weight;   /* [n_rows] as `row_weight` */
-    double *aim;           /* [n_rows][9] orientations */
-    double *turn_residual; /* [windows][3][padded] */
+    const double *target, *aim; /* positions and quaternions of the dataset */
+    double *turn_weight;        /* [n_rows] as `row_weight` */
+    double *turn_residual;      /* [windows][3][padded] */
 } mukca_observations;
 
 /* Allocate from the pool and load the samples of sockets; false: out of memory.  The dataset may be

@@ -113,18 +113,6 @@ static bool has_orientation(const mukca_dataset *data, int row)
     return data->socket[row] < 0 && data->quaternion && isfinite(data->quaternion[4 * row]);
 }
 
-static bool take(mukca_observations *o, mukca_pool *pool, bool oriented)
-{
-    const int n = o->n_rows;
-    o->target = MUKCA_TAKE(pool, double, 3 * n);
-    if (!oriented) return !pool->failed;
-    o->turn_weight = MUKCA_TAKE(pool, double, n);
-    o->aim = MUKCA_TAKE(pool, double, 9 * n);
-    o->turn_residual = MUKCA_TAKE(pool, double, 3 * (n + MUKCA_SWEEP_PADDING));
-    o->n_residuals += 3 * n;
-    return !pool->failed;
-}
-
 bool mukca_poses_add(mukca_observations *o, mukca_pool *pool, const mukca_dataset *data, int n)
 {
     int rows = 0, poses = 0, oriented = 0;
@@ -135,21 +123,20 @@ bool mukca_poses_add(mukca_observations *o, mukca_pool *pool, const mukca_datase
         oriented += has_orientation(data, i);
     }
     if (rows == 0) return !pool->failed;
-    if (!take(o, pool, oriented > 0)) return false;
+    o->target = data->position;
+    if (oriented) {
+        o->aim = data->quaternion;
+        o->turn_weight = MUKCA_TAKE(pool, double, o->n_rows);
+        o->turn_residual = MUKCA_TAKE(pool, double, 3 * (o->n_rows + MUKCA_SWEEP_PADDING));
+        o->n_residuals += 3 * o->n_rows;
+    }
     o->n_groups += poses > 0;
     o->n_measured += 3 * oriented;
-    for (int i = 0; i < o->n_rows; i++) {
-        if (has_position(data, i)) {
-            o->row_weight[i] = 1.0 / poses;
-            o->n_measured += 3;
-            memcpy(o->target + 3 * i, data->position + 3 * i, 3 * sizeof *o->target);
-        }
-        if (has_orientation(data, i)) {
-            o->turn_weight[i] = 1.0 / poses;
-            mukca_rotation_from_quaternion(o->aim + 9 * i, data->quaternion + 4 * i);
-        }
+    for (int i = 0; i < o->n_rows && !pool->failed; i++) {
+        if (has_position(data, i)) o->row_weight[i] = 1.0 / poses, o->n_measured += 3;
+        if (has_orientation(data, i)) o->turn_weight[i] = 1.0 / poses;
     }
-    return true;
+    return !pool->failed;
 }
 
 /* For the open window. */
@@ -159,11 +146,11 @@ static void predict_window(mukca_observations *o)
     double *residual = mukca_observe_window(o->turn_residual, s);
     find_orientations(&o->sweep);
     for (int i = 0; i < s->rows; i++) {
-        double R[9], off[9], w[3] = {0, 0, 0};
+        double R[9], aim[9], off[9], w[3] = {0, 0, 0};
         for (int c = 0; c < 9; c++) R[c] = s->Q[c * s->padded + i];
+        mukca_rotation_from_quaternion(aim, o->aim + 4L * (s->from + i));
         for (int r = 0; r < 3; r++) /* predicted times measured transposed */
-            for (int c = 0; c < 3; c++)
-                off[3 * r + c] = mukca_dot3(R + 3 * r, o->aim + 9 * (s->from + i) + 3 * c);
+            for (int c = 0; c < 3; c++) off[3 * r + c] = mukca_dot3(R + 3 * r, aim + 3 * c);
         if (o->turn_weight[s->from + i] > 0) mukca_rotation_log(w, off);
         for (int a = 0; a < 3; a++) residual[a * s->padded + i] = MUKCA_METRES_PER_RADIAN * w[a];
     }

@@ -9,8 +9,8 @@
  * equivalent at the end of a tool of 0.1 m. */
 #define MUKCA_METRES_PER_RADIAN 0.1
 
-/* Add those of the data, if any: one more group; and memory for the Jacobian of n parameters.
- * False: out of memory. */
+/* Add those of the data, which must outlive them, if any: one more group; and memory for the
+ * Jacobian of n parameters.  False: out of memory. */
 bool mukca_poses_add(mukca_observations *observations, mukca_pool *pool, const mukca_dataset *data,
                      int n);
 

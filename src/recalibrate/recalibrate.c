@@ -11,15 +11,11 @@
 /* Characters of a parameter list: at most 16 joints of four parameters, 27 characters. */
 enum { LIST = 1024 };
 
-/* Samples, evenly spread, of which noise and restrictions are computed: enough for the noise to 1
- * %. The result is of all samples. */
-enum { PART = 5000 };
-
 typedef struct {
     mukca_recalibration *out;
     const mukca_chain *arm;
     const mukca_dataset *rows; /* the log, or its rows without outliers */
-    mukca_dataset part;        /* of these */
+    mukca_dataset part;        /* of these, for the noise and the restrictions */
     bool oriented;
     char list[LIST];
 } session;
@@ -107,7 +103,7 @@ static mukca_status check_number(session *s, mukca_error *error)
 static mukca_status fit_stages(session *s, const mukca_dataset *log, mukca_error *error)
 {
     mukca_recalibration *out = s->out;
-    mukca_status status = mukca_part_take(&s->part, s->rows, PART, error);
+    mukca_status status = mukca_part_take(&s->part, s->rows, MUKCA_MOST_SAMPLES, error);
     if (status == MUKCA_OK) status = fit_all(s, error);
     if (status == MUKCA_OK) status = fit_offsets(s, true, error);
     if (status == MUKCA_OK && s->oriented) status = fit_offsets(s, false, error);
@@ -193,6 +189,8 @@ mukca_status mukca_recalibrate(mukca_recalibration *out, const mukca_chain *arm,
         status = mukca_lag_find(&out->lag, &out->lag_score, arm, log, options, error);
     if (status != MUKCA_OK) return status;
     mukca_pose_log_shift(log, out->lag);
+    free(log->velocity); /* memory for the fit */
+    log->velocity = NULL;
     status = fit_stages(&s, log, error);
     if (status != MUKCA_OK) return status;
     judge(out);

@@ -297,13 +297,13 @@ TEST(test_long)
     double x[2][MUKCA_MAX_FREE], g[MUKCA_MAX_FREE];
     mukca_random_seed(&seeded, 36);
     perturb(1e-3);
-    track(&data, MUKCA_FIT_PART + 1000, false, 1e-4);
+    track(&data, MUKCA_MOST_SAMPLES + 1000, false, 1e-4);
     assert_ok(mukca_parameters_select(&p, &chain, &(mukca_selection){0}, NULL));
     assert_true(mukca_cost_setup(&cost, &pool, &chain, &p, &data, &(mukca_cost_options){0}));
     for (int s = 0; s < 2; s++) { /* slsqp, lbfgs */
         const mukca_fit_options options = {.solver = mukca_solver_table[s]};
         assert_ok(mukca_fit_run(&fit[s], &chain, &data, &options, NULL));
-        assert_true(fit[s].converged && fit[s].n_part > 0 && fit[s].n_part <= MUKCA_FIT_PART);
+        assert_true(fit[s].converged && fit[s].n_part > 0 && fit[s].n_part <= MUKCA_MOST_SAMPLES);
         mukca_parameters_pack(x[s], &p, fit[s].theta);
         const double value = mukca_cost_evaluate(NULL, g, &cost, x[s]);
         mukca_cost_normal(cost.matrix[0], &cost, x[s], false);
