@@ -108,15 +108,15 @@ def peaks(folder, log):
     return largest
 
 
-def recalibrate(folder, logs, test, *more):
-    """Model 1 of the sweeps, model 2 of sweeps and work volume; their models in one list."""
+def recalibrate(folder, logs, test):
+    """[model 1 of the sweeps, model 2 of sweeps and work volume]"""
     path = os.path.join(folder, "result.json")
     results = []
     for data in (("sweeps",), ("sweeps", "targeted")):
         run("recalibrate", "--urdf", URDF, *(logs[d] for d in data), "--test", logs[test],
-            "--json", path, "--force", "-q", *more)
-        results.append(json.load(open(path)))
-    return {"models": [r["models"][0] for r in results]}
+            "--json", path, "--force", "-q")
+        results.append(json.load(open(path))["models"][0])
+    return results
 
 
 def three(moments, suffix, factor=1e3):
@@ -186,9 +186,8 @@ def main():
         write_truth(truth)
         rigid, soft = record(folder, "rigid", truth), record(folder, "soft", truth, "--effect", COMPLIANCE)
         noisy = record(folder, "noisy", truth, "--effect", COMPLIANCE, "--noise", "1e-4", "--rotation-noise", "1e-4")
-        once = recalibrate(folder, rigid, "raster")
-        iterated = recalibrate(folder, rigid, "raster", "--iterate")
-        targeted = recalibrate(folder, rigid, "targeted-test", "--iterate")
+        one = recalibrate(folder, rigid, "raster")[0]
+        two = recalibrate(folder, rigid, "targeted-test")[1]
         soft_raster = recalibrate(folder, soft, "raster")
         soft_targeted = recalibrate(folder, soft, "targeted-test")
         diagnosis = os.path.join(folder, "diagnosis.json")
@@ -196,17 +195,16 @@ def main():
         found = json.load(open(diagnosis))["causes"]
         peak = peaks(folder, soft["sweeps"])
 
-    one, two = iterated["models"][0], targeted["models"][1]
-    ours, parts = show_offsets(3, TABLE_3, one, soft_raster["models"][0])
-    show_position(4, "model 1, sweeps", one["train"], soft_raster["models"][0]["train"])
-    show_orientation(5, "model 1, sweeps", one["train"], soft_raster["models"][0]["train"])
-    show_position(6, "model 1, raster", one["test"], soft_raster["models"][0]["test"])
-    show_orientation(7, "model 1, raster", one["test"], soft_raster["models"][0]["test"])
-    show_offsets(8, TABLE_8, two, soft_targeted["models"][1])
-    show_position(9, "model 2, sweeps and work volume", two["train"], soft_targeted["models"][1]["train"])
-    show_orientation(10, "model 2, sweeps and work volume", two["train"], soft_targeted["models"][1]["train"])
-    show_position(11, "model 2, targeted test", two["test"], soft_targeted["models"][1]["test"])
-    show_orientation(12, "model 2, targeted test", two["test"], soft_targeted["models"][1]["test"])
+    ours, parts = show_offsets(3, TABLE_3, one, soft_raster[0])
+    show_position(4, "model 1, sweeps", one["train"], soft_raster[0]["train"])
+    show_orientation(5, "model 1, sweeps", one["train"], soft_raster[0]["train"])
+    show_position(6, "model 1, raster", one["test"], soft_raster[0]["test"])
+    show_orientation(7, "model 1, raster", one["test"], soft_raster[0]["test"])
+    show_offsets(8, TABLE_8, two, soft_targeted[1])
+    show_position(9, "model 2, sweeps and work volume", two["train"], soft_targeted[1]["train"])
+    show_orientation(10, "model 2, sweeps and work volume", two["train"], soft_targeted[1]["train"])
+    show_position(11, "model 2, targeted test", two["test"], soft_targeted[1]["test"])
+    show_orientation(12, "model 2, targeted test", two["test"], soft_targeted[1]["test"])
 
     print("""
 What the figures are. `before` is kinematics alone and agrees with the paper within its robot's differences (our
@@ -218,22 +216,21 @@ several mm on the raster, which the sweeps do not predict; about 1 mm again in t
 there are fitted (Table 11). The paper's Table 8 differs from its Table 3 for the same reason: constants bend to
 take up compliance; ours do so, too (last column), while those of the rigid arm stay what was built in.
 """)
-    test, first = one["test"], once["models"][0]
-    left = first["train"]["position"]["both"]
-    claim(left["max_m"] < 1e-6, "one pass leaves under 1 um on the sweeps: "
+    test, left = one["test"], one["train"]["position"]["both"]
+    claim(left["max_m"] < 1e-6, "the fit leaves under 1 um on the sweeps: "
           f"{1e6 * left['mean_m']:.4f} um mean, {1e6 * left['max_m']:.4f} um max")
     claim(test["position"]["both"]["max_m"] < 2e-6 and test["orientation"]["both"]["max_rad"] < 2e-6,
-          f"iterated: poses not seen (raster) to {1e6 * test['position']['both']['max_m']:.6f} um, "
+          f"poses not seen (raster) to {1e6 * test['position']['both']['max_m']:.6f} um, "
           f"{1e6 * test['orientation']['both']['max_rad']:.6f} urad")
     claim(one["rank"] == 24 and one["unknowns"] == 31, f"rank {one['rank'] - 7} of 24 lengths, 7 of 7 angles")
     claim(max(abs(a - b) for a, b in zip(ours[0], TABLE_3[0])) < 1e-9, "the angles of Table 3 come back")
     claim(max(abs(a - b) for x, y in zip(parts[0], parts[1]) for a, b in zip(x, y)) < 1e-9,
           "the lengths of Table 3 come back, as far as poses can tell them")
-    mean = soft_raster["models"][0]["train"]["position"]["both"]["mean_m"]
-    worst = soft_raster["models"][0]["train"]["position"]["both"]["max_m"]
+    mean = soft_raster[0]["train"]["position"]["both"]["mean_m"]
+    worst = soft_raster[0]["train"]["position"]["both"]["max_m"]
     claim(2e-4 < mean < 1.1e-3 and 4e-3 < worst < 8e-3,
           f"compliance leaves {1e3 * mean:.2f} mm mean, {1e3 * worst:.1f} mm max on the sweeps (paper: 0.8, 5.9)")
-    a, b = (m["test"]["position"]["both"]["mean_m"] for m in soft_targeted["models"])
+    a, b = (m["test"]["position"]["both"]["mean_m"] for m in soft_targeted)
     claim(b < 0.5 * a, f"model 2 beats model 1 in the work volume: {1e3 * b:.2f} mm against {1e3 * a:.2f} mm")
     print("        largest error of each sweep, mm, below and above 0: " + ", ".join(
         f"{j} {peak[j, False]:.1f} {peak[j, True]:.1f}" for j in JOINTS[:7]))

@@ -37,7 +37,7 @@ def main():
             theirs.append(float(seconds))
             whole.append(float(all_seconds))
     os.remove(log)
-    line("without text", ours, 0, [b / a for a, b in zip(ours, theirs)], 5)
+    line("without text", ours, process(1, BENCH, URDF, ROWS)[2], [b / a for a, b in zip(ours, theirs)], 5)
     line("with text, whole process", text, mib, [b / a for a, b in zip(text, whole)], 4)
     if python:
         line("numpy.linalg.lstsq without text", theirs, int(kib) / 1024)
