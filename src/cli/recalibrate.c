@@ -7,18 +7,13 @@
 
 typedef struct {
     cli_common common;
-    bool iterate, joint, robust;
+    bool robust;
 } recalibrate_options;
 
-static const cli_option options[] = {
-    CLI_OPTION(recalibrate_options, iterate, "iterate", CLI_FLAG, NULL,
-               "no effect: every fit is repeated until it converges"),
-    CLI_OPTION(recalibrate_options, joint, "joint", CLI_FLAG, NULL,
-               "no effect: angles and lengths are fitted together"),
-    CLI_OPTION(recalibrate_options, robust, "robust", CLI_FLAG, NULL,
-               "leave out outliers (8 sigma)"),
-    CLI_OUTPUT_OPTION("write the offsets table"),
-    {.name = NULL}};
+static const cli_option options[] = {CLI_OPTION(recalibrate_options, robust, "robust", CLI_FLAG,
+                                                NULL, "leave out outliers (8 sigma)"),
+                                     CLI_OUTPUT_OPTION("write the offsets table"),
+                                     {.name = NULL}};
 
 /* Note the findings in the first rows, and end the arm at the link that the poses refer to. */
 static void use_check(cli_call *call, cli_recalibrated *r, const mukca_chain *chain)

@@ -30,25 +30,24 @@ static void restrict_to(mukca_fit_options *options, session *s, bool lengths)
 }
 
 /* Joint zeros and link offsets; without `lengths` joint zeros, from the orientations alone, as the
- * first step of the paper (the positions of the part are lost). */
+ * first step of the paper. */
 static mukca_status fit_offsets(session *s, bool lengths, mukca_error *error)
 {
     mukca_recalibration *out = s->out;
+    mukca_fit *fit = &out->lengths;
     mukca_fit_options options = out->options;
-    mukca_fit *zeros = lengths ? NULL : malloc(sizeof *zeros);
-    mukca_fit *fit = lengths ? &out->lengths : zeros;
-    if (!fit) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
+    double *position = s->part.position;
     options.parameters_only = !lengths;
-    for (int i = 0; i < 3 * s->part.n_rows && !lengths; i++) s->part.position[i] = (double)NAN;
+    if (!lengths) s->part.position = NULL;
     restrict_to(&options, s, lengths);
     mukca_status status = mukca_fit_run(fit, &out->split.chain, &s->part, &options, error);
+    s->part.position = position;
     if (status == MUKCA_OK && lengths)
         status = mukca_frames_start(out->start, &fit->chain, &s->part, options.free_base,
                                     options.free_tool, error);
     if (status == MUKCA_OK)
         mukca_geometry_set(&out->stage[lengths ? MUKCA_WITH_LENGTHS : MUKCA_WITH_ANGLES],
                            &fit->chain, fit->theta);
-    free(zeros);
     return status;
 }
 
@@ -105,8 +104,8 @@ static mukca_status fit_stages(session *s, const mukca_dataset *log, mukca_error
     mukca_recalibration *out = s->out;
     mukca_status status = mukca_part_take(&s->part, s->rows, MUKCA_MOST_SAMPLES, error);
     if (status == MUKCA_OK) status = fit_all(s, error);
-    if (status == MUKCA_OK) status = fit_offsets(s, true, error);
     if (status == MUKCA_OK && s->oriented) status = fit_offsets(s, false, error);
+    if (status == MUKCA_OK) status = fit_offsets(s, true, error);
     for (int k = 0; k < MUKCA_STAGES && status == MUKCA_OK; k++)
         if (k != MUKCA_WITH_ANGLES || s->oriented)
             status = mukca_pose_errors_find(&out->errors[k], &out->stage[k], log, error);
