@@ -32,6 +32,7 @@ mukca_status mukca_build_file(mukca_dataset_builder *builder, const char *path)
     char *file = append(&d->files, &d->n_files, sizeof *d->files, builder);
     if (!file) return MUKCA_MEMORY;
     snprintf(file, sizeof *d->files, "%s", path);
+    mukca_utf8_mend(file);
     return MUKCA_OK;
 }
 

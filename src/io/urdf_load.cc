@@ -27,8 +27,8 @@ struct Loader : Tree {
             fail("the chain has " + std::to_string(joints.size()) + " joints, more than " +
                  std::to_string(MUKCA_MAX_ELEMENTS));
         const std::string &robot = model_->getName();
-        copy_name(chain_->robot,
-                  robot.substr(0, mukca_utf8_fit(robot.c_str(), MUKCA_NAME_SIZE - 1)));
+        const std::size_t length = mukca_utf8_fit(robot.c_str(), MUKCA_NAME_SIZE - 1);
+        copy_name(chain_->robot, mukca_utf8_valid(robot.c_str()) ? robot.substr(0, length) : robot);
         copy_name(chain_->base, base);
         copy_name(chain_->tip, tip);
         std::snprintf(chain_->urdf_sha256, sizeof chain_->urdf_sha256, "%s", text_.sha256);

@@ -143,12 +143,13 @@ wrong_session "2,\$s/^p/p$escape/" "bad.tsv:2: column 'placement': is not UTF-8,
 wrong_session "2,\$s/^p\t/p\t$(printf '\302\233')/" "bad.tsv:2: column 'socket': is not UTF-8, or has control"
 wrong_urdf 's/name="j1"/name="j\&#x9b;1"/' "bad.urdf: the name 'j??1' has control characters; rename it in the URDF"
 wrong_urdf 's/name="ball"/name="\&#x9b;ball"/; s/link="ball"/link="\&#x9b;ball"/' "bad.urdf: the name '??ball' has control"
+wrong_urdf 's/robot name="/robot name="\&#x9b;/' "bad.urdf: the name '??small' has control"
 odd=$(printf 'a\033]0;x\007b\302\233c\342\200\256d')
 cp -r good "$odd" && cut -f 2- session.tsv >"$odd.tsv"
 for command in "evaluate -v" "diagnose -v" "calibrate -v -o $odd.out" "report -o $odd.html"; do
     # shellcheck disable=SC2086
     run $command $a "$odd" "$odd.tsv"
-    [ ! -f "$odd.html" ] || cat "$odd.html" >>"$scratch/out"
+    for file in "$odd.html" "$odd.out"; do [ ! -f "$file" ] || cat "$file" >>"$scratch/out"; done
     expect "$command shows no control characters" sh -c \
         '! LC_ALL=C grep -qP "[\x01-\x08\x0b-\x1f\x7f]|\xc2[\x80-\x9f]|\xe2\x80\xae" "$@"' sh "$scratch/out" "$scratch/err"
 done
