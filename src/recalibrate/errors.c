@@ -11,10 +11,9 @@ static const double outlying = 8 / 1.54;
 /* Lengths kept for medians, evenly spread, which determine it to 1 %. */
 enum { KEPT = 8192 };
 
-/* Measured minus predicted position, m; log of predicted' measured, rad, and the vector of
- * predicted' measured - I; NaN: not measured. */
+/* Measured minus predicted position, m; log of predicted' measured, rad; NaN: not measured. */
 typedef struct {
-    double position[3], rotation[3], axes[3];
+    double position[3], rotation[3];
 } pose_error;
 
 static void find_error(pose_error *e, const mukca_geometry *g, const mukca_dataset *log, int row)
@@ -25,14 +24,11 @@ static void find_error(pose_error *e, const mukca_geometry *g, const mukca_datas
     mukca_fk_pose(&tip, g, log->q + i * (size_t)log->n_joints, NULL);
     for (int a = 0; a < 3; a++) {
         e->position[a] = log->position[3 * i + (size_t)a] - tip.p[a];
-        e->rotation[a] = e->axes[a] = (double)NAN;
+        e->rotation[a] = (double)NAN;
     }
     if (!mukca_pose_oriented(log, row)) return;
     mukca_rotation_from_quaternion(measured, log->quaternion + 4 * i);
     mukca_mat3_tmul(off, tip.R, measured);
-    e->axes[0] = 0.5 * (off[7] - off[5]);
-    e->axes[1] = 0.5 * (off[2] - off[6]);
-    e->axes[2] = 0.5 * (off[3] - off[1]);
     mukca_rotation_log(e->rotation, off);
 }
 
@@ -53,15 +49,13 @@ double mukca_moments_std(const mukca_moments *moments)
 
 /* Add an error; the lengths of every `every`-th are kept. */
 static void add_error(mukca_vector_errors *errors, double kept[KEPT], long every,
-                      const pose_error *e, bool rotation)
+                      const double vector[3])
 {
-    const double *vector = rotation ? e->rotation : e->position,
-                 *axes = rotation ? e->axes : e->position;
     if (!isfinite(vector[0])) return;
     const double length = mukca_norm3(vector);
     if (errors->length.n % every == 0) kept[errors->length.n / every] = length;
     moments_add(&errors->length, length);
-    for (int a = 0; a < 3; a++) moments_add(&errors->axis[a], fabs(axes[a]));
+    for (int a = 0; a < 3; a++) moments_add(&errors->axis[a], fabs(vector[a]));
 }
 
 mukca_status mukca_pose_errors_find(mukca_pose_errors *errors, const mukca_geometry *g,
@@ -75,7 +69,7 @@ mukca_status mukca_pose_errors_find(mukca_pose_errors *errors, const mukca_geome
     for (int i = 0; i < log->n_rows; i++) {
         pose_error e;
         find_error(&e, g, log, i);
-        for (int k = 0; k < 2; k++) add_error(both[k], kept[k], every, &e, k);
+        for (int k = 0; k < 2; k++) add_error(both[k], kept[k], every, k ? e.rotation : e.position);
     }
     for (int k = 0; k < 2; k++)
         both[k]->median =

@@ -4,11 +4,6 @@
 #include "model/dataset_subset.h"
 #include "recalibrate/recalibrate.h"
 
-static mukca_status fail(mukca_error *error)
-{
-    return mukca_fail(error, MUKCA_MEMORY, "out of memory for the pose log");
-}
-
 /* Whether two rows are consecutive in a motion.  Sockets are recorded one by one. */
 static bool adjacent(const mukca_dataset *d, int a, int b)
 {
@@ -42,7 +37,7 @@ static mukca_status keep_measured(mukca_dataset *d, mukca_error *error)
     mukca_dataset measured;
     unsigned char *keep = calloc((size_t)d->n_rows + 1, 1);
     int n = 0;
-    if (!keep) return fail(error);
+    if (!keep) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the pose log");
     for (int i = 0; i < d->n_rows; i++)
         n += keep[i] = d->position && isfinite(d->position[3 * (size_t)i]);
     mukca_status status = MUKCA_OK;
@@ -61,7 +56,7 @@ mukca_status mukca_pose_log_prepare(mukca_dataset *d, mukca_error *error)
     const size_t count = (size_t)d->n_rows * (size_t)d->n_joints;
     if (!d->velocity) {
         d->velocity = malloc((count + 1) * sizeof *d->velocity);
-        if (!d->velocity) return fail(error);
+        if (!d->velocity) return mukca_fail(error, MUKCA_MEMORY, "out of memory for velocities");
         for (size_t i = 0; i < count; i++) d->velocity[i] = (double)NAN;
     }
     for (int i = 0; i < d->n_rows; i++) fill_velocity(d, i);

@@ -33,7 +33,7 @@ typedef struct {
 
 typedef struct {
     mukca_moments length;  /* m; rad */
-    mukca_moments axis[3]; /* absolute; of a rotation: vector of R'R~ - I */
+    mukca_moments axis[3]; /* absolute coordinates, of the rotation vector too */
     double median;         /* length; 0 without errors */
 } mukca_vector_errors;
 
