@@ -65,6 +65,19 @@ run diagnose "$dir/signed.csv" -q --json - 2>/dev/null | grep -A3 '"causes"' | s
 run diagnose "$dir/turns.csv" -q --json - 2>/dev/null | grep -A3 '"causes"' | sed 's/[0-9.]*$//' >"$dir/got"
 ok "angles of 0 to 360 degrees: the same causes" sh -c "test -s '$dir/want' && cmp '$dir/want' '$dir/got'"
 
+# ---- noise of the joints, 0.3 mrad: samples far out are the least exact; the expected error of the tip is the true one, on average
+for seed in 1 2 3 4 5 6 7 8 9 10; do
+    run simulate --poses 25 --perturb 1,2 --noise 2e-5 --seed $seed -q -o "$dir/exact.csv" --truth "$dir/truth.tsv" --force
+    awk -F, -v OFS=, -v seed=$seed 'BEGIN { srand(seed) } /^#/ { next }
+        n++ { for (j = 2; j <= 8; j++) { for (i = s = 0; i < 12; i++) s += rand(); $j += 3e-4 * (s - 6) } }
+        { print $2, $3, $4, $5, $6, $7, $8, $9, $10, $11 }' "$dir/exact.csv" >"$dir/joints.csv"
+    run calibrate "$dir/joints.csv" --free-base --free-tool -o "$dir/joints.tsv" --json "$dir/joints.json" -q --force >/dev/null 2>&1
+    run compare "$dir/joints.tsv" "$dir/truth.tsv" --json - -q 2>/dev/null | sed -n '/"aligned"/,/}/s/.*"mean_m": \([^,]*\).*/true \1/p'
+    sed -n 's/.*"error_workspace_m": \([^,]*\).*/stated \1/p' "$dir/joints.json"
+done >"$dir/errors"
+ok "noise of the joints: the stated error is the true one" \
+    awk '{ sum[$1] += $2; n++ } END { r = sum["true"] / sum["stated"]; print r; exit !(n == 20 && r > 0.85 && r < 1.05) }' "$dir/errors"
+
 # ---- few poses: nothing is found by chance, and the number that is missing is stated
 for n in 5 8 9; do
     run simulate --poses $n --perturb 1,2 --noise 1e-4 --rotation-noise 1e-4 --seed 1 -q -o "$dir/few.csv" --force

@@ -286,14 +286,12 @@ void mukca_regression_fit_tails(mukca_regression *m, double *weight, int steps)
     mukca_unknowns_set_geometry_prior(u, &m->recording);
     for (int step = 0; step < steps; step++) {
         mukca_regression_linearise(m);
-        mukca_unknowns_prior(evidence->posterior.prior, u, -1);
+        mukca_regression_choose_share(m);
         for (int k = 0; k < WEIGHINGS; k++) {
             const double before = u->sigma;
             const mukca_normal_equations *normal = mukca_regression_collect(m, u->family);
             u->sigma = mukca_noise_choose(evidence, normal, before, NULL);
             mukca_evidence_evaluate(evidence, normal, u->sigma, evidence->mean);
-            if (m->recording.targets)
-                mukca_evidence_measure_noise(evidence, &m->recording, &m->linear);
             mukca_evidence_weigh_tails(weight, evidence, &m->recording, &m->linear, u->sigma);
             if (fabs(u->sigma / before - 1) < settled) break;
         }

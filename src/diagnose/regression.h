@@ -70,8 +70,8 @@ typedef enum {
 double mukca_regression_score(mukca_regression *m);
 
 /* Fit by so many steps with Student's noise of independent samples, whose weight[n_rows] are those
- * of the unknowns from then on: noise, weights and prior scales in each.  m->evidence keeps mean
- * and factor of the posterior. */
+ * of the unknowns from then on: noise, its share of the joint angles, weights and prior scales in
+ * each.  m->evidence keeps mean and factor of the posterior. */
 void mukca_regression_fit_tails(mukca_regression *m, double *weight, int steps);
 
 /* Choose the share of the joint angles' noise, from the present one towards that of the residuals,
