@@ -27,7 +27,7 @@ static const double contradiction = 10, left = 0.5;
 static const double most_size_change = 0.02;
 
 /* Mean angle, rad, between the orientations measured and those of the table at which they
- * contradict the positions: five widest prior sigmas of an axis. */
+ * contradict the positions: five times 20 mrad, beyond the errors of real axes. */
 static const double most_turn = 0.1;
 
 /* Largest distance of the ball from its place in the URDF, m: three of its prior sigmas. */

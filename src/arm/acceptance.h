@@ -31,7 +31,6 @@
     X(error_m)            /* of this model on the same samples, `error_of` */              \
     X(error_sigma_m)      /* standard error of their difference */                         \
     X(tip_change_m)       /* largest displacement of the tip in the workspace */           \
-    X(tip_change_sigma)   /* its ratio to the prior standard deviation */                  \
     X(size_change)        /* of the workspace, relative; the socket distance sets it */    \
     X(largest_offset_m)   /* largest change of a length parameter */                       \
     X(largest_offset_rad) /* of an angle parameter; without frames of measurement */

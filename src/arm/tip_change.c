@@ -4,8 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "model/prior.h"
-
 enum {
     DRAWN = 256,   /* postures; 1 % of the workspace is missed with probability 8 % */
     RECORDED = 512 /* largest number from the data */
@@ -39,21 +37,12 @@ typedef struct {
     int skip;
     double theta[2][MUKCA_MAX_THETA];
     mukca_geometry geometry[2];
-    double J[3 * MUKCA_MAX_THETA];
     mukca_tip_change found; /* so far */
     /* of the tips in `count` random postures, before (with the tool of `to`) and after */
     mukca_geometry same_tool;
     double mean[2][3], squares[2];
     int count;
 } comparison;
-
-static double prior_sigma(const comparison *c, int i)
-{
-    const int last = c->arm.n_elements - 1, element = i / MUKCA_PARAMETERS;
-    if (!c->task->to->listed[i + c->skip] || (c->task->tool_frame && element == last)) return 0;
-    return mukca_prior_sigma(&mukca_prior_widest, i % MUKCA_PARAMETERS,
-                             element == last && c->arm.element[element].joint < 0);
-}
 
 /* theta of the arm before and after, with the target of the measurement from `to`. */
 static void set_theta(comparison *c)
@@ -85,9 +74,7 @@ static void spread(comparison *c, const double *q)
 
 static void compare(comparison *c, const double *q)
 {
-    double position[3], variance = 0;
     mukca_frame tip[2];
-    const int n = MUKCA_PARAMETERS * c->arm.n_elements;
     const mukca_joint_state state = {.q = q, .placement = -1};
     for (int side = 0; side < 2; side++) {
         const mukca_offsets *o = side ? c->task->to : c->task->from;
@@ -96,14 +83,7 @@ static void compare(comparison *c, const double *q)
                        &c->geometry[side], &state);
     }
     const double change = mukca_distance3(tip[0].p, tip[1].p);
-    mukca_fk_parameter_jacobian(c->J, position, &c->geometry[0], c->theta[0], q);
-    for (int i = 0; i < n; i++) {
-        const double sigma = prior_sigma(c, i);
-        for (int a = 0; a < 3; a++) variance += c->J[a * n + i] * c->J[a * n + i] * sigma * sigma;
-    }
-    const double ratio = change / sqrt(variance);
     if (!(change <= c->found.m)) c->found.m = change; /* propagates NaN */
-    if (variance > 0 && !(ratio <= c->found.sigma)) c->found.sigma = ratio;
 }
 
 static void set_models(comparison *c, const mukca_tip_change_task *task)
@@ -157,7 +137,7 @@ mukca_status mukca_tip_change_judge(mukca_offsets *to, const mukca_tip_change_ta
     mukca_chain_theta(nominal, task->chain);
     const mukca_status status = mukca_tip_change_find(&change, task, error);
     if (status != MUKCA_OK) return status;
-    a->tip_change_m = change.m, a->tip_change_sigma = change.sigma, a->size_change = change.size;
+    a->tip_change_m = change.m, a->size_change = change.size;
     a->largest_offset_m = a->largest_offset_rad = 0;
     for (int i = 0; i < MUKCA_PARAMETERS * task->chain->n_elements; i++) {
         double *largest = i % MUKCA_PARAMETERS < 3 ? &a->largest_offset_m : &a->largest_offset_rad;

@@ -5,9 +5,9 @@
 #include "arm/offsets.h"
 #include "model/dataset_subset.h"
 
-/* Largest ratio of the tip's displacement to its prior standard deviation.  A normal prior exceeds
- * 5 in one of 1.7 million arms: an error of URDF, labels or units is more probable. */
-#define MUKCA_MOST_TIP_SIGMA 5.0
+/* Largest displacement of the tip by any calibration, m: four times that at which samples are of
+ * another arm (accept/accept.c). */
+#define MUKCA_MOST_TIP_CHANGE 0.2
 
 typedef struct {
     const mukca_chain *chain;
@@ -31,10 +31,9 @@ bool mukca_tip_change_is_frame(const mukca_tip_change_task *task, int element);
 
 /* Over the postures of the data and a fixed random sample within the joint limits. */
 typedef struct {
-    double m;     /* largest displacement of the tip */
-    double sigma; /* largest ratio to its prior standard deviation in the same posture */
-    double size;  /* relative change of the tip's standard deviation over the random sample, with
-                     the same tool: of all lengths */
+    double m;    /* largest displacement of the tip */
+    double size; /* relative change of the tip's standard deviation over the random sample, with
+                    the same tool: of all lengths */
 } mukca_tip_change;
 
 /* Errors: MUKCA_MEMORY. */

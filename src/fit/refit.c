@@ -20,7 +20,7 @@ enum {
 static const double tool_length = 0.1;
 /* Of forward differences, rad or m; their error is removed by the next iteration. */
 static const double step = 1e-6;
-/* Ridge relative to the largest curvature: parameters that no posture determines stay unchanged. */
+/* Weight of no change, relative to that of all postures: parameters that none determines stay. */
 static const double ridge = 1e-9;
 
 typedef struct {
@@ -28,9 +28,8 @@ typedef struct {
     int n_rows, n_unknowns;
     double *q;      /* [n_rows][n_joints], postures to fit first */
     double *target; /* [n_rows][MARKS] of the arm */
-    double *J;      /* [fitted][MARKS][n_unknowns] */
-    double *residual;
-    double *H, *g;
+    double *rows; /* [fitted][MARKS][n_unknowns + 1] derivatives and residual; those of the ridge */
+    double *R;    /* [n_unknowns][n_unknowns + 1] */
     int fitted;
 } problem;
 
@@ -68,10 +67,12 @@ static double *unknown(mukca_refit *refit, const mukca_refit_task *task, int ind
     return &refit->theta[MUKCA_PARAMETERS * element + index % MUKCA_PARAMETERS];
 }
 
+/* Column of an unknown by forward differences; before all others the last one, the residual. */
 static void fill_column(problem *p, mukca_refit *refit, int column)
 {
     mukca_geometry geometry;
-    double *x = unknown(refit, p->task, column);
+    const int n = p->n_unknowns;
+    double none = 0, *x = column < n ? unknown(refit, p->task, column) : &none;
     const double kept = *x;
     *x += step;
     mukca_geometry_set(&geometry, p->task->chain, refit->theta);
@@ -79,8 +80,9 @@ static void fill_column(problem *p, mukca_refit *refit, int column)
         double marks[MARKS];
         model_marks(marks, p, &geometry, refit->zeros, row);
         for (int i = 0; i < MARKS; i++) {
-            const int at = row * MARKS + i;
-            p->J[at * p->n_unknowns + column] = (marks[i] - p->target[at] + p->residual[at]) / step;
+            double *to = p->rows + (row * MARKS + i) * (n + 1);
+            const double left = p->target[row * MARKS + i] - marks[i];
+            to[column] = column < n ? (to[n] - left) / step : left;
         }
     }
     *x = kept;
@@ -88,25 +90,15 @@ static void fill_column(problem *p, mukca_refit *refit, int column)
 
 static void improve(problem *p, mukca_refit *refit)
 {
-    const int n = p->n_unknowns, m = p->fitted * MARKS;
-    mukca_geometry geometry;
-    double largest = 0;
-    mukca_geometry_set(&geometry, p->task->chain, refit->theta);
-    for (int row = 0; row < p->fitted; row++) {
-        double marks[MARKS];
-        model_marks(marks, p, &geometry, refit->zeros, row);
-        for (int i = 0; i < MARKS; i++)
-            p->residual[row * MARKS + i] = p->target[row * MARKS + i] - marks[i];
-    }
-    for (int column = 0; column < n; column++) fill_column(p, refit, column);
-    memset(p->H, 0, sizeof *p->H * (size_t)(n * n));
-    memset(p->g, 0, sizeof *p->g * (size_t)n);
-    mukca_dense_syrk(p->H, n, p->J, m, n);
-    mukca_dense_xty(p->g, (mukca_columns){p->J, n, n}, (mukca_columns){p->residual, 1, 1}, m);
-    for (int i = 0; i < n; i++) largest = fmax(largest, p->H[i * n + i]);
-    for (int i = 0; i < n; i++) p->H[i * n + i] += ridge * largest;
-    if (mukca_dense_solve(p->g, 1, p->H, n)) return;
-    for (int i = 0; i < n; i++) *unknown(refit, p->task, i) += p->g[i];
+    const int n = p->n_unknowns, m = p->fitted * MARKS, size = n * (n + 1);
+    double change[MUKCA_MAX_THETA], *held = p->rows + m * (n + 1);
+    memset(p->R, 0, (size_t)size * sizeof *p->R);
+    memset(held, 0, (size_t)size * sizeof *held);
+    for (int i = 0; i < n; i++) held[i * (n + 2)] = sqrt(ridge * m);
+    for (int column = n; column >= 0; column--) fill_column(p, refit, column);
+    mukca_dense_qr_absorb(p->R, NULL, p->rows, m + n, n, 1);
+    mukca_dense_qr_solve(change, p->R, n);
+    for (int i = 0; i < n; i++) *unknown(refit, p->task, i) += change[i];
 }
 
 /* Mean and largest distance between the tips in the held-out postures. */
@@ -171,10 +163,8 @@ mukca_status mukca_refit_run(mukca_refit *refit, const mukca_refit_task *task, m
     mukca_pool pool = {0};
     p.q = MUKCA_TAKE(&pool, double, rows *joints);
     p.target = MUKCA_TAKE(&pool, double, rows *MARKS);
-    p.J = MUKCA_TAKE(&pool, double, m *n);
-    p.residual = MUKCA_TAKE(&pool, double, m);
-    p.H = MUKCA_TAKE(&pool, double, n *n);
-    p.g = MUKCA_TAKE(&pool, double, n);
+    p.rows = MUKCA_TAKE(&pool, double, (m + n) * (n + 1));
+    p.R = MUKCA_TAKE(&pool, double, n *(n + 1));
     if (pool.failed) {
         mukca_pool_free(&pool);
         return mukca_fail(error, MUKCA_MEMORY, "out of memory");

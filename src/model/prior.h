@@ -18,10 +18,6 @@ static const mukca_geometry_prior mukca_prior_expected = {3e-3, 3e-3, 0, 0, 20e-
 /* The measurement noise, m: the repeatability of a printed socket is 0.1 to 0.2 mm. */
 #define MUKCA_PRIOR_NOISE 1.5e-4
 
-/* Bounds of a table's change: twice the widest that the diagnosis fits to real arms, zeros among
- * the angles. */
-static const mukca_geometry_prior mukca_prior_widest = {8e-3, 20e-3, 0, 0, 20e-3};
-
 /* Start of the diagnosis, which chooses lengths and angles by the evidence (mukca_scales_choose);
  * real arms have zeros of up to 15 mrad.  The priors of single lengths constrain their sum weakly:
  * without the factor, a wrong distance of the sockets would change the size of the arm. */

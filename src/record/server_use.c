@@ -39,9 +39,9 @@ static mukca_status read_accepted(mukca_offsets *offsets, const mukca_server *s,
     const mukca_tip_change_task task = {.chain = s->recorder.chain, .to = offsets};
     status = mukca_tip_change_find(&change, &task, error);
     if (status != MUKCA_OK) return status;
-    if (!(change.sigma <= MUKCA_MOST_TIP_SIGMA))
-        mukca_acceptance_refuse(a, "moves the tip by %.1f standard deviations of its prior",
-                                change.sigma);
+    if (!(change.m <= MUKCA_MOST_TIP_CHANGE))
+        mukca_acceptance_refuse(a, "moves the tip by %.0f mm, more than any calibration",
+                                1e3 * change.m);
     if (a->accepted) return MUKCA_OK;
     return mukca_fail(error, MUKCA_INPUT, "%.60s did not pass: %.150s", name, a->reason);
 }

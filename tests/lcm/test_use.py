@@ -94,7 +94,7 @@ def main():
         # a table that says of itself that it passed, and moves the tip: judged anew
         path = os.path.join(state, "results", "still.offsets.tsv")
         for offset, forged, text, code in ((0.03, False, "was edited or cut", 3),
-                                           (2.0, True, "standard deviations of its prior", 3),
+                                           (2.0, True, "mm, more than any calibration", 3),
                                            (0.03, True, "against the table in use, at most 10.0 mm", 1),
                                            (0.004, True, "against the table in use on its own session", 1)):
             table = turned(good_table, offset, forged)

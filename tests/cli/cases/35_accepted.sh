@@ -21,7 +21,7 @@ answer '^Next    mukca diagnose -o FILE with these data: its table has the effec
 run calibrate $a sim.tsv
 expect "no such advice without effects" sh -c "! grep -q 'mukca diagnose' '$scratch/out'"
 refuse 2 'sd' evaluate $a sim.tsv --distance-sd 1e-5
-for key in accepted converged error_of error_m error_nominal_m tip_change_m tip_change_sigma \
+for key in accepted converged error_of error_m error_nominal_m tip_change_m \
     identified postures error_here_m error_here_low_m error_workspace_m; do
     expect "the table tells $key" grep -q "^# $key: " ok.tsv
 done
