@@ -134,10 +134,9 @@ static mukca_status create(mukca_arm_posterior *p, const mukca_tip_change_task *
     memset(p, 0, sizeof *p);
     p->task = task;
     p->chain = *task->chain;
-    p->to = task->to ? task->to->theta : NULL;
     if (task->base_frame) { /* the frame of the measurement before the arm */
         mukca_chain_remove_first(&p->chain);
-        p->to += MUKCA_PARAMETERS;
+        p->skip = MUKCA_PARAMETERS;
     }
     mukca_status status = mukca_part_take(&p->data, task->data, MUKCA_MOST_SAMPLES, error);
     if (status != MUKCA_OK) return status;

@@ -19,19 +19,6 @@ enum { PROBES = 256, DRAWS = 200, BLOCK = 32 /* postures together */ };
  * (diagnose/untested.c). */
 static const double least_evidence = 12;
 
-/* Tip of a model in posture q, without its nuisance. */
-static void predict(double tip[3], const mukca_chain *chain, const mukca_offsets *model,
-                    const double *theta, const double *q)
-{
-    const mukca_joint_state state = {.q = q, .placement = -1};
-    mukca_geometry geometry;
-    mukca_displacement d;
-    const int n = model ? model->n_effects : 0;
-    mukca_geometry_set(&geometry, chain, theta);
-    if (n) mukca_effects_displacement(&d, model->effects, n, chain, &geometry, q, &state);
-    mukca_fk_position(tip, &geometry, q, n ? &d : NULL);
-}
-
 /* Mean errors over the probes of each arm from the posterior, sum[0] before and sum[1] after; the
  * last scatter[DRAWS] is their mean square after. */
 static bool sample(double sum[3][DRAWS], mukca_arm_posterior *p, const double *X,
@@ -129,24 +116,26 @@ static bool draw(mukca_tip_error *out, mukca_arm_posterior *p, const mukca_chain
     const int at = MUKCA_RIGID + p->m.linear.n_columns, w = at + 3, rows = 3 * PROBES,
               joints = p->chain.n_joints;
     double *X = MUKCA_TAKE(&p->pool, double, rows *w);
-    double *q = MUKCA_TAKE(&p->pool, double, PROBES *joints), tip[2][3], nominal[MUKCA_MAX_THETA];
+    double *q = MUKCA_TAKE(&p->pool, double, PROBES *joints);
     const mukca_tip_change_task *task = p->task;
-    const int skip = task->base_frame ? MUKCA_PARAMETERS : 0;
-    const double *before = task->from ? task->from->theta + skip : nominal;
+    const mukca_offsets *const model[2] = {task->from, task->to};
+    mukca_geometry geometry[2];
     mukca_random random;
     if (p->pool.failed) return false;
-    mukca_chain_theta(nominal, &p->chain);
+    for (int k = 0; k < 2; k++)
+        mukca_geometry_set(&geometry[k], &p->chain, model[k] ? model[k]->theta + p->skip : NULL);
     mukca_random_seed(&random, 1);
     for (int i = 0; i < PROBES; i++) mukca_posture_draw(q + i * joints, range, &random);
     if (!mukca_arm_posterior_probe(X, w, p, q, PROBES)) return false;
-    for (int i = 0; i < PROBES; i++) {
-        predict(tip[0], &p->chain, task->from, before, q + i * joints);
-        predict(tip[1], &p->chain, task->to, p->to, q + i * joints);
-        for (int a = 0; a < 3; a++) {
-            double *to = X + (3 * i + a) * w + at;
-            for (int k = 0; k < 2; k++) to[1 + k] = to[0] + tip[k][a];
+    for (int i = 0; i < PROBES; i++)
+        for (int k = 0; k < 2; k++) {
+            mukca_frame tip;
+            mukca_offsets_tip(&tip, model[k], &p->chain, &geometry[k], q + i * joints);
+            for (int a = 0; a < 3; a++) {
+                double *to = X + (3 * i + a) * w + at;
+                to[1 + k] = to[0] + tip.p[a];
+            }
         }
-    }
     mukca_dense_project(X, rows, w, 0, MUKCA_RIGID);
     return summarise(out, where, p, X, &random) &&
            (where != MUKCA_HERE || split_distance(out, p, X, &random));

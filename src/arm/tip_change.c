@@ -23,6 +23,14 @@ void mukca_tip_pose(mukca_frame *tip, const mukca_effect *effects, int n, const 
     mukca_fk_pose(tip, geometry, state->q, n > 0 ? &d : NULL);
 }
 
+void mukca_offsets_tip(mukca_frame *tip, const mukca_offsets *table, const mukca_chain *chain,
+                       const mukca_geometry *geometry, const double *q)
+{
+    const mukca_joint_state state = {.q = q, .placement = -1};
+    mukca_tip_pose(tip, table ? table->effects : NULL, table ? table->n_effects : 0, chain,
+                   geometry, &state);
+}
+
 void mukca_chain_remove_first(mukca_chain *chain)
 {
     chain->n_elements--;
@@ -33,28 +41,14 @@ void mukca_chain_remove_first(mukca_chain *chain)
 
 typedef struct {
     const mukca_tip_change_task *task;
-    mukca_chain arm; /* without the frame of the measurement before it: `skip` parameters */
-    int skip;
-    double theta[2][MUKCA_MAX_THETA];
-    mukca_geometry geometry[2];
-    mukca_tip_change found; /* so far */
+    mukca_chain arm;            /* without the frame of the measurement before it */
+    mukca_geometry geometry[2]; /* before and after */
+    mukca_tip_change found;     /* so far */
     /* of the tips in `count` random postures, before (with the tool of `to`) and after */
     mukca_geometry same_tool;
     double mean[2][3], squares[2];
     int count;
 } comparison;
-
-/* theta of the arm before and after, with the target of the measurement from `to`. */
-static void set_theta(comparison *c)
-{
-    const int n = MUKCA_PARAMETERS * c->arm.n_elements, target = n - MUKCA_PARAMETERS;
-    mukca_chain_theta(c->theta[0], &c->arm);
-    for (int i = 0; i < n; i++) {
-        c->theta[1][i] = c->task->to->theta[i + c->skip];
-        if (c->task->from) c->theta[0][i] = c->task->from->theta[i + c->skip];
-        if (c->task->tool_frame && i >= target) c->theta[0][i] = c->theta[1][i];
-    }
-}
 
 /* Add the tips of a posture to means and squares (Welford). */
 static void spread(comparison *c, const double *q)
@@ -75,32 +69,30 @@ static void spread(comparison *c, const double *q)
 static void compare(comparison *c, const double *q)
 {
     mukca_frame tip[2];
-    const mukca_joint_state state = {.q = q, .placement = -1};
-    for (int side = 0; side < 2; side++) {
-        const mukca_offsets *o = side ? c->task->to : c->task->from;
-        const int n_effects = side || o ? o->n_effects : 0;
-        mukca_tip_pose(&tip[side], n_effects ? o->effects : NULL, n_effects, &c->arm,
-                       &c->geometry[side], &state);
-    }
+    mukca_offsets_tip(&tip[0], c->task->from, &c->arm, &c->geometry[0], q);
+    mukca_offsets_tip(&tip[1], c->task->to, &c->arm, &c->geometry[1], q);
     const double change = mukca_distance3(tip[0].p, tip[1].p);
     if (!(change <= c->found.m)) c->found.m = change; /* propagates NaN */
 }
 
+/* The arm before and after, with the target of the measurement from `to`. */
 static void set_models(comparison *c, const mukca_tip_change_task *task)
 {
-    double theta[MUKCA_MAX_THETA];
+    double before[MUKCA_MAX_THETA];
+    const int skip = task->base_frame ? MUKCA_PARAMETERS : 0;
+    const double *after = task->to->theta + skip;
     c->task = task;
     c->arm = *task->chain;
-    c->skip = task->base_frame ? MUKCA_PARAMETERS : 0;
     if (task->base_frame) mukca_chain_remove_first(&c->arm);
-    set_theta(c);
-    for (int side = 0; side < 2; side++)
-        mukca_geometry_set(&c->geometry[side], &c->arm, c->theta[side]);
     const int last = c->arm.n_elements - 1, tool = MUKCA_PARAMETERS * last;
-    memcpy(theta, c->theta[0], sizeof theta);
-    if (c->arm.element[last].joint < 0)
-        memcpy(theta + tool, c->theta[1] + tool, sizeof *theta * MUKCA_PARAMETERS);
-    mukca_geometry_set(&c->same_tool, &c->arm, theta);
+    const size_t one = MUKCA_PARAMETERS * sizeof *before;
+    mukca_chain_theta(before, &c->arm);
+    if (task->from) memcpy(before, task->from->theta + skip, (size_t)(last + 1) * one);
+    if (task->tool_frame) memcpy(before + tool, after + tool, one);
+    mukca_geometry_set(&c->geometry[0], &c->arm, before);
+    mukca_geometry_set(&c->geometry[1], &c->arm, after);
+    if (c->arm.element[last].joint < 0) memcpy(before + tool, after + tool, one);
+    mukca_geometry_set(&c->same_tool, &c->arm, before);
 }
 
 mukca_status mukca_tip_change_find(mukca_tip_change *change, const mukca_tip_change_task *task,

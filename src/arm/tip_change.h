@@ -23,6 +23,10 @@ typedef struct {
 void mukca_tip_pose(mukca_frame *tip, const mukca_effect *effects, int n, const mukca_chain *chain,
                     const mukca_geometry *geometry, const mukca_joint_state *state);
 
+/* The same with the effects of a table (NULL: none), in an unknown state of the joints. */
+void mukca_offsets_tip(mukca_frame *tip, const mukca_offsets *table, const mukca_chain *chain,
+                       const mukca_geometry *geometry, const double *q);
+
 /* Remove the first element, the frame of a tracker: gravity and effects are of the arm's base. */
 void mukca_chain_remove_first(mukca_chain *chain);
 
