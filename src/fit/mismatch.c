@@ -7,6 +7,7 @@
 
 #include "base/pool.h"
 #include "fit/align.h"
+#include "math/stats.h"
 #include "model/dataset_subset.h"
 
 /* Ratio of the errors after and before a mix-up below which it is no coincidence: real errors of
@@ -108,23 +109,37 @@ static void keep(search *s, const mukca_mixup *m)
     s->best[k] = *m;
 }
 
-/* Where the error is least by the zero of joint j alone.  Positions depend on the sine and the
- * cosine of a joint's angle, so that squares of distances have two harmonics, which five values
+/* A mix-up as a function of the zero of one joint. */
+typedef struct {
+    search *s;
+    mukca_mixup tried, *best;
+    int joint;
+} zero;
+
+static double try_zero(void *context, double shift)
+{
+    zero *z = context;
+    z->tried.shift[z->joint] = shift;
+    measure(&z->tried, z->s);
+    if (z->tried.square < z->best->square) *z->best = z->tried;
+    return z->tried.square;
+}
+
+/* Where the error is least by the zero of joint j alone, nearly.  Positions depend on the sine and
+ * the cosine of a joint's angle, so that squares of distances have two harmonics, which five values
  * determine; in frames that are free, nearly. */
 static void shift_zero(mukca_mixup *m, search *s, int j)
 {
-    enum { VALUES = 5, GRID = 72 };
+    enum { VALUES = 5, GRID = 720 };
     const double start = m->shift[j];
     double wave[VALUES] = {0}, least = HUGE_VAL, best = 0;
-    mukca_mixup tried = *m;
+    zero z = {s, *m, m, j};
     for (int k = 0; k < VALUES; k++) {
-        const double t = 2 * M_PI * k / VALUES;
-        tried.shift[j] = remainder(start + t, 2 * M_PI);
-        measure(&tried, s);
-        if (tried.square < m->square) *m = tried;
+        const double t = 2 * M_PI * k / VALUES,
+                     square = try_zero(&z, remainder(start + t, 2 * M_PI));
         for (int h = 0; h < VALUES; h++) { /* 1, cos t, sin t, cos 2 t, sin 2 t */
             const int n = (h + 1) / 2;
-            wave[h] += 0.4 * tried.square * (h % 2 || !h ? cos(n * t) : sin(n * t));
+            wave[h] += 0.4 * square * (h % 2 || !h ? cos(n * t) : sin(n * t));
         }
     }
     for (int g = 0; g < GRID; g++) {
@@ -132,34 +147,15 @@ static void shift_zero(mukca_mixup *m, search *s, int j)
                                                   wave[3] * cos(2 * t) + wave[4] * sin(2 * t);
         if (f < least) least = f, best = t;
     }
-    for (int k = 0; k < 3; k++) { /* Newton */
-        const double a = wave[1] * cos(best) + wave[2] * sin(best),
-                     b = wave[2] * cos(best) - wave[1] * sin(best),
-                     c = wave[3] * cos(2 * best) + wave[4] * sin(2 * best),
-                     d = wave[4] * cos(2 * best) - wave[3] * sin(2 * best);
-        if (a + 4 * c < 0) best += (b + 2 * d) / (a + 4 * c);
-    }
-    tried.shift[j] = remainder(start + best, 2 * M_PI);
-    measure(&tried, s);
-    if (tried.square < m->square) *m = tried;
+    try_zero(&z, remainder(start + best, 2 * M_PI));
 }
 
-/* The least error near the zero of joint j: vertices of parabolas, ever narrower. */
+/* The least error near the zero of joint j, to a tenth of a milliradian. */
 static void refine_zero(mukca_mixup *m, search *s, int j)
 {
-    double h = 0.1;
-    for (int pass = 0; pass < 5; pass++, h /= 3) { /* to a milliradian */
-        mukca_mixup low = *m, high = *m, tried = *m;
-        low.shift[j] -= h, high.shift[j] += h;
-        measure(&low, s);
-        measure(&high, s);
-        const double bend = low.square - 2 * m->square + high.square,
-                     step = h * (low.square - high.square) / (2 * bend);
-        if (!(bend > 0)) continue;
-        tried.shift[j] += fmin(fmax(step, -2 * h), 2 * h);
-        measure(&tried, s);
-        if (tried.square < m->square) *m = tried;
-    }
+    const double near = 0.1, at = m->shift[j];
+    zero z = {s, *m, m, j};
+    mukca_stats_minimize(NULL, try_zero, &z, at - near, at + near, 1e-4);
 }
 
 /* Shift the zero of the joint that reduces the error most, at most `rounds` times. */
