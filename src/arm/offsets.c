@@ -77,17 +77,11 @@ static mukca_status check_kinematics(const mukca_offsets_origin *o, const mukca_
             error, MUKCA_INPUT, "%s: was made %s: its offsets are added to other origins; give %s",
             o->name, has_factory ? "with a factory file (--kinematics)" : "without --kinematics",
             has_factory ? "the same --kinematics FILE" : "no --kinematics");
-    if (strcmp(o->embedded->kinematics_hash, chain->kinematics_hash) != 0)
-        return mukca_fail(
-            error, MUKCA_INPUT,
-            "%s: is of the robot %.40s, the factory file of %.40s: another robot, or "
-            "one calibrated anew; give the file of the table (--accept-other-arm takes any)",
-            o->name, o->embedded->kinematics_hash, chain->kinematics_hash);
-    return mukca_fail(
-        error, MUKCA_INPUT,
-        "%s: the factory file has the table's hash, %.40s, but was edited or exported "
-        "from a fit; give the file of the table (--accept-other-arm takes any)",
-        o->name, chain->kinematics_hash);
+    return mukca_fail(error, MUKCA_INPUT,
+                      "%s: is of the robot %.40s, the factory file of %.40s: another robot, or a "
+                      "file that was edited or made anew; give the file of the table "
+                      "(--accept-other-arm takes any)",
+                      o->name, o->embedded->kinematics_hash, chain->kinematics_hash);
 }
 
 static mukca_status check_origin(mukca_offsets_origin *o, const mukca_chain *chain,

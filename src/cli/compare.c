@@ -83,35 +83,6 @@ static mukca_status check_pairs(cli_call *call)
     return MUKCA_OK;
 }
 
-static bool same_origins(const mukca_chain *a, const mukca_chain *b)
-{
-    for (int k = 0; k < a->n_elements && k < b->n_elements; k++)
-        for (int i = 0; i < 3; i++)
-            if (a->element[k].xyz[i] != b->element[k].xyz[i] ||
-                a->element[k].rpy[i] != b->element[k].rpy[i])
-                return false;
-    return a->n_elements == b->n_elements;
-}
-
-/* Note if, by UR's hashes, the factory files of A and B belong to two robots or one is not the
- * factory's. */
-static void note_hashes(cli_call *call)
-{
-    const compare_work *w = call->work;
-    const mukca_chain *a = &w->arm[0].chain, *b = &w->arm[1].chain;
-    if (!a->kinematics_hash[0] || !b->kinematics_hash[0]) return;
-    if (strcmp(a->kinematics_hash, b->kinematics_hash) != 0)
-        cli_note(
-            call,
-            "the hash of A is %s, that of B %s: two robots, or one that its maker calibrated anew",
-            a->kinematics_hash, b->kinematics_hash);
-    else if (!same_origins(a, b))
-        cli_note(call,
-                 "A and B start from other origins under the same hash, %s: one of them "
-                 "is no factory file, but edited or exported from a fit",
-                 a->kinematics_hash);
-}
-
 static void print_number(cli_call *call, double value)
 {
     if (isfinite(value)) /* avoids -0.0000 */
@@ -206,7 +177,6 @@ static mukca_status run(cli_call *call)
     for (int side = 0; side < 2 && status == MUKCA_OK; side++) status = load(call, side);
     if (status == MUKCA_OK) status = check_pairs(call);
     if (status != MUKCA_OK) return status;
-    note_hashes(call);
     mukca_compare(&w->comparison, &w->arm[0], &w->arm[1]);
     return MUKCA_OK;
 }
