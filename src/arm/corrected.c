@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "arm/offsets.h"
-#include "effect/apply.h"
+#include "effect/catalogue.h"
 
 mukca_status mukca_corrected_parse_named(mukca_corrected *model, mukca_bytes table,
                                          const char *name, int accept, mukca_error *error)

@@ -2,7 +2,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "effect/apply.h"
 #include "effect/catalogue.h"
 #include "math/four.h"
 #include "math/sincos.h"
