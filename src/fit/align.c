@@ -98,12 +98,12 @@ static void place_target(mukca_alignment *a, const problem *p)
             }
             row[9 + r] = 1 / MODEL_ERROR;
             row[N] = e->from.p[r] / MODEL_ERROR;
-            mukca_dense_qr_absorb(R, NULL, row, 1, N, 1);
+            mukca_dense_qr_absorb(R, row, 1, N, 1);
         }
     for (int c = 0; c < 3; c++) {
         double row[SIZE] = {0};
         row[12 + c] = 1.0 / TARGET_REACH;
-        mukca_dense_qr_absorb(R, NULL, row, 1, N, 1);
+        mukca_dense_qr_absorb(R, row, 1, N, 1);
     }
     mukca_dense_qr_solve(x, R, N);
     memcpy(a->target.p, x + 12, sizeof a->target.p);

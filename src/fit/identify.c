@@ -47,64 +47,47 @@ static void score_covariance(double *B, mukca_cost *cost)
     mukca_dense_syrk(B, n, part->J, first_pair, n);
 }
 
-enum { BLOCK = 32 }; /* rows absorbed at a time */
-
 /* R[n + 3][n + 3]: triangular factor of the weighted Jacobian in part->J, augmented by the
  * derivatives of the residuals with respect to rotations of the whole arm about x, y, z. */
-static void factorise(double *R, double *block, const mukca_cost *part)
+static void factorise(double *R, const mukca_cost *part)
 {
     const mukca_observations *o = &part->observations;
-    const int n = part->n, wide = n + 3, m = o->n_residuals;
-    memset(R, 0, (size_t)(wide * wide) * sizeof *R);
-    for (int start = 0; start < m; start += BLOCK) {
-        const int rows = m - start < BLOCK ? m - start : BLOCK;
-        for (int i = 0; i < rows; i++) {
-            const int row = start + i, first = row - row % 3, axis = row % 3;
-            double *to = block + i * wide;
-            memcpy(to, part->J + row * n, (size_t)n * sizeof *to);
-            memset(to + n, 0, 3 * sizeof *to);
-            if (row >= 3 * o->n_rows) continue; /* a distance */
-            to[n + (axis + 1) % 3] = part->weight[row] * part->r[first + (axis + 2) % 3];
-            to[n + (axis + 2) % 3] = -part->weight[row] * part->r[first + (axis + 1) % 3];
-        }
-        mukca_dense_qr_absorb(R, NULL, block, rows, wide, 0);
+    const int n = part->n;
+    double row[MUKCA_MAX_FREE + 3];
+    memset(R, 0, (size_t)((n + 3) * (n + 3)) * sizeof *R);
+    for (int i = 0; i < o->n_residuals; i++) {
+        const int first = i - i % 3, y = (i + 1) % 3, z = (i + 2) % 3;
+        const bool turns = i < 3 * o->n_rows; /* else a distance */
+        memcpy(row, part->J + i * n, (size_t)n * sizeof *row);
+        row[n + i % 3] = 0;
+        row[n + y] = turns ? part->weight[i] * part->r[first + z] : 0;
+        row[n + z] = turns ? -part->weight[i] * part->r[first + y] : 0;
+        mukca_dense_qr_absorb(R, row, 1, n + 3, 0);
     }
 }
 
 /* A rotation of the whole arm rotates all residuals without a change of the cost: data of sockets
  * do not identify it, although the residuals change to first order.  If the free parameters can
- * rotate the arm, project this rotation out of the factor of the Jacobian, R[n + 3][n + 3]. */
-static void project_out_turning(double *R, int n)
+ * rotate the arm, project this rotation out of the factor of the Jacobian, R[n + 3][n + 3];
+ * X[n][n + 3], initially 0, is scratch. */
+static void project_out_turning(double *R, double *X, int n)
 {
     const int wide = n + 3;
-    double T[9], s[3], V[9], u[3][MUKCA_MAX_FREE], size = 0;
-    int found = 0;
-    for (int r = 0; r < wide; r++)
-        for (int c = 0; c < 3; c++) size += R[r * wide + n + c] * R[r * wide + n + c];
+    double T[9], s[3], V[9], size = 0, square[3] = {0};
+    for (int r = 0; r < wide; r++) size += mukca_dot3(R + r * wide + n, R + r * wide + n);
     for (int i = 0; i < 9; i++) T[i] = R[(n + i / 3) * wide + n + i % 3];
     if (mukca_dense_svd(T, s, V, 3) != 0) return;
-    for (int c = 0; c < 3; c++) {
-        double *v = u[found], length = 0;
-        if (!(s[c] <= 1e-6 * sqrt(size))) continue; /* the parameters cannot rotate the arm */
-        for (int i = 0; i < n; i++) {
-            v[i] = 0;
-            for (int a = 0; a < 3; a++) v[i] += R[i * wide + n + a] * V[3 * a + c];
+    for (int c = 0; c < 3; c++) /* else the parameters cannot rotate the arm */
+        for (int i = 0; i < n && s[c] <= 1e-6 * sqrt(size); i++) {
+            for (int a = 0; a < 3; a++) X[i * wide + c] += R[i * wide + n + a] * V[3 * a + c];
+            square[c] += X[i * wide + c] * X[i * wide + c];
         }
-        for (int before = 0; before < found; before++) {
-            double along = 0;
-            for (int i = 0; i < n; i++) along += u[before][i] * v[i];
-            for (int i = 0; i < n; i++) v[i] -= along * u[before][i];
-        }
-        for (int i = 0; i < n; i++) length += v[i] * v[i];
-        if (!(length > 0)) continue;
-        for (int i = 0; i < n; i++) v[i] /= sqrt(length);
-        for (int j = 0; j < n; j++) {
-            double along = 0;
-            for (int i = 0; i < n; i++) along += v[i] * R[i * wide + j];
-            for (int i = 0; i < n; i++) R[i * wide + j] -= along * v[i];
-        }
-        found++;
+    for (int i = 0; i < n; i++) {
+        for (int c = 0; c < 3; c++) X[i * wide + c] /= square[c] > 0 ? sqrt(square[c]) : 1;
+        memcpy(X + i * wide + 3, R + i * wide, (size_t)n * sizeof *X);
     }
+    mukca_dense_project(X, n, wide, 0, 3);
+    for (int i = 0; i < n; i++) memcpy(R + i * wide, X + i * wide + 3, (size_t)n * sizeof *R);
 }
 
 /* Standard errors diag(G B G)^(1/2) with the pseudo-inverse G = V S^-2 V'; `row` [n] is scratch. */
@@ -133,7 +116,7 @@ mukca_status mukca_identify(mukca_identification *id, mukca_cost *cost, const do
     mukca_observations *o = &cost->observations;
     double *B = MUKCA_TAKE(pool, double, n *n), *R = MUKCA_TAKE(pool, double, (n + 3) * (n + 3)),
            *V = MUKCA_TAKE(pool, double, n *n), *s = MUKCA_TAKE(pool, double, n),
-           *block = MUKCA_TAKE(pool, double, BLOCK *(n + 3));
+           *X = MUKCA_TAKE(pool, double, n *(n + 3));
     double log_product = 0, distances;
     memset(id, 0, sizeof *id);
     if (pool->failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d parameters", n);
@@ -145,9 +128,9 @@ mukca_status mukca_identify(mukca_identification *id, mukca_cost *cost, const do
     double squares =
         mukca_observe_squares(&distances, o, false) + mukca_orientations_squares(o, false);
     squares += distances;
-    factorise(R, block, cost->part);
-    score_covariance(B, cost);                 /* overwrites the Jacobian */
-    if (!o->target) project_out_turning(R, n); /* measured poses identify that rotation */
+    factorise(R, cost->part);
+    score_covariance(B, cost);                    /* overwrites the Jacobian */
+    if (!o->target) project_out_turning(R, X, n); /* measured poses identify that rotation */
     for (int i = 1; i < n; i++) memmove(R + i * n, R + i * (n + 3), (size_t)n * sizeof *R);
     if (mukca_dense_svd(R, s, V, n) != 0)
         return mukca_fail(error, MUKCA_INPUT, "the model's derivatives are not finite numbers");

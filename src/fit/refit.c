@@ -96,7 +96,7 @@ static void improve(problem *p, mukca_refit *refit)
     memset(held, 0, (size_t)size * sizeof *held);
     for (int i = 0; i < n; i++) held[i * (n + 2)] = sqrt(ridge * m);
     for (int column = n; column >= 0; column--) fill_column(p, refit, column);
-    mukca_dense_qr_absorb(p->R, NULL, p->rows, m + n, n, 1);
+    mukca_dense_qr_absorb(p->R, p->rows, m + n, n, 1);
     mukca_dense_qr_solve(change, p->R, n);
     for (int i = 0; i < n; i++) *unknown(refit, p->task, i) += change[i];
 }

@@ -58,10 +58,9 @@ int mukca_dense_svd(double *A, double *s, double *V, int n);
 void mukca_dense_project(double *X, int rows, int width, int first, int end);
 
 /* Sequential QR for least squares, by blocks of rows: R[n][n + k] is the upper triangular factor of
- * all rows so far, followed by Q'b; zero initially.  Absorbs the rows A[m][n + k] (destroyed).
- * rss[k] (may be NULL) accumulates the residual sums of squares.
- * Memory and result do not depend on how the rows are blocked (to rounding). */
-void mukca_dense_qr_absorb(double *R, double *rss, double *A, int m, int n, int k);
+ * all rows so far, followed by Q'b; zero initially.  Absorbs the rows A[m][n + k], of which the
+ * residuals of b remain. */
+void mukca_dense_qr_absorb(double *R, double *A, int m, int n, int k);
 
 /* x[n] of least squares from R[n][n + 1]; 0 where nothing determines it. */
 void mukca_dense_qr_solve(double *x, const double *R, int n);

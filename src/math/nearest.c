@@ -114,17 +114,17 @@ double mukca_frame_refine(double R[MUKCA_MEETING_FACTOR], mukca_frame *base, muk
     for (int i = 0; i < m->n; i++) {
         double rows[6 * MEETING_ROW];
         meeting_rows(rows, base, tool, m, &m->points[i]);
-        mukca_dense_qr_absorb(R, NULL, rows, m->per_radian > 0 ? 6 : 3, N, 1);
+        mukca_dense_qr_absorb(R, rows, m->per_radian > 0 ? 6 : 3, N, 1);
     }
     for (int c = 0; c < N; c++) {
         const bool place = c >= 6 && c < 9;
         double row[MEETING_ROW] = {0};
         row[c] = fmax(m->damping, 1e-6);
-        mukca_dense_qr_absorb(R, NULL, row, 1, N, 1);
+        mukca_dense_qr_absorb(R, row, 1, N, 1);
         if (!place) continue;
         row[c] = m->pull;
         row[N] = -m->pull * tool->p[c - 6];
-        mukca_dense_qr_absorb(R, NULL, row, 1, N, 1);
+        mukca_dense_qr_absorb(R, row, 1, N, 1);
     }
     mukca_dense_qr_solve(x, R, N);
     for (int i = 0; i < N; i++) {
