@@ -73,29 +73,12 @@ MUKCA_INLINE void columns_enter(columns *F, const mukca_geometry *geometry, int 
     columns_rotate(F, geometry->origin[k].R);
 }
 
-/* F := F R, R the rotation by the vector w: (1 - b w.w) + b w w' + a [w]x. */
+/* F := F R, R the rotation by the vector w. */
 MUKCA_INLINE void columns_bend(columns *F, const double w[3])
 {
-    const double t2 = mukca_dot3(w, w);
-    if (MUKCA_LANES == 1 || !(t2 < 0.01)) {
-        double R[9];
-        mukca_rotation_exp(R, w);
-        columns_rotate(F, R);
-        return;
-    }
-    /* the next terms are below 3e-18 */
-    const double a =
-        1 - t2 * (1.0 / 6 - t2 * (1.0 / 120 - t2 * (1.0 / 5040 - t2 * (1.0 / 362880))));
-    const double b =
-        0.5 - t2 * (1.0 / 24 - t2 * (1.0 / 720 - t2 * (1.0 / 40320 - t2 * (1.0 / 3628800))));
-    const double c = 1 - b * t2, v[3] = {a * w[0], a * w[1], a * w[2]};
-    for (int r = 0; r < ROWS; r++) {
-        const lanes x = F->column[0][r], y = F->column[1][r], z = F->column[2][r];
-        const lanes along = b * (x * w[0] + y * w[1] + z * w[2]);
-        F->column[0][r] = (c * x + along * w[0]) + (y * v[2] - z * v[1]);
-        F->column[1][r] = (c * y + along * w[1]) + (z * v[0] - x * v[2]);
-        F->column[2][r] = (c * z + along * w[2]) + (x * v[1] - y * v[0]);
-    }
+    double R[9];
+    mukca_rotation_exp(R, w);
+    columns_rotate(F, R);
 }
 
 /* Rotation vector of joint j's frame before its rotation; NULL: none. */
