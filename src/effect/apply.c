@@ -3,18 +3,7 @@
 #include <string.h>
 
 #include "effect/catalogue.h"
-#include "math/four.h"
-#include "math/sincos.h"
-#include "model/turn.h"
 #include "mukca/gravity.h"
-
-/* All terms of an effect := 0, by vector stores: for so few bytes gcc replaces memset by an
- * instruction that is slower than most effects. */
-MUKCA_INLINE void clear_terms(double terms[MUKCA_MAX_TERMS][3])
-{
-    double *all = (double *)(void *)terms;
-    for (int i = 0; i < 3 * MUKCA_MAX_TERMS; i += MUKCA_LANES) STORE_LANES(all + i, (lanes){0});
-}
 
 /* into += coefficients times rows of basis, n components each. */
 static inline void add_terms(double *into, int n, const mukca_effect *effect,
@@ -48,8 +37,9 @@ static inline void add_slopes(mukca_effect_slopes *slopes, const mukca_effect_op
                               int n_joints, const mukca_basis_input *in, const double basis[][3])
 {
     const mukca_effect *e = in->effect;
+    static const double none[MUKCA_MAX_TERMS][3] = {{0}};
     double slope[MUKCA_MAX_TERMS][3];
-    clear_terms(slope);
+    memcpy(slope, none, sizeof slope); /* as in mukca_effect_basis() */
     const int by = ops->by_angle(slope, in, basis);
     if (ops->direction)
         for (int j = 0; j < n_joints; j++) slopes->angle[j][1] += e->coefficient[0] * slope[0][0];
@@ -60,24 +50,20 @@ static inline void add_slopes(mukca_effect_slopes *slopes, const mukca_effect_op
         add_terms(&slopes->angle[e->joint][1 + by], 1, e, (const double(*)[3])slope);
 }
 
-/* Displacement and derivatives by one effect; sine[2], cosine[2]: of a periodic effect's angles.
- */
+/* Displacement and derivatives by one effect. */
 static void add_effect(mukca_displacement *d, mukca_effect_slopes *slopes,
-                       const mukca_effect_task *task, const mukca_effect *e, const double *sine,
-                       const double *cosine)
+                       const mukca_effect_task *task, const mukca_effect *e)
 {
     const mukca_effect_ops *ops = mukca_effect_catalogue[e->kind];
     const double *axis =
         e->joint < 0 ? NULL : task->geometry->axis[task->chain->joint_element[e->joint]];
-    const mukca_basis_input in = {
-        .effect = e, .axis = axis, .state = &task->state, .sine = sine, .cosine = cosine};
+    const mukca_basis_input in = {.effect = e, .axis = axis, .state = &task->state};
     double basis[MUKCA_MAX_TERMS][3];
-    clear_terms(basis);
-    if (ops->direction) add_direction(d, e, task->chain, &task->state);
-    if (ops->basis) {
-        ops->basis(basis, &in);
+    mukca_effect_basis(basis, e, axis, &task->state);
+    if (ops->direction)
+        add_direction(d, e, task->chain, &task->state);
+    else
         add_basis(d, ops->info.site, e, (const double(*)[3])basis);
-    }
     if (slopes && ops->by_angle)
         add_slopes(slopes, ops, task->chain->n_joints, &in, (const double(*)[3])basis);
 }
@@ -86,45 +72,15 @@ static void add_effect(mukca_displacement *d, mukca_effect_slopes *slopes,
 static bool apply_unloaded(mukca_displacement *displacement, mukca_effect_slopes *slopes,
                            const mukca_effect_task *task)
 {
-    enum { TOGETHER = 4 }; /* periodic effects per call of mukca_sincos(): all lanes */
-    const mukca_effect *waiting[TOGETHER];
-    double angle[TOGETHER], sine[TOGETHER], cosine[TOGETHER];
-    joint_angles bare;
     bool loaded = false;
-    int n = 0;
-    const int joints = task->chain->n_joints;
     memset(displacement, 0, sizeof *displacement);
-    if (slopes) slopes->rotates = false;
-    mukca_joint_angles_set(&bare, task->geometry, task->state.q, NULL);
-    for (int j = 0; j < joints && slopes; j++) {
-        const double axis[3] = {0, 1, 0}, none[3] = {0};
-        memcpy(slopes->angle[j], axis, sizeof axis);
-        memcpy(slopes->rotation[j], none, sizeof none);
-    }
-    for (int i = 0; i <= task->n_effects; i++) {
-        const mukca_effect *e = task->effects + i;
-        if (i < task->n_effects) {
-            const mukca_effect_info *info = mukca_effect_table[e->kind];
-            if (info->needs & MUKCA_NEEDS_MASSES) {
-                loaded = true;
-                continue;
-            }
-            if (!(info->traits & MUKCA_TRAIT_PERIODIC)) {
-                add_effect(displacement, slopes, task, e, NULL, NULL);
-                continue;
-            }
-            waiting[n] = e;
-            angle[n++] = (e->variant.order ? e->variant.order : 1) * bare.q[e->joint];
-        }
-        if (n == 0 || (n < TOGETHER && i < task->n_effects)) continue;
-        mukca_sincos(sine, cosine, angle, n);
-        for (int k = 0; k < n; k++) {
-            const int j = waiting[k]->joint;
-            const double s[2] = {sine[k], bare.s[j]}, c[2] = {cosine[k], bare.c[j]};
-            add_effect(displacement, slopes, task, waiting[k], s, c);
-        }
-        n = 0;
-    }
+    if (slopes) memset(slopes, 0, sizeof *slopes);
+    for (int j = 0; j < task->chain->n_joints && slopes; j++) slopes->angle[j][1] = 1;
+    for (const mukca_effect *e = task->effects; e < task->effects + task->n_effects; e++)
+        if (mukca_effect_table[e->kind]->needs & MUKCA_NEEDS_MASSES)
+            loaded = true;
+        else
+            add_effect(displacement, slopes, task, e);
     return loaded;
 }
 
@@ -166,7 +122,7 @@ void mukca_effects_apply(mukca_displacement *displacement, mukca_effect_slopes *
         *displacement = unloaded;
         for (int i = 0; i < task->n_effects; i++)
             if (mukca_effect_table[task->effects[i].kind]->needs & MUKCA_NEEDS_MASSES)
-                add_effect(displacement, NULL, &loaded, &task->effects[i], NULL, NULL);
+                add_effect(displacement, NULL, &loaded, &task->effects[i]);
     } while (++rounds < MOST_ROUNDS &&
              difference(displacement, &before, task->chain->n_joints) > settled);
 }
