@@ -13,7 +13,7 @@
 #include "math/stats.h"
 
 /* Postures; arms from the posterior: a probability of 95 % is known to 1.5 %. */
-enum { PROBES = 256, DRAWS = 200, BLOCK = 32 /* postures together */ };
+enum { PROBES = 256, DRAWS = 200 };
 
 /* Least log Bayes factor of effects that the table lacks: as for a detection limit
  * (diagnose/untested.c). */
@@ -24,12 +24,10 @@ static const double least_evidence = 12;
 static bool sample(double sum[3][DRAWS], mukca_arm_posterior *p, const double *X,
                    mukca_random *random)
 {
-    enum { ROWS = 3 * BLOCK };
     const int n = p->m.linear.n_columns, w = MUKCA_RIGID + n + 3;
     const mukca_posterior *posterior = &p->m.evidence.posterior;
     double *Z = MUKCA_TAKE(&p->pool, double, n *DRAWS),
-           *E = MUKCA_TAKE(&p->pool, double, ROWS *DRAWS),
-           *turned = MUKCA_TAKE(&p->pool, double, n *ROWS);
+           *turned = MUKCA_TAKE(&p->pool, double, 3 * n);
     if (p->pool.failed) return false;
     for (int i = 0; i < n * DRAWS; i++) Z[i] = mukca_random_normal(random);
     mukca_dense_backward(Z, DRAWS, posterior->factor, n);
@@ -38,21 +36,18 @@ static bool sample(double sum[3][DRAWS], mukca_arm_posterior *p, const double *X
         Z[i] = Z[i] * posterior->prior[k] + p->m.evidence.mean[k] - p->m.linear.explained[k];
     }
     memset(sum, 0, sizeof(double[3][DRAWS]));
-    for (int first = 0; first < 3 * PROBES; first += ROWS, X += ROWS * w) {
-        for (int c = 0; c < n; c++)
-            for (int r = 0; r < ROWS; r++) turned[c * ROWS + r] = X[r * w + MUKCA_RIGID + c];
-        memset(E, 0, sizeof *E * ROWS * DRAWS);
-        mukca_dense_xty(E, (mukca_columns){turned, ROWS, ROWS}, (mukca_columns){Z, DRAWS, DRAWS},
-                        n);
-        for (int r = 0; r < ROWS; r += 3)
-            for (int k = 0; k < DRAWS; k++)
-                for (int m = 0; m < 2; m++) {
-                    double square = 0;
-                    for (int a = r; a < r + 3; a++)
-                        square += pow(X[a * w + w - 2 + m] - E[a * DRAWS + k], 2);
-                    sum[m][k] += sqrt(square) / PROBES;
-                    if (m) sum[2][k] += square / PROBES;
-                }
+    for (int i = 0; i < PROBES; i++, X += 3 * w) {
+        double E[3 * DRAWS] = {0};
+        for (int c = 0; c < 3 * n; c++) turned[c] = X[c % 3 * w + MUKCA_RIGID + c / 3];
+        mukca_dense_xty(E, (mukca_columns){turned, 3, 3}, (mukca_columns){Z, DRAWS, DRAWS}, n);
+        for (int k = 0; k < 2 * DRAWS; k++) {
+            const int m = k / DRAWS, draw = k % DRAWS;
+            double square = 0;
+            for (int a = 0; a < 3; a++)
+                square += pow(X[a * w + w - 2 + m] - E[a * DRAWS + draw], 2);
+            sum[m][draw] += sqrt(square) / PROBES;
+            if (m) sum[2][draw] += square / PROBES;
+        }
     }
     return true;
 }

@@ -112,8 +112,6 @@ TEST(test_svd)
     check_svd(A, 48, 1e-14);
     for (int i = 0; i < 144; i++) A[i] = hilbert(i / 12, i % 12);
     check_svd(A, 12, 1e-14);
-    for (int i = 0; i < 144; i++) A[i] = ldexp(hilbert(i / 12, i % 12), 1000);
-    check_svd(A, 12, 1e-14);
 
     /* Known values: the 5 x 5 Hilbert matrix, and a graded diagonal to full relative accuracy. */
     for (int i = 0; i < 25; i++) A[i] = hilbert(i / 5, i % 5);
