@@ -12,11 +12,8 @@ struct mukca_workers {
     void *context;
     int blocks, next, open; /* of the loop: all, the first that nobody has taken, unfinished */
     bool stop;
-    int n; /* threads, without the caller's */
-    struct {
-        pthread_t thread;
-        mukca_workers *pool;
-    } worker[MUKCA_MOST_WORKERS];
+    int n, working; /* threads, without the caller's; those that have begun */
+    pthread_t thread[MUKCA_MOST_WORKERS];
 };
 
 /* Take and run blocks until none is left; called and left with the lock. */
@@ -31,12 +28,11 @@ static void run_blocks(mukca_workers *w, int worker)
     }
 }
 
-static void *work(void *own)
+static void *work(void *pool)
 {
-    mukca_workers *w = *(mukca_workers **)own;
+    mukca_workers *w = pool;
     pthread_mutex_lock(&w->lock);
-    int worker = 1;
-    while ((void *)&w->worker[worker].pool != own) worker++;
+    const int worker = ++w->working;
     while (!w->stop) {
         run_blocks(w, worker);
         if (!w->stop) pthread_cond_wait(&w->work, &w->lock);
@@ -53,10 +49,7 @@ mukca_workers *mukca_workers_start(int n)
     pthread_mutex_init(&w->lock, NULL);
     pthread_cond_init(&w->work, NULL);
     pthread_cond_init(&w->done, NULL);
-    for (int k = 1; k < n && w->n == k - 1; k++) {
-        w->worker[k].pool = w;
-        w->n += pthread_create(&w->worker[k].thread, NULL, work, &w->worker[k].pool) == 0;
-    }
+    while (w->n + 1 < n && pthread_create(&w->thread[w->n], NULL, work, w) == 0) w->n++;
     return w;
 }
 
@@ -67,7 +60,7 @@ void mukca_workers_stop(mukca_workers *w)
     w->stop = true;
     pthread_cond_broadcast(&w->work);
     pthread_mutex_unlock(&w->lock);
-    for (int k = 1; k <= w->n; k++) pthread_join(w->worker[k].thread, NULL);
+    for (int k = 0; k < w->n; k++) pthread_join(w->thread[k], NULL);
     pthread_cond_destroy(&w->done);
     pthread_cond_destroy(&w->work);
     pthread_mutex_destroy(&w->lock);
