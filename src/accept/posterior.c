@@ -37,28 +37,19 @@ static mukca_status take_postures(mukca_arm_posterior *p, mukca_error *error)
     mukca_dataset *d = &p->data, means;
     const int n = d->n_joints;
     int *posture = MUKCA_TAKE(&p->pool, int, d->n_rows),
-        *last = MUKCA_TAKE(&p->pool, int, d->n_rows),       /* row of a posture, -1: none */
-            *before = MUKCA_TAKE(&p->pool, int, d->n_rows), /* that before it */
-                *count = MUKCA_TAKE(&p->pool, int, d->n_rows);
+        *count = MUKCA_TAKE(&p->pool, int, d->n_rows);
     unsigned char *keep = MUKCA_TAKE(&p->pool, unsigned char, d->n_rows);
     if (p->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     p->postures = d->n_rows - mukca_postures_find(posture, &p->pool, d);
     for (int row = 0; row < d->n_rows; row++) {
-        int *const latest = &last[posture[row]], k;
         const double *position = d->position ? d->position + 3 * (size_t)row : NULL;
-        if (posture[row] == row) *latest = -1;
+        int k = posture[row];
         if (d->socket[row] < 0 && !(position && isfinite(*position))) continue;
-        for (k = *latest; k >= 0 && !same_group(d, k, row);) k = before[k];
-        if (k >= 0) {
-            add_to_mean(d->q + k * n, d->q + row * n, n, ++count[k]);
-            if (d->socket[row] < 0 && position)
-                add_to_mean(d->position + 3 * (size_t)k, position, 3, count[k]);
-            continue;
-        }
-        keep[row] = 1;
-        count[row] = 1;
-        before[row] = *latest;
-        *latest = row;
+        while (k < row && !(keep[k] && posture[k] == posture[row] && same_group(d, k, row))) k++;
+        keep[k] = 1;
+        if (++count[k] == 1) continue;
+        add_to_mean(d->q + k * n, d->q + row * n, n, count[k]);
+        if (d->socket[row] < 0) add_to_mean(d->position + 3 * (size_t)k, position, 3, count[k]);
     }
     const mukca_status status = mukca_dataset_subset(&means, d, keep, error);
     if (status != MUKCA_OK) return status;

@@ -137,15 +137,13 @@ static bool draw(mukca_tip_error *out, mukca_arm_posterior *p, const mukca_chain
 }
 
 /* The chain with the joint ranges of the samples as limits; marks the joints at rest. */
-static void find_ranges(mukca_tip_error *out, mukca_chain *here, const mukca_dataset *data)
+static void find_ranges(mukca_tip_error *out, mukca_chain *here, const mukca_recording *r)
 {
     for (int j = 0; j < here->n_joints; j++) {
         mukca_element *e = &here->element[here->joint_element[j]];
-        e->lower = HUGE_VAL, e->upper = -HUGE_VAL;
-        for (int row = 0; row < data->n_rows; row++) {
-            e->lower = fmin(e->lower, data->q[row * data->n_joints + j]);
-            e->upper = fmax(e->upper, data->q[row * data->n_joints + j]);
-        }
+        double range[2];
+        mukca_recording_range(range, r, r->data->q, here->n_joints, j);
+        e->lower = range[0], e->upper = range[1];
         out->at_rest[j] = !(e->upper - e->lower >= MUKCA_LEAST_RANGE);
     }
 }
@@ -227,7 +225,7 @@ static void list_outliers(mukca_tip_error *out, const mukca_arm_posterior *p)
 static void describe(mukca_tip_error *out, mukca_chain *here, const mukca_arm_posterior *p)
 {
     *here = p->chain;
-    find_ranges(out, here, &p->data);
+    find_ranges(out, here, &p->m.recording);
     out->postures = p->postures;
     out->gross = p->gross;
     out->worst_m = p->worst_m;
