@@ -13,20 +13,20 @@ enum {
 
 /* fold[n_rows]: the placements; for a single placement and for measured poses, blocks of each
  * socket in recording order, with the readings of a posture in one block.  Returns the number of
- * folds. */
-static int assign(int *fold, bool *placements, const mukca_dataset *data)
+ * folds; check the pool. */
+static int assign(int *fold, bool *placements, mukca_pool *pool, const mukca_dataset *data)
 {
-    mukca_pool pool = {0};
-    int *count = MUKCA_TAKE(&pool, int, data->n_sockets + 1);
-    int *seen = MUKCA_TAKE(&pool, int, data->n_sockets + 1);
-    int *posture = MUKCA_TAKE(&pool, int, data->n_rows);
-    if (!pool.failed) mukca_postures_find(posture, &pool, data);
+    int *count = MUKCA_TAKE(pool, int, data->n_sockets + 1);
+    int *seen = MUKCA_TAKE(pool, int, data->n_sockets + 1);
+    int *posture = MUKCA_TAKE(pool, int, data->n_rows);
+    if (!pool->failed) mukca_postures_find(posture, pool, data);
+    if (pool->failed) return 0;
     const int folds = data->n_placements < MOST_FOLDS ? data->n_placements : MOST_FOLDS;
     bool used[MOST_FOLDS + MUKCA_POSE_FOLDS] = {false};
     int n = 0, index[MOST_FOLDS + MUKCA_POSE_FOLDS];
     *placements = data->n_placements > 1;
-    for (int i = 0; i < data->n_rows && !pool.failed; i++) count[data->socket[i] + 1]++;
-    for (int i = 0; i < data->n_rows && !pool.failed; i++) {
+    for (int i = 0; i < data->n_rows; i++) count[data->socket[i] + 1]++;
+    for (int i = 0; i < data->n_rows; i++) {
         const int s = data->socket[i] + 1, before = seen[s]++, first = posture[i];
         if (s > 0 && *placements)
             fold[i] =
@@ -39,10 +39,8 @@ static int assign(int *fold, bool *placements, const mukca_dataset *data)
         used[fold[i]] = true;
     }
     for (int f = 0; f < MOST_FOLDS + MUKCA_POSE_FOLDS; f++) index[f] = used[f] ? n++ : -1;
-    for (int i = 0; i < data->n_rows && !pool.failed; i++) fold[i] = index[fold[i]];
-    const bool failed = pool.failed;
-    mukca_pool_free(&pool);
-    return failed ? -1 : n;
+    for (int i = 0; i < data->n_rows; i++) fold[i] = index[fold[i]];
+    return n;
 }
 
 /* Errors of the held-out samples by the nominal model, with the frames aligned to `train`, and by
@@ -96,9 +94,9 @@ static mukca_status predict_folds(mukca_cross_validation *r, const mukca_chain *
                                   const mukca_fit_options *options, mukca_error *error)
 {
     int *fold = MUKCA_TAKE(&r->pool, int, r->data.n_rows);
-    const int n = fold ? assign(fold, &r->placements, &r->data) : -1;
-    mukca_status status =
-        n < 0 ? mukca_fail(error, MUKCA_MEMORY, "out of memory for the folds") : MUKCA_OK;
+    const int n = assign(fold, &r->placements, &r->pool, &r->data);
+    mukca_status status = MUKCA_OK;
+    if (r->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the folds");
     r->folds = n > 1 ? n : 0;
     for (int i = 0; i < r->data.n_rows; i++) r->before[i] = r->after[i] = NAN;
     for (int f = 0; f < r->folds && status == MUKCA_OK; f++)
