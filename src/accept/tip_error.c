@@ -27,6 +27,7 @@ static bool sample(double sum[3][DRAWS], mukca_arm_posterior *p, const double *X
     const int n = p->m.linear.n_columns, w = MUKCA_RIGID + n + 3;
     const mukca_posterior *posterior = &p->m.evidence.posterior;
     double *Z = MUKCA_TAKE(&p->pool, double, n *DRAWS),
+           *E = MUKCA_TAKE(&p->pool, double, 3 * DRAWS),
            *turned = MUKCA_TAKE(&p->pool, double, 3 * n);
     if (p->pool.failed) return false;
     for (int i = 0; i < n * DRAWS; i++) Z[i] = mukca_random_normal(random);
@@ -37,7 +38,7 @@ static bool sample(double sum[3][DRAWS], mukca_arm_posterior *p, const double *X
     }
     memset(sum, 0, sizeof(double[3][DRAWS]));
     for (int i = 0; i < PROBES; i++, X += 3 * w) {
-        double E[3 * DRAWS] = {0};
+        memset(E, 0, sizeof *E * 3 * DRAWS);
         for (int c = 0; c < 3 * n; c++) turned[c] = X[c % 3 * w + MUKCA_RIGID + c / 3];
         mukca_dense_xty(E, (mukca_columns){turned, 3, 3}, (mukca_columns){Z, DRAWS, DRAWS}, n);
         for (int k = 0; k < 2 * DRAWS; k++) {
@@ -114,7 +115,7 @@ static bool draw(mukca_tip_error *out, mukca_arm_posterior *p, const mukca_chain
     double *q = MUKCA_TAKE(&p->pool, double, PROBES *joints);
     const mukca_tip_change_task *task = p->task;
     const mukca_offsets *const model[2] = {task->from, task->to};
-    mukca_geometry geometry[2];
+    mukca_geometry *geometry = MUKCA_TAKE(&p->pool, mukca_geometry, 2);
     mukca_random random;
     if (p->pool.failed) return false;
     for (int k = 0; k < 2; k++)
