@@ -9,10 +9,12 @@
 #include "diagnose/scan.h"
 #include "math/stats.h"
 
-/* Prior of a coefficient, rad/(N m). */
-typedef struct {
-    double mean, sigma;
-} elastic_prior;
+/* Prior sigma of a coefficient unknown to the fleet, rad/(N m): typical sizes of
+ * mukca_sizes_spring. */
+#define WIDE 30e-6
+
+/* Prior sigma of a fixed coefficient, rad/(N m): far below the resolution of any data. */
+#define HELD 1e-10
 
 /* Remove from the regression all elastic causes, unknown functions, which would absorb elasticity,
  * and the orders at a joint (-1: none). */
@@ -35,31 +37,49 @@ static bool add_cause(mukca_regression *m, const mukca_effect *effect)
            mukca_unknowns_add(&m->unknowns, &h);
 }
 
-/* Append the elastic coefficients to the causes, with prior[terms], each with one coefficient for
- * all masses.  A coefficient without influence on this recording is omitted.  Fit afterwards.
- * False: no space. */
-static bool add_elastic(mukca_regression *m, const elastic_prior *prior)
+/* Index of an effect among the causes; -1: none. */
+static int find_cause(const mukca_unknowns *u, const mukca_effect *effect)
+{
+    int c = u->n_causes - 1;
+    while (c >= 0 && !(u->cause[c].candidate.kind == MUKCA_CANDIDATE_EFFECT &&
+                       mukca_effect_same(&u->cause[c].candidate.effect, effect)))
+        c--;
+    return c;
+}
+
+static const mukca_trait *find_trait(const mukca_traits *traits, const mukca_effect *effect)
+{
+    for (int i = 0; traits && i < traits->n; i++)
+        if (mukca_effect_same(&traits->list[i].effect, effect)) return &traits->list[i];
+    return NULL;
+}
+
+/* Append the elastic coefficients to the causes, each with one coefficient for all masses.  The
+ * prior of a trait (NULL: none) combines the scatter of the arms and the uncertainty of the mean;
+ * others have the prior sigma, and all of them if it is HELD.  A coefficient without influence on
+ * this recording is omitted.  Fit afterwards.  False: no space. */
+static bool add_elastic(mukca_regression *m, const mukca_traits *traits, double sigma)
 {
     mukca_unknowns *u = &m->unknowns;
     const int n = m->recording.chain->n_joints;
-    bool ok = true;
-    for (int i = 0; i < mukca_fleet_terms(n) && ok; i++) {
+    for (int i = 0; i < mukca_fleet_terms(n); i++) {
         const mukca_effect effect = mukca_fleet_term(i, n);
+        const mukca_trait *trait = find_trait(traits, &effect);
         const bool about_axis = mukca_effect_table[effect.kind]->site == MUKCA_SITE_ANGLE;
         const bool load = about_axis ? m->recording.have_torques : m->recording.have_moments;
         if (!load) continue;
-        ok = add_cause(m, &effect);
-        if (!ok) break;
+        if (!add_cause(m, &effect)) return false;
         mukca_accepted *cause = &u->cause[u->n_causes - 1];
         if (!(cause->candidate.unit[0] > MUKCA_LEAST_TORQUE)) {
             mukca_unknowns_drop(u, u->n_causes - 1);
             continue;
         }
         cause->known = true;
-        cause->centre = cause->coefficient[0] = prior[i].mean;
-        cause->scale = prior[i].sigma * cause->candidate.unit[0];
+        cause->centre = cause->coefficient[0] = trait ? trait->mean : 0;
+        cause->scale = cause->candidate.unit[0] *
+                       (trait && sigma > HELD ? hypot(trait->spread, trait->error) : sigma);
     }
-    return ok;
+    return true;
 }
 
 /* ---- summary of a recording ---- */
@@ -133,10 +153,8 @@ static void marginalise(mukca_summary *s, const mukca_regression *m)
     int first = n, column[MUKCA_FLEET_TERMS];
     for (int i = 0; i < terms; i++) {
         const mukca_effect term = mukca_fleet_term(i, s->model.n_joints);
-        column[i] = -1;
-        for (int c = 0; c < u->n_causes; c++)
-            if (u->cause[c].known && mukca_effect_same(&u->cause[c].candidate.effect, &term))
-                column[i] = mukca_unknowns_column(u, c);
+        const int c = find_cause(u, &term);
+        column[i] = c < 0 ? -1 : mukca_unknowns_column(u, c);
         if (column[i] >= 0 && column[i] < first) first = column[i];
     }
     for (int i = 0; i < terms; i++) {
@@ -159,9 +177,7 @@ mukca_status mukca_summary_take(mukca_summary *s, mukca_regression *m, mukca_err
     /* For the linearisation, each coefficient has a prior of the size of soft gears, three times a
      * Panda's largest.  The summary does not contain this prior. */
     const double held = 300e-6;
-    elastic_prior prior[MUKCA_FLEET_TERMS];
     mukca_unknowns *diagnosed = MUKCA_TAKE(&m->pool, mukca_unknowns, 1);
-    for (int i = 0; i < MUKCA_FLEET_TERMS; i++) prior[i] = (elastic_prior){0, held};
     mukca_fleet_model_of(&s->model, m->recording.chain);
     s->samples = m->recording.n_samples;
     bool ok = diagnosed && mukca_unknowns_clone(diagnosed, &m->pool, &m->unknowns);
@@ -171,7 +187,7 @@ mukca_status mukca_summary_take(mukca_summary *s, mukca_regression *m, mukca_err
         if (j >= 0 && !has_ripple(diagnosed, j)) continue;
         mukca_unknowns_assign(&m->unknowns, diagnosed);
         drop_elastic(m, j);
-        ok = add_elastic(m, prior);
+        ok = add_elastic(m, NULL, held);
         mukca_regression_fit(m, 4, MUKCA_FIT_INDEPENDENT);
         if (ok) ok = scan_orders(s, m, j);
     }
@@ -188,19 +204,11 @@ mukca_status mukca_summary_take(mukca_summary *s, mukca_regression *m, mukca_err
 
 /* ---- one more arm with the traits of its model as prior ---- */
 
-/* Prior sigma of a coefficient unknown to the fleet, rad/(N m): typical sizes of
- * mukca_sizes_spring. */
-#define WIDE 30e-6
-
-/* Prior sigma of a fixed coefficient, rad/(N m): far below the resolution of any data. */
-#define HELD 1e-10
-
 typedef struct {
     mukca_adoption *adoption;
     mukca_regression *m;
     mukca_unknowns diagnosed; /* as diagnosed; a backup once the traits are adopted */
     mukca_unknowns base;      /* without elastic causes, with the known orders */
-    elastic_prior prior[MUKCA_FLEET_TERMS];
 } trial;
 
 /* Add the orders of ripple known from the fleet, each with a prior size chosen by evidence. */
@@ -210,46 +218,21 @@ static bool put_orders(trial *t)
     const mukca_traits *traits = t->adoption->traits;
     for (int i = 0; i < traits->n; i++) {
         const mukca_trait *known = &traits->list[i];
-        int c = 0;
         if (!mukca_effect_has((int)known->effect.kind, MUKCA_TRAIT_ORDERS)) continue;
-        while (c < u->n_causes &&
-               !(u->cause[c].candidate.kind == MUKCA_CANDIDATE_EFFECT &&
-                 mukca_effect_same(&u->cause[c].candidate.effect, &known->effect)))
-            c++;
-        if (c == u->n_causes && !add_cause(t->m, &known->effect)) return false;
-        u->cause[c].candidate.log_prior = log(known->probability); /* no look-elsewhere penalty */
+        if (find_cause(u, &known->effect) < 0 && !add_cause(t->m, &known->effect)) return false;
+        u->cause[find_cause(u, &known->effect)].candidate.log_prior =
+            log(known->probability); /* no look-elsewhere penalty */
     }
     return true;
 }
 
 /* Fit with a prior of the coefficients; returns the log posterior up to a common constant. */
-static double fit_with_prior(trial *t, const elastic_prior *prior)
+static double fit_with_prior(trial *t, const mukca_traits *traits, double sigma)
 {
     mukca_unknowns_assign(&t->m->unknowns, &t->base);
-    if (!add_elastic(t->m, prior)) return -HUGE_VAL;
+    if (!add_elastic(t->m, traits, sigma)) return -HUGE_VAL;
     mukca_regression_fit(t->m, 6, MUKCA_FIT_ALL);
     return mukca_regression_score(t->m);
-}
-
-static const mukca_trait *find_trait(const mukca_traits *traits, const mukca_effect *effect)
-{
-    for (int i = 0; i < traits->n; i++)
-        if (mukca_effect_same(&traits->list[i].effect, effect)) return &traits->list[i];
-    return NULL;
-}
-
-/* Prior of the coefficients: scatter of the arms and uncertainty of the mean combined. */
-static void read_prior(trial *t)
-{
-    const int n = t->m->recording.chain->n_joints;
-    for (int k = 0; k < mukca_fleet_terms(n); k++) {
-        const mukca_effect term = mukca_fleet_term(k, n);
-        const mukca_trait *trait = find_trait(t->adoption->traits, &term);
-        t->prior[k] = (elastic_prior){.mean = trait ? trait->mean : 0,
-                                      .sigma = t->adoption->only ? HELD
-                                               : trait ? hypot(trait->spread, trait->error)
-                                                       : WIDE};
-    }
 }
 
 static void list_coefficients(trial *t)
@@ -328,12 +311,10 @@ mukca_status mukca_adopt(mukca_adoption *a, mukca_regression *m, mukca_diagnosis
                          mukca_error *error)
 {
     trial *t = MUKCA_TAKE(&m->pool, trial, 1);
-    elastic_prior wide[MUKCA_FLEET_TERMS];
     if (t) t->adoption = a, t->m = m;
     bool ok = t && mukca_unknowns_clone(&t->diagnosed, &m->pool, &m->unknowns) &&
               mukca_unknowns_clone(&t->base, &m->pool, &m->unknowns);
     double separate = mukca_regression_score(m);
-    for (int k = 0; k < MUKCA_FLEET_TERMS; k++) wide[k] = (elastic_prior){0, WIDE};
     if (ok) {
         drop_elastic(m, -1);
         ok = a->only || put_orders(t);
@@ -341,9 +322,8 @@ mukca_status mukca_adopt(mukca_adoption *a, mukca_regression *m, mukca_diagnosis
     }
     if (!ok || m->pool.failed)
         return mukca_fail(error, MUKCA_MEMORY, "out of memory for the traits");
-    read_prior(t);
-    separate = fmax(separate, fit_with_prior(t, wide));
-    a->log_evidence = fit_with_prior(t, t->prior) - separate;
+    separate = fmax(separate, fit_with_prior(t, NULL, WIDE));
+    a->log_evidence = fit_with_prior(t, a->traits, a->only ? HELD : WIDE) - separate;
     a->adopted = a->only || a->log_evidence > 0;
     if (a->adopted) {
         choose_placement_effects(t, d);
