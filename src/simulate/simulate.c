@@ -249,10 +249,7 @@ mukca_status mukca_simulate_sockets(mukca_dataset *data, const mukca_simulated_s
     if (status == MUKCA_OK) {
         data->distances = calloc((size_t)n_places, sizeof *data->distances);
         data->n_distances = n_places;
-        if (!data->distances) {
-            mukca_fail(error, MUKCA_MEMORY, "out of memory");
-            status = MUKCA_MEMORY;
-        }
+        if (!data->distances) status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
     }
     for (int s = 0; s < 2 * n_places && status == MUKCA_OK; s++) {
         const int p = s / 2;
@@ -277,12 +274,9 @@ mukca_status mukca_simulate_poses(mukca_dataset *data, const mukca_corrected *ar
     recorder r = {.arm = arm, .options = *options};
     const size_t n = (size_t)arm->chain.n_joints, count = (size_t)n_rows;
     mukca_status status = begin(&r, data, n_rows, 0, error);
-    if (status == MUKCA_OK &&
-        (!add_column(&data->position, true, 3 * count) ||
-         !add_column(&data->quaternion, !r.options.position_only, 4 * count))) {
-        mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", n_rows);
-        status = MUKCA_MEMORY;
-    }
+    if (status == MUKCA_OK && (!add_column(&data->position, true, 3 * count) ||
+                               !add_column(&data->quaternion, !r.options.position_only, 4 * count)))
+        status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", n_rows);
     for (size_t i = 0; i < count && status == MUKCA_OK; i++) {
         mukca_displacement displacement;
         mukca_frame pose;
