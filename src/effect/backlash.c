@@ -5,9 +5,6 @@
 #include "base/print.h"
 #include "effect/catalogue.h"
 
-/* rad: strain wave gears below 1 arcmin (0.3 mrad), planetary ones up to 10 arcmin. */
-static const mukca_effect_sizes sizes = {.usual = 4, .sigma = {0.1e-3, 0.3e-3, 1e-3, 3e-3, 10e-3}};
-
 static void backlash_basis(double basis[][3], const mukca_basis_input *in)
 {
     const mukca_effect *effect = in->effect;
@@ -61,7 +58,6 @@ static const mukca_variant_ops torque_scale = {
 };
 
 const mukca_effect_ops mukca_backlash_effect = {
-    .sizes = &sizes,
     .info = {.name = "backlash",
              .title = "backlash",
              .site = MUKCA_SITE_ANGLE,
@@ -94,7 +90,6 @@ static bool hysteresis_candidate(mukca_effect *effect, const mukca_effect_survey
 }
 
 const mukca_effect_ops mukca_approach_hysteresis_effect = {
-    .sizes = &sizes,
     .info = {.name = "approach_hysteresis",
              .title = "approach hysteresis",
              .site = MUKCA_SITE_ANGLE,

@@ -59,7 +59,6 @@ static bool coupling_candidate(mukca_effect *effect, const mukca_effect_survey *
 
 static bool read_neighbour(mukca_effect_variant *variant, const char *text)
 {
-    if (*text == '+') text++;
     return mukca_effect_read_integer(&variant->neighbour, text, -1, 1) && variant->neighbour;
 }
 

@@ -54,7 +54,8 @@ const mukca_effect_sizes mukca_sizes_spring = {
     .usual = 4, .sigma = {10e-6, 30e-6, 100e-6, 300e-6, 1e-3, 3e-3, 10e-3}, .most = 3e-3};
 
 /* rad, or rad per rad: an encoder disk of 20 mm radius with an eccentricity of 2 to 60 um has an
- * error of 0.1 to 3 mrad. */
+ * error of 0.1 to 3 mrad; strain wave gears have a backlash below 0.3 mrad, planetary ones up to 3
+ * mrad. */
 const mukca_effect_sizes mukca_sizes_angle = {.usual = 4,
                                               .sigma = {0.1e-3, 0.3e-3, 1e-3, 3e-3, 10e-3}};
 
