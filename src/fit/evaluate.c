@@ -2,7 +2,6 @@
 #include "fit/evaluate.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "arm/tip_change.h"
@@ -12,15 +11,14 @@
 
 enum { TOGETHER = 64 }; /* samples whose positions are computed together */
 
-/* Pose of the tip in each sample, its position alone where nothing else matters: tips[n_rows].
- * False: out of memory. */
-static bool find_tips(mukca_frame *tips, const mukca_model *model, const mukca_dataset *data)
+/* Pose of the tip in each sample, its position alone where nothing else matters: tips[n_rows]; arm:
+ * scratch. */
+static void find_tips(mukca_frame *tips, mukca_chain *arm, const mukca_model *model,
+                      const mukca_dataset *data)
 {
     mukca_geometry geometry;
     mukca_row_state rows;
     mukca_frame base;
-    mukca_chain *arm = malloc(sizeof *arm);
-    if (!arm) return false;
     *arm = *model->chain;
     mukca_geometry_set(&geometry, arm, model->theta);
     const bool framed = !strcmp(arm->element[0].name, MUKCA_BASE_FRAME);
@@ -43,18 +41,13 @@ static bool find_tips(mukca_frame *tips, const mukca_model *model, const mukca_d
                            mukca_dataset_state(&rows, data, row));
         if (framed) mukca_frame_multiply(&tips[row], &base, &tips[row]);
     }
-    free(arm);
-    return true;
 }
 
 /* Shift each tip to its named target, whose position in the tip's frame is the mean over the
- * measured positions.  False: out of memory. */
-static bool place_tips(mukca_frame *tips, const mukca_dataset *data)
+ * measured positions; sum[n_targets], initially 0: scratch. */
+static void place_tips(mukca_frame *tips, double (*sum)[4], const mukca_dataset *data)
 {
-    if (data->n_targets == 0 || !data->position) return true;
-    double(*sum)[4] = calloc((size_t)data->n_targets, sizeof *sum);
-    if (!sum) return false;
-    for (int pass = 0; pass < 2; pass++)
+    for (int pass = 0; pass < 2 && data->position; pass++)
         for (int i = 0; i < data->n_rows; i++) {
             const int t = mukca_dataset_target(data, i);
             const double *measured = data->position + 3 * i;
@@ -71,8 +64,6 @@ static bool place_tips(mukca_frame *tips, const mukca_dataset *data)
                 for (int a = 0; a < 3; a++) tips[i].p[a] += d[a];
             }
         }
-    free(sum);
-    return true;
 }
 
 /* Means of the sockets: mean[n_sockets][3], count[n_sockets]. */
@@ -168,9 +159,11 @@ bool mukca_evaluation_make(mukca_evaluation *e, mukca_pool *pool, const mukca_mo
     e->error = MUKCA_TAKE(pool, double, data->n_rows);
     e->mean = MUKCA_TAKE(pool, double[3], data->n_sockets);
     e->count = MUKCA_TAKE(pool, int, data->n_sockets);
-    if (!e->tips || !e->error || !e->mean || !e->count || !find_tips(e->tips, model, data) ||
-        !place_tips(e->tips, data))
-        return false;
+    mukca_chain *arm = MUKCA_TAKE(pool, mukca_chain, 1);
+    double(*sum)[4] = MUKCA_TAKE(pool, double[4], data->n_targets);
+    if (pool->failed) return false;
+    find_tips(e->tips, arm, model, data);
+    place_tips(e->tips, sum, data);
     socket_means(e->mean, e->count, e->tips, data);
     for (int i = 0; i < data->n_rows; i++) {
         const double *about = mukca_evaluation_centre(e, data, i);

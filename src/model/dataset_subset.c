@@ -84,33 +84,23 @@ const mukca_joint_state *mukca_dataset_state(mukca_row_state *rows, const mukca_
     return mukca_row_state_next(rows, &reading);
 }
 
-/* Mark the part; false: out of memory. */
-static bool mark_part(unsigned char *keep, const mukca_dataset *data, int most)
+mukca_status mukca_part_take(mukca_dataset *part, const mukca_dataset *data, int most,
+                             mukca_error *error)
 {
-    int groups = 0;
-    const size_t places = (size_t)data->n_placements + 1, sockets = (size_t)data->n_sockets + 1;
-    int *rows = calloc(places + sockets, sizeof *rows);
-    if (!rows) return false;
-    int *seen = rows + places; /* samples so far of the poses, then of each socket */
-    for (int i = 0; i < data->n_rows; i++) rows[mukca_dataset_placement(data, i) + 1]++;
-    for (size_t g = 0; g < places; g++) groups += rows[g] > 0;
-    for (int i = 0; i < data->n_rows; i++) {
+    mukca_pool pool = {0};
+    int *rows = MUKCA_TAKE(&pool, int, data->n_placements + 1), groups = 0;
+    int *seen = MUKCA_TAKE(&pool, int, data->n_sockets + 1); /* so far of poses, of each socket */
+    unsigned char *keep = MUKCA_TAKE(&pool, unsigned char, data->n_rows);
+    const int n = pool.failed ? 0 : data->n_rows;
+    for (int i = 0; i < n; i++) groups += rows[mukca_dataset_placement(data, i) + 1]++ == 0;
+    for (int i = 0; i < n; i++) {
         const long long in_group = rows[mukca_dataset_placement(data, i) + 1];
         const int every = (int)((in_group * groups + most - 1) / most);
         keep[i] = seen[data->socket[i] + 1]++ % every == 0;
     }
-    free(rows);
-    return true;
-}
-
-mukca_status mukca_part_take(mukca_dataset *part, const mukca_dataset *data, int most,
-                             mukca_error *error)
-{
-    unsigned char *keep = malloc((size_t)data->n_rows + 1);
-    const bool marked = keep && mark_part(keep, data, most);
-    const mukca_status status = marked ? mukca_dataset_subset(part, data, keep, error)
-                                       : mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    free(keep);
+    const mukca_status status = pool.failed ? mukca_fail(error, MUKCA_MEMORY, "out of memory")
+                                            : mukca_dataset_subset(part, data, keep, error);
+    mukca_pool_free(&pool);
     return status;
 }
 
