@@ -111,6 +111,14 @@ static inline double mukca_distance3(const double a[3], const double b[3])
     return mukca_norm3(d);
 }
 
+/* Largest difference of n numbers, as of the angles of two postures. */
+static inline double mukca_largest_difference(const double *a, const double *b, int n)
+{
+    double most = 0;
+    for (int i = 0; i < n; i++) most = fmax(most, fabs(a[i] - b[i]));
+    return most;
+}
+
 #ifdef __cplusplus
 }
 #endif

@@ -52,13 +52,6 @@ static mukca_inverse_result solve(double *q, mukca_compensator *c, const mukca_f
                                &options);
 }
 
-static double largest_step(const double *a, const double *b, int n)
-{
-    double largest = 0;
-    for (int j = 0; j < n; j++) largest = fmax(largest, fabs(a[j] - b[j]));
-    return largest;
-}
-
 static mukca_compensation outcome(const mukca_inverse_result *found)
 {
     return (mukca_compensation){.reach = found->reached   ? MUKCA_REACH_OK
@@ -95,11 +88,11 @@ mukca_compensation mukca_compensate_joints(double *q, mukca_compensator *c,
         correction[j] = q[j] - meant[j];
         before[j] = c->sent[j] - c->target[j];
     }
-    if (result.reach == MUKCA_REACH_OK && largest_step(q, meant, n) > far)
+    if (result.reach == MUKCA_REACH_OK && mukca_largest_difference(q, meant, n) > far)
         result.reach = MUKCA_REACH_FAR;
-    const double moved = largest_step(meant, c->target, n);
+    const double moved = mukca_largest_difference(meant, c->target, n);
     if (result.reach == MUKCA_REACH_OK && c->on_path && moved < far &&
-        largest_step(correction, before, n) > 0.02 + 0.5 * moved)
+        mukca_largest_difference(correction, before, n) > 0.02 + 0.5 * moved)
         result.reach = MUKCA_REACH_JUMP;
     memcpy(c->target, meant, (size_t)n * sizeof *q);
     end_row(c, q);

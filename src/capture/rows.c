@@ -15,13 +15,6 @@ bool mukca_capture_repeats(const mukca_capture *capture, const double *q)
     return rows && memcmp(q, capture->rows.q + (rows - 1) * n, n * sizeof *q) == 0;
 }
 
-static double difference(const double *a, const double *b, int n)
-{
-    double most = 0;
-    for (int j = 0; j < n; j++) most = fmax(most, fabs(a[j] - b[j]));
-    return most;
-}
-
 /* Sample of the current placement with a posture within `limit` of q; -1: none. */
 static int find_posture(const mukca_capture *capture, const double *q, double limit)
 {
@@ -30,7 +23,7 @@ static int find_posture(const mukca_capture *capture, const double *q, double li
     int placement = rows->sockets[capture->socket].placement;
     for (int i = rows->n_rows - 1; i >= 0; i--)
         if (mukca_dataset_placement(rows, i) == placement &&
-            difference(q, rows->q + i * rows->n_joints, rows->n_joints) < limit)
+            mukca_largest_difference(q, rows->q + i * rows->n_joints, rows->n_joints) < limit)
             return i;
     return -1;
 }
@@ -86,7 +79,7 @@ bool mukca_capture_due(int *socket, char text[MUKCA_CAPTURE_TEXT], mukca_capture
         return false;
     }
     if (!capture->standing ||
-        difference(sample.q, capture->anchor, capture->chain->n_joints) > s->range) {
+        mukca_largest_difference(sample.q, capture->anchor, capture->chain->n_joints) > s->range) {
         if (!capture->standing) capture->was_guided = false;
         capture->taken = false;
         capture->standing = true;

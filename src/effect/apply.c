@@ -93,13 +93,9 @@ static const double settled = 1e-7; /* rad or m, of a round's change */
 /* Largest difference of two displacements, rad or m. */
 static double difference(const mukca_displacement *a, const mukca_displacement *b, int joints)
 {
-    double most = 0;
-    for (int i = 0; i < 3; i++) most = fmax(most, fabs(a->base[i] - b->base[i]));
-    for (int j = 0; j < joints; j++) {
-        most = fmax(most, fabs(a->q[j] - b->q[j]));
-        for (int i = 0; i < 3; i++) most = fmax(most, fabs(a->rotation[j][i] - b->rotation[j][i]));
-    }
-    return most;
+    return fmax(fmax(mukca_largest_difference(a->base, b->base, 3),
+                     mukca_largest_difference(a->q, b->q, joints)),
+                mukca_largest_difference(a->rotation[0], b->rotation[0], 3 * joints));
 }
 
 void mukca_effects_apply(mukca_displacement *displacement, mukca_effect_slopes *slopes,

@@ -20,14 +20,10 @@ static void put_in_order(mukca_plan_row *rows, int n, const mukca_plan_task *tas
         double least = HUGE_VAL;
         int next = i;
         for (int k = i; k < n; k++) {
-            double turn = 0, far = task->sockets[rows[k].socket].place == place ? 0 : 1e6;
+            double far = task->sockets[rows[k].socket].place == place ? 0 : 1e6;
             far += i && rows[k].socket == rows[i - 1].socket ? 0 : 1e3 * (1 + rows[k].socket);
-            for (int j = 0; i && j < task->chain->n_joints; j++)
-                turn = fmax(turn, fabs(rows[k].q[j] - rows[i - 1].q[j]));
-            if (far + turn < least) {
-                least = far + turn;
-                next = k;
-            }
+            if (i) far += mukca_largest_difference(rows[k].q, rows[i - 1].q, task->chain->n_joints);
+            if (far < least) least = far, next = k;
         }
         const mukca_plan_row swap = rows[i];
         rows[i] = rows[next];

@@ -56,9 +56,7 @@ void mukca_plan_rules_set(mukca_plan_rules *rules, const mukca_chain *chain,
 
 bool mukca_plan_differs(const double *a, const double *b, int n_joints)
 {
-    for (int j = 0; j < n_joints; j++)
-        if (fabs(a[j] - b[j]) >= separation) return true;
-    return false;
+    return mukca_largest_difference(a, b, n_joints) >= separation;
 }
 
 static bool allowed(const double *q, const mukca_plan_rules *rules)
