@@ -10,8 +10,8 @@
 enum { STEPS = 4 /* of Gauss-Newton */ };
 
 /* An error of the nominal arm's distance, m, that is that of a label, as in diagnose; an error
- * beyond any arm and noise; a ratio to the noise of which the weight is below 0.07. */
-static const double wrong_label = 0.02, gross_error = 0.1, outlier = 10;
+ * beyond any arm and noise. */
+static const double wrong_label = 0.02, gross_error = 0.1;
 
 /* Of the logarithm of the ratio of the residuals' variances across and along the axis of a joint:
  * 1 % of 1200 joints that moved, in 200 recordings, are beyond twice this. */
@@ -113,7 +113,6 @@ static void fit(mukca_arm_posterior *p, int steps)
         const int row = r->order[i];
         memcpy(p->residual[row], y + i * d, sizeof p->residual[row]);
         const double size = mukca_norm3(p->residual[row]);
-        p->outlier[row] = size > outlier * m->unknowns.sigma;
         p->gross += size > gross_error;
         p->worst_m = fmax(p->worst_m, size);
     }
@@ -153,7 +152,6 @@ mukca_status mukca_arm_posterior_fit(mukca_arm_posterior *p, const mukca_tip_cha
     if (status != MUKCA_OK) return status;
     p->weight = MUKCA_TAKE(&p->pool, double, p->data.n_rows);
     p->residual = MUKCA_TAKE(&p->pool, double[3], p->data.n_rows);
-    p->outlier = MUKCA_TAKE(&p->pool, bool, p->data.n_rows);
     if (p->pool.failed || !add_table(p)) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     mukca_unknowns *u = &p->m.unknowns;
     u->prior = mukca_prior_expected;

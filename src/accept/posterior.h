@@ -17,7 +17,6 @@ typedef struct {
     mukca_regression m;    /* at the posterior mean, with the factor of its precision */
     double *weight;        /* [n_rows] of Student's noise */
     double (*residual)[3]; /* [n_rows] of the samples, m */
-    bool *outlier;         /* [n_rows] beyond the noise */
     int postures;          /* different ones */
     int gross;             /* samples beyond any arm and noise */
     double worst_m;        /* largest error of a sample */

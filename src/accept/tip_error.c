@@ -19,6 +19,9 @@ enum { PROBES = 256, DRAWS = 200 };
  * (diagnose/untested.c). */
 static const double least_evidence = 12;
 
+/* Of a deviation to the noise; Student's weight is then below 0.07. */
+static const double outlier = 10;
+
 /* Mean errors over the probes of each arm from the posterior, sum[0] before and sum[1] after; the
  * last scatter[DRAWS] is their mean square after. */
 static bool sample(double sum[3][DRAWS], mukca_arm_posterior *p, const double *X,
@@ -210,7 +213,8 @@ static void list_outliers(mukca_tip_error *out, const mukca_arm_posterior *p)
     int last = -1;
     for (int row = 0; row < d->n_rows; row++) {
         char name[48] = "";
-        if (!p->outlier[row] || d->row[row] == last) continue;
+        if (!(mukca_norm3(p->residual[row]) > outlier * p->m.unknowns.sigma) || d->row[row] == last)
+            continue;
         last = d->row[row];
         if (d->n_files > 1)
             snprintf(name, sizeof name, "%.40s:", mukca_file_name(d->files[d->file[row]]));

@@ -56,12 +56,10 @@ void mukca_frame_nearest(mukca_frame *pose, const double *to, const double *from
 void mukca_meeting_turn(double w[3], const mukca_frame *base, const mukca_frame *tool,
                         const mukca_meeting_point *p)
 {
-    double BF[9], BFT[9], off[9];
+    double BF[9], BFT[9];
     mukca_mat3_mul(BF, base->R, p->from.R);
     mukca_mat3_mul(BFT, BF, tool->R);
-    for (int r = 0; r < 3; r++)
-        for (int c = 0; c < 3; c++) off[3 * r + c] = mukca_dot3(p->turned + 3 * r, BFT + 3 * c);
-    mukca_rotation_log(w, off);
+    mukca_rotation_difference(w, p->turned, BFT);
 }
 
 enum { MEETING_ROW = MUKCA_MEETING + 1 };
@@ -78,7 +76,7 @@ static void meeting_rows(double rows[6 * MEETING_ROW], const mukca_frame *base,
     mukca_mat3_vec(lever, base->R, at);
     mukca_mat3_mul(BF, base->R, p->from.R);
     mukca_mat3_mul(BFT, BF, tool->R);
-    if (v > 0) mukca_meeting_turn(off, base, tool, p);
+    if (v > 0) mukca_rotation_difference(off, p->turned, BFT);
     memset(rows, 0, 6 * MEETING_ROW * sizeof *rows);
     for (int k = 0; k < 3; k++) {
         double *row = rows + k * MEETING_ROW, *turn = row + 3 * MEETING_ROW;
