@@ -9,9 +9,8 @@
 
 enum { STEPS = 4 /* of Gauss-Newton */ };
 
-/* An error of the nominal arm's distance, m, that is that of a label, as in diagnose; an error
- * beyond any arm and noise. */
-static const double wrong_label = 0.02, gross_error = 0.1;
+/* An error of the nominal arm's distance, m, that is that of a label, as in diagnose. */
+static const double wrong_label = 0.02;
 
 /* Of the logarithm of the ratio of the residuals' variances across and along the axis of a joint:
  * 1 % of 1200 joints that moved, in 200 recordings, are beyond twice this. */
@@ -99,23 +98,15 @@ static bool add_table(mukca_arm_posterior *p)
     return true;
 }
 
-/* Fit, judge the samples, and factor the posterior. */
+/* Fit, and factor the posterior. */
 static void fit(mukca_arm_posterior *p, int steps)
 {
     mukca_regression *m = &p->m;
     const mukca_recording *r = &m->recording;
-    const int d = r->dim;
     mukca_regression_fit_tails(m, p->weight, steps);
     const double *y = mukca_evidence_deviations(&m->evidence, r, &m->linear, p->weight);
-    p->gross = 0;
-    p->worst_m = 0;
-    for (int i = 0; i < r->n_samples; i++) {
-        const int row = r->order[i];
-        memcpy(p->residual[row], y + i * d, sizeof p->residual[row]);
-        const double size = mukca_norm3(p->residual[row]);
-        p->gross += size > gross_error;
-        p->worst_m = fmax(p->worst_m, size);
-    }
+    for (int i = 0; i < r->n_samples; i++)
+        memcpy(p->residual[r->order[i]], y + i * r->dim, sizeof *p->residual);
 }
 
 static mukca_status create(mukca_arm_posterior *p, const mukca_tip_change_task *task,

@@ -18,8 +18,6 @@ typedef struct {
     double *weight;        /* [n_rows] of Student's noise */
     double (*residual)[3]; /* [n_rows] of the samples, m */
     int postures;          /* different ones */
-    int gross;             /* samples beyond any arm and noise */
-    double worst_m;        /* largest error of a sample */
     mukca_pool pool;
 } mukca_arm_posterior;
 

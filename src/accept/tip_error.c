@@ -19,8 +19,9 @@ enum { PROBES = 256, DRAWS = 200 };
  * (diagnose/untested.c). */
 static const double least_evidence = 12;
 
-/* Of a deviation to the noise; Student's weight is then below 0.07. */
-static const double outlier = 10;
+/* Ratio of a deviation to the noise, of which Student's weight is below 0.07; m, beyond any arm and
+ * noise. */
+static const double outlier = 10, gross_error = 0.1;
 
 /* Mean errors over the probes of each arm from the posterior, sum[0] before and sum[1] after; the
  * last scatter[DRAWS] is their mean square after. */
@@ -212,9 +213,11 @@ static void list_outliers(mukca_tip_error *out, const mukca_arm_posterior *p)
     mukca_text rows = MUKCA_TEXT(out->rows);
     int last = -1;
     for (int row = 0; row < d->n_rows; row++) {
+        const double size = mukca_norm3(p->residual[row]);
         char name[48] = "";
-        if (!(mukca_norm3(p->residual[row]) > outlier * p->m.unknowns.sigma) || d->row[row] == last)
-            continue;
+        out->gross += size > gross_error;
+        out->worst_m = fmax(out->worst_m, size);
+        if (!(size > outlier * p->m.unknowns.sigma) || d->row[row] == last) continue;
         last = d->row[row];
         if (d->n_files > 1)
             snprintf(name, sizeof name, "%.40s:", mukca_file_name(d->files[d->file[row]]));
@@ -232,8 +235,6 @@ static void describe(mukca_tip_error *out, mukca_chain *here, const mukca_arm_po
     *here = p->chain;
     find_ranges(out, here, &p->m.recording);
     out->postures = p->postures;
-    out->gross = p->gross;
-    out->worst_m = p->worst_m;
     list_outliers(out, p);
     const int tip = mukca_chain_tip_element(&p->chain);
     if (tip >= 0)
