@@ -13,15 +13,9 @@ static void spring_basis(double basis[][3], const mukca_basis_input *in)
     if (in->state->torque) basis[0][0] = -in->state->torque[in->effect->joint];
 }
 
-/* Is there a load that varies? */
-static bool candidate(mukca_effect *effect, const mukca_effect_survey *survey, int i)
+static bool joint_candidate(mukca_effect *effect, const mukca_effect_survey *survey, int i)
 {
-    const mukca_effect_info *info = mukca_effect_table[effect->kind];
-    const bool loaded = info->site == MUKCA_SITE_ANGLE ? mukca_survey_loads(survey, effect->joint)
-                        : info->site == MUKCA_SITE_BASE
-                            ? survey->moments
-                            : survey->moments && survey->joint[effect->joint].turns;
-    return i == 0 && loaded && (survey->by_command || !(info->needs & MUKCA_NEEDS_COMMANDS));
+    return i == 0 && mukca_survey_loads(survey, effect->joint);
 }
 
 const mukca_effect_ops mukca_joint_compliance_effect = {
@@ -35,7 +29,7 @@ const mukca_effect_ops mukca_joint_compliance_effect = {
              .needs = MUKCA_NEEDS_MASSES,
              .sentence = "the transmission deflects under gravity torque"},
     .basis = spring_basis,
-    .candidate = candidate,
+    .candidate = joint_candidate,
     .untested = loaded_alike,
 };
 
@@ -46,6 +40,11 @@ static void link_basis(double basis[][3], const mukca_basis_input *in)
     const double *moment = in->state->moment[in->effect->joint];
     const double along = mukca_dot3(moment, in->axis);
     for (int i = 0; i < 3; i++) basis[0][i] = along * in->axis[i] - moment[i];
+}
+
+static bool link_candidate(mukca_effect *effect, const mukca_effect_survey *survey, int i)
+{
+    return i == 0 && survey->moments && survey->joint[effect->joint].turns;
 }
 
 const mukca_effect_ops mukca_link_bending_effect = {
@@ -61,12 +60,18 @@ const mukca_effect_ops mukca_link_bending_effect = {
              .remedy = "compensate it with the offsets table; check the screws between link and "
                        "joint"},
     .basis = link_basis,
-    .candidate = candidate,
+    .candidate = link_candidate,
 };
 
 static void base_basis(double basis[][3], const mukca_basis_input *in)
 {
     for (int i = 0; i < 3 && in->state->base_moment; i++) basis[0][i] = -in->state->base_moment[i];
+}
+
+static bool base_candidate(mukca_effect *effect, const mukca_effect_survey *survey, int i)
+{
+    (void)effect;
+    return i == 0 && survey->moments;
 }
 
 const mukca_effect_ops mukca_base_compliance_effect = {
@@ -81,7 +86,7 @@ const mukca_effect_ops mukca_base_compliance_effect = {
              .sentence = "the base or its table tilts under the arm's weight",
              .remedy = "stiffen the base or its table, or compensate it"},
     .basis = base_basis,
-    .candidate = candidate,
+    .candidate = base_candidate,
 };
 
 /* Servo sag: a position controller without integral action balances gravity torque by an error of
@@ -91,6 +96,11 @@ const mukca_effect_ops mukca_base_compliance_effect = {
  * accurate to the encoder's resolution; users of cheap arms report 30 mrad at a few N m. */
 static const mukca_effect_sizes sizes = {.usual = 4,
                                          .sigma = {30e-6, 100e-6, 300e-6, 1e-3, 3e-3, 10e-3}};
+
+static bool candidate(mukca_effect *effect, const mukca_effect_survey *survey, int i)
+{
+    return i == 0 && survey->by_command && mukca_survey_loads(survey, effect->joint);
+}
 
 const mukca_effect_ops mukca_servo_sag_effect = {
     .sizes = &sizes,
