@@ -10,6 +10,8 @@
 
 /* ---- the user's lists of free and frozen parameters ---- */
 
+enum { LONGEST = 512 }; /* item of a list */
+
 static int find_parameter(const char *name)
 {
     for (int i = 0; i < MUKCA_PARAMETERS; i++)
@@ -21,7 +23,7 @@ static int find_parameter(const char *name)
 static mukca_status mark_item(unsigned char *mark, const mukca_chain *chain, const char *item,
                               unsigned char value, mukca_error *error)
 {
-    char joint[512];
+    char joint[LONGEST];
     int element = mukca_chain_find_element(chain, item), parameter = -1;
     if (element < 0 && (parameter = find_parameter(item)) >= 0) {
         for (int k = 0; k < chain->n_elements; k++)
@@ -29,22 +31,16 @@ static mukca_status mark_item(unsigned char *mark, const mukca_chain *chain, con
         return MUKCA_OK;
     }
     const char *dot = strrchr(item, '.');
-    if (element < 0 && dot && (size_t)(dot - item) < sizeof joint) {
+    if (element < 0 && dot && (parameter = find_parameter(dot + 1)) >= 0) {
         memcpy(joint, item, (size_t)(dot - item));
         joint[dot - item] = '\0';
         element = mukca_chain_find_element(chain, joint);
-        parameter = find_parameter(dot + 1);
-        if (element >= 0 && parameter < 0)
-            return mukca_fail(
-                error, MUKCA_USAGE,
-                "parameter list: '%.40s' of joint %.64s is not one of x y z roll pitch yaw",
-                dot + 1, joint);
     }
     if (element < 0)
         return mukca_fail(
             error, MUKCA_USAGE,
-            "parameter list: '%.64s' is neither a joint between %.64s and %.64s nor a "
-            "parameter; write joint, parameter or joint.parameter",
+            "parameter list: '%.64s' is neither a joint between %.64s and %.64s nor a parameter (x "
+            "y z roll pitch yaw); write joint, parameter or joint.parameter",
             item, chain->base, chain->tip);
     for (int i = 0; i < MUKCA_PARAMETERS; i++)
         if (parameter < 0 || i == parameter) mark[MUKCA_PARAMETERS * element + i] = value;
@@ -54,7 +50,7 @@ static mukca_status mark_item(unsigned char *mark, const mukca_chain *chain, con
 static mukca_status mark_list(unsigned char *mark, const mukca_chain *chain, const char *list,
                               unsigned char value, mukca_error *error)
 {
-    char item[512];
+    char item[LONGEST];
     while (mukca_text_item(item, sizeof item, &list)) {
         if (!*item)
             return mukca_fail(error, MUKCA_USAGE,

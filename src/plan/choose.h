@@ -95,7 +95,7 @@ typedef struct {
 } mukca_plan_state;
 
 /* Initialise with the prior, no samples; task->sockets are those of the state.  Errors:
- * MUKCA_MEMORY, MUKCA_USAGE. */
+ * MUKCA_MEMORY. */
 mukca_status mukca_plan_state_create(mukca_plan_state *s, const mukca_plan_task *task,
                                      const mukca_plan_options *options, mukca_error *error);
 
@@ -150,7 +150,7 @@ typedef struct {
 } mukca_planner;
 
 /* Initialise a planner for so many candidates and choices, and update its state by the recorded
- * samples.  Free its state's pool, also after errors: MUKCA_MEMORY, MUKCA_USAGE. */
+ * samples.  Free its state's pool, also after errors: MUKCA_MEMORY. */
 mukca_status mukca_planner_create(mukca_planner *planner, int candidates, int rows,
                                   const mukca_plan_task *task, const mukca_plan_options *options,
                                   mukca_error *error);

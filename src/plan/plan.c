@@ -32,12 +32,8 @@ static void put_in_order(mukca_plan_row *rows, int n, const mukca_plan_task *tas
     }
 }
 
-static mukca_status check(const mukca_chain *chain, int n_sockets, const mukca_plan_options *o,
-                          mukca_error *error)
+static mukca_status check(const mukca_chain *chain, const mukca_plan_options *o, mukca_error *error)
 {
-    if (n_sockets < 1 || n_sockets > MUKCA_PLAN_MAX_SOCKETS)
-        return mukca_fail(error, MUKCA_USAGE, "a plan needs 1 to %d sockets, not %d",
-                          MUKCA_PLAN_MAX_SOCKETS, n_sockets);
     for (int e = 0; e < o->n_effects; e++) {
         const mukca_effect_info *info = mukca_effect_table[o->effects[e].kind];
         if ((info->needs & MUKCA_NEEDS_MASSES) && chain->n_masses == 0)
@@ -117,7 +113,7 @@ mukca_status mukca_plan_run(mukca_plan *plan, const mukca_plan_task *task,
                             const mukca_plan_options *options, mukca_error *error)
 {
     memset(plan, 0, sizeof *plan);
-    mukca_status status = check(task->chain, task->n_sockets, options, error);
+    mukca_status status = check(task->chain, options, error);
     if (status != MUKCA_OK) return status;
     mukca_planner *p = calloc(1, sizeof *p);
     if (!p) return mukca_fail(error, MUKCA_MEMORY, "out of memory while planning");

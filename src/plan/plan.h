@@ -76,8 +76,8 @@ typedef struct {
     int n_sockets;
 } mukca_plan_task;
 
-/* Propose samples at the sockets.  Free with mukca_plan_free.  Errors: MUKCA_USAGE, MUKCA_INPUT (no
- * posture reaches the sockets), MUKCA_MEMORY, MUKCA_INTERRUPTED. */
+/* Propose samples at the sockets.  Free with mukca_plan_free.  Errors: MUKCA_INPUT (no posture
+ * reaches the sockets), MUKCA_MEMORY, MUKCA_INTERRUPTED. */
 mukca_status mukca_plan_run(mukca_plan *plan, const mukca_plan_task *task,
                             const mukca_plan_options *options, mukca_error *error);
 void mukca_plan_free(mukca_plan *plan);
