@@ -140,13 +140,6 @@ static void compare_axes(mukca_axis_difference *out, const mukca_geometry *a,
 
 /* ---- tips ---- */
 
-/* B's tip after alignment: base * b * tool. */
-static void align(mukca_frame *out, const mukca_comparison *c, const mukca_frame *b)
-{
-    mukca_frame_multiply(out, &c->base, b);
-    mukca_frame_multiply(out, out, &c->tool);
-}
-
 /* Rotation of the tool: the mean of those from B's aligned tip to A's. */
 static void turn_tool(mukca_comparison *c)
 {
@@ -196,7 +189,8 @@ void mukca_compare(mukca_comparison *c, const mukca_corrected *a, const mukca_co
         }
         for (int i = 0; i < MUKCA_COMPARED; i++) {
             mukca_frame at;
-            align(&at, c, &c->tip[1][i]);
+            mukca_frame_multiply(&at, &c->base, &c->tip[1][i]);
+            mukca_frame_multiply(&at, &at, &c->tool);
             c->moved[i] = mukca_distance3(at.p, c->tip[0][i].p);
             c->turned[i] = mukca_rotation_between(at.R, c->tip[0][i].R);
         }

@@ -44,30 +44,6 @@ static void displace(mukca_displacement *displacement, const double *q, void *co
                                &c->arm->geometry, q, mukca_row_state_set(&c->rows, q));
 }
 
-static mukca_inverse_result solve(double *q, mukca_compensator *c, const mukca_frame *target)
-{
-    const mukca_inverse_options options = {
-        .tolerance = tolerance, .displace = c->arm->n_effects ? displace : NULL, .context = c};
-    return mukca_inverse_solve(q, &c->arm->chain, &c->arm->geometry, target, !c->position_only,
-                               &options);
-}
-
-static mukca_compensation outcome(const mukca_inverse_result *found)
-{
-    return (mukca_compensation){.reach = found->reached   ? MUKCA_REACH_OK
-                                         : found->limited ? MUKCA_REACH_LIMIT
-                                                          : MUKCA_REACH_UNREACHED,
-                                .position_error = found->position_error,
-                                .rotation_error = found->rotation_error};
-}
-
-static void end_row(mukca_compensator *c, const double *q)
-{
-    c->on_path = true;
-    memcpy(c->sent, q, (size_t)c->arm->chain.n_joints * sizeof *q);
-    mukca_row_state_set(&c->rows, q);
-}
-
 mukca_compensation mukca_compensate_joints(double *q, mukca_compensator *c,
                                            const mukca_row_reading *reading)
 {
@@ -81,9 +57,16 @@ mukca_compensation mukca_compensate_joints(double *q, mukca_compensator *c,
     displace(&displacement, meant, c);
     mukca_fk_pose(&uncorrected, &c->arm->geometry, meant, &displacement);
 
-    const mukca_inverse_result found = solve(q, c, &target);
-    mukca_compensation result = outcome(&found);
-    result.position_before = mukca_distance3(uncorrected.p, target.p);
+    const mukca_inverse_result found = mukca_inverse_solve(
+        q, &c->arm->chain, &c->arm->geometry, &target, !c->position_only,
+        &(mukca_inverse_options){
+            .tolerance = tolerance, .displace = c->arm->n_effects ? displace : NULL, .context = c});
+    mukca_compensation result = {.reach = found.reached   ? MUKCA_REACH_OK
+                                          : found.limited ? MUKCA_REACH_LIMIT
+                                                          : MUKCA_REACH_UNREACHED,
+                                 .position_before = mukca_distance3(uncorrected.p, target.p),
+                                 .position_error = found.position_error,
+                                 .rotation_error = found.rotation_error};
     for (int j = 0; j < n; j++) {
         correction[j] = q[j] - meant[j];
         before[j] = c->sent[j] - c->target[j];
@@ -95,6 +78,8 @@ mukca_compensation mukca_compensate_joints(double *q, mukca_compensator *c,
         mukca_largest_difference(correction, before, n) > 0.02 + 0.5 * moved)
         result.reach = MUKCA_REACH_JUMP;
     memcpy(c->target, meant, (size_t)n * sizeof *q);
-    end_row(c, q);
+    memcpy(c->sent, q, (size_t)n * sizeof *q);
+    c->on_path = true;
+    mukca_row_state_set(&c->rows, q);
     return result;
 }

@@ -7,13 +7,6 @@
 enum { CANDIDATES = 32, TRIES = 10, SEARCH = 200 };
 static const double margin = 0.03; /* m, reserve for errors and effects */
 
-static void random_rotation(double R[9], mukca_random *random)
-{
-    double q[4];
-    for (int i = 0; i < 4; i++) q[i] = mukca_random_normal(random);
-    mukca_rotation_from_quaternion(R, q);
-}
-
 /* Fraction of random starts from which inverse kinematics reaches a point `margin` beyond each
  * socket; the smaller of both sockets. */
 static double reachable(const mukca_place *place, const mukca_chain *chain,
@@ -47,13 +40,15 @@ static double nearest(const mukca_place *places, int n_places, const double p[3]
 static void draw(mukca_place *place, const mukca_chain *chain, const mukca_geometry *geometry,
                  mukca_random *random)
 {
+    double turned[4];
     for (int try = 0; try < SEARCH; try++) {
         double q[MUKCA_MAX_JOINTS];
         mukca_simulate_posture(q, chain, random);
         mukca_fk_position(place->pose.p, geometry, q, NULL);
         if (mukca_dot3(place->pose.p, chain->gravity) < -0.05 * 9.8) break;
     }
-    random_rotation(place->pose.R, random);
+    for (int i = 0; i < 4; i++) turned[i] = mukca_random_normal(random);
+    mukca_rotation_from_quaternion(place->pose.R, turned);
     place->placed = true;
 }
 
