@@ -23,15 +23,6 @@ static inline void add_basis(mukca_displacement *d, mukca_effect_site site,
     d->any_rotation |= site == MUKCA_SITE_ROTATION || site == MUKCA_SITE_BASE;
 }
 
-static void add_direction(mukca_displacement *displacement, const mukca_effect *effect,
-                          const mukca_chain *chain, const mukca_joint_state *state)
-{
-    double direction[MUKCA_MAX_JOINTS];
-    mukca_effect_direction(direction, chain->n_joints, effect, state);
-    for (int i = 0; i < chain->n_joints; i++)
-        displacement->q[i] += effect->coefficient[0] * direction[i];
-}
-
 /* Derivatives of one effect by the joint angles, from its basis. */
 static inline void add_slopes(mukca_effect_slopes *slopes, const mukca_effect_ops *ops,
                               int n_joints, const mukca_basis_input *in, const double basis[][3])
@@ -58,14 +49,13 @@ static void add_effect(mukca_displacement *d, mukca_effect_slopes *slopes,
     const double *axis =
         e->joint < 0 ? NULL : task->geometry->axis[task->chain->joint_element[e->joint]];
     const mukca_basis_input in = {.effect = e, .axis = axis, .state = &task->state};
-    double basis[MUKCA_MAX_TERMS][3];
+    double basis[MUKCA_MAX_TERMS][3], direction[MUKCA_MAX_JOINTS];
+    const int joints = task->chain->n_joints;
     mukca_effect_basis(basis, e, axis, &task->state);
-    if (ops->direction)
-        add_direction(d, e, task->chain, &task->state);
-    else
-        add_basis(d, ops->info.site, e, (const double(*)[3])basis);
-    if (slopes && ops->by_angle)
-        add_slopes(slopes, ops, task->chain->n_joints, &in, (const double(*)[3])basis);
+    if (ops->direction) mukca_effect_direction(direction, joints, e, &task->state);
+    for (int j = 0; j < joints && ops->direction; j++) d->q[j] += e->coefficient[0] * direction[j];
+    if (ops->basis) add_basis(d, ops->info.site, e, (const double(*)[3])basis);
+    if (slopes && ops->by_angle) add_slopes(slopes, ops, joints, &in, (const double(*)[3])basis);
 }
 
 /* Load-independent effects.  Returns whether there are others. */
