@@ -54,9 +54,6 @@ static mukca_status read_kinematics(cli_call *call, cli_model *model, const char
     mukca_kinematics *k = &model->kinematics;
     const mukca_status status = mukca_kinematics_read(k, path, &call->error);
     if (status != MUKCA_OK) return status;
-    if (call->common->verbose)
-        cli_log(call, "%s: %s, %d joints%s%s\n", path, k->layout->name, k->n,
-                k->hash[0] ? ", " : "", k->hash);
     return mukca_kinematics_apply(&model->chain, k, path, cli_notes(call), &call->error);
 }
 
@@ -200,11 +197,6 @@ mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model 
     }
     if (status == MUKCA_OK && c->angles == 1)
         status = mukca_dataset_take_commands(data, &call->error);
-    for (int f = 0; f < data->n_files && c->verbose && status == MUKCA_OK; f++) {
-        int rows = 0;
-        for (int i = 0; i < data->n_rows; i++) rows += data->file[i] == f;
-        cli_log(call, "%s: %d rows\n", data->files[f], rows);
-    }
     return status;
 }
 

@@ -1,60 +1,18 @@
 /* The calibrated origins in the YAML formats of robot makers' descriptions. */
-#include <ctype.h>
 #include <string.h>
 
 #include "base/text.h"
 #include "io/export.h"
 #include "io/kinematics.h"
 
-/* Universal Robots' entries, as in ur_description. */
-static const char *const ur_names[] = {"shoulder", "upper_arm", "forearm",
-                                       "wrist_1",  "wrist_2",   "wrist_3"};
-
-/* "joint4" of "fr3_joint4"; NULL for other names. */
-static const char *short_name(const char *name)
-{
-    const char *last = strrchr(name, '_');
-    if (!last || strncmp(last, "_joint", 6) != 0 || !isdigit((unsigned char)last[6])) return NULL;
-    return last + 1;
-}
-
-static void add_entry(mukca_kinematics *k, const char *name)
-{
-    snprintf(k->entry[k->n++].name, MUKCA_NAME_SIZE, "%s", name);
-}
-
-/* Name the entries of an arm without a kinematics file as the maker's description does, recognised
- * by names of joints and links; other arms in the style of UFACTORY. */
-static void name_entries(mukca_kinematics *k, const mukca_chain *chain)
-{
-    bool ur = chain->n_joints == 6, franka = true;
-    for (int j = 0; j < chain->n_joints; j++) {
-        const int element = chain->joint_element[j];
-        ur = ur && mukca_kinematics_find(chain, ur_names[j]) == element;
-        franka = franka && short_name(chain->element[element].name);
-    }
-    *k = (mukca_kinematics){.layout = ur       ? &mukca_kinematics_ur
-                                      : franka ? &mukca_kinematics_franka
-                                               : &mukca_kinematics_ufactory};
-    for (int e = 0, j = 0; e < chain->n_elements; e++) {
-        const mukca_element *element = &chain->element[e];
-        const char *part = franka ? short_name(element->name) : NULL;
-        if (element->type != MUKCA_FIXED)
-            add_entry(k, ur ? ur_names[j++] : part ? part : element->name);
-        else if (part) /* joint8 of a Franka is fixed */
-            add_entry(k, part);
-    }
-}
-
 static void print_entry(FILE *stream, const mukca_kinematics *k, const char *name,
                         const double *value)
 {
-    const char *inner = k->layout->inner;
-    const int indent = k->layout->root ? 2 : 0;
+    const int indent = k->root ? 2 : 0;
     fprintf(stream, "%*s%s:\n", indent, "", name);
-    if (inner) fprintf(stream, "%*s%s:\n", indent + 2, "", inner);
+    if (k->inner) fprintf(stream, "%*skinematic:\n", indent + 2, "");
     for (int p = 0; p < MUKCA_PARAMETERS; p++) {
-        fprintf(stream, "%*s%s: ", indent + (inner ? 4 : 2), "", mukca_parameter_name[p]);
+        fprintf(stream, "%*s%s: ", indent + (k->inner ? 4 : 2), "", mukca_parameter_name[p]);
         mukca_export_print(stream, "$n\n", value[p]);
     }
 }
@@ -96,13 +54,14 @@ static void write_hash(FILE *stream, const mukca_export_input *input, const mukc
 
 static mukca_status write_kinematics(FILE *stream, const mukca_export_input *input)
 {
-    mukca_kinematics entries;
     const mukca_kinematics *k = input->kinematics;
     bool written[MUKCA_MAX_ELEMENTS] = {false}, fitted = false;
-    if (!k) name_entries(&entries, input->chain);
-    if (!k) k = &entries;
+    if (!k)
+        return mukca_fail(input->error, MUKCA_USAGE,
+                          "this format needs --kinematics FILE: the robot's own file, or that of "
+                          "its description");
     mukca_export_provenance(stream, "# ", input);
-    if (k->layout->root) fprintf(stream, "%s:\n", k->layout->root);
+    if (k->root) fputs("kinematics:\n", stream);
     for (int i = 0; i < k->n; i++) {
         const mukca_kinematics_entry *entry = &k->entry[i];
         const int element = mukca_kinematics_find(input->chain, entry->name);
@@ -119,11 +78,6 @@ static mukca_status write_kinematics(FILE *stream, const mukca_export_input *inp
         print_entry(stream, k, entry->name, value);
     }
     write_hash(stream, input, k, fitted);
-    if (k->layout == &mukca_kinematics_ur && !k->hash[0])
-        mukca_note_format(input->notes,
-                          "%s the hash is missing that UR's driver compares with the robot's",
-                          input->kinematics ? "the factory file has no `hash:`;"
-                                            : "without the factory file (--kinematics)");
     note_others(input, written);
     return MUKCA_OK;
 }

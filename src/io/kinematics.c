@@ -18,10 +18,6 @@ enum { LARGEST_FILE = 1 << 20 };
 /* Differences from the URDF beyond the manufacturing tolerance of any arm: m, rad. */
 static const double most_shift = 0.02, most_turn = 0.1;
 
-const mukca_kinematics_layout mukca_kinematics_ur = {"Universal Robots", "kinematics", NULL};
-const mukca_kinematics_layout mukca_kinematics_franka = {"Franka", NULL, "kinematic"};
-const mukca_kinematics_layout mukca_kinematics_ufactory = {"UFACTORY", "kinematics", NULL};
-
 typedef struct {
     mukca_kinematics *to;
     const char *name; /* file name for messages */
@@ -73,6 +69,7 @@ static void read_numbers(reader *r, unsigned *found, double *value, const yaml_n
         const yaml_node_t *name = node(r, i->key), *number = node(r, i->value);
         const char *field = text_of(r, name);
         if (!inner && strcmp(field, "kinematic") == 0) {
+            r->to->inner = true;
             read_numbers(r, found, value, name, number, true);
             continue;
         }
@@ -120,9 +117,10 @@ static void read_entries(reader *r, const yaml_node_t *map, bool root)
          i < map->data.mapping.pairs.top && r->status == MUKCA_OK; i++) {
         const yaml_node_t *key = node(r, i->key), *value = node(r, i->value);
         const char *name = text_of(r, key);
-        if (root && strcmp(name, "kinematics") == 0 && value->type == YAML_MAPPING_NODE)
+        if (root && strcmp(name, "kinematics") == 0 && value->type == YAML_MAPPING_NODE) {
+            r->to->root = true;
             read_entries(r, value, false);
-        else if (!root && strcmp(name, "hash") == 0)
+        } else if (!root && strcmp(name, "hash") == 0)
             snprintf(r->to->hash, sizeof r->to->hash, "%s", text_of(r, value));
         else
             read_entry(r, key, value);
@@ -151,14 +149,6 @@ static void parse(reader *r, const char *text, size_t size)
     yaml_parser_delete(&parser);
 }
 
-/* Link names indicate Universal Robots' layout, an inner mapping Franka's. */
-static const mukca_kinematics_layout *find_layout(const mukca_kinematics *k, bool inner)
-{
-    if (inner) return &mukca_kinematics_franka;
-    const bool links = k->hash[0] || (k->n > 0 && strncmp(k->entry[0].name, "joint", 5) != 0);
-    return links ? &mukca_kinematics_ur : &mukca_kinematics_ufactory;
-}
-
 mukca_status mukca_kinematics_read(mukca_kinematics *kinematics, const char *path,
                                    mukca_error *error)
 {
@@ -176,7 +166,6 @@ mukca_status mukca_kinematics_read(mukca_kinematics *kinematics, const char *pat
         r.status = mukca_fail(error, MUKCA_INPUT,
                               "%s: no joint; expected x, y, z, roll, pitch, yaw", r.name);
     SHA256Data((const uint8_t *)text, size, kinematics->sha256);
-    kinematics->layout = find_layout(kinematics, strstr(text, "kinematic:") != NULL);
     free(text);
     return r.status;
 }

@@ -6,15 +6,6 @@
 #include "base/text.h"
 #include "mukca/chain.h"
 
-/* Layout of the YAML.  `root` is the key above the joints, `inner` the key above their numbers, or
- * NULL. */
-typedef struct {
-    const char *name, *root, *inner;
-} mukca_kinematics_layout;
-
-extern const mukca_kinematics_layout mukca_kinematics_ur, mukca_kinematics_franka,
-    mukca_kinematics_ufactory;
-
 typedef struct {
     char name[MUKCA_NAME_SIZE];
     double value[MUKCA_PARAMETERS]; /* x y z roll pitch yaw, m and rad, as of a URDF's origin */
@@ -22,7 +13,8 @@ typedef struct {
 } mukca_kinematics_entry;
 
 typedef struct {
-    const mukca_kinematics_layout *layout;
+    bool root,
+        inner; /* the entries are below a key `kinematics`, their numbers below `kinematic` */
     char hash[MUKCA_NAME_SIZE]; /* UR's identifier of the robot's calibration; empty: none */
     char sha256[65];            /* of the file */
     int n;

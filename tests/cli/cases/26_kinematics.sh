@@ -51,7 +51,7 @@ for tip in '' '--tip wrist_3_link'; do
 done
 expect "UR's hash stays that of the robot" grep -q '^  hash: calib_12345678901234567890$' own.yaml
 accept "calibrated origin of 'ball' is not exported" export $ur --offsets table.tsv -f kinematics
-accept 'the hash is missing' export --urdf ur5e.urdf -f kinematics
+refuse 2 'this format needs --kinematics FILE' export --urdf ur5e.urdf -f kinematics
 refuse 3 'was made with a factory file (--kinematics)' evaluate --urdf ur5e.urdf --offsets table.tsv session.tsv
 refuse 3 'or a file that was edited or made anew' \
     evaluate --urdf ur5e.urdf --kinematics own.yaml --offsets table.tsv session.tsv
@@ -87,7 +87,11 @@ expect "Franka's layout is read" cmp factory.tsv other.tsv
 "$MUKCA" fk --urdf ur5e.urdf --kinematics written.yaml rows.csv >other.tsv
 expect "Franka's layout is written" sh -c 'cmp factory.tsv other.tsv && grep -q kinematic: written.yaml'
 sed 's/j\([123]\)"/joint\1"/' arm.urdf >ufactory.urdf
-"$MUKCA" export --urdf ufactory.urdf -f kinematics -o ufactory.yaml
+{
+    echo kinematics:
+    printf '  joint%d:\n    x: %s\n    y: 0\n    z: %s\n    roll: 0\n    pitch: 0\n    yaw: 0\n' 1 0 0.25 2 0 0 3 0.5 0
+} >xarm.yaml
+"$MUKCA" export --urdf ufactory.urdf --kinematics xarm.yaml -f kinematics -o ufactory.yaml
 rows 1 12 >twelve.csv
 "$MUKCA" fk --urdf ufactory.urdf twelve.csv >arm.tsv
 "$MUKCA" fk --urdf ufactory.urdf --kinematics ufactory.yaml twelve.csv >other.tsv
