@@ -9,8 +9,6 @@
 #include <poll.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/clock.h"
@@ -184,66 +182,66 @@ static const unsigned char sync_word[4] = {0xED, 0xA1, 0xDA, 0x01};
 
 mukca_status mukca_lcm_log_open(mukca_lcm_log *log, const char *path, mukca_error *error)
 {
-    struct stat info;
-    void *data = MAP_FAILED;
-    *log = (mukca_lcm_log){.file = open(path, O_RDONLY | O_CLOEXEC)};
-    if (log->file >= 0 && fstat(log->file, &info) == 0) {
-        log->size = (size_t)info.st_size;
-        log->mapped = log->size + !log->size;
-        data = mmap(NULL, log->mapped, PROT_READ, MAP_PRIVATE, log->file, 0);
-    }
-    const int reason = errno;
-    if (data == MAP_FAILED) {
-        if (log->file >= 0) close(log->file);
+    mukca_lcm_packet first;
+    *log = (mukca_lcm_log){.file = fopen(path, "re"), .data = malloc(MUKCA_LCM_MAX_MESSAGE)};
+    if (!log->file || !log->data) {
+        const int reason = errno;
+        mukca_lcm_log_close(log);
         return mukca_fail(error, mukca_output_status(reason), "LCM log %s: %s", path,
                           strerror(reason));
     }
-    mukca_lcm_packet first;
-    log->data = data;
-    const bool any = mukca_lcm_log_read(&first, log);
-    log->at = 0;
-    log->skipped = 0;
-    if (any) return MUKCA_OK;
+    if (mukca_lcm_log_read(&first, log)) {
+        rewind(log->file);
+        log->skipped = 0;
+        return MUKCA_OK;
+    }
     mukca_lcm_log_close(log);
     return mukca_fail(error, MUKCA_INPUT, "%s: not a log of LCM messages; record it by lcm-logger",
                       path);
 }
 
+/* Read the event of a header; false: it is none, and is read again. */
+static bool read_event(mukca_lcm_packet *event, mukca_lcm_log *log, const unsigned char *head)
+{
+    const size_t channel = (size_t)mukca_lcm_wire_get(head + 20, 4),
+                 data = (size_t)mukca_lcm_wire_get(head + 24, 4);
+    const off_t at = ftello(log->file);
+    if (memcmp(head, sync_word, 4) != 0 || channel == 0 || channel >= sizeof log->channel ||
+        data > MUKCA_LCM_MAX_MESSAGE)
+        return false;
+    if (fread(log->channel, 1, channel, log->file) != channel ||
+        fread(log->data, 1, data, log->file) != data) {
+        (void)fseeko(log->file, at, SEEK_SET);
+        return false;
+    }
+    log->channel[channel] = '\0';
+    *event = (mukca_lcm_packet){.channel = log->channel,
+                                .data = log->data,
+                                .size = data,
+                                .time = (int64_t)mukca_lcm_wire_get(head + 12, 8)};
+    return true;
+}
+
 bool mukca_lcm_log_read(mukca_lcm_packet *event, mukca_lcm_log *log)
 {
-    struct stat info; /* another program may have cut the file: it ends here, not by a signal */
-    if (log->data && (fstat(log->file, &info) || (size_t)info.st_size < log->size))
-        log->size = log->at;
-    while (log->data && log->size - log->at >= HEADER) {
-        const unsigned char *head = log->data + log->at;
-        const uint64_t left = log->size - log->at - HEADER,
-                       channel = mukca_lcm_wire_get(head + 20, 4),
-                       data = mukca_lcm_wire_get(head + 24, 4);
-        if (memcmp(head, sync_word, 4) == 0 && channel > 0 && channel < sizeof log->channel &&
-            channel + data <= left) {
-            memcpy(log->channel, head + HEADER, channel);
-            log->channel[channel] = '\0';
-            *event = (mukca_lcm_packet){.channel = log->channel,
-                                        .data = head + HEADER + channel,
-                                        .size = data,
-                                        .time = (int64_t)mukca_lcm_wire_get(head + 12, 8)};
-            log->at += HEADER + channel + data;
-            return true;
-        }
-        const unsigned char *next = memchr(head + 1, sync_word[0], log->size - log->at - 1);
-        const size_t skip = next ? (size_t)(next - head) : log->size - log->at;
+    unsigned char head[HEADER];
+    size_t n = 0;
+    while (log->file && (n += fread(head + n, 1, HEADER - n, log->file)) == HEADER) {
+        if (read_event(event, log, head)) return true;
+        const unsigned char *next = memchr(head + 1, sync_word[0], HEADER - 1);
+        const size_t skip = next ? (size_t)(next - head) : HEADER;
         log->skipped += (int64_t)skip;
-        log->at += skip;
+        n -= skip;
+        memmove(head, head + skip, n);
     }
-    log->skipped += (int64_t)(log->size - log->at);
-    log->at = log->size;
+    log->skipped += (int64_t)n;
     return false;
 }
 
 void mukca_lcm_log_close(mukca_lcm_log *log)
 {
-    if (!log->data) return;
-    munmap((void *)(uintptr_t)log->data, log->mapped);
-    close(log->file);
+    if (log->file) fclose(log->file);
+    free(log->data);
+    log->file = NULL;
     log->data = NULL;
 }

@@ -2,6 +2,8 @@
 #ifndef MUKCA_LCM_LINK_H
 #define MUKCA_LCM_LINK_H
 
+#include <stdio.h>
+
 #include "lcm/packet.h"
 #include "mukca/status.h"
 
@@ -17,11 +19,10 @@ typedef void mukca_lcm_packet_fn(void *context, const mukca_lcm_packet *packet);
 
 /* An event log.  Zeroed: closed. */
 typedef struct {
-    const unsigned char *data; /* the file, mapped to memory */
-    size_t mapped, size, at;   /* bytes mapped; in the file now; read so far */
-    int file;
+    FILE *file;
     int64_t skipped; /* bytes outside events */
     char channel[MUKCA_LCM_CHANNEL_SIZE];
+    unsigned char *data; /* of the last event */
 } mukca_lcm_log;
 
 /* Zeroed: closed. */
