@@ -124,7 +124,7 @@ const cli_command cli_command_report = {
         "Diagnoses, and writes one page without requests, with the result of the diagnosis (the "
         "table of mukca diagnose -o) or that of --offsets. It opens with the expected error of the "
         "tip, whether to use the result, the verdict and what to do. Then follow the errors step "
-        "by step, the causes, a view of the arm that can be turned, errors by placement and joint, "
+        "by step, the causes, a view of the arm with the findings, errors by placement and joint, "
         "detection limits, recording faults, and parameters with standard errors.\n\n"
         "--fleet writes the page of many arms of one model from their summaries, the arguments of "
         "mukca fleet: arms that depart, what the arms share, each elastic coefficient with the "

@@ -62,9 +62,6 @@ typedef struct {
     bool lines; /* through the points of each series, in their order, without marks */
 } mukca_plot;
 
-/* 1, 2 or 5 times a power of ten, at most x. */
-double mukca_plot_round(double x);
-
 /* Write the figure as a <figure> element. */
 void mukca_plot_put(FILE *out, const mukca_plot *plot);
 

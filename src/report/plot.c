@@ -9,7 +9,8 @@ enum { WIDTH = 480, HEIGHT = 320, LEFT = 58, RIGHT = 16, TOP = 30, BOTTOM = 46, 
 
 static const char *const series_class[MUKCA_PLOT_SERIES] = {"after", "before", "measured"};
 
-double mukca_plot_round(double x)
+/* 1, 2 or 5 times a power of ten, at most x. */
+static double round_down(double x)
 {
     const double power = pow(10, floor(log10(x)));
     return power * (x >= 5 * power ? 5 : x >= 2 * power ? 2 : 1);
@@ -55,7 +56,7 @@ static void put_line(FILE *out, const char *style, bool vertical_axis, double at
 /* Numbers and grid of an axis. */
 static void put_numbers(FILE *out, const axis *a, const axis *other, bool vertical)
 {
-    const double step = mukca_plot_round((a->high - a->low) / 4);
+    const double step = round_down((a->high - a->low) / 4);
     for (double k = ceil(a->low / step); k * step <= a->high; k++) {
         const double at = place(a, k * step);
         put_line(out, "grid", vertical, at, other);

@@ -52,7 +52,7 @@ mukca_status mukca_report_prepare(mukca_report *r, mukca_error *error)
 
 static const mukca_page_section sections[] = {
     {"causes", "Errors and their causes", mukca_report_put_causes},
-    {"view", "The arm", mukca_report_put_view},
+    {"view", "Findings on the arm", mukca_report_put_view},
     {"placements", "Errors of the result", mukca_report_put_placements},
     {"joints", "Errors by joint", mukca_report_put_joints},
     {"limits", "Detection limits", mukca_report_put_limits},
