@@ -94,7 +94,7 @@ refuses "a verdict alone where the poses are nominal" 5 "no offsets table is wri
 test ! -s "$dir/out"
 nothing=$?
 ok "and no figures" test $nothing = 0
-ok "-v lists all offsets" sh -c "'$mukca' recalibrate --urdf '$urdf' '$dir/mounted_log.tsv' -v | grep -q 'joint_3 y'"
+ok "--json lists all offsets" sh -c "'$mukca' recalibrate --urdf '$urdf' '$dir/mounted_log.tsv' --json - | grep -q 'joint_3 y'"
 
 # Compensation of what was found
 ok "compensate" "$mukca" compensate "${arm[@]}" --offsets "$dir/offsets.tsv" "$dir/q.tsv" -o "$dir/sent.tsv" --json "$dir/c.json"

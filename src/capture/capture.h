@@ -33,7 +33,6 @@ typedef struct {
 typedef struct {
     double time;    /* s, the sender's clock */
     double arrival; /* s, this machine's clock */
-    bool guided;    /* the arm is being guided by hand */
     double q[MUKCA_MAX_JOINTS], effort[MUKCA_MAX_JOINTS], command[MUKCA_MAX_JOINTS]; /* NaN: none */
 } mukca_capture_reading;
 
@@ -65,7 +64,7 @@ typedef struct {
     int head, count;                    /* ring buffer: next index to write, number stored */
     mukca_capture_reading *ring;        /* [RING] */
     mukca_capture_reading last, before; /* last reading, the one before */
-    bool has_last, was_guided;
+    bool has_last;
     double jumps; /* decaying count of impossible motions */
     /* Standstill. */
     bool standing, taken;

@@ -80,15 +80,12 @@ bool mukca_capture_due(int *socket, char text[MUKCA_CAPTURE_TEXT], mukca_capture
     }
     if (!capture->standing ||
         mukca_largest_difference(sample.q, capture->anchor, capture->chain->n_joints) > s->range) {
-        if (!capture->standing) capture->was_guided = false;
         capture->taken = false;
         capture->standing = true;
         capture->still_since = sample.time - s->window;
         memcpy(capture->anchor, sample.q, sizeof capture->anchor);
     }
-    /* The end of hand guiding confirms that the ball is in place. */
-    double dwell = capture->was_guided && !capture->last.guided ? s->window : s->dwell;
-    if (capture->taken || sample.time - capture->still_since < dwell) return false;
+    if (capture->taken || sample.time - capture->still_since < s->dwell) return false;
     capture->taken = true;
     double x[3], how_far;
     if (find_posture(capture, sample.q, least_difference) >= 0) return false;
@@ -320,7 +317,7 @@ void mukca_capture_clear(mukca_capture *capture)
     capture->socket = -1;
     capture->count = 0;
     capture->jumps = 0;
-    capture->has_last = capture->last.guided = capture->was_guided = false;
+    capture->has_last = false;
     capture->standing = capture->taken = false;
     capture->checked = -HUGE_VAL;
 }

@@ -45,7 +45,6 @@ unsigned mukca_capture_feed(mukca_capture *capture, const mukca_capture_reading 
             capture->checked = reading->time;
         }
     }
-    capture->was_guided = capture->was_guided || (capture->last.guided && !reading->guided);
     capture->before = capture->last;
     capture->last = *reading;
     capture->has_last = true;

@@ -174,9 +174,9 @@ void cli_capture_draw(cli_capture_view *v, const mukca_recorder *r)
     if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) || size.ws_col < 20) size.ws_col = 80;
     screen s = {.text = MUKCA_TEXT(text), .width = size.ws_col};
     erase(&s.text, v);
-    draw(&s, "stream       %s %.0f Hz, age %.3f s, %s: %s%s", r->stream.channel,
+    draw(&s, "stream       %s %.0f Hz, age %.3f s, %s: %s", r->stream.channel,
          age > 1 ? 0 : r->stream.count.rate, age < 1e6 ? age : 0, mukca_recorder_stream(r),
-         mukca_sampling_state(r), r->session.capture.last.guided ? ", guided by hand" : "");
+         mukca_sampling_state(r));
     draw_counts(&s, r);
     draw_accuracy(&s, r);
     if (v->raw)

@@ -54,7 +54,7 @@ static json_t *set(const mukca_diagnosed *r, int i)
     return cli_json(FIELD(s, probability), KEY("causes", causes));
 }
 
-static json_t *cause_object(const mukca_diagnosed *r, const mukca_cause *c)
+static json_t *cause(const mukca_diagnosed *r, const mukca_cause *c)
 {
     const mukca_effect_site site = mukca_effect_table[c->effect.kind]->site;
     const int *range = c->order_range;
@@ -78,14 +78,11 @@ static json_t *cause_object(const mukca_diagnosed *r, const mukca_cause *c)
         KEY("remedy", mukca_wording_remedy(c, r)));
 }
 
-static json_t *cause(const mukca_diagnosed *r, int i)
+static json_t *causes(const mukca_diagnosed *r, const mukca_cause *list, int n)
 {
-    return cause_object(r, &r->diagnosis->causes[i]);
-}
-
-static json_t *suspect(const mukca_diagnosed *r, int i)
-{
-    return cause_object(r, &r->diagnosis->suspected[i]);
+    json_t *array = json_array();
+    for (int i = 0; i < n; i++) json_array_append_new(array, cause(r, &list[i]));
+    return array;
 }
 
 static json_t *estimate(const mukca_estimate *e)
@@ -122,7 +119,7 @@ static json_t *coefficient(const mukca_diagnosed *r, const mukca_finding *f)
                     KEY("ci95", estimate(&f->coefficient)));
 }
 
-static json_t *finding_object(const mukca_diagnosed *r, const mukca_finding *f)
+static json_t *finding(const mukca_diagnosed *r, const mukca_finding *f)
 {
     static const char *const kinds[] = {"effect", "effect", "family", "tie", "place"};
     const mukca_finding_group *g = &f->group;
@@ -143,14 +140,11 @@ static json_t *finding_object(const mukca_diagnosed *r, const mukca_finding *f)
         KEY("sentence", mukca_wording_finding(MUKCA_WORDS, f, r)));
 }
 
-static json_t *finding(const mukca_diagnosed *r, int i)
+static json_t *findings(const mukca_diagnosed *r, const mukca_finding *list, int n)
 {
-    return finding_object(r, &r->diagnosis->findings[i]);
-}
-
-static json_t *possible(const mukca_diagnosed *r, int i)
-{
-    return finding_object(r, &r->diagnosis->maybe[i]);
+    json_t *array = json_array();
+    for (int i = 0; i < n; i++) json_array_append_new(array, finding(r, &list[i]));
+    return array;
 }
 
 static json_t *fault(const mukca_diagnosed *r, int i)
@@ -240,7 +234,8 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *r)
                            KEY("joints", list(r, s->n_joints, stream)));
     return cli_json(
         KEY("verdict", mukca_verdict_name[d->verdict]), FIELD(d, unexplained),
-        KEY("causes", list(r, d->n_causes, cause)), KEY("data_faults", list(r, d->n_faults, fault)),
+        KEY("causes", causes(r, d->causes, d->n_causes)),
+        KEY("data_faults", list(r, d->n_faults, fault)),
         KEY("gap", cli_json(FIELD(d, nominal_m), FIELD(d, geometry_m), FIELD(d, faults_excused_m),
                             KEY("explained_m", d->applied_m), KEY("with_unknown_m", d->structure_m),
                             FIELD(d, noise_floor_m), FIELD(d, folds),
@@ -258,10 +253,10 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *r)
                    : *caveat ? caveat
                              : NULL),
         KEY("sentence", mukca_wording_verdict(MUKCA_WORDS, r)),
-        KEY("findings", list(r, d->n_findings, finding)),
-        KEY("maybe", list(r, d->n_maybe, possible)),
-        KEY("suspected", list(r, d->n_suspected, suspect)), KEY("sets", list(r, d->n_sets, set)),
-        KEY("unexplained_log_bayes_factor", d->structure),
+        KEY("findings", findings(r, d->findings, d->n_findings)),
+        KEY("maybe", findings(r, d->maybe, d->n_maybe)),
+        KEY("suspected", causes(r, d->suspected, d->n_suspected)),
+        KEY("sets", list(r, d->n_sets, set)), KEY("unexplained_log_bayes_factor", d->structure),
         KEY("unnamed_m", d->applied_m - d->structure_m), FIELD(d, efforts_correlation),
         KEY("efforts_turned", d->turned_efforts), KEY("streams", streams),
         KEY("logs", logs_object(&d->logs)),

@@ -66,39 +66,6 @@ static void print_recording(FILE *stream, const mukca_diagnosed *r)
 
 /* ---- held-out errors ---- */
 
-/* "; the causes reduce it by 36 % [30, 41], in 3 of 3 folds" */
-static void put_gain(char text[MUKCA_WORDING], const mukca_shrink *s)
-{
-    if (!isfinite(s->shrink_percent)) return;
-    const bool more = s->shrink_percent < 0;
-    put(text, "; the causes %s it by %.0f %%", more ? "raise" : "reduce", fabs(s->shrink_percent));
-    if (isfinite(s->low_percent) && isfinite(s->high_percent))
-        put(text, " [%.0f, %.0f]%s", /* + 0: no -0 */
-            rint(more ? -s->high_percent : s->low_percent) + 0,
-            rint(more ? -s->low_percent : s->high_percent) + 0,
-            s->low_percent > 0 ? "" : ", not significant");
-    put(text, ", in %d of %d folds", s->folds_better, s->folds);
-}
-
-/* How far the errors can be trusted. */
-static void print_trust(FILE *stream, const mukca_diagnosed *r)
-{
-    const mukca_diagnosis *d = r->diagnosis;
-    char folds[MUKCA_WORDING] = "";
-    if (d->folds > 1) {
-        put(folds, "Cross-validated: each %s predicted from the others",
-            r->data->n_placements >= 2 ? "placement"
-            : r->data->n_sockets > 0   ? "socket"
-                                       : "fold of the log");
-        if (d->n_causes) put_gain(folds, &d->held_out);
-    }
-    cli_print_wrapped(stream, folds);
-    if (mukca_wording_worse(d))
-        fputs("The causes increase the error on the test data: they are uncertain.\n", stream);
-    if (r->data->n_sockets == 0 || r->data->n_placements >= 4 || !d->n_causes) return;
-    fputs("Fewer than four placements: the reduction by the causes is uncertain.\n", stream);
-}
-
 static void print_errors(FILE *stream, const mukca_diagnosed *r)
 {
     const mukca_diagnosis *d = r->diagnosis;
@@ -114,7 +81,6 @@ static void print_errors(FILE *stream, const mukca_diagnosed *r)
         if (isfinite(s->test_m)) fprintf(stream, " %8.3f", 1e3 * s->test_m);
         fputc('\n', stream);
     }
-    print_trust(stream, r);
 }
 
 /* ---- detection limits ---- */

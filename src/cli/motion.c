@@ -171,19 +171,6 @@ static double percent(const mukca_motion *m, size_t offset)
 }
 #define PERCENT(m, member) percent(m, offsetof(mukca_motion_joint, member))
 
-static void print_joints(FILE *stream, const mukca_motion *m, const mukca_chain *chain)
-{
-    fprintf(stream, "\n%sHeld-out torque error, N m rms%s\n%-24s %10s %10s %10s %10s %10s\n",
-            cli_bold(stream), cli_plain(stream), "  joint", "model", "fitted", "findings", "noise",
-            "range");
-    for (int j = 0; j < m->n_joints; j++) {
-        const mukca_motion_joint *of = &m->joint[j];
-        fprintf(stream, "  %-22.22s %10.4g %10.4g %10.4g %10.4g %10.4g\n",
-                mukca_chain_joint_name(chain, j), of->nominal_nm, of->baseline_nm, of->explained_nm,
-                of->floor_nm, of->range_nm);
-    }
-}
-
 static mukca_status print(cli_call *call)
 {
     const cli_motion *w = call->work;
@@ -216,7 +203,6 @@ static mukca_status print(cli_call *call)
                         "noise %.1f %%",
                         PERCENT(m, explained_nm), PERCENT(m, nominal_nm), PERCENT(m, baseline_nm),
                         PERCENT(m, floor_nm)));
-    if (all) print_joints(stream, m, chain);
     return MUKCA_OK;
 }
 

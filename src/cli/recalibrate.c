@@ -149,8 +149,7 @@ const cli_command cli_command_recalibrate = {
         "hole_*_pose.csv. The table is that of calibrate: all parameters of the geometry, fitted "
         "to positions and orientations. Beside it stand the errors of two restrictions: joint "
         "zeros alone, fitted to the orientations, and joint zeros with link offsets, which a "
-        "controller accepts; -v lists these offsets and those that the log does not "
-        "identify.\n\n"
+        "controller accepts; --json lists these offsets, and whether the log identifies them.\n\n"
         "Poses that only repeat the nominal model are reported, with exit code 5; a table that is "
         "not accepted (see calibrate) with exit code 1. A lag between angles and poses is "
         "estimated and corrected. The poses may be those of another link than the tip.",

@@ -35,34 +35,24 @@ static bool is_timed(const cli_recalibrated *r)
     return r->log->time && isfinite(r->log->time[0]);
 }
 
-/* One data set: the paper's position table, then its orientation table. */
+static void print_moments(cli_call *call, const mukca_moments *m)
+{
+    cli_answer(call, "  %8.3f %7.3f +- %6.3f", 1e3 * m->max, 1e3 * m->mean,
+               1e3 * mukca_moments_std(m));
+}
+
+/* The errors of one data set after each stage. */
 static void print_errors(cli_call *call, const char *title, const mukca_pose_errors *e,
                          bool has_angles)
 {
-    cli_answer(call, "%s (%ld poses)\n", title, e[MUKCA_BEFORE].position.length.n);
-    cli_answer(call,
-               "  position, mm         max   mean +- std       |x|    |y|    |z|  removed, %%\n"
-               "                                                                 of max, mean\n");
+    const bool turns = e[MUKCA_BEFORE].rotation.length.n > 0;
+    cli_answer(call, "%s (%ld poses)\n%*s%s\n", title, e[MUKCA_BEFORE].position.length.n, 46,
+               "position, mm: max, mean +- std", turns ? "            orientation, mrad" : "");
     for (int s = 0; s < MUKCA_STAGES; s++) {
-        const mukca_moments *p = &e[s].position.length, *axis = e[s].position.axis;
         if (s == MUKCA_WITH_ANGLES && !has_angles) continue;
-        cli_answer(call, "    %-15s %7.3f %6.3f +- %-6.3f %6.3f %6.3f %6.3f", stage_text[s],
-                   1e3 * p->max, 1e3 * p->mean, 1e3 * mukca_moments_std(p), 1e3 * axis[0].mean,
-                   1e3 * axis[1].mean, 1e3 * axis[2].mean);
-        if (s != MUKCA_BEFORE)
-            cli_answer(call, " %6.1f %6.1f",
-                       removed_percent(e[MUKCA_BEFORE].position.length.max, p->max),
-                       removed_percent(e[MUKCA_BEFORE].position.length.mean, p->mean));
-        cli_answer(call, "\n");
-    }
-    if (e[MUKCA_BEFORE].rotation.length.n == 0) return;
-    cli_answer(call, "  orientation, mrad |ex|: max, mean +- std   |ey|                   |ez|\n");
-    for (int s = 0; s < MUKCA_STAGES; s += MUKCA_WITH_ALL) {
-        cli_answer(call, "    %-8s", s == MUKCA_BEFORE ? "before" : "after");
-        for (int a = 0; a < 3; a++)
-            cli_answer(call, " %6.2f, %5.2f +-%5.2f", 1e3 * e[s].rotation.axis[a].max,
-                       1e3 * e[s].rotation.axis[a].mean,
-                       1e3 * mukca_moments_std(&e[s].rotation.axis[a]));
+        cli_answer(call, "  %-15s", stage_text[s]);
+        print_moments(call, &e[s].position.length);
+        if (turns) print_moments(call, &e[s].rotation.length);
         cli_answer(call, "\n");
     }
 }
@@ -87,19 +77,6 @@ static unknown_value find_unknown(const cli_recalibrated *r, int i)
         u.identifiable &= joint < 0 || !never_moved(r, joint);
     }
     return u;
-}
-
-static void print_unknowns(cli_call *call, const cli_recalibrated *r)
-{
-    const mukca_fit *fit = &r->fit->lengths;
-    cli_answer(call, "Offsets alone (rank %d of %d; *: not identifiable)\n",
-               fit->identification.rank, fit->parameters.n);
-    for (int i = 0; i < fit->parameters.n; i++) {
-        const unknown_value u = find_unknown(r, i);
-        cli_answer(call, "    %-32s %+9.4f", u.name.text, 1e3 * u.value);
-        if (u.identifiable) cli_answer(call, " +- %-8.4f", 1e3 * u.sigma);
-        cli_answer(call, " %s%s\n", u.name.angle ? "mrad" : "mm", u.identifiable ? "" : " *");
-    }
 }
 
 static void print_findings(cli_call *call, const cli_recalibrated *r, const mukca_acceptance *a)
@@ -146,12 +123,11 @@ mukca_status cli_recalibrate_print(cli_call *call)
     if (r->tested) print_errors(call, "Test data", r->test, r->fit->has_angles);
     cli_say(call, "Offsets", "%d of %d combinations identified", r->fit->all.identification.rank,
             r->fit->all.parameters.n);
-    if (call->common->verbose) print_unknowns(call, r);
     if (output)
         cli_say(call, "Written", "%s%s", output,
                 a->accepted ? "" : " (other commands refuse this table)");
     else if (a->accepted)
-        cli_say(call, "Next", "-o offsets.tsv saves the result; -v lists all offsets");
+        cli_say(call, "Next", "-o offsets.tsv saves the result");
     return a->accepted ? MUKCA_OK : MUKCA_NEGATIVE;
 }
 

@@ -1,6 +1,5 @@
 /* The user's URDF with the origins of the chain replaced in place; the rest stays.  And a chain as
  * a URDF of its own. */
-#include <math.h>
 #include <string.h>
 
 #include "base/file.h"
@@ -9,14 +8,9 @@
 #include "io/urdf.h"
 
 /* 0 and -0 differ, as their texts do. */
-static bool is_same(double a, double b)
-{
-    return a == b && signbit(a) == signbit(b);
-}
-
 static bool are_same(const double a[3], const double b[3])
 {
-    return is_same(a[0], b[0]) && is_same(a[1], b[1]) && is_same(a[2], b[2]);
+    return memcmp(a, b, 3 * sizeof *a) == 0;
 }
 
 /* Get the origin of an element; false: identical to the URDF's. */

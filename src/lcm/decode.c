@@ -9,7 +9,6 @@
 typedef struct {
     const mukca_lcm_types *types;
     const signed char (*role)[MUKCA_LCM_MAX_DEPTH + 1];
-    int guiding_mode;
     mukca_lcm_joints *out;
     int count[MUKCA_LCM_ROLES]; /* values stored per role */
     mukca_lcm_wire wire;
@@ -53,21 +52,15 @@ static mukca_status keep(decoder *d, const mukca_lcm_field *field, unsigned mask
 {
     for (int r = 0; r < MUKCA_LCM_ROLES; r++) {
         if (!(mask >> r & 1u)) continue;
-        if (r == MUKCA_LCM_ROLE_TIME || r == MUKCA_LCM_ROLE_MODE) {
-            int64_t value =
+        if (r != MUKCA_LCM_ROLE_TIME && d->count[r] == MUKCA_LCM_MAX_JOINTS)
+            return fail(d, field, "has more than 64 entries");
+        if (r == MUKCA_LCM_ROLE_TIME)
+            d->out->time =
                 field->primitive <= MUKCA_LCM_BOOLEAN ? read_integer(at, field->primitive) : 0;
-            if (r == MUKCA_LCM_ROLE_TIME)
-                d->out->time = value;
-            else
-                d->out->guided = value == d->guiding_mode;
-        } else {
-            if (d->count[r] == MUKCA_LCM_MAX_JOINTS)
-                return fail(d, field, "has more than 64 entries");
-            if (r == MUKCA_LCM_ROLE_NAME)
-                d->out->name[d->count[r]] = (const char *)at;
-            else
-                d->out->value[r][d->count[r]] = read_number(at, field->primitive);
-        }
+        else if (r == MUKCA_LCM_ROLE_NAME)
+            d->out->name[d->count[r]] = (const char *)at;
+        else
+            d->out->value[r][d->count[r]] = read_number(at, field->primitive);
         d->count[r]++;
     }
     return MUKCA_OK;
@@ -145,14 +138,12 @@ mukca_status mukca_lcm_decode_joints(mukca_lcm_joints *joints, const mukca_lcm_t
 {
     decoder d = {.types = types,
                  .role = (const signed char(*)[MUKCA_LCM_MAX_DEPTH + 1]) types->type[type].role,
-                 .guiding_mode = types->type[type].guiding_mode,
                  .out = joints,
                  .error = error};
     if (size < 8) return mukca_fail(error, MUKCA_INPUT, "malformed message: %zu bytes", size);
     d.wire = (mukca_lcm_wire){.at = (const unsigned char *)data + 8, .left = size - 8};
     d.steps = 64 + size;
     joints->time = 0;
-    joints->guided = false;
     unsigned mask = 0;
     for (int r = 0; r < MUKCA_LCM_ROLES; r++)
         if (d.role[r][0] >= 0) mask |= 1u << r;
@@ -165,8 +156,7 @@ mukca_status mukca_lcm_decode_joints(mukca_lcm_joints *joints, const mukca_lcm_t
     if (joints->n < 1) return mukca_fail(error, MUKCA_INPUT, "message without joints");
     for (int r = 0; r < MUKCA_LCM_ROLES; r++) {
         joints->has[r] = (mask >> r & 1u) && d.count[r] > 0;
-        bool list = r != MUKCA_LCM_ROLE_TIME && r != MUKCA_LCM_ROLE_MODE;
-        if (list && joints->has[r] && d.count[r] != joints->n)
+        if (r != MUKCA_LCM_ROLE_TIME && joints->has[r] && d.count[r] != joints->n)
             return mukca_fail(error, MUKCA_INPUT,
                               "message with %d positions, but %d of another field", joints->n,
                               d.count[r]);

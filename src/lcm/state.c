@@ -61,10 +61,9 @@ mukca_status mukca_lcm_type_set_role(mukca_lcm_types *types, int type, mukca_lcm
 
 typedef struct {
     const char *description; /* the struct, in the language of .lcm files */
-    /* paths of the fields by role: time, names, positions, velocities, efforts, commands, mode */
+    /* paths of the fields by role: time, names, positions, velocities, efforts, commands */
     const char *role[MUKCA_LCM_ROLES];
     double effort_factor; /* see mukca_lcm_type; 0: 1 */
-    int guiding_mode;     /* value of the mode field while the arm is guided by hand */
 } mukca_lcm_state;
 
 static const mukca_lcm_state iiwa_status = {
@@ -89,8 +88,7 @@ static const mukca_lcm_state panda_status = {
         " double joint_torque_external[num_joints]; double control_command_success_rate;"
         " int8_t robot_mode; int64_t robot_utime; int8_t control_mode; }",
     .role = {"utime", NULL, "joint_position", "joint_velocity", "joint_torque",
-             "joint_position_desired", "robot_mode"},
-    .guiding_mode = 3, /* franka::RobotMode::kGuiding */
+             "joint_position_desired"},
 };
 
 static const mukca_lcm_state jaco_status = {
@@ -149,7 +147,6 @@ mukca_status mukca_lcm_types_init(mukca_lcm_types *types, mukca_error *error)
                     mukca_lcm_type_set_role(types, i, (mukca_lcm_role)r, state->role[r], error);
         if (status != MUKCA_OK) return status;
         if (state->effort_factor != 0) types->type[i].effort_factor = state->effort_factor;
-        types->type[i].guiding_mode = state->guiding_mode;
     }
     return MUKCA_OK;
 }

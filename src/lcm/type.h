@@ -43,7 +43,6 @@ typedef enum {
     MUKCA_LCM_ROLE_VELOCITY,
     MUKCA_LCM_ROLE_EFFORT,
     MUKCA_LCM_ROLE_COMMAND,
-    MUKCA_LCM_ROLE_MODE,
     MUKCA_LCM_ROLES
 } mukca_lcm_role;
 
@@ -79,7 +78,6 @@ typedef struct {
     /* path of field indices for each role, ended by -1; [0] = -1: none */
     signed char role[MUKCA_LCM_ROLES][MUKCA_LCM_MAX_DEPTH + 1];
     double effort_factor; /* ratio of the torque that holds the arm to the message's torque */
-    int guiding_mode;     /* see mukca_lcm_state */
 } mukca_lcm_type;
 
 typedef struct {
@@ -118,7 +116,6 @@ mukca_status mukca_lcm_types_read(mukca_lcm_types *types, const char *path, mukc
 /* Decoded joint states of one message. */
 typedef struct {
     int64_t time; /* us, by the sender's clock; 0: the type has no time */
-    bool guided;  /* a person is guiding the arm by hand */
     int n;        /* number of joints */
     bool has[MUKCA_LCM_ROLES];
     const char *name[MUKCA_LCM_MAX_JOINTS]; /* points into the message */

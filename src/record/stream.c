@@ -125,7 +125,6 @@ static void feed(mukca_recorder *r, int64_t time)
     mukca_capture_reading *reading = &stream->last.reading;
     reading->time = 1e-6 * (double)time;
     reading->arrival = 1e-6 * (double)stream->last.arrival;
-    reading->guided = stream->last.joints.guided;
     unsigned found = mukca_capture_feed(&r->session.capture, reading);
     if (found & MUKCA_CAPTURE_TWO_SENDERS)
         mukca_recorder_warn(r, MUKCA_RECORDER_TWO_SENDERS, two_arms);

@@ -128,7 +128,7 @@ class Arm:
         self.kind, self.q, self.rate, self.channel = kind, list(q), rate, channel
         self.names = names or ["j%d" % i for i in range(len(q))]
         self.utime = utime or int(time.time() * 1e6)
-        self.goal, self.sent, self.running, self.guiding = list(q), 0, True, False
+        self.goal, self.sent, self.running = list(q), 0, True
         self.noise = 1e-6
         self.paused = False
         self.start = self.q
@@ -160,7 +160,7 @@ class Arm:
                 setattr(m, field, zeros)
             m.joint_torque = [1.5 * (i + 1) for i in range(n)]
             m.control_command_success_rate = 1.0
-            m.robot_mode = 3 if self.guiding else 1
+            m.robot_mode = 1
             m.robot_utime = self.utime
             m.control_mode = 1
         elif self.kind == "state":

@@ -41,15 +41,14 @@ static unsigned feed(double time, const double q[3])
 static double now = 1000;
 
 /* Stand at q for `seconds` at `rate`, with noise; true when a sample was due meanwhile. */
-static bool stand(const double q[3], double seconds, double rate, bool guided, int *socket)
+static bool stand(const double q[3], double seconds, double rate, int *socket)
 {
     static mukca_random random = {.state = {1, 2, 3, 4}};
     bool due = false;
     char said[MUKCA_CAPTURE_TEXT];
     for (int i = 0; i < (int)(seconds * rate); i++) {
         now += 1 / rate;
-        mukca_capture_reading reading = {
-            .time = now, .arrival = now, .effort = {1, 2, 3}, .guided = guided};
+        mukca_capture_reading reading = {.time = now, .arrival = now, .effort = {1, 2, 3}};
         for (int j = 0; j < 3; j++) reading.q[j] = q[j] + 2e-5 * mukca_random_normal(&random);
         mukca_capture_feed(&capture, &reading);
         int s;
@@ -204,29 +203,29 @@ TEST(standing_still_records_by_itself)
     assert_ok(mukca_capture_select(&capture, "front", "0", &error));
     for (int i = 0; i < 5; i++) {
         reach(q, 0.6, 0.2, 0.2 * i);
-        due += stand(q, 1.5, 200, false, &socket);
+        due += stand(q, 1.5, 200, &socket);
         assert_int_equal(socket, 0);
-        assert_false(stand(q, 3, 200, false, &socket)); /* still the same stop */
+        assert_false(stand(q, 3, 200, &socket)); /* still the same stop */
     }
     assert_int_equal(due, 5);
     reach(q, 0.6, 0.5, 0.1);
     text[0] = '\0';
-    assert_false(stand(q, 2, 200, false, &socket)); /* on the way, 300 mm off */
+    assert_false(stand(q, 2, 200, &socket)); /* on the way, 300 mm off */
     assert_part(text, "300 mm from socket 0");
     for (int i = 0; i < 5; i++) {
         reach(q, 0.65, 0.2, 0.2 * i);
-        assert_true(stand(q, 1.5, 200, false, &socket));
+        assert_true(stand(q, 1.5, 200, &socket));
         assert_int_equal(socket, 1);
     }
     assert_string_equal(mukca_capture_socket(&capture), "1");
     reach(q, 0.6, 0.2, 0.2);
-    assert_false(stand(q, 1.5, 200, false, &socket)); /* a posture that is recorded */
+    assert_false(stand(q, 1.5, 200, &socket)); /* a posture that is recorded */
     assert_int_equal(mukca_capture_count(&capture, 0), 5);
     assert_int_equal(mukca_capture_count(&capture, 1), 5);
-    /* a hand that lets go is in place at once; while it holds, the full time counts */
+    /* the full time counts */
     reach(q, 0.6, 0.2, -0.3);
-    assert_false(stand(q, 0.9, 200, true, &socket));
-    assert_true(stand(q, 0.3, 200, false, &socket));
+    assert_false(stand(q, 0.9, 200, &socket));
+    assert_true(stand(q, 0.3, 200, &socket));
     assert_int_equal(socket, 0);
 }
 

@@ -130,7 +130,7 @@ static int named(const char *name)
 
 static const int64_t sent_at = 1700000000123456;
 
-/* A number on the wire.  The time is sent_at, every count n, the mode that of guiding; element j of
+/* A number on the wire.  The time is sent_at, every count n; element j of
  * another field i is 100 i + j / 8. */
 static void put_number(message *m, int t, int i, int j, int n)
 {
@@ -141,10 +141,7 @@ static void put_number(message *m, int t, int i, int j, int n)
     else if (field->primitive == MUKCA_LCM_FLOAT)
         put_float(m, 100.f * (float)i + (float)j / 8);
     else
-        put(m,
-            i == type->role[MUKCA_LCM_ROLE_TIME][0]   ? (uint64_t)sent_at
-            : i == type->role[MUKCA_LCM_ROLE_MODE][0] ? (uint64_t)type->guiding_mode
-                                                      : (uint64_t)n,
+        put(m, i == type->role[MUKCA_LCM_ROLE_TIME][0] ? (uint64_t)sent_at : (uint64_t)n,
             mukca_lcm_primitive_sizes[field->primitive]);
 }
 
@@ -179,8 +176,7 @@ TEST(decodes_every_type)
             assert_int_equal(joints.n, n);
             assert_true(joints.has[MUKCA_LCM_ROLE_POSITION]);
             assert_int_equal(joints.time, type->role[MUKCA_LCM_ROLE_TIME][0] >= 0 ? sent_at : 0);
-            assert_int_equal(joints.guided, type->role[MUKCA_LCM_ROLE_MODE][0] >= 0);
-            for (int r = MUKCA_LCM_ROLE_NAME; r < MUKCA_LCM_ROLE_MODE; r++) {
+            for (int r = MUKCA_LCM_ROLE_NAME; r < MUKCA_LCM_ROLES; r++) {
                 int i = type->role[r][0];
                 assert_int_equal(joints.has[r], i >= 0);
                 double sign = r == MUKCA_LCM_ROLE_EFFORT ? type->effort_factor : 1;
@@ -204,7 +200,6 @@ TEST(facts_of_the_drivers)
     assert_int_equal(m.n, 38 + 64 * 7);
     assert_true(types.type[named("drake.lcmt_iiwa_status")].effort_factor == -1);
     assert_true(types.type[named("drake.lcmt_panda_status")].effort_factor == 1);
-    assert_true(types.type[named("drake.lcmt_panda_status")].guiding_mode == 3);
 }
 
 /* A copy that ends where memory ends, so that a sanitizer sees any read beyond. */
