@@ -132,10 +132,10 @@ def show_position(number, title, rigid, soft):
         print(f"  {('before', 'angular offsets', 'both')[i]:17}{line}")
     for i, stage in ((1, "angles"), (2, "both")):
         before, after = POSITION[number][0], POSITION[number][i]
-        paper = [100 * (1 - a / b) for a, b in zip(after[:2], before[:2])]
-        ours = [[r["removed_percent"][stage][k] for k in ("max", "mean")] for r in (rigid, soft)]
+        pairs = [(before, after)] + [[three(r["position"][s], "m") for s in ("before", stage)] for r in (rigid, soft)]
+        removed = [[100 * (1 - a / b) for b, a in zip(*pair)][:2] for pair in pairs]
         print(f"  removed, {('', 'angles', 'both')[i]:8}" + "".join(
-            f"{c[0]:.1f} %; {c[1]:.1f} %".rjust(30 if k else 26) for k, c in enumerate([paper] + ours)))
+            f"{c[0]:.1f} %; {c[1]:.1f} %".rjust(30 if k else 26) for k, c in enumerate(removed)))
 
 
 def show_orientation(number, title, rigid, soft):

@@ -11,12 +11,6 @@ static const char *const stage_text[MUKCA_STAGES] = {"before", "angular offsets"
                                                      "all parameters"};
 static const char *const stage_key[MUKCA_STAGES] = {"before", "angles", "both", "all"};
 
-/* Decrease from `before` to `after`, percent; 0 if `before` is 0. */
-static double removed_percent(double before, double after)
-{
-    return before > 0 ? 100 * (1 - after / before) : 0;
-}
-
 /* True if joint j never moves in the log: a range below 1 mrad (or mm) is noise of an encoder at
  * rest. */
 static bool never_moved(const cli_recalibrated *r, int j)
@@ -152,21 +146,15 @@ static json_t *stage_json(const mukca_vector_errors *e, bool angle)
 
 static json_t *errors_json(const mukca_pose_errors *e, bool has_angles)
 {
-    json_t *position = json_object(), *orientation = json_object(), *percent = json_object();
-    const mukca_moments *before = &e[MUKCA_BEFORE].position.length;
+    json_t *position = json_object(), *orientation = json_object();
     for (int s = 0; s < MUKCA_STAGES; s++) {
-        const mukca_moments *p = &e[s].position.length;
         if (s == MUKCA_WITH_ANGLES && !has_angles) continue;
         json_object_set_new(position, stage_key[s], stage_json(&e[s].position, false));
-        if (s != MUKCA_BEFORE)
-            json_object_set_new(percent, stage_key[s],
-                                cli_json(KEY("max", removed_percent(before->max, p->max)),
-                                         KEY("mean", removed_percent(before->mean, p->mean))));
         if (e[s].rotation.length.n > 0)
             json_object_set_new(orientation, stage_key[s], stage_json(&e[s].rotation, true));
     }
-    return cli_json(KEY("rows", before->n), KEY("position", position),
-                    KEY("orientation", orientation), KEY("removed_percent", percent));
+    return cli_json(KEY("rows", e[MUKCA_BEFORE].position.length.n), KEY("position", position),
+                    KEY("orientation", orientation));
 }
 
 static json_t *unknowns_json(const cli_recalibrated *r)

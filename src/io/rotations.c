@@ -120,16 +120,8 @@ static double between(const double a[4], const double b[4])
 static bool is_new(const mukca_rotation_samples *o, const double tip[4], int n)
 {
     for (int i = 0; i < n; i++)
-        if (between(o->tip[i], tip) < o->least) return false;
+        if (between(o->sample[i].tip, tip) < o->least) return false;
     return true;
-}
-
-static void move_sample(mukca_rotation_samples *o, int to, int from)
-{
-    memmove(o->tip[to], o->tip[from], sizeof *o->tip);
-    memmove(o->raw[to], o->raw[from], sizeof *o->raw);
-    memmove(o->measured[to], o->measured[from], sizeof *o->measured);
-    memmove(o->q[to], o->q[from], sizeof *o->q);
 }
 
 /* Full: keep those that differ twice as much. */
@@ -138,7 +130,7 @@ static void thin_out(mukca_rotation_samples *o)
     int n = 0;
     o->least *= 2;
     for (int i = 0; i < o->n; i++)
-        if (is_new(o, o->tip[i], n)) move_sample(o, n++, i);
+        if (is_new(o, o->sample[i].tip, n)) o->sample[n++] = o->sample[i];
     o->n = n;
 }
 
@@ -166,10 +158,11 @@ void mukca_rotations_keep(mukca_rotation_samples *o, const double *q, const doub
             thin_out(o);
             continue;
         }
-        memcpy(o->tip[o->n], turned, sizeof turned);
-        memcpy(o->raw[o->n], raw, sizeof *o->raw);
-        memcpy(o->measured[o->n], pose, sizeof *o->measured);
-        memcpy(o->q[o->n++], q, sizeof *q * (size_t)o->n_joints);
+        mukca_rotation_sample *s = &o->sample[o->n++];
+        memcpy(s->tip, turned, sizeof s->tip);
+        memcpy(s->raw, raw, sizeof s->raw);
+        memcpy(s->measured, pose, sizeof s->measured);
+        memcpy(s->q, q, sizeof *q * (size_t)o->n_joints);
     }
 }
 
@@ -202,11 +195,11 @@ static bool set_hypothesis(hypothesis *h, int numbers, int k)
 static void pose_of(double position[3], double quaternion[4], const mukca_rotation_samples *o,
                     int i, const hypothesis *h)
 {
-    const double *raw = o->raw[i];
+    const double *raw = o->sample[i].raw, *measured = o->sample[i].measured;
     const double numbers[3] = {h->factor * raw[0], h->factor * raw[1], h->factor * raw[2]};
     double R[9];
-    memcpy(position, o->measured[i], 3 * sizeof *position);
-    memcpy(quaternion, o->measured[i] + 3, 4 * sizeof *quaternion);
+    memcpy(position, measured, 3 * sizeof *position);
+    memcpy(quaternion, measured + 3, 4 * sizeof *quaternion);
     if (is_order(&h->form)) {
         for (int c = 0; c < 4; c++) quaternion[c] = raw[is(&h->form, "xyzw") ? (c + 3) % 4 : c];
     } else if (o->numbers == 3 && h->form.as[0] && !is(&h->form, "inverse")) {
@@ -233,7 +226,7 @@ static double difference(const mukca_dataset *d, const mukca_rotation_samples *o
     int n = 0;
     for (int i = 0; i < d->n_rows; i++)
         for (int k = 0; k < i; k++)
-            list[n++] = fabs(between(o->tip[i], o->tip[k]) -
+            list[n++] = fabs(between(o->sample[i].tip, o->sample[k].tip) -
                              between(d->quaternion + 4 * i, d->quaternion + 4 * k));
     return mukca_stats_median(list, n);
 }
@@ -248,7 +241,7 @@ static bool align(hypothesis *h, const mukca_dataset *d, const mukca_rotation_sa
     for (int i = 0; i < d->n_rows; i++) {
         mukca_frame T;
         double R[9];
-        mukca_fk_pose(&T, &o->geometry, o->q[i], NULL);
+        mukca_fk_pose(&T, &o->geometry, o->sample[i].q, NULL);
         mukca_frame_multiply(&T, &T, &a.target);
         mukca_frame_multiply(&T, &a.tracker, &T);
         mukca_rotation_from_quaternion(R, d->quaternion + 4 * i);
@@ -345,7 +338,8 @@ void mukca_rotations_judge(mukca_table *table, const mukca_rotation_samples *o, 
     d.quaternion = calloc((size_t)o->n, 4 * sizeof(double));
     done = done && d.position && d.quaternion;
     for (int i = 0; i < o->n && done; i++)
-        memcpy(d.q + (size_t)i * (size_t)d.n_joints, o->q[i], (size_t)d.n_joints * sizeof *d.q);
+        memcpy(d.q + (size_t)i * (size_t)d.n_joints, o->sample[i].q,
+               (size_t)d.n_joints * sizeof *d.q);
     if (done) fill(&d, o, &read);
     done = done && align(&read, &d, o);
     if (done && read.turn > least_turn) {

@@ -35,19 +35,22 @@ void mukca_rotations_invert(double position[3], double quaternion[4]);
 /* Samples for the check: at most MUKCA_ROTATIONS that differ in orientation. */
 enum { MUKCA_ROTATIONS = 40 };
 typedef struct {
+    double tip[4];      /* orientation by the nominal arm */
+    double raw[4];      /* numbers from left to right, rad */
+    double measured[7]; /* pose as read: position, quaternion */
+    double q[MUKCA_MAX_JOINTS];
+} mukca_rotation_sample;
+typedef struct {
     mukca_rotation_form form; /* in which the table is read */
     bool inverse;             /* its poses are inverted */
     int column, numbers;      /* its first one; numbers of an orientation, 0: a matrix */
     mukca_geometry geometry;  /* nominal */
     int n_joints, n;
     long seen;
-    double reach;                        /* length of the arm, m */
-    double least;                        /* rotation between two that are kept */
-    char target[MUKCA_NAME_SIZE];        /* of the first */
-    double tip[MUKCA_ROTATIONS][4];      /* orientation by the nominal arm */
-    double raw[MUKCA_ROTATIONS][4];      /* numbers from left to right, rad */
-    double measured[MUKCA_ROTATIONS][7]; /* pose as read: position, quaternion */
-    double q[MUKCA_ROTATIONS][MUKCA_MAX_JOINTS];
+    double reach;                 /* length of the arm, m */
+    double least;                 /* rotation between two that are kept */
+    char target[MUKCA_NAME_SIZE]; /* of the first */
+    mukca_rotation_sample sample[MUKCA_ROTATIONS];
 } mukca_rotation_samples;
 
 /* Start a check of an arm; form, inverse, column and numbers are set by the caller. */

@@ -261,14 +261,12 @@ static double number(const json_t *value)
     return json_is_number(value) ? json_number_value(value) : (double)NAN;
 }
 
-/* Time from header.stamp (sec, nanosec; ROS 1: secs, nsecs), us; 0: none. */
+/* Time from header.stamp (sec, nanosec), us; 0: none. */
 static int64_t read_stamp(const json_t *message)
 {
     const json_t *stamp = json_object_get(json_object_get(message, "header"), "stamp");
-    const json_t *seconds = json_object_get(stamp, "sec"),
-                 *rest = json_object_get(stamp, "nanosec");
-    if (!seconds) seconds = json_object_get(stamp, "secs"), rest = json_object_get(stamp, "nsecs");
-    const int64_t whole = json_integer_value(seconds), nano = json_integer_value(rest);
+    const int64_t whole = json_integer_value(json_object_get(stamp, "sec")),
+                  nano = json_integer_value(json_object_get(stamp, "nanosec"));
     const bool valid = whole > 0 && whole < INT32_MAX && nano >= 0 && nano < 1000000000;
     return valid ? 1000000 * whole + nano / 1000 : 0;
 }

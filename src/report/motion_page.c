@@ -165,20 +165,6 @@ static void put_torques(FILE *out, const void *content)
     fputs("</div>\n", out);
 }
 
-/* Mean error of a joint's torque where it moves in one direction, N m. */
-static double mean_error(const mukca_motion_trace *t, int joint, int of, int direction)
-{
-    double sum = 0;
-    int n = 0;
-    for (int i = t->n_start; i < t->n; i++) {
-        const int at = i * t->n_joints + joint;
-        if (!(direction * t->dq[at] > MUKCA_STICKING)) continue;
-        sum += t->torque[of][at] - t->torque[MUKCA_TRACE_MEASURED][at];
-        n++;
-    }
-    return sum / n; /* none: a dash */
-}
-
 static void put_residuals(FILE *out, const void *content)
 {
     const mukca_motion_report *r = content;
@@ -187,16 +173,6 @@ static void put_residuals(FILE *out, const void *content)
     for (int j = 0; j < t->n_joints; j++)
         for (int over = 0; over < FIGURES; over++) put_errors(out, r, j, over);
     fputs("</div>\n", out);
-    mukca_html_table table = {
-        .out = out,
-        .caption = "Mean torque error by direction of motion, N m, model minus measured",
-        .columns = "joint|#forwards, model|#with findings|#backwards, model|#with findings"};
-    for (int j = 0; j < t->n_joints; j++)
-        mukca_html_row(
-            &table, "%s\t%.3g\t%.3g\t%.3g\t%.3g", mukca_chain_joint_name(r->chain, j),
-            mean_error(t, j, MUKCA_TRACE_MODEL, 1), mean_error(t, j, MUKCA_TRACE_FITTED, 1),
-            mean_error(t, j, MUKCA_TRACE_MODEL, -1), mean_error(t, j, MUKCA_TRACE_FITTED, -1));
-    mukca_html_table_end(&table);
 }
 
 /* ---- findings ---- */
@@ -262,7 +238,7 @@ static void open_page(FILE *out, const void *content)
 static const mukca_page_section sections[] = {
     {"findings", "Findings", put_findings},
     {"torques", "Torques over time", put_torques},
-    {"residuals", "Torque errors over angle, velocity and direction", put_residuals},
+    {"residuals", "Torque errors over angle and velocity", put_residuals},
 };
 
 mukca_page mukca_motion_page(const mukca_motion_report *r)
