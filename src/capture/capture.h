@@ -119,12 +119,12 @@ const char *mukca_capture_next_label(const mukca_capture *capture);
  * updating. */
 bool mukca_capture_repeats(const mukca_capture *capture, const double *q);
 
-/* Add a sample of readings q[n_joints] to the current socket, or remove sample `row`, from 0.
+/* Add a sample of readings q[n_joints] to the current socket, or remove the last sample.
  * `text` gets a remark on the sample (repeated posture, ball not seated, wrong socket), or "".
- * Errors: MUKCA_INPUT (full; no sample). */
+ * Errors: MUKCA_INPUT (full). */
 mukca_status mukca_capture_keep(char text[MUKCA_CAPTURE_TEXT], mukca_capture *capture,
                                 const double *q, mukca_error *error);
-mukca_status mukca_capture_drop(mukca_capture *capture, int row, mukca_error *error);
+void mukca_capture_drop(mukca_capture *capture);
 
 /* Number of samples at a socket. */
 static inline int mukca_capture_count(const mukca_capture *capture, int socket)

@@ -234,16 +234,9 @@ mukca_status mukca_capture_keep(char text[MUKCA_CAPTURE_TEXT], mukca_capture *ca
     return MUKCA_OK;
 }
 
-mukca_status mukca_capture_drop(mukca_capture *capture, int row, mukca_error *error)
+void mukca_capture_drop(mukca_capture *capture)
 {
-    mukca_dataset *rows = &capture->rows;
-    if (row < 0 || row >= rows->n_rows)
-        return mukca_fail(error, MUKCA_INPUT, "there is no sample to delete");
-    const size_t n = (size_t)rows->n_joints, after = (size_t)(--rows->n_rows - row);
-    double *q = rows->q + (size_t)row * n;
-    memmove(q, q + n, after * n * sizeof *q);
-    memmove(rows->socket + row, rows->socket + row + 1, after * sizeof *rows->socket);
-    return MUKCA_OK;
+    if (capture->rows.n_rows > 0) capture->rows.n_rows--;
 }
 
 void mukca_capture_coverage(double *coverage, const mukca_capture *capture)

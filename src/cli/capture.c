@@ -54,8 +54,7 @@ static void read_keys(session *s)
 {
     char keys[16];
     ssize_t n = read(s->keys, keys, sizeof keys);
-    for (ssize_t i = 0; i < n; i++)
-        s->finished |= cli_capture_press(&s->terminal, &s->recorder, keys[i]);
+    for (ssize_t i = 0; i < n; i++) s->finished |= cli_capture_press(&s->recorder, keys[i]);
     if (n == 0) s->keys = -1; /* hangup: reading on would spin */
 }
 

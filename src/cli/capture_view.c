@@ -29,32 +29,13 @@ void cli_capture_leave(cli_capture_view *v)
     v->raw = false;
 }
 
-/* A key while the number of a sample is typed: a digit, Enter, or any other to stop. */
-static void type_number(cli_capture_view *v, mukca_recorder *r, char key, mukca_error *answer)
-{
-    const int number = v->typed - 1;
-    v->typed = 0;
-    mukca_fail(answer, MUKCA_OK, "nothing deleted");
-    if (key >= '0' && key <= '9' && number < 100000) {
-        v->typed = 1 + 10 * number + (key - '0');
-        mukca_fail(answer, MUKCA_OK, "sample %d, then Enter", v->typed - 1);
-    } else if ((key == '\n' || key == '\r') && number > 0) {
-        mukca_sampling_delete(r, number, answer);
-    }
-}
-
-bool cli_capture_press(cli_capture_view *v, mukca_recorder *r, char key)
+bool cli_capture_press(mukca_recorder *r, char key)
 {
     mukca_error answer = {MUKCA_OK, ""};
-    if (v->typed) {
-        type_number(v, r, key, &answer);
-    } else if (key == 'a') {
+    if (key == 'a') {
         mukca_sampling_sample(r, &(mukca_message_trigger){.id = 0}, mukca_clock_wall(), &answer);
     } else if (key == 'd') {
-        mukca_sampling_delete(r, 0, &answer);
-    } else if (key == 'x') {
-        v->typed = 1;
-        mukca_fail(&answer, MUKCA_OK, "number of the sample to delete, then Enter");
+        mukca_sampling_delete(r, &answer);
     } else if (key == 's') {
         mukca_sampling_select(r, NULL, NULL, &answer);
     } else if (key == 'n') {

@@ -105,21 +105,19 @@ typedef struct {
     int terminal;
     bool raw;                 /* unbuffered keys, without echo */
     int drawn;                /* lines of the view on the screen */
-    int typed;                /* 1 + the number of a row, while it is typed; 0: none */
     int rows, refused, bells; /* samples and refusals at the last step; strokes to come */
     double rang;              /* s */
 } cli_capture_view;
 
-#define CLI_CAPTURE_KEYS                                                                      \
-    "a add, d delete the last sample, x delete another (its number, Enter), s other socket, " \
-    "n next placement, q finish, ? these keys"
+#define CLI_CAPTURE_KEYS \
+    "a add, d delete the last sample, s other socket, n next placement, q finish, ? these keys"
 
 /* Set the terminal `terminal` (descriptor) to single keys, and restore it. */
 void cli_capture_enter(cli_capture_view *view, int terminal);
 void cli_capture_leave(cli_capture_view *view);
 
 /* Obey a key; true: finish. */
-bool cli_capture_press(cli_capture_view *view, mukca_recorder *r, char key);
+bool cli_capture_press(mukca_recorder *r, char key);
 
 /* Ring the bell, once for a sample and twice for a refusal since the last call; `now` in s.  Both
  * hands of the operator are on the arm. */

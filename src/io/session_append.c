@@ -136,29 +136,24 @@ static void put_row(mukca_text *line, const mukca_session *session, const char *
     mukca_text_put(line, "\n");
 }
 
-mukca_status mukca_session_delete(mukca_session *session, int row, const char *placement,
-                                  const char *socket, mukca_error *error)
+mukca_status mukca_session_delete(mukca_session *session, const char *placement, const char *socket,
+                                  mukca_error *error)
 {
-    if (row == 0) row = session->n_rows;
-    if (row < 1 || row > session->n_rows)
+    if (session->n_rows < 1)
         return mukca_fail(error, MUKCA_INPUT, "%s: no row to delete", session->path);
-    int fd = session->fd;
-    int64_t *place = session->row_at + row - 1;
-    const int64_t at = *place;
+    const int64_t at = session->row_at[session->n_rows - 1];
     mukca_status status = check_path(session, error);
     if (status != MUKCA_OK) return status;
-    if (pwrite(fd, "#", 1, at) != 1 || fsync(fd)) {
+    if (pwrite(session->fd, "#", 1, at) != 1 || fsync(session->fd)) {
         status = fail_write(session, "not deleted", error);
-        (void)!pwrite(fd, placement, 1, at); /* the first byte of the row */
+        (void)!pwrite(session->fd, placement, 1, at); /* the first byte of the row */
         return status;
     }
     char buffer[LINE_SIZE];
     mukca_text line = MUKCA_TEXT(buffer);
     mukca_text_put(&line,
                    "# undone: row %d, placement %s, socket %s (the line that now begins with #)\n",
-                   row, placement, socket);
-    memmove(place, place + 1, (size_t)(session->n_rows - row) * sizeof *place);
-    session->n_rows--;
+                   session->n_rows--, placement, socket);
     (void)commit(session, line.at, line.used, NULL); /* undone without this, too */
     return MUKCA_OK;
 }

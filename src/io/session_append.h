@@ -50,11 +50,11 @@ mukca_status mukca_session_open(mukca_session *session, const mukca_session_task
 mukca_status mukca_session_add(mukca_session *session, const char *placement, const char *socket,
                                const mukca_capture_sample *sample, mukca_error *error);
 
-/* Delete row `row`, from 1; 0: the last.  It becomes a comment, and a comment at the end of the
- * file records this.  Errors: MUKCA_INPUT (no such row), MUKCA_MEMORY (write failure; the row
+/* Delete the last row.  It becomes a comment, and a comment at the end of the file records this.
+ * Errors: MUKCA_INPUT (no row), MUKCA_MEMORY (write failure; the row
  * remains). */
-mukca_status mukca_session_delete(mukca_session *session, int row, const char *placement,
-                                  const char *socket, mukca_error *error);
+mukca_status mukca_session_delete(mukca_session *session, const char *placement, const char *socket,
+                                  mukca_error *error);
 
 /* Whether `label` is valid in a session file: 1 to 63 printable bytes of UTF-8, no separator, no
  * leading #. */

@@ -199,7 +199,7 @@ static mukca_status execute(mukca_server *s, int verb, const mukca_message_comma
         case RIGHT_add:
             return mukca_sampling_sample(r, &trigger, r->packet_time, answer);
         case RIGHT_delete:
-            return mukca_sampling_delete(r, 0, answer);
+            return mukca_sampling_delete(r, answer);
         case RIGHT_socket:
             return mukca_sampling_select(r, NULL, first, answer);
         case RIGHT_placement:

@@ -279,25 +279,22 @@ void mukca_sampling_trigger(mukca_recorder *r, const mukca_message_trigger *requ
     mukca_recorder_report(r, "%s", answer.text);
 }
 
-mukca_status mukca_sampling_delete(mukca_recorder *r, int row, mukca_error *answer)
+mukca_status mukca_sampling_delete(mukca_recorder *r, mukca_error *answer)
 {
     mukca_sampling *s = &r->session;
     mukca_error error;
     const mukca_dataset *rows = &s->capture.rows;
-    if (row == 0) row = rows->n_rows;
-    if (!s->file.open || row < 1 || row > rows->n_rows)
+    const int row = rows->n_rows;
+    if (!s->file.open || !row)
         return mukca_fail(answer, MUKCA_NEGATIVE, "not deleted: %s",
-                          !s->file.open  ? "no session is being recorded"
-                          : rows->n_rows ? "there is no such sample"
-                                         : "there is no sample");
+                          s->file.open ? "there is no sample" : "no session is being recorded");
     const mukca_socket *where = &rows->sockets[rows->socket[row - 1]];
     const char *placement = rows->placements[where->placement].name;
-    mukca_status status = mukca_session_delete(&s->file, row, placement, where->label, &error);
+    mukca_status status = mukca_session_delete(&s->file, placement, where->label, &error);
     if (status != MUKCA_OK) return mukca_fail(answer, status, "not deleted: %s", error.text);
-    mukca_fail(answer, MUKCA_OK, "sample %d deleted (placement %s, socket %s)%s", row, placement,
-               where->label,
-               row == s->file.n_rows + 1 ? "" : "; the samples after it move up by one");
-    (void)mukca_capture_drop(&s->capture, row - 1, &error); /* cannot fail: there is a sample */
+    mukca_fail(answer, MUKCA_OK, "sample %d deleted (placement %s, socket %s)", row, placement,
+               where->label);
+    mukca_capture_drop(&s->capture);
     (void)mukca_capture_advise(&s->advice, &s->capture, &error);
     return MUKCA_OK;
 }

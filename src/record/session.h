@@ -16,12 +16,12 @@ mukca_status mukca_sampling_begin(mukca_recorder *r, const char *path, bool resu
  * after the sample is on disk, and sends a sample message in any case; labels NULL or "" mean the
  * current ones, utime 0: unknown; `time` is the request's arrival, us, 0: in order with the joint
  * states.  mukca_sampling_delete
- * deletes sample `row` (from 1; 0: the last).  mukca_sampling_select: `placement` NULL is the
+ * deletes the last sample.  mukca_sampling_select: `placement` NULL is the
  * current one, "" a new one; `socket` NULL is the next one, with a placement its first.  Errors:
  * MUKCA_NEGATIVE (refused), MUKCA_INPUT (disk). */
 mukca_status mukca_sampling_sample(mukca_recorder *r, const mukca_message_trigger *request,
                                    int64_t time, mukca_error *answer);
-mukca_status mukca_sampling_delete(mukca_recorder *r, int row, mukca_error *answer);
+mukca_status mukca_sampling_delete(mukca_recorder *r, mukca_error *answer);
 mukca_status mukca_sampling_select(mukca_recorder *r, const char *placement, const char *socket,
                                    mukca_error *answer);
 

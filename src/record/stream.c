@@ -106,7 +106,7 @@ static void record_still(mukca_recorder *r)
     }
     const bool rest = replay && was_rest(rows, socket);
     if (rest) {
-        mukca_sampling_delete(r, 0, &answer);
+        mukca_sampling_delete(r, &answer);
         mukca_recorder_report(r, "%s: a rest between placements", answer.text);
     } else if (socket < 0) {
         mukca_sampling_select(r, "", NULL, &answer);

@@ -28,9 +28,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
         int rows = session.n_rows;
         if (mukca_session_add(&session, "p", "0", &sample, &error) || session.n_rows != rows + 1)
             abort();
-        if (mukca_session_delete(&session, 0, "p", "0", &error) || session.n_rows != rows) abort();
+        if (mukca_session_delete(&session, "p", "0", &error) || session.n_rows != rows) abort();
         while (session.n_rows)
-            if (mukca_session_delete(&session, 0, "p", "0", &error)) abort();
+            if (mukca_session_delete(&session, "p", "0", &error)) abort();
     }
     mukca_session_close(&session);
     return 0;

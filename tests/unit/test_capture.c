@@ -243,21 +243,21 @@ TEST(remarks_name_what_is_odd)
     reach(q, 0.648, 0.2, 0.5); /* in the other socket, which has no samples yet */
     mukca_capture_keep(text, &capture, q, &error);
     assert_part(text, "48 mm from this socket's other samples: this looks like socket 1");
-    mukca_capture_drop(&capture, 6, &error);
+    mukca_capture_drop(&capture);
     mukca_capture_spread(&rms, &last, &capture, 0);
     assert_true(!(fabs(rms - 0.5e-4) > 1e-9));
     assert_true(!(fabs(last - 0.6e-4) > 1e-9));
     reach(q, 0.6, 0.2, 0.201);
     mukca_capture_keep(text, &capture, q, &error);
     assert_part(text, "nearly the posture of sample 2");
-    mukca_capture_drop(&capture, capture.rows.n_rows - 1, &error);
+    mukca_capture_drop(&capture);
     assert_string_equal(mukca_capture_next_label(&capture), "1");
     assert_ok(mukca_capture_select(&capture, "front", "1", &error));
     assert_string_equal(mukca_capture_next_label(&capture), "0");
     reach(q, 0.601, 0.2, 0.9);
     mukca_capture_keep(text, &capture, q, &error);
     assert_part(text, "is the ball really in socket 1?");
-    mukca_capture_drop(&capture, capture.rows.n_rows - 1, &error);
+    mukca_capture_drop(&capture);
     reach(q, 0.65, 0.2, 0.9);
     mukca_capture_keep(text, &capture, q, &error);
     assert_string_equal(text, "");
@@ -267,13 +267,7 @@ TEST(remarks_name_what_is_odd)
     assert_int_equal(capture.rows.n_rows, 8);
     mukca_capture_coverage(coverage, &capture);
     for (int j = 0; j < 3; j++) assert_true(coverage[j] > 0.01 && coverage[j] < 0.5);
-    const double second = capture.rows.q[capture.rows.n_joints];
-    assert_ok(mukca_capture_drop(&capture, 0, &error));
-    assert_true(fabs(capture.rows.q[0] - second) < 1e-12);
-    assert_int_equal(mukca_capture_count(&capture, 0), 5);
-    while (capture.rows.n_rows)
-        assert_ok(mukca_capture_drop(&capture, capture.rows.n_rows - 1, &error));
-    assert_int_equal(mukca_capture_drop(&capture, capture.rows.n_rows - 1, &error), MUKCA_INPUT);
+    while (capture.rows.n_rows) mukca_capture_drop(&capture);
     mukca_capture_spread(&rms, &last, &capture, 0);
     assert_true(isnan(rms) && isnan(last));
 }

@@ -151,7 +151,7 @@ TEST(advice_is_what_comes_true)
             mukca_capture_keep(text, &capture, o.q, &error);
             bad_seats++;
             found += strstr(text, "is the ball seated?") != NULL;
-            mukca_capture_drop(&capture, capture.rows.n_rows - 1, &error);
+            mukca_capture_drop(&capture);
         }
         mukca_capture_free(&capture);
     }

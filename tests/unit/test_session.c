@@ -84,10 +84,10 @@ TEST(rows_are_added_undone_and_resumed)
     mukca_session_task h = head("raw"), corrected = head("corrected"), columns = head("raw");
     unlink(path);
     assert_ok(begin(&session, NEW, h));
-    assert_int_equal(mukca_session_delete(&session, 0, "p", "s", &error), MUKCA_INPUT);
+    assert_int_equal(mukca_session_delete(&session, "p", "s", &error), MUKCA_INPUT);
     for (int i = 0; i < 5; i++) assert_ok(add(i));
-    assert_ok(mukca_session_delete(&session, 0, "front left", "0", &error));
-    assert_ok(mukca_session_delete(&session, 0, "front left", "1", &error));
+    assert_ok(mukca_session_delete(&session, "front left", "0", &error));
+    assert_ok(mukca_session_delete(&session, "front left", "1", &error));
     assert_ok(add(9));
     assert_int_equal(session.n_rows, 4);
     check_rows((const int[]){0, 1, 2, 9}, 4);
@@ -103,8 +103,8 @@ TEST(rows_are_added_undone_and_resumed)
     assert_int_equal(noted, 1);
     assert_int_equal(session.n_rows, 4);
     assert_ok(add(10));
-    assert_ok(mukca_session_delete(&session, 0, "front left", "0", &error));
-    assert_ok(mukca_session_delete(&session, 0, "front left", "1", &error));
+    assert_ok(mukca_session_delete(&session, "front left", "0", &error));
+    assert_ok(mukca_session_delete(&session, "front left", "1", &error));
     mukca_session_close(&session);
     check_rows((const int[]){0, 1, 2}, 3);
 
@@ -211,7 +211,7 @@ TEST(changed_file_refuses_the_row)
         if (k == 3) assert_int_equal(unlink(path), 0);
         assert_int_equal(add(2), MUKCA_MEMORY);
         assert_non_null(strstr(error.text, "during the recording; finish, check the file"));
-        assert_int_equal(mukca_session_delete(&session, 0, "p", "1", &error), MUKCA_MEMORY);
+        assert_int_equal(mukca_session_delete(&session, "p", "1", &error), MUKCA_MEMORY);
         mukca_session_close(&session);
         if (k >= 2) check_rows((const int[]){1}, 1);
     }
