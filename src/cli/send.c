@@ -1,5 +1,4 @@
 /* `mukca send`: one command to `mukca serve`, and its answer. */
-#include <math.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
@@ -65,36 +64,18 @@ static void take_result(client *c, const mukca_message_result *m)
     if (written) c->status = written;
 }
 
-static void print_members(json_t *members)
-{
-    const char *key;
-    json_t *value;
-    json_object_foreach(members, key, value)
-    {
-        if (json_is_string(value))
-            printf("%s\t%s\n", key, json_string_value(value));
-        else
-            printf(
-                "%s\t%.*g\n", key, json_is_real(value) ? 6 : 15,
-                json_is_null(value) ? (double)NAN : json_number_value(value) + json_is_true(value));
-    }
-}
-
-/* Print a status message: a line for each member, or JSON. */
+/* Write a status message as JSON, by default to standard output. */
 static void take_status(client *c, const mukca_message_status *m)
 {
-    const char *json = c->call->common->json;
-    json_t *members = cli_json(
-        FIELD(m, state), FIELD(m, session), FIELD(m, placement), FIELD(m, socket), FIELD(m, rows),
-        FIELD(m, rows_here), FIELD(m, channel), FIELD(m, type), FIELD(m, stream), FIELD(m, rate_hz),
-        FIELD(m, age_s), FIELD(m, received), FIELD(m, refused), FIELD(m, spread_m),
-        FIELD(m, expected_m), FIELD(m, more_rows_help), KEY("said", m->text));
+    cli_common *common = c->call->common;
+    if (!common->json) common->json = "-";
     c->answered = true;
-    if (!json || strcmp(json, "-") != 0) print_members(members);
-    if (json)
-        c->status = cli_write_json(c->call, members);
-    else
-        json_decref(members);
+    c->status = cli_write_json(
+        c->call, cli_json(FIELD(m, state), FIELD(m, session), FIELD(m, placement), FIELD(m, socket),
+                          FIELD(m, rows), FIELD(m, rows_here), FIELD(m, channel), FIELD(m, type),
+                          FIELD(m, stream), FIELD(m, rate_hz), FIELD(m, age_s), FIELD(m, received),
+                          FIELD(m, refused), FIELD(m, spread_m), FIELD(m, expected_m),
+                          FIELD(m, more_rows_help), KEY("said", m->text)));
 }
 
 static void on_packet(void *context, const mukca_lcm_packet *packet)
@@ -213,7 +194,7 @@ const cli_command cli_command_send = {
     .synopsis = "COMMAND [ARGUMENT...]",
     .description =
         "COMMAND is one of those that `mukca help serve` lists, or status, which prints the next "
-        "status message. The answer goes to standard output; where it is an offsets table "
+        "status message as JSON. The answer goes to standard output; where it is an offsets table "
         "(calibrate, diagnose, result), its summary goes to standard error. The exit code is that "
         "of the command; 4: no answer.",
     .example = "  mukca send status",

@@ -34,10 +34,7 @@ static void conclude(cli_call *call, const mukca_server *s)
     cli_log(call, "stopped; %lld joint states received, %lld messages refused\n",
             (long long)s->recorder.stream.count.received,
             (long long)s->recorder.stream.count.refused);
-    if (s->pose.sent)
-        cli_log(call, "%lld poses sent; from reception to sent: mean %.0f us, longest %.0f us\n",
-                (long long)s->pose.sent, 1e6 * s->pose.latency / (double)s->pose.sent,
-                1e6 * s->pose.longest_latency);
+    if (s->pose.sent) cli_log(call, "%lld poses sent\n", (long long)s->pose.sent);
 }
 
 static mukca_status check(cli_call *call)

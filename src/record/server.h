@@ -75,7 +75,6 @@ typedef struct {
     mukca_geometry geometry;
     mukca_row_state states; /* of the stream */
     int64_t sent;
-    double latency, longest_latency; /* s, from reception to the end of sending: sum, longest */
 } mukca_server_pose;
 
 /* The sender that may change the open session. */

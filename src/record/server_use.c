@@ -217,10 +217,5 @@ void mukca_server_send_pose(void *context, int64_t time_us, const double *q)
                    &pose->geometry, state);
     memcpy(message.position, tip.p, sizeof message.position);
     mukca_rotation_to_quaternion(message.quaternion, tip.R);
-    if (!mukca_recorder_publish(&s->recorder, MUKCA_MESSAGE_POSE, &message)) return;
-    const double latency =
-        1e-6 * (double)(mukca_lcm_link_clock(&s->recorder.link) - s->recorder.packet_time);
-    pose->sent++;
-    pose->latency += latency;
-    pose->longest_latency = fmax(pose->longest_latency, latency);
+    pose->sent += mukca_recorder_publish(&s->recorder, MUKCA_MESSAGE_POSE, &message);
 }

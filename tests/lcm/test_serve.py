@@ -40,7 +40,7 @@ def the_whole_job(client, arm, state):
     with open(status) as f:
         told = json.load(f)
     check("send status --json, before a session", shown.returncode == 0 and told["expected_m"] is None
-          and "expected_m\tnan" in shown.stdout and told["channel"] == CHANNEL and told["rows"] == 0, told)
+          and told["channel"] == CHANNEL and told["rows"] == 0, told)
     code = send("add", "--json", refused).returncode
     with open(refused) as f:
         told = json.load(f)
@@ -162,7 +162,7 @@ def poses(client, arm, state):
     check("poses equal mukca fk with the same table", len(lines) == len(pairs) + 1 and worst < 1e-12,
           (worst, answer.stderr))
     check("SIGTERM", stop(p) == 0)
-    check("the latency is printed", any("longest" in line for line in p.said), p.said)
+    check("the poses are counted", any("poses sent" in line for line in p.said), p.said)
     p = serve(state, "--publish-pose", "--stream", "corrected")
     client.wait_stream()
     got.clear()
@@ -181,7 +181,7 @@ def its_client(client, state):
     p = serve(state)
     client.wait_stream()
     answer = send("status")
-    check("send status", answer.returncode == 0 and "channel\t" + CHANNEL in answer.stdout, answer.stdout)
+    check("send status", answer.returncode == 0 and json.loads(answer.stdout)["channel"] == CHANNEL, answer.stdout)
     answer = send("result")
     rows = [line.split("\t") for line in answer.stdout.splitlines()]
     direct = client.command("result")
