@@ -177,6 +177,7 @@ static double unlisted(const mukca_search *id)
 mukca_status mukca_averaged_fit(mukca_regression *m, mukca_search *id, mukca_error *error)
 {
     mukca_shrink gain = {0};
+    mukca_unknowns kept;
     mukca_folds b = {.m = m};
     double *with = MUKCA_TAKE(&m->pool, double, m->recording.data->n_rows);
     fit(m, id);
@@ -184,9 +185,10 @@ mukca_status mukca_averaged_fit(mukca_regression *m, mukca_search *id, mukca_err
         unlisted(id) < NEGLIGIBLE)
         return MUKCA_OK;
     mukca_folds_create(&b);
-    if (m->pool.failed || mukca_folds_assign(b.fold, m, false) < 2) return MUKCA_OK;
+    if (m->pool.failed || mukca_folds_assign(b.fold, m, false) < 2 ||
+        !mukca_unknowns_clone(&kept, &m->pool, &m->unknowns))
+        return MUKCA_OK; /* the pool keeps a failure */
     mukca_folds_run(with, &b, false);
-    const mukca_search whole = *id;
     const mukca_status status = mukca_identify_listed(id, error);
     if (status != MUKCA_OK) return status;
     mukca_identify_settle(id);
@@ -194,8 +196,7 @@ mukca_status mukca_averaged_fit(mukca_regression *m, mukca_search *id, mukca_err
     mukca_folds_run(b.error, &b, false);
     mukca_folds_compare(&gain, &b, with, b.error);
     if (gain.low_percent > 0 && gain.folds_better >= CONSISTENT * gain.folds) return MUKCA_OK;
-    id->all = whole.all, id->set = whole.set, id->n_sets = whole.n_sets, id->listed = false;
-    mukca_identify_settle(id);
-    fit(m, id);
+    mukca_unknowns_assign(&m->unknowns, &kept);
+    mukca_regression_linearise(m);
     return MUKCA_OK;
 }

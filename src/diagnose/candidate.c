@@ -124,13 +124,14 @@ int mukca_candidate_scales(double *scale, double *log_weight, const mukca_candid
     const int class = mukca_candidate_class(h);
     double total = 0;
     int n = 0;
-    if (class == MUKCA_CLASS_UNKNOWN) {
+    const bool spring = class == MUKCA_CLASS_UNKNOWN && mukca_candidate_is_flexible(h);
+    if (class == MUKCA_CLASS_UNKNOWN && !spring) {
         for (; n < COUNT(unknown); n++) {
             scale[n] = unknown[n];
             total += log_weight[n] = frequency[n];
         }
     } else {
-        const mukca_effect_sizes *sizes = sizes_of(class);
+        const mukca_effect_sizes *sizes = spring ? &mukca_sizes_spring : sizes_of(class);
         const double unit =
             mukca_candidate_site(h) == MUKCA_SITE_ANGLES ? 1 : h->unit[0]; /* see sizes */
         for (int i = 0; i < MUKCA_MAX_SIZES && sizes->sigma[i] > 0; i++) {

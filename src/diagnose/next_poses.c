@@ -71,15 +71,17 @@ mukca_status mukca_next_poses_choose(mukca_next_poses *next, const mukca_diagnos
 {
     double theta[MUKCA_PARAMETERS * MUKCA_MAX_ELEMENTS];
     mukca_effect effects[2];
+    mukca_geometry geometry; /* of theta, as `plan` has it: postures depend on its last digits */
     mukca_plan_options options = {.rows = MUKCA_NEXT_POSES, .poses_only = true, .stop = stop};
     memset(next, 0, sizeof *next);
     if (data->n_distances) options.distance_sigma = mukca_distance_sigma(&data->distances[0]);
     if (!mukca_next_poses_pair(next, &options, effects, d, -1)) return MUKCA_OK;
-    const int n = mukca_plan_sockets(next->sockets, MUKCA_PLAN_MAX_SOCKETS, &d->geometry, data);
+    mukca_geometry_theta(theta, chain, &d->geometry);
+    mukca_geometry_set(&geometry, chain, theta);
+    const int n = mukca_plan_sockets(next->sockets, MUKCA_PLAN_MAX_SOCKETS, &geometry, data);
     const mukca_plan_task task = {
         .chain = chain, .theta = theta, .data = data, .sockets = next->sockets, .n_sockets = n};
     if (n == 0) return MUKCA_OK;
-    mukca_geometry_theta(theta, chain, &d->geometry);
     mukca_error none;
     const mukca_status status = mukca_plan_run(&next->plan, &task, &options, &none);
     if (status == MUKCA_MEMORY || status == MUKCA_INTERRUPTED) {

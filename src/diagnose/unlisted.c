@@ -57,7 +57,7 @@ const mukca_unlisted_function mukca_unlisted_functions[MUKCA_UNLISTED_FUNCTIONS]
     ROW(TORQUE, SIDE, 1, ANGLE, SIDE, ITSELF),
     ROW(TORQUE, SOFTENING, 1, ANGLE, LOAD, ITSELF),
     ROW(TORQUE, DELAYED, 2, ANGLE, LOAD, ITSELF),
-    ROW(ACROSS, SPRING, 2, ANGLE | BASE, LOAD, ITSELF),
+    ROW(ACROSS, LINEAR, 2, ANGLE | BASE, LOAD, ITSELF),
     ROW(PAYLOAD, LINEAR, 1, ANGLE, LOAD, ITSELF),
     ROW(MOVE, SIDE, 1, ANGLE, MOVE, ANY),
     ROW(MOVE, LINEAR, 1, ANGLE, MOVE, ITSELF),
@@ -311,16 +311,21 @@ static void fill_angles(mukca_candidate h, const mukca_recording *r)
     }
 }
 
+/* Of a link, the moments across the axis of the joint behind it: along it, the joint turns. */
 static void fill_moments(const mukca_candidate *h, const mukca_recording *r)
 {
+    const bool link = h->unlisted.place == MUKCA_PLACE_LINK;
     const int values = mukca_unlisted_functions[h->unlisted.function].values;
+    const double *axis =
+        link ? r->chain->element[r->chain->joint_element[h->joint]].axis : (double[3]){0};
     float *out = h->basis;
     for (int row = 0; row < r->data->n_rows; row++) {
         const mukca_joint_state state = mukca_recording_state(r, row);
-        const double *moment = values > 1                              ? r->across_base[row][0]
-                               : h->unlisted.place == MUKCA_PLACE_BASE ? state.base_moment
-                                                                       : state.moment[h->joint];
-        for (int i = 0; i < 3 * values; i++) *out++ = (float)moment[i];
+        const double *moment = values > 1 ? r->across_base[row][0]
+                               : link     ? state.moment[h->joint]
+                                          : state.base_moment;
+        const double along = link ? mukca_dot3(moment, axis) : 0;
+        for (int i = 0; i < 3 * values; i++) *out++ = (float)(moment[i] - along * axis[i % 3]);
     }
 }
 

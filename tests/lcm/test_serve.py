@@ -4,6 +4,7 @@ import os
 import signal
 import socket
 import subprocess
+import xml.etree.ElementTree
 
 from foreign import Arm, Client, MUKCA, check, finish, fresh, mukca, robots, spawn, stop, table, take
 
@@ -106,7 +107,10 @@ def its_fleet(client, state):
         f.write("effect\tjoint\tterm\tmean\tspread\tarms\tlog_bayes_factor\tprobability\terror\n"
                 "joint_compliance\tjoint_4\t\t5e-5\t1e-5\t7\t9\t0.99\t1e-6\n")
     factory = os.path.join(state, "factory.yaml")
-    subprocess.run([MUKCA, "export", "-q", "--urdf", URDF, "-f", "kinematics", "-o", factory], check=True)
+    with open(factory, "w") as f:
+        for joint in xml.etree.ElementTree.parse(URDF).getroot().iter("joint"):
+            numbers = (joint.find("origin").get("xyz") + " " + joint.find("origin").get("rpy")).split()
+            f.write("%s: {x: %s, y: %s, z: %s, roll: %s, pitch: %s, yaw: %s}\n" % (joint.get("name"), *numbers))
     p = serve(state, "--traits", traits, "--kinematics", factory)
     client.wait_stream()
     answer = client.command("calibrate")

@@ -142,6 +142,20 @@ TEST(test_unlisted)
     }
 }
 
+/* What bends is outside the catalogue: causes within it stand in for it where they predict better.
+ */
+TEST(test_stand_in)
+{
+    unsigned char disabled[MUKCA_EFFECT_COUNT] = {0};
+    disabled[MUKCA_EFFECT_JOINT_COMPLIANCE] = 1;
+    simulate("joint_compliance:joint_2=6e-5,joint_compliance:joint_3=6e-5", 9);
+    diagnose((mukca_diagnose_options){.disabled = disabled, .applied = true});
+    print_message("%.3f mm held out, geometry alone %.3f mm, %d effects\n", 1e3 * d->explained_m,
+                  1e3 * d->geometry_m, d->applied.n_effects);
+    assert_true(d->explained_m < 0.8 * d->geometry_m);
+    assert_true(d->applied.n_effects > 0);
+}
+
 /* Diagnose; how many names are sure, but for effects with the trait. */
 static int diagnose_sure(int but)
 {
