@@ -48,7 +48,8 @@ static mukca_status take_postures(mukca_arm_posterior *p, mukca_error *error)
         keep[k] = 1;
         if (++count[k] == 1) continue;
         add_to_mean(d->q + k * n, d->q + row * n, n, count[k]);
-        if (d->socket[row] < 0) add_to_mean(d->position + 3 * (size_t)k, position, 3, count[k]);
+        if (d->socket[row] < 0 && position)
+            add_to_mean(d->position + 3 * (size_t)k, position, 3, count[k]);
     }
     const mukca_status status = mukca_dataset_subset(&means, d, keep, error);
     if (status != MUKCA_OK) return status;

@@ -29,7 +29,8 @@ static mukca_pool_block *grow(mukca_pool *pool, size_t bytes)
     if (!block) return NULL;
     char *start = (char *)(block + 1);
     *block = (mukca_pool_block){*at, start + (0 - (size_t)start) % LINE, left};
-    return *at = block;
+    *at = block;
+    return block;
 }
 
 void *mukca_pool_take(mukca_pool *pool, size_t count, size_t size)

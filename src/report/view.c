@@ -20,7 +20,7 @@ static void find_vertices(view *v, const mukca_report *r)
 {
     mukca_frame frame[MUKCA_MAX_ELEMENTS + 1];
     const double c = cos(azimuth), s = sin(azimuth), e = cos(elevation), f = sin(elevation);
-    v->n = r->fitted->n_elements + 1;
+    *v = (view){.n = r->fitted->n_elements + 1};
     mukca_fk_frames(frame, &frame[v->n - 1], &r->geometry, r->train->q, NULL);
     for (int k = 0; k < v->n; k++) {
         const double *p = frame[k].p;

@@ -251,7 +251,7 @@ mukca_status mukca_simulate_sockets(mukca_dataset *data, const mukca_simulated_s
         data->n_distances = n_places;
         if (!data->distances) status = mukca_fail(error, MUKCA_MEMORY, "out of memory");
     }
-    for (int s = 0; s < 2 * n_places && status == MUKCA_OK; s++) {
+    for (int s = 0; s < 2 * n_places && status == MUKCA_OK && data->distances; s++) {
         const int p = s / 2;
         memcpy(data->placements[p].name, session->places[p].name, MUKCA_NAME_SIZE);
         data->sockets[s] = (mukca_socket){.placement = p, .label = {(char)('0' + s % 2)}};
@@ -277,7 +277,7 @@ mukca_status mukca_simulate_poses(mukca_dataset *data, const mukca_corrected *ar
     if (status == MUKCA_OK && (!add_column(&data->position, true, 3 * count) ||
                                !add_column(&data->quaternion, !r.options.position_only, 4 * count)))
         status = mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", n_rows);
-    for (size_t i = 0; i < count && status == MUKCA_OK; i++) {
+    for (size_t i = 0; i < count && status == MUKCA_OK && data->position; i++) {
         mukca_displacement displacement;
         mukca_frame pose;
         if (interrupted(&r)) {
