@@ -162,7 +162,7 @@ static void fit(mukca_regression *m, const mukca_search *id)
 }
 
 /* Probability that a cause outside the catalogue is present. */
-static double unlisted(const mukca_search *id)
+static double unlisted_probability(const mukca_search *id)
 {
     double sum = 0;
     for (int s = 0; s < id->n_sets; s++) {
@@ -179,22 +179,22 @@ mukca_status mukca_averaged_fit(mukca_regression *m, mukca_search *id, mukca_err
     mukca_shrink gain = {0};
     mukca_unknowns kept;
     mukca_folds b = {.m = m};
-    double *with = MUKCA_TAKE(&m->pool, double, m->recording.data->n_rows);
+    double *before = MUKCA_TAKE(&m->pool, double, m->recording.data->n_rows);
     fit(m, id);
     if (id->options->no_folds || id->diagnosis->verdict == MUKCA_VERDICT_NONE ||
-        unlisted(id) < NEGLIGIBLE)
+        unlisted_probability(id) < NEGLIGIBLE)
         return MUKCA_OK;
     mukca_folds_create(&b);
     if (m->pool.failed || mukca_folds_assign(b.fold, m, false) < 2 ||
         !mukca_unknowns_clone(&kept, &m->pool, &m->unknowns))
         return MUKCA_OK; /* the pool keeps a failure */
-    mukca_folds_run(with, &b, false);
+    mukca_folds_run(before, &b, false);
     const mukca_status status = mukca_identify_listed(id, error);
     if (status != MUKCA_OK) return status;
     mukca_identify_settle(id);
     fit(m, id);
     mukca_folds_run(b.error, &b, false);
-    mukca_folds_compare(&gain, &b, with, b.error);
+    mukca_folds_compare(&gain, &b, before, b.error);
     if (gain.low_percent > 0 && gain.folds_better >= CONSISTENT * gain.folds) return MUKCA_OK;
     mukca_unknowns_assign(&m->unknowns, &kept);
     mukca_regression_linearise(m);

@@ -167,13 +167,13 @@ void mukca_candidates_drop_listed(mukca_candidates *all)
     for (int i = 0; i < all->count; i++) {
         const mukca_candidate *h = &all->list[i];
         bool listed = false;
-        for (int k = 0; k < kept && !listed && h->kind == MUKCA_CANDIDATE_UNLISTED; k++) {
-            const mukca_candidate *e = &all->list[k];
-            listed = e->kind == MUKCA_CANDIDATE_EFFECT && e->joint == h->joint && e->basis &&
-                     h->basis && mukca_candidate_site(e) == mukca_candidate_site(h) &&
-                     h->terms == 1 && mukca_candidate_own_terms(e) == 1 &&
+        const mukca_candidate *e = all->list; /* the effects come first */
+        for (; h->kind == MUKCA_CANDIDATE_UNLISTED && h->terms == 1 && h->basis && !listed &&
+               e->kind == MUKCA_CANDIDATE_EFFECT;
+             e++)
+            listed = e->joint == h->joint && e->basis && mukca_candidate_own_terms(e) == 1 &&
+                     mukca_candidate_site(e) == mukca_candidate_site(h) &&
                      is_same(e, h, all->recording->data->n_rows);
-        }
         if (!listed) all->list[kept++] = *h;
     }
     all->count = kept;

@@ -1,6 +1,5 @@
-/* Evidence of the linearised model: normal equations, posterior.
- * The evidence of a linear model with Gaussian priors and noise has a closed form
- * (infer/posterior.h); the means of the sockets are integrated out with a flat prior. */
+/* Evidence and posterior of the linearised model from its normal equations: in closed form for
+ * Gaussian priors and noise (infer/posterior.h), with the means of the sockets integrated out. */
 #include "diagnose/evidence.h"
 
 #include <math.h>

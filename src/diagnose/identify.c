@@ -282,7 +282,8 @@ static mukca_status search_all(mukca_search *id, mukca_causes *best, double *tai
         if (!watch(id, 0.1 + 0.25 * (tails ? 1 + done : done), error)) return MUKCA_INTERRUPTED;
         if (p > 1 || tails || id->listed) {
             mukca_identify_fit(id, best);
-            if (mukca_screening_reinstate(id->diagnosis, m)) mukca_identify_fit(id, best);
+            if (!id->listed && mukca_screening_reinstate(id->diagnosis, m))
+                mukca_identify_fit(id, best);
             seat(id, NOISE * m->unknowns.sigma);
             mukca_regression_freeze(m);
         }

@@ -123,9 +123,10 @@ void mukca_unlisted_set_shape(mukca_candidate *h, const mukca_recording *r)
             (int)fmin(ceil((range[1] - range[0]) / h->unlisted.measure) + 1, MUKCA_MAX_COLUMNS);
     }
     h->terms = values * axes_of(h);
-    h->width_of_term = site == MUKCA_SITE_ANGLES                              ? r->chain->n_joints
-                       : site == MUKCA_SITE_ANGLE || site == MUKCA_SITE_FRAME ? 1
-                                                                              : 3;
+    h->width_of_term =
+        site == MUKCA_SITE_ANGLES ? r->chain->n_joints
+        : site == MUKCA_SITE_ROTATION || site == MUKCA_SITE_BASE || site == MUKCA_SITE_SEAT ? 3
+                                                                                            : 1;
 }
 
 /* Axis of the first joint in the base frame: a turn of the base about it is one of the joint. */
