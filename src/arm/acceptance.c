@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "base/number.h"
-#include "base/print.h"
 
 const mukca_acceptance_number mukca_acceptance_numbers[] = {
 #define NUMBER(key) {#key, offsetof(mukca_acceptance, key)},

@@ -7,7 +7,6 @@
 #include "base/cells.h"
 #include "base/hash.h"
 #include "base/number.h"
-#include "base/print.h"
 
 enum { JOINT, PARAMETER, NOMINAL, CALIBRATED, OFFSET, SIGMA, IDENTIFIABLE, UNIT, TERM, COLUMNS };
 enum { MOST_CELLS = 32 };

@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "base/number.h"
-#include "base/print.h"
 
 bool mukca_lines_next(mukca_lines *lines)
 {

@@ -1,8 +1,10 @@
-/* Conversion between numbers and text: decimal, finite, with a point as in the C locale. */
+/* Numbers and text without stdio and locale, for code on controllers too. */
 #ifndef MUKCA_BASE_NUMBER_H
 #define MUKCA_BASE_NUMBER_H
 
+#include <stdarg.h>
 #include <stdbool.h>
+#include <stddef.h>
 
 /* Upper bound of lengths (m), masses (kg) and coefficients of any arm; results computed from
  * smaller numbers are finite. */
@@ -19,5 +21,14 @@ bool mukca_number_parse_list(double *values, int n, const char *text);
 /* The shortest of %.15g, %.16g and %.17g that reads back as the same double; 0 has no sign. */
 enum { MUKCA_NUMBER_SIZE = 32 };
 void mukca_number_format(char text[MUKCA_NUMBER_SIZE], double value);
+
+/* Formatted text (print.c).  The conversions are %s, %.Ns, %.*s, %d, %+d, %.Ng (N from 1 to 15) and
+ * %%; others are copied verbatim.  Write to text[size], size > 0; truncated, always NUL-terminated.
+ */
+void mukca_print(char *text, size_t size, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+void mukca_print_list(char *text, size_t size, const char *format, va_list args)
+    __attribute__((format(printf, 3, 0)));
 
 #endif

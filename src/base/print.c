@@ -1,5 +1,5 @@
 /* Formatted text without stdio. */
-#include "base/print.h"
+#include "base/number.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,7 +1,6 @@
 /* mukca diagnose: identify and quantify the causes of the remaining error. */
 #include "cli/diagnose.h"
 #include "cli/scores.h"
-#include "cli/traits.h"
 #include "diagnose/diagnose.h"
 #include "fit/mismatch.h"
 

@@ -3,6 +3,7 @@
 #define MUKCA_CLI_DIAGNOSE_H
 
 #include "cli/cli.h"
+#include "fleet/fleet.h"
 #include "report/wording.h"
 
 /* A diagnosis, for the commands diagnose and report; zeroed at first. */
@@ -30,5 +31,20 @@ void cli_diagnosis_print(FILE *stream, const mukca_diagnosed *result, bool detai
  * verdict.  Causes that need masses which the arm lacks are left out, with a note.  Errors:
  * MUKCA_UNIDENTIFIABLE (nothing was fitted), MUKCA_INPUT. */
 mukca_status cli_diagnosis_offsets(cli_call *call, cli_diagnosis *diagnosis);
+
+/* ---- summaries for the fleet and its traits (traits.c) ---- */
+
+/* The label of the arm: `given`, else the name of the data's folder.  Errors: MUKCA_USAGE (data of
+ * several folders, no usable name). */
+mukca_status cli_arm_label(cli_call *call, char label[MUKCA_NAME_SIZE], const char *given);
+
+/* Contributions of the fleet and of this arm, on the screen and as JSON. */
+void cli_adoption_print(cli_call *call, const mukca_adoption *adoption,
+                        const mukca_diagnosis *diagnosis, const mukca_chain *chain);
+json_t *cli_adoption_json(const mukca_adoption *adoption, const mukca_diagnosis *diagnosis,
+                          const mukca_chain *chain);
+
+/* Read the summaries of all arguments, for the commands fleet and report. */
+mukca_status cli_fleet_read(cli_call *call, mukca_fleet *fleet);
 
 #endif

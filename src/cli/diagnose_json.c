@@ -18,11 +18,14 @@ static int placement_of(const mukca_diagnosed *r, const mukca_effect *e)
     return apart && r->data->n_placements == 2 ? -1 : e->placement;
 }
 
-/* An array of n objects. */
-static json_t *list(const mukca_diagnosed *r, int n, json_t *(*item)(const mukca_diagnosed *r, int))
+/* An array of the objects of items[n]. */
+#define LIST(items, n, object) list(r, items, n, sizeof *(items), object)
+static json_t *list(const mukca_diagnosed *r, const void *items, int n, size_t size,
+                    json_t *(*object)(const mukca_diagnosed *r, const void *item))
 {
     json_t *array = json_array();
-    for (int i = 0; i < n; i++) json_array_append_new(array, item(r, i));
+    const char *item = items;
+    for (int i = 0; i < n; i++, item += size) json_array_append_new(array, object(r, item));
     return array;
 }
 
@@ -34,9 +37,9 @@ static json_t *shrink(const mukca_shrink *s)
                     FIELD(s, folds_better), FIELD(s, folds));
 }
 
-static json_t *set(const mukca_diagnosed *r, int i)
+static json_t *set(const mukca_diagnosed *r, const void *item)
 {
-    const mukca_cause_set *s = &r->diagnosis->sets[i];
+    const mukca_cause_set *s = item;
     json_t *causes = json_array();
     for (int k = 0; k < s->n; k++) {
         const mukca_effect *e = &s->member[k].effect;
@@ -54,8 +57,9 @@ static json_t *set(const mukca_diagnosed *r, int i)
     return cli_json(FIELD(s, probability), KEY("causes", causes));
 }
 
-static json_t *cause(const mukca_diagnosed *r, const mukca_cause *c)
+static json_t *cause(const mukca_diagnosed *r, const void *item)
 {
+    const mukca_cause *c = item;
     const mukca_effect_site site = mukca_effect_table[c->effect.kind]->site;
     const int *range = c->order_range;
     json_t *ties = json_array();
@@ -78,37 +82,20 @@ static json_t *cause(const mukca_diagnosed *r, const mukca_cause *c)
         KEY("remedy", mukca_wording_remedy(c, r)));
 }
 
-static json_t *causes(const mukca_diagnosed *r, const mukca_cause *list, int n)
+static json_t *alternative(const mukca_diagnosed *r, const void *item)
 {
-    json_t *array = json_array();
-    for (int i = 0; i < n; i++) json_array_append_new(array, cause(r, &list[i]));
-    return array;
-}
-
-static json_t *estimate(const mukca_estimate *e)
-{
-    return isfinite(e->value) ? cli_json_interval(e->low, e->high) : NULL;
-}
-
-static json_t *alternatives(const mukca_diagnosed *r, const mukca_finding *f)
-{
-    json_t *array = json_array();
-    for (const mukca_alternative *a = f->alternatives; a < f->alternatives + f->n_alternatives;
-         a++) {
-        const bool ordered = mukca_effect_has((int)a->effect.kind, MUKCA_TRAIT_ORDERS);
-        const int joint = a->listed ? a->effect.joint : a->from == a->to ? a->from : -1;
-        cli_json_append(array,
-                        KEY("effect", a->listed ? mukca_effect_table[a->effect.kind]->name : NULL),
-                        JOINT(joint < r->chain->n_joints ? joint : -1),
-                        PLACEMENT(a->listed ? placement_of(r, &a->effect) : -1),
-                        KEY("order", cli_json_positive(ordered ? a->effect.variant.order : 0)),
-                        KEY("from", mukca_wording_position(r, a->from)),
-                        KEY("to", mukca_wording_position(r, a->to)), FIELD(a, probability),
-                        KEY("amplitude", a->amplitude.value),
-                        KEY("unit", a->listed ? mukca_effect_unit(&a->effect, r->chain) : NULL),
-                        KEY("ci95", estimate(&a->amplitude)));
-    }
-    return array;
+    const mukca_alternative *a = item;
+    const bool ordered = mukca_effect_has((int)a->effect.kind, MUKCA_TRAIT_ORDERS);
+    const int joint = a->listed ? a->effect.joint : a->from == a->to ? a->from : -1;
+    return cli_json(KEY("effect", a->listed ? mukca_effect_table[a->effect.kind]->name : NULL),
+                    JOINT(joint < r->chain->n_joints ? joint : -1),
+                    PLACEMENT(a->listed ? placement_of(r, &a->effect) : -1),
+                    KEY("order", cli_json_positive(ordered ? a->effect.variant.order : 0)),
+                    KEY("from", mukca_wording_position(r, a->from)),
+                    KEY("to", mukca_wording_position(r, a->to)), FIELD(a, probability),
+                    KEY("amplitude", a->amplitude.value),
+                    KEY("unit", a->listed ? mukca_effect_unit(&a->effect, r->chain) : NULL),
+                    KEY("ci95", cli_json_estimate(&a->amplitude)));
 }
 
 static json_t *coefficient(const mukca_diagnosed *r, const mukca_finding *f)
@@ -116,11 +103,12 @@ static json_t *coefficient(const mukca_diagnosed *r, const mukca_finding *f)
     if (!isfinite(f->coefficient.value)) return NULL;
     return cli_json(KEY("value", f->coefficient.value),
                     KEY("unit", mukca_effect_unit(&f->quantity, r->chain)),
-                    KEY("ci95", estimate(&f->coefficient)));
+                    KEY("ci95", cli_json_estimate(&f->coefficient)));
 }
 
-static json_t *finding(const mukca_diagnosed *r, const mukca_finding *f)
+static json_t *finding(const mukca_diagnosed *r, const void *item)
 {
+    const mukca_finding *f = item;
     static const char *const kinds[] = {"effect", "effect", "family", "tie", "place"};
     const mukca_finding_group *g = &f->group;
     const int at[2] = {g->apart ? r->chain->n_joints : g->from,
@@ -134,38 +122,32 @@ static json_t *finding(const mukca_diagnosed *r, const mukca_finding *f)
         KEY("order", cli_json_positive(f->order[0] ? f->alternatives[0].effect.variant.order : 0)),
         KEY("order_ci95", f->order[0] > 0 ? json_pack("[i, i]", f->order[0], f->order[1]) : NULL),
         KEY("probability", g->probability), KEY("halves", g->halves),
-        KEY("size_m", f->size_m.value), KEY("size_ci95_m", estimate(&f->size_m)), FIELD(f, share),
-        KEY("held_out", shrink(&f->held_out)), KEY("coefficient", coefficient(r, f)),
-        KEY("alternatives", alternatives(r, f)),
+        KEY("size_m", f->size_m.value), KEY("size_ci95_m", cli_json_estimate(&f->size_m)),
+        FIELD(f, share), KEY("held_out", shrink(&f->held_out)),
+        KEY("coefficient", coefficient(r, f)),
+        KEY("alternatives", LIST(f->alternatives, f->n_alternatives, alternative)),
         KEY("sentence", mukca_wording_finding(MUKCA_WORDS, f, r)));
 }
 
-static json_t *findings(const mukca_diagnosed *r, const mukca_finding *list, int n)
+static json_t *fault(const mukca_diagnosed *r, const void *item)
 {
-    json_t *array = json_array();
-    for (int i = 0; i < n; i++) json_array_append_new(array, finding(r, &list[i]));
-    return array;
-}
-
-static json_t *fault(const mukca_diagnosed *r, int i)
-{
-    const mukca_data_fault *f = &r->diagnosis->faults[i];
+    const mukca_data_fault *f = item;
     return cli_json(KEY("kind", mukca_fault_name[f->kind]), PLACEMENT(f->placement),
                     SOCKET(f->socket), FIELD(f, row),
                     KEY("file", r->data->files ? r->data->files[f->file] : NULL), FIELD(f, size_m));
 }
 
-static json_t *tested(const mukca_diagnosed *r, int i)
+static json_t *tested(const mukca_diagnosed *r, const void *item)
 {
-    const mukca_tested *t = &r->diagnosis->tested[i];
+    const mukca_tested *t = item;
     return cli_json(EFFECT(t->effect), JOINT(t->joint), FIELD(t, log_bayes_factor),
                     FIELD(t, log_odds), KEY("detection_limit", t->limit), FIELD(t, testable),
                     FIELD(t, why));
 }
 
-static json_t *where_joint(const mukca_diagnosed *r, int i)
+static json_t *where_joint(const mukca_diagnosed *r, const void *item)
 {
-    const mukca_where *w = &r->diagnosis->where[i];
+    const mukca_where *w = item;
     return cli_json(JOINT(w->joint), FIELD(w, share),
                     KEY("range_rad", cli_json_reals(w->range_rad, 2)));
 }
@@ -180,10 +162,10 @@ static json_t *placements(const double *mae, int n, const mukca_dataset *data)
 
 /* A posture, q in the order of the chain's joints, rad or m, and the two causes that it
  * distinguishes. */
-static json_t *next_pose(const mukca_diagnosed *r, int i)
+static json_t *next_pose(const mukca_diagnosed *r, const void *item)
 {
     const mukca_next_poses *next = r->next;
-    const mukca_plan_row *row = &next->plan.rows[i];
+    const mukca_plan_row *row = item;
     const mukca_alternative *a = r->diagnosis->findings[next->finding].alternatives;
     json_t *pair = json_array();
     for (int k = 0; k < 2; k++)
@@ -206,11 +188,12 @@ static json_t *logs_object(const mukca_logs *logs)
 }
 
 /* Comparison of the two streams of angles at a joint. */
-static json_t *stream(const mukca_diagnosed *r, int j)
+static json_t *stream(const mukca_diagnosed *r, const void *item)
 {
-    const mukca_stream_difference *difference = &r->diagnosis->streams.joint[j];
-    return cli_json(JOINT(j), FIELD(difference, rows), FIELD(difference, mean),
-                    FIELD(difference, rms), KEY("servo_sag", difference->sag),
+    const mukca_stream_difference *difference = item;
+    return cli_json(JOINT((int)(difference - r->diagnosis->streams.joint)), FIELD(difference, rows),
+                    FIELD(difference, mean), FIELD(difference, rms),
+                    KEY("servo_sag", difference->sag),
                     KEY("ci95", cli_json_interval(difference->low, difference->high)),
                     FIELD(difference, log_bayes_factor));
 }
@@ -219,6 +202,7 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *r)
 {
     const mukca_diagnosis *d = r->diagnosis;
     const mukca_streams *s = &d->streams;
+    const mukca_next_poses *next = r->next;
     const char *caveat = mukca_wording_caveat(MUKCA_WORDS, r);
     json_t *names = json_array(), *test = NULL, *streams = NULL;
     for (int j = 0; j < r->chain->n_joints; j++)
@@ -231,21 +215,21 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *r)
     if (s->n_joints)
         streams = cli_json(KEY("fitted", r->data->by_command ? "command" : "reading"),
                            FIELD(s, sigma_reading_m), FIELD(s, sigma_command_m),
-                           KEY("joints", list(r, s->n_joints, stream)));
+                           KEY("joints", LIST(s->joint, s->n_joints, stream)));
     return cli_json(
         KEY("verdict", mukca_verdict_name[d->verdict]), FIELD(d, unexplained),
-        KEY("causes", causes(r, d->causes, d->n_causes)),
-        KEY("data_faults", list(r, d->n_faults, fault)),
+        KEY("causes", LIST(d->causes, d->n_causes, cause)),
+        KEY("data_faults", LIST(d->faults, d->n_faults, fault)),
         KEY("gap", cli_json(FIELD(d, nominal_m), FIELD(d, geometry_m), FIELD(d, faults_excused_m),
                             KEY("explained_m", d->applied_m), KEY("with_unknown_m", d->structure_m),
                             FIELD(d, noise_floor_m), FIELD(d, folds),
                             KEY("held_out", shrink(&d->held_out)))),
         KEY("test", test),
-        KEY("where", cli_json(KEY("joints", list(r, d->n_where, where_joint)),
+        KEY("where", cli_json(KEY("joints", LIST(d->where, d->n_where, where_joint)),
                               KEY("placements",
                                   placements(d->placement_mae_m, r->data->n_placements, r->data)),
                               KEY("axes", cli_json_reals(d->axis_rms_m, 3)))),
-        KEY("tested", list(r, d->n_tested, tested)),
+        KEY("tested", LIST(d->tested, d->n_tested, tested)),
         KEY("noise", cli_json(FIELD(d, sigma_m), KEY("lag_one_correlation", d->rho),
                               KEY("shared_by_posture", d->shared))),
         KEY("joints", names),
@@ -253,14 +237,15 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *r)
                    : *caveat ? caveat
                              : NULL),
         KEY("sentence", mukca_wording_verdict(MUKCA_WORDS, r)),
-        KEY("findings", findings(r, d->findings, d->n_findings)),
-        KEY("maybe", findings(r, d->maybe, d->n_maybe)),
-        KEY("suspected", causes(r, d->suspected, d->n_suspected)),
-        KEY("sets", list(r, d->n_sets, set)), KEY("unexplained_log_bayes_factor", d->structure),
+        KEY("findings", LIST(d->findings, d->n_findings, finding)),
+        KEY("maybe", LIST(d->maybe, d->n_maybe, finding)),
+        KEY("suspected", LIST(d->suspected, d->n_suspected, cause)),
+        KEY("sets", LIST(d->sets, d->n_sets, set)),
+        KEY("unexplained_log_bayes_factor", d->structure),
         KEY("unnamed_m", d->applied_m - d->structure_m), FIELD(d, efforts_correlation),
         KEY("efforts_turned", d->turned_efforts), KEY("streams", streams),
         KEY("logs", logs_object(&d->logs)),
         KEY("next_poses",
-            list(r, r->next && r->next->finding >= 0 ? r->next->plan.n_rows : 0, next_pose)),
+            LIST(next->plan.rows, next->finding >= 0 ? next->plan.n_rows : 0, next_pose)),
         FIELD(d, elapsed_s));
 }

@@ -1,5 +1,5 @@
 /* mukca fleet: pool the summaries of many arms of one model. */
-#include "cli/traits.h"
+#include "cli/diagnose.h"
 
 #include "report/report.h"
 

@@ -49,6 +49,11 @@ json_t *cli_json_interval(double low, double high)
     return isfinite(low) && isfinite(high) ? cli_json_reals(both, 2) : NULL;
 }
 
+json_t *cli_json_estimate(const mukca_estimate *e)
+{
+    return isfinite(e->value) ? cli_json_interval(e->low, e->high) : NULL;
+}
+
 json_t *cli_json_reals(const double *values, int n)
 {
     json_t *array = json_array();

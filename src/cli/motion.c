@@ -4,7 +4,7 @@
 
 #include "base/number.h"
 #include "cli/motion.h"
-#include "record/run_states.h"
+#include "record/joint_lines.h"
 
 #define put mukca_wording_put /* short for this file */
 

@@ -6,11 +6,6 @@
 #include "math/stats.h"
 #include "mukca/version.h"
 
-static json_t *interval(const mukca_estimate *m)
-{
-    return isfinite(m->value) ? cli_json_interval(m->low, m->high) : NULL;
-}
-
 static json_t *alternatives(const mukca_motion_finding *f, const mukca_chain *chain)
 {
     json_t *array = json_array();
@@ -26,7 +21,8 @@ static json_t *alternatives(const mukca_motion_finding *f, const mukca_chain *ch
             KEY("joint", a->all || a->from < a->to ? NULL : mukca_chain_joint_name(chain, a->to)),
             KEY("order", cli_json_positive(a->detail)), FIELD(a, probability),
             KEY("amplitude", row ? a->amplitude.value : (double)NAN),
-            KEY("unit", row ? row->unit : NULL), KEY("ci95", row ? interval(&a->amplitude) : NULL));
+            KEY("unit", row ? row->unit : NULL),
+            KEY("ci95", row ? cli_json_estimate(&a->amplitude) : NULL));
     }
     return array;
 }
@@ -48,7 +44,7 @@ static json_t *finding(const mukca_motion_finding *f, const mukca_chain *chain)
         KEY("order", cli_json_positive(f->order[0] ? f->alternative[0].detail : 0)),
         KEY("order_ci95", f->order[0] > 0 ? json_pack("[i, i]", f->order[0], f->order[1]) : NULL),
         KEY("probability", g->probability), KEY("halves", g->halves),
-        KEY("size_nm", f->size_nm.value), KEY("size_ci95_nm", interval(&f->size_nm)),
+        KEY("size_nm", f->size_nm.value), KEY("size_ci95_nm", cli_json_estimate(&f->size_nm)),
         FIELD(f, size_percent), KEY("worst", mukca_chain_joint_name(chain, f->worst)),
         FIELD(f, share),
         KEY("held_out", f->before_nm > 0 ? cli_json(FIELD(f, before_nm), FIELD(f, after_nm),
@@ -56,7 +52,7 @@ static json_t *finding(const mukca_motion_finding *f, const mukca_chain *chain)
                                          : NULL),
         KEY("coefficient", sized ? cli_json(KEY("value", f->coefficient.value),
                                             KEY("unit", mukca_torque_table[g->effect].unit),
-                                            KEY("ci95", interval(&f->coefficient)))
+                                            KEY("ci95", cli_json_estimate(&f->coefficient)))
                                  : NULL),
         KEY("alternatives", alternatives(f, chain)),
         KEY("sentence", mukca_wording_torque(MUKCA_WORDS, g, chain)));

@@ -4,7 +4,6 @@
 #include "accept/accept.h"
 #include "base/file.h"
 #include "cli/diagnose.h"
-#include "cli/traits.h"
 #include "fit/mismatch.h"
 #include "report/report.h"
 

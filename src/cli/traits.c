@@ -1,5 +1,5 @@
 /* Label of an arm, and output of a fleet's traits in a diagnosis. */
-#include "cli/traits.h"
+#include "cli/diagnose.h"
 
 #include <libgen.h>
 #include <limits.h>

@@ -2,7 +2,7 @@
  * determined by the last move. */
 #include <math.h>
 
-#include "base/print.h"
+#include "base/number.h"
 #include "effect/catalogue.h"
 
 static void backlash_basis(double basis[][3], const mukca_basis_input *in)

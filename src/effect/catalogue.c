@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-#include "base/print.h"
+#include "base/number.h"
 #include "math/sincos.h"
 
 const mukca_effect_ops *const mukca_effect_catalogue[MUKCA_EFFECT_COUNT] = {

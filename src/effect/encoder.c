@@ -1,7 +1,7 @@
 /* Angle errors that are functions of angles: scale, coupling, encoder eccentricity and transmission
  * ripple. */
 
-#include "base/print.h"
+#include "base/number.h"
 #include "effect/catalogue.h"
 
 static void scale_basis(double basis[][3], const mukca_basis_input *in)

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/print.h"
+#include "base/number.h"
 #include "effect/catalogue.h"
 
 static void drift_basis(double basis[][3], const mukca_basis_input *in)

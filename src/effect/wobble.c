@@ -1,7 +1,7 @@
 /* Axis wobble: the axis of a joint tilts as the joint turns (bearing run-out). */
 #include <string.h>
 
-#include "base/print.h"
+#include "base/number.h"
 #include "effect/catalogue.h"
 
 static const char *const frame_name[] = {[MUKCA_WOBBLE_FIXED] = "fixed",

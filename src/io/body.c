@@ -1,5 +1,5 @@
 /* Mass, centre and inertia of a body: in other axes, and with more mass. */
-#include "io/body.h"
+#include "io/urdf.h"
 
 #include <string.h>
 

@@ -6,9 +6,9 @@
 
 #include "base/file.h"
 #include "base/text.h"
-#include "io/body.h"
 #include "io/export.h"
 #include "io/table.h"
+#include "io/urdf.h"
 
 const char *const mukca_export_inertial[10] = {"mass", "moment_x", "moment_y", "moment_z", "ixx",
                                                "iyy",  "izz",      "ixy",      "ixz",      "iyz"};

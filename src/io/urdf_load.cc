@@ -3,8 +3,8 @@
 
 extern "C" {
 #include "base/number.h"
-#include "io/body.h"
 #include "io/table.h"
+#include "io/urdf.h"
 #include "mukca/gravity.h"
 }
 #include "io/urdf_tree.h"

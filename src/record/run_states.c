@@ -1,5 +1,5 @@
 /* Runs from joint states. */
-#include "record/run_states.h"
+#include "record/joint_lines.h"
 
 #include <fcntl.h>
 #include <stdlib.h>
@@ -10,7 +10,6 @@
 #include "base/text.h"
 #include "io/export.h"
 #include "lcm/link.h"
-#include "record/joint_lines.h"
 
 /* First bytes of an event of lcm-logger. */
 static const unsigned char sync_word[4] = {0xed, 0xa1, 0xda, 0x01};

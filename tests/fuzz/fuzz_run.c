@@ -5,7 +5,7 @@
 
 #include "../unit/arms.h"
 #include "memory_file.h"
-#include "record/run_states.h"
+#include "record/joint_lines.h"
 
 static void check(const mukca_run *run, const mukca_chain *chain)
 {

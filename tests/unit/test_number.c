@@ -4,7 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/print.h"
 #include "base/suggest.h"
 #include "close.h"
 #include "math/random.h"
