@@ -2,7 +2,6 @@
 #include "accept/accept.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 #include "base/text.h"

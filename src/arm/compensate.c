@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "arm/inverse.h"
-#include "arm/tip_change.h"
 
 #define REACH_TEXT(name, text, sentence) text,
 #define REACH_SENTENCE(name, text, sentence) sentence,

@@ -4,7 +4,6 @@
 
 #include "accept/accept.h"
 #include "cli/scores.h"
-#include "fleet/fleet.h"
 
 typedef struct {
     cli_common common;

@@ -1,7 +1,6 @@
 /* The screen of a calibration, the verdict first; and its JSON. */
 #include "cli/calibrate.h"
 
-#include <math.h>
 #include <string.h>
 
 #include "fit/poses.h"

@@ -11,7 +11,6 @@
 #include "base/number.h"
 #include "base/suggest.h"
 #include "base/text.h"
-#include "base/workers.h"
 
 const cli_option *cli_next_option(const cli_command *command, const cli_option *o)
 {

@@ -5,7 +5,6 @@
 
 #include <string.h>
 
-#include "cli/scores.h"
 
 static const char *const stage_text[MUKCA_STAGES] = {"before", "angular offsets", "both",
                                                      "all parameters"};

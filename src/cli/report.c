@@ -1,10 +1,8 @@
 /* mukca report: diagnose an arm, or pool a fleet, and write one page. */
 #include <unistd.h>
 
-#include "accept/accept.h"
 #include "base/file.h"
 #include "cli/diagnose.h"
-#include "fit/mismatch.h"
 #include "report/report.h"
 
 typedef struct {

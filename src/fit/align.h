@@ -3,7 +3,6 @@
 #ifndef MUKCA_FIT_ALIGN_H
 #define MUKCA_FIT_ALIGN_H
 
-#include "fit/parameters.h"
 #include "model/dataset.h"
 
 /* measured = tracker * tip(q) * target, with the geometry's prediction tip(q). */

@@ -3,11 +3,11 @@
 #define MUKCA_FIT_EVALUATE_H
 
 #include "fit/fit.h"
+#include "mukca/effect.h"
 
 /* Folds of poses are blocks of consecutive ones, which are correlated: more leave more to the fit.
  */
 enum { MUKCA_POSE_FOLDS = 10 };
-#include "mukca/effect.h"
 
 /* Score of one placement, of all measured poses together, or the mean over those. */
 typedef struct {

@@ -1,5 +1,4 @@
 /* Columns of recorded rows: their meaning by name or by order. */
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/file.h"

@@ -1,6 +1,5 @@
 /* Products X'X and X'Y, and blocks of eight rows or columns of the Cholesky factorisation and its
  * triangular solves.  The Makefile compiles this file with contraction (base/clones.h). */
-#include <math.h>
 #include <stdbool.h>
 
 #include "base/kernel.h"

@@ -2,8 +2,7 @@
 #ifndef MUKCA_RECORD_RECORDER_H
 #define MUKCA_RECORD_RECORDER_H
 
-#include "record/messages.h"
-#include "record/session.h"
+#include "record/state.h"
 
 /* Connect to LCM and prepare a recording, without starting it.  theta[6 * n_elements] (NULL:
  * nominal) is the initial model.  `r` is large: allocate it.  Everything that it points to must
@@ -65,5 +64,70 @@ bool mukca_stream_find_names(mukca_stream *stream, int *missing, int n_joints);
  * sender's names next to the arm's. */
 bool mukca_stream_needs_confirmation(const mukca_recorder *r);
 void mukca_stream_describe_map(const mukca_recorder *r, char *text, size_t size);
+
+/* ---- the session: samples on disk before they are acknowledged (session.c) ---- */
+
+/* Initialise labels and capture; theta as for mukca_recorder_open. */
+mukca_status mukca_sampling_prepare(mukca_recorder *r, const double *theta, mukca_error *error);
+
+/* Create or resume the session file; its samples are loaded into the capture.  Errors: MUKCA_INPUT
+ * (exists without `force`; see mukca_session_open), MUKCA_MEMORY. */
+mukca_status mukca_sampling_begin(mukca_recorder *r, const char *path, bool resume, bool force,
+                                  mukca_error *error);
+
+/* Requests of the user; answer->text is the reply, also on success.  mukca_sampling_sample returns
+ * after the sample is on disk, and sends a sample message in any case; labels NULL or "" mean the
+ * current ones, utime 0: unknown; `time` is the request's arrival, us, 0: in order with the joint
+ * states.  mukca_sampling_delete deletes the last sample.  mukca_sampling_select: `placement` NULL
+ * is the current one, "" a new one; `socket` NULL is the next one, with a placement its first.
+ * Errors: MUKCA_NEGATIVE (refused), MUKCA_INPUT (disk). */
+mukca_status mukca_sampling_sample(mukca_recorder *r, const mukca_message_trigger *request,
+                                   int64_t time, mukca_error *answer);
+mukca_status mukca_sampling_delete(mukca_recorder *r, mukca_error *answer);
+mukca_status mukca_sampling_select(mukca_recorder *r, const char *placement, const char *socket,
+                                   mukca_error *answer);
+
+/* As mukca_sampling_sample; the reply is reported. */
+void mukca_sampling_trigger(mukca_recorder *r, const mukca_message_trigger *request, int64_t time);
+
+/* Count a failure with status MUKCA_MEMORY, for the exit code. */
+void mukca_sampling_count_unwritten(mukca_recorder *r, const mukca_error *error);
+
+/* ---- reports to the user, and the messages of the recorder (messages.c) ---- */
+
+/* "raw", "corrected", NULL; and that of the options. */
+extern const char *const mukca_recorder_streams[];
+const char *mukca_recorder_stream(const mukca_recorder *r);
+
+/* Send a message on its channel; false: it failed, which is reported. */
+bool mukca_recorder_publish(mukca_recorder *r, mukca_message_kind kind, const void *message);
+
+/* Report one line to the user and keep it for the status message: a mukca_note_fn, `r` is the
+ * recorder; formatted. */
+void mukca_recorder_note(void *r, const char *text);
+#define mukca_recorder_report(r, ...) \
+    mukca_note_format((mukca_notes){mukca_recorder_note, r}, __VA_ARGS__)
+
+/* Whether trouble of this kind was reported in the last ten seconds. */
+bool mukca_recorder_reported(const mukca_recorder *r, mukca_recorder_trouble kind);
+
+/* Report trouble at a limited rate; mukca_recorder_refuse also counts an unusable message. */
+void mukca_recorder_warn(mukca_recorder *r, mukca_recorder_trouble kind, const char *text);
+void mukca_recorder_refuse(mukca_recorder *r, mukca_recorder_trouble kind, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/* Append "no joint state on X; heard instead: PANDA_STATUS (drake.lcmt_panda_status, 7 joints)";
+ * `since` is printed after the channel. */
+void mukca_recorder_describe_silence(mukca_text *text, const mukca_recorder *r, const char *since);
+
+/* Type of the joint states; "": none. */
+const char *mukca_stream_type(const mukca_recorder *r);
+
+double mukca_stream_age(const mukca_recorder *r); /* s since the arrival of the last joint state */
+
+/* State of the stream: "no_stream", "moving" or "still"; and send it, or another `state` unless
+ * NULL, as a status message. */
+const char *mukca_sampling_state(const mukca_recorder *r);
+void mukca_sampling_publish_status(mukca_recorder *r, const char *state);
 
 #endif

@@ -5,8 +5,7 @@
 
 #include "base/cells.h"
 #include "io/dataset.h"
-#include "record/messages.h"
-#include "record/session.h"
+#include "record/recorder.h"
 
 /* ---- labels ---- */
 

@@ -1,6 +1,5 @@
 /* Tables for controllers: read or refused; what is read can be asked for positions and Jacobians.
  */
-#include <math.h>
 #include <string.h>
 
 #include "arm/offsets.h"

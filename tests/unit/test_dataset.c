@@ -2,7 +2,6 @@
 #include "io/dataset.h"
 
 #include "arms.h"
-#include "io/urdf.h"
 #include "model/dataset_subset.h"
 #include "scratch.h"
 

@@ -1,5 +1,4 @@
 /* Dense algebra: against definitions in long double, known spectra, and awkward matrices. */
-#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 

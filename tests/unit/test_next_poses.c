@@ -1,7 +1,6 @@
 /* The poses that settle a tie: within reach, in the recorded sockets, and telling. */
 #include "diagnose/next_poses.h"
 
-#include <stdlib.h>
 
 #include "arms.h"
 #include "cli/diagnose.h"

@@ -2,7 +2,6 @@
  * convention than they say. */
 #include "arms.h"
 #include "io/dataset.h"
-#include "io/rows.h"
 #include "math/angles.h"
 #include "mukca/rotation.h"
 #include "scratch.h"

@@ -1,10 +1,8 @@
 /* Zero-phase filter, differences and decimation: against SciPy and closed forms. */
 #include "dynamics/signals.h"
 
-#include <stdlib.h>
 
 #include "close.h"
-#include "math/random.h"
 
 enum { MOST = 200, WIDTH = 11 };
 

@@ -1,5 +1,4 @@
 /* Statistics and random numbers against published values. */
-#include <string.h>
 
 #include "close.h"
 #include "math/random.h"
