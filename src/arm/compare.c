@@ -167,10 +167,9 @@ void mukca_compare(mukca_comparison *c, const mukca_corrected *a, const mukca_co
 {
     const mukca_meeting meeting = {
         .points = c->points, .n = MUKCA_COMPARED, .base = true, .tool = true, .pull = 1e-6};
-    mukca_random random;
+    mukca_random random = mukca_random_seeded(1);
     double R[MUKCA_MEETING_FACTOR], q[MUKCA_MAX_JOINTS];
     compare_axes(c->axis, &a->geometry, &b->geometry);
-    mukca_random_seed(&random, 1);
     for (int i = 0; i < MUKCA_COMPARED; i++) {
         mukca_posture_draw(q, &a->chain, &random);
         mukca_corrected_pose(&c->tip[0][i], a, q, NULL);

@@ -99,14 +99,13 @@ mukca_status mukca_tip_change_find(mukca_tip_change *change, const mukca_tip_cha
                                    mukca_error *error)
 {
     mukca_pool pool = {0};
-    mukca_random random;
+    mukca_random random = mukca_random_seeded(1);
     double q[MUKCA_MAX_JOINTS];
     const mukca_dataset *data = task->data;
     const int step = data ? data->n_rows / RECORDED + 1 : 1;
     comparison *c = MUKCA_TAKE(&pool, comparison, 1);
     if (!c) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
     set_models(c, task);
-    mukca_random_seed(&random, 1);
     for (int i = 0; i < DRAWN; i++) {
         mukca_posture_draw(q, task->chain, &random);
         compare(c, q);

@@ -49,8 +49,7 @@ static double expected_error(mukca_arm_posterior *p)
     const int w = MUKCA_RIGID + p->m.linear.n_columns + 1, rows = 3 * PROBES, n = p->chain.n_joints;
     double *X = MUKCA_TAKE(&p->pool, double, rows *w), sum = 0;
     double *q = MUKCA_TAKE(&p->pool, double, PROBES *n);
-    mukca_random random;
-    mukca_random_seed(&random, 1);
+    mukca_random random = mukca_random_seeded(1);
     for (int i = 0; i < PROBES && !p->pool.failed; i++)
         mukca_posture_draw(q + i * n, &p->chain, &random);
     if (p->pool.failed || !mukca_arm_posterior_probe(X, w, p, q, PROBES)) return (double)NAN;

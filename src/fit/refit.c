@@ -123,9 +123,8 @@ static void set_postures(problem *p)
 {
     const mukca_refit_task *task = p->task;
     const int n = task->chain->n_joints, given = task->postures ? task->n_postures : 0;
-    mukca_random random;
+    mukca_random random = mukca_random_seeded(1);
     mukca_geometry geometry;
-    mukca_random_seed(&random, 1);
     mukca_geometry_set(&geometry, task->chain, task->arm->theta);
     for (int i = 0; i < p->n_rows; i++) {
         const int row = i % 2 ? p->fitted + i / 2 : i / 2;

@@ -14,6 +14,13 @@ void mukca_random_seed(mukca_random *random, uint64_t seed)
     }
 }
 
+mukca_random mukca_random_seeded(uint64_t seed)
+{
+    mukca_random random;
+    mukca_random_seed(&random, seed);
+    return random;
+}
+
 static uint64_t rotate_left(uint64_t x, int k)
 {
     return (x << k) | (x >> (64 - k));

@@ -162,8 +162,7 @@ void mukca_plan_look_elsewhere(mukca_plan_state *s, const mukca_plan_rules *rule
 {
     const int w = s->groups.size;
     s->elsewhere = MUKCA_TAKE(&s->pool, double, SPOTS *POSES * 3 * w);
-    mukca_random random;
-    mukca_random_seed(&random, seed + 1);
+    mukca_random random = mukca_random_seeded(seed + 1);
     if (s->pool.failed) return;
     for (int spot = 0, tries = 0; spot < SPOTS && tries < 20 * SPOTS; tries++) {
         double q[MUKCA_MAX_JOINTS], centre[3], *H = s->elsewhere + 3 * w * s->n_elsewhere;

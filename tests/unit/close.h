@@ -31,7 +31,8 @@ typedef struct {
 } bad_text;
 
 /* TEST(what_it_shows) { ... }; TEST_MAIN(setup, teardown) runs those of the file in their order;
- * TEST_EACH does both about each of them. */
+ * TEST_EACH does both about each of them.  FIXTURE(setup) { ...; return 0; } */
+#define FIXTURE(name) static inline int name(void **state __attribute__((unused)))
 #define TEST(name)                                                           \
     static void name(void **state);                                          \
     __attribute__((constructor)) static void name##_is_a_test(void)          \
@@ -87,9 +88,10 @@ static inline int test_run(CMFixtureFunction setup, CMFixtureFunction teardown)
     } while (0)
 #define assert_refused(call, part) assert_error(call, MUKCA_INPUT, error, part)
 
-#define assert_part(text, part)                                                   \
-    do {                                                                          \
-        if (!strstr((text), (part))) fail_msg("'%s' lacks '%s'", (text), (part)); \
+#define assert_part(text, part)                                                 \
+    do {                                                                        \
+        const char *whole = (text);                                             \
+        if (!strstr(whole, (part))) fail_msg("'%s' lacks '%s'", whole, (part)); \
     } while (0)
 
 #endif

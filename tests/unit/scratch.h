@@ -13,9 +13,8 @@
 
 static char scratch_folder[64];
 
-static inline int scratch_setup(void **state)
+FIXTURE(scratch_setup)
 {
-    (void)state;
     snprintf(scratch_folder, sizeof scratch_folder, "/tmp/mukca_test_XXXXXX");
     return mkdtemp(scratch_folder) ? 0 : 1;
 }
@@ -34,9 +33,8 @@ static inline int scratch_remove(const char *folder)
     return rmdir(folder);
 }
 
-static inline int scratch_teardown(void **state)
+FIXTURE(scratch_teardown)
 {
-    (void)state;
     return scratch_remove(scratch_folder);
 }
 

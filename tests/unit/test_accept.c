@@ -8,18 +8,16 @@ static mukca_dataset data;
 static mukca_fit fit;
 static mukca_offsets table;
 
-static int set_up(void **state)
+FIXTURE(set_up)
 {
-    (void)state;
     set_scene(&arm, NULL, 5);
     arm.how.noise = 1e-4;
     record(&data, &arm);
     return 0;
 }
 
-static int tear_down(void **state)
+FIXTURE(tear_down)
 {
-    (void)state;
     mukca_dataset_free(&data);
     return 0;
 }
@@ -111,8 +109,7 @@ TEST(the_error_of_the_distance_is_common)
 /* The first reading of each socket again and again, with the noise of encoders. */
 TEST(one_posture_a_socket_is_refused)
 {
-    mukca_random random;
-    mukca_random_seed(&random, 1);
+    mukca_random random = mukca_random_seeded(1);
     const int n = data.n_joints;
     for (int i = 0, first = 0; i < data.n_rows; i++) {
         if (data.socket[i] != data.socket[first]) first = i;

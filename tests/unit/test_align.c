@@ -23,8 +23,7 @@ static const mukca_align_options both = {.tracker = true, .target = true};
 static void measure(const double axis[3], double angle)
 {
     const double tracker_rpy[3] = {0.4, -1.1, 2.5};
-    mukca_random random;
-    mukca_random_seed(&random, 5);
+    mukca_random random = mukca_random_seeded(5);
     memset(&p, 0, sizeof p);
     gen3_chain(&p.chain);
     mukca_geometry_set(&p.geometry, &p.chain, NULL);
@@ -116,9 +115,8 @@ TEST(test_least_squares)
  * line) without turning the tool; noise of 20 um and 0.2 mrad. */
 static void keep_orientation(bool line)
 {
-    mukca_random random;
+    mukca_random random = mukca_random_seeded(3);
     measure((const double[3]){0, 1, 0}, 1.0);
-    mukca_random_seed(&random, 3);
     for (int i = 0; i < ROWS; i++) {
         double noise[3], R[9], *q = p.q + 7 * i;
         mukca_frame pose;

@@ -15,20 +15,23 @@ static mukca_capture_settings settings;
 static char text[MUKCA_CAPTURE_TEXT];
 
 /* A planar arm of three links of 0.4 m: easy to place by hand. */
-static int setup(void **state)
+FIXTURE(setup)
 {
-    (void)state;
     make_chain(&chain, "RRRF", NULL, "A", 3);
     for (int k = 1; k < 4; k++) chain.element[k].xyz[0] = 0.4;
     memset(&settings, 0, sizeof settings);
     return mukca_capture_init(&capture, &chain, NULL, &settings, &error) ? 1 : 0;
 }
 
-static int teardown(void **state)
+FIXTURE(teardown)
 {
-    (void)state;
     mukca_capture_free(&capture);
     return 0;
+}
+
+static mukca_status take(double age)
+{
+    return mukca_capture_take(&sample, &capture, age, &error);
 }
 
 static unsigned feed(double time, const double q[3])
@@ -55,7 +58,7 @@ static bool stand(const double q[3], double seconds, double rate, int *socket)
         if (mukca_capture_due(&s, said, &capture)) {
             due = true;
             *socket = s;
-            assert_ok(mukca_capture_take(&sample, &capture, 0, &error));
+            assert_ok(take(0));
             capture.socket = s;
             assert_ok(mukca_capture_keep(text, &capture, sample.q, &error));
         }
@@ -76,14 +79,13 @@ static void reach(double q[3], double x, double y, double angle)
 
 TEST(a_sample_is_the_mean_of_the_window)
 {
-    assert_error(mukca_capture_take(&sample, &capture, 0, &error), MUKCA_NEGATIVE, error,
-                 "no joint state");
+    assert_error(take(0), MUKCA_NEGATIVE, error, "no joint state");
     /* 1 kHz; the window of 0.2 s holds the last 200 readings, of which the mean is known */
     for (int i = 0; i < 5000; i++) {
         double q[3] = {1 + 1e-4 * (i % 2), -2, 3e-4 * (i < 4800 ? i : 4800)};
         assert_int_equal(feed(0.001 * i, q), 0);
     }
-    assert_ok(mukca_capture_take(&sample, &capture, 0, &error));
+    assert_ok(take(0));
     assert_int_equal(sample.n, 200);
     assert_true(!(fabs(sample.q[0] - 1.00005) > 1e-12));
     assert_true(sample.q[1] == -2);
@@ -96,34 +98,31 @@ TEST(a_sample_is_the_mean_of_the_window)
 TEST(moving_stale_and_thin_streams_are_refused)
 {
     for (int i = 0; i < 1000; i++) feed(0.001 * i, (const double[]){0, 0.02 * 0.001 * i, 0});
-    assert_error(mukca_capture_take(&sample, &capture, 0, &error), MUKCA_NEGATIVE, error,
-                 "the arm moves: A2 by 4.0 mrad");
+    assert_error(take(0), MUKCA_NEGATIVE, error, "the arm moves: A2 by 4.0 mrad");
     for (int i = 1000; i < 1300; i++) feed(0.001 * i, (const double[]){0, 0.02, 0});
-    assert_ok(mukca_capture_take(&sample, &capture, 0.1, &error));
-    assert_error(mukca_capture_take(&sample, &capture, 0.25, &error), MUKCA_NEGATIVE, error,
-                 "0.25 s old");
+    assert_ok(take(0.1));
+    assert_error(take(0.25), MUKCA_NEGATIVE, error, "0.25 s old");
     /* the same numbers again: the driver does not update any more */
     assert_ok(mukca_capture_select(&capture, "p", "0", &error));
-    assert_ok(mukca_capture_take(&sample, &capture, 0, &error));
+    assert_ok(take(0));
     assert_ok(mukca_capture_keep(text, &capture, sample.q, &error));
-    assert_ok(mukca_capture_take(&sample, &capture, 0, &error));
+    assert_ok(take(0));
     assert_true(mukca_capture_repeats(&capture, sample.q));
     sample.q[1] += 1e-9;
     assert_false(mukca_capture_repeats(&capture, sample.q));
     /* the stream stops for 3 s and returns: the window must fill anew */
     assert_int_equal(feed(4.3, (const double[]){1, 1, 1}), 0);
     feed(4.301, (const double[]){1, 1, 1});
-    assert_error(mukca_capture_take(&sample, &capture, 0, &error), MUKCA_NEGATIVE, error,
-                 "too few joint states");
+    assert_error(take(0), MUKCA_NEGATIVE, error, "too few joint states");
     for (int i = 2; i < 201; i++) feed(4.3 + 0.001 * i, (const double[]){1, 1, 1});
-    assert_ok(mukca_capture_take(&sample, &capture, 0, &error));
+    assert_ok(take(0));
 }
 
 static mukca_status arrive(double time, double arrival, double age)
 {
     mukca_capture_reading reading = {.time = time, .arrival = arrival, .q = {0, 0, 0.1}};
     mukca_capture_feed(&capture, &reading);
-    return mukca_capture_take(&sample, &capture, age, &error);
+    return take(age);
 }
 
 /* Readings that waited on their way are of another moment than a request from outside. */
@@ -150,27 +149,26 @@ TEST(what_arrives_at_once_is_not_the_present)
 TEST(slow_streams_need_three_readings)
 {
     for (int i = 0; i < 5; i++) feed(0.09 * i, (const double[]){0, 0, 0.1});
-    assert_ok(mukca_capture_take(&sample, &capture, 0, &error));
+    assert_ok(take(0));
     assert_int_equal(sample.n, 3);
     for (int i = 0; i < 5; i++) feed(1 + 0.15 * i, (const double[]){0, 0, 0.1});
-    assert_error(mukca_capture_take(&sample, &capture, 0, &error), MUKCA_NEGATIVE, error,
-                 "--window");
+    assert_error(take(0), MUKCA_NEGATIVE, error, "--window");
 }
 
 /* A window fits the ring at any rate; and any clock can be survived. */
 TEST(fast_streams_and_mad_clocks)
 {
     for (int i = 0; i < 400000; i++) feed(2e-6 * i, (const double[]){0.1, 0.2, 0.3});
-    assert_ok(mukca_capture_take(&sample, &capture, 0, &error));
+    assert_ok(take(0));
     assert_true(sample.n > 1000);
     assert_int_equal(feed(-5, (const double[]){0.1, 0.2, 0.3}), MUKCA_CAPTURE_BACKWARDS);
-    assert_int_equal(mukca_capture_take(&sample, &capture, 0, &error), MUKCA_NEGATIVE);
+    assert_int_equal(take(0), MUKCA_NEGATIVE);
     feed(9e12, (const double[]){0.1, 0.2, 0.3});
     for (int i = 0; i < 300; i++) feed(10 + 0.001 * i, (const double[]){0.1, 0.2, 0.3});
-    assert_ok(mukca_capture_take(&sample, &capture, 0, &error));
+    assert_ok(take(0));
     for (int i = 0; i < 300; i++) feed(10.3, (const double[]){0.1, 0.2, 0.3}); /* clock stands */
     feed(10.6, (const double[]){0.1, 0.2, 0.3});
-    assert_int_equal(mukca_capture_take(&sample, &capture, 0, &error), MUKCA_NEGATIVE);
+    assert_int_equal(take(0), MUKCA_NEGATIVE);
 }
 
 TEST(two_arms_on_one_channel_are_told)
@@ -181,10 +179,9 @@ TEST(two_arms_on_one_channel_are_told)
         told += feed(0.001 * i + 1e-4, (const double[]){0.5, 0, 0}) == MUKCA_CAPTURE_TWO_SENDERS;
     }
     assert_int_equal(told, 1);
-    assert_error(mukca_capture_take(&sample, &capture, 0, &error), MUKCA_NEGATIVE, error,
-                 "two arms");
+    assert_error(take(0), MUKCA_NEGATIVE, error, "two arms");
     for (int i = 0; i < 2000; i++) feed(2 + 0.001 * i, (const double[]){0, 0, 0}); /* one leaves */
-    assert_ok(mukca_capture_take(&sample, &capture, 0, &error));
+    assert_ok(take(0));
     for (int i = 0; i < 10; i++) { /* same posture, but clocks 1 h apart */
         unsigned a = feed(10 + 0.001 * i, (const double[]){0, 0, 0});
         unsigned b = feed(3610 + 0.001 * i, (const double[]){0, 0, 0});
@@ -229,41 +226,38 @@ TEST(standing_still_records_by_itself)
     assert_int_equal(socket, 0);
 }
 
+/* Keep a sample there; what is remarked. */
+static const char *keep(double x, double y, double angle)
+{
+    double q[3];
+    reach(q, x, y, angle);
+    assert_ok(mukca_capture_keep(text, &capture, q, &error));
+    return text;
+}
+
 TEST(remarks_name_what_is_odd)
 {
-    double q[3], rms, last, coverage[3];
+    double rms, last, coverage[3];
     assert_int_equal(mukca_capture_keep(text, &capture, (const double[]){0, 0, 0}, &error),
                      MUKCA_INPUT);
     assert_ok(mukca_capture_select(&capture, "front", "0", &error));
-    for (int i = 0; i < 6; i++) {
-        reach(q, 0.6 + 1e-4 * (i % 2), 0.2, 0.2 * i);
-        assert_ok(mukca_capture_keep(text, &capture, q, &error));
-        assert_string_equal(text, "");
-    }
-    reach(q, 0.648, 0.2, 0.5); /* in the other socket, which has no samples yet */
-    mukca_capture_keep(text, &capture, q, &error);
-    assert_part(text, "48 mm from this socket's other samples: this looks like socket 1");
+    for (int i = 0; i < 6; i++) assert_string_equal(keep(0.6 + 1e-4 * (i % 2), 0.2, 0.2 * i), "");
+    /* in the other socket, which has no samples yet */
+    assert_part(keep(0.648, 0.2, 0.5),
+                "48 mm from this socket's other samples: this looks like socket 1");
     mukca_capture_drop(&capture);
     mukca_capture_spread(&rms, &last, &capture, 0);
     assert_true(!(fabs(rms - 0.5e-4) > 1e-9));
     assert_true(!(fabs(last - 0.6e-4) > 1e-9));
-    reach(q, 0.6, 0.2, 0.201);
-    mukca_capture_keep(text, &capture, q, &error);
-    assert_part(text, "nearly the posture of sample 2");
+    assert_part(keep(0.6, 0.2, 0.201), "nearly the posture of sample 2");
     mukca_capture_drop(&capture);
     assert_string_equal(mukca_capture_next_label(&capture), "1");
     assert_ok(mukca_capture_select(&capture, "front", "1", &error));
     assert_string_equal(mukca_capture_next_label(&capture), "0");
-    reach(q, 0.601, 0.2, 0.9);
-    mukca_capture_keep(text, &capture, q, &error);
-    assert_part(text, "is the ball really in socket 1?");
+    assert_part(keep(0.601, 0.2, 0.9), "is the ball really in socket 1?");
     mukca_capture_drop(&capture);
-    reach(q, 0.65, 0.2, 0.9);
-    mukca_capture_keep(text, &capture, q, &error);
-    assert_string_equal(text, "");
-    reach(q, 0.6, 0.2, 0.7);
-    mukca_capture_keep(text, &capture, q, &error);
-    assert_part(text, "looks like socket 0");
+    assert_string_equal(keep(0.65, 0.2, 0.9), "");
+    assert_part(keep(0.6, 0.2, 0.7), "looks like socket 0");
     assert_int_equal(capture.rows.n_rows, 8);
     mukca_capture_coverage(coverage, &capture);
     for (int j = 0; j < 3; j++) assert_true(coverage[j] > 0.01 && coverage[j] < 0.5);

@@ -73,8 +73,7 @@ static double true_error(operator_ *o, const mukca_capture *capture)
 {
     enum { N = 400 };
     static double d[N][3], x[N][3];
-    mukca_random random;
-    mukca_random_seed(&random, 77);
+    mukca_random random = mukca_random_seeded(77);
     for (int i = 0; i < N; i++) {
         double q[7], y[3];
         for (int j = 0; j < 7; j++) q[j] = 2.9 * (2 * mukca_random_uniform(&random) - 1);

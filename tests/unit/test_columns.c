@@ -161,8 +161,7 @@ static void check_diagnosis(const scene *s, mukca_random *random, double offset)
 
 TEST(columns)
 {
-    mukca_random random;
-    mukca_random_seed(&random, 27);
+    mukca_random random = mukca_random_seeded(27);
     for (int kind = 0; kind < 64; kind++) {
         scene s = {.sockets = kind >> 5 & 1,
                    .oriented = kind & 1,

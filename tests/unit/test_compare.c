@@ -11,9 +11,8 @@ static mukca_comparison comparison; /* large */
 static mukca_corrected a, b;
 
 /* The paper's arm, twice. */
-static int setup(void **state)
+FIXTURE(setup)
 {
-    (void)state;
     memset(&a, 0, sizeof a);
     gen3_chain(&a.chain);
     mukca_geometry_set(&a.geometry, &a.chain, NULL);
@@ -34,8 +33,7 @@ static void change_gauge(mukca_corrected *arm)
 {
     static const double base_turn[3] = {0.3, -2.8, 0.4}, base_shift[3] = {0.5, -0.2, 0.9};
     static const double tool_turn[3] = {0, 1, 0}, tool_shift[3] = {0.02, -0.03, 0.05};
-    mukca_random random;
-    mukca_random_seed(&random, 4);
+    mukca_random random = mukca_random_seeded(4);
     for (int k = 0; k < 7; k++) {
         const double angle = 6 * mukca_random_uniform(&random) - 3;
         const double along = 0.4 * mukca_random_uniform(&random) - 0.2;

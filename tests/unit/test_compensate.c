@@ -11,9 +11,8 @@ static mukca_corrected arm;
 static mukca_geometry nominal;
 
 /* The paper's offsets, compliance, and a gear ripple. */
-static int setup(void **state)
+FIXTURE(setup)
 {
-    (void)state;
     double theta[6 * MUKCA_MAX_ELEMENTS];
     gen3_chain(&arm.chain);
     for (int k = 0; k < 7; k++)
@@ -58,8 +57,7 @@ static double distance(const double a[3], const double b[3])
 TEST(random_targets_are_reached)
 {
     mukca_compensator c;
-    mukca_random random;
-    mukca_random_seed(&random, 21);
+    mukca_random random = mukca_random_seeded(21);
     double sent[7] = {0};
     int missed = 0;
     mukca_compensator_start(&c, &arm, false);

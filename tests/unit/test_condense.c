@@ -36,9 +36,8 @@ static void repeat(mukca_dataset *out, const mukca_dataset *data)
     free(longer.sockets), free(longer.placements);
 }
 
-static int set_up(void **state)
+FIXTURE(set_up)
 {
-    (void)state;
     set_scene(&s, "joint_compliance:joint_2=2e-4", 7);
     s.how.noise = 1e-4;
     return 0;

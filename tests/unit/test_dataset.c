@@ -22,6 +22,20 @@ static mukca_status load_one(const char *path, const mukca_dataset_options *opti
     return load(&path, 1, options);
 }
 
+/* A text, and its format (NULL: the usual one). */
+typedef struct {
+    const char *text;
+    const mukca_rows_format *format;
+} table;
+
+/* A table of that text, in a format (NULL: the usual one). */
+static mukca_status load_text(const char *text, const mukca_rows_format *format)
+{
+    mukca_dataset_options options = {0};
+    if (format) options.format = *format;
+    return load_one(scratch_file("t.csv", text), &options);
+}
+
 /* A folder of the published kind; its path. */
 static const char *folder(const char *name, const char *hole_0, const char *hole_1)
 {
@@ -134,6 +148,8 @@ TEST(copies_are_used_once)
     assert_int_equal(data.n_rows, 12);
 }
 
+static const mukca_rows_format degrees = {.angle = M_PI / 180, .length = 1e-3, .units = true};
+
 static const char *three_sockets(void)
 {
     return scratch_file("three.tsv",
@@ -234,13 +250,9 @@ TEST(folders_of_placements_are_read)
 /* One orientation (scipy's, turns of 40, -25 and 110 degrees about z, y, x) in all forms. */
 TEST(orientations_are_read)
 {
-    const mukca_rows_format degrees = {.angle = M_PI / 180, .length = 1e-3, .units = true};
     static const double q[4] = {0.465570306171480, 0.793964931227341, 0.156867611669477,
                                 0.358129209087548};
-    const struct {
-        const char *text;
-        const mukca_rows_format *format;
-    } cases[] = {
+    const table cases[] = {
         {"j1,j2,x_m,y_m,z_m,rx,ry,rz\n0,0,1,2,3,1.949482722728496,0.385169025327849,0."
          "879341993784716\n",
          NULL},
@@ -253,37 +265,21 @@ TEST(orientations_are_read)
          NULL},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        mukca_dataset_options options = {0};
-        if (cases[i].format) options.format = *cases[i].format;
-        const mukca_status status = load_one(scratch_file("t.csv", cases[i].text), &options);
-        if (status != MUKCA_OK) fail_msg("%zu: %s", i, error.text);
+        if (load_text(cases[i].text, cases[i].format)) fail_msg("%zu: %s", i, error.text);
         double along = 0;
         for (int c = 0; c < 4; c++) along += q[c] * data.quaternion[c];
         assert_close(fabs(along), 1, 1e-14);
         assert_close(data.position[2], 3, 1e-14);
-    }
-    const char *bad[][2] = {
-        {"j1,j2,x_m,y_m,z_m,rx,ry\n0,0,1,2,3,0,0\n", "no column 'rz'; rx to rz belong together"},
-        {"j1,j2,x_m,y_m,z_m,rx,ry,rz\n0,0,1,2,3,90,0,0\n",
-         "column 'rx': is 90; angles are in rad (for degrees: [deg] after the names"},
-        {"j1,j2,x_m,y_m,z_m,rx,ry,rz\n0,0,1,2,3,1,,0\n", "an orientation needs all three numbers"},
-        {"j1,j2,X,Y,Z,A,B,C\n0,0,1,2,3,0,0,0\n", "columns x, y, z without a unit"}};
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
-        const mukca_dataset_options options = {0};
-        assert_int_equal(load_one(scratch_file("t.csv", bad[i][0]), &options), MUKCA_INPUT);
-        assert_part(error.text, bad[i][1]);
     }
 }
 
 /* All columns of a joint are in its unit; rates are per second. */
 TEST(columns_of_a_joint_have_its_unit)
 {
-    mukca_dataset_options options = {
-        .format = {.angle = M_PI / 180, .length = 1e-3, .units = true}};
-    const char *text =
-        "j1,j2,j1.command,j2.command,j1.velocity,j2.velocity,x,y,z\n"
-        "90,45,90,45,18,-9,100,200,300\n";
-    assert_int_equal(load_one(scratch_file("t.csv", text), &options), MUKCA_OK);
+    assert_ok(
+        load_text("j1,j2,j1.command,j2.command,j1.velocity,j2.velocity,x,y,z\n"
+                  "90,45,90,45,18,-9,100,200,300\n",
+                  &degrees));
     for (int j = 0; j < 2; j++) {
         assert_close(data.q[j], M_PI / (2 + 2 * j), 1e-15);
         assert_close(data.command[j], M_PI / (2 + 2 * j), 1e-15);
@@ -294,17 +290,13 @@ TEST(columns_of_a_joint_have_its_unit)
 /* One posture in the ways that people write it; the pose is that of the first text. */
 TEST(tables_of_others_are_read)
 {
-    const mukca_rows_format degrees = {.angle = M_PI / 180, .length = 1e-3, .units = true},
-                            order = {.by_order = true}, inverse = {.inverse = true},
+    const mukca_rows_format order = {.by_order = true}, inverse = {.inverse = true},
                             renamed = {.columns = "Basis [deg]=j1, Arm = j2,X=x_m,Y=y_m,Z=z_m"},
                             named = {.columns = "j1,j2,x_m,y_m,z_m,qw,qx,qy,qz"},
                             few = {.columns = "j1,j2"}, none = {.columns = "j7=j1"},
                             both = {.angle = M_PI / 180, .length = 1e-3, .by_order = true};
 #define MATRIX "m00,m01,m02,m03,m10,m11,m12,m13,m20,m21,m22,m23,m30,m31,m32,m33"
-    const struct {
-        const char *text;
-        const mukca_rows_format *format;
-    } cases[] = {
+    const table cases[] = {
         {"j1,j2,x_m,y_m,z_m,qw,qx,qy,qz\n0.5,-1,0.1,0.2,0.3,0,0,0,1\n", NULL},
         {"j1;j2;x_mm;y_mm;z_mm;qw;qx;qy;qz\n0,5;-1;100,0;200;300;0;0;0;1\n", NULL},
         {"j1,j2,x,y,z,qw,qx,qy,qz\n28.64788975654116,-57.29577951308232,100,200,300,0,0,0,1\n",
@@ -334,10 +326,7 @@ TEST(tables_of_others_are_read)
          NULL},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        mukca_dataset_options options = {0};
-        if (cases[i].format) options.format = *cases[i].format;
-        const mukca_status status = load_one(scratch_file("t.csv", cases[i].text), &options);
-        if (status != MUKCA_OK) fail_msg("%zu: %s", i, error.text);
+        if (load_text(cases[i].text, cases[i].format)) fail_msg("%zu: %s", i, error.text);
         assert_int_equal(data.n_rows, 1);
         assert_close(data.q[0], 0.5, 1e-15);
         assert_close(data.q[1], -1, 1e-15);
@@ -367,11 +356,16 @@ TEST(tables_of_others_are_read)
         {"j1,j2," MATRIX "\n0,0,1,0,0,0,0,1,0,,0,0,1,0,0,0,0,1\n", NULL,
          "all numbers of its matrix"},
         {"j1,j2,m00\n0,0,1\n", NULL, "no column 'm23'; m00 to m23 belong together"},
+        {"j1,j2,x_m,y_m,z_m,rx,ry\n0,0,1,2,3,0,0\n", NULL,
+         "no column 'rz'; rx to rz belong together"},
+        {"j1,j2,x_m,y_m,z_m,rx,ry,rz\n0,0,1,2,3,90,0,0\n", NULL,
+         "column 'rx': is 90; angles are in rad (for degrees: [deg] after the names"},
+        {"j1,j2,x_m,y_m,z_m,rx,ry,rz\n0,0,1,2,3,1,,0\n", NULL,
+         "an orientation needs all three numbers"},
+        {"j1,j2,X,Y,Z,A,B,C\n0,0,1,2,3,0,0,0\n", NULL, "columns x, y, z without a unit"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
-        mukca_dataset_options options = {0};
-        if (bad[i].format) options.format = *bad[i].format;
-        const mukca_status status = load_one(scratch_file("t.csv", bad[i].text), &options);
+        const mukca_status status = load_text(bad[i].text, bad[i].format);
         if (bad[i].part)
             assert_refused(status, bad[i].part);
         else

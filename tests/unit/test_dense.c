@@ -15,8 +15,7 @@ static double hilbert(int i, int j)
 
 static void fill(double *A, int count, uint64_t seed)
 {
-    mukca_random random;
-    mukca_random_seed(&random, seed);
+    mukca_random random = mukca_random_seeded(seed);
     for (int i = 0; i < count; i++) A[i] = mukca_random_normal(&random);
 }
 

@@ -104,8 +104,7 @@ static void tip_of(double p[3], const table *t, bool modified, const double *q)
 /* Axes in any direction, parallel and meeting ones, prismatic joints, fixed elements between. */
 TEST(table_of_random_arms_is_exact)
 {
-    mukca_random random;
-    mukca_random_seed(&random, 5);
+    mukca_random random = mukca_random_seeded(5);
     for (int arm = 0; arm < 200; arm++) {
         double origin[8][6], q[8], p[3], r[3];
         mukca_chain chain;

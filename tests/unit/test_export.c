@@ -10,8 +10,7 @@ static mukca_offsets offsets;
 
 static void calibrate(void)
 {
-    mukca_random random;
-    mukca_random_seed(&random, 3);
+    mukca_random random = mukca_random_seeded(3);
     mukca_offsets_init(&offsets, &chain);
     for (int i = 0; i < 18; i++) offsets.theta[i] += 1e-3 * mukca_random_normal(&random);
 }

@@ -49,24 +49,32 @@ static mukca_labelled_sets of(const posterior *p)
     return (mukca_labelled_sets){n_labels, p->n, labels, p->set, MUKCA_FINDING_SQUARE, separate};
 }
 
+static posterior p, half[2]; /* empty at first */
 static mukca_finding_group out[2 * MUKCA_MOST_FINDINGS];
+static int all; /* findings and others */
 
-/* Choose with these halves (NULL: none); returns the number of findings, *all with the others. */
-static int choose(int *all, const posterior *p, const posterior *halves)
+/* Choose with the halves (0: with none); returns the number of findings. */
+static int choose(int halves)
 {
     mukca_pool pool = {0};
-    mukca_labelled_sets whole = of(p), parts[2];
+    mukca_labelled_sets whole = of(&p), parts[2] = {of(&half[0]), of(&half[1])};
     int n = -1;
-    for (int h = 0; h < 2 && halves; h++) parts[h] = of(&halves[h]);
-    *all = mukca_findings_choose(out, &n, &pool, &whole, parts, halves ? 2 : 0);
+    all = mukca_findings_choose(out, &n, &pool, &whole, parts, halves);
     mukca_pool_free(&pool);
     return n;
 }
 
-static int setup(void **state)
+/* The halves are as the whole. */
+static int choose_alike(void)
 {
-    (void)state;
+    half[0] = half[1] = p;
+    return choose(2);
+}
+
+FIXTURE(setup)
+{
     n_labels = 0;
+    p = half[0] = half[1] = (posterior){.n = 0};
     return 0;
 }
 
@@ -74,16 +82,13 @@ static int setup(void **state)
  */
 TEST(separate_positions)
 {
-    posterior p = {.n = 0}, half[2];
-    int all;
     const int name = label(LOAD, COMPLIANCE, 1, 0), other = label(ANGLE, -1, 4, 0);
     add(&p, 1, name, other, 50);
     p.product[0][3] = 500;
-    half[0] = half[1] = p;
-    assert_int_equal(choose(&all, &p, half), 2);
+    assert_int_equal(choose_alike(), 2);
     for (int i = 0; i < 2; i++) assert_int_equal(out[i].kind, MUKCA_GROUP_FAMILY);
     separate = true;
-    assert_int_equal(choose(&all, &p, half), 2);
+    assert_int_equal(choose(2), 2);
     assert_int_equal(out[0].kind, MUKCA_GROUP_EFFECT);
     separate = false;
 }
@@ -92,8 +97,6 @@ TEST(separate_positions)
  * tie: nothing finer than the tie is sure. */
 TEST(declared_tie)
 {
-    posterior p = {.n = 0}, half[2];
-    int all;
     const int near = label(LOAD, BENDING, 4, 0), far = label(LOAD, BENDING, 5, 0),
               gain = label(TIME, BASE, 2, 0), common = label(TIME, BASE, 0, 0);
     for (int l = 0; l < n_labels; l++) labels[l].tie = 1;
@@ -102,28 +105,24 @@ TEST(declared_tie)
     add(&p, 0.3, far, -1, 50);
     add(&p, 0.2, gain, -1, 50);
     add(&p, 0.2, common, -1, 50);
-    half[0] = half[1] = p;
-    assert_int_equal(choose(&all, &p, half), 1);
+    assert_int_equal(choose_alike(), 1);
     assert_int_equal(out[0].kind, MUKCA_GROUP_TIE);
     assert_int_equal(out[0].from, 2);
     assert_int_equal(out[0].to, 5);
     for (int l = 0; l < n_labels; l++) labels[l].tie = 0;
-    assert_int_equal(choose(&all, &p, half), 0);
+    assert_int_equal(choose(2), 0);
 }
 
 /* Base, joint 0 and joint 1 share one signal: none is sure, a load from the base to joint 1 is. */
 TEST(shared_signal)
 {
-    posterior p = {.n = 0}, half[2];
-    int all;
     const int base = label(LOAD, BASE, -1, 0), first = label(LOAD, BENDING, 0, 0),
               second = label(LOAD, COMPLIANCE, 1, 0);
     add(&p, 0.4, base, -1, 50);
     add(&p, 0.3, first, -1, 50);
     add(&p, 0.29, second, -1, 50);
     add(&p, 0.01, -1, -1, 0);
-    half[0] = half[1] = p;
-    assert_int_equal(choose(&all, &p, half), 1);
+    assert_int_equal(choose_alike(), 1);
     assert_int_equal(out[0].kind, MUKCA_GROUP_FAMILY);
     assert_int_equal(out[0].from, -1);
     assert_int_equal(out[0].to, 1);
@@ -134,16 +133,13 @@ TEST(shared_signal)
 /* One effect at one joint; its order is known within what the joint's travel resolves. */
 TEST(exact)
 {
-    posterior p = {.n = 0}, half[2];
-    int all;
     const int low = label(ANGLE, RIPPLE, 3, 100), high = label(ANGLE, RIPPLE, 3, 101),
               other = label(LOAD, COMPLIANCE, 1, 0);
     labels[low].blur = labels[high].blur = 1;
     add(&p, 0.6, low, other, 50);
     add(&p, 0.38, high, other, 50);
     add(&p, 0.02, other, -1, 50);
-    half[0] = half[1] = p;
-    assert_int_equal(choose(&all, &p, half), 2);
+    assert_int_equal(choose_alike(), 2);
     assert_int_equal(out[0].kind, MUKCA_GROUP_DETAIL);
     assert_int_equal(out[0].effect, RIPPLE);
     assert_int_equal(out[1].kind, MUKCA_GROUP_EFFECT);
@@ -157,13 +153,10 @@ TEST(exact)
 /* A named and an unlisted function of one angle: it varies with that angle. */
 TEST(outside_the_catalogue)
 {
-    posterior p = {.n = 0}, half[2];
-    int all;
     const int named = label(ANGLE, RIPPLE, 2, 5), unlisted = label(ANGLE, -1, 2, 0);
     add(&p, 0.5, named, -1, 50);
     add(&p, 0.5, unlisted, -1, 50);
-    half[0] = half[1] = p;
-    assert_int_equal(choose(&all, &p, half), 1);
+    assert_int_equal(choose_alike(), 1);
     assert_int_equal(out[0].kind, MUKCA_GROUP_FAMILY);
     assert_int_equal(out[0].family, ANGLE);
     assert_int_equal(out[0].effect, -1);
@@ -173,21 +166,18 @@ TEST(outside_the_catalogue)
  * half was asked for. */
 TEST(refused)
 {
-    posterior p = {.n = 0}, half[2] = {{.n = 0}, {.n = 0}};
-    int all;
     const int cause = label(TIME, COMPLIANCE, 2, 0);
     add(&p, 1, cause, -1, MUKCA_FINDING_SQUARE - 1);
-    half[0] = half[1] = p;
-    assert_int_equal(choose(&all, &p, half), 0);
+    assert_int_equal(choose_alike(), 0);
     assert_int_equal(all, 0);
     p.n = half[0].n = half[1].n = 0;
     add(&p, 1, cause, -1, 50);
     add(&half[0], 1, cause, -1, 50);
     add(&half[1], 1, -1, -1, 0);
-    assert_int_equal(choose(&all, &p, half), 0);
+    assert_int_equal(choose(2), 0);
     assert_int_equal(all, 1);
     assert_close(out[0].probability, 0.75, 1e-12);
-    assert_int_equal(choose(&all, &p, NULL), 0);
+    assert_int_equal(choose(0), 0);
     assert_true(isnan(out[0].halves));
 }
 
@@ -201,12 +191,11 @@ TEST(thresholds)
                  {0.501, 0.501, 0, 1}, {0.501, 0.301, 0, 0}, {0.499, 0.999, 0, 0}};
     const int cause = label(LOAD, COMPLIANCE, 2, 0);
     for (int i = 0; i < 6; i++) {
-        posterior p = {.n = 0}, half[2] = {{.n = 0}, {.n = 0}};
-        int all;
+        p.n = half[0].n = 0;
         add(&p, cases[i].whole, cause, -1, 50);
         add(&half[0], cases[i].half, cause, -1, 50);
         half[1] = half[0];
-        assert_int_equal(choose(&all, &p, half), cases[i].findings);
+        assert_int_equal(choose(2), cases[i].findings);
         assert_int_equal(all, cases[i].findings + cases[i].others);
     }
 }
@@ -242,14 +231,11 @@ TEST(verdicts)
 /* Groups are disjoint: a second finding shares no cause with the first. */
 TEST(disjoint)
 {
-    posterior p = {.n = 0}, half[2];
-    int all;
     const int a = label(LOAD, COMPLIANCE, 1, 0), b = label(LOAD, COMPLIANCE, 3, 0),
               c = label(LOAD, BENDING, 3, 0);
     add(&p, 0.5, a, b, 50);
     add(&p, 0.5, a, c, 50);
-    half[0] = half[1] = p;
-    assert_int_equal(choose(&all, &p, half), 2);
+    assert_int_equal(choose_alike(), 2);
     for (int l = 0; l < n_labels; l++)
         assert_int_equal(
             mukca_finding_holds(&out[0], &labels[l]) + mukca_finding_holds(&out[1], &labels[l]), 1);

@@ -19,21 +19,19 @@ static mukca_frame tracker;
 static double truth[MUKCA_MAX_FREE];
 
 /* A 6-axis arm (all axes z in their frames) with a fixed tip; a tracker in its base. */
-static int setup(void **state)
+FIXTURE(setup)
 {
     static const double origin[7][6] = {{0, 0, 0.16, 0, 0, 0},      {0.05, 0, 0, M_PI_2, 0, 0},
                                         {-0.42, 0, 0, 0, 0, 0},     {-0.39, 0, 0.13, 0, 0, 0},
                                         {0, -0.1, 0, M_PI_2, 0, 0}, {0, 0.1, 0, -M_PI_2, 0, 0},
                                         {0.03, 0.04, 0.1, 0, 0, 0}};
-    (void)state;
     make_chain(&chain, "RRRRRRF", origin, "joint_", 0);
     tracker = (mukca_frame){{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
     return 0;
 }
 
-static int teardown(void **state)
+FIXTURE(teardown)
 {
-    (void)state;
     mukca_dataset_free(&data);
     return 0;
 }

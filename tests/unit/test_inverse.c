@@ -10,9 +10,8 @@ static mukca_chain chain;
 static mukca_geometry geometry;
 
 /* The Gen3 with limits of 2.5 rad. */
-static int setup(void **state)
+FIXTURE(setup)
 {
-    (void)state;
     gen3_chain(&chain);
     for (int k = 0; k < 7; k++) chain.element[k].lower = -2.5, chain.element[k].upper = 2.5;
     mukca_geometry_set(&geometry, &chain, NULL);
@@ -21,9 +20,8 @@ static int setup(void **state)
 
 TEST(test_positions_and_poses)
 {
-    mukca_random random;
+    mukca_random random = mukca_random_seeded(11);
     int positions = 0, poses = 0;
-    mukca_random_seed(&random, 11);
     for (int i = 0; i < 200; i++) {
         const bool pose = i % 2;
         double truth[7], q[7], off = 0;

@@ -10,16 +10,14 @@
 
 static char path[] = "/tmp/mukca_test_log_XXXXXX";
 
-static int setup(void **state)
+FIXTURE(setup)
 {
-    (void)state;
     int fd = mkstemp(path);
     return fd < 0 || close(fd);
 }
 
-static int teardown(void **state)
+FIXTURE(teardown)
 {
-    (void)state;
     return unlink(path);
 }
 

@@ -10,9 +10,8 @@
 
 static mukca_lcm_types types, more; /* built in; and described by a test */
 
-static int setup(void **state)
+FIXTURE(setup)
 {
-    (void)state;
     if (mukca_lcm_types_init(&types, &error)) {
         fprintf(stderr, "%s\n", error.text);
         return 1;

@@ -23,12 +23,12 @@ static mukca_chain chain;
 static double memory[2][ROWS * (2 * N + 1)];
 static mukca_run run[2];
 static mukca_motion motion;
+static const char *without; /* an effect that the catalogue lacks; NULL: none */
 
-static int setup(void **state)
+FIXTURE(setup)
 {
     static const double origin[N][6] = {
         {0, 0, 0.2, 0, 0, 0}, {0, 0, 0.1, -1.5708, 0, 0}, {0.4, 0, 0, 0, 0, 0}};
-    (void)state;
     make_chain(&chain, "RRR", origin, "j", 3);
     chain.gravity[2] = -9.80665;
     chain.n_masses = N;
@@ -55,13 +55,12 @@ static void move(double q[N], double dq[N], double ddq[N], double t, const put *
 static void record(int i, mukca_run_role role, int seed, const put *p)
 {
     mukca_dynamics arm;
-    mukca_random random;
+    mukca_random random = mukca_random_seeded((uint64_t)seed);
     double inertial[N * MUKCA_INERTIAL];
     const double com[3] = {0.1, 0, 0};
     mukca_dynamics_set(&arm, &chain);
     mukca_dynamics_inertials(inertial, &chain);
     mukca_inertial_add(inertial + (N - 1) * MUKCA_INERTIAL, p->payload, com, NULL);
-    mukca_random_seed(&random, (uint64_t)seed);
     run[i] = (mukca_run){.name = "run.tsv",
                          .role = role,
                          .n = ROWS,
@@ -87,7 +86,7 @@ static void record(int i, mukca_run_role role, int seed, const put *p)
     }
 }
 
-static mukca_status analyse(int n, const char *without)
+static mukca_status analyse(int n)
 {
     mukca_motion_input input = {.chain = &chain, .run = run, .n_runs = n, .notes = {note, NULL}};
     if (without) input.disabled[mukca_torque_effect_find(without)] = true;
@@ -114,7 +113,7 @@ TEST(test_a_clean_arm_is_not_accused)
 {
     for (int seed = 1; seed <= 3; seed++) {
         record(0, MUKCA_RUN_NEW, seed, &(put){.speed = seed == 3 ? 0.3 : 1});
-        assert_int_equal(analyse(1, NULL), MUKCA_OK);
+        assert_ok(analyse(1));
         assert_int_equal(motion.n_findings, 0);
         assert_int_equal(motion.verdict, MUKCA_MOTION_NONE);
         for (int j = 0; j < N; j++) assert_true(motion.joint[j].explained_nm <= 0.01);
@@ -123,32 +122,32 @@ TEST(test_a_clean_arm_is_not_accused)
 
 TEST(test_effects_are_found_with_their_sizes)
 {
-    record(0, MUKCA_RUN_NEW, 5, &(put){.viscous = 0.8});
-    assert_int_equal(analyse(1, NULL), MUKCA_OK);
-    expect_one("viscous", 1, 0.8, 0.05);
-    record(0, MUKCA_RUN_NEW, 6, &(put){.coulomb = 0.7});
-    assert_int_equal(analyse(1, NULL), MUKCA_OK);
-    expect_one("coulomb", 1, 0.7, 0.05);
-    record(0, MUKCA_RUN_NEW, 7, &(put){.payload = 1.5});
-    assert_int_equal(analyse(1, NULL), MUKCA_OK);
-    expect_one("payload", N - 1, 1.5, 0.3);
-    record(0, MUKCA_RUN_NEW, 8, &(put){.gain = 0.12});
-    assert_int_equal(analyse(1, NULL), MUKCA_OK);
-    expect_one("torque_gain", 1, 0.12, 0.06);
-    record(0, MUKCA_RUN_NEW, 9, &(put){.delay = 0.012});
-    assert_int_equal(analyse(1, NULL), MUKCA_OK);
-    expect_one("delay", -1, 0.012, 0.001);
-    assert_true(fabs(motion.shift_s - 0.012) <= 0.001);
-    record(0, MUKCA_RUN_NEW, 10, &(put){.wave = 0.5});
-    assert_int_equal(analyse(1, NULL), MUKCA_OK);
-    expect_one("cogging", 1, 0.5, 0.05);
+    static const struct {
+        const char *effect;
+        int joint;
+        double value, most;
+        put put;
+    } cases[] = {{"viscous", 1, 0.8, 0.05, {.viscous = 0.8}},
+                 {"coulomb", 1, 0.7, 0.05, {.coulomb = 0.7}},
+                 {"payload", N - 1, 1.5, 0.3, {.payload = 1.5}},
+                 {"torque_gain", 1, 0.12, 0.06, {.gain = 0.12}},
+                 {"delay", -1, 0.012, 0.001, {.delay = 0.012}},
+                 {"cogging", 1, 0.5, 0.05, {.wave = 0.5}}};
+    for (int i = 0; i < 6; i++) {
+        record(0, MUKCA_RUN_NEW, 5 + i, &cases[i].put);
+        assert_ok(analyse(1));
+        expect_one(cases[i].effect, cases[i].joint, cases[i].value, cases[i].most);
+        assert_close(motion.shift_s, cases[i].put.delay, 0.001);
+    }
     assert_in_range(8, motion.finding[0].order[0], motion.finding[0].order[1]);
 }
 
 TEST(test_what_the_catalogue_lacks_is_unknown)
 {
     record(0, MUKCA_RUN_NEW, 5, &(put){.viscous = 0.8});
-    assert_int_equal(analyse(1, "viscous"), MUKCA_OK);
+    without = "viscous";
+    assert_ok(analyse(1));
+    without = NULL;
     assert_true(motion.n_findings >= 1);
     assert_int_equal(motion.finding[0].group.family, MUKCA_TORQUE_VELOCITY);
     assert_int_equal(motion.finding[0].group.effect, -1);
@@ -164,7 +163,7 @@ TEST(test_friction_is_found_beside_that_of_a_coupled_wrist)
     bool coupled = false;
     record(0, MUKCA_RUN_NEW, 19, &(put){.coulomb = 0.7, .unknown = 1, .coupled = 0.8});
     run[0].n = 1000;
-    assert_int_equal(analyse(1, NULL), MUKCA_OK);
+    assert_ok(analyse(1));
     for (int i = 0; i < motion.n_findings; i++) {
         const mukca_motion_finding *f = &motion.finding[i];
         coupled |= f->outside > 0.5 && f->group.family == MUKCA_TORQUE_VELOCITY;
@@ -181,10 +180,10 @@ TEST(test_against_a_reference_only_changes_count)
     const put before = {.unknown = 1}, after = {.unknown = 1, .payload = 1.5};
     record(0, MUKCA_RUN_REFERENCE, 11, &before);
     record(1, MUKCA_RUN_NEW, 12, &before);
-    assert_int_equal(analyse(2, NULL), MUKCA_OK);
+    assert_ok(analyse(2));
     assert_int_equal(motion.n_findings, 0);
     record(1, MUKCA_RUN_NEW, 12, &after);
-    assert_int_equal(analyse(2, NULL), MUKCA_OK);
+    assert_ok(analyse(2));
     expect_one("payload", N - 1, 1.5, 0.3);
 }
 
@@ -192,7 +191,7 @@ TEST(test_test_runs_are_not_fitted)
 {
     record(0, MUKCA_RUN_NEW, 13, &(put){.viscous = 0.8});
     record(1, MUKCA_RUN_TEST, 14, &(put){0});
-    assert_int_equal(analyse(2, NULL), MUKCA_OK);
+    assert_ok(analyse(2));
     assert_int_equal(motion.n_findings, 1);
     assert_int_equal(motion.finding[0].group.effect, MUKCA_MOTION_VISCOUS);
     /* these lack what the others have */
@@ -202,22 +201,17 @@ TEST(test_test_runs_are_not_fitted)
 TEST(test_bad_runs_are_refused)
 {
     record(0, MUKCA_RUN_NEW, 15, &(put){.sign = -1});
-    assert_int_equal(analyse(1, NULL), MUKCA_INPUT);
-    assert_non_null(strstr(error.text, "opposite sign"));
+    assert_refused(analyse(1), "opposite sign");
     record(0, MUKCA_RUN_NEW, 16, &(put){.speed = 1e-3});
-    assert_int_equal(analyse(1, NULL), MUKCA_UNIDENTIFIABLE);
-    assert_non_null(strstr(error.text, "no joint moves"));
+    assert_error(analyse(1), MUKCA_UNIDENTIFIABLE, error, "no joint moves");
     record(0, MUKCA_RUN_NEW, 17, &(put){.one_way = true});
-    assert_int_equal(analyse(1, NULL), MUKCA_UNIDENTIFIABLE);
-    assert_non_null(strstr(error.text, "one direction only"));
+    assert_error(analyse(1), MUKCA_UNIDENTIFIABLE, error, "one direction only");
     record(0, MUKCA_RUN_NEW, 18, &(put){0});
     run[0].n = 400;
-    assert_int_equal(analyse(1, NULL), MUKCA_UNIDENTIFIABLE);
-    assert_non_null(strstr(error.text, "record"));
+    assert_error(analyse(1), MUKCA_UNIDENTIFIABLE, error, "record");
     run[0].n = ROWS;
     for (int i = 0; i < ROWS; i++) run[0].time[i] *= 20;
-    assert_int_equal(analyse(1, NULL), MUKCA_UNIDENTIFIABLE);
-    assert_non_null(strstr(error.text, "samples per second"));
+    assert_error(analyse(1), MUKCA_UNIDENTIFIABLE, error, "samples per second");
 }
 
 /* Every named effect has columns, a unit, and sizes in it. */

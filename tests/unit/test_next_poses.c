@@ -1,7 +1,6 @@
 /* The poses that settle a tie: within reach, in the recorded sockets, and telling. */
 #include "diagnose/next_poses.h"
 
-
 #include "arms.h"
 #include "cli/diagnose.h"
 #include "scene.h"
@@ -42,9 +41,8 @@ static void choose(void)
 
 static mukca_effect bending, scale, moved;
 
-static int setup(void **state)
+FIXTURE(setup)
 {
-    (void)state;
     bending = make_effect(MUKCA_EFFECT_LINK_BENDING, 2, 4e-5);
     scale = make_effect(MUKCA_EFFECT_JOINT_SCALE, 1, 1e-3);
     moved = make_effect(MUKCA_EFFECT_TOOL_MOTION, -1, 1e-3);

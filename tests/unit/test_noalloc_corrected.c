@@ -25,11 +25,9 @@ static void add_effect(mukca_effect_kind kind, int joint, const char *variant, d
 }
 
 /* A table of the Gen3 with offsets, masses and effects, as the program writes it. */
-static int setup(void **state)
+FIXTURE(setup)
 {
-    (void)state;
-    mukca_random random;
-    mukca_random_seed(&random, 11);
+    mukca_random random = mukca_random_seeded(11);
     gen3_chain(&chain);
     snprintf(chain.robot, sizeof chain.robot, "gen3");
     snprintf(chain.tip, sizeof chain.tip, "tip");
@@ -62,8 +60,7 @@ static void random_angles(double *q, mukca_random *random)
 
 TEST(equals_the_program)
 {
-    mukca_random random;
-    mukca_random_seed(&random, 12);
+    mukca_random random = mukca_random_seeded(12);
     assert_int_equal(model.chain.n_joints, 7);
     assert_int_equal(model.n_effects, 6);
     assert_string_equal(model.chain.robot, "gen3");
@@ -87,8 +84,7 @@ TEST(equals_the_program)
 static void add_every_effect(void)
 {
     static const char *const wobbles[] = {"fixed2", "turning1", "cone-2"};
-    mukca_random random;
-    mukca_random_seed(&random, 14);
+    mukca_random random = mukca_random_seeded(14);
     arm.n_effects = 0;
     for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++)
         for (int i = 0; i < (mukca_effect_has_joint(kind) ? 3 : 1); i++) {
@@ -154,8 +150,7 @@ static void find_load(mukca_gravity_load *load, const double *q, const mukca_dis
  */
 TEST(rest_is_the_fixed_point)
 {
-    mukca_random random;
-    mukca_random_seed(&random, 16);
+    mukca_random random = mukca_random_seeded(16);
     for (int i = 0; i < 200; i++) {
         double q[7];
         mukca_displacement d = {0}, found;
@@ -204,8 +199,7 @@ TEST(rest_is_the_fixed_point)
 TEST(jacobian_lacks_the_change_of_the_deflection_alone)
 {
     const double h = 2e-4, weight[4] = {1, -8, 8, -1}, at[4] = {-2, -1, 1, 2};
-    mukca_random random;
-    mukca_random_seed(&random, 15);
+    mukca_random random = mukca_random_seeded(15);
     for (int i = 0; i < 60; i++) {
         double q[7], J[42], command[7], move[7];
         arm = model;
@@ -309,8 +303,7 @@ TEST(a_million_calls_allocate_nothing)
     double q[7], p[3], J[42], sum = 0;
     mukca_frame T;
     static mukca_corrected bare;
-    mukca_random random;
-    mukca_random_seed(&random, 14);
+    mukca_random random = mukca_random_seeded(14);
     bare = model;
     bare.n_effects = 0;
     calls = 0;

@@ -17,9 +17,8 @@ static mukca_dynamics dynamics;
 static double p[P], q[N], dq[N], ddq[N];
 static mukca_random generator;
 
-static int load(void **state)
+FIXTURE(load)
 {
-    (void)state;
     const mukca_urdf_options options = {.tip = "ball"};
     if (mukca_urdf_load(&chain, "tests/unit/torques.urdf", &options, &error)) return 1;
     mukca_dynamics_set(&dynamics, &chain);

@@ -17,11 +17,10 @@ TEST(test_nothing_allocated)
     mukca_dataset data;
     mukca_parameters parameters;
     mukca_cost cost;
-    mukca_random random;
+    mukca_random random = mukca_random_seeded(6);
     mukca_solver_outcome outcome;
     double x[MUKCA_MAX_FREE], g[MUKCA_MAX_FREE], position[3], J[6 * 7], sum = 0;
     gen3_chain(&chain);
-    mukca_random_seed(&random, 6);
     assert_ok(mukca_dataset_create(&data, ROWS, 7, 2, 1, NULL));
     data.distances = calloc(1, sizeof *data.distances);
     assert_non_null(data.distances);

@@ -13,9 +13,8 @@ static controller c;
 static double q[7] = {0.3, -0.5, 0.2, 1.4, -0.4, 0.9, 0.1}, still[7];
 static const double masses[7] = {1.4, 1.2, 1.2, 0.9, 0.7, 0.7, 0.4};
 
-static int setup(void **state)
+FIXTURE(setup)
 {
-    (void)state;
     memset(&c, 0, sizeof c);
     mukca_chain *chain = &c.arm.chain;
     gen3_chain(chain);

@@ -25,8 +25,7 @@ TEST(numbers_are_the_c_librarys)
         "18446744073709551616 123456789012345678901234567890 4.9e-324 2.2250738585072014e-308 "
         "1e308 1e-400 0e99999 007 1E+5";
     for (char *word = strtok(texts, " "); word; word = strtok(NULL, " ")) check_same(word);
-    mukca_random random;
-    mukca_random_seed(&random, 7);
+    mukca_random random = mukca_random_seeded(7);
     static const int digits[] = {17, 18, 9, 6, 3, 15};
     for (int i = 0; i < 60000; i++) {
         char text[64];
@@ -43,8 +42,7 @@ TEST(numbers_are_the_c_librarys)
 /* The middle between two doubles, in all of its digits. */
 TEST(ties_are_rounded_to_even)
 {
-    mukca_random random;
-    mukca_random_seed(&random, 8);
+    mukca_random random = mukca_random_seeded(8);
     for (int i = 0; i < 9000; i++) {
         char text[64];
         const double low = floor(ldexp(1 + mukca_random_uniform(&random), 52));
@@ -56,8 +54,7 @@ TEST(ties_are_rounded_to_even)
 /* Digits beyond 19 are cut: less than a thousandth of the distance between two doubles. */
 TEST(long_numbers_are_read_to_the_last_bit_but_one)
 {
-    mukca_random random;
-    mukca_random_seed(&random, 10);
+    mukca_random random = mukca_random_seeded(10);
     for (int i = 0; i < 2000; i++) {
         char text[1000];
         double ours = 0;
@@ -72,8 +69,7 @@ TEST(long_numbers_are_read_to_the_last_bit_but_one)
 TEST(printing_without_stdio_agrees)
 {
     char ours[96], theirs[96];
-    mukca_random random;
-    mukca_random_seed(&random, 9);
+    mukca_random random = mukca_random_seeded(9);
     for (int i = 0; i < 20000; i++) {
         const double scale = ldexp(1, mukca_random_below(&random, 80) - 40);
         const double value = i % 2 ? floor(scale) : scale * mukca_random_normal(&random);
@@ -131,8 +127,7 @@ TEST(numbers_are_written_short_and_read_back)
         mukca_number_format(text, known[i].value);
         assert_string_equal(text, known[i].text);
     }
-    mukca_random random;
-    mukca_random_seed(&random, 1);
+    mukca_random random = mukca_random_seeded(1);
     for (int i = 0; i < 10000; i++) {
         const double value = mukca_random_normal(&random) * exp(10 * mukca_random_normal(&random));
         double back;

@@ -12,8 +12,7 @@ static int setup(void **state)
 {
     if (scratch_setup(state)) return 1;
     if (mukca_urdf_load(&chain, urdf_path(), NULL, &error)) return 1;
-    mukca_random random;
-    mukca_random_seed(&random, 3);
+    mukca_random random = mukca_random_seeded(3);
     mukca_offsets_init(&offsets, &chain);
     for (int i = 0; i < 18; i++) {
         offsets.theta[i] += 1e-3 * mukca_random_normal(&random);

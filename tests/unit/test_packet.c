@@ -73,9 +73,8 @@ static datagram *cut(uint32_t sequence, unsigned number)
 static mukca_lcm_reassembly r;
 static mukca_lcm_packet p; /* the last one */
 
-static int reset(void **state)
+FIXTURE(reset)
 {
-    (void)state;
     mukca_lcm_packet_clear(&r);
     r = (mukca_lcm_reassembly){.dropped = 0};
     for (size_t i = 0; i < LARGE; i++) message[i] = (unsigned char)(i * 7 + i / 256);
@@ -224,9 +223,8 @@ TEST(the_queue_keeps_order_and_bounds)
 {
     mukca_lcm_queue *q = calloc(1, sizeof *q);
     mukca_lcm_queued *e;
-    mukca_random random;
+    mukca_random random = mukca_random_seeded(1);
     assert_non_null(q);
-    mukca_random_seed(&random, 1);
     int64_t pushed = 0, taken = 0, last = -1;
     for (int i = 0; i < 200000; i++) {
         const size_t size =

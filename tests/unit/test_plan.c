@@ -9,9 +9,8 @@
 static mukca_chain chain;
 static mukca_geometry nominal;
 
-static int load(void **state)
+FIXTURE(load)
 {
-    (void)state;
     if (mukca_urdf_load(&chain, "data/demo/arm.urdf", NULL, &error)) return 1;
     mukca_geometry_set(&nominal, &chain, NULL);
     return 0;

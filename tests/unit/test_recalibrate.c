@@ -54,10 +54,9 @@ enum { SWEEPS, RASTER }; /* one joint after the other, the others at 0; random p
 
 static void record(mukca_dataset *log, int kind)
 {
-    mukca_random random;
+    mukca_random random = mukca_random_seeded(1);
     mukca_geometry geometry;
     mukca_geometry_set(&geometry, &truth, NULL);
-    mukca_random_seed(&random, 1);
     create(log);
     log->n_rows = kind == SWEEPS ? 7 * 277 : 165;
     for (int i = 0; i < log->n_rows; i++) {
@@ -189,8 +188,7 @@ TEST(test_split)
 
 static void add_noise(mukca_dataset *log, double metres, double radians, uint64_t seed)
 {
-    mukca_random random;
-    mukca_random_seed(&random, seed);
+    mukca_random random = mukca_random_seeded(seed);
     for (int i = 0; i < log->n_rows; i++) {
         double w[3], R[9], E[9], turned[9];
         for (int a = 0; a < 3; a++) {

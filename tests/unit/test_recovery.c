@@ -67,12 +67,11 @@ TEST(test_standard_errors)
     make_chain(&chain, "RRRRRRRF", origins, "j", 2.8);
     for (int seed = 0; seed < SEEDS; seed++) {
         double truth[MUKCA_MAX_FREE], nominal[MUKCA_MAX_FREE];
-        mukca_random random;
+        mukca_random random = mukca_random_seeded(1000 + (uint64_t)seed);
         mukca_dataset data;
         mukca_fit fit;
         const mukca_fit_options options = {.selection.free = identifiable, .cost.lambda = -1};
         mukca_parameters free;
-        mukca_random_seed(&random, 1000 + (uint64_t)seed);
         mukca_chain_theta(nominal, &chain);
         memcpy(truth, nominal, sizeof truth);
         assert_ok(mukca_parameters_select(&free, &chain, &options.selection, NULL));

@@ -40,17 +40,15 @@ static void begin(void)
     record(&f->data, &f->s);
 }
 
-static int set_up(void **state)
+FIXTURE(set_up)
 {
-    (void)state;
     begin();
     create();
     return 0;
 }
 
-static int tear_down(void **state)
+FIXTURE(tear_down)
 {
-    (void)state;
     mukca_regression_free(&f->m);
     mukca_dataset_free(&f->data);
     mukca_pool_free(&f->pool);

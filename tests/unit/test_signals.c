@@ -1,7 +1,6 @@
 /* Zero-phase filter, differences and decimation: against SciPy and closed forms. */
 #include "dynamics/signals.h"
 
-
 #include "close.h"
 
 enum { MOST = 200, WIDTH = 11 };

@@ -40,9 +40,8 @@ static void record(row *to, const char *effects)
     assert_ok(mukca_simulate_motion(&motion, take, to));
 }
 
-static int set_up(void **state)
+FIXTURE(set_up)
 {
-    (void)state;
     motion = (mukca_simulated_motion){.chain = &chain, .runs = 1, .seconds = 8, .rate = 100};
     motion.speed = 1.5, motion.seed = 3;
     if (mukca_urdf_load(&chain, "data/demo/arm.urdf", NULL, &error)) return 1;

@@ -83,8 +83,7 @@ TEST(within_one_ulp)
 {
     static double x[N], s[N], c[N];
     double most = 0;
-    mukca_random random;
-    mukca_random_seed(&random, 3);
+    mukca_random random = mukca_random_seeded(3);
     for (int round = 0; round < ROUNDS; round++) {
         for (int i = 0; i < N; i++) x[i] = angle(&random, round);
         mukca_sincos(s, c, x, N);
@@ -119,8 +118,7 @@ TEST(edges_as_the_c_library)
 
 TEST(one_lane_gives_the_same_bits)
 {
-    mukca_random random;
-    mukca_random_seed(&random, 11);
+    mukca_random random = mukca_random_seeded(11);
     for (int trial = 0; trial < 20000; trial++) {
         const double x = angle(&random, trial);
         double s[4], c[4], sine, cosine;
@@ -143,8 +141,7 @@ TEST(one_lane_gives_the_same_bits)
 TEST(place_and_number_do_not_matter)
 {
     enum { MOST = 19 };
-    mukca_random random;
-    mukca_random_seed(&random, 5);
+    mukca_random random = mukca_random_seeded(5);
     for (int trial = 0; trial < 2000; trial++) {
         double x[MOST], s[MOST + 3], c[MOST + 3], sine[4], cosine[4];
         const int n = 1 + mukca_random_below(&random, MOST);

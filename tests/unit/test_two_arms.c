@@ -1,7 +1,6 @@
 /* Base to base: the pose that was built in, and intervals that hold it as often as they say. */
 #include "fit/align.h"
 
-
 #include "close.h"
 #include "math/random.h"
 
