@@ -47,8 +47,13 @@ bool mukca_recorder_reported(const mukca_recorder *r, mukca_recorder_trouble kin
     return r->reports.reported[kind] && ago >= 0 && ago < repeat_us;
 }
 
-void mukca_recorder_warn(mukca_recorder *r, mukca_recorder_trouble kind, const char *text)
+void mukca_recorder_warn(mukca_recorder *r, mukca_recorder_trouble kind, const char *format, ...)
 {
+    char text[MUKCA_RECORDER_LINE];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
     r->reports.occurrences[kind]++;
     if (mukca_recorder_reported(r, kind)) return;
     const int64_t now = mukca_lcm_link_clock(&r->link);
@@ -58,17 +63,6 @@ void mukca_recorder_warn(mukca_recorder *r, mukca_recorder_trouble kind, const c
                               r->reports.occurrences[kind]);
     else
         mukca_recorder_report(r, "%s", text);
-}
-
-void mukca_recorder_refuse(mukca_recorder *r, mukca_recorder_trouble kind, const char *format, ...)
-{
-    char text[MUKCA_RECORDER_LINE];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
-    va_end(args);
-    r->stream.count.refused++;
-    mukca_recorder_warn(r, kind, text);
 }
 
 void mukca_recorder_describe_silence(mukca_text *text, const mukca_recorder *r, const char *since)
@@ -110,7 +104,7 @@ bool mukca_recorder_publish(mukca_recorder *r, mukca_message_kind kind, const vo
     mukca_message_channel(channel, kind, r->options->prefix);
     bool sent = size && mukca_lcm_link_publish(&r->link, channel, large ? large : r->outgoing, size,
                                                &error) == MUKCA_OK;
-    if (size && !sent) mukca_recorder_warn(r, MUKCA_RECORDER_OWN_MESSAGE, error.text);
+    if (size && !sent) mukca_recorder_warn(r, MUKCA_RECORDER_OWN_MESSAGE, "%s", error.text);
     if (large) free(large);
     return sent;
 }

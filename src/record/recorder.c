@@ -128,11 +128,9 @@ static void take_trigger(mukca_recorder *r, const mukca_lcm_packet *packet)
     if (status == MUKCA_OK && r->hooks.trigger)
         status = r->hooks.trigger(r->hooks.context, packet, &error);
     if (status != MUKCA_OK) {
-        char line[MUKCA_RECORDER_LINE]; /* counted as a sample, not as a message */
-        snprintf(line, sizeof line, "%s: %s", packet->channel, error.text);
-        mukca_recorder_warn(r, MUKCA_RECORDER_OWN_MESSAGE, line);
         const mukca_message_sample answer = {.id = trigger.id, .text = error.text};
-        r->session.refused++;
+        mukca_recorder_warn(r, MUKCA_RECORDER_OWN_MESSAGE, "%s: %s", packet->channel, error.text);
+        r->session.refused++; /* a sample, not a message */
         mukca_recorder_publish(r, MUKCA_MESSAGE_SAMPLE, &answer);
         return;
     }
@@ -327,17 +325,16 @@ static void watch(mukca_recorder *r)
     silence->reported = true;
     snprintf(since, sizeof since, " for %.1f s", silence->duration);
     mukca_recorder_describe_silence(&text, r, since);
-    mukca_recorder_warn(r, MUKCA_RECORDER_SILENT, line);
+    mukca_recorder_warn(r, MUKCA_RECORDER_SILENT, "%s", line);
 }
 
 static void warn_dropped(mukca_recorder *r)
 {
-    char reason[128], line[160];
+    char reason[128];
     int64_t dropped = mukca_lcm_multicast_dropped(r->link.multicast, reason);
     if (dropped == r->stream.count.dropped) return;
     r->stream.count.dropped = dropped;
-    snprintf(line, sizeof line, "network: messages dropped: %s", reason);
-    mukca_recorder_warn(r, MUKCA_RECORDER_DROPPED, line);
+    mukca_recorder_warn(r, MUKCA_RECORDER_DROPPED, "network: messages dropped: %s", reason);
 }
 
 mukca_status mukca_recorder_step(mukca_recorder *r, int timeout_ms, int other, bool *readable,

@@ -112,9 +112,10 @@ void mukca_recorder_note(void *r, const char *text);
 bool mukca_recorder_reported(const mukca_recorder *r, mukca_recorder_trouble kind);
 
 /* Report trouble at a limited rate; mukca_recorder_refuse also counts an unusable message. */
-void mukca_recorder_warn(mukca_recorder *r, mukca_recorder_trouble kind, const char *text);
-void mukca_recorder_refuse(mukca_recorder *r, mukca_recorder_trouble kind, const char *format, ...)
+void mukca_recorder_warn(mukca_recorder *r, mukca_recorder_trouble kind, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
+#define mukca_recorder_refuse(r, kind, ...) \
+    ((r)->stream.count.refused++, mukca_recorder_warn(r, kind, __VA_ARGS__))
 
 /* Append "no joint state on X; heard instead: PANDA_STATUS (drake.lcmt_panda_status, 7 joints)";
  * `since` is printed after the channel. */

@@ -127,7 +127,7 @@ static void feed(mukca_recorder *r, int64_t time)
     reading->arrival = 1e-6 * (double)stream->last.arrival;
     unsigned found = mukca_capture_feed(&r->session.capture, reading);
     if (found & MUKCA_CAPTURE_TWO_SENDERS)
-        mukca_recorder_warn(r, MUKCA_RECORDER_TWO_SENDERS, two_arms);
+        mukca_recorder_warn(r, MUKCA_RECORDER_TWO_SENDERS, "%s", two_arms);
     else if (found & MUKCA_CAPTURE_BACKWARDS && r->session.capture.jumps < 2)
         mukca_recorder_warn(r, MUKCA_RECORDER_BACKWARDS,
                             "the sender's clock went back (restarted?): going on with it");

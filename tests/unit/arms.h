@@ -2,9 +2,11 @@
 #ifndef MUKCA_TESTS_ARMS_H
 #define MUKCA_TESTS_ARMS_H
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
+#include "math/dense.h"
 #include "mukca/chain.h"
 #include "mukca/effect.h"
 
@@ -37,6 +39,23 @@ static inline mukca_effect make_effect(mukca_effect_kind kind, int joint, double
 {
     return (mukca_effect){
         .kind = kind, .joint = joint, .placement = -1, .terms = 1, .coefficient = {coefficient}};
+}
+
+/* Mean distance of points from others, moved rigidly to them; *rms (may be NULL). */
+static inline double rigid_error(double *rms, double (*to)[3], double (*from)[3], int n)
+{
+    mukca_frame best;
+    double sum = 0, squares = 0;
+    mukca_frame_nearest(&best, to[0], from[0], 3, n);
+    for (int i = 0; i < n; i++) {
+        double at[3];
+        mukca_mat3_vec(at, best.R, from[i]);
+        for (int k = 0; k < 3; k++) at[k] += best.p[k];
+        sum += mukca_distance3(at, to[i]) / n;
+        squares += pow(mukca_distance3(at, to[i]), 2) / n;
+    }
+    if (rms) *rms = sqrt(squares);
+    return sum;
 }
 
 #endif

@@ -1,6 +1,7 @@
 /* Acceptance by prediction: what a recording determines about the tip decides, repeated postures
  * count once, and the error that is announced is that of the true arm. */
 #include "accept/accept.h"
+#include "arms.h"
 #include "scene.h"
 
 static scene arm;
@@ -46,30 +47,15 @@ static void refused_for(const char *reason)
  * the data. */
 static double true_error(const double *theta)
 {
-    mukca_geometry geometry;
-    double sum = 0, centre[2][3] = {{0}};
     enum { N = 200 };
     static double p[2][N][3];
-    double C[9] = {0}, R[9], at[3];
+    mukca_geometry geometry;
     mukca_geometry_set(&geometry, &arm.chain, theta);
     for (int i = 0; i < N; i++) {
-        const double *q = data.q + i * data.n_joints;
-        mukca_fk_position(p[0][i], &geometry, q, NULL);
-        mukca_fk_position(p[1][i], &arm.arm.geometry, q, NULL);
-        for (int k = 0; k < 6; k++) centre[k / 3][k % 3] += p[k / 3][i][k % 3] / N;
+        mukca_fk_position(p[0][i], &geometry, data.q + i * data.n_joints, NULL);
+        mukca_fk_position(p[1][i], &arm.arm.geometry, data.q + i * data.n_joints, NULL);
     }
-    for (int i = 0; i < N; i++)
-        for (int k = 0; k < 9; k++)
-            C[k] += (p[0][i][k / 3] - centre[0][k / 3]) * (p[1][i][k % 3] - centre[1][k % 3]);
-    mukca_rotation_nearest(R, C);
-    for (int i = 0; i < N; i++) {
-        double from[3], to[3];
-        for (int a = 0; a < 3; a++) from[a] = p[0][i][a] - centre[0][a];
-        for (int a = 0; a < 3; a++) to[a] = p[1][i][a] - centre[1][a];
-        mukca_mat3_vec(at, R, from);
-        sum += mukca_distance3(at, to) / N;
-    }
-    return sum;
+    return rigid_error(NULL, p[0], p[1], N);
 }
 
 TEST(the_announced_error_is_the_true_one)

@@ -67,40 +67,21 @@ static void place(operator_ *o, double angle)
     o->q[0] = angle;
 }
 
-/* Rms error of the capture's model over random configurations, the base placed best by translation
- * and small rotation (five rounds of averaging are plenty). */
+/* Rms error of the capture's model over random configurations, the base placed best. */
 static double true_error(operator_ *o, const mukca_capture *capture)
 {
     enum { N = 400 };
-    static double d[N][3], x[N][3];
+    static double p[2][N][3];
+    double rms;
     mukca_random random = mukca_random_seeded(77);
     for (int i = 0; i < N; i++) {
-        double q[7], y[3];
+        double q[7];
         for (int j = 0; j < 7; j++) q[j] = 2.9 * (2 * mukca_random_uniform(&random) - 1);
-        mukca_fk_position(x[i], &o->truth, q, NULL);
-        mukca_fk_position(y, &capture->geometry, q, NULL);
-        for (int k = 0; k < 3; k++) d[i][k] = y[k] - x[i][k];
+        mukca_fk_position(p[0][i], &o->truth, q, NULL);
+        mukca_fk_position(p[1][i], &capture->geometry, q, NULL);
     }
-    for (int round = 0; round < 200; round++) { /* Gauss-Seidel on translation and rotation */
-        double shift[3] = {0}, turn[3] = {0}, inertia = 0;
-        for (int i = 0; i < N; i++)
-            for (int k = 0; k < 3; k++) shift[k] += d[i][k] / N;
-        for (int i = 0; i < N; i++) {
-            double t[3];
-            for (int k = 0; k < 3; k++) d[i][k] -= shift[k];
-            mukca_cross(t, x[i], d[i]);
-            for (int k = 0; k < 3; k++) turn[k] += t[k];
-            inertia += mukca_dot3(x[i], x[i]);
-        }
-        for (int i = 0; i < N; i++) {
-            double t[3], w[3] = {turn[0] / inertia, turn[1] / inertia, turn[2] / inertia};
-            mukca_cross(t, w, x[i]);
-            for (int k = 0; k < 3; k++) d[i][k] -= t[k];
-        }
-    }
-    double sum = 0;
-    for (int i = 0; i < N; i++) sum += mukca_dot3(d[i], d[i]);
-    return sqrt(sum / N);
+    rigid_error(&rms, p[0], p[1], N);
+    return rms;
 }
 
 /* Sessions of four placements, 20 rows a socket, arms off by 2 mm and 2 mrad. */

@@ -61,88 +61,46 @@ TEST(test_consistent)
 }
 
 /* True angles of a row under one effect on angles, written down again from its definition. */
-typedef void turn_fn(double *q, int row);
-
-static void turn_scale(double *q, int row)
+static void turn(double *q, int row, mukca_effect_kind kind)
 {
-    (void)row;
-    q[1] *= 1.001;
-}
-
-static void turn_coupling(double *q, int row)
-{
-    (void)row;
-    q[4] += 1e-3 * q[3];
-}
-
-static void turn_eccentricity(double *q, int row)
-{
-    (void)row;
-    q[2] += 3e-4 * sin(q[2]) - 4e-4 * cos(q[2]);
-}
-
-static void turn_ripple(double *q, int row)
-{
-    (void)row;
-    q[3] += 3e-4 * sin(160 * q[3]) + 4e-4 * cos(160 * q[3]);
-}
-
-static void turn_hysteresis(double *q, int row)
-{
-    if (row > 0) q[0] -= 0.5e-3 * tanh((q[0] - data.q[(row - 1) * data.n_joints]) / 0.02);
-}
-
-static void turn_lag(double *q, int row)
-{
+    const double *before = data.q + (row - 1) * data.n_joints, encoder = q[1];
     double move[MUKCA_MAX_JOINTS], largest = 0;
-    if (row == 0) return;
+    mukca_gravity_load load;
     for (int j = 0; j < data.n_joints; j++) {
-        move[j] = q[j] - data.q[(row - 1) * data.n_joints + j];
+        move[j] = row ? q[j] - before[j] : 0;
         largest = fmax(largest, fabs(move[j]));
     }
-    for (int j = 0; j < data.n_joints; j++) q[j] += 1e-3 * move[j] / largest;
-}
-
-static void turn_drift(double *q, int row)
-{
-    q[5] += 2e-3 * (1 - exp(-(data.time[row] - data.time[0]) / 300));
-}
-
-static void turn_jump(double *q, int row)
-{
-    if (data.socket[row] / 2 == 1) q[2] += 1e-3;
-}
-
-/* The joint gives way under the load of the arm as it then stands. */
-static void turn_compliance(double *q, int row)
-{
-    (void)row;
-    mukca_gravity_load load;
-    const double encoder = q[1];
-    for (int round = 0; round < 20; round++) {
+    if (kind == MUKCA_EFFECT_JOINT_SCALE) q[1] *= 1.001;
+    if (kind == MUKCA_EFFECT_JOINT_COUPLING) q[4] += 1e-3 * q[3];
+    if (kind == MUKCA_EFFECT_ENCODER_ECCENTRICITY) q[2] += 3e-4 * sin(q[2]) - 4e-4 * cos(q[2]);
+    if (kind == MUKCA_EFFECT_GEAR_HARMONIC) q[3] += 3e-4 * sin(160 * q[3]) + 4e-4 * cos(160 * q[3]);
+    if (kind == MUKCA_EFFECT_APPROACH_HYSTERESIS) q[0] -= 0.5e-3 * tanh(move[0] / 0.02);
+    for (int j = 0; j < data.n_joints && kind == MUKCA_EFFECT_READBACK_LAG && row; j++)
+        q[j] += 1e-3 * move[j] / largest;
+    if (kind == MUKCA_EFFECT_JOINT_DRIFT)
+        q[5] += 2e-3 * (1 - exp(-(data.time[row] - data.time[0]) / 300));
+    if (kind == MUKCA_EFFECT_ZERO_JUMP && data.socket[row] / 2 == 1) q[2] += 1e-3;
+    for (int round = 0; round < 20 && kind == MUKCA_EFFECT_JOINT_COMPLIANCE; round++) {
         mukca_chain_moments(&load, &s.arm.chain, &s.arm.geometry, q, NULL, 0);
-        q[1] = encoder - 3e-5 * load.torque[1];
+        q[1] = encoder - 3e-5 * load.torque[1]; /* under the load of the arm as it then stands */
     }
 }
 
 /* Effects have the size, the sign and the joint that were asked for. */
 TEST(test_sizes)
 {
-    static const struct {
-        const char *text;
-        turn_fn *turn;
-    } cases[] = {{"joint_scale:joint_2=1e-3", turn_scale},
-                 {"joint_coupling:joint_5@-1=1e-3", turn_coupling},
-                 {"encoder_eccentricity:joint_3=3e-4,-4e-4", turn_eccentricity},
-                 {"gear_harmonic:joint_4@160=3e-4,4e-4", turn_ripple},
-                 {"approach_hysteresis:joint_1=1e-3", turn_hysteresis},
-                 {"readback_lag=1e-3", turn_lag},
-                 {"joint_drift:joint_6@300=2e-3", turn_drift},
-                 {"zero_jump:joint_3/left=1e-3", turn_jump},
-                 {"joint_compliance:joint_2=3e-5", turn_compliance}};
+    static const char *const cases[] = {"joint_scale:joint_2=1e-3",
+                                        "joint_coupling:joint_5@-1=1e-3",
+                                        "encoder_eccentricity:joint_3=3e-4,-4e-4",
+                                        "gear_harmonic:joint_4@160=3e-4,4e-4",
+                                        "approach_hysteresis:joint_1=1e-3",
+                                        "readback_lag=1e-3",
+                                        "joint_drift:joint_6@300=2e-3",
+                                        "zero_jump:joint_3/left=1e-3",
+                                        "joint_compliance:joint_2=3e-5"};
     for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
         double unmoved = 0;
-        set_scene(&s, cases[c].text, 12);
+        set_scene(&s, cases[c], 12);
         s.how.rows = 10;
         record_again();
         for (int i = 0; i < data.n_rows; i++) {
@@ -150,7 +108,7 @@ TEST(test_sizes)
             const int socket = data.socket[i];
             memcpy(q, data.q + i * data.n_joints, (size_t)data.n_joints * sizeof *q);
             mukca_fk_position(without, &s.arm.geometry, q, NULL);
-            cases[c].turn(q, i);
+            turn(q, i, s.hidden.effects[0].kind);
             mukca_fk_position(ball, &s.arm.geometry, q, NULL);
             find_seat(seat, socket / 2, socket % 2, 0);
             for (int a = 0; a < 3; a++) {
