@@ -79,10 +79,13 @@ def spawn(*arguments, **more):
     return p
 
 
-def serve(state, *more, **environment):
-    """mukca serve for the demo arm."""
-    return spawn("serve", "--urdf", URDF, "--channel", "IIWA_STATUS", "--map", "order", "--state", state,
-                 "--window", "0.05", *more, env=dict(os.environ, **environment))
+def serve(state, *more, heard=None, urdf=URDF, channel="IIWA_STATUS", window="0.05", **environment):
+    """mukca serve; with a client, `heard`, once it reports a stream."""
+    p = spawn("serve", "--urdf", urdf, "--channel", channel, "--map", "order", "--state", state,
+              "--window", window, *more, env=dict(os.environ, **environment))
+    if heard:
+        heard.wait_stream()
+    return p
 
 
 def ended(p, seconds=20):

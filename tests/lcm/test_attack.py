@@ -213,8 +213,7 @@ def unicast():
     state, client = fresh("unicast"), Client()
     other = subprocess.Popen(["unshare", "-n", "sleep", "60"])
     with Arm("iiwa", HOME, 200, "IIWA_STATUS") as arm:
-        p = serve(state)
-        client.wait_stream()
+        p = serve(state, heard=client)
         there = "nsenter -t %d -n " % other.pid
         path = os.path.join(state, "datagram")
         with open(path, "wb") as f:
@@ -264,8 +263,7 @@ def rights():
         made, took = len(os.listdir(os.path.join(state, "sessions"))) - 1, time.monotonic() - begin
         check("rights: new sessions are limited", codes[0] == 0 and made < 12 + 0.1 * took, (codes, made, took))
         stop(p)
-        p = serve(state, "--accept", "start,reopen,delete")
-        client.wait_stream()
+        p = serve(state, "--accept", "start,reopen,delete", heard=client)
         check("rights: reopen named", client.command("start", "a").code == 0)
         sample = client.trigger("p", "0", seconds=1)
         check("rights: triggers not named", sample and not sample.accepted and "--accept" in sample.text, sample)
@@ -285,8 +283,7 @@ def forged_states():
         p = serve(state, "--from", "127.0.0.1,0.0.0.0")
         p.wait(10)
         check("forged: 0.0.0.0 is no sender to name", p.returncode == 2)
-        p = serve(state)
-        client.wait_stream()
+        p = serve(state, heard=client)
         client.command("start", "s")
         check("forged: a sample before", take(client, arm, ROWS[0]), p.said[-3:])
         with Arm("iiwa", [x + 0.0007 for x in ROWS[0][2]], 200, "IIWA_STATUS"):

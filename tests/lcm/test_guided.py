@@ -4,7 +4,7 @@ import json
 import os
 import subprocess
 
-from foreign import Arm, Client, MUKCA, accepted, check, finish, fresh, robots, spawn, stop, table
+from foreign import Arm, Client, MUKCA, accepted, check, finish, fresh, robots, serve, stop, table
 
 SAMPLES = 60
 
@@ -13,12 +13,11 @@ def play(name, kind, rate, channel, urdf, rows):
     state = fresh("guided_" + name.replace(" ", "_"))
     rows = [rows[i * len(rows) // SAMPLES] for i in range(SAMPLES)]
     client = Client()
-    serve = spawn("serve", "--urdf", urdf, "--channel", channel, "--map", "order", "--state", state,
-                  "--window", "0.1")
+    p = serve(state, urdf=urdf, channel=channel, window="0.1")
     with Arm(kind, rows[0][2], rate, channel) as arm:
-        check(name + ": serve hears the stream", client.wait_stream(), serve.said)
+        check(name + ": serve hears the stream", client.wait_stream(), p.said)
         answer = client.command("start", "guided")
-        check(name + ": start", answer and answer.code == 0, serve.said)
+        check(name + ": start", answer and answer.code == 0, p.said)
         kept, moving, values = 0, 0, []
         for i, (placement, socket, q) in enumerate(rows):
             arm.go(q, 5.0 if i % 20 == 5 else 0.05)
@@ -33,13 +32,13 @@ def play(name, kind, rate, channel, urdf, rows):
             sample = accepted(client, lambda: client.trigger(placement, socket))
             kept += bool(sample and sample.row == i + 1)
             values.append(list(sample.position) if sample else None)
-        check(name + ": %d samples" % SAMPLES, kept == len(rows), (kept, serve.said[-5:]))
+        check(name + ": %d samples" % SAMPLES, kept == len(rows), (kept, p.said[-5:]))
         check(name + ": triggers while moving are refused and say so", moving == 3, moving)
         result = client.command("calibrate")
         sent = arm.sent
         client.wait(lambda: client.status.received >= sent, 10)
         received = client.status.received
-    check(name + ": serve ends cleanly", stop(serve) == 0, serve.said)
+    check(name + ": serve ends cleanly", stop(p) == 0, p.said)
     session = os.path.join(state, "sessions", "guided.tsv")
     header, written = table(session)
     n = len(rows[0][2])

@@ -6,15 +6,15 @@ import socket
 import subprocess
 import xml.etree.ElementTree
 
-from foreign import Arm, Client, MUKCA, check, finish, fresh, mukca, robots, spawn, stop, table, take
+import foreign
+from foreign import Arm, Client, MUKCA, check, finish, fresh, mukca, robots, stop, table, take
 
 NAME, KIND, _, CHANNEL, URDF, ROWS = robots()[-1]
 ROWS = [ROWS[i * len(ROWS) // 24] for i in range(24)]
 
 
-def serve(state, *more, **environment):
-    return spawn("serve", "--urdf", URDF, "--channel", CHANNEL, "--map", "order", "--state", state,
-                 "--window", "0.05", "--accept", "all", *more, env=dict(os.environ, **environment))
+def serve(state, *more, **how):
+    return foreign.serve(state, "--accept", "all", *more, urdf=URDF, channel=CHANNEL, **how)
 
 
 def send(*arguments, **more):
@@ -27,8 +27,7 @@ def say_code(answer):
 
 
 def the_whole_job(client, arm, state):
-    p = serve(state)
-    client.wait_stream()
+    p = serve(state, heard=client)
     check("a result before any calibration is refused", client.command("result").code == 1)
     for verb, arguments, code in (("start", ("../x",), 2), ("start", ("a b",), 2), ("dance", (), 2),
                                   ("delete", ("x",), 2), ("add", (), 1), ("delete", (), 1),
@@ -59,8 +58,7 @@ def the_whole_job(client, arm, state):
     client.command("placement", "elsewhere")
     client.command("socket", "1")
     check("SIGTERM ends it with 0", stop(p) == 0, p.said)
-    p = serve(state)
-    client.wait_stream()
+    p = serve(state, heard=client)
     client.wait(lambda: client.status.rows == 20, 5)
     s = client.status
     check("it goes on after a restart", (s.rows, s.placement, s.socket) == (20, "elsewhere", "1"),
@@ -68,8 +66,7 @@ def the_whole_job(client, arm, state):
     check("rows go on", len(take(client, arm, ROWS[20:22])) == 2)
     p.kill()
     p.wait()
-    p = serve(state)
-    client.wait_stream()
+    p = serve(state, heard=client)
     client.wait(lambda: client.status.rows == 22, 5)
     check("and after kill -9", client.status.rows == 22 and len(take(client, arm, ROWS[22:])) == len(ROWS) - 22)
     client.wait(lambda: client.status.rows == len(ROWS), 5)
@@ -111,8 +108,7 @@ def its_fleet(client, state):
         for joint in xml.etree.ElementTree.parse(URDF).getroot().iter("joint"):
             numbers = (joint.find("origin").get("xyz") + " " + joint.find("origin").get("rpy")).split()
             f.write("%s: {x: %s, y: %s, z: %s, roll: %s, pitch: %s, yaw: %s}\n" % (joint.get("name"), *numbers))
-    p = serve(state, "--traits", traits, "--kinematics", factory)
-    client.wait_stream()
+    p = serve(state, "--traits", traits, "--kinematics", factory, heard=client)
     answer = client.command("calibrate")
     with open(os.path.join(state, "results", "first.offsets.tsv")) as f:
         check("serve --kinematics: calibrate has it", "\n# kinematics_sha256: " in f.read(), say_code(answer))
@@ -127,8 +123,7 @@ def its_fleet(client, state):
 
 def poses(client, arm, state):
     """Poses equal `mukca fk` with the same table, message by message."""
-    p = serve(state, "--publish-pose")
-    client.wait_stream()
+    p = serve(state, "--publish-pose", heard=client)
     client.command("calibrate")
     check("use", client.command("use").code == 0, p.said)
     got = []
@@ -167,8 +162,7 @@ def poses(client, arm, state):
           (worst, answer.stderr))
     check("SIGTERM", stop(p) == 0)
     check("the poses are counted", any("poses sent" in line for line in p.said), p.said)
-    p = serve(state, "--publish-pose", "--stream", "corrected")
-    client.wait_stream()
+    p = serve(state, "--publish-pose", "--stream", "corrected", heard=client)
     got.clear()
     a = client.lc.subscribe("MUKCA_POSE", lambda c, d: got.append(d))
     client.wait(lambda: bool(got), 0.5)
@@ -182,8 +176,7 @@ def its_client(client, state):
     answer = send("status", "--timeout", "1")
     check("send: no server is exit 4 within the time-out", answer.returncode == 4 and
           "is mukca serve running" in answer.stderr, answer.stderr)
-    p = serve(state)
-    client.wait_stream()
+    p = serve(state, heard=client)
     answer = send("status")
     check("send status", answer.returncode == 0 and json.loads(answer.stdout)["channel"] == CHANNEL, answer.stdout)
     answer = send("result")
@@ -228,8 +221,7 @@ def replays(client, arm):
     log = os.path.join(state, "raw.lcmlog")
     logger = subprocess.Popen(["lcm-logger", "-q", "-f", log], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     client.wait(lambda: False, 1)
-    p = serve(state)
-    client.wait_stream()
+    p = serve(state, heard=client)
     client.command("start", "s")
     check("replay: rows", len(take(client, arm, ROWS)) == len(ROWS))
     client.command("calibrate")

@@ -14,8 +14,7 @@ def names(client, arm):
     """Sessions that are called like other files of the server."""
     state = fresh("state_names")
     wanted = {}
-    p = serve(state)
-    client.wait_stream()
+    p = serve(state, heard=client)
     for i, name in enumerate(("state", "a.offsets", "lock", "sessions", "results", "a.calibrate.json")):
         answer = client.command("start", name)
         check("names: start " + name, answer.code == 0, answer.text)
@@ -37,8 +36,7 @@ def one_server(client, state):
     litter = [os.path.join(state, folder, ".x.tsv.1.tmp") for folder in ("", "sessions", "results")]
     for path in litter:
         open(path, "w").close()
-    p = serve(state)
-    client.wait_stream()
+    p = serve(state, heard=client)
     check("folder: what killed writers left is removed", not any(os.path.exists(path) for path in litter))
     second = serve(state)
     code = second.wait(20)
@@ -58,16 +56,14 @@ def one_server(client, state):
 def finished(client, arm):
     """A finished session after a restart: calculations work, and samples are added only if it is reopened."""
     state = fresh("state_finished")
-    p = serve(state, "--accept", "all")
-    client.wait_stream()
+    p = serve(state, "--accept", "all", heard=client)
     client.command("start", "a")
     rows = take(client, arm, [ROWS[i * len(ROWS) // 14] for i in range(14)])
     check("finished: finish", len(rows) == 14 and client.command("finish").code == 0)
     check("finished: calibrate", client.command("calibrate").code == 0)
     check("finished: use", client.command("use").code == 0)
     stop(p)
-    p = serve(state)
-    client.wait_stream()
+    p = serve(state, heard=client)
     client.wait(lambda: False, 1)
     sample = client.trigger("p", "0", seconds=2)
     check("finished: a restart does not open it again", client.status.session == "" and not sample.accepted,
@@ -77,8 +73,7 @@ def finished(client, arm):
     check("finished: reopen must be named", client.command("start", "a").code == 1)
     check("finished: another begins", client.command("start", "b").code == 0)
     stop(p, 9)
-    p = serve(state, "--accept", "start,trigger,reopen,finish")
-    client.wait_stream()
+    p = serve(state, "--accept", "start,trigger,reopen,finish", heard=client)
     check("finished: one that is not goes on after a kill", client.wait(lambda: "b.tsv" in client.status.session, 5))
     check("finished: reopened", client.command("start", "a").code == 0)
     check("finished: and continued", len(take(client, arm, ROWS[1:2])) == 1 and len(recorded(state, "a")) == 15)

@@ -55,8 +55,7 @@ def main():
     evil = [("x%d" % random.randrange(2), random.choice("01"), q) for _, _, q in good[:24]]
     still = [("a", "01"[i % 2], [x + 1e-5 * i for x in HOME]) for i in range(12)]
     with Arm("iiwa", HOME, 200, "IIWA_STATUS") as arm:
-        p = serve(state, "--publish-pose", "--accept", DEFAULT + ",use")
-        client.wait_stream()
+        p = serve(state, "--publish-pose", "--accept", DEFAULT + ",use", heard=client)
         check("use: nothing to use", client.command("use").code == 1)
         client.command("start", "good")
         check("good: samples", len(take(client, arm, good)) == len(good))
@@ -75,8 +74,7 @@ def main():
         bad = turned(good_table, 0.03)
         with open(os.path.join(state, "in_use.tsv"), "w") as f:
             f.write(bad)
-        p = serve(state, "--publish-pose", "--accept", DEFAULT + ",use")
-        client.wait_stream()
+        p = serve(state, "--publish-pose", "--accept", DEFAULT + ",use", heard=client)
         distance = moved(first, pose(client, arm))
         check("bad table: its pose", distance > 3, (distance, p.said))
         answer = client.command("use")
@@ -106,20 +104,17 @@ def main():
         # the same in one's own session: the file in use is a copy
         shutil.copy(path, os.path.join(state, "results", "good.offsets.tsv"))
         stop(p, 9)
-        p = serve(state, "--publish-pose", "--accept", DEFAULT + ",use")
-        client.wait_stream()
+        p = serve(state, "--publish-pose", "--accept", DEFAULT + ",use", heard=client)
         check("after kill -9 the last accepted table is in use", moved(first, pose(client, arm)) < 0.01, p.said)
         stop(p)
-        p = serve(state, "--publish-pose")
-        client.wait_stream()
+        p = serve(state, "--publish-pose", heard=client)
         answer = client.command("use")
         check("use must be named in --accept", answer.code == 1 and "naming use" in answer.text, answer.text)
         stop(p)
         lines = [line for line in open(os.path.join(state, "in_use.tsv")) if not line.startswith(("# accepted", "# digest"))]
         with open(os.path.join(state, "in_use.tsv"), "w") as f:
             f.writelines(lines)
-        p = serve(state, "--publish-pose", "--accept", DEFAULT + ",use")
-        client.wait_stream()
+        p = serve(state, "--publish-pose", "--accept", DEFAULT + ",use", heard=client)
         check("a table without a verdict is not used", pose(client, arm) is None and
               any("has no verdict" in line for line in p.said), p.said)
         stop(p)

@@ -1,4 +1,4 @@
-/* Tests, and what they assert: closeness, success, one clear line of error. */
+/* Tests, and what they assert: closeness, success, one clear line of error; with the C library. */
 #ifndef MUKCA_TESTS_CLOSE_H
 #define MUKCA_TESTS_CLOSE_H
 
@@ -8,6 +8,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <cmocka.h>
@@ -23,6 +24,19 @@ static inline void note(void *context, const char *text)
     (void)context;
     strncat(notes, text, sizeof notes - strlen(notes) - 2);
     strcat(notes, "\n");
+}
+
+/* Memory for n items, and a copy of exact size, so that a sanitizer sees a read behind its end. */
+static inline void *zeroed(size_t n, size_t size)
+{
+    void *memory = calloc(n, size);
+    assert_non_null(memory);
+    return memory;
+}
+
+static inline unsigned char *copied(const void *bytes, size_t n)
+{
+    return memcpy(zeroed(n ? n : 1, 1), bytes, n);
 }
 
 /* What is wrong, and a part of what is said of it. */

@@ -2,8 +2,6 @@
 #ifndef MUKCA_TESTS_DIAGNOSED_H
 #define MUKCA_TESTS_DIAGNOSED_H
 
-#include <stdlib.h>
-
 #include "diagnose/diagnose.h"
 #include "fit/evaluate.h"
 #include "scene.h"

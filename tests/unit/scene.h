@@ -2,8 +2,6 @@
 #ifndef MUKCA_TESTS_SCENE_H
 #define MUKCA_TESTS_SCENE_H
 
-#include <string.h>
-
 #include "cli/simulate.h"
 #include "close.h"
 #include "io/urdf.h"

@@ -3,9 +3,6 @@
 #define MUKCA_TESTS_SCRATCH_H
 
 #include <dirent.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -78,8 +75,7 @@ static inline char *scratch_read(const char *path)
     fseek(file, 0, SEEK_END);
     long size = ftell(file);
     rewind(file);
-    char *text = calloc((size_t)size + 1, 1);
-    assert_non_null(text);
+    char *text = zeroed((size_t)size + 1, 1);
     assert_int_equal(fread(text, 1, (size_t)size, file), size);
     fclose(file);
     return text;

@@ -122,8 +122,7 @@ TEST(repeated_postures_count_once)
         all.socket[i] = data.socket[i / 3];
     }
     memcpy(all.sockets, data.sockets, (size_t)data.n_sockets * sizeof *data.sockets);
-    all.distances = calloc((size_t)data.n_distances, sizeof *all.distances);
-    assert_non_null(all.distances);
+    all.distances = zeroed((size_t)data.n_distances, sizeof *all.distances);
     all.n_distances = data.n_distances;
     memcpy(all.distances, data.distances, (size_t)data.n_distances * sizeof *data.distances);
     const mukca_tip_change_task again = {.chain = &arm.chain, .to = &table, .data = &all};

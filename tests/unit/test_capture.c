@@ -1,8 +1,5 @@
 /* A sample is the mean of a window in which the arm stands still; moving, old, thin and doubled
  * streams are refused; odd postures get a remark. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "arms.h"
 #include "capture/capture.h"
 #include "close.h"

@@ -1,8 +1,5 @@
 /* What capture says that a session is worth comes true, for a simulated operator with a perturbed
  * 7-axis arm. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "arm/inverse.h"
 #include "arms.h"
 #include "capture/capture.h"

@@ -1,7 +1,5 @@
 /* Rotations, forward kinematics, Jacobians and gravity moments against each other and against
  * numerical differentiation. */
-#include <string.h>
-
 #include "close.h"
 #include "effect/catalogue.h"
 #include "mukca/chain.h"

@@ -1,6 +1,5 @@
 /* Command lines are parsed by the tables of options, or refused in one line; the tables are
  * consistent. */
-#include <math.h>
 #include "cli/cli.h"
 
 #include "scratch.h"

@@ -1,8 +1,5 @@
 /* Every column of the geometry in the diagnosis, against differences of forward kinematics, on
  * random arms of all joint types, with and without a fixed last link. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "close.h"
 #include "diagnose/regression.h"
 #include "fit/align.h"

@@ -1,8 +1,6 @@
 /* Two models compared: what is gauge is no difference, and what is built in is found. */
 #include "arm/compare.h"
 
-#include <stdlib.h>
-
 #include "close.h"
 #include "gen3.h"
 #include "math/random.h"

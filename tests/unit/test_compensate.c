@@ -1,7 +1,5 @@
 /* Corrected joint targets bring the true arm to 10,000 random targets, or say why not; along
  * paths they are smooth. */
-#include <string.h>
-
 #include "arm/compensate.h"
 #include "close.h"
 #include "gen3.h"

@@ -1,7 +1,4 @@
 /* Readings that repeat a posture add nothing; of too many rows few are kept, in blocks. */
-#include <math.h>
-#include <stdlib.h>
-
 #include "diagnose/diagnose.h"
 #include "model/dataset_subset.h"
 #include "scene.h"
@@ -14,8 +11,7 @@ static scene s;
 static void repeat(mukca_dataset *out, const mukca_dataset *data)
 {
     const int n = data->n_joints;
-    unsigned char *all = malloc((size_t)data->n_rows);
-    assert_non_null(all);
+    unsigned char *all = zeroed(1, (size_t)data->n_rows);
     memset(all, 1, (size_t)data->n_rows);
     mukca_dataset longer = {0};
     assert_ok(mukca_dataset_create(&longer, TIMES * data->n_rows, n, data->n_sockets,
@@ -51,8 +47,7 @@ TEST(postures_are_averaged)
     record(&data, &s);
     repeat(&longer, &data);
     const int rows = longer.n_rows;
-    double *mean = calloc((size_t)rows, (size_t)data.n_joints * sizeof *mean);
-    assert_non_null(mean);
+    double *mean = zeroed((size_t)rows, (size_t)data.n_joints * sizeof *mean);
     for (int i = 0; i < rows * data.n_joints; i++)
         mean[i / (TIMES * data.n_joints) * data.n_joints + i % data.n_joints] +=
             longer.q[i] / TIMES;

@@ -1,7 +1,4 @@
 /* Dense algebra: against definitions in long double, known spectra, and awkward matrices. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "close.h"
 #include "math/dense.h"
 #include "math/random.h"

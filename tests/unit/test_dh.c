@@ -1,8 +1,6 @@
 /* Denavit-Hartenberg tables: published ones are found, those of random arms are exact. */
 #include "io/export.h"
 
-#include <stdlib.h>
-
 #include "arms.h"
 #include "base/number.h"
 #include "close.h"

@@ -1,7 +1,5 @@
 /* Scores on a gantry, to be worked out by hand: its tip stands where three sliding joints along x,
  * y and z say, and is turned about z by the fourth. */
-#include <stdlib.h>
-
 #include "arms.h"
 #include "close.h"
 #include "fit/evaluate.h"
@@ -11,8 +9,7 @@ static void make_data(mukca_dataset *data, const double (*q)[4], const int *sock
     assert_ok(mukca_dataset_create(data, rows, 4, 4, 3, NULL));
     static const int placement[4] = {0, 0, 2, 2}; /* placement 1 has no rows */
     for (int s = 0; s < 4; s++) data->sockets[s].placement = placement[s];
-    data->distances = calloc(2, sizeof *data->distances);
-    assert_non_null(data->distances);
+    data->distances = zeroed(2, sizeof *data->distances);
     data->n_distances = 2;
     data->distances[0] = (mukca_distance){.a = 0, .b = 1, .distance = 0.05};
     data->distances[1] = (mukca_distance){.a = 2, .b = 3, .distance = 0.1};

@@ -1,7 +1,5 @@
 /* The decision: findings from posteriors made by hand, verdicts from findings.  A threshold can be
  * changed here with its consequences in view. */
-#include <stdlib.h>
-
 #include "diagnose/cause.h"
 #include "infer/findings.h"
 
@@ -212,8 +210,7 @@ TEST(verdicts)
                  {0.90, 0.4, -1, 2, MUKCA_VERDICT_TIED},
                  {0.90, 0.6, -1, 2, MUKCA_VERDICT_UNKNOWN},
                  {0.90, 0.0, MUKCA_EFFECT_READBACK_LAG, 3, MUKCA_VERDICT_NAMED}};
-    mukca_diagnosis *d = calloc(1, sizeof *d);
-    assert_non_null(d);
+    mukca_diagnosis *d = zeroed(1, sizeof *d);
     assert_int_equal(mukca_verdict_of(d, 0.94, 0.9), MUKCA_VERDICT_NONE);
     assert_int_equal(mukca_verdict_of(d, 0.96, 0.51), MUKCA_VERDICT_UNKNOWN);
     assert_int_equal(mukca_verdict_of(d, 0.96, 0.49), MUKCA_VERDICT_TIED);

@@ -1,8 +1,5 @@
 /* Parameters are free as asked for, all solvers reach one minimum, poses are fitted in any frame,
  * and what the data cannot tell is called so. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "arms.h"
 #include "close.h"
 #include "fit/fit.h"
@@ -108,8 +105,7 @@ static void track(mukca_dataset *log, int rows, bool oriented, double sigma)
     mukca_geometry geometry;
     mukca_geometry_set(&geometry, &chain, truth);
     assert_ok(mukca_dataset_create(log, rows, JOINTS, 0, 0, NULL));
-    log->position = malloc(3 * (size_t)rows * sizeof *log->position);
-    assert_non_null(log->position);
+    log->position = zeroed(1, 3 * (size_t)rows * sizeof *log->position);
     if (oriented) log->quaternion = malloc(4 * (size_t)rows * sizeof *log->quaternion);
     for (int i = 0; i < rows; i++) {
         mukca_frame T;
@@ -278,8 +274,7 @@ TEST(test_part)
             data.q[i * JOINTS + j] = 2.5 * (2 * mukca_random_uniform(&seeded) - 1);
     }
     data.n_distances = 2;
-    data.distances = calloc(2, sizeof *data.distances);
-    assert_non_null(data.distances);
+    data.distances = zeroed(2, sizeof *data.distances);
     data.distances[0] = (mukca_distance){.a = 0, .b = 1, .distance = 0.05};
     data.distances[1] = (mukca_distance){.a = 2, .b = 3, .distance = 0.05};
     compare_precision(ROWS / 3);

@@ -1,8 +1,5 @@
 /* Pooled summaries give the population, orders of ripple and departing arms, with intervals that
  * hold the truth; what does not belong together is refused. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "close.h"
 #include "fleet/fleet.h"
 #include "io/summary.h"

@@ -1,6 +1,5 @@
 /* Cost, gradients and Jacobian against brute-force differences of the cost's definition. */
 #include <float.h>
-#include <stdlib.h>
 
 #include "arms.h"
 #include "close.h"
@@ -145,8 +144,7 @@ static void check_point(const mukca_selection *selection, mukca_cost_options opt
         compare(got[kind], want, n, kind ? 1e-10 : 1e-8, "jacobian");
 
         /* and column by column, against differences of the residuals */
-        double *high = malloc(2 * (size_t)m * sizeof *high), moved[MUKCA_MAX_FREE];
-        assert_non_null(high);
+        double *high = zeroed(1, 2 * (size_t)m * sizeof *high), moved[MUKCA_MAX_FREE];
         for (int c = 0; c < n; c++) {
             for (int side = 0; side < 2; side++) {
                 memcpy(moved, theta, (size_t)(6 * chain.n_elements) * sizeof *moved);

@@ -1,7 +1,5 @@
 /* Inference against dense algebra in long double: whitening, evidence, sets of causes. */
 #include <stdbool.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/pool.h"
 #include "close.h"

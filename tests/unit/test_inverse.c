@@ -1,6 +1,5 @@
 /* Inverse kinematics: every pose that an arm can take is found again, limits hold, effects count.
  */
-
 #include "arm/inverse.h"
 #include "close.h"
 #include "gen3.h"

@@ -1,8 +1,6 @@
 /* Targets in robot programs: they are found, and nothing else is. */
 #include "io/language.h"
 
-#include <stdlib.h>
-
 #include "close.h"
 #include "gen3.h"
 

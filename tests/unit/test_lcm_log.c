@@ -1,6 +1,4 @@
 /* Event logs of liblcm are read; damage is skipped, and a log that is cut ends. */
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include <lcm/lcm.h>

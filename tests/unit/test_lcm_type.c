@@ -1,8 +1,5 @@
 /* LCM messages: fingerprints are lcm-gen's, descriptions are read or refused with their place,
  * and no message makes the decoder read beyond it. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/text.h"
 #include "close.h"
 #include "lcm/message.h"
@@ -201,13 +198,10 @@ TEST(facts_of_the_drivers)
     assert_true(types.type[named("drake.lcmt_panda_status")].effort_factor == 1);
 }
 
-/* A copy that ends where memory ends, so that a sanitizer sees any read beyond. */
 static mukca_status decode_copy(int t, const void *bytes, size_t n)
 {
     mukca_lcm_joints joints;
-    unsigned char *copy = malloc(n ? n : 1);
-    assert_non_null(copy);
-    memcpy(copy, bytes, n);
+    unsigned char *copy = copied(bytes, n);
     mukca_status status = mukca_lcm_decode_joints(&joints, &types, t, copy, n, &error);
     free(copy);
     return status;
@@ -340,9 +334,7 @@ TEST(own_messages_round_trip)
     assert_true(back.offset[2] == 0.1 * 2 && isinf(back.sigma[0]) && back.identifiable[1]);
     assert_string_equal(back.json, "{}");
     for (size_t cut = 0; cut < n; cut++) {
-        unsigned char *copy = malloc(cut ? cut : 1);
-        assert_non_null(copy);
-        memcpy(copy, buffer, cut);
+        unsigned char *copy = copied(buffer, cut);
         assert_int_equal(mukca_message_decode(&back, MUKCA_MESSAGE_RESULT, copy, cut, &error),
                          MUKCA_INPUT);
         free(copy);

@@ -1,7 +1,5 @@
 /* Motions: an effect that was put into the torques is found where it is, as large as it is; a clean
  * arm is not accused; bad runs are refused with a reason. */
-#include <stdlib.h>
-
 #include "arms.h"
 #include "close.h"
 #include "dynamics/inverse_dynamics.h"

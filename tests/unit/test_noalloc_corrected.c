@@ -1,8 +1,5 @@
 /* The controllers' interface: equal to the program's own kinematics, right Jacobians, bad tables
  * refused, and a million calls without allocation (the linker wraps the allocator). */
-#include <stdlib.h>
-#include <string.h>
-
 #include "close.h"
 #include "gen3.h"
 #include "io/offsets.h"

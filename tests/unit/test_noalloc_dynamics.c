@@ -1,6 +1,5 @@
 /* Torques of moving arms: against Pinocchio and MuJoCo, regressor against recursion, power against
  * kinetic energy, gravity against the static load; without allocation. */
-
 #include "arms.h"
 #include "close.h"
 #include "dynamics/inverse_dynamics.h"

@@ -1,7 +1,4 @@
 /* Kinematics, cost, gradient and Hessian allocate nothing; the linker wraps the allocator. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "close.h"
 #include "fit/cost.h"
 #include "fit/fit.h"
@@ -22,8 +19,7 @@ TEST(test_nothing_allocated)
     double x[MUKCA_MAX_FREE], g[MUKCA_MAX_FREE], position[3], J[6 * 7], sum = 0;
     gen3_chain(&chain);
     assert_ok(mukca_dataset_create(&data, ROWS, 7, 2, 1, NULL));
-    data.distances = calloc(1, sizeof *data.distances);
-    assert_non_null(data.distances);
+    data.distances = zeroed(1, sizeof *data.distances);
     data.n_distances = 1;
     data.distances[0] = (mukca_distance){.a = 0, .b = 1, .distance = 0.05};
     for (int i = 0; i < ROWS; i++) data.socket[i] = i % 2;

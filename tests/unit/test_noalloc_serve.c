@@ -1,8 +1,5 @@
 /* `mukca serve --publish-pose` allocates nothing per message: a long log costs as many calls of the
  * allocator as a short one. */
-#include <stdlib.h>
-#include <string.h>
-
 #include <lcm/lcm.h>
 
 #include "cli/cli.h"

@@ -1,9 +1,6 @@
 /* Numbers from text: the same bits as the C library's, and nothing else taken for one. */
 #include "base/number.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/suggest.h"
 #include "close.h"
 #include "math/random.h"

@@ -1,8 +1,6 @@
 /* LCM's UDP protocol: messages as liblcm sends them come whole, hostile datagrams cost nothing; the
  * queue behind it keeps its bounds. */
 #include <malloc.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "close.h"
 #include "lcm/packet.h"
@@ -81,14 +79,11 @@ FIXTURE(reset)
     return 0;
 }
 
-/* Hand over a copy of exact size, so that a sanitizer sees a read behind its end. */
 static bool take(const datagram *d, uint64_t sender, int64_t time)
 {
     static unsigned char *kept;
     free(kept);
-    kept = malloc(d->size ? d->size : 1);
-    assert_non_null(kept);
-    memcpy(kept, d->bytes, d->size);
+    kept = copied(d->bytes, d->size);
     p = (mukca_lcm_packet){.data = kept, .size = d->size, .sender = sender, .time = time};
     return mukca_lcm_packet_take(&p, &r);
 }
@@ -272,8 +267,7 @@ TEST(the_queue_keeps_order_and_bounds)
     for (; (e = mukca_lcm_queue_take(q)); free(e)) found += e->packet.time == 7;
     assert_int_equal(found, 1);
     /* room for one large message is not taken from small ones alone */
-    char *large = calloc(1, MUKCA_LCM_MAX_MESSAGE);
-    assert_non_null(large);
+    char *large = zeroed(1, MUKCA_LCM_MAX_MESSAGE);
     p = (mukca_lcm_packet){.channel = "ARM", .data = message, .size = 10, .sender = 1};
     for (int i = 0; i < 900; i++) assert_true(mukca_lcm_queue_push(q, &p));
     p.data = (unsigned char *)large;

@@ -1,8 +1,5 @@
 /* Re-calibration finds the paper's offsets, lag and frames besides, and no calibration
  * in noise. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "close.h"
 #include "gen3.h"
 #include "math/random.h"
@@ -240,8 +237,7 @@ static void record_swing(double lag)
     mukca_geometry geometry;
     mukca_geometry_set(&geometry, &truth, NULL);
     create(&train);
-    train.time = calloc(MAX_ROWS, sizeof *train.time);
-    assert_non_null(train.time);
+    train.time = zeroed(MAX_ROWS, sizeof *train.time);
     for (int i = 0; i < train.n_rows; i++) {
         const double t = 0.01 * i;
         double q[7];

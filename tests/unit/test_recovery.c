@@ -1,7 +1,4 @@
 /* Simulated truth is found again, as far off as the standard errors say. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "arm/inverse.h"
 #include "arms.h"
 #include "close.h"
@@ -26,8 +23,7 @@ static void record(mukca_dataset *data, const mukca_chain *chain, const double *
     mukca_geometry_set(&geometry, chain, truth);
     assert_ok(mukca_dataset_create(data, 2 * PER_SOCKET * placements, JOINTS, 2 * placements,
                                    placements, NULL));
-    data->distances = calloc((size_t)placements, sizeof *data->distances);
-    assert_non_null(data->distances);
+    data->distances = zeroed((size_t)placements, sizeof *data->distances);
     data->n_distances = placements;
     for (int s = 0, i = 0; s < 2 * placements; s++) {
         const double place[3] = {0.35 + 0.1 * (s / 2 % 2), 0.2 * (s / 2 % 3) - 0.2,

@@ -1,7 +1,5 @@
 /* The mathematics under the diagnosis: columns against differences of predictions, scores of
  * candidates against evidence with their columns really added. */
-#include <stdlib.h>
-
 #include "diagnose/held_out.h"
 #include "diagnose/scan.h"
 #include "diagnose/screening.h"
@@ -33,8 +31,7 @@ static void create(void)
 /* A recording of an arm with a soft joint. */
 static void begin(void)
 {
-    f = calloc(1, sizeof *f);
-    assert_non_null(f);
+    f = zeroed(1, sizeof *f);
     set_scene(&f->s, "joint_compliance:joint_2=1e-4", 7);
     f->s.how.noise = 1e-4;
     record(&f->data, &f->s);
@@ -92,8 +89,7 @@ TEST(effect_columns)
         const int kind = h->kind == MUKCA_CANDIDATE_EFFECT ? (int)h->effect.kind : -1;
         if (i % 7 && (kind < 0 || seen[kind])) continue;
         if (kind >= 0) seen[kind] = true;
-        double *E = calloc((size_t)(3 * m->recording.n_samples * h->terms), sizeof *E);
-        assert_non_null(E);
+        double *E = zeroed((size_t)(3 * m->recording.n_samples * h->terms), sizeof *E);
         mukca_linearisation_columns(E, h->terms, &m->linear, &m->recording, h);
         assert_true(mukca_unknowns_add(&m->unknowns, h));
         mukca_accepted *cause = &m->unknowns.cause[m->unknowns.n_causes - 1];
@@ -242,8 +238,7 @@ TEST(poses)
 {
     fixture *const whole = f;
     begin();
-    f->data.position = malloc(3 * sizeof *f->data.position * (size_t)f->data.n_rows);
-    assert_non_null(f->data.position);
+    f->data.position = zeroed(1, 3 * sizeof *f->data.position * (size_t)f->data.n_rows);
     for (int i = 0; i < 3 * f->data.n_rows; i++) f->data.position[i] = NAN;
     for (int row = 0; row < f->data.n_rows; row++) {
         if (f->data.socket[row] > 2) continue;
@@ -391,8 +386,7 @@ TEST(listed)
 TEST(reinstated)
 {
     enum { ROW = 5 };
-    mukca_diagnosis *d = calloc(1, sizeof *d);
-    assert_non_null(d);
+    mukca_diagnosis *d = zeroed(1, sizeof *d);
     mukca_screening_add(d, &f->m.recording, MUKCA_FAULT_DUPLICATE, ROW, 0);
     mukca_screening_add(d, &f->m.recording, MUKCA_FAULT_OUTLIER, ROW, 0.1);
     f->m.recording.keep[ROW] = 0;
@@ -414,8 +408,7 @@ TEST(never_left_out)
     mukca_dataset data;
     mukca_regression m;
     record(&data, &f->s);
-    data.position = malloc(3 * sizeof *data.position * (size_t)data.n_rows);
-    assert_non_null(data.position);
+    data.position = zeroed(1, 3 * sizeof *data.position * (size_t)data.n_rows);
     for (int i = 0; i < 3 * data.n_rows; i++) data.position[i] = NAN;
     for (int row = 0; row < POSES; row++) {
         data.socket[row] = -1;
@@ -472,8 +465,7 @@ TEST(tails)
     mukca_regression *m = &f->m;
     const mukca_recording *r = &m->recording;
     const int n = m->linear.n_columns, rows = f->data.n_rows;
-    double *weight = calloc((size_t)rows, sizeof *weight), sum = 0;
-    assert_non_null(weight);
+    double *weight = zeroed((size_t)rows, sizeof *weight), sum = 0;
     mukca_regression_choose_tails(m, weight);
     assert_null(m->unknowns.tails);
 

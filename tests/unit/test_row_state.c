@@ -1,7 +1,5 @@
 /* The state of a row continues times, moves and commands where they are missing, and in a stream.
  */
-#include <string.h>
-
 #include "close.h"
 #include "model/dataset_subset.h"
 #include "mukca/row_state.h"

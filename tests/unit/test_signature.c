@@ -1,5 +1,4 @@
 /* Signatures of LCM requests against those of OpenSSL and against what they must not accept. */
-
 #include "lcm/message.h"
 #include "scratch.h"
 

@@ -1,6 +1,5 @@
 /* Simulated runs of a moving arm: each effect changes the torques as defined; path and
  * noise are those asked for; specifications are read or refused. */
-
 #include "cli/simulate.h"
 #include "close.h"
 #include "dynamics/inverse_dynamics.h"

@@ -3,9 +3,6 @@
 #define MUKCA_SCALAR /* the kernel of controllers here, that of this machine in the library */
 #include "math/sincos.h"
 
-#include <math.h>
-#include <string.h>
-
 #include "close.h"
 #include "math/random.h"
 #include "math/sincos_lanes.h"

@@ -1,5 +1,4 @@
 /* Statistics and random numbers against published values. */
-
 #include "close.h"
 #include "math/random.h"
 #include "math/stats.h"

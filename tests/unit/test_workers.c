@@ -1,6 +1,4 @@
 /* The pool of threads: every block runs once, whatever the number of threads. */
-#include <string.h>
-
 #include "base/workers.h"
 #include "close.h"
 
