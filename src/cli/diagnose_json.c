@@ -245,7 +245,7 @@ json_t *cli_diagnosis_json(const mukca_diagnosed *r)
         KEY("unnamed_m", d->applied_m - d->structure_m), FIELD(d, efforts_correlation),
         KEY("efforts_turned", d->turned_efforts), KEY("streams", streams),
         KEY("logs", logs_object(&d->logs)),
-        KEY("next_poses",
-            LIST(next->plan.rows, next->finding >= 0 ? next->plan.n_rows : 0, next_pose)),
+        KEY("next_poses", LIST(next ? next->plan.rows : NULL,
+                               next && next->finding >= 0 ? next->plan.n_rows : 0, next_pose)),
         FIELD(d, elapsed_s));
 }
