@@ -18,6 +18,17 @@ typedef struct {
 static poses p;
 static mukca_alignment found;
 static const mukca_align_options both = {.tracker = true, .target = true};
+static const mukca_frame identity = {.R = MUKCA_IDENTITY};
+
+/* Pose of a target on the flange in row i, as a tracker sees it. */
+static mukca_frame see(const mukca_frame *tracker, int i, const mukca_frame *target)
+{
+    mukca_frame pose;
+    mukca_fk_pose(&pose, &p.geometry, p.q + 7 * i, NULL);
+    mukca_frame_multiply(&pose, &pose, target);
+    mukca_frame_multiply(&pose, tracker, &pose);
+    return pose;
+}
 
 /* Poses of a target that is turned by `angle` about `axis` on the flange. */
 static void measure(const double axis[3], double angle)
@@ -32,11 +43,8 @@ static void measure(const double axis[3], double angle)
     mukca_rotation_from_rpy(p.tracker.R, tracker_rpy);
     mukca_rotation_about(p.target.R, axis, angle);
     for (int i = 0; i < ROWS; i++) {
-        mukca_frame pose;
         for (int j = 0; j < 7; j++) p.q[7 * i + j] = 4 * mukca_random_uniform(&random) - 2;
-        mukca_fk_pose(&pose, &p.geometry, p.q + 7 * i, NULL);
-        mukca_frame_multiply(&pose, &pose, &p.target);
-        mukca_frame_multiply(&pose, &p.tracker, &pose);
+        const mukca_frame pose = see(&p.tracker, i, &p.target);
         memcpy(p.position + 3 * i, pose.p, sizeof pose.p);
         mukca_rotation_to_quaternion(p.quaternion + 4 * i, pose.R);
         p.socket[i] = -1;
@@ -102,10 +110,7 @@ TEST(test_least_squares)
     for (int i = 0; i < ROWS; i++) p.position[3 * i] += i % 9 ? 1e-3 * (i % 2 ? 1 : -1) : 5e-3;
     assert_true(mukca_align(&found, &p.geometry, &p.data, &both));
     for (int i = 0; i < ROWS; i++) {
-        mukca_frame pose;
-        mukca_fk_pose(&pose, &p.geometry, p.q + 7 * i, NULL);
-        mukca_frame_multiply(&pose, &pose, &found.target);
-        mukca_frame_multiply(&pose, &found.tracker, &pose);
+        const mukca_frame pose = see(&found.tracker, i, &found.target);
         for (int c = 0; c < 3; c++) mean[c] += (pose.p[c] - p.position[3 * i + c]) / ROWS;
     }
     for (int c = 0; c < 3; c++) assert_close(mean[c], 0, 1e-6);
@@ -119,13 +124,10 @@ static void keep_orientation(bool line)
     measure((const double[3]){0, 1, 0}, 1.0);
     for (int i = 0; i < ROWS; i++) {
         double noise[3], R[9], *q = p.q + 7 * i;
-        mukca_frame pose;
         memset(q, 0, 7 * sizeof *q);
         q[1] = 0.4 + 0.01 * i * (line ? 0.1 : 1), q[3] = line ? 0.9 : 1.2 * sin(i),
         q[5] = -q[1] - q[3];
-        mukca_fk_pose(&pose, &p.geometry, q, NULL);
-        mukca_frame_multiply(&pose, &pose, &p.target);
-        mukca_frame_multiply(&pose, &p.tracker, &pose);
+        mukca_frame pose = see(&p.tracker, i, &p.target);
         for (int c = 0; c < 3; c++) {
             p.position[3 * i + c] = pose.p[c] + 2e-5 * mukca_random_normal(&random);
             noise[c] = 2e-4 * mukca_random_normal(&random);
@@ -142,10 +144,7 @@ static double turn_left(void)
     double most = 0;
     for (int i = 0; i < ROWS; i++) {
         double R[9];
-        mukca_frame pose;
-        mukca_fk_pose(&pose, &p.geometry, p.q + 7 * i, NULL);
-        mukca_frame_multiply(&pose, &found.tracker, &pose);
-        mukca_frame_multiply(&pose, &pose, &found.target);
+        const mukca_frame pose = see(&found.tracker, i, &found.target);
         mukca_rotation_from_quaternion(R, p.quaternion + 4 * i);
         most = fmax(most, mukca_rotation_between(R, pose.R));
     }
@@ -169,7 +168,6 @@ TEST(test_constant_orientation)
     assert_true(!found.open_turn && !found.open_target);
 }
 
-/* Nothing to align: identity. */
 /* A tip that moves along a line, with a tool that keeps its orientation: positions alone determine
  * the line, not the turn about it, which stays as it is. */
 TEST(points_on_one_line)
@@ -184,8 +182,7 @@ TEST(points_on_one_line)
         for (int k = 0; k < 3; k++) assert_close(on[k], to[i][k], 1e-12);
         mukca_mat3_tmul(square, R, R);
         for (int k = 0; k < 9; k++) assert_close(square[k], k % 4 == 0, 1e-12);
-        assert_close(mukca_rotation_between(R, (double[9])MUKCA_IDENTITY),
-                     acos(mukca_dot3(from, to[i])), 1e-7);
+        assert_close(mukca_rotation_between(R, identity.R), acos(mukca_dot3(from, to[i])), 1e-7);
     }
     measure((double[]){0, 0, 1}, 0);
     p.data.quaternion = NULL;
@@ -193,10 +190,8 @@ TEST(points_on_one_line)
     line.element[line.joint_element[0]].type = MUKCA_PRISMATIC;
     mukca_geometry_set(&p.geometry, &line, NULL);
     for (int i = 0; i < ROWS; i++) {
-        mukca_frame pose;
         for (int j = 1; j < 7; j++) p.q[7 * i + j] = 0.3;
-        mukca_fk_pose(&pose, &p.geometry, p.q + 7 * i, NULL);
-        mukca_frame_multiply(&pose, &p.tracker, &pose);
+        const mukca_frame pose = see(&p.tracker, i, &identity);
         memcpy(p.position + 3 * i, pose.p, sizeof pose.p);
     }
     assert_true(mukca_align(&found, &p.geometry, &p.data, &both));
@@ -204,9 +199,9 @@ TEST(points_on_one_line)
     assert_true(found.open_turn);
 }
 
+/* Nothing to align: identity. */
 TEST(test_nothing)
 {
-    const mukca_frame identity = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
     measure((const double[3]){1, 0, 0}, 1.0);
     assert_true(mukca_align(&found, &p.geometry, &p.data, &(mukca_align_options){0}));
     assert_frame(&found.tracker, &identity, 0);

@@ -44,7 +44,7 @@ static const cli_command command = {.name = "try",
                                     .options_size = sizeof(test_options),
                                     .defaults = &defaults};
 
-static cli_call call;
+static cli_call call; /* of the last line */
 static bool help;
 
 /* Parse words parted by spaces. */
@@ -55,6 +55,7 @@ static mukca_status parse(const char *line)
     int n = 0;
     snprintf(buffer, sizeof buffer, "%s", line);
     for (char *word = strtok(buffer, " "); word; word = strtok(NULL, " ")) words[n++] = word;
+    cli_call_free(&call);
     call = (cli_call){.command = &command};
     return cli_parse(&call, &help, n, words);
 }
@@ -71,12 +72,10 @@ TEST(good_lines_are_understood)
     assert_int_equal(call.arguments.n, 2);
     assert_string_equal(call.arguments.items[1], "b");
     assert_false(help);
-    cli_call_free(&call);
 
     assert_ok(parse("a"));
     o = call.options;
     assert_true(o->number == 7 && o->colour == 1 && !o->flag && !o->text);
-    cli_call_free(&call);
 
     assert_ok(parse("a --test b c - --flag d --test e"));
     o = call.options;
@@ -84,14 +83,12 @@ TEST(good_lines_are_understood)
     assert_string_equal(o->test.items[2], "-");
     assert_string_equal(o->test.items[3], "e");
     assert_int_equal(call.arguments.n, 2);
-    cli_call_free(&call);
 
     assert_ok(parse("--test b -- -x --flag"));
     o = call.options;
     assert_int_equal(o->test.n, 1);
     assert_string_equal(call.arguments.items[1], "--flag");
     assert_false(o->flag);
-    cli_call_free(&call);
 
     assert_ok(parse("a -qvf --gravity 0,9.8,-1e-3 --distance 0.08 -o -"));
     o = call.options;
@@ -99,19 +96,15 @@ TEST(good_lines_are_understood)
     assert_true(o->common.arm.gravity[1] == 9.8 && o->common.arm.gravity[2] == -1e-3);
     assert_true(call.common->distance == 0.08);
     assert_string_equal(call.common->output, "-");
-    cli_call_free(&call);
 
     assert_ok(parse("a --angle 180 --some 2 --weight 0"));
     o = call.options;
     assert_true(o->some == 2 && o->weight == 0 && o->angle == 180);
-    cli_call_free(&call);
 
     assert_ok(parse("--help"));
     assert_true(help);
-    cli_call_free(&call);
     assert_ok(parse("-h"));
     assert_true(help);
-    cli_call_free(&call);
 }
 
 TEST(bad_lines_get_one_clear_line)
@@ -151,8 +144,7 @@ TEST(bad_lines_get_one_clear_line)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         mukca_status status = parse(cases[i].text);
         assert_error(status, MUKCA_USAGE, call.error, cases[i].part);
-        cli_call_free(&call);
-    }
+        }
 }
 
 /* Each name in "poses or --at" is an option of the command. */

@@ -93,6 +93,14 @@ static void check_json(json_t *root, const mukca_chain *chain)
     }
 }
 
+/* The diagnosis as JSON, which holds to the contract. */
+static json_t *to_json(const mukca_diagnosed *result)
+{
+    json_t *root = cli_diagnosis_json(result);
+    check_json(root, result->chain);
+    return root;
+}
+
 /* The screen as text; no line wider than 79 columns, no number that is none. */
 static char *screen(const mukca_diagnosed *result)
 {
@@ -129,8 +137,7 @@ TEST(everything_is_handed_over)
     diagnose((mukca_diagnose_options){.applied = true, .test = &test});
     const mukca_diagnosed result = {
         .diagnosis = d, .chain = &s.chain, .data = &data, .test = &test};
-    json_t *root = cli_diagnosis_json(&result);
-    check_json(root, &s.chain);
+    json_t *root = to_json(&result);
     json_t *gap = json_object_get(root, "gap");
     assert_true(real(gap, "nominal_m") > real(gap, "geometry_m"));
     assert_true(real(gap, "geometry_m") > real(gap, "faults_excused_m"));
@@ -163,16 +170,17 @@ TEST(everything_is_handed_over)
     json_decref(root);
 
     char *all = screen(&result);
-    assert_part(all, "joint compliance at joint_2");
-    assert_part(all, "transmission ripple at joint_4, order 160 ");
-    assert_part(all, "urad/(N·m) [");
-    assert_part(all, "mrad [");
-    assert_part(all, "left, socket 1, row 10");
-    assert_part(all, "record this socket again");
-    assert_part(all, "right, socket 0, row 125");
-    assert_part(all, "correct its label");
-    assert_part(all, "mm held out (geometry alone ");
-    assert_part(all, "; test");
+    static const char *const parts[] = {"joint compliance at joint_2",
+                                        "transmission ripple at joint_4, order 160 ",
+                                        "urad/(N·m) [",
+                                        "mrad [",
+                                        "left, socket 1, row 10",
+                                        "record this socket again",
+                                        "right, socket 0, row 125",
+                                        "correct its label",
+                                        "mm held out (geometry alone ",
+                                        "; test"};
+    for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) assert_part(all, parts[k]);
     free(all);
     mukca_dataset_free(&test);
 }
@@ -182,8 +190,7 @@ TEST(noise_is_called_noise)
     simulate(NULL, 11);
     diagnose((mukca_diagnose_options){.applied = true});
     const mukca_diagnosed result = {.diagnosis = d, .chain = &s.chain, .data = &data};
-    json_t *root = cli_diagnosis_json(&result);
-    check_json(root, &s.chain);
+    json_t *root = to_json(&result);
     assert_string_equal(text(root, "verdict"), "none");
     assert_true(json_is_null(json_object_get(root, "test")));
     json_decref(root);
@@ -201,8 +208,7 @@ TEST(nothing_to_test)
     memset(data.q, 0, (size_t)(data.n_rows * data.n_joints) * sizeof *data.q);
     diagnose((mukca_diagnose_options){.applied = true});
     const mukca_diagnosed result = {.diagnosis = d, .chain = &s.chain, .data = &data};
-    json_t *root = cli_diagnosis_json(&result);
-    check_json(root, &s.chain);
+    json_t *root = to_json(&result);
     assert_string_equal(text(root, "verdict"), "untestable");
     assert_int_equal(json_array_size(json_object_get(root, "tested")), MUKCA_EFFECT_COUNT);
     json_decref(root);

@@ -103,6 +103,17 @@ static void add_every_effect(void)
         }
 }
 
+/* The arm with every effect; with sliding joints, with a base that stands askew. */
+static void set_arm(bool slides, bool askew, mukca_random *random)
+{
+    arm = model;
+    for (int j = 0; j < 7 && slides; j++)
+        if (j % 3 == 1) arm.chain.element[arm.chain.joint_element[j]].type = MUKCA_PRISMATIC;
+    for (int a = 0; a < 3 && askew; a++) arm.chain.gravity[a] = 6 * mukca_random_normal(random);
+    mukca_geometry_set(&arm.geometry, &arm.chain, offsets.theta);
+    add_every_effect();
+}
+
 /* Add the displacement by one effect under the load of `now`. */
 static void displace_by(mukca_displacement *d, const mukca_effect *e, const mukca_chain *of,
                         const mukca_joint_state *now)
@@ -155,13 +166,7 @@ TEST(rest_is_the_fixed_point)
         mukca_frame T, expected;
         /* ten springs and plays at once: as soft as real arms, and ten times as soft */
         const double within = i % 3 ? 1e-7 : 3e-5;
-        arm = model;
-        for (int j = 0; j < 7 && i % 2; j++)
-            if (j % 3 == 1) arm.chain.element[arm.chain.joint_element[j]].type = MUKCA_PRISMATIC;
-        for (int a = 0; a < 3 && i % 3; a++)
-            arm.chain.gravity[a] = 6 * mukca_random_normal(&random);
-        mukca_geometry_set(&arm.geometry, &arm.chain, offsets.theta);
-        add_every_effect();
+        set_arm(i % 2, i % 3, &random);
         for (int e = 0; e < arm.n_effects; e++)
             arm.effects[e].coefficient[0] *= i % 3 ? 0.1 * (i % 3) : 1;
         random_angles(q, &random);
@@ -199,13 +204,7 @@ TEST(jacobian_lacks_the_change_of_the_deflection_alone)
     mukca_random random = mukca_random_seeded(15);
     for (int i = 0; i < 60; i++) {
         double q[7], J[42], command[7], move[7];
-        arm = model;
-        for (int j = 0; j < 7 && i % 2; j++)
-            if (j % 3 == 1) arm.chain.element[arm.chain.joint_element[j]].type = MUKCA_PRISMATIC;
-        for (int a = 0; a < 3 && i % 5 > 1; a++)
-            arm.chain.gravity[a] = 6 * mukca_random_normal(&random);
-        mukca_geometry_set(&arm.geometry, &arm.chain, offsets.theta);
-        add_every_effect();
+        set_arm(i % 2, i % 5 > 1, &random);
         for (int e = 0; e < arm.n_effects; e++)
             if (mukca_effect_table[arm.effects[e].kind]->needs & MUKCA_NEEDS_MASSES)
                 arm.effects[e].coefficient[0] *= i % 3 ? 0.1 : 0;

@@ -80,6 +80,7 @@ TEST(semicolons_may_have_decimal_commas)
     assert_int_equal(table.n_columns, 3);
     mukca_table_close(&table);
     static const bad_text bad[] = {
+        {"a\tb\n0,75\t1\n", "t.csv:2: column 'a': '0,75' has a decimal comma; write a point"},
         {"a;b\n1,2,3;4\n", "t.csv:2: column 'a': '1,2,3' has a decimal comma"},
         {"a;b\n1.234,5;4\n", "'1.234,5' is not a finite number"},
         {"a;b\n1,5\n", "t.csv:2: 1 columns, but 2 in the header"}};

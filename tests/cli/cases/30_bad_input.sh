@@ -79,10 +79,8 @@ wrong_session '4s/\t[^\t]*$/\tfive/' "bad.tsv:4: column 'j3': 'five' is not a fi
 wrong_session '4s/\t[^\t]*$/\tnan/' "bad.tsv:4: column 'j3': 'nan' is not a finite number"
 wrong_session '4s/\t[^\t]*$/\tinf/' "bad.tsv:4: column 'j3': 'inf' is not a finite number"
 wrong_session '4s/\t[^\t]*$/\t/' "bad.tsv:4: column 'j3': is empty"
-wrong_session '4s/\t[^\t]*$//' 'bad.tsv:4: 4 columns, but 5 in the header'
 printf '%s' "$(cat session.tsv)" | sed '$s/\t[^\t]*\t[^\t]*$//' >cut.tsv
 refuse 3 'cut.tsv:13: 3 columns, but 5 in the header; the last line is cut off' calibrate $a cut.tsv
-wrong_session '5s/\t[^\t]*$/\t0,75/' "bad.tsv:5: column 'j3': '0,75' has a decimal comma; write a point"
 wrong_session '5s/\t[^\t]*$/\t57.3/' "bad.tsv:5: column 'j3': joint 'j3' is 57.3, more than two turns; angles are in rad"
 wrong_session '2,$s/^p\t0/p\t1/' "placement 'p': only one socket; at least two"
 head -n 3 session.tsv >bad.tsv
@@ -207,8 +205,6 @@ rows 1 5 >bad/hole_0.csv
 refuse 3 'bad: no hole_1.csv' calibrate $a bad -o new.tsv
 : >bad/hole_1.csv
 refuse 3 "placement 'bad', socket '1': 0 rows; at least 2 are needed" calibrate $a bad
-rows 1 1 >bad/hole_1.csv
-refuse 3 "socket '1': 1 row; at least 2 are needed" calibrate $a bad
 printf '0,0,0\n0,0\n' >bad/hole_1.csv
 refuse 3 'bad/hole_1.csv:2: 2 columns, but 3 in the first row' calibrate $a bad
 printf '0,0\n0,0\n' >bad/hole_1.csv
@@ -233,9 +229,6 @@ else
 fi
 
 # distances
-refuse 2 'distance 0: must be a number above 0' calibrate $a --distance 0 good -o new.tsv
-refuse 2 'distance -0.05: must be a number above 0' calibrate $a --distance -0.05 good
-refuse 2 'distance 50: must be a number above 0, at most 2, in m' calibrate $a --distance 50 good
 refuse 2 'distance 5: must be a number above 0, at most 2, in m' calibrate $a --distance 5 good
 refuse 2 'distance 50mm: must be a number above 0, at most 2, in m' calibrate $a --distance 50mm good
 run simulate $a --seed 1 --rows 20 --placements 2 -o sim.tsv
@@ -270,7 +263,6 @@ refuse 3 'nix.tsv: cannot read' calibrate $a --distances nix.tsv good
 # offsets tables
 sed 's/\(urdf_sha256: \)./\1x/' offsets.tsv >other.tsv
 refuse 3 'other.tsv: was made for another URDF' fk $a --offsets other.tsv good/hole_0.csv -o new.tsv
-refuse 3 'other.tsv: was made for another URDF' export $a --offsets other.tsv -o new.urdf
 refuse 3 'session.tsv: no offsets table' export $a --offsets session.tsv -o new.urdf
 refuse 3 'other.tsv: was made for another URDF.*--accept-other-arm' fk $a --offsets other.tsv --force good/hole_0.csv
 accept 'made for another URDF' fk $a --offsets other.tsv --accept-other-arm good/hole_0.csv
@@ -297,7 +289,6 @@ refuse 2 "is larger than any arm's" simulate $a --effect joint_scale:j2=1e300
 
 # outputs
 refuse 3 'offsets.tsv: exists already; --force overwrites it' calibrate $a good -o offsets.tsv
-refuse 3 'offsets.tsv: exists already' export $a --format urdf -o offsets.tsv
 refuse 6 '/dev/full: cannot write: No space left on device' calibrate $a good -o /dev/full
 refuse 6 '/dev/full: cannot write: No space left on device' calibrate $a good --json /dev/full
 refuse 6 '/dev/full: cannot write: No space left on device' export $a -o /dev/full

@@ -31,7 +31,6 @@ expect "its angles with the same arm give the same poses" sh -c "grep -v '^#' '$
     paste - told | awk '{ for (i = 1; i < 4; i++) if ((\$i - \$(i + 3)) ^ 2 > 1e-22) exit 1 } END { exit NR != 20 }'"
 
 refuse 2 "no joint 'elbow' in the chain" simulate --urdf arm.urdf --effect joint_scale:elbow=1e-3
-refuse 2 "no placement 'left'; the first one is 'p1'" simulate --urdf arm.urdf --effect ball_shift:left=1e-3
 # joints that have the names of measured quantities keep their columns
 sed 's/"joint_5"/"target"/; s/"joint_6"/"yaw"/; s/"joint_4"/"roll"/; s/"joint_3"/"pitch"/' arm.urdf >rpy.urdf
 run simulate --urdf rpy.urdf --poses 9 -o rpy.tsv
@@ -70,7 +69,5 @@ run simulate --urdf arm.urdf --motion 10 --rate 50 --seed 1 --runs 2 \
 expect "the same seed gives the same runs" cmp runs.tsv "$scratch/out"
 refuse 2 "motion and --poses exclude each other" simulate --urdf arm.urdf --motion 9 --poses 9
 refuse 2 "rate needs --motion" simulate --urdf arm.urdf --rate 100
-refuse 2 "is no effect of a moving arm" simulate --urdf arm.urdf --motion 9 --effect backlash:joint_2=1
-refuse 2 "needs a joint" simulate --urdf arm.urdf --motion 9 --effect coulomb=1
 sed '/<inertial>/,/<.inertial>/d' arm.urdf >weightless.urdf
 refuse 2 "motion needs link masses" simulate --urdf weightless.urdf --motion 9
