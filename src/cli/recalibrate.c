@@ -24,11 +24,10 @@ static void use_check(cli_call *call, cli_recalibrated *r, const mukca_chain *ch
     const char *link = chain->element[c->position_element].child;
     snprintf(r->arm.tip, sizeof r->arm.tip, "%s", link);
     if (c->position_element != chain->n_elements - 1)
-        cli_log(call, "mukca: note: the poses are those of link '%s', not of the tip '%s'\n", link,
-                chain->tip);
+        cli_note(call, "the poses are those of link '%s', not of the tip '%s'", link, chain->tip);
     if (c->rotation_element != c->position_element)
-        cli_log(call, "mukca: note: positions are those of '%s', orientations those of '%s'\n",
-                link, chain->element[c->rotation_element].child);
+        cli_note(call, "positions are those of '%s', orientations those of '%s'", link,
+                 chain->element[c->rotation_element].child);
 }
 
 /* Orientations of the link of the positions. */
@@ -116,26 +115,21 @@ static mukca_status judge_offsets(cli_call *call, cli_recalibrated *r)
     return status;
 }
 
-/* A log that does not fit the arm: print the mix-up of its columns or frames that explains it. */
-static void explain_misfit(cli_call *call, const cli_recalibrated *r)
-{
-    cli_print_mismatch(call, r->log, call->common->free_base, call->common->free_tool);
-}
-
 static mukca_status run(cli_call *call)
 {
     cli_recalibrated *r = call->work;
-    r->tested = call->common->test.n > 0;
+    const cli_common *c = call->common;
+    r->tested = c->test.n > 0;
     r->fit = MUKCA_TAKE(&call->pool, mukca_recalibration, 1);
     if (!r->fit) return cli_fail(call, MUKCA_MEMORY, "out of memory");
     mukca_status status = open_logs(call, r);
     if (status == MUKCA_OK) status = fit_log(call, r);
-    if (status == MUKCA_INPUT && r->log->n_rows) explain_misfit(call, r);
+    const bool misfit = status == MUKCA_INPUT && r->log->n_rows;
     if (status == MUKCA_OK) status = judge_offsets(call, r);
-    if (status != MUKCA_OK) return status;
-    if (!(r->fit->calibrated && r->offsets.acceptance.accepted)) explain_misfit(call, r);
-    if (!r->fit->calibrated) return MUKCA_OK;
-    return cli_write_offsets(call, call->common->output, &r->offsets, r->chain, r->log,
+    if (misfit || (status == MUKCA_OK && !(r->fit->calibrated && r->offsets.acceptance.accepted)))
+        cli_print_mismatch(call, r->log, c->free_base, c->free_tool);
+    if (status != MUKCA_OK || !r->fit->calibrated) return status;
+    return cli_write_offsets(call, c->output, &r->offsets, r->chain, r->log,
                              "method: recalibrate (poses)");
 }
 

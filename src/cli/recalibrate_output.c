@@ -5,7 +5,6 @@
 
 #include <string.h>
 
-
 static const char *const stage_text[MUKCA_STAGES] = {"before", "angular offsets", "both",
                                                      "all parameters"};
 static const char *const stage_key[MUKCA_STAGES] = {"before", "angles", "both", "all"};
@@ -94,23 +93,19 @@ static void print_findings(cli_call *call, const cli_recalibrated *r, const mukc
                 is_timed(r) ? 1e3 * f->lag : f->lag, is_timed(r) ? "ms" : "rows", f->lag_score);
 }
 
-/* Error: the poses contain no information about the arm. */
-static mukca_status refuse(cli_call *call, const mukca_pose_gain *o)
-{
-    return cli_fail(call, MUKCA_UNIDENTIFIABLE,
-                    "no calibration in these poses: their median error is %.4f mm with the nominal "
-                    "model, %.4f mm after a fit, no gain beyond their noise; no offsets table is "
-                    "written; check that angles and poses are of the same samples, use another "
-                    "tracker, or calibrate from sockets",
-                    1e3 * o->nominal, 1e3 * o->left);
-}
-
 mukca_status cli_recalibrate_print(cli_call *call)
 {
     const cli_recalibrated *r = call->work;
     const mukca_acceptance *a = &r->offsets.acceptance;
     const char *output = call->common->output;
-    if (!r->fit->calibrated) return refuse(call, &r->fit->position);
+    if (!r->fit->calibrated)
+        return cli_fail(
+            call, MUKCA_UNIDENTIFIABLE,
+            "no calibration in these poses: their median error is %.4f mm with the "
+            "nominal model, %.4f mm after a fit, no gain beyond their noise; no offsets "
+            "table is written; check that angles and poses are of the same samples, use "
+            "another tracker, or calibrate from sockets",
+            1e3 * r->fit->position.nominal, 1e3 * r->fit->position.left);
     print_findings(call, r, a);
     print_errors(call, "Training data", r->fit->errors, r->fit->has_angles);
     if (r->tested) print_errors(call, "Test data", r->test, r->fit->has_angles);

@@ -1,8 +1,11 @@
 /* Elastic effects: springs deflected by gravity moments. */
 #include "effect/catalogue.h"
 
-/* One coefficient, which cannot be negative: the load is gravity's. */
-#define SPRING .terms = 1, .nonnegative = true, .unit = "rad/(N*m)"
+/* One coefficient, which cannot be negative: the load is gravity's; of a flexible part. */
+#define SPRING \
+    .varies_with = MUKCA_VARIES_LOAD, .terms = 1, .nonnegative = true, .unit = "rad/(N*m)"
+#define FLEXIBLE \
+    SPRING, .traits = MUKCA_TRAIT_ELASTIC | MUKCA_TRAIT_FLEXIBLE, .needs = MUKCA_NEEDS_MASSES
 
 static const char loaded_alike[] =
     "gravity loads it alike in all samples: record postures with other lever arms";
@@ -23,10 +26,7 @@ const mukca_effect_ops mukca_joint_compliance_effect = {
     .info = {.name = "joint_compliance",
              .title = "joint compliance",
              .site = MUKCA_SITE_ANGLE,
-             .varies_with = MUKCA_VARIES_LOAD,
-             SPRING,
-             .traits = MUKCA_TRAIT_ELASTIC | MUKCA_TRAIT_FLEXIBLE,
-             .needs = MUKCA_NEEDS_MASSES,
+             FLEXIBLE,
              .sentence = "the transmission deflects under gravity torque"},
     .basis = spring_basis,
     .candidate = joint_candidate,
@@ -52,10 +52,7 @@ const mukca_effect_ops mukca_link_bending_effect = {
     .info = {.name = "link_bending",
              .title = "link bending",
              .site = MUKCA_SITE_ROTATION,
-             .varies_with = MUKCA_VARIES_LOAD,
-             SPRING,
-             .traits = MUKCA_TRAIT_ELASTIC | MUKCA_TRAIT_FLEXIBLE,
-             .needs = MUKCA_NEEDS_MASSES,
+             FLEXIBLE,
              .sentence = "the link before the joint bends under gravity torque",
              .remedy = "compensate it with the offsets table; check the screws between link and "
                        "joint"},
@@ -79,10 +76,7 @@ const mukca_effect_ops mukca_base_compliance_effect = {
     .info = {.name = "base_compliance",
              .title = "base compliance",
              .site = MUKCA_SITE_BASE,
-             .varies_with = MUKCA_VARIES_LOAD,
-             SPRING,
-             .traits = MUKCA_TRAIT_ELASTIC | MUKCA_TRAIT_FLEXIBLE,
-             .needs = MUKCA_NEEDS_MASSES,
+             FLEXIBLE,
              .sentence = "the base or its table tilts under the arm's weight",
              .remedy = "stiffen the base or its table, or compensate it"},
     .basis = base_basis,
@@ -107,7 +101,6 @@ const mukca_effect_ops mukca_servo_sag_effect = {
     .info = {.name = "servo_sag",
              .title = "servo sag",
              .site = MUKCA_SITE_ANGLE,
-             .varies_with = MUKCA_VARIES_LOAD,
              SPRING,
              .traits = MUKCA_TRAIT_ELASTIC,
              .needs = MUKCA_NEEDS_MASSES | MUKCA_NEEDS_COMMANDS,

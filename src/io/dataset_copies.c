@@ -130,16 +130,11 @@ static void prune(mukca_dataset *d, int *map)
 
 mukca_status mukca_dataset_keep(mukca_dataset *data, const unsigned char *keep, mukca_error *error)
 {
-    mukca_dataset kept = {0};
     const int most = data->n_sockets > data->n_placements ? data->n_sockets : data->n_placements;
     int *map = calloc((size_t)most + 1, sizeof *map);
     if (!map) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    const mukca_status status = mukca_dataset_subset(&kept, data, keep, error);
-    if (status == MUKCA_OK) {
-        mukca_dataset_free(data);
-        *data = kept;
-        prune(data, map);
-    }
+    const mukca_status status = mukca_dataset_reduce(data, keep, error);
+    if (status == MUKCA_OK) prune(data, map);
     free(map);
     return status;
 }

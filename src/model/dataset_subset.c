@@ -55,6 +55,15 @@ mukca_status mukca_dataset_subset(mukca_dataset *out, const mukca_dataset *data,
     return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", d.n_rows);
 }
 
+mukca_status mukca_dataset_reduce(mukca_dataset *data, const unsigned char *keep,
+                                  mukca_error *error)
+{
+    mukca_dataset kept;
+    const mukca_status status = mukca_dataset_subset(&kept, data, keep, error);
+    if (status == MUKCA_OK) mukca_dataset_free(data), *data = kept;
+    return status;
+}
+
 mukca_status mukca_dataset_take_commands(mukca_dataset *data, mukca_error *error)
 {
     const size_t count = (size_t)data->n_rows * (size_t)data->n_joints;
@@ -203,11 +212,7 @@ mukca_status mukca_condense(mukca_condensed *how, mukca_dataset *data, int most,
     if (!keep) return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", data->n_rows);
     how->samples = how->postures = find_postures(keep, data);
     if (how->postures > most) how->samples = spread(keep, data->n_rows, how->postures, most);
-    mukca_dataset kept;
-    const mukca_status status = mukca_dataset_subset(&kept, data, keep, error);
+    const mukca_status status = mukca_dataset_reduce(data, keep, error);
     free(keep);
-    if (status != MUKCA_OK) return status;
-    mukca_dataset_free(data);
-    *data = kept;
-    return MUKCA_OK;
+    return status;
 }

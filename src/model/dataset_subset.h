@@ -28,6 +28,10 @@ static inline int mukca_column_width(int column, int n_joints)
 mukca_status mukca_dataset_subset(mukca_dataset *out, const mukca_dataset *data,
                                   const unsigned char *keep, mukca_error *error);
 
+/* The same in place. */
+mukca_status mukca_dataset_reduce(mukca_dataset *data, const unsigned char *keep,
+                                  mukca_error *error);
+
 /* Replace q by the commanded angles where a sample has some; without any, q are taken as commands.
  * The angles read are kept in `reading`.  Errors: MUKCA_MEMORY. */
 mukca_status mukca_dataset_take_commands(mukca_dataset *data, mukca_error *error);

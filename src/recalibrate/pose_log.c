@@ -34,17 +34,12 @@ static void fill_velocity(mukca_dataset *d, int row)
 
 static mukca_status keep_measured(mukca_dataset *d, mukca_error *error)
 {
-    mukca_dataset measured;
     unsigned char *keep = calloc((size_t)d->n_rows + 1, 1);
     int n = 0;
     if (!keep) return mukca_fail(error, MUKCA_MEMORY, "out of memory for the pose log");
     for (int i = 0; i < d->n_rows; i++)
         n += keep[i] = d->position && isfinite(d->position[3 * (size_t)i]);
-    mukca_status status = MUKCA_OK;
-    if (n < d->n_rows) {
-        status = mukca_dataset_subset(&measured, d, keep, error);
-        if (status == MUKCA_OK) mukca_dataset_free(d), *d = measured;
-    }
+    const mukca_status status = n < d->n_rows ? mukca_dataset_reduce(d, keep, error) : MUKCA_OK;
     free(keep);
     return status;
 }
