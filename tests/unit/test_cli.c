@@ -144,7 +144,7 @@ TEST(bad_lines_get_one_clear_line)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         mukca_status status = parse(cases[i].text);
         assert_error(status, MUKCA_USAGE, call.error, cases[i].part);
-        }
+    }
 }
 
 /* Each name in "poses or --at" is an option of the command. */
