@@ -13,8 +13,7 @@ typedef struct {
 } mukca_kinematics_entry;
 
 typedef struct {
-    bool root,
-        inner; /* the entries are below a key `kinematics`, their numbers below `kinematic` */
+    bool root, inner; /* entries are below a key `kinematics`, numbers below `kinematic` */
     char hash[MUKCA_NAME_SIZE]; /* UR's identifier of the robot's calibration; empty: none */
     char sha256[65];            /* of the file */
     int n;

@@ -1,7 +1,5 @@
 /* Tables for controllers: read or refused; what is read can be asked for positions and Jacobians.
  */
-#include <string.h>
-
 #include "arm/offsets.h"
 #include "memory_file.h"
 
@@ -11,14 +9,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     mukca_error error = {MUKCA_OK, ""};
     double q[MUKCA_MAX_JOINTS], J[6 * MUKCA_MAX_JOINTS], position[3];
     mukca_frame tip;
-    char *text = malloc(size + 1);
-    if (!text) return 0;
-    memcpy(text, bytes, size);
-    text[size] = '\0';
+    char *text = as_text(bytes, size);
     mukca_status status =
         mukca_corrected_parse_named(&model, (mukca_bytes){text, strlen(text)}, "table",
                                     MUKCA_ACCEPT_FAILED | MUKCA_ACCEPT_EDITED, &error);
-    if (status && (!error.text[0] || strchr(error.text, '\n'))) abort();
+    check_refusal(status, &error);
     for (int j = 0; j < MUKCA_MAX_JOINTS; j++) q[j] = 0.3 * j - 1;
     if (status == MUKCA_OK) {
         mukca_corrected_position(position, &model, q, NULL);

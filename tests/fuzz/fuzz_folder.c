@@ -1,7 +1,5 @@
 /* Folders with the recordings of a placement: read or refused; what is read is consistent.  A line
  * =NAME begins the file hole_NAME.csv: 0, 1, 2, 0_pose or 1_pose. */
-#include <string.h>
-
 #include "../unit/arms.h"
 #include "dataset_check.h"
 #include "io/dataset.h"
@@ -43,7 +41,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     const mukca_dataset_options options = {.partial = size % 2 == 0};
     make_chain(&chain, "RR", NULL, "j", 3);
     mukca_status status = mukca_dataset_load(&data, &chain, &folder, 1, &options, &error);
-    if (status && (!error.text[0] || strchr(error.text, '\n'))) abort();
+    check_refusal(status, &error);
     if (status == MUKCA_OK) {
         dataset_check(&data);
         if (data.n_placements != 1 || data.n_sockets < 2 || data.n_files < data.n_sockets) abort();

@@ -1,7 +1,4 @@
 /* Joint states as lines: any bytes give joints, a trigger, nothing, or one clear fault. */
-#include <math.h>
-#include <string.h>
-
 #include "memory_file.h"
 #include "record/joint_lines.h"
 
@@ -28,7 +25,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
                 for (int j = 0; j < joints.n && joints.has[MUKCA_LCM_ROLE_NAME]; j++)
                     if (strlen(joints.name[j]) > size) abort();
                 for (int j = 0; j < joints.n; j++)
-                    for (int r = MUKCA_LCM_ROLE_POSITION; r < MUKCA_LCM_ROLE_MODE; r++)
+                    for (int r = MUKCA_LCM_ROLE_POSITION; r < MUKCA_LCM_ROLES; r++)
                         if (isinf(joints.value[r][j])) abort();
                 break;
             case MUKCA_LINE_TRIGGER:

@@ -1,18 +1,12 @@
 /* Lines of robot programs: any text; the numbers of a target lie within it, in order. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "io/language.h"
+#include "memory_file.h"
 
-int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size);
-int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size)
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
     static mukca_chain chain;
-    char *line = malloc(size + 1), *printed = NULL;
+    char *line = as_text(bytes, size), *printed = NULL;
     size_t length;
-    if (!line) return 0;
-    memcpy(line, data, size);
-    line[size] = '\0';
     for (int n = 3; n <= 8; n++)
         for (int l = 0; l < 3; l++) {
             const mukca_language *language = mukca_languages[l];

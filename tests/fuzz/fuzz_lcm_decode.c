@@ -1,7 +1,4 @@
 /* LCM messages of every type, ours included, from bytes that nobody vouches for. */
-#include <math.h>
-#include <string.h>
-
 #include "lcm/message.h"
 #include "lcm/packet.h"
 #include "lcm/type.h"

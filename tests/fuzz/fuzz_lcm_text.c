@@ -1,6 +1,4 @@
 /* Descriptions of LCM types: all or nothing, and an error that names its place. */
-#include <string.h>
-
 #include "lcm/type.h"
 #include "memory_file.h"
 
@@ -10,9 +8,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     mukca_error error = {MUKCA_OK, ""};
     if (!types.n_types && mukca_lcm_types_init(&types, &error)) abort();
     int n_types = types.n_types, n_fields = types.n_fields;
-    char *text = calloc(1, size + 1);
-    if (!text) abort();
-    memcpy(text, bytes, size);
+    char *text = as_text(bytes, size);
     mukca_status status = mukca_lcm_types_parse(&types, text, "fuzz.lcm", &error);
     free(text);
     if (status && (types.n_types != n_types || types.n_fields != n_fields)) abort();

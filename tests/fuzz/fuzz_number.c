@@ -1,7 +1,4 @@
 /* Numbers: what is taken for one is what the C library reads, up to the last bit of long ones. */
-#include <math.h>
-#include <string.h>
-
 #include "base/number.h"
 #include "memory_file.h"
 

@@ -1,7 +1,5 @@
 /* Datagrams of LCM's UDP protocol: up to 255 bytes each, behind a byte of their length and one of
  * their sender; large messages only where that is 240 or more. */
-#include <string.h>
-
 #include "lcm/packet.h"
 #include "memory_file.h"
 

@@ -1,5 +1,4 @@
 /* Sessions that are resumed: whatever the file holds, it is refused or goes on as it was. */
-#include <string.h>
 #include <sys/stat.h>
 
 #include "../unit/arms.h"

@@ -1,6 +1,4 @@
 /* Specifications of simulated effects: read or refused in one line, within the tables. */
-#include <string.h>
-
 #include "../unit/arms.h"
 #include "cli/simulate.h"
 #include "memory_file.h"
@@ -24,9 +22,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     mukca_random_seed(&simulated.random, 1);
     for (int pass = 0; pass < 4; pass++) {
         simulated.moves = pass == 3;
-        if (cli_simulated_parse(&simulated, text, &error) &&
-            (!error.text[0] || strchr(error.text, '\n')))
-            abort();
+        check_refusal(cli_simulated_parse(&simulated, text, &error), &error);
         if (simulated.n_effects > MUKCA_MAX_EFFECTS ||
             simulated.n_faults > CLI_MAX_SIMULATED_FAULTS ||
             simulated.n_torques > CLI_MAX_SIMULATED_TORQUES)

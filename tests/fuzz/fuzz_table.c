@@ -1,5 +1,4 @@
 /* Tables in all three kinds: read to the end or to an error of one line. */
-
 #include "io/table.h"
 #include "memory_file.h"
 

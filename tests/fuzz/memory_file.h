@@ -1,17 +1,35 @@
-/* A file in memory for readers that take a path: its name is good until the next one is made. */
+/* Input as text or as a file in memory, and what holds of every refusal; with the C library. */
 #ifndef MUKCA_FUZZ_MEMORY_FILE_H
 #define MUKCA_FUZZ_MEMORY_FILE_H
 
+#include <math.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include "mukca/status.h"
+
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
 
-/* Up to four files are open at a time. */
+/* A refusal says why in one line. */
+static inline void check_refusal(mukca_status status, const mukca_error *error)
+{
+    if (status && (!error->text[0] || strchr(error->text, '\n'))) abort();
+}
+
+/* The input as text, to be freed. */
+static inline char *as_text(const uint8_t *bytes, size_t size)
+{
+    char *text = calloc(1, size + 1);
+    if (!text) abort();
+    return memcpy(text, bytes, size);
+}
+
+/* The input's file, for readers that take a path: up to four are open at a time. */
 static inline const char *memory_file(const uint8_t *bytes, size_t size)
 {
     static int file[4] = {-1, -1, -1, -1}, next;
