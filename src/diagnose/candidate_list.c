@@ -71,6 +71,27 @@ void mukca_candidates_append_effects(mukca_candidates *all, int joint)
     }
 }
 
+typedef struct {
+    const mukca_candidates *all;
+    const unsigned char *taken;
+} filling;
+
+static void fill(void *context, int block, int worker)
+{
+    const filling *job = context;
+    (void)worker;
+    if (job->taken[block]) mukca_candidate_fill(&job->all->list[block], job->all->recording);
+}
+
+void mukca_candidates_fill(const mukca_candidates *all, unsigned char *taken)
+{
+    const mukca_candidate *list = all->list;
+    for (int i = 0; i < all->count; i++)
+        for (int o = 0; o < i && taken[i] && list[i].shares_basis; o++)
+            if (list[o].basis == list[i].basis) taken[o] = 1;
+    mukca_workers_run(all->recording->workers, all->count, fill, &(filling){all, taken});
+}
+
 static void compute(void *context, int block, int worker)
 {
     const mukca_candidates *all = context;

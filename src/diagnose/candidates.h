@@ -39,6 +39,10 @@ void mukca_candidates_drop_listed(mukca_candidates *all);
 /* Compute what the candidates appended are functions of. */
 void mukca_candidates_compute(mukca_candidates *all);
 
+/* Compute anew the functions of the candidates marked in taken[count]; those whose functions they
+ * share are marked, too. */
+void mukca_candidates_fill(const mukca_candidates *all, unsigned char *taken);
+
 /* All candidates for a recording, with prior odds.  Errors: MUKCA_MEMORY. */
 mukca_status mukca_candidates_list(mukca_candidates *all, const mukca_unknowns *unknowns,
                                    mukca_error *error);

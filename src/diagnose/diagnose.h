@@ -9,6 +9,7 @@
 #include "base/pool.h"
 #include "infer/findings.h"
 #include "infer/gaussians.h"
+#include "infer/sets.h"
 #include "model/dataset.h"
 #include "mukca/effect.h"
 
@@ -173,7 +174,7 @@ typedef struct {
     double log_evidence[4]; /* shared frames; a base, a tool, both per log; NaN: not compared */
 } mukca_logs;
 
-enum { MUKCA_MAX_SETS = 10, MUKCA_MAX_MEMBERS = 24 };
+enum { MUKCA_MAX_SETS = 10 };
 
 /* A probable set of causes, the answer to why a cause was named and not another. */
 typedef struct {
@@ -183,7 +184,7 @@ typedef struct {
         mukca_effect effect; /* kind, joint, placement, variant */
         bool unknown;        /* a function outside the catalogue, at the joint */
         int row, file;       /* outlier or moved tool: 1-based data row of its file, else 0 */
-    } member[MUKCA_MAX_MEMBERS];
+    } member[MUKCA_SET_ITEMS];
 } mukca_cause_set;
 
 typedef struct {

@@ -7,8 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Probability of the sets that are left out: below what any statement resolves. */
+/* Probability of the sets that are left out: below what any statement resolves; of halves, what
+ * their mean resolves. */
 #define LEFT_OUT 5e-4
+#define LEFT_OUT_OF_HALVES 0.01
 /* Log odds behind the best set of the sets that are averaged, as of the whole. */
 #define WINDOW 12.0
 
@@ -56,13 +58,14 @@ typedef struct {
     const int *index;     /* [n] of the sets, by falling weight */
     const double *weight; /* [n] */
     int n;
+    double left_out;
 } weighted;
 
 static bool label_posterior(mukca_labelled_sets *out, mukca_pool *pool, const weighted *w)
 {
     mukca_labelled_set *set = MUKCA_TAKE(pool, mukca_labelled_set, MOST_SETS);
     double *scratch = MUKCA_TAKE(pool, double, w->sets->question->stride + 1), sum = 0;
-    for (int i = 0; i < w->n && i < MOST_SETS && sum < 1 - LEFT_OUT && !pool->failed; i++) {
+    for (int i = 0; i < w->n && i < MOST_SETS && sum < 1 - w->left_out && !pool->failed; i++) {
         set[i].weight = w->weight[i];
         sum += set[i].weight;
         if (!label_set(&set[i], pool, scratch, w->sets, &w->sets->set[w->index[i]], w->label_of))
@@ -88,7 +91,8 @@ static bool label_whole(mukca_labelled_sets *out, mukca_pool *pool, mukca_search
                                                         .label_of = label_of,
                                                         .index = index,
                                                         .weight = weight,
-                                                        .n = id->n_sets});
+                                                        .n = id->n_sets,
+                                                        .left_out = LEFT_OUT});
 }
 
 /* The posterior of a half: of the sets that its search met. */
@@ -107,9 +111,13 @@ static bool label_half(mukca_labelled_sets *out, mukca_pool *pool, mukca_half *h
     const double sum = mukca_stats_log_sum_exp(weight, n);
     for (int k = 0; k < n; k++) weight[k] = exp(weight[k] - sum);
     out->least = MUKCA_FINDING_SQUARE;
-    return label_posterior(
-        out, pool,
-        &(weighted){.sets = sets, .label_of = label_of, .index = index, .weight = weight, .n = n});
+    return label_posterior(out, pool,
+                           &(weighted){.sets = sets,
+                                       .label_of = label_of,
+                                       .index = index,
+                                       .weight = weight,
+                                       .n = n,
+                                       .left_out = LEFT_OUT_OF_HALVES});
 }
 
 static int by_size(const void *a, const void *b)

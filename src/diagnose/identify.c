@@ -12,8 +12,8 @@
 #include "math/stats.h"
 
 enum {
-    BUDGET = 40,       /* sets expanded in the last search */
-    QUICK = 12,        /* in the searches before, which only have to find the best set */
+    BUDGET = 36,       /* sets expanded in the last search without a better one */
+    QUICK = 8,         /* in the searches before, which only have to find the best set */
     KEPT = 300,        /* candidates kept by their score against the geometry */
     KEPT_BESIDE = 100, /* by that against the set */
     MOST_KEPT = 3 * KEPT,
@@ -161,10 +161,12 @@ static mukca_status no_memory(mukca_error *error)
     return mukca_fail(error, MUKCA_MEMORY, "out of memory for sets of causes");
 }
 
-/* A pass at the present linearisation: all candidates are scored beside the set found so far. */
+/* A pass at the present linearisation: all candidates are scored beside the set found so far, but
+ * for those of the catalogue alone, which have been. */
 static mukca_status pass(mukca_search *id, mukca_causes *best, bool last, mukca_error *error)
 {
     const bool first = !id->n_passed;
+    if (id->listed) return search(id, best, last) ? MUKCA_OK : no_memory(error);
     set_causes(id, best);
     if (!mukca_scan_aim(&id->scan, id->m->unknowns.family))
         return first ? mukca_fail(error, MUKCA_UNIDENTIFIABLE, "the normal equations are singular")
@@ -252,21 +254,17 @@ static int by_weight(const void *a, const void *b)
     return (x->weight < y->weight) - (x->weight > y->weight);
 }
 
-static void fill(void *context, int candidate, int worker)
-{
-    const mukca_search *id = context;
-    (void)worker;
-    mukca_candidate_fill(&id->all.list[candidate], &id->m->recording);
-}
-
 /* Compute the functions of the angles at the present linearisation, with the tip moved by at most
- * `most`. */
-static void seat(mukca_search *id, double most)
+ * `most`: of all candidates, or only of those kept. */
+static void seat(mukca_search *id, double most, bool all)
 {
     const mukca_linearisation *linear = &id->m->linear;
-    if (mukca_recording_seat(&id->m->recording, &id->m->pool, linear->seated, linear->distance,
-                             most))
-        mukca_workers_run(id->m->workers, id->all.count, fill, id);
+    if (!mukca_recording_seat(&id->m->recording, &id->m->pool, linear->seated, linear->distance,
+                              most))
+        return;
+    memset(id->taken, all, (size_t)id->all.count);
+    for (int i = 0; i < id->n_kept; i++) id->taken[id->kept[i]] = 1;
+    mukca_candidates_fill(&id->all, id->taken);
 }
 
 /* Passes, from a set, until it remains.  tails (NULL: Gaussian noise): scratch of the weights. */
@@ -275,8 +273,9 @@ static mukca_status search_all(mukca_search *id, mukca_causes *best, double *tai
 {
     mukca_regression *m = id->m;
     mukca_status status = MUKCA_OK;
-    id->n_passed = id->n_kept = 0;
+    id->n_passed = 0;
     id->settled = false;
+    if (!id->listed) id->n_kept = 0;
     for (int p = 1; p <= MUKCA_PASSES && status == MUKCA_OK && !id->settled; p++) {
         const double done = (p - 1.0) / MUKCA_PASSES;
         if (!watch(id, 0.1 + 0.25 * (tails ? 1 + done : done), error)) return MUKCA_INTERRUPTED;
@@ -284,7 +283,7 @@ static mukca_status search_all(mukca_search *id, mukca_causes *best, double *tai
             mukca_identify_fit(id, best);
             if (!id->listed && mukca_screening_reinstate(id->diagnosis, m))
                 mukca_identify_fit(id, best);
-            seat(id, NOISE * m->unknowns.sigma);
+            seat(id, NOISE * m->unknowns.sigma, !id->listed);
             mukca_regression_freeze(m);
         }
         mukca_regression_choose_share(m);
@@ -325,7 +324,8 @@ mukca_status mukca_identify_run(mukca_search *id, mukca_error *error)
 {
     mukca_regression *m = id->m;
     mukca_causes best = {0};
-    seat(id, NOISE * m->unknowns.sigma);
+    mukca_recording_seat(&m->recording, &m->pool, m->linear.seated, m->linear.distance,
+                         NOISE * m->unknowns.sigma);
     mukca_candidates_start(&id->all, &m->pool, &m->recording, id->options->disabled);
     mukca_status status = mukca_candidates_list(&id->all, &m->unknowns, error);
     if (status != MUKCA_OK) return status;
@@ -353,17 +353,25 @@ mukca_status mukca_identify_with_tails(mukca_search *id, mukca_error *error)
     return status == MUKCA_OK ? rank(id, error) : status;
 }
 
+static bool is_listed(const mukca_search *id, int candidate)
+{
+    return id->all.list[candidate].kind != MUKCA_CANDIDATE_UNLISTED;
+}
+
 mukca_status mukca_identify_listed(mukca_search *id, mukca_error *error)
 {
     mukca_causes best = {0};
-    mukca_candidate *list = MUKCA_TAKE(&id->m->pool, mukca_candidate, id->all.capacity);
-    if (!list) return no_memory(error);
-    const mukca_candidates whole = id->all;
-    id->all.list = list;
-    id->all.count = 0;
+    const mukca_causes *set = &id->set[0];
+    int n = 0;
+    for (int i = 0; i < id->n_kept; i++)
+        if (is_listed(id, id->kept[i])) id->kept[n++] = id->kept[i];
+    for (int i = 0; i < set->n; i++)
+        if (is_listed(id, set->candidate[i])) {
+            best.candidate[best.n] = set->candidate[i];
+            best.scale[best.n++] = set->scale[i];
+        }
+    id->n_kept = n;
     id->listed = true;
-    for (int i = 0; i < whole.count; i++)
-        if (whole.list[i].kind != MUKCA_CANDIDATE_UNLISTED) list[id->all.count++] = whole.list[i];
     const mukca_status status = search_all(id, &best, id->tails, error);
     return status == MUKCA_OK ? rank(id, error) : status;
 }
@@ -372,7 +380,7 @@ void mukca_identify_settle(mukca_search *id)
 {
     mukca_regression *m = id->m;
     m->unknowns.tails = NULL;
-    seat(id, 0);                               /* a cause acts at the recorded angles */
+    seat(id, 0, false);                        /* a cause acts at the recorded angles */
     mukca_evidence_set_share(&m->evidence, 0); /* least squares: unexplained errors are no noise */
     mukca_identify_fit(id, &id->set[0]);
 }

@@ -58,8 +58,8 @@ mukca_status mukca_identify_run(mukca_search *id, mukca_error *error);
  */
 mukca_status mukca_identify_with_tails(mukca_search *id, mukca_error *error);
 
-/* The same among the sets of causes of the catalogue; from then on the list has no others.  Errors:
- * as above. */
+/* The same among the candidates kept that are in the catalogue, from those of the best set; from
+ * then on no others are kept.  Errors: as above. */
 mukca_status mukca_identify_listed(mukca_search *id, mukca_error *error);
 
 /* Fit the regression to the most probable set, by least squares.  Before, the last search can be

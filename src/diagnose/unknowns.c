@@ -115,7 +115,7 @@ void mukca_unknowns_assign(mukca_unknowns *u, const mukca_unknowns *from)
 
 int mukca_unknowns_capacity(const mukca_unknowns *u)
 {
-    return u->n_geometry + 3 * MUKCA_MAX_COLUMNS;
+    return u->n_geometry + MUKCA_SET_COLUMNS;
 }
 
 void mukca_unknowns_set_geometry(mukca_unknowns *u, const mukca_chain *chain)

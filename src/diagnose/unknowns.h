@@ -9,6 +9,7 @@
 
 #include "diagnose/candidate.h"
 #include "fit/align.h"
+#include "infer/sets.h"
 #include "model/prior.h"
 
 enum { MUKCA_MAX_ACCEPTED = 64, MUKCA_MOST_MODELS = 8 };

@@ -88,8 +88,8 @@ bool mukca_sets_create(mukca_sets *sets, mukca_pool *pool, const mukca_question 
  * too large. */
 int mukca_sets_insert(mukca_sets *sets, const int *item, const double *size, int n);
 
-/* At most `budget` times, extend a set or replace its members, the most probable set first;
- * `pairs`: replace those of the best set by two items each, too. */
+/* Extend a set or replace its members, the most probable set first, until the best one has not
+ * improved for `budget` times; `pairs`: replace those of the best set by two items each, too. */
 void mukca_sets_explore(mukca_sets *sets, int budget, bool pairs);
 
 /* Evaluate a set, or index[n], if it is only estimated.  False: no memory. */

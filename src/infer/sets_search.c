@@ -9,6 +9,9 @@
  * best addition beyond which one is not kept. */
 #define WINDOW 6.0
 
+/* Log odds by which the best set must rise to be an improvement: less changes no statement. */
+#define IMPROVED 1.0
+
 enum {
     VARIANTS = 2, /* sets of the same keys that are expanded */
     ADDED = 40,   /* sets kept of each kind of expansion */
@@ -230,8 +233,14 @@ static void swap(mukca_sets *s, int index, bool weighed, bool pairs)
 
 void mukca_sets_explore(mukca_sets *s, int budget, bool pairs)
 {
-    for (int last = -1; budget > 0 && !s->pool->failed;) { /* last: extended, and nothing since */
+    double reached = s->set[s->best].value;
+    int left = budget;
+    for (int last = -1; left > 0 && !s->pool->failed;) { /* last: extended, and nothing since */
         const int i = next_open(s);
+        if (s->set[s->best].value > reached + IMPROVED) {
+            reached = s->set[s->best].value;
+            left = budget;
+        }
         if (i < 0) return;
         mukca_set *set = &s->set[i];
         if (!set->exact) {
@@ -242,11 +251,11 @@ void mukca_sets_explore(mukca_sets *s, int budget, bool pairs)
             set->expanded = true;
             set->swapped = many;
             if (many) continue;
-            budget--;
+            left--;
             extend(s, last = i, ADDED);
         } else {
             set->swapped = true;
-            budget--;
+            left--;
             swap(s, i, i == last, pairs && i == s->best);
             last = -1;
         }
