@@ -1,8 +1,8 @@
 /* What a diagnosis applies: the mean over the probable sets of causes.
  *
- * A function outside the catalogue fits these samples, but cannot be applied, and it stands where
- * causes of the catalogue would explain most of the same.  So the sets without such functions are
- * searched, too, and taken where they predict held-out samples better. */
+ * Named causes are applied.  A tie without a name and a function outside the catalogue are not, but
+ * causes of the catalogue explain most of the same.  So the mean of all causes over the sets
+ * without such functions is fitted, too, and taken where it predicts held-out samples better. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -181,17 +181,19 @@ mukca_status mukca_averaged_fit(mukca_regression *m, mukca_search *id, mukca_err
     mukca_folds b = {.m = m};
     double *before = MUKCA_TAKE(&m->pool, double, m->recording.data->n_rows);
     fit(m, id);
-    if (id->options->no_folds || id->diagnosis->verdict == MUKCA_VERDICT_NONE ||
-        unlisted_probability(id) < NEGLIGIBLE)
-        return MUKCA_OK;
+    if (id->options->no_folds || id->diagnosis->verdict == MUKCA_VERDICT_NONE) return MUKCA_OK;
     mukca_folds_create(&b);
     if (m->pool.failed || mukca_folds_assign(b.fold, m, false) < 2 ||
         !mukca_unknowns_clone(&kept, &m->pool, &m->unknowns))
         return MUKCA_OK; /* the pool keeps a failure */
     mukca_folds_run(before, &b, false);
-    const mukca_status status = mukca_identify_listed(id, error);
-    if (status != MUKCA_OK) return status;
-    mukca_identify_settle(id);
+    if (unlisted_probability(id) < NEGLIGIBLE) {
+        id->listed = true;
+    } else {
+        const mukca_status status = mukca_identify_listed(id, error);
+        if (status != MUKCA_OK) return status;
+        mukca_identify_settle(id);
+    }
     fit(m, id);
     mukca_folds_run(b.error, &b, false);
     mukca_folds_compare(&gain, &b, before, b.error);
