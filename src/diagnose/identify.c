@@ -30,7 +30,7 @@ enum {
 #define NOISE 3.4
 /* Log odds to the best set within which the set of the last linearisation is the result: ties would
  * change places forever. */
-#define SETTLED 1.0
+#define SETTLED 3.0
 /* Log odds below which a candidate is not kept. */
 #define HOPELESS (-AVERAGED)
 
