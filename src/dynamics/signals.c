@@ -2,11 +2,8 @@
 #include "dynamics/signals.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <string.h>
-
-#include "base/clones.h"
-
-enum { LANES = MUKCA_LOWPASS_LANES };
 
 /* Largest cutoff as a share of rate / 2: the bilinear transform's tangent diverges at 1. */
 static const double largest_cutoff = 0.95;
@@ -34,24 +31,20 @@ void mukca_lowpass_set(mukca_lowpass *lowpass, int order, double cutoff, double 
     }
 }
 
-/* One pass over x[n][LANES] in place, backwards if step is -1; transposed direct form II, started
- * as if the first value had been there for ever. */
-MUKCA_CLONES static void pass(double *x, int n, int step, const mukca_lowpass *lowpass)
+/* One pass over x[n] in place, backwards if step is -1; transposed direct form II, started as if
+ * the first value had been there for ever. */
+static void pass(double *x, int n, int step, const mukca_lowpass *lowpass)
 {
     for (int i = 0; i < lowpass->n_sections; i++) {
         const double *b = lowpass->section[i].b, *a = lowpass->section[i].a;
-        double *at = step > 0 ? x : x + (size_t)(n - 1) * LANES, z0[LANES], z1[LANES];
-        for (int l = 0; l < LANES; l++) {
-            z0[l] = lowpass->section[i].rest[0] * at[l];
-            z1[l] = lowpass->section[i].rest[1] * at[l];
+        double *at = step > 0 ? x : x + n - 1;
+        double z0 = lowpass->section[i].rest[0] * *at, z1 = lowpass->section[i].rest[1] * *at;
+        for (int r = 0; r < n; r++, at += step) {
+            const double in = *at, out = b[0] * in + z0;
+            z0 = b[1] * in - a[0] * out + z1;
+            z1 = b[2] * in - a[1] * out;
+            *at = out;
         }
-        for (int r = 0; r < n; r++, at += step * LANES)
-            for (int l = 0; l < LANES; l++) {
-                const double in = at[l], out = b[0] * in + z0[l];
-                z0[l] = b[1] * in - a[0] * out + z1[l];
-                z1[l] = b[2] * in - a[1] * out;
-                at[l] = out;
-            }
     }
 }
 
@@ -60,22 +53,17 @@ void mukca_lowpass_apply(double *x, int rows, int width, int ld, const mukca_low
 {
     if (rows < 3) return;
     const int pad = lowpass->pad < rows - 2 ? lowpass->pad : rows - 2, last = rows - 1;
-    for (int first = 0; first < width; first += LANES) {
-        const int lanes = width - first < LANES ? width - first : LANES;
-        memset(scratch, 0, sizeof *scratch * LANES * ((size_t)rows + 2 * (size_t)pad));
+    for (int c = 0; c < width; c++) {
         for (int r = -pad; r < rows + pad; r++) { /* odd about either end */
             const int end = r < 0 ? 0 : last, mirror = r < 0 ? -r : 2 * last - r;
-            const double *in = x + (size_t)ld * (size_t)(r < 0 || r > last ? mirror : r) + first;
-            const double *about = x + (size_t)ld * (size_t)end + first;
-            double *out = scratch + (size_t)LANES * (size_t)(r + pad);
-            for (int l = 0; l < lanes; l++)
-                out[l] = r < 0 || r > last ? 2 * about[l] - in[l] : in[l];
+            const bool inside = r >= 0 && r <= last;
+            scratch[r + pad] = inside ? x[(size_t)ld * (size_t)r + (size_t)c]
+                                      : 2 * x[(size_t)ld * (size_t)end + (size_t)c] -
+                                            x[(size_t)ld * (size_t)mirror + (size_t)c];
         }
         pass(scratch, rows + 2 * pad, 1, lowpass);
         pass(scratch, rows + 2 * pad, -1, lowpass);
-        for (int r = 0; r < rows; r++)
-            memcpy(x + (size_t)ld * (size_t)r + first, scratch + (size_t)LANES * (size_t)(r + pad),
-                   sizeof *x * (size_t)lanes);
+        for (int r = 0; r < rows; r++) x[(size_t)ld * (size_t)r + (size_t)c] = scratch[r + pad];
     }
 }
 

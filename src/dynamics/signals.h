@@ -8,10 +8,7 @@
 
 #include <stddef.h>
 
-enum {
-    MUKCA_LOWPASS_MOST_ORDER = 8,
-    MUKCA_LOWPASS_LANES = 8 /* columns that are filtered side by side */
-};
+enum { MUKCA_LOWPASS_MOST_ORDER = 8 };
 
 /* Butterworth filter as second-order sections. */
 typedef struct {
@@ -31,7 +28,7 @@ void mukca_lowpass_set(mukca_lowpass *lowpass, int order, double cutoff, double 
 /* Doubles of scratch memory to filter so many rows. */
 static inline size_t mukca_lowpass_scratch(const mukca_lowpass *lowpass, int rows)
 {
-    return ((size_t)rows + 2 * (size_t)lowpass->pad) * MUKCA_LOWPASS_LANES;
+    return (size_t)rows + 2 * (size_t)lowpass->pad;
 }
 
 /* Filter x[rows][ld] in place forwards and backwards: no phase shift, constants unchanged,

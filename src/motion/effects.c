@@ -52,15 +52,15 @@ const mukca_torque_effect mukca_torque_table[MUKCA_TORQUE_ROWS] = {
               MUKCA_COLUMNS_RIGID, 1, UNIT, SMALL, .links = true),
     [MUKCA_MOTION_ARMATURE] = NAMED("armature", "armature", "kg*m^2", ACCELERATION,
                                     MUKCA_RAW_ACCELERATION, 1, 1, INERTIA, INERTIAS),
-    [MUKCA_MOTION_COULOMB] = NAMED("coulomb", "Coulomb friction", "N*m", DIRECTION, MUKCA_RAW_SIGN,
-                                   1, 1, RANGE, LARGE, .nonnegative = true),
+    [MUKCA_MOTION_COULOMB] =
+        NAMED("coulomb", "Coulomb friction", "N*m", DIRECTION, MUKCA_RAW_SIGN, 1, 1, RANGE, LARGE),
     [MUKCA_MOTION_VISCOUS] = NAMED("viscous", "viscous friction", "N*m*s/rad", VELOCITY,
-                                   MUKCA_RAW_VELOCITY, 1, 1, SPEED, LARGE, .nonnegative = true),
+                                   MUKCA_RAW_VELOCITY, 1, 1, SPEED, LARGE),
     [MUKCA_MOTION_STRIBECK] = NAMED("stribeck", "Stribeck friction", "N*m", VELOCITY,
                                     MUKCA_RAW_SLOW, 3, MUKCA_SLOWS, RANGE, SMALL),
-    /* under gravity, or under all torques */
+    /* between that under gravity and that under all torques */
     [MUKCA_MOTION_LOAD_FRICTION] =
-        NAMED("load_friction", "friction under load", "1", LOAD, MUKCA_RAW_LOAD, 1, 2, UNIT, SMALL),
+        NAMED("load_friction", "friction under load", "1", LOAD, MUKCA_RAW_LOAD, 2, 1, UNIT, SMALL),
     [MUKCA_MOTION_ASYMMETRY] = NAMED("asymmetry", "asymmetric friction", "N*m*s/rad", VELOCITY,
                                      MUKCA_RAW_SPEED, 1, 1, SPEED, SMALL),
     [MUKCA_MOTION_OFFSET] =
@@ -78,7 +78,7 @@ const mukca_torque_effect mukca_torque_table[MUKCA_TORQUE_ROWS] = {
               MUKCA_RAW_WARMING, 2, MUKCA_WARMINGS, RANGE, SMALL),
     UNKNOWN(DIRECTION, MUKCA_RAW_SIGN, 3, RANGE, "N*m", FUNCTION),
     UNKNOWN(DIRECTION, MUKCA_RAW_PLAY, MUKCA_PLAYS, RANGE, "N*m", FUNCTION),
-    UNKNOWN(VELOCITY, MUKCA_RAW_STRIBECK, MUKCA_STRIBECKS, RANGE, "N*m", FUNCTION),
+    UNKNOWN(VELOCITY, MUKCA_RAW_SLOW, MUKCA_SLOWS, RANGE, "N*m", FUNCTION),
     UNKNOWN(VELOCITY, MUKCA_RAW_DRAG, 2, SPEED, "N*m*s/rad", FUNCTION),
     UNKNOWN(VELOCITY, MUKCA_RAW_CURVE, MUKCA_HATS, RANGE, "N*m", FUNCTION),
     UNKNOWN(VELOCITY, MUKCA_RAW_BESIDE, 8, RANGE, "N*m", FUNCTION),

@@ -54,9 +54,9 @@ typedef enum {
     MUKCA_PER_UNIT     /* absolute */
 } mukca_torque_scale;
 
-/* Columns of an effect at a joint: `n` raw columns from `raw` on, `n` further ones for each further
- * variant, each over its own scale if there are several; n = 0: of `rigid`, MUKCA_RIGID_...; -1:
- * the joint's model torque, -2: the time derivative of its torque. */
+/* Columns of an effect at a joint: `n` raw columns from `raw` on in steps of the number of
+ * variants, for each variant the next ones (orders: `n` successive ones for each); n = 0: of
+ * MUKCA_RIGID_...; -1: the joint's model torque, -2: the time derivative of its torque. */
 /* NOLINTNEXTLINE(clang-analyzer-optin.performance.Padding): the order of the table's rows */
 typedef struct {
     const char *name;  /* in JSON; NULL: unknown function */
@@ -67,7 +67,7 @@ typedef struct {
     mukca_torque_scale scale;
     double size[5]; /* prior standard deviations, ended by 0 */
     double odds;    /* prior probability at one joint at all, in units of MUKCA_EFFECT_ODDS */
-    bool nonnegative, links, orders;
+    bool links, orders;
 } mukca_torque_effect;
 
 enum { MUKCA_RIGID_LOAD, MUKCA_RIGID_MASS, MUKCA_RIGID_CENTRE, MUKCA_RIGID_ANY };

@@ -20,6 +20,8 @@
 #define FRICTION 0.1
 #define ARMATURE 0.05
 #define FREE_FRICTION 0.3
+/* Of the delay of a joint's torque against the others, s: some cycles of a controller. */
+#define FREE_DELAY 0.005
 /* Of a torque sensor's zero, and of the shape of friction at reversals, relative to the range. */
 #define ZERO 0.005
 #define REVERSAL 0.25
@@ -28,7 +30,7 @@
 #define REVERSAL_UNKNOWN 0.03
 /* Of delays, those of one joint alone: a bus transports the torques of all joints together. */
 #define OWN_DELAY 0.2
-/* Odds of friction at a joint for which the model has none: even. */
+/* Odds of friction or armature at a joint for which the model has none: even. */
 #define OMITTED (1 / MUKCA_EFFECT_ODDS)
 /* An arm's mass without masses in its model, kg: half of that of common ones. */
 #define ARM_MASS 20.0
@@ -113,6 +115,19 @@ static void put_torque(lister *l, int joint, double weight)
         put(l, joint, r, weight * l->point->torque[joint][r]);
 }
 
+/* Put the time derivative of a joint's torque; at a delay, the chord from none to it: both are then
+ * compared as they are, and not a continuation of one. */
+static void put_rate(lister *l, int joint, double weight)
+{
+    double value[MUKCA_SHIFTS], slope[MUKCA_SHIFTS];
+    const double step = l->model->shift * l->model->signals->dt, delay = l->point->delay[joint];
+    mukca_raw_interpolate(value, slope, delay / step);
+    value[MUKCA_SHIFTS / 2] -= 1;
+    for (int k = 0; k < MUKCA_SHIFTS; k++)
+        put_local(l, joint, MUKCA_RAW_TORQUE + k,
+                  weight * (delay != 0 ? value[k] / delay : slope[k] / step));
+}
+
 static void list_local(lister *l, int joint, int column, double sigma)
 {
     if (!(sigma > 0)) return;
@@ -137,13 +152,21 @@ static void list_parameters(lister *l)
         list_local(l, j, MUKCA_RAW_ACCELERATION,
                    fmax(ARMATURE * d->armature[j],
                         l->reference ? FREE_ARMATURE * l->model->inertia[j] : 0));
-        list_local(l, j, MUKCA_RAW_STRIBECK + 1, 0.3 * free * range);
+        list_local(l, j, MUKCA_RAW_SLOW + MUKCA_SLOWS / 3, 0.3 * free * range);
         list_local(l, j, MUKCA_RAW_SPEED, 0.3 * free * range / speed);
         list_local(l, j, MUKCA_RAW_LOAD, 0.3 * free);
         const double sign = fmax(d->coulomb[j] > 0 ? d->coulomb[j] : REVERSAL_UNKNOWN * range,
                                  l->point->coulomb[j]);
         for (int k = 0; k < MUKCA_REVERSALS; k++)
             list_local(l, j, MUKCA_RAW_REVERSAL + k, (k < 3 ? LATE : REVERSAL) * sign);
+    }
+    for (int j = 0; j < l->n && l->reference; j++) {
+        for (int k = 0; k < l->n; k++) put_rate(l, k, FREE_DELAY * ((k == j) - 1.0 / l->n));
+        end_column(l);
+    }
+    for (int j = 0; j < l->n && l->reference && l->masses; j++, l->out->n_gains++) {
+        put_torque(l, j, MUKCA_CURRENT_GAIN);
+        end_column(l);
     }
     if (l->input->current && !l->reference) { /* all gains alike */
         for (int j = 0; j < l->n; j++) put_torque(l, j, MUKCA_CURRENT_GAIN);
@@ -154,19 +177,6 @@ static void list_parameters(lister *l)
 }
 
 /* ---- the value: measured torque without delay, minus the nominal one ---- */
-
-/* Put the time derivative of a joint's torque; at a delay, the chord from none to it: both are then
- * compared as they are, and not a continuation of one. */
-static void put_rate(lister *l, int joint, double weight)
-{
-    double value[MUKCA_SHIFTS], slope[MUKCA_SHIFTS];
-    const double step = l->model->shift * l->model->signals->dt, delay = l->point->delay[joint];
-    mukca_raw_interpolate(value, slope, delay / step);
-    value[MUKCA_SHIFTS / 2] -= 1;
-    for (int k = 0; k < MUKCA_SHIFTS; k++)
-        put_local(l, joint, MUKCA_RAW_TORQUE + k,
-                  weight * (delay != 0 ? value[k] / delay : slope[k] / step));
-}
 
 static void list_value(lister *l, double *scratch)
 {
@@ -203,7 +213,7 @@ static void put_columns(lister *l, const mukca_torque_effect *e, int joint, int 
         return;
     }
     for (int c = 0; c < e->n; c++) {
-        const int column = e->raw + variant * e->n + c;
+        const int column = e->raw + (e->orders ? variant * e->n + c : variant + c * e->variants);
         put_local(l, joint, column, normal_of(l, e, joint, column));
         end_column(l);
     }
@@ -211,51 +221,39 @@ static void put_columns(lister *l, const mukca_torque_effect *e, int joint, int 
 
 static void put_rigid(lister *l, const mukca_torque_effect *e, int link)
 {
-    switch (e->raw) {
-        case MUKCA_RIGID_LOAD: /* a body of 1 kg within 15 cm, as large as a fist */
-            put_link(l, link, 0, 1);
-            end_column(l);
-            for (int a = 0; a < MUKCA_INERTIAL - 1; a++) {
-                put_link(l, link, 1 + a, a < 3 ? 0.15 : 0.02);
-                end_column(l);
-            }
-            break;
-        case MUKCA_RIGID_CENTRE:
-            put_body(l, link, 0, 1, 0);
-            break;
-        case MUKCA_RIGID_MASS: /* as the model distributes it */
-            put_body(l, link, 1, 0, 0);
-            break;
-        default: /* a mass anywhere on the link */
-            put_body(l, link, 1, 0.15, 1);
+    if (e->raw == MUKCA_RIGID_CENTRE) put_body(l, link, 0, 1, 0);
+    if (e->raw == MUKCA_RIGID_MASS) put_body(l, link, 1, 0, 0); /* as the model distributes it */
+    if (e->raw == MUKCA_RIGID_ANY) put_body(l, link, 1, 0.15, 1);
+    /* a load is a body of 1 kg within 15 cm, as large as a fist */
+    for (int p = 0; p < MUKCA_INERTIAL && e->raw == MUKCA_RIGID_LOAD; p++) {
+        put_link(l, link, p, p == 0 ? 1 : p < 4 ? 0.15 : 0.02);
+        end_column(l);
     }
 }
 
 static double scale_of(const lister *l, const mukca_torque_effect *e, int joint)
 {
     const mukca_signals *s = l->model->signals;
-    switch (e->scale) {
-        case MUKCA_PER_RANGE:
-            return s->range[joint];
-        case MUKCA_PER_SPEED:
-            return s->range[joint] / fmax(s->fastest[joint], 1e-3);
-        case MUKCA_PER_TRAVEL:
-            return s->range[joint] / fmax(0.5 * (s->high[joint] - s->low[joint]), 1e-3);
-        case MUKCA_PER_INERTIA:
-            return l->model->inertia[joint];
-        case MUKCA_PER_MASS:
-            return l->total / 3;
-        default:
-            return 1;
-    }
+    const double range = s->range[joint],
+                 by[] = {[MUKCA_PER_RANGE] = range,
+                         [MUKCA_PER_SPEED] = range / fmax(s->fastest[joint], 1e-3),
+                         [MUKCA_PER_TRAVEL] =
+                             range / fmax(0.5 * (s->high[joint] - s->low[joint]), 1e-3),
+                         [MUKCA_PER_INERTIA] = l->model->inertia[joint],
+                         [MUKCA_PER_MASS] = l->total / 3,
+                         [MUKCA_PER_UNIT] = 1};
+    return by[e->scale];
 }
 
-/* Is it friction that the model omits?  No drive is without. */
-static bool lacks_friction(const lister *l, int e, int joint)
+/* Is it friction or armature that the model omits?  No drive is without. */
+static bool is_omitted(const lister *l, int e, int joint)
 {
     const mukca_drives *d = &l->input->drives;
-    const double *of = e == MUKCA_MOTION_COULOMB ? d->coulomb : d->viscous;
-    return mukca_torque_table[e].nonnegative && !l->reference && !(of[joint] > 0);
+    const double *of = e == MUKCA_MOTION_COULOMB    ? d->coulomb
+                       : e == MUKCA_MOTION_VISCOUS  ? d->viscous
+                       : e == MUKCA_MOTION_ARMATURE ? d->armature
+                                                    : NULL;
+    return of && !l->reference && !(of[joint] > 0);
 }
 
 /* Begin an item of row e at the joints from .. to; its columns follow. */
@@ -273,7 +271,7 @@ static mukca_item *begin(lister *l, int e, int from, int to, int variant)
     for (int k = 0; k < 5 && row->size[k] > 0; k++)
         h->prior.size[h->prior.n_sizes++] = row->size[k] * scale;
     for (int k = 0; k < h->prior.n_sizes; k++) h->prior.log_weight[k] = -log(h->prior.n_sizes);
-    h->prior.nonnegative = lacks_friction(l, e, to);
+    h->prior.nonnegative = is_omitted(l, e, to);
     *label = (mukca_label){.family = (int)row->family,
                            .effect = row->name ? e : -1 - e,
                            .from = from,
@@ -319,7 +317,7 @@ static void list_at(lister *l, int e, int joint)
         else
             put_columns(l, row, joint, v);
         if (row->n < 0) end_column(l);
-        finish(l, h, lacks_friction(l, e, joint) ? OMITTED : each);
+        finish(l, h, is_omitted(l, e, joint) ? OMITTED : each);
     }
 }
 
@@ -371,7 +369,7 @@ bool mukca_items_list(mukca_items *items, mukca_pool *pool, const mukca_motion_i
     const int n = model->signals->n_joints;
     lister l = {.out = items, .input = input, .model = model, .point = point, .n = n};
     l.most_items = n * (MUKCA_TORQUE_ROWS + MUKCA_ORDERS + MUKCA_SLOWS + MUKCA_WARMINGS) + 8;
-    l.most_columns = n * 24 + 8 + n * (2 * MUKCA_ORDERS + 200);
+    l.most_columns = n * 24 + 8 + n * (2 * MUKCA_ORDERS + 230);
     l.most_terms =
         l.most_columns * 4 + n * n * MUKCA_INERTIAL * 40 + 32 * n * mukca_raw_width(n, 0);
     *items = (mukca_items){.first = MUKCA_TAKE(pool, int, l.most_columns + 2),

@@ -32,6 +32,8 @@ typedef struct {
 typedef struct {
     double delay[MUKCA_MAX_JOINTS];   /* s */
     double coulomb[MUKCA_MAX_JOINTS]; /* N m: the scale of its shape at reversals */
+    /* of the links, with what they carry: the load of friction */
+    double load[MUKCA_MAX_JOINTS * MUKCA_INERTIAL];
     /* raw coefficients of the arm's torque, on which a gain acts */
     double *torque[MUKCA_MAX_JOINTS];
 } mukca_motion_point;

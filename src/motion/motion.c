@@ -13,6 +13,7 @@ const char *const mukca_motion_verdict_name[MUKCA_MOTION_VERDICTS] = {"none", "n
 /* Spacing of the torques at neighbouring times, s: half of the filter's, so that what lies between
  * is interpolated; the largest delay that is found is four of them. */
 #define SPACING 0.01
+#define PART 0.1 /* of a joint's torque, usual, that accelerates */
 /* Correlation with the model's torque that no sensor has: its sign is wrong. */
 #define OPPOSITE (-0.5)
 
@@ -66,7 +67,8 @@ static mukca_status check(const mukca_torques *t, const mukca_motion_input *in, 
                       "indistinguishable; record motions to and fro");
 }
 
-/* Mean inertia about each joint; of an arm without masses what its torques suggest. */
+/* Mean inertia about each joint, at least that of usual torques: the rotor of a geared wrist has
+ * ten times the inertia of what it turns. */
 static void find_inertia(mukca_raw_model *m, const mukca_drives *drives)
 {
     const mukca_signals *s = m->signals;
@@ -85,11 +87,9 @@ static void find_inertia(mukca_raw_model *m, const mukca_drives *drives)
             unit[j] = 0;
         }
     }
-    for (int j = 0; j < n; j++) {
-        m->inertia[j] += drives->armature[j];
-        if (!(m->inertia[j] > 0))
-            m->inertia[j] = 0.1 * s->range[j] / fmax(s->acceleration[j], 1e-3);
-    }
+    for (int j = 0; j < n; j++)
+        m->inertia[j] = fmax(m->inertia[j] + drives->armature[j],
+                             PART * s->range[j] / fmax(s->acceleration[j], 1e-3));
 }
 
 static mukca_status prepare(mukca_torques *t, mukca_signals *signals, mukca_pool *pool,
@@ -101,16 +101,14 @@ static mukca_status prepare(mukca_torques *t, mukca_signals *signals, mukca_pool
     t->model.signals = signals;
     mukca_dynamics_set(&t->model.dynamics, in->chain);
     mukca_dynamics_inertials(t->model.inertial, in->chain);
+    mukca_dynamics_inertials(t->model.load, in->chain);
     t->model.shift = (int)fmax(rint(SPACING / signals->dt), 1);
     for (int j = 0; j < t->n; j++) {
-        t->model.scale[j] = signals->range[j];
         t->point.torque[j] = MUKCA_TAKE(pool, double, mukca_raw_width(t->n, j));
         if (t->point.torque[j]) mukca_raw_nominal(t->point.torque[j], &t->model, &in->drives, j);
     }
     find_inertia(&t->model, &in->drives);
-    status = check(t, in, error);
-    if (status == MUKCA_OK) status = mukca_raw_products_make(t->part, pool, &t->model, error);
-    return status;
+    return check(t, in, error);
 }
 
 static void summarise(mukca_motion *m, const mukca_torques *t)
@@ -143,7 +141,7 @@ static void summarise(mukca_motion *m, const mukca_torques *t)
 
 mukca_status mukca_motion_analyse(mukca_motion *m, const mukca_motion_input *in, mukca_error *error)
 {
-    mukca_pool pool = {0};
+    mukca_pool pool = {0}, products = {0};
     mukca_signals signals;
     mukca_torques *t = MUKCA_TAKE(&pool, mukca_torques, 1);
     mukca_torque_search search = {.t = t};
@@ -157,13 +155,23 @@ mukca_status mukca_motion_analyse(mukca_motion *m, const mukca_motion_input *in,
         t->test = has_role(in, MUKCA_RUN_TEST);
         status = prepare(t, &signals, &pool, error);
     }
-    if (status == MUKCA_OK &&
-        !mukca_items_list(&t->items, &search.columns, in, &t->model, &t->point))
-        status = mukca_fail(error, MUKCA_MEMORY, "out of memory for the effects");
-    if (status == MUKCA_OK) status = mukca_torque_search_run(&search, &pool, error);
+    bool again = false;
+    do { /* once more with the load that was found */
+        mukca_torque_search_free(&search);
+        mukca_pool_free(&products);
+        if (status == MUKCA_OK)
+            status = mukca_raw_products_make(t->part, &products, &t->model, error);
+        if (status == MUKCA_OK &&
+            !mukca_items_list(&t->items, &search.columns, in, &t->model, &t->point))
+            status = mukca_fail(error, MUKCA_MEMORY, "out of memory for the effects");
+        if (status == MUKCA_OK) status = mukca_torque_search_run(&search, &pool, error);
+        again = !again && status == MUKCA_OK && search.loads;
+        if (again) memcpy(t->model.load, t->point.load, sizeof t->model.load);
+    } while (again);
     if (status == MUKCA_OK) status = mukca_torque_findings(m, &search, error);
     if (status == MUKCA_OK) summarise(m, t);
     mukca_torque_search_free(&search);
+    mukca_pool_free(&products);
     mukca_pool_free(&pool);
     return status;
 }

@@ -12,6 +12,8 @@
  * its length on either side, in standard deviations. */
 #define GAUSSIAN 0.1325
 #define REACH 4.0
+/* Part of a row in which a joint may stick: friction is then wrong by no more than that. */
+#define STUCK 0.02
 /* Length of a block, s, and the least: halves of the recording alternate between blocks. */
 #define BLOCK 2.0
 #define SHORTEST_BLOCK 0.6
@@ -27,30 +29,28 @@ typedef struct {
     double *x, *rows, *pairs, *ends, *Y, *gravity;
 } accumulator;
 
-/* Successive blocks are permuted in eights: no motion has their period. */
+/* Successive blocks alternate, in another order in each eight: no motion has their period. */
 static int part_of(mukca_run_role role, int block)
 {
-    if (role == MUKCA_RUN_REFERENCE) return MUKCA_PART_REFERENCE;
-    if (role == MUKCA_RUN_TEST) return MUKCA_PART_TEST;
-    int order[MUKCA_BLOCKS];
-    for (int i = 0; i < MUKCA_BLOCKS; i++) order[i] = i;
-    for (int i = MUKCA_BLOCKS - 1; i > 0; i--) {
-        const int key[2] = {block / MUKCA_BLOCKS, i};
-        const uint64_t hash = mukca_hash(MUKCA_HASH_START, key, sizeof key);
-        const int k = (int)((hash ^ hash >> 32) % (uint64_t)(i + 1)), swap = order[i];
-        order[i] = order[k], order[k] = swap;
-    }
-    return order[block % MUKCA_BLOCKS];
+    const int eight = block / MUKCA_BLOCKS,
+              key = (int)(mukca_hash(MUKCA_HASH_START, &eight, sizeof eight) >> 60);
+    return role == MUKCA_RUN_REFERENCE ? MUKCA_PART_REFERENCE
+           : role == MUKCA_RUN_TEST    ? MUKCA_PART_TEST
+                                       : (block * (2 * (key % 4) + 1) + key) % MUKCA_BLOCKS;
 }
 
-/* Can the joint stick within the core of a row's filter, or does it turn there? */
-static bool may_stick(const mukca_stretch *s, int n, int joint, int at, int core)
+/* Can the joint stick in more than a small part of a row's filter? */
+static bool may_stick(const accumulator *a, const mukca_stretch *s, int joint, int at)
 {
-    for (int k = at - core; k <= at + core; k++) {
-        const double v = s->dq[k * n + joint], next = s->dq[(k + 1) * n + joint];
-        if (fabs(v) < MUKCA_STICKING || v * next < 0) return true;
+    const int n = a->model->signals->n_joints;
+    double part = 0;
+    for (int k = 0; k < 2 * a->reach; k++) {
+        const double *v = s->dq + (at + k - a->reach) * n + joint;
+        const double low = fmax(fmin(v[0], v[n]), -MUKCA_STICKING),
+                     high = fmin(fmax(v[0], v[n]), MUKCA_STICKING);
+        if (high >= low) part += a->tap[k] * (high > low ? (high - low) / fabs(v[n] - v[0]) : 1);
     }
-    return false;
+    return part > STUCK;
 }
 
 static void filter(double *row, const double *x, int width, const accumulator *a)
@@ -68,7 +68,7 @@ static void add_joint(accumulator *a, const mukca_raw_block *block, int j, mukca
     int pairs = 0, count = 0;
     double *before = NULL, *ends = a->ends;
     for (int at = a->reach; at + a->reach < block->last - block->first; at += a->step) {
-        if (may_stick(block->stretch, n, j, block->first + at, 5 * a->reach / 8)) {
+        if (may_stick(a, block->stretch, j, block->first + at)) {
             before = NULL;
             continue;
         }
@@ -99,8 +99,7 @@ static void add_block(accumulator *a, const mukca_stretch *s, int first, mukca_r
         const int at = (first + i) * n;
         mukca_dynamics_regressor(a->Y + i * square, &m->dynamics, s->q + at, s->dq + at,
                                  s->ddq + at);
-        mukca_dynamics_torque(a->gravity + i * n, &m->dynamics, m->inertial, s->q + at, still,
-                              still);
+        mukca_dynamics_torque(a->gravity + i * n, &m->dynamics, m->load, s->q + at, still, still);
     }
     for (int j = 0; j < n; j++) {
         mukca_raw_fill(a->x, mukca_raw_width(n, j), m, &block, j);
@@ -111,17 +110,16 @@ static void add_block(accumulator *a, const mukca_stretch *s, int first, mukca_r
 static bool take_products(mukca_raw_products products[MUKCA_PARTS], mukca_pool *pool,
                           const mukca_signals *s)
 {
-    bool has[MUKCA_PARTS] = {[MUKCA_PART_NEW] = true};
     memset(products, 0, sizeof *products * MUKCA_PARTS);
-    for (int k = 0; k < s->n; k++)
-        for (int b = 0; b < (s->stretch[k].role == MUKCA_RUN_NEW ? MUKCA_BLOCKS : 1); b++)
-            has[part_of(s->stretch[k].role, b)] = true;
-    for (int g = 0; g < MUKCA_PARTS; g++)
-        for (int j = 0; j < s->n_joints && has[g]; j++) {
+    for (int g = 0; g < MUKCA_PARTS; g++) {
+        bool has = g <= MUKCA_PART_NEW;
+        for (int k = 0; k < s->n; k++) has |= part_of(s->stretch[k].role, 0) == g;
+        for (int j = 0; j < s->n_joints && has; j++) {
             const int width = mukca_raw_width(s->n_joints, j);
             products[g].square[j] = MUKCA_TAKE(pool, double, width *width);
             products[g].difference[j] = MUKCA_TAKE(pool, double, width *width);
         }
+    }
     return !pool->failed;
 }
 

@@ -4,13 +4,15 @@
 #include <math.h>
 #include <string.h>
 
-/* Velocities at which friction at low speed has decayed, rad/s: greased gears 0.1 to 0.4, and
+/* Velocities at which friction at low speed has decayed, rad/s: greased gears up to 0.4, and
  * reversals within the resolution of an encoder. */
-static const double stribeck[MUKCA_STRIBECKS] = {0.1, 0.2, 0.4}, reversal[2] = {0.025, 0.06};
+#define SLOWEST_DECAY 0.4
+static const double reversal[2] = {0.025, 0.06};
 /* Time by which the reversal of friction is late for a coefficient of 1, s. */
 #define REVERSAL_TIME 0.01
-/* Half of the step of the logarithms of time constants and velocities: 2. */
-#define BETWEEN 0.35
+/* Half of the step of the logarithms of time constants and velocities, half of 2: what is nonlinear
+ * within it is 1.5 % of the amplitude. */
+#define BETWEEN 0.17
 /* Uncertainty of the exponent of Stribeck's curve, 2: between 0.5 and 2 (Armstrong-Helouvry 1991).
  */
 #define EXPONENT 0.5
@@ -42,13 +44,12 @@ static void put_velocity(double *x, const mukca_stretch *s, int n, int at, int j
     const double v = s->dq[at + j], sign = tanh(v / MUKCA_SIGN_VELOCITY);
     x[MUKCA_RAW_ONE] = 1;
     x[MUKCA_RAW_SIGN] = sign;
-    for (int k = 0; k < MUKCA_STRIBECKS; k++)
-        x[MUKCA_RAW_STRIBECK + k] = sign * exp(-v * v / (stribeck[k] * stribeck[k]));
     for (int k = 0; k < MUKCA_SLOWS; k++) {
-        const double u = fabs(v) / (0.4 * ldexp(1, -k)), decayed = sign * exp(-u * u);
-        x[MUKCA_RAW_SLOW + 3 * k] = decayed;
-        x[MUKCA_RAW_SLOW + 3 * k + 1] = BETWEEN * 2 * u * u * decayed;
-        x[MUKCA_RAW_SLOW + 3 * k + 2] = -EXPONENT * u * u * log(u + 1e-9) * decayed;
+        const double u = fabs(v) / SLOWEST_DECAY * exp2(0.5 * k), decayed = sign * exp(-u * u);
+        double *slow = x + MUKCA_RAW_SLOW + k;
+        slow[0] = decayed;
+        slow[MUKCA_SLOWS] = BETWEEN * 2 * u * u * decayed;
+        slow[2 * MUKCA_SLOWS] = -EXPONENT * u * u * log(u + 1e-9) * decayed;
     }
     /* early or late by a time, or by a velocity: a gear winds up, a model of friction is soft */
     x[MUKCA_RAW_REVERSAL] =
@@ -85,19 +86,23 @@ void mukca_raw_fill(double *x, int ld, const mukca_raw_model *m, const mukca_raw
     for (int i = block->first; i < block->last; i++, x += ld, Y += n * n * MUKCA_INERTIAL) {
         const int at = i * n;
         const double t = s->start + i * signals->dt, *own = Y + (j * n + j) * MUKCA_INERTIAL;
-        double torque = 0, *local = x + rigid;
+        double torque = 0, load = 0, *local = x + rigid;
         memcpy(x, own, sizeof *x * (size_t)rigid);
-        for (int p = 0; p < rigid; p++) torque += own[p] * m->inertial[j * MUKCA_INERTIAL + p];
+        for (int p = 0; p < rigid; p++) {
+            torque += own[p] * m->inertial[j * MUKCA_INERTIAL + p];
+            load += own[p] * m->load[j * MUKCA_INERTIAL + p];
+        }
         put_velocity(local, s, n, at, j);
         const double sign = local[MUKCA_RAW_SIGN], v = s->dq[at + j];
         local[MUKCA_RAW_DRAG] = v * fabs(v) / fastest;
         local[MUKCA_RAW_DRAG + 1] = v * v * v / (fastest * fastest);
-        local[MUKCA_RAW_LOAD] = sign * fabs(block->gravity[(i - block->first) * n + j]);
-        local[MUKCA_RAW_LOAD + 1] = sign * fabs(torque);
-        local[MUKCA_RAW_LOAD + 2] = sign * torque * torque / m->scale[j];
-        local[MUKCA_RAW_LOAD + 3] = v * fabs(torque) / fastest;
+        const double still = fabs(block->gravity[(i - block->first) * n + j]);
+        local[MUKCA_RAW_LOAD] = 0.5 * sign * (fabs(load) + still);
+        local[MUKCA_RAW_LOAD + 1] = 0.5 * sign * (fabs(load) - still);
+        local[MUKCA_RAW_LOAD + 2] = sign * load * load / signals->range[j];
+        local[MUKCA_RAW_LOAD + 3] = v * fabs(load) / fastest;
         local[MUKCA_RAW_MODEL] = torque;
-        local[MUKCA_RAW_MODEL + 1] = torque * fabs(torque) / m->scale[j];
+        local[MUKCA_RAW_MODEL + 1] = torque * fabs(torque) / signals->range[j];
         local[MUKCA_RAW_ANGLE] = s->q[at + j] - 0.5 * (signals->low[j] + signals->high[j]);
         put_waves(local + MUKCA_RAW_WAVE, s->q[at + j]);
         put_hats(local + MUKCA_RAW_CURVE, MUKCA_HATS, v, -fastest, fastest, 1);
@@ -106,9 +111,9 @@ void mukca_raw_fill(double *x, int ld, const mukca_raw_model *m, const mukca_raw
         put_hats(local + MUKCA_RAW_DRIFT, MUKCA_HATS, t, 0, end, sign);
         /* 2 to 1/8 of the recording, and the derivative by the logarithm */
         for (int k = 0; k < MUKCA_WARMINGS; k++) {
-            const double u = t / (end * ldexp(2, -k));
-            local[MUKCA_RAW_WARMING + 2 * k] = sign * exp(-u);
-            local[MUKCA_RAW_WARMING + 2 * k + 1] = BETWEEN * sign * u * exp(-u);
+            const double u = t / (2 * end) * exp2(0.5 * k);
+            local[MUKCA_RAW_WARMING + k] = sign * exp(-u);
+            local[MUKCA_RAW_WARMING + MUKCA_WARMINGS + k] = BETWEEN * sign * u * exp(-u);
         }
         for (int k = 0; k < MUKCA_SHIFTS; k++) {
             int from = i + (k - MUKCA_SHIFTS / 2) * m->shift;

@@ -9,13 +9,12 @@
 #include "motion/signals.h"
 
 enum {
-    MUKCA_STRIBECKS = 3, /* velocities of Stribeck's curve */
-    MUKCA_SLOWS = 4,     /* velocities of Stribeck's curve, one by one */
+    MUKCA_SLOWS = 6,     /* velocities of Stribeck's curve */
     MUKCA_REVERSALS = 5, /* shapes of friction at a reversal: three even, two odd */
     MUKCA_ORDERS = 32,   /* waves per turn */
     MUKCA_HATS = 10,     /* pieces of a piecewise linear function of velocity or time */
     MUKCA_BURSTS = 32,   /* of a finer one of time: pushes */
-    MUKCA_WARMINGS = 5,  /* time constants of friction that falls as the gear warms up */
+    MUKCA_WARMINGS = 9,  /* time constants of friction that falls as the gear warms up */
     MUKCA_SHIFTS = 9     /* torques at neighbouring times */
 };
 
@@ -24,9 +23,8 @@ enum {
     MUKCA_RAW_MODEL,                       /* T: torque of the model; T |T| */
     MUKCA_RAW_ANGLE = MUKCA_RAW_MODEL + 2, /* from the middle of its travel */
     MUKCA_RAW_ONE,
-    MUKCA_RAW_SIGN,     /* tanh(dq / v0) */
-    MUKCA_RAW_STRIBECK, /* sign exp(-(dq / v)^2) */
-    MUKCA_RAW_SLOW = MUKCA_RAW_STRIBECK + MUKCA_STRIBECKS,
+    MUKCA_RAW_SIGN, /* tanh(dq / v0) */
+    MUKCA_RAW_SLOW, /* sign exp(-(dq / v)^2); by log v; by the exponent */
     MUKCA_RAW_REVERSAL = MUKCA_RAW_SLOW + 3 * MUKCA_SLOWS,
     MUKCA_RAW_PLAY = MUKCA_RAW_REVERSAL + MUKCA_REVERSALS,
     MUKCA_RAW_VELOCITY = MUKCA_RAW_PLAY + MUKCA_PLAYS,
@@ -35,9 +33,9 @@ enum {
     MUKCA_RAW_BESIDE = MUKCA_RAW_DRAG + 2,         /* of both neighbours: velocity; sign of it minus
                                                       the own, of it, of it plus the own */
     MUKCA_RAW_ACCELERATION = MUKCA_RAW_BESIDE + 8, /* own, and of both neighbours */
-    MUKCA_RAW_LOAD =
-        MUKCA_RAW_ACCELERATION + 3, /* sign |T| of gravity alone, of all; sign T^2, velocity |T| */
-    MUKCA_RAW_WAVE = MUKCA_RAW_LOAD + 4,                 /* cosine, sine of each order */
+    MUKCA_RAW_LOAD = MUKCA_RAW_ACCELERATION + 3,   /* sign |T|, of all and at rest: mean, half
+                                                      difference; sign T^2, velocity |T| */
+    MUKCA_RAW_WAVE = MUKCA_RAW_LOAD + 4,           /* cosine, sine of each order */
     MUKCA_RAW_CURVE = MUKCA_RAW_WAVE + 2 * MUKCA_ORDERS, /* of velocity */
     MUKCA_RAW_TIME = MUKCA_RAW_CURVE + MUKCA_HATS,
     MUKCA_RAW_BURST = MUKCA_RAW_TIME + MUKCA_HATS,    /* of time, finer */
@@ -74,13 +72,13 @@ typedef struct {
     const mukca_signals *signals;
     mukca_dynamics dynamics;
     double inertial[MUKCA_MAX_JOINTS * MUKCA_INERTIAL];
-    double scale[MUKCA_MAX_JOINTS];   /* of a joint's model torque, N m: its range */
+    double load[MUKCA_MAX_JOINTS * MUKCA_INERTIAL]; /* of the arm with what it carries */
     double inertia[MUKCA_MAX_JOINTS]; /* mean about each joint, with the drive's, kg m^2 */
     int shift;                        /* samples between neighbouring torques */
 } mukca_raw_model;
 
 /* Samples first .. last - 1 of a stretch, with their regressors Y[last - first][n_joints][n_joints]
- * [MUKCA_INERTIAL] and the torques of gravity alone, [last - first][n_joints]. */
+ * [MUKCA_INERTIAL] and the loads of gravity alone, [last - first][n_joints]. */
 typedef struct {
     const mukca_stretch *stretch;
     int first, last;

@@ -131,27 +131,37 @@ static void average(mukca_torque_search *s)
     for (int i = 0; i < s->n_sets; i++) s->weight[i] = exp(s->weight[i] - sum);
 }
 
-static bool same(const mukca_torque_set *a, const mukca_torque_set *b)
+/* Add a column of a link, times x, to the links that load the joints. */
+static void add_load(mukca_torques *t, int column, double x)
 {
-    return a->n == b->n && memcmp(a->item, b->item, sizeof *a->item * (size_t)a->n) == 0;
+    for (int r = t->items.first[column]; r < t->items.first[column + 1]; r++) {
+        const mukca_raw_term *of = &t->items.term[r];
+        if (of->raw < MUKCA_INERTIAL) /* the joint's own link */
+            t->point.load[of->joint * MUKCA_INERTIAL + of->raw] += x * of->weight;
+    }
 }
 
-/* Linearise at a set: its delays, its friction, and the torque on which a gain acts.  Returns the
- * change of the delays, s. */
+/* Linearise at a set: its load, its delays, its friction, and the torque on which a gain acts.
+ * Returns the change of the delays, s. */
 static double linearise(mukca_torque_search *s, const mukca_torque_set *set)
 {
     mukca_torques *t = s->t;
     mukca_pool pool = {0};
     mukca_items *all = &t->items;
     double delay[MUKCA_MAX_JOINTS] = {0}, change = 0;
-    const mukca_torque_columns c = mukca_torque_columns_of(&pool, t, set, false);
+    const mukca_torque_columns c = mukca_torque_columns_of(&pool, t, set, 0);
     double *mean = MUKCA_TAKE(&pool, double, c.n);
     bool ok = !pool.failed && mukca_torques_fit(mean, t, &c, &mukca_torques_whole);
     for (int j = 0; j < t->n && ok; j++)
         mukca_raw_nominal(t->point.torque[j], &t->model, &t->input->drives, j);
+    memcpy(t->point.load, t->model.inertial, sizeof t->point.load);
+    s->loads = false;
     for (int k = 0, at = all->n_parameters; k < set->n && ok; k++) {
         const int item = set->item[k], row = all->row[item];
+        for (int i = at; mukca_torque_table[row].links && i < at + all->item[item].terms; i++)
+            add_load(t, c.column[i], c.factor[i] * mean[i]);
         const mukca_label *l = &all->label[item];
+        s->loads |= l->family == MUKCA_TORQUE_LOAD;
         if (mukca_torque_table[row].n == MUKCA_COLUMNS_RATE)
             for (int j = l->apart ? 0 : l->from; j <= (l->apart ? t->n - 1 : l->to); j++)
                 delay[j] += mean[at] * set->size[k];
@@ -165,9 +175,11 @@ static double linearise(mukca_torque_search *s, const mukca_torque_set *set)
                 t->point.coulomb[of->joint] += mean[i] * c.factor[i] * of->weight;
         }
     const int gains = all->n_parameters - all->n_gains;
-    for (int i = 0; i < gains && ok; i++)
+    for (int i = 0; i < gains && ok; i++) {
+        add_load(t, i, mean[i]);
         for (int r = all->first[i]; r < all->first[i + 1]; r++)
             t->point.torque[all->term[r].joint][all->term[r].raw] += mean[i] * all->term[r].weight;
+    }
     const int shifts = MUKCA_SHIFTS / 2; /* to either side */
     const double most = shifts * t->model.shift * t->model.signals->dt;
     for (int j = 0; j < t->n && ok; j++) {
@@ -207,7 +219,8 @@ mukca_status mukca_torque_search_run(mukca_torque_search *s, mukca_pool *pool, m
         mukca_pool_free(&s->columns);
         ok = mukca_items_list(&t->items, &s->columns, t->input, &t->model, &t->point) &&
              mukca_torques_measure_noise(t, &found);
-        settled = same(&found, &best) && change < SETTLED;
+        settled = change < SETTLED && found.n == best.n &&
+                  memcmp(found.item, best.item, sizeof *best.item * (size_t)best.n) == 0;
         best = found;
     }
     if (ok) average(s);

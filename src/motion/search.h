@@ -10,6 +10,7 @@ typedef struct {
     mukca_torques *t;
     mukca_pool pool;    /* of the last pass */
     mukca_pool columns; /* of t->items */
+    bool loads;         /* the best set has friction under load: that of t->point */
     int n_kept, *kept;  /* items of the last pass, ascending */
     mukca_item *item;   /* [n_kept] with their columns in the question */
     mukca_question question;

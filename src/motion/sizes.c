@@ -121,18 +121,19 @@ static const mukca_torque_effect *row_of(const measured *w, const mukca_set *set
 }
 
 /* slope[columns] of the coefficient of a member in those of functions outside the catalogue of its
- * joint's motion: the part of these that the set's effects of one column there imitate together. */
+ * joint's motion: the part of these that the one-column effects of all sets there imitate. */
 static void project(double *slope, const measured *w, const mukca_set *set, int member)
 {
     const mukca_torque_posterior *p = w->p;
     const mukca_label *own = &p->label[p->label_of[set->item[member]]];
     double L[MUKCA_SET_ITEMS * MUKCA_SET_ITEMS], x[MUKCA_SET_ITEMS];
     int at[MUKCA_SET_ITEMS], n = 0, index = 0;
-    for (int m = 0; m < set->n; m++) {
-        const mukca_label *l = &p->label[p->label_of[set->item[m]]];
-        if (m == member) index = n;
-        if (l->effect >= 0 && l->from == own->from && l->to == own->to && row_of(w, set, m)->n == 1)
-            at[n++] = w->plain[w->at[m]];
+    for (int i = 0; i < p->search->n_kept && n < MUKCA_SET_ITEMS; i++) {
+        const mukca_label *l = &p->label[p->label_of[i]];
+        if (p->at[i] < 0 || l->effect < 0 || p->search->item[i].terms > 1) continue;
+        if (l->from != own->from || l->to != own->to) continue;
+        if (i == set->item[member]) index = n;
+        at[n++] = p->at[i];
     }
     for (int m = 0; m < set->n; m++) {
         const mukca_label *l = &p->label[p->label_of[set->item[m]]];
@@ -176,7 +177,7 @@ static void amplitude_of(double *mean, double *variance, const measured *w, cons
 }
 
 /* Relative uncertainty of the scale of an effect's coefficient: all gains together are not
- * determined by a motion, as all masses may be larger with them; a load is that of the model. */
+ * determined by a motion, as all masses may be larger with them; nor are all masses a load has. */
 static double scale_of(const mukca_torque_posterior *p, int effect)
 {
     const bool share = effect >= 0 && !strpbrk(mukca_torque_table[effect].unit, "Nk");

@@ -183,23 +183,23 @@ static void update_noise(mukca_torques *t, int j, const double *const SD[2], con
 }
 
 mukca_torque_columns mukca_torque_columns_of(mukca_pool *pool, const mukca_torques *t,
-                                             const mukca_torque_set *set, bool more)
+                                             const mukca_torque_set *set, int room)
 {
     const mukca_items *all = &t->items;
-    int n = all->n_parameters + 1 + (more ? all->n_items + t->n : 0);
+    int n = all->n_parameters + 1 + (room < 0 ? all->n_items + t->n : room);
     for (int i = 0; set && i < set->n; i++) n += all->item[set->item[i]].terms;
     mukca_torque_columns c = mukca_torque_columns_take(pool, n);
     if (pool->failed) return c;
     mukca_torque_columns_parameters(&c, t);
     for (int i = 0; set && i < set->n; i++)
         mukca_torque_columns_item(&c, t, set->item[i], set->size[i]);
-    for (int i = 0; more && i < all->n_items; i++) {
+    for (int i = 0; room < 0 && i < all->n_items; i++) {
         const mukca_torque_effect *row = &mukca_torque_table[all->row[i]];
         const mukca_mixture *prior = &all->item[i].prior;
         if (row->name && row->n == 1)
             mukca_torque_columns_item(&c, t, i, prior->size[prior->n_sizes - 1]);
     }
-    if (more) append(&c, all->drift, t->n, 1);
+    if (room < 0) append(&c, all->drift, t->n, 1);
     mukca_torque_columns_value(&c, t);
     return c;
 }
@@ -207,7 +207,7 @@ mukca_torque_columns mukca_torque_columns_of(mukca_pool *pool, const mukca_torqu
 bool mukca_torques_measure_noise(mukca_torques *t, const mukca_torque_set *set)
 {
     mukca_pool pool = {0};
-    const mukca_torque_columns c = mukca_torque_columns_of(&pool, t, set, true);
+    const mukca_torque_columns c = mukca_torque_columns_of(&pool, t, set, -1);
     const int w = c.n;
     const size_t square = (size_t)w * (size_t)w;
     double *G = MUKCA_TAKE(&pool, double, w *w), *L = MUKCA_TAKE(&pool, double, w *w),
@@ -257,20 +257,16 @@ bool mukca_torques_ask(mukca_question *question, mukca_item *own, mukca_pool *po
         own[i].at = layout.n_columns;
         layout.n_columns += own[i].terms;
     }
-    mukca_torque_columns c = mukca_torque_columns_of(&scratch, t, held, false), all;
+    mukca_torque_columns c = mukca_torque_columns_of(&scratch, t, held, layout.n_columns);
     layout.n = c.n - 1;
     const int width = c.n + layout.n_columns;
-    all = mukca_torque_columns_take(&scratch, width);
     double *G = MUKCA_TAKE(&scratch, double, width *width);
     double rows = 0;
     for (int j = 0; j < t->n; j++) rows += mukca_torques_rows(t, parts, j);
     bool ok = !scratch.failed;
     if (ok) {
-        memcpy(all.column, c.column, sizeof *c.column * (size_t)c.n);
-        memcpy(all.factor, c.factor, sizeof *c.factor * (size_t)c.n);
-        all.n = c.n;
-        for (int i = 0; i < n; i++) mukca_torque_columns_item(&all, t, item[i], 1);
-        ok = mukca_torques_multiply(G, t, &all, parts, -1, true) &&
+        for (int i = 0; i < n; i++) mukca_torque_columns_item(&c, t, item[i], 1);
+        ok = mukca_torques_multiply(G, t, &c, parts, -1, true) &&
              mukca_part_question(question, pool, G, (int)rows, &layout);
     }
     mukca_pool_free(&scratch);

@@ -37,10 +37,10 @@ void mukca_torque_columns_value(mukca_torque_columns *columns, const mukca_torqu
 void mukca_torque_columns_item(mukca_torque_columns *columns, const mukca_torques *t, int item,
                                double size);
 
-/* Parameters, items of a set (NULL: none), value; `more`: also all effects of one column at
- * a joint, and Coulomb friction that drifts.  Check pool->failed. */
+/* Parameters, items of a set (NULL: none), value, with room for more columns; -1: also all effects
+ * of one column at a joint, and Coulomb friction that drifts.  Check pool->failed. */
 mukca_torque_columns mukca_torque_columns_of(mukca_pool *pool, const mukca_torques *t,
-                                             const mukca_torque_set *set, bool more);
+                                             const mukca_torque_set *set, int room);
 
 /* Weights of the parts; the whole: those that are fitted. */
 typedef struct {

@@ -27,7 +27,7 @@ static void add_sample(tracer *r, const mukca_stretch *s, int i)
     double gravity[MUKCA_MAX_JOINTS];
     const mukca_raw_block block = {s, i, i + 1, r->Y, gravity};
     mukca_dynamics_regressor(r->Y, &t->model.dynamics, q, dq, s->ddq + i * n);
-    mukca_dynamics_torque(gravity, &t->model.dynamics, t->model.inertial, q, still, still);
+    mukca_dynamics_torque(gravity, &t->model.dynamics, t->model.load, q, still, still);
     for (int j = 0; j < n; j++) {
         const int width = mukca_raw_width(n, j);
         mukca_raw_fill(r->x, width, &t->model, &block, j);

@@ -154,7 +154,7 @@ TEST(a_body_and_its_halves_have_the_same_parameters)
 
 TEST(nothing_is_allocated)
 {
-    static double Y[N * P], x[64 * 3], dx[64 * 3], scratch[(64 + 2 * 64) * MUKCA_LOWPASS_LANES];
+    static double Y[N * P], x[64 * 3], dx[64 * 3], scratch[64 + 2 * 64];
     mukca_lowpass lowpass;
     const long before = calls;
     mukca_dynamics_set(&dynamics, &chain);

@@ -5,7 +5,7 @@
 
 enum { MOST = 200, WIDTH = 11 };
 
-static double x[MOST * WIDTH], scratch[3 * MOST * MUKCA_LOWPASS_LANES];
+static double x[MOST * WIDTH], scratch[3 * MOST];
 
 /* The signal of the references, with a constant and a factor that differ by column. */
 static double signal(int k, int n, int column)
