@@ -152,7 +152,7 @@ static void list_parameters(lister *l)
         list_local(l, j, MUKCA_RAW_ACCELERATION,
                    fmax(ARMATURE * d->armature[j],
                         l->reference ? FREE_ARMATURE * l->model->inertia[j] : 0));
-        list_local(l, j, MUKCA_RAW_SLOW + MUKCA_SLOWS / 3, 0.3 * free * range);
+        list_local(l, j, MUKCA_RAW_SLOW + MUKCA_SLOWS / 2, 0.3 * free * range);
         list_local(l, j, MUKCA_RAW_SPEED, 0.3 * free * range / speed);
         list_local(l, j, MUKCA_RAW_LOAD, 0.3 * free);
         const double sign = fmax(d->coulomb[j] > 0 ? d->coulomb[j] : REVERSAL_UNKNOWN * range,

@@ -4,9 +4,9 @@
 #include <math.h>
 #include <string.h>
 
-/* Velocities at which friction at low speed has decayed, rad/s: greased gears up to 0.4, and
+/* Velocities at which friction at low speed has decayed, rad/s: greased gears from 0.07 to 0.4, and
  * reversals within the resolution of an encoder. */
-#define SLOWEST_DECAY 0.4
+#define FIRST_DECAY 0.0707
 static const double reversal[2] = {0.025, 0.06};
 /* Time by which the reversal of friction is late for a coefficient of 1, s. */
 #define REVERSAL_TIME 0.01
@@ -45,7 +45,7 @@ static void put_velocity(double *x, const mukca_stretch *s, int n, int at, int j
     x[MUKCA_RAW_ONE] = 1;
     x[MUKCA_RAW_SIGN] = sign;
     for (int k = 0; k < MUKCA_SLOWS; k++) {
-        const double u = fabs(v) / SLOWEST_DECAY * exp2(0.5 * k), decayed = sign * exp(-u * u);
+        const double u = fabs(v) / FIRST_DECAY * exp2(-0.5 * k), decayed = sign * exp(-u * u);
         double *slow = x + MUKCA_RAW_SLOW + k;
         slow[0] = decayed;
         slow[MUKCA_SLOWS] = BETWEEN * 2 * u * u * decayed;
