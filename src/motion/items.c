@@ -389,7 +389,8 @@ bool mukca_items_list(mukca_items *items, mukca_pool *pool, const mukca_motion_i
     list_value(&l, scratch);
     list_items(&l);
     items->drift = items->n_columns;
-    for (int j = 0; j < n; j++)
-        list_local(&l, j, MUKCA_RAW_WARMING, FREE_FRICTION * model->signals->range[j]);
+    for (int i = 0; i < 2 * n; i++)
+        list_local(&l, i / 2, i % 2 ? MUKCA_RAW_SIGN : MUKCA_RAW_WARMING,
+                   FREE_FRICTION * model->signals->range[i / 2]);
     return items->n_columns < l.most_columns && items->n_terms < l.most_terms;
 }

@@ -18,7 +18,7 @@ typedef struct {
 typedef struct {
     int n_parameters, n_columns, n_terms;
     int n_gains; /* the last ones of the parameters */
-    int drift;   /* the last columns: for each joint, friction that falls in the recording */
+    int drift;   /* the last columns: for each joint, friction that falls in the recording or not */
     int *first;  /* [n_columns + 1] terms of a column */
     mukca_raw_term *term;
     int n_items;

@@ -12,8 +12,7 @@
  * its length on either side, in standard deviations. */
 #define GAUSSIAN 0.1325
 #define REACH 4.0
-/* Part of a row in which a joint may stick: friction is then wrong by no more than that. */
-#define STUCK 0.02
+#define STUCK 0.02 /* part of a row in which a joint may stick: friction is wrong by that at most */
 /* Length of a block, s, and the least: halves of the recording alternate between blocks. */
 #define BLOCK 2.0
 #define SHORTEST_BLOCK 0.6

@@ -186,7 +186,7 @@ mukca_torque_columns mukca_torque_columns_of(mukca_pool *pool, const mukca_torqu
                                              const mukca_torque_set *set, int room)
 {
     const mukca_items *all = &t->items;
-    int n = all->n_parameters + 1 + (room < 0 ? all->n_items + t->n : room);
+    int n = all->n_parameters + 1 + (room < 0 ? all->n_items + 2 * t->n : room);
     for (int i = 0; set && i < set->n; i++) n += all->item[set->item[i]].terms;
     mukca_torque_columns c = mukca_torque_columns_take(pool, n);
     if (pool->failed) return c;
@@ -199,7 +199,7 @@ mukca_torque_columns mukca_torque_columns_of(mukca_pool *pool, const mukca_torqu
         if (row->name && row->n == 1)
             mukca_torque_columns_item(&c, t, i, prior->size[prior->n_sizes - 1]);
     }
-    if (room < 0) append(&c, all->drift, t->n, 1);
+    if (room < 0) append(&c, all->drift, 2 * t->n, 1);
     mukca_torque_columns_value(&c, t);
     return c;
 }
