@@ -12,7 +12,7 @@
  * its length on either side, in standard deviations. */
 #define GAUSSIAN 0.1325
 #define REACH 4.0
-#define STUCK 0.02 /* part of a row in which a joint may stick: friction is wrong by that at most */
+#define STUCK 0.02 /* part of a row in which a joint may stick, and friction be wrong */
 /* Length of a block, s, and the least: halves of the recording alternate between blocks. */
 #define BLOCK 2.0
 #define SHORTEST_BLOCK 0.6
