@@ -12,6 +12,12 @@ FAMILY = {effect: family for family, effects in {
     "placement": "tool_motion zero_jump ball_shift socket_distance"}.items()
     for effect in effects.split()}
 
+# Causes outside the catalogue that are not at a joint of their own (outside.py): at the base, in the
+# tool, or at every joint.
+AT_BASE = {"room_cycle", "rocking_base", "soft_table"}
+AT_TOOL = {"worn_socket", "oval_ball", "loose_tool"}
+ANYWHERE = {"hose_pull"}
+
 # family None: outside the catalogue; at: joint from 0, -1 the base, n the tool, None anywhere
 Truth = namedtuple("Truth", "family effect at cause")
 
@@ -28,8 +34,16 @@ def truths(label, n):
                 places = [("base_compliance", -1), ("link_bending", 0)]
             elif k == "joint_coupling":         # the joint whose angle it is
                 places = [(k, j - 1), (k, j + 1)]
-            elif k in ("readback_lag", "tool_motion", "socket_distance"):
+            elif k in ("readback_lag", "tool_motion", "socket_distance") or k in ANYWHERE:
                 places = [(k, None)]
+            elif k in ("cable_pull", "belt_stretch"):       # moved by one joint, as another says
+                places = [(k, j), (k, cause["from_index"])]
+            elif k == "thermal_link":           # from a joint to the next
+                places = [(k, j), (k, j + 1)]
+            elif k == "linkage_gear":           # the second joint's gear, the third joint's angle
+                places = [(k, 1), (k, 2)]
+            elif k in AT_BASE or k in AT_TOOL:
+                places = [(k, -1 if k in AT_BASE else n)]
             else:
                 places = [(k, n if k == "ball_shift" else j)]
             out += [Truth(FAMILY.get(k), effect, at, cause) for effect, at in places]
