@@ -20,7 +20,7 @@ enum {
     CHUNK = 256,        /* rows processed together */
     MOST_COLUMNS = 320, /* of the items */
     LEAST_POSTURES = 8, /* of a half, in all: half of them are left for a geometry */
-    BUDGET = 8          /* sets expanded in each half */
+    BUDGET = 8          /* sets expanded in each half without a better one */
 };
 
 /* Log odds behind the best set of the whole of the sets whose candidates are tried in the halves:
