@@ -28,6 +28,7 @@ typedef struct {
 
 typedef struct {
     const mukca_search *id;
+    bool every; /* all causes of the catalogue are applied, not only those named */
     int n, candidate[MUKCA_MAX_ACCEPTED]; /* the named causes */
     double scale[MUKCA_MAX_ACCEPTED], weight[MUKCA_MAX_ACCEPTED];
     int n_selections;
@@ -36,13 +37,14 @@ typedef struct {
 
 /* Is a candidate a member of a finding, or a cause that is listed by its own probability?  Unknown
  * functions fit these samples, but do not predict others. */
-static bool is_named(const mukca_search *id, const mukca_candidate *h)
+static bool is_named(const naming *all, const mukca_candidate *h)
 {
+    const mukca_search *id = all->id;
     const mukca_diagnosis *d = id->diagnosis;
     if (mukca_candidate_class(h) >= MUKCA_EFFECT_COUNT || mukca_candidate_is_fault(h)) return false;
     const mukca_label label = mukca_candidate_label(h, &id->m->recording, &id->m->unknowns);
     const mukca_effect effect = mukca_candidate_effect(h);
-    bool named = id->listed;
+    bool named = all->every;
     for (int f = 0; f < d->n_findings && !named; f++)
         named = mukca_finding_holds(&d->findings[f].group, &label);
     for (int c = 0; c < d->n_causes && !named; c++)
@@ -102,7 +104,7 @@ static bool set_models(mukca_unknowns *u, const naming *all)
     for (int c = u->n_causes - 1; c >= 0; c--) {
         const mukca_candidate *h = &u->cause[c].candidate;
         if (mukca_candidate_is_fault(h)) continue;
-        complete &= is_named(all->id, h);
+        complete &= is_named(all, h);
         mukca_unknowns_drop(u, c);
     }
     for (int c = 0; c < u->n_causes; c++) faults |= UINT64_C(1) << c;
@@ -139,16 +141,17 @@ static bool drop_negative(mukca_unknowns *u)
     return u->n_causes < before;
 }
 
-static void fit(mukca_regression *m, const mukca_search *id)
+static void fit(mukca_regression *m, const mukca_search *id, bool every)
 {
     naming *all = MUKCA_TAKE(&m->pool, naming, 1);
     if (!all) return; /* the pool keeps the failure */
     all->id = id;
+    all->every = every;
     for (int s = 0; s < id->n_sets; s++) {
         const mukca_causes *set = &id->set[s];
         uint64_t in = 0;
         for (int k = 0; k < set->n; k++)
-            if (is_named(id, &id->all.list[set->candidate[k]]))
+            if (is_named(all, &id->all.list[set->candidate[k]]))
                 in |= bit_of(all, set->candidate[k], set->scale[k]);
         for (int i = 0; i < all->n; i++)
             if (in >> i & 1) all->weight[i] += set->weight;
@@ -180,21 +183,19 @@ mukca_status mukca_averaged_fit(mukca_regression *m, mukca_search *id, mukca_err
     mukca_unknowns kept;
     mukca_folds b = {.m = m};
     double *before = MUKCA_TAKE(&m->pool, double, m->recording.data->n_rows);
-    fit(m, id);
+    fit(m, id, false);
     if (id->options->no_folds || id->diagnosis->verdict == MUKCA_VERDICT_NONE) return MUKCA_OK;
     mukca_folds_create(&b);
     if (m->pool.failed || mukca_folds_assign(b.fold, m, false) < 2 ||
         !mukca_unknowns_clone(&kept, &m->pool, &m->unknowns))
         return MUKCA_OK; /* the pool keeps a failure */
     mukca_folds_run(before, &b, false);
-    if (unlisted_probability(id) < NEGLIGIBLE) {
-        id->listed = true;
-    } else {
+    if (unlisted_probability(id) >= NEGLIGIBLE) {
         const mukca_status status = mukca_identify_listed(id, error);
         if (status != MUKCA_OK) return status;
         mukca_identify_settle(id);
     }
-    fit(m, id);
+    fit(m, id, true);
     mukca_folds_run(b.error, &b, false);
     mukca_folds_compare(&gain, &b, before, b.error);
     if (gain.low_percent > 0 && gain.folds_better >= CONSISTENT * gain.folds) return MUKCA_OK;

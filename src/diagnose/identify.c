@@ -28,8 +28,8 @@ enum {
 #define AVERAGED 12.0
 /* Length of the noise vector of a sample that is hardly exceeded, in sigmas (1 %). */
 #define NOISE 3.4
-/* Log odds to the best set within which the set of the last linearisation is the result: ties would
- * change places forever. */
+/* Log odds to the best set, 20 to 1, within which the set of the last linearisation is the result:
+ * what separates the two hardly shows, and ties would change places forever. */
 #define SETTLED 3.0
 /* Log odds below which a candidate is not kept. */
 #define HOPELESS (-AVERAGED)

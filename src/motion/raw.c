@@ -10,8 +10,8 @@
 static const double reversal[2] = {0.025, 0.06};
 /* Time by which the reversal of friction is late for a coefficient of 1, s. */
 #define REVERSAL_TIME 0.01
-/* Half of the step of the logarithms of time constants and velocities, half of 2: what is nonlinear
- * within it is 1.5 % of the amplitude. */
+/* Half of the step of the logarithms of time constants and velocities, which is that of the root of
+ * 2: what is nonlinear within it is 1.5 % of the amplitude. */
 #define BETWEEN 0.17
 /* Uncertainty of the exponent of Stribeck's curve, 2: between 0.5 and 2 (Armstrong-Helouvry 1991).
  */
