@@ -17,7 +17,10 @@ typedef struct {
 
 typedef struct {
     const mukca_labelled_sets *posterior;
-    ranked *list; /* NULL: count only */
+    const mukca_labelled_sets *half; /* [n_halves] */
+    int n_halves;
+    double *present; /* [n_labels] probability of a label in the whole */
+    ranked *list;    /* NULL: count only */
     int n;
 } groups;
 
@@ -225,6 +228,55 @@ static int by_coarseness(const void *a, const void *b)
            (x->group.probability > y->group.probability);
 }
 
+static void find_present(double *present, const mukca_labelled_sets *p)
+{
+    for (int i = 0; i < p->n_sets; i++)
+        for (int k = 0; k < p->set[i].n; k++) {
+            const unsigned short *label = p->set[i].label;
+            bool again = false;
+            for (int o = 0; o < k; o++) again |= label[o] == label[k];
+            if (!again) present[label[k]] += p->set[i].weight;
+        }
+}
+
+/* Probability, in a half, of sets without the group that have a rival in its place: a cause that is
+ * improbable in the whole. */
+static double probability_against(const mukca_finding_group *g, const mukca_labelled_sets *half,
+                                  const double *present)
+{
+    double sum = 0, split, outside;
+    for (int i = 0; i < half->n_sets; i++) {
+        const mukca_labelled_set *s = &half->set[i];
+        double rival = 0;
+        if (square_of(&split, &outside, g, s, half) > half->least) continue;
+        for (int k = 0; k < s->n; k++) {
+            const mukca_label *l = &half->label[s->label[k]];
+            if (!mukca_finding_holds(g, l) && overlaps(g, l, half) &&
+                s->product[k * s->n + k] > half->least)
+                rival = fmax(rival, 1 - present[s->label[k]]);
+        }
+        sum += s->weight * rival;
+    }
+    return sum;
+}
+
+static void ask_halves(mukca_finding_group *g, const groups *all)
+{
+    const int n = all->n_halves;
+    g->halves = g->against = n ? 0 : NAN;
+    for (int h = 0; h < n; h++) {
+        g->halves += mukca_finding_probability(g, &all->half[h]) / n;
+        g->against += probability_against(g, &all->half[h], all->present) / n;
+    }
+}
+
+/* Expected share of the halves in favour of a group, of those that decide: one that has too few
+ * rows for the group, and no rival, says nothing.  Prior: Beta(1/2, 1/2) (Jeffreys). */
+static double support(const mukca_finding_group *g, int n_halves)
+{
+    return (0.5 + n_halves * g->halves) / (1 + n_halves * (g->halves + g->against));
+}
+
 /* Append the finest groups with this probability and support in halves whose causes are not taken.
  */
 static int take(mukca_finding_group *out, unsigned char *taken, const groups *all, double least,
@@ -234,7 +286,8 @@ static int take(mukca_finding_group *out, unsigned char *taken, const groups *al
     int n = 0;
     for (int i = 0; i < all->n && n < MUKCA_MOST_FINDINGS; i++) {
         const mukca_finding_group *g = &all->list[i].group;
-        bool is_free = g->probability >= least && !(stable > 0 && !(g->halves > stable));
+        bool is_free =
+            g->probability >= least && (stable <= 0 || support(g, all->n_halves) > stable);
         for (int l = 0; l < p->n_labels && is_free; l++)
             is_free = !taken[l] || !mukca_finding_holds(g, &p->label[l]);
         if (!is_free) continue;
@@ -257,21 +310,21 @@ int mukca_findings_choose(mukca_finding_group out[2 * MUKCA_MOST_FINDINGS], int 
                           mukca_pool *pool, const mukca_labelled_sets *posterior,
                           const mukca_labelled_sets *halves, int n_halves)
 {
-    groups all = {.posterior = posterior};
+    groups all = {.posterior = posterior, .half = halves, .n_halves = n_halves};
     int kept = 0;
     list_groups(&all);
     all.list = MUKCA_TAKE(pool, ranked, all.n + 1);
     unsigned char *taken = MUKCA_TAKE(pool, unsigned char, posterior->n_labels + 1);
+    all.present = MUKCA_TAKE(pool, double, posterior->n_labels + 1);
     if (pool->failed) return -1;
+    find_present(all.present, posterior);
     list_groups(&all);
     for (int i = 0; i < all.n; i++) {
         ranked r = all.list[i];
         r.group.probability = mukca_finding_probability(&r.group, posterior);
         if (!(r.group.probability >= MUKCA_FINDING_MAYBE)) continue;
         r.coarseness = coarseness_of(&r.group, posterior);
-        r.group.halves = n_halves ? 0 : NAN;
-        for (int h = 0; h < n_halves; h++)
-            r.group.halves += mukca_finding_probability(&r.group, &halves[h]) / n_halves;
+        ask_halves(&r.group, &all);
         all.list[kept++] = r;
     }
     all.n = kept;

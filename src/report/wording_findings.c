@@ -133,7 +133,8 @@ static void put_estimate(char *text, const mukca_estimate *e, const mukca_effect
 const char *mukca_wording_sureness(char text[MUKCA_WORDING], const mukca_finding_group *g)
 {
     const double p = g->probability;
-    const int held = (int)rint(g->halves * MUKCA_HALVES);
+    const int held = (int)rint(g->halves * MUKCA_HALVES),
+              against = (int)rint(g->against * MUKCA_HALVES);
     put(text, "%s", p > 0.999 && held == MUKCA_HALVES ? "certain (" : "sure (");
     if (p > 0.999)
         put(text, "> 99.9 %%, ");
@@ -141,8 +142,10 @@ const char *mukca_wording_sureness(char text[MUKCA_WORDING], const mukca_finding
         put(text, "%.0f %%, ", floor(100 * p));
     if (held == MUKCA_HALVES)
         put(text, "all halves)");
+    else if (against)
+        put(text, "%d of %d halves, %d against)", held, MUKCA_HALVES, against);
     else
-        put(text, "%d of %d halves)", held, MUKCA_HALVES);
+        put(text, "%d of %d halves, none against)", held, MUKCA_HALVES);
     return text;
 }
 

@@ -179,13 +179,30 @@ TEST(refused)
     assert_true(isnan(out[0].halves));
 }
 
+/* A half in which another cause stands in its place counts against a finding, unless the whole has
+ * that cause, too; a half with neither says nothing. */
+TEST(rival_in_halves)
+{
+    const int cause = label(LOAD, COMPLIANCE, 2, 0), rival = label(ANGLE, RIPPLE, 3, 7);
+    for (int common = 0; common < 2; common++) {
+        p.n = half[0].n = half[1].n = 0;
+        add(&p, 1, cause, common ? rival : -1, 50);
+        add(&half[0], 0.9, cause, -1, 50);
+        add(&half[0], 0.1, rival, -1, 50);
+        half[1] = half[0];
+        assert_int_equal(choose(2), common); /* 2.3 of 3 halves, and of 2.8 */
+        assert_close(out[0].halves, 0.9, 1e-12);
+        assert_close(out[0].against, common ? 0 : 0.1, 1e-12);
+    }
+}
+
 /* Probability in the whole and in halves on either side of the thresholds. */
 TEST(thresholds)
 {
     static const struct {
         double whole, half;
         int findings, others;
-    } cases[] = {{0.951, 0.501, 1, 0}, {0.949, 0.501, 0, 1}, {0.951, 0.499, 0, 1},
+    } cases[] = {{0.951, 0.751, 1, 0}, {0.949, 0.751, 0, 1}, {0.951, 0.749, 0, 1},
                  {0.501, 0.501, 0, 1}, {0.501, 0.301, 0, 0}, {0.499, 0.999, 0, 0}};
     const int cause = label(LOAD, COMPLIANCE, 2, 0);
     for (int i = 0; i < 6; i++) {
