@@ -133,7 +133,8 @@ static mukca_status create(mukca_arm_posterior *p, const mukca_tip_change_task *
         &(mukca_recording_options){.free_base = task->base_frame || task->free_base,
                                    .free_tool = tool,
                                    .base_per_log = true,
-                                   .tool_per_log = tool},
+                                   .tool_per_log = tool,
+                                   .threads = task->threads},
         error);
 }
 

@@ -57,6 +57,8 @@ static double scale(uint64_t mantissa, int exponent)
 {
     double high = (double)mantissa, low = (double)(int64_t)(mantissa - (uint64_t)high);
     if (exponent >= -LARGEST_POWER && exponent <= LARGEST_POWER) {
+        if (mantissa < UINT64_C(1) << 53) /* both are exact, and one rounding is (Clinger 1990) */
+            return exponent < 0 ? high / exact_power[-exponent] : high * exact_power[exponent];
         multiply(&high, &low, exponent);
         return high + low;
     }

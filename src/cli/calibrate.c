@@ -132,7 +132,8 @@ static mukca_status run(cli_call *call)
     const calibrate_options *o = call->options;
     const cli_session *s = call->session;
     const mukca_chain *chain = &s->model.chain;
-    const mukca_fit_options wanted = fit_options(o);
+    mukca_fit_options wanted = fit_options(o);
+    wanted.threads = cli_threads(call);
     calibrate_work *w = call->work;
     mukca_fit *fit = &w->fit;
     mukca_columns_note(cli_notes(call), chain, &s->data);
@@ -189,7 +190,8 @@ const cli_command cli_command_calibrate = {
         "  mukca calibrate --urdf data/demo/arm.urdf data/demo/train.tsv \\\n"
         "      --test data/demo/test.tsv -o build/demo/offsets.tsv --force",
     .with = CLI_WITH_MODEL | CLI_WITH_TEST | CLI_WITH_DISTANCE | CLI_WITH_DISTANCES | CLI_WITH_SD |
-            CLI_WITH_JSON | CLI_WITH_ANGLES | CLI_WITH_FRAMES | CLI_WITH_TRAITS | CLI_WITH_TABLES,
+            CLI_WITH_JSON | CLI_WITH_ANGLES | CLI_WITH_FRAMES | CLI_WITH_TRAITS | CLI_WITH_TABLES |
+            CLI_WITH_THREADS,
     .options = options,
     .options_size = sizeof(calibrate_options),
     .defaults = &defaults,

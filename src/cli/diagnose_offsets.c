@@ -85,7 +85,8 @@ static mukca_status judge(cli_call *call, cli_diagnosis *analysis)
                        .to = o,
                        .data = &data,
                        .base_frame = d->chain->n_elements < chain->n_elements,
-                       .tool_frame = analysis->options.free_tool && r->data->position},
+                       .tool_frame = analysis->options.free_tool && r->data->position,
+                       .threads = analysis->options.threads},
             .held = !d->after_m ? NULL
                     : r->test   ? r->test
                                 : r->data,

@@ -174,6 +174,7 @@ mukca_status cli_load_data(cli_call *call, mukca_dataset *data, const cli_model 
     mukca_dataset_options options = {.distance = c->distance,
                                      .distances = c->distances,
                                      .distance_sigma = c->distance_sd,
+                                     .threads = cli_threads(call),
                                      .notes = cli_notes(call)};
     const mukca_status units = cli_read_format(call, &options.format);
     if (units != MUKCA_OK) return units;

@@ -181,7 +181,8 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
         .mass_spread = options->mass_spread > 0 ? options->mass_spread : 0.1,
         .free_base = options->free_base,
         .free_tool = options->free_tool,
-        .turned_efforts = options->efforts < 0};
+        .turned_efforts = options->efforts < 0,
+        .threads = options->threads};
     memset(diagnosis, 0, sizeof *diagnosis);
     mukca_regression *m = MUKCA_TAKE(&diagnosis->pool, mukca_regression, 1);
     mukca_chain *arm = MUKCA_TAKE(&diagnosis->pool, mukca_chain, 1);
@@ -197,7 +198,6 @@ mukca_status mukca_diagnose(mukca_diagnosis *diagnosis, const mukca_chain *chain
         mukca_diagnosis_free(diagnosis);
         return status;
     }
-    m->workers = m->recording.workers = mukca_workers_start(options->threads);
     mukca_streams_compare(&diagnosis->streams, &m->recording);
     status = mukca_streams_fit(&diagnosis->streams, &recording_options, chain, data, error);
     if (status != MUKCA_OK) goto out;

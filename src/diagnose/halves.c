@@ -281,7 +281,7 @@ mukca_status mukca_halves_search(mukca_halves *h, mukca_pool *pool, mukca_search
                                  mukca_error *error)
 {
     const mukca_recording *r = &id->m->recording;
-    const int d = r->dim, workers = mukca_workers_count(id->m->workers);
+    const int d = r->dim, workers = mukca_workers_count(id->m->recording.workers);
     splitting job = {.halves = h};
     bool ok = choose_items(h, pool, id) && mukca_scan_aim(&id->scan, id->m->unknowns.family);
     splitter s = {.id = id, .item_of = h->item_of};
@@ -303,7 +303,7 @@ mukca_status mukca_halves_search(mukca_halves *h, mukca_pool *pool, mukca_search
         gather(own->chunk, own, r->n_samples * d + p);
         mukca_dense_syrk(s.pairs, s.width, own->chunk, 1, s.width);
     }
-    mukca_workers_run(id->m->workers, PAIRS, search_pair, &job);
+    mukca_workers_run(id->m->recording.workers, PAIRS, search_pair, &job);
     for (int pair = 0; pair < PAIRS && job.outcome[pair] != TOO_FEW; pair++) {
         if (job.outcome[pair] == FAILED)
             return mukca_fail(error, MUKCA_MEMORY, "out of memory for halves of the data");

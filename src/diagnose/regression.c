@@ -21,15 +21,17 @@ mukca_status mukca_regression_create(mukca_regression *m, const mukca_chain *cha
     if (mukca_recording_create(&m->recording, &m->pool, chain, data, options) &&
         mukca_unknowns_create(&m->unknowns, &m->pool, &m->recording) &&
         mukca_linearisation_create(&m->linear, &m->pool, &m->recording, &m->unknowns) &&
-        mukca_evidence_create(&m->evidence, &m->pool, &m->recording, &m->unknowns))
+        mukca_evidence_create(&m->evidence, &m->pool, &m->recording, &m->unknowns)) {
+        m->recording.workers = mukca_workers_start(options->threads);
         return MUKCA_OK;
+    }
     mukca_regression_free(m);
     return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d rows", data->n_rows);
 }
 
 void mukca_regression_free(mukca_regression *m)
 {
-    mukca_workers_stop(m->workers);
+    mukca_workers_stop(m->recording.workers);
     mukca_pool_free(&m->pool);
     memset(m, 0, sizeof *m);
 }

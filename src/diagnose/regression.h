@@ -14,7 +14,6 @@ typedef struct mukca_regression {
     mukca_unknowns unknowns;
     mukca_linearisation linear;
     mukca_evidence evidence;
-    mukca_workers *workers; /* NULL: the caller's thread alone */
     mukca_pool pool;
 } mukca_regression;
 

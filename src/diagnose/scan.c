@@ -30,8 +30,8 @@ bool mukca_scan_create(mukca_scan *s, mukca_pool *pool, mukca_regression *m, muk
                       .start = MUKCA_TAKE(pool, int, all->capacity + 1),
                       .value = MUKCA_TAKE(pool, double, all->capacity),
                       .information = MUKCA_TAKE(pool, double, all->capacity)};
-    s->batch = MUKCA_TAKE(pool, mukca_scan_batch, mukca_workers_count(m->workers));
-    for (int k = 0; k < mukca_workers_count(m->workers) && !pool->failed; k++)
+    s->batch = MUKCA_TAKE(pool, mukca_scan_batch, mukca_workers_count(m->recording.workers));
+    for (int k = 0; k < mukca_workers_count(m->recording.workers) && !pool->failed; k++)
         s->batch[k] = (mukca_scan_batch){
             .W = MUKCA_TAKE(pool, double, (rows + pairs) * LD),
             .mean = MUKCA_TAKE(pool, double, (r->data->n_sockets + 2) * r->dim * LD),
@@ -196,7 +196,7 @@ void mukca_scan_score(double *value, double *information, mukca_scan *s,
                       const mukca_candidate *list, const unsigned char *skip, int n)
 {
     scoring job = {s, list, skip, value, information};
-    mukca_workers_run(s->m->workers, divide(s, list, NULL, skip, n), score_batch, &job);
+    mukca_workers_run(s->m->recording.workers, divide(s, list, NULL, skip, n), score_batch, &job);
 }
 
 typedef struct {
@@ -252,7 +252,8 @@ bool mukca_scan_question(mukca_question *question, mukca_scan *s, mukca_pool *po
             .kin = h->kind == MUKCA_CANDIDATE_EFFECT ? mukca_effect_kin(&h->effect) : 0,
             .kinship = KINSHIP};
     }
-    mukca_workers_run(s->m->workers, divide(s, s->all->list, index, NULL, n), fill_batch, &f);
+    mukca_workers_run(s->m->recording.workers, divide(s, s->all->list, index, NULL, n), fill_batch,
+                      &f);
     *question = (mukca_question){.n_items = n,
                                  .n_columns = columns,
                                  .stride = stride,
@@ -263,7 +264,7 @@ bool mukca_scan_question(mukca_question *question, mukca_scan *s, mukca_pool *po
                                  .g = f.g,
                                  .residual = s->residual,
                                  .dof = s->dof,
-                                 .workers = s->m->workers};
+                                 .workers = s->m->recording.workers};
     return true;
 }
 

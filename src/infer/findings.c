@@ -266,7 +266,8 @@ static void ask_halves(mukca_finding_group *g, const groups *all)
     g->halves = g->against = n ? 0 : NAN;
     for (int h = 0; h < n; h++) {
         g->halves += mukca_finding_probability(g, &all->half[h]) / n;
-        g->against += probability_against(g, &all->half[h], all->present) / n;
+        if (g->probability >= MUKCA_FINDING_SURE) /* else no matter */
+            g->against += probability_against(g, &all->half[h], all->present) / n;
     }
 }
 

@@ -14,6 +14,7 @@ typedef struct {
     double distance_sigma; /* of each of these distances, m; 0: MUKCA_DISTANCE_SIGMA */
     const double *payload; /* [n_paths] for samples whose file has no payload, kg; or NULL */
     mukca_rows_format format; /* of the tables */
+    int threads;              /* more than 1: large files are read ahead */
     bool partial; /* an unfinished session: sockets may be missing or have few samples */
     mukca_notes notes;
 } mukca_dataset_options;
@@ -60,6 +61,7 @@ typedef struct {
     mukca_notes notes;
     mukca_error *error;
     int capacity;                  /* samples allocated */
+    int threads;                   /* more than 1: large files are read ahead */
     mukca_rows_format format;      /* format of the files */
     bool warned[MUKCA_MAX_JOINTS]; /* a note of exceeded limits was printed */
     double distance_sigma;         /* of the distances, m; 0: MUKCA_DISTANCE_SIGMA */

@@ -257,6 +257,7 @@ static mukca_status read_table(mukca_dataset_builder *b, const char *path)
     if (dot && dot != s.stem) *dot = '\0';
     b->data->by_command |= s.rows.by_command;
     check_columns(&s.rows);
+    if (b->threads > 1) mukca_table_read_ahead(&s.rows.table);
     mukca_table_stop(&s.rows.table, mukca_build_file(b, path));
     read_rows(b, &s);
     free(s.written);
@@ -355,6 +356,7 @@ mukca_status mukca_dataset_load(mukca_dataset *data, const mukca_chain *chain,
                                .notes = options->notes,
                                .error = error,
                                .distance_sigma = options->distance_sigma,
+                               .threads = options->threads,
                                .payload = NAN};
     memset(data, 0, sizeof *data);
     data->n_joints = chain->n_joints;

@@ -2,6 +2,7 @@
 #include "io/table.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdarg.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -11,8 +12,8 @@
 #include "base/file.h"
 #include "base/number.h"
 
-/* Bytes: a longer line is of another kind of file; a header has some ten lines of comments. */
-enum { LONGEST_LINE = 1 << 20, COMMENTS = 4096, READ_TOGETHER = 1 << 16 };
+/* Bytes: a header has some ten lines of comments. */
+enum { COMMENTS = 4096, READ_TOGETHER = 1 << 16 };
 
 void mukca_table_fail(mukca_table *t, int column, const char *format, ...)
 {
@@ -49,13 +50,13 @@ static bool read_line(mukca_table *t)
     char *line = t->buffer;
     if (!line || t->status != MUKCA_OK) return false;
     errno = 0;
-    const bool more = fgets(line, LONGEST_LINE, t->stream) != NULL;
+    const bool more = fgets(line, MUKCA_TABLE_LINE, t->stream) != NULL;
     if (ferror(t->stream)) mukca_table_stop(t, mukca_file_fail(t->error, t->path));
     if (!more) return false;
     size_t length = strlen(line);
     t->line++;
     t->cut_off = feof(t->stream) != 0;
-    if (length == LONGEST_LINE - 1 && line[length - 1] != '\n')
+    if (length == MUKCA_TABLE_LINE - 1 && line[length - 1] != '\n')
         mukca_table_fail(t, -1, "the line is longer than 1 MiB; this is no table");
     else if (length == 0 || (!t->cut_off && line[length - 1] != '\n'))
         mukca_table_fail(t, -1, "contains a zero byte; this is not a text file");
@@ -261,7 +262,7 @@ mukca_status mukca_table_open(mukca_table *t, const char *path, mukca_table_kind
         t->status = mukca_fail(error, MUKCA_INPUT, "%.60s...: the file name is too long", path);
     }
     if (t->status == MUKCA_OK && !standard) setvbuf(t->stream, NULL, _IOFBF, READ_TOGETHER);
-    if (t->status == MUKCA_OK) t->buffer = check(t, malloc(LONGEST_LINE));
+    if (t->status == MUKCA_OK) t->buffer = check(t, malloc(MUKCA_TABLE_LINE));
     if (t->status == MUKCA_OK) t->comments = check(t, calloc(COMMENTS, 1));
     if (t->status == MUKCA_OK && is_array(t->stream))
         t->status = read_array(&t->stream, t->path, error);
@@ -271,6 +272,7 @@ mukca_status mukca_table_open(mukca_table *t, const char *path, mukca_table_kind
 
 bool mukca_table_next(mukca_table *t)
 {
+    if (t->ahead) return mukca_table_ahead_next(t);
     const bool more = (t->pending && t->status == MUKCA_OK) || read_content(t);
     t->pending = false;
     if (!more) return false;
@@ -289,6 +291,7 @@ bool mukca_table_next(mukca_table *t)
 mukca_status mukca_table_close(mukca_table *t)
 {
     const mukca_status status = t->status;
+    mukca_table_ahead_close(t);
     if (t->stream && t->stream != stdin) fclose(t->stream);
     free(t->header);
     free(t->header_buffer);
@@ -335,14 +338,21 @@ void mukca_table_expect(mukca_table *t, int column, char of)
                          t->header[column]);
 }
 
+bool mukca_table_parse(double *value, const mukca_table *t, int column)
+{
+    if (!parse_number(value, t, t->cell[column])) return false;
+    if (mukca_table_has_unit(t, column)) *value *= t->unit[column].factor;
+    return true;
+}
+
 double mukca_table_number(mukca_table *t, int column)
 {
     char fault[MUKCA_CELL_FAULT];
     double value;
     if (t->status != MUKCA_OK) return 0;
-    if (parse_number(&value, t, t->cell[column]) ||
-        mukca_cell_number(&value, t->cell[column], fault))
-        return mukca_table_has_unit(t, column) ? value * t->unit[column].factor : value;
+    if (t->value && !isnan(t->value[column])) return t->value[column];
+    if (mukca_table_parse(&value, t, column)) return value;
+    mukca_cell_number(&value, t->cell[column], fault);
     mukca_table_fail(t, column, "%s%s", fault,
                      t->header || t->row > 1 ? "" : "; this file has no header line");
     return 0;

@@ -17,11 +17,14 @@
 #include "base/text.h"
 
 enum {
+    MUKCA_TABLE_LINE = 1 << 20, /* bytes: a longer line is of another kind of file */
     MUKCA_TABLE_COLUMNS = 4096, /* largest width; a session of 16 joints has about 90 */
     MUKCA_TABLE_NAMED = 8       /* columns that mukca_table_read can require */
 };
 
 typedef enum { MUKCA_HEADER, MUKCA_NO_HEADER, MUKCA_EITHER } mukca_table_kind;
+
+typedef struct mukca_table_ahead mukca_table_ahead;
 
 typedef struct {
     char path[512];
@@ -39,8 +42,10 @@ typedef struct {
     mukca_unit *unit; /* [n_columns] stated in the header; or NULL */
     bool *used;       /* [n_columns], columns asked for by mukca_table_use; or NULL */
     char *buffer, *header_buffer;
-    char *names;    /* of --columns */
-    char *comments; /* `#` lines before the header, as many as fit */
+    char *names;              /* of --columns */
+    char *comments;           /* `#` lines before the header, as many as fit */
+    mukca_table_ahead *ahead; /* NULL: rows are read when they are wanted */
+    const double *value;      /* [n_columns] cells as numbers, SI; NaN: not parsed; or NULL */
 } mukca_table;
 
 /* Open `path` (`-` is standard input) and read the header.  Kind EITHER: there is no header if the
@@ -51,6 +56,12 @@ mukca_status mukca_table_open(mukca_table *table, const char *path, mukca_table_
 /* Read one row into table->cell; false: the end of the file, or a failure.  Rows must have equal
  * width. */
 bool mukca_table_next(mukca_table *table);
+
+/* Read the rows of a large file with a header ahead, in a thread: the rows are the same.  No effect
+ * on other tables: a pipe's rows would come late. */
+void mukca_table_read_ahead(mukca_table *table);
+bool mukca_table_ahead_next(mukca_table *table);
+void mukca_table_ahead_close(mukca_table *table);
 
 /* Returns the first failure, MUKCA_OK: none.  Harmless on a zeroed table. */
 mukca_status mukca_table_close(mukca_table *table);
@@ -68,7 +79,9 @@ bool mukca_table_has_unit(const mukca_table *table, int column);
 /* Fail if the header states a unit of something else than `of` (mukca_unit); column -1: none. */
 void mukca_table_expect(mukca_table *table, int column, char of);
 
-/* Parse a cell as a finite number, in SI units if the header states its unit; 0 after a failure. */
+/* Parse a cell as a finite number, in SI units if the header states its unit; false, or a failure
+ * and 0, if it is none. */
+bool mukca_table_parse(double *value, const mukca_table *table, int column);
 double mukca_table_number(mukca_table *table, int column);
 
 /* Fail with "file:line: column 'name': ..." and status MUKCA_INPUT; column -1: none.  And with

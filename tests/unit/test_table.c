@@ -111,4 +111,46 @@ TEST(long_lines_are_read_whole)
     free(text);
 }
 
+/* Rows read ahead are those of a table that is not, up to and including its first fault. */
+TEST(rows_are_read_ahead)
+{
+    enum { ROWS = 60000 }; /* more than a MiB: several blocks */
+    static char text[40 * ROWS];
+    static const char *const ends[] = {"1 m, 2.5\n", "1,x\n", "1\n", "7,8"};
+    for (size_t i = 0; i < sizeof ends / sizeof *ends; i++) {
+        mukca_table plain;
+        mukca_error failure = {.text = ""};
+        char *at = text + sprintf(text, "a [mm],name,b\n");
+        for (int r = 0; r < ROWS; r++)
+            at += sprintf(at, r % 1000 ? "%.17g,%d,%d\n" : "# %g\n\n%d, \"%d\" ,nan\n", r / 3.0, r,
+                          -r);
+        sprintf(at, "3,%s", ends[i]);
+        const char *path = scratch_file("t.csv", text);
+        assert_ok(mukca_table_open(&plain, path, MUKCA_HEADER, &failure));
+        assert_ok(mukca_table_open(&table, path, MUKCA_HEADER, &error));
+        mukca_table_use(&table, "a");
+        mukca_table_read_ahead(&table);
+        assert_non_null(table.ahead);
+        while (mukca_table_next(&plain)) {
+            assert_true(mukca_table_next(&table));
+            assert_int_equal(table.line, plain.line);
+            for (int c = 0; c < 3; c++) assert_string_equal(table.cell[c], plain.cell[c]);
+            assert_true(mukca_table_number(&table, 0) == mukca_table_number(&plain, 0));
+            if (plain.row % 1000 != 1 || plain.row > ROWS)
+                assert_true(mukca_table_number(&table, 2) == mukca_table_number(&plain, 2));
+        }
+        assert_false(mukca_table_next(&table));
+        assert_int_equal(table.status, plain.status);
+        assert_int_equal(table.row, plain.row);
+        assert_int_equal(table.cut_off, plain.cut_off);
+        if (plain.status) assert_string_equal(error.text, failure.text);
+        mukca_table_close(&plain);
+        mukca_table_close(&table);
+    }
+    assert_ok(mukca_table_open(&table, scratch_file("t.csv", text), MUKCA_HEADER, &error));
+    mukca_table_read_ahead(&table);
+    assert_true(mukca_table_next(&table));
+    assert_ok(mukca_table_close(&table)); /* with most rows unread */
+}
+
 TEST_MAIN(scratch_setup, scratch_teardown)

@@ -1,0 +1,160 @@
+/* Rows of a large table read ahead, and their numbers parsed, by a thread of its own. */
+#include <math.h>
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "io/table.h"
+
+/* Bytes of a block, and its largest number of cells: a block is ready within milliseconds. */
+enum { TEXT = 1 << 19, CELLS = 1 << 15, BLOCKS = 2 };
+
+typedef struct {
+    int n, *line;  /* rows, [rows] their lines */
+    char *text;    /* [TEXT + MUKCA_TABLE_LINE] */
+    char **cell;   /* [rows][n_columns] in the text */
+    double *value; /* the same as numbers, SI; NaN: none, or not used */
+    bool full, last;
+} block;
+
+struct mukca_table_ahead {
+    pthread_t thread;
+    pthread_mutex_t lock; /* of full and stop */
+    pthread_cond_t change;
+    mukca_table table; /* of the thread; at the end of its last block, that of the whole */
+    mukca_error error;
+    char **cell; /* the caller's */
+    block block[BLOCKS];
+    int rows, now, row; /* rows of a block; the caller's block, its next row */
+    bool stop;
+};
+
+static void fill(block *b, mukca_table *t, int rows)
+{
+    const size_t n = (size_t)t->n_columns;
+    t->buffer = b->text;
+    for (b->n = 0; b->n < rows && t->buffer < b->text + TEXT; b->n++) {
+        double *value = b->value + (size_t)b->n * n;
+        t->cell = b->cell + (size_t)b->n * n;
+        b->last = !mukca_table_next(t);
+        if (b->last) return;
+        b->line[b->n] = t->line;
+        for (int c = 0; c < t->n_columns; c++)
+            if (!t->used[c] || !mukca_table_parse(&value[c], t, c)) value[c] = (double)NAN;
+        t->buffer = t->cell[n - 1] + strlen(t->cell[n - 1]) + 1;
+    }
+}
+
+/* Wait until a block is full, or empty; false: the caller has closed the table. */
+static bool await(mukca_table_ahead *a, const block *b, bool full)
+{
+    pthread_mutex_lock(&a->lock);
+    while (b->full != full && !a->stop) pthread_cond_wait(&a->change, &a->lock);
+    const bool stop = a->stop;
+    pthread_mutex_unlock(&a->lock);
+    return !stop;
+}
+
+static void mark(mukca_table_ahead *a, block *b, bool full)
+{
+    pthread_mutex_lock(&a->lock);
+    if (b)
+        b->full = full;
+    else
+        a->stop = true;
+    pthread_cond_broadcast(&a->change);
+    pthread_mutex_unlock(&a->lock);
+}
+
+static void *run(void *ahead)
+{
+    mukca_table_ahead *a = ahead;
+    bool last = false;
+    for (int k = 0; !last && await(a, &a->block[k], false); k = (k + 1) % BLOCKS) {
+        fill(&a->block[k], &a->table, a->rows);
+        last = a->block[k].last;
+        mark(a, &a->block[k], true);
+    }
+    return NULL;
+}
+
+static void release(mukca_table_ahead *a)
+{
+    for (int k = 0; k < BLOCKS; k++) {
+        free(a->block[k].line);
+        free(a->block[k].text);
+        free(a->block[k].cell);
+        free(a->block[k].value);
+    }
+    pthread_cond_destroy(&a->change);
+    pthread_mutex_destroy(&a->lock);
+    free(a);
+}
+
+void mukca_table_read_ahead(mukca_table *t)
+{
+    struct stat file;
+    if (t->status != MUKCA_OK || !t->header || fstat(fileno(t->stream), &file) ||
+        !S_ISREG(file.st_mode) || file.st_size < BLOCKS * TEXT)
+        return;
+    mukca_table_ahead *a = calloc(1, sizeof *a);
+    if (!a) return;
+    pthread_mutex_init(&a->lock, NULL);
+    pthread_cond_init(&a->change, NULL);
+    a->rows = 1 + CELLS / t->n_columns;
+    a->table = *t;
+    a->table.error = &a->error;
+    a->cell = t->cell;
+    const size_t rows = (size_t)a->rows, cells = rows * (size_t)t->n_columns;
+    bool ok = true;
+    for (block *b = a->block; b < a->block + BLOCKS; b++) {
+        b->line = malloc(rows * sizeof *b->line);
+        b->text = malloc((size_t)TEXT + MUKCA_TABLE_LINE);
+        b->cell = malloc(cells * sizeof *b->cell);
+        b->value = malloc(cells * sizeof *b->value);
+        ok = ok && b->line && b->text && b->cell && b->value;
+    }
+    if (ok && pthread_create(&a->thread, NULL, run, a) == 0)
+        t->ahead = a;
+    else
+        release(a);
+}
+
+bool mukca_table_ahead_next(mukca_table *t)
+{
+    mukca_table_ahead *a = t->ahead;
+    block *b = &a->block[a->now];
+    if (t->status != MUKCA_OK) return false;
+    if (a->row == 0) await(a, b, true);
+    if (a->row == b->n && !b->last) {
+        mark(a, b, false);
+        a->row = 0;
+        a->now = (a->now + 1) % BLOCKS;
+        b = &a->block[a->now];
+        await(a, b, true);
+    }
+    if (a->row == b->n) { /* the end */
+        if (a->table.status != MUKCA_OK) *t->error = a->error;
+        t->status = a->table.status;
+        t->line = a->table.line;
+        t->cut_off = a->table.cut_off;
+        return false;
+    }
+    const size_t at = (size_t)a->row * (size_t)t->n_columns;
+    t->cell = b->cell + at;
+    t->value = b->value + at;
+    t->line = b->line[a->row++];
+    t->row++;
+    return true;
+}
+
+void mukca_table_ahead_close(mukca_table *t)
+{
+    mukca_table_ahead *a = t->ahead;
+    if (!a) return;
+    mark(a, NULL, false);
+    pthread_join(a->thread, NULL);
+    t->cell = a->cell;
+    release(a);
+}
