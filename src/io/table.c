@@ -272,7 +272,7 @@ mukca_status mukca_table_open(mukca_table *t, const char *path, mukca_table_kind
 
 bool mukca_table_next(mukca_table *t)
 {
-    if (t->ahead) return mukca_table_ahead_next(t);
+    if (t->source) return t->source->next(t);
     const bool more = (t->pending && t->status == MUKCA_OK) || read_content(t);
     t->pending = false;
     if (!more) return false;
@@ -291,7 +291,7 @@ bool mukca_table_next(mukca_table *t)
 mukca_status mukca_table_close(mukca_table *t)
 {
     const mukca_status status = t->status;
-    mukca_table_ahead_close(t);
+    if (t->source) t->source->close(t);
     if (t->stream && t->stream != stdin) fclose(t->stream);
     free(t->header);
     free(t->header_buffer);

@@ -24,9 +24,14 @@ enum {
 
 typedef enum { MUKCA_HEADER, MUKCA_NO_HEADER, MUKCA_EITHER } mukca_table_kind;
 
-typedef struct mukca_table_ahead mukca_table_ahead;
-
+/* Rows from elsewhere than the stream. */
+typedef struct mukca_table mukca_table;
 typedef struct {
+    bool (*next)(mukca_table *table);
+    void (*close)(mukca_table *table);
+} mukca_table_source;
+
+struct mukca_table {
     char path[512];
     mukca_status status; /* of the first failure, with its message in */
     mukca_error *error;
@@ -42,11 +47,11 @@ typedef struct {
     mukca_unit *unit; /* [n_columns] stated in the header; or NULL */
     bool *used;       /* [n_columns], columns asked for by mukca_table_use; or NULL */
     char *buffer, *header_buffer;
-    char *names;              /* of --columns */
-    char *comments;           /* `#` lines before the header, as many as fit */
-    mukca_table_ahead *ahead; /* NULL: rows are read when they are wanted */
-    const double *value;      /* [n_columns] cells as numbers, SI; NaN: not parsed; or NULL */
-} mukca_table;
+    char *names;                /* of --columns */
+    char *comments;             /* `#` lines before the header, as many as fit */
+    mukca_table_source *source; /* NULL: the stream */
+    const double *value;        /* [n_columns] cells as numbers, SI; NaN: not parsed; or NULL */
+};
 
 /* Open `path` (`-` is standard input) and read the header.  Kind EITHER: there is no header if the
  * first line has numbers only.  A table with a header may have no rows. */
@@ -60,8 +65,6 @@ bool mukca_table_next(mukca_table *table);
 /* Read the rows of a large file with a header ahead, in a thread: the rows are the same.  No effect
  * on other tables: a pipe's rows would come late. */
 void mukca_table_read_ahead(mukca_table *table);
-bool mukca_table_ahead_next(mukca_table *table);
-void mukca_table_ahead_close(mukca_table *table);
 
 /* Returns the first failure, MUKCA_OK: none.  Harmless on a zeroed table. */
 mukca_status mukca_table_close(mukca_table *table);

@@ -18,7 +18,8 @@ typedef struct {
     bool full, last;
 } block;
 
-struct mukca_table_ahead {
+typedef struct {
+    mukca_table_source source; /* first: the caller's table has its address */
     pthread_t thread;
     pthread_mutex_t lock; /* of full and stop */
     pthread_cond_t change;
@@ -28,7 +29,7 @@ struct mukca_table_ahead {
     block block[BLOCKS];
     int rows, now, row; /* rows of a block; the caller's block, its next row */
     bool stop;
-};
+} read_ahead;
 
 static void fill(block *b, mukca_table *t, int rows)
 {
@@ -47,7 +48,7 @@ static void fill(block *b, mukca_table *t, int rows)
 }
 
 /* Wait until a block is full, or empty; false: the caller has closed the table. */
-static bool await(mukca_table_ahead *a, const block *b, bool full)
+static bool await(read_ahead *a, const block *b, bool full)
 {
     pthread_mutex_lock(&a->lock);
     while (b->full != full && !a->stop) pthread_cond_wait(&a->change, &a->lock);
@@ -56,7 +57,7 @@ static bool await(mukca_table_ahead *a, const block *b, bool full)
     return !stop;
 }
 
-static void mark(mukca_table_ahead *a, block *b, bool full)
+static void mark(read_ahead *a, block *b, bool full)
 {
     pthread_mutex_lock(&a->lock);
     if (b)
@@ -69,7 +70,7 @@ static void mark(mukca_table_ahead *a, block *b, bool full)
 
 static void *run(void *ahead)
 {
-    mukca_table_ahead *a = ahead;
+    read_ahead *a = ahead;
     bool last = false;
     for (int k = 0; !last && await(a, &a->block[k], false); k = (k + 1) % BLOCKS) {
         fill(&a->block[k], &a->table, a->rows);
@@ -79,7 +80,7 @@ static void *run(void *ahead)
     return NULL;
 }
 
-static void release(mukca_table_ahead *a)
+static void release(read_ahead *a)
 {
     for (int k = 0; k < BLOCKS; k++) {
         free(a->block[k].line);
@@ -92,38 +93,9 @@ static void release(mukca_table_ahead *a)
     free(a);
 }
 
-void mukca_table_read_ahead(mukca_table *t)
+static bool next(mukca_table *t)
 {
-    struct stat file;
-    if (t->status != MUKCA_OK || !t->header || fstat(fileno(t->stream), &file) ||
-        !S_ISREG(file.st_mode) || file.st_size < BLOCKS * TEXT)
-        return;
-    mukca_table_ahead *a = calloc(1, sizeof *a);
-    if (!a) return;
-    pthread_mutex_init(&a->lock, NULL);
-    pthread_cond_init(&a->change, NULL);
-    a->rows = 1 + CELLS / t->n_columns;
-    a->table = *t;
-    a->table.error = &a->error;
-    a->cell = t->cell;
-    const size_t rows = (size_t)a->rows, cells = rows * (size_t)t->n_columns;
-    bool ok = true;
-    for (block *b = a->block; b < a->block + BLOCKS; b++) {
-        b->line = malloc(rows * sizeof *b->line);
-        b->text = malloc((size_t)TEXT + MUKCA_TABLE_LINE);
-        b->cell = malloc(cells * sizeof *b->cell);
-        b->value = malloc(cells * sizeof *b->value);
-        ok = ok && b->line && b->text && b->cell && b->value;
-    }
-    if (ok && pthread_create(&a->thread, NULL, run, a) == 0)
-        t->ahead = a;
-    else
-        release(a);
-}
-
-bool mukca_table_ahead_next(mukca_table *t)
-{
-    mukca_table_ahead *a = t->ahead;
+    read_ahead *a = (read_ahead *)t->source;
     block *b = &a->block[a->now];
     if (t->status != MUKCA_OK) return false;
     if (a->row == 0) await(a, b, true);
@@ -149,12 +121,41 @@ bool mukca_table_ahead_next(mukca_table *t)
     return true;
 }
 
-void mukca_table_ahead_close(mukca_table *t)
+static void close_ahead(mukca_table *t)
 {
-    mukca_table_ahead *a = t->ahead;
-    if (!a) return;
+    read_ahead *a = (read_ahead *)t->source;
     mark(a, NULL, false);
     pthread_join(a->thread, NULL);
     t->cell = a->cell;
     release(a);
+}
+
+void mukca_table_read_ahead(mukca_table *t)
+{
+    struct stat file;
+    if (t->status != MUKCA_OK || !t->header || fstat(fileno(t->stream), &file) ||
+        !S_ISREG(file.st_mode) || file.st_size < BLOCKS * TEXT)
+        return;
+    read_ahead *a = calloc(1, sizeof *a);
+    if (!a) return;
+    pthread_mutex_init(&a->lock, NULL);
+    pthread_cond_init(&a->change, NULL);
+    a->rows = 1 + CELLS / t->n_columns;
+    a->source = (mukca_table_source){next, close_ahead};
+    a->table = *t;
+    a->table.error = &a->error;
+    a->cell = t->cell;
+    const size_t rows = (size_t)a->rows, cells = rows * (size_t)t->n_columns;
+    bool ok = true;
+    for (block *b = a->block; b < a->block + BLOCKS; b++) {
+        b->line = malloc(rows * sizeof *b->line);
+        b->text = malloc((size_t)TEXT + MUKCA_TABLE_LINE);
+        b->cell = malloc(cells * sizeof *b->cell);
+        b->value = malloc(cells * sizeof *b->value);
+        ok = ok && b->line && b->text && b->cell && b->value;
+    }
+    if (ok && pthread_create(&a->thread, NULL, run, a) == 0)
+        t->source = &a->source;
+    else
+        release(a);
 }

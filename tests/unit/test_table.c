@@ -130,7 +130,7 @@ TEST(rows_are_read_ahead)
         assert_ok(mukca_table_open(&table, path, MUKCA_HEADER, &error));
         mukca_table_use(&table, "a");
         mukca_table_read_ahead(&table);
-        assert_non_null(table.ahead);
+        assert_non_null(table.source);
         while (mukca_table_next(&plain)) {
             assert_true(mukca_table_next(&table));
             assert_int_equal(table.line, plain.line);
