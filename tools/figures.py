@@ -69,7 +69,7 @@ def screen(path, data):
         keys = [re.sub(r"[\d.]+.*", "#", line) for line in printed]
         ends = [re.sub(r"[\d.]+.*", "#", line) for line in (block.splitlines()[0], block.splitlines()[-1])]
         first = keys.index(ends[0]) if ends[0] in keys else -1
-        last = first + keys[first:].index(ends[1]) if first >= 0 and ends[1] in keys[first:] else -1
+        last = len(keys) - 1 - keys[::-1].index(ends[1]) if ends[1] in keys else -1  # the last of these lines
         lines = "\n".join(printed[first:last + 1]) + "\n"
         if lines == block:
             print(f"ok figures: {path}: screen")

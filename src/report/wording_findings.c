@@ -142,6 +142,8 @@ const char *mukca_wording_sureness(char text[MUKCA_WORDING], const mukca_finding
         put(text, "%.0f %%, ", floor(100 * p));
     if (held == MUKCA_HALVES)
         put(text, "all halves)");
+    else if (held + against >= MUKCA_HALVES)
+        put(text, "%d of %d halves)", held, MUKCA_HALVES);
     else if (against)
         put(text, "%d of %d halves, %d against)", held, MUKCA_HALVES, against);
     else
