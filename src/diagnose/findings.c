@@ -149,7 +149,8 @@ static mukca_status label_halves(mukca_labelled_sets out[MUKCA_HALVES], mukca_ha
     mukca_status status = mukca_halves_search(halves, pool, id, error);
     for (int i = 0; i < halves->n_items; i++) label[i] = label_of[halves->item_of[i]];
     if (status == MUKCA_OK)
-        mukca_workers_run(id->m->recording.workers, halves->n, label_one, &(labelling){halves, out, label});
+        mukca_workers_run(id->m->recording.workers, halves->n, label_one,
+                          &(labelling){halves, out, label});
     for (int k = 0; k < MUKCA_MOST_WORKERS; k++) pool->failed |= halves->pool[k].failed;
     return status;
 }
