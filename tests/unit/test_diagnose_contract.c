@@ -41,6 +41,7 @@ static void check_json(json_t *root, const mukca_chain *chain)
     {
         assert_keys(item,
                     "kind effect varies_with from to placement order order_ci95 probability halves "
+                    "halves_against "
                     "size_m size_ci95_m share held_out coefficient alternatives sentence");
         assert_true(real(item, "probability") >= 0.95 && real(item, "halves") >= 0.7);
         assert_true(json_array_size(json_object_get(item, "alternatives")) >= 1);
