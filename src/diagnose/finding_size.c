@@ -175,16 +175,10 @@ static void weigh_labels(double *probability, int *item, double *best, const mea
 {
     const mukca_search *id = w->id;
     const mukca_labelled_sets *p = &w->in->posterior;
+    mukca_labels_weigh(probability, p);
     for (int s = 0; s < p->n_sets; s++) {
         const mukca_set *set = &id->sets.set[id->set[s].index];
-        for (int m = 0; m < set->n; m++) {
-            const int label = w->in->label_of[set->item[m]];
-            bool counted = label < 0;
-            for (int k = 0; k < m && !counted; k++)
-                counted = w->in->label_of[set->item[k]] == label;
-            if (!counted) probability[label] += p->set[s].weight;
-            if (label >= 0) best[set->item[m]] += p->set[s].weight;
-        }
+        for (int m = 0; m < set->n; m++) best[set->item[m]] += p->set[s].weight;
     }
     for (int i = 0; i < id->n_kept; i++) {
         const int label = w->in->label_of[i];

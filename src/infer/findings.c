@@ -122,10 +122,26 @@ static double square_of(double *split, double *outside, const mukca_finding_grou
     return square;
 }
 
-/* A name beside a cause outside the catalogue may be what the function in its place does not
+/* Probability of a cause that is in a set and not in the group, where both show in the same data,
+ * and that the whole does not have: present[n_labels] is the probability of each label there. */
+static double rival_of(const mukca_finding_group *g, const mukca_labelled_set *s,
+                       const mukca_labelled_sets *p, const double *present)
+{
+    double rival = 0;
+    for (int k = 0; k < s->n; k++) {
+        const mukca_label *l = &p->label[s->label[k]];
+        if (!mukca_finding_holds(g, l) && overlaps(g, l, p) && s->product[k * s->n + k] > p->least)
+            rival = fmax(rival, 1 - present[s->label[k]]);
+    }
+    return rival;
+}
+
+/* Probability of a group; *against: of a rival in the sets without it (present NULL: not asked).
+ * A name beside a cause outside the catalogue may be what the function in its place does not
  * follow. That is a fraction of it: if every fraction is equally probable, it is smaller than the
  * name's part of the amplitude of both with that part as probability. */
-double mukca_finding_probability(const mukca_finding_group *g, const mukca_labelled_sets *p)
+static double weigh(double *against, const mukca_finding_group *g, const mukca_labelled_sets *p,
+                    const double *present)
 {
     const bool name = g->kind <= MUKCA_GROUP_EFFECT && !(g->kind == MUKCA_GROUP_DETAIL && g->fine);
     double sum = 0, split, outside;
@@ -133,8 +149,26 @@ double mukca_finding_probability(const mukca_finding_group *g, const mukca_label
         const double square = square_of(&split, &outside, g, &p->set[i], p);
         if (square > p->least)
             sum += p->set[i].weight * (name ? sqrt(square / (square + outside)) : 1);
+        else if (present)
+            *against += p->set[i].weight * rival_of(g, &p->set[i], p, present);
     }
     return fmin(sum, 1);
+}
+
+double mukca_finding_probability(const mukca_finding_group *g, const mukca_labelled_sets *p)
+{
+    return weigh(NULL, g, p, NULL);
+}
+
+void mukca_labels_weigh(double *probability, const mukca_labelled_sets *p)
+{
+    for (int i = 0; i < p->n_sets; i++)
+        for (int k = 0; k < p->set[i].n; k++) {
+            const unsigned short *label = p->set[i].label;
+            bool counted = false;
+            for (int o = 0; o < k && !counted; o++) counted = label[o] == label[k];
+            if (!counted) probability[label[k]] += p->set[i].weight;
+        }
 }
 
 double mukca_finding_share(const mukca_finding_group *g, const mukca_labelled_sets *p)
@@ -228,47 +262,12 @@ static int by_coarseness(const void *a, const void *b)
            (x->group.probability > y->group.probability);
 }
 
-static void find_present(double *present, const mukca_labelled_sets *p)
-{
-    for (int i = 0; i < p->n_sets; i++)
-        for (int k = 0; k < p->set[i].n; k++) {
-            const unsigned short *label = p->set[i].label;
-            bool again = false;
-            for (int o = 0; o < k; o++) again |= label[o] == label[k];
-            if (!again) present[label[k]] += p->set[i].weight;
-        }
-}
-
-/* Probability, in a half, of sets without the group that have a rival in its place: a cause that is
- * improbable in the whole. */
-static double probability_against(const mukca_finding_group *g, const mukca_labelled_sets *half,
-                                  const double *present)
-{
-    double sum = 0, split, outside;
-    for (int i = 0; i < half->n_sets; i++) {
-        const mukca_labelled_set *s = &half->set[i];
-        double rival = 0;
-        if (square_of(&split, &outside, g, s, half) > half->least) continue;
-        for (int k = 0; k < s->n; k++) {
-            const mukca_label *l = &half->label[s->label[k]];
-            if (!mukca_finding_holds(g, l) && overlaps(g, l, half) &&
-                s->product[k * s->n + k] > half->least)
-                rival = fmax(rival, 1 - present[s->label[k]]);
-        }
-        sum += s->weight * rival;
-    }
-    return sum;
-}
-
 static void ask_halves(mukca_finding_group *g, const groups *all)
 {
     const int n = all->n_halves;
     g->halves = g->against = n ? 0 : NAN;
-    for (int h = 0; h < n; h++) {
-        g->halves += mukca_finding_probability(g, &all->half[h]) / n;
-        if (g->probability >= MUKCA_FINDING_SURE) /* else no matter */
-            g->against += probability_against(g, &all->half[h], all->present) / n;
-    }
+    for (int h = 0; h < n; h++) g->halves += weigh(&g->against, g, &all->half[h], all->present) / n;
+    g->against /= n;
 }
 
 /* Expected share of the halves in favour of a group, of those that decide: one that has too few
@@ -318,7 +317,7 @@ int mukca_findings_choose(mukca_finding_group out[2 * MUKCA_MOST_FINDINGS], int 
     unsigned char *taken = MUKCA_TAKE(pool, unsigned char, posterior->n_labels + 1);
     all.present = MUKCA_TAKE(pool, double, posterior->n_labels + 1);
     if (pool->failed) return -1;
-    find_present(all.present, posterior);
+    mukca_labels_weigh(all.present, posterior);
     list_groups(&all);
     for (int i = 0; i < all.n; i++) {
         ranked r = all.list[i];

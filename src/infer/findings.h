@@ -92,6 +92,9 @@ bool mukca_finding_holds(const mukca_finding_group *group, const mukca_label *la
 void mukca_finding_details(int range[2], const mukca_finding_group *group,
                            const mukca_labelled_sets *posterior, const double *probability);
 
+/* Add the weights of the sets with each label to probability[n_labels]. */
+void mukca_labels_weigh(double *probability, const mukca_labelled_sets *posterior);
+
 /* Probability that causes of the group are present and together explain at least `least`; of an
  * effect, that they are no part of a cause outside the catalogue. */
 double mukca_finding_probability(const mukca_finding_group *group,
