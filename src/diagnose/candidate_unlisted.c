@@ -145,20 +145,22 @@ static void append_at(const lister *l, mukca_candidate h)
     }
 }
 
-/* Are the functions of the first terms of two candidates the same, but for a constant? */
-static bool is_same(const mukca_candidate *a, const mukca_candidate *b, int rows)
+/* Are the functions of an effect and of another candidate the same, but for constants? */
+static bool is_same(const mukca_candidate *e, const mukca_candidate *h, int rows)
 {
-    const size_t width = (size_t)a->width_of_term;
-    const size_t step = (size_t)rows / COMPARED_ROWS + 1, la = (size_t)a->terms * width,
-                 lb = (size_t)b->terms * width;
-    double aa = 0, ab = 0, bb = 0;
-    for (size_t i = 0; i < width; i++)
-        for (size_t row = step; row < (size_t)rows; row += step) {
-            const double x = (double)(a->basis[row * la + i] - a->basis[i]),
-                         y = (double)(b->basis[row * lb + i] - b->basis[i]);
-            aa += x * x, ab += x * y, bb += y * y;
-        }
-    return ab * ab > (1 - SAME) * aa * bb && aa > 0;
+    const size_t step = (size_t)rows / COMPARED_ROWS + 1, width = (size_t)h->width_of_term,
+                 le = (size_t)e->terms * width, lh = (size_t)h->terms * width;
+    for (size_t term = 0; term < (size_t)h->terms; term++) {
+        double aa = 0, ab = 0, bb = 0;
+        for (size_t i = term * width; i < (term + 1) * width; i++)
+            for (size_t row = step; row < (size_t)rows; row += step) {
+                const double x = (double)(e->basis[row * le + i] - e->basis[i]),
+                             y = (double)(h->basis[row * lh + i] - h->basis[i]);
+                aa += x * x, ab += x * y, bb += y * y;
+            }
+        if (!(ab * ab > (1 - SAME) * aa * bb && aa > 0)) return false;
+    }
+    return true;
 }
 
 void mukca_candidates_drop_listed(mukca_candidates *all)
@@ -168,10 +170,10 @@ void mukca_candidates_drop_listed(mukca_candidates *all)
         const mukca_candidate *h = &all->list[i];
         bool listed = false;
         const mukca_candidate *e = all->list; /* the effects come first */
-        for (; h->kind == MUKCA_CANDIDATE_UNLISTED && h->terms == 1 && h->basis && !listed &&
+        for (; h->kind == MUKCA_CANDIDATE_UNLISTED && h->basis && !listed &&
                e->kind == MUKCA_CANDIDATE_EFFECT;
              e++)
-            listed = e->joint == h->joint && e->basis && mukca_candidate_own_terms(e) == 1 &&
+            listed = e->joint == h->joint && e->basis && mukca_candidate_own_terms(e) == h->terms &&
                      mukca_candidate_site(e) == mukca_candidate_site(h) &&
                      is_same(e, h, all->recording->data->n_rows);
         if (!listed) all->list[kept++] = *h;

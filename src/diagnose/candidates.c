@@ -37,12 +37,20 @@ typedef enum {
     PARTS = SIMPLE + MUKCA_SITE_SEAT + 1
 } part;
 
+/* Is it a smooth function of a joint's own angle, at that joint? */
+static bool is_of_own_angle(const mukca_candidate *h)
+{
+    const mukca_unlisted_function *f = &mukca_unlisted_functions[h->unlisted.function];
+    return f->argument == MUKCA_ARGUMENT_ANGLE && f->shape != MUKCA_SHAPE_SIDE &&
+           h->unlisted.place == MUKCA_PLACE_ANGLE && h->unlisted.argument == h->joint;
+}
+
 static part part_of(const mukca_candidate *h, const mukca_recording *r)
 {
     if (h->kind == MUKCA_CANDIDATE_EFFECT) return (part)h->effect.kind;
     if (h->kind == MUKCA_CANDIDATE_OUTLIER) return h->fault.last == h->fault.first ? SINGLE : BURST;
-    if (h->kind == MUKCA_CANDIDATE_UNLISTED && mukca_unlisted_is_normalised(h))
-        return h->unlisted.function ? OTHER : OWN_ANGLE;
+    if (h->kind == MUKCA_CANDIDATE_UNLISTED && is_of_own_angle(h)) return OWN_ANGLE;
+    if (h->kind == MUKCA_CANDIDATE_UNLISTED && mukca_unlisted_is_normalised(h)) return OTHER;
     if (h->kind == MUKCA_CANDIDATE_UNLISTED && h->unlisted.place == MUKCA_PLACE_ANGLES)
         return (part)(SIMPLE + MUKCA_SITE_ANGLE); /* one more joint: all of them */
     if (h->kind == MUKCA_CANDIDATE_UNLISTED) return (part)(SIMPLE + mukca_candidate_site(h));
