@@ -382,6 +382,38 @@ TEST(listed)
     assert_int_equal(springs_of_joints(excluded), f->s.chain.n_joints);
 }
 
+/* A function once per turn of a joint's own angle is outside the catalogue where eccentricity is
+ * not listed, with the odds of bumps over that angle. */
+TEST(own_angle)
+{
+    for (int without = 0; without < 2; without++) {
+        const unsigned char excluded[MUKCA_EFFECT_COUNT] = {[MUKCA_EFFECT_ENCODER_ECCENTRICITY] =
+                                                                (unsigned char)without};
+        double wave[MUKCA_MAX_JOINTS] = {0}, bump[MUKCA_MAX_JOINTS] = {0};
+        mukca_candidates all;
+        mukca_pool pool = {0};
+        int eccentricities = 0, waves = 0;
+        mukca_candidates_start(&all, &pool, &f->m.recording, excluded);
+        assert_ok(mukca_candidates_list(&all, &f->m.unknowns, &error));
+        for (int i = 0; i < all.count; i++) {
+            const mukca_candidate *h = &all.list[i];
+            eccentricities += mukca_candidate_class(h) == MUKCA_EFFECT_ENCODER_ECCENTRICITY;
+            if (h->kind != MUKCA_CANDIDATE_UNLISTED || h->unlisted.place != MUKCA_PLACE_ANGLE ||
+                h->unlisted.argument != h->joint)
+                continue;
+            const mukca_unlisted_function *g = &mukca_unlisted_functions[h->unlisted.function];
+            if (g->argument != MUKCA_ARGUMENT_ANGLE) continue;
+            if (g->shape == MUKCA_SHAPE_WAVE) wave[h->joint] = h->log_prior, waves++;
+            if (g->shape == MUKCA_SHAPE_BUMPS) bump[h->joint] = h->log_prior;
+        }
+        for (int j = 0; j < f->s.chain.n_joints; j++)
+            if (wave[j] < 0 && bump[j] < 0) assert_close(wave[j], bump[j], 1e-12);
+        assert_true(without ? !eccentricities && waves > 1 : eccentricities > 1);
+        assert_true(without || eccentricities + waves == f->s.chain.n_joints);
+        mukca_pool_free(&pool);
+    }
+}
+
 /* A row cut as an outlier comes back when it fits; that it repeats the one before is told still. */
 TEST(reinstated)
 {
