@@ -18,19 +18,19 @@ typedef double eight __attribute__((vector_size(64), aligned(8), may_alias));
         name##_any(__VA_ARGS__, width);               \
     }
 #define MUKCA_KERNEL_4(name, parameters, ...) \
-    __attribute__((target("avx2"))) MUKCA_KERNEL_OF(4, name, parameters, __VA_ARGS__)
+    __attribute__((target("arch=x86-64-v3"))) MUKCA_KERNEL_OF(4, name, parameters, __VA_ARGS__)
 #define MUKCA_KERNEL_8(name, parameters, ...) \
     __attribute__((target("arch=x86-64-v4"))) MUKCA_KERNEL_OF(8, name, parameters, __VA_ARGS__)
 #ifdef MUKCA_CLONES_V4
-#define MUKCA_KERNEL(linkage, name, parameters, ...)                \
-    MUKCA_KERNEL_8(name, parameters, __VA_ARGS__)                   \
-    MUKCA_KERNEL_4(name, parameters, __VA_ARGS__)                   \
-    MUKCA_KERNEL_OF(2, name, parameters, __VA_ARGS__)               \
-    linkage void name parameters                                    \
-    {                                                               \
-        (__builtin_cpu_supports("x86-64-v4") ? name##_8             \
-         : __builtin_cpu_supports("avx2")    ? name##_4             \
-                                             : name##_2)(__VA_ARGS__); \
+#define MUKCA_KERNEL(linkage, name, parameters, ...)                     \
+    MUKCA_KERNEL_8(name, parameters, __VA_ARGS__)                        \
+    MUKCA_KERNEL_4(name, parameters, __VA_ARGS__)                        \
+    MUKCA_KERNEL_OF(2, name, parameters, __VA_ARGS__)                    \
+    linkage void name parameters                                         \
+    {                                                                    \
+        (__builtin_cpu_supports("x86-64-v4")   ? name##_8                \
+         : __builtin_cpu_supports("x86-64-v3") ? name##_4                \
+                                               : name##_2)(__VA_ARGS__); \
     }
 #else
 #define MUKCA_KERNEL(linkage, name, parameters, ...) \

@@ -2,8 +2,13 @@
 #include "base/workers.h"
 
 #include <pthread.h>
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stdlib.h>
+
+/* Looks at a counter before a thread sleeps, some 10 us: the next loop begins, or the last block
+ * ends, mostly within that, and to wake a thread takes as long. */
+enum { LOOKS = 500 };
 
 struct mukca_workers {
     pthread_mutex_t lock; /* of all members below */
@@ -12,7 +17,8 @@ struct mukca_workers {
     void *context;
     int blocks, next, open; /* of the loop: all, the first that nobody has taken, unfinished */
     bool stop;
-    int n, working; /* threads, without the caller's; those that have begun */
+    atomic_int loops, left; /* begun; unfinished blocks: to look at without the lock */
+    int n, working;         /* threads, without the caller's; those that have begun */
     pthread_t thread[MUKCA_MOST_WORKERS];
 };
 
@@ -24,8 +30,22 @@ static void run_blocks(mukca_workers *w, int worker)
         pthread_mutex_unlock(&w->lock);
         w->run(w->context, block, worker);
         pthread_mutex_lock(&w->lock);
-        if (--w->open == 0) pthread_cond_signal(&w->done);
+        atomic_store(&w->left, --w->open);
+        if (w->open == 0) pthread_cond_signal(&w->done);
     }
+}
+
+/* Without the lock, look for a short time whether a counter changes; called and left with it. */
+static void look(mukca_workers *w, atomic_int *counter)
+{
+    const int value = atomic_load(counter);
+    pthread_mutex_unlock(&w->lock);
+    for (int k = 0; k < LOOKS && atomic_load(counter) == value; k++) {
+#if defined(__x86_64__) && defined(__GNUC__)
+        __builtin_ia32_pause();
+#endif
+    }
+    pthread_mutex_lock(&w->lock);
 }
 
 static void *work(void *pool)
@@ -35,7 +55,8 @@ static void *work(void *pool)
     const int worker = ++w->working;
     while (!w->stop) {
         run_blocks(w, worker);
-        if (!w->stop) pthread_cond_wait(&w->work, &w->lock);
+        look(w, &w->loops);
+        if (!w->stop && w->next >= w->blocks) pthread_cond_wait(&w->work, &w->lock);
     }
     pthread_mutex_unlock(&w->lock);
     return NULL;
@@ -80,9 +101,11 @@ void mukca_workers_run(mukca_workers *w, int blocks, mukca_block_fn *run, void *
     }
     pthread_mutex_lock(&w->lock);
     w->run = run, w->context = context;
-    w->next = 0, w->blocks = w->open = blocks;
+    w->next = 0, w->blocks = w->open = w->left = blocks;
+    w->loops++;
     pthread_cond_broadcast(&w->work);
     run_blocks(w, 0);
+    if (w->open) look(w, &w->left);
     while (w->open) pthread_cond_wait(&w->done, &w->lock);
     pthread_mutex_unlock(&w->lock);
 }

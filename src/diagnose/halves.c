@@ -86,14 +86,14 @@ static void gather(double *out, const splitter *s, int row)
     const mukca_question *q = &s->id->question;
     const mukca_linearisation *linear = &s->id->m->linear;
     const double *x = scan->white + (size_t)row * (size_t)linear->stride,
-                 *e = q->E + (size_t)row * (size_t)q->stride, root = sqrt(scan->precision);
+                 root = sqrt(scan->precision);
     const mukca_part_layout *l = &s->layout;
     for (int t = 0; t < l->n; t++) out[t] = root * scan->prior[t] * x[t];
     out[l->n] = root * x[linear->y];
     out += l->n + 1;
     for (int i = 0; i < l->n_items; i++)
-        memcpy(out + l->item[i].at, e + q->item[s->item_of[i]].at,
-               sizeof *out * (size_t)l->item[i].terms);
+        mukca_question_copy(out + l->item[i].at, 0, q, q->item[s->item_of[i]].at, l->item[i].terms,
+                            row, 1);
 }
 
 /* Add the rows of a sample to the sums of its group. */

@@ -203,7 +203,6 @@ typedef struct {
     mukca_scan *scan;
     const int *index;
     const mukca_item *item;
-    int stride;
     double *E, *g;
 } filling;
 
@@ -219,11 +218,14 @@ static void fill_batch(void *context, int block, int worker)
     for (int i = first; i < s->start[block + 1]; i++) put(b, s, &s->all->list[f->index[i]]);
     project(s, b);
     memcpy(f->g + at, b->g, sizeof *b->g * (size_t)b->width);
-    for (int row = 0; row < s->n_rows + s->n; row++) {
-        double *out = f->E + (size_t)row * (size_t)f->stride + at;
-        const bool sample = row < s->n_rows;
-        const double *in = sample ? b->W + row * LD : b->T + (row - s->n_rows) * LD;
-        for (int k = 0; k < b->width; k++) out[k] = sample ? root * b->by[k] * in[k] : in[k];
+    for (int k = 0, count; k < b->width; k += count) {
+        const int all = s->n_rows + s->n, from = (at + k) % MUKCA_PANEL, left = b->width - k;
+        double *out = f->E + (size_t)(at + k - from) * (size_t)all + from;
+        count = left < MUKCA_PANEL - from ? left : MUKCA_PANEL - from;
+        for (int row = 0; row < all; row++, out += MUKCA_PANEL)
+            for (int c = 0; c < count; c++)
+                out[c] = row < s->n_rows ? root * b->by[k + c] * b->W[row * LD + k + c]
+                                         : b->T[(row - s->n_rows) * LD + k + c];
     }
 }
 
@@ -237,7 +239,6 @@ bool mukca_scan_question(mukca_question *question, mukca_scan *s, mukca_pool *po
     filling f = {.scan = s,
                  .index = index,
                  .item = item,
-                 .stride = stride,
                  .E = MUKCA_TAKE(pool, double, (size_t)all *(size_t)stride + 1),
                  .g = MUKCA_TAKE(pool, double, stride + 1)};
     if (pool->failed) return false;
@@ -277,13 +278,17 @@ bool mukca_scan_leave(mukca_question *q, const mukca_scan *s, mukca_pool *pool)
     double *u = MUKCA_TAKE(pool, double, s->n *stride + 1), *E;
     E = MUKCA_TAKE(pool, double, (size_t)rows *(size_t)stride + 1);
     if (pool->failed) return false;
-    memcpy(u, q->E + (long)s->n_rows * stride, sizeof *u * (size_t)(s->n * stride));
+    mukca_question_copy(u, stride, q, 0, stride, s->n_rows, s->n);
     mukca_dense_backward(u, stride, s->m->evidence.posterior.factor, s->n);
-    memcpy(E, q->E, sizeof *E * (size_t)rows * (size_t)stride);
-    for (long i = 0; i < rows; i++)
-        for (int t = 0; t < s->n; t++) {
-            const double x = root * s->white[i * s->m->linear.stride + t] * s->prior[t];
-            for (int k = 0; k < stride; k++) E[i * stride + k] -= x * u[t * stride + k];
+    for (int t = 0; t < s->n; t++)
+        for (int k = 0; k < stride; k++) u[t * stride + k] *= root * s->prior[t];
+    for (int at = 0; at < stride; at += MUKCA_PANEL)
+        for (long i = 0; i < rows; i++) {
+            const double *x = s->white + i * s->m->linear.stride;
+            double *e = E + (long)at * rows + i * MUKCA_PANEL;
+            memcpy(e, q->E + (long)at * q->n_rows + i * MUKCA_PANEL, sizeof *e * MUKCA_PANEL);
+            for (int t = 0; t < s->n; t++)
+                for (int k = 0; k < MUKCA_PANEL; k++) e[k] -= x[t] * u[t * stride + at + k];
         }
     q->E = E;
     q->n_rows = rows;

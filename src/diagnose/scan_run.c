@@ -178,19 +178,39 @@ static int project_levers(double K[AXES * AXES], waves *wave, const mukca_scan *
     return axes;
 }
 
-/* Log odds of the orders of a periodic candidate that are not yet listed.  The geometry absorbs
- * little of a short wave: all have nearly the same information, and the gradient is exact.  u:
- * residual.  False: too little travel. */
-static bool guess(double *odds, waves *wave, mukca_scan *s, const mukca_candidate *h,
-                  const double *u)
+/* Log odds of the orders of a periodic candidate that are not yet listed. */
+typedef struct {
+    mukca_candidate h;
+    double *odds; /* [MUKCA_LAST_ORDER + 1] from 2 on */
+} guess;
+
+typedef struct {
+    mukca_scan *scan;
+    const double *u; /* residual */
+    waves *wave;     /* of each worker */
+    guess *list;
+    int n;
+} guesses;
+
+/* Can the joint's travel show a wave? */
+static bool shows_waves(const mukca_scan *s, int joint)
 {
-    const mukca_candidates *all = s->all;
+    double travel[2];
+    mukca_recording_travel(travel, &s->m->recording, joint);
+    return s->all->survey.joint[joint].turns && travel[1] - travel[0] >= MUKCA_WAVE_TRAVEL;
+}
+
+/* The geometry absorbs little of a short wave: all have nearly the same information, and the
+ * gradient is exact. */
+static void weigh_orders(void *context, int index, int worker)
+{
+    const guesses *all = context;
+    const mukca_scan *s = all->scan;
+    const mukca_candidate *h = &all->list[index].h;
     const mukca_mixture prior = mukca_candidate_mixture(h);
-    double travel[2], K[AXES * AXES], G[4 * AXES * AXES] = {0}, g[2 * AXES];
-    mukca_recording_travel(travel, &s->m->recording, h->joint);
-    if (!all->survey.joint[h->joint].turns || travel[1] - travel[0] < MUKCA_WAVE_TRAVEL)
-        return false;
-    const int axes = project_levers(K, wave, s, h, u), terms = 2 * axes;
+    waves *wave = &all->wave[worker];
+    double K[AXES * AXES], G[4 * AXES * AXES] = {0}, g[2 * AXES], *odds = all->list[index].odds;
+    const int axes = project_levers(K, wave, s, h, all->u), terms = 2 * axes;
     for (int a = 0; a < axes; a++) /* a wave has half, its unit is as small: twice */
         for (int b = 0; b < axes; b++)
             G[a * terms + b] = G[(axes + a) * terms + axes + b] =
@@ -203,14 +223,13 @@ static bool guess(double *odds, waves *wave, mukca_scan *s, const mukca_candidat
             g[a] = dot4(wave->along[a], wave->sine, wave->n) / MUKCA_WAVE_UNIT;
             g[axes + a] = dot4(wave->along[a], wave->cosine, wave->n) / MUKCA_WAVE_UNIT;
         }
-        odds[o] = mukca_candidates_order_prior(all, h, o) +
-                  mukca_mixture_evidence(NULL, &columns, &prior, s->scratch);
+        odds[o] = mukca_candidates_order_prior(s->all, h, o) +
+                  mukca_mixture_evidence(NULL, &columns, &prior, s->batch[worker].scratch);
     }
-    for (int i = 0; i < all->count; i++) {
-        const int order = order_of(&all->list[i], h);
+    for (int i = 0; i < s->all->count; i++) {
+        const int order = order_of(&s->all->list[i], h);
         if (order > 1) odds[order] = -HUGE_VAL;
     }
-    return true;
 }
 
 /* The most promising order by the odds. */
@@ -222,79 +241,96 @@ static int best_order(const double *odds)
     return order;
 }
 
-/* Add the promising orders of the effects of the catalogue. */
-static mukca_status add_effects(mukca_scan *s, waves *wave, const double *u, mukca_error *error)
+/* Add the promising orders of an effect of the catalogue. */
+static mukca_status add_effect(mukca_scan *s, const guess *of, mukca_error *error)
 {
-    double unit[] = {MUKCA_WAVE_UNIT, MUKCA_WAVE_UNIT};
-    const mukca_candidates *all = s->all;
     mukca_status status = MUKCA_OK;
-    double odds[MUKCA_LAST_ORDER + 1];
-    for (int kind = 0; kind < MUKCA_EFFECT_COUNT; kind++) {
-        if (!mukca_effect_has(kind, MUKCA_TRAIT_ORDERS) || !all->enabled[kind]) continue;
-        for (int j = 0; j < all->survey.n_joints && status == MUKCA_OK; j++) {
-            mukca_candidate h = mukca_candidate_of(
-                &(mukca_effect){.kind = (mukca_effect_kind)kind, .joint = j, .placement = -1});
-            h.unit = unit;
-            h.terms = 2;
-            if (!guess(odds, wave, s, &h, u)) continue;
-            for (int k = 0; k < ADDED && status == MUKCA_OK; k++) {
-                const int order = best_order(odds);
-                if (!(odds[order] > LEAST_ODDS)) break;
-                odds[order] = -HUGE_VAL;
-                status = mukca_candidates_add_order(s->all, h, order, error);
-            }
-        }
+    for (int k = 0; k < ADDED && status == MUKCA_OK; k++) {
+        const int order = best_order(of->odds);
+        if (!(of->odds[order] > LEAST_ODDS)) break;
+        of->odds[order] = -HUGE_VAL;
+        status = mukca_candidates_add_order(s->all, of->h, order, error);
     }
     return status;
 }
 
 /* Add the most promising waves of the frames of the geometry, which are outside the catalogue. */
-static mukca_status add_frames(mukca_scan *s, waves *wave, const double *u, mukca_error *error)
+static mukca_status add_frames(mukca_scan *s, const guess *list, int n, mukca_error *error)
 {
-    const mukca_candidates *all = s->all;
     struct {
         double odds;
-        int order, index;
+        int order;
+        const guess *of;
     } best[ADDED_FRAMES];
     mukca_status status = MUKCA_OK;
-    double odds[MUKCA_LAST_ORDER + 1];
     for (int k = 0; k < ADDED_FRAMES; k++) best[k].odds = LEAST_ODDS;
-    for (int i = 0; i < all->count; i++) {
-        const mukca_candidate *h = &all->list[i];
-        if (h->kind != MUKCA_CANDIDATE_UNLISTED || mukca_unlisted_site(h) != MUKCA_SITE_FRAME ||
-            mukca_unlisted_functions[h->unlisted.function].shape != MUKCA_SHAPE_WAVE ||
-            h->unlisted.measure != 1 || !guess(odds, wave, s, h, u))
-            continue;
+    for (int i = 0; i < n; i++)
         for (;;) {
-            const int order = best_order(odds);
+            const int order = best_order(list[i].odds);
             int least = 0;
             for (int k = 1; k < ADDED_FRAMES; k++)
                 if (best[k].odds < best[least].odds) least = k;
-            if (!(odds[order] > best[least].odds)) break;
-            best[least].odds = odds[order], best[least].order = order, best[least].index = i;
-            odds[order] = -HUGE_VAL;
+            if (!(list[i].odds[order] > best[least].odds)) break;
+            best[least].odds = list[i].odds[order], best[least].order = order;
+            best[least].of = &list[i];
+            list[i].odds[order] = -HUGE_VAL;
         }
-    }
     for (int k = 0; k < ADDED_FRAMES && status == MUKCA_OK; k++)
         if (best[k].odds > LEAST_ODDS)
-            status =
-                mukca_candidates_add_order(s->all, all->list[best[k].index], best[k].order, error);
+            status = mukca_candidates_add_order(s->all, best[k].of->h, best[k].order, error);
     return status;
+}
+
+/* Append a candidate whose orders are to be weighed. */
+static void append(guesses *to, mukca_pool *pool, mukca_candidate h)
+{
+    if (!shows_waves(to->scan, h.joint)) return;
+    to->list[to->n] = (guess){h, MUKCA_TAKE(pool, double, MUKCA_LAST_ORDER + 1)};
+    to->n++;
 }
 
 /* Add the promising orders of periodic candidates. */
 static mukca_status add_orders(mukca_scan *s, mukca_pool *pool, const double *u, mukca_error *error)
 {
+    static double unit[] = {MUKCA_WAVE_UNIT, MUKCA_WAVE_UNIT};
     const mukca_candidates *all = s->all;
-    const int first = all->count, N = s->m->recording.n_samples;
-    waves wave = {.n = N,
-                  .sine = MUKCA_TAKE(pool, double, N),
-                  .cosine = MUKCA_TAKE(pool, double, N),
-                  .first = MUKCA_TAKE(pool, double, 2 * N)};
-    for (int a = 0; a < AXES; a++) wave.along[a] = MUKCA_TAKE(pool, double, N);
+    mukca_workers *workers = s->m->recording.workers;
+    const int first = all->count, N = s->m->recording.n_samples, n_joints = all->survey.n_joints,
+              n_workers = mukca_workers_count(workers);
+    guesses to = {.scan = s,
+                  .u = u,
+                  .wave = MUKCA_TAKE(pool, waves, n_workers),
+                  .list = MUKCA_TAKE(pool, guess, all->count + MUKCA_EFFECT_COUNT * n_joints)};
+    for (int w = 0; to.wave && w < n_workers; w++) {
+        to.wave[w] = (waves){.n = N,
+                             .sine = MUKCA_TAKE(pool, double, N),
+                             .cosine = MUKCA_TAKE(pool, double, N),
+                             .first = MUKCA_TAKE(pool, double, 2 * N)};
+        for (int a = 0; a < AXES; a++) to.wave[w].along[a] = MUKCA_TAKE(pool, double, N);
+    }
+    for (int kind = 0; to.list && kind < MUKCA_EFFECT_COUNT; kind++)
+        for (int j = 0; j < n_joints; j++) {
+            mukca_candidate h = mukca_candidate_of(
+                &(mukca_effect){.kind = (mukca_effect_kind)kind, .joint = j, .placement = -1});
+            h.unit = unit;
+            h.terms = 2;
+            if (mukca_effect_has(kind, MUKCA_TRAIT_ORDERS) && all->enabled[kind])
+                append(&to, pool, h);
+        }
+    const int effects = to.n;
+    for (int i = 0; to.list && i < all->count; i++) {
+        const mukca_candidate *h = &all->list[i];
+        if (h->kind == MUKCA_CANDIDATE_UNLISTED && mukca_unlisted_site(h) == MUKCA_SITE_FRAME &&
+            mukca_unlisted_functions[h->unlisted.function].shape == MUKCA_SHAPE_WAVE &&
+            h->unlisted.measure == 1)
+            append(&to, pool, *h);
+    }
     if (pool->failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d samples", N);
-    mukca_status status = add_effects(s, &wave, u, error);
-    if (status == MUKCA_OK) status = add_frames(s, &wave, u, error);
+    mukca_workers_run(workers, to.n, weigh_orders, &to);
+    mukca_status status = MUKCA_OK;
+    for (int i = 0; i < effects && status == MUKCA_OK; i++)
+        status = add_effect(s, &to.list[i], error);
+    if (status == MUKCA_OK) status = add_frames(s, to.list + effects, to.n - effects, error);
     if (status == MUKCA_OK)
         mukca_scan_score(s->value + first, s->information + first, s, all->list + first, NULL,
                          all->count - first);

@@ -29,14 +29,18 @@ static void fill_rows(void *context, int stripe, int worker)
     const gram_rows *f = context;
     const mukca_question *q = f->sets->question;
     const int rows = q->n_rows - q->n_projected, from = stripe * STRIPE, n = width_of(q, stripe);
-    const mukca_columns left = {f->sets->left, f->width, MUKCA_GIVEN_TOGETHER},
-                        E = {q->E + from, n, q->stride};
+    const mukca_columns left = {f->sets->left, f->width, f->width},
+                        T = {left.x + (size_t)rows * (size_t)f->width, f->width, f->width};
     double *G = f->G + from, *less = f->sets->worker[worker].row;
-    mukca_dense_xty_part(G, q->stride, left, E, rows);
     memset(less, 0, sizeof *less * (size_t)(f->width * n));
-    mukca_dense_xty(
-        less, (mukca_columns){left.x + rows * MUKCA_GIVEN_TOGETHER, f->width, MUKCA_GIVEN_TOGETHER},
-        (mukca_columns){E.x + (size_t)rows * (size_t)q->stride, n, q->stride}, q->n_projected);
+    for (int k = 0; k < n; k += MUKCA_PANEL) {
+        const double *E = q->E + (size_t)(from + k) * (size_t)q->n_rows;
+        mukca_dense_xty_part(G + k, q->stride, left, (mukca_columns){E, MUKCA_PANEL, MUKCA_PANEL},
+                             rows);
+        mukca_dense_xty_part(less + k, n, T,
+                             (mukca_columns){E + rows * MUKCA_PANEL, MUKCA_PANEL, MUKCA_PANEL},
+                             q->n_projected);
+    }
     for (int i = 0; i < f->width; i++)
         for (int k = 0; k < n; k++) G[(size_t)i * (size_t)q->stride + (size_t)k] -= less[i * n + k];
 }
@@ -48,24 +52,21 @@ bool mukca_given_rows(mukca_sets *s, const unsigned short *item, int n)
     for (int i = 0; i < n && q->gram; i++)
         s->gram[item[i]] = q->gram + (size_t)q->item[item[i]].at * stride;
     for (int i = 0; i < n && !q->gram;) {
-        int width = 0, first = i;
-        for (; i < n && width + q->item[item[i]].terms <= MUKCA_GIVEN_TOGETHER; i++) {
-            const mukca_item *h = &q->item[item[i]];
-            if (s->gram[item[i]]) continue;
-            for (int r = 0; r < q->n_rows; r++)
-                memcpy(s->left + r * MUKCA_GIVEN_TOGETHER + width,
-                       q->E + (size_t)r * stride + h->at, sizeof *s->left * (size_t)h->terms);
-            width += h->terms;
-        }
+        const int first = i;
+        int width = 0;
+        for (; i < n && width + q->item[item[i]].terms <= MUKCA_GIVEN_TOGETHER; i++)
+            width += s->gram[item[i]] ? 0 : q->item[item[i]].terms;
+        double *G = width ? MUKCA_TAKE(s->pool, double, (size_t)width *stride) : NULL;
         if (!width) continue;
-        double *G = MUKCA_TAKE(s->pool, double, (size_t)width *stride);
         if (!G) return false;
+        for (int k = first, to = 0; k < i; k++) {
+            const mukca_item *h = &q->item[item[k]];
+            if (s->gram[item[k]]) continue;
+            mukca_question_copy(s->left + to, width, q, h->at, h->terms, 0, q->n_rows);
+            s->gram[item[k]] = G + (size_t)to * stride;
+            to += h->terms;
+        }
         mukca_workers_run(q->workers, stripes(q), fill_rows, &(gram_rows){s, width, G});
-        for (; first < i; first++)
-            if (!s->gram[item[first]]) {
-                s->gram[item[first]] = G;
-                G += (size_t)q->item[item[first]].terms * stride;
-            }
     }
     return true;
 }
@@ -78,18 +79,21 @@ static void subtract_products(double *G, double *explained, mukca_columns X, int
     for (int i = 0; i < X.n * X.n; i++) G[i] -= explained[i];
 }
 
-void mukca_given_blocks(const mukca_sets *s, int item, int end, mukca_mixture_scratch *f)
+void mukca_given_blocks(const mukca_sets *s, int item, int end, int worker)
 {
     const mukca_question *q = s->question;
-    const long rows = q->n_rows - q->n_projected;
+    const int rows = q->n_rows - q->n_projected;
+    mukca_mixture_scratch *f = s->worker[worker].mixture;
+    double *x = s->worker[worker].row;
     while (item < end) {
         const int first = item, at = q->item[first].at;
         int n = 0;
         do n += q->item[item++].terms;
         while (item < end && n + q->item[item].terms <= MUKCA_NEIGHBOURS);
-        const mukca_columns E = {q->E + at, n, q->stride}, T = {E.x + rows * q->stride, n, E.ld};
+        const mukca_columns E = {x, n, n}, T = {x + (size_t)rows * (size_t)n, n, n};
         if (!q->gram) {
-            mukca_dense_symmetric(memset(f->C, 0, sizeof *f->C * (size_t)(n * n)), E, E, (int)rows);
+            mukca_question_copy(x, n, q, at, n, 0, q->n_rows);
+            mukca_dense_symmetric(memset(f->C, 0, sizeof *f->C * (size_t)(n * n)), E, E, rows);
             subtract_products(f->C, f->D, T, q->n_projected);
         }
         for (int i = first; i < item; i++) {

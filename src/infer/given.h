@@ -13,7 +13,7 @@ enum { MUKCA_GIVEN_TOGETHER = 72 };
 bool mukca_given_rows(mukca_sets *s, const unsigned short *item, int n);
 
 /* Fill s->block[] of the items from `item` to end - 1. */
-void mukca_given_blocks(const mukca_sets *s, int item, int end, mukca_mixture_scratch *scratch);
+void mukca_given_blocks(const mukca_sets *s, int item, int end, int worker);
 
 /* Gram block G[a.terms][b.terms] of two items; without memory 0. */
 void mukca_given_cross(double *G, mukca_sets *s, int a, int b);

@@ -20,7 +20,20 @@ static void fill_blocks(void *context, int block, int worker)
 {
     mukca_sets *s = context;
     const int n = s->question->n_items, end = (block + 1) * TOGETHER;
-    mukca_given_blocks(s, block * TOGETHER, end < n ? end : n, s->worker[worker].mixture);
+    mukca_given_blocks(s, block * TOGETHER, end < n ? end : n, worker);
+}
+
+void mukca_question_copy(double *out, int ld, const mukca_question *q, int at, int n, int row,
+                         int rows)
+{
+    for (int k = 0, count; k < n; k += count) {
+        const int from = (at + k) % MUKCA_PANEL, left = MUKCA_PANEL - from;
+        const double *e = q->E + (size_t)(at + k - from) * (size_t)q->n_rows + row * MUKCA_PANEL;
+        count = left < n - k ? left : n - k;
+        for (int r = 0; r < rows; r++)
+            memcpy(out + (size_t)r * (size_t)ld + k, e + r * MUKCA_PANEL + from,
+                   sizeof *out * (size_t)count);
+    }
 }
 
 bool mukca_sets_create(mukca_sets *s, mukca_pool *pool, const mukca_question *q)
@@ -44,7 +57,8 @@ bool mukca_sets_create(mukca_sets *s, mukca_pool *pool, const mukca_question *q)
         s->scores[m] = (mukca_scores){MUKCA_TAKE(pool, double, q->n_items + 1),
                                       MUKCA_TAKE(pool, unsigned char, q->n_items + 1)};
     for (int k = 0; k < mukca_workers_count(q->workers); k++) {
-        s->worker[k].row = MUKCA_TAKE(pool, double, MUKCA_GIVEN_TOGETHER *(q->stride + 1));
+        s->worker[k].row =
+            MUKCA_TAKE(pool, double, MUKCA_GIVEN_TOGETHER *(q->stride + q->n_rows + 1));
         s->worker[k].mixture = MUKCA_TAKE(pool, mukca_mixture_scratch, 1);
     }
     s->scratch = s->worker[0].mixture;

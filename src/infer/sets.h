@@ -25,11 +25,13 @@ typedef struct {
     double kinship; /* in addition to its log prior */
 } mukca_item;
 
-/* Columns E[n_rows][stride], whitened, in units of the noise; the products of the last n_projected
- * rows are subtracted, as these rows are components along a model that was integrated out.  g[]:
- * products with the residual, which has the squared length `residual` and `dof` degrees of freedom.
- * The stride is a multiple of 8; unused columns are 0.  Instead of E, gram[n_columns][stride] may
- * be given: all products. */
+enum { MUKCA_PANEL = 8 }; /* columns that are stored together: a cache line */
+
+/* Columns E[stride / 8][n_rows][8], whitened, in units of the noise; the products of the last
+ * n_projected rows are subtracted, as these rows are components along a model that was integrated
+ * out.  g[]: products with the residual, which has the squared length `residual` and `dof` degrees
+ * of freedom.  The stride is a multiple of 8; unused columns are 0.  Instead of E,
+ * gram[n_columns][stride] may be given: all products. */
 typedef struct {
     int n_items, n_columns, stride, n_rows, n_projected, dof;
     const mukca_item *item;
@@ -37,6 +39,10 @@ typedef struct {
     double residual;
     mukca_workers *workers; /* of the search; NULL: the caller's thread alone */
 } mukca_question;
+
+/* Copy columns at[n] in some rows: out[rows][ld]. */
+void mukca_question_copy(double *out, int ld, const mukca_question *question, int at, int n,
+                         int row, int rows);
 
 typedef struct {
     int n;
@@ -69,9 +75,9 @@ typedef struct {
         double *inverse;           /* L^-1 */
         double *x;                 /* (1 + D G D)^-1 D g */
     } integrated;                  /* the set integrated out last */
-    double *left;                  /* scratch: columns of some items */
+    double *left;                  /* scratch: columns of some items, close together */
     struct {
-        double *row; /* rows of some items */
+        double *row; /* rows of some items, or columns of neighbouring ones */
         mukca_mixture_scratch *mixture;
     } worker[MUKCA_MOST_WORKERS];         /* scratch */
     mukca_mixture_scratch *scratch;       /* of the caller's thread */

@@ -350,7 +350,7 @@ enum { ROWS = 40, MODEL = 3, WIDTH = 24, ITEMS = 9, PROJECTED = ROWS + MODEL };
 typedef struct {
     double X[MODEL][ROWS], E[WIDTH][ROWS], y[ROWS];
     mukca_item item[ITEMS];
-    double columns[PROJECTED][WIDTH], g[WIDTH];
+    double columns[WIDTH / 8][PROJECTED][8], g[WIDTH];
     mukca_question question;
 } problem;
 
@@ -440,14 +440,14 @@ static void project(problem *p)
             for (int r = 0; r < ROWS; r++) T[t] += (real)p->X[t][r] * x[r];
             for (int k = 0; k < t; k++) T[t] -= A[t * MODEL + k] * T[k];
             T[t] /= A[t * MODEL + t];
-            if (c < WIDTH) p->columns[ROWS + t][c] = (double)T[t];
+            if (c < WIDTH) p->columns[c / 8][ROWS + t][c % 8] = (double)T[t];
         }
-        for (int r = 0; r < ROWS && c < WIDTH; r++) p->columns[r][c] = x[r];
+        for (int r = 0; r < ROWS && c < WIDTH; r++) p->columns[c / 8][r][c % 8] = x[r];
         memcpy(z, T, sizeof z);
         for (int k = 0; k < WIDTH && c == WIDTH; k++) {
             real sum = 0;
             for (int r = 0; r < ROWS; r++) sum += (real)p->E[k][r] * p->y[r];
-            for (int t = 0; t < MODEL; t++) sum -= z[t] * p->columns[ROWS + t][k];
+            for (int t = 0; t < MODEL; t++) sum -= z[t] * p->columns[k / 8][ROWS + t][k % 8];
             p->g[k] = (double)sum;
         }
     }
@@ -460,7 +460,7 @@ static void project(problem *p)
                                    .n_projected = MODEL,
                                    .dof = ROWS,
                                    .item = p->item,
-                                   .E = p->columns[0],
+                                   .E = p->columns[0][0],
                                    .g = p->g,
                                    .residual = (double)squares};
 }
@@ -507,7 +507,8 @@ TEST(mixtures)
                     const int b = h->at + a / k, c = h->at + a % k;
                     G[a] = 0;
                     for (int r = 0; r < PROJECTED; r++)
-                        G[a] += (r < ROWS ? 1 : -1) * p.columns[r][b] * p.columns[r][c];
+                        G[a] += (r < ROWS ? 1 : -1) * p.columns[b / 8][r][b % 8] *
+                                p.columns[c / 8][r][c % 8];
                 }
                 h->prior.nonnegative = positive;
                 const double value = mukca_mixture_evidence(
