@@ -136,6 +136,12 @@ static double rival_of(const mukca_finding_group *g, const mukca_labelled_set *s
     return rival;
 }
 
+/* Does the group name an effect?  A fine function is no part of a cause outside the catalogue. */
+static bool is_name(const mukca_finding_group *g)
+{
+    return g->kind <= MUKCA_GROUP_EFFECT && !(g->kind == MUKCA_GROUP_DETAIL && g->fine);
+}
+
 /* Probability of a group; *against: of a rival in the sets without it (present NULL: not asked).
  * A name beside a cause outside the catalogue may be what the function in its place does not
  * follow. That is a fraction of it: if every fraction is equally probable, it is smaller than the
@@ -143,7 +149,7 @@ static double rival_of(const mukca_finding_group *g, const mukca_labelled_set *s
 static double weigh(double *against, const mukca_finding_group *g, const mukca_labelled_sets *p,
                     const double *present)
 {
-    const bool name = g->kind <= MUKCA_GROUP_EFFECT && !(g->kind == MUKCA_GROUP_DETAIL && g->fine);
+    const bool name = is_name(g);
     double sum = 0, split, outside;
     for (int i = 0; i < p->n_sets; i++) {
         const double square = square_of(&split, &outside, g, &p->set[i], p);
@@ -277,17 +283,17 @@ static double support(const mukca_finding_group *g, int n_halves)
     return (0.5 + n_halves * g->halves) / (1 + n_halves * (g->halves + g->against));
 }
 
-/* Append the finest groups with this probability and support in halves whose causes are not taken.
- */
+/* Append the finest groups with this probability (names: `named`) and support in halves whose
+ * causes are not taken. */
 static int take(mukca_finding_group *out, unsigned char *taken, const groups *all, double least,
-                double stable)
+                double named, double stable)
 {
     const mukca_labelled_sets *p = all->posterior;
     int n = 0;
     for (int i = 0; i < all->n && n < MUKCA_MOST_FINDINGS; i++) {
         const mukca_finding_group *g = &all->list[i].group;
-        bool is_free =
-            g->probability >= least && (stable <= 0 || support(g, all->n_halves) > stable);
+        bool is_free = g->probability >= (is_name(g) ? named : least) &&
+                       (stable <= 0 || support(g, all->n_halves) > stable);
         for (int l = 0; l < p->n_labels && is_free; l++)
             is_free = !taken[l] || !mukca_finding_holds(g, &p->label[l]);
         if (!is_free) continue;
@@ -329,7 +335,9 @@ int mukca_findings_choose(mukca_finding_group out[2 * MUKCA_MOST_FINDINGS], int 
     }
     all.n = kept;
     qsort(all.list, (size_t)all.n, sizeof *all.list, by_coarseness);
-    *n_findings = take(out, taken, &all, MUKCA_FINDING_SURE, MUKCA_FINDING_STABLE);
+    *n_findings =
+        take(out, taken, &all, MUKCA_FINDING_SURE, MUKCA_FINDING_NAMED, MUKCA_FINDING_STABLE);
     discount(&all);
-    return *n_findings + take(out + *n_findings, taken, &all, MUKCA_FINDING_MAYBE, 0);
+    return *n_findings +
+           take(out + *n_findings, taken, &all, MUKCA_FINDING_MAYBE, MUKCA_FINDING_MAYBE, 0);
 }

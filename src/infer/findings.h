@@ -17,8 +17,11 @@
 
 /* ---- all constants of the decision ---- */
 
-/* Least posterior probability of a finding, and of a group that may be one. */
+/* Least posterior probability of a finding, of one that names an effect, and of a group that may be
+ * one.  A wrong name is worse than none, and what the error varies with remains to be said: one in
+ * a hundred.  No posterior knows the effects that nobody has thought of. */
 #define MUKCA_FINDING_SURE 0.95
+#define MUKCA_FINDING_NAMED 0.99
 #define MUKCA_FINDING_MAYBE 0.5
 /* Share of the halves in its favour, of those that decide, that must be exceeded: in stability
  * selection 0.6 to 0.9 (N. Meinshausen, P. Bühlmann, Journal of the Royal Statistical Society B 72,

@@ -134,6 +134,7 @@ TEST(exact)
     const int low = label(ANGLE, RIPPLE, 3, 100), high = label(ANGLE, RIPPLE, 3, 101),
               other = label(LOAD, COMPLIANCE, 1, 0);
     labels[low].blur = labels[high].blur = 1;
+    labels[low].fine = labels[high].fine = true;
     add(&p, 0.6, low, other, 50);
     add(&p, 0.38, high, other, 50);
     add(&p, 0.02, other, -1, 50);
@@ -201,17 +202,21 @@ TEST(thresholds)
 {
     static const struct {
         double whole, half;
-        int findings, others;
-    } cases[] = {{0.951, 0.751, 1, 0}, {0.949, 0.751, 0, 1}, {0.951, 0.749, 0, 1},
-                 {0.501, 0.501, 0, 1}, {0.501, 0.301, 0, 0}, {0.499, 0.999, 0, 0}};
+        int findings, others, kind;
+    } cases[] = {
+        {0.991, 0.751, 1, 0, MUKCA_GROUP_EFFECT}, {0.989, 0.751, 1, 0, MUKCA_GROUP_FAMILY},
+        {0.951, 0.751, 1, 0, MUKCA_GROUP_FAMILY}, {0.949, 0.751, 0, 1, MUKCA_GROUP_EFFECT},
+        {0.951, 0.749, 0, 1, MUKCA_GROUP_EFFECT}, {0.501, 0.501, 0, 1, MUKCA_GROUP_EFFECT},
+        {0.501, 0.301, 0, 0, MUKCA_GROUP_EFFECT}, {0.499, 0.999, 0, 0, MUKCA_GROUP_EFFECT}};
     const int cause = label(LOAD, COMPLIANCE, 2, 0);
-    for (int i = 0; i < 6; i++) {
+    for (int i = 0; i < 8; i++) {
         p.n = half[0].n = 0;
         add(&p, cases[i].whole, cause, -1, 50);
         add(&half[0], cases[i].half, cause, -1, 50);
         half[1] = half[0];
         assert_int_equal(choose(2), cases[i].findings);
         assert_int_equal(all, cases[i].findings + cases[i].others);
+        if (all) assert_int_equal(out[0].kind, cases[i].kind);
     }
 }
 
