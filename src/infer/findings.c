@@ -283,16 +283,16 @@ static double support(const mukca_finding_group *g, int n_halves)
     return (0.5 + n_halves * g->halves) / (1 + n_halves * (g->halves + g->against));
 }
 
-/* Append the finest groups with this probability (names: `named`) and support in halves whose
- * causes are not taken. */
+/* Append the finest groups with this probability and support in halves whose causes are not taken.
+ * Names need the probability `named`, unless no other group says anything of their causes. */
 static int take(mukca_finding_group *out, unsigned char *taken, const groups *all, double least,
                 double named, double stable)
 {
     const mukca_labelled_sets *p = all->posterior;
     int n = 0;
-    for (int i = 0; i < all->n && n < MUKCA_MOST_FINDINGS; i++) {
-        const mukca_finding_group *g = &all->list[i].group;
-        bool is_free = g->probability >= (is_name(g) ? named : least) &&
+    for (int k = 0; k < 2 * all->n && n < MUKCA_MOST_FINDINGS; k++) {
+        const mukca_finding_group *g = &all->list[k % all->n].group;
+        bool is_free = g->probability >= (is_name(g) && k < all->n ? named : least) &&
                        (stable <= 0 || support(g, all->n_halves) > stable);
         for (int l = 0; l < p->n_labels && is_free; l++)
             is_free = !taken[l] || !mukca_finding_holds(g, &p->label[l]);

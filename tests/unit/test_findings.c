@@ -149,6 +149,18 @@ TEST(exact)
     assert_close(shares, 1, 1e-12); /* they add up */
 }
 
+/* A name of 0.97 where another finding has causes of all coarser groups: the name remains. */
+TEST(second_name)
+{
+    const int sure = label(ANGLE, RIPPLE, 2, 0), second = label(ANGLE, BASE, 2, 0);
+    add(&p, 0.97, sure, second, 50);
+    add(&p, 0.03, sure, -1, 50);
+    assert_int_equal(choose_alike(), 2);
+    assert_int_equal(out[0].effect, RIPPLE);
+    assert_int_equal(out[1].effect, BASE);
+    assert_close(out[1].probability, 0.97, 1e-12);
+}
+
 /* A named and an unlisted function of one angle: it varies with that angle. */
 TEST(outside_the_catalogue)
 {
