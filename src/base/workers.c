@@ -101,7 +101,8 @@ void mukca_workers_run(mukca_workers *w, int blocks, mukca_block_fn *run, void *
     }
     pthread_mutex_lock(&w->lock);
     w->run = run, w->context = context;
-    w->next = 0, w->blocks = w->open = w->left = blocks;
+    w->next = 0, w->blocks = w->open = blocks;
+    w->left = blocks;
     w->loops++;
     pthread_cond_broadcast(&w->work);
     run_blocks(w, 0);

@@ -12,6 +12,7 @@
 #include <string.h>
 
 #include "base/hash.h"
+#include "infer/given.h"
 #include "infer/halves.h"
 #include "math/dense.h"
 

@@ -8,6 +8,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "infer/given.h"
 #include "math/dense.h"
 
 /* Log prior odds of a further member of a kin beyond those of a first: one flexible part in 30 is

@@ -18,6 +18,19 @@ static int stripes(const mukca_question *q)
     return (q->stride + STRIPE - 1) / STRIPE;
 }
 
+void mukca_question_copy(double *out, int ld, const mukca_question *q, int at, int n, int row,
+                         int rows)
+{
+    for (int k = 0, count; k < n; k += count) {
+        const int from = (at + k) % MUKCA_PANEL, left = MUKCA_PANEL - from;
+        const double *e = q->E + (size_t)(at + k - from) * (size_t)q->n_rows + row * MUKCA_PANEL;
+        count = left < n - k ? left : n - k;
+        for (int r = 0; r < rows; r++)
+            memcpy(out + (size_t)r * (size_t)ld + k, e + r * MUKCA_PANEL + from,
+                   sizeof *out * (size_t)count);
+    }
+}
+
 typedef struct {
     const mukca_sets *sets;
     int width; /* columns of the items, in sets->left */

@@ -8,6 +8,10 @@
 /* Columns whose rows of the Gram matrix are computed together. */
 enum { MUKCA_GIVEN_TOGETHER = 72 };
 
+/* Copy n columns of a question, from `at` on, in some rows: out[rows][ld]. */
+void mukca_question_copy(double *out, int ld, const mukca_question *question, int at, int n,
+                         int row, int rows);
+
 /* Compute the rows of the Gram matrix of these items, as many of them together as fit.  False: no
  * memory. */
 bool mukca_given_rows(mukca_sets *s, const unsigned short *item, int n);

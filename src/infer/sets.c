@@ -23,19 +23,6 @@ static void fill_blocks(void *context, int block, int worker)
     mukca_given_blocks(s, block * TOGETHER, end < n ? end : n, worker);
 }
 
-void mukca_question_copy(double *out, int ld, const mukca_question *q, int at, int n, int row,
-                         int rows)
-{
-    for (int k = 0, count; k < n; k += count) {
-        const int from = (at + k) % MUKCA_PANEL, left = MUKCA_PANEL - from;
-        const double *e = q->E + (size_t)(at + k - from) * (size_t)q->n_rows + row * MUKCA_PANEL;
-        count = left < n - k ? left : n - k;
-        for (int r = 0; r < rows; r++)
-            memcpy(out + (size_t)r * (size_t)ld + k, e + r * MUKCA_PANEL + from,
-                   sizeof *out * (size_t)count);
-    }
-}
-
 bool mukca_sets_create(mukca_sets *s, mukca_pool *pool, const mukca_question *q)
 {
     int squares = 0;

@@ -40,10 +40,6 @@ typedef struct {
     mukca_workers *workers; /* of the search; NULL: the caller's thread alone */
 } mukca_question;
 
-/* Copy columns at[n] in some rows: out[rows][ld]. */
-void mukca_question_copy(double *out, int ld, const mukca_question *question, int at, int n,
-                         int row, int rows);
-
 typedef struct {
     int n;
     unsigned short item[MUKCA_SET_ITEMS]; /* ascending */
