@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stdlib.h>
 
-/* Looks at a counter before a thread sleeps, some 10 us: the next loop begins, or the last block
+/* Looks at a counter before a thread sleeps, some 15 us: the next loop begins, or the last block
  * ends, mostly within that, and to wake a thread takes as long. */
 enum { LOOKS = 500 };
 

@@ -292,7 +292,7 @@ static void append(guesses *to, mukca_pool *pool, mukca_candidate h)
 /* Add the promising orders of periodic candidates. */
 static mukca_status add_orders(mukca_scan *s, mukca_pool *pool, const double *u, mukca_error *error)
 {
-    static double unit[] = {MUKCA_WAVE_UNIT, MUKCA_WAVE_UNIT};
+    double unit[] = {MUKCA_WAVE_UNIT, MUKCA_WAVE_UNIT};
     const mukca_candidates *all = s->all;
     mukca_workers *workers = s->m->recording.workers;
     const int first = all->count, N = s->m->recording.n_samples, n_joints = all->survey.n_joints,

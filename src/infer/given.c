@@ -69,8 +69,8 @@ bool mukca_given_rows(mukca_sets *s, const unsigned short *item, int n)
         int width = 0;
         for (; i < n && width + q->item[item[i]].terms <= MUKCA_GIVEN_TOGETHER; i++)
             width += s->gram[item[i]] ? 0 : q->item[item[i]].terms;
-        double *G = width ? MUKCA_TAKE(s->pool, double, (size_t)width *stride) : NULL;
         if (!width) continue;
+        double *G = MUKCA_TAKE(s->pool, double, (size_t)width *stride);
         if (!G) return false;
         for (int k = first, to = 0; k < i; k++) {
             const mukca_item *h = &q->item[item[k]];
