@@ -88,6 +88,7 @@ static json_t *alternative(const mukca_diagnosed *r, const void *item)
     const bool ordered = mukca_effect_has((int)a->effect.kind, MUKCA_TRAIT_ORDERS);
     const int joint = a->listed ? a->effect.joint : a->from == a->to ? a->from : -1;
     return cli_json(KEY("effect", a->listed ? mukca_effect_table[a->effect.kind]->name : NULL),
+                    KEY("varies_with", mukca_varies_name[a->family]),
                     JOINT(joint < r->chain->n_joints ? joint : -1),
                     PLACEMENT(a->listed ? placement_of(r, &a->effect) : -1),
                     KEY("order", cli_json_positive(ordered ? a->effect.variant.order : 0)),
@@ -122,9 +123,10 @@ static json_t *finding(const mukca_diagnosed *r, const void *item)
         KEY("order", cli_json_positive(f->order[0] ? f->alternatives[0].effect.variant.order : 0)),
         KEY("order_ci95", f->order[0] > 0 ? json_pack("[i, i]", f->order[0], f->order[1]) : NULL),
         KEY("probability", g->probability), KEY("halves", g->halves),
-        KEY("halves_against", g->against), KEY("size_m", f->size_m.value),
-        KEY("size_ci95_m", cli_json_estimate(&f->size_m)), FIELD(f, share),
-        KEY("held_out", shrink(&f->held_out)), KEY("coefficient", coefficient(r, f)),
+        KEY("halves_against", g->against), KEY("beside_finer", g->n_finer > 0),
+        KEY("size_m", f->size_m.value), KEY("size_ci95_m", cli_json_estimate(&f->size_m)),
+        FIELD(f, share), KEY("held_out", shrink(&f->held_out)),
+        KEY("coefficient", coefficient(r, f)),
         KEY("alternatives", LIST(f->alternatives, f->n_alternatives, alternative)),
         KEY("sentence", mukca_wording_finding(MUKCA_WORDS, f, r)));
 }

@@ -44,9 +44,10 @@ static json_t *finding(const mukca_motion_finding *f, const mukca_chain *chain)
         KEY("order", cli_json_positive(f->order[0] ? f->alternative[0].detail : 0)),
         KEY("order_ci95", f->order[0] > 0 ? json_pack("[i, i]", f->order[0], f->order[1]) : NULL),
         KEY("probability", g->probability), KEY("halves", g->halves),
-        KEY("halves_against", g->against), KEY("size_nm", f->size_nm.value),
-        KEY("size_ci95_nm", cli_json_estimate(&f->size_nm)), FIELD(f, size_percent),
-        KEY("worst", mukca_chain_joint_name(chain, f->worst)), FIELD(f, share),
+        KEY("halves_against", g->against), KEY("beside_finer", g->n_finer > 0),
+        KEY("size_nm", f->size_nm.value), KEY("size_ci95_nm", cli_json_estimate(&f->size_nm)),
+        FIELD(f, size_percent), KEY("worst", mukca_chain_joint_name(chain, f->worst)),
+        FIELD(f, share),
         KEY("held_out", f->before_nm > 0 ? cli_json(FIELD(f, before_nm), FIELD(f, after_nm),
                                                     KEY("shrink_percent", shrink))
                                          : NULL),

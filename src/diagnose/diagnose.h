@@ -91,6 +91,7 @@ enum { MUKCA_MAX_ALTERNATIVES = 8 };
 typedef struct {
     mukca_effect effect; /* kind, joint, placement, variant */
     bool listed;         /* false: outside the catalogue, at these positions */
+    int family;          /* what it varies with */
     int from, to;
     double probability;
     mukca_estimate amplitude; /* in the effect's unit */

@@ -191,6 +191,7 @@ static mukca_alternative alternative_of(const measured *w, int label, int item, 
     const mukca_label *l = &w->in->posterior.label[label];
     const mukca_candidate *h = &w->id->all.list[w->id->kept[item]];
     mukca_alternative out = {.listed = l->effect >= 0,
+                             .family = l->family,
                              .from = l->from,
                              .to = l->to,
                              .probability = fmin(probability, 1),

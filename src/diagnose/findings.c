@@ -186,7 +186,7 @@ static mukca_status label_search(mukca_labelled_search *whole, half_posteriors *
 mukca_status mukca_findings_reach(mukca_diagnosis *d, mukca_search *id, mukca_error *error)
 {
     mukca_pool pool = {0};
-    mukca_finding_group *group = MUKCA_TAKE(&pool, mukca_finding_group, 2 * MUKCA_MOST_FINDINGS);
+    mukca_finding_group *group = MUKCA_TAKE(&d->pool, mukca_finding_group, 2 * MUKCA_MOST_FINDINGS);
     mukca_labelled_search whole = {0};
     half_posteriors parts = {0};
     int n_findings = 0, n = -1;
@@ -195,7 +195,7 @@ mukca_status mukca_findings_reach(mukca_diagnosis *d, mukca_search *id, mukca_er
         status = mukca_identify_with_tails(id, error);
         if (status == MUKCA_OK) status = label_search(&whole, NULL, &pool, id, error);
     }
-    if (status == MUKCA_OK && parts.halves && !pool.failed)
+    if (status == MUKCA_OK && parts.halves && group && !pool.failed)
         n = mukca_findings_choose(group, &n_findings, &pool, &whole.posterior, parts.half,
                                   parts.halves->n);
     for (int i = 0; i < n; i++) {

@@ -24,7 +24,8 @@ typedef struct {
     int n;
 } groups;
 
-bool mukca_finding_holds(const mukca_finding_group *g, const mukca_label *l)
+/* Whether a cause is one of a group's, or of a finer group's that was chosen before it. */
+static bool covers(const mukca_finding_group *g, const mukca_label *l)
 {
     if (g->kind == MUKCA_GROUP_TIE && (l->tie != g->tie || l->apart)) return l->tie == g->tie;
     if (l->from < g->from || l->to > g->to || l->apart != g->apart) return false;
@@ -38,6 +39,13 @@ bool mukca_finding_holds(const mukca_finding_group *g, const mukca_label *l)
         default: /* a tie, and a place */
             return true;
     }
+}
+
+bool mukca_finding_holds(const mukca_finding_group *g, const mukca_label *l)
+{
+    bool holds = covers(g, l);
+    for (int i = 0; i < g->n_finer && holds; i++) holds = !covers(&g->finer[i], l);
+    return holds;
 }
 
 int mukca_label_number(mukca_label *labels, int *n, const mukca_label *label)
@@ -283,33 +291,47 @@ static double support(const mukca_finding_group *g, int n_halves)
     return (0.5 + n_halves * g->halves) / (1 + n_halves * (g->halves + g->against));
 }
 
-/* Append the finest groups with this probability and support in halves whose causes are not taken.
- * Names need the probability `named`, unless no other group says anything of their causes. */
-static int take(mukca_finding_group *out, unsigned char *taken, const groups *all, double least,
-                double named, double stable)
+/* What is no finding is as probable as the whole and its halves say on average. */
+static double discounted(const mukca_finding_group *g)
 {
-    const mukca_labelled_sets *p = all->posterior;
-    int n = 0;
-    for (int k = 0; k < 2 * all->n && n < MUKCA_MOST_FINDINGS; k++) {
-        const mukca_finding_group *g = &all->list[k % all->n].group;
-        bool is_free = g->probability >= (is_name(g) && k < all->n ? named : least) &&
-                       (stable <= 0 || support(g, all->n_halves) > stable);
-        for (int l = 0; l < p->n_labels && is_free; l++)
-            is_free = !taken[l] || !mukca_finding_holds(g, &p->label[l]);
-        if (!is_free) continue;
-        for (int l = 0; l < p->n_labels; l++) taken[l] |= mukca_finding_holds(g, &p->label[l]);
-        out[n++] = *g;
-    }
-    return n;
+    return 0.5 * (g->probability + (isnan(g->halves) ? 0.5 : g->halves));
 }
 
-/* What is no finding is as probable as the whole and its halves say on average. */
-static void discount(groups *all)
+/* Leave to the n chosen groups what they have of a group's causes: the others are weighed alone. */
+static void leave(mukca_finding_group *g, const mukca_finding_group *chosen, int n,
+                  const groups *all)
 {
-    for (int i = 0; i < all->n; i++) {
-        mukca_finding_group *g = &all->list[i].group;
-        g->probability = 0.5 * (g->probability + (isnan(g->halves) ? 0.5 : g->halves));
+    bool shared = false;
+    for (int l = 0; l < all->posterior->n_labels && !shared; l++)
+        for (int i = 0; i < n && !shared; i++)
+            shared = covers(g, &all->posterior->label[l]) &&
+                     covers(&chosen[i], &all->posterior->label[l]);
+    if (!shared) return;
+    g->finer = chosen;
+    g->n_finer = n;
+    g->probability = mukca_finding_probability(g, all->posterior);
+    if (g->probability >= MUKCA_FINDING_MAYBE) ask_halves(g, all);
+}
+
+static bool is_sure(const mukca_finding_group *g, const groups *all)
+{
+    return g->probability >= (is_name(g) ? MUKCA_FINDING_NAMED : MUKCA_FINDING_SURE) &&
+           support(g, all->n_halves) > MUKCA_FINDING_STABLE;
+}
+
+/* Append to out[n] the finest groups that are sure, each with the causes that those before it have
+ * left, or those that may be and share none; returns the new n. */
+static int take(mukca_finding_group *out, int n, const groups *all, bool sure)
+{
+    const int most = n + MUKCA_MOST_FINDINGS;
+    for (int k = 0; k < all->n && n < most; k++) {
+        mukca_finding_group g = all->list[k].group;
+        leave(&g, out, n, all);
+        if (sure ? !is_sure(&g, all) : g.n_finer > 0) continue;
+        if (!sure) g.probability = discounted(&g);
+        if (g.probability >= MUKCA_FINDING_MAYBE) out[n++] = g;
     }
+    return n;
 }
 
 int mukca_findings_choose(mukca_finding_group out[2 * MUKCA_MOST_FINDINGS], int *n_findings,
@@ -320,7 +342,6 @@ int mukca_findings_choose(mukca_finding_group out[2 * MUKCA_MOST_FINDINGS], int 
     int kept = 0;
     list_groups(&all);
     all.list = MUKCA_TAKE(pool, ranked, all.n + 1);
-    unsigned char *taken = MUKCA_TAKE(pool, unsigned char, posterior->n_labels + 1);
     all.present = MUKCA_TAKE(pool, double, posterior->n_labels + 1);
     if (pool->failed) return -1;
     mukca_labels_weigh(all.present, posterior);
@@ -335,9 +356,6 @@ int mukca_findings_choose(mukca_finding_group out[2 * MUKCA_MOST_FINDINGS], int 
     }
     all.n = kept;
     qsort(all.list, (size_t)all.n, sizeof *all.list, by_coarseness);
-    *n_findings =
-        take(out, taken, &all, MUKCA_FINDING_SURE, MUKCA_FINDING_NAMED, MUKCA_FINDING_STABLE);
-    discount(&all);
-    return *n_findings +
-           take(out + *n_findings, taken, &all, MUKCA_FINDING_MAYBE, MUKCA_FINDING_MAYBE, 0);
+    *n_findings = take(out, 0, &all, true);
+    return take(out, *n_findings, &all, false);
 }

@@ -6,8 +6,9 @@
  * Of all such groups that are sure, disjoint ones as fine as possible are chosen (A. Spector,
  * L. Janson, Controlled discovery and localization of signals via Bayesian linear programming,
  * Journal of the American Statistical Association, 2024: the sum of P / coarseness, by a greedy
- * choice).  A group must also have support in halves of the data (R. Shah, R. Samworth, Variable
- * selection with error control, Journal of the Royal Statistical Society B 75, 2013). */
+ * choice, each group without the causes of finer ones).  A group must also have support in halves
+ * of the data (R. Shah, R. Samworth, Variable selection with error control, Journal of the Royal
+ * Statistical Society B 75, 2013). */
 #ifndef MUKCA_INFER_FINDINGS_H
 #define MUKCA_INFER_FINDINGS_H
 
@@ -69,7 +70,7 @@ typedef enum {
     MUKCA_GROUP_PLACE   /* anything there */
 } mukca_group_kind;
 
-typedef struct {
+typedef struct mukca_finding_group {
     mukca_group_kind kind;
     int family, effect; /* -1: any */
     int tie;            /* of a tie */
@@ -79,6 +80,8 @@ typedef struct {
     double probability; /* posterior; of what is no finding, averaged with that in halves */
     double halves;      /* mean probability in halves of the data; NaN: too little data */
     double against;     /* mean probability there that a rival is present instead */
+    const struct mukca_finding_group *finer; /* [n_finer] chosen before: their causes are theirs */
+    int n_finer;                             /* 0: none of its causes is */
 } mukca_finding_group;
 
 /* Index of a label among those of label[*n], to which it is appended if it is new. */
@@ -109,7 +112,8 @@ double mukca_finding_probability(const mukca_finding_group *group,
 double mukca_finding_share(const mukca_finding_group *group, const mukca_labelled_sets *posterior);
 
 /* Choose the findings, then, of the remaining causes, those that may be present; halves[n_halves]
- * are posteriors of parts of the data with the same labels.  Scratch comes from `pool`.  Returns
+ * are posteriors of parts of the data with the same labels.  Groups refer to those before them:
+ * `out` must live as long as they do.  Scratch comes from `pool`.  Returns
  * their number, at most MUKCA_MOST_FINDINGS each; *n_findings of these are findings.  -1: no
  * memory. */
 int mukca_findings_choose(mukca_finding_group out[2 * MUKCA_MOST_FINDINGS], int *n_findings,

@@ -115,7 +115,6 @@ static bool find_all(mukca_motion *motion, mukca_torque_search *search, mukca_po
 {
     mukca_torque_posterior whole = {.search = search};
     mukca_labelled_sets half[MUKCA_HALVES];
-    mukca_finding_group *group = MUKCA_TAKE(pool, mukca_finding_group, 2 * MUKCA_MOST_FINDINGS);
     int n_findings = 0;
     whole.label = MUKCA_TAKE(pool, mukca_label, search->n_kept + 1);
     whole.label_of = MUKCA_TAKE(pool, int, search->n_kept + 1);
@@ -132,12 +131,12 @@ static bool find_all(mukca_motion *motion, mukca_torque_search *search, mukca_po
         mukca_torque_search_free(&part);
     }
     if (!ok) return false;
-    const int n =
-        mukca_findings_choose(group, &n_findings, pool, &whole.posterior, half, MUKCA_HALVES);
+    const int n = mukca_findings_choose(motion->group, &n_findings, pool, &whole.posterior, half,
+                                        MUKCA_HALVES);
     for (int i = 0; i < n; i++) {
         mukca_motion_finding *f = i < n_findings ? &motion->finding[motion->n_findings++]
                                                  : &motion->maybe[motion->n_maybe++];
-        *f = (mukca_motion_finding){.group = group[i]};
+        *f = (mukca_motion_finding){.group = motion->group[i]};
     }
     if (n < 0 || !mukca_torque_sizes(motion, pool, &whole)) return false;
     if (!mukca_torque_held_out(motion, &whole)) return false;

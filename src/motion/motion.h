@@ -109,6 +109,7 @@ typedef struct {
     double shift_s; /* by which the torques lag behind the angles, in the best set */
     int n_findings, n_maybe;
     mukca_motion_finding finding[MUKCA_MOST_FINDINGS], maybe[MUKCA_MOST_FINDINGS];
+    mukca_finding_group group[2 * MUKCA_MOST_FINDINGS]; /* theirs, as they were chosen */
     mukca_motion_joint joint[MUKCA_MAX_JOINTS];
     /* drives and links of the model; fitted within their priors, without effects or reference */
     mukca_drives drives, fitted;

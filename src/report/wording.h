@@ -53,8 +53,9 @@ const char *mukca_wording_effect(char text[MUKCA_WORDING], mukca_effect_kind kin
 const char *mukca_wording_probability(char text[MUKCA_WORDING], double probability);
 
 /* A finding: "deflection under load, base to joint_2", "transmission ripple at joint_4, order 100
- * [99, 101]"; its certainty, and with the coefficient: "certain (> 99.9 %, all halves); 73
- * urad/(N·m) [70, 76] in all"; its members, unless it is one effect at one place. */
+ * [99, 101]", "further" and "also" beside finer findings in its range; its certainty, and with the
+ * coefficient: "certain (> 99.9 %, all halves); 73 urad/(N·m) [70, 76] in all"; its members, unless
+ * it is one effect at one place. */
 const char *mukca_wording_finding(char text[MUKCA_WORDING], const mukca_finding *finding,
                                   const mukca_diagnosed *diagnosed);
 const char *mukca_wording_sureness(char text[MUKCA_WORDING], const mukca_finding_group *group);

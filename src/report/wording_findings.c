@@ -50,6 +50,9 @@ static void put_place(char *text, const mukca_diagnosed *r, int from, int to)
 static void put_group(char *text, const mukca_finding *f, const mukca_diagnosed *r)
 {
     const mukca_finding_group *g = &f->group;
+    const bool noun =
+        g->effect >= 0 || g->family == MUKCA_VARIES_LOAD || g->family == MUKCA_VARIES_SIDE;
+    if (g->n_finer) put(text, noun ? "further " : "also "); /* beside finer findings */
     const char *joint = g->from == g->to && g->from >= 0 && g->from < r->chain->n_joints
                             ? mukca_chain_joint_name(r->chain, g->from)
                             : NULL;
@@ -187,6 +190,8 @@ const char *mukca_wording_alternatives(char text[MUKCA_WORDING], const mukca_fin
                 put(text, " in %s", r->data->placements[a->effect.placement].name);
         } else {
             put(text, "outside the catalogue");
+            if (f->group.kind == MUKCA_GROUP_PLACE)
+                put(text, " (%s)", mukca_varies_name[a->family]);
             if (f->group.from != f->group.to) put_place(text, r, a->from, a->to);
         }
         put(text, " %.0f %%", 100 * a->probability);

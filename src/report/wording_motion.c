@@ -50,7 +50,7 @@ const char *mukca_wording_torque(char text[MUKCA_WORDING], const mukca_finding_g
                                  const mukca_chain *chain)
 {
     const bool tie = g->kind == MUKCA_GROUP_TIE;
-    put(text, "%s",
+    put(text, "%s%s", g->n_finer ? "further " : "", /* beside finer findings */
         g->effect >= 0   ? mukca_torque_table[g->effect].title
         : g->family >= 0 ? families[g->family]
         : tie            ? "mass"

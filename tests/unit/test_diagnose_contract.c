@@ -234,4 +234,23 @@ TEST(tied_causes_are_possible_and_no_table_corrects_them)
     assert_part(mukca_wording_verdict(MUKCA_WORDS, &r), "Nothing for sure");
 }
 
+/* A statement about what finer ones in its range leave says so. */
+TEST(beside_finer_findings)
+{
+    static mukca_diagnosis empty;
+    const mukca_diagnosed r = {.diagnosis = &empty, .chain = &s.chain, .data = &data};
+    mukca_finding f = {.group = {.kind = MUKCA_GROUP_FAMILY,
+                                 .family = MUKCA_VARIES_LOAD,
+                                 .effect = -1,
+                                 .from = -1,
+                                 .n_finer = 1},
+                       .alternatives = {{.family = MUKCA_VARIES_TIME, .probability = 0.5}},
+                       .n_alternatives = 1};
+    assert_part(mukca_wording_finding(MUKCA_WORDS, &f, &r), "further deflection under load, base");
+    f.group.family = MUKCA_VARIES_TIME;
+    assert_part(mukca_wording_finding(MUKCA_WORDS, &f, &r), "also drifts with time, base");
+    f.group.kind = MUKCA_GROUP_PLACE;
+    assert_part(mukca_wording_alternatives(MUKCA_WORDS, &f, &r), "catalogue (time)");
+}
+
 TEST_MAIN(set_up, tear_down)

@@ -149,16 +149,37 @@ TEST(exact)
     assert_close(shares, 1, 1e-12); /* they add up */
 }
 
-/* A name of 0.97 where another finding has causes of all coarser groups: the name remains. */
-TEST(second_name)
+/* What a finer finding leaves: beside the sure cause there is another of the joint's angle, which
+ * has one of two names, of 0.97 in all. */
+TEST(left_by_finer)
 {
-    const int sure = label(ANGLE, RIPPLE, 2, 0), second = label(ANGLE, BASE, 2, 0);
-    add(&p, 0.97, sure, second, 50);
+    const int sure = label(ANGLE, RIPPLE, 2, 0), second = label(ANGLE, BASE, 2, 0),
+              third = label(ANGLE, BENDING, 2, 0);
+    add(&p, 0.5, sure, second, 50);
+    add(&p, 0.47, sure, third, 50);
     add(&p, 0.03, sure, -1, 50);
     assert_int_equal(choose_alike(), 2);
     assert_int_equal(out[0].effect, RIPPLE);
-    assert_int_equal(out[1].effect, BASE);
+    assert_int_equal(out[1].kind, MUKCA_GROUP_FAMILY);
+    assert_int_equal(out[1].n_finer, 1);
     assert_close(out[1].probability, 0.97, 1e-12);
+    assert_close(out[1].halves, 0.97, 1e-12);
+    assert_false(mukca_finding_holds(&out[1], &labels[sure]));
+    assert_true(mukca_finding_holds(&out[1], &labels[third]));
+    const mukca_labelled_sets whole = of(&p);
+    assert_close(mukca_finding_share(&out[1], &whole), 0.97 / 1.97, 1e-12);
+}
+
+/* What is not sure and shares a cause with a finding is no statement. */
+TEST(maybe_shares_none)
+{
+    const int sure = label(ANGLE, RIPPLE, 2, 0), second = label(ANGLE, BASE, 2, 0),
+              third = label(ANGLE, BENDING, 2, 0);
+    add(&p, 0.4, sure, second, 50);
+    add(&p, 0.4, sure, third, 50);
+    add(&p, 0.2, sure, -1, 50);
+    assert_int_equal(choose_alike(), 1);
+    assert_int_equal(all, 1);
 }
 
 /* A named and an unlisted function of one angle: it varies with that angle. */
