@@ -62,11 +62,10 @@ void mukca_joint_lines_take(mukca_joint_lines *lines);
 mukca_line_kind mukca_joint_lines_parse(mukca_lcm_joints *joints, mukca_joint_lines *lines,
                                         const char *line, mukca_error *error);
 
-/* Read a run of a moving arm as mukca_run_read does, from a log of lcm-logger or from these lines
- * (run_states.c).  *is: the file has joint states; else nothing is read, and the file is a table.
- * Errors: MUKCA_INPUT, MUKCA_MEMORY. */
-mukca_status mukca_run_states_read(bool *is, mukca_run *run, mukca_pool *pool, const char *path,
-                                   const mukca_chain *chain, const mukca_run_options *options,
-                                   mukca_error *error);
+/* Read a run of a moving arm from a log of lcm-logger, from these lines, or else from a table by
+ * mukca_run_read (run_states.c).  Errors: MUKCA_INPUT, MUKCA_MEMORY. */
+mukca_status mukca_run_load(mukca_run *run, mukca_pool *pool, const char *path,
+                            const mukca_chain *chain, mukca_run_options *options,
+                            mukca_error *error);
 
 #endif

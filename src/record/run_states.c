@@ -138,20 +138,19 @@ static bool is_message(const char *text)
     return *text == '{' || (sscanf(text, "%*d,%*d%c", &comma) == 1 && comma == ',');
 }
 
-mukca_status mukca_run_states_read(bool *is, mukca_run *run, mukca_pool *pool, const char *path,
-                                   const mukca_chain *chain, const mukca_run_options *o,
-                                   mukca_error *error)
+mukca_status mukca_run_load(mukca_run *run, mukca_pool *pool, const char *path,
+                            const mukca_chain *chain, mukca_run_options *o, mukca_error *error)
 {
     char head[256] = "";
     reader r = {.chain = chain, .options = o, .path = path, .error = error};
     const int file = strcmp(path, "-") == 0 ? -1 : open(path, O_RDONLY | O_CLOEXEC);
     const ssize_t n = file < 0 ? 0 : pread(file, head, sizeof head - 1, 0);
     const bool log = n >= 4 && memcmp(head, sync_word, 4) == 0;
-    *is = log || (n > 0 && is_message(head));
-    if (*is && log) read_log(&r);
-    if (*is && !log) read_lines(&r, file);
+    const bool lines = !log && n > 0 && is_message(head);
+    if (log) read_log(&r);
+    if (lines) read_lines(&r, file);
     if (file >= 0) close(file);
-    if (!*is) return MUKCA_OK;
+    if (!log && !lines) return mukca_run_read(run, pool, path, chain, o, error);
     snprintf(run->name, sizeof run->name, "%.60s", mukca_file_name(path));
     if (r.status == MUKCA_OK && !r.states)
         r.status =

@@ -228,11 +228,7 @@ static void open_page(FILE *out, const void *content)
               out);
     if (m->n_findings > 1)
         fprintf(out, ", and %d further finding%s", m->n_findings - 1, m->n_findings > 2 ? "s" : "");
-    fprintf(out, ".</p>\n<p>%d run%s, %.0f s of motion", m->n_runs, m->n_runs == 1 ? "" : "s",
-            m->seconds);
-    if (m->n_reference) fprintf(out, "; reference: %d", m->n_reference);
-    if (m->n_test) fprintf(out, "; test: %d", m->n_test);
-    fputs(".</p>\n", out);
+    fprintf(out, ".</p>\n<p>%s.</p>\n", mukca_wording_runs(MUKCA_WORDS, m));
 }
 
 static const mukca_page_section sections[] = {

@@ -22,6 +22,14 @@ static const char *const families[MUKCA_TORQUE_FAMILIES] = {
 
 enum { MOST_ALTERNATIVES = 3 };
 
+const char *mukca_wording_runs(char text[MUKCA_WORDING], const mukca_motion *m)
+{
+    put(text, "%d run%s, %.0f s of motion", m->n_runs, m->n_runs == 1 ? "" : "s", m->seconds);
+    if (m->n_reference) put(text, "; reference: %d", m->n_reference);
+    if (m->n_test) put(text, "; test: %d", m->n_test);
+    return text;
+}
+
 bool mukca_wording_torque_on_links(const mukca_finding_group *g)
 {
     return g->effect >= 0 ? mukca_torque_table[g->effect].links

@@ -6,6 +6,9 @@
 #include "motion/motion.h"
 #include "report/wording.h"
 
+/* "2 runs, 60 s of motion; reference: 1". */
+const char *mukca_wording_runs(char text[MUKCA_WORDING], const mukca_motion *motion);
+
 /* "viscous friction at joint_3", "mass at links link5 to link6". */
 const char *mukca_wording_torque(char text[MUKCA_WORDING], const mukca_finding_group *group,
                                  const mukca_chain *chain);

@@ -20,14 +20,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     mukca_drives drives;
     mukca_run run = {.name = "fuzz"};
     mukca_pool pool = {0};
-    bool states = false;
     mukca_error error[2] = {{MUKCA_OK, ""}, {MUKCA_OK, ""}};
     const char *path = memory_file(bytes, size);
     make_chain(&chain, "RR", NULL, "j", 3);
-    mukca_status status[2] = {
-        mukca_run_states_read(&states, &run, &pool, path, &chain, &options, &error[0])};
-    if (status[0] == MUKCA_OK && !states)
-        status[0] = mukca_run_read(&run, &pool, path, &chain, &options, &error[0]);
+    mukca_status status[2] = {mukca_run_load(&run, &pool, path, &chain, &options, &error[0])};
     if (status[0] == MUKCA_OK) check(&run, &chain);
     status[1] = mukca_drives_read(&drives, path, &chain, &error[1]);
     for (int k = 0; k < 2; k++) check_refusal(status[k], &error[k]);
