@@ -124,7 +124,7 @@ extern const cli_command *const cli_commands[];
  * NULL after the last. */
 const cli_option *cli_next_option(const cli_command *command, const cli_option *option);
 
-/* ---- parsing and help (parse.c, options.c, commands.c, text.c) ---- */
+/* ---- parsing and help (parse.c, options.c, commands.c) ---- */
 
 /* Fill call->options and call->arguments from argv[argc]; `*help`: -h or --help was given.  Errors:
  * MUKCA_USAGE, MUKCA_MEMORY. */
@@ -143,7 +143,7 @@ mukca_status cli_fail_effect(mukca_error *error, const char *option, const char 
  * pool. */
 mukca_status cli_run(cli_call *call);
 
-enum { CLI_WIDTH = 79 }; /* columns */
+/* ---- terminal output (terminal.c) ---- */
 
 /* Print `text` wrapped to 79 columns; empty lines separate paragraphs, lines that begin with a
  * space are printed unchanged. */
@@ -160,8 +160,6 @@ void cli_print_head(FILE *stream, const char *robot, const mukca_dataset *data,
 
 /* Print the words of text[length], wrapped, from `column` on, with a line feed. */
 void cli_print_words(FILE *stream, int indent, int column, const char *text, size_t length);
-
-/* ---- terminal output (terminal.c) ---- */
 
 /* Stream of the readable answer: standard output, or standard error if standard output is
  * machine-readable (--json -, -o -, or a table of cli_write_table).  NULL with -q.  Call it

@@ -25,6 +25,9 @@ void mukca_joint_lines_open(mukca_joint_lines *lines, int fd)
     lines->format = "lines";
 }
 
+/* mukca_fail, for a line that is no joint state or trigger. */
+#define fault(error, ...) (mukca_fail(error, MUKCA_INPUT, __VA_ARGS__), MUKCA_LINE_FAULT)
+
 /* ---- lines from a descriptor ---- */
 
 void mukca_joint_lines_fill(mukca_joint_lines *l)
@@ -160,10 +163,7 @@ static bool is_header(char *const *cell, int n)
 static mukca_line_kind read_row(mukca_lcm_joints *joints, mukca_joint_lines *l, int n,
                                 mukca_error *error)
 {
-    if (n != l->n_columns) {
-        mukca_fail(error, MUKCA_INPUT, "%d columns, but %d in the header", n, l->n_columns);
-        return MUKCA_LINE_FAULT;
-    }
+    if (n != l->n_columns) return fault(error, "%d columns, but %d in the header", n, l->n_columns);
     clear(joints, l);
     bool good = true;
     for (int i = 0; i < n; i++) {
@@ -174,8 +174,7 @@ static mukca_line_kind read_row(mukca_lcm_joints *joints, mukca_joint_lines *l, 
     }
     l->format = "CSV";
     if (good && joints->n) return MUKCA_LINE_JOINTS;
-    mukca_fail(error, MUKCA_INPUT, "no joint, or more than %d", (int)MUKCA_LCM_MAX_JOINTS);
-    return MUKCA_LINE_FAULT;
+    return fault(error, "no joint, or more than %d", (int)MUKCA_LCM_MAX_JOINTS);
 }
 
 /* ---- ros2 topic echo --csv ---- */
@@ -223,11 +222,8 @@ static mukca_line_kind parse_cells(mukca_lcm_joints *joints, mukca_joint_lines *
     memcpy(l->text, line, strlen(line) + 1);
     const char delimiter = mukca_cells_delimiter(line);
     const int n = mukca_cells_count(line, delimiter);
-    if (n > MUKCA_JOINT_LINES_CELLS) {
-        mukca_fail(error, MUKCA_INPUT, "%d cells; at most %d are read", n,
-                   (int)MUKCA_JOINT_LINES_CELLS);
-        return MUKCA_LINE_FAULT;
-    }
+    if (n > MUKCA_JOINT_LINES_CELLS)
+        return fault(error, "%d cells; at most %d are read", n, (int)MUKCA_JOINT_LINES_CELLS);
     mukca_cells_split(l->cell, n, l->text, delimiter);
     if (read_ros(joints, l, n)) {
         l->format = "ros2 topic echo";
@@ -244,13 +240,11 @@ static mukca_line_kind parse_cells(mukca_lcm_joints *joints, mukca_joint_lines *
     if (l->n_columns && delimiter == l->delimiter) return read_row(joints, l, n, error);
     double value;
     if (n > 1 && read_cell(&value, l->cell[n - 1]) && read_cell(&value, l->cell[0]))
-        mukca_fail(error, MUKCA_INPUT,
-                   "neither a row under a header of names nor a whole message of `ros2 topic echo "
-                   "--csv`");
-    else
-        mukca_fail(error, MUKCA_INPUT, "no joint state: '%.60s'%s", line,
-                   strcmp(line, "header:") == 0 ? "; use ros2 topic echo --csv" : "");
-    return MUKCA_LINE_FAULT;
+        return fault(error,
+                     "neither a row under a header of names nor a whole message of `ros2 topic "
+                     "echo --csv`");
+    return fault(error, "no joint state: '%.60s'%s", line,
+                 strcmp(line, "header:") == 0 ? "; use ros2 topic echo --csv" : "");
 }
 
 /* ---- JSON: arrays as in sensor_msgs/JointState, or a member per joint ---- */
@@ -317,10 +311,9 @@ static mukca_line_kind read_trigger(mukca_joint_lines *l, json_t *message, mukca
         if (label ? json_is_string(value) || json_is_integer(value) || json_is_null(value)
                   : strcmp(key, "trigger") == 0 || time_unit(key) > 0)
             continue;
-        mukca_fail(error, MUKCA_INPUT, "%.40s: %s", key,
-                   label ? "a text or an integer is needed"
-                         : "a trigger has the members trigger, placement and socket");
-        return MUKCA_LINE_FAULT;
+        return fault(error, "%.40s: %s", key,
+                     label ? "a text or an integer is needed"
+                           : "a trigger has the members trigger, placement and socket");
     }
     l->id = json_integer_value(json_object_get(message, "trigger"));
     l->placement = keep_label(l, json_object_get(message, "placement"));
@@ -331,7 +324,7 @@ static mukca_line_kind read_trigger(mukca_joint_lines *l, json_t *message, mukca
 static mukca_line_kind parse_object(mukca_lcm_joints *joints, mukca_joint_lines *l,
                                     const char *line, mukca_error *error)
 {
-    json_error_t fault;
+    json_error_t wrong;
     mukca_line_kind kind = MUKCA_LINE_FAULT;
     memcpy(l->text, line, strlen(line) + 1);
     bool quoted = false;
@@ -339,11 +332,8 @@ static mukca_line_kind parse_object(mukca_lcm_joints *joints, mukca_joint_lines 
         quoted ^= *at == '"' && (at == l->text || at[-1] != '\\');
         if (!quoted && strncmp(at, "NaN", 3) == 0) memcpy(at, "[] ", 3);
     }
-    json_t *root = json_loads(l->text, JSON_REJECT_DUPLICATES, &fault);
-    if (!root) {
-        mukca_fail(error, MUKCA_INPUT, "column %d: %.100s", fault.column, fault.text);
-        return MUKCA_LINE_FAULT;
-    }
+    json_t *root = json_loads(l->text, JSON_REJECT_DUPLICATES, &wrong);
+    if (!root) return fault(error, "column %d: %.100s", wrong.column, wrong.text);
     json_t *message = json_object_get(root, "msg"); /* as a ROS bridge sends it */
     if (!json_is_object(message)) message = root;
     const bool trigger = json_object_get(message, "trigger") != NULL;
@@ -382,10 +372,7 @@ static mukca_line_kind parse_object(mukca_lcm_joints *joints, mukca_joint_lines 
 mukca_line_kind mukca_joint_lines_parse(mukca_lcm_joints *joints, mukca_joint_lines *l,
                                         const char *line, mukca_error *error)
 {
-    if (l->overlong) {
-        mukca_fail(error, MUKCA_INPUT, "a line of more than %d bytes", MUKCA_JOINT_LINES_SIZE);
-        return MUKCA_LINE_FAULT;
-    }
+    if (l->overlong) return fault(error, "a line of more than %d bytes", MUKCA_JOINT_LINES_SIZE);
     line += strspn(line, " \r");
     return *line == '{' ? parse_object(joints, l, line, error)
                         : parse_cells(joints, l, line, error);

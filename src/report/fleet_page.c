@@ -103,11 +103,10 @@ static void open_page(FILE *out, const void *content)
           out);
     fputs("<h2 id=\"to-do\">What to do</h2>\n<ul>\n", out);
     put_departures(out, f, n);
-    fputs("<li>", out);
-    mukca_html_sentence(out,
+    mukca_html_sentence(out, "<li>",
                         "`mukca fleet` with these summaries and `-o MODEL.traits.tsv` saves what "
-                        "the arms share as prior for `diagnose --traits` and `calibrate --traits`");
-    fputs(".</li>\n</ul>\n", out);
+                        "the arms share as prior for `diagnose --traits` and `calibrate --traits`",
+                        ".</li>\n</ul>\n");
 }
 
 /* A coefficient of the arms side by side. */

@@ -40,9 +40,11 @@ void mukca_html_element(FILE *out, const char *name, const char *text)
     fprintf(out, "</%s>", name);
 }
 
-void mukca_html_sentence(FILE *out, const char *text)
+void mukca_html_sentence(FILE *out, const char *before, const char *text, const char *after)
 {
     bool code = false;
+    if (!*text) return;
+    fputs(before, out);
     if (islower((unsigned char)*text)) fputc(toupper((unsigned char)*text++), out);
     while (*text) {
         const size_t length = strcspn(text, "`");
@@ -53,6 +55,7 @@ void mukca_html_sentence(FILE *out, const char *text)
         fputs(code ? "<code>" : "</code>", out);
         text++;
     }
+    fputs(after, out);
 }
 
 /* Write a heading without its mark; returns the next one. */

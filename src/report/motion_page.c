@@ -221,7 +221,8 @@ static void open_page(FILE *out, const void *content)
     const mukca_motion *m = r->motion;
     fprintf(out, "<p class=\"verdict %s\">", mukca_motion_verdict_name[m->verdict]);
     if (m->n_findings)
-        mukca_html_sentence(out, mukca_wording_torque(MUKCA_WORDS, &m->finding[0].group, r->chain));
+        mukca_html_sentence(out, "",
+                            mukca_wording_torque(MUKCA_WORDS, &m->finding[0].group, r->chain), "");
     else
         fputs(m->n_reference ? "These runs agree with the reference"
                              : "Nothing was found beyond the uncertainty of the model's parameters",

@@ -10,8 +10,9 @@
 /* Write `text` with the reserved characters of HTML and XML escaped. */
 void mukca_html_escape(FILE *out, const char *text);
 
-/* The same with a capital first letter, and text between backticks as code. */
-void mukca_html_sentence(FILE *out, const char *text);
+/* Write a sentence, if there is one, between `before` and `after`: escaped, with a capital first
+ * letter, and text between backticks as code. */
+void mukca_html_sentence(FILE *out, const char *before, const char *text, const char *after);
 
 /* Write `text`, escaped, as the content of element `name`. */
 void mukca_html_element(FILE *out, const char *name, const char *text);

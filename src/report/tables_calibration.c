@@ -26,8 +26,7 @@ void mukca_report_put_accuracy(FILE *out, const void *content)
     }
     fprintf(out, "<p class=\"verdict %s use\"><strong>Use the result?</strong> ",
             a->accepted ? "named" : "untestable");
-    mukca_html_sentence(out, use);
-    fputs(".</p>\n", out);
+    mukca_html_sentence(out, "", use, ".</p>\n");
 }
 
 /* ---- errors by joint ---- */

@@ -4,15 +4,6 @@
 #include "report/page.h"
 #include "report/report.h"
 
-/* Write a sentence, if there is one, between `before` and `after`. */
-static void put_sentence(FILE *out, const char *before, const char *text, const char *after)
-{
-    if (!*text) return;
-    fputs(before, out);
-    mukca_html_sentence(out, text);
-    fputs(after, out);
-}
-
 /* ---- verdict and remedies ---- */
 
 /* Write one item for each remedy, with all causes it applies to. */
@@ -24,7 +15,7 @@ static void put_remedies(FILE *out, const mukca_diagnosed *d)
         const mukca_cause *same = first;
         while (mukca_wording_remedy(same, d) != remedy) same++;
         if (same < c) continue;
-        put_sentence(out, "<li>", remedy, " <small>(");
+        mukca_html_sentence(out, "<li>", remedy, " <small>(");
         for (; same < end; same++) {
             if (mukca_wording_remedy(same, d) != remedy) continue;
             fputs(same > c ? "; " : "", out);
@@ -50,11 +41,11 @@ void mukca_report_put_verdict(FILE *out, const void *content)
                           "geometry%s for fk, evaluate, compensate and export",
                           on_arm ? " and the causes" : "");
     fprintf(out, "<p class=\"verdict %s\">", mukca_verdict_name[d->diagnosis->verdict]);
-    put_sentence(out, "", mukca_wording_verdict(MUKCA_WORDS, d), ".</p>\n");
-    put_sentence(out, "<p>", mukca_wording_caveat(MUKCA_WORDS, d), "</p>");
+    mukca_html_sentence(out, "", mukca_wording_verdict(MUKCA_WORDS, d), ".</p>\n");
+    mukca_html_sentence(out, "<p>", mukca_wording_caveat(MUKCA_WORDS, d), "</p>");
     fputs("<h2 id=\"to-do\">What to do</h2>\n<ul>\n", out);
     put_remedies(out, d);
-    put_sentence(out, "<li>", next, ".</li>\n</ul>\n");
+    mukca_html_sentence(out, "<li>", next, ".</li>\n</ul>\n");
 }
 
 /* ---- causes ---- */
@@ -128,7 +119,7 @@ void mukca_report_put_faults(FILE *out, const void *content)
                            mukca_wording_fault(MUKCA_WORDS, &d->faults[i], &r->diagnosed));
     if (d->n_faults) fputs("</ul>\n", out);
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
-        put_sentence(out, "<p>", texts[i](MUKCA_WORDS, &r->diagnosed), ".</p>\n");
+        mukca_html_sentence(out, "<p>", texts[i](MUKCA_WORDS, &r->diagnosed), ".</p>\n");
 }
 
 /* ---- detection limits ---- */
@@ -137,7 +128,7 @@ void mukca_report_put_limits(FILE *out, const void *content)
 {
     const mukca_diagnosed *d = &((const mukca_report *)content)->diagnosed;
     int listed = 0;
-    put_sentence(out, "<p>", mukca_wording_limits(MUKCA_WORDS, d), ".</p>\n");
+    mukca_html_sentence(out, "<p>", mukca_wording_limits(MUKCA_WORDS, d), ".</p>\n");
     for (int i = 0; i < d->diagnosis->n_tested; i++) {
         const char *words = mukca_wording_untestable(MUKCA_WORDS, i, d);
         if (!*words) continue;
