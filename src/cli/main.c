@@ -62,15 +62,13 @@ static void print_command_help(FILE *stream, const cli_command *command)
     format_usage(usage, sizeof usage, command);
     fprintf(stream, "%sUsage:%s mukca %s\n\n", bold, plain, usage);
     cli_print_wrapped(stream, command->description);
-    for (int common = 0; common < 2; common++) {
-        bool any = false;
-        for (const cli_option *o = NULL; (o = cli_next_option(command, o));) {
-            if ((o->set != 0) != (common == 1)) continue;
-            if (!any)
-                fprintf(stream, "\n%s%s:%s\n", bold, common ? "Common options" : "Options", plain);
-            any = true;
-            print_option(stream, o);
-        }
+    int titled = -1; /* 1: the common options, which come last */
+    for (const cli_option *o = NULL; (o = cli_next_option(command, o));) {
+        const int common = o->set != 0;
+        if (common != titled)
+            fprintf(stream, "\n%s%s:%s\n", bold, common ? "Common options" : "Options", plain);
+        titled = common;
+        print_option(stream, o);
     }
     fprintf(stream, "\n%sExample:%s\n", bold, plain);
     cli_print_wrapped(stream, command->example);
@@ -85,15 +83,13 @@ static void print_commands(FILE *stream, const char *separator)
 #undef GROUP_TITLE
     };
     for (size_t g = 0; g < sizeof title / sizeof *title; g++) {
-        bool any = false;
+        fprintf(stream, "%s%s%s\n", cli_bold(stream), title[g], cli_plain(stream));
         for (const cli_command *const *c = cli_commands; *c; c++) {
             if ((size_t)(*c)->group != g) continue;
-            if (!any) fprintf(stream, "%s%s%s\n", cli_bold(stream), title[g], cli_plain(stream));
-            any = true;
             fprintf(stream, "  %-12s ", (*c)->name);
             cli_print_words(stream, 15, 15, (*c)->summary, strlen((*c)->summary));
         }
-        if (any) fputs(separator, stream);
+        fputs(separator, stream);
     }
 }
 

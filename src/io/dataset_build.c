@@ -10,26 +10,17 @@
 #include "base/text.h"
 #include "model/dataset_subset.h"
 
-/* Reallocate the list to count * size bytes; NULL, with the error set, if memory is exhausted. */
-static void *resize(void *list, size_t count, size_t size, const mukca_dataset_builder *builder)
+/* The memory; NULL, with the error set, if it is exhausted. */
+static void *check(void *memory, const mukca_dataset_builder *builder)
 {
-    void *grown = realloc(list, count * size);
-    if (!grown) mukca_fail(builder->error, MUKCA_MEMORY, "out of memory while reading data");
-    return grown;
-}
-
-/* Append an item to the list of *n at `list`; NULL, with the error set, if memory is exhausted. */
-static void *append(void *list, int *n, size_t size, const mukca_dataset_builder *builder)
-{
-    void *item = mukca_list_append(list, n, size);
-    if (!item) mukca_fail(builder->error, MUKCA_MEMORY, "out of memory while reading data");
-    return item;
+    if (!memory) mukca_fail(builder->error, MUKCA_MEMORY, "out of memory while reading data");
+    return memory;
 }
 
 mukca_status mukca_build_file(mukca_dataset_builder *builder, const char *path)
 {
     mukca_dataset *d = builder->data;
-    char *file = append(&d->files, &d->n_files, sizeof *d->files, builder);
+    char *file = check(mukca_list_append(&d->files, &d->n_files, sizeof *d->files), builder);
     if (!file) return MUKCA_MEMORY;
     snprintf(file, sizeof *d->files, "%s", path);
     mukca_utf8_mend(file);
@@ -56,7 +47,8 @@ mukca_status mukca_build_placement(mukca_dataset_builder *builder, const char *w
     if (strcmp(name, wanted) != 0)
         mukca_note_format(builder->notes, "placement '%s' exists already; this one is called '%s'",
                           wanted, name);
-    mukca_placement *added = append(&d->placements, &d->n_placements, sizeof *added, builder);
+    mukca_placement *added =
+        check(mukca_list_append(&d->placements, &d->n_placements, sizeof *added), builder);
     if (!added) return MUKCA_MEMORY;
     *added = placement;
     return MUKCA_OK;
@@ -65,7 +57,8 @@ mukca_status mukca_build_placement(mukca_dataset_builder *builder, const char *w
 mukca_status mukca_build_socket(mukca_dataset_builder *builder, int placement, const char *label)
 {
     mukca_dataset *d = builder->data;
-    mukca_socket *socket = append(&d->sockets, &d->n_sockets, sizeof *socket, builder);
+    mukca_socket *socket =
+        check(mukca_list_append(&d->sockets, &d->n_sockets, sizeof *socket), builder);
     if (!socket) return MUKCA_MEMORY;
     socket->placement = placement;
     snprintf(socket->label, sizeof socket->label, "%s", label);
@@ -75,7 +68,8 @@ mukca_status mukca_build_socket(mukca_dataset_builder *builder, int placement, c
 static mukca_status build_distance(mukca_dataset_builder *builder, int a, int b, double metres)
 {
     mukca_dataset *d = builder->data;
-    mukca_distance *added = append(&d->distances, &d->n_distances, sizeof *added, builder);
+    mukca_distance *added =
+        check(mukca_list_append(&d->distances, &d->n_distances, sizeof *added), builder);
     if (!added) return MUKCA_MEMORY;
     *added = (mukca_distance){.a = a, .b = b, .distance = metres, .sigma = builder->distance_sigma};
     mukca_dataset_number_distance(d);
@@ -88,7 +82,7 @@ static mukca_status resize_rows(double **list, int width, int capacity,
 {
     const size_t w = (size_t)width, end = (size_t)capacity * w;
     const size_t from = *list ? (size_t)builder->capacity * w : 0;
-    double *grown = resize(*list, end, sizeof *grown, builder);
+    double *grown = check(realloc(*list, end * sizeof *grown), builder);
     if (!grown) return MUKCA_MEMORY;
     for (size_t i = from; i < end; i++) grown[i] = (double)NAN;
     *list = grown;
@@ -106,7 +100,7 @@ static mukca_status reserve(mukca_dataset_builder *builder)
     mukca_status status = MUKCA_OK;
     int **const indices[] = {&d->socket, &d->row, &d->file, &d->target};
     for (int i = 0; i < (d->target ? 4 : 3) && status == MUKCA_OK; i++) {
-        int *grown = resize(*indices[i], (size_t)capacity, sizeof *grown, builder);
+        int *grown = check(realloc(*indices[i], (size_t)capacity * sizeof *grown), builder);
         if (!grown) return MUKCA_MEMORY;
         *indices[i] = grown;
     }
@@ -141,7 +135,7 @@ static mukca_status set_target(mukca_dataset_builder *builder, int i, const char
     mukca_dataset *d = builder->data;
     if (!name && !d->target) return MUKCA_OK;
     if (!d->target) {
-        d->target = resize(NULL, (size_t)builder->capacity, sizeof *d->target, builder);
+        d->target = check(malloc((size_t)builder->capacity * sizeof *d->target), builder);
         if (!d->target) return MUKCA_MEMORY;
         for (int k = 0; k < i; k++) d->target[k] = -1;
     }
@@ -150,7 +144,8 @@ static mukca_status set_target(mukca_dataset_builder *builder, int i, const char
     int t = 0;
     while (t < d->n_targets && strcmp(d->targets[t], name) != 0) t++;
     if (t == d->n_targets) {
-        char *added = append(&d->targets, &d->n_targets, sizeof *d->targets, builder);
+        char *added =
+            check(mukca_list_append(&d->targets, &d->n_targets, sizeof *d->targets), builder);
         if (!added) return MUKCA_MEMORY;
         snprintf(added, sizeof *d->targets, "%s", name);
     }

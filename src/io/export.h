@@ -94,6 +94,9 @@ typedef struct {
 bool mukca_export_next_tag(mukca_export_tag *tag, const char *name);
 bool mukca_export_is_tag(const mukca_export_tag *tag, const char *name);
 
+/* Find the first element `kind` directly below a tag. */
+bool mukca_export_find_below(mukca_export_tag *tag, const mukca_export_tag *of, const char *kind);
+
 /* Locate the value of an attribute in a tag, without its quotes; false: absent. */
 bool mukca_export_find_attribute(size_t *start, size_t *stop, const mukca_export_tag *tag,
                                  const char *name);

@@ -169,15 +169,6 @@ static mukca_status find(mukca_export_tag *tag, const patch *p, const char *kind
     return n == 1 ? MUKCA_OK : fail(p, kind, name, n ? "is there more than once" : "is missing");
 }
 
-/* Find the first element `kind` directly below a tag. */
-static bool find_below(mukca_export_tag *tag, const mukca_export_tag *of, const char *kind)
-{
-    if (of->at[of->length - 2] == '/') return false;
-    for (*tag = *of; mukca_export_next_tag(tag, NULL) && tag->depth > of->depth;)
-        if (tag->depth == of->depth + 1 && mukca_export_is_tag(tag, kind)) return true;
-    return false;
-}
-
 /* Write a tag without its `/`, or a text behind it; `kind`, its element, is then closed. */
 static const char *open_tag(FILE *stream, const mukca_export_tag *tag)
 {
@@ -185,16 +176,6 @@ static const char *open_tag(FILE *stream, const mukca_export_tag *tag)
     fwrite(tag->at, 1, tag->length - (closed ? 2 : 1), stream);
     fputc('>', stream);
     return tag->at + tag->length;
-}
-
-/* Write `inner` as the first element below a tag; returns where the text continues. */
-static const char *put_below(FILE *stream, const mukca_export_tag *tag, const char *kind,
-                             const char *inner)
-{
-    const char *rest = open_tag(stream, tag);
-    fputs(inner, stream);
-    if (tag->at[tag->length - 2] == '/') fprintf(stream, "</%s>", kind);
-    return rest;
 }
 
 /* ---- joints ---- */
@@ -208,7 +189,7 @@ static mukca_status patch_joint(patch *p, int joint)
     int n = 0;
     mukca_status status = find(&tag, p, "joint", name);
     if (status != MUKCA_OK) return status;
-    const bool below = p->urdf && find_below(&inner, &tag, "dynamics");
+    const bool below = p->urdf && mukca_export_find_below(&inner, &tag, "dynamics");
     for (int d = 0; d < DRIVES; d++) {
         const double *value = &p->drive[joint][d];
         double own = 0;
@@ -247,12 +228,12 @@ static bool read_inertial(mukca_mass *b, const patch *p, const mukca_export_tag 
     mukca_export_tag inner;
     bool ok = true;
     if (p->urdf) {
-        if (find_below(&inner, tag, "origin"))
+        if (mukca_export_find_below(&inner, tag, "origin"))
             ok = mukca_export_read_numbers(T.p, 3, &inner, "xyz") &&
                  mukca_export_read_numbers(rpy, 3, &inner, "rpy");
-        if (find_below(&inner, tag, "mass"))
+        if (mukca_export_find_below(&inner, tag, "mass"))
             ok &= mukca_export_read_numbers(&own.kg, 1, &inner, "value");
-        for (int i = 0; i < 6 && find_below(&inner, tag, "inertia"); i++)
+        for (int i = 0; i < 6 && mukca_export_find_below(&inner, tag, "inertia"); i++)
             ok &= mukca_export_read_numbers(&own.inertia[i], 1, &inner, tensor[i]);
         mukca_rotation_from_rpy(T.R, rpy);
     } else {
@@ -272,15 +253,10 @@ static bool read_inertial(mukca_mass *b, const patch *p, const mukca_export_tag 
     return ok;
 }
 
-/* The <inertial> of a body, with the tag's name, in `text`, to be freed; NULL: no memory. */
-static char *write_inertial(const patch *p, const mukca_mass *b)
+static void write_inertial(FILE *stream, const patch *p, const mukca_mass *b)
 {
     static const double none[3] = {0, 0, 0};
-    char *text = NULL;
-    size_t size;
     const double *I = b->inertia;
-    FILE *stream = open_memstream(&text, &size);
-    if (!stream) return NULL;
     if (p->urdf)
         mukca_export_print(stream,
                            "<inertial><origin xyz=\"$b\" rpy=\"$b\"/><mass value=\"$n\"/>"
@@ -290,7 +266,6 @@ static char *write_inertial(const patch *p, const mukca_mass *b)
     else
         mukca_export_print(stream, "<inertial pos=\"$b\" mass=\"$n\" fullinertia=\"$b\"/>", b->com,
                            3, b->kg, I, 6);
-    return mukca_file_close(stream, &text) ? text : (free(text), NULL);
 }
 
 /* Behind the end of an element. */
@@ -313,7 +288,7 @@ static mukca_status patch_link(patch *p, int joint)
     if (status == MUKCA_OK && !p->urdf)
         status = mukca_export_body_frame(&frame, p->text, chain->joint_element[joint], p->input);
     if (status != MUKCA_OK) return status;
-    const bool own = find_below(&inner, &tag, "inertial");
+    const bool own = mukca_export_find_below(&inner, &tag, "inertial");
     if (own) { /* to the frame of the link, on which the change acts */
         if (!read_inertial(&turned, p, &inner))
             return fail(p, kind, name, "has an <inertial> that is not numbers with a quat");
@@ -331,19 +306,11 @@ static mukca_status patch_link(patch *p, int joint)
                       kind, name, before, b.kg, b.com[0], b.com[1], b.com[2]);
     for (int i = 0; i < 3; i++) b.com[i] -= frame.p[i];
     mukca_body_turn(&turned, &b, frame.R);
-    char *text = write_inertial(p, &turned);
-    if (!text || !begin(&e, p, own ? inner.at : tag.at)) {
-        free(text);
+    if (!begin(&e, p, own ? inner.at : tag.at))
         return mukca_fail(p->input->error, MUKCA_MEMORY, "out of memory");
-    }
-    const char *rest;
-    if (own) {
-        fputs(text, e.stream);
-        rest = end_of(&inner, "</inertial>");
-    } else {
-        rest = put_below(e.stream, &tag, kind, text);
-    }
-    free(text);
+    const char *rest = own ? end_of(&inner, "</inertial>") : open_tag(e.stream, &tag);
+    write_inertial(e.stream, p, &turned);
+    if (!own && tag.at[tag.length - 2] == '/') fprintf(e.stream, "</%s>", kind);
     return finish(&e, p, rest);
 }
 

@@ -190,6 +190,14 @@ bool mukca_export_next_tag(mukca_export_tag *tag, const char *name)
     return false;
 }
 
+bool mukca_export_find_below(mukca_export_tag *tag, const mukca_export_tag *of, const char *kind)
+{
+    if (of->at[of->length - 2] == '/') return false;
+    for (*tag = *of; mukca_export_next_tag(tag, NULL) && tag->depth > of->depth;)
+        if (tag->depth == of->depth + 1 && mukca_export_is_tag(tag, kind)) return true;
+    return false;
+}
+
 bool mukca_export_find_attribute(size_t *start, size_t *stop, const mukca_export_tag *tag,
                                  const char *name)
 {

@@ -71,12 +71,9 @@ static const char *write_joint(FILE *stream, const char *at, const mukca_export_
                                const mukca_export_origin *origin, const double xyz[3],
                                const double rpy[3])
 {
-    mukca_export_tag tag = *joint;
-    bool found = false;
-    while (!found && mukca_export_next_tag(&tag, NULL) && tag.depth > joint->depth)
-        found = tag.depth == joint->depth + 1 && mukca_export_is_tag(&tag, "origin");
+    mukca_export_tag tag;
     const char *start = joint->at + joint->length;
-    if (found) {
+    if (mukca_export_find_below(&tag, joint, "origin")) {
         fwrite(at, 1, (size_t)(tag.at - at), stream);
         const mukca_export_attribute changed[] = {
             {"xyz", are_same(origin->xyz, xyz) ? NULL : origin->xyz, 3},

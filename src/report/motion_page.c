@@ -191,11 +191,9 @@ static void put_findings(FILE *out, const void *content)
     for (int i = 0; i < m->n_findings + m->n_maybe; i++) {
         const bool sure = i < m->n_findings;
         const mukca_motion_finding *f = sure ? &m->finding[i] : &m->maybe[i - m->n_findings];
-        char certainty[MUKCA_WORDING] = "";
-        if (sure)
-            mukca_wording_torque_certainty(certainty, f);
-        else
-            mukca_wording_put(certainty, "maybe, %.0f %%", 100 * f->group.probability);
+        const char *certainty =
+            sure ? mukca_wording_torque_certainty(MUKCA_WORDS, f)
+                 : mukca_wording_put(MUKCA_WORDS, "maybe, %.0f %%", 100 * f->group.probability);
         mukca_html_row(&table, "%s\t%.3g\t%.1f\t%s\t%s",
                        mukca_wording_torque(MUKCA_WORDS, &f->group, r->chain), f->size_nm.value,
                        f->size_percent, certainty,

@@ -92,11 +92,9 @@ void mukca_report_put_causes(FILE *out, const void *content)
         const bool sure = i < diagnosis->n_findings;
         const mukca_finding *f =
             sure ? &diagnosis->findings[i] : &diagnosis->maybe[i - diagnosis->n_findings];
-        char certainty[MUKCA_WORDING] = "";
-        if (sure)
-            mukca_wording_certainty(certainty, f, d);
-        else
-            mukca_wording_put(certainty, "maybe, %.0f %%", 100 * f->group.probability);
+        const char *certainty =
+            sure ? mukca_wording_certainty(MUKCA_WORDS, f, d)
+                 : mukca_wording_put(MUKCA_WORDS, "maybe, %.0f %%", 100 * f->group.probability);
         mukca_html_row(&table, "%s\t%.3f [%.3f, %.3f]\t%s\t%s",
                        mukca_wording_finding(MUKCA_WORDS, f, d), f->size_m.value * MUKCA_REPORT_MM,
                        f->size_m.low * MUKCA_REPORT_MM, f->size_m.high * MUKCA_REPORT_MM, certainty,
