@@ -182,8 +182,17 @@ static mukca_status prepare_motion(cli_call *call)
     s->model = &call->session->model;
     s->motion = o->motion;
     s->motion.seed = (uint64_t)o->seed;
-    s->hidden = (cli_simulated){.chain = &s->model->chain, .moves = true};
-    return cli_prepare_motion(&s->motion, &s->hidden, &o->effects, &call->error);
+    s->motion.effects = s->hidden.torques;
+    s->motion.interrupted = cli_interrupted;
+    s->motion.chain = s->hidden.chain = &s->model->chain;
+    s->hidden.moves = true;
+    if (!s->model->chain.n_masses)
+        return cli_fail(call, MUKCA_USAGE, "--motion needs link masses; give --inertials FILE");
+    mukca_status status = MUKCA_OK;
+    for (int i = 0; i < o->effects.n && status == MUKCA_OK; i++)
+        status = cli_simulated_parse(&s->hidden, o->effects.items[i], &call->error);
+    s->motion.n_effects = s->hidden.n_torques;
+    return status;
 }
 
 /* Fill the zeroed simulation from the options of the call. */
@@ -232,7 +241,9 @@ static void write_origin(cli_call *call, FILE *stream, const char *kind)
     if (o->perturb) fprintf(stream, " --perturb %s", o->perturb);
     for (int i = 0; i < o->effects.n; i++) fprintf(stream, " --effect %s", o->effects.items[i]);
     if (moves(o))
-        cli_write_motion_options(stream, &o->motion);
+        fprintf(stream, " --motion %g --runs %d --rate %g --speed %g --torque-noise %g",
+                o->motion.seconds, o->motion.runs, o->motion.rate, o->motion.speed,
+                o->motion.noise);
     else
         fprintf(stream, " --noise %g", o->recording.noise);
     fputc('\n', stream);

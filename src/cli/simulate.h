@@ -34,13 +34,6 @@ typedef struct {
 /* Parse `text` and append its effects and faults.  Errors: MUKCA_USAGE. */
 mukca_status cli_simulated_parse(cli_simulated *simulated, const char *text, mukca_error *error);
 
-/* Complete a motion by the effects of --effect, which `hidden` will own.  Errors: MUKCA_USAGE. */
-mukca_status cli_prepare_motion(mukca_simulated_motion *motion, cli_simulated *hidden,
-                                const cli_list *effects, mukca_error *error);
-
-/* Its options, as they were given. */
-void cli_write_motion_options(FILE *stream, const mukca_simulated_motion *motion);
-
 /* Rows of a moving arm, after a header.  Errors: MUKCA_INTERRUPTED. */
 mukca_status cli_write_motion(FILE *stream, const mukca_simulated_motion *motion, char separator);
 

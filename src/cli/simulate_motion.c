@@ -1,29 +1,6 @@
 /* mukca simulate --motion: runs of a moving arm as a table, and its effects. */
 #include "cli/simulate.h"
 
-mukca_status cli_prepare_motion(mukca_simulated_motion *motion, cli_simulated *hidden,
-                                const cli_list *effects, mukca_error *error)
-{
-    mukca_status status = MUKCA_OK;
-    if (!hidden->chain->n_masses)
-        return mukca_fail(error, MUKCA_USAGE, "--motion needs link masses; give --inertials FILE");
-    for (int i = 0; i < effects->n && status == MUKCA_OK; i++)
-        status = cli_simulated_parse(hidden, effects->items[i], error);
-    motion->chain = hidden->chain;
-    motion->effects = hidden->torques;
-    motion->n_effects = hidden->n_torques;
-    motion->interrupted = cli_interrupted;
-    return status;
-}
-
-/* ---- outputs ---- */
-
-void cli_write_motion_options(FILE *stream, const mukca_simulated_motion *motion)
-{
-    fprintf(stream, " --motion %g --runs %d --rate %g --speed %g --torque-noise %g",
-            motion->seconds, motion->runs, motion->rate, motion->speed, motion->noise);
-}
-
 typedef struct {
     FILE *stream;
     char separator;

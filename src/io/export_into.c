@@ -67,7 +67,7 @@ static mukca_status place(mukca_frame *body, const patch *p, const mukca_export_
 /* Write the text up to the body's tag, and the tag with the calibrated pose. */
 static mukca_status write_body(patch *p, const mukca_export_tag *tag, const mukca_element *e)
 {
-    double shift[3], quat[4];
+    double quat[4];
     mukca_frame body, pose;
     const mukca_status status = place(&body, p, tag, e);
     if (status != MUKCA_OK) return status;
@@ -78,9 +78,8 @@ static mukca_status write_body(patch *p, const mukca_export_tag *tag, const mukc
     const mukca_export_attribute changed[] = {{"pos", pose.p, 3}, {"quat", quat, 4}};
     mukca_export_put_tag(p->stream, tag, changed, 2);
     p->at = tag->at + tag->length;
-    for (int i = 0; i < 3; i++) shift[i] = p->calibrated.p[i] - p->nominal.p[i];
     mukca_note_format(p->input->notes, "body '%.60s': moved by %.3f mm, %.3f mrad", e->child,
-                      1e3 * mukca_norm3(shift),
+                      1e3 * mukca_distance3(p->calibrated.p, p->nominal.p),
                       1e3 * mukca_rotation_between(p->calibrated.R, p->nominal.R));
     p->nominal = p->calibrated = identity;
     p->body = body;

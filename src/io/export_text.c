@@ -289,7 +289,6 @@ mukca_frame mukca_export_frame(const double xyz[3], const double rpy[3])
 
 bool mukca_export_near(const mukca_frame *a, const mukca_frame *b)
 {
-    const double d[3] = {a->p[0] - b->p[0], a->p[1] - b->p[1], a->p[2] - b->p[2]};
-    return mukca_norm3(d) < MUKCA_EXPORT_METRES &&
+    return mukca_distance3(a->p, b->p) < MUKCA_EXPORT_METRES &&
            mukca_rotation_between(a->R, b->R) < MUKCA_EXPORT_RADIANS;
 }

@@ -68,8 +68,7 @@ static double mismatch(const pairing *p, int few, int many)
 {
     double d[3];
     offset(d, p, few, many);
-    for (int k = 0; k < 3; k++) d[k] -= p->lever[k];
-    return sqrt(mukca_dot3(d, d));
+    return mukca_distance3(d, p->lever);
 }
 
 /* Pair in order with the least sum of mismatches: partner[i] increases with i.  Dynamic

@@ -61,7 +61,7 @@ static mukca_status map_by_name(mukca_recorder *r)
     mukca_prefix prefix;
     const int n = r->chain->n_joints;
     int missing = 0;
-    for (int j = 0; j < n; j++) wanted[j] = mukca_recorder_joint(r, j);
+    for (int j = 0; j < n; j++) wanted[j] = mukca_chain_joint_name(r->chain, j);
     const int found =
         mukca_prefix_find(&prefix, wanted, n, (const char *const *)joints->name, joints->n);
     for (int j = 0; j < n; j++) {
@@ -88,10 +88,11 @@ static mukca_status check_names(mukca_recorder *r)
     mukca_stream *stream = &r->stream;
     const int n = r->chain->n_joints;
     for (int j = 0; j < n; j++) {
-        const char *joint = mukca_recorder_joint(r, j), *sent = stream->last.joints.name[j];
+        const char *joint = mukca_chain_joint_name(r->chain, j),
+                   *sent = stream->last.joints.name[j];
         for (int k = 0; k < n; k++)
             if (k != j && !mukca_prefix_ends(sent, joint) &&
-                mukca_prefix_ends(sent, mukca_recorder_joint(r, k)))
+                mukca_prefix_ends(sent, mukca_chain_joint_name(r->chain, k)))
                 return mukca_fail(
                     &stream->problem, MUKCA_INPUT,
                     "--map order contradicts the names: reading %d of %s is \"%.40s\", joint %d of "
@@ -168,6 +169,6 @@ void mukca_stream_describe_map(const mukca_recorder *r, char *lines, size_t size
                    mukca_stream_type(r), stream->map.n, stream->map.by_name ? "name" : "order");
     for (int j = 0; j < r->chain->n_joints; j++)
         mukca_text_put(&text, "  reading %2d  %-24s ->  %-24s now %9.4f rad\n",
-                       stream->map.reading[j] + 1, stream->map.name[j], mukca_recorder_joint(r, j),
-                       stream->last.reading.q[j]);
+                       stream->map.reading[j] + 1, stream->map.name[j],
+                       mukca_chain_joint_name(r->chain, j), stream->last.reading.q[j]);
 }

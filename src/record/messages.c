@@ -149,7 +149,7 @@ void mukca_sampling_publish_status(mukca_recorder *r, const char *state)
         .n = r->chain->n_joints,
     };
     mukca_capture_spread(&m.spread_m, NULL, c, c->socket);
-    for (int j = 0; j < r->chain->n_joints; j++) m.joint[j] = mukca_recorder_joint(r, j);
+    for (int j = 0; j < r->chain->n_joints; j++) m.joint[j] = mukca_chain_joint_name(r->chain, j);
     memcpy(m.position, stream->last.reading.q, sizeof m.position);
     mukca_capture_coverage(m.coverage, c);
     mukca_recorder_publish(r, MUKCA_MESSAGE_STATUS, &m);

@@ -253,7 +253,7 @@ mukca_status mukca_sampling_sample(mukca_recorder *r, const mukca_message_trigge
                                     .socket = socket,
                                     .row = status ? 0 : s->file.n_rows,
                                     .n = r->chain->n_joints};
-    for (int j = 0; j < message.n; j++) message.joint[j] = mukca_recorder_joint(r, j);
+    for (int j = 0; j < message.n; j++) message.joint[j] = mukca_chain_joint_name(r->chain, j);
     memcpy(message.position, sample.q, sizeof message.position);
     memcpy(message.spread, sample.spread, sizeof message.spread);
     mukca_recorder_publish(r, MUKCA_MESSAGE_SAMPLE, &message);

@@ -189,9 +189,4 @@ struct mukca_recorder {
     unsigned char outgoing[8192];
 };
 
-static inline const char *mukca_recorder_joint(const mukca_recorder *r, int j)
-{
-    return mukca_chain_joint_name(r->chain, j);
-}
-
 #endif

@@ -22,7 +22,7 @@ static mukca_status take_positions(mukca_recorder *r, mukca_error *error)
         if (!mukca_rows_plausible(&chain->element[chain->joint_element[j]], q))
             return mukca_fail(error, MUKCA_INPUT,
                               "%s: %s reads %g: no angle in rad; convert degrees%s, or check --map",
-                              stream->channel, mukca_recorder_joint(r, j), q,
+                              stream->channel, mukca_chain_joint_name(r->chain, j), q,
                               stream->lines ? " (a header may say [deg])" : "");
         stream->last.reading.q[j] = q;
     }
