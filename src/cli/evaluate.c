@@ -28,7 +28,8 @@ static mukca_status print(cli_call *call)
     const evaluate_work *w = call->work;
     const cli_session *s = call->session;
     const bool calibrated = w->scores.calibrated, factory = w->scores.has_factory;
-    const double mae = cli_scores_error(&w->scores);
+    const mukca_score *mean = w->scores.set[w->scores.set[1].n > 0].mean;
+    const double mae = mean[CLI_CALIBRATED].mae;
     char data[80];
     cli_describe_data(data, &s->data);
     cli_answer(call, "%s: %s; %s\n", s->model.chain.robot, data,
@@ -39,9 +40,7 @@ static mukca_status print(cli_call *call)
     if (calibrated) {
         cli_print_acceptance(cli_answer_stream(call), &s->model.offsets.acceptance,
                              &s->model.chain);
-        const mukca_score *mean = w->scores.set[w->scores.set[1].n > 0].mean;
-        if (mukca_data_contradict(mean[CLI_CALIBRATED].mae, s->model.offsets.acceptance.error_m,
-                                  mean[CLI_NOMINAL].mae))
+        if (mukca_data_contradict(mae, s->model.offsets.acceptance.error_m, mean[CLI_NOMINAL].mae))
             cli_say(call, NULL,
                     "These data contradict the table: check for another arm, tool or tip.");
     }

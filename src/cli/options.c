@@ -6,8 +6,7 @@ static const char *const angles[] = {"reading", "command", NULL};
 static const char *const maps[] = {"name", "order", "order-w-last", NULL};
 
 /* A row of the table; the second with more members. */
-#define COMMON(sets, text, member, type, metavar, sentence) \
-    CLI_OPTION_AND(cli_common, member, text, type, metavar, sentence, .set = CLI_WITH_##sets)
+#define COMMON(...) COMMON_AND(__VA_ARGS__, .letter = 0)
 #define COMMON_AND(sets, text, member, type, metavar, sentence, ...)                          \
     CLI_OPTION_AND(cli_common, member, text, type, metavar, sentence, .set = CLI_WITH_##sets, \
                    __VA_ARGS__)

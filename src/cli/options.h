@@ -56,8 +56,7 @@ typedef struct {
         .name = (option), .kind = (value), .argument = (metavar), .help = (text), \
         .offset = offsetof(type, member), __VA_ARGS__                             \
     }
-#define CLI_OPTION(type, member, option, value, metavar, text) \
-    CLI_OPTION_AND(type, member, option, value, metavar, text, .letter = 0)
+#define CLI_OPTION(...) CLI_OPTION_AND(__VA_ARGS__, .letter = 0)
 #define CLI_RANGE_OPTION(type, member, option, value, metavar, from, to, text) \
     CLI_OPTION_AND(type, member, option, value, metavar, text, .least = (from), .most = (to))
 #define CLI_CHOICE_OPTION(type, member, option, metavar, list, text) \

@@ -65,11 +65,6 @@ mukca_status cli_scores_make(cli_call *call, cli_scores *scores, const mukca_cha
     return MUKCA_OK;
 }
 
-double cli_scores_error(const cli_scores *scores)
-{
-    return scores->set[scores->set[1].n > 0].mean[CLI_CALIBRATED].mae;
-}
-
 /* Write a tab and the number, empty if not finite. */
 static void write_number(FILE *stream, double value)
 {

@@ -30,9 +30,6 @@ typedef struct {
 mukca_status cli_scores_make(cli_call *call, cli_scores *scores, const mukca_chain *chain,
                              const double *theta, const mukca_offsets *offsets, const char *name);
 
-/* Mean error of the calibrated model on the test data, else on the data, m. */
-double cli_scores_error(const cli_scores *scores);
-
 /* JSON array with one object per placement. */
 json_t *cli_scores_json(const cli_scored *set, bool factory);
 

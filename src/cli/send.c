@@ -1,7 +1,6 @@
 /* `mukca send`: one command to `mukca serve`, and its answer. */
 #include <string.h>
 #include <time.h>
-#include <unistd.h>
 
 #include "base/suggest.h"
 #include "cli/live.h"

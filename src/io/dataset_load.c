@@ -203,9 +203,13 @@ static void check_columns(mukca_rows *rows)
     if (c->placement >= 0)
         mukca_table_fail(&rows->table, -1,
                          "no column 'socket'; add the label of each row's socket");
-    mukca_rows_fail_measured(rows,
-                             "neither a session nor a pose log; the header needs columns socket, "
-                             "or x_m, y_m, z_m");
+    const mukca_table *t = &rows->table;
+    mukca_table_fail(&rows->table, -1, "%s",
+                     mukca_table_find(t, "x") < 0 && mukca_table_find(t, "X") < 0
+                         ? "neither a session nor a pose log; the header needs columns socket, or "
+                           "x_m, y_m, z_m"
+                         : "columns x, y, z without a unit; give --units, as in rad,m or deg,mm, "
+                           "or call them x_m, y_m, z_m");
 }
 
 /* Limit the number of targets to that of the diagnosis. */

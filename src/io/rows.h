@@ -99,9 +99,6 @@ mukca_status mukca_rows_close(mukca_rows *rows);
 /* Map the columns by the header or by their order (part of mukca_rows_open). */
 void mukca_rows_map(mukca_rows *rows);
 
-/* Fail for lack of measured positions: the message names those without a unit, else `otherwise`. */
-void mukca_rows_fail_measured(mukca_rows *rows, const char *otherwise);
-
 /* Largest payload, kg: the strongest arms carry 2.3 t. */
 #define MUKCA_ROWS_MOST_PAYLOAD 5e3
 

@@ -156,7 +156,11 @@ static void note_unknown_columns(header *h)
         const char *dot = strrchr(t->header[c], '.');
         t->used[c] |= dot && strcmp(dot, MUKCA_COLUMNS_SPREAD) == 0;
     }
-    mukca_table_note_unknown(t, h->rows->options.notes);
+    char names[120] = "";
+    const int n = mukca_table_list(&(mukca_text)MUKCA_TEXT(names), t, true);
+    if (n)
+        mukca_note_format(h->rows->options.notes, "%s: %d unknown column%s ignored: %s",
+                          mukca_file_shown(t->path), n, n > 1 ? "s" : "", names);
 }
 
 /* Column names of a measured pose; `length`: m per unit, 0: by --units. */
@@ -189,6 +193,14 @@ static const struct {
              {MUKCA_VECTOR, RTDE, {"actual_TCP_pose_3", "actual_TCP_pose_4", "actual_TCP_pose_5"}}};
 enum { TURNS = sizeof turns / sizeof *turns };
 
+/* Fail if the header states a unit of something else than `of` (mukca_unit); column -1: none. */
+static void expect_unit(mukca_table *t, int column, char of)
+{
+    if (column >= 0 && mukca_table_has_unit(t, column) && t->unit[column].of != of)
+        mukca_table_fail(t, -1, "column '%.40s' has the unit of something else; correct the header",
+                         t->header[column]);
+}
+
 static void find_turn(mukca_measured_columns *m, header *h, int form, const char *suffix)
 {
     for (int k = 0; k < TURNS && m->turn[0] < 0; k++) {
@@ -198,8 +210,7 @@ static void find_turn(mukca_measured_columns *m, header *h, int form, const char
         find_group(m->turn, h,
                    quaternion ? mukca_column_table[MUKCA_COLUMN_QUATERNION].name : turns[k].names,
                    quaternion ? 4 : 3, suffix);
-        for (int i = 0; i < 3 && !quaternion; i++)
-            mukca_table_expect(&h->rows->table, m->turn[i], 'a');
+        for (int i = 0; i < 3 && !quaternion; i++) expect_unit(&h->rows->table, m->turn[i], 'a');
     }
     mukca_rotations_map(&h->rows->table, m->turn, &m->form, &h->rows->options.format.rotation);
 }
@@ -227,8 +238,7 @@ static void find_measured(header *h, int column, int form)
     m->length = forms[form].length > 0 ? forms[form].length : rows->options.format.length;
     find_group(form == MATRIX ? m->matrix : m->position, h, names, forms[form].n, suffix);
     for (int k = 0; k < 3; k++)
-        mukca_table_expect(&rows->table, form == MATRIX ? m->matrix[4 * k + 3] : m->position[k],
-                           'l');
+        expect_unit(&rows->table, form == MATRIX ? m->matrix[4 * k + 3] : m->position[k], 'l');
     if (form == MATRIX)
         find_group(m->matrix + 12, h, last_row, 4, suffix);
     else
@@ -243,10 +253,10 @@ static void expect(header *h, int column, int k)
     const bool slides = mukca_column_table[column].width == 0 &&
                         rows->chain->element[rows->chain->joint_element[k]].type == MUKCA_PRISMATIC;
     if (!slides || of == 'j')
-        mukca_table_expect(&h->rows->table, rows->column.number[column][k],
-                           of != 'j' ? of
-                           : slides  ? 'l'
-                                     : 'a');
+        expect_unit(&h->rows->table, rows->column.number[column][k],
+                    of != 'j' ? of
+                    : slides  ? 'l'
+                              : 'a');
 }
 
 /* Find the columns of numbers but those of poses; commanded angles replace absent ones. */
@@ -299,16 +309,6 @@ static void map_header(mukca_rows *rows)
                           "%s: the driver has corrected these angles already; offsets found here "
                           "add to its own",
                           mukca_file_shown(rows->table.path));
-}
-
-void mukca_rows_fail_measured(mukca_rows *rows, const char *otherwise)
-{
-    mukca_table *t = &rows->table;
-    mukca_table_fail(t, -1, "%s",
-                     mukca_table_find(t, "x") < 0 && mukca_table_find(t, "X") < 0
-                         ? otherwise
-                         : "columns x, y, z without a unit; give --units, as in rad,m or deg,mm, "
-                           "or call them x_m, y_m, z_m");
 }
 
 /* Map a table without header: the joints, then the pose in the order implied by its width. */

@@ -7,7 +7,6 @@
 
 #include "base/file.h"
 #include "base/list.h"
-#include "base/number.h"
 #include "io/export.h"
 
 typedef struct {

@@ -331,13 +331,6 @@ bool mukca_table_has_unit(const mukca_table *t, int column)
     return t->unit && t->unit[column].factor > 0;
 }
 
-void mukca_table_expect(mukca_table *t, int column, char of)
-{
-    if (column >= 0 && mukca_table_has_unit(t, column) && t->unit[column].of != of)
-        mukca_table_fail(t, -1, "column '%.40s' has the unit of something else; correct the header",
-                         t->header[column]);
-}
-
 bool mukca_table_parse(double *value, const mukca_table *t, int column)
 {
     if (!parse_number(value, t, t->cell[column])) return false;
@@ -370,15 +363,6 @@ int mukca_table_list(mukca_text *list, const mukca_table *table, bool unused)
     }
     if (more) mukca_text_put(list, "%s...", list->used ? ", " : "");
     return n;
-}
-
-void mukca_table_note_unknown(const mukca_table *table, mukca_notes notes)
-{
-    char names[120] = "";
-    const int n = mukca_table_list(&(mukca_text)MUKCA_TEXT(names), table, true);
-    if (n)
-        mukca_note_format(notes, "%s: %d unknown column%s ignored: %s",
-                          mukca_file_shown(table->path), n, n > 1 ? "s" : "", names);
 }
 
 mukca_status mukca_table_read(const char *path, const char *const *names, int n,

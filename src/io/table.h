@@ -79,9 +79,6 @@ int mukca_table_require(mukca_table *table, const char *name);
 /* Whether the header states the column's unit: its numbers are then in SI units. */
 bool mukca_table_has_unit(const mukca_table *table, int column);
 
-/* Fail if the header states a unit of something else than `of` (mukca_unit); column -1: none. */
-void mukca_table_expect(mukca_table *table, int column, char of);
-
 /* Parse a cell as a finite number, in SI units if the header states its unit; false, or a failure
  * and 0, if it is none. */
 bool mukca_table_parse(double *value, const mukca_table *table, int column);
@@ -94,9 +91,8 @@ void mukca_table_fail(mukca_table *table, int column, const char *format, ...)
 void mukca_table_stop(mukca_table *table, mukca_status status);
 
 /* Append the names of all columns, or of those not used, with dots for those that do not fit;
- * returns their number.  Note those not used as ignored. */
+ * returns their number. */
 int mukca_table_list(mukca_text *list, const mukca_table *table, bool unused);
-void mukca_table_note_unknown(const mukca_table *table, mukca_notes notes);
 
 /* Callback for one row; column[i] is the index of the i-th required column. */
 typedef void mukca_table_row_fn(void *context, mukca_table *table, const int *column);

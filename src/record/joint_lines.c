@@ -13,7 +13,6 @@
 #include "base/cells.h"
 #include "base/clock.h"
 #include "base/number.h"
-#include "base/text.h"
 #include "io/table.h"
 
 void mukca_joint_lines_open(mukca_joint_lines *lines, int fd)

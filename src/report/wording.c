@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "math/stats.h"
 
 const char *mukca_wording_put(char text[MUKCA_WORDING], const char *format, ...)
 {
