@@ -58,13 +58,10 @@ void mukca_dataset_write(FILE *stream, const mukca_dataset *data, const mukca_ch
 typedef struct {
     mukca_dataset *data;
     const mukca_chain *chain;
-    mukca_notes notes;
+    const mukca_dataset_options *options;
     mukca_error *error;
     int capacity;                  /* samples allocated */
-    int threads;                   /* more than 1: large files are read ahead */
-    mukca_rows_format format;      /* format of the files */
     bool warned[MUKCA_MAX_JOINTS]; /* a note of exceeded limits was printed */
-    double distance_sigma;         /* of the distances, m; 0: MUKCA_DISTANCE_SIGMA */
     double payload; /* default payload of samples without their own, kg; NaN: unknown */
 } mukca_dataset_builder;
 

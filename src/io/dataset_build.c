@@ -45,8 +45,8 @@ mukca_status mukca_build_placement(mukca_dataset_builder *builder, const char *w
         snprintf(name, sizeof placement.name, "%.*s#%d", (int)mukca_utf8_fit(wanted, 50), wanted,
                  k);
     if (strcmp(name, wanted) != 0)
-        mukca_note_format(builder->notes, "placement '%s' exists already; this one is called '%s'",
-                          wanted, name);
+        mukca_note_format(builder->options->notes,
+                          "placement '%s' exists already; this one is called '%s'", wanted, name);
     mukca_placement *added =
         check(mukca_list_append(&d->placements, &d->n_placements, sizeof *added), builder);
     if (!added) return MUKCA_MEMORY;
@@ -71,7 +71,8 @@ static mukca_status build_distance(mukca_dataset_builder *builder, int a, int b,
     mukca_distance *added =
         check(mukca_list_append(&d->distances, &d->n_distances, sizeof *added), builder);
     if (!added) return MUKCA_MEMORY;
-    *added = (mukca_distance){.a = a, .b = b, .distance = metres, .sigma = builder->distance_sigma};
+    *added = (mukca_distance){
+        .a = a, .b = b, .distance = metres, .sigma = builder->options->distance_sigma};
     mukca_dataset_number_distance(d);
     return MUKCA_OK;
 }
@@ -203,7 +204,7 @@ mukca_status mukca_distances_set(mukca_dataset_builder *b, double distance)
                               "give --distances FILE",
                               d->placements[p].name, sockets);
         if (sockets > 2)
-            mukca_note_format(b->notes,
+            mukca_note_format(b->options->notes,
                               "placement '%s': %g m assumed between any two of its %d sockets; "
                               "if not, give --distances FILE",
                               d->placements[p].name, distance, sockets);
@@ -237,7 +238,7 @@ static void set_distance(void *context, mukca_table *t, const int *column)
         used = true;
     }
     if (!used && t->status == MUKCA_OK)
-        mukca_note_format(b->notes, "%s:%d: no placement has sockets '%.40s' and '%.40s'",
+        mukca_note_format(b->options->notes, "%s:%d: no placement has sockets '%.40s' and '%.40s'",
                           mukca_file_shown(t->path), t->line, label[0], label[1]);
 }
 

@@ -34,8 +34,10 @@ static void last_parts(char name[MUKCA_NAME_SIZE], const char *path, int parts)
 static mukca_status open_rows(mukca_rows *rows, mukca_dataset_builder *b, const char *path,
                               mukca_table_kind kind)
 {
-    const mukca_rows_options options = {
-        .kind = kind, .format = b->format, .notes = b->notes, .warned = b->warned};
+    const mukca_rows_options options = {.kind = kind,
+                                        .format = b->options->format,
+                                        .notes = b->options->notes,
+                                        .warned = b->warned};
     return mukca_rows_open(rows, path, b->chain, &options, b->error);
 }
 
@@ -246,7 +248,7 @@ static void read_rows(mukca_dataset_builder *b, session *s)
                                        t->row == 0 ? "has a header but no rows"
                                                    : "no row has a measured position"));
     else if (unmeasured)
-        mukca_note_format(b->notes, "%s: %d of %d %s ignored: no measured position", shown,
+        mukca_note_format(b->options->notes, "%s: %d of %d %s ignored: no measured position", shown,
                           unmeasured, measured + unmeasured,
                           s->rows.column.n_measured > 1 ? "measurements" : "rows");
 }
@@ -261,7 +263,7 @@ static mukca_status read_table(mukca_dataset_builder *b, const char *path)
     if (dot && dot != s.stem) *dot = '\0';
     b->data->by_command |= s.rows.by_command;
     check_columns(&s.rows);
-    if (b->threads > 1) mukca_table_read_ahead(&s.rows.table);
+    if (b->options->threads > 1) mukca_table_read_ahead(&s.rows.table);
     mukca_table_stop(&s.rows.table, mukca_build_file(b, path));
     read_rows(b, &s);
     free(s.written);
@@ -330,7 +332,7 @@ static mukca_status drop_unfinished(const mukca_dataset_builder *b)
         if (*text && left == 0)
             status = mukca_fail(b->error, MUKCA_INPUT, "%s", text);
         else if (*text)
-            mukca_note_format(b->notes, "%s; %s not used", text,
+            mukca_note_format(b->options->notes, "%s; %s not used", text,
                               whole ? "the placement is" : "the socket is");
     }
     if (status == MUKCA_OK && left < d->n_rows) status = mukca_dataset_keep(d, keep, b->error);
@@ -354,14 +356,8 @@ mukca_status mukca_dataset_load(mukca_dataset *data, const mukca_chain *chain,
 {
     const mukca_dataset_options defaults = {0};
     if (!options) options = &defaults;
-    mukca_dataset_builder b = {.data = data,
-                               .chain = chain,
-                               .format = options->format,
-                               .notes = options->notes,
-                               .error = error,
-                               .distance_sigma = options->distance_sigma,
-                               .threads = options->threads,
-                               .payload = NAN};
+    mukca_dataset_builder b = {
+        .data = data, .chain = chain, .options = options, .error = error, .payload = NAN};
     memset(data, 0, sizeof *data);
     data->n_joints = chain->n_joints;
     mukca_status status = MUKCA_OK;

@@ -128,16 +128,17 @@ static void note_difference(const mukca_dataset_builder *b, const char *path, in
     path = mukca_file_shown(path);
     if (poses > rows)
         mukca_note_format(
-            b->notes, "%s: %d poses for %d rows; %d dropped, the rest paired by forward kinematics",
-            path, poses, rows, poses - rows);
+            b->options->notes,
+            "%s: %d poses for %d rows; %d dropped, the rest paired by forward kinematics", path,
+            poses, rows, poses - rows);
     if (poses < rows)
-        mukca_note_format(b->notes, "%s: %d poses for %d rows; %d rows have none", path, poses,
-                          rows, rows - poses);
+        mukca_note_format(b->options->notes, "%s: %d poses for %d rows; %d rows have none", path,
+                          poses, rows, rows - poses);
 }
 
 mukca_status mukca_pose_file_read(mukca_dataset_builder *b, const char *path, int first, int n)
 {
-    list l = {.length = b->format.length > 0 ? b->format.length : 1};
+    list l = {.length = b->options->format.length > 0 ? b->options->format.length : 1};
     mukca_pool pool = {0};
     mukca_geometry geometry;
     mukca_status status = mukca_table_read(path, NULL, 0, read_row, &l, b->error);
