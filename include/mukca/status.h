@@ -32,6 +32,13 @@ typedef void mukca_note_fn(void *context, const char *text);
 mukca_status mukca_fail(mukca_error *error, mukca_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
+/* Return the status of a call that fails from the calling function, which has nothing to free. */
+#define MUKCA_TRY(call)                                  \
+    do {                                                 \
+        const mukca_status mukca_tried = (call);         \
+        if (mukca_tried != MUKCA_OK) return mukca_tried; \
+    } while (0)
+
 #ifdef __cplusplus
 }
 #endif

@@ -277,11 +277,10 @@ mukca_status mukca_accept(mukca_offsets *table, const mukca_accept_task *task, m
     mukca_acceptance *a = &table->acceptance;
     mukca_tip_error tip;
     mukca_difference held = {.before_m = NAN, .after_m = NAN};
-    mukca_status status = mukca_tip_change_judge(table, &task->change, error);
-    if (status == MUKCA_OK) status = mukca_tip_error_expect(&tip, &task->change, error);
-    if (status == MUKCA_OK && task->held)
-        status = mukca_difference_find(&held, task->before, task->after, task->held, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(mukca_tip_change_judge(table, &task->change, error));
+    MUKCA_TRY(mukca_tip_error_expect(&tip, &task->change, error));
+    if (task->held)
+        MUKCA_TRY(mukca_difference_find(&held, task->before, task->after, task->held, error));
     a->given = a->accepted = true;
     a->reason[0] = '\0';
     a->error_nominal_m = held.postures ? held.before_m : (double)NAN;

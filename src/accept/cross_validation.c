@@ -122,8 +122,7 @@ mukca_status mukca_fit_cross_validate(mukca_cross_validation *r, const mukca_fit
     inner.solver = NULL;
     inner.parameters_only = true;
     *r = (mukca_cross_validation){.held = tested ? test : &r->data};
-    if (!tested) status = mukca_part_take(&r->data, data, MUKCA_MOST_SAMPLES, error);
-    if (status != MUKCA_OK) return status;
+    if (!tested) MUKCA_TRY(mukca_part_take(&r->data, data, MUKCA_MOST_SAMPLES, error));
     r->before = MUKCA_TAKE(&r->pool, double, r->held->n_rows);
     r->after = MUKCA_TAKE(&r->pool, double, r->held->n_rows);
     if (r->pool.failed)

@@ -33,7 +33,7 @@ static bool same_group(const mukca_dataset *d, int a, int b)
  * errors. */
 static mukca_status take_postures(mukca_arm_posterior *p, mukca_error *error)
 {
-    mukca_dataset *d = &p->data, means;
+    mukca_dataset *d = &p->data;
     const int n = d->n_joints;
     int *posture = MUKCA_TAKE(&p->pool, int, d->n_rows),
         *count = MUKCA_TAKE(&p->pool, int, d->n_rows);
@@ -51,11 +51,7 @@ static mukca_status take_postures(mukca_arm_posterior *p, mukca_error *error)
         if (d->socket[row] < 0 && position)
             add_to_mean(d->position + 3 * (size_t)k, position, 3, count[k]);
     }
-    const mukca_status status = mukca_dataset_subset(&means, d, keep, error);
-    if (status != MUKCA_OK) return status;
-    mukca_dataset_free(d);
-    *d = means;
-    return MUKCA_OK;
+    return mukca_dataset_reduce(d, keep, error);
 }
 
 /* Leave out the distances that the nominal arm misses by a wrong label, unless no other is left:
@@ -120,13 +116,11 @@ static mukca_status create(mukca_arm_posterior *p, const mukca_tip_change_task *
         mukca_chain_remove_first(&p->chain);
         p->skip = MUKCA_PARAMETERS;
     }
-    mukca_status status = mukca_part_take(&p->data, task->data, MUKCA_MOST_SAMPLES, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(mukca_part_take(&p->data, task->data, MUKCA_MOST_SAMPLES, error));
     free(p->data.quaternion); /* their convention may be wrong */
     free(p->data.effort);     /* the table's effects are for the model's masses */
     p->data.quaternion = p->data.effort = NULL;
-    status = take_postures(p, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(take_postures(p, error));
     const bool tool = task->tool_frame || p->data.n_targets > 0;
     return mukca_regression_create(
         &p->m, &p->chain, &p->data,
@@ -141,8 +135,7 @@ static mukca_status create(mukca_arm_posterior *p, const mukca_tip_change_task *
 mukca_status mukca_arm_posterior_fit(mukca_arm_posterior *p, const mukca_tip_change_task *task,
                                      mukca_error *error)
 {
-    const mukca_status status = create(p, task, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(create(p, task, error));
     p->weight = MUKCA_TAKE(&p->pool, double, p->data.n_rows);
     p->residual = MUKCA_TAKE(&p->pool, double[3], p->data.n_rows);
     if (p->pool.failed || !add_table(p)) return mukca_fail(error, MUKCA_MEMORY, "out of memory");

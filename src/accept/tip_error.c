@@ -192,8 +192,7 @@ static mukca_status predict_all(mukca_tip_error *out, mukca_arm_posterior *p,
     const mukca_offsets *to = p->task->to;
     bool drawn = draw(out, p, here, MUKCA_HERE) && draw(out, p, &p->chain, MUKCA_ELSEWHERE);
     const int n = list_smooth(smooth, to->effects, to->n_effects, &p->chain);
-    const mukca_status status = mukca_arm_posterior_extend(&evidence, p, smooth, n, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(mukca_arm_posterior_extend(&evidence, p, smooth, n, error));
     const double own = out->exact_m;
     out->lacking_m = NAN;
     if (evidence > least_evidence) {

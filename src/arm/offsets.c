@@ -130,10 +130,9 @@ mukca_status mukca_offsets_parse(mukca_offsets *offsets, mukca_offsets_origin *o
 mukca_status mukca_corrected_load(mukca_corrected *model, const char *path, mukca_error *error)
 {
     char *text;
-    mukca_status status = mukca_file_read(&text, path, error);
-    if (status != MUKCA_OK) return status;
-    status = mukca_corrected_parse_named(model, (mukca_bytes){text, strlen(text)},
-                                         mukca_file_shown(path), 0, error);
+    MUKCA_TRY(mukca_file_read(&text, path, error));
+    const mukca_status status = mukca_corrected_parse_named(
+        model, (mukca_bytes){text, strlen(text)}, mukca_file_shown(path), 0, error);
     free(text);
     return status;
 }

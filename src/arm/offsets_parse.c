@@ -153,13 +153,12 @@ static mukca_status check_comments(reader *r)
     if (r->chain->n_elements == 0)
         return fail(
             r, "no offsets table, or one of an older version: it lacks the `# element:` lines");
-    const mukca_status status = into->check ? into->check(r->origin, r->chain, r->error) : MUKCA_OK;
-    if (status == MUKCA_OK && a->given && !a->accepted &&
-        !(r->origin->accept & MUKCA_ACCEPT_FAILED))
+    if (into->check) MUKCA_TRY(into->check(r->origin, r->chain, r->error));
+    if (a->given && !a->accepted && !(r->origin->accept & MUKCA_ACCEPT_FAILED))
         return fail(r,
                     "this calibration did not pass: %.150s (--accept-failed uses it nevertheless)",
                     a->reason);
-    return status;
+    return MUKCA_OK;
 }
 
 /* Compare all lines with the digest among them; a table of an older version has none. */
@@ -211,10 +210,7 @@ static mukca_status read_sigma(double *sigma, const reader *r)
 /* Read nominal, calibrated and offset, which must agree. */
 static mukca_status read_values(double value[OFFSET + 1], const reader *r)
 {
-    for (int c = NOMINAL; c <= OFFSET; c++) {
-        mukca_status status = read_number(&value[c], r, c);
-        if (status != MUKCA_OK) return status;
-    }
+    for (int c = NOMINAL; c <= OFFSET; c++) MUKCA_TRY(read_number(&value[c], r, c));
     if (!(fabs(value[NOMINAL] + value[OFFSET] - value[CALIBRATED]) <= 1e-9))
         return fail_cell(r, CALIBRATED, "is not nominal + offset");
     for (int c = CALIBRATED; c <= OFFSET; c++) /* either may be applied */
@@ -252,9 +248,8 @@ static mukca_status read_parameter(reader *r, int parameter)
     const int i = MUKCA_PARAMETERS * element + parameter;
     double value[OFFSET + 1];
     if (into->listed[i]) return fail_cell(r, PARAMETER, "this parameter comes twice");
-    mukca_status status = check_unit(r, parameter < 3 ? "m" : "rad");
-    if (status == MUKCA_OK) status = read_values(value, r);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(check_unit(r, parameter < 3 ? "m" : "rad"));
+    MUKCA_TRY(read_values(value, r));
     /* here theta still has the chain's nominal value */
     into->theta[i] =
         value[NOMINAL] == into->theta[i] ? value[CALIBRATED] : into->theta[i] + value[OFFSET];
@@ -296,9 +291,8 @@ static mukca_status read_effect(reader *r, int kind)
     const char *unit = mukca_effect_table[kind]->unit; /* older tables: of a turning joint */
     if (r->column[UNIT] >= 0 && strcmp(r->cell[r->column[UNIT]], unit) != 0)
         unit = mukca_effect_unit(effect, r->chain);
-    mukca_status status = check_unit(r, unit);
-    if (status == MUKCA_OK) status = read_values(value, r);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(check_unit(r, unit));
+    MUKCA_TRY(read_values(value, r));
     effect->coefficient[term] = value[CALIBRATED];
     if (!into->rest) return MUKCA_OK;
     return read_sigma(&into->rest->effect_sigma[effect - into->effects][term], r);
@@ -320,8 +314,7 @@ static mukca_status read_content(reader *r)
     if (r->n_cells == 0) {
         const int number = r->lines.number;
         r->lines.number = 0;
-        const mukca_status status = check_comments(r);
-        if (status != MUKCA_OK) return status;
+        MUKCA_TRY(check_comments(r));
         r->lines.number = number;
         mukca_chain_theta(r->into->theta, r->chain);
         return read_header(r);
@@ -359,16 +352,14 @@ mukca_status mukca_offsets_parse_into(const mukca_offsets_target *into,
     while (mukca_lines_next(&r.lines)) {
         const char *first = r.lines.line + strspn(r.lines.line, " \t");
         const bool is_comment = *first == '#';
-        mukca_status status = MUKCA_OK;
         digest_line(&r);
         if (!*first || (is_comment && r.n_cells > 0)) continue;
         if (is_comment)
-            status = read_comment(&r);
+            MUKCA_TRY(read_comment(&r));
         else if (!r.lines.whole)
-            status = fail(&r, "the line is longer than a table's may be");
+            return fail(&r, "the line is longer than a table's may be");
         else
-            status = read_content(&r);
-        if (status != MUKCA_OK) return status;
+            MUKCA_TRY(read_content(&r));
     }
     if (into->rest) into->rest->n_placements = r.n_placements;
     r.lines.number = 0;

@@ -126,8 +126,7 @@ mukca_status mukca_tip_change_judge(mukca_offsets *to, const mukca_tip_change_ta
     double nominal[MUKCA_MAX_THETA];
     mukca_tip_change change;
     mukca_chain_theta(nominal, task->chain);
-    const mukca_status status = mukca_tip_change_find(&change, task, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(mukca_tip_change_find(&change, task, error));
     a->tip_change_m = change.m, a->size_change = change.size;
     a->largest_offset_m = a->largest_offset_rad = 0;
     for (int i = 0; i < MUKCA_PARAMETERS * task->chain->n_elements; i++) {

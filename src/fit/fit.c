@@ -56,8 +56,7 @@ static mukca_status mark_list(unsigned char *mark, const mukca_chain *chain, con
             return mukca_fail(error, MUKCA_USAGE,
                               "parameter list: an empty or overlong item; write "
                               "joint, parameter or joint.parameter, with commas");
-        mukca_status status = mark_item(mark, chain, item, value, error);
-        if (status != MUKCA_OK) return status;
+        MUKCA_TRY(mark_item(mark, chain, item, value, error));
     }
     return MUKCA_OK;
 }
@@ -72,11 +71,8 @@ mukca_status mukca_parameters_select(mukca_parameters *parameters, const mukca_c
         if (mukca_parameters_standard(chain, k) &&
             (!list || adds || mukca_element_is_frame(&chain->element[k])))
             memset(mark + MUKCA_PARAMETERS * k, 1, MUKCA_PARAMETERS);
-    mukca_status status = MUKCA_OK;
-    if (list) status = mark_list(mark, chain, list + adds, 1, error);
-    if (status == MUKCA_OK && selection->freeze)
-        status = mark_list(mark, chain, selection->freeze, 0, error);
-    if (status != MUKCA_OK) return status;
+    if (list) MUKCA_TRY(mark_list(mark, chain, list + adds, 1, error));
+    MUKCA_TRY(mark_list(mark, chain, selection->freeze, 0, error));
     mukca_parameters_set(parameters, chain, mark, selection->regularise_tip);
     if (parameters->n == 0)
         return mukca_fail(error, MUKCA_USAGE,
@@ -113,8 +109,7 @@ static mukca_status take_workspace(workspace *w, mukca_fit *fit, const mukca_dat
 {
     options.theta = fit->theta;
     if (data->n_rows > MUKCA_MOST_SAMPLES) {
-        const mukca_status status = mukca_part_take(&w->samples, data, MUKCA_MOST_SAMPLES, error);
-        if (status != MUKCA_OK) return status;
+        MUKCA_TRY(mukca_part_take(&w->samples, data, MUKCA_MOST_SAMPLES, error));
         mukca_cost_setup(&w->part, &w->pool, &fit->chain, &fit->parameters, &w->samples, &options);
         options.part = &w->part;
         fit->n_part = w->samples.n_rows;
@@ -137,14 +132,12 @@ static mukca_status minimise(mukca_fit *fit, workspace *w, const mukca_fit_optio
     mukca_parameters_pack(x, &fit->parameters, fit->theta);
     mukca_cost_hold(cost, x);
     if (options->start) mukca_parameters_pack(x, &fit->parameters, options->start);
-    mukca_status status = MUKCA_OK;
     if (fit->n_part) { /* from the minimum of the part, few evaluations of all are left */
         mukca_cost_hold(&w->part, x);
-        status = solver->run(x, &fit->outcome, &w->part, solver, &options->limits, error);
+        MUKCA_TRY(solver->run(x, &fit->outcome, &w->part, solver, &options->limits, error));
     }
-    if (status == MUKCA_OK && fit->outcome.stop != MUKCA_STOP_STOPPED)
-        status = solver->run(x, &fit->outcome, cost, solver, &options->limits, error);
-    if (status != MUKCA_OK) return status;
+    if (fit->outcome.stop != MUKCA_STOP_STOPPED)
+        MUKCA_TRY(solver->run(x, &fit->outcome, cost, solver, &options->limits, error));
     if (fit->outcome.stop == MUKCA_STOP_STOPPED)
         return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted; nothing was written");
     mukca_parameters_unpack(fit->theta, &fit->parameters, x);
@@ -154,21 +147,16 @@ static mukca_status minimise(mukca_fit *fit, workspace *w, const mukca_fit_optio
 mukca_status mukca_fit_run(mukca_fit *fit, const mukca_chain *chain, const mukca_dataset *data,
                            const mukca_fit_options *options, mukca_error *error)
 {
-    workspace *w = NULL;
-    mukca_status status;
     memset(fit, 0, sizeof *fit);
     if (data->n_rows < 1) return mukca_fail(error, MUKCA_INPUT, "there are no rows to fit");
-    status =
-        mukca_chain_with_frames(&fit->chain, chain, options->free_base, options->free_tool, error);
-    if (status == MUKCA_OK)
-        status = mukca_parameters_select(&fit->parameters, &fit->chain, &options->selection, error);
-    if (status == MUKCA_OK)
-        status = mukca_frames_start(fit->theta, &fit->chain, data, options->free_base,
-                                    options->free_tool, error);
-    if (status != MUKCA_OK) return status;
-    w = calloc(1, sizeof *w);
+    MUKCA_TRY(
+        mukca_chain_with_frames(&fit->chain, chain, options->free_base, options->free_tool, error));
+    MUKCA_TRY(mukca_parameters_select(&fit->parameters, &fit->chain, &options->selection, error));
+    MUKCA_TRY(mukca_frames_start(fit->theta, &fit->chain, data, options->free_base,
+                                 options->free_tool, error));
+    workspace *w = calloc(1, sizeof *w);
     if (!w) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    status = take_workspace(w, fit, data, options->cost, error);
+    mukca_status status = take_workspace(w, fit, data, options->cost, error);
     if (status == MUKCA_OK) status = minimise(fit, w, options, error);
     mukca_pool_free(&w->pool);
     mukca_dataset_free(&w->samples);

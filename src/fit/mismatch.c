@@ -306,8 +306,7 @@ mukca_status mukca_mismatch_find(mukca_mismatch *mismatch, const mukca_chain *ch
     mukca_dataset part = {0};
     mukca_pool pool = {0};
     *mismatch = (mukca_mismatch){.before_m = NAN};
-    const mukca_status status = mukca_part_take(&part, data, MOST_SAMPLES, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(mukca_part_take(&part, data, MOST_SAMPLES, error));
     const size_t rows = (size_t)part.n_rows;
     search s = {
         .chain = chain,

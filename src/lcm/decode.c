@@ -94,8 +94,7 @@ static mukca_status decode_struct(decoder *d, int t, int depth, unsigned mask)
         const mukca_lcm_field *field = &d->types->field[type->first_field + i];
         unsigned here = 0;
         size_t count;
-        mukca_status status = count_elements(d, field, value, &count);
-        if (status != MUKCA_OK) return status;
+        MUKCA_TRY(count_elements(d, field, value, &count));
         for (int r = 0; r < MUKCA_LCM_ROLES; r++)
             if (mask >> r & 1u && d->role[r][depth] == i) here |= 1u << r;
         if (field->primitive != MUKCA_LCM_NESTED && field->primitive != MUKCA_LCM_STRING) {
@@ -104,21 +103,19 @@ static mukca_status decode_struct(decoder *d, int t, int depth, unsigned mask)
                 count > d->wire.left / size ? NULL : mukca_lcm_wire_bytes(&d->wire, count * size);
             if (!at) return fail(d, field, "is cut off");
             value[i] = count ? read_integer(at, field->primitive) : 0;
-            for (size_t k = 0; k < count && here && !status; k++)
-                status = keep(d, field, here, at + k * size);
-            if (status != MUKCA_OK) return status;
+            for (size_t k = 0; k < count && here; k++)
+                MUKCA_TRY(keep(d, field, here, at + k * size));
             continue;
         }
         for (size_t k = 0; k < count; k++) {
             if (d->steps-- == 0) return fail(d, field, "has too many entries");
             const char *text = NULL;
             if (field->primitive == MUKCA_LCM_NESTED)
-                status = decode_struct(d, field->nested, depth + 1, here);
+                MUKCA_TRY(decode_struct(d, field->nested, depth + 1, here));
             else if (!(text = mukca_lcm_wire_text(&d->wire)))
                 return fail(d, field, "is no text that fits");
             else if (here)
-                status = keep(d, field, here, (const unsigned char *)text);
-            if (status != MUKCA_OK) return status;
+                MUKCA_TRY(keep(d, field, here, (const unsigned char *)text));
         }
     }
     return MUKCA_OK;
@@ -147,8 +144,7 @@ mukca_status mukca_lcm_decode_joints(mukca_lcm_joints *joints, const mukca_lcm_t
     unsigned mask = 0;
     for (int r = 0; r < MUKCA_LCM_ROLES; r++)
         if (d.role[r][0] >= 0) mask |= 1u << r;
-    mukca_status status = decode_struct(&d, type, 0, mask);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(decode_struct(&d, type, 0, mask));
     if (d.wire.left)
         return mukca_fail(error, MUKCA_INPUT, "malformed message: %zu bytes left over",
                           d.wire.left);

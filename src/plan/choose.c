@@ -82,8 +82,7 @@ mukca_status mukca_planner_create(mukca_planner *p, int candidates, int rows,
 {
     mukca_plan_state *s = &p->state;
     memset(p, 0, sizeof *p);
-    mukca_status status = mukca_plan_state_create(s, task, options, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(mukca_plan_state_create(s, task, options, error));
     p->task = task;
     p->poses = MUKCA_TAKE(&s->pool, mukca_plan_pose, candidates);
     p->spare = MUKCA_TAKE(&s->pool, double, 3 * s->groups.size);

@@ -85,16 +85,13 @@ static mukca_status run(mukca_plan *plan, mukca_planner *p, const mukca_plan_tas
     mukca_plan_state *s = &p->state;
     const int rows = options->rows > 0 ? options->rows : DEFAULT_ROWS;
     const int candidates = options->n_effects > 0 ? CANDIDATES_OF_CAUSES : CANDIDATES;
-    mukca_status status =
-        mukca_planner_create(p, task->n_sockets * candidates, rows, task, options, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(mukca_planner_create(p, task->n_sockets * candidates, rows, task, options, error));
     const double weak = mukca_plan_strength(s);
     *plan = (mukca_plan){.n_recorded = p->n_recorded,
                          .rows = calloc((size_t)rows, sizeof *plan->rows),
                          .expected_before = mukca_plan_expected(s)};
     if (!plan->rows) return mukca_fail(error, MUKCA_MEMORY, "out of memory while planning");
-    status = find_candidates(p, candidates, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(find_candidates(p, candidates, error));
     mukca_plan_choose(p, rows);
     if (mukca_plan_stopped(p)) return mukca_fail(error, MUKCA_INTERRUPTED, "interrupted");
     plan->n_rows = p->n_chosen;
@@ -113,11 +110,10 @@ mukca_status mukca_plan_run(mukca_plan *plan, const mukca_plan_task *task,
                             const mukca_plan_options *options, mukca_error *error)
 {
     memset(plan, 0, sizeof *plan);
-    mukca_status status = check(task->chain, options, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(check(task->chain, options, error));
     mukca_planner *p = calloc(1, sizeof *p);
     if (!p) return mukca_fail(error, MUKCA_MEMORY, "out of memory while planning");
-    status = run(plan, p, task, options, error);
+    const mukca_status status = run(plan, p, task, options, error);
     mukca_pool_free(&p->state.pool);
     free(p);
     if (status != MUKCA_OK) mukca_plan_free(plan);
@@ -139,8 +135,7 @@ mukca_status mukca_plan_payload(double *payload, mukca_plan *plan, const mukca_p
     for (size_t i = 0; i < sizeof masses / sizeof *masses && masses[i] <= arm_kg / 3; i++) {
         mukca_plan tried;
         loaded.payload = masses[i];
-        const mukca_status status = mukca_plan_run(&tried, task, &loaded, error);
-        if (status != MUKCA_OK) return status;
+        MUKCA_TRY(mukca_plan_run(&tried, task, &loaded, error));
         if (tried.evidence_after >= MUKCA_PLAN_NAME) {
             mukca_plan_free(plan);
             *plan = tried;

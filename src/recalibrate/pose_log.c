@@ -46,8 +46,7 @@ static mukca_status keep_measured(mukca_dataset *d, mukca_error *error)
 
 mukca_status mukca_pose_log_prepare(mukca_dataset *d, mukca_error *error)
 {
-    const mukca_status status = keep_measured(d, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(keep_measured(d, error));
     const size_t count = (size_t)d->n_rows * (size_t)d->n_joints;
     if (!d->velocity) {
         d->velocity = malloc((count + 1) * sizeof *d->velocity);

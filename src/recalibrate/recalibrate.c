@@ -40,15 +40,15 @@ static mukca_status fit_offsets(session *s, bool lengths, mukca_error *error)
     options.parameters_only = !lengths;
     if (!lengths) s->part.position = NULL;
     restrict_to(&options, s, lengths);
-    mukca_status status = mukca_fit_run(fit, &out->split.chain, &s->part, &options, error);
+    const mukca_status status = mukca_fit_run(fit, &out->split.chain, &s->part, &options, error);
     s->part.position = position;
-    if (status == MUKCA_OK && lengths)
-        status = mukca_frames_start(out->start, &fit->chain, &s->part, options.free_base,
-                                    options.free_tool, error);
-    if (status == MUKCA_OK)
-        mukca_geometry_set(&out->stage[lengths ? MUKCA_WITH_LENGTHS : MUKCA_WITH_ANGLES],
-                           &fit->chain, fit->theta);
-    return status;
+    MUKCA_TRY(status);
+    if (lengths)
+        MUKCA_TRY(mukca_frames_start(out->start, &fit->chain, &s->part, options.free_base,
+                                     options.free_tool, error));
+    mukca_geometry_set(&out->stage[lengths ? MUKCA_WITH_LENGTHS : MUKCA_WITH_ANGLES], &fit->chain,
+                       fit->theta);
+    return MUKCA_OK;
 }
 
 /* Weight of the regularisation for the most probable arm: noise^2 / (samples * prior size^2). */
@@ -67,17 +67,14 @@ static mukca_status fit_all(session *s, mukca_error *error)
     mukca_fit *fit = &out->all;
     mukca_fit_options *options = &out->options;
     double nominal[MUKCA_MAX_FREE], start[MUKCA_MAX_FREE];
-    mukca_status status = MUKCA_OK;
-    for (int round = 0; round < 3 && status == MUKCA_OK; round++) {
+    for (int round = 0; round < 3; round++) {
         mukca_fit_options warm = *options;
         if (round) warm.start = memcpy(start, fit->theta, sizeof start);
-        status = mukca_fit_run(fit, s->arm, round < 2 ? &s->part : s->rows, &warm, error);
+        MUKCA_TRY(mukca_fit_run(fit, s->arm, round < 2 ? &s->part : s->rows, &warm, error));
         if (round < 2) options->cost.lambda = weight_of_prior(fit, s->rows->n_rows);
     }
-    if (status == MUKCA_OK)
-        status = mukca_frames_start(nominal, &fit->chain, s->rows, options->free_base,
-                                    options->free_tool, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(mukca_frames_start(nominal, &fit->chain, s->rows, options->free_base,
+                                 options->free_tool, error));
     mukca_geometry_set(&out->stage[MUKCA_BEFORE], &fit->chain, nominal);
     mukca_geometry_set(&out->stage[MUKCA_WITH_ALL], &fit->chain, fit->theta);
     return MUKCA_OK;
@@ -90,9 +87,9 @@ static mukca_status check_number(session *s, mukca_error *error)
     mukca_parameters parameters;
     const int rows = s->rows->n_rows, per_pose = s->oriented ? 6 : 3;
     restrict_to(&options, s, true);
-    const mukca_status status =
-        mukca_parameters_select(&parameters, &s->out->split.chain, &options.selection, error);
-    if (status != MUKCA_OK || per_pose * rows >= parameters.n) return status;
+    MUKCA_TRY(
+        mukca_parameters_select(&parameters, &s->out->split.chain, &options.selection, error));
+    if (per_pose * rows >= parameters.n) return MUKCA_OK;
     return mukca_fail(error, MUKCA_UNIDENTIFIABLE,
                       "%d poses give %d equations for %d unknowns; record at least %d", rows,
                       per_pose * rows, parameters.n, parameters.n / per_pose + 1);
@@ -182,19 +179,16 @@ mukca_status mukca_recalibrate(mukca_recalibration *out, const mukca_chain *arm,
     memset(out, 0, sizeof *out);
     out->options = *options;
     out->has_angles = s.oriented;
-    mukca_status status = mukca_split_arm_set(&out->split, arm, error);
-    if (status == MUKCA_OK) status = check_number(&s, error);
-    if (status == MUKCA_OK)
-        status = mukca_lag_find(&out->lag, &out->lag_score, arm, log, options, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(mukca_split_arm_set(&out->split, arm, error));
+    MUKCA_TRY(check_number(&s, error));
+    MUKCA_TRY(mukca_lag_find(&out->lag, &out->lag_score, arm, log, options, error));
     mukca_pose_log_shift(log, out->lag);
     free(log->velocity); /* memory for the fit */
     log->velocity = NULL;
-    status = fit_stages(&s, log, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(fit_stages(&s, log, error));
     judge(out);
     if (!robust && !(out->tail > tailed)) return MUKCA_OK;
-    status = fit_trimmed(&s, log, robust, error);
+    const mukca_status status = fit_trimmed(&s, log, robust, error);
     /* else too few samples are left: the verdict is that of all */
     return robust || status == MUKCA_MEMORY || status == MUKCA_INTERRUPTED ? status : MUKCA_OK;
 }

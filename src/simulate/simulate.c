@@ -152,9 +152,7 @@ static mukca_status begin(recorder *r, mukca_dataset *data, int rows, int placem
         if (!effect->variant.to_command) r->lag += effect->coefficient[0];
     }
     if (compared && r->lag == 0) r->lag = 1e-3;
-    mukca_status status =
-        mukca_dataset_create(data, rows, (int)n, 2 * placements, placements, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(mukca_dataset_create(data, rows, (int)n, 2 * placements, placements, error));
     if (!add_column(&data->time, true, count) || !add_column(&data->payload, loaded, count) ||
         !add_column(&data->effort, r->options.effort, count * n) ||
         !add_column(&data->command, r->options.command, count * n))
