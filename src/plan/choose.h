@@ -43,7 +43,7 @@ bool mukca_plan_draw_near(double *q, double spread, const double centre[3],
 /* Whether two postures differ by at least 0.2 rad or m in some joint. */
 bool mukca_plan_differs(const double *a, const double *b, int n_joints);
 
-/* ---- unknowns and their derivatives (design.c) ---- */
+/* ---- unknowns, and information of samples on them (state.c) ---- */
 
 enum { MUKCA_PLAN_MOST_UNKNOWNS = MUKCA_MAX_FREE + MUKCA_MAX_EFFECTS * MUKCA_MAX_TERMS };
 
@@ -57,16 +57,6 @@ typedef struct {
     mukca_effect effects[MUKCA_MAX_EFFECTS];
     double sigma[MUKCA_PLAN_MOST_UNKNOWNS]; /* prior; of parameters mukca_prior_expected */
 } mukca_plan_unknowns;
-
-/* theta[6 * n_elements] (NULL: nominal), and effects[n]; `chain` must outlive the unknowns. */
-void mukca_plan_unknowns_set(mukca_plan_unknowns *unknowns, const mukca_chain *chain,
-                             const double *theta, const mukca_effect *effects, int n);
-
-/* H[3][n + 1]: derivatives of the tip by the unknowns, per sigma, and minus its position, m. */
-void mukca_plan_derive(double *H, const mukca_plan_unknowns *unknowns,
-                       const mukca_joint_state *state);
-
-/* ---- information of samples (state.c) ---- */
 
 /* A pose in a socket with its design H[3][n + 1]: the rows of a position, by geometry and causes
  * per prior sigma. */
@@ -99,8 +89,9 @@ typedef struct {
 mukca_status mukca_plan_state_create(mukca_plan_state *s, const mukca_plan_task *task,
                                      const mukca_plan_options *options, mukca_error *error);
 
-/* Design H of posture q; `before` is the preceding posture, may be NULL. */
-void mukca_plan_design(double *H, mukca_plan_state *s, const double *q, int place,
+/* Design H[3][n + 1] of posture q: derivatives of the tip by the unknowns, per sigma, and minus its
+ * position, m; `before` is the preceding posture, may be NULL. */
+void mukca_plan_design(double *H, const mukca_plan_state *s, const double *q, int place,
                        const double *before);
 
 /* Add a sample at `socket` (sign 1) or remove it (sign -1).  Call mukca_plan_state_refresh before

@@ -1,9 +1,12 @@
-/* Information of samples: gains of further ones, expected errors. */
+/* Unknowns of a plan, the derivatives of the tip by them, and the information of samples: gains of
+ * further ones, expected errors. */
 #include <math.h>
 #include <string.h>
 
+#include "arm/tip_change.h"
 #include "math/dense.h"
 #include "math/stats.h"
+#include "model/prior.h"
 #include "plan/choose.h"
 
 enum { WIDE = 8 }; /* row stride of three right-hand sides: solved as fast as two */
@@ -12,6 +15,76 @@ enum {
     SPOTS = 50,
     POSES = 12
 }; /* points, and postures at each: enough for their mean within a few % */
+
+/* ---- unknowns and derivatives ---- */
+
+/* Prior standard deviation of a cause relative to its stated size: wide, so that the data
+ * dominate. */
+static const double prior_cause = 30;
+
+static void set_unknowns(mukca_plan_unknowns *at, const mukca_chain *chain, const double *theta,
+                         const mukca_effect *effects, int n)
+{
+    const int tool = mukca_chain_tip_element(chain);
+    at->chain = chain;
+    mukca_parameters_set(&at->parameters, chain, NULL, false);
+    for (; at->n < at->parameters.n; at->n++) {
+        const int k = at->parameters.index[at->n];
+        at->sigma[at->n] = mukca_prior_sigma(&mukca_prior_expected, k % MUKCA_PARAMETERS,
+                                             k / MUKCA_PARAMETERS == tool);
+    }
+    mukca_chain_theta(at->theta, chain);
+    if (theta)
+        memcpy(at->theta, theta, (size_t)(MUKCA_PARAMETERS * chain->n_elements) * sizeof *theta);
+    mukca_geometry_set(&at->geometry, chain, at->theta);
+    for (; at->n_effects < n; at->n_effects++) {
+        mukca_effect *e = &at->effects[at->n_effects];
+        double size = 0;
+        *e = effects[at->n_effects];
+        e->terms = mukca_effect_terms(e);
+        for (int t = 0; t < e->terms; t++) size = hypot(size, e->coefficient[t]);
+        for (int t = 0; t < e->terms; t++) at->sigma[at->n++] = prior_cause * size;
+    }
+}
+
+/* Columns of the coefficients: the displacement by a small part of each sigma. */
+static void add_effects(double *H, const mukca_plan_unknowns *at, const mukca_joint_state *state,
+                        const double position[3])
+{
+    const double part = 1.0 / 32;
+    for (int e = 0, c = at->parameters.n; e < at->n_effects; e++) {
+        mukca_effect one = at->effects[e];
+        memset(one.coefficient, 0, sizeof one.coefficient);
+        for (int t = 0; t < one.terms; t++, c++) {
+            mukca_frame tip;
+            one.coefficient[t] = part * at->sigma[c];
+            mukca_tip_pose(&tip, &one, 1, at->chain, &at->geometry, state);
+            one.coefficient[t] = 0;
+            for (int a = 0; a < 3; a++) H[a * (at->n + 1) + c] = (tip.p[a] - position[a]) / part;
+        }
+    }
+}
+
+void mukca_plan_design(double *H, const mukca_plan_state *s, const double *q, int place,
+                       const double *before)
+{
+    const mukca_plan_unknowns *at = &s->at;
+    double move[MUKCA_MAX_JOINTS] = {0};
+    const mukca_joint_state state = {
+        .q = q, .move = move, .placement = place, .payload_kg = s->payload};
+    double J[3 * MUKCA_MAX_FREE], position[3];
+    const int all = MUKCA_PARAMETERS * at->chain->n_elements, size = at->n + 1;
+    for (int j = 0; j < at->chain->n_joints && before; j++) move[j] = q[j] - before[j];
+    mukca_fk_parameter_jacobian(J, position, &at->geometry, at->theta, q);
+    for (int a = 0; a < 3; a++) {
+        for (int i = 0; i < at->parameters.n; i++)
+            H[a * size + i] = J[a * all + at->parameters.index[i]] * at->sigma[i];
+        H[a * size + at->n] = -position[a];
+    }
+    if (at->n_effects) add_effects(H, at, &state, position);
+}
+
+/* ---- information ---- */
 
 /* The known distances: only their directions matter here.  An artefact is known by the labels of
  * its sockets. */
@@ -43,7 +116,7 @@ mukca_status mukca_plan_state_create(mukca_plan_state *s, const mukca_plan_task 
     memset(s, 0, sizeof *s);
     s->options = options;
     s->sockets = task->sockets;
-    mukca_plan_unknowns_set(&s->at, task->chain, task->theta, options->effects, options->n_effects);
+    set_unknowns(&s->at, task->chain, task->theta, options->effects, options->n_effects);
     const int n = s->at.n, terms = n - s->at.parameters.n, sockets = task->n_sockets;
     mukca_grouped_create(&s->groups, &s->pool, n, sockets, sockets * (sockets - 1) / 2);
     s->W = MUKCA_TAKE(&s->pool, double, n *n);
@@ -54,16 +127,6 @@ mukca_status mukca_plan_state_create(mukca_plan_state *s, const mukca_plan_task 
     set_pairs(s, task);
     mukca_plan_state_refresh(s);
     return MUKCA_OK;
-}
-
-void mukca_plan_design(double *H, mukca_plan_state *s, const double *q, int place,
-                       const double *before)
-{
-    double move[MUKCA_MAX_JOINTS] = {0};
-    const mukca_joint_state state = {
-        .q = q, .move = move, .placement = place, .payload_kg = s->payload};
-    for (int j = 0; j < s->at.chain->n_joints && before; j++) move[j] = q[j] - before[j];
-    mukca_plan_derive(H, &s->at, &state);
 }
 
 void mukca_plan_state_row(mukca_plan_state *s, double *H, int socket, int sign)
