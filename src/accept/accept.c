@@ -70,16 +70,6 @@ mukca_status mukca_difference_find(mukca_difference *d, const double *before, co
     return failed ? mukca_fail(error, MUKCA_MEMORY, "out of memory") : MUKCA_OK;
 }
 
-/* Whether the table changes the arm; one of a hand-eye calibration may have frames only, which must
- * not be worse than their start values. */
-static bool changes_arm(const mukca_offsets *table, const mukca_tip_change_task *task)
-{
-    bool any = table->n_effects > 0;
-    for (int i = 0; i < MUKCA_PARAMETERS * task->chain->n_elements; i++)
-        any |= table->listed[i] && !mukca_tip_change_is_frame(task, i / MUKCA_PARAMETERS);
-    return any;
-}
-
 /* Refuse for lack of an improvement: say what to do. */
 static void advise(mukca_acceptance *a, const mukca_tip_error *tip, const char *otherwise)
 {
@@ -298,7 +288,12 @@ mukca_status mukca_accept(mukca_offsets *table, const mukca_accept_task *task, m
     a->error_workspace_high_m = tip.high_m[MUKCA_ELSEWHERE];
     a->error_before_m = tip.before_m[MUKCA_ELSEWHERE];
     list_joints(a->at_rest, tip.at_rest, task->change.chain);
-    const bool changes = changes_arm(table, &task->change);
+    /* a table of a hand-eye calibration may have frames only, which must not be worse than their
+     * start values */
+    bool changes = table->n_effects > 0;
+    for (int i = 0; i < MUKCA_PARAMETERS * task->change.chain->n_elements; i++)
+        changes |=
+            table->listed[i] && !mukca_tip_change_is_frame(&task->change, i / MUKCA_PARAMETERS);
     const double turn = task->turn_rad > 0 ? task->turn_rad : turned(table, &task->change);
     if (judge_samples(a, task, &tip, changes, turn) && changes) judge_tip(a, &tip, &task->change);
     put_realigned(a, task);

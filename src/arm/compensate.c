@@ -26,16 +26,6 @@ void mukca_compensator_start(mukca_compensator *c, const mukca_corrected *arm, b
     mukca_row_state_start(&c->rows, arm->chain.n_joints);
 }
 
-/* Start a row with the intended angles; `reading` may be NULL. */
-static void begin_row(mukca_compensator *c, const double *q, const mukca_row_reading *reading)
-{
-    mukca_row_reading row = {.time = (double)NAN, .placement = -1, .number = c->rows.number + 1};
-    if (reading) row = *reading;
-    row.q = q;
-    row.command = NULL;
-    mukca_row_state_next(&c->rows, &row);
-}
-
 static void displace(mukca_displacement *displacement, const double *q, void *context)
 {
     mukca_compensator *c = context;
@@ -50,9 +40,13 @@ mukca_compensation mukca_compensate_joints(double *q, mukca_compensator *c,
     double meant[MUKCA_MAX_JOINTS], correction[MUKCA_MAX_JOINTS], before[MUKCA_MAX_JOINTS];
     mukca_frame target, uncorrected;
     mukca_displacement displacement = {0};
+    mukca_row_reading row = {.time = (double)NAN, .placement = -1, .number = c->rows.number + 1};
+    if (reading) row = *reading;
     memcpy(meant, q, (size_t)n * sizeof *q);
     mukca_fk_pose(&target, &c->nominal, meant, NULL);
-    begin_row(c, meant, reading);
+    row.q = meant;
+    row.command = NULL;
+    mukca_row_state_next(&c->rows, &row);
     displace(&displacement, meant, c);
     mukca_fk_pose(&uncorrected, &c->arm->geometry, meant, &displacement);
 

@@ -162,15 +162,20 @@ static double weigh(double *median, mukca_alignment *a, problem *p)
  * enough depends on how much the tool turns and how far it moves: the best result is kept. */
 enum { LINEAR, HAND_EYE, AT_FLANGE, STARTS = AT_FLANGE + 7 };
 
+static mukca_meeting meeting_of(const problem *p, double residual)
+{
+    return (mukca_meeting){.points = p->points,
+                           .n = p->n,
+                           .base = p->tracker,
+                           .tool = p->target,
+                           .pull = residual / TARGET_REACH,
+                           .per_radian = p->turned ? MUKCA_METRES_PER_RADIAN : 0};
+}
+
 /* Start in closed form, then Gauss-Newton; returns the rms residual, m. */
 static double solve(mukca_alignment *a, problem *p, int start)
 {
-    mukca_meeting meeting = {.points = p->points,
-                             .n = p->n,
-                             .base = p->tracker,
-                             .tool = p->target,
-                             .pull = MODEL_ERROR / TARGET_REACH,
-                             .per_radian = p->turned ? MUKCA_METRES_PER_RADIAN : 0};
+    mukca_meeting meeting = meeting_of(p, MODEL_ERROR);
     double R[MUKCA_MEETING_FACTOR], median, rms;
     for (int i = 0; i < p->n; i++) p->points[i].weight = 1;
     if (start == LINEAR) place_target(a, p);
@@ -203,12 +208,7 @@ static double solve(mukca_alignment *a, problem *p, int start)
 /* Mark what the residuals, m, leave open at the end. */
 static void find_open(mukca_alignment *a, const problem *p, double residual)
 {
-    const mukca_meeting meeting = {.points = p->points,
-                                   .n = p->n,
-                                   .base = p->tracker,
-                                   .tool = p->target,
-                                   .pull = residual / TARGET_REACH,
-                                   .per_radian = p->turned ? MUKCA_METRES_PER_RADIAN : 0};
+    const mukca_meeting meeting = meeting_of(p, residual);
     double R[MUKCA_MEETING_FACTOR], sigma[MUKCA_MEETING];
     const bool fits = residual < 2 * MODEL_ERROR; /* else they say nothing of the frames */
     mukca_alignment still = *a;

@@ -119,14 +119,6 @@ static mukca_score score_part(mukca_score score, const mukca_evaluation *e,
     return score;
 }
 
-/* Add a finite value to the sum and the count of a mean. */
-static void add(double *sum, int *count, double value)
-{
-    if (!isfinite(value)) return;
-    *sum += value;
-    ++*count;
-}
-
 /* Mean of each field over the scores that have it. */
 static mukca_score mean_score(const mukca_score *scores, int n)
 {
@@ -135,11 +127,10 @@ static mukca_score mean_score(const mukca_score *scores, int n)
     int count[4] = {0};
     for (int i = 0; i < n; i++) {
         const mukca_score *s = &scores[i];
+        const double value[4] = {s->mae, s->std, s->distance_error, s->rotation_error};
         mean.rows += s->rows;
-        add(&mean.mae, &count[0], s->mae);
-        add(&mean.std, &count[1], s->std);
-        add(&mean.distance_error, &count[2], s->distance_error);
-        add(&mean.rotation_error, &count[3], s->rotation_error);
+        for (int f = 0; f < 4; f++)
+            if (isfinite(value[f])) *field[f] += value[f], count[f]++;
     }
     for (int f = 0; f < 4; f++) *field[f] = count[f] ? *field[f] / count[f] : (double)NAN;
     return mean;

@@ -146,12 +146,10 @@ static void predict_window(mukca_observations *o)
     double *residual = mukca_observe_window(o->turn_residual, s);
     find_orientations(&o->sweep);
     for (int i = 0; i < s->rows; i++) {
-        double R[9], aim[9], off[9], w[3] = {0, 0, 0};
+        double R[9], aim[9], w[3] = {0, 0, 0};
         for (int c = 0; c < 9; c++) R[c] = s->Q[c * s->padded + i];
         mukca_rotation_from_quaternion(aim, o->aim + 4L * (s->from + i));
-        for (int r = 0; r < 3; r++) /* predicted times measured transposed */
-            for (int c = 0; c < 3; c++) off[3 * r + c] = mukca_dot3(R + 3 * r, aim + 3 * c);
-        if (o->turn_weight[s->from + i] > 0) mukca_rotation_log(w, off);
+        if (o->turn_weight[s->from + i] > 0) mukca_rotation_difference(w, R, aim);
         for (int a = 0; a < 3; a++) residual[a * s->padded + i] = MUKCA_METRES_PER_RADIAN * w[a];
     }
 }

@@ -26,15 +26,6 @@ static double reachable(const mukca_place *place, const mukca_chain *chain,
     return fmin(reached[0], reached[1]) / TRIES;
 }
 
-/* Distance to the nearest of the other placements determined so far, m; at most 10. */
-static double nearest(const mukca_place *places, int n_places, const double p[3])
-{
-    double best = 10;
-    for (int i = 0; i < n_places; i++)
-        if (places[i].placed) best = fmin(best, mukca_distance3(places[i].pose.p, p));
-    return best;
-}
-
 /* Draw a placement at the ball of a random posture, above the base plane if one of SEARCH tries
  * is. */
 static void draw(mukca_place *place, const mukca_chain *chain, const mukca_geometry *geometry,
@@ -79,7 +70,10 @@ mukca_status mukca_simulate_places(mukca_place *places, int n_places, const mukc
         int chosen = -1;
         double farthest = -1;
         for (int c = 0; c < CANDIDATES; c++) {
-            const double far = nearest(places, n_places, candidates[c].pose.p);
+            double far = 10; /* m, to the nearest of the others so far; at most this */
+            for (int k = 0; k < n_places; k++)
+                if (places[k].placed)
+                    far = fmin(far, mukca_distance3(places[k].pose.p, candidates[c].pose.p));
             if (reached[c] < 0.7 * best || far <= farthest) continue;
             farthest = far;
             chosen = c;
