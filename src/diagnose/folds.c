@@ -181,8 +181,7 @@ static void bootstrap(mukca_shrink *shrink, const mukca_folds *b, const double *
     const mukca_dataset *data = b->m->recording.data;
     double draw[DRAWS];
     int groups = data->n_sockets, n = 0, *start = b->start, *rows = b->row;
-    mukca_random random;
-    mukca_random_seed(&random, 20240917);
+    mukca_random random = mukca_random_seeded(20240917);
     const bool poses = groups == 0;
     if (poses) groups = 1;
     for (int s = 0; s < groups; s++) {

@@ -3,21 +3,15 @@
 
 #include <math.h>
 
-void mukca_random_seed(mukca_random *random, uint64_t seed)
+mukca_random mukca_random_seeded(uint64_t seed)
 {
-    *random = (mukca_random){0};
+    mukca_random random = {0};
     for (int i = 0; i < 4; i++) {
         uint64_t z = seed += 0x9e3779b97f4a7c15u;
         z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
         z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-        random->state[i] = z ^ (z >> 31);
+        random.state[i] = z ^ (z >> 31);
     }
-}
-
-mukca_random mukca_random_seeded(uint64_t seed)
-{
-    mukca_random random;
-    mukca_random_seed(&random, seed);
     return random;
 }
 

@@ -10,7 +10,6 @@ typedef struct {
     int has_spare;
 } mukca_random;
 
-void mukca_random_seed(mukca_random *random, uint64_t seed);
 mukca_random mukca_random_seeded(uint64_t seed);
 uint64_t mukca_random_bits(mukca_random *random);
 double mukca_random_uniform(mukca_random *random);   /* [0, 1) */

@@ -17,7 +17,7 @@ bool mukca_plan_stopped(const mukca_planner *p)
 /* Whether posture q differs enough from every recorded sample. */
 static bool is_new(const mukca_planner *p, const double *q)
 {
-    const int n = p->state.at.chain->n_joints;
+    const int n = p->state.chain->n_joints;
     const mukca_dataset *data = p->task->data;
     for (int r = 0; data && r < data->n_rows; r++)
         if (!mukca_plan_differs(q, data->q + r * n, n)) return false;
@@ -28,7 +28,7 @@ int mukca_plan_draw_candidates(mukca_planner *p, int room, int k)
 {
     mukca_plan_state *s = &p->state;
     mukca_plan_pose *poses = p->poses + p->n_poses;
-    const int n = s->at.chain->n_joints;
+    const int n = s->chain->n_joints;
     int found = 0, draws = 0;
     while (found < room && draws < DRAWS * room && (found > 0 || draws < 10 * DRAWS)) {
         mukca_plan_pose *pose = &poses[found];
@@ -87,14 +87,14 @@ mukca_status mukca_planner_create(mukca_planner *p, int candidates, int rows,
     p->poses = MUKCA_TAKE(&s->pool, mukca_plan_pose, candidates);
     p->spare = MUKCA_TAKE(&s->pool, double, 3 * s->groups.size);
     p->chosen = MUKCA_TAKE(&s->pool, int, rows + task->n_sockets);
-    mukca_plan_rules_set(&p->rules, s->at.chain, &s->at.geometry, options, task->data);
-    if (!options->poses_only || s->at.n_effects == 0)
+    mukca_plan_rules_set(&p->rules, s->chain, &s->geometry, options, task->data);
+    if (!options->poses_only || s->n_effects == 0)
         mukca_plan_look_elsewhere(s, &p->rules, options->seed);
     if (s->pool.failed) return mukca_fail(error, MUKCA_MEMORY, "out of memory while planning");
-    for (int e = 0; e < s->at.n_effects; e++)
-        p->ordered |= (mukca_effect_table[s->at.effects[e].kind]->needs & MUKCA_NEEDS_ORDER) != 0;
+    for (int e = 0; e < s->n_effects; e++)
+        p->ordered |= (mukca_effect_table[s->effects[e].kind]->needs & MUKCA_NEEDS_ORDER) != 0;
     add_recorded(p);
-    mukca_random_seed(&p->random, options->seed);
+    p->random = mukca_random_seeded(options->seed);
     return MUKCA_OK;
 }
 
@@ -103,7 +103,7 @@ mukca_status mukca_planner_create(mukca_planner *p, int candidates, int rows,
 /* Whether a pose repeats a chosen one; choice `except` is not compared. */
 static bool too_near(const mukca_planner *p, const mukca_plan_pose *pose, int except)
 {
-    const int n = p->state.at.chain->n_joints;
+    const int n = p->state.chain->n_joints;
     for (int i = 0; i < p->n_chosen; i++) {
         const mukca_plan_pose *other = &p->poses[p->chosen[i]];
         if (i != except && other->socket == pose->socket &&
@@ -142,7 +142,7 @@ static int best_pose(mukca_planner *p, int socket, const int *count, int room, c
  * position and has no gain. */
 static int middle_pose(const mukca_planner *p, int socket)
 {
-    const int n = p->state.at.chain->n_joints;
+    const int n = p->state.chain->n_joints;
     double mean[MUKCA_MAX_JOINTS] = {0}, least = HUGE_VAL;
     int count = 0, best = -1;
     for (int i = 0; i < p->n_poses; i++) {
@@ -195,7 +195,7 @@ static void exchange(mukca_planner *p)
 {
     static const double spread = 0.4; /* rad */
     for (int pass = 0; pass < EXCHANGES; pass++) {
-        if (p->state.at.n_effects == 0) mukca_plan_state_weigh(&p->state);
+        if (p->state.n_effects == 0) mukca_plan_state_weigh(&p->state);
         for (int i = 0; i < p->n_chosen && !mukca_plan_stopped(p); i++) {
             mukca_plan_pose *pose = &p->poses[p->chosen[i]];
             mukca_plan_state_row(&p->state, pose->H, pose->socket, -1);

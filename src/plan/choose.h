@@ -47,17 +47,6 @@ bool mukca_plan_differs(const double *a, const double *b, int n_joints);
 
 enum { MUKCA_PLAN_MOST_UNKNOWNS = MUKCA_MAX_FREE + MUKCA_MAX_EFFECTS * MUKCA_MAX_TERMS };
 
-/* Parameters of the model in use, then coefficients of the causes, which are 0. */
-typedef struct {
-    const mukca_chain *chain;
-    mukca_parameters parameters;
-    int n, n_effects; /* unknowns; effects */
-    double theta[MUKCA_MAX_FREE];
-    mukca_geometry geometry; /* of theta */
-    mukca_effect effects[MUKCA_MAX_EFFECTS];
-    double sigma[MUKCA_PLAN_MOST_UNKNOWNS]; /* prior; of parameters mukca_prior_expected */
-} mukca_plan_unknowns;
-
 /* A pose in a socket with its design H[3][n + 1]: the rows of a position, by geometry and causes
  * per prior sigma. */
 typedef struct {
@@ -69,7 +58,14 @@ typedef struct {
 
 /* The posterior, with columns for the causes; the sockets are its groups. */
 typedef struct {
-    mukca_plan_unknowns at;
+    const mukca_chain *chain;
+    /* Unknowns: parameters of the model in use, then coefficients of the causes, which are 0. */
+    mukca_parameters parameters;
+    int n, n_effects; /* unknowns; effects */
+    double theta[MUKCA_MAX_FREE];
+    mukca_geometry geometry; /* of theta */
+    mukca_effect effects[MUKCA_MAX_EFFECTS];
+    double sigma[MUKCA_PLAN_MOST_UNKNOWNS]; /* prior; of parameters mukca_prior_expected */
     mukca_grouped groups;
     const mukca_plan_options *options;
     const mukca_plan_socket *sockets;

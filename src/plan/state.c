@@ -22,45 +22,45 @@ enum {
  * dominate. */
 static const double prior_cause = 30;
 
-static void set_unknowns(mukca_plan_unknowns *at, const mukca_chain *chain, const double *theta,
-                         const mukca_effect *effects, int n)
+static void set_unknowns(mukca_plan_state *s, const mukca_plan_task *task)
 {
+    const mukca_chain *chain = s->chain = task->chain;
     const int tool = mukca_chain_tip_element(chain);
-    at->chain = chain;
-    mukca_parameters_set(&at->parameters, chain, NULL, false);
-    for (; at->n < at->parameters.n; at->n++) {
-        const int k = at->parameters.index[at->n];
-        at->sigma[at->n] = mukca_prior_sigma(&mukca_prior_expected, k % MUKCA_PARAMETERS,
-                                             k / MUKCA_PARAMETERS == tool);
+    mukca_parameters_set(&s->parameters, chain, NULL, false);
+    for (; s->n < s->parameters.n; s->n++) {
+        const int k = s->parameters.index[s->n];
+        s->sigma[s->n] = mukca_prior_sigma(&mukca_prior_expected, k % MUKCA_PARAMETERS,
+                                           k / MUKCA_PARAMETERS == tool);
     }
-    mukca_chain_theta(at->theta, chain);
-    if (theta)
-        memcpy(at->theta, theta, (size_t)(MUKCA_PARAMETERS * chain->n_elements) * sizeof *theta);
-    mukca_geometry_set(&at->geometry, chain, at->theta);
-    for (; at->n_effects < n; at->n_effects++) {
-        mukca_effect *e = &at->effects[at->n_effects];
+    mukca_chain_theta(s->theta, chain);
+    if (task->theta)
+        memcpy(s->theta, task->theta,
+               (size_t)(MUKCA_PARAMETERS * chain->n_elements) * sizeof *s->theta);
+    mukca_geometry_set(&s->geometry, chain, s->theta);
+    for (; s->n_effects < s->options->n_effects; s->n_effects++) {
+        mukca_effect *e = &s->effects[s->n_effects];
         double size = 0;
-        *e = effects[at->n_effects];
+        *e = s->options->effects[s->n_effects];
         e->terms = mukca_effect_terms(e);
         for (int t = 0; t < e->terms; t++) size = hypot(size, e->coefficient[t]);
-        for (int t = 0; t < e->terms; t++) at->sigma[at->n++] = prior_cause * size;
+        for (int t = 0; t < e->terms; t++) s->sigma[s->n++] = prior_cause * size;
     }
 }
 
 /* Columns of the coefficients: the displacement by a small part of each sigma. */
-static void add_effects(double *H, const mukca_plan_unknowns *at, const mukca_joint_state *state,
+static void add_effects(double *H, const mukca_plan_state *s, const mukca_joint_state *state,
                         const double position[3])
 {
     const double part = 1.0 / 32;
-    for (int e = 0, c = at->parameters.n; e < at->n_effects; e++) {
-        mukca_effect one = at->effects[e];
+    for (int e = 0, c = s->parameters.n; e < s->n_effects; e++) {
+        mukca_effect one = s->effects[e];
         memset(one.coefficient, 0, sizeof one.coefficient);
         for (int t = 0; t < one.terms; t++, c++) {
             mukca_frame tip;
-            one.coefficient[t] = part * at->sigma[c];
-            mukca_tip_pose(&tip, &one, 1, at->chain, &at->geometry, state);
+            one.coefficient[t] = part * s->sigma[c];
+            mukca_tip_pose(&tip, &one, 1, s->chain, &s->geometry, state);
             one.coefficient[t] = 0;
-            for (int a = 0; a < 3; a++) H[a * (at->n + 1) + c] = (tip.p[a] - position[a]) / part;
+            for (int a = 0; a < 3; a++) H[a * (s->n + 1) + c] = (tip.p[a] - position[a]) / part;
         }
     }
 }
@@ -68,20 +68,19 @@ static void add_effects(double *H, const mukca_plan_unknowns *at, const mukca_jo
 void mukca_plan_design(double *H, const mukca_plan_state *s, const double *q, int place,
                        const double *before)
 {
-    const mukca_plan_unknowns *at = &s->at;
     double move[MUKCA_MAX_JOINTS] = {0};
     const mukca_joint_state state = {
         .q = q, .move = move, .placement = place, .payload_kg = s->payload};
     double J[3 * MUKCA_MAX_FREE], position[3];
-    const int all = MUKCA_PARAMETERS * at->chain->n_elements, size = at->n + 1;
-    for (int j = 0; j < at->chain->n_joints && before; j++) move[j] = q[j] - before[j];
-    mukca_fk_parameter_jacobian(J, position, &at->geometry, at->theta, q);
+    const int all = MUKCA_PARAMETERS * s->chain->n_elements, size = s->n + 1;
+    for (int j = 0; j < s->chain->n_joints && before; j++) move[j] = q[j] - before[j];
+    mukca_fk_parameter_jacobian(J, position, &s->geometry, s->theta, q);
     for (int a = 0; a < 3; a++) {
-        for (int i = 0; i < at->parameters.n; i++)
-            H[a * size + i] = J[a * all + at->parameters.index[i]] * at->sigma[i];
-        H[a * size + at->n] = -position[a];
+        for (int i = 0; i < s->parameters.n; i++)
+            H[a * size + i] = J[a * all + s->parameters.index[i]] * s->sigma[i];
+        H[a * size + s->n] = -position[a];
     }
-    if (at->n_effects) add_effects(H, at, &state, position);
+    if (s->n_effects) add_effects(H, s, &state, position);
 }
 
 /* ---- information ---- */
@@ -116,8 +115,8 @@ mukca_status mukca_plan_state_create(mukca_plan_state *s, const mukca_plan_task 
     memset(s, 0, sizeof *s);
     s->options = options;
     s->sockets = task->sockets;
-    set_unknowns(&s->at, task->chain, task->theta, options->effects, options->n_effects);
-    const int n = s->at.n, terms = n - s->at.parameters.n, sockets = task->n_sockets;
+    set_unknowns(s, task);
+    const int n = s->n, terms = n - s->parameters.n, sockets = task->n_sockets;
     mukca_grouped_create(&s->groups, &s->pool, n, sockets, sockets * (sockets - 1) / 2);
     s->W = MUKCA_TAKE(&s->pool, double, n *n);
     s->C = MUKCA_TAKE(&s->pool, double, terms *terms + 1);
@@ -137,7 +136,7 @@ void mukca_plan_state_row(mukca_plan_state *s, double *H, int socket, int sign)
 
 void mukca_plan_state_refresh(mukca_plan_state *s)
 {
-    const int n = s->at.n, first = s->at.parameters.n, terms = n - first;
+    const int n = s->n, first = s->parameters.n, terms = n - first;
     double L[MUKCA_PLAN_MAX_EFFECTS * MUKCA_MAX_TERMS * MUKCA_PLAN_MAX_EFFECTS * MUKCA_MAX_TERMS];
     mukca_grouped_solve(&s->groups);
     for (int i = 0; i < terms * terms; i++) { /* the last unknowns need their block of L alone */
@@ -162,7 +161,7 @@ static double factor(double *A, int m)
 static double accuracy_gain(const mukca_plan_state *s)
 {
     double gain = 0;
-    const int n = s->at.n;
+    const int n = s->n;
     for (int r = 0; r < n; r++) {
         double wg[3] = {0};
         for (int c = 0; c < n; c++)
@@ -175,7 +174,7 @@ static double accuracy_gain(const mukca_plan_state *s)
 /* The covariance of the cause from term `first` on, C[m][m]. */
 static void covariance_of(double *C, const mukca_plan_state *s, int first, int m)
 {
-    const int terms = s->at.n - s->at.parameters.n;
+    const int terms = s->n - s->parameters.n;
     for (int i = 0; i < m; i++)
         for (int j = 0; j < m; j++) C[i * m + j] = s->C[(first + i) * terms + first + j];
 }
@@ -184,10 +183,10 @@ static void covariance_of(double *C, const mukca_plan_state *s, int first, int m
 static double cause_gain(const mukca_plan_state *s)
 {
     double gain = 0;
-    for (int e = 0, first = 0; e < s->at.n_effects; first += s->at.effects[e++].terms) {
+    for (int e = 0, first = 0; e < s->n_effects; first += s->effects[e++].terms) {
         double before[MUKCA_MAX_TERMS * MUKCA_MAX_TERMS], after[MUKCA_MAX_TERMS * MUKCA_MAX_TERMS];
-        const double *G = s->G + WIDE * (s->at.parameters.n + first);
-        const int m = s->at.effects[e].terms;
+        const double *G = s->G + WIDE * (s->parameters.n + first);
+        const int m = s->effects[e].terms;
         covariance_of(before, s, first, m);
         for (int i = 0; i < m * m; i++)
             after[i] = before[i] - mukca_dot3(G + WIDE * (i / m), G + WIDE * (i % m));
@@ -199,7 +198,7 @@ static double cause_gain(const mukca_plan_state *s)
 double mukca_plan_gain(mukca_plan_state *s, const double *H, int socket)
 {
     const mukca_grouped *g = &s->groups;
-    const int n = s->at.n;
+    const int n = s->n;
     const double *sum = g->sum + socket * 3 * g->size, count = g->count[socket];
     double S[9], *G = s->G;
     if (!(count > 0)) return 0; /* determines the socket's position only */
@@ -215,7 +214,7 @@ double mukca_plan_gain(mukca_plan_state *s, const double *H, int socket)
         for (int c = 0; c < n; c++) S[i] += G[WIDE * c + i / 3] * G[WIDE * c + i % 3];
     }
     const double log_det = factor(S, 3);
-    if (!s->accuracy && s->at.n_effects == 0) return log_det - 3 * log(noise);
+    if (!s->accuracy && s->n_effects == 0) return log_det - 3 * log(noise);
     mukca_dense_backward(G, WIDE, g->posterior.factor, n);
     for (int c = 0; c < n; c++) mukca_dense_forward(G + WIDE * c, 1, S, 3);
     return s->accuracy ? accuracy_gain(s) : cause_gain(s);
@@ -237,7 +236,7 @@ void mukca_plan_look_elsewhere(mukca_plan_state *s, const mukca_plan_rules *rule
         if (found < POSES / 2) continue;
         spot++;
         for (int k = 0; k < 3 * w; k++) {
-            const bool geometry = k % w < s->at.parameters.n;
+            const bool geometry = k % w < s->parameters.n;
             double mean = 0;
             for (int f = 0; f < found; f++) mean += H[3 * w * f + k] / found;
             for (int f = 0; f < found; f++)
@@ -252,7 +251,7 @@ static double error_at(const mukca_plan_state *s, int e)
 {
     double sum = 0, J[MUKCA_PLAN_MOST_UNKNOWNS];
     for (int d = 0; d < 3; d++) {
-        memcpy(J, s->elsewhere + (3 * e + d) * s->groups.size, (size_t)s->at.n * sizeof *J);
+        memcpy(J, s->elsewhere + (3 * e + d) * s->groups.size, (size_t)s->n * sizeof *J);
         sum += mukca_posterior_variance(J, &s->groups.posterior);
     }
     return sqrt(sum);
@@ -269,7 +268,7 @@ double mukca_plan_expected(const mukca_plan_state *s)
 
 void mukca_plan_state_weigh(mukca_plan_state *s)
 {
-    const int n = s->at.n;
+    const int n = s->n;
     memset(s->W, 0, (size_t)(n * n) * sizeof *s->W);
     for (int e = 0; e < s->n_elsewhere; e++) {
         const double by = 1 / (error_at(s, e) + 1e-9);
@@ -285,12 +284,12 @@ void mukca_plan_state_weigh(mukca_plan_state *s)
 double mukca_plan_strength(const mukca_plan_state *s)
 {
     double least = NAN;
-    for (int e = 0, first = 0; e < s->at.n_effects; first += s->at.effects[e++].terms) {
+    for (int e = 0, first = 0; e < s->n_effects; first += s->effects[e++].terms) {
         double L[MUKCA_MAX_TERMS * MUKCA_MAX_TERMS], c[MUKCA_MAX_TERMS];
-        const int m = s->at.effects[e].terms;
+        const int m = s->effects[e].terms;
         covariance_of(L, s, first, m);
         for (int t = 0; t < m; t++)
-            c[t] = s->options->effects[e].coefficient[t] / s->at.sigma[s->at.parameters.n + first];
+            c[t] = s->options->effects[e].coefficient[t] / s->sigma[s->parameters.n + first];
         if (!(factor(L, m) > -HUGE_VAL)) return NAN;
         const double strength = mukca_dense_variance(c, L, m);
         least = isnan(least) ? strength : fmin(least, strength);

@@ -88,7 +88,7 @@ mukca_status mukca_simulate_places(mukca_place *places, int n_places, const mukc
 
 void mukca_simulate_seed(mukca_random *random, uint64_t seed, mukca_draw purpose)
 {
-    mukca_random_seed(random, seed ^ ((uint64_t)purpose * 0xd1b54a32d192ed03u));
+    *random = mukca_random_seeded(seed ^ ((uint64_t)purpose * 0xd1b54a32d192ed03u));
 }
 
 void mukca_simulate_posture(double *q, const mukca_chain *chain, mukca_random *random)

@@ -19,7 +19,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     simulated.places = places;
     simulated.n_places = 2;
     simulated.rows = 20;
-    mukca_random_seed(&simulated.random, 1);
+    simulated.random = mukca_random_seeded(1);
     for (int pass = 0; pass < 4; pass++) {
         simulated.moves = pass == 3;
         check_refusal(cli_simulated_parse(&simulated, text, &error), &error);

@@ -95,7 +95,7 @@ TEST(advice_is_what_comes_true)
     enum { ARMS = 10 };
     for (int arm = 0; arm < ARMS; arm++) {
         double first = 0, plate; /* distance of the sockets: known to 0.1 mm */
-        mukca_random_seed(&o.random, (uint64_t)arm + 1);
+        o.random = mukca_random_seeded((uint64_t)arm + 1);
         perturb(&o, 2e-3);
         plate = 0.05 + 1e-4 * mukca_random_normal(&o.random); /* one tool for all placements */
         assert_int_equal(mukca_capture_init(&capture, &o.chain, NULL, &settings, &error), 0);
@@ -152,7 +152,7 @@ TEST(two_labels_of_one_socket_are_noticed)
     mukca_capture_advice advice;
     char text[MUKCA_CAPTURE_TEXT];
     make_chain(&o.chain, "RRRRRRRF", origins, "A", 2.9);
-    mukca_random_seed(&o.random, 5);
+    o.random = mukca_random_seeded(5);
     perturb(&o, 1e-3);
     place(&o, 0.3);
     assert_int_equal(mukca_capture_init(&capture, &o.chain, NULL, &settings, &error), 0);

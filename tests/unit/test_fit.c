@@ -135,7 +135,7 @@ static double held_out(const mukca_fit *fit, const mukca_dataset *test)
 
 TEST(test_poses)
 {
-    mukca_random_seed(&seeded, 31);
+    seeded = mukca_random_seeded(31);
     for (int trial = 0; trial < 6; trial++) {
         const bool oriented = trial % 2, away = trial >= 2;
         mukca_dataset test;
@@ -170,7 +170,7 @@ TEST(test_poses)
 TEST(test_solvers)
 {
     double least = 0;
-    mukca_random_seed(&seeded, 32);
+    seeded = mukca_random_seeded(32);
     perturb(5e-3);
     track(&data, 50, false, 1e-4);
     for (int s = 0; mukca_solver_table[s]; s++)
@@ -205,7 +205,7 @@ TEST(test_stops)
     mukca_parameters parameters;
     mukca_cost cost;
     double x[MUKCA_MAX_FREE];
-    mukca_random_seed(&seeded, 33);
+    seeded = mukca_random_seeded(33);
     perturb(0);
     track(&data, 20, false, 1e-4);
     assert_ok(mukca_parameters_select(&parameters, &chain, &(mukca_selection){0}, NULL));
@@ -258,7 +258,7 @@ TEST(test_part)
 {
     enum { SOCKETS = 4, ROWS = 9000 };
     static const double share[SOCKETS] = {0.65, 0.95, 0.98, 1}; /* uneven, mixed; two placements */
-    mukca_random_seed(&seeded, 35);
+    seeded = mukca_random_seeded(35);
     perturb(0);
     track(&data, ROWS, true, 1e-4);
     compare_precision(ROWS / 3);
@@ -288,7 +288,7 @@ TEST(test_long)
     mukca_fit fit[2];
     mukca_pool pool = {0};
     double x[2][MUKCA_MAX_FREE], g[MUKCA_MAX_FREE];
-    mukca_random_seed(&seeded, 36);
+    seeded = mukca_random_seeded(36);
     perturb(1e-3);
     track(&data, MUKCA_MOST_SAMPLES + 1000, false, 1e-4);
     assert_ok(mukca_parameters_select(&p, &chain, &(mukca_selection){0}, NULL));

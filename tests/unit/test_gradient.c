@@ -169,7 +169,7 @@ static void off_nominal(void)
 TEST(test_options)
 {
     static const mukca_cost_options options[] = {{0}, {.lambda = -1}, {.lambda = 0.3}};
-    mukca_random_seed(&seeded, 1);
+    seeded = mukca_random_seeded(1);
     for (int upright = 0; upright < 2; upright++) {
         make_arm(upright);
         make_data(NULL, 17, 0);
@@ -190,7 +190,7 @@ TEST(test_masks)
                                             {.free = "+joint_3,joint_6"},
                                             {.freeze = "joint_1,joint_9.roll"},
                                             {.free = "joint_3.roll,joint_9"}};
-    mukca_random_seed(&seeded, 2);
+    seeded = mukca_random_seeded(2);
     make_arm(false);
     make_data(NULL, 12, 7);
     off_nominal();
@@ -202,7 +202,7 @@ TEST(test_masks)
 TEST(test_angles)
 {
     static const double special[4] = {0, 1e-12, M_PI - 1e-9, -M_PI_2};
-    mukca_random_seed(&seeded, 3);
+    seeded = mukca_random_seeded(3);
     for (int trial = 0; trial < 6; trial += STEP) {
         make_arm(trial % 2);
         make_data(special, 14, 0);
@@ -220,7 +220,7 @@ TEST(test_angles)
 
 TEST(test_poses_and_frames)
 {
-    mukca_random_seed(&seeded, 4);
+    seeded = mukca_random_seeded(4);
     for (int trial = 0; trial < 4; trial += STEP) {
         make_arm(trial % 2);
         if (trial > 1) chain.n_elements--; /* the last joint turns: the tool gets a frame */
@@ -261,7 +261,7 @@ TEST(test_windows)
     enum { MANY = 2 * MUKCA_SWEEP_WINDOW + 77, FEW = 50 };
     mukca_pool pool = {0};
     static double q[MANY * JOINTS];
-    mukca_random_seed(&seeded, 5);
+    seeded = mukca_random_seeded(5);
     make_arm(true);
     off_nominal();
     for (int i = 0; i < MANY * JOINTS; i++) q[i] = 4 * mukca_random_uniform(&seeded) - 2;

@@ -22,7 +22,7 @@ FIXTURE(load)
     if (mukca_urdf_load(&chain, "tests/unit/torques.urdf", &options, &error)) return 1;
     mukca_dynamics_set(&dynamics, &chain);
     mukca_dynamics_inertials(p, &chain);
-    mukca_random_seed(&generator, 5);
+    generator = mukca_random_seeded(5);
     return 0;
 }
 

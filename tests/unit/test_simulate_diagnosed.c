@@ -112,7 +112,7 @@ TEST(tables_of_other_diagnoses)
     for (int k = 0; k < 3; k++) {
         simulate(effects[k], 6);
         s.how.effort = k == 1;
-        mukca_random_seed(&random, 6);
+        random = mukca_random_seeded(6);
         for (int i = 0; i < s.chain.n_masses; i++)
             s.arm.chain.mass[i].kg *= 1 + mass_error[k] * mukca_random_normal(&random);
         record_again();

@@ -61,7 +61,7 @@ TEST(test_random)
     assert_true(mukca_random_bits(&random) == 58720359u);
     assert_true(mukca_random_bits(&random) == 3588806011781223u);
     assert_true(mukca_random_bits(&random) == 3591011842654386u);
-    mukca_random_seed(&random, 1234567); /* reference output of splitmix64.c */
+    random = mukca_random_seeded(1234567); /* reference output of splitmix64.c */
     assert_true(random.state[0] == 6457827717110365317u);
     assert_true(random.state[1] == 3203168211198807973u);
 

@@ -30,7 +30,7 @@ static void make(double noise, double stated)
 
 TEST(exact_sockets_give_the_pose)
 {
-    mukca_random_seed(&seeded, 1);
+    seeded = mukca_random_seeded(1);
     make(0, 1e-4);
     assert_ok(mukca_two_arms_align(&t, s, SOCKETS, NULL));
     for (int i = 0; i < 9; i++) assert_close(t.pose.R[i], truth.R[i], 1e-12);
@@ -46,7 +46,7 @@ TEST(intervals_hold)
     for (int k = 0; k < 2; k++) {
         int inside = 0;
         enum { RUNS = 2000 };
-        mukca_random_seed(&seeded, 7);
+        seeded = mukca_random_seeded(7);
         for (int run = 0; run < RUNS; run++) {
             double w[3];
             make(1e-4, stated[k]);
@@ -65,7 +65,7 @@ TEST(intervals_hold)
 
 TEST(sockets_that_do_not_suffice)
 {
-    mukca_random_seed(&seeded, 1);
+    seeded = mukca_random_seeded(1);
     make(1e-5, 1e-5);
     assert_int_equal(mukca_two_arms_align(&t, s, 2, &error), MUKCA_UNIDENTIFIABLE);
     for (int i = 0; i < SOCKETS; i++)

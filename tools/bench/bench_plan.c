@@ -160,7 +160,7 @@ static void accuracy(int arms)
         mukca_error error;
         mukca_random random;
         if (mukca_urdf_load(&chain, urdfs[a % 2], NULL, &error)) fail(error.text);
-        mukca_random_seed(&random, seed);
+        random = mukca_random_seeded(seed);
         mukca_chain_theta(theta, &chain);
         mukca_simulate_perturb(theta, NULL, &chain, 2e-3, 3e-3, seed);
         mukca_simulate_arm(&arm, &chain, theta);
@@ -245,7 +245,7 @@ static void shuffle(mukca_plan *plan, const mukca_plan_socket *sockets, int n,
     mukca_random random;
     const mukca_simulate_options recording = {
         .rows = plan->n_rows, .distance = 0.05, .seed = seed + 77};
-    mukca_random_seed(&random, seed);
+    random = mukca_random_seeded(seed);
     if (mukca_simulate_sockets(
             &any,
             &(mukca_simulated_session){
@@ -279,8 +279,7 @@ static const char *settle(outcome *sum, int way, const mukca_diagnosis *before,
     mukca_plan plan;
     mukca_dataset more;
     mukca_error error;
-    mukca_random random;
-    mukca_random_seed(&random, seed + 31);
+    mukca_random random = mukca_random_seeded(seed + 31);
     mukca_next_poses tie;
     mukca_plan_options options = {.rows = TIE_ROWS};
     mukca_next_poses_pair(&tie, &options, rivals, before, -1);
@@ -336,7 +335,7 @@ static void ties(int wanted)
         mukca_error error;
         mukca_random random;
         if (mukca_urdf_load(&chain, urdfs[seed % 2], NULL, &error)) fail(error.text);
-        mukca_random_seed(&random, seed);
+        random = mukca_random_seeded(seed);
         mukca_chain_theta(theta, &chain);
         mukca_simulate_perturb(theta, NULL, &chain, 2e-3, 3e-3, seed);
         mukca_simulate_arm(&arm, &chain, theta);

@@ -48,7 +48,7 @@ int main(int argc, char **argv)
     printf("%d calls, %d joints, %d effects; microseconds\n", calls, arm.chain.n_joints,
            arm.n_effects);
     puts("function      mean  median  99.99 %     max");
-    mukca_random_seed(&random, 1);
+    random = mukca_random_seeded(1);
     for (int which = 0; which < 3; which++) {
         double sum = 0;
         for (int i = 0; i < calls; i++) {

@@ -20,7 +20,7 @@ static void fill(mukca_dataset *log, const mukca_chain *chain)
     mukca_random random;
     const int n = chain->n_joints;
     mukca_chain_theta(theta, chain);
-    mukca_random_seed(&random, 1);
+    random = mukca_random_seeded(1);
     for (int i = 0; i < 6 * chain->n_elements; i++)
         if (i % 6 < 3) theta[i] += 3e-3 * mukca_random_normal(&random);
     mukca_geometry_set(&geometry, chain, theta);
