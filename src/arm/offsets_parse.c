@@ -30,10 +30,8 @@ typedef struct {
     char stated[24];     /* digest in the comments; empty: none */
 } reader;
 
-static mukca_status fail(const reader *r, const char *format, ...)
-    __attribute__((format(printf, 2, 3)));
-
-static mukca_status fail(const reader *r, const char *format, ...)
+__attribute__((format(printf, 2, 3))) static mukca_status fail(const reader *r, const char *format,
+                                                               ...)
 {
     mukca_error *error = r->error;
     va_list args;

@@ -45,10 +45,8 @@ int mukca_suggest_better(int *best, const char *word, const char *candidate)
 const char *mukca_suggest_text(char text[MUKCA_SUGGEST_TEXT], const char *meant,
                                const char *otherwise)
 {
-    if (meant)
-        snprintf(text, MUKCA_SUGGEST_TEXT, "did you mean %.80s?", meant);
-    else
-        snprintf(text, MUKCA_SUGGEST_TEXT, "%s", otherwise);
+    snprintf(text, MUKCA_SUGGEST_TEXT, meant ? "did you mean %.80s?" : "%s",
+             meant ? meant : otherwise);
     return text;
 }
 

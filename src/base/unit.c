@@ -28,9 +28,7 @@ mukca_unit mukca_unit_take(char *name)
                  {"N m", {1, 'N'}},
                  {"Nm", {1, 'N'}},
                  {"N*m", {1, 'N'}},
-                 {"\xC2\xB0"
-                  "C",
-                  {1, 'C'}},
+                 {"\302\260C", {1, 'C'}},
                  {"rad/s", {1, 'r'}},
                  {"deg/s", {DEGREE, 'r'}},
                  {"\xC2\xB0/s", {DEGREE, 'r'}}};

@@ -184,7 +184,6 @@ static void remark(char text[MUKCA_CAPTURE_TEXT], mukca_capture *capture, int tw
     int latest = rows->n_rows - 1;
     const double *q = rows->q + latest * rows->n_joints;
     double x[3], mean[3], how_far;
-    text[0] = '\0';
     mukca_fk_position(x, &capture->geometry, q, NULL);
     int nearest = nearest_socket(&how_far, capture, x, latest, false);
     int n = mukca_socket_mean(mean, &capture->geometry, rows, capture->socket, latest);

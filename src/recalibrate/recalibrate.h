@@ -87,14 +87,6 @@ typedef struct {
 void mukca_split_arm_name(mukca_unknown *unknown, const mukca_split_arm *split,
                           const mukca_chain *arm, const mukca_fit *fit, int i);
 
-/* ---- lag between angles and poses (lag.c) ---- */
-
-/* Age of the angles relative to the poses, s, or rows without times; 0: none found.  *score: its
- * distance from 0 in standard errors.  Errors: those of mukca_fit_run. */
-mukca_status mukca_lag_find(double *lag, double *score, const mukca_chain *chain,
-                            const mukca_dataset *log, const mukca_fit_options *options,
-                            mukca_error *error);
-
 /* ---- the whole re-calibration (recalibrate.c) ---- */
 
 enum { MUKCA_BEFORE, MUKCA_WITH_ANGLES, MUKCA_WITH_LENGTHS, MUKCA_WITH_ALL, MUKCA_STAGES };
