@@ -6,7 +6,7 @@
 #include "arm/offsets.h"
 #include "effect/catalogue.h"
 
-mukca_status mukca_corrected_parse_named(mukca_corrected *model, mukca_bytes table,
+mukca_status mukca_corrected_parse_named(mukca_corrected *model, const char *text, size_t size,
                                          const char *name, int accept, mukca_error *error)
 {
     double theta[MUKCA_MAX_THETA];
@@ -19,7 +19,7 @@ mukca_status mukca_corrected_parse_named(mukca_corrected *model, mukca_bytes tab
                                        .effects = model->effects,
                                        .acceptance = &acceptance};
     memset(model, 0, sizeof *model);
-    const mukca_status status = mukca_offsets_parse_into(&into, &origin, NULL, table, error);
+    const mukca_status status = mukca_offsets_parse_into(&into, &origin, NULL, text, size, error);
     model->judged = acceptance.given;
     model->accepted = acceptance.accepted;
     model->intact = acceptance.intact;
@@ -30,8 +30,7 @@ mukca_status mukca_corrected_parse_named(mukca_corrected *model, mukca_bytes tab
 mukca_status mukca_corrected_parse(mukca_corrected *model, const char *text, size_t size,
                                    mukca_error *error)
 {
-    const mukca_bytes table = {text, size};
-    return mukca_corrected_parse_named(model, table, "offsets table", 0, error);
+    return mukca_corrected_parse_named(model, text, size, "offsets table", 0, error);
 }
 
 /* Displacement at the encoder angles q. */

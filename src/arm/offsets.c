@@ -114,12 +114,12 @@ mukca_status mukca_offsets_parse(mukca_offsets *offsets, mukca_offsets_origin *o
                                        .acceptance = &offsets->acceptance,
                                        .rest = offsets,
                                        .check = origin->embedded ? NULL : check_origin};
-    const mukca_bytes table = {text, strlen(text)};
+    const size_t size = strlen(text);
     memset(offsets, 0, sizeof *offsets);
-    if (origin->embedded) return mukca_offsets_parse_into(&into, origin, NULL, table, error);
+    if (origin->embedded) return mukca_offsets_parse_into(&into, origin, NULL, text, size, error);
     origin->embedded = malloc(sizeof *origin->embedded);
     if (!origin->embedded) return mukca_fail(error, MUKCA_MEMORY, "out of memory");
-    const mukca_status status = mukca_offsets_parse_into(&into, origin, chain, table, error);
+    const mukca_status status = mukca_offsets_parse_into(&into, origin, chain, text, size, error);
     free(origin->embedded);
     origin->embedded = NULL;
     return status;
@@ -131,8 +131,8 @@ mukca_status mukca_corrected_load(mukca_corrected *model, const char *path, mukc
 {
     char *text;
     MUKCA_TRY(mukca_file_read(&text, path, error));
-    const mukca_status status = mukca_corrected_parse_named(
-        model, (mukca_bytes){text, strlen(text)}, mukca_file_shown(path), 0, error);
+    const mukca_status status =
+        mukca_corrected_parse_named(model, text, strlen(text), mukca_file_shown(path), 0, error);
     free(text);
     return status;
 }

@@ -68,12 +68,6 @@ typedef struct {
     mukca_chain *embedded;  /* out: the chain in the table's comments */
 } mukca_offsets_origin;
 
-/* A text of `size` bytes, not necessarily NUL-terminated. */
-typedef struct {
-    const char *text;
-    size_t size;
-} mukca_bytes;
-
 /* Destination of a table. */
 typedef struct {
     double *theta;         /* [6 * n_elements] */
@@ -86,10 +80,10 @@ typedef struct {
     mukca_status (*check)(mukca_offsets_origin *, const mukca_chain *chain, mukca_error *);
 } mukca_offsets_target;
 
-/* Parse a table for the chain (NULL: origin->embedded). */
+/* Parse a table of `size` bytes for the chain (NULL: origin->embedded). */
 mukca_status mukca_offsets_parse_into(const mukca_offsets_target *into,
                                       mukca_offsets_origin *origin, const mukca_chain *chain,
-                                      mukca_bytes table, mukca_error *error);
+                                      const char *text, size_t size, mukca_error *error);
 
 /* Parse a table for the chain; if origin->embedded is given, for the chain in the table instead.
  * Errors: MUKCA_INPUT ("name:line: column ..."; a table that was not accepted, with its verdict in
@@ -98,7 +92,7 @@ mukca_status mukca_offsets_parse(mukca_offsets *offsets, mukca_offsets_origin *o
                                  const mukca_chain *chain, const char *text, mukca_error *error);
 
 /* As mukca_corrected_parse, with the table's name in messages, and MUKCA_ACCEPT_*. */
-mukca_status mukca_corrected_parse_named(mukca_corrected *model, mukca_bytes table,
+mukca_status mukca_corrected_parse_named(mukca_corrected *model, const char *text, size_t size,
                                          const char *name, int accept, mukca_error *error);
 
 #endif

@@ -335,12 +335,12 @@ static void digest_line(reader *r)
 
 mukca_status mukca_offsets_parse_into(const mukca_offsets_target *into,
                                       mukca_offsets_origin *origin, const mukca_chain *chain,
-                                      mukca_bytes table, mukca_error *error)
+                                      const char *text, size_t size, mukca_error *error)
 {
     reader r = {.into = into,
                 .origin = origin,
                 .chain = chain ? chain : origin->embedded,
-                .lines = {.text = table.text, .left = table.size},
+                .lines = {.text = text, .left = size},
                 .digest = MUKCA_HASH_START,
                 .error = error};
     memset(origin->embedded, 0, sizeof *origin->embedded);

@@ -10,9 +10,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     double q[MUKCA_MAX_JOINTS], J[6 * MUKCA_MAX_JOINTS], position[3];
     mukca_frame tip;
     char *text = as_text(bytes, size);
-    mukca_status status =
-        mukca_corrected_parse_named(&model, (mukca_bytes){text, strlen(text)}, "table",
-                                    MUKCA_ACCEPT_FAILED | MUKCA_ACCEPT_EDITED, &error);
+    mukca_status status = mukca_corrected_parse_named(
+        &model, text, strlen(text), "table", MUKCA_ACCEPT_FAILED | MUKCA_ACCEPT_EDITED, &error);
     check_refusal(status, &error);
     for (int j = 0; j < MUKCA_MAX_JOINTS; j++) q[j] = 0.3 * j - 1;
     if (status == MUKCA_OK) {

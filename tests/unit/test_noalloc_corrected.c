@@ -289,8 +289,8 @@ TEST(columns_may_stand_in_any_order)
                 (size_t)snprintf(reversed + to, sizeof reversed - to, "%.*s\n", (int)length, line);
         line += length + (line[length] == '\n');
     }
-    const mukca_bytes table = {reversed, strlen(reversed)};
-    assert_ok(mukca_corrected_parse_named(&other, table, "table", MUKCA_ACCEPT_EDITED, &error));
+    assert_ok(mukca_corrected_parse_named(&other, reversed, strlen(reversed), "table",
+                                          MUKCA_ACCEPT_EDITED, &error));
     assert_memory_equal(&other, &model, offsetof(mukca_corrected, judged));
 }
 

@@ -164,8 +164,7 @@ TEST(edited_tables_are_refused)
     }
     char *digest = strstr(text, "# digest: ") + 10;
     *digest = *digest == '0' ? '1' : '0';
-    const mukca_bytes edited = {text, size};
-    assert_ok(mukca_corrected_parse_named(model, edited, "table", MUKCA_ACCEPT_EDITED, &error));
+    assert_ok(mukca_corrected_parse_named(model, text, size, "table", MUKCA_ACCEPT_EDITED, &error));
     assert_true(model->judged && !model->accepted && !model->intact);
     const char *path = scratch_file("edited.tsv", text);
     assert_refused(read_table(path, false), "was edited or cut");
