@@ -72,8 +72,7 @@ static mukca_status calibrate(fit *f, const mukca_chain *chain, const mukca_data
     double x[MUKCA_MAX_FREE] = {0};
     f->unit = mukca_cost_evaluate(NULL, NULL, &f->cost, f->cost.nominal);
     f->scale = sqrt(f->unit / 2);
-    const mukca_status status = mukca_nlopt_minimise(x, &stop, &problem, method, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(mukca_nlopt_minimise(x, &stop, &problem, method, error));
     for (int i = 0; i < f->cost.n; i++) x[i] = f->cost.nominal[i] + f->scale * x[i];
     const double nominal = mean_error(&f->cost, chain, data, f->cost.nominal);
     const double calibrated = mean_error(&f->cost, chain, data, x);

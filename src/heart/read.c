@@ -67,25 +67,24 @@ mukca_status mukca_heart_data(mukca_dataset *data, const mukca_chain *chain, cha
 {
     char path[1024];
     FILE *file;
-    mukca_status status =
-        mukca_dataset_create(data, MOST_ROWS, chain->n_joints, MOST_HOLES * n, n, error);
-    if (status != MUKCA_OK) return status;
+    MUKCA_TRY(mukca_dataset_create(data, MOST_ROWS, chain->n_joints, MOST_HOLES * n, n, error));
     data->distances = calloc(MOST_HOLES * MOST_HOLES * (size_t)n, sizeof *data->distances);
     if (!data->distances) return mukca_fail(error, MUKCA_MEMORY, "out of memory for %d folders", n);
     data->n_rows = data->n_sockets = data->n_placements = 0;
-    for (; data->n_placements < n && status == MUKCA_OK; data->n_placements++) {
+    for (; data->n_placements < n; data->n_placements++) {
         const int first = data->n_sockets;
-        for (int hole = 0; hole < MOST_HOLES && status == MUKCA_OK; hole++) {
+        for (int hole = 0; hole < MOST_HOLES; hole++) {
             snprintf(path, sizeof path, "%s/hole_%d.csv", folder[data->n_placements], hole);
             if (!(file = fopen(path, "r"))) break;
             for (int s = first; s < data->n_sockets; s++)
                 data->distances[data->n_distances++] =
                     (mukca_distance){s, data->n_sockets, MUKCA_DISTANCE, 0, 0};
-            status = read_socket(data, file, path, error);
+            const mukca_status status = read_socket(data, file, path, error);
             fclose(file);
+            MUKCA_TRY(status);
         }
-        if (status == MUKCA_OK && data->n_sockets == first)
-            status = mukca_fail(error, MUKCA_INPUT, "%s: cannot read", path);
+        if (data->n_sockets == first)
+            return mukca_fail(error, MUKCA_INPUT, "%s: cannot read", path);
     }
-    return status;
+    return MUKCA_OK;
 }
