@@ -12,10 +12,6 @@ enum { STEPS = 4 /* of Gauss-Newton */ };
 /* An error of the nominal arm's distance, m, that is that of a label, as in diagnose. */
 static const double wrong_label = 0.02;
 
-/* Of the logarithm of the ratio of the residuals' variances across and along the axis of a joint:
- * 1 % of 1200 joints that moved, in 200 recordings, are beyond twice this. */
-static const double spread = 0.8;
-
 /* Move the mean of n by another one. */
 static void add_to_mean(double *mean, const double *x, int n, int count)
 {
@@ -168,26 +164,6 @@ mukca_status mukca_arm_posterior_extend(double *evidence, mukca_arm_posterior *p
     *evidence = best - without;
     fit(p, 1);
     return MUKCA_OK;
-}
-
-bool mukca_arm_posterior_turns(const mukca_arm_posterior *p, int joint)
-{
-    mukca_frame frame[MUKCA_MAX_ELEMENTS];
-    double axis[3], across = 0, along = 0;
-    const mukca_recording *r = &p->m.recording;
-    const int k = p->chain.joint_element[joint];
-    if (p->chain.element[k].type == MUKCA_PRISMATIC) return false;
-    for (int i = 0; i < r->n_samples; i++) {
-        const int row = r->order[i];
-        const double *e = p->residual[row], w = p->weight[row] * p->weight[row];
-        mukca_fk_frames(frame, NULL, &p->m.unknowns.geometry, p->data.q + row * p->data.n_joints,
-                        NULL);
-        mukca_mat3_vec(axis, frame[k].R, p->chain.element[k].axis);
-        const double part = mukca_dot3(axis, e);
-        along += w * part * part;
-        across += w * (mukca_dot3(e, e) - part * part) / 2;
-    }
-    return log(across / along) > 2 * sqrt(spread * spread + 3.0 / p->postures);
 }
 
 /* The same unknowns for other postures: their linearisation. */

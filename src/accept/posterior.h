@@ -34,10 +34,6 @@ void mukca_arm_posterior_free(mukca_arm_posterior *p);
 mukca_status mukca_arm_posterior_extend(double *evidence, mukca_arm_posterior *p,
                                         const mukca_effect *effects, int n, mukca_error *error);
 
-/* Whether the residuals are those of a tip that turns about the axis of a joint whose angles do not
- * change. */
-bool mukca_arm_posterior_turns(const mukca_arm_posterior *p, int joint);
-
 /* Columns of base (six) and tool. */
 enum { MUKCA_RIGID = 9 };
 

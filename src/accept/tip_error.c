@@ -23,6 +23,10 @@ static const double least_evidence = 12;
  * noise. */
 static const double outlier = 10, gross_error = 0.1;
 
+/* Of the logarithm of the ratio of the residuals' variances across and along the axis of a joint:
+ * 1 % of 1200 joints that moved, in 200 recordings, are beyond twice this. */
+static const double spread = 0.8;
+
 /* Mean errors over the probes of each arm from the posterior, sum[0] before and sum[1] after; the
  * last scatter[DRAWS] is their mean square after. */
 static bool sample(double sum[3][DRAWS], mukca_arm_posterior *p, const double *X,
@@ -227,6 +231,28 @@ static void list_outliers(mukca_tip_error *out, const mukca_arm_posterior *p)
     }
 }
 
+/* Whether the residuals are those of a tip that turns about the axis of a joint whose angles do not
+ * change. */
+static bool turns_about(const mukca_arm_posterior *p, int joint)
+{
+    mukca_frame frame[MUKCA_MAX_ELEMENTS];
+    double axis[3], across = 0, along = 0;
+    const mukca_recording *r = &p->m.recording;
+    const int k = p->chain.joint_element[joint];
+    if (p->chain.element[k].type == MUKCA_PRISMATIC) return false;
+    for (int i = 0; i < r->n_samples; i++) {
+        const int row = r->order[i];
+        const double *e = p->residual[row], w = p->weight[row] * p->weight[row];
+        mukca_fk_frames(frame, NULL, &p->m.unknowns.geometry, p->data.q + row * p->data.n_joints,
+                        NULL);
+        mukca_mat3_vec(axis, frame[k].R, p->chain.element[k].axis);
+        const double part = mukca_dot3(axis, e);
+        along += w * part * part;
+        across += w * (mukca_dot3(e, e) - part * part) / 2;
+    }
+    return log(across / along) > 2 * sqrt(spread * spread + 3.0 / p->postures);
+}
+
 /* What the fit says of the samples. */
 static void describe(mukca_tip_error *out, mukca_chain *here, const mukca_arm_posterior *p)
 {
@@ -238,8 +264,7 @@ static void describe(mukca_tip_error *out, mukca_chain *here, const mukca_arm_po
     if (tip >= 0)
         out->tool_m =
             mukca_distance3(p->m.unknowns.geometry.origin[tip].p, p->chain.element[tip].xyz);
-    for (int j = 0; j < here->n_joints; j++)
-        out->stuck[j] = out->at_rest[j] && mukca_arm_posterior_turns(p, j);
+    for (int j = 0; j < here->n_joints; j++) out->stuck[j] = out->at_rest[j] && turns_about(p, j);
 }
 
 mukca_status mukca_tip_error_expect(mukca_tip_error *out, const mukca_tip_change_task *task,

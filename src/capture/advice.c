@@ -17,31 +17,6 @@ enum { PROBES = 32, MORE_ROWS = 10 };
  * by chance. */
 enum { LEAST_TWINS = 3 };
 
-double mukca_capture_expected_offset(const mukca_capture *capture, int socket, const double *q,
-                                     int without)
-{
-    const mukca_dataset *rows = &capture->rows;
-    mukca_arm_posterior *p = capture->posterior;
-    const int n = rows->n_joints, w = p ? MUKCA_RIGID + p->m.linear.n_columns + 1 : 0;
-    mukca_pool pool = {0};
-    double *all = MUKCA_TAKE(&pool, double, n *(rows->n_rows + 1)),
-           *X = MUKCA_TAKE(&pool, double, 3 * w * (rows->n_rows + 1));
-    int count = 0;
-    for (int i = 0; i < rows->n_rows && p && !pool.failed; i++)
-        if (rows->socket[i] == socket && i != without)
-            memcpy(all + n * count++, rows->q + i * n, (size_t)n * sizeof *q);
-    double sum = 3 * capture->noise * capture->noise * (1 + 1. / count);
-    if (count) memcpy(all + n * count, q, (size_t)n * sizeof *q);
-    const bool known = count && mukca_arm_posterior_probe(X, w, p, all, count + 1);
-    double *x = X + 3 * w * count; /* of q, without the mean of the others */
-    for (int k = 0; known && k < 3 * w; k++)
-        for (int i = 0; i < count; i++) x[k] -= X[3 * w * i + k] / count;
-    for (int k = 0; known && k < 3; k++)
-        sum += mukca_posterior_variance(x + k * w + MUKCA_RIGID, &p->m.evidence.posterior);
-    mukca_pool_free(&pool);
-    return known ? sqrt(sum) : HUGE_VAL;
-}
-
 /* Expected rms error over random configurations.  Rigid motions of the base are no error and are
  * projected out.  NaN: out of memory. */
 static double expected_error(mukca_arm_posterior *p)

@@ -159,9 +159,4 @@ typedef struct {
 mukca_status mukca_capture_advise(mukca_capture_advice *advice, mukca_capture *capture,
                                   mukca_error *error);
 
-/* Expected rms distance of the prediction at q from the mean of a socket's samples (except
- * `without`, -1: none), m, due to noise and to the posterior uncertainty of the model. */
-double mukca_capture_expected_offset(const mukca_capture *capture, int socket, const double *q,
-                                     int without);
-
 #endif

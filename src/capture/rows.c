@@ -167,6 +167,33 @@ void mukca_capture_spread(double *rms, double *last, const mukca_capture *captur
     if (last) *last = n < 2 ? (double)NAN : apart * n / (n - 1); /* the mean contains it */
 }
 
+/* Expected rms distance of the prediction at q from the mean of a socket's samples (except
+ * `without`, -1: none), m, due to noise and to the posterior uncertainty of the model. */
+static double expected_offset(const mukca_capture *capture, int socket, const double *q,
+                              int without)
+{
+    const mukca_dataset *rows = &capture->rows;
+    mukca_arm_posterior *p = capture->posterior;
+    const int n = rows->n_joints, w = p ? MUKCA_RIGID + p->m.linear.n_columns + 1 : 0;
+    mukca_pool pool = {0};
+    double *all = MUKCA_TAKE(&pool, double, n *(rows->n_rows + 1)),
+           *X = MUKCA_TAKE(&pool, double, 3 * w * (rows->n_rows + 1));
+    int count = 0;
+    for (int i = 0; i < rows->n_rows && p && !pool.failed; i++)
+        if (rows->socket[i] == socket && i != without)
+            memcpy(all + n * count++, rows->q + i * n, (size_t)n * sizeof *q);
+    double sum = 3 * capture->noise * capture->noise * (1 + 1. / count);
+    if (count) memcpy(all + n * count, q, (size_t)n * sizeof *q);
+    const bool known = count && mukca_arm_posterior_probe(X, w, p, all, count + 1);
+    double *x = X + 3 * w * count; /* of q, without the mean of the others */
+    for (int k = 0; known && k < 3 * w; k++)
+        for (int i = 0; i < count; i++) x[k] -= X[3 * w * i + k] / count;
+    for (int k = 0; known && k < 3; k++)
+        sum += mukca_posterior_variance(x + k * w + MUKCA_RIGID, &p->m.evidence.posterior);
+    mukca_pool_free(&pool);
+    return known ? sqrt(sum) : HUGE_VAL;
+}
+
 /* The socket in which a ball seems to be that is `off` from the current one: the nearest with
  * samples, or one without if the distance fits; NULL: none. */
 static const char *other_socket(const mukca_capture *capture, double off, int nearest,
@@ -188,7 +215,7 @@ static void remark(char text[MUKCA_CAPTURE_TEXT], mukca_capture *capture, int tw
     int nearest = nearest_socket(&how_far, capture, x, latest, false);
     int n = mukca_socket_mean(mean, &capture->geometry, rows, capture->socket, latest);
     double off = n ? mukca_distance3(x, mean) : 0;
-    double usual = n ? mukca_capture_expected_offset(capture, capture->socket, q, latest) : 0;
+    double usual = n ? expected_offset(capture, capture->socket, q, latest) : 0;
     const mukca_socket *sockets = rows->sockets;
     const char *other = n ? other_socket(capture, off, nearest, how_far) : NULL;
     if (!n && nearest >= 0 && how_far < 0.4 * capture->settings.distance)

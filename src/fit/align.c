@@ -140,7 +140,12 @@ static double weigh(double *median, mukca_alignment *a, problem *p)
         mukca_mat3_vec(x, a->tracker.R, e->at);
         for (int c = 0; c < 3; c++) x[c] += a->tracker.p[c];
         p->length[i] = mukca_distance3(x, e->to);
-        if (!isnan(e->turned[0])) mukca_meeting_turn(w, &a->tracker, &a->target, e);
+        if (!isnan(e->turned[0])) {
+            double TF[9], turned[9];
+            mukca_mat3_mul(TF, a->tracker.R, e->from.R);
+            mukca_mat3_mul(turned, TF, a->target.R);
+            mukca_rotation_difference(w, e->turned, turned);
+        }
         e->weight = hypot(p->length[i], MUKCA_METRES_PER_RADIAN * mukca_norm3(w));
         a->mean_m += p->length[i] / p->n;
     }

@@ -33,6 +33,17 @@ static void add(mukca_cost_value *parts, double *gradient, mukca_cost *cost, con
     }
 }
 
+/* Square roots of the weights of the residuals, weight[n_residuals]; 1 of pairs. */
+static void set_weights(double *weight, const mukca_observations *o)
+{
+    for (int i = 0; i < o->n_rows; i++)
+        for (int a = 0; a < 3; a++) {
+            weight[3 * i + a] = sqrt(o->row_weight[i]);
+            if (o->turn_weight) weight[3 * (o->n_rows + i) + a] = sqrt(o->turn_weight[i]);
+        }
+    for (int p = 0; p < o->n_pairs; p++) weight[(o->turn_weight ? 6 : 3) * o->n_rows + p] = 1;
+}
+
 bool mukca_cost_setup(mukca_cost *cost, mukca_pool *pool, const mukca_chain *chain,
                       const mukca_parameters *parameters, const mukca_dataset *data,
                       const mukca_cost_options *options)
@@ -54,7 +65,7 @@ bool mukca_cost_setup(mukca_cost *cost, mukca_pool *pool, const mukca_chain *cha
     cost->held = MUKCA_TAKE(pool, double, n *n);
     cost->held_at = MUKCA_TAKE(pool, double, n);
     if (pool->failed) return false;
-    if (cost->part == cost) mukca_observe_weights(cost->weight, o);
+    if (cost->part == cost) set_weights(cost->weight, o);
     return true;
 }
 

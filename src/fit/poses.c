@@ -302,13 +302,3 @@ void mukca_observe_residuals(double *r, double *J, mukca_observations *o, const 
            (size_t)o->n_pairs * sizeof *o->pair_residual);
     if (J) jacobian_of(J, o, theta, parameters, kind);
 }
-
-void mukca_observe_weights(double *weight, const mukca_observations *o)
-{
-    for (int i = 0; i < o->n_rows; i++)
-        for (int a = 0; a < 3; a++) {
-            weight[3 * i + a] = sqrt(o->row_weight[i]);
-            if (o->turn_weight) weight[3 * (o->n_rows + i) + a] = sqrt(o->turn_weight[i]);
-        }
-    for (int p = 0; p < o->n_pairs; p++) weight[(o->turn_weight ? 6 : 3) * o->n_rows + p] = 1;
-}

@@ -34,9 +34,6 @@ void mukca_observe_residuals(double *r, double *J, mukca_observations *observati
                              const double *theta, const mukca_parameters *parameters,
                              mukca_gradient kind);
 
-/* Square roots of the weights of the residuals, weight[n_residuals]; 1 of pairs. */
-void mukca_observe_weights(double *weight, const mukca_observations *observations);
-
 /* Jacobians with respect to the n free parameters at theta: of the tip's position, J[3 * rows][n],
  * and of its orientation (rotation vector in base coordinates), JO[3 * rows][n] or NULL. Needs
  * mukca_sweep_forward; overwrites h and Q. */

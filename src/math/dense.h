@@ -95,10 +95,6 @@ enum { MUKCA_MEETING = 12, MUKCA_MEETING_FACTOR = MUKCA_MEETING * (MUKCA_MEETING
 double mukca_frame_refine(double R[MUKCA_MEETING_FACTOR], mukca_frame *base, mukca_frame *tool,
                           const mukca_meeting *meeting);
 
-/* Rotation vector of the orientation that a point still lacks, in the frame of the points `to`. */
-void mukca_meeting_turn(double w[3], const mukca_frame *base, const mukca_frame *tool,
-                        const mukca_meeting_point *point);
-
 /* Standard errors sigma[n] of the first n numbers for residuals of 1, from the factor R, whose last
  * column it overwrites. */
 void mukca_meeting_errors(double *sigma, double *R, int n);

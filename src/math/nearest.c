@@ -53,15 +53,6 @@ void mukca_frame_nearest(mukca_frame *pose, const double *to, const double *from
     for (int r = 0; r < 3; r++) pose->p[r] = mean[0][r] - turned[r];
 }
 
-void mukca_meeting_turn(double w[3], const mukca_frame *base, const mukca_frame *tool,
-                        const mukca_meeting_point *p)
-{
-    double BF[9], BFT[9];
-    mukca_mat3_mul(BF, base->R, p->from.R);
-    mukca_mat3_mul(BFT, BF, tool->R);
-    mukca_rotation_difference(w, p->turned, BFT);
-}
-
 enum { MEETING_ROW = MUKCA_MEETING + 1 };
 
 /* Equations of one point: position, then orientation. */
