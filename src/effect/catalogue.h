@@ -126,9 +126,8 @@ bool mukca_effect_read_number(double *value, const char *text, const char *unit)
 /* Parse an integer from `lowest` to `highest`, with or without a plus sign. */
 bool mukca_effect_read_integer(int *value, const char *text, int lowest, int highest);
 
-/* Candidates common to several effects: one if the joint moved, one per placement. */
+/* One candidate if the joint moved. */
 bool mukca_survey_moved(mukca_effect *effect, const mukca_effect_survey *survey, int i);
-bool mukca_survey_placement(mukca_effect *effect, const mukca_effect_survey *survey, int i);
 
 /* Does gravity load the joint, by different torques? */
 bool mukca_survey_loads(const mukca_effect_survey *survey, int joint);

@@ -6,6 +6,12 @@ static bool acts(const mukca_basis_input *in)
     return in->effect->placement >= 0 && in->state->placement == in->effect->placement;
 }
 
+static bool of_placement(mukca_effect *effect, const mukca_effect_survey *survey, int i)
+{
+    effect->placement = i;
+    return survey->n_placements > 1 && i < survey->n_placements;
+}
+
 static void zero_basis(double basis[][3], const mukca_basis_input *in)
 {
     basis[0][0] = acts(in);
@@ -30,7 +36,7 @@ const mukca_effect_ops mukca_zero_jump_effect = {
                          "re-homed)",
              .remedy = "check homing and brake of the joint, then record this placement again"},
     .basis = zero_basis,
-    .candidate = mukca_survey_placement,
+    .candidate = of_placement,
     .faint_at_first =
         "indistinguishable from a rotation of the placement; only a tracker can detect it",
 };
@@ -58,7 +64,7 @@ const mukca_effect_ops mukca_ball_shift_effect = {
              .remedy = "fasten the ball and record this placement again"},
     .basis = shift_basis,
     .term_name = {"x", "y", "z"},
-    .candidate = mukca_survey_placement,
+    .candidate = of_placement,
 };
 
 /* ---- recording faults: effects on sockets instead of the arm ---- */

@@ -31,12 +31,6 @@ bool mukca_survey_moved(mukca_effect *effect, const mukca_effect_survey *survey,
     return i == 0 && !(survey->joint[effect->joint].range < MUKCA_LEAST_RANGE);
 }
 
-bool mukca_survey_placement(mukca_effect *effect, const mukca_effect_survey *survey, int i)
-{
-    effect->placement = i;
-    return survey->n_placements > 1 && i < survey->n_placements;
-}
-
 bool mukca_survey_loads(const mukca_effect_survey *survey, int joint)
 {
     const double change = survey->joint[joint].torque_high - survey->joint[joint].torque_low;

@@ -118,9 +118,6 @@ void mukca_plan_state_weigh(mukca_plan_state *s);
  * the number of samples; NaN without causes. */
 double mukca_plan_strength(const mukca_plan_state *s);
 
-/* Expected log Bayes factor of a cause of this strength. */
-double mukca_plan_evidence(double strength);
-
 /* ---- candidates and the choice among them (choose.c) ---- */
 
 typedef struct {

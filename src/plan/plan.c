@@ -44,18 +44,26 @@ static mukca_status check(const mukca_chain *chain, const mukca_plan_options *o,
     return MUKCA_OK;
 }
 
+/* Expected log Bayes factor of a cause of this strength. */
+static double evidence_of(double strength)
+{
+    /* Gain in log likelihood, less the Occam penalty of a coefficient whose prior standard
+     * deviation equals its size. */
+    return 0.5 * (strength - log1p(strength));
+}
+
 /* Evidence before and after the plan, and the samples until it reaches MUKCA_PLAN_NAME: the
  * strength grows linearly with their number.  A measured log Bayes factor m favours the cause that
  * is present with probability 1 / (1 + exp(-|m|)): its expectation is m tanh(m / 2). */
 static void set_evidence(mukca_plan *plan, double before, double after, double measured)
 {
-    const double expected = mukca_plan_evidence(before),
+    const double expected = evidence_of(before),
                  less = measured ? expected - measured * tanh(measured / 2) : 0;
     double wanted = 1;
     plan->evidence_before = measured ? fabs(measured) : expected;
-    plan->evidence_after = mukca_plan_evidence(after) - less;
+    plan->evidence_after = evidence_of(after) - less;
     if (!(after > before) || plan->n_rows < 1) return;
-    while (mukca_plan_evidence(wanted) < MUKCA_PLAN_NAME + less) wanted *= 1.01;
+    while (evidence_of(wanted) < MUKCA_PLAN_NAME + less) wanted *= 1.01;
     const double needed = ceil(plan->n_rows * (wanted - before) / (after - before));
     plan->rows_to_name = needed > 1000 ? 0 : (int)fmax(needed, 1);
 }

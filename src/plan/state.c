@@ -296,10 +296,3 @@ double mukca_plan_strength(const mukca_plan_state *s)
     }
     return least;
 }
-
-double mukca_plan_evidence(double strength)
-{
-    /* Gain in log likelihood, less the Occam penalty of a coefficient whose prior standard
-     * deviation equals its size. */
-    return 0.5 * (strength - log1p(strength));
-}

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "fit/align.h"
 #include "model/dataset_subset.h"
 #include "model/prior.h"
@@ -111,13 +112,30 @@ typedef struct {
     char list[LIST];
 } session;
 
-/* Set the free parameters of a restriction. */
+/* Set the free parameters of a restriction: zeros, or also link offsets, without those of the first
+ * joint, which a free base replaces. */
 static void restrict_to(mukca_fit_options *options, session *s, bool lengths)
 {
-    const bool turned = options->free_tool && s->oriented;
-    mukca_split_arm_list(s->list, sizeof s->list, &s->out->split, options->free_base, lengths,
-                         turned);
+    const mukca_split_arm *split = &s->out->split;
+    mukca_text text = MUKCA_TEXT(s->list);
+    const mukca_chain *chain = &split->chain;
+    const int tip = mukca_chain_tip_element(chain);
+    s->list[0] = '\0';
+    for (int j = options->free_base; j < chain->n_joints; j++) { /* a free base turns joint 1 */
+        const int k = split->of[chain->joint_element[j]];
+        const char *comma = text.used ? "," : "";
+        if (split->axis[j] >= 0)
+            mukca_text_put(&text, "%sa%d.%s", comma, k, mukca_parameter_name[3 + split->axis[j]]);
+        else
+            mukca_text_put(&text, "%sl%d.x", comma, k); /* the list must not be empty */
+        if (lengths) mukca_text_put(&text, ",l%d.x,l%d.y,l%d.z", k, k, k);
+    }
     options->selection.free = s->list;
+    if (tip < 0) return;
+    const char *name = chain->element[tip].name;
+    if (lengths) mukca_text_put(&text, ",%s.x,%s.y,%s.z", name, name, name);
+    if (options->free_tool && s->oriented)
+        mukca_text_put(&text, ",%s.roll,%s.pitch,%s.yaw", name, name, name);
 }
 
 /* Joint zeros and link offsets; without `lengths` joint zeros, from the orientations alone, as the

@@ -71,11 +71,6 @@ typedef struct {
 mukca_status mukca_split_arm_set(mukca_split_arm *split, const mukca_chain *arm,
                                  mukca_error *error);
 
-/* The list of free parameters: zeros, or also link offsets, without those of the first joint, which
- * a free base replaces. */
-void mukca_split_arm_list(char *list, size_t size, const mukca_split_arm *split, bool free_base,
-                          bool lengths, bool turned_tool);
-
 /* A parameter of a fit of split arms in the words of the arm. */
 typedef struct {
     char text[MUKCA_UNKNOWN_TEXT]; /* "joint zero", "joint x", "base turn z", ... */

@@ -2,7 +2,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "base/text.h"
 #include "recalibrate/recalibrate.h"
 
 static mukca_element *append(mukca_split_arm *split, const mukca_element *like, int of, char kind)
@@ -71,28 +70,6 @@ mukca_status mukca_split_arm_set(mukca_split_arm *split, const mukca_chain *arm,
             append_joint(split, e, k);
     }
     return MUKCA_OK;
-}
-
-void mukca_split_arm_list(char *list, size_t size, const mukca_split_arm *split, bool free_base,
-                          bool lengths, bool turned_tool)
-{
-    mukca_text text = {.at = list, .size = size};
-    const mukca_chain *chain = &split->chain;
-    const int tip = mukca_chain_tip_element(chain);
-    list[0] = '\0';
-    for (int j = free_base; j < chain->n_joints; j++) { /* a free base turns joint 1 */
-        const int k = split->of[chain->joint_element[j]];
-        const char *comma = text.used ? "," : "";
-        if (split->axis[j] >= 0)
-            mukca_text_put(&text, "%sa%d.%s", comma, k, mukca_parameter_name[3 + split->axis[j]]);
-        else
-            mukca_text_put(&text, "%sl%d.x", comma, k); /* the list must not be empty */
-        if (lengths) mukca_text_put(&text, ",l%d.x,l%d.y,l%d.z", k, k, k);
-    }
-    if (tip < 0) return;
-    const char *name = chain->element[tip].name;
-    if (lengths) mukca_text_put(&text, ",%s.x,%s.y,%s.z", name, name, name);
-    if (turned_tool) mukca_text_put(&text, ",%s.roll,%s.pitch,%s.yaw", name, name, name);
 }
 
 void mukca_split_arm_name(mukca_unknown *unknown, const mukca_split_arm *split,
