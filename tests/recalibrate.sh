@@ -47,6 +47,22 @@ ok "axes" "$mukca" recalibrate "${arm[@]}" "$dir/axes_train.tsv" --test "$dir/ax
 ok "axes are fitted to orientations" less "$(number "$dir/axes.json" test position all mean_m)" 0.1e-3
 ok "zeros and lengths alone are not enough there" less 0.5e-3 "$(number "$dir/axes.json" test position both mean_m)"
 
+# Positions of one link, orientations of another that is turned against it
+tip=$(awk -F '"' '/<child link/ { last = $2 } END { print last }' "$urdf")
+sed "s|</robot>|<link name=\"probe\"/><joint name=\"probe_joint\" type=\"fixed\"><parent link=\"$tip\"/><child link=\"probe\"/>&|
+     s|<child link=\"probe\"/>|&<origin xyz=\"0.1 0 0.05\" rpy=\"0.3 -0.5 0.7\"/></joint>|" "$urdf" >"$dir/probe.urdf"
+awk 'BEGIN { FS = OFS = "\t"; a = cos(.15); A = sin(.15); b = cos(-.25); B = sin(-.25); c = cos(.35); C = sin(.35)
+        w = a * b * c + A * B * C; x = A * b * c - a * B * C; y = a * B * c + A * b * C; z = a * b * C - A * B * c }
+    /^#/ || !n++ { print; next }
+    { p = $12; q = $13; r = $14; s = $15
+      $12 = p * w - q * x - r * y - s * z; $13 = p * x + q * w + r * z - s * y
+      $14 = p * y - q * z + r * w + s * x; $15 = p * z + q * y - r * x + s * w; print }' "$dir/axes_train.tsv" >"$dir/probe.tsv"
+refuses "two links" 0 "positions are those of '$tip', orientations those of 'probe'" \
+    "$mukca" recalibrate --urdf "$dir/probe.urdf" "$dir/probe.tsv" --json "$dir/probe.json"
+"$mukca" recalibrate "${arm[@]}" "$dir/axes_train.tsv" --json "$dir/plain.json" -q
+ok "are as good as one" less "$(number "$dir/probe.json" train orientation all mean_rad)" \
+    "$(number "$dir/plain.json" train orientation all mean_rad | awk '{ print 1.001 * $1 }')"
+
 # Faults of logs
 grep -v '^#' "$dir/sweeps.tsv" >"$dir/plain.tsv"
 awk 'BEGIN { FS = OFS = "\t" } NR > 1 { $4 = 0.3 } 1' "$dir/plain.tsv" >"$dir/x.tsv" # not what was measured

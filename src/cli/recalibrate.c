@@ -47,12 +47,12 @@ static void use_check(cli_call *call, recalibrate_work *r, const mukca_chain *ch
 static void turn_orientations(mukca_dataset *log, const double turn[9])
 {
     for (int i = 0; i < log->n_rows; i++) {
-        double R[9], back[9];
+        double R[9], back[9], turned[9];
         if (!mukca_pose_oriented(log, i)) continue;
         for (int k = 0; k < 9; k++) back[k] = turn[3 * (k % 3) + k / 3];
         mukca_rotation_from_quaternion(R, log->quaternion + 4 * i);
-        mukca_mat3_mul(R, R, back);
-        mukca_rotation_to_quaternion(log->quaternion + 4 * i, R);
+        mukca_mat3_mul(turned, R, back);
+        mukca_rotation_to_quaternion(log->quaternion + 4 * i, turned);
     }
 }
 

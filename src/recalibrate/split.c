@@ -40,13 +40,13 @@ static void append_joint(mukca_split_arm *split, const mukca_element *e, int k)
     split->chain.joint_element[e->joint] = split->chain.n_elements - 1;
     split->axis[e->joint] = turns ? axis < 0 ? 2 : axis : -1;
     if (axis >= 0 || !turns) return;
-    double R[9], A[9], e1[3], e2[3];
+    double R[9], A[9], RA[9], e1[3], e2[3];
     mukca_element *back = append(split, origin, k, 'b');
     mukca_rotation_transverse(e1, e2, e->axis);
     for (int i = 0; i < 3; i++) A[3 * i] = e1[i], A[3 * i + 1] = e2[i], A[3 * i + 2] = e->axis[i];
     mukca_rotation_from_rpy(R, e->rpy);
-    mukca_mat3_mul(R, R, A);
-    mukca_rotation_to_rpy(origin->rpy, R, NULL);
+    mukca_mat3_mul(RA, R, A);
+    mukca_rotation_to_rpy(origin->rpy, RA, NULL);
     const double identity[9] = MUKCA_IDENTITY;
     mukca_mat3_tmul(R, A, identity);
     memset(back->xyz, 0, sizeof back->xyz);

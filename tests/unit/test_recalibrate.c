@@ -160,6 +160,7 @@ TEST(test_split)
     const double q[7] = {0.1, -0.7, 1.2, 0.4, -1.1, 0.3, 2}, axis[3] = {0.6, 0, -0.8};
     build_truth(1);
     memcpy(nominal.element[3].axis, axis, sizeof axis);
+    for (int i = 0; i < 3; i++) nominal.element[3].rpy[i] = 0.3 - 0.4 * i; /* a general rotation */
     for (int i = 0; i < 3; i++) nominal.element[5].axis[i] = i == 1;
     assert_ok(mukca_split_arm_set(&split, &nominal, &error));
     mukca_geometry_set(&whole, &nominal, NULL);
